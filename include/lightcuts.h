@@ -1,0 +1,194 @@
+/* lightcuts.h - renders scenes with very many lights by Lightcuts ([Walter05], [Miksik07]; keys in README.md).
+ *
+ *     lc_context -> lc_scene -> lc_render -> lc_image
+ *
+ * Handles are opaque. A descriptor starts with its own size; its INIT macro sets it, and a zero field means the
+ * default. The handle comes first, outputs last; on failure *out is NULL, and the reason went to the context's
+ * log as one line. Destroying NULL does nothing. Nothing here prints, exits or reads the environment.
+ *
+ * Units: lengths are scene units; intensities W/sr, irradiances W/m^2 and radiances W/(m^2 sr) in plain linear RGB,
+ * Rec.709 primaries; luminance is 0.2126 R + 0.7152 G + 0.0722 B.
+ * Thread safety: one context may be used by one thread at a time; a committed scene may be shared.
+ */
+#ifndef LIGHTCUTS_H
+#define LIGHTCUTS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define LC_API __attribute__((visibility("default")))
+#else
+#define LC_API
+#endif
+
+#define LC_VERSION "0.1.0"
+
+typedef struct lc_context lc_context; /* allocator, log, threads, instruction set */
+typedef struct lc_scene lc_scene;     /* immutable once loaded */
+typedef struct lc_image lc_image;     /* float planes with names, a data window and text attributes */
+
+typedef enum lc_status {
+    LC_OK = 0,
+    LC_ERR_ARG = -1,         /* an argument is out of its range */
+    LC_ERR_MEMORY = -2,      /* the allocator returned NULL */
+    LC_ERR_IO = -3,          /* a file could not be opened, read, written or put in place */
+    LC_ERR_PARSE = -4,       /* a file's content is wrong; the log line says file:line:column */
+    LC_ERR_UNSUPPORTED = -5, /* a valid file that this version does not read */
+    LC_ERR_CANCELLED = -6    /* the progress callback returned nonzero */
+} lc_status;
+
+typedef enum lc_log_level { LC_LOG_ERROR = 0, LC_LOG_WARNING = 1, LC_LOG_INFO = 2 } lc_log_level;
+
+/* Instruction sets, rising. LC_ISA_BEST: the best that CPU and operating system offer. */
+typedef enum lc_isa { LC_ISA_BEST = 0, LC_ISA_SCALAR, LC_ISA_SSE4, LC_ISA_AVX2, LC_ISA_AVX512 } lc_isa;
+
+/* alloc returns `size` bytes aligned to `align` (a power of two, at most 64) or NULL; free gets the same size. */
+typedef struct lc_allocator {
+    void *(*alloc)(void *user, size_t size, size_t align);
+    void (*free)(void *user, void *ptr, size_t size);
+    void *user;
+} lc_allocator;
+
+typedef struct lc_context_desc {
+    size_t size;
+    const lc_allocator *allocator;                               /* NULL: the C library's */
+    void (*log)(void *user, lc_log_level level, const char *text); /* one line, no newline; NULL: silent */
+    void *log_user;
+    uint32_t n_threads; /* 0: as many as the process may use */
+    lc_isa isa;         /* a cap */
+} lc_context_desc;
+#define LC_CONTEXT_DESC_INIT { sizeof(lc_context_desc), 0, 0, 0, 0, LC_ISA_BEST }
+
+LC_API lc_status lc_context_create(const lc_context_desc *desc, lc_context **out);
+LC_API void lc_context_destroy(lc_context *ctx);
+LC_API const char *lc_status_name(lc_status status);
+LC_API const char *lc_isa_name(lc_isa isa);
+LC_API lc_isa lc_context_isa(const lc_context *ctx);         /* what is in use */
+LC_API uint32_t lc_context_threads(const lc_context *ctx);
+
+/* ---- scene ---- */
+
+typedef struct lc_load_desc {
+    size_t size;
+    uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: 1024 */
+    uint64_t seed;        /* of the light tree's representatives and of the jitter of area lights */
+    uint32_t n_reps;      /* 1..32 representatives kept per cluster; 0: 1 */
+} lc_load_desc;
+#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0 }
+
+/* One thing of the scene file that was approximated or skipped. */
+typedef struct lc_note {
+    const char *kind;  /* "shape cone" */
+    const char *text;  /* the warning as logged, with file:line:column of the first */
+    uint64_t count;
+} lc_note;
+
+typedef struct lc_scene_info {
+    uint64_t n_triangles, n_vertices, n_meshes, n_materials;
+    uint64_t n_lights, n_point, n_oriented, n_directional;
+    uint64_t n_emissive_triangles;
+    float bounds_lo[3], bounds_hi[3]; /* world space, of the triangles; lo > hi when there are none */
+    uint32_t width, height;           /* film, before any crop */
+    uint32_t crop[4];                 /* x0, x1, y0, y1, half open, pixels */
+    uint32_t spp;
+    const char *film_filename;        /* as written in the scene; "" when it names none */
+    uint32_t n_notes;
+    double seconds_parse, seconds_bvh, seconds_lights, seconds_tree;
+    uint64_t bvh_bytes, tree_bytes;
+} lc_scene_info;
+
+/* Reads a pbrt file ("-" is stdin), makes lights, builds BVH and light trees.
+ * Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY, _ARG. desc may be NULL. The scene keeps using ctx. */
+LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);
+LC_API void lc_scene_destroy(lc_scene *scene);
+LC_API void lc_scene_get_info(const lc_scene *scene, lc_scene_info *info);
+LC_API lc_status lc_scene_get_note(const lc_scene *scene, uint32_t idx, lc_note *note);
+
+/* ---- images ---- */
+
+typedef struct lc_image_desc {
+    size_t size;
+    uint32_t width, height;                 /* of the pixels held: the data window */
+    int32_t x0, y0;                         /* the data window's first pixel within the display window */
+    uint32_t display_width, display_height; /* 0: as the data window */
+} lc_image_desc;
+#define LC_IMAGE_DESC_INIT { sizeof(lc_image_desc), 0, 0, 0, 0, 0, 0 }
+
+LC_API lc_status lc_image_create(lc_context *ctx, const lc_image_desc *desc, lc_image **out);
+LC_API void lc_image_destroy(lc_image *image);
+LC_API void lc_image_get_desc(const lc_image *image, lc_image_desc *desc);
+LC_API uint32_t lc_image_n_channels(const lc_image *image);
+LC_API const char *lc_image_channel_name(const lc_image *image, uint32_t idx); /* "R", "N.X", "cut.size" */
+/* Row-major plane of width*height floats, owned by the image; NULL if there is none of that name. */
+LC_API float *lc_image_channel(const lc_image *image, const char *name);
+/* Adds a plane of zeros; *plane is its first pixel. LC_ERR_ARG when the name is taken or empty. */
+LC_API lc_status lc_image_add_channel(lc_image *image, const char *name, float **plane);
+/* Attributes, written to EXR. A second value for a name replaces the first. */
+LC_API lc_status lc_image_set_text(lc_image *image, const char *name, const char *value);
+LC_API lc_status lc_image_set_number(lc_image *image, const char *name, double value);
+/* world_to_camera is row-major, 16 floats, column vectors: p_camera = M p_world. */
+LC_API lc_status lc_image_set_matrix(lc_image *image, const char *name, const float m[16]);
+
+/* Reads .exr (scanline or tiled, any single-part float, half or uint channels) or .png (8, 16 bit; to linear RGB). */
+LC_API lc_status lc_image_read(lc_context *ctx, const char *path, lc_image **out);
+/* Writes by extension: .exr (all channels; half when there are only R G B, else float) or .png (R G B, sRGB, with
+ * the highlight shoulder of image_png.c). The name holds a complete file or what it held before. */
+LC_API lc_status lc_image_write(const lc_image *image, const char *path);
+
+/* ---- rendering ---- */
+
+typedef enum lc_method { LC_METHOD_LIGHTCUTS = 0, LC_METHOD_EXACT = 1 } lc_method;
+
+enum { /* lc_render_desc.aovs */
+    LC_AOV_CUT = 1,    /* cut.size: lights evaluated at the shading points, mean over samples */
+    LC_AOV_N = 2,      /* N.X N.Y N.Z: shading normal, world space, towards the viewer */
+    LC_AOV_P = 4,      /* P.X P.Y P.Z: position, world space */
+    LC_AOV_Z = 8,      /* Z: distance along the camera's axis */
+    LC_AOV_ALBEDO = 16, /* Albedo.R Albedo.G Albedo.B */
+    LC_AOV_ERROR = 32, /* cut.error: largest bound left in the cut / estimate */
+    LC_AOV_RAYS = 64,  /* cut.rays: shadow rays */
+    LC_AOV_ALL = 127
+};
+
+typedef struct lc_render_desc {
+    size_t size;
+    lc_method method;
+    float error_ratio;      /* >= 0; negative or NaN is LC_ERR_ARG. Has no zero default: INIT sets 0.02 */
+    uint32_t max_cut;       /* 0: no limit. INIT sets 1000 */
+    float dark_floor;       /* fraction of the picture's mean luminance, see cut.h. INIT sets LC_DARK_FLOOR */
+    uint32_t spp;           /* 0: the scene's */
+    uint64_t seed;          /* of pixel samples and of the choice of representative slot */
+    uint32_t aovs;          /* LC_AOV_... */
+    int32_t crop[4];        /* x0, x1, y0, y1 in pixels, half open; all 0: the scene's */
+    int (*progress)(void *user, uint64_t done, uint64_t total); /* pixels; any thread, one at a time; nonzero cancels */
+    void *progress_user;
+} lc_render_desc;
+#define LC_DARK_FLOOR 0.02f
+#define LC_RENDER_DESC_INIT { sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, 0 }
+
+typedef struct lc_render_stats {
+    double seconds;           /* wall clock of the pixels, pre-pass included, file writing not */
+    uint64_t pixels, points;  /* points: shading points, at most pixels * spp */
+    uint64_t shadow_rays, bounds_evaluated, camera_rays;
+    double cut_mean;          /* lights evaluated per shading point */
+    uint32_t cut_median, cut_p99, cut_max;
+    uint64_t cut_at_limit;    /* points that met max_cut while the error was still above its limit */
+    uint64_t points_dark;     /* points where the dark floor, not the estimate, set the limit */
+    double mean_luminance;    /* of the pre-pass, what dark_floor is a fraction of */
+    uint64_t nonfinite;       /* pixels set to 0 because they were not finite */
+} lc_render_stats;
+
+/* Fails with LC_ERR_ARG, _MEMORY, _CANCELLED. stats may be NULL. The picture depends on the scene and the
+ * descriptor only: not on threads, instruction set or crop. */
+LC_API lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, lc_image **out,
+                           lc_render_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

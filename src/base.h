@@ -1,0 +1,24 @@
+/* base.h - attributes, the block width of every kernel array, assertions. */
+#ifndef LC_BASE_H
+#define LC_BASE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define LC_BLOCK 16 /* lanes of a structure-of-arrays block; every ISA's width divides it */
+#define LC_NONE UINT32_MAX
+
+#define LC_PI 3.14159265358979323846
+
+#define LC_PRINTF(fmt_idx, arg_idx) __attribute__((format(printf, fmt_idx, arg_idx)))
+
+/* States what the caller has already ensured. Never used on input. */
+#ifdef LC_DEBUG
+#include <assert.h>
+#define LC_ASSERT(cond) assert(cond)
+#else
+#define LC_ASSERT(cond) ((void)0)
+#endif
+
+#endif

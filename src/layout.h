@@ -1,0 +1,70 @@
+/* layout.h - every struct that a kernel reads; sizes asserted.
+ *
+ * Light tree nodes, 16 to a block, structure of arrays, one cache line a field. Siblings are the two lanes 2k, 2k+1
+ * of one block, so node ids are block * 16 + lane and a child id is even.
+ *
+ *     lane        0    1    2    3   ...
+ *     center[0]   | siblings |  siblings | ...     box of positions (directional: of unit directions towards the
+ *     half[0]     |                                light) as centre and half extent: every member p of the cluster
+ *     ...                                          has |p_k - center_k| <= half_k in exact arithmetic
+ *
+ * Distance floor. Estimate and bound use d2 = max(|y - x|^2, min_d2) wherever they divide by f(d), so a point on a
+ * light gives a finite number; min_d2 is 1e-10 of the squared diagonal of the scene.
+ */
+#ifndef LC_LAYOUT_H
+#define LC_LAYOUT_H
+
+#include "light.h"
+
+typedef struct lc_node_block {
+    float center[3][LC_BLOCK]; /* world space */
+    float half[3][LC_BLOCK];   /* >= 0, rounded up */
+    float power[3][LC_BLOCK];  /* summed intensity R G B, rounded up; also what the estimate uses */
+    float axis[3][LC_BLOCK];   /* oriented: unit axis of the cone that holds every emission direction */
+    float cos_cone[LC_BLOCK];  /* oriented: cosine of its half angle, rounded down; -1 = all directions */
+    float atten[3][LC_BLOCK];  /* point, oriented: least A, B, C of the members */
+} lc_node_block;
+_Static_assert(sizeof(lc_node_block) == 16 * 64, "sixteen cache lines");
+
+/* What estimate and bound need to know of one shading point. Filled by lc_point_init (shade.h). */
+typedef struct lc_point {
+    float pos[3];      /* world space */
+    float n[3];        /* unit shading normal, on the viewer's side */
+    float mirror[3];   /* unit, 2 (n.o) n - o, o towards the viewer */
+    float diffuse[3];  /* kd / pi */
+    float specular[3]; /* ks (n + 2) / (2 pi) */
+    float exponent;
+    float min_d2;
+    bool glossy;       /* some specular > 0 */
+} lc_point;
+
+/* One light as the estimate reads it: a cache line. */
+typedef struct lc_light_rec {
+    float pos[3];
+    float dir[3];       /* as lc_light.dir */
+    float intensity[3];
+    float atten[3];
+    uint32_t kind;      /* lc_light_kind */
+    uint32_t pad[3];
+} lc_light_rec;
+_Static_assert(sizeof(lc_light_rec) == 64, "one cache line");
+
+/* Eight-wide BVH node. Lanes without a child have lo > hi. */
+typedef struct lc_bvh_node {
+    float lo[3][8], hi[3][8];
+    uint32_t child[8]; /* node index, or LC_BVH_LEAF | block index */
+    uint32_t pad[8];
+} lc_bvh_node;
+_Static_assert(sizeof(lc_bvh_node) == 4 * 64, "four cache lines");
+
+/* Up to eight triangles, vertex by axis by lane. Lanes without a triangle have tri = LC_NONE and can't be hit. */
+typedef struct lc_tri_block {
+    float v[3][3][8]; /* [vertex][axis][lane] */
+    uint32_t tri[8];
+    uint32_t pad[8];
+} lc_tri_block;
+_Static_assert(sizeof(lc_tri_block) % 32 == 0, "aligned lanes");
+
+#define LC_BVH_LEAF 0x80000000u
+
+#endif

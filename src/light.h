@@ -1,0 +1,26 @@
+/* light.h - the three kinds of light and their geometric terms ([Miksik07] table in 2.2.2).
+ *
+ *     kind         G                              intensity is
+ *     point        1 / f(d)                       W/sr
+ *     oriented     max(cos phi, 0) / f(d)         W/sr along dir
+ *     directional  1                              W/m^2 across the direction
+ *
+ * f(d) = A + B d + C d^2; phi between dir and the direction from the light to the point.
+ */
+#ifndef LC_LIGHT_H
+#define LC_LIGHT_H
+
+#include "vec.h"
+
+typedef enum lc_light_kind { LC_LIGHT_POINT = 0, LC_LIGHT_ORIENTED = 1, LC_LIGHT_DIRECTIONAL = 2 } lc_light_kind;
+#define LC_LIGHT_KINDS 3
+
+typedef struct lc_light {
+    lc_f3 pos;       /* world space; unused by directional lights */
+    lc_f3 dir;       /* unit, the way light travels; unused by point lights */
+    lc_f3 intensity; /* >= 0 */
+    float atten[3];  /* A, B, C, all >= 0, one of them > 0; (0, 0, 1) = inverse square */
+    lc_light_kind kind;
+} lc_light;
+
+#endif

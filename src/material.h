@@ -1,0 +1,19 @@
+/* material.h - reflection parameters.
+ *
+ * Modified Phong ([Miksik07] eq. 6): f = kd / pi + ks (n + 2) / (2 pi) cos(alpha)^n, alpha between the mirror
+ * direction and the direction to the light. ks = 0 is Lambert.
+ */
+#ifndef LC_MATERIAL_H
+#define LC_MATERIAL_H
+
+#include "vec.h"
+
+typedef struct lc_material {
+    lc_f3 kd;       /* 0..1 per channel */
+    lc_f3 ks;       /* 0..1 per channel */
+    float exponent; /* n, 0..LC_MAX_EXPONENT */
+} lc_material;
+
+#define LC_MAX_EXPONENT 1e5f
+
+#endif

@@ -1,0 +1,100 @@
+/* scene.h - the scene builder that the parser calls, and the committed scene that rendering reads.
+ *
+ *     create -> add_material, add_mesh, add_light, set_camera, set_film, note ... -> commit
+ *
+ * Everything given to the builder is copied, and checked here: finite numbers, indices in range, counts that fit.
+ * All positions are in world space.
+ */
+#ifndef LC_SCENE_H
+#define LC_SCENE_H
+
+#include "arena.h"
+#include "camera.h"
+#include "light.h"
+#include "material.h"
+#include "stats.h"
+
+typedef struct lc_bvh lc_bvh;
+typedef struct lc_light_tree lc_light_tree;
+
+typedef struct lc_mesh_desc {
+    uint32_t n_verts, n_tris;
+    const float *pos;      /* n_verts * 3 */
+    const float *normal;   /* n_verts * 3, any length, or NULL; zero vectors: use the face's */
+    const uint32_t *index; /* n_tris * 3 */
+    uint32_t material_id;
+    bool flip;             /* geometric normal is the negative of cross(p1-p0, p2-p0): ReverseOrientation xor a
+                              mirrored transform. Where there are normals they decide the side instead. */
+    lc_f3 emission;        /* radiance W/(m^2 sr), 0 = none */
+    bool two_sided;        /* of the emission */
+} lc_mesh_desc;
+
+typedef struct lc_film_desc {
+    uint32_t width, height; /* 1..65535 each, product at most LC_MAX_PIXELS */
+    uint32_t crop[4];       /* x0, x1, y0, y1, half open, within the film */
+    const char *filename;   /* or NULL */
+    float scale;            /* multiplies every pixel: exposure of the scene file, > 0 */
+    uint32_t spp;           /* >= 1 */
+} lc_film_desc;
+
+#define LC_MAX_PIXELS (1u << 28)
+#define LC_MAX_SPP 65536u
+
+/* Per mesh, the cold part. */
+typedef struct lc_mesh {
+    uint32_t first_tri, n_tris;
+    uint32_t first_vert;
+    uint32_t material_id;
+    bool has_normals, flip, two_sided;
+    lc_f3 emission;
+} lc_mesh;
+
+typedef struct lc_scene_note {
+    char *kind, *text; /* in the scene's arena */
+    uint64_t count;
+} lc_scene_note;
+
+struct lc_scene {
+    lc_context *ctx;
+    lc_arena arena;
+
+    /* n_verts * 3 and n_tris * 3 floats and indices; normal is NULL unless some mesh has normals (zeros elsewhere) */
+    float *pos, *normal;
+    uint32_t *index;    /* into pos, absolute */
+    uint32_t *tri_mesh; /* mesh of each triangle */
+    size_t n_verts, n_tris, cap_pos, cap_normal, cap_index, cap_tri_mesh;
+
+    lc_mesh *meshes;
+    lc_material *materials;
+    lc_light *lights; /* those of the file first, then those made from emissive triangles */
+    size_t n_meshes, cap_meshes, n_materials, cap_materials, n_lights, cap_lights;
+
+    lc_scene_note *notes;
+    size_t n_notes, cap_notes;
+
+    lc_camera_desc camera_desc;
+    lc_film_desc film;
+    bool has_camera;
+
+    /* set by commit */
+    lc_box bounds;       /* of the triangles */
+    lc_camera camera;
+    float min_d2;        /* squared distance below which 1/d^2 stays flat, see layout.h */
+    uint64_t n_emissive_tris;
+    lc_bvh *bvh;
+    lc_light_tree *tree;
+    double seconds_parse, seconds_bvh, seconds_lights, seconds_tree;
+};
+
+lc_status lc_scene_create(lc_context *ctx, lc_scene **out);
+lc_status lc_scene_add_material(lc_scene *scene, const lc_material *material, uint32_t *id);
+lc_status lc_scene_add_mesh(lc_scene *scene, lc_pos where, const lc_mesh_desc *mesh);
+lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
+lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);
+lc_status lc_scene_set_film(lc_scene *scene, lc_pos where, const lc_film_desc *film);
+/* Something was approximated or skipped. The first of a kind is logged as a warning, all are counted. */
+lc_status lc_scene_note_at(lc_scene *scene, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
+/* Makes area lights, builds BVH and light tree. desc is complete (no zero fields). */
+lc_status lc_scene_commit(lc_scene *scene, const lc_load_desc *desc);
+
+#endif
