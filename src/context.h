@@ -9,6 +9,8 @@
 #include "base.h"
 #include "lightcuts.h"
 
+#include <stdarg.h>
+
 struct lc_context {
     lc_allocator allocator;
     void (*log)(void *user, lc_log_level level, const char *text);
@@ -27,5 +29,7 @@ void lc_log(const lc_context *ctx, lc_log_level level, const char *fmt, ...) LC_
 lc_status lc_fail(const lc_context *ctx, lc_status status, const char *fmt, ...) LC_PRINTF(3, 4);
 /* Text is "file:line:column: error: ..."; unknown line or column are left out. */
 lc_status lc_fail_at(const lc_context *ctx, lc_status status, lc_pos pos, const char *fmt, ...) LC_PRINTF(4, 5);
+/* A warning in the same form, for scene.c, which counts them. */
+void lc_warn_at(const lc_context *ctx, lc_pos pos, const char *fmt, va_list args);
 
 #endif

@@ -16,6 +16,8 @@
 
 #include "light.h"
 
+#define LC_TINY_D2 1e-36f /* squares of lengths below this count as this where a cosine is formed: no division by 0 */
+
 typedef struct lc_node_block {
     float center[3][LC_BLOCK]; /* world space */
     float half[3][LC_BLOCK];   /* >= 0, rounded up */

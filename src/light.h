@@ -15,6 +15,13 @@
 typedef enum lc_light_kind { LC_LIGHT_POINT = 0, LC_LIGHT_ORIENTED = 1, LC_LIGHT_DIRECTIONAL = 2 } lc_light_kind;
 #define LC_LIGHT_KINDS 3
 
+/* What is accepted, so that every transfer M G is finite in float. */
+#define LC_MAX_COORD 1e15f     /* scene units, of vertices and lights */
+#define LC_MAX_INTENSITY 1e30f
+#define LC_MIN_ATTEN 1e-10f    /* of a coefficient that is not 0 */
+#define LC_MAX_ATTEN 1e10f
+#define LC_MIN_D2 1e-24f       /* the distance floor's own floor */
+
 typedef struct lc_light {
     lc_f3 pos;       /* world space; unused by directional lights */
     lc_f3 dir;       /* unit, the way light travels; unused by point lights */

@@ -42,6 +42,12 @@ static inline lc_f3 lc_f3_normalize(lc_f3 a)
     return (lc_f3){ (float)(a.x / l), (float)(a.y / l), (float)(a.z / l) };
 }
 
+/* Vertex v (0..2) of a triangle: pos has three floats a vertex, index three entries a triangle. */
+static inline const float *lc_tri_vertex(const float *pos, const uint32_t *index, size_t tri, size_t v)
+{
+    return pos + 3 * (size_t)index[3 * tri + v];
+}
+
 /* Rec.709 luminance of linear RGB. */
 static inline float lc_luminance(lc_f3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 

@@ -1,0 +1,181 @@
+# Lightcuts. `make help` lists the targets. Everything that is built lies under build/.
+
+CC ?= cc
+CLANG ?= clang
+PREFIX ?= /usr/local
+STATIC ?= 1
+SECONDS ?= 60
+OPT ?= -O2
+SAN ?=
+
+# One folder for each set of flags.
+CONFIG ?= release
+OUT := build/$(if $(filter release,$(CONFIG)),obj,$(CONFIG))
+BIN := build/$(if $(filter release,$(CONFIG)),,$(CONFIG)/)
+
+WARN := -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wstrict-prototypes -Wvla -Werror
+FLAGS := -std=c11 -D_GNU_SOURCE $(OPT) -g -ffp-contract=off -fvisibility=hidden -Iinclude -Isrc $(WARN) $(SAN) $(CFLAGS)
+
+ifeq ($(STATIC),1)
+EXR_GROUP := static
+EXR_LIB := build/deps/openexr/lib/libOpenEXRCore.a
+EXR_INC := -Ibuild/deps/openexr/include -I/usr/include/Imath
+EXR_LINK := $(EXR_LIB)
+LINK_STATIC := -static
+else
+EXR_GROUP := shared
+EXR_LIB :=
+EXR_INC := -I/usr/include/OpenEXR -I/usr/include/Imath
+EXR_LINK := -lOpenEXRCore-3_1
+LINK_STATIC :=
+endif
+LIBS := $(EXR_LINK) -lz -lm -lpthread $(LDFLAGS)
+
+X86 := $(filter x86_64 amd64,$(shell uname -m))
+NOT_ALONE := $(wildcard src/*_tmpl.c) $(if $(X86),,src/isa_sse4.c src/isa_avx2.c)
+LIB_SRC := $(filter-out $(NOT_ALONE),$(wildcard src/*.c))
+CLI_SRC := $(wildcard src/cli/*.c)
+LIB_OBJ := $(LIB_SRC:%.c=$(OUT)/%.o)
+CLI_OBJ := $(CLI_SRC:%.c=$(OUT)/%.o)
+TEST_HELP := $(wildcard tests/ref_*.c tests/gen_*.c)
+TESTS := $(patsubst tests/%.c,$(BIN)tests/%,$(wildcard tests/unit_*.c tests/check_*.c))
+FUZZERS := $(patsubst fuzz/%.c,%,$(wildcard fuzz/fuzz_*.c))
+REPLAYS := $(FUZZERS:%=$(BIN)tests/replay_%)
+
+all: $(BIN)liblightcuts.a $(BIN)lightcuts
+
+help:
+	@echo "make            library build/liblightcuts.a and static binary build/lightcuts"
+	@echo "make demo       install what is missing, build, render the demo pictures to build/demo/"
+	@echo "make test       install what is missing, build, run every test"
+	@echo "make bench      microbenchmarks"
+	@echo "make accept     full-size comparison with the exact method, about half an hour"
+	@echo "make fuzz       build the fuzzers, replay their corpora; make fuzz-run SECONDS=n runs each for n seconds"
+	@echo "make san tsan   the tests under ASan and UBSan, under TSan"
+	@echo "make lint       source rules, both compilers"
+	@echo "make install    PREFIX=/usr/local DESTDIR=; make uninstall"
+	@echo "make clean      removes build/ but keeps build/deps; STATIC=0 links shared libraries"
+
+# ---- dependencies ----
+
+.PHONY: all help deps deps-check demo test bench accept fuzz fuzz-run san tsan lint install uninstall clean run-tests golden
+deps:
+	@sh src/deps/install.sh install build $(EXR_GROUP)
+deps-check:
+	@sh src/deps/install.sh check build $(EXR_GROUP)
+
+build/deps/openexr/lib/libOpenEXRCore.a: | deps-check
+	@echo "building OpenEXR's C library (once)"
+	@CC="$(CC)" sh src/deps/openexr.sh build/deps
+
+# ---- library and program ----
+
+$(OUT)/src/isa_sse4.o: ISA_FLAGS := -msse4.1
+$(OUT)/src/isa_avx2.o: ISA_FLAGS := -mavx2
+$(OUT)/src/image_exr.o: ISA_FLAGS := $(EXR_INC)
+
+$(OUT)/%.o: %.c Makefile | $(EXR_LIB) deps-check
+	@mkdir -p $(@D)
+	$(CC) $(FLAGS) $(ISA_FLAGS) -MMD -MP -c $< -o $@
+
+# OpenEXR's objects go into the library, so that its users link -lz -lm -lpthread only.
+$(BIN)liblightcuts.a: $(LIB_OBJ) $(EXR_LIB)
+	@rm -f $@
+	ar rcs $@ $(LIB_OBJ)
+	@$(if $(EXR_LIB),printf 'open %s\naddlib %s\nsave\nend\n' $@ $(EXR_LIB) | ar -M)
+
+$(BIN)lightcuts: $(CLI_OBJ) $(BIN)liblightcuts.a
+	$(CC) $(FLAGS) $(if $(SAN),,$(LINK_STATIC)) $(CLI_OBJ) $(BIN)liblightcuts.a $(LIBS) -o $@
+
+-include $(LIB_OBJ:.o=.d) $(CLI_OBJ:.o=.d)
+
+# ---- tests ----
+
+$(BIN)tests/%: tests/%.c $(TEST_HELP) $(BIN)liblightcuts.a tests/test.h
+	@mkdir -p $(@D)
+	$(CC) $(FLAGS) -Itests $< $(TEST_HELP) $(BIN)liblightcuts.a $(LIBS) -o $@
+
+$(BIN)tests/replay_%: fuzz/%.c fuzz/driver.c $(TEST_HELP) $(BIN)liblightcuts.a
+	@mkdir -p $(@D)
+	$(CC) $(FLAGS) -Itests $< fuzz/driver.c $(TEST_HELP) $(BIN)liblightcuts.a $(LIBS) -o $@
+
+test:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory run-tests
+
+run-tests: $(TESTS) $(REPLAYS) $(BIN)lightcuts
+	@sh tests/run.sh $(BIN)
+
+golden: all
+	@sh tests/golden.sh build/lightcuts --print
+
+SAN_FLAGS := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+san:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory CONFIG=san OPT="-O1 -DLC_DEBUG" SAN="$(SAN_FLAGS)" run-tests
+tsan:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory CONFIG=tsan OPT="-O1" SAN="-fsanitize=thread" run-tests
+
+lint:
+	@sh src/deps/install.sh install lint build $(EXR_GROUP)
+	@$(MAKE) --no-print-directory all
+	@sh tests/lint.sh
+
+# ---- fuzzing ----
+
+build/fuzz/%: fuzz/%.c $(TEST_HELP) $(LIB_SRC) | $(EXR_LIB)
+	@mkdir -p $(@D)
+	$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="-fsanitize=address,undefined,fuzzer-no-link" build/fuzzlib/liblightcuts.a
+	$(CLANG) $(FLAGS) -O1 -fsanitize=address,undefined,fuzzer -Itests $< $(TEST_HELP) build/fuzzlib/liblightcuts.a $(LIBS) -o $@
+
+fuzz:
+	@sh src/deps/install.sh install fuzz build $(EXR_GROUP)
+	@for f in $(FUZZERS); do $(MAKE) --no-print-directory build/fuzz/$$f || exit 1; \
+	  build/fuzz/$$f -runs=0 fuzz/corpus/$${f#fuzz_} || exit 1; done
+
+fuzz-run: fuzz
+	@for f in $(FUZZERS); do mkdir -p build/fuzz/new/$$f; \
+	  build/fuzz/$$f -max_total_time=$(SECONDS) -artifact_prefix=build/fuzz/ build/fuzz/new/$$f fuzz/corpus/$${f#fuzz_} || exit 1; done
+
+# ---- pictures and figures ----
+
+demo:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory all
+	@sh tests/demo.sh build/lightcuts build/demo
+
+build/tests/bench: tests/bench.c $(BIN)liblightcuts.a
+	@mkdir -p $(@D)
+	$(CC) $(FLAGS) -Itests $< $(TEST_HELP) build/liblightcuts.a $(LIBS) -o $@
+
+bench:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory all build/tests/bench
+	@build/tests/bench
+
+accept:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory all
+	@sh tests/accept.sh build/lightcuts build/accept
+
+# ---- installing ----
+
+install: all
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
+	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/bash-completion/completions
+	install -m 755 build/lightcuts $(DESTDIR)$(PREFIX)/bin/
+	install -m 644 build/liblightcuts.a $(DESTDIR)$(PREFIX)/lib/
+	install -m 644 include/lightcuts.h $(DESTDIR)$(PREFIX)/include/
+	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBS@|$(if $(EXR_LIB),,$(EXR_LINK) )-lz -lm -lpthread|' src/cli/lightcuts.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc
+	install -m 644 src/cli/lightcuts.1 $(DESTDIR)$(PREFIX)/share/man/man1/
+	install -m 644 src/cli/lightcuts.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
+
+uninstall:
+	rm -f $(DESTDIR)$(PREFIX)/bin/lightcuts $(DESTDIR)$(PREFIX)/lib/liblightcuts.a $(DESTDIR)$(PREFIX)/include/lightcuts.h
+	rm -f $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc $(DESTDIR)$(PREFIX)/share/man/man1/lightcuts.1
+	rm -f $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
+
+clean:
+	@for f in build/*; do [ "$$f" = build/deps ] || rm -rf "$$f"; done

@@ -1,0 +1,36 @@
+/* fuzz_bounds.c - looks for a cluster and a point whose bound is too low. Byte 0 picks light kind and
+ * material, the rest is the stream of gen_clusters.c. Aborts on a broken property. */
+#include "../tests/gen_clusters.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* libFuzzer reads these as coverage: a new least excess of bound over value, in octaves, is a new feature. */
+#define OCTAVES 64
+__attribute__((used, section("__libfuzzer_extra_counters"))) static uint8_t closest[6 * OCTAVES];
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size == 0) return 0;
+    uint32_t which = data[0] % 6;
+    gen_src s = gen_src_bytes(data + 1, size - 1);
+    gen_case c;
+    gen_result r;
+    gen_case_make(&c, &s, (lc_light_kind)(which >> 1), which & 1, GEN_ADVERSARIAL);
+    gen_case_run(&c, &r);
+    if (r.bad) {
+        gen_case_shrink(&c, r.bad);
+        gen_case_print(&c);
+        fflush(stdout);
+        abort();
+    }
+    if (r.tightest < 0x1p30) {
+        /* 2^30 above .. 2^-33 above: one octave a counter */
+        double octave = 30 - log2(fmax(r.tightest - 1, 0x1p-33));
+        closest[which * OCTAVES + (uint32_t)fmin(fmax(octave, 0), OCTAVES - 1)] = 1;
+    }
+    return 0;
+}

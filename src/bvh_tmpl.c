@@ -1,0 +1,208 @@
+/* bvh_tmpl.c - closest and any hit on the eight-wide BVH; included by isa_*.c.
+ *
+ * Triangles: Woop, Benthin, Wald 2013, "Watertight ray/triangle intersection". The ray is sheared onto its largest
+ * axis; a vertex is sheared by the same operations wherever it is used, and the sign of each edge function is exact
+ * (two rounded products compare as the exact ones do or tie; ties are settled in double, where they are exact), so a
+ * ray through a shared edge or vertex can't pass between its triangles.
+ *
+ * Boxes: Ize 2013, "Robust BVH ray traversal": the far distance is widened by 1 + 2 gamma(3), here 1 + 2^-20; the
+ * builder pads the boxes by what the shear may round off.
+ */
+#include "vec.h"
+
+#define FAR_SLACK (1 + 0x1p-20f)
+
+typedef struct {
+    float org[3], dir[3], inv[3];
+    int kx, ky, kz;
+    float sx, sy, sz; /* shear */
+    vf8 vo[3], vi[3]; /* origin, inverse direction, per axis */
+    vf8 vsx, vsy;
+} LC_FN(ray);
+
+#define ray LC_FN(ray)
+
+static inline void LC_FN(ray_init)(ray *r, const float org[3], const float dir[3])
+{
+    for (int k = 0; k < 3; k++) {
+        r->org[k] = org[k];
+        r->dir[k] = dir[k];
+        float d = fabsf(dir[k]) < 1e-30f ? copysignf(1e-30f, dir[k]) : dir[k];
+        r->inv[k] = 1 / d;
+        r->vo[k] = vf8_set(org[k]);
+        r->vi[k] = vf8_set(r->inv[k]);
+    }
+    float ax = fabsf(dir[0]), ay = fabsf(dir[1]), az = fabsf(dir[2]);
+    r->kz = az >= ax && az >= ay ? 2 : ay >= ax ? 1 : 0;
+    r->kx = r->kz == 2 ? 0 : r->kz + 1;
+    r->ky = r->kx == 2 ? 0 : r->kx + 1;
+    float dz = dir[r->kz];
+    if (dz == 0) dz = 1e-30f; /* a null direction hits nothing sensible, but must not divide by 0 */
+    r->sx = dir[r->kx] / dz;
+    r->sy = dir[r->ky] / dz;
+    r->sz = 1 / dz;
+    r->vsx = vf8_set(r->sx);
+    r->vsy = vf8_set(r->sy);
+}
+
+/* Bits of the children whose box meets the ray in [t_min, t_max]; near distances to tn. */
+static inline uint32_t LC_FN(test_boxes)(const lc_bvh_node *node, const ray *r, float t_min, float t_max, vf8 *tn)
+{
+    vf8 near = vf8_set(t_min), far = vf8_set(t_max);
+    for (int k = 0; k < 3; k++) {
+        const float *n = r->inv[k] >= 0 ? node->lo[k] : node->hi[k], *f = r->inv[k] >= 0 ? node->hi[k] : node->lo[k];
+        near = vf8_max(vf8_mul(vf8_sub(vf8_load(n), r->vo[k]), r->vi[k]), near);
+        far = vf8_min(vf8_mul(vf8_mul(vf8_sub(vf8_load(f), r->vo[k]), r->vi[k]), vf8_set(FAR_SLACK)), far);
+    }
+    *tn = near;
+    return vf8_le(near, far);
+}
+
+typedef struct {
+    vf8 u, v, w, t; /* edge functions and distance, t already divided */
+    vf8 det;
+} LC_FN(tri_hits);
+
+#define tri_hits LC_FN(tri_hits)
+
+/* Edge functions that came out 0 once more, in double, lane by lane. */
+static void LC_FN(settle_zeros)(const vf8 x[3], const vf8 y[3], uint32_t lanes, vf8 *u, vf8 *v, vf8 *w)
+{
+    _Alignas(32) float X[3][8], Y[3][8], e[3][8];
+    for (int k = 0; k < 3; k++) vf8_store(X[k], x[k]), vf8_store(Y[k], y[k]);
+    vf8_store(e[0], *u), vf8_store(e[1], *v), vf8_store(e[2], *w);
+    for (int i = 0; i < 8; i++) {
+        if (!(lanes >> i & 1)) continue;
+        for (int k = 0; k < 3; k++) { /* edge k is opposite vertex k: from vertex k + 1 to k + 2 */
+            int a = (k + 1) % 3, b = (k + 2) % 3;
+            double d = (double)X[b][i] * Y[a][i] - (double)Y[b][i] * X[a][i];
+            e[k][i] = (float)d;
+            if (e[k][i] == 0 && d != 0) e[k][i] = d > 0 ? FLT_MIN : -FLT_MIN;
+        }
+    }
+    *u = vf8_load(e[0]), *v = vf8_load(e[1]), *w = vf8_load(e[2]);
+}
+
+/* Bits of the triangles that the ray meets at t in (t_min, t_max). */
+static inline uint32_t LC_FN(test_tris)(const lc_tri_block *b, const ray *r, float t_min, float t_max, tri_hits *h)
+{
+    vf8 x[3], y[3], z[3];
+    for (int k = 0; k < 3; k++) {
+        z[k] = vf8_sub(vf8_load(b->v[k][r->kz]), r->vo[r->kz]);
+        x[k] = vf8_sub(vf8_sub(vf8_load(b->v[k][r->kx]), r->vo[r->kx]), vf8_mul(r->vsx, z[k]));
+        y[k] = vf8_sub(vf8_sub(vf8_load(b->v[k][r->ky]), r->vo[r->ky]), vf8_mul(r->vsy, z[k]));
+    }
+    vf8 u = vf8_sub(vf8_mul(x[2], y[1]), vf8_mul(y[2], x[1]));
+    vf8 v = vf8_sub(vf8_mul(x[0], y[2]), vf8_mul(y[0], x[2]));
+    vf8 w = vf8_sub(vf8_mul(x[1], y[0]), vf8_mul(y[1], x[0]));
+    const vf8 zero = vf8_set(0);
+    uint32_t pos = vf8_le(zero, u) & vf8_le(zero, v) & vf8_le(zero, w);
+    uint32_t neg = vf8_le(u, zero) & vf8_le(v, zero) & vf8_le(w, zero);
+    if (!(pos | neg)) return 0;
+    uint32_t zeros = (pos | neg) & (vf8_eq(u, zero) | vf8_eq(v, zero) | vf8_eq(w, zero));
+    if (zeros) {
+        LC_FN(settle_zeros)(x, y, zeros, &u, &v, &w);
+        pos = vf8_le(zero, u) & vf8_le(zero, v) & vf8_le(zero, w);
+        neg = vf8_le(u, zero) & vf8_le(v, zero) & vf8_le(w, zero);
+    }
+    vf8 det = vf8_add(vf8_add(u, v), w);
+    uint32_t flat = vf8_eq(det, zero);
+    vf8 t = vf8_add(vf8_add(vf8_mul(u, z[0]), vf8_mul(v, z[1])), vf8_mul(w, z[2]));
+    t = vf8_div(vf8_mul(t, vf8_set(r->sz)), det);
+    *h = (tri_hits){ u, v, w, t, det };
+    return (pos | neg) & ~flat & vf8_lt(vf8_set(t_min), t) & vf8_lt(t, vf8_set(t_max));
+}
+
+/* Keeps the nearest of the lanes in `bits`. */
+static inline void LC_FN(keep_nearest)(const lc_tri_block *b, const tri_hits *h, uint32_t bits, lc_hit *hit)
+{
+    _Alignas(32) float t[8], v[8], w[8], det[8];
+    vf8_store(t, h->t), vf8_store(v, h->v), vf8_store(w, h->w), vf8_store(det, h->det);
+    for (; bits; bits &= bits - 1) {
+        int i = __builtin_ctz(bits);
+        if (t[i] < hit->t || (t[i] == hit->t && b->tri[i] < hit->tri))
+            *hit = (lc_hit){ t[i], v[i] / det[i], w[i] / det[i], b->tri[i] };
+    }
+}
+
+typedef struct {
+    float t;
+    uint32_t ref;
+} LC_FN(entry);
+
+#define entry LC_FN(entry)
+
+/* Pushes the children in `bits`, farthest first, so that the nearest is popped next. */
+static inline uint32_t LC_FN(push_sorted)(const lc_bvh_node *node, uint32_t bits, vf8 near, entry *stack, uint32_t n)
+{
+    _Alignas(32) float tn[8];
+    vf8_store(tn, near);
+    uint32_t first = n;
+    for (; bits; bits &= bits - 1) {
+        int i = __builtin_ctz(bits);
+        entry e = { tn[i], node->child[i] };
+        uint32_t k = n++;
+        for (; k > first && stack[k - 1].t < e.t; k--) stack[k] = stack[k - 1];
+        stack[k] = e;
+    }
+    return n;
+}
+
+static void LC_FN(closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit)
+{
+    entry stack[LC_BVH_STACK];
+    uint32_t n = 0;
+    ray r;
+    LC_FN(ray_init)(&r, org, dir);
+    *hit = (lc_hit){ t_max, 0, 0, LC_NONE };
+    if (bvh->n_nodes) stack[n++] = (entry){ 0, 0 };
+    while (n) {
+        entry e = stack[--n];
+        if (e.t > hit->t) continue;
+        if (e.ref & LC_BVH_LEAF) {
+            tri_hits h;
+            const lc_tri_block *b = &bvh->blocks[e.ref & ~LC_BVH_LEAF];
+            uint32_t bits = LC_FN(test_tris)(b, &r, 0, nextafterf(hit->t, INFINITY), &h);
+            if (bits) LC_FN(keep_nearest)(b, &h, bits, hit);
+        } else {
+            vf8 near;
+            const lc_bvh_node *node = &bvh->nodes[e.ref];
+            uint32_t bits = LC_FN(test_boxes)(node, &r, 0, hit->t, &near);
+            n = LC_FN(push_sorted)(node, bits, near, stack, n);
+        }
+    }
+}
+
+static inline bool LC_FN(any_hit)(const lc_bvh_data *bvh, const ray *r, float t_min, float t_max)
+{
+    uint32_t stack[LC_BVH_STACK], n = 0;
+    tri_hits h;
+    vf8 near;
+    if (bvh->n_nodes) stack[n++] = 0;
+    while (n) {
+        const lc_bvh_node *node = &bvh->nodes[stack[--n]];
+        for (uint32_t bits = LC_FN(test_boxes)(node, r, t_min, t_max, &near); bits; bits &= bits - 1) {
+            uint32_t ref = node->child[__builtin_ctz(bits)];
+            if (!(ref & LC_BVH_LEAF))
+                stack[n++] = ref;
+            else if (LC_FN(test_tris)(&bvh->blocks[ref & ~LC_BVH_LEAF], r, t_min, t_max, &h))
+                return true;
+        }
+    }
+    return false;
+}
+
+static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float (*target)[3], bool far,
+                          uint8_t *hidden)
+{
+    ray r;
+    for (uint32_t i = 0; i < n; i++) {
+        float dir[3] = { target[i][0] - org[0], target[i][1] - org[1], target[i][2] - org[2] };
+        LC_FN(ray_init)(&r, org, dir);
+        hidden[i] = LC_FN(any_hit)(bvh, &r, LC_SHADOW_EPS, far ? FLT_MAX : 1 - LC_SHADOW_EPS);
+    }
+}
+
+#undef ray
+#undef tri_hits
+#undef entry

@@ -1,0 +1,220 @@
+/* cli.c - see cli.h. */
+#include "cli.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static atomic_uint_fast64_t n_warnings;
+
+static void log_to_stderr(void *user, lc_log_level level, const char *text)
+{
+    int verbosity = user ? *(int *)user : 0;
+    if (level == LC_LOG_WARNING) atomic_fetch_add(&n_warnings, 1);
+    if (level == LC_LOG_ERROR || verbosity >= (level == LC_LOG_WARNING ? 0 : 1)) fprintf(stderr, "lightcuts: %s\n", text);
+}
+
+lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
+{
+    static int levels[3] = { -1, 0, 1 };
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    desc.log = log_to_stderr;
+    desc.log_user = &levels[(verbosity > 1 ? 1 : verbosity) + 1];
+    desc.n_threads = n_threads;
+    desc.isa = isa;
+    lc_context *ctx = NULL;
+    lc_status st = lc_context_create(&desc, &ctx);
+    if (st) fprintf(stderr, "lightcuts: error: %s\n", lc_status_name(st));
+    return ctx;
+}
+
+uint64_t cli_warnings(void) { return atomic_load(&n_warnings); }
+
+int cli_exit_status(lc_status status)
+{
+    switch (status) {
+    case LC_OK: return CLI_OK;
+    case LC_ERR_ARG: return CLI_USAGE;
+    case LC_ERR_PARSE:
+    case LC_ERR_UNSUPPORTED: return CLI_INPUT;
+    default: return CLI_FAILED;
+    }
+}
+
+int cli_parse_float(const char *text, double lo, double hi, double *out)
+{
+    char *end;
+    if (!*text || isspace((unsigned char)*text)) return -1;
+    double v = strtod(text, &end);
+    if (*end || !isfinite(v) || v < lo || v > hi) return -1;
+    *out = v;
+    return 0;
+}
+
+int cli_parse_u64(const char *text, uint64_t lo, uint64_t hi, uint64_t *out)
+{
+    char *end;
+    if (!isdigit((unsigned char)*text)) return -1;
+    errno = 0;
+    unsigned long long v = strtoull(text, &end, 10);
+    if (*end || errno || v < lo || v > hi) return -1;
+    *out = v;
+    return 0;
+}
+
+int cli_parse_list(const char *text, int n, double lo, double hi, double *out)
+{
+    char part[64];
+    for (int i = 0; i < n; i++) {
+        size_t len = strcspn(text, ",");
+        if (len >= sizeof part || (text[len] == ',') != (i + 1 < n)) return -1;
+        memcpy(part, text, len);
+        part[len] = 0;
+        if (cli_parse_float(part, lo, hi, &out[i])) return -1;
+        text += len + 1;
+    }
+    return 0;
+}
+
+int cli_parse_isa(const char *text, lc_isa *out)
+{
+    for (int isa = LC_ISA_SCALAR; isa <= LC_ISA_AVX512; isa++)
+        if (!strcmp(text, lc_isa_name((lc_isa)isa))) {
+            *out = (lc_isa)isa;
+            return 0;
+        }
+    return -1;
+}
+
+int cli_env_isa(const char *command, lc_isa *out)
+{
+    const char *text = getenv("LC_ISA");
+    *out = LC_ISA_BEST;
+    if (!text || !*text || !cli_parse_isa(text, out)) return 0;
+    cli_usage_error(command, "LC_ISA='%s' is not scalar, sse4, avx2 or avx512", text);
+    return -1;
+}
+
+void cli_usage_error(const char *command, const char *fmt, ...)
+{
+    va_list args;
+    fprintf(stderr, "lightcuts %s: ", command);
+    va_start(args, fmt);
+    vfprintf(stderr, fmt, args);
+    va_end(args);
+    fprintf(stderr, "\ntry 'lightcuts %s --help'\n", command);
+}
+
+/* Damerau-Levenshtein without transpositions of edited letters; names are short. */
+static size_t distance(const char *a, const char *b)
+{
+    size_t d[64], n = strlen(b);
+    if (n > 62 || strlen(a) > 62) return 99;
+    for (size_t j = 0; j <= n; j++) d[j] = j;
+    for (size_t i = 1; *a; i++, a++) {
+        size_t diagonal = d[0];
+        d[0] = i;
+        for (size_t j = 1; j <= n; j++) {
+            size_t best = diagonal + (*a != b[j - 1]);
+            if (d[j] + 1 < best) best = d[j] + 1;
+            if (d[j - 1] + 1 < best) best = d[j - 1] + 1;
+            diagonal = d[j];
+            d[j] = best;
+        }
+    }
+    return d[n];
+}
+
+const char *cli_nearest(const char *text, const char *const *names)
+{
+    const char *best = NULL;
+    size_t best_d = strlen(text) / 3 + 2;
+    for (; *names; names++) {
+        size_t d = distance(text, *names);
+        if (d < best_d) best_d = d, best = *names;
+    }
+    return best;
+}
+
+void cli_bad_option(const char *command, int result, char **argv, const struct option *options)
+{
+    const char *arg = argv[optind - 1], *names[64];
+    size_t n = 0;
+    if (optopt && result == ':') {
+        cli_usage_error(command, "option '%s' needs a value", arg);
+        return;
+    }
+    if (optopt) {
+        for (const struct option *o = options; o->name; o++)
+            if (o->val == optopt && !o->has_arg) {
+                cli_usage_error(command, "option '%s' takes no value", arg);
+                return;
+            }
+        cli_usage_error(command, "unknown option '-%c'", optopt);
+        return;
+    }
+    char text[64];
+    snprintf(text, sizeof text, "%s", arg + strspn(arg, "-"));
+    text[strcspn(text, "=")] = 0;
+    for (; options->name && n < 63; options++) names[n++] = options->name;
+    names[n] = NULL;
+    const char *near = cli_nearest(text, names);
+    if (near) cli_usage_error(command, "unknown option '%s'; did you mean '--%s'?", arg, near);
+    else cli_usage_error(command, "unknown option '%s'", arg);
+}
+
+int cli_has_extension(const char *path, const char *extension)
+{
+    size_t n = strlen(path), m = strlen(extension);
+    if (n <= m) return 0;
+    for (size_t i = 0; i < m; i++)
+        if (tolower((unsigned char)path[n - m + i]) != extension[i]) return 0;
+    return 1;
+}
+
+void cli_json_text(FILE *f, const char *text)
+{
+    fputc('"', f);
+    for (; *text; text++) {
+        unsigned char c = (unsigned char)*text;
+        if (c == '"' || c == '\\') fprintf(f, "\\%c", c);
+        else if (c < 32) fprintf(f, "\\u%04x", c);
+        else fputc(c, f);
+    }
+    fputc('"', f);
+}
+
+static int complain(const char *what, const char *path)
+{
+    fprintf(stderr, "lightcuts: error: cannot %s '%s': %s\n", what, path, strerror(errno));
+    return CLI_FAILED;
+}
+
+int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user)
+{
+    struct stat st;
+    char temp[4096];
+    bool in_place = !stat(path, &st) && !S_ISREG(st.st_mode); /* a device or pipe can't be renamed over */
+    int len = snprintf(temp, sizeof temp, in_place ? "%s" : "%s.%ld.tmp", path, (long)getpid());
+    if (len < 0 || (size_t)len >= sizeof temp) {
+        errno = ENAMETOOLONG;
+        return complain("write", path);
+    }
+    FILE *f = fopen(temp, "wb");
+    if (!f) return complain("write", path);
+    fn(f, user);
+    int bad = ferror(f) || fflush(f) || (!in_place && fsync(fileno(f)));
+    bad = fclose(f) || bad;
+    if (!bad && !in_place) bad = rename(temp, path);
+    if (!bad) return 0;
+    complain("write", path);
+    if (!in_place) unlink(temp);
+    return CLI_FAILED;
+}

@@ -1,0 +1,56 @@
+/* cli.h - what the commands share: context that logs to stderr, number parsing, usage errors, JSON text. */
+#ifndef LC_CLI_H
+#define LC_CLI_H
+
+#include "lightcuts.h"
+
+#include <getopt.h>
+#include <stdio.h>
+
+/* Exit status, contract of the command line. */
+enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INPUT = 3 };
+
+typedef struct cli_command {
+    const char *name;
+    int (*run)(int argc, char **argv); /* argv[0] is the command's name */
+    const char *summary;
+} cli_command;
+
+int cmd_render(int argc, char **argv);
+int cmd_compare(int argc, char **argv);
+int cmd_scene(int argc, char **argv);
+int cmd_info(int argc, char **argv);
+int cmd_preview(int argc, char **argv);
+
+/* Logs to stderr; verbosity -1: errors only, 0: warnings too, 1: everything. NULL: out of memory (said). */
+lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity);
+/* Warnings logged so far by any context of this process. */
+uint64_t cli_warnings(void);
+
+int cli_exit_status(lc_status status);
+
+/* 0 = ok; the whole text must be a finite number in the range. */
+int cli_parse_float(const char *text, double lo, double hi, double *out);
+int cli_parse_u64(const char *text, uint64_t lo, uint64_t hi, uint64_t *out);
+/* n numbers with commas between. */
+int cli_parse_list(const char *text, int n, double lo, double hi, double *out);
+/* "scalar", "sse4", "avx2", "avx512" */
+int cli_parse_isa(const char *text, lc_isa *out);
+/* The cap of LC_ISA in the environment; LC_ISA_BEST without. Returns -1 and complains when it is not a name. */
+int cli_env_isa(const char *command, lc_isa *out);
+
+/* "lightcuts COMMAND: text" and where to find help, to stderr. */
+void cli_usage_error(const char *command, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
+/* After getopt_long returned '?' or ':' (opterr is 0): says what is wrong and what may have been meant. */
+void cli_bad_option(const char *command, int result, char **argv, const struct option *options);
+/* The nearest of the names if it is near enough, else NULL. The list ends with NULL. */
+const char *cli_nearest(const char *text, const char *const *names);
+
+/* 0 and true when the path ends with the extension, any case. */
+int cli_has_extension(const char *path, const char *extension);
+/* A JSON string with quotes. */
+void cli_json_text(FILE *f, const char *text);
+/* Writes a file through `fn` under a temporary name and puts it in place; complains and returns nonzero on failure. */
+int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user);
+
+#endif

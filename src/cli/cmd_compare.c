@@ -1,0 +1,279 @@
+/* cmd_compare.c - lightcuts compare: two images, how they differ, and whether that is within limits. */
+#include "cli.h"
+#include "colourmap.h"
+#include "metrics.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+#define MAX_FAILS 64
+
+typedef struct fail_rule {
+    metric which;
+    double limit;
+} fail_rule;
+
+typedef struct options {
+    const char *image, *reference, *outfile;
+    double over, scale;
+    bool json, heat;
+    fail_rule fails[MAX_FAILS];
+    int n_fails;
+} options;
+
+static const char help[] =
+    "usage: lightcuts compare [options] IMAGE REFERENCE\n"
+    "\n"
+    "Prints how two images (.exr or .png, R G B or Y) of one size differ, a `name value` line each.\n"
+    "d is the difference of one channel's value in one pixel, linear RGB:\n"
+    "  mae         mean |d|\n"
+    "  mse, rmse   mean d^2 and its square root\n"
+    "  mrse        mean d^2 / (REF + 0.01)^2\n"
+    "  mape        mean |d| / (|REF| + 0.01), as a fraction\n"
+    "  psnr        -10 log10(mse), in dB for a peak of 1; inf for equal images\n"
+    "  flip        mean LDR-FLIP error, 67 pixels per degree, values clamped to 0..1; 0: equal\n"
+    "  max         largest |d|, then its pixel x,y, its channel and both values\n"
+    "  mean_ratio  mean of IMAGE / mean of REFERENCE\n"
+    "  rel_p50 rel_p99 rel_p999 rel_max\n"
+    "              percentiles of |A - REF| / REF in luminance, over the pixels where REF > 0\n"
+    "  over        share of those pixels above the --over limit\n"
+    "  nonfinite   pixels with NaN or infinity in either image; more than 0 always fails\n"
+    "\n"
+    "      --over E        limit of `over` (default 0.02)\n"
+    "      --fail NAME=V   exit with status 1 when NAME is larger than V; psnr: smaller than V;\n"
+    "                      mean_ratio: further than V from 1. Repeatable\n"
+    "  -o, --outfile FILE  write the absolute difference as an image (.png or .exr)\n"
+    "      --scale N       times N (default 1)\n"
+    "      --map heat      its luminance in false colours, black 0 to white 1, instead\n"
+    "      --json          print one JSON object instead of lines\n"
+    "  -h, --help          print this\n"
+    "\n"
+    "Exit status: 0 within the limits, 1 beyond one or output failed, 2 wrong command line, 3 an image\n"
+    "cannot be read or the sizes differ.\n";
+
+/* ---- command line ---- */
+
+static int parse_fail(const char *text, options *o)
+{
+    const char *eq = strchr(text, '=');
+    if (!eq) {
+        cli_usage_error("compare", "--fail %s: want NAME=VALUE", text);
+        return -1;
+    }
+    int k = 0;
+    while (k < N_METRICS && (strlen(metric_names[k]) != (size_t)(eq - text) ||
+                             strncmp(metric_names[k], text, (size_t)(eq - text)) != 0))
+        k++;
+    if (k == N_METRICS) {
+        cli_usage_error("compare", "--fail %s: no metric %.*s", text, (int)(eq - text), text);
+        return -1;
+    }
+    if (o->n_fails == MAX_FAILS) {
+        cli_usage_error("compare", "more than %d --fail", MAX_FAILS);
+        return -1;
+    }
+    fail_rule *rule = &o->fails[o->n_fails++];
+    rule->which = (metric)k;
+    if (cli_parse_float(eq + 1, -1e300, 1e300, &rule->limit) != 0) {
+        cli_usage_error("compare", "--fail %s: '%s' is not a number", text, eq + 1);
+        return -1;
+    }
+    return 0;
+}
+
+static int parse_number(const char *name, const char *text, double *out)
+{
+    if (cli_parse_float(text, 0, 1e30, out) == 0) return 0;
+    cli_usage_error("compare", "--%s %s: want a number from 0 up", name, text);
+    return -1;
+}
+
+/* 0: go on; else the exit status + 1. */
+static int parse_options(int argc, char **argv, options *o)
+{
+    enum { OPT_OVER = 256, OPT_JSON, OPT_SCALE, OPT_MAP, OPT_FAIL };
+    static const struct option table[] = { { "over", required_argument, NULL, OPT_OVER },
+                                           { "json", no_argument, NULL, OPT_JSON },
+                                           { "scale", required_argument, NULL, OPT_SCALE },
+                                           { "map", required_argument, NULL, OPT_MAP },
+                                           { "fail", required_argument, NULL, OPT_FAIL },
+                                           { "outfile", required_argument, NULL, 'o' },
+                                           { "help", no_argument, NULL, 'h' },
+                                           { NULL, 0, NULL, 0 } };
+    optind = 0;
+    opterr = 0;
+    for (int c; (c = getopt_long(argc, argv, ":o:h", table, NULL)) != -1;) {
+        int bad = 0;
+        switch (c) {
+        case 'o': o->outfile = optarg; break;
+        case 'h': fputs(help, stdout); return CLI_OK + 1;
+        case OPT_JSON: o->json = true; break;
+        case OPT_OVER: bad = parse_number("over", optarg, &o->over); break;
+        case OPT_SCALE: bad = parse_number("scale", optarg, &o->scale); break;
+        case OPT_FAIL: bad = parse_fail(optarg, o); break;
+        case OPT_MAP:
+            o->heat = strcmp(optarg, "heat") == 0;
+            bad = !o->heat;
+            if (bad) cli_usage_error("compare", "--map %s: want heat", optarg);
+            break;
+        default: cli_bad_option("compare", c, argv, table); return CLI_USAGE + 1;
+        }
+        if (bad) return CLI_USAGE + 1;
+    }
+    if (argc - optind != 2) {
+        cli_usage_error("compare", "want two images, IMAGE and REFERENCE, got %d", argc - optind);
+        return CLI_USAGE + 1;
+    }
+    o->image = argv[optind];
+    o->reference = argv[optind + 1];
+    return 0;
+}
+
+/* ---- output ---- */
+
+static void print_number(double v, bool json)
+{
+    if (!json || isfinite(v)) {
+        printf("%.9g", v);
+    } else {
+        printf("null");
+    }
+}
+
+static void print_lines(const metrics *m)
+{
+    for (int k = 0; k < N_METRICS; k++) {
+        printf("%s ", metric_names[k]);
+        print_number(m->value[k], false);
+        if (k == METRIC_MAX) {
+            printf(" %" PRIu32 ",%" PRIu32 " %c %.9g %.9g", m->max_x, m->max_y, "RGB"[m->max_channel],
+                   m->max_a, m->max_ref);
+        }
+        printf("\n");
+    }
+}
+
+static void print_json(const metrics *m)
+{
+    printf("{");
+    for (int k = 0; k < N_METRICS; k++) {
+        printf("%s\"%s\": ", k ? ", " : "", metric_names[k]);
+        print_number(m->value[k], true);
+        if (k == METRIC_MAX) {
+            printf(", \"max_at\": {\"x\": %" PRIu32 ", \"y\": %" PRIu32
+                   ", \"channel\": \"%c\", \"image\": %.9g, "
+                   "\"reference\": %.9g}",
+                   m->max_x, m->max_y, "RGB"[m->max_channel], m->max_a, m->max_ref);
+        }
+    }
+    printf("}\n");
+}
+
+static lc_status write_difference(lc_context *ctx, const options *o, const lc_image_desc *desc,
+                                  float *const a[3], float *const ref[3])
+{
+    static const char *const names[3] = { "R", "G", "B" };
+    lc_image *image = NULL;
+    float *out[3] = { NULL };
+    lc_status status = lc_image_create(ctx, desc, &image);
+    for (int c = 0; status == LC_OK && c < 3; c++) status = lc_image_add_channel(image, names[c], &out[c]);
+    size_t n = (size_t)desc->width * desc->height;
+    for (size_t i = 0; status == LC_OK && i < n; i++) {
+        double d[3];
+        for (int c = 0; c < 3; c++) d[c] = fabs((double)a[c][i] - (double)ref[c][i]) * o->scale;
+        float rgb[3] = { (float)d[0], (float)d[1], (float)d[2] };
+        if (o->heat) colourmap_rgb(COLOURMAP_HEAT, 0.2126 * d[0] + 0.7152 * d[1] + 0.0722 * d[2], rgb);
+        for (int c = 0; c < 3; c++) out[c][i] = rgb[c];
+    }
+    if (status == LC_OK) status = lc_image_write(image, o->outfile);
+    lc_image_destroy(image);
+    return status;
+}
+
+/* ---- comparison ---- */
+
+static bool breaks(const fail_rule *rule, double v)
+{
+    if (rule->which == METRIC_PSNR) return !(v >= rule->limit);
+    if (rule->which == METRIC_MEAN_RATIO) return !(fabs(1 - v) <= rule->limit);
+    return !(v <= rule->limit);
+}
+
+static bool is_beyond(const options *o, const metrics *m)
+{
+    bool beyond = m->value[METRIC_NONFINITE] > 0;
+    if (beyond) fprintf(stderr, "compare: %.0f pixels are NaN or infinite\n", m->value[METRIC_NONFINITE]);
+    for (int i = 0; i < o->n_fails; i++) {
+        const fail_rule *rule = &o->fails[i];
+        double v = m->value[rule->which];
+        if (!breaks(rule, v)) continue;
+        fprintf(stderr, "compare: %s is %.9g, limit %.9g\n", metric_names[rule->which], v, rule->limit);
+        beyond = true;
+    }
+    return beyond;
+}
+
+/* R G B, or Y three times; false when there is neither. */
+static bool find_planes(const lc_image *image, const char *path, float *plane[3])
+{
+    static const char *const names[3] = { "R", "G", "B" };
+    float *grey = lc_image_channel(image, "Y");
+    bool found = true;
+    for (int c = 0; c < 3; c++) {
+        plane[c] = lc_image_channel(image, names[c]);
+        found &= plane[c] != NULL;
+    }
+    if (found) return true;
+    for (int c = 0; c < 3; c++) plane[c] = grey;
+    if (!grey) fprintf(stderr, "%s: error: no channels R, G and B\n", path);
+    return grey != NULL;
+}
+
+static int compare(lc_context *ctx, const options *o, const lc_image *image, const lc_image *reference)
+{
+    lc_image_desc da = LC_IMAGE_DESC_INIT, dr = LC_IMAGE_DESC_INIT;
+    lc_image_get_desc(image, &da);
+    lc_image_get_desc(reference, &dr);
+    if (da.width != dr.width || da.height != dr.height) {
+        fprintf(stderr, "%s: error: %" PRIu32 "x%" PRIu32 " pixels, but %s has %" PRIu32 "x%" PRIu32 "\n",
+                o->image, da.width, da.height, o->reference, dr.width, dr.height);
+        return CLI_INPUT;
+    }
+    float *a[3], *ref[3];
+    if (!find_planes(image, o->image, a) || !find_planes(reference, o->reference, ref)) return CLI_INPUT;
+    metrics m;
+    if (metrics_of(ctx, da.width, da.height, a, ref, o->over, &m) != LC_OK) return CLI_FAILED;
+    if (o->json) {
+        print_json(&m);
+    } else {
+        print_lines(&m);
+    }
+    if (o->outfile && write_difference(ctx, o, &da, a, ref) != LC_OK) return CLI_FAILED;
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        perror("compare: standard output");
+        return CLI_FAILED;
+    }
+    return is_beyond(o, &m) ? CLI_FAILED : CLI_OK;
+}
+
+int cmd_compare(int argc, char **argv)
+{
+    options o = { .over = 0.02, .scale = 1 };
+    int done = parse_options(argc, argv, &o);
+    if (done) return done - 1;
+    lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);
+    if (!ctx) return CLI_FAILED;
+    lc_image *image = NULL, *reference = NULL;
+    int status = CLI_INPUT;
+    if (lc_image_read(ctx, o.image, &image) == LC_OK &&
+        lc_image_read(ctx, o.reference, &reference) == LC_OK) {
+        status = compare(ctx, &o, image, reference);
+    }
+    lc_image_destroy(image);
+    lc_image_destroy(reference);
+    lc_context_destroy(ctx);
+    return status;
+}

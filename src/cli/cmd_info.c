@@ -1,0 +1,156 @@
+/* cmd_info.c - counts, bounds and approximations of a scene; size, channels and their ranges of an image. */
+#include "cli.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+typedef unsigned long long ull;
+
+static void scene_text(const lc_scene *scene, const lc_scene_info *i)
+{
+    printf("triangles            %llu in %llu meshes, %llu vertices\n", (ull)i->n_triangles, (ull)i->n_meshes, (ull)i->n_vertices);
+    printf("materials            %llu\n", (ull)i->n_materials);
+    printf("lights               %llu: %llu point, %llu oriented, %llu directional\n", (ull)i->n_lights, (ull)i->n_point,
+           (ull)i->n_oriented, (ull)i->n_directional);
+    printf("emissive triangles   %llu\n", (ull)i->n_emissive_triangles);
+    if (i->n_triangles)
+        printf("bounds               (%g, %g, %g) to (%g, %g, %g)\n", (double)i->bounds_lo[0], (double)i->bounds_lo[1],
+               (double)i->bounds_lo[2], (double)i->bounds_hi[0], (double)i->bounds_hi[1], (double)i->bounds_hi[2]);
+    printf("film                 %u x %u, pixels %u-%u x %u-%u, %u samples a pixel, file '%s'\n", i->width, i->height, i->crop[0],
+           i->crop[1], i->crop[2], i->crop[3], i->spp, i->film_filename);
+    printf("memory               bvh %llu bytes, light tree %llu bytes\n", (ull)i->bvh_bytes, (ull)i->tree_bytes);
+    printf("approximated or ignored: %u kinds\n", i->n_notes);
+    for (uint32_t k = 0; k < i->n_notes; k++) {
+        lc_note note;
+        if (!lc_scene_get_note(scene, k, &note)) printf("  %6llu  %-24s %s\n", (ull)note.count, note.kind, note.text);
+    }
+}
+
+static void scene_json(const lc_scene *scene, const lc_scene_info *i)
+{
+    printf("{\n  \"triangles\": %llu,\n  \"vertices\": %llu,\n  \"meshes\": %llu,\n  \"materials\": %llu,\n", (ull)i->n_triangles,
+           (ull)i->n_vertices, (ull)i->n_meshes, (ull)i->n_materials);
+    printf("  \"lights\": %llu,\n  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu},\n",
+           (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional);
+    printf("  \"emissive_triangles\": %llu,\n", (ull)i->n_emissive_triangles);
+    if (i->n_triangles)
+        printf("  \"bounds\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]],\n", (double)i->bounds_lo[0], (double)i->bounds_lo[1],
+               (double)i->bounds_lo[2], (double)i->bounds_hi[0], (double)i->bounds_hi[1], (double)i->bounds_hi[2]);
+    else
+        printf("  \"bounds\": null,\n");
+    printf("  \"width\": %u,\n  \"height\": %u,\n  \"crop\": [%u, %u, %u, %u],\n  \"spp\": %u,\n  \"filename\": ", i->width, i->height,
+           i->crop[0], i->crop[1], i->crop[2], i->crop[3], i->spp);
+    cli_json_text(stdout, i->film_filename);
+    printf(",\n  \"bvh_bytes\": %llu,\n  \"tree_bytes\": %llu,\n  \"notes\": [", (ull)i->bvh_bytes, (ull)i->tree_bytes);
+    for (uint32_t k = 0; k < i->n_notes; k++) {
+        lc_note note;
+        if (lc_scene_get_note(scene, k, &note)) continue;
+        printf("%s\n    {\"kind\": ", k ? "," : "");
+        cli_json_text(stdout, note.kind);
+        printf(", \"count\": %llu, \"text\": ", (ull)note.count);
+        cli_json_text(stdout, note.text);
+        printf("}");
+    }
+    printf("%s]\n}\n", i->n_notes ? "\n  " : "");
+}
+
+typedef struct {
+    double min, max, mean;
+    uint64_t nonfinite;
+} range;
+
+static range range_of(const float *plane, size_t n)
+{
+    range r = { INFINITY, -INFINITY, 0, 0 };
+    for (size_t i = 0; i < n; i++) {
+        double v = (double)plane[i];
+        if (!isfinite(v)) {
+            r.nonfinite++;
+            continue;
+        }
+        if (v < r.min) r.min = v;
+        if (v > r.max) r.max = v;
+        r.mean += v;
+    }
+    r.mean = n > r.nonfinite ? r.mean / (double)(n - r.nonfinite) : 0;
+    if (n == r.nonfinite) r.min = r.max = 0;
+    return r;
+}
+
+static void print_image(lc_image *image, bool json)
+{
+    lc_image_desc d = LC_IMAGE_DESC_INIT;
+    lc_image_get_desc(image, &d);
+    size_t n = (size_t)d.width * d.height;
+    if (json)
+        printf("{\n  \"width\": %u,\n  \"height\": %u,\n  \"x0\": %d,\n  \"y0\": %d,\n  \"display_width\": %u,\n  \"display_height\": %u,\n  \"channels\": [",
+               d.width, d.height, d.x0, d.y0, d.display_width, d.display_height);
+    else
+        printf("image                %u x %u at (%d, %d) of %u x %u\n", d.width, d.height, d.x0, d.y0, d.display_width, d.display_height);
+    for (uint32_t i = 0; i < lc_image_n_channels(image); i++) {
+        const char *name = lc_image_channel_name(image, i);
+        range r = range_of(lc_image_channel(image, name), n);
+        if (json) {
+            printf("%s\n    {\"name\": ", i ? "," : "");
+            cli_json_text(stdout, name);
+            printf(", \"min\": %.9g, \"max\": %.9g, \"mean\": %.9g, \"nonfinite\": %llu}", r.min, r.max, r.mean, (ull)r.nonfinite);
+        } else {
+            printf("  %-18s min %-12.6g max %-12.6g mean %-12.6g not finite %llu\n", name, r.min, r.max, r.mean, (ull)r.nonfinite);
+        }
+    }
+    if (json) printf("\n  ]\n}\n");
+}
+
+static int info_image(lc_context *ctx, const char *path, bool json)
+{
+    lc_image *image;
+    if (lc_image_read(ctx, path, &image)) return CLI_INPUT;
+    print_image(image, json);
+    lc_image_destroy(image);
+    return CLI_OK;
+}
+
+static int info_scene(lc_context *ctx, const char *path, bool json)
+{
+    lc_scene *scene;
+    lc_scene_info info;
+    lc_status st = lc_scene_load(ctx, path, NULL, &scene);
+    if (st) return st == LC_ERR_MEMORY ? CLI_FAILED : CLI_INPUT;
+    lc_scene_get_info(scene, &info);
+    if (json) scene_json(scene, &info);
+    else scene_text(scene, &info);
+    lc_scene_destroy(scene);
+    return CLI_OK;
+}
+
+int cmd_info(int argc, char **argv)
+{
+    static const struct option options[] = { { "json", 0, 0, 'j' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 } };
+    bool json = false;
+    int c;
+    optind = 1, opterr = 0;
+    while ((c = getopt_long(argc, argv, ":h", options, NULL)) != -1) {
+        if (c == 'j') {
+            json = true;
+        } else if (c == 'h') {
+            printf("usage: lightcuts info [--json] SCENE.pbrt|IMAGE.exr|IMAGE.png\n\n"
+                   "Prints what is in a scene (counts, bounds, what was approximated or ignored) or an image.\n");
+            return CLI_OK;
+        } else {
+            cli_bad_option("info", c, argv, options);
+            return CLI_USAGE;
+        }
+    }
+    if (argc - optind != 1) {
+        cli_usage_error("info", "give one scene or image");
+        return CLI_USAGE;
+    }
+    lc_context *ctx = cli_context(0, LC_ISA_BEST, -1);
+    if (!ctx) return CLI_FAILED;
+    const char *path = argv[optind];
+    bool image = cli_has_extension(path, ".exr") || cli_has_extension(path, ".png");
+    int status = image ? info_image(ctx, path, json) : info_scene(ctx, path, json);
+    lc_context_destroy(ctx);
+    return status;
+}

@@ -1,0 +1,316 @@
+/* cmd_render.c - options -> scene -> picture -> files and statistics. */
+#include "cli.h"
+#include "progress.h"
+#include "render_stats.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define MAX_OUTPUTS 16
+
+typedef struct {
+    const char *scene, *outputs[MAX_OUTPUTS], *stats_file;
+    char default_output[4096];
+    int n_outputs;
+    uint32_t n_threads;
+    lc_isa isa;
+    lc_load_desc load;
+    lc_render_desc render;
+    double pixel_crop[4], unit_crop[4];
+    bool has_pixel_crop, has_unit_crop, quiet, print_stats, write_time;
+    int verbosity;
+} options;
+
+enum { OPT_METHOD = 256, OPT_ERROR, OPT_MAX_CUT, OPT_REPS, OPT_MAXDEPTH, OPT_AREA, OPT_SEED, OPT_SPP, OPT_ISA,
+       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME };
+
+static const struct option long_options[] = {
+    { "outfile", 1, 0, 'o' }, { "method", 1, 0, OPT_METHOD }, { "error-ratio", 1, 0, OPT_ERROR },
+    { "max-cut", 1, 0, OPT_MAX_CUT }, { "dark-floor", 1, 0, OPT_FLOOR }, { "representatives", 1, 0, OPT_REPS },
+    { "maxdepth", 1, 0, OPT_MAXDEPTH }, { "area-lights", 1, 0, OPT_AREA }, { "nthreads", 1, 0, 't' },
+    { "seed", 1, 0, OPT_SEED }, { "spp", 1, 0, OPT_SPP }, { "isa", 1, 0, OPT_ISA },
+    { "pixelbounds", 1, 0, OPT_PIXELS }, { "cropwindow", 1, 0, OPT_CROP }, { "aov", 1, 0, OPT_AOV },
+    { "stats-file", 1, 0, OPT_STATS_FILE }, { "stats", 0, 0, OPT_STATS }, { "write-time", 0, 0, OPT_TIME },
+    { "quiet", 0, 0, 'q' }, { "verbose", 0, 0, 'v' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 },
+};
+
+static void print_help(void)
+{
+    printf("usage: lightcuts [render] [options] SCENE.pbrt     ('-' reads the scene from standard input)\n\n"
+           "  -o, --outfile FILE       .exr or .png; may be repeated; default: the scene's film filename, else SCENE.exr\n"
+           "      --method M           lightcuts (default) or exact: every light at every point\n"
+           "      --error-ratio E      bound of every cluster against the estimate, default 0.02\n"
+           "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
+           "      --dark-floor F       errors are measured against at least F times the picture's mean, default %g\n"
+           "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 1\n"
+           "      --maxdepth N         bounces; this version renders direct light only (1)\n"
+           "      --area-lights N      lights made from emissive surfaces, default 1024\n"
+           "      --seed N             of sampling, of area lights and of the tree's representatives, default 0\n"
+           "      --spp N              samples per pixel, default the scene's, which counts up to 4\n"
+           "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
+           "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n"
+           "      --aov LIST           further channels, with commas: cut n p z albedo error rays all\n"
+           "  -t, --nthreads N         default: all processors this process may use\n"
+           "      --isa I              use at most scalar, sse4, avx2 or avx512 (also: LC_ISA in the environment)\n"
+           "      --stats              print statistics\n"
+           "      --stats-file F.json  write statistics\n"
+           "      --write-time         put renderTimeSeconds into the EXR, which else holds nothing that varies\n"
+           "  -q, --quiet              errors only\n"
+           "  -v, --verbose            say more\n"
+           "  -h, --help               this text\n", (double)LC_DARK_FLOOR);
+}
+
+static int parse_aovs(const char *text, uint32_t *out)
+{
+    static const struct {
+        const char *name;
+        uint32_t bit;
+    } names[] = { { "cut", LC_AOV_CUT }, { "n", LC_AOV_N }, { "p", LC_AOV_P }, { "z", LC_AOV_Z },
+                  { "albedo", LC_AOV_ALBEDO }, { "error", LC_AOV_ERROR }, { "rays", LC_AOV_RAYS }, { "all", LC_AOV_ALL } };
+    *out = 0;
+    for (;;) {
+        size_t len = strcspn(text, ","), i = 0, n = sizeof names / sizeof *names;
+        while (i < n && (strlen(names[i].name) != len || strncmp(names[i].name, text, len))) i++;
+        if (i == n) return -1;
+        *out |= names[i].bit;
+        if (!text[len]) return 0;
+        text += len + 1;
+    }
+}
+
+static int parse_method(const char *text, lc_method *out)
+{
+    *out = LC_METHOD_LIGHTCUTS;
+    if (!strcmp(text, "lightcuts")) return 0;
+    *out = LC_METHOD_EXACT;
+    return strcmp(text, "exact");
+}
+
+static int u32_option(uint64_t lo, uint64_t hi, uint32_t *out)
+{
+    uint64_t v = 0;
+    int bad = cli_parse_u64(optarg, lo, hi, &v);
+    if (!bad) *out = (uint32_t)v;
+    return bad;
+}
+
+static int float_option(double lo, double hi, float *out)
+{
+    double v = 0;
+    int bad = cli_parse_float(optarg, lo, hi, &v);
+    if (!bad) *out = (float)v;
+    return bad;
+}
+
+/* Nonzero: the value of option c is out of range. */
+static int set_option(options *o, int c)
+{
+    uint32_t depth = 1;
+    switch (c) {
+    case 'o': o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg; return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
+    case OPT_METHOD: return parse_method(optarg, &o->render.method);
+    case OPT_ERROR: return float_option(0, 1e6, &o->render.error_ratio);
+    case OPT_MAX_CUT: return u32_option(0, UINT32_MAX, &o->render.max_cut);
+    case OPT_FLOOR: return float_option(0, 1e6, &o->render.dark_floor);
+    case OPT_REPS: return u32_option(1, 32, &o->load.n_reps);
+    case OPT_MAXDEPTH:
+        if (u32_option(1, 1000000, &depth)) return -1;
+        if (depth > 1) fprintf(stderr, "lightcuts: warning: --maxdepth %u: only direct light is rendered in this version\n", depth);
+        return 0;
+    case OPT_AREA: return u32_option(1, 1u << 28, &o->load.area_lights);
+    case 't': return u32_option(0, 1024, &o->n_threads);
+    case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
+    case OPT_SPP: return u32_option(1, 65536, &o->render.spp);
+    case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
+    case OPT_PIXELS: o->has_pixel_crop = true; return cli_parse_list(optarg, 4, 0, 65535, o->pixel_crop);
+    case OPT_CROP: o->has_unit_crop = true; return cli_parse_list(optarg, 4, 0, 1, o->unit_crop);
+    case OPT_AOV: return parse_aovs(optarg, &o->render.aovs);
+    case OPT_STATS_FILE: o->stats_file = optarg; return !*optarg;
+    case OPT_STATS: o->print_stats = true; return 0;
+    case OPT_TIME: o->write_time = true; return 0;
+    case 'q': o->quiet = true; o->verbosity = -1; return 0;
+    case 'v': o->verbosity = 1; return 0;
+    default: return 0;
+    }
+}
+
+/* 0: go on; otherwise *status is the exit status. */
+static int parse_options(int argc, char **argv, options *o, int *status)
+{
+    int c, index = -1;
+    *status = CLI_USAGE;
+    if (cli_env_isa("render", &o->isa)) return -1;
+    optind = 1, opterr = 0;
+    while ((c = getopt_long(argc, argv, ":o:t:qvh", long_options, &index)) != -1) {
+        if (c == 'h') {
+            print_help();
+            *status = CLI_OK;
+            return -1;
+        }
+        if (c == '?' || c == ':') {
+            cli_bad_option("render", c, argv, long_options);
+            return -1;
+        }
+        if (set_option(o, c)) {
+            if (c < 256) cli_usage_error("render", "bad value '%s' for option -%c", optarg, c);
+            else cli_usage_error("render", "bad value '%s' for option --%s", optarg, long_options[index].name);
+            return -1;
+        }
+    }
+    if (argc - optind != 1) {
+        cli_usage_error("render", argc == optind ? "no scene given" : "more than one scene given");
+        return -1;
+    }
+    o->scene = argv[optind];
+    o->load.seed = o->render.seed;
+    for (int i = 0; i < o->n_outputs; i++)
+        if (!cli_has_extension(o->outputs[i], ".exr") && !cli_has_extension(o->outputs[i], ".png")
+            && strncmp(o->outputs[i], "/dev/", 5)) {
+            cli_usage_error("render", "output '%s' is neither .exr nor .png", o->outputs[i]);
+            return -1;
+        }
+    return 0;
+}
+
+/* The film's filename if it is one we write, with .exr in place of another extension; else SCENE.exr here. */
+static void choose_output(options *o, const lc_scene_info *info)
+{
+    if (o->n_outputs) return;
+    const char *name = info->film_filename, *slash;
+    bool from_scene = !*name;
+    if (from_scene) {
+        slash = strrchr(o->scene, '/');
+        name = !strcmp(o->scene, "-") ? "stdin" : slash ? slash + 1 : o->scene;
+    }
+    snprintf(o->default_output, sizeof o->default_output - 8, "%s", name);
+    char *dot = strrchr(o->default_output, '.');
+    if (from_scene || (!cli_has_extension(name, ".exr") && !cli_has_extension(name, ".png"))) {
+        if (dot && dot != o->default_output && !strchr(dot, '/')) *dot = 0;
+        strcat(o->default_output, ".exr");
+    }
+    o->outputs[o->n_outputs++] = o->default_output;
+}
+
+/* A long render must not end with an output that could never be written. */
+static int check_writable(const char *path)
+{
+    char folder[4096];
+    struct stat st;
+    snprintf(folder, sizeof folder, "%s", path);
+    char *slash = strrchr(folder, '/');
+    if (slash) slash[slash == folder] = 0;
+    else strcpy(folder, ".");
+    errno = EISDIR;
+    bool is_folder = !stat(path, &st) && S_ISDIR(st.st_mode);
+    if (is_folder || access(folder, W_OK | X_OK)) {
+        fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", path, strerror(is_folder ? EISDIR : errno));
+        return CLI_FAILED;
+    }
+    return 0;
+}
+
+static int check_outputs(const options *o)
+{
+    for (int i = 0; i < o->n_outputs; i++)
+        if (check_writable(o->outputs[i])) return CLI_FAILED;
+    return o->stats_file ? check_writable(o->stats_file) : 0;
+}
+
+static int set_crop(options *o, const lc_scene_info *info)
+{
+    for (int i = 0; i < 4; i++) {
+        double size = i < 2 ? info->width : info->height;
+        if (o->has_pixel_crop) o->render.crop[i] = (int32_t)o->pixel_crop[i];
+        else if (o->has_unit_crop) o->render.crop[i] = (int32_t)(o->unit_crop[i] * size + 0.5);
+    }
+    bool asked = o->has_pixel_crop || o->has_unit_crop;
+    if (asked && (o->render.crop[0] >= o->render.crop[1] || o->render.crop[2] >= o->render.crop[3]
+                  || (uint32_t)o->render.crop[1] > info->width || (uint32_t)o->render.crop[3] > info->height)) {
+        cli_usage_error("render", "the crop is empty or outside the film of %u x %u pixels", info->width, info->height);
+        return CLI_USAGE;
+    }
+    return 0;
+}
+
+static int write_outputs(const options *o, lc_image *image, double seconds)
+{
+    if (o->write_time && !getenv("SOURCE_DATE_EPOCH") && lc_image_set_number(image, "renderTimeSeconds", seconds))
+        return CLI_FAILED;
+    for (int i = 0; i < o->n_outputs; i++)
+        if (lc_image_write(image, o->outputs[i])) return CLI_FAILED;
+    return CLI_OK;
+}
+
+static int report(const options *o, cli_render_report *r)
+{
+    if (!o->quiet && o->n_outputs) {
+        fprintf(stderr, "lightcuts: wrote");
+        for (int i = 0; i < o->n_outputs; i++) fprintf(stderr, " %s", o->outputs[i]);
+        fprintf(stderr, " in %.2f s, %.1f of %llu lights a point\n", r->seconds_total, r->stats.cut_mean,
+                (unsigned long long)r->info.n_lights);
+    }
+    if (o->print_stats) cli_print_stats(stdout, r);
+    return o->stats_file ? cli_write_file(o->stats_file, cli_write_stats_json, r) : CLI_OK;
+}
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
+{
+    cli_render_report r = { .scene = o->scene, .method = o->render.method, .seed = o->render.seed };
+    cli_progress progress;
+    double t0 = now();
+    lc_status st = lc_scene_load(ctx, o->scene, &o->load, scene);
+    if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
+    lc_scene_get_info(*scene, &r.info);
+    choose_output(o, &r.info);
+    int status = set_crop(o, &r.info);
+    if (!status) status = check_outputs(o);
+    if (status) return status;
+    if (!r.info.n_lights && !o->quiet) fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
+    cli_progress_start(&progress, "rendering", o->quiet);
+    o->render.progress = cli_progress_step;
+    o->render.progress_user = &progress;
+    st = lc_render(ctx, *scene, &o->render, image, &r.stats);
+    cli_progress_end(&progress);
+    if (st == LC_ERR_CANCELLED) fprintf(stderr, "lightcuts: interrupted, nothing written\n");
+    if (st) return cli_exit_status(st);
+    if (r.stats.nonfinite)
+        fprintf(stderr, "lightcuts: warning: %llu pixels were not finite and were set to 0\n",
+                (unsigned long long)r.stats.nonfinite);
+    double t1 = now();
+    status = write_outputs(o, *image, r.stats.seconds);
+    if (status) return status;
+    r.isa = lc_isa_name(lc_context_isa(ctx));
+    r.threads = lc_context_threads(ctx);
+    r.seconds_write = now() - t1;
+    r.seconds_total = now() - t0;
+    return report(o, &r);
+}
+
+int cmd_render(int argc, char **argv)
+{
+    options o = { .load = LC_LOAD_DESC_INIT, .render = LC_RENDER_DESC_INIT };
+    int status;
+    if (parse_options(argc, argv, &o, &status)) return status;
+    cli_catch_signals();
+    lc_context *ctx = cli_context(o.n_threads, o.isa, o.verbosity);
+    lc_scene *scene = NULL;
+    lc_image *image = NULL;
+    status = ctx ? run(&o, ctx, &scene, &image) : CLI_FAILED;
+    lc_image_destroy(image);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+    if (cli_caught_signal()) cli_die_by_signal(cli_caught_signal());
+    return status;
+}

@@ -1,0 +1,43 @@
+/* colourmap.c - maps of a few sRGB colours, lightness rising evenly, straight lines between them. */
+#include "colourmap.h"
+
+#include <math.h>
+
+#define N_STOPS 5
+#define SHOULDER 0.8  /* lc_image_write, PNG */
+#define LARGEST 0.995 /* the shoulder reaches 1 at infinity only */
+
+static const double stops[2][N_STOPS][3] = {
+    { { 0.19, 0.05, 0.32 },
+      { 0.19, 0.30, 0.56 },
+      { 0.10, 0.52, 0.56 },
+      { 0.32, 0.74, 0.40 },
+      { 0.98, 0.90, 0.20 } },
+    { { 0.00, 0.00, 0.00 },
+      { 0.45, 0.02, 0.10 },
+      { 0.86, 0.22, 0.04 },
+      { 0.98, 0.68, 0.10 },
+      { 1.00, 1.00, 0.96 } },
+};
+
+/* The linear value that a PNG shows as the sRGB value c. */
+static float to_linear(double c)
+{
+    double v = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+    if (v > LARGEST) v = LARGEST;
+    if (v > SHOULDER) v = SHOULDER + (1 - SHOULDER) * ((1 - SHOULDER) / (1 - v) - 1);
+    return (float)v;
+}
+
+void colourmap_rgb(colourmap_kind kind, double v, float rgb[3])
+{
+    if (isnan(v)) {
+        for (int c = 0; c < 3; c++) rgb[c] = to_linear(0.5);
+        return;
+    }
+    double x = (v < 0 ? 0 : v > 1 ? 1 : v) * (N_STOPS - 1);
+    int i = x < N_STOPS - 1 ? (int)x : N_STOPS - 2;
+    for (int c = 0; c < 3; c++) {
+        rgb[c] = to_linear(stops[kind][i][c] + (stops[kind][i + 1][c] - stops[kind][i][c]) * (x - i));
+    }
+}

@@ -1,0 +1,125 @@
+/* metrics.c - see metrics.h. */
+#include "metrics.h"
+
+#include "flip.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define EPSILON 0.01 /* keeps black reference values from ruling mrse and mape, pbrt's choice */
+
+const char *const metric_names[N_METRICS] = { "mae",     "mse",      "rmse",    "mrse",       "mape",
+                                              "psnr",    "flip",     "max",     "mean_ratio", "rel_p50",
+                                              "rel_p99", "rel_p999", "rel_max", "over",       "nonfinite" };
+
+static bool finite_pixel(float *const a[3], float *const ref[3], size_t i)
+{
+    for (int c = 0; c < 3; c++) {
+        if (!isfinite(a[c][i]) || !isfinite(ref[c][i])) return false;
+    }
+    return true;
+}
+
+/* Everything that is a sum or a maximum over values. */
+static void add_up(uint32_t width, size_t n, float *const a[3], float *const ref[3], metrics *m)
+{
+    double abs_sum = 0, sq_sum = 0, rel_sq_sum = 0, rel_sum = 0, a_sum = 0, ref_sum = 0;
+    size_t n_values = 0, n_bad = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!finite_pixel(a, ref, i)) {
+            n_bad++;
+            continue;
+        }
+        for (int c = 0; c < 3; c++) {
+            double va = (double)a[c][i], vr = (double)ref[c][i], d = fabs(va - vr);
+            abs_sum += d;
+            sq_sum += d * d;
+            rel_sum += d / (fabs(vr) + EPSILON);
+            rel_sq_sum += d * d / ((vr + EPSILON) * (vr + EPSILON));
+            a_sum += va;
+            ref_sum += vr;
+            if (d > m->value[METRIC_MAX] || n_values == 0) {
+                m->value[METRIC_MAX] = d;
+                m->max_x = (uint32_t)(i % width);
+                m->max_y = (uint32_t)(i / width);
+                m->max_channel = c;
+                m->max_a = va;
+                m->max_ref = vr;
+            }
+            n_values++;
+        }
+    }
+    double inv_n = n_values ? 1.0 / (double)n_values : 0.0;
+    m->value[METRIC_MAE] = abs_sum * inv_n;
+    m->value[METRIC_MSE] = sq_sum * inv_n;
+    m->value[METRIC_RMSE] = sqrt(sq_sum * inv_n);
+    m->value[METRIC_MRSE] = rel_sq_sum * inv_n;
+    m->value[METRIC_MAPE] = rel_sum * inv_n;
+    m->value[METRIC_PSNR] = sq_sum > 0 ? -10.0 * log10(sq_sum * inv_n) : HUGE_VAL;
+    m->value[METRIC_MEAN_RATIO] = a_sum == ref_sum ? 1.0 : a_sum / ref_sum;
+    m->value[METRIC_NONFINITE] = (double)n_bad;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    float x, y;
+    memcpy(&x, a, sizeof x);
+    memcpy(&y, b, sizeof y);
+    return (x > y) - (x < y);
+}
+
+/* The smallest value that a share p of the sorted values does not exceed. */
+static double percentile(const float *sorted, size_t n, double p)
+{
+    if (n == 0) return 0;
+    size_t k = (size_t)ceil(p * (double)n);
+    return (double)sorted[k < 1 ? 0 : k - 1];
+}
+
+static double luminance(float *const p[3], size_t i)
+{
+    return 0.2126 * (double)p[0][i] + 0.7152 * (double)p[1][i] + 0.0722 * (double)p[2][i];
+}
+
+/* `rel` is room for n values. */
+static void relative_errors(size_t n, float *const a[3], float *const ref[3], double over, float *rel,
+                            metrics *m)
+{
+    size_t n_rel = 0, n_over = 0;
+    for (size_t i = 0; i < n; i++) {
+        double vr = luminance(ref, i);
+        if (!finite_pixel(a, ref, i) || !(vr > 0)) continue;
+        double e = fabs(luminance(a, i) - vr) / vr;
+        n_over += e > over;
+        rel[n_rel++] = (float)e;
+    }
+    qsort(rel, n_rel, sizeof *rel, by_value);
+    m->value[METRIC_REL_P50] = percentile(rel, n_rel, 0.5);
+    m->value[METRIC_REL_P99] = percentile(rel, n_rel, 0.99);
+    m->value[METRIC_REL_P999] = percentile(rel, n_rel, 0.999);
+    m->value[METRIC_REL_MAX] = percentile(rel, n_rel, 1.0);
+    m->value[METRIC_OVER] = n_rel ? (double)n_over / (double)n_rel : 0.0;
+}
+
+lc_status metrics_of(lc_context *ctx, uint32_t width, uint32_t height, float *const a[3], float *const ref[3],
+                     double over, metrics *out)
+{
+    memset(out, 0, sizeof *out);
+    lc_image_desc desc = LC_IMAGE_DESC_INIT;
+    desc.width = width;
+    desc.height = height;
+    lc_image *room = NULL;
+    float *rel = NULL;
+    lc_status status = lc_image_create(ctx, &desc, &room);
+    if (status == LC_OK) status = lc_image_add_channel(room, "rel", &rel);
+    if (status == LC_OK) {
+        size_t n = (size_t)width * height;
+        add_up(width, n, a, ref, out);
+        relative_errors(n, a, ref, over, rel, out);
+        status = flip_mean(ctx, width, height, a, ref, &out->value[METRIC_FLIP]);
+    }
+    lc_image_destroy(room);
+    return status;
+}

@@ -1,0 +1,83 @@
+/* progress.c - see progress.h. */
+#include "progress.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#define TERMINAL_STEP 0.25 /* seconds between rewritten lines, */
+#define PLAIN_STEP 10.0    /* and between plain ones */
+
+static volatile sig_atomic_t caught;
+
+static void on_signal(int sig)
+{
+    caught = sig;
+    signal(sig, SIG_DFL);
+}
+
+void cli_catch_signals(void)
+{
+    signal(SIGINT, on_signal);
+    signal(SIGTERM, on_signal);
+}
+
+int cli_caught_signal(void) { return caught; }
+
+void cli_die_by_signal(int sig)
+{
+    signal(sig, SIG_DFL);
+    raise(sig);
+    exit(128 + sig);
+}
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void cli_progress_start(cli_progress *p, const char *what, bool quiet)
+{
+    const char *no_color = getenv("NO_COLOR"), *term = getenv("TERM");
+    *p = (cli_progress){ .what = what, .quiet = quiet, .start = now() };
+    p->terminal = isatty(STDERR_FILENO) && (!term || strcmp(term, "dumb"));
+    p->colour = p->terminal && !(no_color && *no_color);
+    p->last = p->terminal ? 0 : p->start;
+}
+
+static void format_time(char *text, size_t size, double seconds)
+{
+    unsigned s = seconds < 0 ? 0 : seconds > 3.6e8 ? 360000000u : (unsigned)(seconds + 0.5);
+    if (s >= 3600) snprintf(text, size, "%u:%02u:%02u", s / 3600, s / 60 % 60, s % 60);
+    else snprintf(text, size, "%u:%02u", s / 60, s % 60);
+}
+
+int cli_progress_step(void *user, uint64_t done, uint64_t total)
+{
+    cli_progress *p = user;
+    double t = now(), share = total ? (double)done / (double)total : 1;
+    char left[32];
+    if (caught) return 1;
+    if (p->quiet || t - p->last < (p->terminal ? TERMINAL_STEP : PLAIN_STEP)) return 0;
+    p->last = t;
+    format_time(left, sizeof left, share > 0 ? (t - p->start) * (1 - share) / share : 0);
+    if (p->terminal) {
+        fprintf(stderr, "\r%s%s %5.1f %%%s  %s left   ", p->colour ? "\033[1m" : "", p->what, 100 * share,
+                p->colour ? "\033[0m" : "", left);
+        p->line_open = true;
+    } else {
+        fprintf(stderr, "%s %.1f %%, %s left\n", p->what, 100 * share, left);
+    }
+    return 0;
+}
+
+void cli_progress_end(cli_progress *p)
+{
+    if (p->line_open) fputs("\r                                                  \r", stderr);
+    p->line_open = false;
+}

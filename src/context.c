@@ -1,0 +1,110 @@
+/* context.c - creation of a context, and the one place where log lines are made. */
+#include "context.h"
+
+#include "arena.h"
+#include "cpu.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
+{
+    if (!out) return LC_ERR_ARG;
+    *out = NULL;
+    lc_context_desc d = LC_CONTEXT_DESC_INIT;
+    if (desc) {
+        if (desc->size != sizeof d) return LC_ERR_ARG;
+        d = *desc;
+    }
+    if ((int)d.isa < LC_ISA_BEST || d.isa > LC_ISA_AVX512 || d.n_threads > LC_MAX_THREADS) return LC_ERR_ARG;
+    lc_context ctx = { d.allocator ? *d.allocator : lc_allocator_libc(), d.log, d.log_user, d.n_threads, d.isa };
+    if (!ctx.n_threads) ctx.n_threads = lc_cpu_threads();
+    lc_isa best = lc_cpu_isa();
+    if (ctx.isa == LC_ISA_BEST || ctx.isa > best) ctx.isa = best;
+    lc_context *c = lc_alloc(&ctx, 1, sizeof *c);
+    if (!c) return LC_ERR_MEMORY;
+    *c = ctx;
+    *out = c;
+    return LC_OK;
+}
+
+void lc_context_destroy(lc_context *ctx)
+{
+    if (!ctx) return;
+    lc_context copy = *ctx;
+    lc_free(&copy, ctx, 1, sizeof *ctx);
+}
+
+lc_isa lc_context_isa(const lc_context *ctx) { return ctx->isa; }
+
+uint32_t lc_context_threads(const lc_context *ctx) { return ctx->n_threads; }
+
+const char *lc_status_name(lc_status status)
+{
+    switch (status) {
+    case LC_OK: return "ok";
+    case LC_ERR_ARG: return "argument out of range";
+    case LC_ERR_MEMORY: return "out of memory";
+    case LC_ERR_IO: return "input or output failed";
+    case LC_ERR_PARSE: return "wrong input";
+    case LC_ERR_UNSUPPORTED: return "not supported";
+    case LC_ERR_CANCELLED: return "cancelled";
+    }
+    return "unknown status";
+}
+
+const char *lc_isa_name(lc_isa isa)
+{
+    static const char *const names[] = { "best", "scalar", "sse4", "avx2", "avx512" };
+    return (int)isa >= 0 && isa <= LC_ISA_AVX512 ? names[isa] : "unknown";
+}
+
+static void log_line(const lc_context *ctx, lc_log_level level, const lc_pos *pos, const char *prefix, const char *fmt,
+                     va_list args)
+{
+    char text[2048];
+    size_t n = 0;
+    if (!ctx->log) return;
+    if (pos && pos->file) {
+        int k = pos->line ? snprintf(text, 1024, "%s:%u:%u: ", pos->file, pos->line, pos->column)
+                          : snprintf(text, 1024, "%s: ", pos->file);
+        n = k < 0 ? 0 : k < 1024 ? (size_t)k : 1023;
+    }
+    int k = snprintf(text + n, 64, "%s", prefix);
+    n += (size_t)k;
+    vsnprintf(text + n, sizeof text - n, fmt, args);
+    for (char *p = text; *p; p++)
+        if ((unsigned char)*p < 32 || *p == 127) *p = ' '; /* file names may hold anything */
+    ctx->log(ctx->log_user, level, text);
+}
+
+void lc_log(const lc_context *ctx, lc_log_level level, const char *fmt, ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    log_line(ctx, level, NULL, "", fmt, args);
+    va_end(args);
+}
+
+lc_status lc_fail(const lc_context *ctx, lc_status status, const char *fmt, ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    log_line(ctx, LC_LOG_ERROR, NULL, "error: ", fmt, args);
+    va_end(args);
+    return status;
+}
+
+lc_status lc_fail_at(const lc_context *ctx, lc_status status, lc_pos pos, const char *fmt, ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    log_line(ctx, LC_LOG_ERROR, &pos, "error: ", fmt, args);
+    va_end(args);
+    return status;
+}
+
+void lc_warn_at(const lc_context *ctx, lc_pos pos, const char *fmt, va_list args)
+{
+    log_line(ctx, LC_LOG_WARNING, &pos, "warning: ", fmt, args);
+}

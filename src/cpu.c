@@ -1,0 +1,24 @@
+/* cpu.c - asks CPU (cpuid, xgetbv through the compiler's builtin) and scheduler. */
+#include "cpu.h"
+
+#include <sched.h>
+
+lc_isa lc_cpu_isa(void)
+{
+#if defined(__x86_64__)
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+        return LC_ISA_AVX512;
+    if (__builtin_cpu_supports("avx2")) return LC_ISA_AVX2;
+    if (__builtin_cpu_supports("sse4.1")) return LC_ISA_SSE4;
+#endif
+    return LC_ISA_SCALAR;
+}
+
+uint32_t lc_cpu_threads(void)
+{
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set)) return 1;
+    int n = CPU_COUNT(&set);
+    return n < 1 ? 1 : n > LC_MAX_THREADS ? LC_MAX_THREADS : (uint32_t)n;
+}

@@ -1,0 +1,105 @@
+#!/bin/sh
+# openexr.sh - a static libOpenEXRCore.a from Debian's own openexr source package.
+#
+#     sh src/deps/openexr.sh BUILD_DEPS_DIR   ->   BUILD_DEPS_DIR/openexr/{lib/libOpenEXRCore.a,include/*.h}
+#
+# Debian ships OpenEXR's C library as a shared object only. The source comes through the machine's own apt
+# configuration: a temporary copy of it with `deb` turned into `deb-src`, so nothing system-wide changes.
+# Needs dpkg-dev (dpkg-source), libimath-dev (half.h) and zlib1g-dev. CC names the compiler, CFLAGS is not used.
+# The folder is made elsewhere and renamed, so it is complete when it exists.
+set -eu
+
+die()
+{
+    echo "openexr.sh: $*" >&2
+    exit 1
+}
+
+[ $# -eq 1 ] || die "usage: sh src/deps/openexr.sh BUILD_DEPS_DIR"
+[ -f "$1/openexr/lib/libOpenEXRCore.a" ] && [ -f "$1/openexr/include/openexr.h" ] && exit 0
+
+mkdir -p "$1" || die "cannot make the folder $1"
+deps=$(cd "$1" && pwd)
+work=$(mktemp -d "$deps/openexr.XXXXXX") || die "cannot make a temporary folder in $deps"
+trap 'rm -rf "$work"' EXIT
+trap 'exit 1' HUP INT TERM
+CC=${CC:-cc}
+
+for tool in apt-get dpkg-source; do
+    command -v "$tool" >/dev/null || die "$tool is missing (package dpkg-dev); or build with: make STATIC=0"
+done
+half=
+for dir in /usr/include/Imath /usr/local/include/Imath; do
+    [ -f "$dir/half.h" ] && half=$dir && break
+done
+[ -n "$half" ] || die "Imath/half.h is missing (package libimath-dev)"
+[ -f /usr/include/zlib.h ] || die "zlib.h is missing (package zlib1g-dev)"
+
+# The copy of the apt sources. A third-party entry may have no sources: its failure must not matter.
+mkdir -p "$work/sources" "$work/lists/partial" "$work/cache/archives/partial" "$work/src"
+for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources; do
+    [ -f "$file" ] || continue
+    sed -e 's/^[[:space:]]*deb[[:space:]]/deb-src /' -e 's/^[Tt]ypes:.*/Types: deb-src/' "$file" \
+        >"$work/sources/$(basename "$file")"
+done
+
+apt()
+{
+    apt-get -q -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$work/sources" \
+        -o Dir::State::Lists="$work/lists" -o Dir::Cache="$work/cache" -o APT::Sandbox::User=root \
+        -o Acquire::Languages=none -o Acquire::Retries=2 -o Acquire::http::Timeout=20 \
+        -o Acquire::https::Timeout=20 "$@"
+}
+
+apt update >"$work/log" 2>&1 || true
+(cd "$work/src" && apt source openexr) >>"$work/log" 2>&1 ||
+    die "cannot fetch Debian's openexr source: $(grep -E '^(E|W|Err|dpkg-source: error):?' "$work/log" | tail -n 1)"
+core=$(echo "$work"/src/openexr-*/src/lib/OpenEXRCore)
+[ -f "$core/openexr.h" ] || die "Debian's openexr source has no OpenEXRCore"
+root=${core%/src/lib/OpenEXRCore}
+version=${root##*/openexr-}
+major=${version%%.*}
+rest=${version#*.}
+minor=${rest%%.*}
+patch=${rest#*.}
+
+# What cmake would have made of cmake/OpenEXRConfig*.h.in, for the C library alone.
+mkdir -p "$work/out/include" "$work/out/lib" "$work/obj"
+cat >"$work/out/include/OpenEXRConfig.h" <<END
+#ifndef INCLUDED_OPENEXR_CONFIG_H
+#define INCLUDED_OPENEXR_CONFIG_H 1
+#define OPENEXR_VERSION_STRING "$version"
+#define OPENEXR_PACKAGE_STRING "OpenEXR $version"
+#define OPENEXR_VERSION_MAJOR $major
+#define OPENEXR_VERSION_MINOR $minor
+#define OPENEXR_VERSION_PATCH $patch
+#define OPENEXR_VERSION_RELEASE_TYPE ""
+#define OPENEXR_VERSION_EXTRA ""
+#define OPENEXR_LIB_VERSION_STRING "$version"
+#define OPENEXR_EXPORT
+#define OPENEXR_HIDDEN
+#endif
+END
+echo "#define ILMTHREAD_THREADING_ENABLED 1" >"$work/obj/IlmThreadConfig.h"
+cat >"$work/obj/OpenEXRConfigInternal.h" <<END
+#define OPENEXR_IMF_HAVE_LINUX_PROCFS 1
+#define OPENEXR_IMF_HAVE_SYSCONF_NPROCESSORS_ONLN 1
+END
+cp "$core"/openexr*.h "$work/out/include/"
+
+# A fixed path in the objects, so equal sources make equal archives.
+(
+    cd "$core"
+    for file in *.c; do
+        # shellcheck disable=SC2086
+        $CC -std=c11 -D_GNU_SOURCE -DNDEBUG -O2 -fPIC -ffunction-sections -fdata-sections -w \
+            -DIMATH_HALF_NO_LOOKUP_TABLE -I"$work/out/include" -I"$work/obj" -I. -I"$half" \
+            -c "$file" -o "$work/obj/${file%.c}.o" ||
+            exit 1
+    done
+) >>"$work/log" 2>&1 || die "cannot compile OpenEXRCore with $CC: $(grep -m 1 -E 'error|not found' "$work/log")"
+${AR:-ar} rcs "$work/out/lib/libOpenEXRCore.a" "$work"/obj/*.o || die "cannot make libOpenEXRCore.a"
+
+rm -rf "$deps/openexr"
+mv "$work/out" "$deps/openexr" 2>/dev/null || [ -f "$deps/openexr/lib/libOpenEXRCore.a" ] ||
+    die "cannot put $deps/openexr in place"

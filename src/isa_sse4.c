@@ -1,0 +1,9 @@
+/* isa_sse4.c - the kernels, compiled for this instruction set. */
+#define LC_ISA_LEVEL 1
+#define LC_FN(name) name##_sse4
+#include "kernels.h"
+#include "simd.h"
+
+#include "bvh_tmpl.c"
+
+const lc_kernels LC_FN(lc_kernels) = { LC_FN(closest), LC_FN(hidden) };

@@ -1,0 +1,40 @@
+/* kernels.h - the kernels of one instruction set, and the table that picks them. */
+#ifndef LC_KERNELS_H
+#define LC_KERNELS_H
+
+#include "layout.h"
+#include "lightcuts.h"
+
+/* What BVH kernels read. n_nodes == 0: nothing can be hit. Node 0 is the root. */
+typedef struct lc_bvh_data {
+    const lc_bvh_node *nodes;
+    const lc_tri_block *blocks;
+    uint32_t n_nodes, n_blocks;
+} lc_bvh_data;
+
+typedef struct lc_hit {
+    float t;      /* point = origin + t dir */
+    float u, v;   /* weights of vertices 1 and 2; vertex 0 has 1 - u - v */
+    uint32_t tri; /* LC_NONE: nothing hit */
+} lc_hit;
+
+/* Share of a shadow segment that is left out at either end. */
+#define LC_SHADOW_EPS 1e-4f
+/* Stack of the traversals: 7 entries a level, levels bounded by the builder. */
+#define LC_BVH_MAX_DEPTH 96
+#define LC_BVH_STACK (7 * LC_BVH_MAX_DEPTH + 8)
+
+typedef struct lc_kernels {
+    /* Nearest hit with 0 < t <= t_max; of equal t the lowest triangle id. */
+    void (*closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit);
+    /* hidden[i] = 1 if a triangle is met on org + t (target i - org) for t in (LC_SHADOW_EPS, 1 - LC_SHADOW_EPS), or,
+     * if `far` is set, at any t > LC_SHADOW_EPS (targets then only give directions). */
+    void (*hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float (*target)[3], bool far,
+                   uint8_t *hidden);
+} lc_kernels;
+
+const lc_kernels *lc_kernels_get(lc_isa isa); /* isa: one the CPU supports */
+
+extern const lc_kernels lc_kernels_scalar, lc_kernels_sse4, lc_kernels_avx2;
+
+#endif

@@ -1,0 +1,61 @@
+/* lightcuts.c - public calls of scenes: checks arguments, then delegates. */
+#include "lightcuts.h"
+
+#include "bvh.h"
+#include "light_tree.h"
+#include "pbrt_parse.h"
+#include "scene.h"
+
+#define DEFAULT_AREA_LIGHTS 1024
+#define MAX_AREA_LIGHTS (1u << 28)
+
+lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out)
+{
+    if (!out) return LC_ERR_ARG;
+    *out = NULL;
+    lc_load_desc d = LC_LOAD_DESC_INIT;
+    if (!ctx || !path || (desc && desc->size != sizeof d)) return LC_ERR_ARG;
+    if (desc) d = *desc;
+    if (!d.area_lights) d.area_lights = DEFAULT_AREA_LIGHTS;
+    if (!d.n_reps) d.n_reps = 1;
+    if (d.n_reps > LC_MAX_REPS || d.area_lights > MAX_AREA_LIGHTS)
+        return lc_fail(ctx, LC_ERR_ARG, "representatives must be 1 to %d, area lights at most %u", LC_MAX_REPS, MAX_AREA_LIGHTS);
+    lc_scene *scene;
+    double t0 = lc_now();
+    lc_status st = lc_scene_create(ctx, &scene);
+    if (!st) st = lc_pbrt_parse(scene, path);
+    if (!st) {
+        scene->seconds_parse = lc_now() - t0;
+        st = lc_scene_commit(scene, &d);
+    }
+    if (st) {
+        lc_scene_destroy(scene);
+        return st;
+    }
+    *out = scene;
+    return LC_OK;
+}
+
+void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
+{
+    const lc_light_tree *t = s->tree;
+    *info = (lc_scene_info){
+        .n_triangles = s->n_tris, .n_vertices = s->n_verts, .n_meshes = s->n_meshes, .n_materials = s->n_materials,
+        .n_lights = t->n_lights, .n_point = t->n_of_kind[LC_LIGHT_POINT], .n_oriented = t->n_of_kind[LC_LIGHT_ORIENTED],
+        .n_directional = t->n_of_kind[LC_LIGHT_DIRECTIONAL], .n_emissive_triangles = s->n_emissive_tris,
+        .width = s->film.width, .height = s->film.height, .spp = s->film.spp,
+        .film_filename = s->film.filename ? s->film.filename : "", .n_notes = (uint32_t)s->n_notes,
+        .seconds_parse = s->seconds_parse, .seconds_bvh = s->seconds_bvh, .seconds_lights = s->seconds_lights,
+        .seconds_tree = s->seconds_tree, .bvh_bytes = lc_bvh_bytes(s->bvh), .tree_bytes = lc_light_tree_bytes(t),
+    };
+    lc_f3_store(info->bounds_lo, s->bounds.lo);
+    lc_f3_store(info->bounds_hi, s->bounds.hi);
+    for (int i = 0; i < 4; i++) info->crop[i] = s->film.crop[i];
+}
+
+lc_status lc_scene_get_note(const lc_scene *s, uint32_t idx, lc_note *note)
+{
+    if (idx >= s->n_notes) return LC_ERR_ARG;
+    *note = (lc_note){ s->notes[idx].kind, s->notes[idx].text, s->notes[idx].count };
+    return LC_OK;
+}

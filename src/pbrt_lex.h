@@ -1,0 +1,69 @@
+/* pbrt_lex.h - pbrt text to tokens, each with its file, line and column (bytes, from 1), and a stack of
+ * include files.
+ *
+ * A file is held in memory while it is on the stack; strings are decoded in place and end with a zero, so a
+ * token's text lives until its file is popped, which only lc_pbrt_lex_pop does. Every number is finite and
+ * fits a float.
+ */
+#ifndef LC_PBRT_LEX_H
+#define LC_PBRT_LEX_H
+
+#include "readfile.h"
+
+#define LC_PBRT_MAX_DEPTH 64        /* files open at once; pbrt scenes use two or three */
+#define LC_PBRT_MAX_INCLUDES 100000 /* in all: files that double at every level end here */
+
+typedef enum lc_pbrt_token_kind {
+    LC_PBRT_END, /* of the file on top of the stack */
+    LC_PBRT_WORD,
+    LC_PBRT_STRING,
+    LC_PBRT_NUMBER,
+    LC_PBRT_OPEN, /* [ */
+    LC_PBRT_CLOSE /* ] */
+} lc_pbrt_token_kind;
+
+typedef struct lc_pbrt_token {
+    lc_pbrt_token_kind kind;
+    lc_pos pos;
+    const char *text; /* WORD: not zero-terminated; STRING: decoded, zero-terminated, no zeros inside */
+    size_t len;
+    double number;
+} lc_pbrt_token;
+
+typedef struct lc_pbrt_source {
+    lc_file file;
+    const char *name; /* as shown in messages */
+    size_t off, line_start;
+    uint32_t line;
+} lc_pbrt_source;
+
+typedef struct lc_pbrt_lex {
+    const lc_context *ctx;
+    lc_arena *arena; /* names of files */
+    lc_pbrt_source stack[LC_PBRT_MAX_DEPTH];
+    uint32_t depth, n_includes;
+    const char *main_dir; /* "" or ends with a slash */
+    bool no_files;        /* Include and mesh files are refused: input from memory */
+    lc_pbrt_token ahead;
+    bool has_ahead;
+} lc_pbrt_lex;
+
+void lc_pbrt_lex_init(lc_pbrt_lex *lex, const lc_context *ctx, lc_arena *arena);
+/* Opens the main file; "-" is stdin. */
+lc_status lc_pbrt_lex_open(lc_pbrt_lex *lex, const char *path);
+lc_status lc_pbrt_lex_open_memory(lc_pbrt_lex *lex, const char *name, const void *data, size_t size);
+/* Puts the file that `where` includes under `name` on the stack. */
+lc_status lc_pbrt_lex_include(lc_pbrt_lex *lex, lc_pos where, const char *name);
+void lc_pbrt_lex_pop(lc_pbrt_lex *lex); /* depth > 0; no token looked ahead but the file's END */
+void lc_pbrt_lex_free(lc_pbrt_lex *lex);
+
+lc_status lc_pbrt_lex_next(lc_pbrt_lex *lex, lc_pbrt_token *token);
+lc_status lc_pbrt_lex_peek(lc_pbrt_lex *lex, const lc_pbrt_token **token);
+
+/* The file that a scene means by `name`: beside the main file, else beside the including file. *path is in
+ * the arena; when neither exists it is the first candidate. */
+lc_status lc_pbrt_find_file(lc_pbrt_lex *lex, lc_pos where, const char *name, const char **path);
+
+bool lc_pbrt_is_word(const lc_pbrt_token *token, const char *word);
+
+#endif

@@ -1,0 +1,162 @@
+/* pbrt_shape.c - Shape statements to meshes in world space.
+ *
+ * A handler leaves the mesh in object space; lc_pbrt_shape then transforms it. Winding and given normals are
+ * kept as they are, so the geometric normal is flipped when ReverseOrientation and a mirrored matrix don't
+ * cancel; normals follow the inverse transpose, and ReverseOrientation.
+ */
+#include "pbrt_state.h"
+
+#include "ply.h"
+
+#include <string.h>
+
+typedef lc_status shape_handler(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
+
+lc_status lc_pbrt_mesh_room(lc_pbrt *p, size_t n_verts, size_t n_tris, bool normals)
+{
+    void *pos = p->pos, *normal = p->normal, *index = p->index;
+    lc_status st = lc_grow(p->ctx, &pos, &p->cap_pos, n_verts * 3, sizeof *p->pos);
+    p->pos = pos;
+    if (!st && normals) st = lc_grow(p->ctx, &normal, &p->cap_normal, n_verts * 3, sizeof *p->normal);
+    p->normal = normal;
+    if (!st) st = lc_grow(p->ctx, &index, &p->cap_index, n_tris * 3, sizeof *p->index);
+    p->index = index;
+    return st;
+}
+
+static lc_status copy_indices(lc_pbrt *p, const lc_pbrt_param *par, uint32_t n_verts)
+{
+    const double *v = lc_pbrt_numbers(&p->params, par);
+    if (par->n % 3) return lc_pbrt_bad_param(&p->params, par, "is not made of triples");
+    for (size_t i = 0; i < par->n; i++) {
+        if (!(v[i] >= 0 && v[i] < n_verts) || floor(v[i]) < v[i])
+            return lc_fail_at(p->ctx, LC_ERR_PARSE, par->pos, "index %zu is %g, not one of %u vertices", i,
+                              v[i], n_verts);
+        p->index[i] = (uint32_t)v[i];
+    }
+    return LC_OK;
+}
+
+static lc_status triangle_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+{
+    static const char *const silent[] = { "uv", "st", "S", "faceIndices" };
+    const lc_pbrt_param *pos = lc_pbrt_find(&p->params, "P", LC_PBRT_TRIPLE);
+    const lc_pbrt_param *normal = lc_pbrt_find(&p->params, "N", LC_PBRT_TRIPLE);
+    const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);
+    (void)area_ratio;
+    for (size_t i = 0; i < sizeof silent / sizeof *silent; i++) lc_pbrt_mark(&p->params, silent[i]);
+    if (!pos) return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "trianglemesh without vertices \"point3 P\"");
+    uint32_t n_verts = (uint32_t)(pos->n / 3);
+    if (!index && n_verts != 3)
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "trianglemesh without \"integer indices\"");
+    if (normal && normal->n != pos->n)
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, normal->pos, "%zu normals for %u vertices", normal->n / 3,
+                          n_verts);
+    size_t n_index = index ? index->n : 3;
+    lc_status st = lc_pbrt_mesh_room(p, n_verts, n_index / 3 + 1, normal != NULL);
+    if (st) return st;
+    for (size_t i = 0; i < pos->n; i++) p->pos[i] = (float)lc_pbrt_numbers(&p->params, pos)[i];
+    for (size_t i = 0; normal && i < pos->n; i++)
+        p->normal[i] = (float)lc_pbrt_numbers(&p->params, normal)[i];
+    for (uint32_t i = 0; !index && i < 3; i++) p->index[i] = i;
+    if (index && (st = copy_indices(p, index, n_verts))) return st;
+    mesh->n_verts = n_verts;
+    mesh->n_tris = (uint32_t)(n_index / 3);
+    mesh->pos = p->pos;
+    mesh->normal = normal ? p->normal : NULL;
+    mesh->index = p->index;
+    return LC_OK;
+}
+
+static lc_status ply_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+{
+    const char *name = NULL, *path;
+    const lc_pbrt_param *par;
+    (void)area_ratio;
+    lc_status st = lc_pbrt_get_text(&p->params, "filename", &name, &par);
+    if (st) return st;
+    if (!name) return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "plymesh without \"string filename\"");
+    if ((st = lc_pbrt_find_file(&p->lex, par->pos, name, &path))) return st;
+    lc_ply_mesh ply;
+    if ((st = lc_ply_load(p->ctx, par->pos, path, &ply))) return st;
+    st = lc_pbrt_mesh_room(p, ply.n_verts, ply.n_tris, ply.normal != NULL);
+    if (!st && ply.n_small_faces)
+        st = lc_pbrt_note(p, par->pos, "ply face", "faces with fewer than three corners are left out");
+    if (!st) {
+        size_t n_floats = (size_t)ply.n_verts * 3;
+        if (ply.n_verts) memcpy(p->pos, ply.pos, n_floats * sizeof(float));
+        if (ply.n_verts && ply.normal) memcpy(p->normal, ply.normal, n_floats * sizeof(float));
+        if (ply.n_tris) memcpy(p->index, ply.index, (size_t)ply.n_tris * 3 * sizeof(uint32_t));
+        mesh->n_verts = ply.n_verts;
+        mesh->n_tris = ply.n_tris;
+        mesh->pos = p->pos;
+        mesh->normal = ply.normal ? p->normal : NULL;
+        mesh->index = p->index;
+    }
+    lc_ply_free(p->ctx, &ply);
+    return st;
+}
+
+static const struct {
+    const char *name;
+    shape_handler *handler;
+    bool approximate;
+} shapes[] = {
+    { "trianglemesh", triangle_mesh, false },
+    { "plymesh", ply_mesh, false },
+    { "sphere", lc_pbrt_sphere, true },
+    { "disk", lc_pbrt_disk, true },
+};
+
+/* p->pos and p->normal to world space. */
+static lc_status to_world(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
+{
+    double rows[9], sign = p->attrs.reverse ? -1 : 1;
+    for (size_t i = 0; i < (size_t)mesh->n_verts * 3; i += 3) {
+        double v[3] = { (double)p->pos[i], (double)p->pos[i + 1], (double)p->pos[i + 2] };
+        lc_xform_point(&p->ctm, v, p->pos + i);
+        if (!lc_f3_finite(lc_f3_load(p->pos + i)))
+            return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "vertex %zu is out of range after the transform",
+                              i / 3);
+    }
+    if (!mesh->normal) return LC_OK;
+    lc_xform_normal_rows(&p->ctm, rows);
+    for (size_t i = 0; i < (size_t)mesh->n_verts * 3; i += 3) {
+        double v[3] = { (double)p->normal[i], (double)p->normal[i + 1], (double)p->normal[i + 2] };
+        double w[3], max = 0;
+        for (int k = 0; k < 3; k++) {
+            w[k] = rows[3 * k] * v[0] + rows[3 * k + 1] * v[1] + rows[3 * k + 2] * v[2];
+            max = fmax(max, fabs(w[k]));
+        }
+        for (int k = 0; k < 3; k++) p->normal[i + (size_t)k] = (float)(max > 0 ? sign * w[k] / max : 0);
+    }
+    return LC_OK;
+}
+
+lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    size_t i = 0, n = sizeof shapes / sizeof *shapes;
+    while (i < n && strcmp(shapes[i].name, s->text[0])) i++;
+    bool emits = lc_f3_max(p->attrs.emission) > 0;
+    if (i == n) {
+        lc_pbrt_mark_all(&p->params);
+        return lc_pbrt_note_name(p, s->pos, "shape", s->text[0], "the shape is skipped");
+    }
+    if (p->attrs.invisible && !emits) {
+        lc_pbrt_mark_all(&p->params);
+        return LC_OK;
+    }
+    lc_mesh_desc mesh = { 0 };
+    double area_ratio = 1;
+    lc_status st = shapes[i].handler(p, s, &mesh, &area_ratio);
+    if (st || !mesh.n_tris) return st;
+    if (shapes[i].approximate)
+        st = lc_pbrt_note_name(p, s->pos, "shape", s->text[0], "the shape is approximated by triangles");
+    if (!st) st = to_world(p, s->pos, &mesh);
+    if (!st) st = lc_pbrt_current_material(p, &mesh.material_id);
+    if (st) return st;
+    mesh.flip = p->attrs.reverse != lc_pbrt_mirrored(p);
+    mesh.emission = lc_f3_scale(p->attrs.emission, (float)area_ratio);
+    mesh.two_sided = p->attrs.two_sided;
+    return lc_pbrt_emit_mesh(p, s->pos, &mesh);
+}

@@ -1,0 +1,166 @@
+/* pbrt_state.h - what the handlers of pbrt's statements share: the parser with its graphics state.
+ *
+ * A scope (AttributeBegin, TransformBegin, ObjectBegin) keeps the attributes from before it. The matrix from
+ * before it is kept only once a statement inside is about to change it (lc_pbrt_set_ctm): 48 bytes a scope.
+ */
+#ifndef LC_PBRT_STATE_H
+#define LC_PBRT_STATE_H
+
+#include "pbrt_map.h"
+#include "pbrt_param.h"
+#include "scene.h"
+#include "xform.h"
+
+typedef struct lc_pbrt_attrs {
+    uint32_t material_id; /* LC_NONE: pbrt's default */
+    lc_f3 emission;       /* W/(m^2 sr), of the shapes that follow */
+    bool two_sided;
+    bool invisible; /* interface material: shapes are skipped unless they emit */
+    bool reverse;   /* ReverseOrientation */
+    bool end_only;  /* ActiveTransform EndTime: transforms don't count */
+} lc_pbrt_attrs;
+
+typedef enum lc_pbrt_scope_kind {
+    LC_PBRT_IN_ATTRIBUTE,
+    LC_PBRT_IN_TRANSFORM,
+    LC_PBRT_IN_OBJECT
+} lc_pbrt_scope_kind;
+
+typedef struct lc_pbrt_scope {
+    lc_pbrt_attrs attrs;
+    lc_pos opened;
+    lc_pbrt_scope_kind kind;
+    bool saved_ctm; /* the matrix from before is the top of `saved` */
+} lc_pbrt_scope;
+
+typedef struct lc_pbrt_material {
+    uint32_t id;
+    bool invisible;
+} lc_pbrt_material;
+
+typedef struct lc_pbrt_object {
+    size_t first, n; /* in object_meshes */
+    uint64_t n_tris;
+} lc_pbrt_object;
+
+/* Film, Sampler and Camera as far as read; joined at WorldBegin. */
+typedef struct lc_pbrt_options {
+    lc_pos film_pos, camera_pos;
+    bool has_camera;
+    int64_t width, height;
+    double crop[4];    /* fractions: x0, x1, y0, y1 */
+    int64_t bounds[4]; /* pixels; the film is intersected with it */
+    double scale, iso; /* of every pixel; of the sensor */
+    double shutter;    /* seconds; counts in v4 only */
+    const char *filename;
+    uint32_t spp;
+    lc_xform world_to_camera;
+    double fov, aspect; /* degrees; width / height of the picture, 0 = of the pixels */
+    double screen[4];
+    bool has_screen;
+} lc_pbrt_options;
+
+#define LC_PBRT_CIE_FIRST 360 /* nm */
+#define LC_PBRT_CIE_N 471     /* one nanometre apart */
+
+typedef struct lc_pbrt {
+    lc_context *ctx;
+    lc_scene *scene;
+    lc_arena arena; /* names, objects: until the end of parsing */
+    lc_pbrt_lex lex;
+    lc_pbrt_params params; /* of the statement being handled */
+    const char *owner;     /* whose parameters they are, for notes */
+
+    bool v4; /* the Film's name is one of v4's */
+    bool in_world, world_over;
+    uint32_t n_unknown; /* unknown statements */
+    lc_pbrt_options opt;
+
+    lc_pbrt_attrs attrs;
+    lc_xform ctm;
+    lc_pbrt_scope *scopes;
+    lc_xform *saved;
+    size_t n_scopes, n_saved, cap_scopes, cap_saved;
+
+    lc_pbrt_map material_names, colour_textures, float_textures, object_names, coord_names;
+    lc_pbrt_material *materials;
+    lc_f3 *textures; /* mean values */
+    lc_xform *coords;
+    size_t n_materials, n_textures, n_coords, cap_materials, cap_textures, cap_coords;
+    uint32_t default_material, black_material;
+
+    lc_pbrt_object *objects;
+    lc_mesh_desc *object_meshes; /* arrays in the arena, in the object's space */
+    size_t n_objects, n_object_meshes, cap_objects, cap_object_meshes;
+    bool in_object; /* the last of objects is being recorded */
+    uint64_t n_instanced_tris;
+
+    float *pos, *normal; /* of the mesh being made */
+    uint32_t *index;
+    size_t cap_pos, cap_normal, cap_index;
+    uint32_t n_round; /* spheres and disks so far */
+
+    bool has_cie;
+    double cie[LC_PBRT_CIE_N][3]; /* x y z bar, each summing to 1 */
+} lc_pbrt;
+
+/* One statement; its parameters are in lc_pbrt.params. */
+typedef struct lc_pbrt_stmt {
+    lc_pos pos;
+    const char *name; /* "LookAt" */
+    uint32_t n_text;
+    const char *text[3];
+    lc_pos text_pos[3];
+    double num[16];
+} lc_pbrt_stmt;
+
+typedef lc_status lc_pbrt_handler(lc_pbrt *p, const lc_pbrt_stmt *s);
+
+/* pbrt_parse.c */
+/* As lc_scene_note_at, for names from the file: control characters are replaced, and kinds are limited. */
+lc_status lc_pbrt_note(lc_pbrt *p, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
+/* kind is made of what ("shape") and name ("cone"). */
+lc_status lc_pbrt_note_name(lc_pbrt *p, lc_pos where, const char *what, const char *name, const char *text);
+lc_status lc_pbrt_open_scope(lc_pbrt *p, lc_pos where, lc_pbrt_scope_kind kind);
+lc_status lc_pbrt_close_scope(lc_pbrt *p, lc_pos where, lc_pbrt_scope_kind kind);
+bool lc_pbrt_mirrored(const lc_pbrt *p);
+
+/* pbrt_xform.c: transform statements */
+lc_pbrt_handler lc_pbrt_identity, lc_pbrt_translate, lc_pbrt_scale, lc_pbrt_rotate, lc_pbrt_look_at,
+    lc_pbrt_transform, lc_pbrt_concat, lc_pbrt_coord_system, lc_pbrt_coord_sys_transform,
+    lc_pbrt_active_transform;
+lc_status lc_pbrt_set_ctm(lc_pbrt *p, lc_pos where, const lc_xform *x);
+lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_xform *x);
+
+/* pbrt_option.c */
+void lc_pbrt_options_init(lc_pbrt_options *opt);
+lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler;
+lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where); /* sets the scene's film and camera */
+
+/* pbrt_material.c */
+lc_pbrt_handler lc_pbrt_do_material, lc_pbrt_make_named_material, lc_pbrt_named_material, lc_pbrt_texture;
+lc_status lc_pbrt_current_material(lc_pbrt *p, uint32_t *id);
+
+/* pbrt_light.c */
+lc_pbrt_handler lc_pbrt_light, lc_pbrt_area_light;
+
+/* pbrt_shape.c */
+lc_pbrt_handler lc_pbrt_shape;
+/* pbrt_round.c: positions and normals in object space to p->pos, p->normal, p->index; no triangles when it
+ * has no area. *area_ratio: true area over that of the triangles. */
+lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
+lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
+lc_status lc_pbrt_mesh_room(lc_pbrt *p, size_t n_verts, size_t n_tris, bool normals);
+
+/* pbrt_object.c */
+lc_pbrt_handler lc_pbrt_object_begin, lc_pbrt_object_end, lc_pbrt_object_instance;
+/* Hands a finished mesh to the scene or to the object being recorded. */
+lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh);
+
+/* pbrt_colour.c */
+typedef enum lc_pbrt_colour_use { LC_PBRT_FOR_ALBEDO, LC_PBRT_FOR_LIGHT } lc_pbrt_colour_use;
+/* A colour parameter as linear Rec.709; for albedos also a texture's mean. *out keeps its value if absent. */
+lc_status lc_pbrt_get_colour(lc_pbrt *p, const char *name, lc_pbrt_colour_use use, lc_f3 *out,
+                             const lc_pbrt_param **found);
+
+#endif

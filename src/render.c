@@ -1,0 +1,292 @@
+/* render.c - lc_render: pre-pass for the dark floor, then tiles over threads.
+ *
+ * Every pixel depends on scene, descriptor and its own coordinates only. Sample positions and representative slots come
+ * from (seed, pixel, sample, dimension); the pre-pass looks at a fixed grid over the whole film whatever the crop.
+ */
+#include "cut.h"
+#include "film.h"
+#include "pool.h"
+#include "rng.h"
+#include "scene.h"
+#include "shade.h"
+#include "surface.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+
+#define TILE 16              /* pixels a side */
+#define PREPASS_SIDE 32      /* grid of the pre-pass */
+#define PREPASS_RATIO 0.1f   /* its error ratio and cut limit: its mean is wanted to a few percent */
+#define PREPASS_MAX_CUT 128
+
+enum { DIM_X, DIM_Y, DIM_SLOT };
+
+typedef struct {
+    lc_cut cut;
+    lc_stats stats;
+    uint64_t *cut_hist; /* points by cut size, 0 .. cut.limit */
+} worker;
+
+typedef struct {
+    lc_context *ctx;
+    const lc_scene *scene;
+    const lc_render_desc *desc;
+    lc_film film;
+    uint32_t spp, tiles_x, tiles_y;
+    worker *workers;
+    lc_mutex *mutex;
+    uint64_t done; /* pixels, under the mutex */
+    atomic_bool cancelled;
+    double *prepass; /* luminance by grid cell */
+} job;
+
+static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dimension)
+{
+    return lc_hash4(j->desc->seed, pixel, sample, dimension);
+}
+
+/* Radiance of a shading point; fills what the statistics and planes want. */
+static void shade(const job *j, worker *w, const lc_surface *s, lc_f3 view, uint64_t hash, lc_cut_result *out)
+{
+    lc_point p;
+    lc_point_init(&p, s->pos, s->n, view, s->material, j->scene->min_d2);
+    if (j->desc->method == LC_METHOD_EXACT) {
+        lc_exact_shade(j->scene->tree, j->scene->bvh, &p, s->ray_org, &w->stats, out);
+    } else {
+        lc_cut_shade(&w->cut, &p, s->ray_org, hash, &w->stats, out);
+        w->cut_hist[out->size]++;
+    }
+}
+
+static void add_sample(const job *j, lc_pixel *px, const lc_surface *s, lc_f3 dir, const lc_cut_result *r)
+{
+    const double *axis = j->scene->camera.axis;
+    float cos_axis = (float)(axis[0] * (double)dir.x + axis[1] * (double)dir.y + axis[2] * (double)dir.z);
+    px->rgb = lc_f3_add(px->rgb, lc_f3_add(r->radiance, s->emission));
+    px->n = lc_f3_add(px->n, s->n);
+    px->p = lc_f3_add(px->p, s->pos);
+    px->albedo = lc_f3_add(px->albedo, lc_f3_add(s->material->kd, s->material->ks));
+    px->z += s->t * cos_axis;
+    px->cut += (float)r->size;
+    px->rays += (float)r->rays;
+    px->error += r->max_error;
+    px->hits++;
+}
+
+static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
+{
+    lc_pixel px = { .hits = 0 };
+    uint64_t pixel = (uint64_t)y * j->scene->film.width + x;
+    for (uint32_t i = 0; i < j->spp; i++) {
+        lc_f3 org, dir;
+        lc_surface s;
+        lc_cut_result r;
+        double dx = 0.5, dy = 0.5; /* one sample: the centre */
+        if (j->spp > 1) dx = lc_unit(key(j, pixel, i, DIM_X)), dy = lc_unit(key(j, pixel, i, DIM_Y));
+        lc_camera_ray(&j->scene->camera, x + dx, y + dy, &org, &dir);
+        w->stats.camera_rays++;
+        if (!lc_surface_hit(j->scene, org, dir, &s)) continue;
+        shade(j, w, &s, lc_f3_neg(dir), key(j, pixel, i, DIM_SLOT), &r);
+        add_sample(j, &px, &s, dir, &r);
+    }
+    if (!lc_film_store(&j->film, x, y, &px, j->spp)) w->stats.nonfinite++;
+}
+
+static uint32_t min_u(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+static void render_tile(void *user, uint32_t thread, uint64_t item)
+{
+    job *j = user;
+    const uint32_t *c = j->film.crop;
+    if (atomic_load_explicit(&j->cancelled, memory_order_relaxed)) return;
+    uint32_t x0 = c[0] + (uint32_t)(item % j->tiles_x) * TILE, y0 = c[2] + (uint32_t)(item / j->tiles_x) * TILE;
+    uint32_t x1 = min_u(x0 + TILE, c[1]), y1 = min_u(y0 + TILE, c[3]);
+    for (uint32_t y = y0; y < y1; y++) {
+        for (uint32_t x = x0; x < x1; x++) render_pixel(j, &j->workers[thread], x, y);
+        if (!j->desc->progress) continue;
+        lc_mutex_lock(j->mutex);
+        j->done += x1 - x0;
+        int stop = j->desc->progress(j->desc->progress_user, j->done, (uint64_t)(c[1] - c[0]) * (c[3] - c[2]));
+        lc_mutex_unlock(j->mutex);
+        if (stop) atomic_store(&j->cancelled, true);
+        if (atomic_load_explicit(&j->cancelled, memory_order_relaxed)) return;
+    }
+}
+
+static void prepass_cell(void *user, uint32_t thread, uint64_t item)
+{
+    job *j = user;
+    lc_f3 org, dir;
+    lc_surface s;
+    lc_cut_result r;
+    double u = ((double)(item % PREPASS_SIDE) + 0.5) / PREPASS_SIDE, v = ((double)(item / PREPASS_SIDE) + 0.5) / PREPASS_SIDE;
+    lc_camera_ray(&j->scene->camera, u * j->scene->film.width, v * j->scene->film.height, &org, &dir);
+    if (!lc_surface_hit(j->scene, org, dir, &s)) return;
+    shade(j, &j->workers[thread], &s, lc_f3_neg(dir), key(j, item, 0, DIM_SLOT), &r);
+    j->prepass[item] = (double)lc_luminance(r.radiance);
+}
+
+static void free_workers(job *j)
+{
+    for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) {
+        if (!j->workers[i].cut.ctx) continue;
+        lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.limit + 2, sizeof(uint64_t));
+        lc_cut_free(&j->workers[i].cut);
+    }
+    lc_free(j->ctx, j->workers, j->ctx->n_threads, sizeof *j->workers);
+    j->workers = NULL;
+}
+
+static lc_status make_workers(job *j, const lc_cut_desc *desc)
+{
+    j->workers = lc_alloc(j->ctx, j->ctx->n_threads, sizeof *j->workers);
+    if (!j->workers) return LC_ERR_MEMORY;
+    for (uint32_t i = 0; i < j->ctx->n_threads; i++) {
+        worker *w = &j->workers[i];
+        lc_status st = lc_cut_init(&w->cut, j->ctx, j->scene->tree, j->scene->bvh, desc, false);
+        if (st) return st;
+        w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.limit + 2, sizeof *w->cut_hist);
+        if (!w->cut_hist) return LC_ERR_MEMORY;
+    }
+    return LC_OK;
+}
+
+/* Mean luminance over the grid, cells added in order. */
+static lc_status prepass(job *j, double *mean)
+{
+    const size_t n = PREPASS_SIDE * PREPASS_SIDE;
+    lc_cut_desc desc = { PREPASS_RATIO, PREPASS_MAX_CUT, 0 };
+    j->prepass = lc_alloc(j->ctx, n, sizeof *j->prepass);
+    lc_status st = j->prepass ? make_workers(j, &desc) : LC_ERR_MEMORY;
+    *mean = 0;
+    if (!st) {
+        lc_parallel(j->ctx, n, prepass_cell, j);
+        for (size_t i = 0; i < n; i++) *mean += isfinite(j->prepass[i]) ? j->prepass[i] / (double)n : 0;
+    }
+    lc_free(j->ctx, j->prepass, n, sizeof *j->prepass);
+    free_workers(j);
+    return st;
+}
+
+static uint32_t percentile(const uint64_t *hist, uint32_t limit, uint64_t total, double share)
+{
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i <= limit; i++)
+        if ((sum += hist[i]) && (double)sum >= share * (double)total) return i;
+    return 0;
+}
+
+static void cut_stats(const job *j, lc_render_stats *out)
+{
+    uint64_t *hist = j->workers[0].cut_hist;
+    uint32_t limit = j->workers[0].cut.limit;
+    if (j->desc->method == LC_METHOD_EXACT) {
+        out->cut_median = out->cut_p99 = out->cut_max = out->points ? j->scene->tree->n_lights : 0;
+        return;
+    }
+    for (uint32_t t = 1; t < j->ctx->n_threads; t++)
+        for (uint32_t i = 0; i <= limit; i++) hist[i] += j->workers[t].cut_hist[i];
+    out->cut_median = percentile(hist, limit, out->points, 0.5);
+    out->cut_p99 = percentile(hist, limit, out->points, 0.99);
+    for (uint32_t i = 0; i <= limit; i++)
+        if (hist[i]) out->cut_max = i;
+}
+
+static void join_stats(const job *j, lc_render_stats *out)
+{
+    uint64_t cut_sum = 0;
+    for (uint32_t t = 0; t < j->ctx->n_threads; t++) {
+        const lc_stats *s = &j->workers[t].stats;
+        out->points += s->points;
+        out->shadow_rays += s->shadow_rays;
+        out->bounds_evaluated += s->bounds;
+        out->camera_rays += s->camera_rays;
+        out->cut_at_limit += s->at_limit;
+        out->points_dark += s->dark;
+        out->nonfinite += s->nonfinite;
+        cut_sum += s->cut_sum;
+    }
+    out->cut_mean = out->points ? (double)cut_sum / (double)out->points : 0;
+    cut_stats(j, out);
+}
+
+/* The options that shape the picture, so that a file says how it was made. */
+static lc_status set_attributes(const job *j)
+{
+    lc_image *im = j->film.image;
+    const lc_render_desc *d = j->desc;
+    char seed[32];
+    snprintf(seed, sizeof seed, "%llu", (unsigned long long)d->seed);
+    lc_status st = lc_image_set_text(im, "software", "lightcuts " LC_VERSION);
+    if (!st) st = lc_image_set_matrix(im, "worldToCamera", j->scene->camera.world_to_camera);
+    if (!st) st = lc_image_set_number(im, "samplesPerPixel", j->spp);
+    if (!st) st = lc_image_set_text(im, "lightcuts/method", d->method == LC_METHOD_EXACT ? "exact" : "lightcuts");
+    if (!st) st = lc_image_set_text(im, "lightcuts/seed", seed);
+    if (st || d->method == LC_METHOD_EXACT) return st;
+    st = lc_image_set_number(im, "lightcuts/errorRatio", (double)d->error_ratio);
+    if (!st) st = lc_image_set_number(im, "lightcuts/maxCut", d->max_cut);
+    if (!st) st = lc_image_set_number(im, "lightcuts/darkFloor", (double)d->dark_floor);
+    if (!st) st = lc_image_set_number(im, "lightcuts/representatives", j->scene->tree->n_reps);
+    return st;
+}
+
+static lc_status check_desc(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *d, uint32_t crop[4])
+{
+    const lc_film_desc *f = &scene->film;
+    if (d->size != sizeof *d) return LC_ERR_ARG;
+    if (!(d->error_ratio >= 0) || !isfinite(d->error_ratio) || !(d->dark_floor >= 0) || !isfinite(d->dark_floor))
+        return lc_fail(ctx, LC_ERR_ARG, "error ratio and dark floor must be finite and at least 0");
+    if (d->spp > LC_MAX_SPP) return lc_fail(ctx, LC_ERR_ARG, "more than %u samples per pixel", LC_MAX_SPP);
+    bool scene_crop = !d->crop[0] && !d->crop[1] && !d->crop[2] && !d->crop[3];
+    for (int i = 0; i < 4; i++) {
+        if (d->crop[i] < 0) return lc_fail(ctx, LC_ERR_ARG, "crop is outside the film of %u x %u", f->width, f->height);
+        crop[i] = scene_crop ? f->crop[i] : (uint32_t)d->crop[i];
+    }
+    if (crop[0] >= crop[1] || crop[2] >= crop[3] || crop[1] > f->width || crop[3] > f->height)
+        return lc_fail(ctx, LC_ERR_ARG, "crop is empty or outside the film of %u x %u", f->width, f->height);
+    return LC_OK;
+}
+
+static lc_status render_all(job *j, const uint32_t crop[4], lc_render_stats *stats)
+{
+    const lc_film_desc *f = &j->scene->film;
+    double t0 = lc_now();
+    lc_status st = LC_OK;
+    if (j->desc->method == LC_METHOD_LIGHTCUTS && j->desc->dark_floor > 0 && j->desc->error_ratio > 0)
+        st = prepass(j, &stats->mean_luminance);
+    lc_cut_desc cut = { j->desc->error_ratio, j->desc->max_cut, j->desc->dark_floor * (float)stats->mean_luminance };
+    if (j->desc->method == LC_METHOD_EXACT) cut.max_cut = 1; /* the heap is not used */
+    if (!st) st = make_workers(j, &cut);
+    if (!st) st = lc_film_init(&j->film, j->ctx, crop, f->width, f->height, f->scale, j->desc->aovs);
+    if (st) return st;
+    j->tiles_x = (crop[1] - crop[0] + TILE - 1) / TILE;
+    j->tiles_y = (crop[3] - crop[2] + TILE - 1) / TILE;
+    lc_parallel(j->ctx, (uint64_t)j->tiles_x * j->tiles_y, render_tile, j);
+    if (atomic_load(&j->cancelled)) return LC_ERR_CANCELLED;
+    stats->seconds = lc_now() - t0;
+    stats->pixels = (uint64_t)(crop[1] - crop[0]) * (crop[3] - crop[2]);
+    join_stats(j, stats);
+    return set_attributes(j);
+}
+
+lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, lc_image **out,
+                    lc_render_stats *stats)
+{
+    lc_render_stats own;
+    uint32_t crop[4];
+    if (!out) return LC_ERR_ARG;
+    *out = NULL;
+    if (!ctx || !scene || !desc) return LC_ERR_ARG;
+    lc_status st = check_desc(ctx, scene, desc, crop);
+    if (st) return st;
+    if (!stats) stats = &own;
+    *stats = (lc_render_stats){ 0 };
+    job j = { .ctx = ctx, .scene = scene, .desc = desc, .spp = desc->spp ? desc->spp : scene->film.spp };
+    j.mutex = lc_mutex_create(ctx);
+    st = j.mutex ? render_all(&j, crop, stats) : LC_ERR_MEMORY;
+    lc_mutex_destroy(ctx, j.mutex);
+    free_workers(&j);
+    if (st) lc_image_destroy(j.film.image);
+    else *out = j.film.image;
+    return st;
+}

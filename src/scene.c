@@ -1,0 +1,225 @@
+/* scene.c - builder: checks and copies; commit: lights from emissive triangles, BVH, light tree. */
+#include "scene.h"
+
+#include "area_light.h"
+#include "bvh.h"
+#include "light_tree.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define MAX_COUNT 0x3fffffffu /* triangles, vertices, lights: ids fit in 31 bits with room for flags */
+
+#define GROW(scene, field, cap, need) lc_grow((scene)->ctx, (void **)&(scene)->field, &(scene)->cap, need, sizeof *(scene)->field)
+
+lc_status lc_scene_create(lc_context *ctx, lc_scene **out)
+{
+    lc_scene *s = lc_alloc(ctx, 1, sizeof *s);
+    *out = s;
+    if (!s) return LC_ERR_MEMORY;
+    s->ctx = ctx;
+    lc_arena_init(&s->arena, ctx);
+    s->bounds = lc_box_empty();
+    s->film = (lc_film_desc){ 1280, 720, { 0, 1280, 0, 720 }, NULL, 1, 1 };
+    return LC_OK;
+}
+
+void lc_scene_destroy(lc_scene *s)
+{
+    if (!s) return;
+    lc_context *ctx = s->ctx;
+    lc_bvh_destroy(s->bvh);
+    lc_light_tree_destroy(s->tree);
+    lc_free(ctx, s->pos, s->cap_pos, sizeof *s->pos);
+    lc_free(ctx, s->normal, s->cap_normal, sizeof *s->normal);
+    lc_free(ctx, s->index, s->cap_index, sizeof *s->index);
+    lc_free(ctx, s->tri_mesh, s->cap_tri_mesh, sizeof *s->tri_mesh);
+    lc_free(ctx, s->meshes, s->cap_meshes, sizeof *s->meshes);
+    lc_free(ctx, s->materials, s->cap_materials, sizeof *s->materials);
+    lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
+    lc_free(ctx, s->notes, s->cap_notes, sizeof *s->notes);
+    lc_arena_free(&s->arena);
+    lc_free(ctx, s, 1, sizeof *s);
+}
+
+static bool in_range(lc_f3 a, float max) { return lc_f3_finite(a) && lc_f3_max_abs(a) <= max; }
+
+static bool is_colour(lc_f3 a, float max) { return in_range(a, max) && a.x >= 0 && a.y >= 0 && a.z >= 0; }
+
+lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
+{
+    if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
+        return LC_ERR_ARG;
+    lc_status st = GROW(s, materials, cap_materials, s->n_materials + 1);
+    if (st) return st;
+    *id = (uint32_t)s->n_materials;
+    s->materials[s->n_materials++] = *m;
+    return LC_OK;
+}
+
+static lc_status check_mesh(const lc_scene *s, lc_pos where, const lc_mesh_desc *m)
+{
+    for (size_t i = 0; i < (size_t)m->n_verts * 3; i++)
+        if (!(fabsf(m->pos[i]) <= LC_MAX_COORD))
+            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "vertex %zu is not finite or beyond %g units", i / 3,
+                              (double)LC_MAX_COORD);
+    for (size_t i = 0; m->normal && i < (size_t)m->n_verts * 3; i++)
+        if (!isfinite(m->normal[i]))
+            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "normal %zu is not finite", i / 3);
+    for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
+        if (m->index[i] >= m->n_verts)
+            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "triangle %zu uses vertex %u of %u", i / 3, m->index[i],
+                              m->n_verts);
+    if (!is_colour(m->emission, LC_MAX_INTENSITY))
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "emission is negative, not finite or above %g",
+                          (double)LC_MAX_INTENSITY);
+    return LC_OK;
+}
+
+static lc_status grow_mesh(lc_scene *s, const lc_mesh_desc *m)
+{
+    size_t nv = s->n_verts + m->n_verts, nt = s->n_tris + m->n_tris;
+    lc_status st = GROW(s, pos, cap_pos, nv * 3);
+    if (!st && (m->normal || s->normal)) st = GROW(s, normal, cap_normal, nv * 3);
+    if (!st) st = GROW(s, index, cap_index, nt * 3);
+    if (!st) st = GROW(s, tri_mesh, cap_tri_mesh, nt);
+    if (!st) st = GROW(s, meshes, cap_meshes, s->n_meshes + 1);
+    return st;
+}
+
+lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *m)
+{
+    LC_ASSERT(m->material_id < s->n_materials);
+    lc_status st = check_mesh(s, where, m);
+    if (st) return st;
+    if (!m->n_tris) return LC_OK;
+    if (m->n_verts > MAX_COUNT - s->n_verts || m->n_tris > MAX_COUNT - s->n_tris)
+        return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u triangles or vertices", MAX_COUNT);
+    st = grow_mesh(s, m);
+    if (st) return st;
+    memcpy(s->pos + s->n_verts * 3, m->pos, (size_t)m->n_verts * 3 * sizeof(float));
+    if (m->normal)
+        memcpy(s->normal + s->n_verts * 3, m->normal, (size_t)m->n_verts * 3 * sizeof(float));
+    else if (s->normal)
+        memset(s->normal + s->n_verts * 3, 0, (size_t)m->n_verts * 3 * sizeof(float));
+    for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
+        s->index[s->n_tris * 3 + i] = (uint32_t)s->n_verts + m->index[i];
+    for (size_t i = 0; i < m->n_tris; i++) s->tri_mesh[s->n_tris + i] = (uint32_t)s->n_meshes;
+    for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
+        lc_box_add(&s->bounds, lc_f3_load(m->pos + 3 * (size_t)m->index[i]));
+    s->meshes[s->n_meshes++] = (lc_mesh){ (uint32_t)s->n_tris, m->n_tris, (uint32_t)s->n_verts, m->material_id,
+                                          m->normal != NULL, m->flip, m->two_sided, m->emission };
+    s->n_verts += m->n_verts;
+    s->n_tris += m->n_tris;
+    return LC_OK;
+}
+
+lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
+{
+    if (!is_colour(light->intensity, LC_MAX_INTENSITY))
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light intensity is negative, not finite or above %g",
+                          (double)LC_MAX_INTENSITY);
+    if (light->kind != LC_LIGHT_DIRECTIONAL && !in_range(light->pos, LC_MAX_COORD))
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light position is not finite or beyond %g units",
+                          (double)LC_MAX_COORD);
+    float len = lc_f3_len(light->dir), sum = 0;
+    if (light->kind != LC_LIGHT_POINT && !(fabsf(len - 1) < 1e-4f))
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light direction is zero or not finite");
+    for (int k = 0; k < 3; k++) {
+        float a = light->atten[k];
+        if (!(a == 0 || (a >= LC_MIN_ATTEN && a <= LC_MAX_ATTEN)))
+            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients must be 0 or %g to %g",
+                              (double)LC_MIN_ATTEN, (double)LC_MAX_ATTEN);
+        sum += a;
+    }
+    if (light->kind != LC_LIGHT_DIRECTIONAL && !(sum > 0))
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients are all 0");
+    if (s->n_lights >= MAX_COUNT)
+        return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u lights", MAX_COUNT);
+    if (light->intensity.x <= 0 && light->intensity.y <= 0 && light->intensity.z <= 0) return LC_OK; /* sheds nothing */
+    lc_status st = GROW(s, lights, cap_lights, s->n_lights + 1);
+    if (!st) s->lights[s->n_lights++] = *light;
+    return st;
+}
+
+lc_status lc_scene_set_camera(lc_scene *s, lc_pos where, const lc_camera_desc *camera)
+{
+    lc_camera test;
+    if (!lc_camera_init(&test, camera, 1, 1))
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "camera: singular transform, or fov or screen window out of range");
+    s->camera_desc = *camera;
+    s->has_camera = true;
+    return LC_OK;
+}
+
+lc_status lc_scene_set_film(lc_scene *s, lc_pos where, const lc_film_desc *f)
+{
+    if (!f->width || !f->height || f->width > 65535 || f->height > 65535 || (uint64_t)f->width * f->height > LC_MAX_PIXELS)
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film of %u x %u pixels: each side must be 1 to 65535, the product at most %u",
+                          f->width, f->height, LC_MAX_PIXELS);
+    if (f->crop[0] >= f->crop[1] || f->crop[2] >= f->crop[3] || f->crop[1] > f->width || f->crop[3] > f->height)
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film: crop window is empty or outside the film");
+    if (!(f->scale > 0 && f->scale <= LC_MAX_INTENSITY) || !f->spp || f->spp > LC_MAX_SPP)
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film: scale or samples per pixel out of range");
+    char *name = NULL;
+    if (f->filename && !(name = lc_arena_text(&s->arena, f->filename, strlen(f->filename)))) return LC_ERR_MEMORY;
+    s->film = *f;
+    s->film.filename = name;
+    return LC_OK;
+}
+
+lc_status lc_scene_note_at(lc_scene *s, lc_pos where, const char *kind, const char *fmt, ...)
+{
+    for (size_t i = 0; i < s->n_notes; i++)
+        if (!strcmp(s->notes[i].kind, kind)) {
+            s->notes[i].count++;
+            return LC_OK;
+        }
+    char text[1024];
+    va_list args;
+    va_start(args, fmt);
+    lc_warn_at(s->ctx, where, fmt, args);
+    va_end(args);
+    va_start(args, fmt);
+    int n = snprintf(text, 512, "%s:%u:%u: ", where.file ? where.file : "", where.line, where.column);
+    vsnprintf(text + (n < 512 ? n : 511), 512, fmt, args);
+    va_end(args);
+    lc_status st = GROW(s, notes, cap_notes, s->n_notes + 1);
+    if (st) return st;
+    lc_scene_note note = { lc_arena_text(&s->arena, kind, strlen(kind)), lc_arena_text(&s->arena, text, strlen(text)), 1 };
+    if (!note.kind || !note.text) return LC_ERR_MEMORY;
+    s->notes[s->n_notes++] = note;
+    return LC_OK;
+}
+
+/* Squared diagonal of triangles and lights together. */
+static double scene_diag2(const lc_scene *s)
+{
+    lc_box box = s->bounds;
+    for (size_t i = 0; i < s->n_lights; i++)
+        if (s->lights[i].kind != LC_LIGHT_DIRECTIONAL) lc_box_add(&box, s->lights[i].pos);
+    double x = (double)box.hi.x - box.lo.x, y = (double)box.hi.y - box.lo.y, z = (double)box.hi.z - box.lo.z;
+    return x >= 0 ? x * x + y * y + z * z : 0;
+}
+
+lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
+{
+    if (!s->has_camera) return lc_fail(s->ctx, LC_ERR_PARSE, "the scene has no Camera");
+    if (!lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
+        return lc_fail(s->ctx, LC_ERR_PARSE, "camera out of range");
+    double t0 = lc_now();
+    lc_status st = lc_bvh_build(s->ctx, s->pos, s->index, s->n_tris, &s->bvh);
+    if (st) return st;
+    double t1 = lc_now();
+    s->seconds_bvh = t1 - t0;
+    st = lc_area_lights_make(s, desc->area_lights, desc->seed);
+    if (st) return st;
+    double diag2 = scene_diag2(s);
+    s->min_d2 = (float)fmax(1e-10 * diag2, LC_MIN_D2);
+    double t2 = lc_now();
+    s->seconds_lights = t2 - t1;
+    lc_light_tree_desc tree_desc = { s->lights, s->n_lights, diag2, desc->seed, desc->n_reps };
+    st = lc_light_tree_build(s->ctx, &tree_desc, &s->tree);
+    s->seconds_tree = lc_now() - t2;
+    return st;
+}

@@ -1,0 +1,92 @@
+/* simd.h - eight floats at a time on every instruction set, for the templates that isa_*.c compile.
+ *
+ * LC_ISA_LEVEL: 0 plain C, 1 SSE4.1 (two registers), 2 AVX2 (one). Only + - * / min max and comparisons: each is the
+ * same IEEE operation on every level, so the bits agree. vf8_min(a, b) is b where a is not less (as minps), so a NaN
+ * in a is dropped. Masks are one bit a lane.
+ */
+#ifndef LC_SIMD_H
+#define LC_SIMD_H
+
+#include "base.h"
+
+#if LC_ISA_LEVEL == 0
+
+typedef struct vf8 {
+    float v[8];
+} vf8;
+
+#define VF8_LANES(expr)                                                                                               \
+    vf8 r;                                                                                                            \
+    for (int i = 0; i < 8; i++) r.v[i] = (expr);                                                                      \
+    return r
+#define VF8_BITS(expr)                                                                                                \
+    uint32_t r = 0;                                                                                                   \
+    for (int i = 0; i < 8; i++) r |= (uint32_t)((expr) != 0) << i;                                                    \
+    return r
+
+static inline vf8 vf8_load(const float *p) { VF8_LANES(p[i]); }
+static inline vf8 vf8_set(float a) { VF8_LANES(a); }
+static inline vf8 vf8_add(vf8 a, vf8 b) { VF8_LANES(a.v[i] + b.v[i]); }
+static inline vf8 vf8_sub(vf8 a, vf8 b) { VF8_LANES(a.v[i] - b.v[i]); }
+static inline vf8 vf8_mul(vf8 a, vf8 b) { VF8_LANES(a.v[i] * b.v[i]); }
+static inline vf8 vf8_div(vf8 a, vf8 b) { VF8_LANES(a.v[i] / b.v[i]); }
+static inline vf8 vf8_min(vf8 a, vf8 b) { VF8_LANES(a.v[i] < b.v[i] ? a.v[i] : b.v[i]); }
+static inline vf8 vf8_max(vf8 a, vf8 b) { VF8_LANES(a.v[i] > b.v[i] ? a.v[i] : b.v[i]); }
+static inline uint32_t vf8_le(vf8 a, vf8 b) { VF8_BITS(a.v[i] <= b.v[i]); }
+static inline uint32_t vf8_lt(vf8 a, vf8 b) { VF8_BITS(a.v[i] < b.v[i]); }
+static inline uint32_t vf8_eq(vf8 a, vf8 b) { VF8_BITS(a.v[i] == b.v[i]); }
+static inline void vf8_store(float *p, vf8 a)
+{
+    for (int i = 0; i < 8; i++) p[i] = a.v[i];
+}
+
+#elif LC_ISA_LEVEL == 1
+
+#include <immintrin.h>
+
+typedef struct vf8 {
+    __m128 a, b;
+} vf8;
+
+#define VF8_BOTH(f) return (vf8){ f(x.a, y.a), f(x.b, y.b) }
+#define VF8_MASK(f) return (uint32_t)_mm_movemask_ps(f(x.a, y.a)) | (uint32_t)_mm_movemask_ps(f(x.b, y.b)) << 4
+
+static inline vf8 vf8_load(const float *p) { return (vf8){ _mm_load_ps(p), _mm_load_ps(p + 4) }; }
+static inline vf8 vf8_set(float a) { return (vf8){ _mm_set1_ps(a), _mm_set1_ps(a) }; }
+static inline vf8 vf8_add(vf8 x, vf8 y) { VF8_BOTH(_mm_add_ps); }
+static inline vf8 vf8_sub(vf8 x, vf8 y) { VF8_BOTH(_mm_sub_ps); }
+static inline vf8 vf8_mul(vf8 x, vf8 y) { VF8_BOTH(_mm_mul_ps); }
+static inline vf8 vf8_div(vf8 x, vf8 y) { VF8_BOTH(_mm_div_ps); }
+static inline vf8 vf8_min(vf8 x, vf8 y) { VF8_BOTH(_mm_min_ps); }
+static inline vf8 vf8_max(vf8 x, vf8 y) { VF8_BOTH(_mm_max_ps); }
+static inline uint32_t vf8_le(vf8 x, vf8 y) { VF8_MASK(_mm_cmple_ps); }
+static inline uint32_t vf8_lt(vf8 x, vf8 y) { VF8_MASK(_mm_cmplt_ps); }
+static inline uint32_t vf8_eq(vf8 x, vf8 y) { VF8_MASK(_mm_cmpeq_ps); }
+static inline void vf8_store(float *p, vf8 x)
+{
+    _mm_store_ps(p, x.a);
+    _mm_store_ps(p + 4, x.b);
+}
+
+#else
+
+#include <immintrin.h>
+
+typedef __m256 vf8;
+
+static inline vf8 vf8_load(const float *p) { return _mm256_load_ps(p); }
+static inline vf8 vf8_set(float a) { return _mm256_set1_ps(a); }
+static inline vf8 vf8_add(vf8 a, vf8 b) { return _mm256_add_ps(a, b); }
+static inline vf8 vf8_sub(vf8 a, vf8 b) { return _mm256_sub_ps(a, b); }
+static inline vf8 vf8_mul(vf8 a, vf8 b) { return _mm256_mul_ps(a, b); }
+static inline vf8 vf8_div(vf8 a, vf8 b) { return _mm256_div_ps(a, b); }
+static inline vf8 vf8_min(vf8 a, vf8 b) { return _mm256_min_ps(a, b); }
+static inline vf8 vf8_max(vf8 a, vf8 b) { return _mm256_max_ps(a, b); }
+static inline uint32_t vf8_le(vf8 a, vf8 b) { return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ)); }
+static inline uint32_t vf8_lt(vf8 a, vf8 b) { return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ)); }
+static inline uint32_t vf8_eq(vf8 a, vf8 b) { return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_EQ_OQ)); }
+static inline void vf8_store(float *p, vf8 a) { _mm256_store_ps(p, a); }
+
+#endif
+
+#endif

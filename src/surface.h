@@ -1,0 +1,23 @@
+/* surface.h - a camera ray's hit turned into a shading point.
+ *
+ * Rules, the same for estimates, bounds and exact: the geometric normal is flipped towards the viewer; the shading
+ * normal, interpolated where the mesh has normals, is put on the geometric one's side. Surfaces reflect on both sides.
+ */
+#ifndef LC_SURFACE_H
+#define LC_SURFACE_H
+
+#include "bvh.h"
+#include "scene.h"
+
+typedef struct lc_surface {
+    lc_f3 pos, n;          /* world space; n: shading normal on the viewer's side */
+    float ray_org[3];      /* pos moved off the surface to the viewer's side */
+    float t;               /* distance from the camera, along its unit direction */
+    lc_f3 emission;        /* radiance towards the viewer */
+    const lc_material *material;
+} lc_surface;
+
+/* False: the ray leaves the scene. dir has unit length. */
+bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, lc_surface *out);
+
+#endif

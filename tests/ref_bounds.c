@@ -1,0 +1,266 @@
+/* ref_bounds.c - see ref_bounds.h.
+ *
+ * [Miksik07] M. Miksik, Implementing Lightcuts, CESCG 2007. Equation numbers are of that report.
+ */
+#include "ref_bounds.h"
+
+#include <math.h>
+
+#define U 0x1p-24 /* half an ulp of float, relative */
+
+static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void load(double a[3], const float b[3])
+{
+    for (int k = 0; k < 3; k++) a[k] = (double)b[k];
+}
+
+static void load_f3(double a[3], lc_f3 b) { a[0] = (double)b.x, a[1] = (double)b.y, a[2] = (double)b.z; }
+
+static double clamp(double x, double lo, double hi) { return x < lo ? lo : x > hi ? hi : x; }
+
+double ref_luminance(const double rgb[3])
+{
+    return (double)0.2126f * rgb[0] + (double)0.7152f * rgb[1] + (double)0.0722f * rgb[2];
+}
+
+void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m)
+{
+    double nn[3], o[3], kd[3], ks[3];
+    load_f3(nn, n), load_f3(o, view), load_f3(kd, m->kd), load_f3(ks, m->ks);
+    for (int k = 0; k < 3; k++) {
+        r->mirror[k] = 2 * dot3(nn, o) * nn[k] - o[k];
+        r->diffuse[k] = kd[k] / LC_PI;
+        r->specular[k] = ks[k] * ((double)m->exponent + 2) / (2 * LC_PI);
+    }
+}
+
+/* ---- transfer ---- */
+
+/* f_A of [Miksik07] 2.2.2 at squared distance d2 */
+static double falloff(const double atten[3], double d2)
+{
+    return atten[0] + atten[1] * sqrt(d2) + atten[2] * d2;
+}
+
+/* What M G is made of: cosines at the receiver, about the mirror direction, at the light; 1/f. */
+typedef struct terms {
+    double cos_r, cos_m, cos_e, inv_f;
+} terms;
+
+static terms light_terms(const lc_point *p, const lc_light *l)
+{
+    double x[3], y[3], dir[3], n[3], m[3], atten[3], v[3], w[3];
+    load(x, p->pos), load_f3(y, l->pos), load_f3(dir, l->dir), load(n, p->n), load(m, p->mirror);
+    load(atten, l->atten);
+    bool far = l->kind == LC_LIGHT_DIRECTIONAL;
+    for (int k = 0; k < 3; k++) v[k] = far ? -dir[k] : y[k] - x[k];
+    double d2 = dot3(v, v), d = sqrt(fmax(d2, (double)LC_TINY_D2)); /* no shorter: layout.h */
+    for (int k = 0; k < 3; k++) w[k] = v[k] / d;
+    terms t = { dot3(n, w), dot3(m, w), 1, 1 };
+    if (l->kind == LC_LIGHT_ORIENTED) {
+        double len = sqrt(dot3(dir, dir));
+        t.cos_e = len > 0 ? -dot3(dir, w) / len : 0;
+    }
+    if (!far) t.inv_f = 1 / falloff(atten, fmax(d2, (double)p->min_d2));
+    return t;
+}
+
+/* Eq. 6 times the receiver cosine times G. cos^0 = 1. */
+static double combine(const lc_point *p, int c, double cos_r, double power_m, double cos_e, double inv_f)
+{
+    double rho = (double)p->diffuse[c] + (double)p->specular[c] * power_m;
+    return rho * fmax(cos_r, 0) * fmax(cos_e, 0) * inv_f;
+}
+
+void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
+{
+    terms t = light_terms(p, l);
+    double pm = p->glossy ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent) : 0;
+    for (int c = 0; c < 3; c++) mg[c] = combine(p, c, fmin(t.cos_r, 1), pm, fmin(t.cos_e, 1), t.inv_f);
+}
+
+/* Error of one cosine in float. v_k = fl(y_k - x_k) is one rounding: relative U each. A dot product of three
+ * terms adds U for the product and 2 U for the sums, so n.v is off by at most 4 U sum|n_k v_k| <= 4 U |v|.
+ * |v|: squares (2 + 1) U, sums 2 U, halved by the root, plus its own rounding: 3.5 U; the quotient or a
+ * reciprocal and a product 2 U; a direction that is unit to within rounding 2 U: 7.5 U relative, rounded to 8
+ * U. */
+static double cos_error(double c) { return 4 * U + 8 * U * fabs(c); }
+
+/* The rest is relative. f: d2 5 U, two products and two sums 4 U, reciprocal 1 U: 10 U. Power 2 U (one ulp),
+ * sum of lobes and products with specular, cosines, 1/f: 1 + 1 + 3 U. 17 U, rounded to 18 U; second order
+ * terms are below 1e-12. Gradual underflow: a partial product is off by 2^-149, times the factors still to
+ * come: at most rho, 1/f or their product with another denormal; the power may flush below 2^-126. */
+void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], double hi[3])
+{
+    terms t = light_terms(p, l);
+    double er = cos_error(t.cos_r), em = cos_error(t.cos_m),
+           ee = l->kind == LC_LIGHT_ORIENTED ? cos_error(t.cos_e) : 0;
+    double n = (double)p->exponent, pm_lo = 0, pm_hi = 0;
+    if (p->glossy) {
+        /* 0^0 is 1 in C, 0 for a function that tests for cos <= 0 first: both are allowed */
+        pm_lo = t.cos_m - em > 0 ? pow(fmin(t.cos_m - em, 1), n) : 0;
+        pm_hi = pow(fmax(t.cos_m + em, 0), n);
+    }
+    for (int c = 0; c < 3; c++) {
+        double rho = (double)p->diffuse[c] + (double)p->specular[c] * pm_hi;
+        double tiny = 0x1p-147 * (rho + t.inv_f + 1) + 0x1p-126 * (double)p->specular[c] * t.inv_f;
+        lo[c] =
+            combine(p, c, fmin(t.cos_r, 1) - er, pm_lo, fmin(t.cos_e, 1) - ee, t.inv_f) * (1 - 18 * U) - tiny;
+        hi[c] = combine(p, c, t.cos_r + er, pm_hi, t.cos_e + ee, t.inv_f) * (1 + 18 * U) + tiny;
+        if (lo[c] < 0 || t.inv_f < 0x1p-127) lo[c] = 0; /* f is inf in float, 1/f is 0 */
+    }
+}
+
+double ref_cluster_sum(const lc_point *p, const lc_light *lights, uint32_t members)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < 32; i++) {
+        if (!(members >> i & 1)) continue;
+        double mg[3], in[3];
+        ref_transfer(p, &lights[i], mg), load_f3(in, lights[i].intensity);
+        for (int c = 0; c < 3; c++) mg[c] *= in[c];
+        sum += ref_luminance(mg);
+    }
+    return sum;
+}
+
+/* ---- bounds ---- */
+
+/* Some orthonormal frame with z = axis. */
+static void make_frame(double f[3][3], const double axis[3])
+{
+    double len = sqrt(dot3(axis, axis));
+    for (int k = 0; k < 3; k++) f[2][k] = axis[k] / len;
+    const double *z = f[2];
+    int small = fabs(z[0]) < fabs(z[1]) ? 0 : 1;
+    if (fabs(z[2]) < fabs(z[small])) small = 2;
+    double e[3] = { 0, 0, 0 };
+    e[small] = 1;
+    double *x = f[0], *y = f[1];
+    x[0] = e[1] * z[2] - e[2] * z[1], x[1] = e[2] * z[0] - e[0] * z[2], x[2] = e[0] * z[1] - e[1] * z[0];
+    len = sqrt(dot3(x, x));
+    for (int k = 0; k < 3; k++) x[k] /= len;
+    y[0] = z[1] * x[2] - z[2] * x[1], y[1] = z[2] * x[0] - z[0] * x[2], y[2] = z[0] * x[1] - z[1] * x[0];
+}
+
+/* Rotates the 8 corners into the frame and boxes them. */
+static void rotate_box(const double f[3][3], const double lo[3], const double hi[3], double rlo[3],
+                       double rhi[3])
+{
+    for (int k = 0; k < 3; k++) rlo[k] = HUGE_VAL, rhi[k] = -HUGE_VAL;
+    for (int corner = 0; corner < 8; corner++) {
+        double q[3];
+        for (int k = 0; k < 3; k++) q[k] = corner >> k & 1 ? hi[k] : lo[k];
+        for (int k = 0; k < 3; k++) {
+            double t = dot3(f[k], q);
+            rlo[k] = fmin(rlo[k], t), rhi[k] = fmax(rhi[k], t);
+        }
+    }
+}
+
+static double min_square(double lo, double hi) { return lo > 0 ? lo * lo : hi < 0 ? hi * hi : 0; }
+static double max_square(double lo, double hi) { return fmax(lo * lo, hi * hi); }
+
+double ref_cos_box(const double lo[3], const double hi[3], const double axis[3])
+{
+    double f[3][3], rlo[3], rhi[3];
+    make_frame(f, axis);
+    rotate_box(f, lo, hi, rlo, rhi);
+    double z = rhi[2];
+    if (z == 0) return 0; /* all in z <= 0 */
+    double t2 = z > 0 ? min_square(rlo[0], rhi[0]) + min_square(rlo[1], rhi[1])
+                      : max_square(rlo[0], rhi[0]) + max_square(rlo[1], rhi[1]);
+    return clamp(z / sqrt(t2 + z * z), -1, 1);
+}
+
+double ref_cone(const double lo[3], const double hi[3], double axis[3])
+{
+    double c2 = 0, r2 = 0;
+    for (int k = 0; k < 3; k++) {
+        axis[k] = lo[k] + hi[k];
+        c2 += axis[k] * axis[k], r2 += (hi[k] - lo[k]) * (hi[k] - lo[k]);
+    }
+    double c = sqrt(c2);
+    if (c2 < 0.01) {
+        axis[0] = axis[1] = 0, axis[2] = 1;
+        return -1;
+    }
+    for (int k = 0; k < 3; k++) axis[k] /= c;
+    return clamp((c2 + 4 - r2) / (4 * c), -1, 1);
+}
+
+/* max of cos(theta)/d^2 over the box of v, n the normal (design.md, joint receiver-distance bound) */
+static double joint_bound(const double lo[3], const double hi[3], const double n[3])
+{
+    double f[3][3], rlo[3], rhi[3];
+    make_frame(f, n);
+    rotate_box(f, lo, hi, rlo, rhi);
+    double h0 = fmax(rlo[2], 0), h1 = rhi[2];
+    if (h1 <= 0) return 0;
+    double r2 = min_square(rlo[0], rhi[0]) + min_square(rlo[1], rhi[1]);
+    double h = clamp(sqrt(r2 / 2), h0, h1), p2 = h * h + r2;
+    return p2 > 0 ? h / (p2 * sqrt(p2)) : HUGE_VAL;
+}
+
+/* Boxes of the members. v: y - x, or the unit direction towards the light; e: unit emission direction. */
+typedef struct ref_cluster {
+    double vlo[3], vhi[3], elo[3], ehi[3], atten[3], power[3];
+    lc_light_kind kind;
+} ref_cluster;
+
+static void gather(ref_cluster *c, const lc_point *p, const lc_light *lights, uint32_t members)
+{
+    for (int k = 0; k < 3; k++) {
+        c->vlo[k] = c->elo[k] = c->atten[k] = HUGE_VAL;
+        c->vhi[k] = c->ehi[k] = -HUGE_VAL, c->power[k] = 0;
+    }
+    for (uint32_t i = 0; i < 32; i++) {
+        if (!(members >> i & 1)) continue;
+        const lc_light *l = &lights[i];
+        c->kind = l->kind;
+        double x[3], y[3], dir[3], in[3];
+        load(x, p->pos), load_f3(y, l->pos), load_f3(dir, l->dir), load_f3(in, l->intensity);
+        for (int k = 0; k < 3; k++) {
+            double v = l->kind == LC_LIGHT_DIRECTIONAL ? -dir[k] : y[k] - x[k];
+            c->vlo[k] = fmin(c->vlo[k], v), c->vhi[k] = fmax(c->vhi[k], v);
+            c->elo[k] = fmin(c->elo[k], dir[k]), c->ehi[k] = fmax(c->ehi[k], dir[k]);
+            c->atten[k] = fmin(c->atten[k], (double)l->atten[k]);
+            c->power[k] += in[k];
+        }
+    }
+}
+
+/* Figure 2: the box of x - y_i about the axis of the cone of emission directions. */
+static double emission_bound(const ref_cluster *c)
+{
+    double axis[3], lo[3], hi[3];
+    double cos_cone = ref_cone(c->elo, c->ehi, axis);
+    if (cos_cone <= -1) return 1;
+    for (int k = 0; k < 3; k++) lo[k] = -c->vhi[k], hi[k] = -c->vlo[k];
+    double theta = acos(ref_cos_box(lo, hi, axis)), beta = acos(cos_cone);
+    return theta <= beta ? 1 : fmax(0, cos(theta - beta));
+}
+
+double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t members, bool joint)
+{
+    ref_cluster c;
+    gather(&c, p, lights, members);
+    double n[3], m[3], rho[3], d2 = 0;
+    load(n, p->n), load(m, p->mirror);
+    /* n and mirror are unit to within rounding: their lengths are part of what ref_transfer computes */
+    double len_n = sqrt(dot3(n, n)), len_m = sqrt(dot3(m, m));
+    double cos_r = fmax(ref_cos_box(c.vlo, c.vhi, n), 0) * len_n;
+    double cos_m = p->glossy ? fmin(fmax(ref_cos_box(c.vlo, c.vhi, m), 0) * len_m, 1) : 0;
+    double pm = p->glossy ? pow(cos_m, (double)p->exponent) : 0;
+    for (int k = 0; k < 3; k++)
+        rho[k] = (double)p->diffuse[k] + (double)p->specular[k] * pm, rho[k] *= c.power[k];
+    double material = ref_luminance(rho);
+    if (material <= 0 || cos_r <= 0) return 0;
+    if (c.kind == LC_LIGHT_DIRECTIONAL) return material * cos_r;
+    for (int k = 0; k < 3; k++) d2 += min_square(c.vlo[k], c.vhi[k]);
+    double geometry = cos_r / falloff(c.atten, fmax(d2, (double)p->min_d2));
+    if (joint && c.atten[2] > 0) geometry = fmin(geometry, len_n * joint_bound(c.vlo, c.vhi, n) / c.atten[2]);
+    double emission = c.kind == LC_LIGHT_ORIENTED ? emission_bound(&c) : 1;
+    return emission > 0 ? material * geometry * emission : 0;
+}

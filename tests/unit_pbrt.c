@@ -1,0 +1,712 @@
+/* unit_pbrt.c - pbrt files to the scene builder: transforms, scopes, v3 and v4 spelling, files that include
+ * files, and the place of each error. Scenes are looked at before commit. */
+#include "pbrt_parse.h"
+#include "test.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+static char last_error[4096], last_warning[4096];
+static int n_errors;
+
+static void log_to_buffer(void *user, lc_log_level level, const char *text)
+{
+    (void)user;
+    if (level == LC_LOG_ERROR) n_errors++;
+    snprintf(level == LC_LOG_ERROR ? last_error : last_warning, sizeof last_error, "%s", text);
+}
+
+static lc_context *ctx;
+static lc_scene *scene; /* of the last load */
+
+static void begin(void)
+{
+    lc_scene_destroy(scene);
+    last_error[0] = last_warning[0] = 0;
+    n_errors = 0;
+    if (lc_scene_create(ctx, &scene)) abort();
+}
+
+static lc_status load_n(const char *text, size_t n)
+{
+    begin();
+    char *copy = malloc(n + 1);
+    memcpy(copy, text, n);
+    lc_status st = lc_pbrt_parse_memory(scene, "s.pbrt", copy, n);
+    free(copy);
+    return st;
+}
+
+static lc_status load(const char *text) { return load_n(text, strlen(text)); }
+
+static void expect_error(const char *text, const char *message, int line)
+{
+    lc_status st = load(text);
+    CHECKF(st == LC_ERR_PARSE, "line %d: status %d", line, st);
+    CHECKF(!strcmp(last_error, message), "line %d: \"%s\"", line, last_error);
+    CHECK(n_errors == 1);
+}
+#define EXPECT_ERROR(text, message) expect_error(text, message, __LINE__)
+
+static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
+
+static bool near3(lc_f3 v, double x, double y, double z, double eps)
+{
+    return near((double)v.x, x, eps) && near((double)v.y, y, eps) && near((double)v.z, z, eps);
+}
+
+static const lc_scene_note *note(const char *kind)
+{
+    for (size_t i = 0; i < scene->n_notes; i++)
+        if (!strcmp(scene->notes[i].kind, kind)) return &scene->notes[i];
+    return NULL;
+}
+
+#define TRI "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
+
+static lc_f3 vertex(size_t i) { return lc_f3_load(scene->pos + 3 * i); }
+
+static lc_f3 kd_of_mesh(size_t i) { return scene->materials[scene->meshes[i].material_id].kd; }
+
+/* ---- text ---- */
+
+TEST(numbers)
+{
+    CHECK(load("WorldBegin Translate -0 .5 1. " TRI) == LC_OK);
+    CHECK(near3(vertex(0), 0, 0.5, 1, 0));
+    CHECK(load("WorldBegin Translate +1 1e-008 -2E+1 " TRI) == LC_OK);
+    CHECK(near3(vertex(0), 1, 1e-8, -20, 1e-15));
+    CHECK(load("WorldBegin Translate 0.1 123456789012345678901234567890e-25 3.4028234e38 "
+               "LightSource \"distant\"") == LC_OK);
+    EXPECT_ERROR("WorldBegin\nTranslate 1 nan 0",
+                 "s.pbrt:2:13: error: Translate: expected a number, found 'nan'");
+    EXPECT_ERROR("WorldBegin\nTranslate 1 -inf 0", "s.pbrt:2:13: error: not a number: '-inf'");
+    EXPECT_ERROR("WorldBegin\n Translate 1 2 1e39", "s.pbrt:2:16: error: number out of range: '1e39'");
+    EXPECT_ERROR("WorldBegin\nTranslate 1 2 1e999999999999",
+                 "s.pbrt:2:15: error: number out of range: '1e999999999999'");
+    EXPECT_ERROR("WorldBegin\nTranslate 1 2 0x10", "s.pbrt:2:15: error: not a number: '0x10'");
+    EXPECT_ERROR("WorldBegin\nTranslate 1 2 1.2.3", "s.pbrt:2:15: error: not a number: '1.2.3'");
+    EXPECT_ERROR("WorldBegin\nTranslate 1 2 .", "s.pbrt:2:15: error: not a number: '.'");
+    EXPECT_ERROR("WorldBegin\nTranslate 1 2 3e", "s.pbrt:2:15: error: not a number: '3e'");
+    EXPECT_ERROR("WorldBegin\nTranslate 1 2 1,5", "s.pbrt:2:15: error: not a number: '1,5'");
+}
+
+TEST(layout_of_text)
+{
+    CHECK(load("\xef\xbb\xbf# mark first\r\nWorldBegin # comment\n"
+               "Shape\n \"trianglemesh\" \"  point3   P \"[0 0 0 # inside\n1 0 0 0 1 0] \"integer "
+               "indices\"[0 1 2]"
+               "#end") == LC_OK);
+    CHECK(scene->n_tris == 1);
+    CHECK(load("Film \"image\" \"string filename\" \"a\\\"b\\\\c.exr\" WorldBegin") == LC_OK);
+    CHECK(scene->film.filename && !strcmp(scene->film.filename, "a\"b\\c.exr"));
+    EXPECT_ERROR("WorldBegin\n  Shape \"sphere\n\"", "s.pbrt:2:9: error: string without a closing quote");
+    EXPECT_ERROR("WorldBegin\n  Shape \"a\\q\"", "s.pbrt:2:11: error: unknown escape sequence in a string");
+    EXPECT_ERROR("WorldBegin\nShape \"sphere\" \"float radius\" [1 2", "s.pbrt:2:31: error: '[' without ']'");
+    EXPECT_ERROR("WorldBegin\nShape \"sphere\" \"float radius\" [[1]]", "s.pbrt:2:32: error: '[' inside '['");
+    EXPECT_ERROR("WorldBegin\nShape \"sphere\" \"radius\" 1",
+                 "s.pbrt:2:16: error: expected a parameter \"type name\", found \"radius\"");
+    EXPECT_ERROR("WorldBegin\nShape \"sphere\" \"float radius\"",
+                 "s.pbrt:2:30: error: parameter 'radius' has no value");
+    EXPECT_ERROR("WorldBegin\nShape \"sphere\" \"float radius\" \"x\"",
+                 "s.pbrt:2:31: error: parameter 'radius' can't have the value 'x'");
+    EXPECT_ERROR("WorldBegin\nShape \"trianglemesh\" \"point3 P\" [1 2 nan]",
+                 "s.pbrt:2:38: error: parameter 'P' can't have the value 'nan'");
+    EXPECT_ERROR("WorldBegin ]", "s.pbrt:1:12: error: statement: expected a directive, found ']'");
+    EXPECT_ERROR("WorldBegin Sh*pe", "s.pbrt:1:14: error: unexpected character '*'");
+}
+
+TEST(garbage)
+{
+    EXPECT_ERROR("", "s.pbrt:1:1: error: no WorldBegin in this file");
+    EXPECT_ERROR("# nothing\n", "s.pbrt:2:1: error: no WorldBegin in this file");
+    EXPECT_ERROR("\x89PNG\r\n\x1a\n", "s.pbrt:1:1: error: unexpected byte 0x89");
+    CHECK(load_n("\0\0\0\0", 4) == LC_ERR_PARSE);
+    CHECKF(!strcmp(last_error, "s.pbrt:1:1: error: unexpected byte 0x00"), "%s", last_error);
+    CHECK(load_n("WorldBegin Shape \"a\0b\"", 22) == LC_ERR_PARSE);
+    CHECKF(!strcmp(last_error, "s.pbrt:1:20: error: zero byte in a string"), "%s", last_error);
+    CHECK(load("WorldBegin\n Foo \"bar\" 1 [2 true] \"bool x\" true\n" TRI) == LC_OK);
+    CHECK(note("unknown directive Foo") && scene->n_tris == 1);
+    CHECKF(!strcmp(last_warning,
+                   "s.pbrt:2:2: warning: unknown directive 'Foo': it and its parameters are skipped"),
+           "%s", last_warning);
+}
+
+/* ---- transforms and scopes ---- */
+
+TEST(transforms)
+{
+    CHECK(load("WorldBegin Translate 1 2 3 Scale 2 2 2 " TRI) == LC_OK);
+    CHECK(near3(vertex(1), 3, 2, 3, 0));
+    CHECK(load("WorldBegin Rotate 90 0 0 2 " TRI) == LC_OK);
+    CHECK(near3(vertex(1), 0, 1, 0, 0) && near3(vertex(2), -1, 0, 0, 0));
+    CHECK(load("WorldBegin Rotate 30 1 2 3 Rotate -30 1 2 3 " TRI) == LC_OK);
+    CHECK(near3(vertex(1), 1, 0, 0, 1e-6));
+    CHECK(load("WorldBegin Transform [1 0 0 0 0 1 0 0 0 0 1 0 5 6 7 1] ConcatTransform [2 0 0 0 0 2 0 0 0 0 "
+               "2 0 0 0 0 1]" TRI) == LC_OK);
+    CHECK(near3(vertex(1), 7, 6, 7, 0));
+    CHECK(load("WorldBegin Translate 1 0 0 CoordinateSystem \"here\" Identity CoordSysTransform "
+               "\"here\" " TRI) == LC_OK);
+    CHECK(near3(vertex(0), 1, 0, 0, 0));
+    CHECK(load("Translate 0 0 5 Camera \"perspective\" WorldBegin CoordSysTransform \"camera\" " TRI) ==
+          LC_OK);
+    CHECK(near3(vertex(0), 0, 0, -5, 0));
+    CHECK(load("WorldBegin CoordSysTransform \"nowhere\" " TRI) == LC_OK);
+    CHECK(note("unknown coordinate system nowhere"));
+    CHECK(load("TransformTimes 0 1 WorldBegin ActiveTransform EndTime Translate 9 9 9 ActiveTransform "
+               "All " TRI) == LC_OK);
+    CHECK(near3(vertex(0), 0, 0, 0, 0) && note("ActiveTransform"));
+    EXPECT_ERROR("WorldBegin\nRotate 1 0 0 0", "s.pbrt:2:1: error: Rotate about a zero axis");
+    EXPECT_ERROR("LookAt 1 2 3 1 2 3 0 1 0 WorldBegin",
+                 "s.pbrt:1:1: error: LookAt: eye and target coincide, or up is along the view");
+    EXPECT_ERROR("WorldBegin Scale 1e30 1 1\nScale 1e30 1 1 " TRI,
+                 "s.pbrt:2:16: error: vertex 1 is out of range after the transform");
+}
+
+TEST(look_at_and_camera)
+{
+    CHECK(load("LookAt 1 2 3  1 2 8  0 1 0 Camera \"perspective\" \"float fov\" 60 "
+               "Film \"image\" \"integer xresolution\" [200] \"integer yresolution\" [100] WorldBegin") ==
+          LC_OK);
+    const lc_camera_desc *c = &scene->camera_desc;
+    CHECK(scene->has_camera && near(c->fov_degrees, 60, 0));
+    /* the eye to the origin; +z stays +z, and x is to the right of it: left-handed */
+    const double want[16] = { 1, 0, 0, -1, 0, 1, 0, -2, 0, 0, 1, -3, 0, 0, 0, 1 };
+    for (int i = 0; i < 16; i++) CHECK(near(c->world_to_camera[i], want[i], 1e-15));
+    CHECK(near(c->screen[0], -2, 0) && near(c->screen[1], 2, 0) && near(c->screen[2], -1, 0) &&
+          near(c->screen[3], 1, 0));
+    CHECK(load("Film \"image\" \"integer xresolution\" 100 \"integer yresolution\" 200 Scale -1 1 1 "
+               "Camera \"perspective\" WorldBegin " TRI) == LC_OK);
+    CHECK(near(scene->camera_desc.fov_degrees, 90, 0) && near(scene->camera_desc.screen[2], -2, 0));
+    CHECK(near(scene->camera_desc.world_to_camera[0], -1, 0) && near3(vertex(1), 1, 0, 0, 0));
+    CHECK(load("Camera \"orthographic\" \"float screenwindow\" [-2 2 -1 1] WorldBegin") == LC_OK);
+    CHECK(note("camera orthographic"));
+    CHECK(
+        load(
+            "Camera \"perspective\" \"float lensradius\" .1 \"float screenwindow\" [-2 2 -1 1] WorldBegin") ==
+        LC_OK);
+    CHECK(note("camera lensradius") && near(scene->camera_desc.screen[0], -2, 0));
+    EXPECT_ERROR("Camera \"perspective\" \"float fov\" [180] WorldBegin",
+                 "s.pbrt:1:22: error: parameter 'fov' is not an angle between 0 and 180");
+    EXPECT_ERROR("Scale 0 1 1\nCamera \"perspective\" WorldBegin",
+                 "s.pbrt:2:1: error: the camera's transform is singular");
+}
+
+TEST(scopes)
+{
+    CHECK(load("WorldBegin Material \"matte\" \"rgb Kd\" [.1 .2 .3] AttributeBegin Translate 1 0 0 "
+               "Material \"diffuse\" \"rgb reflectance\" [.4 .5 .6] ReverseOrientation "
+               "AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"bool twosided\" true " TRI
+               "AttributeEnd " TRI) == LC_OK);
+    CHECK(scene->n_meshes == 2);
+    CHECK(near3(vertex(0), 1, 0, 0, 0) && near3(vertex(3), 0, 0, 0, 0));
+    CHECK(near3(kd_of_mesh(0), .4, .5, .6, 1e-7) && near3(kd_of_mesh(1), .1, .2, .3, 1e-7));
+    CHECK(scene->meshes[0].flip && !scene->meshes[1].flip);
+    CHECK(near3(scene->meshes[0].emission, 1, 2, 3, 0) && near3(scene->meshes[1].emission, 0, 0, 0, 0));
+    CHECK(scene->meshes[0].two_sided && !scene->meshes[1].two_sided);
+    CHECK(load("WorldBegin TransformBegin Translate 1 0 0 Material \"matte\" \"rgb Kd\" [.1 .2 .3] "
+               "TransformEnd " TRI) == LC_OK);
+    CHECK(near3(vertex(0), 0, 0, 0, 0) && near3(kd_of_mesh(0), .1, .2, .3, 1e-7));
+    CHECK(load("WorldBegin AttributeBegin\n" TRI) == LC_OK && note("scope without end"));
+    EXPECT_ERROR("WorldBegin\n AttributeEnd", "s.pbrt:2:2: error: AttributeEnd without AttributeBegin");
+    EXPECT_ERROR("WorldBegin AttributeBegin\nTransformEnd",
+                 "s.pbrt:2:1: error: TransformEnd, but the AttributeBegin of line 1 is still open");
+}
+
+TEST(a_million_scopes)
+{
+    size_t n = 1000000, len = strlen("AttributeBegin ");
+    char *text = malloc(n * len + 64), *p = text + sprintf(text, "WorldBegin ");
+    for (size_t i = 0; i < n; i++) memcpy(p, "AttributeBegin ", len), p += len;
+    CHECK(load_n(text, (size_t)(p - text)) == LC_OK);
+    free(text);
+}
+
+TEST(order_of_sections)
+{
+    EXPECT_ERROR("Shape \"sphere\"", "s.pbrt:1:1: error: Shape before WorldBegin");
+    EXPECT_ERROR("WorldBegin\nFilm \"image\"", "s.pbrt:2:1: error: Film after WorldBegin");
+    EXPECT_ERROR("WorldBegin\nWorldBegin", "s.pbrt:2:1: error: second WorldBegin");
+    EXPECT_ERROR("Camera \"perspective\"\n", "s.pbrt:2:1: error: no WorldBegin in this file");
+    CHECK(load("WorldBegin " TRI "WorldEnd") == LC_OK && scene->n_notes == 0);
+    CHECK(load("WorldBegin " TRI "WorldEnd\nFilm \"image\"") == LC_OK && note("after WorldEnd"));
+}
+
+/* ---- options ---- */
+
+TEST(film)
+{
+    CHECK(load("WorldBegin") == LC_OK && scene->film.width == 1280 && scene->film.height == 720 &&
+          scene->film.spp == 4);
+    CHECK(load("Film \"image\" \"integer xresolution\" [64] \"integer yresolution\" [32] \"float "
+               "cropwindow\" [.25 .5 0 .1] "
+               "\"float scale\" 2 \"string filename\" [\"x.exr\"] Sampler \"random\" \"integer "
+               "pixelsamples\" 3 WorldBegin") == LC_OK);
+    CHECK(scene->film.width == 64 && scene->film.height == 32 && scene->film.spp == 3 && scene->n_notes == 0);
+    CHECK(scene->film.crop[0] == 16 && scene->film.crop[1] == 32 && scene->film.crop[2] == 0 &&
+          scene->film.crop[3] == 4);
+    CHECK(near((double)scene->film.scale, 2, 0) && !strcmp(scene->film.filename, "x.exr"));
+    CHECK(load("Film \"rgb\" \"float iso\" [200] \"integer pixelbounds\" [10 20 -5 2000] "
+               "Camera \"perspective\" \"float shutterclose\" .25 WorldBegin") == LC_OK);
+    CHECK(near((double)scene->film.scale, 0.5, 1e-7));
+    CHECK(scene->film.crop[0] == 10 && scene->film.crop[1] == 20 && scene->film.crop[2] == 0 &&
+          scene->film.crop[3] == 720);
+    CHECK(load("Sampler \"halton\" \"integer pixelsamples\" [64] WorldBegin") == LC_OK);
+    CHECK(scene->film.spp == 4 && note("sampler pixelsamples"));
+    CHECK(load("Sampler \"stratified\" \"integer xsamples\" 1 \"integer ysamples\" 2 WorldBegin") == LC_OK);
+    CHECK(scene->film.spp == 2);
+    EXPECT_ERROR("Film \"image\" \"integer xresolution\" [0] WorldBegin",
+                 "s.pbrt:1:14: error: parameter 'xresolution' is not in 1..65535");
+    EXPECT_ERROR("Film \"image\" \"integer xresolution\" [1.5] WorldBegin",
+                 "s.pbrt:1:14: error: parameter 'xresolution' is not an integer");
+    EXPECT_ERROR("Film \"image\" \"integer xresolution\" [65535] \"integer yresolution\" [65535] WorldBegin",
+                 "s.pbrt:1:1: error: film of 65535 x 65535 pixels: each side must be 1 to 65535, the product "
+                 "at most 268435456");
+    EXPECT_ERROR("Film \"image\" \"float cropwindow\" [.5 .5 0 1] WorldBegin",
+                 "s.pbrt:1:14: error: parameter 'cropwindow' is empty");
+}
+
+TEST(ignored_politely)
+{
+    CHECK(
+        load(
+            "Option \"bool wavefront\" true ColorSpace \"srgb\" Integrator \"path\" \"integer maxdepth\" [5] "
+            "SurfaceIntegrator \"igi\" VolumeIntegrator \"single\" Renderer \"sampler\" Accelerator \"bvh\" "
+            "PixelFilter \"box\" \"float xradius\" 1 WorldBegin") == LC_OK);
+    CHECKF(scene->n_notes == 0, "%s", last_warning);
+    CHECK(load("WorldBegin MakeNamedMedium \"m\" \"string type\" \"homogeneous\" MediumInterface \"m\" \"\" "
+               "MediumInterface \"m\"") == LC_OK);
+    CHECK(scene->n_notes == 1 && note("medium")->count == 3);
+    CHECK(load("WorldBegin Shape \"sphere\" \"float foo\" [1 2 3] \"string bar\" [\"x\"]") == LC_OK);
+    CHECK(note("parameter sphere.foo") && note("parameter sphere.bar"));
+}
+
+/* ---- materials ---- */
+
+TEST(named_materials_and_textures)
+{
+    CHECK(load("WorldBegin MakeNamedMaterial \"a\" \"string type\" \"matte\" \"color Kd\" [.1 .2 .3]\n"
+               "MakeNamedMaterial \"b\" \"string type\" [\"diffuse\"] \"rgb reflectance\" [.4 .5 .6]\n"
+               "Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.7 .8 .9]\n"
+               "NamedMaterial \"b\" " TRI "NamedMaterial \"a\" " TRI
+               "Material \"matte\" \"texture Kd\" \"t\" " TRI) == LC_OK);
+    CHECK(scene->n_notes == 0 && scene->n_meshes == 3);
+    CHECK(near3(kd_of_mesh(0), .4, .5, .6, 1e-7) && near3(kd_of_mesh(1), .1, .2, .3, 1e-7));
+    CHECK(near3(kd_of_mesh(2), .7, .8, .9, 1e-7));
+    CHECK(load("WorldBegin NamedMaterial \"nix\" " TRI) == LC_OK && note("unknown material nix"));
+    CHECK(near3(kd_of_mesh(0), .5, .5, .5, 0));
+    CHECK(load("WorldBegin Material \"matte\" \"texture Kd\" \"nix\" " TRI) == LC_OK &&
+          note("unknown texture nix"));
+    CHECK(load("WorldBegin Texture \"f\" \"float\" \"constant\" \"float value\" .5 "
+               "Texture \"i\" \"color\" \"imagemap\" \"string filename\" \"x.png\" "
+               "Texture \"s\" \"color\" \"scale\" \"texture tex\" \"i\" \"texture scale\" \"f\" "
+               "Material \"matte\" \"texture Kd\" \"s\" " TRI) == LC_OK);
+    CHECK(near3(kd_of_mesh(0), .25, .25, .25, 1e-7) && note("texture imagemap") && note("texture scale"));
+    EXPECT_ERROR("WorldBegin\nMakeNamedMaterial \"a\"",
+                 "s.pbrt:2:1: error: MakeNamedMaterial 'a' has no \"string type\"");
+    EXPECT_ERROR("WorldBegin\nTexture \"t\" \"string filename\" [ \"x\" ]",
+                 "s.pbrt:2:31: error: Texture: expected a quoted name, found '['");
+}
+
+TEST(materials)
+{
+    CHECK(load("WorldBegin " TRI) == LC_OK && near3(kd_of_mesh(0), .5, .5, .5, 0));
+    CHECK(load("WorldBegin Material \"phong\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [.4 .5 .6] \"float exponent\" "
+               "30 " TRI) == LC_OK);
+    const lc_material *m = &scene->materials[scene->meshes[0].material_id];
+    CHECK(near3(m->kd, .1, .2, .3, 1e-7) && near3(m->ks, .4, .5, .6, 1e-7) &&
+          near((double)m->exponent, 30, 0));
+    CHECK(load("WorldBegin Material \"plastic\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [1 1 1] " TRI) == LC_OK);
+    CHECK(near3(kd_of_mesh(0), .1, .2, .3, 1e-7) && scene->n_notes == 1 && note("material plastic"));
+    CHECK(load("WorldBegin Material \"glass\" " TRI "Material \"strange\" " TRI) == LC_OK);
+    CHECK(note("material glass") && note("material strange") && near3(kd_of_mesh(1), .5, .5, .5, 0));
+    CHECK(load("WorldBegin Material \"interface\" " TRI "Material \"none\" " TRI "Material \"\" " TRI) ==
+          LC_OK);
+    CHECK(scene->n_meshes == 0);
+    CHECK(load("WorldBegin Material \"none\" AreaLightSource \"area\" \"color L\" [1 1 1] " TRI) == LC_OK);
+    CHECK(scene->n_meshes == 1 && near3(kd_of_mesh(0), 0, 0, 0, 0));
+    CHECK(load("WorldBegin Material \"matte\" \"float sigma\" 20 \"rgb Kd\" [2 -1 .5] " TRI) == LC_OK);
+    CHECK(near3(kd_of_mesh(0), 1, 0, .5, 0) && note("matte sigma") && note("reflectance"));
+    EXPECT_ERROR("WorldBegin Material \"phong\" \"float exponent\" -1",
+                 "s.pbrt:1:29: error: parameter 'exponent' is negative");
+    EXPECT_ERROR("WorldBegin Material \"matte\" \"rgb Kd\" [1 2]",
+                 "s.pbrt:1:29: error: parameter 'Kd' has 2 values, not a multiple of 3");
+}
+
+/* ---- lights ---- */
+
+TEST(point_lights)
+{
+    CHECK(load("WorldBegin Translate 1 0 0 LightSource \"point\" \"point from\" [1 2 3] \"color I\" [1 2 3] "
+               "\"rgb scale\" [2 2 2]\n"
+               "LightSource \"point\" \"point3 from\" [1 2 3] \"rgb I\" [2 2 2] \"float power\" 12.566370614 "
+               "\"float scale\" 3\n"
+               "LightSource \"point\" \"float A\" 1 \"float B\" 2 \"float C\" 0") == LC_OK);
+    CHECK(scene->n_lights == 3 && scene->n_notes == 0);
+    const lc_light *l = scene->lights;
+    CHECK(l[0].kind == LC_LIGHT_POINT && near3(l[0].pos, 2, 2, 3, 0) && near3(l[0].intensity, 2, 4, 6, 0));
+    CHECK(l[0].atten[0] == 0 && l[0].atten[1] == 0 && l[0].atten[2] == 1);
+    CHECK(near3(l[1].intensity, 6, 6, 6, 1e-5));
+    CHECK(l[2].atten[0] == 1 && l[2].atten[1] == 2 && l[2].atten[2] == 0 &&
+          near3(l[2].intensity, 1, 1, 1, 0));
+    EXPECT_ERROR("WorldBegin\n LightSource \"point\" \"float C\" 0",
+                 "s.pbrt:2:2: error: A, B and C are all 0");
+    EXPECT_ERROR("WorldBegin\n LightSource \"point\" \"float B\" -1",
+                 "s.pbrt:2:22: error: parameter 'B' is negative");
+    EXPECT_ERROR("WorldBegin\n LightSource \"point\" \"rgb I\" [1 -1 1]",
+                 "s.pbrt:2:22: error: parameter 'I' is negative");
+}
+
+TEST(directed_lights)
+{
+    CHECK(
+        load(
+            "WorldBegin Rotate 90 0 1 0 Translate 0 0 1 LightSource \"oriented\" \"point3 position\" [0 0 1] "
+            "\"vector3 direction\" [0 0 5] \"rgb I\" [1 2 3]\n"
+            "LightSource \"distant\" \"point from\" [0 5 0] \"point to\" [0 0 0] \"rgb L\" [3 2 1]\n"
+            "LightSource \"distant\" \"float illuminance\" 7") == LC_OK);
+    const lc_light *l = scene->lights;
+    CHECK(scene->n_lights == 3 && l[0].kind == LC_LIGHT_ORIENTED && l[1].kind == LC_LIGHT_DIRECTIONAL);
+    CHECK(near3(l[0].pos, 2, 0, 0, 0) && near3(l[0].dir, 1, 0, 0, 0) && near3(l[0].intensity, 1, 2, 3, 0));
+    CHECK(near3(l[1].dir, 0, -1, 0, 0) && near3(l[1].intensity, 3, 2, 1, 0));
+    CHECK(near3(l[2].dir, 1, 0, 0, 0) && near3(l[2].intensity, 7, 7, 7, 0));
+    EXPECT_ERROR("WorldBegin\nLightSource \"oriented\" \"vector direction\" [0 0 0]",
+                 "s.pbrt:2:1: error: the light's direction is zero or out of range");
+    CHECK(load("WorldBegin LightSource \"spot\" LightSource \"infinite\" LightSource \"spot\"") == LC_OK);
+    CHECK(scene->n_lights == 0 && note("light spot")->count == 2 && note("light infinite"));
+}
+
+/* Against pixel values measured with pbrt-v4: the light's colour relative to "rgb I" [1 1 1]. */
+TEST(spectral_lights)
+{
+    CHECK(load("Film \"rgb\" WorldBegin LightSource \"point\" \"blackbody I\" 6500\n"
+               "LightSource \"point\" \"blackbody I\" [3000] LightSource \"point\" \"spectrum I\" [300 5 900 "
+               "5]\n"
+               "LightSource \"point\" \"spectrum I\" \"stdillum-D65\"") == LC_OK);
+    const lc_light *l = scene->lights;
+    CHECK(scene->n_lights == 4);
+    CHECKF(near3(l[0].intensity, 1.043, 0.984, 1.035, 0.01), "%g %g %g", (double)l[0].intensity.x,
+           (double)l[0].intensity.y, (double)l[0].intensity.z);
+    CHECKF(near3(l[1].intensity, 1.771, 0.844, 0.272, 0.02), "%g %g %g", (double)l[1].intensity.x,
+           (double)l[1].intensity.y, (double)l[1].intensity.z);
+    CHECK(near3(l[2].intensity, 1.205, 0.948, 0.909, 0.001));
+    CHECK(near3(l[3].intensity, 1, 1, 1, 0) && note("spectrum by name"));
+    CHECK(load("Film \"image\" WorldBegin LightSource \"point\" \"blackbody I\" [6500 2]\n"
+               "LightSource \"point\" \"spectrum I\" [300 5 900 5]") == LC_OK);
+    /* v3: the curve's peak is 1, and 5 stays 5 */
+    CHECK(lc_luminance(scene->lights[0].intensity) > 1.6f && lc_luminance(scene->lights[0].intensity) < 2);
+    CHECK(near((double)lc_luminance(scene->lights[1].intensity), 5, 1e-4));
+    CHECK(load("WorldBegin Material \"matte\" \"spectrum Kd\" [400 .3 700 .3] " TRI) == LC_OK);
+    CHECK(near3(kd_of_mesh(0), .3, .3, .3, 1e-6));
+    EXPECT_ERROR("WorldBegin LightSource \"point\" \"blackbody I\" -5",
+                 "s.pbrt:1:32: error: parameter 'I' is a temperature out of range");
+    EXPECT_ERROR("WorldBegin LightSource \"point\" \"spectrum I\" [400 1 300 1]",
+                 "s.pbrt:1:32: error: parameter 'I' has wavelengths that don't rise");
+}
+
+/* ---- shapes ---- */
+
+TEST(triangle_meshes)
+{
+    CHECK(load("WorldBegin Scale 1 2 -1 Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
+               "\"point P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"normal N\" [0 1 1 0 0 1 0 0 1 0 0 1] \"float uv\" [0 "
+               "0 1 0 1 1 0 1]") == LC_OK);
+    CHECK(scene->n_tris == 2 && scene->n_verts == 4 && scene->n_notes == 0);
+    CHECK(scene->meshes[0].flip && scene->meshes[0].has_normals);
+    CHECK(near3(lc_f3_normalize(lc_f3_load(scene->normal)), 0, 1 / sqrt(5), -2 / sqrt(5), 1e-6));
+    CHECK(near3(lc_f3_normalize(lc_f3_load(scene->normal + 3)), 0, 0, -1, 1e-6));
+    CHECK(load("WorldBegin ReverseOrientation Scale -1 1 1 Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 "
+               "1 0] "
+               "\"normal N\" [0 0 1 0 0 1 0 0 1]") == LC_OK);
+    CHECK(!scene->meshes[0].flip && near3(lc_f3_normalize(lc_f3_load(scene->normal)), 0, 0, -1, 0));
+    EXPECT_ERROR("WorldBegin\nShape \"trianglemesh\"",
+                 "s.pbrt:2:1: error: trianglemesh without vertices \"point3 P\"");
+    EXPECT_ERROR("WorldBegin\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0]",
+                 "s.pbrt:2:1: error: trianglemesh without \"integer indices\"");
+    EXPECT_ERROR(
+        "WorldBegin\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 3]",
+        "s.pbrt:2:53: error: index 2 is 3, not one of 3 vertices");
+    EXPECT_ERROR(
+        "WorldBegin\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1]",
+        "s.pbrt:2:53: error: parameter 'indices' is not made of triples");
+    EXPECT_ERROR("WorldBegin\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [0 0 1]",
+                 "s.pbrt:2:53: error: 1 normals for 3 vertices");
+}
+
+/* Signed volume under the triangles as seen from the origin: positive when their normals point outwards. */
+static double volume(void)
+{
+    double sum = 0;
+    for (size_t t = 0; t < scene->n_tris; t++) {
+        lc_f3 v[3];
+        for (size_t k = 0; k < 3; k++) v[k] = vertex(scene->index[3 * t + k]);
+        double d = (double)lc_f3_dot(v[0], lc_f3_cross(v[1], v[2])) / 6;
+        sum += scene->meshes[scene->tri_mesh[t]].flip ? -d : d;
+    }
+    return sum;
+}
+
+TEST(spheres)
+{
+    CHECK(
+        load(
+            "WorldBegin AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] Shape \"sphere\" \"float radius\" 2") ==
+        LC_OK);
+    CHECK(note("shape sphere") && near(volume(), 4.0 / 3 * LC_PI * 8, 0.1));
+    double power = 0; /* emission times area = that of the true sphere */
+    for (size_t t = 0; t < scene->n_tris; t++) {
+        lc_f3 a = vertex(scene->index[3 * t]), b = vertex(scene->index[3 * t + 1]),
+              c = vertex(scene->index[3 * t + 2]);
+        power += 0.5 * (double)lc_f3_len(lc_f3_cross(lc_f3_sub(b, a), lc_f3_sub(c, a))) *
+                 (double)scene->meshes[0].emission.x;
+        CHECK((double)lc_f3_dot(lc_f3_load(scene->normal + 3 * (size_t)scene->index[3 * t]), a) > 0);
+    }
+    CHECKF(near(power, 16 * LC_PI, 1e-3), "%g", power);
+    for (size_t i = 0; i < scene->n_verts; i++) CHECK(near((double)lc_f3_len(vertex(i)), 2, 1e-6));
+    CHECK(load("WorldBegin Scale -1 1 1 Shape \"sphere\"") == LC_OK && near(volume(), 4.0 / 3 * LC_PI, 0.02));
+    CHECK(scene->meshes[0].flip && (double)lc_f3_dot(lc_f3_load(scene->normal), vertex(0)) > 0);
+    CHECK(load("WorldBegin ReverseOrientation Shape \"sphere\"") == LC_OK &&
+          near(volume(), -4.0 / 3 * LC_PI, 0.02));
+    CHECK((double)lc_f3_dot(lc_f3_load(scene->normal), vertex(0)) < 0);
+    CHECK(load("WorldBegin Shape \"sphere\" \"float zmin\" -0.5 \"float zmax\" 2 \"float phimax\" 180") ==
+          LC_OK);
+    CHECK(near((double)scene->bounds.lo.z, -0.5, 0) && near((double)scene->bounds.hi.z, 1, 0));
+    CHECK(near((double)scene->bounds.lo.y, 0, 1e-6) && near((double)scene->bounds.lo.x, -1, 1e-3));
+    CHECK(load("WorldBegin Shape \"sphere\" \"float radius\" 0") == LC_OK && scene->n_tris == 0);
+    CHECK(note("shape without area"));
+}
+
+TEST(many_spheres_are_coarser)
+{
+    char *text = malloc(3000 * 16 + 64), *p = text + sprintf(text, "WorldBegin ");
+    for (int i = 0; i < 3000; i++) p += sprintf(p, "Shape \"sphere\" ");
+    CHECK(load(text) == LC_OK && scene->n_meshes == 3000);
+    CHECK(scene->meshes[0].n_tris == 128 * 63 * 2 && scene->meshes[64].n_tris == 32 * 15 * 2);
+    CHECK(scene->meshes[2999].n_tris == 16 * 7 * 2);
+    free(text);
+}
+
+TEST(disks)
+{
+    CHECK(load("WorldBegin Shape \"disk\" \"float height\" 1 \"float radius\" 2") == LC_OK);
+    CHECK(near((double)scene->bounds.lo.z, 1, 0) && near((double)scene->bounds.hi.x, 2, 0));
+    CHECK(scene->n_tris == 128 && near(volume(), 4 * LC_PI / 3, 0.01)); /* a cone over the origin: faces +z */
+    CHECK(load("WorldBegin Shape \"disk\" \"float height\" 1 \"float innerradius\" .5 \"float phimax\" 90") ==
+          LC_OK);
+    CHECK(scene->n_tris == 64 && near(volume(), LC_PI * 0.75 / 12, 0.001));
+}
+
+TEST(unknown_shapes)
+{
+    CHECK(load("WorldBegin Shape \"cone\" \"float radius\" 1 Shape \"cone\"") == LC_OK);
+    CHECK(scene->n_tris == 0 && note("shape cone")->count == 2 && scene->n_notes == 1);
+}
+
+TEST(instances)
+{
+    CHECK(load("WorldBegin Translate 0 0 1 ObjectBegin \"o\" Translate 1 0 0 Material \"matte\" \"rgb Kd\" "
+               "[.1 .1 .1] " TRI "ObjectEnd Identity Scale -1 1 1 ObjectInstance \"o\" Identity Translate 0 "
+                                 "5 0 ObjectInstance \"o\" " TRI) == LC_OK);
+    CHECK(scene->n_meshes == 3 && scene->n_notes == 0);
+    CHECK(near3(vertex(0), -1, 0, 1, 0) && near3(vertex(3), 1, 5, 1, 0) && near3(vertex(6), 0, 5, 0, 0));
+    CHECK(scene->meshes[0].flip && !scene->meshes[1].flip);
+    CHECK(near3(kd_of_mesh(1), .1, .1, .1, 1e-7) && near3(kd_of_mesh(2), .5, .5, .5, 0));
+    CHECK(load("WorldBegin ObjectInstance \"x\"") == LC_OK && note("unknown object x"));
+    EXPECT_ERROR("WorldBegin ObjectEnd", "s.pbrt:1:12: error: ObjectEnd without ObjectBegin");
+    EXPECT_ERROR("WorldBegin ObjectBegin \"a\"\nObjectBegin \"b\"",
+                 "s.pbrt:2:1: error: ObjectBegin inside ObjectBegin");
+    EXPECT_ERROR("WorldBegin ObjectBegin \"a\" AttributeBegin\nObjectEnd",
+                 "s.pbrt:2:1: error: ObjectEnd, but the AttributeBegin of line 1 is still open");
+}
+
+/* ---- files ---- */
+
+static char dir[] = "/tmp/unit_pbrt.XXXXXX";
+
+static const char *path_of(const char *name)
+{
+    static char path[2][256];
+    static int turn;
+    turn = !turn;
+    snprintf(path[turn], sizeof path[turn], "%s/%s", dir, name);
+    return path[turn];
+}
+
+static void write_file(const char *name, const char *text)
+{
+    FILE *f = fopen(path_of(name), "wb");
+    if (!f) abort();
+    fputs(text, f);
+    fclose(f);
+}
+
+static lc_status load_file(const char *name)
+{
+    begin();
+    return lc_pbrt_parse(scene, path_of(name));
+}
+
+static void expect_file_error(const char *name, lc_status status, const char *where, const char *message)
+{
+    char want[512];
+    snprintf(want, sizeof want, "%s/%s: error: %s", dir, where, message);
+    CHECK(load_file(name) == status);
+    CHECKF(!strcmp(last_error, want), "\"%s\"", last_error);
+    CHECK(n_errors == 1);
+}
+
+#define PLY                                                                                                  \
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"        \
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+
+TEST(includes)
+{
+    char sub[256];
+    snprintf(sub, sizeof sub, "mkdir %s/sub", dir);
+    CHECK(system(sub) == 0);
+    write_file("main.pbrt", "WorldBegin\nInclude \"sub/a\" " TRI);
+    write_file("sub/a.pbrt",
+               "Include \"b.pbrt\"\nTranslate 1 0 0 " TRI "Shape \"plymesh\" \"string filename\" \"m.ply\"\n"
+               "Shape \"plymesh\" \"string filename\" \"sub/m.ply\"");
+    write_file("sub/b.pbrt", "Translate 0 1 0 # no newline at the end");
+    write_file("sub/m.ply", PLY);
+    CHECKF(load_file("main.pbrt") == LC_OK, "%s", last_error);
+    CHECK(scene->n_tris == 4 && near3(vertex(0), 1, 1, 0, 0));
+    write_file("b.pbrt", "Translate 0 0 7"); /* beside the main file: goes first */
+    CHECK(load_file("main.pbrt") == LC_OK && near3(vertex(0), 1, 0, 7, 0));
+    write_file("twice.pbrt", "WorldBegin Include \"tri.pbrt\" Include \"tri.pbrt\"");
+    write_file("tri.pbrt", TRI);
+    CHECK(load_file("twice.pbrt") == LC_OK && scene->n_tris == 2);
+}
+
+TEST(include_errors)
+{
+    char want[512];
+    write_file("self.pbrt", "WorldBegin\n  Include \"self.pbrt\"");
+    expect_file_error("self.pbrt", LC_ERR_PARSE, "self.pbrt:2:11", "'self.pbrt' includes itself");
+    write_file("ping.pbrt", "WorldBegin Include \"pong.pbrt\"");
+    write_file("pong.pbrt", "\nInclude \"./ping.pbrt\"");
+    expect_file_error("ping.pbrt", LC_ERR_PARSE, "pong.pbrt:2:9", "'./ping.pbrt' includes itself");
+    write_file("lost.pbrt", "WorldBegin\n Shape \"plymesh\" \"string filename\" \"x.ply\"");
+    snprintf(want, sizeof want, "cannot open '%s/x.ply': No such file or directory", dir);
+    expect_file_error("lost.pbrt", LC_ERR_IO, "lost.pbrt:2:18", want);
+    write_file("lost2.pbrt", "WorldBegin Include \"x\"");
+    snprintf(want, sizeof want, "cannot open '%s/x': No such file or directory", dir);
+    expect_file_error("lost2.pbrt", LC_ERR_IO, "lost2.pbrt:1:20", want);
+    write_file("folder.pbrt", "WorldBegin Include \"/\"");
+    expect_file_error("folder.pbrt", LC_ERR_IO, "folder.pbrt:1:20", "cannot open '/': is a directory");
+    write_file("device.pbrt", "WorldBegin Include \"/dev/null\"");
+    expect_file_error("device.pbrt", LC_ERR_IO, "device.pbrt:1:20",
+                      "cannot open '/dev/null': is not a regular file");
+    begin();
+    CHECK(lc_pbrt_parse(scene, "/nonexistent.pbrt") == LC_ERR_IO);
+    CHECKF(!strcmp(last_error, "error: cannot open '/nonexistent.pbrt': No such file or directory"), "%s",
+           last_error);
+    write_file("inner.pbrt", "Translate 1 2\n");
+    write_file("outer.pbrt", "WorldBegin Include \"inner.pbrt\" 3");
+    expect_file_error("outer.pbrt", LC_ERR_PARSE, "inner.pbrt:2:1",
+                      "Translate: expected a number, found the end of the file");
+}
+
+TEST(includes_that_double)
+{
+    char name[32], text[128];
+    for (int i = 0; i < 40; i++) {
+        snprintf(name, sizeof name, "d%d.pbrt", i);
+        snprintf(text, sizeof text, "Include \"d%d.pbrt\" Include \"d%d.pbrt\"\n", i + 1, i + 1);
+        write_file(name, i < 39 ? text : "");
+    }
+    CHECK(load_file("d0.pbrt") == LC_ERR_PARSE);
+    CHECKF(strstr(last_error, "more than 100000 files included"), "%s", last_error);
+    for (int i = 0; i < 70; i++) {
+        snprintf(name, sizeof name, "e%d.pbrt", i);
+        snprintf(text, sizeof text, "Include \"e%d.pbrt\"\n", i + 1);
+        write_file(name, text);
+    }
+    expect_file_error("e0.pbrt", LC_ERR_PARSE, "e63.pbrt:1:9", "files included more than 64 deep");
+}
+
+/* ---- memory ---- */
+
+static long allocations_left = -1;
+
+static void *counted_alloc(void *user, size_t size, size_t align)
+{
+    (void)user;
+    if (!allocations_left) return NULL;
+    if (allocations_left > 0) allocations_left--;
+    return aligned_alloc(align, (size + align - 1) / align * align);
+}
+
+static void counted_free(void *user, void *ptr, size_t size)
+{
+    (void)user, (void)size;
+    free(ptr);
+}
+
+TEST(every_allocation_fails_in_turn)
+{
+    const lc_allocator allocator = { counted_alloc, counted_free, NULL };
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    desc.allocator = &allocator;
+    lc_context *small;
+    if (lc_context_create(&desc, &small)) abort();
+    write_file(
+        "all.pbrt",
+        "Film \"image\" \"string filename\" \"f\" Camera \"perspective\" WorldBegin Include \"tri.pbrt\"\n"
+        "MakeNamedMaterial \"a\" \"string type\" \"glass\" Texture \"t\" \"color\" \"constant\"\n"
+        "CoordinateSystem \"c\" AttributeBegin Scale 2 2 2 AttributeEnd LightSource \"point\" "
+        "ObjectBegin \"o\" Shape \"sphere\" ObjectEnd ObjectInstance \"o\"\n"
+        "Shape \"plymesh\" \"string filename\" \"sub/m.ply\" Shape \"disk\" \"float x\" 1");
+    lc_status st = LC_ERR_MEMORY;
+    long n = 0;
+    for (; st == LC_ERR_MEMORY && n < 1000; n++) {
+        lc_scene *s;
+        allocations_left = -1;
+        if (lc_scene_create(small, &s)) abort();
+        allocations_left = n;
+        st = lc_pbrt_parse(s, path_of("all.pbrt"));
+        allocations_left = -1;
+        lc_scene_destroy(s);
+    }
+    CHECKF(st == LC_OK && n > 20, "status %d after %ld", st, n);
+    lc_context_destroy(small);
+}
+
+int main(void)
+{
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    desc.log = log_to_buffer;
+    if (!mkdtemp(dir) || lc_context_create(&desc, &ctx)) return 1;
+    RUN(numbers);
+    RUN(layout_of_text);
+    RUN(garbage);
+    RUN(transforms);
+    RUN(look_at_and_camera);
+    RUN(scopes);
+    RUN(a_million_scopes);
+    RUN(order_of_sections);
+    RUN(film);
+    RUN(ignored_politely);
+    RUN(named_materials_and_textures);
+    RUN(materials);
+    RUN(point_lights);
+    RUN(directed_lights);
+    RUN(spectral_lights);
+    RUN(triangle_meshes);
+    RUN(spheres);
+    RUN(many_spheres_are_coarser);
+    RUN(disks);
+    RUN(unknown_shapes);
+    RUN(instances);
+    RUN(includes);
+    RUN(include_errors);
+    RUN(includes_that_double);
+    RUN(every_allocation_fails_in_turn);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+    char clean[64];
+    snprintf(clean, sizeof clean, "rm -r %s", dir);
+    if (system(clean)) printf("could not remove %s\n", dir);
+    return test_done();
+}
