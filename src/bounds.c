@@ -19,9 +19,10 @@
  * - r: the lateral vector t = cb - (axis.cb) axis is within 8u M of the exact one (M = sum |cb_k| + h_k; an axis of
  *   length 1 +- 2u included), and its direction within 8u M / |t|, which matters by at most that times the half
  *   extent along the axis. Both are subtracted.
+ * - Boxes within NEAR of the point have squares near underflow: their cosines are taken as 1.
  * - What follows is products, quotients and roots of positive terms: below 40 operations with those of the
- *   estimate, each within u; the factor SLACK = 1 + 2^-18 = 1 + 64u covers them, with 16 times the least normal
- *   float added for underflow.
+ *   estimate, each within u; the factor SLACK = 1 + 2^-18 = 1 + 64u covers them. The limits of
+ *   light.h and layout.h keep what they multiply away from denormals wherever the estimate is not 0.
  * - Cosines enter angles (emission) and powers (Phong), where relative errors grow: COS_SLACK = 32u is added to
  *   them first: the estimate's own cosine is within 12u.
  */
@@ -33,6 +34,7 @@
 #define U 0x1p-24f
 #define SLACK (1 + 0x1p-18f)
 #define COS_SLACK (32 * U)
+#define NEAR 1e-12f /* scene units: the square root of LC_MIN_D2, below which 1/d^2 is flat anyway */
 
 /* The box about x, and what every axis needs of it. */
 typedef struct {
@@ -79,14 +81,14 @@ static axis_range axis_range_make(const rel_box *b, lc_f3 axis)
 static float max_cos(const axis_range *a, float d2)
 {
     float q = max_f(a->r2 + a->z1 * a->z1, d2);
-    return q > LC_TINY_D2 ? min_f(a->z1 / sqrtf(q), 1) : 1;
+    return q > NEAR * NEAR ? min_f(a->z1 / sqrtf(q), 1) : 1;
 }
 
 /* Greatest cos phi over box and cone; <= 0 when all face away. */
 static float max_emission(const lc_node_block *b, uint32_t k, const rel_box *box)
 {
     float cos_cone = b->cos_cone[k];
-    if (cos_cone <= -1) return 1;
+    if (cos_cone <= -1 || box->m_sum < NEAR) return 1;
     rel_box back = *box;
     back.c = lc_f3_neg(box->c);
     axis_range a = axis_range_make(&back, lc_f3_make(b->axis[0][k], b->axis[1][k], b->axis[2][k]));
@@ -108,7 +110,7 @@ static float max_geometry(const lc_node_block *b, uint32_t k, const lc_point *p,
 {
     float d2c = max_f(box->d2, p->min_d2), c = b->atten[2][k];
     float f = b->atten[0][k] + b->atten[1][k] * sqrtf(d2c) + c * d2c;
-    float separate = max_cos(n, box->d2) / f;
+    float separate = f > 0 ? max_cos(n, box->d2) / f : INFINITY; /* members whose least A, B, C are all 0 */
     if (!(c > 0)) return separate;
     float z = max_f(sqrtf(0.5f * n->r2), sqrtf(max_f(box->d2 - n->r2, 0)));
     z = min_f(max_f(z, n->z0), n->z1);
@@ -127,19 +129,18 @@ static float bound_lane(const lc_node_block *b, uint32_t k, lc_light_kind kind, 
     static const float origin[3] = { 0, 0, 0 };
     rel_box box = rel_box_make(b, k, kind == LC_LIGHT_DIRECTIONAL ? origin : p->pos);
     axis_range n = axis_range_make(&box, lc_f3_load(p->n));
-    if (n.z1 <= 0) return 0;
+    if (n.z1 <= 0 && box.m_sum >= NEAR) return 0;
     float emission = kind == LC_LIGHT_ORIENTED ? max_emission(b, k, &box) : 1;
     if (emission <= 0) return 0;
     float power = lum_dot(p->diffuse, b, k);
     if (p->glossy) {
         axis_range m = axis_range_make(&box, lc_f3_load(p->mirror));
-        if (m.z1 > 0)
+        if (m.z1 > 0 || box.m_sum < NEAR)
             power += lum_dot(p->specular, b, k) * lc_pow01(min_f(max_cos(&m, box.d2) + COS_SLACK, 1), p->exponent);
     }
     if (!(power > 0)) return 0;
-    power = min_f(power, FLT_MAX); /* inf times an underflown 0 would be NaN */
     float geometry = kind == LC_LIGHT_DIRECTIONAL ? max_cos(&n, box.d2) : max_geometry(b, k, p, &box, &n);
-    return power * emission * geometry * SLACK + 16 * FLT_MIN;
+    return power * emission * geometry * SLACK;
 }
 
 void lc_bounds_block(const lc_node_block *block, uint32_t first, uint32_t n, lc_light_kind kind, const lc_point *point,

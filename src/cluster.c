@@ -94,6 +94,9 @@ void lc_cluster_store(const lc_cluster *c, lc_node_block *block, uint32_t lane)
         block->axis[k][lane] = (float)axis[k];
         block->atten[k][lane] = c->atten[k];
     }
-    if (c->kind == LC_LIGHT_ORIENTED && cos_cone > -1) cos_cone = fmax(-1, cos_cone - cone_slack(c));
+    bool one_direction = c->dlo[0] == c->dhi[0] && c->dlo[1] == c->dhi[1] && c->dlo[2] == c->dhi[2];
+    for (int k = 0; k < 3 && one_direction; k++) block->axis[k][lane] = c->dlo[k]; /* exact: no slack */
+    if (one_direction) cos_cone = 1;
+    else if (cos_cone > -1) cos_cone = fmax(-1, cos_cone - cone_slack(c));
     block->cos_cone[lane] = round_down(cos_cone);
 }

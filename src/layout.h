@@ -16,6 +16,14 @@
 
 #include "light.h"
 
+/* Estimates are exactly 0 where a cosine is at most LC_MIN_COS or M G of a channel is below LC_MIN_TRANSFER, lobes
+ * where cos^n is below LC_MIN_LOBE, and M G is
+ * at most LC_MAX_TRANSFER: with the limits of light.h nothing that is multiplied or summed is denormal or infinite. */
+#define LC_MIN_COS 1e-9f
+#define LC_MIN_LOBE 1e-12f
+#define LC_MIN_TRANSFER 1e-19f
+#define LC_MAX_TRANSFER 1e20f
+#define LC_MIN_REFLECTANCE 1e-10f /* diffuse and specular of lc_point below this are 0 */
 #define LC_TINY_D2 1e-36f /* squares of lengths below this count as this where a cosine is formed: no division by 0 */
 
 typedef struct lc_node_block {

@@ -136,10 +136,14 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients are all 0");
     if (s->n_lights >= MAX_COUNT)
         return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u lights", MAX_COUNT);
-    if (light->intensity.x <= 0 && light->intensity.y <= 0 && light->intensity.z <= 0) return LC_OK; /* sheds nothing */
+    lc_f3 i = light->intensity;
+    i = lc_f3_make(i.x < LC_MIN_INTENSITY ? 0 : i.x, i.y < LC_MIN_INTENSITY ? 0 : i.y, i.z < LC_MIN_INTENSITY ? 0 : i.z);
+    if (!(lc_f3_max(i) > 0)) return LC_OK; /* sheds nothing */
     lc_status st = GROW(s, lights, cap_lights, s->n_lights + 1);
-    if (!st) s->lights[s->n_lights++] = *light;
-    return st;
+    if (st) return st;
+    s->lights[s->n_lights] = *light;
+    s->lights[s->n_lights++].intensity = i;
+    return LC_OK;
 }
 
 lc_status lc_scene_set_camera(lc_scene *s, lc_pos where, const lc_camera_desc *camera)

@@ -3,6 +3,13 @@
 
 #include "fmath.h"
 
+static lc_f3 drop_below(lc_f3 a, float least)
+{
+    return lc_f3_make(a.x < least ? 0 : a.x, a.y < least ? 0 : a.y, a.z < least ? 0 : a.z);
+}
+
+static float transfer(float f) { return f < LC_MIN_TRANSFER ? 0 : f < LC_MAX_TRANSFER ? f : LC_MAX_TRANSFER; }
+
 void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_material *m, float min_d2)
 {
     float k = (m->exponent + 2) * (float)(0.5 / LC_PI);
@@ -10,23 +17,25 @@ void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_materia
     lc_f3_store(p->n, n);
     lc_f3 r = lc_f3_sub(lc_f3_scale(n, 2 * lc_f3_dot(n, view)), view);
     lc_f3_store(p->mirror, lc_f3_normalize(r));
-    lc_f3_store(p->diffuse, lc_f3_scale(m->kd, (float)(1 / LC_PI)));
-    lc_f3_store(p->specular, lc_f3_scale(m->ks, k));
+    lc_f3 specular = drop_below(lc_f3_scale(m->ks, k), LC_MIN_REFLECTANCE);
+    lc_f3_store(p->diffuse, drop_below(lc_f3_scale(m->kd, (float)(1 / LC_PI)), LC_MIN_REFLECTANCE));
+    lc_f3_store(p->specular, specular);
     p->exponent = m->exponent;
     p->min_d2 = min_d2;
-    p->glossy = m->ks.x > 0 || m->ks.y > 0 || m->ks.z > 0;
+    p->glossy = lc_f3_max(specular) > 0;
 }
 
-/* BRDF times cosine, for unnormalised direction d of length 1 / inv_len. */
-static lc_f3 material_term(const lc_point *p, lc_f3 d, float cos_r, float inv_len)
+/* BRDF times cosine times g, for unnormalised direction d of length 1 / inv_len. */
+static lc_f3 material_term(const lc_point *p, lc_f3 d, float cos_r, float inv_len, float g)
 {
     lc_f3 f = lc_f3_load(p->diffuse);
     if (p->glossy) {
         float cos_m = lc_f3_dot(lc_f3_load(p->mirror), d) * inv_len;
-        if (cos_m > 0)
-            f = lc_f3_add(f, lc_f3_scale(lc_f3_load(p->specular), lc_pow01(cos_m < 1 ? cos_m : 1, p->exponent)));
+        float lobe = cos_m > LC_MIN_COS ? lc_pow01(cos_m < 1 ? cos_m : 1, p->exponent) : 0;
+        if (lobe >= LC_MIN_LOBE) f = lc_f3_add(f, lc_f3_scale(lc_f3_load(p->specular), lobe));
     }
-    return lc_f3_scale(f, cos_r);
+    f = lc_f3_scale(f, cos_r * g);
+    return lc_f3_make(transfer(f.x), transfer(f.y), transfer(f.z));
 }
 
 lc_f3 lc_shade_light(const lc_point *p, const lc_light_rec *light)
@@ -35,21 +44,20 @@ lc_f3 lc_shade_light(const lc_point *p, const lc_light_rec *light)
     if (light->kind == LC_LIGHT_DIRECTIONAL) {
         lc_f3 d = lc_f3_neg(dir);
         float cos_r = lc_f3_dot(n, d);
-        return cos_r > 0 ? material_term(p, d, cos_r, 1) : zero;
+        return cos_r > LC_MIN_COS ? material_term(p, d, cos_r, 1, 1) : zero;
     }
     lc_f3 d = lc_f3_sub(lc_f3_load(light->pos), lc_f3_load(p->pos));
-    float nd = lc_f3_dot(n, d);
+    float nd = lc_f3_dot(n, d), d2 = lc_f3_dot(d, d);
     if (!(nd > 0)) return zero;
-    float d2 = lc_f3_dot(d, d);
-    float inv_len = 1 / sqrtf(d2 > LC_TINY_D2 ? d2 : LC_TINY_D2);
-    float g = 1;
+    float inv_len = 1 / sqrtf(d2 > LC_TINY_D2 ? d2 : LC_TINY_D2), cos_r = nd * inv_len, g = 1;
+    if (!(cos_r > LC_MIN_COS)) return zero;
     if (light->kind == LC_LIGHT_ORIENTED) {
         g = -lc_f3_dot(dir, d) * inv_len;
-        if (!(g > 0)) return zero;
+        if (!(g > LC_MIN_COS)) return zero;
     }
     float d2c = d2 > p->min_d2 ? d2 : p->min_d2;
     g /= light->atten[0] + light->atten[1] * sqrtf(d2c) + light->atten[2] * d2c;
-    return lc_f3_scale(material_term(p, d, nd * inv_len, inv_len), g);
+    return material_term(p, d, cos_r, inv_len, g);
 }
 
 void lc_light_rec_init(lc_light_rec *rec, const lc_light *light)

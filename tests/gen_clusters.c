@@ -314,8 +314,10 @@ static void make_light_values(gen_src *s, gen_case *c, const space *b, gen_style
         memcpy(l->atten, atten, sizeof atten);
         double power = common * (!vary ? 1 : style == GEN_ORDINARY ? gen_real(s, 0.1, 1) : decade(s, -6, 6));
         lc_f3 tint = coloured ? colour(s, style) : lc_f3_make(1, 1, 1);
-        if (dark) tint = lc_f3_make(0, gen_pick(s, 2) ? 0 : 0x1p-149f, 0), power = 1;
+        if (dark) tint = lc_f3_make(0, gen_pick(s, 2) ? 0 : LC_MIN_INTENSITY, 0), power = 1;
         l->intensity = lc_f3_scale(tint, fminf((float)power, LC_MAX_INTENSITY));
+        for (float *in = &l->intensity.x; in <= &l->intensity.z; in++) /* as the scene builder does */
+            *in = *in < LC_MIN_INTENSITY ? 0 : *in;
     }
 }
 

@@ -101,6 +101,7 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
         /* 0^0 is 1 in C, 0 for a function that tests for cos <= 0 first: both are allowed */
         pm_lo = t.cos_m - em > 0 ? pow(fmin(t.cos_m - em, 1), n) : 0;
         pm_hi = pow(fmax(t.cos_m + em, 0), n);
+        if (pm_lo < (double)LC_MIN_LOBE * (1 + 1e-6)) pm_lo = 0;
     }
     for (int c = 0; c < 3; c++) {
         double rho = (double)p->diffuse[c] + (double)p->specular[c] * pm_hi;
@@ -109,6 +110,10 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
             combine(p, c, fmin(t.cos_r, 1) - er, pm_lo, fmin(t.cos_e, 1) - ee, t.inv_f) * (1 - 18 * U) - tiny;
         hi[c] = combine(p, c, t.cos_r + er, pm_hi, t.cos_e + ee, t.inv_f) * (1 + 18 * U) + tiny;
         if (lo[c] < 0 || t.inv_f < 0x1p-127) lo[c] = 0; /* f is inf in float, 1/f is 0 */
+        /* The estimate's own definition (layout.h): 0 at grazing cosines and where it is tiny, capped. */
+        bool grazing = t.cos_r - er <= (double)LC_MIN_COS || t.cos_e - ee <= (double)LC_MIN_COS;
+        if (grazing || lo[c] < (double)LC_MIN_TRANSFER * (1 + 1e-6)) lo[c] = 0;
+        lo[c] = fmin(lo[c], (double)LC_MAX_TRANSFER * (1 - 1e-6));
     }
 }
 

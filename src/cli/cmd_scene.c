@@ -4,13 +4,9 @@
 
 #include <errno.h>
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define MAX_LIGHTS 20000000u
-#define EXIT_RUN 1
-#define EXIT_USAGE 2
 
 typedef struct scene_entry {
     const char *name, *about;
@@ -19,7 +15,8 @@ typedef struct scene_entry {
 } scene_entry;
 
 static const scene_entry scenes[] = {
-    { "cornell", "Cornell box of 32 triangles, oriented lights on its lamp, 800x800", 10000, gen_scene_cornell },
+    { "cornell", "Cornell box of 32 triangles, oriented lights on its lamp, 800x800", 10000,
+      gen_scene_cornell },
     { "stairs", "staircase in a hall, lamps and a window, 800x600", 10000, gen_scene_stairs },
     { "room", "furnished living room, lamps and a window, 800x600", 12000, gen_scene_room },
     { "grid", "square grid of point lights over a wooden floor, 640x480", 100, gen_scene_grid },
@@ -30,9 +27,8 @@ static const scene_entry scenes[] = {
 
 typedef struct scene_args {
     const scene_entry *scene;
-    const char *outfile; /* NULL: stdout */
-    uint64_t n_lights, seed;
-    int help;
+    const char *outfile;     /* NULL: stdout */
+    uint64_t n_lights, seed; /* no lights: the scene's default */
 } scene_args;
 
 static void list_scenes(FILE *f)
@@ -53,133 +49,76 @@ static int print_help(void)
          "  --seed N            places the lights differently (default 0; no effect on grid)\n"
          "  -o, --outfile FILE  write there instead of stdout\n"
          "  --help              this text");
-    return fflush(stdout) == 0 && !ferror(stdout) ? 0 : EXIT_RUN;
+    return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK : CLI_FAILED;
 }
 
-static const scene_entry *find_scene(const char *name)
+static int find_scene(const char *name, const scene_entry **out)
 {
-    for (size_t i = 0; i < N_SCENES; i++)
-        if (strcmp(scenes[i].name, name) == 0) return &scenes[i];
-    return NULL;
+    const char *names[N_SCENES + 1] = { NULL };
+    for (size_t i = 0; i < N_SCENES; i++) {
+        names[i] = scenes[i].name;
+        if (strcmp(scenes[i].name, name) == 0) *out = &scenes[i];
+    }
+    if (*out) return CLI_OK;
+    const char *near = cli_nearest(name, names);
+    if (near) cli_usage_error("scene", "there is no scene '%s'; did you mean '%s'?", name, near);
+    else cli_usage_error("scene", "there is no scene '%s'", name);
+    fputs("scenes:\n", stderr);
+    list_scenes(stderr);
+    return CLI_USAGE;
 }
 
-/* The value of `--name value` or `--name=value` at argv[*i], which moves on; NULL when argv[*i] is another option.
- * *missing is set when the value is. */
-static const char *option_value(int argc, char **argv, int *i, const char *name, int *missing)
+static int number_option(const char *name, const char *text, uint64_t lo, uint64_t hi, uint64_t *out)
 {
-    const char *arg = argv[*i];
-    size_t n = strlen(name);
-    if (strncmp(arg, name, n) != 0) return NULL;
-    if (arg[n] == '=' && name[1] == '-') return arg + n + 1;
-    if (arg[n] != '\0') return NULL;
-    if (*i + 1 >= argc) {
-        *missing = 1;
-        return NULL;
-    }
-    return argv[++*i];
+    if (cli_parse_u64(text, lo, hi, out) == 0) return CLI_OK;
+    cli_usage_error("scene", "--%s %s: not a whole number from %" PRIu64 " to %" PRIu64, name, text, lo, hi);
+    return CLI_USAGE;
 }
 
-/* 0 = ok; the error is printed. */
-static int parse_option(int argc, char **argv, int *i, scene_args *args)
-{
-    const char *option = argv[*i], *value;
-    int missing = 0;
-    if ((value = option_value(argc, argv, i, "--lights", &missing)) != NULL) {
-        if (cli_parse_u64(value, 1, MAX_LIGHTS, &args->n_lights) == 0) return 0;
-        cli_usage_error("scene", "--lights %s: not a number from 1 to %u", value, MAX_LIGHTS);
-        return -1;
-    }
-    if ((value = option_value(argc, argv, i, "--seed", &missing)) != NULL) {
-        if (cli_parse_u64(value, 0, UINT64_MAX, &args->seed) == 0) return 0;
-        cli_usage_error("scene", "--seed %s: not a whole number", value);
-        return -1;
-    }
-    if ((value = option_value(argc, argv, i, "--outfile", &missing)) != NULL ||
-        (value = option_value(argc, argv, i, "-o", &missing)) != NULL) {
-        args->outfile = value;
-        return 0;
-    }
-    cli_usage_error("scene", missing ? "%s needs a value" : "unknown option %s", option);
-    return -1;
-}
-
+/* The whole command line; CLI_OK with no scene after --help. */
 static int parse_args(int argc, char **argv, scene_args *args)
 {
-    const char *name = NULL;
-    int only_names = 0;
-    for (int i = 1; i < argc; i++) {
-        if (!only_names && strcmp(argv[i], "--") == 0) {
-            only_names = 1;
-        } else if (!only_names && (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)) {
-            args->help = 1;
-            return 0;
-        } else if (!only_names && argv[i][0] == '-' && argv[i][1] != '\0') {
-            if (parse_option(argc, argv, &i, args) != 0) return -1;
-        } else if (name) {
-            cli_usage_error("scene", "one scene at a time: %s and %s", name, argv[i]);
-            return -1;
-        } else {
-            name = argv[i];
+    static const struct option options[] = { { "lights", 1, 0, 'n' },
+                                             { "seed", 1, 0, 's' },
+                                             { "outfile", 1, 0, 'o' },
+                                             { "help", 0, 0, 'h' },
+                                             { 0, 0, 0, 0 } };
+    int c, status = CLI_OK;
+    optind = 1, opterr = 0;
+    while ((c = getopt_long(argc, argv, ":o:h", options, NULL)) != -1) {
+        switch (c) {
+        case 'n': status = number_option("lights", optarg, 1, MAX_LIGHTS, &args->n_lights); break;
+        case 's': status = number_option("seed", optarg, 0, UINT64_MAX, &args->seed); break;
+        case 'o': args->outfile = strcmp(optarg, "-") == 0 ? NULL : optarg; break;
+        case 'h': return print_help();
+        default: cli_bad_option("scene", c, argv, options); status = CLI_USAGE;
         }
+        if (status) return status;
     }
-    args->scene = name ? find_scene(name) : NULL;
-    if (args->scene) return 0;
-    if (name) cli_usage_error("scene", "unknown scene '%s'; the scenes are:", name);
-    else cli_usage_error("scene", "which scene? The scenes are:");
+    if (argc - optind == 1) return find_scene(argv[optind], &args->scene);
+    cli_usage_error("scene", "give the name of one scene");
+    fputs("scenes:\n", stderr);
     list_scenes(stderr);
-    return -1;
+    return CLI_USAGE;
 }
 
-static int generate(const scene_args *args, FILE *f)
+static void generate(FILE *f, void *user)
 {
-    gen *g = malloc(sizeof *g);
-    if (!g) {
-        fputs("lightcuts scene: out of memory\n", stderr);
-        return -1;
-    }
-    gen_begin(g, f, args->n_lights ? args->n_lights : args->scene->n_lights, args->seed);
-    args->scene->generate(g);
-    gen_end(g);
-    free(g);
-    return 0;
-}
-
-static int write_error(const char *path)
-{
-    fprintf(stderr, "lightcuts scene: %s: %s\n", path, strerror(errno));
-    return EXIT_RUN;
-}
-
-/* Under a temporary name until complete. */
-static int generate_file(const scene_args *args)
-{
-    size_t size = strlen(args->outfile) + 32;
-    char *temporary = malloc(size);
-    int status = EXIT_RUN;
-    if (!temporary) return write_error(args->outfile);
-    snprintf(temporary, size, "%s.%ld.tmp", args->outfile, (long)getpid());
-    FILE *f = fopen(temporary, "wx");
-    if (!f) {
-        write_error(temporary);
-        free(temporary);
-        return EXIT_RUN;
-    }
-    int ok = generate(args, f) == 0 && !ferror(f) && fflush(f) == 0 && fsync(fileno(f)) == 0;
-    if (fclose(f) != 0) ok = 0;
-    if (ok && rename(temporary, args->outfile) == 0) status = 0;
-    else write_error(args->outfile);
-    if (status != 0) unlink(temporary);
-    free(temporary);
-    return status;
+    const scene_args *args = user;
+    gen g;
+    gen_begin(&g, f, args->n_lights ? args->n_lights : args->scene->n_lights, args->seed);
+    args->scene->generate(&g);
+    gen_end(&g);
 }
 
 int cmd_scene(int argc, char **argv)
 {
-    scene_args args = { NULL, NULL, 0, 0, 0 };
-    if (parse_args(argc, argv, &args) != 0) return EXIT_USAGE;
-    if (args.help) return print_help();
-    if (args.outfile && strcmp(args.outfile, "-") != 0) return generate_file(&args);
-    if (generate(&args, stdout) != 0) return EXIT_RUN;
-    if (fflush(stdout) != 0 || ferror(stdout)) return write_error("standard output");
-    return 0;
+    scene_args args = { NULL, NULL, 0, 0 };
+    int status = parse_args(argc, argv, &args);
+    if (status || !args.scene) return status;
+    if (args.outfile) return cli_write_file(args.outfile, generate, &args);
+    generate(stdout, &args);
+    if (fflush(stdout) == 0 && !ferror(stdout)) return CLI_OK;
+    fprintf(stderr, "lightcuts scene: standard output: %s\n", strerror(errno));
+    return CLI_FAILED;
 }

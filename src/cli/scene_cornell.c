@@ -1,7 +1,7 @@
 /* scene_cornell.c - the Cornell box of [Miksik07]: 32 triangles, oriented lights on the lamp; unit 1 m. */
 #include "scene_gen.h"
 
-#define BOX 5.5    /* width and height */
+#define BOX 5.5 /* width and height */
 #define DEPTH 5.6
 #define LAMP_GAP 0.01 /* from the ceiling to the lamp */
 #define OFFSET 0.0055 /* from the lamp to its lights: a thousandth of the scene */

@@ -88,8 +88,8 @@ void gen_push_axes(gen *g, gen_v3 origin, gen_v3 x_axis, gen_v3 y_axis)
     inner.az = gen_unit(gen_cross(inner.ax, y_axis));
     inner.ay = gen_cross(inner.az, inner.ax);
     const gen_frame *outer = &g->stack[g->depth];
-    gen_frame f = { turn_to_world(outer, inner.ax), turn_to_world(outer, inner.ay), turn_to_world(outer, inner.az),
-                    gen_to_world(g, origin) };
+    gen_frame f = { turn_to_world(outer, inner.ax), turn_to_world(outer, inner.ay),
+                    turn_to_world(outer, inner.az), gen_to_world(g, origin) };
     if (g->depth + 1 < GEN_MAX_DEPTH) g->depth++;
     g->stack[g->depth] = f;
 }
@@ -181,8 +181,8 @@ void gen_diffuse(gen *g, double r, double green, double b)
 void gen_phong(gen *g, gen_v3 kd, double ks, double exponent)
 {
     gen_flush(g);
-    fprintf(g->file, "Material \"phong\" \"rgb Kd\" [ %.7g %.7g %.7g ] \"rgb Ks\" [ %.7g %.7g %.7g ]", kd.x, kd.y,
-            kd.z, ks, ks, ks);
+    fprintf(g->file, "Material \"phong\" \"rgb Kd\" [ %.7g %.7g %.7g ] \"rgb Ks\" [ %.7g %.7g %.7g ]", kd.x,
+            kd.y, kd.z, ks, ks, ks);
     fprintf(g->file, " \"float exponent\" %.7g\n", exponent);
 }
 
@@ -207,15 +207,18 @@ void gen_begin(gen *g, FILE *file, uint64_t n_lights, uint64_t seed)
 
 void gen_header(gen *g, const gen_view *view)
 {
-    fprintf(g->file, "# lightcuts scene %s --lights %" PRIu64 " --seed %" PRIu64 "\n", view->name, g->n_lights, g->seed);
+    fprintf(g->file, "# lightcuts scene %s --lights %" PRIu64 " --seed %" PRIu64 "\n", view->name,
+            g->n_lights, g->seed);
     fputs("LookAt", g->file);
     put_vector(g, view->eye);
     fputs(" ", g->file);
     put_vector(g, view->target);
     fputs("  0 1 0\n", g->file);
     fprintf(g->file, "Camera \"perspective\" \"float fov\" %.7g\n", view->fov);
-    fprintf(g->file, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d \"string filename\" \"%s.exr\"\n",
-            view->width, view->height, view->name);
+    fprintf(
+        g->file,
+        "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d \"string filename\" \"%s.exr\"\n",
+        view->width, view->height, view->name);
     fputs("Sampler \"independent\" \"integer pixelsamples\" 1\nWorldBegin\n", g->file);
 }
 

@@ -45,10 +45,10 @@ void gen_chair(gen *g, gen_v3 colour)
 void gen_round_table(gen *g, double radius, double height, gen_v3 colour)
 {
     double r = radius, h = height;
-    const double top[][2] = { { 0, h - 0.03 }, { r - 0.02, h - 0.03 }, { r, h - 0.015 }, { r - 0.006, h - 0.003 },
-                              { r - 0.015, h }, { 0, h } };
-    const double foot[][2] = { { 0.26, 0 }, { 0.26, 0.02 }, { 0.1, 0.045 }, { 0.045, 0.09 }, { 0.03, 0.2 },
-                               { 0.03, h - 0.12 }, { 0.06, h - 0.05 }, { 0.12, h - 0.03 } };
+    const double top[][2] = { { 0, h - 0.03 },          { r - 0.02, h - 0.03 }, { r, h - 0.015 },
+                              { r - 0.006, h - 0.003 }, { r - 0.015, h },       { 0, h } };
+    const double foot[][2] = { { 0.26, 0 },   { 0.26, 0.02 },     { 0.1, 0.045 },     { 0.045, 0.09 },
+                               { 0.03, 0.2 }, { 0.03, h - 0.12 }, { 0.06, h - 0.05 }, { 0.12, h - 0.03 } };
     gen_diffuse(g, colour.x, colour.y, colour.z);
     gen_lathe(g, top, 6, 48);
     gen_diffuse(g, 0.16, 0.15, 0.15);
@@ -69,7 +69,8 @@ void gen_picture(gen *g, double width, double height, uint64_t idx)
         double y1 = band == 2 ? mh : y + 2 * mh * (0.2 + 0.22 * gen_rand(3, idx, band, 0));
         double hue = gen_rand(3, idx, band, 1), light = 0.15 + 0.17 * (double)band;
         gen_diffuse(g, light * (0.6 + 0.8 * hue), light * 0.95, light * (1.4 - 0.8 * hue));
-        gen_quad(g, gen_v(-mw, y, -0.011), gen_v(-mw, y1, -0.011), gen_v(mw, y1, -0.011), gen_v(mw, y, -0.011));
+        gen_quad(g, gen_v(-mw, y, -0.011), gen_v(-mw, y1, -0.011), gen_v(mw, y1, -0.011),
+                 gen_v(mw, y, -0.011));
         y = y1;
     }
 }
@@ -82,24 +83,29 @@ static gen_v3 leaf_point(const void *ctx, double u, double v)
 {
     const leaf *l = ctx;
     double half = l->width * (0.04 + 3.6 * u * (1 - u) * (1 - 0.45 * u)), side = 2 * v - 1;
-    return gen_v(l->length * u * (1 - 0.25 * u * u), l->rise * u - l->droop * u * u + 0.25 * half * side * side, half * side);
+    return gen_v(l->length * u * (1 - 0.25 * u * u),
+                 l->rise * u - l->droop * u * u + 0.25 * half * side * side, half * side);
 }
 
 void gen_plant(gen *g, double height, int n_leaves, uint64_t idx)
 {
     double s = height / 3.4;
-    const double pot[][2] = { { 0, 0.004 }, { 0.36 * s, 0.004 }, { 0.5 * s, 0.85 * s }, { 0.54 * s, 0.85 * s },
-                              { 0.54 * s, 0.95 * s }, { 0.47 * s, 0.95 * s }, { 0.46 * s, 0.86 * s }, { 0, 0.86 * s } };
+    const double pot[][2] = { { 0, 0.004 },           { 0.36 * s, 0.004 },    { 0.5 * s, 0.85 * s },
+                              { 0.54 * s, 0.85 * s }, { 0.54 * s, 0.95 * s }, { 0.47 * s, 0.95 * s },
+                              { 0.46 * s, 0.86 * s }, { 0, 0.86 * s } };
     gen_diffuse(g, 0.52, 0.27, 0.18);
     gen_lathe(g, pot, 8, 36);
     gen_diffuse(g, 0.16, 0.36, 0.1);
     for (int i = 0; i < n_leaves; i++) {
-        double up = (double)i / n_leaves, r0 = gen_rand(5, idx, (uint64_t)i, 0), r1 = gen_rand(5, idx, (uint64_t)i, 1);
+        double up = (double)i / n_leaves, r0 = gen_rand(5, idx, (uint64_t)i, 0),
+               r1 = gen_rand(5, idx, (uint64_t)i, 1);
         double turn = 0.381966 * i + 0.03 * r0, lean = 0.12 * (1 - up) + 0.02;
         gen_v3 base = gen_v(0.2 * s * gen_cos(turn), 0.86 * s, 0.2 * s * gen_sin(turn));
-        gen_v3 tip = gen_v(base.x + lean * height * gen_cos(turn), (0.95 + 1.15 * up + 0.25 * r0) * s + 0.3 * s,
-                           base.z + lean * height * gen_sin(turn));
-        gen_v3 stem[3] = { base, gen_add(gen_mul(gen_add(base, tip), 0.5), gen_v(-0.02 * s, 0, 0.02 * s)), tip };
+        gen_v3 tip =
+            gen_v(base.x + lean * height * gen_cos(turn), (0.95 + 1.15 * up + 0.25 * r0) * s + 0.3 * s,
+                  base.z + lean * height * gen_sin(turn));
+        gen_v3 stem[3] = { base, gen_add(gen_mul(gen_add(base, tip), 0.5), gen_v(-0.02 * s, 0, 0.02 * s)),
+                           tip };
         leaf l = { (0.75 + 0.4 * r1) * s, 0.17 * s, (0.3 + 0.75 * up) * s, (0.65 - 0.25 * up) * s };
         gen_tube(g, stem, 3, 0.014 * s, 5);
         gen_push_axes(g, tip, gen_v(gen_cos(turn), 0, gen_sin(turn)), gen_v(0, 1, 0));
@@ -111,8 +117,8 @@ void gen_plant(gen *g, double height, int n_leaves, uint64_t idx)
 void gen_lamp_shade(gen *g, double r_bottom, double r_top, double y0, double y1)
 {
     double t = 0.005, m0 = gen_lerp(r_bottom, r_top, 0.5), ym = (y0 + y1) / 2;
-    const double profile[][2] = { { r_bottom, y0 }, { m0, ym }, { r_top, y1 }, { r_top - t, y1 }, { m0 - t, ym },
-                                  { r_bottom - t, y0 }, { r_bottom, y0 } };
+    const double profile[][2] = { { r_bottom, y0 }, { m0, ym },           { r_top, y1 },   { r_top - t, y1 },
+                                  { m0 - t, ym },   { r_bottom - t, y0 }, { r_bottom, y0 } };
     gen_lathe(g, profile, 7, 48);
 }
 

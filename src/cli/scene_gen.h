@@ -1,4 +1,5 @@
-/* scene_gen.h - what the generated scenes are made with: frames, shapes, materials, lights, written as pbrt text.
+/* scene_gen.h - what the generated scenes are made with: frames, shapes, materials, lights, written as pbrt
+ * text.
  *
  *     scene_<name>.c -> shapes (scene_shapes.c) -> mesh buffer -> text (scene_emit.c)
  *
@@ -79,7 +80,8 @@ void gen_triangle(gen *g, uint32_t a, uint32_t b, uint32_t c);
 void gen_diffuse(gen *g, double r, double green, double b);
 void gen_phong(gen *g, gen_v3 kd, double ks, double exponent);
 
-/* What follows is moved, then turned about the y axis (x towards -z when positive), within the frame outside. */
+/* What follows is moved, then turned about the y axis (x towards -z when positive), within the frame outside.
+ */
 void gen_push(gen *g, double x, double y, double z, double turns);
 void gen_push_axes(gen *g, gen_v3 origin, gen_v3 x_axis, gen_v3 y_axis); /* made orthonormal */
 void gen_pop(gen *g);
@@ -87,24 +89,27 @@ gen_v3 gen_to_world(const gen *g, gen_v3 p);
 
 /* ---- scene_shapes.c ---- */
 
-void gen_quad(gen *g, gen_v3 a, gen_v3 b, gen_v3 c, gen_v3 d);   /* 2 triangles */
-void gen_box(gen *g, gen_v3 lo, gen_v3 hi);                      /* 12 */
-void gen_block(gen *g, gen_v3 lo, gen_v3 hi);                    /* 10: no bottom */
+void gen_quad(gen *g, gen_v3 a, gen_v3 b, gen_v3 c, gen_v3 d);              /* 2 triangles */
+void gen_box(gen *g, gen_v3 lo, gen_v3 hi);                                 /* 12 */
+void gen_block(gen *g, gen_v3 lo, gen_v3 hi);                               /* 10: no bottom */
 void gen_prism(gen *g, const double (*xy)[2], int n, double z0, double z1); /* convex outline, two caps */
 /* Edges rounded in n steps: 8(n+2) + 8(2n-1)(n+1) + 4 triangles. */
 void gen_soft_box(gen *g, gen_v3 lo, gen_v3 hi, double radius, int n);
-/* (radius, y) turned about y. Bends under 45 degrees are smooth. A band that meets the axis has half as many triangles. */
+/* (radius, y) turned about y. Bends under 45 degrees are smooth. A band that meets the axis has half as many
+ * triangles. */
 void gen_lathe(gen *g, const double (*profile)[2], int n_profile, int n_segments);
 void gen_ball(gen *g, gen_v3 centre, double radius, int n_segments, int n_rings);
 void gen_tube(gen *g, const gen_v3 *path, int n_path, double radius, int n_segments); /* flat ends */
-typedef gen_v3 gen_sheet_fn(const void *ctx, double u, double v); /* 0..1 each */
+typedef gen_v3 gen_sheet_fn(const void *ctx, double u, double v);                     /* 0..1 each */
 void gen_sheet(gen *g, int nu, int nv, gen_sheet_fn *fn, const void *ctx);
-/* A wall in the plane of x and y (z = 0) with one hole, and the hole's reveal of the given depth towards +z. */
+/* A wall in the plane of x and y (z = 0) with one hole, and the hole's reveal of the given depth towards +z.
+ */
 typedef struct gen_rect {
     double x0, y0, x1, y1;
 } gen_rect;
 void gen_holed_wall(gen *g, gen_rect wall, gen_rect hole, double depth);
-void gen_frame_bars(gen *g, gen_rect r, double width, double depth); /* four bars around r, z from -depth to 0 */
+void gen_frame_bars(gen *g, gen_rect r, double width,
+                    double depth); /* four bars around r, z from -depth to 0 */
 
 /* ---- scene_lights.c ---- */
 
@@ -139,7 +144,7 @@ void gen_scene_bulbs(gen *g);
 void gen_planks(gen *g, gen_rect area, double board, gen_v3 colour); /* area: x and z */
 void gen_chair(gen *g, gen_v3 colour);
 void gen_round_table(gen *g, double radius, double height, gen_v3 colour); /* 0 < colour: the top's */
-void gen_picture(gen *g, double width, double height, uint64_t idx); /* hangs at z = 0, centred */
+void gen_picture(gen *g, double width, double height, uint64_t idx);       /* hangs at z = 0, centred */
 void gen_plant(gen *g, double height, int n_leaves, uint64_t idx);
 void gen_lamp_shade(gen *g, double r_bottom, double r_top, double y0, double y1); /* open, 5 mm thick */
 void gen_pillow(gen *g, double side, double thickness); /* upright, about the origin */

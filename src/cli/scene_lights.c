@@ -1,7 +1,8 @@
 /* scene_lights.c - lights spread over a scene's lamps.
  *
- * Every light of a scene carries the same flux F / N. Lamp k with the share s of the flux gets the lights between
- * round(N S) and round(N (S + s)), S the sum of the shares before it, so any N from 1 up spreads over the lamps.
+ * Every light of a scene carries the same flux F / N. Lamp k with the share s of the flux gets the lights
+ * between round(N S) and round(N (S + s)), S the sum of the shares before it, so any N from 1 up spreads over
+ * the lamps.
  */
 #include "scene_gen.h"
 
@@ -14,9 +15,11 @@ static void put_light(gen *g, gen_v3 p, const gen_v3 *dir, gen_v3 intensity)
     const char *kind = dir ? "oriented" : "point", *place = dir ? "position" : "from";
     double r = 1e5;
     gen_v3 q = gen_v(floor(p.x * r + 0.5) / r, floor(p.y * r + 0.5) / r, floor(p.z * r + 0.5) / r);
-    fprintf(g->file, "LightSource \"%s\" \"point3 %s\" [ %.7g %.7g %.7g ]", kind, place, q.x + 0.0, q.y + 0.0, q.z + 0.0);
+    fprintf(g->file, "LightSource \"%s\" \"point3 %s\" [ %.7g %.7g %.7g ]", kind, place, q.x + 0.0, q.y + 0.0,
+            q.z + 0.0);
     if (dir) {
-        gen_v3 d = gen_v(floor(dir->x * r + 0.5) / r, floor(dir->y * r + 0.5) / r, floor(dir->z * r + 0.5) / r);
+        gen_v3 d =
+            gen_v(floor(dir->x * r + 0.5) / r, floor(dir->y * r + 0.5) / r, floor(dir->z * r + 0.5) / r);
         fprintf(g->file, " \"vector3 direction\" [ %.7g %.7g %.7g ]", d.x + 0.0, d.y + 0.0, d.z + 0.0);
     }
     fprintf(g->file, " \"rgb I\" [ %.7g %.7g %.7g ]\n", intensity.x, intensity.y, intensity.z);
@@ -36,7 +39,7 @@ static gen_v3 panel_point(const gen_emitter *e, uint64_t k, uint64_t n, double x
     return gen_add(e->p, gen_add(gen_mul(e->u, u), gen_mul(e->v, v)));
 }
 
-/* Uniform in the ball: a random direction and the cube root of a random number, found by rejection instead. */
+/* Uniform in the ball, by rejection. */
 static gen_v3 bulb_point(const gen *g, const gen_emitter *e, uint64_t id)
 {
     for (uint64_t tries = 0;; tries++) {
@@ -79,7 +82,8 @@ void gen_lights(gen *g, const gen_emitter *emitters, int n_emitters, double flux
     for (int i = 0; i < n_emitters; i++) total += emitters[i].share;
     for (int i = 0; i < n_emitters; i++) {
         sum += emitters[i].share;
-        uint64_t end = i + 1 == n_emitters ? g->n_lights : (uint64_t)floor((double)g->n_lights * (sum / total) + 0.5);
+        uint64_t end =
+            i + 1 == n_emitters ? g->n_lights : (uint64_t)floor((double)g->n_lights * (sum / total) + 0.5);
         for (uint64_t k = done; k < end; k++) lamp_light(g, &emitters[i], k - done, end - done, k, one);
         if (end > done) done = end;
     }

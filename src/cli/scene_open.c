@@ -1,7 +1,7 @@
-/* scene_open.c - two scenes without walls: the grid of lights of a student report, and random lights in a cube. */
+/* scene_open.c - two scenes without walls: the grid of lights of a student report, and random lights in a
+ * cube. */
 #include "scene_gen.h"
 
-#include <inttypes.h>
 #include <math.h>
 
 #define FOUR_PI 12.56637061435917295385
@@ -9,9 +9,10 @@
 static void put_point(gen *g, gen_v3 p, double intensity)
 {
     const double r = 1e5;
-    fprintf(g->file, "LightSource \"point\" \"point3 from\" [ %.7g %.7g %.7g ] \"rgb I\" [ %.7g %.7g %.7g ]\n",
-            floor(p.x * r + 0.5) / r + 0.0, floor(p.y * r + 0.5) / r + 0.0, floor(p.z * r + 0.5) / r + 0.0, intensity,
-            intensity, intensity);
+    fprintf(g->file,
+            "LightSource \"point\" \"point3 from\" [ %.7g %.7g %.7g ] \"rgb I\" [ %.7g %.7g %.7g ]\n",
+            floor(p.x * r + 0.5) / r + 0.0, floor(p.y * r + 0.5) / r + 0.0, floor(p.z * r + 0.5) / r + 0.0,
+            intensity, intensity, intensity);
 }
 
 /* ---- grid ---- */
@@ -33,7 +34,9 @@ static gen_v3 torus_point(const void *ctx, double u, double v)
 static void grid_objects(gen *g)
 {
     static const torus ring = { 1.35, 0.28 };
-    static const double cone[][2] = { { 0.75, 0 }, { 0.75, 0.12 }, { 0.7, 0.12 }, { 0.06, 1.75 }, { 0, 1.8 } };
+    static const double cone[][2] = {
+        { 0.75, 0 }, { 0.75, 0.12 }, { 0.7, 0.12 }, { 0.06, 1.75 }, { 0, 1.8 }
+    };
     gen_phong(g, gen_v(0.42, 0.29, 0.08), 0.4, 60);
     gen_push(g, 0, 0.28, 0.2, 0);
     gen_sheet(g, 96, 32, torus_point, &ring);
@@ -124,7 +127,8 @@ static void tiled_ground(gen *g, double lo, double hi, double tile)
             for (int k = 0; k < n; k++) {
                 double x = lo + i * tile, z = lo + k * tile;
                 if (((i + k) & 1) != shade) continue;
-                gen_quad(g, gen_v(x, 0, z), gen_v(x, 0, z + tile), gen_v(x + tile, 0, z + tile), gen_v(x + tile, 0, z));
+                gen_quad(g, gen_v(x, 0, z), gen_v(x, 0, z + tile), gen_v(x + tile, 0, z + tile),
+                         gen_v(x + tile, 0, z));
             }
     }
 }

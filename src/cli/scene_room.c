@@ -22,7 +22,8 @@ static void shell(gen *g)
     gen_rect floor_area = { LEFT, NEAR, RIGHT, FAR }, back = { LEFT, 0, RIGHT, TOP };
     gen_planks(g, floor_area, 0.16, gen_v(0.42, 0.28, 0.17));
     gen_diffuse(g, 0.8, 0.8, 0.78);
-    gen_quad(g, gen_v(LEFT, TOP, NEAR), gen_v(RIGHT, TOP, NEAR), gen_v(RIGHT, TOP, FAR), gen_v(LEFT, TOP, FAR));
+    gen_quad(g, gen_v(LEFT, TOP, NEAR), gen_v(RIGHT, TOP, NEAR), gen_v(RIGHT, TOP, FAR),
+             gen_v(LEFT, TOP, FAR));
     gen_diffuse(g, 0.7, 0.67, 0.6);
     gen_quad(g, gen_v(LEFT, 0, NEAR), gen_v(LEFT, TOP, NEAR), gen_v(LEFT, TOP, FAR), gen_v(LEFT, 0, FAR));
     gen_quad(g, gen_v(RIGHT, 0, NEAR), gen_v(RIGHT, 0, FAR), gen_v(RIGHT, TOP, FAR), gen_v(RIGHT, TOP, NEAR));
@@ -68,8 +69,8 @@ static void window_frame(gen *g)
     gen_box(g, gen_v(r.x0, y, -0.04), gen_v(x - 0.03, y + 0.03, -0.008));
     gen_box(g, gen_v(x + 0.03, y, -0.04), gen_v(r.x1, y + 0.03, -0.008));
     gen_pop(g);
-    gen_soft_box(g, gen_v(window.x0 - 0.06, window.y0 - 0.045, FAR - 0.1), gen_v(window.x1 + 0.06, window.y0 - 0.001, FAR + 0.1),
-                 0.01, 2);
+    gen_soft_box(g, gen_v(window.x0 - 0.06, window.y0 - 0.045, FAR - 0.1),
+                 gen_v(window.x1 + 0.06, window.y0 - 0.001, FAR + 0.1), 0.01, 2);
 }
 
 typedef struct curtain {
@@ -118,8 +119,8 @@ static void rug(gen *g)
             double x = -1.15 + 0.05 * k + 0.008;
             gen_box(g, gen_v(x, 0.001, i ? s : s - 0.07), gen_v(x + 0.02, 0.007, i ? s + 0.07 : s));
         }
-        gen_quad(g, gen_v(r - 0.04, 0.0135, -1.35), gen_v(r - 0.04, 0.0135, 1.35), gen_v(r + 0.04, 0.0135, 1.35),
-                 gen_v(r + 0.04, 0.0135, -1.35));
+        gen_quad(g, gen_v(r - 0.04, 0.0135, -1.35), gen_v(r - 0.04, 0.0135, 1.35),
+                 gen_v(r + 0.04, 0.0135, 1.35), gen_v(r + 0.04, 0.0135, -1.35));
         gen_quad(g, gen_v(-1.0, 0.0135, s * 0.9 - 0.04), gen_v(-1.0, 0.0135, s * 0.9 + 0.04),
                  gen_v(1.0, 0.0135, s * 0.9 + 0.04), gen_v(1.0, 0.0135, s * 0.9 - 0.04));
     }
@@ -136,7 +137,9 @@ static void rug(gen *g)
 
 static void pictures(gen *g)
 {
-    static const double places[][4] = { { -0.62, 1.62, 0.44, 0.56 }, { 0.22, 1.66, 0.72, 0.5 }, { 1.06, 1.62, 0.44, 0.56 } };
+    static const double places[][4] = { { -0.62, 1.62, 0.44, 0.56 },
+                                        { 0.22, 1.66, 0.72, 0.5 },
+                                        { 1.06, 1.62, 0.44, 0.56 } };
     for (uint64_t i = 0; i < 3; i++) {
         gen_push(g, LEFT + 0.001, places[i][1], places[i][0], -0.25);
         gen_picture(g, places[i][2], places[i][3], i);
@@ -195,12 +198,28 @@ static void lights(gen *g)
 {
     double w = window.x1 - window.x0, h = window.y1 - window.y0, z = FAR + 0.2, gap = 0.03;
     gen_emitter lamps[] = {
-        { GEN_PANEL, { window.x1 - gap, window.y0 + gap, z }, { 2 * gap - w, 0, 0 }, { 0, h - 2 * gap, 0 }, 42 }, /* daylight */
-        { GEN_PANEL, { window.x0, window.y0, FAR + 0.4 }, { w, 0, 0 }, { 0, h, 0 }, 26 },   /* the view */
-        { GEN_PANEL, { -1.1, CEILING_LAMP - OFFSET, -0.1 }, { 1.2, 0, 0 }, { 0, 0, 0.6 }, 22 },   /* ceiling lamp */
-        { GEN_PANEL, { -1.1, CEILING_LAMP - 0.06, -0.1 }, { 0, 0, 0.6 }, { 1.2, 0, 0 }, 2 }, /* its own brightness */
+        { GEN_PANEL,
+          { window.x1 - gap, window.y0 + gap, z },
+          { 2 * gap - w, 0, 0 },
+          { 0, h - 2 * gap, 0 },
+          42 },                                                                           /* daylight */
+        { GEN_PANEL, { window.x0, window.y0, FAR + 0.4 }, { w, 0, 0 }, { 0, h, 0 }, 26 }, /* the view */
+        { GEN_PANEL,
+          { -1.1, CEILING_LAMP - OFFSET, -0.1 },
+          { 1.2, 0, 0 },
+          { 0, 0, 0.6 },
+          22 }, /* ceiling lamp */
+        { GEN_PANEL,
+          { -1.1, CEILING_LAMP - 0.06, -0.1 },
+          { 0, 0, 0.6 },
+          { 1.2, 0, 0 },
+          2 }, /* its own brightness */
         { GEN_BULB, { FLOOR_LAMP_X, GEN_FLOOR_LAMP_BULB, FLOOR_LAMP_Z }, { 0.035, 0, 0 }, { 0, 0, 0 }, 11 },
-        { GEN_BULB, { SIDE_TABLE_X, SIDE_TABLE_TOP + GEN_TABLE_LAMP_BULB, SIDE_TABLE_Z }, { 0.03, 0, 0 }, { 0, 0, 0 }, 7 },
+        { GEN_BULB,
+          { SIDE_TABLE_X, SIDE_TABLE_TOP + GEN_TABLE_LAMP_BULB, SIDE_TABLE_Z },
+          { 0.03, 0, 0 },
+          { 0, 0, 0 },
+          7 },
         { GEN_PANEL, { 0.8, 0.54, FAR - 0.24 - OFFSET }, { -1, 0, 0 }, { 0, 0.56, 0 }, 2 }, /* television */
         { GEN_PANEL, { 1.4, OFFSET, -1.6 }, { 0, 0, 2 }, { 1.2, 0, 0 }, 8 }, /* light off the floor */
     };

@@ -125,7 +125,8 @@ static void edge_normal(const double (*p)[2], int i, double n[2])
     n[1] = -dr / d;
 }
 
-/* Normal at the start (end = 0) or end of profile edge i: shared with its neighbour unless the bend is sharp. */
+/* Normal at the start (end = 0) or end of profile edge i: shared with its neighbour unless the bend is sharp.
+ */
 static void corner_normal(const double (*p)[2], int n_profile, int i, int end, double n[2])
 {
     int other = end ? i + 1 : i - 1;
@@ -209,7 +210,8 @@ void gen_tube(gen *g, const gen_v3 *path, int n_path, double radius, int n_segme
     uint32_t first = g->n_vertices, ring = first;
     for (int i = 0; i < n_path; i++) {
         uint32_t next = tube_ring(g, path, n_path, i, radius, n_segments);
-        for (uint32_t k = 0; i > 0 && k < m; k++) quad_of(g, ring + k, next + k, next + (k + 1) % m, ring + (k + 1) % m);
+        for (uint32_t k = 0; i > 0 && k < m; k++)
+            quad_of(g, ring + k, next + k, next + (k + 1) % m, ring + (k + 1) % m);
         ring = next;
     }
     tube_end(g, first, n_segments, gen_sub(path[0], path[1]));
@@ -227,7 +229,8 @@ void gen_sheet(gen *g, int nu, int nv, gen_sheet_fn *fn, const void *ctx)
     for (int j = 0; j <= nv; j++)
         for (int i = 0; i <= nu; i++) {
             double u = (double)i / nu, v = (double)j / nv;
-            double u0 = u > h ? u - h : 0, u1 = u < 1 - h ? u + h : 1, v0 = v > h ? v - h : 0, v1 = v < 1 - h ? v + h : 1;
+            double u0 = u > h ? u - h : 0, u1 = u < 1 - h ? u + h : 1, v0 = v > h ? v - h : 0,
+                   v1 = v < 1 - h ? v + h : 1;
             gen_v3 du = gen_sub(fn(ctx, u1, v), fn(ctx, u0, v)), dv = gen_sub(fn(ctx, u, v1), fn(ctx, u, v0));
             gen_vertex(g, fn(ctx, u, v), gen_cross(du, dv));
         }
@@ -242,7 +245,8 @@ void gen_sheet(gen *g, int nu, int nv, gen_sheet_fn *fn, const void *ctx)
 
 static void wall_part(gen *g, double x0, double y0, double x1, double y1)
 {
-    if (x1 > x0 && y1 > y0) gen_quad(g, gen_v(x0, y0, 0), gen_v(x0, y1, 0), gen_v(x1, y1, 0), gen_v(x1, y0, 0));
+    if (x1 > x0 && y1 > y0)
+        gen_quad(g, gen_v(x0, y0, 0), gen_v(x0, y1, 0), gen_v(x1, y1, 0), gen_v(x1, y0, 0));
 }
 
 void gen_holed_wall(gen *g, gen_rect wall, gen_rect hole, double depth)
@@ -252,10 +256,14 @@ void gen_holed_wall(gen *g, gen_rect wall, gen_rect hole, double depth)
     wall_part(g, h.x1, wall.y0, wall.x1, wall.y1);
     wall_part(g, h.x0, wall.y0, h.x1, h.y0);
     wall_part(g, h.x0, h.y1, h.x1, wall.y1);
-    gen_quad(g, gen_v(h.x0, h.y0, 0), gen_v(h.x0, h.y0, depth), gen_v(h.x0, h.y1, depth), gen_v(h.x0, h.y1, 0));
-    gen_quad(g, gen_v(h.x1, h.y0, 0), gen_v(h.x1, h.y1, 0), gen_v(h.x1, h.y1, depth), gen_v(h.x1, h.y0, depth));
-    gen_quad(g, gen_v(h.x0, h.y1, 0), gen_v(h.x0, h.y1, depth), gen_v(h.x1, h.y1, depth), gen_v(h.x1, h.y1, 0));
-    gen_quad(g, gen_v(h.x0, h.y0, 0), gen_v(h.x1, h.y0, 0), gen_v(h.x1, h.y0, depth), gen_v(h.x0, h.y0, depth));
+    gen_quad(g, gen_v(h.x0, h.y0, 0), gen_v(h.x0, h.y0, depth), gen_v(h.x0, h.y1, depth),
+             gen_v(h.x0, h.y1, 0));
+    gen_quad(g, gen_v(h.x1, h.y0, 0), gen_v(h.x1, h.y1, 0), gen_v(h.x1, h.y1, depth),
+             gen_v(h.x1, h.y0, depth));
+    gen_quad(g, gen_v(h.x0, h.y1, 0), gen_v(h.x0, h.y1, depth), gen_v(h.x1, h.y1, depth),
+             gen_v(h.x1, h.y1, 0));
+    gen_quad(g, gen_v(h.x0, h.y0, 0), gen_v(h.x1, h.y0, 0), gen_v(h.x1, h.y0, depth),
+             gen_v(h.x0, h.y0, depth));
 }
 
 void gen_frame_bars(gen *g, gen_rect r, double width, double depth)

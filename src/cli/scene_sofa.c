@@ -54,8 +54,9 @@ void gen_sofa(gen *g, int n_seats, gen_v3 colour)
 
 static void book(gen *g, double x, double width, double height, double depth, uint64_t id)
 {
-    static const gen_v3 covers[] = { { 0.42, 0.1, 0.08 }, { 0.1, 0.18, 0.32 }, { 0.62, 0.56, 0.42 }, { 0.12, 0.24, 0.15 },
-                                     { 0.5, 0.36, 0.12 }, { 0.2, 0.2, 0.22 }, { 0.66, 0.64, 0.62 }, { 0.36, 0.2, 0.3 } };
+    static const gen_v3 covers[] = { { 0.42, 0.1, 0.08 },  { 0.1, 0.18, 0.32 }, { 0.62, 0.56, 0.42 },
+                                     { 0.12, 0.24, 0.15 }, { 0.5, 0.36, 0.12 }, { 0.2, 0.2, 0.22 },
+                                     { 0.66, 0.64, 0.62 }, { 0.36, 0.2, 0.3 } };
     gen_v3 c = covers[(int)(8 * gen_rand(11, id, 0, 0))];
     gen_diffuse(g, c.x, c.y, c.z);
     gen_box(g, gen_v(x, 0, -depth), gen_v(x + width, height, -0.01));
@@ -64,13 +65,15 @@ static void book(gen *g, double x, double width, double height, double depth, ui
 /* From x0 to x1; ends somewhat early now and then, with a ball or a vase in the gap. */
 static void book_row(gen *g, double x0, double x1, double room, double depth, uint64_t shelf)
 {
-    static const double vase[][2] = { { 0, 0.001 }, { 0.035, 0.001 }, { 0.055, 0.06 }, { 0.05, 0.11 }, { 0.022, 0.16 },
-                                      { 0.03, 0.19 }, { 0.026, 0.19 }, { 0.018, 0.16 }, { 0, 0.15 } };
+    static const double vase[][2] = { { 0, 0.001 },    { 0.035, 0.001 }, { 0.055, 0.06 },
+                                      { 0.05, 0.11 },  { 0.022, 0.16 },  { 0.03, 0.19 },
+                                      { 0.026, 0.19 }, { 0.018, 0.16 },  { 0, 0.15 } };
     int gap = shelf % 2 == 1;
     double end = gap ? x1 - 0.18 : x1, x = x0 + 0.01;
     for (uint64_t i = 0; i < 80; i++) {
         uint64_t id = shelf * 100 + i;
-        double width = 0.016 + 0.032 * gen_rand(11, id, 1, 0), height = room * (0.66 + 0.26 * gen_rand(11, id, 2, 0));
+        double width = 0.016 + 0.032 * gen_rand(11, id, 1, 0),
+               height = room * (0.66 + 0.26 * gen_rand(11, id, 2, 0));
         if (x + width > end) break;
         book(g, x, width, height, depth * (0.68 + 0.2 * gen_rand(11, id, 3, 0)), id);
         x += width + 0.0015;
@@ -104,9 +107,9 @@ void gen_bookshelf(gen *g, double width, double height, int n_shelves)
 
 static void bowl_of_fruit(gen *g)
 {
-    static const double bowl[][2] = { { 0, 0.002 }, { 0.06, 0.002 }, { 0.065, 0.012 }, { 0.11, 0.03 }, { 0.145, 0.065 },
-                                      { 0.155, 0.085 }, { 0.15, 0.085 }, { 0.139, 0.067 }, { 0.105, 0.036 }, { 0.05, 0.02 },
-                                      { 0, 0.018 } };
+    static const double bowl[][2] = { { 0, 0.002 },     { 0.06, 0.002 },  { 0.065, 0.012 }, { 0.11, 0.03 },
+                                      { 0.145, 0.065 }, { 0.155, 0.085 }, { 0.15, 0.085 },  { 0.139, 0.067 },
+                                      { 0.105, 0.036 }, { 0.05, 0.02 },   { 0, 0.018 } };
     gen_phong(g, gen_v(0.6, 0.6, 0.58), 0.1, 60);
     gen_lathe(g, bowl, 11, 40);
     for (int i = 0; i < 5; i++) {
@@ -119,10 +122,10 @@ static void bowl_of_fruit(gen *g)
 
 static void cup(gen *g)
 {
-    static const double saucer[][2] = { { 0, 0.001 }, { 0.04, 0.001 }, { 0.075, 0.012 }, { 0.075, 0.015 }, { 0.04, 0.005 },
-                                        { 0, 0.005 } };
-    static const double wall[][2] = { { 0, 0.0055 }, { 0.024, 0.0055 }, { 0.032, 0.025 }, { 0.038, 0.065 }, { 0.035, 0.065 },
-                                      { 0.029, 0.028 }, { 0, 0.012 } };
+    static const double saucer[][2] = { { 0, 0.001 },     { 0.04, 0.001 }, { 0.075, 0.012 },
+                                        { 0.075, 0.015 }, { 0.04, 0.005 }, { 0, 0.005 } };
+    static const double wall[][2] = { { 0, 0.0055 },    { 0.024, 0.0055 }, { 0.032, 0.025 }, { 0.038, 0.065 },
+                                      { 0.035, 0.065 }, { 0.029, 0.028 },  { 0, 0.012 } };
     gen_v3 handle[7];
     gen_phong(g, gen_v(0.66, 0.66, 0.64), 0.06, 60);
     gen_lathe(g, saucer, 6, 36);
@@ -137,7 +140,9 @@ static void cup(gen *g)
 static void magazines(gen *g)
 {
     for (int i = 0; i < 4; i++) {
-        static const gen_v3 covers[] = { { 0.1, 0.17, 0.28 }, { 0.6, 0.55, 0.45 }, { 0.45, 0.12, 0.1 }, { 0.68, 0.68, 0.66 } };
+        static const gen_v3 covers[] = {
+            { 0.1, 0.17, 0.28 }, { 0.6, 0.55, 0.45 }, { 0.45, 0.12, 0.1 }, { 0.68, 0.68, 0.66 }
+        };
         double y = 0.001 + 0.021 * i, s = 1 - 0.08 * i;
         gen_push(g, 0.004 * i, 0, 0, 0.02 - 0.017 * i);
         gen_diffuse(g, covers[i].x, covers[i].y, covers[i].z);
@@ -184,7 +189,8 @@ static void television(gen *g)
     gen_soft_box(g, gen_v(-0.2, 0.001, -0.1), gen_v(0.2, 0.014, 0.08), 0.005, 2);
     gen_box(g, gen_v(-0.03, 0.014, 0.0), gen_v(0.03, 0.08, 0.018));
     gen_phong(g, gen_v(0.06, 0.07, 0.09), 0.12, 300);
-    gen_quad(g, gen_v(-0.5, 0.08, -0.0205), gen_v(-0.5, 0.64, -0.0205), gen_v(0.5, 0.64, -0.0205), gen_v(0.5, 0.08, -0.0205));
+    gen_quad(g, gen_v(-0.5, 0.08, -0.0205), gen_v(-0.5, 0.64, -0.0205), gen_v(0.5, 0.64, -0.0205),
+             gen_v(0.5, 0.08, -0.0205));
 }
 
 void gen_tv_board(gen *g)
@@ -210,9 +216,10 @@ void gen_tv_board(gen *g)
 
 void gen_floor_lamp(gen *g)
 {
-    static const double stand[][2] = { { 0, 0.001 }, { 0.15, 0.001 }, { 0.15, 0.015 }, { 0.14, 0.022 }, { 0.03, 0.03 },
-                                       { 0.013, 0.05 }, { 0.011, 0.7 }, { 0.02, 0.715 }, { 0.02, 0.735 }, { 0.011, 0.75 },
-                                       { 0.011, 1.35 }, { 0.024, 1.37 }, { 0.024, 1.42 }, { 0, 1.425 } };
+    static const double stand[][2] = { { 0, 0.001 },    { 0.15, 0.001 }, { 0.15, 0.015 }, { 0.14, 0.022 },
+                                       { 0.03, 0.03 },  { 0.013, 0.05 }, { 0.011, 0.7 },  { 0.02, 0.715 },
+                                       { 0.02, 0.735 }, { 0.011, 0.75 }, { 0.011, 1.35 }, { 0.024, 1.37 },
+                                       { 0.024, 1.42 }, { 0, 1.425 } };
     gen_phong(g, gen_v(0.2, 0.15, 0.08), 0.3, 60);
     gen_lathe(g, stand, 14, 28);
     gen_diffuse(g, 0.75, 0.68, 0.55);
@@ -221,9 +228,10 @@ void gen_floor_lamp(gen *g)
 
 void gen_table_lamp(gen *g)
 {
-    static const double foot[][2] = { { 0, 0.001 }, { 0.07, 0.001 }, { 0.072, 0.012 }, { 0.05, 0.02 }, { 0.06, 0.05 },
-                                      { 0.085, 0.1 }, { 0.09, 0.14 }, { 0.075, 0.19 }, { 0.04, 0.235 }, { 0.02, 0.26 },
-                                      { 0.016, 0.3 }, { 0.02, 0.32 }, { 0.02, 0.345 }, { 0, 0.35 } };
+    static const double foot[][2] = { { 0, 0.001 },    { 0.07, 0.001 }, { 0.072, 0.012 }, { 0.05, 0.02 },
+                                      { 0.06, 0.05 },  { 0.085, 0.1 },  { 0.09, 0.14 },   { 0.075, 0.19 },
+                                      { 0.04, 0.235 }, { 0.02, 0.26 },  { 0.016, 0.3 },   { 0.02, 0.32 },
+                                      { 0.02, 0.345 }, { 0, 0.35 } };
     gen_phong(g, gen_v(0.14, 0.26, 0.3), 0.15, 60);
     gen_lathe(g, foot, 14, 36);
     gen_diffuse(g, 0.75, 0.7, 0.6);

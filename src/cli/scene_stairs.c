@@ -21,14 +21,14 @@
 #define TREAD 0.3
 #define FLIGHT1_STEPS 12
 #define FLIGHT2_STEPS 10
-#define FLIGHT1_X 1.7  /* open side; the other is the right wall */
-#define FLIGHT1_Z 2.6  /* first riser */
+#define FLIGHT1_X 1.7 /* open side; the other is the right wall */
+#define FLIGHT1_Z 2.6 /* first riser */
 #define LANDING_Z (FLIGHT1_Z + FLIGHT1_STEPS * TREAD)
 #define LANDING_Y (FLIGHT1_STEPS * RISE)
 #define GALLERY_X (FLIGHT1_X - FLIGHT2_STEPS * TREAD)
 #define GALLERY_Y (LANDING_Y + FLIGHT2_STEPS * RISE)
-#define RAIL 0.95      /* height of the handrail above tread or floor */
-#define OFFSET 0.01    /* of oriented lights from what they stand for: a thousandth of the hall */
+#define RAIL 0.95   /* height of the handrail above tread or floor */
+#define OFFSET 0.01 /* of oriented lights from what they stand for: a thousandth of the hall */
 
 /* ---- steps ---- */
 
@@ -42,8 +42,9 @@ static void step(gen *g, double width, double y, double z, double bottom)
 }
 
 #define N_PROFILE 8
-static const double baluster[N_PROFILE][2] = { { 0.022, 0 }, { 0.022, 0.09 }, { 0.013, 0.11 }, { 0.024, 0.2 },
-                                               { 0.012, 0.46 }, { 0.018, 0.5 }, { 0.012, 0.54 }, { 0.014, 1.0 } };
+static const double baluster[N_PROFILE][2] = { { 0.022, 0 },    { 0.022, 0.09 }, { 0.013, 0.11 },
+                                               { 0.024, 0.2 },  { 0.012, 0.46 }, { 0.018, 0.5 },
+                                               { 0.012, 0.54 }, { 0.014, 1.0 } };
 
 static void put_baluster(gen *g, gen_v3 foot, double height)
 {
@@ -95,7 +96,8 @@ static void flight(gen *g, double width, int n_steps, double bottom)
         double rail = RISE * (z / TREAD + 0.5) + RAIL;
         put_baluster(g, gen_v(0.06, y, z), rail - y - 0.05);
     }
-    handrail(g, gen_v(0.06, RISE * 0.5 + RAIL, 0), gen_v(0.06, RISE * (n_steps + 0.5) + RAIL, TREAD * n_steps));
+    handrail(g, gen_v(0.06, RISE * 0.5 + RAIL, 0),
+             gen_v(0.06, RISE * (n_steps + 0.5) + RAIL, TREAD * n_steps));
 }
 
 /* Level railing from a to b; both ends belong to newels. */
@@ -104,7 +106,8 @@ static void railing(gen *g, gen_v3 a, gen_v3 b)
     gen_v3 up = gen_v(0, RAIL, 0);
     int n = (int)(gen_length(gen_sub(b, a)) / 0.15);
     gen_diffuse(g, 0.74, 0.73, 0.7);
-    for (int i = 1; i < n; i++) put_baluster(g, gen_add(a, gen_mul(gen_sub(b, a), (double)i / n)), RAIL - 0.05);
+    for (int i = 1; i < n; i++)
+        put_baluster(g, gen_add(a, gen_mul(gen_sub(b, a), (double)i / n)), RAIL - 0.05);
     handrail(g, gen_add(a, up), gen_add(b, up));
 }
 
@@ -117,7 +120,8 @@ static void staircase(gen *g)
     gen_pop(g);
     gen_diffuse(g, 0.72, 0.7, 0.66);
     gen_box(g, gen_v(l + 0.02, 0, LANDING_Z + 0.002), gen_v(RIGHT, LANDING_Y - 0.036, FAR));
-    gen_box(g, gen_v(LEFT, GALLERY_Y - 0.25, LANDING_Z + 0.03), gen_v(GALLERY_X - 0.001, GALLERY_Y - 0.036, FAR));
+    gen_box(g, gen_v(LEFT, GALLERY_Y - 0.25, LANDING_Z + 0.03),
+            gen_v(GALLERY_X - 0.001, GALLERY_Y - 0.036, FAR));
     gen_phong(g, gen_v(0.36, 0.2, 0.1), 0.04, 60);
     gen_box(g, gen_v(l, LANDING_Y - 0.035, LANDING_Z), gen_v(RIGHT, LANDING_Y, FAR));
     gen_box(g, gen_v(LEFT, GALLERY_Y - 0.035, LANDING_Z), gen_v(GALLERY_X - 0.001, GALLERY_Y, FAR));
@@ -137,7 +141,8 @@ static void tiles(gen *g)
     double size = 0.5, half = 0.003;
     int nx = 15, nz = 19;
     gen_diffuse(g, 0.35, 0.34, 0.32);
-    gen_quad(g, gen_v(LEFT, -0.002, NEAR), gen_v(LEFT, -0.002, FAR), gen_v(RIGHT + 0.1, -0.002, FAR), gen_v(RIGHT + 0.1, -0.002, NEAR));
+    gen_quad(g, gen_v(LEFT, -0.002, NEAR), gen_v(LEFT, -0.002, FAR), gen_v(RIGHT + 0.1, -0.002, FAR),
+             gen_v(RIGHT + 0.1, -0.002, NEAR));
     for (int shade = 0; shade < 2; shade++) {
         if (shade) gen_phong(g, gen_v(0.22, 0.23, 0.24), 0.06, 120);
         else gen_phong(g, gen_v(0.66, 0.64, 0.6), 0.06, 120);
@@ -185,7 +190,8 @@ static void walls(gen *g)
     gen_quad(g, gen_v(RIGHT, 0, NEAR), gen_v(RIGHT, 0, FAR), gen_v(RIGHT, TOP, FAR), gen_v(RIGHT, TOP, NEAR));
     gen_quad(g, gen_v(LEFT, 0, NEAR), gen_v(RIGHT, 0, NEAR), gen_v(RIGHT, TOP, NEAR), gen_v(LEFT, TOP, NEAR));
     gen_diffuse(g, 0.8, 0.8, 0.78);
-    gen_quad(g, gen_v(LEFT, TOP, NEAR), gen_v(RIGHT, TOP, NEAR), gen_v(RIGHT, TOP, FAR), gen_v(LEFT, TOP, FAR));
+    gen_quad(g, gen_v(LEFT, TOP, NEAR), gen_v(RIGHT, TOP, NEAR), gen_v(RIGHT, TOP, FAR),
+             gen_v(LEFT, TOP, FAR));
     gen_box(g, gen_v(LEFT, 0, NEAR), gen_v(LEFT + 0.02, 0.16, FAR - 0.02));
     gen_box(g, gen_v(LEFT, 0, FAR - 0.02), gen_v(FLIGHT1_X + 0.02, 0.16, FAR));
     gen_box(g, gen_v(LEFT, TOP - 0.1, NEAR), gen_v(LEFT + 0.08, TOP, FAR));
@@ -219,7 +225,9 @@ static gen_v3 sconce_point(const void *ctx, double u, double v)
 }
 
 #define N_SCONCES 4
-static const gen_v3 sconces[N_SCONCES] = { { 0, 2.0, 1.2 }, { 0, 2.0, 4.2 }, { 0, 3.1, 2.6 }, { 0, 4.3, 5.2 } };
+static const gen_v3 sconces[N_SCONCES] = {
+    { 0, 2.0, 1.2 }, { 0, 2.0, 4.2 }, { 0, 3.1, 2.6 }, { 0, 4.3, 5.2 }
+};
 static double sconce_wall(int i) { return i < 2 ? LEFT : RIGHT; }
 
 #define N_PENDANTS 2
@@ -270,13 +278,20 @@ static void furnishing(gen *g)
 static void strip_lamps(gen_emitter *e)
 {
     for (int i = 0; i < FLIGHT1_STEPS; i++) {
-        gen_emitter s = { GEN_PANEL, { FLIGHT1_X + 0.1, RISE * (i + 1) - 0.035 - OFFSET, FLIGHT1_Z + TREAD * i - 0.022 },
-                          { RIGHT - FLIGHT1_X - 0.2, 0, 0 }, { 0, 0, 0.012 }, 0.35 };
+        gen_emitter s = { GEN_PANEL,
+                          { FLIGHT1_X + 0.1, RISE * (i + 1) - 0.035 - OFFSET, FLIGHT1_Z + TREAD * i - 0.022 },
+                          { RIGHT - FLIGHT1_X - 0.2, 0, 0 },
+                          { 0, 0, 0.012 },
+                          0.35 };
         e[i] = s;
     }
     for (int i = 0; i < FLIGHT2_STEPS; i++) {
-        gen_emitter s = { GEN_PANEL, { FLIGHT1_X - TREAD * i + 0.01, LANDING_Y + RISE * (i + 1) - 0.035 - OFFSET, LANDING_Z + 0.1 },
-                          { 0.012, 0, 0 }, { 0, 0, FAR - LANDING_Z - 0.2 }, 0.35 };
+        gen_emitter s = { GEN_PANEL,
+                          { FLIGHT1_X - TREAD * i + 0.01, LANDING_Y + RISE * (i + 1) - 0.035 - OFFSET,
+                            LANDING_Z + 0.1 },
+                          { 0.012, 0, 0 },
+                          { 0, 0, FAR - LANDING_Z - 0.2 },
+                          0.35 };
         e[FLIGHT1_STEPS + i] = s;
     }
 }
@@ -298,8 +313,12 @@ static void lights(gen *g)
     for (int i = 0; i < 2; i++) {
         gen_rect w = windows[i];
         double gap = 0.03, width = w.x1 - w.x0 - 2 * gap, height = w.y1 - w.y0 - 2 * gap;
-        gen_emitter day = { GEN_PANEL, { w.x1 - gap, w.y0 + gap, FAR + 0.2 }, { -width, 0, 0 }, { 0, height, 0 }, 17 };
-        gen_emitter sky = { GEN_PANEL, { w.x0 + gap, w.y0 + gap, FAR + 0.3 }, { width, 0, 0 }, { 0, height, 0 }, 8 };
+        gen_emitter day = {
+            GEN_PANEL, { w.x1 - gap, w.y0 + gap, FAR + 0.2 }, { -width, 0, 0 }, { 0, height, 0 }, 17
+        };
+        gen_emitter sky = {
+            GEN_PANEL, { w.x0 + gap, w.y0 + gap, FAR + 0.3 }, { width, 0, 0 }, { 0, height, 0 }, 8
+        };
         e[n++] = day;
         e[n++] = sky;
     }
