@@ -107,8 +107,9 @@ test:
 run-tests: $(TESTS) $(REPLAYS) $(BIN)lightcuts
 	@sh tests/run.sh $(BIN)
 
-golden: all
-	@sh tests/golden.sh build/lightcuts --print
+golden: build/tests/unit_golden
+	build/tests/unit_golden --print > build/hashes.txt
+	mv build/hashes.txt tests/golden/hashes.txt
 
 SAN_FLAGS := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 san:

@@ -218,7 +218,7 @@ static neighbour nearest(const search *s, uint32_t q, neighbour best)
     stack[n].cell = 1, stack[n++].lb = 0;
     while (n) {
         uint32_t c = stack[--n].cell;
-        if (stack[n].lb > best.d) continue;
+        if (stack[n].lb >= best.d) continue; /* equal: coincident lights must not all be looked at */
         if (c >= s->n_leaves) {
             search_leaf(s, c - s->n_leaves, q, prev, &best);
             continue;
@@ -229,7 +229,7 @@ static neighbour nearest(const search *s, uint32_t q, neighbour best)
         double lb[2] = { a, b };
         for (uint32_t i = 0; i < 2; i++) {
             uint32_t side = i ? near : !near;
-            if (lb[side] > best.d || lb[side] == INFINITY) continue;
+            if (lb[side] >= best.d) continue; /* +inf too */
             stack[n].cell = 2 * c + side, stack[n++].lb = lb[side];
         }
     }

@@ -22,7 +22,7 @@ double lc_cluster_metric(const lc_build_node *a, const lc_build_node *b, double 
 lc_build_node lc_build_node_merge(const lc_build_node *nodes, uint32_t a, uint32_t b);
 
 /* nodes holds n lights and room for 2n - 1; fills the rest. Ties: the previous element of the chain wins, then the
- * lowest index, so that lights on a grid end too. */
+ * first that the search's fixed order meets, so that lights on a grid end too and coincident ones end soon. */
 lc_status lc_agglomerate(const lc_context *ctx, lc_build_node *nodes, uint32_t n, double c2);
 
 #endif

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define LC_BLOCK 16 /* lanes of a structure-of-arrays block; every ISA's width divides it */
+#define LC_BLOCK 2 /* lanes of a block of light tree nodes: a pair of siblings */
 #define LC_NONE UINT32_MAX
 
 #define LC_PI 3.14159265358979323846

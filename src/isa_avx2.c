@@ -4,6 +4,7 @@
 #include "kernels.h"
 #include "simd.h"
 
+#include "bounds_tmpl.c"
 #include "bvh_tmpl.c"
 
-const lc_kernels LC_FN(lc_kernels) = { LC_FN(closest), LC_FN(hidden) };
+const lc_kernels LC_FN(lc_kernels) = { LC_FN(bounds), LC_FN(closest), LC_FN(hidden) };

@@ -25,6 +25,8 @@ typedef struct lc_hit {
 #define LC_BVH_STACK (7 * LC_BVH_MAX_DEPTH + 8)
 
 typedef struct lc_kernels {
+    /* Bounds of four blocks, all of one kind (repeat one to fill up), to ub[8], block by block; see bounds.h. */
+    void (*bounds)(const lc_node_block *const block[LC_KERNEL_BLOCKS], lc_light_kind kind, const lc_point *point, float *ub);
     /* Nearest hit with 0 < t <= t_max; of equal t the lowest triangle id. */
     void (*closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit);
     /* hidden[i] = 1 if a triangle is met on org + t (target i - org) for t in (LC_SHADOW_EPS, 1 - LC_SHADOW_EPS), or,

@@ -1,12 +1,13 @@
 /* layout.h - every struct that a kernel reads; sizes asserted.
  *
- * Light tree nodes, 16 to a block, structure of arrays, one cache line a field. Siblings are the two lanes 2k, 2k+1
- * of one block, so node ids are block * 16 + lane and a child id is even.
+ * Light tree nodes: a block is a pair of siblings, structure of arrays, two cache lines. Node ids are block * 2 + lane.
+ * A kernel call bounds four blocks: each field is then four loads of two floats into one vector of eight.
+ * (Blocks of 16 lanes, a cache line a field, lost: a split touched 14 lines for two nodes.)
  *
- *     lane        0    1    2    3   ...
- *     center[0]   | siblings |  siblings | ...     box of positions (directional: of unit directions towards the
- *     half[0]     |                                light) as centre and half extent: every member p of the cluster
- *     ...                                          has |p_k - center_k| <= half_k in exact arithmetic
+ *     lane        0     1
+ *     center[0]   left  right     box of positions (directional: of unit directions towards the light) as centre and
+ *     half[0]                     half extent: every member p has |p_k - center_k| <= half_k in exact arithmetic
+ *     ...
  *
  * Distance floor. Estimate and bound use d2 = max(|y - x|^2, min_d2) wherever they divide by f(d), so a point on a
  * light gives a finite number; min_d2 is 1e-10 of the squared diagonal of the scene.
@@ -34,7 +35,8 @@ typedef struct lc_node_block {
     float cos_cone[LC_BLOCK];  /* oriented: cosine of its half angle, rounded down; -1 = all directions */
     float atten[3][LC_BLOCK];  /* point, oriented: least A, B, C of the members */
 } lc_node_block;
-_Static_assert(sizeof(lc_node_block) == 16 * 64, "sixteen cache lines");
+_Static_assert(sizeof(lc_node_block) == 2 * 64, "two cache lines");
+#define LC_KERNEL_BLOCKS 4 /* blocks that one call of the bounds kernel takes */
 
 /* What estimate and bound need to know of one shading point. Filled by lc_point_init (shade.h). */
 typedef struct lc_point {

@@ -1,6 +1,7 @@
 /* simd.h - eight floats at a time on every instruction set, for the templates that isa_*.c compile.
  *
- * LC_ISA_LEVEL: 0 plain C, 1 SSE4.1 (two registers), 2 AVX2 (one). Only + - * / min max and comparisons: each is the
+ * vf8_sel_gt(a, b, x, y) is x in the lanes where a > b, else y. vf8_pairs takes two floats from each of four places.
+ * LC_ISA_LEVEL: 0 plain C, 1 SSE4.1 (two registers), 2 AVX2 (one). Only + - * / sqrt min max and comparisons: each is the
  * same IEEE operation on every level, so the bits agree. vf8_min(a, b) is b where a is not less (as minps), so a NaN
  * in a is dropped. Masks are one bit a lane.
  */
@@ -8,6 +9,8 @@
 #define LC_SIMD_H
 
 #include "base.h"
+
+#include <math.h>
 
 #if LC_ISA_LEVEL == 0
 
@@ -35,6 +38,10 @@ static inline vf8 vf8_max(vf8 a, vf8 b) { VF8_LANES(a.v[i] > b.v[i] ? a.v[i] : b
 static inline uint32_t vf8_le(vf8 a, vf8 b) { VF8_BITS(a.v[i] <= b.v[i]); }
 static inline uint32_t vf8_lt(vf8 a, vf8 b) { VF8_BITS(a.v[i] < b.v[i]); }
 static inline uint32_t vf8_eq(vf8 a, vf8 b) { VF8_BITS(a.v[i] == b.v[i]); }
+static inline vf8 vf8_sqrt(vf8 a) { VF8_LANES(sqrtf(a.v[i])); }
+static inline vf8 vf8_abs(vf8 a) { VF8_LANES(fabsf(a.v[i])); }
+static inline vf8 vf8_sel_gt(vf8 a, vf8 b, vf8 x, vf8 y) { VF8_LANES(a.v[i] > b.v[i] ? x.v[i] : y.v[i]); }
+static inline vf8 vf8_pairs(const float *const p[4], size_t at) { VF8_LANES(p[i / 2][at + (size_t)(i & 1)]); }
 static inline void vf8_store(float *p, vf8 a)
 {
     for (int i = 0; i < 8; i++) p[i] = a.v[i];
@@ -62,6 +69,25 @@ static inline vf8 vf8_max(vf8 x, vf8 y) { VF8_BOTH(_mm_max_ps); }
 static inline uint32_t vf8_le(vf8 x, vf8 y) { VF8_MASK(_mm_cmple_ps); }
 static inline uint32_t vf8_lt(vf8 x, vf8 y) { VF8_MASK(_mm_cmplt_ps); }
 static inline uint32_t vf8_eq(vf8 x, vf8 y) { VF8_MASK(_mm_cmpeq_ps); }
+static inline vf8 vf8_sqrt(vf8 x) { return (vf8){ _mm_sqrt_ps(x.a), _mm_sqrt_ps(x.b) }; }
+static inline vf8 vf8_abs(vf8 x)
+{
+    const __m128 sign = _mm_set1_ps(-0.0f);
+    return (vf8){ _mm_andnot_ps(sign, x.a), _mm_andnot_ps(sign, x.b) };
+}
+static inline vf8 vf8_sel_gt(vf8 a, vf8 b, vf8 x, vf8 y)
+{
+    return (vf8){ _mm_blendv_ps(y.a, x.a, _mm_cmpgt_ps(a.a, b.a)), _mm_blendv_ps(y.b, x.b, _mm_cmpgt_ps(a.b, b.b)) };
+}
+static inline __m128 vf4_two_pairs(const float *p, const float *q)
+{
+    __m128 lo = _mm_castpd_ps(_mm_load_sd((const double *)(const void *)p));
+    return _mm_loadh_pi(lo, (const __m64 *)(const void *)q);
+}
+static inline vf8 vf8_pairs(const float *const p[4], size_t at)
+{
+    return (vf8){ vf4_two_pairs(p[0] + at, p[1] + at), vf4_two_pairs(p[2] + at, p[3] + at) };
+}
 static inline void vf8_store(float *p, vf8 x)
 {
     _mm_store_ps(p, x.a);
@@ -85,6 +111,22 @@ static inline vf8 vf8_max(vf8 a, vf8 b) { return _mm256_max_ps(a, b); }
 static inline uint32_t vf8_le(vf8 a, vf8 b) { return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ)); }
 static inline uint32_t vf8_lt(vf8 a, vf8 b) { return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ)); }
 static inline uint32_t vf8_eq(vf8 a, vf8 b) { return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_EQ_OQ)); }
+static inline vf8 vf8_sqrt(vf8 a) { return _mm256_sqrt_ps(a); }
+static inline vf8 vf8_abs(vf8 a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
+static inline vf8 vf8_sel_gt(vf8 a, vf8 b, vf8 x, vf8 y)
+{
+    return _mm256_blendv_ps(y, x, _mm256_cmp_ps(a, b, _CMP_GT_OQ));
+}
+static inline __m128 vf4_two_pairs(const float *p, const float *q)
+{
+    __m128 lo = _mm_castpd_ps(_mm_load_sd((const double *)(const void *)p));
+    return _mm_loadh_pi(lo, (const __m64 *)(const void *)q);
+}
+static inline vf8 vf8_pairs(const float *const p[4], size_t at)
+{
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(vf4_two_pairs(p[0] + at, p[1] + at)),
+                                vf4_two_pairs(p[2] + at, p[3] + at), 1);
+}
 static inline void vf8_store(float *p, vf8 a) { _mm256_store_ps(p, a); }
 
 #endif

@@ -107,6 +107,14 @@ static int float_option(double lo, double hi, float *out)
     return bad;
 }
 
+static int parse_pixels(const char *text, double out[4])
+{
+    if (cli_parse_list(text, 4, 0, 65535, out)) return -1;
+    for (int i = 0; i < 4; i++)
+        if (out[i] > (double)(int)out[i]) return -1;
+    return 0;
+}
+
 /* Nonzero: the value of option c is out of range. */
 static int set_option(options *o, int c)
 {
@@ -127,7 +135,7 @@ static int set_option(options *o, int c)
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
     case OPT_SPP: return u32_option(1, 65536, &o->render.spp);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
-    case OPT_PIXELS: o->has_pixel_crop = true; return cli_parse_list(optarg, 4, 0, 65535, o->pixel_crop);
+    case OPT_PIXELS: o->has_pixel_crop = true; return parse_pixels(optarg, o->pixel_crop);
     case OPT_CROP: o->has_unit_crop = true; return cli_parse_list(optarg, 4, 0, 1, o->unit_crop);
     case OPT_AOV: return parse_aovs(optarg, &o->render.aovs);
     case OPT_STATS_FILE: o->stats_file = optarg; return !*optarg;
@@ -196,22 +204,27 @@ static void choose_output(options *o, const lc_scene_info *info)
     o->outputs[o->n_outputs++] = o->default_output;
 }
 
-/* A long render must not end with an output that could never be written. */
-static int check_writable(const char *path)
+/* 0 or errno. Files are put in place by renaming, so the folder matters; a device or pipe is written to itself. */
+static int unwritable(const char *path)
 {
     char folder[4096];
     struct stat st;
+    if (!stat(path, &st) && !S_ISREG(st.st_mode)) return S_ISDIR(st.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
     snprintf(folder, sizeof folder, "%s", path);
     char *slash = strrchr(folder, '/');
     if (slash) slash[slash == folder] = 0;
     else strcpy(folder, ".");
-    errno = EISDIR;
-    bool is_folder = !stat(path, &st) && S_ISDIR(st.st_mode);
-    if (is_folder || access(folder, W_OK | X_OK)) {
-        fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", path, strerror(is_folder ? EISDIR : errno));
-        return CLI_FAILED;
-    }
-    return 0;
+    if (stat(folder, &st)) return errno;
+    if (!S_ISDIR(st.st_mode)) return ENOTDIR;
+    return access(folder, W_OK | X_OK) ? errno : 0;
+}
+
+/* A long render must not end with an output that could never be written. */
+static int check_writable(const char *path)
+{
+    int err = unwritable(path);
+    if (err) fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", path, strerror(err));
+    return err ? CLI_FAILED : 0;
 }
 
 static int check_outputs(const options *o)
@@ -278,6 +291,8 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     if (!status) status = check_outputs(o);
     if (status) return status;
     if (!r.info.n_lights && !o->quiet) fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
+    if (!r.info.n_triangles && !o->quiet) fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will be black\n");
+    cli_catch_signals(); /* not before: there is nothing to tidy up, and loading does not ask for signals */
     cli_progress_start(&progress, "rendering", o->quiet);
     o->render.progress = cli_progress_step;
     o->render.progress_user = &progress;
@@ -303,7 +318,6 @@ int cmd_render(int argc, char **argv)
     options o = { .load = LC_LOAD_DESC_INIT, .render = LC_RENDER_DESC_INIT };
     int status;
     if (parse_options(argc, argv, &o, &status)) return status;
-    cli_catch_signals();
     lc_context *ctx = cli_context(o.n_threads, o.isa, o.verbosity);
     lc_scene *scene = NULL;
     lc_image *image = NULL;

@@ -1,0 +1,515 @@
+#!/bin/sh
+# cli.sh - the command line: exit status, messages, files left alone, signals, the same bytes.
+#
+#     sh tests/cli.sh build/lightcuts
+#
+# `good` expects status 0; `bad` a status, a message of one line (and "try ..." after a wrong command line), and that the
+# picture that was there before is untouched and nothing else lies beside it.
+# Ends with "N passed, N failed"; "skip" lines, for what this machine cannot do, count as neither.
+set -u
+[ $# -eq 1 ] && [ -x "$1" ] || { echo "usage: sh tests/cli.sh BINARY" >&2; exit 2; }
+L=$(cd "$(dirname "$1")" && pwd)/${1##*/}
+T=$(mktemp -d) || exit 2
+mounted=
+cleanup()
+{
+    cd /
+    [ -z "$mounted" ] || umount "$mounted" 2>/dev/null || umount -l "$mounted" 2>/dev/null
+    rm -rf "$T"
+}
+trap cleanup EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+cd "$T" || exit 2
+unset LC_ISA SOURCE_DATE_EPOCH
+sanitized=
+grep -q -e __asan_init -e __tsan_init "$L" && sanitized=yes
+passed=0
+failed=0
+
+ok() { passed=$((passed + 1)); }
+no() # name why
+{
+    failed=$((failed + 1))
+    echo "FAIL $1: $2"
+    [ ! -s err ] || head -n 5 err | sed 's/^/     stderr: /'
+}
+skip() { echo "skip $1"; }
+check() # name command...: passes when the command does
+{
+    check_name=$1
+    shift
+    if "$@" >/dev/null 2>&1; then ok; else no "$check_name" "'$*' failed"; fi
+}
+run() { timeout 120 "$L" "$@" >out 2>err </dev/null; rc=$?; }
+run_env() # NAME=value args...
+{
+    setting=$1
+    shift
+    timeout 120 env "$setting" "$L" "$@" >out 2>err </dev/null
+    rc=$?
+}
+good() # name args...
+{
+    name=$1
+    shift
+    run "$@"
+    if [ $rc -eq 0 ]; then ok; else no "$name" "status $rc, not 0"; fi
+}
+says() { if grep -q -e "$1" err; then ok; else no "$name" "stderr lacks '$1'"; fi; }
+prints() { if grep -q -e "$1" out; then ok; else no "$name" "stdout lacks '$1'"; fi; }
+silent() { if [ ! -s out ]; then ok; else no "$name" "wrote to stdout"; fi; }
+
+# One clear line, the old picture, no leftovers. The folder o holds old.exr as p.exr and nothing else.
+bad_after() # name status regex: judges what `run` or a pipe left
+{
+    n_lines=$(grep -v -e ': warning: ' -e "^try '" err | wc -l)
+    if [ "$rc" -ne "$2" ]; then no "$1" "status $rc, not $2"
+    elif ! grep -q -e "$3" err; then no "$1" "stderr lacks '$3'"
+    elif [ "$n_lines" -ne 1 ]; then no "$1" "$n_lines lines of error"
+    elif [ -s out ]; then no "$1" "wrote to stdout"
+    elif ! cmp -s old.exr o/p.exr; then no "$1" "the previous picture changed"
+    elif [ "$(ls -A o)" != p.exr ]; then no "$1" "left behind: $(ls -A o | tr '\n' ' ')"
+    else ok
+    fi
+    rm -rf o
+    mkdir o
+    cp old.exr o/p.exr
+}
+bad() # name status regex args...
+{
+    name=$1 want=$2 regex=$3
+    shift 3
+    run "$@"
+    bad_after "$name" "$want" "$regex"
+}
+world() # the small scene, without film
+{
+    cat <<'END'
+LookAt 0 0 -5  0 0 0  0 1 0
+Camera "perspective" "float fov" [90]
+Sampler "independent" "integer pixelsamples" [1]
+WorldBegin
+LightSource "point" "point3 from" [0 0 -4] "rgb I" [5 5 5]
+LightSource "point" "point3 from" [1 2 -3] "rgb I" [5 4 3]
+Material "diffuse" "rgb reflectance" [.5 .5 .5]
+Shape "trianglemesh" "point3 P" [-3 -3 0  3 -3 0  3 3 0  -3 3 0] "integer indices" [0 1 2 0 2 3]
+END
+}
+film() { echo "Film \"rgb\" \"integer xresolution\" [$1] \"integer yresolution\" [$2] $3"; }
+{ film 48 40 ''; world; } >s.pbrt
+
+# ---- help and version ----
+
+good version --version
+check 'version is lightcuts X.Y.Z' grep -qx 'lightcuts [0-9]*\.[0-9]*\.[0-9]*' out
+for args in --help -h help; do
+    good "$args" $args
+    prints '^usage: lightcuts'
+done
+for command in render compare scene info preview; do
+    good "help $command" help $command
+    prints "^usage: lightcuts.*$command"
+    cp out help.txt
+    good "$command --help" $command --help
+    check "help $command and $command --help agree" cmp out help.txt
+    check "$command --help writes to stdout only" test ! -s err
+    run --help
+    name='--help lists commands'
+    prints "^  $command "
+done
+mkdir o
+run s.pbrt -o old.exr
+cp old.exr o/p.exr
+run
+check 'no arguments: 2 and usage on stderr' test $rc -eq 2 -a ! -s out -a -s err
+
+# ---- names of outputs ----
+
+name='a picture' && run s.pbrt -o a.exr
+check 'status 0' test $rc -eq 0
+silent
+says 'wrote a\.exr'
+check 'the picture is there' test -s a.exr
+run -q s.pbrt -o a.exr
+check '--quiet says nothing' test $rc -eq 0 -a ! -s err -a ! -s out
+mkdir w sub
+cp s.pbrt sub/plain.pbrt
+(cd w && "$L" -q ../sub/plain.pbrt)
+check 'default output: SCENE.exr in this folder' test -s w/plain.exr -a ! -e sub/plain.exr
+{ film 8 8 '"string filename" "named.exr"'; world; } >named.pbrt
+{ film 8 8 '"string filename" "named.png"'; world; } >namedpng.pbrt
+{ film 8 8 '"string filename" "old.tga"'; world; } >namedtga.pbrt
+for f in named namedpng namedtga; do (cd w && "$L" -q ../$f.pbrt); done
+check 'default output: film filename' test -s w/named.exr
+check 'default output: film filename .png' test -s w/named.png
+check 'default output: another extension becomes .exr' test -s w/old.exr -a ! -e w/old.tga
+(cd w && "$L" -q - <../s.pbrt)
+check "scene '-' is stdin, output stdin.exr" test -s w/stdin.exr
+cmp -s w/stdin.exr a.exr && ok || no 'scene from stdin' 'differs from the same scene from a file'
+check 'nothing else was written' test "$(ls -A w | tr '\n' ' ')" = 'named.exr named.png old.exr plain.exr stdin.exr '
+good '-o twice' -q s.pbrt -o two.exr --outfile=two.png
+check '-o twice writes both' test -s two.exr -a -s two.png
+check 'the PNG is a PNG' grep -q PNG two.png
+good 'a command named: render' render -q s.pbrt -o r.exr
+check 'render may be left out' cmp r.exr a.exr
+good 'stats on stdout' -q --stats s.pbrt -o a.exr
+prints '^lights  *2: 2 point'
+good 'device as output' -q s.pbrt -o /dev/null
+
+# ---- options ----
+
+good 'an option again' -q --seed 1 --method exact --seed=7 --method lightcuts --stats-file st.json -o a.exr s.pbrt -o b.exr
+check 'the last --seed wins' grep -q '"seed": 7,' st.json
+check 'the last --method wins' grep -q '"method": "lightcuts"' st.json
+check 'options after the scene count, -o adds up' test -s b.exr
+good 'all options' -q s.pbrt -o a.exr --method exact --error-ratio 0.01 --max-cut 10 --dark-floor 0 --representatives 4 \
+    --maxdepth 1 --area-lights 64 --seed 3 --spp 2 --pixelbounds 0,8,0,8 --aov cut,n,p,z,albedo,error,rays -t 1 --isa scalar
+good '--cropwindow' -q s.pbrt -o c.exr --cropwindow 0.25,0.75,0,0.5
+run info --json c.exr
+check 'crop: data window and display window' grep -q '"display_width": 48' out
+check 'crop: its size' grep -q '"width": 24' out
+good '--aov all' -q s.pbrt -o a.exr --aov all
+run info --json a.exr
+for channel in R G B cut.size cut.rays cut.error N.X N.Y N.Z P.X P.Y P.Z Z Albedo.R Albedo.G Albedo.B; do
+    name="channel $channel"
+    prints "\"$channel\""
+done
+bad 'unknown option' 2 "unknown option '--methud=exact'; did you mean '--method'?" --methud=exact s.pbrt -o o/p.exr
+bad 'unknown option, nothing near' 2 "unknown option '--zyxwvutsrq'$" --zyxwvutsrq s.pbrt -o o/p.exr
+bad 'unknown short option' 2 "unknown option '-z'" -z s.pbrt -o o/p.exr
+bad 'option without value' 2 "'-t' needs a value" s.pbrt -o o/p.exr -t
+bad 'value where none belongs' 2 "'--stats=3' takes no value" --stats=3 s.pbrt -o o/p.exr
+bad 'unknown command' 2 "did you mean 'render'" rendr
+bad 'no scene' 2 'no scene' -o o/p.exr
+bad 'two scenes' 2 'more than one scene' s.pbrt named.pbrt -o o/p.exr
+bad 'neither .exr nor .png' 2 "'o/p.jpg'" s.pbrt -o o/p.jpg
+while read -r option value; do
+    bad "$option $value" 2 "bad value '$value' for option $option$" "$option" "$value" s.pbrt -o o/p.exr
+done <<'END'
+--method fast
+--error-ratio -1
+--error-ratio nan
+--error-ratio inf
+--error-ratio 0.02x
+--max-cut -1
+--max-cut 1.5
+--max-cut 99999999999999999999
+--dark-floor -1
+--representatives 0
+--representatives 33
+--maxdepth 0
+--area-lights 0
+--seed -1
+--seed x
+--spp 0
+--spp 65537
+--isa mmx
+--pixelbounds 1,2,3
+--pixelbounds 1,2,3,4,5
+--pixelbounds -1,2,3,4
+--pixelbounds 0.5,2,3,4
+--cropwindow 0,1,0,2
+--cropwindow a,b,c,d
+--aov cut,banana
+-t -1
+-t 1025
+END
+bad 'empty value' 2 "bad value '' for option --stats-file" --stats-file '' s.pbrt -o o/p.exr
+bad 'crop outside the film' 2 'outside the film of 48 x 40' --pixelbounds 0,49,0,40 s.pbrt -o o/p.exr
+bad 'empty crop' 2 'crop is empty' --pixelbounds 4,4,0,4 s.pbrt -o o/p.exr
+run_env LC_ISA=mmx s.pbrt -o o/p.exr
+bad_after 'LC_ISA of no instruction set' 2 "LC_ISA='mmx'"
+
+# ---- wrong input ----
+
+bad 'missing scene' 3 "'missing.pbrt': No such file" missing.pbrt -o o/p.exr
+bad 'missing scene without extension' 2 "neither a command nor a scene" missing
+bad 'scene is a folder' 3 'is a directory' . -o o/p.exr
+: >empty.pbrt
+bad 'empty scene' 3 '^lightcuts: empty.pbrt:1:1: error: ' empty.pbrt -o o/p.exr
+head -c 3000 /dev/urandom >noise.pbrt
+bad 'noise' 3 '^lightcuts: noise.pbrt:[0-9]*:[0-9]*: error: ' noise.pbrt -o o/p.exr
+{ film 8 8 ''; world; printf 'Shape "trianglemesh" "point3 P" [0 0'; } >cut.pbrt
+bad 'scene that ends early' 3 '^lightcuts: cut.pbrt:1*[0-9]:[0-9]*: error: ' cut.pbrt -o o/p.exr
+{ film 8 8 ''; world; echo; echo '  Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 nan 0] "integer indices" [0 1 2]'; } >nan.pbrt
+bad 'NaN vertex' 3 '^lightcuts: nan.pbrt:11:[0-9]*: error: ' nan.pbrt -o o/p.exr
+{ film 8 8 ''; world; echo 'Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "integer indices" [0 1 3]'; } >index.pbrt
+bad 'index out of range' 3 '^lightcuts: index.pbrt:10:[0-9]*: error: ' index.pbrt -o o/p.exr
+for kind in ascii short nan huge; do
+    { film 8 8 ''; world; echo "Shape \"plymesh\" \"string filename\" \"$kind.ply\""; } >ply_$kind.pbrt
+done
+head_of() # format n_verts n_faces
+{
+    printf 'ply\nformat %s 1.0\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\n' "$1" "$2"
+    printf 'element face %s\nproperty list uchar int vertex_indices\nend_header\n' "$3"
+}
+{ head_of ascii 3 1; printf '0 0 0\n1 0 0\n'; } >ascii.ply
+{ head_of binary_little_endian 3 1; head -c 20 /dev/zero; } >short.ply
+{ head_of binary_little_endian 3 1; head -c 32 /dev/zero; printf '\000\000\300\177\003'; head -c 12 /dev/zero; } >nan.ply
+{ head_of binary_little_endian 4000000000 4000000000; head -c 64 /dev/zero; } >huge.ply
+bad 'truncated PLY, text' 3 'ascii.ply:[0-9]*:[0-9]*: error: \|ascii.ply: error: ' ply_ascii.pbrt -o o/p.exr
+bad 'truncated PLY, binary' 3 'short.ply' ply_short.pbrt -o o/p.exr
+bad 'NaN vertex in PLY' 3 'nan.ply' ply_nan.pbrt -o o/p.exr
+bad 'PLY with absurd counts' 3 'huge.ply' ply_huge.pbrt -o o/p.exr
+{ film 8 8 ''; world; echo 'Shape "plymesh" "string filename" "none.ply"'; } >noply.pbrt
+bad 'missing PLY' 3 '^lightcuts: noply.pbrt:10:[0-9]*: error: .*none.ply' noply.pbrt -o o/p.exr
+echo 'Include "loop2.pbrt"' >loop.pbrt
+echo 'Include "loop.pbrt"' >loop2.pbrt
+bad 'Include loop' 3 '^lightcuts: loop2.pbrt:1:[0-9]*: error: ' loop.pbrt -o o/p.exr
+echo 'Include "gone.pbrt"' >inc.pbrt
+bad 'Include of a missing file' 3 '^lightcuts: inc.pbrt:1:[0-9]*: error: .*gone.pbrt' inc.pbrt -o o/p.exr
+for size in '0 8' '8 0' '-4 8' '1000000000 1' '40000 25000' '65536 65536'; do
+    # shellcheck disable=SC2086
+    { film $size ''; world; } >film.pbrt
+    bad "film of $size" 3 '^lightcuts: film.pbrt:1:[0-9]*: error: ' film.pbrt -o o/p.exr
+done
+{ film 8 8 ''; world; echo '  Frobnicate "x" "float y" [1]'; echo 'Frobnicate "z"'; } >unknown.pbrt
+good 'unknown directive' unknown.pbrt -o a.exr
+says '^lightcuts: unknown.pbrt:10:3: warning: .*Frobnicate'
+check 'unknown directive: one warning for each kind' test "$(grep -c Frobnicate err)" -eq 1
+{ film 8 8 ''; world | grep -v LightSource; } >dark.pbrt
+good '0 lights' dark.pbrt -o a.exr
+says 'warning: the scene has no lights'
+check '0 lights: one warning' test "$(grep -c warning err)" -eq 1
+{ film 8 8 ''; world | grep -v Shape; } >void.pbrt
+good '0 triangles' void.pbrt -o a.exr
+says 'warning: the scene has no triangles'
+{ film 8 8 ''; world | grep -v -e Shape -e LightSource; } >nothing.pbrt
+good '0 lights and 0 triangles' -q nothing.pbrt -o a.exr
+
+# ---- outputs that cannot be written ----
+
+bad 'output in a missing folder' 1 "'none/p.exr': No such file" s.pbrt -o none/p.exr
+bad 'output under a file' 1 "'s.pbrt/p.exr': Not a directory" s.pbrt -o s.pbrt/p.exr
+mkdir d.exr
+bad 'output is a folder' 1 "'d.exr': Is a directory" s.pbrt -o d.exr
+long=$(printf '%0300d' 0).exr
+bad 'output with too long a name' 1 'File name too long' s.pbrt -o "o/$long"
+bad 'second output cannot be written: nothing is' 1 'none/p.png' s.pbrt -o o/p.exr -o none/p.png
+bad 'statistics cannot be written' 1 'none/st.json' s.pbrt -q --stats-file none/st.json
+if [ -w /dev/full ]; then
+    bad 'full device' 1 '/dev/full.*No space left' s.pbrt -o /dev/full
+    timeout 60 "$L" --version >/dev/full 2>err </dev/null
+    rc=$?
+    : >out
+    bad_after 'full standard output' 1 'cannot write to standard output'
+    timeout 60 "$L" scene grid >/dev/full 2>err </dev/null
+    rc=$?
+    bad_after 'full standard output of scene' 1 'No space left'
+    bad 'statistics on a full device' 1 '/dev/full.*No space left' -q s.pbrt --stats-file /dev/full -o /dev/null
+else
+    skip 'no /dev/full'
+fi
+# A limit on file sizes; what is said goes through a pipe, which has none.
+: >out
+{ (ulimit -f 0 && timeout 60 "$L" -q s.pbrt -o o/p.exr 2>&1 </dev/null; echo "status $?") | cat; } >both
+rc=$(sed -n 's/^status //p' both)
+grep -v '^status ' both >err
+bad_after 'file size limit' 1 'o/p.exr.*File too large'
+if [ "$(id -u)" = 0 ] && mkdir m && mount -t tmpfs -o size=64k none m 2>/dev/null; then
+    mounted=$T/m
+    cp old.exr m/p.exr
+    dd if=/dev/zero of=m/fill bs=1k 2>/dev/null
+    run s.pbrt -o m/p.exr
+    bad_after 'full file system' 1 'm/p.exr.*No space left'
+    check 'full file system: previous picture' cmp old.exr m/p.exr
+    run -q s.pbrt -o /dev/null --stats-file m/st.json
+    bad_after 'full file system: statistics' 1 'm/st.json.*No space left'
+    run scene cornell -o m/scene.pbrt
+    bad_after 'full file system: scene' 1 'm/scene.pbrt.*No space left'
+    check 'full file system: nothing left' test "$(ls -A m | tr '\n' ' ')" = 'fill p.exr '
+    if mount -o remount,ro none m 2>/dev/null; then
+        run s.pbrt -o m/p.exr
+        bad_after 'read-only file system' 1 'm/p.exr.*Read-only'
+    fi
+    umount m && mounted=
+else
+    skip 'no tmpfs of our own: a really full file system is not tried'
+fi
+if [ "$(id -u)" != 0 ]; then
+    mkdir ro && chmod 555 ro
+    bad 'folder without permission' 1 'ro/p.exr.*Permission denied' s.pbrt -o ro/p.exr
+fi
+if [ -z "$sanitized" ]; then
+    { film 16384 16384 ''; world; } >big.pbrt
+    (ulimit -v 400000 && timeout 60 "$L" -q big.pbrt -o o/p.exr >out 2>err </dev/null)
+    rc=$?
+    bad_after 'no memory for the film' 1 'memory'
+fi
+
+# ---- signals ----
+
+{ film 2000 2000 ''; echo 'Sampler "independent" "integer pixelsamples" [4]'; world | grep -v Sampler
+  i=0; while [ $i -lt 400 ]; do echo "LightSource \"point\" \"point3 from\" [1 .$i -4]"; i=$((i + 1)); done; } >long.pbrt
+patience=20 # tenths of a second
+settle=1
+[ -z "$sanitized" ] || patience=100 settle=4
+for signal in INT TERM; do
+    [ $signal = INT ] && want=130 || want=143
+    "$L" --method exact long.pbrt --spp 64 -t 2 -o o/p.exr >out 2>err </dev/null &
+    pid=$!
+    sleep $settle
+    kill -$signal $pid 2>/dev/null || no "SIG$signal" 'the render ended before the signal'
+    waited=0
+    while kill -0 $pid 2>/dev/null && [ $waited -lt $patience ]; do
+        sleep 0.1
+        waited=$((waited + 1))
+    done
+    if [ $waited -ge $patience ]; then
+        no "SIG$signal" 'still running'
+        kill -9 $pid
+    fi
+    wait $pid 2>/dev/null
+    rc=$?
+    bad_after "SIG$signal" $want 'interrupted, nothing written'
+done
+
+# ---- progress ----
+
+run s.pbrt -o a.exr -v
+check 'no carriage return outside a terminal' test "$(tr -dc '\r' <err | wc -c)" -eq 0
+if command -v script >/dev/null 2>&1 && [ -z "$sanitized" ]; then
+    TERM=xterm timeout 60 script -qec "'$L' s.pbrt -o a.exr" /dev/null >tty </dev/null
+    check 'a progress line on a terminal' grep -q 'rendering.*%' tty
+    NO_COLOR=1 TERM=xterm timeout 60 script -qec "'$L' s.pbrt -o a.exr" /dev/null >tty </dev/null
+    check 'NO_COLOR: no colours' test "$(tr -dc '\033' <tty | wc -c)" -eq 0
+else
+    skip 'no terminal to try progress on'
+fi
+
+# ---- statistics ----
+
+good '--stats-file' -q s.pbrt -o a.exr --stats-file st.json
+flat=$(tr -d ' \n' <st.json)
+for key in version scene method isa threads seed width height pixels triangles lights lights_by_type seconds cut shadow_rays \
+    bounds_evaluated peak_rss_bytes warnings; do
+    case $flat in *"\"$key\":"*) ok ;; *) no 'stats-file' "no key $key" ;; esac
+done
+members() # object key...
+{
+    object=${flat#*\"$1\":\{}
+    object=${object%%\}*}
+    shift
+    for key; do
+        case $object in *"\"$key\":"[0-9]*) ok ;; *) no 'stats-file' "no number $key" ;; esac
+    done
+}
+members lights_by_type point oriented directional
+members seconds parse bvh lights tree render write total
+members cut mean median p99 max at_limit
+case $flat in *'"width":48,"height":40,"pixels":1920,'*) ok ;; *) no 'stats-file' 'wrong size' ;; esac
+case $flat in *'"triangles":2,"lights":2,'*) ok ;; *) no 'stats-file' 'wrong counts' ;; esac
+case $flat in \{*\}) ok ;; *) no 'stats-file' 'not one object' ;; esac
+run -q unknown.pbrt -o a.exr --stats-file st2.json
+check 'stats-file counts warnings' grep -q '"warnings": 1' st2.json
+cp s.pbrt 'odd "name\.pbrt'
+good 'a name with quotes' -q 'odd "name\.pbrt' -o a.exr --stats-file odd.json
+"$L" info --json s.pbrt >info_scene.json
+"$L" info --json old.exr >info_image.json
+"$L" info --json unknown.pbrt >info_notes.json
+"$L" compare --json a.exr old.exr >compare.json
+for file in st odd info_scene info_image info_notes compare; do
+    check "$file.json is there" test -s $file.json
+    if command -v python3 >/dev/null 2>&1; then check "$file.json is JSON" timeout 60 python3 -m json.tool $file.json; fi
+done
+
+# ---- info ----
+
+good 'info of a scene' info s.pbrt
+prints '^triangles  *2 '
+prints '^lights  *2: 2 point'
+good 'info of an image' info old.exr
+prints '48 x 40'
+check 'info --json: lights' grep -q '"lights": 2,' info_scene.json
+check 'info --json: what was ignored' grep -q 'Frobnicate' info_notes.json
+check 'info --json: channels' grep -q '"name": "R"' info_image.json
+bad 'info of nothing' 2 'one scene or image' info
+bad 'info of a missing scene' 3 'none.pbrt' info none.pbrt
+bad 'info of a missing image' 3 'none.exr' info none.exr
+head -c 200 old.exr >short.exr
+cp noise.pbrt noise.exr
+cp noise.pbrt noise.png
+bad 'info of a truncated image' 3 'short.exr' info short.exr
+bad 'info of noise as EXR' 3 'noise.exr' info noise.exr
+bad 'info of noise as PNG' 3 'noise.png' info noise.png
+bad 'info of a wrong scene' 3 'nan.pbrt:11:' info nan.pbrt
+
+# ---- compare ----
+
+run -q s.pbrt -o ref.exr --method exact
+run -q s.pbrt -o other.exr --spp 3
+run -q named.pbrt -o small.exr
+good 'compare with itself' compare old.exr old.exr
+for metric in mae mse rmse mrse mape psnr flip max mean_ratio rel_p50 rel_p99 rel_p999 rel_max over nonfinite; do
+    prints "^$metric [^ ]"
+done
+check 'equal pictures: mae 0' grep -qx 'mae 0' out
+good 'compare within a limit' compare old.exr ref.exr --fail mae=1 --fail nonfinite=0
+run compare old.exr other.exr --fail mae=0
+check 'compare beyond a limit: 1' test $rc -eq 1
+good 'compare writes a difference' compare old.exr other.exr -o diff.png --scale 16
+check 'the difference is there' test -s diff.png
+bad 'compare: different size' 3 'small.exr\|size' compare old.exr small.exr
+bad 'compare: missing image' 3 'none.exr' compare old.exr none.exr
+bad 'compare: one image' 2 '' compare old.exr
+bad 'compare: unknown limit' 2 'mea' compare old.exr ref.exr --fail mea=1
+bad 'compare: unknown option' 2 'unknown option' compare old.exr ref.exr --banana
+
+# ---- scene ----
+
+for scene in cornell stairs room grid cube bulbs; do
+    good "scene $scene" scene $scene --lights 5
+    cp out scene.pbrt
+    good "scene $scene again" scene $scene --lights=5 -o again.pbrt
+    check "scene $scene: the same bytes" cmp scene.pbrt again.pbrt
+done
+run scene cornel
+check 'unknown scene: 2' test $rc -eq 2 -a ! -s out -a -s err
+run scene
+check 'no scene name: 2' test $rc -eq 2
+bad 'scene with no lights' 2 'lights' scene cornell --lights 0
+bad 'scene with a wrong number' 2 'lights' scene cornell --lights 1e3
+bad 'scene into a missing folder' 1 'none/s.pbrt' scene cornell -o none/s.pbrt
+
+# ---- preview ----
+
+good 'preview' preview old.exr -o v.png
+check 'preview is a PNG' grep -q PNG v.png
+run -q s.pbrt -o cut.exr --aov cut
+good 'preview of a channel' preview cut.exr --false-colour cut.size -o v.png
+good 'preview brighter' preview cut.exr --exposure=1.5 -o v.png
+bad 'preview without output' 2 '' preview old.exr
+bad 'preview of no such channel' 3 'banana' preview old.exr --false-colour banana -o o/q.png
+bad 'preview of a missing image' 3 'none.exr' preview none.exr -o o/q.png
+bad 'preview into a missing folder' 1 'none/v.png' preview old.exr -o none/v.png
+
+# ---- the same bytes ----
+
+"$L" scene cornell --lights 300 | sed 's/"integer xresolution" 800 "integer yresolution" 800/"integer xresolution" 40 "integer yresolution" 40/' >box.pbrt
+good 'box' -q box.pbrt -o box1.exr -t 1 --aov all
+for t in 1 2 7; do
+    good "box, $t threads" -q box.pbrt -o box.exr -t $t --aov all
+    check "$t threads: the same bytes" cmp box.exr box1.exr
+done
+for isa in scalar sse4 avx2 avx512; do
+    good "box, --isa $isa" -q box.pbrt -o box.exr --isa $isa --aov all
+    check "--isa $isa: the same bytes" cmp box.exr box1.exr
+    run_env LC_ISA=$isa -q box.pbrt -o box.exr --aov all --stats-file isa.json
+    check "LC_ISA=$isa: the same bytes" cmp box.exr box1.exr
+done
+run_env LC_ISA=scalar -q box.pbrt -o box.exr --stats-file isa.json
+check 'LC_ISA is heeded' grep -q '"isa": "scalar"' isa.json
+run_env SOURCE_DATE_EPOCH=1 -q box.pbrt -o box.exr --aov all --write-time
+check 'SOURCE_DATE_EPOCH: the same bytes' cmp box.exr box1.exr
+
+# ---- the binary ----
+
+if [ -z "$sanitized" ] && command -v ldd >/dev/null 2>&1 && [ "${STATIC:-1}" = 1 ]; then
+    ldd "$L" >out 2>&1
+    name='ldd'
+    prints 'not a dynamic executable'
+fi
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
