@@ -12,7 +12,7 @@
 #define N_BINS 16
 #define LEAF_MAX 8
 #define MAX_SAH_DEPTH 60      /* then halving: 30 more levels hold 2^30 triangles */
-#define SPLIT_COST 0.25f      /* of a binary node against one block of triangles; measured on cornell, stairs, room */
+#define SPLIT_COST 0.25f /* of a binary node against one block of eight triangles; 0.5 and 1 were no faster */
 _Static_assert(MAX_SAH_DEPTH + 31 < LC_BVH_MAX_DEPTH, "traversal stack");
 
 typedef struct {
@@ -299,17 +299,20 @@ size_t lc_bvh_bytes(const lc_bvh *bvh)
 
 /* Is the box of child i of a node around everything in its subtree's blocks? Checked level by level: a child's boxes
  * against the parent's, a block's vertices against its box. */
-static const char *check_child(const lc_bvh *bvh, const lc_bvh_node *node, uint32_t i, uint8_t *seen, size_t n_tris,
-                               const float *pos, const uint32_t *index)
+static const char *check_child(const lc_bvh *bvh, uint32_t w, uint32_t i, uint8_t *seen, size_t n_tris, const float *pos,
+                               const uint32_t *index)
 {
+    const lc_bvh_node *node = &bvh->nodes[w];
     uint32_t ref = node->child[i];
     if (!(ref & LC_BVH_LEAF)) {
+        if (ref <= w || ref >= bvh->data.n_nodes || seen[n_tris + ref]++) return "node out of order or with two parents";
         const lc_bvh_node *c = &bvh->nodes[ref];
         for (uint32_t j = 0; j < 8; j++)
             for (int k = 0; k < 3 && c->child[j] != LC_NONE; k++)
                 if (c->lo[k][j] < node->lo[k][i] || c->hi[k][j] > node->hi[k][i]) return "child box outside its parent";
         return NULL;
     }
+    if ((ref & ~LC_BVH_LEAF) >= bvh->data.n_blocks) return "block out of range";
     const lc_tri_block *b = &bvh->blocks[ref & ~LC_BVH_LEAF];
     for (uint32_t j = 0; j < 8; j++) {
         if (b->tri[j] == LC_NONE) continue;
@@ -327,14 +330,17 @@ static const char *check_child(const lc_bvh *bvh, const lc_bvh_node *node, uint3
 
 const char *lc_bvh_validate(const lc_bvh *bvh, const float *pos, const uint32_t *index, size_t n_tris)
 {
-    uint8_t *seen = lc_alloc(bvh->ctx, n_tris, 1);
+    const size_t n_nodes = bvh->data.n_nodes;
+    uint8_t *seen = lc_alloc(bvh->ctx, n_tris + n_nodes, 1); /* triangles, then nodes */
     if (!seen) return "out of memory";
     const char *wrong = NULL;
     for (uint32_t w = 0; w < bvh->data.n_nodes && !wrong; w++)
         for (uint32_t i = 0; i < 8 && !wrong; i++)
-            if (bvh->nodes[w].child[i] != LC_NONE) wrong = check_child(bvh, &bvh->nodes[w], i, seen, n_tris, pos, index);
+            if (bvh->nodes[w].child[i] != LC_NONE) wrong = check_child(bvh, w, i, seen, n_tris, pos, index);
     for (size_t t = 0; t < n_tris && !wrong; t++)
         if (!seen[t]) wrong = "triangle in no block";
-    lc_free(bvh->ctx, seen, n_tris, 1);
+    for (size_t w = 1; w < n_nodes && !wrong; w++)
+        if (!seen[n_tris + w]) wrong = "node without parent";
+    lc_free(bvh->ctx, seen, n_tris + n_nodes, 1);
     return wrong;
 }

@@ -13,10 +13,11 @@
 #define FAR_SLACK (1 + 0x1p-20f)
 
 typedef struct {
-    float org[3], dir[3], inv[3];
     int kx, ky, kz;
     float sx, sy, sz; /* shear */
     vf8 vo[3], vi[3]; /* origin, inverse direction, per axis */
+    vf8 vf[3];        /* inverse direction for far planes: times FAR_SLACK */
+    uint32_t near[3], far[3]; /* where in a node, in floats, the near and far planes of an axis stand */
     vf8 vsx, vsy;
 } LC_FN(ray);
 
@@ -25,12 +26,13 @@ typedef struct {
 static inline void LC_FN(ray_init)(ray *r, const float org[3], const float dir[3])
 {
     for (int k = 0; k < 3; k++) {
-        r->org[k] = org[k];
-        r->dir[k] = dir[k];
-        float d = fabsf(dir[k]) < 1e-30f ? copysignf(1e-30f, dir[k]) : dir[k];
-        r->inv[k] = 1 / d;
+        float d = fabsf(dir[k]) < 1e-30f ? copysignf(1e-30f, dir[k]) : dir[k], inv = 1 / d;
+        uint32_t lo = 8 * (uint32_t)k, hi = 24 + lo;
         r->vo[k] = vf8_set(org[k]);
-        r->vi[k] = vf8_set(r->inv[k]);
+        r->vi[k] = vf8_set(inv);
+        r->vf[k] = vf8_set(inv * FAR_SLACK);
+        r->near[k] = inv >= 0 ? lo : hi;
+        r->far[k] = inv >= 0 ? hi : lo;
     }
     float ax = fabsf(dir[0]), ay = fabsf(dir[1]), az = fabsf(dir[2]);
     r->kz = az >= ax && az >= ay ? 2 : ay >= ax ? 1 : 0;
@@ -48,12 +50,15 @@ static inline void LC_FN(ray_init)(ray *r, const float org[3], const float dir[3
 /* Bits of the children whose box meets the ray in [t_min, t_max]; near distances to tn. */
 static inline uint32_t LC_FN(test_boxes)(const lc_bvh_node *node, const ray *r, float t_min, float t_max, vf8 *tn)
 {
-    vf8 near = vf8_set(t_min), far = vf8_set(t_max);
-    for (int k = 0; k < 3; k++) {
-        const float *n = r->inv[k] >= 0 ? node->lo[k] : node->hi[k], *f = r->inv[k] >= 0 ? node->hi[k] : node->lo[k];
-        near = vf8_max(vf8_mul(vf8_sub(vf8_load(n), r->vo[k]), r->vi[k]), near);
-        far = vf8_min(vf8_mul(vf8_mul(vf8_sub(vf8_load(f), r->vo[k]), r->vi[k]), vf8_set(FAR_SLACK)), far);
-    }
+    const float *f = &node->lo[0][0]; /* lo[3][8], then hi[3][8] */
+    vf8 near = vf8_mul(vf8_sub(vf8_load(f + r->near[0]), r->vo[0]), r->vi[0]);
+    vf8 far = vf8_mul(vf8_sub(vf8_load(f + r->far[0]), r->vo[0]), r->vf[0]);
+    near = vf8_max(near, vf8_set(t_min));
+    far = vf8_min(far, vf8_set(t_max));
+    near = vf8_max(vf8_mul(vf8_sub(vf8_load(f + r->near[1]), r->vo[1]), r->vi[1]), near);
+    far = vf8_min(vf8_mul(vf8_sub(vf8_load(f + r->far[1]), r->vo[1]), r->vf[1]), far);
+    near = vf8_max(vf8_mul(vf8_sub(vf8_load(f + r->near[2]), r->vo[2]), r->vi[2]), near);
+    far = vf8_min(vf8_mul(vf8_sub(vf8_load(f + r->far[2]), r->vo[2]), r->vf[2]), far);
     *tn = near;
     return vf8_le(near, far);
 }
@@ -197,7 +202,8 @@ static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n
 {
     ray r;
     for (uint32_t i = 0; i < n; i++) {
-        float dir[3] = { target[i][0] - org[0], target[i][1] - org[1], target[i][2] - org[2] };
+        float dir[3];
+        for (int k = 0; k < 3; k++) dir[k] = far ? target[i][k] : target[i][k] - org[k];
         LC_FN(ray_init)(&r, org, dir);
         hidden[i] = LC_FN(any_hit)(bvh, &r, LC_SHADOW_EPS, far ? FLT_MAX : 1 - LC_SHADOW_EPS);
     }

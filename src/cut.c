@@ -1,4 +1,4 @@
-/* cut.c - refinement with a fixed-size heap.
+/* cut.c - refinement with a fixed-size heap. The heap moves keys of 8 bytes; what belongs to them stays in place.
  *
  * A split replaces a cluster by its two children. One of them has the parent's representative (slots, light_tree.h):
  * its transfer M G V is taken over, only its power is new. The other costs one estimate and, unless that is 0, one
@@ -16,50 +16,107 @@ lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *t
 {
     *cut = (lc_cut){ .ctx = ctx, .tree = tree, .bvh = bvh, .desc = *desc, .keep_done = keep_done };
     cut->limit = desc->max_cut && desc->max_cut < tree->n_lights ? desc->max_cut : tree->n_lights;
-    cut->heap = lc_alloc(ctx, (size_t)cut->limit + 1, sizeof *cut->heap);
-    cut->done = keep_done ? lc_alloc(ctx, (size_t)cut->limit + 1, sizeof *cut->done) : NULL;
-    if (cut->heap && (cut->done || !keep_done)) return LC_OK;
+    size_t n = (size_t)cut->limit + 1;
+    cut->heap = lc_alloc(ctx, n, sizeof *cut->heap);
+    cut->nodes = lc_alloc(ctx, n, sizeof *cut->nodes);
+    cut->free_nodes = lc_alloc(ctx, n, sizeof *cut->free_nodes);
+    cut->parked = lc_alloc(ctx, n, sizeof *cut->parked);
+    cut->done = keep_done ? lc_alloc(ctx, n, sizeof *cut->done) : NULL;
+    if (cut->heap && cut->nodes && cut->free_nodes && cut->parked && (cut->done || !keep_done)) {
+        for (uint32_t i = 0; i < n; i++) cut->free_nodes[i] = cut->limit - i;
+        return LC_OK;
+    }
     lc_cut_free(cut);
     return LC_ERR_MEMORY;
 }
 
 void lc_cut_free(lc_cut *cut)
 {
-    lc_free(cut->ctx, cut->heap, (size_t)cut->limit + 1, sizeof *cut->heap);
-    lc_free(cut->ctx, cut->done, (size_t)cut->limit + 1, sizeof *cut->done);
-    cut->heap = NULL;
-    cut->done = NULL;
+    size_t n = (size_t)cut->limit + 1;
+    lc_free(cut->ctx, cut->heap, n, sizeof *cut->heap);
+    lc_free(cut->ctx, cut->nodes, n, sizeof *cut->nodes);
+    lc_free(cut->ctx, cut->free_nodes, n, sizeof *cut->free_nodes);
+    lc_free(cut->ctx, cut->parked, n, sizeof *cut->parked);
+    lc_free(cut->ctx, cut->done, n, sizeof *cut->done);
+    cut->heap = NULL, cut->nodes = NULL, cut->free_nodes = NULL, cut->parked = NULL, cut->done = NULL;
 }
 
 /* Heap order: larger bound first, then lower id. */
-static bool above(const lc_cut_node *a, const lc_cut_node *b)
+static bool above(const lc_cut *c, lc_cut_key a, lc_cut_key b)
 {
-    return a->bound > b->bound || (a->bound == b->bound && a->id < b->id);
+    return a.bound > b.bound || (a.bound == b.bound && c->nodes[a.node].id < c->nodes[b.node].id);
 }
 
-static void sift_up(lc_cut_node *heap, uint32_t i, lc_cut_node node)
+static void heap_push(lc_cut *c, lc_cut_key key)
 {
-    while (i) {
-        uint32_t parent = (i - 1) / 2;
-        if (!above(&node, &heap[parent])) break;
-        heap[i] = heap[parent];
-        i = parent;
+    lc_cut_key *heap = c->heap;
+    uint32_t i = c->n_heap++;
+    while (i && above(c, key, heap[(i - 1) / 2])) {
+        heap[i] = heap[(i - 1) / 2];
+        i = (i - 1) / 2;
     }
-    heap[i] = node;
+    heap[i] = key;
 }
 
-static void sift_down(lc_cut_node *heap, uint32_t n, lc_cut_node node)
+static lc_cut_node heap_pop(lc_cut *c)
 {
-    uint32_t i = 0;
-    for (;;) {
-        uint32_t c = 2 * i + 1;
-        if (c >= n) break;
-        if (c + 1 < n && above(&heap[c + 1], &heap[c])) c++;
-        if (!above(&heap[c], &node)) break;
-        heap[i] = heap[c];
-        i = c;
+    lc_cut_key *heap = c->heap, key = heap[--c->n_heap];
+    uint32_t i = 0, n = c->n_heap, top = heap[0].node;
+    for (uint32_t k; (k = 2 * i + 1) < n; i = k) {
+        if (k + 1 < n && above(c, heap[k + 1], heap[k])) k++;
+        if (!above(c, heap[k], key)) break;
+        heap[i] = heap[k];
     }
-    heap[i] = node;
+    heap[i] = key;
+    c->free_nodes[c->limit - n - c->n_parked] = top;
+    return c->nodes[top];
+}
+
+/* Stores a cluster; into the heap only if its bound is above the limit. */
+static void keep(lc_cut *c, float bound, const lc_cut_node *node, double limit)
+{
+    LC_ASSERT(c->n_heap + c->n_parked <= c->limit);
+    lc_cut_key key = { bound, c->free_nodes[c->limit - c->n_heap - c->n_parked] };
+    c->nodes[key.node] = *node;
+    if ((double)bound > limit) {
+        heap_push(c, key);
+    } else {
+        c->parked[c->n_parked++] = key;
+        if (bound > c->worst_parked) c->worst_parked = bound;
+    }
+}
+
+/* Moves what is above the limit from parked to heap. */
+static void unpark(lc_cut *c, double limit)
+{
+    uint32_t n = 0;
+    c->worst_parked = 0;
+    for (uint32_t i = 0; i < c->n_parked; i++) {
+        lc_cut_key key = c->parked[i];
+        if ((double)key.bound > limit) {
+            heap_push(c, key);
+        } else {
+            c->parked[n++] = key;
+            if (key.bound > c->worst_parked) c->worst_parked = key.bound;
+        }
+    }
+    c->n_parked = n;
+}
+
+/* Gives back the nodes that the last point left. */
+static void heap_clear(lc_cut *c)
+{
+    uint32_t n_free = c->limit + 1 - c->n_heap - c->n_parked;
+    while (c->n_heap) c->free_nodes[n_free++] = c->heap[--c->n_heap].node;
+    while (c->n_parked) c->free_nodes[n_free++] = c->parked[--c->n_parked].node;
+    c->worst_parked = 0;
+}
+
+static uint32_t cut_size(const lc_cut *c) { return c->n_heap + c->n_parked + c->n_done; }
+
+static float worst_bound(const lc_cut *c)
+{
+    return c->n_heap && c->heap[0].bound > c->worst_parked ? c->heap[0].bound : c->worst_parked;
 }
 
 static lc_f3 power_of(const lc_light_tree *t, uint32_t id)
@@ -69,136 +126,198 @@ static lc_f3 power_of(const lc_light_tree *t, uint32_t id)
     return lc_f3_make(b->power[0][k], b->power[1][k], b->power[2][k]);
 }
 
-/* Point the shadow ray goes to; far when only its direction counts. */
-static bool ray_target(const lc_light_rec *light, const float org[3], float target[3])
+/* Point the shadow ray goes to, or its direction: then far. */
+static bool ray_target(const lc_light_rec *light, float target[3])
 {
     bool far = light->kind == LC_LIGHT_DIRECTIONAL;
-    for (int k = 0; k < 3; k++) target[k] = far ? org[k] - light->dir[k] : light->pos[k];
+    for (int k = 0; k < 3; k++) target[k] = far ? -light->dir[k] : light->pos[k];
     return far;
 }
 
-/* M G V of a light; traces a ray only if M G > 0. */
-static lc_f3 transfer_of(const lc_light_tree *t, const lc_bvh *bvh, uint32_t light, const lc_point *p,
-                         const float org[3], uint32_t *rays)
-{
-    const lc_light_rec *rec = &t->lights[light];
-    lc_f3 f = lc_shade_light(p, rec);
-    if (f.x <= 0 && f.y <= 0 && f.z <= 0) return f;
-    float target[1][3];
-    uint8_t hidden;
-    bool far = ray_target(rec, org, target[0]);
-    ++*rays;
-    bvh->kernels->hidden(&bvh->data, org, 1, (const float(*)[3])target, far, &hidden);
-    return hidden ? lc_f3_make(0, 0, 0) : f;
-}
+#define SPLITS LC_KERNEL_BLOCKS /* clusters replaced at a time */
 
-static void bounds_of_pair(const lc_cut *c, uint32_t first, const lc_point *p, float ub[2])
+/* What one step works on: the clusters taken out and their children, pair by pair. */
+typedef struct {
+    lc_cut_node parent[SPLITS], child[2 * SPLITS];
+    _Alignas(32) float ub[2 * SPLITS];
+    uint32_t n;
+    const lc_point *point;
+    const float *org;
+    uint32_t *rays;
+} step;
+
+/* Bounds of both nodes of a pair below a virtual node, where each has its own kind. */
+static void bounds_of_mixed(const lc_cut *c, uint32_t first, const lc_point *p, float ub[2])
 {
     const lc_light_tree *t = c->tree;
-    float out[LC_BLOCK];
-    uint32_t k = first % LC_BLOCK, kind = t->pair_kind[first / 2];
-    const lc_node_block *b = &t->blocks[first / LC_BLOCK];
-    if (kind != LC_PAIR_MIXED) {
-        lc_bounds_block(b, k, 2, (lc_light_kind)kind, p, out);
-    } else {
-        for (uint32_t i = 0; i < 2; i++) {
-            uint32_t rep = t->rep[(size_t)(first + i) * t->n_reps];
-            if (lc_node_is_virtual(t, first + i)) out[k + i] = INFINITY;
-            else lc_bounds_block(b, k + i, 1, (lc_light_kind)t->lights[rep].kind, p, out);
-        }
+    for (uint32_t i = 0; i < 2; i++) {
+        uint32_t rep = t->rep[(size_t)(first + i) * t->n_reps];
+        if (lc_node_is_virtual(t, first + i)) ub[i] = INFINITY;
+        else lc_bounds_block(&t->blocks[first / LC_BLOCK], i, 1, (lc_light_kind)t->lights[rep].kind, p, ub);
     }
-    ub[0] = out[k], ub[1] = out[k + 1];
 }
 
-/* Sends a cluster to the heap, or to the done ones when nothing about it is left to refine. */
-static double place(lc_cut *c, lc_cut_node node)
+/* Bounds of all children, one kernel call for each kind among them. */
+static void bound_children(const lc_cut *c, step *s)
 {
-    lc_f3 e = lc_f3_mul(lc_f3_load(node.transfer), power_of(c->tree, node.id));
-    node.lum = lc_luminance(e);
-    if (node.bound > 0) {
-        sift_up(c->heap, c->n_heap++, node);
+    const lc_light_tree *t = c->tree;
+    for (uint32_t kind = 0; kind <= LC_PAIR_MIXED; kind++) {
+        const lc_node_block *blocks[SPLITS];
+        uint32_t which[SPLITS], n = 0;
+        _Alignas(32) float ub[2 * SPLITS];
+        for (uint32_t i = 0; i < s->n; i++)
+            if (t->pair_kind[s->child[2 * i].id / 2] == kind) which[n++] = i;
+        if (kind == LC_PAIR_MIXED) {
+            for (uint32_t i = 0; i < n; i++)
+                bounds_of_mixed(c, s->child[2 * which[i]].id, s->point, &s->ub[2 * which[i]]);
+        } else if (n) {
+            for (uint32_t i = 0; i < SPLITS; i++)
+                blocks[i] = &t->blocks[s->child[2 * which[i < n ? i : 0]].id / LC_BLOCK];
+            c->bvh->kernels->bounds(blocks, (lc_light_kind)kind, s->point, ub);
+            for (uint32_t i = 0; i < n; i++) memcpy(&s->ub[2 * which[i]], &ub[2 * i], 2 * sizeof *ub);
+        }
+    }
+}
+
+/* Traces the shadow rays of the n children listed, all far or none, and clears the transfers that are hidden. */
+static void trace(const lc_cut *c, step *s, const uint32_t *list, uint32_t n, bool far)
+{
+    float target[2 * SPLITS][3];
+    uint8_t hidden[2 * SPLITS];
+    uint32_t m = 0, which[2 * SPLITS];
+    for (uint32_t i = 0; i < n; i++)
+        if (ray_target(&c->tree->lights[s->child[list[i]].rep], target[m]) == far) which[m++] = list[i];
+    if (!m) return;
+    c->bvh->kernels->hidden(&c->bvh->data, s->org, m, (const float(*)[3])target, far, hidden);
+    *s->rays += m;
+    for (uint32_t i = 0; i < m; i++)
+        if (hidden[i]) memset(s->child[which[i]].transfer, 0, sizeof s->child[0].transfer);
+}
+
+/* M G V of the children's representatives: the parent's where it is the same light, else one estimate and, unless
+ * that is 0, one shadow ray. */
+static void shade_children(const lc_cut *c, step *s, uint32_t n_children)
+{
+    const lc_light_tree *t = c->tree;
+    uint32_t list[2 * SPLITS], n = 0;
+    for (uint32_t i = 0; i < n_children; i++) {
+        lc_cut_node *node = &s->child[i];
+        const lc_cut_node *parent = &s->parent[i / 2];
+        node->rep = t->rep[(size_t)node->id * t->n_reps + c->slot];
+        memset(node->transfer, 0, sizeof node->transfer);
+        if (!(s->ub[i] > 0)) continue;
+        if (s->n && parent->rep == node->rep) {
+            memcpy(node->transfer, parent->transfer, sizeof node->transfer);
+            continue;
+        }
+        lc_f3 f = lc_shade_light(s->point, &t->lights[node->rep]);
+        lc_f3_store(node->transfer, f);
+        if (f.x > 0 || f.y > 0 || f.z > 0) list[n++] = i;
+    }
+    if (!n) return;
+    if (t->n_of_kind[LC_LIGHT_DIRECTIONAL] < t->n_lights) trace(c, s, list, n, false);
+    if (t->n_of_kind[LC_LIGHT_DIRECTIONAL]) trace(c, s, list, n, true);
+}
+
+/* Sends a cluster to the heap, or to the done ones when nothing about it is left to refine. Returns its luminance. */
+static double place(lc_cut *c, lc_cut_node *node, float bound, double limit)
+{
+    lc_f3 e = lc_f3_mul(lc_f3_load(node->transfer), power_of(c->tree, node->id));
+    node->lum = lc_luminance(e);
+    if (bound > 0 && !lc_node_is_leaf(c->tree, node->id)) {
+        keep(c, bound, node, limit);
     } else {
-        if (c->keep_done) c->done[c->n_done] = node.id;
+        if (c->keep_done) c->done[c->n_done] = node->id;
         c->n_done++;
         c->done_sum[0] += (double)e.x, c->done_sum[1] += (double)e.y, c->done_sum[2] += (double)e.z;
     }
-    return (double)node.lum;
+    return (double)node->lum;
 }
 
-/* Puts a child into the cut: `from` is the parent if it has the same representative. */
-static double place_child(lc_cut *c, uint32_t id, float bound, const lc_cut_node *parent, const lc_point *p,
-                          const float org[3], uint32_t *rays)
+static double place_root(lc_cut *c, step *s, lc_stats *stats)
 {
     const lc_light_tree *t = c->tree;
-    lc_cut_node node = { .bound = bound, .id = id, .rep = t->rep[(size_t)id * t->n_reps + c->slot] };
-    if (bound > 0) {
-        if (parent && parent->rep == node.rep) memcpy(node.transfer, parent->transfer, sizeof node.transfer);
-        else lc_f3_store(node.transfer, transfer_of(t, c->bvh, node.rep, p, org, rays));
-        if (lc_node_is_leaf(t, id)) node.bound = 0;
-    }
-    return place(c, node);
-}
-
-static void place_root(lc_cut *c, const lc_point *p, const float org[3], lc_stats *stats, uint32_t *rays, double *total)
-{
-    const lc_light_tree *t = c->tree;
-    float ub[LC_BLOCK] = { INFINITY };
+    s->child[0] = (lc_cut_node){ .id = 0 };
+    s->ub[0] = INFINITY;
     if (!lc_node_is_virtual(t, 0)) {
-        lc_bounds_block(&t->blocks[0], 0, 1, (lc_light_kind)t->pair_kind[0], p, ub);
+        lc_bounds_block(&t->blocks[0], 0, 1, (lc_light_kind)t->pair_kind[0], s->point, s->ub);
         stats->bounds++;
     }
-    *total = place_child(c, 0, ub[0], NULL, p, org, rays);
+    s->n = 0; /* no parents */
+    shade_children(c, s, 1);
+    return place(c, &s->child[0], s->ub[0], 0);
 }
 
-static lc_f3 sum_up(const lc_cut *c)
+/* Takes out the worst clusters above the limit, as many as the cut has room for, and puts in their children. */
+static double split_worst(lc_cut *c, step *s, double limit)
 {
-    double sum[3] = { c->done_sum[0], c->done_sum[1], c->done_sum[2] };
-    for (uint32_t i = 0; i < c->n_heap; i++) {
-        lc_f3 e = lc_f3_mul(lc_f3_load(c->heap[i].transfer), power_of(c->tree, c->heap[i].id));
+    uint32_t room = c->limit - cut_size(c);
+    double change = 0;
+    for (s->n = 0; s->n < SPLITS && s->n < room && c->n_heap && (double)c->heap[0].bound > limit; s->n++) {
+        s->parent[s->n] = heap_pop(c);
+        change -= (double)s->parent[s->n].lum;
+        uint32_t first = c->tree->link[s->parent[s->n].id];
+        s->child[2 * s->n].id = first;
+        s->child[2 * s->n + 1].id = first + 1;
+    }
+    bound_children(c, s);
+    shade_children(c, s, 2 * s->n);
+    for (uint32_t i = 0; i < 2 * s->n; i++) change += place(c, &s->child[i], s->ub[i], limit);
+    return change;
+}
+
+static void add_up(const lc_cut *c, const lc_cut_key *keys, uint32_t n, double sum[3])
+{
+    for (uint32_t i = 0; i < n; i++) {
+        const lc_cut_node *node = &c->nodes[keys[i].node];
+        lc_f3 e = lc_f3_mul(lc_f3_load(node->transfer), power_of(c->tree, node->id));
         sum[0] += (double)e.x, sum[1] += (double)e.y, sum[2] += (double)e.z;
     }
-    return lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
 }
 
-void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t hash, lc_stats *stats, lc_cut_result *out)
+/* Fills in the result of a finished cut. */
+static void finish(const lc_cut *c, lc_stats *stats, lc_cut_result *out)
 {
-    const lc_light_tree *t = c->tree;
-    double total = 0, floor_lum = (double)c->desc.floor;
-    *out = (lc_cut_result){ 0 };
-    c->n_heap = c->n_done = 0;
-    c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
-    stats->points++;
-    if (!t->n_lights) return;
-    c->slot = (uint32_t)(hash % t->n_reps);
-    place_root(c, p, org, stats, &out->rays, &total);
-    while (c->n_heap) {
-        lc_cut_node top = c->heap[0];
-        double limit = (double)c->desc.error_ratio * (total > floor_lum ? total : floor_lum);
-        if ((double)top.bound <= limit) {
-            out->dark = total < floor_lum && (double)top.bound > (double)c->desc.error_ratio * total;
-            break;
-        }
-        if (c->n_heap + c->n_done >= c->limit) {
-            out->at_limit = true;
-            break;
-        }
-        sift_down(c->heap, c->n_heap - 1, c->heap[c->n_heap - 1]);
-        c->n_heap--;
-        uint32_t first = t->link[top.id];
-        float ub[2];
-        bounds_of_pair(c, first, p, ub);
-        stats->bounds += 2;
-        total -= (double)top.lum;
-        for (uint32_t i = 0; i < 2; i++) total += place_child(c, first + i, ub[i], &top, p, org, &out->rays);
-    }
-    out->radiance = sum_up(c);
-    out->size = c->n_heap + c->n_done;
-    float lum = lc_luminance(out->radiance);
-    if (c->n_heap) out->max_error = lum > 0 ? c->heap[0].bound / lum : INFINITY;
+    double sum[3] = { c->done_sum[0], c->done_sum[1], c->done_sum[2] };
+    add_up(c, c->heap, c->n_heap, sum);
+    add_up(c, c->parked, c->n_parked, sum);
+    out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
+    out->size = cut_size(c);
+    float lum = lc_luminance(out->radiance), worst = worst_bound(c);
+    if (worst > 0) out->max_error = lum > 0 ? worst / lum : INFINITY;
     stats->shadow_rays += out->rays;
     stats->cut_sum += out->size;
     stats->at_limit += out->at_limit;
     stats->dark += out->dark;
+}
+
+void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t hash, lc_stats *stats, lc_cut_result *out)
+{
+    double ratio = (double)c->desc.error_ratio, floor_lum = (double)c->desc.floor;
+    step s = { .point = p, .org = org, .rays = &out->rays };
+    *out = (lc_cut_result){ 0 };
+    heap_clear(c);
+    c->n_done = 0;
+    c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
+    stats->points++;
+    if (!c->tree->n_lights) return;
+    c->slot = (uint32_t)(hash % c->tree->n_reps);
+    double total = place_root(c, &s, stats);
+    for (;;) {
+        double limit = ratio * (total > floor_lum ? total : floor_lum), worst = (double)worst_bound(c);
+        if (worst <= limit) {
+            out->dark = total < floor_lum && worst > ratio * total;
+            break;
+        }
+        if (cut_size(c) >= c->limit) {
+            out->at_limit = true;
+            break;
+        }
+        if (!c->n_heap || (double)c->heap[0].bound <= limit) unpark(c, limit);
+        total += split_worst(c, &s, limit);
+        stats->bounds += 2 * s.n;
+    }
+    finish(c, stats, out);
 }
 
 #define GROUP 64 /* shadow rays handed to the tracer at once */
@@ -232,7 +351,7 @@ void lc_exact_shade(const lc_light_tree *t, const lc_bvh *bvh, const lc_point *p
         if (f.x <= 0 && f.y <= 0 && f.z <= 0) continue;
         bool far = rec->kind == LC_LIGHT_DIRECTIONAL;
         if (g.n == GROUP || (g.n && far != g.far)) flush(&g, bvh, org, sum);
-        g.far = ray_target(rec, org, g.target[g.n]);
+        g.far = ray_target(rec, g.target[g.n]);
         g.e[g.n++] = lc_f3_mul(f, lc_f3_load(rec->intensity));
         out->rays++;
     }
@@ -250,7 +369,8 @@ const char *lc_cut_validate(const lc_cut *c)
     uint8_t *seen = lc_alloc(c->ctx, t->n_lights, 1);
     uint32_t *stack = lc_alloc(c->ctx, 2 * t->n_pairs, sizeof *stack), n = 0;
     if (!seen || !stack) wrong = "out of memory";
-    for (uint32_t i = 0; i < c->n_heap && !wrong; i++) stack[n++] = c->heap[i].id;
+    for (uint32_t i = 0; i < c->n_heap && !wrong; i++) stack[n++] = c->nodes[c->heap[i].node].id;
+    for (uint32_t i = 0; i < c->n_parked && !wrong; i++) stack[n++] = c->nodes[c->parked[i].node].id;
     for (uint32_t i = 0; i < c->n_done && !wrong; i++) stack[n++] = c->done[i];
     while (n && !wrong) {
         uint32_t id = stack[--n];

@@ -1,7 +1,8 @@
 /* cut.h - chooses a cut of the light tree for one shading point and sums its estimates ([Walter05] 4, [Miksik07] 2.2).
  *
- * Start at the root; while the largest error bound in the cut is above error_ratio * max(total, floor), replace that
- * cluster by its children. Stop at max_cut clusters. The guarantee is per cluster: every cluster left has a bound of at
+ * Start at the root; while the largest error bound in the cut is above error_ratio * max(total, floor), replace the
+ * worst clusters, at most four of those above that limit at a time, by their children: all of them have to go as long as
+ * the total stays, and one kernel call bounds their eight children. Stop at max_cut clusters. The guarantee is per cluster: every cluster left has a bound of at
  * most that limit. It is not a guarantee about their sum, and shadows are bounded by 1.
  *
  * floor is a luminance: dark_floor times the picture's mean. Where the estimate is below it the relative test would
@@ -22,24 +23,34 @@ typedef struct lc_cut_desc {
 
 /* A cluster in the cut: 32 bytes, so that two share a cache line. */
 typedef struct lc_cut_node {
-    float bound;       /* luminance; 0 for leaves, whose estimate is exact */
     uint32_t id;
+    uint32_t rep;      /* light index */
     float transfer[3]; /* M G V of the representative */
     float lum;         /* luminance of the estimate */
-    uint32_t rep;      /* light index */
-    uint32_t pad;
+    uint32_t pad[2];
 } lc_cut_node;
 
-/* Per-thread scratch, and after lc_cut_shade the cut itself: heap[0 .. n_heap) still has bounds above 0, done[0 .. n_done)
- * are leaves and clusters that can't contribute. */
+/* What the heap moves about. */
+typedef struct lc_cut_key {
+    float bound;       /* luminance, > 0 */
+    uint32_t node;     /* index into lc_cut.nodes */
+} lc_cut_key;
+
+/* Per-thread scratch, and after lc_cut_shade the cut itself: heap and parked hold clusters whose bound is not 0, done
+ * leaves and clusters that can't contribute. Parked are those whose bound was within the limit when they came: half of
+ * all, which so never go through the heap. They are looked at again when nothing in the heap is above the limit. */
 typedef struct lc_cut {
     const lc_context *ctx;
     const lc_light_tree *tree;
     const lc_bvh *bvh;
     lc_cut_desc desc;
     uint32_t limit;          /* clusters that fit */
-    lc_cut_node *heap;       /* binary max-heap by bound, then lowest id */
-    uint32_t n_heap;
+    lc_cut_key *heap;        /* binary max-heap by bound, then lowest node id */
+    lc_cut_node *nodes;
+    uint32_t *free_nodes;    /* indices of nodes in neither, a stack of limit + 1 - n_heap - n_parked */
+    lc_cut_key *parked;
+    float worst_parked;
+    uint32_t n_heap, n_parked;
     uint32_t *done;          /* node ids; kept only when keep_done */
     uint32_t n_done;
     bool keep_done;

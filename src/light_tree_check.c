@@ -114,8 +114,8 @@ static const char *check_power(const lc_node_block *b, uint32_t k, const sums *s
 }
 
 /* Least cosine about a (length len_a) of the vectors of squared length len2_min..len2_max in the ball around the box of
- * directions, centre C, radius R: such a d has d.C >= (L^2 + |C|^2 - R^2) / 2, L = |d|, and a.d / L differs from
- * C.d / (|C| L) by at most |a - C / |C||. The quotient by L is least at the ends or where L^2 = |C|^2 - R^2. */
+ * directions, centre C, radius R: such a d has d.C >= (L^2 + |C|^2 - R^2) / 2, L = |d|, and the cosine about
+ * a differs from that about C by at most |a / |a| - C / |C||. The quotient by L is least at the ends or where L^2 = |C|^2 - R^2. */
 static double least_cosine(const sums *s, const double a[3], double len_a)
 {
     double c2 = 0, r2 = 0, e2 = 0, least = INFINITY;
@@ -127,12 +127,12 @@ static double least_cosine(const sums *s, const double a[3], double len_a)
     double len_c = sqrt(c2), k = c2 - r2, mid = fmin(fmax(k, s->len2_min), s->len2_max);
     if (!(len_c > 0)) return -1;
     for (int i = 0; i < 3; i++) {
-        double e = a[i] - 0.5 * ((double)s->dlo[i] + s->dhi[i]) / len_c;
+        double e = a[i] / len_a - 0.5 * ((double)s->dlo[i] + s->dhi[i]) / len_c;
         e2 += e * e;
     }
     const double l2[3] = { s->len2_min, mid, s->len2_max };
     for (int i = 0; i < 3; i++) least = fmin(least, (l2[i] + k) / (2 * len_c * sqrt(l2[i])));
-    return (least - sqrt(e2)) / len_a;
+    return least - sqrt(e2);
 }
 
 /* Least cosine about a of the directions below node, one by one. */

@@ -486,7 +486,7 @@ bad 'preview into a missing folder' 1 'none/v.png' preview old.exr -o none/v.png
 
 # ---- the same bytes ----
 
-"$L" scene cornell --lights 300 | sed 's/"integer xresolution" 800 "integer yresolution" 800/"integer xresolution" 40 "integer yresolution" 40/' >box.pbrt
+"$L" scene cornell --lights 300 | sed 's/resolution" 800/resolution" 40/g' >box.pbrt
 good 'box' -q box.pbrt -o box1.exr -t 1 --aov all
 for t in 1 2 7; do
     good "box, $t threads" -q box.pbrt -o box.exr -t $t --aov all

@@ -35,7 +35,7 @@ same() # name args...: renders to b.exr, which must equal a.exr
 
 for scene in cornell stairs room grid cube bulbs; do
     "$L" scene $scene --lights 300 |
-        sed 's/"integer xresolution" [0-9]* "integer yresolution" [0-9]*/"integer xresolution" 40 "integer yresolution" 30/' >"$T/scene.pbrt"
+        sed 's/\(xresolution"\) [0-9]*/\1 40/; s/\(yresolution"\) [0-9]*/\1 30/' >"$T/scene.pbrt"
     rm -f "$T/a.exr"
     render -t 1 --isa scalar -o "$T/a.exr"
     for isa in scalar sse4 avx2 avx512; do

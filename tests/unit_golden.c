@@ -114,7 +114,8 @@ static void same_hash_everywhere(const char *method_name, lc_method method)
     static const uint32_t threads[] = { 1, 2, 7 };
     uint64_t first = hash_of(1, LC_ISA_SCALAR, method), want = 0;
     for (int isa = LC_ISA_SCALAR; isa <= LC_ISA_AVX512; isa++)
-        for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
+        for (int t = 0; t < 3; t++) {
+            if (method == LC_METHOD_EXACT && t != isa % 3) continue; /* slow, and the same loops: each value once */
             uint64_t h = hash_of(threads[t], (lc_isa)isa, method);
             CHECKF(h == first, "%s with %u threads: %016llx, scalar with 1: %016llx", lc_isa_name((lc_isa)isa), threads[t],
                    (unsigned long long)h, (unsigned long long)first);

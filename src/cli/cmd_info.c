@@ -84,7 +84,8 @@ static void print_image(lc_image *image, bool json)
     lc_image_get_desc(image, &d);
     size_t n = (size_t)d.width * d.height;
     if (json)
-        printf("{\n  \"width\": %u,\n  \"height\": %u,\n  \"x0\": %d,\n  \"y0\": %d,\n  \"display_width\": %u,\n  \"display_height\": %u,\n  \"channels\": [",
+        printf("{\n  \"width\": %u,\n  \"height\": %u,\n  \"x0\": %d,\n  \"y0\": %d,\n  \"display_width\": %u,\n"
+               "  \"display_height\": %u,\n  \"channels\": [",
                d.width, d.height, d.x0, d.y0, d.display_width, d.display_height);
     else
         printf("image                %u x %u at (%d, %d) of %u x %u\n", d.width, d.height, d.x0, d.y0, d.display_width, d.display_height);

@@ -56,6 +56,6 @@ void cli_write_stats_json(FILE *f, void *report)
             s->cut_mean, s->cut_median, s->cut_p99, s->cut_max, (ull)s->cut_at_limit, (ull)s->points_dark);
     fprintf(f, "  \"mean_luminance\": %.9g,\n  \"shadow_rays\": %llu,\n  \"camera_rays\": %llu,\n  \"bounds_evaluated\": %llu,\n",
             s->mean_luminance, (ull)s->shadow_rays, (ull)s->camera_rays, (ull)s->bounds_evaluated);
-    fprintf(f, "  \"nonfinite\": %llu,\n  \"bvh_bytes\": %llu,\n  \"tree_bytes\": %llu,\n  \"peak_rss_bytes\": %llu,\n  \"warnings\": %llu\n}\n",
-            (ull)s->nonfinite, (ull)i->bvh_bytes, (ull)i->tree_bytes, (ull)peak_rss(), (ull)cli_warnings());
+    fprintf(f, "  \"nonfinite\": %llu,\n  \"bvh_bytes\": %llu,\n  \"tree_bytes\": %llu,\n  \"peak_rss_bytes\": %llu,\n"
+               "  \"warnings\": %llu\n}\n", (ull)s->nonfinite, (ull)i->bvh_bytes, (ull)i->tree_bytes, (ull)peak_rss(), (ull)cli_warnings());
 }

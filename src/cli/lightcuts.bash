@@ -1,0 +1,76 @@
+# lightcuts.bash - completion of commands, options, their values and files.
+_lightcuts()
+{
+    local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=render options i
+    local commands='render compare scene info preview help'
+    COMPREPLY=()
+    case ${COMP_WORDS[1]-} in
+    render | compare | scene | info | preview | help) command=${COMP_WORDS[1]} ;;
+    esac
+    # "--name=value" comes in three words.
+    if [[ $word == = ]]; then
+        word=
+    elif [[ $previous == = ]]; then
+        previous=${COMP_WORDS[COMP_CWORD-2]}
+    fi
+
+    case $command:$previous in
+    help:help) COMPREPLY=($(compgen -W "${commands% help}" -- "$word")); return ;;
+    scene:scene) COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs' -- "$word")); return ;;
+    render:--method) COMPREPLY=($(compgen -W 'lightcuts exact' -- "$word")); return ;;
+    render:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
+    render:--aov)
+        # A list with commas: complete its last part.
+        local head=
+        [[ $word == *,* ]] && head=${word%,*},
+        COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays all' -- "${word##*,}"))
+        return ;;
+    render:-t | render:--nthreads) COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word")); return ;;
+    render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | render:--maxdepth | \
+        render:--area-lights | render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
+        compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed) return ;;
+    compare:--map) COMPREPLY=($(compgen -W heat -- "$word")); return ;;
+    compare:--fail)
+        compopt -o nospace 2>/dev/null
+        COMPREPLY=($(compgen -S = -W 'mae mse rmse mrse mape psnr flip max mean_ratio rel_p50 rel_p99 rel_p999 rel_max over
+            nonfinite' -- "$word"))
+        return ;;
+    preview:--false-colour)
+        COMPREPLY=($(compgen -W 'R G B cut.size cut.rays cut.error N.X N.Y N.Z P.X P.Y P.Z Z Albedo.R Albedo.G Albedo.B' -- "$word"))
+        return ;;
+    esac
+
+    if [[ $word == -* ]]; then
+        case $command in
+        render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives --maxdepth --area-lights
+            --seed --spp --pixelbounds --cropwindow --aov --nthreads --isa --stats --stats-file --write-time --quiet
+            --verbose --help' ;;
+        compare) options='--over --fail --outfile --scale --map --json --help' ;;
+        scene) options='--lights --seed --outfile --help' ;;
+        info) options='--json --help' ;;
+        preview) options='--outfile --exposure --false-colour --range --help' ;;
+        *) options= ;;
+        esac
+        ((COMP_CWORD == 1)) && options="$options --version"
+        COMPREPLY=($(compgen -W "$options" -- "$word"))
+        return
+    fi
+
+    local extensions='pbrt'
+    case $command in
+    compare | preview) extensions='exr|png' ;;
+    info) extensions='pbrt|exr|png' ;;
+    scene | help) return ;;
+    esac
+    case $previous in
+    -o | --outfile) extensions='exr|png' ;;
+    --stats-file) extensions='json' ;;
+    esac
+    local IFS=$'\n'
+    compopt -o filenames 2>/dev/null
+    for i in $(compgen -f -- "$word"); do
+        if [[ -d $i || $i =~ \.($extensions)$ ]]; then COMPREPLY+=("$i"); fi
+    done
+    ((COMP_CWORD == 1)) && COMPREPLY+=($(IFS=' '; compgen -W "$commands" -- "$word"))
+}
+complete -F _lightcuts lightcuts

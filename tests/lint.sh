@@ -1,0 +1,232 @@
+#!/bin/sh
+# lint.sh - the source rules of the house style that a script can check, and both compilers. From the root: make lint
+#
+# Ends with "N passed, N failed"; each rule is one test and prints the lines that break it.
+set -u
+cd "$(dirname "$0")/.." || exit 2
+T=$(mktemp -d) || exit 2
+trap 'rm -rf "$T"' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+passed=0
+failed=0
+
+# The rule holds when its finder printed nothing.
+rule() # text command...
+{
+    text=$1
+    shift
+    "$@" >"$T/found" 2>&1
+    if [ -s "$T/found" ]; then
+        failed=$((failed + 1))
+        echo "FAIL $text"
+        head -n 20 "$T/found" | sed 's/^/     /'
+    else
+        passed=$((passed + 1))
+    fi
+}
+
+# Copies of the sources without comments and text in quotes but for includes, so that words in them don't count.
+strip()
+{
+    mkdir -p "$T/bare/$(dirname "$1")"
+    awk '{
+        line = $0
+        if (line ~ /^[ ]*#[ ]*include/) { print line; next }
+        gsub(/\\"/, "", line)
+        gsub(/"[^"]*"/, "\"\"", line)
+        gsub(/\/\*[^*]*(\*[^\/*][^*]*)*\*\//, "", line)
+        if (comment) { if (match(line, /\*\//)) { line = substr(line, RSTART + 2); comment = 0 } else line = "" }
+        if (match(line, /\/\*/)) { line = substr(line, 1, RSTART - 1); comment = 1 }
+        sub(/\/\/.*/, "", line)
+        print line
+    }' "$1" >"$T/bare/$1"
+}
+for file in src/*.[ch] src/cli/*.[ch] include/*.h tests/*.[ch] fuzz/*.c; do strip "$file"; done
+bare() { (cd "$T/bare" && "$@"); }
+include_of='^[ ]*#[ ]*include[ ]*'
+
+# ---- who may include whom ----
+
+cli_includes()
+{
+    for file in src/cli/*.[ch]; do
+        sed -n "s/$include_of\"\(.*\)\".*/\1/p" "$file" | while read -r header; do
+            [ "$header" = lightcuts.h ] || [ -f "src/cli/$header" ] || echo "$file: $header"
+        done
+    done
+}
+only_in() # regex allowed-file-regex files...
+{
+    regex=$1 allowed=$2
+    shift 2
+    bare grep -nE "$regex" "$@" /dev/null | grep -vE "^($allowed):"
+}
+own_header_first()
+{
+    for file in src/*.c src/cli/*.c; do
+        header=$(basename "$file" .c).h
+        [ -f "$(dirname "$file")/$header" ] || [ -f "include/$header" ] || continue
+        first=$(sed -n "s/$include_of[\"<]\(.*\)[\">].*/\1/p" "$file" | head -n 1)
+        [ "$first" = "$header" ] || echo "$file: $first comes first"
+    done
+}
+template_includes()
+{
+    grep -nE "$include_of" src/*_tmpl.c /dev/null | grep -vE '"(base|vec|layout)\.h"'
+}
+cycles() # headers of the library, an edge for each include
+{
+    for file in src/*.h src/cli/*.h; do
+        sed -n "s/$include_of\"\(.*\)\".*/$(basename "$file") \1/p" "$file"
+    done >"$T/edges"
+    tsort "$T/edges" >/dev/null
+}
+rule 'cli/ includes lightcuts.h and cli/ only' cli_includes
+rule '<immintrin.h> and its like in simd.h only' only_in '<[a-z]*intrin\.h>|<arm_neon\.h>' 'src/simd\.h' src/*.[ch] src/cli/*.[ch]
+rule 'OpenEXR in image_exr.c only' only_in "$include_of[<\"](openexr|ImfC|Imath)" 'src/image_exr\.c' src/*.[ch] src/cli/*.[ch]
+rule '<pthread.h> in pool.c only' only_in '<pthread\.h>|<threads\.h>' 'src/pool\.c' src/*.[ch] src/cli/*.[ch]
+rule 'malloc and its like in arena.c only' only_in '\<(malloc|calloc|realloc|aligned_alloc|posix_memalign|strdup|strndup)[ ]*\(' \
+    'src/arena\.c' src/*.[ch]
+rule 'simd.h in isa_*.c only' only_in "$include_of\"simd\.h\"" 'src/isa_[a-z0-9]*\.c' src/*.[ch] src/cli/*.[ch]
+rule 'templates include base.h, vec.h, layout.h only' template_includes
+rule 'a .c includes its own header first' own_header_first
+rule 'headers do not include each other in a circle' cycles
+
+# ---- the library's manners ----
+
+printing='\<(printf|fprintf|vprintf|vfprintf|puts|fputs|putchar|perror|exit|_exit|getenv|setlocale|system|signal)[ ]*\('
+unsafe='\<(gets|strcpy|sprintf|vsprintf|strtok|rand|srand|asctime|ctime|gmtime|localtime|atoi|atof|alloca)[ ]*\('
+rule 'the library never prints, exits or reads the environment' only_in "$printing" 'none' src/*.[ch]
+rule 'no assert on input: LC_ASSERT states what validation has ensured' \
+    only_in '(^|[^_A-Za-z])assert[ ]*\(' 'src/base\.h' src/*.[ch] src/cli/*.[ch]
+rule 'no functions that overflow or keep state' only_in "$unsafe" 'none' src/*.[ch]
+
+# ---- files ----
+
+long_files()
+{
+    for file in src/*.c src/cli/*.c tests/*.c fuzz/*.c; do
+        n=$(wc -l <"$file")
+        [ "$n" -lt 800 ] || echo "$file: $n lines"
+    done
+    for file in src/*.h src/cli/*.h tests/*.h; do
+        n=$(wc -l <"$file")
+        [ "$n" -lt 200 ] || [ "$file" = src/simd.h ] || echo "$file: $n lines"
+    done
+}
+long_functions()
+{
+    for file in src/*.c src/cli/*.c; do
+        awk '/^\{/ { start = NR }
+             /^\}/ { if (start && NR - start >= 61) print FILENAME ":" start ": " NR - start - 1 " lines"; start = 0 }' "$file"
+    done
+}
+first_lines()
+{
+    for file in src/*.[ch] src/cli/*.[ch] tests/*.[ch] fuzz/*.c include/*.h; do
+        head -n 1 "$file" | grep -q "^/\* $(basename "$file") - " || echo "$file: does not open with its name and what it holds"
+    done
+}
+texts=$(ls src/*.[ch] src/cli/* src/deps/*.sh include/*.h tests/*.[ch] tests/*.sh fuzz/*.c)
+tab=$(printf '\t')
+rule '.c under 800 lines, .h under 200' long_files
+rule 'functions under 60 lines' long_functions
+# shellcheck disable=SC2086
+rule 'lines of at most 140 columns' awk 'length($0) > 140 { print FILENAME ":" FNR ": " length($0) }' $texts
+# shellcheck disable=SC2086
+rule 'no tabs' grep -n "$tab" $texts
+# shellcheck disable=SC2086
+rule 'no spaces at the end of a line' grep -nE ' +$' $texts
+rule 'a file opens with its name and what it holds' first_lines
+names() { ls src src/cli tests fuzz | grep '\.[ch]$' | grep -v '^[a-z0-9_]*\.[ch]$'; }
+rule 'file names are lower case' names
+scripts() { for file in src/deps/*.sh tests/*.sh; do sh -n "$file"; done; }
+rule 'shell scripts parse' scripts
+
+# ---- what is said in several places ----
+
+version=$(sed -n 's/^#define LC_VERSION "\(.*\)"/\1/p' include/lightcuts.h)
+versions()
+{
+    grep -q "^Version: $version\$" src/cli/lightcuts.pc.in || echo "src/cli/lightcuts.pc.in: not version $version"
+    grep -q "^\.TH .*lightcuts $version" src/cli/lightcuts.1 || echo "src/cli/lightcuts.1: not version $version"
+}
+options() # each option of --help is in the manual page and in the completion
+{
+    sed 's/\\-/-/g' src/cli/lightcuts.1 >"$T/page"
+    for command in render compare scene info preview; do
+        build/lightcuts $command --help | grep -oE -e '--[a-z][a-z-]+' | sort -u | while read -r option; do
+            [ "$option" = --help ] || grep -q -e "$option" "$T/page" || echo "src/cli/lightcuts.1: $command lacks $option"
+            grep -q -e "$option" src/cli/lightcuts.bash || echo "src/cli/lightcuts.bash: $command lacks $option"
+        done
+    done
+}
+rule 'one version' versions
+[ ! -x build/lightcuts ] || rule 'manual page and completion know every option' options
+
+# ---- compilers ----
+
+warn='-Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wstrict-prototypes -Wvla -Werror'
+flags="-D_GNU_SOURCE -ffp-contract=off -Iinclude -Isrc -Isrc/cli -Itests"
+alone() # compiler
+{
+    for header in src/*.h src/cli/*.h tests/*.h; do
+        extra=
+        [ "$header" = src/simd.h ] && extra='-DLC_ISA_LEVEL=0 -DLC_FN(name)=name##_scalar'
+        # shellcheck disable=SC2086
+        echo "#include \"$PWD/$header\"" | "$1" -std=c11 $flags $warn $extra -fsyntax-only -x c - ||
+            echo "$header does not compile alone"
+    done
+}
+public() # compiler language standard
+{
+    echo '#include "lightcuts.h"' | "$1" -std="$3" -Iinclude -Wall -Wextra -Wpedantic -Werror -fsyntax-only -x "$2" -
+}
+for cc in gcc clang; do
+    if command -v $cc >/dev/null 2>&1; then
+        rule "$cc: every header compiles alone" alone $cc
+        rule "$cc: lightcuts.h as C99" public $cc c c99
+        rule "$cc: lightcuts.h as C11" public $cc c c11
+    else
+        echo "skip $cc is not here"
+    fi
+done
+for cxx in g++ clang++; do
+    if command -v $cxx >/dev/null 2>&1; then rule "$cxx: lightcuts.h as C++11" public $cxx c++ c++11; fi
+done
+
+# Symbols of the object files of the release build.
+exports() { nm -g --defined-only build/obj/src/*.o | awk 'NF == 3 && $3 !~ /^lc_/ { print $3 }'; }
+kernel_symbols()
+{
+    nm -g --defined-only build/obj/src/isa_*.o | awk 'NF == 3 && $3 !~ /^lc_[a-z0-9_]*_(scalar|sse4|avx2|avx512)$/ { print $3 }'
+}
+writable() { objdump -t build/obj/src/isa_*.o | grep -E ' O .*\*COM\*| O \.(data|bss|tdata|tbss)([^.]|\.[^r])'; } # .data.rel.ro is constant
+instructions() # what an older processor would stop at, outside the kernels
+{
+    for object in build/obj/src/*.o build/obj/src/cli/*.o; do
+        case $object in */isa_avx*) continue ;; esac
+        objdump -d "$object" | grep -qE '%[yz]mm[0-9]|[[:space:]]v(add|mul|mov)[sp][sd] ' && echo "$object holds AVX instructions"
+    done
+}
+if [ -f build/obj/src/arena.o ] && command -v nm >/dev/null 2>&1; then
+    rule 'objects export lc_ symbols only' exports
+    rule "the kernels' names carry their instruction set" kernel_symbols
+    rule 'the kernels have no writable globals' writable
+    [ "$(uname -m)" != x86_64 ] || rule 'AVX in isa_*.o only' instructions
+else
+    failed=$((failed + 1))
+    echo 'FAIL symbols: no release build; run make first'
+fi
+
+# The whole with clang and the same warnings.
+with_clang() { ${MAKE:-make} --no-print-directory -s CONFIG=clang CC=clang all || echo 'clang: the build failed'; }
+if command -v clang >/dev/null 2>&1; then
+    with_clang >"$T/clang" 2>&1
+    grep -q -e 'warning: ' -e 'error: ' -e 'build failed' "$T/clang" || : >"$T/clang"
+    rule 'clang compiles everything without a warning' cat "$T/clang"
+fi
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]

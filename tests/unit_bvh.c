@@ -1,0 +1,657 @@
+/* unit_bvh.c - the hierarchy against a loop over all triangles in double precision (Moeller and Trumbore's test, which
+ * shares nothing with the kernels), watertightness of closed meshes, the same bits from every instruction set. */
+#include "bvh.h"
+#include "cpu.h"
+#include "rng.h"
+#include "stats.h"
+#include "test.h"
+#include "vec.h"
+
+#include <stdlib.h>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SLOW 8 /* fewer rays by this factor where the build is slow */
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SLOW 8
+#endif
+#endif
+#ifndef SLOW
+#define SLOW 1
+#endif
+
+static lc_context *ctx;
+static uint64_t rng_key = 77001, rng_ctr;
+
+static double rnd(void) { return lc_unit(lc_hash2(rng_key, rng_ctr++)); }
+static double rnd_in(double lo, double hi) { return lo + (hi - lo) * rnd(); }
+static uint32_t rnd_n(uint32_t n) { return (uint32_t)(rnd() * n); }
+
+static lc_f3 rnd_unit(void)
+{
+    for (;;) {
+        double x = rnd_in(-1, 1), y = rnd_in(-1, 1), z = rnd_in(-1, 1), l2 = x * x + y * y + z * z;
+        if (l2 < 1 && l2 > 1e-3) return lc_f3_normalize(lc_f3_make((float)x, (float)y, (float)z));
+    }
+}
+
+/* ---- meshes ---- */
+
+#define MAX_VERTS 400000
+#define MAX_TRIS 200000
+
+typedef struct {
+    float pos[3 * MAX_VERTS];
+    uint32_t index[3 * MAX_TRIS];
+    uint32_t n_verts, n_tris;
+} mesh;
+
+static mesh m;
+
+static uint32_t put_vert(lc_f3 p)
+{
+    if (m.n_verts >= MAX_VERTS) abort();
+    lc_f3_store(m.pos + 3 * (size_t)m.n_verts, p);
+    return m.n_verts++;
+}
+
+static void put_tri(uint32_t a, uint32_t b, uint32_t c)
+{
+    if (m.n_tris >= MAX_TRIS) abort();
+    uint32_t *i = m.index + 3 * (size_t)m.n_tris++;
+    i[0] = a, i[1] = b, i[2] = c;
+}
+
+static void put_three(lc_f3 a, lc_f3 b, lc_f3 c)
+{
+    uint32_t first = put_vert(a);
+    put_vert(b), put_vert(c);
+    put_tri(first, first + 1, first + 2);
+}
+
+static void clear(void) { m.n_verts = m.n_tris = 0; }
+
+static lc_f3 vert(uint32_t i) { return lc_f3_load(m.pos + 3 * (size_t)i); }
+
+/* Grid of n x n squares on each face of the cube -1..1, vertices shared within a face and equal at the seams. */
+static void cube(uint32_t n)
+{
+    for (int face = 0; face < 6; face++) {
+        uint32_t first = m.n_verts;
+        for (uint32_t i = 0; i <= n; i++)
+            for (uint32_t k = 0; k <= n; k++) {
+                float a = 2 * (float)i / (float)n - 1, b = 2 * (float)k / (float)n - 1, c = face % 2 ? 1 : -1;
+                put_vert(face < 2 ? lc_f3_make(c, a, b) : face < 4 ? lc_f3_make(a, c, b) : lc_f3_make(a, b, c));
+            }
+        for (uint32_t i = 0; i < n; i++)
+            for (uint32_t k = 0; k < n; k++) {
+                uint32_t v = first + i * (n + 1) + k;
+                put_tri(v, v + 1, v + n + 2);
+                if ((i + k) % 3) put_tri(v, v + n + 2, v + n + 1);
+                else put_tri(v + n + 1, v, v + n + 2);
+            }
+    }
+}
+
+/* Every vertex to where its own coordinates say, so that seams stay closed. Star-shaped about 0 for amount < 0.5. */
+static void displace(bool sphere, double amount)
+{
+    for (uint32_t i = 0; i < m.n_verts; i++) {
+        lc_f3 p = vert(i);
+        uint64_t key = 0;
+        for (int k = 0; k < 3; k++) key = lc_hash2(key, (uint64_t)(int64_t)lrintf(m.pos[3 * (size_t)i + (size_t)k] * 4096));
+        if (sphere) p = lc_f3_normalize(p);
+        p = lc_f3_scale(p, (float)(1 + amount * (lc_unit(key) - 0.5)));
+        lc_f3_store(m.pos + 3 * (size_t)i, p);
+    }
+}
+
+static void move(float scale, lc_f3 by)
+{
+    for (uint32_t i = 0; i < m.n_verts; i++)
+        lc_f3_store(m.pos + 3 * (size_t)i, lc_f3_add(lc_f3_scale(vert(i), scale), by));
+}
+
+static void soup(uint32_t n, double size)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        lc_f3 p = lc_f3_make((float)rnd_in(-1, 1), (float)rnd_in(-1, 1), (float)rnd_in(-1, 1));
+        put_three(p, lc_f3_add(p, lc_f3_scale(rnd_unit(), (float)(size * rnd()))),
+                  lc_f3_add(p, lc_f3_scale(rnd_unit(), (float)(size * rnd()))));
+    }
+}
+
+/* A room, a ball, two boxes: large and small triangles together, much of it along the axes. */
+static void cornell(void)
+{
+    cube(2);
+    uint32_t room = m.n_verts;
+    cube(12);
+    for (uint32_t i = room; i < m.n_verts; i++) {
+        lc_f3 p = lc_f3_add(lc_f3_scale(lc_f3_normalize(vert(i)), 0.25f), lc_f3_make(0.4f, -0.75f, 0.1f));
+        lc_f3_store(m.pos + 3 * (size_t)i, p);
+    }
+    for (int b = 0; b < 2; b++) {
+        uint32_t first = m.n_verts;
+        cube(1);
+        for (uint32_t i = first; i < m.n_verts; i++) {
+            lc_f3 p = vert(i);
+            lc_f3_store(m.pos + 3 * (size_t)i, b ? lc_f3_make(p.x * 0.1f - 0.5f, p.y * 0.4f - 0.6f, p.z * 0.2f)
+                                                 : lc_f3_make(p.x * 0.2f - 0.3f, p.y * 0.1f - 0.9f, p.z * 0.2f - 0.5f));
+        }
+    }
+}
+
+static lc_bvh *build(void)
+{
+    lc_bvh *b;
+    if (lc_bvh_build(ctx, m.pos, m.index, m.n_tris, &b)) abort();
+    return b;
+}
+
+/* ---- the reference ---- */
+
+typedef struct {
+    double t;
+    double margin; /* least barycentric weight: how far the ray is inside, < 0 outside */
+    double sine;   /* of the angle between ray and plane */
+} ref_hit;
+
+static void cross_d(const double a[3], const double b[3], double c[3])
+{
+    c[0] = a[1] * b[2] - a[2] * b[1], c[1] = a[2] * b[0] - a[0] * b[2], c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double dot_d(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* False: flat triangle or parallel ray. */
+static bool ref_tri(uint32_t tri, const float org[3], const float dir[3], ref_hit *h)
+{
+    double e1[3], e2[3], s[3], d[3], p[3], q[3], n[3];
+    const float *v0 = lc_tri_vertex(m.pos, m.index, tri, 0), *v1 = lc_tri_vertex(m.pos, m.index, tri, 1);
+    const float *v2 = lc_tri_vertex(m.pos, m.index, tri, 2);
+    for (int k = 0; k < 3; k++) {
+        e1[k] = (double)v1[k] - v0[k], e2[k] = (double)v2[k] - v0[k];
+        s[k] = (double)org[k] - v0[k], d[k] = (double)dir[k];
+    }
+    cross_d(d, e2, p);
+    cross_d(e1, e2, n);
+    cross_d(s, e1, q);
+    double det = dot_d(e1, p), len = sqrt(dot_d(n, n) * dot_d(d, d));
+    if (!(fabs(det) > 1e-14 * len) || !(len > 0)) return false;
+    double u = dot_d(s, p) / det, v = dot_d(d, q) / det;
+    h->t = dot_d(e2, q) / det;
+    h->margin = fmin(fmin(u, v), 1 - u - v);
+    h->sine = fabs(det) / len;
+    return true;
+}
+
+static lc_isa isas[] = { LC_ISA_SCALAR, LC_ISA_SSE4, LC_ISA_AVX2 };
+#define N_ISAS 3
+
+/* Closest hit by every ISA; they must agree to the bit. */
+static lc_hit closest(const lc_bvh *b, const float org[3], const float dir[3], float t_max)
+{
+    lc_hit first, hit;
+    lc_kernels_get(LC_ISA_SCALAR)->closest(&b->data, org, dir, t_max, &first);
+    for (int i = 1; i < N_ISAS; i++) {
+        if (isas[i] > lc_cpu_isa()) continue;
+        lc_kernels_get(isas[i])->closest(&b->data, org, dir, t_max, &hit);
+        CHECKF(!memcmp(&first, &hit, sizeof hit), "%s: tri %u t %g, scalar: tri %u t %g", lc_isa_name(isas[i]), hit.tri,
+               (double)hit.t, first.tri, (double)first.t);
+    }
+    return first;
+}
+
+static uint8_t hidden(const lc_bvh *b, const float org[3], const float target[3], bool far)
+{
+    uint8_t first = 9, other = 9;
+    float list[1][3] = { { target[0], target[1], target[2] } };
+    lc_kernels_get(LC_ISA_SCALAR)->hidden(&b->data, org, 1, (const float(*)[3])list, far, &first);
+    for (int i = 1; i < N_ISAS; i++) {
+        if (isas[i] > lc_cpu_isa()) continue;
+        lc_kernels_get(isas[i])->hidden(&b->data, org, 1, (const float(*)[3])list, far, &other);
+        CHECK(other == first);
+    }
+    return first;
+}
+
+static uint32_t n_rays, n_hits, n_unsure;
+
+/* What differs must be explained by float rounding: eps is what a coordinate is rounded by, relative to the size of a
+ * triangle and the angle it is met at. Checks: the hit is one of the reference's, and none is nearer. */
+static void check_ray(const lc_bvh *b, const float org[3], const float dir[3], double eps)
+{
+    lc_hit hit = closest(b, org, dir, FLT_MAX);
+    double nearest = INFINITY;
+    bool hit_ok = hit.tri == LC_NONE, unsure = false;
+    uint32_t nearest_tri = LC_NONE;
+    for (uint32_t i = 0; i < m.n_tris; i++) {
+        ref_hit r;
+        if (!ref_tri(i, org, dir, &r)) {
+            if (i == hit.tri) hit_ok = unsure = true; /* seen edge-on: the reference can't say */
+            continue;
+        }
+        double tol = eps / r.sine;
+        if (i == hit.tri) {
+            double te = fabs(r.t) + 1;
+            hit_ok = r.margin > -tol && fabs((double)hit.t - r.t) <= tol * te;
+            CHECKF(hit_ok, "tri %u: t %.9g, reference %.9g, margin %g, sine %g", i, (double)hit.t, r.t, r.margin, r.sine);
+        }
+        if (r.margin > tol && r.t > tol && r.t + tol * (r.t + 1) < nearest) nearest = r.t + tol * (r.t + 1), nearest_tri = i;
+    }
+    CHECKF(hit_ok, "tri %u isn't there", hit.tri);
+    CHECKF((double)hit.t <= nearest || unsure, "tri %u at %.9g, but tri %u at most at %.9g", hit.tri, (double)hit.t,
+           nearest_tri, nearest);
+    n_rays++;
+    n_hits += hit.tri != LC_NONE;
+    n_unsure += unsure;
+}
+
+/* Any hit between org and target, likewise: where the reference is sure, the answer must be the same. */
+static void check_segment(const lc_bvh *b, const float org[3], const float target[3], double eps)
+{
+    float dir[3];
+    bool sure_hit = false, maybe_hit = false;
+    for (int k = 0; k < 3; k++) dir[k] = target[k] - org[k];
+    double lo = (double)LC_SHADOW_EPS, hi = 1 - (double)LC_SHADOW_EPS;
+    for (uint32_t i = 0; i < m.n_tris; i++) {
+        ref_hit r;
+        if (!ref_tri(i, org, dir, &r)) {
+            maybe_hit = true;
+            continue;
+        }
+        double tol = eps / r.sine;
+        sure_hit |= r.margin > tol && r.t > lo + tol && r.t < hi - tol;
+        maybe_hit |= r.margin > -tol && r.t > lo - tol && r.t < hi + tol;
+    }
+    uint8_t got = hidden(b, org, target, false);
+    CHECKF(!sure_hit || got == 1, "a blocked segment is open");
+    CHECKF(maybe_hit || got == 0, "an open segment is blocked");
+}
+
+/* Rays from around to points within a box of half size r about c. */
+static void check_mesh(uint32_t n, lc_f3 c, float r, double eps)
+{
+    lc_bvh *b = build();
+    const char *wrong = lc_bvh_validate(b, m.pos, m.index, m.n_tris);
+    CHECKF(!wrong, "%s", wrong);
+    n_rays = n_hits = n_unsure = 0;
+    for (uint32_t i = 0; i < n / SLOW; i++) {
+        float org[3], at[3], dir[3];
+        lc_f3_store(org, lc_f3_add(c, lc_f3_scale(rnd_unit(), r * (float)rnd_in(0, 3))));
+        lc_f3_store(at, lc_f3_add(c, lc_f3_make((float)rnd_in(-1, 1) * r, (float)rnd_in(-1, 1) * r, (float)rnd_in(-1, 1) * r)));
+        for (int k = 0; k < 3; k++) dir[k] = at[k] - org[k];
+        if (i % 5 == 0) { /* along an axis */
+            uint32_t axis = rnd_n(3);
+            for (uint32_t k = 0; k < 3; k++) dir[k] = k != axis ? 0 : rnd() < 0.5 ? -r : r;
+        }
+        check_ray(b, org, dir, eps);
+        check_segment(b, org, at, eps);
+    }
+    printf("  %u triangles, %u nodes: %u rays, %u hits, %u edge-on\n", m.n_tris, b->data.n_nodes, n_rays, n_hits, n_unsure);
+    lc_bvh_destroy(b);
+}
+
+static const lc_f3 zero = { 0, 0, 0 };
+
+/* eps: a coordinate of v - o is at most 4 for these, rounded a dozen times by 2^-24; triangles of size s turn that into
+ * weights off by 4 * 12 * 2^-24 / s = 3e-6 / s. */
+TEST(random_soup)
+{
+    clear(), soup(3, 1), check_mesh(4000, zero, 1, 1e-4);
+    clear(), soup(500, 1), check_mesh(4000, zero, 1, 1e-4);
+    clear(), soup(3000, 0.1), check_mesh(2000, zero, 1, 1e-2);
+}
+
+TEST(cornell_box)
+{
+    clear(), cornell(), check_mesh(4000, zero, 1, 1e-4);
+}
+
+TEST(big_coordinates)
+{
+    lc_f3 by = { 1e4f, -2e4f, 5e3f };
+    clear(), soup(300, 100), move(100, by), check_mesh(3000, by, 100, 1e-2);
+    clear(), soup(300, 1), move(1e12f, zero), check_mesh(3000, zero, 1e12f, 1e-4);
+    clear(), soup(300, 1), move(1e-12f, zero), check_mesh(3000, zero, 1e-12f, 1e-4);
+}
+
+/* Points, needles, and duplicates among ordinary triangles: nothing there may be hit that isn't, nothing is lost. */
+TEST(degenerate_triangles)
+{
+    clear();
+    for (int i = 0; i < 200; i++) {
+        lc_f3 p = lc_f3_scale(rnd_unit(), 0.9f), d = lc_f3_scale(rnd_unit(), 0.5f);
+        put_three(p, p, p);
+        put_three(p, p, lc_f3_add(p, d));
+        put_three(p, lc_f3_add(p, d), p);
+        put_three(p, lc_f3_add(p, d), lc_f3_add(p, lc_f3_scale(d, 2))); /* collinear but for rounding */
+    }
+    soup(100, 1);
+    check_mesh(4000, zero, 1, 1e-4);
+}
+
+TEST(only_degenerate_triangles)
+{
+    clear();
+    for (int i = 0; i < 1000; i++) put_three(zero, zero, zero);
+    lc_bvh *b = build();
+    CHECK(!lc_bvh_validate(b, m.pos, m.index, m.n_tris));
+    for (int i = 0; i < 1000; i++) {
+        float o[3], d[3];
+        lc_f3_store(o, i % 2 ? rnd_unit() : zero);
+        lc_f3_store(d, lc_f3_neg(lc_f3_load(o)));
+        CHECK(closest(b, o, d, FLT_MAX).tri == LC_NONE);
+    }
+    lc_bvh_destroy(b);
+}
+
+TEST(no_triangles)
+{
+    clear();
+    lc_bvh *b = build();
+    const float o[3] = { 0, 0, 0 }, d[3] = { 0, 0, 1 };
+    CHECK(!lc_bvh_validate(b, m.pos, m.index, 0));
+    CHECK(closest(b, o, d, FLT_MAX).tri == LC_NONE);
+    CHECK(!hidden(b, o, d, false) && !hidden(b, o, d, true));
+    lc_bvh_destroy(b);
+}
+
+/* Levels of the finished tree; node 0 is at 1. */
+static uint32_t depth_of(const lc_bvh *b)
+{
+    uint32_t *level = calloc(b->data.n_nodes + 1u, sizeof *level), most = b->data.n_nodes ? 1 : 0;
+    if (most) level[0] = 1;
+    for (uint32_t w = 0; w < b->data.n_nodes; w++) /* children come later than parents */
+        for (int i = 0; i < 8; i++) {
+            uint32_t c = b->nodes[w].child[i];
+            if (c == LC_NONE || (c & LC_BVH_LEAF)) continue;
+            CHECK(c > w);
+            level[c] = level[w] + 1;
+            most = level[c] > most ? level[c] : most;
+        }
+    free(level);
+    return most;
+}
+
+/* Equal hits: the lowest id, wherever in the tree it is. */
+TEST(identical_triangles)
+{
+    uint32_t n = 100000;
+    clear();
+    for (int k = 0; k < 3; k++) put_vert(lc_f3_make(k == 0, k == 1, k == 2));
+    for (uint32_t i = 0; i < n; i++) put_tri(0, 1, 2);
+    double t0 = lc_now();
+    lc_bvh *b = build();
+    const char *wrong = lc_bvh_validate(b, m.pos, m.index, n);
+    CHECKF(!wrong, "%s", wrong);
+    CHECKF(depth_of(b) < LC_BVH_MAX_DEPTH, "%u levels", depth_of(b));
+    printf("  %u nodes, %u levels, %.2f s\n", b->data.n_nodes, depth_of(b), lc_now() - t0);
+    for (int i = 0; i < 20; i++) {
+        float o[3] = { 0, 0, 0 }, d[3] = { (float)rnd_in(0.1, 1), (float)rnd_in(0.1, 1), (float)rnd_in(0.1, 1) };
+        lc_hit h = closest(b, o, d, FLT_MAX);
+        CHECKF(h.tri == 0, "tri %u", h.tri);
+        CHECK(hidden(b, o, (const float[]){ 9 * d[0], 9 * d[1], 9 * d[2] }, false));
+    }
+    lc_bvh_destroy(b);
+}
+
+TEST(equal_distances_give_the_lowest_id)
+{
+    clear();
+    soup(60, 1);
+    uint32_t n = m.n_tris;
+    for (int copy = 0; copy < 20; copy++) /* the same triangles again and again */
+        for (uint32_t i = 0; i < n; i++) put_tri(m.index[3 * i], m.index[3 * i + 1], m.index[3 * i + 2]);
+    lc_bvh *b = build();
+    uint32_t hits = 0;
+    for (int i = 0; i < 20000 / SLOW; i++) {
+        float o[3], d[3];
+        lc_f3_store(o, lc_f3_scale(rnd_unit(), 2)), lc_f3_store(d, rnd_unit());
+        lc_hit h = closest(b, o, d, FLT_MAX);
+        CHECKF(h.tri == LC_NONE || h.tri < n, "tri %u of %u", h.tri, n);
+        hits += h.tri != LC_NONE;
+    }
+    CHECK(hits > 100);
+    lc_bvh_destroy(b);
+}
+
+/* Along a line at geometric spacing, where splitting in the middle peels off one triangle at a time. */
+TEST(triangles_on_a_line)
+{
+    for (int style = 0; style < 3; style++) {
+        clear();
+        for (int i = 0; i < 20000; i++) {
+            float x = style == 0 ? (float)i : style == 1 ? ldexpf(1, i % 200 - 100) : powf(1.004f, (float)i - 10000);
+            put_three(lc_f3_make(x, 0, 0), lc_f3_make(x, 1, 0), lc_f3_make(x, 0, 1));
+        }
+        double t0 = lc_now();
+        lc_bvh *b = build();
+        const char *wrong = lc_bvh_validate(b, m.pos, m.index, m.n_tris);
+        CHECKF(!wrong, "%s", wrong);
+        CHECKF(depth_of(b) < LC_BVH_MAX_DEPTH, "%u levels", depth_of(b));
+        printf("  style %d: %u levels, %.2f s\n", style, depth_of(b), lc_now() - t0);
+        const float o[3] = { -1, 0.2f, 0.2f }, d[3] = { 1, 0, 0 }, far_o[3] = { 1e19f, 0.2f, 0.2f }, back[3] = { -1, 0, 0 };
+        lc_hit h = closest(b, o, d, FLT_MAX);
+        CHECK(style != 0 || (h.tri == 0 && h.t == 1));
+        CHECK(h.tri != LC_NONE && closest(b, far_o, back, FLT_MAX).tri != LC_NONE);
+        lc_bvh_destroy(b);
+    }
+}
+
+TEST(validator_finds_damage)
+{
+    clear(), cube(8);
+    lc_bvh *b = build();
+    CHECK(!lc_bvh_validate(b, m.pos, m.index, m.n_tris));
+    for (uint32_t k = 0; k < b->data.n_blocks; k++) {
+        lc_tri_block keep = b->blocks[k];
+        b->blocks[k].tri[0] = LC_NONE;
+        CHECK(lc_bvh_validate(b, m.pos, m.index, m.n_tris));
+        b->blocks[k] = keep, b->blocks[k].tri[0] = (keep.tri[0] + 1) % m.n_tris;
+        CHECK(lc_bvh_validate(b, m.pos, m.index, m.n_tris));
+        b->blocks[k] = keep, b->blocks[k].v[1][2][0] += 1e-6f;
+        CHECK(lc_bvh_validate(b, m.pos, m.index, m.n_tris));
+        b->blocks[k] = keep;
+    }
+    for (uint32_t w = 0; w < b->data.n_nodes; w++)
+        for (int i = 0; i < 8; i++) {
+            lc_bvh_node keep = b->nodes[w];
+            if (keep.child[i] == LC_NONE) continue;
+            for (int k = 0; k < 3; k++) {
+                b->nodes[w].hi[k][i] = keep.lo[k][i] + (keep.hi[k][i] - keep.lo[k][i]) * 0.4f - 1e-3f;
+                CHECKF(lc_bvh_validate(b, m.pos, m.index, m.n_tris), "node %u, child %d, axis %d", w, i, k);
+                b->nodes[w] = keep;
+            }
+            b->nodes[w] = keep, b->nodes[w].child[i] = LC_NONE;
+            CHECK(lc_bvh_validate(b, m.pos, m.index, m.n_tris));
+            b->nodes[w] = keep;
+        }
+    CHECK(!lc_bvh_validate(b, m.pos, m.index, m.n_tris));
+    lc_bvh_destroy(b);
+}
+
+/* ---- watertightness ---- */
+
+static uint64_t tight_rays, misses;
+
+/* One ray that has to hit. In turn by the ISAs, for speed. */
+static void tight_dir(const lc_bvh *b, lc_f3 o, lc_f3 dir, const char *what)
+{
+    const float org[3] = { o.x, o.y, o.z }, d[3] = { dir.x, dir.y, dir.z };
+    lc_isa isa = isas[tight_rays++ % N_ISAS];
+    lc_hit hit;
+    lc_kernels_get(isa > lc_cpu_isa() ? LC_ISA_SCALAR : isa)->closest(&b->data, org, d, FLT_MAX, &hit);
+    if (hit.tri != LC_NONE) return;
+    misses++;
+    CHECKF(false, "%s: org %a %a %a dir %a %a %a goes through", what, (double)o.x, (double)o.y, (double)o.z, (double)dir.x,
+           (double)dir.y, (double)dir.z);
+}
+
+static void tight_ray(const lc_bvh *b, lc_f3 o, lc_f3 at, const char *what) { tight_dir(b, o, lc_f3_sub(at, o), what); }
+
+/* n rays from points near the centre c of a closed mesh that is star-shaped about it; r: how far "near" is. */
+static void tight_mesh(uint32_t n, lc_f3 c, float r)
+{
+    lc_bvh *b = build();
+    CHECK(!lc_bvh_validate(b, m.pos, m.index, m.n_tris));
+    for (uint32_t i = 0; i < n / SLOW; i++) {
+        lc_f3 o = i % 4 ? lc_f3_add(c, lc_f3_scale(rnd_unit(), r * (float)rnd())) : c;
+        const uint32_t *t = m.index + 3 * (size_t)rnd_n(m.n_tris);
+        uint32_t k = rnd_n(3);
+        lc_f3 p = vert(t[k]), q = vert(t[(k + 1) % 3]);
+        float s = (float)rnd();
+        tight_dir(b, o, rnd_unit(), "random");
+        tight_ray(b, o, p, "vertex");
+        tight_ray(b, o, lc_f3_scale(lc_f3_add(p, q), 0.5f), "midpoint");
+        tight_ray(b, o, lc_f3_add(lc_f3_scale(p, 1 - s), lc_f3_scale(q, s)), "edge");
+        if (i % 8 == 0) {
+            float l = i % 16 ? 1 + s : -1 - s;
+            tight_dir(b, o, lc_f3_make(k == 0 ? l : 0, k == 1 ? l : 0, k == 2 ? l : 0), "axis");
+        }
+    }
+    lc_bvh_destroy(b);
+}
+
+TEST(closed_meshes_are_watertight)
+{
+    static const float scales[] = { 1, 1e-4f, 1e-2f, 1e2f, 1e4f };
+    static const lc_f3 offsets[] = { { 0, 0, 0 }, { 1e4f, -1e4f, 1e4f }, { 1e4f, 0, 0 }, { 0, 3, -7 } };
+    tight_rays = misses = 0;
+    for (uint32_t s = 0; s < 5; s++)
+        for (uint32_t off = 0; off < 4; off++)
+            for (int style = 0; style < 5; style++) {
+                /* style: box of 12 triangles, gridded box, ball, rough ball, coarse ball */
+                lc_f3 by = offsets[off];
+                clear();
+                cube(style == 0 ? 1 : style == 4 ? 3 : 20);
+                if (style >= 2) displace(true, style == 3 ? 0.4 : 0);
+                /* At an offset of 1e4 a float step is 1e-3: smaller meshes would fold over themselves. */
+                float scale = off && scales[s] < 1 ? 1 / scales[s] : scales[s];
+                move(scale, by);
+                tight_mesh(5200, by, 0.4f * scale);
+            }
+    printf("  %llu rays, %llu misses\n", (unsigned long long)tight_rays, (unsigned long long)misses);
+    CHECK(tight_rays >= 2000000 / SLOW);
+    CHECK(misses == 0);
+}
+
+/* From far outside at the inside of the silhouette: what the origin's size rounds off is not the scene's. */
+TEST(watertight_from_afar)
+{
+    tight_rays = misses = 0;
+    for (int style = 0; style < 3; style++) {
+        clear(), cube(style == 0 ? 1 : 16);
+        if (style) displace(true, style == 2 ? 0.3 : 0);
+        lc_bvh *b = build();
+        for (int i = 0; i < 60000 / SLOW; i++) {
+            lc_f3 o = lc_f3_scale(rnd_unit(), powf(10, (float)rnd_in(0.5, 4)));
+            lc_f3 at = lc_f3_scale(rnd_unit(), 0.3f); /* the ball of radius 0.7 is inside all three */
+            const uint32_t *t = m.index + 3 * (size_t)rnd_n(m.n_tris);
+            tight_ray(b, o, at, "afar");
+            lc_f3 v = vert(t[0]), w = vert(t[1]); /* a vertex on the near side, well within the silhouette */
+            if (style == 0 || lc_f3_dot(lc_f3_normalize(v), lc_f3_normalize(o)) < 0.9f) continue;
+            tight_ray(b, o, v, "afar, vertex");
+            if (lc_f3_dot(lc_f3_normalize(w), lc_f3_normalize(o)) < 0.9f) continue;
+            tight_ray(b, o, lc_f3_scale(lc_f3_add(v, w), 0.5f), "afar, midpoint");
+        }
+        lc_bvh_destroy(b);
+    }
+    printf("  %llu rays, %llu misses\n", (unsigned long long)tight_rays, (unsigned long long)misses);
+    CHECK(misses == 0);
+}
+
+/* Shadow rays from inside a closed mesh to lights outside: all blocked. */
+TEST(closed_meshes_are_light_tight)
+{
+    clear(), cube(20), displace(true, 0.3);
+    lc_bvh *b = build();
+    for (int i = 0; i < 100000 / SLOW; i++) {
+        float o[3], target[3];
+        const uint32_t *t = m.index + 3 * (size_t)rnd_n(m.n_tris);
+        lc_f3 p = vert(t[0]), q = vert(t[1]);
+        lc_f3_store(o, lc_f3_scale(rnd_unit(), 0.4f * (float)rnd()));
+        float s = i % 2 ? 0.5f : (float)rnd();
+        lc_f3 at = lc_f3_add(lc_f3_scale(p, 1 - s), lc_f3_scale(q, s));
+        lc_f3_store(target, lc_f3_add(lc_f3_load(o), lc_f3_scale(lc_f3_sub(at, lc_f3_load(o)), 5)));
+        CHECK(hidden(b, o, target, false));
+    }
+    lc_bvh_destroy(b);
+}
+
+/* ---- ends of rays ---- */
+
+/* A wall at x = 1; org.x = 0. */
+TEST(ends_of_shadow_rays)
+{
+    clear();
+    put_three(lc_f3_make(1, -10, -10), lc_f3_make(1, 20, -10), lc_f3_make(1, -10, 20));
+    lc_bvh *b = build();
+    const float o[3] = { 0, 0, 0 };
+    static const struct {
+        double length; /* of the segment; the wall is at 1 / length of it */
+        int hidden;
+    } cases[] = { { 0.5, 0 }, { 1, 0 }, { 1.00005, 0 }, { 1.0002, 1 }, { 2, 1 }, { 9000, 1 }, { 11000, 0 } };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        float l = (float)cases[i].length;
+        const float to[3] = { l, 0.1f * l, -0.1f * l }, away[3] = { -l, 0, 0 };
+        CHECKF(hidden(b, o, to, false) == cases[i].hidden, "segment of %g", cases[i].length);
+        CHECK(!hidden(b, o, away, false));
+    }
+    /* Closest: t may equal t_max, and starts above 0. */
+    const float d[3] = { 1, 0, 0 }, on[3] = { 1, 0, 0 };
+    CHECK(closest(b, o, d, 1).tri == 0);
+    CHECK(closest(b, o, d, nextafterf(1, 0)).tri == LC_NONE);
+    CHECK(closest(b, on, d, FLT_MAX).tri == LC_NONE);
+    lc_hit h = closest(b, o, (const float[]){ 0.5f, 0, 0 }, FLT_MAX);
+    CHECK(h.tri == 0 && h.t == 2);
+    /* weights: P = (1 - u - v) p0 + u p1 + v p2 */
+    h = closest(b, o, (const float[]){ 1, 5, -2.5f }, FLT_MAX);
+    CHECKF(fabsf(h.u - 0.5f) < 1e-6f && fabsf(h.v - 0.25f) < 1e-6f, "u %g v %g", (double)h.u, (double)h.v);
+    /* A null direction is no hit and no fault. */
+    CHECK(closest(b, o, o, FLT_MAX).tri == LC_NONE);
+    lc_bvh_destroy(b);
+}
+
+/* Rays to a light at infinity: everything along the direction counts, wherever the origin is. */
+TEST(shadow_rays_to_infinity)
+{
+    static const float at[] = { 0, 1, 1e3f, 1e4f, 1e6f };
+    for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
+        float x = at[i];
+        clear(); /* a wall 4096 away, 80 wide around the ray of direction (0.6, 0, 0.8) */
+        lc_f3 c = lc_f3_make(x + 0.6f * 4096, x, x + 0.8f * 4096);
+        put_three(lc_f3_add(c, lc_f3_make(0, -40, -40)), lc_f3_add(c, lc_f3_make(0, 80, -40)), lc_f3_add(c, lc_f3_make(0, -40, 80)));
+        lc_bvh *b = build();
+        const float o[3] = { x, x, x };
+        float dirs[][3] = { { 0.6f, 0, 0.8f }, { 0.8f, 0, 0.6f }, { -0.6f, 0, -0.8f } };
+        for (int k = 0; k < 3; k++) {
+            CHECKF(hidden(b, o, dirs[k], true) == (k == 0), "at %g, direction %d", (double)x, k);
+        }
+        lc_bvh_destroy(b);
+    }
+}
+
+int main(void)
+{
+    if (lc_context_create(NULL, &ctx)) return 1;
+    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_cpu_isa()));
+    RUN(no_triangles);
+    RUN(ends_of_shadow_rays);
+    RUN(shadow_rays_to_infinity);
+    RUN(random_soup);
+    RUN(cornell_box);
+    RUN(big_coordinates);
+    RUN(degenerate_triangles);
+    RUN(only_degenerate_triangles);
+    RUN(identical_triangles);
+    RUN(equal_distances_give_the_lowest_id);
+    RUN(triangles_on_a_line);
+    RUN(validator_finds_damage);
+    RUN(closed_meshes_are_light_tight);
+    RUN(watertight_from_afar);
+    RUN(closed_meshes_are_watertight);
+    lc_context_destroy(ctx);
+    return test_done();
+}

@@ -1,0 +1,490 @@
+/* unit_cut.c - cuts: a partition of the lights within the size asked for, the promise about each cluster left, and the
+ * two limits: all leaves are the exact value, the root alone is on average. Memory comes with guards around it. */
+#include "bounds.h"
+#include "cut.h"
+#include "rng.h"
+#include "shade.h"
+#include "test.h"
+
+#include <stdlib.h>
+
+static lc_context *ctx;
+static uint64_t rng_key = 5150, rng_ctr;
+
+static double rnd(void) { return lc_unit(lc_hash2(rng_key, rng_ctr++)); }
+static double rnd_in(double lo, double hi) { return lo + (hi - lo) * rnd(); }
+static uint32_t rnd_n(uint32_t n) { return (uint32_t)(rnd() * n); }
+
+static lc_f3 rnd_in_box(double h) { return lc_f3_make((float)rnd_in(-h, h), (float)rnd_in(-h, h), (float)rnd_in(-h, h)); }
+
+static lc_f3 rnd_unit(void)
+{
+    for (;;) {
+        lc_f3 d = rnd_in_box(1);
+        if (lc_f3_dot(d, d) < 1 && lc_f3_dot(d, d) > 1e-3f) return lc_f3_normalize(d);
+    }
+}
+
+/* ---- guarded memory ---- */
+
+#define GUARD 64
+
+static int guards_broken;
+static size_t bytes_live;
+
+static void *guarded_alloc(void *user, size_t size, size_t align)
+{
+    (void)user;
+    size_t room = (size + 2 * GUARD + align - 1) / align * align;
+    unsigned char *p = aligned_alloc(align < GUARD ? GUARD : align, (room + GUARD - 1) / GUARD * GUARD);
+    if (!p) return NULL;
+    memset(p, 0xa5, GUARD);
+    memset(p + GUARD + size, 0xa5, GUARD);
+    bytes_live += size;
+    return p + GUARD;
+}
+
+static void guarded_free(void *user, void *ptr, size_t size)
+{
+    unsigned char *p = (unsigned char *)ptr - GUARD;
+    (void)user;
+    for (size_t i = 0; i < GUARD; i++) guards_broken += p[i] != 0xa5 || p[GUARD + size + i] != 0xa5;
+    bytes_live -= size;
+    free(p);
+}
+
+/* ---- scenes ---- */
+
+typedef struct {
+    lc_bvh *bvh;
+    lc_light_tree *tree;
+    lc_light *lights;
+    uint32_t n;
+    float pos[9 * 40];
+    uint32_t index[3 * 40], n_tris;
+} setup;
+
+typedef struct {
+    lc_point p;
+    float org[3];
+} point;
+
+#define DIAG2 12.0
+
+/* n lights of the kinds whose bit is set around n_tris triangles in the box -1..1. white: grey intensities, for which
+ * representatives are unbiased in every channel. */
+static void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool white)
+{
+    *s = (setup){ .n = n, .n_tris = n_tris };
+    s->lights = malloc((n + 1) * sizeof *s->lights);
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t kind;
+        do kind = rnd_n(LC_LIGHT_KINDS);
+        while (!(kinds >> kind & 1));
+        lc_light l = { .kind = (lc_light_kind)kind, .pos = rnd_in_box(1), .dir = rnd_unit(), .atten = { 0, 0, 1 } };
+        float grey = (float)rnd_in(0.1, 1);
+        l.intensity = white ? lc_f3_make(grey, grey, grey) : lc_f3_make((float)rnd(), (float)rnd(), (float)rnd());
+        if (rnd() < 0.3)
+            for (int k = 0; k < 3; k++) l.atten[k] = (float)rnd_in(0.1, 1);
+        s->lights[i] = l;
+    }
+    for (uint32_t t = 0; t < n_tris; t++) {
+        lc_f3 p = rnd_in_box(1);
+        for (uint32_t v = 0; v < 3; v++) {
+            s->index[3 * t + v] = 3 * t + v;
+            lc_f3_store(s->pos + 3 * (3 * t + v), lc_f3_add(p, lc_f3_scale(rnd_unit(), v ? 0.5f : 0)));
+        }
+    }
+    if (lc_bvh_build(ctx, s->pos, s->index, n_tris, &s->bvh)) abort();
+}
+
+static void build_tree(setup *s, uint64_t seed, uint32_t n_reps)
+{
+    lc_light_tree_desc d = { s->lights, s->n, DIAG2, seed, n_reps };
+    lc_light_tree_destroy(s->tree);
+    if (lc_light_tree_build(ctx, &d, &s->tree)) abort();
+    CHECK(!lc_light_tree_validate(s->tree));
+}
+
+static void unmake(setup *s)
+{
+    lc_light_tree_destroy(s->tree);
+    lc_bvh_destroy(s->bvh);
+    free(s->lights);
+}
+
+static point rnd_point(void)
+{
+    point q;
+    lc_material m = { .kd = { (float)rnd(), (float)rnd(), (float)rnd() } };
+    lc_f3 pos = rnd_in_box(1.2), n = rnd_unit(), view = rnd_unit();
+    if (lc_f3_dot(n, view) < 0) n = lc_f3_neg(n);
+    if (rnd() < 0.4) m.ks = lc_f3_make((float)rnd(), (float)rnd(), (float)rnd()), m.exponent = powf(10, (float)rnd_in(0, 3));
+    lc_point_init(&q.p, pos, n, view, &m, (float)(1e-10 * DIAG2));
+    lc_f3_store(q.org, pos);
+    return q;
+}
+
+static lc_cut_result shade(lc_cut *c, const point *q, uint64_t hash)
+{
+    lc_stats stats = { 0 };
+    lc_cut_result r;
+    lc_cut_shade(c, &q->p, q->org, hash, &stats, &r);
+    CHECK(stats.points == 1 && stats.cut_sum == r.size && stats.shadow_rays == r.rays && stats.at_limit == r.at_limit);
+    return r;
+}
+
+static lc_cut_result exact(const setup *s, const point *q)
+{
+    lc_stats stats = { 0 };
+    lc_cut_result r;
+    lc_exact_shade(s->tree, s->bvh, &q->p, q->org, &stats, &r);
+    CHECK(r.size == s->n && r.rays <= s->n && stats.shadow_rays == r.rays);
+    return r;
+}
+
+static void open_cut(lc_cut *c, const setup *s, float ratio, uint32_t max_cut, float floor_lum)
+{
+    lc_cut_desc d = { ratio, max_cut, floor_lum };
+    if (lc_cut_init(c, ctx, s->tree, s->bvh, &d, true)) abort();
+}
+
+static double lum_of(lc_f3 c) { return 0.2126 * (double)c.x + 0.7152 * (double)c.y + 0.0722 * (double)c.z; }
+
+/* ---- what holds of every cut ---- */
+
+/* Clusters that still have a bound above 0. */
+static uint32_t n_left(const lc_cut *c) { return c->n_heap + c->n_parked; }
+
+static lc_cut_key left_at(const lc_cut *c, uint32_t i) { return i < c->n_heap ? c->heap[i] : c->parked[i - c->n_heap]; }
+
+/* Sum of the luminance of all lights under a node, nothing hidden. */
+static double unhidden_sum(const lc_light_tree *t, uint32_t id, const lc_point *p)
+{
+    uint32_t stack[2048], n = 0;
+    double sum = 0;
+    stack[n++] = id;
+    while (n) {
+        uint32_t link = t->link[stack[--n]];
+        if (!(link & LC_LEAF)) {
+            stack[n++] = link, stack[n++] = link + 1;
+            continue;
+        }
+        const lc_light_rec *l = &t->lights[link & ~LC_LEAF];
+        sum += lum_of(lc_f3_mul(lc_shade_light(p, l), lc_f3_load(l->intensity)));
+    }
+    return sum;
+}
+
+static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_cut_result *r)
+{
+    const lc_light_tree *t = s->tree;
+    uint32_t limit = c->desc.max_cut && c->desc.max_cut < s->n ? c->desc.max_cut : s->n;
+    const char *wrong = lc_cut_validate(c);
+    CHECKF(!wrong, "%s", wrong);
+    CHECKF(r->size <= limit && r->size >= 1 && r->size == c->n_heap + c->n_parked + c->n_done, "size %u of %u", r->size, limit);
+    CHECKF(r->rays <= r->size, "%u rays, %u clusters", r->rays, r->size);
+    CHECK(lc_f3_finite(r->radiance) && r->radiance.x >= 0 && r->radiance.y >= 0 && r->radiance.z >= 0);
+    double total = lum_of(r->radiance), left = 0, most = (double)c->desc.error_ratio * fmax(total, (double)c->desc.floor);
+    CHECK(!r->at_limit || r->size == limit);
+    double worst = 0;
+    for (uint32_t i = 0; i < n_left(c); i++) {
+        double bound = (double)left_at(c, i).bound;
+        uint32_t id = c->nodes[left_at(c, i).node].id;
+        worst = fmax(worst, bound);
+        CHECKF(r->at_limit || bound <= most * (1 + 1e-5), "bound %g left, limit %g", bound, most); /* 1e-5: of total in float */
+        CHECK(bound > 0 && !lc_node_is_leaf(t, id));
+        /* 1e-6: what float products and the double sum round off */
+        double sum = unhidden_sum(t, id, &q->p);
+        CHECKF(bound >= sum * (1 - 1e-6), "bound %g of lights that sum to %g", bound, sum);
+        left += bound;
+    }
+    for (uint32_t i = 0; i < c->n_done; i++)
+        if (!lc_node_is_leaf(t, c->done[i])) {
+            double sum = unhidden_sum(t, c->done[i], &q->p);
+            CHECKF(!(sum > 0), "a cluster of bound 0 has lights that sum to %g", sum);
+        }
+    /* Estimate and truth of each cluster left are both within 0..bound; the others are exact. */
+    lc_cut_result e = exact(s, q);
+    double off = fabs(total - lum_of(e.radiance));
+    CHECKF(off <= left * (1 + 1e-5) + 1e-5 * lum_of(e.radiance), "off by %g, bounds left sum to %g", off, left);
+    CHECKF(!(total > 0) || !(worst > 0) || !isfinite(worst) || fabs((double)r->max_error * total / worst - 1) < 1e-4,
+           "max_error %g", (double)r->max_error);
+}
+
+TEST(cuts_partition_and_keep_their_promise)
+{
+    static const uint32_t sizes[] = { 1, 2, 3, 4, 7, 30, 250 }, max_cuts[] = { 1, 2, 3, 4, 5, 9, 40, 0 };
+    static const float ratios[] = { 0, 0.02f, 0.3f };
+    uint64_t at_limit = 0, within = 0, left = 0;
+    for (uint32_t kinds = 1; kinds < 8; kinds++)
+        for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+            setup s;
+            make(&s, sizes[i], kinds, kinds % 2 ? 20 : 0, false);
+            build_tree(&s, kinds, 1 + kinds % 3);
+            for (size_t k = 0; k < sizeof max_cuts / sizeof *max_cuts; k++)
+                for (size_t r = 0; r < 3; r++) {
+                    lc_cut c;
+                    open_cut(&c, &s, ratios[r], max_cuts[k], k % 2 ? 0.05f : 0);
+                    for (int j = 0; j < 8; j++) {
+                        point q = rnd_point();
+                        lc_cut_result res = shade(&c, &q, rnd_n(1000));
+                        check_cut(&s, &c, &q, &res);
+                        at_limit += res.at_limit, within += !res.at_limit, left += n_left(&c);
+                    }
+                    lc_cut_free(&c);
+                }
+            unmake(&s);
+        }
+    printf("  %llu cuts at the limit, %llu within, %llu clusters left\n", (unsigned long long)at_limit,
+           (unsigned long long)within, (unsigned long long)left);
+    CHECK(at_limit > 1000 && within > 1000 && left > 10000);
+    CHECKF(!guards_broken, "%d bytes written outside", guards_broken);
+}
+
+/* Points on and very near lights, where bounds are largest. */
+TEST(points_at_lights)
+{
+    for (uint32_t kinds = 1; kinds < 8; kinds++) {
+        setup s;
+        make(&s, 200, kinds, 10, false);
+        build_tree(&s, 3, 1);
+        for (int i = 0; i < 60; i++) {
+            lc_cut c;
+            open_cut(&c, &s, i % 3 ? 0.02f : 0, i % 4 ? 0 : 30, 0);
+            point q = rnd_point();
+            lc_f3 at = lc_f3_add(s.lights[i].pos, lc_f3_scale(rnd_unit(), i % 2 ? 0 : powf(10, (float)rnd_in(-9, -2))));
+            lc_f3_store(q.p.pos, at), lc_f3_store(q.org, at);
+            lc_cut_result r = shade(&c, &q, 0);
+            check_cut(&s, &c, &q, &r);
+            lc_cut_free(&c);
+        }
+        unmake(&s);
+    }
+}
+
+/* ---- the two ends ---- */
+
+TEST(no_error_allowed_is_exact)
+{
+    double worst = 0;
+    uint32_t lit = 0;
+    for (uint32_t kinds = 1; kinds < 8; kinds++) {
+        setup s;
+        lc_cut c;
+        make(&s, 400, kinds, 20, false);
+        build_tree(&s, 9, 2);
+        open_cut(&c, &s, 0, 0, 0);
+        for (int i = 0; i < 150; i++) {
+            point q = rnd_point();
+            lc_cut_result r = shade(&c, &q, (uint64_t)i), e = exact(&s, &q);
+            double size = (double)lc_f3_max(e.radiance), off = (double)lc_f3_max_abs(lc_f3_sub(r.radiance, e.radiance));
+            CHECKF(off <= 1e-5 * size, "off by %g of %g", off, size);
+            CHECK(!r.at_limit && n_left(&c) == 0 && !(r.max_error > 0));
+            worst = fmax(worst, size > 0 ? off / size : 0);
+            lit += size > 0;
+        }
+        lc_cut_free(&c);
+        unmake(&s);
+    }
+    printf("  largest relative difference %.2g at %u lit points\n", worst, lit);
+    CHECK(lit > 500);
+}
+
+#define MEAN_SEEDS 3000
+#define MEAN_POINTS 16
+
+/* Refinement of ratio 0 goes by bounds alone, so whatever the size of the cut its mean over the choice of
+ * representatives is the exact value; max_cut 1 is the root only. */
+static void mean_is_exact(uint32_t max_cut, uint32_t kinds, uint32_t n_tris, uint32_t n_reps)
+{
+    static double sum[MEAN_POINTS], sum2[MEAN_POINTS];
+    point q[MEAN_POINTS];
+    setup s;
+    double worst = 0, z2 = 0;
+    uint32_t noisy = 0;
+    memset(sum, 0, sizeof sum), memset(sum2, 0, sizeof sum2);
+    make(&s, 40, kinds, n_tris, true);
+    for (int i = 0; i < MEAN_POINTS; i++) q[i] = rnd_point();
+    for (uint64_t seed = 0; seed < MEAN_SEEDS; seed++) {
+        lc_cut c;
+        build_tree(&s, lc_mix(seed + 1), n_reps);
+        open_cut(&c, &s, 0, max_cut, 0);
+        for (int i = 0; i < MEAN_POINTS; i++) {
+            lc_cut_result r = shade(&c, &q[i], lc_mix(seed));
+            CHECK(r.size <= max_cut);
+            double y = lum_of(r.radiance);
+            sum[i] += y, sum2[i] += y * y;
+        }
+        lc_cut_free(&c);
+    }
+    for (int i = 0; i < MEAN_POINTS; i++) {
+        double want = lum_of(exact(&s, &q[i]).radiance), mean = sum[i] / MEAN_SEEDS;
+        double err = sqrt(fmax(sum2[i] / MEAN_SEEDS - mean * mean, 0) / MEAN_SEEDS);
+        if (err > 1e-4 * want) {
+            double z = (mean - want) / err;
+            worst = fmax(worst, fabs(z)), z2 += z * z, noisy++;
+            CHECKF(fabs(z) < 4.5, "mean %g, exact %g, standard error %g", mean, want, err);
+        } else { /* the same in all seeds */
+            CHECKF(fabs(mean - want) <= 1e-3 * want, "mean %g, exact %g", mean, want);
+        }
+    }
+    printf("  max_cut %u, kinds %u: %u noisy points, worst %.2f standard errors, rms %.2f\n", max_cut, kinds, noisy, worst,
+           sqrt(z2 / (noisy ? noisy : 1)));
+    CHECK(noisy >= MEAN_POINTS / 2);
+    unmake(&s);
+}
+
+TEST(root_alone_is_exact_on_average)
+{
+    for (uint32_t kinds = 1; kinds < 8; kinds++) mean_is_exact(1, kinds, kinds == 2 ? 0 : 12, 1);
+    mean_is_exact(1, 7, 12, 3);
+}
+
+TEST(small_cuts_are_exact_on_average)
+{
+    mean_is_exact(2, 7, 12, 1);
+    mean_is_exact(6, 7, 12, 2);
+    mean_is_exact(12, 5, 0, 1);
+}
+
+/* ---- the rest ---- */
+
+TEST(no_lights_is_black)
+{
+    setup s;
+    lc_cut c;
+    make(&s, 0, 7, 3, false);
+    build_tree(&s, 1, 1);
+    open_cut(&c, &s, 0.02f, 10, 0);
+    point q = rnd_point();
+    lc_cut_result r = shade(&c, &q, 5), e = exact(&s, &q);
+    CHECK(r.size == 0 && r.rays == 0 && e.size == 0 && !r.at_limit);
+    CHECK(!(r.radiance.x > 0) && !(e.radiance.x > 0));
+    lc_cut_free(&c);
+    unmake(&s);
+}
+
+/* The same bits whatever the scratch was used for before. */
+TEST(scratch_leaves_no_trace)
+{
+    setup s;
+    lc_cut used, fresh;
+    make(&s, 300, 7, 20, false);
+    build_tree(&s, 1, 4);
+    open_cut(&used, &s, 0.02f, 60, 0.01f);
+    for (int i = 0; i < 300; i++) {
+        point q = rnd_point();
+        open_cut(&fresh, &s, 0.02f, 60, 0.01f);
+        lc_cut_result a = shade(&used, &q, (uint64_t)i), b = shade(&fresh, &q, (uint64_t)i);
+        CHECK(!memcmp(&a.radiance, &b.radiance, sizeof a.radiance) && a.size == b.size && a.rays == b.rays);
+        CHECK(!memcmp(&a.max_error, &b.max_error, sizeof a.max_error) && a.dark == b.dark && a.at_limit == b.at_limit);
+        lc_cut_free(&fresh);
+    }
+    lc_cut_free(&used);
+    unmake(&s);
+}
+
+TEST(dark_floor_stops_refinement)
+{
+    setup s;
+    lc_cut plain, bright;
+    uint32_t n_dark = 0;
+    make(&s, 300, 7, 20, false);
+    build_tree(&s, 1, 1);
+    open_cut(&plain, &s, 0.02f, 0, 0);
+    open_cut(&bright, &s, 0.02f, 0, 1e30f);
+    for (int i = 0; i < 100; i++) {
+        point q = rnd_point();
+        lc_cut_result a = shade(&plain, &q, 0), b = shade(&bright, &q, 0);
+        CHECK(!a.dark && !a.at_limit && !b.at_limit);
+        CHECKF(b.size <= 6 && b.size <= a.size, "size %u, without floor %u", b.size, a.size); /* virtual nodes only */
+        n_dark += b.dark;
+    }
+    CHECK(n_dark > 50);
+    lc_cut_free(&plain), lc_cut_free(&bright);
+    unmake(&s);
+}
+
+TEST(smaller_ratio_larger_cut)
+{
+    static const float ratios[] = { 1, 0.1f, 0.02f, 0.005f, 0 };
+    setup s;
+    uint64_t size[5] = { 0 };
+    make(&s, 1000, 7, 20, false);
+    build_tree(&s, 1, 1);
+    for (int k = 0; k < 5; k++) {
+        lc_cut c;
+        open_cut(&c, &s, ratios[k], 0, 0);
+        rng_ctr = 1u << 20; /* the same points each time */
+        for (int i = 0; i < 40; i++) {
+            point q = rnd_point();
+            size[k] += shade(&c, &q, 0).size;
+        }
+        CHECKF(k == 0 || size[k] > size[k - 1], "ratio %g: %llu", (double)ratios[k], (unsigned long long)size[k]);
+        lc_cut_free(&c);
+    }
+    unmake(&s);
+}
+
+TEST(validator_finds_damage)
+{
+    setup s;
+    lc_cut c;
+    make(&s, 100, 7, 0, false);
+    build_tree(&s, 1, 1);
+    open_cut(&c, &s, 0.05f, 0, 0);
+    for (int i = 0; i < 30; i++) {
+        point q = rnd_point();
+        shade(&c, &q, 0);
+        CHECK(!lc_cut_validate(&c));
+        if (c.n_done) {
+            uint32_t keep = c.done[0];
+            c.n_done--;
+            CHECK(lc_cut_validate(&c));
+            c.n_done++;
+            c.done[0] = c.n_done > 1 ? c.done[1] : 0;
+            CHECK(c.n_done == 1 || lc_cut_validate(&c));
+            c.done[0] = keep;
+        }
+        if (n_left(&c)) {
+            uint32_t *id = &c.nodes[left_at(&c, 0).node].id, keep = *id;
+            *id = s.tree->link[keep];
+            CHECK(lc_cut_validate(&c));
+            *id = 0;
+            CHECK(n_left(&c) + c.n_done == 1 || lc_cut_validate(&c));
+            *id = keep;
+        }
+        CHECK(!lc_cut_validate(&c));
+    }
+    lc_cut_free(&c);
+    unmake(&s);
+}
+
+TEST(no_memory_lost_or_overrun)
+{
+    lc_context_destroy(ctx);
+    CHECKF(bytes_live == 0, "%zu bytes", bytes_live);
+    CHECKF(!guards_broken, "%d bytes written outside", guards_broken);
+}
+
+int main(void)
+{
+    lc_allocator guarded = { guarded_alloc, guarded_free, NULL };
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    desc.allocator = &guarded;
+    if (lc_context_create(&desc, &ctx)) return 1;
+    printf("seed %llu\n", (unsigned long long)rng_key);
+    RUN(no_lights_is_black);
+    RUN(cuts_partition_and_keep_their_promise);
+    RUN(points_at_lights);
+    RUN(no_error_allowed_is_exact);
+    RUN(root_alone_is_exact_on_average);
+    RUN(small_cuts_are_exact_on_average);
+    RUN(scratch_leaves_no_trace);
+    RUN(dark_floor_stops_refinement);
+    RUN(smaller_ratio_larger_cut);
+    RUN(validator_finds_damage);
+    RUN(no_memory_lost_or_overrun);
+    return test_done();
+}
