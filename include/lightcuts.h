@@ -168,7 +168,7 @@ typedef struct lc_render_desc {
     int (*progress)(void *user, uint64_t done, uint64_t total); /* pixels; any thread, one at a time; nonzero cancels */
     void *progress_user;
 } lc_render_desc;
-#define LC_DARK_FLOOR 0.02f
+#define LC_DARK_FLOOR 0.2f
 #define LC_RENDER_DESC_INIT { sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, 0 }
 
 typedef struct lc_render_stats {

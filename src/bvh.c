@@ -212,8 +212,10 @@ static lc_status collapse(builder *b, lc_bvh *bvh, const float *pos, const uint3
 {
     size_t n_blocks = 0, n_wide = 1;
     lc_box all = b->nodes[0].box;
-    float pad[3]; /* 2^-22 of the largest coordinate: the shear rounds vertices by less than that */
-    for (int k = 0; k < 3; k++) pad[k] = 0x1p-22f * fmaxf(lc_f3_max_abs(all.lo), lc_f3_max_abs(all.hi));
+    /* 2^-20 of the largest coordinate: the shear of the triangle test rounds a vertex by at most 3 ulp of its distance
+     * from the origin, 6 * 2^-24 of twice that coordinate while the ray starts inside the scene. */
+    float pad[3];
+    for (int k = 0; k < 3; k++) pad[k] = 0x1p-20f * fmaxf(lc_f3_max_abs(all.lo), lc_f3_max_abs(all.hi));
     b->tasks[0] = (task){ 0, 0 };
     for (size_t w = 0; w < n_wide; w++) {
         uint32_t child[8], n = gather_children(b, b->tasks[w].node, child);

@@ -7,11 +7,14 @@
  *
  * floor is a luminance: dark_floor times the picture's mean. Where the estimate is below it the relative test would
  * never pass (the point sees almost no light), and an error that small can't be seen beside the rest of the picture.
+ * Default 0.2, so that at 2 % no cluster is off by more than 0.4 % of the mean; measured on stairs (10,000 lights,
+ * 400x300, 2026-11) against 0.02: mean cut 202 for 252, points at max_cut 403 for 6938, rmse the same to four digits.
  */
 #ifndef LC_CUT_H
 #define LC_CUT_H
 
 #include "bvh.h"
+#include "cut_queue.h"
 #include "light_tree.h"
 #include "stats.h"
 
@@ -21,37 +24,23 @@ typedef struct lc_cut_desc {
     float floor;      /* luminance of reflected radiance, W/(m^2 sr) */
 } lc_cut_desc;
 
-/* A cluster in the cut: 32 bytes, so that two share a cache line. */
-typedef struct lc_cut_node {
-    uint32_t id;
-    uint32_t rep;      /* light index */
-    float transfer[3]; /* M G V of the representative */
-    float lum;         /* luminance of the estimate */
-    uint32_t pad[2];
-} lc_cut_node;
-
-/* What the heap moves about. */
-typedef struct lc_cut_key {
-    float bound;       /* luminance, > 0 */
-    uint32_t node;     /* index into lc_cut.nodes */
-} lc_cut_key;
-
-/* Per-thread scratch, and after lc_cut_shade the cut itself: heap and parked hold clusters whose bound is not 0, done
- * leaves and clusters that can't contribute. Parked are those whose bound was within the limit when they came: half of
- * all, which so never go through the heap. They are looked at again when nothing in the heap is above the limit. */
+/* Per-thread scratch, and after lc_cut_shade the cut itself: left[0 .. n_left) are clusters whose bound is not 0, done
+ * leaves and clusters that can't contribute. While refining, left holds those within the limit - half of all, which so
+ * never go through the queue - and is looked at again when the queue is empty. */
 typedef struct lc_cut {
     const lc_context *ctx;
     const lc_light_tree *tree;
     const lc_bvh *bvh;
     lc_cut_desc desc;
     uint32_t limit;          /* clusters that fit */
-    lc_cut_key *heap;        /* binary max-heap by bound, then lowest node id */
-    lc_cut_node *nodes;
-    uint32_t *free_nodes;    /* indices of nodes in neither, a stack of limit + 1 - n_heap - n_parked */
-    lc_cut_key *parked;
-    float worst_parked;
-    uint32_t n_heap, n_parked;
-    uint32_t *done;          /* node ids; kept only when keep_done */
+    lc_cut_node *nodes;      /* limit + 1 */
+    uint32_t *free_nodes;    /* indices of unused ones, a stack of limit + 1 - n_queue - n_left */
+    lc_cut_queue queue;
+    uint32_t n_queue;
+    uint32_t *left;          /* indices into nodes */
+    uint32_t n_left;
+    float worst_left;        /* largest bound among them */
+    uint32_t *done;          /* light tree nodes; kept only when keep_done */
     uint32_t n_done;
     bool keep_done;
     double done_sum[3];      /* radiance of the done ones */
@@ -78,7 +67,7 @@ void lc_cut_shade(lc_cut *cut, const lc_point *point, const float ray_org[3], ui
 void lc_exact_shade(const lc_light_tree *tree, const lc_bvh *bvh, const lc_point *point, const float ray_org[3],
                     lc_stats *stats, lc_cut_result *out);
 
-/* NULL when heap and done nodes partition the lights, else what is wrong. The cut must have been kept. */
+/* NULL when left and done nodes partition the lights, else what is wrong. The cut must have been kept. */
 const char *lc_cut_validate(const lc_cut *cut);
 
 #endif

@@ -633,6 +633,77 @@ TEST(shadow_rays_to_infinity)
     }
 }
 
+/* Every box made endless, so that every triangle is tested. */
+static lc_bvh_data without_boxes(const lc_bvh *b)
+{
+    lc_bvh_node *nodes = aligned_alloc(64, b->data.n_nodes * sizeof *nodes);
+    memcpy(nodes, b->nodes, b->data.n_nodes * sizeof *nodes);
+    for (uint32_t w = 0; w < b->data.n_nodes; w++)
+        for (int i = 0; i < 8; i++)
+            for (int k = 0; k < 3 && nodes[w].child[i] != LC_NONE; k++) nodes[w].lo[k][i] = -FLT_MAX, nodes[w].hi[k][i] = FLT_MAX;
+    return (lc_bvh_data){ nodes, b->blocks, b->data.n_nodes, b->data.n_blocks };
+}
+
+/* Meshes with triangles of sizes that differ much from those of the segments. */
+static void odd_mesh(int style)
+{
+    clear();
+    if (style == 0) cornell();
+    if (style == 1) soup(200, 0.5);
+    if (style == 2) cube(1), move(1000, zero);
+    for (int i = 0; i < 200 && style == 3; i++) { /* needles */
+        lc_f3 p = rnd_unit(), d = rnd_unit(), e = lc_f3_scale(rnd_unit(), powf(10, (float)rnd_in(-7, -2)));
+        put_three(p, lc_f3_add(p, lc_f3_scale(d, 2)), lc_f3_add(lc_f3_add(p, d), e));
+    }
+    if (style == 4) cornell(), move(1, lc_f3_make(1e3f, -1e3f, 1e3f));
+    if (style == 5) cube(20), displace(true, 0.2), soup(20, 300);
+}
+
+/* Start of a segment on or a little above a triangle, its end often nearly within the triangle's plane. */
+static void odd_segment(int i, lc_f3 *o, lc_f3 *to)
+{
+    uint32_t t = rnd_n(m.n_tris);
+    lc_f3 p = lc_f3_load(lc_tri_vertex(m.pos, m.index, t, 0)), q = lc_f3_load(lc_tri_vertex(m.pos, m.index, t, 1));
+    lc_f3 r = lc_f3_load(lc_tri_vertex(m.pos, m.index, t, 2));
+    float u = (float)rnd(), v = (float)rnd() * (1 - u), size = lc_f3_len(lc_f3_sub(q, p));
+    lc_f3 on = lc_f3_add(lc_f3_scale(p, 1 - u - v), lc_f3_add(lc_f3_scale(q, u), lc_f3_scale(r, v)));
+    *o = lc_f3_add(on, lc_f3_scale(rnd_unit(), i % 3 ? size * powf(10, (float)rnd_in(-8, 0)) : 0));
+    *to = lc_f3_add(i % 2 ? on : *o, lc_f3_scale(rnd_unit(), size * powf(10, (float)rnd_in(-8, 1))));
+    if (i % 5 == 0) *to = lc_f3_add(lc_f3_scale(p, 1 - v), lc_f3_scale(r, v));
+}
+
+/* Boxes never hide from a shadow ray what the triangle test accepts: boxes are padded by more than the test rounds off.
+ * The nearest hit may differ where two are as near as rounding tells. */
+TEST(boxes_lose_no_hit)
+{
+    const lc_kernels *k = lc_kernels_get(lc_cpu_isa());
+    for (int style = 0; style < 6; style++) {
+        uint32_t n = 40000 / SLOW, n_hidden = 0, lost = 0, lost_closest = 0;
+        odd_mesh(style);
+        lc_bvh *b = build();
+        lc_bvh_data all = without_boxes(b);
+        for (uint32_t i = 0; i < n; i++) {
+            lc_f3 o, to;
+            odd_segment((int)i, &o, &to);
+            const float org[3] = { o.x, o.y, o.z }, dir[3] = { to.x - o.x, to.y - o.y, to.z - o.z };
+            float list[1][3] = { { to.x, to.y, to.z } };
+            uint8_t got, want;
+            lc_hit hit, best;
+            if (!(lc_f3_len(lc_f3_load(dir)) > 0)) continue;
+            k->hidden(&b->data, org, 1, (const float(*)[3])list, false, &got);
+            k->hidden(&all, org, 1, (const float(*)[3])list, false, &want);
+            CHECK(want >= got);
+            k->closest(&b->data, org, dir, FLT_MAX, &hit);
+            k->closest(&all, org, dir, FLT_MAX, &best);
+            lost += got != want, n_hidden += want, lost_closest += hit.tri != best.tri;
+        }
+        printf("  style %d: %u segments, %u hidden, %u lost by boxes; closest: %u differ\n", style, n, n_hidden, lost, lost_closest);
+        CHECK(lost == 0 && lost_closest <= n / 1000);
+        free((void *)all.nodes);
+        lc_bvh_destroy(b);
+    }
+}
+
 int main(void)
 {
     if (lc_context_create(NULL, &ctx)) return 1;
@@ -650,6 +721,7 @@ int main(void)
     RUN(triangles_on_a_line);
     RUN(validator_finds_damage);
     RUN(closed_meshes_are_light_tight);
+    RUN(boxes_lose_no_hit);
     RUN(watertight_from_afar);
     RUN(closed_meshes_are_watertight);
     lc_context_destroy(ctx);

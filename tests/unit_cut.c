@@ -154,9 +154,9 @@ static double lum_of(lc_f3 c) { return 0.2126 * (double)c.x + 0.7152 * (double)c
 /* ---- what holds of every cut ---- */
 
 /* Clusters that still have a bound above 0. */
-static uint32_t n_left(const lc_cut *c) { return c->n_heap + c->n_parked; }
+static uint32_t n_left(const lc_cut *c) { return c->n_left; }
 
-static lc_cut_key left_at(const lc_cut *c, uint32_t i) { return i < c->n_heap ? c->heap[i] : c->parked[i - c->n_heap]; }
+static lc_cut_node *left_at(const lc_cut *c, uint32_t i) { return &c->nodes[c->left[i]]; }
 
 /* Sum of the luminance of all lights under a node, nothing hidden. */
 static double unhidden_sum(const lc_light_tree *t, uint32_t id, const lc_point *p)
@@ -182,15 +182,15 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
     uint32_t limit = c->desc.max_cut && c->desc.max_cut < s->n ? c->desc.max_cut : s->n;
     const char *wrong = lc_cut_validate(c);
     CHECKF(!wrong, "%s", wrong);
-    CHECKF(r->size <= limit && r->size >= 1 && r->size == c->n_heap + c->n_parked + c->n_done, "size %u of %u", r->size, limit);
+    CHECKF(r->size <= limit && r->size >= 1 && r->size == c->n_left + c->n_done, "size %u of %u", r->size, limit);
     CHECKF(r->rays <= r->size, "%u rays, %u clusters", r->rays, r->size);
     CHECK(lc_f3_finite(r->radiance) && r->radiance.x >= 0 && r->radiance.y >= 0 && r->radiance.z >= 0);
     double total = lum_of(r->radiance), left = 0, most = (double)c->desc.error_ratio * fmax(total, (double)c->desc.floor);
     CHECK(!r->at_limit || r->size == limit);
     double worst = 0;
     for (uint32_t i = 0; i < n_left(c); i++) {
-        double bound = (double)left_at(c, i).bound;
-        uint32_t id = c->nodes[left_at(c, i).node].id;
+        double bound = (double)left_at(c, i)->bound;
+        uint32_t id = left_at(c, i)->id;
         worst = fmax(worst, bound);
         CHECKF(r->at_limit || bound <= most * (1 + 1e-5), "bound %g left, limit %g", bound, most); /* 1e-5: of total in float */
         CHECK(bound > 0 && !lc_node_is_leaf(t, id));
@@ -448,7 +448,7 @@ TEST(validator_finds_damage)
             c.done[0] = keep;
         }
         if (n_left(&c)) {
-            uint32_t *id = &c.nodes[left_at(&c, 0).node].id, keep = *id;
+            uint32_t *id = &left_at(&c, 0)->id, keep = *id;
             *id = s.tree->link[keep];
             CHECK(lc_cut_validate(&c));
             *id = 0;
