@@ -2,8 +2,11 @@
 #ifndef LC_FMATH_H
 #define LC_FMATH_H
 
-/* x^n for 0 <= x <= 1 and 0 <= n <= 1e5; x = 0 gives 0, also for n = 0. Relative error below 1e-10, so that
- * x <= y implies lc_pow01(x, n) <= lc_pow01(y, n) (1 + 2e-10). */
+/* x^n for 0 <= x <= 1 and 0 <= n <= 1e5; x = 0 gives 0, also for n = 0, and so does a result below 1e-13. Relative
+ * error below 1e-10, so that x <= y implies lc_pow01(x, n) <= lc_pow01(y, n) (1 + 2e-10) where it is above 1e-13. */
 float lc_pow01(float x, float n);
+
+/* e^y for y <= 0, 0 below -700; relative error below 2e-13. */
+double lc_exp_neg(double y);
 
 #endif

@@ -8,26 +8,15 @@
  *     albedo           is divided by the colour of the constant spectrum 1, so that flat spectra are grey
  * Components below 0 (colours outside Rec.709) become 0.
  */
+#include "fmath.h"
 #include "pbrt_state.h"
 
 #include <string.h>
 
-/* e^y for y <= 0; 0 below -700. Same reduction as fmath.c: y = k ln 2 + r, Taylor to r^13. */
-static double exp_neg(double y)
-{
-    if (!(y > -700)) return 0;
-    double k = floor(y / 0.693147180559945309417232 + 0.5), r = y - k * 0.693147180559945309417232, sum = 1;
-    for (int i = 13; i >= 1; i--) sum = 1 + sum * r / i;
-    uint64_t bits = (uint64_t)(int64_t)(k + 1023) << 52;
-    double scale;
-    memcpy(&scale, &bits, sizeof scale);
-    return sum * scale;
-}
-
 static double lobe(double x, double mean, double left, double right)
 {
     double t = (x - mean) / (x < mean ? left : right);
-    return exp_neg(-0.5 * t * t);
+    return lc_exp_neg(-0.5 * t * t);
 }
 
 static void fill_cie(lc_pbrt *p)
@@ -60,7 +49,7 @@ static void xyz_to_rgb(const double xyz[3], double rgb[3])
 static double planck(double nm, double kelvin)
 {
     double peak = 2.897771955e6 / kelvin, r = peak / nm, r2 = r * r;
-    double e = exp_neg(-1.438776877e7 / (nm * kelvin)), e_peak = exp_neg(-1.438776877e7 / 2.897771955e6);
+    double e = lc_exp_neg(-1.438776877e7 / (nm * kelvin)), e_peak = lc_exp_neg(-1.438776877e7 / 2.897771955e6);
     return r2 * r2 * r * (e / (1 - e)) / (e_peak / (1 - e_peak));
 }
 

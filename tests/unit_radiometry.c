@@ -503,7 +503,8 @@ static void busy_scene(void)
                 "\"rgb I\" [0.1 0.2 0.2]\n",
                 4 * v[0] - 2, 4 * v[1] - 2, v[2] - 0.5);
         else
-            add("LightSource \"distant\" \"point3 from\" [%.3f %.3f -1] \"point3 to\" [0 0 0] \"rgb L\" [0.01 0.01 0.02]\n", v[0] - 0.5, v[1]);
+            add("LightSource \"distant\" \"point3 from\" [%.3f %.3f -1] \"point3 to\" [0 0 0] \"rgb L\" [0.01 0.01 0.02]\n",
+                v[0] - 0.5, v[1]);
     }
 }
 
