@@ -205,7 +205,7 @@ static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n
         float dir[3];
         for (int k = 0; k < 3; k++) dir[k] = far ? target[i][k] : target[i][k] - org[k];
         LC_FN(ray_init)(&r, org, dir);
-        hidden[i] = LC_FN(any_hit)(bvh, &r, LC_SHADOW_EPS, far ? FLT_MAX : 1 - LC_SHADOW_EPS);
+        hidden[i] = LC_FN(any_hit)(bvh, &r, far ? 0 : LC_SHADOW_EPS, far ? FLT_MAX : 1 - LC_SHADOW_EPS);
     }
 }
 

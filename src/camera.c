@@ -1,6 +1,8 @@
 /* camera.c - inverts the world-to-camera matrix once; rays are then three multiply-adds in double. */
 #include "camera.h"
 
+#include "xform.h"
+
 /* Inverse of an affine row-major 4x4 (last row 0 0 0 1 after division); false when singular. */
 static bool invert_affine(const double m[16], double inv[16])
 {
@@ -31,7 +33,9 @@ bool lc_camera_init(lc_camera *cam, const lc_camera_desc *desc, uint32_t width, 
     if (!(desc->fov_degrees > 0 && desc->fov_degrees < 180)) return false;
     if (!(desc->screen[0] < desc->screen[1] && desc->screen[2] < desc->screen[3])) return false;
     if (!invert_affine(desc->world_to_camera, inv)) return false;
-    double t = tan(desc->fov_degrees * (LC_PI / 360));
+    double sin_half, cos_half; /* not the C library's, whose bits may depend on the CPU */
+    lc_sincos_deg(desc->fov_degrees / 2, &sin_half, &cos_half);
+    double t = sin_half / cos_half;
     double sx = (desc->screen[1] - desc->screen[0]) * t / width, sy = (desc->screen[3] - desc->screen[2]) * t / height;
     double x0 = desc->screen[0] * t, y1 = desc->screen[3] * t, l2 = 0;
     for (int i = 0; i < 3; i++) {

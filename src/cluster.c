@@ -70,6 +70,15 @@ static float round_up(double x)
     return (double)f < x ? nextafterf(f, INFINITY) : f;
 }
 
+/* Least float >= a - b in exact arithmetic. The double difference is itself rounded where exponents are far apart:
+ * e is what it lacks (Knuth's two-sum). */
+static float difference_up(double a, double b)
+{
+    double d = a - b, z = d - a, e = (a - (d - z)) + (-b - z);
+    float f = round_up(d);
+    return (double)f == d && e > 0 ? nextafterf(f, INFINITY) : f;
+}
+
 static float round_down(double x) { return -round_up(-x); }
 
 /* Directions and axis are unit only to float rounding, d = 6e-8 each in length and direction: the cap's cosine moves
@@ -87,9 +96,8 @@ void lc_cluster_store(const lc_cluster *c, lc_node_block *block, uint32_t lane)
     for (int k = 0; k < 3; k++) {
         double lo = c->lo[k], hi = c->hi[k];
         float center = (float)(0.5 * (lo + hi));
-        double half = hi - center > center - lo ? hi - center : center - lo;
         block->center[k][lane] = center;
-        block->half[k][lane] = round_up(half);
+        block->half[k][lane] = max_f(difference_up(hi, center), difference_up(center, lo));
         block->power[k][lane] = round_up(c->power[k]);
         block->axis[k][lane] = (float)axis[k];
         block->atten[k][lane] = c->atten[k];

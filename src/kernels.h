@@ -30,7 +30,7 @@ typedef struct lc_kernels {
     /* Nearest hit with 0 < t <= t_max; of equal t the lowest triangle id. */
     void (*closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit);
     /* hidden[i] = 1 if a triangle is met on org + t (target i - org) for t in (LC_SHADOW_EPS, 1 - LC_SHADOW_EPS), or,
-     * if `far` is set, on org + t target at any t > LC_SHADOW_EPS: targets then are directions. */
+     * if `far` is set, on org + t target at any t > 0: targets then are directions. */
     void (*hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float (*target)[3], bool far,
                    uint8_t *hidden);
 } lc_kernels;

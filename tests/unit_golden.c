@@ -71,7 +71,9 @@ static picture render(uint32_t n_threads, lc_isa isa, lc_method method, const in
     char path[512];
     picture p = { 0 };
     lc_context_desc cd = LC_CONTEXT_DESC_INIT;
+    lc_load_desc ld = LC_LOAD_DESC_INIT;
     lc_render_desc rd = LC_RENDER_DESC_INIT;
+    ld.area_lights = 256;
     cd.log = complain;
     cd.n_threads = n_threads;
     cd.isa = isa;
@@ -80,7 +82,7 @@ static picture render(uint32_t n_threads, lc_isa isa, lc_method method, const in
     for (int i = 0; crop && i < 4; i++) rd.crop[i] = crop[i];
     snprintf(path, sizeof path, FOLDER "/%s.pbrt", current);
     lc_status st = lc_context_create(&cd, &p.ctx);
-    if (!st) st = lc_scene_load(p.ctx, path, NULL, &p.scene);
+    if (!st) st = lc_scene_load(p.ctx, path, &ld, &p.scene);
     if (!st) st = lc_render(p.ctx, p.scene, &rd, &p.image, NULL);
     CHECKF(!st, "%s", lc_status_name(st));
     return p;
@@ -115,7 +117,8 @@ static void same_hash_everywhere(const char *method_name, lc_method method)
     uint64_t first = hash_of(1, LC_ISA_SCALAR, method), want = 0;
     for (int isa = LC_ISA_SCALAR; isa <= LC_ISA_AVX512; isa++)
         for (int t = 0; t < 3; t++) {
-            if (method == LC_METHOD_EXACT && t != isa % 3) continue; /* slow, and the same loops: each value once */
+            /* Exact is slow and not many kernels: two of the twelve. */
+            if (method == LC_METHOD_EXACT && !(isa == LC_ISA_SSE4 && t == 1) && !(isa == LC_ISA_AVX512 && t == 2)) continue;
             uint64_t h = hash_of(threads[t], (lc_isa)isa, method);
             CHECKF(h == first, "%s with %u threads: %016llx, scalar with 1: %016llx", lc_isa_name((lc_isa)isa), threads[t],
                    (unsigned long long)h, (unsigned long long)first);
