@@ -46,8 +46,7 @@ static lc_status add_lights(lc_scene *s, size_t tri, uint32_t k, double area, co
     for (size_t v = 0; v < 3; v++) p[v] = lc_tri_vertex(s->pos, s->index, tri, v);
     lc_light light = { .kind = LC_LIGHT_ORIENTED, .atten = { 0, 0, 1 } };
     light.intensity = lc_f3_scale(mesh->emission, (float)(area / k));
-    light.dir = lc_f3_normalize(lc_f3_make((float)(n[0] * side / (2 * area)), (float)(n[1] * side / (2 * area)),
-                                           (float)(n[2] * side / (2 * area))));
+    light.dir = lc_f3_normalize_d(n[0] * side / (2 * area), n[1] * side / (2 * area), n[2] * side / (2 * area));
     for (uint32_t i = 0; i < k; i++) {
         uint64_t sign = side > 0;
         double u = (i + lc_unit(lc_hash4(seed, tri, i, sign))) / k;

@@ -2,8 +2,9 @@
  *
  * Start at the root; while the largest error bound in the cut is above error_ratio * max(total, floor), replace the
  * worst clusters, at most four of those above that limit at a time, by their children: all of them have to go as long as
- * the total stays, and one kernel call bounds their eight children. Stop at max_cut clusters. The guarantee is per cluster: every cluster left has a bound of at
- * most that limit. It is not a guarantee about their sum, and shadows are bounded by 1.
+ * the total stays, and one kernel call bounds their eight children. Stop at max_cut clusters. The guarantee is per
+ * cluster: every cluster left has a bound of at most that limit. It is not a guarantee about their sum, and shadows are
+ * bounded by 1.
  *
  * floor is a luminance: dark_floor times the picture's mean. Where the estimate is below it the relative test would
  * never pass (the point sees almost no light), and an error that small can't be seen beside the rest of the picture.

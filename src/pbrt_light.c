@@ -68,7 +68,8 @@ static lc_status world_direction(lc_pbrt *p, lc_pos where, const double v[3], lc
     max = fmax(fabs(w[0]), fmax(fabs(w[1]), fabs(w[2])));
     if (!(max > 0 && max <= DBL_MAX))
         return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the light's direction is zero or out of range");
-    *out = lc_f3_normalize(lc_f3_make((float)(w[0] / max), (float)(w[1] / max), (float)(w[2] / max)));
+    /* Not by way of floats: gcc 12 at -O2 leaves out the roundings of a double -> float -> double. */
+    *out = lc_f3_normalize_d(w[0] / max, w[1] / max, w[2] / max);
     return LC_OK;
 }
 

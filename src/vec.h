@@ -34,13 +34,15 @@ static inline lc_f3 lc_f3_cross(lc_f3 a, lc_f3 b)
     return (lc_f3){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
 }
 
-/* Zero stays zero. */
-static inline lc_f3 lc_f3_normalize(lc_f3 a)
+/* Of doubles whose squares neither overflow nor vanish; one rounding to float. Zero stays zero. */
+static inline lc_f3 lc_f3_normalize_d(double x, double y, double z)
 {
-    double l = sqrt((double)a.x * a.x + (double)a.y * a.y + (double)a.z * a.z);
+    double l = sqrt(x * x + y * y + z * z);
     if (!(l > 0)) return (lc_f3){ 0, 0, 0 };
-    return (lc_f3){ (float)(a.x / l), (float)(a.y / l), (float)(a.z / l) };
+    return (lc_f3){ (float)(x / l), (float)(y / l), (float)(z / l) };
 }
+
+static inline lc_f3 lc_f3_normalize(lc_f3 a) { return lc_f3_normalize_d((double)a.x, (double)a.y, (double)a.z); }
 
 /* Vertex v (0..2) of a triangle: pos has three floats a vertex, index three entries a triangle. */
 static inline const float *lc_tri_vertex(const float *pos, const uint32_t *index, size_t tri, size_t v)

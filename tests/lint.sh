@@ -73,7 +73,7 @@ own_header_first()
 }
 template_includes()
 {
-    grep -nE "$include_of" src/*_tmpl.c /dev/null | grep -vE '"(base|vec|layout)\.h"'
+    grep -nE "$include_of" src/*_tmpl.c /dev/null | grep -vE '"(base|vec|fmath|layout)\.h"'
 }
 cycles() # headers of the library, an edge for each include
 {
@@ -89,7 +89,7 @@ rule '<pthread.h> in pool.c only' only_in '<pthread\.h>|<threads\.h>' 'src/pool\
 rule 'malloc and its like in arena.c only' only_in '\<(malloc|calloc|realloc|aligned_alloc|posix_memalign|strdup|strndup)[ ]*\(' \
     'src/arena\.c' src/*.[ch]
 rule 'simd.h in isa_*.c only' only_in "$include_of\"simd\.h\"" 'src/isa_[a-z0-9]*\.c' src/*.[ch] src/cli/*.[ch]
-rule 'templates include base.h, vec.h, layout.h only' template_includes
+rule 'templates include base.h, vec.h, fmath.h, layout.h only' template_includes
 rule 'a .c includes its own header first' own_header_first
 rule 'headers do not include each other in a circle' cycles
 
