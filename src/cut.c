@@ -192,7 +192,6 @@ static void shade_children(const lc_cut *c, step *s, uint32_t n_children)
         lc_cut_node *node = &s->child[i];
         const lc_cut_node *parent = &s->parent[i / 2];
         node->bound = s->ub[i];
-        node->rep = t->rep[(size_t)node->id * t->n_reps + c->slot];
         memset(node->transfer, 0, sizeof node->transfer);
         if (!(s->ub[i] > 0)) continue;
         if (s->n && parent->rep == node->rep) {
@@ -226,7 +225,7 @@ static double place(lc_cut *c, lc_cut_node *node, double limit)
 static double place_root(lc_cut *c, step *s, lc_stats *stats)
 {
     const lc_light_tree *t = c->tree;
-    s->child[0] = (lc_cut_node){ .id = 0 };
+    s->child[0] = (lc_cut_node){ .id = 0, .rep = t->rep[c->slot] };
     s->ub[0] = INFINITY;
     if (!lc_node_is_virtual(t, 0)) {
         lc_bounds_block(&t->blocks[0], 0, 1, (lc_light_kind)t->pair_kind[0], s->point, s->ub);
@@ -245,8 +244,15 @@ static double split_worst(lc_cut *c, step *s, double limit)
     for (s->n = 0; s->n < SPLITS && s->n < room && take_worst(c, limit, &s->parent[s->n]); s->n++) {
         change -= (double)s->parent[s->n].lum;
         uint32_t first = c->tree->link[s->parent[s->n].id];
+        __builtin_prefetch(&c->tree->blocks[first / LC_BLOCK]);
+        __builtin_prefetch(&c->tree->blocks[first / LC_BLOCK].axis);
         s->child[2 * s->n].id = first;
         s->child[2 * s->n + 1].id = first + 1;
+    }
+    for (uint32_t i = 0; i < 2 * s->n; i++) { /* the tree is larger than the nearest caches: ask for it early */
+        lc_cut_node *node = &s->child[i];
+        node->rep = c->tree->rep[(size_t)node->id * c->tree->n_reps + c->slot];
+        __builtin_prefetch(&c->tree->lights[node->rep]);
     }
     bound_children(c, s);
     shade_children(c, s, 2 * s->n);
