@@ -369,7 +369,7 @@ done
 
 run s.pbrt -o a.exr -v
 check 'no carriage return outside a terminal' test "$(tr -dc '\r' <err | wc -c)" -eq 0
-if command -v script >/dev/null 2>&1 && [ -z "$sanitized" ]; then
+if command -v script >/dev/null 2>&1 && [ -z "$sanitized" ] && script -qec true /dev/null >/dev/null 2>&1 </dev/null; then
     TERM=xterm timeout 60 script -qec "'$L' s.pbrt -o a.exr" /dev/null >tty </dev/null
     check 'a progress line on a terminal' grep -q 'rendering.*%' tty
     NO_COLOR=1 TERM=xterm timeout 60 script -qec "'$L' s.pbrt -o a.exr" /dev/null >tty </dev/null
