@@ -5,6 +5,7 @@ CLANG ?= clang
 PREFIX ?= /usr/local
 STATIC ?= 1
 SECONDS ?= 60
+JOBS ?= -j$(shell nproc 2>/dev/null || echo 1)
 OPT ?= -O3
 SAN ?=
 
@@ -59,7 +60,7 @@ help:
 
 # ---- dependencies ----
 
-.PHONY: all help deps deps-check demo test bench accept fuzz fuzz-run san tsan lint install uninstall clean run-tests golden
+.PHONY: all help deps deps-check demo test bench accept fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP)
 deps-check:
@@ -102,10 +103,12 @@ $(BIN)tests/replay_%: fuzz/%.c fuzz/driver.c $(TEST_HELP) $(BIN)liblightcuts.a
 
 test:
 	@$(MAKE) --no-print-directory deps
-	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory $(JOBS) all test-programs
 	@$(MAKE) --no-print-directory run-tests
 
-run-tests: $(TESTS) $(REPLAYS) $(BIN)lightcuts
+test-programs: $(TESTS) $(REPLAYS) $(BIN)lightcuts
+
+run-tests: test-programs
 	@sh tests/run.sh $(BIN)
 
 golden: build/tests/unit_golden
@@ -115,10 +118,10 @@ golden: build/tests/unit_golden
 SAN_FLAGS := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 san:
 	@$(MAKE) --no-print-directory deps
-	@$(MAKE) --no-print-directory CONFIG=san OPT="-O1 -DLC_DEBUG" SAN="$(SAN_FLAGS)" run-tests
+	@$(MAKE) --no-print-directory $(JOBS) CONFIG=san OPT="-O1 -DLC_DEBUG" SAN="$(SAN_FLAGS)" run-tests
 tsan:
 	@$(MAKE) --no-print-directory deps
-	@$(MAKE) --no-print-directory CONFIG=tsan OPT="-O1" SAN="-fsanitize=thread" run-tests
+	@$(MAKE) --no-print-directory $(JOBS) CONFIG=tsan OPT="-O1" SAN="-fsanitize=thread" run-tests
 
 lint:
 	@sh src/deps/install.sh install lint build $(EXR_GROUP)
@@ -145,7 +148,7 @@ fuzz-run: fuzz
 
 demo:
 	@$(MAKE) --no-print-directory deps
-	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory $(JOBS) all
 	@sh tests/demo.sh build/lightcuts build/demo
 
 build/tests/bench: tests/bench.c $(BIN)liblightcuts.a
