@@ -7,8 +7,8 @@
 # ratio 0.02, cuts of at most 1000. A line passes with a speedup in render seconds above that of the seed report [Miksik07],
 # mean cut at most 260, mean_ratio 0.99..1.01, rel_p50 at most 0.02 and no pixel that is not finite. rel_p99, `over` (share of
 # pixels further than 2 % off) and `limit` (points that met --max-cut) are reported only.
-# Second table: cube with 1,000, 10,000 and 100,000 lights, the median of three renders each; a line passes when mean cut and render seconds are less than 1.6
-# times those of the line above.
+# Second table: cube with 1,000, 10,000 and 100,000 lights, the median of three renders each; a line passes when mean cut and
+# render seconds are less than 1.6 times those of the line above.
 # ACCEPT_SCALE=10 shrinks the films to 10 % of their width and height, to try this script out. Status 1 if a line failed.
 set -eu
 [ $# -ge 2 ] && [ -x "$1" ] || { echo "usage: sh tests/accept.sh BINARY OUTDIR [cornell|stairs|room|cube]..." >&2; exit 2; }
