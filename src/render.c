@@ -255,7 +255,7 @@ static lc_status render_all(job *j, const uint32_t crop[4], lc_render_stats *sta
     if (j->desc->method == LC_METHOD_LIGHTCUTS && j->desc->dark_floor > 0 && j->desc->error_ratio > 0)
         st = prepass(j, &stats->mean_luminance);
     lc_cut_desc cut = { j->desc->error_ratio, j->desc->max_cut, j->desc->dark_floor * (float)stats->mean_luminance };
-    if (j->desc->method == LC_METHOD_EXACT) cut.max_cut = 1; /* the heap is not used */
+    if (j->desc->method == LC_METHOD_EXACT) cut.max_cut = 1; /* no cuts are made */
     if (!st) st = make_workers(j, &cut);
     if (!st) st = lc_film_init(&j->film, j->ctx, crop, f->width, f->height, f->scale, j->desc->aovs);
     if (st) return st;

@@ -8,20 +8,10 @@
 
 #include <stdlib.h>
 
+#define RND_KEY 20240607
+#include "rnd.h"
+
 static lc_context *ctx;
-static uint64_t rng_key = 20240607, rng_ctr;
-
-static double rnd(void) { return lc_unit(lc_hash2(rng_key, rng_ctr++)); }
-static double rnd_in(double lo, double hi) { return lo + (hi - lo) * rnd(); }
-static uint32_t rnd_n(uint32_t n) { return (uint32_t)(rnd() * n); }
-
-static lc_f3 rnd_unit(void)
-{
-    for (;;) {
-        double x = rnd_in(-1, 1), y = rnd_in(-1, 1), z = rnd_in(-1, 1), l2 = x * x + y * y + z * z;
-        if (l2 < 1 && l2 > 1e-3) return lc_f3_normalize(lc_f3_make((float)x, (float)y, (float)z));
-    }
-}
 
 static lc_light rnd_light(lc_light_kind kind)
 {
