@@ -1,9 +1,13 @@
-/* rnd.h - a stream of random numbers for a test; RND_KEY is its seed, defined before. */
+/* rnd.h - a stream of random numbers for a test; RND_KEY, if defined before, is its seed. */
 #ifndef RND_H
 #define RND_H
 
 #include "rng.h"
 #include "vec.h"
+
+#ifndef RND_KEY
+#define RND_KEY 1
+#endif
 
 static uint64_t rng_key = RND_KEY, rng_ctr;
 
