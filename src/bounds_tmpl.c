@@ -169,12 +169,10 @@ static inline vf8 LC_FN(max_lobe)(const lc_point *p, const rel_box *box)
     return vf8_load(c);
 }
 
-static void LC_FN(bounds)(const lc_node_block *const block[LC_KERNEL_BLOCKS], lc_light_kind kind, const lc_point *p, float *ub)
+static inline void LC_FN(bounds_of_four)(const float *const b[4], lc_light_kind kind, const lc_point *p, float *ub)
 {
     static const float origin[3] = { 0, 0, 0 };
     const vf8 zero = SET(0), near = SET(NEAR);
-    const float *b[4];
-    for (int i = 0; i < 4; i++) b[i] = &block[i]->center[0][0];
     rel_box box = LC_FN(rel_box_make)(b, kind == LC_LIGHT_DIRECTIONAL ? origin : p->pos);
     range n = LC_FN(range_make)(&box, LC_FN(set3)(p->n), 1);
     v3 power = FIELD3(b, power);
@@ -189,6 +187,16 @@ static void LC_FN(bounds)(const lc_node_block *const block[LC_KERNEL_BLOCKS], lc
         u = vf8_sel_gt(e, zero, MUL(u, e), zero);
     }
     vf8_store(ub, vf8_sel_gt(lit, zero, u, zero)); /* black: 0 times an infinite geometry */
+}
+
+static void LC_FN(bounds)(const lc_node_block *blocks, const uint32_t *pair, uint32_t n, lc_light_kind kind, const lc_point *p,
+                          float *ub)
+{
+    for (uint32_t i = 0; i < n; i += 4) {
+        const float *b[4]; /* the last one fills up */
+        for (uint32_t k = 0; k < 4; k++) b[k] = &blocks[pair[i + k < n ? i + k : n - 1]].center[0][0];
+        LC_FN(bounds_of_four)(b, kind, p, ub + 2 * i);
+    }
 }
 
 #undef U

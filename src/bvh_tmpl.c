@@ -197,13 +197,13 @@ static inline bool LC_FN(any_hit)(const lc_bvh_data *bvh, const ray *r, float t_
     return false;
 }
 
-static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float (*target)[3], bool far,
+static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
                           uint8_t *hidden)
 {
     ray r;
     for (uint32_t i = 0; i < n; i++) {
         float dir[3];
-        for (int k = 0; k < 3; k++) dir[k] = far ? target[i][k] : target[i][k] - org[k];
+        for (int k = 0; k < 3; k++) dir[k] = far ? target[k][i] : target[k][i] - org[k];
         LC_FN(ray_init)(&r, org, dir);
         hidden[i] = LC_FN(any_hit)(bvh, &r, far ? 0 : LC_SHADOW_EPS, far ? FLT_MAX : 1 - LC_SHADOW_EPS);
     }

@@ -122,12 +122,12 @@ static bool ray_target(const lc_light_rec *light, float target[3])
     return far;
 }
 
-#define SPLITS LC_KERNEL_BLOCKS /* clusters replaced at a time */
+#define SPLITS 4 /* clusters replaced at a time */
 
 /* What one step works on: the clusters taken out and their children, pair by pair. */
 typedef struct {
     lc_cut_node parent[SPLITS], child[2 * SPLITS];
-    _Alignas(32) float ub[2 * SPLITS];
+    _Alignas(64) float ub[LC_LANES];
     uint32_t n;
     const lc_point *point;
     const float *org;
@@ -150,18 +150,17 @@ static void bound_children(const lc_cut *c, step *s)
 {
     const lc_light_tree *t = c->tree;
     for (uint32_t kind = 0; kind <= LC_PAIR_MIXED; kind++) {
-        const lc_node_block *blocks[SPLITS];
-        uint32_t which[SPLITS], n = 0;
-        _Alignas(32) float ub[2 * SPLITS];
-        for (uint32_t i = 0; i < s->n; i++)
-            if (t->pair_kind[s->child[2 * i].id / 2] == kind) which[n++] = i;
+        uint32_t pair[SPLITS], which[SPLITS], n = 0;
+        _Alignas(64) float ub[LC_LANES];
+        for (uint32_t i = 0; i < s->n; i++) {
+            pair[n] = s->child[2 * i].id / 2;
+            if (t->pair_kind[pair[n]] == kind) which[n++] = i;
+        }
         if (kind == LC_PAIR_MIXED) {
             for (uint32_t i = 0; i < n; i++)
                 bounds_of_mixed(c, s->child[2 * which[i]].id, s->point, &s->ub[2 * which[i]]);
         } else if (n) {
-            for (uint32_t i = 0; i < SPLITS; i++)
-                blocks[i] = &t->blocks[s->child[2 * which[i < n ? i : 0]].id / LC_BLOCK];
-            c->bvh->kernels->bounds(blocks, (lc_light_kind)kind, s->point, ub);
+            c->bvh->kernels->bounds(t->blocks, pair, n, (lc_light_kind)kind, s->point, ub);
             for (uint32_t i = 0; i < n; i++) memcpy(&s->ub[2 * which[i]], &ub[2 * i], 2 * sizeof *ub);
         }
     }
@@ -170,13 +169,17 @@ static void bound_children(const lc_cut *c, step *s)
 /* Traces the shadow rays of the n children listed, all far or none, and clears the transfers that are hidden. */
 static void trace(const lc_cut *c, step *s, const uint32_t *list, uint32_t n, bool far)
 {
-    float target[2 * SPLITS][3];
+    float x[3][2 * SPLITS], target[3];
+    const float *const targets[3] = { x[0], x[1], x[2] };
     uint8_t hidden[2 * SPLITS];
     uint32_t m = 0, which[2 * SPLITS];
-    for (uint32_t i = 0; i < n; i++)
-        if (ray_target(&c->tree->lights[s->child[list[i]].rep], target[m]) == far) which[m++] = list[i];
+    for (uint32_t i = 0; i < n; i++) {
+        if (ray_target(&c->tree->lights[s->child[list[i]].rep], target) != far) continue;
+        for (int k = 0; k < 3; k++) x[k][m] = target[k];
+        which[m++] = list[i];
+    }
     if (!m) return;
-    c->bvh->kernels->hidden(&c->bvh->data, s->org, m, (const float(*)[3])target, far, hidden);
+    c->bvh->kernels->hidden(&c->bvh->data, s->org, m, targets, far, hidden);
     *s->rays += m;
     for (uint32_t i = 0; i < m; i++)
         if (hidden[i]) memset(s->child[which[i]].transfer, 0, sizeof s->child[0].transfer);
@@ -312,7 +315,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
 
 /* Lights [first, last), all of one kind of ray. */
 typedef struct {
-    float target[GROUP][3];
+    float target[3][GROUP];
     lc_f3 e[GROUP];
     uint32_t n;
     bool far;
@@ -321,7 +324,8 @@ typedef struct {
 static void flush(ray_group *g, const lc_bvh *bvh, const float org[3], double sum[3])
 {
     uint8_t hidden[GROUP];
-    bvh->kernels->hidden(&bvh->data, org, g->n, (const float(*)[3])g->target, g->far, hidden);
+    const float *const target[3] = { g->target[0], g->target[1], g->target[2] };
+    bvh->kernels->hidden(&bvh->data, org, g->n, target, g->far, hidden);
     for (uint32_t i = 0; i < g->n; i++)
         if (!hidden[i]) sum[0] += (double)g->e[i].x, sum[1] += (double)g->e[i].y, sum[2] += (double)g->e[i].z;
     g->n = 0;
@@ -339,7 +343,9 @@ void lc_exact_shade(const lc_light_tree *t, const lc_bvh *bvh, const lc_point *p
         if (f.x <= 0 && f.y <= 0 && f.z <= 0) continue;
         bool far = rec->kind == LC_LIGHT_DIRECTIONAL;
         if (g.n == GROUP || (g.n && far != g.far)) flush(&g, bvh, org, sum);
-        g.far = ray_target(rec, g.target[g.n]);
+        float target[3];
+        g.far = ray_target(rec, target);
+        for (int k = 0; k < 3; k++) g.target[k][g.n] = target[k];
         g.e[g.n++] = lc_f3_mul(f, lc_f3_load(rec->intensity));
         out->rays++;
     }

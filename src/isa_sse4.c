@@ -6,5 +6,6 @@
 
 #include "bounds_tmpl.c"
 #include "bvh_tmpl.c"
+#include "shade_tmpl.c"
 
-const lc_kernels LC_FN(lc_kernels) = { LC_FN(bounds), LC_FN(closest), LC_FN(hidden) };
+const lc_kernels LC_FN(lc_kernels) = { LC_FN(bounds), LC_FN(estimate), LC_FN(closest), LC_FN(hidden) };

@@ -24,14 +24,22 @@ typedef struct lc_hit {
 #define LC_BVH_MAX_DEPTH 96
 #define LC_BVH_STACK (7 * LC_BVH_MAX_DEPTH + 8)
 
+/* Arrays that kernels write have room for their count rounded up to this; what they put past the count means nothing. */
+#define LC_LANES 16
+
 typedef struct lc_kernels {
-    /* Bounds of four blocks, all of one kind (repeat one to fill up), to ub[8], block by block; see bounds.h. */
-    void (*bounds)(const lc_node_block *const block[LC_KERNEL_BLOCKS], lc_light_kind kind, const lc_point *point, float *ub);
+    /* Bounds of blocks pair[0 .. n), all of one kind, to ub[2 i] and ub[2 i + 1]; see bounds.h. */
+    void (*bounds)(const lc_node_block *blocks, const uint32_t *pair, uint32_t n, lc_light_kind kind,
+                   const lc_point *point, float *ub);
+    /* Transfers of lights index[0 .. n), or 0 .. n - 1 where index is NULL, all of one kind, as lc_shade_light gives
+     * them: R G B to out[0 .. 2], the target of the shadow ray (position, or direction towards the light) to out[3 .. 5]. */
+    void (*estimate)(const lc_light_rec *lights, const uint32_t *index, uint32_t n, lc_light_kind kind,
+                     const lc_point *point, float *const out[6]);
     /* Nearest hit with 0 < t <= t_max; of equal t the lowest triangle id. */
     void (*closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit);
     /* hidden[i] = 1 if a triangle is met on org + t (target i - org) for t in (LC_SHADOW_EPS, 1 - LC_SHADOW_EPS), or,
-     * if `far` is set, on org + t target at any t > 0: targets then are directions. */
-    void (*hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float (*target)[3], bool far,
+     * if `far` is set, on org + t target at any t > 0: targets then are directions. target: x, y, z arrays. */
+    void (*hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
                    uint8_t *hidden);
 } lc_kernels;
 

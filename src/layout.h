@@ -1,7 +1,7 @@
 /* layout.h - every struct that a kernel reads; sizes asserted.
  *
  * Light tree nodes: a block is a pair of siblings, structure of arrays, two cache lines. Node ids are block * 2 + lane.
- * A kernel call bounds four blocks: each field is then four loads of two floats into one vector of eight.
+ * The bounds kernel takes several blocks at a time: a field of four is four loads of two floats into eight lanes.
  * (Blocks of 16 lanes, a cache line a field, lost: a split touched 14 lines for two nodes.)
  *
  *     lane        0     1
@@ -36,7 +36,6 @@ typedef struct lc_node_block {
     float atten[3][LC_BLOCK];  /* point, oriented: least A, B, C of the members */
 } lc_node_block;
 _Static_assert(sizeof(lc_node_block) == 2 * 64, "two cache lines");
-#define LC_KERNEL_BLOCKS 4 /* blocks that one call of the bounds kernel takes */
 
 /* What estimate and bound need to know of one shading point. Filled by lc_point_init (shade.h). */
 typedef struct lc_point {

@@ -58,14 +58,14 @@ static void bench_bounds(const lc_context *ctx, lc_light_kind kind, bool glossy)
     printf("bounds   %-12s %-8s", kinds[kind], glossy ? "phong" : "lambert");
     for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa() && isa <= LC_ISA_AVX2; isa++) {
         const lc_kernels *k = lc_kernels_get((lc_isa)isa);
-        _Alignas(32) float ub[8];
+        _Alignas(64) float ub[LC_LANES];
         double spread, sum = 0;
         for (int r = 0; r < RUNS; r++) {
             double t0 = lc_now();
             for (uint64_t c = 0; c < CALLS; c++) {
-                const lc_node_block *b[4];
-                for (uint64_t j = 0; j < 4; j++) b[j] = &tree->blocks[1 + lc_mix(4 * c + j) % (tree->n_blocks - 1)];
-                k->bounds(b, kind, &p, ub);
+                uint32_t pair[4];
+                for (uint64_t j = 0; j < 4; j++) pair[j] = (uint32_t)(1 + lc_mix(4 * c + j) % (tree->n_blocks - 1));
+                k->bounds(tree->blocks, pair, 4, kind, &p, ub);
                 sum += (double)ub[0];
             }
             times[r] = (lc_now() - t0) / (8.0 * CALLS) * 1e9;
@@ -101,7 +101,8 @@ static void make_mesh(uint32_t n, float **pos, uint32_t **index)
 static void bench_rays(lc_context *ctx, uint32_t n_boxes)
 {
     enum { POINTS = 2000, GROUP = 64 };
-    float *pos, target[GROUP][3];
+    float *pos, x[3][GROUP];
+    const float *const target[3] = { x[0], x[1], x[2] };
     uint32_t *index;
     lc_bvh *bvh;
     double spread;
@@ -124,8 +125,8 @@ static void bench_rays(lc_context *ctx, uint32_t n_boxes)
                 float org[3] = { unit(i, 20) * 10, unit(i, 21) * 4, unit(i, 22) * 10 };
                 uint8_t hidden[GROUP];
                 for (uint64_t j = 0; j < GROUP; j++)
-                    lc_f3_store(target[j], lc_f3_make(unit(j, 23) * 10, 9, unit(j, 24) * 10));
-                lc_kernels_get((lc_isa)isa)->hidden(&bvh->data, org, GROUP, (const float(*)[3])target, false, hidden);
+                    x[0][j] = unit(j, 23) * 10, x[1][j] = 9, x[2][j] = unit(j, 24) * 10;
+                lc_kernels_get((lc_isa)isa)->hidden(&bvh->data, org, GROUP, target, false, hidden);
                 for (int j = 0; j < GROUP; j++) n_hidden += hidden[j];
             }
             times[r] = POINTS * GROUP / (lc_now() - t0) * 1e-6;

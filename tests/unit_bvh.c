@@ -196,11 +196,11 @@ static lc_hit closest(const lc_bvh *b, const float org[3], const float dir[3], f
 static uint8_t hidden(const lc_bvh *b, const float org[3], const float target[3], bool far)
 {
     uint8_t first = 9, other = 9;
-    float list[1][3] = { { target[0], target[1], target[2] } };
-    lc_kernels_get(LC_ISA_SCALAR)->hidden(&b->data, org, 1, (const float(*)[3])list, far, &first);
+    const float *const list[3] = { &target[0], &target[1], &target[2] };
+    lc_kernels_get(LC_ISA_SCALAR)->hidden(&b->data, org, 1, list, far, &first);
     for (int i = 1; i < N_ISAS; i++) {
         if (isas[i] > lc_cpu_isa()) continue;
-        lc_kernels_get(isas[i])->hidden(&b->data, org, 1, (const float(*)[3])list, far, &other);
+        lc_kernels_get(isas[i])->hidden(&b->data, org, 1, list, far, &other);
         CHECK(other == first);
     }
     return first;
@@ -676,12 +676,12 @@ TEST(boxes_lose_no_hit)
             lc_f3 o, to;
             odd_segment((int)i, &o, &to);
             const float org[3] = { o.x, o.y, o.z }, dir[3] = { to.x - o.x, to.y - o.y, to.z - o.z };
-            float list[1][3] = { { to.x, to.y, to.z } };
+            const float *const list[3] = { &to.x, &to.y, &to.z };
             uint8_t got, want;
             lc_hit hit, best;
             if (!(lc_f3_len(lc_f3_load(dir)) > 0)) continue;
-            k->hidden(&b->data, org, 1, (const float(*)[3])list, false, &got);
-            k->hidden(&all, org, 1, (const float(*)[3])list, false, &want);
+            k->hidden(&b->data, org, 1, list, false, &got);
+            k->hidden(&all, org, 1, list, false, &want);
             CHECK(want >= got);
             k->closest(&b->data, org, dir, FLT_MAX, &hit);
             k->closest(&all, org, dir, FLT_MAX, &best);
