@@ -101,19 +101,31 @@ static inline vec8 LC_FN(cross_fused)(vec8 a, vec8 b)
 
 static inline vf8 LC_FN(max_abs)(vec8 a) { return vf8_max(vf8_max(vf8_abs(a.x), vf8_abs(a.y)), vf8_abs(a.z)); }
 
-/* Bits of the lanes whose plane the ray meets at t in (t_min, t_max). Every path decides by this arithmetic. */
-static inline uint32_t LC_FN(plane_in_range)(const lc_tri_block *b, const vf8 o[3], const float d[3], float t_min, float t_max)
+/* The planes of a block's triangles: normal N from the edges, and a.N. Every path decides distances by these. */
+typedef struct {
+    vec8 n;
+    vf8 h;
+} LC_FN(planes);
+
+#define planes LC_FN(planes)
+
+static inline planes LC_FN(planes_of)(const lc_tri_block *b, vec8 a)
 {
-    vec8 v0 = { vf8_load(b->v[0][0]), vf8_load(b->v[0][1]), vf8_load(b->v[0][2]) }, e, f, n, a;
+    vec8 v0 = { vf8_load(b->v[0][0]), vf8_load(b->v[0][1]), vf8_load(b->v[0][2]) }, e, f, n;
     e = (vec8){ vf8_sub(vf8_load(b->v[1][0]), v0.x), vf8_sub(vf8_load(b->v[1][1]), v0.y), vf8_sub(vf8_load(b->v[1][2]), v0.z) };
     f = (vec8){ vf8_sub(vf8_load(b->v[2][0]), v0.x), vf8_sub(vf8_load(b->v[2][1]), v0.y), vf8_sub(vf8_load(b->v[2][2]), v0.z) };
     n = (vec8){ vf8_sub(vf8_mul(e.y, f.z), vf8_mul(e.z, f.y)), vf8_sub(vf8_mul(e.z, f.x), vf8_mul(e.x, f.z)),
                 vf8_sub(vf8_mul(e.x, f.y), vf8_mul(e.y, f.x)) };
-    a = (vec8){ vf8_sub(v0.x, o[0]), vf8_sub(v0.y, o[1]), vf8_sub(v0.z, o[2]) };
-    vf8 h = vf8_add(vf8_add(vf8_mul(a.x, n.x), vf8_mul(a.y, n.y)), vf8_mul(a.z, n.z));
-    vf8 v = vf8_add(vf8_add(vf8_mul(vf8_set(d[0]), n.x), vf8_mul(vf8_set(d[1]), n.y)), vf8_mul(vf8_set(d[2]), n.z));
-    vf8 lo = vf8_mul(vf8_set(t_min), v), hi = vf8_mul(vf8_set(t_max), v);
-    return (vf8_lt(lo, h) & vf8_lt(h, hi)) | (vf8_lt(hi, h) & vf8_lt(h, lo));
+    return (planes){ n, vf8_add(vf8_add(vf8_mul(a.x, n.x), vf8_mul(a.y, n.y)), vf8_mul(a.z, n.z)) };
+}
+
+/* Bits of the lanes whose plane ray i meets at t in (t_min, t_max). */
+static inline uint32_t LC_FN(in_range)(const planes *p, const rays *r, uint32_t i)
+{
+    vf8 dx = vf8_set(r->d[0][i]), dy = vf8_set(r->d[1][i]), dz = vf8_set(r->d[2][i]);
+    vf8 v = vf8_add(vf8_add(vf8_mul(dx, p->n.x), vf8_mul(dy, p->n.y)), vf8_mul(dz, p->n.z));
+    vf8 lo = vf8_mul(r->vt_min, v), hi = vf8_mul(r->vt_max, v);
+    return (vf8_lt(lo, p->h) & vf8_lt(p->h, hi)) | (vf8_lt(hi, p->h) & vf8_lt(p->h, lo));
 }
 
 /* Lanes that ray i passes inside of, by Woop's test. */
@@ -136,6 +148,8 @@ static inline uint32_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r,
     vf8 m = vf8_max(vf8_max(LC_FN(max_abs)(va), LC_FN(max_abs)(vb)), LC_FN(max_abs)(vc));
     vf8 m2 = vf8_mul(vf8_mul(m, m), vf8_set(0x1p-17f));
     uint32_t used = vf8_eq(va.x, va.x);
+    planes p = { va, zero };
+    bool have_planes = false;
     for (; mask; mask &= mask - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(mask);
         vf8 dx = vf8_set(r->d[0][i]), dy = vf8_set(r->d[1][i]), dz = vf8_set(r->d[2][i]);
@@ -146,8 +160,8 @@ static inline uint32_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r,
         vf8 least = vf8_min(vf8_min(u, v), w), most = vf8_max(vf8_max(u, v), w);
         uint32_t in = used & ~(vf8_lt(least, minus_e) & vf8_lt(e, most));
         if (!in) continue;
-        const float d[3] = { r->d[0][i], r->d[1][i], r->d[2][i] };
-        in &= LC_FN(plane_in_range)(b, r->vorg, d, r->t_min, r->t_max);
+        if (!have_planes) p = LC_FN(planes_of)(b, va), have_planes = true;
+        in &= LC_FN(in_range)(&p, r, i);
         if (!in) continue;
         uint32_t sure = vf8_lt(e, least) | vf8_lt(most, minus_e);
         if (!(in & sure)) in &= LC_FN(inside)(b, r, i);
@@ -156,30 +170,87 @@ static inline uint32_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r,
     return stopped;
 }
 
+static inline void LC_FN(prefetch)(const lc_bvh_data *bvh, uint32_t ref)
+{
+    const char *p = ref & LC_BVH_LEAF ? (const char *)&bvh->blocks[ref & ~LC_BVH_LEAF] : (const char *)&bvh->nodes[ref];
+    for (int i = 0; i < 4; i++) __builtin_prefetch(p + 64 * i);
+}
+
+typedef struct {
+    uint32_t ref, mask;
+} LC_FN(visit);
+
+#define visit LC_FN(visit)
+
+/* Pushes inner children, lists the leaves, and asks for all of them to be fetched. */
+static inline void LC_FN(expand)(const lc_bvh_data *bvh, const lc_bvh_node *node, uint32_t bits, const uint32_t *met,
+                                 visit *stack, uint32_t *depth, visit leaf[8], uint32_t *n_leaves)
+{
+    for (; bits; bits &= bits - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(bits), ref = node->child[i];
+        LC_FN(prefetch)(bvh, ref);
+        if (ref & LC_BVH_LEAF) leaf[(*n_leaves)++] = (visit){ ref & ~LC_BVH_LEAF, met[i] };
+        else stack[(*depth)++] = (visit){ ref, met[i] };
+    }
+}
+
+/* One ray through a subtree: true if it is stopped. */
+static inline bool LC_FN(alone)(const lc_bvh_data *bvh, const rays *r, uint32_t i, uint32_t ref, visit *stack)
+{
+    uint32_t n = 0, near[3], far[3];
+    vf8 inv[3], inv_far[3];
+    for (uint32_t k = 0; k < 3; k++) {
+        bool down = r->near[k][i] != 24 * k;
+        near[k] = 8 * k + (down ? 24 : 0), far[k] = 8 * k + (down ? 0 : 24);
+        inv[k] = vf8_set(r->inv[k][i]);
+        inv_far[k] = vf8_set(r->inv[k][i] * FAR_SLACK);
+    }
+    for (;;) {
+        const lc_bvh_node *node = &bvh->nodes[ref];
+        const float *f = &node->lo[0][0];
+        vf8 n0 = vf8_mul(vf8_sub(vf8_load(f + near[0]), r->vorg[0]), inv[0]);
+        vf8 n1 = vf8_mul(vf8_sub(vf8_load(f + near[1]), r->vorg[1]), inv[1]);
+        vf8 n2 = vf8_mul(vf8_sub(vf8_load(f + near[2]), r->vorg[2]), inv[2]);
+        vf8 f0 = vf8_mul(vf8_sub(vf8_load(f + far[0]), r->vorg[0]), inv_far[0]);
+        vf8 f1 = vf8_mul(vf8_sub(vf8_load(f + far[1]), r->vorg[1]), inv_far[1]);
+        vf8 f2 = vf8_mul(vf8_sub(vf8_load(f + far[2]), r->vorg[2]), inv_far[2]);
+        uint32_t bits = vf8_le(vf8_max(vf8_max(n0, n1), vf8_max(n2, r->vt_min)),
+                               vf8_min(vf8_min(f0, f1), vf8_min(f2, r->vt_max)));
+        uint32_t leaf[8], n_leaves = 0;
+        for (; bits; bits &= bits - 1) {
+            uint32_t child = node->child[__builtin_ctz(bits)];
+            LC_FN(prefetch)(bvh, child);
+            if (child & LC_BVH_LEAF) leaf[n_leaves++] = child & ~LC_BVH_LEAF;
+            else stack[n++].ref = child;
+        }
+        for (uint32_t k = 0; k < n_leaves; k++)
+            if (LC_FN(stream_block)(&bvh->blocks[leaf[k]], r, 1u << i)) return true;
+        if (!n) return false;
+        ref = stack[--n].ref;
+    }
+}
+
 /* Mask of the n <= STREAM rays that are stopped. */
 static inline uint32_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint32_t n)
 {
-    struct {
-        uint32_t ref, mask;
-    } stack[LC_BVH_STACK];
+    visit stack[LC_BVH_STACK], leaf[8];
     _Alignas(32) uint32_t met[8];
     uint32_t alive = n < 32 ? (1u << n) - 1 : ~0u, all = alive, depth = 0;
-    if (bvh->n_nodes) stack[depth].ref = 0, stack[depth++].mask = alive;
+    if (bvh->n_nodes) stack[depth++] = (visit){ 0, alive };
     while (depth) {
-        uint32_t mask = stack[--depth].mask & alive;
+        visit v = stack[--depth];
+        uint32_t mask = v.mask & alive, n_leaves = 0;
         if (!mask) continue;
-        const lc_bvh_node *node = &bvh->nodes[stack[depth].ref];
+        if (!(mask & (mask - 1))) {
+            if (LC_FN(alone)(bvh, r, (uint32_t)__builtin_ctz(mask), v.ref, stack + depth)) alive &= ~mask;
+            continue;
+        }
+        const lc_bvh_node *node = &bvh->nodes[v.ref];
         vu8 m = LC_FN(stream_boxes)(node, r, mask);
         vu8_store(met, m);
-        for (uint32_t bits = vu8_nonzero(m); bits; bits &= bits - 1) {
-            uint32_t i = (uint32_t)__builtin_ctz(bits), ref = node->child[i];
-            if (!(ref & LC_BVH_LEAF)) {
-                stack[depth].ref = ref, stack[depth++].mask = met[i];
-            } else if (met[i] & alive) {
-                alive &= ~LC_FN(stream_block)(&bvh->blocks[ref & ~LC_BVH_LEAF], r, met[i] & alive);
-                if (!alive) return all;
-            }
-        }
+        LC_FN(expand)(bvh, node, vu8_nonzero(m), met, stack, &depth, leaf, &n_leaves);
+        for (uint32_t i = 0; i < n_leaves; i++)
+            if (leaf[i].mask & alive) alive &= ~LC_FN(stream_block)(&bvh->blocks[leaf[i].ref], r, leaf[i].mask & alive);
     }
     return all & ~alive;
 }
@@ -199,4 +270,6 @@ static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n
 
 #undef rays
 #undef vec8
+#undef planes
+#undef visit
 #undef STREAM
