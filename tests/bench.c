@@ -56,7 +56,7 @@ static void bench_bounds(const lc_context *ctx, lc_light_kind kind, bool glossy)
     lc_point_init(&p, lc_f3_make(5, 0, 5), lc_f3_make(0, 1, 0), lc_f3_normalize(lc_f3_make(1, 1, 0)), &m, 1e-8f);
     static const char *const kinds[] = { "point", "oriented", "directional" };
     printf("bounds   %-12s %-8s", kinds[kind], glossy ? "phong" : "lambert");
-    for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa() && isa <= LC_ISA_AVX2; isa++) {
+    for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa(); isa++) {
         const lc_kernels *k = lc_kernels_get((lc_isa)isa);
         _Alignas(64) float ub[LC_LANES];
         double spread, sum = 0;
@@ -117,7 +117,7 @@ static void bench_rays(lc_context *ctx, uint32_t n_boxes)
     printf("bvh      %8u triangles  build %8.2f +- %.2f ms, %u nodes\n", 12 * (n_boxes + 1), s * 1e3, spread * 1e3,
            bvh->data.n_nodes);
     printf("rays     %8u triangles ", 12 * (n_boxes + 1));
-    for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa() && isa <= LC_ISA_AVX2; isa++) {
+    for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa(); isa++) {
         uint64_t n_hidden = 0;
         for (int r = 0; r < RUNS; r++) {
             double t0 = lc_now();
