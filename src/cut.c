@@ -111,7 +111,7 @@ static void choose(lc_cut *c, double limit, uint32_t room)
     }
 }
 
-/* What one step works on: parents of one kind and their children, pair by pair. */
+/* What one step works on: some parents and their children, pair by pair, runs of one kind after each other. */
 typedef struct {
     const lc_cut_node *parent;
     uint32_t n;
@@ -121,9 +121,10 @@ typedef struct {
     double limit;
     uint32_t fresh[BATCH];                  /* which child of a pair has a new representative */
     uint32_t light[BATCH];                  /* that representative */
-    _Alignas(64) float ub[2 * BATCH];
-    _Alignas(64) float f[3][BATCH];         /* M G V of new representatives */
-    _Alignas(64) float target[3][BATCH];    /* of their shadow rays */
+    _Alignas(64) float ub[2 * BATCH + LC_LANES];
+    float f[3][BATCH];                      /* M G V of new representatives */
+    uint32_t n_rays[2], which[2][BATCH];    /* [0] near targets, [1] far ones: pairs whose representative is traced */
+    float target[2][3][BATCH];
 } step;
 
 /* Bounds of both nodes of the pair below a virtual node, where each has its own kind. */
@@ -159,56 +160,57 @@ static void find_children(const lc_cut *c, step *s)
     }
 }
 
-static void bound_children(const lc_cut *c, step *s, uint32_t kind)
+/* Bounds of the children of parents [first, first + n), all of one kind. */
+static void bound_children(const lc_cut *c, step *s, uint32_t first, uint32_t n, uint32_t kind)
 {
     uint32_t pair[BATCH];
-    for (uint32_t i = 0; i < s->n; i++) pair[i] = s->parent[i].link / LC_BLOCK;
-    if (kind != LC_PAIR_MIXED) c->bvh->kernels->bounds(c->tree->blocks, pair, s->n, (lc_light_kind)kind, s->point, s->ub);
-    for (uint32_t i = 0; i < s->n && kind == LC_PAIR_MIXED; i++) bounds_of_mixed(c, pair[i], s->point, &s->ub[2 * i]);
+    _Alignas(64) float ub[2 * BATCH];
+    for (uint32_t i = 0; i < n; i++) pair[i] = s->parent[first + i].link / LC_BLOCK;
+    if (kind != LC_PAIR_MIXED) c->bvh->kernels->bounds(c->tree->blocks, pair, n, (lc_light_kind)kind, s->point, ub);
+    else for (uint32_t i = 0; i < n; i++) bounds_of_mixed(c, pair[i], s->point, &ub[2 * i]);
+    memcpy(s->ub + 2 * first, ub, 2 * n * sizeof *ub);
 }
 
-/* Traces the rays to the new representatives of pairs which[0 .. n) and clears the transfers that are hidden. */
-static void trace(const lc_cut *c, step *s, const uint32_t *which, uint32_t n, bool far)
-{
-    uint8_t hidden[BATCH];
-    const float *const target[3] = { s->target[0], s->target[1], s->target[2] };
-    if (!n) return;
-    c->bvh->kernels->hidden(&c->bvh->data, s->org, n, target, far, hidden);
-    *s->rays += n;
-    for (uint32_t i = 0; i < n; i++)
-        for (int k = 0; k < 3 && hidden[i]; k++) s->f[k][which[i]] = 0;
-}
-
-/* M G V of the new representatives of the pairs which[0 .. n), all of one kind: an estimate each and, unless that is 0,
- * a shadow ray. */
-static void shade_pairs(const lc_cut *c, step *s, const uint32_t *which, uint32_t n, lc_light_kind kind)
+/* M G of the new representatives of pairs which[0 .. n), all of one kind; lists the shadow rays of those above 0. */
+static void estimate(const lc_cut *c, step *s, const uint32_t *which, uint32_t n, lc_light_kind kind)
 {
     _Alignas(64) float f[6][BATCH];
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
-    uint32_t light[BATCH], lit[BATCH], n_lit = 0;
+    uint32_t light[BATCH], far = kind == LC_LIGHT_DIRECTIONAL, m = s->n_rays[far];
     for (uint32_t i = 0; i < n; i++) light[i] = s->light[which[i]];
     if (n) c->bvh->kernels->estimate(c->tree->lights, light, n, kind, s->point, out);
     for (uint32_t i = 0; i < n; i++) {
-        for (int k = 0; k < 3; k++) s->f[k][which[i]] = f[k][i], s->target[k][n_lit] = f[3 + k][i];
-        lit[n_lit] = which[i];
-        n_lit += f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0;
+        for (int k = 0; k < 3; k++) s->f[k][which[i]] = f[k][i], s->target[far][k][m] = f[3 + k][i];
+        s->which[far][m] = which[i];
+        m += f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0;
     }
-    trace(c, s, lit, n_lit, kind == LC_LIGHT_DIRECTIONAL);
+    s->n_rays[far] = m;
 }
 
-static void shade_children(const lc_cut *c, step *s, uint32_t kind)
+static void estimate_children(const lc_cut *c, step *s, uint32_t first, uint32_t n, uint32_t kind)
 {
-    uint32_t which[BATCH], n = 0;
-    if (kind != LC_PAIR_MIXED) {
-        for (uint32_t i = 0; i < s->n; i++) {
-            which[n] = i;
-            n += s->ub[2 * i + s->fresh[i]] > 0;
-        }
-        shade_pairs(c, s, which, n, (lc_light_kind)kind);
-        return;
+    uint32_t which[BATCH], m = 0;
+    for (uint32_t i = first; i < first + n; i++) {
+        which[m] = i;
+        m += s->ub[2 * i + s->fresh[i]] > 0;
     }
-    for (uint32_t i = 0; i < s->n; i++)
-        if (s->ub[2 * i + s->fresh[i]] > 0) shade_pairs(c, s, &i, 1, (lc_light_kind)c->tree->lights[s->light[i]].kind);
+    if (kind != LC_PAIR_MIXED) estimate(c, s, which, m, (lc_light_kind)kind);
+    else for (uint32_t i = 0; i < m; i++) estimate(c, s, &which[i], 1, (lc_light_kind)c->tree->lights[s->light[which[i]]].kind);
+}
+
+/* Traces the shadow rays listed and clears the transfers that are hidden. */
+static void trace(const lc_cut *c, step *s)
+{
+    uint8_t hidden[BATCH];
+    for (uint32_t far = 0; far < 2; far++) {
+        const float *const target[3] = { s->target[far][0], s->target[far][1], s->target[far][2] };
+        if (!s->n_rays[far]) continue;
+        c->bvh->kernels->hidden(&c->bvh->data, s->org, s->n_rays[far], target, far, hidden);
+        *s->rays += s->n_rays[far];
+        for (uint32_t i = 0; i < s->n_rays[far]; i++)
+            for (int k = 0; k < 3 && hidden[i]; k++) s->f[k][s->which[far][i]] = 0;
+        s->n_rays[far] = 0;
+    }
 }
 
 /* Puts a cluster into the cut: to the done ones when nothing about it is left to refine. Returns its luminance. */
@@ -231,8 +233,7 @@ static double place(lc_cut *c, lc_cut_node *node, uint32_t parent_kind, double l
     return (double)node->lum;
 }
 
-/* Puts the children into the cut. Returns the change of the total's luminance. */
-static double place_children(lc_cut *c, const step *s, uint32_t kind)
+static double place_children(lc_cut *c, const step *s)
 {
     double change = 0;
     for (uint32_t i = 0; i < s->n; i++) {
@@ -244,27 +245,31 @@ static double place_children(lc_cut *c, const step *s, uint32_t kind)
             node.rep = fresh ? s->light[i] : parent->rep;
             for (int j = 0; j < 3; j++) node.transfer[j] = fresh ? s->f[j][i] : parent->transfer[j];
             if (!(node.bound > 0)) node.transfer[0] = node.transfer[1] = node.transfer[2] = 0;
-            change += place(c, &node, kind, s->limit);
+            change += place(c, &node, parent->kind, s->limit);
         }
     }
     return change;
 }
 
-/* Replaces the chosen clusters by their children, runs of one kind at a time. */
+/* Replaces the chosen clusters by their children. Returns the change of the total's luminance. */
 static double split_chosen(lc_cut *c, step *s, lc_stats *stats)
 {
     double change = 0;
     uint32_t n = c->n_split;
     c->n_split = 0;
     stats->bounds += 2 * n;
-    for (uint32_t i = 0; i < n; i += s->n) {
-        uint32_t kind = c->split[i].kind;
-        for (s->n = 1; s->n < BATCH && i + s->n < n && c->split[i + s->n].kind == kind; s->n++) {}
-        s->parent = &c->split[i];
+    for (uint32_t at = 0; at < n; at += s->n) {
+        s->parent = &c->split[at];
+        s->n = n - at < BATCH ? n - at : BATCH;
         find_children(c, s);
-        bound_children(c, s, kind);
-        shade_children(c, s, kind);
-        change += place_children(c, s, kind);
+        for (uint32_t i = 0, run; i < s->n; i += run) {
+            uint32_t kind = s->parent[i].kind;
+            for (run = 1; i + run < s->n && s->parent[i + run].kind == kind; run++) {}
+            bound_children(c, s, i, run, kind);
+            estimate_children(c, s, i, run, kind);
+        }
+        trace(c, s);
+        change += place_children(c, s);
     }
     return change;
 }
@@ -282,7 +287,8 @@ static double place_root(lc_cut *c, step *s, lc_stats *stats)
     }
     if (root.bound > 0) {
         s->light[0] = root.rep;
-        shade_pairs(c, s, &first, 1, (lc_light_kind)t->lights[root.rep].kind);
+        estimate(c, s, &first, 1, (lc_light_kind)t->lights[root.rep].kind);
+        trace(c, s);
         for (int k = 0; k < 3; k++) root.transfer[k] = s->f[k][0];
     }
     return place(c, &root, is_virtual ? LC_PAIR_MIXED : t->pair_kind[0], 0);
@@ -312,6 +318,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     double ratio = (double)c->desc.error_ratio, floor_lum = (double)c->desc.floor;
     step s;
     s.point = p, s.org = org, s.rays = &out->rays;
+    s.n_rays[0] = s.n_rays[1] = 0;
     *out = (lc_cut_result){ 0 };
     c->n_open = c->n_split = c->n_left = c->n_done = 0;
     c->worst_left = 0;

@@ -6,9 +6,9 @@
  * Triangles a, b, c relative to the origin; a ray along d passes inside where the volumes d.(b x c), d.(c x a), d.(a x b)
  * have one sign. That is Woop's edge functions times the direction's largest component, in other arithmetic: with u = 2^-24
  * and M the largest coordinate of a, b, c, Woop's sheared vertices are within 4uM of the exact ones, its edge functions
- * then within 32 u M^2; cross and dot products here are within 30 u M^2 max|d|. So beyond E = 2^-17 M^2 max|d|, twice
- * their sum, the sign is the sign Woop's test finds; where a volume is nearer to 0 that test itself is asked. Filter and
- * fallback give the answer of Woop's test for every ray, whatever company it travels in.
+ * then within 32 u M^2; cross and dot products here are within 30 u M^2 max|d|. So beyond E = 64 u M^2 max|d| the sign is
+ * the sign Woop's test finds; where a volume is nearer to 0 that test itself is asked. Filter and fallback give the answer
+ * of Woop's test for every ray, whatever company it travels in.
  *
  * The distance is that to the triangle's plane, a.N / d.N with N from the edges: better than Woop's interpolated one, and
  * needs no division.
@@ -146,7 +146,7 @@ static inline uint32_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r,
     vec8 va = LC_FN(rel)(b->v[0], r->vorg), vb = LC_FN(rel)(b->v[1], r->vorg), vc = LC_FN(rel)(b->v[2], r->vorg);
     vec8 n0 = LC_FN(cross_fused)(vb, vc), n1 = LC_FN(cross_fused)(vc, va), n2 = LC_FN(cross_fused)(va, vb);
     vf8 m = vf8_max(vf8_max(LC_FN(max_abs)(va), LC_FN(max_abs)(vb)), LC_FN(max_abs)(vc));
-    vf8 m2 = vf8_mul(vf8_mul(m, m), vf8_set(0x1p-17f));
+    vf8 m2 = vf8_mul(vf8_mul(m, m), vf8_set(0x1p-18f));
     uint32_t used = vf8_eq(va.x, va.x);
     planes p = { va, zero };
     bool have_planes = false;
