@@ -30,10 +30,10 @@
 typedef struct lc_node_block {
     float center[3][LC_BLOCK]; /* world space */
     float half[3][LC_BLOCK];   /* >= 0, rounded up */
+    float atten[3][LC_BLOCK];  /* point, oriented: least A, B, C of the members */
     float power[3][LC_BLOCK];  /* summed intensity R G B, rounded up; also what the estimate uses */
     float axis[3][LC_BLOCK];   /* oriented: unit axis of the cone that holds every emission direction */
     float cos_cone[LC_BLOCK];  /* oriented: cosine of its half angle, rounded down; -1 = all directions */
-    float atten[3][LC_BLOCK];  /* point, oriented: least A, B, C of the members */
 } lc_node_block;
 _Static_assert(sizeof(lc_node_block) == 2 * 64, "two cache lines");
 

@@ -9,8 +9,8 @@
  *     vf_pairs(p, at, out)    nodes: p[i] + at has field f of lanes 2i, 2i + 1, then field f + 1 of them: to out[0], out[1]
  *     vf_rows(p, at, out)     records: p[i] + at has four floats of lane i: transposed to out[0 .. 3]
  *     vd_low, vd_high, vf_of  halves of a vf to double and back, rounded to nearest
- *     vd_exponent, vd_mantissa  x = mantissa 2^exponent with mantissa in [1, 2), x > 0 and normal
- *     vd_pow2(k)              2^k, k whole and in -1022 .. 1023
+ *     vf_exponent, vf_mantissa, vd_..  x = mantissa 2^exponent with mantissa in [1, 2), x > 0 and normal
+ *     vf_pow2(k), vd_pow2(k)  2^k, k whole, 2^k normal
  */
 #ifndef LC_SIMD_WIDE_H
 #define LC_SIMD_WIDE_H
@@ -18,6 +18,7 @@
 #include "base.h"
 
 #include <math.h>
+#include <string.h>
 
 #define LC_INLINE static inline __attribute__((always_inline))
 
@@ -47,6 +48,21 @@ LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
 {
     for (size_t k = 0; k < 4; k++) out[k] = p[0][at + k];
 }
+LC_INLINE uint32_t vf_bits(float a)
+{
+    uint32_t bits;
+    memcpy(&bits, &a, sizeof bits);
+    return bits;
+}
+LC_INLINE vf vf_of_bits(uint32_t bits)
+{
+    float a;
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
+LC_INLINE vf vf_exponent(vf x) { return (float)((int)(vf_bits(x) >> 23) - 127); }
+LC_INLINE vf vf_mantissa(vf x) { return vf_of_bits((vf_bits(x) & 0x7fffff) | vf_bits(1)); }
+LC_INLINE vf vf_pow2(vf k) { return vf_of_bits((uint32_t)((int)k + 127) << 23); }
 
 #else
 
@@ -105,6 +121,8 @@ LC_INLINE vf vf_of(vd low, vd high) { return _mm_movelh_ps(_mm_cvtpd_ps(low), _m
 #define VD_SET_BITS(a) _mm_set1_epi64x(a)
 #define VD_CAST(a) _mm_castpd_si128(a)
 #define VD_OF_BITS(a) _mm_castsi128_pd(a)
+#define VF_CAST(a) _mm_castps_si128(a)
+#define VF_OF_BITS(a) _mm_castsi128_ps(a)
 
 #elif LC_ISA_LEVEL == 2
 
@@ -164,6 +182,8 @@ LC_INLINE vf vf_of(vd low, vd high) { return _mm256_set_m128(_mm256_cvtpd_ps(hig
 #define VD_SET_BITS(a) _mm256_set1_epi64x(a)
 #define VD_CAST(a) _mm256_castpd_si256(a)
 #define VD_OF_BITS(a) _mm256_castsi256_pd(a)
+#define VF_CAST(a) _mm256_castps_si256(a)
+#define VF_OF_BITS(a) _mm256_castsi256_ps(a)
 
 #elif LC_ISA_LEVEL == 3
 
@@ -232,12 +252,26 @@ LC_INLINE vf vf_of(vd low, vd high)
 #define VD_SET_BITS(a) _mm512_set1_epi64(a)
 #define VD_CAST(a) _mm512_castpd_si512(a)
 #define VD_OF_BITS(a) _mm512_castsi512_pd(a)
+#define VF_CAST(a) _mm512_castps_si512(a)
+#define VF_OF_BITS(a) _mm512_castsi512_ps(a)
 
 #endif
 
 #if LC_ISA_LEVEL > 0
 
-#define VD_2_52 0x1p52 /* whole numbers below it stand in the low bits of their sum with it */
+/* Whole numbers below these stand in the low bits of their sum with them. */
+#define VF_2_23 0x1p23f
+#define VD_2_52 0x1p52
+
+LC_INLINE vf vf_exponent(vf x)
+{
+    return vf_sub(VF_OF_BITS(VD_OR(VD_BITS(srli_epi32)(VF_CAST(x), 23), VF_CAST(vf_set(VF_2_23)))), vf_set(VF_2_23 + 127));
+}
+LC_INLINE vf vf_mantissa(vf x)
+{
+    return VF_OF_BITS(VD_OR(VD_AND(VF_CAST(x), VD_BITS(set1_epi32)(0x7fffff)), VF_CAST(vf_set(1))));
+}
+LC_INLINE vf vf_pow2(vf k) { return VF_OF_BITS(VD_BITS(slli_epi32)(VF_CAST(vf_add(k, vf_set(VF_2_23 + 127))), 23)); }
 
 LC_INLINE vd vd_exponent(vd x)
 {
