@@ -68,8 +68,23 @@ static void make_leaf(const lc_bvh_builder *b, const lc_bvh_range *r)
     node->info = LC_BIN_LEAF | r->count << LC_BIN_COUNT_SHIFT;
 }
 
-/* costs: scratch for 2 task_max nodes. Returns the costs of the subtree's root. */
-static lc_bvh_costs make_subtree(const lc_bvh_builder *b, const lc_bvh_range *root, lc_bvh_costs *costs)
+/* Costs of node i of a subtree, in the place of a ref: once all leaves are made these are of no use. */
+static lc_bvh_costs *costs_of(const lc_bvh_builder *b, const lc_bvh_range *root, uint32_t i)
+{
+    _Static_assert(sizeof(lc_bvh_costs) <= sizeof(lc_bvh_ref), "fits");
+    return (lc_bvh_costs *)(void *)&b->refs[i % 2][root->first + i / 2];
+}
+
+/* Children have their plans. */
+static lc_bvh_costs plan_node(const lc_bvh_builder *b, const lc_bvh_range *root, lc_bin_node *n)
+{
+    if (n->info & LC_BIN_LEAF) return lc_bvh_plan(n, NULL, NULL);
+    uint32_t left = n->left - (2 * root->first + 2);
+    return lc_bvh_plan(n, costs_of(b, root, left), costs_of(b, root, left + 1));
+}
+
+/* Returns the costs of the subtree's root. Its other nodes stand from 2 first + 2 on, children after their parents. */
+static lc_bvh_costs make_subtree(const lc_bvh_builder *b, const lc_bvh_range *root)
 {
     lc_bvh_range stack[LC_BVH_MAX_DEPTH + 1], half[2];
     const uint32_t first = 2 * root->first + 2;
@@ -85,52 +100,40 @@ static lc_bvh_costs make_subtree(const lc_bvh_builder *b, const lc_bvh_range *ro
             make_leaf(b, &r);
         }
     }
-    /* Children stand after their parents. */
-    for (uint32_t i = next; i-- > first;) {
-        lc_bin_node *n = &b->nodes[i];
-        lc_bvh_costs *c = n->info & LC_BIN_LEAF ? NULL : &costs[n->left - first];
-        costs[i - first] = lc_bvh_plan(n, c);
-    }
-    lc_bin_node *n = &b->nodes[root->node];
-    return lc_bvh_plan(n, n->info & LC_BIN_LEAF ? NULL : &costs[n->left - first]);
+    for (uint32_t i = next; i-- > first;) *costs_of(b, root, i - first) = plan_node(b, root, &b->nodes[i]);
+    return plan_node(b, root, &b->nodes[root->node]);
 }
 
 typedef struct {
     lc_bvh_builder *b;
     uint32_t *heads; /* of the subtrees */
-    lc_bvh_costs *costs;
 } subtree_loop;
 
 static void subtree_item(void *user, uint32_t thread, uint64_t item)
 {
     const subtree_loop *l = user;
     lc_bvh_head *head = &l->b->heads[l->heads[item]];
-    head->costs = make_subtree(l->b, &head->range, l->costs + (size_t)thread * 2 * l->b->task_max);
+    (void)thread;
+    head->costs = make_subtree(l->b, &head->range);
 }
 
 static lc_status make_subtrees(lc_bvh_builder *b)
 {
-    const size_t n_costs = (size_t)b->ctx->n_threads * 2 * b->task_max;
-    subtree_loop l = { b, lc_alloc(b->ctx, b->n_heads, sizeof *l.heads), NULL };
+    subtree_loop l = { b, lc_alloc(b->ctx, b->n_heads, sizeof *l.heads) };
+    uint64_t n = 0;
     if (!l.heads) return LC_ERR_MEMORY;
-    l.costs = lc_alloc_raw(b->ctx, n_costs, sizeof *l.costs);
-    if (l.costs) {
-        uint64_t n = 0;
-        for (uint32_t h = 0; h < b->n_heads; h++)
-            if (!b->heads[h].left) l.heads[n++] = h;
-        lc_parallel(b->ctx, n, subtree_item, &l);
-        for (size_t h = b->n_heads; h-- > 0;) {
-            lc_bvh_head *head = &b->heads[h];
-            if (!head->left) continue;
-            const lc_bvh_costs pair[2] = { b->heads[head->left].costs, b->heads[head->left + 1].costs };
-            lc_bin_node *node = &b->nodes[head->range.node];
-            head->costs = lc_bvh_plan(node, pair);
-            node->info |= LC_BIN_TOP;
-        }
-    }
+    for (uint32_t h = 0; h < b->n_heads; h++)
+        if (!b->heads[h].left) l.heads[n++] = h;
+    lc_parallel(b->ctx, n, subtree_item, &l);
     lc_free(b->ctx, l.heads, b->n_heads, sizeof *l.heads);
-    lc_free(b->ctx, l.costs, n_costs, sizeof *l.costs);
-    return l.costs ? LC_OK : LC_ERR_MEMORY;
+    for (size_t h = b->n_heads; h-- > 0;) {
+        lc_bvh_head *head = &b->heads[h];
+        lc_bin_node *node = &b->nodes[head->range.node];
+        if (!head->left) continue;
+        head->costs = lc_bvh_plan(node, &b->heads[head->left].costs, &b->heads[head->left + 1].costs);
+        node->info |= LC_BIN_TOP;
+    }
+    return LC_OK;
 }
 
 /* ---- ranges too large for one thread ---- */

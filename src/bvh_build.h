@@ -102,8 +102,8 @@ f4_box lc_bvh_centroids_of(const lc_bvh_ref *refs, uint32_t count);
 
 /* ---- bvh_collapse.c ---- */
 
-/* Plans a node whose two children have been planned; child: their costs, NULL for a leaf. */
-lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs child[2]);
+/* Plans a node whose children cost this; a leaf's are NULL. */
+lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_bvh_costs *right);
 /* Nodes and blocks of bvh from the binary nodes, all planned. */
 lc_status lc_bvh_collapse(lc_bvh_builder *b, lc_bvh *bvh);
 

@@ -4,6 +4,10 @@
 
 #include "vec.h"
 
+#define EVEN 0.02f /* of a block, for each triangle */
+#define MIN_BINS 4
+#define BIN_SHARE 4 /* refs a bin more */
+
 void lc_bvh_make_refs(const lc_bvh_builder *b, uint32_t first, uint32_t count, f4_box *box, f4_box *centroids)
 {
     *box = *centroids = f4_box_empty();
@@ -27,7 +31,7 @@ void lc_bvh_make_refs(const lc_bvh_builder *b, uint32_t first, uint32_t count, f
 lc_bvh_binning lc_bvh_binning_of(const lc_bvh_range *range)
 {
     _Alignas(16) float extent[4], scale[4] = { 0, 0, 0, 0 };
-    uint32_t n = 4 + range->count / 4;
+    uint32_t n = MIN_BINS + range->count / BIN_SHARE;
     if (n > LC_BVH_BINS) n = LC_BVH_BINS;
     f4_store(extent, f4_sub(range->centroids.hi, range->centroids.lo));
     for (int k = 0; k < 3; k++) {
@@ -72,7 +76,7 @@ void lc_bvh_add_to_bins(lc_bvh_bins *bins, const lc_bvh_binning *by, const lc_bv
 /* Blocks that n triangles fill, and a little for each triangle: even halves are preferred between the steps. */
 static f4 blocks_of(i4 n)
 {
-    return f4_add(f4_from_i4(i4_div8(i4_add(n, i4_set(7)))), f4_mul(f4_from_i4(n), f4_set(0.0025f)));
+    return f4_add(f4_from_i4(i4_div8(i4_add(n, i4_set(7)))), f4_mul(f4_from_i4(n), f4_set(EVEN)));
 }
 
 uint32_t lc_bvh_count_left(const lc_bvh_bins *bins, const lc_bvh_split *split)
