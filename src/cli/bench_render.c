@@ -17,7 +17,7 @@
 #include <string.h>
 
 #define RUNS 3
-#define MAX_TARGETS ((size_t)48 << 20) /* shadow rays kept at most: 12 bytes each */
+#define MAX_TARGETS ((size_t)80 << 20) /* shadow rays kept at most, 12 bytes each: below 1 GiB */
 #define GROUPS 64  /* shading points handed to a thread at a time */
 #define CAMERAS 1024
 
@@ -98,7 +98,7 @@ static lc_status record(job *j, const bench_options *o)
 {
     lc_context *single = cli_context(1, o->isa, -1);
     if (!single) return LC_ERR_MEMORY;
-    uint64_t every = 1 + j->stats.shadow_rays / (MAX_TARGETS / 8 * 7);
+    uint64_t every = 1 + j->stats.shadow_rays / (MAX_TARGETS / 16 * 15);
     uint64_t want = j->stats.shadow_rays / 8 * 9 + (1 << 20); /* the pre-pass is not counted */
     lc_status st = bench_record_start(&j->rec, j->ctx, j->scene->bvh, every, want < MAX_TARGETS ? (size_t)want : MAX_TARGETS);
     if (!st) {
@@ -164,8 +164,8 @@ static void print_text(const job *j, const bench_options *o, const figures *f)
            f->render.best, (ull)j->stats.points, f->per_point, f->render_rate);
     printf("rays      median %.3f s, best %.3f s: shadow rays %.3f s, %.2f Mrays/s; camera rays %.3f s, %.2f Mrays/s\n",
            f->rays.median, f->rays.best, f->shadow.median, f->shadow_rate, f->camera.median, f->camera_rate);
-    printf("recorded  %.1f %% of %llu shadow rays in %zu groups; the time of the rays is scaled to all\n", 100 * f->share,
-           (ull)j->rec.n_shadow_seen, j->rec.n_groups);
+    printf("recorded  %.1f %% of %llu shadow rays in %zu groups%s\n", 100 * f->share, (ull)j->rec.n_shadow_seen, j->rec.n_groups,
+           f->share < 1 ? "; the time of the rays is scaled to all" : "");
     printf("speed     %.3f of the rays' alone (shadow rays a second of the render and of the rays)\n",
            ratio_of(f->render_rate, f->shadow_rate));
     printf("ratio     %.3f (of the medians; %.3f of the best)\n", f->ratio, f->ratio_best);
@@ -177,7 +177,7 @@ static void print_json(const job *j, const bench_options *o, const figures *f, u
     bench_json_next(true);
     printf("{\"scene\": ");
     cli_json_text(stdout, o->scene);
-    printf(", \"triangles\": %zu, \"lights\": %zu, \"method\": \"%s\", \"error_ratio\": %.9g, \"max_cut\": %u, \"isa\": \"%s\", "
+    printf(", \"triangles\": %zu, \"lights\": %zu, \"method\": \"%s\", \"error_ratio\": %.6g, \"max_cut\": %u, \"isa\": \"%s\", "
            "\"runs\": %u,\n",
            j->scene->n_tris, j->scene->n_lights, method_name(o), (double)o->render.error_ratio, o->render.max_cut,
            lc_isa_name(j->ctx->isa), n_runs);
