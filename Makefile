@@ -73,7 +73,7 @@ build/deps/openexr/lib/libOpenEXRCore.a: | deps-check
 # ---- library and program ----
 
 $(OUT)/src/isa_sse4.o: ISA_FLAGS := -msse4.1
-$(OUT)/src/isa_avx2.o: ISA_FLAGS := -mavx2
+$(OUT)/src/isa_avx2.o: ISA_FLAGS := -mavx2 -mfma
 $(OUT)/src/image_exr.o: ISA_FLAGS := $(EXR_INC)
 
 $(OUT)/%.o: %.c Makefile | $(EXR_LIB) deps-check
