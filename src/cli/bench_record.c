@@ -19,10 +19,9 @@ static void close_group(bench_record *r, bool far)
         if (r->status) return;
         record_group *g = &r->groups[r->n_groups++];
         *g = (record_group){ { r->org[0], r->org[1], r->org[2] }, o->n, r->n_targets, far };
-        for (int k = 0; k < 3; k++) memcpy(r->target[k] + r->n_targets, o->target[k], o->n * sizeof(float));
+        memcpy(r->target + 3 * r->n_targets, o->target, (size_t)o->n * 3 * sizeof(float));
         r->n_targets += o->n;
         r->n_hidden += o->n_hidden;
-        if (o->n > r->max_group) r->max_group = o->n;
     }
     o->n = o->n_hidden = 0;
 }
@@ -40,13 +39,12 @@ static void add(bench_record *r, const float org[3], uint32_t n, const float *co
         memcpy(r->org, org, sizeof r->org);
     }
     record_open *o = &r->open[far];
-    for (int k = 0; k < 3 && !r->status; k++) {
-        r->status = lc_grow(r->ctx, (void **)&o->target[k], &o->cap[k], (size_t)o->n + n, sizeof(float));
-        if (!r->status) memcpy(o->target[k] + o->n, target[k], n * sizeof(float));
-    }
+    r->status = lc_grow(r->ctx, (void **)&o->target, &o->cap, 3 * ((size_t)o->n + n), sizeof(float));
     if (r->status) return;
-    o->n += n;
-    for (uint32_t i = 0; i < n; i++) o->n_hidden += hidden[i];
+    for (uint32_t i = 0; i < n; i++, o->n++) {
+        for (int k = 0; k < 3; k++) o->target[3 * (size_t)o->n + (size_t)k] = target[k][i];
+        o->n_hidden += hidden[i];
+    }
 }
 
 static void record_hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
@@ -74,10 +72,8 @@ lc_status bench_record_start(bench_record *r, const lc_context *ctx, lc_bvh *bvh
 {
     *r = (bench_record){ .ctx = ctx, .bvh = bvh, .real = bvh->kernels, .table = *bvh->kernels, .every = every,
                          .max_targets = max_targets };
-    for (int k = 0; k < 3; k++) {
-        r->target[k] = lc_alloc(ctx, max_targets, sizeof(float));
-        if (!r->target[k]) return LC_ERR_MEMORY;
-    }
+    r->target = lc_alloc(ctx, max_targets, 3 * sizeof(float));
+    if (!r->target) return LC_ERR_MEMORY;
     r->table.hidden = record_hidden;
     r->table.closest = record_closest;
     bvh->kernels = &r->table;
@@ -95,10 +91,8 @@ lc_status bench_record_stop(bench_record *r)
 
 void bench_record_free(bench_record *r)
 {
-    for (int k = 0; k < 3; k++) {
-        lc_free(r->ctx, r->target[k], r->max_targets, sizeof(float));
-        for (int far = 0; far < 2; far++) lc_free(r->ctx, r->open[far].target[k], r->open[far].cap[k], sizeof(float));
-    }
+    lc_free(r->ctx, r->target, r->max_targets, 3 * sizeof(float));
+    for (int far = 0; far < 2; far++) lc_free(r->ctx, r->open[far].target, r->open[far].cap, sizeof(float));
     lc_free(r->ctx, r->groups, r->cap_groups, sizeof *r->groups);
     lc_free(r->ctx, r->cameras, r->cap_cameras, sizeof *r->cameras);
 }

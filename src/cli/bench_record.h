@@ -14,7 +14,7 @@
 typedef struct record_group {
     float org[3];
     uint32_t n;     /* shadow rays */
-    uint64_t first; /* their targets */
+    uint64_t first; /* of their targets */
     bool far;
 } record_group;
 
@@ -24,8 +24,8 @@ typedef struct record_camera {
 
 /* Rays of a group that is not complete yet. */
 typedef struct record_open {
-    float *target[3];
-    size_t cap[3];
+    float *target;
+    size_t cap;
     uint32_t n, n_hidden;
 } record_open;
 
@@ -38,10 +38,9 @@ typedef struct bench_record {
     uint64_t n_camera_seen, n_shadow_seen;
     record_group *groups;
     record_camera *cameras;
-    float *target[3];        /* max_targets each */
+    float *target;           /* max_targets * 3: x y z, as in the files of `bench rays` */
     size_t n_groups, cap_groups, n_cameras, cap_cameras, n_targets, max_targets;
     uint64_t n_hidden;       /* of the shadow rays kept */
-    uint32_t max_group;
     float org[3];            /* of the open groups */
     record_open open[2];     /* by `far` */
     lc_status status;

@@ -1,5 +1,6 @@
 /* bench_render.c - what a frame costs over its own rays: seconds of a render divided by the seconds that the same shadow and
- * camera rays take when nothing else is done.
+ * camera rays take when nothing else is done: the shadow rays of a point together, and, as in `bench rays`, with the making
+ * of the kernel's arrays.
  *
  *     render 1 -> record its rays (one thread) -> rays 1 -> render 2 -> rays 2 -> render 3 -> rays 3
  *
@@ -20,6 +21,7 @@
 #define MAX_TARGETS ((size_t)80 << 20) /* shadow rays kept at most, 12 bytes each: below 1 GiB */
 #define GROUPS 64  /* shading points handed to a thread at a time */
 #define CAMERAS 1024
+#define PIECE 1024 /* rays in one kernel call at most; a multiple of LC_LANES */
 
 typedef unsigned long long ull;
 
@@ -28,8 +30,6 @@ typedef struct job {
     lc_scene *scene;
     bench_record rec;
     lc_render_stats stats;
-    uint8_t *hidden;      /* room for the largest group for each thread */
-    uint64_t room;
     uint64_t *n_hidden;   /* by thread, 8 apart: a cache line each */
     double *times[3];     /* render, shadow rays, camera rays; seconds of each run, rays scaled to the whole frame */
     bool differs;         /* rays traced again were not occluded as they were in the render */
@@ -37,18 +37,28 @@ typedef struct job {
 
 static double ratio_of(double a, double b) { return b > 0 ? a / b : 0; }
 
+static uint32_t replay_group(const bench_record *r, const record_group *g)
+{
+    _Alignas(64) float x[3][PIECE];
+    _Alignas(64) uint8_t hidden[PIECE];
+    const float *const target[3] = { x[0], x[1], x[2] };
+    const float *from = r->target + 3 * g->first;
+    uint32_t count = 0;
+    for (uint32_t done = 0, n; done < g->n; done += n) {
+        n = g->n - done < PIECE ? g->n - done : PIECE;
+        for (uint32_t i = 0; i < n; i++, from += 3) x[0][i] = from[0], x[1][i] = from[1], x[2][i] = from[2];
+        r->real->hidden(&r->bvh->data, g->org, n, target, g->far, hidden);
+        for (uint32_t i = 0; i < n; i++) count += hidden[i];
+    }
+    return count;
+}
+
 static void replay_groups(void *user, uint32_t thread, uint64_t item)
 {
     const job *j = user;
     const bench_record *r = &j->rec;
-    uint8_t *hidden = j->hidden + thread * j->room;
     uint64_t end = (item + 1) * GROUPS < r->n_groups ? (item + 1) * GROUPS : r->n_groups, count = 0;
-    for (uint64_t i = item * GROUPS; i < end; i++) {
-        const record_group *g = &r->groups[i];
-        const float *const target[3] = { r->target[0] + g->first, r->target[1] + g->first, r->target[2] + g->first };
-        r->real->hidden(&r->bvh->data, g->org, g->n, target, g->far, hidden);
-        for (uint32_t k = 0; k < g->n; k++) count += hidden[k];
-    }
+    for (uint64_t i = item * GROUPS; i < end; i++) count += replay_group(r, &r->groups[i]);
     j->n_hidden[8 * thread] += count;
 }
 
@@ -108,10 +118,8 @@ static lc_status record(job *j, const bench_options *o)
     }
     lc_context_destroy(single);
     if (st) return st;
-    j->room = (j->rec.max_group + 64) / 64 * 64 + 64;
-    j->hidden = lc_alloc(j->ctx, j->ctx->n_threads, j->room);
     j->n_hidden = lc_alloc(j->ctx, j->ctx->n_threads, 8 * sizeof *j->n_hidden);
-    return j->hidden && j->n_hidden ? LC_OK : LC_ERR_MEMORY;
+    return j->n_hidden ? LC_OK : LC_ERR_MEMORY;
 }
 
 static lc_status measure(job *j, const bench_options *o, uint32_t n_runs)
@@ -213,7 +221,6 @@ int bench_render(const bench_options *o)
     if (!j.ctx) return CLI_FAILED;
     lc_status st = run(&j, o);
     if (j.rec.ctx) bench_record_free(&j.rec);
-    lc_free(j.ctx, j.hidden, j.ctx->n_threads, j.room);
     lc_free(j.ctx, j.n_hidden, j.ctx->n_threads, 8 * sizeof *j.n_hidden);
     lc_scene_destroy(j.scene);
     lc_context_destroy(j.ctx);
