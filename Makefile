@@ -34,7 +34,7 @@ endif
 LIBS := $(EXR_LINK) -lz -lm -lpthread $(LDFLAGS)
 
 X86 := $(filter x86_64 amd64,$(shell uname -m))
-NOT_ALONE := $(wildcard src/*_tmpl.c) $(if $(X86),,src/isa_sse4.c src/isa_avx2.c)
+NOT_ALONE := $(wildcard src/*_tmpl.c) $(if $(X86),,src/isa_sse4.c src/isa_avx2.c src/isa_avx512.c)
 LIB_SRC := $(filter-out $(NOT_ALONE),$(wildcard src/*.c))
 CLI_SRC := $(wildcard src/cli/*.c)
 LIB_OBJ := $(LIB_SRC:%.c=$(OUT)/%.o)
@@ -72,8 +72,11 @@ build/deps/openexr/lib/libOpenEXRCore.a: | deps-check
 
 # ---- library and program ----
 
+# The scalar kernels are what the others are measured against: one lane at a time.
+$(OUT)/src/isa_scalar.o: ISA_FLAGS := -fno-tree-vectorize -fno-tree-slp-vectorize
 $(OUT)/src/isa_sse4.o: ISA_FLAGS := -msse4.1
 $(OUT)/src/isa_avx2.o: ISA_FLAGS := -mavx2 -mfma
+$(OUT)/src/isa_avx512.o: ISA_FLAGS := -mavx2 -mfma -mavx512f -mavx512vl -mavx512dq
 $(OUT)/src/image_exr.o: ISA_FLAGS := $(EXR_INC)
 
 $(OUT)/%.o: %.c Makefile | $(EXR_LIB) deps-check

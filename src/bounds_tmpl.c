@@ -1,4 +1,4 @@
-/* bounds_tmpl.c - upper bounds of eight clusters at once; included by isa_*.c.
+/* bounds_tmpl.c - upper bounds of VF_LANES clusters at once; included by isa_*.c.
  *
  * For a cluster in the box center +- half and a point x: members are p = y - x in cb +- h. Three cosines are bounded
  * the same way, about the axes n (receiver), mirror (Phong lobe) and, with p reversed, the emission cone's axis a:
@@ -26,7 +26,6 @@
  * - Cosines enter angles (emission) and powers (Phong), where relative errors grow: COS_SLACK = 32u is added to
  *   them first: the estimate's own cosine is within 12u.
  */
-#include "fmath.h"
 #include "vec.h"
 
 #define U 0x1p-24f
@@ -34,56 +33,64 @@
 #define COS_SLACK (32 * U)
 #define NEAR 1e-12f /* scene units: the square root of LC_MIN_D2, below which 1/d^2 is flat anyway */
 
-#define ADD vf8_add
-#define SUB vf8_sub
-#define MUL vf8_mul
-#define DIV vf8_div
-#define MIN vf8_min
-#define MAX vf8_max
-#define SET vf8_set
+#define ADD vf_add
+#define SUB vf_sub
+#define MUL vf_mul
+#define DIV vf_div
+#define MIN vf_min
+#define MAX vf_max
+#define SET vf_set
 
 typedef struct {
-    vf8 x, y, z;
+    vf x, y, z;
 } LC_FN(v3);
 
 #define v3 LC_FN(v3)
 
-static inline v3 LC_FN(set3)(const float a[3]) { return (v3){ SET(a[0]), SET(a[1]), SET(a[2]) }; }
+LC_INLINE v3 LC_FN(set3)(const float a[3]) { return (v3){ SET(a[0]), SET(a[1]), SET(a[2]) }; }
 
-static inline vf8 LC_FN(dot)(v3 a, v3 b) { return ADD(ADD(MUL(a.x, b.x), MUL(a.y, b.y)), MUL(a.z, b.z)); }
+LC_INLINE vf LC_FN(dot)(v3 a, v3 b) { return ADD(ADD(MUL(a.x, b.x), MUL(a.y, b.y)), MUL(a.z, b.z)); }
 
-static inline v3 LC_FN(abs3)(v3 a) { return (v3){ vf8_abs(a.x), vf8_abs(a.y), vf8_abs(a.z) }; }
+LC_INLINE v3 LC_FN(abs3)(v3 a) { return (v3){ vf_abs(a.x), vf_abs(a.y), vf_abs(a.z) }; }
 
 /* The boxes about x, and what every axis needs of them. */
 typedef struct {
     v3 c, h, m;   /* centre, half extent, |c| + h of p */
-    vf8 m_sum;
-    vf8 d2;       /* least |p|^2 */
+    vf m_sum;
+    vf d2;       /* least |p|^2 */
 } LC_FN(rel_box);
 
 #define rel_box LC_FN(rel_box)
 
 /* The boxes seen along an axis. */
 typedef struct {
-    vf8 z0, z1; /* range of axis.p; z0 not clamped */
-    vf8 r2;     /* least squared distance from the axis */
-    vf8 l;      /* distance of the centre from the axis */
+    vf z0, z1; /* range of axis.p; z0 not clamped */
+    vf r2;     /* least squared distance from the axis */
+    vf l;      /* distance of the centre from the axis */
 } LC_FN(range);
 
 #define range LC_FN(range)
 
-#define FIELD(b, name, k) vf8_pairs(b, offsetof(lc_node_block, name) / sizeof(float) + 2 * (k))
+/* Field `at` (a constant) of the lanes; neighbours come in pairs, of which the compiler loads each once. */
+LC_INLINE vf LC_FN(field)(const float *const *b, size_t at)
+{
+    vf two[2];
+    vf_pairs(b, LC_BLOCK * (at & ~(size_t)1), two);
+    return two[at & 1];
+}
+
+#define FIELD(b, name, k) LC_FN(field)(b, offsetof(lc_node_block, name) / (LC_BLOCK * sizeof(float)) + (k))
 #define FIELD3(b, name) ((v3){ FIELD(b, name, 0), FIELD(b, name, 1), FIELD(b, name, 2) })
 
-static inline void LC_FN(widen)(vf8 c, vf8 half, vf8 *h, vf8 *m, vf8 *d)
+LC_INLINE void LC_FN(widen)(vf c, vf half, vf *h, vf *m, vf *d)
 {
-    vf8 a = vf8_abs(c);
+    vf a = vf_abs(c);
     *h = ADD(half, MUL(ADD(a, half), SET(4 * U)));
     *m = ADD(a, *h);
     *d = MAX(SUB(a, *h), SET(0));
 }
 
-static inline rel_box LC_FN(rel_box_make)(const float *const b[4], const float x[3])
+LC_INLINE rel_box LC_FN(rel_box_make)(const float *const *b, const float x[3])
 {
     rel_box r;
     v3 center = FIELD3(b, center), half = FIELD3(b, half), d;
@@ -97,105 +104,124 @@ static inline rel_box LC_FN(rel_box_make)(const float *const b[4], const float x
 }
 
 /* sign: 1, or -1 for the reversed box. */
-static inline range LC_FN(range_make)(const rel_box *b, v3 axis, float sign)
+LC_INLINE range LC_FN(range_make)(const rel_box *b, v3 axis, float sign)
 {
     v3 a = LC_FN(abs3)(axis), t;
-    vf8 zc = LC_FN(dot)(axis, b->c), zh = LC_FN(dot)(a, b->h), slack = MUL(SET(16 * U), LC_FN(dot)(a, b->m));
+    vf zc = LC_FN(dot)(axis, b->c), zh = LC_FN(dot)(a, b->h), slack = MUL(SET(16 * U), LC_FN(dot)(a, b->m));
     t = (v3){ SUB(b->c.x, MUL(axis.x, zc)), SUB(b->c.y, MUL(axis.y, zc)), SUB(b->c.z, MUL(axis.z, zc)) };
-    vf8 l = vf8_sqrt(LC_FN(dot)(t, t)), e = MUL(SET(8 * U), b->m_sum);
-    vf8 support = DIV(ADD(LC_FN(dot)(LC_FN(abs3)(t), b->h), MUL(e, zh)), l);
-    vf8 r = SUB(SUB(l, e), support); /* NaN where l is 0: MAX drops it */
+    vf l = vf_sqrt(LC_FN(dot)(t, t)), e = MUL(SET(8 * U), b->m_sum);
+    vf support = DIV(ADD(LC_FN(dot)(LC_FN(abs3)(t), b->h), MUL(e, zh)), l);
+    vf r = SUB(SUB(l, e), support); /* NaN where l is 0: MAX drops it */
     r = MAX(r, SET(0));
-    vf8 z = MUL(zc, SET(sign));
+    vf z = MUL(zc, SET(sign));
     return (range){ SUB(SUB(z, zh), slack), ADD(ADD(z, zh), slack), MUL(r, r), l };
 }
 
 /* Greatest cosine about the axis where z1 > 0. d2: least |p|^2. */
-static inline vf8 LC_FN(max_cos)(const range *a, vf8 d2)
+LC_INLINE vf LC_FN(max_cos)(const range *a, vf d2)
 {
-    vf8 q = MAX(ADD(a->r2, MUL(a->z1, a->z1)), d2), one = SET(1);
-    return vf8_sel_gt(q, SET(NEAR * NEAR), MIN(DIV(a->z1, vf8_sqrt(q)), one), one);
+    vf q = MAX(ADD(a->r2, MUL(a->z1, a->z1)), d2), one = SET(1);
+    return vf_sel_gt(q, SET(NEAR * NEAR), MIN(DIV(a->z1, vf_sqrt(q)), one), one);
 }
 
 /* Greatest cos phi over boxes and cones; <= 0 where all face away. */
-static inline vf8 LC_FN(max_emission)(const float *const b[4], const rel_box *box)
+LC_INLINE vf LC_FN(max_emission)(const float *const *b, const rel_box *box)
 {
-    const vf8 one = SET(1), zero = SET(0), slack = SET(COS_SLACK);
-    vf8 cc = FIELD(b, cos_cone, 0);
+    const vf one = SET(1), zero = SET(0), slack = SET(COS_SLACK);
+    vf cc = FIELD(b, cos_cone, 0);
     range a = LC_FN(range_make)(box, FIELD3(b, axis), -1);
     /* all behind: the largest cosine is at the largest distance from the axis */
-    vf8 far = ADD(ADD(a.l, vf8_sqrt(LC_FN(dot)(box->h, box->h))), MUL(SET(8 * U), box->m_sum));
-    vf8 behind = DIV(a.z1, vf8_sqrt(ADD(MUL(far, far), MUL(a.z1, a.z1))));
-    vf8 ct = ADD(vf8_sel_gt(zero, a.z1, behind, LC_FN(max_cos)(&a, box->d2)), slack);
-    vf8 st = vf8_sqrt(MAX(MUL(SUB(one, ct), ADD(one, ct)), zero));
-    vf8 sc = vf8_sqrt(MAX(MUL(SUB(one, cc), ADD(one, cc)), zero));
-    vf8 e = MIN(ADD(ADD(MUL(ct, cc), MUL(st, sc)), slack), one);
-    e = vf8_sel_gt(cc, ct, e, one);
-    e = vf8_sel_gt(cc, SET(-1), e, one);
-    return vf8_sel_gt(SET(NEAR), box->m_sum, one, e);
+    vf far = ADD(ADD(a.l, vf_sqrt(LC_FN(dot)(box->h, box->h))), MUL(SET(8 * U), box->m_sum));
+    vf behind = DIV(a.z1, vf_sqrt(ADD(MUL(far, far), MUL(a.z1, a.z1))));
+    vf ct = ADD(vf_sel_gt(zero, a.z1, behind, LC_FN(max_cos)(&a, box->d2)), slack);
+    vf st = vf_sqrt(MAX(MUL(SUB(one, ct), ADD(one, ct)), zero));
+    vf sc = vf_sqrt(MAX(MUL(SUB(one, cc), ADD(one, cc)), zero));
+    vf e = MIN(ADD(ADD(MUL(ct, cc), MUL(st, sc)), slack), one);
+    e = vf_sel_gt(cc, ct, e, one);
+    e = vf_sel_gt(cc, SET(-1), e, one);
+    return vf_sel_gt(SET(NEAR), box->m_sum, one, e);
 }
 
 /* Greatest receiver cosine times 1 / f(d). */
-static inline vf8 LC_FN(max_geometry)(const float *const b[4], const lc_point *p, const rel_box *box, const range *n)
+LC_INLINE vf LC_FN(max_geometry)(const float *const *b, const lc_point *p, const rel_box *box, const range *n)
 {
-    const vf8 inf = SET(INFINITY), zero = SET(0), min_d2 = SET(p->min_d2);
+    const vf inf = SET(INFINITY), zero = SET(0), min_d2 = SET(p->min_d2);
     v3 k = FIELD3(b, atten);
-    vf8 d2c = MAX(box->d2, min_d2);
-    vf8 f = ADD(ADD(k.x, MUL(k.y, vf8_sqrt(d2c))), MUL(k.z, d2c));
-    vf8 separate = vf8_sel_gt(f, zero, DIV(LC_FN(max_cos)(n, box->d2), f), inf); /* members whose least A, B, C are all 0 */
-    vf8 z = MAX(vf8_sqrt(MUL(SET(0.5f), n->r2)), vf8_sqrt(MAX(SUB(box->d2, n->r2), zero)));
+    vf d2c = MAX(box->d2, min_d2);
+    vf f = ADD(ADD(k.x, MUL(k.y, vf_sqrt(d2c))), MUL(k.z, d2c));
+    vf separate = vf_sel_gt(f, zero, DIV(LC_FN(max_cos)(n, box->d2), f), inf); /* members whose least A, B, C are all 0 */
+    vf z = MAX(vf_sqrt(MUL(SET(0.5f), n->r2)), vf_sqrt(MAX(SUB(box->d2, n->r2), zero)));
     z = MIN(MAX(z, n->z0), n->z1);
-    vf8 q = MAX(ADD(MUL(z, z), n->r2), box->d2);
-    vf8 joint = MIN(DIV(DIV(z, vf8_sqrt(q)), MUL(q, k.z)), separate);
-    joint = vf8_sel_gt(q, min_d2, joint, separate);
-    return vf8_sel_gt(k.z, zero, joint, separate);
+    vf q = MAX(ADD(MUL(z, z), n->r2), box->d2);
+    vf joint = MIN(DIV(DIV(z, vf_sqrt(q)), MUL(q, k.z)), separate);
+    joint = vf_sel_gt(q, min_d2, joint, separate);
+    return vf_sel_gt(k.z, zero, joint, separate);
 }
 
-static inline vf8 LC_FN(lum_dot)(const float f[3], v3 power)
+LC_INLINE vf LC_FN(lum_dot)(const float f[3], v3 power)
 {
-    vf8 r = MUL(SET(0.2126f), MUL(SET(f[0]), power.x)), g = MUL(SET(0.7152f), MUL(SET(f[1]), power.y));
+    vf r = MUL(SET(0.2126f), MUL(SET(f[0]), power.x)), g = MUL(SET(0.7152f), MUL(SET(f[1]), power.y));
     return ADD(ADD(r, g), MUL(SET(0.0722f), MUL(SET(f[2]), power.z)));
 }
 
 /* Greatest power of the Phong lobe's cosine. */
-static inline vf8 LC_FN(max_lobe)(const lc_point *p, const rel_box *box)
+LC_INLINE vf LC_FN(max_lobe)(const lc_point *p, const rel_box *box)
 {
-    _Alignas(32) float c[8];
     range m = LC_FN(range_make)(box, LC_FN(set3)(p->mirror), 1);
-    vf8 cos_m = MIN(ADD(LC_FN(max_cos)(&m, box->d2), SET(COS_SLACK)), SET(1));
-    cos_m = vf8_sel_gt(m.z1, SET(0), cos_m, SET(0));
-    vf8_store(c, vf8_sel_gt(SET(NEAR), box->m_sum, SET(1), cos_m));
-    for (int i = 0; i < 8; i++) c[i] = lc_pow01(c[i], p->exponent);
-    return vf8_load(c);
+    vf cos_m = MIN(ADD(LC_FN(max_cos)(&m, box->d2), SET(COS_SLACK)), SET(1));
+    cos_m = vf_sel_gt(m.z1, SET(0), cos_m, SET(0));
+    return LC_FN(pow01)(vf_sel_gt(SET(NEAR), box->m_sum, SET(1), cos_m), p->exponent);
 }
 
-static inline void LC_FN(bounds_of_four)(const float *const b[4], lc_light_kind kind, const lc_point *p, float *ub)
+/* b: as vf_pairs takes them. kind, glossy: constants. */
+LC_INLINE vf LC_FN(bound)(const float *const *b, lc_light_kind kind, bool glossy, const lc_point *p)
 {
     static const float origin[3] = { 0, 0, 0 };
-    const vf8 zero = SET(0), near = SET(NEAR);
+    const vf zero = SET(0), near = SET(NEAR);
     rel_box box = LC_FN(rel_box_make)(b, kind == LC_LIGHT_DIRECTIONAL ? origin : p->pos);
     range n = LC_FN(range_make)(&box, LC_FN(set3)(p->n), 1);
     v3 power = FIELD3(b, power);
-    vf8 u = LC_FN(lum_dot)(p->diffuse, power);
-    if (p->glossy) u = ADD(u, MUL(LC_FN(lum_dot)(p->specular, power), LC_FN(max_lobe)(p, &box)));
-    vf8 lit = u;
+    vf u = LC_FN(lum_dot)(p->diffuse, power);
+    if (glossy) u = ADD(u, MUL(LC_FN(lum_dot)(p->specular, power), LC_FN(max_lobe)(p, &box)));
+    vf lit = u;
     u = MUL(u, kind == LC_LIGHT_DIRECTIONAL ? LC_FN(max_cos)(&n, box.d2) : LC_FN(max_geometry)(b, p, &box, &n));
     u = MUL(u, SET(SLACK));
-    u = vf8_sel_gt(n.z1, zero, u, vf8_sel_gt(near, box.m_sum, u, zero)); /* behind the horizon */
+    u = vf_sel_gt(n.z1, zero, u, vf_sel_gt(near, box.m_sum, u, zero)); /* behind the horizon */
     if (kind == LC_LIGHT_ORIENTED) {
-        vf8 e = LC_FN(max_emission)(b, &box);
-        u = vf8_sel_gt(e, zero, MUL(u, e), zero);
+        vf e = LC_FN(max_emission)(b, &box);
+        u = vf_sel_gt(e, zero, MUL(u, e), zero);
     }
-    vf8_store(ub, vf8_sel_gt(lit, zero, u, zero)); /* black: 0 times an infinite geometry */
+    return vf_sel_gt(lit, zero, u, zero); /* black: 0 times an infinite geometry */
+}
+
+LC_INLINE void LC_FN(bounds_of)(const lc_node_block *blocks, const uint32_t *pair, uint32_t n, lc_light_kind kind, bool glossy,
+                                const lc_point *p, float *ub)
+{
+    enum { AT_ONCE = VF_LANES > 1 ? VF_LANES / 2 : 1 };
+    for (uint32_t i = 0; i < 2 * n; i += VF_LANES) {
+        const float *b[AT_ONCE]; /* the last one fills up */
+        for (uint32_t k = 0; k < AT_ONCE; k++) b[k] = &blocks[pair[i / 2 + k < n ? i / 2 + k : n - 1]].center[0][0];
+        if (VF_LANES == 1) b[0] += i & 1;
+        vf_store(ub + i, LC_FN(bound)(b, kind, glossy, p));
+    }
 }
 
 static void LC_FN(bounds)(const lc_node_block *blocks, const uint32_t *pair, uint32_t n, lc_light_kind kind, const lc_point *p,
                           float *ub)
 {
-    for (uint32_t i = 0; i < n; i += 4) {
-        const float *b[4]; /* the last one fills up */
-        for (uint32_t k = 0; k < 4; k++) b[k] = &blocks[pair[i + k < n ? i + k : n - 1]].center[0][0];
-        LC_FN(bounds_of_four)(b, kind, p, ub + 2 * i);
+    switch (kind) {
+    case LC_LIGHT_POINT:
+        if (p->glossy) LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_POINT, true, p, ub);
+        else LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_POINT, false, p, ub);
+        break;
+    case LC_LIGHT_ORIENTED:
+        if (p->glossy) LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_ORIENTED, true, p, ub);
+        else LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_ORIENTED, false, p, ub);
+        break;
+    case LC_LIGHT_DIRECTIONAL:
+        if (p->glossy) LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_DIRECTIONAL, true, p, ub);
+        else LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_DIRECTIONAL, false, p, ub);
+        break;
     }
 }
 
@@ -210,3 +236,5 @@ static void LC_FN(bounds)(const lc_node_block *blocks, const uint32_t *pair, uin
 #undef v3
 #undef rel_box
 #undef range
+#undef FIELD
+#undef FIELD3

@@ -7,9 +7,9 @@ lc_isa lc_cpu_isa(void)
 {
 #if defined(__x86_64__)
     __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-        return LC_ISA_AVX512;
-    if (__builtin_cpu_supports("avx2")) return LC_ISA_AVX2;
+    bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
+    if (avx2) return avx512 ? LC_ISA_AVX512 : LC_ISA_AVX2;
     if (__builtin_cpu_supports("sse4.1")) return LC_ISA_SSE4;
 #endif
     return LC_ISA_SCALAR;

@@ -4,10 +4,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#define LN2 0.693147180559945309417232
-#define INV_LN2 1.44269504088896340735992
-#define LEAST (-29.94) /* ln 1e-13 */
-
 /* ln x for normal x > 0: x = m 2^e, m in [sqrt(1/2), sqrt(2)), ln m = 2 atanh(s), s = (m - 1) / (m + 1), |s| < 0.1716,
  * series to s^17: remainder below 2 * 0.1716^19 / 19 / (1 - 0.03) < 4e-16 of s. */
 static double ln(double x)
@@ -22,15 +18,15 @@ static double ln(double x)
     double s = (m - 1) / (m + 1), z = s * s, z2 = z * z;
     double even = 1 + z2 * (1.0 / 5 + z2 * (1.0 / 9 + z2 * (1.0 / 13 + z2 * (1.0 / 17))));
     double odd = 1.0 / 3 + z2 * (1.0 / 7 + z2 * (1.0 / 11 + z2 * (1.0 / 15)));
-    return 2 * s * (even + z * odd) + e * LN2;
+    return 2 * s * (even + z * odd) + e * LC_LN2;
 }
 
 /* y = k ln 2 + r, |r| <= 0.3466, Taylor to r^13: remainder below 1e-17. */
 double lc_exp_neg(double y)
 {
     if (!(y > -700)) return 0;
-    int64_t k = (int64_t)(y * INV_LN2 - 0.5); /* truncation of a negative number: rounds to nearest */
-    double r = y - (double)k * LN2, r2 = r * r;
+    int64_t k = (int64_t)(y * LC_INV_LN2 - 0.5); /* truncation of a negative number: rounds to nearest */
+    double r = y - (double)k * LC_LN2, r2 = r * r;
     double even = 1 + r2 * (1.0 / 2 + r2 * (1.0 / 24 + r2 * (1.0 / 720 + r2 * (1.0 / 40320
                   + r2 * (1.0 / 3628800 + r2 * (1.0 / 479001600))))));
     double odd = 1 + r2 * (1.0 / 6 + r2 * (1.0 / 120 + r2 * (1.0 / 5040 + r2 * (1.0 / 362880
@@ -46,5 +42,5 @@ float lc_pow01(float x, float n)
     if (!(x > 0)) return 0;
     if (x >= 1 || n == 0) return 1;
     double y = (double)n * ln((double)x);
-    return y < LEAST ? 0 : (float)lc_exp_neg(y);
+    return y < LC_LEAST_LN ? 0 : (float)lc_exp_neg(y);
 }

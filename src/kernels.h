@@ -45,6 +45,6 @@ typedef struct lc_kernels {
 
 const lc_kernels *lc_kernels_get(lc_isa isa); /* isa: one the CPU supports */
 
-extern const lc_kernels lc_kernels_scalar, lc_kernels_sse4, lc_kernels_avx2;
+extern const lc_kernels lc_kernels_scalar, lc_kernels_sse4, lc_kernels_avx2, lc_kernels_avx512;
 
 #endif

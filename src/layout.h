@@ -49,14 +49,16 @@ typedef struct lc_point {
     bool glossy;       /* some specular > 0 */
 } lc_point;
 
-/* One light as the estimate reads it: a cache line. */
+/* One light as the estimate reads it: a cache line of four rows, so that a row of several lights is one transpose. */
 typedef struct lc_light_rec {
     float pos[3];
-    float dir[3];       /* as lc_light.dir */
-    float intensity[3];
+    uint32_t kind; /* lc_light_kind */
     float atten[3];
-    uint32_t kind;      /* lc_light_kind */
-    uint32_t pad[3];
+    uint32_t pad_atten;
+    float dir[3];  /* as lc_light.dir */
+    uint32_t pad_dir;
+    float intensity[3];
+    uint32_t pad_intensity;
 } lc_light_rec;
 _Static_assert(sizeof(lc_light_rec) == 64, "one cache line");
 

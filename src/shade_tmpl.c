@@ -1,13 +1,124 @@
-/* shade_tmpl.c - transfers of many lights; included by isa_*.c. */
+/* shade_tmpl.c - transfers of VF_LANES lights at once; included by isa_*.c. The operations of lc_shade_light in the same
+ * order, so the same bits, but for those that can't matter: lanes that it leaves early are computed and set to 0, the
+ * root of B d is not taken where B is 0 in every lane, and a lobe that is not added is added as 0.
+ */
 #include "shade.h"
+
+#define ADD vf_add
+#define MUL vf_mul
+#define SET vf_set
+
+LC_INLINE vf LC_FN(dot_rows)(const vf a[3], const vf b[3])
+{
+    return ADD(ADD(MUL(a[0], b[0]), MUL(a[1], b[1])), MUL(a[2], b[2]));
+}
+
+LC_INLINE void LC_FN(set_row)(vf out[3], const float a[3])
+{
+    for (int k = 0; k < 3; k++) out[k] = SET(a[k]);
+}
+
+/* 1 / f, times g; d2: squared distances. */
+LC_INLINE vf LC_FN(attenuated)(const float *const *light, const lc_point *p, vf d2, vf g)
+{
+    vf k[4], min_d2 = SET(p->min_d2), d2c = vf_sel_gt(d2, min_d2, d2, min_d2), f;
+    vf_rows(light, offsetof(lc_light_rec, atten) / sizeof(float), k);
+    f = k[0];
+    if (vf_any_gt(k[1], SET(0))) f = ADD(f, MUL(k[1], vf_sqrt(d2c)));
+    return vf_div(g, ADD(f, MUL(k[2], d2c)));
+}
+
+/* Factor of the specular reflectance for directions d. */
+LC_INLINE vf LC_FN(lobe)(const lc_point *p, const vf d[3], vf inv_len, vf lit)
+{
+    const vf zero = SET(0), one = SET(1);
+    vf mirror[3];
+    LC_FN(set_row)(mirror, p->mirror);
+    vf cos_m = MUL(LC_FN(dot_rows)(mirror, d), inv_len);
+    cos_m = vf_sel_gt(lit, zero, cos_m, zero);
+    cos_m = vf_sel_gt(cos_m, SET(LC_MIN_COS), vf_sel_gt(one, cos_m, cos_m, one), zero);
+    if (!vf_any_gt(cos_m, zero)) return zero;
+    vf lobe = LC_FN(pow01)(cos_m, p->exponent);
+    return vf_sel_gt(SET(LC_MIN_LOBE), lobe, zero, lobe);
+}
+
+/* One channel of the transfer, times the cosine and g; 0 where `lit` is not above 0. */
+LC_INLINE vf LC_FN(channel)(vf f, vf cos_g, vf lit)
+{
+    const vf zero = SET(0), most = SET(LC_MAX_TRANSFER);
+    f = MUL(f, cos_g);
+    f = vf_sel_gt(SET(LC_MIN_TRANSFER), f, zero, vf_sel_gt(most, f, f, most));
+    return vf_sel_gt(lit, zero, f, zero);
+}
+
+/* light: VF_LANES records. kind, glossy: constants. */
+LC_INLINE void LC_FN(shade)(const float *const *light, lc_light_kind kind, bool glossy, const lc_point *p, float *const out[6],
+                            uint32_t at)
+{
+    const vf zero = SET(0), one = SET(1), min_cos = SET(LC_MIN_COS), tiny = SET(LC_TINY_D2);
+    vf n[3], d[3], y[4], inv_len = one, g = one, cos_r, lit;
+    LC_FN(set_row)(n, p->n);
+    if (kind == LC_LIGHT_DIRECTIONAL) {
+        vf_rows(light, offsetof(lc_light_rec, dir) / sizeof(float), y);
+        for (int k = 0; k < 3; k++) d[k] = y[k] = vf_neg(y[k]);
+        cos_r = LC_FN(dot_rows)(n, d);
+        lit = vf_sel_gt(cos_r, min_cos, one, zero);
+    } else {
+        vf_rows(light, offsetof(lc_light_rec, pos) / sizeof(float), y);
+        for (int k = 0; k < 3; k++) d[k] = vf_sub(y[k], SET(p->pos[k]));
+        vf nd = LC_FN(dot_rows)(n, d), d2 = LC_FN(dot_rows)(d, d);
+        inv_len = vf_div(one, vf_sqrt(vf_sel_gt(d2, tiny, d2, tiny)));
+        cos_r = MUL(nd, inv_len);
+        lit = vf_sel_gt(cos_r, min_cos, one, zero); /* then nd > 0 */
+        if (kind == LC_LIGHT_ORIENTED) {
+            vf dir[4];
+            vf_rows(light, offsetof(lc_light_rec, dir) / sizeof(float), dir);
+            g = MUL(vf_neg(LC_FN(dot_rows)(dir, d)), inv_len);
+            lit = vf_sel_gt(g, min_cos, lit, zero);
+        }
+        g = LC_FN(attenuated)(light, p, d2, g);
+    }
+    vf cos_g = MUL(cos_r, g), lobe = glossy ? LC_FN(lobe)(p, d, inv_len, lit) : zero;
+    for (int k = 0; k < 3; k++) {
+        vf f = SET(p->diffuse[k]);
+        if (glossy) f = ADD(f, MUL(SET(p->specular[k]), lobe));
+        vf_store(out[k] + at, LC_FN(channel)(f, cos_g, lit));
+        vf_store(out[3 + k] + at, y[k]);
+    }
+}
+
+LC_INLINE void LC_FN(estimate_of)(const lc_light_rec *lights, const uint32_t *index, uint32_t n, lc_light_kind kind, bool glossy,
+                                  const lc_point *p, float *const out[6])
+{
+    for (uint32_t i = 0; i < n; i += VF_LANES) {
+        const float *rec[VF_LANES]; /* the last one fills up */
+        for (uint32_t k = 0; k < VF_LANES; k++) {
+            uint32_t at = i + k < n ? i + k : n - 1;
+            rec[k] = lights[index ? index[at] : at].pos;
+        }
+        LC_FN(shade)(rec, kind, glossy, p, out, i);
+    }
+}
 
 static void LC_FN(estimate)(const lc_light_rec *lights, const uint32_t *index, uint32_t n, lc_light_kind kind, const lc_point *p,
                             float *const out[6])
 {
-    for (uint32_t i = 0; i < n; i++) {
-        const lc_light_rec *rec = &lights[index ? index[i] : i];
-        lc_f3 f = lc_shade_light(p, rec);
-        out[0][i] = f.x, out[1][i] = f.y, out[2][i] = f.z;
-        for (int k = 0; k < 3; k++) out[3 + k][i] = kind == LC_LIGHT_DIRECTIONAL ? -rec->dir[k] : rec->pos[k];
+    switch (kind) {
+    case LC_LIGHT_POINT:
+        if (p->glossy) LC_FN(estimate_of)(lights, index, n, LC_LIGHT_POINT, true, p, out);
+        else LC_FN(estimate_of)(lights, index, n, LC_LIGHT_POINT, false, p, out);
+        break;
+    case LC_LIGHT_ORIENTED:
+        if (p->glossy) LC_FN(estimate_of)(lights, index, n, LC_LIGHT_ORIENTED, true, p, out);
+        else LC_FN(estimate_of)(lights, index, n, LC_LIGHT_ORIENTED, false, p, out);
+        break;
+    case LC_LIGHT_DIRECTIONAL:
+        if (p->glossy) LC_FN(estimate_of)(lights, index, n, LC_LIGHT_DIRECTIONAL, true, p, out);
+        else LC_FN(estimate_of)(lights, index, n, LC_LIGHT_DIRECTIONAL, false, p, out);
+        break;
     }
 }
+
+#undef ADD
+#undef MUL
+#undef SET

@@ -189,8 +189,10 @@ static inline void LC_FN(expand)(const lc_bvh_data *bvh, const lc_bvh_node *node
     for (; bits; bits &= bits - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(bits), ref = node->child[i];
         LC_FN(prefetch)(bvh, ref);
-        if (ref & LC_BVH_LEAF) leaf[(*n_leaves)++] = (visit){ ref & ~LC_BVH_LEAF, met[i] };
-        else stack[(*depth)++] = (visit){ ref, met[i] };
+        uint32_t is_leaf = ref >> 31; /* both are written, one counts: no branch to mispredict */
+        leaf[*n_leaves] = (visit){ ref & ~LC_BVH_LEAF, met[i] };
+        stack[*depth] = (visit){ ref, met[i] };
+        *n_leaves += is_leaf, *depth += 1 - is_leaf;
     }
 }
 
@@ -220,8 +222,9 @@ static inline bool LC_FN(alone)(const lc_bvh_data *bvh, const rays *r, uint32_t 
         for (; bits; bits &= bits - 1) {
             uint32_t child = node->child[__builtin_ctz(bits)];
             LC_FN(prefetch)(bvh, child);
-            if (child & LC_BVH_LEAF) leaf[n_leaves++] = child & ~LC_BVH_LEAF;
-            else stack[n++].ref = child;
+            leaf[n_leaves] = child & ~LC_BVH_LEAF;
+            stack[n].ref = child;
+            n_leaves += child >> 31, n += 1 - (child >> 31);
         }
         for (uint32_t k = 0; k < n_leaves; k++)
             if (LC_FN(stream_block)(&bvh->blocks[leaf[k]], r, 1u << i)) return true;

@@ -1,60 +1,141 @@
-/* check_kernels.c - every instruction set's bounds kernel gives the bits of the scalar one. (The BVH kernels are
- * compared in unit_bvh.c.) */
+/* check_kernels.c - bounds and estimates of every instruction set have the bits of the scalar kernels, for any count; the
+ * scalar estimate has those of lc_shade_light and lies in the range that rounding allows about the double reference. (The
+ * scalar bounds are checked against it in check_bounds.c, the BVH kernels are compared in unit_bvh.c.) */
 #include "cluster.h"
 #include "cpu.h"
 #include "gen_clusters.h"
 #include "kernels.h"
+#include "ref_bounds.h"
 #include "rng.h"
 #include "shade.h"
 #include "test.h"
 
 #define CASES 60000
+#define MOST 20 /* blocks or lights a call */
+#define ROOM 48 /* 2 MOST rounded up to LC_LANES */
+#define GUARD 16
 
-/* Four blocks of up to eight clusters from one random case: single lights, neighbours joined, all joined. */
-static void fill(const gen_case *c, lc_node_block block[4])
+typedef struct job {
+    gen_case c;
+    lc_light_kind kind;
+    lc_point point;
+    _Alignas(64) lc_node_block block[MOST];
+    _Alignas(64) lc_light_rec rec[MOST];
+    uint32_t list[MOST], n; /* what is asked for */
+} job;
+
+static float guard_value(void) { return 12345.0f; }
+
+/* Clusters from one random case: single lights, neighbours joined, all joined; lights in order and then again. */
+static void make_job(job *j, uint64_t i, lc_light_kind kind, bool glossy)
 {
+    gen_src s = gen_src_key(lc_hash4(7, i, 0, 0));
     lc_cluster all, one;
-    lc_cluster_from_light(&all, &c->lights[0]);
-    for (uint32_t lane = 0; lane < 8; lane++) {
-        lc_cluster_from_light(&one, &c->lights[lane % c->n]);
-        lc_cluster_join(&all, &all, &one);
-        lc_cluster_store(lane & 1 ? &all : &one, &block[lane / 2], lane & 1);
+    j->kind = kind;
+    gen_case_make(&j->c, &s, kind, glossy, GEN_ADVERSARIAL);
+    lc_point_init(&j->point, j->c.pos, j->c.normal, j->c.view, &j->c.mat, j->c.min_d2);
+    lc_cluster_from_light(&all, &j->c.lights[0]);
+    for (uint32_t k = 0; k < MOST; k++) {
+        for (uint32_t lane = 0; lane < LC_BLOCK; lane++) {
+            lc_cluster_from_light(&one, &j->c.lights[(LC_BLOCK * k + lane) % j->c.n]);
+            lc_cluster_join(&all, &all, &one);
+            lc_cluster_store(lane ? &all : &one, &j->block[k], lane);
+        }
+        if (k % 5 == 4) all = one;
+        lc_light_rec_init(&j->rec[k], &j->c.lights[k % j->c.n]);
+        j->list[k] = gen_pick(&s, MOST);
     }
+    j->n = 1 + (uint32_t)(i % MOST);
+}
+
+/* n numbers, and nothing past n rounded up to LC_LANES. */
+static bool same(const float *want, const float *got, uint32_t n)
+{
+    for (uint32_t i = (n + LC_LANES - 1) / LC_LANES * LC_LANES; i < ROOM + GUARD; i++)
+        if (got[i] != guard_value()) return false;
+    return !memcmp(want, got, n * sizeof *want);
+}
+
+static void clear(float *x)
+{
+    for (int i = 0; i < ROOM + GUARD; i++) x[i] = guard_value();
+}
+
+static void compare_bounds(lc_isa isa, const job *j, uint64_t i)
+{
+    float want[ROOM + GUARD], got[ROOM + GUARD];
+    clear(want), clear(got);
+    lc_kernels_scalar.bounds(j->block, j->list, j->n, j->kind, &j->point, want);
+    lc_kernels_get(isa)->bounds(j->block, j->list, j->n, j->kind, &j->point, got);
+    CHECKF(same(want, got, LC_BLOCK * j->n), "%s, case %llu", lc_isa_name(isa), (unsigned long long)i);
+}
+
+static void run_estimate(const lc_kernels *k, const job *j, const uint32_t *index, float out[6][ROOM + GUARD])
+{
+    float *to[6];
+    for (int c = 0; c < 6; c++) clear(out[c]), to[c] = out[c];
+    k->estimate(j->rec, index, j->n, j->kind, &j->point, to);
+}
+
+static void compare_estimate(lc_isa isa, const job *j, const uint32_t *index, uint64_t i)
+{
+    float want[6][ROOM + GUARD], got[6][ROOM + GUARD];
+    run_estimate(&lc_kernels_scalar, j, index, want);
+    run_estimate(lc_kernels_get(isa), j, index, got);
+    for (int c = 0; c < 6; c++)
+        CHECKF(same(want[c], got[c], j->n), "%s, case %llu, %s, output %d", lc_isa_name(isa), (unsigned long long)i,
+               index ? "list" : "all", c);
 }
 
 static void compare(lc_isa isa)
 {
-    const lc_kernels *k = lc_kernels_get(isa);
-    for (uint64_t i = 0; i < CASES; i++) {
-        gen_case c;
-        gen_src s = gen_src_key(lc_hash4(7, i, 0, 0));
-        lc_light_kind kind = (lc_light_kind)(i % 3);
-        gen_case_make(&c, &s, kind, i / 3 % 2, GEN_ADVERSARIAL);
-        _Alignas(64) lc_node_block block[4];
-        _Alignas(64) float want[LC_LANES], got[LC_LANES];
-        lc_point p;
-        fill(&c, block);
-        lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
-        const uint32_t pair[4] = { 0, 1, 2, 3 };
-        lc_kernels_scalar.bounds(block, pair, 4, kind, &p, want);
-        k->bounds(block, pair, 4, kind, &p, got);
-        CHECKF(!memcmp(want, got, 8 * sizeof *want), "%s, case %llu", lc_isa_name(isa), (unsigned long long)i);
+    static job j;
+    for (uint64_t i = 0; i < CASES && lc_cpu_isa() >= isa; i++) {
+        make_job(&j, i, (lc_light_kind)(i % 3), i / 3 % 2);
+        compare_bounds(isa, &j, i);
+        compare_estimate(isa, &j, j.list, i);
+        compare_estimate(isa, &j, NULL, i);
     }
 }
 
-TEST(sse4_bounds_equal_scalar)
+TEST(sse4_equals_scalar) { compare(LC_ISA_SSE4); }
+TEST(avx2_equals_scalar) { compare(LC_ISA_AVX2); }
+TEST(avx512_equals_scalar) { compare(LC_ISA_AVX512); }
+
+/* Light `at` of the job, as output number i of the scalar kernel. */
+static bool estimate_right(const job *j, uint32_t at, float out[6][ROOM + GUARD], uint32_t i)
 {
-    if (lc_cpu_isa() >= LC_ISA_SSE4) compare(LC_ISA_SSE4);
+    const lc_light *l = &j->c.lights[at % j->c.n];
+    lc_f3 f = lc_shade_light(&j->point, &j->rec[at]), to = j->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
+    const float want[6] = { f.x, f.y, f.z, to.x, to.y, to.z };
+    double lo[3], hi[3];
+    bool ok = true;
+    ref_transfer_range(&j->point, l, lo, hi);
+    for (int c = 0; c < 6; c++) {
+        ok &= !memcmp(&out[c][i], &want[c], sizeof *want);
+        if (c < 3) ok &= (double)out[c][i] >= lo[c] && (double)out[c][i] <= hi[c];
+    }
+    return ok;
 }
 
-TEST(avx2_bounds_equal_scalar)
+TEST(scalar_estimate_equals_reference)
 {
-    if (lc_cpu_isa() >= LC_ISA_AVX2) compare(LC_ISA_AVX2);
+    static job j;
+    float out[6][ROOM + GUARD];
+    for (uint64_t i = 0; i < CASES; i++) {
+        make_job(&j, i, (lc_light_kind)(i % 3), i / 3 % 2);
+        const uint32_t *index = i & 1 ? j.list : NULL;
+        run_estimate(&lc_kernels_scalar, &j, index, out);
+        for (uint32_t k = 0; k < j.n; k++)
+            CHECKF(estimate_right(&j, index ? index[k] : k, out, k), "case %llu, light %u", (unsigned long long)i, k);
+    }
 }
 
 int main(void)
 {
-    RUN(sse4_bounds_equal_scalar);
-    RUN(avx2_bounds_equal_scalar);
+    RUN(sse4_equals_scalar);
+    RUN(avx2_equals_scalar);
+    RUN(avx512_equals_scalar);
+    RUN(scalar_estimate_equals_reference);
     return test_done();
 }

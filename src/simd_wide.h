@@ -1,0 +1,254 @@
+/* simd_wide.h - as many floats at a time as the instruction set has (VF_LANES: 1, 4, 8, 16), and half as many doubles.
+ *
+ * The same operations as in simd.h, and the same care: only + - * / sqrt min max and comparisons, each the same IEEE
+ * operation on every level, so that a lane's bits do not depend on the level. vf_min(a, b) is b where a is not less,
+ * vf_max(a, b) is b where a is not greater: a NaN in a is dropped. Loads and stores need no alignment.
+ *
+ *     vf_sel_gt(a, b, x, y)   x in the lanes where a > b, else y
+ *     vf_any_gt(a, b)         a > b in some lane
+ *     vf_pairs(p, at, out)    nodes: p[i] + at has field f of lanes 2i, 2i + 1, then field f + 1 of them: to out[0], out[1]
+ *     vf_rows(p, at, out)     records: p[i] + at has four floats of lane i: transposed to out[0 .. 3]
+ *     vd_low, vd_high, vf_of  halves of a vf to double and back, rounded to nearest
+ *     vd_exponent, vd_mantissa  x = mantissa 2^exponent with mantissa in [1, 2), x > 0 and normal
+ *     vd_pow2(k)              2^k, k whole and in -1022 .. 1023
+ */
+#ifndef LC_SIMD_WIDE_H
+#define LC_SIMD_WIDE_H
+
+#include "base.h"
+
+#include <math.h>
+
+#define LC_INLINE static inline __attribute__((always_inline))
+
+#if LC_ISA_LEVEL == 0
+
+#define VF_LANES 1
+typedef float vf;
+
+LC_INLINE vf vf_set(float a) { return a; }
+LC_INLINE vf vf_add(vf a, vf b) { return a + b; }
+LC_INLINE vf vf_sub(vf a, vf b) { return a - b; }
+LC_INLINE vf vf_mul(vf a, vf b) { return a * b; }
+LC_INLINE vf vf_div(vf a, vf b) { return a / b; }
+LC_INLINE vf vf_min(vf a, vf b) { return a < b ? a : b; }
+LC_INLINE vf vf_max(vf a, vf b) { return a > b ? a : b; }
+LC_INLINE vf vf_sqrt(vf a) { return sqrtf(a); }
+LC_INLINE vf vf_abs(vf a) { return fabsf(a); }
+LC_INLINE vf vf_neg(vf a) { return -a; }
+LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return a > b ? x : y; }
+LC_INLINE bool vf_any_gt(vf a, vf b) { return a > b; }
+LC_INLINE void vf_store(float *p, vf a) { *p = a; }
+LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2]) /* p: the lane's own first float */
+{
+    out[0] = p[0][at], out[1] = p[0][at + LC_BLOCK];
+}
+LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
+{
+    for (size_t k = 0; k < 4; k++) out[k] = p[0][at + k];
+}
+
+#else
+
+#include <immintrin.h>
+
+/* Two neighbouring fields of two nodes of one block. */
+LC_INLINE __m128d vd_two(const float *p) { return _mm_load_pd((const double *)(const void *)p); }
+
+#endif
+
+#if LC_ISA_LEVEL == 1
+
+#define VF_LANES 4
+typedef __m128 vf;
+typedef __m128d vd;
+
+LC_INLINE vf vf_set(float a) { return _mm_set1_ps(a); }
+LC_INLINE vf vf_add(vf a, vf b) { return _mm_add_ps(a, b); }
+LC_INLINE vf vf_sub(vf a, vf b) { return _mm_sub_ps(a, b); }
+LC_INLINE vf vf_mul(vf a, vf b) { return _mm_mul_ps(a, b); }
+LC_INLINE vf vf_div(vf a, vf b) { return _mm_div_ps(a, b); }
+LC_INLINE vf vf_min(vf a, vf b) { return _mm_min_ps(a, b); }
+LC_INLINE vf vf_max(vf a, vf b) { return _mm_max_ps(a, b); }
+LC_INLINE vf vf_sqrt(vf a) { return _mm_sqrt_ps(a); }
+LC_INLINE vf vf_abs(vf a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
+LC_INLINE vf vf_neg(vf a) { return _mm_xor_ps(_mm_set1_ps(-0.0f), a); }
+LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm_blendv_ps(y, x, _mm_cmpgt_ps(a, b)); }
+LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm_movemask_ps(_mm_cmpgt_ps(a, b)) != 0; }
+LC_INLINE void vf_store(float *p, vf a) { _mm_storeu_ps(p, a); }
+LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2])
+{
+    __m128d a = vd_two(p[0] + at), b = vd_two(p[1] + at);
+    out[0] = _mm_castpd_ps(_mm_unpacklo_pd(a, b));
+    out[1] = _mm_castpd_ps(_mm_unpackhi_pd(a, b));
+}
+LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
+{
+    for (int k = 0; k < 4; k++) out[k] = _mm_load_ps(p[k] + at);
+    _MM_TRANSPOSE4_PS(out[0], out[1], out[2], out[3]);
+}
+
+LC_INLINE vd vd_set(double a) { return _mm_set1_pd(a); }
+LC_INLINE vd vd_add(vd a, vd b) { return _mm_add_pd(a, b); }
+LC_INLINE vd vd_sub(vd a, vd b) { return _mm_sub_pd(a, b); }
+LC_INLINE vd vd_mul(vd a, vd b) { return _mm_mul_pd(a, b); }
+LC_INLINE vd vd_div(vd a, vd b) { return _mm_div_pd(a, b); }
+LC_INLINE vd vd_sel_gt(vd a, vd b, vd x, vd y) { return _mm_blendv_pd(y, x, _mm_cmpgt_pd(a, b)); }
+LC_INLINE vd vd_trunc(vd a) { return _mm_round_pd(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
+LC_INLINE vd vd_low(vf a) { return _mm_cvtps_pd(a); }
+LC_INLINE vd vd_high(vf a) { return _mm_cvtps_pd(_mm_movehl_ps(a, a)); }
+LC_INLINE vf vf_of(vd low, vd high) { return _mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high)); }
+
+#define VD_BITS(name) _mm_##name
+#define VD_AND(a, b) _mm_and_si128(a, b)
+#define VD_OR(a, b) _mm_or_si128(a, b)
+#define VD_SET_BITS(a) _mm_set1_epi64x(a)
+#define VD_CAST(a) _mm_castpd_si128(a)
+#define VD_OF_BITS(a) _mm_castsi128_pd(a)
+
+#elif LC_ISA_LEVEL == 2
+
+#define VF_LANES 8
+typedef __m256 vf;
+typedef __m256d vd;
+
+LC_INLINE vf vf_set(float a) { return _mm256_set1_ps(a); }
+LC_INLINE vf vf_add(vf a, vf b) { return _mm256_add_ps(a, b); }
+LC_INLINE vf vf_sub(vf a, vf b) { return _mm256_sub_ps(a, b); }
+LC_INLINE vf vf_mul(vf a, vf b) { return _mm256_mul_ps(a, b); }
+LC_INLINE vf vf_div(vf a, vf b) { return _mm256_div_ps(a, b); }
+LC_INLINE vf vf_min(vf a, vf b) { return _mm256_min_ps(a, b); }
+LC_INLINE vf vf_max(vf a, vf b) { return _mm256_max_ps(a, b); }
+LC_INLINE vf vf_sqrt(vf a) { return _mm256_sqrt_ps(a); }
+LC_INLINE vf vf_abs(vf a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
+LC_INLINE vf vf_neg(vf a) { return _mm256_xor_ps(_mm256_set1_ps(-0.0f), a); }
+LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm256_blendv_ps(y, x, _mm256_cmp_ps(a, b, _CMP_GT_OQ)); }
+LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ)) != 0; }
+LC_INLINE void vf_store(float *p, vf a) { _mm256_storeu_ps(p, a); }
+LC_INLINE __m256d vd_four(const float *p, const float *q) { return _mm256_insertf128_pd(_mm256_castpd128_pd256(vd_two(p)), vd_two(q), 1); }
+LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2])
+{
+    __m256d a = vd_four(p[0] + at, p[2] + at), b = vd_four(p[1] + at, p[3] + at);
+    out[0] = _mm256_castpd_ps(_mm256_unpacklo_pd(a, b));
+    out[1] = _mm256_castpd_ps(_mm256_unpackhi_pd(a, b));
+}
+LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
+{
+    __m256d r[4], t[4];
+    for (int k = 0; k < 4; k++) r[k] = vd_four(p[k] + at, p[k + 4] + at);
+    for (int k = 0; k < 4; k += 2) {
+        __m256 a = _mm256_castpd_ps(r[k]), b = _mm256_castpd_ps(r[k + 1]);
+        t[k] = _mm256_castps_pd(_mm256_unpacklo_ps(a, b));
+        t[k + 1] = _mm256_castps_pd(_mm256_unpackhi_ps(a, b));
+    }
+    for (int k = 0; k < 2; k++) {
+        out[2 * k] = _mm256_castpd_ps(_mm256_unpacklo_pd(t[k], t[k + 2]));
+        out[2 * k + 1] = _mm256_castpd_ps(_mm256_unpackhi_pd(t[k], t[k + 2]));
+    }
+}
+
+LC_INLINE vd vd_set(double a) { return _mm256_set1_pd(a); }
+LC_INLINE vd vd_add(vd a, vd b) { return _mm256_add_pd(a, b); }
+LC_INLINE vd vd_sub(vd a, vd b) { return _mm256_sub_pd(a, b); }
+LC_INLINE vd vd_mul(vd a, vd b) { return _mm256_mul_pd(a, b); }
+LC_INLINE vd vd_div(vd a, vd b) { return _mm256_div_pd(a, b); }
+LC_INLINE vd vd_sel_gt(vd a, vd b, vd x, vd y) { return _mm256_blendv_pd(y, x, _mm256_cmp_pd(a, b, _CMP_GT_OQ)); }
+LC_INLINE vd vd_trunc(vd a) { return _mm256_round_pd(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
+LC_INLINE vd vd_low(vf a) { return _mm256_cvtps_pd(_mm256_castps256_ps128(a)); }
+LC_INLINE vd vd_high(vf a) { return _mm256_cvtps_pd(_mm256_extractf128_ps(a, 1)); }
+LC_INLINE vf vf_of(vd low, vd high) { return _mm256_set_m128(_mm256_cvtpd_ps(high), _mm256_cvtpd_ps(low)); }
+
+#define VD_BITS(name) _mm256_##name
+#define VD_AND(a, b) _mm256_and_si256(a, b)
+#define VD_OR(a, b) _mm256_or_si256(a, b)
+#define VD_SET_BITS(a) _mm256_set1_epi64x(a)
+#define VD_CAST(a) _mm256_castpd_si256(a)
+#define VD_OF_BITS(a) _mm256_castsi256_pd(a)
+
+#elif LC_ISA_LEVEL == 3
+
+#define VF_LANES 16
+typedef __m512 vf;
+typedef __m512d vd;
+
+LC_INLINE vf vf_set(float a) { return _mm512_set1_ps(a); }
+LC_INLINE vf vf_add(vf a, vf b) { return _mm512_add_ps(a, b); }
+LC_INLINE vf vf_sub(vf a, vf b) { return _mm512_sub_ps(a, b); }
+LC_INLINE vf vf_mul(vf a, vf b) { return _mm512_mul_ps(a, b); }
+LC_INLINE vf vf_div(vf a, vf b) { return _mm512_div_ps(a, b); }
+LC_INLINE vf vf_min(vf a, vf b) { return _mm512_min_ps(a, b); }
+LC_INLINE vf vf_max(vf a, vf b) { return _mm512_max_ps(a, b); }
+LC_INLINE vf vf_sqrt(vf a) { return _mm512_sqrt_ps(a); }
+LC_INLINE vf vf_abs(vf a) { return _mm512_andnot_ps(_mm512_set1_ps(-0.0f), a); }
+LC_INLINE vf vf_neg(vf a) { return _mm512_xor_ps(_mm512_set1_ps(-0.0f), a); }
+LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm512_mask_blend_ps(_mm512_cmp_ps_mask(a, b, _CMP_GT_OQ), y, x); }
+LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ) != 0; }
+LC_INLINE void vf_store(float *p, vf a) { _mm512_storeu_ps(p, a); }
+/* 16 bytes each of four places. */
+LC_INLINE __m512d vd_eight(const float *p, const float *q, const float *r, const float *s)
+{
+    __m256d low = _mm256_insertf128_pd(_mm256_castpd128_pd256(vd_two(p)), vd_two(q), 1);
+    __m256d high = _mm256_insertf128_pd(_mm256_castpd128_pd256(vd_two(r)), vd_two(s), 1);
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(low), high, 1);
+}
+LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2])
+{
+    __m512d a = vd_eight(p[0] + at, p[2] + at, p[4] + at, p[6] + at), b = vd_eight(p[1] + at, p[3] + at, p[5] + at, p[7] + at);
+    out[0] = _mm512_castpd_ps(_mm512_unpacklo_pd(a, b));
+    out[1] = _mm512_castpd_ps(_mm512_unpackhi_pd(a, b));
+}
+LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
+{
+    __m512d r[4], t[4];
+    for (int k = 0; k < 4; k++) r[k] = vd_eight(p[k] + at, p[k + 4] + at, p[k + 8] + at, p[k + 12] + at);
+    for (int k = 0; k < 4; k += 2) {
+        __m512 a = _mm512_castpd_ps(r[k]), b = _mm512_castpd_ps(r[k + 1]);
+        t[k] = _mm512_castps_pd(_mm512_unpacklo_ps(a, b));
+        t[k + 1] = _mm512_castps_pd(_mm512_unpackhi_ps(a, b));
+    }
+    for (int k = 0; k < 2; k++) {
+        out[2 * k] = _mm512_castpd_ps(_mm512_unpacklo_pd(t[k], t[k + 2]));
+        out[2 * k + 1] = _mm512_castpd_ps(_mm512_unpackhi_pd(t[k], t[k + 2]));
+    }
+}
+
+LC_INLINE vd vd_set(double a) { return _mm512_set1_pd(a); }
+LC_INLINE vd vd_add(vd a, vd b) { return _mm512_add_pd(a, b); }
+LC_INLINE vd vd_sub(vd a, vd b) { return _mm512_sub_pd(a, b); }
+LC_INLINE vd vd_mul(vd a, vd b) { return _mm512_mul_pd(a, b); }
+LC_INLINE vd vd_div(vd a, vd b) { return _mm512_div_pd(a, b); }
+LC_INLINE vd vd_sel_gt(vd a, vd b, vd x, vd y) { return _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_GT_OQ), y, x); }
+LC_INLINE vd vd_trunc(vd a) { return _mm512_roundscale_pd(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
+LC_INLINE vd vd_low(vf a) { return _mm512_cvtps_pd(_mm512_castps512_ps256(a)); }
+LC_INLINE vd vd_high(vf a) { return _mm512_cvtps_pd(_mm512_extractf32x8_ps(a, 1)); }
+LC_INLINE vf vf_of(vd low, vd high)
+{
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low)), _mm512_cvtpd_ps(high), 1);
+}
+
+#define VD_BITS(name) _mm512_##name
+#define VD_AND(a, b) _mm512_and_si512(a, b)
+#define VD_OR(a, b) _mm512_or_si512(a, b)
+#define VD_SET_BITS(a) _mm512_set1_epi64(a)
+#define VD_CAST(a) _mm512_castpd_si512(a)
+#define VD_OF_BITS(a) _mm512_castsi512_pd(a)
+
+#endif
+
+#if LC_ISA_LEVEL > 0
+
+#define VD_2_52 0x1p52 /* whole numbers below it stand in the low bits of their sum with it */
+
+LC_INLINE vd vd_exponent(vd x)
+{
+    return vd_sub(VD_OF_BITS(VD_OR(VD_BITS(srli_epi64)(VD_CAST(x), 52), VD_CAST(vd_set(VD_2_52)))), vd_set(VD_2_52 + 1023));
+}
+LC_INLINE vd vd_mantissa(vd x)
+{
+    return VD_OF_BITS(VD_OR(VD_AND(VD_CAST(x), VD_SET_BITS(0xfffffffffffff)), VD_CAST(vd_set(1))));
+}
+LC_INLINE vd vd_pow2(vd k) { return VD_OF_BITS(VD_BITS(slli_epi64)(VD_CAST(vd_add(k, vd_set(VD_2_52 + 1023))), 52)); }
+
+#endif
+
+#endif
