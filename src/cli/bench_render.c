@@ -118,6 +118,9 @@ static lc_status record(job *j, const bench_options *o)
     }
     lc_context_destroy(single);
     if (st) return st;
+    if (j->rec.n_shadow_seen < j->stats.shadow_rays) /* then the ratio is of other rays than it says */
+        lc_log(j->ctx, LC_LOG_WARNING, "warning: the render counts %llu shadow rays, the kernels saw %llu",
+               (ull)j->stats.shadow_rays, (ull)j->rec.n_shadow_seen);
     j->n_hidden = lc_alloc(j->ctx, j->ctx->n_threads, 8 * sizeof *j->n_hidden);
     return j->n_hidden ? LC_OK : LC_ERR_MEMORY;
 }
