@@ -13,8 +13,6 @@
 
 #include <string.h>
 
-/* A round splits clusters with at least this share of the worst bound. */
-#define SHARE (1.0f / 16)
 #define BATCH 64 /* parents whose children are bounded, and lights estimated and traced, at a time */
 
 lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *tree, const lc_bvh *bvh,
@@ -27,9 +25,10 @@ lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *t
     cut->open = lc_alloc(ctx, n, sizeof *cut->open);
     cut->split = lc_alloc(ctx, n, sizeof *cut->split);
     cut->left = lc_alloc(ctx, n, sizeof *cut->left);
+    cut->leaf = lc_alloc(ctx, n, sizeof *cut->leaf);
     cut->key = lc_alloc(ctx, n, sizeof *cut->key);
     cut->done = keep_done ? lc_alloc(ctx, n, sizeof *cut->done) : NULL;
-    if (cut->open && cut->split && cut->left && cut->key && (cut->done || !keep_done)) return LC_OK;
+    if (cut->open && cut->split && cut->left && cut->leaf && cut->key && (cut->done || !keep_done)) return LC_OK;
     lc_cut_free(cut);
     return LC_ERR_MEMORY;
 }
@@ -40,29 +39,30 @@ void lc_cut_free(lc_cut *cut)
     lc_free(cut->ctx, cut->open, n, sizeof *cut->open);
     lc_free(cut->ctx, cut->split, n, sizeof *cut->split);
     lc_free(cut->ctx, cut->left, n, sizeof *cut->left);
+    lc_free(cut->ctx, cut->leaf, n, sizeof *cut->leaf);
     lc_free(cut->ctx, cut->key, n, sizeof *cut->key);
     lc_free(cut->ctx, cut->done, n, sizeof *cut->done);
-    cut->open = cut->split = cut->left = NULL, cut->key = NULL, cut->done = NULL;
+    cut->open = cut->split = cut->left = cut->leaf = NULL, cut->key = NULL, cut->done = NULL;
 }
 
 static uint32_t cut_size(const lc_cut *c) { return c->n_open + c->n_split + c->n_left + c->n_done; }
 
-/* Adds a cluster with a bound above 0 to those above the limit or to those left. */
-static void keep(lc_cut *c, const lc_cut_node *node, double limit)
-{
-    bool above = (double)node->bound > limit;
-    *(above ? &c->open[c->n_open] : &c->left[c->n_left]) = *node;
-    c->n_open += above, c->n_left += !above;
-    if (!above && node->bound > c->worst_left) c->worst_left = node->bound;
-}
-
 /* The limit has fallen: opens what is above it now. */
-static void open_left(lc_cut *c, double limit)
+static void open_left(lc_cut *c, float limit)
 {
     uint32_t n = c->n_left;
     c->n_left = 0;
-    c->worst_left = 0;
-    for (uint32_t i = 0; i < n; i++) keep(c, &c->left[i], limit); /* n_left <= i: writes behind the reading */
+    for (uint32_t i = 0; i < n; i++) {
+        if (c->left[i].bound > limit) c->open[c->n_open++] = c->left[i];
+        else if (c->n_left++ != i) c->left[c->n_left - 1] = c->left[i];
+    }
+}
+
+static float worst_of(const lc_cut_node *node, uint32_t n)
+{
+    float worst = 0;
+    for (uint32_t i = 0; i < n; i++) worst = node[i].bound > worst ? node[i].bound : worst;
+    return worst;
 }
 
 /* The n-th largest of key[0 .. count), n >= 1; reorders them. */
@@ -87,27 +87,26 @@ static float nth_largest(float *key, uint32_t count, uint32_t n)
 
 /* Moves the clusters that the next round splits from open to split, at most `room` of them, and those within the limit
  * to left. */
-static void choose(lc_cut *c, double limit, uint32_t room)
+static void choose(lc_cut *c, float limit, uint32_t room)
 {
-    float worst = 0, least;
-    uint32_t n = c->n_open, n_key = 0, n_take;
-    for (uint32_t i = 0; i < n; i++) worst = c->open[i].bound > worst ? c->open[i].bound : worst;
-    least = worst < FLT_MAX ? worst * SHARE : FLT_MAX;
+    lc_cut_node *node = c->open;
+    uint32_t n = c->n_open, n_above = 0;
+    float least = 0;
+    c->open = c->split, c->split = node;
+    c->n_open = 0, c->n_split = 0;
     for (uint32_t i = 0; i < n; i++) {
-        float b = c->open[i].bound;
-        c->key[n_key] = b;
-        n_key += (double)b > limit && b >= least;
+        if (!(node[i].bound > limit)) c->left[c->n_left++] = node[i];
+        else if (n_above++ != i) node[n_above - 1] = node[i];
     }
-    n_take = n_key;
-    if (n_take > room) { /* near max_cut: half of the room at a time, so that the worst can be split again */
-        n_take = (room + 1) / 2;
-        if (n_take) least = nth_largest(c->key, n_key, n_take);
+    uint32_t n_take = n_above <= room ? n_above : (room + 1) / 2; /* half at a time: the worst may have to go on */
+    if (n_take < n_above) {
+        for (uint32_t i = 0; i < n_above; i++) c->key[i] = node[i].bound;
+        least = n_take ? nth_largest(c->key, n_above, n_take) : INFINITY;
     }
-    c->n_open = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        const lc_cut_node *node = &c->open[i];
-        if ((double)node->bound > limit && node->bound >= least && n_take) c->split[c->n_split++] = *node, n_take--;
-        else keep(c, node, limit);
+    for (uint32_t i = 0; i < n_above; i++) {
+        bool take = n_take == n_above || (c->n_split < n_take && node[i].bound >= least);
+        if (!take) c->open[c->n_open++] = node[i];
+        else if (c->n_split++ != i) node[c->n_split - 1] = node[i];
     }
 }
 
@@ -116,15 +115,10 @@ typedef struct {
     const lc_cut_node *parent;
     uint32_t n;
     const lc_point *point;
-    const float *org;
-    uint32_t *rays;
-    double limit;
-    uint32_t fresh[BATCH];                  /* which child of a pair has a new representative */
-    uint32_t light[BATCH];                  /* that representative */
+    float limit;
+    uint32_t fresh[BATCH];   /* which child of a pair has a new representative */
+    lc_cut_node new[BATCH];  /* of that child: rep, kind, transfer and pending */
     _Alignas(64) float ub[2 * BATCH + LC_LANES];
-    float f[3][BATCH];                      /* M G V of new representatives */
-    uint32_t n_rays[2], which[2][BATCH];    /* [0] near targets, [1] far ones: pairs whose representative is traced */
-    float target[2][3][BATCH];
 } step;
 
 /* Bounds of both nodes of the pair below a virtual node, where each has its own kind. */
@@ -155,8 +149,9 @@ static void find_children(const lc_cut *c, step *s)
         size_t first = s->parent[i].link;
         uint32_t left = t->rep[first * t->n_reps + c->slot], right = t->rep[(first + 1) * t->n_reps + c->slot];
         s->fresh[i] = left == s->parent[i].rep;
-        s->light[i] = s->fresh[i] ? right : left;
-        __builtin_prefetch(&t->lights[s->light[i]]);
+        s->new[i].rep = s->fresh[i] ? right : left;
+        s->new[i].kind = s->parent[i].kind;
+        __builtin_prefetch(&t->lights[s->new[i].rep]);
     }
 }
 
@@ -171,20 +166,19 @@ static void bound_children(const lc_cut *c, step *s, uint32_t first, uint32_t n,
     memcpy(s->ub + 2 * first, ub, 2 * n * sizeof *ub);
 }
 
-/* M G of the new representatives of pairs which[0 .. n), all of one kind; lists the shadow rays of those above 0. */
+/* M G of the new representatives of pairs which[0 .. n), all of one kind. */
 static void estimate(const lc_cut *c, step *s, const uint32_t *which, uint32_t n, lc_light_kind kind)
 {
     _Alignas(64) float f[6][BATCH];
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
-    uint32_t light[BATCH], far = kind == LC_LIGHT_DIRECTIONAL, m = s->n_rays[far];
-    for (uint32_t i = 0; i < n; i++) light[i] = s->light[which[i]];
+    uint32_t light[BATCH];
+    for (uint32_t i = 0; i < n; i++) light[i] = s->new[which[i]].rep;
     if (n) c->bvh->kernels->estimate(c->tree->lights, light, n, kind, s->point, out);
     for (uint32_t i = 0; i < n; i++) {
-        for (int k = 0; k < 3; k++) s->f[k][which[i]] = f[k][i], s->target[far][k][m] = f[3 + k][i];
-        s->which[far][m] = which[i];
-        m += f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0;
+        bool lit = f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0;
+        for (int k = 0; k < 3; k++) s->new[which[i]].transfer[k] = f[k][i];
+        s->new[which[i]].pending = lit ? 1 + (kind == LC_LIGHT_DIRECTIONAL) : 0;
     }
-    s->n_rays[far] = m;
 }
 
 static void estimate_children(const lc_cut *c, step *s, uint32_t first, uint32_t n, uint32_t kind)
@@ -195,41 +189,31 @@ static void estimate_children(const lc_cut *c, step *s, uint32_t first, uint32_t
         m += s->ub[2 * i + s->fresh[i]] > 0;
     }
     if (kind != LC_PAIR_MIXED) estimate(c, s, which, m, (lc_light_kind)kind);
-    else for (uint32_t i = 0; i < m; i++) estimate(c, s, &which[i], 1, (lc_light_kind)c->tree->lights[s->light[which[i]]].kind);
+    else for (uint32_t i = 0; i < m; i++) estimate(c, s, &which[i], 1, (lc_light_kind)c->tree->lights[s->new[which[i]].rep].kind);
 }
 
-/* Traces the shadow rays listed and clears the transfers that are hidden. */
-static void trace(const lc_cut *c, step *s)
-{
-    uint8_t hidden[BATCH];
-    for (uint32_t far = 0; far < 2; far++) {
-        const float *const target[3] = { s->target[far][0], s->target[far][1], s->target[far][2] };
-        if (!s->n_rays[far]) continue;
-        c->bvh->kernels->hidden(&c->bvh->data, s->org, s->n_rays[far], target, far, hidden);
-        *s->rays += s->n_rays[far];
-        for (uint32_t i = 0; i < s->n_rays[far]; i++)
-            for (int k = 0; k < 3 && hidden[i]; k++) s->f[k][s->which[far][i]] = 0;
-        s->n_rays[far] = 0;
-    }
-}
-
-/* Puts a cluster into the cut: to the done ones when nothing about it is left to refine. Returns its luminance. */
-static double place(lc_cut *c, lc_cut_node *node, uint32_t parent_kind, double limit)
+/* Puts a cluster into the cut: in place, as copies of half-written nodes stall. Returns its luminance. */
+static double place(lc_cut *c, const step *s, const lc_cut_node *from, uint32_t id, float bound)
 {
     const lc_light_tree *t = c->tree;
-    const lc_node_block *b = &t->blocks[node->id / LC_BLOCK];
-    uint32_t lane = node->id % LC_BLOCK;
-    for (uint32_t k = 0; k < 3; k++) node->e[k] = node->transfer[k] * b->power[k][lane];
-    node->lum = lc_luminance(lc_f3_load(node->e));
-    node->link = t->link[node->id];
-    if (node->bound > 0 && !(node->link & LC_LEAF)) {
-        node->kind = parent_kind == LC_PAIR_MIXED ? t->pair_kind[node->link / 2] : parent_kind;
-        keep(c, node, limit);
-    } else {
-        if (c->keep_done) c->done[c->n_done] = node->id;
-        c->n_done++;
-        for (int k = 0; k < 3; k++) c->done_sum[k] += (double)node->e[k];
+    const lc_node_block *b = &t->blocks[id / LC_BLOCK];
+    uint32_t lane = id % LC_BLOCK, link = t->link[id], some = bound > 0, inner = some & ~(link >> 31), above = bound > s->limit;
+    lc_cut_node *const place[4] = { &c->none, &c->leaf[c->n_leaf], &c->left[c->n_left], &c->open[c->n_open] };
+    lc_cut_node *node = place[some + inner + (inner & above)]; /* which of the four can't be predicted: no branch */
+    c->n_open += inner & above;
+    c->n_left += inner & ~above;
+    c->n_leaf += some & ~inner;
+    if (c->keep_done && !inner) c->done[c->n_done] = id;
+    c->n_done += 1 - inner;
+    node->bound = bound, node->id = id, node->link = link;
+    node->rep = from->rep, node->kind = from->kind, node->pending = from->pending;
+    for (uint32_t k = 0; k < 3; k++) {
+        float f = some ? from->transfer[k] : 0;
+        node->transfer[k] = f;
+        node->e[k] = f * b->power[k][lane];
     }
+    node->lum = lc_luminance(lc_f3_load(node->e));
+    if (from->kind == LC_PAIR_MIXED && inner) node->kind = t->pair_kind[link / 2];
     return (double)node->lum;
 }
 
@@ -237,16 +221,10 @@ static double place_children(lc_cut *c, const step *s)
 {
     double change = 0;
     for (uint32_t i = 0; i < s->n; i++) {
-        const lc_cut_node *parent = &s->parent[i];
+        const lc_cut_node *parent = &s->parent[i], *new = &s->new[i];
         change -= (double)parent->lum;
-        for (uint32_t k = 0; k < 2; k++) {
-            bool fresh = k == s->fresh[i];
-            lc_cut_node node = { .bound = s->ub[2 * i + k], .id = parent->link + k };
-            node.rep = fresh ? s->light[i] : parent->rep;
-            for (int j = 0; j < 3; j++) node.transfer[j] = fresh ? s->f[j][i] : parent->transfer[j];
-            if (!(node.bound > 0)) node.transfer[0] = node.transfer[1] = node.transfer[2] = 0;
-            change += place(c, &node, parent->kind, s->limit);
-        }
+        change += place(c, s, s->fresh[i] ? parent : new, parent->link, s->ub[2 * i]);
+        change += place(c, s, s->fresh[i] ? new : parent, parent->link + 1, s->ub[2 * i + 1]);
     }
     return change;
 }
@@ -268,7 +246,6 @@ static double split_chosen(lc_cut *c, step *s, lc_stats *stats)
             bound_children(c, s, i, run, kind);
             estimate_children(c, s, i, run, kind);
         }
-        trace(c, s);
         change += place_children(c, s);
     }
     return change;
@@ -279,64 +256,130 @@ static double place_root(lc_cut *c, step *s, lc_stats *stats)
     const lc_light_tree *t = c->tree;
     const uint32_t pair = 0, first = 0;
     bool is_virtual = lc_node_is_virtual(t, 0);
-    lc_cut_node root = { .bound = INFINITY, .id = 0, .rep = t->rep[c->slot] };
+    s->new[0] = (lc_cut_node){ .rep = t->rep[c->slot], .kind = is_virtual ? LC_PAIR_MIXED : t->pair_kind[0] };
+    s->ub[0] = INFINITY;
     if (!is_virtual) {
         c->bvh->kernels->bounds(t->blocks, &pair, 1, (lc_light_kind)t->pair_kind[0], s->point, s->ub);
-        root.bound = s->ub[0];
         stats->bounds++;
     }
-    if (root.bound > 0) {
-        s->light[0] = root.rep;
-        estimate(c, s, &first, 1, (lc_light_kind)t->lights[root.rep].kind);
-        trace(c, s);
-        for (int k = 0; k < 3; k++) root.transfer[k] = s->f[k][0];
+    if (s->ub[0] > 0) estimate(c, s, &first, 1, (lc_light_kind)t->lights[s->new[0].rep].kind);
+    s->limit = 0;
+    return place(c, s, &s->new[0], 0, s->ub[0]);
+}
+
+/* Shadow rays of one point on their way to the tracer: near targets and far ones apart. */
+typedef struct {
+    lc_cut_node *node[2][BATCH];
+    float target[2][3][BATCH];
+    uint32_t n[2];
+    const float *org;
+    double change; /* of the total's luminance */
+} ray_group;
+
+static void trace(const lc_cut *c, ray_group *g, uint32_t far)
+{
+    uint8_t hidden[BATCH];
+    const float *const target[3] = { g->target[far][0], g->target[far][1], g->target[far][2] };
+    if (!g->n[far]) return;
+    c->bvh->kernels->hidden(&c->bvh->data, g->org, g->n[far], target, far, hidden);
+    for (uint32_t i = 0; i < g->n[far]; i++) {
+        lc_cut_node *node = g->node[far][i];
+        node->pending = 0;
+        if (!hidden[i]) continue;
+        g->change -= (double)node->lum;
+        node->lum = 0;
+        for (int k = 0; k < 3; k++) node->transfer[k] = node->e[k] = 0;
     }
-    return place(c, &root, is_virtual ? LC_PAIR_MIXED : t->pair_kind[0], 0);
+    g->n[far] = 0;
+}
+
+/* Traces what is pending among some clusters. Returns the number of rays. */
+static uint32_t trace_nodes(const lc_cut *c, ray_group *g, lc_cut_node *node, uint32_t n)
+{
+    uint32_t n_rays = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (!node[i].pending) continue;
+        uint32_t far = node[i].pending - 1u, m = g->n[far]++;
+        const lc_light_rec *light = &c->tree->lights[node[i].rep];
+        for (int k = 0; k < 3; k++) g->target[far][k][m] = far ? -light->dir[k] : light->pos[k];
+        g->node[far][m] = &node[i];
+        n_rays++;
+        if (m + 1 == BATCH) trace(c, g, far);
+    }
+    return n_rays;
+}
+
+/* Traces all rays that are pending; leaves then are done. Returns the change of the total's luminance. */
+static double trace_pending(lc_cut *c, const float org[3], uint32_t *n_rays)
+{
+    ray_group g;
+    g.n[0] = g.n[1] = 0, g.org = org, g.change = 0;
+    *n_rays += trace_nodes(c, &g, c->open, c->n_open);
+    *n_rays += trace_nodes(c, &g, c->left, c->n_left);
+    *n_rays += trace_nodes(c, &g, c->leaf, c->n_leaf);
+    trace(c, &g, 0);
+    trace(c, &g, 1);
+    for (uint32_t i = 0; i < c->n_leaf; i++)
+        for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf[i].e[k];
+    c->n_leaf = 0;
+    return g.change;
 }
 
 /* Fills in the result of a finished cut. */
 static void finish(lc_cut *c, lc_stats *stats, lc_cut_result *out)
 {
     double sum[3] = { c->done_sum[0], c->done_sum[1], c->done_sum[2] };
-    open_left(c, INFINITY); /* worst_left */
-    for (uint32_t i = 0; i < c->n_open; i++) keep(c, &c->open[i], INFINITY); /* at max_cut */
+    for (uint32_t i = 0; i < c->n_open; i++) c->left[c->n_left++] = c->open[i]; /* at max_cut */
     c->n_open = 0;
     for (uint32_t i = 0; i < c->n_left; i++)
         for (int k = 0; k < 3; k++) sum[k] += (double)c->left[i].e[k];
     out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
     out->size = cut_size(c);
-    float lum = lc_luminance(out->radiance);
-    if (c->worst_left > 0) out->max_error = lum > 0 ? c->worst_left / lum : INFINITY;
+    float lum = lc_luminance(out->radiance), worst = worst_of(c->left, c->n_left);
+    if (worst > 0) out->max_error = lum > 0 ? worst / lum : INFINITY;
     stats->shadow_rays += out->rays;
     stats->cut_sum += out->size;
     stats->at_limit += out->at_limit;
     stats->dark += out->dark;
 }
 
+/* Largest float that is at most x. */
+static float round_down(double x)
+{
+    float f = (float)x;
+    return (double)f > x ? nextafterf(f, 0) : f;
+}
+
+/* Splits until no bound is above the limit, all shadow rays that are pending taken as not hidden: the total then is no
+ * less than it will be and the limit no lower. So nothing is split that need not be, and the rays go out in large
+ * groups. Then those rays lower the total, and what is above the new limit is split in turn. */
 void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t hash, lc_stats *stats, lc_cut_result *out)
 {
     double ratio = (double)c->desc.error_ratio, floor_lum = (double)c->desc.floor;
     step s;
-    s.point = p, s.org = org, s.rays = &out->rays;
-    s.n_rays[0] = s.n_rays[1] = 0;
+    s.point = p;
     *out = (lc_cut_result){ 0 };
-    c->n_open = c->n_split = c->n_left = c->n_done = 0;
-    c->worst_left = 0;
+    c->n_open = c->n_split = c->n_left = c->n_leaf = c->n_done = 0;
     c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
     stats->points++;
     if (!c->tree->n_lights) return;
     c->slot = (uint32_t)(hash % c->tree->n_reps);
     double total = place_root(c, &s, stats);
-    for (;;) {
-        s.limit = ratio * (total > floor_lum ? total : floor_lum);
-        if ((double)c->worst_left > s.limit) open_left(c, s.limit);
-        uint32_t room = c->limit - cut_size(c);
-        choose(c, s.limit, room);
-        if (!c->n_split) break;
-        total += split_chosen(c, &s, stats);
+    for (bool traced = false;;) {
+        s.limit = round_down(ratio * (total > floor_lum ? total : floor_lum));
+        if (traced) open_left(c, s.limit);
+        choose(c, s.limit, c->limit - cut_size(c));
+        if (c->n_split) {
+            total += split_chosen(c, &s, stats);
+            traced = false;
+        } else {
+            if (traced) break;
+            total += trace_pending(c, org, &out->rays);
+            traced = true;
+        }
     }
     out->at_limit = c->n_open > 0;
-    out->dark = !out->at_limit && total < floor_lum && (double)c->worst_left > ratio * total;
+    out->dark = !out->at_limit && total < floor_lum && (double)worst_of(c->left, c->n_left) > ratio * total;
     finish(c, stats, out);
 }
 

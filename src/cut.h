@@ -30,7 +30,8 @@ typedef struct lc_cut_node {
     float lum;         /* luminance of the estimate */
     uint32_t id, link; /* light tree node, and what it links to */
     uint32_t rep;      /* light index */
-    uint32_t kind;     /* of its children: lc_light_kind, or LC_PAIR_MIXED */
+    uint16_t kind;     /* of its children: lc_light_kind, or LC_PAIR_MIXED */
+    uint16_t pending;  /* 1 + far: its shadow ray is still to be traced, until then V is taken as 1 */
     float transfer[3]; /* M G V of the representative */
     float e[3];        /* the estimate: transfer times power */
 } lc_cut_node;
@@ -44,10 +45,10 @@ typedef struct lc_cut {
     const lc_bvh *bvh;
     lc_cut_desc desc;
     uint32_t limit;         /* clusters that fit; of each array there are limit + 1 */
-    lc_cut_node *open, *split, *left;
-    uint32_t n_open, n_split, n_left, n_done;
+    lc_cut_node *open, *split, *left, *leaf; /* leaf: done but for their shadow rays */
+    uint32_t n_open, n_split, n_left, n_leaf, n_done; /* n_done counts the leaves too */
+    lc_cut_node none;       /* takes what is 0 */
     float *key;             /* scratch of the choice of the worst */
-    float worst_left;       /* largest bound among left */
     uint32_t *done;         /* light tree nodes; kept only when keep_done */
     bool keep_done;
     double done_sum[3];     /* radiance of the done ones */
