@@ -192,40 +192,61 @@ static void estimate_children(const lc_cut *c, step *s, uint32_t first, uint32_t
     else for (uint32_t i = 0; i < m; i++) estimate(c, s, &which[i], 1, (lc_light_kind)c->tree->lights[s->new[which[i]].rep].kind);
 }
 
-/* Puts a cluster into the cut: in place, as copies of half-written nodes stall. Returns its luminance. */
-static double place(lc_cut *c, const step *s, const lc_cut_node *from, uint32_t id, float bound)
+/* Where the next cluster of each sort goes. */
+typedef struct {
+    lc_cut_node *open, *left, *leaf;
+} ends;
+
+static inline ends ends_of(const lc_cut *c)
 {
+    return (ends){ c->open + c->n_open, c->left + c->n_left, c->leaf + c->n_leaf };
+}
+
+/* Puts a cluster into the cut: in place, as copies of half-written nodes stall, and without a branch on which list it goes
+ * to, as nobody could predict that. Returns its luminance. */
+static inline double place(lc_cut *c, ends *end, const lc_cut_node *from, uint32_t id, float bound, float limit)
+{
+    static const float zero[3] = { 0, 0, 0 };
     const lc_light_tree *t = c->tree;
     const lc_node_block *b = &t->blocks[id / LC_BLOCK];
-    uint32_t lane = id % LC_BLOCK, link = t->link[id], some = bound > 0, inner = some & ~(link >> 31), above = bound > s->limit;
-    lc_cut_node *const place[4] = { &c->none, &c->leaf[c->n_leaf], &c->left[c->n_left], &c->open[c->n_open] };
-    lc_cut_node *node = place[some + inner + (inner & above)]; /* which of the four can't be predicted: no branch */
-    c->n_open += inner & above;
-    c->n_left += inner & ~above;
-    c->n_leaf += some & ~inner;
-    if (c->keep_done && !inner) c->done[c->n_done] = id;
-    c->n_done += 1 - inner;
+    uint32_t lane = id % LC_BLOCK, link = t->link[id];
+    bool some = bound > 0, inner = some & !(link >> 31), above = inner & (bound > limit);
+    const float *f = some ? from->transfer : zero;
+    lc_cut_node *node = above ? end->open : inner ? end->left : some ? end->leaf : &c->none;
+    end->open += above, end->left += inner & !above, end->leaf += some & !inner;
+    if (!inner) {
+        if (c->keep_done) c->done[c->n_done] = id;
+        c->n_done++;
+    }
     node->bound = bound, node->id = id, node->link = link;
     node->rep = from->rep, node->kind = from->kind, node->pending = from->pending;
     for (uint32_t k = 0; k < 3; k++) {
-        float f = some ? from->transfer[k] : 0;
-        node->transfer[k] = f;
-        node->e[k] = f * b->power[k][lane];
+        node->transfer[k] = f[k];
+        node->e[k] = f[k] * b->power[k][lane];
     }
     node->lum = lc_luminance(lc_f3_load(node->e));
     if (from->kind == LC_PAIR_MIXED && inner) node->kind = t->pair_kind[link / 2];
     return (double)node->lum;
 }
 
+static void set_ends(lc_cut *c, const ends *end)
+{
+    c->n_open = (uint32_t)(end->open - c->open);
+    c->n_left = (uint32_t)(end->left - c->left);
+    c->n_leaf = (uint32_t)(end->leaf - c->leaf);
+}
+
 static double place_children(lc_cut *c, const step *s)
 {
     double change = 0;
+    ends end = ends_of(c);
     for (uint32_t i = 0; i < s->n; i++) {
         const lc_cut_node *parent = &s->parent[i], *new = &s->new[i];
-        change -= (double)parent->lum;
-        change += place(c, s, s->fresh[i] ? parent : new, parent->link, s->ub[2 * i]);
-        change += place(c, s, s->fresh[i] ? new : parent, parent->link + 1, s->ub[2 * i + 1]);
+        double left = place(c, &end, s->fresh[i] ? parent : new, parent->link, s->ub[2 * i], s->limit);
+        double right = place(c, &end, s->fresh[i] ? new : parent, parent->link + 1, s->ub[2 * i + 1], s->limit);
+        change += left + right - (double)parent->lum;
     }
+    set_ends(c, &end);
     return change;
 }
 
@@ -263,8 +284,10 @@ static double place_root(lc_cut *c, step *s, lc_stats *stats)
         stats->bounds++;
     }
     if (s->ub[0] > 0) estimate(c, s, &first, 1, (lc_light_kind)t->lights[s->new[0].rep].kind);
-    s->limit = 0;
-    return place(c, s, &s->new[0], 0, s->ub[0]);
+    ends end = ends_of(c);
+    double lum = place(c, &end, &s->new[0], 0, s->ub[0], 0);
+    set_ends(c, &end);
+    return lum;
 }
 
 /* Shadow rays of one point on their way to the tracer: near targets and far ones apart. */
