@@ -80,11 +80,12 @@ static void place_pair(builder *b, const lc_build_node *parent, uint32_t pair)
     }
 }
 
-/* Gives every build node its flat id: treelets depth first, pairs of a treelet level by level. */
+/* Gives every build node its flat id: treelets depth first, pairs of a treelet level by level. The lights are stored in
+ * the order of the leaves, so that clusters near each other find theirs near each other. */
 static lc_status flatten(builder *b)
 {
     lc_light_tree *t = b->tree;
-    uint32_t *stack = lc_alloc(b->ctx, b->n_nodes, sizeof *stack), n = 0, pair = 1;
+    uint32_t *stack = lc_alloc(b->ctx, b->n_nodes, sizeof *stack), n = 0, pair = 1, n_lights = 0;
     if (!stack) return LC_ERR_MEMORY;
     b->id[b->root] = 0;
     lc_cluster_store(&b->nodes[b->root].c, &t->blocks[0], 0);
@@ -94,9 +95,11 @@ static lc_status flatten(builder *b)
         uint32_t queue[2 * TREELET_PAIRS + 1], head = 0, tail = 0, placed = 0;
         queue[tail++] = stack[--n];
         for (; head < tail; head++) {
-            const lc_build_node *node = &b->nodes[queue[head]];
+            lc_build_node *node = &b->nodes[queue[head]];
             uint32_t id = b->id[queue[head]];
             if (node->child[0] == LC_NONE) {
+                lc_light_rec_init(&t->lights[n_lights], &b->desc->lights[node->light]);
+                node->light = n_lights++;
                 t->link[id] = LC_LEAF | node->light;
             } else if (placed < TREELET_PAIRS) {
                 t->link[id] = 2 * pair;
@@ -165,10 +168,7 @@ lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *d
         st = alloc_tree(&b);
         if (!st) st = build_all(&b);
         if (!st) st = flatten(&b);
-        if (!st) {
-            choose_reps(&b);
-            for (size_t i = 0; i < desc->n_lights; i++) lc_light_rec_init(&t->lights[i], &desc->lights[i]);
-        }
+        if (!st) choose_reps(&b);
         lc_free(ctx, b.nodes, b.cap_nodes, sizeof *b.nodes);
         lc_free(ctx, b.id, b.cap_nodes, sizeof *b.id);
     }

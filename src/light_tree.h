@@ -6,7 +6,7 @@
  *     rep         n_reps light indices a node: slot s of a parent is slot s of one child, chosen with probability
  *                 I_child / I_parent from a hash of the node, so P(light) = I_light / I_node at every node
  *
- * Pairs lie in treelets of three levels, so a descent stays on the same cache lines.
+ * Lights lie in the order of the leaves. Pairs lie in treelets of three levels, so a descent stays on the same cache lines.
  */
 #ifndef LC_LIGHT_TREE_H
 #define LC_LIGHT_TREE_H

@@ -3,6 +3,7 @@
 #include "agglomerate.h"
 #include "light_tree.h"
 #include "rng.h"
+#include "shade.h"
 #include "stats.h"
 #include "test.h"
 
@@ -248,8 +249,16 @@ static int by_value(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* A set of lights as the sum of hashes of its members. */
-static uint64_t hash_of(uint32_t light) { return lc_mix(0xabc0000u + light); }
+/* A set of lights as the sum of hashes of its members: the tree has them in an order of its own. */
+static uint64_t hash_of(const lc_light_rec *light)
+{
+    uint64_t h = 0xabc, word;
+    for (size_t i = 0; i < sizeof *light; i += sizeof word) {
+        memcpy(&word, (const char *)light + i, sizeof word);
+        h = lc_mix(h ^ word);
+    }
+    return h;
+}
 
 /* Sets of the inner nodes, sorted; merges the two clusters of least metric until one is left. */
 static uint32_t naive_sets(const lc_light *l, uint32_t n, double c2, uint64_t *sets)
@@ -260,7 +269,9 @@ static uint32_t naive_sets(const lc_light *l, uint32_t n, double c2, uint64_t *s
     for (uint32_t i = 0; i < n; i++) {
         nodes[i] = (lc_build_node){ .child = { LC_NONE, LC_NONE }, .light = i, .cos_cone = 1 };
         lc_cluster_from_light(&nodes[i].c, &l[i]);
-        set[i] = hash_of(i);
+        lc_light_rec rec;
+        lc_light_rec_init(&rec, &l[i]);
+        set[i] = hash_of(&rec);
         alive[i] = i;
     }
     while (n_alive > 1) {
@@ -289,7 +300,7 @@ static uint32_t tree_sets(const lc_light_tree *t, uint64_t *sets)
         if (id == 1 || lc_node_is_leaf(t, id)) continue;
         uint32_t k = lights_below(t, id, below);
         sets[n] = 0;
-        for (uint32_t i = 0; i < k; i++) sets[n] += hash_of(below[i]);
+        for (uint32_t i = 0; i < k; i++) sets[n] += hash_of(&t->lights[below[i]]);
         n++;
     }
     qsort(sets, n, sizeof *sets, by_value);
@@ -357,12 +368,12 @@ TEST(representatives_are_as_frequent_as_bright)
                 double sum = 0;
                 uint32_t n = lights_below(t, id, below);
                 for (uint32_t i = 0; i < n; i++) {
-                    lc_f3 e = l[below[i]].intensity;
+                    lc_f3 e = lc_f3_load(t->lights[below[i]].intensity);
                     sum += ((double)e.x + e.y + e.z) / 3;
                 }
                 for (uint32_t i = 0; i < n && n > 1; i++)
                     for (uint32_t s = 0; s < 2; s++) {
-                        lc_f3 e = l[below[i]].intensity;
+                        lc_f3 e = lc_f3_load(t->lights[below[i]].intensity);
                         double p = ((double)e.x + e.y + e.z) / 3 / sum, want = p * FREQ_SEEDS;
                         double off = count[id][s][below[i]] - want;
                         worst = fmax(worst, fabs(off) / sqrt(want * (1 - p)));
