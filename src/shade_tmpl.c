@@ -2,7 +2,7 @@
  * order, so the same bits, but for those that can't matter: lanes that it leaves early are computed and set to 0, the
  * root of B d is not taken where B is 0 in every lane, and a lobe that is not added is added as 0.
  */
-#include "shade.h"
+#include "layout.h"
 
 #define ADD vf_add
 #define MUL vf_mul
