@@ -10,20 +10,21 @@
  * cosine and 1/d^2 are bounded together (design.md): with z in [z0, z1], cos / d^2 = z / |p|^3 <=
  * z / max(z^2 + r^2, D^2)^(3/2), which grows in z up to sqrt(D^2 - r^2) and then up to r / sqrt 2, and falls beyond:
  * its maximum is at z* = those two's greater one, clamped to [z0, z1]. That is never above the product of the separate
- * bounds. With q = max(z*^2 + r^2, D^2) it is sqrt(z*^2 / q) / q: z* itself is not needed. Where q is below the
- * distance floor the cosine is taken as 1.
+ * bounds. With q = max(z*^2 + r^2, D^2) it is sqrt(z*^2 / q) / q: z* itself is not needed. z*^2 and q are taken as no
+ * less than the distance floor: the cosine is 1 below it, and too great by 1e-5 at most of the scene's size over |p|.
  *
  * Rounding, u = 2^-24, m_k = |c_k| + half_k, M = sum m_k.
  * - Subtraction: the estimate's p and our c are each within u of the exact difference, so h_k = half_k + 4u m_k.
  *   From there on p means the float vector that the estimate uses.
+ * - D^2: the widening takes at most 2 * 4u m_k d_k of a square d_k^2, d_k = max(|c_k| - half_k, 0) <= m_k, and our own
+ *   rounding 6u m_k^2: we subtract 24u M^2. What is left may be negative, which is as good as 0.
  * - Dot products of three terms are within 3u of the sum of |terms|, at most S = sum |axis_k| m_k <= (1 + 2u) M; the
  *   estimate's and our two make at most 9u S, the widening of h 4u S: we add 20u M.
  * - r: t = c - (axis.c) axis is within 8u M of the exact one (an axis of length 1 +- 2u included), and its direction
  *   within 8u M / |t|, which matters by at most that times the half extent along the axis: together at most
  *   8u M (|t| + extent) <= 8u M^2 of r |t|. The widening is 4u sum |t_k| m_k <= 4u M^2, our own rounding 6u M^2
  *   (t.t <= M^2, sum |t_k| h_k <= M^2 / 4): we subtract 24u M^2.
- * - Boxes within NEAR of the point have squares near underflow: their cosines are taken as 1.
- * - z*^2 may be denormal where the cosine is not yet negligible: TINY covers what it lacks.
+ * - Boxes within NEAR of the point have squares near underflow: their cosines are taken as 1, and NEAR is added to z1.
  * - What follows is products, quotients and roots of positive terms: below 40 operations with those of the
  *   estimate, each within u; the factor SLACK = 1 + 2^-18 = 1 + 64u covers them. The limits of
  *   light.h and layout.h keep what they multiply away from denormals wherever the estimate is not 0.
@@ -37,7 +38,6 @@
 #define SLACK (1 + 0x1p-18f)
 #define COS_SLACK (32 * U)
 #define NEAR 1e-12f /* scene units: the square root of LC_MIN_D2, below which 1/d^2 is flat anyway */
-#define TINY 0x1p-140f
 
 #define ADD vf_add
 #define SUB vf_sub
@@ -64,8 +64,8 @@ typedef struct {
     v3 c, half, m; /* centre; half extent without the widening; |c| + half */
     vf m_sum;
     vf z_slack;    /* of z */
-    vf r_slack;    /* of r |t| */
-    vf d2;         /* least |p|^2 */
+    vf r_slack;    /* of r |t| and d2 */
+    vf d2;         /* least |p|^2, or less than 0 */
 } LC_FN(rel_box);
 
 #define rel_box LC_FN(rel_box)
@@ -89,12 +89,12 @@ LC_INLINE vf LC_FN(field)(const float *const *b, size_t at)
 #define FIELD(b, name, k) LC_FN(field)(b, offsetof(lc_node_block, name) / (LC_BLOCK * sizeof(float)) + (k))
 #define FIELD3(b, name) ((v3){ FIELD(b, name, 0), FIELD(b, name, 1), FIELD(b, name, 2) })
 
-/* m = |c| + half; returns the least |p_k|. */
+/* m = |c| + half; returns the least |p_k|, not widened. */
 LC_INLINE vf LC_FN(least)(vf c, vf half, vf *m)
 {
     vf a = vf_abs(c);
     *m = ADD(a, half);
-    return MAX(SUB(SUB(a, half), MUL(*m, SET(4 * U))), SET(0));
+    return MAX(SUB(a, half), SET(0));
 }
 
 LC_INLINE rel_box LC_FN(rel_box_make)(const float *const *b, const float x[3])
@@ -107,9 +107,9 @@ LC_INLINE rel_box LC_FN(rel_box_make)(const float *const *b, const float x[3])
     d.y = LC_FN(least)(r.c.y, r.half.y, &r.m.y);
     d.z = LC_FN(least)(r.c.z, r.half.z, &r.m.z);
     r.m_sum = ADD(ADD(r.m.x, r.m.y), r.m.z);
-    r.z_slack = MUL(r.m_sum, SET(20 * U));
+    r.z_slack = ADD(MUL(r.m_sum, SET(20 * U)), SET(NEAR));
     r.r_slack = MUL(r.m_sum, MUL(r.m_sum, SET(24 * U)));
-    r.d2 = LC_FN(dot)(d, d);
+    r.d2 = SUB(LC_FN(dot)(d, d), r.r_slack);
     return r;
 }
 
@@ -121,7 +121,7 @@ LC_INLINE range LC_FN(range_make)(const rel_box *b, v3 axis, bool reversed)
     v3 t = { SUB(b->c.x, MUL(axis.x, zc)), SUB(b->c.y, MUL(axis.y, zc)), SUB(b->c.z, MUL(axis.z, zc)) };
     vf tt = LC_FN(dot)(t, t), support = ADD(LC_FN(dot)(LC_FN(abs3)(t), b->half), b->r_slack);
     vf rt = MAX(SUB(tt, support), zero), r2 = MAX(MUL(rt, DIV(rt, tt)), zero); /* NaN where tt is 0: MAX drops it */
-    return (range){ reversed ? SUB(SET(0), ADD(zc, zh)) : SUB(zc, zh), reversed ? SUB(zh, zc) : ADD(zc, zh), r2 };
+    return (range){ SUB(reversed ? vf_neg(zc) : zc, zh), reversed ? SUB(zh, zc) : ADD(zc, zh), r2 };
 }
 
 /* Least |p|^2 at the greatest cosine, where z1 > 0. */
@@ -157,15 +157,14 @@ LC_INLINE vf LC_FN(max_geometry)(const float *const *b, const lc_point *p, const
     v3 k = FIELD3(b, atten);
     vf zz = MAX(MUL(SET(0.5f), n->r2), SUB(box->d2, n->r2)); /* z*^2 */
     zz = MIN(MAX(zz, MUL(n->z0, MAX(n->z0, zero))), MUL(n->z1, n->z1));
-    vf q = MAX(ADD(zz, n->r2), box->d2);
-    zz = vf_sel_gt(q, min_d2, ADD(zz, SET(TINY)), min_d2);
-    vf inv_q = DIV(SET(1), MAX(q, min_d2)), g = MUL(vf_sqrt(MUL(zz, inv_q)), inv_q);
+    vf inv_q = DIV(SET(1), MAX(MAX(ADD(zz, n->r2), box->d2), min_d2));
+    vf g = MUL(vf_sqrt(MUL(MAX(zz, min_d2), inv_q)), inv_q);
     vf ab = ADD(k.x, k.y), unlike = ADD(ab, vf_abs(SUB(k.z, SET(1)))); /* other than 1 / d^2 */
     if (!vf_any_gt(unlike, zero)) return g;                            /* where g / C is g */
     vf d2c = MAX(box->d2, min_d2), f = ADD(ADD(k.x, MUL(k.y, vf_sqrt(d2c))), MUL(k.z, d2c));
     vf separate = DIV(LC_FN(max_cos)(n, LC_FN(least_q)(n, box->d2)), f);
-    g = DIV(g, k.z);
-    return vf_sel_gt(ab, zero, MIN(g, separate), g); /* infinite where the members' least A, B, C are all 0 */
+    g = MIN(DIV(g, k.z), SET(FLT_MAX)); /* where the members' least A, B, C are all 0 */
+    return vf_sel_gt(ab, zero, MIN(g, separate), g);
 }
 
 /* Greatest power of the Phong lobe's cosine. */
@@ -178,7 +177,7 @@ LC_INLINE vf LC_FN(max_lobe)(const lc_point *p, const rel_box *box)
     vf cos2 = MIN(ADD(DIV(MUL(m.z1, m.z1), q), SET(80 * U)), one);
     cos2 = vf_sel_gt(q, SET(NEAR * NEAR), cos2, one);
     vf lobe = LC_FN(pow01_ub)(cos2, 0.5f * p->exponent);
-    return vf_sel_gt(MAX(m.z1, SUB(SET(NEAR), box->m_sum)), zero, lobe, zero);
+    return vf_sel_gt(m.z1, zero, lobe, zero);
 }
 
 LC_INLINE v3 LC_FN(weights)(const float f[3])
@@ -194,22 +193,22 @@ LC_INLINE vf LC_FN(bound)(const float *const *b, lc_light_kind kind, bool glossy
     const bool directional = kind == LC_LIGHT_DIRECTIONAL;
     rel_box box = LC_FN(rel_box_make)(b, directional ? origin : p->pos);
     range n = LC_FN(range_make)(&box, LC_FN(set3)(p->n), false);
-    vf ahead = MAX(n.z1, SUB(SET(NEAR), box.m_sum)); /* > 0: not all behind the horizon */
-    if (!vf_any_gt(ahead, zero)) return zero;
+    if (!vf_any_gt(n.z1, zero)) return zero; /* behind the horizon */
     v3 power = FIELD3(b, power);
     vf u = LC_FN(dot)(LC_FN(weights)(p->diffuse), power);
     if (glossy) u = ADD(u, MUL(LC_FN(dot)(LC_FN(weights)(p->specular), power), LC_FN(max_lobe)(p, &box)));
     if (directional) u = MUL(u, LC_FN(max_cos)(&n, LC_FN(least_q)(&n, box.d2)));
     else u = MUL(u, LC_FN(max_geometry)(b, p, &box, &n));
-    if (kind == LC_LIGHT_ORIENTED) u = MUL(u, MAX(LC_FN(max_emission)(b, &box), zero));
-    u = MAX(u, zero); /* NaN, where an infinite geometry meets black or an emission of 0 */
-    return vf_sel_gt(ahead, zero, u, zero);
+    if (kind == LC_LIGHT_ORIENTED) u = MAX(MUL(u, LC_FN(max_emission)(b, &box)), zero); /* also NaN: infinite times 0 */
+    return vf_sel_gt(n.z1, zero, u, zero);
 }
+
+enum { LC_FN(blocks_at_once) = VF_LANES > LC_BLOCK ? VF_LANES / LC_BLOCK : 1 };
 
 LC_INLINE void LC_FN(bounds_of)(const lc_node_block *blocks, const uint32_t *pair, uint32_t n, lc_light_kind kind, bool glossy,
                                 const lc_point *point, float *ub)
 {
-    enum { AT_ONCE = VF_LANES > LC_BLOCK ? VF_LANES / LC_BLOCK : 1 };
+    enum { AT_ONCE = LC_FN(blocks_at_once) };
     const lc_point p = *point; /* that ub can't alias */
     uint32_t rest[AT_ONCE];
     for (uint32_t i = 0; i < n; i += AT_ONCE) {
@@ -230,6 +229,13 @@ LC_INLINE void LC_FN(bounds_of)(const lc_node_block *blocks, const uint32_t *pai
 static void LC_FN(bounds)(const lc_node_block *blocks, const uint32_t *pair, uint32_t n, lc_light_kind kind, const lc_point *p,
                           float *ub)
 {
+#ifdef LC_HALF_AS_WIDE
+    uint32_t rest = n % LC_FN(blocks_at_once);
+    if (rest && rest <= LC_FN(blocks_at_once) / 2) { /* at half the price, and the same bits */
+        n -= rest;
+        LC_HALF_AS_WIDE.bounds(blocks, pair + n, rest, kind, p, ub + LC_BLOCK * n);
+    }
+#endif
     switch (kind) {
     case LC_LIGHT_POINT:
         if (p->glossy) LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_POINT, true, p, ub);

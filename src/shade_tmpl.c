@@ -2,7 +2,7 @@
  * order, so the same bits, but for those that can't matter: lanes that it leaves early are computed and set to 0, the
  * root of B d is not taken where B is 0 in every lane, and a lobe that is not added is added as 0.
  */
-#include "shade.h"
+#include "layout.h"
 
 #define ADD vf_add
 #define MUL vf_mul
@@ -103,6 +103,14 @@ LC_INLINE void LC_FN(estimate_of)(const lc_light_rec *lights, const uint32_t *in
 static void LC_FN(estimate)(const lc_light_rec *lights, const uint32_t *index, uint32_t n, lc_light_kind kind, const lc_point *p,
                             float *const out[6])
 {
+#ifdef LC_HALF_AS_WIDE
+    uint32_t rest = n % VF_LANES;
+    if (rest && rest <= VF_LANES / 2) {
+        n -= rest;
+        float *const end[6] = { out[0] + n, out[1] + n, out[2] + n, out[3] + n, out[4] + n, out[5] + n };
+        LC_HALF_AS_WIDE.estimate(index ? lights : lights + n, index ? index + n : NULL, rest, kind, p, end);
+    }
+#endif
     switch (kind) {
     case LC_LIGHT_POINT:
         if (p->glossy) LC_FN(estimate_of)(lights, index, n, LC_LIGHT_POINT, true, p, out);

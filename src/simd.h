@@ -1,7 +1,7 @@
 /* simd.h - eight floats at a time on every instruction set, for the templates that isa_*.c compile.
  *
  * vf8_sel_gt(a, b, x, y) is x in the lanes where a > b, else y. vf8_pairs takes two floats from each of four places.
- * LC_ISA_LEVEL: 0 plain C, 1 SSE4.1 (two registers), 2 AVX2 (one). Only + - * / sqrt min max and comparisons: each is the
+ * LC_ISA_LEVEL: 0 plain C, 1 SSE4.1 (two registers), 2 AVX2, 3 AVX-512 (one). Only + - * / sqrt min max and comparisons: each is the
  * same IEEE operation on every level, so the bits agree. vf8_min(a, b) is b where a is not less (as minps), so a NaN
  * in a is dropped. Masks are one bit a lane.
  */

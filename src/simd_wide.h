@@ -69,7 +69,7 @@ LC_INLINE vf vf_pow2(vf k) { return vf_of_bits((uint32_t)((int)k + 127) << 23); 
 #include <immintrin.h>
 
 /* Two neighbouring fields of two nodes of one block. */
-LC_INLINE __m128d vd_two(const float *p) { return _mm_load_pd((const double *)(const void *)p); }
+LC_INLINE __m128d vd_two(const float *p) { return _mm_loadu_pd((const double *)(const void *)p); }
 
 #endif
 
@@ -100,7 +100,7 @@ LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2])
 }
 LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
 {
-    for (int k = 0; k < 4; k++) out[k] = _mm_load_ps(p[k] + at);
+    for (int k = 0; k < 4; k++) out[k] = _mm_loadu_ps(p[k] + at);
     _MM_TRANSPOSE4_PS(out[0], out[1], out[2], out[3]);
 }
 

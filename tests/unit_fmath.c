@@ -1,9 +1,16 @@
 /* unit_fmath.c - the powers against the C library's in long double. */
 #include "fmath.h"
+#include "layout.h"
 #include "rng.h"
 #include "test.h"
 
 #include <math.h>
+
+/* The kernels' own powers, one lane at a time; check_kernels.c compares the instruction sets. */
+#define LC_ISA_LEVEL 0
+#define LC_FN(name) name##_scalar
+#include "simd_wide.h"
+#include "fmath_tmpl.c"
 
 TEST(pow_agrees)
 {
@@ -30,6 +37,28 @@ TEST(pow_ends)
     CHECK(lc_pow01(0x1p-126f, 1e-3f) > 0.9f);
 }
 
+/* Not below the exact power, and above it by 2^-14 and the error that fmath_tmpl.c derives at most. */
+TEST(upper_bound_holds)
+{
+    double least = 1, most = 0;
+    for (uint64_t i = 0; i < 4000000; i++) {
+        double u = lc_unit(lc_hash4(5, i, 0, 0)), v = lc_unit(lc_hash4(5, i, 1, 0));
+        float n = (float)pow(10, 6 * v - 1), x = (float)(i & 1 ? u : 1 - u * 28 / ((double)n + 28));
+        if (!(x > 0)) continue;
+        double exact = (double)powl((long double)x, (long double)n), ub = (double)pow01_ub_scalar(x, n);
+        if (ub == 0) {
+            CHECKF(exact < (double)LC_MIN_LOBE, "%a ^ %a: %.9g, no bound", (double)x, (double)n, exact);
+            continue;
+        }
+        double excess = ub / exact - 1;
+        CHECKF(excess > 0x1p-14 - 2.7e-5 && excess < 0x1p-14 + 2.7e-5, "%a ^ %a: %.9g, bound %.9g", (double)x, (double)n, exact, ub);
+        if (excess < least) least = excess;
+        if (excess > most) most = excess;
+    }
+    CHECK(pow01_ub_scalar(1, 0) >= 1 && pow01_ub_scalar(0.5f, 0) >= 1 && pow01_ub_scalar(1, 1e5f) >= 1);
+    printf("  above the exact power by %.3g to %.3g\n", least, most);
+}
+
 TEST(exp_agrees)
 {
     for (uint64_t i = 0; i < 200000; i++) {
@@ -44,6 +73,7 @@ int main(void)
 {
     RUN(pow_agrees);
     RUN(pow_ends);
+    RUN(upper_bound_holds);
     RUN(exp_agrees);
     return test_done();
 }
