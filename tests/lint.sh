@@ -83,7 +83,8 @@ cycles() # headers of the library, an edge for each include
     tsort "$T/edges" >/dev/null
 }
 rule 'cli/ includes lightcuts.h and cli/ only' cli_includes
-rule '<immintrin.h> and its like in simd.h and f4.h only' only_in '<[a-z]*intrin\.h>|<arm_neon\.h>' 'src/(simd|f4)\.h' src/*.[ch] src/cli/*.[ch]
+rule '<immintrin.h> and its like in simd.h and f4.h only' \
+    only_in '<[a-z]*intrin\.h>|<arm_neon\.h>' 'src/(simd|f4)\.h' src/*.[ch] src/cli/*.[ch]
 rule 'OpenEXR in image_exr.c only' only_in "$include_of[<\"](openexr|ImfC|Imath)" 'src/image_exr\.c' src/*.[ch] src/cli/*.[ch]
 rule '<pthread.h> in pool.c only' only_in '<pthread\.h>|<threads\.h>' 'src/pool\.c' src/*.[ch] src/cli/*.[ch]
 rule 'malloc and its like in arena.c only' only_in '\<(malloc|calloc|realloc|aligned_alloc|posix_memalign|strdup|strndup)[ ]*\(' \
