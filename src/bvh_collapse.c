@@ -58,19 +58,26 @@ lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_b
     return c;
 }
 
-static void sort_by_area(const lc_bin_node *nodes, uint32_t *node, uint32_t n)
+static bool is_block(const lc_bin_node *n) { return n->info & (LC_BIN_LEAF | LC_BIN_BLOCK); }
+
+static bool stands_before(const lc_bin_node *a, const lc_bin_node *b)
 {
-    float area[8];
-    for (uint32_t i = 0; i < n; i++) {
-        uint32_t x = node[i], k = i;
-        float a = area_of(&nodes[x]);
-        for (; k > 0 && area[k - 1] < a; k--) node[k] = node[k - 1], area[k] = area[k - 1];
-        node[k] = x, area[k] = a;
+    if (is_block(a) != is_block(b)) return is_block(a);
+    return is_block(a) ? area_of(a) < area_of(b) : area_of(a) > area_of(b);
+}
+
+/* Blocks first, the smallest of them first, then nodes, the largest first. Rays that are blocked visit 2 to 5 % fewer
+ * nodes than in the order of the binary tree while any_hit tests blocks in order and pops the last node first. */
+static void sort_children(const lc_bin_node *nodes, uint32_t *child, uint32_t n)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        uint32_t x = child[i], k = i;
+        for (; k > 0 && stands_before(&nodes[x], &nodes[child[k - 1]]); k--) child[k] = child[k - 1];
+        child[k] = x;
     }
 }
 
-/* The binary nodes that are the children of a wide one made from `root`, the largest first: rays that are blocked then
- * visit 2 to 5 % fewer nodes than in the order of the binary tree (the stack pops the smallest first). */
+/* The binary nodes that are the children of a wide one made from `root`. */
 static uint32_t children_of(const lc_bin_node *nodes, uint32_t root, uint32_t out[8])
 {
     struct {
@@ -90,7 +97,7 @@ static uint32_t children_of(const lc_bin_node *nodes, uint32_t root, uint32_t ou
         stack[n_stack].node = nodes[node].left + 1, stack[n_stack++].n = n - k;
         stack[n_stack].node = nodes[node].left, stack[n_stack++].n = k;
     }
-    sort_by_area(nodes, out, n_out);
+    sort_children(nodes, out, n_out);
     return n_out;
 }
 
@@ -110,8 +117,6 @@ typedef struct {
     job *jobs;
     size_t n_top, n_jobs, n_top_blocks, cap_top, cap_jobs;
 } collapse;
-
-static bool is_block(const lc_bin_node *n) { return n->info & (LC_BIN_LEAF | LC_BIN_BLOCK); }
 
 static void fill_block(const lc_bvh_builder *b, const lc_bin_node *leaf, lc_tri_block *blk)
 {
