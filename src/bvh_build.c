@@ -68,19 +68,11 @@ static void make_leaf(const lc_bvh_builder *b, const lc_bvh_range *r)
     node->info = LC_BIN_LEAF | r->count << LC_BIN_COUNT_SHIFT;
 }
 
-/* Costs of node i of a subtree, in the place of a ref: once all leaves are made these are of no use. */
-static lc_bvh_costs *costs_of(const lc_bvh_builder *b, const lc_bvh_range *root, uint32_t i)
-{
-    _Static_assert(sizeof(lc_bvh_costs) <= sizeof(lc_bvh_ref), "fits");
-    return (lc_bvh_costs *)(void *)&b->refs[i % 2][root->first + i / 2];
-}
-
 /* Children have their plans. */
-static lc_bvh_costs plan_node(const lc_bvh_builder *b, const lc_bvh_range *root, lc_bin_node *n)
+static lc_bvh_costs plan_node(const lc_bvh_builder *b, lc_bin_node *n)
 {
     if (n->info & LC_BIN_LEAF) return lc_bvh_plan(n, NULL, NULL);
-    uint32_t left = n->left - (2 * root->first + 2);
-    return lc_bvh_plan(n, costs_of(b, root, left), costs_of(b, root, left + 1));
+    return lc_bvh_plan(n, lc_bvh_costs_of(b, n->left), lc_bvh_costs_of(b, n->left + 1));
 }
 
 /* Returns the costs of the subtree's root. Its other nodes stand from 2 first + 2 on, children after their parents. */
@@ -94,14 +86,15 @@ static lc_bvh_costs make_subtree(const lc_bvh_builder *b, const lc_bvh_range *ro
         lc_bvh_range r = stack[--n_stack];
         if (split_range(b, &r, next, half)) {
             b->nodes[r.node].left = next;
+            b->parents[next / 2] = r.node;
             next += 2;
             stack[n_stack++] = half[1], stack[n_stack++] = half[0];
         } else {
             make_leaf(b, &r);
         }
     }
-    for (uint32_t i = next; i-- > first;) *costs_of(b, root, i - first) = plan_node(b, root, &b->nodes[i]);
-    return plan_node(b, root, &b->nodes[root->node]);
+    for (uint32_t i = next; i-- > first;) *lc_bvh_costs_of(b, i) = plan_node(b, &b->nodes[i]);
+    return plan_node(b, &b->nodes[root->node]);
 }
 
 typedef struct {
@@ -129,9 +122,11 @@ static lc_status make_subtrees(lc_bvh_builder *b)
     for (size_t h = b->n_heads; h-- > 0;) {
         lc_bvh_head *head = &b->heads[h];
         lc_bin_node *node = &b->nodes[head->range.node];
-        if (!head->left) continue;
-        head->costs = lc_bvh_plan(node, &b->heads[head->left].costs, &b->heads[head->left + 1].costs);
-        node->info |= LC_BIN_TOP;
+        if (head->left) {
+            head->costs = plan_node(b, node);
+            node->info |= LC_BIN_TOP;
+        }
+        if (h) *lc_bvh_costs_of(b, head->range.node) = head->costs;
     }
     return LC_OK;
 }
@@ -235,6 +230,7 @@ static void add_heads(level *l, const work *w)
     uint32_t n = halve ? r->count / 2 : s->n_left, node = 2 * (r->first + n);
     b->heads[w->head].left = (uint32_t)b->n_heads;
     b->nodes[r->node].left = node;
+    b->parents[node / 2] = r->node;
     for (uint32_t k = 0; k < 2; k++) {
         lc_bvh_range h = { .node = node + k, .first = k ? r->first + n : r->first, .count = k ? r->count - n : n,
                            .depth = r->depth + 1, .side = halve ? r->side : !r->side, .centroids = f4_box_empty() };
@@ -310,14 +306,17 @@ static lc_status make_binary(lc_bvh_builder *b)
     b->refs[1] = lc_alloc_raw(b->ctx, n, sizeof **b->refs);
     b->order = lc_alloc_raw(b->ctx, n, sizeof *b->order);
     b->nodes = lc_alloc_raw(b->ctx, 2 * n, sizeof *b->nodes);
-    lc_status st = b->refs[0] && b->refs[1] && b->order && b->nodes ? LC_OK : LC_ERR_MEMORY;
+    b->parents = lc_alloc_raw(b->ctx, n, sizeof *b->parents);
+    lc_status st = b->refs[0] && b->refs[1] && b->order && b->nodes && b->parents ? LC_OK : LC_ERR_MEMORY;
     if (!st) st = lc_grow(b->ctx, (void **)&b->heads, &b->cap_heads, 1, sizeof *b->heads);
     if (!st) st = make_root(b);
     if (!st) st = split_top(b);
     if (!st) st = make_subtrees(b);
+    if (!st) st = lc_bvh_reinsert(b);
     /* Now, before nodes and blocks are asked for. */
     lc_free(b->ctx, b->refs[0], n, sizeof **b->refs);
     lc_free(b->ctx, b->refs[1], n, sizeof **b->refs);
+    lc_free(b->ctx, b->parents, n, sizeof *b->parents);
     return st;
 }
 

@@ -1,7 +1,7 @@
 /* bvh_build.h - what the parts of the builder share; the way of the data:
  *
- *     triangles -> refs -> binary nodes -> plan of eight-wide nodes -> lc_bvh_node[], lc_tri_block[]
- *                 bvh_split, bvh_build     bvh_collapse
+ *     triangles -> refs -> binary nodes -> better ones -> plan of eight-wide nodes -> lc_bvh_node[], lc_tri_block[]
+ *                 bvh_split, bvh_build    bvh_reinsert   bvh_collapse
  *
  * Every step that threads share is cut up by the number of triangles, never by that of threads, and every piece has its
  * own place to write to, so the arrays are the same bytes for any number of threads.
@@ -32,6 +32,7 @@ _Static_assert(sizeof(lc_bin_node) == 32, "two f4");
 #define LC_BIN_LEAF 0x80000000u
 #define LC_BIN_TOP 0x40000000u   /* a range too large for one thread */
 #define LC_BIN_BLOCK 0x20000000u /* with children, but as one child of a wide node it had better be a block */
+#define LC_BIN_DIRTY 0x10000000u /* bvh_reinsert.c: to be planned again */
 #define LC_BIN_COUNT_SHIFT 24
 
 typedef struct lc_bvh_range {
@@ -43,7 +44,9 @@ typedef struct lc_bvh_range {
 /* Least cost of a subtree as at most i + 1 children of an eight-wide node. */
 typedef struct lc_bvh_costs {
     float at_most[7];
+    uint32_t height; /* levels of binary nodes below */
 } lc_bvh_costs;
+_Static_assert(sizeof(lc_bvh_costs) == sizeof(lc_bvh_ref), "takes its place");
 
 /* A range of the upper tree, and how it went on: the ranges it was split into, or a subtree made by one thread. */
 typedef struct lc_bvh_head {
@@ -61,9 +64,17 @@ typedef struct lc_bvh_builder {
     lc_bvh_ref *refs[2]; /* a split moves a range from one to the other */
     uint32_t *order;     /* triangle ids in the order of the leaves */
     lc_bin_node *nodes;  /* 2 n_tris places, few of them used */
+    uint32_t *parents;   /* of pairs: of nodes 2 i and 2 i + 1 */
     lc_bvh_head *heads;  /* parents before children */
     size_t n_heads, cap_heads;
 } lc_bvh_builder;
+
+/* Costs of a node but the root, in place of a ref of its subtree, or the last one left of it: once all leaves are made
+ * refs are of no use. */
+static inline lc_bvh_costs *lc_bvh_costs_of(const lc_bvh_builder *b, uint32_t node)
+{
+    return (lc_bvh_costs *)(void *)&b->refs[node % 2][node / 2 - 1];
+}
 
 /* ---- bvh_split.c ---- */
 
@@ -99,6 +110,11 @@ void lc_bvh_partition(const lc_bvh_binning *by, const lc_bvh_split *split, const
                       lc_bvh_ref **left, lc_bvh_ref **right);
 f4_box lc_bvh_box_of(const lc_bvh_ref *refs, uint32_t count);
 f4_box lc_bvh_centroids_of(const lc_bvh_ref *refs, uint32_t count);
+
+/* ---- bvh_reinsert.c ---- */
+
+/* All nodes have to be planned, and are after it. */
+lc_status lc_bvh_reinsert(lc_bvh_builder *b);
 
 /* ---- bvh_collapse.c ---- */
 

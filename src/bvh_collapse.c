@@ -31,6 +31,7 @@ lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_b
     lc_bvh_costs c;
     if (!left) {
         for (int i = 0; i < 7; i++) c.at_most[i] = area * BLOCK_COST;
+        c.height = 0;
         return c;
     }
     const float *l = left->at_most - 1, *r = right->at_most - 1; /* l[k] = C(l, k) */
@@ -53,22 +54,30 @@ lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_b
         c.at_most[i - 1] = best;
     }
     node->info = info;
+    c.height = 1 + (left->height > right->height ? left->height : right->height);
     return c;
 }
 
-static void sort_by_area(const lc_bin_node *nodes, uint32_t *node, uint32_t n)
+static bool is_block(const lc_bin_node *n) { return n->info & (LC_BIN_LEAF | LC_BIN_BLOCK); }
+
+static bool stands_before(const lc_bin_node *a, const lc_bin_node *b)
 {
-    float area[8];
-    for (uint32_t i = 0; i < n; i++) {
-        uint32_t x = node[i], k = i;
-        float a = area_of(&nodes[x]);
-        for (; k > 0 && area[k - 1] < a; k--) node[k] = node[k - 1], area[k] = area[k - 1];
-        node[k] = x, area[k] = a;
+    if (is_block(a) != is_block(b)) return is_block(a);
+    return is_block(a) ? area_of(a) < area_of(b) : area_of(a) > area_of(b);
+}
+
+/* Blocks first, the smallest of them first, then nodes, the largest first. Rays that are blocked visit 2 to 5 % fewer
+ * nodes than in the order of the binary tree while any_hit tests blocks in order and pops the last node first. */
+static void sort_children(const lc_bin_node *nodes, uint32_t *child, uint32_t n)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        uint32_t x = child[i], k = i;
+        for (; k > 0 && stands_before(&nodes[x], &nodes[child[k - 1]]); k--) child[k] = child[k - 1];
+        child[k] = x;
     }
 }
 
-/* The binary nodes that are the children of a wide one made from `root`, the largest first: rays that are blocked then
- * visit 2 to 5 % fewer nodes than in the order of the binary tree (the stack pops the smallest first). */
+/* The binary nodes that are the children of a wide one made from `root`. */
 static uint32_t children_of(const lc_bin_node *nodes, uint32_t root, uint32_t out[8])
 {
     struct {
@@ -88,7 +97,7 @@ static uint32_t children_of(const lc_bin_node *nodes, uint32_t root, uint32_t ou
         stack[n_stack].node = nodes[node].left + 1, stack[n_stack++].n = n - k;
         stack[n_stack].node = nodes[node].left, stack[n_stack++].n = k;
     }
-    sort_by_area(nodes, out, n_out);
+    sort_children(nodes, out, n_out);
     return n_out;
 }
 
@@ -106,10 +115,8 @@ typedef struct {
     float pad[3];
     uint32_t *top; /* binary nodes of wide ones that are above all jobs */
     job *jobs;
-    size_t n_top, n_jobs, n_top_blocks;
+    size_t n_top, n_jobs, n_top_blocks, cap_top, cap_jobs;
 } collapse;
-
-static bool is_block(const lc_bin_node *n) { return n->info & (LC_BIN_LEAF | LC_BIN_BLOCK); }
 
 static void fill_block(const lc_bvh_builder *b, const lc_bin_node *leaf, lc_tri_block *blk)
 {
@@ -193,18 +200,22 @@ static void fill_job(void *user, uint32_t thread, uint64_t item)
 }
 
 /* Level by level, so that the nth child of its kind found here is the nth found by fill_top. */
-static void list_jobs(collapse *c)
+static lc_status list_jobs(collapse *c)
 {
     const lc_bin_node *nodes = c->b->nodes;
-    uint32_t child[8];
-    if (nodes[0].info & LC_BIN_TOP) c->top[c->n_top++] = 0;
-    else c->jobs[c->n_jobs++].root = 0;
-    for (size_t t = 0; t < c->n_top; t++)
-        for (uint32_t i = 0, n = children_of(nodes, c->top[t], child); i < n; i++) {
-            if (is_block(&nodes[child[i]])) c->n_top_blocks++;
-            else if (nodes[child[i]].info & LC_BIN_TOP) c->top[c->n_top++] = child[i];
+    uint32_t child[8] = { 0 }, n = 1; /* first the root */
+    for (size_t t = 0;; t++) {
+        lc_status st = lc_grow(c->b->ctx, (void **)&c->top, &c->cap_top, c->n_top + 8, sizeof *c->top);
+        if (!st) st = lc_grow(c->b->ctx, (void **)&c->jobs, &c->cap_jobs, c->n_jobs + 8, sizeof *c->jobs);
+        if (st) return st;
+        for (uint32_t i = 0; i < n; i++) {
+            if (nodes[child[i]].info & LC_BIN_TOP) c->top[c->n_top++] = child[i];
+            else if (c->n_top && is_block(&nodes[child[i]])) c->n_top_blocks++;
             else c->jobs[c->n_jobs++].root = child[i];
         }
+        if (t == c->n_top) return LC_OK;
+        n = children_of(nodes, c->top[t], child);
+    }
 }
 
 static void fill_top(const collapse *c)
@@ -222,7 +233,8 @@ static lc_status fill(collapse *c)
     lc_bvh *bvh = c->bvh;
     const lc_context *ctx = c->b->ctx;
     size_t n_nodes, n_blocks;
-    list_jobs(c);
+    lc_status st = list_jobs(c);
+    if (st) return st;
     lc_parallel(ctx, c->n_jobs, count_job, c);
     n_nodes = c->n_top, n_blocks = c->n_top_blocks;
     for (size_t i = 0; i < c->n_jobs; i++) {
@@ -243,16 +255,13 @@ static lc_status fill(collapse *c)
 lc_status lc_bvh_collapse(lc_bvh_builder *b, lc_bvh *bvh)
 {
     collapse c = { .b = b, .bvh = bvh };
-    const size_t cap_top = b->n_heads, cap_jobs = 8 * b->n_heads;
     /* 2^-20 of the largest coordinate: the shear of the triangle test rounds a vertex by at most 3 ulp of its distance
      * from the origin, 6 * 2^-24 of twice that coordinate while the ray starts inside the scene. */
     float most = 0;
     for (int k = 0; k < 3; k++) most = fmaxf(most, fmaxf(fabsf(b->nodes[0].lo[k]), fabsf(b->nodes[0].hi[k])));
     for (int k = 0; k < 3; k++) c.pad[k] = 0x1p-20f * most;
-    c.top = lc_alloc(b->ctx, cap_top, sizeof *c.top);
-    c.jobs = lc_alloc(b->ctx, cap_jobs, sizeof *c.jobs);
-    lc_status st = c.top && c.jobs ? fill(&c) : LC_ERR_MEMORY;
-    lc_free(b->ctx, c.top, cap_top, sizeof *c.top);
-    lc_free(b->ctx, c.jobs, cap_jobs, sizeof *c.jobs);
+    lc_status st = fill(&c);
+    lc_free(b->ctx, c.top, c.cap_top, sizeof *c.top);
+    lc_free(b->ctx, c.jobs, c.cap_jobs, sizeof *c.jobs);
     return st;
 }
