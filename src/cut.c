@@ -115,6 +115,7 @@ typedef struct {
     const lc_cut_node *parent;
     uint32_t n;
     const lc_point *point;
+    lc_stats *stats;
     float limit;
     uint32_t fresh[BATCH];   /* which child of a pair has a new representative */
     lc_cut_node new[BATCH];  /* of that child: rep, kind, transfer and pending */
@@ -251,12 +252,13 @@ static double place_children(lc_cut *c, const step *s)
 }
 
 /* Replaces the chosen clusters by their children. Returns the change of the total's luminance. */
-static double split_chosen(lc_cut *c, step *s, lc_stats *stats)
+static double split_chosen(lc_cut *c, step *s)
 {
     double change = 0;
     uint32_t n = c->n_split;
     c->n_split = 0;
-    stats->bounds += 2 * n;
+    s->stats->bounds += 2 * n;
+    lc_phase_end(s->stats, LC_PHASE_HEAP);
     for (uint32_t at = 0; at < n; at += s->n) {
         s->parent = &c->split[at];
         s->n = n - at < BATCH ? n - at : BATCH;
@@ -265,14 +267,17 @@ static double split_chosen(lc_cut *c, step *s, lc_stats *stats)
             uint32_t kind = s->parent[i].kind;
             for (run = 1; i + run < s->n && s->parent[i + run].kind == kind; run++) {}
             bound_children(c, s, i, run, kind);
+            lc_phase_end(s->stats, LC_PHASE_BOUNDS);
             estimate_children(c, s, i, run, kind);
+            lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
         }
         change += place_children(c, s);
+        lc_phase_end(s->stats, LC_PHASE_HEAP);
     }
     return change;
 }
 
-static double place_root(lc_cut *c, step *s, lc_stats *stats)
+static double place_root(lc_cut *c, step *s)
 {
     const lc_light_tree *t = c->tree;
     const uint32_t pair = 0, first = 0;
@@ -281,7 +286,7 @@ static double place_root(lc_cut *c, step *s, lc_stats *stats)
     s->ub[0] = INFINITY;
     if (!is_virtual) {
         c->bvh->kernels->bounds(t->blocks, &pair, 1, (lc_light_kind)t->pair_kind[0], s->point, s->ub);
-        stats->bounds++;
+        s->stats->bounds++;
     }
     if (s->ub[0] > 0) estimate(c, s, &first, 1, (lc_light_kind)t->lights[s->new[0].rep].kind);
     ends end = ends_of(c);
@@ -364,6 +369,7 @@ static void finish(lc_cut *c, lc_stats *stats, lc_cut_result *out)
     stats->cut_sum += out->size;
     stats->at_limit += out->at_limit;
     stats->dark += out->dark;
+    lc_phase_end(stats, LC_PHASE_HEAP);
 }
 
 /* Largest float that is at most x. */
@@ -380,24 +386,26 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
 {
     double ratio = (double)c->desc.error_ratio, floor_lum = (double)c->desc.floor;
     step s;
-    s.point = p;
+    s.point = p, s.stats = stats;
     *out = (lc_cut_result){ 0 };
     c->n_open = c->n_split = c->n_left = c->n_leaf = c->n_done = 0;
     c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
     stats->points++;
     if (!c->tree->n_lights) return;
     c->slot = (uint32_t)(hash % c->tree->n_reps);
-    double total = place_root(c, &s, stats);
+    double total = place_root(c, &s);
     for (bool traced = false;;) {
         s.limit = round_down(ratio * (total > floor_lum ? total : floor_lum));
         if (traced) open_left(c, s.limit);
         choose(c, s.limit, c->limit - cut_size(c));
         if (c->n_split) {
-            total += split_chosen(c, &s, stats);
+            total += split_chosen(c, &s);
             traced = false;
         } else {
             if (traced) break;
+            lc_phase_end(stats, LC_PHASE_HEAP);
             total += trace_pending(c, org, &out->rays);
+            lc_phase_end(stats, LC_PHASE_SHADOW);
             traced = true;
         }
     }
@@ -408,7 +416,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
 
 /* Every light of tree->lights[first .. first + n), all of one kind, n <= BATCH. */
 static uint32_t shade_exactly(const lc_light_tree *t, const lc_bvh *bvh, const lc_point *p, const float org[3], uint32_t first,
-                              uint32_t n, double sum[3])
+                              uint32_t n, lc_stats *stats, double sum[3])
 {
     const lc_light_kind kind = (lc_light_kind)t->lights[first].kind;
     _Alignas(64) float f[6][BATCH];
@@ -422,7 +430,9 @@ static uint32_t shade_exactly(const lc_light_tree *t, const lc_bvh *bvh, const l
         lit[m] = first + i;
         m += f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0;
     }
+    lc_phase_end(stats, LC_PHASE_ESTIMATES);
     if (m) bvh->kernels->hidden(&bvh->data, org, m, target, kind == LC_LIGHT_DIRECTIONAL, hidden);
+    lc_phase_end(stats, LC_PHASE_SHADOW);
     for (uint32_t i = 0; i < m; i++)
         for (int k = 0; k < 3 && !hidden[i]; k++) sum[k] += (double)(f[k][i] * t->lights[lit[i]].intensity[k]);
     return m;
@@ -435,7 +445,7 @@ void lc_exact_shade(const lc_light_tree *t, const lc_bvh *bvh, const lc_point *p
     *out = (lc_cut_result){ .size = t->n_lights };
     for (uint32_t first = 0, n; first < t->n_lights; first += n) {
         for (n = 1; n < BATCH && first + n < t->n_lights && t->lights[first + n].kind == t->lights[first].kind; n++) {}
-        out->rays += shade_exactly(t, bvh, p, org, first, n, sum);
+        out->rays += shade_exactly(t, bvh, p, org, first, n, stats, sum);
     }
     out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
     stats->points++;

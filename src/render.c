@@ -81,13 +81,18 @@ static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
         lc_f3 org, dir;
         lc_surface s;
         lc_cut_result r;
+        lc_phase_start(&w->stats);
         double dx = 0.5, dy = 0.5; /* one sample: the centre */
         if (j->spp > 1) dx = lc_unit(key(j, pixel, i, DIM_X)), dy = lc_unit(key(j, pixel, i, DIM_Y));
         lc_camera_ray(&j->scene->camera, x + dx, y + dy, &org, &dir);
         w->stats.camera_rays++;
-        if (!lc_surface_hit(j->scene, org, dir, &s)) continue;
+        lc_phase_end(&w->stats, LC_PHASE_OTHER);
+        bool hit = lc_surface_hit(j->scene, org, dir, &s);
+        lc_phase_end(&w->stats, LC_PHASE_CAMERA);
+        if (!hit) continue;
         shade(j, w, &s, lc_f3_neg(dir), key(j, pixel, i, DIM_SLOT), &r);
         add_sample(j, &px, &s, dir, &r);
+        lc_phase_end(&w->stats, LC_PHASE_OTHER);
     }
     if (!lc_film_store(&j->film, x, y, &px, j->spp)) w->stats.nonfinite++;
 }
@@ -192,6 +197,22 @@ static void cut_stats(const job *j, lc_render_stats *out)
         if (hist[i]) out->cut_max = i;
 }
 
+/* Shares of the timed samples, of all threads' seconds. */
+static void phase_stats(const job *j, lc_render_stats *out)
+{
+    double ticks[LC_PHASES] = { 0 }, sum = 0;
+    for (uint32_t t = 0; t < j->ctx->n_threads; t++)
+        for (int k = 0; k < LC_PHASES; k++) ticks[k] += (double)j->workers[t].stats.ticks[k];
+    for (int k = 0; k < LC_PHASES; k++) sum += ticks[k];
+    double scale = sum > 0 ? out->seconds * j->ctx->n_threads / sum : 0;
+    out->phase_camera = ticks[LC_PHASE_CAMERA] * scale;
+    out->phase_bounds = ticks[LC_PHASE_BOUNDS] * scale;
+    out->phase_estimates = ticks[LC_PHASE_ESTIMATES] * scale;
+    out->phase_heap = ticks[LC_PHASE_HEAP] * scale;
+    out->phase_shadow_rays = ticks[LC_PHASE_SHADOW] * scale;
+    out->phase_other = ticks[LC_PHASE_OTHER] * scale;
+}
+
 static void join_stats(const job *j, lc_render_stats *out)
 {
     uint64_t cut_sum = 0;
@@ -208,6 +229,7 @@ static void join_stats(const job *j, lc_render_stats *out)
     }
     out->cut_mean = out->points ? (double)cut_sum / (double)out->points : 0;
     cut_stats(j, out);
+    phase_stats(j, out);
 }
 
 /* The options that shape the picture, so that a file says how it was made. */

@@ -26,6 +26,8 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
             (ull)i->n_oriented, (ull)i->n_directional);
     fprintf(f, "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total %.3f\n",
             i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total);
+    fprintf(f, "thread seconds   camera rays %.3f, bounds %.3f, estimates %.3f, heap %.3f, shadow rays %.3f, other %.3f\n",
+            s->phase_camera, s->phase_bounds, s->phase_estimates, s->phase_heap, s->phase_shadow_rays, s->phase_other);
     fprintf(f, "shading points   %llu on %llu pixels\n", (ull)s->points, (ull)s->pixels);
     fprintf(f, "cut              mean %.1f, median %u, 99 %% %u, max %u; %llu points at the limit, %llu at the dark floor\n",
             s->cut_mean, s->cut_median, s->cut_p99, s->cut_max, (ull)s->cut_at_limit, (ull)s->points_dark);
@@ -52,6 +54,9 @@ void cli_write_stats_json(FILE *f, void *report)
     fprintf(f, "  \"seconds\": {\"parse\": %.6f, \"bvh\": %.6f, \"lights\": %.6f, \"tree\": %.6f, \"render\": %.6f, "
                "\"write\": %.6f, \"total\": %.6f},\n",
             i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total);
+    fprintf(f, "  \"thread_seconds\": {\"camera_rays\": %.6f, \"bounds\": %.6f, \"estimates\": %.6f, \"heap\": %.6f, "
+               "\"shadow_rays\": %.6f, \"other\": %.6f},\n",
+            s->phase_camera, s->phase_bounds, s->phase_estimates, s->phase_heap, s->phase_shadow_rays, s->phase_other);
     fprintf(f, "  \"cut\": {\"mean\": %.6g, \"median\": %u, \"p99\": %u, \"max\": %u, \"at_limit\": %llu, \"at_floor\": %llu},\n",
             s->cut_mean, s->cut_median, s->cut_p99, s->cut_max, (ull)s->cut_at_limit, (ull)s->points_dark);
     fprintf(f, "  \"mean_luminance\": %.9g,\n  \"shadow_rays\": %llu,\n  \"camera_rays\": %llu,\n  \"bounds_evaluated\": %llu,\n",
