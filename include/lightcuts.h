@@ -142,7 +142,11 @@ LC_API lc_status lc_image_write(const lc_image *image, const char *path);
 
 /* ---- rendering ---- */
 
-typedef enum lc_method { LC_METHOD_LIGHTCUTS = 0, LC_METHOD_EXACT = 1 } lc_method;
+typedef enum lc_method {
+    LC_METHOD_LIGHTCUTS = 0, /* every light where there are so few that this is no slower, else cuts */
+    LC_METHOD_EXACT = 1,     /* every light at every point */
+    LC_METHOD_CUTS = 2,      /* cuts in any case */
+} lc_method;
 
 enum { /* lc_render_desc.aovs */
     LC_AOV_CUT = 1,    /* cut.size: lights evaluated at the shading points, mean over samples */
@@ -180,6 +184,7 @@ typedef struct lc_render_stats {
     uint64_t cut_at_limit;    /* points that met max_cut while the error was still above its limit */
     uint64_t points_dark;     /* points where the dark floor, not the estimate, set the limit */
     double mean_luminance;    /* of the pre-pass, what dark_floor is a fraction of */
+    int exact;                /* every light was evaluated: asked for, or because there are few */
     uint64_t nonfinite;       /* pixels set to 0 because they were not finite */
     /* Where `seconds` times threads went, in seconds, from one sample in sixteen. heap: choosing, placing and summing of
      * clusters; 0 for the exact method, as are bounds. */

@@ -163,12 +163,11 @@ static figures figures_of(job *j, uint32_t n_runs)
     return f;
 }
 
-static const char *method_name(const bench_options *o) { return o->render.method == LC_METHOD_EXACT ? "exact" : "lightcuts"; }
 
 static void print_text(const job *j, const bench_options *o, const figures *f)
 {
-    printf("scene     %s: %zu triangles, %zu lights; %s", o->scene, j->scene->n_tris, j->scene->n_lights, method_name(o));
-    if (o->render.method == LC_METHOD_LIGHTCUTS)
+    printf("scene     %s: %zu triangles, %zu lights; %s", o->scene, j->scene->n_tris, j->scene->n_lights, cli_method_name(o->render.method));
+    if (o->render.method != LC_METHOD_EXACT)
         printf(", error ratio %g, at most %u clusters", (double)o->render.error_ratio, o->render.max_cut);
     printf("; %s, %u thread%s\n", lc_isa_name(j->ctx->isa), j->ctx->n_threads, j->ctx->n_threads == 1 ? "" : "s");
     printf("render    median %.3f s, best %.3f s; %llu points, %.1f shadow rays a point, %.2f Mrays/s\n", f->render.median,
@@ -190,7 +189,7 @@ static void print_json(const job *j, const bench_options *o, const figures *f, u
     cli_json_text(stdout, o->scene);
     printf(", \"triangles\": %zu, \"lights\": %zu, \"method\": \"%s\", \"error_ratio\": %.6g, \"max_cut\": %u, \"isa\": \"%s\", "
            "\"runs\": %u,\n",
-           j->scene->n_tris, j->scene->n_lights, method_name(o), (double)o->render.error_ratio, o->render.max_cut,
+           j->scene->n_tris, j->scene->n_lights, cli_method_name(o->render.method), (double)o->render.error_ratio, o->render.max_cut,
            lc_isa_name(j->ctx->isa), n_runs);
     printf("     \"points\": %llu, \"shadow_rays\": %llu, \"camera_rays\": %llu, \"shadow_rays_per_point\": %.6g, "
            "\"recorded_share\": %.6g,\n",

@@ -112,10 +112,17 @@ int cli_parse_pixels(const char *text, int32_t out[4])
 
 int cli_parse_method(const char *text, lc_method *out)
 {
-    *out = LC_METHOD_LIGHTCUTS;
-    if (!strcmp(text, "lightcuts")) return 0;
-    *out = LC_METHOD_EXACT;
-    return strcmp(text, "exact");
+    for (int m = LC_METHOD_LIGHTCUTS; m <= LC_METHOD_CUTS; m++)
+        if (!strcmp(text, cli_method_name((lc_method)m))) {
+            *out = (lc_method)m;
+            return 0;
+        }
+    return -1;
+}
+
+const char *cli_method_name(lc_method m)
+{
+    return m == LC_METHOD_EXACT ? "exact" : m == LC_METHOD_CUTS ? "cuts" : "lightcuts";
 }
 
 int cli_parse_isa(const char *text, lc_isa *out)

@@ -41,6 +41,7 @@ int cli_parse_single(const char *text, double lo, double hi, float *out);
 int cli_parse_pixels(const char *text, int32_t out[4]);
 /* "lightcuts", "exact" */
 int cli_parse_method(const char *text, lc_method *out);
+const char *cli_method_name(lc_method m);
 /* "scalar", "sse4", "avx2", "avx512" */
 int cli_parse_isa(const char *text, lc_isa *out);
 /* The cap of LC_ISA in the environment; LC_ISA_BEST without. Returns -1 and complains when it is not a name. */

@@ -44,7 +44,7 @@ static void print_help(void)
 {
     printf("usage: lightcuts [render] [options] SCENE.pbrt     ('-' reads the scene from standard input)\n\n"
            "  -o, --outfile FILE       .exr or .png; may be repeated; default: the scene's film filename, else SCENE.exr\n"
-           "      --method M           lightcuts (default) or exact: every light at every point\n"
+           "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts even of few lights\n"
            "      --error-ratio E      bound of every cluster against the estimate, default 0.02\n"
            "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
            "      --dark-floor F       errors are measured against at least F times the picture's mean, default %g\n"

@@ -18,7 +18,7 @@ _lightcuts()
     help:help) COMPREPLY=($(compgen -W "${commands% help}" -- "$word")); return ;;
     scene:scene) COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs' -- "$word")); return ;;
     bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render' -- "$word")); return ;;
-    render:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact' -- "$word")); return ;;
+    render:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word")); return ;;
     render:--isa | bench:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
     render:--aov)
         # A list with commas: complete its last part.

@@ -7,8 +7,6 @@
 
 typedef unsigned long long ull;
 
-static const char *method_name(lc_method m) { return m == LC_METHOD_EXACT ? "exact" : "lightcuts"; }
-
 static uint64_t peak_rss(void)
 {
     struct rusage u;
@@ -20,7 +18,8 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     const lc_scene_info *i = &r->info;
     const lc_render_stats *s = &r->stats;
     fprintf(f, "scene            %s\n", r->scene);
-    fprintf(f, "method           %s, %s, %u threads\n", method_name(r->method), r->isa, r->threads);
+    fprintf(f, "method           %s%s, %s, %u threads\n", cli_method_name(r->method),
+            s->exact && r->method != LC_METHOD_EXACT ? " (few lights: every one of them)" : "", r->isa, r->threads);
     fprintf(f, "triangles        %llu\n", (ull)i->n_triangles);
     fprintf(f, "lights           %llu: %llu point, %llu oriented, %llu directional\n", (ull)i->n_lights, (ull)i->n_point,
             (ull)i->n_oriented, (ull)i->n_directional);
@@ -44,8 +43,8 @@ void cli_write_stats_json(FILE *f, void *report)
     const lc_render_stats *s = &r->stats;
     fprintf(f, "{\n  \"version\": \"%s\",\n  \"scene\": ", LC_VERSION);
     cli_json_text(f, r->scene);
-    fprintf(f, ",\n  \"method\": \"%s\",\n  \"isa\": \"%s\",\n  \"threads\": %u,\n  \"seed\": %llu,\n", method_name(r->method),
-            r->isa, r->threads, (ull)r->seed);
+    fprintf(f, ",\n  \"method\": \"%s\",\n  \"every_light\": %s,\n  \"isa\": \"%s\",\n  \"threads\": %u,\n  \"seed\": %llu,\n", cli_method_name(r->method),
+            s->exact ? "true" : "false", r->isa, r->threads, (ull)r->seed);
     fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"points\": %llu,\n", i->width, i->height,
             (ull)s->pixels, (ull)s->points);
     fprintf(f, "  \"triangles\": %llu,\n  \"lights\": %llu,\n", (ull)i->n_triangles, (ull)i->n_lights);
