@@ -50,7 +50,7 @@ help:
 	@echo "make            library build/liblightcuts.a and static binary build/lightcuts"
 	@echo "make demo       install what is missing, build, render the demo pictures to build/demo/"
 	@echo "make test       install what is missing, build, run every test"
-	@echo "make bench      microbenchmarks"
+	@echo "make bench      lightcuts bench: kernels, shadow rays, trees, a frame over its own rays"
 	@echo "make accept     full-size comparison with the exact method, about half an hour"
 	@echo "make fuzz       build the fuzzers, replay their corpora; make fuzz-run SECONDS=n runs each for n seconds"
 	@echo "make san tsan   the tests under ASan and UBSan, under TSan"
@@ -154,14 +154,14 @@ demo:
 	@$(MAKE) --no-print-directory $(JOBS) all
 	@sh tests/demo.sh build/lightcuts build/demo
 
-build/tests/bench: tests/bench.c $(BIN)liblightcuts.a
-	@mkdir -p $(@D)
-	$(CC) $(FLAGS) -Itests $< $(TEST_HELP) build/liblightcuts.a $(LIBS) -o $@
-
 bench:
 	@$(MAKE) --no-print-directory deps
-	@$(MAKE) --no-print-directory all build/tests/bench
-	@build/tests/bench
+	@$(MAKE) --no-print-directory $(JOBS) all
+	@build/lightcuts bench bounds
+	@build/lightcuts bench rays -t 1
+	@build/lightcuts bench tree -t 1
+	@build/lightcuts scene room --lights 2000 -o build/bench.pbrt
+	@build/lightcuts bench render build/bench.pbrt --pixelbounds 200,600,150,450
 
 accept:
 	@$(MAKE) --no-print-directory deps

@@ -36,15 +36,18 @@ static size_t bytes_of(size_t n, size_t size)
     return bytes ? bytes : 1;
 }
 
-void *lc_alloc(const lc_context *ctx, size_t n, size_t size)
+void *lc_alloc_raw(const lc_context *ctx, size_t n, size_t size)
 {
     size_t bytes = bytes_of(n, size);
     void *p = bytes == SIZE_MAX ? NULL : ctx->allocator.alloc(ctx->allocator.user, bytes, ALIGN);
-    if (!p) {
-        lc_fail(ctx, LC_ERR_MEMORY, "out of memory: %zu times %zu bytes", n, size);
-        return NULL;
-    }
-    return memset(p, 0, bytes);
+    if (!p) lc_fail(ctx, LC_ERR_MEMORY, "out of memory: %zu times %zu bytes", n, size);
+    return p;
+}
+
+void *lc_alloc(const lc_context *ctx, size_t n, size_t size)
+{
+    void *p = lc_alloc_raw(ctx, n, size);
+    return p ? memset(p, 0, bytes_of(n, size)) : NULL;
 }
 
 void lc_free(const lc_context *ctx, void *ptr, size_t n, size_t size)

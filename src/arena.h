@@ -10,6 +10,8 @@
 
 /* n * size bytes, zeroed, or NULL (logged). n == 0 gives a valid 1-byte block. */
 void *lc_alloc(const lc_context *ctx, size_t n, size_t size);
+/* The same, not zeroed. */
+void *lc_alloc_raw(const lc_context *ctx, size_t n, size_t size);
 /* n and size as given to lc_alloc; NULL is fine. */
 void lc_free(const lc_context *ctx, void *ptr, size_t n, size_t size);
 

@@ -11,7 +11,6 @@ struct lc_bvh {
     lc_bvh_data data;
     lc_bvh_node *nodes;
     lc_tri_block *blocks;
-    size_t cap_nodes, cap_blocks;
     const lc_kernels *kernels;
 };
 

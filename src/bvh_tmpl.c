@@ -64,18 +64,16 @@ static inline uint32_t LC_FN(test_boxes)(const lc_bvh_node *node, const ray *r, 
 }
 
 typedef struct {
-    vf8 u, v, w, t; /* edge functions and distance, t already divided */
-    vf8 det;
+    vf8 v, w, t, det; /* edge functions 1 and 2, distance, sum of the edge functions */
 } LC_FN(tri_hits);
 
 #define tri_hits LC_FN(tri_hits)
 
 /* Edge functions that came out 0 once more, in double, lane by lane. */
-static void LC_FN(settle_zeros)(const vf8 x[3], const vf8 y[3], uint32_t lanes, vf8 *u, vf8 *v, vf8 *w)
+static void LC_FN(settle_zeros)(const vf8 x[3], const vf8 y[3], uint32_t lanes, vf8 edge[3])
 {
     _Alignas(32) float X[3][8], Y[3][8], e[3][8];
-    for (int k = 0; k < 3; k++) vf8_store(X[k], x[k]), vf8_store(Y[k], y[k]);
-    vf8_store(e[0], *u), vf8_store(e[1], *v), vf8_store(e[2], *w);
+    for (int k = 0; k < 3; k++) vf8_store(X[k], x[k]), vf8_store(Y[k], y[k]), vf8_store(e[k], edge[k]);
     for (int i = 0; i < 8; i++) {
         if (!(lanes >> i & 1)) continue;
         for (int k = 0; k < 3; k++) { /* edge k is opposite vertex k: from vertex k + 1 to k + 2 */
@@ -85,37 +83,45 @@ static void LC_FN(settle_zeros)(const vf8 x[3], const vf8 y[3], uint32_t lanes, 
             if (e[k][i] == 0 && d != 0) e[k][i] = d > 0 ? FLT_MIN : -FLT_MIN;
         }
     }
-    *u = vf8_load(e[0]), *v = vf8_load(e[1]), *w = vf8_load(e[2]);
+    for (int k = 0; k < 3; k++) edge[k] = vf8_load(e[k]);
 }
 
-/* Bits of the triangles that the ray meets at t in (t_min, t_max). */
-static inline uint32_t LC_FN(test_tris)(const lc_tri_block *b, const ray *r, float t_min, float t_max, tri_hits *h)
+/* Bits of the triangles that the ray passes inside of; sheared vertices and edge functions to x, y, z, e. */
+static inline uint32_t LC_FN(edges)(const lc_tri_block *b, const ray *r, vf8 x[3], vf8 y[3], vf8 z[3], vf8 e[3])
 {
-    vf8 x[3], y[3], z[3];
+    const vf8 zero = vf8_set(0);
     for (int k = 0; k < 3; k++) {
         z[k] = vf8_sub(vf8_load(b->v[k][r->kz]), r->vo[r->kz]);
         x[k] = vf8_sub(vf8_sub(vf8_load(b->v[k][r->kx]), r->vo[r->kx]), vf8_mul(r->vsx, z[k]));
         y[k] = vf8_sub(vf8_sub(vf8_load(b->v[k][r->ky]), r->vo[r->ky]), vf8_mul(r->vsy, z[k]));
     }
-    vf8 u = vf8_sub(vf8_mul(x[2], y[1]), vf8_mul(y[2], x[1]));
-    vf8 v = vf8_sub(vf8_mul(x[0], y[2]), vf8_mul(y[0], x[2]));
-    vf8 w = vf8_sub(vf8_mul(x[1], y[0]), vf8_mul(y[1], x[0]));
-    const vf8 zero = vf8_set(0);
-    uint32_t pos = vf8_le(zero, u) & vf8_le(zero, v) & vf8_le(zero, w);
-    uint32_t neg = vf8_le(u, zero) & vf8_le(v, zero) & vf8_le(w, zero);
-    if (!(pos | neg)) return 0;
-    uint32_t zeros = (pos | neg) & (vf8_eq(u, zero) | vf8_eq(v, zero) | vf8_eq(w, zero));
-    if (zeros) {
-        LC_FN(settle_zeros)(x, y, zeros, &u, &v, &w);
-        pos = vf8_le(zero, u) & vf8_le(zero, v) & vf8_le(zero, w);
-        neg = vf8_le(u, zero) & vf8_le(v, zero) & vf8_le(w, zero);
+    for (int k = 0; k < 3; k++) { /* edge k is opposite vertex k */
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        e[k] = vf8_sub(vf8_mul(x[j], y[i]), vf8_mul(y[j], x[i]));
     }
-    vf8 det = vf8_add(vf8_add(u, v), w);
-    uint32_t flat = vf8_eq(det, zero);
-    vf8 t = vf8_add(vf8_add(vf8_mul(u, z[0]), vf8_mul(v, z[1])), vf8_mul(w, z[2]));
+    uint32_t pos = vf8_le(zero, e[0]) & vf8_le(zero, e[1]) & vf8_le(zero, e[2]);
+    uint32_t neg = vf8_le(e[0], zero) & vf8_le(e[1], zero) & vf8_le(e[2], zero);
+    if (!(pos | neg)) return 0;
+    uint32_t zeros = (pos | neg) & (vf8_eq(e[0], zero) | vf8_eq(e[1], zero) | vf8_eq(e[2], zero));
+    if (zeros) {
+        LC_FN(settle_zeros)(x, y, zeros, e);
+        pos = vf8_le(zero, e[0]) & vf8_le(zero, e[1]) & vf8_le(zero, e[2]);
+        neg = vf8_le(e[0], zero) & vf8_le(e[1], zero) & vf8_le(e[2], zero);
+    }
+    return (pos | neg) & ~vf8_eq(vf8_add(vf8_add(e[0], e[1]), e[2]), zero);
+}
+
+/* Bits of the triangles that the ray meets at t in (t_min, t_max). */
+static inline uint32_t LC_FN(test_tris)(const lc_tri_block *b, const ray *r, float t_min, float t_max, tri_hits *h)
+{
+    vf8 x[3], y[3], z[3], e[3];
+    uint32_t in = LC_FN(edges)(b, r, x, y, z, e);
+    if (!in) return 0;
+    vf8 det = vf8_add(vf8_add(e[0], e[1]), e[2]);
+    vf8 t = vf8_add(vf8_add(vf8_mul(e[0], z[0]), vf8_mul(e[1], z[1])), vf8_mul(e[2], z[2]));
     t = vf8_div(vf8_mul(t, vf8_set(r->sz)), det);
-    *h = (tri_hits){ u, v, w, t, det };
-    return (pos | neg) & ~flat & vf8_lt(vf8_set(t_min), t) & vf8_lt(t, vf8_set(t_max));
+    *h = (tri_hits){ e[1], e[2], t, det };
+    return in & vf8_lt(vf8_set(t_min), t) & vf8_lt(t, vf8_set(t_max));
 }
 
 /* Keeps the nearest of the lanes in `bits`. */
@@ -178,36 +184,7 @@ static void LC_FN(closest)(const lc_bvh_data *bvh, const float org[3], const flo
     }
 }
 
-static inline bool LC_FN(any_hit)(const lc_bvh_data *bvh, const ray *r, float t_min, float t_max)
-{
-    uint32_t stack[LC_BVH_STACK], n = 0;
-    tri_hits h;
-    vf8 near;
-    if (bvh->n_nodes) stack[n++] = 0;
-    while (n) {
-        const lc_bvh_node *node = &bvh->nodes[stack[--n]];
-        for (uint32_t bits = LC_FN(test_boxes)(node, r, t_min, t_max, &near); bits; bits &= bits - 1) {
-            uint32_t ref = node->child[__builtin_ctz(bits)];
-            if (!(ref & LC_BVH_LEAF))
-                stack[n++] = ref;
-            else if (LC_FN(test_tris)(&bvh->blocks[ref & ~LC_BVH_LEAF], r, t_min, t_max, &h))
-                return true;
-        }
-    }
-    return false;
-}
-
-static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
-                          uint8_t *hidden)
-{
-    ray r;
-    for (uint32_t i = 0; i < n; i++) {
-        float dir[3];
-        for (int k = 0; k < 3; k++) dir[k] = far ? target[k][i] : target[k][i] - org[k];
-        LC_FN(ray_init)(&r, org, dir);
-        hidden[i] = LC_FN(any_hit)(bvh, &r, far ? 0 : LC_SHADOW_EPS, far ? FLT_MAX : 1 - LC_SHADOW_EPS);
-    }
-}
+#include "stream_tmpl.c"
 
 #undef ray
 #undef tri_hits

@@ -1,10 +1,10 @@
 /* cut.h - chooses a cut of the light tree for one shading point and sums its estimates ([Walter05] 4, [Miksik07] 2.2).
  *
- * Start at the root; while the largest error bound in the cut is above error_ratio * max(total, floor), replace the
- * worst clusters, at most four of those above that limit at a time, by their children: all of them have to go as long as
- * the total stays, and one kernel call bounds their eight children. Stop at max_cut clusters. The guarantee is per
- * cluster: every cluster left has a bound of at most that limit. It is not a guarantee about their sum, and shadows are
- * bounded by 1.
+ * Start at the root; while the largest error bound in the cut is above error_ratio * max(total, floor), replace clusters
+ * above that limit by their children. All of them have to go as long as the total stays, so a round takes every one whose
+ * bound is at least a quarter of the worst at once: one call of the bounds kernel, one of the estimates, one group of
+ * shadow rays. Stop at max_cut clusters, where only the worst are taken. The guarantee is per cluster: every cluster left
+ * has a bound of at most that limit. It is not a guarantee about their sum, and shadows are bounded by 1.
  *
  * floor is a luminance: dark_floor times the picture's mean. Where the estimate is below it the relative test would
  * never pass (the point sees almost no light), and an error that small can't be seen beside the rest of the picture.
@@ -15,7 +15,6 @@
 #define LC_CUT_H
 
 #include "bvh.h"
-#include "cut_queue.h"
 #include "light_tree.h"
 #include "stats.h"
 
@@ -25,26 +24,34 @@ typedef struct lc_cut_desc {
     float floor;      /* luminance of reflected radiance, W/(m^2 sr) */
 } lc_cut_desc;
 
-/* Per-thread scratch, and after lc_cut_shade the cut itself: left[0 .. n_left) are clusters whose bound is not 0, done
- * leaves and clusters that can't contribute. While refining, left holds those within the limit - half of all, which so
- * never go through the queue - and is looked at again when the queue is empty. */
+/* A cluster in the cut whose bound is not 0. */
+typedef struct lc_cut_node {
+    float bound;       /* luminance, > 0 */
+    float lum;         /* luminance of the estimate */
+    uint32_t id, link; /* light tree node, and what it links to */
+    uint32_t rep;      /* light index */
+    uint16_t kind;     /* of its children: lc_light_kind, or LC_PAIR_MIXED */
+    uint16_t pending;  /* 1 + far: its shadow ray is still to be traced, until then V is taken as 1 */
+    float transfer[3]; /* M G V of the representative */
+    float e[3];        /* the estimate: transfer times power */
+} lc_cut_node;
+_Static_assert(sizeof(lc_cut_node) == 48, "three quarters of a cache line");
+
+/* Per-thread scratch, and after lc_cut_shade the cut itself: left[0 .. n_left), and done: leaves, which are exact, and
+ * clusters that can't contribute. While refining, open holds the clusters above the limit. */
 typedef struct lc_cut {
     const lc_context *ctx;
     const lc_light_tree *tree;
     const lc_bvh *bvh;
     lc_cut_desc desc;
-    uint32_t limit;          /* clusters that fit */
-    lc_cut_node *nodes;      /* limit + 1 */
-    uint32_t *free_nodes;    /* indices of unused ones, a stack of limit + 1 - n_queue - n_left */
-    lc_cut_queue queue;
-    uint32_t n_queue;
-    uint32_t *left;          /* indices into nodes */
-    uint32_t n_left;
-    float worst_left;        /* largest bound among them */
-    uint32_t *done;          /* light tree nodes; kept only when keep_done */
-    uint32_t n_done;
+    uint32_t limit;         /* clusters that fit; of each array there are limit + 1 */
+    lc_cut_node *open, *split, *left, *leaf; /* leaf: done but for their shadow rays */
+    uint32_t n_open, n_split, n_left, n_leaf, n_done; /* n_done counts the leaves too */
+    lc_cut_node none;       /* takes what is 0 */
+    float *key;             /* scratch of the choice of the worst */
+    uint32_t *done;         /* light tree nodes; kept only when keep_done */
     bool keep_done;
-    double done_sum[3];      /* radiance of the done ones */
+    double done_sum[3];     /* radiance of the done ones */
     uint32_t slot;
 } lc_cut;
 

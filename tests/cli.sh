@@ -107,7 +107,7 @@ for args in --help -h help; do
     good "$args" $args
     prints '^usage: lightcuts'
 done
-for command in render compare scene info preview; do
+for command in render compare scene info preview bench; do
     good "help $command" help $command
     prints "^usage: lightcuts.*$command"
     cp out help.txt
@@ -485,6 +485,95 @@ bad 'preview without output' 2 '' preview old.exr
 bad 'preview of no such channel' 3 'banana' preview old.exr --false-colour banana -o o/q.png
 bad 'preview of a missing image' 3 'none.exr' preview none.exr -o o/q.png
 bad 'preview into a missing folder' 1 'none/v.png' preview old.exr -o none/v.png
+
+# ---- bench ----
+
+# A square at z = 0 and four rays: two through it, one beside it, one that ends before it.
+one='\000\000\200\077' zero='\000\000\000\000' minus='\000\000\200\277' nan='\000\000\300\177'
+corners="$minus$minus$zero$one$minus$zero$one$one$zero$minus$one$zero"
+square='\000\000\000\000\001\000\000\000\002\000\000\000\000\000\000\000\002\000\000\000'
+mesh_head='LCMESH1\000\004\000\000\000\002\000\000\000'
+rays_head='LCRAYS1\000\004\000\000\000\000\000\000\000\002\000\000\000\000\000\000\000'
+half='\000\000\000\077' two='\000\000\000\100'
+rays="$half$zero$one$half$zero$minus$half$zero$one$half$zero$half$zero$half$minus$half$half$one$two$two$minus$two$two$one"
+# shellcheck disable=SC2059
+{
+    printf "$mesh_head$corners$square\003\000\000\000" >square.mesh.bin
+    printf "$mesh_head$corners$square\004\000\000\000" >index.mesh.bin
+    printf "$mesh_head$corners$square" >short.mesh.bin
+    printf "$mesh_head$nan${corners#"$minus"}$square\003\000\000\000" >nan.mesh.bin
+    printf "$rays_head$rays" >four.rays.bin
+    printf "$rays_head$rays$one" >long.rays.bin
+    printf "$rays_head" | sed 's/LCRAYS1/LCRAYS2/' >other.rays.bin
+    printf 'LCRAYS1\000\000\000\000\000\000\000\000\000\002\000\000\000\000\000\000\000' >none.rays.bin
+    printf "LCRAYS1\000\377\377\377\377\377\377\377\377\002\000\000\000\000\000\000\000$rays" >huge.rays.bin
+    printf "$rays_head$rays" | head -c 100 >short.rays.bin
+    printf 'LCMESH1\000\377\377\377\377\377\377\377\377' >huge.mesh.bin
+}
+good 'bench rays' bench rays --mesh square.mesh.bin --rays four.rays.bin --runs 1 -t 2
+prints ' 2 triangles, 4 vertices'
+prints '[0-9] Mrays/s; 2 occluded (50.00 %)'
+for isa in scalar sse4 avx2 avx512; do
+    good "bench rays --isa $isa" bench rays --mesh square.mesh.bin --rays four.rays.bin --runs 1 --isa $isa --json
+    prints '"occluded": 2}'
+done
+cp out bench_rays.json
+good 'bench bounds' bench bounds --runs 1 --isa scalar
+prints '^bounds  *directional  *phong  *scalar .* ns/cluster'
+prints '^exact  *oriented  *lambert  *scalar .* ns/light'
+good 'bench bounds --json' bench bounds --runs 1 --json
+cp out bench_bounds.json
+good 'bench tree' bench tree --lights 100 --runs 1 -t 1
+prints '^ *100 oriented .* ms, .* bytes/light'
+good 'bench tree --json' bench tree --lights 100 --runs 1 --json
+cp out bench_tree.json
+good 'bench render' bench render s.pbrt --runs 1
+prints '^ratio  *[0-9]'
+prints '^recorded  100.0 % of [1-9]'
+good 'bench render, exact' bench render s.pbrt --runs 1 --method exact --pixelbounds 8,24,8,24 -t 2 --json
+prints '"shadow_rays": 384, "camera_rays": 256,'
+cp out bench_render.json
+good 'bench render without lights' bench render dark.pbrt --runs 1
+good 'bench render without triangles' bench render void.pbrt --runs 1
+for file in bench_rays bench_bounds bench_tree bench_render; do
+    name="$file.json"
+    flat=$(tr -d ' \n' <$file.json)
+    case $flat in
+    '{"version":"'*'","bench":"'"${file#bench_}"'","threads":'[0-9]*',"results":[{"'*'}]}') ok ;;
+    *) no "$name" 'not one object' ;;
+    esac
+    if command -v python3 >/dev/null 2>&1; then check "$name is JSON" timeout 60 python3 -m json.tool $file.json; fi
+done
+bad 'bench of nothing' 2 'bounds, rays, tree or render' bench
+bad 'bench of something else' 2 "did you mean 'rays'" bench ray
+bad 'bench: an option of another bench' 2 "unknown option '--mesh'" bench tree --mesh square.mesh.bin
+bad 'bench rays without rays' 2 '--rays is missing' bench rays --mesh square.mesh.bin
+bad 'bench rays without mesh' 2 '--mesh is missing' bench rays --rays four.rays.bin
+bad 'bench render without scene' 2 'one scene' bench render
+bad 'bench tree with an argument' 2 'no argument' bench tree s.pbrt
+bad 'bench --runs 0' 2 "bad value '0' for option --runs" bench bounds --runs 0
+bad 'bench --isa mmx' 2 "bad value 'mmx' for option --isa" bench bounds --isa mmx
+bad 'bench render of a missing scene' 3 'none.pbrt' bench render none.pbrt
+bad 'bench render with a crop outside' 2 'outside the film' bench render s.pbrt --pixelbounds 0,99,0,8
+wrong() # name message mesh rays
+{
+    bad "bench rays: $1" 3 "$2" bench rays --mesh "$3.mesh.bin" --rays "$4.rays.bin" --runs 1
+}
+cp noise.pbrt noise.mesh.bin
+cp noise.pbrt noise.rays.bin
+wrong 'missing mesh' 'missing.mesh.bin.*No such file' missing four
+wrong 'missing rays' 'missing.rays.bin.*No such file' square missing
+wrong 'noise for a mesh' "^lightcuts: noise.mesh.bin: error: no 'LCMESH1' at byte 0" noise four
+wrong 'noise for rays' "^lightcuts: noise.rays.bin: error: no 'LCRAYS1' at byte 0" square noise
+wrong 'other rays' "other.rays.bin: error: no 'LCRAYS1' at byte 0" square other
+wrong 'a short mesh' 'short.mesh.bin: error: .* at byte 8 make 88 bytes, the file has 84' short four
+wrong 'an absurd mesh' 'huge.mesh.bin: error: .* at byte 8' huge four
+wrong 'short rays' 'short.rays.bin: error: .* at byte 8 make 120 bytes, the file has 100' square short
+wrong 'long rays' 'long.rays.bin: error: .* at byte 8 make 120 bytes, the file has 124' square long
+wrong 'absurd rays' 'huge.rays.bin: error: .* at byte 8' square huge
+wrong 'no rays' 'none.rays.bin: error: no rays at byte 8' square none
+wrong 'an index out of range' 'index.mesh.bin: error: an index out of range at byte 84' index four
+wrong 'NaN in a mesh' 'nan.mesh.bin: error: .*not finite.* at byte 16' nan four
 
 # ---- the same bytes ----
 

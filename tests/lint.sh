@@ -51,6 +51,7 @@ include_of='^[ ]*#[ ]*include[ ]*'
 cli_includes()
 {
     for file in src/cli/*.[ch]; do
+        case $file in src/cli/bench*) continue ;; esac
         sed -n "s/$include_of\"\(.*\)\".*/\1/p" "$file" | while read -r header; do
             [ "$header" = lightcuts.h ] || [ -f "src/cli/$header" ] || echo "$file: $header"
         done
@@ -82,9 +83,9 @@ cycles() # headers of the library, an edge for each include
     done >"$T/edges"
     tsort "$T/edges" >/dev/null
 }
-rule 'cli/ includes lightcuts.h and cli/ only' cli_includes
-rule '<immintrin.h> and its like in simd.h and simd_wide.h only' \
-    only_in '<[a-z]*intrin\.h>|<arm_neon\.h>' 'src/simd(_wide)?\.h' src/*.[ch] src/cli/*.[ch]
+rule 'cli/ includes lightcuts.h and cli/ only, but for bench' cli_includes
+rule '<immintrin.h> and its like in simd*.h and f4.h only' \
+    only_in '<[a-z]*intrin\.h>|<arm_neon\.h>' 'src/(simd[a-z_]*|f4)\.h' src/*.[ch] src/cli/*.[ch]
 rule 'OpenEXR in image_exr.c only' only_in "$include_of[<\"](openexr|ImfC|Imath)" 'src/image_exr\.c' src/*.[ch] src/cli/*.[ch]
 rule '<pthread.h> in pool.c only' only_in '<pthread\.h>|<threads\.h>' 'src/pool\.c' src/*.[ch] src/cli/*.[ch]
 rule 'malloc and its like in arena.c only' only_in '\<(malloc|calloc|realloc|aligned_alloc|posix_memalign|strdup|strndup)[ ]*\(' \
@@ -157,7 +158,7 @@ versions()
 options() # each option of --help is in the manual page and in the completion
 {
     sed 's/\\-/-/g' src/cli/lightcuts.1 >"$T/page"
-    for command in render compare scene info preview; do
+    for command in render compare scene info preview bench; do
         build/lightcuts $command --help | grep -oE -e '--[a-z][a-z-]+' | sort -u | while read -r option; do
             [ "$option" = --help ] || grep -q -e "$option" "$T/page" || echo "src/cli/lightcuts.1: $command lacks $option"
             grep -q -e "$option" src/cli/lightcuts.bash || echo "src/cli/lightcuts.bash: $command lacks $option"

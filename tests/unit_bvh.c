@@ -387,6 +387,55 @@ TEST(identical_triangles)
     lc_bvh_destroy(b);
 }
 
+static bool same_bytes(const lc_bvh *a, const lc_bvh *b)
+{
+    return a->data.n_nodes == b->data.n_nodes && a->data.n_blocks == b->data.n_blocks
+           && !memcmp(a->nodes, b->nodes, a->data.n_nodes * sizeof *a->nodes)
+           && !memcmp(a->blocks, b->blocks, a->data.n_blocks * sizeof *a->blocks);
+}
+
+/* From one leaf up to several levels of ranges that all threads split together. */
+static void thread_mesh(int style)
+{
+    clear();
+    if (style == 0) soup(5, 0.5);
+    if (style == 1) soup(4000, 0.1);
+    if (style == 2) soup(30000, 0.05);
+    if (style == 3) cube(120), displace(true, 0.2); /* 170 thousand; -0 and 0 among the coordinates */
+    if (style == 4) cube(60), move(1e15f, zero);
+    if (style == 5) soup(20000, 0.5), move(3e38f, zero); /* areas are infinite */
+    if (style == 6) soup(20000, 0.5), move(1e-38f, zero);
+    for (uint32_t i = 0; style == 7 && i < 50000; i++) { /* of one place, and of lines */
+        float x = i % 3 ? 1 : (float)i;
+        put_three(lc_f3_make(x, 0, -0.0f), lc_f3_make(x, 0, 0), lc_f3_make(x, 0, 0));
+    }
+}
+
+TEST(same_bytes_for_any_number_of_threads)
+{
+    static const uint32_t threads[] = { 1, 2, 3, 7 };
+    for (int style = 0; style < 8; style++) {
+        thread_mesh(style);
+        lc_bvh *first = NULL;
+        for (int i = 0; i < 4; i++) {
+            lc_context_desc d = LC_CONTEXT_DESC_INIT;
+            lc_context *c;
+            lc_bvh *b;
+            d.n_threads = threads[i];
+            if (lc_context_create(&d, &c) || lc_bvh_build(c, m.pos, m.index, m.n_tris, &b)) abort();
+            b->ctx = ctx;
+            lc_context_destroy(c);
+            const char *wrong = i ? NULL : lc_bvh_validate(b, m.pos, m.index, m.n_tris);
+            CHECKF(!wrong, "style %d: %s", style, wrong);
+            CHECKF(!i || same_bytes(first, b), "style %d, %u threads", style, threads[i]);
+            CHECKF(depth_of(b) < LC_BVH_MAX_DEPTH, "%u levels", depth_of(b));
+            if (i) lc_bvh_destroy(b);
+            else first = b;
+        }
+        lc_bvh_destroy(first);
+    }
+}
+
 TEST(equal_distances_give_the_lowest_id)
 {
     clear();
@@ -707,6 +756,7 @@ int main(void)
     RUN(degenerate_triangles);
     RUN(only_degenerate_triangles);
     RUN(identical_triangles);
+    RUN(same_bytes_for_any_number_of_threads);
     RUN(equal_distances_give_the_lowest_id);
     RUN(triangles_on_a_line);
     RUN(validator_finds_damage);

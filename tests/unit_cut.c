@@ -156,7 +156,7 @@ static double lum_of(lc_f3 c) { return 0.2126 * (double)c.x + 0.7152 * (double)c
 /* Clusters that still have a bound above 0. */
 static uint32_t n_left(const lc_cut *c) { return c->n_left; }
 
-static lc_cut_node *left_at(const lc_cut *c, uint32_t i) { return &c->nodes[c->left[i]]; }
+static lc_cut_node *left_at(const lc_cut *c, uint32_t i) { return &c->left[i]; }
 
 /* Sum of the luminance of all lights under a node, nothing hidden. */
 static double unhidden_sum(const lc_light_tree *t, uint32_t id, const lc_point *p)

@@ -83,6 +83,41 @@ int cli_parse_list(const char *text, int n, double lo, double hi, double *out)
     return 0;
 }
 
+int cli_parse_u32(const char *text, uint64_t lo, uint64_t hi, uint32_t *out)
+{
+    uint64_t v = 0;
+    int bad = cli_parse_u64(text, lo, hi, &v);
+    if (!bad) *out = (uint32_t)v;
+    return bad;
+}
+
+int cli_parse_single(const char *text, double lo, double hi, float *out)
+{
+    double v = 0;
+    int bad = cli_parse_float(text, lo, hi, &v);
+    if (!bad) *out = (float)v;
+    return bad;
+}
+
+int cli_parse_pixels(const char *text, int32_t out[4])
+{
+    double v[4];
+    if (cli_parse_list(text, 4, 0, 65535, v)) return -1;
+    for (int i = 0; i < 4; i++) {
+        out[i] = (int32_t)v[i];
+        if (v[i] > (double)out[i]) return -1;
+    }
+    return 0;
+}
+
+int cli_parse_method(const char *text, lc_method *out)
+{
+    *out = LC_METHOD_LIGHTCUTS;
+    if (!strcmp(text, "lightcuts")) return 0;
+    *out = LC_METHOD_EXACT;
+    return strcmp(text, "exact");
+}
+
 int cli_parse_isa(const char *text, lc_isa *out)
 {
     for (int isa = LC_ISA_SCALAR; isa <= LC_ISA_AVX512; isa++)

@@ -21,6 +21,7 @@ int cmd_compare(int argc, char **argv);
 int cmd_scene(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_preview(int argc, char **argv);
+int cmd_bench(int argc, char **argv);
 
 /* Logs to stderr; verbosity -1: errors only, 0: warnings too, 1: everything. NULL: out of memory (said). */
 lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity);
@@ -34,6 +35,12 @@ int cli_parse_float(const char *text, double lo, double hi, double *out);
 int cli_parse_u64(const char *text, uint64_t lo, uint64_t hi, uint64_t *out);
 /* n numbers with commas between. */
 int cli_parse_list(const char *text, int n, double lo, double hi, double *out);
+int cli_parse_u32(const char *text, uint64_t lo, uint64_t hi, uint32_t *out); /* hi at most UINT32_MAX */
+int cli_parse_single(const char *text, double lo, double hi, float *out);
+/* x0,x1,y0,y1: whole numbers from 0 to 65535. */
+int cli_parse_pixels(const char *text, int32_t out[4]);
+/* "lightcuts", "exact" */
+int cli_parse_method(const char *text, lc_method *out);
 /* "scalar", "sse4", "avx2", "avx512" */
 int cli_parse_isa(const char *text, lc_isa *out);
 /* The cap of LC_ISA in the environment; LC_ISA_BEST without. Returns -1 and complains when it is not a name. */

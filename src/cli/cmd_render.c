@@ -21,7 +21,8 @@ typedef struct {
     lc_isa isa;
     lc_load_desc load;
     lc_render_desc render;
-    double pixel_crop[4], unit_crop[4];
+    int32_t pixel_crop[4];
+    double unit_crop[4];
     bool has_pixel_crop, has_unit_crop, quiet, print_stats, write_time;
     int verbosity;
 } options;
@@ -83,59 +84,27 @@ static int parse_aovs(const char *text, uint32_t *out)
     }
 }
 
-static int parse_method(const char *text, lc_method *out)
-{
-    *out = LC_METHOD_LIGHTCUTS;
-    if (!strcmp(text, "lightcuts")) return 0;
-    *out = LC_METHOD_EXACT;
-    return strcmp(text, "exact");
-}
-
-static int u32_option(uint64_t lo, uint64_t hi, uint32_t *out)
-{
-    uint64_t v = 0;
-    int bad = cli_parse_u64(optarg, lo, hi, &v);
-    if (!bad) *out = (uint32_t)v;
-    return bad;
-}
-
-static int float_option(double lo, double hi, float *out)
-{
-    double v = 0;
-    int bad = cli_parse_float(optarg, lo, hi, &v);
-    if (!bad) *out = (float)v;
-    return bad;
-}
-
-static int parse_pixels(const char *text, double out[4])
-{
-    if (cli_parse_list(text, 4, 0, 65535, out)) return -1;
-    for (int i = 0; i < 4; i++)
-        if (out[i] > (double)(int)out[i]) return -1;
-    return 0;
-}
-
 /* Nonzero: the value of option c is out of range. */
 static int set_option(options *o, int c)
 {
     uint32_t depth = 1;
     switch (c) {
     case 'o': o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg; return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
-    case OPT_METHOD: return parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return float_option(0, 1e6, &o->render.error_ratio);
-    case OPT_MAX_CUT: return u32_option(0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: return float_option(0, 1e6, &o->render.dark_floor);
-    case OPT_REPS: return u32_option(1, 32, &o->load.n_reps);
+    case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
+    case OPT_ERROR: return cli_parse_single(optarg, 0, 1e6, &o->render.error_ratio);
+    case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
+    case OPT_FLOOR: return cli_parse_single(optarg, 0, 1e6, &o->render.dark_floor);
+    case OPT_REPS: return cli_parse_u32(optarg, 1, 32, &o->load.n_reps);
     case OPT_MAXDEPTH:
-        if (u32_option(1, 1000000, &depth)) return -1;
+        if (cli_parse_u32(optarg, 1, 1000000, &depth)) return -1;
         if (depth > 1) fprintf(stderr, "lightcuts: warning: --maxdepth %u: only direct light is rendered in this version\n", depth);
         return 0;
-    case OPT_AREA: return u32_option(1, 1u << 28, &o->load.area_lights);
-    case 't': return u32_option(0, 1024, &o->n_threads);
+    case OPT_AREA: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.area_lights);
+    case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
-    case OPT_SPP: return u32_option(1, 65536, &o->render.spp);
+    case OPT_SPP: return cli_parse_u32(optarg, 1, 65536, &o->render.spp);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
-    case OPT_PIXELS: o->has_pixel_crop = true; return parse_pixels(optarg, o->pixel_crop);
+    case OPT_PIXELS: o->has_pixel_crop = true; return cli_parse_pixels(optarg, o->pixel_crop);
     case OPT_CROP: o->has_unit_crop = true; return cli_parse_list(optarg, 4, 0, 1, o->unit_crop);
     case OPT_AOV: return parse_aovs(optarg, &o->render.aovs);
     case OPT_STATS_FILE: o->stats_file = optarg; return !*optarg;
@@ -238,7 +207,7 @@ static int set_crop(options *o, const lc_scene_info *info)
 {
     for (int i = 0; i < 4; i++) {
         double size = i < 2 ? info->width : info->height;
-        if (o->has_pixel_crop) o->render.crop[i] = (int32_t)o->pixel_crop[i];
+        if (o->has_pixel_crop) o->render.crop[i] = o->pixel_crop[i];
         else if (o->has_unit_crop) o->render.crop[i] = (int32_t)(o->unit_crop[i] * size + 0.5);
     }
     bool asked = o->has_pixel_crop || o->has_unit_crop;

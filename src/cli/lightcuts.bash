@@ -2,10 +2,10 @@
 _lightcuts()
 {
     local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=render options i
-    local commands='render compare scene info preview help'
+    local commands='render compare scene info preview bench help'
     COMPREPLY=()
     case ${COMP_WORDS[1]-} in
-    render | compare | scene | info | preview | help) command=${COMP_WORDS[1]} ;;
+    render | compare | scene | info | preview | bench | help) command=${COMP_WORDS[1]} ;;
     esac
     # "--name=value" comes in three words.
     if [[ $word == = ]]; then
@@ -17,18 +17,23 @@ _lightcuts()
     case $command:$previous in
     help:help) COMPREPLY=($(compgen -W "${commands% help}" -- "$word")); return ;;
     scene:scene) COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs' -- "$word")); return ;;
-    render:--method) COMPREPLY=($(compgen -W 'lightcuts exact' -- "$word")); return ;;
-    render:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
+    bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render' -- "$word")); return ;;
+    render:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact' -- "$word")); return ;;
+    render:--isa | bench:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
     render:--aov)
         # A list with commas: complete its last part.
         local head=
         [[ $word == *,* ]] && head=${word%,*},
         COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays all' -- "${word##*,}"))
         return ;;
-    render:-t | render:--nthreads) COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word")); return ;;
+    render:-t | render:--nthreads | bench:-t | bench:--nthreads)
+        COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
+        return ;;
     render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | render:--maxdepth | \
         render:--area-lights | render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
-        compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed) return ;;
+        compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed | \
+        bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
+        bench:--representatives | bench:--pixelbounds) return ;;
     compare:--map) COMPREPLY=($(compgen -W heat -- "$word")); return ;;
     compare:--fail)
         compopt -o nospace 2>/dev/null
@@ -49,6 +54,8 @@ _lightcuts()
         scene) options='--lights --seed --outfile --help' ;;
         info) options='--json --help' ;;
         preview) options='--outfile --exposure --false-colour --range --help' ;;
+        bench) options='--mesh --rays --lights --method --error-ratio --max-cut --dark-floor --representatives --pixelbounds
+            --nthreads --isa --runs --json --help' ;;
         *) options= ;;
         esac
         ((COMP_CWORD == 1)) && options="$options --version"
@@ -65,6 +72,8 @@ _lightcuts()
     case $previous in
     -o | --outfile) extensions='exr|png' ;;
     --stats-file) extensions='json' ;;
+    --mesh) extensions='mesh\.bin' ;;
+    --rays) extensions='rays\.bin' ;;
     esac
     local IFS=$'\n'
     compopt -o filenames 2>/dev/null

@@ -1,0 +1,166 @@
+/* bench_bounds.c - the kernels over lights: bounds of clusters, estimates of lights; one thread.
+ *
+ * A tree of 4096 lights: 0.5 MB of clusters, 0.25 MB of lights, so in L2. Instruction sets take turns, run by run, so that
+ * a busy machine slows them all.
+ */
+#include "bench.h"
+
+#include "cli.h"
+#include "kernels.h"
+#include "light_tree.h"
+#include "rng.h"
+#include "shade.h"
+#include "stats.h"
+
+#define N_LIGHTS 4096u
+#define BATCH 32u      /* pairs of clusters, or half the lights, in a call: what a cut asks for at once */
+#define N_BATCHES 2048u /* calls in a run */
+#define BLOCK 256u     /* lights in a call of the exact method */
+#define N_POINTS 8u
+#define RUNS 15
+#define N_ISAS (LC_ISA_AVX512 + 1)
+
+typedef struct setup {
+    lc_light_kind kind;
+    lc_light_tree *tree;
+    uint32_t *list; /* N_BATCHES * BATCH pairs, then 2 N_BATCHES * BATCH lights, at random */
+    lc_point points[N_POINTS];
+} setup;
+
+/* One run with one instruction set; returns how many clusters or lights it went through. */
+typedef uint32_t run_fn(const setup *s, const lc_kernels *k);
+
+static uint32_t run_bounds(const setup *s, const lc_kernels *k)
+{
+    _Alignas(64) float ub[2 * BATCH];
+    for (uint32_t i = 0; i < N_BATCHES; i++)
+        k->bounds(s->tree->blocks, s->list + i * BATCH, BATCH, s->kind, &s->points[i % N_POINTS], ub);
+    return 2 * BATCH * N_BATCHES;
+}
+
+static uint32_t run_estimates(const setup *s, const lc_kernels *k)
+{
+    _Alignas(64) float out[6][2 * BATCH];
+    float *const to[6] = { out[0], out[1], out[2], out[3], out[4], out[5] };
+    const uint32_t *list = s->list + N_BATCHES * BATCH;
+    for (uint32_t i = 0; i < N_BATCHES; i++)
+        k->estimate(s->tree->lights, list + i * 2 * BATCH, 2 * BATCH, s->kind, &s->points[i % N_POINTS], to);
+    return 2 * BATCH * N_BATCHES;
+}
+
+static uint32_t run_exact(const setup *s, const lc_kernels *k)
+{
+    _Alignas(64) float out[6][BLOCK];
+    float *const to[6] = { out[0], out[1], out[2], out[3], out[4], out[5] };
+    const uint32_t n_calls = 2 * BATCH * N_BATCHES / BLOCK;
+    for (uint32_t i = 0; i < n_calls; i++)
+        k->estimate(s->tree->lights + i % (N_LIGHTS / BLOCK) * BLOCK, NULL, BLOCK, s->kind, &s->points[i % N_POINTS], to);
+    return n_calls * BLOCK;
+}
+
+static const struct {
+    const char *name, *unit;
+    run_fn *run;
+} parts[] = { { "bounds", "cluster", run_bounds }, { "estimate", "light", run_estimates }, { "exact", "light", run_exact } };
+#define N_PARTS (sizeof parts / sizeof *parts)
+
+static lc_status setup_init(const lc_context *ctx, lc_light_kind kind, setup *s)
+{
+    static lc_light lights[N_LIGHTS];
+    lc_light_tree_desc desc = { lights, N_LIGHTS, 300, 0, 1 };
+    *s = (setup){ .kind = kind };
+    for (uint64_t i = 0; i < N_LIGHTS; i++) lights[i] = bench_light(kind, i);
+    s->list = lc_alloc(ctx, 3 * N_BATCHES * BATCH, sizeof *s->list);
+    if (!s->list) return LC_ERR_MEMORY;
+    lc_status st = lc_light_tree_build(ctx, &desc, &s->tree);
+    if (st) return st;
+    for (uint32_t i = 0; i < N_BATCHES * BATCH; i++)
+        s->list[i] = (uint32_t)(1 + lc_mix(i) % (s->tree->n_pairs - 1)); /* pair 0 is the root and an empty lane */
+    for (uint32_t i = N_BATCHES * BATCH; i < 3 * N_BATCHES * BATCH; i++) s->list[i] = (uint32_t)(lc_mix(i) % N_LIGHTS);
+    return LC_OK;
+}
+
+static void setup_free(const lc_context *ctx, setup *s)
+{
+    lc_light_tree_destroy(s->tree);
+    lc_free(ctx, s->list, 3 * N_BATCHES * BATCH, sizeof *s->list);
+}
+
+static void set_points(setup *s, bool glossy)
+{
+    lc_material m = { { 0.5f, 0.5f, 0.5f }, { 0, 0, 0 }, 20 };
+    if (glossy) m.ks = m.kd;
+    lc_f3 up = lc_f3_make(0, 1, 0), view = lc_f3_normalize(lc_f3_make(1, 1, 0));
+    for (uint32_t i = 0; i < N_POINTS; i++)
+        lc_point_init(&s->points[i], lc_f3_make((float)i + 1, 0, 5), up, view, &m, 1e-8f);
+}
+
+typedef struct range {
+    int from, to; /* instruction sets */
+} range;
+
+static void print_text(const char *part, const setup *s, bool glossy, const char *unit, range isas, const bench_summary *r)
+{
+    for (int i = isas.from; i <= isas.to; i++) {
+        printf("%-9s %-12s %-8s %-7s %8.2f +- %.2f ns/%s", part, bench_kind_name(s->kind), glossy ? "phong" : "lambert",
+               lc_isa_name((lc_isa)i), r[i].median, r[i].spread, unit);
+        if (i > isas.from) printf(", %.2fx scalar", r[isas.from].median / r[i].median);
+        printf("\n");
+    }
+}
+
+static void print_json(const char *part, const setup *s, bool glossy, range isas, const bench_summary *r, bool first)
+{
+    for (int i = isas.from; i <= isas.to; i++, first = false) {
+        bench_json_next(first);
+        printf("{\"kernel\": \"%s\", \"lights\": \"%s\", \"material\": \"%s\", \"isa\": \"%s\", \"ns\": %.4f, \"ns_spread\": %.4f, "
+               "\"ns_best\": %.4f",
+               part, bench_kind_name(s->kind), glossy ? "phong" : "lambert", lc_isa_name((lc_isa)i), r[i].median, r[i].spread,
+               r[i].best);
+        if (isas.from == LC_ISA_SCALAR) printf(", \"times_scalar\": %.4f", r[isas.from].median / r[i].median);
+        printf("}");
+    }
+}
+
+/* ns an element for each instruction set. */
+static void measure(const setup *s, run_fn *run, uint32_t n_runs, range isas, bench_summary *out)
+{
+    static double times[N_ISAS][BENCH_MAX_RUNS];
+    for (uint32_t k = 0; k < n_runs; k++)
+        for (int i = isas.from; i <= isas.to; i++) {
+            double t0 = lc_now();
+            uint32_t n = run(s, lc_kernels_get((lc_isa)i));
+            times[i][k] = (lc_now() - t0) / n * 1e9;
+        }
+    for (int i = isas.from; i <= isas.to; i++) out[i] = bench_summarize(times[i], n_runs);
+}
+
+int bench_bounds(const bench_options *o)
+{
+    uint32_t n_runs = o->n_runs ? o->n_runs : RUNS;
+    lc_context *ctx = cli_context(1, o->isa, 0);
+    if (!ctx) return CLI_FAILED;
+    range isas = { o->one_isa ? (int)ctx->isa : LC_ISA_SCALAR, (int)ctx->isa };
+    lc_status st = LC_OK;
+    bool first = true;
+    if (o->json) bench_json_begin("bounds", 1);
+    else printf("kernels, %u lights in L2: median of %u runs, +- half the distance between the quartiles; one thread\n",
+                N_LIGHTS, n_runs);
+    for (size_t part = 0; part < N_PARTS && !st; part++)
+        for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++) {
+            setup s;
+            bench_summary r[N_ISAS];
+            st = setup_init(ctx, (lc_light_kind)kind, &s);
+            for (int glossy = 0; glossy < 2 && !st; glossy++) {
+                set_points(&s, glossy);
+                measure(&s, parts[part].run, n_runs, isas, r);
+                if (o->json) print_json(parts[part].name, &s, glossy, isas, r, first);
+                else print_text(parts[part].name, &s, glossy, parts[part].unit, isas, r);
+                first = false;
+            }
+            setup_free(ctx, &s);
+        }
+    if (o->json) bench_json_end();
+    lc_context_destroy(ctx);
+    return cli_exit_status(st);
+}

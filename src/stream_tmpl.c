@@ -1,0 +1,278 @@
+/* stream_tmpl.c - shadow rays of one point, 32 at a time; included by isa_*.c after bvh_tmpl.c.
+ *
+ * A stack entry is a subtree and the mask of the rays that have to go there. What depends on the origin only is computed
+ * once for all of them: the planes of a node's boxes relative to the origin, and the edge planes of a block's triangles.
+ *
+ * Triangles a, b, c relative to the origin; a ray along d passes inside where the volumes d.(b x c), d.(c x a), d.(a x b)
+ * have one sign. That is Woop's edge functions times the direction's largest component, in other arithmetic: with u = 2^-24
+ * and M the largest coordinate of a, b, c, Woop's sheared vertices are within 4uM of the exact ones, its edge functions
+ * then within 32 u M^2; cross and dot products here are within 30 u M^2 max|d|. So beyond E = 64 u M^2 max|d| the sign is
+ * the sign Woop's test finds; where a volume is nearer to 0 that test itself is asked. Filter and fallback give the answer
+ * of Woop's test for every ray, whatever company it travels in.
+ *
+ * The distance is that to the triangle's plane, a.N / d.N with N from the edges: better than Woop's interpolated one, and
+ * needs no division.
+ */
+#include "simd_ray.h"
+
+#define STREAM 32
+
+typedef struct {
+    _Alignas(32) float d[3][STREAM], inv[3][STREAM], d_max[STREAM];
+    uint32_t near[3][STREAM]; /* where the near plane of an axis stands among a node's planes; the far one is 8 behind */
+    const float *org;
+    float t_min, t_max;
+    vf8 vorg[3], vt_min, vt_max;
+} LC_FN(rays);
+
+#define rays LC_FN(rays)
+
+static const uint32_t LC_FN(bit_of)[STREAM] = {
+    1u << 0,  1u << 1,  1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,  1u << 8,  1u << 9,  1u << 10,
+    1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15, 1u << 16, 1u << 17, 1u << 18, 1u << 19, 1u << 20, 1u << 21,
+    1u << 22, 1u << 23, 1u << 24, 1u << 25, 1u << 26, 1u << 27, 1u << 28, 1u << 29, 1u << 30, 1u << 31,
+};
+
+/* Rays first .. first + n - 1 of the targets; unused ones repeat the last. */
+static inline void LC_FN(rays_init)(rays *r, const float org[3], uint32_t n, const float *const target[3], bool far)
+{
+    const vf8 zero = vf8_set(0), tiny = vf8_set(1e-30f), minus_tiny = vf8_set(-1e-30f);
+    r->org = org;
+    r->t_min = far ? 0 : LC_SHADOW_EPS, r->t_max = far ? FLT_MAX : 1 - LC_SHADOW_EPS;
+    r->vt_min = vf8_set(r->t_min), r->vt_max = vf8_set(r->t_max);
+    for (uint32_t k = 0; k < 3; k++) {
+        r->vorg[k] = vf8_set(org[k]);
+        for (uint32_t i = 0; i < n; i++) r->d[k][i] = far ? target[k][i] : target[k][i] - org[k];
+        for (uint32_t i = n; i & 7; i++) r->d[k][i] = r->d[k][n - 1];
+        for (uint32_t i = 0; i < n; i += 8) {
+            vf8 d = vf8_load(&r->d[k][i]);
+            vf8 safe = vf8_sel_gt(vf8_abs(d), tiny, d, vf8_sel_gt(zero, d, minus_tiny, tiny));
+            vf8_store(&r->inv[k][i], vf8_div(vf8_set(1), safe));
+        }
+        for (uint32_t i = 0; i < n; i++) r->near[k][i] = 24 * k + (r->inv[k][i] < 0 ? 8 : 0);
+    }
+    for (uint32_t i = 0; i < n; i += 8) {
+        vf8 x = vf8_abs(vf8_load(&r->d[0][i])), y = vf8_abs(vf8_load(&r->d[1][i])), z = vf8_abs(vf8_load(&r->d[2][i]));
+        vf8_store(&r->d_max[i], vf8_max(vf8_max(x, y), z));
+    }
+}
+
+/* For each child the rays of `mask` whose box it meets. */
+static inline vu8 LC_FN(stream_boxes)(const lc_bvh_node *node, const rays *r, uint32_t mask)
+{
+    _Alignas(32) float plane[3 * 24]; /* an axis: low, high, low planes, so that near and far are neighbours */
+    const vf8 slack = vf8_set(FAR_SLACK);
+    vu8 met = vu8_zero();
+    for (int k = 0; k < 3; k++) {
+        vf8 lo = vf8_sub(vf8_load(node->lo[k]), r->vorg[k]), hi = vf8_sub(vf8_load(node->hi[k]), r->vorg[k]);
+        vf8_store(plane + 24 * k, lo);
+        vf8_store(plane + 24 * k + 8, hi);
+        vf8_store(plane + 24 * k + 16, lo);
+    }
+    for (; mask; mask &= mask - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(mask);
+        const float *x = plane + r->near[0][i], *y = plane + r->near[1][i], *z = plane + r->near[2][i];
+        vf8 ix = vf8_set(r->inv[0][i]), iy = vf8_set(r->inv[1][i]), iz = vf8_set(r->inv[2][i]);
+        vf8 near = vf8_max(vf8_max(vf8_mul(vf8_load(x), ix), vf8_mul(vf8_load(y), iy)),
+                           vf8_max(vf8_mul(vf8_load(z), iz), r->vt_min));
+        vf8 far = vf8_min(vf8_min(vf8_mul(vf8_load(x + 8), ix), vf8_mul(vf8_load(y + 8), iy)),
+                          vf8_min(vf8_mul(vf8_load(z + 8), iz), r->vt_max));
+        met = vu8_mark_le(met, near, vf8_mul(far, slack), &LC_FN(bit_of)[i]);
+    }
+    return met;
+}
+
+typedef struct {
+    vf8 x, y, z;
+} LC_FN(vec8);
+
+#define vec8 LC_FN(vec8)
+
+static inline vec8 LC_FN(rel)(const float v[3][8], const vf8 o[3])
+{
+    return (vec8){ vf8_sub(vf8_load(v[0]), o[0]), vf8_sub(vf8_load(v[1]), o[1]), vf8_sub(vf8_load(v[2]), o[2]) };
+}
+
+static inline vec8 LC_FN(cross_fused)(vec8 a, vec8 b)
+{
+    return (vec8){ vf8_fms(a.y, b.z, vf8_mul(a.z, b.y)), vf8_fms(a.z, b.x, vf8_mul(a.x, b.z)),
+                   vf8_fms(a.x, b.y, vf8_mul(a.y, b.x)) };
+}
+
+static inline vf8 LC_FN(max_abs)(vec8 a) { return vf8_max(vf8_max(vf8_abs(a.x), vf8_abs(a.y)), vf8_abs(a.z)); }
+
+/* The planes of a block's triangles: normal N from the edges, and a.N. Every path decides distances by these. */
+typedef struct {
+    vec8 n;
+    vf8 h;
+} LC_FN(planes);
+
+#define planes LC_FN(planes)
+
+static inline planes LC_FN(planes_of)(const lc_tri_block *b, vec8 a)
+{
+    vec8 v0 = { vf8_load(b->v[0][0]), vf8_load(b->v[0][1]), vf8_load(b->v[0][2]) }, e, f, n;
+    e = (vec8){ vf8_sub(vf8_load(b->v[1][0]), v0.x), vf8_sub(vf8_load(b->v[1][1]), v0.y), vf8_sub(vf8_load(b->v[1][2]), v0.z) };
+    f = (vec8){ vf8_sub(vf8_load(b->v[2][0]), v0.x), vf8_sub(vf8_load(b->v[2][1]), v0.y), vf8_sub(vf8_load(b->v[2][2]), v0.z) };
+    n = (vec8){ vf8_sub(vf8_mul(e.y, f.z), vf8_mul(e.z, f.y)), vf8_sub(vf8_mul(e.z, f.x), vf8_mul(e.x, f.z)),
+                vf8_sub(vf8_mul(e.x, f.y), vf8_mul(e.y, f.x)) };
+    return (planes){ n, vf8_add(vf8_add(vf8_mul(a.x, n.x), vf8_mul(a.y, n.y)), vf8_mul(a.z, n.z)) };
+}
+
+/* Bits of the lanes whose plane ray i meets at t in (t_min, t_max). */
+static inline uint32_t LC_FN(in_range)(const planes *p, const rays *r, uint32_t i)
+{
+    vf8 dx = vf8_set(r->d[0][i]), dy = vf8_set(r->d[1][i]), dz = vf8_set(r->d[2][i]);
+    vf8 v = vf8_add(vf8_add(vf8_mul(dx, p->n.x), vf8_mul(dy, p->n.y)), vf8_mul(dz, p->n.z));
+    vf8 lo = vf8_mul(r->vt_min, v), hi = vf8_mul(r->vt_max, v);
+    return (vf8_lt(lo, p->h) & vf8_lt(p->h, hi)) | (vf8_lt(hi, p->h) & vf8_lt(p->h, lo));
+}
+
+/* Lanes that ray i passes inside of, by Woop's test. */
+static uint32_t LC_FN(inside)(const lc_tri_block *b, const rays *s, uint32_t i)
+{
+    ray r;
+    vf8 x[3], y[3], z[3], e[3];
+    const float d[3] = { s->d[0][i], s->d[1][i], s->d[2][i] };
+    LC_FN(ray_init)(&r, s->org, d);
+    return LC_FN(edges)(b, &r, x, y, z, e);
+}
+
+/* Rays of `mask` that some triangle of the block stops. */
+static inline uint32_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uint32_t mask)
+{
+    const vf8 zero = vf8_set(0);
+    uint32_t stopped = 0;
+    vec8 va = LC_FN(rel)(b->v[0], r->vorg), vb = LC_FN(rel)(b->v[1], r->vorg), vc = LC_FN(rel)(b->v[2], r->vorg);
+    vec8 n0 = LC_FN(cross_fused)(vb, vc), n1 = LC_FN(cross_fused)(vc, va), n2 = LC_FN(cross_fused)(va, vb);
+    vf8 m = vf8_max(vf8_max(LC_FN(max_abs)(va), LC_FN(max_abs)(vb)), LC_FN(max_abs)(vc));
+    vf8 m2 = vf8_mul(vf8_mul(m, m), vf8_set(0x1p-18f));
+    uint32_t used = vf8_eq(va.x, va.x);
+    planes p = { va, zero };
+    bool have_planes = false;
+    for (; mask; mask &= mask - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(mask);
+        vf8 dx = vf8_set(r->d[0][i]), dy = vf8_set(r->d[1][i]), dz = vf8_set(r->d[2][i]);
+        vf8 u = vf8_fma(n0.x, dx, vf8_fma(n0.y, dy, vf8_mul(n0.z, dz)));
+        vf8 v = vf8_fma(n1.x, dx, vf8_fma(n1.y, dy, vf8_mul(n1.z, dz)));
+        vf8 w = vf8_fma(n2.x, dx, vf8_fma(n2.y, dy, vf8_mul(n2.z, dz)));
+        vf8 e = vf8_fma(m2, vf8_set(r->d_max[i]), vf8_set(FLT_MIN)), minus_e = vf8_sub(zero, e);
+        vf8 least = vf8_min(vf8_min(u, v), w), most = vf8_max(vf8_max(u, v), w);
+        uint32_t in = used & ~(vf8_lt(least, minus_e) & vf8_lt(e, most));
+        if (!in) continue;
+        if (!have_planes) p = LC_FN(planes_of)(b, va), have_planes = true;
+        in &= LC_FN(in_range)(&p, r, i);
+        if (!in) continue;
+        uint32_t sure = vf8_lt(e, least) | vf8_lt(most, minus_e);
+        if (!(in & sure)) in &= LC_FN(inside)(b, r, i);
+        if (in) stopped |= 1u << i;
+    }
+    return stopped;
+}
+
+static inline void LC_FN(prefetch)(const lc_bvh_data *bvh, uint32_t ref)
+{
+    const char *p = ref & LC_BVH_LEAF ? (const char *)&bvh->blocks[ref & ~LC_BVH_LEAF] : (const char *)&bvh->nodes[ref];
+    for (int i = 0; i < 4; i++) __builtin_prefetch(p + 64 * i);
+}
+
+typedef struct {
+    uint32_t ref, mask;
+} LC_FN(visit);
+
+#define visit LC_FN(visit)
+
+/* Pushes inner children, lists the leaves, and asks for all of them to be fetched. */
+static inline void LC_FN(expand)(const lc_bvh_data *bvh, const lc_bvh_node *node, uint32_t bits, const uint32_t *met,
+                                 visit *stack, uint32_t *depth, visit leaf[8], uint32_t *n_leaves)
+{
+    for (; bits; bits &= bits - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(bits), ref = node->child[i];
+        LC_FN(prefetch)(bvh, ref);
+        uint32_t is_leaf = ref >> 31; /* both are written, one counts: no branch to mispredict */
+        leaf[*n_leaves] = (visit){ ref & ~LC_BVH_LEAF, met[i] };
+        stack[*depth] = (visit){ ref, met[i] };
+        *n_leaves += is_leaf, *depth += 1 - is_leaf;
+    }
+}
+
+/* One ray through a subtree: true if it is stopped. */
+static inline bool LC_FN(alone)(const lc_bvh_data *bvh, const rays *r, uint32_t i, uint32_t ref, visit *stack)
+{
+    uint32_t n = 0, near[3], far[3];
+    vf8 inv[3], inv_far[3];
+    for (uint32_t k = 0; k < 3; k++) {
+        bool down = r->near[k][i] != 24 * k;
+        near[k] = 8 * k + (down ? 24 : 0), far[k] = 8 * k + (down ? 0 : 24);
+        inv[k] = vf8_set(r->inv[k][i]);
+        inv_far[k] = vf8_set(r->inv[k][i] * FAR_SLACK);
+    }
+    for (;;) {
+        const lc_bvh_node *node = &bvh->nodes[ref];
+        const float *f = &node->lo[0][0];
+        vf8 n0 = vf8_mul(vf8_sub(vf8_load(f + near[0]), r->vorg[0]), inv[0]);
+        vf8 n1 = vf8_mul(vf8_sub(vf8_load(f + near[1]), r->vorg[1]), inv[1]);
+        vf8 n2 = vf8_mul(vf8_sub(vf8_load(f + near[2]), r->vorg[2]), inv[2]);
+        vf8 f0 = vf8_mul(vf8_sub(vf8_load(f + far[0]), r->vorg[0]), inv_far[0]);
+        vf8 f1 = vf8_mul(vf8_sub(vf8_load(f + far[1]), r->vorg[1]), inv_far[1]);
+        vf8 f2 = vf8_mul(vf8_sub(vf8_load(f + far[2]), r->vorg[2]), inv_far[2]);
+        uint32_t bits = vf8_le(vf8_max(vf8_max(n0, n1), vf8_max(n2, r->vt_min)),
+                               vf8_min(vf8_min(f0, f1), vf8_min(f2, r->vt_max)));
+        uint32_t leaf[8], n_leaves = 0;
+        for (; bits; bits &= bits - 1) {
+            uint32_t child = node->child[__builtin_ctz(bits)];
+            LC_FN(prefetch)(bvh, child);
+            leaf[n_leaves] = child & ~LC_BVH_LEAF;
+            stack[n].ref = child;
+            n_leaves += child >> 31, n += 1 - (child >> 31);
+        }
+        for (uint32_t k = 0; k < n_leaves; k++)
+            if (LC_FN(stream_block)(&bvh->blocks[leaf[k]], r, 1u << i)) return true;
+        if (!n) return false;
+        ref = stack[--n].ref;
+    }
+}
+
+/* Mask of the n <= STREAM rays that are stopped. */
+static inline uint32_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint32_t n)
+{
+    visit stack[LC_BVH_STACK], leaf[8];
+    _Alignas(32) uint32_t met[8];
+    uint32_t alive = n < 32 ? (1u << n) - 1 : ~0u, all = alive, depth = 0;
+    if (bvh->n_nodes) stack[depth++] = (visit){ 0, alive };
+    while (depth) {
+        visit v = stack[--depth];
+        uint32_t mask = v.mask & alive, n_leaves = 0;
+        if (!mask) continue;
+        if (!(mask & (mask - 1))) {
+            if (LC_FN(alone)(bvh, r, (uint32_t)__builtin_ctz(mask), v.ref, stack + depth)) alive &= ~mask;
+            continue;
+        }
+        const lc_bvh_node *node = &bvh->nodes[v.ref];
+        vu8 m = LC_FN(stream_boxes)(node, r, mask);
+        vu8_store(met, m);
+        LC_FN(expand)(bvh, node, vu8_nonzero(m), met, stack, &depth, leaf, &n_leaves);
+        for (uint32_t i = 0; i < n_leaves; i++)
+            if (leaf[i].mask & alive) alive &= ~LC_FN(stream_block)(&bvh->blocks[leaf[i].ref], r, leaf[i].mask & alive);
+    }
+    return all & ~alive;
+}
+
+static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
+                          uint8_t *hidden)
+{
+    rays r;
+    for (uint32_t first = 0; first < n; first += STREAM) {
+        uint32_t m = n - first < STREAM ? n - first : STREAM;
+        const float *const t[3] = { target[0] + first, target[1] + first, target[2] + first };
+        LC_FN(rays_init)(&r, org, m, t, far);
+        uint32_t stopped = LC_FN(stream)(bvh, &r, m);
+        for (uint32_t i = 0; i < m; i++) hidden[first + i] = stopped >> i & 1;
+    }
+}
+
+#undef rays
+#undef vec8
+#undef planes
+#undef visit
+#undef STREAM
