@@ -17,19 +17,21 @@
  * - Subtraction: the estimate's p and our c are each within u of the exact difference, so h_k = half_k + 4u m_k.
  *   From there on p means the float vector that the estimate uses.
  * - D^2: the widening takes at most 2 * 4u m_k d_k of a square d_k^2, d_k = max(|c_k| - half_k, 0) <= m_k, and our own
- *   rounding 6u m_k^2: we subtract 24u M^2. What is left may be negative, which is as good as 0.
+ *   rounding 6u m_k^2: we subtract 18u M^2. What is left may be negative, which is as good as 0.
  * - Dot products of three terms are within 3u of the sum of |terms|, at most S = sum |axis_k| m_k <= (1 + 2u) M; the
- *   estimate's and our two make at most 9u S, the widening of h 4u S: we add 20u M.
+ *   estimate's and our two make at most 9u S, the widening of h 4u S: we add 14u M.
  * - r: t = c - (axis.c) axis is within 8u M of the exact one (an axis of length 1 +- 2u included), and its direction
  *   within 8u M / |t|, which matters by at most that times the half extent along the axis: together at most
  *   8u M (|t| + extent) <= 8u M^2 of r |t|. The widening is 4u sum |t_k| m_k <= 4u M^2, our own rounding 6u M^2
- *   (t.t <= M^2, sum |t_k| h_k <= M^2 / 4): we subtract 24u M^2.
+ *   (t.t <= M^2, sum |t_k| h_k <= M^2 / 4): 18u M^2.
  * - Boxes within NEAR of the point have squares near underflow: their cosines are taken as 1, and NEAR is added to z1.
  * - What follows is products, quotients and roots of positive terms: below 40 operations with those of the
  *   estimate, each within u; the factor SLACK = 1 + 2^-18 = 1 + 64u covers them. The limits of
  *   light.h and layout.h keep what they multiply away from denormals wherever the estimate is not 0.
- * - Cosines enter angles (emission) and powers (Phong), where relative errors grow: COS_SLACK = 32u is added to
- *   them first: the estimate's own cosine is within 12u.
+ * - Cosines enter angles (emission) and powers (Phong), where relative errors grow. For angles COS_SLACK = 32u is added
+ *   to them first: the estimate's own cosine is within 12u. For powers the square is multiplied by 1 + 32u: the errors
+ *   of dot products are in z1 already, so what is left is relative: 4.5u of the estimate's quotient, twice; 8u of ours
+ *   (r^2 5u, q and the quotient 1u an operation); 4u of a direction of length 1 +- 2u that no estimate divides by.
  * - The power is fmath_tmpl.c's pow01_ub: above the exact one, and so above the estimate's times 1 - 2e-10.
  */
 #include "vec.h"
@@ -37,6 +39,7 @@
 #define U 0x1p-24f
 #define SLACK (1 + 0x1p-18f)
 #define COS_SLACK (32 * U)
+#define COS2_SLACK (1 + 32 * U)
 #define NEAR 1e-12f /* scene units: the square root of LC_MIN_D2, below which 1/d^2 is flat anyway */
 
 #define ADD vf_add
@@ -107,8 +110,8 @@ LC_INLINE rel_box LC_FN(rel_box_make)(const float *const *b, const float x[3])
     d.y = LC_FN(least)(r.c.y, r.half.y, &r.m.y);
     d.z = LC_FN(least)(r.c.z, r.half.z, &r.m.z);
     r.m_sum = ADD(ADD(r.m.x, r.m.y), r.m.z);
-    r.z_slack = ADD(MUL(r.m_sum, SET(20 * U)), SET(NEAR));
-    r.r_slack = MUL(r.m_sum, MUL(r.m_sum, SET(24 * U)));
+    r.z_slack = ADD(MUL(r.m_sum, SET(14 * U)), SET(NEAR));
+    r.r_slack = MUL(r.m_sum, MUL(r.m_sum, SET(18 * U)));
     r.d2 = SUB(LC_FN(dot)(d, d), r.r_slack);
     return r;
 }
@@ -173,8 +176,7 @@ LC_INLINE vf LC_FN(max_lobe)(const lc_point *p, const rel_box *box)
     const vf one = SET(1), zero = SET(0);
     range m = LC_FN(range_make)(box, LC_FN(set3)(p->mirror), false);
     vf q = LC_FN(least_q)(&m, box->d2);
-    /* (cos + COS_SLACK)^2 <= cos^2 + 65u, and 6u for our own rounding */
-    vf cos2 = MIN(ADD(DIV(MUL(m.z1, m.z1), q), SET(80 * U)), one);
+    vf cos2 = MIN(MUL(DIV(MUL(m.z1, m.z1), q), SET(COS2_SLACK)), one);
     cos2 = vf_sel_gt(q, SET(NEAR * NEAR), cos2, one);
     vf lobe = LC_FN(pow01_ub)(cos2, 0.5f * p->exponent);
     return vf_sel_gt(m.z1, zero, lobe, zero);

@@ -5,14 +5,14 @@
  * pow01_ub is an upper bound of x^n, 0 < x <= 1, in float; or 0 where x^n < LC_MIN_LOBE. By the same series, u = 2^-24:
  * s within 2u (m - 1 is exact), ln m within 6u, cut after z^3 another 1.4u; ln x = e ln 2 + ln m is at least half of its
  * larger term, so within 13u, and y = n ln x, no less than -28 where it matters, within 28 * 14u = 2.4e-5. r is within
- * u of y - k ln 2 (k LN2_HIGH is exact), e^r cut after r^5 within 2.4e-6 + 5u. All below POW_SLACK = 1 + 2^-14. Neighbouring
+ * u of y - k ln 2 (k LN2_HIGH is exact), e^r cut after r^5 within 2.4e-6 + 5u. All below POW_SLACK = 1 + 2^-15. Neighbouring
  * terms are added in pairs: a shorter chain of operations.
  */
 #include "fmath.h"
 
 #define LN2_HIGH 0.693359375f /* ten bits */
 #define LN2_LOW (-2.12194440e-4f)
-#define POW_SLACK (1 + 0x1p-14f)
+#define POW_SLACK (1 + 0x1p-15f)
 #define LN_MIN_LOBE (-27.7f) /* ln LC_MIN_LOBE = -27.63 */
 #define WHOLE 0x1.8p23f      /* added and taken away again: rounds to a whole number */
 #define PAIR(a, b, x) vf_add(vf_set(a), vf_mul(x, vf_set(b)))

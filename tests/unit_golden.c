@@ -133,14 +133,15 @@ static void same_hash_everywhere(const char *method_name, lc_method method)
     }
 }
 
-TEST(lightcuts) { same_hash_everywhere("lightcuts", LC_METHOD_LIGHTCUTS); }
+TEST(lightcuts) { same_hash_everywhere("lightcuts", LC_METHOD_CUTS); }
+TEST(default_method) { same_hash_everywhere("default", LC_METHOD_LIGHTCUTS); }
 TEST(exact) { same_hash_everywhere("exact", LC_METHOD_EXACT); }
 
 /* A crop holds the pixels of the whole picture, bit for bit. */
 TEST(crop)
 {
     static const int32_t c[4] = { 13, 37, 5, 23 };
-    picture part = render(2, LC_ISA_BEST, LC_METHOD_LIGHTCUTS, c), whole = render(2, LC_ISA_BEST, LC_METHOD_LIGHTCUTS, NULL);
+    picture part = render(2, LC_ISA_BEST, LC_METHOD_CUTS, c), whole = render(2, LC_ISA_BEST, LC_METHOD_CUTS, NULL);
     lc_image_desc pd = LC_IMAGE_DESC_INIT, wd = LC_IMAGE_DESC_INIT;
     if (part.image && whole.image) {
         lc_image_get_desc(part.image, &pd);
@@ -174,7 +175,7 @@ static double luminance(lc_image *image, size_t i)
 
 TEST(error_against_exact)
 {
-    picture a = render(2, LC_ISA_BEST, LC_METHOD_LIGHTCUTS, NULL), b = render(2, LC_ISA_BEST, LC_METHOD_EXACT, NULL);
+    picture a = render(2, LC_ISA_BEST, LC_METHOD_CUTS, NULL), b = render(2, LC_ISA_BEST, LC_METHOD_EXACT, NULL);
     lc_image_desc d = LC_IMAGE_DESC_INIT;
     if (a.image && b.image) {
         lc_image_get_desc(a.image, &d);
@@ -222,6 +223,7 @@ static int print_hashes(void)
     for (int i = 0; i < n_names; i++) {
         current = names[i];
         lightcuts();
+        default_method();
         exact();
     }
     if (test_bad || n_names < 3) fprintf(stderr, "unit_golden: the pictures differ between threads or instruction sets\n");
@@ -237,6 +239,7 @@ int main(int argc, char **argv)
         current = names[i];
         printf("%s:\n", current);
         RUN(lightcuts);
+        RUN(default_method);
         RUN(exact);
         RUN(crop);
         RUN(error_against_exact);
