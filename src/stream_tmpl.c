@@ -1,4 +1,4 @@
-/* stream_tmpl.c - shadow rays of one point, 32 at a time; included by isa_*.c after bvh_tmpl.c.
+/* stream_tmpl.c - shadow rays of one point, 64 at a time; included by isa_*.c after bvh_tmpl.c.
  *
  * A stack entry is a subtree and the mask of the rays that have to go there. What depends on the origin only is computed
  * once for all of them: the planes of a node's boxes relative to the origin, and the edge planes of a block's triangles.
@@ -15,7 +15,7 @@
  */
 #include "simd_ray.h"
 
-#define STREAM 32
+#define STREAM 64
 
 typedef struct {
     _Alignas(32) float d[3][STREAM], inv[3][STREAM], d_max[STREAM];
@@ -27,7 +27,7 @@ typedef struct {
 
 #define rays LC_FN(rays)
 
-static const uint32_t LC_FN(bit_of)[STREAM] = {
+static const uint32_t LC_FN(bit_of)[32] = {
     1u << 0,  1u << 1,  1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,  1u << 8,  1u << 9,  1u << 10,
     1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15, 1u << 16, 1u << 17, 1u << 18, 1u << 19, 1u << 20, 1u << 21,
     1u << 22, 1u << 23, 1u << 24, 1u << 25, 1u << 26, 1u << 27, 1u << 28, 1u << 29, 1u << 30, 1u << 31,
@@ -57,29 +57,37 @@ static inline void LC_FN(rays_init)(rays *r, const float org[3], uint32_t n, con
     }
 }
 
-/* For each child the rays of `mask` whose box it meets. */
-static inline vu8 LC_FN(stream_boxes)(const lc_bvh_node *node, const rays *r, uint32_t mask)
+/* For each child the rays of `mask` whose box it meets; returns the children that any meets. */
+static inline uint32_t LC_FN(stream_boxes)(const lc_bvh_node *node, const rays *r, uint64_t mask, uint64_t met[8])
 {
     _Alignas(32) float plane[3 * 24]; /* an axis: low, high, low planes, so that near and far are neighbours */
+    _Alignas(32) uint32_t bits[2][8];
     const vf8 slack = vf8_set(FAR_SLACK);
-    vu8 met = vu8_zero();
+    vu8 half[2];
     for (int k = 0; k < 3; k++) {
         vf8 lo = vf8_sub(vf8_load(node->lo[k]), r->vorg[k]), hi = vf8_sub(vf8_load(node->hi[k]), r->vorg[k]);
         vf8_store(plane + 24 * k, lo);
         vf8_store(plane + 24 * k + 8, hi);
         vf8_store(plane + 24 * k + 16, lo);
     }
-    for (; mask; mask &= mask - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(mask);
-        const float *x = plane + r->near[0][i], *y = plane + r->near[1][i], *z = plane + r->near[2][i];
-        vf8 ix = vf8_set(r->inv[0][i]), iy = vf8_set(r->inv[1][i]), iz = vf8_set(r->inv[2][i]);
-        vf8 near = vf8_max(vf8_max(vf8_mul(vf8_load(x), ix), vf8_mul(vf8_load(y), iy)),
-                           vf8_max(vf8_mul(vf8_load(z), iz), r->vt_min));
-        vf8 far = vf8_min(vf8_min(vf8_mul(vf8_load(x + 8), ix), vf8_mul(vf8_load(y + 8), iy)),
-                          vf8_min(vf8_mul(vf8_load(z + 8), iz), r->vt_max));
-        met = vu8_mark_le(met, near, vf8_mul(far, slack), &LC_FN(bit_of)[i]);
+    for (uint32_t h = 0; h < 2; h++) {
+        uint32_t m = (uint32_t)(mask >> (32 * h));
+        vu8 acc = vu8_zero();
+        for (; m; m &= m - 1) {
+            uint32_t bit = (uint32_t)__builtin_ctz(m), i = 32 * h + bit;
+            const float *x = plane + r->near[0][i], *y = plane + r->near[1][i], *z = plane + r->near[2][i];
+            vf8 ix = vf8_set(r->inv[0][i]), iy = vf8_set(r->inv[1][i]), iz = vf8_set(r->inv[2][i]);
+            vf8 near = vf8_max(vf8_max(vf8_mul(vf8_load(x), ix), vf8_mul(vf8_load(y), iy)),
+                               vf8_max(vf8_mul(vf8_load(z), iz), r->vt_min));
+            vf8 far = vf8_min(vf8_min(vf8_mul(vf8_load(x + 8), ix), vf8_mul(vf8_load(y + 8), iy)),
+                              vf8_min(vf8_mul(vf8_load(z + 8), iz), r->vt_max));
+            acc = vu8_mark_le(acc, near, vf8_mul(far, slack), &LC_FN(bit_of)[bit]);
+        }
+        vu8_store(bits[h], acc);
+        half[h] = acc;
     }
-    return met;
+    for (int i = 0; i < 8; i++) met[i] = bits[0][i] | (uint64_t)bits[1][i] << 32;
+    return vu8_nonzero(half[0]) | vu8_nonzero(half[1]);
 }
 
 typedef struct {
@@ -139,10 +147,10 @@ static uint32_t LC_FN(inside)(const lc_tri_block *b, const rays *s, uint32_t i)
 }
 
 /* Rays of `mask` that some triangle of the block stops. */
-static inline uint32_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uint32_t mask)
+static inline uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uint64_t mask)
 {
     const vf8 zero = vf8_set(0);
-    uint32_t stopped = 0;
+    uint64_t stopped = 0;
     vec8 va = LC_FN(rel)(b->v[0], r->vorg), vb = LC_FN(rel)(b->v[1], r->vorg), vc = LC_FN(rel)(b->v[2], r->vorg);
     vec8 n0 = LC_FN(cross_fused)(vb, vc), n1 = LC_FN(cross_fused)(vc, va), n2 = LC_FN(cross_fused)(va, vb);
     vf8 m = vf8_max(vf8_max(LC_FN(max_abs)(va), LC_FN(max_abs)(vb)), LC_FN(max_abs)(vc));
@@ -151,7 +159,7 @@ static inline uint32_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r,
     planes p = { va, zero };
     bool have_planes = false;
     for (; mask; mask &= mask - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(mask);
+        uint32_t i = (uint32_t)__builtin_ctzll(mask);
         vf8 dx = vf8_set(r->d[0][i]), dy = vf8_set(r->d[1][i]), dz = vf8_set(r->d[2][i]);
         vf8 u = vf8_fma(n0.x, dx, vf8_fma(n0.y, dy, vf8_mul(n0.z, dz)));
         vf8 v = vf8_fma(n1.x, dx, vf8_fma(n1.y, dy, vf8_mul(n1.z, dz)));
@@ -165,7 +173,7 @@ static inline uint32_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r,
         if (!in) continue;
         uint32_t sure = vf8_lt(e, least) | vf8_lt(most, minus_e);
         if (!(in & sure)) in &= LC_FN(inside)(b, r, i);
-        if (in) stopped |= 1u << i;
+        if (in) stopped |= (uint64_t)1 << i;
     }
     return stopped;
 }
@@ -177,13 +185,14 @@ static inline void LC_FN(prefetch)(const lc_bvh_data *bvh, uint32_t ref)
 }
 
 typedef struct {
-    uint32_t ref, mask;
+    uint32_t ref;
+    uint64_t mask;
 } LC_FN(visit);
 
 #define visit LC_FN(visit)
 
 /* Pushes inner children, lists the leaves, and asks for all of them to be fetched. */
-static inline void LC_FN(expand)(const lc_bvh_data *bvh, const lc_bvh_node *node, uint32_t bits, const uint32_t *met,
+static inline void LC_FN(expand)(const lc_bvh_data *bvh, const lc_bvh_node *node, uint32_t bits, const uint64_t *met,
                                  visit *stack, uint32_t *depth, visit leaf[8], uint32_t *n_leaves)
 {
     for (; bits; bits &= bits - 1) {
@@ -227,31 +236,31 @@ static inline bool LC_FN(alone)(const lc_bvh_data *bvh, const rays *r, uint32_t 
             n_leaves += child >> 31, n += 1 - (child >> 31);
         }
         for (uint32_t k = 0; k < n_leaves; k++)
-            if (LC_FN(stream_block)(&bvh->blocks[leaf[k]], r, 1u << i)) return true;
+            if (LC_FN(stream_block)(&bvh->blocks[leaf[k]], r, (uint64_t)1 << i)) return true;
         if (!n) return false;
         ref = stack[--n].ref;
     }
 }
 
 /* Mask of the n <= STREAM rays that are stopped. */
-static inline uint32_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint32_t n)
+static inline uint64_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint32_t n)
 {
     visit stack[LC_BVH_STACK], leaf[8];
-    _Alignas(32) uint32_t met[8];
-    uint32_t alive = n < 32 ? (1u << n) - 1 : ~0u, all = alive, depth = 0;
+    uint64_t met[8], alive = ~(uint64_t)0 >> (64 - n), all = alive;
+    uint32_t depth = 0;
     if (bvh->n_nodes) stack[depth++] = (visit){ 0, alive };
     while (depth) {
         visit v = stack[--depth];
-        uint32_t mask = v.mask & alive, n_leaves = 0;
+        uint64_t mask = v.mask & alive;
+        uint32_t n_leaves = 0;
         if (!mask) continue;
         if (!(mask & (mask - 1))) {
-            if (LC_FN(alone)(bvh, r, (uint32_t)__builtin_ctz(mask), v.ref, stack + depth)) alive &= ~mask;
+            if (LC_FN(alone)(bvh, r, (uint32_t)__builtin_ctzll(mask), v.ref, stack + depth)) alive &= ~mask;
             continue;
         }
         const lc_bvh_node *node = &bvh->nodes[v.ref];
-        vu8 m = LC_FN(stream_boxes)(node, r, mask);
-        vu8_store(met, m);
-        LC_FN(expand)(bvh, node, vu8_nonzero(m), met, stack, &depth, leaf, &n_leaves);
+        uint32_t bits = LC_FN(stream_boxes)(node, r, mask, met);
+        LC_FN(expand)(bvh, node, bits, met, stack, &depth, leaf, &n_leaves);
         for (uint32_t i = 0; i < n_leaves; i++)
             if (leaf[i].mask & alive) alive &= ~LC_FN(stream_block)(&bvh->blocks[leaf[i].ref], r, leaf[i].mask & alive);
     }
@@ -266,7 +275,7 @@ static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n
         uint32_t m = n - first < STREAM ? n - first : STREAM;
         const float *const t[3] = { target[0] + first, target[1] + first, target[2] + first };
         LC_FN(rays_init)(&r, org, m, t, far);
-        uint32_t stopped = LC_FN(stream)(bvh, &r, m);
+        uint64_t stopped = LC_FN(stream)(bvh, &r, m);
         for (uint32_t i = 0; i < m; i++) hidden[first + i] = stopped >> i & 1;
     }
 }
