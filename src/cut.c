@@ -15,53 +15,60 @@
 
 #define BATCH 64 /* parents whose children are bounded, and lights estimated and traced, at a time */
 
+/* Elements of a list: the limit, one too many and what kernels write past the end, in cache lines; of these one more
+ * than a multiple of eight, so that the arrays don't compete for the same sets of the cache. */
+static size_t capacity(const lc_cut *c) { return ((((size_t)c->limit + 1 + LC_CUT_SPARE + 15) / 16 | 7) + 2) * 16; }
+
+static void lay_out(lc_cut_list *list, float *memory, size_t n)
+{
+    list->bound = memory;
+    list->link = (uint32_t *)(void *)(memory + n);
+    list->rep = (uint32_t *)(void *)(memory + 2 * n);
+    for (size_t k = 0; k < 3; k++) list->transfer[k] = memory + (3 + k) * n, list->e[k] = memory + (6 + k) * n;
+}
+
 lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *tree, const lc_bvh *bvh,
                       const lc_cut_desc *desc, bool keep_done)
 {
     memset(cut, 0, sizeof *cut);
     cut->ctx = ctx, cut->tree = tree, cut->bvh = bvh, cut->desc = *desc, cut->keep_done = keep_done;
     cut->limit = desc->max_cut && desc->max_cut < tree->n_lights ? desc->max_cut : tree->n_lights;
-    size_t n = (size_t)cut->limit + 1;
-    cut->open = lc_alloc(ctx, n, sizeof *cut->open);
-    cut->split = lc_alloc(ctx, n, sizeof *cut->split);
-    cut->left = lc_alloc(ctx, n, sizeof *cut->left);
-    cut->leaf = lc_alloc(ctx, n, sizeof *cut->leaf);
-    cut->key = lc_alloc(ctx, n, sizeof *cut->key);
+    lc_cut_list *const lists[] = { &cut->open, &cut->split, &cut->left, &cut->leaf };
+    size_t n = capacity(cut);
+    cut->memory = lc_alloc_raw(ctx, n, 4 * LC_CUT_WORDS * sizeof *cut->memory); /* without a limit few pages are touched */
+    cut->key = lc_alloc_raw(ctx, n, sizeof *cut->key);
     cut->done = keep_done ? lc_alloc(ctx, n, sizeof *cut->done) : NULL;
-    if (cut->open && cut->split && cut->left && cut->leaf && cut->key && (cut->done || !keep_done)) return LC_OK;
-    lc_cut_free(cut);
-    return LC_ERR_MEMORY;
+    if (!cut->memory || !cut->key || (!cut->done && keep_done)) {
+        lc_cut_free(cut);
+        return LC_ERR_MEMORY;
+    }
+    for (size_t i = 0; i < 4; i++) lay_out(lists[i], cut->memory + i * LC_CUT_WORDS * n, n);
+    return LC_OK;
 }
 
 void lc_cut_free(lc_cut *cut)
 {
-    size_t n = (size_t)cut->limit + 1;
-    lc_free(cut->ctx, cut->open, n, sizeof *cut->open);
-    lc_free(cut->ctx, cut->split, n, sizeof *cut->split);
-    lc_free(cut->ctx, cut->left, n, sizeof *cut->left);
-    lc_free(cut->ctx, cut->leaf, n, sizeof *cut->leaf);
+    size_t n = capacity(cut);
+    lc_free(cut->ctx, cut->memory, n, 4 * LC_CUT_WORDS * sizeof *cut->memory);
     lc_free(cut->ctx, cut->key, n, sizeof *cut->key);
     lc_free(cut->ctx, cut->done, n, sizeof *cut->done);
-    cut->open = cut->split = cut->left = cut->leaf = NULL, cut->key = NULL, cut->done = NULL;
+    cut->memory = NULL, cut->key = NULL, cut->done = NULL;
 }
 
-static uint32_t cut_size(const lc_cut *c) { return c->n_open + c->n_split + c->n_left + c->n_done; }
+static uint32_t cut_size(const lc_cut *c) { return c->open.n + c->split.n + c->left.n + c->n_done; }
 
-/* The limit has fallen: opens what is above it now. */
-static void open_left(lc_cut *c, float limit)
+static const lc_kernels *kernels(const lc_cut *c) { return c->bvh->kernels; }
+
+static void copy_one(lc_cut_list *to, uint32_t at, const lc_cut_list *from, uint32_t i)
 {
-    uint32_t n = c->n_left;
-    c->n_left = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        if (c->left[i].bound > limit) c->open[c->n_open++] = c->left[i];
-        else if (c->n_left++ != i) c->left[c->n_left - 1] = c->left[i];
-    }
+    to->bound[at] = from->bound[i], to->link[at] = from->link[i], to->rep[at] = from->rep[i];
+    for (int k = 0; k < 3; k++) to->transfer[k][at] = from->transfer[k][i], to->e[k][at] = from->e[k][i];
 }
 
-static float worst_of(const lc_cut_node *node, uint32_t n)
+static float worst_of(const lc_cut_list *list)
 {
     float worst = 0;
-    for (uint32_t i = 0; i < n; i++) worst = node[i].bound > worst ? node[i].bound : worst;
+    for (uint32_t i = 0; i < list->n; i++) worst = list->bound[i] > worst ? list->bound[i] : worst;
     return worst;
 }
 
@@ -85,41 +92,41 @@ static float nth_largest(float *key, uint32_t count, uint32_t n)
     return key[want];
 }
 
+/* There is no room to split all: puts all but the worst back. Only half of the room is used at a time, as the worst may
+ * have to be split again. */
+static void split_fewer(lc_cut *c, uint32_t room)
+{
+    lc_cut_list *split = &c->split;
+    uint32_t n = split->n, n_take = (room + 1) / 2;
+    memcpy(c->key, split->bound, n * sizeof *c->key);
+    float least = n_take ? nth_largest(c->key, n, n_take) : INFINITY;
+    split->n = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (split->n < n_take && split->bound[i] >= least) copy_one(split, split->n++, split, i);
+        else copy_one(&c->open, c->open.n++, split, i);
+    }
+}
+
 /* Moves the clusters that the next round splits from open to split, at most `room` of them, and those within the limit
  * to left. */
 static void choose(lc_cut *c, float limit, uint32_t room)
 {
-    lc_cut_node *node = c->open;
-    uint32_t n = c->n_open, n_above = 0;
-    float least = 0;
-    c->open = c->split, c->split = node;
-    c->n_open = 0, c->n_split = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        if (!(node[i].bound > limit)) c->left[c->n_left++] = node[i];
-        else if (n_above++ != i) node[n_above - 1] = node[i];
-    }
-    uint32_t n_take = n_above <= room ? n_above : (room + 1) / 2; /* half at a time: the worst may have to go on */
-    if (n_take < n_above) {
-        for (uint32_t i = 0; i < n_above; i++) c->key[i] = node[i].bound;
-        least = n_take ? nth_largest(c->key, n_above, n_take) : INFINITY;
-    }
-    for (uint32_t i = 0; i < n_above; i++) {
-        bool take = n_take == n_above || (c->n_split < n_take && node[i].bound >= least);
-        if (!take) c->open[c->n_open++] = node[i];
-        else if (c->n_split++ != i) node[c->n_split - 1] = node[i];
-    }
+    lc_cut_list all = c->open;
+    c->open = c->split, c->split = all;
+    c->open.n = 0;
+    kernels(c)->partition(&c->split, limit, &c->split, &c->left);
+    if (c->split.n > room) split_fewer(c, room);
 }
 
-/* What one step works on: some parents and their children, pair by pair, runs of one kind after each other. */
+/* What one step works on: children of parents first .. first + n - 1 of the list split, pair by pair, in runs of one kind. */
 typedef struct {
-    const lc_cut_node *parent;
-    uint32_t n;
     const lc_point *point;
     lc_stats *stats;
-    float limit;
-    uint32_t fresh[BATCH];   /* which child of a pair has a new representative */
-    lc_cut_node new[BATCH];  /* of that child: rep, kind, transfer and pending */
-    _Alignas(64) float ub[2 * BATCH + LC_LANES];
+    lc_cut_pairs pairs;
+    uint32_t pair[BATCH];
+    _Alignas(64) uint32_t link[2 * BATCH + LC_LANES], rep[BATCH + LC_LANES];
+    float fresh[2 * BATCH + LC_LANES], bound[2 * BATCH + LC_LANES];
+    float f[6][BATCH + LC_LANES]; /* M G and shadow ray target of the new representatives */
 } step;
 
 /* Bounds of both nodes of the pair below a virtual node, where each has its own kind. */
@@ -139,231 +146,179 @@ static void bounds_of_mixed(const lc_cut *c, uint32_t pair, const lc_point *p, f
 static void find_children(const lc_cut *c, step *s)
 {
     const lc_light_tree *t = c->tree;
-    for (uint32_t i = 0; i < s->n; i++) {
-        uint32_t first = s->parent[i].link;
+    const uint32_t *parent_link = c->split.link + s->pairs.first, *parent_rep = c->split.rep + s->pairs.first;
+    uint32_t n = s->pairs.n;
+    for (uint32_t i = 0; i < n; i++) {
+        size_t first = parent_link[i];
+        s->pair[i] = (uint32_t)first / LC_BLOCK;
         __builtin_prefetch(&t->blocks[first / LC_BLOCK]);
-        __builtin_prefetch(&t->blocks[first / LC_BLOCK].axis);
-        __builtin_prefetch(&t->rep[(size_t)first * t->n_reps + c->slot]);
+        __builtin_prefetch(&t->blocks[first / LC_BLOCK].power);
+        __builtin_prefetch(&t->rep[first * t->n_reps + c->slot]);
         __builtin_prefetch(&t->link[first]);
     }
-    for (uint32_t i = 0; i < s->n; i++) {
-        size_t first = s->parent[i].link;
-        uint32_t left = t->rep[first * t->n_reps + c->slot], right = t->rep[(first + 1) * t->n_reps + c->slot];
-        s->fresh[i] = left == s->parent[i].rep;
-        s->new[i].rep = s->fresh[i] ? right : left;
-        s->new[i].kind = s->parent[i].kind;
-        __builtin_prefetch(&t->lights[s->new[i].rep]);
-    }
-}
-
-/* Bounds of the children of parents [first, first + n), all of one kind. */
-static void bound_children(const lc_cut *c, step *s, uint32_t first, uint32_t n, uint32_t kind)
-{
-    uint32_t pair[BATCH];
-    _Alignas(64) float ub[2 * BATCH];
-    for (uint32_t i = 0; i < n; i++) pair[i] = s->parent[first + i].link / LC_BLOCK;
-    if (kind != LC_PAIR_MIXED) c->bvh->kernels->bounds(c->tree->blocks, pair, n, (lc_light_kind)kind, s->point, ub);
-    else for (uint32_t i = 0; i < n; i++) bounds_of_mixed(c, pair[i], s->point, &ub[2 * i]);
-    memcpy(s->ub + 2 * first, ub, 2 * n * sizeof *ub);
-}
-
-/* M G of the new representatives of pairs which[0 .. n), all of one kind. */
-static void estimate(const lc_cut *c, step *s, const uint32_t *which, uint32_t n, lc_light_kind kind)
-{
-    _Alignas(64) float f[6][BATCH];
-    float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
-    uint32_t light[BATCH];
-    for (uint32_t i = 0; i < n; i++) light[i] = s->new[which[i]].rep;
-    if (n) c->bvh->kernels->estimate(c->tree->lights, light, n, kind, s->point, out);
     for (uint32_t i = 0; i < n; i++) {
-        bool lit = f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0;
-        for (int k = 0; k < 3; k++) s->new[which[i]].transfer[k] = f[k][i];
-        s->new[which[i]].pending = lit ? 1 + (kind == LC_LIGHT_DIRECTIONAL) : 0;
+        size_t first = parent_link[i];
+        uint32_t left = t->rep[first * t->n_reps + c->slot], right = t->rep[(first + 1) * t->n_reps + c->slot];
+        bool shared = left == (parent_rep[i] & ~LC_PENDING); /* by the left child: the right one's is new */
+        s->rep[i] = shared ? right : left;
+        s->fresh[2 * i] = shared ? 0 : 1;
+        s->fresh[2 * i + 1] = shared ? 1 : 0;
+        __builtin_prefetch(&t->lights[s->rep[i]]);
     }
+    for (uint32_t i = 0; i < n; i++) memcpy(&s->link[2 * i], &t->link[parent_link[i]], 2 * sizeof *s->link);
 }
 
-static void estimate_children(const lc_cut *c, step *s, uint32_t first, uint32_t n, uint32_t kind)
+/* M G of the new representatives of pairs first .. first + n - 1, all of one kind. */
+static void estimate(const lc_cut *c, step *s, uint32_t first, uint32_t n, lc_light_kind kind)
 {
-    uint32_t which[BATCH], m = 0;
-    for (uint32_t i = first; i < first + n; i++) {
-        which[m] = i;
-        m += s->ub[2 * i + s->fresh[i]] > 0;
-    }
-    if (kind != LC_PAIR_MIXED) estimate(c, s, which, m, (lc_light_kind)kind);
-    else for (uint32_t i = 0; i < m; i++) estimate(c, s, &which[i], 1, (lc_light_kind)c->tree->lights[s->new[which[i]].rep].kind);
+    float *const out[6] = { s->f[0] + first, s->f[1] + first, s->f[2] + first, s->f[3] + first, s->f[4] + first, s->f[5] + first };
+    kernels(c)->estimate(c->tree->lights, s->rep + first, n, kind, s->point, out);
 }
 
-/* Where the next cluster of each sort goes. */
-typedef struct {
-    lc_cut_node *open, *left, *leaf;
-} ends;
-
-static inline ends ends_of(const lc_cut *c)
+/* Bounds of the children of pairs first .. first + n - 1, all of one kind, and their new representatives' M G. */
+static void evaluate_run(const lc_cut *c, step *s, uint32_t first, uint32_t n, uint32_t kind)
 {
-    return (ends){ c->open + c->n_open, c->left + c->n_left, c->leaf + c->n_leaf };
-}
-
-/* Puts a cluster into the cut: in place, as copies of half-written nodes stall, and without a branch on which list it goes
- * to, as nobody could predict that. Returns its luminance. */
-static inline double place(lc_cut *c, ends *end, const lc_cut_node *from, uint32_t id, float bound, float limit)
-{
-    static const float zero[3] = { 0, 0, 0 };
     const lc_light_tree *t = c->tree;
-    const lc_node_block *b = &t->blocks[id / LC_BLOCK];
-    uint32_t lane = id % LC_BLOCK, link = t->link[id];
-    bool some = bound > 0, inner = some & !(link >> 31), above = inner & (bound > limit);
-    const float *f = some ? from->transfer : zero;
-    lc_cut_node *node = above ? end->open : inner ? end->left : some ? end->leaf : &c->none;
-    end->open += above, end->left += inner & !above, end->leaf += some & !inner;
-    if (!inner) {
-        if (c->keep_done) c->done[c->n_done] = id;
-        c->n_done++;
+    if (kind != LC_PAIR_MIXED) {
+        kernels(c)->bounds(t->blocks, s->pair + first, n, (lc_light_kind)kind, s->point, s->bound + 2 * first);
+        lc_phase_end(s->stats, LC_PHASE_BOUNDS);
+        estimate(c, s, first, n, (lc_light_kind)kind);
+        lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
+        return;
     }
-    node->bound = bound, node->id = id, node->link = link;
-    node->rep = from->rep, node->kind = from->kind, node->pending = from->pending;
-    for (uint32_t k = 0; k < 3; k++) {
-        node->transfer[k] = f[k];
-        node->e[k] = f[k] * b->power[k][lane];
+    for (uint32_t i = first; i < first + n; i++) {
+        bounds_of_mixed(c, s->pair[i], s->point, &s->bound[2 * i]);
+        estimate(c, s, i, 1, (lc_light_kind)t->lights[s->rep[i]].kind);
     }
-    node->lum = lc_luminance(lc_f3_load(node->e));
-    if (from->kind == LC_PAIR_MIXED && inner) node->kind = t->pair_kind[link / 2];
-    return (double)node->lum;
 }
 
-static void set_ends(lc_cut *c, const ends *end)
+/* Counts the children that are done. */
+static void count_done(lc_cut *c, const step *s, uint32_t n_inner)
 {
-    c->n_open = (uint32_t)(end->open - c->open);
-    c->n_left = (uint32_t)(end->left - c->left);
-    c->n_leaf = (uint32_t)(end->leaf - c->leaf);
-}
-
-static double place_children(lc_cut *c, const step *s)
-{
-    double change = 0;
-    ends end = ends_of(c);
-    for (uint32_t i = 0; i < s->n; i++) {
-        const lc_cut_node *parent = &s->parent[i], *new = &s->new[i];
-        double left = place(c, &end, s->fresh[i] ? parent : new, parent->link, s->ub[2 * i], s->limit);
-        double right = place(c, &end, s->fresh[i] ? new : parent, parent->link + 1, s->ub[2 * i + 1], s->limit);
-        change += left + right - (double)parent->lum;
-    }
-    set_ends(c, &end);
-    return change;
+    uint32_t was = c->n_done;
+    c->n_done += 2 * s->pairs.n - n_inner;
+    for (uint32_t i = 0; i < 2 * s->pairs.n && c->keep_done; i++)
+        if (!(s->bound[i] > 0) || s->link[i] & LC_LEAF) c->done[was++] = s->link[i];
 }
 
 /* Replaces the chosen clusters by their children. Returns the change of the total's luminance. */
-static double split_chosen(lc_cut *c, step *s)
+static double split_chosen(lc_cut *c, step *s, float limit)
 {
     double change = 0;
-    uint32_t n = c->n_split;
-    c->n_split = 0;
+    uint32_t n = c->split.n;
+    c->split.n = 0;
     s->stats->bounds += 2 * n;
-    lc_phase_end(s->stats, LC_PHASE_HEAP);
-    for (uint32_t at = 0; at < n; at += s->n) {
-        s->parent = &c->split[at];
-        s->n = n - at < BATCH ? n - at : BATCH;
+    s->pairs.limit = limit;
+    for (uint32_t at = 0; at < n; at += s->pairs.n) {
+        uint32_t run, n_inner = c->open.n + c->left.n;
+        s->pairs.first = at;
+        s->pairs.n = n - at < BATCH ? n - at : BATCH;
         find_children(c, s);
-        for (uint32_t i = 0, run; i < s->n; i += run) {
-            uint32_t kind = s->parent[i].kind;
-            for (run = 1; i + run < s->n && s->parent[i + run].kind == kind; run++) {}
-            bound_children(c, s, i, run, kind);
-            lc_phase_end(s->stats, LC_PHASE_BOUNDS);
-            estimate_children(c, s, i, run, kind);
-            lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
+        lc_phase_end(s->stats, LC_PHASE_HEAP);
+        for (uint32_t i = 0; i < s->pairs.n; i += run) {
+            uint8_t kind = c->tree->pair_kind[s->pair[i]];
+            for (run = 1; i + run < s->pairs.n && c->tree->pair_kind[s->pair[i + run]] == kind; run++) {}
+            evaluate_run(c, s, i, run, kind);
         }
-        change += place_children(c, s);
+        change += kernels(c)->place(&s->pairs, &c->open, &c->left, &c->leaf);
+        count_done(c, s, c->open.n + c->left.n - n_inner);
         lc_phase_end(s->stats, LC_PHASE_HEAP);
     }
     return change;
 }
 
+/* Returns the total's luminance. */
 static double place_root(lc_cut *c, step *s)
 {
     const lc_light_tree *t = c->tree;
-    const uint32_t pair = 0, first = 0;
-    bool is_virtual = lc_node_is_virtual(t, 0);
-    s->new[0] = (lc_cut_node){ .rep = t->rep[c->slot], .kind = is_virtual ? LC_PAIR_MIXED : t->pair_kind[0] };
-    s->ub[0] = INFINITY;
-    if (!is_virtual) {
-        c->bvh->kernels->bounds(t->blocks, &pair, 1, (lc_light_kind)t->pair_kind[0], s->point, s->ub);
+    uint32_t link = t->link[0], kind = lc_node_is_virtual(t, 0) ? LC_PAIR_MIXED : t->pair_kind[0], at = 0;
+    s->rep[0] = t->rep[c->slot], s->pair[0] = 0, s->bound[0] = INFINITY;
+    if (kind != LC_PAIR_MIXED) {
+        kernels(c)->bounds(t->blocks, s->pair, 1, (lc_light_kind)kind, s->point, s->bound);
         s->stats->bounds++;
     }
-    if (s->ub[0] > 0) estimate(c, s, &first, 1, (lc_light_kind)t->lights[s->new[0].rep].kind);
-    ends end = ends_of(c);
-    double lum = place(c, &end, &s->new[0], 0, s->ub[0], 0);
-    set_ends(c, &end);
-    return lum;
+    estimate(c, s, 0, 1, (lc_light_kind)t->lights[s->rep[0]].kind);
+    bool inner = s->bound[0] > 0 && !(link & LC_LEAF), lit = s->f[0][0] > 0 || s->f[1][0] > 0 || s->f[2][0] > 0;
+    lc_cut_list *list = inner ? &c->open : &c->leaf;
+    list->bound[at] = s->bound[0], list->link[at] = link, list->rep[at] = s->rep[0] | (lit ? LC_PENDING : 0);
+    for (int k = 0; k < 3; k++) {
+        list->transfer[k][at] = s->f[k][0];
+        list->e[k][at] = s->f[k][0] * t->blocks[0].power[k][0];
+    }
+    list->n += s->bound[0] > 0;
+    if (!inner && c->keep_done) c->done[0] = link;
+    c->n_done += !inner;
+    return list->n ? (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at])) : 0;
 }
 
-/* Shadow rays of one point on their way to the tracer: near targets and far ones apart. */
+/* Shadow rays of some clusters of a list on their way to the tracer. */
 typedef struct {
-    lc_cut_node *node[2][BATCH];
-    float target[2][3][BATCH];
-    uint32_t n[2];
-    const float *org;
-    double change; /* of the total's luminance */
+    uint32_t at[BATCH], n;
+    float target[3][BATCH];
 } ray_group;
 
-static void trace(const lc_cut *c, ray_group *g, uint32_t far)
+static double trace(const lc_cut *c, lc_cut_list *list, const ray_group *g, const float org[3], bool far)
 {
     uint8_t hidden[BATCH];
-    const float *const target[3] = { g->target[far][0], g->target[far][1], g->target[far][2] };
-    if (!g->n[far]) return;
-    c->bvh->kernels->hidden(&c->bvh->data, g->org, g->n[far], target, far, hidden);
-    for (uint32_t i = 0; i < g->n[far]; i++) {
-        lc_cut_node *node = g->node[far][i];
-        node->pending = 0;
+    const float *const target[3] = { g->target[0], g->target[1], g->target[2] };
+    double change = 0;
+    kernels(c)->hidden(&c->bvh->data, org, g->n, target, far, hidden);
+    for (uint32_t i = 0; i < g->n; i++) {
+        uint32_t at = g->at[i];
         if (!hidden[i]) continue;
-        g->change -= (double)node->lum;
-        node->lum = 0;
-        for (int k = 0; k < 3; k++) node->transfer[k] = node->e[k] = 0;
+        change -= (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
+        for (int k = 0; k < 3; k++) list->transfer[k][at] = list->e[k][at] = 0;
     }
-    g->n[far] = 0;
+    return change;
 }
 
-/* Traces what is pending among some clusters. Returns the number of rays. */
-static uint32_t trace_nodes(const lc_cut *c, ray_group *g, lc_cut_node *node, uint32_t n)
+/* Traces the rays that are pending in a list, those of directional lights apart. Returns the change of the total. */
+static double trace_list(const lc_cut *c, lc_cut_list *list, const float org[3], uint32_t *n_rays)
 {
-    uint32_t n_rays = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        if (!node[i].pending) continue;
-        uint32_t far = node[i].pending - 1u, m = g->n[far]++;
-        const lc_light_rec *light = &c->tree->lights[node[i].rep];
-        for (int k = 0; k < 3; k++) g->target[far][k][m] = far ? -light->dir[k] : light->pos[k];
-        g->node[far][m] = &node[i];
-        n_rays++;
-        if (m + 1 == BATCH) trace(c, g, far);
+    const lc_light_tree *t = c->tree;
+    double change = 0;
+    for (uint32_t i = 0; i < list->n;) {
+        ray_group near = { .n = 0 }, far = { .n = 0 };
+        for (; i < list->n && near.n < BATCH && far.n < BATCH; i++) {
+            uint32_t rep = list->rep[i];
+            if (!(rep & LC_PENDING)) continue;
+            const lc_light_rec *light = &t->lights[rep & ~LC_PENDING];
+            bool is_far = light->kind == LC_LIGHT_DIRECTIONAL;
+            ray_group *g = is_far ? &far : &near;
+            for (int k = 0; k < 3; k++) g->target[k][g->n] = is_far ? -light->dir[k] : light->pos[k];
+            g->at[g->n++] = i;
+            list->rep[i] = rep & ~LC_PENDING;
+        }
+        *n_rays += near.n + far.n;
+        if (near.n) change += trace(c, list, &near, org, false);
+        if (far.n) change += trace(c, list, &far, org, true);
     }
-    return n_rays;
+    return change;
 }
 
 /* Traces all rays that are pending; leaves then are done. Returns the change of the total's luminance. */
 static double trace_pending(lc_cut *c, const float org[3], uint32_t *n_rays)
 {
-    ray_group g;
-    g.n[0] = g.n[1] = 0, g.org = org, g.change = 0;
-    *n_rays += trace_nodes(c, &g, c->open, c->n_open);
-    *n_rays += trace_nodes(c, &g, c->left, c->n_left);
-    *n_rays += trace_nodes(c, &g, c->leaf, c->n_leaf);
-    trace(c, &g, 0);
-    trace(c, &g, 1);
-    for (uint32_t i = 0; i < c->n_leaf; i++)
-        for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf[i].e[k];
-    c->n_leaf = 0;
-    return g.change;
+    double change = trace_list(c, &c->open, org, n_rays);
+    change += trace_list(c, &c->left, org, n_rays);
+    change += trace_list(c, &c->leaf, org, n_rays);
+    for (uint32_t i = 0; i < c->leaf.n; i++)
+        for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf.e[k][i];
+    c->leaf.n = 0;
+    return change;
 }
 
 /* Fills in the result of a finished cut. */
 static void finish(lc_cut *c, lc_stats *stats, lc_cut_result *out)
 {
     double sum[3] = { c->done_sum[0], c->done_sum[1], c->done_sum[2] };
-    for (uint32_t i = 0; i < c->n_open; i++) c->left[c->n_left++] = c->open[i]; /* at max_cut */
-    c->n_open = 0;
-    for (uint32_t i = 0; i < c->n_left; i++)
-        for (int k = 0; k < 3; k++) sum[k] += (double)c->left[i].e[k];
+    for (uint32_t i = 0; i < c->open.n; i++) copy_one(&c->left, c->left.n++, &c->open, i); /* at max_cut */
+    c->open.n = 0;
+    for (uint32_t i = 0; i < c->left.n; i++)
+        for (int k = 0; k < 3; k++) sum[k] += (double)c->left.e[k][i];
     out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
     out->size = cut_size(c);
-    float lum = lc_luminance(out->radiance), worst = worst_of(c->left, c->n_left);
+    float lum = lc_luminance(out->radiance), worst = worst_of(&c->left);
     if (worst > 0) out->max_error = lum > 0 ? worst / lum : INFINITY;
     stats->shadow_rays += out->rays;
     stats->cut_sum += out->size;
@@ -387,19 +342,21 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     double ratio = (double)c->desc.error_ratio, floor_lum = (double)c->desc.floor;
     step s;
     s.point = p, s.stats = stats;
+    s.pairs = (lc_cut_pairs){ .parent = &c->split, .blocks = c->tree->blocks, .bound = s.bound, .link = s.link,
+                              .fresh = s.fresh, .rep = s.rep, .transfer = { s.f[0], s.f[1], s.f[2] } };
     *out = (lc_cut_result){ 0 };
-    c->n_open = c->n_split = c->n_left = c->n_leaf = c->n_done = 0;
+    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = 0;
     c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
     stats->points++;
     if (!c->tree->n_lights) return;
     c->slot = (uint32_t)(hash % c->tree->n_reps);
     double total = place_root(c, &s);
     for (bool traced = false;;) {
-        s.limit = round_down(ratio * (total > floor_lum ? total : floor_lum));
-        if (traced) open_left(c, s.limit);
-        choose(c, s.limit, c->limit - cut_size(c));
-        if (c->n_split) {
-            total += split_chosen(c, &s);
+        float limit = round_down(ratio * (total > floor_lum ? total : floor_lum));
+        if (traced) kernels(c)->partition(&c->left, limit, &c->open, &c->left);
+        choose(c, limit, c->limit - cut_size(c));
+        if (c->split.n) {
+            total += split_chosen(c, &s, limit);
             traced = false;
         } else {
             if (traced) break;
@@ -409,8 +366,8 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
             traced = true;
         }
     }
-    out->at_limit = c->n_open > 0;
-    out->dark = !out->at_limit && total < floor_lum && (double)worst_of(c->left, c->n_left) > ratio * total;
+    out->at_limit = c->open.n > 0;
+    out->dark = !out->at_limit && total < floor_lum && (double)worst_of(&c->left) > ratio * total;
     finish(c, stats, out);
 }
 
@@ -453,6 +410,7 @@ void lc_exact_shade(const lc_light_tree *t, const lc_bvh *bvh, const lc_point *p
     stats->cut_sum += out->size;
 }
 
+/* Clusters are checked by their links, as a link belongs to one node. */
 const char *lc_cut_validate(const lc_cut *c)
 {
     const lc_light_tree *t = c->tree;
@@ -460,19 +418,17 @@ const char *lc_cut_validate(const lc_cut *c)
     uint8_t *seen = lc_alloc(c->ctx, t->n_lights, 1);
     uint32_t *stack = lc_alloc(c->ctx, 2 * t->n_pairs, sizeof *stack), n = 0;
     if (!seen || !stack) wrong = "out of memory";
-    for (uint32_t i = 0; i < c->n_left && !wrong; i++) stack[n++] = c->left[i].id;
+    for (uint32_t i = 0; i < c->left.n && !wrong; i++) stack[n++] = c->left.link[i];
     for (uint32_t i = 0; i < c->n_done && !wrong; i++) stack[n++] = c->done[i];
     while (n && !wrong) {
-        uint32_t id = stack[--n];
-        if (!lc_node_is_leaf(t, id)) {
-            if (n + 2 > 2 * t->n_pairs) {
-                wrong = "a node is in the cut twice";
-            } else {
-                stack[n++] = t->link[id];
-                stack[n++] = t->link[id] + 1;
-            }
-        } else if (seen[t->link[id] & ~LC_LEAF]++) {
-            wrong = "a light is under two nodes of the cut";
+        uint32_t link = stack[--n];
+        if (link & LC_LEAF) {
+            if (seen[link & ~LC_LEAF]++) wrong = "a light is under two nodes of the cut";
+        } else if (n + 2 > 2 * t->n_pairs) {
+            wrong = "a node is in the cut twice";
+        } else {
+            stack[n++] = t->link[link];
+            stack[n++] = t->link[link + 1];
         }
     }
     for (uint32_t i = 0; i < t->n_lights && !wrong; i++)

@@ -15,6 +15,7 @@
 #define LC_CUT_H
 
 #include "bvh.h"
+#include "cut_list.h"
 #include "light_tree.h"
 #include "stats.h"
 
@@ -24,34 +25,22 @@ typedef struct lc_cut_desc {
     float floor;      /* luminance of reflected radiance, W/(m^2 sr) */
 } lc_cut_desc;
 
-/* A cluster in the cut whose bound is not 0. */
-typedef struct lc_cut_node {
-    float bound;       /* luminance, > 0 */
-    float lum;         /* luminance of the estimate */
-    uint32_t id, link; /* light tree node, and what it links to */
-    uint32_t rep;      /* light index */
-    uint16_t kind;     /* of its children: lc_light_kind, or LC_PAIR_MIXED */
-    uint16_t pending;  /* 1 + far: its shadow ray is still to be traced, until then V is taken as 1 */
-    float transfer[3]; /* M G V of the representative */
-    float e[3];        /* the estimate: transfer times power */
-} lc_cut_node;
-_Static_assert(sizeof(lc_cut_node) == 48, "three quarters of a cache line");
-
-/* Per-thread scratch, and after lc_cut_shade the cut itself: left[0 .. n_left), and done: leaves, which are exact, and
- * clusters that can't contribute. While refining, open holds the clusters above the limit. */
+/* Per-thread scratch, and after lc_cut_shade the cut itself: left, and done: leaves, which are exact, and clusters that
+ * can't contribute. While refining, open holds the clusters above the limit, split those to be split, leaf those that are
+ * done but for their shadow rays. */
 typedef struct lc_cut {
     const lc_context *ctx;
     const lc_light_tree *tree;
     const lc_bvh *bvh;
     lc_cut_desc desc;
-    uint32_t limit;         /* clusters that fit; of each array there are limit + 1 */
-    lc_cut_node *open, *split, *left, *leaf; /* leaf: done but for their shadow rays */
-    uint32_t n_open, n_split, n_left, n_leaf, n_done; /* n_done counts the leaves too */
-    lc_cut_node none;       /* takes what is 0 */
-    float *key;             /* scratch of the choice of the worst */
-    uint32_t *done;         /* light tree nodes; kept only when keep_done */
+    uint32_t limit;      /* clusters that fit */
+    lc_cut_list open, split, left, leaf;
+    float *memory;       /* of the lists */
+    float *key;          /* scratch of the choice of the worst */
+    uint32_t *done;      /* links of light tree nodes; kept only when keep_done */
+    uint32_t n_done;     /* leaves that are in the list leaf included */
     bool keep_done;
-    double done_sum[3];     /* radiance of the done ones */
+    double done_sum[3];  /* radiance of the done ones */
     uint32_t slot;
 } lc_cut;
 

@@ -9,6 +9,7 @@
 #include "fmath_tmpl.c"
 #include "bounds_tmpl.c"
 #include "bvh_tmpl.c"
+#include "cut_tmpl.c"
 #include "shade_tmpl.c"
 
-const lc_kernels LC_FN(lc_kernels) = { LC_FN(bounds), LC_FN(estimate), LC_FN(closest), LC_FN(hidden) };
+const lc_kernels LC_FN(lc_kernels) = { LC_FN(bounds), LC_FN(estimate), LC_FN(place), LC_FN(partition), LC_FN(closest), LC_FN(hidden) };

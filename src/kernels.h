@@ -2,6 +2,7 @@
 #ifndef LC_KERNELS_H
 #define LC_KERNELS_H
 
+#include "cut_list.h"
 #include "layout.h"
 #include "lightcuts.h"
 
@@ -35,6 +36,12 @@ typedef struct lc_kernels {
      * them: R G B to out[0 .. 2], the target of the shadow ray (position, or direction towards the light) to out[3 .. 5]. */
     void (*estimate)(const lc_light_rec *lights, const uint32_t *index, uint32_t n, lc_light_kind kind,
                      const lc_point *point, float *const out[6]);
+    /* Puts children into the lists: above the limit to open, else to left, leaves to leaf, bounds of 0 nowhere. Returns
+     * the change of the total's luminance. */
+    double (*place)(const lc_cut_pairs *pairs, lc_cut_list *open, lc_cut_list *left, lc_cut_list *leaf);
+    /* Moves the clusters of a list with a bound above the limit to one list, the others to another. Either may be the
+     * list itself. */
+    void (*partition)(lc_cut_list *from, float limit, lc_cut_list *above, lc_cut_list *rest);
     /* Nearest hit with 0 < t <= t_max; of equal t the lowest triangle id. */
     void (*closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit);
     /* hidden[i] = 1 if a triangle is met on org + t (target i - org) for t in (LC_SHADOW_EPS, 1 - LC_SHADOW_EPS), or,

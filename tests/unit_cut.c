@@ -154,20 +154,18 @@ static double lum_of(lc_f3 c) { return 0.2126 * (double)c.x + 0.7152 * (double)c
 /* ---- what holds of every cut ---- */
 
 /* Clusters that still have a bound above 0. */
-static uint32_t n_left(const lc_cut *c) { return c->n_left; }
+static uint32_t n_left(const lc_cut *c) { return c->left.n; }
 
-static lc_cut_node *left_at(const lc_cut *c, uint32_t i) { return &c->left[i]; }
-
-/* Sum of the luminance of all lights under a node, nothing hidden. */
-static double unhidden_sum(const lc_light_tree *t, uint32_t id, const lc_point *p)
+/* Sum of the luminance of all lights under the node with this link, nothing hidden. */
+static double unhidden_sum(const lc_light_tree *t, uint32_t top, const lc_point *p)
 {
     uint32_t stack[2048], n = 0;
     double sum = 0;
-    stack[n++] = id;
+    stack[n++] = top;
     while (n) {
-        uint32_t link = t->link[stack[--n]];
+        uint32_t link = stack[--n];
         if (!(link & LC_LEAF)) {
-            stack[n++] = link, stack[n++] = link + 1;
+            stack[n++] = t->link[link], stack[n++] = t->link[link + 1];
             continue;
         }
         const lc_light_rec *l = &t->lights[link & ~LC_LEAF];
@@ -182,25 +180,25 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
     uint32_t limit = c->desc.max_cut && c->desc.max_cut < s->n ? c->desc.max_cut : s->n;
     const char *wrong = lc_cut_validate(c);
     CHECKF(!wrong, "%s", wrong);
-    CHECKF(r->size <= limit && r->size >= 1 && r->size == c->n_left + c->n_done, "size %u of %u", r->size, limit);
+    CHECKF(r->size <= limit && r->size >= 1 && r->size == n_left(c) + c->n_done, "size %u of %u", r->size, limit);
     CHECKF(r->rays <= r->size, "%u rays, %u clusters", r->rays, r->size);
     CHECK(lc_f3_finite(r->radiance) && r->radiance.x >= 0 && r->radiance.y >= 0 && r->radiance.z >= 0);
     double total = lum_of(r->radiance), left = 0, most = (double)c->desc.error_ratio * fmax(total, (double)c->desc.floor);
     CHECK(!r->at_limit || r->size == limit);
     double worst = 0;
     for (uint32_t i = 0; i < n_left(c); i++) {
-        double bound = (double)left_at(c, i)->bound;
-        uint32_t id = left_at(c, i)->id;
+        double bound = (double)c->left.bound[i];
+        uint32_t link = c->left.link[i];
         worst = fmax(worst, bound);
         CHECKF(r->at_limit || bound <= most * (1 + 1e-5), "bound %g left, limit %g", bound, most); /* 1e-5: of total in float */
-        CHECK(bound > 0 && !lc_node_is_leaf(t, id));
+        CHECK(bound > 0 && !(link & LC_LEAF) && !(c->left.rep[i] & LC_PENDING));
         /* 1e-6: what float products and the double sum round off */
-        double sum = unhidden_sum(t, id, &q->p);
+        double sum = unhidden_sum(t, link, &q->p);
         CHECKF(bound >= sum * (1 - 1e-6), "bound %g of lights that sum to %g", bound, sum);
         left += bound;
     }
     for (uint32_t i = 0; i < c->n_done; i++)
-        if (!lc_node_is_leaf(t, c->done[i])) {
+        if (!(c->done[i] & LC_LEAF)) {
             double sum = unhidden_sum(t, c->done[i], &q->p);
             CHECKF(!(sum > 0), "a cluster of bound 0 has lights that sum to %g", sum);
         }
@@ -448,12 +446,12 @@ TEST(validator_finds_damage)
             c.done[0] = keep;
         }
         if (n_left(&c)) {
-            uint32_t *id = &left_at(&c, 0)->id, keep = *id;
-            *id = s.tree->link[keep];
+            uint32_t *link = &c.left.link[0], keep = *link;
+            *link = s.tree->link[keep];
             CHECK(lc_cut_validate(&c));
-            *id = 0;
+            *link = s.tree->link[0];
             CHECK(n_left(&c) + c.n_done == 1 || lc_cut_validate(&c));
-            *id = keep;
+            *link = keep;
         }
         CHECK(!lc_cut_validate(&c));
     }

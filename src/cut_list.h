@@ -1,0 +1,35 @@
+/* cut_list.h - clusters of a cut as arrays, so that eight of them are placed, moved and compared at a time. */
+#ifndef LC_CUT_LIST_H
+#define LC_CUT_LIST_H
+
+#include "layout.h"
+
+/* Clusters whose bound is not 0. Kernels write up to eight elements past the end: arrays are LC_CUT_SPARE longer. */
+typedef struct lc_cut_list {
+    uint32_t n;
+    float *bound;       /* luminance, > 0 */
+    uint32_t *link;     /* of the light tree node: its children, or LC_LEAF | light */
+    uint32_t *rep;      /* light index, and LC_PENDING while its shadow ray is to be traced: V is taken as 1 until then */
+    float *transfer[3]; /* M G V of the representative */
+    float *e[3];        /* the estimate: transfer times power */
+} lc_cut_list;
+
+#define LC_PENDING 0x80000000u
+#define LC_CUT_SPARE 16
+#define LC_CUT_WORDS 9 /* an element: bound, link, rep, transfer, e */
+
+/* The children of some clusters of a list, a pair each. */
+typedef struct lc_cut_pairs {
+    uint32_t n;                /* pairs */
+    const lc_cut_list *parent;
+    uint32_t first;            /* of the parents in it */
+    const lc_node_block *blocks;
+    const float *bound;        /* two a pair */
+    const uint32_t *link;      /* two a pair */
+    const float *fresh;        /* two a pair: 1 for the child with a representative of its own, 0 for the other */
+    const uint32_t *rep;       /* one a pair: that representative */
+    const float *transfer[3];  /* one a pair: its M G */
+    float limit;
+} lc_cut_pairs;
+
+#endif
