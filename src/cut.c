@@ -382,16 +382,20 @@ static uint32_t shade_exactly(const lc_light_tree *t, const lc_bvh *bvh, const l
     uint8_t hidden[BATCH];
     uint32_t lit[BATCH], m = 0;
     bvh->kernels->estimate(t->lights + first, NULL, n, kind, p, out);
-    for (uint32_t i = 0; i < n; i++) { /* m <= i: writes behind the reading */
-        for (int k = 0; k < 6; k++) f[k][m] = f[k][i];
-        lit[m] = first + i;
+    for (uint32_t i = 0; i < n; i++) {
+        lit[m] = i;
         m += f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0;
     }
+    for (uint32_t i = 0; i < m && m < n; i++) /* lit[i] >= i: writes behind the reading */
+        for (int k = 3; k < 6; k++) f[k][i] = f[k][lit[i]];
     lc_phase_end(stats, LC_PHASE_ESTIMATES);
     if (m) bvh->kernels->hidden(&bvh->data, org, m, target, kind == LC_LIGHT_DIRECTIONAL, hidden);
     lc_phase_end(stats, LC_PHASE_SHADOW);
-    for (uint32_t i = 0; i < m; i++)
-        for (int k = 0; k < 3 && !hidden[i]; k++) sum[k] += (double)(f[k][i] * t->lights[lit[i]].intensity[k]);
+    for (uint32_t i = 0; i < m; i++) {
+        uint32_t at = lit[i];
+        const float *power = t->lights[first + at].intensity, v = hidden[i] ? 0 : 1; /* a branch on it would be a gamble */
+        for (int k = 0; k < 3; k++) sum[k] += (double)(v * (f[k][at] * power[k]));
+    }
     return m;
 }
 

@@ -81,11 +81,15 @@ static void LC_FN(partition)(lc_cut_list *from, float limit, lc_cut_list *above,
     for (uint32_t i = 0; i < n; i += 8) {
         eight x;
         x.word[0] = vf8_loadu(from->bound + i);
+        uint32_t lanes = n - i < 8 ? (1u << (n - i)) - 1 : 255, more = vf8_lt(vf8_set(limit), x.word[0]) & lanes;
+        if (from->n == i && (from == above ? more == lanes : from == rest && !more)) { /* they stay where they are */
+            from->n += (uint32_t)__builtin_popcount(lanes);
+            continue;
+        }
         x.word[1] = vf8_loadu(from->link + i);
         x.word[2] = vf8_loadu(from->rep + i);
         for (int k = 0; k < 3; k++) x.word[3 + k] = vf8_loadu(from->transfer[k] + i);
         for (int k = 0; k < 3; k++) x.word[6 + k] = vf8_loadu(from->e[k] + i);
-        uint32_t lanes = n - i < 8 ? (1u << (n - i)) - 1 : 255, more = vf8_lt(vf8_set(limit), x.word[0]) & lanes;
         if (more) LC_FN(append)(above, &x, more);
         if (lanes & ~more) LC_FN(append)(rest, &x, lanes & ~more);
     }
