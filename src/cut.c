@@ -257,12 +257,15 @@ typedef struct {
     float target[3][BATCH];
 } ray_group;
 
-static double trace(const lc_cut *c, lc_cut_list *list, const ray_group *g, const float org[3], bool far)
+static double trace(const lc_cut *c, lc_cut_list *list, const ray_group *g, const float org[3], bool far, lc_stats *stats)
 {
     uint8_t hidden[BATCH];
     const float *const target[3] = { g->target[0], g->target[1], g->target[2] };
     double change = 0;
+    lc_phase_end(stats, LC_PHASE_HEAP);
     kernels(c)->hidden(&c->bvh->data, org, g->n, target, far, hidden);
+    lc_phase_end(stats, LC_PHASE_SHADOW);
+    stats->shadow_rays += g->n;
     for (uint32_t i = 0; i < g->n; i++) {
         uint32_t at = g->at[i];
         if (!hidden[i]) continue;
@@ -273,7 +276,7 @@ static double trace(const lc_cut *c, lc_cut_list *list, const ray_group *g, cons
 }
 
 /* Traces the rays that are pending in a list, those of directional lights apart. Returns the change of the total. */
-static double trace_list(const lc_cut *c, lc_cut_list *list, const float org[3], uint32_t *n_rays)
+static double trace_list(const lc_cut *c, lc_cut_list *list, const float org[3], lc_stats *stats)
 {
     const lc_light_tree *t = c->tree;
     double change = 0;
@@ -289,19 +292,18 @@ static double trace_list(const lc_cut *c, lc_cut_list *list, const float org[3],
             g->at[g->n++] = i;
             list->rep[i] = rep & ~LC_PENDING;
         }
-        *n_rays += near.n + far.n;
-        if (near.n) change += trace(c, list, &near, org, false);
-        if (far.n) change += trace(c, list, &far, org, true);
+        if (near.n) change += trace(c, list, &near, org, false, stats);
+        if (far.n) change += trace(c, list, &far, org, true, stats);
     }
     return change;
 }
 
 /* Traces all rays that are pending; leaves then are done. Returns the change of the total's luminance. */
-static double trace_pending(lc_cut *c, const float org[3], uint32_t *n_rays)
+static double trace_pending(lc_cut *c, const float org[3], lc_stats *stats)
 {
-    double change = trace_list(c, &c->open, org, n_rays);
-    change += trace_list(c, &c->left, org, n_rays);
-    change += trace_list(c, &c->leaf, org, n_rays);
+    double change = trace_list(c, &c->open, org, stats);
+    change += trace_list(c, &c->left, org, stats);
+    change += trace_list(c, &c->leaf, org, stats);
     for (uint32_t i = 0; i < c->leaf.n; i++)
         for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf.e[k][i];
     c->leaf.n = 0;
@@ -309,7 +311,7 @@ static double trace_pending(lc_cut *c, const float org[3], uint32_t *n_rays)
 }
 
 /* Fills in the result of a finished cut. */
-static void finish(lc_cut *c, lc_stats *stats, lc_cut_result *out)
+static void finish(lc_cut *c, uint64_t rays_before, lc_stats *stats, lc_cut_result *out)
 {
     double sum[3] = { c->done_sum[0], c->done_sum[1], c->done_sum[2] };
     for (uint32_t i = 0; i < c->open.n; i++) copy_one(&c->left, c->left.n++, &c->open, i); /* at max_cut */
@@ -320,7 +322,7 @@ static void finish(lc_cut *c, lc_stats *stats, lc_cut_result *out)
     out->size = cut_size(c);
     float lum = lc_luminance(out->radiance), worst = worst_of(&c->left);
     if (worst > 0) out->max_error = lum > 0 ? worst / lum : INFINITY;
-    stats->shadow_rays += out->rays;
+    out->rays = (uint32_t)(stats->shadow_rays - rays_before);
     stats->cut_sum += out->size;
     stats->at_limit += out->at_limit;
     stats->dark += out->dark;
@@ -340,6 +342,7 @@ static float round_down(double x)
 void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t hash, lc_stats *stats, lc_cut_result *out)
 {
     double ratio = (double)c->desc.error_ratio, floor_lum = (double)c->desc.floor;
+    uint64_t rays_before = stats->shadow_rays;
     step s;
     s.point = p, s.stats = stats;
     s.pairs = (lc_cut_pairs){ .parent = &c->split, .blocks = c->tree->blocks, .bound = s.bound, .link = s.link,
@@ -360,15 +363,13 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
             traced = false;
         } else {
             if (traced) break;
-            lc_phase_end(stats, LC_PHASE_HEAP);
-            total += trace_pending(c, org, &out->rays);
-            lc_phase_end(stats, LC_PHASE_SHADOW);
+            total += trace_pending(c, org, stats);
             traced = true;
         }
     }
     out->at_limit = c->open.n > 0;
     out->dark = !out->at_limit && total < floor_lum && (double)worst_of(&c->left) > ratio * total;
-    finish(c, stats, out);
+    finish(c, rays_before, stats, out);
 }
 
 /* Every light of tree->lights[first .. first + n), all of one kind, n <= BATCH. */
