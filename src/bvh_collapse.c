@@ -136,7 +136,6 @@ static void fill_block(const lc_bvh_builder *b, const lc_bin_node *leaf, lc_tri_
         for (size_t v = 0; v < 3; v++)
             for (size_t k = 0; k < 3; k++) blk->v[v][k][i] = NAN;
     }
-    memset(blk->pad, 0, sizeof blk->pad);
 }
 
 /* Boxes, and children that are blocks, from *block on. The others' binary nodes to inner, their lanes to lane. */

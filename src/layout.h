@@ -74,9 +74,8 @@ _Static_assert(sizeof(lc_bvh_node) == 4 * 64, "four cache lines");
 typedef struct lc_tri_block {
     float v[3][3][8]; /* [vertex][axis][lane] */
     uint32_t tri[8];
-    uint32_t pad[8];
 } lc_tri_block;
-_Static_assert(sizeof(lc_tri_block) % 32 == 0, "aligned lanes");
+_Static_assert(sizeof(lc_tri_block) == 5 * 64, "five cache lines");
 
 #define LC_BVH_LEAF 0x80000000u
 

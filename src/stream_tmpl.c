@@ -181,7 +181,7 @@ static inline uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r,
 static inline void LC_FN(prefetch)(const lc_bvh_data *bvh, uint32_t ref)
 {
     const char *p = ref & LC_BVH_LEAF ? (const char *)&bvh->blocks[ref & ~LC_BVH_LEAF] : (const char *)&bvh->nodes[ref];
-    for (int i = 0; i < 4; i++) __builtin_prefetch(p + 64 * i);
+    for (int i = 0; i < 5; i++) __builtin_prefetch(p + 64 * i); /* a node has four */
 }
 
 typedef struct {
