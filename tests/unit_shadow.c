@@ -2,6 +2,7 @@
  * instruction set, and one that the nearest hit along it does not contradict. */
 #include "bvh.h"
 #include "cpu.h"
+#include "light.h"
 #include "test.h"
 
 #define RND_KEY 88001
@@ -40,7 +41,7 @@ static void slivers(void)
 
 static void make_mesh(int style)
 {
-    static const float scale[] = { 1e-12f, 1e-10f, 1e-7f, 1e4f, 1e8f, 1e11f };
+    static const float scale[] = { 1e-12f, 1e-10f, 1e-7f, 1e4f, 1e11f, 1e12f };
     clear();
     if (style < 6) odd_mesh(style);
     else if (style == 6) slivers();
@@ -55,6 +56,13 @@ typedef struct group {
     uint32_t n;
     bool far;
 } group;
+
+/* Into what a scene may hold. */
+static lc_f3 accepted(lc_f3 p)
+{
+    const float most = LC_MAX_COORD;
+    return lc_f3_make(fmaxf(-most, fminf(p.x, most)), fmaxf(-most, fminf(p.y, most)), fmaxf(-most, fminf(p.z, most)));
+}
 
 static lc_f3 rnd_point(lc_f3 c, float r)
 {
@@ -105,11 +113,12 @@ static void make_group(group *g, int style, lc_f3 c, float r)
     double kind = rnd();
     lc_f3 o = kind < 0.3 ? rnd_on((int)rnd_n(4)) : kind < 0.9 ? rnd_point(c, 1.2f * r) : rnd_point(c, 30 * r), at = rnd_point(c, r);
     if (rnd() < 0.2) o = lc_f3_add(rnd_on(3), lc_f3_scale(rnd_unit(), 1e-4f * r)); /* as cut.c has it */
+    o = accepted(o);
     lc_f3_store(g->org, o);
     g->n = 1 + rnd_n(MOST);
     g->far = rnd() < 0.3;
     for (uint32_t i = 0; i < g->n; i++) {
-        lc_f3 t = rnd_target(style, o, c, at, r);
+        lc_f3 t = accepted(rnd_target(style, o, c, at, r));
         if (g->far) t = lc_f3_sub(t, o);
         g->target[0][i] = t.x, g->target[1][i] = t.y, g->target[2][i] = t.z;
     }
@@ -182,6 +191,7 @@ TEST(groups_answer_as_rays_alone)
         lc_f3 c;
         float r;
         make_mesh(mesh_style);
+        for (uint32_t i = 0; i < m.n_verts; i++) lc_f3_store(m.pos + 3 * (size_t)i, accepted(vert(i)));
         extent(&c, &r);
         lc_bvh *b = build();
         for (int i = 0; i < 420 / SLOW; i++) {
