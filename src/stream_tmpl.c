@@ -13,9 +13,10 @@
  * The distance is that to the triangle's plane, a.N / d.N with N from the edges: better than Woop's interpolated one, and
  * needs no division.
  */
-#include "simd_ray.h"
+#include "layout.h"
 
 #define STREAM 64
+#define ray LC_FN(ray)
 
 typedef struct {
     _Alignas(32) float d[3][STREAM], inv[3][STREAM], d_max[STREAM];
@@ -280,6 +281,7 @@ static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n
     }
 }
 
+#undef ray
 #undef rays
 #undef vec8
 #undef planes
