@@ -118,7 +118,8 @@ golden: build/tests/unit_golden
 	build/tests/unit_golden --print > build/hashes.txt
 	mv build/hashes.txt tests/golden/hashes.txt
 
-SAN_FLAGS := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+# -g1, lines but no variables: tracking those through the checks takes GCC minutes for the kernels.
+SAN_FLAGS := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1
 san:
 	@$(MAKE) --no-print-directory deps
 	@$(MAKE) --no-print-directory $(JOBS) CONFIG=san OPT="-O1 -DLC_DEBUG" SAN="$(SAN_FLAGS)" run-tests

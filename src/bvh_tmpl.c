@@ -184,8 +184,6 @@ static void LC_FN(closest)(const lc_bvh_data *bvh, const float org[3], const flo
     }
 }
 
-#include "stream_tmpl.c"
-
 #undef ray
 #undef tri_hits
 #undef entry

@@ -1,6 +1,5 @@
 /* cut_tmpl.c - clusters put into the lists of a cut, eight at a time; included by isa_*.c. */
 #include "cut_list.h"
-#include "simd_list.h"
 
 typedef struct {
     vf8 word[LC_CUT_WORDS]; /* in the order of lc_cut_list */

@@ -4,11 +4,14 @@
 #define LC_FN(name) name##_avx512
 #include "kernels.h"
 #include "simd.h"
+#include "simd_list.h"
+#include "simd_ray.h"
 #include "simd_wide.h"
 
 #include "fmath_tmpl.c"
 #include "bounds_tmpl.c"
 #include "bvh_tmpl.c"
+#include "stream_tmpl.c"
 #include "cut_tmpl.c"
 #include "shade_tmpl.c"
 

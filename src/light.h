@@ -15,8 +15,9 @@
 typedef enum lc_light_kind { LC_LIGHT_POINT = 0, LC_LIGHT_ORIENTED = 1, LC_LIGHT_DIRECTIONAL = 2 } lc_light_kind;
 #define LC_LIGHT_KINDS 3
 
-/* What is accepted, so that no product of an estimate leaves the range of normal floats. */
-#define LC_MAX_COORD 1e15f     /* scene units, of vertices and lights */
+/* What is accepted, so that no product of an estimate leaves the range of normal floats, nor one of three differences of
+ * coordinates in a shadow ray's test: sums of these stay below 48 LC_MAX_COORD^3. */
+#define LC_MAX_COORD 1e12f     /* scene units, of vertices and lights */
 #define LC_MAX_INTENSITY 1e15f
 #define LC_MIN_INTENSITY 1e-18f /* a channel below this is set to 0 */
 #define LC_MIN_ATTEN 1e-10f    /* of a coefficient that is not 0 */

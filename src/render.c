@@ -341,9 +341,10 @@ static lc_cut_desc cut_desc(const job *j, const lc_render_stats *stats)
 static lc_status choose_method(job *j, lc_render_stats *stats)
 {
     lc_status st = LC_OK;
-    j->exact = j->desc->method == LC_METHOD_EXACT;
+    uint32_t n = j->scene->tree->n_lights, max_cut = j->desc->max_cut;
+    stats->exact = j->exact = j->desc->method == LC_METHOD_EXACT;
     if (j->exact) return LC_OK;
-    bool few = j->desc->method == LC_METHOD_LIGHTCUTS && j->scene->tree->n_lights <= ALWAYS_FEW;
+    bool few = j->desc->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(max_cut && max_cut < n);
     if (!few && j->desc->dark_floor > 0 && j->desc->error_ratio > 0) st = prepass(j, &stats->mean_luminance);
     lc_cut_desc cut = cut_desc(j, stats);
     if (!st && j->desc->method == LC_METHOD_LIGHTCUTS) st = exact_pays(j, &cut, &j->exact);

@@ -238,7 +238,10 @@ LC_INLINE vd vd_sub(vd a, vd b) { return _mm512_sub_pd(a, b); }
 LC_INLINE vd vd_mul(vd a, vd b) { return _mm512_mul_pd(a, b); }
 LC_INLINE vd vd_div(vd a, vd b) { return _mm512_div_pd(a, b); }
 LC_INLINE vd vd_sel_gt(vd a, vd b, vd x, vd y) { return _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_GT_OQ), y, x); }
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wsign-conversion" /* GCC 12 at -O0: its macro of this name passes a mask of 255 as a char */
 LC_INLINE vd vd_trunc(vd a) { return _mm512_roundscale_pd(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
+#pragma GCC diagnostic pop
 LC_INLINE vd vd_low(vf a) { return _mm512_cvtps_pd(_mm512_castps512_ps256(a)); }
 LC_INLINE vd vd_high(vf a) { return _mm512_cvtps_pd(_mm512_extractf32x8_ps(a, 1)); }
 LC_INLINE vf vf_of(vd low, vd high)

@@ -13,9 +13,10 @@
  * The distance is that to the triangle's plane, a.N / d.N with N from the edges: better than Woop's interpolated one, and
  * needs no division.
  */
-#include "simd_ray.h"
+#include "layout.h"
 
 #define STREAM 64
+#define ray LC_FN(ray)
 
 typedef struct {
     _Alignas(32) float d[3][STREAM], inv[3][STREAM], d_max[STREAM];
@@ -205,16 +206,16 @@ static inline void LC_FN(expand)(const lc_bvh_data *bvh, const lc_bvh_node *node
     }
 }
 
-/* One ray through a subtree: true if it is stopped. */
+/* One ray through a subtree: true if it is stopped. The boxes it meets are those of stream_boxes, to the bit. */
 static inline bool LC_FN(alone)(const lc_bvh_data *bvh, const rays *r, uint32_t i, uint32_t ref, visit *stack)
 {
     uint32_t n = 0, near[3], far[3];
-    vf8 inv[3], inv_far[3];
+    const vf8 slack = vf8_set(FAR_SLACK);
+    vf8 inv[3];
     for (uint32_t k = 0; k < 3; k++) {
         bool down = r->near[k][i] != 24 * k;
         near[k] = 8 * k + (down ? 24 : 0), far[k] = 8 * k + (down ? 0 : 24);
         inv[k] = vf8_set(r->inv[k][i]);
-        inv_far[k] = vf8_set(r->inv[k][i] * FAR_SLACK);
     }
     for (;;) {
         const lc_bvh_node *node = &bvh->nodes[ref];
@@ -222,11 +223,11 @@ static inline bool LC_FN(alone)(const lc_bvh_data *bvh, const rays *r, uint32_t 
         vf8 n0 = vf8_mul(vf8_sub(vf8_load(f + near[0]), r->vorg[0]), inv[0]);
         vf8 n1 = vf8_mul(vf8_sub(vf8_load(f + near[1]), r->vorg[1]), inv[1]);
         vf8 n2 = vf8_mul(vf8_sub(vf8_load(f + near[2]), r->vorg[2]), inv[2]);
-        vf8 f0 = vf8_mul(vf8_sub(vf8_load(f + far[0]), r->vorg[0]), inv_far[0]);
-        vf8 f1 = vf8_mul(vf8_sub(vf8_load(f + far[1]), r->vorg[1]), inv_far[1]);
-        vf8 f2 = vf8_mul(vf8_sub(vf8_load(f + far[2]), r->vorg[2]), inv_far[2]);
+        vf8 f0 = vf8_mul(vf8_sub(vf8_load(f + far[0]), r->vorg[0]), inv[0]);
+        vf8 f1 = vf8_mul(vf8_sub(vf8_load(f + far[1]), r->vorg[1]), inv[1]);
+        vf8 f2 = vf8_mul(vf8_sub(vf8_load(f + far[2]), r->vorg[2]), inv[2]);
         uint32_t bits = vf8_le(vf8_max(vf8_max(n0, n1), vf8_max(n2, r->vt_min)),
-                               vf8_min(vf8_min(f0, f1), vf8_min(f2, r->vt_max)));
+                               vf8_mul(vf8_min(vf8_min(f0, f1), vf8_min(f2, r->vt_max)), slack));
         uint32_t leaf[8], n_leaves = 0;
         for (; bits; bits &= bits - 1) {
             uint32_t child = node->child[__builtin_ctz(bits)];
@@ -280,6 +281,7 @@ static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n
     }
 }
 
+#undef ray
 #undef rays
 #undef vec8
 #undef planes

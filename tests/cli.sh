@@ -416,6 +416,40 @@ for file in st odd info_scene info_image info_notes compare; do
     if command -v python3 >/dev/null 2>&1; then check "$file.json is JSON" timeout 60 python3 -m json.tool $file.json; fi
 done
 
+# ---- methods ----
+
+{ film 48 40 ''; world; cat <<'END'; } >five.pbrt
+LightSource "point" "point3 from" [-2 1 -1] "rgb I" [1 4 3]
+LightSource "point" "point3 from" [2 -2 -2] "rgb I" [3 1 3]
+LightSource "point" "point3 from" [-1 -2 -1] "rgb I" [2 2 1]
+END
+method() # name every_light most-clusters args...
+{
+    name="five lights, $1"
+    file=$1 every=$2 most=$3
+    shift 3
+    good "$name" -q five.pbrt -o "$file.exr" -o "$file.png" --stats-file "$file.json" "$@"
+    check "$name: every_light $every" grep -q "\"every_light\": $every," "$file.json"
+    largest=$(sed -n 's/.*"cut": {.*"max": \([0-9]*\),.*/\1/p' "$file.json")
+    check "$name: cuts of at most $most" test "$largest" -ge 1 -a "$largest" -le "$most"
+}
+same_pixels() # a b: one picture, to the bit
+{
+    check "$1.png is $2.png" cmp "$1.png" "$2.png"
+    good "$1 and $2" compare "$1.exr" "$2.exr" --fail max=0 --fail nonfinite=0
+}
+method exact true 5 --method exact
+method few true 5 --method lightcuts
+method default true 5
+method all-fit true 5 --max-cut 5
+method cuts false 5 --method cuts
+method three false 3 --method lightcuts --max-cut 3
+method three-cuts false 3 --method cuts --max-cut 3
+for file in few default all-fit; do same_pixels exact $file; done
+same_pixels three three-cuts
+check 'the dark floor of cuts of few lights' \
+    test "$(grep mean_luminance three.json)" = "$(grep mean_luminance three-cuts.json)"
+
 # ---- info ----
 
 good 'info of a scene' info s.pbrt

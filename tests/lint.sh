@@ -74,7 +74,7 @@ own_header_first()
 }
 template_includes()
 {
-    grep -nE "$include_of" src/*_tmpl.c /dev/null | grep -vE '"(base|vec|fmath|layout)\.h"'
+    grep -nE "$include_of" src/*_tmpl.c /dev/null | grep -vE '"(base|vec|fmath|layout|cut_list)\.h"'
 }
 cycles() # headers of the library, an edge for each include
 {
@@ -90,8 +90,9 @@ rule 'OpenEXR in image_exr.c only' only_in "$include_of[<\"](openexr|ImfC|Imath)
 rule '<pthread.h> in pool.c only' only_in '<pthread\.h>|<threads\.h>' 'src/pool\.c' src/*.[ch] src/cli/*.[ch]
 rule 'malloc and its like in arena.c only' only_in '\<(malloc|calloc|realloc|aligned_alloc|posix_memalign|strdup|strndup)[ ]*\(' \
     'src/arena\.c' src/*.[ch]
-rule 'simd.h and simd_wide.h in isa_*.c only' only_in "$include_of\"simd(_wide)?\.h\"" 'src/isa_[a-z0-9]*\.c' src/*.[ch] src/cli/*.[ch]
-rule 'templates include base.h, vec.h, fmath.h, layout.h only' template_includes
+rule 'simd*.h in isa_*.c and simd*.h only' only_in "$include_of\"simd(_[a-z]*)?\.h\"" \
+    'src/(isa_[a-z0-9]*\.c|simd_[a-z]*\.h)' src/*.[ch] src/cli/*.[ch]
+rule 'templates include base.h, vec.h, fmath.h, layout.h, cut_list.h only' template_includes
 rule 'a .c includes its own header first' own_header_first
 rule 'headers do not include each other in a circle' cycles
 

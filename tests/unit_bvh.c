@@ -9,128 +9,10 @@
 
 #include <stdlib.h>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SLOW 8 /* fewer rays by this factor where the build is slow */
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SLOW 8
-#endif
-#endif
-#ifndef SLOW
-#define SLOW 1
-#endif
-
 #define RND_KEY 77001
-#include "rnd.h"
+#include "meshes.h"
 
 static lc_context *ctx;
-
-/* ---- meshes ---- */
-
-#define MAX_VERTS 400000
-#define MAX_TRIS 200000
-
-typedef struct {
-    float pos[3 * MAX_VERTS];
-    uint32_t index[3 * MAX_TRIS];
-    uint32_t n_verts, n_tris;
-} mesh;
-
-static mesh m;
-
-static uint32_t put_vert(lc_f3 p)
-{
-    if (m.n_verts >= MAX_VERTS) abort();
-    lc_f3_store(m.pos + 3 * (size_t)m.n_verts, p);
-    return m.n_verts++;
-}
-
-static void put_tri(uint32_t a, uint32_t b, uint32_t c)
-{
-    if (m.n_tris >= MAX_TRIS) abort();
-    uint32_t *i = m.index + 3 * (size_t)m.n_tris++;
-    i[0] = a, i[1] = b, i[2] = c;
-}
-
-static void put_three(lc_f3 a, lc_f3 b, lc_f3 c)
-{
-    uint32_t first = put_vert(a);
-    put_vert(b), put_vert(c);
-    put_tri(first, first + 1, first + 2);
-}
-
-static void clear(void) { m.n_verts = m.n_tris = 0; }
-
-static lc_f3 vert(uint32_t i) { return lc_f3_load(m.pos + 3 * (size_t)i); }
-
-/* Grid of n x n squares on each face of the cube -1..1, vertices shared within a face and equal at the seams. */
-static void cube(uint32_t n)
-{
-    for (int face = 0; face < 6; face++) {
-        uint32_t first = m.n_verts;
-        for (uint32_t i = 0; i <= n; i++)
-            for (uint32_t k = 0; k <= n; k++) {
-                float a = 2 * (float)i / (float)n - 1, b = 2 * (float)k / (float)n - 1, c = face % 2 ? 1 : -1;
-                put_vert(face < 2 ? lc_f3_make(c, a, b) : face < 4 ? lc_f3_make(a, c, b) : lc_f3_make(a, b, c));
-            }
-        for (uint32_t i = 0; i < n; i++)
-            for (uint32_t k = 0; k < n; k++) {
-                uint32_t v = first + i * (n + 1) + k;
-                put_tri(v, v + 1, v + n + 2);
-                if ((i + k) % 3) put_tri(v, v + n + 2, v + n + 1);
-                else put_tri(v + n + 1, v, v + n + 2);
-            }
-    }
-}
-
-/* Every vertex to where its own coordinates say, so that seams stay closed. Star-shaped about 0 for amount < 0.5. */
-static void displace(bool sphere, double amount)
-{
-    for (uint32_t i = 0; i < m.n_verts; i++) {
-        lc_f3 p = vert(i);
-        uint64_t key = 0;
-        for (int k = 0; k < 3; k++) key = lc_hash2(key, (uint64_t)(int64_t)lrintf(m.pos[3 * (size_t)i + (size_t)k] * 4096));
-        if (sphere) p = lc_f3_normalize(p);
-        p = lc_f3_scale(p, (float)(1 + amount * (lc_unit(key) - 0.5)));
-        lc_f3_store(m.pos + 3 * (size_t)i, p);
-    }
-}
-
-static void move(float scale, lc_f3 by)
-{
-    for (uint32_t i = 0; i < m.n_verts; i++)
-        lc_f3_store(m.pos + 3 * (size_t)i, lc_f3_add(lc_f3_scale(vert(i), scale), by));
-}
-
-static void soup(uint32_t n, double size)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        lc_f3 p = lc_f3_make((float)rnd_in(-1, 1), (float)rnd_in(-1, 1), (float)rnd_in(-1, 1));
-        put_three(p, lc_f3_add(p, lc_f3_scale(rnd_unit(), (float)(size * rnd()))),
-                  lc_f3_add(p, lc_f3_scale(rnd_unit(), (float)(size * rnd()))));
-    }
-}
-
-/* A room, a ball, two boxes: large and small triangles together, much of it along the axes. */
-static void cornell(void)
-{
-    cube(2);
-    uint32_t room = m.n_verts;
-    cube(12);
-    for (uint32_t i = room; i < m.n_verts; i++) {
-        lc_f3 p = lc_f3_add(lc_f3_scale(lc_f3_normalize(vert(i)), 0.25f), lc_f3_make(0.4f, -0.75f, 0.1f));
-        lc_f3_store(m.pos + 3 * (size_t)i, p);
-    }
-    for (int b = 0; b < 2; b++) {
-        uint32_t first = m.n_verts;
-        cube(1);
-        for (uint32_t i = first; i < m.n_verts; i++) {
-            lc_f3 p = vert(i);
-            lc_f3_store(m.pos + 3 * (size_t)i, b ? lc_f3_make(p.x * 0.1f - 0.5f, p.y * 0.4f - 0.6f, p.z * 0.2f)
-                                                 : lc_f3_make(p.x * 0.2f - 0.3f, p.y * 0.1f - 0.9f, p.z * 0.2f - 0.5f));
-        }
-    }
-}
 
 static lc_bvh *build(void)
 {
@@ -176,8 +58,8 @@ static bool ref_tri(uint32_t tri, const float org[3], const float dir[3], ref_hi
     return true;
 }
 
-static lc_isa isas[] = { LC_ISA_SCALAR, LC_ISA_SSE4, LC_ISA_AVX2 };
-#define N_ISAS 3
+static const lc_isa isas[] = { LC_ISA_SCALAR, LC_ISA_SSE4, LC_ISA_AVX2, LC_ISA_AVX512 };
+#define N_ISAS 4
 
 /* Closest hit by every ISA; they must agree to the bit. */
 static lc_hit closest(const lc_bvh *b, const float org[3], const float dir[3], float t_max)
@@ -282,8 +164,6 @@ static void check_mesh(uint32_t n, lc_f3 c, float r, double eps)
     printf("  %u triangles, %u nodes: %u rays, %u hits, %u edge-on\n", m.n_tris, b->data.n_nodes, n_rays, n_hits, n_unsure);
     lc_bvh_destroy(b);
 }
-
-static const lc_f3 zero = { 0, 0, 0 };
 
 /* eps: a coordinate of v - o is at most 4 for these, rounded a dozen times by 2^-24; triangles of size s turn that into
  * weights off by 4 * 12 * 2^-24 / s = 3e-6 / s. */
@@ -681,21 +561,6 @@ static lc_bvh_data without_boxes(const lc_bvh *b)
         for (int i = 0; i < 8; i++)
             for (int k = 0; k < 3 && nodes[w].child[i] != LC_NONE; k++) nodes[w].lo[k][i] = -FLT_MAX, nodes[w].hi[k][i] = FLT_MAX;
     return (lc_bvh_data){ nodes, b->blocks, b->data.n_nodes, b->data.n_blocks };
-}
-
-/* Meshes with triangles of sizes that differ much from those of the segments. */
-static void odd_mesh(int style)
-{
-    clear();
-    if (style == 0) cornell();
-    if (style == 1) soup(200, 0.5);
-    if (style == 2) cube(1), move(1000, zero);
-    for (int i = 0; i < 200 && style == 3; i++) { /* needles */
-        lc_f3 p = rnd_unit(), d = rnd_unit(), e = lc_f3_scale(rnd_unit(), powf(10, (float)rnd_in(-7, -2)));
-        put_three(p, lc_f3_add(p, lc_f3_scale(d, 2)), lc_f3_add(lc_f3_add(p, d), e));
-    }
-    if (style == 4) cornell(), move(1, lc_f3_make(1e3f, -1e3f, 1e3f));
-    if (style == 5) cube(20), displace(true, 0.2), soup(20, 300);
 }
 
 /* Start of a segment on or a little above a triangle, its end often nearly within the triangle's plane. */

@@ -56,7 +56,7 @@ static lc_status check_magic(const lc_context *ctx, const char *path, const lc_f
 static lc_status check_floats(const lc_context *ctx, const char *path, const float *p, uint64_t n, uint64_t off)
 {
     for (uint64_t i = 0; i < n; i++)
-        if (!(fabsf(p[i]) <= LC_MAX_COORD)) return fail_at_byte(ctx, path, off + 4 * i, "a coordinate that is not finite or beyond 1e15");
+        if (!(fabsf(p[i]) <= LC_MAX_COORD)) return fail_at_byte(ctx, path, off + 4 * i, "a coordinate that is not finite or beyond 1e12");
     return LC_OK;
 }
 

@@ -163,10 +163,10 @@ static figures figures_of(job *j, uint32_t n_runs)
     return f;
 }
 
-
 static void print_text(const job *j, const bench_options *o, const figures *f)
 {
-    printf("scene     %s: %zu triangles, %zu lights; %s", o->scene, j->scene->n_tris, j->scene->n_lights, cli_method_name(o->render.method));
+    printf("scene     %s: %zu triangles, %zu lights; %s", o->scene, j->scene->n_tris, j->scene->n_lights,
+           cli_method_name(o->render.method));
     if (o->render.method != LC_METHOD_EXACT)
         printf(", error ratio %g, at most %u clusters", (double)o->render.error_ratio, o->render.max_cut);
     printf("; %s, %u thread%s\n", lc_isa_name(j->ctx->isa), j->ctx->n_threads, j->ctx->n_threads == 1 ? "" : "s");
