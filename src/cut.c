@@ -406,7 +406,9 @@ void lc_exact_shade(const lc_light_tree *t, const lc_bvh *bvh, const lc_point *p
     double sum[3] = { 0, 0, 0 };
     *out = (lc_cut_result){ .size = t->n_lights };
     for (uint32_t first = 0, n; first < t->n_lights; first += n) {
-        for (n = 1; n < BATCH && first + n < t->n_lights && t->lights[first + n].kind == t->lights[first].kind; n++) {}
+        uint32_t kind = t->lights[first].kind, most = t->n_lights - first < BATCH ? t->n_lights - first : BATCH;
+        n = t->n_of_kind[kind] == t->n_lights ? most : 1;
+        while (n < most && t->lights[first + n].kind == kind) n++;
         out->rays += shade_exactly(t, bvh, p, org, first, n, stats, sum);
     }
     out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
