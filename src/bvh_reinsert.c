@@ -12,8 +12,8 @@
 #include <math.h>
 
 #define PASSES 2
-#define SHARE 64 /* one node is moved for so many triangles */
-#define MAX_MOVES 4096
+#define SHARE 28 /* one node is moved for so many triangles */
+#define MAX_MOVES 8192
 #define MAX_VISITS 256 /* of a search */
 #define MAX_DEPTH (LC_BVH_MAX_DEPTH - 2)
 
