@@ -277,7 +277,13 @@ static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n
         const float *const t[3] = { target[0] + first, target[1] + first, target[2] + first };
         LC_FN(rays_init)(&r, org, m, t, far);
         uint64_t stopped = LC_FN(stream)(bvh, &r, m);
-        for (uint32_t i = 0; i < m; i++) hidden[first + i] = stopped >> i & 1;
+        uint32_t i = 0;
+        for (; i + 8 <= m; i += 8) { /* a bit to each byte */
+            uint64_t byte = (stopped >> i & 255) * 0x0101010101010101u & 0x8040201008040201u;
+            byte = (byte + 0x7f7f7f7f7f7f7f7fu) >> 7 & 0x0101010101010101u;
+            for (uint32_t k = 0; k < 8; k++) hidden[first + i + k] = (uint8_t)(byte >> (8 * k));
+        }
+        for (; i < m; i++) hidden[first + i] = stopped >> i & 1;
     }
 }
 
