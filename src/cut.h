@@ -1,10 +1,13 @@
 /* cut.h - chooses a cut of the light tree for one shading point and sums its estimates ([Walter05] 4, [Miksik07] 2.2).
  *
  * Start at the root; while the largest error bound in the cut is above error_ratio * max(total, floor), replace clusters
- * above that limit by their children. All of them have to go as long as the total stays, so a round takes every one whose
- * bound is at least a quarter of the worst at once: one call of the bounds kernel, one of the estimates, one group of
- * shadow rays. Stop at max_cut clusters, where only the worst are taken. The guarantee is per cluster: every cluster left
- * has a bound of at most that limit. It is not a guarantee about their sum, and shadows are bounded by 1.
+ * above that limit by their children. All of them have to go as long as the total stays, so a round takes every one at
+ * once: one call of the bounds kernel, one of the estimates. Shadow rays wait until no bound is above the limit, and then
+ * go out together. Near max_cut only the worst are taken. The guarantee is per cluster: every cluster left has a bound of
+ * at most that limit. It is not a guarantee about their sum, and shadows are bounded by 1.
+ *
+ * Against replacing the worst four at a time (2026-11, stairs, room, cornell at half size): cuts 0.1 to 0.6 % larger, rmse
+ * -1 to +1 %, a quarter to a half of the time.
  *
  * floor is a luminance: dark_floor times the picture's mean. Where the estimate is below it the relative test would
  * never pass (the point sees almost no light), and an error that small can't be seen beside the rest of the picture.

@@ -1,6 +1,6 @@
 /* light_tree.h - the finished tree: one per kind of light, joined by virtual nodes under one root, flattened.
  *
- *     node id = block * 16 + lane; siblings are ids 2k, 2k + 1 ("pair k"); pair 0 holds the root and an empty lane.
+ *     node id = block * 2 + lane; siblings are ids 2k, 2k + 1 ("pair k"); pair 0 holds the root and an empty lane.
  *     link[id]    child pair's first id, or LC_LEAF | light index
  *     pair_kind   what the two nodes of a pair are; LC_PAIR_MIXED below a virtual node, where each lane has its own
  *     rep         n_reps light indices a node: slot s of a parent is slot s of one child, chosen with probability

@@ -217,11 +217,19 @@ static lc_status try_method(job *j, const lc_cut_desc *cut, bool exact, lc_stats
     return st;
 }
 
+/* Bits of n less a half: a logarithm that is the same everywhere. */
+static double doublings(uint64_t n)
+{
+    double bits = -0.5;
+    for (; n; n >>= 1) bits++;
+    return bits;
+}
+
 /* Is the exact method expected to be no slower than these cuts? Never where it would go past max_cut. */
 static lc_status exact_pays(job *j, const lc_cut_desc *cut, bool *pays)
 {
     lc_stats cuts = { 0 }, all = { 0 };
-    double n = j->scene->tree->n_lights, ray = RAY_COST * log2(2 + (double)j->scene->n_tris);
+    double n = j->scene->tree->n_lights, ray = RAY_COST * doublings(j->scene->n_tris);
     *pays = false;
     if ((cut->max_cut && cut->max_cut < n) || n > NEVER_FEW) return LC_OK;
     *pays = n <= ALWAYS_FEW;
