@@ -51,7 +51,7 @@ help:
 	@echo "make demo       install what is missing, build, render the demo pictures to build/demo/"
 	@echo "make test       install what is missing, build, run every test"
 	@echo "make bench      lightcuts bench: kernels, shadow rays, trees, a frame over its own rays"
-	@echo "make accept     full-size comparison with the exact method, about half an hour"
+	@echo "make accept     full-size comparison with the exact method, about 6 minutes"
 	@echo "make fuzz       build the fuzzers, replay their corpora; make fuzz-run SECONDS=n runs each for n seconds"
 	@echo "make san tsan   the tests under ASan and UBSan, under TSan"
 	@echo "make lint       source rules, both compilers"

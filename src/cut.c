@@ -137,7 +137,7 @@ static void bounds_of_mixed(const lc_cut *c, uint32_t pair, const lc_point *p, f
     for (uint32_t i = 0; i < 2; i++) {
         uint32_t id = 2 * pair + i, rep = t->rep[(size_t)id * t->n_reps];
         if (!lc_node_is_virtual(t, id))
-            c->bvh->kernels->bounds(t->blocks, &pair, 1, (lc_light_kind)t->lights[rep].kind, p, both);
+            kernels(c)->bounds(t->blocks, &pair, 1, (lc_light_kind)t->lights[rep].kind, p, both);
         ub[i] = lc_node_is_virtual(t, id) ? INFINITY : both[i];
     }
 }
@@ -231,7 +231,7 @@ static double split_chosen(lc_cut *c, step *s, float limit)
 static double place_root(lc_cut *c, step *s)
 {
     const lc_light_tree *t = c->tree;
-    uint32_t link = t->link[0], kind = lc_node_is_virtual(t, 0) ? LC_PAIR_MIXED : t->pair_kind[0], at = 0;
+    uint32_t link = t->link[0], kind = lc_node_is_virtual(t, 0) ? LC_PAIR_MIXED : t->pair_kind[0];
     s->rep[0] = t->rep[c->slot], s->pair[0] = 0, s->bound[0] = INFINITY;
     if (kind != LC_PAIR_MIXED) {
         kernels(c)->bounds(t->blocks, s->pair, 1, (lc_light_kind)kind, s->point, s->bound);
@@ -240,15 +240,15 @@ static double place_root(lc_cut *c, step *s)
     estimate(c, s, 0, 1, (lc_light_kind)t->lights[s->rep[0]].kind);
     bool inner = s->bound[0] > 0 && !(link & LC_LEAF), lit = s->f[0][0] > 0 || s->f[1][0] > 0 || s->f[2][0] > 0;
     lc_cut_list *list = inner ? &c->open : &c->leaf;
-    list->bound[at] = s->bound[0], list->link[at] = link, list->rep[at] = s->rep[0] | (lit ? LC_PENDING : 0);
+    list->bound[0] = s->bound[0], list->link[0] = link, list->rep[0] = s->rep[0] | (lit ? LC_PENDING : 0);
     for (int k = 0; k < 3; k++) {
-        list->transfer[k][at] = s->f[k][0];
-        list->e[k][at] = s->f[k][0] * t->blocks[0].power[k][0];
+        list->transfer[k][0] = s->f[k][0];
+        list->e[k][0] = s->f[k][0] * t->blocks[0].power[k][0];
     }
     list->n += s->bound[0] > 0;
     if (!inner && c->keep_done) c->done[0] = link;
     c->n_done += !inner;
-    return list->n ? (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at])) : 0;
+    return list->n ? (double)lc_luminance(lc_f3_make(list->e[0][0], list->e[1][0], list->e[2][0])) : 0;
 }
 
 /* Shadow rays of some clusters of a list on their way to the tracer. */
@@ -280,8 +280,9 @@ static double trace_list(const lc_cut *c, lc_cut_list *list, const float org[3],
 {
     const lc_light_tree *t = c->tree;
     double change = 0;
+    ray_group near, far;
     for (uint32_t i = 0; i < list->n;) {
-        ray_group near = { .n = 0 }, far = { .n = 0 };
+        near.n = far.n = 0;
         for (; i < list->n && near.n < BATCH && far.n < BATCH; i++) {
             uint32_t rep = list->rep[i];
             if (!(rep & LC_PENDING)) continue;

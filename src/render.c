@@ -21,8 +21,8 @@
 
 /* Few lights: every one of them is evaluated where that is expected to take no longer than cuts. Cost in nanoseconds,
  * measured on cornell (32 triangles), stairs (15,000) and room (30,000) with AVX-512 on Zen 4, 2026-11; the same everywhere,
- * as the picture depends on the choice. A ray costs RAY_COST for each doubling of the triangles. With 100 to 1600 lights of
- * those scenes the faster method is found each time but within 10 % of the crossing (300 to 700 lights). */
+ * as the picture depends on the choice. A ray costs RAY_COST for each doubling of the triangles. On those scenes the methods
+ * cross between 300 and 700 lights. */
 #define ALWAYS_FEW 16       /* lights: not even asked */
 #define NEVER_FEW 4096
 #define CHOICE_SIDE 16      /* grid of the points that are tried */

@@ -22,7 +22,6 @@ typedef struct {
     _Alignas(32) float d[3][STREAM], inv[3][STREAM], d_max[STREAM];
     uint32_t near[3][STREAM]; /* where the near plane of an axis stands among a node's planes; the far one is 8 behind */
     const float *org;
-    float t_min, t_max;
     vf8 vorg[3], vt_min, vt_max;
 } LC_FN(rays);
 
@@ -39,8 +38,7 @@ static inline void LC_FN(rays_init)(rays *r, const float org[3], uint32_t n, con
 {
     const vf8 zero = vf8_set(0), tiny = vf8_set(1e-30f), minus_tiny = vf8_set(-1e-30f);
     r->org = org;
-    r->t_min = far ? 0 : LC_SHADOW_EPS, r->t_max = far ? FLT_MAX : 1 - LC_SHADOW_EPS;
-    r->vt_min = vf8_set(r->t_min), r->vt_max = vf8_set(r->t_max);
+    r->vt_min = vf8_set(far ? 0 : LC_SHADOW_EPS), r->vt_max = vf8_set(far ? FLT_MAX : 1 - LC_SHADOW_EPS);
     for (uint32_t k = 0; k < 3; k++) {
         r->vorg[k] = vf8_set(org[k]);
         for (uint32_t i = 0; i < n; i++) r->d[k][i] = far ? target[k][i] : target[k][i] - org[k];

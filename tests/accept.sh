@@ -1,7 +1,7 @@
 #!/bin/sh
 # accept.sh - Lightcuts against the exact method on full frames, and how the cost grows with the number of lights.
 #
-#     sh tests/accept.sh build/lightcuts OUTDIR [cornell|stairs|room|cube]...      about half an hour on 2 cores
+#     sh tests/accept.sh build/lightcuts OUTDIR [cornell|stairs|room|cube]...      about 6 minutes on 2 cores
 #
 # First table: cornell 800x800 with 10,000 lights, stairs 800x600 with 10,000, room 800x600 with 12,000; 2 threads, error
 # ratio 0.02, cuts of at most 1000. A line passes with a speedup in render seconds above that of the seed report [Miksik07],
