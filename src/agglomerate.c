@@ -15,6 +15,7 @@
 #include "agglomerate.h"
 
 #include "rng.h"
+#include "tree_build.h"
 
 #define BUCKET 4
 #define PRUNE_SLACK 0.9999 /* of the lower bound, for its rounding; sums of floats above it are below 1e-6 */
@@ -269,7 +270,7 @@ static void run_chain(search *s, neighbour *chain)
     }
 }
 
-lc_status lc_agglomerate(const lc_context *ctx, lc_build_node *nodes, uint32_t n, double c2)
+lc_status lc_agglomerate_nodes(const lc_context *ctx, lc_build_node *nodes, uint32_t n, double c2)
 {
     if (n < 2) return LC_OK;
     search s = { .ctx = ctx, .nodes = nodes, .c2 = c2, .n = n, .n_leaves = 1 };
@@ -292,4 +293,21 @@ lc_status lc_agglomerate(const lc_context *ctx, lc_build_node *nodes, uint32_t n
     lc_free(ctx, s.slot, n, sizeof *s.slot);
     lc_free(ctx, s.cells, 2 * (size_t)s.n_leaves, sizeof *s.cells);
     return ok ? LC_OK : LC_ERR_MEMORY;
+}
+
+lc_status lc_agglomerate(const lc_context *ctx, const lc_build_input *in, lc_build_pair *pairs)
+{
+    size_t total = 2 * (size_t)in->n - 1;
+    lc_build_node *nodes = lc_alloc(ctx, total, sizeof *nodes);
+    if (!nodes) return LC_ERR_MEMORY;
+    for (uint32_t i = 0; i < in->n; i++) {
+        uint32_t light = in->index ? in->index[i] : i;
+        nodes[i] = (lc_build_node){ .child = { LC_NONE, LC_NONE }, .light = light, .cos_cone = 1 };
+        lc_cluster_from_light(&nodes[i].c, &in->lights[light]);
+    }
+    lc_status st = lc_agglomerate_nodes(ctx, nodes, in->n, in->c2);
+    for (size_t i = in->n; i < total && !st; i++)
+        pairs[i - in->n] = (lc_build_pair){ { nodes[i].child[0], nodes[i].child[1] } };
+    lc_free(ctx, nodes, total, sizeof *nodes);
+    return st;
 }

@@ -23,6 +23,6 @@ lc_build_node lc_build_node_merge(const lc_build_node *nodes, uint32_t a, uint32
 
 /* nodes holds n lights and room for 2n - 1; fills the rest. Ties: the previous element of the chain wins, then the
  * first that the search's fixed order meets, so that lights on a grid end too and coincident ones end soon. */
-lc_status lc_agglomerate(const lc_context *ctx, lc_build_node *nodes, uint32_t n, double c2);
+lc_status lc_agglomerate_nodes(const lc_context *ctx, lc_build_node *nodes, uint32_t n, double c2);
 
 #endif

@@ -6,7 +6,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define LC_BLOCK 2 /* lanes of a block of light tree nodes: a pair of siblings */
 #define LC_NONE UINT32_MAX
 
 #define LC_PI 3.14159265358979323846

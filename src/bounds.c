@@ -1,13 +1,18 @@
-/* bounds.c - one block at a time, for tests and for the few places that need no more. */
+/* bounds.c - one node at a time, for tests. */
 #include "bounds.h"
 
 #include "kernels.h"
 
-void lc_bounds_block(const lc_node_block *block, uint32_t first, uint32_t n, lc_light_kind kind, const lc_point *point,
-                     float ub[LC_BLOCK])
+#include <string.h>
+
+float lc_bound(const lc_node *node, const lc_atten *atten, lc_light_kind kind, const lc_point *point)
 {
-    const uint32_t pair = 0;
-    _Alignas(64) float all[LC_LANES];
-    lc_kernels_scalar.bounds(block, &pair, 1, kind, point, all);
-    for (uint32_t k = first; k < first + n; k++) ub[k] = all[k];
+    const uint32_t index = 0;
+    float ub[LC_LANES];
+    lc_node n = *node;
+    lc_atten a = { 0, 0, 1, 0 };
+    if (atten) memcpy(a, *atten, sizeof a);
+    const lc_tree_data tree = { .nodes = &n, .node_atten = atten ? &a : NULL };
+    lc_kernels_scalar.bounds(&tree, &index, 1, kind, point, ub);
+    return ub[0];
 }

@@ -81,16 +81,46 @@ typedef struct {
 
 #define range LC_FN(range)
 
-/* Field `at` (a constant) of the lanes; neighbours come in pairs, of which the compiler loads each once. */
-LC_INLINE vf LC_FN(field)(const float *const *b, size_t at)
-{
-    vf two[2];
-    vf_pairs(b, LC_BLOCK * (at & ~(size_t)1), two);
-    return two[at & 1];
-}
+/* The clusters of the lanes. */
+typedef struct {
+    const lc_tree_data *tree;
+    const uint32_t *index;
+    const float *node[VF_LANES];
+    vf row[4][4]; /* of lc_node */
+} LC_FN(lanes);
 
-#define FIELD(b, name, k) LC_FN(field)(b, offsetof(lc_node_block, name) / (LC_BLOCK * sizeof(float)) + (k))
-#define FIELD3(b, name) ((v3){ FIELD(b, name, 0), FIELD(b, name, 1), FIELD(b, name, 2) })
+#define lanes LC_FN(lanes)
+
+#if LC_ISA_LEVEL == 3
+/* All rows that will be needed, of four nodes at a time, so that addresses stay in registers: there are enough for both. */
+LC_INLINE void LC_FN(load)(lanes *l, int n_rows)
+{
+    vd r[4][4];
+    for (int k = 0; k < 4; k++) {
+        for (int i = k; i < VF_LANES; i += 4) l->node[i] = l->tree->nodes[l->index[i]].center;
+        for (int row = 0; row < n_rows; row++) r[row][k] = vd_row(l->node + k, 4 * (size_t)row);
+    }
+    for (int row = 0; row < n_rows; row++) vf_transpose(r[row], l->row[row]);
+}
+LC_INLINE v3 LC_FN(row)(lanes *l, int k) { return (v3){ l->row[k][0], l->row[k][1], l->row[k][2] }; }
+#else
+LC_INLINE void LC_FN(load)(lanes *l, int n_rows)
+{
+    (void)n_rows;
+    for (int i = 0; i < VF_LANES; i++) l->node[i] = l->tree->nodes[l->index[i]].center;
+}
+LC_INLINE v3 LC_FN(row)(lanes *l, int k)
+{
+    vf_rows(l->node, 4 * (size_t)k, l->row[k]);
+    return (v3){ l->row[k][0], l->row[k][1], l->row[k][2] };
+}
+#endif
+
+#define CENTER(l) LC_FN(row)(l, 0)
+#define HALF(l) LC_FN(row)(l, 1)
+#define POWER(l) LC_FN(row)(l, 2)
+#define AXIS(l) LC_FN(row)(l, 3)
+#define COS_CONE(l) ((l)->row[0][3]) /* after CENTER */
 
 /* m = |c| + half; returns the least |p_k|, not widened. */
 LC_INLINE vf LC_FN(least)(vf c, vf half, vf *m)
@@ -100,11 +130,11 @@ LC_INLINE vf LC_FN(least)(vf c, vf half, vf *m)
     return MAX(SUB(a, half), SET(0));
 }
 
-LC_INLINE rel_box LC_FN(rel_box_make)(const float *const *b, const float x[3])
+LC_INLINE rel_box LC_FN(rel_box_make)(lanes *l, const float x[3])
 {
     rel_box r;
-    v3 center = FIELD3(b, center), d;
-    r.half = FIELD3(b, half);
+    v3 center = CENTER(l), d;
+    r.half = HALF(l);
     r.c = (v3){ SUB(center.x, SET(x[0])), SUB(center.y, SET(x[1])), SUB(center.z, SET(x[2])) };
     d.x = LC_FN(least)(r.c.x, r.half.x, &r.m.x);
     d.y = LC_FN(least)(r.c.y, r.half.y, &r.m.y);
@@ -138,11 +168,11 @@ LC_INLINE vf LC_FN(max_cos)(const range *a, vf q)
 }
 
 /* Greatest cos phi over boxes and cones; <= 0 where all face away. */
-LC_INLINE vf LC_FN(max_emission)(const float *const *b, const rel_box *box)
+LC_INLINE vf LC_FN(max_emission)(lanes *l, const rel_box *box)
 {
     const vf one = SET(1), zero = SET(0), slack = SET(COS_SLACK);
-    vf cc = FIELD(b, cos_cone, 0);
-    range a = LC_FN(range_make)(box, FIELD3(b, axis), true);
+    vf cc = COS_CONE(l);
+    range a = LC_FN(range_make)(box, AXIS(l), true);
     /* all behind: the largest cosine is at the largest distance */
     vf q = vf_sel_gt(zero, a.z1, LC_FN(dot)(box->m, box->m), LC_FN(least_q)(&a, box->d2));
     vf ct = ADD(LC_FN(max_cos)(&a, q), slack);
@@ -153,21 +183,29 @@ LC_INLINE vf LC_FN(max_emission)(const float *const *b, const rel_box *box)
     return vf_sel_gt(SET(NEAR), box->m_sum, one, e);
 }
 
+/* g: greatest cosine over d^2. Returns the greatest receiver cosine times 1 / f(d). */
+LC_INLINE vf LC_FN(attenuated_bound)(lanes *l, const lc_point *p, const rel_box *box, const range *n, vf g)
+{
+    const vf min_d2 = SET(p->min_d2);
+    const float *atten[VF_LANES];
+    vf k[4];
+    for (uint32_t i = 0; i < VF_LANES; i++) atten[i] = l->tree->node_atten[l->index[i]];
+    vf_rows(atten, 0, k);
+    vf ab = ADD(k[0], k[1]), d2c = MAX(box->d2, min_d2), f = ADD(ADD(k[0], MUL(k[1], vf_sqrt(d2c))), MUL(k[2], d2c));
+    vf separate = DIV(LC_FN(max_cos)(n, LC_FN(least_q)(n, box->d2)), f);
+    g = MIN(DIV(g, k[2]), SET(FLT_MAX)); /* where the members' least A, B, C are all 0 */
+    return vf_sel_gt(ab, SET(0), MIN(g, separate), g);
+}
+
 /* Greatest receiver cosine times 1 / f(d). */
-LC_INLINE vf LC_FN(max_geometry)(const float *const *b, const lc_point *p, const rel_box *box, const range *n)
+LC_INLINE vf LC_FN(max_geometry)(lanes *l, const lc_point *p, const rel_box *box, const range *n)
 {
     const vf zero = SET(0), min_d2 = SET(p->min_d2);
-    v3 k = FIELD3(b, atten);
     vf zz = MAX(MUL(SET(0.5f), n->r2), SUB(box->d2, n->r2)); /* z*^2 */
     zz = MIN(MAX(zz, MUL(n->z0, MAX(n->z0, zero))), MUL(n->z1, n->z1));
     vf inv_q = DIV(SET(1), MAX(MAX(ADD(zz, n->r2), box->d2), min_d2));
     vf g = MUL(vf_sqrt(MUL(MAX(zz, min_d2), inv_q)), inv_q);
-    vf ab = ADD(k.x, k.y), unlike = ADD(ab, vf_abs(SUB(k.z, SET(1)))); /* other than 1 / d^2 */
-    if (!vf_any_gt(unlike, zero)) return g;                            /* where g / C is g */
-    vf d2c = MAX(box->d2, min_d2), f = ADD(ADD(k.x, MUL(k.y, vf_sqrt(d2c))), MUL(k.z, d2c));
-    vf separate = DIV(LC_FN(max_cos)(n, LC_FN(least_q)(n, box->d2)), f);
-    g = MIN(DIV(g, k.z), SET(FLT_MAX)); /* where the members' least A, B, C are all 0 */
-    return vf_sel_gt(ab, zero, MIN(g, separate), g);
+    return l->tree->node_atten ? LC_FN(attenuated_bound)(l, p, box, n, g) : g;
 }
 
 /* Greatest power of the Phong lobe's cosine. */
@@ -187,71 +225,67 @@ LC_INLINE v3 LC_FN(weights)(const float f[3])
     return (v3){ SET(0.2126f * SLACK * f[0]), SET(0.7152f * SLACK * f[1]), SET(0.0722f * SLACK * f[2]) };
 }
 
-/* b: as vf_pairs takes them. kind, glossy: constants. */
-LC_INLINE vf LC_FN(bound)(const float *const *b, lc_light_kind kind, bool glossy, const lc_point *p)
+/* kind, glossy: constants. */
+LC_INLINE vf LC_FN(bound)(lanes *l, lc_light_kind kind, bool glossy, const lc_point *p)
 {
     static const float origin[3] = { 0, 0, 0 };
     const vf zero = SET(0);
     const bool directional = kind == LC_LIGHT_DIRECTIONAL;
-    rel_box box = LC_FN(rel_box_make)(b, directional ? origin : p->pos);
+    rel_box box = LC_FN(rel_box_make)(l, directional ? origin : p->pos);
     range n = LC_FN(range_make)(&box, LC_FN(set3)(p->n), false);
     if (!vf_any_gt(n.z1, zero)) return zero; /* behind the horizon */
-    v3 power = FIELD3(b, power);
+    v3 power = POWER(l);
     vf u = LC_FN(dot)(LC_FN(weights)(p->diffuse), power);
     if (glossy) u = ADD(u, MUL(LC_FN(dot)(LC_FN(weights)(p->specular), power), LC_FN(max_lobe)(p, &box)));
     if (directional) u = MUL(u, LC_FN(max_cos)(&n, LC_FN(least_q)(&n, box.d2)));
-    else u = MUL(u, LC_FN(max_geometry)(b, p, &box, &n));
-    if (kind == LC_LIGHT_ORIENTED) u = MAX(MUL(u, LC_FN(max_emission)(b, &box)), zero); /* also NaN: infinite times 0 */
+    else u = MUL(u, LC_FN(max_geometry)(l, p, &box, &n));
+    if (kind == LC_LIGHT_ORIENTED) u = MAX(MUL(u, LC_FN(max_emission)(l, &box)), zero); /* also NaN: infinite times 0 */
     return vf_sel_gt(n.z1, zero, u, zero);
 }
 
-enum { LC_FN(blocks_at_once) = VF_LANES > LC_BLOCK ? VF_LANES / LC_BLOCK : 1 };
-
-LC_INLINE void LC_FN(bounds_of)(const lc_node_block *blocks, const uint32_t *pair, uint32_t n, lc_light_kind kind, bool glossy,
+LC_INLINE void LC_FN(bounds_of)(const lc_tree_data *t, const uint32_t *index, uint32_t n, lc_light_kind kind, bool glossy,
                                 const lc_point *point, float *ub)
 {
-    enum { AT_ONCE = LC_FN(blocks_at_once) };
     const lc_point p = *point; /* that ub can't alias */
-    uint32_t rest[AT_ONCE];
-    for (uint32_t i = 0; i < n; i += AT_ONCE) {
-        const uint32_t *list = pair + i;
-        const float *b[AT_ONCE];
-        if (n - i < AT_ONCE) { /* the last one fills up */
-            for (uint32_t k = 0; k < AT_ONCE; k++) rest[k] = list[k < n - i ? k : n - i - 1];
-            list = rest;
+    uint32_t rest[VF_LANES];
+    lanes l;
+    l.tree = t;
+    for (uint32_t i = 0; i < n; i += VF_LANES) {
+        l.index = index + i;
+        if (n - i < VF_LANES) { /* the last one fills up */
+            for (uint32_t k = 0; k < VF_LANES; k++) rest[k] = index[i + (k < n - i ? k : n - i - 1)];
+            l.index = rest;
         }
-        for (uint32_t k = 0; k < AT_ONCE; k++) b[k] = &blocks[list[k]].center[0][0];
-        vf_store(ub + LC_BLOCK * i, LC_FN(bound)(b, kind, glossy, &p));
-        if (VF_LANES > 1) continue;
-        b[0]++;
-        vf_store(ub + LC_BLOCK * i + 1, LC_FN(bound)(b, kind, glossy, &p));
+        LC_FN(load)(&l, kind == LC_LIGHT_ORIENTED ? 4 : 3);
+        vf_store(ub + i, LC_FN(bound)(&l, kind, glossy, &p));
     }
 }
 
-static void LC_FN(bounds)(const lc_node_block *blocks, const uint32_t *pair, uint32_t n, lc_light_kind kind, const lc_point *p,
-                          float *ub)
+static void LC_FN(bounds)(const lc_tree_data *t, const uint32_t *index, uint32_t n, lc_light_kind kind, const lc_point *p, float *ub)
 {
 #ifdef LC_HALF_AS_WIDE
-    uint32_t rest = n % LC_FN(blocks_at_once);
-    if (rest && rest <= LC_FN(blocks_at_once) / 2) { /* at half the price, and the same bits */
+    uint32_t rest = n % VF_LANES;
+    if (rest && rest <= VF_LANES / 2) { /* at half the price, and the same bits */
         n -= rest;
-        LC_HALF_AS_WIDE.bounds(blocks, pair + n, rest, kind, p, ub + LC_BLOCK * n);
+        LC_HALF_AS_WIDE.bounds(t, index + n, rest, kind, p, ub + n);
     }
 #endif
+#define BOUNDS(kind, glossy) LC_FN(bounds_of)(t, index, n, kind, glossy, p, ub)
     switch (kind) {
     case LC_LIGHT_POINT:
-        if (p->glossy) LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_POINT, true, p, ub);
-        else LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_POINT, false, p, ub);
+        if (p->glossy) BOUNDS(LC_LIGHT_POINT, true);
+        else BOUNDS(LC_LIGHT_POINT, false);
         break;
     case LC_LIGHT_ORIENTED:
-        if (p->glossy) LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_ORIENTED, true, p, ub);
-        else LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_ORIENTED, false, p, ub);
+        if (p->glossy) BOUNDS(LC_LIGHT_ORIENTED, true);
+        else BOUNDS(LC_LIGHT_ORIENTED, false);
         break;
     case LC_LIGHT_DIRECTIONAL:
-        if (p->glossy) LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_DIRECTIONAL, true, p, ub);
-        else LC_FN(bounds_of)(blocks, pair, n, LC_LIGHT_DIRECTIONAL, false, p, ub);
+        if (p->glossy) BOUNDS(LC_LIGHT_DIRECTIONAL, true);
+        else BOUNDS(LC_LIGHT_DIRECTIONAL, false);
         break;
     }
+#undef BOUNDS
 }
 
 #undef U
@@ -265,5 +299,9 @@ static void LC_FN(bounds)(const lc_node_block *blocks, const uint32_t *pair, uin
 #undef v3
 #undef rel_box
 #undef range
-#undef FIELD
-#undef FIELD3
+#undef lanes
+#undef CENTER
+#undef HALF
+#undef POWER
+#undef AXIS
+#undef COS_CONE

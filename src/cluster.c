@@ -81,30 +81,30 @@ static float difference_up(double a, double b)
 
 static float round_down(double x) { return -round_up(-x); }
 
-/* Directions and axis are unit only to float rounding, d = 6e-8 each in length and direction: the cap's cosine moves
+/* Directions and axis are unit only to float rounding, d = 1.2e-7 each in length and direction: the cap's cosine moves
  * by at most d (1 + 2 / |C|), |C| >= 0.05 where a cone is formed. Taken as 4 d (1 + 1 / |C|). */
 static double cone_slack(const lc_cluster *c)
 {
     double s2 = 0;
     for (int k = 0; k < 3; k++) s2 += ((double)c->dlo[k] + c->dhi[k]) * ((double)c->dlo[k] + c->dhi[k]);
-    return 2.4e-7 * (1 + 2 / sqrt(s2));
+    return 4.8e-7 * (1 + 2 / sqrt(s2));
 }
 
-void lc_cluster_store(const lc_cluster *c, lc_node_block *block, uint32_t lane)
+void lc_cluster_store(const lc_cluster *c, lc_node *node, lc_atten *atten)
 {
     double axis[3], cos_cone = lc_cluster_cone(c, axis);
     for (int k = 0; k < 3; k++) {
         double lo = c->lo[k], hi = c->hi[k];
         float center = (float)(0.5 * (lo + hi));
-        block->center[k][lane] = center;
-        block->half[k][lane] = max_f(difference_up(hi, center), difference_up(center, lo));
-        block->power[k][lane] = round_up(c->power[k]);
-        block->axis[k][lane] = (float)axis[k];
-        block->atten[k][lane] = c->atten[k];
+        node->center[k] = center;
+        node->half[k] = max_f(difference_up(hi, center), difference_up(center, lo));
+        node->power[k] = round_up(c->power[k]);
+        node->axis[k] = (float)axis[k];
+        if (atten) (*atten)[k] = c->atten[k];
     }
     bool one_direction = c->dlo[0] == c->dhi[0] && c->dlo[1] == c->dhi[1] && c->dlo[2] == c->dhi[2];
-    for (int k = 0; k < 3 && one_direction; k++) block->axis[k][lane] = c->dlo[k]; /* exact: no slack */
+    for (int k = 0; k < 3 && one_direction; k++) node->axis[k] = c->dlo[k]; /* exact: no slack */
     if (one_direction) cos_cone = 1;
     else if (cos_cone > -1) cos_cone = fmax(-1, cos_cone - cone_slack(c));
-    block->cos_cone[lane] = round_down(cos_cone);
+    node->cos_cone = round_down(cos_cone);
 }

@@ -26,7 +26,7 @@ double lc_cluster_cone(const lc_cluster *c, double axis[3]);
 double lc_cluster_diag2(const lc_cluster *c);
 /* Scalar power used by metric and representatives: (R + G + B) / 3. */
 static inline double lc_cluster_scalar(const lc_cluster *c) { return (c->power[0] + c->power[1] + c->power[2]) / 3; }
-/* Writes the lane that the kernels read, rounding outwards. */
-void lc_cluster_store(const lc_cluster *c, lc_node_block *block, uint32_t lane);
+/* Writes what the kernels read of the node but for children and representative, rounding outwards. atten may be NULL. */
+void lc_cluster_store(const lc_cluster *c, lc_node *node, lc_atten *atten);
 
 #endif

@@ -5,7 +5,7 @@
  *
  * A split replaces a cluster by its two children. One of them has the parent's representative (slots, light_tree.h):
  * its transfer M G V is taken over, only its power is new. The other costs one estimate and, unless that is 0, one
- * shadow ray. Children whose bound is 0 contribute exactly 0 and are done; so are leaves, which are exact.
+ * shadow ray. Children whose bound is 0 contribute exactly 0 and are done; so are lights, which are exact.
  */
 #include "cut.h"
 
@@ -33,6 +33,9 @@ lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *t
     memset(cut, 0, sizeof *cut);
     cut->ctx = ctx, cut->tree = tree, cut->bvh = bvh, cut->desc = *desc, cut->keep_done = keep_done;
     cut->limit = desc->max_cut && desc->max_cut < tree->n_lights ? desc->max_cut : tree->n_lights;
+    uint32_t n_roots = 0;
+    for (int k = 0; k < LC_LIGHT_KINDS; k++) n_roots += tree->n_of_kind[k] > 0;
+    if (cut->limit < n_roots) cut->limit = n_roots; /* they are there from the start */
     lc_cut_list *const lists[] = { &cut->open, &cut->split, &cut->left, &cut->leaf };
     size_t n = capacity(cut);
     cut->memory = lc_alloc_raw(ctx, n, 4 * LC_CUT_WORDS * sizeof *cut->memory); /* without a limit few pages are touched */
@@ -123,73 +126,79 @@ typedef struct {
     const lc_point *point;
     lc_stats *stats;
     lc_cut_pairs pairs;
-    uint32_t pair[BATCH];
-    _Alignas(64) uint32_t link[2 * BATCH + LC_LANES], rep[BATCH + LC_LANES];
-    float fresh[2 * BATCH + LC_LANES], bound[2 * BATCH + LC_LANES];
+    _Alignas(64) uint32_t link[2 * BATCH + LC_LANES], rep[BATCH + LC_LANES], node[2 * BATCH];
+    float fresh[2 * BATCH + LC_LANES], bound[2 * BATCH + LC_LANES], ub[2 * BATCH + LC_LANES];
+    const float *power[2 * BATCH];
     float f[6][BATCH + LC_LANES]; /* M G and shadow ray target of the new representatives */
 } step;
 
-/* Bounds of both nodes of the pair below a virtual node, where each has its own kind. */
-static void bounds_of_mixed(const lc_cut *c, uint32_t pair, const lc_point *p, float ub[2])
+/* Where a cluster's power is, and asks the memory for what else of it will be read. */
+static const float *find_cluster(const lc_tree_data *t, uint32_t link)
 {
-    const lc_light_tree *t = c->tree;
-    _Alignas(64) float both[LC_LANES];
-    for (uint32_t i = 0; i < 2; i++) {
-        uint32_t id = 2 * pair + i, rep = t->rep[(size_t)id * t->n_reps];
-        if (!lc_node_is_virtual(t, id))
-            kernels(c)->bounds(t->blocks, &pair, 1, (lc_light_kind)t->lights[rep].kind, p, both);
-        ub[i] = lc_node_is_virtual(t, id) ? INFINITY : both[i];
+    if (link & LC_LEAF) {
+        const lc_light_rec *light = &t->lights[link & ~LC_LEAF];
+        __builtin_prefetch(light);
+        return light->intensity;
+    }
+    const lc_node *node = &t->nodes[link];
+    __builtin_prefetch(node);
+    return node->power;
+}
+
+/* Finds the children and their new representatives. */
+static void find_children(const lc_cut *c, step *s)
+{
+    const lc_tree_data *t = &c->tree->data;
+    const uint32_t *parent = c->split.link + s->pairs.first;
+    for (uint32_t i = 0; i < s->pairs.n; i++) {
+        const lc_node *node = &t->nodes[parent[i]];
+        uint32_t fresh = lc_node_fresh(c->tree, parent[i], c->slot), right = fresh >> 31;
+        s->link[2 * i] = node->left, s->link[2 * i + 1] = node->right;
+        s->power[2 * i] = find_cluster(t, node->left), s->power[2 * i + 1] = find_cluster(t, node->right);
+        s->rep[i] = fresh & ~LC_FRESH_RIGHT;
+        s->fresh[2 * i] = (float)(1 - right), s->fresh[2 * i + 1] = (float)right;
+        __builtin_prefetch(&t->lights[s->rep[i]]);
     }
 }
 
-/* Finds the children and their new representatives, and asks the memory for what the next steps read. */
-static void find_children(const lc_cut *c, step *s)
+/* Bounds of the children of pairs first .. first + n - 1; 1 for lights, which need none. */
+static void bound(const lc_cut *c, step *s, uint32_t first, uint32_t n, lc_light_kind kind)
 {
-    const lc_light_tree *t = c->tree;
-    const uint32_t *parent_link = c->split.link + s->pairs.first, *parent_rep = c->split.rep + s->pairs.first;
-    uint32_t n = s->pairs.n;
-    for (uint32_t i = 0; i < n; i++) {
-        size_t first = parent_link[i];
-        s->pair[i] = (uint32_t)first / LC_BLOCK;
-        __builtin_prefetch(&t->blocks[first / LC_BLOCK]);
-        __builtin_prefetch(&t->blocks[first / LC_BLOCK].power);
-        __builtin_prefetch(&t->rep[first * t->n_reps + c->slot]);
-        __builtin_prefetch(&t->link[first]);
+    const uint32_t *link = s->link + 2 * first;
+    uint32_t m = 0;
+    for (uint32_t i = 0; i < 2 * n; i++) {
+        s->node[m] = link[i];
+        m += !(link[i] & LC_LEAF);
     }
-    for (uint32_t i = 0; i < n; i++) {
-        size_t first = parent_link[i];
-        uint32_t left = t->rep[first * t->n_reps + c->slot], right = t->rep[(first + 1) * t->n_reps + c->slot];
-        bool shared = left == (parent_rep[i] & ~LC_PENDING); /* by the left child: the right one's is new */
-        s->rep[i] = shared ? right : left;
-        s->fresh[2 * i] = shared ? 0 : 1;
-        s->fresh[2 * i + 1] = shared ? 1 : 0;
-        __builtin_prefetch(&t->lights[s->rep[i]]);
+    s->stats->bounds += m;
+    if (m == 2 * n) {
+        kernels(c)->bounds(&c->tree->data, link, m, kind, s->point, s->bound + 2 * first);
+        return;
     }
-    for (uint32_t i = 0; i < n; i++) memcpy(&s->link[2 * i], &t->link[parent_link[i]], 2 * sizeof *s->link);
+    kernels(c)->bounds(&c->tree->data, s->node, m, kind, s->point, s->ub);
+    for (uint32_t i = 0, k = 0; i < 2 * n; i++) {
+        bool leaf = link[i] & LC_LEAF;
+        s->bound[2 * first + i] = leaf ? 1 : s->ub[k];
+        k += !leaf;
+    }
 }
 
 /* M G of the new representatives of pairs first .. first + n - 1, all of one kind. */
 static void estimate(const lc_cut *c, step *s, uint32_t first, uint32_t n, lc_light_kind kind)
 {
     float *const out[6] = { s->f[0] + first, s->f[1] + first, s->f[2] + first, s->f[3] + first, s->f[4] + first, s->f[5] + first };
-    kernels(c)->estimate(c->tree->lights, s->rep + first, n, kind, s->point, out);
+    kernels(c)->estimate(&c->tree->data, 0, s->rep + first, n, kind, s->point, out);
 }
 
-/* Bounds of the children of pairs first .. first + n - 1, all of one kind, and their new representatives' M G. */
-static void evaluate_run(const lc_cut *c, step *s, uint32_t first, uint32_t n, uint32_t kind)
+/* How many of the parents from the i-th on are of its kind. */
+static uint32_t run_length(const lc_cut *c, const step *s, uint32_t i, lc_light_kind kind)
 {
     const lc_light_tree *t = c->tree;
-    if (kind != LC_PAIR_MIXED) {
-        kernels(c)->bounds(t->blocks, s->pair + first, n, (lc_light_kind)kind, s->point, s->bound + 2 * first);
-        lc_phase_end(s->stats, LC_PHASE_BOUNDS);
-        estimate(c, s, first, n, (lc_light_kind)kind);
-        lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
-        return;
-    }
-    for (uint32_t i = first; i < first + n; i++) {
-        bounds_of_mixed(c, s->pair[i], s->point, &s->bound[2 * i]);
-        estimate(c, s, i, 1, (lc_light_kind)t->lights[s->rep[i]].kind);
-    }
+    const uint32_t *parent = c->split.link + s->pairs.first;
+    uint32_t run = 1;
+    if (t->n_of_kind[kind] == t->n_lights) return s->pairs.n - i;
+    while (i + run < s->pairs.n && lc_kind_of_node(t, parent[i + run]) == kind) run++;
+    return run;
 }
 
 /* Counts the children that are done. */
@@ -207,7 +216,6 @@ static double split_chosen(lc_cut *c, step *s, float limit)
     double change = 0;
     uint32_t n = c->split.n;
     c->split.n = 0;
-    s->stats->bounds += 2 * n;
     s->pairs.limit = limit;
     for (uint32_t at = 0; at < n; at += s->pairs.n) {
         uint32_t run, n_inner = c->open.n + c->left.n;
@@ -216,9 +224,12 @@ static double split_chosen(lc_cut *c, step *s, float limit)
         find_children(c, s);
         lc_phase_end(s->stats, LC_PHASE_HEAP);
         for (uint32_t i = 0; i < s->pairs.n; i += run) {
-            uint8_t kind = c->tree->pair_kind[s->pair[i]];
-            for (run = 1; i + run < s->pairs.n && c->tree->pair_kind[s->pair[i + run]] == kind; run++) {}
-            evaluate_run(c, s, i, run, kind);
+            lc_light_kind kind = lc_kind_of_node(c->tree, c->split.link[at + i]);
+            run = run_length(c, s, i, kind);
+            bound(c, s, i, run, kind);
+            lc_phase_end(s->stats, LC_PHASE_BOUNDS);
+            estimate(c, s, i, run, kind);
+            lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
         }
         change += kernels(c)->place(&s->pairs, &c->open, &c->left, &c->leaf);
         count_done(c, s, c->open.n + c->left.n - n_inner);
@@ -227,28 +238,39 @@ static double split_chosen(lc_cut *c, step *s, float limit)
     return change;
 }
 
-/* Returns the total's luminance. */
-static double place_root(lc_cut *c, step *s)
+/* Puts the root of one kind into its list. Returns its luminance. */
+static double place_root(lc_cut *c, step *s, lc_light_kind kind)
 {
     const lc_light_tree *t = c->tree;
-    uint32_t link = t->link[0], kind = lc_node_is_virtual(t, 0) ? LC_PAIR_MIXED : t->pair_kind[0];
-    s->rep[0] = t->rep[c->slot], s->pair[0] = 0, s->bound[0] = INFINITY;
-    if (kind != LC_PAIR_MIXED) {
-        kernels(c)->bounds(t->blocks, s->pair, 1, (lc_light_kind)kind, s->point, s->bound);
-        s->stats->bounds++;
-    }
-    estimate(c, s, 0, 1, (lc_light_kind)t->lights[s->rep[0]].kind);
-    bool inner = s->bound[0] > 0 && !(link & LC_LEAF), lit = s->f[0][0] > 0 || s->f[1][0] > 0 || s->f[2][0] > 0;
-    lc_cut_list *list = inner ? &c->open : &c->leaf;
-    list->bound[0] = s->bound[0], list->link[0] = link, list->rep[0] = s->rep[0] | (lit ? LC_PENDING : 0);
-    for (int k = 0; k < 3; k++) {
-        list->transfer[k][0] = s->f[k][0];
-        list->e[k][0] = s->f[k][0] * t->blocks[0].power[k][0];
-    }
-    list->n += s->bound[0] > 0;
-    if (!inner && c->keep_done) c->done[0] = link;
+    uint32_t link = t->root[kind];
+    bool inner = !(link & LC_LEAF), lit;
+    s->rep[0] = t->root_rep[kind][c->slot], s->bound[0] = 1;
+    if (inner) kernels(c)->bounds(&t->data, &link, 1, kind, s->point, s->bound);
+    s->stats->bounds += inner;
+    estimate(c, s, 0, 1, kind);
+    lit = s->f[0][0] > 0 || s->f[1][0] > 0 || s->f[2][0] > 0;
+    inner &= s->bound[0] > 0;
+    if (!inner && c->keep_done) c->done[c->n_done] = link;
     c->n_done += !inner;
-    return list->n ? (double)lc_luminance(lc_f3_make(list->e[0][0], list->e[1][0], list->e[2][0])) : 0;
+    if (!(s->bound[0] > 0)) return 0;
+    lc_cut_list *list = inner ? &c->open : &c->leaf;
+    const float *power = find_cluster(&t->data, link);
+    uint32_t at = list->n++;
+    list->bound[at] = s->bound[0], list->link[at] = link, list->rep[at] = s->rep[0] | (lit ? LC_PENDING : 0);
+    for (int k = 0; k < 3; k++) {
+        list->transfer[k][at] = s->f[k][0];
+        list->e[k][at] = s->f[k][0] * power[k];
+    }
+    return (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
+}
+
+/* Returns the total's luminance. */
+static double place_roots(lc_cut *c, step *s)
+{
+    double total = 0;
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        if (c->tree->n_of_kind[kind]) total += place_root(c, s, (lc_light_kind)kind);
+    return total;
 }
 
 /* Shadow rays of some clusters of a list on their way to the tracer. */
@@ -286,12 +308,11 @@ static double trace_list(const lc_cut *c, lc_cut_list *list, const float org[3],
         for (; i < list->n && near.n < BATCH && far.n < BATCH; i++) {
             uint32_t rep = list->rep[i];
             if (!(rep & LC_PENDING)) continue;
-            const lc_light_rec *light = &t->lights[rep & ~LC_PENDING];
-            bool is_far = light->kind == LC_LIGHT_DIRECTIONAL;
-            ray_group *g = is_far ? &far : &near;
-            for (int k = 0; k < 3; k++) g->target[k][g->n] = is_far ? -light->dir[k] : light->pos[k];
+            rep &= ~LC_PENDING;
+            ray_group *g = rep >= t->first_light[LC_LIGHT_DIRECTIONAL] ? &far : &near;
+            for (int k = 0; k < 3; k++) g->target[k][g->n] = t->data.lights[rep].pos[k];
             g->at[g->n++] = i;
-            list->rep[i] = rep & ~LC_PENDING;
+            list->rep[i] = rep;
         }
         if (near.n) change += trace(c, list, &near, org, false, stats);
         if (far.n) change += trace(c, list, &far, org, true, stats);
@@ -346,7 +367,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     uint64_t rays_before = stats->shadow_rays;
     step s;
     s.point = p, s.stats = stats;
-    s.pairs = (lc_cut_pairs){ .parent = &c->split, .blocks = c->tree->blocks, .bound = s.bound, .link = s.link,
+    s.pairs = (lc_cut_pairs){ .parent = &c->split, .bound = s.bound, .link = s.link, .power = s.power,
                               .fresh = s.fresh, .rep = s.rep, .transfer = { s.f[0], s.f[1], s.f[2] } };
     *out = (lc_cut_result){ 0 };
     c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = 0;
@@ -354,7 +375,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     stats->points++;
     if (!c->tree->n_lights) return;
     c->slot = (uint32_t)(hash % c->tree->n_reps);
-    double total = place_root(c, &s);
+    double total = place_roots(c, &s);
     for (bool traced = false;;) {
         float limit = round_down(ratio * (total > floor_lum ? total : floor_lum));
         if (traced) kernels(c)->partition(&c->left, limit, &c->open, &c->left);
@@ -373,17 +394,16 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     finish(c, rays_before, stats, out);
 }
 
-/* Every light of tree->lights[first .. first + n), all of one kind, n <= BATCH. */
-static uint32_t shade_exactly(const lc_light_tree *t, const lc_bvh *bvh, const lc_point *p, const float org[3], uint32_t first,
-                              uint32_t n, lc_stats *stats, double sum[3])
+/* Lights first .. first + n - 1, all of one kind, n <= BATCH. */
+static uint32_t shade_exactly(const lc_light_tree *t, const lc_bvh *bvh, const lc_point *p, const float org[3], lc_light_kind kind,
+                              uint32_t first, uint32_t n, lc_stats *stats, double sum[3])
 {
-    const lc_light_kind kind = (lc_light_kind)t->lights[first].kind;
     _Alignas(64) float f[6][BATCH];
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
     const float *const target[3] = { f[3], f[4], f[5] };
     uint8_t hidden[BATCH];
     uint32_t lit[BATCH], m = 0;
-    bvh->kernels->estimate(t->lights + first, NULL, n, kind, p, out);
+    bvh->kernels->estimate(&t->data, first, NULL, n, kind, p, out);
     for (uint32_t i = 0; i < n; i++) {
         lit[m] = i;
         m += f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0;
@@ -395,7 +415,7 @@ static uint32_t shade_exactly(const lc_light_tree *t, const lc_bvh *bvh, const l
     lc_phase_end(stats, LC_PHASE_SHADOW);
     for (uint32_t i = 0; i < m; i++) {
         uint32_t at = lit[i];
-        const float *power = t->lights[first + at].intensity, v = hidden[i] ? 0 : 1; /* a branch on it would be a gamble */
+        const float *power = t->data.lights[first + at].intensity, v = hidden[i] ? 0 : 1; /* a branch on it would be a gamble */
         for (int k = 0; k < 3; k++) sum[k] += (double)(v * (f[k][at] * power[k]));
     }
     return m;
@@ -406,25 +426,25 @@ void lc_exact_shade(const lc_light_tree *t, const lc_bvh *bvh, const lc_point *p
 {
     double sum[3] = { 0, 0, 0 };
     *out = (lc_cut_result){ .size = t->n_lights };
-    for (uint32_t first = 0, n; first < t->n_lights; first += n) {
-        uint32_t kind = t->lights[first].kind, most = t->n_lights - first < BATCH ? t->n_lights - first : BATCH;
-        n = t->n_of_kind[kind] == t->n_lights ? most : 1;
-        while (n < most && t->lights[first + n].kind == kind) n++;
-        out->rays += shade_exactly(t, bvh, p, org, first, n, stats, sum);
-    }
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        for (uint32_t first = t->first_light[kind], n, end = t->first_light[kind + 1]; first < end; first += n) {
+            n = end - first < BATCH ? end - first : BATCH;
+            out->rays += shade_exactly(t, bvh, p, org, (lc_light_kind)kind, first, n, stats, sum);
+        }
     out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
     stats->points++;
     stats->shadow_rays += out->rays;
     stats->cut_sum += out->size;
 }
 
-/* Clusters are checked by their links, as a link belongs to one node. */
+/* Clusters are checked by their links. */
 const char *lc_cut_validate(const lc_cut *c)
 {
     const lc_light_tree *t = c->tree;
     const char *wrong = NULL;
+    size_t room = (size_t)t->n_nodes + t->n_lights;
     uint8_t *seen = lc_alloc(c->ctx, t->n_lights, 1);
-    uint32_t *stack = lc_alloc(c->ctx, 2 * t->n_pairs, sizeof *stack), n = 0;
+    uint32_t *stack = lc_alloc(c->ctx, room, sizeof *stack), n = 0;
     if (!seen || !stack) wrong = "out of memory";
     for (uint32_t i = 0; i < c->left.n && !wrong; i++) stack[n++] = c->left.link[i];
     for (uint32_t i = 0; i < c->n_done && !wrong; i++) stack[n++] = c->done[i];
@@ -432,16 +452,16 @@ const char *lc_cut_validate(const lc_cut *c)
         uint32_t link = stack[--n];
         if (link & LC_LEAF) {
             if (seen[link & ~LC_LEAF]++) wrong = "a light is under two nodes of the cut";
-        } else if (n + 2 > 2 * t->n_pairs) {
+        } else if (n + 2 > room) {
             wrong = "a node is in the cut twice";
         } else {
-            stack[n++] = t->link[link];
-            stack[n++] = t->link[link + 1];
+            stack[n++] = t->data.nodes[link].left;
+            stack[n++] = t->data.nodes[link].right;
         }
     }
     for (uint32_t i = 0; i < t->n_lights && !wrong; i++)
         if (!seen[i]) wrong = "a light is under no node of the cut";
-    lc_free(c->ctx, stack, 2 * t->n_pairs, sizeof *stack);
+    lc_free(c->ctx, stack, room, sizeof *stack);
     lc_free(c->ctx, seen, t->n_lights, 1);
     return wrong;
 }

@@ -1,7 +1,7 @@
 /* cut.h - chooses a cut of the light tree for one shading point and sums its estimates ([Walter05] 4, [Miksik07] 2.2).
  *
- * Start at the root; while the largest error bound in the cut is above error_ratio * max(total, floor), replace clusters
- * above that limit by their children. All of them have to go as long as the total stays, so a round takes every one at
+ * Start at the roots, one a kind of light; while the largest error bound in the cut is above error_ratio * max(total, floor),
+ * replace clusters above that limit by their children. All of them have to go as long as the total stays, so a round takes every one at
  * once: one call of the bounds kernel, one of the estimates. Shadow rays wait until no bound is above the limit, and then
  * go out together. Near max_cut only the worst are taken. The guarantee is per cluster: every cluster left has a bound of
  * at most that limit. It is not a guarantee about their sum, and shadows are bounded by 1.
@@ -24,7 +24,7 @@
 
 typedef struct lc_cut_desc {
     float error_ratio;
-    uint32_t max_cut; /* 0: no limit */
+    uint32_t max_cut; /* 0: no limit; never below the number of kinds */
     float floor;      /* luminance of reflected radiance, W/(m^2 sr) */
 } lc_cut_desc;
 

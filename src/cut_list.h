@@ -8,7 +8,7 @@
 typedef struct lc_cut_list {
     uint32_t n;
     float *bound;       /* luminance, > 0 */
-    uint32_t *link;     /* of the light tree node: its children, or LC_LEAF | light */
+    uint32_t *link;     /* node, or LC_LEAF | light */
     uint32_t *rep;      /* light index, and LC_PENDING while its shadow ray is to be traced: V is taken as 1 until then */
     float *transfer[3]; /* M G V of the representative */
     float *e[3];        /* the estimate: transfer times power */
@@ -23,9 +23,9 @@ typedef struct lc_cut_pairs {
     uint32_t n;                /* pairs */
     const lc_cut_list *parent;
     uint32_t first;            /* of the parents in it */
-    const lc_node_block *blocks;
-    const float *bound;        /* two a pair */
+    const float *bound;        /* two a pair; of a leaf: anything > 0 */
     const uint32_t *link;      /* two a pair */
+    const float *const *power; /* two a pair: where four floats lie, R G B of the summed power first */
     const float *fresh;        /* two a pair: 1 for the child with a representative of its own, 0 for the other */
     const uint32_t *rep;       /* one a pair: that representative */
     const float *transfer[3];  /* one a pair: its M G */

@@ -29,14 +29,13 @@ static inline double LC_FN(place_four)(const lc_cut_pairs *p, uint32_t i, uint32
 {
     const vf8 zero = vf8_set(0), half = vf8_set(0.5f);
     const lc_cut_list *parent = p->parent;
-    const float *block[4];
+    const float *power[8];
     _Alignas(32) float lum[8], parent_lum[8];
     eight x;
     uint32_t from = p->first + i;
-    for (uint32_t k = 0; k < 4; k++) {
-        uint32_t at = i + k < p->n ? from + k : from;
-        block[k] = &p->blocks[parent->link[at] / LC_BLOCK].center[0][0];
-    }
+    vf8 watts[4];
+    for (uint32_t k = 0; k < 8; k++) power[k] = p->power[2 * i + (lanes >> k & 1 ? k : 0)];
+    vf8_rows(power, watts);
     vf8 bound = vf8_loadu(p->bound + 2 * i), fresh = vf8_loadu(p->fresh + 2 * i), own[3], pe[3];
     x.word[0] = bound;
     x.word[1] = vf8_loadu(p->link + 2 * i);
@@ -44,8 +43,7 @@ static inline double LC_FN(place_four)(const lc_cut_pairs *p, uint32_t i, uint32
         own[k] = vf8_twice(p->transfer[k] + i);
         vf8 t = vf8_sel_gt(fresh, half, own[k], vf8_twice(parent->transfer[k] + from));
         x.word[3 + k] = vf8_sel_gt(bound, zero, t, zero);
-        x.word[6 + k] = vf8_mul(x.word[3 + k],
-                                vf8_pairs(block, offsetof(lc_node_block, power) / sizeof(float) + LC_BLOCK * (size_t)k));
+        x.word[6 + k] = vf8_mul(x.word[3 + k], watts[k]);
         pe[k] = vf8_twice(parent->e[k] + from);
     }
     vf8 lit = vf8_max(vf8_max(own[0], own[1]), own[2]), rep = vf8_twice(p->rep + i);

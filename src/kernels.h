@@ -29,12 +29,13 @@ typedef struct lc_hit {
 #define LC_LANES 16
 
 typedef struct lc_kernels {
-    /* Bounds of blocks pair[0 .. n), all of one kind, to ub[2 i] and ub[2 i + 1]; see bounds.h. */
-    void (*bounds)(const lc_node_block *blocks, const uint32_t *pair, uint32_t n, lc_light_kind kind,
-                   const lc_point *point, float *ub);
-    /* Transfers of lights index[0 .. n), or 0 .. n - 1 where index is NULL, all of one kind, as lc_shade_light gives
-     * them: R G B to out[0 .. 2], the target of the shadow ray (position, or direction towards the light) to out[3 .. 5]. */
-    void (*estimate)(const lc_light_rec *lights, const uint32_t *index, uint32_t n, lc_light_kind kind,
+    /* Bounds of nodes index[0 .. n), all of one kind, to ub; see bounds.h. */
+    void (*bounds)(const lc_tree_data *tree, const uint32_t *index, uint32_t n, lc_light_kind kind, const lc_point *point,
+                   float *ub);
+    /* Transfers of lights index[0 .. n), or first .. first + n - 1 where index is NULL, all of one kind, as lc_shade_light
+     * gives them: R G B to out[0 .. 2], the target of the shadow ray (position, or direction towards the light) to
+     * out[3 .. 5]. */
+    void (*estimate)(const lc_tree_data *tree, uint32_t first, const uint32_t *index, uint32_t n, lc_light_kind kind,
                      const lc_point *point, float *const out[6]);
     /* Puts children into the lists: above the limit to open, else to left, leaves to leaf, bounds of 0 nowhere. Returns
      * the change of the total's luminance. */

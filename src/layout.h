@@ -1,13 +1,10 @@
 /* layout.h - every struct that a kernel reads; sizes asserted.
  *
- * Light tree nodes: a block is a pair of siblings, structure of arrays, two cache lines. Node ids are block * 2 + lane.
- * The bounds kernel takes several blocks at a time: a field of four is four loads of two floats into eight lanes.
- * (Blocks of 16 lanes, a cache line a field, lost: a split touched 14 lines for two nodes.)
- *
- *     lane        0     1
- *     center[0]   left  right     box of positions (directional: of unit directions towards the light) as centre and
- *     half[0]                     half extent: every member p has |p_k - center_k| <= half_k in exact arithmetic
- *     ...
+ * Light tree: a cluster is a cache line, a light half of one, each in rows of four words, so that kernels load a row of as
+ * many clusters or lights as they have lanes and transpose it. Lights are the leaves: there is no node for them. 96 bytes a
+ * light, if it falls off as 1/d^2; other attenuation lies in arrays of its own.
+ * (Blocks of 16 lanes, a cache line a field, lost: a split touched 14 lines for two nodes. Pairs of siblings with nodes for
+ * the leaves too were as fast, at 209 bytes a light.)
  *
  * Distance floor. Estimate and bound use d2 = max(|y - x|^2, min_d2) wherever they divide by f(d), so a point on a
  * light gives a finite number; min_d2 is 1e-10 of the squared diagonal of the scene.
@@ -27,15 +24,45 @@
 #define LC_MIN_REFLECTANCE 1e-10f /* diffuse and specular of lc_point below this are 0 */
 #define LC_TINY_D2 1e-36f /* squares of lengths below this count as this where a cosine is formed: no division by 0 */
 
-typedef struct lc_node_block {
-    float center[3][LC_BLOCK]; /* world space */
-    float half[3][LC_BLOCK];   /* >= 0, rounded up */
-    float atten[3][LC_BLOCK];  /* point, oriented: least A, B, C of the members */
-    float power[3][LC_BLOCK];  /* summed intensity R G B, rounded up; also what the estimate uses */
-    float axis[3][LC_BLOCK];   /* oriented: unit axis of the cone that holds every emission direction */
-    float cos_cone[LC_BLOCK];  /* oriented: cosine of its half angle, rounded down; -1 = all directions */
-} lc_node_block;
-_Static_assert(sizeof(lc_node_block) == 2 * 64, "two cache lines");
+/* A cluster of at least two lights. Its box is of positions (directional: of unit directions towards the light) as centre and
+ * half extent: every member p has |p_k - center_k| <= half_k in exact arithmetic. A child is a node, or LC_LEAF | light. */
+typedef struct lc_node {
+    float center[3];   /* world space */
+    float cos_cone;    /* oriented: cosine of the cone's half angle, rounded down; -1 = all directions */
+    float half[3];     /* >= 0, rounded up */
+    uint32_t left;     /* child */
+    float power[3];    /* summed intensity R G B, rounded up; also what the estimate uses */
+    uint32_t right;    /* child */
+    float axis[3];     /* oriented: unit axis of the cone that holds every emission direction */
+    uint32_t fresh;    /* of slot 0: the light that represents the child that does not have the node's own representative;
+                        * LC_FRESH_RIGHT: that child is the right one */
+} lc_node;
+_Static_assert(sizeof(lc_node) == 64, "a cache line");
+
+#define LC_LEAF 0x80000000u
+#define LC_FRESH_RIGHT 0x80000000u
+
+/* One light as the estimate reads it. Where the kind's place in the tree is needed it follows from the index. */
+typedef struct lc_light_rec {
+    float pos[3];       /* directional: unit direction towards the light */
+    uint32_t dir_a;     /* oriented: the way light travels, see direction.h */
+    float intensity[3];
+    uint32_t dir_b;
+} lc_light_rec;
+_Static_assert(sizeof(lc_light_rec) == 32, "half a cache line");
+
+#define LC_DIR_FLAG 0x40000000u
+#define LC_DIR_SIGN 1u
+
+/* A, B, C of f(d), and a word unused: of a light, or the least ones of a cluster. */
+typedef float lc_atten[4];
+
+/* What the kernels read of a light tree. Attenuation arrays are NULL where all are 0, 0, 1: inverse square. */
+typedef struct lc_tree_data {
+    lc_node *nodes;
+    lc_light_rec *lights;
+    lc_atten *node_atten, *light_atten;
+} lc_tree_data;
 
 /* What estimate and bound need to know of one shading point. Filled by lc_point_init (shade.h). */
 typedef struct lc_point {
@@ -48,19 +75,6 @@ typedef struct lc_point {
     float min_d2;
     bool glossy;       /* some specular > 0 */
 } lc_point;
-
-/* One light as the estimate reads it: a cache line of four rows, so that a row of several lights is one transpose. */
-typedef struct lc_light_rec {
-    float pos[3];
-    uint32_t kind; /* lc_light_kind */
-    float atten[3];
-    uint32_t pad_atten;
-    float dir[3];  /* as lc_light.dir */
-    uint32_t pad_dir;
-    float intensity[3];
-    uint32_t pad_intensity;
-} lc_light_rec;
-_Static_assert(sizeof(lc_light_rec) == 64, "one cache line");
 
 /* Eight-wide BVH node. Lanes without a child have lo > hi. */
 typedef struct lc_bvh_node {

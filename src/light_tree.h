@@ -1,12 +1,14 @@
-/* light_tree.h - the finished tree: one per kind of light, joined by virtual nodes under one root, flattened.
+/* light_tree.h - the finished tree: one per kind of light, flattened.
  *
- *     node id = block * 2 + lane; siblings are ids 2k, 2k + 1 ("pair k"); pair 0 holds the root and an empty lane.
- *     link[id]    child pair's first id, or LC_LEAF | light index
- *     pair_kind   what the two nodes of a pair are; LC_PAIR_MIXED below a virtual node, where each lane has its own
- *     rep         n_reps light indices a node: slot s of a parent is slot s of one child, chosen with probability
- *                 I_child / I_parent from a hash of the node, so P(light) = I_light / I_node at every node
+ *     link        what a cluster is called: a node's id, or LC_LEAF | light
+ *     nodes       those of one kind in a row, kinds in rising order, in treelets of three levels, depth first, so that a
+ *                 descent stays on the same cache lines; parents before children
+ *     lights      in the order in which the treelets meet them, kinds in rising order
+ *     fresh       representatives: slot s of a cluster is slot s of one child, chosen with probability I_child / I_cluster
+ *                 from a hash of the cluster, so P(light) = I_light / I_cluster at every cluster. A node keeps who
+ *                 represents the other child; its own representative is known from above, and of the root kept apart
  *
- * Lights lie in the order of the leaves. Pairs lie in treelets of three levels, so a descent stays on the same cache lines.
+ * Bytes: 96 a light; with other attenuation than 1/d^2 32 more; 4 more for each slot after the first.
  */
 #ifndef LC_LIGHT_TREE_H
 #define LC_LIGHT_TREE_H
@@ -14,21 +16,18 @@
 #include "arena.h"
 #include "layout.h"
 
-#define LC_LEAF 0x80000000u
-#define LC_PAIR_MIXED 3
 #define LC_MAX_REPS 32
 
 typedef struct lc_light_tree lc_light_tree;
 struct lc_light_tree {
     const lc_context *ctx;
-    lc_node_block *blocks;
-    uint32_t *link;
-    uint8_t *pair_kind;
-    uint32_t *rep;
-    lc_light_rec *lights;
-    size_t n_blocks, n_pairs; /* link and rep have 2 n_pairs nodes */
-    uint32_t n_lights, n_reps;
+    lc_tree_data data;
+    uint32_t *more_fresh; /* slots 1 .. n_reps - 1 of each node as lc_node.fresh; NULL where n_reps is 1 */
+    uint32_t n_nodes, n_lights, n_reps;
     uint32_t n_of_kind[LC_LIGHT_KINDS];
+    uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
+    uint32_t root[LC_LIGHT_KINDS];                   /* link; LC_NONE: no light of that kind */
+    uint32_t root_rep[LC_LIGHT_KINDS][LC_MAX_REPS];  /* representatives of the roots */
 };
 
 typedef struct lc_light_tree_desc {
@@ -41,14 +40,27 @@ typedef struct lc_light_tree_desc {
 
 lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_tree **out);
 void lc_light_tree_destroy(lc_light_tree *tree);
-size_t lc_light_tree_bytes(const lc_light_tree *tree);
+size_t lc_light_tree_bytes(const lc_light_tree *tree); /* of the arrays */
 
-static inline bool lc_node_is_leaf(const lc_light_tree *t, uint32_t id) { return (t->link[id] & LC_LEAF) != 0; }
-
-/* A node that joins trees of different kinds: nothing bounds it but the sum of its children. */
-static inline bool lc_node_is_virtual(const lc_light_tree *t, uint32_t id)
+static inline uint32_t lc_node_fresh(const lc_light_tree *t, uint32_t id, uint32_t slot)
 {
-    return !lc_node_is_leaf(t, id) && t->pair_kind[t->link[id] / 2] == LC_PAIR_MIXED;
+    return slot ? t->more_fresh[(size_t)id * (t->n_reps - 1) + slot - 1] : t->data.nodes[id].fresh;
+}
+
+static inline lc_light_kind lc_kind_of_node(const lc_light_tree *t, uint32_t id)
+{
+    return id < t->first_node[1] ? LC_LIGHT_POINT : id < t->first_node[2] ? LC_LIGHT_ORIENTED : LC_LIGHT_DIRECTIONAL;
+}
+
+static inline lc_light_kind lc_kind_of_light(const lc_light_tree *t, uint32_t light)
+{
+    return light < t->first_light[1] ? LC_LIGHT_POINT : light < t->first_light[2] ? LC_LIGHT_ORIENTED : LC_LIGHT_DIRECTIONAL;
+}
+
+/* A, B, C of a light, or NULL where all are 0, 0, 1. */
+static inline const float *lc_light_atten(const lc_tree_data *t, uint32_t light)
+{
+    return t->light_atten ? t->light_atten[light] : NULL;
 }
 
 /* Checks partition, boxes, cones, sums, links, representatives; NULL when all hold, else what does not. */

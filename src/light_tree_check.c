@@ -1,13 +1,15 @@
 /* light_tree_check.c - lc_light_tree_validate: what light_tree.h and layout.h promise, looked up in a finished tree.
  *
- *     walk    root -> leaves with a stack, so any depth: every pair and every light met once
+ *     walk    roots -> lights with a stack, so any depth: every node and every light met once
  *     join    the walk backwards, children before parents: each node's own box, box of directions, sum, least
- *             attenuation and set of kinds from its two children's, each compared with what is stored
+ *             attenuation and representatives from its two children's, each compared with what is stored
  *
  * Linear in the number of lights but for cones that are narrower than the box of directions gives: those look at every
  * direction below them.
  */
 #include "light_tree.h"
+
+#include "direction.h"
 
 typedef struct {
     float lo[3], hi[3];   /* positions; directional: towards the light */
@@ -15,58 +17,82 @@ typedef struct {
     float atten[3];
     double power[3];
     double len2_min, len2_max; /* oriented: squared length of the directions, 1 but for rounding */
-    uint32_t kinds;            /* bit k: a light of kind k is below */
 } sums;
 
 typedef struct {
     const lc_light_tree *t;
     uint32_t *order; /* nodes, parents before children */
     uint32_t n_order;
-    uint8_t *seen; /* by pair, then by light */
+    uint8_t *node_seen, *light_seen;
     sums *sums;    /* by node */
+    uint32_t *rep; /* by node: the representative of the slot looked at */
 } check;
 
 static float min_f(float a, float b) { return b < a ? b : a; }
 static float max_f(float a, float b) { return b > a ? b : a; }
 
+static lc_f3 direction(const lc_light_rec *l) { return lc_dir_unpack((const uint32_t[2]){ l->dir_a, l->dir_b }); }
+
+/* Follows a link, from a node of the kind or its root; puts a node on the stack. */
+static const char *follow(check *c, uint32_t link, lc_light_kind kind, uint32_t *stack, uint32_t *n)
+{
+    const lc_light_tree *t = c->t;
+    uint32_t at = link & ~LC_LEAF;
+    if (link & LC_LEAF) {
+        if (at >= t->n_lights) return "a light is out of range";
+        if (lc_kind_of_light(t, at) != kind) return "a light is in the tree of another kind";
+        return c->light_seen[at]++ ? "a light is under two nodes" : NULL;
+    }
+    if (at >= t->n_nodes) return "a child is out of range";
+    if (lc_kind_of_node(t, at) != kind) return "a node is in the tree of another kind";
+    if (c->node_seen[at]++) return "a node has two parents";
+    stack[(*n)++] = at; /* a node at most once, so n_nodes are enough */
+    return NULL;
+}
+
 static const char *walk(check *c, uint32_t *stack)
 {
     const lc_light_tree *t = c->t;
-    uint8_t *light_seen = c->seen + t->n_pairs;
-    uint32_t n = 0, n_lights = 0;
-    c->seen[0] = 1;
-    stack[n++] = 0;
-    while (n) {
-        uint32_t id = stack[--n], link = t->link[id];
-        c->order[c->n_order++] = id;
-        if (link & LC_LEAF) {
-            uint32_t light = link & ~LC_LEAF;
-            if (light >= t->n_lights) return "a leaf's light is out of range";
-            if (light_seen[light]++) return "a light is under two leaves";
-            if (t->lights[light].kind >= LC_LIGHT_KINDS) return "a light of no kind";
-            n_lights++;
-            continue;
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+        uint32_t n = 0;
+        if ((t->root[kind] == LC_NONE) != !t->n_of_kind[kind]) return "a root is missing";
+        if (t->root[kind] == LC_NONE) continue;
+        const char *wrong = follow(c, t->root[kind], (lc_light_kind)kind, stack, &n);
+        while (n && !wrong) {
+            uint32_t id = stack[--n];
+            c->order[c->n_order++] = id;
+            wrong = follow(c, t->data.nodes[id].left, (lc_light_kind)kind, stack, &n);
+            if (!wrong) wrong = follow(c, t->data.nodes[id].right, (lc_light_kind)kind, stack, &n);
         }
-        if (link % 2 || link >= 2 * t->n_pairs) return "a child id is odd or out of range";
-        if (c->seen[link / 2]++) return "a pair has two parents";
-        stack[n++] = link; /* a pair at most once, so 2 n_pairs are enough */
-        stack[n++] = link + 1;
+        if (wrong) return wrong;
     }
-    if (n_lights != t->n_lights) return "a light is under no leaf";
-    return c->n_order == 2 * t->n_pairs - 1 ? NULL : "a node can't be reached";
+    for (uint32_t i = 0; i < t->n_lights; i++)
+        if (!c->light_seen[i]) return "a light is under no node";
+    return c->n_order == t->n_nodes ? NULL : "a node can't be reached";
 }
 
-static void sums_of_light(sums *s, const lc_light_rec *l)
+static void sums_of_light(sums *s, const lc_light_tree *t, uint32_t light)
 {
-    *s = (sums){ .kinds = 1u << l->kind };
+    const lc_light_rec *l = &t->data.lights[light];
+    const float one[3] = { 0, 0, 1 }, *atten = lc_light_atten(&t->data, light);
+    *s = (sums){ 0 };
+    if (!atten) atten = one;
     for (int k = 0; k < 3; k++) {
-        s->lo[k] = s->hi[k] = l->kind == LC_LIGHT_DIRECTIONAL ? -l->dir[k] : l->pos[k];
-        s->dlo[k] = s->dhi[k] = l->dir[k];
-        s->atten[k] = l->atten[k];
+        s->lo[k] = s->hi[k] = l->pos[k];
+        s->atten[k] = atten[k];
         s->power[k] = (double)l->intensity[k];
-        s->len2_min += (double)l->dir[k] * l->dir[k];
     }
-    s->len2_max = s->len2_min;
+    if (lc_kind_of_light(t, light) != LC_LIGHT_ORIENTED) return;
+    lc_f3 d = direction(l);
+    lc_f3_store(s->dlo, d);
+    lc_f3_store(s->dhi, d);
+    s->len2_min = s->len2_max = (double)d.x * d.x + (double)d.y * d.y + (double)d.z * d.z;
+}
+
+static void sums_of(const check *c, uint32_t link, sums *s)
+{
+    if (link & LC_LEAF) sums_of_light(s, c->t, link & ~LC_LEAF);
+    else *s = c->sums[link];
 }
 
 static void join(sums *s, const sums *a, const sums *b)
@@ -81,7 +107,6 @@ static void join(sums *s, const sums *a, const sums *b)
     }
     s->len2_min = fmin(a->len2_min, b->len2_min);
     s->len2_max = fmax(a->len2_max, b->len2_max);
-    s->kinds = a->kinds | b->kinds;
 }
 
 /* a - b <= half in exact arithmetic: the difference and, where it ties, what its rounding lost (Knuth's two-sum). */
@@ -91,10 +116,10 @@ static bool within(float a, float b, float half)
     return d < (double)half || (d <= (double)half && lost <= 0);
 }
 
-static const char *check_box(const lc_node_block *b, uint32_t k, const sums *s)
+static const char *check_box(const lc_node *b, const sums *s)
 {
     for (int i = 0; i < 3; i++) {
-        float center = b->center[i][k], half = b->half[i][k];
+        float center = b->center[i], half = b->half[i];
         if (!isfinite(center) || !(half >= 0)) return "a box is not finite or inside out";
         if (!within(s->hi[i], center, half) || !within(center, s->lo[i], half)) return "a light is outside a box";
     }
@@ -102,10 +127,10 @@ static const char *check_box(const lc_node_block *b, uint32_t k, const sums *s)
 }
 
 /* Stored sums are float, rounded up from a double sum in the order of the tree, which is the order of join. */
-static const char *check_power(const lc_node_block *b, uint32_t k, const sums *s)
+static const char *check_power(const lc_node *b, const sums *s)
 {
     for (int i = 0; i < 3; i++) {
-        double stored = (double)b->power[i][k], sum = s->power[i];
+        double stored = (double)b->power[i], sum = s->power[i];
         if (!(stored >= sum)) return "a node's power is below the sum of its lights";
         if (stored > sum * (1 + 0x1p-22) + (double)FLT_TRUE_MIN && sum <= (double)FLT_MAX)
             return "a node's power is too large";
@@ -142,15 +167,14 @@ static double least_cosine_below(const check *c, uint32_t node, uint32_t *stack,
     uint32_t n = 0;
     stack[n++] = node;
     while (n) {
-        uint32_t link = c->t->link[stack[--n]];
+        uint32_t link = stack[--n];
         if (!(link & LC_LEAF)) {
-            stack[n++] = link;
-            stack[n++] = link + 1;
+            stack[n++] = c->t->data.nodes[link].left;
+            stack[n++] = c->t->data.nodes[link].right;
             continue;
         }
-        const float *d = c->t->lights[link & ~LC_LEAF].dir;
-        double dot = 0, len2 = 0;
-        for (int i = 0; i < 3; i++) dot += a[i] * d[i], len2 += (double)d[i] * d[i];
+        lc_f3 d = direction(&c->t->data.lights[link & ~LC_LEAF]);
+        double dot = a[0] * d.x + a[1] * d.y + a[2] * d.z, len2 = (double)d.x * d.x + (double)d.y * d.y + (double)d.z * d.z;
         least = fmin(least, dot / (len_a * sqrt(len2)));
     }
     return least;
@@ -162,13 +186,12 @@ static double least_cosine_below(const check *c, uint32_t node, uint32_t *stack,
 
 static const char *check_cone(const check *c, uint32_t id, uint32_t *stack)
 {
-    const lc_node_block *b = &c->t->blocks[id / LC_BLOCK];
-    uint32_t k = id % LC_BLOCK;
-    double cos_cone = (double)b->cos_cone[k], a[3], len2 = 0;
+    const lc_node *b = &c->t->data.nodes[id];
+    double cos_cone = (double)b->cos_cone, a[3], len2 = 0;
     if (!(cos_cone >= -1 && cos_cone <= 1)) return "a cone's cosine is not one";
     if (cos_cone <= -1) return NULL;
     for (int i = 0; i < 3; i++) {
-        a[i] = (double)b->axis[i][k];
+        a[i] = (double)b->axis[i];
         len2 += a[i] * a[i];
     }
     if (!(fabs(len2 - 1) < 1e-6)) return "a cone's axis has not length 1";
@@ -177,79 +200,86 @@ static const char *check_cone(const check *c, uint32_t id, uint32_t *stack)
     return "an emission direction is outside a cone";
 }
 
-static bool single_kind(uint32_t kinds) { return (kinds & (kinds - 1)) == 0; }
-
-static uint32_t lowest_kind(uint32_t kinds) { return (uint32_t)__builtin_ctz(kinds); }
-
-/* What the tables say of a node's kind, and its representatives, against those of its children. */
-static const char *check_inner(const check *c, uint32_t id)
+static const char *check_atten(const float *least, const sums *s)
 {
-    const lc_light_tree *t = c->t;
-    uint32_t first = t->link[id];
-    const sums *a = &c->sums[first], *b = &c->sums[first + 1];
-    const uint32_t *rep = t->rep + (size_t)id * t->n_reps, *child = t->rep + (size_t)first * t->n_reps;
-    uint32_t kind = single_kind(a->kinds | b->kinds) ? lowest_kind(a->kinds) : LC_PAIR_MIXED;
-    if (t->pair_kind[first / 2] != kind) return "a pair's kind is wrong";
-    if (kind == LC_PAIR_MIXED && (a->kinds & b->kinds)) return "a kind of light is in two trees";
-    for (uint32_t s = 0; s < t->n_reps; s++)
-        if (rep[s] != child[s] && rep[s] != child[t->n_reps + s]) return "a representative is that of neither child";
+    const float one[3] = { 0, 0, 1 };
+    if (!least) least = one;
+    for (int i = 0; i < 3; i++)
+        if (least[i] < s->atten[i] || least[i] > s->atten[i]) return "least attenuation is wrong";
     return NULL;
 }
 
 static const char *check_node(check *c, uint32_t id, uint32_t *stack)
 {
     const lc_light_tree *t = c->t;
-    const lc_node_block *b = &t->blocks[id / LC_BLOCK];
-    sums *s = &c->sums[id];
-    uint32_t k = id % LC_BLOCK, link = t->link[id];
-    const char *wrong = NULL;
-    if (link & LC_LEAF) {
-        sums_of_light(s, &t->lights[link & ~LC_LEAF]);
-        for (uint32_t i = 0; i < t->n_reps; i++)
-            if (t->rep[(size_t)id * t->n_reps + i] != (link & ~LC_LEAF)) return "a leaf's representative differs";
-    } else {
-        join(s, &c->sums[link], &c->sums[link + 1]);
-        wrong = check_inner(c, id);
-    }
-    if (!wrong) wrong = check_power(b, k, s);
-    if (wrong || !single_kind(s->kinds)) return wrong; /* of a virtual node only the sum means anything */
-    wrong = check_box(b, k, s);
-    if (!wrong && s->kinds == 1u << LC_LIGHT_ORIENTED) wrong = check_cone(c, id, stack);
-    for (int i = 0; i < 3 && !wrong && s->kinds != 1u << LC_LIGHT_DIRECTIONAL; i++)
-        if (b->atten[i][k] < s->atten[i] || b->atten[i][k] > s->atten[i]) wrong = "least attenuation is wrong";
+    const lc_node *b = &t->data.nodes[id];
+    lc_light_kind kind = lc_kind_of_node(t, id);
+    sums left, right, *s = &c->sums[id];
+    sums_of(c, b->left, &left);
+    sums_of(c, b->right, &right);
+    join(s, &left, &right);
+    const char *wrong = check_power(b, s);
+    if (!wrong) wrong = check_box(b, s);
+    if (!wrong && kind == LC_LIGHT_ORIENTED) wrong = check_cone(c, id, stack);
+    if (!wrong && kind != LC_LIGHT_DIRECTIONAL) wrong = check_atten(t->data.node_atten ? t->data.node_atten[id] : NULL, s);
     return wrong;
+}
+
+/* Representatives of one slot, children before parents: the fresh one is that of the child that is said to have it. */
+static const char *check_reps(check *c, uint32_t slot)
+{
+    const lc_light_tree *t = c->t;
+    for (uint32_t i = c->n_order; i-- > 0;) {
+        uint32_t id = c->order[i], fresh = lc_node_fresh(t, id, slot), rep[2];
+        const uint32_t link[2] = { t->data.nodes[id].left, t->data.nodes[id].right };
+        for (int k = 0; k < 2; k++) rep[k] = link[k] & LC_LEAF ? link[k] & ~LC_LEAF : c->rep[link[k]];
+        bool right = fresh & LC_FRESH_RIGHT;
+        if ((fresh & ~LC_FRESH_RIGHT) != rep[right]) return "a representative is not that of the child";
+        c->rep[id] = rep[!right];
+    }
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+        uint32_t root = t->root[kind];
+        if (root == LC_NONE) continue;
+        if (t->root_rep[kind][slot] != (root & LC_LEAF ? root & ~LC_LEAF : c->rep[root])) return "a root's representative is wrong";
+    }
+    return NULL;
 }
 
 static const char *check_counts(const lc_light_tree *t)
 {
-    uint32_t n[LC_LIGHT_KINDS] = { 0 };
-    if (t->n_lights >= LC_LEAF / 2 || t->n_pairs != t->n_lights) return "as many pairs as lights are needed";
-    if (t->n_blocks != (2 * t->n_pairs + LC_BLOCK - 1) / LC_BLOCK) return "the number of blocks is wrong";
+    uint32_t nodes = 0, lights = 0;
     if (!t->n_reps || t->n_reps > LC_MAX_REPS) return "the number of representatives is out of range";
-    for (uint32_t i = 0; i < t->n_lights; i++)
-        if (t->lights[i].kind < LC_LIGHT_KINDS) n[t->lights[i].kind]++;
-    for (int k = 0; k < LC_LIGHT_KINDS; k++)
-        if (n[k] != t->n_of_kind[k]) return "lights of a kind are miscounted";
-    return NULL;
+    for (int k = 0; k < LC_LIGHT_KINDS; k++) {
+        uint32_t n = t->n_of_kind[k];
+        if (t->first_light[k] != lights || t->first_node[k] != nodes) return "a kind begins at the wrong place";
+        if (n > t->n_lights || t->n_lights >= LC_LEAF / 2) return "lights of a kind are miscounted";
+        lights += n, nodes += n > 1 ? n - 1 : 0;
+    }
+    if (t->first_light[LC_LIGHT_KINDS] != lights || t->first_node[LC_LIGHT_KINDS] != nodes) return "kinds end at the wrong place";
+    return t->n_lights == lights && t->n_nodes == nodes ? NULL : "lights or nodes are miscounted";
 }
 
 const char *lc_light_tree_validate(const lc_light_tree *t)
 {
     const char *wrong = check_counts(t);
     if (wrong || !t->n_lights) return wrong;
-    size_t n = 2 * t->n_pairs;
+    size_t n = t->n_nodes, room = n + 1;
     check c = { .t = t };
     c.order = lc_alloc(t->ctx, n, sizeof *c.order);
-    c.seen = lc_alloc(t->ctx, n, 1);
+    c.node_seen = lc_alloc(t->ctx, n, 1);
+    c.light_seen = lc_alloc(t->ctx, t->n_lights, 1);
     c.sums = lc_alloc(t->ctx, n, sizeof *c.sums);
-    uint32_t *stack = lc_alloc(t->ctx, n, sizeof *stack);
-    if (!c.order || !c.seen || !c.sums || !stack) wrong = "out of memory";
+    c.rep = lc_alloc(t->ctx, n, sizeof *c.rep);
+    uint32_t *stack = lc_alloc(t->ctx, room, sizeof *stack);
+    if (!c.order || !c.node_seen || !c.light_seen || !c.sums || !c.rep || !stack) wrong = "out of memory";
     if (!wrong) wrong = walk(&c, stack);
     for (uint32_t i = c.n_order; i-- > 0 && !wrong;) wrong = check_node(&c, c.order[i], stack);
-    if (!wrong && t->pair_kind[0] != lowest_kind(c.sums[0].kinds)) wrong = "the root's kind is wrong";
-    lc_free(t->ctx, stack, n, sizeof *stack);
+    for (uint32_t slot = 0; slot < t->n_reps && !wrong; slot++) wrong = check_reps(&c, slot);
+    lc_free(t->ctx, stack, room, sizeof *stack);
+    lc_free(t->ctx, c.rep, n, sizeof *c.rep);
     lc_free(t->ctx, c.sums, n, sizeof *c.sums);
-    lc_free(t->ctx, c.seen, n, 1);
+    lc_free(t->ctx, c.light_seen, t->n_lights, 1);
+    lc_free(t->ctx, c.node_seen, n, 1);
     lc_free(t->ctx, c.order, n, sizeof *c.order);
     return wrong;
 }

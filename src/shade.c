@@ -1,6 +1,7 @@
 /* shade.c - estimates. What bounds.c must dominate is exactly this arithmetic. */
 #include "shade.h"
 
+#include "direction.h"
 #include "fmath.h"
 
 static lc_f3 drop_below(lc_f3 a, float least)
@@ -38,33 +39,33 @@ static lc_f3 material_term(const lc_point *p, lc_f3 d, float cos_r, float inv_le
     return lc_f3_make(transfer(f.x), transfer(f.y), transfer(f.z));
 }
 
-lc_f3 lc_shade_light(const lc_point *p, const lc_light_rec *light)
+lc_f3 lc_shade_light(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten)
 {
-    const lc_f3 zero = { 0, 0, 0 }, n = lc_f3_load(p->n), dir = lc_f3_load(light->dir);
-    if (light->kind == LC_LIGHT_DIRECTIONAL) {
-        lc_f3 d = lc_f3_neg(dir);
-        float cos_r = lc_f3_dot(n, d);
-        return cos_r > LC_MIN_COS ? material_term(p, d, cos_r, 1, 1) : zero;
+    const lc_f3 zero = { 0, 0, 0 }, n = lc_f3_load(p->n), pos = lc_f3_load(light->pos);
+    if (kind == LC_LIGHT_DIRECTIONAL) {
+        float cos_r = lc_f3_dot(n, pos);
+        return cos_r > LC_MIN_COS ? material_term(p, pos, cos_r, 1, 1) : zero;
     }
-    lc_f3 d = lc_f3_sub(lc_f3_load(light->pos), lc_f3_load(p->pos));
+    lc_f3 d = lc_f3_sub(pos, lc_f3_load(p->pos));
     float nd = lc_f3_dot(n, d), d2 = lc_f3_dot(d, d);
     if (!(nd > 0)) return zero;
     float inv_len = 1 / sqrtf(d2 > LC_TINY_D2 ? d2 : LC_TINY_D2), cos_r = nd * inv_len, g = 1;
     if (!(cos_r > LC_MIN_COS)) return zero;
-    if (light->kind == LC_LIGHT_ORIENTED) {
-        g = -lc_f3_dot(dir, d) * inv_len;
+    if (kind == LC_LIGHT_ORIENTED) {
+        const uint32_t dir[2] = { light->dir_a, light->dir_b };
+        g = -lc_f3_dot(lc_dir_unpack(dir), d) * inv_len;
         if (!(g > LC_MIN_COS)) return zero;
     }
     float d2c = d2 > p->min_d2 ? d2 : p->min_d2;
-    g /= light->atten[0] + light->atten[1] * sqrtf(d2c) + light->atten[2] * d2c;
+    g /= atten ? atten[0] + atten[1] * sqrtf(d2c) + atten[2] * d2c : d2c;
     return material_term(p, d, cos_r, inv_len, g);
 }
 
 void lc_light_rec_init(lc_light_rec *rec, const lc_light *light)
 {
-    *rec = (lc_light_rec){ .kind = (uint32_t)light->kind };
-    lc_f3_store(rec->pos, light->pos);
-    lc_f3_store(rec->dir, light->dir);
+    uint32_t dir[2] = { 0, 0 };
+    if (light->kind == LC_LIGHT_ORIENTED) lc_dir_pack(light->dir, dir);
+    lc_f3_store(rec->pos, light->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(light->dir) : light->pos);
     lc_f3_store(rec->intensity, light->intensity);
-    for (int k = 0; k < 3; k++) rec->atten[k] = light->atten[k];
+    rec->dir_a = dir[0], rec->dir_b = dir[1];
 }

@@ -9,9 +9,12 @@
 /* n and view: unit; n is flipped to the viewer's side by the caller. */
 void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_material *m, float min_d2);
 
-/* M_i G_i, R G B, >= 0 and finite. 0 when light or receiver face away. */
-lc_f3 lc_shade_light(const lc_point *p, const lc_light_rec *light);
+/* M_i G_i, R G B, >= 0 and finite. 0 when light or receiver face away. atten: A, B, C, or NULL for 0, 0, 1. */
+lc_f3 lc_shade_light(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten);
 
+/* Rounds the direction of an oriented light as lc_dir_round does. */
 void lc_light_rec_init(lc_light_rec *rec, const lc_light *light);
+
+static inline bool lc_inverse_square(const float atten[3]) { return atten[0] + atten[1] <= 0 && !(atten[2] < 1) && !(atten[2] > 1); }
 
 #endif

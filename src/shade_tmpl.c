@@ -19,13 +19,29 @@ LC_INLINE void LC_FN(set_row)(vf out[3], const float a[3])
 }
 
 /* 1 / f, times g; d2: squared distances. */
-LC_INLINE vf LC_FN(attenuated)(const float *const *light, const lc_point *p, vf d2, vf g)
+LC_INLINE vf LC_FN(attenuated)(const lc_tree_data *t, const float *const *light, const lc_point *p, vf d2, vf g)
 {
-    vf k[4], min_d2 = SET(p->min_d2), d2c = vf_sel_gt(d2, min_d2, d2, min_d2), f;
-    vf_rows(light, offsetof(lc_light_rec, atten) / sizeof(float), k);
+    vf min_d2 = SET(p->min_d2), d2c = vf_sel_gt(d2, min_d2, d2, min_d2), k[4], f;
+    const float *atten[VF_LANES];
+    if (!t->light_atten) return vf_div(g, d2c);
+    for (uint32_t i = 0; i < VF_LANES; i++) atten[i] = t->light_atten[(const lc_light_rec *)(const void *)light[i] - t->lights];
+    vf_rows(atten, 0, k);
     f = k[0];
     if (vf_any_gt(k[1], SET(0))) f = ADD(f, MUL(k[1], vf_sqrt(d2c)));
     return vf_div(g, ADD(f, MUL(k[2], d2c)));
+}
+
+/* lc_dir_unpack. */
+LC_INLINE void LC_FN(unpack)(vf a, vf b, vf out[3])
+{
+    const vf zero = SET(0), flag = vf_word(LC_DIR_FLAG);
+    vf is_x = vf_and(a, flag), is_y = vf_and(b, flag); /* 2 or 0 as floats */
+    vf sign = vf_shl(vf_and(a, vf_word(LC_DIR_SIGN)), 31);
+    a = vf_and(a, vf_word(~(LC_DIR_FLAG | LC_DIR_SIGN))), b = vf_and(b, vf_word(~LC_DIR_FLAG));
+    vf rest = vf_sub(vf_sub(SET(1), MUL(a, a)), MUL(b, b)), w = vf_xor(vf_sqrt(vf_max(rest, zero)), sign);
+    out[0] = vf_sel_gt(is_x, zero, w, a);
+    out[1] = vf_sel_gt(is_x, zero, a, vf_sel_gt(is_y, zero, w, b));
+    out[2] = vf_sel_gt(is_x, zero, b, vf_sel_gt(is_y, zero, b, w));
 }
 
 /* Factor of the specular reflectance for directions d. */
@@ -52,31 +68,31 @@ LC_INLINE vf LC_FN(channel)(vf f, vf cos_g, vf lit)
 }
 
 /* light: VF_LANES records. kind, glossy: constants. */
-LC_INLINE void LC_FN(shade)(const float *const *light, lc_light_kind kind, bool glossy, const lc_point *p, float *const out[6],
-                            uint32_t at)
+LC_INLINE void LC_FN(shade)(const lc_tree_data *t, const float *const *light, lc_light_kind kind, bool glossy, const lc_point *p,
+                            float *const out[6], uint32_t at)
 {
     const vf zero = SET(0), one = SET(1), min_cos = SET(LC_MIN_COS), tiny = SET(LC_TINY_D2);
     vf n[3], d[3], y[4], inv_len = one, g = one, cos_r, lit;
     LC_FN(set_row)(n, p->n);
+    vf_rows(light, 0, y);
     if (kind == LC_LIGHT_DIRECTIONAL) {
-        vf_rows(light, offsetof(lc_light_rec, dir) / sizeof(float), y);
-        for (int k = 0; k < 3; k++) d[k] = y[k] = vf_neg(y[k]);
+        for (int k = 0; k < 3; k++) d[k] = y[k];
         cos_r = LC_FN(dot_rows)(n, d);
         lit = vf_sel_gt(cos_r, min_cos, one, zero);
     } else {
-        vf_rows(light, offsetof(lc_light_rec, pos) / sizeof(float), y);
         for (int k = 0; k < 3; k++) d[k] = vf_sub(y[k], SET(p->pos[k]));
         vf nd = LC_FN(dot_rows)(n, d), d2 = LC_FN(dot_rows)(d, d);
         inv_len = vf_div(one, vf_sqrt(vf_sel_gt(d2, tiny, d2, tiny)));
         cos_r = MUL(nd, inv_len);
         lit = vf_sel_gt(cos_r, min_cos, one, zero); /* then nd > 0 */
         if (kind == LC_LIGHT_ORIENTED) {
-            vf dir[4];
-            vf_rows(light, offsetof(lc_light_rec, dir) / sizeof(float), dir);
+            vf dir[3], row[4];
+            vf_rows(light, offsetof(lc_light_rec, intensity) / sizeof(float), row);
+            LC_FN(unpack)(y[3], row[3], dir);
             g = MUL(vf_neg(LC_FN(dot_rows)(dir, d)), inv_len);
             lit = vf_sel_gt(g, min_cos, lit, zero);
         }
-        g = LC_FN(attenuated)(light, p, d2, g);
+        g = LC_FN(attenuated)(t, light, p, d2, g);
     }
     vf cos_g = MUL(cos_r, g), lobe = glossy ? LC_FN(lobe)(p, d, inv_len, lit) : zero;
     for (int k = 0; k < 3; k++) {
@@ -87,44 +103,46 @@ LC_INLINE void LC_FN(shade)(const float *const *light, lc_light_kind kind, bool 
     }
 }
 
-LC_INLINE void LC_FN(estimate_of)(const lc_light_rec *lights, const uint32_t *index, uint32_t n, lc_light_kind kind, bool glossy,
-                                  const lc_point *p, float *const out[6])
+LC_INLINE void LC_FN(estimate_of)(const lc_tree_data *t, uint32_t first, const uint32_t *index, uint32_t n, lc_light_kind kind,
+                                  bool glossy, const lc_point *p, float *const out[6])
 {
     for (uint32_t i = 0; i < n; i += VF_LANES) {
         const float *rec[VF_LANES]; /* the last one fills up */
         for (uint32_t k = 0; k < VF_LANES; k++) {
             uint32_t at = i + k < n ? i + k : n - 1;
-            rec[k] = lights[index ? index[at] : at].pos;
+            rec[k] = t->lights[index ? index[at] : first + at].pos;
         }
-        LC_FN(shade)(rec, kind, glossy, p, out, i);
+        LC_FN(shade)(t, rec, kind, glossy, p, out, i);
     }
 }
 
-static void LC_FN(estimate)(const lc_light_rec *lights, const uint32_t *index, uint32_t n, lc_light_kind kind, const lc_point *p,
-                            float *const out[6])
+static void LC_FN(estimate)(const lc_tree_data *t, uint32_t first, const uint32_t *index, uint32_t n, lc_light_kind kind,
+                            const lc_point *p, float *const out[6])
 {
 #ifdef LC_HALF_AS_WIDE
     uint32_t rest = n % VF_LANES;
     if (rest && rest <= VF_LANES / 2) {
         n -= rest;
         float *const end[6] = { out[0] + n, out[1] + n, out[2] + n, out[3] + n, out[4] + n, out[5] + n };
-        LC_HALF_AS_WIDE.estimate(index ? lights : lights + n, index ? index + n : NULL, rest, kind, p, end);
+        LC_HALF_AS_WIDE.estimate(t, first + n, index ? index + n : NULL, rest, kind, p, end);
     }
 #endif
+#define ESTIMATE(kind, glossy) LC_FN(estimate_of)(t, first, index, n, kind, glossy, p, out)
     switch (kind) {
     case LC_LIGHT_POINT:
-        if (p->glossy) LC_FN(estimate_of)(lights, index, n, LC_LIGHT_POINT, true, p, out);
-        else LC_FN(estimate_of)(lights, index, n, LC_LIGHT_POINT, false, p, out);
+        if (p->glossy) ESTIMATE(LC_LIGHT_POINT, true);
+        else ESTIMATE(LC_LIGHT_POINT, false);
         break;
     case LC_LIGHT_ORIENTED:
-        if (p->glossy) LC_FN(estimate_of)(lights, index, n, LC_LIGHT_ORIENTED, true, p, out);
-        else LC_FN(estimate_of)(lights, index, n, LC_LIGHT_ORIENTED, false, p, out);
+        if (p->glossy) ESTIMATE(LC_LIGHT_ORIENTED, true);
+        else ESTIMATE(LC_LIGHT_ORIENTED, false);
         break;
     case LC_LIGHT_DIRECTIONAL:
-        if (p->glossy) LC_FN(estimate_of)(lights, index, n, LC_LIGHT_DIRECTIONAL, true, p, out);
-        else LC_FN(estimate_of)(lights, index, n, LC_LIGHT_DIRECTIONAL, false, p, out);
+        if (p->glossy) ESTIMATE(LC_LIGHT_DIRECTIONAL, true);
+        else ESTIMATE(LC_LIGHT_DIRECTIONAL, false);
         break;
     }
+#undef ESTIMATE
 }
 
 #undef ADD

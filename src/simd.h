@@ -1,6 +1,7 @@
 /* simd.h - eight floats at a time on every instruction set, for the templates that isa_*.c compile.
  *
- * vf8_sel_gt(a, b, x, y) is x in the lanes where a > b, else y. vf8_pairs takes two floats from each of four places.
+ * vf8_sel_gt(a, b, x, y) is x in the lanes where a > b, else y. vf8_rows takes four floats
+ * from each of eight places, transposed: the first of all to out[0].
  * LC_ISA_LEVEL: 0 plain C, 1 SSE4.1 (two registers), 2 AVX2, 3 AVX-512 (one). Only + - * / sqrt min max and comparisons: each is the
  * same IEEE operation on every level, so the bits agree. vf8_min(a, b) is b where a is not less (as minps), so a NaN
  * in a is dropped. Masks are one bit a lane.
@@ -41,7 +42,11 @@ static inline uint32_t vf8_eq(vf8 a, vf8 b) { VF8_BITS(a.v[i] == b.v[i]); }
 static inline vf8 vf8_sqrt(vf8 a) { VF8_LANES(sqrtf(a.v[i])); }
 static inline vf8 vf8_abs(vf8 a) { VF8_LANES(fabsf(a.v[i])); }
 static inline vf8 vf8_sel_gt(vf8 a, vf8 b, vf8 x, vf8 y) { VF8_LANES(a.v[i] > b.v[i] ? x.v[i] : y.v[i]); }
-static inline vf8 vf8_pairs(const float *const p[4], size_t at) { VF8_LANES(p[i / 2][at + (size_t)(i & 1)]); }
+static inline void vf8_rows(const float *const p[8], vf8 out[4])
+{
+    for (int i = 0; i < 8; i++)
+        for (int k = 0; k < 4; k++) out[k].v[i] = p[i][k];
+}
 static inline void vf8_store(float *p, vf8 a)
 {
     for (int i = 0; i < 8; i++) p[i] = a.v[i];
@@ -79,14 +84,13 @@ static inline vf8 vf8_sel_gt(vf8 a, vf8 b, vf8 x, vf8 y)
 {
     return (vf8){ _mm_blendv_ps(y.a, x.a, _mm_cmpgt_ps(a.a, b.a)), _mm_blendv_ps(y.b, x.b, _mm_cmpgt_ps(a.b, b.b)) };
 }
-static inline __m128 vf4_two_pairs(const float *p, const float *q)
+static inline void vf8_rows(const float *const p[8], vf8 out[4])
 {
-    __m128 lo = _mm_castpd_ps(_mm_load_sd((const double *)(const void *)p));
-    return _mm_loadh_pi(lo, (const __m64 *)(const void *)q);
-}
-static inline vf8 vf8_pairs(const float *const p[4], size_t at)
-{
-    return (vf8){ vf4_two_pairs(p[0] + at, p[1] + at), vf4_two_pairs(p[2] + at, p[3] + at) };
+    __m128 a[4], b[4];
+    for (int k = 0; k < 4; k++) a[k] = _mm_loadu_ps(p[k]), b[k] = _mm_loadu_ps(p[k + 4]);
+    _MM_TRANSPOSE4_PS(a[0], a[1], a[2], a[3]);
+    _MM_TRANSPOSE4_PS(b[0], b[1], b[2], b[3]);
+    for (int k = 0; k < 4; k++) out[k] = (vf8){ a[k], b[k] };
 }
 static inline void vf8_store(float *p, vf8 x)
 {
@@ -117,15 +121,14 @@ static inline vf8 vf8_sel_gt(vf8 a, vf8 b, vf8 x, vf8 y)
 {
     return _mm256_blendv_ps(y, x, _mm256_cmp_ps(a, b, _CMP_GT_OQ));
 }
-static inline __m128 vf4_two_pairs(const float *p, const float *q)
+static inline void vf8_rows(const float *const p[8], vf8 out[4])
 {
-    __m128 lo = _mm_castpd_ps(_mm_load_sd((const double *)(const void *)p));
-    return _mm_loadh_pi(lo, (const __m64 *)(const void *)q);
-}
-static inline vf8 vf8_pairs(const float *const p[4], size_t at)
-{
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(vf4_two_pairs(p[0] + at, p[1] + at)),
-                                vf4_two_pairs(p[2] + at, p[3] + at), 1);
+    __m256 r[4];
+    for (int k = 0; k < 4; k++) r[k] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(p[k])), _mm_loadu_ps(p[k + 4]), 1);
+    __m256d ab = _mm256_castps_pd(_mm256_unpacklo_ps(r[0], r[1])), cd = _mm256_castps_pd(_mm256_unpacklo_ps(r[2], r[3]));
+    __m256d ef = _mm256_castps_pd(_mm256_unpackhi_ps(r[0], r[1])), gh = _mm256_castps_pd(_mm256_unpackhi_ps(r[2], r[3]));
+    out[0] = _mm256_castpd_ps(_mm256_unpacklo_pd(ab, cd)), out[1] = _mm256_castpd_ps(_mm256_unpackhi_pd(ab, cd));
+    out[2] = _mm256_castpd_ps(_mm256_unpacklo_pd(ef, gh)), out[3] = _mm256_castpd_ps(_mm256_unpackhi_pd(ef, gh));
 }
 static inline void vf8_store(float *p, vf8 a) { _mm256_store_ps(p, a); }
 

@@ -6,8 +6,8 @@
  *
  *     vf_sel_gt(a, b, x, y)   x in the lanes where a > b, else y
  *     vf_any_gt(a, b)         a > b in some lane
- *     vf_pairs(p, at, out)    nodes: p[i] + at has field f of lanes 2i, 2i + 1, then field f + 1 of them: to out[0], out[1]
  *     vf_rows(p, at, out)     records: p[i] + at has four floats of lane i: transposed to out[0 .. 3]
+ *     vf_word(w)              the bits of w in every lane; vf_and, vf_xor, vf_shl work on bits
  *     vd_low, vd_high, vf_of  halves of a vf to double and back, rounded to nearest
  *     vf_exponent, vf_mantissa, vd_..  x = mantissa 2^exponent with mantissa in [1, 2), x > 0 and normal
  *     vf_pow2(k), vd_pow2(k)  2^k, k whole, 2^k normal
@@ -40,10 +40,6 @@ LC_INLINE vf vf_neg(vf a) { return -a; }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return a > b ? x : y; }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return a > b; }
 LC_INLINE void vf_store(float *p, vf a) { *p = a; }
-LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2]) /* p: the lane's own first float */
-{
-    out[0] = p[0][at], out[1] = p[0][at + LC_BLOCK];
-}
 LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
 {
     for (size_t k = 0; k < 4; k++) out[k] = p[0][at + k];
@@ -60,6 +56,10 @@ LC_INLINE vf vf_of_bits(uint32_t bits)
     memcpy(&a, &bits, sizeof a);
     return a;
 }
+LC_INLINE vf vf_word(uint32_t word) { return vf_of_bits(word); }
+LC_INLINE vf vf_and(vf a, vf b) { return vf_of_bits(vf_bits(a) & vf_bits(b)); }
+LC_INLINE vf vf_xor(vf a, vf b) { return vf_of_bits(vf_bits(a) ^ vf_bits(b)); }
+LC_INLINE vf vf_shl(vf a, int n) { return vf_of_bits(vf_bits(a) << n); }
 LC_INLINE vf vf_exponent(vf x) { return (float)((int)(vf_bits(x) >> 23) - 127); }
 LC_INLINE vf vf_mantissa(vf x) { return vf_of_bits((vf_bits(x) & 0x7fffff) | vf_bits(1)); }
 LC_INLINE vf vf_pow2(vf k) { return vf_of_bits((uint32_t)((int)k + 127) << 23); }
@@ -68,7 +68,7 @@ LC_INLINE vf vf_pow2(vf k) { return vf_of_bits((uint32_t)((int)k + 127) << 23); 
 
 #include <immintrin.h>
 
-/* Two neighbouring fields of two nodes of one block. */
+/* 16 bytes. */
 LC_INLINE __m128d vd_two(const float *p) { return _mm_loadu_pd((const double *)(const void *)p); }
 
 #endif
@@ -92,15 +92,10 @@ LC_INLINE vf vf_neg(vf a) { return _mm_xor_ps(_mm_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm_blendv_ps(y, x, _mm_cmpgt_ps(a, b)); }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm_movemask_ps(_mm_cmpgt_ps(a, b)) != 0; }
 LC_INLINE void vf_store(float *p, vf a) { _mm_storeu_ps(p, a); }
-LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2])
+LC_INLINE vd vd_row(const float *const *p, size_t at) { return vd_two(p[0] + at); }
+LC_INLINE void vf_transpose(const vd r[4], vf out[4])
 {
-    __m128d a = vd_two(p[0] + at), b = vd_two(p[1] + at);
-    out[0] = _mm_castpd_ps(_mm_unpacklo_pd(a, b));
-    out[1] = _mm_castpd_ps(_mm_unpackhi_pd(a, b));
-}
-LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
-{
-    for (int k = 0; k < 4; k++) out[k] = _mm_loadu_ps(p[k] + at);
+    for (int k = 0; k < 4; k++) out[k] = _mm_castpd_ps(r[k]);
     _MM_TRANSPOSE4_PS(out[0], out[1], out[2], out[3]);
 }
 
@@ -118,6 +113,7 @@ LC_INLINE vf vf_of(vd low, vd high) { return _mm_movelh_ps(_mm_cvtpd_ps(low), _m
 #define VD_BITS(name) _mm_##name
 #define VD_AND(a, b) _mm_and_si128(a, b)
 #define VD_OR(a, b) _mm_or_si128(a, b)
+#define VD_XOR(a, b) _mm_xor_si128(a, b)
 #define VD_SET_BITS(a) _mm_set1_epi64x(a)
 #define VD_CAST(a) _mm_castpd_si128(a)
 #define VD_OF_BITS(a) _mm_castsi128_pd(a)
@@ -143,17 +139,14 @@ LC_INLINE vf vf_neg(vf a) { return _mm256_xor_ps(_mm256_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm256_blendv_ps(y, x, _mm256_cmp_ps(a, b, _CMP_GT_OQ)); }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ)) != 0; }
 LC_INLINE void vf_store(float *p, vf a) { _mm256_storeu_ps(p, a); }
-LC_INLINE __m256d vd_four(const float *p, const float *q) { return _mm256_insertf128_pd(_mm256_castpd128_pd256(vd_two(p)), vd_two(q), 1); }
-LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2])
+/* Four floats of places k, k + 4, ... */
+LC_INLINE vd vd_row(const float *const *p, size_t at)
 {
-    __m256d a = vd_four(p[0] + at, p[2] + at), b = vd_four(p[1] + at, p[3] + at);
-    out[0] = _mm256_castpd_ps(_mm256_unpacklo_pd(a, b));
-    out[1] = _mm256_castpd_ps(_mm256_unpackhi_pd(a, b));
+    return _mm256_insertf128_pd(_mm256_castpd128_pd256(vd_two(p[0] + at)), vd_two(p[4] + at), 1);
 }
-LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
+LC_INLINE void vf_transpose(const vd r[4], vf out[4])
 {
-    __m256d r[4], t[4];
-    for (int k = 0; k < 4; k++) r[k] = vd_four(p[k] + at, p[k + 4] + at);
+    vd t[4];
     for (int k = 0; k < 4; k += 2) {
         __m256 a = _mm256_castpd_ps(r[k]), b = _mm256_castpd_ps(r[k + 1]);
         t[k] = _mm256_castps_pd(_mm256_unpacklo_ps(a, b));
@@ -179,6 +172,7 @@ LC_INLINE vf vf_of(vd low, vd high) { return _mm256_set_m128(_mm256_cvtpd_ps(hig
 #define VD_BITS(name) _mm256_##name
 #define VD_AND(a, b) _mm256_and_si256(a, b)
 #define VD_OR(a, b) _mm256_or_si256(a, b)
+#define VD_XOR(a, b) _mm256_xor_si256(a, b)
 #define VD_SET_BITS(a) _mm256_set1_epi64x(a)
 #define VD_CAST(a) _mm256_castpd_si256(a)
 #define VD_OF_BITS(a) _mm256_castsi256_pd(a)
@@ -204,23 +198,15 @@ LC_INLINE vf vf_neg(vf a) { return _mm512_xor_ps(_mm512_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm512_mask_blend_ps(_mm512_cmp_ps_mask(a, b, _CMP_GT_OQ), y, x); }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ) != 0; }
 LC_INLINE void vf_store(float *p, vf a) { _mm512_storeu_ps(p, a); }
-/* 16 bytes each of four places. */
-LC_INLINE __m512d vd_eight(const float *p, const float *q, const float *r, const float *s)
+LC_INLINE vd vd_row(const float *const *p, size_t at)
 {
-    __m256d low = _mm256_insertf128_pd(_mm256_castpd128_pd256(vd_two(p)), vd_two(q), 1);
-    __m256d high = _mm256_insertf128_pd(_mm256_castpd128_pd256(vd_two(r)), vd_two(s), 1);
+    __m256d low = _mm256_insertf128_pd(_mm256_castpd128_pd256(vd_two(p[0] + at)), vd_two(p[4] + at), 1);
+    __m256d high = _mm256_insertf128_pd(_mm256_castpd128_pd256(vd_two(p[8] + at)), vd_two(p[12] + at), 1);
     return _mm512_insertf64x4(_mm512_castpd256_pd512(low), high, 1);
 }
-LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2])
+LC_INLINE void vf_transpose(const vd r[4], vf out[4])
 {
-    __m512d a = vd_eight(p[0] + at, p[2] + at, p[4] + at, p[6] + at), b = vd_eight(p[1] + at, p[3] + at, p[5] + at, p[7] + at);
-    out[0] = _mm512_castpd_ps(_mm512_unpacklo_pd(a, b));
-    out[1] = _mm512_castpd_ps(_mm512_unpackhi_pd(a, b));
-}
-LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
-{
-    __m512d r[4], t[4];
-    for (int k = 0; k < 4; k++) r[k] = vd_eight(p[k] + at, p[k + 4] + at, p[k + 8] + at, p[k + 12] + at);
+    vd t[4];
     for (int k = 0; k < 4; k += 2) {
         __m512 a = _mm512_castpd_ps(r[k]), b = _mm512_castpd_ps(r[k + 1]);
         t[k] = _mm512_castps_pd(_mm512_unpacklo_ps(a, b));
@@ -252,6 +238,7 @@ LC_INLINE vf vf_of(vd low, vd high)
 #define VD_BITS(name) _mm512_##name
 #define VD_AND(a, b) _mm512_and_si512(a, b)
 #define VD_OR(a, b) _mm512_or_si512(a, b)
+#define VD_XOR(a, b) _mm512_xor_si512(a, b)
 #define VD_SET_BITS(a) _mm512_set1_epi64(a)
 #define VD_CAST(a) _mm512_castpd_si512(a)
 #define VD_OF_BITS(a) _mm512_castsi512_pd(a)
@@ -262,9 +249,21 @@ LC_INLINE vf vf_of(vd low, vd high)
 
 #if LC_ISA_LEVEL > 0
 
+LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
+{
+    vd r[4];
+    for (int k = 0; k < 4; k++) r[k] = vd_row(p + k, at);
+    vf_transpose(r, out);
+}
+
 /* Whole numbers below these stand in the low bits of their sum with them. */
 #define VF_2_23 0x1p23f
 #define VD_2_52 0x1p52
+
+LC_INLINE vf vf_word(uint32_t word) { return VF_OF_BITS(VD_BITS(set1_epi32)((int)word)); }
+LC_INLINE vf vf_and(vf a, vf b) { return VF_OF_BITS(VD_AND(VF_CAST(a), VF_CAST(b))); }
+LC_INLINE vf vf_xor(vf a, vf b) { return VF_OF_BITS(VD_XOR(VF_CAST(a), VF_CAST(b))); }
+#define vf_shl(a, n) VF_OF_BITS(VD_BITS(slli_epi32)(VF_CAST(a), n))
 
 LC_INLINE vf vf_exponent(vf x)
 {

@@ -7,6 +7,7 @@
  */
 #include "bounds.h"
 #include "cluster.h"
+#include "direction.h"
 #include "gen_clusters.h"
 #include "ref_bounds.h"
 #include "rng.h"
@@ -115,12 +116,10 @@ static float bound_of(const gen_case *c, const lc_point *p)
         lc_cluster one;
         lc_cluster_from_light(&one, &c->lights[i]), lc_cluster_join(&all, &all, &one);
     }
-    _Alignas(64) lc_node_block b;
-    _Alignas(64) float ub[LC_BLOCK];
-    memset(&b, 0, sizeof b);
-    lc_cluster_store(&all, &b, 0);
-    lc_bounds_block(&b, 0, 1, all.kind, p, ub);
-    return ub[0];
+    lc_node node = { .left = LC_NONE };
+    lc_atten atten;
+    lc_cluster_store(&all, &node, &atten);
+    return lc_bound(&node, lc_inverse_square(atten) ? NULL : &atten, all.kind, p);
 }
 
 /* A valid bound that is useless would pass everything else. */
@@ -194,51 +193,51 @@ TEST(zero_extent_is_tight)
     }
 }
 
-/* A lane's bound depends on the lane's contents only; nothing is written past the block; inputs stay. */
-TEST(lanes_do_not_matter)
+/* Least attenuation of 0, 0, 1 is what no attenuation stands for, to the bit; inputs stay. */
+TEST(inverse_square_needs_no_attenuation)
 {
     for (uint64_t i = 0; i < 6000; i++) {
         uint32_t kind = (uint32_t)(i % 3);
         gen_case c;
         make(&c, i, kind, (uint32_t)(i / 3 % 2), i & 1 ? GEN_ADVERSARIAL : GEN_ORDINARY);
+        const lc_atten one = { 0, 0, 1, 0 };
         lc_point p, p0;
+        lc_node node = { .left = LC_NONE }, n0;
+        lc_cluster all;
         lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
         memcpy(&p0, &p, sizeof p);
-        _Alignas(64) struct {
-            lc_node_block b;
-            float ub[LC_BLOCK];
-            unsigned char guard[64];
-        } m;
-        lc_node_block b0;
-        memset(&m, 0, sizeof m), memset(m.guard, 0xa5, sizeof m.guard);
-        for (uint32_t k = 0; k < LC_BLOCK; k++) {
-            lc_cluster one;
-            lc_cluster_from_light(&one, &c.lights[k % c.n]);
-            if (k % 3 == 1) {
-                lc_cluster two;
-                lc_cluster_from_light(&two, &c.lights[(k * 7 + 1) % c.n]), lc_cluster_join(&one, &one, &two);
-            }
-            lc_cluster_store(&one, &m.b, k);
+        lc_cluster_from_light(&all, &c.lights[0]);
+        for (uint32_t k = 1; k < c.n; k++) {
+            lc_cluster two;
+            lc_cluster_from_light(&two, &c.lights[k]), lc_cluster_join(&all, &all, &two);
         }
-        memcpy(&b0, &m.b, sizeof b0);
-        lc_bounds_block(&m.b, 0, LC_BLOCK, (lc_light_kind)kind, &p, m.ub);
-        CHECK(memcmp(&b0, &m.b, sizeof b0) == 0);
-        CHECK(memcmp(&p0, &p, sizeof p) == 0);
-        for (uint32_t k = 0; k < LC_BLOCK; k++) {
-            /* the same node alone, in every lane but among other numbers */
-            uint32_t to = (uint32_t)lc_hash4(seed, i, k, 1) % LC_BLOCK;
-            uint32_t n = 1 + (uint32_t)lc_hash4(seed, i, k, 2) % (LC_BLOCK - to);
-            _Alignas(64) lc_node_block b = b0;
-            _Alignas(64) float ub[LC_BLOCK];
-            memset(ub, 0, sizeof ub);
-            for (size_t f = 0; f < sizeof b / (LC_BLOCK * sizeof(float)); f++) {
-                memcpy((float *)&b + f * LC_BLOCK + to, (const float *)&b0 + f * LC_BLOCK + k, sizeof(float));
-            }
-            lc_bounds_block(&b, to, n, (lc_light_kind)kind, &p, ub);
-            CHECK(memcmp(&ub[to], &m.ub[k], sizeof(float)) == 0);
-        }
-        for (size_t k = 0; k < sizeof m.guard; k++) CHECK(m.guard[k] == 0xa5);
+        lc_cluster_store(&all, &node, NULL);
+        memcpy(&n0, &node, sizeof n0);
+        float a = lc_bound(&node, NULL, (lc_light_kind)kind, &p), b = lc_bound(&node, &one, (lc_light_kind)kind, &p);
+        CHECK(memcmp(&a, &b, sizeof a) == 0);
+        CHECK(memcmp(&n0, &node, sizeof n0) == 0 && memcmp(&p0, &p, sizeof p) == 0);
+        lc_light_rec rec;
+        lc_light_rec_init(&rec, &c.lights[0]);
+        lc_f3 x = lc_shade_light(&p, (lc_light_kind)kind, &rec, NULL), y = lc_shade_light(&p, (lc_light_kind)kind, &rec, one);
+        CHECK(memcmp(&x, &y, sizeof x) == 0);
     }
+}
+
+/* Packed directions: unpacking gives what was rounded, rounding what was rounded stays, and rounding moves little. */
+TEST(directions_pack)
+{
+    double worst_len = 0, worst = 0;
+    for (uint64_t i = 0; i < 400000; i++) {
+        gen_case c;
+        make(&c, i / 16, LC_LIGHT_DIRECTIONAL, 0, i & 1 ? GEN_ADVERSARIAL : GEN_ORDINARY); /* not rounded yet */
+        lc_f3 d = c.lights[i % c.n].dir, r = lc_dir_round(d), again = lc_dir_round(r);
+        CHECK(r.x == again.x && r.y == again.y && r.z == again.z);
+        double len2 = (double)r.x * r.x + (double)r.y * r.y + (double)r.z * r.z;
+        double off = fmax(fabs((double)r.x - d.x), fmax(fabs((double)r.y - d.y), fabs((double)r.z - d.z)));
+        worst_len = fmax(worst_len, fabs(sqrt(len2) - 1)), worst = fmax(worst, off);
+    }
+    printf("  length off by at most %.3g, a component by %.3g\n", worst_len, worst);
+    CHECK(worst_len <= 0x1p-23 && worst <= 0x1p-22);
 }
 
 static bool same_boxes(const lc_cluster *a, const lc_cluster *b)
@@ -356,7 +355,7 @@ TEST(worked_example)
     CHECKF(fabs(10 * mg[1] - 0.3978873577297384) < 1e-7, "%.17g", 10 * mg[1]);
     lc_light_rec rec;
     lc_light_rec_init(&rec, &l);
-    CHECK(fabs(10 * (double)lc_shade_light(&p, &rec).y - 0.3978873577297384) < 1e-6);
+    CHECK(fabs(10 * (double)lc_shade_light(&p, l.kind, &rec, NULL).y - 0.3978873577297384) < 1e-6);
 }
 
 int main(int argc, char **argv)
@@ -376,7 +375,8 @@ int main(int argc, char **argv)
     RUN(reference_holds);
     RUN(as_tight_as_reference);
     RUN(zero_extent_is_tight);
-    RUN(lanes_do_not_matter);
+    RUN(inverse_square_needs_no_attenuation);
+    RUN(directions_pack);
     RUN(join_is_associative);
     RUN(cone_holds_every_direction);
     RUN(point_init_agrees);

@@ -5,22 +5,25 @@
 #include "cpu.h"
 #include "gen_clusters.h"
 #include "kernels.h"
+#include "light_tree.h"
 #include "ref_bounds.h"
 #include "rng.h"
 #include "shade.h"
 #include "test.h"
 
 #define CASES 60000
-#define MOST 20 /* blocks or lights a call */
-#define ROOM 48 /* 2 MOST rounded up to LC_LANES */
+#define MOST 40 /* nodes or lights a call */
+#define ROOM 48 /* MOST rounded up to LC_LANES */
 #define GUARD 16
 
 typedef struct job {
     gen_case c;
     lc_light_kind kind;
     lc_point point;
-    _Alignas(64) lc_node_block block[MOST];
+    _Alignas(64) lc_node node[MOST];
     _Alignas(64) lc_light_rec rec[MOST];
+    lc_atten node_atten[MOST], light_atten[MOST];
+    lc_tree_data tree;
     uint32_t list[MOST], n; /* what is asked for */
 } job;
 
@@ -36,16 +39,21 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, bool glossy)
     lc_point_init(&j->point, j->c.pos, j->c.normal, j->c.view, &j->c.mat, j->c.min_d2);
     lc_cluster_from_light(&all, &j->c.lights[0]);
     for (uint32_t k = 0; k < MOST; k++) {
-        for (uint32_t lane = 0; lane < LC_BLOCK; lane++) {
-            lc_cluster_from_light(&one, &j->c.lights[(LC_BLOCK * k + lane) % j->c.n]);
-            lc_cluster_join(&all, &all, &one);
-            lc_cluster_store(lane ? &all : &one, &j->block[k], lane);
-        }
-        if (k % 5 == 4) all = one;
-        lc_light_rec_init(&j->rec[k], &j->c.lights[k % j->c.n]);
+        const lc_light *light = &j->c.lights[k % j->c.n];
+        lc_cluster_from_light(&one, light);
+        lc_cluster_join(&all, &all, &one);
+        lc_cluster_store(k & 1 ? &all : &one, &j->node[k], &j->node_atten[k]);
+        if (k % 10 == 9) all = one;
+        lc_light_rec_init(&j->rec[k], light);
+        memcpy(j->light_atten[k], light->atten, sizeof light->atten);
         j->list[k] = gen_pick(&s, MOST);
     }
     j->n = 1 + (uint32_t)(i % MOST);
+    j->tree = (lc_tree_data){ j->node, j->rec, j->node_atten, j->light_atten };
+    if (i / MOST % 2) { /* inverse square */
+        j->tree.node_atten = j->tree.light_atten = NULL;
+        for (uint32_t k = 0; k < j->c.n; k++) j->c.lights[k].atten[0] = j->c.lights[k].atten[1] = 0, j->c.lights[k].atten[2] = 1;
+    }
 }
 
 /* n numbers, and nothing past n rounded up to LC_LANES. */
@@ -65,16 +73,16 @@ static void compare_bounds(lc_isa isa, const job *j, uint64_t i)
 {
     float want[ROOM + GUARD], got[ROOM + GUARD];
     clear(want), clear(got);
-    lc_kernels_scalar.bounds(j->block, j->list, j->n, j->kind, &j->point, want);
-    lc_kernels_get(isa)->bounds(j->block, j->list, j->n, j->kind, &j->point, got);
-    CHECKF(same(want, got, LC_BLOCK * j->n), "%s, case %llu", lc_isa_name(isa), (unsigned long long)i);
+    lc_kernels_scalar.bounds(&j->tree, j->list, j->n, j->kind, &j->point, want);
+    lc_kernels_get(isa)->bounds(&j->tree, j->list, j->n, j->kind, &j->point, got);
+    CHECKF(same(want, got, j->n), "%s, case %llu", lc_isa_name(isa), (unsigned long long)i);
 }
 
 static void run_estimate(const lc_kernels *k, const job *j, const uint32_t *index, float out[6][ROOM + GUARD])
 {
     float *to[6];
     for (int c = 0; c < 6; c++) clear(out[c]), to[c] = out[c];
-    k->estimate(j->rec, index, j->n, j->kind, &j->point, to);
+    k->estimate(&j->tree, 0, index, j->n, j->kind, &j->point, to);
 }
 
 static void compare_estimate(lc_isa isa, const job *j, const uint32_t *index, uint64_t i)
@@ -106,7 +114,8 @@ TEST(avx512_equals_scalar) { compare(LC_ISA_AVX512); }
 static bool estimate_right(const job *j, uint32_t at, float out[6][ROOM + GUARD], uint32_t i)
 {
     const lc_light *l = &j->c.lights[at % j->c.n];
-    lc_f3 f = lc_shade_light(&j->point, &j->rec[at]), to = j->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
+    lc_f3 f = lc_shade_light(&j->point, j->kind, &j->rec[at], lc_light_atten(&j->tree, at));
+    lc_f3 to = j->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
     const float want[6] = { f.x, f.y, f.z, to.x, to.y, to.z };
     double lo[3], hi[3];
     bool ok = true;

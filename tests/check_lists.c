@@ -14,7 +14,7 @@
 
 #define CASES 30000
 #define MOST 40 /* pairs */
-#define BLOCKS 32
+#define NODES 64
 #define BEFORE 24 /* elements in a list before, at most; parents before the first */
 #define GUARD 32
 #define ROOM (BEFORE + 2 * MOST + LC_CUT_SPARE + GUARD)
@@ -27,12 +27,14 @@ typedef struct list {
 
 /* What cut.c would hand over. Inputs lie in memory of exactly the size that is promised, for ASan. */
 typedef struct job {
-    lc_node_block *blocks;
+    lc_node *nodes;
+    lc_light_rec *lights;
     uint32_t n, first;
     float limit;
     list parent, open, left, leaf;
     float *bound, *fresh, *transfer[3];
     uint32_t *link, *rep;
+    const float **power;
 } job;
 
 static float as_float(uint32_t bits)
@@ -76,7 +78,7 @@ static float rnd_limit(void)
 }
 
 static uint32_t rnd_rep(void) { return rnd_n(100000) | (rnd() < 0.5 ? LC_PENDING : 0); }
-static uint32_t rnd_inner(void) { return LC_BLOCK * rnd_n(BLOCKS); }
+static uint32_t rnd_link(double leaves) { return rnd() < leaves ? LC_LEAF | rnd_n(NODES) : rnd_n(NODES); }
 
 static void clear(list *l)
 {
@@ -92,7 +94,7 @@ static void fill(list *l, uint32_t n, int style, float limit, double leaves)
     l->n = n;
     for (uint32_t i = 0; i < n; i++) {
         l->word[0][i] = as_bits(rnd_bound(style, limit));
-        l->word[1][i] = rnd() < leaves ? LC_LEAF | rnd_n(100000) : rnd_inner();
+        l->word[1][i] = rnd_link(leaves);
         l->word[2][i] = rnd_rep();
         for (uint32_t w = 3; w < LC_CUT_WORDS; w++) l->word[w][i] = as_bits(rnd_transfer());
     }
@@ -109,11 +111,13 @@ static void make_children(job *j, int style)
 {
     double leaves = rnd() < 0.3 ? 0 : rnd() < 0.2 ? 1 : 0.3;
     j->bound = must(2 * j->n, sizeof *j->bound), j->fresh = must(2 * j->n, sizeof *j->fresh);
+    j->power = must(2 * j->n, sizeof *j->power);
     j->link = must(2 * j->n, sizeof *j->link), j->rep = must(j->n, sizeof *j->rep);
     for (int k = 0; k < 3; k++) j->transfer[k] = must(j->n, sizeof *j->transfer[k]);
     for (uint32_t i = 0; i < 2 * j->n; i++) {
         j->bound[i] = rnd_bound(style, j->limit);
-        j->link[i] = rnd() < leaves ? LC_LEAF | rnd_n(100000) : rnd_inner();
+        j->link[i] = rnd_link(leaves);
+        j->power[i] = j->link[i] & LC_LEAF ? j->lights[j->link[i] & ~LC_LEAF].intensity : j->nodes[j->link[i]].power;
     }
     for (uint32_t i = 0; i < j->n; i++) {
         bool left = rnd() < 0.5, dark = rnd() < 0.2;
@@ -123,10 +127,10 @@ static void make_children(job *j, int style)
     }
 }
 
-static void make_job(job *j, uint32_t i)
+static void make_job(job *j, uint32_t i, lc_node *nodes, lc_light_rec *lights)
 {
     int style = (int)(i / (MOST + 1) % 7);
-    memset(j, 0, sizeof *j);
+    *j = (job){ .nodes = nodes, .lights = lights };
     j->n = i % (MOST + 1);
     j->first = rnd() < 0.5 ? 0 : rnd_n(BEFORE);
     j->limit = rnd_limit();
@@ -137,7 +141,7 @@ static void make_job(job *j, uint32_t i)
 
 static void free_job(job *j)
 {
-    free(j->bound), free(j->fresh), free(j->link), free(j->rep);
+    free(j->power), free(j->bound), free(j->fresh), free(j->link), free(j->rep);
     for (int k = 0; k < 3; k++) free(j->transfer[k]);
 }
 
@@ -155,14 +159,14 @@ static float luminance(const uint32_t e[3]) { return lc_luminance(lc_f3_make(as_
 static float ref_child(job *j, uint32_t i, uint32_t c)
 {
     uint32_t at = j->first + i, word[LC_CUT_WORDS] = { as_bits(j->bound[2 * i + c]), j->link[2 * i + c] };
-    const lc_node_block *b = &j->blocks[j->parent.word[1][at] / LC_BLOCK];
+    const float *power = j->power[2 * i + c];
     bool own = j->fresh[2 * i + c] > 0, lit = false;
     float bound = j->bound[2 * i + c];
     for (uint32_t k = 0; k < 3; k++) {
         float t = own ? j->transfer[k][i] : as_float(j->parent.word[3 + k][at]);
         lit |= j->transfer[k][i] > 0;
         if (!(bound > 0)) t = 0;
-        word[3 + k] = as_bits(t), word[6 + k] = as_bits(t * b->power[k][c]);
+        word[3 + k] = as_bits(t), word[6 + k] = as_bits(t * power[k]);
     }
     word[2] = own ? j->rep[i] | (lit ? LC_PENDING : 0) : j->parent.word[2][at];
     if (bound > 0) put(word[1] & LC_LEAF ? &j->leaf : bound > j->limit ? &j->open : &j->left, word);
@@ -220,7 +224,7 @@ static bool same(const list *want, const list *got, uint32_t longest)
 static double run_place(const lc_kernels *k, job *j)
 {
     lc_cut_list parent = view(&j->parent), open = view(&j->open), left = view(&j->left), leaf = view(&j->leaf);
-    lc_cut_pairs p = { .n = j->n, .parent = &parent, .first = j->first, .blocks = j->blocks, .bound = j->bound, .link = j->link,
+    lc_cut_pairs p = { .n = j->n, .parent = &parent, .first = j->first, .bound = j->bound, .link = j->link, .power = j->power,
                        .fresh = j->fresh, .rep = j->rep, .transfer = { j->transfer[0], j->transfer[1], j->transfer[2] },
                        .limit = j->limit };
     double sum = k->place(&p, &open, &left, &leaf);
@@ -240,27 +244,22 @@ static void check_place(lc_isa isa, uint32_t i, const job *j)
     CHECK(!memcmp(&want.parent, &got.parent, sizeof want.parent));
 }
 
-static void make_blocks(lc_node_block *blocks)
-{
-    memset(blocks, 0, BLOCKS * sizeof *blocks);
-    for (uint32_t i = 0; i < BLOCKS; i++)
-        for (uint32_t k = 0; k < 3; k++)
-            for (uint32_t lane = 0; lane < LC_BLOCK; lane++) blocks[i].power[k][lane] = rnd() < 0.1 ? 0 : powf(10, (float)rnd_in(-15, 15));
-}
+static float rnd_power(void) { return rnd() < 0.1 ? 0 : powf(10, (float)rnd_in(-15, 15)); }
 
 TEST(place_as_one_by_one)
 {
-    lc_node_block *blocks = aligned_alloc(64, BLOCKS * sizeof *blocks);
+    lc_node *nodes = aligned_alloc(64, NODES * sizeof *nodes);
+    lc_light_rec *lights = aligned_alloc(64, NODES * sizeof *lights);
     static job j;
-    if (!blocks) abort();
-    make_blocks(blocks);
+    if (!nodes || !lights) abort();
+    for (uint32_t i = 0; i < NODES; i++)
+        for (uint32_t k = 0; k < 3; k++) nodes[i].power[k] = rnd_power(), lights[i].intensity[k] = rnd_power();
     for (uint32_t i = 0; i < CASES; i++) {
-        make_job(&j, i);
-        j.blocks = blocks;
+        make_job(&j, i, nodes, lights);
         for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa(); isa++) check_place((lc_isa)isa, i, &j);
         free_job(&j);
     }
-    free(blocks);
+    free(nodes), free(lights);
 }
 
 /* where: 0 two other lists, 1 above is the list itself, 2 rest is */

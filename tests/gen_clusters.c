@@ -3,6 +3,7 @@
 
 #include "bounds.h"
 #include "cluster.h"
+#include "direction.h"
 #include "ref_bounds.h"
 #include "rng.h"
 #include "shade.h"
@@ -209,7 +210,7 @@ static void make_directions(gen_src *s, gen_case *c, gen_style style, d3 to_poin
         }
         if (how == 5 && oriented) d = across(s, d3_mad(from_f3(c->pos), -1, from_f3(c->lights[i].pos)));
         if (how == 5 && !oriented) d = across(s, axis);
-        c->lights[i].dir = unit_f3(d);
+        c->lights[i].dir = oriented ? lc_dir_round(unit_f3(d)) : unit_f3(d);
     }
 }
 
@@ -384,7 +385,7 @@ static value light_value(const lc_point *p, const lc_light *l)
 {
     lc_light_rec rec;
     lc_light_rec_init(&rec, l);
-    lc_f3 mg = lc_shade_light(p, &rec);
+    lc_f3 mg = lc_shade_light(p, l->kind, &rec, l->atten);
     double ref[3], lo[3], hi[3], d[3];
     ref_transfer(p, l, ref), ref_transfer_range(p, l, lo, hi);
     value v = { .shade_ok = lc_f3_finite(mg) };
@@ -415,11 +416,11 @@ static void complain(gen_result *r, uint32_t bad, uint32_t members, double bound
 }
 
 /* Contract of lc_cluster_store (layout.h), in exact arithmetic but for 4e-16. */
-static uint32_t check_lane(const gen_case *c, const lc_node_block *b, uint32_t lane, uint32_t members)
+static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten atten, uint32_t members)
 {
     uint32_t bad = 0;
     double axis[3], len2 = 0, power[3] = { 0, 0, 0 };
-    for (int k = 0; k < 3; k++) axis[k] = (double)b->axis[k][lane], len2 += axis[k] * axis[k];
+    for (int k = 0; k < 3; k++) axis[k] = (double)b->axis[k], len2 += axis[k] * axis[k];
     for (uint32_t i = 0; i < c->n; i++) {
         if (!(members >> i & 1)) continue;
         const lc_light *l = &c->lights[i];
@@ -427,17 +428,17 @@ static uint32_t check_lane(const gen_case *c, const lc_node_block *b, uint32_t l
         double dot = 0, e2 = 0;
         for (int k = 0; k < 3; k++) {
             double p = l->kind == LC_LIGHT_DIRECTIONAL ? -(double)e[k] : (double)y[k];
-            if (!(fabs(p - (double)b->center[k][lane]) <= (double)b->half[k][lane])) bad |= GEN_BAD_BOX;
-            if (l->kind != LC_LIGHT_DIRECTIONAL && !(b->atten[k][lane] <= l->atten[k])) bad |= GEN_BAD_BOX;
+            if (!(fabs(p - (double)b->center[k]) <= (double)b->half[k])) bad |= GEN_BAD_BOX;
+            if (l->kind != LC_LIGHT_DIRECTIONAL && !(atten[k] <= l->atten[k])) bad |= GEN_BAD_BOX;
             dot += axis[k] * (double)e[k], e2 += (double)e[k] * (double)e[k];
             power[k] += (double)(&l->intensity.x)[k];
         }
-        double cone = (double)b->cos_cone[lane];
+        double cone = (double)b->cos_cone;
         if (l->kind == LC_LIGHT_ORIENTED && cone > -1 && !(dot / sqrt(len2 * e2) >= cone - 4e-16))
             bad |= GEN_BAD_CONE;
     }
     for (int k = 0; k < 3; k++) {
-        if (!((double)b->power[k][lane] >= power[k] * (1 - 1e-14))) bad |= GEN_BAD_BOX;
+        if (!((double)b->power[k] >= power[k] * (1 - 1e-14))) bad |= GEN_BAD_BOX;
     }
     return bad;
 }
@@ -472,19 +473,14 @@ void gen_case_run(const gen_case *c, gen_result *r)
     tree t;
     build(&t, c);
     r->n_nodes = t.n;
-    for (uint32_t first = 0; first < t.n; first += LC_BLOCK) {
-        uint32_t n = t.n - first < LC_BLOCK ? t.n - first : LC_BLOCK,
-                 shift = (uint32_t)(c->order % (LC_BLOCK - n + 1));
-        _Alignas(64) lc_node_block b;
-        _Alignas(64) float ub[LC_BLOCK];
-        memset(&b, 0, sizeof b);
-        for (uint32_t k = 0; k < n; k++) {
-            lc_cluster_store(&t.node[first + k], &b, shift + k);
-            uint32_t bad = check_lane(c, &b, shift + k, t.members[first + k]);
-            if (bad) complain(r, bad, t.members[first + k], 0, 0);
-        }
-        lc_bounds_block(&b, shift, n, c->lights[0].kind, &p, ub);
-        for (uint32_t k = 0; k < n; k++) check_node(c, r, v, t.members[first + k], (double)ub[shift + k]);
+    for (uint32_t k = 0; k < t.n; k++) {
+        lc_node node = { .left = LC_NONE, .right = LC_NONE };
+        lc_atten atten;
+        lc_cluster_store(&t.node[k], &node, &atten);
+        uint32_t bad = check_stored(c, &node, atten, t.members[k]);
+        if (bad) complain(r, bad, t.members[k], 0, 0);
+        float ub = lc_bound(&node, lc_inverse_square(atten) ? NULL : &atten, c->lights[0].kind, &p);
+        check_node(c, r, v, t.members[k], (double)ub);
     }
 }
 
@@ -566,7 +562,7 @@ void gen_case_print(const gen_case *c)
         print3("  atten", lc_f3_load(l->atten));
         lc_light_rec rec;
         lc_light_rec_init(&rec, l);
-        lc_f3 mg = lc_shade_light(&p, &rec);
+        lc_f3 mg = lc_shade_light(&p, l->kind, &rec, l->atten);
         double ref[3], lo[3], hi[3];
         ref_transfer(&p, l, ref), ref_transfer_range(&p, l, lo, hi);
         print3("  shade", mg);

@@ -1,6 +1,7 @@
 /* unit_light_tree.c - light trees: what lc_light_tree_validate and, for small sets, a slow check of every node against
  * every light say; the builder against naive agglomeration; how often a light represents a node. */
 #include "agglomerate.h"
+#include "direction.h"
 #include "light_tree.h"
 #include "rng.h"
 #include "shade.h"
@@ -49,28 +50,40 @@ static lc_light_tree *build(const lc_light *lights, size_t n, uint64_t seed, uin
 
 /* ---- the slow check ---- */
 
-/* Lights under a node, to out; returns how many. stack: room for a small tree. */
+/* The light that represents a cluster in a slot. */
+static uint32_t rep_of(const lc_light_tree *t, uint32_t link, uint32_t slot)
+{
+    while (!(link & LC_LEAF)) {
+        bool right = lc_node_fresh(t, link, slot) & LC_FRESH_RIGHT;
+        link = right ? t->data.nodes[link].left : t->data.nodes[link].right;
+    }
+    return link & ~LC_LEAF;
+}
+
+static lc_f3 direction(const lc_light_rec *l) { return lc_dir_unpack((const uint32_t[2]){ l->dir_a, l->dir_b }); }
+
+/* Lights under a cluster, to out; returns how many. stack: room for a small tree. */
 static uint32_t lights_below(const lc_light_tree *t, uint32_t id, uint32_t *out)
 {
     uint32_t stack[4096], n = 0, k = 0;
     stack[n++] = id;
     while (n) {
-        uint32_t link = t->link[stack[--n]];
+        uint32_t link = stack[--n];
         if (link & LC_LEAF) out[k++] = link & ~LC_LEAF;
-        else stack[n++] = link, stack[n++] = link + 1;
+        else stack[n++] = t->data.nodes[link].left, stack[n++] = t->data.nodes[link].right;
     }
     return k;
 }
 
 static double least_cosine(const lc_light_tree *t, uint32_t id, const uint32_t *below, uint32_t n)
 {
-    const lc_node_block *b = &t->blocks[id / LC_BLOCK];
-    uint32_t lane = id % LC_BLOCK;
+    const lc_node *b = &t->data.nodes[id];
     double least = 1;
     for (uint32_t i = 0; i < n; i++) {
         long double dot = 0, a2 = 0, d2 = 0;
+        lc_f3 dir = direction(&t->data.lights[below[i]]);
         for (int k = 0; k < 3; k++) {
-            long double a = b->axis[k][lane], d = t->lights[below[i]].dir[k];
+            long double a = b->axis[k], d = (&dir.x)[k];
             dot += a * d, a2 += a * a, d2 += d * d;
         }
         least = fmin(least, (double)(dot / sqrtl(a2 * d2)));
@@ -80,48 +93,46 @@ static double least_cosine(const lc_light_tree *t, uint32_t id, const uint32_t *
 
 static const char *slow_check_node(const lc_light_tree *t, uint32_t id, const uint32_t *below, uint32_t n)
 {
-    const lc_node_block *b = &t->blocks[id / LC_BLOCK];
-    uint32_t lane = id % LC_BLOCK, kind = t->lights[below[0]].kind;
-    bool mixed = false, rep_ok;
-    for (uint32_t i = 0; i < n; i++) mixed |= t->lights[below[i]].kind != kind;
-    if (lc_node_is_virtual(t, id) != (mixed && n > 1)) return "virtual";
+    const lc_node *b = &t->data.nodes[id];
+    lc_light_kind kind = lc_kind_of_node(t, id);
+    for (uint32_t i = 0; i < n; i++)
+        if (lc_kind_of_light(t, below[i]) != kind) return "kind";
     for (int k = 0; k < 3; k++) {
         long double sum = 0;
-        for (uint32_t i = 0; i < n; i++) sum += (long double)t->lights[below[i]].intensity[k];
-        long double p = (long double)b->power[k][lane];
+        for (uint32_t i = 0; i < n; i++) sum += (long double)t->data.lights[below[i]].intensity[k];
+        long double p = (long double)b->power[k];
         if (p < sum * (1 - 1e-15L) || p > sum * (1 + 0x1p-22L)) return "power";
     }
     for (uint32_t s = 0; s < t->n_reps; s++) {
-        rep_ok = false;
-        for (uint32_t i = 0; i < n; i++) rep_ok |= t->rep[(size_t)id * t->n_reps + s] == below[i];
-        if (!rep_ok) return "rep";
+        uint32_t fresh = lc_node_fresh(t, id, s), child = fresh & LC_FRESH_RIGHT ? b->right : b->left;
+        if ((fresh & ~LC_FRESH_RIGHT) != rep_of(t, child, s)) return "rep";
     }
-    if (mixed) return NULL;
     for (int k = 0; k < 3; k++) {
         float least = INFINITY;
         for (uint32_t i = 0; i < n; i++) {
-            const lc_light_rec *l = &t->lights[below[i]];
-            long double p = kind == LC_LIGHT_DIRECTIONAL ? -l->dir[k] : l->pos[k];
-            if (fabsl(p - (long double)b->center[k][lane]) > (long double)b->half[k][lane]) return "box";
-            least = fminf(least, l->atten[k]);
+            long double p = t->data.lights[below[i]].pos[k];
+            const float *atten = lc_light_atten(&t->data, below[i]);
+            if (fabsl(p - (long double)b->center[k]) > (long double)b->half[k]) return "box";
+            if (atten) least = fminf(least, atten[k]);
         }
-        if (kind != LC_LIGHT_DIRECTIONAL && memcmp(&least, &b->atten[k][lane], sizeof least)) return "atten";
+        if (kind == LC_LIGHT_DIRECTIONAL) continue;
+        if (!t->data.node_atten != !t->data.light_atten) return "atten";
+        if (t->data.node_atten && memcmp(&least, &t->data.node_atten[id][k], sizeof least)) return "atten";
     }
-    if (kind == LC_LIGHT_ORIENTED && (double)b->cos_cone[lane] > least_cosine(t, id, below, n) && b->cos_cone[lane] > -1)
-        return "cone";
+    if (kind == LC_LIGHT_ORIENTED && (double)b->cos_cone > least_cosine(t, id, below, n) && b->cos_cone > -1) return "cone";
     return NULL;
 }
 
 static const char *slow_check(const lc_light_tree *t)
 {
-    uint32_t stack[4096], below[2048], n = 0;
-    if (t->n_lights) stack[n++] = 0;
-    while (n) {
-        uint32_t id = stack[--n];
+    uint32_t below[2048];
+    for (uint32_t id = 0; id < t->n_nodes; id++) {
         const char *wrong = slow_check_node(t, id, below, lights_below(t, id, below));
         if (wrong) return wrong;
-        if (!lc_node_is_leaf(t, id)) stack[n++] = t->link[id], stack[n++] = t->link[id] + 1;
     }
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        for (uint32_t s = 0; s < t->n_reps && t->root[kind] != LC_NONE; s++)
+            if (t->root_rep[kind][s] != rep_of(t, t->root[kind], s)) return "root's rep";
     return NULL;
 }
 
@@ -296,11 +307,10 @@ static uint32_t naive_sets(const lc_light *l, uint32_t n, double c2, uint64_t *s
 static uint32_t tree_sets(const lc_light_tree *t, uint64_t *sets)
 {
     uint32_t n = 0, below[2048];
-    for (uint32_t id = 0; id < 2 * t->n_pairs; id++) {
-        if (id == 1 || lc_node_is_leaf(t, id)) continue;
+    for (uint32_t id = 0; id < t->n_nodes; id++) {
         uint32_t k = lights_below(t, id, below);
         sets[n] = 0;
-        for (uint32_t i = 0; i < k; i++) sets[n] += hash_of(&t->lights[below[i]]);
+        for (uint32_t i = 0; i < k; i++) sets[n] += hash_of(&t->data.lights[below[i]]);
         n++;
     }
     qsort(sets, n, sizeof *sets, by_value);
@@ -348,58 +358,71 @@ TEST(builder_equals_naive_on_wide_scales)
 #define N_FREQ 24
 #define FREQ_SEEDS 6000
 
-/* z: how many standard errors a frequency is off; over all nodes, lights and slots, and chi-square of the root. */
+static double power_of(const lc_light_tree *t, uint32_t light)
+{
+    lc_f3 e = lc_f3_load(t->data.lights[light].intensity);
+    return ((double)e.x + e.y + e.z) / 3;
+}
+
+typedef struct {
+    uint32_t count[N_FREQ][2][N_FREQ]; /* node, slot 0 or 2, light */
+    double worst, chi2, same;          /* standard errors; of the root; chance that both slots have the same light */
+} frequencies;
+
+static void judge(frequencies *f, const lc_light_tree *t)
+{
+    uint32_t below[2048];
+    for (uint32_t id = 0; id < t->n_nodes; id++) {
+        uint32_t n = lights_below(t, id, below);
+        double sum = 0;
+        for (uint32_t i = 0; i < n; i++) sum += power_of(t, below[i]);
+        for (uint32_t i = 0; i < n; i++)
+            for (uint32_t s = 0; s < 2; s++) {
+                double p = power_of(t, below[i]) / sum, want = p * FREQ_SEEDS, off = f->count[id][s][below[i]] - want;
+                f->worst = fmax(f->worst, fabs(off) / sqrt(want * (1 - p)));
+                if (id == 0) f->chi2 += off * off / want, f->same += p * p / 2;
+            }
+    }
+}
+
+/* Over all nodes, lights and slots. */
 TEST(representatives_are_as_frequent_as_bright)
 {
-    static uint32_t count[2 * N_FREQ][2][N_FREQ];
-    uint32_t below[2048], both = 0;
-    lc_light *l = rnd_lights(N_FREQ, 7);
-    memset(count, 0, sizeof count);
-    for (uint64_t seed = 0; seed < FREQ_SEEDS; seed++) {
-        lc_light_tree *t = build(l, N_FREQ, lc_mix(seed), 3);
-        for (uint32_t id = 0; id < 2 * N_FREQ; id++)
-            for (uint32_t s = 0; s < 2 && id != 1; s++) count[id][s][t->rep[id * 3 + 2 * s]]++;
-        both += t->rep[0] == t->rep[2];
-        if (seed + 1 < FREQ_SEEDS) lc_light_tree_destroy(t);
-        else {
-            double worst = 0, chi2 = 0, same = 0, total = 0;
-            for (uint32_t id = 0; id < 2 * N_FREQ; id++) {
-                if (id == 1) continue;
-                double sum = 0;
-                uint32_t n = lights_below(t, id, below);
-                for (uint32_t i = 0; i < n; i++) {
-                    lc_f3 e = lc_f3_load(t->lights[below[i]].intensity);
-                    sum += ((double)e.x + e.y + e.z) / 3;
-                }
-                for (uint32_t i = 0; i < n && n > 1; i++)
-                    for (uint32_t s = 0; s < 2; s++) {
-                        lc_f3 e = lc_f3_load(t->lights[below[i]].intensity);
-                        double p = ((double)e.x + e.y + e.z) / 3 / sum, want = p * FREQ_SEEDS;
-                        double off = count[id][s][below[i]] - want;
-                        worst = fmax(worst, fabs(off) / sqrt(want * (1 - p)));
-                        if (id == 0) chi2 += off * off / want, same += p * p / 2;
-                        total++;
-                    }
-            }
-            /* some 300 normal deviates: 4.5 is passed once in 500 sets; chi-square of 46 degrees: 46 +- 9.6 */
-            CHECKF(worst < 4.5, "%.2f standard errors, %g frequencies", worst, total);
-            CHECKF(chi2 < 46 + 4 * 9.6 && chi2 > 46 - 4 * 9.6, "chi-square %.1f of 46 degrees", chi2);
-            double err = sqrt(same * (1 - same) / FREQ_SEEDS);
-            CHECKF(fabs(both / (double)FREQ_SEEDS - same) < 4.5 * err, "slots 0 and 2 agree in %u, %g expected", both,
-                   same * FREQ_SEEDS);
+    static frequencies f;
+    for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+        uint32_t both = 0;
+        lc_light *l = rnd_lights(N_FREQ, 1u << kind);
+        f = (frequencies){ 0 };
+        for (uint64_t seed = 0; seed < FREQ_SEEDS; seed++) {
+            lc_light_tree *t = build(l, N_FREQ, lc_mix(seed), 3);
+            for (uint32_t id = 0; id < t->n_nodes; id++)
+                for (uint32_t s = 0; s < 2; s++) f.count[id][s][rep_of(t, id, 2 * s)]++;
+            both += rep_of(t, 0, 0) == rep_of(t, 0, 2);
+            if (seed + 1 == FREQ_SEEDS) judge(&f, t);
             lc_light_tree_destroy(t);
         }
+        /* some 300 normal deviates: 4.5 is passed once in 500 sets; chi-square of 46 degrees: 46 +- 9.6 */
+        CHECKF(f.worst < 4.5, "kind %u: %.2f standard errors", kind, f.worst);
+        CHECKF(f.chi2 < 46 + 4 * 9.6 && f.chi2 > 46 - 4 * 9.6, "kind %u: chi-square %.1f of 46 degrees", kind, f.chi2);
+        double err = sqrt(f.same * (1 - f.same) / FREQ_SEEDS);
+        CHECKF(fabs(both / (double)FREQ_SEEDS - f.same) < 4.5 * err, "kind %u: slots 0 and 2 agree in %u, %g expected", kind, both,
+               f.same * FREQ_SEEDS);
+        free(l);
     }
-    free(l);
 }
 
 static bool same_tree(const lc_light_tree *a, const lc_light_tree *b, bool reps)
 {
-    size_t n = 2 * a->n_pairs;
-    return a->n_pairs == b->n_pairs && a->n_blocks == b->n_blocks
-           && !memcmp(a->blocks, b->blocks, a->n_blocks * sizeof *a->blocks) && !memcmp(a->link, b->link, n * sizeof *a->link)
-           && !memcmp(a->pair_kind, b->pair_kind, a->n_pairs)
-           && (!reps || !memcmp(a->rep, b->rep, n * a->n_reps * sizeof *a->rep));
+    bool same = a->n_nodes == b->n_nodes && a->n_lights == b->n_lights && !memcmp(a->root, b->root, sizeof a->root);
+    for (uint32_t i = 0; i < a->n_nodes && same; i++) {
+        lc_node x = a->data.nodes[i], y = b->data.nodes[i];
+        if (!reps) x.fresh = y.fresh = 0;
+        same = !memcmp(&x, &y, sizeof x);
+    }
+    same = same && !memcmp(a->data.lights, b->data.lights, a->n_lights * sizeof *a->data.lights);
+    if (!reps || a->n_reps < 2) return same;
+    return same && !memcmp(a->root_rep, b->root_rep, sizeof a->root_rep)
+           && !memcmp(a->more_fresh, b->more_fresh, a->n_nodes * (a->n_reps - 1) * sizeof *a->more_fresh);
 }
 
 TEST(same_input_same_tree)
@@ -418,22 +441,36 @@ TEST(same_input_same_tree)
 #define N_HURT 48
 
 typedef struct {
-    lc_node_block blocks[(2 * N_HURT + LC_BLOCK - 1) / LC_BLOCK];
-    uint32_t link[2 * N_HURT], rep[2 * N_HURT * 3];
-    uint8_t pair_kind[N_HURT];
+    lc_light_tree tree;
+    lc_node nodes[N_HURT];
     lc_light_rec lights[N_HURT];
+    lc_atten node_atten[N_HURT], light_atten[N_HURT];
+    uint32_t more_fresh[N_HURT * 2];
 } saved;
 
 static lc_light_tree *hurt_tree;
 static saved before;
 
+static void copy(saved *s, lc_light_tree *t, bool back)
+{
+    struct {
+        void *a, *b;
+        size_t size;
+    } parts[] = { { s->nodes, t->data.nodes, t->n_nodes * sizeof *s->nodes },
+                  { s->lights, t->data.lights, sizeof s->lights },
+                  { s->node_atten, t->data.node_atten, t->n_nodes * sizeof *s->node_atten },
+                  { s->light_atten, t->data.light_atten, sizeof s->light_atten },
+                  { s->more_fresh, t->more_fresh, 2 * t->n_nodes * sizeof *s->more_fresh } };
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        if (back) memcpy(parts[i].b, parts[i].a, parts[i].size);
+        else memcpy(parts[i].a, parts[i].b, parts[i].size);
+    }
+}
+
 static void restore(void)
 {
-    memcpy(hurt_tree->blocks, before.blocks, sizeof before.blocks);
-    memcpy(hurt_tree->link, before.link, sizeof before.link);
-    memcpy(hurt_tree->rep, before.rep, sizeof before.rep);
-    memcpy(hurt_tree->pair_kind, before.pair_kind, sizeof before.pair_kind);
-    memcpy(hurt_tree->lights, before.lights, sizeof before.lights);
+    *hurt_tree = before.tree;
+    copy(&before, hurt_tree, true);
 }
 
 static uint32_t n_hurt; /* damages tried by the running test */
@@ -450,20 +487,29 @@ static void expect_complaint(uint32_t id, int line)
 static void begin_damage(uint32_t kinds)
 {
     lc_light *l = rnd_lights(N_HURT, kinds);
+    l[0].atten[1] = 0.5f; /* so that there are attenuations, if it is not directional */
+    if (kinds != 4) l[0].kind = kinds & 1 ? LC_LIGHT_POINT : LC_LIGHT_ORIENTED;
     hurt_tree = build(l, N_HURT, 11, 3);
     free(l);
-    memcpy(before.blocks, hurt_tree->blocks, sizeof before.blocks);
-    memcpy(before.link, hurt_tree->link, sizeof before.link);
-    memcpy(before.rep, hurt_tree->rep, sizeof before.rep);
-    memcpy(before.pair_kind, hurt_tree->pair_kind, sizeof before.pair_kind);
-    memcpy(before.lights, hurt_tree->lights, sizeof before.lights);
+    before.tree = *hurt_tree;
+    if (kinds != 4) {
+        copy(&before, hurt_tree, false);
+    } else { /* no attenuations: give it room to copy */
+        hurt_tree->data.node_atten = calloc(N_HURT, sizeof(lc_atten)), hurt_tree->data.light_atten = calloc(N_HURT, sizeof(lc_atten));
+        copy(&before, hurt_tree, false);
+        before.tree = *hurt_tree;
+    }
     n_hurt = 0;
 }
 
-static void end_damage(void)
+static void end_damage(uint32_t kinds)
 {
     CHECK(n_hurt > N_HURT);
     CHECK(!lc_light_tree_validate(hurt_tree));
+    if (kinds == 4) {
+        free(hurt_tree->data.node_atten), free(hurt_tree->data.light_atten);
+        hurt_tree->data.node_atten = hurt_tree->data.light_atten = NULL;
+    }
     lc_light_tree_destroy(hurt_tree);
 }
 
@@ -472,33 +518,32 @@ TEST(damaged_links_are_found)
     for (uint32_t kinds = 1; kinds < 8; kinds++) {
         begin_damage(kinds);
         lc_light_tree *t = hurt_tree;
-        for (uint32_t id = 0; id < 2 * N_HURT; id++) {
-            if (id == 1) continue;
-            uint32_t link = t->link[id];
-            HURT(t->link[id] = (link & LC_LEAF) | 0x7ffffff0u);
-            HURT(t->link[id] = id & ~1u);
-            HURT(t->link[id] = 0);
-            if (link & LC_LEAF) {
-                HURT(t->link[id] ^= 1);
-                HURT(t->link[id] = LC_LEAF | N_HURT);
-                HURT(t->link[id] = 2);
-            } else {
-                HURT(t->link[id]++);
-                HURT(t->link[id] = link == 2 ? 4 : 2);
-                HURT(t->link[id] = 2 * N_HURT);
-                HURT(t->link[id] = LC_LEAF | t->rep[3 * id]);
-                HURT(t->pair_kind[link / 2] = (uint8_t)((t->pair_kind[link / 2] + 1) % 4));
-                HURT(t->pair_kind[link / 2] = 77);
+        for (uint32_t id = 0; id < t->n_nodes; id++) {
+            lc_node *b = &t->data.nodes[id];
+            for (int side = 0; side < 2; side++) {
+                uint32_t *link = side ? &b->right : &b->left, was = *link;
+                HURT(*link = (was & LC_LEAF) | 0x7ffffff0u);
+                HURT(*link = id);
+                HURT(*link = t->first_node[lc_kind_of_node(t, id)]);
+                HURT(*link = side ? b->left : b->right);
+                HURT(*link ^= LC_LEAF);
+                HURT(*link ^= 1);
+                HURT(*link = LC_LEAF | N_HURT);
+                HURT(*link = t->n_nodes);
             }
         }
         uint32_t id = 0;
-        HURT(t->pair_kind[0] = (uint8_t)((t->pair_kind[0] + 1) % 3));
-        t->n_of_kind[0]++, expect_complaint(0, __LINE__), t->n_of_kind[0]--;
-        t->n_pairs--, expect_complaint(0, __LINE__), t->n_pairs++;
-        t->n_reps = 0, expect_complaint(0, __LINE__), t->n_reps = 3;
-        HURT(t->lights[5].kind = 3);
-        HURT(t->lights[5].kind = (t->lights[5].kind + 1) % 3);
-        end_damage();
+        for (int k = 0; k < LC_LIGHT_KINDS; k++) {
+            HURT(t->root[k] = t->root[k] == LC_NONE ? 0 : LC_NONE);
+            HURT(t->root[k] = LC_LEAF);
+            HURT(t->n_of_kind[k]++);
+            HURT(t->first_node[k]++);
+            HURT(t->first_light[k + 1]++);
+        }
+        HURT(t->n_nodes--);
+        HURT(t->n_lights--);
+        HURT(t->n_reps = 0);
+        end_damage(kinds);
     }
 }
 
@@ -508,70 +553,66 @@ TEST(damaged_numbers_are_found)
     for (uint32_t kinds = 1; kinds < 8; kinds++) {
         begin_damage(kinds);
         lc_light_tree *t = hurt_tree;
-        for (uint32_t id = 0; id < 2 * N_HURT; id++) {
-            if (id == 1) continue;
-            lc_node_block *b = &t->blocks[id / LC_BLOCK];
-            uint32_t k = id % LC_BLOCK, n = lights_below(t, id, below);
-            bool is_virtual = lc_node_is_virtual(t, id);
-            uint32_t kind = t->lights[below[0]].kind;
+        for (uint32_t id = 0; id < t->n_nodes; id++) {
+            lc_node *b = &t->data.nodes[id];
+            uint32_t n = lights_below(t, id, below);
+            lc_light_kind kind = lc_kind_of_node(t, id);
             for (int i = 0; i < 3; i++) {
-                HURT(b->power[i][k] = nextafterf(b->power[i][k], 0));
-                HURT(b->power[i][k] *= 1.00001f);
-                HURT(b->power[i][k] = NAN);
-                HURT(b->power[i][k] = INFINITY);
-                if (is_virtual) continue;
-                HURT(b->half[i][k] = n > 1 ? nextafterf(b->half[i][k], 0) : -1e-30f);
-                HURT(b->half[i][k] = NAN);
-                HURT(b->center[i][k] = b->center[i][k] + b->half[i][k] * 0.5f + 0.001f);
-                HURT(b->center[i][k] = NAN);
+                HURT(b->power[i] = nextafterf(b->power[i], 0));
+                HURT(b->power[i] *= 1.00001f);
+                HURT(b->power[i] = NAN);
+                HURT(b->power[i] = INFINITY);
+                HURT(b->half[i] = nextafterf(b->half[i], 0));
+                HURT(b->half[i] = NAN);
+                HURT(b->center[i] = b->center[i] + b->half[i] * 0.5f + 0.001f);
+                HURT(b->center[i] = NAN);
                 if (kind == LC_LIGHT_DIRECTIONAL) continue;
-                HURT(b->atten[i][k] = nextafterf(b->atten[i][k], 100));
-                HURT(b->atten[i][k] = nextafterf(b->atten[i][k], -100));
+                HURT(t->data.node_atten[id][i] = nextafterf(t->data.node_atten[id][i], 100));
+                HURT(t->data.node_atten[id][i] = nextafterf(t->data.node_atten[id][i], -100));
             }
-            if (is_virtual || kind != LC_LIGHT_ORIENTED) continue;
+            if (kind != LC_LIGHT_ORIENTED) continue;
             double least = least_cosine(t, id, below, n);
-            HURT(b->cos_cone[k] = 1.01f);
-            HURT(b->cos_cone[k] = -1.01f);
-            HURT(b->cos_cone[k] = NAN);
-            if (b->cos_cone[k] <= -1) continue;
-            if (least < 0.99999) HURT(b->cos_cone[k] = (float)(least + 1e-6));
-            if (b->cos_cone[k] > 0) HURT((b->axis[0][k] *= -1, b->axis[1][k] *= -1, b->axis[2][k] *= -1));
-            HURT(b->axis[0][k] += 2);
+            HURT(b->cos_cone = 1.01f);
+            HURT(b->cos_cone = -1.01f);
+            HURT(b->cos_cone = NAN);
+            if (b->cos_cone <= -1) continue;
+            if (least < 0.99999) HURT(b->cos_cone = (float)(least + 1e-6));
+            if (b->cos_cone > 0) HURT((b->axis[0] *= -1, b->axis[1] *= -1, b->axis[2] *= -1));
+            HURT(b->axis[0] += 2);
             /* A cone narrower than the box of directions gives, but right. */
-            b->cos_cone[k] = nextafterf((float)least, -2);
+            b->cos_cone = nextafterf((float)least, -2);
             CHECK(!lc_light_tree_validate(t));
             restore();
         }
         for (uint32_t id = 0; id < N_HURT; id++) { /* here: of lights */
-            HURT(t->lights[id].intensity[1] *= 1.001f);
-            HURT(t->lights[id].intensity[1] += 0.1f);
-            if (t->lights[id].kind == LC_LIGHT_POINT) HURT(t->lights[id].pos[2] += 1e-5f);
-            if (t->lights[id].kind == LC_LIGHT_DIRECTIONAL) HURT(t->lights[id].dir[2] += 1e-6f);
-            if (t->lights[id].kind != LC_LIGHT_DIRECTIONAL) HURT(t->lights[id].atten[2] *= 0.99f);
+            lc_light_rec *l = &t->data.lights[id];
+            lc_light_kind kind = lc_kind_of_light(t, id);
+            if (t->n_of_kind[kind] < 2) continue;
+            HURT(l->intensity[1] *= 1.001f);
+            HURT(l->intensity[1] += 0.1f);
+            HURT(l->pos[2] += 10);
+            if (kind != LC_LIGHT_DIRECTIONAL) HURT(t->data.light_atten[id][2] = 0.01f);
         }
-        end_damage();
+        end_damage(kinds);
     }
 }
 
 TEST(damaged_representatives_are_found)
 {
-    uint32_t below[2048];
     for (uint32_t kinds = 1; kinds < 8; kinds++) {
         begin_damage(kinds);
         lc_light_tree *t = hurt_tree;
-        for (uint32_t id = 0; id < 2 * N_HURT; id++) {
-            if (id == 1) continue;
-            uint32_t n = lights_below(t, id, below), first = t->link[id];
-            for (uint32_t s = 0; s < 3; s++) {
-                HURT(t->rep[3 * id + s] = N_HURT);
-                for (uint32_t light = 0; light < N_HURT; light++) {
-                    bool fine = lc_node_is_leaf(t, id) ? light == below[0]
-                                                       : light == t->rep[3 * first + s] || light == t->rep[3 * (first + 1) + s];
-                    if (!fine && (n > 1 || light % 8 == 0)) HURT(t->rep[3 * id + s] = light);
-                }
+        for (uint32_t s = 0; s < 3; s++) {
+            for (uint32_t id = 0; id < t->n_nodes; id++) {
+                uint32_t *fresh = s ? &t->more_fresh[2 * id + s - 1] : &t->data.nodes[id].fresh;
+                HURT(*fresh ^= LC_FRESH_RIGHT);
+                HURT(*fresh ^= 1);
+                HURT(*fresh = N_HURT);
             }
+            for (uint32_t id = 0; id < LC_LIGHT_KINDS; id++)
+                if (t->n_of_kind[id]) HURT(t->root_rep[id][s] ^= 1);
         }
-        end_damage();
+        end_damage(kinds);
     }
 }
 

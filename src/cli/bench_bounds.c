@@ -1,6 +1,6 @@
 /* bench_bounds.c - the kernels over lights: bounds of clusters, estimates of lights; one thread.
  *
- * A tree of 4096 lights: 0.5 MB of clusters, 0.25 MB of lights, so in L2. Instruction sets take turns, run by run, so that
+ * A tree of 4096 lights: 256 kB of clusters, 128 kB of lights, so in L2. Instruction sets take turns, run by run, so that
  * a busy machine slows them all.
  */
 #include "bench.h"
@@ -13,7 +13,7 @@
 #include "stats.h"
 
 #define N_LIGHTS 4096u
-#define BATCH 32u      /* pairs of clusters, or half the lights, in a call: what a cut asks for at once */
+#define BATCH 64u      /* clusters or lights in a call: what a cut asks for at once */
 #define N_BATCHES 2048u /* calls in a run */
 #define BLOCK 256u     /* lights in a call of the exact method */
 #define N_POINTS 8u
@@ -23,7 +23,7 @@
 typedef struct setup {
     lc_light_kind kind;
     lc_light_tree *tree;
-    uint32_t *list; /* N_BATCHES * BATCH pairs, then 2 N_BATCHES * BATCH lights, at random */
+    uint32_t *list; /* N_BATCHES * BATCH clusters, then as many lights, at random */
     lc_point points[N_POINTS];
 } setup;
 
@@ -32,29 +32,29 @@ typedef uint32_t run_fn(const setup *s, const lc_kernels *k);
 
 static uint32_t run_bounds(const setup *s, const lc_kernels *k)
 {
-    _Alignas(64) float ub[2 * BATCH];
+    _Alignas(64) float ub[BATCH];
     for (uint32_t i = 0; i < N_BATCHES; i++)
-        k->bounds(s->tree->blocks, s->list + i * BATCH, BATCH, s->kind, &s->points[i % N_POINTS], ub);
-    return 2 * BATCH * N_BATCHES;
+        k->bounds(&s->tree->data, s->list + i * BATCH, BATCH, s->kind, &s->points[i % N_POINTS], ub);
+    return BATCH * N_BATCHES;
 }
 
 static uint32_t run_estimates(const setup *s, const lc_kernels *k)
 {
-    _Alignas(64) float out[6][2 * BATCH];
+    _Alignas(64) float out[6][BATCH];
     float *const to[6] = { out[0], out[1], out[2], out[3], out[4], out[5] };
     const uint32_t *list = s->list + N_BATCHES * BATCH;
     for (uint32_t i = 0; i < N_BATCHES; i++)
-        k->estimate(s->tree->lights, list + i * 2 * BATCH, 2 * BATCH, s->kind, &s->points[i % N_POINTS], to);
-    return 2 * BATCH * N_BATCHES;
+        k->estimate(&s->tree->data, 0, list + i * BATCH, BATCH, s->kind, &s->points[i % N_POINTS], to);
+    return BATCH * N_BATCHES;
 }
 
 static uint32_t run_exact(const setup *s, const lc_kernels *k)
 {
     _Alignas(64) float out[6][BLOCK];
     float *const to[6] = { out[0], out[1], out[2], out[3], out[4], out[5] };
-    const uint32_t n_calls = 2 * BATCH * N_BATCHES / BLOCK;
+    const uint32_t n_calls = BATCH * N_BATCHES / BLOCK;
     for (uint32_t i = 0; i < n_calls; i++)
-        k->estimate(s->tree->lights + i % (N_LIGHTS / BLOCK) * BLOCK, NULL, BLOCK, s->kind, &s->points[i % N_POINTS], to);
+        k->estimate(&s->tree->data, i % (N_LIGHTS / BLOCK) * BLOCK, NULL, BLOCK, s->kind, &s->points[i % N_POINTS], to);
     return n_calls * BLOCK;
 }
 
@@ -70,20 +70,20 @@ static lc_status setup_init(const lc_context *ctx, lc_light_kind kind, setup *s)
     lc_light_tree_desc desc = { lights, N_LIGHTS, 300, 0, 1 };
     *s = (setup){ .kind = kind };
     for (uint64_t i = 0; i < N_LIGHTS; i++) lights[i] = bench_light(kind, i);
-    s->list = lc_alloc(ctx, 3 * N_BATCHES * BATCH, sizeof *s->list);
+    s->list = lc_alloc(ctx, 2 * N_BATCHES * BATCH, sizeof *s->list);
     if (!s->list) return LC_ERR_MEMORY;
     lc_status st = lc_light_tree_build(ctx, &desc, &s->tree);
     if (st) return st;
     for (uint32_t i = 0; i < N_BATCHES * BATCH; i++)
-        s->list[i] = (uint32_t)(1 + lc_mix(i) % (s->tree->n_pairs - 1)); /* pair 0 is the root and an empty lane */
-    for (uint32_t i = N_BATCHES * BATCH; i < 3 * N_BATCHES * BATCH; i++) s->list[i] = (uint32_t)(lc_mix(i) % N_LIGHTS);
+        s->list[i] = (uint32_t)(lc_mix(i) % s->tree->n_nodes);
+    for (uint32_t i = N_BATCHES * BATCH; i < 2 * N_BATCHES * BATCH; i++) s->list[i] = (uint32_t)(lc_mix(i) % N_LIGHTS);
     return LC_OK;
 }
 
 static void setup_free(const lc_context *ctx, setup *s)
 {
     lc_light_tree_destroy(s->tree);
-    lc_free(ctx, s->list, 3 * N_BATCHES * BATCH, sizeof *s->list);
+    lc_free(ctx, s->list, 2 * N_BATCHES * BATCH, sizeof *s->list);
 }
 
 static void set_points(setup *s, bool glossy)
