@@ -1,45 +1,77 @@
 /* light_tree.c - lights by kind -> agglomerative trees -> virtual root -> flat treelets -> representatives. */
 #include "light_tree.h"
 
-#include "agglomerate.h"
+#include "cluster.h"
 #include "rng.h"
 #include "shade.h"
+#include "tree_build.h"
 
 #include <string.h>
 
 #define TREELET_PAIRS 7 /* 2 + 4 + 8 nodes */
 
+/* Of one kind: 0 .. n - 1 are the lights, n .. 2n - 2 the merges in order. */
+typedef struct {
+    lc_cluster c;
+    uint32_t child[2];       /* LC_NONE for a light */
+    uint32_t light;          /* scene index, of a light */
+    uint64_t hash;           /* of the set of lights and how it was merged, for representatives */
+} build_node;
+
 typedef struct {
     const lc_context *ctx;
     const lc_light_tree_desc *desc;
-    lc_build_node *nodes; /* each kind's 2n - 1 in turn, then the virtual ones */
+    build_node *nodes; /* each kind's 2n - 1 in turn, then the virtual ones */
     size_t n_nodes, cap_nodes;
     uint32_t root;
     uint32_t *id; /* flat id of a build node */
     lc_light_tree *tree;
 } builder;
 
-static void add_leaf(builder *b, lc_build_node *node, size_t light)
+static build_node merge_nodes(const build_node *nodes, uint32_t a, uint32_t b)
 {
-    *node = (lc_build_node){ .child = { LC_NONE, LC_NONE }, .light = (uint32_t)light, .cos_cone = 1 };
+    const build_node *x = &nodes[a], *y = &nodes[b];
+    build_node out = { .child = { a, b }, .light = LC_NONE };
+    lc_cluster_join(&out.c, &x->c, &y->c);
+    out.hash = x->hash < y->hash ? lc_hash2(x->hash, y->hash) : lc_hash2(y->hash, x->hash);
+    return out;
+}
+
+static void add_leaf(builder *b, build_node *node, size_t light)
+{
+    *node = (build_node){ .child = { LC_NONE, LC_NONE }, .light = (uint32_t)light };
     lc_cluster_from_light(&node->c, &b->desc->lights[light]);
     node->hash = lc_mix(light);
+}
+
+static lc_status merge_kind(builder *b, lc_light_kind kind, uint32_t n, uint32_t *index, lc_build_pair *pairs)
+{
+    build_node *nodes = b->nodes + b->n_nodes;
+    uint32_t base = (uint32_t)b->n_nodes;
+    for (uint32_t i = 0; i < n; i++) index[i] = nodes[i].light;
+    lc_build_input in = { b->desc->lights, index, n, kind, kind == LC_LIGHT_ORIENTED ? b->desc->diag2 : 0 };
+    lc_status st = lc_agglomerate(b->ctx, &in, pairs);
+    for (uint32_t i = 0; i + 1 < n && !st; i++)
+        nodes[n + i] = merge_nodes(b->nodes, base + pairs[i].child[0], base + pairs[i].child[1]);
+    return st;
 }
 
 /* Builds the tree of one kind at b->nodes + b->n_nodes; *root gets its root or LC_NONE. */
 static lc_status build_kind(builder *b, lc_light_kind kind, uint32_t *root)
 {
-    lc_build_node *nodes = b->nodes + b->n_nodes;
-    uint32_t n = 0, base = (uint32_t)b->n_nodes;
+    build_node *nodes = b->nodes + b->n_nodes;
+    uint32_t n = 0;
     for (size_t i = 0; i < b->desc->n_lights; i++)
         if (b->desc->lights[i].kind == kind) add_leaf(b, &nodes[n++], i);
     *root = LC_NONE;
     if (!n) return LC_OK;
-    lc_status st = lc_agglomerate(b->ctx, nodes, n, kind == LC_LIGHT_ORIENTED ? b->desc->diag2 : 0);
+    uint32_t *index = lc_alloc_raw(b->ctx, n, sizeof *index);
+    lc_build_pair *pairs = lc_alloc_raw(b->ctx, n, sizeof *pairs);
+    lc_status st = index && pairs ? merge_kind(b, kind, n, index, pairs) : LC_ERR_MEMORY;
+    lc_free(b->ctx, index, n, sizeof *index);
+    lc_free(b->ctx, pairs, n, sizeof *pairs);
     if (st) return st;
-    size_t total = 2 * (size_t)n - 1;
-    for (size_t i = n; i < total; i++) nodes[i].child[0] += base, nodes[i].child[1] += base;
-    b->n_nodes += total;
+    b->n_nodes += 2 * (size_t)n - 1;
     b->tree->n_of_kind[kind] = n;
     *root = (uint32_t)(b->n_nodes - 1);
     return LC_OK;
@@ -55,7 +87,7 @@ static lc_status build_all(builder *b)
         if (root == LC_NONE) {
             root = r;
         } else { /* a virtual node; only sums and hash of it mean anything */
-            b->nodes[b->n_nodes] = lc_build_node_merge(b->nodes, root, r);
+            b->nodes[b->n_nodes] = merge_nodes(b->nodes, root, r);
             root = (uint32_t)b->n_nodes++;
         }
     }
@@ -64,12 +96,12 @@ static lc_status build_all(builder *b)
 }
 
 /* Children of different kinds: a virtual node takes its first child's kind, and kinds are joined in rising order. */
-static bool is_virtual(const builder *b, const lc_build_node *n)
+static bool is_virtual(const builder *b, const build_node *n)
 {
     return b->nodes[n->child[0]].c.kind != b->nodes[n->child[1]].c.kind;
 }
 
-static void place_pair(builder *b, const lc_build_node *parent, uint32_t pair)
+static void place_pair(builder *b, const build_node *parent, uint32_t pair)
 {
     lc_light_tree *t = b->tree;
     t->pair_kind[pair] = is_virtual(b, parent) ? LC_PAIR_MIXED : (uint8_t)b->nodes[parent->child[0]].c.kind;
@@ -95,7 +127,7 @@ static lc_status flatten(builder *b)
         uint32_t queue[2 * TREELET_PAIRS + 1], head = 0, tail = 0, placed = 0;
         queue[tail++] = stack[--n];
         for (; head < tail; head++) {
-            lc_build_node *node = &b->nodes[queue[head]];
+            build_node *node = &b->nodes[queue[head]];
             uint32_t id = b->id[queue[head]];
             if (node->child[0] == LC_NONE) {
                 lc_light_rec_init(&t->lights[n_lights], &b->desc->lights[node->light]);
@@ -121,7 +153,7 @@ static void choose_reps(builder *b)
 {
     lc_light_tree *t = b->tree;
     for (size_t i = 0; i < b->n_nodes; i++) {
-        const lc_build_node *n = &b->nodes[i];
+        const build_node *n = &b->nodes[i];
         uint32_t *rep = t->rep + (size_t)b->id[i] * t->n_reps;
         if (n->child[0] == LC_NONE) {
             for (uint32_t s = 0; s < t->n_reps; s++) rep[s] = n->light;
