@@ -11,7 +11,7 @@ typedef struct lc_near_item {
 } lc_near_item;
 
 /* Sorts so that each aligned run of 2^k items, k >= 2, is a cell of a kd-tree: halves at the longest side, where w of
- * directions counts as c w^2 / 8 of positions. c: scene units. The order is one for any number of threads. */
+ * directions counts as c w^2 / 32 of positions. c: scene units. The order is one for any number of threads. */
 void lc_near_order(const lc_context *ctx, lc_near_item *items, uint32_t n, float c);
 
 #endif

@@ -14,8 +14,8 @@
  * A merged cluster takes its left child's slot, the right one's goes empty. The caller renews the tree when half are gone,
  * which sorts again by the centres of what is left.
  *
- * Bytes a light: 64 + 21 for nodes, 8 for cones, 12 for slots and ids; half as much again and 16 for sorting while the
- * tree is renewed, when half the clusters are left: 105 and at most 170.
+ * Bytes a light: 64 + 21 for nodes, 8 for cones, 12 for slots and ids, 105 in all; 32 more for sorting at first, and 65
+ * while the tree is renewed with half the clusters left.
  */
 #ifndef LC_NEAR_TREE_H
 #define LC_NEAR_TREE_H

@@ -203,7 +203,7 @@ static void expect_nearest(style st, lc_light_kind kind, uint32_t n)
 
 TEST(pairs_are_nearest)
 {
-    static const uint32_t sizes[] = { 2, 3, 4, 5, 6, 9, 16, 17, 33, 64, 65, 100, 257, 900 };
+    static const uint32_t sizes[] = { 2, 3, 4, 5, 6, 9, 16, 17, 33, 64, 65, 100, 257, 600 };
     for (int st = 0; st < STYLES; st++)
         for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
             for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) expect_nearest((style)st, (lc_light_kind)kind, sizes[i]);
@@ -281,7 +281,7 @@ TEST(equals_naive_agglomeration)
 
 TEST(threads_change_nothing)
 {
-    uint32_t n = 30000, threads = ctx->n_threads;
+    uint32_t n = 12000, threads = ctx->n_threads;
     for (int st = 0; st < STYLES; st++) {
         lc_build_pair *pairs[3];
         lc_light *l = make_set((style)st, LC_LIGHT_ORIENTED, n);
