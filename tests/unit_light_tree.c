@@ -1,6 +1,5 @@
 /* unit_light_tree.c - light trees: what lc_light_tree_validate and, for small sets, a slow check of every node against
  * every light say; the builder against naive agglomeration; how often a light represents a node. */
-#include "agglomerate.h"
 #include "direction.h"
 #include "light_tree.h"
 #include "rng.h"
@@ -249,108 +248,6 @@ TEST(boxes_are_exact)
             l[1].pos = lc_f3_make(tiny[i], 1, 1);
             expect_valid(l, 2, 1, true, "far apart");
         }
-}
-
-/* ---- naive agglomeration ---- */
-
-static int by_value(const void *a, const void *b)
-{
-    uint64_t x, y;
-    memcpy(&x, a, sizeof x), memcpy(&y, b, sizeof y);
-    return x < y ? -1 : x > y;
-}
-
-/* A set of lights as the sum of hashes of its members: the tree has them in an order of its own. */
-static uint64_t hash_of(const lc_light_rec *light)
-{
-    uint64_t h = 0xabc, word;
-    for (size_t i = 0; i < sizeof *light; i += sizeof word) {
-        memcpy(&word, (const char *)light + i, sizeof word);
-        h = lc_mix(h ^ word);
-    }
-    return h;
-}
-
-/* Sets of the inner nodes, sorted; merges the two clusters of least metric until one is left. */
-static uint32_t naive_sets(const lc_light *l, uint32_t n, double c2, uint64_t *sets)
-{
-    lc_build_node *nodes = calloc(2 * n, sizeof *nodes);
-    uint64_t *set = calloc(2 * n, sizeof *set);
-    uint32_t *alive = calloc(n, sizeof *alive), n_alive = n, next = n;
-    for (uint32_t i = 0; i < n; i++) {
-        nodes[i] = (lc_build_node){ .child = { LC_NONE, LC_NONE }, .light = i, .cos_cone = 1 };
-        lc_cluster_from_light(&nodes[i].c, &l[i]);
-        lc_light_rec rec;
-        lc_light_rec_init(&rec, &l[i]);
-        set[i] = hash_of(&rec);
-        alive[i] = i;
-    }
-    while (n_alive > 1) {
-        uint32_t a = 0, b = 1;
-        double best = INFINITY;
-        for (uint32_t i = 0; i < n_alive; i++)
-            for (uint32_t k = i + 1; k < n_alive; k++) {
-                double d = lc_cluster_metric(&nodes[alive[i]], &nodes[alive[k]], c2);
-                if (d < best) best = d, a = i, b = k;
-            }
-        nodes[next] = lc_build_node_merge(nodes, alive[a], alive[b]);
-        set[next] = set[alive[a]] + set[alive[b]];
-        alive[a] = next++;
-        alive[b] = alive[--n_alive];
-    }
-    memcpy(sets, set + n, (n - 1) * sizeof *sets);
-    qsort(sets, n - 1, sizeof *sets, by_value);
-    free(nodes), free(set), free(alive);
-    return n - 1;
-}
-
-static uint32_t tree_sets(const lc_light_tree *t, uint64_t *sets)
-{
-    uint32_t n = 0, below[2048];
-    for (uint32_t id = 0; id < t->n_nodes; id++) {
-        uint32_t k = lights_below(t, id, below);
-        sets[n] = 0;
-        for (uint32_t i = 0; i < k; i++) sets[n] += hash_of(&t->data.lights[below[i]]);
-        n++;
-    }
-    qsort(sets, n, sizeof *sets, by_value);
-    return n;
-}
-
-TEST(builder_equals_naive_agglomeration)
-{
-    uint64_t want[512], got[512];
-    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
-        for (uint32_t n = 2; n <= 350; n += n < 12 ? 1 : n < 100 ? 29 : 113) {
-            lc_light *l = rnd_lights(n, 1u << kind);
-            uint32_t n_want = naive_sets(l, n, kind == LC_LIGHT_ORIENTED ? DIAG2 : 0, want);
-            lc_light_tree *t = build(l, n, 3, 1);
-            uint32_t n_got = tree_sets(t, got);
-            CHECKF(n_want == n_got && !memcmp(want, got, n_got * sizeof *got), "kind %d, %u lights", kind, n);
-            lc_light_tree_destroy(t);
-            free(l);
-        }
-}
-
-/* The same where intensities span 30 decades, and oriented lights of narrow cones. */
-TEST(builder_equals_naive_on_wide_scales)
-{
-    uint64_t want[512], got[512];
-    for (int round = 0; round < 12; round++) {
-        uint32_t n = 150, kind = (uint32_t)round % LC_LIGHT_KINDS;
-        lc_light *l = rnd_lights(n, 1u << kind);
-        lc_f3 axis = rnd_unit();
-        for (uint32_t i = 0; i < n; i++) {
-            if (round < 6) l[i].intensity = lc_f3_scale(l[i].intensity, powf(10, (float)rnd_in(-15, 15)));
-            else l[i].dir = lc_f3_normalize(lc_f3_add(axis, lc_f3_scale(l[i].dir, 0.05f)));
-        }
-        naive_sets(l, n, kind == LC_LIGHT_ORIENTED ? DIAG2 : 0, want);
-        lc_light_tree *t = build(l, n, 3, 1);
-        tree_sets(t, got);
-        CHECKF(!memcmp(want, got, (n - 1) * sizeof *got), "round %d", round);
-        lc_light_tree_destroy(t);
-        free(l);
-    }
 }
 
 /* ---- representatives ---- */
@@ -625,8 +522,6 @@ int main(void)
     RUN(cones_of_every_width);
     RUN(lines_and_scales);
     RUN(boxes_are_exact);
-    RUN(builder_equals_naive_agglomeration);
-    RUN(builder_equals_naive_on_wide_scales);
     RUN(representatives_are_as_frequent_as_bright);
     RUN(same_input_same_tree);
     RUN(damaged_links_are_found);
