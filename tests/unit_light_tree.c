@@ -1,5 +1,5 @@
 /* unit_light_tree.c - light trees: what lc_light_tree_validate and, for small sets, a slow check of every node against
- * every light say; the builder against naive agglomeration; how often a light represents a node. */
+ * every light say; how often a light represents a node. */
 #include "direction.h"
 #include "light_tree.h"
 #include "rng.h"
