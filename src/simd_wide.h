@@ -39,6 +39,7 @@ LC_INLINE vf vf_abs(vf a) { return fabsf(a); }
 LC_INLINE vf vf_neg(vf a) { return -a; }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return a > b ? x : y; }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return a > b; }
+LC_INLINE vf vf_load(const float *p) { return *p; }
 LC_INLINE void vf_store(float *p, vf a) { *p = a; }
 LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2]) /* p: the lane's own first float */
 {
@@ -91,6 +92,7 @@ LC_INLINE vf vf_abs(vf a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_neg(vf a) { return _mm_xor_ps(_mm_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm_blendv_ps(y, x, _mm_cmpgt_ps(a, b)); }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm_movemask_ps(_mm_cmpgt_ps(a, b)) != 0; }
+LC_INLINE vf vf_load(const float *p) { return _mm_loadu_ps(p); }
 LC_INLINE void vf_store(float *p, vf a) { _mm_storeu_ps(p, a); }
 LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2])
 {
@@ -142,6 +144,7 @@ LC_INLINE vf vf_abs(vf a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_neg(vf a) { return _mm256_xor_ps(_mm256_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm256_blendv_ps(y, x, _mm256_cmp_ps(a, b, _CMP_GT_OQ)); }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ)) != 0; }
+LC_INLINE vf vf_load(const float *p) { return _mm256_loadu_ps(p); }
 LC_INLINE void vf_store(float *p, vf a) { _mm256_storeu_ps(p, a); }
 LC_INLINE __m256d vd_four(const float *p, const float *q) { return _mm256_insertf128_pd(_mm256_castpd128_pd256(vd_two(p)), vd_two(q), 1); }
 LC_INLINE void vf_pairs(const float *const *p, size_t at, vf out[2])
@@ -203,6 +206,7 @@ LC_INLINE vf vf_abs(vf a) { return _mm512_andnot_ps(_mm512_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_neg(vf a) { return _mm512_xor_ps(_mm512_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm512_mask_blend_ps(_mm512_cmp_ps_mask(a, b, _CMP_GT_OQ), y, x); }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ) != 0; }
+LC_INLINE vf vf_load(const float *p) { return _mm512_loadu_ps(p); }
 LC_INLINE void vf_store(float *p, vf a) { _mm512_storeu_ps(p, a); }
 /* 16 bytes each of four places. */
 LC_INLINE __m512d vd_eight(const float *p, const float *q, const float *r, const float *s)
