@@ -6,8 +6,9 @@
  *
  *     radius   how far a cluster looks. It grows as the list gets shorter, such that no round costs less than SEARCH_LEAST pairs.
  *     ties     pairs are totally ordered (ploc_tmpl.c), so the least of any stretch is always joined.
- *     rounds   after one that joined fewer than a SLOW-th of the list, clusters look for one round within groups of eight positions
- *              only, each of which then joins two: n lights take at most about 16 ln n rounds, and the tree is no deeper.
+ *     rounds   after one that joined fewer than a SLOW-th of a list of more than SHORT, clusters look for one round within groups
+ *              of eight positions only, each of which then joins two. So n lights take at most SLOW ln(n / SHORT) + SHORT rounds,
+ *              and the tree is no deeper.
  *
  * Memory while at it: 116 bytes a light (two lists of 13 floats and an id, an offset), without emission directions 68; before
  * that 28 for the order.
@@ -22,7 +23,8 @@
 
 #define RADIUS 16
 #define SEARCH_LEAST (1u << 20)
-#define SLOW 16
+#define SLOW 32
+#define SHORT 128
 #define CHUNK 4096           /* positions moved at a time */
 #define SERIAL_SEARCH 200000 /* pairs that are measured in the time it takes to start a thread */
 #define SERIAL_MOVE 20000    /* clusters moved */
@@ -244,7 +246,7 @@ static void join_all(builder *b)
         tally t = sum_tallies(b);
         run(b, chunks, n < SERIAL_MOVE, join_chunk);
         b->n_pairs += t.joined;
-        b->grouped = !b->grouped && (uint64_t)t.joined * SLOW < n;
+        b->grouped = n > SHORT && (uint64_t)t.joined * SLOW < n;
         swap_lists(b, t.kept);
     }
 }
