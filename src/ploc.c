@@ -10,8 +10,9 @@
  *              of eight positions only, each of which then joins two. So n lights take at most SLOW ln(n / SHORT) + SHORT rounds,
  *              and the tree is no deeper.
  *
- * Memory while at it: 116 bytes a light (two lists of 13 floats and an id, an offset), without emission directions 68; before
- * that 28 for the order.
+ * Memory: a list has 13 floats (7 without emission directions) and an id a cluster; that of the lights 7 (4), as boxes of one
+ * light are points. Lists of the first round and the second are made when their lengths are known. At most 116 bytes a light (68),
+ * where next to nothing is joined; of usual lights 75 (45). Before that 28 for the order.
  */
 #include "tree_build.h"
 
@@ -25,7 +26,7 @@
 #define SEARCH_LEAST (1u << 20)
 #define SLOW 32
 #define SHORT 128
-#define CHUNK 4096           /* positions moved at a time */
+#define CHUNK 2048           /* positions moved at a time */
 #define SERIAL_SEARCH 200000 /* pairs that are measured in the time it takes to start a thread */
 #define SERIAL_MOVE 20000    /* clusters moved */
 
@@ -38,18 +39,25 @@ typedef struct {
     double power;
 } extent;
 
+/* A list and what it lies in. */
+typedef struct {
+    lc_ploc_list view;
+    uint32_t *id;      /* of clusters */
+    float *block;
+    size_t n_floats, n_ids;
+} list;
+
 typedef struct {
     const lc_context *ctx;
     const lc_build_input *in;
     const lc_kernels *kernels;
-    lc_ploc_list list, next;
-    uint32_t *id, *next_id;
+    list now, next;
     float *offset;
     tally *tallies;           /* of each chunk; then how many come before it */
     extent *extents;          /* of each chunk of lights */
     uint32_t *order;
     lc_build_pair *pairs;
-    uint32_t n_pairs;
+    uint32_t n_pairs, n_lists; /* lists made so far */
     double origin[3], cells;  /* cells of the curve a unit */
     double scale, power_scale;
     float c2;                 /* scaled */
@@ -131,7 +139,7 @@ static void cell_of(const void *user, uint32_t i, uint32_t c[3])
 static void load_chunk(void *user, uint32_t thread, uint64_t chunk)
 {
     builder *b = user;
-    float *const *row = b->list.row;
+    float *const *row = b->now.view.row;
     uint32_t first = (uint32_t)chunk * CHUNK;
     (void)thread;
     for (uint32_t i = first; i < first + chunk_size(b->in->n, chunk); i++) {
@@ -140,10 +148,10 @@ static void load_chunk(void *user, uint32_t thread, uint64_t chunk)
         const float x[3] = { at.x, at.y, at.z }, d[3] = { l->dir.x, l->dir.y, l->dir.z };
         for (int k = 0; k < 3; k++) {
             row[LC_PLOC_LO + k][i] = row[LC_PLOC_HI + k][i] = (float)(((double)x[k] - b->origin[k]) * b->scale);
-            if (b->list.oriented) row[LC_PLOC_DLO + k][i] = row[LC_PLOC_DHI + k][i] = d[k];
+            if (b->now.view.oriented) row[LC_PLOC_DLO + k][i] = row[LC_PLOC_DHI + k][i] = d[k];
         }
         row[LC_PLOC_POWER][i] = (float)(power_of(l) * b->power_scale);
-        b->id[i] = b->order[i];
+        b->now.id[i] = b->order[i];
     }
 }
 
@@ -152,37 +160,35 @@ static void load_chunk(void *user, uint32_t thread, uint64_t chunk)
 static void search_some(void *user, uint32_t thread, uint64_t item)
 {
     builder *b = user;
-    uint32_t first = (uint32_t)item * b->search_item, n = b->list.n - first;
+    uint32_t first = (uint32_t)item * b->search_item, n = b->now.view.n - first;
     (void)thread;
-    b->kernels->nearest(&b->list, first, n < b->search_item ? n : b->search_item, b->radius, b->grouped, b->offset + first);
+    b->kernels->nearest(&b->now.view, first, n < b->search_item ? n : b->search_item, b->radius, b->grouped, b->offset + first);
 }
 
-/* Offset to the other of a pair that is each other's nearest, else 0. */
-static int32_t partner(const builder *b, uint32_t i)
+/* Whether the neighbour's neighbour is oneself. */
+static bool is_mutual(const builder *b, uint32_t i)
 {
-    int32_t to = (int32_t)b->offset[i];
-    return to && b->offset[i + (uint32_t)to] == -b->offset[i] ? to : 0;
+    return b->offset[i + (uint32_t)(int32_t)b->offset[i]] == -b->offset[i];
 }
 
 static void count_chunk(void *user, uint32_t thread, uint64_t chunk)
 {
     builder *b = user;
-    tally t = { 0, 0 };
-    uint32_t first = (uint32_t)chunk * CHUNK;
+    uint32_t first = (uint32_t)chunk * CHUNK, n = chunk_size(b->now.view.n, chunk), before = 0, behind = 0;
     (void)thread;
-    for (uint32_t i = first; i < first + chunk_size(b->list.n, chunk); i++) {
-        int32_t to = partner(b, i);
-        t.kept += to >= 0;
-        t.joined += to > 0;
+    for (uint32_t i = first; i < first + n; i++) {
+        bool mutual = is_mutual(b, i);
+        before += mutual & (b->offset[i] < 0);
+        behind += mutual & (b->offset[i] > 0);
     }
-    b->tallies[chunk] = t;
+    b->tallies[chunk] = (tally){ n - before, behind };
 }
 
 /* Sums before each chunk; returns those of all. */
 static tally sum_tallies(builder *b)
 {
     tally sum = { 0, 0 };
-    for (uint32_t c = 0; c < n_chunks(b->list.n, CHUNK); c++) {
+    for (uint32_t c = 0; c < n_chunks(b->now.view.n, CHUNK); c++) {
         tally t = b->tallies[c];
         b->tallies[c] = sum;
         sum.kept += t.kept, sum.joined += t.joined;
@@ -190,15 +196,15 @@ static tally sum_tallies(builder *b)
     return sum;
 }
 
-/* to[i] of the clusters that left[i] and right[i], which may be the same, become. */
-static void move_rows(const builder *b, const uint32_t *left, const uint32_t *right, uint32_t n, uint32_t to)
+/* Clusters to + [0, n) of the next list: what left[i] and right[i], which may be one and the same, become. */
+static void join_rows(const builder *b, const uint32_t *left, const uint32_t *right, uint32_t n, uint32_t to)
 {
-    for (int k = 0; k < (b->list.oriented ? LC_PLOC_ROWS : LC_PLOC_DLO); k++) {
-        const float *from = b->list.row[k];
-        float *out = b->next.row[k] + to;
+    for (int k = 0; k < (b->now.view.oriented ? LC_PLOC_ROWS : LC_PLOC_DLO); k++) {
+        const float *from = b->now.view.row[k];
+        float *out = b->next.view.row[k] + to;
         bool high = (k >= LC_PLOC_HI && k < LC_PLOC_POWER) || k >= LC_PLOC_DHI;
         if (k == LC_PLOC_POWER)
-            for (uint32_t i = 0; i < n; i++) out[i] = left[i] == right[i] ? from[left[i]] : from[left[i]] + from[right[i]];
+            for (uint32_t i = 0; i < n; i++) out[i] = from[left[i]] + (left[i] == right[i] ? 0 : from[right[i]]);
         else if (high)
             for (uint32_t i = 0; i < n; i++) out[i] = from[left[i]] > from[right[i]] ? from[left[i]] : from[right[i]];
         else
@@ -206,71 +212,90 @@ static void move_rows(const builder *b, const uint32_t *left, const uint32_t *ri
     }
 }
 
+/* Without branches: who has a partner is as good as random. */
 static void join_chunk(void *user, uint32_t thread, uint64_t chunk)
 {
     builder *b = user;
-    uint32_t left[CHUNK], right[CHUNK], first = (uint32_t)chunk * CHUNK, n = 0;
-    uint32_t to = b->tallies[chunk].kept, pair = b->n_pairs + b->tallies[chunk].joined;
+    uint32_t left[CHUNK], right[CHUNK], first = (uint32_t)chunk * CHUNK, n = 0, joined = 0;
+    lc_build_pair pairs[CHUNK + 1];
+    const uint32_t to = b->tallies[chunk].kept, pair = b->n_pairs + b->tallies[chunk].joined;
     (void)thread;
-    for (uint32_t i = first; i < first + chunk_size(b->list.n, chunk); i++) {
-        int32_t with = partner(b, i);
-        if (with < 0) continue;
-        uint32_t other = i + (uint32_t)with, x = b->id[i], y = b->id[other];
-        b->next_id[to + n] = with ? b->in->n + pair : x;
-        if (with) b->pairs[pair++] = (lc_build_pair){ { x < y ? x : y, x < y ? y : x } };
-        left[n] = i, right[n] = other;
-        n++;
+    for (uint32_t i = first; i < first + chunk_size(b->now.view.n, chunk); i++) {
+        float offset = is_mutual(b, i) ? b->offset[i] : 0;
+        left[n] = i, right[n] = i + (uint32_t)(int32_t)offset;
+        n += offset >= 0;
     }
-    move_rows(b, left, right, n, to);
-}
-
-static void swap_lists(builder *b, uint32_t n)
-{
-    lc_ploc_list list = b->list;
-    uint32_t *id = b->id;
-    b->list = b->next, b->id = b->next_id;
-    b->next = list, b->next_id = id;
-    b->list.n = n;
-}
-
-static void join_all(builder *b)
-{
-    while (b->list.n > 1) {
-        const uint32_t n = b->list.n, chunks = n_chunks(n, CHUNK);
-        b->radius = SEARCH_LEAST / n > RADIUS ? SEARCH_LEAST / n : RADIUS;
-        b->search_item = n / (8 * b->ctx->n_threads) / LC_PLOC_CHUNK * LC_PLOC_CHUNK;
-        if (b->search_item < LC_PLOC_CHUNK) b->search_item = LC_PLOC_CHUNK;
-        if (b->search_item > CHUNK) b->search_item = CHUNK;
-        run(b, n_chunks(n, b->search_item), (uint64_t)n * (b->radius < n ? b->radius : n) < SERIAL_SEARCH, search_some);
-        run(b, chunks, n < SERIAL_MOVE, count_chunk);
-        tally t = sum_tallies(b);
-        run(b, chunks, n < SERIAL_MOVE, join_chunk);
-        b->n_pairs += t.joined;
-        b->grouped = n > SHORT && (uint64_t)t.joined * SLOW < n;
-        swap_lists(b, t.kept);
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t x = b->now.id[left[i]], y = b->now.id[right[i]];
+        bool two = x != y;
+        pairs[joined] = (lc_build_pair){ { x < y ? x : y, x < y ? y : x } };
+        b->next.id[to + i] = two ? b->in->n + pair + joined : x;
+        joined += two;
     }
+    memcpy(b->pairs + pair, pairs, joined * sizeof *pairs);
+    join_rows(b, left, right, n, to);
 }
 
 /* ---- memory ---- */
 
-static bool alloc_list(builder *b, lc_ploc_list *l, uint32_t **id)
+static void free_list(builder *b, list *l)
 {
-    bool ok = true;
-    size_t n = (size_t)b->in->n + LC_LANES;
-    *l = (lc_ploc_list){ .n = b->in->n, .oriented = b->in->kind == LC_LIGHT_ORIENTED, .c2 = b->c2 };
-    for (int k = 0; k < (l->oriented ? LC_PLOC_ROWS : LC_PLOC_DLO); k++) {
-        l->row[k] = lc_alloc_raw(b->ctx, n, sizeof **l->row);
-        ok = ok && l->row[k];
-        if (l->row[k]) memset(l->row[k] + b->in->n, 0, LC_LANES * sizeof **l->row);
-    }
-    *id = lc_alloc_raw(b->ctx, b->in->n, sizeof **id);
-    return ok && *id;
+    lc_free(b->ctx, l->block, l->n_floats, sizeof *l->block);
+    lc_free(b->ctx, l->id, l->n_ids, sizeof *l->id);
+    *l = (list){ 0 };
 }
 
-static void free_list(builder *b, lc_ploc_list *l, uint32_t *id)
+/* An empty list for n clusters, or for n lights: their boxes' rows are the same ones twice. */
+static lc_status alloc_list(builder *b, list *l, uint32_t n, bool of_lights)
 {
-    for (int k = 0; k < LC_PLOC_ROWS; k++) lc_free(b->ctx, l->row[k], (size_t)b->in->n + LC_LANES, sizeof **l->row);
-    lc_free(b->ctx, id, b->in->n, sizeof *id);
+    const bool oriented = b->in->kind == LC_LIGHT_ORIENTED;
+    const size_t stride = ((size_t)n + 2 * LC_LANES - 1) / LC_LANES * LC_LANES;
+    const uint32_t n_rows = oriented ? LC_PLOC_ROWS : LC_PLOC_DLO;
+    *l = (list){ .view = { .n = n, .oriented = oriented, .c2 = b->c2 }, .n_ids = n };
+    l->n_floats = stride * (n_rows - (of_lights ? (oriented ? 6 : 3) : 0));
+    l->block = lc_alloc_raw(b->ctx, l->n_floats, sizeof *l->block);
+    l->id = lc_alloc_raw(b->ctx, l->n_ids, sizeof *l->id);
+    if (!l->block || !l->id) return LC_ERR_MEMORY;
+    for (size_t k = 0, at = 0; k < n_rows; k++) {
+        bool again = of_lights && ((k >= LC_PLOC_HI && k < LC_PLOC_POWER) || k >= LC_PLOC_DHI);
+        l->view.row[k] = again ? l->view.row[k - 3] : l->block + stride * at++;
+        memset(l->view.row[k] + n, 0, LC_LANES * sizeof *l->block);
+    }
+    return LC_OK;
+}
+
+/* Room for n clusters in the next list. */
+static lc_status make_room(builder *b, uint32_t n)
+{
+    b->next.view.n = n;
+    if (b->n_lists > 2) return LC_OK; /* both have held more */
+    free_list(b, &b->next);
+    b->n_lists++;
+    return alloc_list(b, &b->next, n, false);
+}
+
+/* ---- all of it ---- */
+
+static lc_status join_all(builder *b)
+{
+    while (b->now.view.n > 1) {
+        const uint32_t n = b->now.view.n, chunks = n_chunks(n, CHUNK);
+        b->radius = SEARCH_LEAST / n > RADIUS ? SEARCH_LEAST / n : RADIUS;
+        b->search_item = n / (8 * b->ctx->n_threads) / LC_PLOC_CHUNK * LC_PLOC_CHUNK;
+        if (b->search_item < LC_PLOC_CHUNK) b->search_item = LC_PLOC_CHUNK;
+        if (b->search_item > 4096) b->search_item = 4096;
+        run(b, n_chunks(n, b->search_item), (uint64_t)n * (b->radius < n ? b->radius : n) < SERIAL_SEARCH, search_some);
+        run(b, chunks, n < SERIAL_MOVE, count_chunk);
+        tally t = sum_tallies(b);
+        lc_status st = make_room(b, t.kept);
+        if (st) return st;
+        run(b, chunks, n < SERIAL_MOVE, join_chunk);
+        b->n_pairs += t.joined;
+        b->grouped = n > SHORT && (uint64_t)t.joined * SLOW < n;
+        list was = b->now;
+        b->now = b->next, b->next = was;
+    }
+    return LC_OK;
 }
 
 static lc_status load_lights(builder *b)
@@ -285,7 +310,7 @@ static lc_status load_lights(builder *b)
         set_scales(b);
         st = lc_morton_order(b->ctx, n, cell_of, b, b->order);
     }
-    if (!st) st = alloc_list(b, &b->list, &b->id) ? LC_OK : LC_ERR_MEMORY;
+    if (!st) st = alloc_list(b, &b->now, n, true);
     if (!st) run(b, chunks, n < SERIAL_MOVE, load_chunk);
     lc_free(b->ctx, b->extents, chunks, sizeof *b->extents);
     lc_free(b->ctx, b->order, n, sizeof *b->order);
@@ -295,18 +320,17 @@ static lc_status load_lights(builder *b)
 lc_status lc_ploc(const lc_context *ctx, const lc_build_input *in, lc_build_pair *pairs)
 {
     if (in->n < 2) return LC_OK;
-    builder b = { .ctx = ctx, .in = in, .kernels = lc_kernels_get(ctx->isa), .pairs = pairs };
+    builder b = { .ctx = ctx, .in = in, .kernels = lc_kernels_get(ctx->isa), .pairs = pairs, .n_lists = 1 };
     const uint32_t chunks = n_chunks(in->n, CHUNK);
     lc_status st = load_lights(&b);
     if (!st) {
-        bool ok = alloc_list(&b, &b.next, &b.next_id);
         b.offset = lc_alloc_raw(ctx, in->n, sizeof *b.offset);
         b.tallies = lc_alloc_raw(ctx, chunks, sizeof *b.tallies);
-        st = ok && b.offset && b.tallies ? LC_OK : LC_ERR_MEMORY;
+        st = b.offset && b.tallies ? LC_OK : LC_ERR_MEMORY;
     }
-    if (!st) join_all(&b);
-    free_list(&b, &b.list, b.id);
-    free_list(&b, &b.next, b.next_id);
+    if (!st) st = join_all(&b);
+    free_list(&b, &b.now);
+    free_list(&b, &b.next);
     lc_free(ctx, b.offset, in->n, sizeof *b.offset);
     lc_free(ctx, b.tallies, chunks, sizeof *b.tallies);
     return st;

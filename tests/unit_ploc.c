@@ -243,7 +243,7 @@ TEST(memory_runs_out)
         CHECK(st == LC_OK || st == LC_ERR_MEMORY);
         CHECK(!taken && !now_bytes);
     }
-    CHECK(allowed > 30);
+    CHECK(allowed > 12);
     allowed = UINT64_MAX;
     free(lights);
 }
