@@ -1,6 +1,6 @@
 /* ploc.c - parallel locally-ordered clustering ([Meister18]) with the metric of light trees.
  *
- * The lights are put in the order of a space-filling curve. In a round every cluster looks for its nearest neighbour among those
+ * The lights are put in the order of a space-filling curve (morton.h). In a round every cluster looks for its nearest neighbour among those
  * close by in the list; two that are each other's nearest become one, which takes the place of the first. Rounds go on until
  * one is left.
  *
@@ -23,7 +23,7 @@
 #include <string.h>
 
 #define RADIUS 16
-#define SEARCH_LEAST (1u << 20)
+#define SEARCH_LEAST (1u << 18)
 #define SLOW 32
 #define SHORT 128
 #define CHUNK 2048           /* positions moved at a time */
@@ -58,8 +58,7 @@ typedef struct {
     uint32_t *order;
     lc_build_pair *pairs;
     uint32_t n_pairs, n_lists; /* lists made so far */
-    double origin[3], cells;  /* cells of the curve a unit */
-    double scale, power_scale;
+    double origin[3], scale, power_scale;
     float c2;                 /* scaled */
     uint32_t radius, search_item;
     bool grouped;
@@ -119,22 +118,12 @@ static void set_scales(builder *b)
         b->origin[k] = (double)lo[k];
         if ((double)hi[k] - (double)lo[k] > size) size = (double)hi[k] - (double)lo[k];
     }
-    b->cells = size > 0 ? 0x1p21 / size : 0;
     b->scale = inverse_size(size > turn ? size : turn);
     b->power_scale = 0x1p100 * inverse_size(e.power * b->in->n);
     b->c2 = (float)(turn * b->scale * (turn * b->scale));
 }
 
-static void cell_of(const void *user, uint32_t i, uint32_t c[3])
-{
-    const builder *b = user;
-    lc_f3 p = place_of(light_of(b, i));
-    const float x[3] = { p.x, p.y, p.z };
-    for (int k = 0; k < 3; k++) {
-        double at = ((double)x[k] - b->origin[k]) * b->cells;
-        c[k] = at < 0x1p21 - 1 ? (uint32_t)at : (1u << 21) - 1;
-    }
-}
+static lc_f3 place_in_order(const void *user, uint32_t i) { return place_of(light_of(user, i)); }
 
 static void load_chunk(void *user, uint32_t thread, uint64_t chunk)
 {
@@ -308,7 +297,7 @@ static lc_status load_lights(builder *b)
     if (!st) {
         run(b, chunks, n < SERIAL_MOVE, measure_chunk);
         set_scales(b);
-        st = lc_morton_order(b->ctx, n, cell_of, b, b->order);
+        st = lc_morton_order(b->ctx, n, place_in_order, b, b->order);
     }
     if (!st) st = alloc_list(b, &b->now, n, true);
     if (!st) run(b, chunks, n < SERIAL_MOVE, load_chunk);
