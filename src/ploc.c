@@ -1,8 +1,8 @@
 /* ploc.c - parallel locally-ordered clustering ([Meister18]) with the metric of light trees.
  *
- * The lights are put in the order of a space-filling curve (morton.h). In a round every cluster looks for its nearest neighbour among those
- * close by in the list; two that are each other's nearest become one, which takes the place of the first. Rounds go on until
- * one is left.
+ * The lights are put in the order of a space-filling curve (morton.h). In a round every cluster looks for its nearest neighbour
+ * among those close by in the list; two that are each other's nearest become one, which takes the place of the first. Rounds go
+ * on until one is left.
  *
  *     radius   how far a cluster looks. It grows as the list gets shorter, such that no round costs less than SEARCH_LEAST pairs.
  *     ties     pairs are totally ordered (ploc_tmpl.c), so the least of any stretch is always joined.
@@ -58,7 +58,7 @@ typedef struct {
     uint32_t *order;
     lc_build_pair *pairs;
     uint32_t n_pairs, n_lists; /* lists made so far */
-    double origin[3], scale, power_scale;
+    double scale, power_scale;
     float c2;                 /* scaled */
     uint32_t radius, search_item;
     bool grouped;
@@ -66,7 +66,11 @@ typedef struct {
 
 static uint32_t n_chunks(uint32_t n, uint32_t size) { return n / size + (n % size != 0); }
 
-static uint32_t chunk_size(uint32_t n, uint64_t chunk) { return n - (uint32_t)chunk * CHUNK < CHUNK ? n - (uint32_t)chunk * CHUNK : CHUNK; }
+static uint32_t chunk_size(uint32_t n, uint64_t chunk)
+{
+    uint32_t left = n - (uint32_t)chunk * CHUNK;
+    return left < CHUNK ? left : CHUNK;
+}
 
 static void run(builder *b, uint64_t n_items, bool serial, void (*fn)(void *user, uint32_t thread, uint64_t item))
 {
@@ -105,6 +109,8 @@ static double inverse_size(double x)
     return ldexp(1, -k);
 }
 
+/* Powers of two, so that coordinates lose nothing. No metric is above 2^100 (3 + 4): neither edges of boxes nor the weight of
+ * directions are above 1, and sums of powers not above 2^100. The floor keeps coordinates finite where all are equal. */
 static void set_scales(builder *b)
 {
     extent e = b->extents[0];
@@ -113,12 +119,12 @@ static void set_scales(builder *b)
         if (b->extents[c].power > e.power) e.power = b->extents[c].power;
     }
     const float lo[3] = { e.box.lo.x, e.box.lo.y, e.box.lo.z }, hi[3] = { e.box.hi.x, e.box.hi.y, e.box.hi.z };
-    double size = 0, turn = b->in->kind == LC_LIGHT_ORIENTED ? sqrt(b->in->c2) : 0;
+    double turn = b->in->kind == LC_LIGHT_ORIENTED ? sqrt(b->in->c2) : 0, size = turn;
     for (int k = 0; k < 3; k++) {
-        b->origin[k] = (double)lo[k];
-        if ((double)hi[k] - (double)lo[k] > size) size = (double)hi[k] - (double)lo[k];
+        size = fmax(size, (double)hi[k] - (double)lo[k]);
+        size = fmax(size, 0x1p-60 * fmax(fabs((double)lo[k]), fabs((double)hi[k])));
     }
-    b->scale = inverse_size(size > turn ? size : turn);
+    b->scale = inverse_size(size);
     b->power_scale = 0x1p100 * inverse_size(e.power * b->in->n);
     b->c2 = (float)(turn * b->scale * (turn * b->scale));
 }
@@ -136,7 +142,7 @@ static void load_chunk(void *user, uint32_t thread, uint64_t chunk)
         lc_f3 at = place_of(l);
         const float x[3] = { at.x, at.y, at.z }, d[3] = { l->dir.x, l->dir.y, l->dir.z };
         for (int k = 0; k < 3; k++) {
-            row[LC_PLOC_LO + k][i] = row[LC_PLOC_HI + k][i] = (float)(((double)x[k] - b->origin[k]) * b->scale);
+            row[LC_PLOC_LO + k][i] = row[LC_PLOC_HI + k][i] = (float)((double)x[k] * b->scale);
             if (b->now.view.oriented) row[LC_PLOC_DLO + k][i] = row[LC_PLOC_DHI + k][i] = d[k];
         }
         row[LC_PLOC_POWER][i] = (float)(power_of(l) * b->power_scale);

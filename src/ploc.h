@@ -1,7 +1,6 @@
 /* ploc.h - what the kernel of the builder reads: the clusters that are left, in order, as arrays.
  *
- * Coordinates are scaled and moved so that they lie in 0 .. 1, powers so that no sum of them passes 2^100 (ploc.c): then
- * no metric overflows.
+ * Coordinates and powers are scaled so that no metric overflows (ploc.c).
  */
 #ifndef LC_PLOC_H
 #define LC_PLOC_H

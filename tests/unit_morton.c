@@ -78,7 +78,8 @@ TEST(far_points_change_nothing)
     for (uint32_t n = 200; n <= MOST - 200; n += 49900)
         for (int style = 0; style < 3; style++) {
             fill(n, 0);
-            for (uint32_t i = 0; i < 200; i++) points[n + i] = lc_f3_make(1e12f, style == 1 ? (float)i : 0, style == 2 ? 1e30f * (float)i : 0);
+            for (uint32_t i = 0; i < 200; i++)
+                points[n + i] = lc_f3_make(1e12f, style == 1 ? (float)i : 0, style == 2 ? 1e30f * (float)i : 0);
             sort(points, n, 2, want);
             sort(points, n + 200, 2, got);
             CHECKF(!memcmp(want, got, n * sizeof *want), "%u, style %d", n, style);

@@ -59,7 +59,8 @@ static void put(lc_light *l, int style, uint32_t i, uint32_t n)
     if (style == HUGE_ONE) l->intensity = lc_f3_make(1e15f, 1e15f, 1e15f);
     if (style == TINY) l->intensity = lc_f3_make(1e-18f, 0, 0);
     if (style == FACETS) l->dir = lc_f3_make(i % 3 == 0, i % 3 == 1, i % 3 == 2);
-    if (style == INTERLEAVED) l->pos = lc_f3_make((float)(i / 8), 0, 0), l->dir = lc_f3_normalize(lc_f3_make((float)(i % 8 * (i % 8)), 1, 0));
+    if (style == INTERLEAVED)
+        l->pos = lc_f3_make((float)(i / 8), 0, 0), l->dir = lc_f3_normalize(lc_f3_make((float)(i % 8 * (i % 8)), 1, 0));
 }
 
 static lc_light *make(int style, uint32_t n, lc_light_kind kind)
@@ -229,6 +230,30 @@ TEST(few_lights_as_greedy)
     free(pairs);
 }
 
+/* One light far away does not spoil the tree of the others. */
+TEST(far_light_is_put_last)
+{
+    uint32_t n = 20000;
+    lc_light *lights = make(ROOM, n + 1, LC_LIGHT_POINT);
+    lc_build_pair *pairs = malloc(n * sizeof *pairs);
+    if (!pairs) abort();
+    lc_build_input in = { lights, NULL, n, LC_LIGHT_POINT, 0 };
+    for (int negative = 0; negative < 2; negative++) {
+        in.n = n;
+        CHECK(build(&in, 2, LC_ISA_BEST, pairs) == LC_OK);
+        double want = sum_of(lights, pairs, n);
+        lights[n].pos = lc_f3_make(negative ? -1e10f : 1e10f, 0, 0);
+        in.n = n + 1;
+        CHECK(build(&in, 2, LC_ISA_BEST, pairs) == LC_OK);
+        CHECK(pairs[n - 1].child[0] == n);
+        for (uint32_t i = 0; i + 1 < n; i++) /* without the far one */
+            for (int k = 0; k < 2; k++) pairs[i].child[k] -= pairs[i].child[k] > n;
+        double got = sum_of(lights, pairs, n);
+        CHECKF(fabs(got - want) < 0.01 * want, "%g, not %g", got, want);
+    }
+    free(lights), free(pairs);
+}
+
 /* ---- memory ---- */
 
 TEST(memory_runs_out)
@@ -273,6 +298,7 @@ int main(void)
     RUN(same_for_threads_and_instruction_sets);
     RUN(index_as_a_copy);
     RUN(few_lights_as_greedy);
+    RUN(far_light_is_put_last);
     RUN(memory_runs_out);
     RUN(bytes_a_light);
     return test_done();
