@@ -5,7 +5,7 @@
 #include "cut_list.h"
 #include "layout.h"
 #include "lightcuts.h"
-#include "ploc.h"
+#include "ploc_list.h"
 
 /* What BVH kernels read. n_nodes == 0: nothing can be hit. Node 0 is the root. */
 typedef struct lc_bvh_data {

@@ -4,7 +4,7 @@
  * is measured once but for those that straddle the ends of a chunk. Rows of TILE offsets are made at a time, while the
  * clusters of one vector of positions are in registers.
  */
-#include "ploc.h"
+#include "ploc_list.h"
 
 #define PLOC_TILE 8
 #define PLOC_AHEAD (LC_PLOC_CHUNK + PLOC_TILE + VF_LANES) /* where a row's second half starts, if it has two */

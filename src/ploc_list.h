@@ -1,9 +1,9 @@
-/* ploc.h - what the kernel of the builder reads: the clusters that are left, in order, as arrays.
+/* ploc_list.h - what the kernel of the builder reads: the clusters that are left, in order, as arrays.
  *
  * Coordinates and powers are scaled so that no metric overflows (ploc.c).
  */
-#ifndef LC_PLOC_H
-#define LC_PLOC_H
+#ifndef LC_PLOC_LIST_H
+#define LC_PLOC_LIST_H
 
 #include "base.h"
 
