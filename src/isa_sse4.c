@@ -13,5 +13,7 @@
 #include "stream_tmpl.c"
 #include "cut_tmpl.c"
 #include "shade_tmpl.c"
+#include "ploc_tmpl.c"
 
-const lc_kernels LC_FN(lc_kernels) = { LC_FN(bounds), LC_FN(estimate), LC_FN(place), LC_FN(partition), LC_FN(closest), LC_FN(hidden) };
+const lc_kernels LC_FN(lc_kernels) = { LC_FN(bounds), LC_FN(estimate), LC_FN(place), LC_FN(partition), LC_FN(closest), LC_FN(hidden),
+                                      LC_FN(nearest) };

@@ -5,6 +5,7 @@
 #include "cut_list.h"
 #include "layout.h"
 #include "lightcuts.h"
+#include "ploc_list.h"
 
 /* What BVH kernels read. n_nodes == 0: nothing can be hit. Node 0 is the root. */
 typedef struct lc_bvh_data {
@@ -49,6 +50,9 @@ typedef struct lc_kernels {
      * if `far` is set, on org + t target at any t > 0: targets then are directions. target: x, y, z arrays. */
     void (*hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
                    uint8_t *hidden);
+    /* offset[i] leads from position first + i of the list, i < n, to its nearest neighbour among the `radius` before and
+     * behind it, or is 0 where it has none. grouped: of its group of LC_PLOC_GROUP positions only. */
+    void (*nearest)(const lc_ploc_list *list, uint32_t first, uint32_t n, uint32_t radius, bool grouped, float *offset);
 } lc_kernels;
 
 const lc_kernels *lc_kernels_get(lc_isa isa); /* isa: one the CPU supports */

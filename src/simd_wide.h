@@ -39,6 +39,7 @@ LC_INLINE vf vf_abs(vf a) { return fabsf(a); }
 LC_INLINE vf vf_neg(vf a) { return -a; }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return a > b ? x : y; }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return a > b; }
+LC_INLINE vf vf_load(const float *p) { return *p; }
 LC_INLINE void vf_store(float *p, vf a) { *p = a; }
 LC_INLINE void vf_rows(const float *const *p, size_t at, vf out[4])
 {
@@ -91,6 +92,7 @@ LC_INLINE vf vf_abs(vf a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_neg(vf a) { return _mm_xor_ps(_mm_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm_blendv_ps(y, x, _mm_cmpgt_ps(a, b)); }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm_movemask_ps(_mm_cmpgt_ps(a, b)) != 0; }
+LC_INLINE vf vf_load(const float *p) { return _mm_loadu_ps(p); }
 LC_INLINE void vf_store(float *p, vf a) { _mm_storeu_ps(p, a); }
 LC_INLINE vd vd_row(const float *const *p, size_t at) { return vd_two(p[0] + at); }
 LC_INLINE void vf_transpose(const vd r[4], vf out[4])
@@ -138,6 +140,7 @@ LC_INLINE vf vf_abs(vf a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_neg(vf a) { return _mm256_xor_ps(_mm256_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm256_blendv_ps(y, x, _mm256_cmp_ps(a, b, _CMP_GT_OQ)); }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ)) != 0; }
+LC_INLINE vf vf_load(const float *p) { return _mm256_loadu_ps(p); }
 LC_INLINE void vf_store(float *p, vf a) { _mm256_storeu_ps(p, a); }
 /* Four floats of places k, k + 4, ... */
 LC_INLINE vd vd_row(const float *const *p, size_t at)
@@ -197,6 +200,7 @@ LC_INLINE vf vf_abs(vf a) { return _mm512_andnot_ps(_mm512_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_neg(vf a) { return _mm512_xor_ps(_mm512_set1_ps(-0.0f), a); }
 LC_INLINE vf vf_sel_gt(vf a, vf b, vf x, vf y) { return _mm512_mask_blend_ps(_mm512_cmp_ps_mask(a, b, _CMP_GT_OQ), y, x); }
 LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ) != 0; }
+LC_INLINE vf vf_load(const float *p) { return _mm512_loadu_ps(p); }
 LC_INLINE void vf_store(float *p, vf a) { _mm512_storeu_ps(p, a); }
 LC_INLINE vd vd_row(const float *const *p, size_t at)
 {

@@ -74,7 +74,7 @@ own_header_first()
 }
 template_includes()
 {
-    grep -nE "$include_of" src/*_tmpl.c /dev/null | grep -vE '"(base|vec|fmath|layout|cut_list)\.h"'
+    grep -nE "$include_of" src/*_tmpl.c /dev/null | grep -vE '"(base|vec|fmath|layout|cut_list|ploc_list)\.h"'
 }
 cycles() # headers of the library, an edge for each include
 {
@@ -92,7 +92,7 @@ rule 'malloc and its like in arena.c only' only_in '\<(malloc|calloc|realloc|ali
     'src/arena\.c' src/*.[ch]
 rule 'simd*.h in isa_*.c and simd*.h only' only_in "$include_of\"simd(_[a-z]*)?\.h\"" \
     'src/(isa_[a-z0-9]*\.c|simd_[a-z]*\.h)' src/*.[ch] src/cli/*.[ch]
-rule 'templates include base.h, vec.h, fmath.h, layout.h, cut_list.h only' template_includes
+rule 'templates include base.h, vec.h, fmath.h, layout.h, cut_list.h, ploc_list.h only' template_includes
 rule 'a .c includes its own header first' own_header_first
 rule 'headers do not include each other in a circle' cycles
 

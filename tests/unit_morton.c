@@ -1,0 +1,121 @@
+/* unit_morton.c - points along the Z curve: in the order of codes made bit by bit, equal ones by index, the same for any threads;
+ * points far away change nothing for the others. */
+#include "morton.h"
+#include "test.h"
+
+#include <stdlib.h>
+
+#define RND_KEY 1966
+#include "rnd.h"
+
+#define MOST 100000
+
+static lc_f3 points[MOST];
+
+static lc_f3 place(const void *user, uint32_t i) { return ((const lc_f3 *)user)[i]; }
+
+static void sort(const lc_f3 *p, uint32_t n, uint32_t threads, uint32_t *order)
+{
+    lc_context ctx = { .allocator = lc_allocator_libc(), .n_threads = threads };
+    CHECK(lc_morton_order(&ctx, n, place, p, order) == LC_OK);
+}
+
+/* Points in a cube of side 1 at (x, x, x). */
+static void fill(uint32_t n, double x)
+{
+    for (uint32_t i = 0; i < n; i++)
+        points[i] = lc_f3_make((float)(x + rnd()), (float)(x + rnd()), (float)(x + rnd()));
+}
+
+static uint64_t code_of(const double x[3])
+{
+    uint64_t code = 0;
+    for (int bit = 20; bit >= 0; bit--)
+        for (int k = 0; k < 3; k++) code = code << 1 | ((uint64_t)fmin(x[k] * 0x1p21, 0x1p21 - 1) >> bit & 1);
+    return code;
+}
+
+TEST(order_of_codes)
+{
+    static uint32_t order[MOST];
+    static const uint32_t sizes[] = { 1, 2, 3, 1000, 32768, 32769, MOST };
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+        const uint32_t n = sizes[s];
+        fill(n, 0);
+        /* a corner and another, so that cells are known; few values, so that some are equal */
+        for (uint32_t i = 0; i < n / 2; i++) points[i] = lc_f3_make(points[i].x, 0.25f, (float)rnd_n(2));
+        points[n - 1] = lc_f3_make(0, 0, 0), points[0] = lc_f3_make(1, 1, 1);
+        if (n == 1) points[0] = lc_f3_make(1, 1, 1);
+        sort(points, n, 2, order);
+        static uint8_t seen[MOST];
+        memset(seen, 0, sizeof seen);
+        uint64_t before = 0;
+        for (uint32_t i = 0; i < n; i++) {
+            const lc_f3 p = points[order[i]];
+            uint64_t code = code_of((const double[3]){ (double)p.x, (double)p.y, (double)p.z });
+            CHECK(!seen[order[i]]++);
+            CHECK(i == 0 || code > before || (code == before && order[i] > order[i - 1]));
+            before = code;
+        }
+    }
+}
+
+TEST(same_for_threads)
+{
+    static uint32_t want[MOST], got[MOST];
+    fill(MOST, -0.5);
+    sort(points, MOST, 1, want);
+    for (uint32_t t = 2; t < 9; t += 3) {
+        sort(points, MOST, t, got);
+        CHECK(!memcmp(want, got, sizeof want));
+    }
+}
+
+/* Some of the points are far away, in one place or in a cluster of their own. */
+TEST(far_points_change_nothing)
+{
+    static uint32_t want[MOST], got[MOST];
+    for (uint32_t n = 200; n <= MOST - 200; n += 49900)
+        for (int style = 0; style < 3; style++) {
+            fill(n, 0);
+            for (uint32_t i = 0; i < 200; i++)
+                points[n + i] = lc_f3_make(1e12f, style == 1 ? (float)i : 0, style == 2 ? 1e30f * (float)i : 0);
+            sort(points, n, 2, want);
+            sort(points, n + 200, 2, got);
+            CHECKF(!memcmp(want, got, n * sizeof *want), "%u, style %d", n, style);
+            for (uint32_t i = 0; i < 200; i++) CHECK(style == 2 || got[n + i] == n + i);
+        }
+}
+
+/* Every level of cells takes a few of them. */
+TEST(many_scales)
+{
+    static uint32_t order[MOST];
+    const uint32_t n = 60000;
+    for (uint32_t i = 0; i < n; i++) {
+        float x = (float)(1e30 * exp2(-250 * rnd()));
+        points[i] = lc_f3_make(x, i % 2 ? x : 0, 0);
+    }
+    sort(points, n, 2, order);
+    uint32_t bad = 0;
+    for (uint32_t i = LC_MORTON_FEW; i < n; i++) bad += points[order[i]].x * 2.1f < points[order[i - LC_MORTON_FEW]].x;
+    CHECKF(bad < n / 8, "%u", bad); /* the curve's own jumps: back by half a cube at most */
+}
+
+TEST(coincident_points_by_index)
+{
+    static uint32_t order[MOST];
+    for (uint32_t i = 0; i < MOST; i++) points[i] = lc_f3_make(7, i == 5 ? 8 : 7, 7);
+    sort(points, MOST, 3, order);
+    for (uint32_t i = 0; i < MOST; i++) CHECK(order[i] == (i == MOST - 1 ? 5 : i < 5 ? i : i + 1));
+}
+
+int main(void)
+{
+    RUN(order_of_codes);
+    RUN(same_for_threads);
+    RUN(far_points_change_nothing);
+    RUN(many_scales);
+    RUN(coincident_points_by_index);
+    return test_done();
+}
