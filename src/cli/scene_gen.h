@@ -56,6 +56,8 @@ typedef struct gen {
     uint32_t n_vertices, n_triangles;
     gen_v3 p[GEN_MAX_VERTICES], n[GEN_MAX_VERTICES]; /* world space */
     uint32_t index[GEN_MAX_TRIANGLES][3];
+    gen_v3 intensity; /* of the light written last, and its text */
+    char intensity_text[96];
 } gen;
 
 /* ---- scene_emit.c ---- */
@@ -76,6 +78,8 @@ void gen_flush(gen *g); /* writes the buffered triangles as one shape */
 void gen_need(gen *g, uint32_t n_vertices, uint32_t n_triangles, int smooth);
 uint32_t gen_vertex(gen *g, gen_v3 p, gen_v3 n); /* local space; returns its index */
 void gen_triangle(gen *g, uint32_t a, uint32_t b, uint32_t c);
+
+void gen_put_vector(gen *g, gen_v3 v); /* three coordinates, a space before each */
 
 void gen_diffuse(gen *g, double r, double green, double b);
 void gen_phong(gen *g, gen_v3 kd, double ks, double exponent);
@@ -125,6 +129,8 @@ typedef struct gen_emitter {
     double share;   /* of the flux and so of the lights; any scale */
 } gen_emitter;
 
+/* One light: oriented along dir, a point light without. W/sr. */
+void gen_light(gen *g, gen_v3 p, const gen_v3 *dir, gen_v3 intensity);
 /* n_lights lights of equal flux, flux W in all whatever n_lights is. */
 void gen_lights(gen *g, const gen_emitter *emitters, int n_emitters, double flux, gen_v3 colour);
 /* Shape shared by the wires' lights and their geometry. */
