@@ -207,6 +207,7 @@ void gen_begin(gen *g, FILE *file, uint64_t n_lights, uint64_t seed)
     g->file = file;
     g->seed = seed;
     g->n_lights = n_lights;
+    g->max_pixels = 0;
     g->depth = 0;
     g->stack[0] = world;
     g->smooth = 0;
@@ -217,6 +218,8 @@ void gen_begin(gen *g, FILE *file, uint64_t n_lights, uint64_t seed)
 
 void gen_header(gen *g, const gen_view *view)
 {
+    double all = (double)view->width * view->height, most = (double)g->max_pixels;
+    double shrink = most > 0 && most < all ? sqrt(most / all) : 1;
     fprintf(g->file, "# lightcuts scene %s --lights %" PRIu64 " --seed %" PRIu64 "\n", view->name,
             g->n_lights, g->seed);
     fputs("LookAt", g->file);
@@ -228,7 +231,7 @@ void gen_header(gen *g, const gen_view *view)
     fprintf(
         g->file,
         "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d \"string filename\" \"%s.exr\"\n",
-        view->width, view->height, view->name);
+        (int)ceil(view->width * shrink), (int)ceil(view->height * shrink), view->name);
     fputs("Sampler \"independent\" \"integer pixelsamples\" 1\nWorldBegin\n", g->file);
 }
 

@@ -50,6 +50,7 @@ typedef struct gen_frame {
 typedef struct gen {
     FILE *file; /* errors stick to it; the caller asks ferror once */
     uint64_t seed, n_lights;
+    uint64_t max_pixels; /* of the film, which is made smaller if need be; 0: as it is */
     gen_frame stack[GEN_MAX_DEPTH];
     int depth;  /* stack[depth] is current */
     int smooth; /* the buffered triangles have vertex normals of their own */
@@ -144,6 +145,20 @@ void gen_scene_room(gen *g);
 void gen_scene_grid(gen *g);
 void gen_scene_cube(gen *g);
 void gen_scene_bulbs(gen *g);
+
+/* ---- scene_list.c ---- */
+
+typedef struct gen_scene {
+    const char *name, *about;
+    uint64_t n_lights; /* unless told */
+    void (*generate)(gen *g);
+} gen_scene;
+
+#define GEN_N_SCENES 6
+extern const gen_scene gen_scenes[GEN_N_SCENES];
+
+/* The whole text. n_lights 0: the scene's own number; max_pixels 0: the scene's own film. */
+void gen_write(const gen_scene *scene, FILE *file, uint64_t n_lights, uint64_t seed, uint64_t max_pixels);
 
 /* ---- scene_furniture.c: local frame, standing on y = 0, facing -z; the caller sets no material ---- */
 
