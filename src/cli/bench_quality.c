@@ -4,7 +4,8 @@
  *         builder, seed of the representatives: load -> render at each error ratio -> error, shadow rays
  *
  * Cost at equal error: shadow rays a point interpolated, both in logarithms, to the error that the first builder has at the
- * ratio 0.02. Pictures are of the whole view but small, as many pixels as all lights can be traced for.
+ * ratio 0.02, once by each measure of error: a few bright pixels decide the first, none of them the second. Pictures are of
+ * the whole view but small, as many pixels as all lights can be traced for.
  */
 #include "bench.h"
 
@@ -14,7 +15,7 @@
 #include <math.h>
 
 #define SEEDS 3
-#define MAX_VISITS 100000000u /* pixels times lights of a reference: some 10 s */
+#define MAX_VISITS 250000000u /* pixels times lights of a reference: some 10 s */
 #define MIN_PIXELS 300u
 #define MAX_PIXELS 4800u
 #define N_RATIOS 4
@@ -34,7 +35,7 @@ typedef struct outcome {
     double build_seconds; /* median over seeds */
     double bytes;         /* a light */
     point at[N_RATIOS];
-    double cost; /* shadow rays a point at the first builder's error; NaN when the curve does not tell */
+    double rays_rmse, rays_p50; /* a point, at the first builder's error; NaN when the curve does not tell */
 } outcome;
 
 typedef struct job {
@@ -136,14 +137,21 @@ static lc_status measure(const job *j, outcome *r)
 
 /* Shadow rays at an error, on the segment of the curve around it or on the nearest one's continuation. Errors rise with the
  * ratio but for noise. */
-static double cost_at(const point *at, double rmse)
+static double cost_at(const double error[N_RATIOS], const point *at, double target)
 {
     int k = 0;
-    while (k + 2 < N_RATIOS && at[k + 1].rmse < rmse) k++;
-    const point *a = &at[k], *b = a + 1;
-    if (!(a->rmse > 0 && b->rmse > a->rmse && a->rays > 0 && b->rays > 0 && rmse > 0)) return NAN;
-    double t = log(rmse / a->rmse) / log(b->rmse / a->rmse);
-    return a->rays * exp(t * log(b->rays / a->rays));
+    while (k + 2 < N_RATIOS && error[k + 1] < target) k++;
+    if (!(error[k] > 0 && error[k + 1] > error[k] && target > 0 && at[k].rays > 0 && at[k + 1].rays > 0)) return NAN;
+    double t = log(target / error[k]) / log(error[k + 1] / error[k]);
+    return at[k].rays * exp(t * log(at[k + 1].rays / at[k].rays));
+}
+
+static void set_costs(outcome *r, const outcome *first)
+{
+    double rmse[N_RATIOS], p50[N_RATIOS];
+    for (int k = 0; k < N_RATIOS; k++) rmse[k] = r->at[k].rmse, p50[k] = r->at[k].rel_p50;
+    r->rays_rmse = cost_at(rmse, r->at, first->at[AT_2].rmse);
+    r->rays_p50 = cost_at(p50, r->at, first->at[AT_2].rel_p50);
 }
 
 static void print_head(const job *j)
@@ -153,19 +161,27 @@ static void print_head(const job *j)
         return;
     }
     printf("light trees: %u seeds; cuts without limit against every light; rmse over the mean, median relative error;\n"
-           "rays: shadow rays a point at the error that '%s' has at 2 %%; %u thread%s\n\n",
+           "rays: shadow rays a point at 2 %%; x: at the error that '%s' has there, by rmse and by median, over its rays; %u thread%s\n\n",
            j->o->n_runs ? j->o->n_runs : SEEDS, bench_builders[0].name, lc_context_threads(j->ctx),
            lc_context_threads(j->ctx) == 1 ? "" : "s");
     printf("                                            |---------- 2 %% ----------|  |---------- 10 %% ---------|\n"
-           "scene     lights builder   build s   B/light    cut    rmse  median rel     cut    rmse  median rel     rays      x\n");
+           "scene     lights builder   build s   B/light    cut    rmse  median rel     cut    rmse  median rel     rays x rmse  x med\n");
 }
 
-static void print_row(const job *j, const outcome *r, double first_cost)
+static void print_ratio(double ratio)
+{
+    if (isfinite(ratio)) printf(" %6.3f", ratio);
+    else printf("      -");
+}
+
+static void print_row(const job *j, const outcome *r, const outcome *first)
 {
     const point *a = &r->at[AT_2], *b = &r->at[AT_10];
-    printf("%-8s %7u %-8s %9.4f %9.0f %6.1f %7.4f %11.5f %7.1f %7.4f %11.5f %8.1f %6.3f\n", j->scene->name, j->n_lights,
-           r->builder->name, r->build_seconds, r->bytes, a->cut, a->rmse, a->rel_p50, b->cut, b->rmse, b->rel_p50, r->cost,
-           r->cost / first_cost);
+    printf("%-8s %7u %-8s %9.4f %9.0f %6.1f %7.4f %11.5f %7.1f %7.4f %11.5f %8.1f", j->scene->name, j->n_lights,
+           r->builder->name, r->build_seconds, r->bytes, a->cut, a->rmse, a->rel_p50, b->cut, b->rmse, b->rel_p50, a->rays);
+    print_ratio(r->rays_rmse / first->at[AT_2].rays);
+    print_ratio(r->rays_p50 / first->at[AT_2].rays);
+    printf("\n");
     fflush(stdout);
 }
 
@@ -181,7 +197,8 @@ static void print_json(job *j, const outcome *r)
     printf("{\"scene\": \"%s\", \"lights\": %u, \"builder\": \"%s\"", j->scene->name, j->n_lights, r->builder->name);
     json_number("build_seconds", r->build_seconds);
     json_number("bytes_per_light", r->bytes);
-    json_number("rays_at_equal_error", r->cost);
+    json_number("rays_at_equal_rmse", r->rays_rmse);
+    json_number("rays_at_equal_rel_p50", r->rays_p50);
     printf(", \"ratios\": [");
     for (int k = 0; k < N_RATIOS; k++) {
         const point *p = &r->at[k];
@@ -201,9 +218,9 @@ static lc_status one_size(job *j)
     for (int i = 0; i < BENCH_N_BUILDERS && !st; i++) {
         r[i].builder = &bench_builders[i];
         if ((st = measure(j, &r[i]))) break;
-        r[i].cost = cost_at(r[i].at, r[0].at[AT_2].rmse);
+        set_costs(&r[i], &r[0]);
         if (j->o->json) print_json(j, &r[i]);
-        else print_row(j, &r[i], r[0].cost);
+        else print_row(j, &r[i], &r[0]);
     }
     lc_image_destroy(j->reference);
     j->reference = NULL;

@@ -29,10 +29,10 @@ static double peak_mb(void)
 static lc_status render(const bench_options *o, lc_context *ctx, const lc_scene *scene, lc_render_stats *stats, double *median)
 {
     double times[BENCH_MAX_RUNS];
-    lc_render_desc d = o->render;
     static const int32_t middle[4] = { 192, 448, 112, 368 }; /* 256 x 256 of 640 x 480 */
+    lc_render_desc d = o->render;
     uint32_t n_runs = o->n_runs ? o->n_runs : RUNS;
-    if (!d.crop[1]) memcpy(d.crop, middle, sizeof d.crop);
+    memcpy(d.crop, middle, sizeof d.crop);
     for (uint32_t r = 0; r < n_runs; r++) {
         lc_image *image;
         lc_status st = lc_render(ctx, scene, &d, &image, stats);

@@ -165,10 +165,12 @@ void svg_write(FILE *f, const svg_plot *plots, uint32_t n_plots, double width, d
           "  font: 12px system-ui, sans-serif }\n"
           "@media (prefers-color-scheme: dark) { .lc-plot { --back: #0d1117; --ink: #e6edf3; --grid: #30363d;\n"
           "  --c0: #79c0ff; --c1: #ffa657; --c2: #7ee787; --c3: #d2a8ff } }\n"
-          ".lc-plot .lc-back { fill: var(--back) } .lc-plot text { fill: var(--ink) } .lc-plot .lc-title { font-weight: 600; font-size: 14px }\n"
+          ".lc-plot .lc-back { fill: var(--back) } .lc-plot text { fill: var(--ink) }\n"
+          ".lc-plot .lc-title { font-weight: 600; font-size: 14px }\n"
           ".lc-plot .lc-grid { stroke: var(--grid) } .lc-plot .lc-frame { fill: none; stroke: var(--ink) }\n"
           ".lc-plot .lc-line { fill: none; stroke-width: 2 } .lc-plot .lc-0 { stroke: var(--c0) } .lc-plot .lc-1 { stroke: var(--c1) }\n"
-          ".lc-plot .lc-2 { stroke: var(--c2) } .lc-plot .lc-3 { stroke: var(--c3) } .lc-plot .lc-dot { fill: var(--back); stroke-width: 2 }\n"
+          ".lc-plot .lc-2 { stroke: var(--c2) } .lc-plot .lc-3 { stroke: var(--c3) }\n"
+          ".lc-plot .lc-dot { fill: var(--back); stroke-width: 2 }\n"
           "</style>\n<rect class=\"lc-back\" width=\"100%\" height=\"100%\"/>\n", f);
     for (uint32_t i = 0; i < n_plots; i++) plot(f, &plots[i], i * height, width, height);
     fputs("</svg>\n", f);
