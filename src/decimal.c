@@ -46,16 +46,34 @@ static bool scan_decimal(const char *text, size_t n, decimal *dec)
     return i == n;
 }
 
-/* w / 10^k to the nearest double, w > 0 and k = 1..19. The quotient of w, shifted to 128 bits, has 64 bits or more, so a
- * remainder may stand for its last one: that is below the bit that decides the rounding. */
+typedef unsigned __int128 wide;
+
+static const uint64_t whole_tens[20] = {
+    1u, 10u, 100u, 1000u, 10000u, 100000u, 1000000u, 10000000u, 100000000u, 1000000000u, 10000000000u, 100000000000u,
+    1000000000000u, 10000000000000u, 100000000000000u, 1000000000000000u, 10000000000000000u, 100000000000000000u,
+    1000000000000000000u, 10000000000000000000u,
+};
+
+/* w / 10^k to the nearest double, w > 0 and k = 1..38. The quotient of w, shifted to 127 bits, has 62 bits or more, so a
+ * remainder may stand for its last one: that is below the bit that decides the rounding. More than 19 tens are divided by in
+ * two steps, the first to 126 bits again: floor(floor(x / a) / b) = floor(x / ab). */
 static double quotient(uint64_t w, int k)
 {
-    uint64_t d = 1;
-    for (int i = 0; i < k; i++) d *= 10;
     int up = __builtin_clzll(w);
-    unsigned __int128 n = (unsigned __int128)(w << up) << 64, q = n / d;
-    if (q * d != n) q |= 1;
-    return (double)q / 18446744073709551616.0 / (double)((uint64_t)1 << up); /* by powers of two: exact */
+    wide n = (wide)(w << up) << 63;
+    double scale = 0x1p-63 / (double)((uint64_t)1 << up); /* all of these are powers of two: exact */
+    bool rest = false;
+    if (k > 19) {
+        const uint64_t d = whole_tens[19];
+        wide q = n / d, r = (n - q * d) << 64, low = r / d;
+        rest = low * d != r;
+        n = q << 64 | low;
+        scale *= 0x1p-64;
+        k -= 19;
+    }
+    wide q = n / whole_tens[k];
+    if (rest || q * whole_tens[k] != n) q |= 1;
+    return (double)q * scale;
 }
 
 /* *v = w * 10^e to the nearest double, or false. Up to 2^53 and 22 tens both parts are exact in double, so one division
@@ -68,8 +86,8 @@ static bool scaled(uint64_t w, int e, double *v)
         *v = e < 0 ? (double)w / tens[-e] : (double)w * tens[e];
         return true;
     }
-    if (!w || e >= 0 || e < -19) return false;
-    *v = quotient(w, -e);
+    if (!w || e < -38 || e > 19) return false;
+    *v = e < 0 ? quotient(w, -e) : (double)((wide)w * whole_tens[e]);
     return true;
 }
 
