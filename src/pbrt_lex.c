@@ -12,6 +12,7 @@ void lc_pbrt_lex_init(lc_pbrt_lex *lex, const lc_context *ctx, lc_arena *arena)
     lex->ctx = ctx;
     lex->arena = arena;
     lex->main_dir = "";
+    lex->window = LC_PBRT_WINDOW;
 }
 
 /* ---- files ---- */
@@ -63,42 +64,39 @@ lc_status lc_pbrt_find_file(lc_pbrt_lex *lex, lc_pos where, const char *name, co
     return find(lex, where, name, "", path, &found);
 }
 
-static void push(lc_pbrt_lex *lex, const lc_file *file, const char *name)
+/* The reader is closed when it fails. */
+static lc_status push(lc_pbrt_lex *lex, const lc_reader *reader, const char *name)
 {
-    lc_pbrt_source *s = &lex->stack[lex->depth++];
-    *s = (lc_pbrt_source){ .file = *file, .name = name, .line = 1 };
-    if (file->size >= 3 && !memcmp(file->data, "\xef\xbb\xbf", 3))
-        s->off = s->line_start = 3; /* UTF-8's mark */
+    lc_status st = lc_pbrt_source_open(lex->ctx, reader, name, lex->window, &lex->stack[lex->depth]);
+    if (!st) lex->depth++;
+    return st;
 }
 
 lc_status lc_pbrt_lex_open(lc_pbrt_lex *lex, const char *path)
 {
     bool use_stdin = !strcmp(path, "-");
-    lc_file file;
-    lc_status st = use_stdin ? lc_file_read_stdin(lex->ctx, &file)
-                             : lc_file_read(lex->ctx, (lc_pos){ path, 0, 0 }, path, &file);
-    if (st) return st;
+    lc_reader reader;
     const char *name = use_stdin ? "<stdin>" : lc_arena_text(lex->arena, path, strlen(path));
     const char *dir = use_stdin ? "" : lc_arena_text(lex->arena, path, dir_len(path));
-    if (!name || !dir) {
-        lc_file_free(lex->ctx, &file);
-        return LC_ERR_MEMORY;
-    }
+    if (!name || !dir) return LC_ERR_MEMORY;
     lex->main_dir = dir;
-    push(lex, &file, name);
-    return LC_OK;
+    if (use_stdin)
+        lc_reader_stdin(&reader);
+    else {
+        lc_status st = lc_reader_open(lex->ctx, (lc_pos){ name, 0, 0 }, name, &reader);
+        if (st) return st;
+    }
+    return push(lex, &reader, name);
 }
 
 lc_status lc_pbrt_lex_open_memory(lc_pbrt_lex *lex, const char *name, const void *data, size_t size)
 {
-    lc_file file;
+    lc_reader reader;
     char *copy = lc_arena_text(lex->arena, name, strlen(name));
     if (!copy) return LC_ERR_MEMORY;
-    lc_status st = lc_file_from_memory(lex->ctx, data, size, &file);
-    if (st) return st;
     lex->no_files = true;
-    push(lex, &file, copy);
-    return LC_OK;
+    lc_reader_memory(data, size, &reader);
+    return push(lex, &reader, copy);
 }
 
 lc_status lc_pbrt_lex_include(lc_pbrt_lex *lex, lc_pos where, const char *name)
@@ -116,22 +114,26 @@ lc_status lc_pbrt_lex_include(lc_pbrt_lex *lex, lc_pos where, const char *name)
     if (lex->depth >= LC_PBRT_MAX_DEPTH)
         return lc_fail_at(lex->ctx, LC_ERR_PARSE, where, "files included more than %d deep",
                           LC_PBRT_MAX_DEPTH);
-    lc_file file;
-    if ((st = lc_file_read(lex->ctx, where, path, &file))) return st;
+    lc_reader reader;
+    if ((st = lc_reader_open(lex->ctx, where, path, &reader))) return st;
     for (uint32_t i = 0; i < lex->depth; i++) {
-        const lc_file *f = &lex->stack[i].file;
-        if (f->dev != file.dev || f->ino != file.ino) continue;
-        lc_file_free(lex->ctx, &file);
+        const lc_reader *r = &lex->stack[i].reader;
+        if (r->dev != reader.dev || r->ino != reader.ino) continue;
+        lc_reader_close(&reader);
         return lc_fail_at(lex->ctx, LC_ERR_PARSE, where, "'%s' includes itself", name);
     }
-    push(lex, &file, path);
-    return LC_OK;
+    return push(lex, &reader, path);
 }
 
 void lc_pbrt_lex_pop(lc_pbrt_lex *lex)
 {
-    lc_file_free(lex->ctx, &lex->stack[--lex->depth].file);
+    lc_pbrt_source_close(&lex->stack[--lex->depth]);
     lex->has_ahead = false;
+}
+
+void lc_pbrt_lex_forget(lc_pbrt_lex *lex)
+{
+    if (lex->depth) lc_pbrt_source_forget(&lex->stack[lex->depth - 1]);
 }
 
 void lc_pbrt_lex_free(lc_pbrt_lex *lex)
@@ -141,36 +143,52 @@ void lc_pbrt_lex_free(lc_pbrt_lex *lex)
 
 /* ---- tokens ---- */
 
-static bool is_space(char c)
+enum { SPACE = 1, BREAK = 2, DIGIT = 4, LETTER = 8, SIGN = 16 };
+
+/* BREAK ends a number or a word; so does the zero at the end of the window. */
+static const uint8_t classes[256] = {
+    [' '] = SPACE | BREAK, ['\t'] = SPACE | BREAK, ['\n'] = SPACE | BREAK, ['\r'] = SPACE | BREAK,
+    ['\f'] = SPACE | BREAK, ['\v'] = SPACE | BREAK, ['"'] = BREAK, ['['] = BREAK, [']'] = BREAK, ['#'] = BREAK,
+    [0] = BREAK, ['0' ... '9'] = DIGIT, ['a' ... 'z'] = LETTER, ['A' ... 'Z'] = LETTER, ['_'] = LETTER,
+    ['+'] = SIGN, ['-'] = SIGN, ['.'] = SIGN,
+};
+static bool is(char c, unsigned set) { return classes[(unsigned char)c] & set; }
+
+/* Skips spaces in the window; false when a comment or a token follows. */
+static bool skip_in_window(lc_pbrt_source *s)
 {
-    return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v';
+    const char *p = s->data + s->off;
+    for (; is(*p, SPACE); p++)
+        if (*p == '\n') s->line++, s->line_start = s->base + (size_t)(p - s->data) + 1;
+    s->off = (size_t)(p - s->data);
+    return s->off == s->size;
 }
-static bool is_digit(char c) { return c >= '0' && c <= '9'; }
-static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
-/* Ends a number or a word. */
-static bool is_break(char c) { return is_space(c) || c == '"' || c == '[' || c == ']' || c == '#' || c == 0; }
-
-static void skip_space(lc_pbrt_source *s)
+/* Skips to the end of the line, which may be many windows away. */
+static lc_status skip_comment(lc_pbrt_source *s)
 {
-    const char *d = s->file.data;
-    while (s->off < s->file.size) {
-        char c = d[s->off];
-        if (c == '#') {
-            const char *nl = memchr(d + s->off, '\n', s->file.size - s->off);
-            s->off = nl ? (size_t)(nl - d) : s->file.size;
-        } else if (is_space(c)) {
-            s->off++;
-            if (c == '\n') s->line++, s->line_start = s->off;
-        } else
-            break;
+    for (;;) {
+        const char *nl = memchr(s->data + s->off, '\n', s->size - s->off);
+        s->off = nl ? (size_t)(nl - s->data) : s->size;
+        if (nl || s->at_end) return LC_OK;
+        lc_status st = lc_pbrt_source_more(s);
+        if (st) return st;
     }
 }
 
-static lc_pos pos_at(const lc_pbrt_source *s, size_t off)
+static lc_status skip_space(lc_pbrt_source *s)
 {
-    size_t column = off - s->line_start + 1;
-    return (lc_pos){ s->name, s->line, column < UINT32_MAX ? (uint32_t)column : UINT32_MAX };
+    for (;;) {
+        lc_status st = LC_OK;
+        if (skip_in_window(s)) {
+            if (s->at_end) return LC_OK;
+            st = lc_pbrt_source_more(s);
+        } else if (s->data[s->off] == '#')
+            st = skip_comment(s);
+        else
+            return LC_OK;
+        if (st) return st;
+    }
 }
 
 /* What stands for an escape sequence, -1 for none that pbrt knows. */
@@ -189,14 +207,27 @@ static int unescape(char c)
     }
 }
 
+/* Whether the string that begins at s->off ends in the window, be it by a quote or by a mistake. */
+static bool string_ends(const lc_pbrt_source *s)
+{
+    size_t i = s->off + 1;
+    while (i < s->size && s->data[i] != '"' && s->data[i] != '\n' && s->data[i]) i += s->data[i] == '\\' ? 2 : 1;
+    return i < s->size;
+}
+
 /* s->off is at the opening quote. */
 static lc_status lex_string(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *t)
 {
-    char *d = s->file.data, *out = d + s->off + 1;
+    while (!string_ends(s) && !s->at_end) {
+        lc_status st = lc_pbrt_source_more(s);
+        if (st) return st;
+    }
+    char *d = s->data, *out = d + s->off + 1;
     t->kind = LC_PBRT_STRING;
     t->text = out;
-    for (size_t i = s->off + 1; i < s->file.size && d[i] != '\n'; i++) {
-        if (!d[i]) return lc_fail_at(lex->ctx, LC_ERR_PARSE, pos_at(s, i), "zero byte in a string");
+    s->has_strings = true;
+    for (size_t i = s->off + 1; i < s->size && d[i] != '\n'; i++) {
+        if (!d[i]) return lc_fail_at(lex->ctx, LC_ERR_PARSE, lc_pbrt_source_pos(s, i), "zero byte in a string");
         if (d[i] == '"') {
             *out = 0;
             t->len = (size_t)(out - t->text);
@@ -207,9 +238,9 @@ static lc_status lex_string(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *
             *out++ = d[i];
             continue;
         }
-        int c = i + 1 < s->file.size ? unescape(d[i + 1]) : -1;
+        int c = i + 1 < s->size ? unescape(d[i + 1]) : -1;
         if (c < 0)
-            return lc_fail_at(lex->ctx, LC_ERR_PARSE, pos_at(s, i), "unknown escape sequence in a string");
+            return lc_fail_at(lex->ctx, LC_ERR_PARSE, lc_pbrt_source_pos(s, i), "unknown escape sequence in a string");
         *out++ = (char)c;
         i++;
     }
@@ -219,16 +250,32 @@ static lc_status lex_string(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *
 /* Length shown of a token in a message. */
 static int shown(size_t len) { return len < 40 ? (int)len : 40; }
 
+static bool fits_float(double v) { return v <= (double)FLT_MAX && v >= -(double)FLT_MAX; }
+
 static lc_status lex_number(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *t)
 {
     t->kind = LC_PBRT_NUMBER;
     if (!lc_decimal_parse(t->text, t->len, &t->number))
         return lc_fail_at(lex->ctx, LC_ERR_PARSE, t->pos, "not a number: '%.*s'", shown(t->len), t->text);
     s->off += t->len;
-    if (!(t->number <= (double)FLT_MAX && t->number >= -(double)FLT_MAX))
-        return lc_fail_at(lex->ctx, LC_ERR_PARSE, t->pos, "number out of range: '%.*s'", shown(t->len),
-                          t->text);
+    if (!fits_float(t->number))
+        return lc_fail_at(lex->ctx, LC_ERR_PARSE, t->pos, "number out of range: '%.*s'", shown(t->len), t->text);
     return LC_OK;
+}
+
+size_t lc_pbrt_lex_numbers(lc_pbrt_lex *lex, double *out, size_t n)
+{
+    lc_pbrt_source *s = &lex->stack[lex->depth - 1];
+    size_t i = 0;
+    LC_ASSERT(!lex->has_ahead);
+    for (; i < n; i++) {
+        if (skip_in_window(s)) break;
+        size_t len = lc_decimal_plain(s->data + s->off, &out[i]);
+        /* At the window's end it may go on. */
+        if (!len || !is(s->data[s->off + len], BREAK) || s->off + len == s->size || !fits_float(out[i])) break;
+        s->off += len;
+    }
+    return i;
 }
 
 static lc_status lex_word(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *t)
@@ -236,8 +283,8 @@ static lc_status lex_word(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *t)
     t->kind = LC_PBRT_WORD;
     for (size_t i = 0; i < t->len; i++) {
         unsigned char c = (unsigned char)t->text[i];
-        if (is_letter((char)c) || (i && is_digit((char)c))) continue;
-        lc_pos pos = pos_at(s, s->off + i);
+        if (is((char)c, i ? LETTER | DIGIT : LETTER)) continue;
+        lc_pos pos = lc_pbrt_source_pos(s, s->off + i);
         if (c < 32 || c > 126) return lc_fail_at(lex->ctx, LC_ERR_PARSE, pos, "unexpected byte 0x%02x", c);
         return lc_fail_at(lex->ctx, LC_ERR_PARSE, pos, "unexpected character '%c'", c);
     }
@@ -245,13 +292,29 @@ static lc_status lex_word(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *t)
     return LC_OK;
 }
 
+/* Sets t->text and t->len: up to the next break, but one byte at least. */
+static lc_status find_end(lc_pbrt_source *s, lc_pbrt_token *t)
+{
+    size_t len = 1;
+    for (;;) {
+        while (!is(s->data[s->off + len], BREAK)) len++;
+        if (s->off + len < s->size || s->at_end) break;
+        lc_status st = lc_pbrt_source_more(s);
+        if (st) return st;
+    }
+    t->text = s->data + s->off;
+    t->len = len;
+    return LC_OK;
+}
+
 static lc_status lex_token(lc_pbrt_lex *lex, lc_pbrt_token *t)
 {
     lc_pbrt_source *s = &lex->stack[lex->depth - 1];
-    skip_space(s);
-    *t = (lc_pbrt_token){ .kind = LC_PBRT_END, .pos = pos_at(s, s->off), .text = "", .len = 0, .number = 0 };
-    if (s->off >= s->file.size) return LC_OK;
-    const char *d = s->file.data + s->off;
+    lc_status st = skip_space(s);
+    if (st) return st;
+    *t = (lc_pbrt_token){ .kind = LC_PBRT_END, .pos = lc_pbrt_source_pos(s, s->off), .text = "" };
+    if (s->off >= s->size) return LC_OK;
+    const char *d = s->data + s->off;
     if (*d == '[' || *d == ']') {
         t->kind = *d == '[' ? LC_PBRT_OPEN : LC_PBRT_CLOSE;
         t->text = d;
@@ -260,12 +323,9 @@ static lc_status lex_token(lc_pbrt_lex *lex, lc_pbrt_token *t)
         return LC_OK;
     }
     if (*d == '"') return lex_string(lex, s, t);
-    size_t len = 1, left = s->file.size - s->off;
-    while (len < left && !is_break(d[len])) len++;
-    t->text = d;
-    t->len = len;
-    if (is_digit(*d) || *d == '+' || *d == '-' || *d == '.') return lex_number(lex, s, t);
-    return lex_word(lex, s, t);
+    bool number = is(*d, DIGIT | SIGN);
+    if ((st = find_end(s, t))) return st;
+    return number ? lex_number(lex, s, t) : lex_word(lex, s, t);
 }
 
 lc_status lc_pbrt_lex_next(lc_pbrt_lex *lex, lc_pbrt_token *token)

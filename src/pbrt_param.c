@@ -19,38 +19,42 @@ void lc_pbrt_params_free(lc_pbrt_params *list)
 
 /* ---- reading ---- */
 
+#define TYPE(name, type) { name, sizeof name - 1, LC_PBRT_##type }
 static const struct {
     const char *name;
+    size_t len;
     lc_pbrt_type type;
 } types[] = {
-    { "float", LC_PBRT_FLOAT },       { "integer", LC_PBRT_INT },     { "bool", LC_PBRT_BOOL },
-    { "string", LC_PBRT_TEXT },       { "point", LC_PBRT_TRIPLE },    { "point2", LC_PBRT_PAIR },
-    { "point3", LC_PBRT_TRIPLE },     { "vector", LC_PBRT_TRIPLE },   { "vector2", LC_PBRT_PAIR },
-    { "vector3", LC_PBRT_TRIPLE },    { "normal", LC_PBRT_TRIPLE },   { "normal3", LC_PBRT_TRIPLE },
-    { "rgb", LC_PBRT_RGB },           { "color", LC_PBRT_RGB },       { "xyz", LC_PBRT_XYZ },
-    { "spectrum", LC_PBRT_SPECTRUM }, { "texture", LC_PBRT_TEXTURE }, { "blackbody", LC_PBRT_BLACKBODY },
+    TYPE("float", FLOAT),       TYPE("integer", INT),     TYPE("bool", BOOL),           TYPE("string", TEXT),
+    TYPE("point", TRIPLE),      TYPE("point2", PAIR),     TYPE("point3", TRIPLE),       TYPE("vector", TRIPLE),
+    TYPE("vector2", PAIR),      TYPE("vector3", TRIPLE),  TYPE("normal", TRIPLE),       TYPE("normal3", TRIPLE),
+    TYPE("rgb", RGB),           TYPE("color", RGB),       TYPE("xyz", XYZ),             TYPE("spectrum", SPECTRUM),
+    TYPE("texture", TEXTURE),   TYPE("blackbody", BLACKBODY),
 };
 
 static lc_pbrt_type type_of(const char *name, size_t len)
 {
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
-        if (strlen(types[i].name) == len && !memcmp(types[i].name, name, len)) return types[i].type;
+        if (types[i].len == len && !memcmp(types[i].name, name, len)) return types[i].type;
     return LC_PBRT_UNKNOWN;
 }
+
+static bool is_space(char c) { return c == ' ' || (c >= '\b' && c <= '\r'); } /* \b \t \n \v \f \r */
 
 /* Splits "type name"; any spaces around and between. */
 static lc_status declare(const lc_pbrt_params *list, const lc_pbrt_token *t, lc_pbrt_param *p)
 {
-    static const char space[] = " \t\r\v\f\b\n";
-    const char *type = t->text + strspn(t->text, space);
-    size_t type_len = strcspn(type, space);
-    const char *name = type + type_len + strspn(type + type_len, space);
-    size_t name_len = strcspn(name, space);
-    if (!type_len || !name_len || name[name_len + strspn(name + name_len, space)])
+    const char *type = t->text, *type_end, *name, *name_end, *rest;
+    while (is_space(*type)) type++;
+    for (type_end = type; *type_end && !is_space(*type_end);) type_end++;
+    for (name = type_end; is_space(*name);) name++;
+    for (name_end = name; *name_end && !is_space(*name_end);) name_end++;
+    for (rest = name_end; is_space(*rest);) rest++;
+    if (type_end == type || name_end == name || *rest)
         return lc_fail_at(list->ctx, LC_ERR_PARSE, t->pos,
                           "expected a parameter \"type name\", found \"%.80s\"", t->text);
-    ((char *)name)[name_len] = 0; /* t->text is the lexer's own buffer */
-    *p = (lc_pbrt_param){ .type = type_of(type, type_len), .name = name, .pos = t->pos };
+    ((char *)name)[name_end - name] = 0; /* t->text is the lexer's own buffer */
+    *p = (lc_pbrt_param){ .type = type_of(type, (size_t)(type_end - type)), .name = name, .pos = t->pos };
     return LC_OK;
 }
 
@@ -98,6 +102,26 @@ static lc_status add_value(lc_pbrt_params *list, lc_pbrt_param *p, const lc_pbrt
     return add_number(list, t->kind == LC_PBRT_NUMBER ? t->number : is_true);
 }
 
+/* As many numbers as follow at once, without a token for each; what else follows is left to add_value. */
+static lc_status add_numbers(lc_pbrt_params *list, lc_pbrt_lex *lex, lc_pbrt_param *p)
+{
+    size_t got, room;
+    if ((p->type & (LC_PBRT_TEXT | LC_PBRT_TEXTURE | LC_PBRT_BOOL)) || p->is_text) return LC_OK;
+    if (!p->n) p->first = list->n_num;
+    do {
+        void *num = list->num;
+        lc_status st = lc_grow(list->ctx, &num, &list->cap_num, list->n_num + 1, sizeof *list->num);
+        list->num = num;
+        if (st) return st;
+        size_t most = LC_PBRT_MAX_VALUES - list->n_text - list->n_num;
+        room = list->cap_num - list->n_num < most ? list->cap_num - list->n_num : most;
+        got = lc_pbrt_lex_numbers(lex, list->num + list->n_num, room);
+        list->n_num += got;
+        p->n += got;
+    } while (room && got == room);
+    return LC_OK;
+}
+
 static lc_status read_values(lc_pbrt_params *list, lc_pbrt_lex *lex, lc_pbrt_param *p)
 {
     lc_pbrt_token t;
@@ -110,7 +134,7 @@ static lc_status read_values(lc_pbrt_params *list, lc_pbrt_lex *lex, lc_pbrt_par
     }
     lc_pos open = t.pos;
     for (;;) {
-        if ((st = lc_pbrt_lex_next(lex, &t))) return st;
+        if ((st = add_numbers(list, lex, p)) || (st = lc_pbrt_lex_next(lex, &t))) return st;
         if (t.kind == LC_PBRT_CLOSE) return LC_OK;
         if (t.kind == LC_PBRT_END) return lc_fail_at(list->ctx, LC_ERR_PARSE, open, "'[' without ']'");
         if (t.kind == LC_PBRT_OPEN) return lc_fail_at(list->ctx, LC_ERR_PARSE, t.pos, "'[' inside '['");
@@ -132,12 +156,12 @@ lc_status lc_pbrt_params_read(lc_pbrt_params *list, lc_pbrt_lex *lex)
 {
     list->n = list->n_num = list->n_text = 0;
     for (;;) {
-        const lc_pbrt_token *ahead;
-        lc_pbrt_token t;
+        const lc_pbrt_token *t;
         lc_pbrt_param p;
-        lc_status st = lc_pbrt_lex_peek(lex, &ahead);
-        if (st || ahead->kind != LC_PBRT_STRING) return st;
-        if ((st = lc_pbrt_lex_next(lex, &t)) || (st = declare(list, &t, &p)) ||
+        lc_status st = lc_pbrt_lex_peek(lex, &t);
+        if (st || t->kind != LC_PBRT_STRING) return st;
+        lc_pbrt_lex_take(lex);
+        if ((st = declare(list, t, &p)) ||
             (st = read_values(list, lex, &p)) || (st = check_count(list, &p)))
             return st;
         void *items = list->items;
@@ -155,7 +179,7 @@ const lc_pbrt_param *lc_pbrt_find(lc_pbrt_params *list, const char *name, unsign
     const lc_pbrt_param *found = NULL;
     for (size_t i = 0; i < list->n; i++) {
         lc_pbrt_param *p = &list->items[i];
-        if (!(p->type & set) || strcmp(p->name, name)) continue;
+        if (!(p->type & set) || *p->name != *name || strcmp(p->name, name)) continue;
         p->used = true;
         found = p;
     }

@@ -259,19 +259,18 @@ static lc_status read_numbers(lc_pbrt *p, lc_pbrt_stmt *s, uint32_t n)
 
 static lc_status read_texts(lc_pbrt *p, const struct directive *d, lc_pbrt_stmt *s)
 {
-    const lc_pbrt_token *ahead;
-    lc_pbrt_token t;
+    const lc_pbrt_token *t;
     lc_status st = LC_OK;
     for (uint32_t i = 0; i < d->n_text && !st; i++) {
-        if ((st = lc_pbrt_lex_peek(&p->lex, &ahead))) return st;
-        bool fits = ahead->kind == LC_PBRT_STRING || (d->word && ahead->kind == LC_PBRT_WORD);
+        if ((st = lc_pbrt_lex_peek(&p->lex, &t))) return st;
+        bool fits = t->kind == LC_PBRT_STRING || (d->word && t->kind == LC_PBRT_WORD);
         if (!fits && i + d->n_optional >= d->n_text) return LC_OK;
-        if ((st = lc_pbrt_lex_next(&p->lex, &t))) return st;
-        if (!fits) return expected(p, &t, s->name, d->word ? "a name" : "a quoted name");
-        s->text[i] = t.text;
-        s->text_pos[i] = t.pos;
+        lc_pbrt_lex_take(&p->lex);
+        if (!fits) return expected(p, t, s->name, d->word ? "a name" : "a quoted name");
+        s->text[i] = t->text;
+        s->text_pos[i] = t->pos;
         s->n_text = i + 1;
-        if (t.kind == LC_PBRT_WORD && !(s->text[i] = lc_arena_text(&p->arena, t.text, t.len)))
+        if (t->kind == LC_PBRT_WORD && !(s->text[i] = lc_arena_text(&p->arena, t->text, t->len)))
             return LC_ERR_MEMORY;
     }
     return st;
@@ -318,8 +317,13 @@ static lc_status unknown(lc_pbrt *p, const lc_pbrt_token *word)
 static lc_status statement(lc_pbrt *p, const lc_pbrt_token *t)
 {
     if (t->kind != LC_PBRT_WORD) return expected(p, t, "statement", "a directive");
-    for (size_t i = 0; i < sizeof directives / sizeof *directives; i++)
-        if (lc_pbrt_is_word(t, directives[i].name)) return run(p, &directives[i], t->pos);
+    const size_t n = sizeof directives / sizeof *directives;
+    /* Scenes with many lights repeat one directive. */
+    for (size_t k = 0, i = p->last_directive; k < n; k++, i = i + 1 < n ? i + 1 : 0)
+        if (*directives[i].name == *t->text && lc_pbrt_is_word(t, directives[i].name)) {
+            p->last_directive = i;
+            return run(p, &directives[i], t->pos);
+        }
     return unknown(p, t);
 }
 
@@ -328,6 +332,7 @@ static lc_status parse_all(lc_pbrt *p)
     lc_pos end = { 0 };
     while (p->lex.depth) {
         lc_pbrt_token t;
+        lc_pbrt_lex_forget(&p->lex);
         lc_status st = lc_pbrt_lex_next(&p->lex, &t);
         if (st) return st;
         if (t.kind == LC_PBRT_END) {

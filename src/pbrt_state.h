@@ -74,6 +74,7 @@ typedef struct lc_pbrt {
     bool v4; /* the Film's name is one of v4's */
     bool in_world, world_over;
     uint32_t n_unknown; /* unknown statements */
+    size_t last_directive; /* index of what was read last */
     lc_pbrt_options opt;
 
     lc_pbrt_attrs attrs;

@@ -37,6 +37,8 @@ void lc_scene_destroy(lc_scene *s)
     lc_free(ctx, s->meshes, s->cap_meshes, sizeof *s->meshes);
     lc_free(ctx, s->materials, s->cap_materials, sizeof *s->materials);
     lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
+    for (size_t i = 0; i < s->n_light_chunks; i++) lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
+    lc_free(ctx, s->light_chunks, s->cap_light_chunks, sizeof *s->light_chunks);
     lc_free(ctx, s->notes, s->cap_notes, sizeof *s->notes);
     lc_arena_free(&s->arena);
     lc_free(ctx, s, 1, sizeof *s);
@@ -114,6 +116,45 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *m)
     return LC_OK;
 }
 
+/* Room for the light after the last. */
+static lc_status next_light(lc_scene *s, lc_light **out)
+{
+    if (s->n_lights >= s->cap_lights && s->cap_lights < LC_LIGHT_CHUNK) {
+        lc_status st = GROW(s, lights, cap_lights, s->n_lights + 1);
+        if (st) return st;
+    }
+    *out = s->lights + s->n_lights;
+    if (s->n_lights < s->cap_lights) return LC_OK;
+    size_t chunk = (s->n_lights - s->cap_lights) / LC_LIGHT_CHUNK;
+    if (chunk == s->n_light_chunks) {
+        lc_status st = GROW(s, light_chunks, cap_light_chunks, chunk + 1);
+        if (st) return st;
+        s->light_chunks[chunk] = lc_alloc_raw(s->ctx, LC_LIGHT_CHUNK, sizeof *s->lights);
+        if (!s->light_chunks[chunk]) return LC_ERR_MEMORY;
+        s->n_light_chunks++;
+    }
+    *out = s->light_chunks[chunk] + (s->n_lights - s->cap_lights) % LC_LIGHT_CHUNK;
+    return LC_OK;
+}
+
+lc_status lc_scene_join_lights(lc_scene *s)
+{
+    if (!s->n_light_chunks) return LC_OK;
+    lc_light *all = lc_alloc_raw(s->ctx, s->n_lights, sizeof *all); /* not touched yet: no memory before the copies */
+    if (!all) return LC_ERR_MEMORY;
+    memcpy(all, s->lights, s->cap_lights * sizeof *all);
+    lc_free(s->ctx, s->lights, s->cap_lights, sizeof *all);
+    for (size_t i = 0, at = s->cap_lights; i < s->n_light_chunks; i++, at += LC_LIGHT_CHUNK) {
+        size_t n = s->n_lights - at < LC_LIGHT_CHUNK ? s->n_lights - at : LC_LIGHT_CHUNK;
+        memcpy(all + at, s->light_chunks[i], n * sizeof *all);
+        lc_free(s->ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *all);
+    }
+    s->lights = all;
+    s->cap_lights = s->n_lights;
+    s->n_light_chunks = 0;
+    return LC_OK;
+}
+
 lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
 {
     if (!is_colour(light->intensity, LC_MAX_INTENSITY))
@@ -139,10 +180,12 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
     lc_f3 i = light->intensity;
     i = lc_f3_make(i.x < LC_MIN_INTENSITY ? 0 : i.x, i.y < LC_MIN_INTENSITY ? 0 : i.y, i.z < LC_MIN_INTENSITY ? 0 : i.z);
     if (!(lc_f3_max(i) > 0)) return LC_OK; /* sheds nothing */
-    lc_status st = GROW(s, lights, cap_lights, s->n_lights + 1);
+    lc_light *to;
+    lc_status st = next_light(s, &to);
     if (st) return st;
-    s->lights[s->n_lights] = *light;
-    s->lights[s->n_lights++].intensity = i;
+    *to = *light;
+    to->intensity = i;
+    s->n_lights++;
     return LC_OK;
 }
 
@@ -217,6 +260,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     double t1 = lc_now();
     s->seconds_bvh = t1 - t0;
     st = lc_area_lights_make(s, desc->area_lights, desc->seed);
+    if (!st) st = lc_scene_join_lights(s);
     if (st) return st;
     double diag2 = scene_diag2(s);
     s->min_d2 = (float)fmax(1e-10 * diag2, LC_MIN_D2);

@@ -39,6 +39,7 @@ typedef struct lc_film_desc {
 
 #define LC_MAX_PIXELS (1u << 28)
 #define LC_MAX_SPP 65536u
+#define LC_LIGHT_CHUNK ((size_t)1 << 20) /* lights: 52 MB, which the C library gives back when freed */
 
 /* Per mesh, the cold part. */
 typedef struct lc_mesh {
@@ -66,8 +67,10 @@ struct lc_scene {
 
     lc_mesh *meshes;
     lc_material *materials;
-    lc_light *lights; /* those of the file first, then those made from emissive triangles */
-    size_t n_meshes, cap_meshes, n_materials, cap_materials, n_lights, cap_lights;
+    /* Those of the file first, then those made from emissive triangles. Lights beyond cap_lights lie in chunks of
+     * LC_LIGHT_CHUNK until commit joins all: an array that doubles would need three times the memory for a while. */
+    lc_light *lights, **light_chunks;
+    size_t n_meshes, cap_meshes, n_materials, cap_materials, n_lights, cap_lights, n_light_chunks, cap_light_chunks;
 
     lc_scene_note *notes;
     size_t n_notes, cap_notes;
@@ -94,6 +97,8 @@ lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_des
 lc_status lc_scene_set_film(lc_scene *scene, lc_pos where, const lc_film_desc *film);
 /* Something was approximated or skipped. The first of a kind is logged as a warning, all are counted. */
 lc_status lc_scene_note_at(lc_scene *scene, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
+/* Makes scene->lights hold all n_lights; commit does it. */
+lc_status lc_scene_join_lights(lc_scene *scene);
 /* Makes area lights, builds BVH and light tree. desc is complete (no zero fields). */
 lc_status lc_scene_commit(lc_scene *scene, const lc_load_desc *desc);
 

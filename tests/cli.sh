@@ -558,9 +558,22 @@ prints '^exact  *oriented  *lambert  *scalar .* ns/light'
 good 'bench bounds --json' bench bounds --runs 1 --json
 cp out bench_bounds.json
 good 'bench tree' bench tree --lights 100 --runs 1 -t 1
-prints '^ *100 oriented .* ms, .* bytes/light'
+prints '^ *100 oriented .* exact .* 1 thread .* ms, .* bytes/light'
 good 'bench tree --json' bench tree --lights 100 --runs 1 --json
 cp out bench_tree.json
+good 'bench tree --quality' bench tree --quality grid cornell --lights 50 --runs 1
+prints '^grid  *50 exact .* 1.000  *1.000$'
+prints '^cornell  *50 exact '
+good 'bench tree --quality --json' bench tree --lights 50 --runs 2 --json --quality bulbs
+prints '"scene": "bulbs", "lights": 50, "builder": "exact"'
+cp out quality_tree.json
+good 'bench tree --scaling' bench tree --scaling --lights 200 --runs 1 -o p.svg
+prints '^ *200 .*[0-9]'
+check 'the plot is SVG' grep -q '<polyline .* points="[0-9.,]*"/>' p.svg
+if command -v python3 >/dev/null 2>&1; then check 'p.svg is XML' timeout 60 python3 -c 'import xml.dom.minidom as m; m.parse("p.svg")'; fi
+good 'bench tree --scaling --json' bench tree --scaling --lights 2 --runs 1 --json
+prints '"scene": "cube", "lights": 2, "parse_seconds": '
+cp out scaling_tree.json
 good 'bench render' bench render s.pbrt --runs 1
 prints '^ratio  *[0-9]'
 prints '^recorded  100.0 % of [1-9]'
@@ -569,11 +582,11 @@ prints '"shadow_rays": 384, "camera_rays": 256,'
 cp out bench_render.json
 good 'bench render without lights' bench render dark.pbrt --runs 1
 good 'bench render without triangles' bench render void.pbrt --runs 1
-for file in bench_rays bench_bounds bench_tree bench_render; do
+for file in bench_rays bench_bounds bench_tree quality_tree scaling_tree bench_render; do
     name="$file.json"
     flat=$(tr -d ' \n' <$file.json)
     case $flat in
-    '{"version":"'*'","bench":"'"${file#bench_}"'","threads":'[0-9]*',"results":[{"'*'}]}') ok ;;
+    '{"version":"'*'","bench":"'"${file#*_}"'","threads":'[0-9]*',"results":[{"'*'}]}') ok ;;
     *) no "$name" 'not one object' ;;
     esac
     if command -v python3 >/dev/null 2>&1; then check "$name is JSON" timeout 60 python3 -m json.tool $file.json; fi
@@ -585,6 +598,13 @@ bad 'bench rays without rays' 2 '--rays is missing' bench rays --mesh square.mes
 bad 'bench rays without mesh' 2 '--mesh is missing' bench rays --rays four.rays.bin
 bad 'bench render without scene' 2 'one scene' bench render
 bad 'bench tree with an argument' 2 'no argument' bench tree s.pbrt
+bad 'bench tree --quality of no scene' 2 "no generated scene 'cuba'; did you mean 'cube'" bench tree --quality cuba
+bad 'bench tree --quality --scaling' 2 'not both' bench tree --quality --scaling
+bad 'bench tree -o without --scaling' 2 'plot of --scaling' bench tree -o p.svg
+name='bench tree --scaling into no folder'
+run bench tree --scaling --lights 2 --runs 1 -o none/p.svg
+[ $rc -eq 1 ] && ok || no "$name" "status $rc, not 1"
+says "none/p.svg.*No such file"
 bad 'bench --runs 0' 2 "bad value '0' for option --runs" bench bounds --runs 0
 bad 'bench --isa mmx' 2 "bad value 'mmx' for option --isa" bench bounds --isa mmx
 bad 'bench render of a missing scene' 3 'none.pbrt' bench render none.pbrt

@@ -5,6 +5,7 @@
 
 #include "light.h"
 #include "lightcuts.h"
+#include "scene_gen.h"
 
 #include <stdbool.h>
 
@@ -18,6 +19,10 @@ typedef struct bench_options {
     lc_isa isa;                      /* a cap */
     bool one_isa;                    /* only that, not every one up to it */
     bool json;
+    bool quality, scaling;           /* of light trees */
+    const gen_scene *scenes[GEN_N_SCENES]; /* for --quality; none: all */
+    uint32_t n_scenes;
+    const char *outfile;             /* of the plot; NULL: none */
     lc_load_desc load;
     lc_render_desc render;
 } bench_options;
@@ -25,7 +30,9 @@ typedef struct bench_options {
 /* Each prints its figures to stdout and returns the exit status. */
 int bench_bounds(const bench_options *o);
 int bench_rays(const bench_options *o);
-int bench_tree(const bench_options *o);
+int bench_tree(const bench_options *o); /* calls one of the next two when o says so */
+int bench_quality(const bench_options *o);
+int bench_scaling(const bench_options *o);
 int bench_render(const bench_options *o);
 
 /* Seconds of repeated runs, sorted in place. spread: half the distance between the quartiles. */
@@ -39,6 +46,17 @@ float bench_unit(uint64_t a, uint64_t b);
 /* Light i of a hall of 10 x 10 above the point (5, 0, 5), intensity 1. */
 lc_light bench_light(lc_light_kind kind, uint64_t i);
 const char *bench_kind_name(lc_light_kind kind);
+
+/* The builders of light trees, the exact one first. */
+typedef struct bench_builder {
+    const char *name;
+} bench_builder;
+#define BENCH_N_BUILDERS 1
+extern const bench_builder bench_builders[BENCH_N_BUILDERS];
+
+/* A generated scene, loaded without a file. max_pixels 0: the film as it is. */
+lc_status bench_load(lc_context *ctx, const gen_scene *scene, uint64_t n_lights, uint64_t max_pixels, const bench_builder *builder,
+                     const lc_load_desc *load, lc_scene **out);
 
 /* {"version", "bench", "threads", "results": [ ... ]}: opens it; bench_json_next before each result; closes it. */
 void bench_json_begin(const char *bench, uint32_t n_threads);

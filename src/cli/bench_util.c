@@ -28,6 +28,8 @@ lc_light bench_light(lc_light_kind kind, uint64_t i)
     return l;
 }
 
+const bench_builder bench_builders[BENCH_N_BUILDERS] = { { "exact" } };
+
 const char *bench_kind_name(lc_light_kind kind)
 {
     static const char *const names[LC_LIGHT_KINDS] = { "point", "oriented", "directional" };

@@ -6,7 +6,7 @@
 
 enum { BOUNDS = 1, RAYS = 2, TREE = 4, RENDER = 8, ALL = 15 };
 enum { OPT_MESH = 256, OPT_RAYS, OPT_ISA, OPT_LIGHTS, OPT_RUNS, OPT_JSON, OPT_METHOD, OPT_ERROR, OPT_MAX_CUT, OPT_FLOOR, OPT_REPS,
-       OPT_PIXELS };
+       OPT_PIXELS, OPT_QUALITY, OPT_SCALING };
 
 static const struct {
     const char *name;
@@ -23,6 +23,9 @@ static const struct {
     { { "mesh", 1, 0, OPT_MESH }, RAYS },
     { { "rays", 1, 0, OPT_RAYS }, RAYS },
     { { "lights", 1, 0, OPT_LIGHTS }, TREE },
+    { { "quality", 0, 0, OPT_QUALITY }, TREE },
+    { { "scaling", 0, 0, OPT_SCALING }, TREE },
+    { { "outfile", 1, 0, 'o' }, TREE },
     { { "method", 1, 0, OPT_METHOD }, RENDER },
     { { "error-ratio", 1, 0, OPT_ERROR }, RENDER },
     { { "max-cut", 1, 0, OPT_MAX_CUT }, RENDER },
@@ -40,7 +43,7 @@ static const struct {
 static const char help[] =
     "usage: lightcuts bench bounds [options]\n"
     "       lightcuts bench rays [options] [--mesh M.mesh.bin --rays R.rays.bin]\n"
-    "       lightcuts bench tree [options]\n"
+    "       lightcuts bench tree [options] [--quality [SCENE...] | --scaling [-o PLOT.svg]]\n"
     "       lightcuts bench render [options] SCENE.pbrt\n"
     "\n"
     "Times parts of the renderer on this machine and prints medians; what else the machine does meanwhile counts too.\n"
@@ -49,16 +52,22 @@ static const char help[] =
     "         blocks), for every instruction set; a tree of 4096 lights, one thread\n"
     "rays     build of the BVH and shadow rays a second; without files for meshes made up here and every instruction set.\n"
     "         quiet: each 16384 rays count with the shortest time they ever took\n"
-    "tree     build of the light tree and its bytes a light\n"
+    "tree     build of the light tree and its bytes a light, by one thread and by all; instead of that, on generated scenes:\n"
+    "         --quality: build, bytes, cuts, measured error and cost at equal error of each builder\n"
+    "         --scaling: time of a 256x256 crop of `cube` with 10^3 to 10^7 lights, the picture as bright as ever\n"
     "render   seconds of a render divided by the seconds its shadow and camera rays take alone: `ratio`\n"
     "\n"
-    "      --runs N         repetitions, 1 to 1001; default 15 (bounds), 5 (rays, tree), 3 (render)\n"
+    "      --runs N         repetitions, 1 to 1001; default 15 (bounds), 5 (rays, tree), 3 (render and the rest)\n"
     "      --json           print one JSON object: version, bench, threads, results\n"
     "      --isa I          bounds, rays, render: scalar, sse4, avx2 or avx512 only (also, as the best: LC_ISA)\n"
     "  -t, --nthreads N     rays, tree, render: default all processors this process may use\n"
     "      --mesh FILE      rays: the mesh\n"
     "      --rays FILE      rays: the segments, in groups of one origin\n"
-    "      --lights N       tree: this number of lights, not 1000, 10000 and 100000\n"
+    "      --lights N       tree: this number of lights, not 1000, 10000 and 100000; --quality: not 10000 and 100000;\n"
+    "                       --scaling: at most so many\n"
+    "      --quality        tree: of these generated scenes, or of all; --runs: seeds\n"
+    "      --scaling        tree: see above; minutes, and some GB of memory at 10^7\n"
+    "  -o, --outfile FILE   tree --scaling: plot it as SVG\n"
     "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --pixelbounds x0,x1,y0,y1\n"
     "                       render: as of `lightcuts render`\n"
     "  -h, --help           this text\n"
@@ -75,6 +84,9 @@ static int set_option(bench_options *o, int c)
     case OPT_LIGHTS: return cli_parse_u32(optarg, 2, 20000000, &o->n_lights);
     case OPT_RUNS: return cli_parse_u32(optarg, 1, BENCH_MAX_RUNS, &o->n_runs);
     case OPT_JSON: o->json = true; return 0;
+    case OPT_QUALITY: o->quality = true; return 0;
+    case OPT_SCALING: o->scaling = true; return 0;
+    case 'o': o->outfile = optarg; return !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
     case OPT_ERROR: return cli_parse_single(optarg, 0, 1e6, &o->render.error_ratio);
     case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
@@ -100,10 +112,38 @@ static int find_bench(const char *word)
     return -1;
 }
 
+/* The generated scenes for --quality. */
+static int find_scenes(bench_options *o, int n, char **args)
+{
+    const char *names[GEN_N_SCENES + 1] = { NULL };
+    for (int i = 0; i < GEN_N_SCENES; i++) names[i] = gen_scenes[i].name;
+    for (int k = 0; k < n; k++) {
+        int i = 0;
+        while (i < GEN_N_SCENES && strcmp(args[k], names[i])) i++;
+        if (i == GEN_N_SCENES || k == GEN_N_SCENES) {
+            const char *near = cli_nearest(args[k], names);
+            cli_usage_error("bench", "there is no generated scene '%s'%s%s%s", args[k], near ? "; did you mean '" : "",
+                            near ? near : "", near ? "'?" : "");
+            return CLI_USAGE;
+        }
+        o->scenes[o->n_scenes++] = &gen_scenes[i];
+    }
+    return CLI_OK;
+}
+
 /* What the bench wants besides options. */
 static int check_arguments(bench_options *o, int which, int n, char **args)
 {
     int bit = benches[which].bit, want = bit == RENDER;
+    if (o->quality && o->scaling) {
+        cli_usage_error("bench", "give --quality or --scaling, not both");
+        return CLI_USAGE;
+    }
+    if (o->outfile && !o->scaling) {
+        cli_usage_error("bench", "-o is for the plot of --scaling");
+        return CLI_USAGE;
+    }
+    if (o->quality) return find_scenes(o, n, args);
     if (n != want) {
         cli_usage_error("bench", "%s wants %s, got %d", benches[which].name, want ? "one scene" : "no argument but options", n);
         return CLI_USAGE;
@@ -125,7 +165,7 @@ static int parse_options(int argc, char **argv, int which, bench_options *o)
         if (all_options[i].benches & bit) table[n++] = all_options[i].option;
     table[n] = (struct option){ 0 };
     optind = 1, opterr = 0;
-    while ((c = getopt_long(argc, argv, bit == BOUNDS ? ":h" : ":t:h", table, &index)) != -1) {
+    while ((c = getopt_long(argc, argv, bit == BOUNDS ? ":h" : bit == TREE ? ":t:o:h" : ":t:h", table, &index)) != -1) {
         if (c == 'h') {
             fputs(help, stdout);
             return -1;

@@ -8,33 +8,16 @@
 
 #define MAX_LIGHTS 20000000u
 
-typedef struct scene_entry {
-    const char *name, *about;
-    uint64_t n_lights;
-    void (*generate)(gen *g);
-} scene_entry;
-
-static const scene_entry scenes[] = {
-    { "cornell", "Cornell box of 32 triangles, oriented lights on its lamp, 800x800", 10000,
-      gen_scene_cornell },
-    { "stairs", "staircase in a hall, lamps and a window, 800x600", 10000, gen_scene_stairs },
-    { "room", "furnished living room, lamps and a window, 800x600", 12000, gen_scene_room },
-    { "grid", "square grid of point lights over a wooden floor, 640x480", 100, gen_scene_grid },
-    { "cube", "point lights at random in a cube of side 100, 640x480", 1000, gen_scene_cube },
-    { "bulbs", "courtyard hung with strings of bulbs, 800x600", 5000, gen_scene_bulbs },
-};
-#define N_SCENES (sizeof scenes / sizeof scenes[0])
-
 typedef struct scene_args {
-    const scene_entry *scene;
+    const gen_scene *scene;
     const char *outfile;     /* NULL: stdout */
     uint64_t n_lights, seed; /* no lights: the scene's default */
 } scene_args;
 
 static void list_scenes(FILE *f)
 {
-    for (size_t i = 0; i < N_SCENES; i++)
-        fprintf(f, "  %-8s %s (%" PRIu64 " lights)\n", scenes[i].name, scenes[i].about, scenes[i].n_lights);
+    for (size_t i = 0; i < GEN_N_SCENES; i++)
+        fprintf(f, "  %-8s %s (%" PRIu64 " lights)\n", gen_scenes[i].name, gen_scenes[i].about, gen_scenes[i].n_lights);
 }
 
 static int print_help(void)
@@ -52,12 +35,12 @@ static int print_help(void)
     return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK : CLI_FAILED;
 }
 
-static int find_scene(const char *name, const scene_entry **out)
+static int find_scene(const char *name, const gen_scene **out)
 {
-    const char *names[N_SCENES + 1] = { NULL };
-    for (size_t i = 0; i < N_SCENES; i++) {
-        names[i] = scenes[i].name;
-        if (strcmp(scenes[i].name, name) == 0) *out = &scenes[i];
+    const char *names[GEN_N_SCENES + 1] = { NULL };
+    for (size_t i = 0; i < GEN_N_SCENES; i++) {
+        names[i] = gen_scenes[i].name;
+        if (strcmp(gen_scenes[i].name, name) == 0) *out = &gen_scenes[i];
     }
     if (*out) return CLI_OK;
     const char *near = cli_nearest(name, names);
@@ -105,10 +88,7 @@ static int parse_args(int argc, char **argv, scene_args *args)
 static void generate(FILE *f, void *user)
 {
     const scene_args *args = user;
-    gen g;
-    gen_begin(&g, f, args->n_lights ? args->n_lights : args->scene->n_lights, args->seed);
-    args->scene->generate(&g);
-    gen_end(&g);
+    gen_write(args->scene, f, args->n_lights, args->seed, 0);
 }
 
 int cmd_scene(int argc, char **argv)

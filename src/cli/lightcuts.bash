@@ -17,6 +17,7 @@ _lightcuts()
     case $command:$previous in
     help:help) COMPREPLY=($(compgen -W "${commands% help}" -- "$word")); return ;;
     scene:scene) COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs' -- "$word")); return ;;
+    bench:--quality) COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs' -- "$word")); return ;;
     bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render' -- "$word")); return ;;
     render:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word")); return ;;
     render:--isa | bench:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
@@ -54,8 +55,8 @@ _lightcuts()
         scene) options='--lights --seed --outfile --help' ;;
         info) options='--json --help' ;;
         preview) options='--outfile --exposure --false-colour --range --help' ;;
-        bench) options='--mesh --rays --lights --method --error-ratio --max-cut --dark-floor --representatives --pixelbounds
-            --nthreads --isa --runs --json --help' ;;
+        bench) options='--mesh --rays --lights --quality --scaling --outfile --method --error-ratio --max-cut --dark-floor
+            --representatives --pixelbounds --nthreads --isa --runs --json --help' ;;
         *) options= ;;
         esac
         ((COMP_CWORD == 1)) && options="$options --version"
@@ -70,7 +71,7 @@ _lightcuts()
     scene | help) return ;;
     esac
     case $previous in
-    -o | --outfile) extensions='exr|png' ;;
+    -o | --outfile) [[ $command == bench ]] && extensions=svg || extensions='exr|png' ;;
     --stats-file) extensions='json' ;;
     --mesh) extensions='mesh\.bin' ;;
     --rays) extensions='rays\.bin' ;;

@@ -106,18 +106,27 @@ void gen_pop(gen *g)
 
 /* ---- text ---- */
 
-/* A coordinate, to 1e-5, never as -0. */
-static void put_number(gen *g, double x)
+/* " %.7g" of a coordinate, rounded to 1e-5, never as -0. Its last zero is returned. From 1e-4 to 100 that is the whole
+ * number of hundred-thousandths with a point in it, which is written here without the C library: most of a scene's text. */
+static char *put_number(char *p, double x)
 {
-    double r = floor(x * 1e5 + 0.5) / 1e5;
-    fprintf(g->file, " %.7g", r == 0 ? 0.0 : r);
+    double n = floor(x * 1e5 + 0.5), a = n < 0 ? -n : n;
+    *p++ = ' ';
+    if (!(a >= 10 && a < 1e7)) return p + snprintf(p, 24, "%.7g", n == 0 ? 0.0 : n / 1e5);
+    uint32_t whole = (uint32_t)a / 100000, part = (uint32_t)a % 100000;
+    if (n < 0) *p++ = '-';
+    if (whole >= 10) *p++ = (char)('0' + whole / 10);
+    *p++ = (char)('0' + whole % 10);
+    if (part) *p++ = '.';
+    for (uint32_t unit = 10000; part; part %= unit, unit /= 10) *p++ = (char)('0' + part / unit);
+    *p = 0;
+    return p;
 }
 
-static void put_vector(gen *g, gen_v3 p)
+void gen_put_vector(gen *g, gen_v3 v)
 {
-    put_number(g, p.x);
-    put_number(g, p.y);
-    put_number(g, p.z);
+    char text[96], *end = put_number(put_number(put_number(text, v.x), v.y), v.z);
+    fwrite(text, 1, (size_t)(end - text), g->file);
 }
 
 static void put_vectors(gen *g, const char *name, const gen_v3 *v, uint32_t n)
@@ -125,7 +134,7 @@ static void put_vectors(gen *g, const char *name, const gen_v3 *v, uint32_t n)
     fprintf(g->file, "  \"%s\" [", name);
     for (uint32_t i = 0; i < n; i++) {
         if (i && i % 4 == 0) fputs("\n   ", g->file);
-        put_vector(g, v[i]);
+        gen_put_vector(g, v[i]);
     }
     fputs(" ]\n", g->file);
 }
@@ -198,27 +207,31 @@ void gen_begin(gen *g, FILE *file, uint64_t n_lights, uint64_t seed)
     g->file = file;
     g->seed = seed;
     g->n_lights = n_lights;
+    g->max_pixels = 0;
     g->depth = 0;
     g->stack[0] = world;
     g->smooth = 0;
+    g->intensity_text[0] = 0;
     g->n_vertices = 0;
     g->n_triangles = 0;
 }
 
 void gen_header(gen *g, const gen_view *view)
 {
+    double all = (double)view->width * view->height, most = (double)g->max_pixels;
+    double shrink = most > 0 && most < all ? sqrt(most / all) : 1;
     fprintf(g->file, "# lightcuts scene %s --lights %" PRIu64 " --seed %" PRIu64 "\n", view->name,
             g->n_lights, g->seed);
     fputs("LookAt", g->file);
-    put_vector(g, view->eye);
+    gen_put_vector(g, view->eye);
     fputs(" ", g->file);
-    put_vector(g, view->target);
+    gen_put_vector(g, view->target);
     fputs("  0 1 0\n", g->file);
     fprintf(g->file, "Camera \"perspective\" \"float fov\" %.7g\n", view->fov);
     fprintf(
         g->file,
         "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d \"string filename\" \"%s.exr\"\n",
-        view->width, view->height, view->name);
+        (int)ceil(view->width * shrink), (int)ceil(view->height * shrink), view->name);
     fputs("Sampler \"independent\" \"integer pixelsamples\" 1\nWorldBegin\n", g->file);
 }
 

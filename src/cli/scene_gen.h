@@ -50,12 +50,15 @@ typedef struct gen_frame {
 typedef struct gen {
     FILE *file; /* errors stick to it; the caller asks ferror once */
     uint64_t seed, n_lights;
+    uint64_t max_pixels; /* of the film, which is made smaller if need be; 0: as it is */
     gen_frame stack[GEN_MAX_DEPTH];
     int depth;  /* stack[depth] is current */
     int smooth; /* the buffered triangles have vertex normals of their own */
     uint32_t n_vertices, n_triangles;
     gen_v3 p[GEN_MAX_VERTICES], n[GEN_MAX_VERTICES]; /* world space */
     uint32_t index[GEN_MAX_TRIANGLES][3];
+    gen_v3 intensity; /* of the light written last, and its text */
+    char intensity_text[96];
 } gen;
 
 /* ---- scene_emit.c ---- */
@@ -76,6 +79,8 @@ void gen_flush(gen *g); /* writes the buffered triangles as one shape */
 void gen_need(gen *g, uint32_t n_vertices, uint32_t n_triangles, int smooth);
 uint32_t gen_vertex(gen *g, gen_v3 p, gen_v3 n); /* local space; returns its index */
 void gen_triangle(gen *g, uint32_t a, uint32_t b, uint32_t c);
+
+void gen_put_vector(gen *g, gen_v3 v); /* three coordinates, a space before each */
 
 void gen_diffuse(gen *g, double r, double green, double b);
 void gen_phong(gen *g, gen_v3 kd, double ks, double exponent);
@@ -125,6 +130,8 @@ typedef struct gen_emitter {
     double share;   /* of the flux and so of the lights; any scale */
 } gen_emitter;
 
+/* One light: oriented along dir, a point light without. W/sr. */
+void gen_light(gen *g, gen_v3 p, const gen_v3 *dir, gen_v3 intensity);
 /* n_lights lights of equal flux, flux W in all whatever n_lights is. */
 void gen_lights(gen *g, const gen_emitter *emitters, int n_emitters, double flux, gen_v3 colour);
 /* Shape shared by the wires' lights and their geometry. */
@@ -138,6 +145,20 @@ void gen_scene_room(gen *g);
 void gen_scene_grid(gen *g);
 void gen_scene_cube(gen *g);
 void gen_scene_bulbs(gen *g);
+
+/* ---- scene_list.c ---- */
+
+typedef struct gen_scene {
+    const char *name, *about;
+    uint64_t n_lights; /* unless told */
+    void (*generate)(gen *g);
+} gen_scene;
+
+#define GEN_N_SCENES 6
+extern const gen_scene gen_scenes[GEN_N_SCENES];
+
+/* The whole text. n_lights 0: the scene's own number; max_pixels 0: the scene's own film. */
+void gen_write(const gen_scene *scene, FILE *file, uint64_t n_lights, uint64_t seed, uint64_t max_pixels);
 
 /* ---- scene_furniture.c: local frame, standing on y = 0, facing -z; the caller sets no material ---- */
 

@@ -10,19 +10,22 @@
 
 #define PI 3.14159265358979323846
 
-static void put_light(gen *g, gen_v3 p, const gen_v3 *dir, gen_v3 intensity)
+void gen_light(gen *g, gen_v3 p, const gen_v3 *dir, gen_v3 intensity)
 {
-    const char *kind = dir ? "oriented" : "point", *place = dir ? "position" : "from";
-    double r = 1e5;
-    gen_v3 q = gen_v(floor(p.x * r + 0.5) / r, floor(p.y * r + 0.5) / r, floor(p.z * r + 0.5) / r);
-    fprintf(g->file, "LightSource \"%s\" \"point3 %s\" [ %.7g %.7g %.7g ]", kind, place, q.x + 0.0, q.y + 0.0,
-            q.z + 0.0);
-    if (dir) {
-        gen_v3 d =
-            gen_v(floor(dir->x * r + 0.5) / r, floor(dir->y * r + 0.5) / r, floor(dir->z * r + 0.5) / r);
-        fprintf(g->file, " \"vector3 direction\" [ %.7g %.7g %.7g ]", d.x + 0.0, d.y + 0.0, d.z + 0.0);
+    const gen_v3 last = g->intensity;
+    /* Most lights differ in their place alone. */
+    if (!*g->intensity_text || intensity.x != last.x || intensity.y != last.y || intensity.z != last.z) {
+        g->intensity = intensity;
+        snprintf(g->intensity_text, sizeof g->intensity_text, " ] \"rgb I\" [ %.7g %.7g %.7g ]\n", intensity.x, intensity.y,
+                 intensity.z);
     }
-    fprintf(g->file, " \"rgb I\" [ %.7g %.7g %.7g ]\n", intensity.x, intensity.y, intensity.z);
+    fputs(dir ? "LightSource \"oriented\" \"point3 position\" [" : "LightSource \"point\" \"point3 from\" [", g->file);
+    gen_put_vector(g, p);
+    if (dir) {
+        fputs(" ] \"vector3 direction\" [", g->file);
+        gen_put_vector(g, *dir);
+    }
+    fputs(g->intensity_text, g->file);
 }
 
 /* Light k of n on the lamp: jittered rows over a panel. */
@@ -63,12 +66,12 @@ static void lamp_light(gen *g, const gen_emitter *e, uint64_t k, uint64_t n, uin
     switch (e->kind) {
     case GEN_PANEL:
         dir = gen_unit(gen_cross(e->u, e->v));
-        put_light(g, panel_point(e, k, n, xi, eta), &dir, gen_mul(flux, 1 / PI));
+        gen_light(g, panel_point(e, k, n, xi, eta), &dir, gen_mul(flux, 1 / PI));
         break;
-    case GEN_BULB: put_light(g, bulb_point(g, e, id), NULL, gen_mul(flux, 1 / (4 * PI))); break;
+    case GEN_BULB: gen_light(g, bulb_point(g, e, id), NULL, gen_mul(flux, 1 / (4 * PI))); break;
     case GEN_WIRE:
         xi = 0.5 + 0.3 * (xi - 0.5);
-        put_light(g, gen_wire_point(e, ((double)k + xi) / (double)n), NULL, gen_mul(flux, 1 / (4 * PI)));
+        gen_light(g, gen_wire_point(e, ((double)k + xi) / (double)n), NULL, gen_mul(flux, 1 / (4 * PI)));
         break;
     }
 }

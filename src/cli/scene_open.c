@@ -6,15 +6,6 @@
 
 #define FOUR_PI 12.56637061435917295385
 
-static void put_point(gen *g, gen_v3 p, double intensity)
-{
-    const double r = 1e5;
-    fprintf(g->file,
-            "LightSource \"point\" \"point3 from\" [ %.7g %.7g %.7g ] \"rgb I\" [ %.7g %.7g %.7g ]\n",
-            floor(p.x * r + 0.5) / r + 0.0, floor(p.y * r + 0.5) / r + 0.0, floor(p.z * r + 0.5) / r + 0.0,
-            intensity, intensity, intensity);
-}
-
 /* ---- grid ---- */
 
 #define GRID_SIDE 10.0
@@ -66,10 +57,11 @@ void gen_scene_grid(gen *g)
     gen_planks(g, area, 0.5, gen_v(0.5, 0.33, 0.19));
     grid_objects(g);
     gen_flush(g);
-    double step = GRID_SIDE / (double)side, intensity = 1600 / (FOUR_PI * (double)g->n_lights);
+    double step = GRID_SIDE / (double)side, i_one = 1600 / (FOUR_PI * (double)g->n_lights);
+    gen_v3 intensity = gen_v(i_one, i_one, i_one);
     for (uint64_t i = 0; i < g->n_lights; i++) {
         double x = ((double)(i % side) + 0.5) * step, z = ((double)(i / side) + 0.5) * step;
-        put_point(g, gen_v(x - GRID_SIDE / 2, GRID_HEIGHT, z - GRID_SIDE / 2), intensity);
+        gen_light(g, gen_v(x - GRID_SIDE / 2, GRID_HEIGHT, z - GRID_SIDE / 2), NULL, intensity);
     }
 }
 
@@ -146,6 +138,7 @@ void gen_scene_cube(gen *g)
         else gen_block(g, s->lo, s->hi);
     }
     gen_flush(g);
-    double intensity = 270000 / (FOUR_PI * (double)g->n_lights);
-    for (uint64_t i = 0; i < g->n_lights; i++) put_point(g, cube_light(g, i), intensity);
+    double i_one = 270000 / (FOUR_PI * (double)g->n_lights);
+    gen_v3 intensity = gen_v(i_one, i_one, i_one);
+    for (uint64_t i = 0; i < g->n_lights; i++) gen_light(g, cube_light(g, i), NULL, intensity);
 }
