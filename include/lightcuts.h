@@ -73,13 +73,19 @@ LC_API uint32_t lc_context_threads(const lc_context *ctx);
 
 /* ---- scene ---- */
 
+/* How light trees are built. EXACT: always the two clusters nearest to each other are joined, O(n log n) with a large
+ * constant. PLOC: nearest among neighbours in space, in parallel. AUTO: exact up to some size, which is the same on every
+ * machine. The tree does not depend on the number of threads. */
+typedef enum lc_builder { LC_BUILDER_AUTO = 0, LC_BUILDER_EXACT, LC_BUILDER_PLOC } lc_builder;
+
 typedef struct lc_load_desc {
     size_t size;
     uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: 1024 */
     uint64_t seed;        /* of the light tree's representatives and of the jitter of area lights */
     uint32_t n_reps;      /* 1..32 representatives kept per cluster; 0: 1 */
+    lc_builder builder;
 } lc_load_desc;
-#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0 }
+#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO }
 
 /* One thing of the scene file that was approximated or skipped. */
 typedef struct lc_note {

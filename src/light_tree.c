@@ -7,6 +7,9 @@
 
 #include <string.h>
 
+/* Lights of one kind up to which the exact builder is the default: it takes 0.1 s then. */
+#define AUTO_EXACT 10000
+
 /* Scene indices of the lights of one kind; *out is NULL where that is all of them. */
 static lc_status index_of_kind(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_kind kind, uint32_t n, uint32_t **out)
 {
@@ -27,9 +30,10 @@ static lc_status build_kind(lc_light_tree *t, const lc_light_tree_desc *desc, lc
     lc_status st = index_of_kind(t->ctx, desc, kind, n, &index);
     if (st) return st;
     lc_build_input in = { desc->lights, index, n, kind, kind == LC_LIGHT_ORIENTED ? desc->diag2 : 0 };
+    bool exact = desc->builder == LC_BUILDER_EXACT || (desc->builder == LC_BUILDER_AUTO && n <= AUTO_EXACT);
     lc_build_pair *pairs = lc_alloc_raw(t->ctx, n, sizeof *pairs);
     st = pairs ? LC_OK : LC_ERR_MEMORY;
-    if (!st && n > 1) st = lc_agglomerate(t->ctx, &in, pairs);
+    if (!st && n > 1) st = (exact ? lc_agglomerate : lc_ploc)(t->ctx, &in, pairs);
     if (!st) st = lc_tree_fill(t, &in, pairs, desc->seed);
     lc_free(t->ctx, pairs, n, sizeof *pairs);
     if (index) lc_free(t->ctx, index, n, sizeof *index);

@@ -36,6 +36,7 @@ typedef struct lc_light_tree_desc {
     double diag2;    /* squared diagonal of the scene: c^2 of the metric for oriented lights */
     uint64_t seed;   /* of representatives */
     uint32_t n_reps; /* 1..LC_MAX_REPS */
+    lc_builder builder;
 } lc_light_tree_desc;
 
 lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_tree **out);

@@ -266,7 +266,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     s->min_d2 = (float)fmax(1e-10 * diag2, LC_MIN_D2);
     double t2 = lc_now();
     s->seconds_lights = t2 - t1;
-    lc_light_tree_desc tree_desc = { s->lights, s->n_lights, diag2, desc->seed, desc->n_reps };
+    lc_light_tree_desc tree_desc = { s->lights, s->n_lights, diag2, desc->seed, desc->n_reps, desc->builder };
     st = lc_light_tree_build(s->ctx, &tree_desc, &s->tree);
     s->seconds_tree = lc_now() - t2;
     return st;

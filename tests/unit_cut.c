@@ -100,7 +100,7 @@ static void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool whi
 
 static void build_tree(setup *s, uint64_t seed, uint32_t n_reps)
 {
-    lc_light_tree_desc d = { s->lights, s->n, DIAG2, seed, n_reps };
+    lc_light_tree_desc d = { s->lights, s->n, DIAG2, seed, n_reps, LC_BUILDER_AUTO };
     lc_light_tree_destroy(s->tree);
     if (lc_light_tree_build(ctx, &d, &s->tree)) abort();
     CHECK(!lc_light_tree_validate(s->tree));

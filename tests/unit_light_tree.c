@@ -39,10 +39,12 @@ static lc_light *rnd_lights(size_t n, uint32_t kinds)
 
 #define DIAG2 59.0 /* of the box of rnd_light */
 
+static lc_builder builder = LC_BUILDER_EXACT; /* of build */
+
 static lc_light_tree *build(const lc_light *lights, size_t n, uint64_t seed, uint32_t n_reps)
 {
     lc_light_tree *t;
-    lc_light_tree_desc d = { lights, n, DIAG2, seed, n_reps };
+    lc_light_tree_desc d = { lights, n, DIAG2, seed, n_reps, builder };
     if (lc_light_tree_build(ctx, &d, &t)) abort();
     return t;
 }

@@ -50,11 +50,12 @@ const char *bench_kind_name(lc_light_kind kind);
 /* The builders of light trees, the exact one first. */
 typedef struct bench_builder {
     const char *name;
+    lc_builder id;
 } bench_builder;
-#define BENCH_N_BUILDERS 1
+#define BENCH_N_BUILDERS 2
 extern const bench_builder bench_builders[BENCH_N_BUILDERS];
 
-/* A generated scene, loaded without a file. max_pixels 0: the film as it is. */
+/* A generated scene, loaded without a file. max_pixels 0: the film as it is. builder NULL: the one of *load. */
 lc_status bench_load(lc_context *ctx, const gen_scene *scene, uint64_t n_lights, uint64_t max_pixels, const bench_builder *builder,
                      const lc_load_desc *load, lc_scene **out);
 

@@ -70,7 +70,7 @@ static lc_status one_size(const bench_options *o, lc_context *ctx, uint32_t n, s
     lc_scene_info info;
     lc_render_stats stats;
     while (strcmp(cube->name, "cube")) cube++;
-    lc_status st = bench_load(ctx, cube, n, 0, &bench_builders[0], &o->load, &scene);
+    lc_status st = bench_load(ctx, cube, n, 0, NULL, &o->load, &scene);
     if (st) return st;
     lc_scene_get_info(scene, &info);
     st = render(o, ctx, scene, &stats, &z->seconds[z->count]);

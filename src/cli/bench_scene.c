@@ -52,7 +52,7 @@ lc_status bench_load(lc_context *ctx, const gen_scene *scene, uint64_t n_lights,
     lc_load_desc d = *load;
     int fd = -1, status = 1;
     pid_t pid;
-    (void)builder; /* there is one so far; the descriptor has no field for it */
+    if (builder) d.builder = builder->id;
     *out = NULL;
     if (start_writer(&t, &fd, &pid)) {
         fprintf(stderr, "lightcuts: error: a process to make the scene: %s\n", strerror(errno));

@@ -16,7 +16,7 @@ static lc_status measure(const bench_options *o, const lc_context *ctx, const be
     lc_status st = lights ? LC_OK : LC_ERR_MEMORY;
     for (uint64_t i = 0; i < n && !st; i++) lights[i] = bench_light(kind, i);
     for (uint32_t r = 0; r < n_runs && !st; r++) {
-        lc_light_tree_desc desc = { lights, n, 300, 0, 1 };
+        lc_light_tree_desc desc = { lights, n, 300, 0, 1, builder->id };
         lc_light_tree *tree;
         double t0 = lc_now();
         st = lc_light_tree_build(ctx, &desc, &tree);
@@ -49,7 +49,8 @@ static lc_status build_times(const bench_options *o, const lc_context *ctx, bool
     for (uint64_t n = from; n <= to; n *= 10)
         for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
             for (int b = 0; b < BENCH_N_BUILDERS && !st; b++)
-                st = measure(o, ctx, &bench_builders[b], (lc_light_kind)kind, (uint32_t)n, first);
+                if (!o->load.builder || o->load.builder == bench_builders[b].id)
+                    st = measure(o, ctx, &bench_builders[b], (lc_light_kind)kind, (uint32_t)n, first);
     return st;
 }
 

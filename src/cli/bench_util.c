@@ -28,7 +28,7 @@ lc_light bench_light(lc_light_kind kind, uint64_t i)
     return l;
 }
 
-const bench_builder bench_builders[BENCH_N_BUILDERS] = { { "exact" } };
+const bench_builder bench_builders[BENCH_N_BUILDERS] = { { "exact", LC_BUILDER_EXACT }, { "ploc", LC_BUILDER_PLOC } };
 
 const char *bench_kind_name(lc_light_kind kind)
 {

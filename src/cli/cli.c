@@ -125,6 +125,18 @@ const char *cli_method_name(lc_method m)
     return m == LC_METHOD_EXACT ? "exact" : m == LC_METHOD_CUTS ? "cuts" : "lightcuts";
 }
 
+static const char *const builder_names[] = { "auto", "exact", "ploc" };
+
+int cli_parse_builder(const char *text, lc_builder *out)
+{
+    for (int b = LC_BUILDER_AUTO; b <= LC_BUILDER_PLOC; b++)
+        if (!strcmp(text, builder_names[b])) {
+            *out = (lc_builder)b;
+            return 0;
+        }
+    return -1;
+}
+
 int cli_parse_isa(const char *text, lc_isa *out)
 {
     for (int isa = LC_ISA_SCALAR; isa <= LC_ISA_AVX512; isa++)

@@ -40,6 +40,7 @@ int cli_parse_single(const char *text, double lo, double hi, float *out);
 /* x0,x1,y0,y1: whole numbers from 0 to 65535. */
 int cli_parse_pixels(const char *text, int32_t out[4]);
 /* "lightcuts", "exact" */
+int cli_parse_builder(const char *text, lc_builder *out);
 int cli_parse_method(const char *text, lc_method *out);
 const char *cli_method_name(lc_method m);
 /* "scalar", "sse4", "avx2", "avx512" */

@@ -6,7 +6,7 @@
 
 enum { BOUNDS = 1, RAYS = 2, TREE = 4, RENDER = 8, ALL = 15 };
 enum { OPT_MESH = 256, OPT_RAYS, OPT_ISA, OPT_LIGHTS, OPT_RUNS, OPT_JSON, OPT_METHOD, OPT_ERROR, OPT_MAX_CUT, OPT_FLOOR, OPT_REPS,
-       OPT_PIXELS, OPT_QUALITY, OPT_SCALING };
+       OPT_PIXELS, OPT_BUILDER, OPT_QUALITY, OPT_SCALING };
 
 static const struct {
     const char *name;
@@ -30,6 +30,7 @@ static const struct {
     { { "error-ratio", 1, 0, OPT_ERROR }, RENDER },
     { { "max-cut", 1, 0, OPT_MAX_CUT }, RENDER },
     { { "dark-floor", 1, 0, OPT_FLOOR }, RENDER },
+    { { "builder", 1, 0, OPT_BUILDER }, TREE | RENDER },
     { { "representatives", 1, 0, OPT_REPS }, RENDER },
     { { "pixelbounds", 1, 0, OPT_PIXELS }, RENDER },
     { { "nthreads", 1, 0, 't' }, RAYS | TREE | RENDER },
@@ -91,6 +92,7 @@ static int set_option(bench_options *o, int c)
     case OPT_ERROR: return cli_parse_single(optarg, 0, 1e6, &o->render.error_ratio);
     case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
     case OPT_FLOOR: return cli_parse_single(optarg, 0, 1e6, &o->render.dark_floor);
+    case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_REPS: return cli_parse_u32(optarg, 1, 32, &o->load.n_reps);
     case OPT_PIXELS: return cli_parse_pixels(optarg, o->render.crop);
     case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);

@@ -28,7 +28,7 @@ typedef struct {
 } options;
 
 enum { OPT_METHOD = 256, OPT_ERROR, OPT_MAX_CUT, OPT_REPS, OPT_MAXDEPTH, OPT_AREA, OPT_SEED, OPT_SPP, OPT_ISA,
-       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME };
+       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME, OPT_BUILDER };
 
 static const struct option long_options[] = {
     { "outfile", 1, 0, 'o' }, { "method", 1, 0, OPT_METHOD }, { "error-ratio", 1, 0, OPT_ERROR },
@@ -37,7 +37,7 @@ static const struct option long_options[] = {
     { "seed", 1, 0, OPT_SEED }, { "spp", 1, 0, OPT_SPP }, { "isa", 1, 0, OPT_ISA },
     { "pixelbounds", 1, 0, OPT_PIXELS }, { "cropwindow", 1, 0, OPT_CROP }, { "aov", 1, 0, OPT_AOV },
     { "stats-file", 1, 0, OPT_STATS_FILE }, { "stats", 0, 0, OPT_STATS }, { "write-time", 0, 0, OPT_TIME },
-    { "quiet", 0, 0, 'q' }, { "verbose", 0, 0, 'v' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 },
+    { "builder", 1, 0, OPT_BUILDER }, { "quiet", 0, 0, 'q' }, { "verbose", 0, 0, 'v' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 },
 };
 
 static void print_help(void)
@@ -49,6 +49,7 @@ static void print_help(void)
            "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
            "      --dark-floor F       errors are measured against at least F times the picture's mean, default %g\n"
            "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 1\n"
+           "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many lights\n"
            "      --maxdepth N         bounces; this version renders direct light only (1)\n"
            "      --area-lights N      lights made from emissive surfaces, default 1024\n"
            "      --seed N             of sampling, of area lights and of the tree's representatives, default 0\n"
@@ -94,6 +95,7 @@ static int set_option(options *o, int c)
     case OPT_ERROR: return cli_parse_single(optarg, 0, 1e6, &o->render.error_ratio);
     case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
     case OPT_FLOOR: return cli_parse_single(optarg, 0, 1e6, &o->render.dark_floor);
+    case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_REPS: return cli_parse_u32(optarg, 1, 32, &o->load.n_reps);
     case OPT_MAXDEPTH:
         if (cli_parse_u32(optarg, 1, 1000000, &depth)) return -1;

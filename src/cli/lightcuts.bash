@@ -20,6 +20,7 @@ _lightcuts()
     bench:--quality) COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs' -- "$word")); return ;;
     bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render' -- "$word")); return ;;
     render:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word")); return ;;
+    render:--builder | bench:--builder) COMPREPLY=($(compgen -W 'auto exact ploc' -- "$word")); return ;;
     render:--isa | bench:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
     render:--aov)
         # A list with commas: complete its last part.
@@ -48,7 +49,7 @@ _lightcuts()
 
     if [[ $word == -* ]]; then
         case $command in
-        render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives --maxdepth --area-lights
+        render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives --builder --maxdepth --area-lights
             --seed --spp --pixelbounds --cropwindow --aov --nthreads --isa --stats --stats-file --write-time --quiet
             --verbose --help' ;;
         compare) options='--over --fail --outfile --scale --map --json --help' ;;
@@ -56,7 +57,7 @@ _lightcuts()
         info) options='--json --help' ;;
         preview) options='--outfile --exposure --false-colour --range --help' ;;
         bench) options='--mesh --rays --lights --quality --scaling --outfile --method --error-ratio --max-cut --dark-floor
-            --representatives --pixelbounds --nthreads --isa --runs --json --help' ;;
+            --representatives --builder --pixelbounds --nthreads --isa --runs --json --help' ;;
         *) options= ;;
         esac
         ((COMP_CWORD == 1)) && options="$options --version"
