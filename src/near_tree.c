@@ -262,8 +262,7 @@ void lc_near_merge(lc_near_tree *t, uint32_t a, uint32_t b, uint32_t id)
         if (cone > least) cone = least;
         if (cone < -1) cone = -1;
         t->cos_cone[to] = cone;
-        float f = (float)cone;
-        n->max_cos[x] = (double)f < cone ? nextafterf(f, 2) : f;
+        n->max_cos[x] = nextafterf((float)cone, 2); /* not below cone */
         n->lights[x] = 0;
     }
     t->id[to] = id, t->id[from] = LC_NONE;

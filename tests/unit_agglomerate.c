@@ -281,7 +281,7 @@ TEST(equals_naive_agglomeration)
 
 TEST(threads_change_nothing)
 {
-    uint32_t n = 12000, threads = ctx->n_threads;
+    uint32_t n = 9000, threads = ctx->n_threads;
     for (int st = 0; st < STYLES; st++) {
         lc_build_pair *pairs[3];
         lc_light *l = make_set((style)st, LC_LIGHT_ORIENTED, n);
