@@ -147,7 +147,7 @@ static uint32_t LC_FN(inside)(const lc_tri_block *b, const rays *s, uint32_t i)
 }
 
 /* Rays of `mask` that some triangle of the block stops. */
-static inline uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uint64_t mask)
+LC_INLINE uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uint64_t mask)
 {
     const vf8 zero = vf8_set(0);
     uint64_t stopped = 0;
