@@ -124,18 +124,28 @@ static void make_group(group *g, int style, lc_f3 c, float r)
     }
 }
 
-/* Rays first .. first + n - 1; false if anything else is written. */
-static bool trace(lc_isa isa, const lc_bvh *b, const group *g, uint32_t first, uint32_t n, uint8_t *out)
+/* false if anything but the answers is written. */
+static bool trace_data(lc_isa isa, const lc_bvh_data *data, const group *g, uint32_t first, uint32_t n, uint8_t *out)
 {
     uint8_t got[MOST + LC_LANES + GUARD];
     const float *const target[3] = { g->target[0] + first, g->target[1] + first, g->target[2] + first };
     memset(got, 77, sizeof got);
-    lc_kernels_get(isa)->hidden(&b->data, g->org, n, target, g->far, got);
+    lc_kernels_get(isa)->hidden(data, g->org, n, target, g->far, got);
     memcpy(out, got, n);
     bool ok = true;
     for (uint32_t i = 0; i < n; i++) ok &= got[i] <= 1;
     for (uint32_t i = (n + LC_LANES - 1) / LC_LANES * LC_LANES; i < sizeof got; i++) ok &= got[i] == 77;
     return ok;
+}
+
+/* Rays first .. first + n - 1. False if anything else is written, or if they fare otherwise in turns, as in a tree that is
+ * too large for the caches. */
+static bool trace(lc_isa isa, const lc_bvh *b, const group *g, uint32_t first, uint32_t n, uint8_t *out)
+{
+    uint8_t in_turns[MOST];
+    lc_bvh_data large = b->data;
+    large.n_blocks = LC_BVH_LEAF;
+    return trace_data(isa, &b->data, g, first, n, out) && trace_data(isa, &large, g, first, n, in_turns) && !memcmp(out, in_turns, n);
 }
 
 static void say(const char *what, lc_isa isa, int mesh_style, const group *g, uint32_t i, int got, int want)
