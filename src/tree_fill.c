@@ -21,6 +21,7 @@
 #define TREELET_PAIRS 7
 #define MIN_JOB 1024u
 #define MAX_JOB 65536u
+#define AHEAD 16 /* entries for whose lights the memory is asked */
 
 /* A cluster of a batch. build: its number in the builder's output. */
 typedef struct {
@@ -190,10 +191,24 @@ static void fill_node(const filler *f, batch *b, uint32_t at)
     choose_reps(f, b, at, child, link);
 }
 
+/* Lights lie anywhere in the scene: asks the memory for those of an entry. */
+static void prefetch_lights(const filler *f, const entry *e)
+{
+    for (int i = 0; i < 2 && e->done; i++) {
+        uint32_t child = f->pairs[e->build - f->in->n].child[i];
+        if (child >= f->in->n) continue;
+        const lc_light *light = &f->in->lights[scene_index(f, child)];
+        __builtin_prefetch(light);
+        __builtin_prefetch(&light->kind);
+    }
+}
+
 static void fill_all(const filler *f, batch *b)
 {
-    for (size_t i = b->n; i-- > 0;)
+    for (size_t i = b->n; i-- > 0;) {
+        if (i >= AHEAD) prefetch_lights(f, &b->entries[i - AHEAD]);
         if (b->entries[i].done) fill_node(f, b, (uint32_t)i);
+    }
 }
 
 static void run_job(void *user, uint32_t thread, uint64_t item)
