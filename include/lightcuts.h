@@ -134,7 +134,8 @@ LC_API lc_status lc_image_set_number(lc_image *image, const char *name, double v
 /* world_to_camera is row-major, 16 floats, column vectors: p_camera = M p_world. */
 LC_API lc_status lc_image_set_matrix(lc_image *image, const char *name, const float m[16]);
 
-/* Reads .exr (scanline or tiled, any single-part float, half or uint channels) or .png (8, 16 bit; to linear RGB). */
+/* Reads OpenEXR (scanline or tiled, any single-part float, half or uint channels), PNG and TGA (as sRGB, to linear RGB),
+ * PFM and Radiance HDR; by content, whatever the name. */
 LC_API lc_status lc_image_read(lc_context *ctx, const char *path, lc_image **out);
 /* Writes by extension: .exr (all channels; half when there are only R G B, else float) or .png (R G B, sRGB, with
  * the highlight shoulder of image_png.c). The name holds a complete file or what it held before. */

@@ -125,6 +125,14 @@ static int info_scene(lc_context *ctx, const char *path, bool json)
     return CLI_OK;
 }
 
+static bool is_image(const char *path)
+{
+    static const char *const extensions[] = { ".exr", ".png", ".tga", ".pfm", ".hdr" };
+    for (size_t i = 0; i < sizeof extensions / sizeof *extensions; i++)
+        if (cli_has_extension(path, extensions[i])) return true;
+    return false;
+}
+
 int cmd_info(int argc, char **argv)
 {
     static const struct option options[] = { { "json", 0, 0, 'j' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 } };
@@ -135,8 +143,8 @@ int cmd_info(int argc, char **argv)
         if (c == 'j') {
             json = true;
         } else if (c == 'h') {
-            printf("usage: lightcuts info [--json] SCENE.pbrt|IMAGE.exr|IMAGE.png\n\n"
-                   "Prints what is in a scene (counts, bounds, what was approximated or ignored) or an image.\n");
+            printf("usage: lightcuts info [--json] SCENE.pbrt|IMAGE\n\n"
+                   "Prints what is in a scene (counts, bounds, what was approximated or ignored) or an image\n(.exr .png .tga .pfm .hdr).\n");
             return CLI_OK;
         } else {
             cli_bad_option("info", c, argv, options);
@@ -150,8 +158,7 @@ int cmd_info(int argc, char **argv)
     lc_context *ctx = cli_context(0, LC_ISA_BEST, -1);
     if (!ctx) return CLI_FAILED;
     const char *path = argv[optind];
-    bool image = cli_has_extension(path, ".exr") || cli_has_extension(path, ".png");
-    int status = image ? info_image(ctx, path, json) : info_scene(ctx, path, json);
+    int status = is_image(path) ? info_image(ctx, path, json) : info_scene(ctx, path, json);
     lc_context_destroy(ctx);
     return status;
 }
