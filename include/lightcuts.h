@@ -92,6 +92,7 @@ typedef struct lc_scene_info {
     uint64_t n_triangles, n_vertices, n_meshes, n_materials;
     uint64_t n_lights, n_point, n_oriented, n_directional;
     uint64_t n_emissive_triangles;
+    uint64_t n_textures, n_images, image_bytes; /* images of textures, with their smaller copies */
     float bounds_lo[3], bounds_hi[3]; /* world space, of the triangles; lo > hi when there are none */
     uint32_t width, height;           /* film, before any crop */
     uint32_t crop[4];                 /* x0, x1, y0, y1, half open, pixels */
@@ -107,6 +108,8 @@ typedef struct lc_scene_info {
 LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);
 LC_API void lc_scene_destroy(lc_scene *scene);
 LC_API void lc_scene_get_info(const lc_scene *scene, lc_scene_info *info);
+/* Textures of one class. idx counts classes from 0, also those the scene has none of; LC_ERR_ARG beyond the last. */
+LC_API lc_status lc_scene_get_texture_class(const lc_scene *scene, uint32_t idx, const char **name, uint64_t *count);
 LC_API lc_status lc_scene_get_note(const lc_scene *scene, uint32_t idx, lc_note *note);
 
 /* ---- images ---- */

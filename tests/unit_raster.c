@@ -104,14 +104,15 @@ static bool codes(const uint8_t *want, size_t n) { return !memcmp(r.data, want, 
 static void damage_everywhere(uint64_t seed)
 {
     size_t len = file.len;
+    lc_raster got;
     uint8_t *whole = malloc(len);
     memcpy(whole, file.data, len);
     for (size_t n = 0; n <= len; n++) {
         lc_bytes part = { ctx, malloc(n ? n : 1), n, n };
         memcpy(part.data, whole, n);
-        bool ok = lc_raster_decode(ctx, "t", &part, &r) == LC_OK;
+        bool ok = lc_raster_decode(ctx, "t", &part, &got) == LC_OK;
         CHECKF(ok == (n == len), "prefix of %zu of %zu bytes", n, len);
-        lc_raster_free(ctx, &r);
+        lc_raster_free(ctx, &got);
         free(part.data);
     }
     for (uint64_t i = 0; i < 3000; i++) {
@@ -122,9 +123,9 @@ static void damage_everywhere(uint64_t seed)
             size_t at = (size_t)(h >> 8) % (k == 2 && len > 64 ? 64 : len);
             ((uint8_t *)copy.data)[at] = (uint8_t)(i & 1 ? h : ((uint8_t *)copy.data)[at] ^ (1u << (h & 7)));
         }
-        lc_status st = lc_raster_decode(ctx, "t", &copy, &r);
-        CHECK(st == LC_OK ? r.data != NULL : r.data == NULL);
-        lc_raster_free(ctx, &r);
+        lc_status st = lc_raster_decode(ctx, "t", &copy, &got);
+        CHECK(st == LC_OK ? got.data != NULL : got.data == NULL);
+        lc_raster_free(ctx, &got);
         free(copy.data);
     }
     free(whole);
