@@ -1,7 +1,8 @@
 /* ply.h - PLY meshes: ASCII, binary little and big endian.
  *
- * Read are x y z, nx ny nz and u v (also s t, texture_u texture_v, texture_s texture_t) of `vertex` and vertex_indices (or vertex_index) of `face`; any other element or
- * property is skipped. Faces of more than three corners become fans, so they should be convex.
+ * Read are x y z, nx ny nz and u v (also s t, texture_u texture_v, texture_s texture_t) of `vertex` and
+ * vertex_indices (or vertex_index) of `face`; any other element or property is skipped. Faces of more than
+ * three corners become fans, so they should be convex.
  */
 #ifndef LC_PLY_H
 #define LC_PLY_H

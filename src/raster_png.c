@@ -272,6 +272,7 @@ static lc_status convert(png *p)
 lc_status lc_png_decode(lc_context *ctx, const char *path, const lc_bytes *file, lc_raster *out)
 {
     *out = (lc_raster){ 0 };
+    if (!lc_png_is(file->data, file->len)) return lc_raster_damaged(ctx, path, "PNG", 0, "no signature");
     png *p = lc_alloc(ctx, 1, sizeof *p);
     if (!p) return LC_ERR_MEMORY;
     p->ctx = ctx;

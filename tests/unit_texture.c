@@ -86,11 +86,12 @@ TEST(levels_keep_the_mean)
     for (size_t k = 0; k < 14; k++) {
         bool codes = k >= 7;
         lc_raster r = make_raster(sizes[k % 7][0], sizes[k % 7][1], 1, codes ? LC_RASTER_U8 : LC_RASTER_F32);
+        const lc_encoding linear = { LC_ENCODING_LINEAR, 1 };
         lc_mipmap m;
-        CHECK(!lc_mipmap_build(ctx, &r, (lc_encoding){ LC_ENCODING_LINEAR, 1 }, &m));
+        CHECK(!lc_mipmap_build(ctx, &r, linear, &m));
         double want = 0;
         for (uint32_t i = 0; i < r.width * r.height; i++)
-            want += plain_texel(&r, (lc_encoding){ LC_ENCODING_LINEAR, 1 }, i % r.width, i / r.width, LC_WRAP_CLAMP, 0) / (r.width * r.height);
+            want += plain_texel(&r, linear, i % r.width, i / r.width, LC_WRAP_CLAMP, 0) / (r.width * r.height);
         CHECK(m.levels[m.n_levels - 1].width == 1 && m.levels[m.n_levels - 1].height == 1);
         double got[3];
         lc_mipmap_mean(&m, got);
