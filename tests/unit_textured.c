@@ -228,9 +228,68 @@ TEST(picture)
     lc_image_destroy(image);
 }
 
+/* ---- memory ---- */
+
+static int alloc_left;
+
+static void *failing_alloc(void *user, size_t size, size_t align)
+{
+    (void)user;
+    if (alloc_left-- <= 0) return NULL;
+    return aligned_alloc(align, (size + align - 1) / align * align);
+}
+
+static void failing_free(void *user, void *ptr, size_t size)
+{
+    (void)user, (void)size;
+    free(ptr);
+}
+
+/* An image of each format, coordinates, a graph: whichever allocation fails, the load says so and leaves nothing behind. */
+TEST(every_allocation_may_fail)
+{
+    static const char hdr[] = "#?RADIANCE\n\n-Y 1 +X 1\nabc\x80", pfm[] = "Pf 1 1 -1\n\0\0\x80\x3f";
+    lc_image *image;
+    lc_image_desc size = LC_IMAGE_DESC_INIT;
+    size.width = size.height = 3;
+    CHECK(lc_image_create(ctx, &size, &image) == LC_OK);
+    for (int c = 0; c < 3; c++) CHECK(lc_image_add_channel(image, c == 0 ? "R" : c == 1 ? "G" : "B", NULL) == LC_OK);
+    CHECK(lc_image_write(image, in_dir("m.png")) == LC_OK && lc_image_write(image, in_dir("m.exr")) == LC_OK);
+    lc_image_destroy(image);
+    write_tga("a.tga");
+    write_file("m.hdr", hdr, sizeof hdr - 1);
+    write_file("m.pfm", pfm, sizeof pfm - 1);
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\"\n"
+                      "Texture \"u\" \"float\" \"imagemap\" \"string filename\" \"m.png\"\n"
+                      "Texture \"v\" \"spectrum\" \"imagemap\" \"string filename\" \"m.hdr\"\n"
+                      "Texture \"w\" \"spectrum\" \"imagemap\" \"string filename\" \"m.pfm\"\n"
+                      "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"m.exr\"\n"
+                      "Texture \"y\" \"spectrum\" \"mix\" \"texture tex1\" \"t\" \"texture amount\" \"u\"\n" MATTE QUAD UV4
+               "ObjectBegin \"o\"\n" QUAD UV4 "ObjectEnd\nObjectInstance \"o\"\nShape \"disk\"\n") == LC_OK);
+    CHECK(scene->textures.n_images == 5);
+    lc_allocator allocator = { failing_alloc, failing_free, NULL };
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    desc.allocator = &allocator;
+    desc.n_threads = 1;
+    alloc_left = 1 << 20;
+    lc_context *small = NULL;
+    CHECK(lc_context_create(&desc, &small) == LC_OK);
+    lc_status st = LC_ERR_MEMORY;
+    int n = 0;
+    for (; n < 2000 && st != LC_OK; n++) {
+        lc_scene *s;
+        alloc_left = n;
+        st = lc_scene_load(small, in_dir("s.pbrt"), NULL, &s);
+        CHECKF(st == LC_OK || st == LC_ERR_MEMORY, "status %d after %d", st, n);
+        lc_scene_destroy(s);
+    }
+    CHECK(st == LC_OK && n > 50);
+    lc_context_destroy(small);
+}
+
 int main(void)
 {
-    static const char *const files[] = { "a.tga", "s.pbrt", "j.jpg", "cut.tga", "m.ply" };
+    static const char *const files[] = { "a.tga", "s.pbrt", "j.jpg", "cut.tga", "m.ply", "m.png", "m.exr", "m.hdr", "m.pfm" };
     lc_context_desc desc = LC_CONTEXT_DESC_INIT;
     desc.log = keep_log;
     desc.n_threads = 1;
@@ -243,6 +302,7 @@ int main(void)
     RUN(values_of_materials);
     RUN(coordinates_of_shapes);
     RUN(picture);
+    RUN(every_allocation_may_fail);
     lc_scene_destroy(scene);
     lc_context_destroy(ctx);
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) unlink(in_dir(files[i]));
