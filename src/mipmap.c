@@ -16,16 +16,28 @@ static double decode(lc_encoding e, double v)
     return e.kind == LC_ENCODING_LINEAR ? v : (double)lc_pow01((float)v, e.gamma);
 }
 
-/* The code whose linear value is nearest. */
-static uint8_t encode(const lc_mipmap *m, double v)
+/* The code of a linear value: the one whose own is nearest. */
+#define GUESSES 1024
+typedef struct encoder {
+    double above[255];            /* values above it have a larger code */
+    uint8_t guess[GUESSES + 1];   /* code of i / GUESSES */
+} encoder;
+
+static uint8_t encode(const encoder *e, double v)
 {
-    uint32_t lo = 0, hi = 255;
-    while (lo < hi) {
-        uint32_t mid = (lo + hi) / 2;
-        if (v > 0.5 * ((double)m->table[mid] + (double)m->table[mid + 1])) lo = mid + 1;
-        else hi = mid;
+    uint32_t code = e->guess[(uint32_t)(fmin(fmax(v, 0), 1) * GUESSES)];
+    while (code < 255 && v > e->above[code]) code++;
+    return (uint8_t)code;
+}
+
+static void make_encoder(const float *table, encoder *e)
+{
+    uint32_t code = 0;
+    for (int i = 0; i < 255; i++) e->above[i] = 0.5 * ((double)table[i] + (double)table[i + 1]);
+    for (int i = 0; i <= GUESSES; i++) {
+        while (code < 255 && (double)i / GUESSES > e->above[code]) code++;
+        e->guess[i] = (uint8_t)code;
     }
-    return (uint8_t)lo;
 }
 
 static double get(const lc_mipmap *m, size_t sample)
@@ -82,22 +94,24 @@ static span span_of(uint32_t i, uint32_t n, uint32_t n_next)
     return s;
 }
 
-static void shrink(lc_mipmap *m, const lc_mip_level *from, const lc_mip_level *to)
+/* columns: room for to->width. */
+static void shrink(lc_mipmap *m, const lc_mip_level *from, const lc_mip_level *to, const encoder *e, span *columns)
 {
+    for (uint32_t x = 0; x < to->width; x++) columns[x] = span_of(x, from->width, to->width);
     for (uint32_t y = 0; y < to->height; y++) {
         span sy = span_of(y, from->height, to->height);
         for (uint32_t x = 0; x < to->width; x++) {
-            span sx = span_of(x, from->width, to->width);
+            const span *sx = &columns[x];
+            size_t at = (to->first + (size_t)y * to->width + x) * m->n_channels;
             for (uint32_t c = 0; c < m->n_channels; c++) {
                 double sum = 0;
                 for (uint32_t j = 0; j < sy.n; j++)
-                    for (uint32_t i = 0; i < sx.n; i++) {
-                        size_t texel = from->first + (size_t)(sy.first + j) * from->width + sx.first + i;
-                        sum += sy.share[j] * sx.share[i] * get(m, texel * m->n_channels + c);
+                    for (uint32_t i = 0; i < sx->n; i++) {
+                        size_t texel = from->first + (size_t)(sy.first + j) * from->width + sx->first + i;
+                        sum += sy.share[j] * sx->share[i] * get(m, texel * m->n_channels + c);
                     }
-                size_t at = (to->first + (size_t)y * to->width + x) * m->n_channels + c;
-                if (m->is_codes) ((uint8_t *)m->texels)[at] = encode(m, sum);
-                else ((float *)m->texels)[at] = (float)fmin(fmax(sum, -(double)FLT_MAX), (double)FLT_MAX);
+                if (m->is_codes) ((uint8_t *)m->texels)[at + c] = encode(e, sum);
+                else ((float *)m->texels)[at + c] = (float)fmin(fmax(sum, -(double)FLT_MAX), (double)FLT_MAX);
             }
         }
     }
@@ -109,8 +123,13 @@ lc_status lc_mipmap_build(const lc_context *ctx, const lc_raster *r, lc_encoding
     for (int i = 0; i < 256; i++) m->table[i] = (float)decode(encoding, i / 255.0);
     lay_out(m, r->width, r->height);
     m->texels = lc_alloc_raw(ctx, m->n_texels, m->n_channels * (m->is_codes ? sizeof(uint8_t) : sizeof(float)));
-    lc_status st = m->texels ? fill_first(ctx, r, encoding, m) : LC_ERR_MEMORY;
-    for (uint32_t k = 0; k + 1 < m->n_levels && !st; k++) shrink(m, &m->levels[k], &m->levels[k + 1]);
+    size_t n_columns = ((size_t)r->width + 1) / 2;
+    span *columns = lc_alloc(ctx, n_columns, sizeof *columns);
+    lc_status st = m->texels && columns ? fill_first(ctx, r, encoding, m) : LC_ERR_MEMORY;
+    encoder e;
+    make_encoder(m->table, &e);
+    for (uint32_t k = 0; k + 1 < m->n_levels && !st; k++) shrink(m, &m->levels[k], &m->levels[k + 1], &e, columns);
+    lc_free(ctx, columns, n_columns, sizeof *columns);
     if (st) lc_mipmap_free(ctx, m);
     return st;
 }
