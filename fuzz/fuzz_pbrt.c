@@ -10,6 +10,21 @@ static void require(bool cond)
     if (!cond) abort();
 }
 
+/* Textures give numbers, if any, at points of any size. */
+static void look_at_textures(const lc_scene *scene)
+{
+    static const lc_tex_point points[] = { { { 0, 0, 0 }, { 0, 0 }, 0, 0, 0 },
+                                           { { 1.5, -2.5, 1e4 }, { 0.3, -7 }, 1, 2, 0.1 },
+                                           { { 1e30, -1e30, 3 }, { 1e30, -1e30 }, 1e30, 0, 1e6 } };
+    for (size_t i = 0; i < scene->textures.n && i < 200; i++)
+        for (size_t k = 0; k < 3; k++) {
+            double out[3];
+            lc_texture_eval(&scene->textures, (uint32_t)i, &points[k], out);
+            for (int c = 0; c < 3; c++) require(isfinite(scene->textures.items[i].mean[c]));
+        }
+    for (size_t i = 0; i < scene->n_verts * 2 && scene->uv; i++) require(isfinite(scene->uv[i]));
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     lc_context_desc desc = LC_CONTEXT_DESC_INIT;
@@ -24,6 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         for (size_t i = 0; i < scene->n_verts * 3; i++) require(isfinite(scene->pos[i]));
         for (size_t i = 0; i < scene->n_meshes; i++)
             require(scene->meshes[i].material_id < scene->n_materials);
+        look_at_textures(scene);
         for (size_t i = 0; i < scene->n_lights; i++) require(lc_f3_finite(scene->lights[i].intensity));
     }
     lc_scene_destroy(scene);

@@ -98,6 +98,7 @@ typedef struct lc_scene_info {
     uint64_t n_triangles, n_vertices, n_meshes, n_materials;
     uint64_t n_lights, n_point, n_oriented, n_directional;
     uint64_t n_emissive_triangles;
+    uint64_t n_textures, n_images, image_bytes; /* images of textures, with their smaller copies */
     float bounds_lo[3], bounds_hi[3]; /* world space, of the triangles; lo > hi when there are none */
     uint32_t width, height;           /* film, before any crop */
     uint32_t crop[4];                 /* x0, x1, y0, y1, half open, pixels */
@@ -113,6 +114,8 @@ typedef struct lc_scene_info {
 LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);
 LC_API void lc_scene_destroy(lc_scene *scene);
 LC_API void lc_scene_get_info(const lc_scene *scene, lc_scene_info *info);
+/* Textures of one class. idx counts classes from 0, also those the scene has none of; LC_ERR_ARG beyond the last. */
+LC_API lc_status lc_scene_get_texture_class(const lc_scene *scene, uint32_t idx, const char **name, uint64_t *count);
 LC_API lc_status lc_scene_get_note(const lc_scene *scene, uint32_t idx, lc_note *note);
 
 /* ---- images ---- */
@@ -140,7 +143,8 @@ LC_API lc_status lc_image_set_number(lc_image *image, const char *name, double v
 /* world_to_camera is row-major, 16 floats, column vectors: p_camera = M p_world. */
 LC_API lc_status lc_image_set_matrix(lc_image *image, const char *name, const float m[16]);
 
-/* Reads .exr (scanline or tiled, any single-part float, half or uint channels) or .png (8, 16 bit; to linear RGB). */
+/* Reads OpenEXR (scanline or tiled, any single-part float, half or uint channels), PNG and TGA (as sRGB, to linear RGB),
+ * PFM and Radiance HDR; by content, whatever the name. */
 LC_API lc_status lc_image_read(lc_context *ctx, const char *path, lc_image **out);
 /* Writes by extension: .exr (all channels; half when there are only R G B, else float) or .png (R G B, sRGB, with
  * the highlight shoulder of image_png.c). The name holds a complete file or what it held before. */

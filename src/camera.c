@@ -47,6 +47,9 @@ bool lc_camera_init(lc_camera *cam, const lc_camera_desc *desc, uint32_t width, 
     }
     if (!(l2 > 0)) return false;
     for (int i = 0; i < 3; i++) cam->axis[i] = inv[i * 4 + 2] / sqrt(l2);
+    double dx2 = 0, dy2 = 0;
+    for (int i = 0; i < 3; i++) dx2 += cam->dx[i] * cam->dx[i], dy2 += cam->dy[i] * cam->dy[i];
+    cam->pixel = sqrt(sqrt(dx2) * sqrt(dy2) / l2);
     for (int i = 0; i < 16; i++) cam->world_to_camera[i] = (float)desc->world_to_camera[i];
     return true;
 }

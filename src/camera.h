@@ -15,6 +15,7 @@ typedef struct lc_camera {
     double origin[3];
     double dir0[3], dx[3], dy[3]; /* world direction through film point (x, y) in pixels: dir0 + x dx + y dy */
     double axis[3];               /* unit, the viewing direction */
+    double pixel;                 /* side of a pixel at distance 1 along the axis */
     float world_to_camera[16];
 } lc_camera;
 

@@ -43,12 +43,12 @@ struct lc_image {
     size_t n_attrs, cap_attrs;
 };
 
-/* From a file's bytes; `path` is for messages. image_exr.c, image_png.c. */
+/* From and to a file's bytes; `path` is for messages. image_exr.c, image_png.c; raster.h has the other formats. */
 bool lc_exr_is(const uint8_t *head, size_t len);
 lc_status lc_exr_decode(lc_context *ctx, const char *path, const lc_bytes *file, lc_image **out);
 lc_status lc_exr_encode(const lc_image *image, const char *path, lc_bytes *file);
 bool lc_png_is(const uint8_t *head, size_t len);
-lc_status lc_png_decode(lc_context *ctx, const char *path, const lc_bytes *file, lc_image **out);
+uint8_t lc_png_paeth(uint8_t left, uint8_t up, uint8_t corner); /* filter 4's guess [PNG, 9.4] */
 lc_status lc_png_encode(const lc_image *image, const char *path, lc_bytes *file);
 
 #endif

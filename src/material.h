@@ -8,11 +8,17 @@
 
 #include "vec.h"
 
+/* At a point. */
 typedef struct lc_material {
     lc_f3 kd;       /* 0..1 per channel */
     lc_f3 ks;       /* 0..1 per channel */
     float exponent; /* n, 0..LC_MAX_EXPONENT */
 } lc_material;
+
+/* Textures that give the values of a material at a point, LC_NONE: the same everywhere. */
+typedef struct lc_material_maps {
+    uint32_t kd, ks, exponent;
+} lc_material_maps;
 
 #define LC_MAX_EXPONENT 1e5f
 

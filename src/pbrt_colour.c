@@ -115,27 +115,13 @@ static lc_status spectral(lc_pbrt *p, const lc_pbrt_param *par, lc_pbrt_colour_u
     return LC_OK;
 }
 
-static lc_status texture_colour(lc_pbrt *p, const char *name, lc_f3 *out, const lc_pbrt_param **found)
-{
-    const lc_pbrt_param *par = *found = lc_pbrt_find(&p->params, name, LC_PBRT_TEXTURE);
-    if (!par) return LC_OK;
-    if (par->n != 1) return lc_pbrt_bad_param(&p->params, par, "needs the name of one texture");
-    const char *texture = p->params.text[par->first];
-    uint32_t id = lc_pbrt_map_get(&p->colour_textures, texture);
-    *out = id == LC_NONE ? lc_f3_make(0.5f, 0.5f, 0.5f) : p->textures[id];
-    if (id == LC_NONE)
-        return lc_pbrt_note_name(p, par->pos, "unknown texture", texture, "no such texture; grey is used");
-    return LC_OK;
-}
-
 lc_status lc_pbrt_get_colour(lc_pbrt *p, const char *name, lc_pbrt_colour_use use, lc_f3 *out,
                              const lc_pbrt_param **found)
 {
-    const lc_pbrt_param *par = lc_pbrt_find(&p->params, name, LC_PBRT_COLOUR), *ignored;
+    const lc_pbrt_param *par = lc_pbrt_find(&p->params, name, LC_PBRT_COLOUR);
     double rgb[3];
     if (found) *found = par;
-    if (!par)
-        return use == LC_PBRT_FOR_ALBEDO ? texture_colour(p, name, out, found ? found : &ignored) : LC_OK;
+    if (!par) return LC_OK;
     if (par->is_text) {
         *out = use == LC_PBRT_FOR_ALBEDO ? lc_f3_make(0.5f, 0.5f, 0.5f) : lc_f3_make(1, 1, 1);
         return lc_pbrt_note(p, par->pos, "spectrum by name", "spectrum '%.80s' is taken as grey",

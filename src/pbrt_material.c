@@ -1,6 +1,5 @@
-/* pbrt_material.c - materials and textures. diffuse and matte are exact, and phong is ours: "rgb Kd", "rgb
- * Ks", "float exponent". Any other material is a diffuse one of a sensible colour, any other texture a
- * constant. */
+/* pbrt_material.c - materials. diffuse and matte are exact, and phong is ours: "rgb Kd", "rgb Ks", "float
+ * exponent". Any other material is a diffuse one of a sensible colour. Each of these may be a texture. */
 #include "pbrt_state.h"
 
 #include <string.h>
@@ -39,26 +38,35 @@ static const struct material *material_of(const char *name)
     return &other;
 }
 
-/* A reflectance parameter, clamped to 0..1. */
-static lc_status get_albedo(lc_pbrt *p, const char *name, lc_f3 *out)
+static lc_f3 to_colour(const double v[3])
 {
-    const lc_pbrt_param *par = NULL;
-    lc_status st = lc_pbrt_get_colour(p, name, LC_PBRT_FOR_ALBEDO, out, &par);
-    if (st || !par) return st;
-    lc_f3 c = lc_f3_make(fminf(fmaxf(out->x, 0), 1), fminf(fmaxf(out->y, 0), 1), fminf(fmaxf(out->z, 0), 1));
-    bool same =
-        c.x >= out->x && c.x <= out->x && c.y >= out->y && c.y <= out->y && c.z >= out->z && c.z <= out->z;
-    *out = c;
-    return same ? LC_OK : lc_pbrt_note(p, par->pos, "reflectance", "a reflectance outside 0..1 is clamped");
+    return lc_f3_make((float)fmin(fmax(v[0], 0), 1), (float)fmin(fmax(v[1], 0), 1), (float)fmin(fmax(v[2], 0), 1));
 }
 
-static lc_status get_phong(lc_pbrt *p, lc_material *m)
+/* A reflectance parameter, clamped to 0..1; of a texture the mean, and *map is its number. */
+static lc_status get_albedo(lc_pbrt *p, const char *name, lc_f3 *out, uint32_t *map)
 {
     const lc_pbrt_param *par;
-    double exponent = 50;
-    lc_status st = get_albedo(p, "Ks", &m->ks);
-    if (!st) st = lc_pbrt_get_float(&p->params, "exponent", &exponent, &par);
+    lc_tex_input in;
+    lc_status st = lc_pbrt_get_input(p, name, false, &in, &par);
+    if (st || !par) return st;
+    *out = to_colour(in.value);
+    *map = in.id;
+    for (int k = 0; k < 3; k++)
+        if (in.value[k] < 0 || in.value[k] > 1)
+            return lc_pbrt_note(p, par->pos, "reflectance", "a reflectance outside 0..1 is clamped");
+    return LC_OK;
+}
+
+static lc_status get_phong(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
+{
+    const lc_pbrt_param *par;
+    lc_tex_input in;
+    lc_status st = get_albedo(p, "Ks", &m->ks, &maps->ks);
+    if (!st) st = lc_pbrt_get_input(p, "exponent", true, &in, &par);
     if (st) return st;
+    double exponent = par ? in.value[0] : 50;
+    if (par) maps->exponent = in.id;
     if (exponent < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
     if (exponent > (double)LC_MAX_EXPONENT) {
         exponent = (double)LC_MAX_EXPONENT;
@@ -74,8 +82,9 @@ static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbr
 {
     const struct material *kind = material_of(name);
     lc_material m = { .kd = { kind->grey, kind->grey, kind->grey } };
-    lc_status st = kind->colour ? get_albedo(p, kind->colour, &m.kd) : LC_OK;
-    if (!st && kind->kind == PHONG) st = get_phong(p, &m);
+    lc_material_maps maps = { LC_NONE, LC_NONE, LC_NONE };
+    lc_status st = kind->colour ? get_albedo(p, kind->colour, &m.kd, &maps.kd) : LC_OK;
+    if (!st && kind->kind == PHONG) st = get_phong(p, &m, &maps);
     if (!st && kind->kind == APPROXIMATE)
         st = lc_pbrt_note_name(p, where, "material", name, "a diffuse material takes its place");
     if (!st && kind->kind == EXACT && lc_pbrt_find(&p->params, "sigma", LC_PBRT_ANY))
@@ -83,7 +92,9 @@ static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbr
     if (kind->kind == APPROXIMATE || kind->kind == INVISIBLE) lc_pbrt_mark_all(&p->params);
     p->owner = name;
     out->invisible = kind->kind == INVISIBLE;
-    return st ? st : lc_scene_add_material(p->scene, &m, &out->id);
+    if (!st) st = lc_scene_add_material(p->scene, &m, &out->id);
+    if (!st) lc_scene_map_material(p->scene, out->id, &maps);
+    return st;
 }
 
 static void use(lc_pbrt *p, const lc_pbrt_material *m)
@@ -141,81 +152,5 @@ lc_status lc_pbrt_current_material(lc_pbrt *p, uint32_t *id)
     if (black) m.kd = lc_f3_make(0, 0, 0);
     lc_status st = *shared == LC_NONE ? lc_scene_add_material(p->scene, &m, shared) : LC_OK;
     *id = *shared;
-    return st;
-}
-
-/* ---- textures ---- */
-
-/* One input of a texture: colour, number or the name of another texture. */
-static lc_status get_input(lc_pbrt *p, const char *name, bool is_float, lc_f3 *out)
-{
-    double v;
-    const lc_pbrt_param *par;
-    if (!is_float) return lc_pbrt_get_colour(p, name, LC_PBRT_FOR_ALBEDO, out, NULL);
-    lc_status st = lc_pbrt_get_float(&p->params, name, &v, &par);
-    if (!st && par) *out = lc_f3_make((float)v, (float)v, (float)v);
-    if (st || par) return st;
-    par = lc_pbrt_find(&p->params, name, LC_PBRT_TEXTURE);
-    uint32_t id =
-        par && par->n == 1 ? lc_pbrt_map_get(&p->float_textures, p->params.text[par->first]) : LC_NONE;
-    if (id != LC_NONE) *out = p->textures[id];
-    return LC_OK;
-}
-
-/* A colour texture's "scale" may be a number, also one from a float texture. */
-static lc_status get_factor(lc_pbrt *p, bool is_float, lc_f3 *out)
-{
-    lc_status st = get_input(p, "scale", true, out);
-    return st || is_float ? st : get_input(p, "scale", false, out);
-}
-
-/* Mean value of a texture of this class. */
-static lc_status mean_value(lc_pbrt *p, const char *class_name, bool is_float, lc_f3 *out)
-{
-    lc_f3 a = lc_f3_make(1, 1, 1), b = a, k = a;
-    lc_status st = LC_OK;
-    if (!strcmp(class_name, "constant")) return get_input(p, "value", is_float, out);
-    if (!strcmp(class_name, "scale") || !strcmp(class_name, "mix") || !strcmp(class_name, "checkerboard")) {
-        bool scale = !strcmp(class_name, "scale");
-        if (!strcmp(class_name, "checkerboard")) b = lc_f3_make(0, 0, 0);
-        if (!strcmp(class_name, "mix")) a = lc_f3_make(0, 0, 0);
-        st = get_input(p, "tex1", is_float, &a);
-        if (!st) st = get_input(p, "tex2", is_float, &b);
-        if (!st && scale) st = get_input(p, "tex", is_float, &a);
-        if (!st && scale) st = get_factor(p, is_float, &k);
-        *out = scale ? lc_f3_mul(lc_f3_mul(a, b), k) : lc_f3_scale(lc_f3_add(a, b), 0.5f);
-        return st;
-    }
-    *out = lc_f3_make(0.5f, 0.5f, 0.5f);
-    if (strcmp(class_name, "imagemap")) return LC_OK;
-    st = get_factor(p, true, &k);
-    *out = lc_f3_mul(*out, k);
-    return st;
-}
-
-lc_status lc_pbrt_texture(lc_pbrt *p, const lc_pbrt_stmt *s)
-{
-    bool is_float = !strcmp(s->text[1], "float");
-    if (!is_float && strcmp(s->text[1], "spectrum") && strcmp(s->text[1], "color"))
-        return lc_fail_at(p->ctx, LC_ERR_PARSE, s->text_pos[1],
-                          "texture type '%.80s' is none of float, spectrum, color", s->text[1]);
-    lc_f3 value = lc_f3_make(1, 1, 1);
-    lc_status st = mean_value(p, s->text[2], is_float, &value);
-    p->owner = s->text[2];
-    bool constant = !strcmp(s->text[2], "constant");
-    if (!constant) lc_pbrt_mark_all(&p->params);
-    /* Float textures shape nothing that is rendered, so only colours are worth a note. */
-    if (!st && !constant && !is_float)
-        st = lc_pbrt_note_name(p, s->pos, "texture", s->text[2], "a constant colour takes its place");
-    if (st) return st;
-    value = lc_f3_make(fminf(value.x, FLT_MAX), fminf(value.y, FLT_MAX), fminf(value.z, FLT_MAX));
-    if (!lc_f3_finite(value)) value = lc_f3_make(0.5f, 0.5f, 0.5f);
-    void *items = p->textures;
-    st = lc_grow(p->ctx, &items, &p->cap_textures, p->n_textures + 1, sizeof *p->textures);
-    p->textures = items;
-    if (!st)
-        st = lc_pbrt_map_put(is_float ? &p->float_textures : &p->colour_textures, &p->arena, s->text[0],
-                             (uint32_t)p->n_textures);
-    if (!st) p->textures[p->n_textures++] = value;
     return st;
 }

@@ -45,7 +45,8 @@ lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
     m.pos = keep(p, mesh->pos, (size_t)m.n_verts * 3, sizeof *m.pos);
     m.index = keep(p, mesh->index, (size_t)m.n_tris * 3, sizeof *m.index);
     if (m.normal) m.normal = keep(p, mesh->normal, (size_t)m.n_verts * 3, sizeof *m.normal);
-    if (!m.pos || !m.index || (mesh->normal && !m.normal)) return LC_ERR_MEMORY;
+    if (m.uv) m.uv = keep(p, mesh->uv, (size_t)m.n_verts * 2, sizeof *m.uv);
+    if (!m.pos || !m.index || (mesh->normal && !m.normal) || (mesh->uv && !m.uv)) return LC_ERR_MEMORY;
     void *meshes = p->object_meshes;
     lc_status st =
         lc_grow(p->ctx, &meshes, &p->cap_object_meshes, p->n_object_meshes + 1, sizeof *p->object_meshes);

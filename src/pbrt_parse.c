@@ -368,18 +368,18 @@ static void init(lc_pbrt *p, lc_scene *scene)
 static void destroy(lc_pbrt *p)
 {
     const lc_context *ctx = p->ctx;
-    lc_pbrt_map *maps[] = { &p->material_names, &p->colour_textures, &p->float_textures, &p->object_names,
-                            &p->coord_names };
+    lc_pbrt_map *maps[] = { &p->material_names, &p->colour_textures, &p->float_textures, &p->image_names,
+                            &p->object_names,   &p->coord_names };
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) lc_pbrt_map_free(maps[i], ctx);
     lc_free(ctx, p->scopes, p->cap_scopes, sizeof *p->scopes);
     lc_free(ctx, p->saved, p->cap_saved, sizeof *p->saved);
     lc_free(ctx, p->materials, p->cap_materials, sizeof *p->materials);
-    lc_free(ctx, p->textures, p->cap_textures, sizeof *p->textures);
     lc_free(ctx, p->coords, p->cap_coords, sizeof *p->coords);
     lc_free(ctx, p->objects, p->cap_objects, sizeof *p->objects);
     lc_free(ctx, p->object_meshes, p->cap_object_meshes, sizeof *p->object_meshes);
     lc_free(ctx, p->pos, p->cap_pos, sizeof *p->pos);
     lc_free(ctx, p->normal, p->cap_normal, sizeof *p->normal);
+    lc_free(ctx, p->uv, p->cap_uv, sizeof *p->uv);
     lc_free(ctx, p->index, p->cap_index, sizeof *p->index);
     lc_pbrt_params_free(&p->params);
     lc_pbrt_lex_free(&p->lex);

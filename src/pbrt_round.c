@@ -5,6 +5,7 @@
  * surface. What the faces lack in area is returned as a ratio >= 1, by which emission is raised to keep the
  * power.
  */
+#include "fmath.h"
 #include "pbrt_state.h"
 
 static const struct {
@@ -81,6 +82,15 @@ static void finish(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint32_t n_
     *area_ratio = ratio >= 1 && ratio < 4 ? ratio : 1; /* outside only by under- or overflow */
 }
 
+/* Texture coordinates of a ring: u goes around, v is the same. */
+static void put_uv(lc_pbrt *p, size_t first, uint32_t around, double v)
+{
+    for (size_t j = 0; j <= around; j++) {
+        p->uv[2 * (first + j)] = (float)((double)j / around);
+        p->uv[2 * (first + j) + 1] = (float)v;
+    }
+}
+
 static lc_status degenerate(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     return lc_pbrt_note(p, s->pos, "shape without area", "a %s without area is skipped", s->text[0]);
@@ -102,6 +112,13 @@ static uint32_t sphere_rings(double radius, double zmin, double zmax, uint32_t h
     return n;
 }
 
+/* Angle above the equator of the ring at this height. */
+static double latitude(double z, double radius)
+{
+    double c = fmin(fmax(z / radius, -1), 1);
+    return lc_atan2(c, sqrt((1 - c) * (1 + c)));
+}
+
 lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
 {
     double radius = 1, z[66];
@@ -118,6 +135,12 @@ lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, 
     uint32_t n_rings = sphere_rings(radius, zmin, zmax, segments / 2, z), row = around.n + 1;
     st = lc_pbrt_mesh_room(p, (size_t)n_rings * row, 2 * (size_t)n_rings * around.n, true);
     if (st) return st;
+    bool uv;
+    if ((st = lc_pbrt_uv_room(p, (size_t)n_rings * row, &uv))) return st;
+    if (uv) mesh->uv = p->uv;
+    for (uint32_t i = 0; i < n_rings && uv; i++)
+        put_uv(p, (size_t)i * row, around.n, (latitude(z[i], radius) - latitude(zmin, radius)) /
+                                                 (latitude(zmax, radius) - latitude(zmin, radius)));
     for (uint32_t j = 0; j < row; j++) {
         double sine, cosine;
         lc_sincos_deg(around.degrees * j / around.n, &sine, &cosine);
@@ -146,6 +169,9 @@ lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, do
     if (!(inner >= 0 && radius > inner && around.degrees > 0)) return degenerate(p, s);
     uint32_t row = around.n + 1;
     if ((st = lc_pbrt_mesh_room(p, 2 * (size_t)row, 2 * (size_t)around.n, false))) return st;
+    bool uv;
+    if ((st = lc_pbrt_uv_room(p, 2 * (size_t)row, &uv))) return st;
+    if (uv) mesh->uv = p->uv, put_uv(p, 0, around.n, 0), put_uv(p, row, around.n, 1);
     /* The outer ring first: counter-clockwise seen from +z. */
     for (uint32_t j = 0; j < row; j++) {
         double sine, cosine;

@@ -24,6 +24,35 @@ lc_status lc_pbrt_mesh_room(lc_pbrt *p, size_t n_verts, size_t n_tris, bool norm
     return st;
 }
 
+lc_status lc_pbrt_uv_room(lc_pbrt *p, size_t n_verts, bool *wanted)
+{
+    void *uv = p->uv;
+    uint32_t id;
+    lc_status st = lc_pbrt_current_material(p, &id);
+    if (st) return st;
+    *wanted = lc_scene_is_textured(p->scene, id);
+    if (*wanted) st = lc_grow(p->ctx, &uv, &p->cap_uv, n_verts * 2, sizeof *p->uv);
+    p->uv = uv;
+    return st;
+}
+
+/* v4's "point2 uv", v3's "float uv", "float st"; for textured materials only. */
+static lc_status copy_uv(lc_pbrt *p, uint32_t n_verts, lc_mesh_desc *mesh)
+{
+    const unsigned types = LC_PBRT_FLOAT | LC_PBRT_INT | LC_PBRT_PAIR;
+    const lc_pbrt_param *uv = lc_pbrt_find(&p->params, "uv", types), *st_param = lc_pbrt_find(&p->params, "st", types);
+    bool wanted = false;
+    if (!uv) uv = st_param;
+    if (!uv) return LC_OK;
+    lc_status st = lc_pbrt_uv_room(p, n_verts, &wanted);
+    if (st || !wanted) return st;
+    if (uv->n < (size_t)n_verts * 2)
+        return lc_pbrt_note(p, uv->pos, "uv", "%zu texture coordinates for %u vertices are ignored", uv->n / 2, n_verts);
+    for (size_t i = 0; i < (size_t)n_verts * 2; i++) p->uv[i] = (float)lc_pbrt_numbers(&p->params, uv)[i];
+    mesh->uv = p->uv;
+    return LC_OK;
+}
+
 static lc_status copy_indices(lc_pbrt *p, const lc_pbrt_param *par, uint32_t n_verts)
 {
     const double *v = lc_pbrt_numbers(&p->params, par);
@@ -39,7 +68,7 @@ static lc_status copy_indices(lc_pbrt *p, const lc_pbrt_param *par, uint32_t n_v
 
 static lc_status triangle_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
 {
-    static const char *const silent[] = { "uv", "st", "S", "faceIndices" };
+    static const char *const silent[] = { "S", "faceIndices" };
     const lc_pbrt_param *pos = lc_pbrt_find(&p->params, "P", LC_PBRT_TRIPLE);
     const lc_pbrt_param *normal = lc_pbrt_find(&p->params, "N", LC_PBRT_TRIPLE);
     const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);
@@ -60,6 +89,7 @@ static lc_status triangle_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *
         p->normal[i] = (float)lc_pbrt_numbers(&p->params, normal)[i];
     for (uint32_t i = 0; !index && i < 3; i++) p->index[i] = i;
     if (index && (st = copy_indices(p, index, n_verts))) return st;
+    if ((st = copy_uv(p, n_verts, mesh))) return st;
     mesh->n_verts = n_verts;
     mesh->n_tris = (uint32_t)(n_index / 3);
     mesh->pos = p->pos;
@@ -79,13 +109,19 @@ static lc_status ply_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh,
     if ((st = lc_pbrt_find_file(&p->lex, par->pos, name, &path))) return st;
     lc_ply_mesh ply;
     if ((st = lc_ply_load(p->ctx, par->pos, path, &ply))) return st;
+    bool uv_wanted;
     st = lc_pbrt_mesh_room(p, ply.n_verts, ply.n_tris, ply.normal != NULL);
+    if (!st) st = lc_pbrt_uv_room(p, ply.n_verts, &uv_wanted);
     if (!st && ply.n_small_faces)
         st = lc_pbrt_note(p, par->pos, "ply face", "faces with fewer than three corners are left out");
     if (!st) {
         size_t n_floats = (size_t)ply.n_verts * 3;
         if (ply.n_verts) memcpy(p->pos, ply.pos, n_floats * sizeof(float));
         if (ply.n_verts && ply.normal) memcpy(p->normal, ply.normal, n_floats * sizeof(float));
+        if (ply.n_verts && ply.uv && uv_wanted) {
+            memcpy(p->uv, ply.uv, (size_t)ply.n_verts * 2 * sizeof(float));
+            mesh->uv = p->uv;
+        }
         if (ply.n_tris) memcpy(p->index, ply.index, (size_t)ply.n_tris * 3 * sizeof(uint32_t));
         mesh->n_verts = ply.n_verts;
         mesh->n_tris = ply.n_tris;

@@ -83,11 +83,10 @@ typedef struct lc_pbrt {
     lc_xform *saved;
     size_t n_scopes, n_saved, cap_scopes, cap_saved;
 
-    lc_pbrt_map material_names, colour_textures, float_textures, object_names, coord_names;
+    lc_pbrt_map material_names, colour_textures, float_textures, image_names, object_names, coord_names;
     lc_pbrt_material *materials;
-    lc_f3 *textures; /* mean values */
     lc_xform *coords;
-    size_t n_materials, n_textures, n_coords, cap_materials, cap_textures, cap_coords;
+    size_t n_materials, n_coords, cap_materials, cap_coords;
     uint32_t default_material, black_material;
 
     lc_pbrt_object *objects;
@@ -96,9 +95,9 @@ typedef struct lc_pbrt {
     bool in_object; /* the last of objects is being recorded */
     uint64_t n_instanced_tris;
 
-    float *pos, *normal; /* of the mesh being made */
+    float *pos, *normal, *uv; /* of the mesh being made */
     uint32_t *index;
-    size_t cap_pos, cap_normal, cap_index;
+    size_t cap_pos, cap_normal, cap_uv, cap_index;
     uint32_t n_round; /* spheres and disks so far */
 
     bool has_cie;
@@ -139,8 +138,17 @@ lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler;
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where); /* sets the scene's film and camera */
 
 /* pbrt_material.c */
-lc_pbrt_handler lc_pbrt_do_material, lc_pbrt_make_named_material, lc_pbrt_named_material, lc_pbrt_texture;
+lc_pbrt_handler lc_pbrt_do_material, lc_pbrt_make_named_material, lc_pbrt_named_material;
 lc_status lc_pbrt_current_material(lc_pbrt *p, uint32_t *id);
+
+/* pbrt_texture.c */
+lc_pbrt_handler lc_pbrt_texture;
+/* A parameter that is a value or a texture's name. *in: 0 when it is absent, then *found is NULL; of a texture the mean is
+ * in in->value. found may be NULL. */
+lc_status lc_pbrt_get_input(lc_pbrt *p, const char *name, bool is_float, lc_tex_input *in,
+                            const lc_pbrt_param **found);
+/* pbrt_image.c: reads what imagemap needs into *t; *there is false, after a note, where there is no such image. */
+lc_status lc_pbrt_get_image(lc_pbrt *p, lc_pos where, lc_texture *t, bool *there);
 
 /* pbrt_light.c */
 lc_pbrt_handler lc_pbrt_light, lc_pbrt_area_light;
@@ -152,6 +160,8 @@ lc_pbrt_handler lc_pbrt_shape;
 lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
 lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
 lc_status lc_pbrt_mesh_room(lc_pbrt *p, size_t n_verts, size_t n_tris, bool normals);
+/* Room for p->uv where the shape's material wants them; *wanted says. */
+lc_status lc_pbrt_uv_room(lc_pbrt *p, size_t n_verts, bool *wanted);
 
 /* pbrt_object.c */
 lc_pbrt_handler lc_pbrt_object_begin, lc_pbrt_object_end, lc_pbrt_object_instance;
@@ -160,7 +170,7 @@ lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh);
 
 /* pbrt_colour.c */
 typedef enum lc_pbrt_colour_use { LC_PBRT_FOR_ALBEDO, LC_PBRT_FOR_LIGHT } lc_pbrt_colour_use;
-/* A colour parameter as linear Rec.709; for albedos also a texture's mean. *out keeps its value if absent. */
+/* A colour parameter as linear Rec.709. *out keeps its value if absent. */
 lc_status lc_pbrt_get_colour(lc_pbrt *p, const char *name, lc_pbrt_colour_use use, lc_f3 *out,
                              const lc_pbrt_param **found);
 

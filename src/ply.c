@@ -16,7 +16,7 @@
 typedef enum scalar { I8, U8, I16, U16, I32, U32, F32, F64, N_SCALARS } scalar;
 static const uint8_t scalar_size[N_SCALARS] = { 1, 1, 2, 2, 4, 4, 4, 8 };
 
-enum { ROLE_INDEX = 6, ROLE_NONE = 7 }; /* 0..5: x y z nx ny nz */
+enum { ROLE_U = 6, ROLE_INDEX = 8, ROLE_NONE = 9 }; /* 0..7: x y z nx ny nz u v */
 
 typedef struct property {
     scalar type, count_type;
@@ -44,7 +44,7 @@ typedef struct reader {
     property properties[MAX_PROPERTIES];
     uint32_t n_elements, n_properties;
     const element *vertex, *face;
-    bool has_normals;
+    bool has_normals, has_uv;
     lc_ply_mesh *mesh;
 } reader;
 
@@ -141,9 +141,10 @@ static lc_status read_element(reader *r, const words *w, size_t line)
 
 static uint8_t role_of(element_kind kind, const words *w, uint32_t i)
 {
-    static const char *const names[6] = { "x", "y", "z", "nx", "ny", "nz" };
-    for (uint8_t k = 0; kind == VERTEX && k < 6; k++)
-        if (is(w, i, names[k])) return k;
+    static const char *const names[] = { "x", "y", "z", "nx", "ny", "nz", "u", "v", "s", "t",
+                                         "texture_u", "texture_v", "texture_s", "texture_t" };
+    for (uint8_t k = 0; kind == VERTEX && k < 14; k++)
+        if (is(w, i, names[k])) return k < ROLE_U ? k : ROLE_U + k % 2;
     if (kind == FACE && (is(w, i, "vertex_indices") || is(w, i, "vertex_index"))) return ROLE_INDEX;
     return ROLE_NONE;
 }
@@ -161,7 +162,7 @@ static lc_status read_property(reader *r, const words *w, size_t line)
     if (p.type == N_SCALARS) return fail(r, (size_t)(w->at[type] - r->data), "unknown type");
     if (p.count_type >= F32)
         return fail(r, (size_t)(w->at[2] - r->data), "the count of a list needs an integer type");
-    if (p.role < 6 && list) return fail(r, line, "coordinates can't be lists");
+    if (p.role < ROLE_INDEX && list) return fail(r, line, "coordinates can't be lists");
     if (p.role == ROLE_INDEX && (!list || p.type >= F32))
         return fail(r, line, "vertex indices must be lists of integers");
     r->properties[r->n_properties++] = p;
@@ -181,6 +182,7 @@ static lc_status check_header(reader *r)
     if ((roles & 7) != 7) return fail(r, r->off - 1, "vertices without x, y and z");
     if (!index) return fail(r, r->off - 1, "faces without vertex_indices");
     r->has_normals = (roles & 56) == 56;
+    r->has_uv = (roles & 192) == 192;
     if (r->vertex->count > MAX_VERTS) return fail(r, r->off - 1, "too many vertices");
     return LC_OK;
 }
@@ -293,10 +295,12 @@ static lc_status read_vertex(reader *r, size_t row)
         const property *p = &r->properties[r->vertex->first + i];
         size_t start = r->off;
         double v;
-        bool wanted = p->role < 3 || (p->role < 6 && r->has_normals);
+        bool is_uv = p->role >= ROLE_U && p->role < ROLE_INDEX && r->has_uv;
+        bool wanted = p->role < 3 || (p->role < ROLE_U && r->has_normals) || is_uv;
         lc_status st = wanted ? next_value(r, p->type, &v) : skip_value(r, p);
         if (st) return st;
-        if (!wanted) continue;
+        if (is_uv) r->mesh->uv[2 * row + p->role - ROLE_U] = (float)fmin(fmax(v, -(double)FLT_MAX), (double)FLT_MAX);
+        if (!wanted || is_uv) continue;
         while (r->format == ASCII && is_space(r->data[start])) start++;
         if (!(fabs(v) <= (double)FLT_MAX)) return fail(r, start, "a vertex is not finite");
         (p->role < 3 ? r->mesh->pos : r->mesh->normal)[3 * row + p->role % 3] = (float)v;
@@ -361,7 +365,8 @@ static lc_status read_rows(reader *r, const element *e)
         m->n_verts = (uint32_t)e->count;
         m->pos = lc_alloc(r->ctx, (size_t)m->n_verts * 3, sizeof *m->pos);
         if (r->has_normals) m->normal = lc_alloc(r->ctx, (size_t)m->n_verts * 3, sizeof *m->normal);
-        if (!m->pos || (r->has_normals && !m->normal)) return LC_ERR_MEMORY;
+        if (r->has_uv) m->uv = lc_alloc(r->ctx, (size_t)m->n_verts * 2, sizeof *m->uv);
+        if (!m->pos || (r->has_normals && !m->normal) || (r->has_uv && !m->uv)) return LC_ERR_MEMORY;
     }
     for (size_t row = 0; row < e->count && !st; row++) {
         if (e->kind == VERTEX)
@@ -409,6 +414,7 @@ void lc_ply_free(const lc_context *ctx, lc_ply_mesh *mesh)
 {
     lc_free(ctx, mesh->pos, (size_t)mesh->n_verts * 3, sizeof *mesh->pos);
     lc_free(ctx, mesh->normal, (size_t)mesh->n_verts * 3, sizeof *mesh->normal);
+    lc_free(ctx, mesh->uv, (size_t)mesh->n_verts * 2, sizeof *mesh->uv);
     lc_free(ctx, mesh->index, mesh->cap_index, sizeof *mesh->index);
     *mesh = (lc_ply_mesh){ 0 };
 }

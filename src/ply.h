@@ -1,7 +1,8 @@
 /* ply.h - PLY meshes: ASCII, binary little and big endian.
  *
- * Read are x y z, nx ny nz of `vertex` and vertex_indices (or vertex_index) of `face`; any other element or
- * property is skipped. Faces of more than three corners become fans, so they should be convex.
+ * Read are x y z, nx ny nz and u v (also s t, texture_u texture_v, texture_s texture_t) of `vertex` and
+ * vertex_indices (or vertex_index) of `face`; any other element or property is skipped. Faces of more than
+ * three corners become fans, so they should be convex.
  */
 #ifndef LC_PLY_H
 #define LC_PLY_H
@@ -11,6 +12,7 @@
 typedef struct lc_ply_mesh {
     uint32_t n_verts, n_tris;
     float *pos, *normal; /* n_verts * 3, finite; normal may be NULL */
+    float *uv;           /* n_verts * 2 or NULL; may hold anything */
     uint32_t *index;     /* n_tris * 3, each below n_verts */
     size_t cap_index;
     uint64_t n_small_faces; /* left out: fewer than three corners */

@@ -53,6 +53,7 @@ typedef struct {
     atomic_bool cancelled;
     double *prepass; /* luminance by grid cell */
     bool exact;      /* every light at every point */
+    double pixel;    /* textures are filtered over: a length at distance 1 */
 } job;
 
 static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dimension)
@@ -64,7 +65,7 @@ static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dime
 static void shade(const job *j, worker *w, const lc_surface *s, lc_f3 view, uint64_t hash, lc_cut_result *out)
 {
     lc_point p;
-    lc_point_init(&p, s->pos, s->n, view, s->material, j->scene->min_d2);
+    lc_point_init(&p, s->pos, s->n, view, &s->material, j->scene->min_d2);
     if (j->exact) {
         lc_exact_shade(j->scene->tree, j->scene->bvh, &p, s->ray_org, &w->stats, out);
     } else {
@@ -80,7 +81,7 @@ static void add_sample(const job *j, lc_pixel *px, const lc_surface *s, lc_f3 di
     px->rgb = lc_f3_add(px->rgb, lc_f3_add(r->radiance, s->emission));
     px->n = lc_f3_add(px->n, s->n);
     px->p = lc_f3_add(px->p, s->pos);
-    px->albedo = lc_f3_add(px->albedo, lc_f3_add(s->material->kd, s->material->ks));
+    px->albedo = lc_f3_add(px->albedo, lc_f3_add(s->material.kd, s->material.ks));
     px->z += s->t * cos_axis;
     px->cut += (float)r->size;
     px->rays += (float)r->rays;
@@ -102,7 +103,7 @@ static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
         lc_camera_ray(&j->scene->camera, x + dx, y + dy, &org, &dir);
         w->stats.camera_rays++;
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
-        bool hit = lc_surface_hit(j->scene, org, dir, &s);
+        bool hit = lc_surface_hit(j->scene, org, dir, j->pixel, &s);
         lc_phase_end(&w->stats, LC_PHASE_CAMERA);
         if (!hit) continue;
         shade(j, w, &s, lc_f3_neg(dir), key(j, pixel, i, DIM_SLOT), &r);
@@ -140,7 +141,7 @@ static bool shade_cell(job *j, uint32_t thread, uint64_t item, uint32_t side, lc
     lc_surface s;
     double u = ((double)(item % side) + 0.5) / side, v = ((double)(item / side) + 0.5) / side;
     lc_camera_ray(&j->scene->camera, u * j->scene->film.width, v * j->scene->film.height, &org, &dir);
-    if (!lc_surface_hit(j->scene, org, dir, &s)) return false;
+    if (!lc_surface_hit(j->scene, org, dir, j->pixel, &s)) return false;
     shade(j, &j->workers[thread], &s, lc_f3_neg(dir), key(j, item, 0, DIM_SLOT), r);
     return true;
 }
@@ -394,6 +395,8 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     if (!stats) stats = &own;
     *stats = (lc_render_stats){ 0 };
     job j = { .ctx = ctx, .scene = scene, .desc = desc, .spp = desc->spp ? desc->spp : scene->film.spp };
+    /* samples share a pixel; as in pbrt, one sees no less than an eighth of it */
+    j.pixel = scene->camera.pixel * fmax(0.125, 1 / sqrt((double)j.spp));
     j.mutex = lc_mutex_create(ctx);
     st = j.mutex ? render_all(&j, crop, stats) : LC_ERR_MEMORY;
     lc_mutex_destroy(ctx, j.mutex);

@@ -19,6 +19,7 @@ lc_status lc_scene_create(lc_context *ctx, lc_scene **out)
     if (!s) return LC_ERR_MEMORY;
     s->ctx = ctx;
     lc_arena_init(&s->arena, ctx);
+    s->textures.ctx = ctx;
     s->bounds = lc_box_empty();
     s->film = (lc_film_desc){ 1280, 720, { 0, 1280, 0, 720 }, NULL, 1, 1 };
     return LC_OK;
@@ -32,10 +33,13 @@ void lc_scene_destroy(lc_scene *s)
     lc_light_tree_destroy(s->tree);
     lc_free(ctx, s->pos, s->cap_pos, sizeof *s->pos);
     lc_free(ctx, s->normal, s->cap_normal, sizeof *s->normal);
+    lc_free(ctx, s->uv, s->cap_uv, sizeof *s->uv);
     lc_free(ctx, s->index, s->cap_index, sizeof *s->index);
     lc_free(ctx, s->tri_mesh, s->cap_tri_mesh, sizeof *s->tri_mesh);
     lc_free(ctx, s->meshes, s->cap_meshes, sizeof *s->meshes);
     lc_free(ctx, s->materials, s->cap_materials, sizeof *s->materials);
+    lc_free(ctx, s->maps, s->cap_maps, sizeof *s->maps);
+    lc_textures_free(&s->textures);
     lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
     for (size_t i = 0; i < s->n_light_chunks; i++) lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
     lc_free(ctx, s->light_chunks, s->cap_light_chunks, sizeof *s->light_chunks);
@@ -53,10 +57,24 @@ lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
     if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
         return LC_ERR_ARG;
     lc_status st = GROW(s, materials, cap_materials, s->n_materials + 1);
+    if (!st) st = GROW(s, maps, cap_maps, s->n_materials + 1);
     if (st) return st;
     *id = (uint32_t)s->n_materials;
+    s->maps[s->n_materials] = (lc_material_maps){ LC_NONE, LC_NONE, LC_NONE };
     s->materials[s->n_materials++] = *m;
     return LC_OK;
+}
+
+void lc_scene_map_material(lc_scene *s, uint32_t id, const lc_material_maps *maps)
+{
+    LC_ASSERT(id < s->n_materials);
+    s->maps[id] = *maps;
+}
+
+bool lc_scene_is_textured(const lc_scene *s, uint32_t material_id)
+{
+    const lc_material_maps *m = &s->maps[material_id];
+    return m->kd != LC_NONE || m->ks != LC_NONE || m->exponent != LC_NONE;
 }
 
 static lc_status check_mesh(const lc_scene *s, lc_pos where, const lc_mesh_desc *m)
@@ -83,15 +101,27 @@ static lc_status grow_mesh(lc_scene *s, const lc_mesh_desc *m)
     size_t nv = s->n_verts + m->n_verts, nt = s->n_tris + m->n_tris;
     lc_status st = GROW(s, pos, cap_pos, nv * 3);
     if (!st && (m->normal || s->normal)) st = GROW(s, normal, cap_normal, nv * 3);
+    if (!st && (m->uv || s->uv)) st = GROW(s, uv, cap_uv, nv * 2);
     if (!st) st = GROW(s, index, cap_index, nt * 3);
     if (!st) st = GROW(s, tri_mesh, cap_tri_mesh, nt);
     if (!st) st = GROW(s, meshes, cap_meshes, s->n_meshes + 1);
     return st;
 }
 
-lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *m)
+/* uv that are not finite count as 0. */
+static void copy_uv(lc_scene *s, const lc_mesh_desc *m)
 {
-    LC_ASSERT(m->material_id < s->n_materials);
+    float *to = s->uv + s->n_verts * 2;
+    for (size_t i = 0; i < (size_t)m->n_verts * 2; i++) to[i] = m->uv && isfinite(m->uv[i]) ? m->uv[i] : 0;
+}
+
+lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
+{
+    LC_ASSERT(desc->material_id < s->n_materials);
+    lc_mesh_desc with = *desc;
+    const lc_mesh_desc *m = &with;
+    bool textured = lc_scene_is_textured(s, m->material_id);
+    if (!textured) with.uv = NULL;
     lc_status st = check_mesh(s, where, m);
     if (st) return st;
     if (!m->n_tris) return LC_OK;
@@ -104,13 +134,14 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *m)
         memcpy(s->normal + s->n_verts * 3, m->normal, (size_t)m->n_verts * 3 * sizeof(float));
     else if (s->normal)
         memset(s->normal + s->n_verts * 3, 0, (size_t)m->n_verts * 3 * sizeof(float));
+    if (s->uv) copy_uv(s, m);
     for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
         s->index[s->n_tris * 3 + i] = (uint32_t)s->n_verts + m->index[i];
     for (size_t i = 0; i < m->n_tris; i++) s->tri_mesh[s->n_tris + i] = (uint32_t)s->n_meshes;
     for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
         lc_box_add(&s->bounds, lc_f3_load(m->pos + 3 * (size_t)m->index[i]));
     s->meshes[s->n_meshes++] = (lc_mesh){ (uint32_t)s->n_tris, m->n_tris, (uint32_t)s->n_verts, m->material_id,
-                                          m->normal != NULL, m->flip, m->two_sided, m->emission };
+                                          m->normal != NULL, m->uv != NULL, textured, m->flip, m->two_sided, m->emission };
     s->n_verts += m->n_verts;
     s->n_tris += m->n_tris;
     return LC_OK;

@@ -13,6 +13,7 @@
 #include "light.h"
 #include "material.h"
 #include "stats.h"
+#include "texture.h"
 
 typedef struct lc_bvh lc_bvh;
 typedef struct lc_light_tree lc_light_tree;
@@ -20,6 +21,7 @@ typedef struct lc_light_tree lc_light_tree;
 typedef struct lc_mesh_desc {
     uint32_t n_verts, n_tris;
     const float *pos;      /* n_verts * 3 */
+    const float *uv;       /* n_verts * 2, or NULL: (0,0) (1,0) (1,1) on each triangle. Kept for textured materials. */
     const float *normal;   /* n_verts * 3, any length, or NULL; zero vectors: use the face's */
     const uint32_t *index; /* n_tris * 3 */
     uint32_t material_id;
@@ -46,7 +48,7 @@ typedef struct lc_mesh {
     uint32_t first_tri, n_tris;
     uint32_t first_vert;
     uint32_t material_id;
-    bool has_normals, flip, two_sided;
+    bool has_normals, has_uv, textured, flip, two_sided;
     lc_f3 emission;
 } lc_mesh;
 
@@ -59,18 +61,21 @@ struct lc_scene {
     lc_context *ctx;
     lc_arena arena;
 
-    /* n_verts * 3 and n_tris * 3 floats and indices; normal is NULL unless some mesh has normals (zeros elsewhere) */
-    float *pos, *normal;
+    /* n_verts * 3 and n_tris * 3 floats and indices; normal is NULL unless some mesh has normals (zeros elsewhere),
+       and so is uv, n_verts * 2 */
+    float *pos, *normal, *uv;
     uint32_t *index;    /* into pos, absolute */
     uint32_t *tri_mesh; /* mesh of each triangle */
-    size_t n_verts, n_tris, cap_pos, cap_normal, cap_index, cap_tri_mesh;
+    size_t n_verts, n_tris, cap_pos, cap_normal, cap_uv, cap_index, cap_tri_mesh;
 
     lc_mesh *meshes;
-    lc_material *materials;
+    lc_material *materials; /* of a textured one: means */
+    lc_material_maps *maps; /* n_materials */
+    lc_textures textures;
     /* Those of the file first, then those made from emissive triangles. Lights beyond cap_lights lie in chunks of
      * LC_LIGHT_CHUNK until commit joins all: an array that doubles would need three times the memory for a while. */
     lc_light *lights, **light_chunks;
-    size_t n_meshes, cap_meshes, n_materials, cap_materials, n_lights, cap_lights, n_light_chunks, cap_light_chunks;
+    size_t n_meshes, cap_meshes, n_materials, cap_materials, cap_maps, n_lights, cap_lights, n_light_chunks, cap_light_chunks;
 
     lc_scene_note *notes;
     size_t n_notes, cap_notes;
@@ -91,6 +96,9 @@ struct lc_scene {
 
 lc_status lc_scene_create(lc_context *ctx, lc_scene **out);
 lc_status lc_scene_add_material(lc_scene *scene, const lc_material *material, uint32_t *id);
+/* Textures of scene->textures for a material that was added; before the meshes that use it. */
+void lc_scene_map_material(lc_scene *scene, uint32_t id, const lc_material_maps *maps);
+bool lc_scene_is_textured(const lc_scene *scene, uint32_t material_id);
 lc_status lc_scene_add_mesh(lc_scene *scene, lc_pos where, const lc_mesh_desc *mesh);
 lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
 lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);

@@ -1,6 +1,8 @@
 /* surface.c - position from barycentric weights (better than origin + t dir), normals, offset of shadow rays. */
 #include "surface.h"
 
+#include "textured.h"
+
 static lc_f3 mix(const float *v[3], float u, float w)
 {
     float s = 1 - u - w;
@@ -16,7 +18,7 @@ static void set_ray_origin(lc_surface *s, lc_f3 ng, float size)
     lc_f3_store(s->ray_org, o);
 }
 
-bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, lc_surface *out)
+bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, lc_surface *out)
 {
     const float o[3] = { org.x, org.y, org.z }, d[3] = { dir.x, dir.y, dir.z };
     const float *v[3];
@@ -41,7 +43,8 @@ bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, lc_surface *out
     out->n = ns;
     out->t = hit.t;
     out->emission = back == away || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
-    out->material = &scene->materials[mesh->material_id];
+    out->material = scene->materials[mesh->material_id];
+    if (mesh->textured) lc_textured_material(scene, mesh, &hit, dir, pixel, &out->material);
     set_ray_origin(out, ng, size);
     return true;
 }

@@ -14,10 +14,10 @@ typedef struct lc_surface {
     float ray_org[3];      /* pos moved off the surface to the viewer's side */
     float t;               /* distance from the camera, along its unit direction */
     lc_f3 emission;        /* radiance towards the viewer */
-    const lc_material *material;
+    lc_material material;  /* textures evaluated */
 } lc_surface;
 
-/* False: the ray leaves the scene. dir has unit length. */
-bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, lc_surface *out);
+/* False: the ray leaves the scene. dir has unit length. pixel: what textures are filtered over, a length at distance 1. */
+bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, lc_surface *out);
 
 #endif

@@ -28,6 +28,24 @@ TEST(pow_agrees)
     printf("  worst relative error %.3g\n", worst);
 }
 
+TEST(logarithm_and_angle_agree)
+{
+    double worst = 0;
+    for (uint64_t i = 0; i < 200000; i++) {
+        double x = exp(600 * (lc_unit(lc_hash4(4, i, 0, 0)) - 0.5)), y = exp(600 * (lc_unit(lc_hash4(4, i, 1, 0)) - 0.5));
+        CHECKF(fabs(lc_ln(x) - log(x)) <= 1e-15 * fabs(log(x)) + 1e-16, "ln %a", x);
+        if (i & 2) x = 2 * lc_unit(lc_hash4(4, i, 2, 0)) - 1, y = 2 * lc_unit(lc_hash4(4, i, 3, 0)) - 1;
+        if (i & 1) x = -x;
+        if (i & 4) y = -y;
+        double error = fabs(lc_atan2(y, x) - atan2(y, x));
+        if (error > worst) worst = error;
+        CHECKF(error < 1e-15, "atan2(%a, %a)", y, x);
+    }
+    CHECK(lc_atan2(0, 0) == 0 && lc_atan2(0, 1) == 0 && lc_atan2(0, -1) == LC_PI && lc_atan2(1, 0) == LC_PI / 2);
+    CHECK(lc_atan2(-1, 0) == -LC_PI / 2 && lc_atan2(1, 1) == LC_PI / 4);
+    printf("  worst error of the angle %.3g\n", worst);
+}
+
 TEST(pow_ends)
 {
     CHECK(lc_pow01(0, 0) == 0 && lc_pow01(0, 5) == 0);
@@ -72,6 +90,7 @@ TEST(exp_agrees)
 int main(void)
 {
     RUN(pow_agrees);
+    RUN(logarithm_and_angle_agree);
     RUN(pow_ends);
     RUN(upper_bound_holds);
     RUN(exp_agrees);

@@ -7,6 +7,19 @@
 
 typedef unsigned long long ull;
 
+/* "2 imagemap, 1 scale" or, for JSON, "imagemap": 2, "scale": 1 */
+static void texture_classes(const lc_scene *scene, bool json)
+{
+    const char *name, *comma = "";
+    uint64_t count;
+    for (uint32_t k = 0; !lc_scene_get_texture_class(scene, k, &name, &count); k++) {
+        if (!count) continue;
+        if (json) printf("%s\"%s\": %llu", comma, name, (ull)count);
+        else printf("%s%llu %s", comma, (ull)count, name);
+        comma = ", ";
+    }
+}
+
 static void scene_text(const lc_scene *scene, const lc_scene_info *i)
 {
     printf("triangles            %llu in %llu meshes, %llu vertices\n", (ull)i->n_triangles, (ull)i->n_meshes, (ull)i->n_vertices);
@@ -14,6 +27,11 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     printf("lights               %llu: %llu point, %llu oriented, %llu directional\n", (ull)i->n_lights, (ull)i->n_point,
            (ull)i->n_oriented, (ull)i->n_directional);
     printf("emissive triangles   %llu\n", (ull)i->n_emissive_triangles);
+    if (i->n_textures) {
+        printf("textures             %llu: ", (ull)i->n_textures);
+        texture_classes(scene, false);
+        printf("\nimages               %llu of %llu bytes\n", (ull)i->n_images, (ull)i->image_bytes);
+    }
     if (i->n_triangles)
         printf("bounds               (%g, %g, %g) to (%g, %g, %g)\n", (double)i->bounds_lo[0], (double)i->bounds_lo[1],
                (double)i->bounds_lo[2], (double)i->bounds_hi[0], (double)i->bounds_hi[1], (double)i->bounds_hi[2]);
@@ -33,7 +51,9 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
            (ull)i->n_vertices, (ull)i->n_meshes, (ull)i->n_materials);
     printf("  \"lights\": %llu,\n  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu},\n",
            (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional);
-    printf("  \"emissive_triangles\": %llu,\n", (ull)i->n_emissive_triangles);
+    printf("  \"emissive_triangles\": %llu,\n  \"textures\": {", (ull)i->n_emissive_triangles);
+    texture_classes(scene, true);
+    printf("},\n  \"images\": %llu,\n  \"image_bytes\": %llu,\n", (ull)i->n_images, (ull)i->image_bytes);
     if (i->n_triangles)
         printf("  \"bounds\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]],\n", (double)i->bounds_lo[0], (double)i->bounds_lo[1],
                (double)i->bounds_lo[2], (double)i->bounds_hi[0], (double)i->bounds_hi[1], (double)i->bounds_hi[2]);
@@ -125,6 +145,14 @@ static int info_scene(lc_context *ctx, const char *path, bool json)
     return CLI_OK;
 }
 
+static bool is_image(const char *path)
+{
+    static const char *const extensions[] = { ".exr", ".png", ".tga", ".pfm", ".hdr" };
+    for (size_t i = 0; i < sizeof extensions / sizeof *extensions; i++)
+        if (cli_has_extension(path, extensions[i])) return true;
+    return false;
+}
+
 int cmd_info(int argc, char **argv)
 {
     static const struct option options[] = { { "json", 0, 0, 'j' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 } };
@@ -135,8 +163,9 @@ int cmd_info(int argc, char **argv)
         if (c == 'j') {
             json = true;
         } else if (c == 'h') {
-            printf("usage: lightcuts info [--json] SCENE.pbrt|IMAGE.exr|IMAGE.png\n\n"
-                   "Prints what is in a scene (counts, bounds, what was approximated or ignored) or an image.\n");
+            printf("usage: lightcuts info [--json] SCENE.pbrt|IMAGE\n\n"
+                   "Prints what is in a scene (counts, bounds, what was approximated or ignored) or an image\n"
+                   "(.exr .png .tga .pfm .hdr).\n");
             return CLI_OK;
         } else {
             cli_bad_option("info", c, argv, options);
@@ -150,8 +179,7 @@ int cmd_info(int argc, char **argv)
     lc_context *ctx = cli_context(0, LC_ISA_BEST, -1);
     if (!ctx) return CLI_FAILED;
     const char *path = argv[optind];
-    bool image = cli_has_extension(path, ".exr") || cli_has_extension(path, ".png");
-    int status = image ? info_image(ctx, path, json) : info_scene(ctx, path, json);
+    int status = is_image(path) ? info_image(ctx, path, json) : info_scene(ctx, path, json);
     lc_context_destroy(ctx);
     return status;
 }
