@@ -27,7 +27,7 @@
 #define SLOW 32
 #define SHORT 128
 #define CHUNK 2048           /* positions moved at a time */
-#define SERIAL_SEARCH 200000 /* pairs that are measured in the time it takes to start a thread */
+#define SERIAL_SEARCH 400000 /* pairs that are measured in the time it takes to start a thread */
 #define SERIAL_MOVE 20000    /* clusters moved */
 
 typedef struct {

@@ -82,7 +82,8 @@ LC_INLINE void LC_FN(ploc_tile)(const lc_ploc_list *l, uint32_t first, uint32_t 
     const uint32_t last = k + n_offsets - 1, end = first + n, missing = last > first ? last - first : 0;
     const bool apart = last > LC_PLOC_CHUNK; /* what lies between the two halves is not wanted */
     const uint32_t ahead = apart ? PLOC_AHEAD : last;
-    LC_FN(ploc_rows)(l, first + missing - last, apart ? (end > k ? end - k : 0) : end, k, n_offsets, oriented, &row[0][missing]);
+    const uint32_t stop = !apart ? end : end > k ? end - k : 0;
+    if (stop) LC_FN(ploc_rows)(l, first + missing - last, stop, k, n_offsets, oriented, &row[0][missing]);
     if (apart) LC_FN(ploc_rows)(l, first, end, k, n_offsets, oriented, &row[0][ahead]);
     for (uint32_t t = 0; t < n_offsets; t++, k++) {
         float *r = row[t];
