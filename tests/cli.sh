@@ -458,6 +458,11 @@ prints '^lights  *2: 2 point'
 good 'info of an image' info old.exr
 prints '48 x 40'
 check 'info --json: lights' grep -q '"lights": 2,' info_scene.json
+printf '%s\n' 'Camera "perspective"' WorldBegin 'Texture "a" "color" "imagemap" "string filename" "none.png"' \
+    'Texture "b" "color" "checkerboard" "texture tex1" "a"' 'Texture "c" "float" "fbm"' >tex.pbrt
+"$L" info tex.pbrt >info_tex.txt 2>err.txt
+check 'info: textures by class' grep -q '^textures  *3: 1 constant, 1 checkerboard, 1 fbm$' info_tex.txt
+check 'info: an image that is not there' grep -q '1  texture image  *tex.pbrt:3:.*no such file' info_tex.txt
 check 'info --json: what was ignored' grep -q 'Frobnicate' info_notes.json
 check 'info --json: channels' grep -q '"name": "R"' info_image.json
 bad 'info of nothing' 2 'one scene or image' info
