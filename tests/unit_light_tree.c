@@ -137,19 +137,25 @@ static const char *slow_check(const lc_light_tree *t)
     return NULL;
 }
 
+/* With both builders. */
 static void expect_valid(const lc_light *l, size_t n, uint32_t n_reps, bool slow, const char *what)
 {
-    double t0 = lc_now();
-    lc_light_tree *t = build(l, n, 7, n_reps);
-    double t1 = lc_now();
-    const char *wrong = lc_light_tree_validate(t);
-    CHECKF(!wrong, "%s, %zu lights: %s", what, n, wrong);
-    if (slow && !wrong) {
-        wrong = slow_check(t);
-        CHECKF(!wrong, "%s, %zu lights, slow check: %s", what, n, wrong);
+    for (builder = LC_BUILDER_EXACT; builder <= LC_BUILDER_PLOC; builder++) {
+        double t0 = lc_now();
+        lc_light_tree *t = build(l, n, 7, n_reps);
+        double t1 = lc_now();
+        const char *wrong = lc_light_tree_validate(t);
+        CHECKF(!wrong, "%s, %zu lights: %s", what, n, wrong);
+        if (slow && !wrong) {
+            wrong = slow_check(t);
+            CHECKF(!wrong, "%s, %zu lights, slow check: %s", what, n, wrong);
+        }
+        if (n >= 5000)
+            printf("  %s, %zu lights, %s: build %.2f s, check %.2f s\n", what, n, builder == LC_BUILDER_PLOC ? "ploc" : "exact", t1 - t0,
+                   lc_now() - t1);
+        lc_light_tree_destroy(t);
     }
-    if (n >= 5000) printf("  %s, %zu lights: build %.2f s, check %.2f s\n", what, n, t1 - t0, lc_now() - t1);
-    lc_light_tree_destroy(t);
+    builder = LC_BUILDER_EXACT;
 }
 
 TEST(random_sets_are_valid)
@@ -164,6 +170,42 @@ TEST(random_sets_are_valid)
             }
     lc_light *l = rnd_lights(20000, 7);
     expect_valid(l, 20000, 1, false, "mixed");
+    free(l);
+}
+
+static bool same_tree(const lc_light_tree *a, const lc_light_tree *b, bool reps)
+{
+    bool same = a->n_nodes == b->n_nodes && a->n_lights == b->n_lights && !memcmp(a->root, b->root, sizeof a->root);
+    for (uint32_t i = 0; i < a->n_nodes && same; i++) {
+        lc_node x = a->data.nodes[i], y = b->data.nodes[i];
+        if (!reps) x.fresh = y.fresh = 0;
+        same = !memcmp(&x, &y, sizeof x);
+    }
+    same = same && !memcmp(a->data.lights, b->data.lights, a->n_lights * sizeof *a->data.lights);
+    if (!reps || a->n_reps < 2) return same;
+    return same && !memcmp(a->root_rep, b->root_rep, sizeof a->root_rep)
+           && !memcmp(a->more_fresh, b->more_fresh, a->n_nodes * (a->n_reps - 1) * sizeof *a->more_fresh);
+}
+
+/* The finished tree, not only its shape, is the same for any number of threads and every instruction set. */
+TEST(same_tree_for_threads_and_instruction_sets)
+{
+    static const uint32_t threads[] = { 1, 2, 3, 8 };
+    const uint32_t n_threads = ctx->n_threads;
+    const lc_isa isa = ctx->isa;
+    lc_light *l = rnd_lights(60000, 7);
+    for (builder = LC_BUILDER_EXACT; builder <= LC_BUILDER_PLOC; builder++) {
+        lc_light_tree *want = NULL;
+        for (int i = 0; i < 4; i++) {
+            ctx->n_threads = threads[i], ctx->isa = LC_ISA_SCALAR + i < (int)isa ? (lc_isa)(LC_ISA_SCALAR + i) : isa;
+            lc_light_tree *t = build(l, 60000, 3, 3);
+            CHECKF(!want || same_tree(want, t, true), "builder %d, %u threads, %s", (int)builder, threads[i], lc_isa_name(ctx->isa));
+            if (want) lc_light_tree_destroy(t);
+            else want = t;
+        }
+        lc_light_tree_destroy(want);
+    }
+    builder = LC_BUILDER_EXACT, ctx->n_threads = n_threads, ctx->isa = isa;
     free(l);
 }
 
@@ -202,6 +244,15 @@ TEST(coincident_lights)
     }
 }
 
+TEST(a_million_coincident_lights)
+{
+    size_t n = 1000000;
+    lc_light *l = malloc(n * sizeof *l), one = rnd_light(LC_LIGHT_ORIENTED);
+    for (size_t i = 0; i < n; i++) l[i] = one;
+    expect_valid(l, n, 1, false, "coincident");
+    free(l);
+}
+
 /* Equal lights on an exact grid: every distance ties. */
 TEST(grid_of_equal_lights)
 {
@@ -219,24 +270,40 @@ TEST(grid_of_equal_lights)
     }
 }
 
+enum { LINE, GEOMETRIC, DECADES, TINY, FAR_AWAY, SCALES, BLACK, HALF_BLACK, QUADRATIC, OUTLIER, STYLES };
+
+/* Makes light i of n one of a set that is hard in some way. */
+static void hurt(lc_light *l, int style, size_t i)
+{
+    float f = (float)i;
+    switch (style) {
+    case LINE: l->pos = lc_f3_make(f, f, f); break;
+    case GEOMETRIC: l->pos = lc_f3_make(ldexpf(1, (int)(i % 90) - 60), 0, 0); break; /* a deep tree */
+    case DECADES: l->intensity = lc_f3_scale(l->intensity, powf(10, (float)rnd_in(-15, 15))); break;
+    case TINY: l->pos = lc_f3_scale(l->pos, 1e-12f); break;
+    case FAR_AWAY: l->pos = lc_f3_add(l->pos, lc_f3_make(1e6f, -1e7f, 1e5f)); break;
+    case SCALES: l->pos = lc_f3_scale(l->pos, powf(10, (float)rnd_in(-14, 11))); break;
+    case BLACK: l->intensity = lc_f3_make(0, 0, 0); break;
+    case HALF_BLACK: l->intensity = i % 2 ? lc_f3_make(0, 0, 0) : l->intensity; break;
+    case QUADRATIC: l->pos = lc_f3_make(f * f, 0, 0), l->intensity = lc_f3_make(1, 1, 1); break;
+    case OUTLIER: l->pos = i == 7 ? lc_f3_make(1e10f, 0, 0) : l->pos; break;
+    default: break;
+    }
+}
+
 TEST(lines_and_scales)
 {
-    for (int style = 0; style < 6; style++)
-        for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
-            size_t n = 1500;
-            lc_light *l = rnd_lights(n, 1u << kind);
-            for (size_t i = 0; i < n; i++) {
-                float f = (float)i;
-                if (style == 0) l[i].pos = lc_f3_make(f, f, f);
-                if (style == 1) l[i].pos = lc_f3_make(ldexpf(1, (int)(i % 90) - 60), 0, 0); /* geometric: a deep tree */
-                if (style == 2) l[i].intensity = lc_f3_scale(l[i].intensity, powf(10, (float)rnd_in(-15, 15)));
-                if (style == 3) l[i].pos = lc_f3_scale(l[i].pos, 1e-12f);
-                if (style == 4) l[i].pos = lc_f3_add(l[i].pos, lc_f3_make(1e6f, -1e7f, 1e5f));
-                if (style == 5) l[i].pos = lc_f3_scale(l[i].pos, powf(10, (float)rnd_in(-14, 14)));
+    static const size_t sizes[] = { 1500, 50000 };
+    for (int style = 0; style < STYLES; style++)
+        for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+            for (int k = 0; k < 2; k++) {
+                char what[32];
+                snprintf(what, sizeof what, "style %d, kind %d", style, kind);
+                lc_light *l = rnd_lights(sizes[k], 1u << kind);
+                for (size_t i = 0; i < sizes[k]; i++) hurt(&l[i], style, i);
+                expect_valid(l, sizes[k], 1, !k, what);
+                free(l);
             }
-            expect_valid(l, n, 1, true, "style");
-            free(l);
-        }
 }
 
 /* Coordinates so far apart that their difference doesn't fit into a double. */
@@ -308,20 +375,6 @@ TEST(representatives_are_as_frequent_as_bright)
                f.same * FREQ_SEEDS);
         free(l);
     }
-}
-
-static bool same_tree(const lc_light_tree *a, const lc_light_tree *b, bool reps)
-{
-    bool same = a->n_nodes == b->n_nodes && a->n_lights == b->n_lights && !memcmp(a->root, b->root, sizeof a->root);
-    for (uint32_t i = 0; i < a->n_nodes && same; i++) {
-        lc_node x = a->data.nodes[i], y = b->data.nodes[i];
-        if (!reps) x.fresh = y.fresh = 0;
-        same = !memcmp(&x, &y, sizeof x);
-    }
-    same = same && !memcmp(a->data.lights, b->data.lights, a->n_lights * sizeof *a->data.lights);
-    if (!reps || a->n_reps < 2) return same;
-    return same && !memcmp(a->root_rep, b->root_rep, sizeof a->root_rep)
-           && !memcmp(a->more_fresh, b->more_fresh, a->n_nodes * (a->n_reps - 1) * sizeof *a->more_fresh);
 }
 
 TEST(same_input_same_tree)
@@ -526,11 +579,13 @@ int main(void)
     RUN(boxes_are_exact);
     RUN(representatives_are_as_frequent_as_bright);
     RUN(same_input_same_tree);
+    RUN(same_tree_for_threads_and_instruction_sets);
     RUN(damaged_links_are_found);
     RUN(damaged_numbers_are_found);
     RUN(damaged_representatives_are_found);
     RUN(grid_of_equal_lights);
     RUN(coincident_lights);
+    RUN(a_million_coincident_lights);
     lc_context_destroy(ctx);
     return test_done();
 }
