@@ -152,7 +152,7 @@ static void find_children(const lc_cut *c, step *s)
     const uint32_t *parent = c->split.link + s->pairs.first;
     for (uint32_t i = 0; i < s->pairs.n; i++) {
         const lc_node *node = &t->nodes[parent[i]];
-        uint32_t fresh = lc_node_fresh(c->tree, parent[i], c->slot), right = fresh >> 31;
+        uint32_t fresh = c->fresh[parent[i] * c->fresh_stride], right = fresh >> 31;
         s->link[2 * i] = node->left, s->link[2 * i + 1] = node->right;
         s->power[2 * i] = find_cluster(t, node->left), s->power[2 * i + 1] = find_cluster(t, node->right);
         s->rep[i] = fresh & ~LC_FRESH_RIGHT;
@@ -358,6 +358,14 @@ static float round_down(double x)
     return (double)f > x ? nextafterf(f, 0) : f;
 }
 
+static void set_slot(lc_cut *c, uint32_t slot)
+{
+    const lc_light_tree *t = c->tree;
+    c->slot = slot;
+    c->fresh = slot ? t->more_fresh + (size_t)(slot - 1) * t->n_nodes : &t->data.nodes->fresh;
+    c->fresh_stride = slot ? 1 : sizeof(lc_node) / sizeof(uint32_t);
+}
+
 /* Splits until no bound is above the limit, all shadow rays that are pending taken as not hidden: the total then is no
  * less than it will be and the limit no lower. So nothing is split that need not be, and the rays go out in large
  * groups. Then those rays lower the total, and what is above the new limit is split in turn. */
@@ -374,7 +382,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
     stats->points++;
     if (!c->tree->n_lights) return;
-    c->slot = (uint32_t)(hash % c->tree->n_reps);
+    set_slot(c, (uint32_t)(hash % c->tree->n_reps));
     double total = place_roots(c, &s);
     for (bool traced = false;;) {
         float limit = round_down(ratio * (total > floor_lum ? total : floor_lum));

@@ -44,6 +44,8 @@ typedef struct lc_cut {
     uint32_t n_done;     /* leaves that are in the list leaf included */
     bool keep_done;
     double done_sum[3];  /* radiance of the done ones */
+    const uint32_t *fresh; /* of the slot: node id has fresh[id * fresh_stride], see lc_node.fresh */
+    size_t fresh_stride;
     uint32_t slot;
 } lc_cut;
 

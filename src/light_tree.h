@@ -22,7 +22,7 @@ typedef struct lc_light_tree lc_light_tree;
 struct lc_light_tree {
     const lc_context *ctx;
     lc_tree_data data;
-    uint32_t *more_fresh; /* slots 1 .. n_reps - 1 of each node as lc_node.fresh; NULL where n_reps is 1 */
+    uint32_t *more_fresh; /* as lc_node.fresh of all nodes for slot 1, then slot 2, ...; NULL where n_reps is 1 */
     uint32_t n_nodes, n_lights, n_reps;
     uint32_t n_of_kind[LC_LIGHT_KINDS];
     uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
@@ -45,7 +45,7 @@ size_t lc_light_tree_bytes(const lc_light_tree *tree); /* of the arrays */
 
 static inline uint32_t lc_node_fresh(const lc_light_tree *t, uint32_t id, uint32_t slot)
 {
-    return slot ? t->more_fresh[(size_t)id * (t->n_reps - 1) + slot - 1] : t->data.nodes[id].fresh;
+    return slot ? t->more_fresh[(size_t)(slot - 1) * t->n_nodes + id] : t->data.nodes[id].fresh;
 }
 
 static inline lc_light_kind lc_kind_of_node(const lc_light_tree *t, uint32_t id)

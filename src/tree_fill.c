@@ -169,7 +169,7 @@ static void choose_reps(const filler *f, batch *b, uint32_t at, const sums child
         bool is_left = u * (left + right) < left;
         uint32_t fresh = is_left ? rep[1] | LC_FRESH_RIGHT : rep[0];
         b->rep[(size_t)at * t->n_reps + s] = is_left ? rep[0] : rep[1];
-        if (s) t->more_fresh[(size_t)e->id * (t->n_reps - 1) + s - 1] = fresh;
+        if (s) t->more_fresh[(size_t)(s - 1) * t->n_nodes + e->id] = fresh;
         else t->data.nodes[e->id].fresh = fresh;
     }
 }

@@ -556,7 +556,7 @@ TEST(damaged_representatives_are_found)
         lc_light_tree *t = hurt_tree;
         for (uint32_t s = 0; s < 3; s++) {
             for (uint32_t id = 0; id < t->n_nodes; id++) {
-                uint32_t *fresh = s ? &t->more_fresh[2 * id + s - 1] : &t->data.nodes[id].fresh;
+                uint32_t *fresh = s ? &t->more_fresh[(s - 1) * t->n_nodes + id] : &t->data.nodes[id].fresh;
                 HURT(*fresh ^= LC_FRESH_RIGHT);
                 HURT(*fresh ^= 1);
                 HURT(*fresh = N_HURT);
