@@ -98,6 +98,8 @@ typedef struct lc_scene_info {
     uint64_t n_triangles, n_vertices, n_meshes, n_materials;
     uint64_t n_lights, n_point, n_oriented, n_directional;
     uint64_t n_emissive_triangles;
+    uint64_t n_mirrors;               /* materials that are one */
+    uint32_t max_depth;               /* of paths, pbrt's maxdepth */
     uint64_t n_textures, n_images, image_bytes; /* images of textures, with their smaller copies */
     float bounds_lo[3], bounds_hi[3]; /* world space, of the triangles; lo > hi when there are none */
     uint32_t width, height;           /* film, before any crop */
@@ -181,14 +183,15 @@ typedef struct lc_render_desc {
     int32_t crop[4];        /* x0, x1, y0, y1 in pixels, half open; all 0: the scene's */
     int (*progress)(void *user, uint64_t done, uint64_t total); /* pixels; any thread, one at a time; nonzero cancels */
     void *progress_user;
+    uint32_t max_depth;     /* as pbrt's maxdepth, at most 1000 counts; 0: the scene's. Only mirrors carry on: see mirror.h */
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
-#define LC_RENDER_DESC_INIT { sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, 0 }
+#define LC_RENDER_DESC_INIT { sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, 0, 0 }
 
 typedef struct lc_render_stats {
     double seconds;           /* wall clock of the pixels, pre-pass included, file writing not */
     uint64_t pixels, points;  /* points: shading points, at most pixels * spp */
-    uint64_t shadow_rays, bounds_evaluated, camera_rays;
+    uint64_t shadow_rays, bounds_evaluated, camera_rays; /* camera_rays: with those that mirrors reflect */
     double cut_mean;          /* lights evaluated per shading point */
     uint32_t cut_median, cut_p99, cut_max;
     uint64_t cut_at_limit;    /* points that met max_cut while the error was still above its limit */

@@ -1,10 +1,10 @@
-/* pbrt_material.c - materials. diffuse and matte are exact, and phong is ours: "rgb Kd", "rgb Ks", "float
+/* pbrt_material.c - materials. diffuse, matte and mirror are exact, and phong is ours: "rgb Kd", "rgb Ks", "float
  * exponent". Any other material is a diffuse one of a sensible colour. Each of these may be a texture. */
 #include "pbrt_state.h"
 
 #include <string.h>
 
-typedef enum material_kind { EXACT, APPROXIMATE, INVISIBLE, PHONG } material_kind;
+typedef enum material_kind { EXACT, APPROXIMATE, INVISIBLE, PHONG, MIRROR } material_kind;
 
 static const struct material {
     const char *name, *colour; /* parameter that holds the colour, or NULL */
@@ -14,6 +14,7 @@ static const struct material {
     { "diffuse", "reflectance", 0.5f, EXACT },
     { "matte", "Kd", 0.5f, EXACT },
     { "phong", "Kd", 0.5f, PHONG },
+    { "mirror", NULL, 0, MIRROR },
     { "", NULL, 0, INVISIBLE },
     { "none", NULL, 0, INVISIBLE },
     { "interface", NULL, 0, INVISIBLE },
@@ -77,6 +78,15 @@ static lc_status get_phong(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
     return st;
 }
 
+/* v3 calls its reflectance Kr. */
+static lc_status get_mirror(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
+{
+    m->mirror = true;
+    m->ks = lc_f3_make(0.9f, 0.9f, 0.9f);
+    lc_status st = get_albedo(p, "reflectance", &m->ks, &maps->ks);
+    return st ? st : get_albedo(p, "Kr", &m->ks, &maps->ks);
+}
+
 /* Adds the material of this name with the statement's parameters to the scene. */
 static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_material *out)
 {
@@ -85,6 +95,7 @@ static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbr
     lc_material_maps maps = { LC_NONE, LC_NONE, LC_NONE };
     lc_status st = kind->colour ? get_albedo(p, kind->colour, &m.kd, &maps.kd) : LC_OK;
     if (!st && kind->kind == PHONG) st = get_phong(p, &m, &maps);
+    if (!st && kind->kind == MIRROR) st = get_mirror(p, &m, &maps);
     if (!st && kind->kind == APPROXIMATE)
         st = lc_pbrt_note_name(p, where, "material", name, "a diffuse material takes its place");
     if (!st && kind->kind == EXACT && lc_pbrt_find(&p->params, "sigma", LC_PBRT_ANY))

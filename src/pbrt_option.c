@@ -107,6 +107,20 @@ lc_status lc_pbrt_sampler(lc_pbrt *p, const lc_pbrt_stmt *s)
         (long long)n, MAX_FILE_SPP);
 }
 
+/* Of every integrator only how deep it goes, which the last one says. */
+lc_status lc_pbrt_integrator(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    const lc_pbrt_param *par;
+    int64_t depth = LC_PBRT_DEPTH;
+    (void)s;
+    lc_status st = lc_pbrt_get_int(&p->params, "maxdepth", &depth, &par);
+    if (st) return st;
+    lc_pbrt_mark_all(&p->params);
+    p->scene->max_depth = depth < 1 ? 1 : depth < LC_MAX_DEPTH ? (uint32_t)depth : LC_MAX_DEPTH;
+    if (depth >= 1) return LC_OK;
+    return lc_pbrt_note(p, par->pos, "maxdepth", "a maxdepth below 1 is taken as 1: direct light");
+}
+
 static lc_status get_screen(lc_pbrt *p)
 {
     const lc_pbrt_param *par = lc_pbrt_find(&p->params, "screenwindow", LC_PBRT_FLOAT | LC_PBRT_INT);

@@ -134,7 +134,7 @@ lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_xform *x);
 
 /* pbrt_option.c */
 void lc_pbrt_options_init(lc_pbrt_options *opt);
-lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler;
+lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler, lc_pbrt_integrator;
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where); /* sets the scene's film and camera */
 
 /* pbrt_material.c */

@@ -5,11 +5,11 @@
  */
 #include "cut.h"
 #include "film.h"
+#include "mirror.h"
 #include "pool.h"
 #include "rng.h"
 #include "scene.h"
 #include "shade.h"
-#include "surface.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -46,7 +46,7 @@ typedef struct {
     const lc_scene *scene;
     const lc_render_desc *desc;
     lc_film film;
-    uint32_t spp, tiles_x, tiles_y;
+    uint32_t spp, max_depth, tiles_x, tiles_y;
     worker *workers;
     lc_mutex *mutex;
     uint64_t done; /* pixels, under the mutex */
@@ -61,11 +61,16 @@ static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dime
     return lc_hash4(j->desc->seed, pixel, sample, dimension);
 }
 
-/* Radiance of a shading point; fills what the statistics and planes want. */
-static void shade(const job *j, worker *w, const lc_surface *s, lc_f3 view, uint64_t hash, lc_cut_result *out)
+/* Radiance of what is seen, as it leaves the lit surface; fills what the statistics and planes want. */
+static void shade(const job *j, worker *w, const lc_sight *sight, uint64_t hash, lc_cut_result *out)
 {
+    const lc_surface *s = &sight->shaded;
     lc_point p;
-    lc_point_init(&p, s->pos, s->n, view, &s->material, j->scene->min_d2);
+    if (!sight->lit) {
+        *out = (lc_cut_result){ .size = 0 };
+        return;
+    }
+    lc_point_init(&p, s->pos, s->n, sight->view, &s->material, j->scene->min_d2);
     if (j->exact) {
         lc_exact_shade(j->scene->tree, j->scene->bvh, &p, s->ray_org, &w->stats, out);
     } else {
@@ -74,11 +79,12 @@ static void shade(const job *j, worker *w, const lc_surface *s, lc_f3 view, uint
     }
 }
 
-static void add_sample(const job *j, lc_pixel *px, const lc_surface *s, lc_f3 dir, const lc_cut_result *r)
+static void add_sample(const job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir, const lc_cut_result *r)
 {
+    const lc_surface *s = &sight->first;
     const double *axis = j->scene->camera.axis;
     float cos_axis = (float)(axis[0] * (double)dir.x + axis[1] * (double)dir.y + axis[2] * (double)dir.z);
-    px->rgb = lc_f3_add(px->rgb, lc_f3_add(r->radiance, s->emission));
+    px->rgb = lc_f3_add(px->rgb, lc_f3_add(lc_f3_mul(r->radiance, sight->weight), sight->emission));
     px->n = lc_f3_add(px->n, s->n);
     px->p = lc_f3_add(px->p, s->pos);
     px->albedo = lc_f3_add(px->albedo, lc_f3_add(s->material.kd, s->material.ks));
@@ -95,7 +101,7 @@ static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
     uint64_t pixel = (uint64_t)y * j->scene->film.width + x;
     for (uint32_t i = 0; i < j->spp; i++) {
         lc_f3 org, dir;
-        lc_surface s;
+        lc_sight s;
         lc_cut_result r;
         lc_phase_start(&w->stats);
         double dx = 0.5, dy = 0.5; /* one sample: the centre */
@@ -103,10 +109,11 @@ static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
         lc_camera_ray(&j->scene->camera, x + dx, y + dy, &org, &dir);
         w->stats.camera_rays++;
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
-        bool hit = lc_surface_hit(j->scene, org, dir, j->pixel, &s);
+        bool hit = lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s);
         lc_phase_end(&w->stats, LC_PHASE_CAMERA);
         if (!hit) continue;
-        shade(j, w, &s, lc_f3_neg(dir), key(j, pixel, i, DIM_SLOT), &r);
+        w->stats.camera_rays += s.n_mirrors;
+        shade(j, w, &s, key(j, pixel, i, DIM_SLOT), &r);
         add_sample(j, &px, &s, dir, &r);
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
     }
@@ -134,15 +141,16 @@ static void render_tile(void *user, uint32_t thread, uint64_t item)
     }
 }
 
-/* Radiance seen at a cell of a grid of side * side over the whole film; false: nothing there. */
+/* Radiance seen at a cell of a grid of side * side over the whole film; false: nothing there that is lit. */
 static bool shade_cell(job *j, uint32_t thread, uint64_t item, uint32_t side, lc_cut_result *r)
 {
     lc_f3 org, dir;
-    lc_surface s;
+    lc_sight s;
     double u = ((double)(item % side) + 0.5) / side, v = ((double)(item / side) + 0.5) / side;
     lc_camera_ray(&j->scene->camera, u * j->scene->film.width, v * j->scene->film.height, &org, &dir);
-    if (!lc_surface_hit(j->scene, org, dir, j->pixel, &s)) return false;
-    shade(j, &j->workers[thread], &s, lc_f3_neg(dir), key(j, item, 0, DIM_SLOT), r);
+    if (!lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) || !s.lit) return false;
+    shade(j, &j->workers[thread], &s, key(j, item, 0, DIM_SLOT), r);
+    r->radiance = lc_f3_mul(r->radiance, s.weight);
     return true;
 }
 
@@ -303,6 +311,13 @@ static void join_stats(const job *j, lc_render_stats *out)
     phase_stats(j, out);
 }
 
+static bool has_mirror(const lc_scene *scene)
+{
+    for (size_t i = 0; i < scene->n_materials; i++)
+        if (scene->materials[i].mirror) return true;
+    return false;
+}
+
 /* The options that shape the picture, so that a file says how it was made. */
 static lc_status set_attributes(const job *j)
 {
@@ -316,6 +331,7 @@ static lc_status set_attributes(const job *j)
     if (!st) st = lc_image_set_number(im, "samplesPerPixel", j->spp);
     if (!st) st = lc_image_set_text(im, "lightcuts/method", method[d->method]);
     if (!st) st = lc_image_set_text(im, "lightcuts/seed", seed);
+    if (!st && has_mirror(j->scene)) st = lc_image_set_number(im, "lightcuts/maxDepth", j->max_depth);
     if (st || d->method == LC_METHOD_EXACT) return st;
     st = lc_image_set_number(im, "lightcuts/errorRatio", (double)d->error_ratio);
     if (!st) st = lc_image_set_number(im, "lightcuts/maxCut", d->max_cut);
@@ -395,6 +411,7 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     if (!stats) stats = &own;
     *stats = (lc_render_stats){ 0 };
     job j = { .ctx = ctx, .scene = scene, .desc = desc, .spp = desc->spp ? desc->spp : scene->film.spp };
+    j.max_depth = min_u(desc->max_depth ? desc->max_depth : scene->max_depth, LC_MAX_DEPTH);
     /* samples share a pixel; as in pbrt, one sees no less than an eighth of it */
     j.pixel = scene->camera.pixel * fmax(0.125, 1 / sqrt((double)j.spp));
     j.mutex = lc_mutex_create(ctx);

@@ -21,6 +21,7 @@ lc_status lc_scene_create(lc_context *ctx, lc_scene **out)
     lc_arena_init(&s->arena, ctx);
     s->textures.ctx = ctx;
     s->bounds = lc_box_empty();
+    s->max_depth = LC_PBRT_DEPTH;
     s->film = (lc_film_desc){ 1280, 720, { 0, 1280, 0, 720 }, NULL, 1, 1 };
     return LC_OK;
 }

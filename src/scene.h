@@ -41,6 +41,8 @@ typedef struct lc_film_desc {
 
 #define LC_MAX_PIXELS (1u << 28)
 #define LC_MAX_SPP 65536u
+#define LC_PBRT_DEPTH 5   /* pbrt's maxdepth where a scene names none */
+#define LC_MAX_DEPTH 1000 /* more is cut down to this */
 #define LC_LIGHT_CHUNK ((size_t)1 << 20) /* lights: 52 MB, which the C library gives back when freed */
 
 /* Per mesh, the cold part. */
@@ -83,6 +85,7 @@ struct lc_scene {
     lc_camera_desc camera_desc;
     lc_film_desc film;
     bool has_camera;
+    uint32_t max_depth; /* of paths, 1..LC_MAX_DEPTH: how many mirrors in a row show something is one less */
 
     /* set by commit */
     lc_box bounds;       /* of the triangles */

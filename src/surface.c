@@ -20,11 +20,17 @@ static void set_ray_origin(lc_surface *s, lc_f3 ng, float size)
 
 bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, lc_surface *out)
 {
+    return lc_surface_hit_after(scene, org, dir, 0, pixel, out);
+}
+
+bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way, double pixel, lc_surface *out)
+{
     const float o[3] = { org.x, org.y, org.z }, d[3] = { dir.x, dir.y, dir.z };
     const float *v[3];
     lc_hit hit;
     scene->bvh->kernels->closest(&scene->bvh->data, o, d, FLT_MAX, &hit);
     if (hit.tri == LC_NONE) return false;
+    hit.t += way;
     const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[hit.tri]];
     for (size_t k = 0; k < 3; k++) v[k] = lc_tri_vertex(scene->pos, scene->index, hit.tri, k);
     lc_f3 p0 = lc_f3_load(v[0]), e1 = lc_f3_sub(lc_f3_load(v[1]), p0), e2 = lc_f3_sub(lc_f3_load(v[2]), p0);
@@ -41,6 +47,7 @@ bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, l
     if (away) ng = lc_f3_neg(ng);
     if (lc_f3_dot(ns, ng) < 0) ns = lc_f3_neg(ns);
     out->n = ns;
+    out->ng = ng;
     out->t = hit.t;
     out->emission = back == away || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
     out->material = scene->materials[mesh->material_id];

@@ -10,14 +10,16 @@
 #include "scene.h"
 
 typedef struct lc_surface {
-    lc_f3 pos, n;          /* world space; n: shading normal on the viewer's side */
+    lc_f3 pos, n, ng;      /* world space; shading and geometric normal, on the viewer's side */
     float ray_org[3];      /* pos moved off the surface to the viewer's side */
-    float t;               /* distance from the camera, along its unit direction */
+    float t;               /* distance from the camera, by way of mirrors */
     lc_f3 emission;        /* radiance towards the viewer */
     lc_material material;  /* textures evaluated */
 } lc_surface;
 
 /* False: the ray leaves the scene. dir has unit length. pixel: what textures are filtered over, a length at distance 1. */
 bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, lc_surface *out);
+/* The same for a ray that has come a way already. */
+bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way, double pixel, lc_surface *out);
 
 #endif

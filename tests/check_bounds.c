@@ -343,7 +343,7 @@ TEST(point_init_agrees)
  * oriented one that looks sideways by 60 degrees: half of it. */
 TEST(worked_example)
 {
-    lc_material m = { { 1, 1, 1 }, { 0, 0, 0 }, 0 };
+    lc_material m = { .kd = { 1, 1, 1 } };
     lc_point p;
     lc_point_init(&p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_make(0, 0, 1), &m, 1e-10f);
     lc_light l = { { 0, 0, 2 }, { 0, 0, -1 }, { 10, 10, 10 }, { 0, 0, 1 }, LC_LIGHT_POINT };

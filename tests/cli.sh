@@ -465,6 +465,21 @@ check 'info: textures by class' grep -q '^textures  *3: 1 constant, 1 checkerboa
 check 'info: an image that is not there' grep -q '1  texture image  *tex.pbrt:3:.*no such file' info_tex.txt
 check 'info --json: what was ignored' grep -q 'Frobnicate' info_notes.json
 check 'info --json: channels' grep -q '"name": "R"' info_image.json
+{
+    echo 'Integrator "path" "integer maxdepth" 2'
+    world
+    echo 'Material "mirror" Shape "sphere"'
+} >mirror.pbrt
+good 'info of a scene with a mirror' info mirror.pbrt
+prints '^mirrors  *1 of them, paths of depth 2$'
+if grep -q 'material mirror' out; then no 'a mirror is not approximated' 'but listed'; else ok; fi
+good '--maxdepth with a mirror' mirror.pbrt -o a.exr --maxdepth 3
+if grep -q 'maxdepth' err; then no '--maxdepth with a mirror' 'warns'; else ok; fi
+good '--maxdepth without one' s.pbrt -o a.exr --maxdepth 3
+says 'warning: --maxdepth 3: without mirrors only direct light'
+"$L" info --json mirror.pbrt >out 2>err.txt
+check 'info --json: mirrors' grep -q '"mirrors": 1,' out
+check 'info --json: depth' grep -q '"max_depth": 2,' out
 bad 'info of nothing' 2 'one scene or image' info
 bad 'info of a missing scene' 3 'none.pbrt' info none.pbrt
 bad 'info of a missing image' 3 'none.exr' info none.exr
@@ -499,7 +514,7 @@ bad 'compare: unknown option' 2 'unknown option' compare old.exr ref.exr --banan
 
 # ---- scene ----
 
-for scene in cornell stairs room grid cube bulbs; do
+for scene in cornell stairs room grid cube bulbs student1 student2 student3 student3top student4 student5; do
     good "scene $scene" scene $scene --lights 5
     cp out scene.pbrt
     good "scene $scene again" scene $scene --lights=5 -o again.pbrt

@@ -33,7 +33,7 @@ same() # name args...: renders to b.exr, which must equal a.exr
     fi
 }
 
-for scene in cornell stairs room grid cube bulbs; do
+for scene in cornell stairs room grid cube bulbs student5; do
     "$L" scene $scene --lights 300 |
         sed 's/\(xresolution"\) [0-9]*/\1 40/; s/\(yresolution"\) [0-9]*/\1 30/' >"$T/scene.pbrt"
     rm -f "$T/a.exr"

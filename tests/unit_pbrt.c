@@ -308,6 +308,36 @@ TEST(named_materials_and_textures)
                  "s.pbrt:2:31: error: Texture: expected a quoted name, found '['");
 }
 
+TEST(mirrors_and_depth)
+{
+    CHECK(load("WorldBegin Material \"mirror\" " TRI "Material \"mirror\" \"rgb Kr\" [.1 .2 .3] " TRI
+               "MakeNamedMaterial \"m\" \"string type\" \"mirror\" \"rgb reflectance\" [.4 .5 1.5] NamedMaterial \"m\" " TRI
+               "Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.7 .8 .9] Material \"mirror\" \"texture Kr\" \"t\" " TRI
+               "Material \"matte\" " TRI) == LC_OK);
+    CHECK(scene->n_notes == 1 && note("reflectance") && scene->n_meshes == 5 && scene->max_depth == 5);
+    static const double want[4][3] = { { .9, .9, .9 }, { .1, .2, .3 }, { .4, .5, 1 }, { .7, .8, .9 } };
+    for (int i = 0; i < 4; i++) {
+        const lc_material *m = &scene->materials[scene->meshes[i].material_id];
+        CHECK(m->mirror && near3(m->ks, want[i][0], want[i][1], want[i][2], 1e-6) && near3(m->kd, 0, 0, 0, 0));
+    }
+    CHECK(!scene->materials[scene->meshes[4].material_id].mirror);
+    static const struct { const char *text; uint32_t depth; } depths[] = {
+        { "Integrator \"path\" \"integer maxdepth\" 3 WorldBegin", 3 },
+        { "Integrator \"volpath\" \"float regularize\" 1 WorldBegin", 5 },
+        { "SurfaceIntegrator \"directlighting\" \"integer maxdepth\" [12] WorldBegin", 12 },
+        { "Integrator \"path\" \"integer maxdepth\" 3 Integrator \"whitted\" WorldBegin", 5 },
+        { "Integrator \"path\" \"integer maxdepth\" 100000 WorldBegin", LC_MAX_DEPTH },
+        { "Integrator \"path\" \"integer maxdepth\" 0 WorldBegin", 1 },
+        { "Integrator \"path\" \"integer maxdepth\" -4 WorldBegin", 1 },
+    };
+    for (size_t i = 0; i < sizeof depths / sizeof *depths; i++) {
+        CHECK(load(depths[i].text) == LC_OK);
+        CHECKF(scene->max_depth == depths[i].depth && (note("maxdepth") != NULL) == (i > 4), "%s", depths[i].text);
+    }
+    EXPECT_ERROR("Integrator \"path\" \"integer maxdepth\" 1.5 WorldBegin",
+                 "s.pbrt:1:19: error: parameter 'maxdepth' is not an integer");
+}
+
 TEST(materials)
 {
     CHECK(load("WorldBegin " TRI) == LC_OK && near3(kd_of_mesh(0), .5, .5, .5, 0));
@@ -690,6 +720,7 @@ int main(void)
     RUN(ignored_politely);
     RUN(named_materials_and_textures);
     RUN(materials);
+    RUN(mirrors_and_depth);
     RUN(point_lights);
     RUN(directed_lights);
     RUN(spectral_lights);

@@ -88,7 +88,7 @@ static void setup_free(const lc_context *ctx, setup *s)
 
 static void set_points(setup *s, bool glossy)
 {
-    lc_material m = { { 0.5f, 0.5f, 0.5f }, { 0, 0, 0 }, 20 };
+    lc_material m = { .kd = { 0.5f, 0.5f, 0.5f }, .exponent = 20 };
     if (glossy) m.ks = m.kd;
     lc_f3 up = lc_f3_make(0, 1, 0), view = lc_f3_normalize(lc_f3_make(1, 1, 0));
     for (uint32_t i = 0; i < N_POINTS; i++)

@@ -251,7 +251,7 @@ int bench_quality(const bench_options *o)
     lc_status st = LC_OK;
     if (!j.ctx) return CLI_FAILED;
     print_head(&j);
-    uint32_t n_scenes = o->n_scenes ? o->n_scenes : GEN_N_SCENES, from = o->n_lights ? o->n_lights : 10000;
+    uint32_t n_scenes = o->n_scenes ? o->n_scenes : GEN_N_MANY, from = o->n_lights ? o->n_lights : 10000;
     uint32_t to = o->n_lights ? o->n_lights : 100000;
     for (uint32_t i = 0; i < n_scenes; i++)
         for (uint64_t n = from; n <= to && !st; n *= 10) {

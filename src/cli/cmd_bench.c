@@ -66,7 +66,7 @@ static const char help[] =
     "      --rays FILE      rays: the segments, in groups of one origin\n"
     "      --lights N       tree: this number of lights, not 1000, 10000 and 100000; --quality: not 10000 and 100000;\n"
     "                       --scaling: at most so many\n"
-    "      --quality        tree: of these generated scenes, or of all; --runs: seeds\n"
+    "      --quality        tree: of these generated scenes, or of the first six; --runs: seeds\n"
     "      --scaling        tree: see above; minutes, and some GB of memory at 10^7\n"
     "  -o, --outfile FILE   tree --scaling: plot it as SVG\n"
     "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --pixelbounds x0,x1,y0,y1\n"

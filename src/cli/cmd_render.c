@@ -50,7 +50,7 @@ static void print_help(void)
            "      --dark-floor F       errors are measured against at least F times the picture's mean, default %g\n"
            "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 1\n"
            "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many lights\n"
-           "      --maxdepth N         bounces; this version renders direct light only (1)\n"
+           "      --maxdepth N         bounces, default the scene's; 1: direct light only. Only mirrors bounce light in this version\n"
            "      --area-lights N      lights made from emissive surfaces, default 1024\n"
            "      --seed N             of sampling, of area lights and of the tree's representatives, default 0\n"
            "      --spp N              samples per pixel, default the scene's, which counts up to 4\n"
@@ -88,7 +88,6 @@ static int parse_aovs(const char *text, uint32_t *out)
 /* Nonzero: the value of option c is out of range. */
 static int set_option(options *o, int c)
 {
-    uint32_t depth = 1;
     switch (c) {
     case 'o': o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg; return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
@@ -97,10 +96,7 @@ static int set_option(options *o, int c)
     case OPT_FLOOR: return cli_parse_single(optarg, 0, 1e6, &o->render.dark_floor);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_REPS: return cli_parse_u32(optarg, 1, 32, &o->load.n_reps);
-    case OPT_MAXDEPTH:
-        if (cli_parse_u32(optarg, 1, 1000000, &depth)) return -1;
-        if (depth > 1) fprintf(stderr, "lightcuts: warning: --maxdepth %u: only direct light is rendered in this version\n", depth);
-        return 0;
+    case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, 1000000, &o->render.max_depth);
     case OPT_AREA: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.area_lights);
     case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
@@ -263,6 +259,9 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     if (status) return status;
     if (!r.info.n_lights && !o->quiet) fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
     if (!r.info.n_triangles && !o->quiet) fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will be black\n");
+    if (o->render.max_depth > 1 && !r.info.n_mirrors && !o->quiet)
+        fprintf(stderr, "lightcuts: warning: --maxdepth %u: without mirrors only direct light is rendered in this version\n",
+                o->render.max_depth);
     cli_catch_signals(); /* not before: there is nothing to tidy up, and loading does not ask for signals */
     cli_progress_start(&progress, "rendering", o->quiet);
     o->render.progress = cli_progress_step;

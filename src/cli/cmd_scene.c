@@ -17,7 +17,7 @@ typedef struct scene_args {
 static void list_scenes(FILE *f)
 {
     for (size_t i = 0; i < GEN_N_SCENES; i++)
-        fprintf(f, "  %-8s %s (%" PRIu64 " lights)\n", gen_scenes[i].name, gen_scenes[i].about, gen_scenes[i].n_lights);
+        fprintf(f, "  %-11s %s (%" PRIu64 " lights)\n", gen_scenes[i].name, gen_scenes[i].about, gen_scenes[i].n_lights);
 }
 
 static int print_help(void)
@@ -29,7 +29,7 @@ static int print_help(void)
     list_scenes(stdout);
     puts("\noptions:\n"
          "  --lights N          1 to 20000000 lights\n"
-         "  --seed N            places the lights differently (default 0; no effect on grid)\n"
+         "  --seed N            places the lights differently (default 0; no effect on grids)\n"
          "  -o, --outfile FILE  write there instead of stdout\n"
          "  --help              this text");
     return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK : CLI_FAILED;

@@ -16,8 +16,10 @@ _lightcuts()
 
     case $command:$previous in
     help:help) COMPREPLY=($(compgen -W "${commands% help}" -- "$word")); return ;;
-    scene:scene) COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs' -- "$word")); return ;;
-    bench:--quality) COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs' -- "$word")); return ;;
+    scene:scene | bench:--quality)
+        COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs student1 student2 student3 student3top student4 student5' \
+            -- "$word"))
+        return ;;
     bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render' -- "$word")); return ;;
     render:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word")); return ;;
     render:--builder | bench:--builder) COMPREPLY=($(compgen -W 'auto exact ploc' -- "$word")); return ;;

@@ -195,6 +195,12 @@ void gen_phong(gen *g, gen_v3 kd, double ks, double exponent)
     fprintf(g->file, " \"float exponent\" %.7g\n", exponent);
 }
 
+void gen_mirror(gen *g, gen_v3 kr)
+{
+    gen_flush(g);
+    fprintf(g->file, "Material \"mirror\" \"rgb reflectance\" [ %.7g %.7g %.7g ]\n", kr.x, kr.y, kr.z);
+}
+
 void gen_comment(gen *g, const char *text)
 {
     gen_flush(g);

@@ -84,6 +84,7 @@ void gen_put_vector(gen *g, gen_v3 v); /* three coordinates, a space before each
 
 void gen_diffuse(gen *g, double r, double green, double b);
 void gen_phong(gen *g, gen_v3 kd, double ks, double exponent);
+void gen_mirror(gen *g, gen_v3 kr);
 
 /* What follows is moved, then turned about the y axis (x towards -z when positive), within the frame outside.
  */
@@ -107,6 +108,7 @@ void gen_ball(gen *g, gen_v3 centre, double radius, int n_segments, int n_rings)
 void gen_tube(gen *g, const gen_v3 *path, int n_path, double radius, int n_segments); /* flat ends */
 typedef gen_v3 gen_sheet_fn(const void *ctx, double u, double v);                     /* 0..1 each */
 void gen_sheet(gen *g, int nu, int nv, gen_sheet_fn *fn, const void *ctx);
+void gen_torus(gen *g, double large, double small, int n_around, int n_tube); /* about the y axis, radii of ring and tube */
 /* A wall in the plane of x and y (z = 0) with one hole, and the hole's reveal of the given depth towards +z.
  */
 typedef struct gen_rect {
@@ -145,6 +147,12 @@ void gen_scene_room(gen *g);
 void gen_scene_grid(gen *g);
 void gen_scene_cube(gen *g);
 void gen_scene_bulbs(gen *g);
+void gen_scene_student1(gen *g);
+void gen_scene_student2(gen *g);
+void gen_scene_student3(gen *g);
+void gen_scene_student3top(gen *g);
+void gen_scene_student4(gen *g);
+void gen_scene_student5(gen *g);
 
 /* ---- scene_list.c ---- */
 
@@ -154,7 +162,8 @@ typedef struct gen_scene {
     void (*generate)(gen *g);
 } gen_scene;
 
-#define GEN_N_SCENES 6
+#define GEN_N_SCENES 12
+#define GEN_N_MANY 6 /* the first ones: meant for thousands of lights */
 extern const gen_scene gen_scenes[GEN_N_SCENES];
 
 /* The whole text. n_lights 0: the scene's own number; max_pixels 0: the scene's own film. */

@@ -11,26 +11,14 @@
 #define GRID_SIDE 10.0
 #define GRID_HEIGHT 2.6 /* of the lights; everything else stays below 2.2 */
 
-typedef struct torus {
-    double large, small;
-} torus;
-
-static gen_v3 torus_point(const void *ctx, double u, double v)
-{
-    const torus *t = ctx;
-    double r = t->large + t->small * gen_cos(v);
-    return gen_v(r * gen_cos(u), t->small * gen_sin(v), r * gen_sin(u));
-}
-
 static void grid_objects(gen *g)
 {
-    static const torus ring = { 1.35, 0.28 };
     static const double cone[][2] = {
         { 0.75, 0 }, { 0.75, 0.12 }, { 0.7, 0.12 }, { 0.06, 1.75 }, { 0, 1.8 }
     };
     gen_phong(g, gen_v(0.42, 0.29, 0.08), 0.4, 60);
     gen_push(g, 0, 0.28, 0.2, 0);
-    gen_sheet(g, 96, 32, torus_point, &ring);
+    gen_torus(g, 1.35, 0.28, 96, 32);
     gen_pop(g);
     gen_phong(g, gen_v(0.55, 0.12, 0.1), 0.25, 90);
     gen_ball(g, gen_v(-2.7, 1, 1.2), 1, 64, 32);

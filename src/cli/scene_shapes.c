@@ -241,6 +241,25 @@ void gen_sheet(gen *g, int nu, int nv, gen_sheet_fn *fn, const void *ctx)
         }
 }
 
+/* ---- torus ---- */
+
+typedef struct torus {
+    double large, small;
+} torus;
+
+static gen_v3 torus_point(const void *ctx, double u, double v)
+{
+    const torus *t = ctx;
+    double r = t->large + t->small * gen_cos(v);
+    return gen_v(r * gen_cos(u), t->small * gen_sin(v), r * gen_sin(u));
+}
+
+void gen_torus(gen *g, double large, double small, int n_around, int n_tube)
+{
+    const torus t = { large, small };
+    gen_sheet(g, n_around, n_tube, torus_point, &t);
+}
+
 /* ---- walls ---- */
 
 static void wall_part(gen *g, double x0, double y0, double x1, double y1)
