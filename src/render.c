@@ -3,13 +3,12 @@
  * Every pixel depends on scene, descriptor and its own coordinates only. Sample positions and representative slots come
  * from (seed, pixel, sample, dimension); the pre-pass looks at a fixed grid over the whole film whatever the crop.
  */
-#include "cut.h"
+#include "render.h"
+
 #include "film.h"
 #include "pool.h"
 #include "rng.h"
-#include "scene.h"
 #include "shade.h"
-#include "surface.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -61,6 +60,8 @@ static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dime
     return lc_hash4(j->desc->seed, pixel, sample, dimension);
 }
 
+static uint64_t pixel_of(const job *j, uint32_t x, uint32_t y) { return (uint64_t)y * j->scene->film.width + x; }
+
 /* Radiance of a shading point; fills what the statistics and planes want. */
 static void shade(const job *j, worker *w, const lc_surface *s, lc_f3 view, uint64_t hash, lc_cut_result *out)
 {
@@ -89,24 +90,30 @@ static void add_sample(const job *j, lc_pixel *px, const lc_surface *s, lc_f3 di
     px->hits++;
 }
 
+/* Camera ray of sample i of a pixel. */
+static void sample_ray(const job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir)
+{
+    uint64_t pixel = pixel_of(j, x, y);
+    double dx = 0.5, dy = 0.5; /* one sample: the centre */
+    if (j->spp > 1) dx = lc_unit(key(j, pixel, i, DIM_X)), dy = lc_unit(key(j, pixel, i, DIM_Y));
+    lc_camera_ray(&j->scene->camera, x + dx, y + dy, org, dir);
+}
+
 static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
 {
     lc_pixel px = { .hits = 0 };
-    uint64_t pixel = (uint64_t)y * j->scene->film.width + x;
     for (uint32_t i = 0; i < j->spp; i++) {
         lc_f3 org, dir;
         lc_surface s;
         lc_cut_result r;
         lc_phase_start(&w->stats);
-        double dx = 0.5, dy = 0.5; /* one sample: the centre */
-        if (j->spp > 1) dx = lc_unit(key(j, pixel, i, DIM_X)), dy = lc_unit(key(j, pixel, i, DIM_Y));
-        lc_camera_ray(&j->scene->camera, x + dx, y + dy, &org, &dir);
+        sample_ray(j, x, y, i, &org, &dir);
         w->stats.camera_rays++;
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
         bool hit = lc_surface_hit(j->scene, org, dir, j->pixel, &s);
         lc_phase_end(&w->stats, LC_PHASE_CAMERA);
         if (!hit) continue;
-        shade(j, w, &s, lc_f3_neg(dir), key(j, pixel, i, DIM_SLOT), &r);
+        shade(j, w, &s, lc_f3_neg(dir), key(j, pixel_of(j, x, y), i, DIM_SLOT), &r);
         add_sample(j, &px, &s, dir, &r);
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
     }
@@ -382,6 +389,13 @@ static lc_status render_all(job *j, const uint32_t crop[4], lc_render_stats *sta
     return set_attributes(j);
 }
 
+static void init_job(job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc)
+{
+    *j = (job){ .ctx = ctx, .scene = scene, .desc = desc, .spp = desc->spp ? desc->spp : scene->film.spp };
+    /* samples share a pixel; as in pbrt, one sees no less than an eighth of it */
+    j->pixel = scene->camera.pixel * fmax(0.125, 1 / sqrt((double)j->spp));
+}
+
 lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, lc_image **out,
                     lc_render_stats *stats)
 {
@@ -394,9 +408,8 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     if (st) return st;
     if (!stats) stats = &own;
     *stats = (lc_render_stats){ 0 };
-    job j = { .ctx = ctx, .scene = scene, .desc = desc, .spp = desc->spp ? desc->spp : scene->film.spp };
-    /* samples share a pixel; as in pbrt, one sees no less than an eighth of it */
-    j.pixel = scene->camera.pixel * fmax(0.125, 1 / sqrt((double)j.spp));
+    job j;
+    init_job(&j, ctx, scene, desc);
     j.mutex = lc_mutex_create(ctx);
     st = j.mutex ? render_all(&j, crop, stats) : LC_ERR_MEMORY;
     lc_mutex_destroy(ctx, j.mutex);
@@ -404,4 +417,54 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     if (st) lc_image_destroy(j.film.image);
     else *out = j.film.image;
     return st;
+}
+
+/* What cuts of the picture are made by; where it makes none, by those of LC_METHOD_CUTS. */
+static lc_status probe_desc(job *j, lc_probe *p, lc_cut_desc *cut)
+{
+    const lc_render_desc *desc = j->desc;
+    lc_render_desc cuts = *desc;
+    lc_render_stats stats = { 0 };
+    lc_status st = choose_method(j, &stats);
+    p->all_lights = j->exact;
+    if (!st && j->exact) {
+        cuts.method = LC_METHOD_CUTS, j->desc = &cuts;
+        st = choose_method(j, &stats);
+        j->desc = desc;
+    }
+    *cut = cut_desc(j, &stats);
+    p->mean_luminance = stats.mean_luminance;
+    return st;
+}
+
+lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x, uint32_t y,
+                          uint32_t sample, lc_probe *p)
+{
+    job j;
+    lc_cut_desc cut;
+    lc_f3 org, dir;
+    uint32_t crop[4];
+    lc_stats stats = { 0 };
+    *p = (lc_probe){ .hit = false };
+    lc_status st = check_desc(ctx, scene, desc, crop);
+    if (st) return st;
+    init_job(&j, ctx, scene, desc);
+    if (x >= scene->film.width || y >= scene->film.height)
+        return lc_fail(ctx, LC_ERR_ARG, "pixel %u,%u is outside the film of %u x %u", x, y, scene->film.width, scene->film.height);
+    if (sample >= j.spp) return lc_fail(ctx, LC_ERR_ARG, "sample %u: a pixel has %u, counted from 0", sample, j.spp);
+    st = probe_desc(&j, p, &cut);
+    if (!st) st = lc_cut_init(&p->cut, ctx, scene->tree, scene->bvh, &cut, true);
+    if (st) return st;
+    sample_ray(&j, x, y, sample, &org, &dir);
+    p->view = lc_f3_neg(dir);
+    p->hit = lc_surface_hit(scene, org, dir, j.pixel, &p->surface);
+    if (!p->hit) return LC_OK;
+    lc_point_init(&p->point, p->surface.pos, p->surface.n, p->view, &p->surface.material, scene->min_d2);
+    lc_cut_shade(&p->cut, &p->point, p->surface.ray_org, key(&j, pixel_of(&j, x, y), sample, DIM_SLOT), &stats, &p->by_cut);
+    return LC_OK;
+}
+
+void lc_probe_free(lc_probe *p)
+{
+    if (p->cut.ctx) lc_cut_free(&p->cut);
 }
