@@ -14,6 +14,7 @@
 #include <stdio.h>
 
 #define TILE 16              /* pixels a side */
+#define BLOCK 4              /* pixels a side that share out the slots of representatives */
 #define PREPASS_SIDE 32      /* grid of the pre-pass */
 #define PREPASS_RATIO 0.1f   /* its error ratio and cut limit: its mean is wanted to a few percent */
 #define PREPASS_MAX_CUT 128
@@ -61,6 +62,23 @@ static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dime
 }
 
 static uint64_t pixel_of(const job *j, uint32_t x, uint32_t y) { return (uint64_t)y * j->scene->film.width + x; }
+
+/* Picks a pixel's slot of representatives. The pixels of a block have 16 numbers in an order of its own, so with at most as
+ * many slots, all are in it equally often and the block's mean is better than that of any 16 choices; samples of a pixel go on from its
+ * number. Against independent choices, both with slots as tree_fill.c fills them (2026-11, 16 slots, half size; stairs, room, cornell):
+ * error of means of 4 x 4 pixels in penumbrae 0.70, 0.71, 0.92 times, of pixels the same. */
+static uint64_t slot_hash(const job *j, uint32_t x, uint32_t y, uint32_t i)
+{
+    uint32_t number[BLOCK * BLOCK], at = y % BLOCK * BLOCK + x % BLOCK;
+    if (j->scene->tree->n_reps == 1) return 0;
+    uint64_t h = key(j, pixel_of(j, x - x % BLOCK, y - y % BLOCK), 0, DIM_SLOT), rest = h;
+    for (uint32_t k = 0; k < BLOCK * BLOCK; k++) number[k] = k;
+    for (uint32_t k = BLOCK * BLOCK; k-- > 1; rest /= k + 1) { /* 16! < 2^45: one hash is enough */
+        uint32_t other = (uint32_t)(rest % (k + 1)), was = number[k];
+        number[k] = number[other], number[other] = was;
+    }
+    return h / (BLOCK * BLOCK) * (BLOCK * BLOCK) + (number[at] + 5 * i) % (BLOCK * BLOCK);
+}
 
 /* Radiance of a shading point; fills what the statistics and planes want. */
 static void shade(const job *j, worker *w, const lc_surface *s, lc_f3 view, uint64_t hash, lc_cut_result *out)
@@ -113,7 +131,7 @@ static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
         bool hit = lc_surface_hit(j->scene, org, dir, j->pixel, &s);
         lc_phase_end(&w->stats, LC_PHASE_CAMERA);
         if (!hit) continue;
-        shade(j, w, &s, lc_f3_neg(dir), key(j, pixel_of(j, x, y), i, DIM_SLOT), &r);
+        shade(j, w, &s, lc_f3_neg(dir), slot_hash(j, x, y, i), &r);
         add_sample(j, &px, &s, dir, &r);
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
     }
@@ -460,7 +478,7 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     p->hit = lc_surface_hit(scene, org, dir, j.pixel, &p->surface);
     if (!p->hit) return LC_OK;
     lc_point_init(&p->point, p->surface.pos, p->surface.n, p->view, &p->surface.material, scene->min_d2);
-    lc_cut_shade(&p->cut, &p->point, p->surface.ray_org, key(&j, pixel_of(&j, x, y), sample, DIM_SLOT), &stats, &p->by_cut);
+    lc_cut_shade(&p->cut, &p->point, p->surface.ray_org, slot_hash(&j, x, y, sample), &stats, &p->by_cut);
     return LC_OK;
 }
 
