@@ -209,6 +209,63 @@ typedef struct lc_render_stats {
 LC_API lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, lc_image **out,
                            lc_render_stats *stats);
 
+/* ---- one point explained ---- */
+
+#define LC_NO_CLUSTER 0xffffffffu
+
+/* A cluster of the cut of a point, or one that was split on the way there. */
+typedef struct lc_explained_cluster {
+    uint32_t id, parent;      /* of the light tree; parent LC_NO_CLUSTER: a root. Ids from 0, lights after all clusters */
+    uint32_t kind;            /* 0 point, 1 oriented, 2 directional */
+    uint32_t n_lights;        /* 1: a light, which is exact */
+    float lo[3], hi[3];       /* box of positions, world space; directional: of unit directions towards the lights */
+    uint32_t made, split;     /* round in which its parent was split, 0: from the start; in which it was, 0: it was not */
+    uint32_t light;           /* the representative, counted from 0: lights of the scene file in its order, then those made
+                               * from emissive surfaces. Of lights equal in everything the first */
+    float light_pos[3];       /* world space; directional: unit direction towards it */
+    float light_intensity[3]; /* of the representative alone */
+    int seen;                 /* of the representative: 1 not hidden, 0 hidden, -1 not asked, as it sheds nothing here */
+    float bound;              /* luminance that no sum of its lights exceeds; 0 for what is exact */
+    float estimate[3];        /* radiance by the representative */
+    double exact[3];          /* radiance, the sum of all its lights */
+    uint32_t n_seen;          /* lights that shed something here and are not hidden */
+} lc_explained_cluster;
+
+/* A round splits all clusters whose bound is above the limit, or at max_cut the worst of them. */
+typedef struct lc_explained_round {
+    uint32_t n_split;
+    uint32_t rays;       /* shadow rays traced before */
+    double limit, total; /* luminance; total: of the cut before, what was not traced yet taken as seen */
+} lc_explained_round;
+
+typedef struct lc_explanation {
+    int hit;                              /* 0: no surface there; nothing below is set but for mean_luminance */
+    float position[3], normal[3], view[3]; /* world space; unit: shading normal, towards the viewer */
+    float kd[3], ks[3], exponent;         /* of the material, textures evaluated */
+    uint32_t n_mirrors;                   /* on the way from the camera; the point is what the last one shows */
+    float weight[3];                      /* what they leave of its radiance; 1 without */
+    float emission[3];                    /* radiance of all that was met, as it reaches the camera */
+    float radiance[3];                    /* of the cut */
+    float exact[3];                       /* of all lights */
+    float pixel[3];                       /* what the sample gives to the picture, emission and the film's scale included */
+    int all_lights;                       /* the picture takes all lights: asked for, or few; the cut is that of LC_METHOD_CUTS */
+    double mean_luminance, floor;         /* of the pre-pass; the dark floor made of it */
+    double limit;                         /* luminance: no bound left is above, but at max_cut */
+    float max_error;                      /* largest bound left / luminance of the cut */
+    uint32_t rays;                        /* shadow rays of the cut */
+    int at_limit, dark;                   /* met max_cut; the dark floor set the limit */
+    uint32_t n_clusters, n_splits, n_rounds;
+    lc_explained_cluster *clusters;       /* n_clusters of the cut by falling luminance of the estimate, equal ones by falling
+                                           * bound, then n_splits that were split, in order */
+    lc_explained_round *rounds;           /* 1, 2, ... */
+} lc_explanation;
+
+/* The cut that lc_render makes for one sample (from 0) of a pixel of the film, and every light's share of the truth. Fails with
+ * LC_ERR_ARG where there is no such pixel or sample, LC_ERR_MEMORY. */
+LC_API lc_status lc_explain(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x, uint32_t y,
+                            uint32_t sample, lc_explanation **out);
+LC_API void lc_explanation_destroy(lc_explanation *explanation);
+
 #ifdef __cplusplus
 }
 #endif

@@ -41,7 +41,9 @@ lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *t
     cut->memory = lc_alloc_raw(ctx, n, 4 * LC_CUT_WORDS * sizeof *cut->memory); /* without a limit few pages are touched */
     cut->key = lc_alloc_raw(ctx, n, sizeof *cut->key);
     cut->done = keep_done ? lc_alloc(ctx, n, sizeof *cut->done) : NULL;
-    if (!cut->memory || !cut->key || (!cut->done && keep_done)) {
+    cut->history = keep_done ? lc_alloc_raw(ctx, n, sizeof *cut->history) : NULL;
+    cut->rounds = keep_done ? lc_alloc_raw(ctx, n, sizeof *cut->rounds) : NULL;
+    if (!cut->memory || !cut->key || (keep_done && (!cut->done || !cut->history || !cut->rounds))) {
         lc_cut_free(cut);
         return LC_ERR_MEMORY;
     }
@@ -55,7 +57,9 @@ void lc_cut_free(lc_cut *cut)
     lc_free(cut->ctx, cut->memory, n, 4 * LC_CUT_WORDS * sizeof *cut->memory);
     lc_free(cut->ctx, cut->key, n, sizeof *cut->key);
     lc_free(cut->ctx, cut->done, n, sizeof *cut->done);
-    cut->memory = NULL, cut->key = NULL, cut->done = NULL;
+    lc_free(cut->ctx, cut->history, n, sizeof *cut->history);
+    lc_free(cut->ctx, cut->rounds, n, sizeof *cut->rounds);
+    cut->memory = NULL, cut->key = NULL, cut->done = NULL, cut->history = NULL, cut->rounds = NULL;
 }
 
 static uint32_t cut_size(const lc_cut *c) { return c->open.n + c->split.n + c->left.n + c->n_done; }
@@ -208,6 +212,14 @@ static void count_done(lc_cut *c, const step *s, uint32_t n_inner)
     c->n_done += 2 * s->pairs.n - n_inner;
     for (uint32_t i = 0; i < 2 * s->pairs.n && c->keep_done; i++)
         if (!(s->bound[i] > 0) || s->link[i] & LC_LEAF) c->done[was++] = s->link[i];
+}
+
+/* A cut of n clusters takes n - 1 splits at most, so there is room. */
+static void record_round(lc_cut *c, float limit, double total, uint64_t rays)
+{
+    c->rounds[c->n_rounds++] = (lc_cut_round){ c->split.n, (uint32_t)rays, limit, total };
+    memcpy(c->history + c->n_history, c->split.link, c->split.n * sizeof *c->history);
+    c->n_history += c->split.n;
 }
 
 /* Replaces the chosen clusters by their children. Returns the change of the total's luminance. */
@@ -378,7 +390,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     s.pairs = (lc_cut_pairs){ .parent = &c->split, .bound = s.bound, .link = s.link, .power = s.power,
                               .fresh = s.fresh, .rep = s.rep, .transfer = { s.f[0], s.f[1], s.f[2] } };
     *out = (lc_cut_result){ 0 };
-    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = 0;
+    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = c->n_history = c->n_rounds = 0;
     c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
     stats->points++;
     if (!c->tree->n_lights) return;
@@ -389,6 +401,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
         if (traced) kernels(c)->partition(&c->left, limit, &c->open, &c->left);
         choose(c, limit, c->limit - cut_size(c));
         if (c->split.n) {
+            if (c->keep_done) record_round(c, limit, total, stats->shadow_rays - rays_before);
             total += split_chosen(c, &s, limit);
             traced = false;
         } else {

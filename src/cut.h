@@ -28,6 +28,13 @@ typedef struct lc_cut_desc {
     float floor;      /* luminance of reflected radiance, W/(m^2 sr) */
 } lc_cut_desc;
 
+/* Clusters that were split at the same time. */
+typedef struct lc_cut_round {
+    uint32_t n_split, rays; /* rays: traced before */
+    float limit;            /* every one of them had a bound above it */
+    double total;           /* luminance of the cut before, with visibility 1 where no ray was traced yet */
+} lc_cut_round;
+
 /* Per-thread scratch, and after lc_cut_shade the cut itself: left, and done: leaves, which are exact, and clusters that
  * can't contribute. While refining, open holds the clusters above the limit, split those to be split, leaf those that are
  * done but for their shadow rays. */
@@ -42,6 +49,9 @@ typedef struct lc_cut {
     float *key;          /* scratch of the choice of the worst */
     uint32_t *done;      /* links of light tree nodes; kept only when keep_done */
     uint32_t n_done;     /* leaves that are in the list leaf included */
+    uint32_t *history;   /* nodes that were split, in order, round after round; kept only when keep_done, as are rounds */
+    lc_cut_round *rounds;
+    uint32_t n_history, n_rounds;
     bool keep_done;
     double done_sum[3];  /* radiance of the done ones */
     const uint32_t *fresh; /* of the slot: node id has fresh[id * fresh_stride], see lc_node.fresh */
@@ -56,7 +66,7 @@ typedef struct lc_cut_result {
     bool at_limit, dark;
 } lc_cut_result;
 
-/* keep_done: record every node of the cut, for validation. */
+/* keep_done: record every node of the cut and every split, for validation and for explain.c. */
 lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *tree, const lc_bvh *bvh,
                       const lc_cut_desc *desc, bool keep_done);
 void lc_cut_free(lc_cut *cut);

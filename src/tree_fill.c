@@ -156,17 +156,32 @@ static void fill_light(const filler *f, uint32_t build, uint32_t light, sums *s)
     s->hash = lc_mix(scene);
 }
 
+/* A number 0 <= u <= 1 for each slot: each is uniform, but together they are one in each n_reps-th, in an order of the
+ * cluster's own. So the slots of a cluster don't choose the same child more often than they should. */
+static void draw(const filler *f, uint64_t cluster, double u[LC_MAX_REPS])
+{
+    uint32_t n = f->t->n_reps, order[LC_MAX_REPS];
+    uint64_t h = lc_hash4(f->seed, cluster, 0, 1);
+    for (uint32_t s = 0; s < n; s++) order[s] = s;
+    for (uint32_t s = n; s-- > 1;) {
+        h = lc_mix(h);
+        uint32_t other = (uint32_t)(h % (s + 1)), was = order[s];
+        order[s] = order[other], order[other] = was;
+    }
+    for (uint32_t s = 0; s < n; s++) u[s] = (order[s] + lc_unit(lc_hash4(f->seed, cluster, s, 0))) / n;
+}
+
 /* Chooses the representatives of an entry among its children's. */
 static void choose_reps(const filler *f, batch *b, uint32_t at, const sums child[2], const uint32_t link[2])
 {
     lc_light_tree *t = f->t;
     const entry *e = &b->entries[at];
-    double left = lc_cluster_scalar(&child[0].c), right = lc_cluster_scalar(&child[1].c);
+    double left = lc_cluster_scalar(&child[0].c), right = lc_cluster_scalar(&child[1].c), u[LC_MAX_REPS];
+    draw(f, b->sums[at].hash, u);
     for (uint32_t s = 0; s < t->n_reps; s++) {
         uint32_t rep[2];
         for (int i = 0; i < 2; i++) rep[i] = e->slot[i] == LC_NONE ? link[i] & ~LC_LEAF : b->rep[(size_t)e->slot[i] * t->n_reps + s];
-        double u = lc_unit(lc_hash4(f->seed, b->sums[at].hash, s, 0));
-        bool is_left = u * (left + right) < left;
+        bool is_left = u[s] * (left + right) < left;
         uint32_t fresh = is_left ? rep[1] | LC_FRESH_RIGHT : rep[0];
         b->rep[(size_t)at * t->n_reps + s] = is_left ? rep[0] : rep[1];
         if (s) t->more_fresh[(size_t)(s - 1) * t->n_nodes + e->id] = fresh;

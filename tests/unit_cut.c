@@ -156,9 +156,19 @@ static double lum_of(lc_f3 c) { return 0.2126 * (double)c.x + 0.7152 * (double)c
 /* Clusters that still have a bound above 0. */
 static uint32_t n_left(const lc_cut *c) { return c->left.n; }
 
-/* Sum of the luminance of all lights under the node with this link, nothing hidden. */
-static double unhidden_sum(const lc_light_tree *t, uint32_t top, const lc_point *p)
+static bool is_hidden(const setup *s, const point *q, uint32_t light)
 {
+    const float *pos = s->tree->data.lights[light].pos, *const target[3] = { pos, pos + 1, pos + 2 };
+    uint8_t hidden[LC_LANES];
+    s->bvh->kernels->hidden(&s->bvh->data, q->org, 1, target, lc_kind_of_light(s->tree, light) == LC_LIGHT_DIRECTIONAL, hidden);
+    return hidden[0];
+}
+
+/* Sum of the luminance of all lights under the node with this link; shadows: of those that are not hidden. */
+static double sum_below(const setup *s, uint32_t top, const point *q, bool shadows)
+{
+    const lc_light_tree *t = s->tree;
+    const lc_point *p = &q->p;
     uint32_t stack[2048], n = 0;
     double sum = 0;
     stack[n++] = top;
@@ -169,6 +179,7 @@ static double unhidden_sum(const lc_light_tree *t, uint32_t top, const lc_point 
             continue;
         }
         uint32_t light = link & ~LC_LEAF;
+        if (shadows && is_hidden(s, q, light)) continue;
         const lc_light_rec *l = &t->data.lights[light];
         lc_f3 mg = lc_shade_light(p, lc_kind_of_light(t, light), l, lc_light_atten(&t->data, light));
         sum += lum_of(lc_f3_mul(mg, lc_f3_load(l->intensity)));
@@ -197,13 +208,13 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
         CHECKF(r->at_limit || bound <= most * (1 + 1e-5), "bound %g left, limit %g", bound, most); /* 1e-5: of total in float */
         CHECK(bound > 0 && !(link & LC_LEAF) && !(c->left.rep[i] & LC_PENDING));
         /* 1e-6: what float products and the double sum round off */
-        double sum = unhidden_sum(t, link, &q->p);
+        double sum = sum_below(s, link, q, false);
         CHECKF(bound >= sum * (1 - 1e-6), "bound %g of lights that sum to %g", bound, sum);
         left += bound;
     }
     for (uint32_t i = 0; i < c->n_done; i++)
         if (!(c->done[i] & LC_LEAF)) {
-            double sum = unhidden_sum(t, c->done[i], &q->p);
+            double sum = sum_below(s, c->done[i], q, false);
             CHECKF(!(sum > 0), "a cluster of bound 0 has lights that sum to %g", sum);
         }
     /* Estimate and truth of each cluster left are both within 0..bound; the others are exact. */
@@ -350,6 +361,70 @@ TEST(small_cuts_are_exact_on_average)
     mean_is_exact(12, 5, 0, 1);
 }
 
+#define CUT_POINTS 12
+#define CUT_SIZE 10
+
+/* What one cluster of a cut was estimated to over the seeds. */
+typedef struct {
+    uint32_t link;
+    double sum, sum2;
+} estimated;
+
+static void judge_cluster(const setup *s, const point *q, const estimated *e, double *worst, uint32_t *noisy)
+{
+    double want = sum_below(s, e->link, q, true), mean = e->sum / MEAN_SEEDS;
+    double err = sqrt(fmax(e->sum2 / MEAN_SEEDS - mean * mean, 0) / MEAN_SEEDS);
+    if (err > 1e-4 * want) {
+        *worst = fmax(*worst, fabs(mean - want) / err);
+        ++*noisy;
+        CHECKF(fabs(mean - want) < 4.5 * err, "mean %g, exact %g, standard error %g", mean, want, err);
+    } else {
+        CHECKF(fabs(mean - want) <= 1e-3 * want + 1e-30, "mean %g, exact %g", mean, want);
+    }
+}
+
+/* The cut of ratio 0 and a given size is the same whatever the representatives, so each of its clusters can be followed. */
+static void clusters_mean_is_exact(uint32_t kinds, uint32_t n_reps)
+{
+    static estimated all[CUT_POINTS][CUT_SIZE];
+    point q[CUT_POINTS];
+    setup s;
+    double worst = 0;
+    uint32_t noisy = 0, n_left_of[CUT_POINTS] = { 0 };
+    memset(all, 0, sizeof all);
+    make(&s, 80, kinds, 12, true);
+    for (int i = 0; i < CUT_POINTS; i++) q[i] = rnd_point();
+    for (uint64_t seed = 0; seed < MEAN_SEEDS; seed++) {
+        lc_cut c;
+        build_tree(&s, lc_mix(seed + 1), n_reps);
+        open_cut(&c, &s, 0, CUT_SIZE, 0);
+        for (int i = 0; i < CUT_POINTS; i++) {
+            shade(&c, &q[i], lc_mix(seed));
+            CHECK(!seed || n_left(&c) == n_left_of[i]);
+            n_left_of[i] = n_left(&c);
+            for (uint32_t k = 0; k < n_left(&c); k++) {
+                estimated *e = &all[i][k];
+                double y = lum_of(lc_f3_make(c.left.e[0][k], c.left.e[1][k], c.left.e[2][k]));
+                CHECK(!seed || e->link == c.left.link[k]);
+                e->link = c.left.link[k], e->sum += y, e->sum2 += y * y;
+            }
+        }
+        lc_cut_free(&c);
+    }
+    for (int i = 0; i < CUT_POINTS; i++)
+        for (uint32_t k = 0; k < n_left_of[i]; k++) judge_cluster(&s, &q[i], &all[i][k], &worst, &noisy);
+    printf("  kinds %u, %u slots: %u noisy clusters, worst %.2f standard errors\n", kinds, n_reps, noisy, worst);
+    CHECK(noisy >= CUT_POINTS);
+    unmake(&s);
+}
+
+TEST(clusters_are_exact_on_average)
+{
+    for (uint32_t kinds = 1; kinds < 8; kinds *= 2) clusters_mean_is_exact(kinds, 1);
+    clusters_mean_is_exact(7, 16);
+    clusters_mean_is_exact(3, LC_MAX_REPS);
+}
+
 /* ---- the rest ---- */
 
 TEST(no_lights_is_black)
@@ -483,6 +558,7 @@ int main(void)
     RUN(no_error_allowed_is_exact);
     RUN(roots_alone_are_exact_on_average);
     RUN(small_cuts_are_exact_on_average);
+    RUN(clusters_are_exact_on_average);
     RUN(scratch_leaves_no_trace);
     RUN(dark_floor_stops_refinement);
     RUN(smaller_ratio_larger_cut);

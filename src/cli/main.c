@@ -10,6 +10,7 @@ static const cli_command commands[] = {
     { "scene", cmd_scene, "write a generated scene" },
     { "info", cmd_info, "what is in a scene or an image" },
     { "preview", cmd_preview, "PNG from an OpenEXR image" },
+    { "explain", cmd_explain, "the cut of one pixel, cluster by cluster" },
     { "bench", cmd_bench, "how fast this machine runs the parts of a render" },
 };
 #define N_COMMANDS (sizeof commands / sizeof *commands)
