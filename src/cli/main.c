@@ -11,6 +11,7 @@ static const cli_command commands[] = {
     { "info", cmd_info, "what is in a scene or an image" },
     { "preview", cmd_preview, "PNG from an OpenEXR image" },
     { "bench", cmd_bench, "how fast this machine runs the parts of a render" },
+    { "report", cmd_report, "one page: pictures, tables and plots against the exact method" },
 };
 #define N_COMMANDS (sizeof commands / sizeof *commands)
 
