@@ -144,12 +144,9 @@ static void name_scene(report *r, uint32_t k)
 static int make_folder(const char *path)
 {
     struct stat st;
-    if (!mkdir(path, 0777)) return CLI_OK;
-    int err = errno;
-    if (err == EEXIST) {
-        if (!stat(path, &st) && S_ISDIR(st.st_mode) && !access(path, W_OK | X_OK)) return CLI_OK;
-        err = S_ISDIR(st.st_mode) ? EACCES : ENOTDIR;
-    }
+    int err = mkdir(path, 0777) ? errno : 0;
+    if (err == EEXIST && !stat(path, &st)) err = !S_ISDIR(st.st_mode) ? ENOTDIR : access(path, W_OK | X_OK) ? errno : 0;
+    if (!err) return CLI_OK;
     fprintf(stderr, "lightcuts: error: cannot make the folder '%s': %s\n", path, strerror(err));
     return CLI_FAILED;
 }

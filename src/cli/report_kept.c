@@ -1,5 +1,5 @@
-/* report_kept.c - finished renders in DIR/renders: SCENE-exact.exr, SCENE-0.02-r16.exr ..., beside each a .json of its figures.
- * The .json is written last and removed first, so where it is the picture is that of its key. */
+/* report_kept.c - finished renders in DIR/renders: SCENE-exact.exr, SCENE-0.02-r16.exr, SCENE-quick-exact.exr ..., beside each
+ * a .json of its figures. The .json is written last and removed first, so where it is the picture is that of its key. */
 #include "report.h"
 
 #include "cli.h"
@@ -22,9 +22,9 @@ const report_field report_fields[REPORT_N_STATS] = {
 
 void report_kept_path(const report *r, const report_scene *s, const report_render *v, const char *extension, char out[REPORT_MAX_PATH])
 {
-    if (v->method == LC_METHOD_EXACT) snprintf(out, REPORT_MAX_PATH, "%s/renders/%s-exact.%s", r->o->folder, s->name, extension);
-    else
-        snprintf(out, REPORT_MAX_PATH, "%s/renders/%s-%g-r%" PRIu32 ".%s", r->o->folder, s->name, v->ratio, v->n_reps, extension);
+    char what[64] = "exact";
+    if (v->method != LC_METHOD_EXACT) snprintf(what, sizeof what, "%g-r%" PRIu32, v->ratio, v->n_reps);
+    snprintf(out, REPORT_MAX_PATH, "%s/renders/%s%s-%s.%s", r->o->folder, s->name, r->o->quick ? "-quick" : "", what, extension);
 }
 
 /* `"name": number` anywhere in our own JSON. */

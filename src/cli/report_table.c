@@ -34,7 +34,7 @@ static void put_text(FILE *f, report_format format, double v)
     case FMT_PERCENT: fprintf(f, "%.3g %%", 100 * v); break;
     case FMT_SECONDS: fprintf(f, v < 999.5 ? "%.3g s" : "%.0f s", v); break;
     case FMT_CLOCK: put_clock(f, v); break;
-    case FMT_TIMES: fprintf(f, "%.*f&times;", v >= 100 ? 0 : 1, v); break;
+    case FMT_TIMES: fprintf(f, "%.1f&times;", v); break;
     }
 }
 
