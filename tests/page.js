@@ -38,6 +38,8 @@ window.addEventListener('load', () => {
       const clip = getComputedStyle(layers[0]).clipPath, line = parseFloat(getComputedStyle(figure.querySelector('.line')).left);
       check('slider at ' + at, clip.replace(/0px/g, '0') === 'inset(0 0 0 ' + at + '%)' && Math.abs(line - at / 100 * range.clientWidth) < 1, clip + ' ' + line);
     }
+    range.value = 50;
+    range.dispatchEvent(new Event('input', { bubbles: true }));
     figure.scrollIntoView({ block: 'center' });
     const box = figure.querySelector('.stage').getBoundingClientRect();
     for (const share of [0.1, 0.5, 0.9]) {
@@ -62,6 +64,7 @@ window.addEventListener('load', () => {
   const plots = all('svg.lc-plot');
   check('plots', plots.length === 5 * report.scenes.length && plots.every((p) => p.querySelectorAll('.lc-line').length >= 2), plots.length);
   check('plots hold numbers', plots.every((p) => !/"[^"]*(nan|inf)[^"]*"/i.test(p.innerHTML.replace(/<text.*?<\/text>/g, ''))), 'nan or inf');
+  if (location.search === '?dark') check('a phone', innerWidth === 390, innerWidth);
   check('nothing is wider than the screen', document.documentElement.scrollWidth <= innerWidth,
     document.documentElement.scrollWidth + ' of ' + innerWidth);
   const dark = location.search === '?dark', back = dark ? 'rgb(13, 17, 23)' : 'rgb(255, 255, 255)';
@@ -72,5 +75,6 @@ window.addEventListener('load', () => {
   const pre = document.createElement('pre');
   pre.id = 'selftest';
   pre.textContent = '\n' + lines.join('\n') + '\nend\n';
-  document.body.append(pre);
+  if (parent !== window) parent.postMessage(pre.textContent, '*');
+  else document.body.append(pre);
 });
