@@ -42,7 +42,8 @@ copy() # out: the page with the test in it
         /^<head>$/ {
             print "<head><script>window.pageErrors = [];" > out
             print "for (const kind of [\"error\", \"unhandledrejection\", \"securitypolicyviolation\"])" > out
-            print "  addEventListener(kind, (e) => pageErrors.push(kind + \" \" + (e.message || e.reason || e.violatedDirective)), true);" > out
+            print "  addEventListener(kind, (e) =>" > out
+            print "    pageErrors.push(kind + \" \" + (e.message || e.reason || e.violatedDirective)), true);" > out
             print "console.error = console.warn = (...text) => pageErrors.push(text.join(\" \"));</script>" > out
             next
         }

@@ -112,7 +112,8 @@ uint64_t report_hash(uint64_t key, const void *data, size_t n);
 const report_seed *report_find_seed(const char *path);
 
 /* Where a render is kept: DIR/renders/SCENE-exact.exr and .json, DIR/renders/SCENE-0.02-r16.exr ... */
-void report_kept_path(const report *r, const report_scene *s, const report_render *v, const char *extension, char out[REPORT_MAX_PATH]);
+void report_kept_path(const report *r, const report_scene *s, const report_render *v, const char *extension,
+                      char out[REPORT_MAX_PATH]);
 /* Reads what an earlier run left of that render, if it was the same one. */
 bool report_read_kept(lc_context *ctx, const report *r, const report_scene *s, report_render *v);
 int report_write_kept(const report *r, const report_scene *s, const report_render *v, const lc_image *image);
@@ -141,6 +142,8 @@ void report_put_image(FILE *f, const report_picture *p, const char *alt);
 typedef enum report_format { FMT_COUNT, FMT_PLAIN, FMT_PERCENT, FMT_SECONDS, FMT_CLOCK, FMT_TIMES } report_format;
 /* A number as a reader likes it, with the whole of it and its place in report.json: "scenes.0.renders.3.rmse". */
 void report_put_number(FILE *f, report_format format, double v, const char *key, ...) __attribute__((format(printf, 4, 5)));
+/* The same of render `render` of scene k: "scenes.k.renders.render.name". */
+void report_put_of_render(FILE *f, report_format format, double v, uint32_t k, uint32_t render, const char *name);
 /* The number as report.json has it; null where it is not finite. */
 void report_put_value(FILE *f, double v);
 

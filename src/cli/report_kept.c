@@ -20,7 +20,8 @@ const report_field report_fields[REPORT_N_STATS] = {
     F(cut_max), F(at_limit), F(points), F(shadow_rays), F(every_light),
 };
 
-void report_kept_path(const report *r, const report_scene *s, const report_render *v, const char *extension, char out[REPORT_MAX_PATH])
+void report_kept_path(const report *r, const report_scene *s, const report_render *v, const char *extension,
+                      char out[REPORT_MAX_PATH])
 {
     char what[64] = "exact";
     if (v->method != LC_METHOD_EXACT) snprintf(what, sizeof what, "%g-r%" PRIu32, v->ratio, v->n_reps);
@@ -57,7 +58,8 @@ static bool picture_fits(lc_context *ctx, const char *path, const report_render 
     float *plane[3];
     if (access(path, F_OK)) return false; /* or reading it would complain */
     bool fits = !lc_image_read(ctx, path, &image);
-    if (fits) {
+    if (!fits) fprintf(stderr, "lightcuts: '%s' is rendered again\n", path);
+    else {
         lc_image_get_desc(image, &d);
         fits = d.width == v->stats.width && d.height == v->stats.height && report_planes(image, plane)
                && lc_image_channel(image, "cut.size");

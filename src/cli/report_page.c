@@ -17,15 +17,20 @@ static void head(FILE *f, const report *r)
     fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
           "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
           "script-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-          "<meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n<title>Lightcuts against the exact method</title>\n<style>\n", f);
+          "<meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n"
+          "<title>Lightcuts against the exact method</title>\n<style>\n", f);
     fputs(report_css, f);
-    fputs("</style>\n</head>\n<body>\n<header><h1>Lightcuts against the exact method</h1>\n<p>Lightcuts approximates the light of very many "
-          "sources by clusters; the exact method evaluates every one of them at every point. ", f);
+    fputs("</style>\n</head>\n<body>\n<header><h1>Lightcuts against the exact method</h1>\n<p>Lightcuts approximates the light of very "
+          "many sources by clusters; the exact method evaluates every one of them at every point. ", f);
     fprintf(f, "lightcuts %s, %s, ", LC_VERSION, r->isa);
     report_put_number(f, FMT_COUNT, r->n_threads, "threads");
-    fputs(r->n_threads == 1 ? " thread, cuts of at most " : " threads, cuts of at most ", f);
-    report_put_number(f, FMT_COUNT, r->o->max_cut, "max_cut");
-    fputs(r->o->max_cut ? " clusters." : " (no limit) clusters.", f);
+    fputs(r->n_threads == 1 ? " thread, cuts " : " threads, cuts ", f);
+    if (r->o->max_cut) {
+        fputs("of at most ", f);
+        report_put_number(f, FMT_COUNT, r->o->max_cut, "max_cut");
+        fputs(" clusters.", f);
+    } else
+        fputs("of any size.", f);
     if (r->o->quick) fputs(" <strong>A quick version: the pictures are small, and so are the times.</strong>", f);
     fputs("</p>\n<nav>", f);
     for (uint32_t k = 0; k < r->o->n_scenes; k++)
@@ -37,17 +42,17 @@ static void facts(FILE *f, const report *r, uint32_t k)
 {
     const report_stats *st = &r->scenes[k].renders[0].stats;
     fprintf(f, "<section id=\"scene-%" PRIu32 "\"><h2>%s</h2>\n<p>", k, r->scenes[k].name);
-    report_put_number(f, FMT_PLAIN, st->width, "scenes.%" PRIu32 ".renders.0.width", k);
+    report_put_of_render(f, FMT_PLAIN, st->width, k, 0, "width");
     fputs("&times;", f);
-    report_put_number(f, FMT_PLAIN, st->height, "scenes.%" PRIu32 ".renders.0.height", k);
+    report_put_of_render(f, FMT_PLAIN, st->height, k, 0, "height");
     fputs(" pixels, ", f);
-    report_put_number(f, FMT_COUNT, st->triangles, "scenes.%" PRIu32 ".renders.0.triangles", k);
+    report_put_of_render(f, FMT_COUNT, st->triangles, k, 0, "triangles");
     fputs(" triangles, ", f);
-    report_put_number(f, FMT_COUNT, st->lights, "scenes.%" PRIu32 ".renders.0.lights", k);
+    report_put_of_render(f, FMT_COUNT, st->lights, k, 0, "lights");
     fputs(" lights. Exact: ", f);
-    report_put_number(f, FMT_SECONDS, st->seconds, "scenes.%" PRIu32 ".renders.0.seconds", k);
+    report_put_of_render(f, FMT_SECONDS, st->seconds, k, 0, "seconds");
     fputs(", ", f);
-    report_put_number(f, FMT_COUNT, st->shadow_rays, "scenes.%" PRIu32 ".renders.0.shadow_rays", k);
+    report_put_of_render(f, FMT_COUNT, st->shadow_rays, k, 0, "shadow_rays");
     fputs(" shadow rays.", f);
     bool every = false;
     for (uint32_t i = 1; i < r->n_renders; i++) every |= r->scenes[k].renders[i].stats.every_light > 0;
@@ -84,7 +89,8 @@ static void map(FILE *f, const report *r, const report_picture *p, int many, con
 {
     fputs("<figure><button type=\"button\" aria-pressed=\"false\" title=\"larger or smaller\">", f);
     report_put_image(f, p, what);
-    fprintf(f, "</button><figcaption>%s, %" PRIu32 " representative%s</figcaption></figure>\n", what, many ? r->o->n_reps : 1, many ? "s" : "");
+    fprintf(f, "</button><figcaption>%s, %" PRIu32 " representative%s</figcaption></figure>\n", what, many ? r->o->n_reps : 1,
+            many ? "s" : "");
 }
 
 static void legend(FILE *f, const report_picture *p, double top, report_format format, const char *key, uint32_t k, const char *more)
@@ -130,8 +136,8 @@ void report_write_page(FILE *f, void *user)
         report_write_rows(f, r, k);
         fputs("</section>\n", f);
     }
-    fputs("</main>\n<footer><p>The seed report: M. Mik&scaron;&iacute;k, Implementing Lightcuts, CESCG 2007. All numbers: report.json.</p></footer>\n"
-          "<script type=\"application/json\" id=\"report\">", f);
+    fputs("</main>\n<footer><p>The seed report: M. Mik&scaron;&iacute;k, Implementing Lightcuts, CESCG 2007. All numbers: report.json.</p>"
+          "</footer>\n<script type=\"application/json\" id=\"report\">", f);
     report_write_json(f, user);
     fputs("</script>\n<script>\n", f);
     fputs(report_js, f);

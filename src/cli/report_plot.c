@@ -52,14 +52,16 @@ static void errors(FILE *f, const report *r, const report_scene *s, const char *
 {
     row one = row_of(r, s, 0, rays, rmse), many = row_of(r, s, 1, rays, rmse);
     svg_plot p = { .title = "Error and shadow rays", .x_label = "shadow rays a point", .y_label = "rmse / mean", .log_x = 1,
-                   .log_y = 1, .legend = SVG_BOTTOM_LEFT, .series = { series_of(names[0], &one), series_of(names[1], &many) }, .n_series = 2 };
+                   .log_y = 1, .legend = SVG_BOTTOM_LEFT, .n_series = 2,
+                   .series = { series_of(names[0], &one), series_of(names[1], &many) } };
     put_plot(f, &p, "Root of the mean squared difference over the mean luminance, one dot for each error ratio.");
     char text[4][64];
     snprintf(text[0], sizeof text[0], "99 %%, %.32s", names[0]);
     snprintf(text[1], sizeof text[1], "99 %%, %.32s", names[1]);
     snprintf(text[2], sizeof text[2], "median, %.32s", names[0]);
     snprintf(text[3], sizeof text[3], "median, %.32s", names[1]);
-    row a = row_of(r, s, 0, rays, p99), b = row_of(r, s, 1, rays, p99), c = row_of(r, s, 0, rays, median), d = row_of(r, s, 1, rays, median);
+    row a = row_of(r, s, 0, rays, p99), b = row_of(r, s, 1, rays, p99);
+    row c = row_of(r, s, 0, rays, median), d = row_of(r, s, 1, rays, median);
     svg_plot q = { .title = "Relative error and shadow rays", .x_label = "shadow rays a point", .y_label = "|A - exact| / exact",
                    .log_x = 1, .log_y = 1, .legend = SVG_BOTTOM_LEFT, .n_series = 4,
                    .series = { series_of(text[0], &a), series_of(text[1], &b), series_of(text[2], &c), series_of(text[3], &d) } };
@@ -82,13 +84,16 @@ static void histograms(FILE *f, const report *r, const report_scene *s, const ch
     const report_render *one = &s->renders[1 + s->shown], *many = &s->renders[1 + r->o->n_ratios + s->shown];
     svg_plot p = { .title = "Relative error of pixels", .x_label = "|A - exact| / exact", .y_label = "% of pixels", .log_x = 1,
                    .steps = 1, .legend = SVG_TOP_RIGHT, .n_series = 2,
-                   .series = { { names[0], s->rel_edges, one->rel_share, REPORT_BINS }, { names[1], s->rel_edges, many->rel_share, REPORT_BINS } } };
+                   .series = { { names[0], s->rel_edges, one->rel_share, REPORT_BINS },
+                               { names[1], s->rel_edges, many->rel_share, REPORT_BINS } } };
     char note[160];
-    snprintf(note, sizeof note, "At the error ratio %g. What is smaller or larger counts in the first and last step.", r->o->ratios[s->shown]);
+    snprintf(note, sizeof note, "At the error ratio %g. What is smaller or larger counts in the first and last step.",
+             r->o->ratios[s->shown]);
     put_plot(f, &p, note);
     svg_plot q = { .title = "Size of cuts", .x_label = "lights evaluated at a pixel", .y_label = "% of pixels", .steps = 1,
                    .legend = SVG_TOP_RIGHT, .n_series = 2,
-                   .series = { { names[0], s->cut_edges, one->cut_share, REPORT_BINS }, { names[1], s->cut_edges, many->cut_share, REPORT_BINS } } };
+                   .series = { { names[0], s->cut_edges, one->cut_share, REPORT_BINS },
+                               { names[1], s->cut_edges, many->cut_share, REPORT_BINS } } };
     snprintf(note, sizeof note, "At the error ratio %g, of pixels that show a surface.", r->o->ratios[s->shown]);
     put_plot(f, &q, note);
 }

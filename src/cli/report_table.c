@@ -56,39 +56,52 @@ void report_put_number(FILE *f, report_format format, double v, const char *key,
     fputs("</data>", f);
 }
 
+void report_put_of_render(FILE *f, report_format format, double v, uint32_t k, uint32_t render, const char *name)
+{
+    report_put_number(f, format, v, "scenes.%" PRIu32 ".renders.%" PRIu32 ".%s", k, render, name);
+}
+
 /* ---- table 1 ---- */
 
 #define THEIRS(name) #name, offsetof(report_seed, name)
+#define OURS(name) #name, offsetof(report_render, stats.name)
 static const struct {
-    const char *label, *their_key;
+    const char *label;
+    int render; /* of ours: 0 exact, 1 one representative, 2 many, at the shown ratio */
+    report_format their_format, our_format;
+    const char *their_key;
     size_t theirs;
-    report_format format, our_format;
-    int render; /* 0 exact, 1 one representative, 2 many, at the shown ratio */
     const char *our_key;
     size_t ours;
 } lines[] = {
-    { "Number of polygons", THEIRS(polygons), FMT_COUNT, FMT_COUNT, 0, "triangles", offsetof(report_render, stats.triangles) },
-    { "Number of lights", THEIRS(lights), FMT_COUNT, FMT_COUNT, 0, "lights", offsetof(report_render, stats.lights) },
-    { "Render time (conventional)", THEIRS(exact_seconds), FMT_CLOCK, FMT_SECONDS, 0, "seconds", offsetof(report_render, stats.seconds) },
-    { "Tree build duration", THEIRS(tree_seconds), FMT_SECONDS, FMT_SECONDS, 1, "tree_seconds", offsetof(report_render, stats.tree_seconds) },
-    { "Average cut size", THEIRS(cut_mean), FMT_COUNT, FMT_COUNT, 1, "cut_mean", offsetof(report_render, stats.cut_mean) },
-    { "Render time (basic lightcuts)", THEIRS(basic_seconds), FMT_CLOCK, FMT_SECONDS, 1, "seconds", offsetof(report_render, stats.seconds) },
-    { "Render time (mult. repr.)", THEIRS(many_seconds), FMT_CLOCK, FMT_SECONDS, 2, "seconds", offsetof(report_render, stats.seconds) },
-    { "Speedup (mult. repr.)", THEIRS(speedup), FMT_TIMES, FMT_TIMES, 2, "speedup", offsetof(report_render, speedup) },
+    { "Number of polygons", 0, FMT_COUNT, FMT_COUNT, THEIRS(polygons), OURS(triangles) },
+    { "Number of lights", 0, FMT_COUNT, FMT_COUNT, THEIRS(lights), OURS(lights) },
+    { "Render time (conventional)", 0, FMT_CLOCK, FMT_SECONDS, THEIRS(exact_seconds), OURS(seconds) },
+    { "Tree build duration", 1, FMT_SECONDS, FMT_SECONDS, THEIRS(tree_seconds), OURS(tree_seconds) },
+    { "Average cut size", 1, FMT_COUNT, FMT_COUNT, THEIRS(cut_mean), OURS(cut_mean) },
+    { "Render time (basic lightcuts)", 1, FMT_CLOCK, FMT_SECONDS, THEIRS(basic_seconds), OURS(seconds) },
+    { "Render time (mult. repr.)", 2, FMT_CLOCK, FMT_SECONDS, THEIRS(many_seconds), OURS(seconds) },
+    { "Speedup (mult. repr.)", 2, FMT_TIMES, FMT_TIMES, THEIRS(speedup), "speedup", offsetof(report_render, speedup) },
 };
 
 static double value_at(const void *base, size_t offset) { return *(const double *)((const char *)base + offset); }
 
+static void put_theirs(FILE *f, report_format format, double v, uint32_t k, const char *name)
+{
+    report_put_number(f, format, v, "scenes.%" PRIu32 ".seed_report.%s", k, name);
+}
+
 static void table_head(FILE *f, const report *r)
 {
-    fputs("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Table 1\"><table><thead><tr><th scope=\"col\" rowspan=\"2\">Model</th>", f);
+    fputs("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Table 1\"><table><thead><tr>"
+          "<th scope=\"col\" rowspan=\"2\">Model</th>", f);
     for (uint32_t k = 0; k < r->o->n_scenes; k++) {
         const report_scene *s = &r->scenes[k];
         if (!s->seed) continue;
         fprintf(f, "<th scope=\"colgroup\" colspan=\"2\">%s (", s->seed->title);
-        report_put_number(f, FMT_PLAIN, s->renders[0].stats.width, "scenes.%" PRIu32 ".renders.0.width", k);
+        report_put_of_render(f, FMT_PLAIN, s->renders[0].stats.width, k, 0, "width");
         fputs("&times;", f);
-        report_put_number(f, FMT_PLAIN, s->renders[0].stats.height, "scenes.%" PRIu32 ".renders.0.height", k);
+        report_put_of_render(f, FMT_PLAIN, s->renders[0].stats.height, k, 0, "height");
         fputs(")</th>", f);
     }
     fputs("</tr><tr>", f);
@@ -113,10 +126,9 @@ void report_write_tables(FILE *f, const report *r)
             if (!s->seed) continue;
             uint32_t render = lines[i].render ? 1 + s->shown + (lines[i].render == 2 ? r->o->n_ratios : 0) : 0;
             fputs("<td>", f);
-            report_put_number(f, lines[i].format, value_at(s->seed, lines[i].theirs), "scenes.%" PRIu32 ".seed_report.%s", k, lines[i].their_key);
+            put_theirs(f, lines[i].their_format, value_at(s->seed, lines[i].theirs), k, lines[i].their_key);
             fputs("</td><td>", f);
-            report_put_number(f, lines[i].our_format, value_at(&s->renders[render], lines[i].ours), "scenes.%" PRIu32 ".renders.%" PRIu32 ".%s",
-                              k, render, lines[i].our_key);
+            report_put_of_render(f, lines[i].our_format, value_at(&s->renders[render], lines[i].ours), k, render, lines[i].our_key);
             fputs("</td>", f);
         }
         fputs("</tr>\n", f);
@@ -137,7 +149,7 @@ static int appendix_row(const report_scene *s, double ratio)
 static void cell(FILE *f, report_format format, double v, uint32_t k, uint32_t render, const char *name)
 {
     fputs("<td>", f);
-    report_put_number(f, format, v, "scenes.%" PRIu32 ".renders.%" PRIu32 ".%s", k, render, name);
+    report_put_of_render(f, format, v, k, render, name);
     fputs("</td>", f);
 }
 
@@ -146,12 +158,14 @@ static void their_cells(FILE *f, const report_scene *s, uint32_t k, const report
 {
     if (!s->seed || !s->seed->has_appendix) return;
     int i = v->n_reps > 1 ? appendix_row(s, v->ratio) : -1;
-    for (int column = 0; column < 2; column++) {
-        fputs("<td>", f);
-        if (i >= 0 && !column) report_put_number(f, FMT_CLOCK, report_appendix[i].seconds, "scenes.%" PRIu32 ".seed_report.appendix.%d.seconds", k, i);
-        if (i >= 0 && column) report_put_number(f, FMT_TIMES, report_appendix[i].speedup, "scenes.%" PRIu32 ".seed_report.appendix.%d.speedup", k, i);
-        fputs("</td>", f);
-    }
+    char key[32];
+    fputs("<td>", f);
+    snprintf(key, sizeof key, "appendix.%d.seconds", i);
+    if (i >= 0) put_theirs(f, FMT_CLOCK, report_appendix[i].seconds, k, key);
+    fputs("</td><td>", f);
+    snprintf(key, sizeof key, "appendix.%d.speedup", i);
+    if (i >= 0) put_theirs(f, FMT_TIMES, report_appendix[i].speedup, k, key);
+    fputs("</td>", f);
 }
 
 static void put_row(FILE *f, const report *r, uint32_t k, uint32_t i)
@@ -159,7 +173,7 @@ static void put_row(FILE *f, const report *r, uint32_t k, uint32_t i)
     const report_scene *s = &r->scenes[k];
     const report_render *v = &s->renders[i];
     fputs("<tr><th scope=\"row\">", f);
-    report_put_number(f, FMT_PERCENT, v->ratio, "scenes.%" PRIu32 ".renders.%" PRIu32 ".error_ratio", k, i);
+    report_put_of_render(f, FMT_PERCENT, v->ratio, k, i, "error_ratio");
     fputs("</th>", f);
     cell(f, FMT_COUNT, v->n_reps, k, i, "representatives");
     fputs("<td>", f);
@@ -183,19 +197,20 @@ static void put_row(FILE *f, const report *r, uint32_t k, uint32_t i)
 
 void report_write_rows(FILE *f, const report *r, uint32_t k)
 {
+    static const char *const columns[] = { "ratio", "repre&shy;sent&shy;atives", "detail", "16&times; difference", "2007 time",
+                                           "2007 speedup", "time", "speedup", "mean cut", "rays a point", "rmse / mean",
+                                           "median error", "99 % of pixels", "over", "FLIP", "mean ratio" };
     const report_scene *s = &r->scenes[k];
     bool theirs = s->seed && s->seed->has_appendix;
-    fprintf(f, "<h3>Error ratios%s</h3>\n<p>The detail is where the picture of the largest ratio is furthest off. Errors are of a pixel's "
-               "luminance, |A &minus; exact| / exact; &ldquo;over&rdquo; is the share of pixels more than ",
+    fprintf(f, "<h3>Error ratios%s</h3>\n<p>The detail is where the picture of the largest ratio is furthest off. Errors are of a "
+               "pixel's luminance, |A &minus; exact| / exact; &ldquo;over&rdquo; is the share of pixels more than ",
             theirs ? ", and the seed report's appendix C" : "");
     report_put_number(f, FMT_PERCENT, REPORT_OVER, "over_limit");
-    fputs(" off.</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Error ratios\"><table class=\"rows\"><thead><tr>"
-          "<th scope=\"col\">ratio</th><th scope=\"col\">repre&shy;sent&shy;atives</th><th scope=\"col\">detail</th><th scope=\"col\">16&times; "
-          "difference</th>", f);
-    if (theirs) fputs("<th scope=\"col\">2007 time</th><th scope=\"col\">2007 speedup</th>", f);
-    fputs("<th scope=\"col\">time</th><th scope=\"col\">speedup</th><th scope=\"col\">mean cut</th><th scope=\"col\">rays a point</th>"
-          "<th scope=\"col\">rmse / mean</th><th scope=\"col\">median error</th><th scope=\"col\">99 % of pixels</th><th scope=\"col\">over</th>"
-          "<th scope=\"col\">FLIP</th><th scope=\"col\">mean ratio</th></tr></thead>\n<tbody>", f);
+    fputs(" off.</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Error ratios\">"
+          "<table class=\"rows\"><thead><tr>", f);
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
+        if (theirs || strncmp(columns[i], "2007", 4)) fprintf(f, "<th scope=\"col\">%s</th>", columns[i]);
+    fputs("</tr></thead>\n<tbody>", f);
     for (uint32_t i = 0; i < r->o->n_ratios; i++) {
         put_row(f, r, k, 1 + i);
         put_row(f, r, k, 1 + r->o->n_ratios + i);
