@@ -56,16 +56,16 @@ good() # name args...
     run "$@"
     if [ $rc -eq 0 ]; then ok; else no "$name" "status $rc, not 0"; fi
 }
-says() { if grep -q -e "$1" err; then ok; else no "$name" "stderr lacks '$1'"; fi; }
+says() { if grep -aq -e "$1" err; then ok; else no "$name" "stderr lacks '$1'"; fi; }
 prints() { if grep -q -e "$1" out; then ok; else no "$name" "stdout lacks '$1'"; fi; }
 silent() { if [ ! -s out ]; then ok; else no "$name" "wrote to stdout"; fi; }
 
 # One clear line, the old picture, no leftovers. The folder o holds old.exr as p.exr and nothing else.
 bad_after() # name status regex: judges what `run` or a pipe left
 {
-    n_lines=$(grep -v -e ': warning: ' -e "^try '" err | wc -l)
+    n_lines=$(grep -av -e ': warning: ' -e "^try '" err | wc -l)
     if [ "$rc" -ne "$2" ]; then no "$1" "status $rc, not $2"
-    elif ! grep -q -e "$3" err; then no "$1" "stderr lacks '$3'"
+    elif ! grep -aq -e "$3" err; then no "$1" "stderr lacks '$3'"
     elif [ "$n_lines" -ne 1 ]; then no "$1" "$n_lines lines of error"
     elif [ -s out ]; then no "$1" "wrote to stdout"
     elif ! cmp -s old.exr o/p.exr; then no "$1" "the previous picture changed"
@@ -677,7 +677,7 @@ report 'report of a scene with a changed one'
 check 'so is what includes a changed file' test "$(cat before)" != "$(cat rep/renders/one-exact.json)"
 cp one.pbrt w/
 cp more.pbrt w/
-good 'report of two of one name' report -q s.pbrt w/one.pbrt -o rep2 --quick --error-ratios 0.1
+good 'report of two of one name' report -q one.pbrt w/one.pbrt -o rep2 --quick --error-ratios 0.1
 check 'they have names of their own' test -s rep2/renders/one-2-quick-exact.exr
 good 'report of darkness' report -q dark.pbrt void.pbrt -o rep2 --error-ratios=0.1
 check 'no NaN in it' sh -c '! grep -qiE "[ \"](nan|-?inf)" rep2/report.json && ! grep -qE "[ ,\"M](nan|-?inf)" rep2/index.html'
