@@ -106,6 +106,7 @@ $(BIN)tests/replay_%: fuzz/%.c fuzz/driver.c $(TEST_HELP) $(BIN)liblightcuts.a
 
 test:
 	@$(MAKE) --no-print-directory deps
+	@sh src/deps/install.sh install browser || echo "without it the report's page is tested less"
 	@$(MAKE) --no-print-directory $(JOBS) all test-programs
 	@$(MAKE) --no-print-directory run-tests
 

@@ -84,8 +84,9 @@ typedef struct lc_load_desc {
     uint64_t seed;        /* of the light tree's representatives and of the jitter of area lights */
     uint32_t n_reps;      /* 1..32 representatives kept per cluster; 0: 1 */
     lc_builder builder;
+    uint64_t max_pixels;  /* a film of more is made smaller, about to these, with the same view and crop; 0: as it is */
 } lc_load_desc;
-#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO }
+#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0 }
 
 /* One thing of the scene file that was approximated or skipped. */
 typedef struct lc_note {

@@ -281,9 +281,24 @@ static double scene_diag2(const lc_scene *s)
     return x >= 0 ? x * x + y * y + z * z : 0;
 }
 
+/* Fewer pixels for the same view. The crop grows to whole pixels. */
+static void shrink_film(lc_film_desc *f, uint64_t max_pixels)
+{
+    double all = (double)f->width * f->height, factor = sqrt((double)max_pixels / all);
+    if (!max_pixels || factor >= 1) return;
+    uint32_t *side[2] = { &f->width, &f->height };
+    for (int i = 0; i < 2; i++) {
+        double size = fmax(floor(*side[i] * factor), 1), scale = size / *side[i];
+        f->crop[2 * i] = (uint32_t)floor(f->crop[2 * i] * scale);
+        f->crop[2 * i + 1] = (uint32_t)fmin(ceil(f->crop[2 * i + 1] * scale), size);
+        *side[i] = (uint32_t)size;
+    }
+}
+
 lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
 {
     if (!s->has_camera) return lc_fail(s->ctx, LC_ERR_PARSE, "the scene has no Camera");
+    shrink_film(&s->film, desc->max_pixels);
     if (!lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
         return lc_fail(s->ctx, LC_ERR_PARSE, "camera out of range");
     double t0 = lc_now();

@@ -56,16 +56,16 @@ good() # name args...
     run "$@"
     if [ $rc -eq 0 ]; then ok; else no "$name" "status $rc, not 0"; fi
 }
-says() { if grep -q -e "$1" err; then ok; else no "$name" "stderr lacks '$1'"; fi; }
+says() { if grep -aq -e "$1" err; then ok; else no "$name" "stderr lacks '$1'"; fi; }
 prints() { if grep -q -e "$1" out; then ok; else no "$name" "stdout lacks '$1'"; fi; }
 silent() { if [ ! -s out ]; then ok; else no "$name" "wrote to stdout"; fi; }
 
 # One clear line, the old picture, no leftovers. The folder o holds old.exr as p.exr and nothing else.
 bad_after() # name status regex: judges what `run` or a pipe left
 {
-    n_lines=$(grep -v -e ': warning: ' -e "^try '" err | wc -l)
+    n_lines=$(grep -av -e ': warning: ' -e "^try '" err | wc -l)
     if [ "$rc" -ne "$2" ]; then no "$1" "status $rc, not $2"
-    elif ! grep -q -e "$3" err; then no "$1" "stderr lacks '$3'"
+    elif ! grep -aq -e "$3" err; then no "$1" "stderr lacks '$3'"
     elif [ "$n_lines" -ne 1 ]; then no "$1" "$n_lines lines of error"
     elif [ -s out ]; then no "$1" "wrote to stdout"
     elif ! cmp -s old.exr o/p.exr; then no "$1" "the previous picture changed"
@@ -107,7 +107,7 @@ for args in --help -h help; do
     good "$args" $args
     prints '^usage: lightcuts'
 done
-for command in render compare scene info preview bench; do
+for command in render compare scene info preview bench report; do
     good "help $command" help $command
     prints "^usage: lightcuts.*$command"
     cp out help.txt
@@ -648,6 +648,77 @@ wrong 'absurd rays' 'huge.rays.bin: error: .* at byte 8' square huge
 wrong 'no rays' 'none.rays.bin: error: no rays at byte 8' square none
 wrong 'an index out of range' 'index.mesh.bin: error: an index out of range at byte 84' index four
 wrong 'NaN in a mesh' 'nan.mesh.bin: error: .*not finite.* at byte 16' nan four
+
+# ---- report ----
+
+cp s.pbrt one.pbrt
+report() { good "$1" report one.pbrt -o rep --error-ratios 0.5,0.02 --representatives 4; }
+report 'report'
+silent
+says 'wrote rep/index.html'
+check 'report: what is written' test "$(ls rep | tr '\n' ' ')" = 'index.html renders report.json '
+check 'report: five renders' test "$(ls rep/renders/*.exr rep/renders/*.json | wc -l)" -eq 10
+check 'report: nothing else' test "$(ls -A rep/renders | wc -l)" -eq 10
+for word in '"version": "' '"error_ratios": \[0.5, 0.02\]' '"method": "exact"' '"every_light": 1' '"rel_p50": 0'; do
+    check "report.json has $word" grep -q "$word" rep/report.json
+done
+if command -v python3 >/dev/null 2>&1; then
+    check 'report.json is JSON' timeout 60 python3 -m json.tool rep/report.json
+    sed -n '/^<figure><svg/,/^<\/svg>/p' rep/index.html | sed 's/^<figure>//; s/^<\/svg>.*/<\/svg>/' >plots.svg
+    check 'plots of the report are XML' timeout 60 python3 -c \
+        'import xml.dom.minidom as m; m.parseString("<a>" + open("plots.svg").read() + "</a>")'
+fi
+kept() { ls -i --full-time rep/renders; }
+kept >before 2>/dev/null && cp rep/report.json before.json
+report 'report again'
+kept >after 2>/dev/null
+check 'report again: nothing rendered' cmp before after
+check 'report again: the same numbers' cmp before.json rep/report.json
+head -c 300 rep/renders/one-exact.exr >short.exr && mv short.exr rep/renders/one-exact.exr
+: >rep/renders/one-0.5-r4.json
+report 'report of damaged renders'
+says "one-exact.exr' is rendered again"
+says '3 of 5 renders are there from before'
+echo '# another' >>one.pbrt
+cp rep/renders/one-exact.json before
+report 'report of a changed scene'
+check 'a changed scene is rendered anew' test "$(cat before)" != "$(cat rep/renders/one-exact.json)"
+echo 'Include "more.pbrt"' >>one.pbrt
+echo '# more' >more.pbrt
+report 'report of a scene with another'
+cp rep/renders/one-exact.json before
+echo '# and more' >>more.pbrt
+report 'report of a scene with a changed one'
+check 'so is what includes a changed file' test "$(cat before)" != "$(cat rep/renders/one-exact.json)"
+cp one.pbrt w/
+cp more.pbrt w/
+good 'report of two of one name' report -q one.pbrt w/one.pbrt -o rep2 --quick --error-ratios 0.1
+check 'they have names of their own' test -s rep2/renders/one-2-quick-exact.exr
+good 'report of darkness' report -q dark.pbrt void.pbrt -o rep2 --error-ratios=0.1
+check 'no NaN in it' sh -c '! grep -qiE "[ \"](nan|-?inf)" rep2/report.json && ! grep -qE "[ ,\"M](nan|-?inf)" rep2/index.html'
+bad 'report of nothing' 2 'no scene given' report -o rep
+bad 'report to nowhere' 2 'want -o DIR' report one.pbrt
+bad 'report of stdin' 2 'standard input' report - -o rep
+bad 'report: a ratio that is none' 2 "bad value '0.1,x'" report one.pbrt -o rep --error-ratios 0.1,x
+bad 'report: a ratio twice' 2 "bad value '0.1,0.1'" report one.pbrt -o rep --error-ratios 0.1,0.1
+bad 'report: 17 ratios' 2 'bad value' report one.pbrt -o rep --error-ratios 1,2,3,4,5,6,7,8,9,.1,.2,.3,.4,.5,.6,.7,.8
+bad 'report: one is not many' 2 "bad value '1' for option --representatives" report one.pbrt -o rep --representatives 1
+bad 'report: misspelt' 2 "did you mean '--quick'" report one.pbrt -o rep --quik
+bad 'report of a missing scene' 3 'none.pbrt.*No such file' report one.pbrt none.pbrt -o rep
+bad 'report of a folder' 3 'is no file' report o -o rep
+bad 'report of noise' 3 'noise.pbrt:[0-9]*:[0-9]*: error: ' report noise.pbrt -o rep
+bad 'report into a file' 1 "'one.pbrt': Not a directory" report one.pbrt -o one.pbrt
+bad 'report into no folder' 1 'No such file' report one.pbrt -o none/rep
+name='an interrupted report'
+"$L" report one.pbrt long.pbrt -o rep3 --error-ratios 0.1 >out 2>err </dev/null &
+pid=$!
+sleep $settle
+kill -INT $pid 2>/dev/null || no "$name" 'it ended before the signal'
+wait $pid 2>/dev/null
+rc=$?
+[ $rc -eq 130 ] && ok || no "$name" "status $rc, not 130"
+says 'interrupted; finished renders are kept'
+check 'it keeps what is finished' test -s rep3/renders/one-0.1-r16.json -a ! -e rep3/renders/long-exact.json -a ! -e rep3/index.html
 
 # ---- the same bytes ----
 

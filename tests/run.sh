@@ -57,7 +57,7 @@ for program in "$bin"/tests/replay_fuzz_*; do
     [ -f "$program" ] && [ -x "$program" ] || continue
     run plain "${program##*/}" "$program" "fuzz/corpus/${program##*/replay_fuzz_}"
 done
-for script in cli scenes golden; do
+for script in cli scenes golden page; do
     if [ -f "tests/$script.sh" ]; then
         run figures "$script.sh" sh "tests/$script.sh" "$bin/lightcuts"
     else

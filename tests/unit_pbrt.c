@@ -234,6 +234,28 @@ TEST(order_of_sections)
 
 /* ---- options ---- */
 
+/* The same view with fewer pixels. */
+static void expect_shrunk(uint64_t max_pixels, uint32_t width, uint32_t height, const uint32_t crop[4])
+{
+    lc_load_desc desc = LC_LOAD_DESC_INIT;
+    desc.area_lights = desc.n_reps = 1;
+    desc.max_pixels = max_pixels;
+    CHECK(load("Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 32 \"float cropwindow\" [.25 .5 0 .1]\n"
+               "Camera \"perspective\" WorldBegin") == LC_OK);
+    CHECK(lc_scene_commit(scene, &desc) == LC_OK);
+    CHECKF(scene->film.width == width && scene->film.height == height, "%u x %u", scene->film.width, scene->film.height);
+    for (int i = 0; i < 4; i++) CHECKF(scene->film.crop[i] == crop[i], "crop[%d] %u", i, scene->film.crop[i]);
+}
+
+TEST(max_pixels)
+{
+    expect_shrunk(0, 64, 32, (const uint32_t[]){ 16, 32, 0, 4 });
+    expect_shrunk(64 * 32, 64, 32, (const uint32_t[]){ 16, 32, 0, 4 });
+    expect_shrunk(512, 32, 16, (const uint32_t[]){ 8, 16, 0, 2 });
+    expect_shrunk(300, 24, 12, (const uint32_t[]){ 6, 12, 0, 2 });
+    expect_shrunk(1, 1, 1, (const uint32_t[]){ 0, 1, 0, 1 });
+}
+
 TEST(film)
 {
     CHECK(load("WorldBegin") == LC_OK && scene->film.width == 1280 && scene->film.height == 720 &&
@@ -716,6 +738,7 @@ int main(void)
     RUN(scopes);
     RUN(a_million_scopes);
     RUN(order_of_sections);
+    RUN(max_pixels);
     RUN(film);
     RUN(ignored_politely);
     RUN(named_materials_and_textures);

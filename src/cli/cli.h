@@ -23,6 +23,7 @@ int cmd_info(int argc, char **argv);
 int cmd_preview(int argc, char **argv);
 int cmd_explain(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
+int cmd_report(int argc, char **argv);
 
 /* Logs to stderr; verbosity -1: errors only, 0: warnings too, 1: everything. NULL: out of memory (said). */
 lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity);

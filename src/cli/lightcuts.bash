@@ -2,10 +2,10 @@
 _lightcuts()
 {
     local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=render options i
-    local commands='render compare scene info preview bench help'
+    local commands='render compare scene info preview bench report help'
     COMPREPLY=()
     case ${COMP_WORDS[1]-} in
-    render | compare | scene | info | preview | bench | help) command=${COMP_WORDS[1]} ;;
+    render | compare | scene | info | preview | bench | report | help) command=${COMP_WORDS[1]} ;;
     esac
     # "--name=value" comes in three words.
     if [[ $word == = ]]; then
@@ -23,21 +23,25 @@ _lightcuts()
     bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render' -- "$word")); return ;;
     render:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word")); return ;;
     render:--builder | bench:--builder) COMPREPLY=($(compgen -W 'auto exact ploc' -- "$word")); return ;;
-    render:--isa | bench:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
+    render:--isa | bench:--isa | report:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
     render:--aov)
         # A list with commas: complete its last part.
         local head=
         [[ $word == *,* ]] && head=${word%,*},
         COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays all' -- "${word##*,}"))
         return ;;
-    render:-t | render:--nthreads | bench:-t | bench:--nthreads)
+    render:-t | render:--nthreads | bench:-t | bench:--nthreads | report:-t | report:--nthreads)
         COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
         return ;;
     render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | render:--maxdepth | \
         render:--area-lights | render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
         compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
-        bench:--representatives | bench:--pixelbounds) return ;;
+        bench:--representatives | bench:--pixelbounds | report:--error-ratios | report:--representatives | report:--max-cut) return ;;
+    report:-o | report:--outdir)
+        compopt -o filenames 2>/dev/null
+        COMPREPLY=($(compgen -d -- "$word"))
+        return ;;
     compare:--map) COMPREPLY=($(compgen -W heat -- "$word")); return ;;
     compare:--fail)
         compopt -o nospace 2>/dev/null
@@ -60,6 +64,7 @@ _lightcuts()
         preview) options='--outfile --exposure --false-colour --range --help' ;;
         bench) options='--mesh --rays --lights --quality --scaling --outfile --method --error-ratio --max-cut --dark-floor
             --representatives --builder --pixelbounds --nthreads --isa --runs --json --help' ;;
+        report) options='--outdir --quick --error-ratios --representatives --max-cut --nthreads --isa --quiet --help' ;;
         *) options= ;;
         esac
         ((COMP_CWORD == 1)) && options="$options --version"

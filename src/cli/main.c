@@ -12,6 +12,7 @@ static const cli_command commands[] = {
     { "preview", cmd_preview, "PNG from an OpenEXR image" },
     { "explain", cmd_explain, "the cut of one pixel, cluster by cluster" },
     { "bench", cmd_bench, "how fast this machine runs the parts of a render" },
+    { "report", cmd_report, "one page: pictures, tables and plots against the exact method" },
 };
 #define N_COMMANDS (sizeof commands / sizeof *commands)
 

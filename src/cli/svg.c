@@ -8,6 +8,7 @@
 #include "svg.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 #define LEFT 64.0 /* pixels around the frame */
 #define RIGHT 24.0
@@ -123,7 +124,14 @@ static void axes(FILE *f, const svg_plot *p, const scale *x, const scale *y)
     label(f, x->to, y->to - 14, "class=\"lc-tick\" text-anchor=\"end\"", p->y_label);
 }
 
-static void series(FILE *f, const svg_plot *p, uint32_t k, const scale *x, const scale *y)
+static void steps(FILE *f, const svg_series *s, uint32_t k, const scale *x, const scale *y)
+{
+    fprintf(f, "<path class=\"lc-line lc-%u\" d=\"M%.1f,%.1f", k, at(x, s->x[0]), y->from);
+    for (uint32_t i = 0; i < s->n; i++) fprintf(f, "V%.1fH%.1f", at(y, s->y[i]), at(x, s->x[i + 1]));
+    fprintf(f, "V%.1f\"/>\n", y->from);
+}
+
+static void line(FILE *f, const svg_plot *p, uint32_t k, const scale *x, const scale *y)
 {
     const svg_series *s = &p->series[k];
     fprintf(f, "<polyline class=\"lc-line lc-%u\" points=\"", k);
@@ -136,10 +144,18 @@ static void series(FILE *f, const svg_plot *p, uint32_t k, const scale *x, const
             fprintf(f, "<text x=\"%.1f\" y=\"%.1f\" class=\"lc-tick\" text-anchor=\"%s\">%.3g</text>\n", px, py - 9,
                     i + 1 < s->n || s->n == 1 ? "middle" : "end", s->y[i]);
     }
+}
+
+static void series(FILE *f, const svg_plot *p, uint32_t k, const scale *x, const scale *y)
+{
+    if (p->steps) steps(f, &p->series[k], k, x, y);
+    else line(f, p, k, x, y);
     if (p->n_series < 2) return;
-    double ly = y->to + 16 + 18 * k;
-    fprintf(f, "<circle class=\"lc-dot lc-%u\" cx=\"%.1f\" cy=\"%.1f\" r=\"3.5\"/>\n", k, x->from + 14, ly - 4);
-    label(f, x->from + 24, ly, "class=\"lc-tick\"", s->name);
+    bool right = p->legend == SVG_TOP_RIGHT;
+    double ly = p->legend == SVG_BOTTOM_LEFT ? y->from - 12 - 18 * (p->n_series - 1 - k) : y->to + 16 + 18 * k;
+    double lx = right ? x->to - 14 : x->from + 14;
+    fprintf(f, "<circle class=\"lc-dot lc-%u\" cx=\"%.1f\" cy=\"%.1f\" r=\"3.5\"/>\n", k, lx, ly - 4);
+    label(f, lx + (right ? -10 : 10), ly, right ? "class=\"lc-tick\" text-anchor=\"end\"" : "class=\"lc-tick\"", p->series[k].name);
 }
 
 static void plot(FILE *f, const svg_plot *p, double top, double width, double height)
@@ -149,6 +165,7 @@ static void plot(FILE *f, const svg_plot *p, double top, double width, double he
         for (uint32_t i = 0; i < p->series[k].n; i++) {
             const double v[2] = { p->series[k].x[i], p->series[k].y[i] };
             for (int a = 0; a < 2; a++) lo[a] = fmin(lo[a], v[a]), hi[a] = fmax(hi[a], v[a]);
+            if (p->steps) hi[0] = fmax(hi[0], p->series[k].x[i + 1]);
         }
     scale x = scale_of(lo[0], hi[0], p->log_x, LEFT, width - RIGHT);
     scale y = scale_of(lo[1], hi[1] * (p->log_y ? 1.2 : 1.08), p->log_y, top + height - BOTTOM, top + TOP);
