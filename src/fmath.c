@@ -46,6 +46,12 @@ float lc_pow01(float x, float n)
     return y < LC_LEAST_LN ? 0 : (float)lc_exp_neg(y);
 }
 
+float lc_decay(float y)
+{
+    double x = 0 - (double)y;
+    return x < LC_LEAST_LN ? 0 : (float)lc_exp_neg(x);
+}
+
 /* atan a = pi/4 + atan((a - 1) / (a + 1)) brings a below tan(pi/8) = 0.4142; series to a^41: remainder below 1e-17. */
 double lc_atan2(double y, double x)
 {

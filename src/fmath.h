@@ -10,6 +10,9 @@
  * error below 1e-10, so that x <= y implies lc_pow01(x, n) <= lc_pow01(y, n) (1 + 2e-10) where it is above 1e-13. */
 float lc_pow01(float x, float n);
 
+/* e^-y for y >= 0; a result below 1e-13 is 0. Relative error below 2e-13 but for the rounding to float. */
+float lc_decay(float y);
+
 /* ln x for normal x > 0; relative error below 1e-15 but near 1. */
 double lc_ln(double x);
 

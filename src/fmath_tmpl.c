@@ -1,12 +1,12 @@
 /* fmath_tmpl.c - powers of many floats; included by isa_*.c.
  *
- * pow01 is lc_pow01: the operations of fmath.c in the same order, so the same bits; there is the derivation.
+ * pow01 is lc_pow01, decay is lc_decay: the operations of fmath.c in the same order, so the same bits; there is the derivation.
  *
  * pow01_ub is an upper bound of x^n, 0 < x <= 1, in float; or 0 where x^n < LC_MIN_LOBE. By the same series, u = 2^-24:
  * s within 2u (m - 1 is exact), ln m within 6u, cut after z^3 another 1.4u; ln x = e ln 2 + ln m is at least half of its
  * larger term, so within 13u, and y = n ln x, no less than -28 where it matters, within 28 * 14u = 2.4e-5. r is within
  * u of y - k ln 2 (k LN2_HIGH is exact), e^r cut after r^5 within 2.4e-6 + 5u. All below POW_SLACK = 1 + 2^-15. Neighbouring
- * terms are added in pairs: a shorter chain of operations.
+ * terms are added in pairs: a shorter chain of operations. decay_ub bounds e^-y by the same exponential, y >= 0 exact.
  */
 #include "fmath.h"
 
@@ -17,6 +17,19 @@
 #define WHOLE 0x1.8p23f      /* added and taken away again: rounds to a whole number */
 #define PAIR(a, b, x) vf_add(vf_set(a), vf_mul(x, vf_set(b)))
 
+/* e^y for y <= 0, from above; 0 where that is below LC_MIN_LOBE. */
+LC_INLINE vf LC_FN(exp_ub)(vf y)
+{
+    vf yc = vf_max(y, vf_set(LN_MIN_LOBE));
+    vf k = vf_sub(vf_add(vf_mul(yc, vf_set((float)LC_INV_LN2)), vf_set(WHOLE)), vf_set(WHOLE));
+    vf r = vf_sub(vf_sub(yc, vf_mul(k, vf_set(LN2_HIGH))), vf_mul(k, vf_set(LN2_LOW)));
+    vf r2 = vf_mul(r, r), exp = vf_add(PAIR(0.5f, 1.0f / 6, r), vf_mul(r2, PAIR(1.0f / 24, 1.0f / 120, r)));
+    exp = vf_add(vf_add(vf_set(1), r), vf_mul(r2, exp));
+    return vf_sel_gt(y, vf_set(LN_MIN_LOBE), vf_mul(vf_mul(exp, vf_pow2(k)), vf_set(POW_SLACK)), vf_set(0));
+}
+
+LC_INLINE vf LC_FN(decay_ub)(vf y) { return LC_FN(exp_ub)(vf_sub(vf_set(0), y)); }
+
 LC_INLINE vf LC_FN(pow01_ub)(vf x, float n)
 {
     const vf root2 = vf_set(1.41421356f), one = vf_set(1);
@@ -26,12 +39,7 @@ LC_INLINE vf LC_FN(pow01_ub)(vf x, float n)
     vf s = vf_div(vf_sub(m, one), vf_add(m, one)), z = vf_mul(s, s);
     vf series = vf_add(PAIR(1, 1.0f / 3, z), vf_mul(vf_mul(z, z), PAIR(1.0f / 5, 1.0f / 7, z)));
     vf ln = vf_add(vf_mul(vf_add(s, s), series), vf_mul(e, vf_set((float)LC_LN2)));
-    vf y = vf_mul(vf_set(n), ln), yc = vf_max(y, vf_set(LN_MIN_LOBE));
-    vf k = vf_sub(vf_add(vf_mul(yc, vf_set((float)LC_INV_LN2)), vf_set(WHOLE)), vf_set(WHOLE));
-    vf r = vf_sub(vf_sub(yc, vf_mul(k, vf_set(LN2_HIGH))), vf_mul(k, vf_set(LN2_LOW)));
-    vf r2 = vf_mul(r, r), exp = vf_add(PAIR(0.5f, 1.0f / 6, r), vf_mul(r2, PAIR(1.0f / 24, 1.0f / 120, r)));
-    exp = vf_add(vf_add(one, r), vf_mul(r2, exp));
-    return vf_sel_gt(y, vf_set(LN_MIN_LOBE), vf_mul(vf_mul(exp, vf_pow2(k)), vf_set(POW_SLACK)), vf_set(0));
+    return LC_FN(exp_ub)(vf_mul(vf_set(n), ln));
 }
 
 #undef PAIR
@@ -40,6 +48,7 @@ LC_INLINE vf LC_FN(pow01_ub)(vf x, float n)
 #if LC_ISA_LEVEL == 0
 
 LC_INLINE vf LC_FN(pow01)(vf x, float n) { return lc_pow01(x, n); }
+LC_INLINE vf LC_FN(decay)(vf y) { return lc_decay(y); }
 
 #else
 
@@ -70,12 +79,19 @@ LC_INLINE vd LC_FN(exp_neg)(vd y)
     return vd_mul(vd_add(even, vd_mul(r, odd)), vd_pow2(k));
 }
 
-/* 0 < x < 1, n > 0 */
-LC_INLINE vd LC_FN(pow_inside)(vd x, vd n)
+/* e^y for y <= 0, or 0 */
+LC_INLINE vd LC_FN(exp_or_0)(vd y)
 {
-    vd y = vd_mul(n, LC_FN(ln)(x)), least = D(LC_LEAST_LN);
-    vd e = LC_FN(exp_neg)(vd_sel_gt(least, y, least, y));
+    vd least = D(LC_LEAST_LN), e = LC_FN(exp_neg)(vd_sel_gt(least, y, least, y));
     return vd_sel_gt(least, y, D(0), e);
+}
+
+/* 0 < x < 1, n > 0 */
+LC_INLINE vd LC_FN(pow_inside)(vd x, vd n) { return LC_FN(exp_or_0)(vd_mul(n, LC_FN(ln)(x))); }
+
+LC_INLINE vf LC_FN(decay)(vf y)
+{
+    return vf_of(LC_FN(exp_or_0)(vd_sub(D(0), vd_low(y))), LC_FN(exp_or_0)(vd_sub(D(0), vd_high(y))));
 }
 
 LC_INLINE vf LC_FN(pow01)(vf x, float n)

@@ -15,12 +15,13 @@
 #include "light.h"
 
 /* Estimates are exactly 0 where a cosine is at most LC_MIN_COS or M G of a channel is below LC_MIN_TRANSFER, lobes
- * where cos^n is below LC_MIN_LOBE, and M G is
+ * where cos^n or e^-x is below LC_MIN_LOBE, and M G is
  * at most LC_MAX_TRANSFER: with the limits of light.h nothing that is multiplied or summed is denormal or infinite. */
 #define LC_MIN_COS 1e-9f
 #define LC_MIN_LOBE 1e-12f
 #define LC_MIN_TRANSFER 1e-19f
 #define LC_MAX_TRANSFER 1e20f
+#define LC_WARD_MIN_COS 0.02f /* under the root of Ward's lobe cosines are no less: see material.h */
 #define LC_MIN_REFLECTANCE 1e-10f /* diffuse and specular of lc_point below this are 0 */
 #define LC_TINY_D2 1e-36f /* squares of lengths below this count as this where a cosine is formed: no division by 0 */
 
@@ -64,16 +65,22 @@ typedef struct lc_tree_data {
     lc_atten *node_atten, *light_atten;
 } lc_tree_data;
 
+typedef enum lc_lobe { LC_LOBE_NONE, LC_LOBE_PHONG, LC_LOBE_WARD } lc_lobe; /* beside the diffuse one */
+
 /* What estimate and bound need to know of one shading point. Filled by lc_point_init (shade.h). */
 typedef struct lc_point {
     float pos[3];      /* world space */
     float n[3];        /* unit shading normal, on the viewer's side */
     float mirror[3];   /* unit, 2 (n.o) n - o, o towards the viewer */
     float diffuse[3];  /* kd / pi */
-    float specular[3]; /* ks (n + 2) / (2 pi) */
+    float specular[3]; /* Phong: ks (n + 2) / (2 pi); Ward: ks / (4 pi ax ay sqrt(co)) */
     float exponent;
     float min_d2;
-    bool glossy;       /* some specular > 0 */
+    lc_lobe lobe;      /* LC_LOBE_NONE where specular is 0 */
+    /* Ward: h along these is what is squared. */
+    float tangent[2][3]; /* unit tangent over ax, bitangent over ay */
+    float view[3];       /* tangent.o, bitangent.o, n.o >= 0 */
+    float sharp;         /* no less than the tangents' lengths */
 } lc_point;
 
 /* Eight-wide BVH node. Lanes without a child have lo > hi. */

@@ -1,10 +1,11 @@
-/* pbrt_material.c - materials. diffuse, matte and mirror are exact, and phong is ours: "rgb Kd", "rgb Ks", "float
- * exponent". Any other material is a diffuse one of a sensible colour. Each of these may be a texture. */
+/* pbrt_material.c - materials. diffuse, matte and mirror are exact, and phong and ward are ours: "rgb Kd", "rgb Ks" and "float
+ * exponent", or "float roughness", "uroughness", "vroughness". Any other material is a diffuse one of a sensible colour. Each
+ * of these may be a texture. */
 #include "pbrt_state.h"
 
 #include <string.h>
 
-typedef enum material_kind { EXACT, APPROXIMATE, INVISIBLE, PHONG, MIRROR } material_kind;
+typedef enum material_kind { EXACT, APPROXIMATE, INVISIBLE, PHONG, WARD, MIRROR } material_kind;
 
 static const struct material {
     const char *name, *colour; /* parameter that holds the colour, or NULL */
@@ -15,6 +16,7 @@ static const struct material {
     { "matte", "Kd", 0.5f, EXACT },
     { "phong", "Kd", 0.5f, PHONG },
     { "mirror", NULL, 0, MIRROR },
+    { "ward", "Kd", 0.5f, WARD },
     { "", NULL, 0, INVISIBLE },
     { "none", NULL, 0, INVISIBLE },
     { "interface", NULL, 0, INVISIBLE },
@@ -87,15 +89,43 @@ static lc_status get_mirror(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
     return st ? st : get_albedo(p, "Kr", &m->ks, &maps->ks);
 }
 
+/* One of Ward's two; *value keeps its value and *map its texture where the parameter is absent. */
+static lc_status get_roughness(lc_pbrt *p, const char *name, float *value, uint32_t *map)
+{
+    const lc_pbrt_param *par;
+    lc_tex_input in;
+    lc_status st = lc_pbrt_get_input(p, name, true, &in, &par);
+    if (st || !par) return st;
+    if (in.value[0] < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
+    *value = (float)fmin(fmax(in.value[0], (double)LC_MIN_ROUGHNESS), (double)LC_MAX_ROUGHNESS);
+    *map = in.id;
+    if (in.id == LC_NONE && ((float)in.value[0] < LC_MIN_ROUGHNESS || (float)in.value[0] > LC_MAX_ROUGHNESS))
+        return lc_pbrt_note(p, par->pos, "ward roughness", "a Ward roughness outside %g..%g is clamped",
+                            (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
+    return LC_OK;
+}
+
+static lc_status get_ward(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
+{
+    lc_status st = get_albedo(p, "Ks", &m->ks, &maps->ks);
+    m->roughness[0] = 0.1f;
+    if (!st) st = get_roughness(p, "roughness", &m->roughness[0], &maps->roughness[0]);
+    m->roughness[1] = m->roughness[0], maps->roughness[1] = maps->roughness[0];
+    if (!st) st = get_roughness(p, "uroughness", &m->roughness[0], &maps->roughness[0]);
+    if (!st) st = get_roughness(p, "vroughness", &m->roughness[1], &maps->roughness[1]);
+    return st;
+}
+
 /* Adds the material of this name with the statement's parameters to the scene. */
 static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_material *out)
 {
     const struct material *kind = material_of(name);
     lc_material m = { .kd = { kind->grey, kind->grey, kind->grey } };
-    lc_material_maps maps = { LC_NONE, LC_NONE, LC_NONE };
+    lc_material_maps maps = LC_NO_MAPS;
     lc_status st = kind->colour ? get_albedo(p, kind->colour, &m.kd, &maps.kd) : LC_OK;
     if (!st && kind->kind == PHONG) st = get_phong(p, &m, &maps);
     if (!st && kind->kind == MIRROR) st = get_mirror(p, &m, &maps);
+    if (!st && kind->kind == WARD) st = get_ward(p, &m, &maps);
     if (!st && kind->kind == APPROXIMATE)
         st = lc_pbrt_note_name(p, where, "material", name, "a diffuse material takes its place");
     if (!st && kind->kind == EXACT && lc_pbrt_find(&p->params, "sigma", LC_PBRT_ANY))

@@ -30,13 +30,13 @@ lc_status lc_pbrt_uv_room(lc_pbrt *p, size_t n_verts, bool *wanted)
     uint32_t id;
     lc_status st = lc_pbrt_current_material(p, &id);
     if (st) return st;
-    *wanted = lc_scene_is_textured(p->scene, id);
+    *wanted = lc_scene_wants_uv(p->scene, id);
     if (*wanted) st = lc_grow(p->ctx, &uv, &p->cap_uv, n_verts * 2, sizeof *p->uv);
     p->uv = uv;
     return st;
 }
 
-/* v4's "point2 uv", v3's "float uv", "float st"; for textured materials only. */
+/* v4's "point2 uv", v3's "float uv", "float st"; only for materials that want them. */
 static lc_status copy_uv(lc_pbrt *p, uint32_t n_verts, lc_mesh_desc *mesh)
 {
     const unsigned types = LC_PBRT_FLOAT | LC_PBRT_INT | LC_PBRT_PAIR;

@@ -57,11 +57,15 @@ lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
 {
     if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
         return LC_ERR_ARG;
+    const float *rough = m->roughness;
+    if (rough[0] > 0 && !(rough[0] >= LC_MIN_ROUGHNESS && rough[0] <= LC_MAX_ROUGHNESS && rough[1] >= LC_MIN_ROUGHNESS &&
+                          rough[1] <= LC_MAX_ROUGHNESS))
+        return LC_ERR_ARG;
     lc_status st = GROW(s, materials, cap_materials, s->n_materials + 1);
     if (!st) st = GROW(s, maps, cap_maps, s->n_materials + 1);
     if (st) return st;
     *id = (uint32_t)s->n_materials;
-    s->maps[s->n_materials] = (lc_material_maps){ LC_NONE, LC_NONE, LC_NONE };
+    s->maps[s->n_materials] = (lc_material_maps)LC_NO_MAPS;
     s->materials[s->n_materials++] = *m;
     return LC_OK;
 }
@@ -75,7 +79,20 @@ void lc_scene_map_material(lc_scene *s, uint32_t id, const lc_material_maps *map
 bool lc_scene_is_textured(const lc_scene *s, uint32_t material_id)
 {
     const lc_material_maps *m = &s->maps[material_id];
-    return m->kd != LC_NONE || m->ks != LC_NONE || m->exponent != LC_NONE;
+    return m->kd != LC_NONE || m->ks != LC_NONE || m->exponent != LC_NONE || m->roughness[0] != LC_NONE ||
+           m->roughness[1] != LC_NONE;
+}
+
+static bool is_brushed(const lc_scene *s, uint32_t material_id)
+{
+    const lc_material *m = &s->materials[material_id];
+    const lc_material_maps *maps = &s->maps[material_id];
+    return m->roughness[0] < m->roughness[1] || m->roughness[0] > m->roughness[1] || maps->roughness[0] != maps->roughness[1];
+}
+
+bool lc_scene_wants_uv(const lc_scene *s, uint32_t material_id)
+{
+    return lc_scene_is_textured(s, material_id) || is_brushed(s, material_id);
 }
 
 static lc_status check_mesh(const lc_scene *s, lc_pos where, const lc_mesh_desc *m)
@@ -122,7 +139,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
     lc_mesh_desc with = *desc;
     const lc_mesh_desc *m = &with;
     bool textured = lc_scene_is_textured(s, m->material_id);
-    if (!textured) with.uv = NULL;
+    if (!lc_scene_wants_uv(s, m->material_id)) with.uv = NULL;
     lc_status st = check_mesh(s, where, m);
     if (st) return st;
     if (!m->n_tris) return LC_OK;
@@ -142,7 +159,8 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
     for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
         lc_box_add(&s->bounds, lc_f3_load(m->pos + 3 * (size_t)m->index[i]));
     s->meshes[s->n_meshes++] = (lc_mesh){ (uint32_t)s->n_tris, m->n_tris, (uint32_t)s->n_verts, m->material_id,
-                                          m->normal != NULL, m->uv != NULL, textured, m->flip, m->two_sided, m->emission };
+                                          m->normal != NULL, m->uv != NULL, textured,
+                                          is_brushed(s, m->material_id), m->flip, m->two_sided, m->emission };
     s->n_verts += m->n_verts;
     s->n_tris += m->n_tris;
     return LC_OK;

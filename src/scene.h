@@ -21,7 +21,7 @@ typedef struct lc_light_tree lc_light_tree;
 typedef struct lc_mesh_desc {
     uint32_t n_verts, n_tris;
     const float *pos;      /* n_verts * 3 */
-    const float *uv;       /* n_verts * 2, or NULL: (0,0) (1,0) (1,1) on each triangle. Kept for textured materials. */
+    const float *uv;       /* n_verts * 2, or NULL: (0,0) (1,0) (1,1) on each triangle. Kept where lc_scene_wants_uv. */
     const float *normal;   /* n_verts * 3, any length, or NULL; zero vectors: use the face's */
     const uint32_t *index; /* n_tris * 3 */
     uint32_t material_id;
@@ -50,7 +50,7 @@ typedef struct lc_mesh {
     uint32_t first_tri, n_tris;
     uint32_t first_vert;
     uint32_t material_id;
-    bool has_normals, has_uv, textured, flip, two_sided;
+    bool has_normals, has_uv, textured, brushed, flip, two_sided; /* brushed: roughness has a direction */
     lc_f3 emission;
 } lc_mesh;
 
@@ -101,7 +101,9 @@ lc_status lc_scene_create(lc_context *ctx, lc_scene **out);
 lc_status lc_scene_add_material(lc_scene *scene, const lc_material *material, uint32_t *id);
 /* Textures of scene->textures for a material that was added; before the meshes that use it. */
 void lc_scene_map_material(lc_scene *scene, uint32_t id, const lc_material_maps *maps);
+/* Of the material: whether meshes keep their uv for textures, or for the direction of anisotropic roughness too. */
 bool lc_scene_is_textured(const lc_scene *scene, uint32_t material_id);
+bool lc_scene_wants_uv(const lc_scene *scene, uint32_t material_id);
 lc_status lc_scene_add_mesh(lc_scene *scene, lc_pos where, const lc_mesh_desc *mesh);
 lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
 lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);

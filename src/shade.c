@@ -11,9 +11,35 @@ static lc_f3 drop_below(lc_f3 a, float least)
 
 static float transfer(float f) { return f < LC_MIN_TRANSFER ? 0 : f < LC_MAX_TRANSFER ? f : LC_MAX_TRANSFER; }
 
+static float no_less(float a, float least) { return a > least ? a : least; }
+
+/* A unit vector across n: along `wish` where that has a direction along the surface, else across the axis that n is
+ * farthest from. */
+static lc_f3 tangent_of(lc_f3 n, lc_f3 wish)
+{
+    float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
+    lc_f3 t = lc_f3_sub(wish, lc_f3_scale(n, lc_f3_dot(n, wish)));
+    lc_f3 axis = lc_f3_make(x <= y && x <= z, y < x && y <= z, z < x && z < y);
+    return lc_f3_normalize(lc_f3_dot(t, t) > 1e-4f ? t : lc_f3_cross(axis, n));
+}
+
+/* The frame; returns the factor of ks. */
+static float init_ward(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m)
+{
+    float ax = m->roughness[0], ay = m->roughness[1], cos_o = lc_f3_dot(n, view);
+    lc_f3 unit = tangent_of(n, m->tangent), tx = lc_f3_scale(unit, 1 / ax), ty = lc_f3_scale(lc_f3_cross(n, unit), 1 / ay);
+    lc_f3_store(p->tangent[0], tx);
+    lc_f3_store(p->tangent[1], ty);
+    lc_f3_store(p->view, lc_f3_make(lc_f3_dot(tx, view), lc_f3_dot(ty, view), no_less(cos_o, 0)));
+    p->sharp = (1 + 0x1p-20f) / (ax < ay ? ax : ay);
+    return (float)(0.25 / LC_PI) / (ax * ay * sqrtf(no_less(cos_o, LC_WARD_MIN_COS)));
+}
+
 void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_material *m, float min_d2)
 {
-    float k = (m->exponent + 2) * (float)(0.5 / LC_PI);
+    const bool ward = m->roughness[0] > 0;
+    *p = (lc_point){ .exponent = m->exponent, .min_d2 = min_d2 };
+    float k = ward ? init_ward(p, n, view, m) : (m->exponent + 2) * (float)(0.5 / LC_PI);
     lc_f3_store(p->pos, pos);
     lc_f3_store(p->n, n);
     lc_f3 r = lc_f3_sub(lc_f3_scale(n, 2 * lc_f3_dot(n, view)), view);
@@ -21,19 +47,31 @@ void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_materia
     lc_f3 specular = drop_below(lc_f3_scale(m->ks, k), LC_MIN_REFLECTANCE);
     lc_f3_store(p->diffuse, drop_below(lc_f3_scale(m->kd, (float)(1 / LC_PI)), LC_MIN_REFLECTANCE));
     lc_f3_store(p->specular, specular);
-    p->exponent = m->exponent;
-    p->min_d2 = min_d2;
-    p->glossy = lc_f3_max(specular) > 0;
+    p->lobe = !(lc_f3_max(specular) > 0) ? LC_LOBE_NONE : ward ? LC_LOBE_WARD : LC_LOBE_PHONG;
+}
+
+static float phong(const lc_point *p, lc_f3 d, float inv_len)
+{
+    float cos_m = lc_f3_dot(lc_f3_load(p->mirror), d) * inv_len;
+    float lobe = cos_m > LC_MIN_COS ? lc_pow01(cos_m < 1 ? cos_m : 1, p->exponent) : 0;
+    return lobe < LC_MIN_LOBE ? 0 : lobe;
+}
+
+static float ward(const lc_point *p, lc_f3 d, float cos_r, float inv_len)
+{
+    float x = lc_f3_dot(lc_f3_load(p->tangent[0]), d) * inv_len + p->view[0];
+    float y = lc_f3_dot(lc_f3_load(p->tangent[1]), d) * inv_len + p->view[1], z = cos_r + p->view[2];
+    float lobe = lc_decay((x * x + y * y) / (z * z));
+    return lobe < LC_MIN_LOBE ? 0 : lobe / sqrtf(no_less(cos_r, LC_WARD_MIN_COS));
 }
 
 /* BRDF times cosine times g, for unnormalised direction d of length 1 / inv_len. */
 static lc_f3 material_term(const lc_point *p, lc_f3 d, float cos_r, float inv_len, float g)
 {
     lc_f3 f = lc_f3_load(p->diffuse);
-    if (p->glossy) {
-        float cos_m = lc_f3_dot(lc_f3_load(p->mirror), d) * inv_len;
-        float lobe = cos_m > LC_MIN_COS ? lc_pow01(cos_m < 1 ? cos_m : 1, p->exponent) : 0;
-        if (lobe >= LC_MIN_LOBE) f = lc_f3_add(f, lc_f3_scale(lc_f3_load(p->specular), lobe));
+    if (p->lobe != LC_LOBE_NONE) {
+        float lobe = p->lobe == LC_LOBE_WARD ? ward(p, d, cos_r, inv_len) : phong(p, d, inv_len);
+        if (lobe > 0) f = lc_f3_add(f, lc_f3_scale(lc_f3_load(p->specular), lobe));
     }
     f = lc_f3_scale(f, cos_r * g);
     return lc_f3_make(transfer(f.x), transfer(f.y), transfer(f.z));

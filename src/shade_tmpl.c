@@ -45,7 +45,7 @@ LC_INLINE void LC_FN(unpack)(vf a, vf b, vf out[3])
 }
 
 /* Factor of the specular reflectance for directions d. */
-LC_INLINE vf LC_FN(lobe)(const lc_point *p, const vf d[3], vf inv_len, vf lit)
+LC_INLINE vf LC_FN(phong)(const lc_point *p, const vf d[3], vf inv_len, vf lit)
 {
     const vf zero = SET(0), one = SET(1);
     vf mirror[3];
@@ -58,6 +58,24 @@ LC_INLINE vf LC_FN(lobe)(const lc_point *p, const vf d[3], vf inv_len, vf lit)
     return vf_sel_gt(SET(LC_MIN_LOBE), lobe, zero, lobe);
 }
 
+/* The same of Ward's lobe, also for lanes that are not lit. */
+LC_INLINE vf LC_FN(ward)(const lc_point *p, const vf d[3], vf cos_r, vf inv_len, vf lit)
+{
+    const vf zero = SET(0), min_cos = SET(LC_WARD_MIN_COS), many = SET(100);
+    vf tx[3], ty[3];
+    LC_FN(set_row)(tx, p->tangent[0]);
+    LC_FN(set_row)(ty, p->tangent[1]);
+    vf x = ADD(MUL(LC_FN(dot_rows)(tx, d), inv_len), SET(p->view[0]));
+    vf y = ADD(MUL(LC_FN(dot_rows)(ty, d), inv_len), SET(p->view[1])), z = ADD(cos_r, SET(p->view[2]));
+    vf e = vf_div(ADD(MUL(x, x), MUL(y, y)), MUL(z, z));
+    e = vf_sel_gt(lit, zero, e, many);
+    e = vf_sel_gt(many, e, e, many);
+    if (!vf_any_gt(SET(-(float)LC_LEAST_LN), e)) return zero;
+    vf lobe = LC_FN(decay)(e);
+    lobe = vf_sel_gt(SET(LC_MIN_LOBE), lobe, zero, lobe);
+    return vf_div(lobe, vf_sqrt(vf_sel_gt(cos_r, min_cos, cos_r, min_cos)));
+}
+
 /* One channel of the transfer, times the cosine and g; 0 where `lit` is not above 0. */
 LC_INLINE vf LC_FN(channel)(vf f, vf cos_g, vf lit)
 {
@@ -67,8 +85,8 @@ LC_INLINE vf LC_FN(channel)(vf f, vf cos_g, vf lit)
     return vf_sel_gt(lit, zero, f, zero);
 }
 
-/* light: VF_LANES records. kind, glossy: constants. */
-LC_INLINE void LC_FN(shade)(const lc_tree_data *t, const float *const *light, lc_light_kind kind, bool glossy, const lc_point *p,
+/* light: VF_LANES records. kind, lobe: constants. */
+LC_INLINE void LC_FN(shade)(const lc_tree_data *t, const float *const *light, lc_light_kind kind, lc_lobe lobe, const lc_point *p,
                             float *const out[6], uint32_t at)
 {
     const vf zero = SET(0), one = SET(1), min_cos = SET(LC_MIN_COS), tiny = SET(LC_TINY_D2);
@@ -94,17 +112,19 @@ LC_INLINE void LC_FN(shade)(const lc_tree_data *t, const float *const *light, lc
         }
         g = LC_FN(attenuated)(t, light, p, d2, g);
     }
-    vf cos_g = MUL(cos_r, g), lobe = glossy ? LC_FN(lobe)(p, d, inv_len, lit) : zero;
+    vf cos_g = MUL(cos_r, g), glossy = zero;
+    if (lobe == LC_LOBE_PHONG) glossy = LC_FN(phong)(p, d, inv_len, lit);
+    if (lobe == LC_LOBE_WARD) glossy = LC_FN(ward)(p, d, cos_r, inv_len, lit);
     for (int k = 0; k < 3; k++) {
         vf f = SET(p->diffuse[k]);
-        if (glossy) f = ADD(f, MUL(SET(p->specular[k]), lobe));
+        if (lobe != LC_LOBE_NONE) f = ADD(f, MUL(SET(p->specular[k]), glossy));
         vf_store(out[k] + at, LC_FN(channel)(f, cos_g, lit));
         vf_store(out[3 + k] + at, y[k]);
     }
 }
 
 LC_INLINE void LC_FN(estimate_of)(const lc_tree_data *t, uint32_t first, const uint32_t *index, uint32_t n, lc_light_kind kind,
-                                  bool glossy, const lc_point *p, float *const out[6])
+                                  lc_lobe lobe, const lc_point *p, float *const out[6])
 {
     for (uint32_t i = 0; i < n; i += VF_LANES) {
         const float *rec[VF_LANES]; /* the last one fills up */
@@ -112,7 +132,7 @@ LC_INLINE void LC_FN(estimate_of)(const lc_tree_data *t, uint32_t first, const u
             uint32_t at = i + k < n ? i + k : n - 1;
             rec[k] = t->lights[index ? index[at] : first + at].pos;
         }
-        LC_FN(shade)(t, rec, kind, glossy, p, out, i);
+        LC_FN(shade)(t, rec, kind, lobe, p, out, i);
     }
 }
 
@@ -127,21 +147,23 @@ static void LC_FN(estimate)(const lc_tree_data *t, uint32_t first, const uint32_
         LC_HALF_AS_WIDE.estimate(t, first + n, index ? index + n : NULL, rest, kind, p, end);
     }
 #endif
-#define ESTIMATE(kind, glossy) LC_FN(estimate_of)(t, first, index, n, kind, glossy, p, out)
+#define ESTIMATE(kind, lobe) LC_FN(estimate_of)(t, first, index, n, kind, lobe, p, out)
+#define BY_LOBE(kind)                                                    \
+    if (p->lobe == LC_LOBE_WARD) ESTIMATE(kind, LC_LOBE_WARD);           \
+    else if (p->lobe == LC_LOBE_PHONG) ESTIMATE(kind, LC_LOBE_PHONG);    \
+    else ESTIMATE(kind, LC_LOBE_NONE)
     switch (kind) {
     case LC_LIGHT_POINT:
-        if (p->glossy) ESTIMATE(LC_LIGHT_POINT, true);
-        else ESTIMATE(LC_LIGHT_POINT, false);
+        BY_LOBE(LC_LIGHT_POINT);
         break;
     case LC_LIGHT_ORIENTED:
-        if (p->glossy) ESTIMATE(LC_LIGHT_ORIENTED, true);
-        else ESTIMATE(LC_LIGHT_ORIENTED, false);
+        BY_LOBE(LC_LIGHT_ORIENTED);
         break;
     case LC_LIGHT_DIRECTIONAL:
-        if (p->glossy) ESTIMATE(LC_LIGHT_DIRECTIONAL, true);
-        else ESTIMATE(LC_LIGHT_DIRECTIONAL, false);
+        BY_LOBE(LC_LIGHT_DIRECTIONAL);
         break;
     }
+#undef BY_LOBE
 #undef ESTIMATE
 }
 

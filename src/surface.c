@@ -52,6 +52,7 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
     out->emission = back == away || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
     out->material = scene->materials[mesh->material_id];
     if (mesh->textured) lc_textured_material(scene, mesh, &hit, dir, pixel, &out->material);
+    if (mesh->brushed) out->material.tangent = lc_textured_tangent(scene, mesh, &hit);
     set_ray_origin(out, ng, size);
     return true;
 }

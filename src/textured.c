@@ -41,14 +41,39 @@ static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const l
     return p;
 }
 
-static float within(double v, double most) { return (float)fmin(fmax(v, 0), most); }
+/* dp/du of p = p0 + s e1 + t e2, uv linear in s and t, times the determinant, whose sign no lobe cares for. */
+lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit)
+{
+    const float *v[3], *t[3];
+    if (!mesh->has_uv) return lc_f3_make(0, 0, 0);
+    for (size_t k = 0; k < 3; k++) {
+        v[k] = lc_tri_vertex(scene->pos, scene->index, hit->tri, k);
+        t[k] = scene->uv + 2 * (size_t)scene->index[3 * (size_t)hit->tri + k];
+    }
+    d3 e1 = sub(v[1], v[0]), e2 = sub(v[2], v[0]);
+    double d1 = (double)t[1][1] - t[0][1], d2 = (double)t[2][1] - t[0][1], most = fmax(fabs(d1), fabs(d2));
+    double det = ((double)t[1][0] - t[0][0]) * d2 - ((double)t[2][0] - t[0][0]) * d1;
+    if (!(fabs(det) > 0 && most > 0)) return lc_f3_make(0, 0, 0);
+    d1 /= most, d2 /= most;
+    return lc_f3_normalize_d(d2 * e1.x - d1 * e2.x, d2 * e1.y - d1 * e2.y, d2 * e1.z - d1 * e2.z);
+}
+
+static float within(double v, double least, double most) { return (float)fmin(fmax(v, least), most); }
 
 static void set_colour(const lc_scene *scene, uint32_t id, const lc_tex_point *p, lc_f3 *out)
 {
     double v[3];
     if (id == LC_NONE) return;
     lc_texture_eval(&scene->textures, id, p, v);
-    *out = lc_f3_make(within(v[0], 1), within(v[1], 1), within(v[2], 1));
+    *out = lc_f3_make(within(v[0], 0, 1), within(v[1], 0, 1), within(v[2], 0, 1));
+}
+
+static void set_number(const lc_scene *scene, uint32_t id, const lc_tex_point *p, float least, float most, float *out)
+{
+    double v[3];
+    if (id == LC_NONE) return;
+    lc_texture_eval(&scene->textures, id, p, v);
+    *out = within(v[0], (double)least, (double)most);
 }
 
 void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel,
@@ -56,10 +81,8 @@ void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_h
 {
     const lc_material_maps *maps = &scene->maps[mesh->material_id];
     lc_tex_point p = point_of(scene, mesh, hit, dir, pixel);
-    double v[3];
     set_colour(scene, maps->kd, &p, &m->kd);
     set_colour(scene, maps->ks, &p, &m->ks);
-    if (maps->exponent == LC_NONE) return;
-    lc_texture_eval(&scene->textures, maps->exponent, &p, v);
-    m->exponent = within(v[0], (double)LC_MAX_EXPONENT);
+    set_number(scene, maps->exponent, &p, 0, LC_MAX_EXPONENT, &m->exponent);
+    for (int k = 0; k < 2; k++) set_number(scene, maps->roughness[k], &p, LC_MIN_ROUGHNESS, LC_MAX_ROUGHNESS, &m->roughness[k]);
 }

@@ -30,12 +30,12 @@ typedef struct job {
 static float guard_value(void) { return 12345.0f; }
 
 /* Clusters from one random case: single lights, neighbours joined, all joined; lights in order and then again. */
-static void make_job(job *j, uint64_t i, lc_light_kind kind, bool glossy)
+static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
 {
     gen_src s = gen_src_key(lc_hash4(7, i, 0, 0));
     lc_cluster all, one;
     j->kind = kind;
-    gen_case_make(&j->c, &s, kind, glossy, GEN_ADVERSARIAL);
+    gen_case_make(&j->c, &s, kind, brdf, GEN_ADVERSARIAL);
     lc_point_init(&j->point, j->c.pos, j->c.normal, j->c.view, &j->c.mat, j->c.min_d2);
     lc_cluster_from_light(&all, &j->c.lights[0]);
     for (uint32_t k = 0; k < MOST; k++) {
@@ -99,7 +99,7 @@ static void compare(lc_isa isa)
 {
     static job j;
     for (uint64_t i = 0; i < CASES && lc_cpu_isa() >= isa; i++) {
-        make_job(&j, i, (lc_light_kind)(i % 3), i / 3 % 2);
+        make_job(&j, i, (lc_light_kind)(i % 3), (gen_brdf)(i / 3 % GEN_BRDFS));
         compare_bounds(isa, &j, i);
         compare_estimate(isa, &j, j.list, i);
         compare_estimate(isa, &j, NULL, i);
@@ -132,7 +132,7 @@ TEST(scalar_estimate_equals_reference)
     static job j;
     float out[6][ROOM + GUARD];
     for (uint64_t i = 0; i < CASES; i++) {
-        make_job(&j, i, (lc_light_kind)(i % 3), i / 3 % 2);
+        make_job(&j, i, (lc_light_kind)(i % 3), (gen_brdf)(i / 3 % GEN_BRDFS));
         const uint32_t *index = i & 1 ? j.list : NULL;
         run_estimate(&lc_kernels_scalar, &j, index, out);
         for (uint32_t k = 0; k < j.n; k++)

@@ -274,8 +274,28 @@ static lc_f3 colour(gen_src *s, gen_style style)
     return lc_f3_make(r, r, r);
 }
 
-static void make_material(gen_src *s, gen_case *c, bool glossy, gen_style style)
+static float roughness(gen_src *s, gen_style style)
 {
+    uint32_t how = style == GEN_ORDINARY ? 2 : gen_pick(s, 4);
+    double a = style == GEN_ORDINARY ? decade(s, -1.3, 0) : decade(s, -2, 0);
+    a = how == 0 ? (double)LC_MIN_ROUGHNESS : how == 1 ? (double)LC_MAX_ROUGHNESS : a;
+    return fminf(fmaxf((float)a, LC_MIN_ROUGHNESS), LC_MAX_ROUGHNESS);
+}
+
+static void make_ward(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
+{
+    c->mat.roughness[0] = c->mat.roughness[1] = roughness(s, style);
+    if (brdf == GEN_WARD_ANISO) c->mat.roughness[1] = roughness(s, style);
+    d3 n = from_f3(c->normal), t = style == GEN_ORDINARY ? sphere(s) : direction(s);
+    uint32_t how = style == GEN_ORDINARY ? 0 : gen_pick(s, 4);
+    if (how == 1) t = n;
+    if (how == 2) t = across(s, n);
+    if (how < 3) c->mat.tangent = unit_f3(t);
+}
+
+static void make_material(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
+{
+    bool glossy = brdf != GEN_LAMBERT;
     c->mat.kd = colour(s, style);
     c->mat.ks = glossy ? colour(s, style) : lc_f3_make(0, 0, 0);
     if (glossy && lc_f3_max(c->mat.ks) <= 0) c->mat.ks = lc_f3_make(0.25f, 0.5f, 1);
@@ -288,6 +308,7 @@ static void make_material(gen_src *s, gen_case *c, bool glossy, gen_style style)
     if (how == 4) e = floor(e);
     if (how == 5) e = (double)LC_MAX_EXPONENT;
     c->mat.exponent = glossy ? fminf((float)e, LC_MAX_EXPONENT) : 0;
+    if (brdf >= GEN_WARD_ISO) make_ward(s, c, brdf, style);
 }
 
 static void make_attenuation(gen_src *s, float atten[3], const space *b, gen_style style)
@@ -322,7 +343,7 @@ static void make_light_values(gen_src *s, gen_case *c, const space *b, gen_style
     }
 }
 
-void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, bool glossy, gen_style style)
+void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, gen_style style)
 {
     memset(c, 0, sizeof *c);
     /* small clusters are the cheap ones, and find as much */
@@ -338,7 +359,7 @@ void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, bool glossy, gen
     for (int a = 0; a < 3; a++) mid.v[a] = (double)(&c->pos.x)[a] - ((double)b.lo[a] + (double)b.hi[a]) / 2;
     if (kind != LC_LIGHT_POINT) make_directions(s, c, style, mid);
     make_frame_of_point(s, c, style);
-    make_material(s, c, glossy, style);
+    make_material(s, c, brdf, style);
     make_light_values(s, c, &b, style);
     double diag = b.scale * decade(s, 0, 2);
     uint32_t floor_kind = style == GEN_ORDINARY ? 1 : gen_pick(s, 8);
@@ -553,6 +574,11 @@ void gen_case_print(const gen_case *c)
     print3("kd", c->mat.kd), print3("ks", c->mat.ks);
     printf("    exponent %a (%.9g)  min_d2 %a (%.9g)  order %llu\n", (double)c->mat.exponent,
            (double)c->mat.exponent, (double)c->min_d2, (double)c->min_d2, (unsigned long long)c->order);
+    if (c->mat.roughness[0] > 0) {
+        printf("    roughness %a %a (%.9g %.9g)\n", (double)c->mat.roughness[0], (double)c->mat.roughness[1],
+               (double)c->mat.roughness[0], (double)c->mat.roughness[1]);
+        print3("tangent", c->mat.tangent);
+    }
     lc_point p;
     lc_point_init(&p, c->pos, c->normal, c->view, &c->mat, c->min_d2);
     for (uint32_t i = 0; i < c->n && i < 4; i++) {

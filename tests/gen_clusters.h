@@ -30,6 +30,10 @@ typedef enum gen_style {
     GEN_EXTREME      /* adversarial, scales 1e-12..1e12, attenuation over 20 decades, intensity over 40 */
 } gen_style;
 
+/* Lobes beside Lambert's. */
+typedef enum gen_brdf { GEN_LAMBERT, GEN_PHONG, GEN_WARD_ISO, GEN_WARD_ANISO } gen_brdf;
+#define GEN_BRDFS 4
+
 typedef struct gen_case {
     uint32_t n;
     lc_light lights[GEN_MAX_LIGHTS]; /* all of one kind */
@@ -66,7 +70,7 @@ gen_src gen_src_bytes(const uint8_t *data, size_t size);
 uint32_t gen_pick(gen_src *s, uint32_t n);
 double gen_real(gen_src *s, double lo, double hi);
 
-void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, bool glossy, gen_style style);
+void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, gen_style style);
 void gen_case_run(const gen_case *c, gen_result *r);
 /* Drops lights and rounds numbers for as long as the same bit stays bad. */
 void gen_case_shrink(gen_case *c, uint32_t bad);

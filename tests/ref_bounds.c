@@ -1,6 +1,7 @@
 /* ref_bounds.c - see ref_bounds.h.
  *
  * [Miksik07] M. Miksik, Implementing Lightcuts, CESCG 2007. Equation numbers are of that report.
+ * [Walter05b] B. Walter, Notes on the Ward BRDF, PCG-05-06, 2005.
  */
 #include "ref_bounds.h"
 
@@ -24,6 +25,24 @@ double ref_luminance(const double rgb[3])
     return (double)0.2126f * rgb[0] + (double)0.7152f * rgb[1] + (double)0.0722f * rgb[2];
 }
 
+/* A frame whose x is along the material's tangent where that points along the surface; what stands before the exponential
+ * of [Walter05b] but 1 / sqrt(cos_i). */
+static void make_ward(ref_point *r, const double n[3], const double o[3], const lc_material *m)
+{
+    double a[2] = { (double)m->roughness[0], (double)m->roughness[1] }, t[3], x[3], y[3], len;
+    load_f3(t, m->tangent);
+    for (int k = 0; k < 3; k++) x[k] = t[k] - dot3(n, t) * n[k];
+    len = sqrt(dot3(x, x));
+    for (int k = 0; k < 3; k++) x[k] /= len;
+    y[0] = n[1] * x[2] - n[2] * x[1], y[1] = n[2] * x[0] - n[0] * x[2], y[2] = n[0] * x[1] - n[1] * x[0];
+    for (int k = 0; k < 3; k++) {
+        double ks = k == 0 ? (double)m->ks.x : k == 1 ? (double)m->ks.y : (double)m->ks.z;
+        r->tangent[0][k] = x[k] / a[0], r->tangent[1][k] = y[k] / a[1];
+        r->specular[k] = ks / (4 * LC_PI * a[0] * a[1] * sqrt(fmax(dot3(n, o), (double)LC_WARD_MIN_COS)));
+    }
+    r->view[0] = dot3(r->tangent[0], o), r->view[1] = dot3(r->tangent[1], o), r->view[2] = fmax(dot3(n, o), 0);
+}
+
 void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m)
 {
     double nn[3], o[3], kd[3], ks[3];
@@ -33,6 +52,7 @@ void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m)
         r->diffuse[k] = kd[k] / LC_PI;
         r->specular[k] = ks[k] * ((double)m->exponent + 2) / (2 * LC_PI);
     }
+    if (m->roughness[0] > 0) make_ward(r, nn, o, m);
 }
 
 /* ---- transfer ---- */
@@ -43,9 +63,10 @@ static double falloff(const double atten[3], double d2)
     return atten[0] + atten[1] * sqrt(d2) + atten[2] * d2;
 }
 
-/* What M G is made of: cosines at the receiver, about the mirror direction, at the light; 1/f. */
+/* What M G is made of: cosines at the receiver, about the mirror direction, at the light; 1/f; Ward: h = i + o by tangents
+ * over roughness and n, and the lengths of the former two. */
 typedef struct terms {
-    double cos_r, cos_m, cos_e, inv_f;
+    double cos_r, cos_m, cos_e, inv_f, h[3], sharp[2];
 } terms;
 
 static terms light_terms(const lc_point *p, const lc_light *l)
@@ -57,7 +78,13 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     for (int k = 0; k < 3; k++) v[k] = far ? -dir[k] : y[k] - x[k];
     double d2 = dot3(v, v), d = sqrt(fmax(d2, (double)LC_TINY_D2)); /* no shorter: layout.h */
     for (int k = 0; k < 3; k++) w[k] = v[k] / d;
-    terms t = { dot3(n, w), dot3(m, w), 1, 1 };
+    terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 } };
+    for (int k = 0; k < 2; k++) {
+        double tangent[3];
+        load(tangent, p->tangent[k]);
+        t.h[k] = dot3(tangent, w) + (double)p->view[k], t.sharp[k] = sqrt(dot3(tangent, tangent));
+    }
+    t.h[2] = dot3(n, w) + (double)p->view[2];
     if (l->kind == LC_LIGHT_ORIENTED) {
         double len = sqrt(dot3(dir, dir));
         t.cos_e = len > 0 ? -dot3(dir, w) / len : 0;
@@ -73,10 +100,18 @@ static double combine(const lc_point *p, int c, double cos_r, double power_m, do
     return rho * fmax(cos_r, 0) * fmax(cos_e, 0) * inv_f;
 }
 
+/* [Walter05b]'s lobe without specular: roots of cosines as layout.h says. */
+static double ward(double x, double y, double z, double cos_r)
+{
+    return z > 0 ? exp(-(x * x + y * y) / (z * z)) / sqrt(fmax(cos_r, (double)LC_WARD_MIN_COS)) : 0;
+}
+
 void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
 {
     terms t = light_terms(p, l);
-    double pm = p->glossy ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent) : 0;
+    double pm = p->lobe == LC_LOBE_PHONG  ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent)
+                : p->lobe == LC_LOBE_WARD ? ward(t.h[0], t.h[1], t.h[2], fmin(t.cos_r, 1))
+                                          : 0;
     for (int c = 0; c < 3; c++) mg[c] = combine(p, c, fmin(t.cos_r, 1), pm, fmin(t.cos_e, 1), t.inv_f);
 }
 
@@ -91,18 +126,34 @@ static double cos_error(double c) { return 4 * U + 8 * U * fabs(c); }
  * sum of lobes and products with specular, cosines, 1/f: 1 + 1 + 3 U. 17 U, rounded to 18 U; second order
  * terms are below 1e-12. Gradual underflow: a partial product is off by 2^-149, times the factors still to
  * come: at most rho, 1/f or their product with another denormal; the power may flush below 2^-126. */
+/* The same for Ward: x of h is off by cos_error of a tangent of that length and the rounding of a sum; exponent, the
+ * exponential and what stands before it by 6 + 3 U, beside what has been counted. */
+static void ward_range(const terms *t, double er, double *lo, double *hi)
+{
+    double near[2], far[2], ez = cos_error(1) + 2 * U * fabs(t->h[2]);
+    for (int k = 0; k < 2; k++) {
+        double x = fabs(t->h[k]), e = t->sharp[k] * cos_error(1) + 2 * U * x;
+        near[k] = fmax(x - e, 0) * (1 - 4 * U), far[k] = (x + e) * (1 + 4 * U);
+    }
+    *lo = ward(far[0], far[1], t->h[2] - ez, t->cos_r - er) * (1 - 6 * U);
+    *hi = ward(near[0], near[1], t->h[2] + ez, t->cos_r + er) * (1 + 6 * U);
+}
+
 void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], double hi[3])
 {
     terms t = light_terms(p, l);
     double er = cos_error(t.cos_r), em = cos_error(t.cos_m),
            ee = l->kind == LC_LIGHT_ORIENTED ? cos_error(t.cos_e) : 0;
     double n = (double)p->exponent, pm_lo = 0, pm_hi = 0;
-    if (p->glossy) {
+    if (p->lobe == LC_LOBE_WARD) ward_range(&t, er, &pm_lo, &pm_hi);
+    if (p->lobe == LC_LOBE_PHONG) {
         /* 0^0 is 1 in C, 0 for a function that tests for cos <= 0 first: both are allowed */
         pm_lo = t.cos_m - em > 0 ? pow(fmin(t.cos_m - em, 1), n) : 0;
         pm_hi = pow(fmax(t.cos_m + em, 0), n);
-        if (pm_lo < (double)LC_MIN_LOBE * (1 + 1e-6)) pm_lo = 0;
     }
+    /* Ward's limit is for the exponential alone */
+    double least = (double)LC_MIN_LOBE * (1 + 1e-6) / (p->lobe == LC_LOBE_WARD ? sqrt((double)LC_WARD_MIN_COS) : 1);
+    if (pm_lo < least) pm_lo = 0;
     for (int c = 0; c < 3; c++) {
         double rho = (double)p->diffuse[c] + (double)p->specular[c] * pm_hi;
         double tiny = 0x1p-147 * (rho + t.inv_f + 1) + 0x1p-126 * (double)p->specular[c] * t.inv_f;
@@ -247,25 +298,76 @@ static double emission_bound(const ref_cluster *c)
     return theta <= beta ? 1 : fmax(0, cos(theta - beta));
 }
 
+/* Range of x / sqrt(x^2 + y^2) where x is in x0..x1 and y^2 in y0..y1. */
+static void ratio_range(double x0, double x1, double y0, double y1, double *lo, double *hi)
+{
+    double below = x0 * x0 + (x0 < 0 ? y0 : y1), above = x1 * x1 + (x1 > 0 ? y0 : y1);
+    *lo = below > 0 ? x0 / sqrt(below) : x0 < 0 ? -1 : 0;
+    *hi = above > 0 ? x1 / sqrt(above) : x1 > 0 ? 1 : 0;
+}
+
+/* [Walter05b]: greatest n.h over the box of v, in the frame with z = o and n in the plane of x and z. */
+static double max_half_cosine(const double lo[3], const double hi[3], const double n[3], const double o[3])
+{
+    double f[3][3], rlo[3], rhi[3], cos_n = clamp(dot3(n, o), 0, 1), sin_n = 0, cp, unused, clo, chi;
+    make_frame(f, o);
+    double x[3];
+    for (int k = 0; k < 3; k++) x[k] = n[k] - dot3(n, f[2]) * f[2][k];
+    sin_n = sqrt(dot3(x, x));
+    if (sin_n > 1e-9) {
+        for (int k = 0; k < 3; k++) f[0][k] = x[k] / sin_n;
+        const double *z = f[2], *u = f[0];
+        f[1][0] = z[1] * u[2] - z[2] * u[1], f[1][1] = z[2] * u[0] - z[0] * u[2], f[1][2] = z[0] * u[1] - z[1] * u[0];
+    }
+    rotate_box(f, lo, hi, rlo, rhi);
+    double y0 = min_square(rlo[1], rhi[1]), y1 = max_square(rlo[1], rhi[1]);
+    ratio_range(rlo[0], rhi[0], y0, y1, &unused, &cp);
+    ratio_range(rlo[2], rhi[2], min_square(rlo[0], rhi[0]) + y0, max_square(rlo[0], rhi[0]) + y1, &clo, &chi);
+    double hmin = sqrt(fmax(1 + clo, 0) / 2), hmax = sqrt((1 + chi) / 2);
+    double ch = cp >= 0 ? sqrt(cos_n * cos_n / (cos_n * cos_n + sin_n * sin_n * cp * cp)) : 1;
+    if (!(ch >= 0)) ch = 1; /* 0 / 0 */
+    ch = clamp(ch, hmin, hmax);
+    return fmin(sin_n * sqrt(fmax(1 - ch * ch, 0)) * cp + cos_n * ch, 1);
+}
+
+/* Greatest value of ward() by that, the larger roughness, and the greatest cosine. */
+static double ward_bound(const lc_point *p, const ref_cluster *c, const double n[3], double cos_r)
+{
+    double o[3], sharp[2];
+    for (int k = 0; k < 3; k++) o[k] = (double)p->view[2] * n[k];
+    for (int t = 0; t < 2; t++) {
+        double a[3];
+        load(a, p->tangent[t]);
+        sharp[t] = sqrt(dot3(a, a));
+        for (int k = 0; k < 3; k++) o[k] += (double)p->view[t] * a[k] / (sharp[t] * sharp[t]);
+    }
+    double m = max_half_cosine(c->vlo, c->vhi, n, o), least = fmin(sharp[0], sharp[1]);
+    if (m <= 0) return 0;
+    return exp(-(1 - m * m) / (m * m) * least * least) / sqrt(fmax(cos_r, (double)LC_WARD_MIN_COS));
+}
+
 double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t members, bool joint)
 {
     ref_cluster c;
     gather(&c, p, lights, members);
-    double n[3], m[3], rho[3], d2 = 0;
+    double n[3], m[3], rho[3], gloss[3], d2 = 0;
     load(n, p->n), load(m, p->mirror);
     /* n and mirror are unit to within rounding: their lengths are part of what ref_transfer computes */
     double len_n = sqrt(dot3(n, n)), len_m = sqrt(dot3(m, m));
     double cos_r = fmax(ref_cos_box(c.vlo, c.vhi, n), 0) * len_n;
-    double cos_m = p->glossy ? fmin(fmax(ref_cos_box(c.vlo, c.vhi, m), 0) * len_m, 1) : 0;
-    double pm = p->glossy ? pow(cos_m, (double)p->exponent) : 0;
-    for (int k = 0; k < 3; k++)
-        rho[k] = (double)p->diffuse[k] + (double)p->specular[k] * pm, rho[k] *= c.power[k];
-    double material = ref_luminance(rho);
-    if (material <= 0 || cos_r <= 0) return 0;
-    if (c.kind == LC_LIGHT_DIRECTIONAL) return material * cos_r;
+    double cos_m = p->lobe == LC_LOBE_PHONG ? fmin(fmax(ref_cos_box(c.vlo, c.vhi, m), 0) * len_m, 1) : 0;
+    double pm = p->lobe == LC_LOBE_PHONG ? pow(cos_m, (double)p->exponent) : 0;
+    double pw = p->lobe == LC_LOBE_WARD ? ward_bound(p, &c, n, cos_r) : 0; /* not with the joint bound: another cosine */
+    for (int k = 0; k < 3; k++) {
+        rho[k] = ((double)p->diffuse[k] + (double)p->specular[k] * pm) * c.power[k];
+        gloss[k] = (double)p->specular[k] * pw * c.power[k];
+    }
+    double material = ref_luminance(rho), lobe = ref_luminance(gloss);
+    if (material + lobe <= 0 || cos_r <= 0) return 0;
+    if (c.kind == LC_LIGHT_DIRECTIONAL) return (material + lobe) * cos_r;
     for (int k = 0; k < 3; k++) d2 += min_square(c.vlo[k], c.vhi[k]);
-    double geometry = cos_r / falloff(c.atten, fmax(d2, (double)p->min_d2));
+    double separate = cos_r / falloff(c.atten, fmax(d2, (double)p->min_d2)), geometry = separate;
     if (joint && c.atten[2] > 0) geometry = fmin(geometry, len_n * joint_bound(c.vlo, c.vhi, n) / c.atten[2]);
     double emission = c.kind == LC_LIGHT_ORIENTED ? emission_bound(&c) : 1;
-    return emission > 0 ? material * geometry * emission : 0;
+    return emission > 0 ? (material * geometry + lobe * separate) * emission : 0;
 }

@@ -1,6 +1,6 @@
 /* ref_bounds.h - what the kernels of bounds and shade should compute, in double precision, written from the
  * papers
- * ([Walter05] 4.1, [Miksik07] 2.2) and not from the kernels. Slow, plain, one formula a function.
+ * ([Walter05] 4.1, [Miksik07] 2.2, [Walter05b]) and not from the kernels. Slow, plain, one formula a function.
  *
  * Inputs are the floats that the library reads (lc_point, lc_light), taken as exact numbers.
  */
@@ -13,6 +13,7 @@
 /* The reference's own lc_point, unrounded. */
 typedef struct ref_point {
     double mirror[3], diffuse[3], specular[3];
+    double tangent[2][3], view[3]; /* Ward */
 } ref_point;
 
 void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m);

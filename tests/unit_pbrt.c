@@ -379,6 +379,19 @@ TEST(materials)
     CHECK(scene->n_meshes == 1 && near3(kd_of_mesh(0), 0, 0, 0, 0));
     CHECK(load("WorldBegin Material \"matte\" \"float sigma\" 20 \"rgb Kd\" [2 -1 .5] " TRI) == LC_OK);
     CHECK(near3(kd_of_mesh(0), 1, 0, .5, 0) && note("matte sigma") && note("reflectance"));
+    CHECK(load("WorldBegin Material \"ward\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [.4 .5 .6] \"float roughness\" .25 \"float vroughness\" "
+               ".5 " TRI) == LC_OK);
+    m = &scene->materials[scene->meshes[0].material_id];
+    CHECK(near3(m->kd, .1, .2, .3, 1e-7) && near3(m->ks, .4, .5, .6, 1e-7) && near((double)m->roughness[0], .25, 0) &&
+          near((double)m->roughness[1], .5, 0) && scene->meshes[0].brushed && scene->n_notes == 0);
+    CHECK(load("WorldBegin Material \"ward\" " TRI) == LC_OK && !scene->meshes[0].brushed);
+    m = &scene->materials[scene->meshes[0].material_id];
+    CHECK(near((double)m->roughness[0], .1, 1e-7) && near((double)m->roughness[1], .1, 1e-7) && near3(m->ks, 0, 0, 0, 0));
+    CHECK(load("WorldBegin Material \"ward\" \"float uroughness\" 0 \"float vroughness\" 7 " TRI) == LC_OK && note("ward roughness"));
+    m = &scene->materials[scene->meshes[0].material_id];
+    CHECK(near((double)m->roughness[0], (double)LC_MIN_ROUGHNESS, 0) && near((double)m->roughness[1], 1, 0));
+    EXPECT_ERROR("WorldBegin Material \"ward\" \"float uroughness\" -1",
+                 "s.pbrt:1:28: error: parameter 'uroughness' is negative");
     EXPECT_ERROR("WorldBegin Material \"phong\" \"float exponent\" -1",
                  "s.pbrt:1:29: error: parameter 'exponent' is negative");
     EXPECT_ERROR("WorldBegin Material \"matte\" \"rgb Kd\" [1 2]",

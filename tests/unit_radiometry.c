@@ -247,6 +247,32 @@ TEST(modified_phong)
         }
 }
 
+/* [Walter05b]; u of the floor, which ax is of, points along (cos, 0, sin) of an angle. */
+TEST(ward)
+{
+    static const double angles[] = { 0, 0.5, 2 }, kd[3] = { 0.2, 0.5, 0.8 }, ks[3] = { 0.7, 0.1, 0.3 };
+    const double eye[3] = { 1.5, 3, -0.5 }, p[3] = { -1.3, 2.8, 0.7 }, a[2] = { 0.15, 0.4 };
+    double want[3], o[3], i[3], d = len(p);
+    for (int k = 0; k < 3; k++) o[k] = eye[k] / len(eye), i[k] = p[k] / d;
+    for (size_t n = 0; n < sizeof angles / sizeof *angles; n++)
+        for (int oriented = 0; oriented < 2; oriented++) {
+            double c = cos(angles[n]), s = sin(angles[n]), x = 0, y = 0;
+            begin("LookAt %.17g %.17g %.17g  0 0 0  0 0.1 1\nCamera \"perspective\" \"float fov\" 30\n", eye[0], eye[1], eye[2]);
+            add("Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nWorldBegin\nMaterial \"ward\" \"rgb Kd\" "
+                "[0.2 0.5 0.8] \"rgb Ks\" [0.7 0.1 0.3] \"float uroughness\" %g \"float vroughness\" %g\n", a[0], a[1]);
+            add("Shape \"trianglemesh\" \"point3 P\" [-9 0 -9  9 0 -9  9 0 10  -9 0 10] \"integer indices\" [0 1 2 0 2 3]"
+                "\"point2 uv\" [%g %g %g %g %g %g %g %g]\n", -9 * c - 9 * s, 9 * s - 9 * c, 9 * c - 9 * s, -9 * s - 9 * c, 9 * c + 10 * s,
+                10 * c - 9 * s, 10 * s - 9 * c, 10 * c + 9 * s); /* u = x cos + z sin, v = z cos - x sin */
+            add("LightSource \"%s\" \"point3 from\" [%g %g %g] " INTENSITY, oriented ? "oriented" : "point", p[0], p[1], p[2]);
+            add(oriented ? " \"vector3 direction\" [0 -1 0]\n" : "\n");
+            x = ((i[0] + o[0]) * c + (i[2] + o[2]) * s) / a[0], y = ((i[2] + o[2]) * c - (i[0] + o[0]) * s) / a[1];
+            double e = exp(-(x * x + y * y) / ((i[1] + o[1]) * (i[1] + o[1]))), g = (oriented ? i[1] : 1) / (d * d);
+            for (int k = 0; k < 3; k++)
+                want[k] = (kd[k] / PI + ks[k] * e / (4 * PI * a[0] * a[1] * sqrt(i[1] * o[1]))) * i[1] * g * watts[k];
+            EXPECT(want);
+        }
+}
+
 TEST(both_sides_of_a_surface)
 {
     double want[3];
@@ -616,6 +642,7 @@ int main(void)
     RUN(distant_lights);
     RUN(mixed_lights);
     RUN(modified_phong);
+    RUN(ward);
     RUN(both_sides_of_a_surface);
     RUN(film_scale_multiplies);
     RUN(light_scale_and_transform);

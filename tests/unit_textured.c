@@ -182,6 +182,26 @@ TEST(values_of_materials)
     CHECK(near3(kd_at(-.5, -.5, 0), 1, .5, 0) && near3(kd_at(.5, -.5, 0), 0, 0, 0) && note("material plastic"));
 }
 
+/* Roughness may be a texture; anisotropic roughness lies along u, isotropic needs no uv. */
+TEST(ward)
+{
+    lc_surface s;
+    CHECK(load(HEAD4, "Texture \"e\" \"float\" \"bilerp\" \"float v00\" 0 \"float v10\" 1 \"float v01\" 0 \"float v11\" 2\n"
+                      "Material \"ward\" \"rgb Ks\" [.5 .5 .5] \"texture uroughness\" \"e\" \"float vroughness\" .3\n" QUAD UV4) == LC_OK);
+    CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s));
+    CHECK(near3(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .9375, .3, 0));
+    CHECK(fabs(fabs((double)s.material.tangent.x) - 1) < 1e-6);
+    CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(-.999, -.9, 1), 0, &s));
+    CHECK(near3(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .01, .3, 0)); /* raised */
+    CHECK(load(HEAD4, "Material \"ward\" \"float roughness\" .3\n" QUAD UV4) == LC_OK && !scene->uv);
+    CHECK(load(HEAD4, "Material \"ward\" \"float uroughness\" .3\n" QUAD) == LC_OK);
+    CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s) && near3(s.material.tangent, 0, 0, 0));
+    /* around a sphere's axis */
+    CHECK(load(HEAD4, "Material \"ward\" \"float uroughness\" .3\nTranslate 0 0 3\nRotate 90 1 0 0\nShape \"sphere\"\n") == LC_OK);
+    CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.01, .01, 1), 0, &s));
+    CHECK(fabs(fabs((double)s.material.tangent.x) - 1) < 2e-3 && fabs((double)s.material.tangent.y) < 1e-5);
+}
+
 /* Coordinates from PLY files, of spheres, disks and instances. */
 TEST(coordinates_of_shapes)
 {
@@ -300,6 +320,7 @@ int main(void)
     RUN(wrapping_and_mapping);
     RUN(files_and_notes);
     RUN(values_of_materials);
+    RUN(ward);
     RUN(coordinates_of_shapes);
     RUN(picture);
     RUN(every_allocation_may_fail);

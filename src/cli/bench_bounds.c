@@ -86,10 +86,14 @@ static void setup_free(const lc_context *ctx, setup *s)
     lc_free(ctx, s->list, 2 * N_BATCHES * BATCH, sizeof *s->list);
 }
 
-static void set_points(setup *s, bool glossy)
+static const char *const materials[] = { "lambert", "phong", "ward" };
+#define N_MATERIALS (sizeof materials / sizeof *materials)
+
+static void set_points(setup *s, size_t material)
 {
     lc_material m = { .kd = { 0.5f, 0.5f, 0.5f }, .exponent = 20 };
-    if (glossy) m.ks = m.kd;
+    if (material > 0) m.ks = m.kd;
+    if (material > 1) m.roughness[0] = 0.15f, m.roughness[1] = 0.3f;
     lc_f3 up = lc_f3_make(0, 1, 0), view = lc_f3_normalize(lc_f3_make(1, 1, 0));
     for (uint32_t i = 0; i < N_POINTS; i++)
         lc_point_init(&s->points[i], lc_f3_make((float)i + 1, 0, 5), up, view, &m, 1e-8f);
@@ -99,23 +103,23 @@ typedef struct range {
     int from, to; /* instruction sets */
 } range;
 
-static void print_text(const char *part, const setup *s, bool glossy, const char *unit, range isas, const bench_summary *r)
+static void print_text(const char *part, const setup *s, const char *material, const char *unit, range isas, const bench_summary *r)
 {
     for (int i = isas.from; i <= isas.to; i++) {
-        printf("%-9s %-12s %-8s %-7s %8.2f +- %.2f ns/%s", part, bench_kind_name(s->kind), glossy ? "phong" : "lambert",
+        printf("%-9s %-12s %-8s %-7s %8.2f +- %.2f ns/%s", part, bench_kind_name(s->kind), material,
                lc_isa_name((lc_isa)i), r[i].median, r[i].spread, unit);
         if (i > isas.from) printf(", %.2fx scalar", r[isas.from].median / r[i].median);
         printf("\n");
     }
 }
 
-static void print_json(const char *part, const setup *s, bool glossy, range isas, const bench_summary *r, bool first)
+static void print_json(const char *part, const setup *s, const char *material, range isas, const bench_summary *r, bool first)
 {
     for (int i = isas.from; i <= isas.to; i++, first = false) {
         bench_json_next(first);
         printf("{\"kernel\": \"%s\", \"lights\": \"%s\", \"material\": \"%s\", \"isa\": \"%s\", \"ns\": %.4f, \"ns_spread\": %.4f, "
                "\"ns_best\": %.4f",
-               part, bench_kind_name(s->kind), glossy ? "phong" : "lambert", lc_isa_name((lc_isa)i), r[i].median, r[i].spread,
+               part, bench_kind_name(s->kind), material, lc_isa_name((lc_isa)i), r[i].median, r[i].spread,
                r[i].best);
         if (isas.from == LC_ISA_SCALAR) printf(", \"times_scalar\": %.4f", r[isas.from].median / r[i].median);
         printf("}");
@@ -151,11 +155,11 @@ int bench_bounds(const bench_options *o)
             setup s;
             bench_summary r[N_ISAS];
             st = setup_init(ctx, (lc_light_kind)kind, &s);
-            for (int glossy = 0; glossy < 2 && !st; glossy++) {
-                set_points(&s, glossy);
+            for (size_t m = 0; m < N_MATERIALS && !st; m++) {
+                set_points(&s, m);
                 measure(&s, parts[part].run, n_runs, isas, r);
-                if (o->json) print_json(parts[part].name, &s, glossy, isas, r, first);
-                else print_text(parts[part].name, &s, glossy, parts[part].unit, isas, r);
+                if (o->json) print_json(parts[part].name, &s, materials[m], isas, r, first);
+                else print_text(parts[part].name, &s, materials[m], parts[part].unit, isas, r);
                 first = false;
             }
             setup_free(ctx, &s);

@@ -1,0 +1,178 @@
+/* unit_ward.c - Ward's lobe as lc_shade_light gives it: what it reflects in all, against the reflectance and against an
+ * integral of the formula; symmetry, frames, limits. */
+#include "shade.h"
+#include "test.h"
+
+#include <math.h>
+
+#define N_U 512 /* of the integral over half vectors */
+#define N_V 256
+
+static const double ks = 0.75;
+
+typedef struct {
+    double ax, ay, cos_o, phi_o; /* roughness, direction of the viewer */
+} look;
+
+static void direction(double cosine, double phi, double out[3])
+{
+    double s = sqrt(1 - cosine * cosine);
+    out[0] = s * cos(phi), out[1] = s * sin(phi), out[2] = cosine;
+}
+
+static void init(lc_point *p, const look *l)
+{
+    lc_material m = { .ks = { (float)ks, (float)ks, (float)ks }, .roughness = { (float)l->ax, (float)l->ay }, .tangent = { 1, 0, 0 } };
+    double o[3];
+    direction(l->cos_o, l->phi_o, o);
+    lc_point_init(p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_normalize_d(o[0], o[1], o[2]), &m, 1e-10f);
+}
+
+/* The library's f cos for light from i. */
+static double library(const lc_point *p, const double i[3])
+{
+    lc_light_rec rec = { .pos = { (float)i[0], (float)i[1], (float)i[2] } };
+    return (double)lc_shade_light(p, LC_LIGHT_DIRECTIONAL, &rec, NULL).y;
+}
+
+/* The same from [Walter05b], roots from 0.02 on. */
+static double formula(const look *l, const double i[3])
+{
+    double o[3];
+    direction(l->cos_o, l->phi_o, o);
+    double x = (i[0] + o[0]) / l->ax, y = (i[1] + o[1]) / l->ay, z = i[2] + o[2];
+    return i[2] * ks / (4 * LC_PI * l->ax * l->ay * sqrt(fmax(i[2], 0.02) * fmax(o[2], 0.02))) * exp(-(x * x + y * y) / (z * z));
+}
+
+/* Integral of f cos over the hemisphere, by half vectors: h has the density of the lobe, a midpoint rule over its two random
+ * numbers; i = 2 (o.h) h - o. */
+static double reflected(const look *l)
+{
+    lc_point p;
+    double o[3], sum = 0;
+    init(&p, l);
+    direction(l->cos_o, l->phi_o, o);
+    for (int a = 0; a < N_U; a++)
+        for (int b = 0; b < N_V; b++) {
+            double u = (a + 0.5) / N_U, v = 2 * LC_PI * (b + 0.5) / N_V, h[3], i[3];
+            double phi = atan2(l->ay * sin(v), l->ax * cos(v)), c = cos(phi) / l->ax, s = sin(phi) / l->ay;
+            double t2 = -log(u) / (c * c + s * s);
+            direction(1 / sqrt(1 + t2), phi, h);
+            double oh = o[0] * h[0] + o[1] * h[1] + o[2] * h[2];
+            for (int k = 0; k < 3; k++) i[k] = 2 * oh * h[k] - o[k];
+            if (oh > 0 && i[2] > 0) sum += library(&p, i) * 4 * LC_PI * l->ax * l->ay * oh * pow(h[2], 3) / u;
+        }
+    return sum / N_U / N_V;
+}
+
+/* Integral of the formula, by a midpoint rule over cosine and azimuth. */
+static double integral(const look *l)
+{
+    const int n = 1500;
+    double sum = 0, i[3];
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < n; b++) {
+            direction((a + 0.5) / n, 2 * LC_PI * (b + 0.5) / n, i);
+            sum += formula(l, i);
+        }
+    return sum * 2 * LC_PI / n / n;
+}
+
+/* Smooth: ks times the cosine of the viewer, which is 1 along the normal. */
+TEST(smooth_reflects_its_albedo)
+{
+    static const double rough[] = { 0.01, 0.015, 0.02 }, cosines[] = { 1, 0.9, 0.7, 0.5 };
+    for (int x = 0; x < 3; x++)
+        for (int y = 0; y < 3; y++)
+            for (int k = 0; k < 4; k++) {
+                look l = { rough[x], rough[y], cosines[k], 0.3 };
+                double r = reflected(&l) / (ks * l.cos_o);
+                CHECKF(fabs(r - 1) <= 0.005, "roughness %g %g, cosine %g: %.6f", l.ax, l.ay, l.cos_o, r);
+            }
+}
+
+/* Rough: less, as much as the formula says. */
+TEST(rough_reflects_what_the_formula_says)
+{
+    static const double rough[] = { 0.1, 0.2, 0.4, 1 }, cosines[] = { 1, 0.7, 0.3, 0.05 };
+    double least = 1;
+    for (int x = 0; x < 4; x++)
+        for (int y = 0; y < 4; y++)
+            for (int k = 0; k < 4; k++) {
+                look l = { rough[x], rough[y], cosines[k], 0.3 };
+                double r = reflected(&l), want = integral(&l);
+                CHECKF(fabs(r / want - 1) <= 0.005, "roughness %g %g, cosine %g: %.6f, not %.6f", l.ax, l.ay, l.cos_o, r, want);
+                if (k == 0 && want / ks < least) least = want / ks;
+            }
+    printf("  along the normal, of the roughest: %.4f of ks\n", least);
+}
+
+/* No direction sends back more than ks: what LC_WARD_MIN_COS is for. */
+TEST(never_more_than_comes_in)
+{
+    static const double rough[] = { 0.01, 0.05, 0.3, 0.6, 1 }, cosines[] = { 1, 0.5, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 1e-3, 1e-5 };
+    double most = 0;
+    for (int x = 0; x < 5; x++)
+        for (int y = 0; y < 5; y++)
+            for (int k = 0; k < 10; k++) {
+                look l = { rough[x], rough[y], cosines[k], 0.8 };
+                most = fmax(most, reflected(&l) / ks);
+            }
+    CHECKF(most <= 1.0005, "%.6f", most);
+    printf("  at most %.4f of ks\n", most);
+}
+
+/* f(i, o) = f(o, i), also where cosines count as 0.02. */
+TEST(reciprocal)
+{
+    static const double cosines[] = { 1, 0.6, 0.2, 0.05, 0.01 };
+    for (int x = 0; x < 5; x++)
+        for (int y = 0; y < 5; y++)
+            for (double phi = 0; phi < 6; phi += 0.7) {
+                look l = { 0.3, 0.6, cosines[x], phi }, back = { 0.3, 0.6, cosines[y], 1 };
+                lc_point p, q;
+                double i[3], o[3];
+                init(&p, &l), init(&q, &back);
+                direction(l.cos_o, l.phi_o, o), direction(back.cos_o, back.phi_o, i);
+                double a = library(&p, i) / i[2], b = library(&q, o) / o[2];
+                CHECKF(fabs(a - b) <= 1e-4 * (a + b), "%g %g", a, b);
+            }
+}
+
+/* The tangent's length along the normal and its sign don't matter; equal roughness knows no tangent; no tangent will do. */
+TEST(tangents)
+{
+    static const lc_f3 tangents[] = { { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0.6f, 0.8f }, { 0, 0, 1 }, { 0, 0, 0 }, { 0, 0, -1 } };
+    const double i[3] = { 0.48, -0.6, 0.64 };
+    double first = 0, want[2];
+    for (int swap = 0; swap < 2; swap++) {
+        look l = { swap ? 0.2 : 0.5, swap ? 0.5 : 0.2, 0.8, 2 };
+        want[swap] = formula(&l, i);
+    }
+    for (int k = 0; k < 6; k++) {
+        lc_material m = { .ks = { (float)ks, (float)ks, (float)ks }, .roughness = { 0.2f, 0.5f }, .tangent = tangents[k] };
+        double o[3];
+        lc_point p;
+        direction(0.8, 2, o);
+        lc_f3 view = lc_f3_normalize_d(o[0], o[1], o[2]), n = lc_f3_make(0, 0, 1);
+        lc_point_init(&p, lc_f3_make(0, 0, 0), n, view, &m, 1e-10f);
+        double f = library(&p, i);
+        if (k < 3) CHECKF(fabs(f / want[0] - 1) < 1e-4, "%g, not %g", f, want[0]);
+        else CHECKF(fabs(f / want[1] - 1) < 1e-4 || fabs(f / want[0] - 1) < 1e-4, "%g", f); /* along x or y */
+        m.roughness[1] = 0.2f;
+        lc_point_init(&p, lc_f3_make(0, 0, 0), n, view, &m, 1e-10f);
+        f = library(&p, i);
+        if (k == 0) first = f;
+        CHECKF(fabs(f / first - 1) < 1e-4, "%g, not %g", f, first);
+    }
+}
+
+int main(void)
+{
+    RUN(smooth_reflects_its_albedo);
+    RUN(rough_reflects_what_the_formula_says);
+    RUN(never_more_than_comes_in);
+    RUN(reciprocal);
+    RUN(tangents);
+    return test_done();
+}
