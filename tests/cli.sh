@@ -544,7 +544,7 @@ run -q s.pbrt -o ref.exr --method exact
 run -q s.pbrt -o other.exr --spp 3
 run -q named.pbrt -o small.exr
 good 'compare with itself' compare old.exr old.exr
-for metric in mae mse rmse mrse mape psnr flip max mean_ratio rel_p50 rel_p99 rel_p999 rel_max over nonfinite; do
+for metric in mae mse rmse mrse mape psnr flip roberts max mean_ratio rel_p50 rel_p99 rel_p999 rel_max over nonfinite; do
     prints "^$metric [^ ]"
 done
 check 'equal pictures: mae 0' grep -qx 'mae 0' out

@@ -41,7 +41,7 @@ _lightcuts()
     compare:--map) COMPREPLY=($(compgen -W heat -- "$word")); return ;;
     compare:--fail)
         compopt -o nospace 2>/dev/null
-        COMPREPLY=($(compgen -S = -W 'mae mse rmse mrse mape psnr flip max mean_ratio rel_p50 rel_p99 rel_p999 rel_max over
+        COMPREPLY=($(compgen -S = -W 'mae mse rmse mrse mape psnr flip roberts max mean_ratio rel_p50 rel_p99 rel_p999 rel_max over
             nonfinite' -- "$word"))
         return ;;
     preview:--false-colour)
