@@ -107,7 +107,11 @@ for args in --help -h help; do
     good "$args" $args
     prints '^usage: lightcuts'
 done
+<<<<<<< HEAD
 for command in render compare scene info preview bench report; do
+=======
+for command in render compare scene info preview explain bench; do
+>>>>>>> 29ada6be0b9928f960728ca8b622c102aa89a910
     good "help $command" help $command
     prints "^usage: lightcuts.*$command"
     cp out help.txt
@@ -491,13 +495,75 @@ bad 'info of noise as EXR' 3 'noise.exr' info noise.exr
 bad 'info of noise as PNG' 3 'noise.png' info noise.png
 bad 'info of a wrong scene' 3 'nan.pbrt:11:' info nan.pbrt
 
+# ---- explain ----
+
+"$L" scene cube --lights 600 >cube.pbrt
+good 'a picture to explain' -q cube.pbrt --pixelbounds 200,210,200,201 --aov z,cut -o cube.exr --method cuts --seed 3 --representatives 4
+good 'explain' explain cube.pbrt --pixel 204,200 --method cuts --seed 3 --representatives 4
+prints '^cut  *[0-9]* clusters of 600 lights, '
+prints '^ *share  *estimate '
+prints ' the other [0-9]*; '
+check 'explain: 20 clusters and the rest' test "$(grep -c '%  ' out)" -eq 21
+good 'explain --top' explain --top 3 cube.pbrt --pixel=204,200 --method cuts
+check 'explain --top: as many' test "$(grep -c '%  ' out)" -eq 4
+good 'explain --all' explain --all cube.pbrt --pixel 204,200 --method cuts
+cp out all.txt
+check 'explain --all: no rest' test "$(grep -c 'the other' all.txt)" -eq 0
+check 'explain --all: as many as it says' \
+    test "$(grep -c '%  *[0-9]' all.txt)" -eq "$(sed -n 's/^cut  *\([0-9]*\) clusters.*/\1/p' all.txt)"
+good 'explain --json' explain --json cube.pbrt --pixel 204,200 --method cuts --seed 3 --representatives 4
+cp out explain.json
+prints '"hit": true'
+if command -v python3 >/dev/null 2>&1; then
+    cat >check.py <<'END'
+import json, sys
+d = json.load(open("explain.json"))
+c = d["clusters"]
+lum = lambda v: 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2]
+near = lambda a, b: abs(a - b) <= 1e-5 * max(abs(a), abs(b)) + 1e-12
+assert abs(sum(x["share"] for x in c) - 1) < 1e-9
+assert sum(x["lights"] for x in c) == d["lights"] == 600
+for k in range(3):
+    assert near(sum(x["estimate"][k] for x in c), d["radiance"][k])
+    assert near(sum(x["exact"][k] for x in c), d["exact"][k])
+assert all(x["bound"] * (1 + 1e-5) >= lum(x["exact"]) for x in c + d["splits"] if x["lights"] > 1)
+assert len(d["splits"]) == len(c) - 1 == sum(r["splits"] for r in d["rounds"])
+assert {x["parent"] for x in c if x["parent"] is not None} <= {x["id"] for x in d["splits"]}
+END
+    check 'explain --json: shares, sums, bounds, splits' timeout 60 python3 check.py
+fi
+"$L" info --json cube.exr >cube.json
+sizes=$(sed -n 's/.*"name": "cut.size", "min": \([0-9]*\), "max": \([0-9]*\),.*/\1 \2/p' cube.json)
+n=$(grep -c '"id": .*"split": null' explain.json)
+check 'explain: a size of a cut that the picture has' test "$n" -ge "${sizes% *}" -a "$n" -le "${sizes#* }"
+good 'explain where nothing is' explain s.pbrt --pixel 0,0
+{ film 8 8 ''; echo WorldBegin; } >void.pbrt
+good 'explain of an empty scene' explain void.pbrt --pixel 3,3
+prints '^nothing is seen there'
+good 'explain of an empty scene as JSON' explain void.pbrt --pixel 3,3 --json
+prints '"hit": false'
+good 'explain with few lights' explain s.pbrt --pixel 24,20
+prints '^note  *with so few lights every one is evaluated'
+good 'explain of the exact method' explain cube.pbrt --pixel 204,200 --method exact
+prints '^note  *the method is exact'
+good 'explain a sample' explain s.pbrt --pixel 24,20 --spp 4 --sample 3
+bad 'explain without a pixel' 2 'no --pixel x,y given' explain s.pbrt
+bad 'explain without a scene' 2 'no scene given' explain --pixel 1,1
+bad 'explain outside the film' 2 'pixel 48,0 is outside the film of 48 x 40' explain s.pbrt --pixel 48,0
+bad 'explain of half a pixel' 2 "bad value '1.5,2'" explain s.pbrt --pixel 1.5,2
+bad 'explain of one number' 2 "bad value '1'" explain s.pbrt --pixel 1
+bad 'explain a sample that is not there' 2 'sample 1: a pixel has 1' explain s.pbrt --pixel 1,1 --sample 1
+bad 'explain --top of a word' 2 "bad value 'x' for option --top" explain s.pbrt --pixel 1,1 --top x
+bad 'explain of a missing scene' 3 'none.pbrt' explain none.pbrt --pixel 1,1
+bad 'explain of a wrong scene' 3 'nan.pbrt:11:' explain nan.pbrt --pixel 1,1
+
 # ---- compare ----
 
 run -q s.pbrt -o ref.exr --method exact
 run -q s.pbrt -o other.exr --spp 3
 run -q named.pbrt -o small.exr
 good 'compare with itself' compare old.exr old.exr
-for metric in mae mse rmse mrse mape psnr flip max mean_ratio rel_p50 rel_p99 rel_p999 rel_max over nonfinite; do
+for metric in mae mse rmse mrse mape psnr flip roberts max mean_ratio rel_p50 rel_p99 rel_p999 rel_max over nonfinite; do
     prints "^$metric [^ ]"
 done
 check 'equal pictures: mae 0' grep -qx 'mae 0' out

@@ -60,6 +60,26 @@ TEST(nonfinite_pixels_are_counted_and_left_out)
           isfinite(m.value[METRIC_FLIP]));
 }
 
+/* A step and a chessboard of the same size of error: block means keep the one and lose the other. */
+TEST(roberts_sees_bands_not_noise)
+{
+    static float flat[SIDE * SIDE], step[SIDE * SIDE], chess[SIDE * SIDE];
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        int x = i % SIDE, y = i / SIDE;
+        flat[i] = 0.99f;
+        step[i] = flat[i] + (x < 16 ? 0.1f : -0.1f);
+        chess[i] = flat[i] + ((x + y) % 2 ? 0.1f : -0.1f);
+    }
+    float *const ref[3] = { flat, flat, flat }, *const a[3] = { step, step, step }, *const b[3] = { chess, chess, chess };
+    metrics m;
+    CHECK(metrics_of(ctx, SIDE, SIDE, a, ref, 0.02, &m) == LC_OK);
+    /* in one column of seven both differences are 0.2 */
+    CHECKF(near(m.value[METRIC_ROBERTS], 2 * 0.2 * 0.2 / 7), "%g", m.value[METRIC_ROBERTS]);
+    CHECK(metrics_of(ctx, SIDE, SIDE, b, ref, 0.02, &m) == LC_OK);
+    CHECKF(m.value[METRIC_ROBERTS] < 1e-9, "%g", m.value[METRIC_ROBERTS]);
+    CHECK(metrics_of(ctx, 7, SIDE, a, ref, 0.02, &m) == LC_OK && m.value[METRIC_ROBERTS] < 1e-30); /* one block wide */
+}
+
 /* ---- FLIP ---- */
 
 static double flip_of(const float from[3], const float to[3])
@@ -116,6 +136,7 @@ int main(void)
     RUN(by_hand);
     RUN(equal_pictures);
     RUN(nonfinite_pixels_are_counted_and_left_out);
+    RUN(roberts_sees_bands_not_noise);
     RUN(flip_of_flat_colours);
     RUN(flip_sees_edges);
     lc_context_destroy(ctx);

@@ -35,6 +35,8 @@ static const char help[] =
     "  mape        mean |d| / (|REF| + 0.01), as a fraction\n"
     "  psnr        -10 log10(mse), in dB for a peak of 1; inf for equal images\n"
     "  flip        mean LDR-FLIP error, 67 pixels per degree, values clamped to 0..1; 0: equal\n"
+    "  roberts     energy of edges in the error, where bands show and noise does not: mean square of Roberts' two\n"
+    "              differences of (A - REF) / (REF + 0.01) in luminance, averaged over blocks of 4x4 pixels\n"
     "  max         largest |d|, then its pixel x,y, its channel and both values\n"
     "  mean_ratio  mean of IMAGE / mean of REFERENCE\n"
     "  rel_p50 rel_p99 rel_p999 rel_max\n"

@@ -157,7 +157,8 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
     printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit, (double)o->render.error_ratio,
            x->floor > cut ? "the dark floor" : "the luminance", x->at_limit ? ", not reached within --max-cut" : "",
            (double)x->max_error);
-    if (x->floor > 0) printf("dark floor   %.6g = %g of the picture's mean %.6g\n", x->floor, (double)o->render.dark_floor, x->mean_luminance);
+    if (x->floor > 0)
+        printf("dark floor   %.6g = %g of the picture's mean %.6g\n", x->floor, (double)o->render.dark_floor, x->mean_luminance);
 }
 
 static void print_rounds(const lc_explanation *x)
@@ -172,12 +173,13 @@ static void print_rounds(const lc_explanation *x)
 static void print_cluster(const lc_explained_cluster *c, double total)
 {
     double estimate = lum(c->estimate), exact = lum_d(c->exact);
-    printf("%7.3f%% %12.5g %12.5g %12.4g %12.5g %8u %8u %-8s %9u %-4s %5u  (%.5g, %.5g, %.5g) (%.5g, %.5g, %.5g) (%.5g, %.5g, %.5g) .. (%.5g, %.5g, %.5g)\n",
-           total > 0 ? 100 * estimate / total : 0, estimate, exact, estimate - exact, (double)c->bound, c->n_lights, c->n_seen,
-           kinds[c->kind], c->light, c->seen < 0 ? "-" : c->seen ? "yes" : "no", c->made, (double)c->light_pos[0],
-           (double)c->light_pos[1], (double)c->light_pos[2], (double)c->light_intensity[0], (double)c->light_intensity[1],
-           (double)c->light_intensity[2], (double)c->lo[0], (double)c->lo[1], (double)c->lo[2], (double)c->hi[0],
-           (double)c->hi[1], (double)c->hi[2]);
+    printf("%7.3f%% %12.5g %12.5g %12.4g %12.5g %8u %8u %-8s %9u %-4s %5u ", total > 0 ? 100 * estimate / total : 0, estimate, exact,
+           estimate - exact, (double)c->bound, c->n_lights, c->n_seen, kinds[c->kind], c->light,
+           c->seen < 0 ? "-" : c->seen ? "yes" : "no", c->made);
+    const float *const vectors[] = { c->light_pos, c->light_intensity, c->lo, c->hi };
+    for (int k = 0; k < 4; k++)
+        printf("%s (%.5g, %.5g, %.5g)", k == 3 ? " .." : "", (double)vectors[k][0], (double)vectors[k][1], (double)vectors[k][2]);
+    printf("\n");
 }
 
 static void print_rest(const lc_explanation *x, uint32_t from, double total)

@@ -9,10 +9,12 @@
 #include <string.h>
 
 #define EPSILON 0.01 /* keeps black reference values from ruling mrse and mape, pbrt's choice */
+#define BLOCK 4      /* pixels a side: what the slots of representatives are shared out over */
 
 const char *const metric_names[N_METRICS] = { "mae",     "mse",      "rmse",    "mrse",       "mape",
-                                              "psnr",    "flip",     "max",     "mean_ratio", "rel_p50",
-                                              "rel_p99", "rel_p999", "rel_max", "over",       "nonfinite" };
+                                              "psnr",    "flip",     "roberts", "max",        "mean_ratio",
+                                              "rel_p50", "rel_p99",  "rel_p999", "rel_max",   "over",
+                                              "nonfinite" };
 
 static bool finite_pixel(float *const a[3], float *const ref[3], size_t i)
 {
@@ -103,6 +105,37 @@ static void relative_errors(size_t n, float *const a[3], float *const ref[3], do
     m->value[METRIC_OVER] = n_rel ? (double)n_over / (double)n_rel : 0.0;
 }
 
+/* Relative error of luminance, averaged over BLOCK x BLOCK pixels; an incomplete block at the edge is left out. */
+static void block_errors(uint32_t width, uint32_t height, float *const a[3], float *const ref[3], float *block)
+{
+    for (size_t y = 0; y < height / BLOCK; y++)
+        for (size_t x = 0; x < width / BLOCK; x++) {
+            double sum = 0;
+            for (size_t k = 0; k < BLOCK * BLOCK; k++) {
+                size_t i = (y * BLOCK + k / BLOCK) * width + x * BLOCK + k % BLOCK;
+                double vr = luminance(ref, i);
+                if (finite_pixel(a, ref, i)) sum += (luminance(a, i) - vr) / (fabs(vr) + EPSILON);
+            }
+            block[y * (width / BLOCK) + x] = (float)(sum / (BLOCK * BLOCK));
+        }
+}
+
+/* Bands in the error against its noise: the energy that Roberts' operator finds in block means, where noise has mostly
+ * gone and edges longer than a block have not. `block` is room for all blocks. */
+static double roberts(uint32_t width, uint32_t height, float *const a[3], float *const ref[3], float *block)
+{
+    size_t w = width / BLOCK, h = height / BLOCK;
+    double sum = 0;
+    if (w < 2 || h < 2) return 0;
+    block_errors(width, height, a, ref, block);
+    for (size_t i = 0; i + w + 1 < w * h; i++) {
+        if (i % w == w - 1) continue;
+        double p = (double)block[i] - (double)block[i + w + 1], q = (double)block[i + 1] - (double)block[i + w];
+        sum += p * p + q * q;
+    }
+    return sum / (double)((w - 1) * (h - 1));
+}
+
 lc_status metrics_of(lc_context *ctx, uint32_t width, uint32_t height, float *const a[3], float *const ref[3],
                      double over, metrics *out)
 {
@@ -117,6 +150,7 @@ lc_status metrics_of(lc_context *ctx, uint32_t width, uint32_t height, float *co
     if (status == LC_OK) {
         size_t n = (size_t)width * height;
         add_up(width, n, a, ref, out);
+        out->value[METRIC_ROBERTS] = roberts(width, height, a, ref, rel);
         relative_errors(n, a, ref, over, rel, out);
         status = flip_mean(ctx, width, height, a, ref, &out->value[METRIC_FLIP]);
     }
