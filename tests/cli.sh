@@ -107,11 +107,7 @@ for args in --help -h help; do
     good "$args" $args
     prints '^usage: lightcuts'
 done
-<<<<<<< HEAD
-for command in render compare scene info preview bench report; do
-=======
-for command in render compare scene info preview explain bench; do
->>>>>>> 29ada6be0b9928f960728ca8b622c102aa89a910
+for command in render compare scene info preview explain bench report; do
     good "help $command" help $command
     prints "^usage: lightcuts.*$command"
     cp out help.txt

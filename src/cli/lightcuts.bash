@@ -2,17 +2,10 @@
 _lightcuts()
 {
     local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=render options i
-<<<<<<< HEAD
-    local commands='render compare scene info preview bench report help'
+    local commands='render compare scene info preview explain bench report help'
     COMPREPLY=()
     case ${COMP_WORDS[1]-} in
-    render | compare | scene | info | preview | bench | report | help) command=${COMP_WORDS[1]} ;;
-=======
-    local commands='render compare scene info preview explain bench help'
-    COMPREPLY=()
-    case ${COMP_WORDS[1]-} in
-    render | compare | scene | info | preview | explain | bench | help) command=${COMP_WORDS[1]} ;;
->>>>>>> 29ada6be0b9928f960728ca8b622c102aa89a910
+    render | compare | scene | info | preview | explain | bench | report | help) command=${COMP_WORDS[1]} ;;
     esac
     # "--name=value" comes in three words.
     if [[ $word == = ]]; then
@@ -28,43 +21,29 @@ _lightcuts()
             -- "$word"))
         return ;;
     bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render' -- "$word")); return ;;
-<<<<<<< HEAD
-    render:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word")); return ;;
-    render:--builder | bench:--builder) COMPREPLY=($(compgen -W 'auto exact ploc' -- "$word")); return ;;
-    render:--isa | bench:--isa | report:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
-=======
     render:--method | explain:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word")); return ;;
     render:--builder | explain:--builder | bench:--builder) COMPREPLY=($(compgen -W 'auto exact ploc' -- "$word")); return ;;
-    render:--isa | explain:--isa | bench:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
->>>>>>> 29ada6be0b9928f960728ca8b622c102aa89a910
+    render:--isa | explain:--isa | bench:--isa | report:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
     render:--aov)
         # A list with commas: complete its last part.
         local head=
         [[ $word == *,* ]] && head=${word%,*},
         COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays all' -- "${word##*,}"))
         return ;;
-<<<<<<< HEAD
-    render:-t | render:--nthreads | bench:-t | bench:--nthreads | report:-t | report:--nthreads)
-=======
-    render:-t | render:--nthreads | explain:-t | explain:--nthreads | bench:-t | bench:--nthreads)
->>>>>>> 29ada6be0b9928f960728ca8b622c102aa89a910
+    render:-t | render:--nthreads | explain:-t | explain:--nthreads | bench:-t | bench:--nthreads | report:-t | report:--nthreads)
         COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
         return ;;
     render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | render:--maxdepth | \
         render:--area-lights | render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
         compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
-<<<<<<< HEAD
+        explain:--pixel | explain:--sample | explain:--top | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
+        explain:--representatives | explain:--area-lights | explain:--seed | explain:--spp | \
         bench:--representatives | bench:--pixelbounds | report:--error-ratios | report:--representatives | report:--max-cut) return ;;
     report:-o | report:--outdir)
         compopt -o filenames 2>/dev/null
         COMPREPLY=($(compgen -d -- "$word"))
         return ;;
-=======
-        explain:--pixel | explain:--sample | explain:--top | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
-        explain:--representatives | explain:--area-lights | explain:--seed | explain:--spp | \
-        bench:--representatives | bench:--pixelbounds) return ;;
->>>>>>> 29ada6be0b9928f960728ca8b622c102aa89a910
     compare:--map) COMPREPLY=($(compgen -W heat -- "$word")); return ;;
     compare:--fail)
         compopt -o nospace 2>/dev/null
