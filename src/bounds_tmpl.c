@@ -349,10 +349,10 @@ static void LC_FN(bounds)(const lc_tree_data *t, const uint32_t *index, uint32_t
     }
 #endif
 #define BOUNDS(kind, lobe) LC_FN(bounds_of)(t, index, n, kind, lobe, p, ub)
-#define BY_LOBE(kind)                                                \
-    if (p->lobe == LC_LOBE_WARD) BOUNDS(kind, LC_LOBE_WARD);         \
-    else if (p->lobe == LC_LOBE_PHONG) BOUNDS(kind, LC_LOBE_PHONG);  \
-    else BOUNDS(kind, LC_LOBE_NONE)
+#define BY_LOBE(kind)                                               \
+    if (p->lobe == LC_LOBE_NONE) BOUNDS(kind, LC_LOBE_NONE);        \
+    else if (p->lobe == LC_LOBE_PHONG) BOUNDS(kind, LC_LOBE_PHONG); \
+    else BOUNDS(kind, LC_LOBE_WARD)
     switch (kind) {
     case LC_LIGHT_POINT:
         BY_LOBE(LC_LIGHT_POINT);

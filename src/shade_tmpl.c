@@ -148,10 +148,10 @@ static void LC_FN(estimate)(const lc_tree_data *t, uint32_t first, const uint32_
     }
 #endif
 #define ESTIMATE(kind, lobe) LC_FN(estimate_of)(t, first, index, n, kind, lobe, p, out)
-#define BY_LOBE(kind)                                                    \
-    if (p->lobe == LC_LOBE_WARD) ESTIMATE(kind, LC_LOBE_WARD);           \
-    else if (p->lobe == LC_LOBE_PHONG) ESTIMATE(kind, LC_LOBE_PHONG);    \
-    else ESTIMATE(kind, LC_LOBE_NONE)
+#define BY_LOBE(kind)                                                 \
+    if (p->lobe == LC_LOBE_NONE) ESTIMATE(kind, LC_LOBE_NONE);        \
+    else if (p->lobe == LC_LOBE_PHONG) ESTIMATE(kind, LC_LOBE_PHONG); \
+    else ESTIMATE(kind, LC_LOBE_WARD)
     switch (kind) {
     case LC_LIGHT_POINT:
         BY_LOBE(LC_LIGHT_POINT);

@@ -87,6 +87,21 @@ TEST(exp_agrees)
     CHECK(lc_exp_neg(0) == 1 && lc_exp_neg(-800) == 0);
 }
 
+/* lc_decay and its bound, by the same margins as powers. */
+TEST(decay_agrees)
+{
+    for (uint64_t i = 0; i < 1000000; i++) {
+        double u = lc_unit(lc_hash4(6, i, 0, 0)), v = lc_unit(lc_hash4(6, i, 1, 0));
+        float y = (float)(i & 1 ? 31 * u : pow(10, -40 * v) * u);
+        double want = (double)expl(-(long double)y), got = (double)lc_decay(y), ub = (double)decay_ub_scalar(y);
+        CHECKF(y > 29.93f ? got < 1.1e-13 : fabs(got / want - 1) < 0x1p-24 + 1e-12, "%a: %.9g for %.9g", (double)y, got, want);
+        CHECKF(ub > 0 ? ub > want * (1 + 0x1p-15 - 2.7e-5) && ub < want * (1 + 0x1p-15 + 2.7e-5) : want < (double)LC_MIN_LOBE,
+               "%a: %.9g, bound %.9g", (double)y, want, ub);
+    }
+    CHECK(lc_decay(0) == 1 && lc_decay(1e30f) == 0 && decay_ub_scalar(0) >= 1 && decay_ub_scalar(FLT_MAX) == 0);
+    CHECK(decay_ub_scalar(INFINITY) == 0);
+}
+
 int main(void)
 {
     RUN(pow_agrees);
@@ -94,5 +109,6 @@ int main(void)
     RUN(pow_ends);
     RUN(upper_bound_holds);
     RUN(exp_agrees);
+    RUN(decay_agrees);
     return test_done();
 }
