@@ -21,6 +21,7 @@ typedef enum lc_phase {
 typedef struct lc_stats {
     uint64_t points, shadow_rays, bounds, camera_rays, at_limit, dark, nonfinite;
     uint64_t cut_sum;
+    uint64_t glossy; /* of points: those with a lobe */
     uint64_t ticks[LC_PHASES], last_tick; /* of the samples that are timed */
     bool timed;
 } lc_stats;
