@@ -30,7 +30,7 @@ typedef struct report_options {
     bool quick, quiet;
 } report_options;
 
-/* What a render leaves beside its picture; the keys of report.json, and of the file that is kept, are in report_render.c. */
+/* What a render leaves beside its picture; named in report_kept.c for report.json and the files that are kept. */
 typedef struct report_stats {
     double width, height, triangles, lights;
     double seconds, tree_seconds, cut_mean, cut_median, cut_p99, cut_max, at_limit, points, shadow_rays, every_light;

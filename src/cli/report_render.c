@@ -102,8 +102,8 @@ static int render_one(report *r, lc_context *ctx, const report_scene *s, report_
     lc_image *image = NULL;
     char what[96];
     lc_scene_get_info(scene, &info);
-    if (v->method == LC_METHOD_EXACT) snprintf(what, sizeof what, "%.20s exact", s->name);
-    else snprintf(what, sizeof what, "%.20s %g r%-2u", s->name, v->ratio, v->n_reps);
+    if (v->method == LC_METHOD_EXACT) snprintf(what, sizeof what, "%.14s exact", s->name);
+    else snprintf(what, sizeof what, "%.14s %g r%-2u", s->name, v->ratio, v->n_reps);
     char padded[40]; /* of one width, or the rest of a longer line would stay */
     snprintf(padded, sizeof padded, "%-20.32s", what);
     p->line.what = padded;
