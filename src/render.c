@@ -95,7 +95,7 @@ static void shade(const job *j, worker *w, const lc_sight *sight, uint64_t hash,
         return;
     }
     lc_point_init(&p, s->pos, s->n, sight->view, &s->material, j->scene->min_d2);
-    w->stats.glossy += p.glossy;
+    w->stats.glossy += p.lobe != LC_LOBE_NONE;
     if (j->exact) {
         lc_exact_shade(j->scene->tree, j->scene->bvh, &p, s->ray_org, &w->stats, out);
     } else {
