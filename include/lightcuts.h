@@ -82,7 +82,7 @@ typedef struct lc_load_desc {
     size_t size;
     uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: 1024 */
     uint64_t seed;        /* of the light tree's representatives and of the jitter of area lights */
-    uint32_t n_reps;      /* 1..32 representatives kept per cluster; 0: 1 */
+    uint32_t n_reps;      /* 1..32 representatives kept per cluster, 4 bytes a light for each after the first; 0: 16 */
     lc_builder builder;
     uint64_t max_pixels;  /* a film of more is made smaller, about to these, with the same view and crop; 0: as it is */
 } lc_load_desc;

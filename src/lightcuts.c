@@ -7,6 +7,7 @@
 #include "scene.h"
 
 #define DEFAULT_AREA_LIGHTS 1024
+#define DEFAULT_REPS 16 /* README.md, Representatives: bands 6 to 9 times fainter for 0 to 8 % of time */
 #define MAX_AREA_LIGHTS (1u << 28)
 
 lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out)
@@ -17,7 +18,7 @@ lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *d
     if (!ctx || !path || (desc && desc->size != sizeof d)) return LC_ERR_ARG;
     if (desc) d = *desc;
     if (!d.area_lights) d.area_lights = DEFAULT_AREA_LIGHTS;
-    if (!d.n_reps) d.n_reps = 1;
+    if (!d.n_reps) d.n_reps = DEFAULT_REPS;
     if (d.builder < LC_BUILDER_AUTO || d.builder > LC_BUILDER_PLOC) return LC_ERR_ARG;
     if (d.n_reps > LC_MAX_REPS || d.area_lights > MAX_AREA_LIGHTS)
         return lc_fail(ctx, LC_ERR_ARG, "representatives must be 1 to %d, area lights at most %u", LC_MAX_REPS, MAX_AREA_LIGHTS);

@@ -24,6 +24,7 @@
 static char names[MAX_SCENES][256]; /* sorted, without .pbrt */
 static int n_names;
 static const char *current;
+static uint32_t n_reps = 1;
 static bool printing;
 
 static uint64_t fnv(uint64_t h, uint32_t byte) { return (h ^ byte) * 0x100000001b3u; }
@@ -74,6 +75,7 @@ static picture render(uint32_t n_threads, lc_isa isa, lc_method method, const in
     lc_load_desc ld = LC_LOAD_DESC_INIT;
     lc_render_desc rd = LC_RENDER_DESC_INIT;
     ld.area_lights = 256;
+    ld.n_reps = n_reps;
     cd.log = complain;
     cd.n_threads = n_threads;
     cd.isa = isa;
@@ -134,6 +136,12 @@ static void same_hash_everywhere(const char *method_name, lc_method method)
 }
 
 TEST(lightcuts) { same_hash_everywhere("lightcuts", LC_METHOD_CUTS); }
+TEST(representatives)
+{
+    n_reps = 16;
+    same_hash_everywhere("representatives", LC_METHOD_CUTS);
+    n_reps = 1;
+}
 TEST(default_method) { same_hash_everywhere("default", LC_METHOD_LIGHTCUTS); }
 TEST(exact) { same_hash_everywhere("exact", LC_METHOD_EXACT); }
 
@@ -223,6 +231,7 @@ static int print_hashes(void)
     for (int i = 0; i < n_names; i++) {
         current = names[i];
         lightcuts();
+        representatives();
         default_method();
         exact();
     }
@@ -239,6 +248,7 @@ int main(int argc, char **argv)
         current = names[i];
         printf("%s:\n", current);
         RUN(lightcuts);
+        RUN(representatives);
         RUN(default_method);
         RUN(exact);
         RUN(crop);

@@ -48,7 +48,7 @@ static void print_help(void)
            "      --error-ratio E      bound of every cluster against the estimate, default 0.02\n"
            "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
            "      --dark-floor F       errors are measured against at least F times the picture's mean, default %g\n"
-           "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 1\n"
+           "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 16\n"
            "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many lights\n"
            "      --maxdepth N         bounces, default the scene's; 1: direct light only. Only mirrors bounce light in this version\n"
            "      --area-lights N      lights made from emissive surfaces, default 1024\n"
