@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-#define N_U 512 /* of the integral over half vectors */
-#define N_V 256
+#define N_U 256 /* of the integral over half vectors */
+#define N_V 128
 
 static const double ks = 0.75;
 
@@ -68,7 +68,7 @@ static double reflected(const look *l)
 /* Integral of the formula, by a midpoint rule over cosine and azimuth. */
 static double integral(const look *l)
 {
-    const int n = 1500;
+    const int n = 800;
     double sum = 0, i[3];
     for (int a = 0; a < n; a++)
         for (int b = 0; b < n; b++) {
