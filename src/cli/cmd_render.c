@@ -156,7 +156,8 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     return 0;
 }
 
-/* The film's filename if it is one we write, with .exr in place of another extension; else SCENE.exr here. */
+/* The film's filename if it is one we write, with .exr in place of another extension; else SCENE.exr here, also of
+ * SCENE.pbrt.gz. */
 static void choose_output(options *o, const lc_scene_info *info)
 {
     if (o->n_outputs) return;
@@ -167,6 +168,8 @@ static void choose_output(options *o, const lc_scene_info *info)
         name = !strcmp(o->scene, "-") ? "stdin" : slash ? slash + 1 : o->scene;
     }
     snprintf(o->default_output, sizeof o->default_output - 8, "%s", name);
+    size_t len = strlen(o->default_output);
+    if (from_scene && cli_has_extension(name, ".gz") && len > 3) o->default_output[len - 3] = 0;
     char *dot = strrchr(o->default_output, '.');
     if (from_scene || (!cli_has_extension(name, ".exr") && !cli_has_extension(name, ".png"))) {
         if (dot && dot != o->default_output && !strchr(dot, '/')) *dot = 0;
