@@ -498,8 +498,8 @@ TEST(disks)
 
 TEST(unknown_shapes)
 {
-    CHECK(load("WorldBegin Shape \"cone\" \"float radius\" 1 Shape \"cone\"") == LC_OK);
-    CHECK(scene->n_tris == 0 && note("shape cone")->count == 2 && scene->n_notes == 1);
+    CHECK(load("WorldBegin Shape \"curve\" \"float width\" 1 Shape \"curve\"") == LC_OK);
+    CHECK(scene->n_tris == 0 && note("shape curve")->count == 2 && scene->n_notes == 1);
 }
 
 TEST(instances)
