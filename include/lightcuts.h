@@ -81,11 +81,12 @@ typedef enum lc_builder { LC_BUILDER_AUTO = 0, LC_BUILDER_EXACT, LC_BUILDER_PLOC
 typedef struct lc_load_desc {
     size_t size;
     uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: 1024 */
-    uint64_t seed;        /* of the light tree's representatives and of the jitter of area lights */
+    uint64_t seed;        /* of the light tree's representatives and of the jitter of area and environment lights */
     uint32_t n_reps;      /* 1..32 representatives kept per cluster; 0: 1 */
     lc_builder builder;
+    uint32_t env_lights;  /* directional lights made from all environment maps together; 0: 5000 */
 } lc_load_desc;
-#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO }
+#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0 }
 
 /* One thing of the scene file that was approximated or skipped. */
 typedef struct lc_note {
@@ -98,6 +99,7 @@ typedef struct lc_scene_info {
     uint64_t n_triangles, n_vertices, n_meshes, n_materials;
     uint64_t n_lights, n_point, n_oriented, n_directional;
     uint64_t n_emissive_triangles;
+    uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */
     uint64_t n_textures, n_images, image_bytes; /* images of textures, with their smaller copies */
     float bounds_lo[3], bounds_hi[3]; /* world space, of the triangles; lo > hi when there are none */
     uint32_t width, height;           /* film, before any crop */

@@ -152,6 +152,10 @@ lc_status lc_pbrt_get_image(lc_pbrt *p, lc_pos where, lc_texture *t, bool *there
 
 /* pbrt_light.c */
 lc_pbrt_handler lc_pbrt_light, lc_pbrt_area_light;
+/* Multiplies by "scale": a number, or v3's colour. */
+lc_status lc_pbrt_light_scale(lc_pbrt *p, lc_f3 *colour);
+/* pbrt_infinite.c */
+lc_pbrt_handler lc_pbrt_infinite_light;
 
 /* pbrt_shape.c */
 lc_pbrt_handler lc_pbrt_shape;

@@ -105,7 +105,10 @@ static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
         bool hit = lc_surface_hit(j->scene, org, dir, j->pixel, &s);
         lc_phase_end(&w->stats, LC_PHASE_CAMERA);
-        if (!hit) continue;
+        if (!hit) {
+            px.rgb = lc_f3_add(px.rgb, lc_scene_background(j->scene, dir));
+            continue;
+        }
         shade(j, w, &s, lc_f3_neg(dir), key(j, pixel, i, DIM_SLOT), &r);
         add_sample(j, &px, &s, dir, &r);
         lc_phase_end(&w->stats, LC_PHASE_OTHER);

@@ -21,8 +21,9 @@ typedef struct lc_subdiv {
 
 /* Four faces for each, in the arena. n_faces * 12 and the vertices fit 32 bits. LC_ERR_MEMORY. */
 lc_status lc_subdiv_refine(lc_arena *arena, const lc_subdiv *in, lc_subdiv *out);
-/* Moves the vertices to where they come to lie after infinitely many steps (at a boundary by pbrt's weights, which are a little off);
- * normals of that surface, n_verts * 3, of any length, 0 where there is none. Their side is pbrt's: where corners run clockwise. LC_ERR_MEMORY. */
+/* Moves the vertices to where they come to lie after infinitely many steps, at a boundary by pbrt's weights, which are a
+ * little off. Normals of that surface: n_verts * 3, of any length, 0 where there is none; their side is pbrt's: where corners
+ * run clockwise. LC_ERR_MEMORY. */
 lc_status lc_subdiv_limit(lc_arena *arena, lc_subdiv *mesh, double *normal);
 
 #endif

@@ -86,7 +86,8 @@ TEST(quadrics)
     /* z = 0 of p2: the ends change places */
     CHECK_SHAPE("Shape \"hyperboloid\" \"point3 p1\" [1 0 1] \"point3 p2\" [1 0 0]", 2 * LC_PI);
     CHECK(near((double)vertex(0).z, 0, 0));
-    CHECK_SHAPE("Shape \"hyperboloid\" \"point3 p1\" [1 -.5 -1] \"point3 p2\" [1 .5 1]", 2 * LC_PI * (sqrt(21) / 4 + asinh(sqrt(5) / 4) / (sqrt(5) / 4)));
+    CHECK_SHAPE("Shape \"hyperboloid\" \"point3 p1\" [1 -.5 -1] \"point3 p2\" [1 .5 1]",
+                2 * LC_PI * (sqrt(21) / 4 + asinh(sqrt(5) / 4) / (sqrt(5) / 4)));
     CHECK(load("Shape \"cylinder\" \"float radius\" 0 Shape \"cone\" \"float phimax\" 0 Shape \"paraboloid\" \"float zmax\" 0 "
                "Shape \"hyperboloid\" \"point3 p2\" [0 0 1]") == LC_OK && scene->n_tris == 0);
     CHECK(load(TEXTURED "Shape \"cone\" Shape \"paraboloid\"") == LC_OK && scene->uv);
@@ -160,7 +161,8 @@ static void check_limit(const char *shape, size_t n_verts, unsigned inside)
             CHECKF(lc_f3_len(lc_f3_sub(pos[i], vertex(i))) < (inside >> i & 1 ? 1e-6f : 0.12f), "level %d vertex %zu",
                    level, i);
             if (level == 1) n[i] = m; /* tangents of the limit are exact once each vertex has its own kind of neighbours */
-            CHECKF(level < 2 || lc_f3_dot(n[i], m) > (inside >> i & 1 ? 0.98f : 0.95f), "level %d vertex %zu: %g", level, i, (double)lc_f3_dot(n[i], m));
+            CHECKF(level < 2 || lc_f3_dot(n[i], m) > (inside >> i & 1 ? 0.98f : 0.95f),
+                   "level %d vertex %zu: %g", level, i, (double)lc_f3_dot(n[i], m));
         }
     }
     /* pbrt's side is that of clockwise corners; normals stand on the fine faces */

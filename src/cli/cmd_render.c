@@ -28,12 +28,13 @@ typedef struct {
 } options;
 
 enum { OPT_METHOD = 256, OPT_ERROR, OPT_MAX_CUT, OPT_REPS, OPT_MAXDEPTH, OPT_AREA, OPT_SEED, OPT_SPP, OPT_ISA,
-       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME, OPT_BUILDER };
+       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME, OPT_BUILDER, OPT_ENV };
 
 static const struct option long_options[] = {
     { "outfile", 1, 0, 'o' }, { "method", 1, 0, OPT_METHOD }, { "error-ratio", 1, 0, OPT_ERROR },
     { "max-cut", 1, 0, OPT_MAX_CUT }, { "dark-floor", 1, 0, OPT_FLOOR }, { "representatives", 1, 0, OPT_REPS },
-    { "maxdepth", 1, 0, OPT_MAXDEPTH }, { "area-lights", 1, 0, OPT_AREA }, { "nthreads", 1, 0, 't' },
+    { "maxdepth", 1, 0, OPT_MAXDEPTH }, { "area-lights", 1, 0, OPT_AREA }, { "env-lights", 1, 0, OPT_ENV },
+    { "nthreads", 1, 0, 't' },
     { "seed", 1, 0, OPT_SEED }, { "spp", 1, 0, OPT_SPP }, { "isa", 1, 0, OPT_ISA },
     { "pixelbounds", 1, 0, OPT_PIXELS }, { "cropwindow", 1, 0, OPT_CROP }, { "aov", 1, 0, OPT_AOV },
     { "stats-file", 1, 0, OPT_STATS_FILE }, { "stats", 0, 0, OPT_STATS }, { "write-time", 0, 0, OPT_TIME },
@@ -52,7 +53,8 @@ static void print_help(void)
            "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many lights\n"
            "      --maxdepth N         bounces; this version renders direct light only (1)\n"
            "      --area-lights N      lights made from emissive surfaces, default 1024\n"
-           "      --seed N             of sampling, of area lights and of the tree's representatives, default 0\n"
+           "      --env-lights N       lights made from environment maps, default 5000\n"
+           "      --seed N             of sampling, of area and environment lights and of the tree's representatives, default 0\n"
            "      --spp N              samples per pixel, default the scene's, which counts up to 4\n"
            "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
            "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n"
@@ -102,6 +104,7 @@ static int set_option(options *o, int c)
         if (depth > 1) fprintf(stderr, "lightcuts: warning: --maxdepth %u: only direct light is rendered in this version\n", depth);
         return 0;
     case OPT_AREA: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.area_lights);
+    case OPT_ENV: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.env_lights);
     case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, 65536, &o->render.spp);
