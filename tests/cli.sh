@@ -147,7 +147,14 @@ check 'default output: another extension becomes .exr' test -s w/old.exr -a ! -e
 (cd w && "$L" -q - <../s.pbrt)
 check "scene '-' is stdin, output stdin.exr" test -s w/stdin.exr
 cmp -s w/stdin.exr a.exr && ok || no 'scene from stdin' 'differs from the same scene from a file'
-check 'nothing else was written' test "$(ls -A w | tr '\n' ' ')" = 'named.exr named.png old.exr plain.exr stdin.exr '
+gzip <s.pbrt >sub/packed.pbrt.gz
+(cd w && "$L" -q ../sub/packed.pbrt.gz)
+cmp -s w/packed.exr a.exr && ok || no 'SCENE.pbrt.gz becomes SCENE.exr' 'none, or it differs from that of the plain scene'
+check 'nothing else was written' test "$(ls -A w | tr '\n' ' ')" = 'named.exr named.png old.exr packed.exr plain.exr stdin.exr '
+{ film 8 8 ''; world; echo 'LightSource "infinite"'; } >env.pbrt
+good 'info of an infinite light' info --json env.pbrt
+prints '"infinite_lights": 1'
+prints '"env_lights": 5000'
 good '-o twice' -q s.pbrt -o two.exr --outfile=two.png
 check '-o twice writes both' test -s two.exr -a -s two.png
 check 'the PNG is a PNG' grep -q PNG two.png
