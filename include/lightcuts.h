@@ -81,12 +81,13 @@ typedef enum lc_builder { LC_BUILDER_AUTO = 0, LC_BUILDER_EXACT, LC_BUILDER_PLOC
 typedef struct lc_load_desc {
     size_t size;
     uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: 1024 */
-    uint64_t seed;        /* of the light tree's representatives and of the jitter of area lights */
+    uint64_t seed;        /* of the light tree's representatives and of the jitter of area and environment lights */
     uint32_t n_reps;      /* 1..32 representatives kept per cluster, 4 bytes a light for each after the first; 0: 16 */
     lc_builder builder;
     uint64_t max_pixels;  /* a film of more is made smaller, about to these, with the same view and crop; 0: as it is */
+    uint32_t env_lights;  /* directional lights made from all environment maps together; 0: 5000 */
 } lc_load_desc;
-#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0 }
+#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0 }
 
 /* One thing of the scene file that was approximated or skipped. */
 typedef struct lc_note {
@@ -101,6 +102,7 @@ typedef struct lc_scene_info {
     uint64_t n_emissive_triangles;
     uint64_t n_mirrors;               /* materials that are one */
     uint32_t max_depth;               /* of paths, pbrt's maxdepth */
+    uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */
     uint64_t n_textures, n_images, image_bytes; /* images of textures, with their smaller copies */
     float bounds_lo[3], bounds_hi[3]; /* world space, of the triangles; lo > hi when there are none */
     uint32_t width, height;           /* film, before any crop */

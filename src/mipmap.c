@@ -192,6 +192,12 @@ void lc_mipmap_lookup(const lc_mipmap *m, double s, double t, double width, lc_w
     if (part > 0) look(m, whole + 1, s, t, wrap, false, part, out);
 }
 
+void lc_mipmap_texel(const lc_mipmap *m, uint32_t x, uint32_t y, double out[3])
+{
+    size_t at = ((size_t)y * m->levels[0].width + x) * m->n_channels;
+    for (size_t c = 0; c < 3; c++) out[c] = get(m, m->n_channels == 3 ? at + c : at);
+}
+
 void lc_mipmap_mean(const lc_mipmap *m, double out[3])
 {
     out[0] = out[1] = out[2] = 0;

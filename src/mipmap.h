@@ -44,6 +44,8 @@ size_t lc_mipmap_bytes(const lc_mipmap *m);
 /* The value at (s, t), each finite, (0, 0) the upper left corner and (1, 1) the lower right one. width: of the area that is
  * seen, in texels of level 0. Point and bilinear look at one level, the one whose texels are no wider than that. */
 void lc_mipmap_lookup(const lc_mipmap *m, double s, double t, double width, lc_wrap wrap, lc_filter filter, double out[3]);
+/* A texel of level 0. */
+void lc_mipmap_texel(const lc_mipmap *m, uint32_t x, uint32_t y, double out[3]);
 /* The only texel of the last level. */
 void lc_mipmap_mean(const lc_mipmap *m, double out[3]);
 

@@ -26,7 +26,10 @@ bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, u
         if (out->n_mirrors == max_depth || !(lc_f3_max(out->weight) > MIN_WEIGHT)) return true;
         out->n_mirrors++;
         dir = leave_mirror(s, dir);
-        if (!lc_surface_hit_after(scene, lc_f3_load(s->ray_org), dir, s->t, pixel, s)) return true;
+        if (!lc_surface_hit_after(scene, lc_f3_load(s->ray_org), dir, s->t, pixel, s)) {
+            out->emission = lc_f3_add(out->emission, lc_f3_mul(out->weight, lc_scene_background(scene, dir)));
+            return true;
+        }
         out->emission = lc_f3_add(out->emission, lc_f3_mul(out->weight, s->emission));
     }
     out->view = lc_f3_neg(dir);

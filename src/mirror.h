@@ -4,7 +4,7 @@
  *
  * A ray is reflected about the shading normal; where that would lead below the surface, it is turned up again by the same
  * angle, so that what a mirror shows has no jump there. Depth counts as in pbrt: after k mirrors a surface is lit when
- * k < max_depth, and shows its own emission when k <= max_depth. What leaves the scene is black.
+ * k < max_depth, and shows its own emission when k <= max_depth. What leaves the scene shows its background.
  */
 #ifndef LC_MIRROR_H
 #define LC_MIRROR_H

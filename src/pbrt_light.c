@@ -9,8 +9,7 @@
 
 #include <string.h>
 
-/* Multiplies by "scale": a number, or v3's colour. */
-static lc_status apply_scale(lc_pbrt *p, lc_f3 *colour)
+lc_status lc_pbrt_light_scale(lc_pbrt *p, lc_f3 *colour)
 {
     double k = 1;
     lc_f3 c = lc_f3_make(1, 1, 1);
@@ -78,7 +77,7 @@ static lc_status point_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_light light = { .kind = LC_LIGHT_POINT, .intensity = { 1, 1, 1 } };
     lc_status st = get_position(p, "from", NULL, &light.pos);
     if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
-    if (!st) st = apply_scale(p, &light.intensity);
+    if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
     if (!st) st = apply_photometric(p, "power", 1 / (4 * LC_PI), &light.intensity);
     if (!st) st = get_attenuation(p, s->pos, light.atten);
     return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
@@ -92,7 +91,7 @@ static lc_status oriented_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (!st) st = lc_pbrt_get_triple(&p->params, "direction", dir, NULL);
     if (!st) st = world_direction(p, s->pos, dir, &light.dir);
     if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
-    if (!st) st = apply_scale(p, &light.intensity);
+    if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
     if (!st) st = get_attenuation(p, s->pos, light.atten);
     return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
 }
@@ -106,7 +105,7 @@ static lc_status distant_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     double dir[3] = { to[0] - from[0], to[1] - from[1], to[2] - from[2] };
     if (!st) st = world_direction(p, s->pos, dir, &light.dir);
     if (!st) st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
-    if (!st) st = apply_scale(p, &light.intensity);
+    if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
     if (!st) st = apply_photometric(p, "illuminance", 1, &light.intensity);
     return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
 }
@@ -118,6 +117,7 @@ static const struct {
     { "point", point_light },
     { "oriented", oriented_light },
     { "distant", distant_light },
+    { "infinite", lc_pbrt_infinite_light },
 };
 
 lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)
@@ -141,7 +141,7 @@ lc_status lc_pbrt_area_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_pbrt_mark(&p->params, "nsamples");
     lc_pbrt_mark(&p->params, "samples");
     lc_status st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &emission, NULL);
-    if (!st) st = apply_scale(p, &emission);
+    if (!st) st = lc_pbrt_light_scale(p, &emission);
     if (!st) st = lc_pbrt_get_bool(&p->params, "twosided", &two_sided);
     if (st) return st;
     if (!(lc_f3_max(emission) <= LC_MAX_INTENSITY))

@@ -2,17 +2,18 @@
  *
  * The first 64 have 128 segments around, so that the silhouette is within 1 - cos(pi / 128) = 0.03 % of the
  * radius; later ones are coarser, for a scene of ten thousand is made of small ones. Vertices lie on the true
- * surface. What the faces lack in area is returned as a ratio >= 1, by which emission is raised to keep the
+ * surface. What the faces lack in area is returned as a ratio, by which emission is raised to keep the
  * power.
  */
+#include "pbrt_round.h"
+
 #include "fmath.h"
-#include "pbrt_state.h"
 
 static const struct {
     uint32_t up_to, segments; /* number of spheres and disks so far; around */
 } levels[] = { { 64, 128 }, { 1024, 32 }, { 16384, 16 }, { UINT32_MAX, 8 } };
 
-static uint32_t segments_of_next(lc_pbrt *p)
+uint32_t lc_pbrt_segments(lc_pbrt *p)
 {
     size_t i = 0;
     while (p->n_round >= levels[i].up_to && levels[i].up_to < UINT32_MAX) i++;
@@ -20,13 +21,7 @@ static uint32_t segments_of_next(lc_pbrt *p)
     return levels[i].segments;
 }
 
-typedef struct sweep {
-    double degrees; /* 0 < degrees <= 360 */
-    uint32_t n;     /* segments */
-} sweep;
-
-/* Reads phimax; a partial sweep has as many segments as its share, at least three. */
-static lc_status get_sweep(lc_pbrt *p, uint32_t segments, sweep *out)
+lc_status lc_pbrt_get_sweep(lc_pbrt *p, uint32_t segments, lc_pbrt_sweep *out)
 {
     out->degrees = 360;
     lc_status st = lc_pbrt_get_float(&p->params, "phimax", &out->degrees, NULL);
@@ -41,9 +36,7 @@ static void put_vertex(float *v, double x, double y, double z)
     v[0] = (float)x, v[1] = (float)y, v[2] = (float)z;
 }
 
-/* Triangles between rings of `around` + 1 vertices each; ring 0 first. Degenerate ones at radius 0 are left
- * out. */
-static uint32_t join_rings(lc_pbrt *p, uint32_t n_rings, uint32_t around, bool tip_first, bool tip_last)
+uint32_t lc_pbrt_join_rings(lc_pbrt *p, uint32_t n_rings, uint32_t around, bool tip_first, bool tip_last)
 {
     uint32_t *out = p->index, row = around + 1;
     for (uint32_t i = 0; i + 1 < n_rings; i++)
@@ -70,8 +63,8 @@ static double area_of(const lc_pbrt *p, uint32_t n_tris)
     return sum;
 }
 
-static void finish(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint32_t n_tris, bool normals,
-                   double exact, double *area_ratio)
+void lc_pbrt_finish_round(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint32_t n_tris, bool normals, double exact,
+                          double *area_ratio)
 {
     mesh->n_verts = n_verts;
     mesh->n_tris = n_tris;
@@ -79,11 +72,10 @@ static void finish(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint32_t n_
     mesh->normal = normals ? p->normal : NULL;
     mesh->index = p->index;
     double ratio = exact / area_of(p, n_tris);
-    *area_ratio = ratio >= 1 && ratio < 4 ? ratio : 1; /* outside only by under- or overflow */
+    *area_ratio = ratio > 0.25 && ratio < 4 ? ratio : 1; /* outside only by under- or overflow */
 }
 
-/* Texture coordinates of a ring: u goes around, v is the same. */
-static void put_uv(lc_pbrt *p, size_t first, uint32_t around, double v)
+void lc_pbrt_ring_uv(lc_pbrt *p, size_t first, uint32_t around, double v)
 {
     for (size_t j = 0; j <= around; j++) {
         p->uv[2 * (first + j)] = (float)((double)j / around);
@@ -91,7 +83,7 @@ static void put_uv(lc_pbrt *p, size_t first, uint32_t around, double v)
     }
 }
 
-static lc_status degenerate(lc_pbrt *p, const lc_pbrt_stmt *s)
+lc_status lc_pbrt_no_area(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     return lc_pbrt_note(p, s->pos, "shape without area", "a %s without area is skipped", s->text[0]);
 }
@@ -127,11 +119,11 @@ lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, 
     if (!st) st = lc_pbrt_get_float(&p->params, "zmin", &z0, NULL);
     if (!st) st = lc_pbrt_get_float(&p->params, "zmax", &z1, NULL);
     double zmin = fmax(fmin(z0, z1), -radius), zmax = fmin(fmax(z0, z1), radius);
-    uint32_t segments = segments_of_next(p);
-    sweep around;
-    if (!st) st = get_sweep(p, segments, &around);
+    uint32_t segments = lc_pbrt_segments(p);
+    lc_pbrt_sweep around;
+    if (!st) st = lc_pbrt_get_sweep(p, segments, &around);
     if (st) return st;
-    if (!(radius > 0 && zmin < zmax && around.degrees > 0)) return degenerate(p, s);
+    if (!(radius > 0 && zmin < zmax && around.degrees > 0)) return lc_pbrt_no_area(p, s);
     uint32_t n_rings = sphere_rings(radius, zmin, zmax, segments / 2, z), row = around.n + 1;
     st = lc_pbrt_mesh_room(p, (size_t)n_rings * row, 2 * (size_t)n_rings * around.n, true);
     if (st) return st;
@@ -139,7 +131,7 @@ lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, 
     if ((st = lc_pbrt_uv_room(p, (size_t)n_rings * row, &uv))) return st;
     if (uv) mesh->uv = p->uv;
     for (uint32_t i = 0; i < n_rings && uv; i++)
-        put_uv(p, (size_t)i * row, around.n, (latitude(z[i], radius) - latitude(zmin, radius)) /
+        lc_pbrt_ring_uv(p, (size_t)i * row, around.n, (latitude(z[i], radius) - latitude(zmin, radius)) /
                                                  (latitude(zmax, radius) - latitude(zmin, radius)));
     for (uint32_t j = 0; j < row; j++) {
         double sine, cosine;
@@ -151,9 +143,9 @@ lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, 
             put_vertex(p->normal + at, r * cosine, r * sine, c);
         }
     }
-    uint32_t n_tris = join_rings(p, n_rings, around.n, zmin <= -radius, zmax >= radius);
+    uint32_t n_tris = lc_pbrt_join_rings(p, n_rings, around.n, zmin <= -radius, zmax >= radius);
     double exact = around.degrees * (LC_PI / 180) * radius * (zmax - zmin);
-    finish(p, mesh, n_rings * row, n_tris, true, exact, area_ratio);
+    lc_pbrt_finish_round(p, mesh, n_rings * row, n_tris, true, exact, area_ratio);
     return LC_OK;
 }
 
@@ -163,15 +155,15 @@ lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, do
     lc_status st = lc_pbrt_get_float(&p->params, "height", &height, NULL);
     if (!st) st = lc_pbrt_get_float(&p->params, "radius", &radius, NULL);
     if (!st) st = lc_pbrt_get_float(&p->params, "innerradius", &inner, NULL);
-    sweep around;
-    if (!st) st = get_sweep(p, segments_of_next(p), &around);
+    lc_pbrt_sweep around;
+    if (!st) st = lc_pbrt_get_sweep(p, lc_pbrt_segments(p), &around);
     if (st) return st;
-    if (!(inner >= 0 && radius > inner && around.degrees > 0)) return degenerate(p, s);
+    if (!(inner >= 0 && radius > inner && around.degrees > 0)) return lc_pbrt_no_area(p, s);
     uint32_t row = around.n + 1;
     if ((st = lc_pbrt_mesh_room(p, 2 * (size_t)row, 2 * (size_t)around.n, false))) return st;
     bool uv;
     if ((st = lc_pbrt_uv_room(p, 2 * (size_t)row, &uv))) return st;
-    if (uv) mesh->uv = p->uv, put_uv(p, 0, around.n, 0), put_uv(p, row, around.n, 1);
+    if (uv) mesh->uv = p->uv, lc_pbrt_ring_uv(p, 0, around.n, 0), lc_pbrt_ring_uv(p, row, around.n, 1);
     /* The outer ring first: counter-clockwise seen from +z. */
     for (uint32_t j = 0; j < row; j++) {
         double sine, cosine;
@@ -179,8 +171,8 @@ lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, do
         put_vertex(p->pos + 3 * (size_t)j, radius * cosine, radius * sine, height);
         put_vertex(p->pos + 3 * ((size_t)row + j), inner * cosine, inner * sine, height);
     }
-    uint32_t n_tris = join_rings(p, 2, around.n, false, !(inner > 0));
+    uint32_t n_tris = lc_pbrt_join_rings(p, 2, around.n, false, !(inner > 0));
     double exact = around.degrees * (LC_PI / 360) * (radius * radius - inner * inner);
-    finish(p, mesh, 2 * row, n_tris, false, exact, area_ratio);
+    lc_pbrt_finish_round(p, mesh, 2 * row, n_tris, false, exact, area_ratio);
     return LC_OK;
 }

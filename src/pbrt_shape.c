@@ -10,8 +10,6 @@
 
 #include <string.h>
 
-typedef lc_status shape_handler(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
-
 lc_status lc_pbrt_mesh_room(lc_pbrt *p, size_t n_verts, size_t n_tris, bool normals)
 {
     void *pos = p->pos, *normal = p->normal, *index = p->index;
@@ -53,10 +51,10 @@ static lc_status copy_uv(lc_pbrt *p, uint32_t n_verts, lc_mesh_desc *mesh)
     return LC_OK;
 }
 
-static lc_status copy_indices(lc_pbrt *p, const lc_pbrt_param *par, uint32_t n_verts)
+lc_status lc_pbrt_copy_indices(lc_pbrt *p, const lc_pbrt_param *par, uint32_t group, uint32_t n_verts)
 {
     const double *v = lc_pbrt_numbers(&p->params, par);
-    if (par->n % 3) return lc_pbrt_bad_param(&p->params, par, "is not made of triples");
+    if (par->n % group) return lc_pbrt_bad_param(&p->params, par, group == 3 ? "is not made of triples" : "is not made of fours");
     for (size_t i = 0; i < par->n; i++) {
         if (!(v[i] >= 0 && v[i] < n_verts) || floor(v[i]) < v[i])
             return lc_fail_at(p->ctx, LC_ERR_PARSE, par->pos, "index %zu is %g, not one of %u vertices", i,
@@ -88,7 +86,7 @@ static lc_status triangle_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *
     for (size_t i = 0; normal && i < pos->n; i++)
         p->normal[i] = (float)lc_pbrt_numbers(&p->params, normal)[i];
     for (uint32_t i = 0; !index && i < 3; i++) p->index[i] = i;
-    if (index && (st = copy_indices(p, index, n_verts))) return st;
+    if (index && (st = lc_pbrt_copy_indices(p, index, 3, n_verts))) return st;
     if ((st = copy_uv(p, n_verts, mesh))) return st;
     mesh->n_verts = n_verts;
     mesh->n_tris = (uint32_t)(n_index / 3);
@@ -135,13 +133,19 @@ static lc_status ply_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh,
 
 static const struct {
     const char *name;
-    shape_handler *handler;
+    lc_pbrt_shape_handler *handler;
     bool approximate;
 } shapes[] = {
     { "trianglemesh", triangle_mesh, false },
     { "plymesh", ply_mesh, false },
     { "sphere", lc_pbrt_sphere, true },
     { "disk", lc_pbrt_disk, true },
+    { "cylinder", lc_pbrt_cylinder, true },
+    { "cone", lc_pbrt_cone, true },
+    { "paraboloid", lc_pbrt_paraboloid, true },
+    { "hyperboloid", lc_pbrt_hyperboloid, true },
+    { "loopsubdiv", lc_pbrt_loop_subdiv, true },
+    { "bilinearmesh", lc_pbrt_bilinear_mesh, false },
 };
 
 /* p->pos and p->normal to world space. */

@@ -98,7 +98,7 @@ typedef struct lc_pbrt {
     float *pos, *normal, *uv; /* of the mesh being made */
     uint32_t *index;
     size_t cap_pos, cap_normal, cap_uv, cap_index;
-    uint32_t n_round; /* spheres and disks so far */
+    uint32_t n_round; /* spheres, disks, cylinders ... so far */
 
     bool has_cie;
     double cie[LC_PBRT_CIE_N][3]; /* x y z bar, each summing to 1 */
@@ -152,13 +152,20 @@ lc_status lc_pbrt_get_image(lc_pbrt *p, lc_pos where, lc_texture *t, bool *there
 
 /* pbrt_light.c */
 lc_pbrt_handler lc_pbrt_light, lc_pbrt_area_light;
+/* Multiplies by "scale": a number, or v3's colour. */
+lc_status lc_pbrt_light_scale(lc_pbrt *p, lc_f3 *colour);
+/* pbrt_infinite.c */
+lc_pbrt_handler lc_pbrt_infinite_light;
 
 /* pbrt_shape.c */
 lc_pbrt_handler lc_pbrt_shape;
-/* pbrt_round.c: positions and normals in object space to p->pos, p->normal, p->index; no triangles when it
- * has no area. *area_ratio: true area over that of the triangles. */
-lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
-lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
+/* Positions and normals in object space to p->pos, p->normal, p->index; no triangles when it has no area. *area_ratio, at
+ * first 1: true area over that of the triangles. pbrt_round.c, pbrt_quadric.c, pbrt_subdiv.c, pbrt_bilinear.c */
+typedef lc_status lc_pbrt_shape_handler(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
+lc_pbrt_shape_handler lc_pbrt_sphere, lc_pbrt_disk, lc_pbrt_cylinder, lc_pbrt_cone, lc_pbrt_paraboloid, lc_pbrt_hyperboloid,
+    lc_pbrt_loop_subdiv, lc_pbrt_bilinear_mesh;
+/* Checked, to p->index, where there is room; `group` (3 or 4) of them make a face. */
+lc_status lc_pbrt_copy_indices(lc_pbrt *p, const lc_pbrt_param *par, uint32_t group, uint32_t n_verts);
 lc_status lc_pbrt_mesh_room(lc_pbrt *p, size_t n_verts, size_t n_tris, bool normals);
 /* Room for p->uv where the shape's material wants them; *wanted says. */
 lc_status lc_pbrt_uv_room(lc_pbrt *p, size_t n_verts, bool *wanted);

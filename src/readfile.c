@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,7 +14,61 @@ static lc_status fail(const lc_context *ctx, const lc_reader *r, lc_status statu
     return lc_fail(ctx, status, "cannot open '%s': %s", r->path, why);
 }
 
+/* ---- bytes as they stand in the file ---- */
+
+static lc_status raw_memory(lc_reader *r, char *to, size_t n, size_t *got)
+{
+    *got = n < r->size - r->n_raw ? n : r->size - r->n_raw;
+    if (*got) memcpy(to, r->memory + r->n_raw, *got);
+    r->n_raw += *got;
+    return LC_OK;
+}
+
+static lc_status raw(const lc_context *ctx, void *user, char *to, size_t n, size_t *got)
+{
+    lc_reader *r = user;
+    if (r->fd < 0) return raw_memory(r, to, n, got);
+    *got = 0;
+    while (*got < n) {
+        ssize_t k = read(r->fd, to + *got, n - *got < ((size_t)1 << 30) ? n - *got : (size_t)1 << 30);
+        if (k < 0 && errno == EINTR) continue;
+        if (k < 0) return fail(ctx, r, LC_ERR_IO, strerror(errno));
+        if (k == 0) break;
+        *got += (size_t)k;
+        r->n_raw += (size_t)k;
+        if (r->n_raw > LC_FILE_MAX) return fail(ctx, r, LC_ERR_PARSE, "larger than 8 GiB");
+    }
+    return LC_OK;
+}
+
+/* Reads the first bytes and sees whether they are gzip's. */
+static lc_status begin(const lc_context *ctx, lc_reader *r)
+{
+    size_t got;
+    lc_status st = raw(ctx, r, r->head, sizeof r->head, &got);
+    if (st) return st;
+    r->begun = true;
+    r->n_head = (uint8_t)got;
+    if (!lc_gunzip_is(r->head, got)) return LC_OK;
+    r->n_head = 0;
+    if (r->fd >= 0) r->size = 0;
+    return lc_gunzip_open(ctx, r->head, got, &r->gunzip);
+}
+
 /* ---- pieces ---- */
+
+static lc_status check_file(const lc_context *ctx, lc_reader *r)
+{
+    struct stat info;
+    if (fstat(r->fd, &info) < 0) return fail(ctx, r, LC_ERR_IO, strerror(errno));
+    if (S_ISDIR(info.st_mode)) return fail(ctx, r, LC_ERR_IO, "is a directory");
+    if (!S_ISREG(info.st_mode)) return fail(ctx, r, LC_ERR_IO, "is not a regular file");
+    if (info.st_size < 0 || (uint64_t)info.st_size > LC_FILE_MAX) return fail(ctx, r, LC_ERR_PARSE, "larger than 8 GiB");
+    r->size = (size_t)info.st_size;
+    r->dev = (uint64_t)info.st_dev;
+    r->ino = (uint64_t)info.st_ino;
+    return LC_OK;
+}
 
 lc_status lc_reader_open(const lc_context *ctx, lc_pos where, const char *path, lc_reader *r)
 {
@@ -22,24 +77,10 @@ lc_status lc_reader_open(const lc_context *ctx, lc_pos where, const char *path, 
     r->fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     if (r->fd < 0) return fail(ctx, r, LC_ERR_IO, strerror(errno));
     r->owned = true;
-    struct stat info;
-    lc_status st = LC_OK;
-    if (fstat(r->fd, &info) < 0)
-        st = fail(ctx, r, LC_ERR_IO, strerror(errno));
-    else if (S_ISDIR(info.st_mode))
-        st = fail(ctx, r, LC_ERR_IO, "is a directory");
-    else if (!S_ISREG(info.st_mode))
-        st = fail(ctx, r, LC_ERR_IO, "is not a regular file");
-    else if (info.st_size < 0 || (uint64_t)info.st_size > LC_FILE_MAX)
-        st = fail(ctx, r, LC_ERR_PARSE, "larger than 8 GiB");
-    if (st) {
-        lc_reader_close(r);
-        return st;
-    }
-    r->size = (size_t)info.st_size;
-    r->dev = (uint64_t)info.st_dev;
-    r->ino = (uint64_t)info.st_ino;
-    return LC_OK;
+    lc_status st = check_file(ctx, r);
+    if (!st) st = begin(ctx, r);
+    if (st) lc_reader_close(r);
+    return st;
 }
 
 void lc_reader_stdin(lc_reader *r) { *r = (lc_reader){ .path = "standard input", .fd = STDIN_FILENO }; }
@@ -49,37 +90,44 @@ void lc_reader_memory(const void *data, size_t size, lc_reader *r)
     *r = (lc_reader){ .path = "memory", .fd = -1, .memory = data, .size = size };
 }
 
-static lc_status read_memory(lc_reader *r, char *to, size_t n, size_t *got)
+static lc_status read_unpacked(const lc_context *ctx, lc_reader *r, char *to, size_t n, size_t *got)
 {
-    *got = n < r->size - r->n_read ? n : r->size - r->n_read;
-    if (*got) memcpy(to, r->memory + r->n_read, *got);
-    r->n_read += *got;
-    return LC_OK;
+    char text[96];
+    const char *why = NULL;
+    lc_status st = lc_gunzip_read(r->gunzip, raw, r, to, n, got, &why);
+    if (!why) return st;
+    snprintf(text, sizeof text, "damaged gzip data: %s", why);
+    return fail(ctx, r, st, text);
+}
+
+static lc_status read_plain(const lc_context *ctx, lc_reader *r, char *to, size_t n, size_t *got)
+{
+    size_t head = n < r->n_head ? n : r->n_head;
+    memcpy(to, r->head, head);
+    r->head[0] = r->head[1]; /* where one is left, it is the second */
+    r->n_head = (uint8_t)(r->n_head - head);
+    lc_status st = raw(ctx, r, to + head, n - head, got);
+    *got += head;
+    return st;
 }
 
 lc_status lc_reader_read(const lc_context *ctx, lc_reader *r, char *to, size_t n, size_t *got)
 {
-    if (r->fd < 0) return read_memory(r, to, n, got);
-    bool first = !r->n_read;
     *got = 0;
-    while (*got < n) {
-        ssize_t k = read(r->fd, to + *got, n - *got < ((size_t)1 << 30) ? n - *got : (size_t)1 << 30);
-        if (k < 0 && errno == EINTR) continue;
-        if (k < 0) return fail(ctx, r, LC_ERR_IO, strerror(errno));
-        if (k == 0) break;
-        *got += (size_t)k;
-        r->n_read += (size_t)k;
-        if (r->n_read > LC_FILE_MAX) return fail(ctx, r, LC_ERR_PARSE, "larger than 8 GiB");
-    }
-    if (first && *got >= 2 && !memcmp(to, "\x1f\x8b", 2))
-        return fail(ctx, r, LC_ERR_UNSUPPORTED, "compressed by gzip; unpack it first");
-    return LC_OK;
+    lc_status st = r->begun ? LC_OK : begin(ctx, r);
+    if (st) return st;
+    st = r->gunzip ? read_unpacked(ctx, r, to, n, got) : read_plain(ctx, r, to, n, got);
+    r->n_read += *got;
+    if (!st && r->n_read > LC_FILE_MAX) return fail(ctx, r, LC_ERR_PARSE, "larger than 8 GiB");
+    return st;
 }
 
 void lc_reader_close(lc_reader *r)
 {
     if (r->owned) close(r->fd);
     r->owned = false;
+    lc_gunzip_close(r->gunzip);
+    r->gunzip = NULL;
 }
 
 /* ---- whole files ---- */

@@ -146,7 +146,10 @@ static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
         bool hit = lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s);
         lc_phase_end(&w->stats, LC_PHASE_CAMERA);
-        if (!hit) continue;
+        if (!hit) {
+            px.rgb = lc_f3_add(px.rgb, lc_scene_background(j->scene, dir));
+            continue;
+        }
         w->stats.camera_rays += s.n_mirrors;
         shade(j, w, &s, slot_hash(j, x, y, i), &r);
         add_sample(j, &px, &s, dir, &r);

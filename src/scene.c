@@ -3,6 +3,7 @@
 
 #include "area_light.h"
 #include "bvh.h"
+#include "env_light.h"
 #include "light_tree.h"
 
 #include <stdio.h>
@@ -41,6 +42,8 @@ void lc_scene_destroy(lc_scene *s)
     lc_free(ctx, s->materials, s->cap_materials, sizeof *s->materials);
     lc_free(ctx, s->maps, s->cap_maps, sizeof *s->maps);
     lc_textures_free(&s->textures);
+    for (size_t i = 0; i < s->n_envs; i++) lc_mipmap_free(ctx, &s->envs[i].map);
+    lc_free(ctx, s->envs, s->cap_envs, sizeof *s->envs);
     lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
     for (size_t i = 0; i < s->n_light_chunks; i++) lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
     lc_free(ctx, s->light_chunks, s->cap_light_chunks, sizeof *s->light_chunks);
@@ -239,6 +242,22 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
     return LC_OK;
 }
 
+lc_status lc_scene_add_env(lc_scene *s, lc_pos where, const lc_env *env)
+{
+    if (!is_colour(env->scale, LC_MAX_INTENSITY) || !lc_xform_finite(&env->to_world) || !lc_xform_finite(&env->to_light))
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "the light's radiance or transform is out of range");
+    lc_status st = GROW(s, envs, cap_envs, s->n_envs + 1);
+    if (!st) s->envs[s->n_envs++] = *env;
+    return st;
+}
+
+lc_f3 lc_scene_background(const lc_scene *s, lc_f3 dir)
+{
+    lc_f3 sum = lc_f3_make(0, 0, 0);
+    for (size_t i = 0; i < s->n_envs; i++) sum = lc_f3_add(sum, lc_env_radiance(&s->envs[i], dir));
+    return sum;
+}
+
 lc_status lc_scene_set_camera(lc_scene *s, lc_pos where, const lc_camera_desc *camera)
 {
     lc_camera test;
@@ -325,6 +344,9 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     double t1 = lc_now();
     s->seconds_bvh = t1 - t0;
     st = lc_area_lights_make(s, desc->area_lights, desc->seed);
+    size_t n_before = s->n_lights;
+    if (!st) st = lc_env_lights_make(s, desc->env_lights, desc->seed);
+    s->n_env_lights = s->n_lights - n_before;
     if (!st) st = lc_scene_join_lights(s);
     if (st) return st;
     double diag2 = scene_diag2(s);

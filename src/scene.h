@@ -10,6 +10,7 @@
 
 #include "arena.h"
 #include "camera.h"
+#include "env_map.h"
 #include "light.h"
 #include "material.h"
 #include "stats.h"
@@ -74,7 +75,9 @@ struct lc_scene {
     lc_material *materials; /* of a textured one: means */
     lc_material_maps *maps; /* n_materials */
     lc_textures textures;
-    /* Those of the file first, then those made from emissive triangles. Lights beyond cap_lights lie in chunks of
+    lc_env *envs;
+    size_t n_envs, cap_envs;
+    /* Those of the file first, then those made from emissive triangles, then from envs. Lights beyond cap_lights lie in chunks of
      * LC_LIGHT_CHUNK until commit joins all: an array that doubles would need three times the memory for a while. */
     lc_light *lights, **light_chunks;
     size_t n_meshes, cap_meshes, n_materials, cap_materials, cap_maps, n_lights, cap_lights, n_light_chunks, cap_light_chunks;
@@ -91,7 +94,7 @@ struct lc_scene {
     lc_box bounds;       /* of the triangles */
     lc_camera camera;
     float min_d2;        /* squared distance below which 1/d^2 stays flat, see layout.h */
-    uint64_t n_emissive_tris;
+    uint64_t n_emissive_tris, n_env_lights;
     lc_bvh *bvh;
     lc_light_tree *tree;
     double seconds_parse, seconds_bvh, seconds_lights, seconds_tree;
@@ -106,13 +109,17 @@ bool lc_scene_is_textured(const lc_scene *scene, uint32_t material_id);
 bool lc_scene_wants_uv(const lc_scene *scene, uint32_t material_id);
 lc_status lc_scene_add_mesh(lc_scene *scene, lc_pos where, const lc_mesh_desc *mesh);
 lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
+/* The map becomes the scene's; on failure it stays the caller's. */
+lc_status lc_scene_add_env(lc_scene *scene, lc_pos where, const lc_env *env);
+/* Radiance seen where nothing is. */
+lc_f3 lc_scene_background(const lc_scene *scene, lc_f3 dir);
 lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);
 lc_status lc_scene_set_film(lc_scene *scene, lc_pos where, const lc_film_desc *film);
 /* Something was approximated or skipped. The first of a kind is logged as a warning, all are counted. */
 lc_status lc_scene_note_at(lc_scene *scene, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
 /* Makes scene->lights hold all n_lights; commit does it. */
 lc_status lc_scene_join_lights(lc_scene *scene);
-/* Makes area lights, builds BVH and light tree. desc is complete (no zero fields). */
+/* Makes area and environment lights, builds BVH and light tree. desc is complete (no zero fields). */
 lc_status lc_scene_commit(lc_scene *scene, const lc_load_desc *desc);
 
 #endif

@@ -147,7 +147,14 @@ check 'default output: another extension becomes .exr' test -s w/old.exr -a ! -e
 (cd w && "$L" -q - <../s.pbrt)
 check "scene '-' is stdin, output stdin.exr" test -s w/stdin.exr
 cmp -s w/stdin.exr a.exr && ok || no 'scene from stdin' 'differs from the same scene from a file'
-check 'nothing else was written' test "$(ls -A w | tr '\n' ' ')" = 'named.exr named.png old.exr plain.exr stdin.exr '
+gzip <s.pbrt >sub/packed.pbrt.gz
+(cd w && "$L" -q ../sub/packed.pbrt.gz)
+cmp -s w/packed.exr a.exr && ok || no 'SCENE.pbrt.gz becomes SCENE.exr' 'none, or it differs from that of the plain scene'
+check 'nothing else was written' test "$(ls -A w | tr '\n' ' ')" = 'named.exr named.png old.exr packed.exr plain.exr stdin.exr '
+{ film 8 8 ''; world; echo 'LightSource "infinite"'; } >env.pbrt
+good 'info of an infinite light' info --json env.pbrt
+prints '"infinite_lights": 1'
+prints '"env_lights": 5000'
 good '-o twice' -q s.pbrt -o two.exr --outfile=two.png
 check '-o twice writes both' test -s two.exr -a -s two.png
 check 'the PNG is a PNG' grep -q PNG two.png
@@ -164,7 +171,7 @@ check 'the last --seed wins' grep -q '"seed": 7,' st.json
 check 'the last --method wins' grep -q '"method": "lightcuts"' st.json
 check 'options after the scene count, -o adds up' test -s b.exr
 good 'all options' -q s.pbrt -o a.exr --method exact --error-ratio 0.01 --max-cut 10 --dark-floor 0 --representatives 4 \
-    --maxdepth 1 --area-lights 64 --seed 3 --spp 2 --pixelbounds 0,8,0,8 --aov cut,n,p,z,albedo,error,rays -t 1 --isa scalar
+    --maxdepth 1 --area-lights 64 --env-lights 9 --seed 3 --spp 2 --pixelbounds 0,8,0,8 --aov cut,n,p,z,albedo,error,rays -t 1 --isa scalar
 good '--cropwindow' -q s.pbrt -o c.exr --cropwindow 0.25,0.75,0,0.5
 run info --json c.exr
 check 'crop: data window and display window' grep -q '"display_width": 48' out
@@ -200,6 +207,7 @@ done <<'END'
 --representatives 33
 --maxdepth 0
 --area-lights 0
+--env-lights 0
 --seed -1
 --seed x
 --spp 0

@@ -28,6 +28,7 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     printf("lights               %llu: %llu point, %llu oriented, %llu directional\n", (ull)i->n_lights, (ull)i->n_point,
            (ull)i->n_oriented, (ull)i->n_directional);
     printf("emissive triangles   %llu\n", (ull)i->n_emissive_triangles);
+    if (i->n_env_maps) printf("infinite lights      %llu, made into %llu directional\n", (ull)i->n_env_maps, (ull)i->n_env_lights);
     if (i->n_textures) {
         printf("textures             %llu: ", (ull)i->n_textures);
         texture_classes(scene, false);
@@ -53,7 +54,8 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
     printf("  \"mirrors\": %llu,\n  \"max_depth\": %u,\n", (ull)i->n_mirrors, i->max_depth);
     printf("  \"lights\": %llu,\n  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu},\n",
            (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional);
-    printf("  \"emissive_triangles\": %llu,\n  \"textures\": {", (ull)i->n_emissive_triangles);
+    printf("  \"emissive_triangles\": %llu,\n  \"infinite_lights\": %llu,\n  \"env_lights\": %llu,\n  \"textures\": {",
+           (ull)i->n_emissive_triangles, (ull)i->n_env_maps, (ull)i->n_env_lights);
     texture_classes(scene, true);
     printf("},\n  \"images\": %llu,\n  \"image_bytes\": %llu,\n", (ull)i->n_images, (ull)i->image_bytes);
     if (i->n_triangles)

@@ -28,12 +28,13 @@ typedef struct {
 } options;
 
 enum { OPT_METHOD = 256, OPT_ERROR, OPT_MAX_CUT, OPT_REPS, OPT_MAXDEPTH, OPT_AREA, OPT_SEED, OPT_SPP, OPT_ISA,
-       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME, OPT_BUILDER };
+       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME, OPT_BUILDER, OPT_ENV };
 
 static const struct option long_options[] = {
     { "outfile", 1, 0, 'o' }, { "method", 1, 0, OPT_METHOD }, { "error-ratio", 1, 0, OPT_ERROR },
     { "max-cut", 1, 0, OPT_MAX_CUT }, { "dark-floor", 1, 0, OPT_FLOOR }, { "representatives", 1, 0, OPT_REPS },
-    { "maxdepth", 1, 0, OPT_MAXDEPTH }, { "area-lights", 1, 0, OPT_AREA }, { "nthreads", 1, 0, 't' },
+    { "maxdepth", 1, 0, OPT_MAXDEPTH }, { "area-lights", 1, 0, OPT_AREA }, { "env-lights", 1, 0, OPT_ENV },
+    { "nthreads", 1, 0, 't' },
     { "seed", 1, 0, OPT_SEED }, { "spp", 1, 0, OPT_SPP }, { "isa", 1, 0, OPT_ISA },
     { "pixelbounds", 1, 0, OPT_PIXELS }, { "cropwindow", 1, 0, OPT_CROP }, { "aov", 1, 0, OPT_AOV },
     { "stats-file", 1, 0, OPT_STATS_FILE }, { "stats", 0, 0, OPT_STATS }, { "write-time", 0, 0, OPT_TIME },
@@ -52,7 +53,8 @@ static void print_help(void)
            "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many lights\n"
            "      --maxdepth N         bounces, default the scene's; 1: direct light only. Only mirrors bounce light in this version\n"
            "      --area-lights N      lights made from emissive surfaces, default 1024\n"
-           "      --seed N             of sampling, of area lights and of the tree's representatives, default 0\n"
+           "      --env-lights N       lights made from environment maps, default 5000\n"
+           "      --seed N             of sampling, of area and environment lights and of the tree's representatives, default 0\n"
            "      --spp N              samples per pixel, default the scene's, which counts up to 4\n"
            "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
            "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n"
@@ -98,6 +100,7 @@ static int set_option(options *o, int c)
     case OPT_REPS: return cli_parse_u32(optarg, 1, 32, &o->load.n_reps);
     case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, 1000000, &o->render.max_depth);
     case OPT_AREA: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.area_lights);
+    case OPT_ENV: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.env_lights);
     case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, 65536, &o->render.spp);
@@ -152,7 +155,8 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     return 0;
 }
 
-/* The film's filename if it is one we write, with .exr in place of another extension; else SCENE.exr here. */
+/* The film's filename if it is one we write, with .exr in place of another extension; else SCENE.exr here, also of
+ * SCENE.pbrt.gz. */
 static void choose_output(options *o, const lc_scene_info *info)
 {
     if (o->n_outputs) return;
@@ -163,6 +167,8 @@ static void choose_output(options *o, const lc_scene_info *info)
         name = !strcmp(o->scene, "-") ? "stdin" : slash ? slash + 1 : o->scene;
     }
     snprintf(o->default_output, sizeof o->default_output - 8, "%s", name);
+    size_t len = strlen(o->default_output);
+    if (from_scene && cli_has_extension(name, ".gz") && len > 3) o->default_output[len - 3] = 0;
     char *dot = strrchr(o->default_output, '.');
     if (from_scene || (!cli_has_extension(name, ".exr") && !cli_has_extension(name, ".png"))) {
         if (dot && dot != o->default_output && !strchr(dot, '/')) *dot = 0;

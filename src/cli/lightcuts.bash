@@ -34,7 +34,7 @@ _lightcuts()
         COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
         return ;;
     render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | render:--maxdepth | \
-        render:--area-lights | render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
+        render:--area-lights | render:--env-lights | render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
         compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
         explain:--pixel | explain:--sample | explain:--top | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
@@ -58,7 +58,7 @@ _lightcuts()
     if [[ $word == -* ]]; then
         case $command in
         render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives --builder --maxdepth --area-lights
-            --seed --spp --pixelbounds --cropwindow --aov --nthreads --isa --stats --stats-file --write-time --quiet
+            --env-lights --seed --spp --pixelbounds --cropwindow --aov --nthreads --isa --stats --stats-file --write-time --quiet
             --verbose --help' ;;
         compare) options='--over --fail --outfile --scale --map --json --help' ;;
         scene) options='--lights --seed --outfile --help' ;;
