@@ -2,6 +2,7 @@
 #include "env_light.h"
 #include "pbrt_parse.h"
 #include "rng.h"
+#include "poor.h"
 #include "test.h"
 
 #include <stdlib.h>
@@ -238,32 +239,12 @@ TEST(parameters)
 
 /* ---- memory ---- */
 
-static long allocations_left = -1;
-
-static void *counted_alloc(void *user, size_t size, size_t align)
-{
-    (void)user;
-    if (!allocations_left) return NULL;
-    if (allocations_left > 0) allocations_left--;
-    return aligned_alloc(align, (size + align - 1) / align * align);
-}
-
-static void counted_free(void *user, void *ptr, size_t size)
-{
-    (void)user, (void)size;
-    free(ptr);
-}
-
 TEST(every_allocation_fails_in_turn)
 {
     char path[128];
     CHECK(load("Camera \"perspective\" WorldBegin LightSource \"infinite\" \"string filename\" \"square.pfm\" "
                "LightSource \"infinite\"") == LC_OK);
-    const lc_allocator allocator = { counted_alloc, counted_free, NULL };
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.allocator = &allocator;
-    lc_context *small;
-    if (lc_context_create(&desc, &small)) abort();
+    lc_context *small = poor_context();
     snprintf(path, sizeof path, "%s/s.pbrt", dir);
     lc_status st = LC_ERR_MEMORY;
     long n = 0;

@@ -1,6 +1,7 @@
 /* unit_pbrt.c - pbrt files to the scene builder: transforms, scopes, v3 and v4 spelling, files that include
  * files, and the place of each error. Scenes are looked at before commit. */
 #include "pbrt_parse.h"
+#include "poor.h"
 #include "test.h"
 
 #include <stdlib.h>
@@ -693,29 +694,9 @@ TEST(includes_that_double)
 
 /* ---- memory ---- */
 
-static long allocations_left = -1;
-
-static void *counted_alloc(void *user, size_t size, size_t align)
-{
-    (void)user;
-    if (!allocations_left) return NULL;
-    if (allocations_left > 0) allocations_left--;
-    return aligned_alloc(align, (size + align - 1) / align * align);
-}
-
-static void counted_free(void *user, void *ptr, size_t size)
-{
-    (void)user, (void)size;
-    free(ptr);
-}
-
 TEST(every_allocation_fails_in_turn)
 {
-    const lc_allocator allocator = { counted_alloc, counted_free, NULL };
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.allocator = &allocator;
-    lc_context *small;
-    if (lc_context_create(&desc, &small)) abort();
+    lc_context *small = poor_context();
     write_file(
         "all.pbrt",
         "Film \"image\" \"string filename\" \"f\" Camera \"perspective\" WorldBegin Include \"tri.pbrt\"\n"

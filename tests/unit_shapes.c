@@ -1,6 +1,7 @@
 /* unit_shapes.c - quadrics, bilinear patches and subdivision surfaces as triangles: area, side, normals, texture coordinates. */
 #include "pbrt_parse.h"
 #include "scene.h"
+#include "poor.h"
 #include "test.h"
 
 #include <stdlib.h>
@@ -204,31 +205,11 @@ TEST(odd_meshes)
 
 /* ---- memory ---- */
 
-static long allocations_left = -1;
-
-static void *counted_alloc(void *user, size_t size, size_t align)
-{
-    (void)user;
-    if (!allocations_left) return NULL;
-    if (allocations_left > 0) allocations_left--;
-    return aligned_alloc(align, (size + align - 1) / align * align);
-}
-
-static void counted_free(void *user, void *ptr, size_t size)
-{
-    (void)user, (void)size;
-    free(ptr);
-}
-
 TEST(every_allocation_fails_in_turn)
 {
     static const char text[] = "WorldBegin " TEXTURED OCTAHEDRON "2 Shape \"cone\" "
                                "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]";
-    const lc_allocator allocator = { counted_alloc, counted_free, NULL };
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.allocator = &allocator;
-    lc_context *small;
-    if (lc_context_create(&desc, &small)) abort();
+    lc_context *small = poor_context();
     lc_status st = LC_ERR_MEMORY;
     long n = 0;
     for (; st == LC_ERR_MEMORY && n < 1000; n++) {
