@@ -8,7 +8,7 @@
 
 static long allocations_left = -1; /* < 0: no end of them */
 
-static void *counted_alloc(void *user, size_t size, size_t align)
+static inline void *counted_alloc(void *user, size_t size, size_t align)
 {
     (void)user;
     if (!allocations_left) return NULL;
@@ -16,13 +16,13 @@ static void *counted_alloc(void *user, size_t size, size_t align)
     return aligned_alloc(align, (size + align - 1) / align * align);
 }
 
-static void counted_free(void *user, void *ptr, size_t size)
+static inline void counted_free(void *user, void *ptr, size_t size)
 {
     (void)user, (void)size;
     free(ptr);
 }
 
-static lc_context *poor_context(void)
+static inline lc_context *poor_context(void)
 {
     static const lc_allocator allocator = { counted_alloc, counted_free, NULL };
     lc_context_desc desc = LC_CONTEXT_DESC_INIT;
