@@ -2,7 +2,7 @@
 #ifndef POOR_H
 #define POOR_H
 
-#include "lightcuts.h"
+#include "scene.h"
 
 #include <stdlib.h>
 
@@ -30,6 +30,26 @@ static inline lc_context *poor_context(void)
     desc.allocator = &allocator;
     if (lc_context_create(&desc, &ctx)) abort();
     return ctx;
+}
+
+/* Fills a new scene again and again, one allocation more at a time, until something else than memory decides. Returns how
+ * often that took. */
+static inline long fill_while_poor(lc_status (*fill)(lc_scene *scene), lc_status *st)
+{
+    lc_context *ctx = poor_context();
+    long n = 0;
+    *st = LC_ERR_MEMORY;
+    for (; *st == LC_ERR_MEMORY && n < 1000; n++) {
+        lc_scene *s;
+        allocations_left = -1;
+        if (lc_scene_create(ctx, &s)) abort();
+        allocations_left = n;
+        *st = fill(s);
+        allocations_left = -1;
+        lc_scene_destroy(s);
+    }
+    lc_context_destroy(ctx);
+    return n;
 }
 
 #endif

@@ -198,22 +198,16 @@ TEST(damaged_files_are_named)
 
 /* ---- memory ---- */
 
+static lc_status fill(lc_scene *s)
+{
+    return lc_pbrt_parse(s, path_of("s.pbrt.gz"));
+}
+
 TEST(every_allocation_fails_in_turn)
 {
-    lc_context *small = poor_context();
-    lc_status st = LC_ERR_MEMORY;
-    long n = 0;
-    for (; st == LC_ERR_MEMORY && n < 1000; n++) {
-        lc_scene *s;
-        allocations_left = -1;
-        if (lc_scene_create(small, &s)) abort();
-        allocations_left = n;
-        st = lc_pbrt_parse(s, path_of("s.pbrt.gz"));
-        allocations_left = -1;
-        lc_scene_destroy(s);
-    }
+    lc_status st;
+    long n = fill_while_poor(fill, &st);
     CHECKF(st == LC_OK && n > 10, "status %d after %ld", st, n);
-    lc_context_destroy(small);
 }
 
 int main(void)

@@ -694,9 +694,13 @@ TEST(includes_that_double)
 
 /* ---- memory ---- */
 
+static lc_status fill(lc_scene *s)
+{
+    return lc_pbrt_parse(s, path_of("all.pbrt"));
+}
+
 TEST(every_allocation_fails_in_turn)
 {
-    lc_context *small = poor_context();
     write_file(
         "all.pbrt",
         "Film \"image\" \"string filename\" \"f\" Camera \"perspective\" WorldBegin Include \"tri.pbrt\"\n"
@@ -704,19 +708,9 @@ TEST(every_allocation_fails_in_turn)
         "CoordinateSystem \"c\" AttributeBegin Scale 2 2 2 AttributeEnd LightSource \"point\" "
         "ObjectBegin \"o\" Shape \"sphere\" ObjectEnd ObjectInstance \"o\"\n"
         "Shape \"plymesh\" \"string filename\" \"sub/m.ply\" Shape \"disk\" \"float x\" 1");
-    lc_status st = LC_ERR_MEMORY;
-    long n = 0;
-    for (; st == LC_ERR_MEMORY && n < 1000; n++) {
-        lc_scene *s;
-        allocations_left = -1;
-        if (lc_scene_create(small, &s)) abort();
-        allocations_left = n;
-        st = lc_pbrt_parse(s, path_of("all.pbrt"));
-        allocations_left = -1;
-        lc_scene_destroy(s);
-    }
+    lc_status st;
+    long n = fill_while_poor(fill, &st);
     CHECKF(st == LC_OK && n > 20, "status %d after %ld", st, n);
-    lc_context_destroy(small);
 }
 
 int main(void)

@@ -205,24 +205,18 @@ TEST(odd_meshes)
 
 /* ---- memory ---- */
 
-TEST(every_allocation_fails_in_turn)
+static lc_status fill(lc_scene *s)
 {
     static const char text[] = "WorldBegin " TEXTURED OCTAHEDRON "2 Shape \"cone\" "
                                "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]";
-    lc_context *small = poor_context();
-    lc_status st = LC_ERR_MEMORY;
-    long n = 0;
-    for (; st == LC_ERR_MEMORY && n < 1000; n++) {
-        lc_scene *s;
-        allocations_left = -1;
-        if (lc_scene_create(small, &s)) abort();
-        allocations_left = n;
-        st = lc_pbrt_parse_memory(s, "s.pbrt", text, strlen(text));
-        allocations_left = -1;
-        lc_scene_destroy(s);
-    }
+    return lc_pbrt_parse_memory(s, "s.pbrt", text, strlen(text));
+}
+
+TEST(every_allocation_fails_in_turn)
+{
+    lc_status st;
+    long n = fill_while_poor(fill, &st);
     CHECKF(st == LC_OK && n > 20, "status %d after %ld", st, n);
-    lc_context_destroy(small);
 }
 
 int main(void)

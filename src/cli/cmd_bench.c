@@ -69,6 +69,7 @@ static const char help[] =
     "      --quality        tree: of these generated scenes, or of the first six; --runs: seeds\n"
     "      --scaling        tree: see above; minutes, and some GB of memory at 10^7\n"
     "  -o, --outfile FILE   tree --scaling: plot it as SVG\n"
+    "      --builder B      tree: exact or ploc only; render: as of `lightcuts render`\n"
     "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --pixelbounds x0,x1,y0,y1\n"
     "                       render: as of `lightcuts render`\n"
     "  -h, --help           this text\n"
