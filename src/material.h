@@ -15,14 +15,31 @@
 
 #include "vec.h"
 
+typedef enum lc_gloss { LC_GLOSS_PHONG, LC_GLOSS_WARD, LC_GLOSS_GGX } lc_gloss;
+
+/* Share of light that a smooth surface reflects, of GGX's microfacets and of mirrors. */
+typedef enum lc_fresnel {
+    LC_FRESNEL_SCHLICK,    /* ks + (1 - ks) (1 - c)^5 */
+    LC_FRESNEL_DIELECTRIC, /* of relative index eta.x, times ks */
+    LC_FRESNEL_CONDUCTOR,  /* of index eta and absorption k, each per channel, times ks */
+    LC_FRESNEL_NONE,       /* ks, from every side */
+} lc_fresnel;
+
 /* At a point. */
 typedef struct lc_material {
     lc_f3 kd;           /* 0..1 per channel */
     lc_f3 ks;           /* 0..1 per channel */
-    float exponent;     /* n, 0..LC_MAX_EXPONENT */
-    float roughness[2]; /* Ward: ax, ay, LC_MIN_ROUGHNESS..LC_MAX_ROUGHNESS; both 0: the lobe is Phong's */
+    lc_f3 kt;           /* 0..1 per channel: diffuse transmission, kt / pi; glass: what it lets through of what is not reflected */
+    float exponent;     /* Phong: n, 0..LC_MAX_EXPONENT */
+    float roughness[2]; /* Ward, GGX: ax, ay, LC_MIN_ROUGHNESS..LC_MAX_ROUGHNESS */
+    lc_gloss gloss;     /* of the lobe ks */
+    lc_fresnel fresnel; /* GGX, mirrors, glass */
+    lc_f3 eta, k;       /* index relative to outside; absorption */
+    bool coat;          /* kd lies below a dielectric of eta.x, whose surface is the lobe */
     bool mirror;        /* perfect: kd, exponent and roughness are 0 and don't count */
-    lc_f3 tangent;      /* Ward: the direction that ax is of, world space, unit; 0: any. Of a hit, in a scene's material 0. */
+    bool glass;         /* a mirror that lets through what it does not reflect */
+    bool thin;          /* glass: a sheet, which does not bend what goes through */
+    lc_f3 tangent;      /* Ward, GGX: the direction that ax is of, world space, unit; 0: any. Of a hit, in a scene's material 0. */
 } lc_material;
 
 /* Textures that give the values of a material at a point, LC_NONE: the same everywhere. */

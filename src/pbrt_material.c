@@ -84,6 +84,7 @@ static lc_status get_phong(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
 static lc_status get_mirror(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
 {
     m->mirror = true;
+    m->fresnel = LC_FRESNEL_NONE;
     m->ks = lc_f3_make(0.9f, 0.9f, 0.9f);
     lc_status st = get_albedo(p, "reflectance", &m->ks, &maps->ks);
     return st ? st : get_albedo(p, "Kr", &m->ks, &maps->ks);
@@ -108,6 +109,7 @@ static lc_status get_roughness(lc_pbrt *p, const char *name, float *value, uint3
 static lc_status get_ward(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
 {
     lc_status st = get_albedo(p, "Ks", &m->ks, &maps->ks);
+    m->gloss = LC_GLOSS_WARD;
     m->roughness[0] = 0.1f;
     if (!st) st = get_roughness(p, "roughness", &m->roughness[0], &maps->roughness[0]);
     m->roughness[1] = m->roughness[0], maps->roughness[1] = maps->roughness[0];

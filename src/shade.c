@@ -37,7 +37,7 @@ static float init_ward(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m)
 
 void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_material *m, float min_d2)
 {
-    const bool ward = m->roughness[0] > 0;
+    const bool ward = m->gloss == LC_GLOSS_WARD;
     *p = (lc_point){ .exponent = m->exponent, .min_d2 = min_d2 };
     float k = ward ? init_ward(p, n, view, m) : (m->exponent + 2) * (float)(0.5 / LC_PI);
     lc_f3_store(p->pos, pos);

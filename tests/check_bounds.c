@@ -339,13 +339,13 @@ TEST(point_init_agrees)
         make(&c, i, (uint32_t)(i % 3), (uint32_t)(i / 3 % GEN_BRDFS), GEN_ADVERSARIAL);
         lc_f3 t = c.mat.tangent;
         float n_t = lc_f3_dot(t, c.normal);
-        if (lc_f3_dot(t, t) - n_t * n_t < 2e-4f) c.mat.roughness[0] = 0; /* any frame will do */
+        if (lc_f3_dot(t, t) - n_t * n_t < 2e-4f) c.mat.gloss = LC_GLOSS_PHONG; /* any frame will do */
         lc_point p;
         ref_point r;
         lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
         ref_point_make(&r, c.normal, c.view, &c.mat);
         bool glossy = false;
-        double len = 0, error = 0, more = c.mat.roughness[0] > 0 ? 82 : 4;
+        double len = 0, error = 0, more = c.mat.gloss == LC_GLOSS_WARD ? 82 : 4;
         for (int k = 0; k < 3; k++) {
             CHECK(p.pos[k] == (&c.pos.x)[k] && p.n[k] == (&c.normal.x)[k]);
             CHECKF(fabs((double)p.mirror[k] - r.mirror[k]) <= 8 * 0x1p-24, "%g",
@@ -356,7 +356,7 @@ TEST(point_init_agrees)
             len += (double)p.mirror[k] * (double)p.mirror[k];
         }
         CHECKF(fabs(len - 1) <= 16 * 0x1p-24, "%.9g", len);
-        bool ward = c.mat.roughness[0] > 0;
+        bool ward = c.mat.gloss == LC_GLOSS_WARD;
         CHECK(p.lobe == (!glossy ? LC_LOBE_NONE : ward ? LC_LOBE_WARD : LC_LOBE_PHONG));
         CHECK(p.exponent == c.mat.exponent && p.min_d2 == c.min_d2);
         if (!ward) continue;

@@ -284,6 +284,7 @@ static float roughness(gen_src *s, gen_style style)
 
 static void make_ward(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
 {
+    c->mat.gloss = LC_GLOSS_WARD;
     c->mat.roughness[0] = c->mat.roughness[1] = roughness(s, style);
     if (brdf == GEN_WARD_ANISO) c->mat.roughness[1] = roughness(s, style);
     d3 n = from_f3(c->normal), t = style == GEN_ORDINARY ? sphere(s) : direction(s);
@@ -574,7 +575,7 @@ void gen_case_print(const gen_case *c)
     print3("kd", c->mat.kd), print3("ks", c->mat.ks);
     printf("    exponent %a (%.9g)  min_d2 %a (%.9g)  order %llu\n", (double)c->mat.exponent,
            (double)c->mat.exponent, (double)c->min_d2, (double)c->min_d2, (unsigned long long)c->order);
-    if (c->mat.roughness[0] > 0) {
+    if (c->mat.gloss == LC_GLOSS_WARD) {
         printf("    roughness %a %a (%.9g %.9g)\n", (double)c->mat.roughness[0], (double)c->mat.roughness[1],
                (double)c->mat.roughness[0], (double)c->mat.roughness[1]);
         print3("tangent", c->mat.tangent);

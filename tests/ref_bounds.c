@@ -52,7 +52,7 @@ void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m)
         r->diffuse[k] = kd[k] / LC_PI;
         r->specular[k] = ks[k] * ((double)m->exponent + 2) / (2 * LC_PI);
     }
-    if (m->roughness[0] > 0) make_ward(r, nn, o, m);
+    if (m->gloss == LC_GLOSS_WARD) make_ward(r, nn, o, m);
 }
 
 /* ---- transfer ---- */

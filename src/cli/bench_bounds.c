@@ -93,7 +93,7 @@ static void set_points(setup *s, size_t material)
 {
     lc_material m = { .kd = { 0.5f, 0.5f, 0.5f }, .exponent = 20 };
     if (material > 0) m.ks = m.kd;
-    if (material > 1) m.roughness[0] = 0.15f, m.roughness[1] = 0.3f;
+    if (material > 1) m.gloss = LC_GLOSS_WARD, m.roughness[0] = 0.15f, m.roughness[1] = 0.3f;
     lc_f3 up = lc_f3_make(0, 1, 0), view = lc_f3_normalize(lc_f3_make(1, 1, 0));
     for (uint32_t i = 0; i < N_POINTS; i++)
         lc_point_init(&s->points[i], lc_f3_make((float)i + 1, 0, 5), up, view, &m, 1e-8f);
