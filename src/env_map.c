@@ -34,7 +34,7 @@ static void latlong_direction(const lc_env *env, double x, double y, double w[3]
     w[0] = r * cosine, w[1] = r * sine, w[2] = z;
 }
 
-static void equal_area_direction(double s, double t, double w[3])
+void lc_equal_area_direction(double s, double t, double w[3])
 {
     double u = 2 * s - 1, v = 2 * t - 1, au = fabs(u), av = fabs(v), signed_d = 1 - (au + av);
     double r = 1 - fabs(signed_d), sine, cosine;
@@ -48,7 +48,7 @@ static void equal_area_direction(double s, double t, double w[3])
 void lc_env_direction(const lc_env *env, double x, double y, double w[3])
 {
     if (env->mapping == LC_ENV_LATLONG) latlong_direction(env, x, y, w);
-    else equal_area_direction(x / lc_env_width(env), y / lc_env_height(env), w);
+    else lc_equal_area_direction(x / lc_env_width(env), y / lc_env_height(env), w);
 }
 
 static void equal_area_place(const double w[3], double len, double *s, double *t)

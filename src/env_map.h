@@ -31,6 +31,8 @@ void lc_env_texel(const lc_env *env, uint32_t x, uint32_t y, double rgb[3]);
 double lc_env_solid_angle(const lc_env *env, uint32_t y);
 /* Unit. 0 <= x <= width, 0 <= y <= height. */
 void lc_env_direction(const lc_env *env, double x, double y, double w[3]);
+/* Unit direction of a place on the equal-area square, 0 <= s, t <= 1. */
+void lc_equal_area_direction(double s, double t, double w[3]);
 /* Where (s, t), both 0..1, a direction of any length lies on the map. */
 void lc_env_place(const lc_env *env, const double w[3], double *s, double *t);
 /* Radiance that arrives from direction dir of the world, bilinear between texels. */

@@ -7,6 +7,7 @@
  *
  * Lights below a cluster are found by walking down, with a stack of one entry a level at most and one more.
  */
+#include "film.h"
 #include "render.h"
 
 #include "shade.h"
@@ -284,7 +285,7 @@ static void set_point(explainer *e)
     lc_f3_store(x->weight, p->sight.weight);
     x->n_mirrors = p->sight.n_mirrors;
     lc_f3 sum = lc_f3_add(lc_f3_mul(p->all_lights ? all.radiance : p->by_cut.radiance, p->sight.weight), p->sight.emission);
-    lc_f3_store(x->pixel, lc_f3_scale(sum, e->scene->film.scale));
+    lc_f3_store(x->pixel, lc_film_expose(&e->scene->film, sum));
     double ratio = (double)p->cut.desc.error_ratio, total = (double)lc_luminance(p->by_cut.radiance);
     x->limit = ratio * (total > x->floor ? total : x->floor);
     x->max_error = p->by_cut.max_error;

@@ -2,14 +2,14 @@
 #ifndef LC_FILM_H
 #define LC_FILM_H
 
-#include "context.h"
-#include "vec.h"
+#include "scene.h"
 
 /* Sums over the samples of one pixel. */
 typedef struct lc_pixel {
-    lc_f3 rgb;               /* all samples */
+    lc_f3 rgb;               /* all samples, each times its weight */
     lc_f3 n, p, albedo;      /* samples that hit something */
     float z, cut, rays, error;
+    float weight;            /* of all samples */
     uint32_t hits;
 } lc_pixel;
 
@@ -20,13 +20,14 @@ typedef struct lc_film {
     lc_image *image;
     float *plane[LC_N_PLANES]; /* NULL: not asked for */
     uint32_t crop[4];          /* x0, x1, y0, y1 of the film that the image holds */
-    float scale;
+    const lc_film_desc *desc;
 } lc_film;
 
-/* Makes the image: data window crop in a display window of width x height, R G B and the planes of aovs. */
-lc_status lc_film_init(lc_film *film, lc_context *ctx, const uint32_t crop[4], uint32_t width, uint32_t height,
-                       float scale, uint32_t aovs);
+/* Makes the image: data window crop in a display window of the film's size, R G B and the planes of aovs. */
+lc_status lc_film_init(lc_film *film, lc_context *ctx, const uint32_t crop[4], const lc_film_desc *desc, uint32_t aovs);
 /* Stores pixel (x, y) of the film. Returns false when it was not finite and 0 was stored. */
-bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *pixel, uint32_t spp);
+bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *pixel);
+/* Radiance to what the picture holds. */
+lc_f3 lc_film_expose(const lc_film_desc *desc, lc_f3 radiance);
 
 #endif

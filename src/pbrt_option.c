@@ -7,7 +7,8 @@
 
 #include <string.h>
 
-#define MAX_FILE_SPP 4 /* light sampling leaves no noise to average, so samples serve antialiasing only */
+#define MAX_FILE_SPP 4   /* light sampling leaves no noise to average, so samples serve antialiasing only */
+#define MAX_LENS_SPP 16  /* of a lens there is */
 
 void lc_pbrt_options_init(lc_pbrt_options *opt)
 {
@@ -15,7 +16,8 @@ void lc_pbrt_options_init(lc_pbrt_options *opt)
     opt->scale = 1;
     opt->iso = 100;
     opt->shutter = 1;
-    opt->spp = MAX_FILE_SPP;
+    opt->spp = 16; /* pbrt's */
+    opt->focal_distance = 1e6;
     opt->world_to_camera = lc_xform_identity();
     opt->fov = 90;
 }
@@ -62,6 +64,20 @@ static lc_status get_crop(lc_pbrt *p)
     return LC_OK;
 }
 
+static lc_status get_sensor(lc_pbrt *p)
+{
+    const lc_pbrt_param *par;
+    const char *sensor = "cie1931";
+    double kelvin = 0;
+    lc_status st = lc_pbrt_get_float(&p->params, "whitebalance", &kelvin, &par);
+    if (st) return st;
+    if (kelvin < 0 || (kelvin > 0 && !lc_pbrt_white_balance(kelvin, p->opt.white)))
+        return lc_pbrt_bad_param(&p->params, par, "is not a daylight temperature, 4000 to 25000 K");
+    st = lc_pbrt_get_text(&p->params, "sensor", &sensor, &par);
+    if (st || !strcmp(sensor, "cie1931")) return st;
+    return lc_pbrt_note_name(p, par->pos, "film sensor", sensor, "the CIE's observer takes its place, whose colours are close");
+}
+
 lc_status lc_pbrt_film(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     static const char *const silent[] = { "diagonal", "maxcomponentvalue", "savefp16", "display",
@@ -77,6 +93,7 @@ lc_status lc_pbrt_film(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (!st) st = get_positive(p, "scale", &o->scale);
     if (!st) st = get_positive(p, "iso", &o->iso);
     if (!st) st = get_crop(p);
+    if (!st) st = get_sensor(p);
     if (!st) st = lc_pbrt_get_text(&p->params, "filename", &name, NULL);
     if (st) return st;
     if (name && !(o->filename = lc_arena_text(&p->arena, name, strlen(name)))) return LC_ERR_MEMORY;
@@ -99,12 +116,20 @@ lc_status lc_pbrt_sampler(lc_pbrt *p, const lc_pbrt_stmt *s)
         par = px ? px : py;
     }
     if (n < 1) return lc_pbrt_bad_param(&p->params, par, "is below 1");
-    p->opt.spp = n < MAX_FILE_SPP ? (uint32_t)n : MAX_FILE_SPP;
-    if (n <= MAX_FILE_SPP || !par) return LC_OK;
-    return lc_pbrt_note(
-        p, par->pos, "sampler pixelsamples",
-        "%lld samples per pixel: %d are taken, for here they serve antialiasing only; --spp overrides",
-        (long long)n, MAX_FILE_SPP);
+    p->opt.spp = n < LC_MAX_SPP ? (uint32_t)n : LC_MAX_SPP;
+    p->opt.spp_pos = par ? par->pos : (lc_pos){ .file = NULL };
+    return LC_OK;
+}
+
+static lc_status limit_spp(lc_pbrt *p, uint32_t *spp)
+{
+    const uint32_t most = p->opt.lens_radius > 0 ? MAX_LENS_SPP : MAX_FILE_SPP;
+    if (*spp <= most) return LC_OK;
+    uint32_t n = *spp;
+    *spp = most;
+    if (!p->opt.spp_pos.file) return LC_OK;
+    return lc_pbrt_note(p, p->opt.spp_pos, "sampler pixelsamples",
+                        "%u samples per pixel: %u are taken, for here they serve antialiasing only; --spp overrides", n, most);
 }
 
 /* Of every integrator only how deep it goes, which the last one says. */
@@ -148,11 +173,45 @@ static lc_status get_fov(lc_pbrt *p)
     return st;
 }
 
+static const struct camera {
+    const char *name;
+    lc_camera_kind kind;
+} cameras[] = {
+    { "perspective", LC_CAMERA_PERSPECTIVE },
+    { "orthographic", LC_CAMERA_ORTHOGRAPHIC },
+    { "environment", LC_CAMERA_LATLONG },
+    { "spherical", LC_CAMERA_EQUAL_AREA },
+};
+
+/* pbrt-v4's spherical camera has either mapping. */
+static lc_status get_kind(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    const char *mapping = "equalarea";
+    const lc_pbrt_param *par;
+    lc_status st = LC_OK;
+    p->opt.camera = LC_CAMERA_PERSPECTIVE;
+    for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++)
+        if (!strcmp(cameras[i].name, s->text[0])) p->opt.camera = cameras[i].kind;
+    if (p->opt.camera == LC_CAMERA_PERSPECTIVE && strcmp(s->text[0], "perspective"))
+        return lc_pbrt_note_name(p, s->pos, "camera", s->text[0], "a perspective camera takes its place");
+    if (p->opt.camera == LC_CAMERA_EQUAL_AREA) st = lc_pbrt_get_text(&p->params, "mapping", &mapping, &par);
+    if (st || !strcmp(mapping, "equalarea")) return st;
+    p->opt.camera = LC_CAMERA_LATLONG;
+    return strcmp(mapping, "equirectangular") ? lc_pbrt_bad_param(&p->params, par, "is neither equalarea nor equirectangular") : LC_OK;
+}
+
+static lc_status get_lens(lc_pbrt *p)
+{
+    const lc_pbrt_param *par;
+    lc_status st = lc_pbrt_get_float(&p->params, "lensradius", &p->opt.lens_radius, &par);
+    if (!st && par && p->opt.lens_radius < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
+    return st ? st : get_positive(p, "focaldistance", &p->opt.focal_distance);
+}
+
 lc_status lc_pbrt_camera(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_pbrt_options *o = &p->opt;
-    const lc_pbrt_param *lens;
-    double radius = 0, open = 0, close = 1;
+    double open = 0, close = 1;
     o->camera_pos = s->pos;
     o->has_camera = true;
     o->world_to_camera = p->ctm;
@@ -160,23 +219,15 @@ lc_status lc_pbrt_camera(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (!lc_xform_invert(&p->ctm, &inverse))
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the camera's transform is singular");
     lc_status st = lc_pbrt_name_coords(p, "camera", &inverse);
-    if (!st && strcmp(s->text[0], "perspective")) {
-        lc_pbrt_mark_all(&p->params);
-        return lc_pbrt_note_name(p, s->pos, "camera", s->text[0],
-                                 "a perspective camera of 90 degrees takes its place");
-    }
+    if (!st) st = get_kind(p, s);
     if (!st) st = get_fov(p);
     if (!st) st = get_screen(p);
     if (!st) st = get_positive(p, "frameaspectratio", &o->aspect);
-    if (!st) st = lc_pbrt_get_float(&p->params, "lensradius", &radius, &lens);
+    if (!st) st = get_lens(p);
     if (!st) st = lc_pbrt_get_float(&p->params, "shutteropen", &open, NULL);
     if (!st) st = lc_pbrt_get_float(&p->params, "shutterclose", &close, NULL);
-    if (st) return st;
     o->shutter = close > open ? close - open : 1;
-    lc_pbrt_mark(&p->params, "focaldistance");
-    if (!(radius > 0)) return LC_OK;
-    return lc_pbrt_note(p, lens->pos, "camera lensradius",
-                        "depth of field is ignored: everything is in focus");
+    return st;
 }
 
 /* One axis of the crop window in pixels: pbrt rounds both ends up. */
@@ -195,16 +246,19 @@ lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
     lc_pbrt_options *o = &p->opt;
     if (!o->width) o->width = 1280, o->height = 720;
     lc_film_desc film = { .filename = o->filename, .spp = o->spp };
+    memcpy(film.white, o->white, sizeof film.white);
+    lc_pbrt_filter_desc(p, &film.filter);
     film.width = (uint32_t)o->width;
     film.height = (uint32_t)o->height;
     crop_axis(o, o->width, 0, film.crop);
     crop_axis(o, o->height, 1, film.crop + 2);
     double scale = o->scale * (p->v4 ? o->iso / 100 * o->shutter : 1);
     film.scale = scale <= (double)FLT_MAX ? (float)scale : INFINITY;
-    lc_status st = lc_scene_set_film(p->scene, o->film_pos.file ? o->film_pos : where, &film);
+    lc_status st = limit_spp(p, &film.spp);
+    if (!st) st = lc_scene_set_film(p->scene, o->film_pos.file ? o->film_pos : where, &film);
     if (st) return st;
 
-    lc_camera_desc camera = { .fov_degrees = o->fov };
+    lc_camera_desc camera = { .kind = o->camera, .fov_degrees = o->fov, .lens_radius = o->lens_radius, .focal_distance = o->focal_distance };
     memcpy(camera.world_to_camera, o->world_to_camera.m, sizeof camera.world_to_camera);
     double aspect = o->aspect > 0 ? o->aspect : (double)o->width / (double)o->height;
     double x = aspect > 1 ? aspect : 1, y = aspect > 1 ? 1 : 1 / aspect;

@@ -207,7 +207,7 @@ static const struct directive {
     { "SurfaceIntegrator", lc_pbrt_integrator, ANYWHERE, 0, 1, 0, true, false },
     { "VolumeIntegrator", ignore, ANYWHERE, 0, 1, 0, true, false },
     { "Renderer", ignore, ANYWHERE, 0, 1, 0, true, false },
-    { "PixelFilter", ignore, ANYWHERE, 0, 1, 0, true, false },
+    { "PixelFilter", lc_pbrt_pixel_filter, ANYWHERE, 0, 1, 0, true, false },
     { "Accelerator", ignore, ANYWHERE, 0, 1, 0, true, false },
     { "Option", ignore, ANYWHERE, 0, 0, 0, true, false },
     { "ColorSpace", colour_space, ANYWHERE, 0, 1, 0, false, false },

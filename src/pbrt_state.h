@@ -43,6 +43,12 @@ typedef struct lc_pbrt_object {
     uint64_t n_tris;
 } lc_pbrt_object;
 
+/* What a PixelFilter says; 0 where pbrt's default counts. */
+typedef struct lc_pbrt_filter {
+    bool there;
+    lc_pixel_filter_desc desc;
+} lc_pbrt_filter;
+
 /* Film, Sampler and Camera as far as read; joined at WorldBegin. */
 typedef struct lc_pbrt_options {
     lc_pos film_pos, camera_pos;
@@ -52,8 +58,13 @@ typedef struct lc_pbrt_options {
     int64_t bounds[4]; /* pixels; the film is intersected with it */
     double scale, iso; /* of every pixel; of the sensor */
     double shutter;    /* seconds; counts in v4 only */
+    float white[9];    /* see lc_film_desc */
     const char *filename;
     uint32_t spp;
+    lc_pos spp_pos;
+    lc_pbrt_filter filter;
+    lc_camera_kind camera;
+    double lens_radius, focal_distance;
     lc_xform world_to_camera;
     double fov, aspect; /* degrees; width / height of the picture, 0 = of the pixels */
     double screen[4];
@@ -137,6 +148,10 @@ void lc_pbrt_options_init(lc_pbrt_options *opt);
 lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler, lc_pbrt_integrator;
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where); /* sets the scene's film and camera */
 
+/* pbrt_filter.c */
+lc_pbrt_handler lc_pbrt_pixel_filter;
+void lc_pbrt_filter_desc(const lc_pbrt *p, lc_pixel_filter_desc *out);
+
 /* pbrt_material.c */
 lc_pbrt_handler lc_pbrt_do_material, lc_pbrt_make_named_material, lc_pbrt_named_material;
 lc_status lc_pbrt_current_material(lc_pbrt *p, uint32_t *id);
@@ -177,6 +192,8 @@ lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh);
 
 /* pbrt_colour.c */
 typedef enum lc_pbrt_colour_use { LC_PBRT_FOR_ALBEDO, LC_PBRT_FOR_LIGHT } lc_pbrt_colour_use;
+/* Rows of what takes linear Rec.709 to the same with the daylight of this temperature as white; false outside 4000..25000 K. */
+bool lc_pbrt_white_balance(double kelvin, float rows[9]);
 /* A colour parameter as linear Rec.709. *out keeps its value if absent. */
 lc_status lc_pbrt_get_colour(lc_pbrt *p, const char *name, lc_pbrt_colour_use use, lc_f3 *out,
                              const lc_pbrt_param **found);

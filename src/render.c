@@ -8,7 +8,7 @@
 #include "film.h"
 #include "mirror.h"
 #include "pool.h"
-#include "rng.h"
+#include "sample.h"
 #include "shade.h"
 
 #include <stdatomic.h>
@@ -38,7 +38,7 @@
 #define CUT_RAY_SHARE 1.3   /* of rays of cuts, which go in smaller groups */
 #define EXACT_GAIN 1.2      /* what the exact method may cost more, as it has no error */
 
-enum { DIM_X, DIM_Y, DIM_SLOT };
+enum { DIM_FILM, DIM_LENS, DIM_SLOT };
 
 typedef struct {
     lc_cut cut;
@@ -59,6 +59,7 @@ typedef struct {
     double *prepass; /* luminance by grid cell */
     bool exact;      /* every light at every point */
     double pixel;    /* textures are filtered over: a length at distance 1 */
+    uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the film */
 } job;
 
 static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dimension)
@@ -108,12 +109,12 @@ static void shade(const job *j, worker *w, const lc_sight *sight, uint64_t hash,
     }
 }
 
-static void add_sample(const job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir, const lc_cut_result *r)
+static void add_sample(const job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir, float weight, const lc_cut_result *r)
 {
     const lc_surface *s = &sight->first;
     const double *axis = j->scene->camera.axis;
     float cos_axis = (float)(axis[0] * (double)dir.x + axis[1] * (double)dir.y + axis[2] * (double)dir.z);
-    px->rgb = lc_f3_add(px->rgb, lc_f3_add(lc_f3_mul(r->radiance, sight->weight), sight->emission));
+    px->rgb = lc_f3_add(px->rgb, lc_f3_scale(lc_f3_add(lc_f3_mul(r->radiance, sight->weight), sight->emission), weight));
     px->n = lc_f3_add(px->n, s->n);
     px->p = lc_f3_add(px->p, s->pos);
     px->albedo = lc_f3_add(px->albedo, lc_f3_add(s->material.kd, s->material.ks));
@@ -124,13 +125,19 @@ static void add_sample(const job *j, lc_pixel *px, const lc_sight *sight, lc_f3 
     px->hits++;
 }
 
-/* Camera ray of sample i of a pixel. */
-static void sample_ray(const job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir)
+/* Camera ray of sample i of a pixel; returns its weight. One sample is of the pixel's centre and the lens's. */
+static float sample_ray(const job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir)
 {
     uint64_t pixel = pixel_of(j, x, y);
-    double dx = 0.5, dy = 0.5; /* one sample: the centre */
-    if (j->spp > 1) dx = lc_unit(key(j, pixel, i, DIM_X)), dy = lc_unit(key(j, pixel, i, DIM_Y));
-    lc_camera_ray(&j->scene->camera, x + dx, y + dy, org, dir);
+    double u[2], offset[2] = { 0, 0 }, lens[2] = { 0.5, 0.5 }, weight = 1;
+    if (j->spp > 1) {
+        lc_sample_pair(key(j, pixel, 0, DIM_FILM), i, u);
+        weight = lc_pixel_filter_sample(&j->scene->filter, u, offset);
+        uint64_t h = key(j, pixel, 0, DIM_LENS);
+        lc_sample_pair(h, i ^ (uint32_t)(lc_mix(h) & j->lens_order), lens);
+    }
+    lc_camera_ray(&j->scene->camera, x + 0.5 + offset[0], y + 0.5 + offset[1], lens, org, dir);
+    return (float)weight;
 }
 
 static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
@@ -141,21 +148,22 @@ static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
         lc_sight s;
         lc_cut_result r;
         lc_phase_start(&w->stats);
-        sample_ray(j, x, y, i, &org, &dir);
+        float weight = sample_ray(j, x, y, i, &org, &dir);
+        px.weight += weight;
         w->stats.camera_rays++;
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
         bool hit = lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s);
         lc_phase_end(&w->stats, LC_PHASE_CAMERA);
         if (!hit) {
-            px.rgb = lc_f3_add(px.rgb, lc_scene_background(j->scene, dir));
+            px.rgb = lc_f3_add(px.rgb, lc_f3_scale(lc_scene_background(j->scene, dir), weight));
             continue;
         }
         w->stats.camera_rays += s.n_mirrors;
         shade(j, w, &s, slot_hash(j, x, y, i), &r);
-        add_sample(j, &px, &s, dir, &r);
+        add_sample(j, &px, &s, dir, weight, &r);
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
     }
-    if (!lc_film_store(&j->film, x, y, &px, j->spp)) w->stats.nonfinite++;
+    if (!lc_film_store(&j->film, x, y, &px)) w->stats.nonfinite++;
 }
 
 static uint32_t min_u(uint32_t a, uint32_t b) { return a < b ? a : b; }
@@ -185,7 +193,8 @@ static bool shade_cell(job *j, uint32_t thread, uint64_t item, uint32_t side, lc
     lc_f3 org, dir;
     lc_sight s;
     double u = ((double)(item % side) + 0.5) / side, v = ((double)(item / side) + 0.5) / side;
-    lc_camera_ray(&j->scene->camera, u * j->scene->film.width, v * j->scene->film.height, &org, &dir);
+    const double lens[2] = { 0.5, 0.5 };
+    lc_camera_ray(&j->scene->camera, u * j->scene->film.width, v * j->scene->film.height, lens, &org, &dir);
     if (!lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) || !s.lit) return false;
     shade(j, &j->workers[thread], &s, key(j, item, 0, DIM_SLOT), r);
     r->radiance = lc_f3_mul(r->radiance, s.weight);
@@ -427,7 +436,7 @@ static lc_status render_all(job *j, const uint32_t crop[4], lc_render_stats *sta
     lc_cut_desc cut = cut_desc(j, stats);
     if (j->exact) cut.max_cut = 1; /* no cuts are made */
     st = make_workers(j, &cut);
-    if (!st) st = lc_film_init(&j->film, j->ctx, crop, f->width, f->height, f->scale, j->desc->aovs);
+    if (!st) st = lc_film_init(&j->film, j->ctx, crop, f, j->desc->aovs);
     if (st) return st;
     j->tiles_x = (crop[1] - crop[0] + TILE - 1) / TILE;
     j->tiles_y = (crop[3] - crop[2] + TILE - 1) / TILE;
@@ -444,6 +453,7 @@ static void init_job(job *j, lc_context *ctx, const lc_scene *scene, const lc_re
     *j = (job){ .ctx = ctx, .scene = scene, .desc = desc, .spp = desc->spp ? desc->spp : scene->film.spp };
     j->max_depth = min_u(desc->max_depth ? desc->max_depth : scene->max_depth, LC_MAX_DEPTH);
     /* samples share a pixel; as in pbrt, one sees no less than an eighth of it */
+    while (j->lens_order * 2 + 1 < j->spp) j->lens_order = j->lens_order * 2 + 1;
     j->pixel = scene->camera.pixel * fmax(0.125, 1 / sqrt((double)j->spp));
 }
 

@@ -23,7 +23,7 @@ lc_status lc_scene_create(lc_context *ctx, lc_scene **out)
     s->textures.ctx = ctx;
     s->bounds = lc_box_empty();
     s->max_depth = LC_PBRT_DEPTH;
-    s->film = (lc_film_desc){ 1280, 720, { 0, 1280, 0, 720 }, NULL, 1, 1 };
+    s->film = (lc_film_desc){ .width = 1280, .height = 720, .crop = { 0, 1280, 0, 720 }, .scale = 1, .spp = 1, .filter = LC_PIXEL_FILTER_BOX };
     return LC_OK;
 }
 
@@ -277,6 +277,7 @@ lc_status lc_scene_set_film(lc_scene *s, lc_pos where, const lc_film_desc *f)
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film: crop window is empty or outside the film");
     if (!(f->scale > 0 && f->scale <= LC_MAX_INTENSITY) || !f->spp || f->spp > LC_MAX_SPP)
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film: scale or samples per pixel out of range");
+    if (!lc_pixel_filter_init(&s->filter, &f->filter)) return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film: pixel filter out of range");
     char *name = NULL;
     if (f->filename && !(name = lc_arena_text(&s->arena, f->filename, strlen(f->filename)))) return LC_ERR_MEMORY;
     s->film = *f;
@@ -350,6 +351,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!st) st = lc_scene_join_lights(s);
     if (st) return st;
     double diag2 = scene_diag2(s);
+    lc_camera_set_distance(&s->camera, sqrt(diag2));
     s->min_d2 = (float)fmax(1e-10 * diag2, LC_MIN_D2);
     double t2 = lc_now();
     s->seconds_lights = t2 - t1;

@@ -13,6 +13,7 @@
 #include "env_map.h"
 #include "light.h"
 #include "material.h"
+#include "pixel_filter.h"
 #include "stats.h"
 #include "texture.h"
 
@@ -38,6 +39,8 @@ typedef struct lc_film_desc {
     const char *filename;   /* or NULL */
     float scale;            /* multiplies every pixel: exposure of the scene file, > 0 */
     uint32_t spp;           /* >= 1 */
+    lc_pixel_filter_desc filter;
+    float white[9];         /* of every pixel's R G B before scale, rows; all 0: as it is */
 } lc_film_desc;
 
 #define LC_MAX_PIXELS (1u << 28)
@@ -93,6 +96,7 @@ struct lc_scene {
     /* set by commit */
     lc_box bounds;       /* of the triangles */
     lc_camera camera;
+    lc_pixel_filter filter;
     float min_d2;        /* squared distance below which 1/d^2 stays flat, see layout.h */
     uint64_t n_emissive_tris, n_env_lights;
     lc_bvh *bvh;

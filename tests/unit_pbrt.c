@@ -181,12 +181,10 @@ TEST(look_at_and_camera)
     CHECK(near(scene->camera_desc.fov_degrees, 90, 0) && near(scene->camera_desc.screen[2], -2, 0));
     CHECK(near(scene->camera_desc.world_to_camera[0], -1, 0) && near3(vertex(1), 1, 0, 0, 0));
     CHECK(load("Camera \"orthographic\" \"float screenwindow\" [-2 2 -1 1] WorldBegin") == LC_OK);
-    CHECK(note("camera orthographic"));
-    CHECK(
-        load(
-            "Camera \"perspective\" \"float lensradius\" .1 \"float screenwindow\" [-2 2 -1 1] WorldBegin") ==
-        LC_OK);
-    CHECK(note("camera lensradius") && near(scene->camera_desc.screen[0], -2, 0));
+    CHECK(scene->camera_desc.kind == LC_CAMERA_ORTHOGRAPHIC && near(scene->camera_desc.screen[0], -2, 0));
+    CHECK(load("Camera \"perspective\" \"float lensradius\" .1 \"float screenwindow\" [-2 2 -1 1] WorldBegin") == LC_OK);
+    CHECK(near(scene->camera_desc.lens_radius, .1, 0) && near(scene->camera_desc.focal_distance, 1e6, 0) && scene->film.spp == 16);
+    CHECK(load("Camera \"realistic\" \"float aperturediameter\" 1 WorldBegin") == LC_OK && note("camera realistic"));
     EXPECT_ERROR("Camera \"perspective\" \"float fov\" [180] WorldBegin",
                  "s.pbrt:1:22: error: parameter 'fov' is not an angle between 0 and 180");
     EXPECT_ERROR("Scale 0 1 1\nCamera \"perspective\" WorldBegin",

@@ -233,6 +233,7 @@ TEST(picture)
     lc_render_desc desc = LC_RENDER_DESC_INIT;
     lc_image *image;
     desc.aovs = LC_AOV_ALBEDO;
+    desc.spp = 1; /* more reach into the next pixel */
     CHECK(lc_render(ctx, scene, &desc, &image, NULL) == LC_OK);
     static const double want[4][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { GREY, GREY, GREY } };
     static const char *const names[2][3] = { { "R", "G", "B" }, { "Albedo.R", "Albedo.G", "Albedo.B" } };
