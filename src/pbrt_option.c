@@ -258,7 +258,8 @@ lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
     if (!st) st = lc_scene_set_film(p->scene, o->film_pos.file ? o->film_pos : where, &film);
     if (st) return st;
 
-    lc_camera_desc camera = { .kind = o->camera, .fov_degrees = o->fov, .lens_radius = o->lens_radius, .focal_distance = o->focal_distance };
+    lc_camera_desc camera = { .kind = o->camera, .fov_degrees = o->fov, .lens_radius = o->lens_radius };
+    camera.focal_distance = o->focal_distance;
     memcpy(camera.world_to_camera, o->world_to_camera.m, sizeof camera.world_to_camera);
     double aspect = o->aspect > 0 ? o->aspect : (double)o->width / (double)o->height;
     double x = aspect > 1 ? aspect : 1, y = aspect > 1 ? 1 : 1 / aspect;

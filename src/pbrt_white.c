@@ -33,7 +33,9 @@ static void cones(const mat3 lms, double x, double y, double out[3])
 bool lc_pbrt_white_balance(double kelvin, float rows[9])
 {
     static const mat3 bradford = { { 0.8951, 0.2664, -0.1614 }, { -0.7502, 1.7135, 0.0367 }, { 0.0389, -0.0685, 1.0296 } };
-    static const mat3 rgb_to_xyz = { { 0.4124564, 0.3575761, 0.1804375 }, { 0.2126729, 0.7151522, 0.0721750 }, { 0.0193339, 0.1191920, 0.9503041 } };
+    static const mat3 rgb_to_xyz = { { 0.4124564, 0.3575761, 0.1804375 },
+                                     { 0.2126729, 0.7151522, 0.0721750 },
+                                     { 0.0193339, 0.1191920, 0.9503041 } };
     mat3 to_cones, back, scaled, m;
     double t = 1000 * (1.4388 / 1.4380) / kelvin, source[3], target[3]; /* of today's radiation constant */
     if (!(kelvin >= 4000 && kelvin <= 25000)) return false;

@@ -6,7 +6,13 @@
 
 #include "base.h"
 
-typedef enum lc_pixel_filter_kind { LC_PIXEL_BOX, LC_PIXEL_TRIANGLE, LC_PIXEL_GAUSSIAN, LC_PIXEL_MITCHELL, LC_PIXEL_SINC } lc_pixel_filter_kind;
+typedef enum lc_pixel_filter_kind {
+    LC_PIXEL_BOX,
+    LC_PIXEL_TRIANGLE,
+    LC_PIXEL_GAUSSIAN,
+    LC_PIXEL_MITCHELL,
+    LC_PIXEL_SINC
+} lc_pixel_filter_kind;
 
 typedef struct lc_pixel_filter_desc {
     lc_pixel_filter_kind kind;

@@ -23,7 +23,8 @@ lc_status lc_scene_create(lc_context *ctx, lc_scene **out)
     s->textures.ctx = ctx;
     s->bounds = lc_box_empty();
     s->max_depth = LC_PBRT_DEPTH;
-    s->film = (lc_film_desc){ .width = 1280, .height = 720, .crop = { 0, 1280, 0, 720 }, .scale = 1, .spp = 1, .filter = LC_PIXEL_FILTER_BOX };
+    s->film = (lc_film_desc){ .width = 1280, .height = 720, .crop = { 0, 1280, 0, 720 }, .scale = 1, .spp = 1 };
+    s->film.filter = (lc_pixel_filter_desc)LC_PIXEL_FILTER_BOX;
     return LC_OK;
 }
 

@@ -209,21 +209,26 @@ TEST(scene_files)
     CHECK(load(V3 REST) == LC_OK && filter_is(LC_PIXEL_BOX, .5, .5, 0, 0));
     CHECK(load(V4 REST) == LC_OK && filter_is(LC_PIXEL_GAUSSIAN, 1.5, 1.5, 2, 0));
     CHECK(load("PixelFilter \"gaussian\" " V3 REST) == LC_OK && filter_is(LC_PIXEL_GAUSSIAN, 2, 2, 2, 0));
-    CHECK(load("PixelFilter \"gaussian\" \"float sigma\" 1 \"float xradius\" 3 " V4 REST) == LC_OK && filter_is(LC_PIXEL_GAUSSIAN, 3, 1.5, .5, 0));
-    CHECK(load("PixelFilter \"mitchell\" \"float B\" 0 \"float xwidth\" 3 " V3 REST) == LC_OK && filter_is(LC_PIXEL_MITCHELL, 3, 2, 0, 1.0 / 3));
+    CHECK(load("PixelFilter \"gaussian\" \"float sigma\" 1 \"float xradius\" 3 " V4 REST) == LC_OK && 
+          filter_is(LC_PIXEL_GAUSSIAN, 3, 1.5, .5, 0));
+    CHECK(load("PixelFilter \"mitchell\" \"float B\" 0 \"float xwidth\" 3 " V3 REST) == LC_OK && 
+          filter_is(LC_PIXEL_MITCHELL, 3, 2, 0, 1.0 / 3));
     CHECK(load("PixelFilter \"sinc\" \"float tau\" 2 " V4 REST) == LC_OK && filter_is(LC_PIXEL_SINC, 4, 4, 2, 0));
     CHECK(load("PixelFilter \"magic\" " V4 REST) == LC_OK && filter_is(LC_PIXEL_GAUSSIAN, 1.5, 1.5, 2, 0) && scene->n_notes == 1);
     CHECK(load("PixelFilter \"box\" \"float ywidth\" [2147483300] " V3 REST) == LC_ERR_PARSE);
     CHECK(load("PixelFilter \"box\" \"float xradius\" [0] " V3 REST) == LC_ERR_PARSE);
     CHECK(load(V4 "Camera \"spherical\" WorldBegin") == LC_OK && scene->camera.kind == LC_CAMERA_EQUAL_AREA);
-    CHECK(load(V4 "Camera \"spherical\" \"string mapping\" \"equirectangular\" WorldBegin") == LC_OK && scene->camera.kind == LC_CAMERA_LATLONG);
+    CHECK(load(V4 "Camera \"spherical\" \"string mapping\" \"equirectangular\" WorldBegin") == LC_OK &&
+          scene->camera.kind == LC_CAMERA_LATLONG);
     CHECK(load(V4 "Camera \"spherical\" \"string mapping\" \"flat\" WorldBegin") == LC_ERR_PARSE);
-    CHECK(load(V3 "Camera \"environment\" WorldBegin") == LC_OK && scene->camera.kind == LC_CAMERA_LATLONG);
+    CHECK(load(V3 "Camera \"environment\" WorldBegin") == LC_OK &&
+          scene->camera.kind == LC_CAMERA_LATLONG);
     CHECK(load(V3 "Camera \"perspective\" \"float lensradius\" -1 WorldBegin") == LC_ERR_PARSE);
     CHECK(load("Sampler \"halton\" \"integer pixelsamples\" 64 " V3 REST) == LC_OK && scene->film.spp == 4 && scene->n_notes == 1);
     CHECK(load(V3 "Sampler \"halton\" \"integer pixelsamples\" 64 Camera \"perspective\" \"float lensradius\" 1 WorldBegin") == LC_OK &&
           scene->film.spp == 16);
-    CHECK(load("Film \"rgb\" \"float whitebalance\" 5000 " REST) == LC_OK && fabsf(scene->film.white[0] + scene->film.white[1] + scene->film.white[2] - 0.828f) < 0.006f);
+    CHECK(load("Film \"rgb\" \"float whitebalance\" 5000 " REST) == LC_OK && 
+          fabsf(scene->film.white[0] + scene->film.white[1] + scene->film.white[2] - 0.828f) < 0.006f);
     CHECK(load("Film \"rgb\" \"float whitebalance\" 100 " REST) == LC_ERR_PARSE);
     CHECK(load("Film \"rgb\" \"string sensor\" \"canon_eos_100d\" " REST) == LC_OK && scene->n_notes == 1);
 }
@@ -237,7 +242,8 @@ TEST(pictures)
         lc_image *image;
         lc_render_desc d = LC_RENDER_DESC_INIT;
         snprintf(text, sizeof text,
-                 "PixelFilter \"%s\" Film \"image\" \"integer xresolution\" 32 \"integer yresolution\" 32 Camera \"orthographic\" WorldBegin "
+                 "PixelFilter \"%s\" Film \"image\" \"integer xresolution\" 32 \"integer yresolution\" 32 "
+                 "Camera \"orthographic\" WorldBegin "
                  "AreaLightSource \"diffuse\" \"rgb L\" [2 2 2] Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
                  "\"point P\" [-9 -9 5  -9 9 5  0 9 5  0 -9 5] ReverseOrientation", filters[f]);
         CHECK(load(text) == LC_OK);

@@ -22,7 +22,8 @@ static void direction(double cosine, double phi, double out[3])
 
 static void init(lc_point *p, const look *l)
 {
-    lc_material m = { .ks = { (float)ks, (float)ks, (float)ks }, .gloss = LC_GLOSS_WARD, .roughness = { (float)l->ax, (float)l->ay }, .tangent = { 1, 0, 0 } };
+    lc_material m = { .ks = { (float)ks, (float)ks, (float)ks },
+                      .gloss = LC_GLOSS_WARD, .roughness = { (float)l->ax, (float)l->ay }, .tangent = { 1, 0, 0 } };
     double o[3];
     direction(l->cos_o, l->phi_o, o);
     lc_point_init(p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_normalize_d(o[0], o[1], o[2]), &m, 1e-10f);
@@ -150,7 +151,8 @@ TEST(tangents)
         want[swap] = formula(&l, i);
     }
     for (int k = 0; k < 6; k++) {
-        lc_material m = { .ks = { (float)ks, (float)ks, (float)ks }, .gloss = LC_GLOSS_WARD, .roughness = { 0.2f, 0.5f }, .tangent = tangents[k] };
+        lc_material m = { .ks = { (float)ks, (float)ks, (float)ks },
+                      .gloss = LC_GLOSS_WARD, .roughness = { 0.2f, 0.5f }, .tangent = tangents[k] };
         double o[3];
         lc_point p;
         direction(0.8, 2, o);
