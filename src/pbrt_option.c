@@ -3,6 +3,8 @@
  * Screen window, unless the file gives one: -1..1 along the shorter side of the picture, wider along the
  * other. Exposure: v3's "scale"; v4's iso / 100 times the seconds the shutter is open.
  */
+#include "pbrt_option.h"
+
 #include "pbrt_state.h"
 
 #include <string.h>

@@ -209,9 +209,9 @@ TEST(scene_files)
     CHECK(load(V3 REST) == LC_OK && filter_is(LC_PIXEL_BOX, .5, .5, 0, 0));
     CHECK(load(V4 REST) == LC_OK && filter_is(LC_PIXEL_GAUSSIAN, 1.5, 1.5, 2, 0));
     CHECK(load("PixelFilter \"gaussian\" " V3 REST) == LC_OK && filter_is(LC_PIXEL_GAUSSIAN, 2, 2, 2, 0));
-    CHECK(load("PixelFilter \"gaussian\" \"float sigma\" 1 \"float xradius\" 3 " V4 REST) == LC_OK && 
+    CHECK(load("PixelFilter \"gaussian\" \"float sigma\" 1 \"float xradius\" 3 " V4 REST) == LC_OK &&
           filter_is(LC_PIXEL_GAUSSIAN, 3, 1.5, .5, 0));
-    CHECK(load("PixelFilter \"mitchell\" \"float B\" 0 \"float xwidth\" 3 " V3 REST) == LC_OK && 
+    CHECK(load("PixelFilter \"mitchell\" \"float B\" 0 \"float xwidth\" 3 " V3 REST) == LC_OK &&
           filter_is(LC_PIXEL_MITCHELL, 3, 2, 0, 1.0 / 3));
     CHECK(load("PixelFilter \"sinc\" \"float tau\" 2 " V4 REST) == LC_OK && filter_is(LC_PIXEL_SINC, 4, 4, 2, 0));
     CHECK(load("PixelFilter \"magic\" " V4 REST) == LC_OK && filter_is(LC_PIXEL_GAUSSIAN, 1.5, 1.5, 2, 0) && scene->n_notes == 1);
@@ -227,7 +227,7 @@ TEST(scene_files)
     CHECK(load("Sampler \"halton\" \"integer pixelsamples\" 64 " V3 REST) == LC_OK && scene->film.spp == 4 && scene->n_notes == 1);
     CHECK(load(V3 "Sampler \"halton\" \"integer pixelsamples\" 64 Camera \"perspective\" \"float lensradius\" 1 WorldBegin") == LC_OK &&
           scene->film.spp == 16);
-    CHECK(load("Film \"rgb\" \"float whitebalance\" 5000 " REST) == LC_OK && 
+    CHECK(load("Film \"rgb\" \"float whitebalance\" 5000 " REST) == LC_OK &&
           fabsf(scene->film.white[0] + scene->film.white[1] + scene->film.white[2] - 0.828f) < 0.006f);
     CHECK(load("Film \"rgb\" \"float whitebalance\" 100 " REST) == LC_ERR_PARSE);
     CHECK(load("Film \"rgb\" \"string sensor\" \"canon_eos_100d\" " REST) == LC_OK && scene->n_notes == 1);
