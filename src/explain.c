@@ -99,7 +99,7 @@ static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_lig
         const float *const target[3] = { f[3] + i, f[4] + i, f[5] + i };
         hidden[i] = 2;
         if (f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0)
-            bvh->kernels->hidden(&bvh->data, e->probe.sight.shaded.ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, &hidden[i]);
+            bvh->kernels->hidden(&bvh->data, e->probe.sight.lit[0].surface.ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, &hidden[i]);
     }
 }
 
@@ -270,21 +270,23 @@ static lc_status name_lights(explainer *e)
 static void set_point(explainer *e)
 {
     const lc_probe *p = &e->probe;
+    const lc_lit *lit = &p->sight.lit[0];
     lc_explanation *x = e->out;
     lc_cut_result all;
-    lc_exact_shade(e->tree, e->scene->bvh, &p->point, p->sight.shaded.ray_org, &e->stats, &all);
-    lc_f3_store(x->position, p->sight.shaded.pos);
-    lc_f3_store(x->normal, p->sight.shaded.n);
-    lc_f3_store(x->view, p->sight.view);
-    lc_f3_store(x->kd, p->sight.shaded.material.kd);
-    lc_f3_store(x->ks, p->sight.shaded.material.ks);
-    x->exponent = p->sight.shaded.material.exponent;
+    lc_exact_shade(e->tree, e->scene->bvh, &p->point, lit->surface.ray_org, &e->stats, &all);
+    lc_f3_store(x->position, lit->surface.pos);
+    lc_f3_store(x->normal, lit->surface.n);
+    lc_f3_store(x->view, lit->view);
+    lc_f3_store(x->kd, lit->surface.material.kd);
+    lc_f3_store(x->ks, lit->surface.material.ks);
+    x->exponent = lit->surface.material.exponent;
     lc_f3_store(x->emission, p->sight.emission);
     lc_f3_store(x->radiance, p->by_cut.radiance);
     lc_f3_store(x->exact, all.radiance);
-    lc_f3_store(x->weight, p->sight.weight);
-    x->n_mirrors = p->sight.n_mirrors;
-    lc_f3 sum = lc_f3_add(lc_f3_mul(p->all_lights ? all.radiance : p->by_cut.radiance, p->sight.weight), p->sight.emission);
+    lc_f3_store(x->weight, lit->weight);
+    x->n_mirrors = lit->n_mirrors;
+    lc_f3 sum = lc_f3_add(lc_f3_mul(p->all_lights ? all.radiance : p->by_cut.radiance, lit->weight), p->others);
+    sum = lc_f3_add(sum, p->sight.emission);
     lc_f3_store(x->pixel, lc_film_expose(&e->scene->film, sum));
     double ratio = (double)p->cut.desc.error_ratio, total = (double)lc_luminance(p->by_cut.radiance);
     x->limit = ratio * (total > x->floor ? total : x->floor);

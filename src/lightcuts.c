@@ -56,7 +56,7 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
         .seconds_tree = s->seconds_tree, .bvh_bytes = lc_bvh_bytes(s->bvh), .tree_bytes = lc_light_tree_bytes(t),
     };
     for (size_t i = 0; i < s->textures.n_images; i++) info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);
-    for (size_t i = 0; i < s->n_materials; i++) info->n_mirrors += s->materials[i].mirror;
+    for (size_t i = 0; i < s->n_materials; i++) info->n_mirrors += s->materials[i].mirror || s->materials[i].glass;
     lc_f3_store(info->bounds_lo, s->bounds.lo);
     lc_f3_store(info->bounds_hi, s->bounds.hi);
     for (int i = 0; i < 4; i++) info->crop[i] = s->film.crop[i];

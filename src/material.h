@@ -44,10 +44,10 @@ typedef struct lc_material {
 
 /* Textures that give the values of a material at a point, LC_NONE: the same everywhere. */
 typedef struct lc_material_maps {
-    uint32_t kd, ks, exponent, roughness[2];
+    uint32_t kd, ks, kt, exponent, roughness[2];
 } lc_material_maps;
 
-#define LC_NO_MAPS { LC_NONE, LC_NONE, LC_NONE, { LC_NONE, LC_NONE } }
+#define LC_NO_MAPS { LC_NONE, LC_NONE, LC_NONE, LC_NONE, { LC_NONE, LC_NONE } }
 
 #define LC_MAX_EXPONENT 1e5f
 /* A highlight of roughness a is 2 a rad wide to 1 / e: at 0.01 a hemisphere of 10^4 lights shows as dots, so no less. As

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-typedef enum material_kind { EXACT, APPROXIMATE, INVISIBLE, PHONG, WARD, MIRROR } material_kind;
+typedef enum material_kind { EXACT, APPROXIMATE, INVISIBLE, PHONG, WARD, MIRROR, GLASS, THIN, LEAF } material_kind;
 
 static const struct material {
     const char *name, *colour; /* parameter that holds the colour, or NULL */
@@ -21,7 +21,10 @@ static const struct material {
     { "none", NULL, 0, INVISIBLE },
     { "interface", NULL, 0, INVISIBLE },
     { "coateddiffuse", "reflectance", 0.5f, APPROXIMATE },
-    { "diffusetransmission", "reflectance", 0.25f, APPROXIMATE },
+    { "diffusetransmission", "reflectance", 0.25f, LEAF },
+    { "dielectric", NULL, 0, GLASS },
+    { "glass", NULL, 0, GLASS },
+    { "thindielectric", NULL, 0, THIN },
     { "subsurface", "reflectance", 0.5f, APPROXIMATE },
     { "conductor", "reflectance", 0.5f, APPROXIMATE },
     { "coatedconductor", "reflectance", 0.5f, APPROXIMATE },
@@ -90,6 +93,22 @@ static lc_status get_mirror(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
     return st ? st : get_albedo(p, "Kr", &m->ks, &maps->ks);
 }
 
+/* Smooth; v3 calls the index index or eta, and has the tints Kr and Kt. */
+static lc_status get_glass(lc_pbrt *p, lc_material *m, bool thin)
+{
+    double eta = 1.5;
+    uint32_t map;
+    m->glass = true, m->thin = thin, m->fresnel = LC_FRESNEL_DIELECTRIC;
+    m->ks = m->kt = lc_f3_make(1, 1, 1);
+    lc_status st = lc_pbrt_get_float(&p->params, "index", &eta, NULL);
+    if (!st) st = lc_pbrt_get_float(&p->params, "eta", &eta, NULL);
+    if (!st) st = get_albedo(p, "Kr", &m->ks, &map);
+    if (!st) st = get_albedo(p, "Kt", &m->kt, &map);
+    m->eta = lc_f3_make((float)eta, (float)eta, (float)eta);
+    lc_pbrt_mark_all(&p->params);
+    return st;
+}
+
 /* One of Ward's two; *value keeps its value and *map its texture where the parameter is absent. */
 static lc_status get_roughness(lc_pbrt *p, const char *name, float *value, uint32_t *map)
 {
@@ -127,6 +146,8 @@ static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbr
     lc_status st = kind->colour ? get_albedo(p, kind->colour, &m.kd, &maps.kd) : LC_OK;
     if (!st && kind->kind == PHONG) st = get_phong(p, &m, &maps);
     if (!st && kind->kind == MIRROR) st = get_mirror(p, &m, &maps);
+    if (!st && kind->kind == LEAF) m.kt = lc_f3_make(0.25f, 0.25f, 0.25f), st = get_albedo(p, "transmittance", &m.kt, &maps.kt);
+    if (!st && (kind->kind == GLASS || kind->kind == THIN)) st = get_glass(p, &m, kind->kind == THIN);
     if (!st && kind->kind == WARD) st = get_ward(p, &m, &maps);
     if (!st && kind->kind == APPROXIMATE)
         st = lc_pbrt_note_name(p, where, "material", name, "a diffuse material takes its place");

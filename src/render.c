@@ -62,6 +62,12 @@ typedef struct {
     uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the film */
 } job;
 
+static void init_point(const lc_scene *scene, const lc_lit *lit, lc_point *p)
+{
+    const lc_surface *s = &lit->surface;
+    lc_point_init(p, s->pos, s->n, lit->view, &s->material, scene->min_d2);
+}
+
 static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dimension)
 {
     return lc_hash4(j->desc->seed, pixel, sample, dimension);
@@ -90,16 +96,12 @@ static uint64_t slot_hash(const job *j, uint32_t x, uint32_t y, uint32_t i)
     return h >> 32 << 4 | ((permute16(y % BLOCK * BLOCK + x % BLOCK, h) + 5 * i) & 15);
 }
 
-/* Radiance of what is seen, as it leaves the lit surface; fills what the statistics and planes want. */
-static void shade(const job *j, worker *w, const lc_sight *sight, uint64_t hash, lc_cut_result *out)
+/* Radiance of one lit surface, as it leaves it. */
+static void shade_lit(const job *j, worker *w, const lc_lit *lit, uint64_t hash, lc_cut_result *out)
 {
-    const lc_surface *s = &sight->shaded;
+    const lc_surface *s = &lit->surface;
     lc_point p;
-    if (!sight->lit) {
-        *out = (lc_cut_result){ .size = 0 };
-        return;
-    }
-    lc_point_init(&p, s->pos, s->n, sight->view, &s->material, j->scene->min_d2);
+    init_point(j->scene, lit, &p);
     w->stats.glossy += p.lobe != LC_LOBE_NONE;
     if (j->exact) {
         lc_exact_shade(j->scene->tree, j->scene->bvh, &p, s->ray_org, &w->stats, out);
@@ -109,12 +111,25 @@ static void shade(const job *j, worker *w, const lc_sight *sight, uint64_t hash,
     }
 }
 
+/* Radiance of all that is seen, as it reaches the camera; fills what the statistics and planes want. */
+static void shade(const job *j, worker *w, const lc_sight *sight, uint64_t hash, lc_cut_result *sum)
+{
+    *sum = (lc_cut_result){ .size = 0 };
+    for (uint32_t i = 0; i < sight->n_lit; i++) {
+        lc_cut_result r;
+        shade_lit(j, w, &sight->lit[i], hash + i, &r);
+        sum->radiance = lc_f3_add(sum->radiance, lc_f3_mul(r.radiance, sight->lit[i].weight));
+        sum->size += r.size, sum->rays += r.rays;
+        sum->max_error = r.max_error > sum->max_error ? r.max_error : sum->max_error;
+    }
+}
+
 static void add_sample(const job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir, float weight, const lc_cut_result *r)
 {
     const lc_surface *s = &sight->first;
     const double *axis = j->scene->camera.axis;
     float cos_axis = (float)(axis[0] * (double)dir.x + axis[1] * (double)dir.y + axis[2] * (double)dir.z);
-    px->rgb = lc_f3_add(px->rgb, lc_f3_scale(lc_f3_add(lc_f3_mul(r->radiance, sight->weight), sight->emission), weight));
+    px->rgb = lc_f3_add(px->rgb, lc_f3_scale(lc_f3_add(r->radiance, sight->emission), weight));
     px->n = lc_f3_add(px->n, s->n);
     px->p = lc_f3_add(px->p, s->pos);
     px->albedo = lc_f3_add(px->albedo, lc_f3_add(s->material.kd, s->material.ks));
@@ -158,7 +173,7 @@ static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
             px.rgb = lc_f3_add(px.rgb, lc_f3_scale(lc_scene_background(j->scene, dir), weight));
             continue;
         }
-        w->stats.camera_rays += s.n_mirrors;
+        w->stats.camera_rays += s.n_rays;
         shade(j, w, &s, slot_hash(j, x, y, i), &r);
         add_sample(j, &px, &s, dir, weight, &r);
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
@@ -195,9 +210,8 @@ static bool shade_cell(job *j, uint32_t thread, uint64_t item, uint32_t side, lc
     double u = ((double)(item % side) + 0.5) / side, v = ((double)(item / side) + 0.5) / side;
     const double lens[2] = { 0.5, 0.5 };
     lc_camera_ray(&j->scene->camera, u * j->scene->film.width, v * j->scene->film.height, lens, &org, &dir);
-    if (!lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) || !s.lit) return false;
+    if (!lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) || !s.n_lit) return false;
     shade(j, &j->workers[thread], &s, key(j, item, 0, DIM_SLOT), r);
-    r->radiance = lc_f3_mul(r->radiance, s.weight);
     return true;
 }
 
@@ -364,7 +378,7 @@ static void join_stats(const job *j, lc_render_stats *out)
 static bool has_mirror(const lc_scene *scene)
 {
     for (size_t i = 0; i < scene->n_materials; i++)
-        if (scene->materials[i].mirror) return true;
+        if (lc_is_specular(&scene->materials[i])) return true;
     return false;
 }
 
@@ -498,6 +512,21 @@ static lc_status probe_desc(job *j, lc_probe *p, lc_cut_desc *cut)
     return st;
 }
 
+/* All that is lit but the first; the cut is scratch. */
+static void shade_others(const job *j, lc_probe *p, uint64_t hash)
+{
+    lc_stats stats = { 0 };
+    for (uint32_t i = 1; i < p->sight.n_lit; i++) {
+        const lc_lit *lit = &p->sight.lit[i];
+        lc_point point;
+        lc_cut_result r;
+        init_point(j->scene, lit, &point);
+        if (p->all_lights) lc_exact_shade(j->scene->tree, j->scene->bvh, &point, lit->surface.ray_org, &stats, &r);
+        else lc_cut_shade(&p->cut, &point, lit->surface.ray_org, hash + i, &stats, &r);
+        p->others = lc_f3_add(p->others, lc_f3_mul(r.radiance, lit->weight));
+    }
+}
+
 lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x, uint32_t y,
                           uint32_t sample, lc_probe *p)
 {
@@ -518,10 +547,15 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     if (st) return st;
     sample_ray(&j, x, y, sample, &org, &dir);
     p->hit = lc_sight_trace(scene, org, dir, j.pixel, j.max_depth, &p->sight);
-    if (!p->hit || !p->sight.lit) return LC_OK;
-    const lc_surface *s = &p->sight.shaded;
-    lc_point_init(&p->point, s->pos, s->n, p->sight.view, &s->material, scene->min_d2);
-    lc_cut_shade(&p->cut, &p->point, s->ray_org, slot_hash(&j, x, y, sample), &stats, &p->by_cut);
+    if (!p->hit) return LC_OK;
+    const lc_lit *lit = &p->sight.lit[0];
+    if (!p->sight.n_lit) {
+        p->sight.lit[0] = (lc_lit){ .surface = p->sight.first, .view = lc_f3_neg(dir), .weight = { 1, 1, 1 } };
+        return LC_OK;
+    }
+    shade_others(&j, p, slot_hash(&j, x, y, sample));
+    init_point(scene, lit, &p->point);
+    lc_cut_shade(&p->cut, &p->point, lit->surface.ray_org, slot_hash(&j, x, y, sample), &stats, &p->by_cut);
     return LC_OK;
 }
 

@@ -83,7 +83,7 @@ void lc_scene_map_material(lc_scene *s, uint32_t id, const lc_material_maps *map
 bool lc_scene_is_textured(const lc_scene *s, uint32_t material_id)
 {
     const lc_material_maps *m = &s->maps[material_id];
-    return m->kd != LC_NONE || m->ks != LC_NONE || m->exponent != LC_NONE || m->roughness[0] != LC_NONE ||
+    return m->kd != LC_NONE || m->ks != LC_NONE || m->kt != LC_NONE || m->exponent != LC_NONE || m->roughness[0] != LC_NONE ||
            m->roughness[1] != LC_NONE;
 }
 

@@ -18,6 +18,12 @@ static void set_ray_origin(lc_surface *s, lc_f3 ng, float size)
     lc_f3_store(s->ray_org, o);
 }
 
+void lc_surface_behind(const lc_surface *s, float org[3])
+{
+    const float pos[3] = { s->pos.x, s->pos.y, s->pos.z };
+    for (int k = 0; k < 3; k++) org[k] = pos[k] - (s->ray_org[k] - pos[k]);
+}
+
 bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, lc_surface *out)
 {
     return lc_surface_hit_after(scene, org, dir, 0, pixel, out);
@@ -49,7 +55,8 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
     out->n = ns;
     out->ng = ng;
     out->t = hit.t;
-    out->emission = back == away || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
+    out->front = back == away;
+    out->emission = out->front || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
     out->material = scene->materials[mesh->material_id];
     if (mesh->textured) lc_textured_material(scene, mesh, &hit, dir, pixel, &out->material);
     if (mesh->brushed) out->material.tangent = lc_textured_tangent(scene, mesh, &hit);

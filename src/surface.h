@@ -13,6 +13,7 @@ typedef struct lc_surface {
     lc_f3 pos, n, ng;      /* world space; shading and geometric normal, on the viewer's side */
     float ray_org[3];      /* pos moved off the surface to the viewer's side */
     float t;               /* distance from the camera, by way of mirrors */
+    bool front;            /* the viewer is on the outer side: where ReverseOrientation, or the normals, say it is */
     lc_f3 emission;        /* radiance towards the viewer */
     lc_material material;  /* textures evaluated */
 } lc_surface;
@@ -21,5 +22,8 @@ typedef struct lc_surface {
 bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, lc_surface *out);
 /* The same for a ray that has come a way already. */
 bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way, double pixel, lc_surface *out);
+
+/* Where rays start on the other side. */
+void lc_surface_behind(const lc_surface *s, float org[3]);
 
 #endif

@@ -83,6 +83,7 @@ void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_h
     lc_tex_point p = point_of(scene, mesh, hit, dir, pixel);
     set_colour(scene, maps->kd, &p, &m->kd);
     set_colour(scene, maps->ks, &p, &m->ks);
+    set_colour(scene, maps->kt, &p, &m->kt);
     set_number(scene, maps->exponent, &p, 0, LC_MAX_EXPONENT, &m->exponent);
     for (int k = 0; k < 2; k++) set_number(scene, maps->roughness[k], &p, LC_MIN_ROUGHNESS, LC_MAX_ROUGHNESS, &m->roughness[k]);
 }

@@ -192,12 +192,12 @@ TEST(never_below_the_surface)
         for (int x = -3; x <= 3 && scene; x++) {
             lc_sight s;
             lc_f3 dir = lc_f3_normalize_d(0.4 * x, 0.1, 1);
-            CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, 0, 5, &s) && s.first.material.mirror && s.lit);
-            CHECK(s.n_mirrors == 1 && s.view.z >= 0); /* back the way it came, towards +z */
+            CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, 0, 5, &s) && s.first.material.mirror && s.n_lit);
+            CHECK(s.lit[0].n_mirrors == 1 && s.lit[0].view.z >= 0); /* back the way it came, towards +z */
             double l = sqrt(1 + lean * lean), nd = ((double)dir.x * lean - (double)dir.z) / l;
             double rz = (double)dir.z + 2 * nd / l; /* about the shading normal, which is on the viewer's side of the plane */
-            if (rz < 0) CHECK(fabs((double)s.view.z + rz) < 1e-6);
-            else CHECK(fabs((double)s.view.z - rz) < 1e-6);
+            if (rz < 0) CHECK(fabs((double)s.lit[0].view.z + rz) < 1e-6);
+            else CHECK(fabs((double)s.lit[0].view.z - rz) < 1e-6);
         }
         lc_scene_destroy(scene);
     }
