@@ -567,7 +567,7 @@ run -q s.pbrt -o ref.exr --method exact
 run -q s.pbrt -o other.exr --spp 3
 run -q named.pbrt -o small.exr
 good 'compare with itself' compare old.exr old.exr
-for metric in mae mse rmse mrse mape psnr flip roberts max mean_ratio rel_p50 rel_p99 rel_p999 rel_max over nonfinite; do
+for metric in mae mse rmse mrse mape psnr flip roberts max mean_ratio rel_p50 rel_p95 rel_p99 rel_p999 rel_max over nonfinite; do
     prints "^$metric [^ ]"
 done
 check 'equal pictures: mae 0' grep -qx 'mae 0' out
@@ -576,6 +576,9 @@ run compare old.exr other.exr --fail mae=0
 check 'compare beyond a limit: 1' test $rc -eq 1
 good 'compare writes a difference' compare old.exr other.exr -o diff.png --scale 16
 check 'the difference is there' test -s diff.png
+good 'compare of block means' compare old.exr other.exr --average 1000
+check 'one block: its error is that of the mean' test "$(sed -n 's/^rel_max //p' out)" = "$(sed -n 's/^rel_p50 //p' out)"
+bad 'compare: no block' 2 '1 to 1024' compare old.exr other.exr --average 0
 bad 'compare: different size' 3 'small.exr\|size' compare old.exr small.exr
 bad 'compare: missing image' 3 'none.exr' compare old.exr none.exr
 bad 'compare: one image' 2 '' compare old.exr

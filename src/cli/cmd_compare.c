@@ -19,6 +19,7 @@ typedef struct fail_rule {
 typedef struct options {
     const char *image, *reference, *outfile;
     double over, scale;
+    uint32_t average;
     bool json, heat;
     fail_rule fails[MAX_FAILS];
     int n_fails;
@@ -39,11 +40,12 @@ static const char help[] =
     "              differences of (A - REF) / (REF + 0.01) in luminance, averaged over blocks of 4x4 pixels\n"
     "  max         largest |d|, then its pixel x,y, its channel and both values\n"
     "  mean_ratio  mean of IMAGE / mean of REFERENCE\n"
-    "  rel_p50 rel_p99 rel_p999 rel_max\n"
+    "  rel_p50 rel_p95 rel_p99 rel_p999 rel_max\n"
     "              percentiles of |A - REF| / REF in luminance, over the pixels where REF > 0\n"
     "  over        share of those pixels above the --over limit\n"
     "  nonfinite   pixels with NaN or infinity in either image; more than 0 always fails\n"
     "\n"
+    "      --average N     compare means of blocks of N x N pixels, 1 to 1024 (default 1): for a noisy reference\n"
     "      --over E        limit of `over` (default 0.02)\n"
     "      --fail NAME=V   exit with status 1 when NAME is larger than V; psnr: smaller than V;\n"
     "                      mean_ratio: further than V from 1. Repeatable\n"
@@ -93,11 +95,19 @@ static int parse_number(const char *name, const char *text, double *out)
     return -1;
 }
 
+static int parse_average(const char *text, uint32_t *out)
+{
+    if (cli_parse_u32(text, 1, 1024, out) == 0) return 0;
+    cli_usage_error("compare", "--average %s: want 1 to 1024 pixels", text);
+    return -1;
+}
+
 /* 0: go on; else the exit status + 1. */
 static int parse_options(int argc, char **argv, options *o)
 {
-    enum { OPT_OVER = 256, OPT_JSON, OPT_SCALE, OPT_MAP, OPT_FAIL };
-    static const struct option table[] = { { "over", required_argument, NULL, OPT_OVER },
+    enum { OPT_AVERAGE = 256, OPT_OVER, OPT_JSON, OPT_SCALE, OPT_MAP, OPT_FAIL };
+    static const struct option table[] = { { "average", required_argument, NULL, OPT_AVERAGE },
+                                           { "over", required_argument, NULL, OPT_OVER },
                                            { "json", no_argument, NULL, OPT_JSON },
                                            { "scale", required_argument, NULL, OPT_SCALE },
                                            { "map", required_argument, NULL, OPT_MAP },
@@ -113,6 +123,7 @@ static int parse_options(int argc, char **argv, options *o)
         case 'o': o->outfile = optarg; break;
         case 'h': fputs(help, stdout); return CLI_OK + 1;
         case OPT_JSON: o->json = true; break;
+        case OPT_AVERAGE: bad = parse_average(optarg, &o->average); break;
         case OPT_OVER: bad = parse_number("over", optarg, &o->over); break;
         case OPT_SCALE: bad = parse_number("scale", optarg, &o->scale); break;
         case OPT_FAIL: bad = parse_fail(optarg, o); break;
@@ -234,6 +245,50 @@ static bool find_planes(const lc_image *image, const char *path, float *plane[3]
     return grey != NULL;
 }
 
+/* Mean of the n x n pixels from (x, y) on that there are. */
+static float block_mean(const float *plane, const lc_image_desc *d, uint32_t x, uint32_t y, uint32_t n)
+{
+    double sum = 0;
+    uint32_t x1 = x + n < d->width ? x + n : d->width, y1 = y + n < d->height ? y + n : d->height;
+    for (uint32_t j = y; j < y1; j++)
+        for (uint32_t i = x; i < x1; i++) sum += (double)plane[(size_t)j * d->width + i];
+    return (float)(sum / ((double)(x1 - x) * (y1 - y)));
+}
+
+/* An image of the means of blocks of n x n pixels, and its planes in place of the given ones. */
+static lc_status average(lc_context *ctx, const lc_image_desc *d, uint32_t n, float *plane[3], lc_image **out)
+{
+    static const char *const names[3] = { "R", "G", "B" };
+    lc_image_desc small = LC_IMAGE_DESC_INIT;
+    small.width = (d->width + n - 1) / n, small.height = (d->height + n - 1) / n;
+    lc_status status = lc_image_create(ctx, &small, out);
+    for (int c = 0; status == LC_OK && c < 3; c++) {
+        float *mean;
+        if ((status = lc_image_add_channel(*out, names[c], &mean)) != LC_OK) break;
+        for (uint32_t y = 0; y < small.height; y++)
+            for (uint32_t x = 0; x < small.width; x++) mean[(size_t)y * small.width + x] = block_mean(plane[c], d, x * n, y * n, n);
+        plane[c] = mean;
+    }
+    return status;
+}
+
+static int compare_planes(lc_context *ctx, const options *o, const lc_image_desc *desc, float *const a[3], float *const ref[3])
+{
+    metrics m;
+    if (metrics_of(ctx, desc->width, desc->height, a, ref, o->over, &m) != LC_OK) return CLI_FAILED;
+    if (o->json) {
+        print_json(&m);
+    } else {
+        print_lines(&m);
+    }
+    if (o->outfile && write_difference(ctx, o, desc, a, ref) != LC_OK) return CLI_FAILED;
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        perror("compare: standard output");
+        return CLI_FAILED;
+    }
+    return is_beyond(o, &m) ? CLI_FAILED : CLI_OK;
+}
+
 static int compare(lc_context *ctx, const options *o, const lc_image *image, const lc_image *reference)
 {
     lc_image_desc da = LC_IMAGE_DESC_INIT, dr = LC_IMAGE_DESC_INIT;
@@ -246,24 +301,21 @@ static int compare(lc_context *ctx, const options *o, const lc_image *image, con
     }
     float *a[3], *ref[3];
     if (!find_planes(image, o->image, a) || !find_planes(reference, o->reference, ref)) return CLI_INPUT;
-    metrics m;
-    if (metrics_of(ctx, da.width, da.height, a, ref, o->over, &m) != LC_OK) return CLI_FAILED;
-    if (o->json) {
-        print_json(&m);
-    } else {
-        print_lines(&m);
+    if (o->average == 1) return compare_planes(ctx, o, &da, a, ref);
+    lc_image *small_a = NULL, *small_ref = NULL;
+    int status = CLI_FAILED;
+    if (average(ctx, &da, o->average, a, &small_a) == LC_OK && average(ctx, &dr, o->average, ref, &small_ref) == LC_OK) {
+        lc_image_get_desc(small_a, &da);
+        status = compare_planes(ctx, o, &da, a, ref);
     }
-    if (o->outfile && write_difference(ctx, o, &da, a, ref) != LC_OK) return CLI_FAILED;
-    if (fflush(stdout) != 0 || ferror(stdout)) {
-        perror("compare: standard output");
-        return CLI_FAILED;
-    }
-    return is_beyond(o, &m) ? CLI_FAILED : CLI_OK;
+    lc_image_destroy(small_a);
+    lc_image_destroy(small_ref);
+    return status;
 }
 
 int cmd_compare(int argc, char **argv)
 {
-    options o = { .over = 0.02, .scale = 1 };
+    options o = { .over = 0.02, .scale = 1, .average = 1 };
     int done = parse_options(argc, argv, &o);
     if (done) return done - 1;
     lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);

@@ -35,7 +35,7 @@ _lightcuts()
         return ;;
     render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | render:--maxdepth | \
         render:--area-lights | render:--env-lights | render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
-        compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed | \
+        compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
         explain:--pixel | explain:--sample | explain:--top | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
         explain:--representatives | explain:--area-lights | explain:--seed | explain:--spp | \
@@ -47,7 +47,7 @@ _lightcuts()
     compare:--map) COMPREPLY=($(compgen -W heat -- "$word")); return ;;
     compare:--fail)
         compopt -o nospace 2>/dev/null
-        COMPREPLY=($(compgen -S = -W 'mae mse rmse mrse mape psnr flip roberts max mean_ratio rel_p50 rel_p99 rel_p999 rel_max over
+        COMPREPLY=($(compgen -S = -W 'mae mse rmse mrse mape psnr flip roberts max mean_ratio rel_p50 rel_p95 rel_p99 rel_p999 rel_max over
             nonfinite' -- "$word"))
         return ;;
     preview:--false-colour)
@@ -60,7 +60,7 @@ _lightcuts()
         render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives --builder --maxdepth --area-lights
             --env-lights --seed --spp --pixelbounds --cropwindow --aov --nthreads --isa --stats --stats-file --write-time --quiet
             --verbose --help' ;;
-        compare) options='--over --fail --outfile --scale --map --json --help' ;;
+        compare) options='--average --over --fail --outfile --scale --map --json --help' ;;
         scene) options='--lights --seed --outfile --help' ;;
         info) options='--json --help' ;;
         preview) options='--outfile --exposure --false-colour --range --help' ;;

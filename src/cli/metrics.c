@@ -13,8 +13,8 @@
 
 const char *const metric_names[N_METRICS] = { "mae",     "mse",      "rmse",    "mrse",       "mape",
                                               "psnr",    "flip",     "roberts", "max",        "mean_ratio",
-                                              "rel_p50", "rel_p99",  "rel_p999", "rel_max",   "over",
-                                              "nonfinite" };
+                                              "rel_p50", "rel_p95",  "rel_p99",  "rel_p999",   "rel_max",
+                                              "over",    "nonfinite" };
 
 static bool finite_pixel(float *const a[3], float *const ref[3], size_t i)
 {
@@ -99,6 +99,7 @@ static void relative_errors(size_t n, float *const a[3], float *const ref[3], do
     }
     qsort(rel, n_rel, sizeof *rel, by_value);
     m->value[METRIC_REL_P50] = percentile(rel, n_rel, 0.5);
+    m->value[METRIC_REL_P95] = percentile(rel, n_rel, 0.95);
     m->value[METRIC_REL_P99] = percentile(rel, n_rel, 0.99);
     m->value[METRIC_REL_P999] = percentile(rel, n_rel, 0.999);
     m->value[METRIC_REL_MAX] = percentile(rel, n_rel, 1.0);
