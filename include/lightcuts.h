@@ -86,8 +86,12 @@ typedef struct lc_load_desc {
     lc_builder builder;
     uint64_t max_pixels;  /* a film of more is made smaller, about to these, with the same view and crop; 0: as it is */
     uint32_t env_lights;  /* directional lights made from all environment maps together; 0: 5000 */
+    uint32_t indirect_lights; /* virtual lights of light that bounces; 0: 20000 if the scene's integrator traces paths,
+                           * else none; LC_NO_LIGHTS: none */
+    uint32_t max_depth;   /* of the paths that they are made along, as lc_render_desc has it; 0: the scene's */
 } lc_load_desc;
-#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0 }
+#define LC_NO_LIGHTS 0xffffffffu
+#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0 }
 
 /* One thing of the scene file that was approximated or skipped. */
 typedef struct lc_note {
@@ -102,6 +106,7 @@ typedef struct lc_scene_info {
     uint64_t n_emissive_triangles;
     uint64_t n_mirrors;               /* materials that are mirrors or glass */
     uint32_t max_depth;               /* of paths, pbrt's maxdepth */
+    uint64_t n_indirect_lights, n_light_paths; /* virtual lights, among the oriented ones, and the paths they were made along */
     uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */
     uint64_t n_textures, n_images, image_bytes; /* images of textures, with their smaller copies */
     float bounds_lo[3], bounds_hi[3]; /* world space, of the triangles; lo > hi when there are none */

@@ -22,6 +22,7 @@ typedef enum lc_light_kind { LC_LIGHT_POINT = 0, LC_LIGHT_ORIENTED = 1, LC_LIGHT
 #define LC_MIN_INTENSITY 1e-18f /* a channel below this is set to 0 */
 #define LC_MIN_ATTEN 1e-10f    /* of a coefficient that is not 0 */
 #define LC_MAX_ATTEN 1e4f
+#define LC_MAX_SOFTENING 1e24f  /* A beside a C of 1 may be anything from LC_MIN_D2 to this: no more than d^2 may be */
 #define LC_MIN_D2 1e-24f       /* the distance floor's own floor */
 
 typedef struct lc_light {

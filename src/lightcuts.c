@@ -22,6 +22,8 @@ lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *d
     if (!d.env_lights) d.env_lights = DEFAULT_ENV_LIGHTS;
     if (!d.n_reps) d.n_reps = DEFAULT_REPS;
     if (d.builder < LC_BUILDER_AUTO || d.builder > LC_BUILDER_PLOC) return LC_ERR_ARG;
+    if (d.indirect_lights != LC_NO_LIGHTS && d.indirect_lights > MAX_MADE_LIGHTS)
+        return lc_fail(ctx, LC_ERR_ARG, "indirect lights must be at most %u", MAX_MADE_LIGHTS);
     if (d.n_reps > LC_MAX_REPS || d.area_lights > MAX_MADE_LIGHTS || d.env_lights > MAX_MADE_LIGHTS)
         return lc_fail(ctx, LC_ERR_ARG, "representatives must be 1 to %d, area and environment lights at most %u", LC_MAX_REPS,
                        MAX_MADE_LIGHTS);
@@ -48,6 +50,7 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
         .n_triangles = s->n_tris, .n_vertices = s->n_verts, .n_meshes = s->n_meshes, .n_materials = s->n_materials,
         .n_lights = t->n_lights, .n_point = t->n_of_kind[LC_LIGHT_POINT], .n_oriented = t->n_of_kind[LC_LIGHT_ORIENTED],
         .n_directional = t->n_of_kind[LC_LIGHT_DIRECTIONAL], .n_emissive_triangles = s->n_emissive_tris,
+        .n_indirect_lights = s->indirect.n_lights, .n_light_paths = s->indirect.n_paths,
         .n_env_maps = s->n_envs, .n_env_lights = s->n_env_lights,
         .max_depth = s->max_depth, .n_textures = s->textures.n, .n_images = s->textures.n_images,
         .width = s->film.width, .height = s->film.height, .spp = s->film.spp,

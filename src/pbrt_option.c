@@ -134,12 +134,16 @@ static lc_status limit_spp(lc_pbrt *p, uint32_t *spp)
                         "%u samples per pixel: %u are taken, for here they serve antialiasing only; --spp overrides", n, most);
 }
 
-/* Of every integrator only how deep it goes, which the last one says. */
+/* Of every integrator whether it follows light on its way, and how deep; the last one counts. */
 lc_status lc_pbrt_integrator(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     const lc_pbrt_param *par;
     int64_t depth = LC_PBRT_DEPTH;
-    (void)s;
+    static const char *const tracing[] = { "path", "volpath", "simplepath", "simplevolpath", "bdpt", "mlt", "sppm", "photonmap",
+                                           "exphotonmap", "igi", "irradiancecache" };
+    p->scene->traces_paths = false;
+    for (size_t i = 0; i < sizeof tracing / sizeof *tracing; i++)
+        if (!strcmp(s->text[0], tracing[i])) p->scene->traces_paths = true;
     lc_status st = lc_pbrt_get_int(&p->params, "maxdepth", &depth, &par);
     if (st) return st;
     lc_pbrt_mark_all(&p->params);

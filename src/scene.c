@@ -5,6 +5,7 @@
 #include "bvh.h"
 #include "env_light.h"
 #include "light_tree.h"
+#include "vpl.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -222,7 +223,8 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light direction is zero or not finite");
     for (int k = 0; k < 3; k++) {
         float a = light->atten[k];
-        if (!(a == 0 || (a >= LC_MIN_ATTEN && a <= LC_MAX_ATTEN)))
+        bool soft = k == 0 && light->atten[2] == 1;
+        if (!(a == 0 || (a >= (soft ? LC_MIN_D2 : LC_MIN_ATTEN) && a <= (soft ? LC_MAX_SOFTENING : LC_MAX_ATTEN))))
             return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients must be 0 or %g to %g",
                               (double)LC_MIN_ATTEN, (double)LC_MAX_ATTEN);
         sum += a;
@@ -334,6 +336,14 @@ static void shrink_film(lc_film_desc *f, uint64_t max_pixels)
     }
 }
 
+static uint32_t depth_of(const lc_scene *s, const lc_load_desc *desc) { return desc->max_depth ? desc->max_depth : s->max_depth; }
+
+static uint32_t n_indirect(const lc_scene *s, const lc_load_desc *desc)
+{
+    uint32_t n = desc->indirect_lights;
+    return n == LC_NO_LIGHTS ? 0 : n ? n : s->traces_paths ? LC_DEFAULT_INDIRECT : 0;
+}
+
 lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
 {
     if (!s->has_camera) return lc_fail(s->ctx, LC_ERR_PARSE, "the scene has no Camera");
@@ -350,6 +360,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!st) st = lc_env_lights_make(s, desc->env_lights, desc->seed);
     s->n_env_lights = s->n_lights - n_before;
     if (!st) st = lc_scene_join_lights(s);
+    if (!st) st = lc_vpl_make(s, n_indirect(s, desc), depth_of(s, desc), desc->seed);
     if (st) return st;
     double diag2 = scene_diag2(s);
     lc_camera_set_distance(&s->camera, sqrt(diag2));

@@ -46,6 +46,7 @@ typedef struct lc_film_desc {
 #define LC_MAX_PIXELS (1u << 28)
 #define LC_MAX_SPP 65536u
 #define LC_PBRT_DEPTH 5   /* pbrt's maxdepth where a scene names none */
+#define LC_DEFAULT_INDIRECT 20000u /* virtual lights */
 #define LC_MAX_DEPTH 1000 /* more is cut down to this */
 #define LC_LIGHT_CHUNK ((size_t)1 << 20) /* lights: 52 MB, which the C library gives back when freed */
 
@@ -62,6 +63,11 @@ typedef struct lc_scene_note {
     char *kind, *text; /* in the scene's arena */
     uint64_t count;
 } lc_scene_note;
+
+/* Virtual lights. */
+typedef struct lc_indirect {
+    uint64_t n_lights, n_paths;
+} lc_indirect;
 
 struct lc_scene {
     lc_context *ctx;
@@ -91,6 +97,7 @@ struct lc_scene {
     lc_camera_desc camera_desc;
     lc_film_desc film;
     bool has_camera;
+    bool traces_paths;  /* its integrator does: indirect light by default */
     uint32_t max_depth; /* of paths, 1..LC_MAX_DEPTH: how many mirrors in a row show something is one less */
 
     /* set by commit */
@@ -99,6 +106,7 @@ struct lc_scene {
     lc_pixel_filter filter;
     float min_d2;        /* squared distance below which 1/d^2 stays flat, see layout.h */
     uint64_t n_emissive_tris, n_env_lights;
+    lc_indirect indirect;
     lc_bvh *bvh;
     lc_light_tree *tree;
     double seconds_parse, seconds_bvh, seconds_lights, seconds_tree;

@@ -28,13 +28,13 @@ typedef struct {
 } options;
 
 enum { OPT_METHOD = 256, OPT_ERROR, OPT_MAX_CUT, OPT_REPS, OPT_MAXDEPTH, OPT_AREA, OPT_SEED, OPT_SPP, OPT_ISA,
-       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME, OPT_BUILDER, OPT_ENV };
+       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME, OPT_BUILDER, OPT_ENV, OPT_INDIRECT };
 
 static const struct option long_options[] = {
     { "outfile", 1, 0, 'o' }, { "method", 1, 0, OPT_METHOD }, { "error-ratio", 1, 0, OPT_ERROR },
     { "max-cut", 1, 0, OPT_MAX_CUT }, { "dark-floor", 1, 0, OPT_FLOOR }, { "representatives", 1, 0, OPT_REPS },
     { "maxdepth", 1, 0, OPT_MAXDEPTH }, { "area-lights", 1, 0, OPT_AREA }, { "env-lights", 1, 0, OPT_ENV },
-    { "nthreads", 1, 0, 't' },
+    { "indirect-lights", 1, 0, OPT_INDIRECT }, { "nthreads", 1, 0, 't' },
     { "seed", 1, 0, OPT_SEED }, { "spp", 1, 0, OPT_SPP }, { "isa", 1, 0, OPT_ISA },
     { "pixelbounds", 1, 0, OPT_PIXELS }, { "cropwindow", 1, 0, OPT_CROP }, { "aov", 1, 0, OPT_AOV },
     { "stats-file", 1, 0, OPT_STATS_FILE }, { "stats", 0, 0, OPT_STATS }, { "write-time", 0, 0, OPT_TIME },
@@ -51,9 +51,10 @@ static void print_help(void)
            "      --dark-floor F       errors are measured against at least F times the picture's mean, default %g\n"
            "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 16\n"
            "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many lights\n"
-           "      --maxdepth N         bounces, default the scene's; 1: direct light only. Only mirrors bounce light in this version\n"
+           "      --maxdepth N         bounces, default the scene's; 1: direct light only\n"
            "      --area-lights N      lights made from emissive surfaces, default 1024\n"
            "      --env-lights N       lights made from environment maps, default 5000\n"
+           "      --indirect-lights N  virtual lights of bounced light; default 20000 where the scene's integrator traces paths, else 0\n"
            "      --seed N             of sampling, of area and environment lights and of the tree's representatives, default 0\n"
            "      --spp N              samples per pixel, default the scene's, which counts up to 4\n"
            "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
@@ -87,6 +88,14 @@ static int parse_aovs(const char *text, uint32_t *out)
     }
 }
 
+/* 0 means none, which the library has another number for. */
+static int parse_indirect(const char *text, uint32_t *out)
+{
+    int bad = cli_parse_u32(text, 0, 1u << 28, out);
+    if (!bad && !*out) *out = LC_NO_LIGHTS;
+    return bad;
+}
+
 /* Nonzero: the value of option c is out of range. */
 static int set_option(options *o, int c)
 {
@@ -101,6 +110,7 @@ static int set_option(options *o, int c)
     case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, 1000000, &o->render.max_depth);
     case OPT_AREA: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.area_lights);
     case OPT_ENV: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.env_lights);
+    case OPT_INDIRECT: return parse_indirect(optarg, &o->load.indirect_lights);
     case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, 65536, &o->render.spp);
@@ -145,7 +155,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         return -1;
     }
     o->scene = argv[optind];
-    o->load.seed = o->render.seed;
+    o->load.seed = o->render.seed, o->load.max_depth = o->render.max_depth;
     for (int i = 0; i < o->n_outputs; i++)
         if (!cli_has_extension(o->outputs[i], ".exr") && !cli_has_extension(o->outputs[i], ".png")
             && strncmp(o->outputs[i], "/dev/", 5)) {
@@ -265,8 +275,8 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     if (status) return status;
     if (!r.info.n_lights && !o->quiet) fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
     if (!r.info.n_triangles && !o->quiet) fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will be black\n");
-    if (o->render.max_depth > 1 && !r.info.n_mirrors && !o->quiet)
-        fprintf(stderr, "lightcuts: warning: --maxdepth %u: without mirrors only direct light is rendered in this version\n",
+    if (o->render.max_depth > 1 && !r.info.n_mirrors && !r.info.n_indirect_lights && !o->quiet)
+        fprintf(stderr, "lightcuts: warning: --maxdepth %u: without mirrors, glass or --indirect-lights there is only direct light\n",
                 o->render.max_depth);
     cli_catch_signals(); /* not before: there is nothing to tidy up, and loading does not ask for signals */
     cli_progress_start(&progress, "rendering", o->quiet);
