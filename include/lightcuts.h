@@ -101,6 +101,9 @@ typedef struct lc_scene_info {
     uint64_t n_lights, n_point, n_oriented, n_directional;
     uint64_t n_emissive_triangles;
     uint64_t n_mirrors;               /* materials that are one */
+    uint64_t n_instances, n_instanced_triangles; /* of objects whose triangles are stored once, counted in n_triangles; as copies
+                                                   * they would be n_instanced_triangles */
+    uint64_t n_alpha_meshes;          /* with holes */
     uint32_t max_depth;               /* of paths, pbrt's maxdepth */
     uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */
     uint64_t n_textures, n_images, image_bytes; /* images of textures, with their smaller copies */
