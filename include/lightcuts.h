@@ -105,6 +105,9 @@ typedef struct lc_scene_info {
     uint64_t n_lights, n_point, n_oriented, n_directional;
     uint64_t n_emissive_triangles;
     uint64_t n_mirrors;               /* materials that are mirrors or glass */
+    uint64_t n_instances, n_instanced_triangles; /* of objects whose triangles are stored once, counted in n_triangles; as copies
+                                                   * they would be n_instanced_triangles */
+    uint64_t n_alpha_meshes;          /* with holes */
     uint32_t max_depth;               /* of paths, pbrt's maxdepth */
     uint64_t n_indirect_lights, n_light_paths; /* virtual lights, among the oriented ones, and the paths they were made along */
     uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */

@@ -47,10 +47,9 @@ static inline void LC_FN(ray_init)(ray *r, const float org[3], const float dir[3
     r->vsy = vf8_set(r->sy);
 }
 
-/* Bits of the children whose box meets the ray in [t_min, t_max]; near distances to tn. */
-static inline uint32_t LC_FN(test_boxes)(const lc_bvh_node *node, const ray *r, float t_min, float t_max, vf8 *tn)
+/* Bits of the boxes that the ray meets in [t_min, t_max]; near distances to tn. f: lo[3][8], then hi[3][8]. */
+static inline uint32_t LC_FN(test_boxes)(const float *f, const ray *r, float t_min, float t_max, vf8 *tn)
 {
-    const float *f = &node->lo[0][0]; /* lo[3][8], then hi[3][8] */
     vf8 near = vf8_mul(vf8_sub(vf8_load(f + r->near[0]), r->vo[0]), r->vi[0]);
     vf8 far = vf8_mul(vf8_sub(vf8_load(f + r->far[0]), r->vo[0]), r->vf[0]);
     near = vf8_max(near, vf8_set(t_min));
@@ -124,15 +123,23 @@ static inline uint32_t LC_FN(test_tris)(const lc_tri_block *b, const ray *r, flo
     return in & vf8_lt(vf8_set(t_min), t) & vf8_lt(t, vf8_set(t_max));
 }
 
+static inline bool LC_FN(is_opaque)(const lc_alpha *alpha, uint32_t tri, float u, float v, bool shadow)
+{
+    return !(alpha->bits[tri / 32] >> tri % 32 & 1) || alpha->opaque(alpha->user, tri, u, v, shadow);
+}
+
 /* Keeps the nearest of the lanes in `bits`. */
-static inline void LC_FN(keep_nearest)(const lc_tri_block *b, const tri_hits *h, uint32_t bits, lc_hit *hit)
+static inline void LC_FN(keep_nearest)(const lc_bvh_data *bvh, const lc_tri_block *b, const tri_hits *h, uint32_t bits,
+                                       lc_hit *hit)
 {
     _Alignas(32) float t[8], v[8], w[8], det[8];
     vf8_store(t, h->t), vf8_store(v, h->v), vf8_store(w, h->w), vf8_store(det, h->det);
     for (; bits; bits &= bits - 1) {
         int i = __builtin_ctz(bits);
-        if (t[i] < hit->t || (t[i] == hit->t && b->tri[i] < hit->tri))
-            *hit = (lc_hit){ t[i], v[i] / det[i], w[i] / det[i], b->tri[i] };
+        uint32_t tri = bvh->first_tri + b->tri[i];
+        if (!(t[i] < hit->t || (t[i] == hit->t && tri < hit->tri))) continue;
+        const lc_hit got = { t[i], v[i] / det[i], w[i] / det[i], tri, LC_NONE };
+        if (!bvh->alpha || LC_FN(is_opaque)(bvh->alpha, tri, got.u, got.v, false)) *hit = got;
     }
 }
 
@@ -144,14 +151,15 @@ typedef struct {
 #define entry LC_FN(entry)
 
 /* Pushes the children in `bits`, farthest first, so that the nearest is popped next. */
-static inline uint32_t LC_FN(push_sorted)(const lc_bvh_node *node, uint32_t bits, vf8 near, entry *stack, uint32_t n)
+static inline uint32_t LC_FN(push_sorted)(const uint32_t child[8], uint32_t flags, uint32_t bits, vf8 near, entry *stack,
+                                          uint32_t n)
 {
     _Alignas(32) float tn[8];
     vf8_store(tn, near);
     uint32_t first = n;
     for (; bits; bits &= bits - 1) {
         int i = __builtin_ctz(bits);
-        entry e = { tn[i], node->child[i] };
+        entry e = { tn[i], child[i] | flags };
         uint32_t k = n++;
         for (; k > first && stack[k - 1].t < e.t; k--) stack[k] = stack[k - 1];
         stack[k] = e;
@@ -159,13 +167,14 @@ static inline uint32_t LC_FN(push_sorted)(const lc_bvh_node *node, uint32_t bits
     return n;
 }
 
-static void LC_FN(closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit)
+/* Of the BVH's own triangles. */
+LC_INLINE void LC_FN(closest_tri)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit)
 {
     entry stack[LC_BVH_STACK];
     uint32_t n = 0;
     ray r;
     LC_FN(ray_init)(&r, org, dir);
-    *hit = (lc_hit){ t_max, 0, 0, LC_NONE };
+    *hit = (lc_hit){ t_max, 0, 0, LC_NONE, LC_NONE };
     if (bvh->n_nodes) stack[n++] = (entry){ 0, 0 };
     while (n) {
         entry e = stack[--n];
@@ -174,16 +183,83 @@ static void LC_FN(closest)(const lc_bvh_data *bvh, const float org[3], const flo
             tri_hits h;
             const lc_tri_block *b = &bvh->blocks[e.ref & ~LC_BVH_LEAF];
             uint32_t bits = LC_FN(test_tris)(b, &r, 0, nextafterf(hit->t, INFINITY), &h);
-            if (bits) LC_FN(keep_nearest)(b, &h, bits, hit);
+            if (bits) LC_FN(keep_nearest)(bvh, b, &h, bits, hit);
         } else {
             vf8 near;
             const lc_bvh_node *node = &bvh->nodes[e.ref];
-            uint32_t bits = LC_FN(test_boxes)(node, &r, 0, hit->t, &near);
-            n = LC_FN(push_sorted)(node, bits, near, stack, n);
+            uint32_t bits = LC_FN(test_boxes)(&node->lo[0][0], &r, 0, hit->t, &near);
+            n = LC_FN(push_sorted)(node->child, 0, bits, near, stack, n);
         }
     }
+}
+
+/* ---- instances: rays go on in the object's space, with the same t ---- */
+
+/* A point (w = 1) or a vector (w = 0) in the object's space, rounded once. */
+static inline void LC_FN(to_object)(const lc_instance *at, const float v[3], double w, float out[3])
+{
+    const double *m = at->to_object, x = (double)v[0], y = (double)v[1], z = (double)v[2];
+    for (int k = 0; k < 3; k++, m += 4) out[k] = (float)(m[0] * x + m[1] * y + m[2] * z + m[3] * w);
+}
+
+/* The nearer of *hit and what the ray meets of an instance. */
+static __attribute__((noinline)) void LC_FN(closest_in)(const lc_placed *p, uint32_t i, const float org[3], const float dir[3],
+                                                        lc_hit *hit)
+{
+    const lc_instance *at = &p->instances[i];
+    float o[3], d[3];
+    lc_hit got;
+    LC_FN(to_object)(at, org, 1, o);
+    LC_FN(to_object)(at, dir, 0, d);
+    LC_FN(closest_tri)(&p->objects[at->object], o, d, hit->t, &got);
+    if (got.tri == LC_NONE) return;
+    got.instance = i;
+    if (got.t < hit->t || hit->tri == LC_NONE || (hit->instance != LC_NONE && i < hit->instance)) *hit = got;
+}
+
+#define INSTANCE 0x40000000u /* with LC_BVH_LEAF */
+
+/* Lanes of a block of instances' boxes that hold one. */
+static inline uint32_t LC_FN(lanes_used)(const lc_tri_block *b)
+{
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < 8; i++) bits |= (uint32_t)(b->tri[i] != LC_NONE) << i;
+    return bits;
+}
+
+static __attribute__((noinline)) void LC_FN(closest_placed)(const lc_placed *p, const float org[3], const float dir[3],
+                                                            lc_hit *hit)
+{
+    entry stack[LC_BVH_STACK];
+    uint32_t n = 0;
+    ray r;
+    LC_FN(ray_init)(&r, org, dir);
+    if (p->boxes.n_nodes) stack[n++] = (entry){ 0, 0 };
+    while (n) {
+        entry e = stack[--n];
+        vf8 near;
+        if (e.t > hit->t) continue;
+        if (!(e.ref & LC_BVH_LEAF)) {
+            const lc_bvh_node *node = &p->boxes.nodes[e.ref];
+            uint32_t bits = LC_FN(test_boxes)(&node->lo[0][0], &r, 0, hit->t, &near);
+            n = LC_FN(push_sorted)(node->child, 0, bits, near, stack, n);
+        } else if (e.ref & INSTANCE) {
+            LC_FN(closest_in)(p, e.ref & ~(LC_BVH_LEAF | INSTANCE), org, dir, hit);
+        } else {
+            const lc_tri_block *b = &p->boxes.blocks[e.ref & ~LC_BVH_LEAF];
+            uint32_t bits = LC_FN(test_boxes)(&b->v[0][0][0], &r, 0, hit->t, &near) & LC_FN(lanes_used)(b);
+            n = LC_FN(push_sorted)(b->tri, LC_BVH_LEAF | INSTANCE, bits, near, stack, n);
+        }
+    }
+}
+
+static void LC_FN(closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit)
+{
+    LC_FN(closest_tri)(bvh, org, dir, t_max, hit);
+    if (bvh->placed) LC_FN(closest_placed)(bvh->placed, org, dir, hit);
 }
 
 #undef ray
 #undef tri_hits
 #undef entry
+#undef INSTANCE

@@ -7,17 +7,45 @@
 #include "lightcuts.h"
 #include "ploc_list.h"
 
+/* Triangles with holes: where a hit is not opaque the ray goes on. */
+typedef struct lc_alpha {
+    const uint32_t *bits; /* a bit for each triangle of the scene: may have holes */
+    bool (*opaque)(const void *user, uint32_t tri, float u, float v, bool shadow);
+    const void *user;
+} lc_alpha;
+
+struct lc_placed;
+
 /* What BVH kernels read. n_nodes == 0: nothing can be hit. Node 0 is the root. */
 typedef struct lc_bvh_data {
     const lc_bvh_node *nodes;
     const lc_tri_block *blocks;
     uint32_t n_nodes, n_blocks;
+    uint32_t first_tri;             /* of the scene: the BVH's triangle 0 */
+    const lc_alpha *alpha;          /* NULL: all triangles are opaque */
+    const struct lc_placed *placed; /* what stands in the world besides, or NULL */
 } lc_bvh_data;
 
+/* An object in its place. Rows of affine maps. */
+typedef struct lc_instance {
+    double to_object[12], to_world[12];
+    uint32_t object;
+    bool mirrored;
+} lc_instance;
+
+/* Instances. `boxes` is a BVH like others, but vertices 0 and 1 of a triangle are the corners of an instance's box, and its
+ * number is the instance's. */
+typedef struct lc_placed {
+    lc_bvh_data boxes;
+    const lc_instance *instances;
+    const lc_bvh_data *objects; /* in their own spaces; they have nothing placed in them */
+} lc_placed;
+
 typedef struct lc_hit {
-    float t;      /* point = origin + t dir */
-    float u, v;   /* weights of vertices 1 and 2; vertex 0 has 1 - u - v */
-    uint32_t tri; /* LC_NONE: nothing hit */
+    float t;           /* point = origin + t dir */
+    float u, v;        /* weights of vertices 1 and 2; vertex 0 has 1 - u - v */
+    uint32_t tri;      /* of the scene; LC_NONE: nothing hit */
+    uint32_t instance; /* LC_NONE: a triangle of the world */
 } lc_hit;
 
 /* Share of a shadow segment that is left out at either end. */
@@ -44,7 +72,7 @@ typedef struct lc_kernels {
     /* Moves the clusters of a list with a bound above the limit to one list, the others to another. Either may be the
      * list itself. */
     void (*partition)(lc_cut_list *from, float limit, lc_cut_list *above, lc_cut_list *rest);
-    /* Nearest hit with 0 < t <= t_max; of equal t the lowest triangle id. */
+    /* Nearest hit with 0 < t <= t_max; of equal t one of the world, then the lowest instance, then the lowest triangle id. */
     void (*closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit);
     /* hidden[i] = 1 if a triangle is met on org + t (target i - org) for t in (LC_SHADOW_EPS, 1 - LC_SHADOW_EPS), or,
      * if `far` is set, on org + t target at any t > 0: targets then are directions. target: x, y, z arrays. */

@@ -2,6 +2,7 @@
 #include "lightcuts.h"
 
 #include "bvh.h"
+#include "instance.h"
 #include "light_tree.h"
 #include "pbrt_parse.h"
 #include "scene.h"
@@ -51,12 +52,13 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
         .n_lights = t->n_lights, .n_point = t->n_of_kind[LC_LIGHT_POINT], .n_oriented = t->n_of_kind[LC_LIGHT_ORIENTED],
         .n_directional = t->n_of_kind[LC_LIGHT_DIRECTIONAL], .n_emissive_triangles = s->n_emissive_tris,
         .n_indirect_lights = s->indirect.n_lights, .n_light_paths = s->indirect.n_paths,
+        .n_instances = s->n_instances, .n_instanced_triangles = lc_instanced_tris(s), .n_alpha_meshes = s->n_alphas,
         .n_env_maps = s->n_envs, .n_env_lights = s->n_env_lights,
         .max_depth = s->max_depth, .n_textures = s->textures.n, .n_images = s->textures.n_images,
         .width = s->film.width, .height = s->film.height, .spp = s->film.spp,
         .film_filename = s->film.filename ? s->film.filename : "", .n_notes = (uint32_t)s->n_notes,
         .seconds_parse = s->seconds_parse, .seconds_bvh = s->seconds_bvh, .seconds_lights = s->seconds_lights,
-        .seconds_tree = s->seconds_tree, .bvh_bytes = lc_bvh_bytes(s->bvh), .tree_bytes = lc_light_tree_bytes(t),
+        .seconds_tree = s->seconds_tree, .bvh_bytes = lc_bvh_bytes(s->bvh) + lc_instances_bytes(s), .tree_bytes = lc_light_tree_bytes(t),
     };
     for (size_t i = 0; i < s->textures.n_images; i++) info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);
     for (size_t i = 0; i < s->n_materials; i++) info->n_mirrors += s->materials[i].mirror || s->materials[i].glass;

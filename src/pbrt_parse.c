@@ -377,6 +377,7 @@ static void destroy(lc_pbrt *p)
     lc_free(ctx, p->coords, p->cap_coords, sizeof *p->coords);
     lc_free(ctx, p->objects, p->cap_objects, sizeof *p->objects);
     lc_free(ctx, p->object_meshes, p->cap_object_meshes, sizeof *p->object_meshes);
+    lc_free(ctx, p->places, p->cap_places, sizeof *p->places);
     lc_free(ctx, p->pos, p->cap_pos, sizeof *p->pos);
     lc_free(ctx, p->normal, p->cap_normal, sizeof *p->normal);
     lc_free(ctx, p->uv, p->cap_uv, sizeof *p->uv);
@@ -394,6 +395,7 @@ static lc_status parse(lc_scene *scene, const char *path, const void *data, size
     lc_status st =
         data ? lc_pbrt_lex_open_memory(&p->lex, path, data, size) : lc_pbrt_lex_open(&p->lex, path);
     if (!st) st = parse_all(p);
+    if (!st) st = lc_pbrt_place_objects(p);
     destroy(p);
     lc_free(scene->ctx, p, 1, sizeof *p);
     return st;

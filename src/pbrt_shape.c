@@ -28,7 +28,7 @@ lc_status lc_pbrt_uv_room(lc_pbrt *p, size_t n_verts, bool *wanted)
     uint32_t id;
     lc_status st = lc_pbrt_current_material(p, &id);
     if (st) return st;
-    *wanted = lc_scene_wants_uv(p->scene, id);
+    *wanted = p->alpha_uv || lc_scene_wants_uv(p->scene, id);
     if (*wanted) st = lc_grow(p->ctx, &uv, &p->cap_uv, n_verts * 2, sizeof *p->uv);
     p->uv = uv;
     return st;
@@ -173,6 +173,33 @@ static lc_status to_world(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
     return LC_OK;
 }
 
+static lc_status get_alpha(lc_pbrt *p, const char *name, lc_tex_input *in)
+{
+    const lc_pbrt_param *par;
+    lc_tex_input given;
+    lc_status st = lc_pbrt_get_input(p, name, true, &given, &par);
+    *in = (lc_tex_input){ LC_NONE, { 1, 1, 1 } };
+    if (!st && par) *in = given;
+    return st;
+}
+
+/* To *out, and to *alpha out where that is not opaque. */
+static lc_status mesh_alpha(lc_pbrt *p, lc_pos where, lc_mesh_alpha *out, const lc_mesh_alpha **alpha)
+{
+    lc_status st = get_alpha(p, "alpha", &out->alpha);
+    if (!st) st = get_alpha(p, "shadowalpha", &out->shadow);
+    *alpha = NULL;
+    p->alpha_uv = out->alpha.id != LC_NONE || out->shadow.id != LC_NONE;
+    if (st || (!p->alpha_uv && out->alpha.value[0] >= 1 && out->shadow.value[0] >= 1)) return st;
+    *alpha = out;
+    if (lc_f3_max(p->attrs.emission) > 0 && p->alpha_uv)
+        st = lc_pbrt_note(p, where, "alpha of an area light", "lights are made on all of a shape, its holes included");
+    return st;
+}
+
+/* Never met by any ray. */
+static bool is_absent(const lc_mesh_alpha *a) { return a && a->alpha.id == LC_NONE && !(a->alpha.value[0] > 0); }
+
 lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     size_t i = 0, n = sizeof shapes / sizeof *shapes;
@@ -187,9 +214,15 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
         return LC_OK;
     }
     lc_mesh_desc mesh = { 0 };
+    lc_mesh_alpha alpha;
     double area_ratio = 1;
-    lc_status st = shapes[i].handler(p, s, &mesh, &area_ratio);
-    if (st || !mesh.n_tris) return st;
+    lc_status st = mesh_alpha(p, s->pos, &alpha, &mesh.alpha);
+    if (st) return st;
+    if (is_absent(mesh.alpha) && !emits) {
+        lc_pbrt_mark_all(&p->params);
+        return LC_OK;
+    }
+    if ((st = shapes[i].handler(p, s, &mesh, &area_ratio)) || !mesh.n_tris) return st;
     if (shapes[i].approximate)
         st = lc_pbrt_note_name(p, s->pos, "shape", s->text[0], "the shape is approximated by triangles");
     if (!st) st = to_world(p, s->pos, &mesh);

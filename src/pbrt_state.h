@@ -42,7 +42,16 @@ typedef struct lc_pbrt_material {
 typedef struct lc_pbrt_object {
     size_t first, n; /* in object_meshes */
     uint64_t n_tris;
+    size_t n_places;
+    uint32_t id; /* of the scene; LC_NONE: not there yet */
 } lc_pbrt_object;
+
+/* An ObjectInstance that waits for the end of the file. */
+typedef struct lc_pbrt_place {
+    uint32_t object;
+    lc_pos pos;
+    lc_xform to_world;
+} lc_pbrt_place;
 
 #define LC_PBRT_CIE_FIRST 360 /* nm */
 #define LC_PBRT_CIE_N 471     /* one nanometre apart */
@@ -77,11 +86,14 @@ typedef struct lc_pbrt {
     lc_mesh_desc *object_meshes; /* arrays in the arena, in the object's space */
     size_t n_objects, n_object_meshes, cap_objects, cap_object_meshes;
     bool in_object; /* the last of objects is being recorded */
-    uint64_t n_instanced_tris;
+    lc_pbrt_place *places;
+    size_t n_places, cap_places;
+    uint64_t n_copied_tris;
 
     float *pos, *normal, *uv; /* of the mesh being made */
     uint32_t *index;
     size_t cap_pos, cap_normal, cap_uv, cap_index;
+    bool alpha_uv; /* it keeps uv, as its alpha is a texture */
     uint32_t n_round; /* spheres, disks, cylinders ... so far */
 
     bool has_cie;
@@ -160,6 +172,8 @@ lc_status lc_pbrt_uv_room(lc_pbrt *p, size_t n_verts, bool *wanted);
 
 /* pbrt_object.c */
 lc_pbrt_handler lc_pbrt_object_begin, lc_pbrt_object_end, lc_pbrt_object_instance;
+/* At the end of the file. */
+lc_status lc_pbrt_place_objects(lc_pbrt *p);
 /* Hands a finished mesh to the scene or to the object being recorded. */
 lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh);
 

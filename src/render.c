@@ -6,6 +6,7 @@
 #include "render.h"
 
 #include "film.h"
+#include "instance.h"
 #include "mirror.h"
 #include "pool.h"
 #include "sample.h"
@@ -300,7 +301,7 @@ static double doublings(uint64_t n)
 static lc_status exact_pays(job *j, const lc_cut_desc *cut, bool *pays)
 {
     lc_stats cuts = { 0 }, all = { 0 };
-    double n = j->scene->tree->n_lights, ray = RAY_COST * doublings(j->scene->n_tris);
+    double n = j->scene->tree->n_lights, ray = RAY_COST * doublings(j->scene->n_tris + lc_instanced_tris(j->scene));
     *pays = false;
     if ((cut->max_cut && cut->max_cut < n) || n > NEVER_FEW) return LC_OK;
     *pays = n <= ALWAYS_FEW;

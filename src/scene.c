@@ -1,9 +1,11 @@
 /* scene.c - builder: checks and copies; commit: lights from emissive triangles, BVH, light tree. */
 #include "scene.h"
 
+#include "alpha.h"
 #include "area_light.h"
 #include "bvh.h"
 #include "env_light.h"
+#include "instance.h"
 #include "light_tree.h"
 #include "vpl.h"
 
@@ -34,6 +36,9 @@ void lc_scene_destroy(lc_scene *s)
     if (!s) return;
     lc_context *ctx = s->ctx;
     lc_bvh_destroy(s->bvh);
+    lc_instances_free(s);
+    lc_free(ctx, s->alphas, s->cap_alphas, sizeof *s->alphas);
+    lc_free(ctx, s->alpha_bits, s->alpha_words, sizeof *s->alpha_bits);
     lc_light_tree_destroy(s->tree);
     lc_free(ctx, s->pos, s->cap_pos, sizeof *s->pos);
     lc_free(ctx, s->normal, s->cap_normal, sizeof *s->normal);
@@ -128,6 +133,7 @@ static lc_status grow_mesh(lc_scene *s, const lc_mesh_desc *m)
     if (!st) st = GROW(s, index, cap_index, nt * 3);
     if (!st) st = GROW(s, tri_mesh, cap_tri_mesh, nt);
     if (!st) st = GROW(s, meshes, cap_meshes, s->n_meshes + 1);
+    if (!st && m->alpha) st = GROW(s, alphas, cap_alphas, s->n_alphas + 1);
     return st;
 }
 
@@ -144,7 +150,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
     lc_mesh_desc with = *desc;
     const lc_mesh_desc *m = &with;
     bool textured = lc_scene_is_textured(s, m->material_id);
-    if (!lc_scene_wants_uv(s, m->material_id)) with.uv = NULL;
+    if (!lc_scene_wants_uv(s, m->material_id) && !m->alpha) with.uv = NULL;
     lc_status st = check_mesh(s, where, m);
     if (st) return st;
     if (!m->n_tris) return LC_OK;
@@ -161,13 +167,51 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
     for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
         s->index[s->n_tris * 3 + i] = (uint32_t)s->n_verts + m->index[i];
     for (size_t i = 0; i < m->n_tris; i++) s->tri_mesh[s->n_tris + i] = (uint32_t)s->n_meshes;
+    lc_object *object = s->n_objects ? &s->objects[s->n_objects - 1] : NULL;
+    LC_ASSERT(!object || !(lc_f3_max(m->emission) > 0));
     for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
-        lc_box_add(&s->bounds, lc_f3_load(m->pos + 3 * (size_t)m->index[i]));
-    s->meshes[s->n_meshes++] = (lc_mesh){ (uint32_t)s->n_tris, m->n_tris, (uint32_t)s->n_verts, m->material_id,
-                                          m->normal != NULL, m->uv != NULL, textured,
-                                          is_brushed(s, m->material_id), m->flip, m->two_sided, m->emission };
+        lc_box_add(object ? &object->box : &s->bounds, lc_f3_load(m->pos + 3 * (size_t)m->index[i]));
+    if (object) object->n_tris += m->n_tris;
+    s->meshes[s->n_meshes++] = (lc_mesh){
+        .first_tri = (uint32_t)s->n_tris, .n_tris = m->n_tris, .first_vert = (uint32_t)s->n_verts, .material_id = m->material_id,
+        .has_normals = m->normal != NULL, .has_uv = m->uv != NULL, .textured = textured,
+        .brushed = is_brushed(s, m->material_id), .flip = m->flip, .two_sided = m->two_sided, .emission = m->emission,
+        .alpha = m->alpha ? (uint32_t)s->n_alphas : LC_NONE,
+    };
+    if (m->alpha) s->alphas[s->n_alphas++] = *m->alpha;
     s->n_verts += m->n_verts;
     s->n_tris += m->n_tris;
+    return LC_OK;
+}
+
+lc_status lc_scene_begin_object(lc_scene *s)
+{
+    lc_status st = GROW(s, objects, cap_objects, s->n_objects + 1);
+    if (!st) s->objects[s->n_objects++] = (lc_object){ .first_tri = (uint32_t)s->n_tris, .box = lc_box_empty() };
+    return st;
+}
+
+lc_status lc_scene_add_instance(lc_scene *s, lc_pos where, uint32_t object, const lc_xform *to_world)
+{
+    lc_xform inverse;
+    const lc_object *o = &s->objects[object];
+    if (!o->n_tris) return LC_OK;
+    if (s->n_instances >= MAX_COUNT) return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u instances", MAX_COUNT);
+    lc_status st = GROW(s, instances, cap_instances, s->n_instances + 1);
+    if (st) return st;
+    lc_instance *at = &s->instances[s->n_instances];
+    *at = (lc_instance){ .object = object, .mirrored = lc_xform_det3(to_world) < 0 };
+    if (!lc_xform_invert(to_world, &inverse)) return LC_ERR_ARG;
+    memcpy(at->to_world, to_world->m, sizeof at->to_world);
+    memcpy(at->to_object, inverse.m, sizeof at->to_object);
+    for (int i = 0; i < 8; i++) {
+        const float p[3] = { i & 1 ? o->box.hi.x : o->box.lo.x, i & 2 ? o->box.hi.y : o->box.lo.y, i & 4 ? o->box.hi.z : o->box.lo.z };
+        float q[3];
+        lc_instance_point(at, p, q);
+        if (!in_range(lc_f3_load(q), LC_MAX_COORD))
+            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "an instance is beyond %g units", (double)LC_MAX_COORD);
+    }
+    s->n_instances++;
     return LC_OK;
 }
 
@@ -351,8 +395,12 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
         return lc_fail(s->ctx, LC_ERR_PARSE, "camera out of range");
     double t0 = lc_now();
-    lc_status st = lc_bvh_build(s->ctx, s->pos, s->index, s->n_tris, &s->bvh);
+    size_t n_world = s->n_objects ? s->objects[0].first_tri : s->n_tris;
+    lc_status st = lc_alpha_init(s);
+    if (!st) st = lc_bvh_build(s->ctx, s->pos, s->index, n_world, &s->bvh);
     if (st) return st;
+    s->bvh->data.alpha = lc_alpha_of(s, 0, n_world);
+    if ((st = lc_instances_build(s))) return st;
     double t1 = lc_now();
     s->seconds_bvh = t1 - t0;
     st = lc_area_lights_make(s, desc->area_lights, desc->seed);

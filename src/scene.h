@@ -11,6 +11,7 @@
 #include "arena.h"
 #include "camera.h"
 #include "env_map.h"
+#include "kernels.h"
 #include "light.h"
 #include "material.h"
 #include "pixel_filter.h"
@@ -19,6 +20,12 @@
 
 typedef struct lc_bvh lc_bvh;
 typedef struct lc_light_tree lc_light_tree;
+typedef struct lc_level lc_level; /* instance.c */
+
+/* Shares of rays that a surface stops, 0..1: camera rays alpha, shadow rays the product. */
+typedef struct lc_mesh_alpha {
+    lc_tex_input alpha, shadow;
+} lc_mesh_alpha;
 
 typedef struct lc_mesh_desc {
     uint32_t n_verts, n_tris;
@@ -31,6 +38,7 @@ typedef struct lc_mesh_desc {
                               mirrored transform. Where there are normals they decide the side instead. */
     lc_f3 emission;        /* radiance W/(m^2 sr), 0 = none */
     bool two_sided;        /* of the emission */
+    const lc_mesh_alpha *alpha; /* NULL: opaque. uv are kept where it is given */
 } lc_mesh_desc;
 
 typedef struct lc_film_desc {
@@ -57,7 +65,14 @@ typedef struct lc_mesh {
     uint32_t material_id;
     bool has_normals, has_uv, textured, brushed, flip, two_sided; /* brushed: roughness has a direction */
     lc_f3 emission;
+    uint32_t alpha; /* LC_NONE: opaque */
 } lc_mesh;
+
+/* Meshes in a space of their own: those of these triangles. */
+typedef struct lc_object {
+    uint32_t first_tri, n_tris;
+    lc_box box;
+} lc_object;
 
 typedef struct lc_scene_note {
     char *kind, *text; /* in the scene's arena */
@@ -79,6 +94,14 @@ struct lc_scene {
     uint32_t *index;    /* into pos, absolute */
     uint32_t *tri_mesh; /* mesh of each triangle */
     size_t n_verts, n_tris, cap_pos, cap_normal, cap_uv, cap_index, cap_tri_mesh;
+
+    /* Triangles of the world come first, then those of objects, which lc_instance places. */
+    lc_object *objects;
+    lc_instance *instances;
+    size_t n_objects, cap_objects, n_instances, cap_instances;
+
+    lc_mesh_alpha *alphas;
+    size_t n_alphas, cap_alphas;
 
     lc_mesh *meshes;
     lc_material *materials; /* of a textured one: means */
@@ -108,6 +131,10 @@ struct lc_scene {
     uint64_t n_emissive_tris, n_env_lights;
     lc_indirect indirect;
     lc_bvh *bvh;
+    lc_level *level;      /* instances; NULL: none */
+    lc_alpha alpha;
+    uint32_t *alpha_bits; /* alpha_words of them, or NULL: all is opaque */
+    size_t alpha_words;
     lc_light_tree *tree;
     double seconds_parse, seconds_bvh, seconds_lights, seconds_tree;
 };
@@ -120,6 +147,10 @@ void lc_scene_map_material(lc_scene *scene, uint32_t id, const lc_material_maps 
 bool lc_scene_is_textured(const lc_scene *scene, uint32_t material_id);
 bool lc_scene_wants_uv(const lc_scene *scene, uint32_t material_id);
 lc_status lc_scene_add_mesh(lc_scene *scene, lc_pos where, const lc_mesh_desc *mesh);
+/* Meshes from now on are a new object's, in its space; the world's come before all objects'. An object's don't emit. */
+lc_status lc_scene_begin_object(lc_scene *scene);
+/* Places an object, all of whose meshes are there; to_world is such that lc_instance_fits. */
+lc_status lc_scene_add_instance(lc_scene *scene, lc_pos where, uint32_t object, const lc_xform *to_world);
 lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
 /* The map becomes the scene's; on failure it stays the caller's. */
 lc_status lc_scene_add_env(lc_scene *scene, lc_pos where, const lc_env *env);

@@ -23,6 +23,7 @@ typedef struct {
     _Alignas(32) float d[3][STREAM], inv[3][STREAM], d_max[STREAM];
     uint32_t near[3][STREAM]; /* where the near plane of an axis stands among a node's planes; the far one is 8 behind */
     const float *org;
+    const lc_bvh_data *bvh;
     vf8 vorg[3], vt_min, vt_max;
 } LC_FN(rays);
 
@@ -34,15 +35,13 @@ static const uint32_t LC_FN(bit_of)[32] = {
     1u << 22, 1u << 23, 1u << 24, 1u << 25, 1u << 26, 1u << 27, 1u << 28, 1u << 29, 1u << 30, 1u << 31,
 };
 
-/* Rays first .. first + n - 1 of the targets; unused ones repeat the last. */
-static inline void LC_FN(rays_init)(rays *r, const float org[3], uint32_t n, const float *const target[3], bool far)
+/* What follows from origin and directions of n rays; unused ones repeat the last. */
+static inline void LC_FN(rays_ready)(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n)
 {
     const vf8 zero = vf8_set(0), tiny = vf8_set(1e-30f), minus_tiny = vf8_set(-1e-30f);
-    r->org = org;
-    r->vt_min = vf8_set(far ? 0 : LC_SHADOW_EPS), r->vt_max = vf8_set(far ? FLT_MAX : 1 - LC_SHADOW_EPS);
+    r->org = org, r->bvh = bvh;
     for (uint32_t k = 0; k < 3; k++) {
         r->vorg[k] = vf8_set(org[k]);
-        for (uint32_t i = 0; i < n; i++) r->d[k][i] = far ? target[k][i] : target[k][i] - org[k];
         for (uint32_t i = n; i & 7; i++) r->d[k][i] = r->d[k][n - 1];
         for (uint32_t i = 0; i < n; i += 8) {
             vf8 d = vf8_load(&r->d[k][i]);
@@ -57,15 +56,25 @@ static inline void LC_FN(rays_init)(rays *r, const float org[3], uint32_t n, con
     }
 }
 
-/* For each child the rays of `mask` whose box it meets; returns the children that any meets. */
-static inline uint32_t LC_FN(stream_boxes)(const lc_bvh_node *node, const rays *r, uint64_t mask, uint64_t met[8])
+/* Rays to targets 0 .. n - 1. */
+static inline void LC_FN(rays_init)(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
+                                    bool far)
+{
+    r->vt_min = vf8_set(far ? 0 : LC_SHADOW_EPS), r->vt_max = vf8_set(far ? FLT_MAX : 1 - LC_SHADOW_EPS);
+    for (uint32_t k = 0; k < 3; k++)
+        for (uint32_t i = 0; i < n; i++) r->d[k][i] = far ? target[k][i] : target[k][i] - org[k];
+    LC_FN(rays_ready)(r, bvh, org, n);
+}
+
+/* For each of eight boxes the rays of `mask` that meet it; returns the boxes that any meets. f: lo[3][8], then hi[3][8]. */
+static inline uint32_t LC_FN(stream_boxes)(const float *f, const rays *r, uint64_t mask, uint64_t met[8])
 {
     _Alignas(32) float plane[3 * 24]; /* an axis: low, high, low planes, so that near and far are neighbours */
     _Alignas(32) uint32_t bits[2][8];
     const vf8 slack = vf8_set(FAR_SLACK);
     vu8 half[2];
     for (int k = 0; k < 3; k++) {
-        vf8 lo = vf8_sub(vf8_load(node->lo[k]), r->vorg[k]), hi = vf8_sub(vf8_load(node->hi[k]), r->vorg[k]);
+        vf8 lo = vf8_sub(vf8_load(f + 8 * k), r->vorg[k]), hi = vf8_sub(vf8_load(f + 24 + 8 * k), r->vorg[k]);
         vf8_store(plane + 24 * k, lo);
         vf8_store(plane + 24 * k + 8, hi);
         vf8_store(plane + 24 * k + 16, lo);
@@ -146,6 +155,25 @@ static uint32_t LC_FN(inside)(const lc_tri_block *b, const rays *s, uint32_t i)
     return LC_FN(edges)(b, &r, x, y, z, e);
 }
 
+/* Do lanes `in` of a block that may have holes stop ray i? */
+static __attribute__((noinline)) bool LC_FN(solid)(const lc_tri_block *b, const rays *s, uint32_t i, uint32_t in)
+{
+    ray r;
+    vf8 x[3], y[3], z[3], e[3];
+    _Alignas(32) float u[8], v[8];
+    const float d[3] = { s->d[0][i], s->d[1][i], s->d[2][i] };
+    LC_FN(ray_init)(&r, s->org, d);
+    in &= LC_FN(edges)(b, &r, x, y, z, e);
+    if (!in) return false;
+    vf8 det = vf8_add(vf8_add(e[0], e[1]), e[2]);
+    vf8_store(u, vf8_div(e[1], det)), vf8_store(v, vf8_div(e[2], det));
+    for (; in; in &= in - 1) {
+        int k = __builtin_ctz(in);
+        if (LC_FN(is_opaque)(s->bvh->alpha, s->bvh->first_tri + b->tri[k], u[k], v[k], true)) return true;
+    }
+    return false;
+}
+
 /* Rays of `mask` that some triangle of the block stops. */
 LC_INLINE uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uint64_t mask)
 {
@@ -173,7 +201,7 @@ LC_INLINE uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uin
         if (!in) continue;
         uint32_t sure = vf8_lt(e, least) | vf8_lt(most, minus_e);
         if (!(in & sure)) in &= LC_FN(inside)(b, r, i);
-        if (in) stopped |= (uint64_t)1 << i;
+        if (in && (!r->bvh->alpha || LC_FN(solid)(b, r, i, in))) stopped |= (uint64_t)1 << i;
     }
     return stopped;
 }
@@ -369,12 +397,68 @@ static inline uint64_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint
             continue;
         }
         const lc_bvh_node *node = &bvh->nodes[v.ref];
-        uint32_t bits = LC_FN(stream_boxes)(node, r, mask, met);
+        uint32_t bits = LC_FN(stream_boxes)(&node->lo[0][0], r, mask, met);
         LC_FN(expand)(bvh, node, bits, met, stack, &depth, leaf, &n_leaves);
         for (uint32_t i = 0; i < n_leaves; i++)
             if (leaf[i].mask & alive) alive &= ~LC_FN(stream_block)(&bvh->blocks[leaf[i].ref], r, leaf[i].mask & alive);
         if (ls->n) alive = LC_FN(step_all)(bvh, r, ls, alive);
     }
+}
+
+/* ---- instances ---- */
+
+/* Rays of `mask` that an instance stops, in its object's space. */
+static __attribute__((noinline)) uint64_t LC_FN(stream_in)(const lc_placed *p, uint32_t instance, const rays *r, uint64_t mask,
+                                                           lones *ls)
+{
+    const lc_instance *at = &p->instances[instance];
+    uint8_t of[STREAM];
+    uint32_t n = 0;
+    float org[3];
+    rays o;
+    LC_FN(to_object)(at, r->org, 1, org);
+    o.vt_min = r->vt_min, o.vt_max = r->vt_max;
+    for (; mask; mask &= mask - 1, n++) {
+        uint32_t i = of[n] = (uint8_t)__builtin_ctzll(mask);
+        const float world[3] = { r->d[0][i], r->d[1][i], r->d[2][i] };
+        float d[3];
+        LC_FN(to_object)(at, world, 0, d);
+        for (int k = 0; k < 3; k++) o.d[k][n] = d[k];
+    }
+    LC_FN(rays_ready)(&o, &p->objects[at->object], org, n);
+    uint64_t in = LC_FN(stream)(o.bvh, &o, n, ls), stopped = 0;
+    for (; in; in &= in - 1) stopped |= (uint64_t)1 << of[__builtin_ctzll(in)];
+    return stopped;
+}
+
+/* Rays of `alive` that instances stop. */
+static __attribute__((noinline)) uint64_t LC_FN(stream_placed)(const lc_placed *p, const rays *r, uint64_t alive, lones *ls)
+{
+    visit stack[LC_BVH_STACK];
+    uint64_t met[8], all = alive;
+    uint32_t depth = 0;
+    if (p->boxes.n_nodes) stack[depth++] = (visit){ 0, alive };
+    while (depth && alive) {
+        visit v = stack[--depth];
+        uint64_t mask = v.mask & alive;
+        if (!mask) continue;
+        if (!(v.ref & LC_BVH_LEAF)) {
+            const lc_bvh_node *node = &p->boxes.nodes[v.ref];
+            uint32_t bits = LC_FN(stream_boxes)(&node->lo[0][0], r, mask, met);
+            for (; bits; bits &= bits - 1) {
+                uint32_t i = (uint32_t)__builtin_ctz(bits);
+                stack[depth++] = (visit){ node->child[i], met[i] };
+            }
+            continue;
+        }
+        const lc_tri_block *b = &p->boxes.blocks[v.ref & ~LC_BVH_LEAF];
+        uint32_t bits = LC_FN(stream_boxes)(&b->v[0][0][0], r, mask, met) & LC_FN(lanes_used)(b);
+        for (; bits; bits &= bits - 1) {
+            uint32_t i = (uint32_t)__builtin_ctz(bits);
+            if (met[i] & alive) alive &= ~LC_FN(stream_in)(p, b->tri[i], r, met[i] & alive, ls);
+        }
+    }
+    return all & ~alive;
 }
 
 static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
@@ -386,8 +470,9 @@ static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n
     for (uint32_t first = 0; first < n; first += STREAM) {
         uint32_t m = n - first < STREAM ? n - first : STREAM;
         const float *const t[3] = { target[0] + first, target[1] + first, target[2] + first };
-        LC_FN(rays_init)(&r, org, m, t, far);
+        LC_FN(rays_init)(&r, bvh, org, m, t, far);
         uint64_t stopped = LC_FN(stream)(bvh, &r, m, &ls);
+        if (bvh->placed) stopped |= LC_FN(stream_placed)(bvh->placed, &r, ~stopped & ~(uint64_t)0 >> (64 - m), &ls);
         uint32_t i = 0;
         for (; i + 8 <= m; i += 8) { /* a bit to each byte */
             uint64_t byte = (stopped >> i & 255) * 0x0101010101010101u & 0x8040201008040201u;

@@ -20,18 +20,31 @@ static double gradient(d3 e1, d3 e2, d3 n, double d1, double d2)
     return n2 > 0 ? sqrt(dot(g, g)) / n2 : 0;
 }
 
-static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel)
+static const float *uv_of(const lc_scene *scene, const lc_mesh *mesh, uint32_t tri, size_t k)
 {
     static const float corners[3][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 } }; /* pbrt's, of triangles without uv */
-    const float *v[3], *t[3];
-    double w[3] = { 1 - (double)hit->u - hit->v, (double)hit->u, (double)hit->v };
+    return mesh->has_uv ? scene->uv + 2 * (size_t)scene->index[3 * (size_t)tri + k] : corners[k];
+}
+
+lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], uint32_t tri, float u,
+                               float v)
+{
+    const double w[3] = { 1 - (double)u - v, (double)u, (double)v };
     lc_tex_point p = { .width = 0 };
     for (size_t k = 0; k < 3; k++) {
-        v[k] = lc_tri_vertex(scene->pos, scene->index, hit->tri, k);
-        t[k] = mesh->has_uv ? scene->uv + 2 * (size_t)scene->index[3 * (size_t)hit->tri + k] : corners[k];
-        for (int i = 0; i < 3; i++) p.pos[i] += w[k] * (double)v[k][i];
-        for (int i = 0; i < 2; i++) p.uv[i] += w[k] * (double)t[k][i];
+        const float *t = uv_of(scene, mesh, tri, k);
+        for (int i = 0; i < 3; i++) p.pos[i] += w[k] * (double)corner[k][i];
+        for (int i = 0; i < 2; i++) p.uv[i] += w[k] * (double)t[i];
     }
+    return p;
+}
+
+static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const float *const v[3], const lc_hit *hit, lc_f3 dir,
+                             double pixel)
+{
+    const float *t[3];
+    lc_tex_point p = lc_textured_point(scene, mesh, v, hit->tri, hit->u, hit->v);
+    for (size_t k = 0; k < 3; k++) t[k] = uv_of(scene, mesh, hit->tri, k);
     d3 e1 = sub(v[1], v[0]), e2 = sub(v[2], v[0]), n = cross(e1, e2);
     p.grad_u = gradient(e1, e2, n, (double)t[1][0] - t[0][0], (double)t[2][0] - t[0][0]);
     p.grad_v = gradient(e1, e2, n, (double)t[1][1] - t[0][1], (double)t[2][1] - t[0][1]);
@@ -42,14 +55,11 @@ static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const l
 }
 
 /* dp/du of p = p0 + s e1 + t e2, uv linear in s and t, times the determinant, whose sign no lobe cares for. */
-lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit)
+lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const float *const v[3], const lc_hit *hit)
 {
-    const float *v[3], *t[3];
+    const float *t[3];
     if (!mesh->has_uv) return lc_f3_make(0, 0, 0);
-    for (size_t k = 0; k < 3; k++) {
-        v[k] = lc_tri_vertex(scene->pos, scene->index, hit->tri, k);
-        t[k] = scene->uv + 2 * (size_t)scene->index[3 * (size_t)hit->tri + k];
-    }
+    for (size_t k = 0; k < 3; k++) t[k] = uv_of(scene, mesh, hit->tri, k);
     d3 e1 = sub(v[1], v[0]), e2 = sub(v[2], v[0]);
     double d1 = (double)t[1][1] - t[0][1], d2 = (double)t[2][1] - t[0][1], most = fmax(fabs(d1), fabs(d2));
     double det = ((double)t[1][0] - t[0][0]) * d2 - ((double)t[2][0] - t[0][0]) * d1;
@@ -76,11 +86,11 @@ static void set_number(const lc_scene *scene, uint32_t id, const lc_tex_point *p
     *out = within(v[0], (double)least, (double)most);
 }
 
-void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel,
-                          lc_material *m)
+void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
+                          double pixel, lc_material *m)
 {
     const lc_material_maps *maps = &scene->maps[mesh->material_id];
-    lc_tex_point p = point_of(scene, mesh, hit, dir, pixel);
+    lc_tex_point p = point_of(scene, mesh, corner, hit, dir, pixel);
     set_colour(scene, maps->kd, &p, &m->kd);
     set_colour(scene, maps->ks, &p, &m->ks);
     set_colour(scene, maps->kt, &p, &m->kt);

@@ -1,4 +1,4 @@
-/* textured.h - what a hit takes from texture coordinates: material and tangent. */
+/* textured.h - what a hit takes from texture coordinates: material and tangent. corner: of the triangle, world space. */
 #ifndef LC_TEXTURED_H
 #define LC_TEXTURED_H
 
@@ -6,10 +6,14 @@
 #include "scene.h"
 
 /* The unit direction of growing u along the triangle, or 0 where the mesh has no uv or they don't give one. */
-lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit);
+lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit);
+
+/* Position and uv, those of no area, at (u, v) of a triangle with these corners. */
+lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], uint32_t tri, float u,
+                               float v);
 
 /* Overwrites in *m what has a texture. dir: of the ray, unit; pixel: see surface.h. */
-void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel,
-                          lc_material *m);
+void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
+                          double pixel, lc_material *m);
 
 #endif

@@ -176,3 +176,9 @@ void lc_xform_normal_rows(const lc_xform *a, double rows[9])
     if (dot(r[0], rows) < 0)
         for (int i = 0; i < 9; i++) rows[i] = -rows[i];
 }
+
+void lc_xform_normal(const double rows[9], const float n[3], float out[3])
+{
+    double x = (double)n[0], y = (double)n[1], z = (double)n[2];
+    for (int k = 0; k < 3; k++) out[k] = (float)(rows[3 * k] * x + rows[3 * k + 1] * y + rows[3 * k + 2] * z);
+}

@@ -31,5 +31,6 @@ void lc_xform_point(const lc_xform *a, const double p[3], float out[3]);
 void lc_xform_vector(const lc_xform *a, const double v[3], double out[3]);
 /* Rows of the 3x3 that transforms normals: det(a) times the inverse transpose, times the sign of det(a). */
 void lc_xform_normal_rows(const lc_xform *a, double rows[9]);
+void lc_xform_normal(const double rows[9], const float n[3], float out[3]);
 
 #endif

@@ -560,7 +560,7 @@ static lc_bvh_data without_boxes(const lc_bvh *b)
     for (uint32_t w = 0; w < b->data.n_nodes; w++)
         for (int i = 0; i < 8; i++)
             for (int k = 0; k < 3 && nodes[w].child[i] != LC_NONE; k++) nodes[w].lo[k][i] = -FLT_MAX, nodes[w].hi[k][i] = FLT_MAX;
-    return (lc_bvh_data){ nodes, b->blocks, b->data.n_nodes, b->data.n_blocks };
+    return (lc_bvh_data){ .nodes = nodes, .blocks = b->blocks, .n_nodes = b->data.n_nodes, .n_blocks = b->data.n_blocks };
 }
 
 /* Start of a segment on or a little above a triangle, its end often nearly within the triangle's plane. */

@@ -24,6 +24,9 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
 {
     printf("triangles            %llu in %llu meshes, %llu vertices\n", (ull)i->n_triangles, (ull)i->n_meshes, (ull)i->n_vertices);
     printf("materials            %llu\n", (ull)i->n_materials);
+    if (i->n_instances)
+        printf("instances            %llu, %llu triangles instanced\n", (ull)i->n_instances, (ull)i->n_instanced_triangles);
+    if (i->n_alpha_meshes) printf("meshes with alpha    %llu\n", (ull)i->n_alpha_meshes);
     if (i->n_mirrors) printf("mirrors              %llu of them, paths of depth %u\n", (ull)i->n_mirrors, i->max_depth);
     printf("lights               %llu: %llu point, %llu oriented, %llu directional\n", (ull)i->n_lights, (ull)i->n_point,
            (ull)i->n_oriented, (ull)i->n_directional);
@@ -51,6 +54,8 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
 {
     printf("{\n  \"triangles\": %llu,\n  \"vertices\": %llu,\n  \"meshes\": %llu,\n  \"materials\": %llu,\n", (ull)i->n_triangles,
            (ull)i->n_vertices, (ull)i->n_meshes, (ull)i->n_materials);
+    printf("  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"alpha_meshes\": %llu,\n", (ull)i->n_instances,
+           (ull)i->n_instanced_triangles, (ull)i->n_alpha_meshes);
     printf("  \"mirrors\": %llu,\n  \"max_depth\": %u,\n", (ull)i->n_mirrors, i->max_depth);
     printf("  \"lights\": %llu,\n  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu},\n",
            (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional);

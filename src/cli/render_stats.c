@@ -20,7 +20,9 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     fprintf(f, "scene            %s\n", r->scene);
     fprintf(f, "method           %s%s, %s, %u threads\n", cli_method_name(r->method),
             s->exact && r->method != LC_METHOD_EXACT ? " (few lights: every one of them)" : "", r->isa, r->threads);
-    fprintf(f, "triangles        %llu\n", (ull)i->n_triangles);
+    fprintf(f, "triangles        %llu", (ull)i->n_triangles);
+    if (i->n_instances) fprintf(f, "; %llu instances of %llu", (ull)i->n_instances, (ull)i->n_instanced_triangles);
+    fprintf(f, "\n");
     fprintf(f, "lights           %llu: %llu point, %llu oriented, %llu directional\n", (ull)i->n_lights, (ull)i->n_point,
             (ull)i->n_oriented, (ull)i->n_directional);
     fprintf(f, "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total %.3f\n",
@@ -47,7 +49,8 @@ void cli_write_stats_json(FILE *f, void *report)
             cli_method_name(r->method), s->exact ? "true" : "false", r->isa, r->threads, (ull)r->seed);
     fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"points\": %llu,\n", i->width, i->height,
             (ull)s->pixels, (ull)s->points);
-    fprintf(f, "  \"triangles\": %llu,\n  \"lights\": %llu,\n", (ull)i->n_triangles, (ull)i->n_lights);
+    fprintf(f, "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": %llu,\n", (ull)i->n_triangles,
+            (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_lights);
     fprintf(f, "  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu},\n", (ull)i->n_point,
             (ull)i->n_oriented, (ull)i->n_directional);
     fprintf(f, "  \"seconds\": {\"parse\": %.6f, \"bvh\": %.6f, \"lights\": %.6f, \"tree\": %.6f, \"render\": %.6f, "
