@@ -15,6 +15,7 @@
 #include "pool.h"
 #include "rng.h"
 #include "shade.h"
+#include "vpl_loss.h"
 #include "vpl_radius.h"
 #include "xform.h"
 
@@ -288,9 +289,11 @@ static lc_status add_all(lc_scene *scene, maker *m)
     size_t before = scene->n_lights;
     for (size_t i = 0; i < m->n_made && !st; i++) st = lc_scene_add_light(scene, (lc_pos){ 0, 0, 0 }, &m->made[i]);
     if (!st) st = lc_scene_join_lights(scene);
+    if (st) return st;
     scene->indirect.n_lights = scene->n_lights - before;
     scene->indirect.n_paths = m->n_paths;
-    return st;
+    scene->indirect.loss = lc_vpl_loss(scene, before, m->max_depth, m->seed);
+    return LC_OK;
 }
 
 lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed)
