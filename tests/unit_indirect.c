@@ -139,7 +139,8 @@ TEST(mirrors_glass_and_leaves)
     CHECK(near(flux(load(4000, 3), 0, 0), 4 * LC_PI * 0.96 * 0.5, 0.03));
     write_scene("%s", HEAD "LightSource \"oriented\" \"vector3 direction\" [0 0 1] \"rgb I\" [1 1 1]\n"
                 "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb transmittance\" [.2 .2 .2]\n" WALL("1000", "1"));
-    CHECK(near(flux(load(4000, 2), 2, -1), LC_PI * 0.4, 0.01) && near(flux(load(4000, 2), 2, 1), LC_PI * 0.2, 0.01));
+    /* those behind are kept by chance, as the camera sees nothing that they shine on */
+    CHECK(near(flux(load(40000, 2), 2, -1), LC_PI * 0.4, 0.01) && near(flux(load(40000, 2), 2, 1), LC_PI * 0.2, 0.05));
     write_scene("%s", HEAD "LightSource \"oriented\" \"vector3 direction\" [0 0 1] \"rgb I\" [1 1 1]\n"
                 "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb transmittance\" [.2 .2 .2]\n" WALL("1000", "1")
                 GREY(".5") WALL("1000", "2") WALL("1000", "-1"));
