@@ -17,7 +17,7 @@ typedef struct trace {
     lc_sight *out;
     double pixel;
     uint32_t max_depth, n_splits, n_rough, n_rays;
-    ray rays[LC_MAX_SPLITS + 1];
+    ray rays[LC_MAX_SPLITS + LC_MAX_ROUGH + 1];
 } trace;
 
 static lc_f3 reflect(lc_f3 dir, lc_f3 n) { return lc_f3_sub(dir, lc_f3_scale(n, 2 * lc_f3_dot(n, dir))); }
@@ -57,11 +57,11 @@ static void send(trace *t, const ray *from, lc_f3 org, lc_f3 dir, lc_f3 weight, 
     t->rays[t->n_rays++] = (ray){ org, dir, weight, way, from->depth + 1 };
 }
 
-static void meet_mirror(trace *t, const ray *r, const lc_surface *s)
+static void meet_mirror(trace *t, const ray *r, const lc_surface *s, float least)
 {
     float cos_i = -lc_f3_dot(r->dir, s->n);
     lc_f3 weight = lc_f3_mul(r->weight, lc_reflectance(&s->material, cos_i, !s->front));
-    if (r->depth < t->max_depth && lc_f3_max(weight) > MIN_WEIGHT)
+    if (r->depth < t->max_depth && lc_f3_max(weight) > least)
         send(t, r, lc_f3_load(s->ray_org), lc_mirror_leave(s, r->dir), weight, s->t);
 }
 
@@ -93,6 +93,13 @@ static void turn_over(lc_lit *lit)
     s->material = (lc_material){ .kd = s->material.kt };
 }
 
+/* A lobe so narrow that beside virtual lights it is followed as a mirror; what is below it is lit all the same. */
+static bool is_smooth(const lc_scene *scene, const lc_material *m)
+{
+    return scene->indirect.n_lights && m->gloss == LC_GLOSS_GGX && lc_f3_max(m->ks) > 0 &&
+           fmaxf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS;
+}
+
 static void meet(trace *t, const ray *r, const lc_surface *s)
 {
     lc_sight *out = t->out;
@@ -100,10 +107,14 @@ static void meet(trace *t, const ray *r, const lc_surface *s)
     if (s->material.glass) {
         meet_glass(t, r, s);
     } else if (s->material.mirror) {
-        meet_mirror(t, r, s);
+        meet_mirror(t, r, s, MIN_WEIGHT);
     } else if (r->depth < t->max_depth) {
+        bool smooth = is_smooth(t->scene, &s->material);
+        if (smooth) meet_mirror(t, r, s, LC_LEAST_SHARE);
+        if (smooth && !(lc_f3_max(s->material.kd) > 0)) return;
         t->n_rough++;
         out->lit[out->n_lit++] = (lc_lit){ *s, lc_f3_neg(r->dir), r->weight, r->depth };
+        if (smooth) out->lit[out->n_lit - 1].surface.material.ks = lc_f3_make(0, 0, 0);
         if (!(lc_f3_max(s->material.kt) > 0)) return;
         out->lit[out->n_lit] = out->lit[out->n_lit - 1];
         turn_over(&out->lit[out->n_lit++]);

@@ -63,10 +63,18 @@ typedef struct {
     uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the film */
 } job;
 
+static void widen_lobe(lc_material *m)
+{
+    m->exponent = fminf(m->exponent, LC_VIRTUAL_EXPONENT);
+    for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], LC_VIRTUAL_ROUGHNESS);
+}
+
 static void init_point(const lc_scene *scene, const lc_lit *lit, lc_point *p)
 {
     const lc_surface *s = &lit->surface;
-    lc_point_init(p, s->pos, s->n, lit->view, &s->material, scene->min_d2);
+    lc_material m = s->material;
+    if (scene->indirect.n_lights) widen_lobe(&m);
+    lc_point_init(p, s->pos, s->n, lit->view, &m, scene->min_d2);
 }
 
 static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dimension)

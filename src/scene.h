@@ -82,6 +82,7 @@ typedef struct lc_scene_note {
 /* Virtual lights. */
 typedef struct lc_indirect {
     uint64_t n_lights, n_paths;
+    double loss; /* share of their light that softening takes away, see vpl_view.h */
 } lc_indirect;
 
 struct lc_scene {

@@ -7,6 +7,9 @@
  * does: flux * albedo / pi along the shading normal; lobes count as diffuse with what they reflect in all; what lets light through
  * diffusely has a light on its other side too. Mirrors and glass send a path on, by chance where they do both. From the second
  * rough surface on a path ends by chance, 1 - albedo. Intensities are divided by the number of paths.
+ *
+ * Lights that give next to nothing to what the camera sees, such as those on the outside of a room, are kept by chance only and
+ * then are as much stronger ([Georgiev10]): WORTH of the median of the first batch's lights is enough to be kept for sure.
  */
 #include "vpl.h"
 
@@ -16,13 +19,20 @@
 #include "rng.h"
 #include "shade.h"
 #include "vpl_radius.h"
+#include "vpl_view.h"
 #include "xform.h"
+
+#include <stdlib.h>
 
 #define BATCH 4096         /* paths that are traced at a time, in items */
 #define ITEM 64
 #define PATH_LIGHTS 32     /* of one path at most */
 #define PATHS_A_LIGHT 64   /* paths at most, for each light that is wanted */
+#define PATHS_FOR_NONE (16 * BATCH) /* that leave no light at all: there is nothing to light */
+#define PATH_SURFACES 64   /* after which a path that is still among mirrors or glass ends */
 #define DIMS 5
+#define WORTH 0.5
+#define LEAST_CHANCE 0.0625
 
 typedef struct maker {
     const lc_scene *scene;
@@ -30,6 +40,9 @@ typedef struct maker {
     uint32_t max_depth;
     double *sums; /* n_lights + 1: power of the lights before */
     double centre[3], radius; /* of a ball around all triangles */
+    lc_vpl_view *view;
+    double enough; /* worth of a light that is kept; 0: not known yet, or of no use */
+    double *worth, *sorted; /* of slots; scratch */
     lc_light *slots; /* PATH_LIGHTS a path of the batch */
     uint8_t n_stored[BATCH];
     lc_light *made;
@@ -231,7 +244,7 @@ static void trace(path *p)
     const lc_light *from;
     lc_surface s;
     emit(p, &from);
-    for (uint32_t depth = 1; depth < p->m->max_depth; depth++) {
+    for (uint32_t depth = 1; depth < p->m->max_depth && depth <= PATH_SURFACES; depth++) {
         if (!lc_surface_hit(p->m->scene, p->org, p->dir, 0, &s)) return;
         if (depth == 1) p->flux = lc_f3_scale(p->flux, unlike_square(from, &s));
         if (!(lc_is_specular(&s.material) ? bend(p, &s, depth) : scatter(p, &s, depth))) return;
@@ -246,7 +259,37 @@ static void trace_item(void *user, uint32_t thread, uint64_t item)
         path p = { .m = m, .index = m->first_path + i, .lights = m->slots + i * PATH_LIGHTS, .n_lights = &m->n_stored[i] };
         m->n_stored[i] = 0;
         trace(&p);
+        for (uint64_t k = i * PATH_LIGHTS; k < i * PATH_LIGHTS + m->n_stored[i]; k++)
+            m->worth[k] = lc_vpl_worth(m->view, &m->slots[k], lc_hash4(m->seed, p.index, k % PATH_LIGHTS, 4));
     }
+}
+
+static int rising(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Median of the batch's lights that give anything, 0 without any; The mean would be that of the few
+ * lights next to a point. */
+static double median_worth(maker *m)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < BATCH; i++)
+        for (size_t k = i * PATH_LIGHTS; k < i * PATH_LIGHTS + m->n_stored[i]; k++)
+            if (m->worth[k] > 0) m->sorted[n++] = m->worth[k];
+    qsort(m->sorted, n, sizeof *m->sorted, rising);
+    return n ? m->sorted[n / 2] : 0;
+}
+
+/* Keeps light k of path i of the batch, or not. */
+static void keep(maker *m, size_t i, size_t k)
+{
+    const lc_light *light = &m->slots[i * PATH_LIGHTS + k];
+    double chance = m->enough > 0 ? fmin(fmax(m->worth[i * PATH_LIGHTS + k] / m->enough, LEAST_CHANCE), 1) : 1;
+    if (!(lc_unit(lc_hash4(m->seed, m->first_path + i, k, 5)) < chance)) return;
+    m->made[m->n_made] = *light;
+    m->made[m->n_made++].intensity = lc_f3_scale(light->intensity, (float)(1 / chance));
 }
 
 /* ---- the whole ---- */
@@ -269,10 +312,12 @@ static bool prepare(maker *m)
 static void trace_all(maker *m)
 {
     while (m->n_made < m->n_wanted && m->n_paths < (uint64_t)PATHS_A_LIGHT * m->n_wanted) {
+        if (!m->n_made && m->n_paths >= PATHS_FOR_NONE) return;
         m->first_path = m->n_paths;
         lc_parallel(m->scene->ctx, BATCH / ITEM, trace_item, m);
+        if (!m->first_path) m->enough = WORTH * median_worth(m);
         for (size_t i = 0; i < BATCH && m->n_made < m->n_wanted; i++, m->n_paths++)
-            for (size_t k = 0; k < m->n_stored[i]; k++) m->made[m->n_made++] = m->slots[i * PATH_LIGHTS + k];
+            for (size_t k = 0; k < m->n_stored[i]; k++) keep(m, i, k);
     }
 }
 
@@ -288,9 +333,11 @@ static lc_status add_all(lc_scene *scene, maker *m)
     size_t before = scene->n_lights;
     for (size_t i = 0; i < m->n_made && !st; i++) st = lc_scene_add_light(scene, (lc_pos){ 0, 0, 0 }, &m->made[i]);
     if (!st) st = lc_scene_join_lights(scene);
+    if (st) return st;
     scene->indirect.n_lights = scene->n_lights - before;
     scene->indirect.n_paths = m->n_paths;
-    return st;
+    scene->indirect.loss = lc_vpl_loss(m->view, before, m->seed);
+    return LC_OK;
 }
 
 lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed)
@@ -301,14 +348,21 @@ lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, ui
     if (!n_lights || max_depth < 2 || !scene->n_lights || !scene->n_tris) return LC_OK;
     m.sums = lc_alloc(ctx, n_sums, sizeof *m.sums);
     m.slots = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
+    m.worth = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.worth);
+    m.sorted = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
+    m.view = lc_alloc_raw(ctx, 1, sizeof *m.view);
     m.made = lc_alloc_raw(ctx, n_room, sizeof *m.made);
-    lc_status st = m.sums && m.slots && m.made ? LC_OK : LC_ERR_MEMORY;
+    lc_status st = m.sums && m.slots && m.worth && m.sorted && m.view && m.made ? LC_OK : LC_ERR_MEMORY;
     if (!st && prepare(&m)) {
+        lc_vpl_view_init(m.view, scene, max_depth);
         trace_all(&m);
         st = add_all(scene, &m);
     }
     lc_free(ctx, m.sums, n_sums, sizeof *m.sums);
     lc_free(ctx, m.slots, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
+    lc_free(ctx, m.worth, (size_t)BATCH * PATH_LIGHTS, sizeof *m.worth);
+    lc_free(ctx, m.sorted, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
+    lc_free(ctx, m.view, 1, sizeof *m.view);
     lc_free(ctx, m.made, n_room, sizeof *m.made);
     return st;
 }

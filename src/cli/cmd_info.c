@@ -30,6 +30,9 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     if (i->n_mirrors) printf("mirrors              %llu of them, paths of depth %u\n", (ull)i->n_mirrors, i->max_depth);
     printf("lights               %llu: %llu point, %llu oriented, %llu directional\n", (ull)i->n_lights, (ull)i->n_point,
            (ull)i->n_oriented, (ull)i->n_directional);
+    if (i->n_light_paths)
+        printf("indirect light       %llu virtual lights along %llu paths, %.2g of it lost to clamping\n", (ull)i->n_indirect_lights,
+               (ull)i->n_light_paths, i->indirect_loss);
     printf("emissive triangles   %llu\n", (ull)i->n_emissive_triangles);
     if (i->n_env_maps) printf("infinite lights      %llu, made into %llu directional\n", (ull)i->n_env_maps, (ull)i->n_env_lights);
     if (i->n_textures) {
@@ -59,6 +62,8 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
     printf("  \"mirrors\": %llu,\n  \"max_depth\": %u,\n", (ull)i->n_mirrors, i->max_depth);
     printf("  \"lights\": %llu,\n  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu},\n",
            (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional);
+    printf("  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n", (ull)i->n_indirect_lights,
+           (ull)i->n_light_paths, i->indirect_loss);
     printf("  \"emissive_triangles\": %llu,\n  \"infinite_lights\": %llu,\n  \"env_lights\": %llu,\n  \"textures\": {",
            (ull)i->n_emissive_triangles, (ull)i->n_env_maps, (ull)i->n_env_lights);
     texture_classes(scene, true);

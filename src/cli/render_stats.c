@@ -25,6 +25,9 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     fprintf(f, "\n");
     fprintf(f, "lights           %llu: %llu point, %llu oriented, %llu directional\n", (ull)i->n_lights, (ull)i->n_point,
             (ull)i->n_oriented, (ull)i->n_directional);
+    if (i->n_light_paths)
+        fprintf(f, "indirect light   %llu virtual lights along %llu paths, %.2g of it lost to clamping\n", (ull)i->n_indirect_lights,
+                (ull)i->n_light_paths, i->indirect_loss);
     fprintf(f, "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total %.3f\n",
             i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total);
     fprintf(f, "thread seconds   camera rays %.3f, bounds %.3f, estimates %.3f, heap %.3f, shadow rays %.3f, other %.3f\n",
@@ -53,6 +56,8 @@ void cli_write_stats_json(FILE *f, void *report)
             (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_lights);
     fprintf(f, "  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu},\n", (ull)i->n_point,
             (ull)i->n_oriented, (ull)i->n_directional);
+    fprintf(f, "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n", (ull)i->n_indirect_lights,
+            (ull)i->n_light_paths, i->indirect_loss);
     fprintf(f, "  \"seconds\": {\"parse\": %.6f, \"bvh\": %.6f, \"lights\": %.6f, \"tree\": %.6f, \"render\": %.6f, "
                "\"write\": %.6f, \"total\": %.6f},\n",
             i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total);

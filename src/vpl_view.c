@@ -1,0 +1,120 @@
+/* vpl_view.c - see vpl_view.h. */
+#include "vpl_view.h"
+
+#include "bvh.h"
+#include "mirror.h"
+#include "pool.h"
+#include "rng.h"
+#include "shade.h"
+
+#include <string.h>
+
+#define SAMPLE 2048 /* lights at each point */
+#define BATCH 64
+
+static const lc_material grey = { .kd = { 0.5f, 0.5f, 0.5f } };
+
+void lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t max_depth)
+{
+    const double lens[2] = { 0.5, 0.5 };
+    const double width = scene->film.width, height = scene->film.height;
+    view->scene = scene, view->n = 0;
+    for (int i = 0; i < LC_VIEW_SIDE * LC_VIEW_SIDE; i++) {
+        lc_f3 org, dir;
+        lc_sight sight;
+        lc_camera_ray(&scene->camera, (i % LC_VIEW_SIDE + 0.5) / LC_VIEW_SIDE * width, (i / LC_VIEW_SIDE + 0.5) / LC_VIEW_SIDE * height,
+                      lens, &org, &dir);
+        if (!lc_sight_trace(scene, org, dir, scene->camera.pixel, max_depth, &sight) || !sight.n_lit) continue;
+        const lc_lit *lit = &sight.lit[0];
+        lc_point_init(&view->points[view->n], lit->surface.pos, lit->surface.n, lit->view, &grey, LC_MIN_D2);
+        memcpy(view->org[view->n++], lit->surface.ray_org, sizeof view->org[0]);
+    }
+}
+
+static float luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec, const float *atten, float min_d2)
+{
+    lc_point near = *p;
+    near.min_d2 = min_d2;
+    return lc_luminance(lc_f3_mul(lc_shade_light(&near, light->kind, rec, atten), light->intensity));
+}
+
+double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t hash)
+{
+    const lc_bvh *bvh = view->scene->bvh;
+    const float *const target[3] = { &light->pos.x, &light->pos.y, &light->pos.z };
+    double sum = 0;
+    lc_light_rec rec;
+    lc_light_rec_init(&rec, light);
+    for (uint32_t k = 0; k < LC_WORTH_POINTS && view->n; k++) {
+        uint32_t from = view->n * k / LC_WORTH_POINTS, to = view->n * (k + 1) / LC_WORTH_POINTS; /* spread over the picture */
+        uint32_t i = from + (uint32_t)(lc_hash2(hash, k) % (to > from ? to - from : 1));
+        uint8_t hidden;
+        float f = luminance(&view->points[i], light, &rec, NULL, LC_MIN_D2);
+        if (!(f > 0)) continue;
+        bvh->kernels->hidden(&bvh->data, view->org[i], 1, target, false, &hidden);
+        if (!hidden) sum += (double)f;
+    }
+    return sum / LC_WORTH_POINTS;
+}
+
+/* ---- loss ---- */
+
+typedef struct job {
+    const lc_vpl_view *view;
+    size_t first, n;
+    uint64_t seed;
+    double soft[LC_VIEW_SIDE * LC_VIEW_SIDE], hard[LC_VIEW_SIDE * LC_VIEW_SIDE];
+} job;
+
+typedef struct group {
+    uint32_t n;
+    float target[3][BATCH], soft[BATCH], hard[BATCH];
+} group;
+
+/* Light k of n_sample, one of each of as many equal ranges. */
+static const lc_light *pick(const job *j, uint64_t item, size_t k, size_t n_sample)
+{
+    size_t from = j->n * k / n_sample, to = j->n * (k + 1) / n_sample;
+    return &j->view->scene->lights[j->first + from + lc_hash4(j->seed, item, k, 3) % (to - from)];
+}
+
+static void add_visible(job *j, uint64_t item, group *g)
+{
+    uint8_t hidden[BATCH];
+    const float *const t[3] = { g->target[0], g->target[1], g->target[2] };
+    const lc_bvh *bvh = j->view->scene->bvh;
+    if (g->n) bvh->kernels->hidden(&bvh->data, j->view->org[item], g->n, t, false, hidden);
+    for (uint32_t i = 0; i < g->n; i++)
+        if (!hidden[i]) j->soft[item] += (double)g->soft[i], j->hard[item] += (double)g->hard[i];
+    g->n = 0;
+}
+
+static void try_point(void *user, uint32_t thread, uint64_t item)
+{
+    job *j = user;
+    const lc_point *p = &j->view->points[item];
+    size_t n_sample = j->n < SAMPLE ? j->n : SAMPLE;
+    group g = { .n = 0 };
+    (void)thread;
+    for (size_t k = 0; k < n_sample; k++) {
+        const lc_light *light = pick(j, item, k, n_sample);
+        lc_light_rec rec;
+        lc_light_rec_init(&rec, light);
+        float hard = luminance(p, light, &rec, NULL, fmaxf(LC_MIN_D2, light->atten[0] / 16));
+        if (!(hard > 0)) continue;
+        g.hard[g.n] = hard, g.soft[g.n] = luminance(p, light, &rec, light->atten, LC_MIN_D2);
+        g.target[0][g.n] = light->pos.x, g.target[1][g.n] = light->pos.y, g.target[2][g.n] = light->pos.z;
+        if (++g.n == BATCH) add_visible(j, item, &g);
+    }
+    add_visible(j, item, &g);
+}
+
+double lc_vpl_loss(const lc_vpl_view *view, size_t first, uint64_t seed)
+{
+    job j = { .view = view, .first = first, .n = view->scene->n_lights - first, .seed = seed };
+    double soft = 0, hard = 0;
+    if (!j.n) return 0;
+    lc_parallel(view->scene->ctx, view->n, try_point, &j);
+    for (uint32_t i = 0; i < view->n; i++) soft += j.soft[i], hard += j.hard[i];
+    return hard > 0 ? 1 - soft / hard : 0;
+}
