@@ -146,12 +146,14 @@ static lc_status add_object(lc_pbrt *p, lc_pos where, lc_pbrt_object *o)
 lc_status lc_pbrt_place_objects(lc_pbrt *p)
 {
     lc_status st = LC_OK;
-    for (size_t i = 0; i < p->n_places && !st; i++)
-        if (!is_shared(p, &p->places[i])) st = copy_place(p, &p->places[i]);
+    for (size_t i = 0; i < p->n_places && !st; i++) {
+        p->places[i].shared = is_shared(p, &p->places[i]);
+        if (!p->places[i].shared) st = copy_place(p, &p->places[i]);
+    }
     for (size_t i = 0; i < p->n_places && !st; i++) {
         const lc_pbrt_place *place = &p->places[i];
         lc_pbrt_object *o = &p->objects[place->object];
-        if (!is_shared(p, place)) continue;
+        if (!place->shared) continue;
         if (o->id == LC_NONE) st = add_object(p, place->pos, o);
         if (!st) st = lc_scene_add_instance(p->scene, place->pos, o->id, &place->to_world);
     }

@@ -49,6 +49,7 @@ typedef struct lc_pbrt_object {
 /* An ObjectInstance that waits for the end of the file. */
 typedef struct lc_pbrt_place {
     uint32_t object;
+    bool shared; /* else a copy */
     lc_pos pos;
     lc_xform to_world;
 } lc_pbrt_place;

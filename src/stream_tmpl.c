@@ -35,21 +35,24 @@ static const uint32_t LC_FN(bit_of)[32] = {
     1u << 22, 1u << 23, 1u << 24, 1u << 25, 1u << 26, 1u << 27, 1u << 28, 1u << 29, 1u << 30, 1u << 31,
 };
 
-/* What follows from origin and directions of n rays; unused ones repeat the last. */
-static inline void LC_FN(rays_ready)(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n)
+/* What follows from an axis of the directions of n rays; unused ones repeat the last. */
+LC_INLINE void LC_FN(rays_axis)(rays *r, const float org[3], uint32_t n, uint32_t k)
 {
     const vf8 zero = vf8_set(0), tiny = vf8_set(1e-30f), minus_tiny = vf8_set(-1e-30f);
-    r->org = org, r->bvh = bvh;
-    for (uint32_t k = 0; k < 3; k++) {
-        r->vorg[k] = vf8_set(org[k]);
-        for (uint32_t i = n; i & 7; i++) r->d[k][i] = r->d[k][n - 1];
-        for (uint32_t i = 0; i < n; i += 8) {
-            vf8 d = vf8_load(&r->d[k][i]);
-            vf8 safe = vf8_sel_gt(vf8_abs(d), tiny, d, vf8_sel_gt(zero, d, minus_tiny, tiny));
-            vf8_store(&r->inv[k][i], vf8_div(vf8_set(1), safe));
-        }
-        for (uint32_t i = 0; i < n; i++) r->near[k][i] = 24 * k + (r->inv[k][i] < 0 ? 8 : 0);
+    r->vorg[k] = vf8_set(org[k]);
+    for (uint32_t i = n; i & 7; i++) r->d[k][i] = r->d[k][n - 1];
+    for (uint32_t i = 0; i < n; i += 8) {
+        vf8 d = vf8_load(&r->d[k][i]);
+        vf8 safe = vf8_sel_gt(vf8_abs(d), tiny, d, vf8_sel_gt(zero, d, minus_tiny, tiny));
+        vf8_store(&r->inv[k][i], vf8_div(vf8_set(1), safe));
     }
+    for (uint32_t i = 0; i < n; i++) r->near[k][i] = 24 * k + (r->inv[k][i] < 0 ? 8 : 0);
+}
+
+/* What follows from all of them. */
+LC_INLINE void LC_FN(rays_ready)(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n)
+{
+    r->org = org, r->bvh = bvh;
     for (uint32_t i = 0; i < n; i += 8) {
         vf8 x = vf8_abs(vf8_load(&r->d[0][i])), y = vf8_abs(vf8_load(&r->d[1][i])), z = vf8_abs(vf8_load(&r->d[2][i]));
         vf8_store(&r->d_max[i], vf8_max(vf8_max(x, y), z));
@@ -61,8 +64,10 @@ static inline void LC_FN(rays_init)(rays *r, const lc_bvh_data *bvh, const float
                                     bool far)
 {
     r->vt_min = vf8_set(far ? 0 : LC_SHADOW_EPS), r->vt_max = vf8_set(far ? FLT_MAX : 1 - LC_SHADOW_EPS);
-    for (uint32_t k = 0; k < 3; k++)
+    for (uint32_t k = 0; k < 3; k++) {
         for (uint32_t i = 0; i < n; i++) r->d[k][i] = far ? target[k][i] : target[k][i] - org[k];
+        LC_FN(rays_axis)(r, org, n, k);
+    }
     LC_FN(rays_ready)(r, bvh, org, n);
 }
 
@@ -146,7 +151,7 @@ static inline uint32_t LC_FN(in_range)(const planes *p, const rays *r, uint32_t 
 }
 
 /* Lanes that ray i passes inside of, by Woop's test. */
-static uint32_t LC_FN(inside)(const lc_tri_block *b, const rays *s, uint32_t i)
+static __attribute__((noinline)) uint32_t LC_FN(inside)(const lc_tri_block *b, const rays *s, uint32_t i)
 {
     ray r;
     vf8 x[3], y[3], z[3], e[3];
@@ -174,8 +179,8 @@ static __attribute__((noinline)) bool LC_FN(solid)(const lc_tri_block *b, const 
     return false;
 }
 
-/* Rays of `mask` that some triangle of the block stops. */
-LC_INLINE uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uint64_t mask)
+/* Rays of `mask` that some triangle of the block stops. holes: a constant, false where the BVH has no alpha. */
+LC_INLINE uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uint64_t mask, bool holes)
 {
     const vf8 zero = vf8_set(0);
     uint64_t stopped = 0;
@@ -201,7 +206,7 @@ LC_INLINE uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uin
         if (!in) continue;
         uint32_t sure = vf8_lt(e, least) | vf8_lt(most, minus_e);
         if (!(in & sure)) in &= LC_FN(inside)(b, r, i);
-        if (in && (!r->bvh->alpha || LC_FN(solid)(b, r, i, in))) stopped |= (uint64_t)1 << i;
+        if (in && (!holes || !r->bvh->alpha || LC_FN(solid)(b, r, i, in))) stopped |= (uint64_t)1 << i;
     }
     return stopped;
 }
@@ -283,7 +288,7 @@ static inline uint32_t LC_FN(single_expand)(const lc_bvh_data *bvh, const lc_bvh
 }
 
 /* One ray through a subtree: true if it is stopped. */
-static inline bool LC_FN(alone)(const lc_bvh_data *bvh, const rays *r, uint32_t i, uint32_t ref)
+LC_INLINE bool LC_FN(alone)(const lc_bvh_data *bvh, const rays *r, uint32_t i, uint32_t ref, bool holes)
 {
     uint32_t stack[LC_BVH_STACK], n = 0, leaf[8], n_leaves;
     single s;
@@ -292,7 +297,7 @@ static inline bool LC_FN(alone)(const lc_bvh_data *bvh, const rays *r, uint32_t 
         const lc_bvh_node *node = &bvh->nodes[ref];
         n = LC_FN(single_expand)(bvh, node, LC_FN(single_boxes)(node, r, &s), stack, n, leaf, &n_leaves);
         for (uint32_t k = 0; k < n_leaves; k++)
-            if (LC_FN(stream_block)(&bvh->blocks[leaf[k]], r, (uint64_t)1 << i)) return true;
+            if (LC_FN(stream_block)(&bvh->blocks[leaf[k]], r, (uint64_t)1 << i, holes)) return true;
         if (!n) return false;
         ref = stack[--n];
     }
@@ -327,12 +332,12 @@ static inline void LC_FN(lones_init)(lones *ls)
 }
 
 /* Tests the blocks that the last step found, then one node. False: done. *alive loses the ray if it is stopped. */
-static inline bool LC_FN(step)(const lc_bvh_data *bvh, const rays *r, lone *l, uint64_t *alive)
+static inline bool LC_FN(step)(const lc_bvh_data *bvh, const rays *r, lone *l, uint64_t *alive, bool holes)
 {
     const uint64_t bit = (uint64_t)1 << l->ray;
     if (!(*alive & bit)) return false;
     for (uint32_t k = 0; k < l->n_leaves; k++) {
-        if (!LC_FN(stream_block)(&bvh->blocks[l->leaf[k]], r, bit)) continue;
+        if (!LC_FN(stream_block)(&bvh->blocks[l->leaf[k]], r, bit, holes)) continue;
         *alive &= ~bit;
         return false;
     }
@@ -343,11 +348,11 @@ static inline bool LC_FN(step)(const lc_bvh_data *bvh, const rays *r, lone *l, u
 }
 
 /* A step of each; returns those of `alive` that go on. */
-static uint64_t LC_FN(step_all)(const lc_bvh_data *bvh, const rays *r, lones *ls, uint64_t alive)
+static inline uint64_t LC_FN(step_all)(const lc_bvh_data *bvh, const rays *r, lones *ls, uint64_t alive, bool holes)
 {
     for (uint32_t k = 0; k < ls->n;) {
         lone *l = ls->active[k];
-        if (LC_FN(step)(bvh, r, l, &alive)) k++;
+        if (LC_FN(step)(bvh, r, l, &alive, holes)) k++;
         else ls->active[k] = ls->active[--ls->n], ls->active[ls->n] = l;
     }
     return alive;
@@ -373,7 +378,7 @@ static inline bool LC_FN(add)(lones *ls, const rays *r, uint32_t i, uint32_t ref
 }
 
 /* Mask of the n <= STREAM rays that are stopped. ls has none, before and after. */
-static inline uint64_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint32_t n, lones *ls)
+LC_INLINE uint64_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint32_t n, lones *ls, bool holes)
 {
     visit stack[LC_BVH_STACK], leaf[8];
     uint64_t met[8], alive = ~(uint64_t)0 >> (64 - n), all = alive;
@@ -383,7 +388,7 @@ static inline uint64_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint
     for (;;) {
         if (!depth) {
             if (!ls->n) return all & ~alive;
-            alive = LC_FN(step_all)(bvh, r, ls, alive);
+            alive = LC_FN(step_all)(bvh, r, ls, alive, holes);
             continue;
         }
         visit v = stack[--depth];
@@ -392,17 +397,23 @@ static inline uint64_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint
         if (!mask) continue;
         if (!(mask & (mask - 1))) {
             uint32_t i = (uint32_t)__builtin_ctzll(mask);
-            while (large && !LC_FN(add)(ls, r, i, v.ref)) alive = LC_FN(step_all)(bvh, r, ls, alive);
-            if (!large && LC_FN(alone)(bvh, r, i, v.ref)) alive &= ~mask;
+            while (large && !LC_FN(add)(ls, r, i, v.ref)) alive = LC_FN(step_all)(bvh, r, ls, alive, holes);
+            if (!large && LC_FN(alone)(bvh, r, i, v.ref, holes)) alive &= ~mask;
             continue;
         }
         const lc_bvh_node *node = &bvh->nodes[v.ref];
         uint32_t bits = LC_FN(stream_boxes)(&node->lo[0][0], r, mask, met);
         LC_FN(expand)(bvh, node, bits, met, stack, &depth, leaf, &n_leaves);
         for (uint32_t i = 0; i < n_leaves; i++)
-            if (leaf[i].mask & alive) alive &= ~LC_FN(stream_block)(&bvh->blocks[leaf[i].ref], r, leaf[i].mask & alive);
-        if (ls->n) alive = LC_FN(step_all)(bvh, r, ls, alive);
+            if (leaf[i].mask & alive) alive &= ~LC_FN(stream_block)(&bvh->blocks[leaf[i].ref], r, leaf[i].mask & alive, holes);
+        if (ls->n) alive = LC_FN(step_all)(bvh, r, ls, alive, holes);
     }
+}
+
+/* The same where there may be holes. Apart, so that it takes no registers from the other. */
+static __attribute__((noinline)) uint64_t LC_FN(stream_holes)(const lc_bvh_data *bvh, const rays *r, uint32_t n, lones *ls)
+{
+    return LC_FN(stream)(bvh, r, n, ls, true);
 }
 
 /* ---- instances ---- */
@@ -425,8 +436,9 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_in)(const lc_placed *p, u
         LC_FN(to_object)(at, world, 0, d);
         for (int k = 0; k < 3; k++) o.d[k][n] = d[k];
     }
+    for (uint32_t k = 0; k < 3; k++) LC_FN(rays_axis)(&o, org, n, k);
     LC_FN(rays_ready)(&o, &p->objects[at->object], org, n);
-    uint64_t in = LC_FN(stream)(o.bvh, &o, n, ls), stopped = 0;
+    uint64_t in = LC_FN(stream_holes)(o.bvh, &o, n, ls), stopped = 0;
     for (; in; in &= in - 1) stopped |= (uint64_t)1 << of[__builtin_ctzll(in)];
     return stopped;
 }
@@ -471,7 +483,7 @@ static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n
         uint32_t m = n - first < STREAM ? n - first : STREAM;
         const float *const t[3] = { target[0] + first, target[1] + first, target[2] + first };
         LC_FN(rays_init)(&r, bvh, org, m, t, far);
-        uint64_t stopped = LC_FN(stream)(bvh, &r, m, &ls);
+        uint64_t stopped = bvh->alpha ? LC_FN(stream_holes)(bvh, &r, m, &ls) : LC_FN(stream)(bvh, &r, m, &ls, false);
         if (bvh->placed) stopped |= LC_FN(stream_placed)(bvh->placed, &r, ~stopped & ~(uint64_t)0 >> (64 - m), &ls);
         uint32_t i = 0;
         for (; i + 8 <= m; i += 8) { /* a bit to each byte */

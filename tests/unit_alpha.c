@@ -1,0 +1,232 @@
+/* unit_alpha.c - meshes with holes: which hits are passed, for camera and shadow rays, alone and in company, on every
+ * instruction set, in objects too. */
+#include "cpu.h"
+#include "image.h"
+#include "pbrt_parse.h"
+#include "poor.h"
+#include "rng.h"
+#include "surface.h"
+#include "test.h"
+
+#include <math.h>
+
+static lc_context *ctx;
+static lc_scene *scene;
+static char text[1 << 16];
+static size_t text_len;
+static uint64_t rnd_state = 1;
+
+static double rnd(double lo, double hi) { return lo + (hi - lo) * lc_unit(lc_hash4(7, rnd_state++, 0, 0)); }
+
+#define HEAD4 "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40 Camera \"perspective\" \"float fov\" 90\nWorldBegin\n" \
+              "LightSource \"point\"\n"
+#define HEAD3 "Film \"image\" \"integer xresolution\" 40 \"integer yresolution\" 40 Camera \"perspective\" \"float fov\" 90\nWorldBegin\n" \
+              "LightSource \"point\"\n"
+/* The square -1..1 at z = 1, and a wall of four times the size behind it at z = 2. u grows to the right, v upwards. */
+#define WALL "Shape \"trianglemesh\" \"point3 P\" [-4 -4 2 4 -4 2 4 4 2 -4 4 2] \"integer indices\" [0 1 2 0 2 3]\n"
+#define QUAD "Shape \"trianglemesh\" \"point3 P\" [-1 -1 1 1 -1 1 1 1 1 -1 1 1] \"integer indices\" [0 1 2 0 2 3] "
+#define UV "\"point2 uv\" [0 0 1 0 1 1 0 1] "
+#define ST "\"float st\" [0 0 1 0 1 1 0 1] "
+/* 1 where the sum of whole parts of 4 u and 4 v is even */
+#define CHECKS "Texture \"c\" \"float\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4 \"float tex1\" 1 \"float tex2\" 0\n"
+
+static lc_status load_in(lc_context *c, lc_scene **s)
+{
+    lc_load_desc desc = LC_LOAD_DESC_INIT;
+    desc.area_lights = desc.env_lights = 64, desc.n_reps = 1;
+    lc_status st = lc_scene_create(c, s);
+    if (!st) st = lc_pbrt_parse_memory(*s, "s", text, text_len);
+    return st ? st : lc_scene_commit(*s, &desc);
+}
+
+static bool load(const char *head, const char *body)
+{
+    text_len = (size_t)snprintf(text, sizeof text, "%s%s", head, body);
+    lc_scene_destroy(scene);
+    return load_in(ctx, &scene) == LC_OK;
+}
+
+static bool note(const char *kind)
+{
+    for (size_t i = 0; i < scene->n_notes; i++)
+        if (!strcmp(scene->notes[i].kind, kind)) return true;
+    return false;
+}
+
+/* z of what is seen from the origin through (x, y, 1); 0: nothing */
+static double seen(double x, double y)
+{
+    lc_surface s;
+    if (!lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(x, y, 1), 0, &s)) return 0;
+    return (double)s.pos.z;
+}
+
+static bool hidden(double x, double y, double z)
+{
+    const float org[3] = { 0, 0, 0 }, to[3] = { (float)x, (float)y, (float)z };
+    const float *const target[3] = { to, to + 1, to + 2 };
+    uint8_t got;
+    scene->bvh->kernels->hidden(&scene->bvh->data, org, 1, target, false, &got);
+    return got;
+}
+
+static bool opaque_at(double x, double y)
+{
+    int i = (int)floor((x + 1) * 2), j = (int)floor((y + 1) * 2);
+    return (i + j) % 2 == 0;
+}
+
+static void check_checks(void)
+{
+    for (int i = 0; i < 1000; i++) {
+        double x = rnd(-0.98, 0.98), y = rnd(-0.98, 0.98);
+        if (fabs(x * 2 - floor(x * 2 + 0.5)) < 1e-3 || fabs(y * 2 - floor(y * 2 + 0.5)) < 1e-3) continue;
+        CHECKF(fabs(seen(x, y) - (opaque_at(x, y) ? 1 : 2)) < 1e-5, "(%g, %g): %g", x, y, seen(x, y));
+        CHECK(hidden(1.9 * x, 1.9 * y, 1.9) == opaque_at(x, y));
+    }
+}
+
+TEST(textures)
+{
+    CHECK(load(HEAD4, CHECKS WALL QUAD UV "\"texture alpha\" \"c\""));
+    CHECK(scene->n_alphas == 1 && scene->n_notes == 0);
+    check_checks();
+    CHECK(load(HEAD3, CHECKS WALL QUAD ST "\"texture alpha\" \"c\""));
+    check_checks();
+    CHECK(load(HEAD4, CHECKS QUAD UV "\"texture alpha\" \"nothing\"\n" WALL));
+    CHECK(scene->n_notes == 1);
+}
+
+TEST(numbers)
+{
+    CHECK(load(HEAD4, WALL QUAD "\"float alpha\" 1"));
+    CHECK(scene->n_alphas == 0 && !scene->bvh->data.alpha && fabs(seen(0.1, 0.2) - 1) < 1e-5);
+    CHECK(load(HEAD4, WALL QUAD "\"float alpha\" 0"));
+    CHECK(scene->n_tris == 2 && scene->n_notes == 0 && fabs(seen(0.1, 0.2) - 2) < 1e-5 && !hidden(0, 0, 1.9));
+    CHECK(load(HEAD4, WALL QUAD "\"float alpha\" 0.3"));
+    int n = 0, n_shadow = 0;
+    for (int i = 0; i < 10000; i++) {
+        double x = rnd(-0.98, 0.98), y = rnd(-0.98, 0.98);
+        n += seen(x, y) < 1.5, n_shadow += hidden(1.9 * x, 1.9 * y, 1.9);
+    }
+    CHECKF(abs(n - 3000) < 200 && abs(n_shadow - 3000) < 200, "%d and %d of 10000", n, n_shadow); /* 4 sigma: 183 */
+    CHECK(load(HEAD3, WALL QUAD "\"float shadowalpha\" 0"));
+    CHECK(fabs(seen(0.1, 0.2) - 1) < 1e-5 && !hidden(0.1, 0.2, 1.9));
+    CHECK(load(HEAD3, CHECKS WALL QUAD ST "\"texture shadowalpha\" \"c\""));
+    CHECK(fabs(seen(0.1, 0.6) - 1) < 1e-5 && hidden(0.1 * 1.9, 0.1 * 1.9, 1.9) && !hidden(0.1 * 1.9, 0.6 * 1.9, 1.9));
+}
+
+TEST(emitters)
+{
+    CHECK(load(HEAD4, "AreaLightSource \"diffuse\"\n" QUAD "\"float alpha\" 0"));
+    CHECK(scene->n_emissive_tris == 2 && scene->n_lights > 1 && seen(0, 0.1) <= 0 && scene->n_notes == 0);
+    CHECK(load(HEAD4, CHECKS "AreaLightSource \"diffuse\"\n" QUAD UV "\"texture alpha\" \"c\""));
+    CHECK(note("alpha of an area light") && seen(0.1, 0.1) > 0 && seen(0.1, 0.6) <= 0);
+}
+
+/* A pile of sheets with checks and shares, so that rays pass some. object: as two instances of 288 triangles. */
+static void sheets(bool object)
+{
+    size_t n = (size_t)snprintf(text, sizeof text, HEAD4 CHECKS "Texture \"m\" \"float\" \"mix\" \"texture tex1\" \"c\" \"float tex2\" 0.4\n%s",
+                                object ? "ObjectBegin \"o\"\n" : "");
+    for (int i = 0; i < 144; i++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "Shape \"trianglemesh\" \"point3 P\" [-1 -1 %g 1 -1 %g 1 1 %g -1 1 %g] \"integer indices\" "
+                              "[0 1 2 0 2 3] " UV "\"texture alpha\" \"%s\"\n", 1 + 0.01 * i, 1 + 0.02 * i, 1.1 + 0.01 * i, 1 + 0.013 * i,
+                              i % 2 ? "c" : "m");
+    if (object) n += (size_t)snprintf(text + n, sizeof text - n, "ObjectEnd ObjectInstance \"o\" Translate .3 .1 0 ObjectInstance \"o\"\n");
+    text_len = n;
+}
+
+TEST(instruction_sets)
+{
+    static const lc_isa isas[] = { LC_ISA_SCALAR, LC_ISA_SSE4, LC_ISA_AVX2, LC_ISA_AVX512 };
+    for (int object = 0; object < 2; object++) {
+        uint32_t n_hidden = 0, n_all = 0;
+        sheets(object);
+        lc_scene_destroy(scene);
+        CHECK(load_in(ctx, &scene) == LC_OK && scene->n_instances == (object ? 2 : 0));
+        for (int i = 0; i < 200; i++) {
+            const float org[3] = { (float)rnd(-1, 1), (float)rnd(-1, 1), (float)rnd(0.5, 3) };
+            float t[3][64];
+            const float *const target[3] = { t[0], t[1], t[2] };
+            uint8_t first[64], got[64], one;
+            for (int j = 0; j < 64; j++)
+                for (int k = 0; k < 3; k++) t[k][j] = (float)(k == 2 ? org[2] + (float)rnd(-0.02, 0.02) : (float)rnd(-1, 1));
+            for (size_t m = 0; m < 4 && isas[m] <= lc_cpu_isa(); m++) {
+                const lc_kernels *k = lc_kernels_get(isas[m]);
+                k->hidden(&scene->bvh->data, org, 64, target, false, got);
+                if (!m) memcpy(first, got, sizeof got);
+                CHECK(!memcmp(first, got, sizeof got));
+                for (uint32_t j = 0; j < 64; j++) {
+                    const float *const alone[3] = { t[0] + j, t[1] + j, t[2] + j };
+                    const float d[3] = { t[0][j] - org[0], t[1][j] - org[1], t[2][j] - org[2] };
+                    lc_hit a, b;
+                    k->hidden(&scene->bvh->data, org, 1, alone, false, &one);
+                    CHECK(one == first[j]);
+                    lc_kernels_get(LC_ISA_SCALAR)->closest(&scene->bvh->data, org, d, FLT_MAX, &a);
+                    k->closest(&scene->bvh->data, org, d, FLT_MAX, &b);
+                    CHECK(!memcmp(&a, &b, sizeof a));
+                    /* the same hits are passed by both kinds of rays */
+                    if (a.tri == LC_NONE || a.t > 1.001f || (a.t > 0.001f && a.t < 0.999f)) CHECK(one == (a.t < 1 && a.tri != LC_NONE));
+                }
+            }
+            for (int j = 0; j < 64; j++) n_hidden += first[j], n_all++;
+        }
+        CHECKF(n_hidden > n_all / 10 && n_hidden < n_all - n_all / 10, "%u of %u", n_hidden, n_all);
+    }
+}
+
+TEST(pictures)
+{
+    lc_image *first = NULL;
+    for (int i = 0; i < 3; i++) {
+        lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+        lc_render_desc how = LC_RENDER_DESC_INIT;
+        lc_context *other;
+        lc_scene *s;
+        lc_image *image;
+        desc.n_threads = i == 1 ? 7 : 1, desc.isa = i ? LC_ISA_BEST : LC_ISA_SCALAR;
+        if (lc_context_create(&desc, &other)) abort();
+        sheets(true);
+        CHECK(load_in(other, &s) == LC_OK && lc_render(i ? other : ctx, s, &how, &image, NULL) == LC_OK);
+        if (first)
+            for (uint32_t c = 0; c < 3; c++) CHECK(!memcmp(first->channels[c].plane, image->channels[c].plane, 1600 * sizeof(float)));
+        if (i) lc_image_destroy(image);
+        else first = image;
+        lc_scene_destroy(s);
+        lc_context_destroy(other);
+    }
+    lc_image_destroy(first);
+}
+
+TEST(too_little_memory)
+{
+    lc_context *small = poor_context();
+    lc_status st = LC_ERR_MEMORY;
+    long n = 0;
+    sheets(true);
+    for (; st == LC_ERR_MEMORY && n < 2000; n++) {
+        lc_scene *s = NULL;
+        allocations_left = n;
+        st = load_in(small, &s);
+        allocations_left = -1;
+        lc_scene_destroy(s);
+    }
+    CHECKF(st == LC_OK && n > 40, "status %d after %ld", st, n);
+    lc_context_destroy(small);
+}
+
+int main(void)
+{
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    if (lc_context_create(&desc, &ctx)) return 1;
+    RUN(textures);
+    RUN(numbers);
+    RUN(emitters);
+    RUN(instruction_sets);
+    RUN(pictures);
+    RUN(too_little_memory);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+    return test_done();
+}

@@ -1,0 +1,375 @@
+/* unit_instance.c - objects that share triangles: a scene of instances against its twin of copies, matrices of all kinds, every
+ * instruction set and company of rays, many instances, and too little memory. */
+#include "instance.h"
+#include "cpu.h"
+#include "image.h"
+#include "pbrt_parse.h"
+#include "poor.h"
+#include "rng.h"
+#include "surface.h"
+#include "test.h"
+
+#include <stdarg.h>
+
+static lc_context *ctx;
+static uint64_t rnd_state = 1;
+static char *text;
+static size_t text_len;
+static double bump = 0.2; /* of the shape; 0: a ball, convex */
+static FILE *out;
+
+static double rnd(double lo, double hi) { return lo + (hi - lo) * lc_unit(lc_hash4(7, rnd_state++, 0, 0)); }
+
+static void begin(const char *camera)
+{
+    free(text);
+    text = NULL;
+    out = open_memstream(&text, &text_len);
+    fprintf(out, "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n%s Camera \"perspective\" \"float fov\" 60\n"
+                 "WorldBegin\nLightSource \"point\" \"point3 from\" [3 9 -12]\nLightSource \"point\" \"point3 from\" [-9 5 -9]\n"
+                 "Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 8 \"float vscale\" 4\n", camera);
+}
+
+static lc_status load_in(lc_context *c, lc_scene **s)
+{
+    lc_load_desc desc = LC_LOAD_DESC_INIT;
+    desc.area_lights = desc.env_lights = 64, desc.n_reps = 1;
+    lc_status st = lc_scene_create(c, s);
+    if (!st) st = lc_pbrt_parse_memory(*s, "s", text, text_len);
+    return st ? st : lc_scene_commit(*s, &desc);
+}
+
+static lc_scene *load(void)
+{
+    lc_scene *s;
+    fclose(out);
+    lc_status st = load_in(ctx, &s);
+    CHECKF(st == LC_OK, "status %d", st);
+    return s;
+}
+
+/* A sphere of n * n quads with a bump, as a mesh in explicit numbers: no larger than 1. */
+static void put_shape(uint32_t n, bool normals)
+{
+    fprintf(out, "Shape \"trianglemesh\" \"point3 P\" [");
+    for (int pass = 0; pass < 1 + normals; pass++) {
+        for (uint32_t i = 0; i <= n; i++)
+            for (uint32_t j = 0; j <= n; j++) {
+                double a = LC_PI * i / n, b = 2 * LC_PI * j / n, r = pass ? 1 : 1 - bump * sin(a) * sin(a);
+                fprintf(out, "%.9g %.9g %.9g\n", r * sin(a) * cos(b), r * sin(a) * sin(b), r * cos(a));
+            }
+        fprintf(out, !pass && normals ? "] \"normal3 N\" [" : "]");
+    }
+    fprintf(out, " \"point2 uv\" [");
+    for (uint32_t i = 0; i <= n; i++)
+        for (uint32_t j = 0; j <= n; j++) fprintf(out, "%.9g %.9g\n", (double)j / n, (double)i / n);
+    fprintf(out, "] \"integer indices\" [");
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++) {
+            uint32_t a = i * (n + 1) + j, b = a + n + 1;
+            fprintf(out, "%u %u %u %u %u %u\n", a, b, b + 1, a, b + 1, a + 1);
+        }
+    fprintf(out, "]\n");
+}
+
+/* Rotated, stretched, every third mirrored. */
+static void put_matrix(double spread)
+{
+    double f = rnd(0, 3) < 1 ? -1 : 1;
+    fprintf(out, "Translate %.9g %.9g %.9g Rotate %.9g %.9g %.9g 1 Scale %.9g %.9g %.9g\n", rnd(-spread, spread), rnd(-spread, spread),
+            rnd(-spread, spread), rnd(0, 360), rnd(-1, 1), rnd(-1, 1), f * rnd(0.3, 1.5), rnd(0.3, 1.5), rnd(0.3, 1.5));
+}
+
+#define MATERIAL "Material \"matte\" \"texture Kd\" \"t\"\n"
+#define CAMERA "LookAt 0 0 -14 0 0 0 0 1 0"
+
+/* The same n objects as instances or as meshes of their own. */
+static lc_scene *twin(uint32_t n, bool shared, bool normals)
+{
+    rnd_state = 1;
+    begin(CAMERA);
+    fprintf(out, MATERIAL);
+    if (shared) {
+        fprintf(out, "ObjectBegin \"o\"\n");
+        put_shape(16, normals);
+        fprintf(out, "ObjectEnd\n");
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        fprintf(out, "AttributeBegin\n");
+        put_matrix(4);
+        if (shared) fprintf(out, "ObjectInstance \"o\"\n");
+        else put_shape(16, normals);
+        fprintf(out, "AttributeEnd\n");
+    }
+    return load();
+}
+
+static lc_f3 random_dir(void)
+{
+    for (;;) {
+        double x = rnd(-1, 1), y = rnd(-1, 1), z = rnd(-1, 1), d = x * x + y * y + z * z;
+        if (d > 0.01 && d < 1) return lc_f3_normalize_d(x, y, z);
+    }
+}
+
+static bool near3(lc_f3 a, lc_f3 b, float eps) { return lc_f3_max_abs(lc_f3_sub(a, b)) <= eps; }
+
+TEST(as_copies)
+{
+    for (int normals = 0; normals < 2; normals++) {
+        lc_scene *a = twin(20, true, normals), *b = twin(20, false, normals);
+        CHECK(a->n_instances == 20 && a->n_tris == 512 && b->n_tris == 20 * 512 && !b->level && lc_instanced_tris(a) == b->n_tris);
+        CHECK(a->n_notes == b->n_notes);
+        uint32_t n_hits = 0, n_other = 0;
+        for (int i = 0; i < 20000; i++) {
+            lc_surface p, q;
+            lc_hit ha, hb;
+            lc_f3 o = lc_f3_make((float)rnd(-6, 6), (float)rnd(-6, 6), (float)rnd(-6, 6)), d = random_dir();
+            const float org[3] = { o.x, o.y, o.z }, dir[3] = { d.x, d.y, d.z };
+            a->bvh->kernels->closest(&a->bvh->data, org, dir, FLT_MAX, &ha);
+            b->bvh->kernels->closest(&b->bvh->data, org, dir, FLT_MAX, &hb);
+            /* Normals of copies are scaled at each corner, so they mix a little differently. Rounding differs: at an outline a ray may hit one only, at an edge the neighbour. */
+            if (ha.tri == LC_NONE || hb.tri == LC_NONE || ha.instance * 512 + ha.tri != hb.tri) {
+                n_other += ha.tri != hb.tri;
+                continue;
+            }
+            n_hits++;
+            CHECKF(fabsf(ha.t - hb.t) < 2e-5f && fabsf(ha.u - hb.u) < 1e-3f, "t %g %g", (double)ha.t, (double)hb.t);
+            CHECK(lc_surface_hit(a, o, d, 0, &p) && lc_surface_hit(b, o, d, 0, &q));
+            CHECKF(near3(p.pos, q.pos, 2e-5f) && near3(p.ng, q.ng, 1e-5f) && near3(p.n, q.n, normals ? 0.3f : 1e-5f), "n %g %g %g, %g %g %g, cos %g", (double)p.n.x, (double)p.n.y, (double)p.n.z, (double)q.n.x, (double)q.n.y, (double)q.n.z, (double)lc_f3_dot(p.ng, d));
+        }
+        CHECKF(n_hits > 2000 && n_other <= 20, "%u hits, %u others", n_hits, n_other);
+        lc_scene_destroy(a);
+        lc_scene_destroy(b);
+    }
+}
+
+TEST(shadows)
+{
+    static const lc_isa isas[] = { LC_ISA_SCALAR, LC_ISA_SSE4, LC_ISA_AVX2, LC_ISA_AVX512 };
+    lc_scene *a = twin(200, true, false), *b = twin(200, false, false);
+    uint32_t n_hidden = 0, n_other = 0;
+    for (int i = 0; i < 1000; i++) {
+        float org[3] = { (float)rnd(-6, 6), (float)rnd(-6, 6), (float)rnd(-6, 6) }, t[3][70];
+        const float *const target[3] = { t[0], t[1], t[2] };
+        uint8_t got[80], want[80], one;
+        bool far = i % 4 == 0;
+        uint32_t n = 1 + (uint32_t)rnd(0, 70);
+        for (uint32_t j = 0; j < n; j++)
+            for (int k = 0; k < 3; k++) t[k][j] = (float)rnd(-6, 6);
+        b->bvh->kernels->hidden(&b->bvh->data, org, n, target, far, want);
+        for (size_t m = 0; m < 4 && isas[m] <= lc_cpu_isa(); m++) {
+            uint8_t other[80];
+            lc_kernels_get(isas[m])->hidden(&a->bvh->data, org, n, target, far, other);
+            if (!m) memcpy(got, other, n);
+            CHECK(!memcmp(got, other, n));
+            for (uint32_t j = 0; j < n; j++) {
+                const float *const alone[3] = { t[0] + j, t[1] + j, t[2] + j };
+                lc_hit first, hit;
+                const float d[3] = { t[0][j] - org[0], t[1][j] - org[1], t[2][j] - org[2] };
+                lc_kernels_get(isas[m])->hidden(&a->bvh->data, org, 1, alone, far, &one);
+                CHECK(one == got[j]);
+                lc_kernels_get(LC_ISA_SCALAR)->closest(&a->bvh->data, org, d, FLT_MAX, &first);
+                lc_kernels_get(isas[m])->closest(&a->bvh->data, org, d, FLT_MAX, &hit);
+                CHECK(!memcmp(&first, &hit, sizeof hit));
+            }
+        }
+        for (uint32_t j = 0; j < n; j++) n_hidden += got[j], n_other += got[j] != want[j];
+    }
+    CHECKF(n_hidden > 5000 && n_other <= 20, "%u hidden, %u others", n_hidden, n_other);
+    lc_scene_destroy(a);
+    lc_scene_destroy(b);
+}
+
+/* Points of a convex object don't shade themselves, wherever it stands. */
+TEST(no_shadow_on_itself)
+{
+    static const double place[][4] = { { 6, 0, 0, 1 }, { 1000, -2000, 500, 1 }, { 5, 5, 5, 1e-3 }, { 1e5, 0, -1e5, 300 }, { 70, 0, 0, 1e-2 } };
+    bump = 0;
+    for (size_t c = 0; c < sizeof place / sizeof *place; c++) {
+        const double *at = place[c];
+        begin(CAMERA);
+        fprintf(out, MATERIAL "ObjectBegin \"o\" Rotate 20 1 0 0 Translate %g 0 0\n", c % 2 ? 5.0 : 0.0);
+        put_shape(16, false);
+        fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate %.9g %.9g %.9g Rotate 33 1 2 3 Scale %g %g %g ObjectInstance \"o\"\n", at[0], at[1],
+                at[2], at[3], -at[3], at[3] * 0.4);
+        lc_scene *s = load();
+        CHECK(s->n_instances == 2);
+        lc_f3 centre = lc_f3_make(0, 0, 0);
+        for (int i = 0; i < 512; i++) { /* the middle of its triangles */
+            float p[3];
+            lc_instance_point(&s->instances[1], lc_tri_vertex(s->pos, s->index, (size_t)i, 0), p);
+            centre = lc_f3_add(centre, lc_f3_scale(lc_f3_load(p), 1.0f / 512));
+        }
+        uint32_t n_hidden = 0, n_hits = 0;
+        for (int i = 0; i < 20000; i++) {
+            lc_f3 d = random_dir(), o = lc_f3_sub(centre, lc_f3_scale(d, (float)(at[3] * 10)));
+            lc_surface p;
+            if (!lc_surface_hit(s, o, d, 0, &p) || lc_f3_len(lc_f3_sub(p.pos, centre)) > 4 * (float)at[3]) continue;
+            lc_f3 l = random_dir();
+            if (lc_f3_dot(l, p.ng) < 0) l = lc_f3_neg(l);
+            if (lc_f3_dot(l, p.ng) < 0.1f) continue;
+            l = lc_f3_scale(l, (float)(3 * at[3]));
+            const float to[3] = { p.ray_org[0] + l.x, p.ray_org[1] + l.y, p.ray_org[2] + l.z };
+            const float *const target[3] = { to, to + 1, to + 2 };
+            uint8_t hidden;
+            s->bvh->kernels->hidden(&s->bvh->data, p.ray_org, 1, target, false, &hidden);
+            n_hits++, n_hidden += hidden;
+        }
+        CHECKF(n_hits > 5000 && !n_hidden, "place %zu: %u of %u", c, n_hidden, n_hits);
+        lc_scene_destroy(s);
+    }
+    bump = 0.2;
+}
+
+static lc_image *render(lc_context *c, const lc_scene *s)
+{
+    lc_render_desc desc = LC_RENDER_DESC_INIT;
+    lc_image *image;
+    desc.spp = 4;
+    CHECK(lc_render(c, s, &desc, &image, NULL) == LC_OK);
+    return image;
+}
+
+TEST(pictures)
+{
+    lc_scene *a = twin(30, true, false), *b = twin(30, false, false);
+    lc_image *first = render(ctx, a), *copies = render(ctx, b);
+    double sum[2] = { 0, 0 }, diff = 0;
+    size_t n = 64 * 64;
+    for (uint32_t c = 0; c < 3; c++)
+        for (size_t i = 0; i < n; i++) {
+            double x = (double)first->channels[c].plane[i], y = (double)copies->channels[c].plane[i];
+            sum[0] += x, sum[1] += y, diff += fabs(x - y);
+        }
+    CHECKF(sum[0] > 0 && diff < 2e-3 * sum[0], "%g %g differ by %g", sum[0], sum[1], diff);
+    for (int i = 0; i < 2; i++) {
+        lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+        lc_context *other;
+        desc.n_threads = i ? 7 : 1, desc.isa = i ? LC_ISA_BEST : LC_ISA_SCALAR;
+        if (lc_context_create(&desc, &other)) abort();
+        lc_scene *s;
+        rnd_state = 1;
+        lc_scene_destroy(twin(30, true, false)); /* its text again */
+        CHECK(load_in(other, &s) == LC_OK);
+        lc_image *image = render(other, s);
+        for (uint32_t c = 0; c < 3; c++) CHECK(!memcmp(first->channels[c].plane, image->channels[c].plane, n * sizeof(float)));
+        lc_image_destroy(image);
+        lc_scene_destroy(s);
+        lc_context_destroy(other);
+    }
+    lc_image_destroy(first);
+    lc_image_destroy(copies);
+    lc_scene_destroy(a);
+    lc_scene_destroy(b);
+}
+
+/* Two instances of an object, the second with this before it. */
+static lc_scene *with_matrix(const char *matrix, uint32_t n)
+{
+    begin(CAMERA);
+    fprintf(out, MATERIAL "ObjectBegin \"o\"\n");
+    if (n) put_shape(n, false);
+    fprintf(out, "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" %s ObjectInstance \"o\"\n", matrix);
+    return load();
+}
+
+TEST(matrices)
+{
+    static const struct {
+        const char *matrix;
+        uint32_t n_instances, n_tris;
+    } cases[] = {
+        { "Scale 2 2 -2", 3, 512 },
+        { "Scale 1 1 0", 2, 1024 },
+        { "Scale 0 0 0", 2, 1024 },
+        { "Scale 1e-7 1e-7 1e-7", 2, 1024 },
+        { "Scale 1e5 1 1", 2, 1024 },
+        { "Transform [1 0 0 0 0 1 0 0 0 0 1 0.1 0 0 0 1]", 2, 1024 },
+        { "Scale 1e-5 1e-5 1e-5", 3, 512 },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        lc_scene *s = with_matrix(cases[i].matrix, 16);
+        CHECKF(s->n_instances == cases[i].n_instances && s->n_tris == cases[i].n_tris, "%s: %zu instances, %zu triangles", cases[i].matrix,
+               s->n_instances, s->n_tris);
+        lc_scene_destroy(s);
+    }
+    lc_scene *s = with_matrix("", 0);
+    CHECK(s->n_tris == 0 && s->n_instances == 0);
+    lc_scene_destroy(s);
+    s = with_matrix("", 4); /* small: copied */
+    CHECK(s->n_tris == 3 * 32 && s->n_instances == 0);
+    lc_scene_destroy(s);
+    for (uint32_t n = 4; n <= 16; n += 12) { /* a copy, an instance */
+        begin(CAMERA);
+        fprintf(out, "ObjectBegin \"o\"\n");
+        put_shape(n, false);
+        fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate 1e13 0 0 ObjectInstance \"o\"\n");
+        fclose(out);
+        CHECK(load_in(ctx, &s) == LC_ERR_PARSE);
+        lc_scene_destroy(s);
+    }
+    begin(CAMERA);
+    fprintf(out, "ObjectBegin \"o\"\n");
+    put_shape(16, true);
+    fprintf(out, "ObjectEnd Translate 1 0 0 ObjectInstance \"o\"\n"); /* one: nothing to share */
+    s = load();
+    CHECK(s->n_tris == 512 && s->n_instances == 0 && s->bounds.hi.x > 1.5f);
+    lc_scene_destroy(s);
+}
+
+TEST(many)
+{
+    begin(CAMERA);
+    fprintf(out, MATERIAL "ObjectBegin \"o\"\n");
+    put_shape(16, true);
+    fprintf(out, "ObjectEnd\n");
+    for (int i = 0; i < 100000; i++) fprintf(out, "Identity Translate %.6g %.6g %.6g ObjectInstance \"o\"\n", rnd(-99, 99), rnd(-99, 99), rnd(-99, 99));
+    lc_scene *s = load();
+    CHECK(s->n_instances == 100000 && s->n_tris == 512 && lc_instanced_tris(s) == 51200000);
+    CHECKF(lc_instances_bytes(s) < 50 << 20, "%zu bytes", lc_instances_bytes(s));
+    uint32_t n_hits = 0;
+    for (int i = 0; i < 1000; i++) {
+        lc_surface p;
+        n_hits += lc_surface_hit(s, lc_f3_make(0, 0, 0), random_dir(), 0, &p);
+    }
+    CHECK(n_hits > 500); /* 99 units with 100000 balls of 0.8 to 1 in a cube of 198: a free path of 25 */
+    lc_scene_destroy(s);
+}
+
+TEST(too_little_memory)
+{
+    lc_context *small = poor_context();
+    lc_status st = LC_ERR_MEMORY;
+    long n = 0;
+    begin(CAMERA);
+    fprintf(out, MATERIAL "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\nObjectBegin \"o\"\n");
+    put_shape(16, true);
+    fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate 1 0 0 ObjectInstance \"o\" Scale 1 0 1 ObjectInstance \"o\"\n");
+    fclose(out);
+    for (; st == LC_ERR_MEMORY && n < 2000; n++) {
+        lc_scene *s = NULL;
+        allocations_left = n;
+        st = load_in(small, &s);
+        allocations_left = -1;
+        lc_scene_destroy(s);
+    }
+    CHECKF(st == LC_OK && n > 40, "status %d after %ld", st, n);
+    lc_context_destroy(small);
+}
+
+int main(void)
+{
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    if (lc_context_create(&desc, &ctx)) return 1;
+    RUN(as_copies);
+    RUN(shadows);
+    RUN(no_shadow_on_itself);
+    RUN(pictures);
+    RUN(matrices);
+    RUN(many);
+    RUN(too_little_memory);
+    lc_context_destroy(ctx);
+    free(text);
+    return test_done();
+}
