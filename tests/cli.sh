@@ -171,7 +171,7 @@ check 'the last --seed wins' grep -q '"seed": 7,' st.json
 check 'the last --method wins' grep -q '"method": "lightcuts"' st.json
 check 'options after the scene count, -o adds up' test -s b.exr
 good 'all options' -q s.pbrt -o a.exr --method exact --error-ratio 0.01 --max-cut 10 --dark-floor 0 --representatives 4 \
-    --maxdepth 1 --area-lights 64 --env-lights 9 --seed 3 --spp 2 --pixelbounds 0,8,0,8 --aov cut,n,p,z,albedo,error,rays -t 1 --isa scalar
+    --maxdepth 1 --area-lights 64 --env-lights 9 --indirect-lights 0 --seed 3 --spp 2 --pixelbounds 0,8,0,8 --aov cut,n,p,z,albedo,error,rays -t 1 --isa scalar
 good '--cropwindow' -q s.pbrt -o c.exr --cropwindow 0.25,0.75,0,0.5
 run info --json c.exr
 check 'crop: data window and display window' grep -q '"display_width": 48' out
@@ -208,6 +208,7 @@ done <<'END'
 --maxdepth 0
 --area-lights 0
 --env-lights 0
+--indirect-lights -1
 --seed -1
 --seed x
 --spp 0
@@ -481,6 +482,13 @@ check 'info --json: channels' grep -q '"name": "R"' info_image.json
 good 'info of a scene with a mirror' info mirror.pbrt
 prints '^mirrors  *1 of them, paths of depth 2$'
 if grep -q 'material mirror' out; then no 'a mirror is not approximated' 'but listed'; else ok; fi
+prints '^indirect light  *200[0-9][0-9] virtual lights'
+good 'indirect light in the statistics' -q mirror.pbrt -o a.exr --indirect-lights 50 --stats-file st.json
+check 'its counts' grep -q '"indirect": {"lights": 5[0-9], "paths": [0-9]*, "clamp_loss": [0-9.e-]*}' st.json
+good 'none of it' -q mirror.pbrt -o a.exr --indirect-lights 0 --stats-file st.json
+check 'no counts' grep -q '"indirect": {"lights": 0, "paths": 0, "clamp_loss": 0}' st.json
+good '--maxdepth 1' -q mirror.pbrt -o a.exr --maxdepth 1 --stats-file st.json
+check '--maxdepth 1: no indirect light' grep -q '"indirect": {"lights": 0,' st.json
 good '--maxdepth with a mirror' mirror.pbrt -o a.exr --maxdepth 3
 if grep -q 'maxdepth' err; then no '--maxdepth with a mirror' 'warns'; else ok; fi
 good '--maxdepth without one' s.pbrt -o a.exr --maxdepth 3

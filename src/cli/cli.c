@@ -91,6 +91,13 @@ int cli_parse_u32(const char *text, uint64_t lo, uint64_t hi, uint32_t *out)
     return bad;
 }
 
+int cli_parse_indirect(const char *text, uint32_t *out)
+{
+    int bad = cli_parse_u32(text, 0, 1u << 28, out);
+    if (!bad && !*out) *out = LC_NO_LIGHTS;
+    return bad;
+}
+
 int cli_parse_single(const char *text, double lo, double hi, float *out)
 {
     double v = 0;

@@ -38,6 +38,7 @@ int cli_parse_u64(const char *text, uint64_t lo, uint64_t hi, uint64_t *out);
 /* n numbers with commas between. */
 int cli_parse_list(const char *text, int n, double lo, double hi, double *out);
 int cli_parse_u32(const char *text, uint64_t lo, uint64_t hi, uint32_t *out); /* hi at most UINT32_MAX */
+int cli_parse_indirect(const char *text, uint32_t *out); /* a number of lights, 0: LC_NO_LIGHTS */
 int cli_parse_single(const char *text, double lo, double hi, float *out);
 /* x0,x1,y0,y1: whole numbers from 0 to 65535. */
 int cli_parse_pixels(const char *text, int32_t out[4]);

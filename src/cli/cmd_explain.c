@@ -17,13 +17,14 @@ typedef struct {
 } options;
 
 enum { OPT_PIXEL = 256, OPT_SAMPLE, OPT_JSON, OPT_TOP, OPT_ALL, OPT_METHOD, OPT_ERROR, OPT_MAX_CUT, OPT_FLOOR, OPT_REPS, OPT_BUILDER,
-       OPT_AREA, OPT_SEED, OPT_SPP, OPT_ISA };
+       OPT_AREA, OPT_INDIRECT, OPT_MAXDEPTH, OPT_SEED, OPT_SPP, OPT_ISA };
 
 static const struct option long_options[] = {
     { "pixel", 1, 0, OPT_PIXEL }, { "sample", 1, 0, OPT_SAMPLE }, { "json", 0, 0, OPT_JSON }, { "top", 1, 0, OPT_TOP },
     { "all", 0, 0, OPT_ALL }, { "method", 1, 0, OPT_METHOD }, { "error-ratio", 1, 0, OPT_ERROR },
     { "max-cut", 1, 0, OPT_MAX_CUT }, { "dark-floor", 1, 0, OPT_FLOOR }, { "representatives", 1, 0, OPT_REPS },
-    { "builder", 1, 0, OPT_BUILDER }, { "area-lights", 1, 0, OPT_AREA }, { "seed", 1, 0, OPT_SEED }, { "spp", 1, 0, OPT_SPP },
+    { "builder", 1, 0, OPT_BUILDER }, { "area-lights", 1, 0, OPT_AREA }, { "indirect-lights", 1, 0, OPT_INDIRECT },
+    { "maxdepth", 1, 0, OPT_MAXDEPTH }, { "seed", 1, 0, OPT_SEED }, { "spp", 1, 0, OPT_SPP },
     { "isa", 1, 0, OPT_ISA }, { "nthreads", 1, 0, 't' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 },
 };
 
@@ -39,7 +40,7 @@ static void print_help(void)
            "      --json               print everything as JSON, the clusters that were split too\n\n"
            "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
            "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --builder B,\n"
-           "      --area-lights N, --seed N, --spp N, --isa I, -t, --nthreads N\n\n"
+           "      --area-lights N, --indirect-lights N, --maxdepth N, --seed N, --spp N, --isa I, -t, --nthreads N\n\n"
            "  -h, --help               this text\n\n"
            "columns: share of the cut's luminance; luminance of estimate, of the exact sum, their difference (error), and the\n"
            "bound that it never exceeds; lights in the cluster and how many of them reach the point; light: the representative\n"
@@ -71,6 +72,8 @@ static int set_option(options *o, int c)
     case OPT_REPS: return cli_parse_u32(optarg, 1, 32, &o->load.n_reps);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_AREA: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.area_lights);
+    case OPT_INDIRECT: return cli_parse_indirect(optarg, &o->load.indirect_lights);
+    case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, 1000000, &o->render.max_depth);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, 65536, &o->render.spp);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
@@ -107,7 +110,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         return -1;
     }
     o->scene = argv[optind];
-    o->load.seed = o->render.seed;
+    o->load.seed = o->render.seed, o->load.max_depth = o->render.max_depth;
     return 0;
 }
 

@@ -88,14 +88,6 @@ static int parse_aovs(const char *text, uint32_t *out)
     }
 }
 
-/* 0 means none, which the library has another number for. */
-static int parse_indirect(const char *text, uint32_t *out)
-{
-    int bad = cli_parse_u32(text, 0, 1u << 28, out);
-    if (!bad && !*out) *out = LC_NO_LIGHTS;
-    return bad;
-}
-
 /* Nonzero: the value of option c is out of range. */
 static int set_option(options *o, int c)
 {
@@ -110,7 +102,7 @@ static int set_option(options *o, int c)
     case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, 1000000, &o->render.max_depth);
     case OPT_AREA: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.area_lights);
     case OPT_ENV: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.env_lights);
-    case OPT_INDIRECT: return parse_indirect(optarg, &o->load.indirect_lights);
+    case OPT_INDIRECT: return cli_parse_indirect(optarg, &o->load.indirect_lights);
     case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, 65536, &o->render.spp);
