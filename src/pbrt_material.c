@@ -1,11 +1,11 @@
-/* pbrt_material.c - materials. diffuse, matte and mirror are exact, and phong and ward are ours: "rgb Kd", "rgb Ks" and "float
- * exponent", or "float roughness", "uroughness", "vroughness". Any other material is a diffuse one of a sensible colour. Each
+/* pbrt_material.c - materials. diffuse, matte and mirror are exact, and phong, ward and ggx are ours: "rgb Kd", "rgb Ks" and "float
+ * exponent", or "float roughness", "uroughness", "vroughness"; ggx is as ward, by Schlick. Any other material is a diffuse one of a sensible colour. Each
  * of these may be a texture. */
 #include "pbrt_state.h"
 
 #include <string.h>
 
-typedef enum material_kind { EXACT, APPROXIMATE, INVISIBLE, PHONG, WARD, MIRROR } material_kind;
+typedef enum material_kind { EXACT, APPROXIMATE, INVISIBLE, PHONG, WARD, GGX, MIRROR } material_kind;
 
 static const struct material {
     const char *name, *colour; /* parameter that holds the colour, or NULL */
@@ -17,6 +17,7 @@ static const struct material {
     { "phong", "Kd", 0.5f, PHONG },
     { "mirror", NULL, 0, MIRROR },
     { "ward", "Kd", 0.5f, WARD },
+    { "ggx", "Kd", 0.5f, GGX },
     { "", NULL, 0, INVISIBLE },
     { "none", NULL, 0, INVISIBLE },
     { "interface", NULL, 0, INVISIBLE },
@@ -90,7 +91,7 @@ static lc_status get_mirror(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
     return st ? st : get_albedo(p, "Kr", &m->ks, &maps->ks);
 }
 
-/* One of Ward's two; *value keeps its value and *map its texture where the parameter is absent. */
+/* One of Ward's or GGX's two; *value keeps its value and *map its texture where the parameter is absent. */
 static lc_status get_roughness(lc_pbrt *p, const char *name, float *value, uint32_t *map)
 {
     const lc_pbrt_param *par;
@@ -101,7 +102,7 @@ static lc_status get_roughness(lc_pbrt *p, const char *name, float *value, uint3
     *value = (float)fmin(fmax(in.value[0], (double)LC_MIN_ROUGHNESS), (double)LC_MAX_ROUGHNESS);
     *map = in.id;
     if (in.id == LC_NONE && ((float)in.value[0] < LC_MIN_ROUGHNESS || (float)in.value[0] > LC_MAX_ROUGHNESS))
-        return lc_pbrt_note(p, par->pos, "ward roughness", "a Ward roughness outside %g..%g is clamped",
+        return lc_pbrt_note(p, par->pos, "ward roughness", "a roughness outside %g..%g is clamped",
                             (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
     return LC_OK;
 }
@@ -127,7 +128,8 @@ static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbr
     lc_status st = kind->colour ? get_albedo(p, kind->colour, &m.kd, &maps.kd) : LC_OK;
     if (!st && kind->kind == PHONG) st = get_phong(p, &m, &maps);
     if (!st && kind->kind == MIRROR) st = get_mirror(p, &m, &maps);
-    if (!st && kind->kind == WARD) st = get_ward(p, &m, &maps);
+    if (!st && (kind->kind == WARD || kind->kind == GGX)) st = get_ward(p, &m, &maps);
+    if (kind->kind == GGX) m.gloss = LC_GLOSS_GGX;
     if (!st && kind->kind == APPROXIMATE)
         st = lc_pbrt_note_name(p, where, "material", name, "a diffuse material takes its place");
     if (!st && kind->kind == EXACT && lc_pbrt_find(&p->params, "sigma", LC_PBRT_ANY))
