@@ -270,7 +270,8 @@ static void set_point(explainer *e)
 {
     const lc_probe *p = &e->probe;
     lc_explanation *x = e->out;
-    static const char *const lobes[] = { [LC_LOBE_NONE] = "none", [LC_LOBE_PHONG] = "phong", [LC_LOBE_WARD] = "ward", [LC_LOBE_GGX] = "ggx" };
+    static const char *const lobes[] = { [LC_LOBE_NONE] = "none", [LC_LOBE_PHONG] = "phong",
+                                         [LC_LOBE_WARD] = "ward", [LC_LOBE_GGX] = "ggx" };
     lc_cut_result all;
     lc_exact_shade(e->tree, e->scene->bvh, &p->point, p->sight.shaded.ray_org, &e->stats, &all);
     lc_f3_store(x->position, p->sight.shaded.pos);

@@ -64,6 +64,7 @@ typedef struct lc_material_maps {
 /* eta.x of a dielectric or a coat; from 2 + sqrt 3 on reflectance no longer falls all the way to normal incidence, which bounds use. */
 #define LC_MIN_ETA 1.0f
 #define LC_MAX_ETA 3.5f
-#define LC_MAX_CONDUCTOR 1e3f /* eta and k, whose squares are at least 1e-6 together */
+#define LC_MAX_CONDUCTOR 1e3f  /* of eta and of k */
+#define LC_MIN_CONDUCTOR 1e-6f /* of eta^2 + k^2 */
 
 #endif

@@ -1,6 +1,6 @@
 /* pbrt_material.c - materials. diffuse, matte and mirror are exact, and phong, ward and ggx are ours: "rgb Kd", "rgb Ks" and "float
- * exponent", or "float roughness", "uroughness", "vroughness"; ggx is as ward, by Schlick. Any other material is a diffuse one of a sensible colour. Each
- * of these may be a texture. */
+ * exponent", or "float roughness", "uroughness", "vroughness"; ggx is as ward, by Schlick. Each of these
+ * may be a texture. Any other material is a diffuse one of a sensible colour. */
 #include "pbrt_state.h"
 
 #include <string.h>

@@ -63,7 +63,8 @@ static bool good_index(const lc_material *m)
     if (smooth && !(m->eta.x >= LC_MIN_ETA && m->eta.x <= LC_MAX_ETA)) return false;
     if (m->gloss != LC_GLOSS_GGX || m->fresnel != LC_FRESNEL_CONDUCTOR) return true;
     lc_f3 size = lc_f3_add(lc_f3_mul(m->eta, m->eta), lc_f3_mul(m->k, m->k));
-    return is_colour(m->eta, LC_MAX_CONDUCTOR) && is_colour(m->k, LC_MAX_CONDUCTOR) && size.x >= 1e-6f && size.y >= 1e-6f && size.z >= 1e-6f;
+    return is_colour(m->eta, LC_MAX_CONDUCTOR) && is_colour(m->k, LC_MAX_CONDUCTOR) &&
+           fminf(size.x, fminf(size.y, size.z)) >= LC_MIN_CONDUCTOR;
 }
 
 lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)

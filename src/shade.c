@@ -94,7 +94,8 @@ static lc_f3 below_coat(const lc_point *p, lc_f3 kd, double eta)
 /* Returns the factor of ks. What lies below a coat goes to *kd. */
 static float init_ggx(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, lc_f3 *kd)
 {
-    const double eta[3] = { (double)m->eta.x, (double)m->eta.y, (double)m->eta.z }, k[3] = { (double)m->k.x, (double)m->k.y, (double)m->k.z };
+    const double eta[3] = { (double)m->eta.x, (double)m->eta.y, (double)m->eta.z };
+    const double k[3] = { (double)m->k.x, (double)m->k.y, (double)m->k.z };
     float factor = (float)(0.5 / LC_PI) / (m->roughness[0] * m->roughness[1]);
     if (lc_f3_dot(n, view) < 0) view = tangent_of(n, tangent_of(n, view)); /* twice: then it is across to the last digit */
     init_frame(p, n, tangent_of(n, tangent_of(n, m->tangent)), view, m);

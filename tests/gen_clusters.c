@@ -294,7 +294,8 @@ static void make_fresnel(gen_src *s, gen_case *c, gen_style style)
         eta[i] = (float)(metal ? gen_real(s, 0.05, 4) : gen_real(s, 1.2, 2.5)), k[i] = metal ? (float)gen_real(s, 0.5, 8) : 0;
         if (any == 1) eta[i] = metal ? (float)decade(s, -2, 2) : (float)fmin(1 + decade(s, -8, 0.398), (double)LC_MAX_ETA);
         if (any == 1 && metal) k[i] = eta[i] > 0.1f && gen_pick(s, 2) ? 0 : (float)decade(s, -2, 2);
-        if (any == 2) eta[i] = metal ? (float)gen_real(s, 0.9, 1.1) : gen_pick(s, 2) ? LC_MIN_ETA : LC_MAX_ETA, k[i] = metal ? (float)decade(s, -8, 0) : 0;
+        if (any == 2) eta[i] = metal ? (float)gen_real(s, 0.9, 1.1) : gen_pick(s, 2) ? LC_MIN_ETA : LC_MAX_ETA;
+        if (any == 2 && metal) k[i] = (float)decade(s, -8, 0);
     }
     if (style != GEN_ORDINARY && !gen_pick(s, 8)) c->mat.fresnel = LC_FRESNEL_NONE;
 }

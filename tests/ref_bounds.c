@@ -148,7 +148,8 @@ static double ward(double x, double y, double z, double cos_r)
 /* [Walter07]: D G / (4 cos_i cos_o) times 2 pi ax ay, for i and o by tangents over roughness and n; both cosines > 0. */
 static double ggx(const lc_point *p, const double i[3], double o_n)
 {
-    double a2[3] = { (double)p->square[0], (double)p->square[1], 1 }, o[3] = { (double)p->view[0], (double)p->view[1], o_n }, h2 = 0, e = 0, s[2] = { 0, 0 };
+    double a2[3] = { (double)p->square[0], (double)p->square[1], 1 }, h2 = 0, e = 0, s[2] = { 0, 0 };
+    double o[3] = { (double)p->view[0], (double)p->view[1], o_n };
     for (int k = 0; k < 3; k++) {
         double h = i[k] + o[k], x = a2[k] * i[k], y = a2[k] * o[k];
         h2 += a2[k] * h * h, e += h * h, s[0] += x * x, s[1] += y * y;
@@ -484,7 +485,7 @@ static double ward_bound(const lc_point *p, const ref_cluster *c, const double n
  * by the smaller, F at the greatest angle between the directions; conductors: 1. */
 static void ggx_bound(const lc_point *p, const ref_cluster *c, const double n[3], double cos_r, double lobe[3])
 {
-    double o[3], sharp[2], back[3], a2 = fmax((double)p->square[0], (double)p->square[1]), b2 = fmin((double)p->square[0], (double)p->square[1]);
+    double o[3], sharp[2], back[3], x2 = (double)p->square[0], y2 = (double)p->square[1], a2 = fmax(x2, y2), b2 = fmin(x2, y2);
     viewer(p, n, o, sharp);
     for (int k = 0; k < 3; k++) back[k] = -o[k];
     double m = fmax(max_half_cosine(c->vlo, c->vhi, n, o), 0), r = 1 / ((1 - m * m) / a2 + m * m) / a2; /* e >= 1 / (a2 r) */

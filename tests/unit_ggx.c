@@ -159,7 +159,8 @@ TEST(furnace)
 
 static lc_material any_material(int fresnel, bool coat)
 {
-    lc_material m = { .kd = { 0.7f, 0.7f, 0.7f }, .ks = { 0.4f, 0.4f, 0.4f }, .gloss = LC_GLOSS_GGX, .roughness = { 0.3f, 0.6f }, .tangent = { 1, 0, 0 } };
+    lc_material m = { .kd = { 0.7f, 0.7f, 0.7f }, .ks = { 0.4f, 0.4f, 0.4f }, .gloss = LC_GLOSS_GGX, .tangent = { 1, 0, 0 } };
+    m.roughness[0] = 0.3f, m.roughness[1] = 0.6f;
     m.fresnel = (lc_fresnel)fresnel, m.coat = coat;
     m.eta = fresnel == LC_FRESNEL_CONDUCTOR ? lc_f3_make(1.5f, 0.4f, 1) : lc_f3_make(1.5f, 0, 0), m.k = lc_f3_make(0, 2.4f, 2);
     return m;
@@ -205,7 +206,8 @@ TEST(known_reflectances)
     CHECKF(fabs(reflectance(m, 0.5) - 0.0892) <= 1e-4, "%g", reflectance(m, 0.5));
     CHECKF(fabs(reflectance(m, cos(80 * LC_PI / 180)) - 0.3877) <= 1e-4, "%g", reflectance(m, cos(80 * LC_PI / 180)));
     CHECKF(fabs(reflectance(m, brewster) - pow(1.25 / 3.25, 2) / 2) <= 1e-6, "%g", reflectance(m, brewster));
-    static const double gold[3][3] = { { 0.143, 3.98, 0.965 }, { 0.375, 2.39, 0.802 }, { 1.44, 1.6, 0.320 } }; /* eta, k, normal reflectance */
+    /* eta, k, normal reflectance */
+    static const double gold[3][3] = { { 0.143, 3.98, 0.967 }, { 0.375, 2.39, 0.802 }, { 1.44, 1.6, 0.323 } };
     m.fresnel = LC_FRESNEL_CONDUCTOR;
     for (int k = 0; k < 3; k++) {
         m.eta.y = (float)gold[k][0], m.k.y = (float)gold[k][1];
@@ -224,8 +226,8 @@ TEST(reflectances)
         for (double c = 0.01; c <= 1; c += 0.03) {
             lc_material m = { .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .fresnel = LC_FRESNEL_DIELECTRIC };
             m.eta = lc_f3_make((float)eta, (float)eta, (float)eta);
-            double want = ref_dielectric((double)m.eta.x, c);
-            if (eta >= 1 && eta <= 3.5) CHECKF(fabs(reflectance(m, c) - want) <= 1e-5, "%g %g: %g, not %g", eta, c, reflectance(m, c), want);
+            double want = ref_dielectric((double)m.eta.x, c), got = reflectance(m, c);
+            if (eta >= 1 && eta <= 3.5) CHECKF(fabs(got - want) <= 1e-5, "%g %g: %g, not %g", eta, c, got, want);
             if (eta >= 1) CHECKF(fabs(ref_conductor((double)m.eta.x, 0, c) - want) <= 1e-12, "%g %g", eta, c);
             m.fresnel = LC_FRESNEL_CONDUCTOR;
             for (double k = 0.1; k < 8; k *= 2) {
@@ -248,7 +250,8 @@ TEST(coats)
 {
     for (double eta = 1; eta <= 3.5; eta += 0.05) {
         look l = { 0.5, 0.5, 1, 0 };
-        lc_material m = { .kd = { 0.2f, 0.6f, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.5f, 0.5f }, .coat = true, .eta = { (float)eta, 0, 0 } };
+        lc_material m = { .kd = { 0.2f, 0.6f, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.5f, 0.5f }, .coat = true };
+        m.eta.x = (float)eta;
         lc_point p;
         const double i[3] = { 0, 0, 1 };
         init(&p, &l, &m);
