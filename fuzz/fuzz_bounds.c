@@ -15,7 +15,7 @@ __attribute__((used, section("__libfuzzer_extra_counters"))) static uint8_t clos
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size == 0) return 0;
-    uint32_t which = data[0] % (3 * GEN_BRDFS), brdf = (which & 1) + (which >= 6 ? 2 : 0);
+    uint32_t which = data[0] % (3 * GEN_BRDFS), brdf = (which & 1) + which / 6 * 2;
     gen_src s = gen_src_bytes(data + 1, size - 1);
     gen_case c;
     gen_result r;

@@ -254,6 +254,8 @@ typedef struct lc_explanation {
     int hit;                              /* 0: no surface there; nothing below is set but for mean_luminance */
     float position[3], normal[3], view[3]; /* world space; unit: shading normal, towards the viewer */
     float kd[3], ks[3], exponent;         /* of the material, textures evaluated */
+    float roughness[2];                   /* of Ward's or GGX's lobe; 0 of others */
+    const char *gloss;                    /* the lobe: "phong", "ward", "ggx", or "none" */
     uint32_t n_mirrors;                   /* on the way from the camera; the point is what the last one shows */
     float weight[3];                      /* what they leave of its radiance; 1 without */
     float emission[3];                    /* radiance of all that was met, as it reaches the camera */

@@ -51,6 +51,31 @@
  * - e is shortened by 8u, so that its length is at most 1, and at least 1 - 16u: 16uM is added to bend. half.half and its
  *   rounding are those of D^2, min e.p that of a z. Boxes that are nearer than NEAR, or about the point, have no bound but 1.
  * - (a, b) is off by 4u in length, shorter where X^2 + Y^2 is below TINY; the rest is relative: less than 32u of the exponent.
+ *
+ * GGX (material.h): f cos = F r^2 cos / (s(o) cos + s(i) o.n) times a constant, r = |h|^2 / (X^2 + Y^2 + N^2), |h|^2 =
+ * (ax X)^2 + (ay Y)^2 + N^2. With Ward's t <= sqrt(X^2 + Y^2) / N, and a <= 1 the larger roughness,
+ *
+ *     r = (1 + ((ax X)^2 + (ay Y)^2) / N^2) / (1 + (X^2 + Y^2) / N^2) <= min(1 + a^2 t^2, max |h|^2 / min N^2) / (1 + t^2)
+ *
+ * since (1 + a^2 x) / (1 + x) falls. The first is exact where ax = ay; the second brings a lobe down that is long one way.
+ * |h|^2 = 2 + 2 i.o, two cosines about o. s(i)^2 >= cos^2 + b^2 (1 - cos^2), b the smaller roughness: s(i) grows with the
+ * cosine, s(i) / cos falls; and |p| s(i) >= w.p, w = S u, S the symmetric matrix of s, u any unit vector: that along S e. So
+ *
+ *     cos / (s(o) cos + s(i) o.n) / f(d) <= g / (s(o) c0 + s0 o.n) and <= 1 / (least f(d) (s(o) + q o.n)), g: greatest cos / f(d)
+ *
+ * with c0 the least cosine, s0 the greater of s there and min w.p / max |p|, q that of s / cos at the greatest cosine and
+ * min w.p / z1. F falls with the cosine c = |h| / 2: Schlick's plainly, a dielectric's up to an index of 2 + sqrt 3 (unit_ggx.c
+ * goes through them). A conductor's is no more than that of light across the plane, 1 - 4 / ((w + x) / (c Re N) + 2), x = c^2,
+ * N^2 = x + p + i q, p = eta^2 - k^2 - 1, q = 2 eta k, w = |N|^2, which falls too: the derivative of ln((w + x)^2 / (x (w + x + p)))
+ * by x is -(p^2 + q^2) / (w x (w + x)). A coat lets in more of light that is steeper: T at the greatest cosine.
+ * - t holds for the estimate's X, Y, N, as above, and its squares of roughness are used. |h|^2 as the estimate adds it up: frames
+ *   are perpendicular to 4u, tangents off by 5u in length and components by 10u: 40u of |h|^2 and 70u; i.o as for COS_SLACK:
+ *   64u. We take 256u of both. s(i): the same frame, 40u of it; 256u.
+ * - w.p: u and w within 8u, three dot products 9u each, the widening 4u, all times |S| <= 1: 64uM.
+ * - T: g 2.5u, squares of sums 9u, quotients and products: below 20u of T <= 1 in estimate and bound: F is raised by 64u.
+ * - Conductors: x + p is off by 2u x where it cancels, N by the root of that at most, 3.5e-4 c; the quotient of amplitudes by
+ *   2 c / |c + N|^2 times that, its square by twice as much: 1.4e-3, here and in the estimate. CONDUCTOR_SLACK is 3.9e-3.
+ * - r^2 has 18u in the estimate and 20u here, the rest 12u: a SLACK of its own.
  */
 #include "vec.h"
 
@@ -61,6 +86,8 @@
 #define TINY 1e-30f /* squares below this may have lost bits */
 #define WARD_STEPS 2
 #define WARD_GRAZING 7.0710683f /* 1 / sqrt(LC_WARD_MIN_COS), rounded up */
+#define HALF_SLACK (256 * U)
+#define CONDUCTOR_SLACK 0x1p-8f
 #define NEAR 1e-12f /* scene units: the square root of LC_MIN_D2, below which 1/d^2 is flat anyway */
 
 #define ADD vf_add
@@ -251,8 +278,9 @@ LC_INLINE v3 LC_FN(along)(v3 a, v3 b, vf s) { return (v3){ ADD(a.x, MUL(b.x, s))
 
 LC_INLINE v3 LC_FN(scale3)(v3 a, vf s) { return (v3){ MUL(a.x, s), MUL(a.y, s), MUL(a.z, s) }; }
 
-/* Greatest exponential of Ward's lobe. Steps: one makes bounds 2 to 4 % looser, three are 0.5 % tighter than two. */
-LC_INLINE vf LC_FN(max_ward)(const lc_point *p, const rel_box *box)
+/* No more than the root of Ward's exponent: t; only where *clear is above NEAR. Steps: one makes Ward's bounds 2 to 4 % looser,
+ * three are 0.5 % tighter than two. */
+LC_INLINE vf LC_FN(least_slope)(const lc_point *p, const rel_box *box, vf *clear)
 {
     const vf one = SET(1), zero = SET(0), tiny = SET(TINY), o_n = SET(p->view[2]);
     v3 tx = LC_FN(set3)(p->tangent[0]), ty = LC_FN(set3)(p->tangent[1]);
@@ -275,8 +303,16 @@ LC_INLINE vf LC_FN(max_ward)(const lc_point *p, const rel_box *box)
         low = SUB(low, MUL(rounding, ADD(SET(p->sharp), slope)));
         slope = ADD(slope, DIV(MAX(low, zero), high));
     }
+    *clear = least;
+    return slope;
+}
+
+/* Greatest exponential of Ward's lobe. */
+LC_INLINE vf LC_FN(max_ward)(const lc_point *p, const rel_box *box)
+{
+    vf clear, slope = LC_FN(least_slope)(p, box, &clear);
     vf lobe = LC_FN(decay_ub)(MUL(MUL(slope, slope), SET(1 - 32 * U)));
-    return vf_sel_gt(least, SET(NEAR), lobe, one);
+    return vf_sel_gt(clear, SET(NEAR), lobe, SET(1));
 }
 
 /* From the greatest cosine over f(d): that of what stands before Ward's exponential; twice it is finite. */
@@ -297,6 +333,85 @@ LC_INLINE v3 LC_FN(weights)(const float f[3])
     return (v3){ SET(0.2126f * SLACK * f[0]), SET(0.7152f * SLACK * f[1]), SET(0.0722f * SLACK * f[2]) };
 }
 
+/* Greatest reflectance for a cosine of at least c, times the power. */
+LC_INLINE vf LC_FN(max_fresnel)(const lc_point *p, vf c, v3 power)
+{
+    const vf one = SET(1);
+    v3 s = LC_FN(weights)(p->specular);
+    if (p->fresnel == LC_FRESNEL_SCHLICK) {
+        vf m = SUB(one, c), m2 = MUL(m, m), w = MUL(MUL(m2, m2), m);
+        return ADD(LC_FN(dot)(s, power), MUL(LC_FN(dot)(LC_FN(weights)(p->rise), power), w));
+    }
+    if (p->fresnel == LC_FRESNEL_DIELECTRIC) {
+        vf f = ADD(SUB(one, LC_FN(transmitted)(p, MAX(c, SET(LC_MIN_COS)))), SET(64 * U));
+        return MUL(LC_FN(dot)(s, power), MIN(f, one));
+    }
+    vf f[3], t2, w;
+    for (int k = 0; k < 3; k++)
+        f[k] = MIN(ADD(LC_FN(conductor_across)(p->rise[k], p->turn[k], c, &t2, &w), SET(CONDUCTOR_SLACK)), one);
+    s = (v3){ MUL(s.x, f[0]), MUL(s.y, f[1]), MUL(s.z, f[2]) };
+    return LC_FN(dot)(s, power);
+}
+
+/* Least and greatest |h|^2. */
+LC_INLINE void LC_FN(half_range)(const lc_point *p, const rel_box *box, vf far2, vf *least, vf *most)
+{
+    const vf zero = SET(0), two = SET(2), slack = SET(256 * U);
+    range away = LC_FN(range_make)(box, LC_FN(set3)(p->to_view), true), to = { zero, vf_neg(away.z0), away.r2 };
+    /* where all are behind the largest cosine is at the largest distance */
+    vf c0 = LC_FN(max_cos)(&away, vf_sel_gt(zero, away.z1, far2, LC_FN(least_q)(&away, box->d2)));
+    vf c1 = LC_FN(max_cos)(&to, vf_sel_gt(zero, to.z1, far2, LC_FN(least_q)(&to, box->d2)));
+    *least = MUL(MAX(SUB(SUB(two, slack), MUL(two, c0)), zero), SET(1 - HALF_SLACK));
+    *most = MUL(ADD(ADD(two, slack), MUL(two, c1)), SET(1 + HALF_SLACK));
+}
+
+/* Length of the least (ax w.x, ay w.y, w.z) for a cosine of c, which grows with c, from below. */
+LC_INLINE vf LC_FN(least_stretched)(const lc_point *p, vf c)
+{
+    vf cc = MUL(c, c), square = SET(p->square[0] < p->square[1] ? p->square[0] : p->square[1]);
+    return vf_sqrt(MUL(ADD(cc, MUL(square, MAX(SUB(SET(1), cc), SET(0)))), SET(1 - HALF_SLACK)));
+}
+
+/* Least |p| times the length of (ax i.x, ay i.y, i.z), by its tangent at the box centre. */
+LC_INLINE vf LC_FN(linear_stretched)(const lc_point *p, const rel_box *box)
+{
+    const vf a = SET(p->square[0]), b = SET(p->square[1]);
+    v3 tx = LC_FN(set3)(p->tangent[0]), ty = LC_FN(set3)(p->tangent[1]), n = LC_FN(set3)(p->n);
+    vf x = MUL(LC_FN(dot)(tx, box->c), a), y = MUL(LC_FN(dot)(ty, box->c), b), z = LC_FN(dot)(n, box->c);
+    vf inv = DIV(SET(1), vf_sqrt(MAX(ADD(ADD(MUL(x, x), MUL(y, y)), MUL(z, z)), SET(TINY))));
+    v3 w = LC_FN(along)(LC_FN(along)(LC_FN(scale3)(tx, MUL(MUL(x, inv), a)), ty, MUL(MUL(y, inv), b)), n, MUL(z, inv));
+    vf low = SUB(LC_FN(dot)(w, box->c), LC_FN(dot)(LC_FN(abs3)(w), box->half));
+    return MAX(SUB(low, MUL(box->m_sum, SET(64 * U))), SET(0));
+}
+
+/* Greatest receiver cosine times 1 / f(d) and what stands below the fraction of GGX's lobe; near: least receiver cosine. */
+LC_INLINE vf LC_FN(ggx_geometry)(lanes *l, const lc_point *p, const rel_box *box, bool directional, vf g, vf cos_r, vf near, vf z1, vf far)
+{
+    const vf one = SET(1), o_s = SET(p->masking), o_n = SET(p->view[2]);
+    const bool isotropic = !(p->square[0] < p->square[1] || p->square[0] > p->square[1]);
+    vf linear = isotropic ? SET(0) : LC_FN(linear_stretched)(p, box);
+    vf k[4], f = one, both = DIV(g, ADD(MUL(o_s, near), MUL(o_n, MAX(DIV(linear, far), LC_FN(least_stretched)(p, near)))));
+    if (!directional) f = l->tree->node_atten ? LC_FN(least_f)(l, p, box, k) : MAX(box->d2, SET(p->min_d2));
+    vf apart = DIV(one, MUL(f, ADD(o_s, MUL(o_n, MAX(DIV(linear, z1), DIV(LC_FN(least_stretched)(p, cos_r), cos_r))))));
+    return MIN(MIN(both, apart), SET(FLT_MAX / 2));
+}
+
+/* Bound of the lobe; diffuse: what bounds the rest without its coat and g. */
+LC_INLINE vf LC_FN(bound_ggx)(lanes *l, const lc_point *p, const rel_box *box, const range *n, bool directional, vf g, vf diffuse, v3 power)
+{
+    const vf one = SET(1), zero = SET(0), o_n = SET(p->view[2]);
+    vf far2 = LC_FN(dot)(box->m, box->m), clear, h_least, h_most, slope = LC_FN(least_slope)(p, box, &clear);
+    vf near = MIN(MAX(MUL(DIV(n->z0, vf_sqrt(far2)), SET(1 - 32 * U)), zero), one);
+    vf cos_r = MIN(ADD(LC_FN(max_cos)(n, LC_FN(least_q)(n, box->d2)), SET(COS_SLACK)), one);
+    LC_FN(half_range)(p, box, far2, &h_least, &h_most);
+    vf t2 = vf_sel_gt(clear, SET(NEAR), MUL(MUL(slope, slope), SET(1 - 32 * U)), zero);
+    float square = p->square[0] > p->square[1] ? p->square[0] : p->square[1];
+    vf z = ADD(o_n, near), r = DIV(MIN(ADD(one, MUL(SET(square), t2)), DIV(h_most, MUL(z, z))), ADD(one, t2));
+    vf lobe = MUL(MUL(MUL(r, r), SET(SLACK)), LC_FN(ggx_geometry)(l, p, box, directional, g, cos_r, near, n->z1, vf_sqrt(far2)));
+    if (p->coat) diffuse = MUL(diffuse, MUL(LC_FN(transmitted)(p, cos_r), SET(SLACK)));
+    return ADD(MUL(diffuse, g), MUL(LC_FN(max_fresnel)(p, MUL(SET(0.5f), vf_sqrt(h_least)), power), lobe));
+}
+
 /* kind, lobe: constants. */
 LC_INLINE vf LC_FN(bound)(lanes *l, lc_light_kind kind, lc_lobe lobe, const lc_point *p)
 {
@@ -308,11 +423,12 @@ LC_INLINE vf LC_FN(bound)(lanes *l, lc_light_kind kind, lc_lobe lobe, const lc_p
     if (!vf_any_gt(n.z1, zero)) return zero; /* behind the horizon */
     v3 power = POWER(l);
     vf u = LC_FN(dot)(LC_FN(weights)(p->diffuse), power), g, s = zero;
-    if (lobe != LC_LOBE_NONE) s = LC_FN(dot)(LC_FN(weights)(p->specular), power);
+    if (lobe == LC_LOBE_PHONG || lobe == LC_LOBE_WARD) s = LC_FN(dot)(LC_FN(weights)(p->specular), power);
     if (lobe == LC_LOBE_PHONG) u = ADD(u, MUL(s, LC_FN(max_phong)(p, &box)));
     if (directional) g = LC_FN(max_cos)(&n, LC_FN(least_q)(&n, box.d2));
     else g = LC_FN(max_geometry)(l, p, &box, &n);
-    u = MUL(u, g);
+    if (lobe == LC_LOBE_GGX) u = LC_FN(bound_ggx)(l, p, &box, &n, directional, g, u, power);
+    else u = MUL(u, g);
     if (lobe == LC_LOBE_WARD) {
         vf ward = MUL(LC_FN(max_ward)(p, &box), LC_FN(ward_geometry)(l, p, &box, directional, g));
         u = ADD(u, MUL(s, ward));
@@ -352,7 +468,8 @@ static void LC_FN(bounds)(const lc_tree_data *t, const uint32_t *index, uint32_t
 #define BY_LOBE(kind)                                               \
     if (p->lobe == LC_LOBE_NONE) BOUNDS(kind, LC_LOBE_NONE);        \
     else if (p->lobe == LC_LOBE_PHONG) BOUNDS(kind, LC_LOBE_PHONG); \
-    else BOUNDS(kind, LC_LOBE_WARD)
+    else if (p->lobe == LC_LOBE_WARD) BOUNDS(kind, LC_LOBE_WARD);   \
+    else BOUNDS(kind, LC_LOBE_GGX)
     switch (kind) {
     case LC_LIGHT_POINT:
         BY_LOBE(LC_LIGHT_POINT);
@@ -372,6 +489,8 @@ static void LC_FN(bounds)(const lc_tree_data *t, const uint32_t *index, uint32_t
 #undef TINY
 #undef WARD_GRAZING
 #undef WARD_STEPS
+#undef HALF_SLACK
+#undef CONDUCTOR_SLACK
 #undef ADD
 #undef SUB
 #undef MUL

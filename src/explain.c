@@ -272,6 +272,8 @@ static void set_point(explainer *e)
     const lc_probe *p = &e->probe;
     const lc_lit *lit = &p->sight.lit[0];
     lc_explanation *x = e->out;
+    static const char *const lobes[] = { [LC_LOBE_NONE] = "none", [LC_LOBE_PHONG] = "phong",
+                                         [LC_LOBE_WARD] = "ward", [LC_LOBE_GGX] = "ggx" };
     lc_cut_result all;
     lc_exact_shade(e->tree, e->scene->bvh, &p->point, lit->surface.ray_org, &e->stats, &all);
     lc_f3_store(x->position, lit->surface.pos);
@@ -280,6 +282,8 @@ static void set_point(explainer *e)
     lc_f3_store(x->kd, lit->surface.material.kd);
     lc_f3_store(x->ks, lit->surface.material.ks);
     x->exponent = lit->surface.material.exponent;
+    x->gloss = lobes[p->point.lobe];
+    for (int k = 0; k < 2 && p->point.lobe >= LC_LOBE_WARD; k++) x->roughness[k] = lit->surface.material.roughness[k];
     lc_f3_store(x->emission, p->sight.emission);
     lc_f3_store(x->radiance, p->by_cut.radiance);
     lc_f3_store(x->exact, all.radiance);

@@ -9,6 +9,7 @@
 #include "simd_wide.h"
 
 #include "fmath_tmpl.c"
+#include "fresnel_tmpl.c"
 #include "bounds_tmpl.c"
 #include "bvh_tmpl.c"
 #include "stream_tmpl.c"

@@ -13,6 +13,7 @@
 #define LC_LAYOUT_H
 
 #include "light.h"
+#include "material.h"
 
 /* Estimates are exactly 0 where a cosine is at most LC_MIN_COS or M G of a channel is below LC_MIN_TRANSFER, lobes
  * where cos^n or e^-x is below LC_MIN_LOBE, and M G is
@@ -22,6 +23,7 @@
 #define LC_MIN_TRANSFER 1e-19f
 #define LC_MAX_TRANSFER 1e20f
 #define LC_WARD_MIN_COS 0.02f /* under the root of Ward's lobe cosines are no less: see material.h */
+#define LC_TINY_PART 1e-20f /* of a complex index, where that is divided by */
 #define LC_MIN_REFLECTANCE 1e-10f /* diffuse and specular of lc_point below this are 0 */
 #define LC_TINY_D2 1e-36f /* squares of lengths below this count as this where a cosine is formed: no division by 0 */
 
@@ -65,7 +67,7 @@ typedef struct lc_tree_data {
     lc_atten *node_atten, *light_atten;
 } lc_tree_data;
 
-typedef enum lc_lobe { LC_LOBE_NONE, LC_LOBE_PHONG, LC_LOBE_WARD } lc_lobe; /* beside the diffuse one */
+typedef enum lc_lobe { LC_LOBE_NONE, LC_LOBE_PHONG, LC_LOBE_WARD, LC_LOBE_GGX } lc_lobe; /* beside the diffuse one */
 
 /* What estimate and bound need to know of one shading point. Filled by lc_point_init (shade.h). */
 typedef struct lc_point {
@@ -73,14 +75,23 @@ typedef struct lc_point {
     float n[3];        /* unit shading normal, on the viewer's side */
     float mirror[3];   /* unit, 2 (n.o) n - o, o towards the viewer */
     float diffuse[3];  /* kd / pi */
-    float specular[3]; /* Phong: ks (n + 2) / (2 pi); Ward: ks / (4 pi ax ay sqrt(co)) */
+    float specular[3]; /* Phong: ks (n + 2) / (2 pi); Ward: ks / (4 pi ax ay sqrt(co)); GGX: ks / (2 pi ax ay) */
     float exponent;
     float min_d2;
-    lc_lobe lobe;      /* LC_LOBE_NONE where specular is 0 */
-    /* Ward: h along these is what is squared. */
+    lc_lobe lobe;      /* LC_LOBE_NONE where specular is 0, but below a coat */
+    /* Ward, GGX: h along these is what is squared. */
     float tangent[2][3]; /* unit tangent over ax, bitangent over ay */
     float view[3];       /* tangent.o, bitangent.o, n.o >= 0 */
     float sharp;         /* no less than the tangents' lengths */
+    /* GGX */
+    lc_fresnel fresnel;
+    bool coat;           /* diffuse lies below it, what passes on the way out counted already */
+    float to_view[3];    /* unit, world space, not below the horizon */
+    float square[2];     /* ax^2, ay^2 */
+    float masking;       /* length of (ax o.x, ay o.y, o.z) */
+    float rise[3];       /* Schlick: what specular grows by towards grazing; conductor: eta^2 - k^2 - 1 */
+    float turn[3];       /* conductor: 2 eta k */
+    float eta2, bend;    /* dielectric, coat: eta^2, eta^2 - 1 */
 } lc_point;
 
 /* Eight-wide BVH node. Lanes without a child have lo > hi. */

@@ -1,6 +1,6 @@
-/* pbrt_material.c - materials. diffuse, matte and mirror are exact, and phong and ward are ours: "rgb Kd", "rgb Ks" and "float
- * exponent", or "float roughness", "uroughness", "vroughness". Any other material is a diffuse one of a sensible colour. Each
- * of these may be a texture. */
+/* pbrt_material.c - materials. diffuse, matte and mirror are exact, and phong, ward and ggx are ours: "rgb Kd", "rgb Ks" and "float
+ * exponent", or "float roughness", "uroughness", "vroughness"; ggx is as ward, by Schlick. Each of these
+ * may be a texture. Any other material is a diffuse one of a sensible colour. */
 #include "pbrt_state.h"
 
 #include <string.h>
@@ -17,6 +17,7 @@ static const struct material {
     { "phong", "Kd", 0.5f, PHONG },
     { "mirror", NULL, 0, MIRROR },
     { "ward", "Kd", 0.5f, WARD },
+    { "ggx", "Kd", 0.5f, GGX },
     { "", NULL, 0, INVISIBLE },
     { "none", NULL, 0, INVISIBLE },
     { "interface", NULL, 0, INVISIBLE },
@@ -120,7 +121,7 @@ static lc_status get_roughness(lc_pbrt *p, const char *name, float *value, uint3
     *value = (float)fmin(fmax(in.value[0], (double)LC_MIN_ROUGHNESS), (double)LC_MAX_ROUGHNESS);
     *map = in.id;
     if (in.id == LC_NONE && ((float)in.value[0] < LC_MIN_ROUGHNESS || (float)in.value[0] > LC_MAX_ROUGHNESS))
-        return lc_pbrt_note(p, par->pos, "ward roughness", "a Ward roughness outside %g..%g is clamped",
+        return lc_pbrt_note(p, par->pos, "ward roughness", "a roughness outside %g..%g is clamped",
                             (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
     return LC_OK;
 }
@@ -149,6 +150,8 @@ static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbr
     if (!st && kind->kind == LEAF) m.kt = lc_f3_make(0.25f, 0.25f, 0.25f), st = get_albedo(p, "transmittance", &m.kt, &maps.kt);
     if (!st && (kind->kind == GLASS || kind->kind == THIN)) st = get_glass(p, &m, kind->kind == THIN);
     if (!st && kind->kind == WARD) st = get_ward(p, &m, &maps);
+    if (!st && (kind->kind == WARD || kind->kind == GGX)) st = get_ward(p, &m, &maps);
+    if (kind->kind == GGX) m.gloss = LC_GLOSS_GGX;
     if (!st && kind->kind == APPROXIMATE)
         st = lc_pbrt_note_name(p, where, "material", name, "a diffuse material takes its place");
     if (!st && kind->kind == EXACT && lc_pbrt_find(&p->params, "sigma", LC_PBRT_ANY))

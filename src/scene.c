@@ -63,10 +63,22 @@ static bool in_range(lc_f3 a, float max) { return lc_f3_finite(a) && lc_f3_max_a
 
 static bool is_colour(lc_f3 a, float max) { return in_range(a, max) && a.x >= 0 && a.y >= 0 && a.z >= 0; }
 
+/* Indices of what reflects by them. */
+static bool good_index(const lc_material *m)
+{
+    const bool smooth = m->gloss == LC_GLOSS_GGX && (m->coat || m->fresnel == LC_FRESNEL_DIELECTRIC);
+    if (smooth && !(m->eta.x >= LC_MIN_ETA && m->eta.x <= LC_MAX_ETA)) return false;
+    if (m->gloss != LC_GLOSS_GGX || m->fresnel != LC_FRESNEL_CONDUCTOR) return true;
+    lc_f3 size = lc_f3_add(lc_f3_mul(m->eta, m->eta), lc_f3_mul(m->k, m->k));
+    return is_colour(m->eta, LC_MAX_CONDUCTOR) && is_colour(m->k, LC_MAX_CONDUCTOR) &&
+           fminf(size.x, fminf(size.y, size.z)) >= LC_MIN_CONDUCTOR;
+}
+
 lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
 {
     if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
         return LC_ERR_ARG;
+    if (!good_index(m)) return LC_ERR_ARG;
     const float *rough = m->roughness;
     if (rough[0] > 0 && !(rough[0] >= LC_MIN_ROUGHNESS && rough[0] <= LC_MAX_ROUGHNESS && rough[1] >= LC_MIN_ROUGHNESS &&
                           rough[1] <= LC_MAX_ROUGHNESS))

@@ -23,31 +23,112 @@ static lc_f3 tangent_of(lc_f3 n, lc_f3 wish)
     return lc_f3_normalize(lc_f3_dot(t, t) > 1e-4f ? t : lc_f3_cross(axis, n));
 }
 
-/* The frame; returns the factor of ks. */
-static float init_ward(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m)
+static void init_frame(lc_point *p, lc_f3 n, lc_f3 unit, lc_f3 view, const lc_material *m)
 {
     float ax = m->roughness[0], ay = m->roughness[1], cos_o = lc_f3_dot(n, view);
-    lc_f3 unit = tangent_of(n, m->tangent), tx = lc_f3_scale(unit, 1 / ax), ty = lc_f3_scale(lc_f3_cross(n, unit), 1 / ay);
+    lc_f3 tx = lc_f3_scale(unit, 1 / ax), ty = lc_f3_scale(lc_f3_cross(n, unit), 1 / ay);
     lc_f3_store(p->tangent[0], tx);
     lc_f3_store(p->tangent[1], ty);
     lc_f3_store(p->view, lc_f3_make(lc_f3_dot(tx, view), lc_f3_dot(ty, view), no_less(cos_o, 0)));
     p->sharp = (1 + 0x1p-20f) / (ax < ay ? ax : ay);
-    return (float)(0.25 / LC_PI) / (ax * ay * sqrtf(no_less(cos_o, LC_WARD_MIN_COS)));
+}
+
+/* Returns the factor of ks. */
+static float init_ward(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m)
+{
+    init_frame(p, n, tangent_of(n, m->tangent), view, m);
+    return (float)(0.25 / LC_PI) / (m->roughness[0] * m->roughness[1] * sqrtf(no_less(lc_f3_dot(n, view), LC_WARD_MIN_COS)));
+}
+
+/* Length of (ax w.x, ay w.y, w.z), x and y along the tangents over roughness. */
+static float stretched(const lc_point *p, float x, float y, float z)
+{
+    x *= p->square[0], y *= p->square[1];
+    return sqrtf(x * x + y * y + z * z);
+}
+
+/* Share of light that a smooth dielectric lets through, 0 < c: half of 4 c g / (c + g)^2 + 4 eta^2 c g / (eta^2 c + g)^2, with g =
+ * eta times the cosine inside. */
+static float transmitted(const lc_point *p, float c)
+{
+    float g = sqrtf(p->bend + c * c), s = c + g, t = p->eta2 * c + g;
+    float half = (1 / (s * s) + p->eta2 / (t * t)) * (c * g);
+    return half + half;
+}
+
+static float reflected(const lc_point *p, float c) { return no_less(1 - transmitted(p, c), 0); }
+
+/* Share of light that a smooth conductor reflects, of N^2 = (eta + i k)^2 - sin^2 = t + i turn. */
+static float conductor(float rise, float turn, float c)
+{
+    float cc = c * c, ss = 1 - cc, t = rise + cc, w = sqrtf(t * t + turn * turn); /* w: |N|^2 */
+    float b = no_less(sqrtf(0.5f * (w + fabsf(t))), LC_TINY_PART), a = t > 0 ? b : 0.5f * turn / b; /* a: real part of N */
+    float ca = c * a, t1 = w + cc, t2 = ca + ca, t3 = cc * w + ss * ss, t4 = t2 * ss;
+    float rs = (t1 - t2) / (t1 + t2), f = 0.5f * (rs + rs * ((t3 - t4) / (t3 + t4)));
+    f = no_less(f, 0);
+    return f < 1 ? f : 1;
+}
+
+/* 1 - mean reflectance, from outside, for diffuse light: [Egan73]; linear where the terms would cancel. */
+static double mean_transmitted(double m)
+{
+    const double least = 1.001;
+    if (m < least) return 1 - (1 - mean_transmitted(least)) * (m - 1) / (least - 1);
+    double a = m * m, b = a - 1, d = a + 1, e = a * a;
+    double f = 0.5 + (m - 1) * (3 * m + 1) / (6 * (m + 1) * (m + 1)) + a * b * b / (d * d * d) * (lc_ln(m - 1) - lc_ln(m + 1)) -
+               2 * m * a * (a + 2 * m - 1) / (d * (e - 1)) + 8 * e * (e + 1) / (d * (e - 1) * (e - 1)) * lc_ln(m);
+    return 1 - f;
+}
+
+/* kd / (1 - kd Fi) */
+static float many_times(float kd, float inside) { return kd / (1 - (kd < 1 ? kd : 1) * inside); }
+
+/* What is below the coat, as it is seen from outside but for what it lets in: with 1 - Fi = mean / eta^2. */
+static lc_f3 below_coat(const lc_point *p, lc_f3 kd, double eta)
+{
+    float inside = no_less((float)(1 - mean_transmitted(eta) / (eta * eta)), 0);
+    float out = p->view[2] > LC_MIN_COS ? transmitted(p, p->view[2]) / p->eta2 : 0;
+    return lc_f3_scale(lc_f3_make(many_times(kd.x, inside), many_times(kd.y, inside), many_times(kd.z, inside)), out);
+}
+
+/* Returns the factor of ks. What lies below a coat goes to *kd. */
+static float init_ggx(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, lc_f3 *kd)
+{
+    const double eta[3] = { (double)m->eta.x, (double)m->eta.y, (double)m->eta.z };
+    const double k[3] = { (double)m->k.x, (double)m->k.y, (double)m->k.z };
+    float factor = (float)(0.5 / LC_PI) / (m->roughness[0] * m->roughness[1]);
+    if (lc_f3_dot(n, view) < 0) view = tangent_of(n, tangent_of(n, view)); /* twice: then it is across to the last digit */
+    init_frame(p, n, tangent_of(n, tangent_of(n, m->tangent)), view, m);
+    lc_f3_store(p->to_view, view);
+    for (int i = 0; i < 2; i++) p->square[i] = m->roughness[i] * m->roughness[i];
+    p->masking = stretched(p, p->view[0], p->view[1], p->view[2]);
+    p->fresnel = m->fresnel == LC_FRESNEL_NONE ? LC_FRESNEL_SCHLICK : m->fresnel;
+    p->coat = m->coat;
+    p->eta2 = (float)(eta[0] * eta[0]), p->bend = (float)(eta[0] * eta[0] - 1);
+    lc_f3 rise = lc_f3_scale(lc_f3_make(no_less(1 - m->ks.x, 0), no_less(1 - m->ks.y, 0), no_less(1 - m->ks.z, 0)), factor);
+    if (m->fresnel == LC_FRESNEL_SCHLICK && lc_f3_max(m->ks) > 0) lc_f3_store(p->rise, rise);
+    for (int i = 0; i < 3 && m->fresnel == LC_FRESNEL_CONDUCTOR; i++)
+        p->rise[i] = (float)(eta[i] * eta[i] - k[i] * k[i] - 1), p->turn[i] = (float)(2 * eta[i] * k[i]);
+    if (m->coat) *kd = below_coat(p, *kd, eta[0]);
+    return factor;
 }
 
 void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_material *m, float min_d2)
 {
-    const bool ward = m->gloss == LC_GLOSS_WARD;
+    static const lc_lobe lobes[] = { [LC_GLOSS_PHONG] = LC_LOBE_PHONG, [LC_GLOSS_WARD] = LC_LOBE_WARD, [LC_GLOSS_GGX] = LC_LOBE_GGX };
+    lc_f3 kd = m->kd;
+    float k;
     *p = (lc_point){ .exponent = m->exponent, .min_d2 = min_d2 };
-    float k = ward ? init_ward(p, n, view, m) : (m->exponent + 2) * (float)(0.5 / LC_PI);
+    if (m->gloss == LC_GLOSS_GGX) k = init_ggx(p, n, view, m, &kd);
+    else k = m->gloss == LC_GLOSS_WARD ? init_ward(p, n, view, m) : (m->exponent + 2) * (float)(0.5 / LC_PI);
     lc_f3_store(p->pos, pos);
     lc_f3_store(p->n, n);
     lc_f3 r = lc_f3_sub(lc_f3_scale(n, 2 * lc_f3_dot(n, view)), view);
     lc_f3_store(p->mirror, lc_f3_normalize(r));
     lc_f3 specular = drop_below(lc_f3_scale(m->ks, k), LC_MIN_REFLECTANCE);
-    lc_f3_store(p->diffuse, drop_below(lc_f3_scale(m->kd, (float)(1 / LC_PI)), LC_MIN_REFLECTANCE));
+    lc_f3_store(p->diffuse, drop_below(lc_f3_scale(kd, (float)(1 / LC_PI)), LC_MIN_REFLECTANCE));
     lc_f3_store(p->specular, specular);
-    p->lobe = !(lc_f3_max(specular) > 0) ? LC_LOBE_NONE : ward ? LC_LOBE_WARD : LC_LOBE_PHONG;
+    p->lobe = lc_f3_max(specular) > 0 || p->coat ? lobes[m->gloss] : LC_LOBE_NONE;
 }
 
 static float phong(const lc_point *p, lc_f3 d, float inv_len)
@@ -65,14 +146,43 @@ static float ward(const lc_point *p, lc_f3 d, float cos_r, float inv_len)
     return lobe < LC_MIN_LOBE ? 0 : lobe / sqrtf(no_less(cos_r, LC_WARD_MIN_COS));
 }
 
+/* What the surface reflects at cosine c, times the constant before GGX's lobe. */
+static lc_f3 fresnel(const lc_point *p, float c)
+{
+    lc_f3 f = lc_f3_load(p->specular);
+    const float *rise = p->rise, *turn = p->turn;
+    if (p->fresnel == LC_FRESNEL_SCHLICK) {
+        float m = 1 - c, m2 = m * m, w = m2 * m2 * m;
+        return lc_f3_add(f, lc_f3_scale(lc_f3_load(rise), w < LC_MIN_LOBE ? 0 : w));
+    }
+    if (p->fresnel == LC_FRESNEL_DIELECTRIC) return lc_f3_scale(f, reflected(p, c));
+    return lc_f3_mul(f, lc_f3_make(conductor(rise[0], turn[0], c), conductor(rise[1], turn[1], c), conductor(rise[2], turn[2], c)));
+}
+
+/* r is that of material.h; |h| is twice the cosine between h and the viewer. */
+static lc_f3 ggx(const lc_point *p, lc_f3 d, float cos_r, float inv_len)
+{
+    float x = lc_f3_dot(lc_f3_load(p->tangent[0]), d) * inv_len, y = lc_f3_dot(lc_f3_load(p->tangent[1]), d) * inv_len;
+    float shadowing = stretched(p, x, y, cos_r), z = cos_r + p->view[2];
+    x += p->view[0], y += p->view[1];
+    x *= x, y *= y, z *= z;
+    float h2 = x * p->square[0] + y * p->square[1] + z, r = h2 / (x + y + z), c = 0.5f * sqrtf(h2);
+    float lobe = r * r / (p->masking * cos_r + shadowing * p->view[2]);
+    return lc_f3_scale(fresnel(p, c < 1 ? c : 1), lobe);
+}
+
+static lc_f3 gloss(const lc_point *p, lc_f3 d, float cos_r, float inv_len)
+{
+    if (p->lobe == LC_LOBE_GGX) return ggx(p, d, cos_r, inv_len);
+    return lc_f3_scale(lc_f3_load(p->specular), p->lobe == LC_LOBE_WARD ? ward(p, d, cos_r, inv_len) : phong(p, d, inv_len));
+}
+
 /* BRDF times cosine times g, for unnormalised direction d of length 1 / inv_len. */
 static lc_f3 material_term(const lc_point *p, lc_f3 d, float cos_r, float inv_len, float g)
 {
     lc_f3 f = lc_f3_load(p->diffuse);
-    if (p->lobe != LC_LOBE_NONE) {
-        float lobe = p->lobe == LC_LOBE_WARD ? ward(p, d, cos_r, inv_len) : phong(p, d, inv_len);
-        if (lobe > 0) f = lc_f3_add(f, lc_f3_scale(lc_f3_load(p->specular), lobe));
-    }
+    if (p->coat) f = lc_f3_scale(f, transmitted(p, cos_r));
+    if (p->lobe != LC_LOBE_NONE) f = lc_f3_add(f, gloss(p, d, cos_r, inv_len));
     f = lc_f3_scale(f, cos_r * g);
     return lc_f3_make(transfer(f.x), transfer(f.y), transfer(f.z));
 }

@@ -76,6 +76,43 @@ LC_INLINE vf LC_FN(ward)(const lc_point *p, const vf d[3], vf cos_r, vf inv_len,
     return vf_div(lobe, vf_sqrt(vf_sel_gt(cos_r, min_cos, cos_r, min_cos)));
 }
 
+LC_INLINE vf LC_FN(stretched)(const lc_point *p, vf x, vf y, vf z)
+{
+    x = MUL(x, SET(p->square[0])), y = MUL(y, SET(p->square[1]));
+    return vf_sqrt(ADD(ADD(MUL(x, x), MUL(y, y)), MUL(z, z)));
+}
+
+/* out: R G B of GGX's lobe. */
+LC_INLINE void LC_FN(fresnel)(const lc_point *p, vf c, vf lobe, vf out[3])
+{
+    const vf one = SET(1);
+    if (p->fresnel == LC_FRESNEL_SCHLICK) {
+        vf m = vf_sub(one, c), m2 = MUL(m, m), w = MUL(MUL(m2, m2), m);
+        w = vf_sel_gt(SET(LC_MIN_LOBE), w, SET(0), w);
+        for (int k = 0; k < 3; k++) out[k] = MUL(ADD(SET(p->specular[k]), MUL(SET(p->rise[k]), w)), lobe);
+    } else if (p->fresnel == LC_FRESNEL_DIELECTRIC) {
+        vf f = vf_max(vf_sub(one, LC_FN(transmitted)(p, c)), SET(0));
+        for (int k = 0; k < 3; k++) out[k] = MUL(MUL(SET(p->specular[k]), f), lobe);
+    } else {
+        for (int k = 0; k < 3; k++) out[k] = MUL(MUL(SET(p->specular[k]), LC_FN(conductor)(p->rise[k], p->turn[k], c)), lobe);
+    }
+}
+
+LC_INLINE void LC_FN(ggx)(const lc_point *p, const vf d[3], vf cos_r, vf inv_len, vf out[3])
+{
+    const vf o_n = SET(p->view[2]);
+    vf tx[3], ty[3];
+    LC_FN(set_row)(tx, p->tangent[0]);
+    LC_FN(set_row)(ty, p->tangent[1]);
+    vf x = MUL(LC_FN(dot_rows)(tx, d), inv_len), y = MUL(LC_FN(dot_rows)(ty, d), inv_len);
+    vf shadowing = LC_FN(stretched)(p, x, y, cos_r), z = ADD(cos_r, o_n);
+    x = ADD(x, SET(p->view[0])), y = ADD(y, SET(p->view[1]));
+    x = MUL(x, x), y = MUL(y, y), z = MUL(z, z);
+    vf h2 = ADD(ADD(MUL(x, SET(p->square[0])), MUL(y, SET(p->square[1]))), z), r = vf_div(h2, ADD(ADD(x, y), z));
+    vf lobe = vf_div(MUL(r, r), ADD(MUL(SET(p->masking), cos_r), MUL(shadowing, o_n)));
+    LC_FN(fresnel)(p, vf_min(MUL(SET(0.5f), vf_sqrt(h2)), SET(1)), lobe, out);
+}
+
 /* One channel of the transfer, times the cosine and g; 0 where `lit` is not above 0. */
 LC_INLINE vf LC_FN(channel)(vf f, vf cos_g, vf lit)
 {
@@ -112,12 +149,15 @@ LC_INLINE void LC_FN(shade)(const lc_tree_data *t, const float *const *light, lc
         }
         g = LC_FN(attenuated)(t, light, p, d2, g);
     }
-    vf cos_g = MUL(cos_r, g), glossy = zero;
+    vf cos_g = MUL(cos_r, g), glossy = zero, lobes[3] = { zero, zero, zero }, coat = one;
     if (lobe == LC_LOBE_PHONG) glossy = LC_FN(phong)(p, d, inv_len, lit);
     if (lobe == LC_LOBE_WARD) glossy = LC_FN(ward)(p, d, cos_r, inv_len, lit);
+    if (lobe == LC_LOBE_GGX) LC_FN(ggx)(p, d, cos_r, inv_len, lobes);
+    if (lobe == LC_LOBE_GGX && p->coat) coat = LC_FN(transmitted)(p, cos_r);
     for (int k = 0; k < 3; k++) {
         vf f = SET(p->diffuse[k]);
-        if (lobe != LC_LOBE_NONE) f = ADD(f, MUL(SET(p->specular[k]), glossy));
+        if (lobe == LC_LOBE_GGX) f = ADD(MUL(f, coat), lobes[k]);
+        else if (lobe != LC_LOBE_NONE) f = ADD(f, MUL(SET(p->specular[k]), glossy));
         vf_store(out[k] + at, LC_FN(channel)(f, cos_g, lit));
         vf_store(out[3 + k] + at, y[k]);
     }
@@ -151,7 +191,8 @@ static void LC_FN(estimate)(const lc_tree_data *t, uint32_t first, const uint32_
 #define BY_LOBE(kind)                                                 \
     if (p->lobe == LC_LOBE_NONE) ESTIMATE(kind, LC_LOBE_NONE);        \
     else if (p->lobe == LC_LOBE_PHONG) ESTIMATE(kind, LC_LOBE_PHONG); \
-    else ESTIMATE(kind, LC_LOBE_WARD)
+    else if (p->lobe == LC_LOBE_WARD) ESTIMATE(kind, LC_LOBE_WARD);   \
+    else ESTIMATE(kind, LC_LOBE_GGX)
     switch (kind) {
     case LC_LIGHT_POINT:
         BY_LOBE(LC_LIGHT_POINT);

@@ -1,6 +1,6 @@
 /* check_bounds.c - the promise of bounds.h: bound >= what it bounds, for every cluster, point and material.
  *
- *     check_bounds [--seed S] [--count N] [--extreme]
+ *     check_bounds [--seed S] [--count N] [--only MATERIAL] [--extreme]
  *
  * Without --count: all properties, 200,000 random clusters a kind and material. With it: N of them, and the
  * table only. The reference is ref_bounds.c, the cases are those of gen_clusters.c.
@@ -20,13 +20,14 @@
 static uint64_t seed = 20240607;
 static uint64_t count = 200000;
 static gen_style style = GEN_ADVERSARIAL;
+static const char *only; /* material of the table, or NULL */
 
 static const char *const kind_names[LC_LIGHT_KINDS] = { "point", "oriented", "directional" };
-static const char *const brdf_names[GEN_BRDFS] = { "lambert", "phong", "ward", "ward-an" };
+static const char *const brdf_names[GEN_BRDFS] = { "lambert", "phong", "ward", "ward-an", "ggx", "ggx-an" };
 
 static void make(gen_case *c, uint64_t i, uint32_t kind, uint32_t brdf, gen_style how)
 {
-    gen_src s = gen_src_key(lc_hash4(seed, kind * 2 + (brdf & 1) + (brdf & 2) * 3, (uint64_t)how, i));
+    gen_src s = gen_src_key(lc_hash4(seed, kind * 2 + (brdf & 1) + (brdf >> 1) * 6, (uint64_t)how, i));
     gen_case_make(c, &s, (lc_light_kind)kind, (gen_brdf)brdf, how);
 }
 
@@ -80,6 +81,7 @@ TEST(bound_holds)
            "<ref");
     for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         for (uint32_t brdf = 0; brdf < GEN_BRDFS; brdf++) {
+            if (only && strcmp(brdf_names[brdf], only)) continue;
             uint64_t bad = run_line(kind, brdf);
             CHECKF(bad == 0, "%s %s: %llu", kind_names[kind], brdf_names[brdf], (unsigned long long)bad);
         }
@@ -90,7 +92,7 @@ TEST(bound_holds)
  * a power of at most 100 multiplies that: 1e-9 is ample. Oriented: the cone of the reference takes directions for
  * unit, which in float they are to 2^-24 = 6e-8, and tan(phi) multiplies that: 1e-6. Ward: the reference takes tangents and n
  * for perpendicular and o for unit, which in float they are to 2e-7; over roughness 0.05 and the height of h, and times the
- * derivative of e^-x^2, some 1e-4 / height: 1e-3.
+ * derivative of e^-x^2, some 1e-4 / height: 1e-3; GGX's falls more slowly.
  */
 TEST(reference_holds)
 {
@@ -102,7 +104,7 @@ TEST(reference_holds)
             lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
             uint32_t all = (1u << c.n) - 1;
             double sum = ref_cluster_sum(&p, c.lights, all);
-            double slack = sum * (p.lobe == LC_LOBE_WARD ? 1e-3 : kind == LC_LIGHT_ORIENTED ? 1e-6 : 1e-9), ub;
+            double slack = sum * (p.lobe >= LC_LOBE_WARD ? 1e-3 : kind == LC_LIGHT_ORIENTED ? 1e-6 : 1e-9), ub;
             ub = ref_cluster_bound(&p, c.lights, all, true);
             CHECKF(ub >= sum - slack, "case %llu: %.9g %.9g", (unsigned long long)i, ub, sum);
             CHECK(ref_cluster_bound(&p, c.lights, all, false) >= ref_cluster_bound(&p, c.lights, all, true));
@@ -173,6 +175,25 @@ static double ward_slack(const lc_point *p, lc_f3 v)
     return exp(0x1p-24 * (2 * s * 166 * ((double)p->sharp + 2 * s) / h[2] + 32 * s * s)) - 1;
 }
 
+/* Relative error of GGX's lobe: r^2 by the slope s as above, d ln r^2 / ds < 4 s / (1 + s^2); |h|^2 256u and HALF_SLACK (256u) off, four
+ * times for D, and half of it of Fresnel's cosine: Schlick 5 (1 - c)^4, dielectric no more than 5, and 128u, over F; two masking
+ * terms, 256u each. */
+static double ggx_slack(const lc_point *p, lc_f3 v)
+{
+    double h[3], h2 = 0, s, f = 1, k = 0;
+    for (int i = 0; i < 3; i++) {
+        const float *axis = i < 2 ? p->tangent[i] : p->n;
+        h[i] = (double)lc_f3_dot(lc_f3_load(axis), v) + (double)p->view[i];
+        h2 += h[i] * h[i] * (double)(i < 2 ? p->square[i] : 1);
+        if ((double)p->specular[i] > 0) f = fmin(f, (double)p->specular[i] / ((double)p->specular[i] + (double)p->rise[i]));
+    }
+    s = sqrt(h[0] * h[0] + h[1] * h[1]) / h[2];
+    if (p->fresnel == LC_FRESNEL_DIELECTRIC) k = ref_dielectric(sqrt((double)p->eta2), sqrt(h2) / 2), f = k;
+    double lobe = 4 * s / (1 + s * s) * 166 * ((double)p->sharp + 2 * s) / h[2];
+    h2 = fmin(h2, 1);
+    return 0x1p-24 * (lobe + 512 * (4 / h2 + 1) + (5 * 512 / h2 + 128) / f);
+}
+
 /* One light: the bound is the estimate, but for the slacks of bounds_tmpl.c: of z (14u M, M <= sqrt 3 |p|), of squares
  * (18u M^2 of |p|^2 and of r^2), of powers (2^-15 + 8.4e-6, and half of the exponent times 32u and what cos^2 has from z
  * and the squares) and of products (64u); and, for oriented lights, the cone: a cosine of 1
@@ -198,6 +219,8 @@ TEST(zero_extent_is_tight)
             if (cos_r < 0.05 || (kind == LC_LIGHT_ORIENTED && cos_e < 0.05)) continue;
             double exact = ref_cluster_sum(&p, &c.lights[0], 1), rel = (double)bound_of(&c, &p) / exact - 1,
                    limit = 6e-5 + 1.5e-6 / cos_r + 4.5e-6 * (double)c.mat.exponent;
+            if (p.lobe == LC_LOBE_GGX && p.fresnel == LC_FRESNEL_CONDUCTOR) continue;
+            if (p.lobe == LC_LOBE_GGX) limit += ggx_slack(&p, v);
             if (p.lobe == LC_LOBE_WARD) limit += 1.1 * ward_slack(&p, v);
             if (kind == LC_LIGHT_ORIENTED)
                 limit += sqrt(fmax(0, 1 - cos_e * cos_e)) / cos_e * sqrt(10 * 0x1p-24);
@@ -330,6 +353,27 @@ TEST(cone_holds_every_direction)
            (unsigned long long)n, (unsigned long long)full, loosest);
 }
 
+/* Against the reference's frame; its o lies on the horizon where that of the case is below it. */
+static void check_ggx(const lc_point *p, const ref_point *r, const lc_material *m)
+{
+    const double eta[3] = { (double)m->eta.x, (double)m->eta.y, (double)m->eta.z };
+    const double k[3] = { (double)m->k.x, (double)m->k.y, (double)m->k.z };
+    double len = 0, s = 0, d = 0, ks[3] = { (double)m->ks.x, (double)m->ks.y, (double)m->ks.z };
+    for (int i = 0; i < 3; i++) {
+        double a = i < 2 ? (double)m->roughness[i] : 1, o = a * (double)p->view[i], n2 = eta[i] * eta[i] - k[i] * k[i] - 1;
+        len += o * o, s += a * a * o * o, d += (double)p->to_view[i] * (double)p->to_view[i];
+        if (i < 2) CHECK(fabs((double)p->square[i] - a * a) <= 0x1p-24 * a * a);
+        double rise = m->fresnel == LC_FRESNEL_SCHLICK ? r->specular[i] * (1 - ks[i]) / ks[i] : 0;
+        if (m->fresnel == LC_FRESNEL_SCHLICK && ks[i] > 0) CHECK(fabs((double)p->rise[i] - rise) <= 8 * 0x1p-24 * rise);
+        if (m->fresnel != LC_FRESNEL_CONDUCTOR) continue;
+        CHECK(fabs((double)p->rise[i] - n2) <= 0x1p-24 * fabs(n2));
+        CHECK(fabs((double)p->turn[i] - 2 * eta[i] * k[i]) <= 0x1p-24 * 2 * eta[i] * k[i]);
+    }
+    s = (double)p->masking - sqrt(s);
+    CHECKF(fabs(len - 1) <= 64 * 0x1p-24 && fabs(d - 1) <= 8 * 0x1p-24 && fabs(s) <= 16 * 0x1p-24, "%g %g %g", len - 1, d - 1, s);
+    CHECK(p->coat == m->coat && fabs((double)p->eta2 - eta[0] * eta[0]) <= 0x1p-24 * eta[0] * eta[0]);
+}
+
 /* lc_point_init: products and sums of unit numbers; mirror: dot 3 ulp, doubled, product and difference: 8
  * units of 2^-24 absolute. Reflectances: four roundings; Ward: seven, and half of the error of n.o, 3, over 0.02. */
 TEST(point_init_agrees)
@@ -339,7 +383,7 @@ TEST(point_init_agrees)
         make(&c, i, (uint32_t)(i % 3), (uint32_t)(i / 3 % GEN_BRDFS), GEN_ADVERSARIAL);
         lc_f3 t = c.mat.tangent;
         float n_t = lc_f3_dot(t, c.normal);
-        if (lc_f3_dot(t, t) - n_t * n_t < 2e-4f) c.mat.gloss = LC_GLOSS_PHONG; /* any frame will do */
+        if (lc_f3_dot(t, t) - n_t * n_t < 2e-4f) c.mat.gloss = LC_GLOSS_PHONG, c.mat.coat = false; /* any frame will do */
         lc_point p;
         ref_point r;
         lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
@@ -350,16 +394,21 @@ TEST(point_init_agrees)
             CHECK(p.pos[k] == (&c.pos.x)[k] && p.n[k] == (&c.normal.x)[k]);
             CHECKF(fabs((double)p.mirror[k] - r.mirror[k]) <= 8 * 0x1p-24, "%g",
                    (double)p.mirror[k] - r.mirror[k]);
-            CHECK(fabs((double)p.diffuse[k] - r.diffuse[k]) <= 4 * 0x1p-24 * r.diffuse[k] + 0x1p-149);
+            /* below a coat: 16 more, and what o.n, of 4 units, moves T(o), no steeper than T / (o.n); Fi is within 4e-7,
+             * 1 - Fi above 0.05 */
+            double off = 4 * 0x1p-24 * r.diffuse[k], below = 8e-6 + 20 * 0x1p-24 + 4 * 0x1p-24 / fmax(r.view[2], 1e-9);
+            if (p.coat) off = below * fmax(r.diffuse[k], (double)p.diffuse[k]) + (double)LC_MIN_REFLECTANCE;
+            CHECKF(fabs((double)p.diffuse[k] - r.diffuse[k]) <= off + 0x1p-149, "%g %g", (double)p.diffuse[k], r.diffuse[k]);
             CHECK(fabs((double)p.specular[k] - r.specular[k]) <= more * 0x1p-24 * r.specular[k] + 0x1p-149);
-            glossy = glossy || r.specular[k] > 0;
+            glossy = glossy || r.specular[k] > 0 || c.mat.coat;
             len += (double)p.mirror[k] * (double)p.mirror[k];
         }
         CHECKF(fabs(len - 1) <= 16 * 0x1p-24, "%.9g", len);
-        bool ward = c.mat.gloss == LC_GLOSS_WARD;
-        CHECK(p.lobe == (!glossy ? LC_LOBE_NONE : ward ? LC_LOBE_WARD : LC_LOBE_PHONG));
+        bool ward = c.mat.gloss == LC_GLOSS_WARD, ggx = c.mat.gloss == LC_GLOSS_GGX;
+        CHECK(p.lobe == (!glossy ? LC_LOBE_NONE : ggx ? LC_LOBE_GGX : ward ? LC_LOBE_WARD : LC_LOBE_PHONG));
+        if (ggx) check_ggx(&p, &r, &c.mat);
         CHECK(p.exponent == c.mat.exponent && p.min_d2 == c.min_d2);
-        if (!ward) continue;
+        if (!ward && !ggx) continue;
         /* o by the two tangents, and the tangents themselves, times roughness: the projection takes away at most 0.99 */
         for (int axis = 0; axis < 2; axis++) {
             double a = (double)c.mat.roughness[axis];
@@ -397,8 +446,9 @@ int main(int argc, char **argv)
         bool more = i + 1 < argc;
         if (!strcmp(argv[i], "--seed") && more) seed = strtoull(argv[++i], NULL, 0);
         else if (!strcmp(argv[i], "--count") && more) count = strtoull(argv[++i], NULL, 0), table = true;
+        else if (!strcmp(argv[i], "--only") && more) only = argv[++i];
         else if (!strcmp(argv[i], "--extreme")) style = GEN_EXTREME;
-        else return fprintf(stderr, "usage: check_bounds [--seed S] [--count N] [--extreme]\n"), 2;
+        else return fprintf(stderr, "usage: check_bounds [--seed S] [--count N] [--only MATERIAL] [--extreme]\n"), 2;
     }
     printf("seed %llu\n", (unsigned long long)seed);
     RUN(bound_holds);

@@ -657,6 +657,7 @@ good 'bench bounds' bench bounds --runs 1 --isa scalar
 prints '^bounds  *directional  *phong  *scalar .* ns/cluster'
 prints '^exact  *oriented  *lambert  *scalar .* ns/light'
 prints '^estimate  *point  *ward  *scalar .* ns/light'
+prints '^bounds  *oriented  *ggx  *scalar .* ns/cluster'
 good 'bench bounds --json' bench bounds --runs 1 --json
 cp out bench_bounds.json
 good 'bench tree' bench tree --lights 100 --runs 1 -t 1

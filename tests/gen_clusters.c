@@ -282,16 +282,35 @@ static float roughness(gen_src *s, gen_style style)
     return fminf(fmaxf((float)a, LC_MIN_ROUGHNESS), LC_MAX_ROUGHNESS);
 }
 
-static void make_ward(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
+/* Of GGX. Indices of glass and metals, or any that are accepted. */
+static void make_fresnel(gen_src *s, gen_case *c, gen_style style)
 {
-    c->mat.gloss = LC_GLOSS_WARD;
+    uint32_t how = gen_pick(s, 6), any = style == GEN_ORDINARY ? 0 : gen_pick(s, 3);
+    float *eta = &c->mat.eta.x, *k = &c->mat.k.x;
+    c->mat.fresnel = how < 2 ? LC_FRESNEL_SCHLICK : how < 4 ? LC_FRESNEL_DIELECTRIC : LC_FRESNEL_CONDUCTOR;
+    c->mat.coat = gen_pick(s, 2) != 0;
+    for (int i = 0; i < 3; i++) {
+        bool metal = c->mat.fresnel == LC_FRESNEL_CONDUCTOR && (i || !c->mat.coat);
+        eta[i] = (float)(metal ? gen_real(s, 0.05, 4) : gen_real(s, 1.2, 2.5)), k[i] = metal ? (float)gen_real(s, 0.5, 8) : 0;
+        if (any == 1) eta[i] = metal ? (float)decade(s, -2, 2) : (float)fmin(1 + decade(s, -8, 0.398), (double)LC_MAX_ETA);
+        if (any == 1 && metal) k[i] = eta[i] > 0.1f && gen_pick(s, 2) ? 0 : (float)decade(s, -2, 2);
+        if (any == 2) eta[i] = metal ? (float)gen_real(s, 0.9, 1.1) : gen_pick(s, 2) ? LC_MIN_ETA : LC_MAX_ETA;
+        if (any == 2 && metal) k[i] = (float)decade(s, -8, 0);
+    }
+    if (style != GEN_ORDINARY && !gen_pick(s, 8)) c->mat.fresnel = LC_FRESNEL_NONE;
+}
+
+static void make_rough(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
+{
+    c->mat.gloss = brdf >= GEN_GGX_ISO ? LC_GLOSS_GGX : LC_GLOSS_WARD;
     c->mat.roughness[0] = c->mat.roughness[1] = roughness(s, style);
-    if (brdf == GEN_WARD_ANISO) c->mat.roughness[1] = roughness(s, style);
+    if (brdf == GEN_WARD_ANISO || brdf == GEN_GGX_ANISO) c->mat.roughness[1] = roughness(s, style);
     d3 n = from_f3(c->normal), t = style == GEN_ORDINARY ? sphere(s) : direction(s);
     uint32_t how = style == GEN_ORDINARY ? 0 : gen_pick(s, 4);
     if (how == 1) t = n;
     if (how == 2) t = across(s, n);
     if (how < 3) c->mat.tangent = unit_f3(t);
+    if (c->mat.gloss == LC_GLOSS_GGX) make_fresnel(s, c, style);
 }
 
 static void make_material(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
@@ -309,7 +328,7 @@ static void make_material(gen_src *s, gen_case *c, gen_brdf brdf, gen_style styl
     if (how == 4) e = floor(e);
     if (how == 5) e = (double)LC_MAX_EXPONENT;
     c->mat.exponent = glossy ? fminf((float)e, LC_MAX_EXPONENT) : 0;
-    if (brdf >= GEN_WARD_ISO) make_ward(s, c, brdf, style);
+    if (brdf >= GEN_WARD_ISO) make_rough(s, c, brdf, style);
 }
 
 static void make_attenuation(gen_src *s, float atten[3], const space *b, gen_style style)
@@ -575,7 +594,11 @@ void gen_case_print(const gen_case *c)
     print3("kd", c->mat.kd), print3("ks", c->mat.ks);
     printf("    exponent %a (%.9g)  min_d2 %a (%.9g)  order %llu\n", (double)c->mat.exponent,
            (double)c->mat.exponent, (double)c->min_d2, (double)c->min_d2, (unsigned long long)c->order);
-    if (c->mat.gloss == LC_GLOSS_WARD) {
+    if (c->mat.gloss == LC_GLOSS_GGX) {
+        printf("    ggx, fresnel %d, coat %d\n", (int)c->mat.fresnel, c->mat.coat);
+        print3("eta", c->mat.eta), print3("k", c->mat.k);
+    }
+    if (c->mat.gloss != LC_GLOSS_PHONG) {
         printf("    roughness %a %a (%.9g %.9g)\n", (double)c->mat.roughness[0], (double)c->mat.roughness[1],
                (double)c->mat.roughness[0], (double)c->mat.roughness[1]);
         print3("tangent", c->mat.tangent);

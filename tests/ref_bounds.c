@@ -2,9 +2,11 @@
  *
  * [Miksik07] M. Miksik, Implementing Lightcuts, CESCG 2007. Equation numbers are of that report.
  * [Walter05b] B. Walter, Notes on the Ward BRDF, PCG-05-06, 2005.
+ * [Walter07] Walter, Marschner, Li, Torrance, Microfacet models for refraction through rough surfaces, EGSR 2007.
  */
 #include "ref_bounds.h"
 
+#include <complex.h>
 #include <math.h>
 
 #define U 0x1p-24 /* half an ulp of float, relative */
@@ -25,11 +27,43 @@ double ref_luminance(const double rgb[3])
     return (double)0.2126f * rgb[0] + (double)0.7152f * rgb[1] + (double)0.0722f * rgb[2];
 }
 
+/* ---- smooth surfaces ---- */
+
+double ref_dielectric(double eta, double c)
+{
+    double inside2 = 1 - (1 - c * c) / (eta * eta);
+    if (c <= 0 || inside2 <= 0) return 1;
+    double ci = sqrt(inside2), p = (eta * c - ci) / (eta * c + ci), s = (c - eta * ci) / (c + eta * ci);
+    return (p * p + s * s) / 2;
+}
+
+/* n2: square of the complex index. */
+static double conductor(double complex n2, double c)
+{
+    double complex inside = csqrt(n2 - (1 - c * c)); /* index times the cosine inside */
+    double complex s = (c - inside) / (c + inside), p = (n2 * c - inside) / (n2 * c + inside);
+    return (creal(s * conj(s)) + creal(p * conj(p))) / 2;
+}
+
+double ref_conductor(double eta, double k, double c) { return conductor((eta + I * k) * (eta + I * k), c); }
+
+double ref_mean_dielectric(double eta)
+{
+    const int n = 1000; /* good to 2e-7 */
+    double sum = 0;
+    for (int i = 0; i < n; i++) { /* the cosine's square is uniform; finer towards grazing */
+        double u = (i + 0.5) / n;
+        sum += ref_dielectric(eta, u * u) * 4 * u * u * u;
+    }
+    return sum / n;
+}
+
 /* A frame whose x is along the material's tangent where that points along the surface; what stands before the exponential
- * of [Walter05b] but 1 / sqrt(cos_i). */
-static void make_ward(ref_point *r, const double n[3], const double o[3], const lc_material *m)
+ * of [Walter05b] but 1 / sqrt(cos_i); before r^2 of GGX. */
+static void make_rough(ref_point *r, const double n[3], const double o[3], const lc_material *m)
 {
     double a[2] = { (double)m->roughness[0], (double)m->roughness[1] }, t[3], x[3], y[3], len;
+    double eta = (double)m->eta.x, fi = m->coat ? 1 - (1 - ref_mean_dielectric(eta)) / (eta * eta) : 0;
     load_f3(t, m->tangent);
     for (int k = 0; k < 3; k++) x[k] = t[k] - dot3(n, t) * n[k];
     len = sqrt(dot3(x, x));
@@ -39,6 +73,10 @@ static void make_ward(ref_point *r, const double n[3], const double o[3], const 
         double ks = k == 0 ? (double)m->ks.x : k == 1 ? (double)m->ks.y : (double)m->ks.z;
         r->tangent[0][k] = x[k] / a[0], r->tangent[1][k] = y[k] / a[1];
         r->specular[k] = ks / (4 * LC_PI * a[0] * a[1] * sqrt(fmax(dot3(n, o), (double)LC_WARD_MIN_COS)));
+        if (m->gloss == LC_GLOSS_GGX) r->specular[k] = ks / (2 * LC_PI * a[0] * a[1]);
+        if (!m->coat) continue;
+        double kd = r->diffuse[k] * LC_PI;
+        r->diffuse[k] *= (1 - ref_dielectric(eta, dot3(n, o))) / (eta * eta * (1 - kd * fi));
     }
     r->view[0] = dot3(r->tangent[0], o), r->view[1] = dot3(r->tangent[1], o), r->view[2] = fmax(dot3(n, o), 0);
 }
@@ -52,7 +90,7 @@ void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m)
         r->diffuse[k] = kd[k] / LC_PI;
         r->specular[k] = ks[k] * ((double)m->exponent + 2) / (2 * LC_PI);
     }
-    if (m->gloss == LC_GLOSS_WARD) make_ward(r, nn, o, m);
+    if (m->gloss != LC_GLOSS_PHONG) make_rough(r, nn, o, m);
 }
 
 /* ---- transfer ---- */
@@ -63,10 +101,10 @@ static double falloff(const double atten[3], double d2)
     return atten[0] + atten[1] * sqrt(d2) + atten[2] * d2;
 }
 
-/* What M G is made of: cosines at the receiver, about the mirror direction, at the light; 1/f; Ward: h = i + o by tangents
- * over roughness and n, and the lengths of the former two. */
+/* What M G is made of: cosines at the receiver, about the mirror direction, at the light; 1/f; Ward, GGX: i and h = i + o by
+ * tangents over roughness and n, and the lengths of the former two. */
 typedef struct terms {
-    double cos_r, cos_m, cos_e, inv_f, h[3], sharp[2];
+    double cos_r, cos_m, cos_e, inv_f, i[3], h[3], sharp[2];
 } terms;
 
 static terms light_terms(const lc_point *p, const lc_light *l)
@@ -78,13 +116,14 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     for (int k = 0; k < 3; k++) v[k] = far ? -dir[k] : y[k] - x[k];
     double d2 = dot3(v, v), d = sqrt(fmax(d2, (double)LC_TINY_D2)); /* no shorter: layout.h */
     for (int k = 0; k < 3; k++) w[k] = v[k] / d;
-    terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 } };
+    terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 }, { 0 } };
     for (int k = 0; k < 2; k++) {
         double tangent[3];
         load(tangent, p->tangent[k]);
-        t.h[k] = dot3(tangent, w) + (double)p->view[k], t.sharp[k] = sqrt(dot3(tangent, tangent));
+        t.i[k] = dot3(tangent, w), t.sharp[k] = sqrt(dot3(tangent, tangent));
     }
-    t.h[2] = dot3(n, w) + (double)p->view[2];
+    t.i[2] = dot3(n, w);
+    for (int k = 0; k < 3; k++) t.h[k] = t.i[k] + (double)p->view[k];
     if (l->kind == LC_LIGHT_ORIENTED) {
         double len = sqrt(dot3(dir, dir));
         t.cos_e = len > 0 ? -dot3(dir, w) / len : 0;
@@ -93,10 +132,10 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     return t;
 }
 
-/* Eq. 6 times the receiver cosine times G. cos^0 = 1. */
-static double combine(const lc_point *p, int c, double cos_r, double power_m, double cos_e, double inv_f)
+/* Diffuse part, of which a coat lets in `coat`, and lobe, times the receiver cosine times G ([Miksik07] eq. 6). cos^0 = 1. */
+static double combine(const lc_point *p, int c, double cos_r, double coat, double lobe, double cos_e, double inv_f)
 {
-    double rho = (double)p->diffuse[c] + (double)p->specular[c] * power_m;
+    double rho = (double)p->diffuse[c] * coat + lobe;
     return rho * fmax(cos_r, 0) * fmax(cos_e, 0) * inv_f;
 }
 
@@ -106,13 +145,52 @@ static double ward(double x, double y, double z, double cos_r)
     return z > 0 ? exp(-(x * x + y * y) / (z * z)) / sqrt(fmax(cos_r, (double)LC_WARD_MIN_COS)) : 0;
 }
 
+/* [Walter07]: D G / (4 cos_i cos_o) times 2 pi ax ay, for i and o by tangents over roughness and n; both cosines > 0. */
+static double ggx(const lc_point *p, const double i[3], double o_n)
+{
+    double a2[3] = { (double)p->square[0], (double)p->square[1], 1 }, h2 = 0, e = 0, s[2] = { 0, 0 };
+    double o[3] = { (double)p->view[0], (double)p->view[1], o_n };
+    for (int k = 0; k < 3; k++) {
+        double h = i[k] + o[k], x = a2[k] * i[k], y = a2[k] * o[k];
+        h2 += a2[k] * h * h, e += h * h, s[0] += x * x, s[1] += y * y;
+    }
+    e /= h2; /* of h of length 1: (hx / ax)^2 + (hy / ay)^2 + hz^2 */
+    double lambda[2] = { (sqrt(s[0]) / i[2] - 1) / 2, (sqrt(s[1]) / o_n - 1) / 2 };
+    return 2 / (e * e) / (1 + lambda[0] + lambda[1]) / (4 * i[2] * o_n);
+}
+
+/* Reflectance times the constant before the lobe. */
+static double fresnel(const lc_point *p, int channel, double c)
+{
+    double f = (double)p->specular[channel], rise = (double)p->rise[channel];
+    if (p->fresnel == LC_FRESNEL_SCHLICK) return f + rise * pow(1 - c, 5);
+    if (p->fresnel == LC_FRESNEL_DIELECTRIC) return f * ref_dielectric(sqrt(1 + (double)p->bend), c);
+    return f * conductor(1 + rise + I * (double)p->turn[channel], c);
+}
+
+static double coat_in(const lc_point *p, double cos_r)
+{
+    return p->coat ? 1 - ref_dielectric(sqrt(1 + (double)p->bend), fmin(cos_r, 1)) : 1;
+}
+
+/* |h| / 2, the cosine between h and either direction. */
+static double half_cosine(const lc_point *p, double x, double y, double z)
+{
+    return fmin(sqrt((double)p->square[0] * x * x + (double)p->square[1] * y * y + z * z) / 2, 1);
+}
+
 void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
 {
     terms t = light_terms(p, l);
     double pm = p->lobe == LC_LOBE_PHONG  ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent)
                 : p->lobe == LC_LOBE_WARD ? ward(t.h[0], t.h[1], t.h[2], fmin(t.cos_r, 1))
                                           : 0;
-    for (int c = 0; c < 3; c++) mg[c] = combine(p, c, fmin(t.cos_r, 1), pm, fmin(t.cos_e, 1), t.inv_f);
+    for (int c = 0; c < 3; c++) {
+        double lobe = (double)p->specular[c] * pm, c_h = half_cosine(p, t.h[0], t.h[1], t.h[2]);
+        /* the cosine of o is no less, for the quotients */
+        if (p->lobe == LC_LOBE_GGX) lobe = t.cos_r > 0 ? fresnel(p, c, c_h) * ggx(p, t.i, fmax((double)p->view[2], 1e-12)) : 0;
+        mg[c] = combine(p, c, fmin(t.cos_r, 1), coat_in(p, t.cos_r), lobe, fmin(t.cos_e, 1), t.inv_f);
+    }
 }
 
 /* Error of one cosine in float. v_k = fl(y_k - x_k) is one rounding: relative U each. A dot product of three
@@ -139,12 +217,60 @@ static void ward_range(const terms *t, double er, double *lo, double *hi)
     *hi = ward(near[0], near[1], t->h[2] + ez, t->cos_r + er) * (1 + 6 * U);
 }
 
+/* GGX: a conductor's N = sqrt(N^2) where terms of N^2 of size s cancel is off by the lesser of s 3U / |N| and its root; that
+ * moves its reflectance by 4 c / (c^2 + |N|^2) of it, s and p alike. */
+static double conductor_error(const lc_point *p, int channel, double c)
+{
+    double rise = (double)p->rise[channel], t = rise + c * c, n2 = hypot(t, (double)p->turn[channel]);
+    double e = 3 * U * (fabs(rise) + c * c);
+    return 8 * c / (c * c + n2) * fmin(e / sqrt(n2), sqrt(e)) + 64 * U;
+}
+
+static void fresnel_range(const lc_point *p, int channel, double c0, double c1, double *lo, double *hi)
+{
+    double a = fresnel(p, channel, c0), b = fresnel(p, channel, c1), s = (double)p->specular[channel], e = 0;
+    if (p->fresnel == LC_FRESNEL_DIELECTRIC) e = s * 32 * U;
+    if (p->fresnel == LC_FRESNEL_CONDUCTOR) /* neither rises nor falls: as much again */
+        e = fabs(a - b) + s * fmax(conductor_error(p, channel, c0), conductor_error(p, channel, c1));
+    *lo = fmax(fmin(a, b) - e, 0), *hi = fmax(a, b) + e;
+    /* Schlick's power may be left out */
+    if (p->fresnel == LC_FRESNEL_SCHLICK && pow(1 - c1, 5) < 2 * (double)LC_MIN_LOBE) *lo = fmin(*lo, s);
+}
+
+/* Of the fraction r = (ax^2 x^2 + ay^2 y^2 + z^2) / (x^2 + y^2 + z^2), h by tangents over roughness: monotone in each of the
+ * squares, so least and greatest at corners. What is left is relative: r 9 U, twice, and two more quotients and a root: 30 U. */
+static void ggx_range(const lc_point *p, const terms *t, double er, double lo[3], double hi[3])
+{
+    double a2[2] = { (double)p->square[0], (double)p->square[1] }, h[2][3], s[2], r0 = 1, r1 = 0, i[2][2];
+    double ez = cos_error(1) + 2 * U * fabs(t->h[2]), ci[2] = { fmax(t->cos_r - er, (double)LC_MIN_COS / 2), t->cos_r + er };
+    if (ci[1] <= (double)LC_MIN_COS) ci[1] = (double)LC_MIN_COS;
+    for (int k = 0; k < 2; k++) {
+        double e = t->sharp[k] * cos_error(1), x = fabs(t->h[k]);
+        h[0][k] = fmax(x - e - 2 * U * x, 0), h[1][k] = x + e + 2 * U * x;
+        i[0][k] = fmax(fabs(t->i[k]) - e, 0), i[1][k] = fabs(t->i[k]) + e;
+    }
+    h[0][2] = fmax(t->h[2] - ez, (double)LC_MIN_COS / 2), h[1][2] = fmax(t->h[2] + ez, h[0][2]);
+    for (int corner = 0; corner < 8; corner++) {
+        double x = h[corner & 1][0], y = h[corner >> 1 & 1][1], z = h[corner >> 2][2];
+        double r = (a2[0] * x * x + a2[1] * y * y + z * z) / (x * x + y * y + z * z);
+        r0 = fmin(r0, r), r1 = fmax(r1, r);
+    }
+    for (int k = 0; k < 2; k++) s[k] = sqrt(pow(a2[0] * i[k][0], 2) + pow(a2[1] * i[k][1], 2) + ci[k] * ci[k]);
+    double o_s = (double)p->masking, o_n = (double)p->view[2];
+    double least = r0 * r0 / (o_s * ci[1] + o_n * s[1]) * (1 - 30 * U), most = r1 * r1 / (o_s * ci[0] + o_n * s[0]) * (1 + 30 * U);
+    double c0 = half_cosine(p, h[0][0], h[0][1], h[0][2]) * (1 - 5 * U), c1 = half_cosine(p, h[1][0], h[1][1], h[1][2]) * (1 + 5 * U);
+    for (int c = 0; c < 3; c++) {
+        fresnel_range(p, c, c0, fmin(c1, 1), &lo[c], &hi[c]);
+        lo[c] *= least, hi[c] *= most;
+    }
+}
+
 void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], double hi[3])
 {
     terms t = light_terms(p, l);
     double er = cos_error(t.cos_r), em = cos_error(t.cos_m),
            ee = l->kind == LC_LIGHT_ORIENTED ? cos_error(t.cos_e) : 0;
-    double n = (double)p->exponent, pm_lo = 0, pm_hi = 0;
+    double n = (double)p->exponent, pm_lo = 0, pm_hi = 0, gloss_lo[3], gloss_hi[3];
     if (p->lobe == LC_LOBE_WARD) ward_range(&t, er, &pm_lo, &pm_hi);
     if (p->lobe == LC_LOBE_PHONG) {
         /* 0^0 is 1 in C, 0 for a function that tests for cos <= 0 first: both are allowed */
@@ -154,12 +280,15 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
     /* Ward's limit is for the exponential alone */
     double least = (double)LC_MIN_LOBE * (1 + 1e-6) / (p->lobe == LC_LOBE_WARD ? sqrt((double)LC_WARD_MIN_COS) : 1);
     if (pm_lo < least) pm_lo = 0;
+    for (int c = 0; c < 3; c++) gloss_lo[c] = (double)p->specular[c] * pm_lo, gloss_hi[c] = (double)p->specular[c] * pm_hi;
+    if (p->lobe == LC_LOBE_GGX) ggx_range(p, &t, er, gloss_lo, gloss_hi);
+    double in_lo = coat_in(p, t.cos_r - er) * (1 - 32 * U), in_hi = p->coat ? coat_in(p, t.cos_r + er) * (1 + 32 * U) : 1;
+    if (!p->coat) in_lo = 1;
     for (int c = 0; c < 3; c++) {
-        double rho = (double)p->diffuse[c] + (double)p->specular[c] * pm_hi;
+        double rho = (double)p->diffuse[c] + gloss_hi[c];
         double tiny = 0x1p-147 * (rho + t.inv_f + 1) + 0x1p-126 * (double)p->specular[c] * t.inv_f;
-        lo[c] =
-            combine(p, c, fmin(t.cos_r, 1) - er, pm_lo, fmin(t.cos_e, 1) - ee, t.inv_f) * (1 - 18 * U) - tiny;
-        hi[c] = combine(p, c, t.cos_r + er, pm_hi, t.cos_e + ee, t.inv_f) * (1 + 18 * U) + tiny;
+        lo[c] = combine(p, c, fmin(t.cos_r, 1) - er, in_lo, gloss_lo[c], fmin(t.cos_e, 1) - ee, t.inv_f) * (1 - 18 * U) - tiny;
+        hi[c] = combine(p, c, t.cos_r + er, in_hi, gloss_hi[c], t.cos_e + ee, t.inv_f) * (1 + 18 * U) + tiny;
         if (lo[c] < 0 || t.inv_f < 0x1p-127) lo[c] = 0; /* f is inf in float, 1/f is 0 */
         /* The estimate's own definition (layout.h): 0 at grazing cosines and where it is tiny, capped. */
         bool grazing = t.cos_r - er <= (double)LC_MIN_COS || t.cos_e - ee <= (double)LC_MIN_COS;
@@ -330,10 +459,9 @@ static double max_half_cosine(const double lo[3], const double hi[3], const doub
     return fmin(sin_n * sqrt(fmax(1 - ch * ch, 0)) * cp + cos_n * ch, 1);
 }
 
-/* Greatest value of ward() by that, the larger roughness, and the greatest cosine. */
-static double ward_bound(const lc_point *p, const ref_cluster *c, const double n[3], double cos_r)
+/* o, and the lengths of the tangents. */
+static void viewer(const lc_point *p, const double n[3], double o[3], double sharp[2])
 {
-    double o[3], sharp[2];
     for (int k = 0; k < 3; k++) o[k] = (double)p->view[2] * n[k];
     for (int t = 0; t < 2; t++) {
         double a[3];
@@ -341,9 +469,33 @@ static double ward_bound(const lc_point *p, const ref_cluster *c, const double n
         sharp[t] = sqrt(dot3(a, a));
         for (int k = 0; k < 3; k++) o[k] += (double)p->view[t] * a[k] / (sharp[t] * sharp[t]);
     }
+}
+
+/* Greatest value of ward() by max_half_cosine, the larger roughness, and the greatest cosine. */
+static double ward_bound(const lc_point *p, const ref_cluster *c, const double n[3], double cos_r)
+{
+    double o[3], sharp[2];
+    viewer(p, n, o, sharp);
     double m = max_half_cosine(c->vlo, c->vhi, n, o), least = fmin(sharp[0], sharp[1]);
     if (m <= 0) return 0;
     return exp(-(1 - m * m) / (m * m) * least * least) / sqrt(fmax(cos_r, (double)LC_WARD_MIN_COS));
+}
+
+/* Greatest lobe times cos_r: F D G / (4 n.o) with D's bracket by the larger roughness, G by masking alone or shadowing alone
+ * by the smaller, F at the greatest angle between the directions; conductors: 1. */
+static void ggx_bound(const lc_point *p, const ref_cluster *c, const double n[3], double cos_r, double lobe[3])
+{
+    double o[3], sharp[2], back[3], x2 = (double)p->square[0], y2 = (double)p->square[1], a2 = fmax(x2, y2), b2 = fmin(x2, y2);
+    viewer(p, n, o, sharp);
+    for (int k = 0; k < 3; k++) back[k] = -o[k];
+    double m = fmax(max_half_cosine(c->vlo, c->vhi, n, o), 0), r = 1 / ((1 - m * m) / a2 + m * m) / a2; /* e >= 1 / (a2 r) */
+    double o_n = (double)p->view[2], cr = fmin(cos_r, 1), g1 = 2 / (1 + sqrt(1 + b2 * (1 - cr * cr) / (cr * cr)));
+    double geometry = fmin(1 / (o_n + (double)p->masking), o_n > 0 ? g1 / (2 * o_n) : HUGE_VAL);
+    double hd = sqrt((1 - ref_cos_box(c->vlo, c->vhi, back)) / 2);
+    for (int k = 0; k < 3; k++) {
+        double f = p->fresnel == LC_FRESNEL_CONDUCTOR ? (double)p->specular[k] : fresnel(p, k, hd);
+        lobe[k] = f * a2 * a2 * r * r * geometry;
+    }
 }
 
 double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t members, bool joint)
@@ -358,16 +510,18 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
     double cos_m = p->lobe == LC_LOBE_PHONG ? fmin(fmax(ref_cos_box(c.vlo, c.vhi, m), 0) * len_m, 1) : 0;
     double pm = p->lobe == LC_LOBE_PHONG ? pow(cos_m, (double)p->exponent) : 0;
     double pw = p->lobe == LC_LOBE_WARD ? ward_bound(p, &c, n, cos_r) : 0; /* not with the joint bound: another cosine */
+    for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * pw * cos_r;
+    if (p->lobe == LC_LOBE_GGX && cos_r > 0) ggx_bound(p, &c, n, cos_r, gloss);
     for (int k = 0; k < 3; k++) {
-        rho[k] = ((double)p->diffuse[k] + (double)p->specular[k] * pm) * c.power[k];
-        gloss[k] = (double)p->specular[k] * pw * c.power[k];
+        rho[k] = ((double)p->diffuse[k] * coat_in(p, cos_r) + (double)p->specular[k] * pm) * c.power[k];
+        gloss[k] *= c.power[k];
     }
     double material = ref_luminance(rho), lobe = ref_luminance(gloss);
     if (material + lobe <= 0 || cos_r <= 0) return 0;
-    if (c.kind == LC_LIGHT_DIRECTIONAL) return (material + lobe) * cos_r;
+    if (c.kind == LC_LIGHT_DIRECTIONAL) return material * cos_r + lobe;
     for (int k = 0; k < 3; k++) d2 += min_square(c.vlo[k], c.vhi[k]);
-    double separate = cos_r / falloff(c.atten, fmax(d2, (double)p->min_d2)), geometry = separate;
+    double inv_f = 1 / falloff(c.atten, fmax(d2, (double)p->min_d2)), separate = cos_r * inv_f, geometry = separate;
     if (joint && c.atten[2] > 0) geometry = fmin(geometry, len_n * joint_bound(c.vlo, c.vhi, n) / c.atten[2]);
     double emission = c.kind == LC_LIGHT_ORIENTED ? emission_bound(&c) : 1;
-    return emission > 0 ? (material * geometry + lobe * separate) * emission : 0;
+    return emission > 0 ? (material * geometry + lobe * inv_f) * emission : 0;
 }

@@ -13,10 +13,15 @@
 /* The reference's own lc_point, unrounded. */
 typedef struct ref_point {
     double mirror[3], diffuse[3], specular[3];
-    double tangent[2][3], view[3]; /* Ward */
+    double tangent[2][3], view[3]; /* Ward, GGX */
 } ref_point;
 
 void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m);
+
+/* Share that a smooth dielectric of index eta reflects, a smooth conductor; cosine outside. Mean over diffuse light from outside. */
+double ref_dielectric(double eta, double c);
+double ref_conductor(double eta, double k, double c);
+double ref_mean_dielectric(double eta);
 
 /* M_i G_i per channel. */
 void ref_transfer(const lc_point *p, const lc_light *l, double mg[3]);

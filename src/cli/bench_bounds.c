@@ -86,7 +86,7 @@ static void setup_free(const lc_context *ctx, setup *s)
     lc_free(ctx, s->list, 2 * N_BATCHES * BATCH, sizeof *s->list);
 }
 
-static const char *const materials[] = { "lambert", "phong", "ward" };
+static const char *const materials[] = { "lambert", "phong", "ward", "ggx", "coat" };
 #define N_MATERIALS (sizeof materials / sizeof *materials)
 
 static void set_points(setup *s, size_t material)
@@ -94,6 +94,8 @@ static void set_points(setup *s, size_t material)
     lc_material m = { .kd = { 0.5f, 0.5f, 0.5f }, .exponent = 20 };
     if (material > 0) m.ks = m.kd;
     if (material > 1) m.gloss = LC_GLOSS_WARD, m.roughness[0] = 0.15f, m.roughness[1] = 0.3f;
+    if (material > 2) m.gloss = LC_GLOSS_GGX;
+    if (material > 3) m.coat = true, m.fresnel = LC_FRESNEL_DIELECTRIC, m.eta.x = 1.5f;
     lc_f3 up = lc_f3_make(0, 1, 0), view = lc_f3_normalize(lc_f3_make(1, 1, 0));
     for (uint32_t i = 0; i < N_POINTS; i++)
         lc_point_init(&s->points[i], lc_f3_make((float)i + 1, 0, 5), up, view, &m, 1e-8f);

@@ -144,7 +144,8 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
     print_vector(", view", x->view, "\n");
     print_vector("kd", x->kd, "");
     print_vector(", ks", x->ks, "");
-    printf(", exponent %g\n", (double)x->exponent);
+    if (x->roughness[0] > 0) printf(", %s, roughness %g %g\n", x->gloss, (double)x->roughness[0], (double)x->roughness[1]);
+    else printf(", exponent %g\n", (double)x->exponent);
     if (lum(x->emission) > 0) print_vector("emission", x->emission, "\n");
     print_radiance("radiance", x->radiance, "by the cut");
     print_radiance("exact", x->exact, "by all lights");
@@ -279,6 +280,7 @@ static void json_point(const lc_explanation *x)
     json_floats("kd", x->kd, ",\n  ");
     json_floats("ks", x->ks, ",\n  ");
     json_float("exponent", (double)x->exponent, ",\n  ");
+    printf("\"lobe\": \"%s\",\n  \"roughness\": [%.9g, %.9g],\n  ", x->gloss, (double)x->roughness[0], (double)x->roughness[1]);
     printf("\"mirrors\": %u,\n  ", x->n_mirrors);
     json_floats("weight", x->weight, ",\n  ");
     json_floats("emission", x->emission, ",\n  ");

@@ -1,0 +1,304 @@
+/* unit_ggx.c - GGX's lobe as lc_shade_light gives it: the distribution's integral, what is reflected in all, symmetry, the
+ * textbook's formula, reflectances at known angles, coats. */
+#include "ref_bounds.h"
+#include "shade.h"
+#include "test.h"
+
+#include <math.h>
+
+#define N_U 256 /* of the integral over half vectors */
+#define N_V 128
+
+typedef struct {
+    double ax, ay, cos_o, phi_o; /* roughness, direction of the viewer */
+} look;
+
+static void direction(double cosine, double phi, double out[3])
+{
+    double s = sqrt(1 - cosine * cosine);
+    out[0] = s * cos(phi), out[1] = s * sin(phi), out[2] = cosine;
+}
+
+static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Reflects all: Schlick from 1. */
+static lc_material white(const look *l)
+{
+    return (lc_material){ .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { (float)l->ax, (float)l->ay }, .tangent = { 1, 0, 0 } };
+}
+
+static void init(lc_point *p, const look *l, const lc_material *m)
+{
+    double o[3];
+    direction(l->cos_o, l->phi_o, o);
+    lc_point_init(p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_normalize_d(o[0], o[1], o[2]), m, 1e-10f);
+}
+
+/* The library's f cos for light from i. */
+static double library(const lc_point *p, const double i[3])
+{
+    lc_light_rec rec = { .pos = { (float)i[0], (float)i[1], (float)i[2] } };
+    return (double)lc_shade_light(p, LC_LIGHT_DIRECTIONAL, &rec, NULL).y;
+}
+
+/* D and G / (4 cos cos) as [Walter07] and [Heitz14] have them. */
+static double distribution(const look *l, const double h[3])
+{
+    double e = pow(h[0] / l->ax, 2) + pow(h[1] / l->ay, 2) + h[2] * h[2];
+    return 1 / (LC_PI * l->ax * l->ay * e * e);
+}
+
+static double lambda(const look *l, const double w[3])
+{
+    double tan2 = (pow(l->ax * w[0], 2) + pow(l->ay * w[1], 2)) / (w[2] * w[2]);
+    return (sqrt(1 + tan2) - 1) / 2;
+}
+
+/* h of the lobe's density D cos; a midpoint rule over its two random numbers. */
+static void half_vector(const look *l, int a, int b, double h[3])
+{
+    double u = (a + 0.5) / N_U, v = 2 * LC_PI * (b + 0.5) / N_V;
+    double phi = atan2(l->ay * sin(v), l->ax * cos(v)), c = cos(phi) / l->ax, s = sin(phi) / l->ay;
+    direction(1 / sqrt(1 + u / (1 - u) / (c * c + s * s)), phi, h);
+}
+
+/* Integral of f cos over the hemisphere; i = 2 (o.h) h - o. */
+static double reflected(const look *l, const lc_material *m)
+{
+    lc_point p;
+    double o[3], sum = 0;
+    init(&p, l, m);
+    direction(l->cos_o, l->phi_o, o);
+    for (int a = 0; a < N_U; a++)
+        for (int b = 0; b < N_V; b++) {
+            double h[3], i[3];
+            half_vector(l, a, b, h);
+            double oh = dot3(o, h);
+            for (int k = 0; k < 3; k++) i[k] = 2 * oh * h[k] - o[k];
+            if (oh > 0 && i[2] > 0) sum += library(&p, i) * 4 * oh / (distribution(l, h) * h[2]);
+        }
+    return sum / N_U / N_V;
+}
+
+/* The library's D, with what it does to |i + o| = 2: light and viewer in mirror directions about h. From f = F D G / (4 ci co). */
+static double library_distribution(const look *l, const double h[3])
+{
+    look at = { l->ax, l->ay, h[2], atan2(h[1], h[0]) }; /* i = o = h */
+    lc_material m = white(l);
+    lc_point p;
+    init(&p, &at, &m);
+    return library(&p, h) * 4 * h[2] * (1 + 2 * lambda(l, h));
+}
+
+/* Integral of D cos over the hemisphere: 1. */
+TEST(distribution_is_one)
+{
+    static const double rough[] = { 0.01, 0.05, 0.2, 0.5, 1 };
+    double worst = 0;
+    for (int x = 0; x < 5; x++)
+        for (int y = 0; y < 5; y++) {
+            look l = { rough[x], rough[y], 1, 0 };
+            double sum = 0;
+            for (int a = 0; a < N_U; a++)
+                for (int b = 0; b < N_V; b++) {
+                    double h[3];
+                    half_vector(&l, a, b, h);
+                    sum += library_distribution(&l, h) / distribution(&l, h);
+                }
+            double off = fabs(sum / N_U / N_V - 1);
+            CHECKF(off <= 0.005, "roughness %g %g: %g", l.ax, l.ay, off);
+            worst = fmax(worst, off);
+        }
+    printf("  off by at most %.2g\n", worst);
+}
+
+/* The lobe, term by term, in every direction. */
+TEST(textbook)
+{
+    static const double rough[] = { 0.05, 0.3, 1 }, cosines[] = { 0.02, 0.2, 0.5, 0.8, 1 };
+    double worst = 0;
+    for (int x = 0; x < 9; x++)
+        for (int y = 0; y < 25; y++)
+            for (double phi = 0; phi < 6; phi += 0.7) {
+                look l = { rough[x % 3], rough[x / 3], cosines[y % 5], 0.4 };
+                double o[3], i[3], h[3], len;
+                lc_material m = white(&l);
+                lc_point p;
+                init(&p, &l, &m);
+                direction(l.cos_o, l.phi_o, o), direction(cosines[y / 5], phi, i);
+                for (int k = 0; k < 3; k++) h[k] = o[k] + i[k];
+                len = sqrt(dot3(h, h));
+                for (int k = 0; k < 3; k++) h[k] /= len;
+                double want = distribution(&l, h) / (1 + lambda(&l, i) + lambda(&l, o)) / (4 * o[2]), got = library(&p, i);
+                worst = fmax(worst, fabs(got / want - 1));
+                CHECKF(fabs(got / want - 1) <= 2e-4, "roughness %g %g: %g, not %g", l.ax, l.ay, got, want);
+            }
+    printf("  off by at most %.2g\n", worst);
+}
+
+/* A surface that reflects all light sends back no more than comes in, and all of it where it is smooth. */
+TEST(furnace)
+{
+    static const double rough[] = { 0.01, 0.05, 0.3, 0.6, 1 }, cosines[] = { 1, 0.7, 0.3, 0.1, 0.03, 0.01, 1e-3 };
+    double most = 0, least = 1;
+    for (int x = 0; x < 5; x++)
+        for (int y = 0; y < 5; y++)
+            for (int k = 0; k < 7; k++) {
+                look l = { rough[x], rough[y], cosines[k], 0.8 };
+                lc_material m = white(&l);
+                double r = reflected(&l, &m);
+                most = fmax(most, r), least = fmin(least, r);
+                if (x == 0 && y == 0 && k < 3) CHECKF(fabs(r - 1) <= 0.005, "cosine %g: %.6f", l.cos_o, r);
+            }
+    printf("  %.4f to %.4f\n", least, most);
+    CHECKF(most <= 1.002, "%.6f", most);
+    look l = { 1, 1, 1, 0 };
+    lc_material m = white(&l);
+    CHECKF(fabs(reflected(&l, &m) - (1 - log(2))) <= 1e-3, "%g", reflected(&l, &m)); /* D and G are 1 / pi and 2 c / (1 + c) */
+}
+
+static lc_material any_material(int fresnel, bool coat)
+{
+    lc_material m = { .kd = { 0.7f, 0.7f, 0.7f }, .ks = { 0.4f, 0.4f, 0.4f }, .gloss = LC_GLOSS_GGX, .tangent = { 1, 0, 0 } };
+    m.roughness[0] = 0.3f, m.roughness[1] = 0.6f;
+    m.fresnel = (lc_fresnel)fresnel, m.coat = coat;
+    m.eta = fresnel == LC_FRESNEL_CONDUCTOR ? lc_f3_make(1.5f, 0.4f, 1) : lc_f3_make(1.5f, 0, 0), m.k = lc_f3_make(0, 2.4f, 2);
+    return m;
+}
+
+/* f(i, o) = f(o, i), coat included. */
+TEST(reciprocal)
+{
+    static const double cosines[] = { 1, 0.6, 0.2, 0.05, 0.01 };
+    for (int x = 0; x < 5; x++)
+        for (int y = 0; y < 5; y++)
+            for (int kind = 0; kind < 8; kind++) {
+                look l = { 0.3, 0.6, cosines[x], kind }, back = { 0.3, 0.6, cosines[y], 1 };
+                lc_material m = any_material(kind % 4, kind > 3);
+                lc_point p, q;
+                double i[3], o[3];
+                init(&p, &l, &m), init(&q, &back, &m);
+                direction(l.cos_o, l.phi_o, o), direction(back.cos_o, back.phi_o, i);
+                double a = library(&p, i) / i[2], b = library(&q, o) / o[2];
+                CHECKF(fabs(a - b) <= 1e-4 * (a + b), "%d: %g %g", kind, a, b);
+            }
+}
+
+/* Reflectance at cosine c: light, viewer and normal along h tilted so that h.o = c, against a surface that reflects all. */
+static double reflectance(lc_material m, double c)
+{
+    look l = { 0.3, 0.3, c, 0 };
+    const double i[3] = { -sqrt(1 - c * c), 0, c };
+    lc_material all = white(&l);
+    lc_point p, q;
+    m.kd = lc_f3_make(0, 0, 0);
+    m.roughness[0] = m.roughness[1] = 0.3f;
+    init(&p, &l, &m), init(&q, &l, &all);
+    return library(&p, i) / library(&q, i);
+}
+
+/* Glass of 1.5: 4 % along the normal, 8.9 % at 60 degrees, 38.8 % at 80; Brewster's angle has half of s. Gold's red, green, blue. */
+TEST(known_reflectances)
+{
+    lc_material m = { .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .fresnel = LC_FRESNEL_DIELECTRIC, .eta = { 1.5f, 1.5f, 1.5f } };
+    const double brewster = 1 / sqrt(1 + 1.5 * 1.5);
+    CHECKF(fabs(reflectance(m, 1) - 0.04) <= 1e-6, "%g", reflectance(m, 1));
+    CHECKF(fabs(reflectance(m, 0.5) - 0.0892) <= 1e-4, "%g", reflectance(m, 0.5));
+    CHECKF(fabs(reflectance(m, cos(80 * LC_PI / 180)) - 0.3877) <= 1e-4, "%g", reflectance(m, cos(80 * LC_PI / 180)));
+    CHECKF(fabs(reflectance(m, brewster) - pow(1.25 / 3.25, 2) / 2) <= 1e-6, "%g", reflectance(m, brewster));
+    /* eta, k, normal reflectance */
+    static const double gold[3][3] = { { 0.143, 3.98, 0.967 }, { 0.375, 2.39, 0.802 }, { 1.44, 1.6, 0.323 } };
+    m.fresnel = LC_FRESNEL_CONDUCTOR;
+    for (int k = 0; k < 3; k++) {
+        m.eta.y = (float)gold[k][0], m.k.y = (float)gold[k][1];
+        CHECKF(fabs(reflectance(m, 1) - gold[k][2]) <= 5e-3, "%g", reflectance(m, 1));
+    }
+    m.fresnel = LC_FRESNEL_SCHLICK, m.ks = lc_f3_make(0.04f, 0.04f, 0.04f);
+    CHECKF(fabs(reflectance(m, 0.5) - 0.07) <= 1e-6, "%g", reflectance(m, 0.5));
+    m.fresnel = LC_FRESNEL_NONE;
+    CHECKF(fabs(reflectance(m, 0.1) - 0.04) <= 1e-6, "%g", reflectance(m, 0.1));
+}
+
+/* At all angles, against the reference's formulas; a conductor that absorbs nothing is a dielectric. */
+TEST(reflectances)
+{
+    for (double eta = 0.05; eta < 4; eta += 0.1)
+        for (double c = 0.01; c <= 1; c += 0.03) {
+            lc_material m = { .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .fresnel = LC_FRESNEL_DIELECTRIC };
+            m.eta = lc_f3_make((float)eta, (float)eta, (float)eta);
+            double want = ref_dielectric((double)m.eta.x, c), got = reflectance(m, c);
+            if (eta >= 1 && eta <= 3.5) CHECKF(fabs(got - want) <= 1e-5, "%g %g: %g, not %g", eta, c, got, want);
+            if (eta >= 1) CHECKF(fabs(ref_conductor((double)m.eta.x, 0, c) - want) <= 1e-12, "%g %g", eta, c);
+            m.fresnel = LC_FRESNEL_CONDUCTOR;
+            for (double k = 0.1; k < 8; k *= 2) {
+                m.k.y = (float)k, want = ref_conductor((double)m.eta.y, (double)m.k.y, c);
+                CHECKF(fabs(reflectance(m, c) - want) <= 1e-5, "%g + %g i, %g: %g, not %g", eta, k, c, reflectance(m, c), want);
+            }
+        }
+}
+
+/* What bounds rely on: a dielectric reflects less the steeper light comes in, for every index that is accepted; and no conductor
+ * reflects more than its share of light across the plane, which falls. */
+TEST(reflectance_falls)
+{
+    for (double eta = 1; eta <= (double)LC_MAX_ETA; eta += 0.002)
+        for (double c = 0; c < 1; c += 0.002) CHECKF(ref_dielectric(eta, c + 0.002) <= ref_dielectric(eta, c) + 1e-15, "%g %g", eta, c);
+}
+
+/* The mean reflectance by its formula, through what a coat at roughness 1 does to light along the normal. */
+TEST(coats)
+{
+    for (double eta = 1; eta <= 3.5; eta += 0.05) {
+        look l = { 0.5, 0.5, 1, 0 };
+        lc_material m = { .kd = { 0.2f, 0.6f, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.5f, 0.5f }, .coat = true };
+        m.eta.x = (float)eta;
+        lc_point p;
+        const double i[3] = { 0, 0, 1 };
+        init(&p, &l, &m);
+        double e = (double)m.eta.x, t = 1 - ref_dielectric(e, 1), inside = 1 - (1 - ref_mean_dielectric(e)) / (e * e);
+        double want = (double)m.kd.y / LC_PI * t * t / (e * e * (1 - (double)m.kd.y * inside)), got = library(&p, i);
+        CHECKF(fabs(got / want - 1) <= 1e-5, "%g: %g, not %g", eta, got, want);
+        if (eta < 1.001) CHECKF(fabs(got - (double)m.kd.y / LC_PI) <= 1e-6, "%g", got);
+    }
+    /* white below: all that comes in goes out again, so with the surface's own lobe nothing is lost */
+    look l = { 0.01, 0.01, 0.7, 0 };
+    lc_material m = { .kd = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.01f, 0.01f }, .coat = true, .eta = { 1.5f, 0, 0 } };
+    double sum = 0, i[3], o[3];
+    lc_point p;
+    init(&p, &l, &m), direction(0.7, 0, o);
+    for (int a = 0; a < 4000; a++) direction((a + 0.5) / 4000, 1, i), sum += library(&p, i) * 2 * LC_PI / 4000;
+    double left = 1 - ref_dielectric(1.5, 0.7);
+    printf("  white below 1.5: %.5f of what the surface lets in\n", sum / left);
+    CHECKF(fabs(sum / left - 1) <= 1e-3, "%g", sum / left);
+}
+
+/* A viewer below the horizon counts as on it; limits are finite. */
+TEST(grazing)
+{
+    for (int x = -3; x <= 3; x++) {
+        look l = { 0.2, 0.4, 0.01 * x, 0.5 };
+        lc_material m = white(&l);
+        lc_point p;
+        init(&p, &l, &m);
+        for (int y = 0; y < 20; y++) {
+            double i[3];
+            direction(pow(0.5, y), 3.6, i);
+            double f = library(&p, i);
+            CHECKF(f >= 0 && f < 1e4, "%g", f);
+        }
+    }
+}
+
+int main(void)
+{
+    RUN(distribution_is_one);
+    RUN(textbook);
+    RUN(furnace);
+    RUN(reciprocal);
+    RUN(known_reflectances);
+    RUN(reflectances);
+    RUN(reflectance_falls);
+    RUN(coats);
+    RUN(grazing);
+    return test_done();
+}
