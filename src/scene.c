@@ -58,7 +58,8 @@ static bool is_colour(lc_f3 a, float max) { return in_range(a, max) && a.x >= 0 
 
 lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
 {
-    if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
+    if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !is_colour(m->kt, 1e6f) || !is_colour(m->eta, 1e6f) ||
+        !is_colour(m->k, 1e6f) || !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
         return LC_ERR_ARG;
     const float *rough = m->roughness;
     if (rough[0] > 0 && !(rough[0] >= LC_MIN_ROUGHNESS && rough[0] <= LC_MAX_ROUGHNESS && rough[1] >= LC_MIN_ROUGHNESS &&
@@ -68,34 +69,39 @@ lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
     if (!st) st = GROW(s, maps, cap_maps, s->n_materials + 1);
     if (st) return st;
     *id = (uint32_t)s->n_materials;
-    s->maps[s->n_materials] = (lc_material_maps)LC_NO_MAPS;
     s->materials[s->n_materials++] = *m;
+    lc_scene_map_material(s, *id, &(lc_material_maps)LC_NO_MAPS);
     return LC_OK;
+}
+
+/* What follows from the rest of *maps and from the materials it mixes. */
+static void set_kind(const lc_scene *s, uint32_t id, lc_material_maps *maps)
+{
+    const float *rough = s->materials[id].roughness;
+    maps->textured = maps->mix[0] != LC_NONE || maps->kd != LC_NONE || maps->ks != LC_NONE || maps->kt != LC_NONE ||
+                     maps->exponent != LC_NONE || maps->roughness[0] != LC_NONE || maps->roughness[1] != LC_NONE;
+    maps->brushed = rough[0] < rough[1] || rough[0] > rough[1] || maps->roughness[0] != maps->roughness[1];
+    maps->depth = 0;
+    for (int i = 0; i < 2 && maps->mix[0] != LC_NONE; i++) {
+        const lc_material_maps *part = &s->maps[maps->mix[i]];
+        LC_ASSERT(maps->mix[i] < s->n_materials && maps->mix[i] != id && part->depth < LC_MAX_MIX);
+        maps->brushed |= part->brushed;
+        if (part->depth >= maps->depth) maps->depth = (uint8_t)(part->depth + 1);
+    }
 }
 
 void lc_scene_map_material(lc_scene *s, uint32_t id, const lc_material_maps *maps)
 {
     LC_ASSERT(id < s->n_materials);
     s->maps[id] = *maps;
+    set_kind(s, id, &s->maps[id]);
 }
 
-bool lc_scene_is_textured(const lc_scene *s, uint32_t material_id)
-{
-    const lc_material_maps *m = &s->maps[material_id];
-    return m->kd != LC_NONE || m->ks != LC_NONE || m->exponent != LC_NONE || m->roughness[0] != LC_NONE ||
-           m->roughness[1] != LC_NONE;
-}
-
-static bool is_brushed(const lc_scene *s, uint32_t material_id)
-{
-    const lc_material *m = &s->materials[material_id];
-    const lc_material_maps *maps = &s->maps[material_id];
-    return m->roughness[0] < m->roughness[1] || m->roughness[0] > m->roughness[1] || maps->roughness[0] != maps->roughness[1];
-}
+bool lc_scene_is_textured(const lc_scene *s, uint32_t material_id) { return s->maps[material_id].textured; }
 
 bool lc_scene_wants_uv(const lc_scene *s, uint32_t material_id)
 {
-    return lc_scene_is_textured(s, material_id) || is_brushed(s, material_id);
+    return s->maps[material_id].textured || s->maps[material_id].brushed;
 }
 
 static lc_status check_mesh(const lc_scene *s, lc_pos where, const lc_mesh_desc *m)
@@ -163,7 +169,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
         lc_box_add(&s->bounds, lc_f3_load(m->pos + 3 * (size_t)m->index[i]));
     s->meshes[s->n_meshes++] = (lc_mesh){ (uint32_t)s->n_tris, m->n_tris, (uint32_t)s->n_verts, m->material_id,
                                           m->normal != NULL, m->uv != NULL, textured,
-                                          is_brushed(s, m->material_id), m->flip, m->two_sided, m->emission };
+                                          s->maps[m->material_id].brushed, m->flip, m->two_sided, m->emission };
     s->n_verts += m->n_verts;
     s->n_tris += m->n_tris;
     return LC_OK;

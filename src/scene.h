@@ -102,7 +102,7 @@ struct lc_scene {
 
 lc_status lc_scene_create(lc_context *ctx, lc_scene **out);
 lc_status lc_scene_add_material(lc_scene *scene, const lc_material *material, uint32_t *id);
-/* Textures of scene->textures for a material that was added; before the meshes that use it. */
+/* Textures of scene->textures, or the materials it mixes, for a material that was added; before the meshes and mixes that use it. */
 void lc_scene_map_material(lc_scene *scene, uint32_t id, const lc_material_maps *maps);
 /* Of the material: whether meshes keep their uv for textures, or for the direction of anisotropic roughness too. */
 bool lc_scene_is_textured(const lc_scene *scene, uint32_t material_id);

@@ -1,5 +1,10 @@
-/* textured.c - see textured.h. Coordinates and what a pixel sees are worked out in double from the triangle's floats. */
+/* textured.c - see textured.h. A mix of materials is their mean where both are diffuse, else one of the two, chosen by a hash
+ * of the position, as in pbrt-v4. Coordinates and what a pixel sees are worked out in double from the triangle's floats. */
 #include "textured.h"
+
+#include "rng.h"
+
+#include <string.h>
 
 #define MIN_COS 0.015625 /* seen at a flatter angle, a pixel's area grows no more */
 
@@ -76,13 +81,87 @@ static void set_number(const lc_scene *scene, uint32_t id, const lc_tex_point *p
     *out = within(v[0], (double)least, (double)most);
 }
 
+static void set_alpha(const lc_scene *scene, const lc_material_maps *maps, int axis, const lc_tex_point *p, float *out)
+{
+    double v[3];
+    if (maps->roughness[axis] == LC_NONE) return;
+    lc_texture_eval(&scene->textures, maps->roughness[axis], p, v);
+    *out = within(lc_alpha(maps->remap, fmax(v[0], 0)), (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
+}
+
+/* k of metals without eta that reflect the texture's value along the normal. */
+static void set_metal(const lc_scene *scene, uint32_t id, const lc_tex_point *p, lc_f3 *out)
+{
+    double v[3], eta[3] = { 1, 1, 1 }, k[3];
+    lc_texture_eval(&scene->textures, id, p, v);
+    for (int c = 0; c < 3; c++) lc_metal_of_share(v[c], &eta[c], &k[c]);
+    *out = lc_f3_make((float)k[0], (float)k[1], (float)k[2]);
+}
+
+/* A material that is no mix. */
+static void evaluate(const lc_scene *scene, uint32_t id, const lc_tex_point *p, lc_material *m)
+{
+    const lc_material_maps *maps = &scene->maps[id];
+    *m = scene->materials[id];
+    if (!maps->textured) return;
+    set_colour(scene, maps->kd, p, &m->kd);
+    if (maps->metal) set_metal(scene, maps->ks, p, &m->k);
+    else set_colour(scene, maps->ks, p, &m->ks);
+    set_colour(scene, maps->kt, p, &m->kt);
+    set_number(scene, maps->exponent, p, 0, LC_MAX_EXPONENT, &m->exponent);
+    for (int axis = 0; axis < 2; axis++) set_alpha(scene, maps, axis, p, &m->roughness[axis]);
+}
+
+static bool is_diffuse(const lc_material *m) { return !m->mirror && !m->coat && !(lc_f3_max(m->ks) > 0); }
+
+static lc_f3 blend(lc_f3 a, lc_f3 b, lc_f3 share)
+{
+    lc_f3 rest = lc_f3_sub(lc_f3_make(1, 1, 1), share);
+    return lc_f3_add(lc_f3_mul(a, rest), lc_f3_mul(b, share));
+}
+
+/* One of the two, chosen with its mean share as probability; *tint makes up for shares that differ between channels. */
+static uint32_t choose(const lc_material_maps *maps, lc_f3 share, uint64_t *hash, lc_f3 *tint)
+{
+    float mean = (share.x + share.y + share.z) * (1.0f / 3);
+    *hash = lc_mix(*hash);
+    bool second = lc_unit(*hash) < (double)mean;
+    lc_f3 w = second ? share : lc_f3_sub(lc_f3_make(1, 1, 1), share);
+    float least = fminf(w.x, fminf(w.y, w.z));
+    if (lc_f3_max(w) > least) *tint = lc_f3_mul(*tint, lc_f3_scale(w, 1 / (second ? mean : 1 - mean)));
+    return maps->mix[second];
+}
+
+/* Numbers that differ from point to point and depend on nothing else. */
+static uint64_t hash_of(const lc_tex_point *p, uint32_t material_id)
+{
+    uint64_t bits[3];
+    memcpy(bits, p->pos, sizeof bits);
+    return lc_hash4(material_id, bits[0], bits[1], bits[2]);
+}
+
 void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel,
                           lc_material *m)
 {
-    const lc_material_maps *maps = &scene->maps[mesh->material_id];
     lc_tex_point p = point_of(scene, mesh, hit, dir, pixel);
-    set_colour(scene, maps->kd, &p, &m->kd);
-    set_colour(scene, maps->ks, &p, &m->ks);
-    set_number(scene, maps->exponent, &p, 0, LC_MAX_EXPONENT, &m->exponent);
-    for (int k = 0; k < 2; k++) set_number(scene, maps->roughness[k], &p, LC_MIN_ROUGHNESS, LC_MAX_ROUGHNESS, &m->roughness[k]);
+    lc_f3 tint = lc_f3_make(1, 1, 1);
+    uint64_t hash = hash_of(&p, mesh->material_id);
+    uint32_t id = mesh->material_id;
+    for (const lc_material_maps *maps; (maps = &scene->maps[id])->mix[0] != LC_NONE;) {
+        lc_material part[2];
+        lc_f3 share = maps->share;
+        set_colour(scene, maps->share_map, &p, &share);
+        for (int i = 0; i < 2 && maps->depth == 1; i++) evaluate(scene, maps->mix[i], &p, &part[i]);
+        if (maps->depth == 1 && is_diffuse(&part[0]) && is_diffuse(&part[1])) {
+            *m = part[0];
+            m->kd = lc_f3_mul(tint, blend(part[0].kd, part[1].kd, share));
+            m->kt = lc_f3_mul(tint, blend(part[0].kt, part[1].kt, share));
+            return;
+        }
+        id = choose(maps, share, &hash, &tint);
+    }
+    evaluate(scene, id, &p, m);
+    m->kd = lc_f3_mul(m->kd, tint);
+    m->ks = lc_f3_mul(m->ks, tint);
+    m->kt = lc_f3_mul(m->kt, tint);
 }

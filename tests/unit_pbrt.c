@@ -370,9 +370,9 @@ TEST(materials)
     CHECK(near3(m->kd, .1, .2, .3, 1e-7) && near3(m->ks, .4, .5, .6, 1e-7) &&
           near((double)m->exponent, 30, 0));
     CHECK(load("WorldBegin Material \"plastic\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [1 1 1] " TRI) == LC_OK);
-    CHECK(near3(kd_of_mesh(0), .1, .2, .3, 1e-7) && scene->n_notes == 1 && note("material plastic"));
-    CHECK(load("WorldBegin Material \"glass\" " TRI "Material \"strange\" " TRI) == LC_OK);
-    CHECK(note("material glass") && note("material strange") && near3(kd_of_mesh(1), .5, .5, .5, 0));
+    CHECK(near3(kd_of_mesh(0), .1, .2, .3, 1e-7) && scene->n_notes == 0);
+    CHECK(load("WorldBegin Material \"fourier\" " TRI "Material \"strange\" " TRI) == LC_OK);
+    CHECK(note("material fourier") && note("material strange") && near3(kd_of_mesh(1), .5, .5, .5, 0));
     CHECK(load("WorldBegin Material \"interface\" " TRI "Material \"none\" " TRI "Material \"\" " TRI) ==
           LC_OK);
     CHECK(scene->n_meshes == 0);
@@ -456,7 +456,7 @@ TEST(spectral_lights)
     CHECKF(near3(l[1].intensity, 1.771, 0.844, 0.272, 0.02), "%g %g %g", (double)l[1].intensity.x,
            (double)l[1].intensity.y, (double)l[1].intensity.z);
     CHECK(near3(l[2].intensity, 1.205, 0.948, 0.909, 0.001));
-    CHECK(near3(l[3].intensity, 1, 1, 1, 0) && note("spectrum by name"));
+    CHECK(near3(l[3].intensity, 1, 1, 1, 1e-3) && scene->n_notes == 0);
     CHECK(load("Film \"image\" WorldBegin LightSource \"point\" \"blackbody I\" [6500 2]\n"
                "LightSource \"point\" \"spectrum I\" [300 5 900 5]") == LC_OK);
     /* v3: the curve's peak is 1, and 5 stays 5 */
