@@ -139,7 +139,11 @@ static lc_status world_end(lc_pbrt *p, const lc_pbrt_stmt *s)
 
 static lc_status include(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    return lc_pbrt_lex_include(&p->lex, s->text_pos[0], s->text[0]);
+    const char *lost;
+    lc_status st = lc_pbrt_lex_include(&p->lex, s->text_pos[0], s->text[0], &lost);
+    if (st || !lost) return st;
+    if (!p->in_world) return lc_fail_at(p->ctx, LC_ERR_IO, s->text_pos[0], "cannot open '%s': No such file or directory", lost);
+    return lc_pbrt_note(p, s->text_pos[0], "missing file", "'%.150s': no such file; what it holds is left out", lost);
 }
 
 /* ---- what is read and left aside ---- */

@@ -645,20 +645,27 @@ TEST(includes)
     CHECK(load_file("twice.pbrt") == LC_OK && scene->n_tris == 2);
 }
 
+/* Scenes are passed on without some of their files: what is there is read. */
+TEST(missing_files)
+{
+    write_file("lost.pbrt", "WorldBegin\n Shape \"plymesh\" \"string filename\" \"x.ply\" " TRI "Include \"x\" " TRI);
+    CHECK(load_file("lost.pbrt") == LC_OK && scene->n_meshes == 2);
+    CHECK(note("missing mesh") && strstr(note("missing mesh")->text, "lost.pbrt:2:18: '") &&
+          strstr(note("missing mesh")->text, "/x.ply': no such file"));
+    CHECK(note("missing file") && strstr(note("missing file")->text, "/x': no such file; what it holds is left out"));
+    char want[512];
+    write_file("lost2.pbrt", "Include \"x\" WorldBegin");
+    snprintf(want, sizeof want, "cannot open '%s/x': No such file or directory", dir);
+    expect_file_error("lost2.pbrt", LC_ERR_IO, "lost2.pbrt:1:9", want);
+}
+
 TEST(include_errors)
 {
-    char want[512];
     write_file("self.pbrt", "WorldBegin\n  Include \"self.pbrt\"");
     expect_file_error("self.pbrt", LC_ERR_PARSE, "self.pbrt:2:11", "'self.pbrt' includes itself");
     write_file("ping.pbrt", "WorldBegin Include \"pong.pbrt\"");
     write_file("pong.pbrt", "\nInclude \"./ping.pbrt\"");
     expect_file_error("ping.pbrt", LC_ERR_PARSE, "pong.pbrt:2:9", "'./ping.pbrt' includes itself");
-    write_file("lost.pbrt", "WorldBegin\n Shape \"plymesh\" \"string filename\" \"x.ply\"");
-    snprintf(want, sizeof want, "cannot open '%s/x.ply': No such file or directory", dir);
-    expect_file_error("lost.pbrt", LC_ERR_IO, "lost.pbrt:2:18", want);
-    write_file("lost2.pbrt", "WorldBegin Include \"x\"");
-    snprintf(want, sizeof want, "cannot open '%s/x': No such file or directory", dir);
-    expect_file_error("lost2.pbrt", LC_ERR_IO, "lost2.pbrt:1:20", want);
     write_file("folder.pbrt", "WorldBegin Include \"/\"");
     expect_file_error("folder.pbrt", LC_ERR_IO, "folder.pbrt:1:20", "cannot open '/': is a directory");
     write_file("device.pbrt", "WorldBegin Include \"/dev/null\"");
@@ -742,6 +749,7 @@ int main(void)
     RUN(unknown_shapes);
     RUN(instances);
     RUN(includes);
+    RUN(missing_files);
     RUN(include_errors);
     RUN(includes_that_double);
     RUN(every_allocation_fails_in_turn);
