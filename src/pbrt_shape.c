@@ -183,6 +183,7 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     while (i < n && strcmp(shapes[i].name, s->text[0])) i++;
     bool emits = lc_f3_max(p->attrs.emission) > 0;
     if (i == n) {
+        p->ignored = true;
         lc_pbrt_mark_all(&p->params);
         return lc_pbrt_note_name(p, s->pos, "shape", s->text[0], "the shape is skipped");
     }

@@ -48,6 +48,7 @@ void lc_scene_destroy(lc_scene *s)
     for (size_t i = 0; i < s->n_light_chunks; i++) lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
     lc_free(ctx, s->light_chunks, s->cap_light_chunks, sizeof *s->light_chunks);
     lc_free(ctx, s->notes, s->cap_notes, sizeof *s->notes);
+    lc_free(ctx, s->features, s->cap_features, sizeof *s->features);
     lc_arena_free(&s->arena);
     lc_free(ctx, s, 1, sizeof *s);
 }
@@ -292,9 +293,11 @@ lc_status lc_scene_set_film(lc_scene *s, lc_pos where, const lc_film_desc *f)
 
 lc_status lc_scene_note_at(lc_scene *s, lc_pos where, const char *kind, const char *fmt, ...)
 {
+    s->n_noted++;
     for (size_t i = 0; i < s->n_notes; i++)
         if (!strcmp(s->notes[i].kind, kind)) {
             s->notes[i].count++;
+            s->noted = s->notes[i].text;
             return LC_OK;
         }
     char text[1024];
@@ -311,7 +314,37 @@ lc_status lc_scene_note_at(lc_scene *s, lc_pos where, const char *kind, const ch
     lc_scene_note note = { lc_arena_text(&s->arena, kind, strlen(kind)), lc_arena_text(&s->arena, text, strlen(text)), 1 };
     if (!note.kind || !note.text) return LC_ERR_MEMORY;
     s->notes[s->n_notes++] = note;
+    s->noted = note.text;
     return LC_OK;
+}
+
+static lc_status find_feature(lc_scene *s, const char *kind, const char *name, lc_feature **out)
+{
+    for (size_t i = 0; i < s->n_features; i++) {
+        lc_feature *f = &s->features[i];
+        if (strcmp(f->name, name) || strcmp(f->kind, kind)) continue;
+        *out = f;
+        return LC_OK;
+    }
+    lc_status st = GROW(s, features, cap_features, s->n_features + 1);
+    if (st) return st;
+    lc_feature f = { lc_arena_text(&s->arena, kind, strlen(kind)), lc_arena_text(&s->arena, name, strlen(name)), "", 0, LC_SUPPORT_YES };
+    if (!f.kind || !f.name) return LC_ERR_MEMORY;
+    *out = &s->features[s->n_features];
+    s->features[s->n_features++] = f;
+    return LC_OK;
+}
+
+lc_status lc_scene_count_feature(lc_scene *s, const char *kind, const char *name, lc_support support, const char *text)
+{
+    lc_feature *f;
+    lc_status st = find_feature(s, kind, name, &f);
+    if (st) return st;
+    f->count++;
+    if (support <= f->support) return LC_OK;
+    f->support = support;
+    if (text && !(f->text = lc_arena_text(&s->arena, text, strlen(text)))) f->text = "", st = LC_ERR_MEMORY;
+    return st;
 }
 
 /* Squared diagonal of triangles and lights together. */

@@ -83,7 +83,10 @@ struct lc_scene {
     size_t n_meshes, cap_meshes, n_materials, cap_materials, cap_maps, n_lights, cap_lights, n_light_chunks, cap_light_chunks;
 
     lc_scene_note *notes;
-    size_t n_notes, cap_notes;
+    lc_feature *features; /* text in the arena */
+    size_t n_notes, cap_notes, n_features, cap_features;
+    uint64_t n_noted;     /* sum of the notes' counts */
+    const char *noted;    /* text of the last */
 
     lc_camera_desc camera_desc;
     lc_film_desc film;
@@ -117,6 +120,8 @@ lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_des
 lc_status lc_scene_set_film(lc_scene *scene, lc_pos where, const lc_film_desc *film);
 /* Something was approximated or skipped. The first of a kind is logged as a warning, all are counted. */
 lc_status lc_scene_note_at(lc_scene *scene, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
+/* The file uses this. Of one that is less than supported the first text stays; it is copied, or NULL. */
+lc_status lc_scene_count_feature(lc_scene *scene, const char *kind, const char *name, lc_support support, const char *text);
 /* Makes scene->lights hold all n_lights; commit does it. */
 lc_status lc_scene_join_lights(lc_scene *scene);
 /* Makes area and environment lights, builds BVH and light tree. desc is complete (no zero fields). */

@@ -390,6 +390,36 @@ TEST(illuminants)
     for (int i = 0; i < 4; i++) CHECK(near((double)lc_luminance(l[i].intensity), 1, 1e-5));
 }
 
+/* ---- the list of what a scene uses ---- */
+
+static bool feature(const char *kind, const char *name, uint64_t count, lc_support support, const char *text)
+{
+    lc_feature f;
+    for (uint32_t i = 0; !lc_scene_get_feature(scene, i, &f); i++)
+        if (!strcmp(f.kind, kind) && !strcmp(f.name, name)) return f.count == count && f.support == support && strstr(f.text, text);
+    return false;
+}
+
+TEST(features)
+{
+    lc_feature f;
+    CHECK(load("PixelFilter \"mitchell\" Film \"rgb\" \"float foo\" 1 Option \"bool x\" true Camera \"perspective\"\n",
+               "WorldBegin Material \"diffuse\"\n" QUAD QUAD "Shape \"sphere\"\nShape \"curve\"\n"
+               "MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\nMaterial \"hair\" Material \"hair\" \"rgb color\" [.1 .1 .1]\n"
+               "Texture \"t\" \"float\" \"checkerboard\"\nLightSource \"point\" LightSource \"nova\"\n"
+               "AreaLightSource \"diffuse\" MediumInterface \"a\" \"b\" Texture \"t\" \"float\" \"x\\ny\"\n") == LC_OK);
+    CHECK(feature("filter", "mitchell", 1, LC_SUPPORT_IGNORED, "in its own pixel"));
+    CHECK(feature("film", "rgb", 1, LC_SUPPORT_APPROXIMATED, "'foo' of 'rgb' is ignored"));
+    CHECK(feature("directive", "Option", 1, LC_SUPPORT_IGNORED, "options") && feature("camera", "perspective", 1, LC_SUPPORT_YES, ""));
+    CHECK(feature("material", "diffuse", 2, LC_SUPPORT_YES, "") && feature("material", "hair", 2, LC_SUPPORT_APPROXIMATED, "s.pbrt:"));
+    CHECK(feature("shape", "trianglemesh", 2, LC_SUPPORT_YES, "") && feature("shape", "sphere", 1, LC_SUPPORT_APPROXIMATED, "by triangles"));
+    CHECK(feature("shape", "curve", 1, LC_SUPPORT_IGNORED, "skipped") && feature("texture", "checkerboard", 1, LC_SUPPORT_YES, ""));
+    CHECK(feature("texture", "x?y", 1, LC_SUPPORT_APPROXIMATED, "constant"));
+    CHECK(feature("light", "point", 1, LC_SUPPORT_YES, "") && feature("light", "nova", 1, LC_SUPPORT_IGNORED, "skipped"));
+    CHECK(feature("area light", "diffuse", 1, LC_SUPPORT_YES, "") && feature("medium", "MediumInterface", 1, LC_SUPPORT_IGNORED, "media"));
+    CHECK(lc_scene_get_feature(scene, (uint32_t)scene->n_features, &f) == LC_ERR_ARG);
+}
+
 /* ---- memory ---- */
 
 static lc_status fill(lc_scene *to)
@@ -425,6 +455,7 @@ int main(void)
     RUN(deep_mixes);
     RUN(spectrum_files);
     RUN(illuminants);
+    RUN(features);
     RUN(out_of_memory);
     lc_scene_destroy(scene);
     lc_context_destroy(ctx);
