@@ -57,6 +57,8 @@ typedef struct lc_material_maps {
     uint32_t mix[2];     /* materials; LC_NONE: no mix */
     lc_f3 share;         /* of mix[1], 0..1 */
     uint32_t share_map;
+    uint32_t bump;       /* height above the surface, world units: a number */
+    uint32_t normal;     /* normal map: (1 + n) / 2 in the frame (dp/du, across, n) */
     /* set by lc_scene_map_material */
     uint8_t depth;       /* of mixes within mixes, at most LC_MAX_MIX */
     bool textured, brushed; /* itself or what it mixes */
@@ -65,7 +67,7 @@ typedef struct lc_material_maps {
 #define LC_NO_MAPS                                                                                                      \
     {                                                                                                                  \
         .kd = LC_NONE, .ks = LC_NONE, .kt = LC_NONE, .exponent = LC_NONE, .roughness = { LC_NONE, LC_NONE },           \
-        .mix = { LC_NONE, LC_NONE }, .share_map = LC_NONE                                                              \
+        .mix = { LC_NONE, LC_NONE }, .share_map = LC_NONE, .bump = LC_NONE, .normal = LC_NONE                            \
     }
 
 #define LC_MAX_MIX 16

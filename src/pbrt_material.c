@@ -148,15 +148,31 @@ static lc_status apply_opacity(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 
 /* ---- statements ---- */
 
-static lc_status note_bumps(lc_pbrt *p)
+/* v4's "displacement", v3's "bumpmap": a texture of numbers. */
+static lc_status get_bump(lc_pbrt *p, const char *name, uint32_t *id)
 {
-    static const char *const names[] = { "bumpmap", "displacement", "normalmap" };
-    lc_status st = LC_OK;
-    for (size_t i = 0; i < sizeof names / sizeof *names && !st; i++) {
-        const lc_pbrt_param *par = lc_pbrt_find(&p->params, names[i], LC_PBRT_ANY);
-        if (par) st = lc_pbrt_note_name(p, par->pos, "material parameter", names[i], "it is ignored: the surface stays smooth");
-    }
+    const lc_pbrt_param *par;
+    lc_tex_input in;
+    lc_status st = lc_pbrt_get_input(p, name, true, &in, &par);
+    if (!st && par) *id = in.id;
     return st;
+}
+
+/* v4's "normalmap": the name of an image. */
+static lc_status get_normal_map(lc_pbrt *p, uint32_t *id)
+{
+    const lc_encoding linear = { .kind = LC_ENCODING_LINEAR };
+    const char *name = NULL;
+    const lc_pbrt_param *par;
+    lc_texture t = { .kind = LC_TEX_IMAGE, .image = LC_NONE, .wrap = LC_WRAP_REPEAT, .filter = LC_FILTER_BILINEAR, .scale = 1 };
+    bool too_deep;
+    lc_status st = lc_pbrt_get_text(&p->params, "normalmap", &name, &par);
+    if (st || !name) return st;
+    for (int i = 0; i < 4; i++) t.in[i] = LC_PBRT_VALUE(0);
+    t.map = (lc_tex_map){ .kind = LC_MAP_UV, .su = 1, .sv = 1, .stretch = 1 };
+    st = lc_pbrt_find_image(p, par->pos, name, linear, &t.image);
+    if (st || t.image == LC_NONE) return st;
+    return lc_textures_add(&p->scene->textures, &t, id, &too_deep);
 }
 
 /* Adds the material of this name with the statement's parameters to the scene. */
@@ -165,9 +181,11 @@ static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbr
     const struct class *class = class_of(name);
     lc_pbrt_look look = { .m = { .kd = { 0.5f, 0.5f, 0.5f } }, .maps = LC_NO_MAPS, .opacity = LC_PBRT_VALUE(1) };
     lc_status st = class->read(p, where, &look);
+    if (!st) st = get_bump(p, "bumpmap", &look.maps.bump);
+    if (!st) st = get_bump(p, "displacement", &look.maps.bump);
+    if (!st) st = get_normal_map(p, &look.maps.normal);
     if (!st) st = apply_opacity(p, where, &look);
     if (!st && class->note) st = lc_pbrt_note_name(p, where, "material", name, class->note);
-    if (!st) st = note_bumps(p);
     p->owner = name;
     out->invisible = look.invisible;
     return st ? st : add_look(p, &look, &out->id);

@@ -154,6 +154,7 @@ lc_pbrt_handler lc_pbrt_texture;
 lc_status lc_pbrt_get_input(lc_pbrt *p, const char *name, bool is_float, lc_tex_input *in,
                             const lc_pbrt_param **found);
 /* pbrt_image.c: reads what imagemap needs into *t; *there is false, after a note, where there is no such image. */
+lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding, uint32_t *id); /* LC_NONE: noted */
 lc_status lc_pbrt_get_image(lc_pbrt *p, lc_pos where, lc_texture *t, bool *there);
 
 /* pbrt_light.c */

@@ -80,7 +80,8 @@ static void set_kind(const lc_scene *s, uint32_t id, lc_material_maps *maps)
 {
     const float *rough = s->materials[id].roughness;
     maps->textured = maps->mix[0] != LC_NONE || maps->kd != LC_NONE || maps->ks != LC_NONE || maps->kt != LC_NONE ||
-                     maps->exponent != LC_NONE || maps->roughness[0] != LC_NONE || maps->roughness[1] != LC_NONE;
+                     maps->exponent != LC_NONE || maps->roughness[0] != LC_NONE || maps->roughness[1] != LC_NONE ||
+                     maps->bump != LC_NONE || maps->normal != LC_NONE;
     maps->brushed = rough[0] < rough[1] || rough[0] > rough[1] || maps->roughness[0] != maps->roughness[1];
     maps->depth = 0;
     for (int i = 0; i < 2 && maps->mix[0] != LC_NONE; i++) {

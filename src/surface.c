@@ -18,6 +18,18 @@ static void set_ray_origin(lc_surface *s, lc_f3 ng, float size)
     lc_f3_store(s->ray_org, o);
 }
 
+/* Evaluates textures. A normal that they tilt below the surface (ng, as wound) stays as it was. */
+static lc_f3 textured_normal(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel, lc_f3 ns, lc_f3 ng,
+                             lc_material *m)
+{
+    bool turned = !mesh->has_normals && mesh->flip; /* ns is on the winding's side, not the mesh's */
+    lc_f3 own = turned ? lc_f3_neg(ns) : ns, tilted = own;
+    lc_textured_material(scene, mesh, hit, dir, pixel, m, &tilted);
+    bool below = (lc_f3_dot(tilted, ng) > 0) != (lc_f3_dot(own, ng) > 0);
+    if (below) return ns;
+    return turned ? lc_f3_neg(tilted) : tilted;
+}
+
 bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, lc_surface *out)
 {
     return lc_surface_hit_after(scene, org, dir, 0, pixel, out);
@@ -43,6 +55,8 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
         lc_f3 n = lc_f3_normalize(mix(v, hit.u, hit.v));
         if (lc_f3_dot(n, n) > 0) ns = n, back = lc_f3_dot(ng, n) < 0;
     }
+    out->material = scene->materials[mesh->material_id];
+    if (mesh->textured) ns = textured_normal(scene, mesh, &hit, dir, pixel, ns, ng, &out->material);
     bool away = lc_f3_dot(ng, dir) > 0; /* the winding's side faces away from the viewer */
     if (away) ng = lc_f3_neg(ng);
     if (lc_f3_dot(ns, ng) < 0) ns = lc_f3_neg(ns);
@@ -50,8 +64,6 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
     out->ng = ng;
     out->t = hit.t;
     out->emission = back == away || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
-    out->material = scene->materials[mesh->material_id];
-    if (mesh->textured) lc_textured_material(scene, mesh, &hit, dir, pixel, &out->material);
     if (mesh->brushed) out->material.tangent = lc_textured_tangent(scene, mesh, &hit);
     set_ray_origin(out, ng, size);
     return true;

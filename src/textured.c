@@ -4,6 +4,7 @@
 
 #include "rng.h"
 
+#include <float.h>
 #include <string.h>
 
 #define MIN_COS 0.015625 /* seen at a flatter angle, a pixel's area grows no more */
@@ -25,9 +26,10 @@ static double gradient(d3 e1, d3 e2, d3 n, double d1, double d2)
     return n2 > 0 ? sqrt(dot(g, g)) / n2 : 0;
 }
 
+static const float corners[3][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 } }; /* pbrt's, of triangles without uv */
+
 static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel)
 {
-    static const float corners[3][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 } }; /* pbrt's, of triangles without uv */
     const float *v[3], *t[3];
     double w[3] = { 1 - (double)hit->u - hit->v, (double)hit->u, (double)hit->v };
     lc_tex_point p = { .width = 0 };
@@ -44,6 +46,23 @@ static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const l
     double len = sqrt(dot(n, n)), cosine = len > 0 ? fabs(dot(n, (d3){ (double)dir.x, (double)dir.y, (double)dir.z })) / len : 1;
     p.width = (double)hit->t * pixel / sqrt(fmax(cosine, MIN_COS));
     return p;
+}
+
+/* dp/du and dp/dv; false where uv don't give them. */
+static bool derivatives(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, d3 *du, d3 *dv)
+{
+    const float *v[3], *t[3];
+    for (size_t k = 0; k < 3; k++) {
+        v[k] = lc_tri_vertex(scene->pos, scene->index, hit->tri, k);
+        t[k] = mesh->has_uv ? scene->uv + 2 * (size_t)scene->index[3 * (size_t)hit->tri + k] : corners[k];
+    }
+    d3 e1 = sub(v[1], v[0]), e2 = sub(v[2], v[0]);
+    double u1 = (double)t[1][0] - t[0][0], u2 = (double)t[2][0] - t[0][0];
+    double v1 = (double)t[1][1] - t[0][1], v2 = (double)t[2][1] - t[0][1], det = u1 * v2 - u2 * v1;
+    if (!(fabs(det) > 1e-300)) return false;
+    *du = (d3){ (v2 * e1.x - v1 * e2.x) / det, (v2 * e1.y - v1 * e2.y) / det, (v2 * e1.z - v1 * e2.z) / det };
+    *dv = (d3){ (u1 * e2.x - u2 * e1.x) / det, (u1 * e2.y - u2 * e1.y) / det, (u1 * e2.z - u2 * e1.z) / det };
+    return true;
 }
 
 /* dp/du of p = p0 + s e1 + t e2, uv linear in s and t, times the determinant, whose sign no lobe cares for. */
@@ -140,8 +159,61 @@ static uint64_t hash_of(const lc_tex_point *p, uint32_t material_id)
     return lc_hash4(material_id, bits[0], bits[1], bits[2]);
 }
 
+/* Height at a point moved by h along u or v. */
+static double height(const lc_scene *scene, uint32_t id, const lc_tex_point *p, int axis, double h, d3 d)
+{
+    lc_tex_point q = *p;
+    double v[3];
+    q.uv[axis] += h;
+    q.pos[0] += h * d.x, q.pos[1] += h * d.y, q.pos[2] += h * d.z;
+    lc_texture_eval(&scene->textures, id, &q, v);
+    return v[0];
+}
+
+/* The normal of p + height n, by differences over about a pixel, as in pbrt; what n changes along the surface is left out. */
+static lc_f3 bumped(const lc_scene *scene, uint32_t id, const lc_tex_point *p, d3 du, d3 dv, lc_f3 normal)
+{
+    const d3 n = { (double)normal.x, (double)normal.y, (double)normal.z };
+    double hu = p->width * p->grad_u, hv = p->width * p->grad_v;
+    if (!(hu > 1e-9)) hu = 0.0005;
+    if (!(hv > 1e-9)) hv = 0.0005;
+    double base = height(scene, id, p, 0, 0, du);
+    double a = (height(scene, id, p, 0, hu, du) - base) / hu, b = (height(scene, id, p, 1, hv, dv) - base) / hv;
+    d3 eu = { du.x + a * n.x, du.y + a * n.y, du.z + a * n.z }, ev = { dv.x + b * n.x, dv.y + b * n.y, dv.z + b * n.z };
+    d3 m = cross(eu, ev);
+    double side = dot(m, n) < 0 ? -1 : 1, most = fmax(fabs(m.x), fmax(fabs(m.y), fabs(m.z)));
+    if (!(most > 0 && most <= DBL_MAX)) return normal;
+    side /= most;
+    return lc_f3_normalize_d(side * m.x, side * m.y, side * m.z);
+}
+
+static lc_f3 mapped(const lc_scene *scene, uint32_t id, const lc_tex_point *p, d3 du, lc_f3 normal)
+{
+    const d3 n = { (double)normal.x, (double)normal.y, (double)normal.z };
+    double v[3], along = dot(du, n);
+    d3 x = { du.x - along * n.x, du.y - along * n.y, du.z - along * n.z };
+    double len = sqrt(dot(x, x));
+    if (!(len > 0 && len <= DBL_MAX)) return normal;
+    x = (d3){ x.x / len, x.y / len, x.z / len };
+    d3 y = cross(n, x);
+    lc_texture_eval(&scene->textures, id, p, v);
+    for (int k = 0; k < 3; k++) v[k] = 2 * v[k] - 1;
+    d3 m = { v[0] * x.x + v[1] * y.x + v[2] * n.x, v[0] * x.y + v[1] * y.y + v[2] * n.y, v[0] * x.z + v[1] * y.z + v[2] * n.z };
+    return dot(m, m) > 0 ? lc_f3_normalize_d(m.x, m.y, m.z) : normal;
+}
+
+static void tilt(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, uint32_t id, const lc_tex_point *p, lc_f3 *n)
+{
+    const lc_material_maps *maps = &scene->maps[id];
+    d3 du, dv;
+    if (maps->bump == LC_NONE && maps->normal == LC_NONE) return;
+    if (!derivatives(scene, mesh, hit, &du, &dv)) return;
+    if (maps->normal != LC_NONE) *n = mapped(scene, maps->normal, p, du, *n);
+    else *n = bumped(scene, maps->bump, p, du, dv, *n);
+}
+
 void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel,
-                          lc_material *m)
+                          lc_material *m, lc_f3 *n)
 {
     lc_tex_point p = point_of(scene, mesh, hit, dir, pixel);
     lc_f3 tint = lc_f3_make(1, 1, 1);
@@ -161,6 +233,7 @@ void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_h
         id = choose(maps, share, &hash, &tint);
     }
     evaluate(scene, id, &p, m);
+    tilt(scene, mesh, hit, id, &p, n);
     m->kd = lc_f3_mul(m->kd, tint);
     m->ks = lc_f3_mul(m->ks, tint);
     m->kt = lc_f3_mul(m->kt, tint);

@@ -8,8 +8,9 @@
 /* The unit direction of growing u along the triangle, or 0 where the mesh has no uv or they don't give one. */
 lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit);
 
-/* Overwrites in *m what has a texture. dir: of the ray, unit; pixel: see surface.h. */
+/* The material at the hit; *n, the shading normal on the mesh's own side, is tilted by bump and normal maps. dir: of the ray,
+ * unit; pixel: see surface.h. */
 void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel,
-                          lc_material *m);
+                          lc_material *m, lc_f3 *n);
 
 #endif

@@ -265,6 +265,72 @@ TEST(textured)
     CHECK(load(V4, RAMP "Material \"dielectric\" \"texture eta\" \"r\"\n" QUAD) == LC_OK && note("textured parameter eta"));
 }
 
+/* ---- bumps ---- */
+
+static bool points(lc_f3 n, double x, double y, double z)
+{
+    double len = sqrt(x * x + y * y + z * z);
+    return near3(n, x / len, y / len, z / len, 2e-6);
+}
+
+/* The quad faces the camera, which looks along z: its own normal is (0, 0, 1), and that on the viewer's side (0, 0, -1). Height
+ * grows by 1 while u does, over two units of length. */
+TEST(bumps)
+{
+    CHECK(load(V4, RAMP "Material \"diffuse\" \"texture displacement\" \"r\"\n" QUAD) == LC_OK && scene->n_notes == 0);
+    lc_surface s = at(.2, .3);
+    CHECKF(points(s.n, .5, 0, -1) || points(s.n, -.5, 0, -1), "%g %g %g", (double)s.n.x, (double)s.n.y, (double)s.n.z);
+    lc_f3 outside = s.n;
+    CHECK(points(s.n, .5, 0, -1) && points(s.ng, 0, 0, -1)); /* seen from the back, hills are dents */
+    CHECK(load(V3, RAMP "ReverseOrientation Material \"matte\" \"texture bumpmap\" \"r\"\n" QUAD) == LC_OK && scene->n_notes == 0);
+    s = at(.2, .3);
+    CHECK(points(s.n, -(double)outside.x, 0, (double)outside.z));
+    CHECK(load(V4, RAMP "Material \"diffuse\" \"float displacement\" 3\n" QUAD) == LC_OK && points(at(.2, .3).n, 0, 0, -1));
+    /* a slope in space, not in uv */
+    CHECK(load(V4, "Texture \"x\" \"float\" \"bilerp\" \"string mapping\" \"planar\" \"vector3 v1\" [1 0 0] \"vector3 v2\" [0 1 0] "
+                   "\"float v01\" 1 \"float v10\" 0 \"float v11\" 1\nMaterial \"diffuse\" \"texture displacement\" \"x\"\n" QUAD) == LC_OK);
+    CHECK(points(at(.2, .3).n, 0, 1, -1));
+    /* of the part of a mix that is chosen */
+    CHECK(load(V4, RAMP "MakeNamedMaterial \"a\" \"string type\" \"conductor\" \"texture displacement\" \"r\"\n"
+                        "Material \"mix\" \"string materials\" [\"a\" \"a\"]\n" QUAD) == LC_OK && points(at(.2, .3).n, .5, 0, -1));
+}
+
+static void write_file(const char *path, const char *text)
+{
+    FILE *f = fopen(path, "w");
+    if (!f || fputs(text, f) < 0 || fclose(f)) abort();
+}
+
+/* One texel, n = (-.5, 0, 1) and so on as (1 + n / |n|) / 2. */
+TEST(normal_maps)
+{
+    char dir[] = "/tmp/unit_material.XXXXXX", map[64], main_file[64];
+    if (!mkdtemp(dir)) abort();
+    snprintf(map, sizeof map, "%s/n.pfm", dir);
+    snprintf(main_file, sizeof main_file, "%s/s.pbrt", dir);
+    static const struct { float n[3]; bool reverse; double want[3]; } cases[] = {
+        { { 0, 0, 1 }, false, { 0, 0, -1 } },  { { .6f, 0, .8f }, false, { -.6, 0, -.8 } },
+        { { 0, .6f, .8f }, false, { 0, -.6, -.8 } }, { { .6f, 0, .8f }, true, { .6, 0, -.8 } },
+        { { .6f, 0, -.8f }, false, { 0, 0, -1 } }, /* below the surface: left as it was */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        FILE *f = fopen(map, "w");
+        if (!f) abort();
+        fputs("PF\n1 1\n-1\n", f);
+        for (int k = 0; k < 3; k++) fwrite(&(float){ 0.5f + 0.5f * cases[i].n[k] }, 4, 1, f);
+        fclose(f);
+        char text[1024];
+        snprintf(text, sizeof text, V4 "%sMaterial \"diffuse\" \"string normalmap\" \"n.pfm\"\n" QUAD, cases[i].reverse ? "ReverseOrientation " : "");
+        write_file(main_file, text);
+        CHECK(load_file(main_file) == LC_OK && scene->n_notes == 0);
+        lc_f3 n = at(.2, .3).n;
+        CHECKF(points(n, cases[i].want[0], cases[i].want[1], cases[i].want[2]), "%zu: %g %g %g", i, (double)n.x, (double)n.y, (double)n.z);
+    }
+    unlink(map);
+    CHECK(load_file(main_file) == LC_OK && note("texture image"));
+    unlink(main_file), rmdir(dir);
+}
+
 /* ---- mixes ---- */
 
 #define TWO4 "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.2 .4 0]\n"                      \
@@ -340,12 +406,6 @@ TEST(deep_mixes)
 }
 
 /* ---- spectra ---- */
-
-static void write_file(const char *path, const char *text)
-{
-    FILE *f = fopen(path, "w");
-    if (!f || fputs(text, f) < 0 || fclose(f)) abort();
-}
 
 TEST(spectrum_files)
 {
@@ -451,6 +511,8 @@ int main(void)
     RUN(glasses);
     RUN(plastics);
     RUN(textured);
+    RUN(bumps);
+    RUN(normal_maps);
     RUN(mixes);
     RUN(deep_mixes);
     RUN(spectrum_files);
