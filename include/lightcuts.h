@@ -100,6 +100,16 @@ typedef struct lc_note {
     uint64_t count;
 } lc_note;
 
+typedef enum lc_support { LC_SUPPORT_YES, LC_SUPPORT_APPROXIMATED, LC_SUPPORT_IGNORED } lc_support;
+
+/* One class of thing that the scene file uses. */
+typedef struct lc_feature {
+    const char *kind, *name; /* "material", "coateddiffuse" */
+    const char *text;        /* how it is approximated, at its first worst; "" */
+    uint64_t count;          /* statements */
+    lc_support support;      /* the worst of them */
+} lc_feature;
+
 typedef struct lc_scene_info {
     uint64_t n_triangles, n_vertices, n_meshes, n_materials;
     uint64_t n_lights, n_point, n_oriented, n_directional;
@@ -131,6 +141,8 @@ LC_API void lc_scene_get_info(const lc_scene *scene, lc_scene_info *info);
 /* Textures of one class. idx counts classes from 0, also those the scene has none of; LC_ERR_ARG beyond the last. */
 LC_API lc_status lc_scene_get_texture_class(const lc_scene *scene, uint32_t idx, const char **name, uint64_t *count);
 LC_API lc_status lc_scene_get_note(const lc_scene *scene, uint32_t idx, lc_note *note);
+/* In the order of the file; LC_ERR_ARG beyond the last. */
+LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_feature *feature);
 
 /* ---- images ---- */
 

@@ -82,3 +82,10 @@ lc_status lc_scene_get_note(const lc_scene *s, uint32_t idx, lc_note *note)
     *note = (lc_note){ s->notes[idx].kind, s->notes[idx].text, s->notes[idx].count };
     return LC_OK;
 }
+
+lc_status lc_scene_get_feature(const lc_scene *s, uint32_t idx, lc_feature *feature)
+{
+    if (idx >= s->n_features) return LC_ERR_ARG;
+    *feature = s->features[idx];
+    return LC_OK;
+}

@@ -49,12 +49,35 @@ typedef struct lc_material {
     lc_f3 tangent;      /* Ward, GGX: the direction that ax is of, world space, unit; 0: any. Of a hit, in a scene's material 0. */
 } lc_material;
 
-/* Textures that give the values of a material at a point, LC_NONE: the same everywhere. */
+/* From a scene file's roughness to GGX's alpha. */
+typedef enum lc_remap {
+    LC_REMAP_NONE,
+    LC_REMAP_SQRT,      /* pbrt v4 */
+    LC_REMAP_POLYNOMIAL /* pbrt v3: of the fourth degree in ln max(roughness, 0.001) */
+} lc_remap;
+
+/* Textures that give the values of a material at a point, LC_NONE: the same everywhere. A mix has none but its share. */
 typedef struct lc_material_maps {
     uint32_t kd, ks, kt, exponent, roughness[2];
+    lc_remap remap;      /* of what the textures of roughness say */
+    bool metal;          /* the map ks is of the share reflected along the normal: eta is 1, and k follows */
+    uint32_t mix[2];     /* materials; LC_NONE: no mix */
+    lc_f3 share;         /* of mix[1], 0..1 */
+    uint32_t share_map;
+    uint32_t bump;       /* height above the surface, world units: a number */
+    uint32_t normal;     /* normal map: (1 + n) / 2 in the frame (dp/du, across, n) */
+    /* set by lc_scene_map_material */
+    uint8_t depth;       /* of mixes within mixes, at most LC_MAX_MIX */
+    bool textured, brushed; /* itself or what it mixes */
 } lc_material_maps;
 
-#define LC_NO_MAPS { LC_NONE, LC_NONE, LC_NONE, LC_NONE, { LC_NONE, LC_NONE } }
+#define LC_NO_MAPS                                                                                                      \
+    {                                                                                                                  \
+        .kd = LC_NONE, .ks = LC_NONE, .kt = LC_NONE, .exponent = LC_NONE, .roughness = { LC_NONE, LC_NONE },           \
+        .mix = { LC_NONE, LC_NONE }, .share_map = LC_NONE, .bump = LC_NONE, .normal = LC_NONE                            \
+    }
+
+#define LC_MAX_MIX 16
 
 #define LC_MAX_EXPONENT 1e5f
 /* A highlight of roughness a is 2 a rad wide to 1 / e: at 0.01 a hemisphere of 10^4 lights shows as dots, so no less. As
@@ -71,5 +94,17 @@ typedef struct lc_material_maps {
 #define LC_MAX_ETA 3.5f
 #define LC_MAX_CONDUCTOR 1e3f  /* of eta and of k */
 #define LC_MIN_CONDUCTOR 1e-6f /* of eta^2 + k^2 */
+#define LC_SMOOTH 1e-3 /* an alpha below this is a mirror, as in pbrt */
+
+/* alpha of a roughness >= 0; not clamped. */
+double lc_roughness_alpha(lc_remap remap, double roughness);
+
+/* Sets one channel's eta and k so that a conductor reflects `share` along the normal: k that goes with eta, or where
+ * there is none, eta without absorption. share and eta are clamped to 0..LC_MAX_METAL, above 0. */
+void lc_metal_of_share(double share, double *eta, double *k);
+#define LC_MAX_METAL 0.9999
+
+/* The share of light that a conductor reflects along the normal. */
+double lc_metal_share(double eta, double k);
 
 #endif

@@ -1,4 +1,4 @@
-/* pbrt_colour.c - rgb, xyz, spectrum and blackbody parameters to linear Rec.709.
+/* pbrt_colour.c - rgb, xyz, spectrum (values, names, files) and blackbody parameters to linear Rec.709.
  *
  * Spectra are weighted with the CIE 1931 curves as fitted in [Wyman13] 2.2, each curve scaled to sum 1, so
  * that the constant spectrum 1 is X = Y = Z = 1. Then
@@ -9,7 +9,7 @@
  * Components below 0 (colours outside Rec.709) become 0.
  */
 #include "fmath.h"
-#include "pbrt_state.h"
+#include "pbrt_spectrum.h"
 
 #include <string.h>
 
@@ -53,7 +53,8 @@ static double planck(double nm, double kelvin)
     return r2 * r2 * r * (e / (1 - e)) / (e_peak / (1 - e_peak));
 }
 
-static lc_status blackbody_xyz(lc_pbrt *p, const lc_pbrt_param *par, double xyz[3])
+/* Planck's curve; *scale is what makes it a colour, 0: what gives it luminance 1. */
+static lc_status blackbody(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_PBRT_CIE_N], double *scale)
 {
     const double *v = lc_pbrt_numbers(&p->params, par);
     if (par->n != 1 && par->n != 2)
@@ -61,57 +62,117 @@ static lc_status blackbody_xyz(lc_pbrt *p, const lc_pbrt_param *par, double xyz[
     /* below 1 K and above 10^9 K the curve is of no use in the visible */
     if (!(v[0] >= 1 && v[0] <= 1e9))
         return lc_pbrt_bad_param(&p->params, par, "is a temperature out of range");
-    for (int i = 0; i < LC_PBRT_CIE_N; i++) {
-        double b = planck(LC_PBRT_CIE_FIRST + i, v[0]);
-        for (int k = 0; k < 3; k++) xyz[k] += b * p->cie[i][k];
-    }
-    double scale = par->n == 2 ? v[1] : xyz[1] > 0 ? 1 / xyz[1] : 0;
-    for (int k = 0; k < 3; k++) xyz[k] *= scale;
+    for (int i = 0; i < LC_PBRT_CIE_N; i++) out[i] = planck(LC_PBRT_CIE_FIRST + i, v[0]);
+    *scale = par->n == 2 ? v[1] : 0;
     return LC_OK;
 }
 
-/* Value at a wavelength of n pairs, rising. Outside: v4 takes 0, v3 the nearest value. */
-static double sample(const double *pairs, size_t n, double nm, bool zero_outside, size_t *at)
-{
-    if (nm < pairs[0]) return zero_outside ? 0 : pairs[1];
-    if (nm > pairs[2 * n - 2]) return zero_outside ? 0 : pairs[2 * n - 1];
-    while (*at + 2 < n && pairs[2 * *at + 2] < nm) ++*at;
-    if (n == 1) return pairs[1];
-    const double *a = pairs + 2 * *at;
-    return a[1] + (a[3] - a[1]) * (nm - a[0]) / (a[2] - a[0]);
-}
-
-static lc_status spectrum_xyz(lc_pbrt *p, const lc_pbrt_param *par, double xyz[3])
+/* Outside of what it says a spectrum is 0 in v4, and as at its end in v3. */
+static lc_status spectrum(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_PBRT_CIE_N])
 {
     const double *v = lc_pbrt_numbers(&p->params, par);
     if (par->n == 0 || par->n % 2)
         return lc_pbrt_bad_param(&p->params, par, "needs pairs of wavelength and value");
     for (size_t i = 2; i < par->n; i += 2)
         if (!(v[i] > v[i - 2])) return lc_pbrt_bad_param(&p->params, par, "has wavelengths that don't rise");
-    size_t at = 0;
-    for (int i = 0; i < LC_PBRT_CIE_N; i++) {
-        double s = sample(v, par->n / 2, LC_PBRT_CIE_FIRST + i, p->v4, &at);
-        for (int k = 0; k < 3; k++) xyz[k] += s * p->cie[i][k];
-    }
+    lc_pbrt_resample(v, par->n / 2, p->v4, out);
     return LC_OK;
+}
+
+static lc_status named(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_PBRT_CIE_N], bool *there)
+{
+    double pairs[2 * LC_PBRT_NAMED_MAX];
+    const char *name = p->params.text[par->first];
+    size_t n = par->n == 1 ? lc_pbrt_named_spectrum(name, pairs) : 0;
+    if (n) lc_pbrt_resample(pairs, n, false, out);
+    *there = n > 0;
+    if (n || par->n != 1) return LC_OK;
+    return lc_pbrt_spectrum_file(p, par, name, out, there);
+}
+
+static lc_status samples_of(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_PBRT_CIE_N], double *scale, bool *there)
+{
+    *there = true;
+    *scale = 1;
+    fill_cie(p);
+    if (par->is_text) return named(p, par, out, there);
+    return par->type == LC_PBRT_BLACKBODY ? blackbody(p, par, out, scale) : spectrum(p, par, out);
+}
+
+static lc_status note_unknown(lc_pbrt *p, const lc_pbrt_param *par, const char *instead)
+{
+    return lc_pbrt_note(p, par->pos, "spectrum by name", "spectrum '%.80s' is neither known nor a file that can be read: %s",
+                        p->params.text[par->first], instead);
+}
+
+lc_status lc_pbrt_get_spectrum(lc_pbrt *p, const char *name, double out[LC_PBRT_CIE_N], const lc_pbrt_param **found)
+{
+    const lc_pbrt_param *par = lc_pbrt_find(&p->params, name, LC_PBRT_SPECTRUM);
+    double scale;
+    bool there;
+    *found = NULL;
+    if (!par) return LC_OK;
+    lc_status st = samples_of(p, par, out, &scale, &there);
+    if (!st && !there) st = note_unknown(p, par, "the default takes its place");
+    if (there) *found = par;
+    return st;
+}
+
+static void xyz_of(const lc_pbrt *p, const double s[LC_PBRT_CIE_N], double xyz[3])
+{
+    xyz[0] = xyz[1] = xyz[2] = 0;
+    for (int i = 0; i < LC_PBRT_CIE_N; i++)
+        for (int k = 0; k < 3; k++) xyz[k] += s[i] * p->cie[i][k];
+}
+
+void lc_pbrt_spectrum_albedo(lc_pbrt *p, const double s[LC_PBRT_CIE_N], double rgb[3])
+{
+    double xyz[3], white[3];
+    fill_cie(p);
+    xyz_of(p, s, xyz);
+    xyz_to_rgb(xyz, rgb);
+    xyz_to_rgb((double[]){ 1, 1, 1 }, white);
+    for (int k = 0; k < 3; k++) rgb[k] = fmax(rgb[k] / white[k], 0);
+}
+
+double lc_pbrt_spectrum_mean(lc_pbrt *p, const double s[LC_PBRT_CIE_N])
+{
+    double xyz[3];
+    fill_cie(p);
+    xyz_of(p, s, xyz);
+    return xyz[1];
+}
+
+static void to_light(const lc_pbrt *p, const double xyz[3], double rgb[3])
+{
+    xyz_to_rgb(xyz, rgb);
+    double y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    for (int k = 0; k < 3; k++) rgb[k] = fmax(!p->v4 ? rgb[k] : y > 0 ? rgb[k] / y : 0, 0);
 }
 
 static lc_status spectral(lc_pbrt *p, const lc_pbrt_param *par, lc_pbrt_colour_use use, double rgb[3])
 {
-    double xyz[3] = { 0, 0, 0 }, white[3];
-    fill_cie(p);
-    lc_status st = par->type == LC_PBRT_BLACKBODY ? blackbody_xyz(p, par, xyz) : spectrum_xyz(p, par, xyz);
-    if (st) return st;
-    xyz_to_rgb(xyz, rgb);
-    xyz_to_rgb((double[]){ 1, 1, 1 }, white);
-    double y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-    for (int k = 0; k < 3; k++) {
-        if (use == LC_PBRT_FOR_ALBEDO)
-            rgb[k] /= white[k];
-        else if (p->v4)
-            rgb[k] = y > 0 ? rgb[k] / y : 0;
-        rgb[k] = fmax(rgb[k], 0);
+    double s[LC_PBRT_CIE_N], xyz[3], scale;
+    bool there;
+    if (par->is_text && par->n == 1 && lc_pbrt_illuminant(p->params.text[par->first], xyz)) {
+        to_light(p, xyz, rgb);
+        return LC_OK;
     }
+    lc_status st = samples_of(p, par, s, &scale, &there);
+    if (st) return st;
+    if (!there) {
+        rgb[0] = rgb[1] = rgb[2] = use == LC_PBRT_FOR_ALBEDO ? 0.5 : 1;
+        return note_unknown(p, par, "grey takes its place");
+    }
+    xyz_of(p, s, xyz);
+    if (!(scale > 0)) scale = xyz[1] > 0 ? 1 / xyz[1] : 0;
+    if (use == LC_PBRT_FOR_ALBEDO) {
+        lc_pbrt_spectrum_albedo(p, s, rgb);
+        for (int k = 0; k < 3; k++) rgb[k] *= scale;
+        return LC_OK;
+    }
+    for (int k = 0; k < 3; k++) xyz[k] *= scale;
+    to_light(p, xyz, rgb);
     return LC_OK;
 }
 
@@ -122,11 +183,6 @@ lc_status lc_pbrt_get_colour(lc_pbrt *p, const char *name, lc_pbrt_colour_use us
     double rgb[3];
     if (found) *found = par;
     if (!par) return LC_OK;
-    if (par->is_text) {
-        *out = use == LC_PBRT_FOR_ALBEDO ? lc_f3_make(0.5f, 0.5f, 0.5f) : lc_f3_make(1, 1, 1);
-        return lc_pbrt_note(p, par->pos, "spectrum by name", "spectrum '%.80s' is taken as grey",
-                            p->params.text[par->first]);
-    }
     if (par->type == LC_PBRT_RGB || par->type == LC_PBRT_XYZ) {
         if (par->n != 3) return lc_pbrt_bad_param(&p->params, par, "needs three values");
         const double *v = lc_pbrt_numbers(&p->params, par);

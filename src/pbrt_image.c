@@ -93,7 +93,7 @@ static lc_status load(lc_pbrt *p, lc_pos where, const char *path, lc_encoding en
 }
 
 /* The image of a file, loaded if it has not been; LC_NONE, noted, where there is none. */
-static lc_status find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding, uint32_t *id)
+lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding, uint32_t *id)
 {
     char key[4352];
     const char *path;
@@ -126,7 +126,7 @@ lc_status lc_pbrt_get_image(lc_pbrt *p, lc_pos where, lc_texture *t, bool *there
     if (!st) st = get_filter(p, where, &t->filter);
     if (!st) st = lc_pbrt_get_float(&p->params, "scale", &t->scale, NULL);
     if (!st) st = lc_pbrt_get_bool(&p->params, "invert", &t->invert);
-    if (!st) st = find_image(p, par->pos, name, encoding, &t->image);
+    if (!st) st = lc_pbrt_find_image(p, par->pos, name, encoding, &t->image);
     *there = t->image != LC_NONE;
     /* the mean of the channels in v4, their luminance in v3 */
     static const double mean[3] = { 1.0 / 3, 1.0 / 3, 1.0 / 3 }, luminance[3] = { 0.2126, 0.7152, 0.0722 };

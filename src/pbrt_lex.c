@@ -99,15 +99,18 @@ lc_status lc_pbrt_lex_open_memory(lc_pbrt_lex *lex, const char *name, const void
     return push(lex, &reader, copy);
 }
 
-lc_status lc_pbrt_lex_include(lc_pbrt_lex *lex, lc_pos where, const char *name)
+lc_status lc_pbrt_lex_include(lc_pbrt_lex *lex, lc_pos where, const char *name, const char **lost)
 {
     const char *path, *other;
     bool found;
+    *lost = NULL;
     lc_status st = lc_pbrt_find_file(lex, where, name, &path);
     if (st) return st;
     if (!lc_file_exists(path)) {
-        if ((st = find(lex, where, name, ".pbrt", &other, &found))) return st;
-        if (found) path = other;
+        st = find(lex, where, name, ".pbrt", &other, &found);
+        if (st || !found) *lost = path;
+        if (st || !found) return st;
+        path = other;
     }
     if (++lex->n_includes > LC_PBRT_MAX_INCLUDES)
         return lc_fail_at(lex->ctx, LC_ERR_PARSE, where, "more than %d files included", LC_PBRT_MAX_INCLUDES);

@@ -47,8 +47,8 @@ void lc_pbrt_lex_init(lc_pbrt_lex *lex, const lc_context *ctx, lc_arena *arena);
 lc_status lc_pbrt_lex_open(lc_pbrt_lex *lex, const char *path);
 /* The caller keeps data. */
 lc_status lc_pbrt_lex_open_memory(lc_pbrt_lex *lex, const char *name, const void *data, size_t size);
-/* Puts the file that `where` includes under `name` on the stack. */
-lc_status lc_pbrt_lex_include(lc_pbrt_lex *lex, lc_pos where, const char *name);
+/* Puts the file that `where` includes under `name` on the stack. *lost: its path, where there is no such file; else NULL. */
+lc_status lc_pbrt_lex_include(lc_pbrt_lex *lex, lc_pos where, const char *name, const char **lost);
 void lc_pbrt_lex_pop(lc_pbrt_lex *lex); /* depth > 0; no token looked ahead but the file's END */
 void lc_pbrt_lex_free(lc_pbrt_lex *lex);
 

@@ -126,6 +126,7 @@ lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_pbrt_mark(&p->params, "samples");
     for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
         if (!strcmp(lights[i].name, s->text[0])) return lights[i].handler(p, s);
+    p->ignored = true;
     lc_pbrt_mark_all(&p->params);
     return lc_pbrt_note_name(p, s->pos, "light", s->text[0], "the light is skipped");
 }
@@ -135,6 +136,7 @@ lc_status lc_pbrt_area_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_f3 emission = lc_f3_make(1, 1, 1);
     bool two_sided = false;
     if (strcmp(s->text[0], "diffuse") && strcmp(s->text[0], "area")) {
+        p->ignored = true;
         lc_pbrt_mark_all(&p->params);
         return lc_pbrt_note_name(p, s->pos, "area light", s->text[0], "the light is skipped");
     }

@@ -1,167 +1,210 @@
-/* pbrt_material.c - materials. diffuse, matte and mirror are exact, and phong, ward and ggx are ours: "rgb Kd", "rgb Ks" and "float
- * exponent", or "float roughness", "uroughness", "vroughness"; ggx is as ward, by Schlick. Each of these
- * may be a texture. Any other material is a diffuse one of a sensible colour. */
-#include "pbrt_state.h"
+/* pbrt_material.c - Material statements: the classes, materials by name, mixes. What each class becomes is said in
+ * pbrt_material_v3.c and pbrt_material_v4.c; a class that none of them knows is grey and diffuse. */
+#include "pbrt_material.h"
 
 #include <string.h>
 
-typedef enum material_kind { EXACT, APPROXIMATE, INVISIBLE, PHONG, WARD, MIRROR, GLASS, THIN, LEAF } material_kind;
-
-static const struct material {
-    const char *name, *colour; /* parameter that holds the colour, or NULL */
-    float grey;                /* the colour when there is none; pbrt's default where it has one */
-    material_kind kind;
-} materials[] = {
-    { "diffuse", "reflectance", 0.5f, EXACT },
-    { "matte", "Kd", 0.5f, EXACT },
-    { "phong", "Kd", 0.5f, PHONG },
-    { "mirror", NULL, 0, MIRROR },
-    { "ward", "Kd", 0.5f, WARD },
-    { "ggx", "Kd", 0.5f, GGX },
-    { "", NULL, 0, INVISIBLE },
-    { "none", NULL, 0, INVISIBLE },
-    { "interface", NULL, 0, INVISIBLE },
-    { "coateddiffuse", "reflectance", 0.5f, APPROXIMATE },
-    { "diffusetransmission", "reflectance", 0.25f, LEAF },
-    { "dielectric", NULL, 0, GLASS },
-    { "glass", NULL, 0, GLASS },
-    { "thindielectric", NULL, 0, THIN },
-    { "subsurface", "reflectance", 0.5f, APPROXIMATE },
-    { "conductor", "reflectance", 0.5f, APPROXIMATE },
-    { "coatedconductor", "reflectance", 0.5f, APPROXIMATE },
-    { "plastic", "Kd", 0.25f, APPROXIMATE },
-    { "uber", "Kd", 0.25f, APPROXIMATE },
-    { "substrate", "Kd", 0.5f, APPROXIMATE },
-    { "translucent", "Kd", 0.25f, APPROXIMATE },
-    { "kdsubsurface", "Kd", 0.5f, APPROXIMATE },
-    { "disney", "color", 0.5f, APPROXIMATE },
-};
-
-static const struct material *material_of(const char *name)
+static lc_status invisible(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    static const struct material other = { "other", NULL, 0.5f, APPROXIMATE };
-    for (size_t i = 0; i < sizeof materials / sizeof *materials; i++)
-        if (!strcmp(materials[i].name, name)) return &materials[i];
-    return &other;
-}
-
-static lc_f3 to_colour(const double v[3])
-{
-    return lc_f3_make((float)fmin(fmax(v[0], 0), 1), (float)fmin(fmax(v[1], 0), 1), (float)fmin(fmax(v[2], 0), 1));
-}
-
-/* A reflectance parameter, clamped to 0..1; of a texture the mean, and *map is its number. */
-static lc_status get_albedo(lc_pbrt *p, const char *name, lc_f3 *out, uint32_t *map)
-{
-    const lc_pbrt_param *par;
-    lc_tex_input in;
-    lc_status st = lc_pbrt_get_input(p, name, false, &in, &par);
-    if (st || !par) return st;
-    *out = to_colour(in.value);
-    *map = in.id;
-    for (int k = 0; k < 3; k++)
-        if (in.value[k] < 0 || in.value[k] > 1)
-            return lc_pbrt_note(p, par->pos, "reflectance", "a reflectance outside 0..1 is clamped");
+    (void)where;
+    lc_pbrt_mark_all(&p->params);
+    look->invisible = true;
     return LC_OK;
 }
 
-static lc_status get_phong(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
-{
-    const lc_pbrt_param *par;
-    lc_tex_input in;
-    lc_status st = get_albedo(p, "Ks", &m->ks, &maps->ks);
-    if (!st) st = lc_pbrt_get_input(p, "exponent", true, &in, &par);
-    if (st) return st;
-    double exponent = par ? in.value[0] : 50;
-    if (par) maps->exponent = in.id;
-    if (exponent < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
-    if (exponent > (double)LC_MAX_EXPONENT) {
-        exponent = (double)LC_MAX_EXPONENT;
-        st = lc_pbrt_note(p, par->pos, "phong exponent", "a Phong exponent above %g is clamped",
-                          (double)LC_MAX_EXPONENT);
-    }
-    m->exponent = (float)exponent;
-    return st;
-}
+static const char diffuse_instead[] = "a diffuse material takes its place";
 
-/* v3 calls its reflectance Kr. */
-static lc_status get_mirror(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
-{
-    m->mirror = true;
-    m->fresnel = LC_FRESNEL_NONE;
-    m->ks = lc_f3_make(0.9f, 0.9f, 0.9f);
-    lc_status st = get_albedo(p, "reflectance", &m->ks, &maps->ks);
-    return st ? st : get_albedo(p, "Kr", &m->ks, &maps->ks);
-}
+static const struct class {
+    const char *name;
+    lc_pbrt_reader *read;
+    const char *note; /* NULL: nothing is approximated, but for what the reader notes */
+} classes[] = {
+    { "diffuse", lc_pbrt_diffuse, NULL },
+    { "matte", lc_pbrt_matte, NULL },
+    { "coateddiffuse", lc_pbrt_coated_diffuse,
+        "a Lambertian surface below a GGX coat; paths between the two are summed up by a formula" },
+    { "dielectric", lc_pbrt_dielectric, NULL },
+    { "conductor", lc_pbrt_conductor, NULL },
+    { "plastic", lc_pbrt_plastic, NULL },
+    { "uber", lc_pbrt_uber, NULL },
+    { "substrate", lc_pbrt_substrate, "Lambert and GGX with Schlick's Fresnel for Ashikhmin and Shirley's blend" },
+    { "metal", lc_pbrt_metal, NULL },
+    { "glass", lc_pbrt_glass, NULL },
+    { "mirror", lc_pbrt_mirror, NULL },
+    { "mix", lc_pbrt_mix, NULL },
+    { "translucent", lc_pbrt_translucent, NULL },
+    { "diffusetransmission", lc_pbrt_diffuse_transmission, NULL },
+    { "thindielectric", lc_pbrt_thin_dielectric, NULL },
+    { "coatedconductor", lc_pbrt_coated_conductor, "one conductor that reflects what both layers do together along the normal" },
+    { "", invisible, NULL },
+    { "none", invisible, NULL },
+    { "interface", invisible, NULL },
+    { "subsurface", lc_pbrt_subsurface, diffuse_instead },
+    { "kdsubsurface", lc_pbrt_kd_subsurface, diffuse_instead },
+    { "disney", lc_pbrt_disney, "Lambert and GGX of its color, metallic and roughness" },
+    { "hair", lc_pbrt_hair, diffuse_instead },
+    { "phong", lc_pbrt_phong, NULL },
+    { "ward", lc_pbrt_ward, NULL },
+    { "ggx", lc_pbrt_ggx, NULL },
+};
 
-/* Smooth; v3 calls the index index or eta, and has the tints Kr and Kt. */
-static lc_status get_glass(lc_pbrt *p, lc_material *m, bool thin)
+static lc_status unknown_class(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    double eta = 1.5;
-    uint32_t map;
-    m->glass = true, m->thin = thin, m->fresnel = LC_FRESNEL_DIELECTRIC;
-    m->ks = m->kt = lc_f3_make(1, 1, 1);
-    lc_status st = lc_pbrt_get_float(&p->params, "index", &eta, NULL);
-    if (!st) st = lc_pbrt_get_float(&p->params, "eta", &eta, NULL);
-    if (!st) st = get_albedo(p, "Kr", &m->ks, &map);
-    if (!st) st = get_albedo(p, "Kt", &m->kt, &map);
-    m->eta = lc_f3_make((float)eta, (float)eta, (float)eta);
+    (void)where, (void)look;
     lc_pbrt_mark_all(&p->params);
+    return LC_OK;
+}
+
+static const struct class *class_of(const char *name)
+{
+    static const struct class other = { "other", unknown_class, diffuse_instead };
+    for (size_t i = 0; i < sizeof classes / sizeof *classes; i++)
+        if (!strcmp(classes[i].name, name)) return &classes[i];
+    return &other;
+}
+
+/* ---- mixes ---- */
+
+static float within(float v, float least, float most) { return fminf(fmaxf(v, least), most); }
+
+/* Indices as far as the lobes' bounds hold for them. */
+static void limit_index(lc_material *m)
+{
+    float *eta[3] = { &m->eta.x, &m->eta.y, &m->eta.z }, *k[3] = { &m->k.x, &m->k.y, &m->k.z };
+    if (m->gloss != LC_GLOSS_GGX) return;
+    if (m->coat || m->fresnel == LC_FRESNEL_DIELECTRIC) m->eta.x = within(m->eta.x, LC_MIN_ETA, LC_MAX_ETA);
+    for (int c = 0; c < 3 && m->fresnel == LC_FRESNEL_CONDUCTOR; c++) {
+        *eta[c] = within(*eta[c], 2e-3f, LC_MAX_CONDUCTOR); /* its square is above LC_MIN_CONDUCTOR */
+        *k[c] = within(*k[c], 0, LC_MAX_CONDUCTOR);
+    }
+}
+
+static lc_status add_look(lc_pbrt *p, lc_pbrt_look *look, uint32_t *id)
+{
+    limit_index(&look->m);
+    lc_status st = lc_scene_add_material(p->scene, &look->m, id);
+    if (!st) lc_scene_map_material(p->scene, *id, &look->maps);
     return st;
 }
 
-/* One of Ward's two; *value keeps its value and *map its texture where the parameter is absent. */
-static lc_status get_roughness(lc_pbrt *p, const char *name, float *value, uint32_t *map)
+/* Lets everything through as if it were not there. */
+static lc_status add_clear(lc_pbrt *p, uint32_t *id)
+{
+    lc_material m = { .kt = { 1, 1, 1 }, .eta = { 1, 1, 1 }, .fresnel = LC_FRESNEL_DIELECTRIC };
+    m.mirror = m.glass = m.thin = true;
+    return lc_scene_add_material(p->scene, &m, id);
+}
+
+/* Of a material that was made before. */
+static lc_status get_part(lc_pbrt *p, lc_pos where, const char *name, uint32_t *id)
+{
+    uint32_t at = name ? lc_pbrt_map_get(&p->material_names, name) : LC_NONE;
+    lc_material grey = { .kd = { 0.5f, 0.5f, 0.5f } };
+    if (at != LC_NONE) {
+        *id = p->materials[at].id;
+        return p->materials[at].invisible ? add_clear(p, id) : LC_OK;
+    }
+    lc_status st = lc_pbrt_note_name(p, where, "unknown material", name ? name : "", "no such material; grey diffuse is used");
+    return st ? st : lc_scene_add_material(p->scene, &grey, id);
+}
+
+/* look becomes a mix of two materials of the scene. */
+static lc_status be_mix(lc_pbrt *p, lc_pos where, uint32_t first, uint32_t second, const lc_tex_input *share, lc_pbrt_look *look)
+{
+    const lc_scene *s = p->scene;
+    double mean = (share->value[0] + share->value[1] + share->value[2]) / 3;
+    uint32_t main = mean < 0.5 ? first : second;
+    look->m = s->materials[main];
+    look->maps = s->maps[main];
+    if (s->maps[first].depth >= LC_MAX_MIX || s->maps[second].depth >= LC_MAX_MIX)
+        return lc_pbrt_note(p, where, "mix depth", "mixes of mixes beyond %d deep: one of the two takes their place", LC_MAX_MIX);
+    look->maps = (lc_material_maps)LC_NO_MAPS;
+    look->maps.mix[0] = first, look->maps.mix[1] = second;
+    lc_pbrt_set_tint(share, &look->maps.share, &look->maps.share_map);
+    return LC_OK;
+}
+
+static bool is_float_param(lc_pbrt *p, const char *name)
+{
+    const lc_pbrt_param *par = lc_pbrt_find(&p->params, name, LC_PBRT_FLOAT | LC_PBRT_INT | LC_PBRT_TEXTURE);
+    if (!par || par->type != LC_PBRT_TEXTURE) return par != NULL;
+    return par->n == 1 && lc_pbrt_map_get(&p->float_textures, p->params.text[par->first]) != LC_NONE;
+}
+
+/* v3: "amount" is the share of "namedmaterial1". v4: it is that of the second of "materials". */
+lc_status lc_pbrt_mix(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
+{
+    const char *names[2] = { NULL, NULL };
+    const lc_pbrt_param *both = lc_pbrt_find(&p->params, "materials", LC_PBRT_TEXT), *par;
+    lc_tex_input share = LC_PBRT_VALUE(0.5), given;
+    uint32_t id[2];
+    bool is_float = is_float_param(p, "amount");
+    lc_status st = LC_OK;
+    if (both && both->n != 2) return lc_pbrt_bad_param(&p->params, both, "needs the names of two materials");
+    for (size_t i = 0; i < 2 && both; i++) names[i] = p->params.text[both->first + i];
+    if (!both) st = lc_pbrt_get_text(&p->params, "namedmaterial2", &names[0], NULL);
+    if (!st && !both) st = lc_pbrt_get_text(&p->params, "namedmaterial1", &names[1], NULL);
+    if (!st && !is_float) st = lc_pbrt_get_tint(p, "amount", &share);
+    if (!st && is_float) st = lc_pbrt_get_input(p, "amount", true, &given, &par);
+    if (!st && is_float) share = given;
+    for (int i = 0; i < 2 && !st; i++) st = get_part(p, where, names[i], &id[i]);
+    return st ? st : be_mix(p, where, id[0], id[1], &share, look);
+}
+
+/* Where it is not opaque, a mix with nothing. */
+static lc_status apply_opacity(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
+{
+    const double *v = look->opacity.value;
+    uint32_t opaque, clear;
+    if (look->opacity.id == LC_NONE && v[0] >= 1 && v[1] >= 1 && v[2] >= 1) return LC_OK;
+    lc_status st = add_look(p, look, &opaque);
+    if (!st) st = add_clear(p, &clear);
+    return st ? st : be_mix(p, where, clear, opaque, &look->opacity, look);
+}
+
+/* ---- statements ---- */
+
+/* v4's "displacement", v3's "bumpmap": a texture of numbers. */
+static lc_status get_bump(lc_pbrt *p, const char *name, uint32_t *id)
 {
     const lc_pbrt_param *par;
     lc_tex_input in;
     lc_status st = lc_pbrt_get_input(p, name, true, &in, &par);
-    if (st || !par) return st;
-    if (in.value[0] < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
-    *value = (float)fmin(fmax(in.value[0], (double)LC_MIN_ROUGHNESS), (double)LC_MAX_ROUGHNESS);
-    *map = in.id;
-    if (in.id == LC_NONE && ((float)in.value[0] < LC_MIN_ROUGHNESS || (float)in.value[0] > LC_MAX_ROUGHNESS))
-        return lc_pbrt_note(p, par->pos, "ward roughness", "a roughness outside %g..%g is clamped",
-                            (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
-    return LC_OK;
+    if (!st && par) *id = in.id;
+    return st;
 }
 
-static lc_status get_ward(lc_pbrt *p, lc_material *m, lc_material_maps *maps)
+/* v4's "normalmap": the name of an image. */
+static lc_status get_normal_map(lc_pbrt *p, uint32_t *id)
 {
-    lc_status st = get_albedo(p, "Ks", &m->ks, &maps->ks);
-    m->gloss = LC_GLOSS_WARD;
-    m->roughness[0] = 0.1f;
-    if (!st) st = get_roughness(p, "roughness", &m->roughness[0], &maps->roughness[0]);
-    m->roughness[1] = m->roughness[0], maps->roughness[1] = maps->roughness[0];
-    if (!st) st = get_roughness(p, "uroughness", &m->roughness[0], &maps->roughness[0]);
-    if (!st) st = get_roughness(p, "vroughness", &m->roughness[1], &maps->roughness[1]);
-    return st;
+    const lc_encoding linear = { .kind = LC_ENCODING_LINEAR };
+    const char *name = NULL;
+    const lc_pbrt_param *par;
+    lc_texture t = { .kind = LC_TEX_IMAGE, .image = LC_NONE, .wrap = LC_WRAP_REPEAT, .filter = LC_FILTER_BILINEAR, .scale = 1 };
+    bool too_deep;
+    lc_status st = lc_pbrt_get_text(&p->params, "normalmap", &name, &par);
+    if (st || !name) return st;
+    for (int i = 0; i < 4; i++) t.in[i] = LC_PBRT_VALUE(0);
+    t.map = (lc_tex_map){ .kind = LC_MAP_UV, .su = 1, .sv = 1, .stretch = 1 };
+    st = lc_pbrt_find_image(p, par->pos, name, linear, &t.image);
+    if (st || t.image == LC_NONE) return st;
+    return lc_textures_add(&p->scene->textures, &t, id, &too_deep);
 }
 
 /* Adds the material of this name with the statement's parameters to the scene. */
 static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_material *out)
 {
-    const struct material *kind = material_of(name);
-    lc_material m = { .kd = { kind->grey, kind->grey, kind->grey } };
-    lc_material_maps maps = LC_NO_MAPS;
-    lc_status st = kind->colour ? get_albedo(p, kind->colour, &m.kd, &maps.kd) : LC_OK;
-    if (!st && kind->kind == PHONG) st = get_phong(p, &m, &maps);
-    if (!st && kind->kind == MIRROR) st = get_mirror(p, &m, &maps);
-    if (!st && kind->kind == LEAF) m.kt = lc_f3_make(0.25f, 0.25f, 0.25f), st = get_albedo(p, "transmittance", &m.kt, &maps.kt);
-    if (!st && (kind->kind == GLASS || kind->kind == THIN)) st = get_glass(p, &m, kind->kind == THIN);
-    if (!st && kind->kind == WARD) st = get_ward(p, &m, &maps);
-    if (!st && (kind->kind == WARD || kind->kind == GGX)) st = get_ward(p, &m, &maps);
-    if (kind->kind == GGX) m.gloss = LC_GLOSS_GGX;
-    if (!st && kind->kind == APPROXIMATE)
-        st = lc_pbrt_note_name(p, where, "material", name, "a diffuse material takes its place");
-    if (!st && kind->kind == EXACT && lc_pbrt_find(&p->params, "sigma", LC_PBRT_ANY))
-        st = lc_pbrt_note(p, where, "matte sigma", "Oren-Nayar's sigma is ignored: plain diffuse");
-    if (kind->kind == APPROXIMATE || kind->kind == INVISIBLE) lc_pbrt_mark_all(&p->params);
+    const struct class *class = class_of(name);
+    lc_pbrt_look look = { .m = { .kd = { 0.5f, 0.5f, 0.5f } }, .maps = LC_NO_MAPS, .opacity = LC_PBRT_VALUE(1) };
+    lc_status st = class->read(p, where, &look);
+    if (!st) st = get_bump(p, "bumpmap", &look.maps.bump);
+    if (!st) st = get_bump(p, "displacement", &look.maps.bump);
+    if (!st) st = get_normal_map(p, &look.maps.normal);
+    if (!st) st = apply_opacity(p, where, &look);
+    if (!st && class->note) st = lc_pbrt_note_name(p, where, "material", name, class->note);
     p->owner = name;
-    out->invisible = kind->kind == INVISIBLE;
-    if (!st) st = lc_scene_add_material(p->scene, &m, &out->id);
-    if (!st) lc_scene_map_material(p->scene, out->id, &maps);
-    return st;
+    out->invisible = look.invisible;
+    return st ? st : add_look(p, &look, &out->id);
 }
 
 static void use(lc_pbrt *p, const lc_pbrt_material *m)

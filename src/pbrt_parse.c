@@ -6,12 +6,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAX_NOTE_KINDS 500 /* hostile files could make one of every word */
 #define MAX_UNKNOWN 100    /* unknown statements after which a file is no pbrt file */
 
 /* ---- notes ---- */
 
-static void printable(char *text)
+void lc_pbrt_printable(char *text)
 {
     for (; *text; text++)
         if ((unsigned char)*text < 32 || *text == 127) *text = '?';
@@ -24,9 +23,9 @@ lc_status lc_pbrt_note(lc_pbrt *p, lc_pos where, const char *kind, const char *f
     va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    snprintf(name, sizeof name, "%s", p->scene->n_notes < MAX_NOTE_KINDS ? kind : "other");
-    printable(text);
-    printable(name);
+    snprintf(name, sizeof name, "%s", p->scene->n_notes < LC_PBRT_MAX_KINDS ? kind : "other");
+    lc_pbrt_printable(text);
+    lc_pbrt_printable(name);
     return lc_scene_note_at(p->scene, where, name, "%s", text);
 }
 
@@ -139,7 +138,11 @@ static lc_status world_end(lc_pbrt *p, const lc_pbrt_stmt *s)
 
 static lc_status include(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    return lc_pbrt_lex_include(&p->lex, s->text_pos[0], s->text[0]);
+    const char *lost;
+    lc_status st = lc_pbrt_lex_include(&p->lex, s->text_pos[0], s->text[0], &lost);
+    if (st || !lost) return st;
+    if (!p->in_world) return lc_fail_at(p->ctx, LC_ERR_IO, s->text_pos[0], "cannot open '%s': No such file or directory", lost);
+    return lc_pbrt_note(p, s->text_pos[0], "missing file", "'%.150s': no such file; what it holds is left out", lost);
 }
 
 /* ---- what is read and left aside ---- */
@@ -147,18 +150,21 @@ static lc_status include(lc_pbrt *p, const lc_pbrt_stmt *s)
 static lc_status ignore(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     (void)s;
+    p->ignored = true;
     lc_pbrt_mark_all(&p->params);
     return LC_OK;
 }
 
 static lc_status ignore_medium(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
+    p->ignored = true;
     lc_pbrt_mark_all(&p->params);
     return lc_pbrt_note(p, s->pos, "medium", "participating media are ignored");
 }
 
 static lc_status ignore_attribute(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
+    p->ignored = true;
     lc_pbrt_mark_all(&p->params);
     return lc_pbrt_note_name(p, s->pos, "Attribute", s->text[0], "default parameters are ignored");
 }
@@ -283,13 +289,16 @@ static lc_status run(lc_pbrt *p, const struct directive *d, lc_pos pos)
         return lc_fail_at(p->ctx, LC_ERR_PARSE, pos, "%s after WorldBegin", d->name);
     if (d->where == IN_WORLD && !p->in_world)
         return lc_fail_at(p->ctx, LC_ERR_PARSE, pos, "%s before WorldBegin", d->name);
+    uint64_t n_noted = p->scene->n_noted;
     p->params.n = 0;
+    p->ignored = false;
     lc_status st = d->n_num ? read_numbers(p, &s, d->n_num) : LC_OK;
     if (!st) st = read_texts(p, d, &s);
     if (!st && d->params) st = lc_pbrt_params_read(&p->params, &p->lex);
     p->owner = s.n_text ? s.text[0] : d->name;
     if (!st) st = d->handler(p, &s);
-    return st ? st : note_unused(p);
+    if (!st) st = note_unused(p);
+    return st ? st : lc_pbrt_count_feature(p, d->name, n_noted);
 }
 
 /* Skips to the next word that may begin a statement. */

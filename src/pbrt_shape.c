@@ -106,6 +106,10 @@ static lc_status ply_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh,
     if (!name) return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "plymesh without \"string filename\"");
     if ((st = lc_pbrt_find_file(&p->lex, par->pos, name, &path))) return st;
     lc_ply_mesh ply;
+    if (!lc_file_exists(path)) {
+        lc_pbrt_mark_all(&p->params);
+        return lc_pbrt_note(p, par->pos, "missing mesh", "'%.150s': no such file; the shape is left out", path);
+    }
     if ((st = lc_ply_load(p->ctx, par->pos, path, &ply))) return st;
     bool uv_wanted;
     st = lc_pbrt_mesh_room(p, ply.n_verts, ply.n_tris, ply.normal != NULL);
@@ -206,6 +210,7 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     while (i < n && strcmp(shapes[i].name, s->text[0])) i++;
     bool emits = lc_f3_max(p->attrs.emission) > 0;
     if (i == n) {
+        p->ignored = true;
         lc_pbrt_mark_all(&p->params);
         return lc_pbrt_note_name(p, s->pos, "shape", s->text[0], "the shape is skipped");
     }

@@ -64,6 +64,7 @@ typedef struct lc_pbrt {
     lc_pbrt_lex lex;
     lc_pbrt_params params; /* of the statement being handled */
     const char *owner;     /* whose parameters they are, for notes */
+    bool ignored;          /* the statement, as its handler found */
 
     bool v4; /* the Film's name is one of v4's */
     bool in_world, world_over;
@@ -114,6 +115,8 @@ typedef struct lc_pbrt_stmt {
 typedef lc_status lc_pbrt_handler(lc_pbrt *p, const lc_pbrt_stmt *s);
 
 /* pbrt_parse.c */
+#define LC_PBRT_MAX_KINDS 500 /* of notes, of features: hostile files could make one of every word */
+void lc_pbrt_printable(char *text);
 /* As lc_scene_note_at, for names from the file: control characters are replaced, and kinds are limited. */
 lc_status lc_pbrt_note(lc_pbrt *p, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
 /* kind is made of what ("shape") and name ("cone"). */
@@ -121,6 +124,9 @@ lc_status lc_pbrt_note_name(lc_pbrt *p, lc_pos where, const char *what, const ch
 lc_status lc_pbrt_open_scope(lc_pbrt *p, lc_pos where, lc_pbrt_scope_kind kind);
 lc_status lc_pbrt_close_scope(lc_pbrt *p, lc_pos where, lc_pbrt_scope_kind kind);
 bool lc_pbrt_mirrored(const lc_pbrt *p);
+
+/* pbrt_feature.c: after a statement, for the scene's list; n_noted: scene->n_noted from before it */
+lc_status lc_pbrt_count_feature(lc_pbrt *p, const char *directive, uint64_t n_noted);
 
 /* pbrt_xform.c: transform statements */
 lc_pbrt_handler lc_pbrt_identity, lc_pbrt_translate, lc_pbrt_scale, lc_pbrt_rotate, lc_pbrt_look_at,
@@ -149,6 +155,7 @@ lc_pbrt_handler lc_pbrt_texture;
 lc_status lc_pbrt_get_input(lc_pbrt *p, const char *name, bool is_float, lc_tex_input *in,
                             const lc_pbrt_param **found);
 /* pbrt_image.c: reads what imagemap needs into *t; *there is false, after a note, where there is no such image. */
+lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding, uint32_t *id); /* LC_NONE: noted */
 lc_status lc_pbrt_get_image(lc_pbrt *p, lc_pos where, lc_texture *t, bool *there);
 
 /* pbrt_light.c */

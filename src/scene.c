@@ -55,6 +55,7 @@ void lc_scene_destroy(lc_scene *s)
     for (size_t i = 0; i < s->n_light_chunks; i++) lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
     lc_free(ctx, s->light_chunks, s->cap_light_chunks, sizeof *s->light_chunks);
     lc_free(ctx, s->notes, s->cap_notes, sizeof *s->notes);
+    lc_free(ctx, s->features, s->cap_features, sizeof *s->features);
     lc_arena_free(&s->arena);
     lc_free(ctx, s, 1, sizeof *s);
 }
@@ -76,7 +77,8 @@ static bool good_index(const lc_material *m)
 
 lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
 {
-    if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
+    if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !is_colour(m->kt, 1e6f) || !is_colour(m->eta, 1e6f) ||
+        !is_colour(m->k, 1e6f) || !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
         return LC_ERR_ARG;
     if (!good_index(m)) return LC_ERR_ARG;
     const float *rough = m->roughness;
@@ -87,34 +89,40 @@ lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
     if (!st) st = GROW(s, maps, cap_maps, s->n_materials + 1);
     if (st) return st;
     *id = (uint32_t)s->n_materials;
-    s->maps[s->n_materials] = (lc_material_maps)LC_NO_MAPS;
     s->materials[s->n_materials++] = *m;
+    lc_scene_map_material(s, *id, &(lc_material_maps)LC_NO_MAPS);
     return LC_OK;
+}
+
+/* What follows from the rest of *maps and from the materials it mixes. */
+static void set_kind(const lc_scene *s, uint32_t id, lc_material_maps *maps)
+{
+    const float *rough = s->materials[id].roughness;
+    maps->textured = maps->mix[0] != LC_NONE || maps->kd != LC_NONE || maps->ks != LC_NONE || maps->kt != LC_NONE ||
+                     maps->exponent != LC_NONE || maps->roughness[0] != LC_NONE || maps->roughness[1] != LC_NONE ||
+                     maps->bump != LC_NONE || maps->normal != LC_NONE;
+    maps->brushed = rough[0] < rough[1] || rough[0] > rough[1] || maps->roughness[0] != maps->roughness[1];
+    maps->depth = 0;
+    for (int i = 0; i < 2 && maps->mix[0] != LC_NONE; i++) {
+        const lc_material_maps *part = &s->maps[maps->mix[i]];
+        LC_ASSERT(maps->mix[i] < s->n_materials && maps->mix[i] != id && part->depth < LC_MAX_MIX);
+        maps->brushed |= part->brushed;
+        if (part->depth >= maps->depth) maps->depth = (uint8_t)(part->depth + 1);
+    }
 }
 
 void lc_scene_map_material(lc_scene *s, uint32_t id, const lc_material_maps *maps)
 {
     LC_ASSERT(id < s->n_materials);
     s->maps[id] = *maps;
+    set_kind(s, id, &s->maps[id]);
 }
 
-bool lc_scene_is_textured(const lc_scene *s, uint32_t material_id)
-{
-    const lc_material_maps *m = &s->maps[material_id];
-    return m->kd != LC_NONE || m->ks != LC_NONE || m->kt != LC_NONE || m->exponent != LC_NONE || m->roughness[0] != LC_NONE ||
-           m->roughness[1] != LC_NONE;
-}
-
-static bool is_brushed(const lc_scene *s, uint32_t material_id)
-{
-    const lc_material *m = &s->materials[material_id];
-    const lc_material_maps *maps = &s->maps[material_id];
-    return m->roughness[0] < m->roughness[1] || m->roughness[0] > m->roughness[1] || maps->roughness[0] != maps->roughness[1];
-}
+bool lc_scene_is_textured(const lc_scene *s, uint32_t material_id) { return s->maps[material_id].textured; }
 
 bool lc_scene_wants_uv(const lc_scene *s, uint32_t material_id)
 {
-    return lc_scene_is_textured(s, material_id) || is_brushed(s, material_id);
+    return s->maps[material_id].textured || s->maps[material_id].brushed;
 }
 
 static lc_status check_mesh(const lc_scene *s, lc_pos where, const lc_mesh_desc *m)
@@ -187,7 +195,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
     s->meshes[s->n_meshes++] = (lc_mesh){
         .first_tri = (uint32_t)s->n_tris, .n_tris = m->n_tris, .first_vert = (uint32_t)s->n_verts, .material_id = m->material_id,
         .has_normals = m->normal != NULL, .has_uv = m->uv != NULL, .textured = textured,
-        .brushed = is_brushed(s, m->material_id), .flip = m->flip, .two_sided = m->two_sided, .emission = m->emission,
+        .brushed = s->maps[m->material_id].brushed, .flip = m->flip, .two_sided = m->two_sided, .emission = m->emission,
         .alpha = m->alpha ? (uint32_t)s->n_alphas : LC_NONE,
     };
     if (m->alpha) s->alphas[s->n_alphas++] = *m->alpha;
@@ -346,9 +354,11 @@ lc_status lc_scene_set_film(lc_scene *s, lc_pos where, const lc_film_desc *f)
 
 lc_status lc_scene_note_at(lc_scene *s, lc_pos where, const char *kind, const char *fmt, ...)
 {
+    s->n_noted++;
     for (size_t i = 0; i < s->n_notes; i++)
         if (!strcmp(s->notes[i].kind, kind)) {
             s->notes[i].count++;
+            s->noted = s->notes[i].text;
             return LC_OK;
         }
     char text[1024];
@@ -365,7 +375,37 @@ lc_status lc_scene_note_at(lc_scene *s, lc_pos where, const char *kind, const ch
     lc_scene_note note = { lc_arena_text(&s->arena, kind, strlen(kind)), lc_arena_text(&s->arena, text, strlen(text)), 1 };
     if (!note.kind || !note.text) return LC_ERR_MEMORY;
     s->notes[s->n_notes++] = note;
+    s->noted = note.text;
     return LC_OK;
+}
+
+static lc_status find_feature(lc_scene *s, const char *kind, const char *name, lc_feature **out)
+{
+    for (size_t i = 0; i < s->n_features; i++) {
+        lc_feature *f = &s->features[i];
+        if (strcmp(f->name, name) || strcmp(f->kind, kind)) continue;
+        *out = f;
+        return LC_OK;
+    }
+    lc_status st = GROW(s, features, cap_features, s->n_features + 1);
+    if (st) return st;
+    lc_feature f = { lc_arena_text(&s->arena, kind, strlen(kind)), lc_arena_text(&s->arena, name, strlen(name)), "", 0, LC_SUPPORT_YES };
+    if (!f.kind || !f.name) return LC_ERR_MEMORY;
+    *out = &s->features[s->n_features];
+    s->features[s->n_features++] = f;
+    return LC_OK;
+}
+
+lc_status lc_scene_count_feature(lc_scene *s, const char *kind, const char *name, lc_support support, const char *text)
+{
+    lc_feature *f;
+    lc_status st = find_feature(s, kind, name, &f);
+    if (st) return st;
+    f->count++;
+    if (support <= f->support) return LC_OK;
+    f->support = support;
+    if (text && !(f->text = lc_arena_text(&s->arena, text, strlen(text)))) f->text = "", st = LC_ERR_MEMORY;
+    return st;
 }
 
 /* Squared diagonal of triangles and lights together. */

@@ -116,7 +116,10 @@ struct lc_scene {
     size_t n_meshes, cap_meshes, n_materials, cap_materials, cap_maps, n_lights, cap_lights, n_light_chunks, cap_light_chunks;
 
     lc_scene_note *notes;
-    size_t n_notes, cap_notes;
+    lc_feature *features; /* text in the arena */
+    size_t n_notes, cap_notes, n_features, cap_features;
+    uint64_t n_noted;     /* sum of the notes' counts */
+    const char *noted;    /* text of the last */
 
     lc_camera_desc camera_desc;
     lc_film_desc film;
@@ -142,7 +145,7 @@ struct lc_scene {
 
 lc_status lc_scene_create(lc_context *ctx, lc_scene **out);
 lc_status lc_scene_add_material(lc_scene *scene, const lc_material *material, uint32_t *id);
-/* Textures of scene->textures for a material that was added; before the meshes that use it. */
+/* Textures of scene->textures, or the materials it mixes, for a material that was added; before the meshes and mixes that use it. */
 void lc_scene_map_material(lc_scene *scene, uint32_t id, const lc_material_maps *maps);
 /* Of the material: whether meshes keep their uv for textures, or for the direction of anisotropic roughness too. */
 bool lc_scene_is_textured(const lc_scene *scene, uint32_t material_id);
@@ -161,6 +164,8 @@ lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_des
 lc_status lc_scene_set_film(lc_scene *scene, lc_pos where, const lc_film_desc *film);
 /* Something was approximated or skipped. The first of a kind is logged as a warning, all are counted. */
 lc_status lc_scene_note_at(lc_scene *scene, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
+/* The file uses this. Of one that is less than supported the first text stays; it is copied, or NULL. */
+lc_status lc_scene_count_feature(lc_scene *scene, const char *kind, const char *name, lc_support support, const char *text);
 /* Makes scene->lights hold all n_lights; commit does it. */
 lc_status lc_scene_join_lights(lc_scene *scene);
 /* Makes area and environment lights, builds BVH and light tree. desc is complete (no zero fields). */

@@ -70,6 +70,18 @@ static void corners_of(const lc_scene *scene, const lc_mesh *mesh, const lc_hit 
     if (hit->instance != LC_NONE) place_corners(&scene->instances[hit->instance], mesh->has_normals, c);
 }
 
+/* Evaluates textures. A normal that they tilt below the surface (ng, as wound) stays as it was. */
+static lc_f3 textured_normal(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
+                             double pixel, lc_f3 ns, lc_f3 ng, lc_material *m)
+{
+    bool turned = !mesh->has_normals && mesh->flip; /* ns is on the winding's side, not the mesh's */
+    lc_f3 own = turned ? lc_f3_neg(ns) : ns, tilted = own;
+    lc_textured_material(scene, mesh, corner, hit, dir, pixel, m, &tilted);
+    bool below = (lc_f3_dot(tilted, ng) > 0) != (lc_f3_dot(own, ng) > 0);
+    if (below) return ns;
+    return turned ? lc_f3_neg(tilted) : tilted;
+}
+
 bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, lc_surface *out)
 {
     return lc_surface_hit_after(scene, org, dir, 0, pixel, out);
@@ -96,6 +108,8 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
         lc_f3 n = lc_f3_normalize(mix(c.n, hit.u, hit.v));
         if (lc_f3_dot(n, n) > 0) ns = n, back = lc_f3_dot(ng, n) < 0;
     }
+    out->material = scene->materials[mesh->material_id];
+    if (mesh->textured) ns = textured_normal(scene, mesh, v, &hit, dir, pixel, ns, ng, &out->material);
     bool away = lc_f3_dot(ng, dir) > 0; /* the winding's side faces away from the viewer */
     if (away) ng = lc_f3_neg(ng);
     if (lc_f3_dot(ns, ng) < 0) ns = lc_f3_neg(ns);
@@ -104,8 +118,6 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
     out->t = hit.t;
     out->front = back == away;
     out->emission = out->front || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
-    out->material = scene->materials[mesh->material_id];
-    if (mesh->textured) lc_textured_material(scene, mesh, v, &hit, dir, pixel, &out->material);
     if (mesh->brushed) out->material.tangent = lc_textured_tangent(scene, mesh, v, &hit);
     set_ray_origin(out, ng, size);
     return true;

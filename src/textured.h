@@ -12,8 +12,9 @@ lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const floa
 lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], uint32_t tri, float u,
                                float v);
 
-/* Overwrites in *m what has a texture. dir: of the ray, unit; pixel: see surface.h. */
+/* The material at the hit; *n, the shading normal on the mesh's own side, is tilted by bump and normal maps. dir: of the ray,
+ * unit; pixel: see surface.h. */
 void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
-                          double pixel, lc_material *m);
+                          double pixel, lc_material *m, lc_f3 *n);
 
 #endif

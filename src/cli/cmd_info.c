@@ -53,6 +53,24 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     }
 }
 
+/* One a line, for tests/scene_table.sh. */
+static void features_json(const lc_scene *scene)
+{
+    static const char *const names[] = { "yes", "approximated", "ignored" };
+    lc_feature f;
+    printf("\"features\": [");
+    for (uint32_t k = 0; !lc_scene_get_feature(scene, k, &f); k++) {
+        printf("%s\n    {\"kind\": ", k ? "," : "");
+        cli_json_text(stdout, f.kind);
+        printf(", \"name\": ");
+        cli_json_text(stdout, f.name);
+        printf(", \"count\": %llu, \"status\": \"%s\", \"text\": ", (ull)f.count, names[f.support]);
+        cli_json_text(stdout, f.text);
+        printf("}");
+    }
+    printf("\n  ],\n");
+}
+
 static void scene_json(const lc_scene *scene, const lc_scene_info *i)
 {
     printf("{\n  \"triangles\": %llu,\n  \"vertices\": %llu,\n  \"meshes\": %llu,\n  \"materials\": %llu,\n", (ull)i->n_triangles,
@@ -76,7 +94,9 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
     printf("  \"width\": %u,\n  \"height\": %u,\n  \"crop\": [%u, %u, %u, %u],\n  \"spp\": %u,\n  \"filename\": ", i->width, i->height,
            i->crop[0], i->crop[1], i->crop[2], i->crop[3], i->spp);
     cli_json_text(stdout, i->film_filename);
-    printf(",\n  \"bvh_bytes\": %llu,\n  \"tree_bytes\": %llu,\n  \"notes\": [", (ull)i->bvh_bytes, (ull)i->tree_bytes);
+    printf(",\n  ");
+    features_json(scene);
+    printf("  \"bvh_bytes\": %llu,\n  \"tree_bytes\": %llu,\n  \"notes\": [", (ull)i->bvh_bytes, (ull)i->tree_bytes);
     for (uint32_t k = 0; k < i->n_notes; k++) {
         lc_note note;
         if (lc_scene_get_note(scene, k, &note)) continue;
