@@ -47,7 +47,8 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
     *info = (lc_scene_info){
         .n_triangles = s->n_tris, .n_vertices = s->n_verts, .n_meshes = s->n_meshes, .n_materials = s->n_materials,
         .n_lights = t->n_lights, .n_point = t->n_of_kind[LC_LIGHT_POINT], .n_oriented = t->n_of_kind[LC_LIGHT_ORIENTED],
-        .n_directional = t->n_of_kind[LC_LIGHT_DIRECTIONAL], .n_emissive_triangles = s->n_emissive_tris,
+        .n_directional = t->n_of_kind[LC_LIGHT_DIRECTIONAL], .n_spot = t->n_of_kind[LC_LIGHT_SPOT],
+        .n_emissive_triangles = s->n_emissive_tris,
         .n_env_maps = s->n_envs, .n_env_lights = s->n_env_lights,
         .max_depth = s->max_depth, .n_textures = s->textures.n, .n_images = s->textures.n_images,
         .width = s->film.width, .height = s->film.height, .spp = s->film.spp,

@@ -44,6 +44,8 @@ void lc_scene_destroy(lc_scene *s)
     lc_textures_free(&s->textures);
     for (size_t i = 0; i < s->n_envs; i++) lc_mipmap_free(ctx, &s->envs[i].map);
     lc_free(ctx, s->envs, s->cap_envs, sizeof *s->envs);
+    for (size_t i = 0; i < s->n_spot_maps; i++) lc_spot_map_free(ctx, &s->spot_maps[i]);
+    lc_free(ctx, s->spot_maps, s->cap_spot_maps, sizeof *s->spot_maps);
     lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
     for (size_t i = 0; i < s->n_light_chunks; i++) lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
     lc_free(ctx, s->light_chunks, s->cap_light_chunks, sizeof *s->light_chunks);
@@ -219,14 +221,19 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
     float len = lc_f3_len(light->dir), sum = 0;
     if (light->kind != LC_LIGHT_POINT && !(fabsf(len - 1) < 1e-4f))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light direction is zero or not finite");
-    for (int k = 0; k < 3; k++) {
+    if (light->kind == LC_LIGHT_SPOT) {
+        const lc_spot *spot = &light->spot;
+        if (!(spot->cos_total >= -2 && spot->cos_total <= spot->cos_start && spot->cos_start <= 1) || spot->map > s->n_spot_maps)
+            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "the spot light's angles are out of range");
+    }
+    for (int k = 0; k < 3 && light->kind != LC_LIGHT_SPOT; k++) {
         float a = light->atten[k];
         if (!(a == 0 || (a >= LC_MIN_ATTEN && a <= LC_MAX_ATTEN)))
             return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients must be 0 or %g to %g",
                               (double)LC_MIN_ATTEN, (double)LC_MAX_ATTEN);
         sum += a;
     }
-    if (light->kind != LC_LIGHT_DIRECTIONAL && !(sum > 0))
+    if (light->kind <= LC_LIGHT_ORIENTED && !(sum > 0))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients are all 0");
     if (s->n_lights >= MAX_COUNT)
         return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u lights", MAX_COUNT);
@@ -249,6 +256,21 @@ lc_status lc_scene_add_env(lc_scene *s, lc_pos where, const lc_env *env)
     lc_status st = GROW(s, envs, cap_envs, s->n_envs + 1);
     if (!st) s->envs[s->n_envs++] = *env;
     return st;
+}
+
+void lc_spot_map_free(const lc_context *ctx, lc_spot_map *map)
+{
+    lc_free(ctx, map->texels, (size_t)map->width * map->height * 3, sizeof *map->texels);
+    map->texels = NULL;
+}
+
+lc_status lc_scene_add_spot_map(lc_scene *s, const lc_spot_map *map, uint32_t *id)
+{
+    lc_status st = GROW(s, spot_maps, cap_spot_maps, s->n_spot_maps + 1);
+    if (st) return st;
+    s->spot_maps[s->n_spot_maps++] = *map;
+    *id = (uint32_t)s->n_spot_maps;
+    return LC_OK;
 }
 
 lc_f3 lc_scene_background(const lc_scene *s, lc_f3 dir)
@@ -353,7 +375,8 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     s->min_d2 = (float)fmax(1e-10 * diag2, LC_MIN_D2);
     double t2 = lc_now();
     s->seconds_lights = t2 - t1;
-    lc_light_tree_desc tree_desc = { s->lights, s->n_lights, diag2, desc->seed, desc->n_reps, desc->builder };
+    lc_light_tree_desc tree_desc = { .lights = s->lights, .n_lights = s->n_lights, .spot_maps = s->spot_maps, .diag2 = diag2,
+                                     .seed = desc->seed, .n_reps = desc->n_reps, .builder = desc->builder };
     st = lc_light_tree_build(s->ctx, &tree_desc, &s->tree);
     s->seconds_tree = lc_now() - t2;
     return st;

@@ -77,6 +77,8 @@ struct lc_scene {
     lc_textures textures;
     lc_env *envs;
     size_t n_envs, cap_envs;
+    lc_spot_map *spot_maps;
+    size_t n_spot_maps, cap_spot_maps;
     /* Those of the file first, then those made from emissive triangles, then from envs. Lights beyond cap_lights lie in chunks of
      * LC_LIGHT_CHUNK until commit joins all: an array that doubles would need three times the memory for a while. */
     lc_light *lights, **light_chunks;
@@ -111,6 +113,9 @@ lc_status lc_scene_add_mesh(lc_scene *scene, lc_pos where, const lc_mesh_desc *m
 lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
 /* The map becomes the scene's; on failure it stays the caller's. */
 lc_status lc_scene_add_env(lc_scene *scene, lc_pos where, const lc_env *env);
+/* The texels become the scene's; on failure they stay the caller's. *id is for lc_spot.map. */
+void lc_spot_map_free(const lc_context *ctx, lc_spot_map *map);
+lc_status lc_scene_add_spot_map(lc_scene *scene, const lc_spot_map *map, uint32_t *id);
 /* Radiance seen where nothing is. */
 lc_f3 lc_scene_background(const lc_scene *scene, lc_f3 dir);
 lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);

@@ -25,8 +25,8 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     printf("triangles            %llu in %llu meshes, %llu vertices\n", (ull)i->n_triangles, (ull)i->n_meshes, (ull)i->n_vertices);
     printf("materials            %llu\n", (ull)i->n_materials);
     if (i->n_mirrors) printf("mirrors              %llu of them, paths of depth %u\n", (ull)i->n_mirrors, i->max_depth);
-    printf("lights               %llu: %llu point, %llu oriented, %llu directional\n", (ull)i->n_lights, (ull)i->n_point,
-           (ull)i->n_oriented, (ull)i->n_directional);
+    printf("lights               %llu: %llu point, %llu oriented, %llu directional, %llu spot\n", (ull)i->n_lights, (ull)i->n_point,
+           (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
     printf("emissive triangles   %llu\n", (ull)i->n_emissive_triangles);
     if (i->n_env_maps) printf("infinite lights      %llu, made into %llu directional\n", (ull)i->n_env_maps, (ull)i->n_env_lights);
     if (i->n_textures) {
@@ -52,8 +52,8 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
     printf("{\n  \"triangles\": %llu,\n  \"vertices\": %llu,\n  \"meshes\": %llu,\n  \"materials\": %llu,\n", (ull)i->n_triangles,
            (ull)i->n_vertices, (ull)i->n_meshes, (ull)i->n_materials);
     printf("  \"mirrors\": %llu,\n  \"max_depth\": %u,\n", (ull)i->n_mirrors, i->max_depth);
-    printf("  \"lights\": %llu,\n  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu},\n",
-           (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional);
+    printf("  \"lights\": %llu,\n  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu, \"spot\": %llu},\n",
+           (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
     printf("  \"emissive_triangles\": %llu,\n  \"infinite_lights\": %llu,\n  \"env_lights\": %llu,\n  \"textures\": {",
            (ull)i->n_emissive_triangles, (ull)i->n_env_maps, (ull)i->n_env_lights);
     texture_classes(scene, true);

@@ -21,8 +21,8 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     fprintf(f, "method           %s%s, %s, %u threads\n", cli_method_name(r->method),
             s->exact && r->method != LC_METHOD_EXACT ? " (few lights: every one of them)" : "", r->isa, r->threads);
     fprintf(f, "triangles        %llu\n", (ull)i->n_triangles);
-    fprintf(f, "lights           %llu: %llu point, %llu oriented, %llu directional\n", (ull)i->n_lights, (ull)i->n_point,
-            (ull)i->n_oriented, (ull)i->n_directional);
+    fprintf(f, "lights           %llu: %llu point, %llu oriented, %llu directional, %llu spot\n", (ull)i->n_lights, (ull)i->n_point,
+            (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
     fprintf(f, "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total %.3f\n",
             i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total);
     fprintf(f, "thread seconds   camera rays %.3f, bounds %.3f, estimates %.3f, heap %.3f, shadow rays %.3f, other %.3f\n",
@@ -48,8 +48,8 @@ void cli_write_stats_json(FILE *f, void *report)
     fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"points\": %llu,\n", i->width, i->height,
             (ull)s->pixels, (ull)s->points);
     fprintf(f, "  \"triangles\": %llu,\n  \"lights\": %llu,\n", (ull)i->n_triangles, (ull)i->n_lights);
-    fprintf(f, "  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu},\n", (ull)i->n_point,
-            (ull)i->n_oriented, (ull)i->n_directional);
+    fprintf(f, "  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu, \"spot\": %llu},\n", (ull)i->n_point,
+            (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
     fprintf(f, "  \"seconds\": {\"parse\": %.6f, \"bvh\": %.6f, \"lights\": %.6f, \"tree\": %.6f, \"render\": %.6f, "
                "\"write\": %.6f, \"total\": %.6f},\n",
             i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total);
