@@ -130,9 +130,32 @@ lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     return lc_pbrt_note_name(p, s->pos, "light", s->text[0], "the light is skipped");
 }
 
+/* v4's "filename"; each is read once. *map stays 0 where there is none. */
+static lc_status area_picture(lc_pbrt *p, uint32_t *map)
+{
+    const char *name = NULL;
+    const lc_pbrt_param *par;
+    lc_mipmap picture;
+    bool there;
+    lc_status st = lc_pbrt_get_text(&p->params, "filename", &name, &par);
+    if (st || !name || !*name) return st;
+    uint32_t known = lc_pbrt_map_get(&p->emission_names, name);
+    if (known != LC_NONE) {
+        *map = known;
+        return LC_OK;
+    }
+    st = lc_pbrt_light_map(p, par->pos, name, &picture, &there);
+    if (st || !there) return st;
+    st = lc_scene_add_emission_map(p->scene, &picture, map);
+    if (st) lc_mipmap_free(p->ctx, &picture);
+    return st ? st : lc_pbrt_map_put(&p->emission_names, &p->arena, name, *map);
+}
+
 lc_status lc_pbrt_area_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_f3 emission = lc_f3_make(1, 1, 1);
+    double power = 0;
+    uint32_t map = 0;
     bool two_sided = false;
     if (strcmp(s->text[0], "diffuse") && strcmp(s->text[0], "area")) {
         lc_pbrt_mark_all(&p->params);
@@ -143,10 +166,13 @@ lc_status lc_pbrt_area_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_status st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &emission, NULL);
     if (!st) st = lc_pbrt_light_scale(p, &emission);
     if (!st) st = lc_pbrt_get_bool(&p->params, "twosided", &two_sided);
+    if (!st) st = lc_pbrt_get_float(&p->params, "power", &power, NULL);
+    if (!st) st = area_picture(p, &map);
     if (st) return st;
     if (!(lc_f3_max(emission) <= LC_MAX_INTENSITY))
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the light's radiance is out of range");
     p->attrs.emission = emission;
     p->attrs.two_sided = two_sided;
+    p->attrs.emission_map = map, p->attrs.power = fmax(power, 0);
     return LC_OK;
 }

@@ -14,6 +14,8 @@
 typedef struct lc_pbrt_attrs {
     uint32_t material_id; /* LC_NONE: pbrt's default */
     lc_f3 emission;       /* W/(m^2 sr), of the shapes that follow */
+    uint32_t emission_map; /* as of lc_mesh_desc */
+    double power;          /* v4: of each shape, that the emission is scaled to; 0: the emission counts */
     bool two_sided;
     bool invisible; /* interface material: shapes are skipped unless they emit */
     bool reverse;   /* ReverseOrientation */
@@ -83,7 +85,7 @@ typedef struct lc_pbrt {
     lc_xform *saved;
     size_t n_scopes, n_saved, cap_scopes, cap_saved;
 
-    lc_pbrt_map material_names, colour_textures, float_textures, image_names, object_names, coord_names;
+    lc_pbrt_map material_names, colour_textures, float_textures, image_names, emission_names, object_names, coord_names;
     lc_pbrt_material *materials;
     lc_xform *coords;
     size_t n_materials, n_coords, cap_materials, cap_coords;

@@ -45,6 +45,8 @@ void lc_scene_destroy(lc_scene *s)
     for (size_t i = 0; i < s->n_envs; i++) lc_mipmap_free(ctx, &s->envs[i].map);
     lc_free(ctx, s->envs, s->cap_envs, sizeof *s->envs);
     for (size_t i = 0; i < s->n_spot_maps; i++) lc_spot_map_free(ctx, &s->spot_maps[i]);
+    for (size_t i = 0; i < s->n_emission_maps; i++) lc_mipmap_free(ctx, &s->emission_maps[i]);
+    lc_free(ctx, s->emission_maps, s->cap_emission_maps, sizeof *s->emission_maps);
     lc_free(ctx, s->spot_maps, s->cap_spot_maps, sizeof *s->spot_maps);
     lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
     for (size_t i = 0; i < s->n_light_chunks; i++) lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
@@ -144,7 +146,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
     lc_mesh_desc with = *desc;
     const lc_mesh_desc *m = &with;
     bool textured = lc_scene_is_textured(s, m->material_id);
-    if (!lc_scene_wants_uv(s, m->material_id)) with.uv = NULL;
+    if (!lc_scene_wants_uv(s, m->material_id) && !m->emission_map) with.uv = NULL;
     lc_status st = check_mesh(s, where, m);
     if (st) return st;
     if (!m->n_tris) return LC_OK;
@@ -165,7 +167,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
         lc_box_add(&s->bounds, lc_f3_load(m->pos + 3 * (size_t)m->index[i]));
     s->meshes[s->n_meshes++] = (lc_mesh){ (uint32_t)s->n_tris, m->n_tris, (uint32_t)s->n_verts, m->material_id,
                                           m->normal != NULL, m->uv != NULL, textured,
-                                          is_brushed(s, m->material_id), m->flip, m->two_sided, m->emission };
+                                          is_brushed(s, m->material_id), m->flip, m->two_sided, m->emission, m->emission_map };
     s->n_verts += m->n_verts;
     s->n_tris += m->n_tris;
     return LC_OK;
@@ -256,6 +258,15 @@ lc_status lc_scene_add_env(lc_scene *s, lc_pos where, const lc_env *env)
     lc_status st = GROW(s, envs, cap_envs, s->n_envs + 1);
     if (!st) s->envs[s->n_envs++] = *env;
     return st;
+}
+
+lc_status lc_scene_add_emission_map(lc_scene *s, const lc_mipmap *map, uint32_t *id)
+{
+    lc_status st = GROW(s, emission_maps, cap_emission_maps, s->n_emission_maps + 1);
+    if (st) return st;
+    s->emission_maps[s->n_emission_maps++] = *map;
+    *id = (uint32_t)s->n_emission_maps;
+    return LC_OK;
 }
 
 void lc_spot_map_free(const lc_context *ctx, lc_spot_map *map)

@@ -50,6 +50,8 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
     out->ng = ng;
     out->t = hit.t;
     out->emission = back == away || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
+    if (mesh->emission_map && lc_f3_max(out->emission) > 0)
+        out->emission = lc_f3_mul(out->emission, lc_textured_emission(scene, mesh, &hit, dir, pixel));
     out->material = scene->materials[mesh->material_id];
     if (mesh->textured) lc_textured_material(scene, mesh, &hit, dir, pixel, &out->material);
     if (mesh->brushed) out->material.tangent = lc_textured_tangent(scene, mesh, &hit);

@@ -20,15 +20,27 @@ static double gradient(d3 e1, d3 e2, d3 n, double d1, double d2)
     return n2 > 0 ? sqrt(dot(g, g)) / n2 : 0;
 }
 
+static const float corners[3][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 } }; /* pbrt's, of triangles without uv */
+
+static const float *uv_of(const lc_scene *scene, const lc_mesh *mesh, size_t tri, size_t vertex)
+{
+    return mesh->has_uv ? scene->uv + 2 * (size_t)scene->index[3 * tri + vertex] : corners[vertex];
+}
+
+void lc_textured_uv(const lc_scene *scene, const lc_mesh *mesh, size_t tri, size_t vertex, double uv[2])
+{
+    const float *t = uv_of(scene, mesh, tri, vertex);
+    uv[0] = (double)t[0], uv[1] = (double)t[1];
+}
+
 static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel)
 {
-    static const float corners[3][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 } }; /* pbrt's, of triangles without uv */
     const float *v[3], *t[3];
     double w[3] = { 1 - (double)hit->u - hit->v, (double)hit->u, (double)hit->v };
     lc_tex_point p = { .width = 0 };
     for (size_t k = 0; k < 3; k++) {
         v[k] = lc_tri_vertex(scene->pos, scene->index, hit->tri, k);
-        t[k] = mesh->has_uv ? scene->uv + 2 * (size_t)scene->index[3 * (size_t)hit->tri + k] : corners[k];
+        t[k] = uv_of(scene, mesh, hit->tri, k);
         for (int i = 0; i < 3; i++) p.pos[i] += w[k] * (double)v[k][i];
         for (int i = 0; i < 2; i++) p.uv[i] += w[k] * (double)t[k][i];
     }
@@ -85,4 +97,13 @@ void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_h
     set_colour(scene, maps->ks, &p, &m->ks);
     set_number(scene, maps->exponent, &p, 0, LC_MAX_EXPONENT, &m->exponent);
     for (int k = 0; k < 2; k++) set_number(scene, maps->roughness[k], &p, LC_MIN_ROUGHNESS, LC_MAX_ROUGHNESS, &m->roughness[k]);
+}
+
+lc_f3 lc_textured_emission(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel)
+{
+    const lc_mipmap *map = &scene->emission_maps[mesh->emission_map - 1];
+    lc_tex_point p = point_of(scene, mesh, hit, dir, pixel);
+    double width = p.width * fmax(p.grad_u * map->levels[0].width, p.grad_v * map->levels[0].height), rgb[3];
+    lc_mipmap_lookup(map, p.uv[0], 1 - p.uv[1], fmax(width, 1), LC_WRAP_CLAMP, LC_FILTER_TRILINEAR, rgb);
+    return lc_f3_make((float)fmax(rgb[0], 0), (float)fmax(rgb[1], 0), (float)fmax(rgb[2], 0));
 }

@@ -12,4 +12,9 @@ lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const lc_h
 void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel,
                           lc_material *m);
 
+/* Picture of the emission there. */
+lc_f3 lc_textured_emission(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_f3 dir, double pixel);
+/* Texture coordinates of a vertex, 0..2, of a triangle. */
+void lc_textured_uv(const lc_scene *scene, const lc_mesh *mesh, size_t tri, size_t vertex, double uv[2]);
+
 #endif
