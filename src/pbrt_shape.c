@@ -175,11 +175,11 @@ static lc_status to_world(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
 
 /* Of what pbrt takes for a shape of its own: each triangle or patch of a mesh. round: one shape. The picture's mean is of its
  * texels, not of those that the shape shows, as in pbrt. */
-static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, bool round, double area_ratio)
+static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, bool round, double area_ratio)
 {
     const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);
-    bool patches = lc_pbrt_find(&p->params, "P", LC_PBRT_TRIPLE) && index && index->n % 4 == 0 && index->n / 3 != mesh->n_tris;
-    double area = 0, mean[3] = { 1, 1, 1 }, n = round ? 1 : patches ? (double)index->n / 4 : mesh->n_tris;
+    double area = 0, mean[3] = { 1, 1, 1 }, n = round ? 1 : mesh->n_tris;
+    if (!strcmp(name, "bilinearmesh")) n = index ? floor((double)index->n / 4) : 1;
     for (size_t t = 0; t < mesh->n_tris; t++) {
         const float *v[3];
         for (size_t k = 0; k < 3; k++) v[k] = mesh->pos + 3 * (size_t)mesh->index[3 * t + k];
@@ -219,7 +219,7 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     mesh.flip = p->attrs.reverse != lc_pbrt_mirrored(p);
     mesh.emission = lc_f3_scale(p->attrs.emission, (float)area_ratio);
     mesh.emission_map = p->attrs.emission_map;
-    if (p->attrs.power > 0) scale_to_power(p, &mesh, shapes[i].approximate, area_ratio);
+    if (p->attrs.power > 0) scale_to_power(p, &mesh, shapes[i].name, shapes[i].approximate, area_ratio);
     mesh.two_sided = p->attrs.two_sided;
     return lc_pbrt_emit_mesh(p, s->pos, &mesh);
 }
