@@ -112,7 +112,7 @@ typedef struct lc_feature {
 
 typedef struct lc_scene_info {
     uint64_t n_triangles, n_vertices, n_meshes, n_materials;
-    uint64_t n_lights, n_point, n_oriented, n_directional;
+    uint64_t n_lights, n_point, n_oriented, n_directional, n_spot;
     uint64_t n_emissive_triangles;
     uint64_t n_mirrors;               /* materials that are mirrors or glass */
     uint64_t n_instances, n_instanced_triangles; /* of objects whose triangles are stored once, counted in n_triangles; as copies
@@ -240,7 +240,7 @@ LC_API lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_rend
 /* A cluster of the cut of a point, or one that was split on the way there. */
 typedef struct lc_explained_cluster {
     uint32_t id, parent;      /* of the light tree; parent LC_NO_CLUSTER: a root. Ids from 0, lights after all clusters */
-    uint32_t kind;            /* 0 point, 1 oriented, 2 directional */
+    uint32_t kind;            /* 0 point, 1 oriented, 2 directional, 3 spot */
     uint32_t n_lights;        /* 1: a light, which is exact */
     float lo[3], hi[3];       /* box of positions, world space; directional: of unit directions towards the lights */
     uint32_t made, split;     /* round in which its parent was split, 0: from the start; in which it was, 0: it was not */

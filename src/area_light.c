@@ -2,6 +2,7 @@
  * and folded onto the triangle. Gridded points would give exact ties in the light tree and visible bands. */
 #include "area_light.h"
 
+#include "area_map.h"
 #include "rng.h"
 
 /* Twice the area vector of a triangle, double. */
@@ -34,7 +35,9 @@ static double power_of(const lc_scene *s, size_t tri, double *area, double n[3])
 {
     const lc_mesh *mesh = &s->meshes[s->tri_mesh[tri]];
     *area = 0.5 * cross_of(s, tri, n);
-    double l = ((double)mesh->emission.x + mesh->emission.y + mesh->emission.z) / 3;
+    double rgb[3] = { 1, 1, 1 };
+    if (mesh->emission_map && lc_f3_max(mesh->emission) > 0) lc_area_map_mean(s, tri, rgb);
+    double l = (rgb[0] * (double)mesh->emission.x + rgb[1] * (double)mesh->emission.y + rgb[2] * (double)mesh->emission.z) / 3;
     return l * *area * (mesh->two_sided ? 2 : 1);
 }
 
@@ -47,6 +50,10 @@ static lc_status add_lights(lc_scene *s, size_t tri, uint32_t k, double area, co
     lc_light light = { .kind = LC_LIGHT_ORIENTED, .atten = { 0, 0, 1 } };
     light.intensity = lc_f3_scale(mesh->emission, (float)(area / k));
     light.dir = lc_f3_normalize_d(n[0] * side / (2 * area), n[1] * side / (2 * area), n[2] * side / (2 * area));
+    if (mesh->emission_map) {
+        light.intensity = lc_f3_scale(mesh->emission, (float)area);
+        return lc_area_map_lights(s, tri, k, &light, lc_hash4(seed, tri, 0, 6 + (side > 0)));
+    }
     for (uint32_t i = 0; i < k; i++) {
         uint64_t sign = side > 0;
         double u = (i + lc_unit(lc_hash4(seed, tri, i, sign))) / k;

@@ -11,5 +11,7 @@
 
 /* Bound of one node. atten: least A, B, C of its members, or NULL where all are 0, 0, 1. */
 float lc_bound(const lc_node *node, const lc_atten *atten, lc_light_kind kind, const lc_point *point);
+/* The same of spots. */
+float lc_bound_spots(const lc_node *node, const lc_spot_rec *spot, const lc_point *point);
 
 #endif

@@ -132,6 +132,7 @@ typedef struct {
 /* The clusters of the lanes. */
 typedef struct {
     const lc_tree_data *tree;
+    const lc_atten *atten; /* of nodes; NULL: inverse square */
     const uint32_t *index;
     const float *node[VF_LANES];
     vf row[4][4]; /* of lc_node */
@@ -231,11 +232,25 @@ LC_INLINE vf LC_FN(max_emission)(lanes *l, const rel_box *box)
     return vf_sel_gt(SET(NEAR), box->m_sum, one, e);
 }
 
+/* Greatest emission of spots by the greatest cosine. The quotient t falls in both cos_total and cos_start, so that of the members'
+ * least ones, cut off at 1, is no less than any member's; the members' cosines, cut off at 1, are no more than e.
+ * Ours and a member's t are differences of what is exact, and their products: within 3u each of exact, twice that in the emission,
+ * which grows no faster than t^2, and 3u more of its own: 18u, for which the factor is taken once more. */
+LC_INLINE vf LC_FN(max_profile)(lanes *l, vf e)
+{
+    const float *spot[VF_LANES];
+    vf k[4];
+    for (uint32_t i = 0; i < VF_LANES; i++) spot[i] = &l->tree->node_spot[l->index[i] - l->tree->first_spot_node].cos_total;
+    vf_rows(spot, 0, k);
+    vf t = MIN(MAX(MUL(SUB(e, k[0]), k[1]), SET(0)), SET(1));
+    return MUL(MUL(MUL(t, t), SUB(SET(3), ADD(t, t))), SET(SLACK));
+}
+
 /* Least f(d) by least A, B, C in k. */
 LC_INLINE vf LC_FN(least_f)(lanes *l, const lc_point *p, const rel_box *box, vf k[4])
 {
     const float *atten[VF_LANES];
-    for (uint32_t i = 0; i < VF_LANES; i++) atten[i] = l->tree->node_atten[l->index[i]];
+    for (uint32_t i = 0; i < VF_LANES; i++) atten[i] = l->atten[l->index[i]];
     vf_rows(atten, 0, k);
     vf d2c = MAX(box->d2, SET(p->min_d2));
     return ADD(ADD(k[0], MUL(k[1], vf_sqrt(d2c))), MUL(k[2], d2c));
@@ -258,7 +273,7 @@ LC_INLINE vf LC_FN(max_geometry)(lanes *l, const lc_point *p, const rel_box *box
     zz = MIN(MAX(zz, MUL(n->z0, MAX(n->z0, zero))), MUL(n->z1, n->z1));
     vf inv_q = DIV(SET(1), MAX(MAX(ADD(zz, n->r2), box->d2), min_d2));
     vf g = MUL(vf_sqrt(MUL(MAX(zz, min_d2), inv_q)), inv_q);
-    return l->tree->node_atten ? LC_FN(attenuated_bound)(l, p, box, n, g) : g;
+    return l->atten ? LC_FN(attenuated_bound)(l, p, box, n, g) : g;
 }
 
 /* Greatest power of the Phong lobe's cosine. */
@@ -321,7 +336,7 @@ LC_INLINE vf LC_FN(ward_geometry)(lanes *l, const lc_point *p, const rel_box *bo
     const vf most = MUL(g, SET(WARD_GRAZING));
     vf k[4], f, root = vf_sqrt(g);
     if (!directional) {
-        if (l->tree->node_atten) f = LC_FN(least_f)(l, p, box, k);
+        if (l->atten) f = LC_FN(least_f)(l, p, box, k);
         else f = MAX(box->d2, SET(p->min_d2));
         root = DIV(root, vf_sqrt(f));
     }
@@ -433,7 +448,11 @@ LC_INLINE vf LC_FN(bound)(lanes *l, lc_light_kind kind, lc_lobe lobe, const lc_p
         vf ward = MUL(LC_FN(max_ward)(p, &box), LC_FN(ward_geometry)(l, p, &box, directional, g));
         u = ADD(u, MUL(s, ward));
     }
-    if (kind == LC_LIGHT_ORIENTED) u = MAX(MUL(u, LC_FN(max_emission)(l, &box)), zero); /* also NaN: infinite times 0 */
+    if (lc_is_aimed(kind)) {
+        vf e = LC_FN(max_emission)(l, &box);
+        if (kind == LC_LIGHT_SPOT) e = LC_FN(max_profile)(l, e);
+        u = MAX(MUL(u, e), zero); /* also NaN: infinite times 0 */
+    }
     return vf_sel_gt(n.z1, zero, u, zero);
 }
 
@@ -443,14 +462,14 @@ LC_INLINE void LC_FN(bounds_of)(const lc_tree_data *t, const uint32_t *index, ui
     const lc_point p = *point; /* that ub can't alias */
     uint32_t rest[VF_LANES];
     lanes l;
-    l.tree = t;
+    l.tree = t, l.atten = kind == LC_LIGHT_SPOT ? NULL : t->node_atten;
     for (uint32_t i = 0; i < n; i += VF_LANES) {
         l.index = index + i;
         if (n - i < VF_LANES) { /* the last one fills up */
             for (uint32_t k = 0; k < VF_LANES; k++) rest[k] = index[i + (k < n - i ? k : n - i - 1)];
             l.index = rest;
         }
-        LC_FN(load)(&l, kind == LC_LIGHT_ORIENTED ? 4 : 3);
+        LC_FN(load)(&l, lc_is_aimed(kind) ? 4 : 3);
         vf_store(ub + i, LC_FN(bound)(&l, kind, lobe, &p));
     }
 }
@@ -479,6 +498,9 @@ static void LC_FN(bounds)(const lc_tree_data *t, const uint32_t *index, uint32_t
         break;
     case LC_LIGHT_DIRECTIONAL:
         BY_LOBE(LC_LIGHT_DIRECTIONAL);
+        break;
+    case LC_LIGHT_SPOT:
+        BY_LOBE(LC_LIGHT_SPOT);
         break;
     }
 #undef BY_LOBE

@@ -10,12 +10,13 @@ void lc_cluster_from_light(lc_cluster *c, const lc_light *light)
     *c = (lc_cluster){ .kind = light->kind };
     lc_f3_store(c->lo, p);
     lc_f3_store(c->hi, p);
-    if (light->kind == LC_LIGHT_ORIENTED) {
+    if (lc_is_aimed(light->kind)) {
         lc_f3_store(c->dlo, light->dir);
         lc_f3_store(c->dhi, light->dir);
     }
     c->power[0] = light->intensity.x, c->power[1] = light->intensity.y, c->power[2] = light->intensity.z;
-    for (int k = 0; k < 3; k++) c->atten[k] = light->atten[k];
+    for (int k = 0; k < 3; k++) c->atten[k] = light->kind == LC_LIGHT_SPOT ? k == 2 : light->atten[k];
+    if (light->kind == LC_LIGHT_SPOT) c->spot[0] = light->spot.cos_total, c->spot[1] = light->spot.cos_start;
 }
 
 void lc_cluster_join(lc_cluster *out, const lc_cluster *a, const lc_cluster *b)
@@ -29,6 +30,7 @@ void lc_cluster_join(lc_cluster *out, const lc_cluster *a, const lc_cluster *b)
         c.power[k] = a->power[k] + b->power[k];
         c.atten[k] = min_f(a->atten[k], b->atten[k]);
     }
+    for (int k = 0; k < 2; k++) c.spot[k] = min_f(a->spot[k], b->spot[k]);
     *out = c;
 }
 
@@ -43,7 +45,7 @@ double lc_cluster_cone(const lc_cluster *c, double axis[3])
         s2 += axis[k] * axis[k];
         r2 += w * w;
     }
-    if (c->kind != LC_LIGHT_ORIENTED) return 1;
+    if (!lc_is_aimed(c->kind)) return 1;
     double s = sqrt(s2);
     if (s < 0.1) { /* too near the whole sphere for the axis to mean anything */
         axis[0] = axis[1] = 0, axis[2] = 1;

@@ -10,9 +10,10 @@
 
 typedef struct lc_cluster {
     float lo[3], hi[3];   /* positions; directional: unit directions towards the light */
-    float dlo[3], dhi[3]; /* oriented: emission directions */
+    float dlo[3], dhi[3]; /* oriented, spot: emission directions */
     double power[3];      /* summed intensity */
     float atten[3];
+    float spot[2];        /* least cos_total, cos_start */
     lc_light_kind kind;
 } lc_cluster;
 

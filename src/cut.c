@@ -321,7 +321,7 @@ static double trace_list(const lc_cut *c, lc_cut_list *list, const float org[3],
             uint32_t rep = list->rep[i];
             if (!(rep & LC_PENDING)) continue;
             rep &= ~LC_PENDING;
-            ray_group *g = rep >= t->first_light[LC_LIGHT_DIRECTIONAL] ? &far : &near;
+            ray_group *g = lc_kind_of_light(t, rep) == LC_LIGHT_DIRECTIONAL ? &far : &near;
             for (int k = 0; k < 3; k++) g->target[k][g->n] = t->data.lights[rep].pos[k];
             g->at[g->n++] = i;
             list->rep[i] = rep;

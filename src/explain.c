@@ -224,6 +224,12 @@ static void seek(const lc_light_tree *t, uint32_t light, sought *s)
     memset(s, 0, sizeof *s);
     s->kind = (uint32_t)lc_kind_of_light(t, light), s->rec = t->data.lights[light], s->light = light, s->scene = LC_NONE;
     if (s->kind == LC_LIGHT_DIRECTIONAL) return;
+    if (s->kind == LC_LIGHT_SPOT) {
+        const lc_spot_rec *spot = lc_light_spot(&t->data, light);
+        const lc_spot profile = { spot->cos_total, spot->cos_start, spot->map };
+        memcpy(s->atten, &profile, sizeof s->atten);
+        return;
+    }
     if (atten) memcpy(s->atten, atten, sizeof s->atten);
     else s->atten[2] = 1;
 }
@@ -237,7 +243,7 @@ static void meet(const lc_scene *scene, sought *s, uint32_t n)
         memset(&key, 0, sizeof key);
         key.kind = (uint32_t)l->kind;
         lc_light_rec_init(&key.rec, l);
-        if (l->kind != LC_LIGHT_DIRECTIONAL) memcpy(key.atten, l->atten, sizeof key.atten);
+        if (l->kind != LC_LIGHT_DIRECTIONAL) memcpy(key.atten, l->atten, sizeof key.atten); /* or a spot's profile */
         sought *found = bsearch(&key, s, n, sizeof key, by_value);
         if (!found) continue;
         while (found > s && !by_value(found - 1, &key)) found--;

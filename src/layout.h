@@ -31,12 +31,12 @@
  * half extent: every member p has |p_k - center_k| <= half_k in exact arithmetic. A child is a node, or LC_LEAF | light. */
 typedef struct lc_node {
     float center[3];   /* world space */
-    float cos_cone;    /* oriented: cosine of the cone's half angle, rounded down; -1 = all directions */
+    float cos_cone;    /* oriented, spot: cosine of the cone's half angle, rounded down; -1 = all directions */
     float half[3];     /* >= 0, rounded up */
     uint32_t left;     /* child */
     float power[3];    /* summed intensity R G B, rounded up; also what the estimate uses */
     uint32_t right;    /* child */
-    float axis[3];     /* oriented: unit axis of the cone that holds every emission direction */
+    float axis[3];     /* oriented, spot: unit axis of the cone that holds every emission direction */
     uint32_t fresh;    /* of slot 0: the light that represents the child that does not have the node's own representative;
                         * LC_FRESH_RIGHT: that child is the right one */
 } lc_node;
@@ -48,7 +48,7 @@ _Static_assert(sizeof(lc_node) == 64, "a cache line");
 /* One light as the estimate reads it. Where the kind's place in the tree is needed it follows from the index. */
 typedef struct lc_light_rec {
     float pos[3];       /* directional: unit direction towards the light */
-    uint32_t dir_a;     /* oriented: the way light travels, see direction.h */
+    uint32_t dir_a;     /* oriented, spot: the way light travels, see direction.h */
     float intensity[3];
     uint32_t dir_b;
 } lc_light_rec;
@@ -65,6 +65,9 @@ typedef struct lc_tree_data {
     lc_node *nodes;
     lc_light_rec *lights;
     lc_atten *node_atten, *light_atten;
+    lc_spot_rec *node_spot, *light_spot; /* of spots alone, whose first node and light are: */
+    uint32_t first_spot_node, first_spot_light;
+    const lc_spot_map *spot_maps;
 } lc_tree_data;
 
 typedef enum lc_lobe { LC_LOBE_NONE, LC_LOBE_PHONG, LC_LOBE_WARD, LC_LOBE_GGX } lc_lobe; /* beside the diffuse one */

@@ -29,7 +29,7 @@ static lc_status build_kind(lc_light_tree *t, const lc_light_tree_desc *desc, lc
     uint32_t *index, n = t->n_of_kind[kind];
     lc_status st = index_of_kind(t->ctx, desc, kind, n, &index);
     if (st) return st;
-    lc_build_input in = { desc->lights, index, n, kind, kind == LC_LIGHT_ORIENTED ? desc->diag2 : 0 };
+    lc_build_input in = { desc->lights, index, n, kind, lc_is_aimed(kind) ? desc->diag2 : 0 };
     bool exact = desc->builder == LC_BUILDER_EXACT || (desc->builder == LC_BUILDER_AUTO && n <= AUTO_EXACT);
     lc_build_pair *pairs = lc_alloc_raw(t->ctx, n, sizeof *pairs);
     st = pairs ? LC_OK : LC_ERR_MEMORY;
@@ -42,6 +42,17 @@ static lc_status build_kind(lc_light_tree *t, const lc_light_tree_desc *desc, lc
 
 static size_t n_more(const lc_light_tree *t) { return (size_t)t->n_nodes * (t->n_reps - 1); }
 
+static uint32_t n_spot_nodes(const lc_light_tree *t) { return t->first_node[LC_LIGHT_SPOT + 1] - t->first_node[LC_LIGHT_SPOT]; }
+
+static bool alloc_spots(lc_light_tree *t, const lc_light_tree_desc *desc)
+{
+    t->data.first_spot_node = t->first_node[LC_LIGHT_SPOT], t->data.first_spot_light = t->first_light[LC_LIGHT_SPOT];
+    t->data.spot_maps = desc->spot_maps;
+    t->data.node_spot = lc_alloc(t->ctx, n_spot_nodes(t), sizeof *t->data.node_spot);
+    t->data.light_spot = lc_alloc(t->ctx, t->n_of_kind[LC_LIGHT_SPOT], sizeof *t->data.light_spot);
+    return t->data.node_spot && t->data.light_spot;
+}
+
 /* Counts the lights and makes room. */
 static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
 {
@@ -49,7 +60,7 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     for (size_t i = 0; i < desc->n_lights; i++) {
         const lc_light *l = &desc->lights[i];
         t->n_of_kind[l->kind]++;
-        other |= l->kind != LC_LIGHT_DIRECTIONAL && !lc_inverse_square(l->atten);
+        other |= l->kind <= LC_LIGHT_ORIENTED && !lc_inverse_square(l->atten);
     }
     for (int k = 0; k < LC_LIGHT_KINDS; k++) {
         uint32_t n = t->n_of_kind[k];
@@ -62,6 +73,7 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     t->data.lights = lc_alloc_raw(t->ctx, t->n_lights, sizeof *t->data.lights);
     if (!t->data.nodes || !t->data.lights) return LC_ERR_MEMORY;
     if (t->n_reps > 1 && !(t->more_fresh = lc_alloc_raw(t->ctx, n_more(t), sizeof *t->more_fresh))) return LC_ERR_MEMORY;
+    if (t->n_of_kind[LC_LIGHT_SPOT] && !alloc_spots(t, desc)) return LC_ERR_MEMORY;
     if (!other) return LC_OK;
     t->data.node_atten = lc_alloc(t->ctx, t->n_nodes, sizeof *t->data.node_atten);
     t->data.light_atten = lc_alloc(t->ctx, t->n_lights, sizeof *t->data.light_atten);
@@ -93,6 +105,8 @@ void lc_light_tree_destroy(lc_light_tree *t)
     lc_free(t->ctx, t->data.lights, t->n_lights, sizeof *t->data.lights);
     lc_free(t->ctx, t->data.node_atten, t->n_nodes, sizeof *t->data.node_atten);
     lc_free(t->ctx, t->data.light_atten, t->n_lights, sizeof *t->data.light_atten);
+    lc_free(t->ctx, t->data.node_spot, n_spot_nodes(t), sizeof *t->data.node_spot);
+    lc_free(t->ctx, t->data.light_spot, t->n_of_kind[LC_LIGHT_SPOT], sizeof *t->data.light_spot);
     lc_free(t->ctx, t->more_fresh, n_more(t), sizeof *t->more_fresh);
     lc_free(t->ctx, t, 1, sizeof *t);
 }
@@ -101,5 +115,6 @@ size_t lc_light_tree_bytes(const lc_light_tree *t)
 {
     size_t node = sizeof *t->data.nodes + (t->data.node_atten ? sizeof(lc_atten) : 0) + (t->n_reps - 1) * sizeof *t->more_fresh;
     size_t light = sizeof *t->data.lights + (t->data.light_atten ? sizeof(lc_atten) : 0);
-    return t->n_nodes * node + t->n_lights * light;
+    size_t spot = (t->data.node_spot ? n_spot_nodes(t) + (size_t)t->n_of_kind[LC_LIGHT_SPOT] : 0) * sizeof(lc_spot_rec);
+    return t->n_nodes * node + t->n_lights * light + spot;
 }

@@ -8,7 +8,7 @@
  *                 from a hash of the cluster, so P(light) = I_light / I_cluster at every cluster. A node keeps who
  *                 represents the other child; its own representative is known from above, and of the root kept apart
  *
- * Bytes: 96 a light; with other attenuation than 1/d^2 32 more; 4 more for each slot after the first.
+ * Bytes: 96 a light; with other attenuation than 1/d^2 32 more; of a spot 32 more; 4 more for each slot after the first.
  */
 #ifndef LC_LIGHT_TREE_H
 #define LC_LIGHT_TREE_H
@@ -33,6 +33,7 @@ struct lc_light_tree {
 typedef struct lc_light_tree_desc {
     const lc_light *lights;
     size_t n_lights;
+    const lc_spot_map *spot_maps; /* of spots, or NULL; they stay the caller's, who keeps them */
     double diag2;    /* squared diagonal of the scene: c^2 of the metric for oriented lights */
     uint64_t seed;   /* of representatives */
     uint32_t n_reps; /* 1..LC_MAX_REPS */
@@ -50,12 +51,14 @@ static inline uint32_t lc_node_fresh(const lc_light_tree *t, uint32_t id, uint32
 
 static inline lc_light_kind lc_kind_of_node(const lc_light_tree *t, uint32_t id)
 {
-    return id < t->first_node[1] ? LC_LIGHT_POINT : id < t->first_node[2] ? LC_LIGHT_ORIENTED : LC_LIGHT_DIRECTIONAL;
+    return id < t->first_node[2] ? (id < t->first_node[1] ? LC_LIGHT_POINT : LC_LIGHT_ORIENTED)
+                                 : (id < t->first_node[3] ? LC_LIGHT_DIRECTIONAL : LC_LIGHT_SPOT);
 }
 
 static inline lc_light_kind lc_kind_of_light(const lc_light_tree *t, uint32_t light)
 {
-    return light < t->first_light[1] ? LC_LIGHT_POINT : light < t->first_light[2] ? LC_LIGHT_ORIENTED : LC_LIGHT_DIRECTIONAL;
+    return light < t->first_light[2] ? (light < t->first_light[1] ? LC_LIGHT_POINT : LC_LIGHT_ORIENTED)
+                                     : (light < t->first_light[3] ? LC_LIGHT_DIRECTIONAL : LC_LIGHT_SPOT);
 }
 
 /* A, B, C of a light, or NULL where all are 0, 0, 1. */
@@ -63,6 +66,9 @@ static inline const float *lc_light_atten(const lc_tree_data *t, uint32_t light)
 {
     return t->light_atten ? t->light_atten[light] : NULL;
 }
+
+static inline lc_spot_rec *lc_light_spot(const lc_tree_data *t, uint32_t light) { return &t->light_spot[light - t->first_spot_light]; }
+static inline lc_spot_rec *lc_node_spot(const lc_tree_data *t, uint32_t node) { return &t->node_spot[node - t->first_spot_node]; }
 
 /* Checks partition, boxes, cones, sums, links, representatives; NULL when all hold, else what does not. */
 const char *lc_light_tree_validate(const lc_light_tree *tree);

@@ -11,12 +11,15 @@
 
 #include "direction.h"
 
+#include <string.h>
+
 typedef struct {
     float lo[3], hi[3];   /* positions; directional: towards the light */
-    float dlo[3], dhi[3]; /* oriented: emission directions */
+    float dlo[3], dhi[3]; /* oriented, spot: emission directions */
     float atten[3];
+    float spot[2];        /* least cos_total, cos_start */
     double power[3];
-    double len2_min, len2_max; /* oriented: squared length of the directions, 1 but for rounding */
+    double len2_min, len2_max; /* oriented, spot: squared length of the directions, 1 but for rounding */
 } sums;
 
 typedef struct {
@@ -82,8 +85,12 @@ static void sums_of_light(sums *s, const lc_light_tree *t, uint32_t light)
         s->atten[k] = atten[k];
         s->power[k] = (double)l->intensity[k];
     }
-    if (lc_kind_of_light(t, light) != LC_LIGHT_ORIENTED) return;
+    if (!lc_is_aimed(lc_kind_of_light(t, light))) return;
     lc_f3 d = direction(l);
+    if (lc_kind_of_light(t, light) == LC_LIGHT_SPOT) {
+        const lc_spot_rec *spot = lc_light_spot(&t->data, light);
+        s->spot[0] = spot->cos_total, s->spot[1] = spot->cos_start;
+    }
     lc_f3_store(s->dlo, d);
     lc_f3_store(s->dhi, d);
     s->len2_min = s->len2_max = (double)d.x * d.x + (double)d.y * d.y + (double)d.z * d.z;
@@ -105,6 +112,7 @@ static void join(sums *s, const sums *a, const sums *b)
         s->atten[k] = min_f(a->atten[k], b->atten[k]);
         s->power[k] = a->power[k] + b->power[k];
     }
+    for (int k = 0; k < 2; k++) s->spot[k] = min_f(a->spot[k], b->spot[k]);
     s->len2_min = fmin(a->len2_min, b->len2_min);
     s->len2_max = fmax(a->len2_max, b->len2_max);
 }
@@ -209,6 +217,24 @@ static const char *check_atten(const float *least, const sums *s)
     return NULL;
 }
 
+/* That a spot's width is what its cosines say is checked of nodes and lights alike. */
+static bool spot_is(const lc_spot_rec *rec, const float cosines[2])
+{
+    lc_spot_rec want;
+    lc_spot_rec_init(&want, cosines[0], cosines[1], rec->map);
+    return cosines[0] >= -2 && cosines[1] >= cosines[0] && cosines[1] <= 1 && !memcmp(&want, rec, sizeof want);
+}
+
+static const char *check_spots(const lc_light_tree *t)
+{
+    for (uint32_t i = 0; i < t->n_of_kind[LC_LIGHT_SPOT]; i++) {
+        const lc_spot_rec *rec = &t->data.light_spot[i];
+        if (!spot_is(rec, (const float[2]){ rec->cos_total, rec->cos_start })) return "a spot's profile is wrong";
+        if (rec->map && !t->data.spot_maps) return "a spot has a map that is not there";
+    }
+    return NULL;
+}
+
 static const char *check_node(check *c, uint32_t id, uint32_t *stack)
 {
     const lc_light_tree *t = c->t;
@@ -220,8 +246,9 @@ static const char *check_node(check *c, uint32_t id, uint32_t *stack)
     join(s, &left, &right);
     const char *wrong = check_power(b, s);
     if (!wrong) wrong = check_box(b, s);
-    if (!wrong && kind == LC_LIGHT_ORIENTED) wrong = check_cone(c, id, stack);
-    if (!wrong && kind != LC_LIGHT_DIRECTIONAL) wrong = check_atten(t->data.node_atten ? t->data.node_atten[id] : NULL, s);
+    if (!wrong && lc_is_aimed(kind)) wrong = check_cone(c, id, stack);
+    if (!wrong && kind == LC_LIGHT_SPOT && !spot_is(lc_node_spot(&t->data, id), s->spot)) wrong = "a node's least spot is wrong";
+    if (!wrong && kind <= LC_LIGHT_ORIENTED) wrong = check_atten(t->data.node_atten ? t->data.node_atten[id] : NULL, s);
     return wrong;
 }
 
@@ -262,6 +289,7 @@ static const char *check_counts(const lc_light_tree *t)
 const char *lc_light_tree_validate(const lc_light_tree *t)
 {
     const char *wrong = check_counts(t);
+    if (!wrong) wrong = check_spots(t);
     if (wrong || !t->n_lights) return wrong;
     size_t n = t->n_nodes, room = n + 1;
     check c = { .t = t };

@@ -50,7 +50,8 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
     *info = (lc_scene_info){
         .n_triangles = s->n_tris, .n_vertices = s->n_verts, .n_meshes = s->n_meshes, .n_materials = s->n_materials,
         .n_lights = t->n_lights, .n_point = t->n_of_kind[LC_LIGHT_POINT], .n_oriented = t->n_of_kind[LC_LIGHT_ORIENTED],
-        .n_directional = t->n_of_kind[LC_LIGHT_DIRECTIONAL], .n_emissive_triangles = s->n_emissive_tris,
+        .n_directional = t->n_of_kind[LC_LIGHT_DIRECTIONAL], .n_spot = t->n_of_kind[LC_LIGHT_SPOT],
+        .n_emissive_triangles = s->n_emissive_tris,
         .n_indirect_lights = s->indirect.n_lights, .n_light_paths = s->indirect.n_paths, .indirect_loss = s->indirect.loss,
         .n_instances = s->n_instances, .n_instanced_triangles = lc_instanced_tris(s), .n_alpha_meshes = s->n_alphas,
         .n_env_maps = s->n_envs, .n_env_lights = s->n_env_lights,

@@ -340,14 +340,14 @@ static lc_near_item light_item(const lc_light *l, uint32_t id)
 {
     lc_near_item item = { .id = id };
     lc_f3_store(item.pos, position(l));
-    if (l->kind == LC_LIGHT_ORIENTED) lc_f3_store(item.dir, l->dir);
+    if (lc_is_aimed(l->kind)) lc_f3_store(item.dir, l->dir);
     return item;
 }
 
 lc_status lc_near_create(const lc_context *ctx, const lc_build_input *in, lc_near_tree *t)
 {
     uint32_t n = in->n;
-    *t = (lc_near_tree){ .ctx = ctx, .oriented = in->kind == LC_LIGHT_ORIENTED, .c2 = in->c2, .n_ids = 2 * n - 1 };
+    *t = (lc_near_tree){ .ctx = ctx, .oriented = lc_is_aimed(in->kind), .c2 = in->c2, .n_ids = 2 * n - 1 };
     lc_near_item *items = lc_alloc_raw(ctx, n, sizeof *items);
     t->slot = lc_alloc_raw(ctx, t->n_ids, sizeof *t->slot);
     lc_status st = items && t->slot ? alloc_slots(t, n) : LC_ERR_MEMORY;

@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-/* Decoded; integers are sRGB. *there: false after a note, where there is none that can be read. */
-static lc_status load_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap *out, bool *there)
+/* Integers are sRGB. */
+lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap *out, bool *there)
 {
     const char *path;
     lc_file file;
@@ -33,8 +33,7 @@ static lc_status load_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap 
     return st;
 }
 
-/* One white texel, whose equal-area square is the whole sphere. */
-static lc_status constant_map(lc_pbrt *p, lc_mipmap *out)
+lc_status lc_pbrt_constant_map(lc_pbrt *p, lc_mipmap *out)
 {
     float white[3] = { 1, 1, 1 };
     const lc_raster raster = { 1, 1, 3, LC_RASTER_F32, white };
@@ -48,11 +47,11 @@ static lc_status get_map(lc_pbrt *p, lc_env *env, bool *is_image)
     lc_status st = lc_pbrt_get_text(&p->params, "filename", &v4, &v4_par);
     if (!st) st = lc_pbrt_get_text(&p->params, "mapname", &v3, &v3_par);
     *is_image = false;
-    if (!st && v4 && *v4) st = load_map(p, v4_par->pos, v4, &env->map, is_image);
-    else if (!st && v3 && *v3) st = load_map(p, v3_par->pos, v3, &env->map, is_image);
+    if (!st && v4 && *v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, &env->map, is_image);
+    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, &env->map, is_image);
     env->mapping = LC_ENV_EQUAL_AREA;
     if (*is_image && (!(v4 && *v4) || lc_env_width(env) != lc_env_height(env))) env->mapping = LC_ENV_LATLONG;
-    return st || *is_image ? st : constant_map(p, &env->map);
+    return st || *is_image ? st : lc_pbrt_constant_map(p, &env->map);
 }
 
 /* Illuminance of a surface under the upper half of the map. The factor is pbrt-v4's, which takes texels for half as large. */

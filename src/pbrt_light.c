@@ -22,8 +22,7 @@ lc_status lc_pbrt_light_scale(lc_pbrt *p, lc_f3 *colour)
     return LC_OK;
 }
 
-/* v4: a photometric quantity that multiplies the light when it is given and above 0. */
-static lc_status apply_photometric(lc_pbrt *p, const char *name, double factor, lc_f3 *colour)
+lc_status lc_pbrt_light_photometric(lc_pbrt *p, const char *name, double factor, lc_f3 *colour)
 {
     double v = 0;
     lc_status st = lc_pbrt_get_float(&p->params, name, &v, NULL);
@@ -47,8 +46,7 @@ static lc_status get_attenuation(lc_pbrt *p, lc_pos where, float atten[3])
     return LC_OK;
 }
 
-/* Position parameter (either name) through the current matrix. */
-static lc_status get_position(lc_pbrt *p, const char *name, const char *alias, lc_f3 *out)
+lc_status lc_pbrt_light_position(lc_pbrt *p, const char *name, const char *alias, lc_f3 *out)
 {
     double v[3] = { 0, 0, 0 };
     float world[3];
@@ -59,8 +57,7 @@ static lc_status get_position(lc_pbrt *p, const char *name, const char *alias, l
     return st;
 }
 
-/* A direction through the current matrix, unit. */
-static lc_status world_direction(lc_pbrt *p, lc_pos where, const double v[3], lc_f3 *out)
+lc_status lc_pbrt_light_direction(lc_pbrt *p, lc_pos where, const double v[3], lc_f3 *out)
 {
     double w[3], max;
     lc_xform_vector(&p->ctm, v, w);
@@ -75,10 +72,10 @@ static lc_status world_direction(lc_pbrt *p, lc_pos where, const double v[3], lc
 static lc_status point_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_light light = { .kind = LC_LIGHT_POINT, .intensity = { 1, 1, 1 } };
-    lc_status st = get_position(p, "from", NULL, &light.pos);
+    lc_status st = lc_pbrt_light_position(p, "from", NULL, &light.pos);
     if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
     if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
-    if (!st) st = apply_photometric(p, "power", 1 / (4 * LC_PI), &light.intensity);
+    if (!st) st = lc_pbrt_light_photometric(p, "power", 1 / (4 * LC_PI), &light.intensity);
     if (!st) st = get_attenuation(p, s->pos, light.atten);
     return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
 }
@@ -87,9 +84,9 @@ static lc_status oriented_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_light light = { .kind = LC_LIGHT_ORIENTED, .intensity = { 1, 1, 1 } };
     double dir[3] = { 0, 0, 1 };
-    lc_status st = get_position(p, "position", "from", &light.pos);
+    lc_status st = lc_pbrt_light_position(p, "position", "from", &light.pos);
     if (!st) st = lc_pbrt_get_triple(&p->params, "direction", dir, NULL);
-    if (!st) st = world_direction(p, s->pos, dir, &light.dir);
+    if (!st) st = lc_pbrt_light_direction(p, s->pos, dir, &light.dir);
     if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
     if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
     if (!st) st = get_attenuation(p, s->pos, light.atten);
@@ -103,10 +100,10 @@ static lc_status distant_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_status st = lc_pbrt_get_triple(&p->params, "from", from, NULL);
     if (!st) st = lc_pbrt_get_triple(&p->params, "to", to, NULL);
     double dir[3] = { to[0] - from[0], to[1] - from[1], to[2] - from[2] };
-    if (!st) st = world_direction(p, s->pos, dir, &light.dir);
+    if (!st) st = lc_pbrt_light_direction(p, s->pos, dir, &light.dir);
     if (!st) st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
     if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
-    if (!st) st = apply_photometric(p, "illuminance", 1, &light.intensity);
+    if (!st) st = lc_pbrt_light_photometric(p, "illuminance", 1, &light.intensity);
     return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
 }
 
@@ -118,6 +115,9 @@ static const struct {
     { "oriented", oriented_light },
     { "distant", distant_light },
     { "infinite", lc_pbrt_infinite_light },
+    { "spot", lc_pbrt_spot_light },
+    { "projection", lc_pbrt_projection_light },
+    { "goniometric", lc_pbrt_goniometric_light },
 };
 
 lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)
@@ -131,9 +131,32 @@ lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     return lc_pbrt_note_name(p, s->pos, "light", s->text[0], "the light is skipped");
 }
 
+/* v4's "filename"; each is read once. *map stays 0 where there is none. */
+static lc_status area_picture(lc_pbrt *p, uint32_t *map)
+{
+    const char *name = NULL;
+    const lc_pbrt_param *par;
+    lc_mipmap picture;
+    bool there;
+    lc_status st = lc_pbrt_get_text(&p->params, "filename", &name, &par);
+    if (st || !name || !*name) return st;
+    uint32_t known = lc_pbrt_map_get(&p->emission_names, name);
+    if (known != LC_NONE) {
+        *map = known;
+        return LC_OK;
+    }
+    st = lc_pbrt_light_map(p, par->pos, name, &picture, &there);
+    if (st || !there) return st;
+    st = lc_scene_add_emission_map(p->scene, &picture, map);
+    if (st) lc_mipmap_free(p->ctx, &picture);
+    return st ? st : lc_pbrt_map_put(&p->emission_names, &p->arena, name, *map);
+}
+
 lc_status lc_pbrt_area_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_f3 emission = lc_f3_make(1, 1, 1);
+    double power = 0;
+    uint32_t map = 0;
     bool two_sided = false;
     if (strcmp(s->text[0], "diffuse") && strcmp(s->text[0], "area")) {
         p->ignored = true;
@@ -145,10 +168,13 @@ lc_status lc_pbrt_area_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_status st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &emission, NULL);
     if (!st) st = lc_pbrt_light_scale(p, &emission);
     if (!st) st = lc_pbrt_get_bool(&p->params, "twosided", &two_sided);
+    if (!st) st = lc_pbrt_get_float(&p->params, "power", &power, NULL);
+    if (!st) st = area_picture(p, &map);
     if (st) return st;
     if (!(lc_f3_max(emission) <= LC_MAX_INTENSITY))
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the light's radiance is out of range");
     p->attrs.emission = emission;
     p->attrs.two_sided = two_sided;
+    p->attrs.emission_map = map, p->attrs.power = fmax(power, 0);
     return LC_OK;
 }

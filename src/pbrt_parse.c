@@ -377,7 +377,7 @@ static void init(lc_pbrt *p, lc_scene *scene)
 static void destroy(lc_pbrt *p)
 {
     const lc_context *ctx = p->ctx;
-    lc_pbrt_map *maps[] = { &p->material_names, &p->colour_textures, &p->float_textures, &p->image_names,
+    lc_pbrt_map *maps[] = { &p->material_names, &p->colour_textures, &p->float_textures, &p->image_names, &p->emission_names,
                             &p->object_names,   &p->coord_names };
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) lc_pbrt_map_free(maps[i], ctx);
     lc_free(ctx, p->scopes, p->cap_scopes, sizeof *p->scopes);

@@ -28,7 +28,7 @@ lc_status lc_pbrt_uv_room(lc_pbrt *p, size_t n_verts, bool *wanted)
     uint32_t id;
     lc_status st = lc_pbrt_current_material(p, &id);
     if (st) return st;
-    *wanted = p->alpha_uv || lc_scene_wants_uv(p->scene, id);
+    *wanted = p->alpha_uv || p->attrs.emission_map || lc_scene_wants_uv(p->scene, id);
     if (*wanted) st = lc_grow(p->ctx, &uv, &p->cap_uv, n_verts * 2, sizeof *p->uv);
     p->uv = uv;
     return st;
@@ -204,6 +204,27 @@ static lc_status mesh_alpha(lc_pbrt *p, lc_pos where, lc_mesh_alpha *out, const 
 /* Never met by any ray. */
 static bool is_absent(const lc_mesh_alpha *a) { return a && a->alpha.id == LC_NONE && !(a->alpha.value[0] > 0); }
 
+/* Of what pbrt takes for a shape of its own: each triangle or patch of a mesh. round: one shape. The picture's mean is of its
+ * texels, not of those that the shape shows, as in pbrt. */
+static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, bool round, double area_ratio)
+{
+    const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);
+    double area = 0, mean[3] = { 1, 1, 1 }, n = round ? 1 : mesh->n_tris;
+    if (!strcmp(name, "bilinearmesh")) n = index ? floor((double)index->n / 4) : 1;
+    for (size_t t = 0; t < mesh->n_tris; t++) {
+        const float *v[3];
+        for (size_t k = 0; k < 3; k++) v[k] = mesh->pos + 3 * (size_t)mesh->index[3 * t + k];
+        double a[3], b[3];
+        for (int k = 0; k < 3; k++) a[k] = (double)v[1][k] - (double)v[0][k], b[k] = (double)v[2][k] - (double)v[0][k];
+        double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+        area += 0.5 * sqrt(x * x + y * y + z * z);
+    }
+    if (p->attrs.emission_map) lc_mipmap_mean(&p->scene->emission_maps[p->attrs.emission_map - 1], mean);
+    double luminance = 0.2126 * mean[0] + 0.7152 * mean[1] + 0.0722 * mean[2];
+    double all = LC_PI * area * area_ratio * luminance * (p->attrs.two_sided ? 2 : 1);
+    if (all > 0) mesh->emission = lc_f3_scale(mesh->emission, (float)fmin(p->attrs.power * n / all, 1e30));
+}
+
 lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     size_t i = 0, n = sizeof shapes / sizeof *shapes;
@@ -235,6 +256,8 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (st) return st;
     mesh.flip = p->attrs.reverse != lc_pbrt_mirrored(p);
     mesh.emission = lc_f3_scale(p->attrs.emission, (float)area_ratio);
+    mesh.emission_map = p->attrs.emission_map;
+    if (p->attrs.power > 0) scale_to_power(p, &mesh, shapes[i].name, shapes[i].approximate, area_ratio);
     mesh.two_sided = p->attrs.two_sided;
     return lc_pbrt_emit_mesh(p, s->pos, &mesh);
 }

@@ -119,7 +119,7 @@ static void set_scales(builder *b)
         if (b->extents[c].power > e.power) e.power = b->extents[c].power;
     }
     const float lo[3] = { e.box.lo.x, e.box.lo.y, e.box.lo.z }, hi[3] = { e.box.hi.x, e.box.hi.y, e.box.hi.z };
-    double turn = b->in->kind == LC_LIGHT_ORIENTED ? sqrt(b->in->c2) : 0, size = turn;
+    double turn = lc_is_aimed(b->in->kind) ? sqrt(b->in->c2) : 0, size = turn;
     for (int k = 0; k < 3; k++) {
         size = fmax(size, (double)hi[k] - (double)lo[k]);
         size = fmax(size, 0x1p-60 * fmax(fabs((double)lo[k]), fabs((double)hi[k])));
@@ -243,7 +243,7 @@ static void free_list(builder *b, list *l)
 /* An empty list for n clusters, or for n lights: their boxes' rows are the same ones twice. */
 static lc_status alloc_list(builder *b, list *l, uint32_t n, bool of_lights)
 {
-    const bool oriented = b->in->kind == LC_LIGHT_ORIENTED;
+    const bool oriented = lc_is_aimed(b->in->kind);
     const size_t stride = ((size_t)n + 2 * LC_LANES - 1) / LC_LANES * LC_LANES;
     const uint32_t n_rows = oriented ? LC_PLOC_ROWS : LC_PLOC_DLO;
     *l = (list){ .view = { .n = n, .oriented = oriented, .c2 = b->c2 }, .n_ids = n };

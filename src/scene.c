@@ -51,6 +51,10 @@ void lc_scene_destroy(lc_scene *s)
     lc_textures_free(&s->textures);
     for (size_t i = 0; i < s->n_envs; i++) lc_mipmap_free(ctx, &s->envs[i].map);
     lc_free(ctx, s->envs, s->cap_envs, sizeof *s->envs);
+    for (size_t i = 0; i < s->n_spot_maps; i++) lc_spot_map_free(ctx, &s->spot_maps[i]);
+    for (size_t i = 0; i < s->n_emission_maps; i++) lc_mipmap_free(ctx, &s->emission_maps[i]);
+    lc_free(ctx, s->emission_maps, s->cap_emission_maps, sizeof *s->emission_maps);
+    lc_free(ctx, s->spot_maps, s->cap_spot_maps, sizeof *s->spot_maps);
     lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
     for (size_t i = 0; i < s->n_light_chunks; i++) lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
     lc_free(ctx, s->light_chunks, s->cap_light_chunks, sizeof *s->light_chunks);
@@ -170,7 +174,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
     lc_mesh_desc with = *desc;
     const lc_mesh_desc *m = &with;
     bool textured = lc_scene_is_textured(s, m->material_id);
-    if (!lc_scene_wants_uv(s, m->material_id) && !m->alpha) with.uv = NULL;
+    if (!lc_scene_wants_uv(s, m->material_id) && !m->alpha && !m->emission_map) with.uv = NULL;
     lc_status st = check_mesh(s, where, m);
     if (st) return st;
     if (!m->n_tris) return LC_OK;
@@ -196,6 +200,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
         .first_tri = (uint32_t)s->n_tris, .n_tris = m->n_tris, .first_vert = (uint32_t)s->n_verts, .material_id = m->material_id,
         .has_normals = m->normal != NULL, .has_uv = m->uv != NULL, .textured = textured,
         .brushed = s->maps[m->material_id].brushed, .flip = m->flip, .two_sided = m->two_sided, .emission = m->emission,
+        .emission_map = m->emission_map,
         .alpha = m->alpha ? (uint32_t)s->n_alphas : LC_NONE,
     };
     if (m->alpha) s->alphas[s->n_alphas++] = *m->alpha;
@@ -285,7 +290,12 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
     float len = lc_f3_len(light->dir), sum = 0;
     if (light->kind != LC_LIGHT_POINT && !(fabsf(len - 1) < 1e-4f))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light direction is zero or not finite");
-    for (int k = 0; k < 3; k++) {
+    if (light->kind == LC_LIGHT_SPOT) {
+        const lc_spot *spot = &light->spot;
+        if (!(spot->cos_total >= -2 && spot->cos_total <= spot->cos_start && spot->cos_start <= 1) || spot->map > s->n_spot_maps)
+            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "the spot light's angles are out of range");
+    }
+    for (int k = 0; k < 3 && light->kind != LC_LIGHT_SPOT; k++) {
         float a = light->atten[k];
         bool soft = k == 0 && light->atten[2] == 1;
         if (!(a == 0 || (a >= (soft ? LC_MIN_D2 : LC_MIN_ATTEN) && a <= (soft ? LC_MAX_SOFTENING : LC_MAX_ATTEN))))
@@ -293,7 +303,7 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
                               (double)LC_MIN_ATTEN, (double)LC_MAX_ATTEN);
         sum += a;
     }
-    if (light->kind != LC_LIGHT_DIRECTIONAL && !(sum > 0))
+    if (light->kind <= LC_LIGHT_ORIENTED && !(sum > 0))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients are all 0");
     if (s->n_lights >= MAX_COUNT)
         return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u lights", MAX_COUNT);
@@ -316,6 +326,30 @@ lc_status lc_scene_add_env(lc_scene *s, lc_pos where, const lc_env *env)
     lc_status st = GROW(s, envs, cap_envs, s->n_envs + 1);
     if (!st) s->envs[s->n_envs++] = *env;
     return st;
+}
+
+lc_status lc_scene_add_emission_map(lc_scene *s, const lc_mipmap *map, uint32_t *id)
+{
+    lc_status st = GROW(s, emission_maps, cap_emission_maps, s->n_emission_maps + 1);
+    if (st) return st;
+    s->emission_maps[s->n_emission_maps++] = *map;
+    *id = (uint32_t)s->n_emission_maps;
+    return LC_OK;
+}
+
+void lc_spot_map_free(const lc_context *ctx, lc_spot_map *map)
+{
+    lc_free(ctx, map->texels, (size_t)map->width * map->height * 3, sizeof *map->texels);
+    map->texels = NULL;
+}
+
+lc_status lc_scene_add_spot_map(lc_scene *s, const lc_spot_map *map, uint32_t *id)
+{
+    lc_status st = GROW(s, spot_maps, cap_spot_maps, s->n_spot_maps + 1);
+    if (st) return st;
+    s->spot_maps[s->n_spot_maps++] = *map;
+    *id = (uint32_t)s->n_spot_maps;
+    return LC_OK;
 }
 
 lc_f3 lc_scene_background(const lc_scene *s, lc_f3 dir)
@@ -467,7 +501,8 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     s->min_d2 = (float)fmax(1e-10 * diag2, LC_MIN_D2);
     double t2 = lc_now();
     s->seconds_lights = t2 - t1;
-    lc_light_tree_desc tree_desc = { s->lights, s->n_lights, diag2, desc->seed, desc->n_reps, desc->builder };
+    lc_light_tree_desc tree_desc = { .lights = s->lights, .n_lights = s->n_lights, .spot_maps = s->spot_maps, .diag2 = diag2,
+                                     .seed = desc->seed, .n_reps = desc->n_reps, .builder = desc->builder };
     st = lc_light_tree_build(s->ctx, &tree_desc, &s->tree);
     s->seconds_tree = lc_now() - t2;
     return st;

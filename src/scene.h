@@ -39,6 +39,7 @@ typedef struct lc_mesh_desc {
     lc_f3 emission;        /* radiance W/(m^2 sr), 0 = none */
     bool two_sided;        /* of the emission */
     const lc_mesh_alpha *alpha; /* NULL: opaque. uv are kept where it is given */
+    uint32_t emission_map; /* of lc_scene_add_emission_map, its picture by uv, v upwards; 0: none */
 } lc_mesh_desc;
 
 typedef struct lc_film_desc {
@@ -66,6 +67,7 @@ typedef struct lc_mesh {
     bool has_normals, has_uv, textured, brushed, flip, two_sided; /* brushed: roughness has a direction */
     lc_f3 emission;
     uint32_t alpha; /* LC_NONE: opaque */
+    uint32_t emission_map; /* 1 + index; 0: none */
 } lc_mesh;
 
 /* Meshes in a space of their own: those of these triangles. */
@@ -110,6 +112,10 @@ struct lc_scene {
     lc_textures textures;
     lc_env *envs;
     size_t n_envs, cap_envs;
+    lc_spot_map *spot_maps;
+    size_t n_spot_maps, cap_spot_maps;
+    lc_mipmap *emission_maps;
+    size_t n_emission_maps, cap_emission_maps;
     /* Those of the file first, then those made from emissive triangles, then from envs. Lights beyond cap_lights lie in chunks of
      * LC_LIGHT_CHUNK until commit joins all: an array that doubles would need three times the memory for a while. */
     lc_light *lights, **light_chunks;
@@ -158,6 +164,11 @@ lc_status lc_scene_add_instance(lc_scene *scene, lc_pos where, uint32_t object, 
 lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
 /* The map becomes the scene's; on failure it stays the caller's. */
 lc_status lc_scene_add_env(lc_scene *scene, lc_pos where, const lc_env *env);
+/* The texels become the scene's; on failure they stay the caller's. *id is for lc_spot.map. */
+/* The map becomes the scene's; on failure it stays the caller's. *id is for lc_mesh_desc.emission_map. */
+lc_status lc_scene_add_emission_map(lc_scene *scene, const lc_mipmap *map, uint32_t *id);
+void lc_spot_map_free(const lc_context *ctx, lc_spot_map *map);
+lc_status lc_scene_add_spot_map(lc_scene *scene, const lc_spot_map *map, uint32_t *id);
 /* Radiance seen where nothing is. */
 lc_f3 lc_scene_background(const lc_scene *scene, lc_f3 dir);
 lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);

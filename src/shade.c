@@ -177,42 +177,58 @@ static lc_f3 gloss(const lc_point *p, lc_f3 d, float cos_r, float inv_len)
     return lc_f3_scale(lc_f3_load(p->specular), p->lobe == LC_LOBE_WARD ? ward(p, d, cos_r, inv_len) : phong(p, d, inv_len));
 }
 
-/* BRDF times cosine times g, for unnormalised direction d of length 1 / inv_len. */
-static lc_f3 material_term(const lc_point *p, lc_f3 d, float cos_r, float inv_len, float g)
+/* BRDF times cosine times g times tint, for unnormalised direction d of length 1 / inv_len. */
+static lc_f3 material_term(const lc_point *p, lc_f3 d, float cos_r, float inv_len, float g, lc_f3 tint)
 {
     lc_f3 f = lc_f3_load(p->diffuse);
     if (p->coat) f = lc_f3_scale(f, transmitted(p, cos_r));
     if (p->lobe != LC_LOBE_NONE) f = lc_f3_add(f, gloss(p, d, cos_r, inv_len));
-    f = lc_f3_scale(f, cos_r * g);
+    f = lc_f3_scale(lc_f3_mul(f, tint), cos_r * g);
     return lc_f3_make(transfer(f.x), transfer(f.y), transfer(f.z));
+}
+
+/* A spot, or where it is NULL a point or oriented light. */
+static lc_f3 shade_near(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten, const lc_spot_rec *spot,
+                        const lc_spot_map *spot_maps)
+{
+    const lc_f3 zero = { 0, 0, 0 }, d = lc_f3_sub(lc_f3_load(light->pos), lc_f3_load(p->pos));
+    float nd = lc_f3_dot(lc_f3_load(p->n), d), d2 = lc_f3_dot(d, d), tint[3] = { 1, 1, 1 };
+    if (!(nd > 0)) return zero;
+    float inv_len = 1 / sqrtf(d2 > LC_TINY_D2 ? d2 : LC_TINY_D2), cos_r = nd * inv_len, g = 1;
+    if (!(cos_r > LC_MIN_COS)) return zero;
+    if (lc_is_aimed(kind)) {
+        const uint32_t dir[2] = { light->dir_a, light->dir_b };
+        g = -lc_f3_dot(lc_dir_unpack(dir), d) * inv_len;
+        if (spot) g = lc_spot_emission(spot, g);
+        if (!(g > LC_MIN_COS)) return zero;
+    }
+    if (spot && spot->map) {
+        const float to[3] = { -d.x, -d.y, -d.z };
+        lc_spot_colour(&spot_maps[spot->map - 1], to, tint);
+    }
+    float d2c = d2 > p->min_d2 ? d2 : p->min_d2;
+    g /= atten ? atten[0] + atten[1] * sqrtf(d2c) + atten[2] * d2c : d2c;
+    return material_term(p, d, cos_r, inv_len, g, lc_f3_load(tint));
 }
 
 lc_f3 lc_shade_light(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten)
 {
-    const lc_f3 zero = { 0, 0, 0 }, n = lc_f3_load(p->n), pos = lc_f3_load(light->pos);
-    if (kind == LC_LIGHT_DIRECTIONAL) {
-        float cos_r = lc_f3_dot(n, pos);
-        return cos_r > LC_MIN_COS ? material_term(p, pos, cos_r, 1, 1) : zero;
-    }
-    lc_f3 d = lc_f3_sub(pos, lc_f3_load(p->pos));
-    float nd = lc_f3_dot(n, d), d2 = lc_f3_dot(d, d);
-    if (!(nd > 0)) return zero;
-    float inv_len = 1 / sqrtf(d2 > LC_TINY_D2 ? d2 : LC_TINY_D2), cos_r = nd * inv_len, g = 1;
-    if (!(cos_r > LC_MIN_COS)) return zero;
-    if (kind == LC_LIGHT_ORIENTED) {
-        const uint32_t dir[2] = { light->dir_a, light->dir_b };
-        g = -lc_f3_dot(lc_dir_unpack(dir), d) * inv_len;
-        if (!(g > LC_MIN_COS)) return zero;
-    }
-    float d2c = d2 > p->min_d2 ? d2 : p->min_d2;
-    g /= atten ? atten[0] + atten[1] * sqrtf(d2c) + atten[2] * d2c : d2c;
-    return material_term(p, d, cos_r, inv_len, g);
+    const lc_f3 zero = { 0, 0, 0 }, one = { 1, 1, 1 }, pos = lc_f3_load(light->pos);
+    LC_ASSERT(kind != LC_LIGHT_SPOT);
+    if (kind != LC_LIGHT_DIRECTIONAL) return shade_near(p, kind, light, atten, NULL, NULL);
+    float cos_r = lc_f3_dot(lc_f3_load(p->n), pos);
+    return cos_r > LC_MIN_COS ? material_term(p, pos, cos_r, 1, 1, one) : zero;
+}
+
+lc_f3 lc_shade_spot(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot, const lc_spot_map *spot_maps)
+{
+    return shade_near(p, LC_LIGHT_SPOT, light, NULL, spot, spot_maps);
 }
 
 void lc_light_rec_init(lc_light_rec *rec, const lc_light *light)
 {
     uint32_t dir[2] = { 0, 0 };
-    if (light->kind == LC_LIGHT_ORIENTED) lc_dir_pack(light->dir, dir);
+    if (lc_is_aimed(light->kind)) lc_dir_pack(light->dir, dir);
     lc_f3_store(rec->pos, light->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(light->dir) : light->pos);
     lc_f3_store(rec->intensity, light->intensity);
     rec->dir_a = dir[0], rec->dir_b = dir[1];

@@ -18,17 +18,50 @@ LC_INLINE void LC_FN(set_row)(vf out[3], const float a[3])
     for (int k = 0; k < 3; k++) out[k] = SET(a[k]);
 }
 
+LC_INLINE uint32_t LC_FN(index_of)(const lc_tree_data *t, const float *light)
+{
+    return (uint32_t)((const lc_light_rec *)(const void *)light - t->lights);
+}
+
 /* 1 / f, times g; d2: squared distances. */
-LC_INLINE vf LC_FN(attenuated)(const lc_tree_data *t, const float *const *light, const lc_point *p, vf d2, vf g)
+LC_INLINE vf LC_FN(attenuated)(const lc_tree_data *t, const float *const *light, lc_light_kind kind, const lc_point *p, vf d2, vf g)
 {
     vf min_d2 = SET(p->min_d2), d2c = vf_sel_gt(d2, min_d2, d2, min_d2), k[4], f;
     const float *atten[VF_LANES];
-    if (!t->light_atten) return vf_div(g, d2c);
-    for (uint32_t i = 0; i < VF_LANES; i++) atten[i] = t->light_atten[(const lc_light_rec *)(const void *)light[i] - t->lights];
+    if (!t->light_atten || kind == LC_LIGHT_SPOT) return vf_div(g, d2c);
+    for (uint32_t i = 0; i < VF_LANES; i++) atten[i] = t->light_atten[LC_FN(index_of)(t, light[i])];
     vf_rows(atten, 0, k);
     f = k[0];
     if (vf_any_gt(k[1], SET(0))) f = ADD(f, MUL(k[1], vf_sqrt(d2c)));
     return vf_div(g, ADD(f, MUL(k[2], d2c)));
+}
+
+/* lc_spot_emission; tint: colours of maps, or 1. d: from the point to the light. */
+LC_INLINE vf LC_FN(spot)(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3], vf tint[3])
+{
+    const vf zero = SET(0), one = SET(1);
+    const lc_spot_rec *spot[VF_LANES];
+    const float *row[VF_LANES];
+    float to[3][VF_LANES], rgb[3][VF_LANES];
+    vf k[4];
+    for (uint32_t i = 0; i < VF_LANES; i++) {
+        spot[i] = &t->light_spot[LC_FN(index_of)(t, light[i]) - t->first_spot_light];
+        row[i] = &spot[i]->cos_total;
+    }
+    vf_rows(row, 0, k);
+    vf x = MUL(vf_sub(vf_sel_gt(one, cos_phi, cos_phi, one), k[0]), k[1]);
+    x = vf_sel_gt(x, zero, x, zero), x = vf_sel_gt(one, x, x, one);
+    if (t->spot_maps) {
+        for (int a = 0; a < 3; a++) vf_store(to[a], vf_neg(d[a]));
+        for (uint32_t i = 0; i < VF_LANES; i++) {
+            const float w[3] = { to[0][i], to[1][i], to[2][i] };
+            float c[3] = { 1, 1, 1 };
+            if (spot[i]->map) lc_spot_colour(&t->spot_maps[spot[i]->map - 1], w, c);
+            for (int a = 0; a < 3; a++) rgb[a][i] = c[a];
+        }
+        for (int a = 0; a < 3; a++) tint[a] = vf_load(rgb[a]);
+    }
+    return MUL(MUL(x, x), vf_sub(SET(3), ADD(x, x)));
 }
 
 /* lc_dir_unpack. */
@@ -127,7 +160,7 @@ LC_INLINE void LC_FN(shade)(const lc_tree_data *t, const float *const *light, lc
                             float *const out[6], uint32_t at)
 {
     const vf zero = SET(0), one = SET(1), min_cos = SET(LC_MIN_COS), tiny = SET(LC_TINY_D2);
-    vf n[3], d[3], y[4], inv_len = one, g = one, cos_r, lit;
+    vf n[3], d[3], y[4], tint[3] = { one, one, one }, inv_len = one, g = one, cos_r, lit;
     LC_FN(set_row)(n, p->n);
     vf_rows(light, 0, y);
     if (kind == LC_LIGHT_DIRECTIONAL) {
@@ -140,14 +173,15 @@ LC_INLINE void LC_FN(shade)(const lc_tree_data *t, const float *const *light, lc
         inv_len = vf_div(one, vf_sqrt(vf_sel_gt(d2, tiny, d2, tiny)));
         cos_r = MUL(nd, inv_len);
         lit = vf_sel_gt(cos_r, min_cos, one, zero); /* then nd > 0 */
-        if (kind == LC_LIGHT_ORIENTED) {
+        if (lc_is_aimed(kind)) {
             vf dir[3], row[4];
             vf_rows(light, offsetof(lc_light_rec, intensity) / sizeof(float), row);
             LC_FN(unpack)(y[3], row[3], dir);
             g = MUL(vf_neg(LC_FN(dot_rows)(dir, d)), inv_len);
+            if (kind == LC_LIGHT_SPOT) g = LC_FN(spot)(t, light, g, d, tint);
             lit = vf_sel_gt(g, min_cos, lit, zero);
         }
-        g = LC_FN(attenuated)(t, light, p, d2, g);
+        g = LC_FN(attenuated)(t, light, kind, p, d2, g);
     }
     vf cos_g = MUL(cos_r, g), glossy = zero, lobes[3] = { zero, zero, zero }, coat = one;
     if (lobe == LC_LOBE_PHONG) glossy = LC_FN(phong)(p, d, inv_len, lit);
@@ -158,6 +192,7 @@ LC_INLINE void LC_FN(shade)(const lc_tree_data *t, const float *const *light, lc
         vf f = SET(p->diffuse[k]);
         if (lobe == LC_LOBE_GGX) f = ADD(MUL(f, coat), lobes[k]);
         else if (lobe != LC_LOBE_NONE) f = ADD(f, MUL(SET(p->specular[k]), glossy));
+        if (kind == LC_LIGHT_SPOT) f = MUL(f, tint[k]);
         vf_store(out[k] + at, LC_FN(channel)(f, cos_g, lit));
         vf_store(out[3 + k] + at, y[k]);
     }
@@ -202,6 +237,9 @@ static void LC_FN(estimate)(const lc_tree_data *t, uint32_t first, const uint32_
         break;
     case LC_LIGHT_DIRECTIONAL:
         BY_LOBE(LC_LIGHT_DIRECTIONAL);
+        break;
+    case LC_LIGHT_SPOT:
+        BY_LOBE(LC_LIGHT_SPOT);
         break;
     }
 #undef BY_LOBE

@@ -118,6 +118,8 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
     out->t = hit.t;
     out->front = back == away;
     out->emission = out->front || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
+    if (mesh->emission_map && lc_f3_max(out->emission) > 0)
+        out->emission = lc_f3_mul(out->emission, lc_textured_emission(scene, mesh, v, &hit, dir, pixel));
     if (mesh->brushed) out->material.tangent = lc_textured_tangent(scene, mesh, v, &hit);
     set_ray_origin(out, ng, size);
     return true;

@@ -32,6 +32,12 @@ static const float *uv_of(const lc_scene *scene, const lc_mesh *mesh, uint32_t t
     return mesh->has_uv ? scene->uv + 2 * (size_t)scene->index[3 * (size_t)tri + k] : corners[k];
 }
 
+void lc_textured_uv(const lc_scene *scene, const lc_mesh *mesh, uint32_t tri, size_t vertex, double uv[2])
+{
+    const float *t = uv_of(scene, mesh, tri, vertex);
+    uv[0] = (double)t[0], uv[1] = (double)t[1];
+}
+
 lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], uint32_t tri, float u,
                                float v)
 {
@@ -243,4 +249,14 @@ void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const floa
     m->kd = lc_f3_mul(m->kd, tint);
     m->ks = lc_f3_mul(m->ks, tint);
     m->kt = lc_f3_mul(m->kt, tint);
+}
+
+lc_f3 lc_textured_emission(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
+                           double pixel)
+{
+    const lc_mipmap *map = &scene->emission_maps[mesh->emission_map - 1];
+    lc_tex_point p = point_of(scene, mesh, corner, hit, dir, pixel);
+    double width = p.width * fmax(p.grad_u * map->levels[0].width, p.grad_v * map->levels[0].height), rgb[3];
+    lc_mipmap_lookup(map, p.uv[0], 1 - p.uv[1], fmax(width, 1), LC_WRAP_CLAMP, LC_FILTER_TRILINEAR, rgb);
+    return lc_f3_make((float)fmax(rgb[0], 0), (float)fmax(rgb[1], 0), (float)fmax(rgb[2], 0));
 }

@@ -17,4 +17,10 @@ lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const
 void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
                           double pixel, lc_material *m, lc_f3 *n);
 
+/* Picture of the emission there. */
+lc_f3 lc_textured_emission(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
+                           double pixel);
+/* Texture coordinates of a vertex, 0..2, of a triangle. */
+void lc_textured_uv(const lc_scene *scene, const lc_mesh *mesh, uint32_t tri, size_t vertex, double uv[2]);
+
 #endif

@@ -15,7 +15,7 @@ typedef struct lc_build_input {
     const uint32_t *index; /* n scene indices of lights of one kind, rising; NULL: 0 .. n - 1 */
     uint32_t n;
     lc_light_kind kind;
-    double c2;             /* squared weight of directions in the metric, scene units^2; oriented lights only */
+    double c2;             /* squared weight of directions in the metric, scene units^2; oriented lights and spots only */
 } lc_build_input;
 
 /* Cluster n + i is what joining child[0] < child[1] < n + i gave; clusters 0 .. n - 1 are the lights. */

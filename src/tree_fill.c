@@ -150,8 +150,10 @@ static void fill_light(const filler *f, uint32_t build, uint32_t light, sums *s)
     lc_light l = f->in->lights[scene];
     lc_light_rec *rec = &f->t->data.lights[light];
     lc_light_rec_init(rec, &l);
-    if (l.kind == LC_LIGHT_ORIENTED) l.dir = lc_dir_unpack((const uint32_t[2]){ rec->dir_a, rec->dir_b });
-    if (f->t->data.light_atten) memcpy(f->t->data.light_atten[light], l.atten, sizeof l.atten);
+    if (lc_is_aimed(l.kind)) l.dir = lc_dir_unpack((const uint32_t[2]){ rec->dir_a, rec->dir_b });
+    lc_tree_data *d = &f->t->data;
+    if (l.kind == LC_LIGHT_SPOT) lc_spot_rec_init(lc_light_spot(d, light), l.spot.cos_total, l.spot.cos_start, l.spot.map);
+    else if (d->light_atten) memcpy(d->light_atten[light], l.atten, sizeof l.atten);
     lc_cluster_from_light(&s->c, &l);
     s->hash = lc_mix(scene);
 }
@@ -203,6 +205,8 @@ static void fill_node(const filler *f, batch *b, uint32_t at)
     uint64_t x = child[0].hash, y = child[1].hash;
     s->hash = x < y ? lc_hash2(x, y) : lc_hash2(y, x);
     lc_cluster_store(&s->c, node, f->t->data.node_atten ? &f->t->data.node_atten[e->id] : NULL);
+    lc_tree_data *d = &f->t->data;
+    if (s->c.kind == LC_LIGHT_SPOT) lc_spot_rec_init(lc_node_spot(d, e->id), s->c.spot[0], s->c.spot[1], 0);
     choose_reps(f, b, at, child, link);
 }
 

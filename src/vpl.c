@@ -114,6 +114,7 @@ static double spread(const maker *m, const lc_light *light)
     switch (light->kind) {
     case LC_LIGHT_POINT: return 4 * LC_PI;
     case LC_LIGHT_ORIENTED: return LC_PI;
+    case LC_LIGHT_SPOT: return 2 * LC_PI * (1 - fmax((double)light->spot.cos_total, -1));
     default: return LC_PI * m->radius * m->radius;
     }
 }
@@ -137,6 +138,20 @@ static const lc_light *pick_light(const path *p, double at)
     return &p->m->scene->lights[lo];
 }
 
+/* Evenly over a spot's cone; the flux by its profile. */
+static void emit_spot(path *p, const lc_light *light)
+{
+    lc_spot_rec spot;
+    float rgb[3] = { 1, 1, 1 };
+    lc_spot_rec_init(&spot, light->spot.cos_total, light->spot.cos_start, light->spot.map);
+    double z = 1 - draw(p) * (1 - fmax((double)light->spot.cos_total, -1)), r = sqrt(fmax((1 - z) * (1 + z), 0)), sine, cosine;
+    lc_sincos_deg(360 * draw(p), &sine, &cosine);
+    p->dir = in_frame(light->dir, r * cosine, r * sine, z);
+    const float to[3] = { p->dir.x, p->dir.y, p->dir.z };
+    if (spot.map) lc_spot_colour(&p->m->scene->spot_maps[spot.map - 1], to, rgb);
+    p->flux = lc_f3_mul(lc_f3_scale(p->flux, lc_spot_emission(&spot, (float)z)), lc_f3_load(rgb));
+}
+
 static void leave_from(path *p, const lc_light *light)
 {
     float size = lc_f3_max_abs(light->pos);
@@ -158,7 +173,8 @@ static void emit(path *p, const lc_light **from)
                             (float)(m->centre[2] + scale * (double)across.z));
         return;
     }
-    p->dir = light->kind == LC_LIGHT_ORIENTED ? draw_cosine(p, light->dir) : draw_sphere(p);
+    if (light->kind == LC_LIGHT_SPOT) emit_spot(p, light);
+    else p->dir = light->kind == LC_LIGHT_ORIENTED ? draw_cosine(p, light->dir) : draw_sphere(p);
     leave_from(p, light);
 }
 
@@ -166,7 +182,7 @@ static void emit(path *p, const lc_light **from)
 static float unlike_square(const lc_light *light, const lc_surface *s)
 {
     const float *a = light->atten;
-    if (light->kind == LC_LIGHT_DIRECTIONAL || lc_inverse_square(a)) return 1;
+    if (light->kind > LC_LIGHT_ORIENTED || lc_inverse_square(a)) return 1;
     lc_f3 v = lc_f3_sub(s->pos, light->pos);
     float d2 = lc_f3_dot(v, v);
     d2 = d2 > LC_MIN_D2 ? d2 : LC_MIN_D2;
@@ -244,6 +260,7 @@ static void trace(path *p)
     const lc_light *from;
     lc_surface s;
     emit(p, &from);
+    if (!(lc_f3_max(p->flux) > 0)) return;
     for (uint32_t depth = 1; depth < p->m->max_depth && depth <= PATH_SURFACES; depth++) {
         if (!lc_surface_hit(p->m->scene, p->org, p->dir, 0, &s)) return;
         if (depth == 1) p->flux = lc_f3_scale(p->flux, unlike_square(from, &s));

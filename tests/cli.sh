@@ -407,7 +407,7 @@ members() # object key...
         case $object in *"\"$key\":"[0-9]*) ok ;; *) no 'stats-file' "no number $key" ;; esac
     done
 }
-members lights_by_type point oriented directional
+members lights_by_type point oriented directional spot
 members seconds parse bvh lights tree render write total
 members cut mean median p99 max at_limit
 case $flat in *'"width":48,"height":40,"pixels":1920,'*) ok ;; *) no 'stats-file' 'wrong size' ;; esac

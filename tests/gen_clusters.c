@@ -190,7 +190,7 @@ static void make_directions(gen_src *s, gen_case *c, gen_style style, d3 to_poin
 {
     uint32_t how = gen_pick(s, 6), about = gen_pick(s, 5);
     d3 axis = direction(s);
-    bool oriented = c->lights[0].kind == LC_LIGHT_ORIENTED;
+    bool oriented = lc_is_aimed(c->lights[0].kind);
     if (oriented && about == 1) axis = d3_unit(to_point);
     if (oriented && about == 2) axis = across(s, to_point);
     if (style == GEN_ORDINARY) {
@@ -363,6 +363,30 @@ static void make_light_values(gen_src *s, gen_case *c, const space *b, gen_style
     }
 }
 
+/* Wide ones, narrow ones about the axis, those that end next to the point, jumps, and what shines everywhere. */
+static lc_spot spot_profile(gen_src *s, const gen_case *c, const lc_light *l, gen_style style)
+{
+    uint32_t how = style == GEN_ORDINARY ? 0 : gen_pick(s, 8);
+    d3 to = d3_mad(from_f3(c->pos), -1, from_f3(l->pos));
+    double cosine = d3_dot(d3_unit(to), from_f3(l->dir)), total = gen_real(s, -0.2, 0.9), width = gen_real(s, 0.02, 0.3);
+    if (how == 1) total = 1 - decade(s, -8, -1), width = decade(s, -9, -1);
+    if (how == 2) width = decade(s, -9, -1), total = cosine - width * gen_real(s, -0.2, 1.2);
+    if (how == 3) total = cosine - sign(s) * decade(s, -9, -3), width = decade(s, -9, -1);
+    if (how == 4) total = gen_real(s, -1, 1), width = 0;
+    if (how == 5) total = (double)(float)cosine, width = gen_pick(s, 2) ? 0 : decade(s, -8, -1);
+    if (how == 6) total = -2, width = 0.5;
+    lc_spot spot = { fminf(fmaxf((float)total, -2), 1), fminf(fmaxf((float)(total + width), -2), 1), 0 };
+    if (spot.cos_start < spot.cos_total) spot.cos_start = spot.cos_total;
+    return spot;
+}
+
+static void make_spots(gen_src *s, gen_case *c, gen_style style)
+{
+    lc_spot one = spot_profile(s, c, &c->lights[0], style);
+    bool alike = gen_pick(s, 2);
+    for (uint32_t i = 0; i < c->n; i++) c->lights[i].spot = alike ? one : spot_profile(s, c, &c->lights[i], style);
+}
+
 void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, gen_style style)
 {
     memset(c, 0, sizeof *c);
@@ -381,6 +405,7 @@ void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, g
     make_frame_of_point(s, c, style);
     make_material(s, c, brdf, style);
     make_light_values(s, c, &b, style);
+    if (kind == LC_LIGHT_SPOT) make_spots(s, c, style);
     double diag = b.scale * decade(s, 0, 2);
     uint32_t floor_kind = style == GEN_ORDINARY ? 1 : gen_pick(s, 8);
     double min_d2 = floor_kind == 0 ? 1e-2 * b.scale * b.scale : 1e-10 * diag * diag;
@@ -422,11 +447,27 @@ typedef struct value {
 
 static bool near_zero(double x) { return x > 0 && x < GEN_TINY; }
 
-static value light_value(const lc_point *p, const lc_light *l)
+lc_f3 gen_shade(const lc_point *p, const lc_light *l)
 {
     lc_light_rec rec;
+    lc_spot_rec spot;
     lc_light_rec_init(&rec, l);
-    lc_f3 mg = lc_shade_light(p, l->kind, &rec, l->atten);
+    if (l->kind != LC_LIGHT_SPOT) return lc_shade_light(p, l->kind, &rec, l->atten);
+    lc_spot_rec_init(&spot, l->spot.cos_total, l->spot.cos_start, 0);
+    return lc_shade_spot(p, &rec, &spot, NULL);
+}
+
+float gen_bound(const lc_cluster *c, const lc_node *node, const lc_atten *atten, const lc_point *p)
+{
+    lc_spot_rec spot;
+    if (c->kind != LC_LIGHT_SPOT) return lc_bound(node, lc_inverse_square(*atten) ? NULL : atten, c->kind, p);
+    lc_spot_rec_init(&spot, c->spot[0], c->spot[1], 0);
+    return lc_bound_spots(node, &spot, p);
+}
+
+static value light_value(const lc_point *p, const lc_light *l)
+{
+    lc_f3 mg = gen_shade(p, l);
     double ref[3], lo[3], hi[3], d[3];
     ref_transfer(p, l, ref), ref_transfer_range(p, l, lo, hi);
     value v = { .shade_ok = lc_f3_finite(mg) };
@@ -470,12 +511,12 @@ static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten
         for (int k = 0; k < 3; k++) {
             double p = l->kind == LC_LIGHT_DIRECTIONAL ? -(double)e[k] : (double)y[k];
             if (!(fabs(p - (double)b->center[k]) <= (double)b->half[k])) bad |= GEN_BAD_BOX;
-            if (l->kind != LC_LIGHT_DIRECTIONAL && !(atten[k] <= l->atten[k])) bad |= GEN_BAD_BOX;
+            if (l->kind <= LC_LIGHT_ORIENTED && !(atten[k] <= l->atten[k])) bad |= GEN_BAD_BOX;
             dot += axis[k] * (double)e[k], e2 += (double)e[k] * (double)e[k];
             power[k] += (double)(&l->intensity.x)[k];
         }
         double cone = (double)b->cos_cone;
-        if (l->kind == LC_LIGHT_ORIENTED && cone > -1 && !(dot / sqrt(len2 * e2) >= cone - 4e-16))
+        if (lc_is_aimed(l->kind) && cone > -1 && !(dot / sqrt(len2 * e2) >= cone - 4e-16))
             bad |= GEN_BAD_CONE;
     }
     for (int k = 0; k < 3; k++) {
@@ -520,7 +561,7 @@ void gen_case_run(const gen_case *c, gen_result *r)
         lc_cluster_store(&t.node[k], &node, &atten);
         uint32_t bad = check_stored(c, &node, atten, t.members[k]);
         if (bad) complain(r, bad, t.members[k], 0, 0);
-        float ub = lc_bound(&node, lc_inverse_square(atten) ? NULL : &atten, c->lights[0].kind, &p);
+        float ub = gen_bound(&t.node[k], &node, &atten, &p);
         check_node(c, r, v, t.members[k], (double)ub);
     }
 }
@@ -552,11 +593,12 @@ void gen_case_shrink(gen_case *c, uint32_t bad)
         for (uint32_t i = 0; i < t.n; i++) {
             lc_light *l = &t.lights[i];
             if (what == 0) l->intensity = lc_f3_make(1, 1, 1);
+            if (l->kind == LC_LIGHT_SPOT && (what == 1 || what == 3 || what == 4)) continue;
             if (what == 1) l->atten[0] = l->atten[1] = 0, l->atten[2] = 1;
             if (what == 2) l->pos = lc_f3_sub(l->pos, c->pos);
             if (what == 3) l->atten[0] = 0;
             if (what == 4) l->atten[1] = 0;
-            valid = valid && (l->atten[0] > 0 || l->atten[1] > 0 || l->atten[2] > 0);
+            valid = valid && (l->kind == LC_LIGHT_SPOT || l->atten[0] > 0 || l->atten[1] > 0 || l->atten[2] > 0);
         }
         if (what == 2) t.pos = lc_f3_make(0, 0, 0);
         if (what == 5) t.mat.kd = lc_f3_make(1, 1, 1);
@@ -585,7 +627,7 @@ static void print3(const char *name, lc_f3 a)
 
 void gen_case_print(const gen_case *c)
 {
-    static const char *const kinds[] = { "point", "oriented", "directional" };
+    static const char *const kinds[] = { "point", "oriented", "directional", "spot" };
     gen_result r;
     gen_case_run(c, &r);
     printf("  case: %s, %u lights: %s (bits %u), members %x, bound %.9g, value %.9g\n",
@@ -610,9 +652,7 @@ void gen_case_print(const gen_case *c)
         printf("    light %u\n", i);
         print3("  pos", l->pos), print3("  dir", l->dir), print3("  intens.", l->intensity);
         print3("  atten", lc_f3_load(l->atten));
-        lc_light_rec rec;
-        lc_light_rec_init(&rec, l);
-        lc_f3 mg = lc_shade_light(&p, l->kind, &rec, l->atten);
+        lc_f3 mg = gen_shade(&p, l);
         double ref[3], lo[3], hi[3];
         ref_transfer(&p, l, ref), ref_transfer_range(&p, l, lo, hi);
         print3("  shade", mg);

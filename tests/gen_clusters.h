@@ -7,6 +7,7 @@
 #ifndef GEN_CLUSTERS_H
 #define GEN_CLUSTERS_H
 
+#include "cluster.h"
 #include "layout.h"
 #include "material.h"
 
@@ -75,6 +76,9 @@ void gen_case_run(const gen_case *c, gen_result *r);
 /* Drops lights and rounds numbers for as long as the same bit stays bad. */
 void gen_case_shrink(gen_case *c, uint32_t bad);
 void gen_case_print(const gen_case *c);
+/* Transfer of a light without a map; bound of a cluster that is stored in node and atten. */
+lc_f3 gen_shade(const lc_point *p, const lc_light *l);
+float gen_bound(const lc_cluster *c, const lc_node *node, const lc_atten *atten, const lc_point *p);
 const char *gen_bad_name(uint32_t bad);
 
 #endif

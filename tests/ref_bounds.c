@@ -101,17 +101,36 @@ static double falloff(const double atten[3], double d2)
     return atten[0] + atten[1] * sqrt(d2) + atten[2] * d2;
 }
 
+/* spot.h's smooth step, a jump where both cosines are one. */
+static double profile(double cos_total, double cos_start, double cos_phi)
+{
+    if (cos_phi <= cos_total) return 0;
+    double t = cos_start > cos_total ? (cos_phi - cos_total) / (cos_start - cos_total) : 1;
+    return t < 1 ? t * t * (3 - 2 * t) : 1;
+}
+
+static double emission(const lc_light *l, double cos_phi)
+{
+    if (l->kind != LC_LIGHT_SPOT) return l->kind == LC_LIGHT_ORIENTED ? cos_phi : 1;
+    return profile((double)l->spot.cos_total, (double)l->spot.cos_start, cos_phi);
+}
+
 /* What M G is made of: cosines at the receiver, about the mirror direction, at the light; 1/f; Ward, GGX: i and h = i + o by
  * tangents over roughness and n, and the lengths of the former two. */
 typedef struct terms {
     double cos_r, cos_m, cos_e, inv_f, i[3], h[3], sharp[2];
 } terms;
 
+static void load_atten(double a[3], const lc_light *l)
+{
+    for (int k = 0; k < 3; k++) a[k] = l->kind == LC_LIGHT_SPOT ? k == 2 : (double)l->atten[k];
+}
+
 static terms light_terms(const lc_point *p, const lc_light *l)
 {
     double x[3], y[3], dir[3], n[3], m[3], atten[3], v[3], w[3];
     load(x, p->pos), load_f3(y, l->pos), load_f3(dir, l->dir), load(n, p->n), load(m, p->mirror);
-    load(atten, l->atten);
+    load_atten(atten, l);
     bool far = l->kind == LC_LIGHT_DIRECTIONAL;
     for (int k = 0; k < 3; k++) v[k] = far ? -dir[k] : y[k] - x[k];
     double d2 = dot3(v, v), d = sqrt(fmax(d2, (double)LC_TINY_D2)); /* no shorter: layout.h */
@@ -124,7 +143,7 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     }
     t.i[2] = dot3(n, w);
     for (int k = 0; k < 3; k++) t.h[k] = t.i[k] + (double)p->view[k];
-    if (l->kind == LC_LIGHT_ORIENTED) {
+    if (lc_is_aimed(l->kind)) {
         double len = sqrt(dot3(dir, dir));
         t.cos_e = len > 0 ? -dot3(dir, w) / len : 0;
     }
@@ -189,7 +208,7 @@ void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
         double lobe = (double)p->specular[c] * pm, c_h = half_cosine(p, t.h[0], t.h[1], t.h[2]);
         /* the cosine of o is no less, for the quotients */
         if (p->lobe == LC_LOBE_GGX) lobe = t.cos_r > 0 ? fresnel(p, c, c_h) * ggx(p, t.i, fmax((double)p->view[2], 1e-12)) : 0;
-        mg[c] = combine(p, c, fmin(t.cos_r, 1), coat_in(p, t.cos_r), lobe, fmin(t.cos_e, 1), t.inv_f);
+        mg[c] = combine(p, c, fmin(t.cos_r, 1), coat_in(p, t.cos_r), lobe, fmin(emission(l, t.cos_e), 1), t.inv_f);
     }
 }
 
@@ -269,7 +288,10 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
 {
     terms t = light_terms(p, l);
     double er = cos_error(t.cos_r), em = cos_error(t.cos_m),
-           ee = l->kind == LC_LIGHT_ORIENTED ? cos_error(t.cos_e) : 0;
+           ee = lc_is_aimed(l->kind) ? cos_error(t.cos_e) : 0;
+    /* A spot's quotient and smooth step are six operations more, the quotient's errors counted twice: 12 U */
+    double spot = l->kind == LC_LIGHT_SPOT ? 12 * U : 0;
+    double e_lo = emission(l, fmin(t.cos_e, 1) - ee) * (1 - spot), e_hi = emission(l, t.cos_e + ee) * (1 + spot);
     double n = (double)p->exponent, pm_lo = 0, pm_hi = 0, gloss_lo[3], gloss_hi[3];
     if (p->lobe == LC_LOBE_WARD) ward_range(&t, er, &pm_lo, &pm_hi);
     if (p->lobe == LC_LOBE_PHONG) {
@@ -287,11 +309,11 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
     for (int c = 0; c < 3; c++) {
         double rho = (double)p->diffuse[c] + gloss_hi[c];
         double tiny = 0x1p-147 * (rho + t.inv_f + 1) + 0x1p-126 * (double)p->specular[c] * t.inv_f;
-        lo[c] = combine(p, c, fmin(t.cos_r, 1) - er, in_lo, gloss_lo[c], fmin(t.cos_e, 1) - ee, t.inv_f) * (1 - 18 * U) - tiny;
-        hi[c] = combine(p, c, t.cos_r + er, in_hi, gloss_hi[c], t.cos_e + ee, t.inv_f) * (1 + 18 * U) + tiny;
+        lo[c] = combine(p, c, fmin(t.cos_r, 1) - er, in_lo, gloss_lo[c], e_lo, t.inv_f) * (1 - 18 * U) - tiny;
+        hi[c] = combine(p, c, t.cos_r + er, in_hi, gloss_hi[c], e_hi, t.inv_f) * (1 + 18 * U) + tiny;
         if (lo[c] < 0 || t.inv_f < 0x1p-127) lo[c] = 0; /* f is inf in float, 1/f is 0 */
         /* The estimate's own definition (layout.h): 0 at grazing cosines and where it is tiny, capped. */
-        bool grazing = t.cos_r - er <= (double)LC_MIN_COS || t.cos_e - ee <= (double)LC_MIN_COS;
+        bool grazing = t.cos_r - er <= (double)LC_MIN_COS || e_lo <= (double)LC_MIN_COS;
         if (grazing || lo[c] < (double)LC_MIN_TRANSFER * (1 + 1e-6)) lo[c] = 0;
         lo[c] = fmin(lo[c], (double)LC_MAX_TRANSFER * (1 - 1e-6));
     }
@@ -390,7 +412,7 @@ static double joint_bound(const double lo[3], const double hi[3], const double n
 
 /* Boxes of the members. v: y - x, or the unit direction towards the light; e: unit emission direction. */
 typedef struct ref_cluster {
-    double vlo[3], vhi[3], elo[3], ehi[3], atten[3], power[3];
+    double vlo[3], vhi[3], elo[3], ehi[3], atten[3], power[3], spot[2];
     lc_light_kind kind;
 } ref_cluster;
 
@@ -400,17 +422,22 @@ static void gather(ref_cluster *c, const lc_point *p, const lc_light *lights, ui
         c->vlo[k] = c->elo[k] = c->atten[k] = HUGE_VAL;
         c->vhi[k] = c->ehi[k] = -HUGE_VAL, c->power[k] = 0;
     }
+    c->spot[0] = c->spot[1] = 1;
     for (uint32_t i = 0; i < 32; i++) {
         if (!(members >> i & 1)) continue;
         const lc_light *l = &lights[i];
         c->kind = l->kind;
-        double x[3], y[3], dir[3], in[3];
-        load(x, p->pos), load_f3(y, l->pos), load_f3(dir, l->dir), load_f3(in, l->intensity);
+        double x[3], y[3], dir[3], in[3], atten[3];
+        load(x, p->pos), load_f3(y, l->pos), load_f3(dir, l->dir), load_f3(in, l->intensity), load_atten(atten, l);
+        if (l->kind == LC_LIGHT_SPOT) {
+            c->spot[0] = fmin(c->spot[0], (double)l->spot.cos_total);
+            c->spot[1] = fmin(c->spot[1], (double)l->spot.cos_start);
+        }
         for (int k = 0; k < 3; k++) {
             double v = l->kind == LC_LIGHT_DIRECTIONAL ? -dir[k] : y[k] - x[k];
             c->vlo[k] = fmin(c->vlo[k], v), c->vhi[k] = fmax(c->vhi[k], v);
             c->elo[k] = fmin(c->elo[k], dir[k]), c->ehi[k] = fmax(c->ehi[k], dir[k]);
-            c->atten[k] = fmin(c->atten[k], (double)l->atten[k]);
+            c->atten[k] = fmin(c->atten[k], atten[k]);
             c->power[k] += in[k];
         }
     }
@@ -424,7 +451,7 @@ static double emission_bound(const ref_cluster *c)
     if (cos_cone <= -1) return 1;
     for (int k = 0; k < 3; k++) lo[k] = -c->vhi[k], hi[k] = -c->vlo[k];
     double theta = acos(ref_cos_box(lo, hi, axis)), beta = acos(cos_cone);
-    return theta <= beta ? 1 : fmax(0, cos(theta - beta));
+    return theta <= beta ? 1 : cos(theta - beta);
 }
 
 /* Range of x / sqrt(x^2 + y^2) where x is in x0..x1 and y^2 in y0..y1. */
@@ -522,6 +549,7 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
     for (int k = 0; k < 3; k++) d2 += min_square(c.vlo[k], c.vhi[k]);
     double inv_f = 1 / falloff(c.atten, fmax(d2, (double)p->min_d2)), separate = cos_r * inv_f, geometry = separate;
     if (joint && c.atten[2] > 0) geometry = fmin(geometry, len_n * joint_bound(c.vlo, c.vhi, n) / c.atten[2]);
-    double emission = c.kind == LC_LIGHT_ORIENTED ? emission_bound(&c) : 1;
-    return emission > 0 ? (material * geometry + lobe * inv_f) * emission : 0;
+    double cos_e = lc_is_aimed(c.kind) ? emission_bound(&c) : 1;
+    if (c.kind == LC_LIGHT_SPOT) cos_e = profile(c.spot[0], c.spot[1], cos_e);
+    return cos_e > 0 ? (material * geometry + lobe * inv_f) * cos_e : 0;
 }

@@ -96,7 +96,7 @@ static lc_light *make_set(style st, lc_light_kind kind, uint32_t n)
 static double weight(const lc_light *l, uint32_t n)
 {
     lc_box b = lc_box_empty();
-    if (l->kind != LC_LIGHT_ORIENTED) return 0;
+    if (!lc_is_aimed(l->kind)) return 0;
     for (uint32_t i = 0; i < n; i++) lc_box_add(&b, l[i].pos);
     double x = (double)b.hi.x - b.lo.x, y = (double)b.hi.y - b.lo.y, z = (double)b.hi.z - b.lo.z;
     return x * x + y * y + z * z > 0 ? x * x + y * y + z * z : 1;
@@ -266,7 +266,7 @@ TEST(equals_naive_agglomeration)
         for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
             for (uint32_t n = 2; n <= 350; n += n < 12 ? 1 : n < 100 ? 29 : 113) {
                 style st = without_ties[s];
-                bool tie = kind != LC_LIGHT_ORIENTED && (st == ONE_PLACE_ANY_DIRECTION || st == ONE_PLACE_NARROW || st == WALLS);
+                bool tie = !lc_is_aimed((lc_light_kind)kind) && (st == ONE_PLACE_ANY_DIRECTION || st == ONE_PLACE_NARROW || st == WALLS);
                 if (tie || (st == OUTLIERS && kind == LC_LIGHT_DIRECTIONAL)) continue;
                 lc_light *l = make_set(st, (lc_light_kind)kind, n);
                 lc_build_pair *pairs = agglomerate(l, n);

@@ -84,7 +84,8 @@ static void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool whi
         lc_light l = { .kind = (lc_light_kind)kind, .pos = rnd_in_box(1), .dir = rnd_unit(), .atten = { 0, 0, 1 } };
         float grey = (float)rnd_in(0.1, 1);
         l.intensity = white ? lc_f3_make(grey, grey, grey) : lc_f3_make((float)rnd(), (float)rnd(), (float)rnd());
-        if (rnd() < 0.3)
+        if (kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ (float)rnd_in(-0.5, 0.5), (float)rnd_in(0.5, 1), 0 };
+        else if (rnd() < 0.3)
             for (int k = 0; k < 3; k++) l.atten[k] = (float)rnd_in(0.1, 1);
         s->lights[i] = l;
     }
@@ -100,7 +101,8 @@ static void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool whi
 
 static void build_tree(setup *s, uint64_t seed, uint32_t n_reps)
 {
-    lc_light_tree_desc d = { s->lights, s->n, DIAG2, seed, n_reps, LC_BUILDER_AUTO };
+    lc_light_tree_desc d = { .lights = s->lights, .n_lights = s->n, .diag2 = DIAG2, .seed = seed,
+                             .n_reps = n_reps, .builder = LC_BUILDER_AUTO };
     lc_light_tree_destroy(s->tree);
     if (lc_light_tree_build(ctx, &d, &s->tree)) abort();
     CHECK(!lc_light_tree_validate(s->tree));
@@ -181,7 +183,9 @@ static double sum_below(const setup *s, uint32_t top, const point *q, bool shado
         uint32_t light = link & ~LC_LEAF;
         if (shadows && is_hidden(s, q, light)) continue;
         const lc_light_rec *l = &t->data.lights[light];
-        lc_f3 mg = lc_shade_light(p, lc_kind_of_light(t, light), l, lc_light_atten(&t->data, light));
+        lc_light_kind kind = lc_kind_of_light(t, light);
+        lc_f3 mg = kind == LC_LIGHT_SPOT ? lc_shade_spot(p, l, lc_light_spot(&t->data, light), NULL)
+                                         : lc_shade_light(p, kind, l, lc_light_atten(&t->data, light));
         sum += lum_of(lc_f3_mul(mg, lc_f3_load(l->intensity)));
     }
     return sum;

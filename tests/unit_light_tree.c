@@ -19,7 +19,8 @@ static lc_light rnd_light(lc_light_kind kind)
     lc_light l = { .kind = kind, .dir = rnd_unit(), .atten = { 0, 0, 1 } };
     l.pos = lc_f3_make((float)rnd_in(-1, 2), (float)rnd_in(-3, 4), (float)rnd_in(5, 6));
     l.intensity = lc_f3_make((float)rnd_in(0.1, 1), (float)rnd_in(0, 2), (float)rnd_in(0, 1));
-    if (rnd() < 0.3)
+    if (kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ (float)rnd_in(-0.5, 0.5), (float)rnd_in(0.5, 1), 0 };
+    else if (rnd() < 0.3)
         for (int k = 0; k < 3; k++) l.atten[k] = (float)rnd_in(0.1, 3);
     return l;
 }
@@ -44,7 +45,7 @@ static lc_builder builder = LC_BUILDER_EXACT; /* of build */
 static lc_light_tree *build(const lc_light *lights, size_t n, uint64_t seed, uint32_t n_reps)
 {
     lc_light_tree *t;
-    lc_light_tree_desc d = { lights, n, DIAG2, seed, n_reps, builder };
+    lc_light_tree_desc d = { .lights = lights, .n_lights = n, .diag2 = DIAG2, .seed = seed, .n_reps = n_reps, .builder = builder };
     if (lc_light_tree_build(ctx, &d, &t)) abort();
     return t;
 }
@@ -116,11 +117,11 @@ static const char *slow_check_node(const lc_light_tree *t, uint32_t id, const ui
             if (fabsl(p - (long double)b->center[k]) > (long double)b->half[k]) return "box";
             if (atten) least = fminf(least, atten[k]);
         }
-        if (kind == LC_LIGHT_DIRECTIONAL) continue;
+        if (kind > LC_LIGHT_ORIENTED) continue;
         if (!t->data.node_atten != !t->data.light_atten) return "atten";
         if (t->data.node_atten && memcmp(&least, &t->data.node_atten[id][k], sizeof least)) return "atten";
     }
-    if (kind == LC_LIGHT_ORIENTED && (double)b->cos_cone > least_cosine(t, id, below, n) && b->cos_cone > -1) return "cone";
+    if (lc_is_aimed(kind) && (double)b->cos_cone > least_cosine(t, id, below, n) && b->cos_cone > -1) return "cone";
     return NULL;
 }
 
@@ -262,6 +263,7 @@ TEST(grid_of_equal_lights)
             l[i] = (lc_light){ .kind = (lc_light_kind)kind, .intensity = { 1, 1, 1 }, .atten = { 0, 0, 1 } };
             l[i].pos = lc_f3_make((float)(i % 100), 0, (float)(i / 100));
             l[i].dir = lc_f3_make(0, -1, 0);
+            if (kind == LC_LIGHT_SPOT) l[i].spot = (lc_spot){ 0.5f, 0.75f, 0 };
             if (kind == LC_LIGHT_DIRECTIONAL)
                 l[i].dir = lc_f3_normalize(lc_f3_make((float)(i % 100) / 64, -1, (float)(i / 100) / 64));
         }

@@ -439,8 +439,8 @@ TEST(directed_lights)
     CHECK(near3(l[2].dir, 1, 0, 0, 0) && near3(l[2].intensity, 7, 7, 7, 0));
     EXPECT_ERROR("WorldBegin\nLightSource \"oriented\" \"vector direction\" [0 0 0]",
                  "s.pbrt:2:1: error: the light's direction is zero or out of range");
-    CHECK(load("WorldBegin LightSource \"spot\" LightSource \"projection\" LightSource \"spot\"") == LC_OK);
-    CHECK(scene->n_lights == 0 && note("light spot")->count == 2 && note("light projection"));
+    CHECK(load("WorldBegin LightSource \"lamp\" LightSource \"beam\" LightSource \"lamp\"") == LC_OK);
+    CHECK(scene->n_lights == 0 && note("light lamp")->count == 2 && note("light beam"));
 }
 
 /* Against pixel values measured with pbrt-v4: the light's colour relative to "rgb I" [1 1 1]. */

@@ -98,7 +98,7 @@ static void check_set(int style, uint32_t n, lc_light_kind kind)
     lc_light *lights = make(style, n, kind);
     lc_build_pair *pairs = malloc(n * sizeof *pairs);
     if (!pairs) abort();
-    lc_build_input in = { lights, NULL, n, kind, kind == LC_LIGHT_ORIENTED ? 12 : 0 };
+    lc_build_input in = { lights, NULL, n, kind, lc_is_aimed((lc_light_kind)kind) ? 12 : 0 };
     CHECK(build(&in, 2, LC_ISA_BEST, pairs) == LC_OK);
     uint32_t depth = depth_of(pairs, n);
     CHECKF(depth <= 128 + 32 * log(fmax(1, n / 128.0)), "%s, %u lights of kind %d: depth %u", names[style], n, (int)kind, depth);
@@ -136,7 +136,7 @@ TEST(same_for_threads_and_instruction_sets)
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
         for (int style = 0; style < STYLES; style += 4) {
             lc_light *lights = make(style, n, (lc_light_kind)kind);
-            lc_build_input in = { lights, NULL, n, (lc_light_kind)kind, kind == LC_LIGHT_ORIENTED ? 12 : 0 };
+            lc_build_input in = { lights, NULL, n, (lc_light_kind)kind, lc_is_aimed((lc_light_kind)kind) ? 12 : 0 };
             CHECK(build(&in, 1, lc_cpu_isa(), want) == LC_OK);
             for (uint32_t i = 0; i < 4; i++) {
                 lc_isa isa = (lc_isa)(LC_ISA_SCALAR + (int)i < (int)lc_cpu_isa() ? LC_ISA_SCALAR + (int)i : (int)lc_cpu_isa());
@@ -280,12 +280,12 @@ TEST(bytes_a_light)
     if (!pairs) abort();
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         lc_light *lights = make(ROOM, n, (lc_light_kind)kind);
-        lc_build_input in = { lights, NULL, n, (lc_light_kind)kind, kind == LC_LIGHT_ORIENTED };
+        lc_build_input in = { lights, NULL, n, (lc_light_kind)kind, lc_is_aimed((lc_light_kind)kind) };
         most_bytes = 0;
         CHECK(build(&in, 1, LC_ISA_BEST, pairs) == LC_OK);
         double bytes = (double)most_bytes / n;
         printf("  kind %d: %.1f bytes a light\n", kind, bytes);
-        CHECKF(bytes < (kind == LC_LIGHT_ORIENTED ? 125 : 75), "kind %d: %g", kind, bytes);
+        CHECKF(bytes < (lc_is_aimed((lc_light_kind)kind) ? 125 : 75), "kind %d: %g", kind, bytes);
         free(lights);
     }
     free(pairs);

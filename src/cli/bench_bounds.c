@@ -67,7 +67,7 @@ static const struct {
 static lc_status setup_init(const lc_context *ctx, lc_light_kind kind, setup *s)
 {
     static lc_light lights[N_LIGHTS];
-    lc_light_tree_desc desc = { lights, N_LIGHTS, 300, 0, 1, LC_BUILDER_EXACT };
+    lc_light_tree_desc desc = { .lights = lights, .n_lights = N_LIGHTS, .diag2 = 300, .n_reps = 1, .builder = LC_BUILDER_EXACT };
     *s = (setup){ .kind = kind };
     for (uint64_t i = 0; i < N_LIGHTS; i++) lights[i] = bench_light(kind, i);
     s->list = lc_alloc(ctx, 2 * N_BATCHES * BATCH, sizeof *s->list);

@@ -16,7 +16,7 @@ static lc_status measure(const bench_options *o, const lc_context *ctx, const be
     lc_status st = lights ? LC_OK : LC_ERR_MEMORY;
     for (uint64_t i = 0; i < n && !st; i++) lights[i] = bench_light(kind, i);
     for (uint32_t r = 0; r < n_runs && !st; r++) {
-        lc_light_tree_desc desc = { lights, n, 300, 0, 1, builder->id };
+        lc_light_tree_desc desc = { .lights = lights, .n_lights = n, .diag2 = 300, .n_reps = 1, .builder = builder->id };
         lc_light_tree *tree;
         double t0 = lc_now();
         st = lc_light_tree_build(ctx, &desc, &tree);

@@ -241,7 +241,7 @@ static void json_float(const char *name, double v, const char *after)
 static void json_cluster(const lc_explained_cluster *c, double total)
 {
     static const char *const seen[] = { "null", "false", "true" };
-    static const char *const names[] = { "point", "oriented", "directional" };
+    static const char *const names[] = { "point", "oriented", "directional", "spot" };
     printf("{\"id\": %u, \"parent\": ", c->id);
     if (c->parent == LC_NO_CLUSTER) printf("null");
     else printf("%u", c->parent);

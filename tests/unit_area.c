@@ -1,0 +1,182 @@
+/* unit_area.c - lights of emissive triangles: pictures, both sides, power; no two in one place. */
+#include "area_light.h"
+#include "pbrt_parse.h"
+#include "rng.h"
+#include "test.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+static char dir[] = "/tmp/unit_area.XXXXXX";
+static lc_context *ctx;
+static lc_scene *scene;
+
+#define W 64
+#define H 32
+
+/* Dark on the left, a few texels very bright, the lower half blue. */
+static void texel(uint32_t x, uint32_t y, float rgb[3])
+{
+    for (int c = 0; c < 3; c++) rgb[c] = (float)lc_unit(lc_hash4(5, x, y, (uint64_t)c)) * (float)x / W;
+    if ((x * 7 + y * 13) % 97 == 0) rgb[0] = 40;
+    if (y >= H / 2) rgb[0] = rgb[1] = 0, rgb[2] += 1;
+}
+
+static void write_picture(void)
+{
+    char path[64];
+    float rgb[3];
+    snprintf(path, sizeof path, "%s/a.pfm", dir);
+    FILE *f = fopen(path, "wb");
+    if (!f) abort();
+    fprintf(f, "PF\n%d %d\n-1.0\n", W, H);
+    for (uint32_t y = H; y-- > 0;) /* rows from the bottom */
+        for (uint32_t x = 0; x < W; x++) texel(x, y, rgb), fwrite(rgb, sizeof rgb, 1, f);
+    if (fclose(f)) abort();
+}
+
+/* Power over pi of the whole picture on an area of 1. */
+static void integral(double sum[3])
+{
+    float rgb[3];
+    sum[0] = sum[1] = sum[2] = 0;
+    for (uint32_t y = 0; y < H; y++)
+        for (uint32_t x = 0; x < W; x++) {
+            texel(x, y, rgb);
+            for (int c = 0; c < 3; c++) sum[c] += (double)rgb[c] / (W * H);
+        }
+}
+
+static void load(const char *text, uint32_t n_lights)
+{
+    char all[2048], name[64];
+    lc_scene_destroy(scene);
+    if (lc_scene_create(ctx, &scene)) abort();
+    snprintf(name, sizeof name, "%s/s.pbrt", dir);
+    snprintf(all, sizeof all, "WorldBegin %s", text);
+    FILE *f = fopen(name, "wb");
+    if (!f || fputs(all, f) < 0 || fclose(f)) abort();
+    CHECK(lc_pbrt_parse(scene, name) == LC_OK);
+    CHECK(lc_area_lights_make(scene, n_lights, 3) == LC_OK && lc_scene_join_lights(scene) == LC_OK);
+}
+
+static void sum_of_lights(double sum[3])
+{
+    sum[0] = sum[1] = sum[2] = 0;
+    for (size_t i = 0; i < scene->n_lights; i++) {
+        lc_f3 v = scene->lights[i].intensity;
+        sum[0] += (double)v.x, sum[1] += (double)v.y, sum[2] += (double)v.z;
+    }
+}
+
+static int by_place(const void *a, const void *b) { return memcmp(&((const lc_light *)a)->pos, &((const lc_light *)b)->pos, sizeof(lc_f3)); }
+
+static void check_places(void)
+{
+    qsort(scene->lights, scene->n_lights, sizeof *scene->lights, by_place);
+    for (size_t i = 1; i < scene->n_lights; i++) CHECK(by_place(&scene->lights[i - 1], &scene->lights[i]));
+}
+
+#define QUAD "Shape \"trianglemesh\" \"point3 P\" [0 0 0  2 0 0  2 .5 0  0 .5 0] \"point2 uv\" [0 0 1 0 1 1 0 1] \"integer indices\" [0 1 2 0 2 3]"
+
+TEST(pictures_keep_their_power)
+{
+    static const uint32_t numbers[] = { 1, 2, 7, 100, 3000, 100000 };
+    double want[3], got[3];
+    integral(want);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        load("AreaLightSource \"diffuse\" \"string filename\" \"a.pfm\" \"float scale\" 2 " QUAD, numbers[i]);
+        size_t n = numbers[i] < 2 ? 2 : numbers[i];
+        CHECKF(scene->n_lights + 2 >= n && scene->n_lights <= n + 1, "%zu of %u", scene->n_lights, numbers[i]);
+        sum_of_lights(got);
+        for (int c = 0; c < 3; c++) CHECKF(fabs(got[c] / (2 * want[c]) - 1) < 0.005, "%u: %g, not %g", numbers[i], got[c], 2 * want[c]);
+        check_places();
+    }
+    printf("  100000 lights: sums off by %.2g %.2g %.2g\n", got[0] / (2 * want[0]) - 1, got[1] / (2 * want[1]) - 1, got[2] / (2 * want[2]) - 1);
+}
+
+/* Blocks of the picture have as many lights as their power asks for, and the colours of their texels. */
+TEST(lights_lie_where_the_picture_is_bright)
+{
+    double all[3];
+    const uint32_t n = 100000;
+    float rgb[3];
+    load("AreaLightSource \"diffuse\" \"string filename\" \"a.pfm\" " QUAD, n);
+    integral(all);
+    for (uint32_t block = 0; block < 32; block++) {
+        uint32_t x0 = block % 8 * 8, y0 = block / 8 * 8, in = 0;
+        double want[3] = { 0, 0, 0 }, got[3] = { 0, 0, 0 };
+        for (uint32_t i = 0; i < 64; i++) {
+            texel(x0 + i % 8, y0 + i / 8, rgb);
+            for (int c = 0; c < 3; c++) want[c] += (double)rgb[c] / (W * H);
+        }
+        for (size_t i = 0; i < scene->n_lights; i++) {
+            const lc_light *l = &scene->lights[i];
+            double x = (double)l->pos.x / 2 * W, y = (1 - (double)l->pos.y / 0.5) * H;
+            if (x < x0 || x >= x0 + 8 || y < y0 || y >= y0 + 8) continue;
+            got[0] += (double)l->intensity.x, got[1] += (double)l->intensity.y, got[2] += (double)l->intensity.z, in++;
+        }
+        double share = (want[0] + want[1] + want[2]) / (all[0] + all[1] + all[2]);
+        /* bilinear texels reach half a texel over the edge of a block of eight */
+        double edge = 0.12 * (all[0] + all[1] + all[2]) / 32 + 0.12 * (want[0] + want[1] + want[2]);
+        CHECKF(fabs(in - share * n) < 0.12 * (n / 32.0 + share * n), "block %u: %u, not %g", block, in, share * n);
+        for (int c = 0; c < 3; c++) CHECKF(fabs(got[c] - want[c]) < edge, "block %u: %g, not %g", block, got[c], want[c]);
+    }
+}
+
+TEST(both_sides)
+{
+    double one[3], two[3];
+    load("AreaLightSource \"diffuse\" \"string filename\" \"a.pfm\" " QUAD, 1000);
+    sum_of_lights(one);
+    for (size_t i = 0; i < scene->n_lights; i++) CHECK(scene->lights[i].dir.z > 0);
+    load("AreaLightSource \"diffuse\" \"string filename\" \"a.pfm\" \"bool twosided\" true " QUAD, 1000);
+    sum_of_lights(two);
+    double front = 0;
+    for (size_t i = 0; i < scene->n_lights; i++) front += scene->lights[i].dir.z > 0 ? (double)scene->lights[i].intensity.z : 0;
+    CHECK(scene->n_lights >= 998 && scene->n_lights <= 1001);
+    CHECK(fabs(front - one[2]) < 1e-3 * one[2]);
+    for (int c = 0; c < 3; c++) CHECKF(fabs(two[c] - 2 * one[c]) < 1e-3 * two[c], "%g %g", two[c], one[c]);
+    check_places();
+}
+
+static double luminous(void)
+{
+    double sum[3];
+    sum_of_lights(sum);
+    return LC_PI * (0.2126 * sum[0] + 0.7152 * sum[1] + 0.0722 * sum[2]);
+}
+
+/* pbrt takes each triangle of a mesh for a shape. */
+TEST(power_is_of_each_shape)
+{
+    load("AreaLightSource \"diffuse\" \"float power\" 50 Shape \"sphere\" \"float radius\" 3", 100);
+    CHECKF(fabs(luminous() - 50) < 0.01, "%g", luminous());
+    load("AreaLightSource \"diffuse\" \"float power\" 50 \"bool twosided\" true Shape \"disk\" \"float innerradius\" 0.3", 100);
+    CHECKF(fabs(luminous() - 50) < 0.01, "%g", luminous());
+    load("AreaLightSource \"diffuse\" \"float power\" 50 " QUAD, 100);
+    CHECKF(fabs(luminous() - 100) < 0.02, "%g", luminous());
+    load("AreaLightSource \"diffuse\" \"float power\" 50 Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 3 0 1 3 0]", 100);
+    CHECKF(fabs(luminous() - 50) < 0.02, "%g", luminous());
+    load("AreaLightSource \"diffuse\" \"float power\" 50 \"string filename\" \"a.pfm\" " QUAD, 10000);
+    CHECKF(fabs(luminous() - 100) < 0.2, "%g", luminous());
+}
+
+int main(void)
+{
+    if (lc_context_create(NULL, &ctx) || !mkdtemp(dir)) return 1;
+    write_picture();
+    RUN(pictures_keep_their_power);
+    RUN(lights_lie_where_the_picture_is_bright);
+    RUN(both_sides);
+    RUN(power_is_of_each_shape);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+    char path[64];
+    snprintf(path, sizeof path, "%s/a.pfm", dir);
+    unlink(path);
+    snprintf(path, sizeof path, "%s/s.pbrt", dir);
+    unlink(path);
+    rmdir(dir);
+    return test_done();
+}

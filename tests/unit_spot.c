@@ -1,0 +1,206 @@
+/* unit_spot.c - spot, projection and goniometric lights: parameters, power, direction, trees. */
+#include "light_tree.h"
+#include "pbrt_parse.h"
+#include "rng.h"
+#include "shade.h"
+#include "test.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#define RND_KEY 20260607
+#include "rnd.h"
+
+static char dir[] = "/tmp/unit_spot.XXXXXX";
+static lc_context *ctx;
+static lc_scene *scene;
+
+static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
+
+/* rgb: w * h * 3, rows from the top. */
+static void write_pfm(const char *name, uint32_t w, uint32_t h, const float *rgb)
+{
+    char path[64];
+    snprintf(path, sizeof path, "%s/%s", dir, name);
+    FILE *f = fopen(path, "wb");
+    if (!f) abort();
+    fprintf(f, "PF\n%u %u\n-1.0\n", w, h);
+    for (uint32_t y = h; y-- > 0;) fwrite(rgb + (size_t)y * w * 3, sizeof *rgb, (size_t)w * 3, f);
+    if (fclose(f)) abort();
+}
+
+static lc_status load(const char *text)
+{
+    char name[64];
+    lc_scene_destroy(scene);
+    if (lc_scene_create(ctx, &scene)) abort();
+    snprintf(name, sizeof name, "%s/s.pbrt", dir);
+    FILE *f = fopen(name, "wb");
+    if (!f || fprintf(f, "WorldBegin %s\n", text) < 0 || fclose(f)) abort();
+    return lc_pbrt_parse(scene, name);
+}
+
+/* Radiant intensity in a direction, by the estimate of a white diffuser at distance 1 that faces the light. */
+static lc_f3 shine(const lc_light *l, lc_f3 w)
+{
+    const lc_material white = { .kd = { 1, 1, 1 } };
+    lc_light_rec rec;
+    lc_spot_rec spot;
+    lc_point p;
+    lc_light_rec_init(&rec, l);
+    lc_spot_rec_init(&spot, l->spot.cos_total, l->spot.cos_start, l->spot.map);
+    lc_point_init(&p, lc_f3_add(l->pos, w), lc_f3_neg(w), lc_f3_neg(w), &white, 1e-10f);
+    return lc_f3_scale(lc_f3_mul(lc_shade_spot(&p, &rec, &spot, scene->spot_maps), l->intensity), (float)LC_PI);
+}
+
+/* Integral over all directions. */
+static void flux(const lc_light *l, double sum[3])
+{
+    const uint32_t n = 1000;
+    sum[0] = sum[1] = sum[2] = 0;
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < 2 * n; j++) {
+            double z = 1 - 2 * (i + 0.5) / n, r = sqrt(1 - z * z), phi = LC_PI * (j + 0.5) / n;
+            lc_f3 v = shine(l, lc_f3_normalize_d(r * cos(phi), r * sin(phi), z));
+            sum[0] += (double)v.x, sum[1] += (double)v.y, sum[2] += (double)v.z;
+        }
+    for (int c = 0; c < 3; c++) sum[c] *= 2 * LC_PI / n / n;
+}
+
+static double luminance(const double v[3]) { return 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2]; }
+
+TEST(parameters)
+{
+    CHECK(load("Translate 1 2 3 LightSource \"spot\" \"rgb I\" [1 2 3] \"point3 from\" [0 0 1] \"point3 to\" [0 5 1]") == LC_OK);
+    const lc_light *l = scene->lights;
+    CHECK(scene->n_lights == 1 && l->kind == LC_LIGHT_SPOT);
+    CHECK(l->pos.x == 1 && l->pos.y == 2 && l->pos.z == 4 && l->dir.y == 1);
+    CHECK(near((double)l->spot.cos_total, cos(LC_PI / 6), 1e-7) && near((double)l->spot.cos_start, cos(25 * LC_PI / 180), 1e-7));
+    CHECK(near((double)shine(l, lc_f3_make(0, 1, 0)).z, 3, 1e-5));
+    /* half way between the cosines there is half of it */
+    double mid = (cos(LC_PI / 6) + cos(25 * LC_PI / 180)) / 2;
+    CHECK(near((double)shine(l, lc_f3_normalize_d(sqrt(1 - mid * mid), mid, 0)).y, 1, 1e-4));
+    CHECK(!(shine(l, lc_f3_normalize_d(sin(0.53), cos(0.53), 0)).y > 0));
+    CHECK(load("LightSource \"spot\" \"float coneangle\" 0") == LC_OK && scene->n_lights == 0);
+    CHECK(load("LightSource \"spot\" \"float coneangle\" 200") == LC_ERR_PARSE);
+    CHECK(load("LightSource \"spot\" \"point3 to\" [0 0 0]") == LC_ERR_PARSE);
+    CHECK(load("LightSource \"projection\" \"float fov\" 180") == LC_ERR_PARSE);
+    CHECK(load("Scale 1 1 0 LightSource \"goniometric\"") == LC_ERR_PARSE);
+}
+
+TEST(power)
+{
+    float rgb[12 * 8 * 3], square[16 * 16 * 3];
+    double sum[3];
+    for (size_t i = 0; i < sizeof rgb / sizeof *rgb; i++) rgb[i] = (float)rnd_in(0, 5);
+    for (size_t i = 0; i < sizeof square / sizeof *square; i++) square[i] = (float)rnd_in(1, 5);
+    write_pfm("p.pfm", 12, 8, rgb);
+    write_pfm("g.pfm", 16, 16, square);
+    static const struct {
+        const char *text;
+        double most;
+    } tests[] = {
+        { "LightSource \"spot\" \"float power\" 70 \"float coneangle\" 60 \"float conedeltaangle\" 20", 0.001 },
+        { "LightSource \"spot\" \"float power\" 70 \"float coneangle\" 120 \"float conedeltaangle\" 0", 0.002 },
+        { "Rotate 33 1 2 3 LightSource \"projection\" \"float power\" 70 \"string filename\" \"p.pfm\"", 0.01 },
+        { "Rotate 33 1 2 3 LightSource \"projection\" \"float power\" 70 \"float fov\" 20 \"string filename\" \"p.pfm\"", 0.02 },
+        { "Rotate 70 1 2 3 LightSource \"goniometric\" \"float power\" 70 \"string filename\" \"g.pfm\"", 0.01 },
+        { "LightSource \"goniometric\" \"float power\" 70", 0.001 },
+    };
+    for (size_t i = 0; i < sizeof tests / sizeof *tests; i++) {
+        CHECKF(load(tests[i].text) == LC_OK && scene->n_lights == 1, "%s", tests[i].text);
+        if (scene->n_lights != 1) continue;
+        flux(scene->lights, sum);
+        printf("  %.40s: %.6g\n", tests[i].text, luminance(sum));
+        CHECKF(near(luminance(sum), 70, 70 * tests[i].most), "%s: %g", tests[i].text, luminance(sum));
+    }
+}
+
+/* Four texels, seen from the light along +z: pbrt-v4 has the picture's top at +y and its left at -x, v3 the top at -y. */
+TEST(projections_are_the_right_way_up)
+{
+    const float rgb[12] = { 1, 0, 0, 0, 2, 0, 0, 0, 3, 4, 4, 4 };
+    write_pfm("q.pfm", 2, 2, rgb);
+    for (int v3 = 0; v3 < 2; v3++) {
+        CHECK(load(v3 ? "LightSource \"projection\" \"string mapname\" \"q.pfm\" \"float fov\" 90"
+                      : "LightSource \"projection\" \"string filename\" \"q.pfm\"") == LC_OK);
+        const lc_light *l = scene->lights;
+        float up = v3 ? -0.5f : 0.5f;
+        lc_f3 a = shine(l, lc_f3_normalize(lc_f3_make(-0.5f, up, 1))), b = shine(l, lc_f3_normalize(lc_f3_make(0.5f, up, 1)));
+        lc_f3 c = shine(l, lc_f3_normalize(lc_f3_make(-0.5f, -up, 1))), d = shine(l, lc_f3_normalize(lc_f3_make(0.5f, -up, 1)));
+        CHECK(near((double)a.x, 1, 1e-4) && !(a.y > 0) && near((double)b.y, 2, 1e-4) && !(b.x > 0));
+        CHECK(near((double)c.z, 3, 1e-4) && near((double)d.x, 4, 1e-4));
+        CHECK(!(lc_f3_max(shine(l, lc_f3_normalize(lc_f3_make(1.01f, 0, 1)))) > 0));
+        CHECK(!(lc_f3_max(shine(l, lc_f3_make(0, 0, -1))) > 0));
+    }
+}
+
+/* By latitude and longitude, after y and z have changed places: the top row is about +y. */
+TEST(goniometric_maps_by_latitude)
+{
+    float rgb[32 * 16 * 3] = { 0 };
+    for (size_t i = 0; i < 32 * 8 * 3; i++) rgb[i] = 3;
+    for (size_t i = 0; i < 32 * 16; i++) rgb[3 * i + 2] = (float)(i % 32 < 16);
+    write_pfm("l.pfm", 32, 16, rgb);
+    CHECK(load("LightSource \"goniometric\" \"rgb I\" [2 2 2] \"string mapname\" \"l.pfm\"") == LC_OK);
+    const lc_light *l = scene->lights;
+    lc_f3 up = shine(l, lc_f3_normalize(lc_f3_make(0.1f, 1, 0.2f))), down = shine(l, lc_f3_normalize(lc_f3_make(0.1f, -1, 0.2f)));
+    CHECK(near((double)up.x, 6, 1e-4) && !(down.x > 0));
+    /* the left half of the map: longitudes from +x by way of the light's z */
+    CHECK(near((double)up.z, 2, 1e-4) && !(shine(l, lc_f3_normalize(lc_f3_make(0.1f, 0.3f, -0.8f))).z > 0));
+}
+
+static lc_light rnd_spot(void)
+{
+    lc_light l = { .kind = LC_LIGHT_SPOT, .pos = rnd_unit(), .dir = rnd_unit(), .intensity = { 1, 2, 3 } };
+    l.spot = (lc_spot){ (float)rnd_in(-0.5, 0.5), (float)rnd_in(0.5, 1), 0 };
+    return l;
+}
+
+TEST(damage_to_spots_is_found)
+{
+    lc_light lights[60];
+    lc_light_tree *t;
+    for (size_t i = 0; i < 60; i++) {
+        lights[i] = rnd_spot();
+        if (i % 3 == 0) lights[i].kind = LC_LIGHT_POINT, lights[i].atten[0] = lights[i].atten[1] = 0, lights[i].atten[2] = 1;
+    }
+    const lc_light_tree_desc d = { .lights = lights, .n_lights = 60, .diag2 = 12, .n_reps = 2 };
+    CHECK(!lc_light_tree_build(ctx, &d, &t) && !lc_light_tree_validate(t));
+    CHECK(t->n_of_kind[LC_LIGHT_SPOT] == 40 && !t->data.node_atten);
+    for (uint32_t i = 0; i < 39 + 40; i++) {
+        lc_spot_rec *s = i < 39 ? &t->data.node_spot[i] : &t->data.light_spot[i - 39], was = *s;
+        for (int what = i < 39 ? 0 : 2; what < 6; what++) { /* a light's cosines are what they are */
+            if (what == 0) s->cos_total = nextafterf(s->cos_total, 2);
+            if (what == 1) s->cos_start = nextafterf(s->cos_start, 2);
+            if (what == 2) s->inv_width = nextafterf(s->inv_width, 0);
+            if (what == 3) s->inv_width = nextafterf(s->inv_width, 1e9f);
+            if (what == 4) s->cos_total = NAN;
+            if (what == 5) s->cos_start = -3;
+            CHECKF(lc_light_tree_validate(t), "record %u, damage %d", i, what);
+            *s = was;
+        }
+    }
+    CHECK(!lc_light_tree_validate(t));
+    lc_light_tree_destroy(t);
+}
+
+int main(void)
+{
+    if (lc_context_create(NULL, &ctx) || !mkdtemp(dir)) return 1;
+    RUN(parameters);
+    RUN(power);
+    RUN(projections_are_the_right_way_up);
+    RUN(goniometric_maps_by_latitude);
+    RUN(damage_to_spots_is_found);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+    static const char *const files[] = { "s.pbrt", "p.pfm", "g.pfm", "q.pfm", "l.pfm" };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "%s/%s", dir, files[i]);
+        unlink(path);
+    }
+    rmdir(dir);
+    return test_done();
+}
