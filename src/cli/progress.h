@@ -18,6 +18,14 @@ void cli_progress_start(cli_progress *p, const char *what, bool quiet);
 int cli_progress_step(void *user, uint64_t done, uint64_t total);
 void cli_progress_end(cli_progress *p);
 
+/* From now on SIGUSR1, and with `hangup` SIGHUP unless it is ignored, only ask for the checkpoint to be saved. */
+void cli_catch_save_signals(bool hangup);
+/* True once after each of them. */
+bool cli_asked_to_save(void);
+
+/* Seconds of a monotonic clock. */
+double cli_now(void);
+
 /* From now on SIGINT and SIGTERM only set a flag; a second one ends the process at once. */
 void cli_catch_signals(void);
 /* The signal caught, 0 for none. */
