@@ -27,6 +27,8 @@
 
 #define RECORD_MAGIC 0x454c4954u /* "TILE" */
 #define MAX_PAYLOAD (sizeof(lc_tile_counts) + sizeof(float) * LC_N_PLANES * LC_TILE * LC_TILE)
+#define LOCK_TRIES 20
+#define LOCK_WAIT 100000 /* microseconds */
 #define SCAN ((size_t)1 << 16) /* bytes looked through at once for a record after damage */
 
 static const char magic[8] = "LCCKPT1";
@@ -234,6 +236,17 @@ static lc_status go_on_with(lc_checkpoint *c, const header *h, uint64_t size)
     return LC_OK;
 }
 
+/* One process writes. A killed one takes a moment to be gone, so this waits for it. A file system without locks is no reason not to
+ * render. */
+static bool lock_file(int fd)
+{
+    for (int i = 0; i < LOCK_TRIES; i++) {
+        if (!flock(fd, LOCK_EX | LOCK_NB) || errno != EWOULDBLOCK) return true;
+        (void)usleep(LOCK_WAIT);
+    }
+    return false;
+}
+
 static lc_status open_file(lc_checkpoint *c, bool resume)
 {
     struct stat st;
@@ -243,8 +256,8 @@ static lc_status open_file(lc_checkpoint *c, bool resume)
     if (c->fd < 0) return fail_errno(c, "cannot open the checkpoint", errno);
     if (fstat(c->fd, &st)) return fail_errno(c, "cannot open the checkpoint", errno);
     if (!S_ISREG(st.st_mode)) return fail(c, LC_ERR_IO, "the checkpoint is not a regular file");
-    /* A file system without locks is no reason not to render. */
-    if (flock(c->fd, LOCK_EX | LOCK_NB) && errno == EWOULDBLOCK) return fail(c, LC_ERR_IO, "another process writes to this checkpoint");
+    if (!lock_file(c->fd)) return fail(c, LC_ERR_IO, "another process writes to this checkpoint");
+    if (fstat(c->fd, &st)) return fail_errno(c, "cannot open the checkpoint", errno); /* its size now */
     int err = read_at(c->fd, &h, sizeof h, 0, &got);
     if (err) return fail_errno(c, "cannot read the checkpoint", err);
     /* Killed before the header was whole: nothing is lost. Any other short file is not ours to write to. */

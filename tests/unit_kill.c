@@ -1,7 +1,7 @@
 /* unit_kill.c - renders that are killed at random moments and gone on with: the picture is that of one run, and no run loses more than
  * the tiles its threads were at.
  *
- *     unit_kill [KILLS [SEED]]      default 60, over three scenes; make accept-kill: 1000
+ *     unit_kill [KILLS [SEED]]      default 45, over three scenes; make accept-kill: 1000
  */
 #include "farm_scene.h"
 #include "rnd.h"
@@ -16,7 +16,7 @@
 
 #define THREADS 2
 
-static long n_kills = 60, killed, pictures, redone, worst;
+static long n_kills = 45, killed, pictures, redone, worst;
 static atomic_uint *begun; /* tiles of a run that were not in the checkpoint; shared with the child */
 
 static int (*load_tile)(void *, lc_tile *);
@@ -95,7 +95,7 @@ static void kill_renders_of(const char *name, const lc_render_desc *desc, long k
     size_t n, m;
     double t0 = now();
     if (lc_render(ctx, scene, desc, &whole, NULL)) abort();
-    double patience = 0.4 * (now() - t0);
+    double patience = 0.12 * (now() - t0);
     if (lc_image_write(whole, farm_path("whole.exr"))) abort();
     uint8_t *want = farm_read("whole.exr", &n);
     lc_image_destroy(whole);

@@ -5,6 +5,7 @@
 #include "render_stats.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -205,10 +206,11 @@ static void choose_output(options *o, const lc_scene_info *info)
 /* 0 or errno. Files are put in place by renaming, so the folder matters; a device or pipe is written to itself. */
 static int unwritable(const char *path)
 {
-    char folder[4096];
+    char folder[4096], real[PATH_MAX];
     struct stat st;
-    if (!stat(path, &st) && !S_ISREG(st.st_mode)) return S_ISDIR(st.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
-    snprintf(folder, sizeof folder, "%s", path);
+    bool there = !stat(path, &st);
+    if (there && !S_ISREG(st.st_mode)) return S_ISDIR(st.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
+    snprintf(folder, sizeof folder, "%s", there && realpath(path, real) ? real : path); /* what a link points to is replaced */
     char *slash = strrchr(folder, '/');
     if (slash) slash[slash == folder] = 0;
     else strcpy(folder, ".");
