@@ -39,7 +39,7 @@ typedef enum lc_status {
     LC_ERR_IO = -3,          /* a file could not be opened, read, written or put in place */
     LC_ERR_PARSE = -4,       /* a file's content is wrong; the log line says file:line:column */
     LC_ERR_UNSUPPORTED = -5, /* a valid file that this version does not read */
-    LC_ERR_CANCELLED = -6    /* the progress callback returned nonzero */
+    LC_ERR_CANCELLED = -6    /* a callback returned nonzero */
 } lc_status;
 
 typedef enum lc_log_level { LC_LOG_ERROR = 0, LC_LOG_WARNING = 1, LC_LOG_INFO = 2 } lc_log_level;
@@ -119,7 +119,7 @@ typedef struct lc_scene_info {
 } lc_scene_info;
 
 /* Reads a pbrt file ("-" is stdin), makes lights, builds BVH and light trees.
- * Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY, _ARG. desc may be NULL. The scene keeps using ctx. */
+ * Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY, _ARG, _CANCELLED (by parsed). desc may be NULL. The scene keeps using ctx. */
 LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);
 LC_API void lc_scene_destroy(lc_scene *scene);
 LC_API void lc_scene_get_info(const lc_scene *scene, lc_scene_info *info);

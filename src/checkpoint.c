@@ -11,7 +11,6 @@
  * is whole; they stay, and the tiles they held are rendered again and appended. Pixels are read where they are asked for.
  */
 #include "arena.h"
-#include "digest.h"
 #include "film.h"
 #include "pool.h"
 #include "stats.h"

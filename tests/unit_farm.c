@@ -7,6 +7,8 @@
 #include "rnd.h"
 #include "test.h"
 
+#include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 /* ---- chunks ---- */
@@ -273,6 +275,33 @@ TEST(foreign_checkpoints)
     end_kept(&k);
 }
 
+TEST(no_room_for_the_checkpoint)
+{
+    kept k = begin_kept();
+    struct rlimit old, tight;
+    uint64_t loaded;
+    lc_checkpoint_info info;
+    lc_checkpoint *c;
+    lc_image *image = NULL;
+    lc_render_desc d = k.desc;
+    getrlimit(RLIMIT_FSIZE, &old);
+    tight = old, tight.rlim_cur = k.n / 2;
+    void (*was)(int) = signal(SIGXFSZ, SIG_IGN);
+    unlink(farm_path("k.ckpt"));
+    setrlimit(RLIMIT_FSIZE, &tight);
+    CHECK(lc_checkpoint_open(k.ctx, farm_path("k.ckpt"), k.scene, &d, 0, 30, &c) == LC_OK);
+    lc_checkpoint_attach(c, &d);
+    CHECK(lc_render(k.ctx, k.scene, &d, &image, NULL) == LC_OK && farm_same_planes(image, k.whole));
+    lc_checkpoint_get_info(c, &info);
+    CHECK(info.failed && info.n_done > 0 && info.n_done < info.n_tiles);
+    lc_checkpoint_close(c);
+    lc_image_destroy(image);
+    setrlimit(RLIMIT_FSIZE, &old);
+    signal(SIGXFSZ, was);
+    CHECK(resume(&k, &loaded, &info) == LC_OK && loaded > 0 && !info.damaged_bytes && !info.torn_bytes);
+    end_kept(&k);
+}
+
 /* ---- progress and cancelling ---- */
 
 typedef struct {
@@ -352,6 +381,7 @@ int main(void)
     RUN(every_length);
     RUN(records_out_of_order_twice_and_noise_between);
     RUN(foreign_checkpoints);
+    RUN(no_room_for_the_checkpoint);
     RUN(progress_rises_and_ends);
     RUN(quotas_of_control_groups);
     farm_end();

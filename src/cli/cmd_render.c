@@ -342,6 +342,7 @@ static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image *
     steps s = { .farm = &o->farm };
     cli_catch_signals(); /* not before: there is nothing to tidy up, and loading does not ask for signals */
     cli_progress_start(&s.line, "rendering", o->quiet);
+    s.line.before = o->farm.share_before;
     o->render.progress = step;
     o->render.progress_user = &s;
     lc_status st = lc_render(ctx, scene, &o->render, image, stats);

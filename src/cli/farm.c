@@ -4,6 +4,8 @@
 #include "cli.h"
 #include "progress.h"
 
+#include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,6 +126,7 @@ int cli_farm_open(cli_farm *f, lc_context *ctx, const lc_scene *scene, lc_render
     lc_checkpoint_attach(f->file, desc);
     lc_checkpoint_get_info(f->file, &info);
     f->n_before = info.n_done;
+    f->share_before = (double)info.n_done / info.n_tiles;
     if (info.n_done && !quiet) fprintf(stderr, "lightcuts: going on with %s: %u of %u tiles\n", f->checkpoint, info.n_done, info.n_tiles);
     return 0;
 }
@@ -156,8 +159,11 @@ int cli_farm_stopped(cli_farm *f)
 
 void cli_farm_close(cli_farm *f, bool in_place)
 {
+    char real[PATH_MAX];
     if (!f->file) return;
+    /* Before it is closed, and so unlocked. A symbolic link stays. */
+    const char *path = realpath(f->checkpoint, real) ? real : f->checkpoint;
+    if (in_place && !f->keep && unlink(path)) fprintf(stderr, "lightcuts: warning: cannot remove '%s': %s\n", path, strerror(errno));
     lc_checkpoint_close(f->file);
     f->file = NULL;
-    if (in_place && !f->keep && unlink(f->checkpoint)) perror(f->checkpoint);
 }

@@ -18,7 +18,8 @@ typedef struct cli_farm {
     lc_identity id;
     uint32_t crop[4];              /* of the whole picture */
     lc_checkpoint *file;
-    uint32_t n_before;             /* tiles that were in the checkpoint */
+    uint32_t n_before;             /* tiles that were in the checkpoint, */
+    double share_before;           /* of all */
     bool stopped;                  /* by the time limit */
 } cli_farm;
 
@@ -40,7 +41,7 @@ int cli_farm_open(cli_farm *f, lc_context *ctx, const lc_scene *scene, lc_render
 int cli_farm_step(cli_farm *f);
 /* A render that did not end: says what was saved. The exit status. */
 int cli_farm_stopped(cli_farm *f);
-/* closes, and removes the file when the picture is in place. */
+/* Closes the checkpoint, and removes it when the picture is in place. */
 void cli_farm_close(cli_farm *f, bool in_place);
 
 #endif

@@ -10,6 +10,7 @@ typedef struct cli_progress {
     const char *what;
     bool quiet, terminal, colour;
     double start, last;
+    double before;  /* share that was done when the work began */
     bool line_open; /* a rewritten line stands on the terminal */
 } cli_progress;
 
