@@ -52,6 +52,7 @@ help:
 	@echo "make test       install what is missing, build, run every test"
 	@echo "make bench      lightcuts bench: kernels, shadow rays, trees, a frame over its own rays"
 	@echo "make accept     full-size comparison with the exact method, about 6 minutes"
+	@echo "make accept-kill  1300 random kills of renders that are gone on with"
 	@echo "make fuzz       build the fuzzers, replay their corpora; make fuzz-run SECONDS=n runs each for n seconds"
 	@echo "make san tsan   the tests under ASan and UBSan, under TSan"
 	@echo "make lint       source rules, both compilers"
@@ -60,7 +61,7 @@ help:
 
 # ---- dependencies ----
 
-.PHONY: all help deps deps-check demo test bench accept fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
+.PHONY: all help deps deps-check demo test bench accept accept-kill fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP)
 deps-check:
@@ -107,6 +108,7 @@ $(BIN)tests/replay_%: fuzz/%.c fuzz/driver.c $(TEST_HELP) $(BIN)liblightcuts.a
 test:
 	@$(MAKE) --no-print-directory deps
 	@sh src/deps/install.sh install browser || echo "without it the report's page is tested less"
+	@sh src/deps/install.sh install farm || echo "without them GNU parallel and Slurm are not tested"
 	@$(MAKE) --no-print-directory $(JOBS) all test-programs
 	@$(MAKE) --no-print-directory run-tests
 
@@ -169,6 +171,13 @@ accept:
 	@$(MAKE) --no-print-directory deps
 	@$(MAKE) --no-print-directory all
 	@sh tests/accept.sh build/lightcuts build/accept
+
+# Random kills of renders that are gone on with, full size: 1000 of the library over three scenes, 300 of the program.
+accept-kill:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory $(JOBS) all build/tests/unit_kill
+	@build/tests/unit_kill 1000
+	@sh tests/farm.sh build/lightcuts 300
 
 # ---- installing ----
 

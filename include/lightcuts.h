@@ -39,7 +39,7 @@ typedef enum lc_status {
     LC_ERR_IO = -3,          /* a file could not be opened, read, written or put in place */
     LC_ERR_PARSE = -4,       /* a file's content is wrong; the log line says file:line:column */
     LC_ERR_UNSUPPORTED = -5, /* a valid file that this version does not read */
-    LC_ERR_CANCELLED = -6    /* the progress callback returned nonzero */
+    LC_ERR_CANCELLED = -6    /* a callback returned nonzero */
 } lc_status;
 
 typedef enum lc_log_level { LC_LOG_ERROR = 0, LC_LOG_WARNING = 1, LC_LOG_INFO = 2 } lc_log_level;
@@ -89,9 +89,13 @@ typedef struct lc_load_desc {
     uint32_t indirect_lights; /* virtual lights of light that bounces; 0: 20000 if the scene's integrator traces paths,
                            * else none; LC_NO_LIGHTS: none */
     uint32_t max_depth;   /* of the paths that they are made along, as lc_render_desc has it; 0: the scene's */
+    /* Called when all files were read and nothing was built yet; nonzero ends with LC_ERR_CANCELLED. The scene may be asked for its
+     * info, in which bounds of the work to come are 0, and its identity, and not be kept. */
+    int (*parsed)(void *user, const lc_scene *scene);
+    void *parsed_user;
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
-#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0 }
+#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0 }
 
 /* One thing of the scene file that was approximated or skipped. */
 typedef struct lc_note {
@@ -134,7 +138,7 @@ typedef struct lc_scene_info {
 } lc_scene_info;
 
 /* Reads a pbrt file ("-" is stdin), makes lights, builds BVH and light trees.
- * Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY, _ARG. desc may be NULL. The scene keeps using ctx. */
+ * Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY, _ARG, _CANCELLED (by parsed). desc may be NULL. The scene keeps using ctx. */
 LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);
 LC_API void lc_scene_destroy(lc_scene *scene);
 LC_API void lc_scene_get_info(const lc_scene *scene, lc_scene_info *info);
@@ -163,6 +167,8 @@ LC_API const char *lc_image_channel_name(const lc_image *image, uint32_t idx); /
 LC_API float *lc_image_channel(const lc_image *image, const char *name);
 /* Adds a plane of zeros; *plane is its first pixel. LC_ERR_ARG when the name is taken or empty. */
 LC_API lc_status lc_image_add_channel(lc_image *image, const char *name, float **plane);
+/* The value of a text attribute, owned by the image; NULL if there is none of that name. */
+LC_API const char *lc_image_get_text(const lc_image *image, const char *name);
 /* Attributes, written to EXR. A second value for a name replaces the first. */
 LC_API lc_status lc_image_set_text(lc_image *image, const char *name, const char *value);
 LC_API lc_status lc_image_set_number(lc_image *image, const char *name, double value);
@@ -195,6 +201,22 @@ enum { /* lc_render_desc.aovs */
     LC_AOV_ALL = 127
 };
 
+/* Sums over the shading points of a tile. */
+typedef struct lc_tile_counts {
+    uint64_t points, shadow_rays, bounds_evaluated, camera_rays, cut_at_limit, points_dark, nonfinite, cut_sum, cut_max;
+} lc_tile_counts;
+
+#define LC_TILE 16 /* pixels a side, but for those at the right and lower edge of the crop */
+
+/* A finished part of the picture. */
+typedef struct lc_tile {
+    uint32_t index;            /* row by row from 0 */
+    uint32_t x0, x1, y0, y1;   /* pixels of the film, half open */
+    uint32_t n_planes;
+    float *pixels;             /* n_planes * (y1 - y0) * (x1 - x0): plane by plane in the order of the picture's channels */
+    lc_tile_counts counts;
+} lc_tile;
+
 typedef struct lc_render_desc {
     size_t size;
     lc_method method;
@@ -205,12 +227,18 @@ typedef struct lc_render_desc {
     uint64_t seed;          /* of pixel samples and of the choice of representative slot */
     uint32_t aovs;          /* LC_AOV_... */
     int32_t crop[4];        /* x0, x1, y0, y1 in pixels, half open; all 0: the scene's */
-    int (*progress)(void *user, uint64_t done, uint64_t total); /* pixels; any thread, one at a time; nonzero cancels */
+    /* Pixels; any thread, one at a time, at most some 50 times a second; nonzero cancels. The last call says done == total. */
+    int (*progress)(void *user, uint64_t done, uint64_t total);
     void *progress_user;
     uint32_t max_depth;     /* as pbrt's maxdepth, at most 1000 counts; 0: the scene's. Only mirrors carry on: see mirror.h */
+    /* Tiles that were finished before; any thread, several at a time. tile_load fills pixels and counts and returns 1, or 0: the
+     * tile is rendered. tile_done gets every tile that was rendered, once. See lc_checkpoint. */
+    int (*tile_load)(void *user, lc_tile *tile);
+    void (*tile_done)(void *user, const lc_tile *tile);
+    void *tile_user;
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
-#define LC_RENDER_DESC_INIT { sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, 0, 0 }
+#define LC_RENDER_DESC_INIT { sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, 0, 0, 0, 0, 0 }
 
 typedef struct lc_render_stats {
     double seconds;           /* wall clock of the pixels, pre-pass included, file writing not */
@@ -226,12 +254,63 @@ typedef struct lc_render_stats {
     /* Where `seconds` times threads went, in seconds, from one sample in sixteen. heap: choosing, placing and summing of
      * clusters; 0 for the exact method, as are bounds. */
     double phase_camera, phase_bounds, phase_estimates, phase_heap, phase_shadow_rays, phase_other;
+    uint64_t pixels_loaded;   /* of pixels: those of tiles that tile_load gave. Counts have them; seconds, cut_median and cut_p99 not */
 } lc_render_stats;
 
 /* Fails with LC_ERR_ARG, _MEMORY, _CANCELLED. stats may be NULL. The picture depends on the scene and the
  * descriptor only: not on threads, instruction set or crop. */
 LC_API lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, lc_image **out,
                            lc_render_stats *stats);
+
+/* ---- parts of a picture, and pictures in parts ---- */
+
+/* What a picture depends on but for its crop. Equal ids, equal pixels. */
+typedef struct lc_identity {
+    uint64_t scene;   /* of the bytes of all files that were read */
+    uint64_t options; /* of the descriptors of load and render, and of the version */
+} lc_identity;
+
+/* LC_ERR_ARG as lc_render. */
+LC_API lc_status lc_render_identity(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, lc_identity *id);
+/* The crop that lc_render would render: x0, x1, y0, y1. LC_ERR_ARG as lc_render. */
+LC_API lc_status lc_render_crop(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t crop[4]);
+
+/* Part k of n, 1 <= k <= n <= pixels, of a crop x0, x1, y0, y1: rectangles of about equal size, as square as they get, which cover
+ * it once. Their edges lie between tiles where that leaves them about equal. LC_ERR_ARG. */
+LC_API lc_status lc_chunk_crop(const uint32_t crop[4], uint32_t k, uint32_t n, uint32_t chunk[4]);
+/* Attributes by which lc_merge knows parts: of k, n, the ids and the whole crop. */
+LC_API lc_status lc_chunk_mark(lc_image *image, const lc_identity *id, const uint32_t crop[4], uint32_t k, uint32_t n);
+/* 1: the image is part k of n of that crop and has these ids. */
+LC_API int lc_chunk_matches(const lc_image *image, const lc_identity *id, const uint32_t crop[4], uint32_t k, uint32_t n);
+
+typedef struct lc_merge lc_merge;
+LC_API lc_status lc_merge_create(lc_context *ctx, lc_merge **out);
+LC_API void lc_merge_destroy(lc_merge *merge);
+/* Reads a part. LC_ERR_PARSE when it is none, is of another picture than those before, or is there already; as lc_image_read. */
+LC_API lc_status lc_merge_add(lc_merge *merge, const char *path);
+/* How many parts are missing, and their numbers as in "3,7-9", cut to `size` bytes. */
+LC_API uint32_t lc_merge_missing(const lc_merge *merge, char *text, size_t size);
+/* The picture as rendered in one piece, with the same attributes. LC_ERR_ARG when parts are missing. Once. */
+LC_API lc_status lc_merge_finish(lc_merge *merge, lc_image **out);
+
+/* A file that finished tiles are appended to, each with its checksum. It is valid after every single write. */
+typedef struct lc_checkpoint lc_checkpoint;
+typedef struct lc_checkpoint_info {
+    uint32_t n_tiles, n_done;  /* of the picture; in the file now */
+    uint64_t damaged_bytes;    /* of records that were there but are not whole */
+    uint64_t torn_bytes;       /* of the last record, cut short: normal after a crash */
+    int failed;                /* a write failed; the file holds what it held before, nothing more is written */
+} lc_checkpoint_info;
+
+/* Opens or creates. What is there must be of the same picture: LC_ERR_PARSE otherwise. resume 0: LC_ERR_ARG when there are tiles.
+ * sync_seconds: how often the file is forced to the disk. LC_ERR_IO also when another process has the file open. */
+LC_API lc_status lc_checkpoint_open(lc_context *ctx, const char *path, const lc_scene *scene, const lc_render_desc *desc,
+                                    int resume, double sync_seconds, lc_checkpoint **out);
+/* Sets tile_load, tile_done and tile_user of the descriptor that the checkpoint was opened with. */
+LC_API void lc_checkpoint_attach(lc_checkpoint *checkpoint, lc_render_desc *desc);
+LC_API void lc_checkpoint_get_info(lc_checkpoint *checkpoint, lc_checkpoint_info *info);
+LC_API lc_status lc_checkpoint_sync(lc_checkpoint *checkpoint); /* any thread */
+LC_API void lc_checkpoint_close(lc_checkpoint *checkpoint);
 
 /* ---- one point explained ---- */
 

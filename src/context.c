@@ -17,7 +17,8 @@ lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
         d = *desc;
     }
     if ((int)d.isa < LC_ISA_BEST || d.isa > LC_ISA_AVX512 || d.n_threads > LC_MAX_THREADS) return LC_ERR_ARG;
-    lc_context ctx = { d.allocator ? *d.allocator : lc_allocator_libc(), d.log, d.log_user, d.n_threads, d.isa };
+    lc_context ctx = { .allocator = d.allocator ? *d.allocator : lc_allocator_libc(), .log = d.log, .log_user = d.log_user,
+                       .n_threads = d.n_threads, .isa = d.isa };
     if (!ctx.n_threads) ctx.n_threads = lc_cpu_threads();
     lc_isa best = lc_cpu_isa();
     if (ctx.isa == LC_ISA_BEST || ctx.isa > best) ctx.isa = best;

@@ -11,12 +11,15 @@
 
 #include <stdarg.h>
 
+struct lc_digest; /* digest.h */
+
 struct lc_context {
     lc_allocator allocator;
     void (*log)(void *user, lc_log_level level, const char *text);
     void *log_user;
     uint32_t n_threads;
     lc_isa isa;
+    struct lc_digest *inputs; /* of all that lc_reader_read reads while a scene is loaded; NULL otherwise */
 };
 
 /* Where something stands in an input file; line and column count from 1, 0 = unknown. */

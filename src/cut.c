@@ -14,6 +14,7 @@
 #include <string.h>
 
 #define BATCH 64 /* parents whose children are bounded, and lights estimated and traced, at a time */
+#define ASK 256  /* batches of the exact method between questions whether to go on: some milliseconds */
 
 /* Elements of a list: the limit, one too many and what kernels write past the end, in cache lines; of these one more
  * than a multiple of eight, so that the arrays don't compete for the same sets of the cache. */
@@ -451,6 +452,7 @@ void lc_exact_shade(const lc_light_tree *t, const lc_bvh *bvh, const lc_point *p
         for (uint32_t first = t->first_light[kind], n, end = t->first_light[kind + 1]; first < end; first += n) {
             n = end - first < BATCH ? end - first : BATCH;
             out->rays += shade_exactly(t, bvh, p, org, (lc_light_kind)kind, first, n, stats, sum);
+            if (n == BATCH && first / BATCH % ASK == ASK - 1 && stats->go_on && !stats->go_on(stats->go_on_user)) return;
         }
     out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
     stats->points++;

@@ -1,6 +1,8 @@
 /* film.c - planes by name; every pixel is written once, by the thread that rendered it. */
 #include "film.h"
 
+#include <string.h>
+
 static const struct {
     const char *name;
     uint32_t aov; /* 0: always */
@@ -11,6 +13,13 @@ static const struct {
     { "Albedo.R", LC_AOV_ALBEDO }, { "Albedo.G", LC_AOV_ALBEDO }, { "Albedo.B", LC_AOV_ALBEDO },
     { "Z", LC_AOV_Z }, { "cut.size", LC_AOV_CUT }, { "cut.rays", LC_AOV_RAYS }, { "cut.error", LC_AOV_ERROR },
 };
+
+uint32_t lc_film_n_planes(uint32_t aovs)
+{
+    uint32_t n = 0;
+    for (int i = 0; i < LC_N_PLANES; i++) n += !planes[i].aov || (aovs & planes[i].aov);
+    return n;
+}
 
 lc_status lc_film_init(lc_film *film, lc_context *ctx, const uint32_t crop[4], const lc_film_desc *film_desc,
                        uint32_t aovs)
@@ -67,3 +76,19 @@ bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *px)
     store(film, LC_PLANE_ERROR, at, px->error * hits);
     return finite;
 }
+
+static void copy_tile(const lc_film *film, const lc_tile *t, bool to_film)
+{
+    size_t width = film->crop[1] - film->crop[0], n = t->x1 - t->x0;
+    float *at = t->pixels;
+    for (int i = 0; i < LC_N_PLANES; i++)
+        for (uint32_t y = t->y0; film->plane[i] && y < t->y1; y++, at += n) {
+            float *row = film->plane[i] + (y - film->crop[2]) * width + (t->x0 - film->crop[0]);
+            if (to_film) memcpy(row, at, n * sizeof *row);
+            else memcpy(at, row, n * sizeof *row);
+        }
+}
+
+void lc_film_get_tile(const lc_film *film, lc_tile *tile) { copy_tile(film, tile, false); }
+
+void lc_film_set_tile(lc_film *film, const lc_tile *tile) { copy_tile(film, tile, true); }

@@ -2,6 +2,7 @@
 #include "lightcuts.h"
 
 #include "bvh.h"
+#include "digest.h"
 #include "instance.h"
 #include "light_tree.h"
 #include "pbrt_parse.h"
@@ -11,6 +12,20 @@
 #define DEFAULT_REPS 16 /* README.md, Representatives: bands 6 to 9 times fainter for 0 to 8 % of time */
 #define DEFAULT_ENV_LIGHTS 5000
 #define MAX_MADE_LIGHTS (1u << 28) /* of each */
+
+/* Reads all files and says so. */
+static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
+{
+    lc_digest inputs = { 0 };
+    double t0 = lc_now();
+    scene->load = *d;
+    scene->ctx->inputs = &inputs;
+    lc_status st = lc_pbrt_parse(scene, path);
+    scene->ctx->inputs = NULL;
+    scene->input_id = lc_digest_result(&inputs);
+    scene->seconds_parse = lc_now() - t0;
+    return st ? st : d->parsed && d->parsed(d->parsed_user, scene) ? LC_ERR_CANCELLED : LC_OK;
+}
 
 lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out)
 {
@@ -29,13 +44,9 @@ lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *d
         return lc_fail(ctx, LC_ERR_ARG, "representatives must be 1 to %d, area and environment lights at most %u", LC_MAX_REPS,
                        MAX_MADE_LIGHTS);
     lc_scene *scene;
-    double t0 = lc_now();
     lc_status st = lc_scene_create(ctx, &scene);
-    if (!st) st = lc_pbrt_parse(scene, path);
-    if (!st) {
-        scene->seconds_parse = lc_now() - t0;
-        st = lc_scene_commit(scene, &d);
-    }
+    if (!st) st = parse(scene, path, &d);
+    if (!st) st = lc_scene_commit(scene, &d);
     if (st) {
         lc_scene_destroy(scene);
         return st;
@@ -46,7 +57,8 @@ lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *d
 
 void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
 {
-    const lc_light_tree *t = s->tree;
+    static const lc_light_tree none;
+    const lc_light_tree *t = s->tree ? s->tree : &none; /* parsed only */
     *info = (lc_scene_info){
         .n_triangles = s->n_tris, .n_vertices = s->n_verts, .n_meshes = s->n_meshes, .n_materials = s->n_materials,
         .n_lights = t->n_lights, .n_point = t->n_of_kind[LC_LIGHT_POINT], .n_oriented = t->n_of_kind[LC_LIGHT_ORIENTED],
@@ -59,7 +71,8 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
         .width = s->film.width, .height = s->film.height, .spp = s->film.spp,
         .film_filename = s->film.filename ? s->film.filename : "", .n_notes = (uint32_t)s->n_notes,
         .seconds_parse = s->seconds_parse, .seconds_bvh = s->seconds_bvh, .seconds_lights = s->seconds_lights,
-        .seconds_tree = s->seconds_tree, .bvh_bytes = lc_bvh_bytes(s->bvh) + lc_instances_bytes(s), .tree_bytes = lc_light_tree_bytes(t),
+        .seconds_tree = s->seconds_tree, .bvh_bytes = s->bvh ? lc_bvh_bytes(s->bvh) + lc_instances_bytes(s) : 0,
+        .tree_bytes = s->tree ? lc_light_tree_bytes(t) : 0,
     };
     for (size_t i = 0; i < s->textures.n_images; i++) info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);
     for (size_t i = 0; i < s->n_materials; i++) info->n_mirrors += s->materials[i].mirror || s->materials[i].glass;

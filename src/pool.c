@@ -72,4 +72,6 @@ void lc_mutex_destroy(const lc_context *ctx, lc_mutex *mutex)
 
 void lc_mutex_lock(lc_mutex *mutex) { pthread_mutex_lock(&mutex->m); }
 
+bool lc_mutex_try(lc_mutex *mutex) { return pthread_mutex_trylock(&mutex->m) == 0; }
+
 void lc_mutex_unlock(lc_mutex *mutex) { pthread_mutex_unlock(&mutex->m); }

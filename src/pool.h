@@ -13,6 +13,7 @@ typedef struct lc_mutex lc_mutex;
 lc_mutex *lc_mutex_create(const lc_context *ctx); /* NULL: out of memory */
 void lc_mutex_destroy(const lc_context *ctx, lc_mutex *mutex);
 void lc_mutex_lock(lc_mutex *mutex);
+bool lc_mutex_try(lc_mutex *mutex); /* false: taken */
 void lc_mutex_unlock(lc_mutex *mutex);
 
 #endif

@@ -1,6 +1,8 @@
 /* readfile.c - see readfile.h. */
 #include "readfile.h"
 
+#include "digest.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -114,10 +116,13 @@ static lc_status read_plain(const lc_context *ctx, lc_reader *r, char *to, size_
 lc_status lc_reader_read(const lc_context *ctx, lc_reader *r, char *to, size_t n, size_t *got)
 {
     *got = 0;
+    bool first = !r->n_read;
     lc_status st = r->begun ? LC_OK : begin(ctx, r);
     if (st) return st;
     st = r->gunzip ? read_unpacked(ctx, r, to, n, got) : read_plain(ctx, r, to, n, got);
     r->n_read += *got;
+    if (ctx->inputs && first) lc_digest_mark(ctx->inputs);
+    if (ctx->inputs) lc_digest_add(ctx->inputs, to, *got);
     if (!st && r->n_read > LC_FILE_MAX) return fail(ctx, r, LC_ERR_PARSE, "larger than 8 GiB");
     return st;
 }

@@ -9,13 +9,14 @@
 #include "instance.h"
 #include "mirror.h"
 #include "pool.h"
+#include "render_tile.h"
 #include "sample.h"
 #include "shade.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
 
-#define TILE 16              /* pixels a side */
+#define TILE LC_TILE         /* pixels a side */
 #define BLOCK 4              /* pixels a side that share out the slots of representatives */
 #define PREPASS_SIDE 32      /* grid of the pre-pass */
 #define PREPASS_RATIO 0.1f   /* its error ratio and cut limit: its mean is wanted to a few percent */
@@ -45,6 +46,8 @@ typedef struct {
     lc_cut cut;
     lc_stats stats;
     uint64_t *cut_hist; /* points by cut size, 0 .. cut.limit */
+    uint64_t cut_max;   /* of the tile */
+    float *tile;        /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
 } worker;
 
 typedef struct {
@@ -54,14 +57,38 @@ typedef struct {
     lc_film film;
     uint32_t spp, max_depth, tiles_x, tiles_y;
     worker *workers;
-    lc_mutex *mutex;
-    uint64_t done; /* pixels, under the mutex */
+    lc_mutex *mutex;         /* of the progress callback */
+    atomic_uint_fast64_t done, loaded;  /* pixels; loaded: of done, those given by tile_load */
+    atomic_uint_fast64_t next_call;     /* of progress, in nanoseconds of lc_now */
+    atomic_uint_fast64_t loaded_max;    /* largest cut of loaded tiles */
+    uint64_t total;          /* pixels */
+    uint32_t n_planes;
     atomic_bool cancelled;
     double *prepass; /* luminance by grid cell */
     bool exact;      /* every light at every point */
     double pixel;    /* textures are filtered over: a length at distance 1 */
     uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the film */
 } job;
+
+#define CALL_STEP 20000000u /* nanoseconds between calls of progress: what a user sees, and how soon a signal is heard */
+
+/* False once the render is cancelled. Calls progress when it is time and no other thread does. */
+static bool go_on(void *user)
+{
+    job *j = user;
+    if (atomic_load_explicit(&j->cancelled, memory_order_relaxed)) return false;
+    if (!j->desc->progress || !j->mutex) return true;
+    uint64_t now = (uint64_t)(lc_now() * 1e9);
+    if (now < atomic_load_explicit(&j->next_call, memory_order_relaxed) || !lc_mutex_try(j->mutex)) return true;
+    if (now >= atomic_load_explicit(&j->next_call, memory_order_relaxed)) {
+        uint64_t done = atomic_load_explicit(&j->done, memory_order_relaxed);
+        /* done == total only once, by the end of render_all */
+        if (done < j->total && j->desc->progress(j->desc->progress_user, done, j->total)) atomic_store(&j->cancelled, true);
+        atomic_store_explicit(&j->next_call, (uint64_t)(lc_now() * 1e9) + CALL_STEP, memory_order_relaxed);
+    }
+    lc_mutex_unlock(j->mutex);
+    return !atomic_load_explicit(&j->cancelled, memory_order_relaxed);
+}
 
 static void widen_lobe(lc_material *m)
 {
@@ -118,6 +145,7 @@ static void shade_lit(const job *j, worker *w, const lc_lit *lit, uint64_t hash,
         lc_cut_shade(&w->cut, &p, s->ray_org, hash, &w->stats, out);
         w->cut_hist[out->size]++;
     }
+    if (out->size > w->cut_max) w->cut_max = out->size;
 }
 
 /* Radiance of all that is seen, as it reaches the camera; fills what the statistics and planes want. */
@@ -164,10 +192,12 @@ static float sample_ray(const job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 
     return (float)weight;
 }
 
-static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
+/* False: cancelled, nothing stored. */
+static bool render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
 {
     lc_pixel px = { .hits = 0 };
     for (uint32_t i = 0; i < j->spp; i++) {
+        if (!go_on(j)) return false;
         lc_f3 org, dir;
         lc_sight s;
         lc_cut_result r;
@@ -187,28 +217,50 @@ static void render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
         add_sample(j, &px, &s, dir, weight, &r);
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
     }
+    if (atomic_load_explicit(&j->cancelled, memory_order_relaxed)) return false; /* the exact method may have stopped halfway */
     if (!lc_film_store(&j->film, x, y, &px)) w->stats.nonfinite++;
+    return true;
 }
 
 static uint32_t min_u(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
+/* Takes the tile from who has it already. */
+static bool load_tile(job *j, worker *w, lc_tile *t)
+{
+    if (!j->desc->tile_load || !j->desc->tile_load(j->desc->tile_user, t)) return false;
+    lc_film_set_tile(&j->film, t);
+    lc_tile_add_counts(&w->stats, &t->counts);
+    atomic_fetch_add(&j->loaded, (uint64_t)(t->x1 - t->x0) * (t->y1 - t->y0));
+    uint64_t old = atomic_load(&j->loaded_max);
+    while (t->counts.cut_max > old && !atomic_compare_exchange_weak(&j->loaded_max, &old, t->counts.cut_max)) {}
+    return true;
+}
+
 static void render_tile(void *user, uint32_t thread, uint64_t item)
 {
     job *j = user;
+    worker *w = &j->workers[thread];
     const uint32_t *c = j->film.crop;
-    if (atomic_load_explicit(&j->cancelled, memory_order_relaxed)) return;
+    if (!go_on(j)) return;
     uint32_t x0 = c[0] + (uint32_t)(item % j->tiles_x) * TILE, y0 = c[2] + (uint32_t)(item / j->tiles_x) * TILE;
-    uint32_t x1 = min_u(x0 + TILE, c[1]), y1 = min_u(y0 + TILE, c[3]);
-    for (uint32_t y = y0; y < y1; y++) {
-        for (uint32_t x = x0; x < x1; x++) render_pixel(j, &j->workers[thread], x, y);
-        if (!j->desc->progress) continue;
-        lc_mutex_lock(j->mutex);
-        j->done += x1 - x0;
-        int stop = j->desc->progress(j->desc->progress_user, j->done, (uint64_t)(c[1] - c[0]) * (c[3] - c[2]));
-        lc_mutex_unlock(j->mutex);
-        if (stop) atomic_store(&j->cancelled, true);
-        if (atomic_load_explicit(&j->cancelled, memory_order_relaxed)) return;
+    lc_tile t = { .index = (uint32_t)item, .x0 = x0, .x1 = min_u(x0 + TILE, c[1]), .y0 = y0, .y1 = min_u(y0 + TILE, c[3]),
+                  .n_planes = j->n_planes, .pixels = w->tile };
+    uint64_t width = t.x1 - x0;
+    if (load_tile(j, w, &t)) {
+        atomic_fetch_add(&j->done, width * (t.y1 - y0));
+        return;
     }
+    lc_stats before = w->stats;
+    w->cut_max = 0;
+    for (uint32_t y = y0; y < t.y1; y++) {
+        for (uint32_t x = x0; x < t.x1; x++)
+            if (!render_pixel(j, w, x, y)) return;
+        atomic_fetch_add_explicit(&j->done, width, memory_order_relaxed);
+    }
+    if (!j->desc->tile_done) return;
+    lc_film_get_tile(&j->film, &t);
+    lc_tile_counts_between(&before, &w->stats, w->cut_max, &t.counts);
+    j->desc->tile_done(j->desc->tile_user, &t);
 }
 
 /* Radiance seen at a cell of a grid of side * side over the whole film; false: nothing there that is lit. */
@@ -219,7 +271,7 @@ static bool shade_cell(job *j, uint32_t thread, uint64_t item, uint32_t side, lc
     double u = ((double)(item % side) + 0.5) / side, v = ((double)(item / side) + 0.5) / side;
     const double lens[2] = { 0.5, 0.5 };
     lc_camera_ray(&j->scene->camera, u * j->scene->film.width, v * j->scene->film.height, lens, &org, &dir);
-    if (!lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) || !s.n_lit) return false;
+    if (!go_on(j) || !lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) || !s.n_lit) return false;
     shade(j, &j->workers[thread], &s, key(j, item, 0, DIM_SLOT), r);
     return true;
 }
@@ -241,6 +293,7 @@ static void free_workers(job *j)
 {
     for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) {
         if (!j->workers[i].cut.ctx) continue;
+        lc_free(j->ctx, j->workers[i].tile, (size_t)LC_N_PLANES * TILE * TILE, sizeof(float));
         lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.limit + 2, sizeof(uint64_t));
         lc_cut_free(&j->workers[i].cut);
     }
@@ -258,6 +311,9 @@ static lc_status make_workers(job *j, const lc_cut_desc *desc)
         if (st) return st;
         w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.limit + 2, sizeof *w->cut_hist);
         if (!w->cut_hist) return LC_ERR_MEMORY;
+        w->stats.go_on = go_on, w->stats.go_on_user = j;
+        bool tiles = j->desc->tile_load || j->desc->tile_done;
+        if (tiles && !(w->tile = lc_alloc(j->ctx, (size_t)LC_N_PLANES * TILE * TILE, sizeof(float)))) return LC_ERR_MEMORY;
     }
     return LC_OK;
 }
@@ -337,16 +393,19 @@ static void cut_stats(const job *j, lc_render_stats *out)
 {
     uint64_t *hist = j->workers[0].cut_hist;
     uint32_t limit = j->workers[0].cut.limit;
+    uint64_t points = 0; /* but for loaded tiles */
     if (j->exact) {
         out->cut_median = out->cut_p99 = out->cut_max = out->points ? j->scene->tree->n_lights : 0;
         return;
     }
     for (uint32_t t = 1; t < j->ctx->n_threads; t++)
         for (uint32_t i = 0; i <= limit; i++) hist[i] += j->workers[t].cut_hist[i];
-    out->cut_median = percentile(hist, limit, out->points, 0.5);
-    out->cut_p99 = percentile(hist, limit, out->points, 0.99);
+    for (uint32_t i = 0; i <= limit; i++) points += hist[i];
+    out->cut_median = percentile(hist, limit, points, 0.5);
+    out->cut_p99 = percentile(hist, limit, points, 0.99);
+    out->cut_max = (uint32_t)atomic_load(&j->loaded_max);
     for (uint32_t i = 0; i <= limit; i++)
-        if (hist[i]) out->cut_max = i;
+        if (hist[i] && i > out->cut_max) out->cut_max = i;
 }
 
 /* Shares of the timed samples, of all threads' seconds. */
@@ -455,6 +514,7 @@ static lc_status render_all(job *j, const uint32_t crop[4], lc_render_stats *sta
     const lc_film_desc *f = &j->scene->film;
     double t0 = lc_now();
     lc_status st = choose_method(j, stats);
+    if (!st && atomic_load(&j->cancelled)) st = LC_ERR_CANCELLED;
     if (st) return st;
     lc_cut_desc cut = cut_desc(j, stats);
     if (j->exact) cut.max_cut = 1; /* no cuts are made */
@@ -463,10 +523,13 @@ static lc_status render_all(job *j, const uint32_t crop[4], lc_render_stats *sta
     if (st) return st;
     j->tiles_x = (crop[1] - crop[0] + TILE - 1) / TILE;
     j->tiles_y = (crop[3] - crop[2] + TILE - 1) / TILE;
+    j->n_planes = lc_image_n_channels(j->film.image);
     lc_parallel(j->ctx, (uint64_t)j->tiles_x * j->tiles_y, render_tile, j);
     if (atomic_load(&j->cancelled)) return LC_ERR_CANCELLED;
+    if (j->desc->progress && j->desc->progress(j->desc->progress_user, j->total, j->total)) return LC_ERR_CANCELLED;
     stats->seconds = lc_now() - t0;
-    stats->pixels = (uint64_t)(crop[1] - crop[0]) * (crop[3] - crop[2]);
+    stats->pixels = j->total;
+    stats->pixels_loaded = atomic_load(&j->loaded);
     join_stats(j, stats);
     return set_attributes(j);
 }
@@ -494,6 +557,7 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     *stats = (lc_render_stats){ 0 };
     job j;
     init_job(&j, ctx, scene, desc);
+    j.total = (uint64_t)(crop[1] - crop[0]) * (crop[3] - crop[2]);
     j.mutex = lc_mutex_create(ctx);
     st = j.mutex ? render_all(&j, crop, stats) : LC_ERR_MEMORY;
     lc_mutex_destroy(ctx, j.mutex);
@@ -501,6 +565,12 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     if (st) lc_image_destroy(j.film.image);
     else *out = j.film.image;
     return st;
+}
+
+lc_status lc_render_crop(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t crop[4])
+{
+    if (!ctx || !scene || !desc || !crop) return LC_ERR_ARG;
+    return check_desc(ctx, scene, desc, crop);
 }
 
 /* What cuts of the picture are made by; where it makes none, by those of LC_METHOD_CUTS. */

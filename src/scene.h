@@ -147,6 +147,9 @@ struct lc_scene {
     size_t alpha_words;
     lc_light_tree *tree;
     double seconds_parse, seconds_bvh, seconds_lights, seconds_tree;
+
+    uint64_t input_id; /* of the bytes of all files */
+    lc_load_desc load; /* complete; what lights and trees are made with */
 };
 
 lc_status lc_scene_create(lc_context *ctx, lc_scene **out);

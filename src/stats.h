@@ -24,6 +24,8 @@ typedef struct lc_stats {
     uint64_t glossy; /* of points: those with a lobe */
     uint64_t ticks[LC_PHASES], last_tick; /* of the samples that are timed */
     bool timed;
+    bool (*go_on)(void *user); /* NULL, or false: the work is no longer wanted, and what was begun may end unfinished */
+    void *go_on_user;
 } lc_stats;
 
 /* A clock of no particular unit, for shares of time only. */

@@ -107,7 +107,7 @@ for args in --help -h help; do
     good "$args" $args
     prints '^usage: lightcuts'
 done
-for command in render compare scene info preview explain bench report; do
+for command in render compare scene info preview explain merge bench report; do
     good "help $command" help $command
     prints "^usage: lightcuts.*$command"
     cp out help.txt

@@ -159,7 +159,7 @@ versions()
 options() # each option of --help is in the manual page and in the completion
 {
     sed 's/\\-/-/g' src/cli/lightcuts.1 >"$T/page"
-    for command in render compare scene info preview bench report; do
+    for command in render compare scene info preview merge bench report; do
         build/lightcuts $command --help | grep -oE -e '--[a-z][a-z-]+' | sort -u | while read -r option; do
             [ "$option" = --help ] || grep -q -e "$option" "$T/page" || echo "src/cli/lightcuts.1: $command lacks $option"
             grep -q -e "$option" src/cli/lightcuts.bash || echo "src/cli/lightcuts.bash: $command lacks $option"

@@ -3,6 +3,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -261,9 +262,10 @@ static int complain(const char *what, const char *path)
 int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user)
 {
     struct stat st;
-    char temp[4096];
-    bool in_place = !stat(path, &st) && !S_ISREG(st.st_mode); /* a device or pipe can't be renamed over */
-    int len = snprintf(temp, sizeof temp, in_place ? "%s" : "%s.%ld.tmp", path, (long)getpid());
+    char temp[4096], real[PATH_MAX];
+    bool there = !stat(path, &st), in_place = there && !S_ISREG(st.st_mode); /* a device or pipe can't be renamed over */
+    const char *target = there && !in_place && realpath(path, real) ? real : path; /* a symbolic link stays one */
+    int len = snprintf(temp, sizeof temp, in_place ? "%s" : "%s.%ld.tmp", target, (long)getpid());
     if (len < 0 || (size_t)len >= sizeof temp) {
         errno = ENAMETOOLONG;
         return complain("write", path);
@@ -273,7 +275,7 @@ int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user
     fn(f, user);
     int bad = ferror(f) || fflush(f) || (!in_place && fsync(fileno(f)));
     bad = fclose(f) || bad;
-    if (!bad && !in_place) bad = rename(temp, path);
+    if (!bad && !in_place) bad = rename(temp, target);
     if (!bad) return 0;
     complain("write", path);
     if (!in_place) unlink(temp);

@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 /* Exit status, contract of the command line. */
-enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INPUT = 3 };
+enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INPUT = 3, CLI_STOPPED = 75 };
 
 typedef struct cli_command {
     const char *name;
@@ -22,6 +22,7 @@ int cmd_scene(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_preview(int argc, char **argv);
 int cmd_explain(int argc, char **argv);
+int cmd_merge(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 int cmd_report(int argc, char **argv);
 

@@ -1,14 +1,15 @@
 /* cmd_render.c - options -> scene -> picture -> files and statistics. */
 #include "cli.h"
+#include "farm.h"
 #include "progress.h"
 #include "render_stats.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #define MAX_OUTPUTS 16
@@ -25,10 +26,12 @@ typedef struct {
     double unit_crop[4];
     bool has_pixel_crop, has_unit_crop, quiet, print_stats, write_time;
     int verbosity;
+    cli_farm farm;
 } options;
 
 enum { OPT_METHOD = 256, OPT_ERROR, OPT_MAX_CUT, OPT_REPS, OPT_MAXDEPTH, OPT_AREA, OPT_SEED, OPT_SPP, OPT_ISA,
-       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME, OPT_BUILDER, OPT_ENV, OPT_INDIRECT };
+       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME, OPT_BUILDER, OPT_ENV, OPT_INDIRECT,
+       OPT_CHUNK, OPT_PRINT_CHUNKS, OPT_CHECKPOINT, OPT_INTERVAL, OPT_RESUME, OPT_KEEP, OPT_LIMIT };
 
 static const struct option long_options[] = {
     { "outfile", 1, 0, 'o' }, { "method", 1, 0, OPT_METHOD }, { "error-ratio", 1, 0, OPT_ERROR },
@@ -37,6 +40,9 @@ static const struct option long_options[] = {
     { "indirect-lights", 1, 0, OPT_INDIRECT }, { "nthreads", 1, 0, 't' },
     { "seed", 1, 0, OPT_SEED }, { "spp", 1, 0, OPT_SPP }, { "isa", 1, 0, OPT_ISA },
     { "pixelbounds", 1, 0, OPT_PIXELS }, { "cropwindow", 1, 0, OPT_CROP }, { "aov", 1, 0, OPT_AOV },
+    { "chunk", 1, 0, OPT_CHUNK }, { "print-chunks", 1, 0, OPT_PRINT_CHUNKS }, { "checkpoint", 1, 0, OPT_CHECKPOINT },
+    { "checkpoint-interval", 1, 0, OPT_INTERVAL }, { "keep-checkpoint", 0, 0, OPT_KEEP }, { "resume", 0, 0, OPT_RESUME },
+    { "time-limit", 1, 0, OPT_LIMIT },
     { "stats-file", 1, 0, OPT_STATS_FILE }, { "stats", 0, 0, OPT_STATS }, { "write-time", 0, 0, OPT_TIME },
     { "builder", 1, 0, OPT_BUILDER }, { "quiet", 0, 0, 'q' }, { "verbose", 0, 0, 'v' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 },
 };
@@ -59,6 +65,13 @@ static void print_help(void)
            "      --spp N              samples per pixel, default the scene's, which counts up to 4\n"
            "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
            "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n"
+           "      --chunk K/N|slurm    render part K of N; 'lightcuts merge' puts them together. slurm: of an array job's variables\n"
+           "      --print-chunks N     list the parts, render nothing\n"
+           "      --checkpoint FILE    append finished tiles to FILE, which goes away when the picture is in place\n"
+           "      --resume             go on with FILE if it is there; with --chunk: nothing to do when the part is there\n"
+           "      --time-limit T       stop after T (3600, 90s, 55m, 2h) with all saved and exit status 75\n"
+           "      --checkpoint-interval T  force FILE to the disk this often, default 30s\n"
+           "      --keep-checkpoint    leave FILE there\n"
            "      --aov LIST           further channels, with commas: cut n p z albedo error rays all\n"
            "  -t, --nthreads N         default: all processors this process may use\n"
            "      --isa I              use at most scalar, sse4, avx2 or avx512 (also: LC_ISA in the environment)\n"
@@ -109,6 +122,13 @@ static int set_option(options *o, int c)
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
     case OPT_PIXELS: o->has_pixel_crop = true; return cli_parse_pixels(optarg, o->pixel_crop);
     case OPT_CROP: o->has_unit_crop = true; return cli_parse_list(optarg, 4, 0, 1, o->unit_crop);
+    case OPT_CHUNK: o->farm.chunk = optarg; return 0;
+    case OPT_PRINT_CHUNKS: return cli_parse_u32(optarg, 1, UINT32_MAX, &o->farm.print);
+    case OPT_CHECKPOINT: o->farm.checkpoint = optarg; return !*optarg;
+    case OPT_INTERVAL: return cli_parse_time(optarg, &o->farm.interval);
+    case OPT_RESUME: o->farm.resume = true; return 0;
+    case OPT_KEEP: o->farm.keep = true; return 0;
+    case OPT_LIMIT: return cli_parse_time(optarg, &o->farm.time_limit);
     case OPT_AOV: return parse_aovs(optarg, &o->render.aovs);
     case OPT_STATS_FILE: o->stats_file = optarg; return !*optarg;
     case OPT_STATS: o->print_stats = true; return 0;
@@ -148,6 +168,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     }
     o->scene = argv[optind];
     o->load.seed = o->render.seed, o->load.max_depth = o->render.max_depth;
+    if (cli_farm_check(&o->farm)) return -1;
     for (int i = 0; i < o->n_outputs; i++)
         if (!cli_has_extension(o->outputs[i], ".exr") && !cli_has_extension(o->outputs[i], ".png")
             && strncmp(o->outputs[i], "/dev/", 5)) {
@@ -168,7 +189,7 @@ static void choose_output(options *o, const lc_scene_info *info)
         slash = strrchr(o->scene, '/');
         name = !strcmp(o->scene, "-") ? "stdin" : slash ? slash + 1 : o->scene;
     }
-    snprintf(o->default_output, sizeof o->default_output - 8, "%s", name);
+    snprintf(o->default_output, sizeof o->default_output - 40, "%s", name);
     size_t len = strlen(o->default_output);
     if (from_scene && cli_has_extension(name, ".gz") && len > 3) o->default_output[len - 3] = 0;
     char *dot = strrchr(o->default_output, '.');
@@ -176,16 +197,22 @@ static void choose_output(options *o, const lc_scene_info *info)
         if (dot && dot != o->default_output && !strchr(dot, '/')) *dot = 0;
         strcat(o->default_output, ".exr");
     }
+    if (o->farm.chunk) { /* each part a file of its own */
+        char *end = o->default_output + strlen(o->default_output) - 4, extension[8];
+        snprintf(extension, sizeof extension, "%s", end);
+        snprintf(end, sizeof o->default_output - (size_t)(end - o->default_output), "-%u-of-%u%s", o->farm.k, o->farm.n, extension);
+    }
     o->outputs[o->n_outputs++] = o->default_output;
 }
 
 /* 0 or errno. Files are put in place by renaming, so the folder matters; a device or pipe is written to itself. */
 static int unwritable(const char *path)
 {
-    char folder[4096];
+    char folder[4096], real[PATH_MAX];
     struct stat st;
-    if (!stat(path, &st) && !S_ISREG(st.st_mode)) return S_ISDIR(st.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
-    snprintf(folder, sizeof folder, "%s", path);
+    bool there = !stat(path, &st);
+    if (there && !S_ISREG(st.st_mode)) return S_ISDIR(st.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
+    snprintf(folder, sizeof folder, "%s", there && realpath(path, real) ? real : path); /* what a link points to is replaced */
     char *slash = strrchr(folder, '/');
     if (slash) slash[slash == folder] = 0;
     else strcpy(folder, ".");
@@ -225,10 +252,54 @@ static int set_crop(options *o, const lc_scene_info *info)
     return 0;
 }
 
+/* 1: every output is there as this run would write it. A PNG cannot tell, so it only has to be there beside an EXR. */
+static bool already_done(const options *o, lc_context *ctx)
+{
+    bool told = false;
+    if (!o->farm.chunk || !o->farm.resume) return false;
+    for (int i = 0; i < o->n_outputs; i++) {
+        bool png = cli_has_extension(o->outputs[i], ".png");
+        if (png ? access(o->outputs[i], R_OK) != 0 : !cli_farm_has(&o->farm, ctx, o->outputs[i])) return false;
+        told = told || !png;
+    }
+    return told;
+}
+
+/* What is to be rendered and where to, known as soon as the scene is read: what is wrong with it is said before the long work. */
+typedef struct {
+    options *o;
+    lc_context *ctx;
+    int status; /* of the process, when the load ends here */
+} plan;
+
+static int make_plan(void *user, const lc_scene *scene)
+{
+    plan *p = user;
+    options *o = p->o;
+    lc_scene_info info;
+    lc_scene_get_info(scene, &info);
+    choose_output(o, &info);
+    p->status = set_crop(o, &info);
+    if (!p->status) p->status = cli_farm_crop(&o->farm, p->ctx, scene, &o->render);
+    if (p->status) return 1;
+    if (o->farm.print) {
+        p->status = cli_farm_print(&o->farm);
+        return 1;
+    }
+    if (already_done(o, p->ctx)) {
+        if (!o->quiet) fprintf(stderr, "lightcuts: chunk %u of %u: already done\n", o->farm.k, o->farm.n);
+        return 1;
+    }
+    p->status = check_outputs(o);
+    if (!p->status) p->status = cli_farm_open(&o->farm, p->ctx, scene, &o->render, o->quiet);
+    return p->status;
+}
+
 static int write_outputs(const options *o, lc_image *image, double seconds)
 {
     if (o->write_time && !getenv("SOURCE_DATE_EPOCH") && lc_image_set_number(image, "renderTimeSeconds", seconds))
         return CLI_FAILED;
+    if (o->farm.chunk && lc_chunk_mark(image, &o->farm.id, o->farm.crop, o->farm.k, o->farm.n)) return CLI_FAILED;
     for (int i = 0; i < o->n_outputs; i++)
         if (lc_image_write(image, o->outputs[i])) return CLI_FAILED;
     return CLI_OK;
@@ -246,60 +317,82 @@ static int report(const options *o, cli_render_report *r)
     return o->stats_file ? cli_write_file(o->stats_file, cli_write_stats_json, r) : CLI_OK;
 }
 
-static double now(void)
+typedef struct {
+    cli_progress line;
+    cli_farm *farm;
+} steps;
+
+static int step(void *user, uint64_t done, uint64_t total)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    steps *s = user;
+    if (cli_progress_step(&s->line, done, total)) return 1;
+    return done < total && cli_farm_step(s->farm);
+}
+
+static void warn_of_nothing(const options *o, const lc_scene_info *info)
+{
+    if (o->quiet) return;
+    if (!info->n_lights) fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
+    if (!info->n_triangles) fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will be black\n");
+    if (o->render.max_depth > 1 && !info->n_mirrors && !info->n_indirect_lights)
+        fprintf(stderr, "lightcuts: warning: --maxdepth %u: without mirrors, glass or --indirect-lights there is only direct light\n",
+                o->render.max_depth);
+}
+
+static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image **image, lc_render_stats *stats)
+{
+    steps s = { .farm = &o->farm };
+    cli_catch_signals(); /* not before: there is nothing to tidy up, and loading does not ask for signals */
+    cli_progress_start(&s.line, "rendering", o->quiet);
+    s.line.before = o->farm.share_before;
+    o->render.progress = step;
+    o->render.progress_user = &s;
+    lc_status st = lc_render(ctx, scene, &o->render, image, stats);
+    cli_progress_end(&s.line);
+    if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);
+    return st ? cli_exit_status(st) : CLI_OK;
 }
 
 static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
 {
     cli_render_report r = { .scene = o->scene, .method = o->render.method, .seed = o->render.seed };
-    cli_progress progress;
-    double t0 = now();
+    plan p = { .o = o, .ctx = ctx };
+    double t0 = cli_now();
+    cli_catch_save_signals(o->farm.checkpoint != NULL);
+    o->load.parsed = make_plan;
+    o->load.parsed_user = &p;
     lc_status st = lc_scene_load(ctx, o->scene, &o->load, scene);
+    if (st == LC_ERR_CANCELLED) return p.status;
     if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
     lc_scene_get_info(*scene, &r.info);
-    choose_output(o, &r.info);
-    int status = set_crop(o, &r.info);
-    if (!status) status = check_outputs(o);
+    warn_of_nothing(o, &r.info);
+    int status = render(o, ctx, *scene, image, &r.stats);
     if (status) return status;
-    if (!r.info.n_lights && !o->quiet) fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
-    if (!r.info.n_triangles && !o->quiet) fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will be black\n");
-    if (o->render.max_depth > 1 && !r.info.n_mirrors && !r.info.n_indirect_lights && !o->quiet)
-        fprintf(stderr, "lightcuts: warning: --maxdepth %u: without mirrors, glass or --indirect-lights there is only direct light\n",
-                o->render.max_depth);
-    cli_catch_signals(); /* not before: there is nothing to tidy up, and loading does not ask for signals */
-    cli_progress_start(&progress, "rendering", o->quiet);
-    o->render.progress = cli_progress_step;
-    o->render.progress_user = &progress;
-    st = lc_render(ctx, *scene, &o->render, image, &r.stats);
-    cli_progress_end(&progress);
-    if (st == LC_ERR_CANCELLED) fprintf(stderr, "lightcuts: interrupted, nothing written\n");
-    if (st) return cli_exit_status(st);
     if (r.stats.nonfinite)
         fprintf(stderr, "lightcuts: warning: %llu pixels were not finite and were set to 0\n",
                 (unsigned long long)r.stats.nonfinite);
-    double t1 = now();
+    double t1 = cli_now();
     status = write_outputs(o, *image, r.stats.seconds);
     if (status) return status;
+    cli_farm_close(&o->farm, true);
     r.isa = lc_isa_name(lc_context_isa(ctx));
     r.threads = lc_context_threads(ctx);
-    r.seconds_write = now() - t1;
-    r.seconds_total = now() - t0;
+    r.seconds_write = cli_now() - t1;
+    r.seconds_total = cli_now() - t0;
     return report(o, &r);
 }
 
 int cmd_render(int argc, char **argv)
 {
-    options o = { .load = LC_LOAD_DESC_INIT, .render = LC_RENDER_DESC_INIT };
+    options o = { .load = LC_LOAD_DESC_INIT, .render = LC_RENDER_DESC_INIT, .farm = CLI_FARM_INIT };
     int status;
+    o.farm.start = cli_now();
     if (parse_options(argc, argv, &o, &status)) return status;
     lc_context *ctx = cli_context(o.n_threads, o.isa, o.verbosity);
     lc_scene *scene = NULL;
     lc_image *image = NULL;
     status = ctx ? run(&o, ctx, &scene, &image) : CLI_FAILED;
+    cli_farm_close(&o.farm, false);
     lc_image_destroy(image);
     lc_scene_destroy(scene);
     lc_context_destroy(ctx);

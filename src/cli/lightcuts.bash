@@ -2,10 +2,10 @@
 _lightcuts()
 {
     local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=render options i
-    local commands='render compare scene info preview explain bench report help'
+    local commands='render compare scene info preview explain merge bench report help'
     COMPREPLY=()
     case ${COMP_WORDS[1]-} in
-    render | compare | scene | info | preview | explain | bench | report | help) command=${COMP_WORDS[1]} ;;
+    render | compare | scene | info | preview | explain | merge | bench | report | help) command=${COMP_WORDS[1]} ;;
     esac
     # "--name=value" comes in three words.
     if [[ $word == = ]]; then
@@ -23,6 +23,7 @@ _lightcuts()
     bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render' -- "$word")); return ;;
     render:--method | explain:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word")); return ;;
     render:--builder | explain:--builder | bench:--builder) COMPREPLY=($(compgen -W 'auto exact ploc' -- "$word")); return ;;
+    render:--chunk) COMPREPLY=($(compgen -W slurm -- "$word")); return ;;
     render:--isa | explain:--isa | bench:--isa | report:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
     render:--aov)
         # A list with commas: complete its last part.
@@ -35,6 +36,7 @@ _lightcuts()
         return ;;
     render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | render:--maxdepth | \
         render:--area-lights | render:--env-lights | render:--indirect-lights | render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
+        render:--print-chunks | render:--time-limit | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
         explain:--pixel | explain:--sample | explain:--top | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
@@ -58,7 +60,8 @@ _lightcuts()
     if [[ $word == -* ]]; then
         case $command in
         render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives --builder --maxdepth --area-lights
-            --env-lights --indirect-lights --seed --spp --pixelbounds --cropwindow --aov --nthreads --isa --stats --stats-file --write-time --quiet
+            --env-lights --indirect-lights --seed --spp --pixelbounds --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit
+            --checkpoint-interval --keep-checkpoint --aov --nthreads --isa --stats --stats-file --write-time --quiet
             --verbose --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;
         scene) options='--lights --seed --outfile --help' ;;
@@ -66,6 +69,7 @@ _lightcuts()
         preview) options='--outfile --exposure --false-colour --range --help' ;;
         explain) options='--pixel --sample --top --all --json --method --error-ratio --max-cut --dark-floor --representatives
             --builder --area-lights --indirect-lights --maxdepth --seed --spp --nthreads --isa --help' ;;
+        merge) options='--outfile --help' ;;
         bench) options='--mesh --rays --lights --quality --scaling --outfile --method --error-ratio --max-cut --dark-floor
             --representatives --builder --pixelbounds --nthreads --isa --runs --json --help' ;;
         report) options='--outdir --quick --error-ratios --representatives --max-cut --nthreads --isa --quiet --help' ;;
@@ -79,12 +83,14 @@ _lightcuts()
     local extensions='pbrt'
     case $command in
     compare | preview) extensions='exr|png' ;;
+    merge) extensions='exr' ;;
     info) extensions='pbrt|exr|png' ;;
     scene | help) return ;;
     esac
     case $previous in
     -o | --outfile) [[ $command == bench ]] && extensions=svg || extensions='exr|png' ;;
     --stats-file) extensions='json' ;;
+    --checkpoint) extensions='ckpt' ;;
     --mesh) extensions='mesh\.bin' ;;
     --rays) extensions='rays\.bin' ;;
     esac

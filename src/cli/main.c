@@ -11,6 +11,7 @@ static const cli_command commands[] = {
     { "info", cmd_info, "what is in a scene or an image" },
     { "preview", cmd_preview, "PNG from an OpenEXR image" },
     { "explain", cmd_explain, "the cut of one pixel, cluster by cluster" },
+    { "merge", cmd_merge, "the picture from parts rendered with --chunk" },
     { "bench", cmd_bench, "how fast this machine runs the parts of a render" },
     { "report", cmd_report, "one page: pictures, tables and plots against the exact method" },
 };
@@ -24,7 +25,8 @@ static void print_help(FILE *f)
                "refined until the error bound of every cluster is below a ratio of the estimate.\n\ncommands:\n");
     for (size_t i = 0; i < N_COMMANDS; i++) fprintf(f, "  %-9s %s\n", commands[i].name, commands[i].summary);
     fprintf(f, "\n'lightcuts help COMMAND' or 'lightcuts COMMAND --help' shows a command's options; --version the version.\n"
-               "exit status: 0 done, 1 failed at run time, 2 wrong command line, 3 wrong input file, 130/143 interrupted\n");
+               "exit status: 0 done, 1 failed at run time, 2 wrong command line, 3 wrong input file,\n"
+               "             75 stopped by --time-limit, 130/143 interrupted\n");
 }
 
 static const cli_command *find(const char *name)

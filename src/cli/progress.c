@@ -11,7 +11,7 @@
 #define TERMINAL_STEP 0.25 /* seconds between rewritten lines, */
 #define PLAIN_STEP 10.0    /* and between plain ones */
 
-static volatile sig_atomic_t caught;
+static volatile sig_atomic_t caught, save;
 
 static void on_signal(int sig)
 {
@@ -25,6 +25,27 @@ void cli_catch_signals(void)
     signal(SIGTERM, on_signal);
 }
 
+static void on_save_signal(int sig)
+{
+    (void)sig;
+    save = 1;
+}
+
+/* sigaction: the handler stays, and calls of the system go on. */
+void cli_catch_save_signals(bool hangup)
+{
+    struct sigaction act = { .sa_handler = on_save_signal, .sa_flags = SA_RESTART }, old;
+    sigaction(SIGUSR1, &act, NULL);
+    if (hangup && !sigaction(SIGHUP, NULL, &old) && old.sa_handler != SIG_IGN) sigaction(SIGHUP, &act, NULL);
+}
+
+bool cli_asked_to_save(void)
+{
+    bool asked = save;
+    if (asked) save = 0;
+    return asked;
+}
+
 int cli_caught_signal(void) { return caught; }
 
 void cli_die_by_signal(int sig)
@@ -34,7 +55,7 @@ void cli_die_by_signal(int sig)
     exit(128 + sig);
 }
 
-static double now(void)
+double cli_now(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -44,7 +65,7 @@ static double now(void)
 void cli_progress_start(cli_progress *p, const char *what, bool quiet)
 {
     const char *no_color = getenv("NO_COLOR"), *term = getenv("TERM");
-    *p = (cli_progress){ .what = what, .quiet = quiet, .start = now() };
+    *p = (cli_progress){ .what = what, .quiet = quiet, .start = cli_now() };
     p->terminal = isatty(STDERR_FILENO) && (!term || strcmp(term, "dumb"));
     p->colour = p->terminal && !(no_color && *no_color);
     p->last = p->terminal ? 0 : p->start;
@@ -60,12 +81,12 @@ static void format_time(char *text, size_t size, double seconds)
 int cli_progress_step(void *user, uint64_t done, uint64_t total)
 {
     cli_progress *p = user;
-    double t = now(), share = total ? (double)done / (double)total : 1;
+    double t = cli_now(), share = total ? (double)done / (double)total : 1;
     char left[32];
     if (caught) return 1;
     if (p->quiet || t - p->last < (p->terminal ? TERMINAL_STEP : PLAIN_STEP)) return 0;
     p->last = t;
-    format_time(left, sizeof left, share > 0 ? (t - p->start) * (1 - share) / share : 0);
+    format_time(left, sizeof left, share > p->before ? (t - p->start) * (1 - share) / (share - p->before) : 0);
     if (p->terminal) {
         fprintf(stderr, "\r%s%s %5.1f %%%s  %s left   ", p->colour ? "\033[1m" : "", p->what, 100 * share,
                 p->colour ? "\033[0m" : "", left);

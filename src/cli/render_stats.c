@@ -13,6 +13,9 @@ static uint64_t peak_rss(void)
     return getrusage(RUSAGE_SELF, &u) ? 0 : (uint64_t)u.ru_maxrss * 1024;
 }
 
+/* What each chunk of a picture takes anew. */
+static double setup_seconds(const lc_scene_info *i) { return i->seconds_parse + i->seconds_bvh + i->seconds_lights + i->seconds_tree; }
+
 void cli_print_stats(FILE *f, const cli_render_report *r)
 {
     const lc_scene_info *i = &r->info;
@@ -30,6 +33,10 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
                 (ull)i->n_light_paths, i->indirect_loss);
     fprintf(f, "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total %.3f\n",
             i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total);
+    fprintf(f, "set-up, render   %.3f s for any part of the picture, %.3f s for its pixels\n", setup_seconds(i), s->seconds);
+    if (s->pixels_loaded)
+        fprintf(f, "resumed          %llu of %llu pixels were in the checkpoint; seconds, median and 99 %% are of the others\n",
+                (ull)s->pixels_loaded, (ull)s->pixels);
     fprintf(f, "thread seconds   camera rays %.3f, bounds %.3f, estimates %.3f, heap %.3f, shadow rays %.3f, other %.3f\n",
             s->phase_camera, s->phase_bounds, s->phase_estimates, s->phase_heap, s->phase_shadow_rays, s->phase_other);
     fprintf(f, "shading points   %llu on %llu pixels\n", (ull)s->points, (ull)s->pixels);
@@ -50,8 +57,8 @@ void cli_write_stats_json(FILE *f, void *report)
     cli_json_text(f, r->scene);
     fprintf(f, ",\n  \"method\": \"%s\",\n  \"every_light\": %s,\n  \"isa\": \"%s\",\n  \"threads\": %u,\n  \"seed\": %llu,\n",
             cli_method_name(r->method), s->exact ? "true" : "false", r->isa, r->threads, (ull)r->seed);
-    fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"points\": %llu,\n", i->width, i->height,
-            (ull)s->pixels, (ull)s->points);
+    fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"pixels_resumed\": %llu,\n  \"points\": %llu,\n", i->width, i->height,
+            (ull)s->pixels, (ull)s->pixels_loaded, (ull)s->points);
     fprintf(f, "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": %llu,\n", (ull)i->n_triangles,
             (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_lights);
     fprintf(f, "  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu, \"spot\": %llu},\n", (ull)i->n_point,
@@ -59,8 +66,9 @@ void cli_write_stats_json(FILE *f, void *report)
     fprintf(f, "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n", (ull)i->n_indirect_lights,
             (ull)i->n_light_paths, i->indirect_loss);
     fprintf(f, "  \"seconds\": {\"parse\": %.6f, \"bvh\": %.6f, \"lights\": %.6f, \"tree\": %.6f, \"render\": %.6f, "
-               "\"write\": %.6f, \"total\": %.6f},\n",
-            i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total);
+               "\"write\": %.6f, \"total\": %.6f, \"setup\": %.6f},\n",
+            i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total,
+            setup_seconds(i));
     fprintf(f, "  \"thread_seconds\": {\"camera_rays\": %.6f, \"bounds\": %.6f, \"estimates\": %.6f, \"heap\": %.6f, "
                "\"shadow_rays\": %.6f, \"other\": %.6f},\n",
             s->phase_camera, s->phase_bounds, s->phase_estimates, s->phase_heap, s->phase_shadow_rays, s->phase_other);

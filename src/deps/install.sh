@@ -1,7 +1,7 @@
 #!/bin/sh
 # install.sh - makes sure that what a build needs is there.
 #
-#     sh src/deps/install.sh check|install GROUP...      groups: build static shared test fuzz lint browser
+#     sh src/deps/install.sh check|install GROUP...      groups: build static shared test fuzz lint browser farm
 #
 # A thing is looked for by a file or command, never by package, so that it may come from anywhere. What is missing is
 # installed with apt-get when that is there and the user may (root, or sudo without a password); otherwise one line
@@ -40,6 +40,12 @@ for group in "$@"; do
     san) need_file libasan8 /usr/lib/gcc/*/*/libasan.so "/usr/lib/$arch/libasan.so.8" ;;
     lint) need_command clang clang ;;
     browser) need_command chromium chromium ;;
+    farm)
+        need_command parallel parallel
+        need_file slurmctld /usr/sbin/slurmctld
+        need_file slurmd /usr/sbin/slurmd
+        need_command slurm-client sbatch
+        ;;
     *) echo "install.sh: unknown group $group" >&2; exit 2 ;;
     esac
 done

@@ -1,0 +1,147 @@
+#!/bin/sh
+# slurm.sh - the recipe of README.md, "On a farm", on a Slurm of one node on this machine: an array job of chunks, one task that stops
+# with status 75 and one that is killed, both put back into the queue, and a merge that checks.
+#
+#     sh tests/slurm.sh build/lightcuts
+#
+# Slurm runs as the user, on loopback, without munge, database and control groups: for tests only. Where it is not installed or does
+# not start, all is skipped. Ends with "N passed, N failed, N skipped".
+set -u
+[ $# -eq 1 ] && [ -x "$1" ] || { echo "usage: sh tests/slurm.sh BINARY" >&2; exit 2; }
+L=$(cd "$(dirname "$1")" && pwd)/${1##*/}
+N=4
+passed=0
+failed=0
+daemons=
+give_up()
+{
+    echo "skip $1"
+    echo "0 passed, 0 failed, $N skipped"
+    exit 0
+}
+check() # name command...
+{
+    name=$1
+    shift
+    if "$@" >/dev/null 2>&1; then passed=$((passed + 1)); else
+        failed=$((failed + 1))
+        echo "FAIL $name: '$*' failed"
+    fi
+}
+for program in /usr/sbin/slurmctld /usr/sbin/slurmd; do [ -x $program ] || give_up "no $program"; done
+for program in sbatch squeue scontrol sinfo; do command -v $program >/dev/null 2>&1 || give_up "no $program"; done
+T=$(mktemp -d) || exit 2
+cleanup()
+{
+    # shellcheck disable=SC2086
+    [ -z "$daemons" ] || kill $daemons 2>/dev/null
+    wait 2>/dev/null
+    rm -rf "$T"
+}
+trap cleanup EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+cd "$T" || exit 2
+
+# ---- a cluster of this machine ----
+
+host=$(hostname -s)
+port=$((20000 + $$ % 20000))
+mkdir state spool
+cat >slurm.conf <<END
+ClusterName=test
+SlurmctldHost=$host(127.0.0.1)
+SlurmUser=$(id -un)
+SlurmdUser=$(id -un)
+SlurmctldPort=$port
+SlurmdPort=$((port + 1))
+AuthType=auth/none
+CredType=cred/none
+StateSaveLocation=$T/state
+SlurmdSpoolDir=$T/spool
+SlurmctldPidFile=$T/slurmctld.pid
+SlurmdPidFile=$T/slurmd.pid
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+MpiDefault=none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+ReturnToService=2
+KillWait=5
+RequeueExit=75,137
+SchedulerParameters=batch_sched_delay=0,sched_interval=2
+NodeName=$host NodeAddr=127.0.0.1 CPUs=$(nproc) State=UNKNOWN
+PartitionName=render Nodes=$host Default=YES MaxTime=INFINITE State=UP
+END
+: >plugstack.conf
+SLURM_CONF=$T/slurm.conf
+export SLURM_CONF
+until_true() # tenths of a second, command...
+{
+    tenths=$1
+    shift
+    while [ "$tenths" -gt 0 ]; do
+        "$@" >/dev/null 2>&1 && return 0
+        sleep 0.2
+        tenths=$((tenths - 2))
+    done
+    return 1
+}
+up() { scontrol ping | grep -q 'is UP'; }
+idle() { sinfo -h -o %T | grep -q '^idle'; }
+/usr/sbin/slurmctld -D -i >slurmctld.log 2>&1 &
+daemons=$!
+until_true 300 up || give_up "slurmctld does not start: $(tail -n 1 slurmctld.log)"
+/usr/sbin/slurmd -D >slurmd.log 2>&1 &
+daemons="$daemons $!"
+until_true 300 idle || give_up "slurmd does not start: $(tail -n 1 slurmd.log)"
+
+# ---- the job ----
+
+mkdir job
+cd job || exit 2
+"$L" scene cornell --lights 300 -o scene.pbrt
+"$L" -q scene.pbrt --spp 4 -o single.exr
+# Not "exec": a program that takes the place of its script and is killed counts as a failed launch, which is not put back.
+# The first attempt of task 2 has hardly any time, that of task 3 is killed by the line before it.
+cat >tile.sbatch <<END
+#!/bin/sh
+#SBATCH --array=1-4 --requeue --cpus-per-task=1 --open-mode=append --output=%a.log
+limit=1h
+[ "\$SLURM_ARRAY_TASK_ID\${SLURM_RESTART_COUNT:-0}" != 20 ] || limit=0.01
+if [ "\$SLURM_ARRAY_TASK_ID\${SLURM_RESTART_COUNT:-0}" = 30 ]; then
+    { while [ ! -s tile-3.ckpt ]; do sleep 0.02; done; sleep 0.1; kill -9 "\$(cat pid)"; } &
+    '$L' -q -t 1 --spp 4 --chunk slurm --checkpoint tile-3.ckpt --resume -o tile-3.exr scene.pbrt & echo \$! >pid; wait \$!
+else
+    '$L' -q -t "\$SLURM_CPUS_PER_TASK" --spp 4 --chunk slurm --checkpoint "tile-\$SLURM_ARRAY_TASK_ID.ckpt" --resume \\
+        --time-limit \$limit -o "tile-\$SLURM_ARRAY_TASK_ID.exr" scene.pbrt
+fi
+status=\$?
+echo "status \$status"
+exit \$status
+END
+cat >merge.sbatch <<END
+#!/bin/sh
+#SBATCH --output=merge.log
+'$L' merge -o full.exr tile-*.exr
+END
+job=$(sbatch --parsable tile.sbatch)
+# afterok would give the merge up as soon as a task ends with 75, although it is put back.
+merge=$(sbatch --parsable --dependency=afterany:"$job" merge.sbatch)
+finished()
+{
+    # What was put back waits two minutes; not here.
+    squeue -h -r -t PD -j "$job" -o %i | while read -r task; do scontrol update jobid="$task" StartTime=now; done
+    [ -z "$(squeue -h -j "$job,$merge" -o %i)" ]
+}
+until_true 1500 finished || cat ../slurmctld.log
+
+check 'task 2 stopped with 75 and was put back' test "$(grep -c '^status' 2.log)$(sed -n 's/^status //p' 2.log | tr '\n' ' ')" = '275 0 '
+check 'task 3 was killed and put back' test "$(sed -n 's/^status //p' 3.log | tr '\n' ' ')" = '137 0 '
+check 'the merge found all chunks' test -s full.exr
+check 'the bytes of one run' cmp full.exr single.exr
+[ $failed -eq 0 ] || tail -n 5 ./*.log
+echo "$passed passed, $failed failed, 0 skipped"
+[ $failed -eq 0 ]
