@@ -16,7 +16,10 @@ static atomic_uint_fast64_t n_warnings;
 
 static void log_to_stderr(void *user, lc_log_level level, const char *text)
 {
+    static atomic_flag said_memory = ATOMIC_FLAG_INIT;
     int verbosity = user ? *(int *)user : 0;
+    bool memory = level == LC_LOG_ERROR && strstr(text, "error: out of memory");
+    if (memory && atomic_flag_test_and_set(&said_memory)) return; /* one lack of memory fails several calls */
     if (level == LC_LOG_WARNING) atomic_fetch_add(&n_warnings, 1);
     if (level == LC_LOG_ERROR || verbosity >= (level == LC_LOG_WARNING ? 0 : 1)) fprintf(stderr, "lightcuts: %s\n", text);
 }
@@ -31,7 +34,7 @@ lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
     desc.isa = isa;
     lc_context *ctx = NULL;
     lc_status st = lc_context_create(&desc, &ctx);
-    if (st) fprintf(stderr, "lightcuts: error: %s\n", lc_status_name(st));
+    if (st && st != LC_ERR_MEMORY) fprintf(stderr, "lightcuts: error: %s\n", lc_status_name(st)); /* that was said */
     return ctx;
 }
 
@@ -47,6 +50,8 @@ int cli_exit_status(lc_status status)
     default: return CLI_FAILED;
     }
 }
+
+int cli_input_status(lc_status status) { return status == LC_ERR_MEMORY ? CLI_FAILED : CLI_INPUT; }
 
 int cli_parse_float(const char *text, double lo, double hi, double *out)
 {

@@ -31,6 +31,7 @@ lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity);
 uint64_t cli_warnings(void);
 
 int cli_exit_status(lc_status status);
+int cli_input_status(lc_status status); /* of reading a picture: wrong input, but for memory */
 
 /* 0 = ok; the whole text must be a finite number in the range. */
 int cli_parse_float(const char *text, double lo, double hi, double *out);

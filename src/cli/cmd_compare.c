@@ -3,6 +3,7 @@
 #include "colourmap.h"
 #include "metrics.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdbool.h>
@@ -255,7 +256,7 @@ static int compare(lc_context *ctx, const options *o, const lc_image *image, con
     }
     if (o->outfile && write_difference(ctx, o, &da, a, ref) != LC_OK) return CLI_FAILED;
     if (fflush(stdout) != 0 || ferror(stdout)) {
-        perror("compare: standard output");
+        fprintf(stderr, "lightcuts: error: cannot write to standard output: %s\n", strerror(errno));
         return CLI_FAILED;
     }
     return is_beyond(o, &m) ? CLI_FAILED : CLI_OK;
@@ -269,11 +270,9 @@ int cmd_compare(int argc, char **argv)
     lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);
     if (!ctx) return CLI_FAILED;
     lc_image *image = NULL, *reference = NULL;
-    int status = CLI_INPUT;
-    if (lc_image_read(ctx, o.image, &image) == LC_OK &&
-        lc_image_read(ctx, o.reference, &reference) == LC_OK) {
-        status = compare(ctx, &o, image, reference);
-    }
+    lc_status st = lc_image_read(ctx, o.image, &image);
+    if (!st) st = lc_image_read(ctx, o.reference, &reference);
+    int status = st ? cli_input_status(st) : compare(ctx, &o, image, reference);
     lc_image_destroy(image);
     lc_image_destroy(reference);
     lc_context_destroy(ctx);

@@ -130,7 +130,8 @@ static void print_image(lc_image *image, bool json)
 static int info_image(lc_context *ctx, const char *path, bool json)
 {
     lc_image *image;
-    if (lc_image_read(ctx, path, &image)) return CLI_INPUT;
+    lc_status st = lc_image_read(ctx, path, &image);
+    if (st) return cli_input_status(st);
     print_image(image, json);
     lc_image_destroy(image);
     return CLI_OK;

@@ -167,7 +167,8 @@ int cmd_preview(int argc, char **argv)
     lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);
     if (!ctx) return CLI_FAILED;
     lc_image *image = NULL;
-    int code = lc_image_read(ctx, o.image, &image) == LC_OK ? preview(ctx, &o, image) : CLI_INPUT;
+    lc_status st = lc_image_read(ctx, o.image, &image);
+    int code = st ? cli_input_status(st) : preview(ctx, &o, image);
     lc_image_destroy(image);
     lc_context_destroy(ctx);
     return code;
