@@ -15,7 +15,7 @@ table=$dir/table.txt
 for name in "$@"; do
     corpus=fuzz/corpus/${name#fuzz_} log=$dir/$name.log dict=fuzz/${name#fuzz_}.dict
     mkdir -p "$dir/new/$name"
-    set -- -max_total_time="$seconds" -print_final_stats=1 -timeout=20 -rss_limit_mb=3000 -artifact_prefix="$dir/$name-"
+    set -- -max_total_time="$seconds" -print_final_stats=1 -timeout=20 -rss_limit_mb=3000 -entropic=0 -artifact_prefix="$dir/$name-"
     [ "$name" != fuzz_options ] || set -- "$@" -close_fd_mask=3 # else a message an execution
     [ ! -f "$dict" ] || set -- "$@" -dict="$dict"
     "$dir/$name" "$@" "$dir/new/$name" "$corpus" >"$log" 2>&1 && result=clean || { result="FOUND something, see $log"; found=1; }

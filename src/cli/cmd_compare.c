@@ -231,7 +231,7 @@ static bool find_planes(const lc_image *image, const char *path, float *plane[3]
     }
     if (found) return true;
     for (int c = 0; c < 3; c++) plane[c] = grey;
-    if (!grey) fprintf(stderr, "%s: error: no channels R, G and B\n", path);
+    if (!grey) fprintf(stderr, "%s: error: no channels R, G and B\n", cli_shown(path));
     return grey != NULL;
 }
 
@@ -242,7 +242,7 @@ static int compare(lc_context *ctx, const options *o, const lc_image *image, con
     lc_image_get_desc(reference, &dr);
     if (da.width != dr.width || da.height != dr.height) {
         fprintf(stderr, "%s: error: %" PRIu32 "x%" PRIu32 " pixels, but %s has %" PRIu32 "x%" PRIu32 "\n",
-                o->image, da.width, da.height, o->reference, dr.width, dr.height);
+                cli_shown(o->image), da.width, da.height, cli_shown(o->reference), dr.width, dr.height);
         return CLI_INPUT;
     }
     float *a[3], *ref[3];

@@ -103,15 +103,15 @@ static int false_colour(const options *o, const lc_image *image, size_t n, float
 {
     const float *plane = lc_image_channel(image, o->channel);
     if (!plane) {
-        fprintf(stderr, "%s: error: no channel %s; it has", o->image, o->channel);
+        fprintf(stderr, "%s: error: no channel %s; it has", cli_shown(o->image), cli_shown(o->channel));
         for (uint32_t i = 0; i < lc_image_n_channels(image); i++)
-            fprintf(stderr, " %s", lc_image_channel_name(image, i));
+            fprintf(stderr, " %s", cli_shown(lc_image_channel_name(image, i)));
         fprintf(stderr, "\n");
         return CLI_INPUT;
     }
     double lo = o->lo, hi = o->hi;
     if (!o->has_range) find_range(plane, n, &lo, &hi);
-    fprintf(stderr, "%s: range %.6g to %.6g\n", o->channel, lo, hi);
+    fprintf(stderr, "%s: range %.6g to %.6g\n", cli_shown(o->channel), lo, hi);
     for (size_t i = 0; i < n; i++) {
         float rgb[3];
         double v = (double)plane[i];
@@ -130,7 +130,7 @@ static int expose(const options *o, const lc_image *image, size_t n, float *cons
         plane[c] = lc_image_channel(image, names[c]);
         if (!plane[c]) plane[c] = grey;
         if (!plane[c]) {
-            fprintf(stderr, "%s: error: no channels R, G and B; try --false-colour\n", o->image);
+            fprintf(stderr, "%s: error: no channels R, G and B; try --false-colour\n", cli_shown(o->image));
             return CLI_INPUT;
         }
     }
