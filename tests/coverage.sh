@@ -15,5 +15,8 @@ find "$1/src" -name '*.gcno' | sort | while read -r notes; do gcov -t "$notes" 2
         $2 == 0 || $1 == "-" || file !~ /^src\// { next }
         { key = file ":" $2; if (!(key in ran)) { lines[file]++; ran[key] = 0 }
           if ($1 !~ /[#=]/ && !ran[key]) { ran[key] = 1; hit[file]++ } }
-        END { for (f in lines) { printf "%6.1f %% %6d of %6d  %s\n", 100 * hit[f] / lines[f], hit[f], lines[f], f; n += lines[f]; h += hit[f] }
+        END { for (f in lines) {
+                  printf "%6.1f %% %6d of %6d  %s\n", 100 * hit[f] / lines[f], hit[f], lines[f], f
+                  n += lines[f]; h += hit[f]
+              }
               printf "%6.1f %% %6d of %6d  total\n", n ? 100 * h / n : 0, h, n }' | sort -n

@@ -64,6 +64,8 @@ crazy() # name text...: drawn or refused, but nothing else
 }
 repeat() { awk -v n="$1" -v s="$2" 'BEGIN { for (i = 0; i < n; i++) print s }'; }
 long() { awk -v n="$1" 'BEGIN { s = "aaaaaaaaaa"; while (length(s) < n) s = s s; printf "%s", substr(s, 1, n) }'; }
+film='Film "rgb" "integer xresolution" 8 "integer yresolution" 8'
+point='LightSource "point" "point3 from"'
 head='LookAt 0 0 5  0 0 0  0 1 0
 Camera "perspective" "float fov" 40
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8
@@ -114,7 +116,9 @@ Film "rgb" "integer xresolution" 1 "integer yresolution" 1
 WorldBegin'
 crazy 'a wide filter' "PixelFilter \"gaussian\" \"float xradius\" 2147483300 \"float yradius\" 1e38 $head"
 for n in 4294967295 2147483648 -1 1e9; do
-    printf 'ply\nformat binary_little_endian 1.0\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\nelement face %s\nproperty list uint uint vertex_indices\nend_header\n\377\377\377\377' $n $n >huge.ply
+    { printf 'ply\nformat binary_little_endian 1.0\nelement vertex %s\n' $n
+      printf 'property float x\nproperty float y\nproperty float z\n'
+      printf 'element face %s\nproperty list uint uint vertex_indices\nend_header\n\377\377\377\377' $n; } >huge.ply
     printf '%sShape "plymesh" "string filename" "huge.ply"\n' "$head" >size.pbrt
     refused "PLY of $n" size.pbrt -o o.exr
 done
@@ -138,15 +142,19 @@ done
 refused 'ends without a begin' deep.pbrt -o o.exr
 { echo "$head"; repeat 100000 'ObjectBegin "o"'; } >deep.pbrt
 refused '10^5 ObjectBegin' deep.pbrt -o o.exr
-{ echo "$head"; awk 'BEGIN { for (i = 1; i <= 20000; i++) printf "Texture \"t%d\" \"spectrum\" \"scale\" \"texture tex\" \"t%d\"\n", i, i - 1 }'
+{ echo "$head"
+  awk 'BEGIN { for (i = 1; i <= 20000; i++) printf "Texture \"t%d\" \"spectrum\" \"scale\" \"texture tex\" \"t%d\"\n", i, i - 1 }'
   echo 'Material "diffuse" "texture reflectance" "t20000"'; echo "$ball"; } >deep.pbrt
 run 'textures of textures' render deep.pbrt -o o.exr -q
 case $rc in 0 | 3) ok ;; *) no "$name" "status $rc" ;; esac
-{ echo "$head"; awk 'BEGIN { print "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 0 1 -1 0 0 1 0 ] \"integer indices\" ["; for (i = 0; i < 200000; i++) print "0 1 2"; print "]" }'; } >deep.pbrt
+{ echo "$head Shape \"trianglemesh\" \"point3 P\" [ -1 -1 0 1 -1 0 0 1 0 ] \"integer indices\" ["
+  repeat 200000 '0 1 2'; echo ']'; } >deep.pbrt
 drawn '2 * 10^5 triangles in one place' deep.pbrt -o o.exr -q
 { echo "$head$ball"; repeat 50000 'LightSource "point" "point3 from" [ 1 2 3 ]'; } >deep.pbrt
 drawn '5 * 10^4 lights in one place' deep.pbrt -o o.exr -q
-{ echo "$head$ball"; awk 'BEGIN { for (i = 0; i < 20000; i++) printf "LightSource \"point\" \"point3 from\" [ %g 0 3 ]\n", 2 ^ (i % 60 - 30) * (1 + i / 1e5) }'; } >deep.pbrt
+{ echo "$head$ball"
+  awk 'BEGIN { for (i = 0; i < 20000; i++)
+      printf "LightSource \"point\" \"point3 from\" [ %g 0 3 ]\n", 2 ^ (i % 60 - 30) * (1 + i / 1e5) }'; } >deep.pbrt
 drawn 'lights on a line, ever closer' deep.pbrt -o o.exr -q
 
 # ---- long words ----
@@ -173,7 +181,8 @@ case $rc in 1 | 3) ok ;; *) no "$name" "status $rc" ;; esac
 # ---- what a terminal would obey ----
 
 esc=$(printf '\033]0;owned\007\033[2J\233A')
-for place in "Include \"$esc\"" "$esc" "Shape \"plymesh\" \"string filename\" \"$esc\"" "Translate $esc" "Material \"$esc" "Film \"rgb\" \"$esc"; do
+for place in "Include \"$esc\"" "$esc" \
+    "Shape \"plymesh\" \"string filename\" \"$esc\"" "Translate $esc" "Material \"$esc" "Film \"rgb\" \"$esc"; do
     printf '%s\n' "$place" >esc.pbrt
     refused 'escape sequences in a scene' esc.pbrt -o o.exr
     printf '%s%s\n' "$head" "$place" >esc.pbrt
@@ -196,26 +205,30 @@ for v in 1e999 -1e999 nan inf -0 1e-999 1e38 -1e38 3.5e38 1e-45 0x10 1e 1e+ . - 
     crazy "radius $v" "$head Shape \"sphere\" \"float radius\" $v"
     crazy "vertices $v" "$head Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 $v 0 $v 1 ] \"integer indices\" [ 0 1 2 ]"
     crazy "light at $v" "$head LightSource \"point\" \"point3 from\" [ $v 0 $v ] \"rgb I\" [ 1 $v 1 ] $ball"
-    crazy "fov $v" "Camera \"perspective\" \"float fov\" $v Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 WorldBegin $ball"
+    crazy "fov $v" "Camera \"perspective\" \"float fov\" $v $film WorldBegin $ball"
     crazy "scale $v" "$head Scale $v 1 1 $ball"
-    crazy "normals $v" "$head Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"normal3 N\" [ $v 0 0 0 $v 0 0 0 $v ] \"integer indices\" [ 0 1 2 ]"
+    crazy "normals $v" "$head
+        Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"normal3 N\" [ $v 0 0 0 $v 0 0 0 $v ] \"integer indices\" [ 0 1 2 ]"
 done
 crazy 'a plane of a transform' "$head Scale 1 1 0 $ball Identity ConcatTransform [ 1 1 1 0 1 1 1 0 1 1 1 0 0 0 0 1 ] $ball"
 crazy 'a transform of zeros' "$head Transform [ 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 ] $ball"
 crazy 'a transform that divides by zero' "$head Transform [ 1 0 0 0 0 1 0 1 0 0 1 0 0 0 0 0 ] $ball"
 crazy 'a camera that looks at itself' "LookAt 0 0 0  0 0 0  0 1 0 $head $ball"
 crazy 'a camera that looks up' "LookAt 0 0 0  0 1 0  0 1 0 $head $ball"
-crazy 'needles' "$head Shape \"trianglemesh\" \"point3 P\" [ -1e6 0 0 1e6 1e-6 0 0 1e-30 0  0 0 0 1e12 1e-12 0 1e12 0 1e-12 ] \"integer indices\" [ 0 1 2 3 4 5 ]"
+crazy 'needles' "$head Shape \"trianglemesh\" \"point3 P\"
+    [ -1e6 0 0 1e6 1e-6 0 0 1e-30 0  0 0 0 1e12 1e-12 0 1e12 0 1e-12 ] \"integer indices\" [ 0 1 2 3 4 5 ]"
 crazy 'a light inside a ball' "$head LightSource \"point\" \"point3 from\" [ 0 0 0 ] $ball"
 crazy 'a light on a surface' "$head LightSource \"point\" \"point3 from\" [ 0 0 1 ] $ball"
 crazy 'a camera in a light' "$head LightSource \"point\" \"point3 from\" [ 0 0 5 ] $ball"
-crazy 'lights 10^30 apart' "$head LightSource \"point\" \"point3 from\" [ 1e30 0 0 ] LightSource \"point\" \"point3 from\" [ -1e30 0 0 ] $ball"
-crazy 'lights 10^12 apart' "$head LightSource \"point\" \"point3 from\" [ 9e11 0 0 ] LightSource \"point\" \"point3 from\" [ -9e11 0 0 ] $ball"
+crazy 'lights 10^30 apart' "$head $point [ 1e30 0 0 ] $point [ -1e30 0 0 ] $ball"
+crazy 'lights 10^12 apart' "$head $point [ 9e11 0 0 ] $point [ -9e11 0 0 ] $ball"
 crazy 'negative lights' "$head LightSource \"point\" \"rgb I\" [ -1 -1 -1 ] AreaLightSource \"diffuse\" \"rgb L\" [ -1 0 1 ] $ball"
-crazy 'lights without power' "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 Camera \"perspective\" WorldBegin LightSource \"point\" \"rgb I\" [ 0 0 0 ] $ball"
-powers=$(awk 'BEGIN { for (i = -30; i <= 30; i++) printf "LightSource \"point\" \"point3 from\" [ %g 2 3 ] \"rgb I\" [ 1e%d 1e%d 0 ]\n", i / 10, i, -i }')
+crazy 'lights without power' "$film Camera \"perspective\" WorldBegin LightSource \"point\" \"rgb I\" [ 0 0 0 ] $ball"
+powers=$(awk 'BEGIN { for (i = -30; i <= 30; i++)
+    printf "LightSource \"point\" \"point3 from\" [ %g 2 3 ] \"rgb I\" [ 1e%d 1e%d 0 ]\n", i / 10, i, -i }')
 crazy 'power over 60 decades' "$head $powers $ball"
-powers=$(awk 'BEGIN { for (i = -15; i <= 14; i++) printf "LightSource \"point\" \"point3 from\" [ %g 2 3 ] \"rgb I\" [ 1e%d 1e%d 0 ]\n", i / 10, i, i }')
+powers=$(awk 'BEGIN { for (i = -15; i <= 14; i++)
+    printf "LightSource \"point\" \"point3 from\" [ %g 2 3 ] \"rgb I\" [ 1e%d 1e%d 0 ]\n", i / 10, i, i }')
 crazy 'power over 30 decades' "$head $powers $ball"
 
 echo "$passed passed, $failed failed"

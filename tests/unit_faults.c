@@ -3,6 +3,7 @@
  *
  *     build/tests/unit_faults           some of the points of each command, so that it stays below a minute
  *     build/tests/unit_faults --all     all of them (make fault)
+ *     FAULT_SITES=FILE ...              also writes where the file operations that failed were called, for fault_sites.sh
  *     build/tests/unit_faults COMMAND CLASS NTH EVER    one point, say "compare" 0 14 0; leaves its folder
  *
  * Each run is a process of its own, forked from this one, in the folder DIR of its own:
@@ -37,7 +38,7 @@ typedef struct command {
     const char *name;
     const char *args[MAX_ARGS];
     const char *outputs[4]; /* files it writes, besides stdout */
-    long bounded;           /* points tried of each kind without --all; 0: as many as the others */
+    long bounded;           /* points tried of each kind without --all; 0: as many as the others. With it, of files, 50 times that */
 } command;
 
 static const command commands[] = {
@@ -353,7 +354,7 @@ static void try_class(const command *c, fault_class class, long calls, int err, 
 {
     long step = most && calls > most ? calls / most : 1;
     for (long nth = 1; nth <= calls; nth += nth < most / 2 && step > 1 ? 1 : step)
-        for (int ever = 0; ever < 2; ever++) {
+        for (int ever = 0; ever < (err == EINTR ? 1 : 2); ever++) { /* who is always interrupted tries again for ever, and may */
             fault_plan plan = { .class = class, .nth = nth, .ever = ever, .err = err };
             try_plan(c, &plan);
             points[class]++;
@@ -381,7 +382,8 @@ static void try_command(const command *c)
     memcpy(calls, seen->calls, sizeof calls);
     if (!status) {
         try_class(c, FAULT_ALLOC, calls[FAULT_ALLOC], ENOMEM, most);
-        for (size_t i = 0; i < (all_points ? sizeof errs / sizeof *errs : 1); i++) try_class(c, FAULT_IO, calls[FAULT_IO], errs[i], most);
+        for (size_t i = 0; i < (all_points ? sizeof errs / sizeof *errs : 1); i++) 
+            try_class(c, FAULT_IO, calls[FAULT_IO], errs[i], all_points ? c->bounded * 50 : most);
         try_class(c, FAULT_THREAD, calls[FAULT_THREAD], EAGAIN, most);
         for (size_t k = 1; k <= 7; k += all_points ? 1 : 6) {
             fault_plan few = { .class = FAULT_IO, .most = k, .stutter = k % 2 };
@@ -394,6 +396,14 @@ static void try_command(const command *c)
     else test_passed++;
     printf("%s %s: %ld allocations, %ld file operations, %ld threads\n", test_bad ? "FAIL" : "ok  ", c->name, calls[0], calls[1], calls[2]);
     fflush(stdout);
+}
+
+/* An address a line. */
+static void write_sites(const char *path)
+{
+    FILE *f = path ? fopen(path, "w") : NULL;
+    for (uint32_t i = 0; f && i < total.n_failed[FAULT_IO]; i++) fprintf(f, "%lx\n", (unsigned long)total.failed_sites[FAULT_IO][i]);
+    if (f) fclose(f);
 }
 
 static int try_one(char **argv)
@@ -412,6 +422,7 @@ static int try_one(char **argv)
 
 int __wrap_main(int argc, char **argv)
 {
+    const char *sites = getenv("FAULT_SITES");
     all_points = argc > 1 && !strcmp(argv[1], "--all");
     snprintf(dir, sizeof dir, "/tmp/lightcuts-faults-XXXXXX");
     if (!mkdtemp(dir) || chdir(dir) || mkdir("in", 0777) || mkdir("run", 0777) || mkdir("want", 0777) || chdir("in")) abort();
@@ -424,6 +435,7 @@ int __wrap_main(int argc, char **argv)
     for (size_t i = 0; i < N_COMMANDS; i++) try_command(&commands[i]);
     printf("%ld runs; failed in turn: %ld allocations, %ld file operations, %ld threads; call sites of file operations met %u, failed %u\n",
            runs, points[0], points[1], points[2], total.n_sites[FAULT_IO], total.n_failed[FAULT_IO]);
+    write_sites(sites);
     if (chdir("..")) abort();
     empty_folder("in"), empty_folder("run"), empty_folder("want");
     empty_folder(".");
