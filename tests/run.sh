@@ -56,7 +56,7 @@ for program in "$bin"/tests/unit_* "$bin"/tests/check_*; do
 done
 for program in "$bin"/tests/replay_fuzz_*; do
     [ -f "$program" ] && [ -x "$program" ] || continue
-    run plain "${program##*/}" "$program" --damage=200 "fuzz/corpus/${program##*/replay_fuzz_}"
+    run plain "${program##*/}" "$program" --damage=2000 "fuzz/corpus/${program##*/replay_fuzz_}"
 done
 for script in cli hostile scenes golden page; do
     if [ -f "tests/$script.sh" ]; then
