@@ -73,6 +73,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         lc_hit best = { 0, 0, 0, LC_NONE }, hit;
         uint8_t hidden[2] = { 0, 0 }, out[LC_LANES];
         float most = r % 3 ? FLT_MAX : 1;
+        if (to[0] == 0 && to[1] == 0 && to[2] == 0) continue; /* a ray without direction may hit or not */
         for (size_t i = 0; i < n; i++) {
             lc_kernels_scalar.closest(&one[i]->data, org, to, most, &hit);
             if (hit.tri != LC_NONE && (best.tri == LC_NONE || hit.t < best.t)) best = hit, best.tri = (uint32_t)i;
@@ -84,6 +85,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         for (lc_isa isa = LC_ISA_SCALAR; isa <= lc_cpu_isa(); isa = (lc_isa)(isa + 1)) {
             const lc_kernels *k = lc_kernels_get(isa);
             k->closest(&all->data, org, to, most, &hit);
+            if (!same(&hit, &best))
+                fprintf(stderr, "org %a %a %a dir %a %a %a most %g: %s: t %a u %a v %a tri %u, not t %a u %a v %a tri %u\n", (double)org[0],
+                        (double)org[1], (double)org[2], (double)to[0], (double)to[1], (double)to[2], (double)most, lc_isa_name(isa),
+                        (double)hit.t, (double)hit.u, (double)hit.v, hit.tri, (double)best.t, (double)best.u, (double)best.v, best.tri);
             require(same(&hit, &best), "another nearest hit");
             for (int far = 0; far < 2; far++) {
                 k->hidden(&all->data, org, 1, target, far, out);
