@@ -54,6 +54,8 @@ help:
 	@echo "make accept     full-size comparison with the exact method, about 6 minutes"
 	@echo "make accept-kill  1300 random kills of renders that are gone on with"
 	@echo "make fuzz       build the fuzzers, replay their corpora; make fuzz-run SECONDS=n runs each for n seconds"
+	@echo "make fault      every allocation, file operation and thread start fails in turn (make test: some of them)"
+	@echo "make coverage   the tests, and the share of the lines of src/ that they run"
 	@echo "make san tsan   the tests under ASan and UBSan, under TSan"
 	@echo "make lint       source rules, both compilers"
 	@echo "make install    PREFIX=/usr/local DESTDIR=; make uninstall"
@@ -61,7 +63,7 @@ help:
 
 # ---- dependencies ----
 
-.PHONY: all help deps deps-check demo test bench accept accept-kill fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
+.PHONY: all help deps deps-check demo test bench accept accept-kill fault coverage fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP)
 deps-check:
@@ -101,9 +103,22 @@ $(BIN)tests/%: tests/%.c $(TEST_HELP) $(BIN)liblightcuts.a tests/test.h
 	@mkdir -p $(@D)
 	$(CC) $(FLAGS) -Itests $< $(TEST_HELP) $(BIN)liblightcuts.a $(LIBS) -o $@
 
+# Without the program's main().
+OPTIONS_FUZZER := fuzz/fuzz_options.c $(filter-out %/main.o,$(CLI_OBJ))
+$(BIN)tests/replay_fuzz_options: $(OPTIONS_FUZZER) fuzz/driver.c $(BIN)liblightcuts.a
+	@mkdir -p $(@D)
+	$(CC) $(FLAGS) -Isrc/cli $(OPTIONS_FUZZER) fuzz/driver.c $(BIN)liblightcuts.a $(LIBS) -o $@
+
 $(BIN)tests/replay_%: fuzz/%.c fuzz/driver.c $(TEST_HELP) $(BIN)liblightcuts.a
 	@mkdir -p $(@D)
 	$(CC) $(FLAGS) -Itests $< fuzz/driver.c $(TEST_HELP) $(BIN)liblightcuts.a $(LIBS) -o $@
+
+# The whole program with the C library's calls led through a shim that lets them fail.
+FAULT_CALLS := main malloc calloc realloc aligned_alloc posix_memalign strdup mmap pthread_create pthread_mutex_init open read write \
+  close fsync fdatasync rename ftruncate stat fstat access mkdir fchmod realpath pread pwrite fopen fclose fileno
+$(BIN)tests/unit_faults: tests/unit_faults.c tests/fault_shim.c tests/fault_shim.h $(CLI_OBJ) $(BIN)liblightcuts.a tests/test.h
+	@mkdir -p $(@D)
+	$(CC) $(FLAGS) -Itests $(if $(SAN),,$(LINK_STATIC)) $(FAULT_CALLS:%=-Wl,--wrap=%) $(filter %.c %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
 
 test:
 	@$(MAKE) --no-print-directory deps
@@ -130,6 +145,19 @@ tsan:
 	@$(MAKE) --no-print-directory deps
 	@$(MAKE) --no-print-directory $(JOBS) CONFIG=tsan OPT="-O1" SAN="-fsanitize=thread" run-tests
 
+fault:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory $(JOBS) build/tests/unit_faults
+	@build/tests/unit_faults --all
+	@$(MAKE) --no-print-directory $(JOBS) CONFIG=san OPT="-O1 -DLC_DEBUG" SAN="$(SAN_FLAGS)" build/san/tests/unit_faults
+	@build/san/tests/unit_faults --all
+
+coverage:
+	@$(MAKE) --no-print-directory deps
+	@rm -rf build/coverage/src
+	@$(MAKE) --no-print-directory $(JOBS) CONFIG=coverage OPT="-O1" SAN="--coverage -fprofile-update=atomic" run-tests
+	@sh tests/coverage.sh build/coverage
+
 lint:
 	@sh src/deps/install.sh install lint build $(EXR_GROUP)
 	@$(MAKE) --no-print-directory all
@@ -137,10 +165,19 @@ lint:
 
 # ---- fuzzing ----
 
+# The macro makes small scenes cheap: smaller blocks, coarser spheres.
+FUZZ_FLAGS := -fsanitize=address,undefined,fuzzer-no-link -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
 build/fuzz/%: fuzz/%.c $(TEST_HELP) $(LIB_SRC) | $(EXR_LIB)
 	@mkdir -p $(@D)
-	$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="-fsanitize=address,undefined,fuzzer-no-link" build/fuzzlib/liblightcuts.a
+	$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" build/fuzzlib/liblightcuts.a
 	$(CLANG) $(FLAGS) -O1 -fsanitize=address,undefined,fuzzer -Itests $< $(TEST_HELP) build/fuzzlib/liblightcuts.a $(LIBS) -o $@
+
+build/fuzz/fuzz_options: fuzz/fuzz_options.c $(LIB_SRC) $(CLI_SRC) | $(EXR_LIB)
+	@mkdir -p $(@D)
+	$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" \
+	  build/fuzzlib/liblightcuts.a $(patsubst %.c,build/fuzzlib/%.o,$(CLI_SRC))
+	$(CLANG) $(FLAGS) -O1 -fsanitize=address,undefined,fuzzer -Isrc/cli $< \
+	  $(patsubst %.c,build/fuzzlib/%.o,$(filter-out %/main.c,$(CLI_SRC))) build/fuzzlib/liblightcuts.a $(LIBS) -o $@
 
 fuzz:
 	@sh src/deps/install.sh install fuzz build $(EXR_GROUP)
@@ -148,8 +185,7 @@ fuzz:
 	  build/fuzz/$$f -runs=0 fuzz/corpus/$${f#fuzz_} || exit 1; done
 
 fuzz-run: fuzz
-	@for f in $(FUZZERS); do mkdir -p build/fuzz/new/$$f; \
-	  build/fuzz/$$f -max_total_time=$(SECONDS) -artifact_prefix=build/fuzz/ build/fuzz/new/$$f fuzz/corpus/$${f#fuzz_} || exit 1; done
+	@sh fuzz/run.sh build/fuzz $(SECONDS) $(FUZZERS)
 
 # ---- pictures and figures ----
 

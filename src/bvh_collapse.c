@@ -34,7 +34,8 @@ lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_b
         c.height = 0;
         return c;
     }
-    const float *l = left->at_most - 1, *r = right->at_most - 1; /* l[k] = C(l, k) */
+    float l[8], r[8]; /* l[k] = C(l, k) */
+    for (int i = 0; i < 7; i++) l[i + 1] = left->at_most[i], r[i + 1] = right->at_most[i];
     float opened[9];
     uint32_t plan[9];
     for (uint32_t i = 2; i <= 8; i++) {

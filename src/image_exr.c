@@ -18,6 +18,7 @@
 /* No compression makes more than this many bytes out of one: deflate 1032, and 4/3 of that for PXR24's
  * floats. */
 #define MAX_UNPACK 2048
+#define ZLIB_NEEDS ((size_t)64 << 10) /* bytes, to unpack: 44 KiB [zlib.h] */
 #define HALF_MAX 65504.0f /* larger values would become infinity */
 
 /* One file being read; OpenEXRCore's user data. */
@@ -25,6 +26,7 @@ typedef struct source {
     const uint8_t *data;
     size_t len;
     char message[256]; /* the first complaint of the library, one line */
+    bool no_memory;    /* one of its complaints was of that */
 } source;
 
 typedef struct reader {
@@ -70,10 +72,10 @@ static int64_t query_size(exr_const_context_t exr, void *user)
 /* Keeps the first message; the end of the call makes it the log line. */
 static void keep_message(exr_const_context_t exr, exr_result_t code, const char *text)
 {
-    (void)code;
     void *user = NULL;
     if (!exr || exr_get_user_data(exr, &user) != EXR_ERR_SUCCESS || !user) return;
     source *src = user;
+    if (code == EXR_ERR_OUT_OF_MEMORY) src->no_memory = true;
     if (src->message[0]) return;
     snprintf(src->message, sizeof src->message, "%s", text ? text : "");
     for (char *c = src->message; *c; c++) {
@@ -83,7 +85,8 @@ static void keep_message(exr_const_context_t exr, exr_result_t code, const char 
 
 static lc_status fail_exr(const reader *r, exr_result_t rv)
 {
-    if (rv == EXR_ERR_OUT_OF_MEMORY)
+    // Some calls return another code when memory was what was missing.
+    if (rv == EXR_ERR_OUT_OF_MEMORY || r->src->no_memory)
         return lc_fail_at(r->ctx, LC_ERR_MEMORY, (lc_pos){ r->path, 0, 0 }, "out of memory");
     return lc_fail_at(r->ctx, LC_ERR_PARSE, (lc_pos){ r->path, 0, 0 }, "damaged OpenEXR file: %s",
                       r->src->message[0] ? r->src->message : exr_get_default_error_message(rv));
@@ -256,7 +259,13 @@ static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *info, size_t
         c->user_data_type = EXR_PIXEL_FLOAT;
     }
     if (first) rv = exr_decoding_choose_default_routines(r->exr, 0, p);
-    return rv == EXR_ERR_SUCCESS ? exr_decoding_run(r->exr, 0, p) : rv;
+    if (rv == EXR_ERR_SUCCESS) rv = exr_decoding_run(r->exr, 0, p);
+    if (rv == EXR_ERR_SUCCESS || rv == EXR_ERR_OUT_OF_MEMORY) return rv;
+    // Where zlib lacks memory the library speaks of damage: what is damaged fails again, with memory to be had.
+    void *probe = lc_alloc_raw(r->ctx, 1, ZLIB_NEEDS);
+    if (!probe) return EXR_ERR_OUT_OF_MEMORY;
+    lc_free(r->ctx, probe, 1, ZLIB_NEEDS);
+    return exr_decoding_run(r->exr, 0, p);
 }
 
 /* Without planes: only looks whether every chunk is there. */
@@ -316,6 +325,7 @@ lc_status lc_exr_decode(lc_context *ctx, const char *path, const lc_bytes *file,
     init.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
 
     exr_result_t rv = exr_start_read(&r->exr, path, &init);
+    if (src.no_memory) rv = EXR_ERR_OUT_OF_MEMORY; // attributes are missing, which the library takes for success
     lc_status status = rv == EXR_ERR_SUCCESS ? read_image(r) : fail_exr(r, rv);
     if (r->decoding) exr_decoding_destroy(r->exr, &r->pipeline);
     if (r->exr) exr_finish(&r->exr);

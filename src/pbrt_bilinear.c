@@ -120,8 +120,8 @@ static lc_status cut(lc_pbrt *p, const lc_pbrt_stmt *s, const patches *all, lc_m
     uint32_t id, most = MAX_SIDE;
     lc_status st = lc_pbrt_current_material(p, &id);
     if (st) return st;
-    o.uv = lc_scene_is_textured(p->scene, id);
-    for (size_t i = 0; i < all->n; i++) fetch(all, i, &q), counts[side_of(&q, o.uv)]++;
+    const bool textured = lc_scene_is_textured(p->scene, id); /* o.uv may be set without */
+    for (size_t i = 0; i < all->n; i++) fetch(all, i, &q), counts[side_of(&q, textured)]++;
     o.normals = o.given || counts[1] < all->n;
     for (;; most /= 2) {
         o.n_verts = o.n_tris = 0;
@@ -139,7 +139,7 @@ static lc_status cut(lc_pbrt *p, const lc_pbrt_stmt *s, const patches *all, lc_m
     o.n_verts = o.n_tris = 0;
     for (size_t i = 0; i < all->n; i++) {
         fetch(all, i, &q);
-        uint32_t side = side_of(&q, o.uv);
+        uint32_t side = side_of(&q, textured);
         put_patch(p, &q, side < most ? side : most, &o);
     }
     *mesh = (lc_mesh_desc){ .n_verts = (uint32_t)o.n_verts, .n_tris = (uint32_t)o.n_tris, .pos = p->pos,

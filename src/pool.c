@@ -58,6 +58,7 @@ lc_mutex *lc_mutex_create(const lc_context *ctx)
     lc_mutex *mutex = lc_alloc(ctx, 1, sizeof *mutex);
     if (mutex && pthread_mutex_init(&mutex->m, NULL)) {
         lc_free(ctx, mutex, 1, sizeof *mutex);
+        lc_fail(ctx, LC_ERR_MEMORY, "out of memory: no mutex");
         return NULL;
     }
     return mutex;

@@ -176,5 +176,5 @@ void lc_file_free(const lc_context *ctx, lc_file *file)
 bool lc_file_exists(const char *path)
 {
     struct stat info;
-    return stat(path, &info) == 0;
+    return stat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR && errno != ENAMETOOLONG);
 }

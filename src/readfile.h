@@ -43,6 +43,7 @@ typedef struct lc_file {
 /* As lc_reader_open and lc_reader_read; also LC_ERR_MEMORY. */
 lc_status lc_file_read(const lc_context *ctx, lc_pos where, const char *path, lc_file *out);
 void lc_file_free(const lc_context *ctx, lc_file *file);
+/* Also true where that cannot be told: opening it will say why. */
 bool lc_file_exists(const char *path);
 
 #endif

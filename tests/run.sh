@@ -4,8 +4,9 @@
 #     sh tests/run.sh build/        BIN_DIR: build/, build/san/, ...; LC_TEST_SECONDS limits each program, default 900
 #
 # Programs BIN_DIR/tests/{unit,check}_* and scripts end with "N passed, N failed" (", N skipped" may follow); BIN_DIR/tests/replay_fuzz_X replays
-# fuzz/corpus/X and counts as one test. One line each; all that a failing one said follows it, indented. A program that
-# crashes or says no figures is one failed test. The last line is "N passed, N failed"; status 0 only with 0 failed.
+# fuzz/corpus/X, whole and damaged, and counts as one test. One line each; all that a failing one said follows it, indented.
+# A program that crashes or says no figures is one failed test. The last line is "N passed, N failed"; status 0 only with 0
+# failed.
 set -u
 [ $# -eq 1 ] || { echo "usage: sh tests/run.sh BIN_DIR" >&2; exit 2; }
 cd "$(dirname "$0")/.." || exit 2
@@ -58,9 +59,9 @@ for program in "$bin"/tests/unit_* "$bin"/tests/check_*; do
 done
 for program in "$bin"/tests/replay_fuzz_*; do
     [ -f "$program" ] && [ -x "$program" ] || continue
-    run plain "${program##*/}" "$program" "fuzz/corpus/${program##*/replay_fuzz_}"
+    run plain "${program##*/}" "$program" --damage=2000 "fuzz/corpus/${program##*/replay_fuzz_}"
 done
-for script in cli scenes golden page farm slurm; do
+for script in cli hostile scenes golden page farm slurm; do
     if [ -f "tests/$script.sh" ]; then
         run figures "$script.sh" sh "tests/$script.sh" "$bin/lightcuts"
     else

@@ -17,7 +17,10 @@ static atomic_uint_fast64_t n_warnings;
 
 static void log_to_stderr(void *user, lc_log_level level, const char *text)
 {
+    static atomic_flag said_memory = ATOMIC_FLAG_INIT;
     int verbosity = user ? *(int *)user : 0;
+    bool memory = level == LC_LOG_ERROR && strstr(text, "error: out of memory");
+    if (memory && atomic_flag_test_and_set(&said_memory)) return; /* one lack of memory fails several calls */
     if (level == LC_LOG_WARNING) atomic_fetch_add(&n_warnings, 1);
     if (level == LC_LOG_ERROR || verbosity >= (level == LC_LOG_WARNING ? 0 : 1)) fprintf(stderr, "lightcuts: %s\n", text);
 }
@@ -32,7 +35,7 @@ lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
     desc.isa = isa;
     lc_context *ctx = NULL;
     lc_status st = lc_context_create(&desc, &ctx);
-    if (st) fprintf(stderr, "lightcuts: error: %s\n", lc_status_name(st));
+    if (st && st != LC_ERR_MEMORY) fprintf(stderr, "lightcuts: error: %s\n", lc_status_name(st)); /* that was said */
     return ctx;
 }
 
@@ -48,6 +51,8 @@ int cli_exit_status(lc_status status)
     default: return CLI_FAILED;
     }
 }
+
+int cli_input_status(lc_status status) { return status == LC_ERR_MEMORY ? CLI_FAILED : CLI_INPUT; }
 
 int cli_parse_float(const char *text, double lo, double hi, double *out)
 {
@@ -167,11 +172,11 @@ int cli_env_isa(const char *command, lc_isa *out)
 void cli_usage_error(const char *command, const char *fmt, ...)
 {
     va_list args;
-    fprintf(stderr, "lightcuts %s: ", command);
+    char text[1024];
     va_start(args, fmt);
-    vfprintf(stderr, fmt, args);
+    vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    fprintf(stderr, "\ntry 'lightcuts %s --help'\n", command);
+    fprintf(stderr, "lightcuts %s: %s\ntry 'lightcuts %s --help'\n", command, cli_shown(text), command);
 }
 
 /* Damerau-Levenshtein without transpositions of edited letters; names are short. */
@@ -241,21 +246,47 @@ int cli_has_extension(const char *path, const char *extension)
     return 1;
 }
 
+/* Bytes of the well-formed UTF-8 character at p that a terminal may be given, 0: what is there is none, or controls it. */
+static size_t printable(const unsigned char *p)
+{
+    size_t n = *p < 0x80 ? 1 : *p >= 0xc2 && *p < 0xe0 ? 2 : *p >= 0xe0 && *p < 0xf0 ? 3 : *p >= 0xf0 && *p < 0xf5 ? 4 : 0;
+    if (*p < 0x20 || *p == 0x7f || (*p == 0xc2 && p[1] < 0xa0)) return 0;
+    for (size_t i = 1; i < n; i++)
+        if ((p[i] & 0xc0) != 0x80) return 0;
+    return n;
+}
+
 void cli_json_text(FILE *f, const char *text)
 {
     fputc('"', f);
-    for (; *text; text++) {
+    for (size_t n; *text; text += n ? n : 1) {
         unsigned char c = (unsigned char)*text;
+        n = printable((const unsigned char *)text);
         if (c == '"' || c == '\\') fprintf(f, "\\%c", c);
-        else if (c < 32) fprintf(f, "\\u%04x", c);
-        else fputc(c, f);
+        else if (n) fwrite(text, 1, n, f);
+        else if (c < 0x80) fprintf(f, "\\u%04x", c);
+        else fputc('?', f);
     }
     fputc('"', f);
 }
 
+const char *cli_shown(const char *text)
+{
+    static char copies[4][1024];
+    static unsigned next;
+    char *copy = copies[next++ % 4];
+    snprintf(copy, sizeof copies[0], "%s", text);
+    for (char *p = copy; *p;) {
+        size_t n = printable((const unsigned char *)p);
+        if (!n) *p = '?';
+        p += n ? n : 1;
+    }
+    return copy;
+}
+
 static int complain(const char *what, const char *path)
 {
-    fprintf(stderr, "lightcuts: error: cannot %s '%s': %s\n", what, path, strerror(errno));
+    fprintf(stderr, "lightcuts: error: cannot %s '%s': %s\n", what, cli_shown(path), strerror(errno));
     return CLI_FAILED;
 }
 

@@ -32,6 +32,7 @@ lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity);
 uint64_t cli_warnings(void);
 
 int cli_exit_status(lc_status status);
+int cli_input_status(lc_status status); /* of reading a picture: wrong input, but for memory */
 
 /* 0 = ok; the whole text must be a finite number in the range. */
 int cli_parse_float(const char *text, double lo, double hi, double *out);
@@ -61,7 +62,10 @@ const char *cli_nearest(const char *text, const char *const *names);
 
 /* 0 and true when the path ends with the extension, any case. */
 int cli_has_extension(const char *path, const char *extension);
-/* A JSON string with quotes. */
+/* A copy, at most 1023 bytes, that cannot make a terminal obey: '?' for control characters and what is no UTF-8. The next four
+ * calls leave it alone. One thread. */
+const char *cli_shown(const char *text);
+/* A JSON string with quotes; '?' for bytes that are no UTF-8. */
 void cli_json_text(FILE *f, const char *text);
 /* Writes a file through `fn` under a temporary name and puts it in place; complains and returns nonzero on failure. */
 int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user);

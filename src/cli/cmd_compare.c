@@ -3,6 +3,7 @@
 #include "colourmap.h"
 #include "metrics.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdbool.h>
@@ -241,7 +242,7 @@ static bool find_planes(const lc_image *image, const char *path, float *plane[3]
     }
     if (found) return true;
     for (int c = 0; c < 3; c++) plane[c] = grey;
-    if (!grey) fprintf(stderr, "%s: error: no channels R, G and B\n", path);
+    if (!grey) fprintf(stderr, "%s: error: no channels R, G and B\n", cli_shown(path));
     return grey != NULL;
 }
 
@@ -283,7 +284,7 @@ static int compare_planes(lc_context *ctx, const options *o, const lc_image_desc
     }
     if (o->outfile && write_difference(ctx, o, desc, a, ref) != LC_OK) return CLI_FAILED;
     if (fflush(stdout) != 0 || ferror(stdout)) {
-        perror("compare: standard output");
+        fprintf(stderr, "lightcuts: error: cannot write to standard output: %s\n", strerror(errno));
         return CLI_FAILED;
     }
     return is_beyond(o, &m) ? CLI_FAILED : CLI_OK;
@@ -296,7 +297,7 @@ static int compare(lc_context *ctx, const options *o, const lc_image *image, con
     lc_image_get_desc(reference, &dr);
     if (da.width != dr.width || da.height != dr.height) {
         fprintf(stderr, "%s: error: %" PRIu32 "x%" PRIu32 " pixels, but %s has %" PRIu32 "x%" PRIu32 "\n",
-                o->image, da.width, da.height, o->reference, dr.width, dr.height);
+                cli_shown(o->image), da.width, da.height, cli_shown(o->reference), dr.width, dr.height);
         return CLI_INPUT;
     }
     float *a[3], *ref[3];
@@ -321,11 +322,9 @@ int cmd_compare(int argc, char **argv)
     lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);
     if (!ctx) return CLI_FAILED;
     lc_image *image = NULL, *reference = NULL;
-    int status = CLI_INPUT;
-    if (lc_image_read(ctx, o.image, &image) == LC_OK &&
-        lc_image_read(ctx, o.reference, &reference) == LC_OK) {
-        status = compare(ctx, &o, image, reference);
-    }
+    lc_status st = lc_image_read(ctx, o.image, &image);
+    if (!st) st = lc_image_read(ctx, o.reference, &reference);
+    int status = st ? cli_input_status(st) : compare(ctx, &o, image, reference);
     lc_image_destroy(image);
     lc_image_destroy(reference);
     lc_context_destroy(ctx);

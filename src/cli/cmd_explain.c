@@ -203,7 +203,7 @@ static void print_rest(const lc_explanation *x, uint32_t from, double total)
 static void print_text(const options *o, const lc_explanation *x, const lc_scene_info *info)
 {
     double total = 0;
-    printf("pixel        %u,%u sample %u of '%s'\n", o->x, o->y, o->sample, o->scene);
+    printf("pixel        %u,%u sample %u of '%s'\n", o->x, o->y, o->sample, cli_shown(o->scene));
     if (!x->hit) {
         printf("nothing is seen there: the ray leaves the scene, so there is no cut\n");
         return;

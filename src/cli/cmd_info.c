@@ -44,12 +44,12 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
         printf("bounds               (%g, %g, %g) to (%g, %g, %g)\n", (double)i->bounds_lo[0], (double)i->bounds_lo[1],
                (double)i->bounds_lo[2], (double)i->bounds_hi[0], (double)i->bounds_hi[1], (double)i->bounds_hi[2]);
     printf("film                 %u x %u, pixels %u-%u x %u-%u, %u samples a pixel, file '%s'\n", i->width, i->height, i->crop[0],
-           i->crop[1], i->crop[2], i->crop[3], i->spp, i->film_filename);
+           i->crop[1], i->crop[2], i->crop[3], i->spp, cli_shown(i->film_filename));
     printf("memory               bvh %llu bytes, light tree %llu bytes\n", (ull)i->bvh_bytes, (ull)i->tree_bytes);
     printf("approximated or ignored: %u kinds\n", i->n_notes);
     for (uint32_t k = 0; k < i->n_notes; k++) {
         lc_note note;
-        if (!lc_scene_get_note(scene, k, &note)) printf("  %6llu  %-24s %s\n", (ull)note.count, note.kind, note.text);
+        if (!lc_scene_get_note(scene, k, &note)) printf("  %6llu  %-24s %s\n", (ull)note.count, cli_shown(note.kind), cli_shown(note.text));
     }
 }
 
@@ -151,7 +151,7 @@ static void print_image(lc_image *image, bool json)
             cli_json_text(stdout, name);
             printf(", \"min\": %.9g, \"max\": %.9g, \"mean\": %.9g, \"nonfinite\": %llu}", r.min, r.max, r.mean, (ull)r.nonfinite);
         } else {
-            printf("  %-18s min %-12.6g max %-12.6g mean %-12.6g not finite %llu\n", name, r.min, r.max, r.mean, (ull)r.nonfinite);
+            printf("  %-18s min %-12.6g max %-12.6g mean %-12.6g not finite %llu\n", cli_shown(name), r.min, r.max, r.mean, (ull)r.nonfinite);
         }
     }
     if (json) printf("\n  ]\n}\n");
@@ -160,7 +160,8 @@ static void print_image(lc_image *image, bool json)
 static int info_image(lc_context *ctx, const char *path, bool json)
 {
     lc_image *image;
-    if (lc_image_read(ctx, path, &image)) return CLI_INPUT;
+    lc_status st = lc_image_read(ctx, path, &image);
+    if (st) return cli_input_status(st);
     print_image(image, json);
     lc_image_destroy(image);
     return CLI_OK;

@@ -103,15 +103,15 @@ static int false_colour(const options *o, const lc_image *image, size_t n, float
 {
     const float *plane = lc_image_channel(image, o->channel);
     if (!plane) {
-        fprintf(stderr, "%s: error: no channel %s; it has", o->image, o->channel);
+        fprintf(stderr, "%s: error: no channel %s; it has", cli_shown(o->image), cli_shown(o->channel));
         for (uint32_t i = 0; i < lc_image_n_channels(image); i++)
-            fprintf(stderr, " %s", lc_image_channel_name(image, i));
+            fprintf(stderr, " %s", cli_shown(lc_image_channel_name(image, i)));
         fprintf(stderr, "\n");
         return CLI_INPUT;
     }
     double lo = o->lo, hi = o->hi;
     if (!o->has_range) find_range(plane, n, &lo, &hi);
-    fprintf(stderr, "%s: range %.6g to %.6g\n", o->channel, lo, hi);
+    fprintf(stderr, "%s: range %.6g to %.6g\n", cli_shown(o->channel), lo, hi);
     for (size_t i = 0; i < n; i++) {
         float rgb[3];
         double v = (double)plane[i];
@@ -130,7 +130,7 @@ static int expose(const options *o, const lc_image *image, size_t n, float *cons
         plane[c] = lc_image_channel(image, names[c]);
         if (!plane[c]) plane[c] = grey;
         if (!plane[c]) {
-            fprintf(stderr, "%s: error: no channels R, G and B; try --false-colour\n", o->image);
+            fprintf(stderr, "%s: error: no channels R, G and B; try --false-colour\n", cli_shown(o->image));
             return CLI_INPUT;
         }
     }
@@ -167,7 +167,8 @@ int cmd_preview(int argc, char **argv)
     lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);
     if (!ctx) return CLI_FAILED;
     lc_image *image = NULL;
-    int code = lc_image_read(ctx, o.image, &image) == LC_OK ? preview(ctx, &o, image) : CLI_INPUT;
+    lc_status st = lc_image_read(ctx, o.image, &image);
+    int code = st ? cli_input_status(st) : preview(ctx, &o, image);
     lc_image_destroy(image);
     lc_context_destroy(ctx);
     return code;

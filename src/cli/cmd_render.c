@@ -225,7 +225,7 @@ static int unwritable(const char *path)
 static int check_writable(const char *path)
 {
     int err = unwritable(path);
-    if (err) fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", path, strerror(err));
+    if (err) fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", cli_shown(path), strerror(err));
     return err ? CLI_FAILED : 0;
 }
 
@@ -309,7 +309,7 @@ static int report(const options *o, cli_render_report *r)
 {
     if (!o->quiet && o->n_outputs) {
         fprintf(stderr, "lightcuts: wrote");
-        for (int i = 0; i < o->n_outputs; i++) fprintf(stderr, " %s", o->outputs[i]);
+        for (int i = 0; i < o->n_outputs; i++) fprintf(stderr, " %s", cli_shown(o->outputs[i]));
         fprintf(stderr, " in %.2f s, %.1f of %llu lights a point\n", r->seconds_total, r->stats.cut_mean,
                 (unsigned long long)r->info.n_lights);
     }

@@ -160,7 +160,7 @@ static int run(report *r)
     for (uint32_t k = 0; k < o->n_scenes; k++) {
         r->scenes[k].path = o->scenes[k];
         name_scene(r, k);
-        if (report_hash_scene(o->scenes[k], &r->scenes[k].key)) return CLI_INPUT;
+        if ((status = report_hash_scene(o->scenes[k], &r->scenes[k].key))) return status;
         r->scenes[k].seed = report_find_seed(o->scenes[k]);
     }
     status = make_folder(o->folder);

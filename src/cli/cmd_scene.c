@@ -99,6 +99,6 @@ int cmd_scene(int argc, char **argv)
     if (args.outfile) return cli_write_file(args.outfile, generate, &args);
     generate(stdout, &args);
     if (fflush(stdout) == 0 && !ferror(stdout)) return CLI_OK;
-    fprintf(stderr, "lightcuts scene: standard output: %s\n", strerror(errno));
+    fprintf(stderr, "lightcuts: error: cannot write to standard output: %s\n", strerror(errno));
     return CLI_FAILED;
 }

@@ -3,6 +3,7 @@
 
 #include <signal.h>
 #include <string.h>
+#include <unistd.h>
 
 static const cli_command commands[] = {
     { "render", cmd_render, "picture(s) from a scene (the default command)" },
@@ -43,7 +44,7 @@ static int unknown_command(const char *word)
     for (size_t i = 0; i < N_COMMANDS; i++) names[i] = commands[i].name;
     names[N_COMMANDS] = NULL;
     const char *near = cli_nearest(word, names);
-    fprintf(stderr, "lightcuts: '%s' is neither a command nor a scene file%s%s%s\ntry 'lightcuts --help'\n", word,
+    fprintf(stderr, "lightcuts: '%s' is neither a command nor a scene file%s%s%s\ntry 'lightcuts --help'\n", cli_shown(word),
             near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
     return CLI_USAGE;
 }
@@ -78,11 +79,7 @@ static int dispatch(int argc, char **argv)
     }
     const cli_command *c = find(word);
     if (c) return c->run(argc - 1, argv + 1);
-    if (word[0] != '-' && !strpbrk(word, "./")) {
-        FILE *f = fopen(word, "rb");
-        if (!f) return unknown_command(word);
-        fclose(f);
-    }
+    if (word[0] != '-' && !strpbrk(word, "./") && access(word, F_OK)) return unknown_command(word);
     argv[0] = (char[]){ "render" };
     return cmd_render(argc, argv);
 }

@@ -20,7 +20,7 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
 {
     const lc_scene_info *i = &r->info;
     const lc_render_stats *s = &r->stats;
-    fprintf(f, "scene            %s\n", r->scene);
+    fprintf(f, "scene            %s\n", cli_shown(r->scene));
     fprintf(f, "method           %s%s, %s, %u threads\n", cli_method_name(r->method),
             s->exact && r->method != LC_METHOD_EXACT ? " (few lights: every one of them)" : "", r->isa, r->threads);
     fprintf(f, "triangles        %llu", (ull)i->n_triangles);

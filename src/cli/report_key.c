@@ -2,6 +2,8 @@
  * that it names in quotes (included text is searched in turn); and which scene of the seed report it is. */
 #include "report.h"
 
+#include "cli.h"
+
 #include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -82,12 +84,14 @@ int report_hash_scene(const char *path, uint64_t *key)
     int bad = stat(path, &st);
     if (!bad && !S_ISREG(st.st_mode)) {
         fprintf(stderr, "lightcuts: error: '%s' is no file; a report reads its scenes more than once\n", path);
-        return -1;
+        return CLI_INPUT;
     }
     if (!bad) bad = hash_text(&s, path, 0);
-    if (bad) fprintf(stderr, "lightcuts: error: cannot read '%s': %s\n", path, strerror(errno));
     *key = s.key;
-    return bad;
+    if (!bad) return CLI_OK;
+    int err = errno;
+    fprintf(stderr, "lightcuts: error: cannot read '%s': %s\n", path, strerror(err));
+    return err == ENOMEM ? CLI_FAILED : CLI_INPUT;
 }
 
 /* ---- the seed report ---- */

@@ -1,0 +1,102 @@
+/* fuzz_bvh.c - any triangles and rays: the hierarchy is whole; every instruction set gives the same; and a loop over the
+ * triangles, each in a hierarchy of its own, finds the same nearest hit, and the same segments hidden. */
+#include "bvh.h"
+#include "cpu.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+#define MOST 24 /* triangles */
+#define RAYS 12
+
+typedef struct source {
+    const uint8_t *in;
+    size_t left;
+} source;
+
+static uint8_t byte(source *s)
+{
+    if (!s->left) return 0;
+    s->left--;
+    return *s->in++;
+}
+
+/* A grid of few places, so that much touches; some far away or tiny. */
+static float coordinate(source *s)
+{
+    uint8_t b = byte(s);
+    if (b < 224) return (float)(b % 16) - 8;
+    float v = ldexpf(1 + (float)(b & 1), ((int)b - 240) * 2);
+    return b & 2 ? v : -v;
+}
+
+static void require(bool cond, const char *what)
+{
+    if (cond) return;
+    fprintf(stderr, "%s\n", what);
+    abort();
+}
+
+static bool same(const lc_hit *a, const lc_hit *b)
+{
+    return a->tri == b->tri && (a->tri == LC_NONE || (a->t == b->t && a->u == b->u && a->v == b->v));
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static lc_context *ctx;
+    static float pos[MOST * 9];
+    static uint32_t index[MOST * 3];
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    desc.n_threads = 1;
+    if (!ctx && lc_context_create(&desc, &ctx)) abort();
+    source s = { data, size };
+    size_t n = 1 + byte(&s) % MOST;
+    for (size_t i = 0; i < n * 9; i++) pos[i] = coordinate(&s);
+    for (size_t i = 0; i < n * 3; i++) index[i] = (uint32_t)i;
+    lc_bvh *all, *one[MOST];
+    if (lc_bvh_build(ctx, pos, index, n, &all)) abort();
+    const char *wrong = lc_bvh_validate(all, pos, index, n);
+    require(!wrong, wrong);
+    for (size_t i = 0; i < n; i++)
+        if (lc_bvh_build(ctx, pos + 9 * i, index, 1, &one[i])) abort();
+    for (int r = 0; r < RAYS && s.left; r++) {
+        float org[3], to[3];
+        for (int k = 0; k < 3; k++) org[k] = coordinate(&s);
+        for (int k = 0; k < 3; k++) to[k] = coordinate(&s);
+        const float *const target[3] = { &to[0], &to[1], &to[2] };
+        lc_hit best = { 0, 0, 0, LC_NONE }, hit;
+        uint8_t hidden[2] = { 0, 0 }, out[LC_LANES];
+        float most = r % 3 ? FLT_MAX : 1;
+        if (to[0] == 0 && to[1] == 0 && to[2] == 0) continue; /* a ray without direction may hit or not */
+        for (size_t i = 0; i < n; i++) {
+            lc_kernels_scalar.closest(&one[i]->data, org, to, most, &hit);
+            if (hit.tri != LC_NONE && (best.tri == LC_NONE || hit.t < best.t)) best = hit, best.tri = (uint32_t)i;
+            for (int far = 0; far < 2; far++) {
+                lc_kernels_scalar.hidden(&one[i]->data, org, 1, target, far, out);
+                hidden[far] |= out[0];
+            }
+        }
+        for (lc_isa isa = LC_ISA_SCALAR; isa <= lc_cpu_isa(); isa = (lc_isa)(isa + 1)) {
+            const lc_kernels *k = lc_kernels_get(isa);
+            k->closest(&all->data, org, to, most, &hit);
+            if (!same(&hit, &best))
+                fprintf(stderr, "org %a %a %a dir %a %a %a most %g: %s: t %a u %a v %a tri %u, not t %a u %a v %a tri %u\n", (double)org[0],
+                        (double)org[1], (double)org[2], (double)to[0], (double)to[1], (double)to[2], (double)most, lc_isa_name(isa),
+                        (double)hit.t, (double)hit.u, (double)hit.v, hit.tri, (double)best.t, (double)best.u, (double)best.v, best.tri);
+            require(same(&hit, &best), "another nearest hit");
+            for (int far = 0; far < 2; far++) {
+                k->hidden(&all->data, org, 1, target, far, out);
+                require(out[0] == hidden[far], "another shadow");
+            }
+        }
+    }
+    for (size_t i = 0; i < n; i++) lc_bvh_destroy(one[i]);
+    lc_bvh_destroy(all);
+    return 0;
+}

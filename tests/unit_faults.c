@@ -1,0 +1,446 @@
+/* unit_faults.c - every allocation, file operation and thread start of the command line and of the library's calls fails in
+ * turn, once and from then on: exit status and message must be right, nothing leak or crash, no file be broken.
+ *
+ *     build/tests/unit_faults           some of the points of each command, so that it stays below a minute
+ *     build/tests/unit_faults --all     all of them (make fault)
+ *     FAULT_SITES=FILE ...              also writes where the file operations that failed were called, for fault_sites.sh
+ *     build/tests/unit_faults COMMAND CLASS NTH EVER    one point, say "compare" 0 14 0; leaves its folder
+ *
+ * Each run is a process of its own, forked from this one, in the folder DIR of its own:
+ *
+ *     DIR/in/         scenes and pictures, made here
+ *     DIR/run/        where the command runs; the files it writes are there before, holding OLD
+ *     DIR/want/       what those files hold after a run without faults
+ *     DIR/said        stdout and stderr
+ */
+#include "fault_shim.h"
+#include "lightcuts.h"
+#include "test.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#define OLD "what was there before\n"
+#define MAX_ARGS 24
+#define SECONDS_PER_RUN 60
+
+int __real_main(int argc, char **argv);
+int __wrap_main(int argc, char **argv);
+
+typedef struct command {
+    const char *name;
+    const char *args[MAX_ARGS];
+    const char *outputs[4]; /* files it writes, besides stdout */
+    long bounded;           /* points tried of each kind without --all; 0: as many as the others. With it, of files, 50 times that */
+} command;
+
+static const command commands[] = {
+    { .name = "render text, PLY, gz, PNG, EXR, maps",
+      .args = { "render", "../in/all.pbrt", "-o", "a.exr", "-t", "1", "--env-lights", "12", "--area-lights", "4" },
+      .outputs = { "a.exr" } },
+    { .name = "render on threads, all outputs",
+      .args = { "../in/all.pbrt", "-o", "a.exr", "-o", "b.png", "--aov", "all", "--stats-file", "s.json", "--stats", "-t", "3",
+                "--env-lights", "12", "--area-lights", "4", "--method", "cuts" },
+      .outputs = { "a.exr", "b.png" } },
+    { .name = "render by PLOC", .args = { "../in/tiny.pbrt", "-o", "a.png", "-t", "2", "--builder", "ploc" }, .outputs = { "a.png" } },
+    { .name = "info of a scene", .args = { "info", "../in/all.pbrt" } },
+    { .name = "info of a scene, JSON", .args = { "info", "--json", "../in/tiny.pbrt" } },
+    { .name = "info of a picture", .args = { "info", "../in/map.exr" } },
+    { .name = "compare", .args = { "compare", "../in/map.exr", "../in/other.exr", "-o", "d.png" }, .outputs = { "d.png" } },
+    { .name = "compare, heat map, JSON",
+      .args = { "compare", "--json", "../in/map.exr", "../in/other.png", "-o", "d.exr", "--map", "heat" },
+      .outputs = { "d.exr" } },
+    { .name = "preview", .args = { "preview", "../in/map.exr", "-o", "p.png" }, .outputs = { "p.png" } },
+    { .name = "preview of a channel",
+      .args = { "preview", "../in/map.exr", "-o", "p.png", "--false-colour", "G" }, .outputs = { "p.png" } },
+    { .name = "scene to a file", .args = { "scene", "cornell", "--lights", "9", "-o", "s.pbrt" }, .outputs = { "s.pbrt" } },
+    { .name = "scene to stdout", .args = { "scene", "cornell", "--lights", "9" } },
+    { .name = "explain", .args = { "explain", "../in/tiny.pbrt", "--pixel", "4,3" } },
+    { .name = "explain, JSON", .args = { "explain", "../in/tiny.pbrt", "--pixel", "4,3", "--json" } },
+    { .name = "report", .args = { "report", "../in/tiny.pbrt", "--quick", "-o", "rep", "--error-ratios", "0.1,0.02", "-t", "1" },
+      .bounded = 8 },
+    { .name = "the library's calls", .args = { NULL } },
+};
+#define N_COMMANDS (sizeof commands / sizeof *commands)
+
+static char dir[64];
+static bool all_points;
+static fault_seen *seen; /* of the run, shared */
+static fault_seen total; /* sites of all runs */
+static long runs, points[FAULT_CLASSES];
+
+/* ---- the scenes ---- */
+
+static void put(const char *name, const char *text)
+{
+    FILE *f = fopen(name, "w");
+    if (!f || fputs(text, f) < 0 || fclose(f)) abort();
+}
+
+/* Two pictures that differ a little, as EXR and PNG. */
+static void put_picture(const char *exr, const char *png, float step)
+{
+    static const char *const names[3] = { "R", "G", "B" };
+    lc_context *ctx;
+    lc_image *image;
+    lc_image_desc d = LC_IMAGE_DESC_INIT;
+    d.width = 12, d.height = 6;
+    if (lc_context_create(NULL, &ctx) || lc_image_create(ctx, &d, &image)) abort();
+    for (int c = 0; c < 3; c++) {
+        float *p;
+        if (lc_image_add_channel(image, names[c], &p)) abort();
+        for (int i = 0; i < 72; i++) p[i] = (float)((i * 7 + c * 5) % 13) * step;
+    }
+    if (lc_image_write(image, exr) || lc_image_write(image, png)) abort();
+    lc_image_destroy(image);
+    lc_context_destroy(ctx);
+}
+
+#define HEAD "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50]\n" \
+             "Film \"rgb\" \"integer xresolution\" [9] \"integer yresolution\" [7]\n" \
+             "Sampler \"zsobol\" \"integer pixelsamples\" [1]\nWorldBegin\n"
+
+static void make_inputs(void)
+{
+    put_picture("map.exr", "map.png", 0.06f);
+    put_picture("other.exr", "other.png", 0.061f);
+    put("quad.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                    "property float u\nproperty float v\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                    "-2 -2 -1 0 0\n2 -2 -1 1 0\n2 2 -1 1 1\n-2 2 -1 0 1\n4 0 1 2 3\n");
+    put("part.pbrt", "Texture \"png\" \"spectrum\" \"imagemap\" \"string filename\" \"map.png\"\n"
+                     "Texture \"exr\" \"spectrum\" \"imagemap\" \"string filename\" \"map.exr\"\n"
+                     "MakeNamedMaterial \"mirror\" \"string type\" \"conductor\" \"float roughness\" [0]\n");
+    put("all.pbrt", HEAD "Include \"part.pbrt\"\nLightSource \"infinite\" \"string filename\" \"map.exr\" \"float scale\" [0.2]\n"
+                    "Material \"diffuse\" \"texture reflectance\" \"png\"\nShape \"plymesh\" \"string filename\" \"quad.ply\"\n"
+                    "Material \"diffuse\" \"texture reflectance\" \"exr\"\nShape \"sphere\" \"float radius\" [0.5]\n"
+                    "Include \"more.pbrt.gz\"\n");
+    put("tiny.pbrt", HEAD "LightSource \"point\" \"point3 from\" [0 1 2]\nLightSource \"point\" \"point3 from\" [1 0 2]\n"
+                     "LightSource \"spot\" \"point3 from\" [1 1 2]\nLightSource \"point\" \"point3 from\" [-1 1 2]\n"
+                     "LightSource \"distant\" \"point3 from\" [1 1 1]\nMaterial \"diffuse\"\n"
+                     "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
+    static const char more[] = "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [2 2 2]\nTranslate 0 1 0\n"
+                               "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 0 1] \"integer indices\" [0 1 2]\nAttributeEnd\n"
+                               "NamedMaterial \"mirror\"\nShape \"disk\" \"float radius\" [0.5]\n"
+                               "AttributeBegin\nLightSource \"point\" \"point3 from\" [0 1 2] \"rgb I\" [3 3 3]\nAttributeEnd\n";
+    gzFile gz = gzopen("more.pbrt.gz", "wb");
+    if (!gz || gzwrite(gz, more, sizeof more - 1) <= 0 || gzclose(gz)) abort();
+}
+
+/* ---- the library's calls as one program ---- */
+
+static int n_errors;
+
+static void count_errors(void *user, lc_log_level level, const char *text)
+{
+    (void)user;
+    fprintf(stderr, "%s\n", text);
+    if (level == LC_LOG_ERROR) n_errors++;
+}
+
+/* A call that failed says so, where all memory is gone perhaps twice, and leaves NULL; what was made is kept to be destroyed. */
+#define CALL(call, out)                                                                                               \
+    do {                                                                                                              \
+        n_errors = 0;                                                                                                 \
+        lc_status st = (call);                                                                                        \
+        if (st && ((out) != NULL || !n_errors)) fprintf(stderr, "%s: %d messages\n", #call, n_errors), exit(99);  \
+        if (!st && (n_errors || !(out))) fprintf(stderr, "%s: no failure, %d messages\n", #call, n_errors), exit(99); \
+        if (st) failed = 1;                                                                                           \
+    } while (0)
+
+static int call_library(void)
+{
+    int failed = 0;
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    lc_render_desc render = LC_RENDER_DESC_INIT;
+    lc_context *ctx = NULL;
+    lc_scene *scene = NULL;
+    lc_image *image = NULL, *read = NULL;
+    lc_explanation *explanation = NULL;
+    desc.log = count_errors;
+    desc.n_threads = 2;
+    load.env_lights = 12;
+    lc_status made = lc_context_create(&desc, &ctx);
+    if (made) return made == LC_ERR_MEMORY && !ctx && fprintf(stderr, "error: %s\n", lc_status_name(made)) ? 1 : 99;
+    CALL(lc_image_read(ctx, "../in/map.png", &read), read);
+    lc_image_destroy(read);
+    CALL(lc_image_read(ctx, "../in/map.exr", &read), read);
+    CALL(lc_scene_load(ctx, "../in/all.pbrt", &load, &scene), scene);
+    if (scene) CALL(lc_render(ctx, scene, &render, &image, NULL), image);
+    render.aovs = LC_AOV_ALL;
+    lc_image_destroy(image);
+    image = NULL;
+    if (scene) CALL(lc_render(ctx, scene, &render, &image, NULL), image);
+    if (scene) CALL(lc_explain(ctx, scene, &render, 4, 3, 0, &explanation), explanation);
+    float *plane = NULL;
+    if (image) CALL(lc_image_add_channel(image, "more", &plane), plane);
+    n_errors = 0;
+    if (image && lc_image_set_text(image, "note", "text")) failed = n_errors ? 1 : 99;
+    if (image && lc_image_write(image, "lib.exr")) failed = 1;
+    if (read && lc_image_write(read, "lib.png")) failed = 1;
+    lc_explanation_destroy(explanation);
+    lc_image_destroy(image);
+    lc_image_destroy(read);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+    return failed;
+}
+
+/* ---- one run ---- */
+
+static void empty_folder(const char *path)
+{
+    DIR *d = opendir(path);
+    if (!d) return;
+    for (struct dirent *e; (e = readdir(d));) {
+        char name[512];
+        if (!strcmp(e->d_name, ".") || !strcmp(e->d_name, "..")) continue;
+        snprintf(name, sizeof name, "%s/%s", path, e->d_name);
+        if (unlink(name) && errno == EISDIR) {
+            empty_folder(name);
+            rmdir(name);
+        }
+    }
+    closedir(d);
+}
+
+static void child(const command *c, const fault_plan *plan)
+{
+    char *argv[MAX_ARGS + 1] = { (char[]){ "lightcuts" } };
+    int argc = 1, status;
+    for (; argc <= MAX_ARGS && c->args[argc - 1]; argc++) argv[argc] = strdup(c->args[argc - 1]);
+    if (!freopen("../said", "w", stderr) || dup2(fileno(stderr), STDOUT_FILENO) < 0) _exit(98);
+    setvbuf(stderr, NULL, _IOLBF, 0);
+    alarm(SECONDS_PER_RUN);
+    fault_start(plan, seen);
+    status = argc > 1 ? __real_main(argc, argv) : call_library();
+    if (fflush(stdout) && !status) status = 97;
+    fault_stop();
+    for (int i = 1; i < argc; i++) free(argv[i]);
+    exit(status);
+}
+
+/* The exit status; 128 + signal. */
+static int run(const command *c, const fault_plan *plan)
+{
+    int status;
+    memset(seen, 0, sizeof *seen);
+    empty_folder(".");
+    for (int i = 0; i < 4 && c->outputs[i]; i++) put(c->outputs[i], OLD);
+    fflush(stdout);
+    pid_t pid = fork();
+    if (pid < 0) abort();
+    if (!pid) child(c, plan);
+    while (waitpid(pid, &status, 0) < 0)
+        if (errno != EINTR) abort();
+    runs++;
+    for (int k = 0; k < FAULT_CLASSES; k++) {
+        for (uint32_t i = 0; i < seen->n_sites[k]; i++) {
+            uint32_t at = 0;
+            while (at < total.n_sites[k] && total.sites[k][at] != seen->sites[k][i]) at++;
+            if (at == total.n_sites[k] && at < FAULT_MAX_SITES) total.sites[k][total.n_sites[k]++] = seen->sites[k][i];
+        }
+        for (uint32_t i = 0; i < seen->n_failed[k]; i++) {
+            uint32_t at = 0;
+            while (at < total.n_failed[k] && total.failed_sites[k][at] != seen->failed_sites[k][i]) at++;
+            if (at == total.n_failed[k] && at < FAULT_MAX_SITES) total.failed_sites[k][total.n_failed[k]++] = seen->failed_sites[k][i];
+        }
+    }
+    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+/* ---- what must hold after it ---- */
+
+static char *load(const char *path, size_t *n)
+{
+    static char buffer[2][1 << 20];
+    static int which;
+    char *to = buffer[which ^= 1];
+    FILE *f = fopen(path, "rb");
+    *n = f ? fread(to, 1, (1 << 20) - 1, f) : 0;
+    to[*n] = 0;
+    if (f) fclose(f);
+    return f ? to : NULL;
+}
+
+static bool holds(const char *path, const char *want)
+{
+    size_t n, m;
+    const char *a = load(path, &n), *b = load(want, &m);
+    return a && b && n == m && !memcmp(a, b, n);
+}
+
+static bool holds_old(const char *path)
+{
+    size_t n;
+    const char *a = load(path, &n);
+    return a && n == strlen(OLD) && !memcmp(a, OLD, n);
+}
+
+static int count_of(const char *text, const char *word)
+{
+    int n = 0;
+    for (const char *p = text; (p = strstr(p, word)); p += strlen(word)) n++;
+    return n;
+}
+
+static bool has_leftovers(const char *path)
+{
+    DIR *d = opendir(path);
+    bool found = false;
+    for (struct dirent *e; d && (e = readdir(d));) {
+        char name[512];
+        struct stat st;
+        if (!strcmp(e->d_name, ".") || !strcmp(e->d_name, "..")) continue;
+        snprintf(name, sizeof name, "%s/%s", path, e->d_name);
+        if (strstr(name, ".tmp") || strstr(name, "/picture.")) found = true;
+        if (!stat(name, &st) && S_ISDIR(st.st_mode)) found |= has_leftovers(name);
+    }
+    if (d) closedir(d);
+    return found;
+}
+
+/* NULL when all is well. */
+static const char *judge(const command *c, const fault_plan *plan, int status)
+{
+    static const char *const bad_words[] = { "Sanitizer", "runtime error", "assert" };
+    size_t n;
+    const char *said = load("../said", &n);
+    if (status == 128 + SIGALRM) return "it hangs";
+    if (status > 128) return "it crashes";
+    if (status != 0 && status != 1 && status != 3) return "wrong exit status";
+    if (plan->class == FAULT_ALLOC && status == 3) return "no memory is taken for wrong input";
+    if (plan->class == FAULT_THREAD && status) return "it needs threads";
+    for (int i = 0; i < 3; i++)
+        if (said && strstr(said, bad_words[i])) return bad_words[i];
+    int errors = said ? count_of(said, "error: ") : 0;
+    if (status && c->args[0] && errors != 1) return errors ? "more than one message" : "no message";
+    if (!status && errors) return "an error, but status 0";
+    if (has_leftovers(".")) return "temporary files stay";
+    for (int i = 0; i < 4 && c->outputs[i]; i++) {
+        char want[64];
+        snprintf(want, sizeof want, "../want/%s", c->outputs[i]);
+        if (!holds(c->outputs[i], want) && (!status || !holds_old(c->outputs[i]))) return "a broken file";
+    }
+    return NULL;
+}
+
+static bool try_plan(const command *c, const fault_plan *plan)
+{
+    int status = run(c, plan);
+    const char *why = judge(c, plan, status);
+    if (!why) return true;
+    test_bad++;
+    if (test_bad > 12) return false;
+    printf("  %s: class %d, call %ld of %ld fails%s with %s: status %d: %s\n", c->name, plan->class, plan->nth, seen->calls[plan->class],
+           plan->ever ? " for ever" : "", strerror(plan->err), status, why);
+    for (uint32_t i = 0; i < seen->n_failed[plan->class] && i < 3; i++)
+        printf("    site %#lx\n", (unsigned long)seen->failed_sites[plan->class][i]);
+    size_t n;
+    const char *said = load("../said", &n);
+    printf("    %.600s\n", said && n ? said : "it says nothing");
+    return false;
+}
+
+/* Every call of a class in turn, or about `most` of them; nothing fails where the number is beyond the last. */
+static void try_class(const command *c, fault_class class, long calls, int err, long most)
+{
+    long step = most && calls > most ? calls / most : 1;
+    for (long nth = 1; nth <= calls; nth += nth < most / 2 && step > 1 ? 1 : step)
+        for (int ever = 0; ever < (err == EINTR ? 1 : 2); ever++) { /* who is always interrupted tries again for ever, and may */
+            fault_plan plan = { .class = class, .nth = nth, .ever = ever, .err = err };
+            try_plan(c, &plan);
+            points[class]++;
+        }
+}
+
+static void keep_outputs(const command *c)
+{
+    for (int i = 0; i < 4 && c->outputs[i]; i++) {
+        char to[64];
+        snprintf(to, sizeof to, "../want/%s", c->outputs[i]);
+        if (rename(c->outputs[i], to)) abort();
+    }
+}
+
+static void try_command(const command *c)
+{
+    static const int errs[] = { EIO, ENOSPC, EINTR, EDQUOT, EACCES };
+    fault_plan none = { .class = FAULT_ALLOC };
+    test_bad = 0;
+    int status = run(c, &none);
+    CHECKF(status == 0, "%s: status %d without faults", c->name, status);
+    keep_outputs(c);
+    long calls[FAULT_CLASSES], most = all_points ? 0 : c->bounded ? c->bounded : 40;
+    memcpy(calls, seen->calls, sizeof calls);
+    if (!status) {
+        try_class(c, FAULT_ALLOC, calls[FAULT_ALLOC], ENOMEM, most);
+        for (size_t i = 0; i < (all_points ? sizeof errs / sizeof *errs : 1); i++) 
+            try_class(c, FAULT_IO, calls[FAULT_IO], errs[i], all_points ? c->bounded * 50 : most);
+        try_class(c, FAULT_THREAD, calls[FAULT_THREAD], EAGAIN, most);
+        for (size_t k = 1; k <= 7; k += all_points ? 1 : 6) {
+            fault_plan few = { .class = FAULT_IO, .most = k, .stutter = k % 2 };
+            if (try_plan(c, &few)) CHECKF(!seen->failed, "short transfers of %zu", k);
+            size_t n;
+            CHECKF(!strstr(load("../said", &n), "error: "), "%s: fails with transfers of %zu bytes", c->name, k);
+        }
+    }
+    if (test_bad) test_failed++;
+    else test_passed++;
+    printf("%s %s: %ld allocations, %ld file operations, %ld threads\n", test_bad ? "FAIL" : "ok  ", c->name, calls[0], calls[1], calls[2]);
+    fflush(stdout);
+}
+
+/* An address a line. */
+static void write_sites(const char *path)
+{
+    FILE *f = path ? fopen(path, "w") : NULL;
+    for (uint32_t i = 0; f && i < total.n_failed[FAULT_IO]; i++) fprintf(f, "%lx\n", (unsigned long)total.failed_sites[FAULT_IO][i]);
+    if (f) fclose(f);
+}
+
+static int try_one(char **argv)
+{
+    fault_plan none = { .class = FAULT_ALLOC };
+    fault_plan plan = { .class = (fault_class)atoi(argv[2]), .nth = atol(argv[3]), .ever = atoi(argv[4]), .err = ENOMEM };
+    if (plan.class != FAULT_ALLOC) plan.err = EIO;
+    for (size_t i = 0; i < N_COMMANDS; i++)
+        if (!strcmp(commands[i].name, argv[1])) {
+            run(&commands[i], &none);
+            keep_outputs(&commands[i]);
+            printf("%s: %s\n", dir, try_plan(&commands[i], &plan) ? "well" : "not well");
+        }
+    return 0;
+}
+
+int __wrap_main(int argc, char **argv)
+{
+    const char *sites = getenv("FAULT_SITES");
+    all_points = argc > 1 && !strcmp(argv[1], "--all");
+    snprintf(dir, sizeof dir, "/tmp/lightcuts-faults-XXXXXX");
+    if (!mkdtemp(dir) || chdir(dir) || mkdir("in", 0777) || mkdir("run", 0777) || mkdir("want", 0777) || chdir("in")) abort();
+    unsetenv("LC_ISA"), setenv("SOURCE_DATE_EPOCH", "0", 1);
+    make_inputs();
+    if (chdir("../run")) abort();
+    seen = mmap(NULL, sizeof *seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (seen == MAP_FAILED) abort();
+    if (argc == 5) return try_one(argv);
+    for (size_t i = 0; i < N_COMMANDS; i++) try_command(&commands[i]);
+    printf("%ld runs; failed in turn: %ld allocations, %ld file operations, %ld threads; call sites of file operations met %u, failed %u\n",
+           runs, points[0], points[1], points[2], total.n_sites[FAULT_IO], total.n_failed[FAULT_IO]);
+    write_sites(sites);
+    if (chdir("..")) abort();
+    empty_folder("in"), empty_folder("run"), empty_folder("want");
+    empty_folder(".");
+    rmdir("in"), rmdir("run"), rmdir("want");
+    if (!chdir("/")) rmdir(dir);
+    munmap(seen, sizeof *seen);
+    return test_done();
+}
