@@ -118,6 +118,8 @@ static const struct {
     { "spot", lc_pbrt_spot_light },
     { "projection", lc_pbrt_projection_light },
     { "goniometric", lc_pbrt_goniometric_light },
+    { "sun", lc_pbrt_sun_light },
+    { "sky", lc_pbrt_sky_light },
 };
 
 lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)

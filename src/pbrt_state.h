@@ -164,6 +164,8 @@ lc_status lc_pbrt_light_position(lc_pbrt *p, const char *name, const char *alias
 lc_status lc_pbrt_light_direction(lc_pbrt *p, lc_pos where, const double v[3], lc_f3 *out);
 /* pbrt_spot.c */
 lc_pbrt_handler lc_pbrt_spot_light, lc_pbrt_projection_light, lc_pbrt_goniometric_light;
+/* pbrt_sky.c */
+lc_pbrt_handler lc_pbrt_sun_light, lc_pbrt_sky_light;
 /* pbrt_infinite.c */
 lc_pbrt_handler lc_pbrt_infinite_light;
 /* A light's picture, decoded; *there: false after a note, where there is none that can be read. */
