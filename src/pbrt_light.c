@@ -5,7 +5,7 @@
  * intensity falls as 1 / (A + B d + C d^2), by default 1 / d^2. Emission of shapes is in
  * lc_pbrt_attrs.emission.
  */
-#include "pbrt_state.h"
+#include "pbrt_light.h"
 
 #include <string.h>
 

@@ -7,7 +7,7 @@
  * The sky is CIE's standard clear one, type 12 [CIE03], of one colour, black below the horizon: an environment map that cameras see.
  * The sun's lights lie on a spiral, each in as much of the disc. Both take "scale".
  */
-#include "pbrt_state.h"
+#include "pbrt_light.h"
 
 #include "fmath.h"
 #include "rng.h"
