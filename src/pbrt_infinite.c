@@ -2,7 +2,7 @@
  *
  * Square pictures are pbrt-v4's equal-area ones unless named by "mapname"; others go by latitude and longitude.
  */
-#include "pbrt_state.h"
+#include "pbrt_light.h"
 
 #include "readfile.h"
 

@@ -5,7 +5,7 @@
  * intensity falls as 1 / (A + B d + C d^2), by default 1 / d^2. Emission of shapes is in
  * lc_pbrt_attrs.emission.
  */
-#include "pbrt_state.h"
+#include "pbrt_light.h"
 
 #include <string.h>
 
@@ -118,6 +118,8 @@ static const struct {
     { "spot", lc_pbrt_spot_light },
     { "projection", lc_pbrt_projection_light },
     { "goniometric", lc_pbrt_goniometric_light },
+    { "sun", lc_pbrt_sun_light },
+    { "sky", lc_pbrt_sky_light },
 };
 
 lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)

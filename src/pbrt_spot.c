@@ -4,7 +4,7 @@
  * equal area, where v3's are by latitude and longitude; in both a goniometric light's y and z are exchanged. A map's greatest
  * value of each channel goes into the intensity, so that what kernels look up is 0..1.
  */
-#include "pbrt_state.h"
+#include "pbrt_light.h"
 
 #include <string.h>
 

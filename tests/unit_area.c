@@ -69,7 +69,10 @@ static void sum_of_lights(double sum[3])
     }
 }
 
-static int by_place(const void *a, const void *b) { return memcmp(&((const lc_light *)a)->pos, &((const lc_light *)b)->pos, sizeof(lc_f3)); }
+static int by_place(const void *a, const void *b)
+{
+    return memcmp(&((const lc_light *)a)->pos, &((const lc_light *)b)->pos, sizeof(lc_f3));
+}
 
 static void check_places(void)
 {
@@ -77,7 +80,9 @@ static void check_places(void)
     for (size_t i = 1; i < scene->n_lights; i++) CHECK(by_place(&scene->lights[i - 1], &scene->lights[i]));
 }
 
-#define QUAD "Shape \"trianglemesh\" \"point3 P\" [0 0 0  2 0 0  2 .5 0  0 .5 0] \"point2 uv\" [0 0 1 0 1 1 0 1] \"integer indices\" [0 1 2 0 2 3]"
+#define QUAD                                                                     \
+    "Shape \"trianglemesh\" \"point3 P\" [0 0 0  2 0 0  2 .5 0  0 .5 0] " \
+    "\"point2 uv\" [0 0 1 0 1 1 0 1] \"integer indices\" [0 1 2 0 2 3]"
 
 TEST(pictures_keep_their_power)
 {
@@ -92,7 +97,7 @@ TEST(pictures_keep_their_power)
         for (int c = 0; c < 3; c++) CHECKF(fabs(got[c] / (2 * want[c]) - 1) < 0.005, "%u: %g, not %g", numbers[i], got[c], 2 * want[c]);
         check_places();
     }
-    printf("  100000 lights: sums off by %.2g %.2g %.2g\n", got[0] / (2 * want[0]) - 1, got[1] / (2 * want[1]) - 1, got[2] / (2 * want[2]) - 1);
+    for (int c = 0; c < 3; c++) printf("  100000 lights: sum of channel %d off by %.2g\n", c, got[c] / (2 * want[c]) - 1);
 }
 
 /* Blocks of the picture have as many lights as their power asks for, and the colours of their texels. */

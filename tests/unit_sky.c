@@ -1,0 +1,81 @@
+/* unit_sky.c - our own LightSource "sun" and "sky". */
+#include "env_light.h"
+#include "pbrt_parse.h"
+#include "test.h"
+
+#include <stdlib.h>
+
+static lc_context *ctx;
+static lc_scene *scene;
+
+static lc_status load(const char *text)
+{
+    char all[1024];
+    lc_scene_destroy(scene);
+    if (lc_scene_create(ctx, &scene)) abort();
+    snprintf(all, sizeof all, "WorldBegin %s", text);
+    return lc_pbrt_parse_memory(scene, "s.pbrt", all, strlen(all));
+}
+
+TEST(sun_fills_its_disc)
+{
+    double sum = 0, mean[3] = { 0, 0, 0 }, widest = 0, second = 0;
+    CHECK(load("Rotate -90 1 0 0 LightSource \"sun\" \"vector3 direction\" [0 3 4] \"rgb E\" [10 20 30] "
+               "\"float angle\" 2 \"integer lights\" 500") == LC_OK);
+    CHECK(scene->n_lights == 500);
+    const lc_f3 sun = lc_f3_make(0, 0.8f, -0.6f); /* +z is turned to +y */
+    for (size_t i = 0; i < scene->n_lights; i++) {
+        const lc_light *l = &scene->lights[i];
+        double angle = acos(fmin(-(double)lc_f3_dot(l->dir, sun), 1));
+        CHECK(l->kind == LC_LIGHT_DIRECTIONAL);
+        widest = fmax(widest, angle), second += angle * angle / 500;
+        sum += (double)l->intensity.y;
+        mean[0] += (double)l->dir.x / 500, mean[1] += (double)l->dir.y / 500, mean[2] += (double)l->dir.z / 500;
+        for (size_t k = 0; k < i; k++) CHECK(memcmp(&l->dir, &scene->lights[k].dir, sizeof l->dir));
+    }
+    double r = LC_PI / 180;
+    CHECKF(fabs(sum - 20) < 1e-4 && widest <= r * 1.001 && widest > 0.97 * r, "%g %g", sum, widest);
+    CHECKF(fabs(second / (r * r) - 0.5) < 0.01, "%g", second / (r * r)); /* of an even disc */
+    CHECK(fabs(mean[0]) < 1e-4 && fabs(mean[1] + 0.8) < 3e-4 && fabs(mean[2] - 0.6) < 3e-4);
+    CHECK(load("LightSource \"sun\" \"float angle\" 0") == LC_OK && scene->n_lights == 1);
+    CHECK(load("LightSource \"sun\" \"vector3 direction\" [0 0 0]") == LC_ERR_PARSE);
+    CHECK(load("LightSource \"sun\" \"integer lights\" 0") == LC_ERR_PARSE);
+}
+
+/* [CIE03], type 12. */
+static double clear_sky(double cos_zenith, double cos_sun, double cos_between)
+{
+    double f = 1 + 10 * (exp(-3 * acos(cos_between)) - exp(-3 * LC_PI / 2)) + 0.45 * cos_between * cos_between;
+    double f0 = 1 + 10 * (exp(-3 * acos(cos_sun)) - exp(-3 * LC_PI / 2)) + 0.45 * cos_sun * cos_sun;
+    return f / f0 * (1 - exp(-0.32 / cos_zenith)) / (1 - exp(-0.32));
+}
+
+TEST(sky_is_the_clear_one)
+{
+    CHECK(load("Rotate -90 1 0 0 LightSource \"sky\" \"vector3 sun\" [3 0 4] \"rgb L\" [1 2 3] \"float scale\" 2") == LC_OK);
+    CHECK(scene->n_envs == 1);
+    const lc_f3 sun = lc_f3_make(0.6f, 0.8f, 0);
+    lc_f3 v = lc_scene_background(scene, lc_f3_make(0, 1, 0));
+    /* the pole shows a texel beside it, 0.35 degrees off */
+    CHECKF(fabs((double)v.x - 2) < 0.04 && fabs((double)v.z - 6) < 0.12, "%g %g", (double)v.x, (double)v.z);
+    CHECK(!(lc_f3_max(lc_scene_background(scene, lc_f3_normalize(lc_f3_make(0.3f, -0.1f, 0.2f)))) > 0));
+    for (int i = 0; i < 1000; i++) {
+        double z = 0.03 + 0.96 * (i + 0.5) / 1000, phi = i * 2.4;
+        lc_f3 w = lc_f3_normalize_d(sqrt(1 - z * z) * cos(phi), z, sqrt(1 - z * z) * sin(phi));
+        double between = (double)lc_f3_dot(w, sun), want = 2 * clear_sky(z, 0.8, between), got = (double)lc_scene_background(scene, w).x;
+        if (between < 0.9995) CHECKF(fabs(got / want - 1) < 0.02, "%d: %g, not %g", i, got, want);
+    }
+    CHECK(!lc_env_lights_make(scene, 1000, 1) && scene->n_lights == 1000);
+    CHECK(load("LightSource \"sky\" \"vector3 sun\" [0 0 -1]") == LC_ERR_PARSE);
+    CHECK(load("LightSource \"sky\" \"vector3 sun\" [0 0 0]") == LC_ERR_PARSE);
+}
+
+int main(void)
+{
+    if (lc_context_create(NULL, &ctx)) return 1;
+    RUN(sun_fills_its_disc);
+    RUN(sky_is_the_clear_one);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+    return test_done();
+}
