@@ -69,7 +69,7 @@ static float conductor(float rise, float turn, float c)
     return f < 1 ? f : 1;
 }
 
-/* 1 - mean reflectance, from outside, for diffuse light: [Egan73]; linear where the terms would cancel. */
+/* 1 - mean reflectance, from outside, for diffuse light, the integral in closed form; linear where the terms would cancel. */
 static double mean_transmitted(double m)
 {
     const double least = 1.001;
