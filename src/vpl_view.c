@@ -9,7 +9,8 @@
 
 #include <string.h>
 
-#define SAMPLE 2048 /* lights at each point */
+#define SAMPLE 1024 /* far lights at each point */
+#define NEAR 64.0f  /* lights within 8 r are near: what is lost beyond falls as 1 / d^4 */
 #define BATCH 64
 
 static const lc_material grey = { .kd = { 0.5f, 0.5f, 0.5f } };
@@ -38,22 +39,28 @@ static float luminance(const lc_point *p, const lc_light *light, const lc_light_
     return lc_luminance(lc_f3_mul(lc_shade_light(&near, light->kind, rec, atten), light->intensity));
 }
 
+/* Rays go from the light, so that they have one origin. */
 double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t hash)
 {
     const lc_bvh *bvh = view->scene->bvh;
-    const float *const target[3] = { &light->pos.x, &light->pos.y, &light->pos.z };
+    const float org[3] = { light->pos.x, light->pos.y, light->pos.z };
+    float to[3][LC_WORTH_POINTS], f[LC_WORTH_POINTS];
+    const float *const target[3] = { to[0], to[1], to[2] };
+    uint8_t hidden[LC_WORTH_POINTS];
+    uint32_t n = 0;
     double sum = 0;
     lc_light_rec rec;
     lc_light_rec_init(&rec, light);
     for (uint32_t k = 0; k < LC_WORTH_POINTS && view->n; k++) {
-        uint32_t from = view->n * k / LC_WORTH_POINTS, to = view->n * (k + 1) / LC_WORTH_POINTS; /* spread over the picture */
-        uint32_t i = from + (uint32_t)(lc_hash2(hash, k) % (to > from ? to - from : 1));
-        uint8_t hidden;
-        float f = luminance(&view->points[i], light, &rec, NULL, LC_MIN_D2);
-        if (!(f > 0)) continue;
-        bvh->kernels->hidden(&bvh->data, view->org[i], 1, target, false, &hidden);
-        if (!hidden) sum += (double)f;
+        uint32_t from = view->n * k / LC_WORTH_POINTS, end = view->n * (k + 1) / LC_WORTH_POINTS; /* spread over the picture */
+        uint32_t i = from + (uint32_t)(lc_hash2(hash, k) % (end > from ? end - from : 1));
+        f[n] = luminance(&view->points[i], light, &rec, NULL, LC_MIN_D2);
+        if (!(f[n] > 0)) continue;
+        for (int c = 0; c < 3; c++) to[c][n] = view->org[i][c];
+        n++;
     }
+    if (n) bvh->kernels->hidden(&bvh->data, org, n, target, false, hidden);
+    for (uint32_t k = 0; k < n; k++) sum += hidden[k] ? 0 : (double)f[k];
     return sum / LC_WORTH_POINTS;
 }
 
@@ -66,47 +73,66 @@ typedef struct job {
     double soft[LC_VIEW_SIDE * LC_VIEW_SIDE], hard[LC_VIEW_SIDE * LC_VIEW_SIDE];
 } job;
 
+/* Lights at a point that wait for their shadow rays. */
 typedef struct group {
+    job *j;
+    uint64_t item;
+    float each; /* of these lights stands for so many */
     uint32_t n;
     float target[3][BATCH], soft[BATCH], hard[BATCH];
 } group;
 
-/* Light k of n_sample, one of each of as many equal ranges. */
-static const lc_light *pick(const job *j, uint64_t item, size_t k, size_t n_sample)
-{
-    size_t from = j->n * k / n_sample, to = j->n * (k + 1) / n_sample;
-    return &j->view->scene->lights[j->first + from + lc_hash4(j->seed, item, k, 3) % (to - from)];
-}
-
-static void add_visible(job *j, uint64_t item, group *g)
+static void trace(group *g)
 {
     uint8_t hidden[BATCH];
     const float *const t[3] = { g->target[0], g->target[1], g->target[2] };
-    const lc_bvh *bvh = j->view->scene->bvh;
-    if (g->n) bvh->kernels->hidden(&bvh->data, j->view->org[item], g->n, t, false, hidden);
-    for (uint32_t i = 0; i < g->n; i++)
-        if (!hidden[i]) j->soft[item] += (double)g->soft[i], j->hard[item] += (double)g->hard[i];
+    const lc_vpl_view *view = g->j->view;
+    if (g->n) view->scene->bvh->kernels->hidden(&view->scene->bvh->data, view->org[g->item], g->n, t, false, hidden);
+    for (uint32_t i = 0; i < g->n; i++) {
+        if (hidden[i]) continue;
+        g->j->soft[g->item] += (double)(g->soft[i] * g->each);
+        g->j->hard[g->item] += (double)(g->hard[i] * g->each);
+    }
     g->n = 0;
 }
 
+static void add(group *g, const lc_light *light)
+{
+    const lc_point *p = &g->j->view->points[g->item];
+    lc_light_rec rec;
+    lc_light_rec_init(&rec, light);
+    float hard = luminance(p, light, &rec, NULL, fmaxf(LC_MIN_D2, light->atten[0] / 16));
+    if (!(hard > 0)) return;
+    g->hard[g->n] = hard, g->soft[g->n] = luminance(p, light, &rec, light->atten, LC_MIN_D2);
+    g->target[0][g->n] = light->pos.x, g->target[1][g->n] = light->pos.y, g->target[2][g->n] = light->pos.z;
+    if (++g->n == BATCH) trace(g);
+}
+
+static bool is_near(const lc_point *p, const lc_light *light)
+{
+    lc_f3 d = lc_f3_sub(light->pos, lc_f3_load(p->pos));
+    return lc_f3_dot(d, d) < NEAR * light->atten[0];
+}
+
+/* All lights that are near, and one of each of SAMPLE equal ranges of those that are not. */
 static void try_point(void *user, uint32_t thread, uint64_t item)
 {
     job *j = user;
     const lc_point *p = &j->view->points[item];
+    const lc_light *lights = j->view->scene->lights + j->first;
     size_t n_sample = j->n < SAMPLE ? j->n : SAMPLE;
-    group g = { .n = 0 };
+    group g = { .j = j, .item = item, .each = 1 };
     (void)thread;
+    for (size_t i = 0; i < j->n; i++)
+        if (is_near(p, &lights[i])) add(&g, &lights[i]);
+    trace(&g);
+    g.each = (float)j->n / (float)n_sample;
     for (size_t k = 0; k < n_sample; k++) {
-        const lc_light *light = pick(j, item, k, n_sample);
-        lc_light_rec rec;
-        lc_light_rec_init(&rec, light);
-        float hard = luminance(p, light, &rec, NULL, fmaxf(LC_MIN_D2, light->atten[0] / 16));
-        if (!(hard > 0)) continue;
-        g.hard[g.n] = hard, g.soft[g.n] = luminance(p, light, &rec, light->atten, LC_MIN_D2);
-        g.target[0][g.n] = light->pos.x, g.target[1][g.n] = light->pos.y, g.target[2][g.n] = light->pos.z;
-        if (++g.n == BATCH) add_visible(j, item, &g);
+        size_t from = j->n * k / n_sample, to = j->n * (k + 1) / n_sample;
+        const lc_light *light = &lights[from + lc_hash4(j->seed, item, k, 3) % (to - from)];
+        if (!is_near(p, light)) add(&g, light);
     }
-    add_visible(j, item, &g);
+    trace(&g);
 }
 
 double lc_vpl_loss(const lc_vpl_view *view, size_t first, uint64_t seed)

@@ -22,7 +22,7 @@ void lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t max_dep
 double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t hash);
 
 /* Share of the light of the scene's lights from `first` on that their attenuation r^2 + d^2 in place of d^2 takes away, shadows
- * counted. An estimate by a sample of the lights at all points; nearer than r / 4 distances count as that, for single dots
+ * counted. An estimate by all lights near each point and a sample of the others; nearer than r / 4 distances count as that, for single dots
  * would outweigh all else. 0 where nothing is lit. */
 double lc_vpl_loss(const lc_vpl_view *view, size_t first, uint64_t seed);
 

@@ -171,7 +171,8 @@ check 'the last --seed wins' grep -q '"seed": 7,' st.json
 check 'the last --method wins' grep -q '"method": "lightcuts"' st.json
 check 'options after the scene count, -o adds up' test -s b.exr
 good 'all options' -q s.pbrt -o a.exr --method exact --error-ratio 0.01 --max-cut 10 --dark-floor 0 --representatives 4 \
-    --maxdepth 1 --area-lights 64 --env-lights 9 --indirect-lights 0 --seed 3 --spp 2 --pixelbounds 0,8,0,8 --aov cut,n,p,z,albedo,error,rays -t 1 --isa scalar
+    --maxdepth 1 --area-lights 64 --env-lights 9 --indirect-lights 0 \
+    --seed 3 --spp 2 --pixelbounds 0,8,0,8 --aov cut,n,p,z,albedo,error,rays -t 1 --isa scalar
 good '--cropwindow' -q s.pbrt -o c.exr --cropwindow 0.25,0.75,0,0.5
 run info --json c.exr
 check 'crop: data window and display window' grep -q '"display_width": 48' out

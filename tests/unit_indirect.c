@@ -1,4 +1,5 @@
 /* unit_indirect.c - virtual lights: how much light they hold, against closed forms; depth, threads, radii, pictures. */
+#include "poor.h"
 #include "rng.h"
 #include "scene.h"
 #include "test.h"
@@ -225,6 +226,27 @@ TEST(defaults)
     CHECK(flux(load(1000, 5), 0, 0) <= 0);
 }
 
+/* Loading again and again, one allocation more at a time. */
+TEST(every_allocation_may_fail)
+{
+    lc_context *poor = poor_context();
+    lc_load_desc ld = LC_LOAD_DESC_INIT;
+    lc_status st = LC_ERR_MEMORY;
+    long n = 0;
+    ld.indirect_lights = 100;
+    write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\n" GREY(".5") WALL("3", "1"));
+    for (; st == LC_ERR_MEMORY && n < 500; n++) {
+        lc_scene *s;
+        allocations_left = n;
+        st = lc_scene_load(poor, path, &ld, &s);
+        allocations_left = -1;
+        CHECK(!st || !s);
+        lc_scene_destroy(s);
+    }
+    CHECKF(!st && n > 20, "%s after %ld", lc_status_name(st), n);
+    lc_context_destroy(poor);
+}
+
 int main(void)
 {
     lc_context_desc cd = LC_CONTEXT_DESC_INIT;
@@ -239,6 +261,7 @@ int main(void)
     RUN(same_everywhere);
     RUN(radii);
     RUN(defaults);
+    RUN(every_allocation_may_fail);
     lc_context_destroy(ctx);
     remove(path);
     return test_done();

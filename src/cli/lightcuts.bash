@@ -35,12 +35,14 @@ _lightcuts()
         COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
         return ;;
     render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | render:--maxdepth | \
-        render:--area-lights | render:--env-lights | render:--indirect-lights | render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
+        render:--area-lights | render:--env-lights | render:--indirect-lights | \
+        render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
         render:--print-chunks | render:--time-limit | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
         explain:--pixel | explain:--sample | explain:--top | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
-        explain:--representatives | explain:--area-lights | explain:--indirect-lights | explain:--maxdepth | explain:--seed | explain:--spp | \
+        explain:--representatives | explain:--area-lights | explain:--indirect-lights | \
+        explain:--maxdepth | explain:--seed | explain:--spp | \
         bench:--representatives | bench:--pixelbounds | report:--error-ratios | report:--representatives | report:--max-cut) return ;;
     report:-o | report:--outdir)
         compopt -o filenames 2>/dev/null
@@ -60,7 +62,8 @@ _lightcuts()
     if [[ $word == -* ]]; then
         case $command in
         render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives --builder --maxdepth --area-lights
-            --env-lights --indirect-lights --seed --spp --pixelbounds --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit
+            --env-lights --indirect-lights
+            --seed --spp --pixelbounds --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit
             --checkpoint-interval --keep-checkpoint --aov --nthreads --isa --stats --stats-file --write-time --quiet
             --verbose --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;
