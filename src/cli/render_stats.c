@@ -49,8 +49,8 @@ void cli_write_stats_json(FILE *f, void *report)
             cli_method_name(r->method), s->exact ? "true" : "false", r->isa, r->threads, (ull)r->seed);
     fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"points\": %llu,\n", i->width, i->height,
             (ull)s->pixels, (ull)s->points);
-    fprintf(f, "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": %llu,\n", (ull)i->n_triangles,
-            (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_lights);
+    fprintf(f, "  \"triangles\": %llu,\n  \"lights\": %llu,\n", (ull)i->n_triangles, (ull)i->n_lights);
+    fprintf(f, "  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n", (ull)i->n_instances, (ull)i->n_instanced_triangles);
     fprintf(f, "  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu},\n", (ull)i->n_point,
             (ull)i->n_oriented, (ull)i->n_directional);
     fprintf(f, "  \"seconds\": {\"parse\": %.6f, \"bvh\": %.6f, \"lights\": %.6f, \"tree\": %.6f, \"render\": %.6f, "
