@@ -28,9 +28,10 @@ typedef struct lc_bvh_data {
 
 /* An object in its place. Rows of affine maps. */
 typedef struct lc_instance {
-    double to_object[12], to_world[12];
+    double to_object[12];
     uint32_t object;
     bool mirrored;
+    double to_world[12]; /* last: shadow rays don't want it */
 } lc_instance;
 
 /* Instances. `boxes` is a BVH like others, but vertices 0 and 1 of a triangle are the corners of an instance's box, and its

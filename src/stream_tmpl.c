@@ -35,12 +35,11 @@ static const uint32_t LC_FN(bit_of)[32] = {
     1u << 22, 1u << 23, 1u << 24, 1u << 25, 1u << 26, 1u << 27, 1u << 28, 1u << 29, 1u << 30, 1u << 31,
 };
 
-/* What follows from an axis of the directions of n rays; unused ones repeat the last. */
+/* What follows from an axis of the directions of n rays; those up to a multiple of 8 are there too. */
 LC_INLINE void LC_FN(rays_axis)(rays *r, const float org[3], uint32_t n, uint32_t k)
 {
     const vf8 zero = vf8_set(0), tiny = vf8_set(1e-30f), minus_tiny = vf8_set(-1e-30f);
     r->vorg[k] = vf8_set(org[k]);
-    for (uint32_t i = n; i & 7; i++) r->d[k][i] = r->d[k][n - 1];
     for (uint32_t i = 0; i < n; i += 8) {
         vf8 d = vf8_load(&r->d[k][i]);
         vf8 safe = vf8_sel_gt(vf8_abs(d), tiny, d, vf8_sel_gt(zero, d, minus_tiny, tiny));
@@ -59,13 +58,14 @@ LC_INLINE void LC_FN(rays_ready)(rays *r, const lc_bvh_data *bvh, const float or
     }
 }
 
-/* Rays to targets 0 .. n - 1. */
+/* Rays to targets 0 .. n - 1; unused ones repeat the last. */
 static inline void LC_FN(rays_init)(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
                                     bool far)
 {
     r->vt_min = vf8_set(far ? 0 : LC_SHADOW_EPS), r->vt_max = vf8_set(far ? FLT_MAX : 1 - LC_SHADOW_EPS);
     for (uint32_t k = 0; k < 3; k++) {
         for (uint32_t i = 0; i < n; i++) r->d[k][i] = far ? target[k][i] : target[k][i] - org[k];
+        for (uint32_t i = n; i & 7; i++) r->d[k][i] = r->d[k][n - 1];
         LC_FN(rays_axis)(r, org, n, k);
     }
     LC_FN(rays_ready)(r, bvh, org, n);
@@ -434,7 +434,10 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_in)(const lc_placed *p, u
         const float world[3] = { r->d[0][i], r->d[1][i], r->d[2][i] };
         float d[3];
         LC_FN(to_object)(at, world, 0, d);
-        for (int k = 0; k < 3; k++) o.d[k][n] = d[k];
+        if (n & 7)
+            for (int k = 0; k < 3; k++) o.d[k][n] = d[k];
+        else /* unused ones repeat the first: a word as wide as it is loaded, for a narrow store would hold up the load */
+            for (int k = 0; k < 3; k++) vf8_store(&o.d[k][n], vf8_set(d[k]));
     }
     for (uint32_t k = 0; k < 3; k++) LC_FN(rays_axis)(&o, org, n, k);
     LC_FN(rays_ready)(&o, &p->objects[at->object], org, n);
@@ -465,6 +468,10 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_placed)(const lc_placed *
         }
         const lc_tri_block *b = &p->boxes.blocks[v.ref & ~LC_BVH_LEAF];
         uint32_t bits = LC_FN(stream_boxes)(&b->v[0][0][0], r, mask, met) & LC_FN(lanes_used)(b);
+        for (uint32_t m = bits; m; m &= m - 1) {
+            const char *at = (const char *)&p->instances[b->tri[__builtin_ctz(m)]];
+            __builtin_prefetch(at), __builtin_prefetch(at + 64);
+        }
         for (; bits; bits &= bits - 1) {
             uint32_t i = (uint32_t)__builtin_ctz(bits);
             if (met[i] & alive) alive &= ~LC_FN(stream_in)(p, b->tri[i], r, met[i] & alive, ls);

@@ -395,7 +395,7 @@ fi
 
 good '--stats-file' -q s.pbrt -o a.exr --stats-file st.json
 flat=$(tr -d ' \n' <st.json)
-for key in version scene method isa threads seed width height pixels triangles lights lights_by_type seconds cut shadow_rays \
+for key in version scene method isa threads seed width height pixels triangles instances instanced_triangles lights lights_by_type seconds cut shadow_rays \
     bounds_evaluated peak_rss_bytes warnings; do
     case $flat in *"\"$key\":"*) ok ;; *) no 'stats-file' "no key $key" ;; esac
 done
@@ -474,6 +474,17 @@ printf '%s\n' 'Camera "perspective"' WorldBegin 'Texture "a" "color" "imagemap" 
 "$L" info tex.pbrt >info_tex.txt 2>err.txt
 check 'info: textures by class' grep -q '^textures  *3: 1 constant, 1 checkerboard, 1 fbm$' info_tex.txt
 check 'info: an image that is not there' grep -q '1  texture image  *tex.pbrt:3:.*no such file' info_tex.txt
+{
+    echo 'Camera "perspective" WorldBegin ObjectBegin "o" Shape "sphere" "float alpha" 0.5 ObjectEnd ObjectInstance "o"'
+    echo 'Translate 3 0 9 ObjectInstance "o"'
+} >instances.pbrt
+good 'info of instances' info instances.pbrt
+prints '^instances  *2, 32256 triangles instanced$'
+prints '^meshes with alpha  *1$'
+good 'info --json of instances' info --json instances.pbrt
+prints '"instances": 2,'
+prints '"instanced_triangles": 32256,'
+prints '"triangles": 16128,'
 check 'info --json: what was ignored' grep -q 'Frobnicate' info_notes.json
 check 'info --json: what is used' grep -q '"kind": "shape", "name": "sphere", "count": [0-9]*, "status": "approximated"' info_scene.json
 check 'info --json: channels' grep -q '"name": "R"' info_image.json

@@ -127,13 +127,16 @@ TEST(emitters)
 /* A pile of sheets with checks and shares, so that rays pass some. object: as two instances of 288 triangles. */
 static void sheets(bool object)
 {
-    size_t n = (size_t)snprintf(text, sizeof text, HEAD4 CHECKS "Texture \"m\" \"float\" \"mix\" \"texture tex1\" \"c\" \"float tex2\" 0.4\n%s",
+    size_t n = (size_t)snprintf(text, sizeof text,
+                                HEAD4 CHECKS "Texture \"m\" \"float\" \"mix\" \"texture tex1\" \"c\" \"float tex2\" 0.4\n%s",
                                 object ? "ObjectBegin \"o\"\n" : "");
     for (int i = 0; i < 144; i++)
-        n += (size_t)snprintf(text + n, sizeof text - n, "Shape \"trianglemesh\" \"point3 P\" [-1 -1 %g 1 -1 %g 1 1 %g -1 1 %g] \"integer indices\" "
-                              "[0 1 2 0 2 3] " UV "\"texture alpha\" \"%s\"\n", 1 + 0.01 * i, 1 + 0.02 * i, 1.1 + 0.01 * i, 1 + 0.013 * i,
+        n += (size_t)snprintf(text + n, sizeof text - n,
+                              "Shape \"trianglemesh\" \"point3 P\" [-1 -1 %g 1 -1 %g 1 1 %g -1 1 %g] \"integer indices\" [0 1 2 0 2 3] " UV
+                              "\"texture alpha\" \"%s\"\n", 1 + 0.01 * i, 1 + 0.02 * i, 1.1 + 0.01 * i, 1 + 0.013 * i,
                               i % 2 ? "c" : "m");
-    if (object) n += (size_t)snprintf(text + n, sizeof text - n, "ObjectEnd ObjectInstance \"o\" Translate .3 .1 0 ObjectInstance \"o\"\n");
+    if (object)
+        n += (size_t)snprintf(text + n, sizeof text - n, "ObjectEnd ObjectInstance \"o\" Translate .3 .1 0 ObjectInstance \"o\"\n");
     text_len = n;
 }
 
@@ -167,7 +170,8 @@ TEST(instruction_sets)
                     k->closest(&scene->bvh->data, org, d, FLT_MAX, &b);
                     CHECK(!memcmp(&a, &b, sizeof a));
                     /* the same hits are passed by both kinds of rays */
-                    if (a.tri == LC_NONE || a.t > 1.001f || (a.t > 0.001f && a.t < 0.999f)) CHECK(one == (a.t < 1 && a.tri != LC_NONE));
+                    if (a.tri == LC_NONE || a.t > 1.001f || (a.t > 0.001f && a.t < 0.999f))
+                        CHECK(one == (a.t < 1 && a.tri != LC_NONE));
                 }
             }
             for (int j = 0; j < 64; j++) n_hidden += first[j], n_all++;

@@ -128,7 +128,8 @@ TEST(as_copies)
             const float org[3] = { o.x, o.y, o.z }, dir[3] = { d.x, d.y, d.z };
             a->bvh->kernels->closest(&a->bvh->data, org, dir, FLT_MAX, &ha);
             b->bvh->kernels->closest(&b->bvh->data, org, dir, FLT_MAX, &hb);
-            /* Normals of copies are scaled at each corner, so they mix a little differently. Rounding differs: at an outline a ray may hit one only, at an edge the neighbour. */
+            /* Normals of copies are scaled at each corner, so they mix a little differently. Rounding differs: at an outline a
+             * ray may hit one only, at an edge the neighbour. */
             if (ha.tri == LC_NONE || hb.tri == LC_NONE || ha.instance * 512 + ha.tri != hb.tri) {
                 n_other += ha.tri != hb.tri;
                 continue;
@@ -136,7 +137,7 @@ TEST(as_copies)
             n_hits++;
             CHECKF(fabsf(ha.t - hb.t) < 2e-5f && fabsf(ha.u - hb.u) < 1e-3f, "t %g %g", (double)ha.t, (double)hb.t);
             CHECK(lc_surface_hit(a, o, d, 0, &p) && lc_surface_hit(b, o, d, 0, &q));
-            CHECKF(near3(p.pos, q.pos, 2e-5f) && near3(p.ng, q.ng, 1e-5f) && near3(p.n, q.n, normals ? 0.3f : 1e-5f), "n %g %g %g, %g %g %g, cos %g", (double)p.n.x, (double)p.n.y, (double)p.n.z, (double)q.n.x, (double)q.n.y, (double)q.n.z, (double)lc_f3_dot(p.ng, d));
+            CHECK(near3(p.pos, q.pos, 2e-5f) && near3(p.ng, q.ng, 1e-5f) && near3(p.n, q.n, normals ? 0.3f : 1e-5f));
         }
         CHECKF(n_hits > 2000 && n_other <= 20, "%u hits, %u others", n_hits, n_other);
         lc_scene_destroy(a);
@@ -184,14 +185,16 @@ TEST(shadows)
 /* Points of a convex object don't shade themselves, wherever it stands. */
 TEST(no_shadow_on_itself)
 {
-    static const double place[][4] = { { 6, 0, 0, 1 }, { 1000, -2000, 500, 1 }, { 5, 5, 5, 1e-3 }, { 1e5, 0, -1e5, 300 }, { 70, 0, 0, 1e-2 } };
+    static const double place[][4] = { { 6, 0, 0, 1 }, { 1000, -2000, 500, 1 }, { 5, 5, 5, 1e-3 }, { 1e5, 0, -1e5, 300 },
+                                       { 70, 0, 0, 1e-2 } };
     bump = 0;
     for (size_t c = 0; c < sizeof place / sizeof *place; c++) {
         const double *at = place[c];
         begin(CAMERA);
         fprintf(out, MATERIAL "ObjectBegin \"o\" Rotate 20 1 0 0 Translate %g 0 0\n", c % 2 ? 5.0 : 0.0);
         put_shape(16, false);
-        fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate %.9g %.9g %.9g Rotate 33 1 2 3 Scale %g %g %g ObjectInstance \"o\"\n", at[0], at[1],
+        fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate %.9g %.9g %.9g Rotate 33 1 2 3 Scale %g %g %g\n"
+                     "ObjectInstance \"o\"\n", at[0], at[1],
                 at[2], at[3], -at[3], at[3] * 0.4);
         lc_scene *s = load();
         CHECK(s->n_instances == 2);
@@ -324,7 +327,8 @@ TEST(many)
     fprintf(out, MATERIAL "ObjectBegin \"o\"\n");
     put_shape(16, true);
     fprintf(out, "ObjectEnd\n");
-    for (int i = 0; i < 100000; i++) fprintf(out, "Identity Translate %.6g %.6g %.6g ObjectInstance \"o\"\n", rnd(-99, 99), rnd(-99, 99), rnd(-99, 99));
+    for (int i = 0; i < 100000; i++)
+        fprintf(out, "Identity Translate %.6g %.6g %.6g ObjectInstance \"o\"\n", rnd(-99, 99), rnd(-99, 99), rnd(-99, 99));
     lc_scene *s = load();
     CHECK(s->n_instances == 100000 && s->n_tris == 512 && lc_instanced_tris(s) == 51200000);
     CHECKF(lc_instances_bytes(s) < 50 << 20, "%zu bytes", lc_instances_bytes(s));
