@@ -238,7 +238,8 @@ typedef struct lc_render_desc {
     void *tile_user;
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
-#define LC_RENDER_DESC_INIT { sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, 0, 0, 0, 0, 0 }
+#define LC_RENDER_DESC_INIT \
+    { sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, 0, 0, 0, 0, 0 }
 
 typedef struct lc_render_stats {
     double seconds;           /* wall clock of the pixels, pre-pass included, file writing not */

@@ -47,6 +47,7 @@ typedef struct {
     lc_stats stats;
     uint64_t *cut_hist; /* points by cut size, 0 .. cut.limit */
     uint64_t cut_max;   /* of the tile */
+    uint64_t asked;     /* work that was done when go_on was last called */
     float *tile;        /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
 } worker;
 
@@ -70,6 +71,7 @@ typedef struct {
     uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the film */
 } job;
 
+#define ASK_STEP 1000 /* rays and lights between looks at the clock: 10 us and more */
 #define CALL_STEP 20000000u /* nanoseconds between calls of progress: what a user sees, and how soon a signal is heard */
 
 /* False once the render is cancelled. Calls progress when it is time and no other thread does. */
@@ -192,12 +194,21 @@ static float sample_ray(const job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 
     return (float)weight;
 }
 
+/* Reading the clock for every sample would cost some percent where a pixel takes half a microsecond. */
+static bool time_to_ask(worker *w)
+{
+    uint64_t work = w->stats.camera_rays + w->stats.shadow_rays + w->stats.cut_sum;
+    if (work - w->asked < ASK_STEP) return false;
+    w->asked = work;
+    return true;
+}
+
 /* False: cancelled, nothing stored. */
 static bool render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
 {
     lc_pixel px = { .hits = 0 };
     for (uint32_t i = 0; i < j->spp; i++) {
-        if (!go_on(j)) return false;
+        if (time_to_ask(w) && !go_on(j)) return false;
         lc_f3 org, dir;
         lc_sight s;
         lc_cut_result r;

@@ -161,7 +161,8 @@ good 'the long one' -q long.pbrt --method exact -o long.exr --stats-file whole.j
 good 'with a checkpoint' -q long.pbrt --method exact --checkpoint c.ckpt -o l.exr
 check 'with a checkpoint: the same bytes' cmp l.exr long.exr
 check 'the checkpoint is gone' test ! -e c.ckpt
-expect '--time-limit' 75 'time is over; c.ckpt holds [0-9]* of 336 tiles' -q long.pbrt --method exact --checkpoint c.ckpt --time-limit 0.05s -o l2.exr
+expect '--time-limit' 75 'time is over; c.ckpt holds [0-9]* of 336 tiles' -q long.pbrt --method exact \
+    --checkpoint c.ckpt --time-limit 0.05s -o l2.exr
 check 'no picture yet' test ! -e l2.exr
 expect 'the checkpoint is not overwritten' 2 'c.ckpt: error: .*--resume' long.pbrt --method exact --checkpoint c.ckpt -o l2.exr
 expect 'resume with other options' 3 'c.ckpt: error: .*other options' long.pbrt --checkpoint c.ckpt --resume -o l2.exr
@@ -179,7 +180,8 @@ good 'resume of a finished run' long.pbrt --method exact --checkpoint c.ckpt --r
 check 'finished: the same bytes, and the checkpoint is gone' test "$(cmp l3.exr long.exr && echo same)" = same -a ! -e c.ckpt
 mv old.ckpt c.ckpt
 printf 'X' | dd of=c.ckpt bs=1 seek=3000 conv=notrunc 2>/dev/null
-expect 'a damaged record' 0 'c.ckpt: warning: [0-9]* bytes of the checkpoint are damaged' long.pbrt --method exact --checkpoint c.ckpt --resume -o l4.exr
+expect 'a damaged record' 0 'c.ckpt: warning: [0-9]* bytes of the checkpoint are damaged' \
+    long.pbrt --method exact --checkpoint c.ckpt --resume -o l4.exr
 check 'damaged: the same bytes' cmp l4.exr long.exr
 echo 'no checkpoint at all, but a long text that somebody still wants to have, so that nothing may be written into it' >text
 cp text text2

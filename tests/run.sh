@@ -3,10 +3,10 @@
 #
 #     sh tests/run.sh build/        BIN_DIR: build/, build/san/, ...; LC_TEST_SECONDS limits each program, default 900
 #
-# Programs BIN_DIR/tests/{unit,check}_* and scripts end with "N passed, N failed" (", N skipped" may follow); BIN_DIR/tests/replay_fuzz_X replays
-# fuzz/corpus/X, whole and damaged, and counts as one test. One line each; all that a failing one said follows it, indented.
-# A program that crashes or says no figures is one failed test. The last line is "N passed, N failed"; status 0 only with 0
-# failed.
+# Programs BIN_DIR/tests/{unit,check}_* and scripts end with "N passed, N failed" (", N skipped" may follow);
+# BIN_DIR/tests/replay_fuzz_X replays fuzz/corpus/X, whole and damaged, and counts as one test. One line each; all that a
+# failing one said follows it, indented. A program that crashes or says no figures is one failed test. The last line is "N
+# passed, N failed"; status 0 only with 0 failed.
 set -u
 [ $# -eq 1 ] || { echo "usage: sh tests/run.sh BIN_DIR" >&2; exit 2; }
 cd "$(dirname "$0")/.." || exit 2

@@ -32,7 +32,8 @@ static void check_cover(const uint32_t crop[4], uint32_t n)
             }
     }
     CHECK(covered == (size_t)width * (crop[3] - crop[2]));
-    if (covered >= 4096 * (size_t)n) CHECKF(most <= 2 * least, "%u parts of %u x %u: %u to %u pixels", n, width, crop[3] - crop[2], least, most);
+    if (covered >= 4096 * (size_t)n)
+        CHECKF(most <= 2 * least, "%u parts of %u x %u: %u to %u pixels", n, width, crop[3] - crop[2], least, most);
     free(seen);
 }
 
@@ -235,7 +236,8 @@ TEST(records_out_of_order_twice_and_noise_between)
     static const char mark[4] = "TILE";
     uint8_t *second = memmem(k.file, k.n, mark, 4), *data = calloc(3, k.n);
     second = memmem(second + 4, k.n - (size_t)(second + 4 - k.file), mark, 4);
-    size_t head = (size_t)((uint8_t *)memmem(k.file, k.n, mark, 4) - k.file), first = (size_t)(second - k.file) - head, rest = k.n - head - first, at = 0;
+    size_t head = (size_t)((uint8_t *)memmem(k.file, k.n, mark, 4) - k.file), first = (size_t)(second - k.file) - head;
+    size_t rest = k.n - head - first, at = 0;
     memcpy(data, k.file, head), at = head;
     memcpy(data + at, second, rest), at += rest;
     memcpy(data + at, "TILETILxTITILE noise", 20), at += 20;

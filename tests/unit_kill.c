@@ -158,7 +158,7 @@ int main(int argc, char **argv)
     RUN(exact_with_all_planes);
     RUN(many_small_tiles_of_a_crop);
     farm_end();
-    printf("%ld kills, %ld pictures finished, %ld tiles rendered again, at most %ld after one kill (%d threads)\n", killed, pictures, redone,
-           worst, THREADS);
+    printf("%ld kills, %ld pictures finished, %ld tiles rendered again, at most %ld after one kill (%d threads)\n", killed,
+           pictures, redone, worst, THREADS);
     return test_done();
 }

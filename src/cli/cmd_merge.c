@@ -10,7 +10,7 @@ static void print_help(void)
     printf("usage: lightcuts merge -o FULL.exr PART.exr...\n\n"
            "Puts the parts that 'render --chunk K/N' wrote together. The result is the very file that one render would have\n"
            "written. All parts must be of the same scene, options and N, each must be there once; the numbers of missing ones\n"
-           "are printed as sbatch --array takes them.\n\n"
+           "are printed as the array option of sbatch takes them.\n\n"
            "  -o, --outfile FILE       .exr or .png\n"
            "  -h, --help               this text\n\n"
            "exit status: 0 done, 1 parts are missing or the file cannot be written, 2 wrong command line, 3 wrong input file\n");

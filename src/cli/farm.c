@@ -50,7 +50,8 @@ static int slurm_chunk(cli_farm *f)
     if (!step) step = 1;
     int64_t n = max < min ? 0 : (max - min) / step + 1;
     if (id < min || id > max || (id - min) % step || (max - min) % step || (count && count != n)) {
-        cli_usage_error("render", "--chunk slurm: the array's tasks are not evenly spaced; give --chunk $SLURM_ARRAY_TASK_ID/N with the N of the picture");
+        cli_usage_error("render", "--chunk slurm: the array's tasks are not evenly spaced; "
+                                  "give --chunk $SLURM_ARRAY_TASK_ID/N with the N of the picture");
         return -1;
     }
     f->k = (uint32_t)((id - min) / step + 1), f->n = (uint32_t)n;

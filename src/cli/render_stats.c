@@ -57,7 +57,8 @@ void cli_write_stats_json(FILE *f, void *report)
     cli_json_text(f, r->scene);
     fprintf(f, ",\n  \"method\": \"%s\",\n  \"every_light\": %s,\n  \"isa\": \"%s\",\n  \"threads\": %u,\n  \"seed\": %llu,\n",
             cli_method_name(r->method), s->exact ? "true" : "false", r->isa, r->threads, (ull)r->seed);
-    fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"pixels_resumed\": %llu,\n  \"points\": %llu,\n", i->width, i->height,
+    fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"pixels_resumed\": %llu,\n"
+               "  \"points\": %llu,\n", i->width, i->height,
             (ull)s->pixels, (ull)s->pixels_loaded, (ull)s->points);
     fprintf(f, "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": %llu,\n", (ull)i->n_triangles,
             (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_lights);
