@@ -99,6 +99,7 @@ static void shade(const job *j, worker *w, const lc_sight *sight, uint64_t hash,
         return;
     }
     lc_point_init(&p, s->pos, s->n, sight->view, &s->material, j->scene->min_d2);
+    lc_f3_store(p.ng, s->ng);
     w->stats.glossy += p.lobe != LC_LOBE_NONE;
     if (j->exact) {
         lc_exact_shade(j->scene->tree, j->scene->bvh, &p, s->ray_org, &w->stats, out);
@@ -511,6 +512,7 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     if (!p->hit || !p->sight.lit) return LC_OK;
     const lc_surface *s = &p->sight.shaded;
     lc_point_init(&p->point, s->pos, s->n, p->sight.view, &s->material, scene->min_d2);
+    lc_f3_store(p->point.ng, s->ng);
     lc_cut_shade(&p->cut, &p->point, s->ray_org, slot_hash(&j, x, y, sample), &stats, &p->by_cut);
     return LC_OK;
 }
