@@ -473,7 +473,7 @@ printf '%s\n' 'Camera "perspective"' WorldBegin 'Texture "a" "color" "imagemap" 
 check 'info: textures by class' grep -q '^textures  *3: 1 constant, 1 checkerboard, 1 fbm$' info_tex.txt
 check 'info: an image that is not there' grep -q '1  texture image  *tex.pbrt:3:.*no such file' info_tex.txt
 check 'info --json: what was ignored' grep -q 'Frobnicate' info_notes.json
-check 'info --json: what is used' grep -q '"kind": "shape", "name": "sphere", "count": [0-9]*, "status": "approximated"' info_scene.json
+check 'info --json: what is used' grep -q '"kind": "camera", "name": "perspective", "count": 1, "status": "yes", "text": ""}' info_scene.json
 check 'info --json: channels' grep -q '"name": "R"' info_image.json
 {
     echo 'Integrator "path" "integer maxdepth" 2'
