@@ -286,19 +286,29 @@ static double place_roots(lc_cut *c, step *s)
     return total;
 }
 
+void lc_cut_hidden(const lc_bvh *bvh, const lc_point *p, const float org[3], uint32_t n, const float *const target[3], bool far,
+                   uint8_t *hidden)
+{
+    const lc_f3 ng = lc_f3_load(p->ng), from = far ? lc_f3_make(0, 0, 0) : lc_f3_load(p->pos);
+    bvh->kernels->hidden(&bvh->data, org, n, target, far, hidden);
+    for (uint32_t i = 0; i < n; i++)
+        hidden[i] |= lc_f3_dot(ng, lc_f3_sub(lc_f3_make(target[0][i], target[1][i], target[2][i]), from)) < 0;
+}
+
 /* Shadow rays of some clusters of a list on their way to the tracer. */
 typedef struct {
     uint32_t at[BATCH], n;
     float target[3][BATCH];
 } ray_group;
 
-static double trace(const lc_cut *c, lc_cut_list *list, const ray_group *g, const float org[3], bool far, lc_stats *stats)
+static double trace(const lc_cut *c, const lc_point *p, lc_cut_list *list, const ray_group *g, const float org[3], bool far,
+                    lc_stats *stats)
 {
     uint8_t hidden[BATCH];
     const float *const target[3] = { g->target[0], g->target[1], g->target[2] };
     double change = 0;
     lc_phase_end(stats, LC_PHASE_HEAP);
-    kernels(c)->hidden(&c->bvh->data, org, g->n, target, far, hidden);
+    lc_cut_hidden(c->bvh, p, org, g->n, target, far, hidden);
     lc_phase_end(stats, LC_PHASE_SHADOW);
     stats->shadow_rays += g->n;
     for (uint32_t i = 0; i < g->n; i++) {
@@ -311,7 +321,7 @@ static double trace(const lc_cut *c, lc_cut_list *list, const ray_group *g, cons
 }
 
 /* Traces the rays that are pending in a list, those of directional lights apart. Returns the change of the total. */
-static double trace_list(const lc_cut *c, lc_cut_list *list, const float org[3], lc_stats *stats)
+static double trace_list(const lc_cut *c, const lc_point *p, lc_cut_list *list, const float org[3], lc_stats *stats)
 {
     const lc_light_tree *t = c->tree;
     double change = 0;
@@ -327,18 +337,18 @@ static double trace_list(const lc_cut *c, lc_cut_list *list, const float org[3],
             g->at[g->n++] = i;
             list->rep[i] = rep;
         }
-        if (near.n) change += trace(c, list, &near, org, false, stats);
-        if (far.n) change += trace(c, list, &far, org, true, stats);
+        if (near.n) change += trace(c, p, list, &near, org, false, stats);
+        if (far.n) change += trace(c, p, list, &far, org, true, stats);
     }
     return change;
 }
 
 /* Traces all rays that are pending; leaves then are done. Returns the change of the total's luminance. */
-static double trace_pending(lc_cut *c, const float org[3], lc_stats *stats)
+static double trace_pending(lc_cut *c, const lc_point *p, const float org[3], lc_stats *stats)
 {
-    double change = trace_list(c, &c->open, org, stats);
-    change += trace_list(c, &c->left, org, stats);
-    change += trace_list(c, &c->leaf, org, stats);
+    double change = trace_list(c, p, &c->open, org, stats);
+    change += trace_list(c, p, &c->left, org, stats);
+    change += trace_list(c, p, &c->leaf, org, stats);
     for (uint32_t i = 0; i < c->leaf.n; i++)
         for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf.e[k][i];
     c->leaf.n = 0;
@@ -407,7 +417,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
             traced = false;
         } else {
             if (traced) break;
-            total += trace_pending(c, org, stats);
+            total += trace_pending(c, p, org, stats);
             traced = true;
         }
     }
@@ -433,7 +443,7 @@ static uint32_t shade_exactly(const lc_light_tree *t, const lc_bvh *bvh, const l
     for (uint32_t i = 0; i < m && m < n; i++) /* lit[i] >= i: writes behind the reading */
         for (int k = 3; k < 6; k++) f[k][i] = f[k][lit[i]];
     lc_phase_end(stats, LC_PHASE_ESTIMATES);
-    if (m) bvh->kernels->hidden(&bvh->data, org, m, target, kind == LC_LIGHT_DIRECTIONAL, hidden);
+    if (m) lc_cut_hidden(bvh, p, org, m, target, kind == LC_LIGHT_DIRECTIONAL, hidden);
     lc_phase_end(stats, LC_PHASE_SHADOW);
     for (uint32_t i = 0; i < m; i++) {
         uint32_t at = lit[i];

@@ -71,6 +71,11 @@ lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *t
                       const lc_cut_desc *desc, bool keep_done);
 void lc_cut_free(lc_cut *cut);
 
+/* Which of n lights of a point are hidden, by triangles or behind the surface: there a shading normal may see a light, and shadow
+ * rays miss the surface itself, for near their start they see nothing. For the arguments see kernels.h. */
+void lc_cut_hidden(const lc_bvh *bvh, const lc_point *point, const float org[3], uint32_t n, const float *const target[3], bool far,
+                   uint8_t *hidden);
+
 /* ray_org: where shadow rays start, the point moved off its surface. hash picks the representatives' slot. */
 void lc_cut_shade(lc_cut *cut, const lc_point *point, const float ray_org[3], uint64_t hash, lc_stats *stats,
                   lc_cut_result *out);

@@ -99,7 +99,7 @@ static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_lig
         const float *const target[3] = { f[3] + i, f[4] + i, f[5] + i };
         hidden[i] = 2;
         if (f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0)
-            bvh->kernels->hidden(&bvh->data, e->probe.sight.lit[0].surface.ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, &hidden[i]);
+            lc_cut_hidden(bvh, &e->probe.point, e->probe.sight.lit[0].surface.ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, &hidden[i]);
     }
 }
 

@@ -104,6 +104,7 @@ static void init_point(const lc_scene *scene, const lc_lit *lit, lc_point *p)
     lc_material m = s->material;
     if (scene->indirect.n_lights) widen_lobe(&m);
     lc_point_init(p, s->pos, s->n, lit->view, &m, scene->min_d2);
+    lc_f3_store(p->ng, s->ng);
 }
 
 static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dimension)

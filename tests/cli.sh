@@ -486,7 +486,7 @@ prints '"instances": 2,'
 prints '"instanced_triangles": 32256,'
 prints '"triangles": 16128,'
 check 'info --json: what was ignored' grep -q 'Frobnicate' info_notes.json
-check 'info --json: what is used' grep -q '"kind": "shape", "name": "sphere", "count": [0-9]*, "status": "approximated"' info_scene.json
+check 'info --json: what is used' grep -q '"kind": "camera", "name": "perspective", "count": 1, "status": "yes", "text": ""}' info_scene.json
 check 'info --json: channels' grep -q '"name": "R"' info_image.json
 {
     echo 'Integrator "path" "integer maxdepth" 2'

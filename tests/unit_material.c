@@ -301,6 +301,36 @@ static void write_file(const char *path, const char *text)
     if (!f || fputs(text, f) < 0 || fclose(f)) abort();
 }
 
+/* Largest value of a picture of 20 x 20. */
+static float brightest(const char *text)
+{
+    lc_render_desc desc = LC_RENDER_DESC_INIT;
+    lc_load_desc load_desc = { .area_lights = 1, .env_lights = 1, .seed = 1, .n_reps = 1 };
+    lc_image *image;
+    float most = 0;
+    CHECK(load("Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 20\nCamera \"perspective\" \"float fov\" 50\n"
+               "WorldBegin\n", text) == LC_OK);
+    if (lc_scene_commit(scene, &load_desc) || lc_render(ctx, scene, &desc, &image, NULL)) abort();
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 400; i++) most = fmaxf(most, lc_image_channel(image, k == 0 ? "R" : k == 1 ? "G" : "B")[i]);
+    lc_image_destroy(image);
+    return most;
+}
+
+/* Lights behind the surface, which bumps and interpolated normals face, shed nothing on the viewer's side. */
+TEST(no_leaks)
+{
+#define BEHIND "LightSource \"point\" \"point3 from\" [.2 .1 2.1]\nLightSource \"point\" \"point3 from\" [9 0 3]\n"                       \
+               "LightSource \"distant\" \"point3 from\" [3 0 1] \"point3 to\" [0 0 0]\n"
+#define BUMPY "Texture \"x\" \"float\" \"fbm\"\n"                                                                       \
+              "Texture \"h\" \"float\" \"scale\" \"texture tex\" \"x\" \"float scale\" 9\n"                  \
+              "Material \"diffuse\" \"texture displacement\" \"h\"\n"
+    CHECKF(!(brightest(BUMPY BEHIND QUAD) > 0), "%g", (double)brightest(BUMPY BEHIND QUAD));
+    CHECK(!(brightest(BEHIND "Shape \"trianglemesh\" \"point3 P\" [-1 -1 2  1 -1 2  1 1 2  -1 1 2] \"integer indices\" [0 1 2 0 2 3] "
+                             "\"normal N\" [-1 0 -.1  1 0 -.1  1 0 -.1  -1 0 -.1]\n") > 0));
+    CHECK(brightest(BUMPY BEHIND "LightSource \"point\"\n" QUAD) > 0);
+}
+
 /* One texel, n = (-.5, 0, 1) and so on as (1 + n / |n|) / 2. */
 TEST(normal_maps)
 {
@@ -320,11 +350,13 @@ TEST(normal_maps)
         for (int k = 0; k < 3; k++) fwrite(&(float){ 0.5f + 0.5f * cases[i].n[k] }, 4, 1, f);
         fclose(f);
         char text[1024];
-        snprintf(text, sizeof text, V4 "%sMaterial \"diffuse\" \"string normalmap\" \"n.pfm\"\n" QUAD, cases[i].reverse ? "ReverseOrientation " : "");
+        snprintf(text, sizeof text, V4 "%sMaterial \"diffuse\" \"string normalmap\" \"n.pfm\"\n" QUAD,
+            cases[i].reverse ? "ReverseOrientation " : "");
         write_file(main_file, text);
         CHECK(load_file(main_file) == LC_OK && scene->n_notes == 0);
         lc_f3 n = at(.2, .3).n;
-        CHECKF(points(n, cases[i].want[0], cases[i].want[1], cases[i].want[2]), "%zu: %g %g %g", i, (double)n.x, (double)n.y, (double)n.z);
+        CHECKF(points(n, cases[i].want[0], cases[i].want[1], cases[i].want[2]), "%zu: %g %g %g", i, (double)n.x, (double)n.y,
+              (double)n.z);
     }
     unlink(map);
     CHECK(load_file(main_file) == LC_OK && note("texture image"));
@@ -472,11 +504,13 @@ TEST(features)
     CHECK(feature("film", "rgb", 1, LC_SUPPORT_APPROXIMATED, "'foo' of 'rgb' is ignored"));
     CHECK(feature("directive", "Option", 1, LC_SUPPORT_IGNORED, "options") && feature("camera", "perspective", 1, LC_SUPPORT_YES, ""));
     CHECK(feature("material", "diffuse", 2, LC_SUPPORT_YES, "") && feature("material", "hair", 2, LC_SUPPORT_APPROXIMATED, "s.pbrt:"));
-    CHECK(feature("shape", "trianglemesh", 2, LC_SUPPORT_YES, "") && feature("shape", "sphere", 1, LC_SUPPORT_APPROXIMATED, "by triangles"));
+    CHECK(feature("shape", "trianglemesh", 2, LC_SUPPORT_YES, "") && feature("shape", "sphere", 1, LC_SUPPORT_APPROXIMATED,
+          "by triangles"));
     CHECK(feature("shape", "curve", 1, LC_SUPPORT_IGNORED, "skipped") && feature("texture", "checkerboard", 1, LC_SUPPORT_YES, ""));
     CHECK(feature("texture", "x?y", 1, LC_SUPPORT_APPROXIMATED, "constant"));
     CHECK(feature("light", "point", 1, LC_SUPPORT_YES, "") && feature("light", "nova", 1, LC_SUPPORT_IGNORED, "skipped"));
-    CHECK(feature("area light", "diffuse", 1, LC_SUPPORT_YES, "") && feature("medium", "MediumInterface", 1, LC_SUPPORT_IGNORED, "media"));
+    CHECK(feature("area light", "diffuse", 1, LC_SUPPORT_YES, "") && feature("medium", "MediumInterface", 1, LC_SUPPORT_IGNORED,
+          "media"));
     CHECK(lc_scene_get_feature(scene, (uint32_t)scene->n_features, &f) == LC_ERR_ARG);
 }
 
@@ -512,6 +546,7 @@ int main(void)
     RUN(plastics);
     RUN(textured);
     RUN(bumps);
+    RUN(no_leaks);
     RUN(normal_maps);
     RUN(mixes);
     RUN(deep_mixes);
