@@ -70,7 +70,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         for (int k = 0; k < 3; k++) org[k] = coordinate(&s);
         for (int k = 0; k < 3; k++) to[k] = coordinate(&s);
         const float *const target[3] = { &to[0], &to[1], &to[2] };
-        lc_hit best = { 0, 0, 0, LC_NONE }, hit;
+        lc_hit best = { .tri = LC_NONE, .instance = LC_NONE }, hit;
         uint8_t hidden[2] = { 0, 0 }, out[LC_LANES];
         float most = r % 3 ? FLT_MAX : 1;
         if (to[0] == 0 && to[1] == 0 && to[2] == 0) continue; /* a ray without direction may hit or not */
