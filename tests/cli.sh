@@ -395,7 +395,8 @@ fi
 
 good '--stats-file' -q s.pbrt -o a.exr --stats-file st.json
 flat=$(tr -d ' \n' <st.json)
-for key in version scene method isa threads seed width height pixels triangles instances instanced_triangles lights lights_by_type seconds cut shadow_rays \
+for key in version scene method isa threads seed width height pixels triangles instances instanced_triangles \
+    lights lights_by_type seconds cut shadow_rays \
     bounds_evaluated peak_rss_bytes warnings; do
     case $flat in *"\"$key\":"*) ok ;; *) no 'stats-file' "no key $key" ;; esac
 done
@@ -486,7 +487,8 @@ prints '"instances": 2,'
 prints '"instanced_triangles": 32256,'
 prints '"triangles": 16128,'
 check 'info --json: what was ignored' grep -q 'Frobnicate' info_notes.json
-check 'info --json: what is used' grep -q '"kind": "camera", "name": "perspective", "count": 1, "status": "yes", "text": ""}' info_scene.json
+check 'info --json: what is used' \
+    grep -q '"kind": "camera", "name": "perspective", "count": 1, "status": "yes", "text": ""}' info_scene.json
 check 'info --json: channels' grep -q '"name": "R"' info_image.json
 {
     echo 'Integrator "path" "integer maxdepth" 2'

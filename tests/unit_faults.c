@@ -382,7 +382,7 @@ static void try_command(const command *c)
     memcpy(calls, seen->calls, sizeof calls);
     if (!status) {
         try_class(c, FAULT_ALLOC, calls[FAULT_ALLOC], ENOMEM, most);
-        for (size_t i = 0; i < (all_points ? sizeof errs / sizeof *errs : 1); i++) 
+        for (size_t i = 0; i < (all_points ? sizeof errs / sizeof *errs : 1); i++)
             try_class(c, FAULT_IO, calls[FAULT_IO], errs[i], all_points ? c->bounded * 50 : most);
         try_class(c, FAULT_THREAD, calls[FAULT_THREAD], EAGAIN, most);
         for (size_t k = 1; k <= 7; k += all_points ? 1 : 6) {
