@@ -544,7 +544,7 @@ static void try_command(const command *c)
     faultless = *seen;
     if (!status) {
         try_class(c, FAULT_ALLOC, ENOMEM, most);
-        for (size_t i = 0; i < (all_points ? sizeof errs / sizeof *errs : 1); i++) 
+        for (size_t i = 0; i < (all_points ? sizeof errs / sizeof *errs : 1); i++)
             try_class(c, FAULT_IO, errs[i], all_points ? c->bounded * 50 : most);
         try_class(c, FAULT_THREAD, EAGAIN, most);
         for (size_t k = 1; k <= 7; k += all_points ? 1 : 6) {
