@@ -1,5 +1,9 @@
 /* area_light.c - k points on a triangle, stratified: the unit square is cut into k jittered cells of a rank-1 lattice
- * and folded onto the triangle. Gridded points would give exact ties in the light tree and visible bands. */
+ * and folded onto the triangle. Gridded points would give exact ties in the light tree and visible bands.
+ *
+ * Triangles whose share is less than a light join the next such ones of their mesh until they have one: it lies in one of them,
+ * picked by power, and shines as all do. So every emissive mesh has a light, and as much power and colour as it should, and there are
+ * at most as many lights more than asked for as there are such meshes, and their back sides. */
 #include "area_light.h"
 
 #include "area_map.h"
@@ -30,66 +34,102 @@ static double side_of(const lc_scene *s, const lc_mesh *mesh, size_t tri, const 
     return mesh->flip ? -1 : 1;
 }
 
-/* Emitted power of a triangle, the scalar that lights are shared out by. */
-static double power_of(const lc_scene *s, size_t tri, double *area, double n[3])
+/* Emitted power of a triangle, the scalar that lights are shared out by. flux: area times the mean of the picture, if any. */
+static double power_of(const lc_scene *s, size_t tri, double flux[3])
 {
     const lc_mesh *mesh = &s->meshes[s->tri_mesh[tri]];
-    *area = 0.5 * cross_of(s, tri, n);
-    double rgb[3] = { 1, 1, 1 };
+    double n[3], area = 0.5 * cross_of(s, tri, n), rgb[3] = { 1, 1, 1 };
     if (mesh->emission_map && lc_f3_max(mesh->emission) > 0) lc_area_map_mean(s, tri, rgb);
     double l = (rgb[0] * (double)mesh->emission.x + rgb[1] * (double)mesh->emission.y + rgb[2] * (double)mesh->emission.z) / 3;
-    return l * *area * (mesh->two_sided ? 2 : 1);
+    for (int k = 0; k < 3; k++) flux[k] = rgb[k] * area;
+    return l * area * (mesh->two_sided ? 2 : 1);
 }
 
-static lc_status add_lights(lc_scene *s, size_t tri, uint32_t k, double area, const double n[3], double side,
-                            uint64_t seed)
+/* k lights that together shine as `light` does, at places spread over the triangle. */
+static lc_status spread(lc_scene *s, size_t tri, uint32_t k, lc_light *light, uint64_t sign, uint64_t seed)
 {
-    const lc_mesh *mesh = &s->meshes[s->tri_mesh[tri]];
     const float *p[3];
     for (size_t v = 0; v < 3; v++) p[v] = lc_tri_vertex(s->pos, s->index, tri, v);
-    lc_light light = { .kind = LC_LIGHT_ORIENTED, .atten = { 0, 0, 1 } };
-    light.intensity = lc_f3_scale(mesh->emission, (float)(area / k));
-    light.dir = lc_f3_normalize_d(n[0] * side / (2 * area), n[1] * side / (2 * area), n[2] * side / (2 * area));
-    if (mesh->emission_map) {
-        light.intensity = lc_f3_scale(mesh->emission, (float)area);
-        return lc_area_map_lights(s, tri, k, &light, lc_hash4(seed, tri, 0, 6 + (side > 0)));
-    }
     for (uint32_t i = 0; i < k; i++) {
-        uint64_t sign = side > 0;
         double u = (i + lc_unit(lc_hash4(seed, tri, i, sign))) / k;
         double v = i * 0.61803398874989484820 + lc_unit(lc_hash4(seed, tri, 0, 2 + sign));
         v += lc_unit(lc_hash4(seed, tri, i, 4 + sign)) / k;
         v -= floor(v);
         double b0 = 1 - sqrt(u), b1 = v * sqrt(u), b2 = 1 - b0 - b1;
-        light.pos = lc_f3_make((float)(b0 * p[0][0] + b1 * p[1][0] + b2 * p[2][0]),
-                               (float)(b0 * p[0][1] + b1 * p[1][1] + b2 * p[2][1]),
-                               (float)(b0 * p[0][2] + b1 * p[1][2] + b2 * p[2][2]));
-        lc_status st = lc_scene_add_light(s, (lc_pos){ 0, 0, 0 }, &light);
+        light->pos = lc_f3_make((float)(b0 * p[0][0] + b1 * p[1][0] + b2 * p[2][0]),
+                                (float)(b0 * p[0][1] + b1 * p[1][1] + b2 * p[2][1]),
+                                (float)(b0 * p[0][2] + b1 * p[1][2] + b2 * p[2][2]));
+        lc_status st = lc_scene_add_light(s, (lc_pos){ 0, 0, 0 }, light);
         if (st) return st;
     }
     return LC_OK;
 }
 
+/* Small triangles of a mesh that share a light; or one that has k. */
+typedef struct group {
+    double power, flux[3]; /* of all */
+    double first;          /* the share at which it begins, rounded down */
+    size_t tri;            /* one of them */
+    uint32_t n;
+} group;
+
+/* Both sides' lights, k each. */
+static lc_status add_lights(lc_scene *s, const group *g, uint32_t k, uint64_t seed)
+{
+    double n[3], twice = cross_of(s, g->tri, n);
+    const lc_mesh *mesh = &s->meshes[s->tri_mesh[g->tri]];
+    double side = side_of(s, mesh, g->tri, n);
+    lc_status st = LC_OK;
+    for (int i = 0; i < (mesh->two_sided ? 2 : 1) && !st; i++, side = -side) {
+        lc_light light = { .kind = LC_LIGHT_ORIENTED, .atten = { 0, 0, 1 } };
+        light.dir = lc_f3_normalize_d(n[0] * side / twice, n[1] * side / twice, n[2] * side / twice);
+        if (mesh->emission_map && g->n == 1) {
+            light.intensity = lc_f3_scale(mesh->emission, (float)(0.5 * twice));
+            st = lc_area_map_lights(s, g->tri, k, &light, lc_hash4(seed, g->tri, 0, 6 + (side > 0)));
+            continue;
+        }
+        lc_f3 flux = lc_f3_make((float)(g->flux[0] / k), (float)(g->flux[1] / k), (float)(g->flux[2] / k));
+        light.intensity = lc_f3_mul(mesh->emission, flux);
+        st = spread(s, g->tri, k, &light, side > 0, seed);
+    }
+    return st;
+}
+
+/* Each triangle is the one that is kept in proportion to its power. */
+static void join(group *g, size_t tri, double power, const double flux[3], double first, uint64_t seed)
+{
+    if (!g->n) *g = (group){ .first = first };
+    g->n++;
+    g->power += power;
+    for (int k = 0; k < 3; k++) g->flux[k] += flux[k];
+    if (g->n == 1 || lc_unit(lc_hash4(seed, tri, 0, 8)) * g->power < power) g->tri = tri;
+}
+
 lc_status lc_area_lights_make(lc_scene *scene, uint32_t n_lights, uint64_t seed)
 {
-    double total = 0, before = 0, area, n[3];
-    for (size_t t = 0; t < scene->n_tris; t++) total += power_of(scene, t, &area, n);
+    double total = 0, before = 0, flux[3];
+    for (size_t t = 0; t < scene->n_tris; t++) total += power_of(scene, t, flux);
     if (!(total > 0)) return LC_OK;
-    for (size_t t = 0; t < scene->n_tris; t++) {
-        double power = power_of(scene, t, &area, n);
-        if (!(power > 0)) continue;
-        const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[t]];
+    group small = { .n = 0 };
+    lc_status st = LC_OK;
+    for (size_t t = 0; t < scene->n_tris && !st; t++) {
+        double power = power_of(scene, t, flux);
+        if (small.n && scene->tri_mesh[small.tri] != scene->tri_mesh[t]) st = add_lights(scene, &small, 1, seed), small.n = 0;
+        if (!(power > 0) || st) continue;
         scene->n_emissive_tris++;
         /* The share of this triangle: rounding the running sum keeps the total. */
         double first = floor(before / total * n_lights), last = floor((before + power) / total * n_lights);
         before += power;
-        uint32_t sides = mesh->two_sided ? 2 : 1, k = (uint32_t)(last - first) / sides;
-        if (!k) k = 1;
-        double side = side_of(scene, mesh, t, n);
-        for (uint32_t i = 0; i < sides; i++) {
-            lc_status st = add_lights(scene, t, k, area, n, i ? -side : side, seed);
-            if (st) return st;
+        uint32_t sides = scene->meshes[scene->tri_mesh[t]].two_sided ? 2 : 1;
+        if (power / total * n_lights >= sides && last - first >= sides) {
+            group alone = { .n = 0 };
+            join(&alone, t, power, flux, first, seed);
+            st = add_lights(scene, &alone, (uint32_t)(last - first) / sides, seed);
+        } else {
+            join(&small, t, power, flux, first, seed);
+            if (last - small.first >= sides) st = add_lights(scene, &small, 1, seed), small.n = 0;
         }
     }
-    return LC_OK;
+    if (small.n && !st) st = add_lights(scene, &small, 1, seed);
+    return st;
 }

@@ -1,27 +1,27 @@
 /* pbrt_round.c - spheres and disks as triangles.
  *
- * The first 64 have 128 segments around, so that the silhouette is within 1 - cos(pi / 128) = 0.03 % of the
- * radius; later ones are coarser, for a scene of ten thousand is made of small ones. Vertices lie on the true
- * surface. What the faces lack in area is returned as a ratio, by which emission is raised to keep the
- * power.
+ * The first quarter of a million triangles (16 spheres) have 128 segments around, so that the silhouette is within
+ * 1 - cos(pi / 128) = 0.03 % of the radius; later shapes are coarser and coarser, for a scene of ten thousand is made of small
+ * ones: those are 1.4 million triangles, and a sphere more is 48. Vertices lie on the true surface. What the faces lack in area is
+ * returned as a ratio, by which emission is raised to keep the power.
  */
 #include "pbrt_round.h"
 
 #include "fmath.h"
 
 static const struct {
-    uint32_t up_to, segments; /* number of spheres and disks so far; around */
+    uint64_t up_to; /* triangles of round shapes so far */
+    uint32_t segments;
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION /* 16,000 triangles a sphere are 10 scenes a second */
-} levels[] = { { UINT32_MAX, 8 } };
+} levels[] = { { UINT64_MAX, 8 } };
 #else
-} levels[] = { { 64, 128 }, { 1024, 32 }, { 16384, 16 }, { UINT32_MAX, 8 } };
+} levels[] = { { 1 << 18, 128 }, { 1 << 19, 64 }, { 3 << 18, 32 }, { 1 << 20, 16 }, { UINT64_MAX, 8 } };
 #endif
 
-uint32_t lc_pbrt_segments(lc_pbrt *p)
+uint32_t lc_pbrt_segments(const lc_pbrt *p)
 {
     size_t i = 0;
-    while (p->n_round >= levels[i].up_to && levels[i].up_to < UINT32_MAX) i++;
-    if (p->n_round < UINT32_MAX) p->n_round++;
+    while (p->n_round_tris >= levels[i].up_to) i++;
     return levels[i].segments;
 }
 
@@ -72,6 +72,7 @@ void lc_pbrt_finish_round(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint
 {
     mesh->n_verts = n_verts;
     mesh->n_tris = n_tris;
+    p->n_round_tris += n_tris;
     mesh->pos = p->pos;
     mesh->normal = normals ? p->normal : NULL;
     mesh->index = p->index;

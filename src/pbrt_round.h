@@ -9,8 +9,8 @@ typedef struct lc_pbrt_sweep {
     uint32_t n;     /* segments */
 } lc_pbrt_sweep;
 
-/* Segments around of the next round shape, were it whole; later ones have fewer. */
-uint32_t lc_pbrt_segments(lc_pbrt *p);
+/* Segments around of the next round shape, were it whole; after many triangles it has fewer. */
+uint32_t lc_pbrt_segments(const lc_pbrt *p);
 /* Reads phimax; a partial sweep has as many segments as its share, at least three. */
 lc_status lc_pbrt_get_sweep(lc_pbrt *p, uint32_t segments, lc_pbrt_sweep *out);
 /* Triangles between rings of `around` + 1 vertices each, the first ring's at index 0. At a tip those without area are left out. */

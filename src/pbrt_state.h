@@ -98,7 +98,7 @@ typedef struct lc_pbrt {
     uint32_t *index;
     size_t cap_pos, cap_normal, cap_uv, cap_index;
     bool alpha_uv; /* it keeps uv, as its alpha is a texture */
-    uint32_t n_round; /* spheres, disks, cylinders ... so far */
+    uint64_t n_round_tris; /* of spheres, disks, cylinders ... so far */
 
     bool has_cie;
     double cie[LC_PBRT_CIE_N][3]; /* x y z bar, each summing to 1 */

@@ -129,6 +129,38 @@ TEST(lights_lie_where_the_picture_is_bright)
     }
 }
 
+/* Spheres of 16,000 triangles each: about as many lights as asked for, one a sphere at least, and always all the power. */
+TEST(small_triangles_share_lights)
+{
+    static const char spheres[] = "AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] Shape \"sphere\" Translate 3 0 0 "
+                                  "AreaLightSource \"diffuse\" \"rgb L\" [3 0 1] \"bool twosided\" true Shape \"sphere\"";
+    static const uint32_t numbers[] = { 1, 10, 1000, 20000, 100000 };
+    static const double want[] = { 7, 2, 5 }; /* times the area of a sphere */
+    double got[3];
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        load(spheres, numbers[i]);
+        /* a triangle of two sides with an odd share has one less */
+        CHECKF(scene->n_lights + 2 >= numbers[i] * 0.9 && scene->n_lights <= numbers[i] + 3, "%zu of %u", scene->n_lights, numbers[i]);
+        CHECK(scene->n_emissive_tris == scene->n_tris);
+        sum_of_lights(got);
+        for (int c = 0; c < 3; c++)
+            CHECKF(fabs(got[c] / (4 * LC_PI * want[c]) - 1) < 1e-5, "%u: %g, not %g", numbers[i], got[c], 4 * LC_PI * want[c]);
+        check_places();
+    }
+    /* they lie all over the first sphere, and shine outwards */
+    uint32_t octant[8] = { 0 };
+    load(spheres, 4000);
+    for (size_t i = 0; i < scene->n_lights; i++) {
+        const lc_light *l = &scene->lights[i];
+        if ((double)l->pos.x > 1.5) continue;
+        CHECK((double)lc_f3_dot(l->pos, l->dir) > 0.99);
+        octant[(l->pos.x > 0) + 2 * (l->pos.y > 0) + 4 * (l->pos.z > 0)]++;
+    }
+    uint32_t all = 0;
+    for (int i = 0; i < 8; i++) all += octant[i];
+    for (int i = 0; i < 8; i++) CHECKF(fabs(octant[i] * 8.0 / all - 1) < 0.1, "octant %d: %u of %u", i, octant[i], all);
+}
+
 TEST(both_sides)
 {
     double one[3], two[3];
@@ -173,6 +205,7 @@ int main(void)
     write_picture();
     RUN(pictures_keep_their_power);
     RUN(lights_lie_where_the_picture_is_bright);
+    RUN(small_triangles_share_lights);
     RUN(both_sides);
     RUN(power_is_of_each_shape);
     lc_scene_destroy(scene);

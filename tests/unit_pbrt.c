@@ -548,8 +548,9 @@ TEST(many_spheres_are_coarser)
     char *text = malloc(3000 * 16 + 64), *p = text + sprintf(text, "WorldBegin ");
     for (int i = 0; i < 3000; i++) p += sprintf(p, "Shape \"sphere\" ");
     CHECK(load(text) == LC_OK && scene->n_meshes == 3000);
-    CHECK(scene->meshes[0].n_tris == 128 * 63 * 2 && scene->meshes[64].n_tris == 32 * 15 * 2);
-    CHECK(scene->meshes[2999].n_tris == 16 * 7 * 2);
+    CHECK(scene->meshes[0].n_tris == 128 * 63 * 2 && scene->meshes[64].n_tris == 64 * 31 * 2);
+    CHECK(scene->meshes[256].n_tris == 32 * 15 * 2 && scene->meshes[1024].n_tris == 16 * 7 * 2);
+    CHECK(scene->meshes[2999].n_tris == 8 * 3 * 2 && scene->n_tris < 1200000);
     free(text);
 }
 
