@@ -501,24 +501,28 @@ static bool try_plan(const command *c, const fault_plan *plan)
     return false;
 }
 
-/* Is the call the first of a site in a run without faults? */
-static bool is_first(fault_class class, long nth)
+/* Is the call the first of a site in a run without faults? Of commands that take long, of a site that did not fail in others. */
+static bool is_first(const command *c, fault_class class, long nth)
 {
-    uint32_t i = 0;
+    uint32_t i = 0, before = 0;
     while (i < faultless.n_sites[class] && faultless.first[class][i] != nth) i++;
-    return i < faultless.n_sites[class];
+    if (i == faultless.n_sites[class]) return false;
+    while (before < total.n_failed[class] && total.failed_sites[class][before] != faultless.sites[class][i]) before++;
+    return before == total.n_failed[class] || !c->bounded || all_points;
 }
 
 /* Every call of a class in turn, or the first of each site and about `most` others. */
 static void try_class(const command *c, fault_class class, int err, long most)
 {
     long calls = faultless.calls[class], step = most && calls > most ? calls / most : 1;
-    for (long nth = 1; nth <= calls; nth++)
-        for (int ever = 0; ever < (err == EINTR ? 1 : 2) && (nth % step == 0 || is_first(class, nth)); ever++) { /* who is always interrupted tries again for ever, and may */
+    for (long nth = 1; nth <= calls; nth++) {
+        if (nth % step && !is_first(c, class, nth)) continue;
+        for (int ever = 0; ever < (err == EINTR ? 1 : 2); ever++) { /* who is always interrupted tries again for ever, and may */
             fault_plan plan = { .class = class, .nth = nth, .ever = ever, .err = err };
             try_plan(c, &plan);
             points[class]++;
         }
+    }
 }
 
 static void keep_outputs(const command *c)
