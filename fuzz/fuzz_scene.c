@@ -66,7 +66,13 @@ static void single(text *t, const char *type_and_name)
 
 static void light(text *t)
 {
-    switch (byte(t) % 6) {
+    uint8_t kind = byte(t);
+    if (kind >= 240) {
+        say(t, "LightSource \"spot\" "), triple(t, "point3 from"), triple(t, "point3 to"), triple(t, "rgb I");
+        single(t, "float coneangle"), single(t, "float conedeltaangle");
+        return;
+    }
+    switch (kind % 6) {
     case 0: say(t, "LightSource \"point\" "), triple(t, "point3 from"), triple(t, "rgb I"); break;
     case 1: say(t, "LightSource \"spot\" "), triple(t, "point3 from"), triple(t, "point3 to"), single(t, "float coneangle"); break;
     case 2: say(t, "LightSource \"distant\" "), triple(t, "point3 from"), triple(t, "rgb L"); break;
@@ -84,7 +90,9 @@ static void material(text *t)
     static const char *const names[] = { "diffuse", "conductor", "phong", "ward", "plastic", "uber", "dielectric",
                                          "mirror", "coateddiffuse", "metal", "mix", "interface",
                                          "substrate", "matte", "diffusetransmission", "glass" };
-    say(t, "Material \"%s\" ", names[byte(t) % 16]);
+    uint8_t kind = byte(t);
+    say(t, "Material \"%s\" ", names[kind % 16]);
+    if (kind >= 192) say(t, "\"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" \"metal-Cu-k\" ");
     uint8_t with = byte(t);
     if (with & 1) triple(t, "rgb Kd");
     if (with & 2) triple(t, "rgb Ks");
@@ -99,7 +107,7 @@ static void material(text *t)
 static void shape(text *t)
 {
     static const char *const round[] = { "sphere", "disk", "cylinder", "cone", "paraboloid", "hyperboloid" };
-    uint8_t kind = byte(t) % 32; /* round ones are many triangles: seldom, or there are few executions a second */
+    uint8_t first = byte(t), kind = first % 32; /* round ones are many triangles: seldom, or there are few executions a second */
     if (kind == 31) {
         say(t, "Shape \"%s\" ", round[byte(t) % 6]);
         single(t, "float radius");
@@ -115,6 +123,22 @@ static void shape(text *t)
     say(t, "] ");
     if (byte(t) & 1) say(t, "\"normal3 N\" "), numbers(t, 3 * n);
     if (byte(t) & 1) say(t, "\"point2 uv\" "), numbers(t, 2 * n);
+    if (first >= 224) say(t, "\"texture alpha\" \"holes\" ");
+    else if (first >= 192) single(t, "float alpha"), single(t, "float shadowalpha");
+}
+
+/* Objects o0 to o3, each of up to two shapes. */
+static void instance(text *t, int *object, int open)
+{
+    uint8_t what = byte(t);
+    if (what & 1) {
+        say(t, "ObjectInstance \"o%d\" ", what >> 1 & 3);
+        return;
+    }
+    if (*object == 4 || open) return;
+    say(t, "ObjectBegin \"o%d\" ", (*object)++);
+    for (int i = 0; i <= (what >> 1 & 1); i++) shape(t);
+    say(t, "ObjectEnd ");
 }
 
 static void transform(text *t)
@@ -141,15 +165,18 @@ static void texture(text *t)
 
 static void world(text *t)
 {
-    int open = 0;
+    int open = 0, object = 0;
+    say(t, "Texture \"holes\" \"float\" \"checkerboard\" \"float tex1\" 0 \"float tex2\" 0.6\n");
     for (int i = 0; i < MOST && t->left; i++) {
-        switch (byte(t) % 12) {
+        uint8_t what = byte(t);
+        switch (what >= 224 ? 12 : what % 12) {
         case 0: case 1: light(t); break;
         case 2: case 3: material(t); break;
         case 4: case 5: case 6: shape(t); break;
         case 7: case 8: transform(t); break;
         case 9: say(t, "AttributeBegin "), open++; break;
         case 10: if (open) say(t, "AttributeEnd "), open--; break;
+        case 12: instance(t, &object, open); break;
         default: texture(t);
         }
         say(t, "\n");
@@ -163,7 +190,8 @@ static void scene_text(text *t)
     if (head & 1) say(t, "LookAt "), numbers(t, 0), t->len -= 4;
     for (int i = 0; i < 9 && (head & 1); i++) number(t);
     if (!(head & 1)) say(t, "LookAt 0 0 5  0 0 0  0 1 0 ");
-    say(t, "Camera \"perspective\" ");
+    if (head & 64) say(t, "PixelFilter \"gaussian\" ");
+    say(t, "Camera \"%s\" ", head & 128 ? "orthographic" : "perspective");
     if (head & 2) single(t, "float fov");
     if (head & 4) single(t, "float lensradius"), single(t, "float focaldistance");
     say(t, "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n");
@@ -183,7 +211,7 @@ static void look(lc_context *ctx, lc_scene *scene)
     lc_render_desc desc = LC_RENDER_DESC_INIT;
     lc_image *image;
     lc_render_stats stats;
-    load.area_lights = 16, load.env_lights = 16, load.n_reps = 2;
+    load.area_lights = 16, load.env_lights = 16, load.n_reps = 2, load.indirect_lights = 24;
     if (scene->n_tris > MAX_TRIS || scene->n_lights > 2000 || (uint64_t)scene->film.width * scene->film.height > 64 || scene->film.spp > 2)
         return;
     if (scene->max_depth > 4) scene->max_depth = 4;

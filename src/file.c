@@ -12,7 +12,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+#define READ_STEP ((size_t)1 << 12) /* ASan takes a while to make more than that afresh */
+#else
 #define READ_STEP ((size_t)1 << 16)
+#endif
 #define TEMP_TRIES 1000
 
 lc_status lc_bytes_put(lc_bytes *bytes, size_t offset, const void *data, size_t n)

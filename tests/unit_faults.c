@@ -2,7 +2,7 @@
  * turn, once and from then on: exit status and message must be right, nothing leak or crash, no file be broken.
  *
  *     build/tests/unit_faults           of each command the first call of every call site and some more
- *     build/tests/unit_faults --all     all of them (make fault)
+ *     build/tests/unit_faults --all     all of them (make fault), but of reports, which take long
  *     FAULT_SITES=FILE ...              also writes where the file operations that failed were called, for fault_sites.sh
  *     build/tests/unit_faults COMMAND CLASS NTH EVER    one point, say "compare" 0 14 0; leaves its folder
  *
@@ -41,7 +41,7 @@ typedef struct command {
     const char *from[2][2]; /* copies of files of in/ under other names, made before it */
     const char *again[MAX_ARGS]; /* afterwards without faults: has to work, and outputs are then what they should be */
     bool whole;             /* its first output is to be in/whole.exr, byte for byte */
-    long bounded;           /* points tried of each kind without --all; 0: as many as the others. With it, of files, 50 times that */
+    long bounded;           /* points tried of each kind besides first calls, with --all 10 times that; 0: as many as the others, all */
 } command;
 
 #define KEPT "render", "../in/tiles.pbrt", "-o", "a.exr", "-q", "-t", "1", "--checkpoint", "c.ck", "--checkpoint-interval", "0.000001"
@@ -501,24 +501,28 @@ static bool try_plan(const command *c, const fault_plan *plan)
     return false;
 }
 
-/* Is the call the first of a site in a run without faults? */
-static bool is_first(fault_class class, long nth)
+/* Is the call the first of a site in a run without faults? Of commands that take long, of a site that did not fail in others. */
+static bool is_first(const command *c, fault_class class, long nth)
 {
-    uint32_t i = 0;
+    uint32_t i = 0, before = 0;
     while (i < faultless.n_sites[class] && faultless.first[class][i] != nth) i++;
-    return i < faultless.n_sites[class];
+    if (i == faultless.n_sites[class]) return false;
+    while (before < total.n_failed[class] && total.failed_sites[class][before] != faultless.sites[class][i]) before++;
+    return before == total.n_failed[class] || !c->bounded || all_points;
 }
 
 /* Every call of a class in turn, or the first of each site and about `most` others. */
 static void try_class(const command *c, fault_class class, int err, long most)
 {
     long calls = faultless.calls[class], step = most && calls > most ? calls / most : 1;
-    for (long nth = 1; nth <= calls; nth++)
-        for (int ever = 0; ever < (err == EINTR ? 1 : 2) && (nth % step == 0 || is_first(class, nth)); ever++) { /* who is always interrupted tries again for ever, and may */
+    for (long nth = 1; nth <= calls; nth++) {
+        if (nth % step && !is_first(c, class, nth)) continue;
+        for (int ever = 0; ever < (err == EINTR ? 1 : 2); ever++) { /* who is always interrupted tries again for ever, and may */
             fault_plan plan = { .class = class, .nth = nth, .ever = ever, .err = err };
             try_plan(c, &plan);
             points[class]++;
         }
+    }
 }
 
 static void keep_outputs(const command *c)
@@ -540,12 +544,12 @@ static void try_command(const command *c)
     CHECKF(status == 0, "%s: status %d without faults", c->name, status);
     CHECKF(!c->whole || holds(c->outputs[0], "../in/whole.exr"), "%s: not the whole picture", c->name);
     keep_outputs(c);
-    long most = all_points ? 0 : c->bounded ? c->bounded : 20, *calls = faultless.calls;
+    long most = all_points ? c->bounded * 10 : c->bounded ? c->bounded : 20, *calls = faultless.calls;
     faultless = *seen;
     if (!status) {
         try_class(c, FAULT_ALLOC, ENOMEM, most);
         for (size_t i = 0; i < (all_points ? sizeof errs / sizeof *errs : 1); i++)
-            try_class(c, FAULT_IO, errs[i], all_points ? c->bounded * 50 : most);
+            try_class(c, FAULT_IO, errs[i], most);
         try_class(c, FAULT_THREAD, EAGAIN, most);
         for (size_t k = 1; k <= 7; k += all_points ? 1 : 6) {
             /* a report reads the program, megabytes */
