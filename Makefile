@@ -115,7 +115,8 @@ $(BIN)tests/replay_%: fuzz/%.c fuzz/driver.c $(TEST_HELP) $(BIN)liblightcuts.a
 
 # The whole program with the C library's calls led through a shim that lets them fail.
 FAULT_CALLS := main malloc calloc realloc aligned_alloc posix_memalign strdup mmap pthread_create pthread_mutex_init open read write \
-  close fsync fdatasync rename ftruncate stat fstat access mkdir fchmod realpath pread pwrite fopen fclose fileno
+  close fsync fdatasync rename ftruncate stat fstat access mkdir fchmod realpath pread pwrite fopen fclose fileno \
+  unlink flock pipe fork dup2 fcntl
 $(BIN)tests/unit_faults: tests/unit_faults.c tests/fault_shim.c tests/fault_shim.h $(CLI_OBJ) $(BIN)liblightcuts.a tests/test.h
 	@mkdir -p $(@D)
 	$(CC) $(FLAGS) -Itests $(if $(SAN),,$(LINK_STATIC)) $(FAULT_CALLS:%=-Wl,--wrap=%) $(filter %.c %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@

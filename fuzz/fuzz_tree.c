@@ -25,7 +25,10 @@ static lc_light make(const uint8_t *b)
     l.dir = b[0] & 64 ? lc_f3_make(0, b[1] & 1 ? 1 : -1, 0) : lc_f3_normalize(d);
     float power = b[6] < 240 ? (float)(b[6] % 16) : ldexpf(1, ((int)b[6] - 248) * 7);
     l.intensity = lc_f3_make(power, b[7] & 1 ? power : 0, b[7] & 2 ? power * 0.5f : 0);
-    if (b[0] & 128) l.atten[0] = (float)(b[7] >> 2), l.atten[1] = b[7] & 4 ? 1e-10f : 0;
+    if (l.kind == LC_LIGHT_SPOT) {
+        float a = (float)(b[7] >> 4) / 8 - 1, c = a + (float)(b[6] >> 4) / 64;
+        l.spot = (lc_spot){ .cos_total = a, .cos_start = c < 1 ? c : 1 };
+    } else if (b[0] & 128) l.atten[0] = (float)(b[7] >> 2), l.atten[1] = b[7] & 4 ? 1e-10f : 0;
     return l;
 }
 

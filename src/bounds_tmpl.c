@@ -406,7 +406,7 @@ LC_INLINE vf LC_FN(ggx_geometry)(lanes *l, const lc_point *p, const rel_box *box
     const bool isotropic = !(p->square[0] < p->square[1] || p->square[0] > p->square[1]);
     vf linear = isotropic ? SET(0) : LC_FN(linear_stretched)(p, box);
     vf k[4], f = one, both = DIV(g, ADD(MUL(o_s, near), MUL(o_n, MAX(DIV(linear, far), LC_FN(least_stretched)(p, near)))));
-    if (!directional) f = l->tree->node_atten ? LC_FN(least_f)(l, p, box, k) : MAX(box->d2, SET(p->min_d2));
+    if (!directional) f = l->atten ? LC_FN(least_f)(l, p, box, k) : MAX(box->d2, SET(p->min_d2));
     vf apart = DIV(one, MUL(f, ADD(o_s, MUL(o_n, MAX(DIV(linear, z1), DIV(LC_FN(least_stretched)(p, cos_r), cos_r))))));
     return MIN(MIN(both, apart), SET(FLT_MAX / 2));
 }

@@ -14,8 +14,10 @@
  *     f = kd / pi + F(c) D(h) G / (4 ci co),   D = 1 / (pi ax ay ((hx/ax)^2 + (hy/ay)^2 + hz^2)^2),   c = h.o
  * with h of length 1, and light and shadow correlated by height, G = 1 / (1 + L(i) + L(o)): with s(w) the length of
  * (ax wx, ay wy, wz), 1 + 2 L(w) = s(w) / wz, so f = F r^2 / (2 pi ax ay (s(o) ci + s(i) co)), r = 1 over D's bracket.
- * A coat's diffuse part is kd / pi T(ci) T(co) / (eta^2 (1 - kd Fi)), T = 1 - F of a smooth surface of index eta, Fi the share of
- * diffuse light that it reflects inwards.
+ * A coat's diffuse part is kd / pi T(ci) T(co) A / (eta^2 (1 - kd Fi)), T = 1 - F of a smooth surface of index eta. Fi is the share of
+ * diffuse light that it reflects inwards, exact for a smooth one, A = 1. A rough one, a^2 = ax ay, loses light between its facets
+ * in this model, which the many bounces below it add up: Fi is 1 / (1 + (1.1 + 1.125 / (eta - 1)) a^1.75) and A = 1 - 0.42 a^3 / (a + 0.5)
+ * times as much, fitted to random walks for eta 1.3 to 2 (unit_ggx.c; within 4 %, most within 2 %).
  */
 #ifndef LC_MATERIAL_H
 #define LC_MATERIAL_H

@@ -23,7 +23,7 @@ static const struct kind {
     { "VolumeIntegrator", "medium", true, "participating media are ignored" },
     { "Film", "film", false, NULL },
     { "Camera", "camera", false, NULL },
-    { "PixelFilter", "filter", false, "every sample counts the same, in its own pixel" },
+    { "PixelFilter", "filter", false, NULL },
     { "Sampler", "sampler", false, "the number of samples counts; their places are our own" },
     { "Integrator", "integrator", false, "maxdepth counts; light is gathered by lightcuts" },
     { "SurfaceIntegrator", "integrator", false, "maxdepth counts; light is gathered by lightcuts" },

@@ -1,6 +1,7 @@
 /* shade.c - estimates. What bounds.c must dominate is exactly this arithmetic. */
 #include "shade.h"
 
+#include "coat.h"
 #include "direction.h"
 #include "fmath.h"
 
@@ -69,26 +70,10 @@ static float conductor(float rise, float turn, float c)
     return f < 1 ? f : 1;
 }
 
-/* 1 - mean reflectance, from outside, for diffuse light, the integral in closed form; linear where the terms would cancel. */
-static double mean_transmitted(double m)
+/* What is below the coat, as it is seen from outside but for what it lets in. */
+static lc_f3 below_coat(const lc_point *p, const lc_material *m)
 {
-    const double least = 1.001;
-    if (m < least) return 1 - (1 - mean_transmitted(least)) * (m - 1) / (least - 1);
-    double a = m * m, b = a - 1, d = a + 1, e = a * a;
-    double f = 0.5 + (m - 1) * (3 * m + 1) / (6 * (m + 1) * (m + 1)) + a * b * b / (d * d * d) * (lc_ln(m - 1) - lc_ln(m + 1)) -
-               2 * m * a * (a + 2 * m - 1) / (d * (e - 1)) + 8 * e * (e + 1) / (d * (e - 1) * (e - 1)) * lc_ln(m);
-    return 1 - f;
-}
-
-/* kd / (1 - kd Fi) */
-static float many_times(float kd, float inside) { return kd / (1 - (kd < 1 ? kd : 1) * inside); }
-
-/* What is below the coat, as it is seen from outside but for what it lets in: with 1 - Fi = mean / eta^2. */
-static lc_f3 below_coat(const lc_point *p, lc_f3 kd, double eta)
-{
-    float inside = no_less((float)(1 - mean_transmitted(eta) / (eta * eta)), 0);
-    float out = p->view[2] > LC_MIN_COS ? transmitted(p, p->view[2]) / p->eta2 : 0;
-    return lc_f3_scale(lc_f3_make(many_times(kd.x, inside), many_times(kd.y, inside), many_times(kd.z, inside)), out);
+    return lc_f3_scale(lc_coat_below(m), p->view[2] > LC_MIN_COS ? transmitted(p, p->view[2]) : 0);
 }
 
 /* Returns the factor of ks. What lies below a coat goes to *kd. */
@@ -109,7 +94,7 @@ static float init_ggx(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, lc
     if (m->fresnel == LC_FRESNEL_SCHLICK && lc_f3_max(m->ks) > 0) lc_f3_store(p->rise, rise);
     for (int i = 0; i < 3 && m->fresnel == LC_FRESNEL_CONDUCTOR; i++)
         p->rise[i] = (float)(eta[i] * eta[i] - k[i] * k[i] - 1), p->turn[i] = (float)(2 * eta[i] * k[i]);
-    if (m->coat) *kd = below_coat(p, *kd, eta[0]);
+    if (m->coat) *kd = below_coat(p, m);
     return factor;
 }
 

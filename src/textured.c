@@ -214,7 +214,8 @@ static lc_f3 mapped(const lc_scene *scene, uint32_t id, const lc_tex_point *p, d
     return dot(m, m) > 0 ? lc_f3_normalize_d(m.x, m.y, m.z) : normal;
 }
 
-static void tilt(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, uint32_t id, const lc_tex_point *p, lc_f3 *n)
+static void tilt(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, uint32_t id,
+                 const lc_tex_point *p, lc_f3 *n)
 {
     const lc_material_maps *maps = &scene->maps[id];
     d3 du, dv;

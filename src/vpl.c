@@ -13,6 +13,7 @@
  */
 #include "vpl.h"
 
+#include "coat.h"
 #include "fresnel.h"
 #include "mirror.h"
 #include "pool.h"
@@ -196,9 +197,8 @@ static lc_f3 at_most_1(lc_f3 a) { return lc_f3_make(fminf(a.x, 1), fminf(a.y, 1)
 /* Share of light that a rough surface sends back. */
 static lc_f3 albedo(const lc_material *m, float cos_i)
 {
-    const lc_f3 one = { 1, 1, 1 };
     lc_f3 lobe = m->gloss == LC_GLOSS_GGX ? lc_reflectance(m, cos_i, false) : m->ks;
-    lc_f3 below = m->coat ? lc_f3_mul(m->kd, lc_f3_sub(one, at_most_1(lobe))) : m->kd;
+    lc_f3 below = m->coat ? lc_coat_albedo(m, cos_i) : m->kd;
     return at_most_1(lc_f3_add(below, lobe));
 }
 

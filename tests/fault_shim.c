@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -34,7 +35,9 @@ static bool fails(fault_class class, uintptr_t site)
     bool fail = class == plan.class && plan.nth && (n == plan.nth || (plan.ever && n > plan.nth));
     pthread_mutex_lock(&sites_lock);
     seen->calls[class] = n;
+    uint32_t had = seen->n_sites[class];
     note(seen->sites[class], &seen->n_sites[class], site);
+    if (seen->n_sites[class] > had) seen->first[class][had] = n;
     if (fail) note(seen->failed_sites[class], &seen->n_failed[class], site);
     if (fail) seen->failed++;
     pthread_mutex_unlock(&sites_lock);
@@ -89,6 +92,31 @@ WRAP(int, fchmod, (int fd, mode_t mode), (fd, mode), FAULT_IO, -1)
 WRAP(char *, realpath, (const char *path, char *to), (path, to), FAULT_IO, NULL)
 WRAP(ssize_t, pread, (int fd, void *to, size_t n, off_t from), (fd, to, n, from), FAULT_IO, -1)
 WRAP(ssize_t, pwrite, (int fd, const void *from, size_t n, off_t to), (fd, from, n, to), FAULT_IO, -1)
+
+WRAP(int, flock, (int fd, int what), (fd, what), FAULT_IO, -1)
+WRAP(int, pipe, (int ends[2]), (ends), FAULT_IO, -1)
+WRAP(pid_t, fork, (void), (), FAULT_IO, -1)
+WRAP(int, dup2, (int from, int to), (from, to), FAULT_IO, -1)
+
+int __real_fcntl(int fd, int what, ...);
+int __wrap_fcntl(int fd, int what, ...);
+int __wrap_fcntl(int fd, int what, ...)
+{
+    va_list args;
+    va_start(args, what);
+    int value = va_arg(args, int);
+    va_end(args);
+    return fails(FAULT_IO, SITE) ? -1 : __real_fcntl(fd, what, value);
+}
+
+int __real_unlink(const char *path);
+int __wrap_unlink(const char *path);
+int __wrap_unlink(const char *path)
+{
+    if (!fails(FAULT_IO, SITE)) return __real_unlink(path);
+    seen->stays = true;
+    return -1;
+}
 
 int __real_open(const char *path, int flags, ...);
 int __wrap_open(const char *path, int flags, ...);

@@ -24,8 +24,10 @@ typedef struct fault_plan {
 typedef struct fault_seen {
     long calls[FAULT_CLASSES]; /* since fault_start */
     long failed;
+    bool stays; /* a file was not removed because that failed */
     uint32_t n_sites[FAULT_CLASSES], n_failed[FAULT_CLASSES];
     uintptr_t sites[FAULT_CLASSES][FAULT_MAX_SITES], failed_sites[FAULT_CLASSES][FAULT_MAX_SITES];
+    long first[FAULT_CLASSES][FAULT_MAX_SITES]; /* number of a site's first call */
 } fault_seen;
 
 /* From here on calls count, and stdout is a stream of the shim's. */

@@ -3,13 +3,14 @@
 #
 #     FAULT_SITES=/tmp/sites build/tests/unit_faults --all; sh tests/fault_sites.sh build/tests/unit_faults /tmp/sites
 #
-# A call in the program's own code to a function of the shim is a site; what follows it is the address that the shim saw. Prints
+# A call in the program's own code to a function of the shim is a site; what follows it is the address that the shim saw.
+# Copies of a line that the compiler made are one site. Prints
 # those that are missing, with file and line, and the two numbers. The commands that unit_faults does not run count as missing.
 set -u
 [ $# -eq 2 ] || { echo "usage: sh tests/fault_sites.sh PROGRAM SITES" >&2; exit 2; }
 T=$(mktemp) || exit 2
-trap 'rm -f "$T"' EXIT
-calls='open|read|write|close|fsync|fdatasync|rename|ftruncate|stat|fstat|access|mkdir|fchmod|realpath|pread|pwrite|fopen'
+trap 'rm -f "$T" "$T.lines"' EXIT
+calls='open|read|write|close|fsync|fdatasync|rename|ftruncate|stat|fstat|access|mkdir|fchmod|realpath|pread|pwrite|fopen|unlink|flock|pipe|fork|dup2|fcntl'
 objdump -d --no-show-raw-insn "$1" | awk -v calls="(call|jmp) .*<__wrap_($calls)>" '
     /^[0-9a-f]+ </ { own = ($2 !~ /__wrap_|stream|fault_/) }
     after { sub(":", "", $1); print $1; after = 0 }
@@ -17,8 +18,12 @@ objdump -d --no-show-raw-insn "$1" | awk -v calls="(call|jmp) .*<__wrap_($calls)
 met=0 all=0
 while read -r site; do
     line=$(addr2line -e "$1" "$(printf '%x' $((0x$site - 1)))")
+    line=${line% (*}
     case $line in */src/*) ;; *) continue ;; esac
+    if grep -qx "$site" "$2"; then echo "${line##*/src/} 1"; else echo "${line##*/src/} 0"; fi
+done <"$T" | sort -r | awk '!seen[$1]++' >"$T.lines" # those that failed come first
+while read -r line failed; do
     all=$((all + 1))
-    if grep -qx "$site" "$2"; then met=$((met + 1)); else echo "never failed: ${line##*/src/}"; fi
-done <"$T"
+    if [ "$failed" = 1 ]; then met=$((met + 1)); else echo "never failed: $line"; fi
+done <"$T.lines"
 echo "$met of $all call sites of file operations failed"

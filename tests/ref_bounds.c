@@ -63,7 +63,8 @@ double ref_mean_dielectric(double eta)
 static void make_rough(ref_point *r, const double n[3], const double o[3], const lc_material *m)
 {
     double a[2] = { (double)m->roughness[0], (double)m->roughness[1] }, t[3], x[3], y[3], len;
-    double eta = (double)m->eta.x, fi = m->coat ? 1 - (1 - ref_mean_dielectric(eta)) / (eta * eta) : 0;
+    double eta = (double)m->eta.x, fi = m->coat ? 1 - (1 - ref_mean_dielectric(eta)) / (eta * eta) : 0, mean = sqrt(a[0] * a[1]);
+    fi /= 1 + (1.1 + 1.125 / fmax(eta - 1, 0.001)) * pow(mean, 1.75);
     load_f3(t, m->tangent);
     for (int k = 0; k < 3; k++) x[k] = t[k] - dot3(n, t) * n[k];
     len = sqrt(dot3(x, x));
@@ -76,7 +77,7 @@ static void make_rough(ref_point *r, const double n[3], const double o[3], const
         if (m->gloss == LC_GLOSS_GGX) r->specular[k] = ks / (2 * LC_PI * a[0] * a[1]);
         if (!m->coat) continue;
         double kd = r->diffuse[k] * LC_PI;
-        r->diffuse[k] *= (1 - ref_dielectric(eta, dot3(n, o))) / (eta * eta * (1 - kd * fi));
+        r->diffuse[k] *= (1 - ref_dielectric(eta, dot3(n, o))) / (eta * eta * (1 - kd * fi)) * (1 - 0.42 * pow(mean, 3) / (mean + 0.5));
     }
     r->view[0] = dot3(r->tangent[0], o), r->view[1] = dot3(r->tangent[1], o), r->view[2] = fmax(dot3(n, o), 0);
 }

@@ -1,4 +1,6 @@
 /* unit_spot.c - spot, projection and goniometric lights: parameters, power, direction, trees. */
+#include "cpu.h"
+#include "kernels.h"
 #include "light_tree.h"
 #include "pbrt_parse.h"
 #include "rng.h"
@@ -185,9 +187,39 @@ TEST(damage_to_spots_is_found)
     lc_light_tree_destroy(t);
 }
 
+/* Attenuation of a light of another kind in the same tree is nothing to spots. */
+TEST(bounds_of_spots_beside_attenuated_lights)
+{
+    static const lc_material looks[] = { { .kd = { 1, 1, 1 } }, { .kd = { 1, 1, 1 }, .ks = { 1, 1, 1 }, .exponent = 9 },
+                                         { .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.3f, 0.3f } } };
+    lc_light lights[41];
+    lc_light_tree *alone, *both;
+    for (size_t i = 0; i < 40; i++) lights[i] = rnd_spot();
+    lights[40] = (lc_light){ .kind = LC_LIGHT_POINT, .pos = rnd_unit(), .intensity = { 1, 1, 1 }, .atten = { 3, 2, 1 } };
+    lc_light_tree_desc d = { .lights = lights, .n_lights = 40, .diag2 = 12, .n_reps = 2 };
+    CHECK(!lc_light_tree_build(ctx, &d, &alone) && !alone->data.node_atten);
+    d.n_lights = 41;
+    CHECK(!lc_light_tree_build(ctx, &d, &both) && both->data.node_atten);
+    for (int i = 0; i < 300; i++) {
+        lc_point p;
+        float a[LC_LANES], b[LC_LANES];
+        lc_f3 n = rnd_unit();
+        lc_point_init(&p, rnd_unit(), n, n, &looks[i % 3], 1e-10f);
+        for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa(); isa++) {
+            const lc_kernels *k = lc_kernels_get((lc_isa)isa);
+            k->bounds(&alone->data, &alone->root[LC_LIGHT_SPOT], 1, LC_LIGHT_SPOT, &p, a);
+            k->bounds(&both->data, &both->root[LC_LIGHT_SPOT], 1, LC_LIGHT_SPOT, &p, b);
+            CHECKF(*a >= *b && *b >= *a, "%s: %g, beside others %g", lc_isa_name((lc_isa)isa), (double)*a, (double)*b);
+        }
+    }
+    lc_light_tree_destroy(alone);
+    lc_light_tree_destroy(both);
+}
+
 int main(void)
 {
     if (lc_context_create(NULL, &ctx) || !mkdtemp(dir)) return 1;
+    RUN(bounds_of_spots_beside_attenuated_lights);
     RUN(parameters);
     RUN(power);
     RUN(projections_are_the_right_way_up);

@@ -35,8 +35,9 @@ static int start_writer(const text *t, int *fd, pid_t *pid)
 static lc_status load_from(lc_context *ctx, int fd, const lc_load_desc *load, lc_scene **out)
 {
     int saved = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
-    dup2(fd, STDIN_FILENO);
-    lc_status st = lc_scene_load(ctx, "-", load, out);
+    lc_status st = LC_ERR_IO;
+    if (dup2(fd, STDIN_FILENO) >= 0) st = lc_scene_load(ctx, "-", load, out);
+    else fprintf(stderr, "lightcuts: error: the generated scene cannot be read: %s\n", strerror(errno));
     if (saved >= 0) {
         dup2(saved, STDIN_FILENO);
         close(saved);

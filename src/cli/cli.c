@@ -14,11 +14,13 @@
 #include <unistd.h>
 
 static atomic_uint_fast64_t n_warnings;
+static atomic_bool forgiving; /* what fails is tried in another way: no error */
 
 static void log_to_stderr(void *user, lc_log_level level, const char *text)
 {
     static atomic_flag said_memory = ATOMIC_FLAG_INIT;
     int verbosity = user ? *(int *)user : 0;
+    if (level == LC_LOG_ERROR && atomic_load(&forgiving)) return;
     bool memory = level == LC_LOG_ERROR && strstr(text, "error: out of memory");
     if (memory && atomic_flag_test_and_set(&said_memory)) return; /* one lack of memory fails several calls */
     if (level == LC_LOG_WARNING) atomic_fetch_add(&n_warnings, 1);
@@ -37,6 +39,15 @@ lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
     lc_status st = lc_context_create(&desc, &ctx);
     if (st && st != LC_ERR_MEMORY) fprintf(stderr, "lightcuts: error: %s\n", lc_status_name(st)); /* that was said */
     return ctx;
+}
+
+bool cli_read_kept(lc_context *ctx, const char *path, lc_image **out)
+{
+    atomic_store(&forgiving, true);
+    lc_status st = lc_image_read(ctx, path, out);
+    atomic_store(&forgiving, false);
+    if (st) fprintf(stderr, "lightcuts: '%s' is rendered again: %s\n", cli_shown(path), lc_status_name(st));
+    return !st;
 }
 
 uint64_t cli_warnings(void) { return atomic_load(&n_warnings); }

@@ -5,6 +5,7 @@
 #include "lightcuts.h"
 
 #include <getopt.h>
+#include <stdbool.h>
 #include <stdio.h>
 
 /* Exit status, contract of the command line. */
@@ -28,6 +29,8 @@ int cmd_report(int argc, char **argv);
 
 /* Logs to stderr; verbosity -1: errors only, 0: warnings too, 1: everything. NULL: out of memory (said). */
 lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity);
+/* Reads a picture of an earlier run that is rendered again where it cannot be read: that is then said, and is no error. */
+bool cli_read_kept(lc_context *ctx, const char *path, lc_image **out);
 /* Warnings logged so far by any context of this process. */
 uint64_t cli_warnings(void);
 

@@ -151,7 +151,8 @@ static void print_image(lc_image *image, bool json)
             cli_json_text(stdout, name);
             printf(", \"min\": %.9g, \"max\": %.9g, \"mean\": %.9g, \"nonfinite\": %llu}", r.min, r.max, r.mean, (ull)r.nonfinite);
         } else {
-            printf("  %-18s min %-12.6g max %-12.6g mean %-12.6g not finite %llu\n", cli_shown(name), r.min, r.max, r.mean, (ull)r.nonfinite);
+            printf("  %-18s min %-12.6g max %-12.6g mean %-12.6g not finite %llu\n", cli_shown(name), r.min, r.max, r.mean,
+                   (ull)r.nonfinite);
         }
     }
     if (json) printf("\n  ]\n}\n");

@@ -62,7 +62,7 @@ static void print_help(void)
            "      --env-lights N       lights made from environment maps, default 5000\n"
            "      --indirect-lights N  virtual lights of bounced light; default 20000 where the scene's integrator traces paths, else 0\n"
            "      --seed N             of sampling, of area and environment lights and of the tree's representatives, default 0\n"
-           "      --spp N              samples per pixel, default the scene's, which counts up to 4\n"
+           "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a lens 16\n"
            "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
            "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n"
            "      --chunk K/N|slurm    render part K of N; 'lightcuts merge' puts them together. slurm: of an array job's variables\n"

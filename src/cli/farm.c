@@ -112,7 +112,7 @@ bool cli_farm_has(const cli_farm *f, lc_context *ctx, const char *path)
     lc_image *image;
     struct stat st;
     if (stat(path, &st) || !S_ISREG(st.st_mode) || !st.st_size) return false;
-    if (lc_image_read(ctx, path, &image)) return false;
+    if (!cli_read_kept(ctx, path, &image)) return false;
     bool same = lc_chunk_matches(image, &f->id, f->crop, f->k, f->n);
     lc_image_destroy(image);
     return same;

@@ -1,6 +1,7 @@
 /* main.c - picks the command. A first word that is no command is a scene: "lightcuts SCENE.pbrt" renders. */
 #include "cli.h"
 
+#include <errno.h>
 #include <signal.h>
 #include <string.h>
 #include <unistd.h>
@@ -79,7 +80,7 @@ static int dispatch(int argc, char **argv)
     }
     const cli_command *c = find(word);
     if (c) return c->run(argc - 1, argv + 1);
-    if (word[0] != '-' && !strpbrk(word, "./") && access(word, F_OK)) return unknown_command(word);
+    if (word[0] != '-' && !strpbrk(word, "./") && access(word, F_OK) && errno == ENOENT) return unknown_command(word);
     argv[0] = (char[]){ "render" };
     return cmd_render(argc, argv);
 }

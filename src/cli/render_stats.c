@@ -60,8 +60,8 @@ void cli_write_stats_json(FILE *f, void *report)
     fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"pixels_resumed\": %llu,\n"
                "  \"points\": %llu,\n", i->width, i->height,
             (ull)s->pixels, (ull)s->pixels_loaded, (ull)s->points);
-    fprintf(f, "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": %llu,\n", (ull)i->n_triangles,
-            (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_lights);
+    fprintf(f, "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": %llu,\n",
+            (ull)i->n_triangles, (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_lights);
     fprintf(f, "  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu, \"spot\": %llu},\n", (ull)i->n_point,
             (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
     fprintf(f, "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n", (ull)i->n_indirect_lights,

@@ -57,9 +57,8 @@ static bool picture_fits(lc_context *ctx, const char *path, const report_render 
     lc_image_desc d = LC_IMAGE_DESC_INIT;
     float *plane[3];
     if (access(path, F_OK)) return false; /* or reading it would complain */
-    bool fits = !lc_image_read(ctx, path, &image);
-    if (!fits) fprintf(stderr, "lightcuts: '%s' is rendered again\n", path);
-    else {
+    bool fits = cli_read_kept(ctx, path, &image);
+    if (fits) {
         lc_image_get_desc(image, &d);
         fits = d.width == v->stats.width && d.height == v->stats.height && report_planes(image, plane)
                && lc_image_channel(image, "cut.size");

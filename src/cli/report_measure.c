@@ -115,7 +115,10 @@ static lc_status place_detail(lc_context *ctx, const report *r, report_scene *s,
     s->detail_width = w, s->detail_height = h;
     lc_status st = read_render(ctx, r, s, &s->renders[1 + largest_ratio(r->o)], &image);
     double best = -1, *error = malloc((size_t)d.width * d.height * sizeof *error);
-    if (!error) st = LC_ERR_MEMORY;
+    if (!st && !error) {
+        fprintf(stderr, "lightcuts: error: out of memory\n");
+        st = LC_ERR_MEMORY;
+    }
     if (!st) {
         report_planes(image, a);
         report_planes(exact, ref);
