@@ -1,12 +1,16 @@
 /* area_light.c - k points on a triangle, stratified: the unit square is cut into k jittered cells of a rank-1 lattice
  * and folded onto the triangle. Gridded points would give exact ties in the light tree and visible bands.
  *
+ * Half of the lights are shared out by power, half evenly to the meshes that shine: a weak lamp may be near, or seen in a gloss, where
+ * its five lights beside a strong one's thousand would show as dots.
+ *
  * Triangles whose share is less than a light join the next such ones of their mesh until they have one: it lies in one of them,
  * picked by power, and shines as all do. So every emissive mesh has a light, and as much power and colour as it should, and there are
  * at most as many lights more than asked for as there are such meshes, and their back sides. */
 #include "area_light.h"
 
 #include "area_map.h"
+#include "context.h"
 #include "rng.h"
 
 /* Twice the area vector of a triangle, double. */
@@ -105,23 +109,28 @@ static void join(group *g, size_t tri, double power, const double flux[3], doubl
     if (g->n == 1 || lc_unit(lc_hash4(seed, tri, 0, 8)) * g->power < power) g->tri = tri;
 }
 
-lc_status lc_area_lights_make(lc_scene *scene, uint32_t n_lights, uint64_t seed)
+/* What shines. */
+typedef struct powers {
+    double *of_mesh, total;
+    size_t n_meshes; /* above 0 */
+} powers;
+
+static lc_status make_lights(lc_scene *scene, const powers *p, uint32_t n_lights, uint64_t seed)
 {
-    double total = 0, before = 0, flux[3];
-    for (size_t t = 0; t < scene->n_tris; t++) total += power_of(scene, t, flux);
-    if (!(total > 0)) return LC_OK;
+    double before = 0, flux[3];
     group small = { .n = 0 };
     lc_status st = LC_OK;
     for (size_t t = 0; t < scene->n_tris && !st; t++) {
+        uint32_t mesh = scene->tri_mesh[t], sides = scene->meshes[mesh].two_sided ? 2 : 1;
         double power = power_of(scene, t, flux);
-        if (small.n && scene->tri_mesh[small.tri] != scene->tri_mesh[t]) st = add_lights(scene, &small, 1, seed), small.n = 0;
+        if (small.n && scene->tri_mesh[small.tri] != mesh) st = add_lights(scene, &small, 1, seed), small.n = 0;
         if (!(power > 0) || st) continue;
         scene->n_emissive_tris++;
-        /* The share of this triangle: rounding the running sum keeps the total. */
-        double first = floor(before / total * n_lights), last = floor((before + power) / total * n_lights);
-        before += power;
-        uint32_t sides = scene->meshes[scene->tri_mesh[t]].two_sided ? 2 : 1;
-        if (power / total * n_lights >= sides && last - first >= sides) {
+        /* The share of this triangle: rounding the running sum keeps the total. A millionth, for sums that miss a whole number. */
+        double share = n_lights * (0.5 * power / p->total + 0.5 * power / p->of_mesh[mesh] / (double)p->n_meshes);
+        double first = floor(before + 1e-6), last = floor(before + share + 1e-6);
+        before += share;
+        if (share + 1e-6 >= sides && last - first >= sides) {
             group alone = { .n = 0 };
             join(&alone, t, power, flux, first, seed);
             st = add_lights(scene, &alone, (uint32_t)(last - first) / sides, seed);
@@ -131,5 +140,19 @@ lc_status lc_area_lights_make(lc_scene *scene, uint32_t n_lights, uint64_t seed)
         }
     }
     if (small.n && !st) st = add_lights(scene, &small, 1, seed);
+    return st;
+}
+
+lc_status lc_area_lights_make(lc_scene *scene, uint32_t n_lights, uint64_t seed)
+{
+    double flux[3];
+    if (!scene->n_meshes) return LC_OK;
+    powers p = { .of_mesh = lc_alloc(scene->ctx, scene->n_meshes, sizeof *p.of_mesh) };
+    if (!p.of_mesh) return LC_ERR_MEMORY;
+    for (size_t i = 0; i < scene->n_meshes; i++) p.of_mesh[i] = 0;
+    for (size_t t = 0; t < scene->n_tris; t++) p.of_mesh[scene->tri_mesh[t]] += power_of(scene, t, flux);
+    for (size_t i = 0; i < scene->n_meshes; i++) p.total += p.of_mesh[i], p.n_meshes += p.of_mesh[i] > 0;
+    lc_status st = p.total > 0 ? make_lights(scene, &p, n_lights, seed) : LC_OK;
+    lc_free(scene->ctx, p.of_mesh, scene->n_meshes, sizeof *p.of_mesh);
     return st;
 }

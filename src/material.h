@@ -87,7 +87,8 @@ typedef struct lc_material_maps {
 #define LC_MIN_ROUGHNESS 0.01f
 #define LC_MAX_ROUGHNESS 1.0f
 /* Beside virtual lights: a narrow lobe would show each as a dot. Lobes have at least VIRTUAL_ROUGHNESS (Phong: the exponent that is
- * as narrow); GGX below SMOOTH_ROUGHNESS is a mirror, followed from the camera. */
+ * as narrow); GGX below SMOOTH_ROUGHNESS is a mirror, followed from the camera: also where all light comes from surfaces and
+ * environments, which mirrors show. */
 #define LC_VIRTUAL_ROUGHNESS 0.1f
 #define LC_VIRTUAL_EXPONENT 50.0f
 #define LC_SMOOTH_ROUGHNESS 0.05f

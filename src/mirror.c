@@ -93,10 +93,10 @@ static void turn_over(lc_lit *lit)
     s->material = (lc_material){ .kd = s->material.kt };
 }
 
-/* A lobe so narrow that beside virtual lights it is followed as a mirror; what is below it is lit all the same. */
+/* A lobe so narrow that it is followed as a mirror; what is below it is lit all the same. */
 static bool is_smooth(const lc_scene *scene, const lc_material *m)
 {
-    return scene->indirect.n_lights && m->gloss == LC_GLOSS_GGX && lc_f3_max(m->ks) > 0 &&
+    return scene->follows_smooth && m->gloss == LC_GLOSS_GGX && lc_f3_max(m->ks) > 0 &&
            fmaxf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS;
 }
 

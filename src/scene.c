@@ -489,6 +489,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if ((st = lc_instances_build(s))) return st;
     double t1 = lc_now();
     s->seconds_bvh = t1 - t0;
+    bool all_seen = !s->n_lights;
     st = lc_area_lights_make(s, desc->area_lights, desc->seed);
     size_t n_before = s->n_lights;
     if (!st) st = lc_env_lights_make(s, desc->env_lights, desc->seed);
@@ -496,6 +497,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!st) st = lc_scene_join_lights(s);
     if (!st) st = lc_vpl_make(s, n_indirect(s, desc), depth_of(s, desc), desc->seed);
     if (st) return st;
+    s->follows_smooth = all_seen || s->indirect.n_lights;
     double diag2 = scene_diag2(s);
     lc_camera_set_distance(&s->camera, sqrt(diag2));
     s->min_d2 = (float)fmax(1e-10 * diag2, LC_MIN_D2);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # scene_table.sh - which features scenes use and how well they are read, as a Markdown table. From the root:
 #
-#     sh tests/scene_table.sh DIR...
+#     sh tests/scene_table.sh [--compact] DIR...
 #
 # Reads every .pbrt and .pbrt.gz below the folders that has a WorldBegin, with `lightcuts info --json`. A feature has the worst
 # status it has in any scene, but for files that are missing. Scenes that can't be read are listed after the table, with their error; then the status is 1.
@@ -11,7 +11,9 @@ T=$(mktemp -d) || exit 2
 trap 'rm -rf "$T"' EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
-[ $# -gt 0 ] || { echo "usage: sh tests/scene_table.sh DIR..." >&2; exit 2; }
+compact=
+[ "${1-}" = --compact ] && compact=1 && shift
+[ $# -gt 0 ] || { echo "usage: sh tests/scene_table.sh [--compact] DIR..." >&2; exit 2; }
 
 find "$@" -name '*.pbrt' -o -name '*.pbrt.gz' | sort >"$T/files"
 : >"$T/rows"
@@ -32,21 +34,39 @@ while read -r file; do
     fi
 done <"$T/files"
 
-echo "| kind | name | status | scenes | statements | how |"
-echo "|---|---|---|---|---|---|"
-awk -F '\t' '
-BEGIN { rank["yes"] = 0; rank["approximated"] = 1; rank["ignored"] = 2 }
-$5 ~ /no such file|neither known nor a file/ { $4 = "yes"; $5 = "" } # the fault of the scene
-{
-    key = $1 "\t" $2
-    if (!(key in scenes) || rank[$4] > rank[status[key]]) status[key] = $4
-    if (how[key] == "" && $4 != "yes") { how[key] = $5; sub(/^.*:[0-9]+:[0-9]+: /, "", how[key]); gsub(/\|/, "\\|", how[key]) }
-    scenes[key]++
-    count[key] += $3
+# the fault of the scene
+awk -F '\t' -v OFS='\t' '$5 ~ /no such file|neither known nor a file/ { $4 = "yes"; $5 = "" } { print }' "$T/rows" >"$T/all"
+
+worst() {
+    echo "| kind | name | status | scenes | statements | how |"
+    echo "|---|---|---|---|---|---|"
+    awk -F '\t' '
+    BEGIN { rank["yes"] = 0; rank["approximated"] = 1; rank["ignored"] = 2 }
+    {
+        key = $1 "\t" $2
+        if (!(key in scenes) || rank[$4] > rank[status[key]]) status[key] = $4
+        if (how[key] == "" && $4 != "yes") { how[key] = $5; sub(/^.*:[0-9]+:[0-9]+: /, "", how[key]); gsub(/\|/, "\\|", how[key]) }
+        scenes[key]++
+        count[key] += $3
+    }
+    END { for (key in scenes) print key "\t" status[key] "\t" scenes[key] "\t" count[key] "\t" how[key] }' "$T/all" |
+        LC_ALL=C sort -t "$(printf '\t')" -k1,1 -k4,4nr -k2,2 |
+        awk -F '\t' '{ printf "| %s | %s | %s | %d | %d | %s |\n", $1, $2, $3, $4, $5, $6 }'
 }
-END { for (key in scenes) print key "\t" status[key] "\t" scenes[key] "\t" count[key] "\t" how[key] }' "$T/rows" |
-    LC_ALL=C sort -t "$(printf '\t')" -k1,1 -k4,4nr -k2,2 |
-    awk -F '\t' '{ printf "| %s | %s | %s | %d | %d | %s |\n", $1, $2, $3, $4, $5, $6 }'
+
+by_kind() {
+    echo "| | yes | approximated | ignored |"
+    echo "|---|---|---|---|"
+    awk -F '\t' '{ n[$1 "\t" $2 "\t" $4]++ } END { for (key in n) print key "\t" n[key] }' "$T/all" |
+        LC_ALL=C sort -t "$(printf '\t')" -k1,1 -k4,4nr -k2,2 |
+        awk -F '\t' '
+        function row() { if (kind != "") printf "| %s | %s | %s | %s |\n", kind, cell["yes"], cell["approximated"], cell["ignored"] }
+        $1 != kind { row(); kind = $1; split("", cell) }
+        { cell[$3] = cell[$3] (cell[$3] == "" ? "" : ", ") "`" $2 "` " $4 }
+        END { row() }'
+}
+
+if [ "$compact" ]; then by_kind; else worst; fi
 
 echo
 echo "$n scenes, $(wc -l <"$T/failed" | tr -d ' ') of which can't be read:"

@@ -161,6 +161,15 @@ TEST(small_triangles_share_lights)
     for (int i = 0; i < 8; i++) CHECKF(fabs(octant[i] * 8.0 / all - 1) < 0.1, "octant %d: %u of %u", i, octant[i], all);
 }
 
+/* Half of the lights go by power, half evenly to the lamps. */
+TEST(weak_lamps_have_lights_too)
+{
+    uint32_t n = 0;
+    load("AreaLightSource \"diffuse\" \"rgb L\" [999 999 999] " QUAD " Translate 9 0 0 AreaLightSource \"diffuse\" " QUAD, 1000);
+    for (size_t i = 0; i < scene->n_lights; i++) n += (double)scene->lights[i].pos.x > 4;
+    CHECKF(n >= 248 && n <= 252, "%u", n);
+}
+
 TEST(both_sides)
 {
     double one[3], two[3];
@@ -206,6 +215,7 @@ int main(void)
     RUN(pictures_keep_their_power);
     RUN(lights_lie_where_the_picture_is_bright);
     RUN(small_triangles_share_lights);
+    RUN(weak_lamps_have_lights_too);
     RUN(both_sides);
     RUN(power_is_of_each_shape);
     lc_scene_destroy(scene);
