@@ -138,7 +138,7 @@ struct lc_scene {
     lc_camera camera;
     lc_pixel_filter filter;
     float min_d2;        /* squared distance below which 1/d^2 stays flat, see layout.h */
-    uint64_t n_emissive_tris, n_env_lights;
+    uint64_t n_emissive_tris, n_env_lights, n_env_tried;
     lc_indirect indirect;
     lc_bvh *bvh;
     lc_level *level;      /* instances; NULL: none */
