@@ -240,7 +240,8 @@ static lc_status make(table *t, uint32_t k, const lc_vpl_view *view)
 static void init_table(table *t, lc_scene *scene, size_t env, bool weighed, uint64_t seed)
 {
     uint32_t w = lc_env_width(&scene->envs[env]), h = lc_env_height(&scene->envs[env]), side = w < h ? w : h;
-    *t = (table){ .scene = scene, .env = &scene->envs[env], .fine = weighed ? (GRID_SIDE + side - 1) / side : 1, .seed = lc_hash2(seed, env) };
+    *t = (table){ .scene = scene, .env = &scene->envs[env], .seed = lc_hash2(seed, env) };
+    t->fine = weighed ? (GRID_SIDE + side - 1) / side : 1;
     t->w = w * t->fine, t->h = h * t->fine;
 }
 
