@@ -126,6 +126,7 @@ typedef struct lc_scene_info {
     uint64_t n_indirect_lights, n_light_paths; /* virtual lights, among the oriented ones, and the paths they were made along */
     double indirect_loss;             /* share of their light that is lost as they don't shine as points on what is near */
     uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */
+    uint64_t n_env_tried;             /* directional lights that were tried before, to see which matter to the picture */
     uint64_t n_textures, n_images, image_bytes; /* images of textures, with their smaller copies */
     float bounds_lo[3], bounds_hi[3]; /* world space, of the triangles; lo > hi when there are none */
     uint32_t width, height;           /* film, before any crop */

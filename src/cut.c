@@ -100,14 +100,38 @@ static float nth_largest(float *key, uint32_t count, uint32_t n)
     return key[want];
 }
 
-/* There is no room to split all: puts all but the worst back. Only half of the room is used at a time, as the worst may
- * have to be split again. */
+/* The least bound of the n worst of a list. *sharp: no other has it too. */
+static float least_of_worst(lc_cut *c, const lc_cut_list *list, uint32_t n, bool *sharp)
+{
+    memcpy(c->key, list->bound, list->n * sizeof *c->key);
+    float least = nth_largest(c->key, list->n, n);
+    *sharp = true;
+    for (uint32_t i = n; i < list->n; i++) *sharp &= c->key[i] < least;
+    return least;
+}
+
+static void swap_open(lc_cut *c)
+{
+    lc_cut_list all = c->open;
+    c->open = c->split, c->split = all;
+}
+
+/* There is no room to split all: puts all but the worst back into open, which is empty. Only half of the room is used at a time, as
+ * the worst may have to be split again. */
 static void split_fewer(lc_cut *c, uint32_t room)
 {
     lc_cut_list *split = &c->split;
     uint32_t n = split->n, n_take = (room + 1) / 2;
-    memcpy(c->key, split->bound, n * sizeof *c->key);
-    float least = n_take ? nth_largest(c->key, n, n_take) : INFINITY;
+    bool sharp;
+    if (!n_take) {
+        swap_open(c);
+        return;
+    }
+    float least = least_of_worst(c, split, n_take, &sharp);
+    if (sharp) {
+        kernels(c)->partition(split, nextafterf(least, 0), split, &c->open);
+        return;
+    }
     split->n = 0;
     for (uint32_t i = 0; i < n; i++) {
         if (split->n < n_take && split->bound[i] >= least) copy_one(split, split->n++, split, i);
@@ -119,8 +143,7 @@ static void split_fewer(lc_cut *c, uint32_t room)
  * to left. */
 static void choose(lc_cut *c, float limit, uint32_t room)
 {
-    lc_cut_list all = c->open;
-    c->open = c->split, c->split = all;
+    swap_open(c);
     c->open.n = 0;
     kernels(c)->partition(&c->split, limit, &c->split, &c->left);
     if (c->split.n > room) split_fewer(c, room);

@@ -66,7 +66,7 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
         .n_emissive_triangles = s->n_emissive_tris,
         .n_indirect_lights = s->indirect.n_lights, .n_light_paths = s->indirect.n_paths, .indirect_loss = s->indirect.loss,
         .n_instances = s->n_instances, .n_instanced_triangles = lc_instanced_tris(s), .n_alpha_meshes = s->n_alphas,
-        .n_env_maps = s->n_envs, .n_env_lights = s->n_env_lights,
+        .n_env_maps = s->n_envs, .n_env_lights = s->n_env_lights, .n_env_tried = s->n_env_tried,
         .max_depth = s->max_depth, .n_textures = s->textures.n, .n_images = s->textures.n_images,
         .width = s->film.width, .height = s->film.height, .spp = s->film.spp,
         .film_filename = s->film.filename ? s->film.filename : "", .n_notes = (uint32_t)s->n_notes,

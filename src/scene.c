@@ -492,7 +492,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     bool all_seen = !s->n_lights;
     st = lc_area_lights_make(s, desc->area_lights, desc->seed);
     size_t n_before = s->n_lights;
-    if (!st) st = lc_env_lights_make(s, desc->env_lights, desc->seed);
+    if (!st) st = lc_env_lights_make(s, desc->env_lights, depth_of(s, desc), desc->seed);
     s->n_env_lights = s->n_lights - n_before;
     if (!st) st = lc_scene_join_lights(s);
     if (!st) st = lc_vpl_make(s, n_indirect(s, desc), depth_of(s, desc), desc->seed);

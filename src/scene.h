@@ -138,7 +138,7 @@ struct lc_scene {
     lc_camera camera;
     lc_pixel_filter filter;
     float min_d2;        /* squared distance below which 1/d^2 stays flat, see layout.h */
-    uint64_t n_emissive_tris, n_env_lights;
+    uint64_t n_emissive_tris, n_env_lights, n_env_tried;
     bool follows_smooth; /* lobes below LC_SMOOTH_ROUGHNESS are followed as mirrors */
     lc_indirect indirect;
     lc_bvh *bvh;

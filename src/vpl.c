@@ -41,7 +41,7 @@ typedef struct maker {
     uint32_t max_depth;
     double *sums; /* n_lights + 1: power of the lights before */
     double centre[3], radius; /* of a ball around all triangles */
-    lc_vpl_view *view;
+    const lc_vpl_view *view;
     double enough; /* worth of a light that is kept; 0: not known yet, or of no use */
     double *worth, *sorted; /* of slots; scratch */
     lc_light *slots; /* PATH_LIGHTS a path of the batch */
@@ -359,7 +359,8 @@ static lc_status add_all(lc_scene *scene, maker *m)
 
 lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed)
 {
-    maker m = { .scene = scene, .seed = lc_hash2(seed, 0x76706c), .max_depth = max_depth, .n_wanted = n_lights };
+    lc_vpl_view view = { 0 };
+    maker m = { .scene = scene, .view = &view, .seed = lc_hash2(seed, 0x76706c), .max_depth = max_depth, .n_wanted = n_lights };
     const lc_context *ctx = scene->ctx;
     size_t n_sums = scene->n_lights + 1, n_room = (size_t)n_lights + PATH_LIGHTS;
     if (!n_lights || max_depth < 2 || !scene->n_lights || !scene->n_tris) return LC_OK;
@@ -367,11 +368,9 @@ lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, ui
     m.slots = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
     m.worth = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.worth);
     m.sorted = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
-    m.view = lc_alloc_raw(ctx, 1, sizeof *m.view);
     m.made = lc_alloc_raw(ctx, n_room, sizeof *m.made);
-    lc_status st = m.sums && m.slots && m.worth && m.sorted && m.view && m.made ? LC_OK : LC_ERR_MEMORY;
-    if (!st && prepare(&m)) {
-        lc_vpl_view_init(m.view, scene, max_depth);
+    lc_status st = m.sums && m.slots && m.worth && m.sorted && m.made ? LC_OK : LC_ERR_MEMORY;
+    if (!st && prepare(&m) && !(st = lc_vpl_view_init(&view, scene, LC_VIEW_SIDE, max_depth))) {
         trace_all(&m);
         st = add_all(scene, &m);
     }
@@ -379,7 +378,7 @@ lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, ui
     lc_free(ctx, m.slots, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
     lc_free(ctx, m.worth, (size_t)BATCH * PATH_LIGHTS, sizeof *m.worth);
     lc_free(ctx, m.sorted, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
-    lc_free(ctx, m.view, 1, sizeof *m.view);
+    lc_vpl_view_free(&view);
     lc_free(ctx, m.made, n_room, sizeof *m.made);
     return st;
 }

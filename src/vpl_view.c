@@ -15,21 +15,33 @@
 
 static const lc_material grey = { .kd = { 0.5f, 0.5f, 0.5f } };
 
-void lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t max_depth)
+lc_status lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t side, uint32_t max_depth)
 {
     const double lens[2] = { 0.5, 0.5 };
     const double width = scene->film.width, height = scene->film.height;
-    view->scene = scene, view->n = 0;
-    for (int i = 0; i < LC_VIEW_SIDE * LC_VIEW_SIDE; i++) {
+    *view = (lc_vpl_view){ .scene = scene, .side = side };
+    view->points = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->points);
+    view->org = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->org);
+    if (!view->points || !view->org) return LC_ERR_MEMORY;
+    for (uint32_t i = 0; i < side * side; i++) {
         lc_f3 org, dir;
         lc_sight sight;
-        lc_camera_ray(&scene->camera, (i % LC_VIEW_SIDE + 0.5) / LC_VIEW_SIDE * width, (i / LC_VIEW_SIDE + 0.5) / LC_VIEW_SIDE * height,
-                      lens, &org, &dir);
+        lc_camera_ray(&scene->camera, (i % side + 0.5) / side * width, (i / side + 0.5) / side * height, lens, &org, &dir);
         if (!lc_sight_trace(scene, org, dir, scene->camera.pixel, max_depth, &sight) || !sight.n_lit) continue;
         const lc_lit *lit = &sight.lit[0];
         lc_point_init(&view->points[view->n], lit->surface.pos, lit->surface.n, lit->view, &grey, LC_MIN_D2);
         memcpy(view->org[view->n++], lit->surface.ray_org, sizeof view->org[0]);
     }
+    return LC_OK;
+}
+
+void lc_vpl_view_free(lc_vpl_view *view)
+{
+    size_t n = (size_t)view->side * view->side;
+    if (!n) return;
+    lc_free(view->scene->ctx, view->points, n, sizeof *view->points);
+    lc_free(view->scene->ctx, view->org, n, sizeof *view->org);
+    *view = (lc_vpl_view){ 0 };
 }
 
 static float luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec, const float *atten, float min_d2)
@@ -37,6 +49,11 @@ static float luminance(const lc_point *p, const lc_light *light, const lc_light_
     lc_point near = *p;
     near.min_d2 = min_d2;
     return lc_luminance(lc_f3_mul(lc_shade_light(&near, light->kind, rec, atten), light->intensity));
+}
+
+float lc_view_luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec)
+{
+    return luminance(p, light, rec, NULL, LC_MIN_D2);
 }
 
 /* Rays go from the light, so that they have one origin. */

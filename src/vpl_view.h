@@ -1,21 +1,25 @@
-/* vpl_view.h - what the camera sees, as far as the making of virtual lights asks: a grid of points, taken as grey. */
+/* vpl_view.h - what the camera sees, as far as the making of lights asks: a grid of points, taken as grey. */
 #ifndef LC_VPL_VIEW_H
 #define LC_VPL_VIEW_H
 
 #include "layout.h"
 #include "scene.h"
 
-#define LC_VIEW_SIDE 16
+#define LC_VIEW_SIDE 16 /* for virtual lights */
 
 typedef struct lc_vpl_view {
     const lc_scene *scene;
-    uint32_t n; /* points */
-    lc_point points[LC_VIEW_SIDE * LC_VIEW_SIDE];
-    float org[LC_VIEW_SIDE * LC_VIEW_SIDE][3]; /* where their shadow rays start */
+    uint32_t n, side; /* points, at most side * side */
+    lc_point *points;
+    float (*org)[3]; /* where their shadow rays start */
 } lc_vpl_view;
 
-/* The whole film, whatever the crop. */
-void lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t max_depth);
+/* side * side camera rays over the whole film, whatever the crop. LC_ERR_MEMORY; free it also then. */
+lc_status lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t side, uint32_t max_depth);
+void lc_vpl_view_free(lc_vpl_view *view);
+
+/* Luminance that a light of inverse square, or a directional one, gives to a point, shadows not counted. */
+float lc_view_luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec);
 
 /* Mean luminance that an inverse-square light gives to LC_WORTH_POINTS of the points, shadows counted; hash picks which. */
 #define LC_WORTH_POINTS 16

@@ -155,6 +155,7 @@ check 'nothing else was written' test "$(ls -A w | tr '\n' ' ')" = 'named.exr na
 good 'info of an infinite light' info --json env.pbrt
 prints '"infinite_lights": 1'
 prints '"env_lights": 5000'
+prints '"env_tried": 4096'
 good '-o twice' -q s.pbrt -o two.exr --outfile=two.png
 check '-o twice writes both' test -s two.exr -a -s two.png
 check 'the PNG is a PNG' grep -q PNG two.png

@@ -106,7 +106,7 @@ TEST(irradiance_is_kept)
             lc_env *e = random_map(k == 1 ? 40 : 61, k == 1 ? 40 : 31, k == 1 ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG);
             double want[3], got[3], mean = 0, most = 0;
             integral(e, want);
-            CHECK(lc_env_lights_make(scene, counts[i], 11) == LC_OK && lc_scene_join_lights(scene) == LC_OK);
+            CHECK(lc_env_lights_make(scene, counts[i], 5, 11) == LC_OK && lc_scene_join_lights(scene) == LC_OK);
             CHECKF(scene->n_lights == counts[i], "%zu lights", scene->n_lights);
             sum_of_lights(got);
             for (int c = 0; c < 3; c++) CHECKF(near(got[c], want[c], 1e-6 * want[c]), "%u: %.9g, not %.9g", counts[i], got[c], want[c]);
@@ -128,7 +128,7 @@ TEST(directions_of_lights)
     const uint32_t n = 20000;
     for (int k = 0; k < 3; k++) {
         lc_env *e = random_map(64, 64, LC_ENV_EQUAL_AREA);
-        CHECK(lc_env_lights_make(scene, n, k == 2 ? 5 : 4) == LC_OK && lc_scene_join_lights(scene) == LC_OK && scene->n_lights == n);
+        CHECK(lc_env_lights_make(scene, n, 5, k == 2 ? 5 : 4) == LC_OK && lc_scene_join_lights(scene) == LC_OK && scene->n_lights == n);
         ways[k] = malloc(n * sizeof **ways);
         for (uint32_t i = 0; i < n; i++) {
             double s, t, rgb[3], w[3];
@@ -177,7 +177,7 @@ static lc_status load(const char *text)
 
 static bool light_is(double x, double y, double z)
 {
-    if (lc_env_lights_make(scene, 1, 0) || scene->n_lights != 1) return false;
+    if (lc_env_lights_make(scene, 1, 5, 0) || scene->n_lights != 1) return false;
     lc_f3 d = scene->lights[0].dir;
     return (double)d.x * x + (double)d.y * y + (double)d.z * z < -0.999;
 }
@@ -218,7 +218,7 @@ static void check_sum(const char *light, double r, double g, double b)
     char text[256];
     double sum[3];
     snprintf(text, sizeof text, "Film \"rgb\" WorldBegin LightSource \"infinite\" %s", light);
-    CHECKF(load(text) == LC_OK && lc_env_lights_make(scene, 1000, 0) == LC_OK, "%s", last_error);
+    CHECKF(load(text) == LC_OK && lc_env_lights_make(scene, 1000, 5, 0) == LC_OK, "%s", last_error);
     sum_of_lights(sum);
     CHECKF(near(sum[0], r, 1e-5 * r) && near(sum[1], g, 1e-5 * g) && near(sum[2], b, 1e-5 * b), "%s: %g %g %g", light, sum[0], sum[1],
            sum[2]);
@@ -237,13 +237,69 @@ TEST(parameters)
     check_sum("\"string filename\" \"square.pfm\" \"float illuminance\" 5", 5 * k, 2.5 * k, 1.25 * k);
 }
 
+/* ---- what matters to the picture ---- */
+
+/* A room that is open above, seen from inside: most lights come from there, and all together are the sky still. */
+static lc_scene *open_room(uint32_t n_threads, uint32_t n_lights, const char *light)
+{
+    char path[128];
+    lc_context *c;
+    lc_scene *s = NULL;
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    lc_load_desc load_desc = LC_LOAD_DESC_INIT;
+    desc.n_threads = n_threads, load_desc.env_lights = n_lights;
+    snprintf(path, sizeof path, "%s/room.pbrt", dir);
+    FILE *f = fopen(path, "wb");
+    if (!f || lc_context_create(&desc, &c)) abort();
+    fprintf(f, "LookAt 0 0 1  1 0 0  0 0 1 Camera \"perspective\" \"float fov\" 60 WorldBegin LightSource \"infinite\" %s "
+               "Shape \"trianglemesh\" \"point3 P\" [-2 -2 0 2 -2 0 2 2 0 -2 2 0 -2 -2 4 2 -2 4 2 2 4 -2 2 4] "
+               "\"integer indices\" [0 1 2 0 2 3 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7]", light);
+    fclose(f);
+    CHECK(lc_scene_load(c, path, &load_desc, &s) == LC_OK);
+    return s;
+}
+
+static void close_room(lc_scene *s)
+{
+    lc_context *c = s->ctx;
+    lc_scene_destroy(s);
+    lc_context_destroy(c);
+}
+
+TEST(lights_where_they_matter)
+{
+    const char *const lights[] = { "", "\"string filename\" \"soft.pfm\"" };
+    char path[128];
+    snprintf(path, sizeof path, "%s/soft.pfm", dir);
+    FILE *f = fopen(path, "wb");
+    if (!f) abort();
+    fprintf(f, "PF\n100 100\n-1\n");
+    for (int i = 0; i < 10000; i++) fwrite((float[3]){ 1, 1, 1 }, sizeof(float[3]), 1, f);
+    fclose(f);
+    for (int k = 0; k < 2; k++) {
+        lc_scene *s = open_room(1, 2000, lights[k]), *again = open_room(3, 2000, lights[k]);
+        double sum = 0;
+        uint32_t n_above = 0;
+        CHECK(s->n_lights == 2000 && s->n_env_lights == 2000 && s->n_env_tried > 2000 && again->n_lights == 2000);
+        for (size_t i = 0; i < s->n_lights; i++) {
+            sum += (double)s->lights[i].intensity.y;
+            n_above += s->lights[i].dir.z < -0.7f; /* 0.15 of the sphere */
+        }
+        CHECKF(near(sum, 4 * LC_PI, 1e-5), "%.9g", sum);
+        CHECKF(n_above > 1000, "%u of 2000 lights", n_above);
+        CHECK(!memcmp(s->lights, again->lights, s->n_lights * sizeof *s->lights));
+        close_room(s);
+        close_room(again);
+    }
+}
+
 /* ---- memory ---- */
 
 TEST(every_allocation_fails_in_turn)
 {
     char path[128];
     CHECK(load("Camera \"perspective\" WorldBegin LightSource \"infinite\" \"string filename\" \"square.pfm\" "
-               "LightSource \"infinite\"") == LC_OK);
+               "Shape \"sphere\" LightSource \"infinite\"") == LC_OK);
     lc_context *small = poor_context();
     snprintf(path, sizeof path, "%s/s.pbrt", dir);
     lc_status st = LC_ERR_MEMORY;
@@ -272,6 +328,7 @@ int main(void)
     RUN(conventions);
     RUN(background);
     RUN(parameters);
+    RUN(lights_where_they_matter);
     RUN(every_allocation_fails_in_turn);
     lc_scene_destroy(scene);
     lc_context_destroy(ctx);

@@ -65,7 +65,7 @@ TEST(sky_is_the_clear_one)
         double between = (double)lc_f3_dot(w, sun), want = 2 * clear_sky(z, 0.8, between), got = (double)lc_scene_background(scene, w).x;
         if (between < 0.9995) CHECKF(fabs(got / want - 1) < 0.02, "%d: %g, not %g", i, got, want);
     }
-    CHECK(!lc_env_lights_make(scene, 1000, 1) && scene->n_lights == 1000);
+    CHECK(!lc_env_lights_make(scene, 1000, 5, 1) && scene->n_lights == 1000);
     CHECK(load("LightSource \"sky\" \"vector3 sun\" [0 0 -1]") == LC_ERR_PARSE);
     CHECK(load("LightSource \"sky\" \"vector3 sun\" [0 0 0]") == LC_ERR_PARSE);
 }

@@ -34,7 +34,9 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
         printf("indirect light       %llu virtual lights along %llu paths, %.2g of it lost to clamping\n", (ull)i->n_indirect_lights,
                (ull)i->n_light_paths, i->indirect_loss);
     printf("emissive triangles   %llu\n", (ull)i->n_emissive_triangles);
-    if (i->n_env_maps) printf("infinite lights      %llu, made into %llu directional\n", (ull)i->n_env_maps, (ull)i->n_env_lights);
+    if (i->n_env_maps)
+        printf("infinite lights      %llu, made into %llu directional, where %llu that were tried matter\n", (ull)i->n_env_maps,
+               (ull)i->n_env_lights, (ull)i->n_env_tried);
     if (i->n_textures) {
         printf("textures             %llu: ", (ull)i->n_textures);
         texture_classes(scene, false);
@@ -82,8 +84,9 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
            (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
     printf("  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n", (ull)i->n_indirect_lights,
            (ull)i->n_light_paths, i->indirect_loss);
-    printf("  \"emissive_triangles\": %llu,\n  \"infinite_lights\": %llu,\n  \"env_lights\": %llu,\n  \"textures\": {",
-           (ull)i->n_emissive_triangles, (ull)i->n_env_maps, (ull)i->n_env_lights);
+    printf("  \"emissive_triangles\": %llu,\n  \"infinite_lights\": %llu,\n  \"env_lights\": %llu,\n"
+           "  \"env_tried\": %llu,\n  \"textures\": {",
+           (ull)i->n_emissive_triangles, (ull)i->n_env_maps, (ull)i->n_env_lights, (ull)i->n_env_tried);
     texture_classes(scene, true);
     printf("},\n  \"images\": %llu,\n  \"image_bytes\": %llu,\n", (ull)i->n_images, (ull)i->image_bytes);
     if (i->n_triangles)

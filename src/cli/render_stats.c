@@ -31,6 +31,9 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     if (i->n_light_paths)
         fprintf(f, "indirect light   %llu virtual lights along %llu paths, %.2g of it lost to clamping\n", (ull)i->n_indirect_lights,
                 (ull)i->n_light_paths, i->indirect_loss);
+    if (i->n_env_maps)
+        fprintf(f, "environment      %llu directional lights, where %llu that were tried matter\n", (ull)i->n_env_lights,
+                (ull)i->n_env_tried);
     fprintf(f, "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total %.3f\n",
             i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total);
     fprintf(f, "set-up, render   %.3f s for any part of the picture, %.3f s for its pixels\n", setup_seconds(i), s->seconds);
@@ -66,6 +69,7 @@ void cli_write_stats_json(FILE *f, void *report)
             (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
     fprintf(f, "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n", (ull)i->n_indirect_lights,
             (ull)i->n_light_paths, i->indirect_loss);
+    fprintf(f, "  \"environment\": {\"lights\": %llu, \"tried\": %llu},\n", (ull)i->n_env_lights, (ull)i->n_env_tried);
     fprintf(f, "  \"seconds\": {\"parse\": %.6f, \"bvh\": %.6f, \"lights\": %.6f, \"tree\": %.6f, \"render\": %.6f, "
                "\"write\": %.6f, \"total\": %.6f, \"setup\": %.6f},\n",
             i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total,
