@@ -4,7 +4,8 @@
 #     sh tests/scene_table.sh [--compact] DIR...
 #
 # Reads every .pbrt and .pbrt.gz below the folders that has a WorldBegin, with `lightcuts info --json`. A feature has the worst
-# status it has in any scene, but for files that are missing. Scenes that can't be read are listed after the table, with their error; then the status is 1.
+# status it has in any scene, but for files that are missing. --compact: a row for each kind, with how many scenes have what status:
+# the table in README.md. Scenes that can't be read are listed after the table, with their error; then the status is 1.
 set -u
 L=${LIGHTCUTS:-build/lightcuts}
 T=$(mktemp -d) || exit 2
@@ -27,7 +28,8 @@ while read -r file; do
     n=$((n + 1))
     if timeout 600 "$L" info --json "$file" >"$T/json" 2>"$T/err"; then
         # {"kind": "k", "name": "n", "count": 1, "status": "s", "text": "t"} to tab-separated k n 1 s t
-        sed -n '/^  "features"/,/^  \]/s/^    {"kind": "\(.*\)", "name": "\(.*\)", "count": \([0-9]*\), "status": "\([a-z]*\)", "text": "\(.*\)"}.*/\1\t\2\t\3\t\4\t\5/p' \
+        row='"kind": "\(.*\)", "name": "\(.*\)", "count": \([0-9]*\), "status": "\([a-z]*\)", "text": "\(.*\)"'
+        sed -n "/^  \"features\"/,/^  \]/s/^    {$row}.*/\1\t\2\t\3\t\4\t\5/p" \
             "$T/json" >>"$T/rows"
     else
         printf '%s\t%s\n' "$file" "$(grep -a 'error' "$T/err" | head -n 1)" >>"$T/failed"
