@@ -43,6 +43,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     for (char *at = text, *end = text + size; at < end && argc < MAX_WORDS; at += strlen(at) + 1)
         if (harmless(at)) argv[argc++] = at;
     argv[argc] = NULL;
+    char *none[] = { argv[0], NULL };
+    optind = 0; /* or a run that ended within a word "-abc" leaves getopt in the middle of it */
+    (void)getopt(1, none, "");
     int status = commands[which].run(argc, argv);
     if (status < 0 || status > 3) abort();
     return 0;

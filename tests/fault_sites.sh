@@ -10,7 +10,8 @@ set -u
 [ $# -eq 2 ] || { echo "usage: sh tests/fault_sites.sh PROGRAM SITES" >&2; exit 2; }
 T=$(mktemp) || exit 2
 trap 'rm -f "$T" "$T.lines"' EXIT
-calls='open|read|write|close|fsync|fdatasync|rename|ftruncate|stat|fstat|access|mkdir|fchmod|realpath|pread|pwrite|fopen|unlink|flock|pipe|fork|dup2|fcntl'
+calls='open|read|write|close|fsync|fdatasync|rename|ftruncate|stat|fstat|access|mkdir|fchmod|realpath|pread|pwrite|fopen|unlink'
+calls="$calls|flock|pipe|fork|dup2|fcntl"
 objdump -d --no-show-raw-insn "$1" | awk -v calls="(call|jmp) .*<__wrap_($calls)>" '
     /^[0-9a-f]+ </ { own = ($2 !~ /__wrap_|stream|fault_/) }
     after { sub(":", "", $1); print $1; after = 0 }

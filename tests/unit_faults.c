@@ -220,7 +220,8 @@ static void make_by(const char *const args[MAX_ARGS])
 static void make_parts(void)
 {
 #define PART "render", "tiles.pbrt", "-q", "-o"
-    static const char *const runs_of[][MAX_ARGS] = { { PART, "1.exr", "--chunk", "1/3" }, { PART, "2.exr", "-o", "2.png", "--chunk", "2/3" },
+    static const char *const runs_of[][MAX_ARGS] = { { PART, "1.exr", "--chunk", "1/3" },
+        { PART, "2.exr", "-o", "2.png", "--chunk", "2/3" },
         { PART, "3.exr", "--chunk", "3/3" }, { PART, "whole.exr", "-t", "1", "--checkpoint", "full.ck", "--keep-checkpoint" },
         { "report", "s.pbrt", "--quick", "-o", "kept", "--error-ratios", "0.1", "-t", "1", "-q" } };
     for (size_t i = 0; i < sizeof runs_of / sizeof *runs_of; i++) make_by(runs_of[i]);
