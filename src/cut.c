@@ -314,6 +314,7 @@ void lc_cut_hidden(const lc_bvh *bvh, const lc_point *p, const float org[3], uin
 {
     const lc_f3 ng = lc_f3_load(p->ng), from = far ? lc_f3_make(0, 0, 0) : lc_f3_load(p->pos);
     bvh->kernels->hidden(&bvh->data, org, n, target, far, hidden);
+    if (!(lc_f3_max_abs(ng) > 0)) return;
     for (uint32_t i = 0; i < n; i++)
         hidden[i] |= lc_f3_dot(ng, lc_f3_sub(lc_f3_make(target[0][i], target[1][i], target[2][i]), from)) < 0;
 }

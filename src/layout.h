@@ -76,7 +76,7 @@ typedef enum lc_lobe { LC_LOBE_NONE, LC_LOBE_PHONG, LC_LOBE_WARD, LC_LOBE_GGX } 
 typedef struct lc_point {
     float pos[3];      /* world space */
     float n[3];        /* unit shading normal, on the viewer's side */
-    float ng[3];       /* geometric normal, on that side: lights behind are hidden; 0: not known. lc_point_init leaves it 0. */
+    float ng[3];       /* geometric normal, on that side: lights behind are hidden; 0: not known, or n. lc_point_init leaves it 0. */
     float mirror[3];   /* unit, 2 (n.o) n - o, o towards the viewer */
     float diffuse[3];  /* kd / pi */
     float specular[3]; /* Phong: ks (n + 2) / (2 pi); Ward: ks / (4 pi ax ay sqrt(co)); GGX: ks / (2 pi ax ay) */

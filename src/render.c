@@ -15,6 +15,7 @@
 
 #include <stdatomic.h>
 #include <stdio.h>
+#include <string.h>
 
 #define TILE LC_TILE         /* pixels a side */
 #define BLOCK 4              /* pixels a side that share out the slots of representatives */
@@ -104,7 +105,8 @@ static void init_point(const lc_scene *scene, const lc_lit *lit, lc_point *p)
     lc_material m = s->material;
     if (scene->indirect.n_lights) widen_lobe(&m);
     lc_point_init(p, s->pos, s->n, lit->view, &m, scene->min_d2);
-    lc_f3_store(p->ng, s->ng);
+    /* what is behind n sheds nothing anyhow */
+    if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(p->ng, s->ng);
 }
 
 static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dimension)
