@@ -52,4 +52,21 @@ static inline long fill_while_poor(lc_status (*fill)(lc_scene *scene), lc_status
     return n;
 }
 
+/* The same of a scene that is loaded in a poor context. */
+static inline long load_while_poor(lc_status (*load)(lc_context *ctx, lc_scene **scene), lc_status *st)
+{
+    lc_context *ctx = poor_context();
+    long n = 0;
+    *st = LC_ERR_MEMORY;
+    for (; *st == LC_ERR_MEMORY && n < 2000; n++) {
+        lc_scene *s = NULL;
+        allocations_left = n;
+        *st = load(ctx, &s);
+        allocations_left = -1;
+        lc_scene_destroy(s);
+    }
+    lc_context_destroy(ctx);
+    return n;
+}
+
 #endif

@@ -205,19 +205,10 @@ TEST(pictures)
 
 TEST(too_little_memory)
 {
-    lc_context *small = poor_context();
-    lc_status st = LC_ERR_MEMORY;
-    long n = 0;
+    lc_status st;
     sheets(true);
-    for (; st == LC_ERR_MEMORY && n < 2000; n++) {
-        lc_scene *s = NULL;
-        allocations_left = n;
-        st = load_in(small, &s);
-        allocations_left = -1;
-        lc_scene_destroy(s);
-    }
+    long n = load_while_poor(load_in, &st);
     CHECKF(st == LC_OK && n > 40, "status %d after %ld", st, n);
-    lc_context_destroy(small);
 }
 
 int main(void)

@@ -343,23 +343,14 @@ TEST(many)
 
 TEST(too_little_memory)
 {
-    lc_context *small = poor_context();
-    lc_status st = LC_ERR_MEMORY;
-    long n = 0;
+    lc_status st;
     begin(CAMERA);
     fprintf(out, MATERIAL "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\nObjectBegin \"o\"\n");
     put_shape(16, true);
     fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate 1 0 0 ObjectInstance \"o\" Scale 1 0 1 ObjectInstance \"o\"\n");
     fclose(out);
-    for (; st == LC_ERR_MEMORY && n < 2000; n++) {
-        lc_scene *s = NULL;
-        allocations_left = n;
-        st = load_in(small, &s);
-        allocations_left = -1;
-        lc_scene_destroy(s);
-    }
+    long n = load_while_poor(load_in, &st);
     CHECKF(st == LC_OK && n > 40, "status %d after %ld", st, n);
-    lc_context_destroy(small);
 }
 
 int main(void)
