@@ -1,8 +1,6 @@
 /* cli.c - see cli.h. */
 #include "cli.h"
 
-#include "printable.h"
-
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
@@ -259,12 +257,22 @@ int cli_has_extension(const char *path, const char *extension)
     return 1;
 }
 
+/* Bytes of the well-formed UTF-8 character at p that a terminal may be given, 0: what is there is none, or controls it. */
+static size_t printable(const unsigned char *p)
+{
+    size_t n = *p < 0x80 ? 1 : *p >= 0xc2 && *p < 0xe0 ? 2 : *p >= 0xe0 && *p < 0xf0 ? 3 : *p >= 0xf0 && *p < 0xf5 ? 4 : 0;
+    if (*p < 0x20 || *p == 0x7f || (*p == 0xc2 && p[1] < 0xa0)) return 0;
+    for (size_t i = 1; i < n; i++)
+        if ((p[i] & 0xc0) != 0x80) return 0;
+    return n;
+}
+
 void cli_json_text(FILE *f, const char *text)
 {
     fputc('"', f);
     for (size_t n; *text; text += n ? n : 1) {
         unsigned char c = (unsigned char)*text;
-        n = lc_printable((const unsigned char *)text);
+        n = printable((const unsigned char *)text);
         if (c == '"' || c == '\\') fprintf(f, "\\%c", c);
         else if (n) fwrite(text, 1, n, f);
         else if (c < 0x80) fprintf(f, "\\u%04x", c);
@@ -280,7 +288,7 @@ const char *cli_shown(const char *text)
     char *copy = copies[next++ % 4];
     snprintf(copy, sizeof copies[0], "%s", text);
     for (char *p = copy; *p;) {
-        size_t n = lc_printable((const unsigned char *)p);
+        size_t n = printable((const unsigned char *)p);
         if (!n) *p = '?';
         p += n ? n : 1;
     }
