@@ -89,13 +89,14 @@ typedef struct lc_load_desc {
     uint32_t indirect_lights; /* virtual lights of light that bounces; 0: 20000 if the scene's integrator traces paths,
                            * else none; LC_NO_LIGHTS: none */
     uint32_t max_depth;   /* of the paths that they are made along, as lc_render_desc has it; 0: the scene's */
+    uint32_t spp;         /* as lc_render_desc will have it: nothing is noted then of the scene's own number; 0: the scene's */
     /* Called when all files were read and nothing was built yet; nonzero ends with LC_ERR_CANCELLED. The scene may be asked for its
      * info, in which bounds of the work to come are 0, and its identity, and not be kept. */
     int (*parsed)(void *user, const lc_scene *scene);
     void *parsed_user;
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
-#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0 }
+#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0 }
 
 /* One thing of the scene file that was approximated or skipped. */
 typedef struct lc_note {

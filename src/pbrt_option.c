@@ -129,7 +129,7 @@ static lc_status limit_spp(lc_pbrt *p, uint32_t *spp)
     if (*spp <= most) return LC_OK;
     uint32_t n = *spp;
     *spp = most;
-    if (!p->opt.spp_pos.file) return LC_OK;
+    if (!p->opt.spp_pos.file || p->scene->load.spp) return LC_OK;
     return lc_pbrt_note(p, p->opt.spp_pos, "sampler pixelsamples",
                         "%u samples per pixel: %u are taken, for here they serve antialiasing only; --spp overrides", n, most);
 }
@@ -148,7 +148,7 @@ lc_status lc_pbrt_integrator(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (st) return st;
     lc_pbrt_mark_all(&p->params);
     p->scene->max_depth = depth < 1 ? 1 : depth < LC_MAX_DEPTH ? (uint32_t)depth : LC_MAX_DEPTH;
-    if (depth >= 1) return LC_OK;
+    if (depth >= 1 || p->scene->load.max_depth) return LC_OK;
     return lc_pbrt_note(p, par->pos, "maxdepth", "a maxdepth below 1 is taken as 1: direct light");
 }
 

@@ -157,6 +157,9 @@ static lc_status ignore(lc_pbrt *p, const lc_pbrt_stmt *s)
 
 static lc_status ignore_medium(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
+    bool none = !strcmp(s->name, "MediumInterface"); /* the vacuum on both sides: "" "" */
+    for (uint32_t i = 0; i < s->n_text; i++) none &= !*s->text[i];
+    if (none) return LC_OK;
     p->ignored = true;
     lc_pbrt_mark_all(&p->params);
     return lc_pbrt_note(p, s->pos, "medium", "participating media are ignored");

@@ -88,7 +88,8 @@ static lc_status get_axis(lc_pbrt *p, const char *prefix, const char *name, lc_t
 lc_status lc_pbrt_get_alpha(lc_pbrt *p, const char *prefix, double usual, lc_pbrt_look *look, bool *smooth)
 {
     char name[64];
-    bool remap = true, clamped = false;
+    bool remap = true;
+    double outside = -1;
     lc_tex_input in[2] = { LC_PBRT_VALUE(usual), LC_PBRT_VALUE(0) };
     lc_status st = get_axis(p, prefix, "roughness", &in[0]);
     in[1] = in[0];
@@ -106,10 +107,10 @@ lc_status lc_pbrt_get_alpha(lc_pbrt *p, const char *prefix, double usual, lc_pbr
         look->m.roughness[axis] = (float)clamp(alpha, (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
         look->maps.roughness[axis] = in[axis].id;
         *smooth &= in[axis].id == LC_NONE && alpha < LC_SMOOTH;
-        clamped |= in[axis].id == LC_NONE && ((float)alpha < LC_MIN_ROUGHNESS || (float)alpha > LC_MAX_ROUGHNESS);
+        if (in[axis].id == LC_NONE && ((float)alpha < LC_MIN_ROUGHNESS || (float)alpha > LC_MAX_ROUGHNESS)) outside = alpha;
     }
-    if (!clamped || *smooth || !p->params.n) return LC_OK;
-    return lc_pbrt_note(p, p->params.items[0].pos, "roughness", "a roughness with alpha outside %g..%g is clamped",
+    if (outside < 0 || *smooth || !p->params.n) return LC_OK;
+    return lc_pbrt_note(p, p->params.items[0].pos, "roughness", "a roughness, alpha %.3g, is clamped to %g..%g", outside,
                         (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
 }
 

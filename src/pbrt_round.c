@@ -15,7 +15,7 @@ static const struct {
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION /* 16,000 triangles a sphere are 10 scenes a second */
 } levels[] = { { UINT64_MAX, 8 } };
 #else
-} levels[] = { { 1 << 18, 128 }, { 1 << 19, 64 }, { 3 << 18, 32 }, { 1 << 20, 16 }, { UINT64_MAX, 8 } };
+} levels[] = { { 1 << 18, LC_PBRT_ROUND_SEGMENTS }, { 1 << 19, 64 }, { 3 << 18, 32 }, { 1 << 20, 16 }, { UINT64_MAX, 8 } };
 #endif
 
 uint32_t lc_pbrt_segments(const lc_pbrt *p)

@@ -9,6 +9,7 @@ typedef struct lc_pbrt_sweep {
     uint32_t n;     /* segments */
 } lc_pbrt_sweep;
 
+#define LC_PBRT_ROUND_SEGMENTS 128 /* at first */
 /* Segments around of the next round shape, were it whole; after many triangles it has fewer. */
 uint32_t lc_pbrt_segments(const lc_pbrt *p);
 /* Reads phimax; a partial sweep has as many segments as its share, at least three. */

@@ -4,10 +4,11 @@
  * kept as they are, so the geometric normal is flipped when ReverseOrientation and a mirrored matrix don't
  * cancel; normals follow the inverse transpose, and ReverseOrientation.
  */
-#include "pbrt_state.h"
+#include "pbrt_round.h"
 
 #include "ply.h"
 
+#include <stdio.h>
 #include <string.h>
 
 lc_status lc_pbrt_mesh_room(lc_pbrt *p, size_t n_verts, size_t n_tris, bool normals)
@@ -138,7 +139,7 @@ static lc_status ply_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh,
 static const struct {
     const char *name;
     lc_pbrt_shape_handler *handler;
-    bool approximate;
+    bool round;
 } shapes[] = {
     { "trianglemesh", triangle_mesh, false },
     { "plymesh", ply_mesh, false },
@@ -148,7 +149,7 @@ static const struct {
     { "cone", lc_pbrt_cone, true },
     { "paraboloid", lc_pbrt_paraboloid, true },
     { "hyperboloid", lc_pbrt_hyperboloid, true },
-    { "loopsubdiv", lc_pbrt_loop_subdiv, true },
+    { "loopsubdiv", lc_pbrt_loop_subdiv, false },
     { "bilinearmesh", lc_pbrt_bilinear_mesh, false },
 };
 
@@ -225,6 +226,16 @@ static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, boo
     if (all > 0) mesh->emission = lc_f3_scale(mesh->emission, (float)fmin(p->attrs.power * n / all, 1e30));
 }
 
+/* segments: of a whole turn. */
+static lc_status note_round(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t segments)
+{
+    char text[64];
+    snprintf(text, sizeof text, "made of triangles, %u around", segments);
+    lc_status st = lc_pbrt_note_name(p, s->pos, "shape", s->text[0], text);
+    if (st || segments >= LC_PBRT_ROUND_SEGMENTS) return st;
+    return lc_pbrt_note(p, s->pos, "coarse round shapes", "from here on round shapes have fewer triangles, as they are many");
+}
+
 lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     size_t i = 0, n = sizeof shapes / sizeof *shapes;
@@ -242,6 +253,7 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_mesh_desc mesh = { 0 };
     lc_mesh_alpha alpha;
     double area_ratio = 1;
+    uint32_t segments = lc_pbrt_segments(p);
     lc_status st = mesh_alpha(p, s->pos, &alpha, &mesh.alpha);
     if (st) return st;
     if (is_absent(mesh.alpha) && !emits) {
@@ -249,15 +261,14 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
         return LC_OK;
     }
     if ((st = shapes[i].handler(p, s, &mesh, &area_ratio)) || !mesh.n_tris) return st;
-    if (shapes[i].approximate)
-        st = lc_pbrt_note_name(p, s->pos, "shape", s->text[0], "the shape is approximated by triangles");
+    if (shapes[i].round) st = note_round(p, s, segments);
     if (!st) st = to_world(p, s->pos, &mesh);
     if (!st) st = lc_pbrt_current_material(p, &mesh.material_id);
     if (st) return st;
     mesh.flip = p->attrs.reverse != lc_pbrt_mirrored(p);
     mesh.emission = lc_f3_scale(p->attrs.emission, (float)area_ratio);
     mesh.emission_map = p->attrs.emission_map;
-    if (p->attrs.power > 0) scale_to_power(p, &mesh, shapes[i].name, shapes[i].approximate, area_ratio);
+    if (p->attrs.power > 0) scale_to_power(p, &mesh, shapes[i].name, shapes[i].round, area_ratio);
     mesh.two_sided = p->attrs.two_sided;
     return lc_pbrt_emit_mesh(p, s->pos, &mesh);
 }

@@ -457,14 +457,21 @@ static void join_stats(const job *j, lc_render_stats *out)
     phase_stats(j, out);
 }
 
-static bool has_mirror(const lc_scene *scene)
+/* What the lights and their tree were made with: numbers that were asked for, or the defaults in their place. */
+static lc_status set_load_attributes(lc_image *im, const lc_scene *scene)
 {
-    for (size_t i = 0; i < scene->n_materials; i++)
-        if (lc_is_specular(&scene->materials[i])) return true;
-    return false;
+    static const char *const builder[] = { "auto", "exact", "ploc" };
+    const lc_load_desc *l = &scene->load;
+    uint32_t by_scene = scene->traces_paths ? LC_DEFAULT_INDIRECT : 0;
+    uint32_t indirect = l->indirect_lights == LC_NO_LIGHTS ? 0 : l->indirect_lights ? l->indirect_lights : by_scene;
+    lc_status st = lc_image_set_text(im, "lightcuts/builder", builder[l->builder]);
+    if (!st) st = lc_image_set_number(im, "lightcuts/areaLights", l->area_lights);
+    if (!st) st = lc_image_set_number(im, "lightcuts/envLights", l->env_lights);
+    if (!st) st = lc_image_set_number(im, "lightcuts/indirectLights", indirect);
+    return st;
 }
 
-/* The options that shape the picture, so that a file says how it was made. */
+/* The options that shape the picture, so that a file says how it was made. README.md lists them. */
 static lc_status set_attributes(const job *j)
 {
     static const char *const method[] = { "lightcuts", "exact", "cuts" };
@@ -477,7 +484,8 @@ static lc_status set_attributes(const job *j)
     if (!st) st = lc_image_set_number(im, "samplesPerPixel", j->spp);
     if (!st) st = lc_image_set_text(im, "lightcuts/method", method[d->method]);
     if (!st) st = lc_image_set_text(im, "lightcuts/seed", seed);
-    if (!st && has_mirror(j->scene)) st = lc_image_set_number(im, "lightcuts/maxDepth", j->max_depth);
+    if (!st) st = lc_image_set_number(im, "lightcuts/maxDepth", j->max_depth);
+    if (!st) st = set_load_attributes(im, j->scene);
     if (st || d->method == LC_METHOD_EXACT) return st;
     st = lc_image_set_number(im, "lightcuts/errorRatio", (double)d->error_ratio);
     if (!st) st = lc_image_set_number(im, "lightcuts/maxCut", d->max_cut);

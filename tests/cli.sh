@@ -124,6 +124,33 @@ cp old.exr o/p.exr
 run
 check 'no arguments: 2 and usage on stderr' test $rc -eq 2 -a ! -s out -a -s err
 
+# ---- what is said of a scene ----
+
+{ film 8 8 ''; echo 'Sampler "halton" "integer pixelsamples" [64]'; echo 'Integrator "path" "integer maxdepth" [0]'; world | grep -v Sampler; } >notes.pbrt
+name='notes of a render' && run notes.pbrt -o a.exr
+says '64 samples per pixel: 4 are taken'
+says 'maxdepth below 1'
+name='nothing is said of what was asked for' && run notes.pbrt -o a.exr --spp 2 --maxdepth 2 --indirect-lights 0
+check 'one line' test $rc -eq 0 -a "$(wc -l <err)" -eq 1
+good 'explain says nothing either' explain notes.pbrt --pixel 4,4 --spp 2 --maxdepth 2
+check 'no warning' test ! -s err
+{ film 8 8 ''; world; echo 'MediumInterface "" ""'; echo 'Shape "sphere"'; echo 'Shape "sphere"'; } >round.pbrt
+good 'info of round shapes' info round.pbrt
+prints 'approximated or ignored: 1 kind$'
+prints "^ *2  shape sphere .*shape 'sphere': made of triangles, 128 around"
+{ film 8 8 ''; world | grep -v Shape; echo 'LightSource "infinite"'; } >sky.pbrt
+name='only a sky' && run sky.pbrt -o a.exr
+says 'will show its infinite light only'
+
+# ---- options in the picture ----
+
+good 'a picture with its options' -q s.pbrt -o a.exr --area-lights 7 --env-lights 8 --indirect-lights 9 --builder ploc
+for attribute in method seed maxDepth builder areaLights envLights indirectLights errorRatio maxCut darkFloor representatives; do
+    check "attribute $attribute" grep -aq "lightcuts/$attribute" a.exr
+done
+good 'other numbers of lights, the same pixels' -q s.pbrt -o b.exr --area-lights 6
+name='the numbers differ' && check 'files differ' test -n "$(cmp a.exr b.exr 2>&1)"
+
 # ---- names of outputs ----
 
 name='a picture' && run s.pbrt -o a.exr

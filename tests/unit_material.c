@@ -505,7 +505,7 @@ TEST(features)
     CHECK(feature("directive", "Option", 1, LC_SUPPORT_IGNORED, "options") && feature("camera", "perspective", 1, LC_SUPPORT_YES, ""));
     CHECK(feature("material", "diffuse", 2, LC_SUPPORT_YES, "") && feature("material", "hair", 2, LC_SUPPORT_APPROXIMATED, "s.pbrt:"));
     CHECK(feature("shape", "trianglemesh", 2, LC_SUPPORT_YES, "") && feature("shape", "sphere", 1, LC_SUPPORT_APPROXIMATED,
-          "by triangles"));
+          "of triangles"));
     CHECK(feature("shape", "curve", 1, LC_SUPPORT_IGNORED, "skipped") && feature("texture", "checkerboard", 1, LC_SUPPORT_YES, ""));
     CHECK(feature("texture", "x?y", 1, LC_SUPPORT_APPROXIMATED, "constant"));
     CHECK(feature("light", "point", 1, LC_SUPPORT_YES, "") && feature("light", "nova", 1, LC_SUPPORT_IGNORED, "skipped"));

@@ -298,6 +298,7 @@ TEST(ignored_politely)
     CHECK(load("WorldBegin MakeNamedMedium \"m\" \"string type\" \"homogeneous\" MediumInterface \"m\" \"\" "
                "MediumInterface \"m\"") == LC_OK);
     CHECK(scene->n_notes == 1 && note("medium")->count == 3);
+    CHECK(load("WorldBegin MediumInterface \"\" \"\" MediumInterface \"\"") == LC_OK && scene->n_notes == 0);
     CHECK(load("WorldBegin Shape \"sphere\" \"float foo\" [1 2 3] \"string bar\" [\"x\"]") == LC_OK);
     CHECK(note("parameter sphere.foo") && note("parameter sphere.bar"));
 }
@@ -551,6 +552,7 @@ TEST(many_spheres_are_coarser)
     CHECK(scene->meshes[0].n_tris == 128 * 63 * 2 && scene->meshes[64].n_tris == 64 * 31 * 2);
     CHECK(scene->meshes[256].n_tris == 32 * 15 * 2 && scene->meshes[1024].n_tris == 16 * 7 * 2);
     CHECK(scene->meshes[2999].n_tris == 8 * 3 * 2 && scene->n_tris < 1200000);
+    CHECK(scene->n_notes == 2 && note("shape sphere")->count == 3000 && note("coarse round shapes")->count < 2990);
     free(text);
 }
 

@@ -110,7 +110,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         return -1;
     }
     o->scene = argv[optind];
-    o->load.seed = o->render.seed, o->load.max_depth = o->render.max_depth;
+    o->load.seed = o->render.seed, o->load.max_depth = o->render.max_depth, o->load.spp = o->render.spp;
     return 0;
 }
 

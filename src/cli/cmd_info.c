@@ -48,7 +48,7 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     printf("film                 %u x %u, pixels %u-%u x %u-%u, %u samples a pixel, file '%s'\n", i->width, i->height, i->crop[0],
            i->crop[1], i->crop[2], i->crop[3], i->spp, cli_shown(i->film_filename));
     printf("memory               bvh %llu bytes, light tree %llu bytes\n", (ull)i->bvh_bytes, (ull)i->tree_bytes);
-    printf("approximated or ignored: %u kinds\n", i->n_notes);
+    printf("approximated or ignored: %u kind%s\n", i->n_notes, i->n_notes == 1 ? "" : "s");
     for (uint32_t k = 0; k < i->n_notes; k++) {
         lc_note note;
         if (!lc_scene_get_note(scene, k, &note)) printf("  %6llu  %-24s %s\n", (ull)note.count, cli_shown(note.kind), cli_shown(note.text));

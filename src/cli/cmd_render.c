@@ -167,7 +167,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         return -1;
     }
     o->scene = argv[optind];
-    o->load.seed = o->render.seed, o->load.max_depth = o->render.max_depth;
+    o->load.seed = o->render.seed, o->load.max_depth = o->render.max_depth, o->load.spp = o->render.spp;
     if (cli_farm_check(&o->farm)) return -1;
     for (int i = 0; i < o->n_outputs; i++)
         if (!cli_has_extension(o->outputs[i], ".exr") && !cli_has_extension(o->outputs[i], ".png")
@@ -333,8 +333,10 @@ static void warn_of_nothing(const options *o, const lc_scene_info *info)
 {
     if (o->quiet) return;
     if (!info->n_lights) fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
-    if (!info->n_triangles) fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will be black\n");
-    if (o->render.max_depth > 1 && !info->n_mirrors && !info->n_indirect_lights)
+    if (!info->n_triangles)
+        fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will %s\n",
+                info->n_env_maps ? "show its infinite light only" : "be black");
+    if (o->render.max_depth > 1 && !info->n_mirrors && !info->n_indirect_lights && o->load.indirect_lights != LC_NO_LIGHTS)
         fprintf(stderr, "lightcuts: warning: --maxdepth %u: without mirrors, glass or --indirect-lights there is only direct light\n",
                 o->render.max_depth);
 }
