@@ -9,6 +9,7 @@
  * Components below 0 (colours outside Rec.709) become 0.
  */
 #include "fmath.h"
+#include "pbrt_attribute.h"
 #include "pbrt_spectrum.h"
 
 #include <string.h>
@@ -185,11 +186,10 @@ lc_status lc_pbrt_get_colour(lc_pbrt *p, const char *name, lc_pbrt_colour_use us
     if (!par) return LC_OK;
     if (par->type == LC_PBRT_RGB || par->type == LC_PBRT_XYZ) {
         if (par->n != 3) return lc_pbrt_bad_param(&p->params, par, "needs three values");
-        const double *v = lc_pbrt_numbers(&p->params, par);
-        if (par->type == LC_PBRT_XYZ)
-            xyz_to_rgb(v, rgb);
-        else
-            memcpy(rgb, v, sizeof rgb);
+        lc_status st = LC_OK;
+        if (par->type == LC_PBRT_XYZ) xyz_to_rgb(lc_pbrt_numbers(&p->params, par), rgb);
+        else st = lc_pbrt_from_space(p, par, use, rgb);
+        if (st) return st;
     } else {
         lc_status st = spectral(p, par, use, rgb);
         if (st) return st;

@@ -152,6 +152,24 @@ static lc_status check_count(const lc_pbrt_params *list, const lc_pbrt_param *p)
     return LC_OK;
 }
 
+static lc_status add_param(lc_pbrt_params *list, const lc_pbrt_param *p)
+{
+    void *items = list->items;
+    lc_status st = lc_grow(list->ctx, &items, &list->cap, list->n + 1, sizeof *list->items);
+    list->items = items;
+    if (!st) list->items[list->n++] = *p;
+    return st;
+}
+
+lc_status lc_pbrt_params_add(lc_pbrt_params *list, const lc_pbrt_param *par, const double *num, const char *const *text)
+{
+    lc_pbrt_param p = *par;
+    lc_status st = LC_OK;
+    p.first = p.is_text ? list->n_text : list->n_num;
+    for (size_t i = 0; i < p.n && !st; i++) st = p.is_text ? add_text(list, text[i]) : add_number(list, num[i]);
+    return st ? st : add_param(list, &p);
+}
+
 lc_status lc_pbrt_params_read(lc_pbrt_params *list, lc_pbrt_lex *lex)
 {
     list->n = list->n_num = list->n_text = 0;
@@ -162,13 +180,8 @@ lc_status lc_pbrt_params_read(lc_pbrt_params *list, lc_pbrt_lex *lex)
         if (st || t->kind != LC_PBRT_STRING) return st;
         lc_pbrt_lex_take(lex);
         if ((st = declare(list, t, &p)) ||
-            (st = read_values(list, lex, &p)) || (st = check_count(list, &p)))
+            (st = read_values(list, lex, &p)) || (st = check_count(list, &p)) || (st = add_param(list, &p)))
             return st;
-        void *items = list->items;
-        st = lc_grow(list->ctx, &items, &list->cap, list->n + 1, sizeof *list->items);
-        list->items = items;
-        if (st) return st;
-        list->items[list->n++] = p;
     }
 }
 

@@ -34,6 +34,7 @@ typedef struct lc_pbrt_param {
     lc_pos pos;
     size_t first, n; /* in the pool of strings if is_text, else of numbers; booleans are 0 and 1 */
     bool is_text, used;
+    uint8_t space; /* of rgb: 1 + as lc_pbrt_attrs.space; 0: the one in force */
 } lc_pbrt_param;
 
 typedef struct lc_pbrt_params {
@@ -48,6 +49,9 @@ void lc_pbrt_params_init(lc_pbrt_params *list, const lc_context *ctx);
 void lc_pbrt_params_free(lc_pbrt_params *list);
 /* Reads parameters as long as strings follow. */
 lc_status lc_pbrt_params_read(lc_pbrt_params *list, lc_pbrt_lex *lex);
+
+/* Adds one with its par->n values, of which num or text is copied; name and strings stay the caller's. */
+lc_status lc_pbrt_params_add(lc_pbrt_params *list, const lc_pbrt_param *par, const double *num, const char *const *text);
 
 /* The parameter of this name whose type is in the set `types`, marked as used; NULL if there is none. */
 const lc_pbrt_param *lc_pbrt_find(lc_pbrt_params *list, const char *name, unsigned types);

@@ -1,7 +1,7 @@
 /* pbrt_parse.c - the statements of a pbrt file: their table, reading them, scopes and notes. */
 #include "pbrt_parse.h"
 
-#include "pbrt_state.h"
+#include "pbrt_attribute.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -165,19 +165,6 @@ static lc_status ignore_medium(lc_pbrt *p, const lc_pbrt_stmt *s)
     return lc_pbrt_note(p, s->pos, "medium", "participating media are ignored");
 }
 
-static lc_status ignore_attribute(lc_pbrt *p, const lc_pbrt_stmt *s)
-{
-    p->ignored = true;
-    lc_pbrt_mark_all(&p->params);
-    return lc_pbrt_note_name(p, s->pos, "Attribute", s->text[0], "default parameters are ignored");
-}
-
-static lc_status colour_space(lc_pbrt *p, const lc_pbrt_stmt *s)
-{
-    if (!strcmp(s->text[0], "srgb")) return LC_OK;
-    return lc_pbrt_note_name(p, s->pos, "colour space", s->text[0], "colours are taken as sRGB's");
-}
-
 typedef enum place { ANYWHERE, BEFORE_WORLD, IN_WORLD } place;
 
 /* What follows the name: n_num numbers, then n_text strings (of which the last n_optional may be absent),
@@ -219,8 +206,8 @@ static const struct directive {
     { "PixelFilter", lc_pbrt_pixel_filter, ANYWHERE, 0, 1, 0, true, false },
     { "Accelerator", ignore, ANYWHERE, 0, 1, 0, true, false },
     { "Option", ignore, ANYWHERE, 0, 0, 0, true, false },
-    { "ColorSpace", colour_space, ANYWHERE, 0, 1, 0, false, false },
-    { "Attribute", ignore_attribute, ANYWHERE, 0, 1, 0, true, false },
+    { "ColorSpace", lc_pbrt_colour_space, ANYWHERE, 0, 1, 0, false, false },
+    { "Attribute", lc_pbrt_attribute, ANYWHERE, 0, 1, 0, true, false },
     { "MediumInterface", ignore_medium, ANYWHERE, 0, 2, 1, true, false },
     { "MakeNamedMedium", ignore_medium, ANYWHERE, 0, 1, 0, true, false },
     { "Volume", ignore_medium, ANYWHERE, 0, 1, 0, true, false },
@@ -298,6 +285,7 @@ static lc_status run(lc_pbrt *p, const struct directive *d, lc_pos pos)
     lc_status st = d->n_num ? read_numbers(p, &s, d->n_num) : LC_OK;
     if (!st) st = read_texts(p, d, &s);
     if (!st && d->params) st = lc_pbrt_params_read(&p->params, &p->lex);
+    if (!st && d->params) st = lc_pbrt_take_defaults(p, d->name);
     p->owner = s.n_text ? s.text[0] : d->name;
     if (!st) st = d->handler(p, &s);
     if (!st) st = note_unused(p);
@@ -383,6 +371,7 @@ static void destroy(lc_pbrt *p)
     lc_pbrt_map *maps[] = { &p->material_names, &p->colour_textures, &p->float_textures, &p->image_names, &p->emission_names,
                             &p->object_names,   &p->coord_names };
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) lc_pbrt_map_free(maps[i], ctx);
+    lc_pbrt_free_defaults(p);
     lc_free(ctx, p->scopes, p->cap_scopes, sizeof *p->scopes);
     lc_free(ctx, p->saved, p->cap_saved, sizeof *p->saved);
     lc_free(ctx, p->materials, p->cap_materials, sizeof *p->materials);

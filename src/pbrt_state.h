@@ -21,6 +21,8 @@ typedef struct lc_pbrt_attrs {
     bool invisible; /* interface material: shapes are skipped unless they emit */
     bool reverse;   /* ReverseOrientation */
     bool end_only;  /* ActiveTransform EndTime: transforms don't count */
+    uint8_t space;  /* of rgb values, pbrt_space.c; 0: sRGB */
+    uint32_t n_defaults, n_default_values; /* of Attributes, pbrt_attribute.c */
 } lc_pbrt_attrs;
 
 typedef enum lc_pbrt_scope_kind {
@@ -78,7 +80,8 @@ typedef struct lc_pbrt {
     lc_xform ctm;
     lc_pbrt_scope *scopes;
     lc_xform *saved;
-    size_t n_scopes, n_saved, cap_scopes, cap_saved;
+    struct lc_pbrt_default *defaults; /* attrs.n_defaults are in force */
+    size_t n_scopes, n_saved, cap_scopes, cap_saved, cap_defaults;
 
     lc_pbrt_map material_names, colour_textures, float_textures, image_names, emission_names, object_names, coord_names;
     lc_pbrt_material *materials;

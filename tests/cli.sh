@@ -126,7 +126,12 @@ check 'no arguments: 2 and usage on stderr' test $rc -eq 2 -a ! -s out -a -s err
 
 # ---- what is said of a scene ----
 
-{ film 8 8 ''; echo 'Sampler "halton" "integer pixelsamples" [64]'; echo 'Integrator "path" "integer maxdepth" [0]'; world | grep -v Sampler; } >notes.pbrt
+{
+    film 8 8 ''
+    echo 'Sampler "halton" "integer pixelsamples" [64]'
+    echo 'Integrator "path" "integer maxdepth" [0]'
+    world | grep -v Sampler
+} >notes.pbrt
 name='notes of a render' && run notes.pbrt -o a.exr
 says '64 samples per pixel: 4 are taken'
 says 'maxdepth below 1'

@@ -1,0 +1,174 @@
+/* unit_attribute.c - v4's Attribute and ColorSpace: what they do, where they end, and the place of each error. */
+#include "pbrt_parse.h"
+#include "test.h"
+
+#include <stdlib.h>
+
+static char last_error[4096];
+static lc_context *ctx;
+static lc_scene *scene; /* of the last load */
+
+static void log_to_buffer(void *user, lc_log_level level, const char *text)
+{
+    (void)user;
+    if (level == LC_LOG_ERROR) snprintf(last_error, sizeof last_error, "%s", text);
+}
+
+static lc_status load(const char *text)
+{
+    lc_scene_destroy(scene);
+    last_error[0] = 0;
+    if (lc_scene_create(ctx, &scene)) abort();
+    return lc_pbrt_parse_memory(scene, "s.pbrt", text, strlen(text));
+}
+
+static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
+
+static bool near3(lc_f3 v, double x, double y, double z)
+{
+    return near((double)v.x, x, 2e-4) && near((double)v.y, y, 2e-4) && near((double)v.z, z, 2e-4);
+}
+
+static const lc_scene_note *note(const char *kind)
+{
+    for (size_t i = 0; i < scene->n_notes; i++)
+        if (!strcmp(scene->notes[i].kind, kind)) return &scene->notes[i];
+    return NULL;
+}
+
+static lc_f3 kd(size_t i) { return scene->materials[i].kd; }
+
+static double radius(size_t mesh)
+{
+    double most = 0;
+    for (size_t t = 0; t < scene->meshes[mesh].n_tris; t++) {
+        size_t v = scene->index[3 * (scene->meshes[mesh].first_tri + t)];
+        most = fmax(most, (double)lc_f3_len(lc_f3_load(scene->pos + 3 * v)));
+    }
+    return most;
+}
+
+TEST(defaults_of_shapes)
+{
+    CHECK(load("WorldBegin Shape \"sphere\" AttributeBegin Attribute \"shape\" \"float radius\" 3 \"bool foo\" true\n"
+               "Shape \"sphere\" Shape \"sphere\" \"float radius\" 2 AttributeEnd Shape \"sphere\"") == LC_OK);
+    CHECK(scene->n_meshes == 4 && scene->n_notes == 1); /* foo is nobody's, which is fine */
+    CHECK(near(radius(0), 1, 1e-6) && near(radius(1), 3, 1e-6) && near(radius(2), 2, 1e-6) && near(radius(3), 1, 1e-6));
+    CHECK(load("Attribute \"shape\" \"float radius\" 3 WorldBegin TransformBegin Attribute \"shape\" \"float radius\" 4 TransformEnd\n"
+               "Shape \"sphere\"") == LC_OK);
+    CHECK(near(radius(0), 4, 1e-6)); /* only blocks of attributes end it; the later counts */
+    CHECK(load("WorldBegin Attribute \"shape\" \"integer indices\" [0 1 2 0 2 3]\n"
+               "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0]\n"
+               "\"integer indices\" [0 1 2]") == LC_OK);
+    CHECK(scene->meshes[0].n_tris == 2 && scene->meshes[1].n_tris == 1);
+    CHECK(load("WorldBegin Attribute \"shape\" \"integer indices\" [] Shape \"sphere\"") == LC_OK);
+}
+
+TEST(defaults_of_materials)
+{
+    CHECK(load("WorldBegin Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.7 .6 .5]\n"
+               "Attribute \"material\" \"rgb reflectance\" [.1 .2 .3]\nMaterial \"diffuse\"\n"
+               "Material \"diffuse\" \"texture reflectance\" \"t\"\nMaterial \"diffuse\" \"rgb reflectance\" [1 0 1]\n"
+               "AttributeBegin Attribute \"material\" \"texture reflectance\" \"t\" Material \"diffuse\" AttributeEnd\n"
+               "MakeNamedMaterial \"m\" \"string type\" \"diffuse\"\n"
+               "Attribute \"material\" \"string type\" \"mirror\" MakeNamedMaterial \"n\"") == LC_OK);
+    CHECK(scene->n_materials == 6 && scene->n_notes == 0);
+    CHECK(near3(kd(0), .1, .2, .3) && near3(kd(1), .7, .6, .5) && near3(kd(2), 1, 0, 1));
+    CHECK(near3(kd(3), .7, .6, .5) && near3(kd(4), .1, .2, .3) && scene->materials[5].mirror);
+}
+
+TEST(defaults_of_lights_and_textures)
+{
+    CHECK(load("WorldBegin Attribute \"light\" \"rgb I\" [2 3 4] \"float scale\" 2 \"bool twosided\" true LightSource \"point\"\n"
+               "AreaLightSource \"diffuse\" Attribute \"texture\" \"rgb value\" [.2 .4 .6] Attribute \"medium\" \"float scale\" 2\n"
+               "Texture \"t\" \"spectrum\" \"constant\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"") == LC_OK);
+    CHECK(near3(scene->lights[0].intensity, 4, 6, 8) && scene->meshes[0].two_sided && near((double)scene->meshes[0].emission.x, 2, 2e-3));
+    CHECK(near3(kd(0), .2, .4, .6) && scene->n_notes == 1);
+}
+
+TEST(attribute_errors)
+{
+    CHECK(load("WorldBegin\n Attribute \"shapes\" \"float radius\" 3") == LC_ERR_PARSE);
+    CHECKF(!strcmp(last_error, "s.pbrt:2:12: error: Attribute of 'shapes', which is none of shape, light, material, medium, texture"),
+           "%s", last_error);
+    CHECK(load("WorldBegin\nAttribute \"shape\" \"float radius\" -3\nShape \"sphere\" Attribute \"light\" \"rgb I\" [1 -1 1]\n"
+               "LightSource \"point\"") == LC_ERR_PARSE);
+    CHECKF(!strcmp(last_error, "s.pbrt:3:34: error: parameter 'I' is negative"), "%s", last_error);
+    CHECK(load("WorldBegin Attribute \"shape\" \"float radius\"") == LC_ERR_PARSE);
+}
+
+/* Many are an error that names the one too many; as many again after each end of a block are fine. */
+TEST(no_end_of_attributes)
+{
+    char *text = malloc(1 << 20), *at = text + sprintf(text, "WorldBegin ");
+    for (int i = 0; i < 1000; i++)
+        at += sprintf(at, "AttributeBegin Attribute \"shape\" \"float radius\" %d Shape \"disk\" AttributeEnd\n", i + 1);
+    CHECK(load(text) == LC_OK && scene->n_meshes == 1000 && near(radius(999), 1000, 1e-3));
+    at = text + sprintf(text, "WorldBegin\n");
+    for (int i = 0; i < 257; i++) at += sprintf(at, "Attribute \"shape\" \"float radius\" 2\n");
+    CHECK(load(text) == LC_ERR_PARSE && strstr(last_error, "s.pbrt:258:19: error: more than 256 parameters"));
+    at = text + sprintf(text, "WorldBegin Attribute \"shape\" \"point3 P\" [");
+    for (int i = 0; i < 6000; i++) at += sprintf(at, "0 0 0 ");
+    sprintf(at, "]");
+    CHECK(load(text) == LC_ERR_PARSE && strstr(last_error, "s.pbrt:1:30: error: more than 256 parameters"));
+    free(text);
+}
+
+static const char *const matte = "Material \"diffuse\" \"rgb reflectance\" ";
+
+static void expect_colours(const char *space, const char *rgb, const double light[3], const double albedo[3])
+{
+    char text[1024];
+    snprintf(text, sizeof text, "WorldBegin ColorSpace \"%s\" %s%s LightSource \"point\" \"rgb I\" %s", space, matte, rgb, rgb);
+    CHECK(load(text) == LC_OK);
+    CHECKF(near3(kd(0), albedo[0], albedo[1], albedo[2]), "%s %s: %g %g %g", space, rgb, (double)kd(0).x, (double)kd(0).y, (double)kd(0).z);
+    lc_f3 i = scene->lights[0].intensity;
+    CHECKF(near3(i, light[0], light[1], light[2]), "%s %s: %g %g %g", space, rgb, (double)i.x, (double)i.y, (double)i.z);
+}
+#define SAME(space, rgb, ...) expect_colours(space, rgb, (const double[]){ __VA_ARGS__ }, (const double[]){ __VA_ARGS__ })
+
+/* Published matrices: BT.2087 for Rec. 2020, Apple's P3 with D65, the Academy's AP0. */
+TEST(colour_spaces)
+{
+    SAME("srgb", "[.1 .2 .3]", .1, .2, .3);
+    SAME("sRGB", "[.1 .2 .3]", .1, .2, .3);
+    SAME("rec2020", "[1 1 1]", 1, 1, 1);
+    SAME("Rec2020", "[.2 .3 .25]", .1375809, .3128634, .2458787);
+    SAME("dci-p3", "[.5 .5 .5]", .5, .5, .5);
+    SAME("dci-p3", "[.3 .4 .5]", .2775060, .4042057, .5117911);
+    CHECK(scene->n_notes == 0);
+    expect_colours("aces2065-1", "[1 1 1]", (const double[]){ 1.047103, .994543, .915318 }, (const double[]){ 1, 1, 1 });
+    CHECK(note("reflectance") == NULL && scene->n_notes == 0);
+    SAME("rec2020", "[0 .5 0]", 0, .56645, 0);
+    CHECK(note("gamut of rec2020") && note("gamut of rec2020")->count == 2);
+    SAME("xyz", "[.1 .2 .3]", .1, .2, .3);
+    CHECK(note("colour space xyz"));
+}
+
+TEST(spaces_end_with_their_block)
+{
+    CHECK(load("ColorSpace \"rec2020\" WorldBegin AttributeBegin ColorSpace \"srgb\" Material \"diffuse\" \"rgb reflectance\" [.2 .3 .25]\n"
+               "AttributeEnd Material \"diffuse\" \"rgb reflectance\" [.2 .3 .25]\n"
+               "Attribute \"material\" \"rgb reflectance\" [.2 .3 .25] ColorSpace \"srgb\" Material \"diffuse\"\n"
+               "Material \"diffuse\" \"rgb reflectance\" [.2 .3 .25]") == LC_OK);
+    CHECK(near3(kd(0), .2, .3, .25) && near3(kd(1), .1375809, .3128634, .2458787));
+    CHECK(near3(kd(2), .1375809, .3128634, .2458787) && near3(kd(3), .2, .3, .25)); /* that of the Attribute */
+}
+
+int main(void)
+{
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    desc.log = log_to_buffer;
+    desc.n_threads = 1;
+    if (lc_context_create(&desc, &ctx)) return 1;
+    RUN(defaults_of_shapes);
+    RUN(defaults_of_materials);
+    RUN(defaults_of_lights_and_textures);
+    RUN(attribute_errors);
+    RUN(no_end_of_attributes);
+    RUN(colour_spaces);
+    RUN(spaces_end_with_their_block);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+    return test_done();
+}
