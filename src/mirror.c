@@ -2,6 +2,7 @@
 #include "mirror.h"
 
 #include "fresnel.h"
+#include "sun.h"
 
 #define MIN_WEIGHT 1e-12f /* of all channels: what comes after can't be seen */
 
@@ -148,7 +149,7 @@ bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, u
         r = take_strongest(&t);
         out->n_rays++;
         if (lc_surface_hit_after(scene, r.org, r.dir, r.way, pixel, &s)) meet(&t, &r, &s);
-        else out->emission = lc_f3_add(out->emission, lc_f3_mul(r.weight, lc_scene_background(scene, r.dir)));
+        else out->emission = lc_f3_add(out->emission, lc_f3_mul(r.weight, lc_background(scene, r.dir)));
     }
     return true;
 }

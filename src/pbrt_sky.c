@@ -5,12 +5,13 @@
  *     "sky"   vector3 sun         towards the sun                rgb L           radiance at the zenith, default 1
  *
  * The sky is CIE's standard clear one, type 12 [CIE03], of one colour, black below the horizon: an environment map that cameras see.
- * The sun's lights lie on a spiral, each in as much of the disc. Both take "scale".
+ * The sun's lights lie on a spiral, each in as much of the disc, which cameras see too. Both take "scale".
  */
 #include "pbrt_light.h"
 
 #include "fmath.h"
 #include "rng.h"
+#include "sun.h"
 
 #define SKY_W 512u
 #define SKY_H 256u
@@ -59,7 +60,8 @@ lc_status lc_pbrt_sun_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (!st && !(angle >= 0 && angle <= 90)) return lc_pbrt_bad_param(&p->params, par, "is not 0 to 90 degrees");
     if (!st) st = lc_pbrt_get_int(&p->params, "lights", &n, &par);
     if (!st && (n < 1 || n > MAX_SUN_LIGHTS)) return lc_pbrt_bad_param(&p->params, par, "is not 1 to 100000");
-    return st ? st : add_sun(p, s->pos, dir, e, angle, angle > 0 ? (uint32_t)n : 1);
+    if (!st) st = add_sun(p, s->pos, dir, e, angle, angle > 0 ? (uint32_t)n : 1);
+    return st || !(angle > 0) ? st : lc_scene_add_sun(p->scene, dir, e, angle);
 }
 
 /* ---- sky ---- */

@@ -12,6 +12,7 @@
 #include "render_tile.h"
 #include "sample.h"
 #include "shade.h"
+#include "sun.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -223,7 +224,7 @@ static bool render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
         bool hit = lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s);
         lc_phase_end(&w->stats, LC_PHASE_CAMERA);
         if (!hit) {
-            px.rgb = lc_f3_add(px.rgb, lc_f3_scale(lc_scene_background(j->scene, dir), weight));
+            px.rgb = lc_f3_add(px.rgb, lc_f3_scale(lc_background(j->scene, dir), weight));
             continue;
         }
         w->stats.camera_rays += s.n_rays;

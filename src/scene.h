@@ -112,6 +112,7 @@ struct lc_scene {
     lc_textures textures;
     lc_env *envs;
     size_t n_envs, cap_envs;
+    const struct lc_sun *suns; /* a list in the arena: discs that are seen, see sun.h */
     lc_spot_map *spot_maps;
     size_t n_spot_maps, cap_spot_maps;
     lc_mipmap *emission_maps;
@@ -173,7 +174,7 @@ lc_status lc_scene_add_env(lc_scene *scene, lc_pos where, const lc_env *env);
 lc_status lc_scene_add_emission_map(lc_scene *scene, const lc_mipmap *map, uint32_t *id);
 void lc_spot_map_free(const lc_context *ctx, lc_spot_map *map);
 lc_status lc_scene_add_spot_map(lc_scene *scene, const lc_spot_map *map, uint32_t *id);
-/* Radiance seen where nothing is. */
+/* Radiance of environments from this direction; lc_background adds suns. */
 lc_f3 lc_scene_background(const lc_scene *scene, lc_f3 dir);
 lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);
 lc_status lc_scene_set_film(lc_scene *scene, lc_pos where, const lc_film_desc *film);

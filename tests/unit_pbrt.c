@@ -716,7 +716,8 @@ TEST(every_allocation_fails_in_turn)
         "all.pbrt",
         "Film \"image\" \"string filename\" \"f\" Camera \"perspective\" WorldBegin Include \"tri.pbrt\"\n"
         "MakeNamedMaterial \"a\" \"string type\" \"glass\" Texture \"t\" \"color\" \"constant\"\n"
-        "Attribute \"shape\" \"float radius\" 2 \"string s\" \"x\" ColorSpace \"rec2020\" Material \"diffuse\" \"rgb reflectance\" [1 0 0]\n"
+        "Attribute \"shape\" \"float radius\" 2 \"string s\" \"x\" ColorSpace \"rec2020\"\n"
+        "Material \"diffuse\" \"rgb reflectance\" [1 0 0]\n"
         "CoordinateSystem \"c\" AttributeBegin Scale 2 2 2 AttributeEnd LightSource \"point\" "
         "ObjectBegin \"o\" Shape \"sphere\" ObjectEnd ObjectInstance \"o\"\n"
         "Shape \"plymesh\" \"string filename\" \"sub/m.ply\" Shape \"disk\" \"float x\" 1");

@@ -1,6 +1,7 @@
 /* unit_sky.c - our own LightSource "sun" and "sky". */
 #include "env_light.h"
 #include "pbrt_parse.h"
+#include "sun.h"
 #include "test.h"
 
 #include <stdlib.h>
@@ -42,6 +43,30 @@ TEST(sun_fills_its_disc)
     CHECK(load("LightSource \"sun\" \"integer lights\" 0") == LC_ERR_PARSE);
 }
 
+/* Unit, `angle` radians from the sun of 0 3 4, on any side. */
+static lc_f3 beside(double angle, double turn)
+{
+    double s = sin(angle), c = cos(angle), x = s * cos(turn), y = s * sin(turn);
+    return lc_f3_make((float)x, (float)(0.6 * c + 0.8 * y), (float)(0.8 * c - 0.6 * y));
+}
+
+TEST(sun_is_seen)
+{
+    const double r = 0.265 * LC_PI / 180, radiance = 10 / (LC_PI * sin(r) * sin(r));
+    CHECK(load("LightSource \"sun\" \"vector3 direction\" [0 3 4] \"rgb E\" [10 20 5]") == LC_OK && scene->n_lights == 64);
+    CHECK(lc_f3_max(lc_scene_background(scene, beside(0, 0))) <= 0);
+    for (int i = 0; i < 360; i++) {
+        lc_f3 in = lc_background(scene, beside(r * 0.9999, i)), out = lc_background(scene, beside(r * 1.0001, i));
+        CHECK(lc_f3_max(out) <= 0);
+        CHECKF(fabs((double)in.x / radiance - 1) < 1e-5, "%g, not %g", (double)in.x, radiance);
+    }
+    lc_f3 centre = lc_background(scene, beside(0, 0));
+    CHECK(fabs((double)centre.y / (2 * radiance) - 1) < 1e-5 && fabs((double)centre.z / (0.5 * radiance) - 1) < 1e-5);
+    CHECK(load("LightSource \"sun\" LightSource \"sun\"") == LC_OK); /* both are seen */
+    CHECK(fabs((double)lc_background(scene, lc_f3_make(0, 0, 1)).x / (0.2 * radiance) - 1) < 1e-5);
+    CHECK(load("LightSource \"sun\" \"float angle\" 0 LightSource \"sun\" \"float angle\" 1e-30") == LC_OK && !scene->suns);
+}
+
 /* [CIE03], type 12. */
 static double clear_sky(double cos_zenith, double cos_sun, double cos_between)
 {
@@ -74,6 +99,7 @@ int main(void)
 {
     if (lc_context_create(NULL, &ctx)) return 1;
     RUN(sun_fills_its_disc);
+    RUN(sun_is_seen);
     RUN(sky_is_the_clear_one);
     lc_scene_destroy(scene);
     lc_context_destroy(ctx);
