@@ -151,6 +151,7 @@ static const struct {
     { "hyperboloid", lc_pbrt_hyperboloid, true },
     { "loopsubdiv", lc_pbrt_loop_subdiv, false },
     { "bilinearmesh", lc_pbrt_bilinear_mesh, false },
+    { "curve", lc_pbrt_curve, false },
 };
 
 /* p->pos and p->normal to world space. */
@@ -252,11 +253,12 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     }
     lc_mesh_desc mesh = { 0 };
     lc_mesh_alpha alpha;
+    const lc_mesh_alpha *holes;
     double area_ratio = 1;
     uint32_t segments = lc_pbrt_segments(p);
-    lc_status st = mesh_alpha(p, s->pos, &alpha, &mesh.alpha);
+    lc_status st = mesh_alpha(p, s->pos, &alpha, &holes);
     if (st) return st;
-    if (is_absent(mesh.alpha) && !emits) {
+    if (is_absent(holes) && !emits) {
         lc_pbrt_mark_all(&p->params);
         return LC_OK;
     }
@@ -265,6 +267,7 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (!st) st = to_world(p, s->pos, &mesh);
     if (!st) st = lc_pbrt_current_material(p, &mesh.material_id);
     if (st) return st;
+    mesh.alpha = holes;
     mesh.flip = p->attrs.reverse != lc_pbrt_mirrored(p);
     mesh.emission = lc_f3_scale(p->attrs.emission, (float)area_ratio);
     mesh.emission_map = p->attrs.emission_map;

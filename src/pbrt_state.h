@@ -102,6 +102,7 @@ typedef struct lc_pbrt {
     size_t cap_pos, cap_normal, cap_uv, cap_index;
     bool alpha_uv; /* it keeps uv, as its alpha is a texture */
     uint64_t n_round_tris; /* of spheres, disks, cylinders ... so far */
+    uint64_t n_curve_tris;
 
     bool has_cie;
     double cie[LC_PBRT_CIE_N][3]; /* x y z bar, each summing to 1 */
@@ -169,10 +170,10 @@ lc_pbrt_handler lc_pbrt_light, lc_pbrt_area_light;
 /* pbrt_shape.c */
 lc_pbrt_handler lc_pbrt_shape;
 /* Positions and normals in object space to p->pos, p->normal, p->index; no triangles when it has no area. *area_ratio, at
- * first 1: true area over that of the triangles. pbrt_round.c, pbrt_quadric.c, pbrt_subdiv.c, pbrt_bilinear.c */
+ * first 1: true area over that of the triangles. pbrt_round.c, pbrt_quadric.c, pbrt_subdiv.c, pbrt_bilinear.c, pbrt_curve.c */
 typedef lc_status lc_pbrt_shape_handler(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
 lc_pbrt_shape_handler lc_pbrt_sphere, lc_pbrt_disk, lc_pbrt_cylinder, lc_pbrt_cone, lc_pbrt_paraboloid, lc_pbrt_hyperboloid,
-    lc_pbrt_loop_subdiv, lc_pbrt_bilinear_mesh;
+    lc_pbrt_loop_subdiv, lc_pbrt_bilinear_mesh, lc_pbrt_curve;
 /* Checked, to p->index, where there is room; `group` (3 or 4) of them make a face. */
 lc_status lc_pbrt_copy_indices(lc_pbrt *p, const lc_pbrt_param *par, uint32_t group, uint32_t n_verts);
 lc_status lc_pbrt_mesh_room(lc_pbrt *p, size_t n_verts, size_t n_tris, bool normals);

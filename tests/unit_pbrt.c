@@ -568,8 +568,8 @@ TEST(disks)
 
 TEST(unknown_shapes)
 {
-    CHECK(load("WorldBegin Shape \"curve\" \"float width\" 1 Shape \"curve\"") == LC_OK);
-    CHECK(scene->n_tris == 0 && note("shape curve")->count == 2 && scene->n_notes == 1);
+    CHECK(load("WorldBegin Shape \"nurbs\" \"float width\" 1 Shape \"nurbs\"") == LC_OK);
+    CHECK(scene->n_tris == 0 && note("shape nurbs")->count == 2 && scene->n_notes == 1);
 }
 
 TEST(instances)
