@@ -100,8 +100,8 @@ TEST(bases)
 {
     CHECK(load("Shape \"curve\" \"point3 P\" [-1 1 0  0 -1 0  1 1 0] \"integer degree\" 2 \"float width\" .3") == LC_OK);
     expect_on_curve(9, parabola);
-    CHECK(load("Shape \"curve\" \"point3 P\" [-2 3 0  0 -1 0  2 3 0] \"integer degree\" 2 \"float width\" .3 \"string basis\" \"bspline\"") ==
-          LC_OK);
+    CHECK(load("Shape \"curve\" \"point3 P\" [-2 3 0  0 -1 0  2 3 0] \"integer degree\" 2 \"float width\" .3\n"
+               "\"string basis\" \"bspline\"") == LC_OK);
     expect_on_curve(9, parabola);
     CHECK(load("Shape \"curve\" \"point3 P\" [0 1 -1  0 0 0  0 0 1  1 0 2] \"float width\" .1 \"string basis\" \"bspline\"") == LC_OK);
     expect_on_curve(9, basis);
