@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-#define MAX_DEFAULTS 256       /* in force: every statement of their kind looks at each */
-#define MAX_DEFAULT_VALUES 16384 /* of them together: and copies those */
+#define MAX_DEFAULTS 256        /* in force: every statement of their kind looks at each */
+#define MAX_DEFAULT_VALUES 4096 /* of them together: and copies those */
 
 typedef enum target { SHAPE, LIGHT, MATERIAL, MEDIUM, TEXTURE, N_TARGETS } target;
 

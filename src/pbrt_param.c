@@ -164,10 +164,14 @@ static lc_status add_param(lc_pbrt_params *list, const lc_pbrt_param *p)
 lc_status lc_pbrt_params_add(lc_pbrt_params *list, const lc_pbrt_param *par, const double *num, const char *const *text)
 {
     lc_pbrt_param p = *par;
-    lc_status st = LC_OK;
+    void *pool = list->num;
     p.first = p.is_text ? list->n_text : list->n_num;
-    for (size_t i = 0; i < p.n && !st; i++) st = p.is_text ? add_text(list, text[i]) : add_number(list, num[i]);
-    return st ? st : add_param(list, &p);
+    lc_status st = p.is_text ? LC_OK : lc_grow(list->ctx, &pool, &list->cap_num, list->n_num + p.n + 1, sizeof *list->num);
+    list->num = pool;
+    for (size_t i = 0; i < p.n && !st && p.is_text; i++) st = add_text(list, text[i]);
+    if (st) return st;
+    if (!p.is_text) memcpy(list->num + p.first, num, p.n * sizeof *num), list->n_num += p.n;
+    return add_param(list, &p);
 }
 
 lc_status lc_pbrt_params_read(lc_pbrt_params *list, lc_pbrt_lex *lex)

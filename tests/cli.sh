@@ -147,6 +147,16 @@ prints "^ *2  shape sphere .*shape 'sphere': made of triangles, 128 around"
 name='only a sky' && run sky.pbrt -o a.exr
 says 'will show its infinite light only'
 
+{
+    film 8 8 ''
+    echo 'Integrator "path"'
+    world | grep -v Shape
+    echo 'LightSource "infinite" Shape "disk" "float radius" 9999'
+    echo 'AttributeBegin Translate 0 0 -1 Shape "sphere" "float radius" .5 AttributeEnd'
+} >wide.pbrt
+name='much is lost to clamping' && run wide.pbrt -o a.exr --indirect-lights 20
+says 'clamping takes [0-9]* % of the indirect light'
+
 # ---- options in the picture ----
 
 good 'a picture with its options' -q s.pbrt -o a.exr --area-lights 7 --env-lights 8 --indirect-lights 9 --builder ploc

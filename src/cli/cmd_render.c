@@ -329,9 +329,14 @@ static int step(void *user, uint64_t done, uint64_t total)
     return done < total && cli_farm_step(s->farm);
 }
 
-static void warn_of_nothing(const options *o, const lc_scene_info *info)
+#define WARN_LOSS 0.1 /* of the indirect light: a room loses 0.01 to 0.03 */
+
+static void warn_of_scene(const options *o, const lc_scene_info *info)
 {
     if (o->quiet) return;
+    if (info->indirect_loss > WARN_LOSS)
+        fprintf(stderr, "lightcuts: warning: clamping takes %.0f %% of the indirect light, with more --indirect-lights less\n",
+                100 * info->indirect_loss);
     if (!info->n_lights) fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
     if (!info->n_triangles)
         fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will %s\n",
@@ -367,7 +372,7 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     if (st == LC_ERR_CANCELLED) return p.status;
     if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
     lc_scene_get_info(*scene, &r.info);
-    warn_of_nothing(o, &r.info);
+    warn_of_scene(o, &r.info);
     int status = render(o, ctx, *scene, image, &r.stats);
     if (status) return status;
     if (r.stats.nonfinite)
