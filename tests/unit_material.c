@@ -496,7 +496,7 @@ TEST(features)
 {
     lc_feature f;
     CHECK(load("PixelFilter \"mitchell\" Film \"rgb\" \"float foo\" 1 Option \"bool x\" true Camera \"perspective\"\n",
-               "WorldBegin Material \"diffuse\"\n" QUAD QUAD "Shape \"sphere\"\nShape \"curve\"\n"
+               "WorldBegin Material \"diffuse\"\n" QUAD QUAD "Shape \"sphere\"\nShape \"nurbs\"\n"
                "MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\nMaterial \"hair\" Material \"hair\" \"rgb color\" [.1 .1 .1]\n"
                "Texture \"t\" \"float\" \"checkerboard\"\nLightSource \"point\" LightSource \"nova\"\n"
                "AreaLightSource \"diffuse\" MediumInterface \"a\" \"b\" Texture \"t\" \"float\" \"x\\ny\"\n") == LC_OK);
@@ -506,7 +506,7 @@ TEST(features)
     CHECK(feature("material", "diffuse", 2, LC_SUPPORT_YES, "") && feature("material", "hair", 2, LC_SUPPORT_APPROXIMATED, "s.pbrt:"));
     CHECK(feature("shape", "trianglemesh", 2, LC_SUPPORT_YES, "") && feature("shape", "sphere", 1, LC_SUPPORT_APPROXIMATED,
           "of triangles"));
-    CHECK(feature("shape", "curve", 1, LC_SUPPORT_IGNORED, "skipped") && feature("texture", "checkerboard", 1, LC_SUPPORT_YES, ""));
+    CHECK(feature("shape", "nurbs", 1, LC_SUPPORT_IGNORED, "skipped") && feature("texture", "checkerboard", 1, LC_SUPPORT_YES, ""));
     CHECK(feature("texture", "x?y", 1, LC_SUPPORT_APPROXIMATED, "constant"));
     CHECK(feature("light", "point", 1, LC_SUPPORT_YES, "") && feature("light", "nova", 1, LC_SUPPORT_IGNORED, "skipped"));
     CHECK(feature("area light", "diffuse", 1, LC_SUPPORT_YES, "") && feature("medium", "MediumInterface", 1, LC_SUPPORT_IGNORED,
