@@ -25,7 +25,7 @@
 
 #include <stdlib.h>
 
-#define BATCH 4096         /* paths that are traced at a time, in items */
+#define BATCH LC_SIZE(4096, 128) /* paths that are traced at a time, in items */
 #define ITEM 64
 #define PATH_LIGHTS 32     /* of one path at most */
 #define PATHS_A_LIGHT 64   /* paths at most, for each light that is wanted */
