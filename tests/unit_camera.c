@@ -185,8 +185,9 @@ static lc_scene *scene;
 
 static lc_status load(const char *text)
 {
-    static const char path[] = "build/tests/camera.pbrt";
-    FILE *f = fopen(path, "w");
+    char path[] = "/tmp/unit_camera.XXXXXX";
+    int fd = mkstemp(path);
+    FILE *f = fd < 0 ? NULL : fdopen(fd, "w");
     CHECK(f && fputs(text, f) >= 0 && !fclose(f));
     lc_scene_destroy(scene);
     lc_status st = lc_scene_load(ctx, path, NULL, &scene);
