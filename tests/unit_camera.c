@@ -8,6 +8,7 @@
 #include "test.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 static const double centre[2] = { 0.5, 0.5 };
