@@ -31,20 +31,7 @@
 #define MAX_ARGS 24
 #define SECONDS_PER_RUN 60
 
-/* Points of each kind besides first calls. TSan slows runs tenfold and looks at threads only: a few points do, and no first calls. */
-#if defined(__SANITIZE_THREAD__)
-#define MOST 4
-#define FIRST_CALLS 0
-#elif defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define MOST 4
-#define FIRST_CALLS 0
-#endif
-#endif
-#ifndef MOST
-#define MOST 20
-#define FIRST_CALLS 1
-#endif
+#define MOST (UNDER_TSAN ? 4 : 20) /* points of each kind besides first calls */
 
 int __real_main(int argc, char **argv);
 int __wrap_main(int argc, char **argv);
@@ -532,7 +519,7 @@ static void try_class(const command *c, fault_class class, int err, long most)
 {
     long calls = faultless.calls[class], step = most && calls > most ? calls / most : 1;
     for (long nth = 1; nth <= calls; nth++) {
-        if (nth % step && !(FIRST_CALLS && is_first(c, class, nth))) continue;
+        if (nth % step && (UNDER_TSAN || !is_first(c, class, nth))) continue;
         for (int ever = 0; ever < (err == EINTR ? 1 : 2); ever++) { /* who is always interrupted tries again for ever, and may */
             fault_plan plan = { .class = class, .nth = nth, .ever = ever, .err = err };
             try_plan(c, &plan);
