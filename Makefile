@@ -144,7 +144,7 @@ san:
 	@$(MAKE) --no-print-directory $(JOBS) CONFIG=san OPT="-O1 -DLC_DEBUG" SAN="$(SAN_FLAGS)" run-tests
 tsan:
 	@$(MAKE) --no-print-directory deps
-	@$(MAKE) --no-print-directory $(JOBS) CONFIG=tsan OPT="-O1" SAN="-fsanitize=thread" run-tests
+	@LC_TEST_SECONDS=3600 $(MAKE) --no-print-directory $(JOBS) CONFIG=tsan OPT="-O1" SAN="-fsanitize=thread" run-tests
 
 fault:
 	@$(MAKE) --no-print-directory deps
@@ -156,7 +156,7 @@ fault:
 coverage:
 	@$(MAKE) --no-print-directory deps
 	@rm -rf build/coverage/src
-	@$(MAKE) --no-print-directory $(JOBS) CONFIG=coverage OPT="-O1" SAN="--coverage -fprofile-update=atomic" run-tests
+	@LC_TEST_SECONDS=3600 $(MAKE) --no-print-directory $(JOBS) CONFIG=coverage OPT="-O1" SAN="--coverage -fprofile-update=atomic" run-tests
 	@sh tests/coverage.sh build/coverage
 
 lint:
