@@ -27,11 +27,11 @@ static void look_at_textures(const lc_scene *scene)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
+    static lc_context *ctx;
     lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    lc_context *ctx;
     lc_scene *scene;
     desc.n_threads = 1;
-    if (lc_context_create(&desc, &ctx)) return 0;
+    if (!ctx && lc_context_create(&desc, &ctx)) abort();
     if (lc_scene_create(ctx, &scene)) abort();
     if (lc_pbrt_parse_memory(scene, "fuzz", data, size) == LC_OK) {
         require(scene->has_camera && scene->film.width && scene->film.height && scene->film.spp);
@@ -43,6 +43,5 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         for (size_t i = 0; i < scene->n_lights; i++) require(lc_f3_finite(scene->lights[i].intensity));
     }
     lc_scene_destroy(scene);
-    lc_context_destroy(ctx);
     return 0;
 }

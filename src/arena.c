@@ -6,11 +6,7 @@
 #include <sys/mman.h>
 
 #define ALIGN 64
-#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-#define CHUNK (16u << 10) /* ASan maps anew what is larger than 128 KiB: half the time of a small scene */
-#else
-#define CHUNK (256u << 10)
-#endif
+#define CHUNK LC_SIZE(256u << 10, 16u << 10) /* ASan maps anew what is larger than 128 KiB: half the time of a small scene */
 #define HUGE ((size_t)2 << 20)
 
 struct lc_arena_chunk {

@@ -12,6 +12,13 @@
 
 #define LC_PRINTF(fmt_idx, arg_idx) __attribute__((format(printf, fmt_idx, arg_idx)))
 
+/* A size that makes small scenes slow; fuzzers, which want many, have a smaller one. */
+#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+#define LC_SIZE(usual, fuzzing) (fuzzing)
+#else
+#define LC_SIZE(usual, fuzzing) (usual)
+#endif
+
 /* States what the caller has already ensured. Never used on input. */
 #ifdef LC_DEBUG
 #include <assert.h>

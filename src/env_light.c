@@ -13,9 +13,9 @@
 
 #include <string.h>
 
-#define CANDIDATES 4096
-#define VIEW_SIDE 64
-#define GRID_SIDE 64 /* texels, at least, of a map that is weighed */
+#define CANDIDATES LC_SIZE(4096, 96)
+#define VIEW_SIDE LC_SIZE(64, 6)
+#define GRID_SIDE LC_SIZE(64, 8) /* texels, at least, of a map that is weighed */
 
 typedef struct rect {
     double lo[2], hi[2]; /* texels: x, y */

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #define BLOCK 64   /* lights whose rays go out together, from the same points */
-#define POINTS 256 /* of the view that a block is tried at */
+#define POINTS LC_SIZE(256, 16) /* of the view that a block is tried at */
 #define FAMILY 8   /* neighbours in the sky that vouch for each other */
 #define WORTH 0.5  /* of the median of those that give anything, for a weight of 1 */
 

@@ -12,11 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-#define READ_STEP ((size_t)1 << 12) /* ASan takes a while to make more than that afresh */
-#else
-#define READ_STEP ((size_t)1 << 16)
-#endif
+#define READ_STEP ((size_t)1 << LC_SIZE(16, 12)) /* ASan takes a while to make more than that afresh */
 #define TEMP_TRIES 1000
 
 lc_status lc_bytes_put(lc_bytes *bytes, size_t offset, const void *data, size_t n)

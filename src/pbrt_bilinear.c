@@ -6,7 +6,7 @@
  */
 #include "pbrt_state.h"
 
-#define MAX_SIDE 16          /* cells */
+#define MAX_SIDE LC_SIZE(16, 4) /* cells */
 #define MAX_TRIS (8u << 20)  /* of one shape: patches are then cut less */
 #define MAX_OFF 1e-3         /* how far off, of the patch's diagonal */
 

@@ -9,14 +9,12 @@
 
 #include "fmath.h"
 
+#define FULL LC_SIZE((uint64_t)1 << 18, 0) /* 16,000 triangles a sphere are 10 scenes a second */
+
 static const struct {
     uint64_t up_to; /* triangles of round shapes so far */
     uint32_t segments;
-#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION /* 16,000 triangles a sphere are 10 scenes a second */
-} levels[] = { { UINT64_MAX, 8 } };
-#else
-} levels[] = { { 1 << 18, LC_PBRT_ROUND_SEGMENTS }, { 1 << 19, 64 }, { 3 << 18, 32 }, { 1 << 20, 16 }, { UINT64_MAX, 8 } };
-#endif
+} levels[] = { { FULL, LC_PBRT_ROUND_SEGMENTS }, { 2 * FULL, 64 }, { 3 * FULL, 32 }, { 4 * FULL, 16 }, { UINT64_MAX, 8 } };
 
 uint32_t lc_pbrt_segments(const lc_pbrt *p)
 {

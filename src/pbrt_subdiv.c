@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#define MAX_TRIS (4u << 20) /* of one shape; more would take a gigabyte while they are made */
+#define MAX_TRIS LC_SIZE(4u << 20, 256u) /* of one shape; more would take a gigabyte while they are made */
 #define MAX_LEVELS 20
 
 /* ---- loopsubdiv ---- */

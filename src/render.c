@@ -20,7 +20,7 @@
 
 #define TILE LC_TILE         /* pixels a side */
 #define BLOCK 4              /* pixels a side that share out the slots of representatives */
-#define PREPASS_SIDE 32      /* grid of the pre-pass */
+#define PREPASS_SIDE LC_SIZE(32, 8) /* grid of the pre-pass */
 #define PREPASS_RATIO 0.1f   /* its error ratio and cut limit: its mean is wanted to a few percent */
 #define PREPASS_MAX_CUT 128
 
@@ -31,7 +31,7 @@
  * of 20 to 60 clusters of 100 lights cost 500 to 1000 ns more a point, all lights 300. */
 #define ALWAYS_FEW 16       /* lights: not even asked */
 #define NEVER_FEW 4096
-#define CHOICE_SIDE 16      /* grid of the points that are tried */
+#define CHOICE_SIDE LC_SIZE(16, 6) /* grid of the points that are tried */
 #define LIGHT_COST 4.2      /* an estimate of the exact method */
 #define SPLIT_COST 34.0     /* two bounds, an estimate, two clusters placed */
 #define CUT_COST 700.0      /* a cut, whatever its size */

@@ -25,10 +25,10 @@
 
 #include <stdlib.h>
 
-#define BATCH 4096         /* paths that are traced at a time, in items */
+#define BATCH LC_SIZE(4096, 128) /* paths that are traced at a time, in items */
 #define ITEM 64
 #define PATH_LIGHTS 32     /* of one path at most */
-#define PATHS_A_LIGHT 64   /* paths at most, for each light that is wanted */
+#define PATHS_A_LIGHT LC_SIZE(64, 8) /* paths at most, for each light that is wanted */
 #define PATHS_FOR_NONE (16 * BATCH) /* that leave no light at all: there is nothing to light */
 #define PATH_SURFACES 64   /* after which a path that is still among mirrors or glass ends */
 #define DIMS 5

@@ -5,7 +5,7 @@
 #include "layout.h"
 #include "scene.h"
 
-#define LC_VIEW_SIDE 16 /* for virtual lights */
+#define LC_VIEW_SIDE LC_SIZE(16, 6) /* for virtual lights */
 
 typedef struct lc_vpl_view {
     const lc_scene *scene;

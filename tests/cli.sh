@@ -615,6 +615,9 @@ good 'explain of an empty scene as JSON' explain void.pbrt --pixel 3,3 --json
 prints '"hit": false'
 good 'explain with few lights' explain s.pbrt --pixel 24,20
 prints '^note  *with so few lights every one is evaluated'
+sed 's/LightSource "[a-z]*"/LightSource "spot"/' s.pbrt >spot.pbrt
+good 'explain with a spot' explain spot.pbrt --pixel 24,20
+prints ' spot  *[01] '
 good 'explain of the exact method' explain cube.pbrt --pixel 204,200 --method exact
 prints '^note  *the method is exact'
 good 'explain a sample' explain s.pbrt --pixel 24,20 --spp 4 --sample 3

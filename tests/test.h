@@ -6,6 +6,18 @@
 #include <stdio.h>
 #include <string.h>
 
+/* TSan slows programs tenfold and looks at threads only: what repeats without them is done less often. */
+#if defined(__SANITIZE_THREAD__)
+#define UNDER_TSAN 1
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define UNDER_TSAN 1
+#endif
+#endif
+#ifndef UNDER_TSAN
+#define UNDER_TSAN 0
+#endif
+
 static int test_passed, test_failed, test_bad;
 
 #define TEST(name) static void name(void)

@@ -119,7 +119,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
 static double lum(const float c[3]) { return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2]; }
 static double lum_d(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
-static const char *const kinds[] = { "point", "oriented", "direct." };
+static const char *const kinds[] = { "point", "oriented", "direct.", "spot" };
 
 static void print_vector(const char *name, const float v[3], const char *rest)
 {
