@@ -116,12 +116,13 @@ static void swap_open(lc_cut *c)
     c->open = c->split, c->split = all;
 }
 
-/* There is no room to split all: puts all but the worst back into open, which is empty. Only half of the room is used at a time, as
- * the worst may have to be split again. */
+/* There is no room to split all: puts all but the worst back into open, which is empty. Three quarters of the room are used at a time,
+ * as the worst may have to be split again: against half of it a tenth of the time less where half of the points are at max_cut (a
+ * living room under 5,000 sky lights, 2026-11), mrse 0.6 % more; all of it 3 % more, for another hundredth of the time. */
 static void split_fewer(lc_cut *c, uint32_t room)
 {
     lc_cut_list *split = &c->split;
-    uint32_t n = split->n, n_take = (room + 1) / 2;
+    uint32_t n = split->n, n_take = (3 * room + 3) / 4;
     bool sharp;
     if (!n_take) {
         swap_open(c);
