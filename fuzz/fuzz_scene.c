@@ -210,6 +210,7 @@ static void look(lc_context *ctx, lc_scene *scene)
     lc_load_desc load = LC_LOAD_DESC_INIT;
     lc_render_desc desc = LC_RENDER_DESC_INIT;
     lc_image *image;
+    lc_image_desc size = LC_IMAGE_DESC_INIT;
     lc_render_stats stats;
     load.area_lights = 16, load.env_lights = 16, load.n_reps = 2, load.indirect_lights = 24;
     if (scene->n_tris > MAX_TRIS || scene->n_lights > 2000 || (uint64_t)scene->film.width * scene->film.height > 64 || scene->film.spp > 2)
@@ -219,11 +220,12 @@ static void look(lc_context *ctx, lc_scene *scene)
     desc.method = LC_METHOD_CUTS;
     desc.aovs = LC_AOV_ALL;
     if (lc_render(ctx, scene, &desc, &image, &stats)) return;
+    lc_image_get_desc(image, &size);
     for (uint32_t c = 0; c < lc_image_n_channels(image); c++) {
         const char *name = lc_image_channel_name(image, c);
         const float *p = lc_image_channel(image, name);
         bool colour = !name[1] && name[0] != 'Z'; /* distances may be infinite */
-        for (int i = 0; i < 64; i++) require(colour ? isfinite(p[i]) && p[i] >= 0 : !isnan(p[i]));
+        for (uint32_t i = 0; i < size.width * size.height; i++) require(colour ? isfinite(p[i]) && p[i] >= 0 : !isnan(p[i]));
     }
     lc_image_destroy(image);
 }

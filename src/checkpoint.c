@@ -172,6 +172,17 @@ static int find_record(const lc_checkpoint *c, uint64_t at, uint64_t size, uint8
     return 0;
 }
 
+/* What looks like a record but is none must not become one when others are appended, as its payload would reach into them. */
+static int erase_mark(const lc_checkpoint *c, uint64_t at)
+{
+    uint32_t mark = 0;
+    size_t got;
+    int err = read_at(c->fd, &mark, sizeof mark, at, &got);
+    if (err || mark != RECORD_MAGIC) return err;
+    mark = 0;
+    return write_at(c->fd, &mark, got, at);
+}
+
 static int scan_records(lc_checkpoint *c, uint64_t size, uint8_t *room)
 {
     uint64_t at = sizeof(header), bad = 0; /* bad: bytes since the last whole record */
@@ -180,6 +191,7 @@ static int scan_records(lc_checkpoint *c, uint64_t size, uint8_t *room)
         bool whole;
         uint64_t next;
         int err = read_record(c, at, room, &whole, &next);
+        if (!err && !whole) err = erase_mark(c, at);
         if (!err && !whole) err = find_record(c, at, size, room, &next);
         if (err) return err;
         if (whole) {
