@@ -37,6 +37,6 @@ lc_f3 lc_coat_below(const lc_material *m)
 
 lc_f3 lc_coat_albedo(const lc_material *m, float cos_i)
 {
-    float in = 1 - lc_fresnel_dielectric(cos_i, m->eta.x);
+    float in = 1 - lc_fresnel_dielectric(fminf(fmaxf(cos_i, 0), 1), m->eta.x); /* a shading normal may have turned too far */
     return lc_f3_scale(lc_coat_below(m), in * (float)mean_transmitted((double)m->eta.x));
 }

@@ -15,7 +15,7 @@ float lc_fresnel_conductor(float cos_i, float eta, float k)
     float c2 = cos_i * cos_i, s2 = 1 - c2, eta2 = eta * eta, k2 = k * k;
     float t0 = eta2 - k2 - s2, root = sqrtf(t0 * t0 + 4 * eta2 * k2), twice_a2 = root + t0;
     float a = sqrtf(twice_a2 > 0 ? twice_a2 / 2 : 0), t1 = root + c2, t2 = 2 * cos_i * a;
-    float t3 = c2 * root + s2 * s2, t4 = t2 * s2, s = (t1 - t2) / (t1 + t2);
+    float t3 = c2 * root + s2 * s2, t4 = t2 * s2, s = t1 > t2 ? (t1 - t2) / (t1 + t2) : 0; /* rounding may leave less than 0 */
     return t3 + t4 > 0 ? (s + s * ((t3 - t4) / (t3 + t4))) / 2 : s;
 }
 

@@ -1,5 +1,6 @@
 /* unit_ggx.c - GGX's lobe as lc_shade_light gives it: the distribution's integral, what is reflected in all, symmetry, the
  * textbook's formula, reflectances at known angles, coats. */
+#include "coat.h"
 #include "ref_bounds.h"
 #include "shade.h"
 #include "rng.h"
@@ -261,6 +262,12 @@ TEST(coats)
         double want = (double)m.kd.y / LC_PI * t * t / (e * e * (1 - (double)m.kd.y * inside)) * (1 - 0.42 * 0.125), got = library(&p, i);
         CHECKF(fabs(got / want - 1) <= 1e-5, "%g: %g, not %g", eta, got, want);
         if (eta < 1.001) CHECKF(fabs(got / (1 - 0.42 * 0.125) - (double)m.kd.y / LC_PI) <= 1e-6, "%g", got);
+    }
+    /* whatever the cosine, as of a shading normal: a share */
+    for (double c = -1; c <= 1.01; c += 0.001) {
+        lc_material m = { .kd = { 1, 0.5f, 0 }, .roughness = { 0.5f, 0.5f }, .coat = true, .eta = { 1.5f, 0, 0 } };
+        lc_f3 share = lc_coat_albedo(&m, (float)c);
+        CHECKF(share.x >= 0 && share.x <= 1 && share.y >= 0 && share.y <= 1, "at %g: %g", c, (double)share.x);
     }
     /* white below: all that comes in goes out again, so with the surface's own lobe nothing is lost */
     look l = { 0.01, 0.01, 0.7, 0 };

@@ -70,6 +70,8 @@ TEST(fresnel)
     }
     CHECK(near((double)lc_fresnel_conductor(1, 0.2f, 3.9f), (0.64 + 15.21) / (1.44 + 15.21), 1e-6));
     CHECK(near((double)lc_fresnel_conductor(0, 0.2f, 3.9f), 1, 1e-6));
+    for (float c = 0; c < 1; c += 0.0007f)
+        for (float e = 1e-3f; e < 2; e *= 1.37f) CHECK(lc_fresnel_conductor(c, 1, e * 1e-4f) >= 0 && lc_fresnel_conductor(c, e, 0) >= 0);
     lc_material m = { .ks = { 0.5f, 0.2f, 0 }, .fresnel = LC_FRESNEL_SCHLICK };
     CHECK(near((double)lc_reflectance(&m, 1, false).y, 0.2, 1e-7) && near((double)lc_reflectance(&m, 0, false).z, 1, 1e-7));
     m.fresnel = LC_FRESNEL_DIELECTRIC, m.eta = lc_f3_make(1.5f, 1.5f, 1.5f);
