@@ -3,6 +3,7 @@
  *
  *     build/tests/unit_faults           of each command the first call of every call site and some more
  *     build/tests/unit_faults --all     all of them (make fault), but of reports, which take long
+ *     build/tests/unit_faults --all X   of the commands whose names begin with X
  *     FAULT_SITES=FILE ...              also writes where the file operations that failed were called, for fault_sites.sh
  *     build/tests/unit_faults COMMAND CLASS NTH EVER    one point, say "compare" 0 14 0; leaves its folder
  *
@@ -611,7 +612,8 @@ int __wrap_main(int argc, char **argv)
     seen = mmap(NULL, sizeof *seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (seen == MAP_FAILED) abort();
     if (argc == 5) return try_one(argv);
-    for (size_t i = 0; i < N_COMMANDS; i++) try_command(&commands[i]);
+    for (size_t i = 0; i < N_COMMANDS; i++)
+        if (argc < 3 || !strncmp(commands[i].name, argv[2], strlen(argv[2]))) try_command(&commands[i]);
     printf("%ld runs; failed in turn: %ld allocations, %ld file operations, %ld threads; call sites of file operations met %u, failed %u\n",
            runs, points[0], points[1], points[2], total.n_sites[FAULT_IO], total.n_failed[FAULT_IO]);
     write_sites(sites);
