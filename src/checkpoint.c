@@ -8,7 +8,8 @@
  *
  * One process writes, held to that by a lock on the file; a record goes out in one write under a mutex. What a killed process leaves
  * is a file of whole records and perhaps the beginning of one, which is cut off. Damaged bytes are skipped up to the next record that
- * is whole; they stay, and the tiles they held are rendered again and appended. Pixels are read where they are asked for.
+ * is whole; they stay, but for the magic of what seemed a record, and the tiles they held are rendered again and appended. Pixels are
+ * read where they are asked for.
  */
 #include "arena.h"
 #include "film.h"

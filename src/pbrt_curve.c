@@ -16,15 +16,12 @@
 
 #define MAX_SIDES 8
 #define OFF 0.02 /* of the width */
+#define FULL LC_SIZE((uint64_t)1 << 18, 1 << 9) /* triangles of the finest level */
 
 static const struct level {
     uint64_t up_to; /* triangles of curves so far */
     uint32_t sides, steps; /* sides: 2 is a strip */
-#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-} levels[] = { { 1 << 12, 3, 4 }, { 1 << 14, 2, 2 } };
-#else
-} levels[] = { { 1 << 18, MAX_SIDES, 16 }, { 1 << 20, 4, 8 }, { 1 << 21, 3, 4 }, { 3 << 21, 2, 2 } };
-#endif
+} levels[] = { { FULL, MAX_SIDES, 16 }, { 4 * FULL, 4, 8 }, { 8 * FULL, 3, 4 }, { 24 * FULL, 2, 2 } };
 #define N_LEVELS (sizeof levels / sizeof *levels)
 
 typedef struct spline {

@@ -192,17 +192,14 @@ static float unlike_square(const lc_light *light, const lc_surface *s)
 
 /* ---- surfaces ---- */
 
-static lc_f3 share_of(lc_f3 a)
-{
-    return lc_f3_make(fminf(fmaxf(a.x, 0), 1), fminf(fmaxf(a.y, 0), 1), fminf(fmaxf(a.z, 0), 1));
-}
+static lc_f3 at_most_1(lc_f3 a) { return lc_f3_make(fminf(a.x, 1), fminf(a.y, 1), fminf(a.z, 1)); }
 
 /* Share of light that a rough surface sends back. */
 static lc_f3 albedo(const lc_material *m, float cos_i)
 {
     lc_f3 lobe = m->gloss == LC_GLOSS_GGX ? lc_reflectance(m, cos_i, false) : m->ks;
     lc_f3 below = m->coat ? lc_coat_albedo(m, cos_i) : m->kd;
-    return share_of(lc_f3_add(below, lobe));
+    return at_most_1(lc_f3_add(below, lobe));
 }
 
 static void store(path *p, const lc_surface *s, float side, lc_f3 albedo_of_side)
@@ -241,7 +238,7 @@ static bool bend(path *p, const lc_surface *s, uint32_t depth)
 {
     float org[3], cos_i = -lc_f3_dot(p->dir, s->n);
     if (!s->material.glass) {
-        p->flux = lc_f3_mul(p->flux, share_of(lc_reflectance(&s->material, cos_i, !s->front)));
+        p->flux = lc_f3_mul(p->flux, lc_reflectance(&s->material, cos_i, !s->front));
         p->org = lc_f3_load(s->ray_org), p->dir = lc_mirror_leave(s, p->dir);
         return lc_f3_max(p->flux) > 0;
     }

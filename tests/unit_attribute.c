@@ -1,18 +1,12 @@
 /* unit_attribute.c - v4's Attribute and ColorSpace: what they do, where they end, and the place of each error. */
+#include "last_error.h"
 #include "pbrt_parse.h"
 #include "test.h"
 
 #include <stdlib.h>
 
-static char last_error[4096];
 static lc_context *ctx;
 static lc_scene *scene; /* of the last load */
-
-static void log_to_buffer(void *user, lc_log_level level, const char *text)
-{
-    (void)user;
-    if (level == LC_LOG_ERROR) snprintf(last_error, sizeof last_error, "%s", text);
-}
 
 static lc_status load(const char *text)
 {
@@ -157,10 +151,7 @@ TEST(spaces_end_with_their_block)
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.log = log_to_buffer;
-    desc.n_threads = 1;
-    if (lc_context_create(&desc, &ctx)) return 1;
+    if (!(ctx = quiet_context(1))) return 1;
     RUN(defaults_of_shapes);
     RUN(defaults_of_materials);
     RUN(defaults_of_lights_and_textures);

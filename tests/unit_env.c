@@ -1,5 +1,6 @@
 /* unit_env.c - environment maps: mappings, irradiance kept by the lights made of them, where these lie, conventions of v3 and v4. */
 #include "env_light.h"
+#include "last_error.h"
 #include "pbrt_parse.h"
 #include "rng.h"
 #include "poor.h"
@@ -8,15 +9,9 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-static char last_error[4096], dir[] = "/tmp/unit_env.XXXXXX";
+static char dir[] = "/tmp/unit_env.XXXXXX";
 static lc_context *ctx;
 static lc_scene *scene;
-
-static void log_to_buffer(void *user, lc_log_level level, const char *text)
-{
-    (void)user;
-    if (level == LC_LOG_ERROR) snprintf(last_error, sizeof last_error, "%s", text);
-}
 
 static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
 
@@ -319,9 +314,7 @@ TEST(every_allocation_fails_in_turn)
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.log = log_to_buffer;
-    if (!mkdtemp(dir) || lc_context_create(&desc, &ctx)) return 1;
+    if (!mkdtemp(dir) || !(ctx = quiet_context(0))) return 1;
     RUN(places_and_directions);
     RUN(irradiance_is_kept);
     RUN(directions_of_lights);

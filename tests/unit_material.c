@@ -1,4 +1,5 @@
 /* unit_material.c - pbrt's materials and spectra: what each class becomes, and the material where a ray meets a mesh. */
+#include "last_error.h"
 #include "pbrt_parse.h"
 #include "poor.h"
 #include "surface.h"
@@ -7,15 +8,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-static char last_error[4096];
 static lc_context *ctx;
 static lc_scene *scene; /* of the last load */
-
-static void log_to_buffer(void *user, lc_log_level level, const char *text)
-{
-    (void)user;
-    if (level == LC_LOG_ERROR) snprintf(last_error, sizeof last_error, "%s", text);
-}
 
 #define QUAD                                                                                                            \
     "Shape \"trianglemesh\" \"point3 P\" [-1 -1 2  1 -1 2  1 1 2  -1 1 2] \"integer indices\" [0 1 2 0 2 3] "            \
@@ -534,10 +528,7 @@ TEST(out_of_memory)
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.log = log_to_buffer;
-    desc.n_threads = 1;
-    if (lc_context_create(&desc, &ctx)) return 1;
+    if (!(ctx = quiet_context(1))) return 1;
     RUN(formulas);
     RUN(diffuse);
     RUN(coats);

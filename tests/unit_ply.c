@@ -1,17 +1,10 @@
 /* unit_ply.c - PLY reader: formats, properties, faces, and damaged files with the place of each error. */
+#include "last_error.h"
 #include "ply.h"
 #include "test.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-static char last_error[4096];
-
-static void log_to_buffer(void *user, lc_log_level level, const char *text)
-{
-    (void)user;
-    if (level == LC_LOG_ERROR) snprintf(last_error, sizeof last_error, "%s", text);
-}
 
 static lc_context *ctx;
 
@@ -231,9 +224,7 @@ TEST(missing_file)
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.log = log_to_buffer;
-    if (lc_context_create(&desc, &ctx)) return 1;
+    if (!(ctx = quiet_context(0))) return 1;
     RUN(ascii_triangle);
     RUN(polygons_become_fans);
     RUN(other_elements_and_properties);

@@ -1,4 +1,5 @@
 /* unit_shapes.c - quadrics, bilinear patches and subdivision surfaces as triangles: area, side, normals, texture coordinates. */
+#include "last_error.h"
 #include "pbrt_parse.h"
 #include "scene.h"
 #include "poor.h"
@@ -6,15 +7,8 @@
 
 #include <stdlib.h>
 
-static char last_error[4096];
 static lc_context *ctx;
 static lc_scene *scene; /* of the last load */
-
-static void log_to_buffer(void *user, lc_log_level level, const char *text)
-{
-    (void)user;
-    if (level == LC_LOG_ERROR) snprintf(last_error, sizeof last_error, "%s", text);
-}
 
 #define TEXTURED "Texture \"t\" \"spectrum\" \"checkerboard\" Material \"matte\" \"texture Kd\" \"t\" "
 
@@ -221,9 +215,7 @@ TEST(every_allocation_fails_in_turn)
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.log = log_to_buffer;
-    if (lc_context_create(&desc, &ctx)) return 1;
+    if (!(ctx = quiet_context(0))) return 1;
     RUN(quadrics);
     RUN(sides_of_quadrics);
     RUN(bilinear_meshes);
