@@ -16,7 +16,7 @@ static char path[64];
 
 static lc_status add(lc_merge *m, const uint8_t *data, size_t size)
 {
-    if (ftruncate(file, 0) || pwrite(file, data, size, 0) != (ssize_t)size) abort();
+    if (pwrite(file, data, size, 0) != (ssize_t)size || ftruncate(file, (off_t)size)) abort();
     return lc_merge_add(m, path);
 }
 

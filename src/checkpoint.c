@@ -8,7 +8,7 @@
  *
  * One process writes, held to that by a lock on the file; a record goes out in one write under a mutex. What a killed process leaves
  * is a file of whole records and perhaps the beginning of one, which is cut off. Damaged bytes are skipped up to the next record that
- * is whole; they stay, but for the magic of what seemed a record, and the tiles they held are rendered again and appended. Pixels are
+ * is whole; they stay, but for the magic of a record that is not, and the tiles they held are rendered again and appended. Pixels are
  * read where they are asked for.
  */
 #include "arena.h"
@@ -29,7 +29,7 @@
 #define MAX_PAYLOAD (sizeof(lc_tile_counts) + sizeof(float) * LC_N_PLANES * LC_TILE * LC_TILE)
 #define LOCK_TRIES 20
 #define LOCK_WAIT 100000 /* microseconds */
-#define SCAN ((size_t)1 << 16) /* bytes looked through at once for a record after damage */
+#define SCAN LC_SIZE((size_t)1 << 16, 1 << 9) /* bytes looked through at once for a record after damage */
 
 static const char magic[8] = "LCCKPT1";
 
@@ -137,6 +137,19 @@ static lc_status fill_header(lc_checkpoint *c, const lc_scene *scene, const lc_r
 
 /* ---- opening ---- */
 
+/* Could this begin a record of the picture? */
+static bool fits(const lc_checkpoint *c, const record *r)
+{
+    return r->magic == RECORD_MAGIC && r->tile < c->n_tiles && r->bytes == payload_bytes(c, r->tile);
+}
+
+/* What fits but is no record must not become one when others are appended, as its payload would reach into them. */
+static int erase_mark(const lc_checkpoint *c, uint64_t at)
+{
+    const uint32_t none = 0;
+    return write_at(c->fd, &none, sizeof none, at);
+}
+
 /* Is there a whole record? Then *next is behind it. `room` holds any payload. */
 static int read_record(lc_checkpoint *c, uint64_t at, void *room, bool *whole, uint64_t *next)
 {
@@ -144,9 +157,10 @@ static int read_record(lc_checkpoint *c, uint64_t at, void *room, bool *whole, u
     size_t got;
     *whole = false;
     int err = read_at(c->fd, &r, sizeof r, at, &got);
-    if (err || got < sizeof r || r.magic != RECORD_MAGIC || r.tile >= c->n_tiles || r.bytes != payload_bytes(c, r.tile)) return err;
+    if (err || got < sizeof r || !fits(c, &r)) return err;
     err = read_at(c->fd, room, r.bytes, at + sizeof r, &got);
-    if (err || got < r.bytes || record_crc(&r, room) != r.crc) return err;
+    if (err) return err;
+    if (got < r.bytes || record_crc(&r, room) != r.crc) return erase_mark(c, at);
     *whole = true;
     *next = at + sizeof r + r.bytes;
     if (!c->at[r.tile]) c->info.n_done++;
@@ -154,34 +168,39 @@ static int read_record(lc_checkpoint *c, uint64_t at, void *room, bool *whole, u
     return 0;
 }
 
+/* The first place in `data` where what fits begins, or where the next look has to. */
+static size_t find_fitting(const lc_checkpoint *c, const uint8_t *data, size_t n, bool *found)
+{
+    static const uint32_t mark = RECORD_MAGIC;
+    record r;
+    size_t i = 0;
+    for (*found = false; n - i >= sizeof r; i++) {
+        const uint8_t *hit = memmem(data + i, n - i, &mark, sizeof mark);
+        if (!hit) return n - (sizeof mark - 1);
+        i = (size_t)(hit - data);
+        if (n - i < sizeof r) break;
+        memcpy(&r, hit, sizeof r);
+        *found = fits(c, &r);
+        if (*found) break;
+    }
+    return i;
+}
+
 /* The next place after `at` where a record may begin; the end of the file if there is none. */
 static int find_record(const lc_checkpoint *c, uint64_t at, uint64_t size, uint8_t *room, uint64_t *found)
 {
-    static const uint32_t mark = RECORD_MAGIC;
-    size_t got = 0;
+    size_t got = SCAN;
     *found = size;
-    for (at++; at < size; at += got > 3 ? got - 3 : 1) {
+    for (at++; at < size && got == SCAN;) {
+        bool there;
         int err = read_at(c->fd, room, SCAN, at, &got);
         if (err) return err;
-        const uint8_t *hit = got >= sizeof mark ? memmem(room, got, &mark, sizeof mark) : NULL;
-        if (hit) {
-            *found = at + (uint64_t)(hit - room);
-            return 0;
-        }
-        if (got < SCAN) return 0;
+        at += find_fitting(c, room, got, &there);
+        if (!there) continue;
+        *found = at;
+        return 0;
     }
     return 0;
-}
-
-/* What looks like a record but is none must not become one when others are appended, as its payload would reach into them. */
-static int erase_mark(const lc_checkpoint *c, uint64_t at)
-{
-    uint32_t mark = 0;
-    size_t got;
-    int err = read_at(c->fd, &mark, sizeof mark, at, &got);
-    if (err || mark != RECORD_MAGIC) return err;
-    mark = 0;
-    return write_at(c->fd, &mark, got, at);
 }
 
 static int scan_records(lc_checkpoint *c, uint64_t size, uint8_t *room)
@@ -192,7 +211,6 @@ static int scan_records(lc_checkpoint *c, uint64_t size, uint8_t *room)
         bool whole;
         uint64_t next;
         int err = read_record(c, at, room, &whole, &next);
-        if (!err && !whole) err = erase_mark(c, at);
         if (!err && !whole) err = find_record(c, at, size, room, &next);
         if (err) return err;
         if (whole) {

@@ -250,6 +250,30 @@ TEST(records_out_of_order_twice_and_noise_between)
     end_kept(&k);
 }
 
+/* Noise of what looks like records, so long that they lie at every place of a window that is looked through at once; and much of it. */
+TEST(records_behind_noise)
+{
+    kept k = begin_kept();
+    uint64_t loaded;
+    lc_checkpoint_info info;
+    const size_t window = 1 << 16, most = 1 << 23;
+    const uint8_t *first = memmem(k.file, k.n, "TILE", 4);
+    size_t head = (size_t)(first - k.file), rest = k.n - head;
+    uint8_t *data = malloc(head + most + rest);
+    memcpy(data, k.file, head);
+    for (size_t i = 0; i < most; i++) data[head + i] = (uint8_t)"TILE"[i % 4];
+    for (size_t n = window - 20; n <= window + 20; n = n == window + 20 ? most : n + 1) {
+        memcpy(data + head + n, k.file + head, rest);
+        farm_write("k.ckpt", data, head + n + rest);
+        CHECK(resume(&k, &loaded, &info) == LC_OK);
+        CHECKF(loaded == 40 * 24 && info.damaged_bytes == n, "%zu bytes: %llu pixels", n, (unsigned long long)loaded);
+        for (size_t i = 0; i < rest; i++) data[head + n + i] = (uint8_t)"TILE"[(n + i) % 4];
+        if (n == most) break;
+    }
+    free(data);
+    end_kept(&k);
+}
+
 /* What a loss of power makes of writes that were not forced to the disk: any set of records is there, the others are zeros or the
  * file ends before them, and each goes on to the right picture with no record lost that is whole. */
 TEST(any_set_of_records_on_the_disk)
@@ -411,6 +435,7 @@ int main(void)
     RUN(every_flipped_byte);
     RUN(every_length);
     RUN(records_out_of_order_twice_and_noise_between);
+    RUN(records_behind_noise);
     RUN(any_set_of_records_on_the_disk);
     RUN(foreign_checkpoints);
     RUN(no_room_for_the_checkpoint);
