@@ -45,6 +45,7 @@ typedef struct lc_material {
     lc_fresnel fresnel; /* GGX, mirrors, glass */
     lc_f3 eta, k;       /* index relative to outside; absorption */
     bool coat;          /* GGX: kd lies below a dielectric of eta.x, whose surface is the lobe */
+    bool smooth;        /* GGX: so is the surface; the lobe is a mirror, followed from the camera */
     bool mirror;        /* perfect: kd, exponent and roughness are 0 and don't count */
     bool glass;         /* a mirror that lets through what it does not reflect */
     bool thin;          /* glass: a sheet, which does not bend what goes through */

@@ -61,7 +61,8 @@ static void send(trace *t, const ray *from, lc_f3 org, lc_f3 dir, lc_f3 weight, 
 static void meet_mirror(trace *t, const ray *r, const lc_surface *s, float least)
 {
     float cos_i = -lc_f3_dot(r->dir, s->n);
-    lc_f3 weight = lc_f3_mul(r->weight, lc_reflectance(&s->material, cos_i, !s->front));
+    bool inside = s->material.mirror && !s->front; /* a coat is on both sides */
+    lc_f3 weight = lc_f3_mul(r->weight, lc_reflectance(&s->material, cos_i, inside));
     if (r->depth < t->max_depth && lc_f3_max(weight) > least)
         send(t, r, lc_f3_load(s->ray_org), lc_mirror_leave(s, r->dir), weight, s->t);
 }
@@ -97,8 +98,8 @@ static void turn_over(lc_lit *lit)
 /* A lobe so narrow that it is followed as a mirror; what is below it is lit all the same. */
 static bool is_smooth(const lc_scene *scene, const lc_material *m)
 {
-    return scene->follows_smooth && m->gloss == LC_GLOSS_GGX && lc_f3_max(m->ks) > 0 &&
-           fmaxf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS;
+    bool narrow = scene->follows_smooth && fmaxf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS;
+    return m->gloss == LC_GLOSS_GGX && lc_f3_max(m->ks) > 0 && (m->smooth || narrow);
 }
 
 static void meet(trace *t, const ray *r, const lc_surface *s)

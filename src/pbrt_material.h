@@ -49,8 +49,6 @@ lc_status lc_pbrt_get_mean(lc_pbrt *p, const char *name, double *out);
  * mirror; alphas are then the least there are. */
 lc_status lc_pbrt_get_alpha(lc_pbrt *p, const char *prefix, double usual, lc_pbrt_look *look, bool *smooth);
 
-lc_status lc_pbrt_note_smooth_coat(lc_pbrt *p, lc_pos where);
-
 /* An index of refraction: a number, a glass by name, or of a spectrum the mean by luminance. */
 lc_status lc_pbrt_get_index(lc_pbrt *p, const char *name, double *out);
 void lc_pbrt_set_index(lc_material *m, double index);

@@ -45,24 +45,23 @@ static lc_status get_eta(lc_pbrt *p, lc_material *m)
     return st;
 }
 
-/* kd and a dielectric's lobe. A smooth one shows lights as the sharpest lobe there is. */
-static lc_status glossy(lc_pbrt *p, lc_pos where, lc_pbrt_look *look, const lc_tex_input *kd, const lc_tex_input *ks)
+/* kd and a dielectric's lobe. */
+static lc_status glossy(lc_pbrt *p, lc_pbrt_look *look, const lc_tex_input *kd, const lc_tex_input *ks)
 {
-    bool smooth = false;
     lc_pbrt_be_glossy(&look->m, ONE);
     lc_pbrt_set_tint(kd, &look->m.kd, &look->maps.kd);
     lc_pbrt_set_tint(ks, &look->m.ks, &look->maps.ks);
-    lc_status st = lc_pbrt_get_alpha(p, "", 0.1, look, &smooth);
-    return st || !smooth ? st : lc_pbrt_note_smooth_coat(p, where);
+    return lc_pbrt_get_alpha(p, "", 0.1, look, &look->m.smooth);
 }
 
 lc_status lc_pbrt_plastic(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
     lc_tex_input kd = LC_PBRT_VALUE(0.25), ks = kd;
+    (void)where;
     lc_status st = lc_pbrt_get_tint(p, "Kd", &kd);
     if (!st) st = lc_pbrt_get_tint(p, "Ks", &ks);
     lc_pbrt_set_index(&look->m, 1.5);
-    return st ? st : glossy(p, where, look, &kd, &ks);
+    return st ? st : glossy(p, look, &kd, &ks);
 }
 
 /* Nothing but perfect reflection and transmission. */
@@ -85,7 +84,7 @@ lc_status lc_pbrt_uber(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     if (!st) st = lc_pbrt_get_tint(p, "Kt", &kt);
     if (!st) st = lc_pbrt_get_tint(p, "opacity", &look->opacity);
     if (!st) st = get_eta(p, &look->m);
-    if (!st) st = glossy(p, where, look, &kd, &ks);
+    if (!st) st = glossy(p, look, &kd, &ks);
     if (st || (lc_pbrt_is_black(&kr) && lc_pbrt_is_black(&kt))) return st;
     if (lc_pbrt_is_black(&kd) && lc_pbrt_is_black(&ks)) {
         look->maps = (lc_material_maps)LC_NO_MAPS;
@@ -102,7 +101,7 @@ lc_status lc_pbrt_substrate(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     if (!st) st = lc_pbrt_get_tint(p, "Ks", &ks);
     lc_tex_input rest = { LC_NONE, { 1 - ks.value[0], 1 - ks.value[1], 1 - ks.value[2] } };
     if (!st) st = lc_pbrt_product(p, where, &kd, &rest, &kd);
-    if (!st) st = glossy(p, where, look, &kd, &ks);
+    if (!st) st = glossy(p, look, &kd, &ks);
     look->m.fresnel = LC_FRESNEL_SCHLICK;
     return st;
 }
@@ -149,7 +148,7 @@ lc_status lc_pbrt_translucent(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     if (st) return st;
     lc_pbrt_set_tint(&kt, &look->m.kt, &look->maps.kt);
     lc_pbrt_set_index(&look->m, 1.5);
-    st = glossy(p, where, look, &kd, &ks);
+    st = glossy(p, look, &kd, &ks);
     if (st || !lobe_through) return st;
     return lc_pbrt_note(p, where, "translucent lobe", "translucent: glossy transmission is ignored");
 }

@@ -40,8 +40,8 @@ lc_status lc_pbrt_coated_diffuse(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     if (!st) st = lc_pbrt_get_alpha(p, "", 0, look, &smooth);
     lc_pbrt_be_glossy(&look->m, ONE);
     lc_pbrt_set_index(&look->m, index);
-    look->m.coat = true;
-    return st || !smooth ? st : lc_pbrt_note_smooth_coat(p, where);
+    look->m.coat = true, look->m.smooth = smooth;
+    return st;
 }
 
 /* eta 1 and the k that reflects the colour along the normal, as in pbrt. */

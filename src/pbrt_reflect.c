@@ -114,12 +114,6 @@ lc_status lc_pbrt_get_alpha(lc_pbrt *p, const char *prefix, double usual, lc_pbr
                         (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
 }
 
-lc_status lc_pbrt_note_smooth_coat(lc_pbrt *p, lc_pos where)
-{
-    return lc_pbrt_note(p, where, "smooth coat", "a smooth coat has roughness %g: it shows lights but not the surroundings",
-                        (double)LC_MIN_ROUGHNESS);
-}
-
 /* ---- indices ---- */
 
 lc_status lc_pbrt_get_index(lc_pbrt *p, const char *name, double *out)

@@ -129,11 +129,11 @@ TEST(coats)
     const lc_material *m = ONE4("\"coateddiffuse\" \"rgb reflectance\" [.1 .2 .3] \"float roughness\" .09 "
           "\"float eta\" 1.6 \"float thickness\" 1");
     CHECK(m->coat && m->fresnel == LC_FRESNEL_DIELECTRIC && near3(m->eta, 1.6, 1.6, 1.6, 1e-6) && near3(m->ks, 1, 1, 1, 0));
-    CHECK(rough(m, .3, .3) && near3(m->kd, .1, .2, .3, 1e-7) && note("material coateddiffuse") && scene->n_notes == 1);
+    CHECK(!m->smooth && rough(m, .3, .3) && near3(m->kd, .1, .2, .3, 1e-7) && note("material coateddiffuse") && scene->n_notes == 1);
     m = ONE4("\"coateddiffuse\" \"float uroughness\" .09 \"float vroughness\" .36 \"bool remaproughness\" false");
     CHECK(rough(m, .09, .36) && scene->meshes[0].brushed && near3(m->eta, 1.5, 1.5, 1.5, 0));
     m = ONE4("\"coateddiffuse\" \"rgb albedo\" [.5 .5 .5]");
-    CHECK(rough(m, (double)LC_MIN_ROUGHNESS, (double)LC_MIN_ROUGHNESS) && note("smooth coat") && note("coat albedo"));
+    CHECK(rough(m, (double)LC_MIN_ROUGHNESS, (double)LC_MIN_ROUGHNESS) && m->smooth && note("coat albedo"));
     /* one metal for both layers: more along the normal than either, for a dark one below */
     m = ONE4("\"coatedconductor\" \"rgb conductor.eta\" [1.5 1.5 1.5] \"rgb conductor.k\" [0 0 0] \"float conductor.roughness\" .25");
     CHECK(!m->coat && m->fresnel == LC_FRESNEL_CONDUCTOR && rough(m, .5, .5) && near3(metal(m), .04, .04, .04, 1e-6));

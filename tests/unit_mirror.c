@@ -179,6 +179,32 @@ TEST(emission_in_mirrors)
     lc_image_destroy(a.image);
 }
 
+/* Above what is black, a smooth coat is nothing but a mirror; at depth 1 it shows no light that is a point. */
+TEST(smooth_coats)
+{
+    for (int v4 = 0; v4 < 2; v4++) {
+        const char *coat = v4 ? "Material \"coateddiffuse\" \"rgb reflectance\" [0 0 0] \"float eta\" 1.5\n" WALL("30", "2")
+                              : "Material \"uber\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [1 1 1] \"float eta\" 1.5 \"float roughness\" 0 "
+                                "\"bool remaproughness\" \"false\"\n" WALL("30", "2");
+        shot a = shoot(load(FILM CAMERA STAGE "%s", coat), LC_METHOD_EXACT, 0);
+        shot b = shoot(load(FILM CAMERA "Translate 0 0 4 Scale 1 1 -1\n" STAGE), LC_METHOD_EXACT, 0);
+        shot c = shoot(load(FILM CAMERA STAGE "%s", coat), LC_METHOD_EXACT, 1);
+        uint32_t n = 0;
+        for (uint32_t y = 0; y < a.h; y++)
+            for (uint32_t x = 0; x < a.w; x++) {
+                double px = at(&a, "P.X", x, y), py = at(&a, "P.Y", x, y);
+                double ci = 2 / sqrt(px * px + py * py + 4), ct = sqrt(1 - (1 - ci * ci) / 2.25);
+                double rs = (ci - 1.5 * ct) / (ci + 1.5 * ct), rp = (1.5 * ci - ct) / (1.5 * ci + ct), share = (rs * rs + rp * rp) / 2;
+                n += !near(at(&a, "G", x, y), share * at(&b, "G", x, y), 1e-4);
+                CHECK(!(at(&c, "G", x, y) > 0));
+            }
+        CHECKF(n <= 3, "%d: %u pixels differ", v4, n);
+        lc_image_destroy(a.image);
+        lc_image_destroy(b.image);
+        lc_image_destroy(c.image);
+    }
+}
+
 /* Normals that lean away by any amount: the ray leaves on its side of the surface and is lit there, or meets the wall above. */
 TEST(never_below_the_surface)
 {
@@ -245,6 +271,7 @@ int main(void)
     RUN(depth_1_is_black_in_mirrors);
     RUN(facing_mirrors_end_at_the_depth);
     RUN(emission_in_mirrors);
+    RUN(smooth_coats);
     RUN(never_below_the_surface);
     RUN(textures_in_mirrors);
     RUN(no_mirror_is_as_before);

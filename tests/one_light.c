@@ -1,0 +1,151 @@
+/* one_light.c - a picture with the noise of a path tracer that picks one light a sample.
+ *
+ *     one_light SCENE SPP SEED OUT.exr        direct light only, as --maxdepth 1
+ *
+ * It is our own exact method but for that choice, so what `compare` says of it and the exact picture is noise alone: what a reference
+ * of SPP samples can show at best. The light is found as pbrt-v4's light BVH does it, by a walk down the light tree, a child as likely
+ * as its power times the greatest cosine over the square of its distance ([Conty18]; emission cones left out), among directional lights
+ * by power. Numbers for positions and lights are as well spread as Sobol's. An area light is jittered oriented lights, where a path
+ * tracer picks points.
+ */
+#include "lightcuts.h"
+
+#include "cut.h"
+#include "kernels.h"
+#include "mirror.h"
+#include "sample.h"
+#include "scene.h"
+#include "shade.h"
+#include "sun.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static lc_scene *scene;
+
+/* How likely a cluster is taken, beside others of its kind. */
+static double importance(uint32_t link, lc_light_kind kind, const lc_surface *s)
+{
+    const lc_tree_data *t = &scene->tree->data;
+    const lc_light_rec *light = &t->lights[link & ~LC_LEAF];
+    const lc_node *node = &t->nodes[link];
+    bool leaf = link & LC_LEAF;
+    const float *center = leaf ? light->pos : node->center, *rgb = leaf ? light->intensity : node->power;
+    double power = (double)lc_luminance(lc_f3_load(rgb)), diagonal2 = 0;
+    if (kind == LC_LIGHT_DIRECTIONAL) return power;
+    for (int k = 0; k < 3 && !leaf; k++) diagonal2 += 4 * (double)node->half[k] * (double)node->half[k];
+    lc_f3 way = lc_f3_sub(lc_f3_load(center), s->pos);
+    double d2 = (double)lc_f3_dot(way, way), radius2 = diagonal2 / 4;
+    double cos_i = fabs((double)lc_f3_dot(way, s->n)) / sqrt(d2 + 1e-30), cos_b = d2 < radius2 ? -1 : sqrt(1 - radius2 / (d2 + 1e-30));
+    if (cos_i < cos_b) cos_i = cos_i * cos_b + sqrt(fmax(1 - cos_i * cos_i, 0) * fmax(1 - cos_b * cos_b, 0));
+    else cos_i = 1;
+    return power * cos_i / fmax(d2, sqrt(diagonal2) / 2);
+}
+
+/* Takes the first of two with the share a / (a + b); u stays uniform, *p is multiplied by the likelihood. */
+static bool first_of_two(double a, double b, double *u, double *p)
+{
+    double share = a + b > 0 ? a / (a + b) : 0.5;
+    bool first = *u < share;
+    *u = first ? *u / share : (*u - share) / (1 - share);
+    *p *= first ? share : 1 - share;
+    return first;
+}
+
+/* The kind to look in: all that have a distance compete, directional lights are half of the choices. */
+static lc_light_kind choose_kind(const lc_surface *s, double *u, double *p)
+{
+    const lc_light_tree *t = scene->tree;
+    lc_light_kind kind = LC_LIGHT_KINDS;
+    for (int k = 0; k < LC_LIGHT_KINDS; k++) {
+        if (!t->n_of_kind[k]) continue;
+        bool far = k == LC_LIGHT_DIRECTIONAL || kind == LC_LIGHT_DIRECTIONAL;
+        double old = far ? 1 : kind < LC_LIGHT_KINDS ? importance(t->root[kind], kind, s) : 0;
+        double new = far ? 1 : importance(t->root[k], (lc_light_kind)k, s);
+        if (kind == LC_LIGHT_KINDS || !first_of_two(old, new, u, p)) kind = (lc_light_kind)k;
+    }
+    return kind;
+}
+
+/* One light's radiance over its likelihood. */
+static lc_f3 sample_light(const lc_lit *lit, double u)
+{
+    const lc_light_tree *t = scene->tree;
+    const lc_surface *s = &lit->surface;
+    double p = 1;
+    float f[6][LC_LANES];
+    float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
+    const float *const target[3] = { f[3], f[4], f[5] };
+    uint8_t hidden[LC_LANES];
+    lc_point point;
+    lc_light_kind kind = choose_kind(s, &u, &p);
+    uint32_t link = t->root[kind];
+    while (!(link & LC_LEAF)) {
+        const lc_node *node = &t->data.nodes[link];
+        bool left = first_of_two(importance(node->left, kind, s), importance(node->right, kind, s), &u, &p);
+        link = left ? node->left : node->right;
+    }
+    link &= ~LC_LEAF;
+    lc_point_init(&point, s->pos, s->n, lit->view, &s->material, scene->min_d2);
+    if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(point.ng, s->ng);
+    scene->bvh->kernels->estimate(&t->data, 0, &link, 1, kind, &point, out);
+    lc_cut_hidden(scene->bvh, &point, s->ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, hidden);
+    if (hidden[0]) return lc_f3_make(0, 0, 0);
+    return lc_f3_scale(lc_f3_mul(lc_f3_make(f[0][0], f[1][0], f[2][0]), lc_f3_load(t->data.lights[link].intensity)), (float)(1 / p));
+}
+
+static lc_f3 pixel(uint32_t x, uint32_t y, uint32_t spp, uint64_t seed)
+{
+    const double lens[2] = { 0.5, 0.5 };
+    uint64_t film = lc_hash4(seed, x, y, 0), lights = lc_hash4(seed, x, y, 1);
+    lc_f3 sum = { 0, 0, 0 };
+    for (uint32_t i = 0; i < spp; i++) {
+        double at[2], u[2];
+        lc_f3 org, dir;
+        lc_sight sight;
+        lc_sample_pair(film, i, at);
+        lc_camera_ray(&scene->camera, x + at[0], y + at[1], lens, &org, &dir);
+        if (!lc_sight_trace(scene, org, dir, scene->camera.pixel, 1, &sight)) {
+            sum = lc_f3_add(sum, lc_background(scene, dir));
+            continue;
+        }
+        sum = lc_f3_add(sum, sight.emission);
+        lc_sample_pair(lights, i ^ (uint32_t)(lights >> 20) % spp, u); /* in another order than the positions */
+        for (uint32_t k = 0; k < sight.n_lit && scene->tree->n_lights; k++)
+            sum = lc_f3_add(sum, lc_f3_mul(sample_light(&sight.lit[k], u[0]), sight.lit[k].weight));
+    }
+    return lc_f3_scale(sum, 1 / (float)spp);
+}
+
+int main(int argc, char **argv)
+{
+    lc_context *ctx;
+    lc_image *image;
+    lc_image_desc desc = LC_IMAGE_DESC_INIT;
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    float *plane[3];
+    unsigned long spp = argc == 5 ? strtoul(argv[2], NULL, 10) : 0, seed = argc == 5 ? strtoul(argv[3], NULL, 10) : 0;
+    if (!spp || spp > 1 << 16 || spp & (spp - 1)) {
+        fputs("usage: one_light SCENE SPP SEED OUT.exr        SPP: a power of 2\n", stderr);
+        return 2;
+    }
+    load.indirect_lights = LC_NO_LIGHTS;
+    if (lc_context_create(NULL, &ctx) || lc_scene_load(ctx, argv[1], &load, &scene)) return 1;
+    desc.width = scene->film.width, desc.height = scene->film.height;
+    if (lc_image_create(ctx, &desc, &image)) return 1;
+    for (int k = 0; k < 3; k++)
+        if (lc_image_add_channel(image, (const char *[]){ "R", "G", "B" }[k], &plane[k])) return 1;
+    for (uint32_t y = 0; y < desc.height; y++)
+        for (uint32_t x = 0; x < desc.width; x++) {
+            lc_f3 c = pixel(x, y, (uint32_t)spp, seed);
+            size_t i = (size_t)y * desc.width + x;
+            plane[0][i] = c.x, plane[1][i] = c.y, plane[2][i] = c.z;
+        }
+    bool failed = lc_image_write(image, argv[4]) != LC_OK;
+    lc_image_destroy(image);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+    return failed;
+}
