@@ -147,6 +147,20 @@ static lc_status mix(lc_pbrt *p, lc_pos where, lc_texture *t)
     return st ? st : input(p, "amount", true, &t->in[2]);
 }
 
+/* v4's, between surfaces across a direction and those along it. */
+static lc_status direction_mix(lc_pbrt *p, lc_pos where, lc_texture *t)
+{
+    double dir[3] = { 0, 1, 0 };
+    (void)where;
+    t->in[1] = (lc_tex_input)NO_INPUT(1);
+    lc_status st = lc_pbrt_get_triple(&p->params, "dir", dir, NULL);
+    lc_xform_vector(&p->ctm, dir, t->map.v1);
+    lc_f3 unit = lc_f3_normalize_d(t->map.v1[0], t->map.v1[1], t->map.v1[2]);
+    t->map.v1[0] = (double)unit.x, t->map.v1[1] = (double)unit.y, t->map.v1[2] = (double)unit.z;
+    if (!st) st = input(p, "tex1", t->is_float, &t->in[0]);
+    return st ? st : input(p, "tex2", t->is_float, &t->in[1]);
+}
+
 static lc_status checkerboard(lc_pbrt *p, lc_pos where, lc_texture *t)
 {
     int64_t dimension = 2;
@@ -236,7 +250,8 @@ static const struct {
     lc_tex_kind kind;
     reader *read;
 } classes[] = { { "constant", LC_TEX_CONSTANT, constant }, { "scale", LC_TEX_SCALE, scale },
-                { "mix", LC_TEX_MIX, mix },                { "imagemap", LC_TEX_IMAGE, imagemap },
+                { "mix", LC_TEX_MIX, mix },                { "directionmix", LC_TEX_DIRECTION, direction_mix },
+                { "imagemap", LC_TEX_IMAGE, imagemap },
                 { "checkerboard", LC_TEX_CHECKER, checkerboard }, { "dots", LC_TEX_DOTS, dots },
                 { "bilerp", LC_TEX_BILERP, bilerp },       { "uv", LC_TEX_UV, uv },
                 { "fbm", LC_TEX_FBM, noise },              { "wrinkled", LC_TEX_WRINKLED, noise },

@@ -9,8 +9,8 @@
 
 const char *lc_tex_kind_name(lc_tex_kind kind)
 {
-    static const char *const names[LC_TEX_KINDS] = { "constant", "scale", "mix",      "imagemap", "checkerboard", "dots", "bilerp",
-                                                     "uv",       "fbm",   "wrinkled", "windy",    "marble",       "wood" };
+    static const char *const names[LC_TEX_KINDS] = { "constant", "scale", "mix",      "directionmix", "imagemap", "checkerboard", "dots",
+                                                     "bilerp",   "uv",    "fbm",      "wrinkled",     "windy",    "marble",       "wood" };
     return names[kind];
 }
 
@@ -29,6 +29,12 @@ static void blend(const lc_textures *set, const lc_texture *t, const lc_tex_poin
     if (w < 1 || w > 1) input(set, &t->in[0], p, a);
     if (w < 0 || w > 0) input(set, &t->in[1], p, b);
     for (int k = 0; k < 3; k++) out[k] = (1 - w) * a[k] + w * b[k];
+}
+
+static double across(const lc_texture *t, const lc_tex_point *p)
+{
+    const double *v = t->map.v1;
+    return 1 - fmin(fabs(v[0] * p->n[0] + v[1] * p->n[1] + v[2] * p->n[2]), 1);
 }
 
 /* Integral of the integral of the square wave that is 1 on even cells and -1 on odd ones. */
@@ -144,6 +150,7 @@ void lc_texture_eval(const lc_textures *set, uint32_t id, const lc_tex_point *p,
         input(set, &t->in[2], p, v);
         blend(set, t, p, v[0], out);
         break;
+    case LC_TEX_DIRECTION: blend(set, t, p, across(t, p), out); break;
     case LC_TEX_IMAGE: image(set, t, p, out); break;
     case LC_TEX_CHECKER: blend(set, t, p, checker(t, p), out); break;
     case LC_TEX_DOTS: blend(set, t, p, dots(t, p), out); break;
@@ -188,6 +195,7 @@ static void set_mean(const lc_textures *set, lc_texture *t)
         case LC_TEX_SCALE: t->mean[k] = in[0][k] * in[1][k] * in[2][k]; break;
         case LC_TEX_BILERP: t->mean[k] = (in[0][k] + in[1][k] + in[2][k] + in[3][k]) / 4; break;
         case LC_TEX_MIX: w = in[2][0]; /* fall through */
+        case LC_TEX_DIRECTION:
         case LC_TEX_CHECKER:
         case LC_TEX_DOTS:
         case LC_TEX_WOOD: t->mean[k] = (1 - w) * in[0][k] + w * in[1][k]; break;

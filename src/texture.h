@@ -16,6 +16,7 @@ typedef struct lc_tex_point {
     double uv[2];
     double grad_u, grad_v; /* change of u and v per unit of length along the surface */
     double width;          /* world, of what a pixel sees there; 0: a point */
+    double n[3];           /* unit, across the triangle, on either side; 0 where it is degenerate */
 } lc_tex_point;
 
 typedef enum lc_tex_map_kind {
@@ -36,6 +37,7 @@ typedef enum lc_tex_kind {
     LC_TEX_CONSTANT,  /* in[0] */
     LC_TEX_SCALE,     /* in[0] in[1] in[2] */
     LC_TEX_MIX,       /* (1 - in[2]) in[0] + in[2] in[1] */
+    LC_TEX_DIRECTION, /* w in[0] + (1 - w) in[1], w = |n . v1| */
     LC_TEX_IMAGE,
     LC_TEX_CHECKER,   /* in[0] where the sum of whole parts of s and t (p's, if solid) is even, else in[1] */
     LC_TEX_DOTS,      /* in[0] inside of them, in[1] outside */

@@ -48,6 +48,9 @@ lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const
         for (int i = 0; i < 3; i++) p.pos[i] += w[k] * (double)corner[k][i];
         for (int i = 0; i < 2; i++) p.uv[i] += w[k] * (double)t[i];
     }
+    d3 n = cross(sub(corner[1], corner[0]), sub(corner[2], corner[0]));
+    double len = sqrt(dot(n, n)), inv = len > 0 ? 1 / len : 0;
+    p.n[0] = n.x * inv, p.n[1] = n.y * inv, p.n[2] = n.z * inv;
     return p;
 }
 

@@ -165,7 +165,7 @@ static lc_tex_map make_map(lc_tex_map_kind kind)
 TEST(mappings_agree)
 {
     for (uint64_t i = 0; i < 5000; i++) {
-        lc_tex_point p = { { 4 * rnd(i, 5) - 2, 4 * rnd(i, 6) - 2, 4 * rnd(i, 7) - 2 }, { rnd(i, 8), rnd(i, 9) }, 2, 3, 1e-3 };
+        lc_tex_point p = { { 4 * rnd(i, 5) - 2, 4 * rnd(i, 6) - 2, 4 * rnd(i, 7) - 2 }, { rnd(i, 8), rnd(i, 9) }, 2, 3, 1e-3, { 0, 0, 1 } };
         double st[2], w[2];
         lc_tex_map m = make_map(LC_MAP_UV);
         m.su = 3, m.sv = -2, m.du = 0.25, m.dv = 7;
@@ -188,7 +188,7 @@ TEST(mappings_agree)
         CHECK(lc_tex_map_2d(&m, &p, st, w));
         CHECK(fabs(st[0] - about) < 1e-12 && fabs(st[1] - p.pos[2]) < 1e-12);
     }
-    lc_tex_point nowhere = { { 1e300, 0, 0 }, { 0, 0 }, 0, 0, 0 };
+    lc_tex_point nowhere = { { 1e300, 0, 0 }, { 0, 0 }, 0, 0, 0, { 0, 0, 1 } };
     lc_tex_map m = make_map(LC_MAP_PLANAR);
     double st[2], w[2];
     m.to_texture[0] = 1e300;
@@ -214,7 +214,7 @@ static uint32_t add(const lc_texture *t)
     return id;
 }
 
-static lc_tex_point at_uv(double u, double v, double width) { return (lc_tex_point){ { u, v, 0 }, { u, v }, 1, 1, width }; }
+static lc_tex_point at_uv(double u, double v, double width) { return (lc_tex_point){ { u, v, 0 }, { u, v }, 1, 1, width, { 0, 0, 1 } }; }
 
 /* Sum over a triangle filter of radius 3/4 of a pixel, by the midpoint rule. */
 static double plain_checker(double s, double t, double width)
@@ -250,7 +250,7 @@ TEST(checkerboard)
     t.solid = true;
     id = add(&t);
     for (int i = 0; i < 8; i++) {
-        lc_tex_point p = { { (i & 1) + 0.5, (i >> 1 & 1) + 0.5, (i >> 2) - 0.5 }, { 0, 0 }, 0, 0, 0 };
+        lc_tex_point p = { { (i & 1) + 0.5, (i >> 1 & 1) + 0.5, (i >> 2) - 0.5 }, { 0, 0 }, 0, 0, 0, { 0, 0, 1 } };
         lc_texture_eval(&set, id, &p, v);
         CHECK(v[0] == (double)(((i & 1) + (i >> 1 & 1) + (i >> 2) + 1) % 2));
     }
@@ -308,11 +308,11 @@ TEST(wood_has_rings)
     double v[3];
     static const double r[] = { 0, 0.2, 0.4, 0.45, 0.5 }, want[] = { 0, 0.5, 1, 0.5, 0 };
     for (int i = 0; i < 5; i++) {
-        lc_tex_point p = { { 0.6 * (r[i] + 1e-9), -0.8 * (r[i] + 1e-9), 17 * i }, { 0, 0 }, 0, 0, 0 };
+        lc_tex_point p = { { 0.6 * (r[i] + 1e-9), -0.8 * (r[i] + 1e-9), 17 * i }, { 0, 0 }, 0, 0, 0, { 0, 0, 1 } };
         lc_texture_eval(&set, id, &p, v);
         CHECKF(fabs(v[0] - 0.25 - 0.5 * want[i]) < 1e-6, "ring %g: %g", r[i], v[0]);
     }
-    lc_tex_point far = { { 3.3, 0, 0 }, { 0, 0 }, 0, 0, 5 };
+    lc_tex_point far = { { 3.3, 0, 0 }, { 0, 0 }, 0, 0, 5, { 0, 0, 1 } };
     lc_texture_eval(&set, id, &far, v);
     CHECK(fabs(v[0] - 0.5) < 1e-9);
 }

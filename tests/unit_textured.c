@@ -176,6 +176,10 @@ TEST(values_of_materials)
                       "Material \"phong\" \"texture Kd\" \"c\" \"texture Ks\" \"k\" \"texture exponent\" \"e\"\n" QUAD UV4) == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s));
     CHECK(near3(s.material.kd, .75, .25, 0) && near3(s.material.ks, .375, .125, 0) && fabs((double)s.material.exponent - 25) < 1e-3);
+    /* v4's, by the cosine between the normal, along z, and a direction that the matrix turns: 0 3 4 becomes 0 -4 3 */
+    CHECK(load(HEAD4, "AttributeBegin Rotate 90 1 0 0\nTexture \"t\" \"spectrum\" \"directionmix\" \"vector3 dir\" [0 3 4]\n"
+                      "\"rgb tex1\" [1 .5 0] \"rgb tex2\" [0 0 1] AttributeEnd\n" MATTE QUAD) == LC_OK && scene->n_notes == 0);
+    CHECK(near3(kd_at(.5, -.5, 0), .6, .3, .4));
     /* values beyond 1 are cut off */
     CHECK(load(HEAD3, "Texture \"c\" \"color\" \"checkerboard\" \"float uscale\" 2 \"float vscale\" 2 \"rgb tex1\" [3 .5 -1]\n"
                       "MakeNamedMaterial \"n\" \"string type\" \"plastic\" \"texture Kd\" \"c\"\nNamedMaterial \"n\"\n" QUAD UV3) == LC_OK);
