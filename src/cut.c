@@ -174,17 +174,22 @@ static const float *find_cluster(const lc_tree_data *t, uint32_t link)
     return node->power;
 }
 
+static uint32_t rep_of(const lc_cut *c, uint32_t link)
+{
+    return link & LC_LEAF ? link & ~LC_LEAF : c->reps[link * c->reps_stride];
+}
+
 /* Finds the children and their new representatives. */
 static void find_children(const lc_cut *c, step *s)
 {
     const lc_tree_data *t = &c->tree->data;
-    const uint32_t *parent = c->split.link + s->pairs.first;
+    const uint32_t *parent = c->split.link + s->pairs.first, *own = c->split.rep + s->pairs.first;
     for (uint32_t i = 0; i < s->pairs.n; i++) {
         const lc_node *node = &t->nodes[parent[i]];
-        uint32_t fresh = c->fresh[parent[i] * c->fresh_stride], right = fresh >> 31;
+        uint32_t rep = rep_of(c, node->left), right = rep == (own[i] & ~LC_PENDING);
         s->link[2 * i] = node->left, s->link[2 * i + 1] = node->right;
         s->power[2 * i] = find_cluster(t, node->left), s->power[2 * i + 1] = find_cluster(t, node->right);
-        s->rep[i] = fresh & ~LC_FRESH_RIGHT;
+        s->rep[i] = right ? rep_of(c, node->right) : rep;
         s->fresh[2 * i] = (float)(1 - right), s->fresh[2 * i + 1] = (float)right;
         __builtin_prefetch(&t->lights[s->rep[i]]);
     }
@@ -281,7 +286,7 @@ static double place_root(lc_cut *c, step *s, lc_light_kind kind)
     const lc_light_tree *t = c->tree;
     uint32_t link = t->root[kind];
     bool inner = !(link & LC_LEAF), lit;
-    s->rep[0] = t->root_rep[kind][c->slot], s->bound[0] = 1;
+    s->rep[0] = rep_of(c, link), s->bound[0] = 1;
     if (inner) kernels(c)->bounds(&t->data, &link, 1, kind, s->point, s->bound);
     s->stats->bounds += inner;
     estimate(c, s, 0, 1, kind);
@@ -410,8 +415,8 @@ static void set_slot(lc_cut *c, uint32_t slot)
 {
     const lc_light_tree *t = c->tree;
     c->slot = slot;
-    c->fresh = slot ? t->more_fresh + (size_t)(slot - 1) * t->n_nodes : &t->data.nodes->fresh;
-    c->fresh_stride = slot ? 1 : sizeof(lc_node) / sizeof(uint32_t);
+    c->reps = slot ? t->more_reps + (size_t)(slot - 1) * t->n_nodes : &t->data.nodes->rep;
+    c->reps_stride = slot ? 1 : sizeof(lc_node) / sizeof(uint32_t);
 }
 
 /* Splits until no bound is above the limit, all shadow rays that are pending taken as not hidden: the total then is no

@@ -54,8 +54,8 @@ typedef struct lc_cut {
     uint32_t n_history, n_rounds;
     bool keep_done;
     double done_sum[3];  /* radiance of the done ones */
-    const uint32_t *fresh; /* of the slot: node id has fresh[id * fresh_stride], see lc_node.fresh */
-    size_t fresh_stride;
+    const uint32_t *reps;  /* of the slot: node id has reps[id * reps_stride] */
+    size_t reps_stride;
     uint32_t slot;
 } lc_cut;
 

@@ -79,16 +79,6 @@ static void set_box(const lc_light_tree *t, uint32_t link, lc_explained_cluster 
     }
 }
 
-/* The light that stands for a cluster in the cut's slot. */
-static uint32_t representative(const lc_light_tree *t, uint32_t link, uint32_t slot)
-{
-    while (!(link & LC_LEAF)) {
-        bool right = lc_node_fresh(t, link, slot) & LC_FRESH_RIGHT;
-        link = right ? t->data.nodes[link].left : t->data.nodes[link].right;
-    }
-    return link & ~LC_LEAF;
-}
-
 /* M G of lights of one kind into f[0 .. 2]; hidden[i] where that is not 0, else 2. */
 static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_light_kind kind, float f[6][BATCH], uint8_t *hidden)
 {
@@ -109,7 +99,7 @@ static void describe(explainer *e, uint32_t link, lc_explained_cluster *c)
     const lc_light_tree *t = e->tree;
     _Alignas(64) float f[6][BATCH], ub[LC_LANES];
     uint8_t hidden[LC_LANES];
-    uint32_t rep = representative(t, link, e->probe.cut.slot);
+    uint32_t rep = lc_rep_of(t, link, e->probe.cut.slot);
     lc_light_kind kind = lc_kind_of_light(t, rep);
     const lc_light_rec *light = &t->data.lights[rep];
     const float *power = link & LC_LEAF ? light->intensity : t->data.nodes[link].power;

@@ -37,13 +37,11 @@ typedef struct lc_node {
     float power[3];    /* summed intensity R G B, rounded up; also what the estimate uses */
     uint32_t right;    /* child */
     float axis[3];     /* oriented, spot: unit axis of the cone that holds every emission direction */
-    uint32_t fresh;    /* of slot 0: the light that represents the child that does not have the node's own representative;
-                        * LC_FRESH_RIGHT: that child is the right one */
+    uint32_t rep;      /* of slot 0: the light that represents it, which represents one of its children, too */
 } lc_node;
 _Static_assert(sizeof(lc_node) == 64, "a cache line");
 
 #define LC_LEAF 0x80000000u
-#define LC_FRESH_RIGHT 0x80000000u
 
 /* One light as the estimate reads it. Where the kind's place in the tree is needed it follows from the index. */
 typedef struct lc_light_rec {

@@ -4,9 +4,8 @@
  *     nodes       those of one kind in a row, kinds in rising order, in treelets of three levels, depth first, so that a
  *                 descent stays on the same cache lines; parents before children
  *     lights      in the order in which the treelets meet them, kinds in rising order
- *     fresh       representatives: slot s of a cluster is slot s of one child, chosen with probability I_child / I_cluster
- *                 from a hash of the cluster, so P(light) = I_light / I_cluster at every cluster. A node keeps who
- *                 represents the other child; its own representative is known from above, and of the root kept apart
+ *     rep         representatives: slot s of a cluster is slot s of one child, chosen with probability I_child / I_cluster
+ *                 from a hash of the cluster, so P(light) = I_light / I_cluster at every cluster. A light represents itself
  *
  * Bytes: 96 a light; with other attenuation than 1/d^2 32 more; of a spot 32 more; 4 more for each slot after the first.
  */
@@ -22,12 +21,11 @@ typedef struct lc_light_tree lc_light_tree;
 struct lc_light_tree {
     const lc_context *ctx;
     lc_tree_data data;
-    uint32_t *more_fresh; /* as lc_node.fresh of all nodes for slot 1, then slot 2, ...; NULL where n_reps is 1 */
+    uint32_t *more_reps; /* as lc_node.rep of all nodes for slot 1, then slot 2, ...; NULL where n_reps is 1 */
     uint32_t n_nodes, n_lights, n_reps;
     uint32_t n_of_kind[LC_LIGHT_KINDS];
     uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
     uint32_t root[LC_LIGHT_KINDS];                   /* link; LC_NONE: no light of that kind */
-    uint32_t root_rep[LC_LIGHT_KINDS][LC_MAX_REPS];  /* representatives of the roots */
 };
 
 typedef struct lc_light_tree_desc {
@@ -44,9 +42,11 @@ lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *d
 void lc_light_tree_destroy(lc_light_tree *tree);
 size_t lc_light_tree_bytes(const lc_light_tree *tree); /* of the arrays */
 
-static inline uint32_t lc_node_fresh(const lc_light_tree *t, uint32_t id, uint32_t slot)
+/* The light that represents a cluster. */
+static inline uint32_t lc_rep_of(const lc_light_tree *t, uint32_t link, uint32_t slot)
 {
-    return slot ? t->more_fresh[(size_t)(slot - 1) * t->n_nodes + id] : t->data.nodes[id].fresh;
+    if (link & LC_LEAF) return link & ~LC_LEAF;
+    return slot ? t->more_reps[(size_t)(slot - 1) * t->n_nodes + link] : t->data.nodes[link].rep;
 }
 
 static inline lc_light_kind lc_kind_of_node(const lc_light_tree *t, uint32_t id)

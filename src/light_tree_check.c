@@ -28,7 +28,6 @@ typedef struct {
     uint32_t n_order;
     uint8_t *node_seen, *light_seen;
     sums *sums;    /* by node */
-    uint32_t *rep; /* by node: the representative of the slot looked at */
 } check;
 
 static float min_f(float a, float b) { return b < a ? b : a; }
@@ -252,22 +251,13 @@ static const char *check_node(check *c, uint32_t id, uint32_t *stack)
     return wrong;
 }
 
-/* Representatives of one slot, children before parents: the fresh one is that of the child that is said to have it. */
-static const char *check_reps(check *c, uint32_t slot)
+/* A node's representatives are those of one of its children, and so lights below it. */
+static const char *check_reps(const lc_light_tree *t, uint32_t id)
 {
-    const lc_light_tree *t = c->t;
-    for (uint32_t i = c->n_order; i-- > 0;) {
-        uint32_t id = c->order[i], fresh = lc_node_fresh(t, id, slot), rep[2];
-        const uint32_t link[2] = { t->data.nodes[id].left, t->data.nodes[id].right };
-        for (int k = 0; k < 2; k++) rep[k] = link[k] & LC_LEAF ? link[k] & ~LC_LEAF : c->rep[link[k]];
-        bool right = fresh & LC_FRESH_RIGHT;
-        if ((fresh & ~LC_FRESH_RIGHT) != rep[right]) return "a representative is not that of the child";
-        c->rep[id] = rep[!right];
-    }
-    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
-        uint32_t root = t->root[kind];
-        if (root == LC_NONE) continue;
-        if (t->root_rep[kind][slot] != (root & LC_LEAF ? root & ~LC_LEAF : c->rep[root])) return "a root's representative is wrong";
+    const lc_node *b = &t->data.nodes[id];
+    for (uint32_t slot = 0; slot < t->n_reps; slot++) {
+        uint32_t own = lc_rep_of(t, id, slot);
+        if (own != lc_rep_of(t, b->left, slot) && own != lc_rep_of(t, b->right, slot)) return "a representative is not that of a child";
     }
     return NULL;
 }
@@ -297,14 +287,12 @@ const char *lc_light_tree_validate(const lc_light_tree *t)
     c.node_seen = lc_alloc(t->ctx, n, 1);
     c.light_seen = lc_alloc(t->ctx, t->n_lights, 1);
     c.sums = lc_alloc(t->ctx, n, sizeof *c.sums);
-    c.rep = lc_alloc(t->ctx, n, sizeof *c.rep);
     uint32_t *stack = lc_alloc(t->ctx, room, sizeof *stack);
-    if (!c.order || !c.node_seen || !c.light_seen || !c.sums || !c.rep || !stack) wrong = "out of memory";
+    if (!c.order || !c.node_seen || !c.light_seen || !c.sums || !stack) wrong = "out of memory";
     if (!wrong) wrong = walk(&c, stack);
     for (uint32_t i = c.n_order; i-- > 0 && !wrong;) wrong = check_node(&c, c.order[i], stack);
-    for (uint32_t slot = 0; slot < t->n_reps && !wrong; slot++) wrong = check_reps(&c, slot);
+    for (uint32_t id = 0; id < t->n_nodes && !wrong; id++) wrong = check_reps(t, id);
     lc_free(t->ctx, stack, room, sizeof *stack);
-    lc_free(t->ctx, c.rep, n, sizeof *c.rep);
     lc_free(t->ctx, c.sums, n, sizeof *c.sums);
     lc_free(t->ctx, c.light_seen, t->n_lights, 1);
     lc_free(t->ctx, c.node_seen, n, 1);

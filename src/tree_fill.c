@@ -184,10 +184,10 @@ static void choose_reps(const filler *f, batch *b, uint32_t at, const sums child
         uint32_t rep[2];
         for (int i = 0; i < 2; i++) rep[i] = e->slot[i] == LC_NONE ? link[i] & ~LC_LEAF : b->rep[(size_t)e->slot[i] * t->n_reps + s];
         bool is_left = u[s] * (left + right) < left;
-        uint32_t fresh = is_left ? rep[1] | LC_FRESH_RIGHT : rep[0];
-        b->rep[(size_t)at * t->n_reps + s] = is_left ? rep[0] : rep[1];
-        if (s) t->more_fresh[(size_t)(s - 1) * t->n_nodes + e->id] = fresh;
-        else t->data.nodes[e->id].fresh = fresh;
+        uint32_t own = is_left ? rep[0] : rep[1];
+        b->rep[(size_t)at * t->n_reps + s] = own;
+        if (s) t->more_reps[(size_t)(s - 1) * t->n_nodes + e->id] = own;
+        else t->data.nodes[e->id].rep = own;
     }
 }
 
@@ -284,7 +284,6 @@ static lc_status fill_tree(filler *f)
     if (st) return st;
     fill_all(f, &f->top);
     f->t->root[kind] = id;
-    memcpy(f->t->root_rep[kind], f->top.rep, f->t->n_reps * sizeof *f->top.rep);
     return LC_OK;
 }
 
@@ -303,7 +302,6 @@ lc_status lc_tree_fill(lc_light_tree *t, const lc_build_input *in, const lc_buil
         sums unused;
         fill_light(&f, 0, light, &unused);
         t->root[in->kind] = LC_LEAF | light;
-        for (uint32_t s = 0; s < t->n_reps; s++) t->root_rep[in->kind][s] = light;
         return LC_OK;
     }
     f.n_below = lc_alloc_raw(t->ctx, in->n - 1, sizeof *f.n_below);

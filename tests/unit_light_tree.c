@@ -52,16 +52,6 @@ static lc_light_tree *build(const lc_light *lights, size_t n, uint64_t seed, uin
 
 /* ---- the slow check ---- */
 
-/* The light that represents a cluster in a slot. */
-static uint32_t rep_of(const lc_light_tree *t, uint32_t link, uint32_t slot)
-{
-    while (!(link & LC_LEAF)) {
-        bool right = lc_node_fresh(t, link, slot) & LC_FRESH_RIGHT;
-        link = right ? t->data.nodes[link].left : t->data.nodes[link].right;
-    }
-    return link & ~LC_LEAF;
-}
-
 static lc_f3 direction(const lc_light_rec *l) { return lc_dir_unpack((const uint32_t[2]){ l->dir_a, l->dir_b }); }
 
 /* Lights under a cluster, to out; returns how many. stack: room for a small tree. */
@@ -106,8 +96,9 @@ static const char *slow_check_node(const lc_light_tree *t, uint32_t id, const ui
         if (p < sum * (1 - 1e-15L) || p > sum * (1 + 0x1p-22L)) return "power";
     }
     for (uint32_t s = 0; s < t->n_reps; s++) {
-        uint32_t fresh = lc_node_fresh(t, id, s), child = fresh & LC_FRESH_RIGHT ? b->right : b->left;
-        if ((fresh & ~LC_FRESH_RIGHT) != rep_of(t, child, s)) return "rep";
+        uint32_t own = lc_rep_of(t, id, s), is_below = 0;
+        for (uint32_t i = 0; i < n; i++) is_below += below[i] == own;
+        if (is_below != 1 || (own != lc_rep_of(t, b->left, s) && own != lc_rep_of(t, b->right, s))) return "rep";
     }
     for (int k = 0; k < 3; k++) {
         float least = INFINITY;
@@ -132,9 +123,6 @@ static const char *slow_check(const lc_light_tree *t)
         const char *wrong = slow_check_node(t, id, below, lights_below(t, id, below));
         if (wrong) return wrong;
     }
-    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
-        for (uint32_t s = 0; s < t->n_reps && t->root[kind] != LC_NONE; s++)
-            if (t->root_rep[kind][s] != rep_of(t, t->root[kind], s)) return "root's rep";
     return NULL;
 }
 
@@ -179,13 +167,12 @@ static bool same_tree(const lc_light_tree *a, const lc_light_tree *b, bool reps)
     bool same = a->n_nodes == b->n_nodes && a->n_lights == b->n_lights && !memcmp(a->root, b->root, sizeof a->root);
     for (uint32_t i = 0; i < a->n_nodes && same; i++) {
         lc_node x = a->data.nodes[i], y = b->data.nodes[i];
-        if (!reps) x.fresh = y.fresh = 0;
+        if (!reps) x.rep = y.rep = 0;
         same = !memcmp(&x, &y, sizeof x);
     }
     same = same && !memcmp(a->data.lights, b->data.lights, a->n_lights * sizeof *a->data.lights);
     if (!reps || a->n_reps < 2) return same;
-    return same && !memcmp(a->root_rep, b->root_rep, sizeof a->root_rep)
-           && !memcmp(a->more_fresh, b->more_fresh, a->n_nodes * (a->n_reps - 1) * sizeof *a->more_fresh);
+    return same && !memcmp(a->more_reps, b->more_reps, a->n_nodes * (a->n_reps - 1) * sizeof *a->more_reps);
 }
 
 /* The finished tree, not only its shape, is the same for any number of threads and every instruction set. */
@@ -367,7 +354,7 @@ static void count_frequencies(frequencies *f, const lc_light *l)
     for (uint64_t seed = 0; seed < FREQ_SEEDS; seed++) {
         lc_light_tree *t = build(l, N_FREQ, lc_mix(seed), LC_MAX_REPS);
         for (uint32_t s = 0; s < LC_MAX_REPS; s++)
-            for (uint32_t id = 0; id < t->n_nodes; id++) f->count[s][id][rep_of(t, id, s)]++;
+            for (uint32_t id = 0; id < t->n_nodes; id++) f->count[s][id][lc_rep_of(t, id, s)]++;
         for (uint32_t id = 0; id < t->n_nodes && seed + 1 == FREQ_SEEDS; id++) judge_node(f, t, id);
         lc_light_tree_destroy(t);
     }
@@ -403,7 +390,7 @@ TEST(slots_share_out_the_children)
         for (uint32_t id = 0; id < t->n_nodes; id++) {
             double left = power_below(t, t->data.nodes[id].left), share = n_reps * left / (left + power_below(t, t->data.nodes[id].right));
             uint32_t n = 0;
-            for (uint32_t s = 0; s < n_reps; s++) n += (lc_node_fresh(t, id, s) & LC_FRESH_RIGHT) != 0;
+            for (uint32_t s = 0; s < n_reps; s++) n += lc_rep_of(t, id, s) == lc_rep_of(t, t->data.nodes[id].left, s);
             CHECKF(fabs(n - share) < 1 + 1e-9, "%u of %u slots, share %.3f", n, n_reps, share);
         }
         lc_light_tree_destroy(t);
@@ -431,7 +418,7 @@ typedef struct {
     lc_node nodes[N_HURT];
     lc_light_rec lights[N_HURT];
     lc_atten node_atten[N_HURT], light_atten[N_HURT];
-    uint32_t more_fresh[N_HURT * 2];
+    uint32_t more_reps[N_HURT * 2];
 } saved;
 
 static lc_light_tree *hurt_tree;
@@ -446,7 +433,7 @@ static void copy(saved *s, lc_light_tree *t, bool back)
                   { s->lights, t->data.lights, sizeof s->lights },
                   { s->node_atten, t->data.node_atten, t->n_nodes * sizeof *s->node_atten },
                   { s->light_atten, t->data.light_atten, sizeof s->light_atten },
-                  { s->more_fresh, t->more_fresh, 2 * t->n_nodes * sizeof *s->more_fresh } };
+                  { s->more_reps, t->more_reps, 2 * t->n_nodes * sizeof *s->more_reps } };
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
         if (back) memcpy(parts[i].b, parts[i].a, parts[i].size);
         else memcpy(parts[i].a, parts[i].b, parts[i].size);
@@ -590,13 +577,10 @@ TEST(damaged_representatives_are_found)
         lc_light_tree *t = hurt_tree;
         for (uint32_t s = 0; s < 3; s++) {
             for (uint32_t id = 0; id < t->n_nodes; id++) {
-                uint32_t *fresh = s ? &t->more_fresh[(s - 1) * t->n_nodes + id] : &t->data.nodes[id].fresh;
-                HURT(*fresh ^= LC_FRESH_RIGHT);
-                HURT(*fresh ^= 1);
-                HURT(*fresh = N_HURT);
+                uint32_t *rep = s ? &t->more_reps[(s - 1) * t->n_nodes + id] : &t->data.nodes[id].rep;
+                HURT(*rep |= LC_LEAF);
+                HURT(*rep = N_HURT);
             }
-            for (uint32_t id = 0; id < LC_LIGHT_KINDS; id++)
-                if (t->n_of_kind[id]) HURT(t->root_rep[id][s] ^= 1);
         }
         end_damage(kinds);
     }
