@@ -1,7 +1,9 @@
 /* progress.c - see progress.h. */
 #include "progress.h"
 
+#include <errno.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,12 +13,14 @@
 #define TERMINAL_STEP 0.25 /* seconds between rewritten lines, */
 #define PLAIN_STEP 10.0    /* and between plain ones */
 
-static volatile sig_atomic_t caught, save;
+static atomic_int caught, save; /* a handler runs in any thread, another one reads */
 
 static void on_signal(int sig)
 {
-    caught = sig;
+    int was = errno;
+    atomic_store(&caught, sig);
     signal(sig, SIG_DFL);
+    errno = was;
 }
 
 void cli_catch_signals(void)
@@ -28,7 +32,7 @@ void cli_catch_signals(void)
 static void on_save_signal(int sig)
 {
     (void)sig;
-    save = 1;
+    atomic_store(&save, 1);
 }
 
 /* sigaction: the handler stays, and calls of the system go on. */
@@ -41,12 +45,10 @@ void cli_catch_save_signals(bool hangup)
 
 bool cli_asked_to_save(void)
 {
-    bool asked = save;
-    if (asked) save = 0;
-    return asked;
+    return atomic_exchange(&save, 0);
 }
 
-int cli_caught_signal(void) { return caught; }
+int cli_caught_signal(void) { return atomic_load(&caught); }
 
 void cli_die_by_signal(int sig)
 {
@@ -83,7 +85,7 @@ int cli_progress_step(void *user, uint64_t done, uint64_t total)
     cli_progress *p = user;
     double t = cli_now(), share = total ? (double)done / (double)total : 1;
     char left[32];
-    if (caught) return 1;
+    if (atomic_load(&caught)) return 1;
     if (p->quiet || t - p->last < (p->terminal ? TERMINAL_STEP : PLAIN_STEP)) return 0;
     p->last = t;
     format_time(left, sizeof left, share > p->before ? (t - p->start) * (1 - share) / (share - p->before) : 0);
