@@ -11,6 +11,7 @@
 
 #include "shade.h"
 
+#include <math.h>
 #include <string.h>
 
 #define BATCH 64 /* parents whose children are bounded, and lights estimated and traced, at a time */
@@ -41,10 +42,10 @@ lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *t
     size_t n = capacity(cut);
     cut->memory = lc_alloc_raw(ctx, n, 4 * LC_CUT_WORDS * sizeof *cut->memory); /* without a limit few pages are touched */
     cut->key = lc_alloc_raw(ctx, n, sizeof *cut->key);
-    cut->done = keep_done ? lc_alloc(ctx, n, sizeof *cut->done) : NULL;
+    cut->done = lc_alloc_raw(ctx, n, sizeof *cut->done);
     cut->history = keep_done ? lc_alloc_raw(ctx, n, sizeof *cut->history) : NULL;
     cut->rounds = keep_done ? lc_alloc_raw(ctx, n, sizeof *cut->rounds) : NULL;
-    if (!cut->memory || !cut->key || (keep_done && (!cut->done || !cut->history || !cut->rounds))) {
+    if (!cut->memory || !cut->key || !cut->done || (keep_done && (!cut->history || !cut->rounds))) {
         lc_cut_free(cut);
         return LC_ERR_MEMORY;
     }
@@ -73,11 +74,16 @@ static void copy_one(lc_cut_list *to, uint32_t at, const lc_cut_list *from, uint
     for (int k = 0; k < 3; k++) to->transfer[k][at] = from->transfer[k][i], to->e[k][at] = from->e[k][i];
 }
 
+/* Four at a time, as one would wait for itself. */
 static float worst_of(const lc_cut_list *list)
 {
-    float worst = 0;
-    for (uint32_t i = 0; i < list->n; i++) worst = list->bound[i] > worst ? list->bound[i] : worst;
-    return worst;
+    const float *a = list->bound;
+    float worst[4] = { 0, 0, 0, 0 };
+    uint32_t i = 0;
+    for (; i + 4 <= list->n; i += 4)
+        for (int k = 0; k < 4; k++) worst[k] = a[i + (uint32_t)k] > worst[k] ? a[i + (uint32_t)k] : worst[k];
+    for (; i < list->n; i++) worst[0] = a[i] > worst[0] ? a[i] : worst[0];
+    return fmaxf(fmaxf(worst[0], worst[1]), fmaxf(worst[2], worst[3]));
 }
 
 /* The n-th largest of key[0 .. count), n >= 1; reorders them. */
@@ -240,7 +246,7 @@ static void count_done(lc_cut *c, const step *s, uint32_t n_inner)
 {
     uint32_t was = c->n_done;
     c->n_done += 2 * s->pairs.n - n_inner;
-    for (uint32_t i = 0; i < 2 * s->pairs.n && c->keep_done; i++)
+    for (uint32_t i = 0; i < 2 * s->pairs.n && (c->keep_done || c->kept); i++)
         if (!(s->bound[i] > 0) || s->link[i] & LC_LEAF) c->done[was++] = s->link[i];
 }
 
@@ -280,6 +286,15 @@ static double split_chosen(lc_cut *c, step *s, float limit)
     return change;
 }
 
+/* Returns the luminance of the estimate. */
+static double append(lc_cut_list *list, float bound, uint32_t link, uint32_t rep, const float transfer[3], const float *power)
+{
+    uint32_t at = list->n++;
+    list->bound[at] = bound, list->link[at] = link, list->rep[at] = rep;
+    for (int k = 0; k < 3; k++) list->transfer[k][at] = transfer[k], list->e[k][at] = transfer[k] * power[k];
+    return (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
+}
+
 /* Puts the root of one kind into its list. Returns its luminance. */
 static double place_root(lc_cut *c, step *s, lc_light_kind kind)
 {
@@ -292,18 +307,11 @@ static double place_root(lc_cut *c, step *s, lc_light_kind kind)
     estimate(c, s, 0, 1, kind);
     lit = s->f[0][0] > 0 || s->f[1][0] > 0 || s->f[2][0] > 0;
     inner &= s->bound[0] > 0;
-    if (!inner && c->keep_done) c->done[c->n_done] = link;
+    if (!inner) c->done[c->n_done] = link;
     c->n_done += !inner;
     if (!(s->bound[0] > 0)) return 0;
-    lc_cut_list *list = inner ? &c->open : &c->leaf;
-    const float *power = find_cluster(&t->data, link);
-    uint32_t at = list->n++;
-    list->bound[at] = s->bound[0], list->link[at] = link, list->rep[at] = s->rep[0] | (lit ? LC_PENDING : 0);
-    for (int k = 0; k < 3; k++) {
-        list->transfer[k][at] = s->f[k][0];
-        list->e[k][at] = s->f[k][0] * power[k];
-    }
-    return (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
+    return append(inner ? &c->open : &c->leaf, s->bound[0], link, s->rep[0] | (lit ? LC_PENDING : 0),
+                  (const float[3]){ s->f[0][0], s->f[1][0], s->f[2][0] }, find_cluster(&t->data, link));
 }
 
 /* Returns the total's luminance. */
@@ -313,6 +321,89 @@ static double place_roots(lc_cut *c, step *s)
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
         if (c->tree->n_of_kind[kind]) total += place_root(c, s, (lc_light_kind)kind);
     return total;
+}
+
+/* Takes over up to BATCH nodes of one kind. They go to left, where those above the limit are found once the rays are traced. Returns
+ * their luminance. */
+static double start_nodes(lc_cut *c, step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)
+{
+    lc_cut_list *left = &c->left;
+    uint32_t at = left->n;
+    double total = 0;
+    float *const out[6] = { left->transfer[0] + at, left->transfer[1] + at, left->transfer[2] + at, s->f[3], s->f[4], s->f[5] };
+    float *const e[3] = { left->e[0] + at, left->e[1] + at, left->e[2] + at };
+    for (uint32_t i = 0; i < n; i++) {
+        s->rep[i] = rep_of(c, link[i]), s->power[i] = find_cluster(&c->tree->data, link[i]);
+        __builtin_prefetch(&c->tree->data.lights[s->rep[i]]);
+    }
+    memcpy(left->link + at, link, n * sizeof *link);
+    lc_phase_end(s->stats, LC_PHASE_HEAP);
+    kernels(c)->bounds(&c->tree->data, link, n, kind, s->point, left->bound + at);
+    s->stats->bounds += n;
+    lc_phase_end(s->stats, LC_PHASE_BOUNDS);
+    kernels(c)->estimate(&c->tree->data, 0, s->rep, n, kind, s->point, out);
+    lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
+    for (uint32_t i = 0; i < n; i++) {
+        for (int k = 0; k < 3; k++) e[k][i] = out[k][i] * s->power[i][k];
+        left->rep[at + i] = s->rep[i] | (out[0][i] + out[1][i] + out[2][i] > 0 ? LC_PENDING : 0);
+    }
+    for (uint32_t i = 0; i < n; i++) total += (double)lc_luminance(lc_f3_make(e[0][i], e[1][i], e[2][i]));
+    left->n = at + n;
+    return total;
+}
+
+/* The same of lights. */
+static double start_lights(lc_cut *c, step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)
+{
+    double total = 0;
+    for (uint32_t i = 0; i < n; i++) s->rep[i] = link[i] & ~LC_LEAF;
+    estimate(c, s, 0, n, kind);
+    for (uint32_t i = 0; i < n; i++) {
+        const float f[3] = { s->f[0][i], s->f[1][i], s->f[2][i] };
+        c->done[c->n_done++] = link[i];
+        total += append(&c->leaf, 1, link[i], s->rep[i] | (f[0] + f[1] + f[2] > 0 ? LC_PENDING : 0), f, find_cluster(&c->tree->data, link[i]));
+    }
+    return total;
+}
+
+static uint32_t batch_of(uint32_t rest) { return rest < BATCH ? rest : BATCH; }
+
+/* Returns the total's luminance. */
+static double place_start(lc_cut *c, step *s)
+{
+    const lc_cut_start *start = c->start;
+    const uint32_t *link = start->link;
+    double total = 0;
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        for (uint32_t rest = start->n_nodes[kind], n; rest; rest -= n, link += n)
+            total += start_nodes(c, s, link, n = batch_of(rest), (lc_light_kind)kind);
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        for (uint32_t rest = start->n_lights[kind], n; rest; rest -= n, link += n)
+            total += start_lights(c, s, link, n = batch_of(rest), (lc_light_kind)kind);
+    lc_phase_end(s->stats, LC_PHASE_HEAP);
+    return total;
+}
+
+/* Nodes of the four kinds are 0 to 3, lights 4 to 7. */
+static uint32_t class_of(const lc_light_tree *t, uint32_t link)
+{
+    return link & LC_LEAF ? LC_LIGHT_KINDS + (uint32_t)lc_kind_of_light(t, link & ~LC_LEAF) : (uint32_t)lc_kind_of_node(t, link);
+}
+
+/* Keeps what the cut is now. */
+static void keep_start(lc_cut *c)
+{
+    const uint32_t *const link[] = { c->open.link, c->split.link, c->left.link, c->done };
+    const uint32_t n[] = { c->open.n, c->split.n, c->left.n, c->n_done };
+    uint32_t at[2 * LC_LIGHT_KINDS + 1] = { 0 };
+    lc_cut_start *out = c->kept;
+    for (int list = 0; list < 4; list++)
+        for (uint32_t i = 0; i < n[list]; i++) at[class_of(c->tree, link[list][i]) + 1]++;
+    for (int k = 0; k < LC_LIGHT_KINDS; k++) out->n_nodes[k] = at[k + 1], out->n_lights[k] = at[LC_LIGHT_KINDS + k + 1];
+    for (int k = 0; k < 2 * LC_LIGHT_KINDS; k++) at[k + 1] += at[k];
+    for (int list = 0; list < 4; list++)
+        for (uint32_t i = 0; i < n[list]; i++) out->link[at[class_of(c->tree, link[list][i])]++] = link[list][i];
+    c->is_kept = true;
 }
 
 void lc_cut_hidden(const lc_bvh *bvh, const lc_point *p, const float org[3], uint32_t n, const float *const target[3], bool far,
@@ -385,14 +476,24 @@ static double trace_pending(lc_cut *c, const lc_point *p, const float org[3], lc
     return change;
 }
 
+/* Four sums at a time: one would wait for itself. */
+static double sum_of(const float *a, uint32_t n)
+{
+    double sum[4] = { 0, 0, 0, 0 };
+    uint32_t i = 0;
+    for (; i + 4 <= n; i += 4)
+        for (int k = 0; k < 4; k++) sum[k] += (double)a[i + (uint32_t)k];
+    for (; i < n; i++) sum[i & 3] += (double)a[i];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
 /* Fills in the result of a finished cut. */
 static void finish(lc_cut *c, uint64_t rays_before, lc_stats *stats, lc_cut_result *out)
 {
     double sum[3] = { c->done_sum[0], c->done_sum[1], c->done_sum[2] };
     for (uint32_t i = 0; i < c->open.n; i++) copy_one(&c->left, c->left.n++, &c->open, i); /* at max_cut */
     c->open.n = 0;
-    for (uint32_t i = 0; i < c->left.n; i++)
-        for (int k = 0; k < 3; k++) sum[k] += (double)c->left.e[k][i];
+    for (int k = 0; k < 3; k++) sum[k] += sum_of(c->left.e[k], c->left.n);
     out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
     out->size = cut_size(c);
     float lum = lc_luminance(out->radiance), worst = worst_of(&c->left);
@@ -419,6 +520,13 @@ static void set_slot(lc_cut *c, uint32_t slot)
     c->reps_stride = slot ? 1 : sizeof(lc_node) / sizeof(uint32_t);
 }
 
+/* A cut near max_cut is kept as it was before, so that there is room for other points' own splits. */
+static uint32_t most_kept(const lc_cut *c)
+{
+    uint32_t most = c->limit < c->tree->n_lights ? c->limit / 2 : c->limit;
+    return most < LC_MAX_START ? most : LC_MAX_START;
+}
+
 /* Splits until no bound is above the limit, all shadow rays that are pending taken as not hidden: the total then is no
  * less than it will be and the limit no lower. So nothing is split that need not be, and the rays go out in large
  * groups. Then those rays lower the total, and what is above the new limit is split in turn. */
@@ -433,15 +541,17 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     *out = (lc_cut_result){ 0 };
     c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = c->n_history = c->n_rounds = 0;
     c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
+    c->is_kept = !c->kept;
     stats->points++;
     if (!c->tree->n_lights) return;
     set_slot(c, (uint32_t)(hash % c->tree->n_reps));
-    double total = place_roots(c, &s);
+    double total = c->start ? place_start(c, &s) : place_roots(c, &s);
     for (bool traced = false;;) {
         float limit = round_down(ratio * (total > floor_lum ? total : floor_lum));
         if (traced) kernels(c)->partition(&c->left, limit, &c->open, &c->left);
         choose(c, limit, c->limit - cut_size(c));
         if (c->split.n) {
+            if (!c->is_kept && cut_size(c) + c->split.n > most_kept(c)) keep_start(c);
             if (c->keep_done) record_round(c, limit, total, stats->shadow_rays - rays_before);
             total += split_chosen(c, &s, limit);
             traced = false;
@@ -451,6 +561,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
             traced = true;
         }
     }
+    if (!c->is_kept) keep_start(c);
     out->at_limit = c->open.n > 0;
     out->dark = !out->at_limit && total < floor_lum && (double)worst_of(&c->left) > ratio * total;
     finish(c, rays_before, stats, out);

@@ -22,6 +22,14 @@
 #include "light_tree.h"
 #include "stats.h"
 
+#define LC_MAX_START 2048
+
+/* Clusters of a point's cut that cuts of points near it may begin with, in place of the roots. */
+typedef struct lc_cut_start {
+    uint32_t n_nodes[LC_LIGHT_KINDS], n_lights[LC_LIGHT_KINDS];
+    uint32_t link[LC_MAX_START]; /* nodes, kinds in rising order, then lights likewise */
+} lc_cut_start;
+
 typedef struct lc_cut_desc {
     float error_ratio;
     uint32_t max_cut; /* 0: no limit; never below the number of kinds */
@@ -47,7 +55,7 @@ typedef struct lc_cut {
     lc_cut_list open, split, left, leaf;
     float *memory;       /* of the lists */
     float *key;          /* scratch of the choice of the worst */
-    uint32_t *done;      /* links of light tree nodes; kept only when keep_done */
+    uint32_t *done;      /* links of light tree nodes; kept only when keep_done, or for `kept` */
     uint32_t n_done;     /* leaves that are in the list leaf included */
     uint32_t *history;   /* nodes that were split, in order, round after round; kept only when keep_done, as are rounds */
     lc_cut_round *rounds;
@@ -57,6 +65,9 @@ typedef struct lc_cut {
     const uint32_t *reps;  /* of the slot: node id has reps[id * reps_stride] */
     size_t reps_stride;
     uint32_t slot;
+    const lc_cut_start *start; /* of the next cuts; NULL: the roots */
+    lc_cut_start *kept;        /* NULL, or where the next cuts are kept */
+    bool is_kept;
 } lc_cut;
 
 typedef struct lc_cut_result {

@@ -466,6 +466,56 @@ TEST(scratch_leaves_no_trace)
     unmake(&s);
 }
 
+static bool alike(lc_f3 a, lc_f3 b)
+{
+    lc_f3 d = lc_f3_sub(a, b);
+    return lc_f3_max_abs(d) <= 1e-5f * lc_f3_max_abs(b);
+}
+
+/* A cut that begins with another point's is a cut, within the limit wherever it has room; its own, begun with again, is the same one. */
+TEST(cuts_from_other_cuts)
+{
+    static lc_cut_start start;
+    uint32_t n_guided = 0, n_at_limit = 0;
+    for (uint32_t kinds = 1; kinds < 16; kinds++) {
+        setup s;
+        lc_cut from_roots, guided;
+        uint32_t max_cut = kinds % 3 ? 0 : 40;
+        make(&s, 400, kinds, 20, false);
+        build_tree(&s, kinds, 5);
+        open_cut(&from_roots, &s, 0.02f, max_cut, 0);
+        open_cut(&guided, &s, 0.02f, max_cut, 0);
+        for (int i = 0; i < 60; i++) {
+            point q = rnd_point(), other = q;
+            uint64_t hash = lc_mix((uint64_t)i);
+            if (i % 2) other.p.pos[0] += 0.05f, other.org[0] += 0.05f;
+            if (i % 5 == 4) other = rnd_point();
+            from_roots.kept = &start;
+            lc_cut_result a = shade(&from_roots, &q, hash);
+            uint32_t n = 0;
+            for (int k = 0; k < LC_LIGHT_KINDS; k++) n += start.n_nodes[k] + start.n_lights[k];
+            CHECKF(n <= a.size && (max_cut ? n <= max_cut / 2 : n == a.size), "%u of %u", n, a.size);
+            from_roots.kept = NULL;
+            guided.start = &start;
+            lc_cut_result b = shade(&guided, &other, hash + (uint64_t)(i & 4)), e = exact(&s, &other);
+            CHECKF(!lc_cut_validate(&guided), "%s", lc_cut_validate(&guided));
+            CHECK(b.size >= n && b.size == guided.left.n + guided.n_done);
+            float lum = lc_luminance(b.radiance);
+            for (uint32_t k = 0; k < guided.left.n && !b.at_limit; k++) CHECK(guided.left.bound[k] <= 0.02f * lum * 1.0001f);
+            if (b.size == s.n) CHECK(alike(b.radiance, e.radiance));
+            if (!max_cut && !(i % 2) && i % 5 != 4 && !(i & 4)) {
+                CHECKF(b.size == a.size && alike(a.radiance, b.radiance), "%u clusters, %u", b.size, a.size);
+                n_guided++;
+            }
+            n_at_limit += b.at_limit;
+        }
+        lc_cut_free(&from_roots);
+        lc_cut_free(&guided);
+        unmake(&s);
+    }
+    CHECK(n_guided > 100 && n_at_limit > 10);
+}
+
 TEST(dark_floor_stops_refinement)
 {
     setup s;
@@ -564,6 +614,7 @@ int main(void)
     RUN(small_cuts_are_exact_on_average);
     RUN(clusters_are_exact_on_average);
     RUN(scratch_leaves_no_trace);
+    RUN(cuts_from_other_cuts);
     RUN(dark_floor_stops_refinement);
     RUN(smaller_ratio_larger_cut);
     RUN(validator_finds_damage);
