@@ -323,67 +323,6 @@ static double place_roots(lc_cut *c, step *s)
     return total;
 }
 
-/* Takes over up to BATCH nodes of one kind. They go to left, where those above the limit are found once the rays are traced. Returns
- * their luminance. */
-static double start_nodes(lc_cut *c, step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)
-{
-    lc_cut_list *left = &c->left;
-    uint32_t at = left->n;
-    double total = 0;
-    float *const out[6] = { left->transfer[0] + at, left->transfer[1] + at, left->transfer[2] + at, s->f[3], s->f[4], s->f[5] };
-    float *const e[3] = { left->e[0] + at, left->e[1] + at, left->e[2] + at };
-    for (uint32_t i = 0; i < n; i++) {
-        s->rep[i] = rep_of(c, link[i]), s->power[i] = find_cluster(&c->tree->data, link[i]);
-        __builtin_prefetch(&c->tree->data.lights[s->rep[i]]);
-    }
-    memcpy(left->link + at, link, n * sizeof *link);
-    lc_phase_end(s->stats, LC_PHASE_HEAP);
-    kernels(c)->bounds(&c->tree->data, link, n, kind, s->point, left->bound + at);
-    s->stats->bounds += n;
-    lc_phase_end(s->stats, LC_PHASE_BOUNDS);
-    kernels(c)->estimate(&c->tree->data, 0, s->rep, n, kind, s->point, out);
-    lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
-    for (uint32_t i = 0; i < n; i++) {
-        for (int k = 0; k < 3; k++) e[k][i] = out[k][i] * s->power[i][k];
-        left->rep[at + i] = s->rep[i] | (out[0][i] + out[1][i] + out[2][i] > 0 ? LC_PENDING : 0);
-    }
-    for (uint32_t i = 0; i < n; i++) total += (double)lc_luminance(lc_f3_make(e[0][i], e[1][i], e[2][i]));
-    left->n = at + n;
-    return total;
-}
-
-/* The same of lights. */
-static double start_lights(lc_cut *c, step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)
-{
-    double total = 0;
-    for (uint32_t i = 0; i < n; i++) s->rep[i] = link[i] & ~LC_LEAF;
-    estimate(c, s, 0, n, kind);
-    for (uint32_t i = 0; i < n; i++) {
-        const float f[3] = { s->f[0][i], s->f[1][i], s->f[2][i] };
-        c->done[c->n_done++] = link[i];
-        total += append(&c->leaf, 1, link[i], s->rep[i] | (f[0] + f[1] + f[2] > 0 ? LC_PENDING : 0), f, find_cluster(&c->tree->data, link[i]));
-    }
-    return total;
-}
-
-static uint32_t batch_of(uint32_t rest) { return rest < BATCH ? rest : BATCH; }
-
-/* Returns the total's luminance. */
-static double place_start(lc_cut *c, step *s)
-{
-    const lc_cut_start *start = c->start;
-    const uint32_t *link = start->link;
-    double total = 0;
-    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
-        for (uint32_t rest = start->n_nodes[kind], n; rest; rest -= n, link += n)
-            total += start_nodes(c, s, link, n = batch_of(rest), (lc_light_kind)kind);
-    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
-        for (uint32_t rest = start->n_lights[kind], n; rest; rest -= n, link += n)
-            total += start_lights(c, s, link, n = batch_of(rest), (lc_light_kind)kind);
-    lc_phase_end(s->stats, LC_PHASE_HEAP);
-    return total;
-}
-
 /* Nodes of the four kinds are 0 to 3, lights 4 to 7. */
 static uint32_t class_of(const lc_light_tree *t, uint32_t link)
 {
@@ -464,16 +403,96 @@ static double trace_list(const lc_cut *c, const lc_point *p, lc_cut_list *list, 
     return change;
 }
 
-/* Traces all rays that are pending; leaves then are done. Returns the change of the total's luminance. */
-static double trace_pending(lc_cut *c, const lc_point *p, const float org[3], lc_stats *stats)
+/* Leaves are done then. */
+static double trace_leaves(lc_cut *c, const lc_point *p, const float org[3], lc_stats *stats)
 {
-    double change = trace_list(c, p, &c->open, org, stats);
-    change += trace_list(c, p, &c->left, org, stats);
-    change += trace_list(c, p, &c->leaf, org, stats);
+    double change = trace_list(c, p, &c->leaf, org, stats);
     for (uint32_t i = 0; i < c->leaf.n; i++)
         for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf.e[k][i];
     c->leaf.n = 0;
     return change;
+}
+
+/* Traces all rays that are pending. Returns the change of the total's luminance. */
+static double trace_pending(lc_cut *c, const lc_point *p, const float org[3], lc_stats *stats)
+{
+    double change = trace_list(c, p, &c->open, org, stats);
+    change += trace_list(c, p, &c->left, org, stats);
+    return change + trace_leaves(c, p, org, stats);
+}
+
+/* Takes over up to BATCH nodes of one kind and traces their rays. They go to left, where those above the limit are found then. Returns
+ * their luminance. */
+static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t *link, uint32_t n, lc_light_kind kind)
+{
+    lc_cut_list *left = &c->left;
+    uint32_t at = left->n, lit[BATCH], n_lit = 0;
+    uint8_t hidden[BATCH];
+    double total = 0;
+    float *const out[6] = { left->transfer[0] + at, left->transfer[1] + at, left->transfer[2] + at, s->f[3], s->f[4], s->f[5] };
+    float *const e[3] = { left->e[0] + at, left->e[1] + at, left->e[2] + at };
+    const float *const target[3] = { s->f[3], s->f[4], s->f[5] };
+    for (uint32_t i = 0; i < n; i++) {
+        s->rep[i] = rep_of(c, link[i]), s->power[i] = find_cluster(&c->tree->data, link[i]);
+        __builtin_prefetch(&c->tree->data.lights[s->rep[i]]);
+    }
+    memcpy(left->link + at, link, n * sizeof *link);
+    memcpy(left->rep + at, s->rep, n * sizeof *s->rep);
+    lc_phase_end(s->stats, LC_PHASE_HEAP);
+    kernels(c)->bounds(&c->tree->data, link, n, kind, s->point, left->bound + at);
+    s->stats->bounds += n;
+    lc_phase_end(s->stats, LC_PHASE_BOUNDS);
+    kernels(c)->estimate(&c->tree->data, 0, s->rep, n, kind, s->point, out);
+    lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
+    for (uint32_t i = 0; i < n; i++) {
+        for (int k = 0; k < 3; k++) e[k][i] = out[k][i] * s->power[i][k];
+        lit[n_lit] = i;
+        n_lit += out[0][i] + out[1][i] + out[2][i] > 0;
+    }
+    for (uint32_t i = 0; i < n_lit && n_lit < n; i++) /* lit[i] >= i: writes behind the reading */
+        for (int k = 3; k < 6; k++) s->f[k][i] = s->f[k][lit[i]];
+    lc_phase_end(s->stats, LC_PHASE_HEAP);
+    if (n_lit) lc_cut_hidden(c->bvh, s->point, org, n_lit, target, kind == LC_LIGHT_DIRECTIONAL, hidden);
+    s->stats->shadow_rays += n_lit;
+    lc_phase_end(s->stats, LC_PHASE_SHADOW);
+    for (uint32_t i = 0; i < n_lit; i++)
+        for (int k = 0; k < 3 && hidden[i]; k++) out[k][lit[i]] = e[k][lit[i]] = 0;
+    for (uint32_t i = 0; i < n; i++) total += (double)lc_luminance(lc_f3_make(e[0][i], e[1][i], e[2][i]));
+    left->n = at + n;
+    return total;
+}
+
+/* The same of lights, which are done. */
+static double start_lights(lc_cut *c, step *s, const float org[3], const uint32_t *link, uint32_t n, lc_light_kind kind)
+{
+    double total = 0;
+    for (uint32_t i = 0; i < n; i++) s->rep[i] = link[i] & ~LC_LEAF;
+    estimate(c, s, 0, n, kind);
+    for (uint32_t i = 0; i < n; i++) {
+        const float f[3] = { s->f[0][i], s->f[1][i], s->f[2][i] };
+        uint32_t rep = s->rep[i] | (f[0] + f[1] + f[2] > 0 ? LC_PENDING : 0);
+        c->done[c->n_done++] = link[i];
+        total += append(&c->leaf, 1, link[i], rep, f, find_cluster(&c->tree->data, link[i]));
+    }
+    return total + trace_leaves(c, s->point, org, s->stats);
+}
+
+static uint32_t batch_of(uint32_t rest) { return rest < BATCH ? rest : BATCH; }
+
+/* Returns the total's luminance; no ray is pending. */
+static double place_start(lc_cut *c, step *s, const float org[3])
+{
+    const lc_cut_start *start = c->start;
+    const uint32_t *link = start->link;
+    double total = 0;
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        for (uint32_t rest = start->n_nodes[kind], n; rest; rest -= n, link += n)
+            total += start_nodes(c, s, org, link, n = batch_of(rest), (lc_light_kind)kind);
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        for (uint32_t rest = start->n_lights[kind], n; rest; rest -= n, link += n)
+            total += start_lights(c, s, org, link, n = batch_of(rest), (lc_light_kind)kind);
+    lc_phase_end(s->stats, LC_PHASE_HEAP);
+    return total;
 }
 
 /* Four sums at a time: one would wait for itself. */
@@ -545,8 +564,8 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     stats->points++;
     if (!c->tree->n_lights) return;
     set_slot(c, (uint32_t)(hash % c->tree->n_reps));
-    double total = c->start ? place_start(c, &s) : place_roots(c, &s);
-    for (bool traced = false;;) {
+    double total = c->start ? place_start(c, &s, org) : place_roots(c, &s);
+    for (bool traced = c->start;;) {
         float limit = round_down(ratio * (total > floor_lum ? total : floor_lum));
         if (traced) kernels(c)->partition(&c->left, limit, &c->open, &c->left);
         choose(c, limit, c->limit - cut_size(c));

@@ -27,14 +27,14 @@
 /* Few lights: every one of them is evaluated where that is expected to take no longer than cuts. Cost in nanoseconds,
  * measured on cornell (32 triangles), stairs (15,000) and room (30,000) with AVX-512 on Zen 4, 2026-11; the same everywhere,
  * as the picture depends on the choice. A ray costs RAY_COST for each doubling of the triangles. On those scenes the methods
- * cross between 300 and 700 lights. What lobes add was measured on the student report's scenes with and without them: cuts
+ * cross between 200 and 500 lights. What lobes add was measured on the student report's scenes with and without them: cuts
  * of 20 to 60 clusters of 100 lights cost 500 to 1000 ns more a point, all lights 300. */
 #define ALWAYS_FEW 16       /* lights: not even asked */
 #define NEVER_FEW 4096
 #define CHOICE_SIDE LC_SIZE(16, 6) /* grid of the points that are tried */
 #define LIGHT_COST 4.2      /* an estimate of the exact method */
-#define SPLIT_COST 34.0     /* two bounds, an estimate, two clusters placed */
-#define CUT_COST 700.0      /* a cut, whatever its size */
+#define SPLIT_COST 27.0     /* two bounds, an estimate, two clusters placed; 34 without guides, 0.8 of that with them */
+#define CUT_COST 560.0      /* a cut, whatever its size; likewise */
 #define LOBE_LIGHT_COST 3.0 /* more of each where the material has a lobe */
 #define LOBE_SPLIT_COST 7.0
 #define LOBE_CUT_COST 400.0
@@ -45,8 +45,9 @@
 enum { DIM_FILM, DIM_LENS, DIM_SLOT };
 
 /* Cuts of a block's points begin with the cut that was made for its first pixel, sample 0: what they are all alike in need not be
- * found again, and what is left to do is done in large groups. Only on surfaces like that one: elsewhere its cut is of no use. Half
- * size, one thread, against the roots (2026-11): time of stairs, room, cornell 0.7?, cuts 1.04, 1.05, 1.03 times as large. */
+ * found again, and what is left to do is done in large groups. Only on surfaces like that one: elsewhere its cut is of no use. Against
+ * the roots (2026-11; stairs, room, cornell at half size, one thread): 0.73, 0.75, 0.75 of the time, cuts 1.03, 1.04, 1.01 times as
+ * large, mrse 0.95. Blocks of 8 pixels were 0.02 to 0.05 slower, of 2 0.2; clusters of at least 1.5 times the limit only, 0.05. */
 typedef struct {
     uint32_t x, y;  /* its first pixel */
     bool made, lit; /* lit: the rest means something */
