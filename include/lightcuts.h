@@ -366,6 +366,8 @@ typedef struct lc_explanation {
     lc_explained_cluster *clusters;       /* n_clusters of the cut by falling luminance of the estimate, equal ones by falling
                                            * bound, then n_splits that were split, in order */
     lc_explained_round *rounds;           /* 1, 2, ... */
+    uint32_t n_start_rounds;              /* of them made for the first pixel of the 4x4 block, whose cut this one began with: their
+                                           * limits, totals and rays are that pixel's; 0: it began with the roots */
 } lc_explanation;
 
 /* The cut that lc_render makes for one sample (from 0) of a pixel of the film, and every light's share of the truth. Fails with

@@ -359,6 +359,7 @@ static void keep_start(lc_cut *c)
         for (uint32_t i = 0; i < n[list]; i++) out->link[at[class_of(c->tree, link[list][i])]++] = link[list][i];
     sort_links(out->link, (uint32_t *)(void *)c->key, at[LC_LIGHT_KINDS - 1]); /* kinds stay apart */
     c->is_kept = true;
+    c->kept_history = c->n_history, c->kept_rounds = c->n_rounds;
 }
 
 void lc_cut_hidden(const lc_bvh *bvh, const lc_point *p, const float org[3], uint32_t n, const float *const target[3], bool far,
@@ -574,7 +575,8 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     s.pairs = (lc_cut_pairs){ .parent = &c->split, .bound = s.bound, .link = s.link, .power = s.power,
                               .fresh = s.fresh, .rep = s.rep, .transfer = { s.f[0], s.f[1], s.f[2] } };
     *out = (lc_cut_result){ 0 };
-    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = c->n_history = c->n_rounds = 0;
+    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = 0;
+    c->n_history = c->start ? c->kept_history : 0, c->n_rounds = c->start ? c->kept_rounds : 0;
     c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
     c->is_kept = !c->kept;
     stats->points++;

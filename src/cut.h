@@ -69,6 +69,7 @@ typedef struct lc_cut {
     const lc_cut_start *start; /* of the next cuts; NULL: the roots */
     lc_cut_start *kept;        /* NULL, or where the next cuts are kept */
     bool is_kept;
+    uint32_t kept_history, kept_rounds; /* with keep_done: what led to the last that was kept; cuts that begin with it go on from there */
 } lc_cut;
 
 typedef struct lc_cut_result {

@@ -302,6 +302,7 @@ static lc_status make_room(explainer *e, owner *o)
     x->n_clusters = cut->left.n + cut->n_done, x->n_splits = cut->n_history, x->n_rounds = cut->n_rounds;
     e->n_known = o->n = (size_t)x->n_clusters + x->n_splits;
     x->clusters = lc_alloc(o->ctx, o->n, sizeof *x->clusters);
+    x->n_start_rounds = cut->start ? cut->kept_rounds : 0;
     x->rounds = lc_alloc(o->ctx, x->n_rounds, sizeof *x->rounds);
     e->known = lc_alloc_raw(o->ctx, o->n, sizeof *e->known);
     lc_status st = lc_grow(o->ctx, (void **)&e->stack, &e->cap_stack, 64, sizeof *e->stack);

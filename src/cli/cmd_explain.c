@@ -44,7 +44,8 @@ static void print_help(void)
            "  -h, --help               this text\n\n"
            "columns: share of the cut's luminance; luminance of estimate, of the exact sum, their difference (error), and the\n"
            "bound that it never exceeds; lights in the cluster and how many of them reach the point; light: the representative\n"
-           "(lights of the file in order, then those of emissive surfaces); seen: '-' sheds nothing here; made: round.\n", DEFAULT_TOP);
+           "(lights of the file in order, then those of emissive surfaces); seen: '-' sheds nothing here; made: round. A cut may\n"
+           "begin with that of the first pixel of its 4x4 block: its rounds come first, with that pixel's limits and totals.\n", DEFAULT_TOP);
 }
 
 static int parse_pixel(options *o, const char *text)
@@ -170,8 +171,10 @@ static void print_rounds(const lc_explanation *x)
     printf("\nround   splits        limit        total  rays before\n");
     for (uint32_t i = 0; i < x->n_rounds; i++) {
         const lc_explained_round *r = &x->rounds[i];
+        if (i && i == x->n_start_rounds) printf("with the cut of its block's first pixel, made so far, it begins:\n");
         printf("%5u %8u %12.6g %12.6g %12u\n", i + 1, r->n_split, r->limit, r->total, r->rays);
     }
+    if (x->n_start_rounds && x->n_start_rounds == x->n_rounds) printf("with the cut of its block's first pixel, made so, it ends, too\n");
 }
 
 static void print_cluster(const lc_explained_cluster *c, double total)
@@ -312,7 +315,7 @@ static void print_json(const options *o, const lc_explanation *x, const lc_scene
             printf("%s\n    {\"splits\": %u, \"limit\": %.9g, \"total\": %.17g, \"rays_before\": %u}", i ? "," : "", r->n_split, r->limit,
                    r->total, r->rays);
         }
-        printf("%s]", x->n_rounds ? "\n  " : "");
+        printf("%s],\n  \"start_rounds\": %u", x->n_rounds ? "\n  " : "", x->n_start_rounds);
         json_clusters("clusters", x->clusters, x->n_clusters, total);
         json_clusters("splits", x->clusters + x->n_clusters, x->n_splits, total);
     }
