@@ -15,8 +15,10 @@ mkdir -p build/reference
 out=$here/build/reference
 name=$(basename "${1%.gz}" .pbrt)
 case $2 in /*) reference=$2 ;; *) reference=$here/$2 ;; esac
-case $1 in *.gz) gzip -dc "$1" ;; *) cat "$1" ;; esac | sed -E "s/(\"integer xresolution\" *\[?) *[0-9]+/\1 $3/
-    s/(\"integer yresolution\" *\[?) *[0-9]+/\1 $4/; s/^ *PixelFilter .*/PixelFilter \"box\"/; /^ *\"float [xy]radius\"/d" >"$out/$name.pbrt"
+case $1 in *.gz) gzip -dc "$1" ;; *) cat "$1" ;; esac | sed -E "
+    s/(\"integer xresolution\" *\[?) *[0-9]+/\1 $3/
+    s/(\"integer yresolution\" *\[?) *[0-9]+/\1 $4/
+    s/^ *PixelFilter .*/PixelFilter \"box\"/; /^ *\"float [xy]radius\"/d" >"$out/$name.pbrt"
 cd "$(dirname "$1")" || exit
 "$L" render -q - --maxdepth 1 --indirect-lights 0 --spp 8 --method "${METHOD:-lightcuts}" -o "$out/$name.exr" <"$out/$name.pbrt" || exit
 
