@@ -45,7 +45,8 @@ static void print_help(void)
            "columns: share of the cut's luminance; luminance of estimate, of the exact sum, their difference (error), and the\n"
            "bound that it never exceeds; lights in the cluster and how many of them reach the point; light: the representative\n"
            "(lights of the file in order, then those of emissive surfaces); seen: '-' sheds nothing here; made: round. A cut may\n"
-           "begin with that of the first pixel of its 4x4 block: its rounds come first, with that pixel's limits and totals.\n", DEFAULT_TOP);
+           "begin with that of the first pixel of its 4x4 block: its rounds come first, with that pixel's limits and totals.\n",
+           DEFAULT_TOP);
 }
 
 static int parse_pixel(options *o, const char *text)
