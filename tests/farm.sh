@@ -212,7 +212,7 @@ signal_after() # signal args...
     "$L" "$@" --checkpoint c.ckpt >out 2>err </dev/null &
     pid=$!
     i=0
-    while [ "$(cat c.ckpt 2>/dev/null | wc -c)" -lt 100 ] && [ $i -lt 600 ]; do sleep 0.05; i=$((i + 1)); done
+    while [ "$(cat c.ckpt 2>/dev/null | wc -c)" -lt 100 ] && [ $i -lt 6000 ]; do sleep 0.05; i=$((i + 1)); done
     kill "-$signal" $pid
     t0=$(date +%s%N)
 }
