@@ -4,9 +4,9 @@
  *
  * It is our own exact method but for that choice, so what `compare` says of it and the exact picture is noise alone: what a reference
  * of SPP samples can show at best. The light is found as pbrt-v4's light BVH does it, by a walk down the light tree, a child as likely
- * as its power times the greatest cosine over the square of its distance ([Conty18]; emission cones left out), among directional lights
- * by power. Numbers for positions and lights are as well spread as Sobol's. An area light is jittered oriented lights, where a path
- * tracer picks points.
+ * as its power times the greatest cosine over the square of its distance (Conty and Kulla 2018; emission cones left out), among
+ * directional lights by power. Numbers for positions and lights are as well spread as Sobol's. An area light is jittered oriented
+ * lights, where a path tracer picks points.
  */
 #include "lightcuts.h"
 
