@@ -1,7 +1,8 @@
 /* fuzz_bvh.c - any triangles and rays: the hierarchy is whole; every instruction set gives the same; and a loop over the
- * triangles, each in a hierarchy of its own, finds the same nearest hit, and the same segments hidden. */
-#include "bvh.h"
+ * triangles, each in a hierarchy of its own, finds the same nearest hit, and the same segments hidden. Where a box about a hidden
+ * ray's end is proved to be hidden, rays to its corners are hidden, too. */
 #include "cpu.h"
+#include "occlusion.h"
 
 #include <float.h>
 #include <math.h>
@@ -47,9 +48,36 @@ static bool same(const lc_hit *a, const lc_hit *b)
     return a->tri == b->tri && (a->tri == LC_NONE || (a->t == b->t && a->u == b->u && a->v == b->v));
 }
 
+/* A box about the end of a ray that is hidden in this block. */
+static void check_proof(lc_occlusion *o, source *s, const float org[3], const float to[3], uint32_t block, bool far)
+{
+    static lc_light_rec light;
+    static const lc_tree_data tree = { .lights = &light };
+    lc_node node = { .left = 0 };
+    uint64_t tests = 0;
+    o->tree = &tree;
+    for (int k = 0; k < 3; k++) light.pos[k] = node.center[k] = to[k], node.half[k] = (float)(byte(s) % 64) / 16;
+    lc_occlusion_start(o, org);
+    lc_occlusion_note(o, 0, block);
+    uint32_t by = lc_occlusion_by(o, 0, far);
+    if (by == LC_NONE || !lc_occlusion_proves(o, &node, by, far, LC_MAX_PATCH, &tests)) return;
+    for (int corner = 0; corner < 8; corner++) {
+        float p[3];
+        uint8_t out[LC_LANES];
+        const float *const target[3] = { &p[0], &p[1], &p[2] };
+        for (int k = 0; k < 3; k++) {
+            p[k] = corner >> k & 1 ? to[k] + node.half[k] : to[k] - node.half[k];
+            if (fabs((double)p[k] - (double)to[k]) > (double)node.half[k]) p[k] = to[k]; /* it was rounded out of the box */
+        }
+        lc_kernels_get(corner % 2 ? LC_ISA_SCALAR : lc_cpu_isa())->hidden(&o->bvh->data, org, 1, target, far, out, NULL);
+        require(out[0], "what was proved to be hidden is seen");
+    }
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static lc_context *ctx;
+    static lc_occlusion occlusion;
     static float pos[MOST * 9];
     static uint32_t index[MOST * 3];
     lc_context_desc desc = LC_CONTEXT_DESC_INIT;
@@ -63,6 +91,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (lc_bvh_build(ctx, pos, index, n, &all)) abort();
     const char *wrong = lc_bvh_validate(all, pos, index, n);
     require(!wrong, wrong);
+    const lc_occluders_desc occluders = { pos, index, n, NULL };
+    lc_occluders *largest;
+    if (lc_occluders_build(ctx, &occluders, &largest)) abort();
+    all->occluders = largest;
+    lc_occlusion_init(&occlusion, all, NULL);
     for (size_t i = 0; i < n; i++)
         if (lc_bvh_build(ctx, pos + 9 * i, index, 1, &one[i])) abort();
     for (int r = 0; r < RAYS && s.left; r++) {
@@ -78,7 +111,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             lc_kernels_scalar.closest(&one[i]->data, org, to, most, &hit);
             if (hit.tri != LC_NONE && (best.tri == LC_NONE || hit.t < best.t)) best = hit, best.tri = (uint32_t)i;
             for (int far = 0; far < 2; far++) {
-                lc_kernels_scalar.hidden(&one[i]->data, org, 1, target, far, out);
+                lc_kernels_scalar.hidden(&one[i]->data, org, 1, target, far, out, NULL);
                 hidden[far] |= out[0];
             }
         }
@@ -91,12 +124,18 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                         (double)hit.t, (double)hit.u, (double)hit.v, hit.tri, (double)best.t, (double)best.u, (double)best.v, best.tri);
             require(same(&hit, &best), "another nearest hit");
             for (int far = 0; far < 2; far++) {
-                k->hidden(&all->data, org, 1, target, far, out);
+                k->hidden(&all->data, org, 1, target, far, out, NULL);
                 require(out[0] == hidden[far], "another shadow");
             }
+        }
+        for (int far = 0; far < 2; far++) {
+            uint32_t block;
+            lc_kernels_scalar.hidden(&all->data, org, 1, target, far, out, &block);
+            if (out[0]) check_proof(&occlusion, &s, org, to, block, far);
         }
     }
     for (size_t i = 0; i < n; i++) lc_bvh_destroy(one[i]);
     lc_bvh_destroy(all);
+    lc_occluders_destroy(largest);
     return 0;
 }

@@ -335,6 +335,7 @@ typedef struct lc_explained_cluster {
     float estimate[3];        /* radiance by the representative */
     double exact[3];          /* radiance, the sum of all its lights */
     uint32_t n_seen;          /* lights that shed something here and are not hidden */
+    int hidden;               /* 1: proved that all are hidden, so the estimate of 0 is exact, whatever the bound */
 } lc_explained_cluster;
 
 /* A round splits all clusters whose bound is above the limit, or at max_cut the worst of them. */

@@ -12,6 +12,7 @@ struct lc_bvh {
     lc_bvh_node *nodes;
     lc_tri_block *blocks;
     const lc_kernels *kernels;
+    const struct lc_occluders *occluders; /* of its triangles, or NULL; not its own */
 };
 
 /* pos: vertices * 3; index: n_tris * 3, in range; numbers finite. n_tris may be 0. */

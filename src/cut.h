@@ -4,7 +4,8 @@
  * replace clusters above that limit by their children. All of them have to go as long as the total stays, so a round takes every one at
  * once: one call of the bounds kernel, one of the estimates. Shadow rays wait until no bound is above the limit, and then
  * go out together. Near max_cut only the worst are taken. The guarantee is per cluster: every cluster left has a bound of
- * at most that limit. It is not a guarantee about their sum, and shadows are bounded by 1. A start takes the roots' place: any cut
+ * at most that limit, or is proved to be hidden. It is not a guarantee about their sum, though cuts with many hidden
+ * representatives have a lower limit for its sake, and shadows are bounded by 1. A start takes the roots' place: any cut
  * will do, and what is above the limit in it is split.
  *
  * Against replacing the worst four at a time (2026-11, stairs, room, cornell at half size): cuts 0.1 to 0.6 % larger, rmse
@@ -21,19 +22,28 @@
 #include "bvh.h"
 #include "cut_list.h"
 #include "light_tree.h"
+#include "occlusion.h"
 #include "stats.h"
 
 #define LC_MAX_START 2048
 
+/* A cluster that was proved to be hidden. */
+typedef struct lc_cut_hid {
+    uint32_t link, by; /* by: the occluder where the proof began */
+} lc_cut_hid;
+
+#define LC_MAX_HID 2048
+
 /* Clusters of a point's cut that cuts of points near it may begin with, in place of the roots. */
 typedef struct lc_cut_start {
-    uint32_t n_nodes[LC_LIGHT_KINDS], n_lights[LC_LIGHT_KINDS];
-    uint32_t link[LC_MAX_START]; /* nodes, kinds in rising order, then lights likewise */
+    uint32_t n_nodes, n_lights, n_hidden;
+    uint32_t link[LC_MAX_START]; /* nodes in rising order, lights */
+    lc_cut_hid hidden[LC_MAX_HID];
 } lc_cut_start;
 
 typedef struct lc_cut_desc {
-    float error_ratio;
-    uint32_t max_cut; /* 0: no limit; never below the number of kinds */
+    float error_ratio; /* of a cluster; of cuts with much that is hidden less, see share in cut.c */
+    uint32_t max_cut;  /* 0: no limit; never below the number of kinds; clusters that are proved hidden don't count */
     float floor;      /* luminance of reflected radiance, W/(m^2 sr) */
 } lc_cut_desc;
 
@@ -45,8 +55,8 @@ typedef struct lc_cut_round {
 } lc_cut_round;
 
 /* Per-thread scratch, and after lc_cut_shade the cut itself: left, and done: leaves, which are exact, and clusters that
- * can't contribute. While refining, open holds the clusters above the limit, split those to be split, leaf those that are
- * done but for their shadow rays. */
+ * can't contribute, the last n_hid of them because they are hidden, as hid has them. While refining, open holds the clusters
+ * above the limit, split those to be split, leaf those that are done but for their shadow rays. */
 typedef struct lc_cut {
     const lc_context *ctx;
     const lc_light_tree *tree;
@@ -58,6 +68,9 @@ typedef struct lc_cut {
     float *key;          /* scratch of the choice of the worst */
     uint32_t *done;      /* links of light tree nodes; kept only when keep_done, or for `kept` */
     uint32_t n_done;     /* leaves that are in the list leaf included */
+    lc_cut_hid *hid;
+    uint32_t n_hid, most_hid; /* beside the limit: they cost nothing */
+    lc_occlusion *occlusion; /* NULL: nothing is ever proved hidden */
     uint32_t *history;   /* nodes that were split, in order, round after round; kept only when keep_done, as are rounds */
     lc_cut_round *rounds;
     uint32_t n_history, n_rounds;
@@ -74,7 +87,7 @@ typedef struct lc_cut {
 
 typedef struct lc_cut_result {
     lc_f3 radiance;
-    uint32_t size, rays;
+    uint32_t size, rays; /* size: without the hidden ones */
     float max_error; /* largest bound left / luminance of the estimate; 0 where nothing is left */
     bool at_limit, dark;
 } lc_cut_result;
@@ -85,9 +98,10 @@ lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *t
 void lc_cut_free(lc_cut *cut);
 
 /* Which of n lights of a point are hidden, by triangles or behind the surface: there a shading normal may see a light, and shadow
- * rays miss the surface itself, for near their start they see nothing. For the arguments see kernels.h. */
+ * rays miss the surface itself, for near their start they see nothing. For the arguments see kernels.h; block is LC_NONE where the
+ * surface alone hides. */
 void lc_cut_hidden(const lc_bvh *bvh, const lc_point *point, const float org[3], uint32_t n, const float *const target[3], bool far,
-                   uint8_t *hidden);
+                   uint8_t *hidden, uint32_t *block);
 
 /* ray_org: where shadow rays start, the point moved off its surface. hash picks the representatives' slot. */
 void lc_cut_shade(lc_cut *cut, const lc_point *point, const float ray_org[3], uint64_t hash, lc_stats *stats,

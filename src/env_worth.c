@@ -39,7 +39,7 @@ static void try_point(const job *j, uint32_t first, uint32_t n, uint32_t point)
         for (int c = 0; c < 3; c++) to[c][m] = rec.pos[c];
         at[m++] = i;
     }
-    if (m) bvh->kernels->hidden(&bvh->data, j->view->org[point], m, target, true, hidden);
+    if (m) bvh->kernels->hidden(&bvh->data, j->view->org[point], m, target, true, hidden, NULL);
     for (uint32_t k = 0; k < m; k++)
         if (!hidden[k]) j->worth[at[k]] += (double)f[k];
 }

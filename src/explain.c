@@ -89,7 +89,8 @@ static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_lig
         const float *const target[3] = { f[3] + i, f[4] + i, f[5] + i };
         hidden[i] = 2;
         if (f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0)
-            lc_cut_hidden(bvh, &e->probe.point, e->probe.sight.lit[0].surface.ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, &hidden[i]);
+            lc_cut_hidden(bvh, &e->probe.point, e->probe.sight.lit[0].surface.ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, &hidden[i],
+                          NULL);
     }
 }
 
@@ -161,6 +162,7 @@ static lc_status describe_all(explainer *e)
     uint32_t n_left = cut->left.n, n_cut = e->out->n_clusters;
     for (uint32_t i = 0; i < n_cut; i++) {
         describe(e, i < n_left ? cut->left.link[i] : cut->done[i - n_left], &c[i]);
+        c[i].hidden = i >= n_cut - cut->n_hid;
         lc_status st = add_all(e, &c[i]);
         if (st) return st;
     }

@@ -40,6 +40,15 @@ static inline void f4_keep_less(f4 *best, f4 *best_at, f4 less, f4 at)
     *best = _mm_min_ps(less, *best);
     *best_at = _mm_or_ps(_mm_and_ps(m, at), _mm_andnot_ps(m, *best_at));
 }
+static inline float f4_first(f4 a) { return _mm_cvtss_f32(a); }
+static inline float f4_last(f4 a) { return _mm_cvtss_f32(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 3, 3))); }
+/* Lanes 1 2 0 3. */
+static inline f4 f4_turn3(f4 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 0, 2, 1)); }
+/* Lanes 0 to 2 of a, the last of b. */
+static inline f4 f4_with_last(f4 a, f4 b)
+{
+    return _mm_shuffle_ps(a, _mm_shuffle_ps(a, b, _MM_SHUFFLE(3, 3, 2, 2)), _MM_SHUFFLE(2, 0, 1, 0));
+}
 static inline i4 i4_load(const void *p) { return _mm_load_si128((const i4 *)p); }
 static inline void i4_store(void *p, i4 a) { _mm_store_si128((i4 *)p, a); }
 static inline i4 i4_set(int32_t a) { return _mm_set1_epi32(a); }
@@ -97,6 +106,10 @@ static inline void f4_keep_less(f4 *best, f4 *best_at, f4 less, f4 at)
     for (int k = 0; k < 4; k++)
         if (less.v[k] < best->v[k]) best->v[k] = less.v[k], best_at->v[k] = at.v[k];
 }
+static inline float f4_first(f4 a) { return a.v[0]; }
+static inline float f4_last(f4 a) { return a.v[3]; }
+static inline f4 f4_turn3(f4 a) { return (f4){ { a.v[1], a.v[2], a.v[0], a.v[3] } }; }
+static inline f4 f4_with_last(f4 a, f4 b) { return (f4){ { a.v[0], a.v[1], a.v[2], b.v[3] } }; }
 static inline i4 i4_load(const void *p)
 {
     i4 a;

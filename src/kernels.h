@@ -76,9 +76,10 @@ typedef struct lc_kernels {
     /* Nearest hit with 0 < t <= t_max; of equal t one of the world, then the lowest instance, then the lowest triangle id. */
     void (*closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit);
     /* hidden[i] = 1 if a triangle is met on org + t (target i - org) for t in (LC_SHADOW_EPS, 1 - LC_SHADOW_EPS), or,
-     * if `far` is set, on org + t target at any t > 0: targets then are directions. target: x, y, z arrays. */
+     * if `far` is set, on org + t target at any t > 0: targets then are directions. target: x, y, z arrays.
+     * block, unless NULL: where hidden, the block of such a triangle, LC_NONE if it is an instance's; the same from all kernels. */
     void (*hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
-                   uint8_t *hidden);
+                   uint8_t *hidden, uint32_t *block);
     /* offset[i] leads from position first + i of the list, i < n, to its nearest neighbour among the `radius` before and
      * behind it, or is 0 where it has none. grouped: of its group of LC_PLOC_GROUP positions only. */
     void (*nearest)(const lc_ploc_list *list, uint32_t first, uint32_t n, uint32_t radius, bool grouped, float *offset);

@@ -61,6 +61,11 @@ static inline lc_light_kind lc_kind_of_light(const lc_light_tree *t, uint32_t li
                                      : (light < t->first_light[3] ? LC_LIGHT_DIRECTIONAL : LC_LIGHT_SPOT);
 }
 
+static inline lc_light_kind lc_kind_of_link(const lc_light_tree *t, uint32_t link)
+{
+    return link & LC_LEAF ? lc_kind_of_light(t, link & ~LC_LEAF) : lc_kind_of_node(t, link);
+}
+
 /* A, B, C of a light, or NULL where all are 0, 0, 1. */
 static inline const float *lc_light_atten(const lc_tree_data *t, uint32_t light)
 {

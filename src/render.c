@@ -730,9 +730,9 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     if (is_guide) make_guide(&j, &p->cut, g);
     shade_others(&j, p, g, hash);
     g->made = false;
-    make_guide(&j, &p->cut, g); /* again: its splits are kept for the cut that begins with it */
+    if (!is_guide) make_guide(&j, &p->cut, g); /* again: its splits are kept for the cut that begins with it */
     init_point(scene, lit, &p->point);
-    cut_shade(&p->cut, is_guide ? NULL : g, &p->point, &lit->surface, hash, &stats, &p->by_cut);
+    cut_shade(&p->cut, g, &p->point, &lit->surface, hash, &stats, &p->by_cut);
     lc_free(ctx, all, GUIDES, sizeof *all);
     return LC_OK;
 }

@@ -7,6 +7,7 @@
 #include "env_light.h"
 #include "instance.h"
 #include "light_tree.h"
+#include "occluder.h"
 #include "vpl.h"
 
 #include <stdio.h>
@@ -36,6 +37,7 @@ void lc_scene_destroy(lc_scene *s)
     if (!s) return;
     lc_context *ctx = s->ctx;
     lc_bvh_destroy(s->bvh);
+    lc_occluders_destroy(s->occluders);
     lc_instances_free(s);
     lc_free(ctx, s->alphas, s->cap_alphas, sizeof *s->alphas);
     lc_free(ctx, s->alpha_bits, s->alpha_words, sizeof *s->alpha_bits);
@@ -486,6 +488,9 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!st) st = lc_bvh_build(s->ctx, s->pos, s->index, n_world, &s->bvh);
     if (st) return st;
     s->bvh->data.alpha = lc_alpha_of(s, 0, n_world);
+    const lc_occluders_desc occluders = { s->pos, s->index, n_world, s->alpha_bits };
+    if ((st = lc_occluders_build(s->ctx, &occluders, &s->occluders))) return st;
+    s->bvh->occluders = s->occluders;
     if ((st = lc_instances_build(s))) return st;
     double t1 = lc_now();
     s->seconds_bvh = t1 - t0;

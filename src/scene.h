@@ -143,6 +143,7 @@ struct lc_scene {
     bool follows_smooth; /* lobes below LC_SMOOTH_ROUGHNESS are followed as mirrors */
     lc_indirect indirect;
     lc_bvh *bvh;
+    struct lc_occluders *occluders;
     lc_level *level;      /* instances; NULL: none */
     lc_alpha alpha;
     uint32_t *alpha_bits; /* alpha_words of them, or NULL: all is opaque */

@@ -22,6 +22,7 @@ typedef struct lc_stats {
     uint64_t points, shadow_rays, bounds, camera_rays, at_limit, dark, nonfinite;
     uint64_t cut_sum;
     uint64_t glossy; /* of points: those with a lobe */
+    uint64_t proved, proof_tests; /* clusters proved hidden, triangles looked at for that */
     uint64_t ticks[LC_PHASES], last_tick; /* of the samples that are timed */
     bool timed;
     bool (*go_on)(void *user); /* NULL, or false: the work is no longer wanted, and what was begun may end unfinished */

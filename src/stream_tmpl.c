@@ -24,6 +24,7 @@ typedef struct {
     uint32_t near[3][STREAM]; /* where the near plane of an axis stands among a node's planes; the far one is 8 behind */
     const float *org;
     const lc_bvh_data *bvh;
+    uint32_t *by; /* for each ray: the block where it was stopped */
     vf8 vorg[3], vt_min, vt_max;
 } LC_FN(rays);
 
@@ -206,7 +207,9 @@ LC_INLINE uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uin
         if (!in) continue;
         uint32_t sure = vf8_lt(e, least) | vf8_lt(most, minus_e);
         if (!(in & sure)) in &= LC_FN(inside)(b, r, i);
-        if (in && (!holes || !r->bvh->alpha || LC_FN(solid)(b, r, i, in))) stopped |= (uint64_t)1 << i;
+        if (!in || (holes && r->bvh->alpha && !LC_FN(solid)(b, r, i, in))) continue;
+        stopped |= (uint64_t)1 << i;
+        r->by[i] = (uint32_t)(b - r->bvh->blocks);
     }
     return stopped;
 }
@@ -424,9 +427,10 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_in)(const lc_placed *p, u
 {
     const lc_instance *at = &p->instances[instance];
     uint8_t of[STREAM];
-    uint32_t n = 0;
+    uint32_t n = 0, by[STREAM];
     float org[3];
     rays o;
+    o.by = by;
     LC_FN(to_object)(at, r->org, 1, org);
     o.vt_min = r->vt_min, o.vt_max = r->vt_max;
     for (; mask; mask &= mask - 1, n++) {
@@ -481,16 +485,19 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_placed)(const lc_placed *
 }
 
 static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
-                          uint8_t *hidden)
+                          uint8_t *hidden, uint32_t *block)
 {
+    uint32_t by[STREAM];
     rays r;
     lones ls;
+    r.by = by;
     LC_FN(lones_init)(&ls);
     for (uint32_t first = 0; first < n; first += STREAM) {
         uint32_t m = n - first < STREAM ? n - first : STREAM;
         const float *const t[3] = { target[0] + first, target[1] + first, target[2] + first };
         LC_FN(rays_init)(&r, bvh, org, m, t, far);
         uint64_t stopped = bvh->alpha ? LC_FN(stream_holes)(bvh, &r, m, &ls) : LC_FN(stream)(bvh, &r, m, &ls, false);
+        for (uint32_t i = 0; i < m && block; i++) block[first + i] = stopped >> i & 1 ? by[i] : LC_NONE;
         if (bvh->placed) stopped |= LC_FN(stream_placed)(bvh->placed, &r, ~stopped & ~(uint64_t)0 >> (64 - m), &ls);
         uint32_t i = 0;
         for (; i + 8 <= m; i += 8) { /* a bit to each byte */

@@ -1,44 +1,13 @@
 /* subdiv.c - see subdiv.h. Weights from [Loop87], those of normals from Hoppe et al. 1994, as in pbrt's loopsubdiv. */
 #include "subdiv.h"
 
-#include "rng.h"
+#include "twins.h"
 #include "xform.h"
 
 #include <string.h>
 
-static uint32_t next_of(uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
-static uint32_t prev_of(uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 static uint32_t start_of(const lc_subdiv *m, uint32_t h) { return m->corner[h]; }
-static uint32_t end_of(const lc_subdiv *m, uint32_t h) { return m->corner[next_of(h)]; }
-
-/* ---- neighbours ---- */
-
-/* twin[h]: the half-edge the other way, LC_NONE at a boundary. Open addressing by the two vertices. */
-static lc_status find_twins(const lc_context *ctx, const lc_subdiv *m, uint32_t *twin)
-{
-    uint32_t n = 3 * m->n_faces;
-    size_t cap = 16;
-    while (cap < 2 * (size_t)n) cap *= 2;
-    uint32_t *slots = lc_alloc_raw(ctx, cap, sizeof *slots);
-    if (!slots) return LC_ERR_MEMORY;
-    memset(slots, 0xff, cap * sizeof *slots);
-    for (uint32_t h = 0; h < n; h++) {
-        uint32_t a = start_of(m, h), b = end_of(m, h), lo = a < b ? a : b, hi = a < b ? b : a;
-        size_t i = lc_mix((uint64_t)lo << 32 | hi) & (cap - 1);
-        twin[h] = LC_NONE;
-        for (;; i = (i + 1) & (cap - 1)) {
-            uint32_t o = slots[i];
-            if (o == LC_NONE) break;
-            uint32_t c = start_of(m, o), d = end_of(m, o);
-            if ((c < d ? c : d) != lo || (c < d ? d : c) != hi) continue;
-            if (c == b && twin[o] == LC_NONE && a != b) twin[h] = o, twin[o] = h;
-            break; /* of one edge the first stands for all: a third face goes without */
-        }
-        slots[i] = slots[i] == LC_NONE ? h : slots[i];
-    }
-    lc_free(ctx, slots, cap, sizeof *slots);
-    return LC_OK;
-}
+static uint32_t end_of(const lc_subdiv *m, uint32_t h) { return m->corner[lc_half_edge_next(h)]; }
 
 typedef struct ring {
     double sum[3]; /* of the neighbours, at a boundary of those along it */
@@ -77,8 +46,8 @@ static void move(const ring *r, double inside, double boundary, const double *fr
 static void odd_vertex(const lc_subdiv *m, uint32_t h, uint32_t twin, double *to)
 {
     const double *a = m->pos + 3 * (size_t)start_of(m, h), *b = m->pos + 3 * (size_t)end_of(m, h);
-    const double *c = m->pos + 3 * (size_t)m->corner[prev_of(h)];
-    const double *d = twin == LC_NONE ? c : m->pos + 3 * (size_t)m->corner[prev_of(twin)];
+    const double *c = m->pos + 3 * (size_t)m->corner[lc_half_edge_prev(h)];
+    const double *d = twin == LC_NONE ? c : m->pos + 3 * (size_t)m->corner[lc_half_edge_prev(twin)];
     for (int k = 0; k < 3; k++) to[k] = twin == LC_NONE ? 0.5 * (a[k] + b[k]) : 0.375 * (a[k] + b[k]) + 0.125 * (c[k] + d[k]);
 }
 
@@ -102,7 +71,7 @@ lc_status lc_subdiv_refine(lc_arena *arena, const lc_subdiv *in, lc_subdiv *out)
     ring *rings = lc_arena_alloc(arena, in->n_verts, sizeof *rings);
     *out = (lc_subdiv){ in->n_verts, 4 * in->n_faces, NULL, NULL };
     out->corner = lc_arena_alloc(arena, 4 * (size_t)n_half, sizeof *out->corner);
-    lc_status st = twin && odd && rings && out->corner ? find_twins(arena->ctx, in, twin) : LC_ERR_MEMORY;
+    lc_status st = twin && odd && rings && out->corner ? lc_find_twins(arena->ctx, in->corner, in->n_faces, twin) : LC_ERR_MEMORY;
     if (st) return st;
     size_t n_edges = 0;
     for (uint32_t h = 0; h < n_half; h++) n_edges += twin[h] == LC_NONE || h < twin[h];
@@ -169,7 +138,7 @@ static uint32_t ring_inside(const lc_subdiv *m, const uint32_t *twin, uint32_t f
     uint32_t n = 0, h = first;
     do {
         p[n++] = m->pos + 3 * (size_t)end_of(m, h);
-        h = twin[h] == LC_NONE ? LC_NONE : next_of(twin[h]);
+        h = twin[h] == LC_NONE ? LC_NONE : lc_half_edge_next(twin[h]);
     } while (h != LC_NONE && h != first);
     return n;
 }
@@ -179,8 +148,8 @@ static uint32_t ring_boundary(const lc_subdiv *m, const uint32_t *twin, uint32_t
     uint32_t n = 0, h = first;
     p[n++] = m->pos + 3 * (size_t)end_of(m, h);
     do {
-        p[n++] = m->pos + 3 * (size_t)start_of(m, prev_of(h));
-        h = twin[prev_of(h)];
+        p[n++] = m->pos + 3 * (size_t)start_of(m, lc_half_edge_prev(h));
+        h = twin[lc_half_edge_prev(h)];
     } while (h != LC_NONE && h != first);
     return n;
 }
@@ -207,7 +176,7 @@ lc_status lc_subdiv_limit(lc_arena *arena, lc_subdiv *m, double *normal)
     ring *rings = lc_arena_alloc(arena, m->n_verts, sizeof *rings);
     double *moved = lc_arena_alloc(arena, n_floats, sizeof *moved);
     const double **p = lc_arena_alloc(arena, n_half + 1, sizeof *p); /* a ring has no more vertices */
-    lc_status st = twin && first && rings && moved && p ? find_twins(arena->ctx, m, twin) : LC_ERR_MEMORY;
+    lc_status st = twin && first && rings && moved && p ? lc_find_twins(arena->ctx, m->corner, m->n_faces, twin) : LC_ERR_MEMORY;
     if (st) return st;
     gather(m, twin, rings);
     for (size_t v = 0; v < m->n_verts; v++) {

@@ -76,7 +76,7 @@ double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t has
         for (int c = 0; c < 3; c++) to[c][n] = view->org[i][c];
         n++;
     }
-    if (n) bvh->kernels->hidden(&bvh->data, org, n, target, false, hidden);
+    if (n) bvh->kernels->hidden(&bvh->data, org, n, target, false, hidden, NULL);
     for (uint32_t k = 0; k < n; k++) sum += hidden[k] ? 0 : (double)f[k];
     return sum / LC_WORTH_POINTS;
 }
@@ -104,7 +104,7 @@ static void trace(group *g)
     uint8_t hidden[BATCH];
     const float *const t[3] = { g->target[0], g->target[1], g->target[2] };
     const lc_vpl_view *view = g->j->view;
-    if (g->n) view->scene->bvh->kernels->hidden(&view->scene->bvh->data, view->org[g->item], g->n, t, false, hidden);
+    if (g->n) view->scene->bvh->kernels->hidden(&view->scene->bvh->data, view->org[g->item], g->n, t, false, hidden, NULL);
     for (uint32_t i = 0; i < g->n; i++) {
         if (hidden[i]) continue;
         g->j->soft[g->item] += (double)(g->soft[i] * g->each);

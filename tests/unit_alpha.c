@@ -66,7 +66,7 @@ static bool hidden(double x, double y, double z)
     const float org[3] = { 0, 0, 0 }, to[3] = { (float)x, (float)y, (float)z };
     const float *const target[3] = { to, to + 1, to + 2 };
     uint8_t got;
-    scene->bvh->kernels->hidden(&scene->bvh->data, org, 1, target, false, &got);
+    scene->bvh->kernels->hidden(&scene->bvh->data, org, 1, target, false, &got, NULL);
     return got;
 }
 
@@ -157,14 +157,14 @@ TEST(instruction_sets)
                 for (int k = 0; k < 3; k++) t[k][j] = (float)(k == 2 ? org[2] + (float)rnd(-0.02, 0.02) : (float)rnd(-1, 1));
             for (size_t m = 0; m < 4 && isas[m] <= lc_cpu_isa(); m++) {
                 const lc_kernels *k = lc_kernels_get(isas[m]);
-                k->hidden(&scene->bvh->data, org, 64, target, false, got);
+                k->hidden(&scene->bvh->data, org, 64, target, false, got, NULL);
                 if (!m) memcpy(first, got, sizeof got);
                 CHECK(!memcmp(first, got, sizeof got));
                 for (uint32_t j = 0; j < 64; j++) {
                     const float *const alone[3] = { t[0] + j, t[1] + j, t[2] + j };
                     const float d[3] = { t[0][j] - org[0], t[1][j] - org[1], t[2][j] - org[2] };
                     lc_hit a, b;
-                    k->hidden(&scene->bvh->data, org, 1, alone, false, &one);
+                    k->hidden(&scene->bvh->data, org, 1, alone, false, &one, NULL);
                     CHECK(one == first[j]);
                     lc_kernels_get(LC_ISA_SCALAR)->closest(&scene->bvh->data, org, d, FLT_MAX, &a);
                     k->closest(&scene->bvh->data, org, d, FLT_MAX, &b);

@@ -79,10 +79,10 @@ static uint8_t hidden(const lc_bvh *b, const float org[3], const float target[3]
 {
     uint8_t first = 9, other = 9;
     const float *const list[3] = { &target[0], &target[1], &target[2] };
-    lc_kernels_get(LC_ISA_SCALAR)->hidden(&b->data, org, 1, list, far, &first);
+    lc_kernels_get(LC_ISA_SCALAR)->hidden(&b->data, org, 1, list, far, &first, NULL);
     for (int i = 1; i < N_ISAS; i++) {
         if (isas[i] > lc_cpu_isa()) continue;
-        lc_kernels_get(isas[i])->hidden(&b->data, org, 1, list, far, &other);
+        lc_kernels_get(isas[i])->hidden(&b->data, org, 1, list, far, &other, NULL);
         CHECK(other == first);
     }
     return first;
@@ -594,8 +594,8 @@ TEST(boxes_lose_no_hit)
             uint8_t got, want;
             lc_hit hit, best;
             if (!(lc_f3_len(lc_f3_load(dir)) > 0)) continue;
-            k->hidden(&b->data, org, 1, list, false, &got);
-            k->hidden(&all, org, 1, list, false, &want);
+            k->hidden(&b->data, org, 1, list, false, &got, NULL);
+            k->hidden(&all, org, 1, list, false, &want, NULL);
             CHECK(want >= got);
             k->closest(&b->data, org, dir, FLT_MAX, &hit);
             k->closest(&all, org, dir, FLT_MAX, &best);

@@ -151,7 +151,8 @@ static void check_sums(const setup *s, const lc_explanation *x)
         for (int k = 0; k < 3; k++) estimate[k] += (double)c->estimate[k], exact[k] += c->exact[k];
         CHECK(c->split == 0 && (!i || !x->at_limit || c->n_lights));
         rays += c->seen >= 0;
-        if (c->n_lights > 1 && !x->at_limit) CHECK((double)c->bound <= x->limit * (1 + 1e-5));
+        if (c->hidden) CHECK(c->n_seen == 0 && c->n_lights > 1 && !(c->estimate[1] > 0));
+        else if (c->n_lights > 1 && !x->at_limit) CHECK((double)c->bound <= x->limit * (1 + 1e-5));
     }
     for (int k = 0; k < 3; k++) {
         CHECKF(near(estimate[k], (double)x->radiance[k]), "estimates sum to %g, radiance %g", estimate[k], (double)x->radiance[k]);
@@ -184,7 +185,9 @@ static void check_pixel(const setup *s, const lc_explanation *x, uint32_t px, ui
         CHECK(same(at(s, "cut.size", px, py), (float)s->scene->tree->n_lights));
         return;
     }
-    CHECK(same(at(s, "cut.size", px, py), (float)x->n_clusters) && same(at(s, "cut.rays", px, py), (float)x->rays));
+    uint32_t n_hidden = 0;
+    for (uint32_t i = 0; i < x->n_clusters; i++) n_hidden += x->clusters[i].hidden != 0;
+    CHECK(same(at(s, "cut.size", px, py), (float)(x->n_clusters - n_hidden)) && same(at(s, "cut.rays", px, py), (float)x->rays));
     CHECK(same(at(s, "cut.error", px, py), x->max_error));
 }
 

@@ -158,17 +158,17 @@ TEST(shadows)
         uint32_t n = 1 + (uint32_t)rnd(0, 70);
         for (uint32_t j = 0; j < n; j++)
             for (int k = 0; k < 3; k++) t[k][j] = (float)rnd(-6, 6);
-        b->bvh->kernels->hidden(&b->bvh->data, org, n, target, far, want);
+        b->bvh->kernels->hidden(&b->bvh->data, org, n, target, far, want, NULL);
         for (size_t m = 0; m < 4 && isas[m] <= lc_cpu_isa(); m++) {
             uint8_t other[80];
-            lc_kernels_get(isas[m])->hidden(&a->bvh->data, org, n, target, far, other);
+            lc_kernels_get(isas[m])->hidden(&a->bvh->data, org, n, target, far, other, NULL);
             if (!m) memcpy(got, other, n);
             CHECK(!memcmp(got, other, n));
             for (uint32_t j = 0; j < n; j++) {
                 const float *const alone[3] = { t[0] + j, t[1] + j, t[2] + j };
                 lc_hit first, hit;
                 const float d[3] = { t[0][j] - org[0], t[1][j] - org[1], t[2][j] - org[2] };
-                lc_kernels_get(isas[m])->hidden(&a->bvh->data, org, 1, alone, far, &one);
+                lc_kernels_get(isas[m])->hidden(&a->bvh->data, org, 1, alone, far, &one, NULL);
                 CHECK(one == got[j]);
                 lc_kernels_get(LC_ISA_SCALAR)->closest(&a->bvh->data, org, d, FLT_MAX, &first);
                 lc_kernels_get(isas[m])->closest(&a->bvh->data, org, d, FLT_MAX, &hit);
@@ -216,7 +216,7 @@ TEST(no_shadow_on_itself)
             const float to[3] = { p.ray_org[0] + l.x, p.ray_org[1] + l.y, p.ray_org[2] + l.z };
             const float *const target[3] = { to, to + 1, to + 2 };
             uint8_t hidden;
-            s->bvh->kernels->hidden(&s->bvh->data, p.ray_org, 1, target, false, &hidden);
+            s->bvh->kernels->hidden(&s->bvh->data, p.ray_org, 1, target, false, &hidden, NULL);
             n_hits++, n_hidden += hidden;
         }
         CHECKF(n_hits > 5000 && !n_hidden, "place %zu: %u of %u", c, n_hidden, n_hits);

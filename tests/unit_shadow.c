@@ -125,16 +125,26 @@ static void make_group(group *g, int style, lc_f3 c, float r)
 }
 
 /* false if anything but the answers is written. */
-static bool trace_data(lc_isa isa, const lc_bvh_data *data, const group *g, uint32_t first, uint32_t n, uint8_t *out)
+static bool trace_data(lc_isa isa, const lc_bvh_data *data, const group *g, uint32_t first, uint32_t n, uint8_t *out, uint32_t *block)
 {
     uint8_t got[MOST + LC_LANES + GUARD];
     const float *const target[3] = { g->target[0] + first, g->target[1] + first, g->target[2] + first };
     memset(got, 77, sizeof got);
-    lc_kernels_get(isa)->hidden(data, g->org, n, target, g->far, got);
+    lc_kernels_get(isa)->hidden(data, g->org, n, target, g->far, got, block);
     memcpy(out, got, n);
     bool ok = true;
     for (uint32_t i = 0; i < n; i++) ok &= got[i] <= 1;
     for (uint32_t i = (n + LC_LANES - 1) / LC_LANES * LC_LANES; i < sizeof got; i++) ok &= got[i] == 77;
+    return ok;
+}
+
+/* As scalar says, the blocks too: with the right answers, and none beside. */
+static bool blocks_agree(lc_isa isa, const lc_bvh_data *data, const group *g, uint32_t first, uint32_t n)
+{
+    static uint32_t want[MOST], got[MOST];
+    uint8_t hidden[MOST];
+    bool ok = trace_data(LC_ISA_SCALAR, data, g, first, n, hidden, want) && trace_data(isa, data, g, first, n, hidden, got);
+    for (uint32_t i = 0; i < n; i++) ok &= got[i] == want[i] && (hidden[i] ? got[i] < data->n_blocks : got[i] == LC_NONE);
     return ok;
 }
 
@@ -145,7 +155,8 @@ static bool trace(lc_isa isa, const lc_bvh *b, const group *g, uint32_t first, u
     uint8_t in_turns[MOST];
     lc_bvh_data large = b->data;
     large.n_blocks = LC_BVH_LEAF;
-    return trace_data(isa, &b->data, g, first, n, out) && trace_data(isa, &large, g, first, n, in_turns) && !memcmp(out, in_turns, n);
+    return trace_data(isa, &b->data, g, first, n, out, NULL) && trace_data(isa, &large, g, first, n, in_turns, NULL) &&
+           !memcmp(out, in_turns, n) && blocks_agree(isa, &b->data, g, first, n) && blocks_agree(isa, &large, g, first, n);
 }
 
 static void say(const char *what, lc_isa isa, int mesh_style, const group *g, uint32_t i, int got, int want)

@@ -118,8 +118,8 @@ static void group(const lc_bvh *b, lc_f3 o, float size)
         if (hit.tri == LC_NONE) miss("nearest", isa, o, d);
     }
     const float *const dirs[3] = { dir[0], dir[1], dir[2] }, *const ends[3] = { end[0], end[1], end[2] };
-    kernels->hidden(&b->data, org, GROUP, dirs, true, out[0]);
-    kernels->hidden(&b->data, org, GROUP, ends, false, out[1]);
+    kernels->hidden(&b->data, org, GROUP, dirs, true, out[0], NULL);
+    kernels->hidden(&b->data, org, GROUP, ends, false, out[1], NULL);
     for (uint32_t i = 0; i < GROUP; i++)
         for (int k = 0; k < 2; k++) {
             lc_f3 to = k ? lc_f3_make(end[0][i], end[1][i], end[2][i]) : lc_f3_make(dir[0][i], dir[1][i], dir[2][i]);

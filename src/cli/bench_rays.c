@@ -57,7 +57,7 @@ static uint32_t trace(const job *j, const float *ray, uint64_t n)
             x[0][m] = ray[3], x[1][m] = ray[4], x[2][m] = ray[5];
             ray += 6;
         } while (++m < j->max_group && ray < end && same_origin(ray, org));
-        j->kernels->hidden(&j->bvh->data, org, m, target, false, hidden);
+        j->kernels->hidden(&j->bvh->data, org, m, target, false, hidden, NULL);
         for (uint32_t i = 0; i < m; i++) occluded += hidden[i];
     }
     return occluded;

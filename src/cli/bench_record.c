@@ -48,10 +48,10 @@ static void add(bench_record *r, const float org[3], uint32_t n, const float *co
 }
 
 static void record_hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
-                          uint8_t *hidden)
+                          uint8_t *hidden, uint32_t *block)
 {
     bench_record *r = current;
-    r->real->hidden(bvh, org, n, target, far, hidden);
+    r->real->hidden(bvh, org, n, target, far, hidden, block);
     r->n_shadow_seen += n;
     if (keeps(r)) add(r, org, n, target, far, hidden);
 }

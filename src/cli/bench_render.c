@@ -47,7 +47,7 @@ static uint32_t replay_group(const bench_record *r, const record_group *g)
     for (uint32_t done = 0, n; done < g->n; done += n) {
         n = g->n - done < PIECE ? g->n - done : PIECE;
         for (uint32_t i = 0; i < n; i++, from += 3) x[0][i] = from[0], x[1][i] = from[1], x[2][i] = from[2];
-        r->real->hidden(&r->bvh->data, g->org, n, target, g->far, hidden);
+        r->real->hidden(&r->bvh->data, g->org, n, target, g->far, hidden, NULL);
         for (uint32_t i = 0; i < n; i++) count += hidden[i];
     }
     return count;

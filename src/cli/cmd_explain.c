@@ -44,8 +44,9 @@ static void print_help(void)
            "  -h, --help               this text\n\n"
            "columns: share of the cut's luminance; luminance of estimate, of the exact sum, their difference (error), and the\n"
            "bound that it never exceeds; lights in the cluster and how many of them reach the point; light: the representative\n"
-           "(lights of the file in order, then those of emissive surfaces); seen: '-' sheds nothing here; made: round. A cut may\n"
-           "begin with that of the first pixel of its 4x4 block: its rounds come first, with that pixel's limits and totals.\n",
+           "(lights of the file in order, then those of emissive surfaces); seen: '-' sheds nothing here, 'none' is proved of the\n"
+           "whole cluster, whose error is 0; made: round. A cut may begin with that of the first pixel of its 4x4 block: its rounds\n"
+           "come first, with that pixel's limits and totals.\n",
            DEFAULT_TOP);
 }
 
@@ -158,8 +159,12 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
     if (x->all_lights)
         printf("note         %s: the picture has the exact value; the cut below is that of --method cuts\n",
                o->render.method == LC_METHOD_EXACT ? "the method is exact" : "with so few lights every one is evaluated");
-    printf("cut          %u clusters of %llu lights, %u shadow rays, %u splits in %u rounds\n", x->n_clusters,
+    printf("cut          %u clusters of %llu lights, %u shadow rays, %u splits in %u rounds", x->n_clusters,
            (unsigned long long)info->n_lights, x->rays, x->n_splits, x->n_rounds);
+    uint32_t n_hidden = 0;
+    for (uint32_t i = 0; i < x->n_clusters; i++) n_hidden += x->clusters[i].hidden != 0;
+    if (n_hidden) printf(", %u clusters proved hidden", n_hidden);
+    printf("\n");
     printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit, (double)o->render.error_ratio,
            x->floor > cut ? "the dark floor" : "the luminance", x->at_limit ? ", not reached within --max-cut" : "",
            (double)x->max_error);
@@ -183,7 +188,7 @@ static void print_cluster(const lc_explained_cluster *c, double total)
     double estimate = lum(c->estimate), exact = lum_d(c->exact);
     printf("%7.3f%% %12.5g %12.5g %12.4g %12.5g %8u %8u %-8s %9u %-4s %5u ", total > 0 ? 100 * estimate / total : 0, estimate, exact,
            estimate - exact, (double)c->bound, c->n_lights, c->n_seen, kinds[c->kind], c->light,
-           c->seen < 0 ? "-" : c->seen ? "yes" : "no", c->made);
+           c->hidden ? "none" : c->seen < 0 ? "-" : c->seen ? "yes" : "no", c->made);
     const float *const vectors[] = { c->light_pos, c->light_intensity, c->lo, c->hi };
     for (int k = 0; k < 4; k++)
         printf("%s (%.5g, %.5g, %.5g)", k == 3 ? " .." : "", (double)vectors[k][0], (double)vectors[k][1], (double)vectors[k][2]);
@@ -257,7 +262,7 @@ static void json_cluster(const lc_explained_cluster *c, double total)
     printf("\"light\": %u, ", c->light);
     json_floats("light_position", c->light_pos, ", ");
     json_floats("light_intensity", c->light_intensity, ", ");
-    printf("\"seen\": %s, ", seen[c->seen + 1]);
+    printf("\"seen\": %s, \"hidden\": %s, ", seen[c->seen + 1], c->hidden ? "true" : "false");
     json_float("bound", (double)c->bound, ", ");
     json_floats("estimate", c->estimate, ", ");
     json_float("share", total > 0 ? lum(c->estimate) / total : 0, ", ");
