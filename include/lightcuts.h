@@ -363,6 +363,7 @@ typedef struct lc_explanation {
     float max_error;                      /* largest bound left / luminance of the cut */
     uint32_t rays;                        /* shadow rays of the cut */
     int at_limit, dark;                   /* met max_cut; the dark floor set the limit */
+    uint32_t cut_size;                    /* clusters that max_cut counts: neither hidden nor with a bound of 0 */
     uint32_t n_clusters, n_splits, n_rounds;
     lc_explained_cluster *clusters;       /* n_clusters of the cut by falling luminance of the estimate, equal ones by falling
                                            * bound, then n_splits that were split, in order */

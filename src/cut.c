@@ -22,6 +22,9 @@
  * than a multiple of eight, so that the arrays don't compete for the same sets of the cache. */
 static size_t capacity(const lc_cut *c) { return ((((size_t)c->limit + 1 + LC_CUT_SPARE + 15) / 16 | 7) + 2) * 16; }
 
+/* Clusters, with as many that can't shed anything, and hidden ones. */
+static size_t most_in_all(const lc_cut *c) { return capacity(c) + c->limit + LC_MAX_HID; }
+
 static void lay_out(lc_cut_list *list, float *memory, size_t n)
 {
     list->bound = memory;
@@ -45,11 +48,11 @@ lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *t
     size_t n = capacity(cut);
     cut->memory = lc_alloc_raw(ctx, n, 4 * LC_CUT_WORDS * sizeof *cut->memory); /* without a limit few pages are touched */
     cut->key = lc_alloc_raw(ctx, n, sizeof *cut->key);
-    cut->done = lc_alloc_raw(ctx, n + LC_MAX_HID, sizeof *cut->done);
+    cut->done = lc_alloc_raw(ctx, most_in_all(cut), sizeof *cut->done);
     cut->hid = lc_alloc_raw(ctx, LC_MAX_HID, sizeof *cut->hid);
     cut->occlusion = bvh->occluders ? lc_alloc_raw(ctx, 1, sizeof *cut->occlusion) : NULL;
-    cut->history = keep_done ? lc_alloc_raw(ctx, n + LC_MAX_HID, sizeof *cut->history) : NULL;
-    cut->rounds = keep_done ? lc_alloc_raw(ctx, n + LC_MAX_HID, sizeof *cut->rounds) : NULL;
+    cut->history = keep_done ? lc_alloc_raw(ctx, most_in_all(cut), sizeof *cut->history) : NULL;
+    cut->rounds = keep_done ? lc_alloc_raw(ctx, most_in_all(cut), sizeof *cut->rounds) : NULL;
     if (!cut->memory || !cut->key || !cut->done || !cut->hid || (keep_done && (!cut->history || !cut->rounds)) ||
         (bvh->occluders && !cut->occlusion)) {
         lc_cut_free(cut);
@@ -65,15 +68,19 @@ void lc_cut_free(lc_cut *cut)
     size_t n = capacity(cut);
     lc_free(cut->ctx, cut->memory, n, 4 * LC_CUT_WORDS * sizeof *cut->memory);
     lc_free(cut->ctx, cut->key, n, sizeof *cut->key);
-    lc_free(cut->ctx, cut->done, n + LC_MAX_HID, sizeof *cut->done);
+    lc_free(cut->ctx, cut->done, most_in_all(cut), sizeof *cut->done);
     lc_free(cut->ctx, cut->hid, LC_MAX_HID, sizeof *cut->hid);
     lc_free(cut->ctx, cut->occlusion, 1, sizeof *cut->occlusion);
-    lc_free(cut->ctx, cut->history, n + LC_MAX_HID, sizeof *cut->history);
-    lc_free(cut->ctx, cut->rounds, n + LC_MAX_HID, sizeof *cut->rounds);
+    lc_free(cut->ctx, cut->history, most_in_all(cut), sizeof *cut->history);
+    lc_free(cut->ctx, cut->rounds, most_in_all(cut), sizeof *cut->rounds);
     cut->memory = NULL, cut->key = NULL, cut->done = NULL, cut->hid = NULL, cut->occlusion = NULL, cut->history = NULL, cut->rounds = NULL;
 }
 
-static uint32_t cut_size(const lc_cut *c) { return c->open.n + c->split.n + c->left.n + c->n_done; }
+/* Clusters but for those that are hidden. */
+static uint32_t n_clusters(const lc_cut *c) { return c->open.n + c->split.n + c->left.n + c->n_done; }
+
+/* What max_cut limits: those that can't shed anything at the point are left out, up to as many as there may be others. */
+static uint32_t cut_size(const lc_cut *c) { return n_clusters(c) - (c->n_zero < c->limit ? c->n_zero : c->limit); }
 
 static const lc_kernels *kernels(const lc_cut *c) { return c->bvh->kernels; }
 
@@ -173,6 +180,7 @@ typedef struct {
     _Alignas(64) uint32_t link[2 * BATCH + LC_LANES], rep[BATCH + LC_LANES], node[2 * BATCH];
     float fresh[2 * BATCH + LC_LANES], bound[2 * BATCH + LC_LANES], ub[2 * BATCH + LC_LANES];
     const float *power[2 * BATCH];
+    uint32_t n_bounded; /* children that are no lights */
     float f[6][BATCH + LC_LANES]; /* M G and shadow ray target of the new representatives */
 } step;
 
@@ -219,7 +227,7 @@ static void bound(const lc_cut *c, step *s, uint32_t first, uint32_t n, lc_light
         s->node[m] = link[i];
         m += !(link[i] & LC_LEAF);
     }
-    s->stats->bounds += m;
+    s->stats->bounds += m, s->n_bounded += m;
     if (m == 2 * n) {
         kernels(c)->bounds(&c->tree->data, link, m, kind, s->point, s->bound + 2 * first);
         return;
@@ -250,11 +258,12 @@ static uint32_t run_length(const lc_cut *c, const step *s, uint32_t i, lc_light_
     return run;
 }
 
-/* Counts the children that are done. */
+/* Counts the children that are done: all but n_inner. */
 static void count_done(lc_cut *c, const step *s, uint32_t n_inner)
 {
     uint32_t was = c->n_done;
     c->n_done += 2 * s->pairs.n - n_inner;
+    c->n_zero += s->n_bounded - n_inner;
     for (uint32_t i = 0; i < 2 * s->pairs.n && (c->keep_done || c->kept); i++)
         if (!(s->bound[i] > 0) || s->link[i] & LC_LEAF) c->done[was++] = s->link[i];
 }
@@ -278,6 +287,7 @@ static double split_chosen(lc_cut *c, step *s, float limit)
         uint32_t run, n_inner = c->open.n + c->left.n;
         s->pairs.first = at;
         s->pairs.n = n - at < BATCH ? n - at : BATCH;
+        s->n_bounded = 0;
         find_children(c, s);
         lc_phase_end(s->stats, LC_PHASE_HEAP);
         for (uint32_t i = 0; i < s->pairs.n; i += run) {
@@ -315,6 +325,7 @@ static double place_root(lc_cut *c, step *s, lc_light_kind kind)
     s->stats->bounds += inner;
     estimate(c, s, 0, 1, kind);
     lit = s->f[0][0] > 0 || s->f[1][0] > 0 || s->f[2][0] > 0;
+    c->n_zero += inner && !(s->bound[0] > 0);
     inner &= s->bound[0] > 0;
     if (!inner) c->done[c->n_done] = link;
     c->n_done += !inner;
@@ -446,6 +457,22 @@ static double trace_pending(lc_cut *c, const lc_point *p, const float org[3], lc
     return change + trace_leaves(c, p, org, stats);
 }
 
+/* Of the n nodes of a start whose bounds have just been put behind the list left, those above 0 take their places there; they are
+ * counted, but not by the list yet. */
+static uint32_t drop_zero(lc_cut *c, step *s, const uint32_t *link, uint32_t n)
+{
+    uint32_t at = c->left.n, m = 0;
+    float *bound = c->left.bound + at;
+    for (uint32_t i = 0; i < n; i++) {
+        c->done[c->n_done] = c->left.link[at + m] = link[i]; /* all are written, one counts */
+        c->left.rep[at + m] = s->rep[m] = s->rep[i];
+        s->power[m] = s->power[i], bound[m] = bound[i];
+        bool zero = !(bound[i] > 0);
+        c->n_done += zero, c->n_zero += zero, m += !zero;
+    }
+    return m;
+}
+
 /* Takes over up to BATCH nodes of one kind and traces their rays. They go to left, where those above the limit are found then. Returns
  * their luminance. */
 static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t *link, uint32_t n, lc_light_kind kind)
@@ -461,12 +488,11 @@ static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t
         s->rep[i] = rep_of(c, link[i]), s->power[i] = find_cluster(&c->tree->data, link[i]);
         __builtin_prefetch(&c->tree->data.lights[s->rep[i]]);
     }
-    memcpy(left->link + at, link, n * sizeof *link);
-    memcpy(left->rep + at, s->rep, n * sizeof *s->rep);
     lc_phase_end(s->stats, LC_PHASE_HEAP);
     kernels(c)->bounds(&c->tree->data, link, n, kind, s->point, left->bound + at);
     s->stats->bounds += n;
     lc_phase_end(s->stats, LC_PHASE_BOUNDS);
+    n = drop_zero(c, s, link, n);
     kernels(c)->estimate(&c->tree->data, 0, s->rep, n, kind, s->point, out);
     lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
     for (uint32_t i = 0; i < n; i++) {
@@ -603,8 +629,8 @@ static void set_slot(lc_cut *c, uint32_t slot)
 {
     const lc_light_tree *t = c->tree;
     c->slot = slot;
-    c->reps = slot ? t->more_reps + (size_t)(slot - 1) * t->n_nodes : &t->data.nodes->rep;
-    c->reps_stride = slot ? 1 : sizeof(lc_node) / sizeof(uint32_t);
+    c->reps = t->reps ? t->reps + slot : &t->data.nodes->rep;
+    c->reps_stride = t->reps ? t->n_reps : sizeof(lc_node) / sizeof(uint32_t);
 }
 
 /* Of the error ratio. Clusters whose representative is hidden, while others of them may be seen, are wrong by all that those shed; errors
@@ -617,8 +643,8 @@ static double share(const lc_cut *c)
     const lc_cut_list *const lists[] = { &c->open, &c->left };
     uint32_t dark = 0;
     for (int k = 0; k < 2; k++) {
-        float *const *f = lists[k]->transfer, *bound = lists[k]->bound; /* a bound of 0: of a start's */
-        for (uint32_t i = 0; i < lists[k]->n; i++) dark += bound[i] > 0 && !(f[0][i] + f[1][i] + f[2][i] > 0);
+        float *const *f = lists[k]->transfer;
+        for (uint32_t i = 0; i < lists[k]->n; i++) dark += f[0][i] + f[1][i] + f[2][i] > 0 ? 0 : 1;
     }
     return dark > MANY ? sqrt((double)MANY / dark) : 1;
 }
@@ -667,7 +693,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     s.pairs = (lc_cut_pairs){ .parent = &c->split, .bound = s.bound, .link = s.link, .power = s.power,
                               .fresh = s.fresh, .rep = s.rep, .transfer = { s.f[0], s.f[1], s.f[2] } };
     *out = (lc_cut_result){ 0 };
-    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = c->n_hid = 0;
+    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = c->n_zero = c->n_hid = 0;
     c->n_history = c->start ? c->kept_history : 0, c->n_rounds = c->start ? c->kept_rounds : 0;
     c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
     c->is_kept = !c->kept;
@@ -685,7 +711,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
         choose(c, limit, c->limit - cut_size(c));
         if (c->occlusion && c->split.n) drop_hidden(c, limit, stats);
         if (c->split.n) {
-            if (!c->is_kept && cut_size(c) + c->split.n > most_kept(c)) keep_start(c);
+            if (!c->is_kept && n_clusters(c) + c->split.n > most_kept(c)) keep_start(c);
             if (c->keep_done) record_round(c, limit, total, stats->shadow_rays - rays_before);
             total += split_chosen(c, &s, limit);
             traced = false;

@@ -7,7 +7,7 @@
  *     rep         representatives: slot s of a cluster is slot s of one child, chosen with probability I_child / I_cluster
  *                 from a hash of the cluster, so P(light) = I_light / I_cluster at every cluster. A light represents itself
  *
- * Bytes: 96 a light; with other attenuation than 1/d^2 32 more; of a spot 32 more; 4 more for each slot after the first.
+ * Bytes: 96 a light; with other attenuation than 1/d^2 32 more; of a spot 32 more; 4 more for each slot where there are several.
  */
 #ifndef LC_LIGHT_TREE_H
 #define LC_LIGHT_TREE_H
@@ -21,7 +21,7 @@ typedef struct lc_light_tree lc_light_tree;
 struct lc_light_tree {
     const lc_context *ctx;
     lc_tree_data data;
-    uint32_t *more_reps; /* as lc_node.rep of all nodes for slot 1, then slot 2, ...; NULL where n_reps is 1 */
+    uint32_t *reps;      /* of slots 0 .. n_reps - 1 of each node: pixels beside each other read the same line; NULL where n_reps is 1 */
     uint32_t n_nodes, n_lights, n_reps;
     uint32_t n_of_kind[LC_LIGHT_KINDS];
     uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
@@ -46,7 +46,7 @@ size_t lc_light_tree_bytes(const lc_light_tree *tree); /* of the arrays */
 static inline uint32_t lc_rep_of(const lc_light_tree *t, uint32_t link, uint32_t slot)
 {
     if (link & LC_LEAF) return link & ~LC_LEAF;
-    return slot ? t->more_reps[(size_t)(slot - 1) * t->n_nodes + link] : t->data.nodes[link].rep;
+    return t->reps ? t->reps[(size_t)link * t->n_reps + slot] : t->data.nodes[link].rep;
 }
 
 static inline lc_light_kind lc_kind_of_node(const lc_light_tree *t, uint32_t id)

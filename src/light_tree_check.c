@@ -257,6 +257,7 @@ static const char *check_reps(const lc_light_tree *t, uint32_t id)
     const lc_node *b = &t->data.nodes[id];
     for (uint32_t slot = 0; slot < t->n_reps; slot++) {
         uint32_t own = lc_rep_of(t, id, slot);
+        if (!slot && own != t->data.nodes[id].rep) return "a node's representative is not that of slot 0";
         if (own != lc_rep_of(t, b->left, slot) && own != lc_rep_of(t, b->right, slot)) return "a representative is not that of a child";
     }
     return NULL;

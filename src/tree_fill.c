@@ -186,8 +186,8 @@ static void choose_reps(const filler *f, batch *b, uint32_t at, const sums child
         bool is_left = u[s] * (left + right) < left;
         uint32_t own = is_left ? rep[0] : rep[1];
         b->rep[(size_t)at * t->n_reps + s] = own;
-        if (s) t->more_reps[(size_t)(s - 1) * t->n_nodes + e->id] = own;
-        else t->data.nodes[e->id].rep = own;
+        if (t->reps) t->reps[(size_t)e->id * t->n_reps + s] = own;
+        if (!s) t->data.nodes[e->id].rep = own;
     }
 }
 

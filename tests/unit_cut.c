@@ -198,7 +198,19 @@ static double sum_below(const setup *s, uint32_t top, const point *q, bool shado
     return sum;
 }
 
-static uint64_t n_hid; /* clusters that were proved hidden, in all checked cuts */
+static uint64_t n_hid, n_zero; /* clusters that were proved hidden, and of bound 0, in all checked cuts */
+
+/* All clusters but hidden ones. */
+static uint32_t n_clusters(const lc_cut *c) { return n_left(c) + c->n_done - c->n_hid; }
+
+/* Those that count: without the clusters of bound 0, of which as many are let off as others are allowed. */
+static uint32_t size_of(const lc_cut *c, uint32_t limit)
+{
+    uint32_t zero = 0;
+    for (uint32_t i = 0; i < c->n_done - c->n_hid; i++) zero += !(c->done[i] & LC_LEAF);
+    n_zero += zero;
+    return n_clusters(c) - (zero < limit ? zero : limit);
+}
 
 static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_cut_result *r)
 {
@@ -208,8 +220,8 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
     if (limit < n_roots) limit = n_roots;
     const char *wrong = lc_cut_validate(c);
     CHECKF(!wrong, "%s", wrong);
-    CHECKF(r->size <= limit && r->size >= n_roots && r->size == n_left(c) + c->n_done - c->n_hid, "size %u of %u", r->size, limit);
-    CHECKF(r->rays <= r->size + c->n_hid, "%u rays, %u clusters, %u hidden", r->rays, r->size, c->n_hid);
+    CHECKF(r->size <= limit && n_clusters(c) + c->n_hid >= n_roots && r->size == size_of(c, limit), "size %u of %u", r->size, limit);
+    CHECKF(r->rays <= n_clusters(c) + c->n_hid, "%u rays, %u clusters, %u hidden", r->rays, r->size, c->n_hid);
     CHECK(lc_f3_finite(r->radiance) && r->radiance.x >= 0 && r->radiance.y >= 0 && r->radiance.z >= 0);
     double total = lum_of(r->radiance), left = 0, most = (double)c->desc.error_ratio * fmax(total, (double)c->desc.floor);
     CHECK(!r->at_limit || r->size == limit);
@@ -504,15 +516,16 @@ TEST(cuts_from_other_cuts)
             from_roots.kept = &start;
             lc_cut_result a = shade(&from_roots, &q, hash);
             uint32_t n = start.n_nodes + start.n_lights;
-            CHECKF(n <= a.size && (max_cut ? n <= max_cut / 2 : n == a.size), "%u of %u", n, a.size);
+            uint32_t all = n_clusters(&from_roots);
+            CHECKF(n <= all && (max_cut ? n <= max_cut / 2 : n == all), "%u of %u", n, all);
             from_roots.kept = NULL;
             guided.start = &start;
             lc_cut_result b = shade(&guided, &other, hash + (uint64_t)(i & 4)), e = exact(&s, &other);
             CHECKF(!lc_cut_validate(&guided), "%s", lc_cut_validate(&guided));
-            CHECK(b.size + guided.n_hid >= n && b.size == guided.left.n + guided.n_done - guided.n_hid);
+            CHECK(n_clusters(&guided) + guided.n_hid >= n && b.size == size_of(&guided, max_cut ? max_cut : s.n));
             float lum = lc_luminance(b.radiance);
             for (uint32_t k = 0; k < guided.left.n && !b.at_limit; k++) CHECK(guided.left.bound[k] <= 0.02f * lum * 1.0001f);
-            if (b.size + guided.n_hid == s.n) CHECK(alike(b.radiance, e.radiance));
+            if (n_clusters(&guided) + guided.n_hid == s.n) CHECK(alike(b.radiance, e.radiance));
             if (!max_cut && !(i % 2) && i % 5 != 4 && !(i & 4)) {
                 CHECKF(b.size == a.size && alike(a.radiance, b.radiance), "%u clusters, %u", b.size, a.size);
                 n_guided++;

@@ -172,7 +172,7 @@ static bool same_tree(const lc_light_tree *a, const lc_light_tree *b, bool reps)
     }
     same = same && !memcmp(a->data.lights, b->data.lights, a->n_lights * sizeof *a->data.lights);
     if (!reps || a->n_reps < 2) return same;
-    return same && !memcmp(a->more_reps, b->more_reps, a->n_nodes * (a->n_reps - 1) * sizeof *a->more_reps);
+    return same && !memcmp(a->reps, b->reps, a->n_nodes * a->n_reps * sizeof *a->reps);
 }
 
 /* The finished tree, not only its shape, is the same for any number of threads and every instruction set. */
@@ -418,7 +418,7 @@ typedef struct {
     lc_node nodes[N_HURT];
     lc_light_rec lights[N_HURT];
     lc_atten node_atten[N_HURT], light_atten[N_HURT];
-    uint32_t more_reps[N_HURT * 2];
+    uint32_t reps[N_HURT * 3];
 } saved;
 
 static lc_light_tree *hurt_tree;
@@ -433,7 +433,7 @@ static void copy(saved *s, lc_light_tree *t, bool back)
                   { s->lights, t->data.lights, sizeof s->lights },
                   { s->node_atten, t->data.node_atten, t->n_nodes * sizeof *s->node_atten },
                   { s->light_atten, t->data.light_atten, sizeof s->light_atten },
-                  { s->more_reps, t->more_reps, 2 * t->n_nodes * sizeof *s->more_reps } };
+                  { s->reps, t->reps, 3 * t->n_nodes * sizeof *s->reps } };
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
         if (back) memcpy(parts[i].b, parts[i].a, parts[i].size);
         else memcpy(parts[i].a, parts[i].b, parts[i].size);
@@ -577,7 +577,8 @@ TEST(damaged_representatives_are_found)
         lc_light_tree *t = hurt_tree;
         for (uint32_t s = 0; s < 3; s++) {
             for (uint32_t id = 0; id < t->n_nodes; id++) {
-                uint32_t *rep = s ? &t->more_reps[(s - 1) * t->n_nodes + id] : &t->data.nodes[id].rep;
+                uint32_t *rep = &t->reps[id * t->n_reps + s];
+                if (s == 0) HURT(t->data.nodes[id].rep++);
                 HURT(*rep |= LC_LEAF);
                 HURT(*rep = N_HURT);
             }

@@ -161,9 +161,7 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
                o->render.method == LC_METHOD_EXACT ? "the method is exact" : "with so few lights every one is evaluated");
     printf("cut          %u clusters of %llu lights, %u shadow rays, %u splits in %u rounds", x->n_clusters,
            (unsigned long long)info->n_lights, x->rays, x->n_splits, x->n_rounds);
-    uint32_t n_hidden = 0;
-    for (uint32_t i = 0; i < x->n_clusters; i++) n_hidden += x->clusters[i].hidden != 0;
-    if (n_hidden) printf(", %u clusters proved hidden", n_hidden);
+    if (x->cut_size < x->n_clusters) printf("; %u count, as %u are hidden or can shed nothing", x->cut_size, x->n_clusters - x->cut_size);
     printf("\n");
     printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit, (double)o->render.error_ratio,
            x->floor > cut ? "the dark floor" : "the luminance", x->at_limit ? ", not reached within --max-cut" : "",
@@ -301,8 +299,8 @@ static void json_point(const lc_explanation *x)
     json_float("floor", x->floor, ",\n  ");
     json_float("limit", x->limit, ",\n  ");
     json_float("max_error", (double)x->max_error, ",\n  ");
-    printf("\"shadow_rays\": %u,\n  \"at_limit\": %s,\n  \"dark\": %s", x->rays, x->at_limit ? "true" : "false",
-           x->dark ? "true" : "false");
+    printf("\"cut_size\": %u,\n  \"shadow_rays\": %u,\n  \"at_limit\": %s,\n  \"dark\": %s", x->cut_size, x->rays,
+           x->at_limit ? "true" : "false", x->dark ? "true" : "false");
 }
 
 static void print_json(const options *o, const lc_explanation *x, const lc_scene_info *info)
