@@ -43,7 +43,7 @@ typedef struct lc_cut_start {
 
 typedef struct lc_cut_desc {
     float error_ratio; /* of a cluster; of cuts with much that is hidden less, see share in cut.c */
-    uint32_t max_cut;  /* 0: no limit; never below the number of kinds; clusters that are proved hidden don't count */
+    uint32_t max_cut;  /* 0: no limit; never below the number of kinds; hidden clusters, and those of bound 0, don't count */
     float floor;      /* luminance of reflected radiance, W/(m^2 sr) */
 } lc_cut_desc;
 
@@ -83,12 +83,13 @@ typedef struct lc_cut {
     const lc_cut_start *start; /* of the next cuts; NULL: the roots */
     lc_cut_start *kept;        /* NULL, or where the next cuts are kept */
     bool is_kept;
+    bool asked; /* those above the limit, for the last time, whether they are hidden */
     uint32_t kept_history, kept_rounds; /* with keep_done: what led to the last that was kept; cuts that begin with it go on from there */
 } lc_cut;
 
 typedef struct lc_cut_result {
     lc_f3 radiance;
-    uint32_t size, rays; /* size: without the hidden ones */
+    uint32_t size, rays; /* size: as max_cut counts */
     float max_error; /* largest bound left / luminance of the estimate; 0 where nothing is left */
     bool at_limit, dark;
 } lc_cut_result;
@@ -107,10 +108,6 @@ void lc_cut_hidden(const lc_bvh *bvh, const lc_point *point, const float org[3],
 /* ray_org: where shadow rays start, the point moved off its surface. hash picks the representatives' slot. */
 void lc_cut_shade(lc_cut *cut, const lc_point *point, const float ray_org[3], uint64_t hash, lc_stats *stats,
                   lc_cut_result *out);
-
-/* Every light at the point, by the same estimate and the same rays. */
-void lc_exact_shade(const lc_light_tree *tree, const lc_bvh *bvh, const lc_point *point, const float ray_org[3],
-                    lc_stats *stats, lc_cut_result *out);
 
 /* NULL when left and done nodes partition the lights, else what is wrong. The cut must have been kept. */
 const char *lc_cut_validate(const lc_cut *cut);

@@ -7,6 +7,7 @@
  *
  * Lights below a cluster are found by walking down, with a stack of one entry a level at most and one more.
  */
+#include "exact.h"
 #include "film.h"
 #include "render.h"
 

@@ -5,6 +5,7 @@
  */
 #include "render.h"
 
+#include "exact.h"
 #include "film.h"
 #include "instance.h"
 #include "mirror.h"

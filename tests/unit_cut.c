@@ -2,6 +2,7 @@
  * two limits: all leaves are the exact value, the root alone is on average. Memory comes with guards around it. */
 #include "bounds.h"
 #include "cut.h"
+#include "exact.h"
 #include "rng.h"
 #include "shade.h"
 #include "test.h"
@@ -276,9 +277,9 @@ TEST(cuts_partition_and_keep_their_promise)
                 }
             unmake(&s);
         }
-    printf("  %llu cuts at the limit, %llu within, %llu clusters left, %llu hidden\n", (unsigned long long)at_limit,
-           (unsigned long long)within, (unsigned long long)left, (unsigned long long)n_hid);
-    CHECK(at_limit > 1000 && within > 1000 && left > 10000 && n_hid > 100);
+    printf("  %llu cuts at the limit, %llu within, %llu clusters left, %llu hidden, %llu of bound 0\n", (unsigned long long)at_limit,
+           (unsigned long long)within, (unsigned long long)left, (unsigned long long)n_hid, (unsigned long long)n_zero);
+    CHECK(at_limit > 1000 && within > 1000 && left > 10000 && n_hid > 100 && n_zero > 1000);
     CHECKF(!guards_broken, "%d bytes written outside", guards_broken);
 }
 
