@@ -180,20 +180,30 @@ static uint32_t most_triangles(float bound, float limit)
     return most < LC_MAX_PATCH ? (uint32_t)most : LC_MAX_PATCH;
 }
 
+/* What hides the representatives of the chosen clusters, LC_NONE of those that are seen; asks the memory for it. */
+static void find_occluders(const lc_cut *c, uint32_t *by)
+{
+    const lc_cut_list *split = &c->split;
+    for (uint32_t i = 0; i < split->n; i++) {
+        by[i] = LC_NONE;
+        if (split->transfer[0][i] + split->transfer[1][i] + split->transfer[2][i] > 0) continue;
+        by[i] = lc_occlusion_by(c->occlusion, split->rep[i], lc_kind_of_node(c->tree, split->link[i]) == LC_LIGHT_DIRECTIONAL);
+        if (by[i] != LC_NONE) __builtin_prefetch(&c->occlusion->occluders->all[by[i]]);
+    }
+}
+
 /* Of the chosen clusters those whose representative is hidden, and with it all of them, need no splitting. last: they won't be asked
  * again. */
 static void drop_hidden(lc_cut *c, float limit, bool last, lc_stats *stats)
 {
     lc_cut_list *split = &c->split;
-    uint32_t n = c->occlusion ? split->n : 0;
+    uint32_t n = c->occlusion ? split->n : 0, *by = (uint32_t *)(void *)c->key;
     if (!n) return;
+    find_occluders(c, by);
     split->n = 0;
     for (uint32_t i = 0; i < n; i++) {
-        if (!(split->transfer[0][i] + split->transfer[1][i] + split->transfer[2][i] > 0)) {
-            bool far = lc_kind_of_node(c->tree, split->link[i]) == LC_LIGHT_DIRECTIONAL;
-            uint32_t by = lc_occlusion_by(c->occlusion, split->rep[i], far);
-            if (by != LC_NONE && proves(c, split->link[i], by, last ? LAST_PATCH : most_triangles(split->bound[i], limit), stats)) continue;
-        }
+        uint32_t most = last ? LAST_PATCH : most_triangles(split->bound[i], limit);
+        if (by[i] != LC_NONE && proves(c, split->link[i], by[i], most, stats)) continue;
         if (split->n < i) copy_one(split, split->n, split, i);
         split->n++;
     }
@@ -599,6 +609,7 @@ static double start_all_nodes(lc_cut *c, step *s, const float org[3], const uint
 static double start_hidden(lc_cut *c, step *s, const float org[3], const lc_cut_hid *hidden, uint32_t n)
 {
     uint32_t *rest = (uint32_t *)(void *)c->key, n_rest = 0;
+    for (uint32_t i = 0; i < n; i++) __builtin_prefetch(&c->occlusion->occluders->all[hidden[i].by]);
     for (uint32_t i = 0; i < n; i++) {
         rest[n_rest] = hidden[i].link;
         n_rest += !proves(c, hidden[i].link, hidden[i].by, LC_MAX_PATCH, s->stats);
