@@ -16,6 +16,7 @@
 
 #define BATCH 64 /* parents whose children are bounded, and lights estimated and traced, at a time */
 #define MANY 100 /* clusters whose representative is hidden */
+#define UNLIT 0.25     /* of the floor */
 #define LITTLE_ROOM 32 /* of max_cut */
 #define LAST_PATCH 12  /* triangles */
 
@@ -683,7 +684,8 @@ static void set_slot(lc_cut *c, uint32_t slot)
  * of n such clusters, each with a sign of its own, add up as the root of n. Where there are more than MANY of them, each may have less,
  * so that the sum does not grow with them. Without and with (2026-11): median error of Modern Hall under 10,000 bulbs, a living room and
  * its sky with 100,000 lights 2.3, 2.6 % and 1.9, 1.8 %, clusters 321, 727 and 387, 860; stairs, room, cube 1 to 3 % more clusters.
- * The root of MANY over all clusters instead took 2 to 10 % more on the latter for the same. No ray is pending. */
+ * The root of MANY over all clusters instead took 2 to 10 % more on the latter for the same. Points that are all but dark, whose errors
+ * nobody sees, are spared it: cornell 5 % fewer clusters, a third of the points at max_cut. No ray is pending. */
 static double share(const lc_cut *c)
 {
     const lc_cut_list *const lists[] = { &c->open, &c->left };
@@ -726,7 +728,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     const bool at_once = c->occlusion && c->kept;
     double part = 1;
     for (bool traced = c->start;;) {
-        if (traced) part = share(c);
+        if (traced) part = total > UNLIT * floor_lum ? share(c) : 1;
         float limit = round_down(part * ratio * (total > floor_lum ? total : floor_lum));
         if (traced) kernels(c)->partition(&c->left, limit, &c->open, &c->left);
         choose(c, limit, stats);
