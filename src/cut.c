@@ -15,7 +15,7 @@
 #include <string.h>
 
 #define BATCH 64 /* parents whose children are bounded, and lights estimated and traced, at a time */
-#define MANY 100 /* clusters whose representative is hidden */
+#define MANY 100       /* clusters whose representative is hidden */
 #define UNLIT 0.25     /* of the floor */
 #define LITTLE_ROOM 32 /* of max_cut */
 #define LAST_PATCH 12  /* triangles */
@@ -203,8 +203,10 @@ static void drop_hidden(lc_cut *c, float limit, bool last, lc_stats *stats)
     find_occluders(c, by);
     split->n = 0;
     for (uint32_t i = 0; i < n; i++) {
-        uint32_t most = last ? LAST_PATCH : most_triangles(split->bound[i], limit);
-        if (by[i] != LC_NONE && proves(c, split->link[i], by[i], most, stats)) continue;
+        if (by[i] != LC_NONE) {
+            uint32_t most = last ? LAST_PATCH : most_triangles(split->bound[i], limit);
+            if (proves(c, split->link[i], by[i], most, stats)) continue;
+        }
         if (split->n < i) copy_one(split, split->n, split, i);
         split->n++;
     }
@@ -220,9 +222,11 @@ static void choose(lc_cut *c, float limit, lc_stats *stats)
     kernels(c)->partition(&c->split, limit, &c->split, &c->left);
     uint32_t room = c->limit - cut_size(c);
     bool last = c->split.n > room && room <= c->limit / LITTLE_ROOM && !c->asked;
-    if (last) drop_hidden(c, limit, true, stats);
-    c->asked |= last;
-    room = c->limit - cut_size(c);
+    if (last) {
+        drop_hidden(c, limit, true, stats);
+        c->asked = true;
+        room = c->limit - cut_size(c);
+    }
     if (c->split.n > room) split_fewer(c, room);
     if (!last) drop_hidden(c, limit, false, stats);
 }

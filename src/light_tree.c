@@ -40,7 +40,7 @@ static lc_status build_kind(lc_light_tree *t, const lc_light_tree_desc *desc, lc
     return st;
 }
 
-static size_t n_reps(const lc_light_tree *t) { return t->n_reps > 1 ? (size_t)t->n_nodes * t->n_reps : 0; }
+static size_t n_all_reps(const lc_light_tree *t) { return t->n_reps > 1 ? (size_t)t->n_nodes * t->n_reps : 0; }
 
 static uint32_t n_spot_nodes(const lc_light_tree *t) { return t->first_node[LC_LIGHT_SPOT + 1] - t->first_node[LC_LIGHT_SPOT]; }
 
@@ -72,7 +72,7 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     t->data.nodes = lc_alloc_raw(t->ctx, t->n_nodes, sizeof *t->data.nodes);
     t->data.lights = lc_alloc_raw(t->ctx, t->n_lights, sizeof *t->data.lights);
     if (!t->data.nodes || !t->data.lights) return LC_ERR_MEMORY;
-    if (t->n_reps > 1 && !(t->reps = lc_alloc_raw(t->ctx, n_reps(t), sizeof *t->reps))) return LC_ERR_MEMORY;
+    if (t->n_reps > 1 && !(t->reps = lc_alloc_raw(t->ctx, n_all_reps(t), sizeof *t->reps))) return LC_ERR_MEMORY;
     if (t->n_of_kind[LC_LIGHT_SPOT] && !alloc_spots(t, desc)) return LC_ERR_MEMORY;
     if (!other) return LC_OK;
     t->data.node_atten = lc_alloc(t->ctx, t->n_nodes, sizeof *t->data.node_atten);
@@ -107,14 +107,14 @@ void lc_light_tree_destroy(lc_light_tree *t)
     lc_free(t->ctx, t->data.light_atten, t->n_lights, sizeof *t->data.light_atten);
     lc_free(t->ctx, t->data.node_spot, n_spot_nodes(t), sizeof *t->data.node_spot);
     lc_free(t->ctx, t->data.light_spot, t->n_of_kind[LC_LIGHT_SPOT], sizeof *t->data.light_spot);
-    lc_free(t->ctx, t->reps, n_reps(t), sizeof *t->reps);
+    lc_free(t->ctx, t->reps, n_all_reps(t), sizeof *t->reps);
     lc_free(t->ctx, t, 1, sizeof *t);
 }
 
 size_t lc_light_tree_bytes(const lc_light_tree *t)
 {
-    size_t node = sizeof *t->data.nodes + (t->data.node_atten ? sizeof(lc_atten) : 0) + (t->n_reps > 1 ? t->n_reps * sizeof *t->reps : 0);
+    size_t node = sizeof *t->data.nodes + (t->data.node_atten ? sizeof(lc_atten) : 0);
     size_t light = sizeof *t->data.lights + (t->data.light_atten ? sizeof(lc_atten) : 0);
     size_t spot = (t->data.node_spot ? n_spot_nodes(t) + (size_t)t->n_of_kind[LC_LIGHT_SPOT] : 0) * sizeof(lc_spot_rec);
-    return t->n_nodes * node + t->n_lights * light + spot;
+    return t->n_nodes * node + n_all_reps(t) * sizeof *t->reps + t->n_lights * light + spot;
 }
