@@ -56,11 +56,16 @@ static void check_proof(lc_occlusion *o, source *s, const float org[3], const fl
     lc_node node = { .left = 0 };
     uint64_t tests = 0;
     o->tree = &tree;
-    for (int k = 0; k < 3; k++) light.pos[k] = node.center[k] = to[k], node.half[k] = (float)(byte(s) % 64) / 16;
+    uint32_t top = 0; /* bits: 0 for the triangle that hides the light, else any */
+    for (int k = 0; k < 3; k++) {
+        uint32_t size = byte(s);
+        top = 4 * top + size / 64;
+        light.pos[k] = node.center[k] = to[k], node.half[k] = (float)(size % 64) / 16;
+    }
     lc_occlusion_start(o, org);
     lc_occlusion_note(o, 0, block);
-    uint32_t by = lc_occlusion_by(o, 0, far);
-    if (by == LC_NONE || !lc_occlusion_proves(o, &node, by, far, LC_MAX_PATCH, &tests)) return;
+    uint32_t by = top && o->occluders->n ? top % o->occluders->n : lc_occlusion_by(o, 0, far);
+    if (by == LC_NONE || !lc_occlusion_proves(o, &node, by, !top, far, LC_MAX_PATCH, &tests)) return;
     for (int corner = 0; corner < 8; corner++) {
         float p[3];
         uint8_t out[LC_LANES];

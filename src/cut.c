@@ -164,11 +164,11 @@ static void split_fewer(lc_cut *c, uint32_t room)
     }
 }
 
-static bool proves(lc_cut *c, uint32_t link, uint32_t by, uint32_t most, lc_stats *stats)
+static bool proves(lc_cut *c, uint32_t link, uint32_t by, bool passed, uint32_t most, lc_stats *stats)
 {
     if (c->n_hid == c->most_hid) return false;
     bool far = lc_kind_of_node(c->tree, link) == LC_LIGHT_DIRECTIONAL;
-    if (!lc_occlusion_proves(c->occlusion, &c->tree->data.nodes[link], by, far, most, &stats->proof_tests)) return false;
+    if (!lc_occlusion_proves(c->occlusion, &c->tree->data.nodes[link], by, passed, far, most, &stats->proof_tests)) return false;
     c->hid[c->n_hid++] = (lc_cut_hid){ link, by };
     return true;
 }
@@ -205,7 +205,7 @@ static void drop_hidden(lc_cut *c, float limit, bool last, lc_stats *stats)
     for (uint32_t i = 0; i < n; i++) {
         if (by[i] != LC_NONE) {
             uint32_t most = last ? LAST_PATCH : most_triangles(split->bound[i], limit);
-            if (proves(c, split->link[i], by[i], most, stats)) continue;
+            if (proves(c, split->link[i], by[i], true, most, stats)) continue;
         }
         if (split->n < i) copy_one(split, split->n, split, i);
         split->n++;
@@ -617,7 +617,7 @@ static double start_hidden(lc_cut *c, step *s, const float org[3], const lc_cut_
     for (uint32_t i = 0; i < n; i++) __builtin_prefetch(&c->occlusion->occluders->all[hidden[i].by]);
     for (uint32_t i = 0; i < n; i++) {
         rest[n_rest] = hidden[i].link;
-        n_rest += !proves(c, hidden[i].link, hidden[i].by, LC_MAX_PATCH, s->stats);
+        n_rest += !proves(c, hidden[i].link, hidden[i].by, false, LC_MAX_PATCH, s->stats);
     }
     return start_all_nodes(c, s, org, rest, n_rest);
 }

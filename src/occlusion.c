@@ -1,10 +1,11 @@
 /* occlusion.c - see occlusion.h.
  *
- * Seen from the point, the box is a convex set B of directions. Beginning with a triangle T that the direction to one of the box's
- * lights passes, walk over every edge that B may cross to the triangle behind it. If none of these edges is a boundary, if all the
- * triangles that B may touch turn the same side to the point, and all stand between the point and the box, then they hide it: the
- * triangles' projections, each counted once, are a chain whose boundary stays outside of B, so that the number of times that it covers
- * a direction is the same all over B, and it is at least 1 at T.
+ * Seen from the point, the box is a convex set B of directions. Beginning with a triangle that is before some of it, walk over every
+ * edge that B may cross to the triangle behind it. If none of these edges is a boundary, if all the triangles that B may touch turn the
+ * same side to the point, and all stand between the point and the box, then B is hidden or wholly beside them: the triangles'
+ * projections, each counted once, are a chain whose boundary stays outside of B, so that the number of times that it covers a direction
+ * is the same all over B. It is at least 1 if the direction to one of the box's lights is known to pass the first triangle, or if that
+ * to the box's centre passes inside of any.
  *
  * Rounding, u = 2^-24. Let a, b, c be the corners relative to the point, M their largest coordinate, D the largest of the box: |c_k| +
  * half_k, widened by 4u as in bounds_tmpl.c, so that the float vectors that shadow rays take are in it. All as in stream_tmpl.c, with
@@ -138,11 +139,12 @@ static bool stands_between(float h, float lo, float hi, float slack, bool far)
     return far || (lo > h * (1 + 3 * LC_SHADOW_EPS) && h > 1.01f * LC_SHADOW_EPS * hi);
 }
 
-bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t occluder, bool far, uint32_t most, uint64_t *n_tests)
+bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t occluder, bool passed, bool far, uint32_t most,
+                         uint64_t *n_tests)
 {
     const view_box box = box_of(node, o->org, far);
     uint32_t patch[LC_MAX_PATCH + 3], n = 1;
-    bool flipped = false;
+    bool flipped = false, covered = passed;
     patch[0] = occluder;
     for (uint32_t at = 0; at < n; at++) {
         const lc_occluder *t = &o->occluders->all[patch[at]];
@@ -156,6 +158,7 @@ bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t oc
             continue;
         }
         if (!at) flipped = p.flipped;
+        covered |= (f4_lt(f4_set(edge_slack), c) & 7) == 7;
         if (p.flipped != flipped || !stands_between(p.h, f4_last(lo), f4_last(hi), p.slack * box.most + TINY, far)) return false;
         for (uint32_t cross = ~f4_lt(f4_set(edge_slack), lo) & 7; cross; cross &= cross - 1) {
             uint32_t next = t->next[__builtin_ctz(cross)], seen = at;
@@ -169,5 +172,5 @@ bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t oc
         }
         if (n > most) return false;
     }
-    return true;
+    return covered;
 }

@@ -43,8 +43,10 @@ static inline void lc_occlusion_note(lc_occlusion *o, uint32_t light, uint32_t b
 /* The occluder that stopped the ray to this light, LC_NONE where that is not known. far: a directional one. */
 uint32_t lc_occlusion_by(lc_occlusion *o, uint32_t light, bool far);
 
-/* Whether the occluder and those around it hide all that is in the node's box, `light` among it: no shadow ray from org into the box
- * passes. far: the box is of directions. most: triangles, LC_MAX_PATCH at most. *n_tests counts those that were looked at. */
-bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t occluder, bool far, uint32_t most, uint64_t *n_tests);
+/* Whether the occluder and those around it hide all that is in the node's box: no shadow ray from org into the box passes. passed: the
+ * ray to one of the node's lights is known to pass the occluder. far: the box is of directions. most: triangles, LC_MAX_PATCH at most.
+ * *n_tests counts those that were looked at. */
+bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t occluder, bool passed, bool far, uint32_t most,
+                         uint64_t *n_tests);
 
 #endif

@@ -78,6 +78,17 @@ static lc_node box_about(lc_f3 light, double size)
     return n;
 }
 
+/* Rays to all sorts of places in a box that is said to be hidden. */
+static void all_hidden(const setup *s, const float org[3], const lc_node *box, bool far)
+{
+    for (int i = 0; i < 24; i++) {
+        lc_f3 to = place3(box, i < 8 ? 0 : 1);
+        lc_isa isa = i % 2 ? LC_ISA_SCALAR : lc_cpu_isa();
+        CHECKF(hidden(s, isa, org, to, far, NULL), "%s%s: org %a %a %a, to %a %a %a", lc_isa_name(isa), far ? " far" : "",
+               (double)org[0], (double)org[1], (double)org[2], (double)to.x, (double)to.y, (double)to.z);
+    }
+}
+
 typedef struct {
     uint64_t tried, proved, tests;
 } tally;
@@ -95,16 +106,11 @@ static bool try(setup *s, const float org[3], lc_f3 light, const lc_node *box, b
     CHECK(by == lc_occlusion_by(&s->at, 0, far));
     t->tried++;
     if (by == LC_NONE) return false;
-    bool proved = lc_occlusion_proves(&s->at, box, by, far, LC_MAX_PATCH, &t->tests);
-    CHECK(proved == lc_occlusion_proves(&s->at, box, by, far, LC_MAX_PATCH, &t->tests));
+    bool proved = lc_occlusion_proves(&s->at, box, by, true, far, LC_MAX_PATCH, &t->tests);
+    CHECK(proved == lc_occlusion_proves(&s->at, box, by, true, far, LC_MAX_PATCH, &t->tests));
     if (!proved) return false;
     t->proved++;
-    for (int i = 0; i < 24; i++) {
-        lc_f3 to = place3(box, i < 8 ? 0 : 1);
-        lc_isa isa = i % 2 ? LC_ISA_SCALAR : lc_cpu_isa();
-        CHECKF(hidden(s, isa, org, to, far, NULL), "%s%s: org %a %a %a, to %a %a %a", lc_isa_name(isa), far ? " far" : "",
-               (double)org[0], (double)org[1], (double)org[2], (double)to.x, (double)to.y, (double)to.z);
-    }
+    all_hidden(s, org, box, far);
     return true;
 }
 
@@ -183,6 +189,33 @@ TEST(what_is_proved_hidden_is_hidden)
         unmake(&s);
     }
     CHECKF(all.proved > 50000 / SLOW, "%llu of %llu", (unsigned long long)all.proved, (unsigned long long)all.tried);
+}
+
+/* Points take over proofs from others near them, whose triangle may not be before the box here. */
+TEST(a_proof_may_begin_at_any_triangle)
+{
+    static setup s;
+    uint64_t n_proved = 0, n_tests = 0;
+    for (int style = 0; style < N_MESHES; style++) {
+        lc_f3 c;
+        float r, org[3];
+        make_mesh(style);
+        for (uint32_t i = 0; i < 3 * m.n_verts; i++) m.pos[i] = accepted(m.pos[i]);
+        extent(&c, &r);
+        make(&s);
+        for (int i = 0; i < 100000 / SLOW; i++) {
+            bool far = rnd() < 0.3;
+            lc_f3 light = far ? rnd_unit() : rnd_near(c, rnd() < 0.9 ? 1.5f * r : 100 * r);
+            lc_f3_store(org, rnd_org(c, r));
+            lc_node box = box_about(light, (far ? 1 : (double)r) * pow(10, rnd_in(-6, 0)));
+            lc_occlusion_start(&s.at, org);
+            if (!lc_occlusion_proves(&s.at, &box, rnd_n(s.occluders->n), false, far, LC_MAX_PATCH, &n_tests)) continue;
+            n_proved++;
+            all_hidden(&s, org, &box, far);
+        }
+        unmake(&s);
+    }
+    CHECKF(n_proved > 5000 / SLOW, "%llu proved", (unsigned long long)n_proved);
 }
 
 /* ---- known cases ---- */
@@ -320,6 +353,7 @@ int main(void)
     RUN(a_fold_hides_one_side);
     RUN(the_largest_are_taken);
     RUN(what_is_proved_hidden_is_hidden);
+    RUN(a_proof_may_begin_at_any_triangle);
     lc_context_destroy(ctx);
     return test_done();
 }
