@@ -475,13 +475,13 @@ static double trace(const lc_cut *c, const lc_point *p, lc_cut_list *list, const
     return change;
 }
 
-/* Traces the rays that are pending in a list, those of directional lights apart. Returns the change of the total. */
-static double trace_list(const lc_cut *c, const lc_point *p, lc_cut_list *list, const float org[3], lc_stats *stats)
+/* Traces the rays that are pending in a list from one place on, those of directional lights apart. Returns the change of the total. */
+static double trace_list(const lc_cut *c, const lc_point *p, lc_cut_list *list, uint32_t first, const float org[3], lc_stats *stats)
 {
     const lc_light_tree *t = c->tree;
     double change = 0;
     ray_group near, far;
-    for (uint32_t i = 0; i < list->n;) {
+    for (uint32_t i = first; i < list->n;) {
         near.n = far.n = 0;
         for (; i < list->n && near.n < BATCH && far.n < BATCH; i++) {
             uint32_t rep = list->rep[i];
@@ -501,7 +501,7 @@ static double trace_list(const lc_cut *c, const lc_point *p, lc_cut_list *list, 
 /* Leaves are done then. */
 static double trace_leaves(lc_cut *c, const lc_point *p, const float org[3], lc_stats *stats)
 {
-    double change = trace_list(c, p, &c->leaf, org, stats);
+    double change = trace_list(c, p, &c->leaf, 0, org, stats);
     for (uint32_t i = 0; i < c->leaf.n; i++)
         for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf.e[k][i];
     c->leaf.n = 0;
@@ -511,8 +511,8 @@ static double trace_leaves(lc_cut *c, const lc_point *p, const float org[3], lc_
 /* Traces all rays that are pending. Returns the change of the total's luminance. */
 static double trace_pending(lc_cut *c, const lc_point *p, const float org[3], lc_stats *stats)
 {
-    double change = trace_list(c, p, &c->open, org, stats);
-    change += trace_list(c, p, &c->left, org, stats);
+    double change = trace_list(c, p, &c->open, 0, org, stats);
+    change += trace_list(c, p, &c->left, c->n_traced, org, stats);
     return change + trace_leaves(c, p, org, stats);
 }
 
@@ -521,7 +521,13 @@ static double trace_pending(lc_cut *c, const lc_point *p, const float org[3], lc
 static uint32_t drop_zero(lc_cut *c, step *s, const uint32_t *link, uint32_t n)
 {
     uint32_t at = c->left.n, m = 0;
-    float *bound = c->left.bound + at;
+    float *bound = c->left.bound + at, least = INFINITY;
+    for (uint32_t i = 0; i < n; i++) least = bound[i] < least ? bound[i] : least;
+    if (least > 0) { /* as in most starts */
+        memcpy(c->left.link + at, link, n * sizeof *link);
+        memcpy(c->left.rep + at, s->rep, n * sizeof *s->rep);
+        return n;
+    }
     for (uint32_t i = 0; i < n; i++) {
         c->done[c->n_done] = c->left.link[at + m] = link[i]; /* all are written, one counts */
         c->left.rep[at + m] = s->rep[m] = s->rep[i];
@@ -720,7 +726,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     s.pairs = (lc_cut_pairs){ .parent = &c->split, .bound = s.bound, .link = s.link, .power = s.power,
                               .fresh = s.fresh, .rep = s.rep, .transfer = { s.f[0], s.f[1], s.f[2] } };
     *out = (lc_cut_result){ 0 };
-    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = c->n_zero = c->n_hid = 0, c->asked = false;
+    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = c->n_zero = c->n_hid = c->n_traced = 0, c->asked = false;
     c->n_history = c->start ? c->kept_history : 0, c->n_rounds = c->start ? c->kept_rounds : 0;
     c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
     c->is_kept = !c->kept;
@@ -734,7 +740,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     for (bool traced = c->start;;) {
         if (traced) part = total > UNLIT * floor_lum ? share(c) : 1;
         float limit = round_down(part * ratio * (total > floor_lum ? total : floor_lum));
-        if (traced) kernels(c)->partition(&c->left, limit, &c->open, &c->left);
+        if (traced) kernels(c)->partition(&c->left, limit, &c->open, &c->left), c->n_traced = c->left.n;
         choose(c, limit, stats);
         if (c->split.n) {
             if (!c->is_kept && n_clusters(c) + c->split.n > most_kept(c)) keep_start(c);

@@ -69,6 +69,7 @@ typedef struct lc_cut {
     uint32_t *done;      /* links of light tree nodes; kept only when keep_done, or for `kept` */
     uint32_t n_done;     /* leaves that are in the list leaf included */
     uint32_t n_zero;     /* of them: can't shed anything at the point */
+    uint32_t n_traced;   /* clusters of left, the first, of which no ray is pending */
     lc_cut_hid *hid;
     uint32_t n_hid, most_hid; /* beside the limit: they cost nothing */
     lc_occlusion *occlusion; /* NULL: nothing is ever proved hidden */
