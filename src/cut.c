@@ -516,6 +516,17 @@ static double trace_pending(lc_cut *c, const lc_point *p, const float org[3], lc
     return change + trace_leaves(c, p, org, stats);
 }
 
+/* Of n estimates; four sums at a time, as one would wait for itself. */
+static double luminance_of(float *const e[3], uint32_t n)
+{
+    double sum[4] = { 0, 0, 0, 0 };
+    uint32_t i = 0;
+    for (; i + 4 <= n; i += 4)
+        for (uint32_t k = 0; k < 4; k++) sum[k] += (double)lc_luminance(lc_f3_make(e[0][i + k], e[1][i + k], e[2][i + k]));
+    for (; i < n; i++) sum[i & 3] += (double)lc_luminance(lc_f3_make(e[0][i], e[1][i], e[2][i]));
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
 /* Of the n nodes of a start whose bounds have just been put behind the list left, those above 0 take their places there; they are
  * counted, but not by the list yet. */
 static uint32_t drop_zero(lc_cut *c, step *s, const uint32_t *link, uint32_t n)
@@ -545,7 +556,6 @@ static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t
     lc_cut_list *left = &c->left;
     uint32_t at = left->n, lit[BATCH], block[BATCH], n_lit = 0;
     uint8_t hidden[BATCH];
-    double total = 0;
     float *const out[6] = { left->transfer[0] + at, left->transfer[1] + at, left->transfer[2] + at, s->f[3], s->f[4], s->f[5] };
     float *const e[3] = { left->e[0] + at, left->e[1] + at, left->e[2] + at };
     const float *const target[3] = { s->f[3], s->f[4], s->f[5] };
@@ -576,9 +586,8 @@ static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t
         if (c->occlusion) lc_occlusion_note(c->occlusion, s->rep[lit[i]], block[i]);
         for (int k = 0; k < 3; k++) out[k][lit[i]] = e[k][lit[i]] = 0;
     }
-    for (uint32_t i = 0; i < n; i++) total += (double)lc_luminance(lc_f3_make(e[0][i], e[1][i], e[2][i]));
     left->n = at + n;
-    return total;
+    return luminance_of(e, n);
 }
 
 /* The same of lights, which are done. */
@@ -601,6 +610,7 @@ static uint32_t batch_of(const lc_light_tree *t, const uint32_t *link, uint32_t 
 {
     uint32_t run = 0;
     *kind = lc_kind_of_link(t, *link);
+    if (t->n_of_kind[*kind] == t->n_lights) return n < BATCH ? n : BATCH;
     while (run < n && run < BATCH && lc_kind_of_link(t, link[run]) == *kind) run++;
     return run;
 }
@@ -644,15 +654,15 @@ static double place_start(lc_cut *c, step *s, const float org[3])
     return total;
 }
 
-/* Four sums at a time: one would wait for itself. */
+/* Eight sums at a time: one would wait for itself. */
 static double sum_of(const float *a, uint32_t n)
 {
-    double sum[4] = { 0, 0, 0, 0 };
+    double sum[8] = { 0 };
     uint32_t i = 0;
-    for (; i + 4 <= n; i += 4)
-        for (int k = 0; k < 4; k++) sum[k] += (double)a[i + (uint32_t)k];
-    for (; i < n; i++) sum[i & 3] += (double)a[i];
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    for (; i + 8 <= n; i += 8)
+        for (uint32_t k = 0; k < 8; k++) sum[k] += (double)a[i + k];
+    for (; i < n; i++) sum[i & 7] += (double)a[i];
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
 /* Fills in the result of a finished cut. */
@@ -701,8 +711,8 @@ static double share(const lc_cut *c)
     const lc_cut_list *const lists[] = { &c->open, &c->left };
     uint32_t dark = 0;
     for (int k = 0; k < 2; k++) {
-        float *const *f = lists[k]->transfer;
-        for (uint32_t i = 0; i < lists[k]->n; i++) dark += f[0][i] + f[1][i] + f[2][i] > 0 ? 0 : 1;
+        const float *r = lists[k]->transfer[0], *g = lists[k]->transfer[1], *b = lists[k]->transfer[2];
+        for (uint32_t i = 0, n = lists[k]->n; i < n; i++) dark += r[i] + g[i] + b[i] > 0 ? 0 : 1;
     }
     return dark > MANY ? sqrt((double)MANY / dark) : 1;
 }
