@@ -710,6 +710,7 @@ static double share(const lc_cut *c)
 {
     const lc_cut_list *const lists[] = { &c->open, &c->left };
     uint32_t dark = 0;
+    if (c->open.n + c->left.n <= MANY) return 1;
     for (int k = 0; k < 2; k++) {
         const float *r = lists[k]->transfer[0], *g = lists[k]->transfer[1], *b = lists[k]->transfer[2];
         for (uint32_t i = 0, n = lists[k]->n; i < n; i++) dark += r[i] + g[i] + b[i] > 0 ? 0 : 1;
