@@ -25,23 +25,24 @@
 #define PREPASS_RATIO 0.1f   /* its error ratio and cut limit: its mean is wanted to a few percent */
 #define PREPASS_MAX_CUT 128
 
-/* Few lights: every one of them is evaluated where that is expected to take no longer than cuts. Cost in nanoseconds,
- * measured on cornell (32 triangles), stairs (15,000) and room (30,000) with AVX-512 on Zen 4, 2026-11; the same everywhere,
- * as the picture depends on the choice. A ray costs RAY_COST for each doubling of the triangles. On those scenes the methods
- * cross between 200 and 500 lights. What lobes add was measured on the student report's scenes with and without them: cuts
- * of 20 to 60 clusters of 100 lights cost 500 to 1000 ns more a point, all lights 300. */
+/* Few lights: every one of them is evaluated where that is expected to take no longer than cuts. Cost in nanoseconds, with AVX-512
+ * on Zen 4, 2026-11; the same everywhere, as the picture depends on the choice. A ray costs RAY_COST for each doubling of the
+ * triangles. Fitted to how often the exact method's time is that of cuts, on cornell, stairs, room, cube, grid and bulbs with 100 to 1000
+ * lights: within 17 % of it; they cross between 170 and 450 lights. What lobes add was measured on the student report's scenes with and
+ * without them: cuts of 20 to 60 clusters of 100 lights cost 500 to 1000 ns more a point, all lights 300. */
 #define ALWAYS_FEW 16       /* lights: not even asked */
 #define NEVER_FEW 4096
 #define CHOICE_SIDE LC_SIZE(16, 6) /* grid of the points that are tried */
 #define LIGHT_COST 4.2      /* an estimate of the exact method */
-#define SPLIT_COST 27.0     /* two bounds, an estimate, two clusters placed; 34 without guides, 0.8 of that with them */
-#define CUT_COST 560.0      /* a cut, whatever its size; likewise */
+#define SPLIT_COST 23.0     /* two bounds, an estimate, two clusters placed */
+#define CUT_COST 200.0      /* a cut, whatever its size */
+#define PROOF_COST 63.0     /* a triangle that a proof looks at, and what else the hidden cost */
 #define LOBE_LIGHT_COST 3.0 /* more of each where the material has a lobe */
 #define LOBE_SPLIT_COST 7.0
 #define LOBE_CUT_COST 400.0
 #define RAY_COST 2.3
-#define CUT_RAY_SHARE 1.3   /* of rays of cuts, which go in smaller groups */
-#define EXACT_GAIN 1.2      /* what the exact method may cost more, as it has no error */
+#define CUT_RAY_SHARE 1.55  /* of rays of cuts, which go in smaller groups */
+#define EXACT_GAIN 1.1      /* what the exact method may cost more, as it has no error */
 
 enum { DIM_FILM, DIM_LENS, DIM_SLOT };
 
@@ -445,6 +446,7 @@ static lc_status try_method(job *j, const lc_cut_desc *cut, bool exact, lc_stats
         sum->glossy += j->workers[i].stats.glossy;
         sum->shadow_rays += j->workers[i].stats.shadow_rays;
         sum->bounds += j->workers[i].stats.bounds;
+        sum->proof_tests += j->workers[i].stats.proof_tests;
     }
     j->exact = was;
     free_workers(j);
@@ -474,7 +476,7 @@ static lc_status exact_pays(job *j, const lc_cut_desc *cut, bool *pays)
     double points = (double)all.points, lobes = points > 0 ? (double)all.glossy / points : 0;
     double exact = points * n * (LIGHT_COST + lobes * LOBE_LIGHT_COST) + (double)all.shadow_rays * ray;
     double by_cuts = points * (CUT_COST + lobes * LOBE_CUT_COST) + (double)cuts.bounds / 2 * (SPLIT_COST + lobes * LOBE_SPLIT_COST) +
-                     (double)cuts.shadow_rays * CUT_RAY_SHARE * ray;
+                     (double)cuts.shadow_rays * CUT_RAY_SHARE * ray + (double)cuts.proof_tests * PROOF_COST;
     *pays = exact <= EXACT_GAIN * by_cuts;
     return LC_OK;
 }
