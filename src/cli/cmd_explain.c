@@ -45,8 +45,8 @@ static void print_help(void)
            "columns: share of the cut's luminance; luminance of estimate, of the exact sum, their difference (error), and the\n"
            "bound that it never exceeds; lights in the cluster and how many of them reach the point; light: the representative\n"
            "(lights of the file in order, then those of emissive surfaces); seen: '-' sheds nothing here, 'none' is proved of the\n"
-           "whole cluster, whose error is 0; made: round. A cut may begin with that of the first pixel of its 4x4 block: its rounds\n"
-           "come first, with that pixel's limits and totals.\n",
+           "whole cluster, whose error is 0; made: round. A cut may begin with that of pixel 1,1 of its 4x4 block: its rounds come\n"
+           "first, with that pixel's limits and totals.\n",
            DEFAULT_TOP);
 }
 
@@ -175,10 +175,10 @@ static void print_rounds(const lc_explanation *x)
     printf("\nround   splits        limit        total  rays before\n");
     for (uint32_t i = 0; i < x->n_rounds; i++) {
         const lc_explained_round *r = &x->rounds[i];
-        if (i && i == x->n_start_rounds) printf("with the cut of its block's first pixel, made so far, it begins:\n");
+        if (i && i == x->n_start_rounds) printf("with the cut of its block's pixel 1,1, made so far, it begins:\n");
         printf("%5u %8u %12.6g %12.6g %12u\n", i + 1, r->n_split, r->limit, r->total, r->rays);
     }
-    if (x->n_start_rounds && x->n_start_rounds == x->n_rounds) printf("with the cut of its block's first pixel, made so, it ends, too\n");
+    if (x->n_start_rounds && x->n_start_rounds == x->n_rounds) printf("with the cut of its block's pixel 1,1, made so, it ends, too\n");
 }
 
 static void print_cluster(const lc_explained_cluster *c, double total)
