@@ -522,7 +522,7 @@ TEST(cuts_from_other_cuts)
             from_roots.kept = NULL;
             guided.start = &start;
             lc_cut_result b = shade(&guided, &other, hash + (uint64_t)(i & 4)), e = exact(&s, &other);
-            CHECKF(!lc_cut_validate(&guided), "%s", lc_cut_validate(&guided));
+            check_cut(&s, &guided, &other, &b);
             CHECK(n_clusters(&guided) + guided.n_hid >= n && b.size == size_of(&guided, max_cut ? max_cut : s.n));
             float lum = lc_luminance(b.radiance);
             for (uint32_t k = 0; k < guided.left.n && !b.at_limit; k++) CHECK(guided.left.bound[k] <= 0.02f * lum * 1.0001f);
