@@ -203,7 +203,7 @@ TEST(a_proof_may_begin_at_any_triangle)
         for (uint32_t i = 0; i < 3 * m.n_verts; i++) m.pos[i] = accepted(m.pos[i]);
         extent(&c, &r);
         make(&s);
-        for (int i = 0; i < 100000 / SLOW; i++) {
+        for (int i = 0; i < 100000 / SLOW && s.occluders->n; i++) {
             bool far = rnd() < 0.3;
             lc_f3 light = far ? rnd_unit() : rnd_near(c, rnd() < 0.9 ? 1.5f * r : 100 * r);
             lc_f3_store(org, rnd_org(c, r));
