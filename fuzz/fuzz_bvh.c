@@ -48,8 +48,8 @@ static bool same(const lc_hit *a, const lc_hit *b)
     return a->tri == b->tri && (a->tri == LC_NONE || (a->t == b->t && a->u == b->u && a->v == b->v));
 }
 
-/* Along its plane, as far as floats can tell: where the ray meets that is noise, and whether it does can be a matter of which boxes
- * were entered. */
+/* Along its plane, as far as floats can tell (16u of |N|_1 times the ray's length, SLACK of occlusion.c): where the ray meets that is
+ * noise, and whether it does can be a matter of which boxes were entered. */
 static bool edge_on(const float *pos, const float dir[3])
 {
     double e[2][3], n[3], along = 0, size = 0, most = 0;

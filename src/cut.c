@@ -15,8 +15,8 @@
 #include <string.h>
 
 #define BATCH 64 /* parents whose children are bounded, and lights estimated and traced, at a time */
-#define MANY 100       /* clusters whose representative is hidden */
-#define UNLIT 0.25     /* of the floor */
+#define MANY 100 /* clusters whose representative is hidden */
+#define UNLIT 0.25 /* of the floor */
 #define LITTLE_ROOM 32 /* of max_cut */
 #define LAST_PATCH 12  /* triangles */
 

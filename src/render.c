@@ -27,8 +27,8 @@
 
 /* Few lights: every one of them is evaluated where that is expected to take no longer than cuts. Cost in nanoseconds, with AVX-512
  * on Zen 4, 2026-11; the same everywhere, as the picture depends on the choice. A ray costs RAY_COST for each doubling of the
- * triangles. Fitted to how often the exact method's time is that of cuts, on cornell, stairs, room, cube, grid and bulbs with 100 to 1000
- * lights: within 17 % of it; they cross between 170 and 450 lights. What lobes add was measured on the student report's scenes with and
+ * triangles. Fitted to the quotient of both methods' times on cornell, stairs, room, cube, grid and bulbs with 100 to 1000 lights:
+ * within 17 % of it; they cross between 170 and 450 lights. What lobes add was measured on the student report's scenes with and
  * without them: cuts of 20 to 60 clusters of 100 lights cost 500 to 1000 ns more a point, all lights 300. */
 #define ALWAYS_FEW 16       /* lights: not even asked */
 #define NEVER_FEW 4096

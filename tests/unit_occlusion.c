@@ -163,6 +163,15 @@ static lc_f3 rnd_org(lc_f3 c, float r)
     return rnd_near(p, kind < 0.9 ? 1e-4f * r : 0);
 }
 
+/* One of the meshes, its centre and half its extent. */
+static void make_any(setup *s, int style, lc_f3 *c, float *r)
+{
+    make_mesh(style);
+    for (uint32_t i = 0; i < 3 * m.n_verts; i++) m.pos[i] = accepted(m.pos[i]);
+    extent(c, r);
+    make(s);
+}
+
 TEST(what_is_proved_hidden_is_hidden)
 {
     static setup s;
@@ -171,10 +180,7 @@ TEST(what_is_proved_hidden_is_hidden)
         tally t = { 0, 0, 0 };
         lc_f3 c;
         float r;
-        make_mesh(style);
-        for (uint32_t i = 0; i < 3 * m.n_verts; i++) m.pos[i] = accepted(m.pos[i]);
-        extent(&c, &r);
-        make(&s);
+        make_any(&s, style, &c, &r);
         for (int i = 0; i < 30000 / SLOW; i++) {
             float org[3];
             bool far = rnd() < 0.3;
@@ -199,10 +205,7 @@ TEST(a_proof_may_begin_at_any_triangle)
     for (int style = 0; style < N_MESHES; style++) {
         lc_f3 c;
         float r, org[3];
-        make_mesh(style);
-        for (uint32_t i = 0; i < 3 * m.n_verts; i++) m.pos[i] = accepted(m.pos[i]);
-        extent(&c, &r);
-        make(&s);
+        make_any(&s, style, &c, &r);
         for (int i = 0; i < 100000 / SLOW && s.occluders->n; i++) {
             bool far = rnd() < 0.3;
             lc_f3 light = far ? rnd_unit() : rnd_near(c, rnd() < 0.9 ? 1.5f * r : 100 * r);
