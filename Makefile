@@ -9,6 +9,10 @@ JOBS ?= -j$(shell nproc 2>/dev/null || echo 1)
 OPT ?= -O3
 SAN ?=
 
+# make V=1 shows the commands.
+Q := $(if $(V),,@)
+say = $(if $(V),,@echo "$1")
+
 # Neither -fno-math-errno nor -fno-trapping-math changes a result; contraction would.
 # One folder for each set of flags.
 CONFIG ?= release
@@ -33,13 +37,19 @@ LINK_STATIC :=
 endif
 LIBS := $(EXR_LINK) -lz -lm -lpthread $(LDFLAGS)
 
-X86 := $(filter x86_64 amd64,$(shell uname -m))
-NOT_ALONE := $(wildcard src/*_tmpl.c) $(if $(X86),,src/isa_sse4.c src/isa_avx2.c src/isa_avx512.c)
-LIB_SRC := $(filter-out $(NOT_ALONE),$(wildcard src/*.c))
-CLI_SRC := $(wildcard src/cli/*.c)
+# The instruction sets that the compiler's processor can have, a word each: name:flag,flag
+ISA_LINES := $(shell $(CC) -E -P src/isa/isa_flags.h 2>/dev/null | tr -d '\n' | tr '>' '\n' | sed 's/[<"]//g; s/: */:/; s/ /,/g')
+comma := ,
+isa_flags = $(subst $(comma), ,$(patsubst $1:%,%,$(filter $1:%,$(ISA_LINES))))
+ISAS := $(foreach line,$(ISA_LINES),$(firstword $(subst :, ,$(line))))
+ISA_SRC := $(ISAS:%=src/isa/isa_%.c)
+NOT_ALONE := $(wildcard src/*/*_tmpl.c) $(filter-out $(ISA_SRC),$(wildcard src/isa/isa_*.c))
+# The program's rooms; all others are the library's.
+CLI_SRC := $(wildcard src/cli/*.c src/lab/*.c src/app/*.c)
+LIB_SRC := $(filter-out $(NOT_ALONE) $(CLI_SRC),$(wildcard src/*/*.c))
 LIB_OBJ := $(LIB_SRC:%.c=$(OUT)/%.o)
 CLI_OBJ := $(CLI_SRC:%.c=$(OUT)/%.o)
-TEST_HELP := $(wildcard tests/ref_*.c tests/gen_*.c)
+TEST_HELP := $(patsubst %,tests/support/%.c,ref_bounds gen_clusters one_bound)
 TESTS := $(patsubst tests/%.c,$(BIN)tests/%,$(wildcard tests/unit_*.c tests/check_*.c))
 FUZZERS := $(patsubst fuzz/%.c,%,$(wildcard fuzz/fuzz_*.c))
 REPLAYS := $(FUZZERS:%=$(BIN)tests/replay_%)
@@ -73,53 +83,58 @@ build/deps/openexr/lib/libOpenEXRCore.a: | deps-check
 	@echo "building OpenEXR's C library (once)"
 	@CC="$(CC)" sh src/deps/openexr.sh build/deps
 
+.SECONDARY:
+
 # ---- library and program ----
 
-# The scalar kernels are what the others are measured against: one lane at a time.
-$(OUT)/src/isa_scalar.o: ISA_FLAGS := -fno-tree-vectorize -fno-tree-slp-vectorize
-$(OUT)/src/isa_sse4.o: ISA_FLAGS := -msse4.1
-$(OUT)/src/isa_avx2.o: ISA_FLAGS := -mavx2 -mfma
-$(OUT)/src/isa_avx512.o: ISA_FLAGS := -mavx2 -mfma -mavx512f -mavx512vl -mavx512dq
-$(OUT)/src/image_exr.o: ISA_FLAGS := $(EXR_INC)
+$(foreach isa,$(ISAS),$(eval $(OUT)/src/isa/isa_$(isa).o: ISA_FLAGS := $(call isa_flags,$(isa))))
+$(OUT)/src/image/exr.o: ISA_FLAGS := $(EXR_INC)
 
 $(OUT)/%.o: %.c Makefile | $(EXR_LIB) deps-check
 	@mkdir -p $(@D)
-	$(CC) $(FLAGS) $(ISA_FLAGS) $(COV_FLAGS) -MMD -MP -c $< -o $@
+	$(call say,CC $<)
+	$(Q)$(CC) $(FLAGS) $(ISA_FLAGS) $(COV_FLAGS) -MMD -MP -c $< -o $@
 
 # OpenEXR's objects go into the library, so that its users link -lz -lm -lpthread only.
 $(BIN)liblightcuts.a: $(LIB_OBJ) $(EXR_LIB)
 	@rm -f $@
-	ar rcs $@ $(LIB_OBJ)
-	@$(if $(EXR_LIB),printf 'open %s\naddlib %s\nsave\nend\n' $@ $(EXR_LIB) | ar -M)
+	$(call say,AR $@)
+	$(Q)ar rcs $@ $(LIB_OBJ)
+	$(Q)$(if $(EXR_LIB),printf 'open %s\naddlib %s\nsave\nend\n' $@ $(EXR_LIB) | ar -M)
 
 $(BIN)lightcuts: $(CLI_OBJ) $(BIN)liblightcuts.a
-	$(CC) $(FLAGS) $(if $(SAN),,$(LINK_STATIC)) $(CLI_OBJ) $(BIN)liblightcuts.a $(LIBS) -o $@
+	$(call say,LD $@)
+	$(Q)$(CC) $(FLAGS) $(if $(SAN),,$(LINK_STATIC)) $(CLI_OBJ) $(BIN)liblightcuts.a $(LIBS) -o $@
 
 -include $(LIB_OBJ:.o=.d) $(CLI_OBJ:.o=.d)
 
 # ---- tests ----
 
-$(BIN)tests/%: tests/%.c $(TEST_HELP) $(BIN)liblightcuts.a tests/test.h
+HELP_OBJ := $(TEST_HELP:%.c=$(OUT)/%.o)
+TEST_OBJ := $(patsubst %.c,$(OUT)/%.o,$(wildcard tests/unit_*.c tests/check_*.c tests/support/*.c fuzz/*.c))
+$(OUT)/tests/%.o $(OUT)/fuzz/%.o: FLAGS += -Itests
+-include $(TEST_OBJ:.o=.d)
+
+$(BIN)tests/%: $(OUT)/tests/%.o $(HELP_OBJ) $(BIN)liblightcuts.a
 	@mkdir -p $(@D)
-	$(CC) $(FLAGS) -Itests $< $(TEST_HELP) $(BIN)liblightcuts.a $(LIBS) -o $@
+	$(call say,LD $@)
+	$(Q)$(CC) $(FLAGS) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
 
 # Without the program's main().
-OPTIONS_FUZZER := fuzz/fuzz_options.c $(filter-out %/main.o,$(CLI_OBJ))
-$(BIN)tests/replay_fuzz_options: $(OPTIONS_FUZZER) fuzz/driver.c $(BIN)liblightcuts.a
+$(BIN)tests/replay_fuzz_options: $(filter-out %/main.o,$(CLI_OBJ))
+$(BIN)tests/replay_%: $(OUT)/fuzz/%.o $(OUT)/fuzz/driver.o $(HELP_OBJ) $(BIN)liblightcuts.a
 	@mkdir -p $(@D)
-	$(CC) $(FLAGS) -Isrc/cli $(OPTIONS_FUZZER) fuzz/driver.c $(BIN)liblightcuts.a $(LIBS) -o $@
-
-$(BIN)tests/replay_%: fuzz/%.c fuzz/driver.c $(TEST_HELP) $(BIN)liblightcuts.a
-	@mkdir -p $(@D)
-	$(CC) $(FLAGS) -Itests $< fuzz/driver.c $(TEST_HELP) $(BIN)liblightcuts.a $(LIBS) -o $@
+	$(call say,LD $@)
+	$(Q)$(CC) $(FLAGS) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
 
 # The whole program with the C library's calls led through a shim that lets them fail.
 FAULT_CALLS := main malloc calloc realloc aligned_alloc posix_memalign strdup mmap pthread_create pthread_mutex_init open read write \
   close fsync fdatasync rename ftruncate stat fstat access mkdir fchmod realpath pread pwrite fopen fclose fileno \
   unlink flock pipe fork dup2 fcntl
-$(BIN)tests/unit_faults: tests/unit_faults.c tests/fault_shim.c tests/fault_shim.h $(CLI_OBJ) $(BIN)liblightcuts.a tests/test.h
+$(BIN)tests/unit_faults: $(OUT)/tests/unit_faults.o $(OUT)/tests/support/fault_shim.o $(CLI_OBJ) $(BIN)liblightcuts.a
 	@mkdir -p $(@D)
-	$(CC) $(FLAGS) -Itests $(if $(SAN),,$(LINK_STATIC)) $(FAULT_CALLS:%=-Wl,--wrap=%) $(filter %.c %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
+	$(call say,LD $@)
+	$(Q)$(CC) $(FLAGS) $(if $(SAN),,$(LINK_STATIC)) $(FAULT_CALLS:%=-Wl,--wrap=%) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
 
 test:
 	@$(MAKE) --no-print-directory deps
@@ -169,18 +184,20 @@ lint:
 # The macro makes small scenes cheap: smaller blocks, coarser spheres. A call for each comparison, half of all time with UBSan's
 # checks being comparisons too, stays where it finds what a mutation lacks: in readers of binary files.
 FUZZ_FLAGS := -fsanitize=address,undefined,fuzzer-no-link -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-$(patsubst src/%.c,build/fuzzlib/src/%.o,$(filter-out $(patsubst %,src/%.c,ply readfile gunzip checkpoint merge) \
-  $(wildcard src/raster*.c src/image*.c),$(wildcard src/*.c))): COV_FLAGS := -fno-sanitize-coverage=trace-cmp
+$(patsubst src/%.c,build/fuzzlib/src/%.o,$(filter-out src/pbrt/ply.c src/io/%.c src/image/%.c src/render/checkpoint.c src/render/merge.c, \
+  $(LIB_SRC) $(CLI_SRC))): COV_FLAGS := -fno-sanitize-coverage=trace-cmp
 build/fuzz/%: fuzz/%.c $(TEST_HELP) $(LIB_SRC) | $(EXR_LIB)
 	@mkdir -p $(@D)
-	$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" build/fuzzlib/liblightcuts.a
-	$(CLANG) $(FLAGS) -O1 -fsanitize=address,undefined,fuzzer -Itests $< $(TEST_HELP) build/fuzzlib/liblightcuts.a $(LIBS) -o $@
+	@$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" build/fuzzlib/liblightcuts.a
+	$(call say,LD $@)
+	$(Q)$(CLANG) $(FLAGS) -O1 -fsanitize=address,undefined,fuzzer -Itests $< $(TEST_HELP) build/fuzzlib/liblightcuts.a $(LIBS) -o $@
 
 build/fuzz/fuzz_options: fuzz/fuzz_options.c $(LIB_SRC) $(CLI_SRC) | $(EXR_LIB)
 	@mkdir -p $(@D)
-	$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" \
+	@$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" \
 	  build/fuzzlib/liblightcuts.a $(patsubst %.c,build/fuzzlib/%.o,$(CLI_SRC))
-	$(CLANG) $(FLAGS) -O1 -fsanitize=address,undefined,fuzzer -Isrc/cli $< \
+	$(call say,LD $@)
+	$(Q)$(CLANG) $(FLAGS) -O1 -fsanitize=address,undefined,fuzzer $< \
 	  $(patsubst %.c,build/fuzzlib/%.o,$(filter-out %/main.c,$(CLI_SRC))) build/fuzzlib/liblightcuts.a $(LIBS) -o $@
 
 fuzz:
@@ -227,9 +244,9 @@ install: all
 	install -m 755 build/lightcuts $(DESTDIR)$(PREFIX)/bin/
 	install -m 644 build/liblightcuts.a $(DESTDIR)$(PREFIX)/lib/
 	install -m 644 include/lightcuts.h $(DESTDIR)$(PREFIX)/include/
-	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBS@|$(if $(EXR_LIB),,$(EXR_LINK) )-lz -lm -lpthread|' src/cli/lightcuts.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc
-	install -m 644 src/cli/lightcuts.1 $(DESTDIR)$(PREFIX)/share/man/man1/
-	install -m 644 src/cli/lightcuts.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
+	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBS@|$(if $(EXR_LIB),,$(EXR_LINK) )-lz -lm -lpthread|' src/app/lightcuts.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc
+	install -m 644 src/app/lightcuts.1 $(DESTDIR)$(PREFIX)/share/man/man1/
+	install -m 644 src/app/lightcuts.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
 
 uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/bin/lightcuts $(DESTDIR)$(PREFIX)/lib/liblightcuts.a $(DESTDIR)$(PREFIX)/include/lightcuts.h

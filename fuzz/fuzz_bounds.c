@@ -1,6 +1,6 @@
 /* fuzz_bounds.c - looks for a cluster and a point whose bound is too low. Byte 0 picks light kind and
  * material, the rest is the stream of gen_clusters.c. Aborts on a broken property. */
-#include "../tests/gen_clusters.h"
+#include "support/gen_clusters.h"
 
 #include <math.h>
 #include <stdio.h>

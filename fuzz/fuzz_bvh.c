@@ -1,8 +1,9 @@
 /* fuzz_bvh.c - any triangles and rays: the hierarchy is whole; every instruction set gives the same; and a loop over the
  * triangles, each in a hierarchy of its own, finds the same nearest hit, and the same segments hidden. Where a box about a hidden
  * ray's end is proved to be hidden, rays to its corners are hidden, too. */
-#include "cpu.h"
-#include "occlusion.h"
+#include "cut/occlusion_proof.h"
+#include "support/isas.h"
+#include "trace/bvh.h"
 
 #include <float.h>
 #include <math.h>
@@ -48,7 +49,7 @@ static bool same(const lc_hit *a, const lc_hit *b)
     return a->tri == b->tri && (a->tri == LC_NONE || (a->t == b->t && a->u == b->u && a->v == b->v));
 }
 
-/* Along its plane, as far as floats can tell (16u of |N|_1 times the ray's length, SLACK of occlusion.c): where the ray meets that is
+/* Along its plane, as far as floats can tell (16u of |N|_1 times the ray's length, SLACK of occlusion_proof.c): where the ray meets that is
  * noise, and whether it does can be a matter of which boxes were entered. */
 static bool edge_on(const float *pos, const float dir[3])
 {
@@ -89,6 +90,7 @@ static void check_proof(lc_occlusion *o, source *s, const float org[3], const fl
         top = 4 * top + size / 64;
         light.pos[k] = node.center[k] = to[k], node.half[k] = (float)(size % 64) / 16;
     }
+    const lc_bvh *bvh = o->visibility.scene;
     lc_occlusion_start(o, org);
     lc_occlusion_note(o, 0, block);
     uint32_t by = top && o->occluders->n ? top % o->occluders->n : lc_occlusion_by(o, 0, far);
@@ -101,7 +103,7 @@ static void check_proof(lc_occlusion *o, source *s, const float org[3], const fl
             p[k] = corner >> k & 1 ? to[k] + node.half[k] : to[k] - node.half[k];
             if (fabs((double)p[k] - (double)to[k]) > (double)node.half[k]) p[k] = to[k]; /* it was rounded out of the box */
         }
-        lc_kernels_get(corner % 2 ? LC_ISA_SCALAR : lc_cpu_isa())->hidden(&o->bvh->data, org, 1, target, far, out, NULL);
+        lc_isa_kernels(corner % 2 ? LC_ISA_SCALAR : lc_isa_pick(LC_ISA_BEST))->trace.hidden(&bvh->data, org, 1, target, far, out, NULL);
         require(out[0], "what was proved to be hidden is seen");
     }
 }
@@ -127,7 +129,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     lc_occluders *largest;
     if (lc_occluders_build(ctx, &occluders, &largest)) abort();
     all->occluders = largest;
-    lc_occlusion_init(&occlusion, all, NULL);
+    const lc_visibility visibility = lc_bvh_visibility(all);
+    lc_occlusion_init(&occlusion, &visibility, NULL);
     for (size_t i = 0; i < n; i++)
         if (lc_bvh_build(ctx, pos + 9 * i, index, 1, &one[i])) abort();
     for (int r = 0; r < RAYS && s.left; r++) {
@@ -140,15 +143,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         float most = r % 3 ? FLT_MAX : 1;
         if (to[0] == 0 && to[1] == 0 && to[2] == 0) continue; /* a ray without direction may hit or not */
         for (size_t i = 0; i < n; i++) {
-            lc_kernels_scalar.closest(&one[i]->data, org, to, most, &hit);
+            lc_kernels_scalar.trace.closest(&one[i]->data, org, to, most, &hit);
             if (hit.tri != LC_NONE && (best.tri == LC_NONE || hit.t < best.t)) best = hit, best.tri = (uint32_t)i;
             for (int far = 0; far < 2; far++) {
-                lc_kernels_scalar.hidden(&one[i]->data, org, 1, target, far, out, NULL);
+                lc_kernels_scalar.trace.hidden(&one[i]->data, org, 1, target, far, out, NULL);
                 hidden[far] |= out[0];
             }
         }
-        for (lc_isa isa = LC_ISA_SCALAR; isa <= lc_cpu_isa(); isa = (lc_isa)(isa + 1)) {
-            const lc_kernels *k = lc_kernels_get(isa);
+        EACH_ISA(isa) {
+            const lc_trace_kernels *k = &lc_isa_kernels(isa)->trace;
             k->closest(&all->data, org, to, most, &hit);
             bool as_good = same(&hit, &best) || is_edge_on(pos, &hit, to) || is_edge_on(pos, &best, to);
             if (!as_good)
@@ -166,7 +169,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         }
         for (int far = 0; far < 2; far++) {
             uint32_t block;
-            lc_kernels_scalar.hidden(&all->data, org, 1, target, far, out, &block);
+            lc_kernels_scalar.trace.hidden(&all->data, org, 1, target, far, out, &block);
             if (out[0]) check_proof(&occlusion, &s, org, to, block, far);
         }
     }

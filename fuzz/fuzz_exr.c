@@ -1,7 +1,7 @@
 /* fuzz_exr.c - any bytes as an OpenEXR picture: no crash, and what was accepted is complete. */
 #include "fuzz_raster.h"
 
-#include "image.h"
+#include "image/image.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

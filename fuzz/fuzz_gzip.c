@@ -1,6 +1,6 @@
 /* fuzz_gzip.c - any bytes behind a gzip header through the reader of files: no crash, no more than it says, the same bytes
  * whatever the size of the pieces that are asked for. */
-#include "readfile.h"
+#include "io/readfile.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* fuzz_options.c - any words as a command line: no crash, and a status of the contract. Byte 0 picks the command (not report,
  * which reads the whole program to know whether it is the same one, 40 executions a second), zero bytes part
  * the words. No word is a scene or picture that can be read, so nothing is written. */
-#include "cli.h"
+#include "cli/cli.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* fuzz_pbrt.c - any bytes as a pbrt scene: no crash, and a scene that was accepted holds its promises. */
-#include "pbrt_parse.h"
+#include "pbrt/parse.h"
 
 #include <stdlib.h>
 

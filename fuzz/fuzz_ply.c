@@ -1,6 +1,6 @@
 /* fuzz_ply.c - any bytes as a PLY file: no crash, and a mesh that was accepted is finite with indices in
  * range. */
-#include "ply.h"
+#include "pbrt/ply.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef FUZZ_RASTER_H
 #define FUZZ_RASTER_H
 
-#include "raster.h"
+#include "image/pixels.h"
 
 #include <stdlib.h>
 #include <string.h>

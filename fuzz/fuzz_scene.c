@@ -1,6 +1,7 @@
 /* fuzz_scene.c - a scene of text made from the input, through parser, trees and renderer to a picture of 8 x 8 pixels: no crash,
  * and what is rendered is finite. Numbers are drawn from those that break things. An input that begins with '#' is taken as text. */
-#include "pbrt_parse.h"
+#include "pbrt/parse.h"
+#include "prepare/commit.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -44,8 +44,12 @@ typedef enum lc_status {
 
 typedef enum lc_log_level { LC_LOG_ERROR = 0, LC_LOG_WARNING = 1, LC_LOG_INFO = 2 } lc_log_level;
 
-/* Instruction sets, rising. LC_ISA_BEST: the best that CPU and operating system offer. */
-typedef enum lc_isa { LC_ISA_BEST = 0, LC_ISA_SCALAR, LC_ISA_SSE4, LC_ISA_AVX2, LC_ISA_AVX512 } lc_isa;
+/* An instruction set by its number, 1 to lc_isa_count(); the numbers are this library's own, names are the same everywhere. As a cap,
+ * LC_ISA_BEST is the best that CPU and operating system offer. */
+typedef int lc_isa;
+#define LC_ISA_BEST 0
+#define LC_ISA_SCALAR 1     /* plain C, always there */
+#define LC_ISA_UNKNOWN (-1)
 
 /* alloc returns `size` bytes aligned to `align` (a power of two, at most 64) or NULL; free gets the same size. */
 typedef struct lc_allocator {
@@ -67,7 +71,9 @@ typedef struct lc_context_desc {
 LC_API lc_status lc_context_create(const lc_context_desc *desc, lc_context **out);
 LC_API void lc_context_destroy(lc_context *ctx);
 LC_API const char *lc_status_name(lc_status status);
-LC_API const char *lc_isa_name(lc_isa isa);
+LC_API uint32_t lc_isa_count(void);           /* sets that this library has kernels for on this kind of processor */
+LC_API const char *lc_isa_name(lc_isa isa);   /* "best", "scalar", ...; "unknown" for any other number */
+LC_API lc_isa lc_isa_find(const char *name);  /* LC_ISA_UNKNOWN: no such name here */
 LC_API lc_isa lc_context_isa(const lc_context *ctx);         /* what is in use */
 LC_API uint32_t lc_context_threads(const lc_context *ctx);
 
@@ -181,7 +187,7 @@ LC_API lc_status lc_image_set_matrix(lc_image *image, const char *name, const fl
  * PFM and Radiance HDR; by content, whatever the name. */
 LC_API lc_status lc_image_read(lc_context *ctx, const char *path, lc_image **out);
 /* Writes by extension: .exr (all channels; half when there are only R G B, else float) or .png (R G B, sRGB, with
- * the highlight shoulder of image_png.c). The name holds a complete file or what it held before. */
+ * the highlight shoulder of png_write.c). The name holds a complete file or what it held before. */
 LC_API lc_status lc_image_write(const lc_image *image, const char *path);
 
 /* ---- rendering ---- */
@@ -232,7 +238,7 @@ typedef struct lc_render_desc {
     /* Pixels; any thread, one at a time, at most some 50 times a second; nonzero cancels. The last call says done == total. */
     int (*progress)(void *user, uint64_t done, uint64_t total);
     void *progress_user;
-    uint32_t max_depth;     /* as pbrt's maxdepth, at most 1000 counts; 0: the scene's. Only mirrors carry on: see mirror.h */
+    uint32_t max_depth;     /* as pbrt's maxdepth, at most 1000 counts; 0: the scene's. Only mirrors carry on: see sight.h */
     /* Tiles that were finished before; any thread, several at a time. tile_load fills pixels and counts and returns 1, or 0: the
      * tile is rendered. tile_done gets every tile that was rendered, once. See lc_checkpoint. */
     int (*tile_load)(void *user, lc_tile *tile);

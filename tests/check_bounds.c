@@ -1,18 +1,18 @@
-/* check_bounds.c - the promise of bounds.h: bound >= what it bounds, for every cluster, point and material.
+/* check_bounds.c - the promise of one_bound.h: bound >= what it bounds, for every cluster, point and material.
  *
  *     check_bounds [--seed S] [--count N] [--only MATERIAL] [--extreme]
  *
  * Without --count: all properties, 200,000 random clusters a kind and material. With it: N of them, and the
  * table only. The reference is ref_bounds.c, the cases are those of gen_clusters.c.
  */
-#include "bounds.h"
-#include "cluster.h"
-#include "direction.h"
-#include "gen_clusters.h"
-#include "ref_bounds.h"
-#include "rng.h"
-#include "shade.h"
-#include "test.h"
+#include "base/rng.h"
+#include "shade/cluster.h"
+#include "shade/dir_pack.h"
+#include "shade/shade.h"
+#include "support/gen_clusters.h"
+#include "support/one_bound.h"
+#include "support/ref_bounds.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <stdlib.h>

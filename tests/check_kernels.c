@@ -1,15 +1,14 @@
 /* check_kernels.c - bounds and estimates of every instruction set have the bits of the scalar kernels, for any count; the
  * scalar estimate has those of lc_shade_light and lies in the range that rounding allows about the double reference. (The
  * scalar bounds are checked against it in check_bounds.c, the BVH kernels are compared in unit_bvh.c.) */
-#include "cluster.h"
-#include "cpu.h"
-#include "gen_clusters.h"
-#include "kernels.h"
-#include "light_tree.h"
-#include "ref_bounds.h"
-#include "rng.h"
-#include "shade.h"
-#include "test.h"
+#include "base/rng.h"
+#include "isa/isa.h"
+#include "shade/cluster.h"
+#include "shade/shade.h"
+#include "support/gen_clusters.h"
+#include "support/ref_bounds.h"
+#include "support/test.h"
+#include "tree/light_tree.h"
 
 #define CASES 60000
 #define MOST 40 /* nodes or lights a call */
@@ -93,8 +92,8 @@ static void compare_bounds(lc_isa isa, const job *j, uint64_t i)
 {
     float want[ROOM + GUARD], got[ROOM + GUARD];
     clear(want), clear(got);
-    lc_kernels_scalar.bounds(&j->tree, j->list, j->n, j->kind, &j->point, want);
-    lc_kernels_get(isa)->bounds(&j->tree, j->list, j->n, j->kind, &j->point, got);
+    lc_kernels_scalar.shade.bounds(&j->tree, j->list, j->n, j->kind, &j->point, want);
+    lc_isa_kernels(isa)->shade.bounds(&j->tree, j->list, j->n, j->kind, &j->point, got);
     CHECKF(same(want, got, j->n), "%s, case %llu", lc_isa_name(isa), (unsigned long long)i);
 }
 
@@ -102,14 +101,14 @@ static void run_estimate(const lc_kernels *k, const job *j, const uint32_t *inde
 {
     float *to[6];
     for (int c = 0; c < 6; c++) clear(out[c]), to[c] = out[c];
-    k->estimate(&j->tree, 0, index, j->n, j->kind, &j->point, to);
+    k->shade.estimate(&j->tree, 0, index, j->n, j->kind, &j->point, to);
 }
 
 static void compare_estimate(lc_isa isa, const job *j, const uint32_t *index, uint64_t i)
 {
     float want[6][ROOM + GUARD], got[6][ROOM + GUARD];
     run_estimate(&lc_kernels_scalar, j, index, want);
-    run_estimate(lc_kernels_get(isa), j, index, got);
+    run_estimate(lc_isa_kernels(isa), j, index, got);
     for (int c = 0; c < 6; c++)
         CHECKF(same(want[c], got[c], j->n), "%s, case %llu, %s, output %d", lc_isa_name(isa), (unsigned long long)i,
                index ? "list" : "all", c);
@@ -118,7 +117,8 @@ static void compare_estimate(lc_isa isa, const job *j, const uint32_t *index, ui
 static void compare(lc_isa isa)
 {
     static job j;
-    for (uint64_t i = 0; i < CASES && lc_cpu_isa() >= isa; i++) {
+    if (!lc_isa_supported(isa)) SKIP("this machine has no %s", lc_isa_name(isa));
+    for (uint64_t i = 0; i < CASES; i++) {
         make_job(&j, i, (lc_light_kind)(i % LC_LIGHT_KINDS), (gen_brdf)(i / LC_LIGHT_KINDS % GEN_BRDFS));
         compare_bounds(isa, &j, i);
         compare_estimate(isa, &j, j.list, i);
@@ -126,9 +126,10 @@ static void compare(lc_isa isa)
     }
 }
 
-TEST(sse4_equals_scalar) { compare(LC_ISA_SSE4); }
-TEST(avx2_equals_scalar) { compare(LC_ISA_AVX2); }
-TEST(avx512_equals_scalar) { compare(LC_ISA_AVX512); }
+#define ISA(name, rank, test, flags) \
+    TEST(name##_equals_scalar) { compare(LC_ISA_ID_##name); }
+#include "isa/isa_list.h"
+#undef ISA
 
 /* Light `at` of the job, as output number i of the scalar kernel. */
 static bool estimate_right(const job *j, uint32_t at, float out[6][ROOM + GUARD], uint32_t i)
@@ -165,9 +166,9 @@ TEST(scalar_estimate_equals_reference)
 
 int main(void)
 {
-    RUN(sse4_equals_scalar);
-    RUN(avx2_equals_scalar);
-    RUN(avx512_equals_scalar);
+#define ISA(name, rank, test, flags) RUN(name##_equals_scalar);
+#include "isa/isa_list.h"
+#undef ISA
     RUN(scalar_estimate_equals_reference);
     return test_done();
 }

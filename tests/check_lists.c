@@ -1,16 +1,16 @@
 /* check_lists.c - place and partition of every instruction set leave what a loop over one cluster after the other does, bit
  * for bit: contents, counts, sum. Nothing is written past the spare elements, nothing read past the lanes of the inputs. */
-#include "cpu.h"
-#include "kernels.h"
-#include "light_tree.h"
-#include "rng.h"
-#include "test.h"
-#include "vec.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "isa/isa.h"
+#include "support/isas.h"
+#include "support/test.h"
+#include "tree/light_tree.h"
 
 #include <stdlib.h>
 
 #define RND_KEY 4711
-#include "rnd.h"
+#include "support/rnd.h"
 
 #define CASES 30000
 #define MOST 40 /* pairs */
@@ -227,7 +227,7 @@ static double run_place(const lc_kernels *k, job *j)
     lc_cut_pairs p = { .n = j->n, .parent = &parent, .first = j->first, .bound = j->bound, .link = j->link, .power = j->power,
                        .fresh = j->fresh, .rep = j->rep, .transfer = { j->transfer[0], j->transfer[1], j->transfer[2] },
                        .limit = j->limit };
-    double sum = k->place(&p, &open, &left, &leaf);
+    double sum = k->cut.place(&p, &open, &left, &leaf);
     j->open.n = open.n, j->left.n = left.n, j->leaf.n = leaf.n;
     return sum;
 }
@@ -236,7 +236,7 @@ static void check_place(lc_isa isa, uint32_t i, const job *j)
 {
     static job want, got;
     want = *j, got = *j;
-    double want_sum = ref_place(&want), got_sum = run_place(lc_kernels_get(isa), &got);
+    double want_sum = ref_place(&want), got_sum = run_place(lc_isa_kernels(isa), &got);
     CHECKF(!memcmp(&want_sum, &got_sum, sizeof want_sum), "%s, case %u: sum %a, not %a", lc_isa_name(isa), i, got_sum, want_sum);
     CHECKF(same(&want.open, &got.open, 0), "%s, case %u, %u pairs", lc_isa_name(isa), i, j->n);
     CHECKF(same(&want.left, &got.left, 0), "%s, case %u, %u pairs", lc_isa_name(isa), i, j->n);
@@ -256,7 +256,7 @@ TEST(place_as_one_by_one)
         for (uint32_t k = 0; k < 3; k++) nodes[i].power[k] = rnd_power(), lights[i].intensity[k] = rnd_power();
     for (uint32_t i = 0; i < CASES; i++) {
         make_job(&j, i, nodes, lights);
-        for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa(); isa++) check_place((lc_isa)isa, i, &j);
+        EACH_ISA(isa) check_place(isa, i, &j);
         free_job(&j);
     }
     free(nodes), free(lights);
@@ -273,7 +273,7 @@ static void check_partition(lc_isa isa, uint32_t i, const list *from, const list
     source = *from;
     lc_cut_list to[2] = { view(&got[0]), view(&got[1]) }, apart = view(&source);
     ref_partition(from, limit, &want[0], &want[1]);
-    lc_kernels_get(isa)->partition(where ? &to[where - 1] : &apart, limit, &to[0], &to[1]);
+    lc_isa_kernels(isa)->cut.partition(where ? &to[where - 1] : &apart, limit, &to[0], &to[1]);
     for (int k = 0; k < 2; k++) {
         got[k].n = to[k].n;
         CHECKF(same(&want[k], &got[k], where == k + 1 ? from->n : 0), "%s, case %u: %u clusters, limit %g, in place %d, list %d",
@@ -289,14 +289,14 @@ TEST(partition_as_one_by_one)
         float limit = rnd_limit();
         fill(&from, i % (2 * MOST + 1), (int)(i / (2 * MOST + 1) % 7), limit, 0.2);
         fill(&others[0], rnd_n(BEFORE), 0, 1, 0), fill(&others[1], rnd_n(BEFORE), 0, 1, 0);
-        for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa(); isa++)
-            for (int where = 0; where < 3; where++) check_partition((lc_isa)isa, i, &from, others, limit, where);
+        EACH_ISA(isa)
+            for (int where = 0; where < 3; where++) check_partition(isa, i, &from, others, limit, where);
     }
 }
 
 int main(void)
 {
-    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_cpu_isa()));
+    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
     RUN(place_as_one_by_one);
     RUN(partition_as_one_by_one);
     return test_done();

@@ -1,13 +1,13 @@
 /* check_ploc.c - the nearest neighbours that every instruction set finds are those of a loop over all pairs, bit for bit; nothing
  * is written past them. The metric agrees with its definition in double precision. */
-#include "cpu.h"
-#include "kernels.h"
-#include "test.h"
+#include "isa/isa.h"
+#include "support/isas.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 
 #define RND_KEY 90210
-#include "rnd.h"
+#include "support/rnd.h"
 
 #define CASES 4000
 #define MOST 1500
@@ -88,15 +88,15 @@ static void check_case(uint32_t number, const lc_ploc_list *l, uint32_t first, u
 {
     static float want[MOST], got[MOST + LC_LANES];
     for (uint32_t i = 0; i < n; i++) want[i] = ref_nearest(l, first + i, radius, grouped);
-    for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa(); isa++) {
+    EACH_ISA(isa) {
         bool clean = true;
         for (uint32_t i = 0; i < MOST + LC_LANES; i++) got[i] = GUARD;
-        lc_kernels_get((lc_isa)isa)->nearest(l, first, n, radius, grouped, got);
+        lc_isa_kernels(isa)->tree.nearest(l, first, n, radius, grouped, got);
         for (uint32_t i = n; i < MOST + LC_LANES; i++) clean = clean && got[i] == GUARD;
         uint32_t at = 0;
         while (at < n && want[at] == got[at]) at++;
-        CHECKF(clean, "%s, case %u", lc_isa_name((lc_isa)isa), number);
-        CHECKF(at == n, "%s, case %u: %u of %u + %u, list of %u, radius %u, grouped %d: %g, not %g", lc_isa_name((lc_isa)isa), number,
+        CHECKF(clean, "%s, case %u", lc_isa_name(isa), number);
+        CHECKF(at == n, "%s, case %u: %u of %u + %u, list of %u, radius %u, grouped %d: %g, not %g", lc_isa_name(isa), number,
                at, first, n, l->n, radius, grouped, (double)got[at], (double)want[at]);
     }
 }
@@ -120,9 +120,9 @@ TEST(everyone_has_a_neighbour)
         lc_ploc_list l = { .n = 500, .oriented = true, .c2 = 1 };
         float offset[500];
         fill(&l, style);
-        lc_kernels_get(LC_ISA_SCALAR)->nearest(&l, 0, l.n, 9, false, offset);
+        lc_isa_kernels(LC_ISA_SCALAR)->tree.nearest(&l, 0, l.n, 9, false, offset);
         for (uint32_t i = 0; i < l.n; i++) CHECK(offset[i] != 0);
-        lc_kernels_get(LC_ISA_SCALAR)->nearest(&l, 0, l.n, 9, true, offset);
+        lc_isa_kernels(LC_ISA_SCALAR)->tree.nearest(&l, 0, l.n, 9, true, offset);
         for (uint32_t i = 0; i < l.n; i++) CHECK(offset[i] != 0);
     }
 }
@@ -155,7 +155,7 @@ TEST(metric_as_defined)
 
 int main(void)
 {
-    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_cpu_isa()));
+    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
     RUN(nearest_as_over_all_pairs);
     RUN(everyone_has_a_neighbour);
     RUN(metric_as_defined);

@@ -42,20 +42,36 @@ strip()
         print line
     }' "$1" >"$T/bare/$1"
 }
-for file in src/*.[ch] src/cli/*.[ch] include/*.h tests/*.[ch] fuzz/*.c; do strip "$file"; done
+for file in src/*/*.[ch] include/*.h tests/*.[ch] tests/support/*.[ch] fuzz/*.c; do strip "$file"; done
 bare() { (cd "$T/bare" && "$@"); }
 include_of='^[ ]*#[ ]*include[ ]*'
 
 # ---- who may include whom ----
 
-cli_includes()
+# The rooms in order, from the one place where they stand: the table of src/README.md.
+rooms=$(sed -n 's/^| `\([a-z]*\)\/` |.*/\1/p' src/README.md)
+library=$(for room in $rooms; do case $room in cli | lab | app) ;; *) echo "src/$room/*.[ch]" ;; esac; done)
+all_rooms() { for dir in src/*/; do echo "$rooms" | grep -qx "$(basename "$dir")" || [ "$dir" = src/deps/ ] || echo "$dir is not in src/README.md"; done; }
+# "file included" for each include of our own under src/
+own_includes() { grep -HnE "$include_of\"" src/*/*.[ch] | sed 's/^\([^:]*\):[0-9]*:[^"]*"\([^"]*\)".*/\1 \2/' | grep -v ' lightcuts\.h$'; }
+upward()
 {
-    for file in src/cli/*.[ch]; do
-        case $file in src/cli/bench*) continue ;; esac
-        sed -n "s/$include_of\"\(.*\)\".*/\1/p" "$file" | while read -r header; do
-            [ "$header" = lightcuts.h ] || [ -f "src/cli/$header" ] || echo "$file: $header"
-        done
-    done
+    own_includes | awk -v rooms="$(echo "$rooms" | tr '\n' ' ')" '
+        BEGIN { n = split(rooms, order, " "); for (i = 1; i <= n; i++) at[order[i]] = i }
+        { split($1, from, "/"); split($2, to, "/")
+          if ($1 == "src/isa/isa_flags.h" && $2 == "isa_list.h") next # the Makefile preprocesses it without -Isrc
+          if (!(to[1] in at)) print $1 ": \"" $2 "\" is not written from src"
+          else if (at[to[1]] > at[from[2]]) print $1 ": \"" $2 "\" is of a room below" }'
+}
+circles() # of files, a .c and its header being one, and so of rooms
+{
+    own_includes | sed 's/^src\///; s/\.[ch]\( \|$\)/\1/g' | awk '$1 != $2' >"$T/edges"
+    tsort "$T/edges" >/dev/null
+}
+own_room_only()
+{
+    own_includes | awk '$1 ~ /^src\/(cli|app)\// && $2 !~ /^(cli|lab)\// { print $1 ": " $2 }
+                        $1 ~ /^src\/cli\// && $2 ~ /^lab\// { print $1 ": " $2 }'
 }
 only_in() # regex allowed-file-regex files...
 {
@@ -65,74 +81,71 @@ only_in() # regex allowed-file-regex files...
 }
 own_header_first()
 {
-    for file in src/*.c src/cli/*.c; do
-        header=$(basename "$file" .c).h
-        [ -f "$(dirname "$file")/$header" ] || [ -f "include/$header" ] || continue
+    for file in src/*/*.c; do
+        header=${file#src/}
+        header=${header%.c}.h
+        [ -f "src/$header" ] || continue
         first=$(sed -n "s/$include_of[\"<]\(.*\)[\">].*/\1/p" "$file" | head -n 1)
         [ "$first" = "$header" ] || echo "$file: $first comes first"
     done
 }
-template_includes()
+template_includes() # what an instruction set's flags must not compile: code outside of the kernels
 {
-    grep -nE "$include_of" src/*_tmpl.c /dev/null | grep -vE '"(base|vec|fmath|layout|cut_list|ploc_list)\.h"'
+    grep -HnE "$include_of" src/*/*_tmpl.c | grep -vE '"(base/(base|vec|fmath)|shade/(point|tree_data|light|spot|dir_pack|lobe_[a-z]*|light_[a-z]*)|cut/cut_list|trace/bvh_data|tree/ploc_list)\.h"'
 }
-cycles() # headers of the library, an edge for each include
-{
-    for file in src/*.h src/cli/*.h; do
-        sed -n "s/$include_of\"\(.*\)\".*/$(basename "$file") \1/p" "$file"
-    done >"$T/edges"
-    tsort "$T/edges" >/dev/null
-}
-rule 'cli/ includes lightcuts.h and cli/ only, but for bench' cli_includes
-rule '<immintrin.h> and its like in simd*.h and f4.h only' \
-    only_in '<[a-z]*intrin\.h>|<arm_neon\.h>' 'src/(simd[a-z_]*|f4)\.h' src/*.[ch] src/cli/*.[ch]
-rule 'OpenEXR in image_exr.c only' only_in "$include_of[<\"](openexr|ImfC|Imath)" 'src/image_exr\.c' src/*.[ch] src/cli/*.[ch]
-rule '<pthread.h> in pool.c only' only_in '<pthread\.h>|<threads\.h>' 'src/pool\.c' src/*.[ch] src/cli/*.[ch]
+rule 'every folder of src/ is a room of src/README.md' all_rooms
+rule 'a room includes only itself and rooms above it, by names written from src' upward
+rule 'no file includes itself by way of others' circles
+rule 'cli/ and app/ include lightcuts.h and the rooms of the program only' own_room_only
+rule '<immintrin.h> and its like in simd/ and vec4.h only' \
+    only_in '<[a-z]*intrin\.h>|<arm_neon\.h>' 'src/(simd/[a-z_0-9]*|base/vec4)\.h' src/*/*.[ch]
+rule 'OpenEXR in exr.c only' only_in "$include_of[<\"](openexr|ImfC|Imath)" 'src/image/exr\.c' src/*/*.[ch]
+rule '<pthread.h> in pool.c only' only_in '<pthread\.h>|<threads\.h>' 'src/base/pool\.c' src/*/*.[ch]
+# shellcheck disable=SC2086
 rule 'malloc and its like in arena.c only' only_in '\<(malloc|calloc|realloc|aligned_alloc|posix_memalign|strdup|strndup)[ ]*\(' \
-    'src/arena\.c' src/*.[ch]
-rule 'simd*.h in isa_*.c and simd*.h only' only_in "$include_of\"simd(_[a-z]*)?\.h\"" \
-    'src/(isa_[a-z0-9]*\.c|simd_[a-z]*\.h)' src/*.[ch] src/cli/*.[ch]
-rule 'templates include base.h, vec.h, fmath.h, layout.h, cut_list.h, ploc_list.h only' template_includes
+    'src/base/arena\.c' $library
+rule 'simd/ in isa_*.c and simd/ only' only_in "$include_of\"simd/" 'src/(isa/isa_[a-z0-9]*\.c|simd/[a-z_0-9]*\.h)' src/*/*.[ch]
+rule 'templates include data of their rooms only' template_includes
 rule 'a .c includes its own header first' own_header_first
-rule 'headers do not include each other in a circle' cycles
 
 # ---- the library's manners ----
 
 printing='\<(printf|fprintf|vprintf|vfprintf|puts|fputs|putchar|perror|exit|_exit|getenv|setlocale|system|signal)[ ]*\('
 unsafe='\<(gets|strcpy|sprintf|vsprintf|strtok|rand|srand|asctime|ctime|gmtime|localtime|atoi|atof|alloca)[ ]*\('
-rule 'the library never prints, exits or reads the environment' only_in "$printing" 'none' src/*.[ch]
+# shellcheck disable=SC2086
+rule 'the library never prints, exits or reads the environment' only_in "$printing" 'none' $library
 rule 'no assert on input: LC_ASSERT states what validation has ensured' \
-    only_in '(^|[^_A-Za-z])assert[ ]*\(' 'src/base\.h' src/*.[ch] src/cli/*.[ch]
-rule 'no functions that overflow or keep state' only_in "$unsafe" 'none' src/*.[ch]
+    only_in '(^|[^_A-Za-z])assert[ ]*\(' 'src/base/base\.h' src/*/*.[ch]
+rule 'no functions that overflow or keep state' only_in "$unsafe" 'none' src/*/*.[ch]
 
 # ---- files ----
 
 long_files()
 {
-    for file in src/*.c src/cli/*.c tests/*.c fuzz/*.c; do
+    for file in src/*/*.c tests/*.c tests/support/*.c fuzz/*.c; do
         n=$(wc -l <"$file")
         [ "$n" -lt 800 ] || echo "$file: $n lines"
     done
-    for file in src/*.h src/cli/*.h tests/*.h; do
+    for file in src/*/*.h tests/support/*.h; do
         n=$(wc -l <"$file")
-        case $file in src/simd.h | src/simd_wide.h) continue ;; esac
+        case $file in src/simd/*) continue ;; esac
         [ "$n" -lt 200 ] || echo "$file: $n lines"
     done
 }
 long_functions()
 {
-    for file in src/*.c src/cli/*.c; do
+    for file in src/*/*.c; do
         awk '/^\{/ { start = NR }
              /^\}/ { if (start && NR - start >= 61) print FILENAME ":" start ": " NR - start - 1 " lines"; start = 0 }' "$file"
     done
 }
 first_lines()
 {
-    for file in src/*.[ch] src/cli/*.[ch] tests/*.[ch] fuzz/*.c include/*.h; do
+    for file in src/*/*.[ch] tests/*.[ch] tests/support/*.[ch] fuzz/*.c include/*.h; do
         head -n 1 "$file" | grep -q "^/\* $(basename "$file") - " || echo "$file: does not open with its name and what it holds"
     done
 }
-texts=$(ls src/*.[ch] src/cli/* src/deps/*.sh include/*.h tests/*.[ch] tests/*.sh fuzz/*.c)
+texts=$(ls src/*/*.[ch] src/app/* src/deps/*.sh include/*.h tests/*.[ch] tests/support/*.[ch] tests/*.sh fuzz/*.c)
 tab=$(printf '\t')
 rule '.c under 800 lines, .h under 200' long_files
 rule 'functions under 60 lines' long_functions
@@ -143,7 +156,7 @@ rule 'no tabs' grep -n "$tab" $texts
 # shellcheck disable=SC2086
 rule 'no spaces at the end of a line' grep -nE ' +$' $texts
 rule 'a file opens with its name and what it holds' first_lines
-names() { ls src src/cli tests fuzz | grep '\.[ch]$' | grep -v '^[a-z0-9_]*\.[ch]$'; }
+names() { ls src/* tests tests/support fuzz | grep '\.[ch]$' | grep -v '^[a-z0-9_]*\.[ch]$'; }
 rule 'file names are lower case' names
 scripts() { for file in src/deps/*.sh tests/*.sh; do sh -n "$file"; done; }
 rule 'shell scripts parse' scripts
@@ -153,16 +166,16 @@ rule 'shell scripts parse' scripts
 version=$(sed -n 's/^#define LC_VERSION "\(.*\)"/\1/p' include/lightcuts.h)
 versions()
 {
-    grep -q "^Version: $version\$" src/cli/lightcuts.pc.in || echo "src/cli/lightcuts.pc.in: not version $version"
-    grep -q "^\.TH .*lightcuts $version" src/cli/lightcuts.1 || echo "src/cli/lightcuts.1: not version $version"
+    grep -q "^Version: $version\$" src/app/lightcuts.pc.in || echo "src/app/lightcuts.pc.in: not version $version"
+    grep -q "^\.TH .*lightcuts $version" src/app/lightcuts.1 || echo "src/app/lightcuts.1: not version $version"
 }
 options() # each option of --help is in the manual page and in the completion
 {
-    sed 's/\\-/-/g' src/cli/lightcuts.1 >"$T/page"
+    sed 's/\\-/-/g' src/app/lightcuts.1 >"$T/page"
     for command in render compare scene info preview merge bench report; do
         build/lightcuts $command --help | grep -oE -e '--[a-z][a-z-]+' | sort -u | while read -r option; do
-            [ "$option" = --help ] || grep -q -e "$option" "$T/page" || echo "src/cli/lightcuts.1: $command lacks $option"
-            grep -q -e "$option" src/cli/lightcuts.bash || echo "src/cli/lightcuts.bash: $command lacks $option"
+            [ "$option" = --help ] || grep -q -e "$option" "$T/page" || echo "src/app/lightcuts.1: $command lacks $option"
+            grep -q -e "$option" src/app/lightcuts.bash || echo "src/app/lightcuts.bash: $command lacks $option"
         done
     done
 }
@@ -172,12 +185,13 @@ rule 'one version' versions
 # ---- compilers ----
 
 warn='-Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wstrict-prototypes -Wvla -Werror'
-flags="-D_GNU_SOURCE -ffp-contract=off -Iinclude -Isrc -Isrc/cli -Itests"
+flags="-D_GNU_SOURCE -ffp-contract=off -Iinclude -Isrc -Itests"
 alone() # compiler
 {
-    for header in src/*.h src/cli/*.h tests/*.h; do
+    for header in src/*/*.h tests/support/*.h; do
         extra=
-        [ "$header" = src/simd.h ] && extra='-DLC_ISA_LEVEL=0 -DLC_FN(name)=name##_scalar'
+        case $header in src/isa/isa_list.h | src/isa/isa_flags.h) continue ;; esac
+        [ "$header" = src/simd/simd.h ] && extra='-DLC_ISA_LEVEL=0 -DLC_FN(name)=name##_scalar'
         # shellcheck disable=SC2086
         echo "#include \"$PWD/$header\"" | "$1" -std=c11 $flags $warn $extra -fsyntax-only -x c - ||
             echo "$header does not compile alone"
@@ -201,20 +215,21 @@ for cxx in g++ clang++; do
 done
 
 # Symbols of the object files of the release build.
-exports() { nm -g --defined-only build/obj/src/*.o | awk 'NF == 3 && $3 !~ /^lc_/ { print $3 }'; }
+lib_objects() { for room in $rooms; do case $room in cli | lab | app) ;; *) ls build/obj/src/"$room"/*.o 2>/dev/null ;; esac; done; }
+exports() { lib_objects | xargs nm -g --defined-only | awk 'NF == 3 && $3 !~ /^lc_/ { print $3 }'; }
 kernel_symbols()
 {
-    nm -g --defined-only build/obj/src/isa_*.o | awk 'NF == 3 && $3 !~ /^lc_[a-z0-9_]*_(scalar|sse4|avx2|avx512)$/ { print $3 }'
+    nm -g --defined-only build/obj/src/isa/isa_*.o | awk 'NF == 3 && $3 !~ /^lc_kernels_[a-z0-9]*$/ { print $3 }'
 }
-writable() { objdump -t build/obj/src/isa_*.o | grep -E ' O .*\*COM\*| O \.(data|bss|tdata|tbss)([^.]|\.[^r])'; } # .data.rel.ro is constant
+writable() { objdump -t build/obj/src/isa/isa_*.o | grep -E ' O .*\*COM\*| O \.(data|bss|tdata|tbss)([^.]|\.[^r])'; } # .data.rel.ro is constant
 instructions() # what an older processor would stop at, outside the kernels
 {
-    for object in build/obj/src/*.o build/obj/src/cli/*.o; do
+    for object in build/obj/src/*/*.o; do
         case $object in */isa_avx*) continue ;; esac
         objdump -d "$object" | grep -qE '%[yz]mm[0-9]|[[:space:]]v(add|mul|mov)[sp][sd] ' && echo "$object holds AVX instructions"
     done
 }
-if [ -f build/obj/src/arena.o ] && command -v nm >/dev/null 2>&1; then
+if [ -f build/obj/src/base/arena.o ] && command -v nm >/dev/null 2>&1; then
     rule 'objects export lc_ symbols only' exports
     rule "the kernels' names carry their instruction set" kernel_symbols
     rule 'the kernels have no writable globals' writable

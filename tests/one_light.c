@@ -10,13 +10,13 @@
  */
 #include "lightcuts.h"
 
-#include "cut.h"
-#include "kernels.h"
-#include "mirror.h"
-#include "sample.h"
-#include "scene.h"
-#include "shade.h"
-#include "sun.h"
+#include "base/sample.h"
+#include "cut/cut.h"
+#include "isa/isa.h"
+#include "scene/scene.h"
+#include "scene/sight.h"
+#include "scene/sun.h"
+#include "shade/shade.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -90,8 +90,8 @@ static lc_f3 sample_light(const lc_lit *lit, double u)
     link &= ~LC_LEAF;
     lc_point_init(&point, s->pos, s->n, lit->view, &s->material, scene->min_d2);
     if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(point.ng, s->ng);
-    scene->bvh->kernels->estimate(&t->data, 0, &link, 1, kind, &point, out);
-    lc_cut_hidden(scene->bvh, &point, s->ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, hidden, NULL);
+    scene->ctx->shade_kernels->estimate(&t->data, 0, &link, 1, kind, &point, out);
+    lc_cut_hidden(&scene->visibility, &point, s->ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, hidden, NULL);
     if (hidden[0]) return lc_f3_make(0, 0, 0);
     return lc_f3_scale(lc_f3_mul(lc_f3_make(f[0][0], f[1][0], f[2][0]), lc_f3_load(t->data.lights[link].intensity)), (float)(1 / p));
 }

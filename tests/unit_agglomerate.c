@@ -1,14 +1,14 @@
 /* unit_agglomerate.c - exact agglomeration: the same clusters as by merging the two nearest of all again and again, and on
  * every set, ties or not, pairs that are each other's nearest among what is left. */
-#include "rng.h"
-#include "test.h"
-#include "tree_build.h"
+#include "base/rng.h"
+#include "support/test.h"
+#include "tree/tree_build.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #define RND_KEY 20240819
-#include "rnd.h"
+#include "support/rnd.h"
 
 static lc_context *ctx;
 

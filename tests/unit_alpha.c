@@ -1,12 +1,13 @@
 /* unit_alpha.c - meshes with holes: which hits are passed, for camera and shadow rays, alone and in company, on every
  * instruction set, in objects too. */
-#include "cpu.h"
-#include "image.h"
-#include "pbrt_parse.h"
-#include "poor.h"
-#include "rng.h"
-#include "surface.h"
-#include "test.h"
+#include "base/rng.h"
+#include "image/image.h"
+#include "pbrt/parse.h"
+#include "prepare/commit.h"
+#include "scene/surface.h"
+#include "support/isas.h"
+#include "support/poor.h"
+#include "support/test.h"
 
 #include <math.h>
 
@@ -142,7 +143,6 @@ static void sheets(bool object)
 
 TEST(instruction_sets)
 {
-    static const lc_isa isas[] = { LC_ISA_SCALAR, LC_ISA_SSE4, LC_ISA_AVX2, LC_ISA_AVX512 };
     for (int object = 0; object < 2; object++) {
         uint32_t n_hidden = 0, n_all = 0;
         sheets(object);
@@ -155,10 +155,10 @@ TEST(instruction_sets)
             uint8_t first[64], got[64], one;
             for (int j = 0; j < 64; j++)
                 for (int k = 0; k < 3; k++) t[k][j] = (float)(k == 2 ? org[2] + (float)rnd(-0.02, 0.02) : (float)rnd(-1, 1));
-            for (size_t m = 0; m < 4 && isas[m] <= lc_cpu_isa(); m++) {
-                const lc_kernels *k = lc_kernels_get(isas[m]);
+            EACH_ISA(isa) {
+                const lc_trace_kernels *k = &lc_isa_kernels(isa)->trace;
                 k->hidden(&scene->bvh->data, org, 64, target, false, got, NULL);
-                if (!m) memcpy(first, got, sizeof got);
+                if (isa == LC_ISA_SCALAR) memcpy(first, got, sizeof got);
                 CHECK(!memcmp(first, got, sizeof got));
                 for (uint32_t j = 0; j < 64; j++) {
                     const float *const alone[3] = { t[0] + j, t[1] + j, t[2] + j };
@@ -166,7 +166,7 @@ TEST(instruction_sets)
                     lc_hit a, b;
                     k->hidden(&scene->bvh->data, org, 1, alone, false, &one, NULL);
                     CHECK(one == first[j]);
-                    lc_kernels_get(LC_ISA_SCALAR)->closest(&scene->bvh->data, org, d, FLT_MAX, &a);
+                    lc_isa_kernels(LC_ISA_SCALAR)->trace.closest(&scene->bvh->data, org, d, FLT_MAX, &a);
                     k->closest(&scene->bvh->data, org, d, FLT_MAX, &b);
                     CHECK(!memcmp(&a, &b, sizeof a));
                     /* the same hits are passed by both kinds of rays */

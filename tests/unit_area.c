@@ -1,8 +1,8 @@
 /* unit_area.c - lights of emissive triangles: pictures, both sides, power; no two in one place. */
-#include "area_light.h"
-#include "pbrt_parse.h"
-#include "rng.h"
-#include "test.h"
+#include "base/rng.h"
+#include "pbrt/parse.h"
+#include "prepare/area_light.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 #include <unistd.h>

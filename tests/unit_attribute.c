@@ -1,7 +1,7 @@
 /* unit_attribute.c - v4's Attribute and ColorSpace: what they do, where they end, and the place of each error. */
-#include "last_error.h"
-#include "pbrt_parse.h"
-#include "test.h"
+#include "pbrt/parse.h"
+#include "support/last_error.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 

@@ -1,16 +1,16 @@
 /* unit_bvh.c - the hierarchy against a loop over all triangles in double precision (Moeller and Trumbore's test, which
  * shares nothing with the kernels), watertightness of closed meshes, the same bits from every instruction set. */
-#include "bvh.h"
-#include "cpu.h"
-#include "rng.h"
-#include "stats.h"
-#include "test.h"
-#include "vec.h"
+#include "base/rng.h"
+#include "base/stats.h"
+#include "base/vec.h"
+#include "support/isas.h"
+#include "support/test.h"
+#include "trace/bvh.h"
 
 #include <stdlib.h>
 
 #define RND_KEY 77001
-#include "meshes.h"
+#include "support/meshes.h"
 
 static lc_context *ctx;
 
@@ -58,18 +58,14 @@ static bool ref_tri(uint32_t tri, const float org[3], const float dir[3], ref_hi
     return true;
 }
 
-static const lc_isa isas[] = { LC_ISA_SCALAR, LC_ISA_SSE4, LC_ISA_AVX2, LC_ISA_AVX512 };
-#define N_ISAS 4
-
 /* Closest hit by every ISA; they must agree to the bit. */
 static lc_hit closest(const lc_bvh *b, const float org[3], const float dir[3], float t_max)
 {
     lc_hit first, hit;
-    lc_kernels_get(LC_ISA_SCALAR)->closest(&b->data, org, dir, t_max, &first);
-    for (int i = 1; i < N_ISAS; i++) {
-        if (isas[i] > lc_cpu_isa()) continue;
-        lc_kernels_get(isas[i])->closest(&b->data, org, dir, t_max, &hit);
-        CHECKF(!memcmp(&first, &hit, sizeof hit), "%s: tri %u t %g, scalar: tri %u t %g", lc_isa_name(isas[i]), hit.tri,
+    lc_isa_kernels(LC_ISA_SCALAR)->trace.closest(&b->data, org, dir, t_max, &first);
+    EACH_ISA(isa) {
+        lc_isa_kernels(isa)->trace.closest(&b->data, org, dir, t_max, &hit);
+        CHECKF(!memcmp(&first, &hit, sizeof hit), "%s: tri %u t %g, scalar: tri %u t %g", lc_isa_name(isa), hit.tri,
                (double)hit.t, first.tri, (double)first.t);
     }
     return first;
@@ -79,10 +75,9 @@ static uint8_t hidden(const lc_bvh *b, const float org[3], const float target[3]
 {
     uint8_t first = 9, other = 9;
     const float *const list[3] = { &target[0], &target[1], &target[2] };
-    lc_kernels_get(LC_ISA_SCALAR)->hidden(&b->data, org, 1, list, far, &first, NULL);
-    for (int i = 1; i < N_ISAS; i++) {
-        if (isas[i] > lc_cpu_isa()) continue;
-        lc_kernels_get(isas[i])->hidden(&b->data, org, 1, list, far, &other, NULL);
+    lc_isa_kernels(LC_ISA_SCALAR)->trace.hidden(&b->data, org, 1, list, far, &first, NULL);
+    EACH_ISA(isa) {
+        lc_isa_kernels(isa)->trace.hidden(&b->data, org, 1, list, far, &other, NULL);
         CHECK(other == first);
     }
     return first;
@@ -399,9 +394,9 @@ static uint64_t tight_rays, misses;
 static void tight_dir(const lc_bvh *b, lc_f3 o, lc_f3 dir, const char *what)
 {
     const float org[3] = { o.x, o.y, o.z }, d[3] = { dir.x, dir.y, dir.z };
-    lc_isa isa = isas[tight_rays++ % N_ISAS];
+    lc_isa isa = LC_ISA_SCALAR + (lc_isa)(tight_rays++ % LC_N_ISAS);
     lc_hit hit;
-    lc_kernels_get(isa > lc_cpu_isa() ? LC_ISA_SCALAR : isa)->closest(&b->data, org, d, FLT_MAX, &hit);
+    lc_isa_kernels(lc_isa_supported(isa) ? isa : LC_ISA_SCALAR)->trace.closest(&b->data, org, d, FLT_MAX, &hit);
     if (hit.tri != LC_NONE) return;
     misses++;
     CHECKF(false, "%s: org %a %a %a dir %a %a %a goes through", what, (double)o.x, (double)o.y, (double)o.z, (double)dir.x,
@@ -580,7 +575,7 @@ static void odd_segment(int i, lc_f3 *o, lc_f3 *to)
  * The nearest hit may differ where two are as near as rounding tells. */
 TEST(boxes_lose_no_hit)
 {
-    const lc_kernels *k = lc_kernels_get(lc_cpu_isa());
+    const lc_trace_kernels *k = &lc_isa_kernels(lc_isa_pick(LC_ISA_BEST))->trace;
     for (int style = 0; style < 6; style++) {
         uint32_t n = 40000 / SLOW, n_hidden = 0, lost = 0, lost_closest = 0;
         odd_mesh(style);
@@ -611,7 +606,7 @@ TEST(boxes_lose_no_hit)
 int main(void)
 {
     if (lc_context_create(NULL, &ctx)) return 1;
-    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_cpu_isa()));
+    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
     RUN(no_triangles);
     RUN(ends_of_shadow_rays);
     RUN(shadow_rays_to_infinity);

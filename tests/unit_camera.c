@@ -1,11 +1,11 @@
 /* unit_camera.c - rays of every camera against their definitions, pixel filters against their integrals, points of the sampler,
  * white balance; and what scene files make of them. */
-#include "camera.h"
-#include "context.h"
-#include "pbrt_state.h"
-#include "sample.h"
-#include "scene.h"
-#include "test.h"
+#include "base/context.h"
+#include "base/sample.h"
+#include "pbrt/state.h"
+#include "scene/camera.h"
+#include "scene/scene.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 /* unit_compare.c - metrics of `lightcuts compare` on pictures done by hand, and properties of FLIP. */
-#include "test.h"
+#include "support/test.h"
 
 /* The tests link with the library, which these are no part of. */
-#include "../src/cli/flip.c"
-#include "../src/cli/metrics.c"
+#include "cli/flip.c"
+#include "cli/metrics.c"
 
 #include <math.h>
 #include <stdbool.h>

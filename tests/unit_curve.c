@@ -1,7 +1,7 @@
 /* unit_curve.c - Shape "curve": points on the curve, widths, normals, levels and limits, and the place of each error. */
-#include "last_error.h"
-#include "pbrt_parse.h"
-#include "test.h"
+#include "pbrt/parse.h"
+#include "support/last_error.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 

@@ -1,11 +1,12 @@
 /* unit_cut.c - cuts: a partition of the lights within the size asked for, the promise about each cluster left, and the
  * two limits: all leaves are the exact value, the root alone is on average. Memory comes with guards around it. */
-#include "bounds.h"
-#include "cut.h"
-#include "exact.h"
-#include "rng.h"
-#include "shade.h"
-#include "test.h"
+#include "base/rng.h"
+#include "cut/cut.h"
+#include "cut/exact.h"
+#include "shade/shade.h"
+#include "support/one_bound.h"
+#include "support/test.h"
+#include "trace/bvh.h"
 
 #include <stdlib.h>
 
@@ -62,6 +63,7 @@ typedef struct {
     lc_light *lights;
     uint32_t n;
     lc_occluders *occluders;
+    lc_visibility visibility;
     float pos[9 * 40];
     uint32_t index[3 * 40], n_tris;
 } setup;
@@ -104,6 +106,7 @@ static void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool whi
     const lc_occluders_desc occluders = { s->pos, s->index, n_tris, NULL };
     if (lc_occluders_build(ctx, &occluders, &s->occluders)) abort();
     s->bvh->occluders = s->occluders;
+    s->visibility = lc_bvh_visibility(s->bvh);
 }
 
 static void build_tree(setup *s, uint64_t seed, uint32_t n_reps)
@@ -148,7 +151,7 @@ static lc_cut_result exact(const setup *s, const point *q)
 {
     lc_stats stats = { 0 };
     lc_cut_result r;
-    lc_exact_shade(s->tree, s->bvh, &q->p, q->org, &stats, &r);
+    lc_exact_shade(s->tree, &s->visibility, &q->p, q->org, &stats, &r);
     CHECK(r.size == s->n && r.rays <= s->n && stats.shadow_rays == r.rays);
     return r;
 }
@@ -156,7 +159,7 @@ static lc_cut_result exact(const setup *s, const point *q)
 static void open_cut(lc_cut *c, const setup *s, float ratio, uint32_t max_cut, float floor_lum)
 {
     lc_cut_desc d = { ratio, max_cut, floor_lum };
-    if (lc_cut_init(c, ctx, s->tree, s->bvh, &d, true)) abort();
+    if (lc_cut_init(c, ctx, s->tree, &s->visibility, &d, true)) abort();
 }
 
 static double lum_of(lc_f3 c) { return 0.2126 * (double)c.x + 0.7152 * (double)c.y + 0.0722 * (double)c.z; }

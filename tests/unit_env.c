@@ -1,10 +1,10 @@
 /* unit_env.c - environment maps: mappings, irradiance kept by the lights made of them, where these lie, conventions of v3 and v4. */
-#include "env_light.h"
-#include "last_error.h"
-#include "pbrt_parse.h"
-#include "rng.h"
-#include "poor.h"
-#include "test.h"
+#include "base/rng.h"
+#include "pbrt/parse.h"
+#include "prepare/env_light.h"
+#include "support/last_error.h"
+#include "support/poor.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 #include <unistd.h>

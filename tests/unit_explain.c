@@ -1,10 +1,10 @@
 /* unit_explain.c - lc_explain against the picture and the tree: the pixel's bits, a partition of the lights, sums that agree,
  * bounds that hold, splits that lead from the roots to the cut. Runs from the root of the repository. */
-#include "light_tree.h"
 #include "lightcuts.h"
-#include "scene.h"
-#include "shade.h"
-#include "test.h"
+#include "scene/scene.h"
+#include "shade/shade.h"
+#include "support/test.h"
+#include "tree/light_tree.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,11 +1,11 @@
 /* unit_farm.c - chunks, identities, checkpoints with every kind of damage, quotas of processors. */
-#include "chunk.h"
-#include "cpu.h"
-#include "digest.h"
-#include "farm_scene.h"
-#include "image.h"
-#include "rnd.h"
-#include "test.h"
+#include "base/cpu.h"
+#include "base/digest.h"
+#include "image/image.h"
+#include "render/chunk.h"
+#include "support/farm_scene.h"
+#include "support/rnd.h"
+#include "support/test.h"
 
 #include <signal.h>
 #include <sys/resource.h>

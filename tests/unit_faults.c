@@ -14,9 +14,9 @@
  *     DIR/want/       what those files hold after a run without faults
  *     DIR/said        stdout and stderr
  */
-#include "fault_shim.h"
 #include "lightcuts.h"
-#include "test.h"
+#include "support/fault_shim.h"
+#include "support/test.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -1,16 +1,17 @@
 /* unit_fmath.c - the powers against the C library's in long double. */
-#include "fmath.h"
-#include "layout.h"
-#include "rng.h"
-#include "test.h"
+#include "base/fmath.h"
+#include "base/rng.h"
+#include "shade/tree_data.h"
+#include "support/test.h"
 
 #include <math.h>
 
 /* The kernels' own powers, one lane at a time; check_kernels.c compares the instruction sets. */
 #define LC_ISA_LEVEL 0
 #define LC_FN(name) name##_scalar
-#include "simd_wide.h"
-#include "fmath_tmpl.c"
+#include "simd/simd_wide.h"
+
+#include "simd/fmath_tmpl.c"
 
 TEST(pow_agrees)
 {

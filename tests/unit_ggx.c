@@ -1,10 +1,10 @@
 /* unit_ggx.c - GGX's lobe as lc_shade_light gives it: the distribution's integral, what is reflected in all, symmetry, the
  * textbook's formula, reflectances at known angles, coats. */
-#include "coat.h"
-#include "ref_bounds.h"
-#include "shade.h"
-#include "rng.h"
-#include "test.h"
+#include "base/rng.h"
+#include "shade/coat.h"
+#include "shade/shade.h"
+#include "support/ref_bounds.h"
+#include "support/test.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* unit_glass.c - Fresnel's equations, glass seen from the camera, total reflection, depth, light that comes through diffusely. */
-#include "fresnel.h"
-#include "mirror.h"
-#include "test.h"
+#include "scene/sight.h"
+#include "shade/fresnel.h"
+#include "support/test.h"
 
 #include <stdarg.h>
 #include <stdlib.h>

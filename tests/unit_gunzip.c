@@ -1,9 +1,9 @@
 /* unit_gunzip.c - gzip data in place of plain files: scenes, includes and meshes, and every way they can be damaged. */
-#include "pbrt_parse.h"
-#include "ply.h"
-#include "scene.h"
-#include "poor.h"
-#include "test.h"
+#include "pbrt/parse.h"
+#include "pbrt/ply.h"
+#include "scene/scene.h"
+#include "support/poor.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 #include <unistd.h>

@@ -1,8 +1,8 @@
 /* unit_image.c - images and their files: round trips, windows, attributes, damage, outputs that fail. */
-#include "test.h"
+#include "support/test.h"
 
-#include "file.h"
-#include "image.h"
+#include "image/image.h"
+#include "io/file.h"
 #include "lightcuts.h"
 
 #include <math.h>

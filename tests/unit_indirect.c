@@ -1,9 +1,10 @@
 /* unit_indirect.c - virtual lights: how much light they hold, against closed forms; depth, threads, radii, pictures. */
-#include "poor.h"
-#include "rng.h"
-#include "scene.h"
-#include "test.h"
-#include "vpl_radius.h"
+#include "base/rng.h"
+#include "prepare/vpl_radius.h"
+#include "scene/scene.h"
+#include "support/isas.h"
+#include "support/poor.h"
+#include "support/test.h"
 
 #include <stdarg.h>
 #include <stdlib.h>
@@ -154,10 +155,10 @@ TEST(same_everywhere)
     write_scene("%s", HEAD "LightSource \"infinite\" \"rgb L\" [1 2 1]\n" GREY(".7") WALL("4", "3") WALL("4", "-3")
                 "Material \"dielectric\"\n" BALL("1") GREY(".2") "Translate 1 1 1 " BALL("1"));
     lc_scene *a = load(3000, 8);
-    for (int isa = LC_ISA_SCALAR; isa <= LC_ISA_AVX512; isa++) {
+    EACH_ISA(isa) {
         lc_context_desc cd = LC_CONTEXT_DESC_INIT;
         lc_context *other = NULL;
-        cd.n_threads = (uint32_t)isa * 2 - 1, cd.isa = (lc_isa)isa;
+        cd.n_threads = (uint32_t)isa * 2 - 1, cd.isa = isa;
         if (lc_context_create(&cd, &other)) abort();
         lc_scene *b = load_on(other, 3000, 8);
         bool same = a && b && a->n_lights == b->n_lights && a->indirect.n_paths == b->indirect.n_paths;

@@ -1,13 +1,14 @@
 /* unit_instance.c - objects that share triangles: a scene of instances against its twin of copies, matrices of all kinds, every
  * instruction set and company of rays, many instances, and too little memory. */
-#include "instance.h"
-#include "cpu.h"
-#include "image.h"
-#include "pbrt_parse.h"
-#include "poor.h"
-#include "rng.h"
-#include "surface.h"
-#include "test.h"
+#include "base/rng.h"
+#include "image/image.h"
+#include "pbrt/parse.h"
+#include "prepare/commit.h"
+#include "scene/instance.h"
+#include "scene/surface.h"
+#include "support/isas.h"
+#include "support/poor.h"
+#include "support/test.h"
 
 #include <stdarg.h>
 
@@ -147,7 +148,6 @@ TEST(as_copies)
 
 TEST(shadows)
 {
-    static const lc_isa isas[] = { LC_ISA_SCALAR, LC_ISA_SSE4, LC_ISA_AVX2, LC_ISA_AVX512 };
     lc_scene *a = twin(200, true, false), *b = twin(200, false, false);
     uint32_t n_hidden = 0, n_other = 0;
     for (int i = 0; i < 1000; i++) {
@@ -159,19 +159,19 @@ TEST(shadows)
         for (uint32_t j = 0; j < n; j++)
             for (int k = 0; k < 3; k++) t[k][j] = (float)rnd(-6, 6);
         b->bvh->kernels->hidden(&b->bvh->data, org, n, target, far, want, NULL);
-        for (size_t m = 0; m < 4 && isas[m] <= lc_cpu_isa(); m++) {
+        EACH_ISA(isa) {
             uint8_t other[80];
-            lc_kernels_get(isas[m])->hidden(&a->bvh->data, org, n, target, far, other, NULL);
-            if (!m) memcpy(got, other, n);
+            lc_isa_kernels(isa)->trace.hidden(&a->bvh->data, org, n, target, far, other, NULL);
+            if (isa == LC_ISA_SCALAR) memcpy(got, other, n);
             CHECK(!memcmp(got, other, n));
             for (uint32_t j = 0; j < n; j++) {
                 const float *const alone[3] = { t[0] + j, t[1] + j, t[2] + j };
                 lc_hit first, hit;
                 const float d[3] = { t[0][j] - org[0], t[1][j] - org[1], t[2][j] - org[2] };
-                lc_kernels_get(isas[m])->hidden(&a->bvh->data, org, 1, alone, far, &one, NULL);
+                lc_isa_kernels(isa)->trace.hidden(&a->bvh->data, org, 1, alone, far, &one, NULL);
                 CHECK(one == got[j]);
-                lc_kernels_get(LC_ISA_SCALAR)->closest(&a->bvh->data, org, d, FLT_MAX, &first);
-                lc_kernels_get(isas[m])->closest(&a->bvh->data, org, d, FLT_MAX, &hit);
+                lc_isa_kernels(LC_ISA_SCALAR)->trace.closest(&a->bvh->data, org, d, FLT_MAX, &first);
+                lc_isa_kernels(isa)->trace.closest(&a->bvh->data, org, d, FLT_MAX, &hit);
                 CHECK(!memcmp(&first, &hit, sizeof hit));
             }
         }

@@ -3,9 +3,9 @@
  *
  *     unit_kill [KILLS [SEED]]      default 45, over three scenes; make accept-kill: 1000
  */
-#include "farm_scene.h"
-#include "rnd.h"
-#include "test.h"
+#include "support/farm_scene.h"
+#include "support/rnd.h"
+#include "support/test.h"
 
 #include <signal.h>
 #include <stdatomic.h>

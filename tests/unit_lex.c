@@ -1,10 +1,10 @@
 /* unit_lex.c - scene text read piece by piece: the same tokens, places and mistakes whatever the window; numbers against
  * the C library's; lights beyond the first chunk. */
-#include "decimal.h"
-#include "pbrt_lex.h"
-#include "rng.h"
-#include "scene.h"
-#include "test.h"
+#include "base/decimal.h"
+#include "base/rng.h"
+#include "pbrt/lex.h"
+#include "scene/scene.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,16 +1,16 @@
 /* unit_light_tree.c - light trees: what lc_light_tree_validate and, for small sets, a slow check of every node against
  * every light say; how often a light represents a node. */
-#include "direction.h"
-#include "light_tree.h"
-#include "rng.h"
-#include "shade.h"
-#include "stats.h"
-#include "test.h"
+#include "base/rng.h"
+#include "base/stats.h"
+#include "shade/dir_pack.h"
+#include "shade/shade.h"
+#include "support/test.h"
+#include "tree/light_tree.h"
 
 #include <stdlib.h>
 
 #define RND_KEY 20240607
-#include "rnd.h"
+#include "support/rnd.h"
 
 static lc_context *ctx;
 

@@ -1,9 +1,10 @@
 /* unit_material.c - pbrt's materials and spectra: what each class becomes, and the material where a ray meets a mesh. */
-#include "last_error.h"
-#include "pbrt_parse.h"
-#include "poor.h"
-#include "surface.h"
-#include "test.h"
+#include "pbrt/parse.h"
+#include "prepare/commit.h"
+#include "scene/surface.h"
+#include "support/last_error.h"
+#include "support/poor.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 /* unit_mirror.c - mirrors: a picture seen in one, depth as pbrt counts it, reflectances, normals, statistics. */
-#include "mirror.h"
-#include "pbrt_parse.h"
-#include "test.h"
+#include "pbrt/parse.h"
+#include "scene/sight.h"
+#include "support/test.h"
 
 #include <stdarg.h>
 #include <stdlib.h>

@@ -1,12 +1,12 @@
 /* unit_morton.c - points along the Z curve: in the order of codes made bit by bit, equal ones by index, the same for any threads;
  * points far away change nothing for the others. */
-#include "morton.h"
-#include "test.h"
+#include "base/morton.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 
 #define RND_KEY 1966
-#include "rnd.h"
+#include "support/rnd.h"
 
 #define MOST 100000
 

@@ -1,12 +1,14 @@
 /* unit_occlusion.c - a cluster that is proved to be hidden has no light that a shadow ray reaches, wherever in its box that is; and
  * what ought to be proved is. */
-#include "cpu.h"
-#include "light.h"
-#include "occlusion.h"
-#include "test.h"
+#include "cut/occlusion_proof.h"
+#include "isa/isa.h"
+#include "shade/light.h"
+#include "support/isas.h"
+#include "support/test.h"
+#include "trace/bvh.h"
 
 #define RND_KEY 71077
-#include "meshes.h"
+#include "support/meshes.h"
 
 static lc_context *ctx;
 
@@ -25,7 +27,8 @@ static void make(setup *s)
     if (lc_bvh_build(ctx, m.pos, m.index, m.n_tris, &s->bvh) || lc_occluders_build(ctx, &desc, &s->occluders)) abort();
     s->bvh->occluders = s->occluders;
     s->tree.lights = &s->light;
-    lc_occlusion_init(&s->at, s->bvh, &s->tree);
+    const lc_visibility visibility = lc_bvh_visibility(s->bvh);
+    lc_occlusion_init(&s->at, &visibility, &s->tree);
 }
 
 static void unmake(setup *s)
@@ -38,7 +41,7 @@ static bool hidden(const setup *s, lc_isa isa, const float org[3], lc_f3 to, boo
 {
     const float *const target[3] = { &to.x, &to.y, &to.z };
     uint8_t out[LC_LANES];
-    lc_kernels_get(isa)->hidden(&s->bvh->data, org, 1, target, far, out, block);
+    lc_isa_kernels(isa)->trace.hidden(&s->bvh->data, org, 1, target, far, out, block);
     return out[0];
 }
 
@@ -83,7 +86,7 @@ static void all_hidden(const setup *s, const float org[3], const lc_node *box, b
 {
     for (int i = 0; i < 24; i++) {
         lc_f3 to = place3(box, i < 8 ? 0 : 1);
-        lc_isa isa = i % 2 ? LC_ISA_SCALAR : lc_cpu_isa();
+        lc_isa isa = i % 2 ? LC_ISA_SCALAR : lc_isa_pick(LC_ISA_BEST);
         CHECKF(hidden(s, isa, org, to, far, NULL), "%s%s: org %a %a %a, to %a %a %a", lc_isa_name(isa), far ? " far" : "",
                (double)org[0], (double)org[1], (double)org[2], (double)to.x, (double)to.y, (double)to.z);
     }
@@ -99,7 +102,7 @@ static bool try(setup *s, const float org[3], lc_f3 light, const lc_node *box, b
     uint32_t block, other;
     s->light = (lc_light_rec){ .pos = { light.x, light.y, light.z } };
     if (!hidden(s, LC_ISA_SCALAR, org, light, far, &block)) return false;
-    for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa(); isa++) CHECK(hidden(s, (lc_isa)isa, org, light, far, &other) && other == block);
+    EACH_ISA(isa) CHECK(hidden(s, isa, org, light, far, &other) && other == block);
     lc_occlusion_start(&s->at, org);
     lc_occlusion_note(&s->at, 0, block);
     uint32_t by = lc_occlusion_by(&s->at, 0, far);
@@ -292,7 +295,9 @@ TEST(a_gap_is_seen)
     for (uint32_t t = 0, n = 0; t < m.n_tris; t++)
         if (t != in_the_middle) CHECK(lc_occluder_of(s.occluders, t) == n++);
     CHECK(lc_occluder_of(s.occluders, m.n_tris) == LC_NONE && lc_occluder_of(s.occluders, 1u << 30) == LC_NONE);
-    lc_occlusion_init(&s.at, s.bvh, &s.tree), s.at.occluders = s.occluders;
+    s.bvh->occluders = s.occluders;
+    const lc_visibility visibility = lc_bvh_visibility(s.bvh);
+    lc_occlusion_init(&s.at, &visibility, &s.tree);
     CHECK(!proves(&s, eye, &box, false));
     unmake(&s);
     memmove(m.index + 3 * in_the_middle, m.index + 3 * in_the_middle + 3, 3 * (m.n_tris - in_the_middle - 1) * sizeof *m.index);
@@ -350,7 +355,7 @@ TEST(the_largest_are_taken)
 int main(void)
 {
     if (lc_context_create(NULL, &ctx)) return 1;
-    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_cpu_isa()));
+    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
     RUN(a_wall_hides_what_is_behind);
     RUN(a_gap_is_seen);
     RUN(a_fold_hides_one_side);

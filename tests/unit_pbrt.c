@@ -1,8 +1,9 @@
 /* unit_pbrt.c - pbrt files to the scene builder: transforms, scopes, v3 and v4 spelling, files that include
  * files, and the place of each error. Scenes are looked at before commit. */
-#include "pbrt_parse.h"
-#include "poor.h"
-#include "test.h"
+#include "pbrt/parse.h"
+#include "prepare/commit.h"
+#include "support/poor.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 #include <unistd.h>

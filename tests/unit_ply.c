@@ -1,7 +1,7 @@
 /* unit_ply.c - PLY reader: formats, properties, faces, and damaged files with the place of each error. */
-#include "last_error.h"
-#include "ply.h"
-#include "test.h"
+#include "pbrt/ply.h"
+#include "support/last_error.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,8 @@
 /* unit_radiometry.c - pictures of scenes with a known answer, through the public calls only: every kind of light, both
  * methods, both sides of a surface, camera geometry; and the same bits for any crop, thread count, instruction set. */
+#include "isa/isa.h"
 #include "lightcuts.h"
-#include "test.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -573,8 +574,8 @@ TEST(same_bits_on_any_instruction_set)
     h.isa = LC_ISA_SCALAR;
     busy_scene();
     if (!shoot(&first, &h)) return;
-    for (int isa = LC_ISA_BEST; isa <= LC_ISA_AVX512; isa++) {
-        h.isa = (lc_isa)isa;
+    for (lc_isa isa = LC_ISA_BEST; isa <= (lc_isa)lc_isa_count(); isa++) {
+        h.isa = isa;
         if (!shoot(&s, &h)) continue;
         CHECKF(same_planes(&first, &s), "%s", lc_isa_name(lc_context_isa(s.ctx)));
         drop(&s);

@@ -1,8 +1,8 @@
 /* unit_raster.c - image formats from bytes made here: values, orientation, damage at every byte. */
-#include "image.h"
-#include "raster.h"
-#include "rng.h"
-#include "test.h"
+#include "base/rng.h"
+#include "image/image.h"
+#include "image/pixels.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,12 +1,13 @@
 /* unit_shadow.c - shadow rays of one origin are traced in groups: every ray must get the answer it gets alone, from every
  * instruction set, and one that the nearest hit along it does not contradict. */
-#include "bvh.h"
-#include "cpu.h"
-#include "light.h"
-#include "test.h"
+#include "isa/isa.h"
+#include "shade/light.h"
+#include "support/isas.h"
+#include "support/test.h"
+#include "trace/bvh.h"
 
 #define RND_KEY 88001
-#include "meshes.h"
+#include "support/meshes.h"
 
 #define MOST 200 /* rays in a group */
 #define GUARD 16 /* answers behind the last, rounded up to LC_LANES, that must stay as they are */
@@ -130,7 +131,7 @@ static bool trace_data(lc_isa isa, const lc_bvh_data *data, const group *g, uint
     uint8_t got[MOST + LC_LANES + GUARD];
     const float *const target[3] = { g->target[0] + first, g->target[1] + first, g->target[2] + first };
     memset(got, 77, sizeof got);
-    lc_kernels_get(isa)->hidden(data, g->org, n, target, g->far, got, block);
+    lc_isa_kernels(isa)->trace.hidden(data, g->org, n, target, g->far, got, block);
     memcpy(out, got, n);
     bool ok = true;
     for (uint32_t i = 0; i < n; i++) ok &= got[i] <= 1;
@@ -175,8 +176,7 @@ static uint32_t check_group(const lc_bvh *b, const group *g, int mesh_style)
         CHECK(trace(LC_ISA_SCALAR, b, g, i, 1, &want[i]));
         n_hidden += want[i];
     }
-    for (int level = LC_ISA_SCALAR; level <= (int)lc_cpu_isa(); level++) {
-        lc_isa isa = (lc_isa)level;
+    EACH_ISA(isa) {
         CHECK(trace(isa, b, g, 0, g->n, got));
         for (uint32_t i = 0; i < g->n; i++)
             if (got[i] != want[i]) say("group", isa, mesh_style, g, i, got[i], want[i]);
@@ -232,9 +232,9 @@ TEST(nothing_to_trace)
     uint8_t got[MOST];
     clear();
     lc_bvh *b = build();
-    for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa(); isa++) {
-        CHECK(trace((lc_isa)isa, b, &g, 0, 0, got));
-        CHECK(trace((lc_isa)isa, b, &g, 0, MOST, got));
+    EACH_ISA(isa) {
+        CHECK(trace(isa, b, &g, 0, 0, got));
+        CHECK(trace(isa, b, &g, 0, MOST, got));
         for (int i = 0; i < MOST; i++) CHECK(!got[i]);
     }
     lc_bvh_destroy(b);
@@ -243,7 +243,7 @@ TEST(nothing_to_trace)
 int main(void)
 {
     if (lc_context_create(NULL, &ctx)) return 1;
-    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_cpu_isa()));
+    printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
     RUN(nothing_to_trace);
     RUN(groups_answer_as_rays_alone);
     lc_context_destroy(ctx);

@@ -1,9 +1,9 @@
 /* unit_shapes.c - quadrics, bilinear patches and subdivision surfaces as triangles: area, side, normals, texture coordinates. */
-#include "last_error.h"
-#include "pbrt_parse.h"
-#include "scene.h"
-#include "poor.h"
-#include "test.h"
+#include "pbrt/parse.h"
+#include "scene/scene.h"
+#include "support/last_error.h"
+#include "support/poor.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 

@@ -1,8 +1,8 @@
 /* unit_sky.c - our own LightSource "sun" and "sky". */
-#include "env_light.h"
-#include "pbrt_parse.h"
-#include "sun.h"
-#include "test.h"
+#include "pbrt/parse.h"
+#include "prepare/env_light.h"
+#include "scene/sun.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 

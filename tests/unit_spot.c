@@ -1,17 +1,17 @@
 /* unit_spot.c - spot, projection and goniometric lights: parameters, power, direction, trees. */
-#include "cpu.h"
-#include "kernels.h"
-#include "light_tree.h"
-#include "pbrt_parse.h"
-#include "rng.h"
-#include "shade.h"
-#include "test.h"
+#include "base/rng.h"
+#include "isa/isa.h"
+#include "pbrt/parse.h"
+#include "shade/shade.h"
+#include "support/isas.h"
+#include "support/test.h"
+#include "tree/light_tree.h"
 
 #include <stdlib.h>
 #include <unistd.h>
 
 #define RND_KEY 20260607
-#include "rnd.h"
+#include "support/rnd.h"
 
 static char dir[] = "/tmp/unit_spot.XXXXXX";
 static lc_context *ctx;
@@ -205,11 +205,11 @@ TEST(bounds_of_spots_beside_attenuated_lights)
         float a[LC_LANES], b[LC_LANES];
         lc_f3 n = rnd_unit();
         lc_point_init(&p, rnd_unit(), n, n, &looks[i % 3], 1e-10f);
-        for (int isa = LC_ISA_SCALAR; isa <= (int)lc_cpu_isa(); isa++) {
-            const lc_kernels *k = lc_kernels_get((lc_isa)isa);
-            k->bounds(&alone->data, &alone->root[LC_LIGHT_SPOT], 1, LC_LIGHT_SPOT, &p, a);
-            k->bounds(&both->data, &both->root[LC_LIGHT_SPOT], 1, LC_LIGHT_SPOT, &p, b);
-            CHECKF(*a >= *b && *b >= *a, "%s: %g, beside others %g", lc_isa_name((lc_isa)isa), (double)*a, (double)*b);
+        EACH_ISA(isa) {
+            const lc_kernels *k = lc_isa_kernels(isa);
+            k->shade.bounds(&alone->data, &alone->root[LC_LIGHT_SPOT], 1, LC_LIGHT_SPOT, &p, a);
+            k->shade.bounds(&both->data, &both->root[LC_LIGHT_SPOT], 1, LC_LIGHT_SPOT, &p, b);
+            CHECKF(*a >= *b && *b >= *a, "%s: %g, beside others %g", lc_isa_name(isa), (double)*a, (double)*b);
         }
     }
     lc_light_tree_destroy(alone);

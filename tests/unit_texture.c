@@ -1,9 +1,9 @@
 /* unit_texture.c - lookups in images, mappings and patterns against plain double code written apart from them. */
-#include "arena.h"
-#include "noise.h"
-#include "rng.h"
-#include "test.h"
-#include "texture.h"
+#include "base/arena.h"
+#include "base/rng.h"
+#include "scene/noise.h"
+#include "scene/texture.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <float.h>

@@ -1,8 +1,8 @@
 /* unit_textured.c - textures of scene files: what the statements mean, the material where a ray meets a mesh, and a picture. */
-#include "image.h"
-#include "pbrt_parse.h"
-#include "surface.h"
-#include "test.h"
+#include "image/image.h"
+#include "pbrt/parse.h"
+#include "scene/surface.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 /* unit_ward.c - Ward's lobe as lc_shade_light gives it: what it reflects in all, against the reflectance and against an
  * integral of the formula; symmetry, frames, limits. */
-#include "shade.h"
-#include "test.h"
+#include "shade/shade.h"
+#include "support/test.h"
 
 #include <math.h>
 

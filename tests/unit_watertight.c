@@ -6,12 +6,12 @@
  *
  * A mesh may be so far from the origin that its vertices snap to few places and triangles fold or vanish: it stays closed, so a
  * point that is inside before rounding by more than a step has a surface around it. */
-#include "bvh.h"
-#include "cpu.h"
-#include "test.h"
+#include "isa/isa.h"
+#include "support/test.h"
+#include "trace/bvh.h"
 
 #define RND_KEY 91001
-#include "meshes.h"
+#include "support/meshes.h"
 
 #define GROUP 64
 #define RAYS_PER_MESH 20000
@@ -96,7 +96,11 @@ static void miss(const char *what, lc_isa isa, lc_f3 o, lc_f3 d)
            (double)d.x, (double)d.y, (double)d.z);
 }
 
-static lc_isa next_isa(uint64_t i) { return (lc_isa)(LC_ISA_SCALAR + i % (uint64_t)(best - LC_ISA_SCALAR + 1)); }
+static lc_isa next_isa(uint64_t i)
+{
+    lc_isa isa = LC_ISA_SCALAR + (lc_isa)(i % LC_N_ISAS);
+    return lc_isa_supported(isa) ? isa : best;
+}
 
 /* One group from one point: each ray alone for the nearest hit, together as directions, together as segments that end outside. */
 static void group(const lc_bvh *b, lc_f3 o, float size)
@@ -104,7 +108,7 @@ static void group(const lc_bvh *b, lc_f3 o, float size)
     float dir[3][GROUP], end[3][GROUP], org[3];
     uint8_t out[2][GROUP + LC_LANES];
     lc_isa isa = next_isa(rays / GROUP);
-    const lc_kernels *kernels = lc_kernels_get(isa);
+    const lc_trace_kernels *kernels = &lc_isa_kernels(isa)->trace;
     lc_f3_store(org, o);
     for (uint32_t i = 0; i < GROUP; i++) {
         lc_f3 d = direction(o, i);
@@ -161,7 +165,7 @@ int main(int argc, char **argv)
     if (argc > 1) wanted = strtod(argv[1], NULL);
     if (argc > 2) rng_key = strtoull(argv[2], NULL, 10);
     if (lc_context_create(NULL, &ctx)) return 1;
-    best = lc_cpu_isa();
+    best = lc_isa_pick(LC_ISA_BEST);
     RUN(no_ray_leaves_a_closed_mesh);
     lc_context_destroy(ctx);
     return test_done();

@@ -1,5 +1,5 @@
 /* cli.c - see cli.h. */
-#include "cli.h"
+#include "cli/cli.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -163,12 +163,20 @@ int cli_parse_builder(const char *text, lc_builder *out)
 
 int cli_parse_isa(const char *text, lc_isa *out)
 {
-    for (int isa = LC_ISA_SCALAR; isa <= LC_ISA_AVX512; isa++)
-        if (!strcmp(text, lc_isa_name((lc_isa)isa))) {
-            *out = (lc_isa)isa;
-            return 0;
-        }
-    return -1;
+    *out = lc_isa_find(text);
+    return *out > LC_ISA_BEST ? 0 : -1;
+}
+
+const char *cli_isa_names(void)
+{
+    static char text[256];
+    const lc_isa n = (lc_isa)lc_isa_count();
+    size_t at = 0;
+    for (lc_isa isa = LC_ISA_SCALAR; isa <= n && at < sizeof text; isa++) {
+        const char *before = isa == LC_ISA_SCALAR ? "" : isa == n ? " or " : ", ";
+        at += (size_t)snprintf(text + at, sizeof text - at, "%s%s", before, lc_isa_name(isa));
+    }
+    return text;
 }
 
 int cli_env_isa(const char *command, lc_isa *out)
@@ -176,7 +184,7 @@ int cli_env_isa(const char *command, lc_isa *out)
     const char *text = getenv("LC_ISA");
     *out = LC_ISA_BEST;
     if (!text || !*text || !cli_parse_isa(text, out)) return 0;
-    cli_usage_error(command, "LC_ISA='%s' is not scalar, sse4, avx2 or avx512", text);
+    cli_usage_error(command, "LC_ISA='%s' is not %s", text, cli_isa_names());
     return -1;
 }
 

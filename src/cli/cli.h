@@ -51,8 +51,10 @@ int cli_parse_pixels(const char *text, int32_t out[4]);
 int cli_parse_builder(const char *text, lc_builder *out);
 int cli_parse_method(const char *text, lc_method *out);
 const char *cli_method_name(lc_method m);
-/* "scalar", "sse4", "avx2", "avx512" */
+/* One of cli_isa_names. */
 int cli_parse_isa(const char *text, lc_isa *out);
+/* The instruction sets there are kernels for, as a sentence lists them. One thread. */
+const char *cli_isa_names(void);
 /* The cap of LC_ISA in the environment; LC_ISA_BEST without. Returns -1 and complains when it is not a name. */
 int cli_env_isa(const char *command, lc_isa *out);
 

@@ -1,7 +1,7 @@
 /* cmd_compare.c - lightcuts compare: two images, how they differ, and whether that is within limits. */
-#include "cli.h"
-#include "colourmap.h"
-#include "metrics.h"
+#include "cli/cli.h"
+#include "cli/colourmap.h"
+#include "cli/metrics.h"
 
 #include <errno.h>
 #include <inttypes.h>

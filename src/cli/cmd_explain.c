@@ -1,5 +1,5 @@
 /* cmd_explain.c - the cut of one pixel as text, the largest shares first, or as JSON. */
-#include "cli.h"
+#include "cli/cli.h"
 
 #include <math.h>
 #include <stdbool.h>

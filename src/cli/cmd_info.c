@@ -1,5 +1,5 @@
 /* cmd_info.c - counts, bounds and approximations of a scene; size, channels and their ranges of an image. */
-#include "cli.h"
+#include "cli/cli.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,5 +1,5 @@
 /* cmd_merge.c - parts rendered with --chunk -> the picture. */
-#include "cli.h"
+#include "cli/cli.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* cmd_preview.c - lightcuts preview: an image as a PNG to look at, or one channel in false colours. */
-#include "cli.h"
-#include "colourmap.h"
+#include "cli/cli.h"
+#include "cli/colourmap.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,8 +1,8 @@
 /* cmd_render.c - options -> scene -> picture -> files and statistics. */
-#include "cli.h"
-#include "farm.h"
-#include "progress.h"
-#include "render_stats.h"
+#include "cli/cli.h"
+#include "cli/farm.h"
+#include "cli/progress.h"
+#include "cli/stats_file.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -74,13 +74,13 @@ static void print_help(void)
            "      --keep-checkpoint    leave FILE there\n"
            "      --aov LIST           further channels, with commas: cut n p z albedo error rays all\n"
            "  -t, --nthreads N         default: all processors this process may use\n"
-           "      --isa I              use at most scalar, sse4, avx2 or avx512 (also: LC_ISA in the environment)\n"
+           "      --isa I              use at most %s (also: LC_ISA in the environment)\n"
            "      --stats              print statistics\n"
            "      --stats-file F.json  write statistics\n"
            "      --write-time         put renderTimeSeconds into the EXR, which else holds nothing that varies\n"
            "  -q, --quiet              errors only\n"
            "  -v, --verbose            say more\n"
-           "  -h, --help               this text\n", (double)LC_DARK_FLOOR);
+           "  -h, --help               this text\n", (double)LC_DARK_FLOOR, cli_isa_names());
 }
 
 static int parse_aovs(const char *text, uint32_t *out)

@@ -1,5 +1,5 @@
 /* colourmap.c - maps of a few sRGB colours, lightness rising evenly, straight lines between them. */
-#include "colourmap.h"
+#include "cli/colourmap.h"
 
 #include <math.h>
 

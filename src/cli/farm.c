@@ -1,8 +1,8 @@
 /* farm.c - see farm.h. */
-#include "farm.h"
+#include "cli/farm.h"
 
-#include "cli.h"
-#include "progress.h"
+#include "cli/cli.h"
+#include "cli/progress.h"
 
 #include <errno.h>
 #include <limits.h>

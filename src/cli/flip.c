@@ -7,7 +7,7 @@
  * Source: Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astroem, Fairchild: FLIP: A Difference Evaluator
  * for Alternating Images, HPG 2020; its section numbers below. Borders repeat the last pixel.
  */
-#include "flip.h"
+#include "cli/flip.h"
 
 #include <math.h>
 #include <stddef.h>

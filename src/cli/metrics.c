@@ -1,7 +1,7 @@
 /* metrics.c - see metrics.h. */
-#include "metrics.h"
+#include "cli/metrics.h"
 
-#include "flip.h"
+#include "cli/flip.h"
 
 #include <math.h>
 #include <stdbool.h>

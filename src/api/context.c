@@ -1,0 +1,56 @@
+/* context.c - creation of a context. */
+#include "base/context.h"
+
+#include "base/arena.h"
+#include "base/cpu.h"
+#include "isa/isa.h"
+
+lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
+{
+    if (!out) return LC_ERR_ARG;
+    *out = NULL;
+    lc_context_desc d = LC_CONTEXT_DESC_INIT;
+    if (desc) {
+        if (desc->size != sizeof d) return LC_ERR_ARG;
+        d = *desc;
+    }
+    if (d.isa < LC_ISA_BEST || d.isa > LC_N_ISAS || d.n_threads > LC_MAX_THREADS) return LC_ERR_ARG;
+    lc_context ctx = { .allocator = d.allocator ? *d.allocator : lc_allocator_libc(), .log = d.log, .log_user = d.log_user,
+                       .n_threads = d.n_threads, .isa = lc_isa_pick(d.isa) };
+    if (!ctx.n_threads) ctx.n_threads = lc_cpu_threads();
+    const lc_kernels *kernels = lc_isa_kernels(ctx.isa);
+    ctx.shade_kernels = &kernels->shade;
+    ctx.tree_kernels = &kernels->tree;
+    ctx.trace_kernels = &kernels->trace;
+    ctx.cut_kernels = &kernels->cut;
+    lc_context *c = lc_alloc(&ctx, 1, sizeof *c);
+    if (!c) return LC_ERR_MEMORY;
+    *c = ctx;
+    *out = c;
+    return LC_OK;
+}
+
+void lc_context_destroy(lc_context *ctx)
+{
+    if (!ctx) return;
+    lc_context copy = *ctx;
+    lc_free(&copy, ctx, 1, sizeof *ctx);
+}
+
+lc_isa lc_context_isa(const lc_context *ctx) { return ctx->isa; }
+
+uint32_t lc_context_threads(const lc_context *ctx) { return ctx->n_threads; }
+
+const char *lc_status_name(lc_status status)
+{
+    switch (status) {
+    case LC_OK: return "ok";
+    case LC_ERR_ARG: return "argument out of range";
+    case LC_ERR_MEMORY: return "out of memory";
+    case LC_ERR_IO: return "input or output failed";
+    case LC_ERR_PARSE: return "wrong input";
+    case LC_ERR_UNSUPPORTED: return "not supported";
+    case LC_ERR_CANCELLED: return "cancelled";
+    }
+    return "unknown status";
+}

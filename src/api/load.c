@@ -1,0 +1,52 @@
+/* load.c - public calls of scenes: checks arguments, then delegates. */
+#include "base/digest.h"
+#include "pbrt/parse.h"
+#include "prepare/commit.h"
+#include "tree/light_tree.h"
+
+#define DEFAULT_AREA_LIGHTS 1024
+#define DEFAULT_REPS 16 /* README.md, Representatives: bands 6 to 9 times fainter for 0 to 8 % of time */
+#define DEFAULT_ENV_LIGHTS 5000
+#define MAX_MADE_LIGHTS (1u << 28) /* of each */
+
+/* Reads all files and says so. */
+static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
+{
+    lc_digest inputs = { 0 };
+    double t0 = lc_now();
+    scene->load = *d;
+    scene->ctx->inputs = &inputs;
+    lc_status st = lc_pbrt_parse(scene, path);
+    scene->ctx->inputs = NULL;
+    scene->input_id = lc_digest_result(&inputs);
+    scene->seconds_parse = lc_now() - t0;
+    return st ? st : d->parsed && d->parsed(d->parsed_user, scene) ? LC_ERR_CANCELLED : LC_OK;
+}
+
+lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out)
+{
+    if (!out) return LC_ERR_ARG;
+    *out = NULL;
+    lc_load_desc d = LC_LOAD_DESC_INIT;
+    if (!ctx || !path || (desc && desc->size != sizeof d)) return LC_ERR_ARG;
+    if (desc) d = *desc;
+    if (!d.area_lights) d.area_lights = DEFAULT_AREA_LIGHTS;
+    if (!d.env_lights) d.env_lights = DEFAULT_ENV_LIGHTS;
+    if (!d.n_reps) d.n_reps = DEFAULT_REPS;
+    if (d.builder < LC_BUILDER_AUTO || d.builder > LC_BUILDER_PLOC) return LC_ERR_ARG;
+    if (d.indirect_lights != LC_NO_LIGHTS && d.indirect_lights > MAX_MADE_LIGHTS)
+        return lc_fail(ctx, LC_ERR_ARG, "indirect lights must be at most %u", MAX_MADE_LIGHTS);
+    if (d.n_reps > LC_MAX_REPS || d.area_lights > MAX_MADE_LIGHTS || d.env_lights > MAX_MADE_LIGHTS)
+        return lc_fail(ctx, LC_ERR_ARG, "representatives must be 1 to %d, area and environment lights at most %u", LC_MAX_REPS,
+                       MAX_MADE_LIGHTS);
+    lc_scene *scene;
+    lc_status st = lc_scene_create(ctx, &scene);
+    if (!st) st = parse(scene, path, &d);
+    if (!st) st = lc_scene_commit(scene, &d);
+    if (st) {
+        lc_scene_destroy(scene);
+        return st;
+    }
+    *out = scene;
+    return LC_OK;
+}

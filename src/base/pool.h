@@ -1,0 +1,19 @@
+/* pool.h - parallel for. */
+#ifndef LC_POOL_H
+#define LC_POOL_H
+
+#include "base/context.h"
+
+/* Calls fn(user, thread, item) once for each item 0 .. n_items - 1, items handed out in rising order to
+ * ctx->n_threads threads (fewer when the system refuses some); thread < ctx->n_threads. Returns when all are done. */
+void lc_parallel(const lc_context *ctx, uint64_t n_items, void (*fn)(void *user, uint32_t thread, uint64_t item),
+                 void *user);
+
+typedef struct lc_mutex lc_mutex;
+lc_mutex *lc_mutex_create(const lc_context *ctx); /* NULL: out of memory */
+void lc_mutex_destroy(const lc_context *ctx, lc_mutex *mutex);
+void lc_mutex_lock(lc_mutex *mutex);
+bool lc_mutex_try(lc_mutex *mutex); /* false: taken */
+void lc_mutex_unlock(lc_mutex *mutex);
+
+#endif

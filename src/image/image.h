@@ -1,0 +1,54 @@
+/* image.h - an image in memory: float planes with names, a data window, attributes.
+ *
+ *     display window  (0,0) .. (display_width, display_height)
+ *       data window   (x0,y0) .. (x0+width, y0+height), the pixels held; may lie outside the display window
+ *     plane           row-major, width*height floats, first pixel (x0,y0)
+ *
+ * Planes, names and attributes live in the image's arena. Channel and attribute names are unique.
+ */
+#ifndef LC_IMAGE_H
+#define LC_IMAGE_H
+
+#include "base/arena.h"
+#include "io/file.h"
+
+#define LC_IMAGE_MAX_PIXELS ((uint64_t)1 << 28)  /* of the data window */
+#define LC_IMAGE_MAX_SAMPLES ((uint64_t)1 << 30) /* pixels * channels: 4 GiB of floats */
+#define LC_IMAGE_MAX_COORD (1 << 28)             /* |x0|, |y0|, display size */
+#define LC_IMAGE_MAX_NAME 255                    /* bytes, EXR's limit */
+#define LC_IMAGE_MAX_FILE ((size_t)1 << 33)      /* bytes read at most */
+
+typedef struct lc_channel {
+    const char *name;
+    float *plane;
+} lc_channel;
+
+typedef enum lc_attr_kind { LC_ATTR_TEXT, LC_ATTR_NUMBER, LC_ATTR_MATRIX } lc_attr_kind;
+
+typedef struct lc_attr {
+    const char *name;
+    lc_attr_kind kind;
+    const char *text;
+    double number;
+    float matrix[16]; /* row-major, column vectors */
+} lc_attr;
+
+struct lc_image {
+    const lc_context *ctx;
+    lc_arena arena;
+    lc_image_desc desc;
+    lc_channel *channels;
+    size_t n_channels, cap_channels;
+    lc_attr *attrs;
+    size_t n_attrs, cap_attrs;
+};
+
+/* From and to a file's bytes; `path` is for messages. exr.c, png_write.c; pixels.h has the other formats. */
+bool lc_exr_is(const uint8_t *head, size_t len);
+lc_status lc_exr_decode(lc_context *ctx, const char *path, const lc_bytes *file, lc_image **out);
+lc_status lc_exr_encode(const lc_image *image, const char *path, lc_bytes *file);
+bool lc_png_is(const uint8_t *head, size_t len);
+uint8_t lc_png_paeth(uint8_t left, uint8_t up, uint8_t corner); /* filter 4's guess [PNG, 9.4] */
+lc_status lc_png_encode(const lc_image *image, const char *path, lc_bytes *file);
+
+#endif

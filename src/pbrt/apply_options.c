@@ -1,0 +1,275 @@
+/* apply_options.c - Film, Sampler and Camera, and their joining at WorldBegin.
+ *
+ * Screen window, unless the file gives one: -1..1 along the shorter side of the picture, wider along the
+ * other. Exposure: v3's "scale"; v4's iso / 100 times the seconds the shutter is open.
+ */
+#include "pbrt/option.h"
+
+#include "pbrt/state.h"
+
+#include <string.h>
+
+#define MAX_FILE_SPP 4   /* light sampling leaves no noise to average, so samples serve antialiasing only */
+#define MAX_LENS_SPP 16  /* of a lens there is */
+
+void lc_pbrt_options_init(lc_pbrt_options *opt)
+{
+    *opt = (lc_pbrt_options){ .crop = { 0, 1, 0, 1 }, .bounds = { 0, INT32_MAX, 0, INT32_MAX } };
+    opt->scale = 1;
+    opt->iso = 100;
+    opt->shutter = 1;
+    opt->spp = 16; /* pbrt's */
+    opt->focal_distance = 1e6;
+    opt->world_to_camera = lc_xform_identity();
+    opt->fov = 90;
+}
+
+static lc_status get_side(lc_pbrt *p, const char *name, int64_t *side)
+{
+    const lc_pbrt_param *par;
+    lc_status st = lc_pbrt_get_int(&p->params, name, side, &par);
+    if (!st && par && (*side < 1 || *side > 65535))
+        return lc_pbrt_bad_param(&p->params, par, "is not in 1..65535");
+    return st;
+}
+
+static lc_status get_positive(lc_pbrt *p, const char *name, double *out)
+{
+    const lc_pbrt_param *par;
+    lc_status st = lc_pbrt_get_float(&p->params, name, out, &par);
+    if (!st && par && !(*out > 0)) return lc_pbrt_bad_param(&p->params, par, "is not above 0");
+    return st;
+}
+
+static lc_status get_crop(lc_pbrt *p)
+{
+    lc_pbrt_options *o = &p->opt;
+    const lc_pbrt_param *crop = lc_pbrt_find(&p->params, "cropwindow", LC_PBRT_FLOAT | LC_PBRT_INT);
+    const lc_pbrt_param *bounds = lc_pbrt_find(&p->params, "pixelbounds", LC_PBRT_FLOAT | LC_PBRT_INT);
+    if (crop) {
+        if (crop->n != 4) return lc_pbrt_bad_param(&p->params, crop, "needs four values");
+        const double *v = lc_pbrt_numbers(&p->params, crop);
+        for (int k = 0; k < 4; k += 2) {
+            o->crop[k] = fmax(fmin(v[k], v[k + 1]), 0);
+            o->crop[k + 1] = fmin(fmax(v[k], v[k + 1]), 1);
+            if (!(o->crop[k] < o->crop[k + 1])) return lc_pbrt_bad_param(&p->params, crop, "is empty");
+        }
+    }
+    if (!bounds) return LC_OK;
+    if (bounds->n != 4) return lc_pbrt_bad_param(&p->params, bounds, "needs four values");
+    const double *v = lc_pbrt_numbers(&p->params, bounds);
+    for (int k = 0; k < 4; k++) {
+        if (!(fabs(v[k]) <= INT32_MAX) || floor(v[k]) < v[k])
+            return lc_pbrt_bad_param(&p->params, bounds, "is not made of integers");
+        o->bounds[k] = (int64_t)v[k];
+    }
+    return LC_OK;
+}
+
+static lc_status get_sensor(lc_pbrt *p)
+{
+    const lc_pbrt_param *par;
+    const char *sensor = "cie1931";
+    double kelvin = 0;
+    lc_status st = lc_pbrt_get_float(&p->params, "whitebalance", &kelvin, &par);
+    if (st) return st;
+    if (kelvin < 0 || (kelvin > 0 && !lc_pbrt_white_balance(kelvin, p->opt.white)))
+        return lc_pbrt_bad_param(&p->params, par, "is not a daylight temperature, 4000 to 25000 K");
+    st = lc_pbrt_get_text(&p->params, "sensor", &sensor, &par);
+    if (st || !strcmp(sensor, "cie1931")) return st;
+    return lc_pbrt_note_name(p, par->pos, "film sensor", sensor, "the CIE's observer takes its place, whose colours are close");
+}
+
+lc_status lc_pbrt_film(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    static const char *const silent[] = { "diagonal", "maxcomponentvalue", "savefp16", "display",
+                                          "gamma",    "premultiplyalpha" };
+    lc_pbrt_options *o = &p->opt;
+    const char *kind = s->text[0], *name = NULL;
+    p->v4 = !strcmp(kind, "rgb") || !strcmp(kind, "gbuffer") || !strcmp(kind, "spectral");
+    o->film_pos = s->pos;
+    o->width = p->v4 ? 1280 : 640;
+    o->height = p->v4 ? 720 : 480;
+    lc_status st = get_side(p, "xresolution", &o->width);
+    if (!st) st = get_side(p, "yresolution", &o->height);
+    if (!st) st = get_positive(p, "scale", &o->scale);
+    if (!st) st = get_positive(p, "iso", &o->iso);
+    if (!st) st = get_crop(p);
+    if (!st) st = get_sensor(p);
+    if (!st) st = lc_pbrt_get_text(&p->params, "filename", &name, NULL);
+    if (st) return st;
+    if (name && !(o->filename = lc_arena_text(&p->arena, name, strlen(name)))) return LC_ERR_MEMORY;
+    for (size_t i = 0; i < sizeof silent / sizeof *silent; i++) lc_pbrt_mark(&p->params, silent[i]);
+    return LC_OK;
+}
+
+lc_status lc_pbrt_sampler(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    const lc_pbrt_param *par, *px, *py;
+    int64_t n = 16, nx = 4, ny = 4; /* pbrt's defaults */
+    lc_status st = lc_pbrt_get_int(&p->params, "pixelsamples", &n, &par);
+    if (!st) st = lc_pbrt_get_int(&p->params, "xsamples", &nx, &px);
+    if (!st) st = lc_pbrt_get_int(&p->params, "ysamples", &ny, &py);
+    if (st) return st;
+    lc_pbrt_mark_all(&p->params);
+    if (px || py || !strcmp(s->text[0], "stratified")) {
+        if (nx < 1 || ny < 1) return lc_pbrt_bad_param(&p->params, nx < 1 ? px : py, "is below 1");
+        n = nx * ny;
+        par = px ? px : py;
+    }
+    if (n < 1) return lc_pbrt_bad_param(&p->params, par, "is below 1");
+    p->opt.spp = n < LC_MAX_SPP ? (uint32_t)n : LC_MAX_SPP;
+    p->opt.spp_pos = par ? par->pos : (lc_pos){ .file = NULL };
+    return LC_OK;
+}
+
+static lc_status limit_spp(lc_pbrt *p, uint32_t *spp)
+{
+    const uint32_t most = p->opt.lens_radius > 0 ? MAX_LENS_SPP : MAX_FILE_SPP;
+    if (*spp <= most) return LC_OK;
+    uint32_t n = *spp;
+    *spp = most;
+    if (!p->opt.spp_pos.file || p->scene->load.spp) return LC_OK;
+    return lc_pbrt_note(p, p->opt.spp_pos, "sampler pixelsamples",
+                        "%u samples per pixel: %u are taken, for here they serve antialiasing only; --spp overrides", n, most);
+}
+
+/* Of every integrator whether it follows light on its way, and how deep; the last one counts. */
+lc_status lc_pbrt_integrator(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    const lc_pbrt_param *par;
+    int64_t depth = LC_PBRT_DEPTH;
+    static const char *const tracing[] = { "path", "volpath", "simplepath", "simplevolpath", "bdpt", "mlt", "sppm", "photonmap",
+                                           "exphotonmap", "igi", "irradiancecache" };
+    p->scene->traces_paths = false;
+    for (size_t i = 0; i < sizeof tracing / sizeof *tracing; i++)
+        if (!strcmp(s->text[0], tracing[i])) p->scene->traces_paths = true;
+    lc_status st = lc_pbrt_get_int(&p->params, "maxdepth", &depth, &par);
+    if (st) return st;
+    lc_pbrt_mark_all(&p->params);
+    p->scene->max_depth = depth < 1 ? 1 : depth < LC_MAX_DEPTH ? (uint32_t)depth : LC_MAX_DEPTH;
+    if (depth >= 1 || p->scene->load.max_depth) return LC_OK;
+    return lc_pbrt_note(p, par->pos, "maxdepth", "a maxdepth below 1 is taken as 1: direct light");
+}
+
+static lc_status get_screen(lc_pbrt *p)
+{
+    const lc_pbrt_param *par = lc_pbrt_find(&p->params, "screenwindow", LC_PBRT_FLOAT | LC_PBRT_INT);
+    if (!par) return LC_OK;
+    if (par->n != 4) return lc_pbrt_bad_param(&p->params, par, "needs four values");
+    const double *v = lc_pbrt_numbers(&p->params, par);
+    if (!(v[0] < v[1] && v[2] < v[3])) return lc_pbrt_bad_param(&p->params, par, "is empty");
+    memcpy(p->opt.screen, v, sizeof p->opt.screen);
+    p->opt.has_screen = true;
+    return LC_OK;
+}
+
+static lc_status get_fov(lc_pbrt *p)
+{
+    const lc_pbrt_param *par;
+    double half = 0;
+    lc_status st = lc_pbrt_get_float(&p->params, "halffov", &half, &par);
+    if (st) return st;
+    if (par) p->opt.fov = 2 * half;
+    const lc_pbrt_param *fov;
+    st = lc_pbrt_get_float(&p->params, "fov", &p->opt.fov, &fov);
+    if (fov) par = fov;
+    if (!st && par && !(p->opt.fov > 0 && p->opt.fov < 180))
+        return lc_pbrt_bad_param(&p->params, par, "is not an angle between 0 and 180");
+    return st;
+}
+
+static const struct camera {
+    const char *name;
+    lc_camera_kind kind;
+} cameras[] = {
+    { "perspective", LC_CAMERA_PERSPECTIVE },
+    { "orthographic", LC_CAMERA_ORTHOGRAPHIC },
+    { "environment", LC_CAMERA_LATLONG },
+    { "spherical", LC_CAMERA_EQUAL_AREA },
+};
+
+/* pbrt-v4's spherical camera has either mapping. */
+static lc_status get_kind(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    const char *mapping = "equalarea";
+    const lc_pbrt_param *par;
+    lc_status st = LC_OK;
+    p->opt.camera = LC_CAMERA_PERSPECTIVE;
+    for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++)
+        if (!strcmp(cameras[i].name, s->text[0])) p->opt.camera = cameras[i].kind;
+    if (p->opt.camera == LC_CAMERA_PERSPECTIVE && strcmp(s->text[0], "perspective"))
+        return lc_pbrt_note_name(p, s->pos, "camera", s->text[0], "a perspective camera takes its place");
+    if (p->opt.camera == LC_CAMERA_EQUAL_AREA) st = lc_pbrt_get_text(&p->params, "mapping", &mapping, &par);
+    if (st || !strcmp(mapping, "equalarea")) return st;
+    p->opt.camera = LC_CAMERA_LATLONG;
+    return strcmp(mapping, "equirectangular") ? lc_pbrt_bad_param(&p->params, par, "is neither equalarea nor equirectangular") : LC_OK;
+}
+
+static lc_status get_lens(lc_pbrt *p)
+{
+    const lc_pbrt_param *par;
+    lc_status st = lc_pbrt_get_float(&p->params, "lensradius", &p->opt.lens_radius, &par);
+    if (!st && par && p->opt.lens_radius < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
+    return st ? st : get_positive(p, "focaldistance", &p->opt.focal_distance);
+}
+
+lc_status lc_pbrt_camera(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    lc_pbrt_options *o = &p->opt;
+    double open = 0, close = 1;
+    o->camera_pos = s->pos;
+    o->has_camera = true;
+    o->world_to_camera = p->ctm;
+    lc_xform inverse;
+    if (!lc_xform_invert(&p->ctm, &inverse))
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the camera's transform is singular");
+    lc_status st = lc_pbrt_name_coords(p, "camera", &inverse);
+    if (!st) st = get_kind(p, s);
+    if (!st) st = get_fov(p);
+    if (!st) st = get_screen(p);
+    if (!st) st = get_positive(p, "frameaspectratio", &o->aspect);
+    if (!st) st = get_lens(p);
+    if (!st) st = lc_pbrt_get_float(&p->params, "shutteropen", &open, NULL);
+    if (!st) st = lc_pbrt_get_float(&p->params, "shutterclose", &close, NULL);
+    o->shutter = close > open ? close - open : 1;
+    return st;
+}
+
+/* One axis of the crop window in pixels: pbrt rounds both ends up. */
+static void crop_axis(const lc_pbrt_options *o, int64_t size, int axis, uint32_t out[2])
+{
+    int64_t lo = (int64_t)ceil((double)size * o->crop[2 * axis]);
+    int64_t hi = (int64_t)ceil((double)size * o->crop[2 * axis + 1]);
+    if (o->bounds[2 * axis] > lo) lo = o->bounds[2 * axis];
+    if (o->bounds[2 * axis + 1] < hi) hi = o->bounds[2 * axis + 1];
+    out[0] = (uint32_t)(lo < size ? lo : size);
+    out[1] = (uint32_t)(hi > 0 ? hi : 0); /* lo >= hi is refused by lc_scene_set_film */
+}
+
+lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
+{
+    lc_pbrt_options *o = &p->opt;
+    if (!o->width) o->width = 1280, o->height = 720;
+    lc_film_desc film = { .filename = o->filename, .spp = o->spp };
+    memcpy(film.white, o->white, sizeof film.white);
+    lc_pbrt_filter_desc(p, &film.filter);
+    film.width = (uint32_t)o->width;
+    film.height = (uint32_t)o->height;
+    crop_axis(o, o->width, 0, film.crop);
+    crop_axis(o, o->height, 1, film.crop + 2);
+    double scale = o->scale * (p->v4 ? o->iso / 100 * o->shutter : 1);
+    film.scale = scale <= (double)FLT_MAX ? (float)scale : INFINITY;
+    lc_status st = limit_spp(p, &film.spp);
+    if (!st) st = lc_scene_set_film(p->scene, o->film_pos.file ? o->film_pos : where, &film);
+    if (st) return st;
+
+    lc_camera_desc camera = { .kind = o->camera, .fov_degrees = o->fov, .lens_radius = o->lens_radius };
+    camera.focal_distance = o->focal_distance;
+    memcpy(camera.world_to_camera, o->world_to_camera.m, sizeof camera.world_to_camera);
+    double aspect = o->aspect > 0 ? o->aspect : (double)o->width / (double)o->height;
+    double x = aspect > 1 ? aspect : 1, y = aspect > 1 ? 1 : 1 / aspect;
+    if (!o->has_screen) o->screen[0] = -x, o->screen[1] = x, o->screen[2] = -y, o->screen[3] = y;
+    memcpy(camera.screen, o->screen, sizeof camera.screen);
+    return lc_scene_set_camera(p->scene, o->has_camera ? o->camera_pos : where, &camera);
+}

@@ -1,0 +1,96 @@
+/* infinite.c - LightSource "infinite": a constant or a picture, "filename" (v4) or "mapname" (v3).
+ *
+ * Square pictures are pbrt-v4's equal-area ones unless named by "mapname"; others go by latitude and longitude.
+ */
+#include "pbrt/light_source.h"
+
+#include "io/readfile.h"
+
+#include <string.h>
+
+/* Integers are sRGB. */
+lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap *out, bool *there)
+{
+    const char *path;
+    lc_file file;
+    lc_raster raster = { 0 };
+    *there = false;
+    if (p->lex.no_files)
+        return lc_pbrt_note(p, where, "light image", "'%.150s': this scene may not open files; a constant takes its place", name);
+    lc_status st = lc_pbrt_find_file(&p->lex, where, name, &path);
+    if (st) return st;
+    if (!lc_file_exists(path))
+        return lc_pbrt_note(p, where, "light image", "'%.150s': no such file; a constant takes its place", path);
+    if ((st = lc_file_read(p->ctx, where, path, &file))) return st;
+    lc_bytes bytes = { p->ctx, file.data, file.size, file.cap };
+    if (lc_jpeg_is(bytes.data, bytes.len))
+        st = lc_pbrt_note(p, where, "JPEG", "'%.150s': JPEG is not read; a constant takes its place. Convert it to PNG", path);
+    else if (!(st = lc_raster_decode(p->ctx, path, &bytes, &raster)))
+        *there = true;
+    lc_file_free(p->ctx, &file);
+    if (*there) st = lc_mipmap_build(p->ctx, &raster, (lc_encoding){ LC_ENCODING_SRGB, 1 }, out);
+    lc_raster_free(p->ctx, &raster);
+    return st;
+}
+
+lc_status lc_pbrt_constant_map(lc_pbrt *p, lc_mipmap *out)
+{
+    float white[3] = { 1, 1, 1 };
+    const lc_raster raster = { 1, 1, 3, LC_RASTER_F32, white };
+    return lc_mipmap_build(p->ctx, &raster, (lc_encoding){ LC_ENCODING_LINEAR, 1 }, out);
+}
+
+static lc_status get_map(lc_pbrt *p, lc_env *env, bool *is_image)
+{
+    const char *v4 = NULL, *v3 = NULL;
+    const lc_pbrt_param *v4_par, *v3_par;
+    lc_status st = lc_pbrt_get_text(&p->params, "filename", &v4, &v4_par);
+    if (!st) st = lc_pbrt_get_text(&p->params, "mapname", &v3, &v3_par);
+    *is_image = false;
+    if (!st && v4 && *v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, &env->map, is_image);
+    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, &env->map, is_image);
+    env->mapping = LC_ENV_EQUAL_AREA;
+    if (*is_image && (!(v4 && *v4) || lc_env_width(env) != lc_env_height(env))) env->mapping = LC_ENV_LATLONG;
+    return st || *is_image ? st : lc_pbrt_constant_map(p, &env->map);
+}
+
+/* Illuminance of a surface under the upper half of the map. The factor is pbrt-v4's, which takes texels for half as large. */
+static double upper_illuminance(const lc_env *env)
+{
+    double sum = 0, rgb[3], w[3];
+    for (uint32_t y = 0; y < lc_env_height(env); y++) {
+        double solid = lc_env_solid_angle(env, y);
+        for (uint32_t x = 0; x < lc_env_width(env); x++) {
+            lc_env_direction(env, x + 0.5, y + 0.5, w);
+            if (!(w[2] > 0)) continue;
+            lc_env_texel(env, x, y, rgb);
+            sum += (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]) * w[2] * solid;
+        }
+    }
+    return 0.5 * sum;
+}
+
+static lc_status apply_illuminance(lc_pbrt *p, lc_env *env, bool is_image)
+{
+    double wanted = 0;
+    lc_status st = lc_pbrt_get_float(&p->params, "illuminance", &wanted, NULL);
+    if (st || !(wanted > 0)) return st;
+    double has = is_image ? upper_illuminance(env) : LC_PI;
+    if (has > 0) env->scale = lc_f3_scale(env->scale, (float)(wanted / has));
+    return LC_OK;
+}
+
+lc_status lc_pbrt_infinite_light(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    lc_env env = { .scale = { 1, 1, 1 }, .to_world = p->ctm };
+    bool is_image = false;
+    if (!lc_xform_invert(&p->ctm, &env.to_light))
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the light's transform is singular");
+    lc_status st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &env.scale, NULL);
+    if (!st) st = lc_pbrt_light_scale(p, &env.scale);
+    if (!st) st = get_map(p, &env, &is_image);
+    if (!st) st = apply_illuminance(p, &env, is_image);
+    if (!st) st = lc_scene_add_env(p->scene, s->pos, &env);
+    if (st) lc_mipmap_free(p->ctx, &env.map);
+    return st;
+}

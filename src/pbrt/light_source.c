@@ -1,0 +1,182 @@
+/* light_source.c - LightSource and AreaLightSource.
+ *
+ * point, distant: as pbrt. oriented is ours: "point3 position" (or "from"), "vector3 direction", "rgb I"; it
+ * shines with I cos(phi) about the direction. point and oriented take "float A" "float B" "float C":
+ * intensity falls as 1 / (A + B d + C d^2), by default 1 / d^2. Emission of shapes is in
+ * lc_pbrt_attrs.emission.
+ */
+#include "pbrt/light_source.h"
+
+#include <string.h>
+
+lc_status lc_pbrt_light_scale(lc_pbrt *p, lc_f3 *colour)
+{
+    double k = 1;
+    lc_f3 c = lc_f3_make(1, 1, 1);
+    const lc_pbrt_param *par, *colour_par;
+    lc_status st = lc_pbrt_get_float(&p->params, "scale", &k, &par);
+    if (!st) st = lc_pbrt_get_colour(p, "scale", LC_PBRT_FOR_LIGHT, &c, &colour_par);
+    if (st) return st;
+    if (k < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
+    *colour = lc_f3_scale(lc_f3_mul(*colour, c), (float)k);
+    return LC_OK;
+}
+
+lc_status lc_pbrt_light_photometric(lc_pbrt *p, const char *name, double factor, lc_f3 *colour)
+{
+    double v = 0;
+    lc_status st = lc_pbrt_get_float(&p->params, name, &v, NULL);
+    if (!st && v > 0) *colour = lc_f3_scale(*colour, (float)(v * factor));
+    return st;
+}
+
+static lc_status get_attenuation(lc_pbrt *p, lc_pos where, float atten[3])
+{
+    static const char *const names[3] = { "A", "B", "C" };
+    double v[3] = { 0, 0, 1 };
+    for (int k = 0; k < 3; k++) {
+        const lc_pbrt_param *par;
+        lc_status st = lc_pbrt_get_float(&p->params, names[k], &v[k], &par);
+        if (st) return st;
+        if (v[k] < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
+        atten[k] = (float)v[k];
+    }
+    if (!(atten[0] > 0 || atten[1] > 0 || atten[2] > 0))
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "A, B and C are all 0");
+    return LC_OK;
+}
+
+lc_status lc_pbrt_light_position(lc_pbrt *p, const char *name, const char *alias, lc_f3 *out)
+{
+    double v[3] = { 0, 0, 0 };
+    float world[3];
+    lc_status st = alias ? lc_pbrt_get_triple(&p->params, alias, v, NULL) : LC_OK;
+    if (!st) st = lc_pbrt_get_triple(&p->params, name, v, NULL);
+    lc_xform_point(&p->ctm, v, world);
+    *out = lc_f3_load(world);
+    return st;
+}
+
+lc_status lc_pbrt_light_direction(lc_pbrt *p, lc_pos where, const double v[3], lc_f3 *out)
+{
+    double w[3], max;
+    lc_xform_vector(&p->ctm, v, w);
+    max = fmax(fabs(w[0]), fmax(fabs(w[1]), fabs(w[2])));
+    if (!(max > 0 && max <= DBL_MAX))
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the light's direction is zero or out of range");
+    /* Not by way of floats: gcc 12 at -O2 leaves out the roundings of a double -> float -> double. */
+    *out = lc_f3_normalize_d(w[0] / max, w[1] / max, w[2] / max);
+    return LC_OK;
+}
+
+static lc_status point_light(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    lc_light light = { .kind = LC_LIGHT_POINT, .intensity = { 1, 1, 1 } };
+    lc_status st = lc_pbrt_light_position(p, "from", NULL, &light.pos);
+    if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
+    if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
+    if (!st) st = lc_pbrt_light_photometric(p, "power", 1 / (4 * LC_PI), &light.intensity);
+    if (!st) st = get_attenuation(p, s->pos, light.atten);
+    return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
+}
+
+static lc_status oriented_light(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    lc_light light = { .kind = LC_LIGHT_ORIENTED, .intensity = { 1, 1, 1 } };
+    double dir[3] = { 0, 0, 1 };
+    lc_status st = lc_pbrt_light_position(p, "position", "from", &light.pos);
+    if (!st) st = lc_pbrt_get_triple(&p->params, "direction", dir, NULL);
+    if (!st) st = lc_pbrt_light_direction(p, s->pos, dir, &light.dir);
+    if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
+    if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
+    if (!st) st = get_attenuation(p, s->pos, light.atten);
+    return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
+}
+
+static lc_status distant_light(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    lc_light light = { .kind = LC_LIGHT_DIRECTIONAL, .intensity = { 1, 1, 1 }, .atten = { 1, 0, 0 } };
+    double from[3] = { 0, 0, 0 }, to[3] = { 0, 0, 1 };
+    lc_status st = lc_pbrt_get_triple(&p->params, "from", from, NULL);
+    if (!st) st = lc_pbrt_get_triple(&p->params, "to", to, NULL);
+    double dir[3] = { to[0] - from[0], to[1] - from[1], to[2] - from[2] };
+    if (!st) st = lc_pbrt_light_direction(p, s->pos, dir, &light.dir);
+    if (!st) st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
+    if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
+    if (!st) st = lc_pbrt_light_photometric(p, "illuminance", 1, &light.intensity);
+    return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
+}
+
+static const struct {
+    const char *name;
+    lc_pbrt_handler *handler;
+} lights[] = {
+    { "point", point_light },
+    { "oriented", oriented_light },
+    { "distant", distant_light },
+    { "infinite", lc_pbrt_infinite_light },
+    { "spot", lc_pbrt_spot_light },
+    { "projection", lc_pbrt_projection_light },
+    { "goniometric", lc_pbrt_goniometric_light },
+    { "sun", lc_pbrt_sun_light },
+    { "sky", lc_pbrt_sky_light },
+};
+
+lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    lc_pbrt_mark(&p->params, "nsamples"); /* of pbrt's own sampling */
+    lc_pbrt_mark(&p->params, "samples");
+    for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
+        if (!strcmp(lights[i].name, s->text[0])) return lights[i].handler(p, s);
+    p->ignored = true;
+    lc_pbrt_mark_all(&p->params);
+    return lc_pbrt_note_name(p, s->pos, "light", s->text[0], "the light is skipped");
+}
+
+/* v4's "filename"; each is read once. *map stays 0 where there is none. */
+static lc_status area_picture(lc_pbrt *p, uint32_t *map)
+{
+    const char *name = NULL;
+    const lc_pbrt_param *par;
+    lc_mipmap picture;
+    bool there;
+    lc_status st = lc_pbrt_get_text(&p->params, "filename", &name, &par);
+    if (st || !name || !*name) return st;
+    uint32_t known = lc_pbrt_map_get(&p->emission_names, name);
+    if (known != LC_NONE) {
+        *map = known;
+        return LC_OK;
+    }
+    st = lc_pbrt_light_map(p, par->pos, name, &picture, &there);
+    if (st || !there) return st;
+    st = lc_scene_add_emission_map(p->scene, &picture, map);
+    if (st) lc_mipmap_free(p->ctx, &picture);
+    return st ? st : lc_pbrt_map_put(&p->emission_names, &p->arena, name, *map);
+}
+
+lc_status lc_pbrt_area_light(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    lc_f3 emission = lc_f3_make(1, 1, 1);
+    double power = 0;
+    uint32_t map = 0;
+    bool two_sided = false;
+    if (strcmp(s->text[0], "diffuse") && strcmp(s->text[0], "area")) {
+        p->ignored = true;
+        lc_pbrt_mark_all(&p->params);
+        return lc_pbrt_note_name(p, s->pos, "area light", s->text[0], "the light is skipped");
+    }
+    lc_pbrt_mark(&p->params, "nsamples");
+    lc_pbrt_mark(&p->params, "samples");
+    lc_status st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &emission, NULL);
+    if (!st) st = lc_pbrt_light_scale(p, &emission);
+    if (!st) st = lc_pbrt_get_bool(&p->params, "twosided", &two_sided);
+    if (!st) st = lc_pbrt_get_float(&p->params, "power", &power, NULL);
+    if (!st) st = area_picture(p, &map);
+    if (st) return st;
+    if (!(lc_f3_max(emission) <= LC_MAX_INTENSITY))
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the light's radiance is out of range");
+    p->attrs.emission = emission;
+    p->attrs.two_sided = two_sided;
+    p->attrs.emission_map = map, p->attrs.power = fmax(power, 0);
+    return LC_OK;
+}

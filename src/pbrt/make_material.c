@@ -1,0 +1,266 @@
+/* make_material.c - Material statements: the classes, materials by name, mixes. What each class becomes is said in
+ * material_v3.c and material_v4.c; a class that none of them knows is grey and diffuse. */
+#include "pbrt/make_material.h"
+
+#include <string.h>
+
+static lc_status invisible(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
+{
+    (void)where;
+    lc_pbrt_mark_all(&p->params);
+    look->invisible = true;
+    return LC_OK;
+}
+
+static const char diffuse_instead[] = "a diffuse material takes its place";
+
+static const struct class {
+    const char *name;
+    lc_pbrt_reader *read;
+    const char *note; /* NULL: nothing is approximated, but for what the reader notes */
+} classes[] = {
+    { "diffuse", lc_pbrt_diffuse, NULL },
+    { "matte", lc_pbrt_matte, NULL },
+    { "coateddiffuse", lc_pbrt_coated_diffuse,
+        "a Lambertian surface below a GGX coat; paths between the two are summed up by a formula" },
+    { "dielectric", lc_pbrt_dielectric, NULL },
+    { "conductor", lc_pbrt_conductor, NULL },
+    { "plastic", lc_pbrt_plastic, NULL },
+    { "uber", lc_pbrt_uber, NULL },
+    { "substrate", lc_pbrt_substrate, "Lambert and GGX with Schlick's Fresnel for Ashikhmin and Shirley's blend" },
+    { "metal", lc_pbrt_metal, NULL },
+    { "glass", lc_pbrt_glass, NULL },
+    { "mirror", lc_pbrt_mirror, NULL },
+    { "mix", lc_pbrt_mix, NULL },
+    { "translucent", lc_pbrt_translucent, NULL },
+    { "diffusetransmission", lc_pbrt_diffuse_transmission, NULL },
+    { "thindielectric", lc_pbrt_thin_dielectric, NULL },
+    { "coatedconductor", lc_pbrt_coated_conductor, "one conductor that reflects what both layers do together along the normal" },
+    { "", invisible, NULL },
+    { "none", invisible, NULL },
+    { "interface", invisible, NULL },
+    { "subsurface", lc_pbrt_subsurface, diffuse_instead },
+    { "kdsubsurface", lc_pbrt_kd_subsurface, diffuse_instead },
+    { "disney", lc_pbrt_disney, "Lambert and GGX of its color, metallic and roughness" },
+    { "hair", lc_pbrt_hair, diffuse_instead },
+    { "phong", lc_pbrt_phong, NULL },
+    { "ward", lc_pbrt_ward, NULL },
+    { "ggx", lc_pbrt_ggx, NULL },
+};
+
+static lc_status unknown_class(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
+{
+    (void)where, (void)look;
+    lc_pbrt_mark_all(&p->params);
+    return LC_OK;
+}
+
+static const struct class *class_of(const char *name)
+{
+    static const struct class other = { "other", unknown_class, diffuse_instead };
+    for (size_t i = 0; i < sizeof classes / sizeof *classes; i++)
+        if (!strcmp(classes[i].name, name)) return &classes[i];
+    return &other;
+}
+
+/* ---- mixes ---- */
+
+static float within(float v, float least, float most) { return fminf(fmaxf(v, least), most); }
+
+/* Indices as far as the lobes' bounds hold for them. */
+static void limit_index(lc_material *m)
+{
+    float *eta[3] = { &m->eta.x, &m->eta.y, &m->eta.z }, *k[3] = { &m->k.x, &m->k.y, &m->k.z };
+    if (m->gloss != LC_GLOSS_GGX) return;
+    if (m->coat || m->fresnel == LC_FRESNEL_DIELECTRIC) m->eta.x = within(m->eta.x, LC_MIN_ETA, LC_MAX_ETA);
+    for (int c = 0; c < 3 && m->fresnel == LC_FRESNEL_CONDUCTOR; c++) {
+        *eta[c] = within(*eta[c], 2e-3f, LC_MAX_CONDUCTOR); /* its square is above LC_MIN_CONDUCTOR */
+        *k[c] = within(*k[c], 0, LC_MAX_CONDUCTOR);
+    }
+}
+
+static lc_status add_look(lc_pbrt *p, lc_pbrt_look *look, uint32_t *id)
+{
+    limit_index(&look->m);
+    lc_status st = lc_scene_add_material(p->scene, &look->m, id);
+    if (!st) lc_scene_map_material(p->scene, *id, &look->maps);
+    return st;
+}
+
+/* Lets everything through as if it were not there. */
+static lc_status add_clear(lc_pbrt *p, uint32_t *id)
+{
+    lc_material m = { .kt = { 1, 1, 1 }, .eta = { 1, 1, 1 }, .fresnel = LC_FRESNEL_DIELECTRIC };
+    m.mirror = m.glass = m.thin = true;
+    return lc_scene_add_material(p->scene, &m, id);
+}
+
+/* Of a material that was made before. */
+static lc_status get_part(lc_pbrt *p, lc_pos where, const char *name, uint32_t *id)
+{
+    uint32_t at = name ? lc_pbrt_map_get(&p->material_names, name) : LC_NONE;
+    lc_material grey = { .kd = { 0.5f, 0.5f, 0.5f } };
+    if (at != LC_NONE) {
+        *id = p->materials[at].id;
+        return p->materials[at].invisible ? add_clear(p, id) : LC_OK;
+    }
+    lc_status st = lc_pbrt_note_name(p, where, "unknown material", name ? name : "", "no such material; grey diffuse is used");
+    return st ? st : lc_scene_add_material(p->scene, &grey, id);
+}
+
+/* look becomes a mix of two materials of the scene. */
+static lc_status be_mix(lc_pbrt *p, lc_pos where, uint32_t first, uint32_t second, const lc_tex_input *share, lc_pbrt_look *look)
+{
+    const lc_scene *s = p->scene;
+    double mean = (share->value[0] + share->value[1] + share->value[2]) / 3;
+    uint32_t main = mean < 0.5 ? first : second;
+    look->m = s->materials[main];
+    look->maps = s->maps[main];
+    if (s->maps[first].depth >= LC_MAX_MIX || s->maps[second].depth >= LC_MAX_MIX)
+        return lc_pbrt_note(p, where, "mix depth", "mixes of mixes beyond %d deep: one of the two takes their place", LC_MAX_MIX);
+    look->maps = (lc_material_maps)LC_NO_MAPS;
+    look->maps.mix[0] = first, look->maps.mix[1] = second;
+    lc_pbrt_set_tint(share, &look->maps.share, &look->maps.share_map);
+    return LC_OK;
+}
+
+static bool is_float_param(lc_pbrt *p, const char *name)
+{
+    const lc_pbrt_param *par = lc_pbrt_find(&p->params, name, LC_PBRT_FLOAT | LC_PBRT_INT | LC_PBRT_TEXTURE);
+    if (!par || par->type != LC_PBRT_TEXTURE) return par != NULL;
+    return par->n == 1 && lc_pbrt_map_get(&p->float_textures, p->params.text[par->first]) != LC_NONE;
+}
+
+/* v3: "amount" is the share of "namedmaterial1". v4: it is that of the second of "materials". */
+lc_status lc_pbrt_mix(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
+{
+    const char *names[2] = { NULL, NULL };
+    const lc_pbrt_param *both = lc_pbrt_find(&p->params, "materials", LC_PBRT_TEXT), *par;
+    lc_tex_input share = LC_PBRT_VALUE(0.5), given;
+    uint32_t id[2];
+    bool is_float = is_float_param(p, "amount");
+    lc_status st = LC_OK;
+    if (both && both->n != 2) return lc_pbrt_bad_param(&p->params, both, "needs the names of two materials");
+    for (size_t i = 0; i < 2 && both; i++) names[i] = p->params.text[both->first + i];
+    if (!both) st = lc_pbrt_get_text(&p->params, "namedmaterial2", &names[0], NULL);
+    if (!st && !both) st = lc_pbrt_get_text(&p->params, "namedmaterial1", &names[1], NULL);
+    if (!st && !is_float) st = lc_pbrt_get_tint(p, "amount", &share);
+    if (!st && is_float) st = lc_pbrt_get_input(p, "amount", true, &given, &par);
+    if (!st && is_float) share = given;
+    for (int i = 0; i < 2 && !st; i++) st = get_part(p, where, names[i], &id[i]);
+    return st ? st : be_mix(p, where, id[0], id[1], &share, look);
+}
+
+/* Where it is not opaque, a mix with nothing. */
+static lc_status apply_opacity(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
+{
+    const double *v = look->opacity.value;
+    uint32_t opaque, clear;
+    if (look->opacity.id == LC_NONE && v[0] >= 1 && v[1] >= 1 && v[2] >= 1) return LC_OK;
+    lc_status st = add_look(p, look, &opaque);
+    if (!st) st = add_clear(p, &clear);
+    return st ? st : be_mix(p, where, clear, opaque, &look->opacity, look);
+}
+
+/* ---- statements ---- */
+
+/* v4's "displacement", v3's "bumpmap": a texture of numbers. */
+static lc_status get_bump(lc_pbrt *p, const char *name, uint32_t *id)
+{
+    const lc_pbrt_param *par;
+    lc_tex_input in;
+    lc_status st = lc_pbrt_get_input(p, name, true, &in, &par);
+    if (!st && par) *id = in.id;
+    return st;
+}
+
+/* v4's "normalmap": the name of an image. */
+static lc_status get_normal_map(lc_pbrt *p, uint32_t *id)
+{
+    const lc_encoding linear = { .kind = LC_ENCODING_LINEAR };
+    const char *name = NULL;
+    const lc_pbrt_param *par;
+    lc_texture t = { .kind = LC_TEX_IMAGE, .image = LC_NONE, .wrap = LC_WRAP_REPEAT, .filter = LC_FILTER_BILINEAR, .scale = 1 };
+    bool too_deep;
+    lc_status st = lc_pbrt_get_text(&p->params, "normalmap", &name, &par);
+    if (st || !name) return st;
+    for (int i = 0; i < 4; i++) t.in[i] = LC_PBRT_VALUE(0);
+    t.map = (lc_tex_map){ .kind = LC_MAP_UV, .su = 1, .sv = 1, .stretch = 1 };
+    st = lc_pbrt_find_image(p, par->pos, name, linear, &t.image);
+    if (st || t.image == LC_NONE) return st;
+    return lc_textures_add(&p->scene->textures, &t, id, &too_deep);
+}
+
+/* Adds the material of this name with the statement's parameters to the scene. */
+static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_material *out)
+{
+    const struct class *class = class_of(name);
+    lc_pbrt_look look = { .m = { .kd = { 0.5f, 0.5f, 0.5f } }, .maps = LC_NO_MAPS, .opacity = LC_PBRT_VALUE(1) };
+    lc_status st = class->read(p, where, &look);
+    if (!st) st = get_bump(p, "bumpmap", &look.maps.bump);
+    if (!st) st = get_bump(p, "displacement", &look.maps.bump);
+    if (!st) st = get_normal_map(p, &look.maps.normal);
+    if (!st) st = apply_opacity(p, where, &look);
+    if (!st && class->note) st = lc_pbrt_note_name(p, where, "material", name, class->note);
+    p->owner = name;
+    out->invisible = look.invisible;
+    return st ? st : add_look(p, &look, &out->id);
+}
+
+static void use(lc_pbrt *p, const lc_pbrt_material *m)
+{
+    p->attrs.material_id = m->id;
+    p->attrs.invisible = m->invisible;
+}
+
+lc_status lc_pbrt_do_material(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    lc_pbrt_material m;
+    lc_status st = add_material(p, s->pos, s->text[0], &m);
+    if (!st) use(p, &m);
+    return st;
+}
+
+lc_status lc_pbrt_make_named_material(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    const char *type = NULL;
+    lc_pbrt_material m;
+    lc_status st = lc_pbrt_get_text(&p->params, "type", &type, NULL);
+    if (st) return st;
+    if (!type)
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "MakeNamedMaterial '%.80s' has no \"string type\"",
+                          s->text[0]);
+    if ((st = add_material(p, s->pos, type, &m))) return st;
+    void *items = p->materials;
+    st = lc_grow(p->ctx, &items, &p->cap_materials, p->n_materials + 1, sizeof *p->materials);
+    p->materials = items;
+    if (!st) st = lc_pbrt_map_put(&p->material_names, &p->arena, s->text[0], (uint32_t)p->n_materials);
+    if (!st) p->materials[p->n_materials++] = m;
+    return st;
+}
+
+lc_status lc_pbrt_named_material(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    uint32_t id = lc_pbrt_map_get(&p->material_names, s->text[0]);
+    if (id != LC_NONE) {
+        use(p, &p->materials[id]);
+        return LC_OK;
+    }
+    p->attrs.material_id = LC_NONE;
+    p->attrs.invisible = false;
+    return lc_pbrt_note_name(p, s->text_pos[0], "unknown material", s->text[0],
+                             "no such material; grey diffuse is used");
+}
+
+lc_status lc_pbrt_current_material(lc_pbrt *p, uint32_t *id)
+{
+    bool black = p->attrs.invisible;
+    uint32_t *shared = black ? &p->black_material : &p->default_material;
+    *id = p->attrs.material_id;
+    if (!black && *id != LC_NONE) return LC_OK;
+    lc_material m = { .kd = lc_f3_make(0.5f, 0.5f, 0.5f) };
+    if (black) m.kd = lc_f3_make(0, 0, 0);
+    lc_status st = *shared == LC_NONE ? lc_scene_add_material(p->scene, &m, shared) : LC_OK;
+    *id = *shared;
+    return st;
+}

@@ -1,0 +1,25 @@
+/* spot_map.h - names of materials, textures, objects and coordinate systems to small numbers. Open
+ * addressing. */
+#ifndef LC_PBRT_MAP_H
+#define LC_PBRT_MAP_H
+
+#include "base/arena.h"
+
+typedef struct lc_pbrt_map_slot {
+    const char *name; /* NULL: free */
+    uint64_t hash;
+    uint32_t value;
+} lc_pbrt_map_slot;
+
+typedef struct lc_pbrt_map {
+    lc_pbrt_map_slot *slots;
+    size_t n, cap; /* cap: 0 or a power of two, at least twice n */
+} lc_pbrt_map;
+
+/* LC_NONE when the name is not there. */
+uint32_t lc_pbrt_map_get(const lc_pbrt_map *map, const char *name);
+/* Adds or replaces; the name is copied to the arena. */
+lc_status lc_pbrt_map_put(lc_pbrt_map *map, lc_arena *arena, const char *name, uint32_t value);
+void lc_pbrt_map_free(lc_pbrt_map *map, const lc_context *ctx);
+
+#endif

@@ -1,0 +1,135 @@
+/* texture_image.c - the image of an imagemap texture: its file, read once for each encoding, and how it is looked up.
+ *
+ * v4: "encoding" (sRGB, linear, gamma X), "filter". v3: "gamma", "trilinear". Integer images are sRGB unless told otherwise.
+ * EWA is approximated by trilinear, whose footprint is round.
+ */
+#include "pbrt/state.h"
+
+#include "base/decimal.h"
+#include "image/pixels.h"
+#include "io/readfile.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static lc_status get_encoding(lc_pbrt *p, lc_encoding *out)
+{
+    bool gamma = true;
+    const char *text = "sRGB";
+    const lc_pbrt_param *par;
+    double power;
+    lc_status st = lc_pbrt_get_bool(&p->params, "gamma", &gamma);
+    if (!st) st = lc_pbrt_get_text(&p->params, "encoding", &text, &par);
+    if (st) return st;
+    *out = (lc_encoding){ gamma ? LC_ENCODING_SRGB : LC_ENCODING_LINEAR, 1 };
+    if (!strcmp(text, "sRGB")) return LC_OK;
+    if (!strcmp(text, "linear")) {
+        out->kind = LC_ENCODING_LINEAR;
+    } else if (!strncmp(text, "gamma ", 6) && lc_decimal_parse(text + 6, strlen(text + 6), &power) && power >= 1e-3 && power <= 1e3) {
+        *out = (lc_encoding){ LC_ENCODING_GAMMA, (float)power };
+    } else {
+        return lc_pbrt_note_name(p, par->pos, "texture encoding", text, "sRGB takes its place");
+    }
+    return LC_OK;
+}
+
+static lc_status get_wrap(lc_pbrt *p, lc_wrap *out)
+{
+    static const char *const names[] = { "repeat", "clamp", "black" };
+    const char *text = names[0];
+    const lc_pbrt_param *par;
+    lc_status st = lc_pbrt_get_text(&p->params, "wrap", &text, &par);
+    if (st) return st;
+    for (int i = 0; i < 3; i++)
+        if (!strcmp(text, names[i])) {
+            *out = (lc_wrap)i;
+            return LC_OK;
+        }
+    *out = LC_WRAP_REPEAT;
+    return lc_pbrt_note_name(p, par->pos, "texture wrap", text, "repeat takes its place");
+}
+
+static lc_status get_filter(lc_pbrt *p, lc_pos where, lc_filter *out)
+{
+    static const char *const names[] = { "point", "bilinear", "trilinear" };
+    const char *text = p->v4 ? "bilinear" : "EWA";
+    const lc_pbrt_param *par;
+    bool trilinear = false;
+    lc_status st = lc_pbrt_get_bool(&p->params, "trilinear", &trilinear);
+    if (trilinear) text = "trilinear";
+    if (!st) st = lc_pbrt_get_text(&p->params, "filter", &text, &par);
+    if (st) return st;
+    lc_pbrt_mark(&p->params, "maxanisotropy");
+    *out = LC_FILTER_TRILINEAR;
+    for (int i = 0; i < 3; i++)
+        if (!strcmp(text, names[i])) {
+            *out = (lc_filter)i;
+            return LC_OK;
+        }
+    if (!strcmp(text, "EWA") || !strcmp(text, "ewa"))
+        return lc_pbrt_note(p, where, "texture filter EWA", "the EWA filter is approximated by a trilinear one");
+    return lc_pbrt_note_name(p, par->pos, "texture filter", text, "trilinear takes its place");
+}
+
+/* Decodes the file into a new image of the scene; LC_NONE after a note where it is of a kind that is not read. */
+static lc_status load(lc_pbrt *p, lc_pos where, const char *path, lc_encoding encoding, uint32_t *id)
+{
+    lc_file file;
+    lc_raster raster = { 0 };
+    lc_mipmap m;
+    lc_status st = lc_file_read(p->ctx, where, path, &file);
+    if (st) return st;
+    lc_bytes bytes = { p->ctx, file.data, file.size, file.cap };
+    bool jpeg = lc_jpeg_is(bytes.data, bytes.len);
+    if (jpeg) st = lc_pbrt_note(p, where, "JPEG", "'%.150s': JPEG is not read; grey is used. Convert it to PNG", path);
+    else st = lc_raster_decode(p->ctx, path, &bytes, &raster);
+    lc_file_free(p->ctx, &file);
+    if (!st && !jpeg) {
+        st = lc_mipmap_build(p->ctx, &raster, encoding, &m);
+        if (!st && (st = lc_textures_add_image(&p->scene->textures, &m, id))) lc_mipmap_free(p->ctx, &m);
+    }
+    lc_raster_free(p->ctx, &raster);
+    return st;
+}
+
+/* The image of a file, loaded if it has not been; LC_NONE, noted, where there is none. */
+lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding, uint32_t *id)
+{
+    char key[4352];
+    const char *path;
+    *id = LC_NONE;
+    if (p->lex.no_files)
+        return lc_pbrt_note(p, where, "texture image", "'%.150s': this scene may not open files; grey is used", name);
+    lc_status st = lc_pbrt_find_file(&p->lex, where, name, &path);
+    if (st) return st;
+    int n = snprintf(key, sizeof key, "%d %a %s", (int)encoding.kind, (double)encoding.gamma, path);
+    bool fits = n > 0 && (size_t)n < sizeof key;
+    if (fits) *id = lc_pbrt_map_get(&p->image_names, key);
+    if (*id != LC_NONE) return LC_OK;
+    if (!lc_file_exists(path))
+        return lc_pbrt_note(p, where, "texture image", "'%.150s': no such file; grey is used", path);
+    st = load(p, where, path, encoding, id);
+    if (st || *id == LC_NONE || !fits) return st;
+    return lc_pbrt_map_put(&p->image_names, &p->arena, key, *id);
+}
+
+lc_status lc_pbrt_get_image(lc_pbrt *p, lc_pos where, lc_texture *t, bool *there)
+{
+    const char *name = NULL;
+    const lc_pbrt_param *par;
+    lc_encoding encoding;
+    lc_status st = lc_pbrt_get_text(&p->params, "filename", &name, &par);
+    if (st) return st;
+    if (!name) return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "imagemap without \"string filename\"");
+    st = get_encoding(p, &encoding);
+    if (!st) st = get_wrap(p, &t->wrap);
+    if (!st) st = get_filter(p, where, &t->filter);
+    if (!st) st = lc_pbrt_get_float(&p->params, "scale", &t->scale, NULL);
+    if (!st) st = lc_pbrt_get_bool(&p->params, "invert", &t->invert);
+    if (!st) st = lc_pbrt_find_image(p, par->pos, name, encoding, &t->image);
+    *there = t->image != LC_NONE;
+    /* the mean of the channels in v4, their luminance in v3 */
+    static const double mean[3] = { 1.0 / 3, 1.0 / 3, 1.0 / 3 }, luminance[3] = { 0.2126, 0.7152, 0.0722 };
+    memcpy(t->grey, p->v4 ? mean : luminance, sizeof t->grey);
+    return st;
+}

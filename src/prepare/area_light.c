@@ -1,0 +1,158 @@
+/* area_light.c - k points on a triangle, stratified: the unit square is cut into k jittered cells of a rank-1 lattice
+ * and folded onto the triangle. Gridded points would give exact ties in the light tree and visible bands.
+ *
+ * Half of the lights are shared out by power, half evenly to the meshes that shine: a weak lamp may be near, or seen in a gloss, where
+ * its five lights beside a strong one's thousand would show as dots.
+ *
+ * Triangles whose share is less than a light join the next such ones of their mesh until they have one: it lies in one of them,
+ * picked by power, and shines as all do. So every emissive mesh has a light, and as much power and colour as it should, and there are
+ * at most as many lights more than asked for as there are such meshes, and their back sides. */
+#include "prepare/area_light.h"
+
+#include "base/context.h"
+#include "base/rng.h"
+#include "prepare/area_map.h"
+
+/* Twice the area vector of a triangle, double. */
+static double cross_of(const lc_scene *s, size_t tri, double n[3])
+{
+    const float *p0 = lc_tri_vertex(s->pos, s->index, tri, 0), *p1 = lc_tri_vertex(s->pos, s->index, tri, 1);
+    const float *p2 = lc_tri_vertex(s->pos, s->index, tri, 2);
+    double a[3], b[3];
+    for (int k = 0; k < 3; k++) a[k] = (double)p1[k] - p0[k], b[k] = (double)p2[k] - p0[k];
+    n[0] = a[1] * b[2] - a[2] * b[1];
+    n[1] = a[2] * b[0] - a[0] * b[2];
+    n[2] = a[0] * b[1] - a[1] * b[0];
+    return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+}
+
+/* Which side of the winding emits: normals decide where there are any, else the flip flag. */
+static double side_of(const lc_scene *s, const lc_mesh *mesh, size_t tri, const double n[3])
+{
+    if (mesh->has_normals) {
+        double d = 0;
+        for (size_t v = 0; v < 3; v++)
+            for (size_t k = 0; k < 3; k++) d += n[k] * lc_tri_vertex(s->normal, s->index, tri, v)[k];
+        if (d != 0) return d > 0 ? 1 : -1;
+    }
+    return mesh->flip ? -1 : 1;
+}
+
+/* Emitted power of a triangle, the scalar that lights are shared out by. flux: area times the mean of the picture, if any. */
+static double power_of(const lc_scene *s, size_t tri, double flux[3])
+{
+    const lc_mesh *mesh = &s->meshes[s->tri_mesh[tri]];
+    double n[3], area = 0.5 * cross_of(s, tri, n), rgb[3] = { 1, 1, 1 };
+    if (mesh->emission_map && lc_f3_max(mesh->emission) > 0) lc_area_map_mean(s, tri, rgb);
+    double l = (rgb[0] * (double)mesh->emission.x + rgb[1] * (double)mesh->emission.y + rgb[2] * (double)mesh->emission.z) / 3;
+    for (int k = 0; k < 3; k++) flux[k] = rgb[k] * area;
+    return l * area * (mesh->two_sided ? 2 : 1);
+}
+
+/* k lights that together shine as `light` does, at places spread over the triangle. */
+static lc_status spread(lc_scene *s, size_t tri, uint32_t k, lc_light *light, uint64_t sign, uint64_t seed)
+{
+    const float *p[3];
+    for (size_t v = 0; v < 3; v++) p[v] = lc_tri_vertex(s->pos, s->index, tri, v);
+    for (uint32_t i = 0; i < k; i++) {
+        double u = (i + lc_unit(lc_hash4(seed, tri, i, sign))) / k;
+        double v = i * 0.61803398874989484820 + lc_unit(lc_hash4(seed, tri, 0, 2 + sign));
+        v += lc_unit(lc_hash4(seed, tri, i, 4 + sign)) / k;
+        v -= floor(v);
+        double b0 = 1 - sqrt(u), b1 = v * sqrt(u), b2 = 1 - b0 - b1;
+        light->pos = lc_f3_make((float)(b0 * p[0][0] + b1 * p[1][0] + b2 * p[2][0]),
+                                (float)(b0 * p[0][1] + b1 * p[1][1] + b2 * p[2][1]),
+                                (float)(b0 * p[0][2] + b1 * p[1][2] + b2 * p[2][2]));
+        lc_status st = lc_scene_add_light(s, (lc_pos){ 0, 0, 0 }, light);
+        if (st) return st;
+    }
+    return LC_OK;
+}
+
+/* Small triangles of a mesh that share a light; or one that has k. */
+typedef struct group {
+    double power, flux[3]; /* of all */
+    double first;          /* the share at which it begins, rounded down */
+    size_t tri;            /* one of them */
+    uint32_t n;
+} group;
+
+/* Both sides' lights, k each. */
+static lc_status add_lights(lc_scene *s, const group *g, uint32_t k, uint64_t seed)
+{
+    double n[3], twice = cross_of(s, g->tri, n);
+    const lc_mesh *mesh = &s->meshes[s->tri_mesh[g->tri]];
+    double side = side_of(s, mesh, g->tri, n);
+    lc_status st = LC_OK;
+    for (int i = 0; i < (mesh->two_sided ? 2 : 1) && !st; i++, side = -side) {
+        lc_light light = { .kind = LC_LIGHT_ORIENTED, .atten = { 0, 0, 1 } };
+        light.dir = lc_f3_normalize_d(n[0] * side / twice, n[1] * side / twice, n[2] * side / twice);
+        if (mesh->emission_map && g->n == 1) {
+            light.intensity = lc_f3_scale(mesh->emission, (float)(0.5 * twice));
+            st = lc_area_map_lights(s, g->tri, k, &light, lc_hash4(seed, g->tri, 0, 6 + (side > 0)));
+            continue;
+        }
+        lc_f3 flux = lc_f3_make((float)(g->flux[0] / k), (float)(g->flux[1] / k), (float)(g->flux[2] / k));
+        light.intensity = lc_f3_mul(mesh->emission, flux);
+        st = spread(s, g->tri, k, &light, side > 0, seed);
+    }
+    return st;
+}
+
+/* Each triangle is the one that is kept in proportion to its power. */
+static void join(group *g, size_t tri, double power, const double flux[3], double first, uint64_t seed)
+{
+    if (!g->n) *g = (group){ .first = first };
+    g->n++;
+    g->power += power;
+    for (int k = 0; k < 3; k++) g->flux[k] += flux[k];
+    if (g->n == 1 || lc_unit(lc_hash4(seed, tri, 0, 8)) * g->power < power) g->tri = tri;
+}
+
+/* What shines. */
+typedef struct powers {
+    double *of_mesh, total;
+    size_t n_meshes; /* above 0 */
+} powers;
+
+static lc_status make_lights(lc_scene *scene, const powers *p, uint32_t n_lights, uint64_t seed)
+{
+    double before = 0, flux[3];
+    group small = { .n = 0 };
+    lc_status st = LC_OK;
+    for (size_t t = 0; t < scene->n_tris && !st; t++) {
+        uint32_t mesh = scene->tri_mesh[t], sides = scene->meshes[mesh].two_sided ? 2 : 1;
+        double power = power_of(scene, t, flux);
+        if (small.n && scene->tri_mesh[small.tri] != mesh) st = add_lights(scene, &small, 1, seed), small.n = 0;
+        if (!(power > 0) || st) continue;
+        scene->n_emissive_tris++;
+        /* The share of this triangle: rounding the running sum keeps the total. A millionth, for sums that miss a whole number. */
+        double share = n_lights * (0.5 * power / p->total + 0.5 * power / p->of_mesh[mesh] / (double)p->n_meshes);
+        double first = floor(before + 1e-6), last = floor(before + share + 1e-6);
+        before += share;
+        if (share + 1e-6 >= sides && last - first >= sides) {
+            group alone = { .n = 0 };
+            join(&alone, t, power, flux, first, seed);
+            st = add_lights(scene, &alone, (uint32_t)(last - first) / sides, seed);
+        } else {
+            join(&small, t, power, flux, first, seed);
+            if (last - small.first >= sides) st = add_lights(scene, &small, 1, seed), small.n = 0;
+        }
+    }
+    if (small.n && !st) st = add_lights(scene, &small, 1, seed);
+    return st;
+}
+
+lc_status lc_area_lights_make(lc_scene *scene, uint32_t n_lights, uint64_t seed)
+{
+    double flux[3];
+    if (!scene->n_meshes) return LC_OK;
+    powers p = { .of_mesh = lc_alloc(scene->ctx, scene->n_meshes, sizeof *p.of_mesh) };
+    if (!p.of_mesh) return LC_ERR_MEMORY;
+    for (size_t i = 0; i < scene->n_meshes; i++) p.of_mesh[i] = 0;
+    for (size_t t = 0; t < scene->n_tris; t++) p.of_mesh[scene->tri_mesh[t]] += power_of(scene, t, flux);
+    for (size_t i = 0; i < scene->n_meshes; i++) p.total += p.of_mesh[i], p.n_meshes += p.of_mesh[i] > 0;
+    lc_status st = p.total > 0 ? make_lights(scene, &p, n_lights, seed) : LC_OK;
+    lc_free(scene->ctx, p.of_mesh, scene->n_meshes, sizeof *p.of_mesh);
+    return st;
+}

@@ -1,0 +1,150 @@
+/* area_map.c - see area_map.h. The triangle is halved along its sides until the parts are as small as texels and there are many for
+ * each light; their power, in the order of the halving, is cut into equal shares, each of parts that lie together.
+ */
+#include "prepare/area_map.h"
+
+#include "base/rng.h"
+#include "scene/material_eval.h"
+
+#include <string.h>
+
+#define MAX_DEPTH 10u /* 10^6 parts */
+
+typedef struct walk {
+    lc_scene *scene;
+    const lc_mipmap *map;
+    double p[3][3], uv[3][2];
+    double width;           /* of a part, in texels */
+    double weight[3];       /* power of a colour */
+    double sum[3];          /* of all parts; of the share so far */
+    /* lights */
+    const lc_light *base;
+    double total, before;   /* power; of the parts so far */
+    uint32_t n_lights, made;
+    double n_parts;
+    bool placed;
+    lc_f3 place;
+    uint64_t seed;
+    lc_status status;
+} walk;
+
+typedef void leaf_fn(walk *w, const double corner[3][2], const double rgb[3]);
+
+/* Weights of vertices 1 and 2. */
+static void between(const double a[2], const double b[2], double out[2]) { out[0] = (a[0] + b[0]) / 2, out[1] = (a[1] + b[1]) / 2; }
+
+static void look_up(const walk *w, const double c[3][2], double rgb[3])
+{
+    double b1 = (c[0][0] + c[1][0] + c[2][0]) / 3, b2 = (c[0][1] + c[1][1] + c[2][1]) / 3, st[2];
+    for (int k = 0; k < 2; k++) st[k] = (1 - b1 - b2) * w->uv[0][k] + b1 * w->uv[1][k] + b2 * w->uv[2][k];
+    lc_mipmap_lookup(w->map, st[0], 1 - st[1], w->width, LC_WRAP_CLAMP, LC_FILTER_BILINEAR, rgb);
+    for (int k = 0; k < 3; k++) rgb[k] = fmax(rgb[k], 0);
+}
+
+/* Four parts a level: at a corner, in the middle, at the other corners, so that those that follow each other touch. */
+static void visit(walk *w, const double c[3][2], uint32_t depth, leaf_fn *leaf)
+{
+    double mid[3][2], rgb[3];
+    if (!depth) {
+        look_up(w, c, rgb);
+        leaf(w, c, rgb);
+        return;
+    }
+    for (int i = 0; i < 3; i++) between(c[i], c[(i + 1) % 3], mid[i]);
+    const double part[4][3][2] = { { { c[0][0], c[0][1] }, { mid[0][0], mid[0][1] }, { mid[2][0], mid[2][1] } },
+                                   { { mid[0][0], mid[0][1] }, { mid[1][0], mid[1][1] }, { mid[2][0], mid[2][1] } },
+                                   { { mid[0][0], mid[0][1] }, { c[1][0], c[1][1] }, { mid[1][0], mid[1][1] } },
+                                   { { mid[2][0], mid[2][1] }, { mid[1][0], mid[1][1] }, { c[2][0], c[2][1] } } };
+    for (int i = 0; i < 4; i++) visit(w, part[i], depth - 1, leaf);
+}
+
+static void add_up(walk *w, const double c[3][2], const double rgb[3])
+{
+    (void)c;
+    for (int k = 0; k < 3; k++) w->sum[k] += rgb[k];
+}
+
+static double power_of(const walk *w, const double rgb[3])
+{
+    return w->weight[0] * rgb[0] + w->weight[1] * rgb[1] + w->weight[2] * rgb[2];
+}
+
+/* A place anywhere in a part, the light's own. */
+static lc_f3 place_in(const walk *w, const double c[3][2])
+{
+    double u = sqrt(lc_unit(lc_hash4(w->seed, w->made, 0, 0))), v = lc_unit(lc_hash4(w->seed, w->made, 0, 1)), x[3];
+    double a[3] = { 1 - u, u * (1 - v), u * v };
+    double b1 = a[0] * c[0][0] + a[1] * c[1][0] + a[2] * c[2][0], b2 = a[0] * c[0][1] + a[1] * c[1][1] + a[2] * c[2][1];
+    for (int k = 0; k < 3; k++) x[k] = (1 - b1 - b2) * w->p[0][k] + b1 * w->p[1][k] + b2 * w->p[2][k];
+    return lc_f3_make((float)x[0], (float)x[1], (float)x[2]);
+}
+
+static void add_light(walk *w)
+{
+    lc_light light = *w->base;
+    double f = 1 / w->n_parts;
+    light.pos = w->place;
+    light.intensity = lc_f3_mul(light.intensity, lc_f3_make((float)(w->sum[0] * f), (float)(w->sum[1] * f), (float)(w->sum[2] * f)));
+    if (w->placed && !w->status) w->status = lc_scene_add_light(w->scene, (lc_pos){ 0, 0, 0 }, &light);
+    w->made++, w->placed = false;
+    w->sum[0] = w->sum[1] = w->sum[2] = 0;
+}
+
+/* Shares end inside parts. */
+static void share(walk *w, const double c[3][2], const double rgb[3])
+{
+    double power = power_of(w, rgb), after = w->before + power, from = w->before;
+    if (!(power > 0)) return;
+    while (from < after && w->made < w->n_lights) {
+        double pick = w->total * (w->made + lc_unit(lc_hash4(w->seed, w->made, 0, 2))) / w->n_lights;
+        double end = w->made + 1 < w->n_lights ? w->total * (w->made + 1.0) / w->n_lights : INFINITY, to = fmin(end, after);
+        for (int k = 0; k < 3; k++) w->sum[k] += (to - from) / power * rgb[k];
+        if (!w->placed && pick <= to) w->place = place_in(w, c), w->placed = true;
+        if (end <= after) add_light(w);
+        from = to;
+    }
+    w->before = after;
+}
+
+static const double whole[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } };
+
+/* Sets the walk up; returns its depth for k lights. */
+static uint32_t begin(walk *w, const lc_scene *scene, size_t tri, uint32_t k)
+{
+    const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[tri]];
+    double longest = 0;
+    uint32_t depth = 0;
+    w->map = &scene->emission_maps[mesh->emission_map - 1];
+    for (size_t v = 0; v < 3; v++) {
+        for (int i = 0; i < 3; i++) w->p[v][i] = (double)lc_tri_vertex(scene->pos, scene->index, tri, v)[i];
+        lc_textured_uv(scene, mesh, (uint32_t)tri, v, w->uv[v]);
+    }
+    for (size_t v = 0; v < 3; v++) {
+        double du = (w->uv[v][0] - w->uv[(v + 1) % 3][0]) * w->map->levels[0].width;
+        double dv = (w->uv[v][1] - w->uv[(v + 1) % 3][1]) * w->map->levels[0].height;
+        longest = fmax(longest, fmax(fabs(du), fabs(dv)));
+    }
+    while (depth < MAX_DEPTH && (longest > ldexp(1, (int)depth) || ldexp(1, 2 * (int)depth) < 4.0 * k)) depth++;
+    w->width = fmax(longest / ldexp(1, (int)depth), 1), w->n_parts = ldexp(1, 2 * (int)depth);
+    return depth;
+}
+
+void lc_area_map_mean(const lc_scene *scene, size_t tri, double rgb[3])
+{
+    walk w = { .n_lights = 0 };
+    visit(&w, whole, begin(&w, scene, tri, 1), add_up);
+    for (int k = 0; k < 3; k++) rgb[k] = w.sum[k] / w.n_parts;
+}
+
+lc_status lc_area_map_lights(lc_scene *scene, size_t tri, uint32_t k, const lc_light *base, uint64_t seed)
+{
+    walk w = { .scene = scene, .base = base, .n_lights = k, .seed = seed };
+    uint32_t depth = begin(&w, scene, tri, k);
+    w.weight[0] = (double)base->intensity.x, w.weight[1] = (double)base->intensity.y, w.weight[2] = (double)base->intensity.z;
+    visit(&w, whole, depth, add_up);
+    w.total = power_of(&w, w.sum);
+    memset(w.sum, 0, sizeof w.sum);
+    visit(&w, whole, depth, share);
+    if (w.made < k) add_light(&w); /* the last share has no end */
+    return w.status;
+}

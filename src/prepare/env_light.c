@@ -1,0 +1,283 @@
+/* env_light.c - see env_light.h. A table of sums over all rectangles from the corner finds where to cut: a rectangle for k lights is
+ * cut across its longer side into one for k / 2 and one for the rest, by weighted power. Cuts go through texels.
+ *
+ * Weights come from CANDIDATES lights of equal power that are made first and tried at points that the camera sees. Most of the sky
+ * that stands outside the windows of a room lights none of them. Against weights of 1, mrse of 5,000 lights' exact picture against
+ * that of 60,000 without weights, two seeds: living room 0.0059 and 0.0064 -> 0.0041 and 0.0040, buddha-fractal in the open 2.6 and
+ * 3.7 -> 1.6 and 1.4 e-4, spheres on a plane 1.1 and 1.1 -> 0.45 and 0.40 e-6. Chances from weights, with lights kept or not, would
+ * keep the map's sum on average only. */
+#include "prepare/env_light.h"
+
+#include "base/rng.h"
+#include "prepare/env_importance.h"
+
+#include <string.h>
+
+#define CANDIDATES LC_SIZE(4096, 96)
+#define VIEW_SIDE LC_SIZE(64, 6)
+#define GRID_SIDE LC_SIZE(64, 8) /* texels, at least, of a map that is weighed */
+
+typedef struct rect {
+    double lo[2], hi[2]; /* texels: x, y */
+} rect;
+
+typedef struct table {
+    lc_scene *scene;
+    const lc_env *env;
+    uint32_t fine, w, h; /* a texel of the map is cut into fine * fine: w * h of them in all */
+    double *power;      /* (w + 1) * (h + 1): power of the texels left of x and above y */
+    double *weighted;   /* the same of weighted power; NULL: all weigh the same */
+    double *cut_by;     /* one of these */
+    double *solid;      /* h: solid angle of a texel */
+    uint64_t seed;
+    uint64_t n_made;
+    rect *tried;        /* where the lights that are made now go, only to be tried; NULL: they are the scene's */
+    lc_light *candidates;
+    double *weights;    /* of these */
+} table;
+
+/* ---- power of rectangles ---- */
+
+static double power_of(const double rgb[3]) { return (rgb[0] + rgb[1] + rgb[2]) / 3; }
+
+static double sum_to(const table *t, const double *sums, double x, double y)
+{
+    size_t ix = (size_t)fmin(x, t->w - 1.0), iy = (size_t)fmin(y, t->h - 1.0), row = (size_t)t->w + 1;
+    const double *s = sums + iy * row + ix;
+    double fx = x - (double)ix, fy = y - (double)iy;
+    return (1 - fy) * ((1 - fx) * s[0] + fx * s[1]) + fy * ((1 - fx) * s[row] + fx * s[row + 1]);
+}
+
+static double sum_in(const table *t, const double *sums, const rect *r)
+{
+    return (sum_to(t, sums, r->hi[0], r->hi[1]) - sum_to(t, sums, r->lo[0], r->hi[1])) -
+           (sum_to(t, sums, r->hi[0], r->lo[1]) - sum_to(t, sums, r->lo[0], r->lo[1]));
+}
+
+static double sum_before(const table *t, const double *sums, const rect *r, int axis, double at)
+{
+    rect part = *r;
+    part.hi[axis] = at;
+    return sum_in(t, sums, &part);
+}
+
+/* Where `share` of the rectangle's sum lies before. Between lines of texels it rises linearly. */
+static double find_cut(const table *t, const double *sums, const rect *r, int axis, double share)
+{
+    double from = r->lo[axis], to = r->hi[axis], before = 0, target = share * sum_in(t, sums, r);
+    int64_t a = (int64_t)floor(from) + 1, b = (int64_t)ceil(to) - 1;
+    while (a <= b) {
+        int64_t line = a + (b - a) / 2;
+        double p = sum_before(t, sums, r, axis, (double)line);
+        if (p <= target) from = (double)line, before = p, a = line + 1;
+        else to = (double)line, b = line - 1;
+    }
+    double after = sum_before(t, sums, r, axis, to), f = after > before ? (target - before) / (after - before) : 0.5;
+    return from + fmin(fmax(f, 0), 1) * (to - from);
+}
+
+/* ---- lights ---- */
+
+/* Length of [lo, hi] in [i, i + 1]. */
+static double overlap(double lo, double hi, uint32_t i) { return fmax(fmin(hi, i + 1.0) - fmax(lo, i), 0); }
+
+static void irradiance(const table *t, const rect *r, double sum[3])
+{
+    double rgb[3];
+    sum[0] = sum[1] = sum[2] = 0;
+    for (uint32_t y = (uint32_t)r->lo[1]; y < t->h && y < r->hi[1]; y++) {
+        double row[3] = { 0, 0, 0 }, share = overlap(r->lo[1], r->hi[1], y) * t->solid[y];
+        for (uint32_t x = (uint32_t)r->lo[0]; x < t->w && x < r->hi[0]; x++) {
+            double part = overlap(r->lo[0], r->hi[0], x);
+            lc_env_texel(t->env, x / t->fine, y / t->fine, rgb);
+            for (int c = 0; c < 3; c++) row[c] += part * rgb[c];
+        }
+        for (int c = 0; c < 3; c++) sum[c] += share * row[c];
+    }
+}
+
+/* A point of the rectangle, by power: a row's place first, then the place in that row. */
+static void pick(const table *t, const rect *r, double p[2])
+{
+    rect row = *r;
+    p[1] = find_cut(t, t->power, r, 1, lc_unit(lc_hash4(t->seed, t->n_made, 0, 0)));
+    double line = fmin(floor(p[1]), t->h - 1.0);
+    row.lo[1] = fmax(r->lo[1], line);
+    row.hi[1] = fmin(r->hi[1], line + 1);
+    p[0] = find_cut(t, t->power, &row, 0, lc_unit(lc_hash4(t->seed, t->n_made, 0, 1)));
+}
+
+static lc_status add_light(table *t, const rect *r)
+{
+    lc_light light = { .kind = LC_LIGHT_DIRECTIONAL, .atten = { 1, 0, 0 } };
+    double rgb[3], p[2], w[3], v[3];
+    irradiance(t, r, rgb);
+    pick(t, r, p);
+    lc_env_direction(t->env, p[0] / t->fine, p[1] / t->fine, w);
+    lc_xform_vector(&t->env->to_world, w, v);
+    light.intensity = lc_f3_make((float)rgb[0], (float)rgb[1], (float)rgb[2]);
+    light.dir = lc_f3_normalize_d(-v[0], -v[1], -v[2]);
+    uint64_t i = t->n_made++;
+    if (!t->tried) return lc_scene_add_light(t->scene, (lc_pos){ 0, 0, 0 }, &light);
+    t->tried[i] = *r, t->candidates[i] = light;
+    return LC_OK;
+}
+
+/* The axis along which the rectangle is longer, seen from the scene. */
+static int longer(const table *t, const rect *r)
+{
+    double across = (r->hi[0] - r->lo[0]) / t->w, down = (r->hi[1] - r->lo[1]) / t->h;
+    if (t->env->mapping == LC_ENV_LATLONG) {
+        double sine, cosine;
+        lc_sincos_deg(90 * (r->lo[1] + r->hi[1]) / t->h, &sine, &cosine);
+        across *= 2 * sine;
+    }
+    return down > across;
+}
+
+/* Goes as deep as k has bits. */
+static lc_status cut(table *t, const rect *r, uint32_t k)
+{
+    if (k == 1) return add_light(t, r);
+    rect first = *r, second = *r;
+    int axis = longer(t, r);
+    first.hi[axis] = second.lo[axis] = find_cut(t, t->cut_by, r, axis, (k / 2) / (double)k);
+    lc_status st = cut(t, &first, k / 2);
+    return st ? st : cut(t, &second, k - k / 2);
+}
+
+/* ---- maps ---- */
+
+static double fill(table *t)
+{
+    size_t row = (size_t)t->w + 1;
+    double rgb[3];
+    for (uint32_t y = 0; y < t->h; y++) {
+        double sum = 0;
+        t->solid[y] = lc_env_solid_angle(t->env, y / t->fine) / ((double)t->fine * t->fine);
+        for (uint32_t x = 0; x < t->w; x++) {
+            lc_env_texel(t->env, x / t->fine, y / t->fine, rgb);
+            sum += power_of(rgb) * t->solid[y];
+            t->power[(y + 1) * row + x + 1] = t->power[y * row + x + 1] + sum;
+        }
+    }
+    return t->power[row * ((size_t)t->h + 1) - 1];
+}
+
+static size_t n_sums(const table *t) { return ((size_t)t->w + 1) * ((size_t)t->h + 1); }
+
+/* Adds a rectangle's power times its weight to the texels that it covers. */
+static void weigh(table *t, const rect *r, double weight)
+{
+    size_t row = (size_t)t->w + 1;
+    double rgb[3];
+    for (uint32_t y = (uint32_t)r->lo[1]; y < t->h && y < r->hi[1]; y++) {
+        double share = overlap(r->lo[1], r->hi[1], y) * t->solid[y] * weight;
+        for (uint32_t x = (uint32_t)r->lo[0]; x < t->w && x < r->hi[0]; x++) {
+            lc_env_texel(t->env, x / t->fine, y / t->fine, rgb);
+            t->weighted[(y + 1) * row + x + 1] += share * overlap(r->lo[0], r->hi[0], x) * power_of(rgb);
+        }
+    }
+}
+
+/* Makes sums of what stands in the table. */
+static void sum_up(const table *t, double *sums)
+{
+    size_t row = (size_t)t->w + 1;
+    for (uint32_t y = 0; y < t->h; y++) {
+        double sum = 0;
+        for (uint32_t x = 0; x < t->w; x++) {
+            double *s = &sums[(y + 1) * row + x + 1];
+            sum += *s;
+            *s = s[-(ptrdiff_t)row] + sum;
+        }
+    }
+}
+
+/* Tries CANDIDATES lights of equal power, so that dark parts of the sky get fewer lights. */
+static lc_status try_candidates(table *t, const rect *all, const lc_vpl_view *view)
+{
+    const lc_context *ctx = t->scene->ctx;
+    t->weighted = lc_alloc(ctx, n_sums(t), sizeof *t->weighted);
+    t->tried = lc_alloc_raw(ctx, CANDIDATES, sizeof *t->tried);
+    t->candidates = lc_alloc_raw(ctx, CANDIDATES, sizeof *t->candidates);
+    t->weights = lc_alloc_raw(ctx, CANDIDATES, sizeof *t->weights);
+    lc_status st = t->weighted && t->tried && t->candidates && t->weights ? LC_OK : LC_ERR_MEMORY;
+    if (!st) st = cut(t, all, CANDIDATES);
+    if (!st) st = lc_env_weights(view, t->candidates, CANDIDATES, t->seed, t->weights);
+    if (!st) {
+        for (uint32_t i = 0; i < CANDIDATES; i++) weigh(t, &t->tried[i], t->weights[i]);
+        sum_up(t, t->weighted);
+        t->cut_by = t->weighted;
+    }
+    lc_free(ctx, t->tried, CANDIDATES, sizeof *t->tried);
+    lc_free(ctx, t->candidates, CANDIDATES, sizeof *t->candidates);
+    lc_free(ctx, t->weights, CANDIDATES, sizeof *t->weights);
+    t->scene->n_env_tried += t->n_made;
+    t->tried = NULL, t->n_made = 0;
+    return st;
+}
+
+static lc_status make(table *t, uint32_t k, const lc_vpl_view *view)
+{
+    rect all = { { 0, 0 }, { t->w, t->h } };
+    const lc_context *ctx = t->scene->ctx;
+    t->power = lc_alloc(ctx, n_sums(t), sizeof *t->power);
+    t->solid = lc_alloc(ctx, t->h, sizeof *t->solid);
+    lc_status st = t->power && t->solid ? LC_OK : LC_ERR_MEMORY;
+    if (!st && fill(t) > 0) {
+        t->cut_by = t->power;
+        if (view->n && k > 1) st = try_candidates(t, &all, view);
+        if (!st) st = cut(t, &all, k);
+    }
+    lc_free(ctx, t->power, n_sums(t), sizeof *t->power);
+    lc_free(ctx, t->weighted, n_sums(t), sizeof *t->weighted);
+    lc_free(ctx, t->solid, t->h, sizeof *t->solid);
+    return st;
+}
+
+/* What is weighed needs a grid that is fine enough to tell directions, of which a constant map has none. */
+static void init_table(table *t, lc_scene *scene, size_t env, bool weighed, uint64_t seed)
+{
+    uint32_t w = lc_env_width(&scene->envs[env]), h = lc_env_height(&scene->envs[env]), side = w < h ? w : h;
+    *t = (table){ .scene = scene, .env = &scene->envs[env], .seed = lc_hash2(seed, env) };
+    t->fine = weighed ? (GRID_SIDE + side - 1) / side : 1;
+    t->w = w * t->fine, t->h = h * t->fine;
+}
+
+static double env_power(const lc_env *env)
+{
+    double sum = 0, rgb[3];
+    for (uint32_t y = 0; y < lc_env_height(env); y++) {
+        double solid = lc_env_solid_angle(env, y);
+        for (uint32_t x = 0; x < lc_env_width(env); x++) lc_env_texel(env, x, y, rgb), sum += power_of(rgb) * solid;
+    }
+    return sum;
+}
+
+static lc_status make_all(lc_scene *scene, uint32_t n_lights, uint64_t seed, const lc_vpl_view *view)
+{
+    double total = 0, before = 0;
+    for (size_t i = 0; i < scene->n_envs; i++) total += env_power(&scene->envs[i]);
+    for (size_t i = 0; i < scene->n_envs && total > 0; i++) {
+        table t;
+        init_table(&t, scene, i, view->n > 0, seed);
+        /* The share of this map: rounding the running sum keeps the total. */
+        double power = env_power(t.env), first = floor(before / total * n_lights + 0.5);
+        before += power;
+        uint32_t k = (uint32_t)(floor(before / total * n_lights + 0.5) - first);
+        if (!(power > 0)) continue;
+        lc_status st = make(&t, k ? k : 1, view);
+        if (st) return st;
+    }
+    return LC_OK;
+}
+
+lc_status lc_env_lights_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed)
+{
+    lc_vpl_view view = { 0 };
+    lc_status st = scene->n_envs && scene->bvh ? lc_vpl_view_init(&view, scene, VIEW_SIDE, max_depth) : LC_OK;
+    if (!st) st = make_all(scene, n_lights, seed, &view);
+    lc_vpl_view_free(&view);
+    return st;
+}

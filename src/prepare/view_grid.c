@@ -1,0 +1,163 @@
+/* view_grid.c - see view_grid.h. */
+#include "prepare/view_grid.h"
+
+#include "base/pool.h"
+#include "base/rng.h"
+#include "scene/sight.h"
+#include "shade/shade.h"
+#include "trace/bvh.h"
+
+#include <string.h>
+
+#define SAMPLE 1024 /* far lights at each point */
+#define NEAR 64.0f  /* lights within 8 r are near: what is lost beyond falls as 1 / d^4 */
+#define BATCH 64
+
+static const lc_material grey = { .kd = { 0.5f, 0.5f, 0.5f } };
+
+lc_status lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t side, uint32_t max_depth)
+{
+    const double lens[2] = { 0.5, 0.5 };
+    const double width = scene->film.width, height = scene->film.height;
+    *view = (lc_vpl_view){ .scene = scene, .side = side };
+    view->points = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->points);
+    view->org = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->org);
+    if (!view->points || !view->org) return LC_ERR_MEMORY;
+    for (uint32_t i = 0; i < side * side; i++) {
+        lc_f3 org, dir;
+        lc_sight sight;
+        lc_camera_ray(&scene->camera, (i % side + 0.5) / side * width, (i / side + 0.5) / side * height, lens, &org, &dir);
+        if (!lc_sight_trace(scene, org, dir, scene->camera.pixel, max_depth, &sight) || !sight.n_lit) continue;
+        const lc_lit *lit = &sight.lit[0];
+        lc_point_init(&view->points[view->n], lit->surface.pos, lit->surface.n, lit->view, &grey, LC_MIN_D2);
+        memcpy(view->org[view->n++], lit->surface.ray_org, sizeof view->org[0]);
+    }
+    return LC_OK;
+}
+
+void lc_vpl_view_free(lc_vpl_view *view)
+{
+    size_t n = (size_t)view->side * view->side;
+    if (!n) return;
+    lc_free(view->scene->ctx, view->points, n, sizeof *view->points);
+    lc_free(view->scene->ctx, view->org, n, sizeof *view->org);
+    *view = (lc_vpl_view){ 0 };
+}
+
+static float luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec, const float *atten, float min_d2)
+{
+    lc_point near = *p;
+    near.min_d2 = min_d2;
+    return lc_luminance(lc_f3_mul(lc_shade_light(&near, light->kind, rec, atten), light->intensity));
+}
+
+float lc_view_luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec)
+{
+    return luminance(p, light, rec, NULL, LC_MIN_D2);
+}
+
+/* Rays go from the light, so that they have one origin. */
+double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t hash)
+{
+    const lc_bvh *bvh = view->scene->bvh;
+    const float org[3] = { light->pos.x, light->pos.y, light->pos.z };
+    float to[3][LC_WORTH_POINTS], f[LC_WORTH_POINTS];
+    const float *const target[3] = { to[0], to[1], to[2] };
+    uint8_t hidden[LC_WORTH_POINTS];
+    uint32_t n = 0;
+    double sum = 0;
+    lc_light_rec rec;
+    lc_light_rec_init(&rec, light);
+    for (uint32_t k = 0; k < LC_WORTH_POINTS && view->n; k++) {
+        uint32_t from = view->n * k / LC_WORTH_POINTS, end = view->n * (k + 1) / LC_WORTH_POINTS; /* spread over the picture */
+        uint32_t i = from + (uint32_t)(lc_hash2(hash, k) % (end > from ? end - from : 1));
+        f[n] = luminance(&view->points[i], light, &rec, NULL, LC_MIN_D2);
+        if (!(f[n] > 0)) continue;
+        for (int c = 0; c < 3; c++) to[c][n] = view->org[i][c];
+        n++;
+    }
+    if (n) bvh->kernels->hidden(&bvh->data, org, n, target, false, hidden, NULL);
+    for (uint32_t k = 0; k < n; k++) sum += hidden[k] ? 0 : (double)f[k];
+    return sum / LC_WORTH_POINTS;
+}
+
+/* ---- loss ---- */
+
+typedef struct job {
+    const lc_vpl_view *view;
+    size_t first, n;
+    uint64_t seed;
+    double soft[LC_VIEW_SIDE * LC_VIEW_SIDE], hard[LC_VIEW_SIDE * LC_VIEW_SIDE];
+} job;
+
+/* Lights at a point that wait for their shadow rays. */
+typedef struct group {
+    job *j;
+    uint64_t item;
+    float each; /* of these lights stands for so many */
+    uint32_t n;
+    float target[3][BATCH], soft[BATCH], hard[BATCH];
+} group;
+
+static void trace(group *g)
+{
+    uint8_t hidden[BATCH];
+    const float *const t[3] = { g->target[0], g->target[1], g->target[2] };
+    const lc_vpl_view *view = g->j->view;
+    if (g->n) view->scene->bvh->kernels->hidden(&view->scene->bvh->data, view->org[g->item], g->n, t, false, hidden, NULL);
+    for (uint32_t i = 0; i < g->n; i++) {
+        if (hidden[i]) continue;
+        g->j->soft[g->item] += (double)(g->soft[i] * g->each);
+        g->j->hard[g->item] += (double)(g->hard[i] * g->each);
+    }
+    g->n = 0;
+}
+
+static void add(group *g, const lc_light *light)
+{
+    const lc_point *p = &g->j->view->points[g->item];
+    lc_light_rec rec;
+    lc_light_rec_init(&rec, light);
+    float hard = luminance(p, light, &rec, NULL, fmaxf(LC_MIN_D2, light->atten[0] / 16));
+    if (!(hard > 0)) return;
+    g->hard[g->n] = hard, g->soft[g->n] = luminance(p, light, &rec, light->atten, LC_MIN_D2);
+    g->target[0][g->n] = light->pos.x, g->target[1][g->n] = light->pos.y, g->target[2][g->n] = light->pos.z;
+    if (++g->n == BATCH) trace(g);
+}
+
+static bool is_near(const lc_point *p, const lc_light *light)
+{
+    lc_f3 d = lc_f3_sub(light->pos, lc_f3_load(p->pos));
+    return lc_f3_dot(d, d) < NEAR * light->atten[0];
+}
+
+/* All lights that are near, and one of each of SAMPLE equal ranges of those that are not. */
+static void try_point(void *user, uint32_t thread, uint64_t item)
+{
+    job *j = user;
+    const lc_point *p = &j->view->points[item];
+    const lc_light *lights = j->view->scene->lights + j->first;
+    size_t n_sample = j->n < SAMPLE ? j->n : SAMPLE;
+    group g = { .j = j, .item = item, .each = 1 };
+    (void)thread;
+    for (size_t i = 0; i < j->n; i++)
+        if (is_near(p, &lights[i])) add(&g, &lights[i]);
+    trace(&g);
+    g.each = (float)j->n / (float)n_sample;
+    for (size_t k = 0; k < n_sample; k++) {
+        size_t from = j->n * k / n_sample, to = j->n * (k + 1) / n_sample;
+        const lc_light *light = &lights[from + lc_hash4(j->seed, item, k, 3) % (to - from)];
+        if (!is_near(p, light)) add(&g, light);
+    }
+    trace(&g);
+}
+
+double lc_vpl_loss(const lc_vpl_view *view, size_t first, uint64_t seed)
+{
+    job j = { .view = view, .first = first, .n = view->scene->n_lights - first, .seed = seed };
+    double soft = 0, hard = 0;
+    if (!j.n) return 0;
+    lc_parallel(view->scene->ctx, view->n, try_point, &j);
+    for (uint32_t i = 0; i < view->n; i++) soft += j.soft[i], hard += j.hard[i];
+    return hard > 0 ? 1 - soft / hard : 0;
+}

@@ -1,0 +1,20 @@
+/* chunk.h - the attributes of a part of a picture. */
+#ifndef LC_CHUNK_H
+#define LC_CHUNK_H
+
+#include "base/context.h"
+
+#define LC_CHUNK_ATTR "lightcuts/chunk"          /* "3/16" */
+#define LC_CHUNK_CROP_ATTR "lightcuts/chunkOf"   /* "0,800,0,600", the whole crop */
+#define LC_CHUNK_SCENE_ATTR "lightcuts/sceneId"  /* 16 hexadecimal digits, as is the next */
+#define LC_CHUNK_OPTIONS_ATTR "lightcuts/optionsId"
+
+typedef struct lc_chunk {
+    uint32_t k, n, crop[4];
+    lc_identity id;
+} lc_chunk;
+
+/* False: no part, or its pixels are not those that k, n and crop mean. */
+bool lc_chunk_read(const lc_image *image, lc_chunk *out);
+
+#endif

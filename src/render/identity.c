@@ -1,0 +1,51 @@
+/* identity.c - what a picture depends on, as two numbers. */
+#include "base/digest.h"
+#include "scene/scene.h"
+
+#include <string.h>
+
+/* A field was added? Hash it below if it shapes the picture, then put the new size here. */
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 72, "lc_render_identity: hash the new field of lc_load_desc");
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 112, "lc_render_identity: hash the new field of lc_render_desc");
+
+static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *scene)
+{
+    lc_digest_u64(d, load->area_lights);
+    lc_digest_u64(d, load->env_lights);
+    lc_digest_u64(d, load->seed);
+    lc_digest_u64(d, load->n_reps);
+    lc_digest_u64(d, (uint64_t)load->builder);
+    lc_digest_u64(d, load->max_pixels);
+    lc_digest_u64(d, load->indirect_lights);
+    lc_digest_u64(d, load->max_depth ? load->max_depth : scene->max_depth);
+}
+
+/* What is 0 and means the scene's is taken as that, as it gives the same picture. */
+static void add_render(lc_digest *d, const lc_render_desc *r, const lc_scene *scene)
+{
+    lc_digest_u64(d, (uint64_t)r->method);
+    lc_digest_number(d, (double)r->error_ratio);
+    lc_digest_u64(d, r->max_cut);
+    lc_digest_number(d, (double)r->dark_floor);
+    lc_digest_u64(d, r->spp ? r->spp : scene->film.spp);
+    lc_digest_u64(d, r->seed);
+    lc_digest_u64(d, r->aovs);
+    lc_digest_u64(d, r->max_depth ? r->max_depth : scene->max_depth);
+}
+
+lc_status lc_render_identity(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, lc_identity *id)
+{
+    uint32_t crop[4];
+    lc_digest d = { 0 };
+    if (!id) return LC_ERR_ARG;
+    *id = (lc_identity){ 0 };
+    lc_status st = lc_render_crop(ctx, scene, desc, crop);
+    if (st) return st;
+    lc_digest_add(&d, LC_VERSION, sizeof LC_VERSION);
+    lc_digest_u64(&d, scene->film.width);
+    lc_digest_u64(&d, scene->film.height);
+    add_load(&d, &scene->load, scene);
+    add_render(&d, desc, scene);
+    *id = (lc_identity){ scene->input_id, lc_digest_result(&d) };
+    return LC_OK;
+}

@@ -1,0 +1,173 @@
+/* instance.c - see instance.h.
+ *
+ * Boxes. A world ray is rounded once into the object's space: u = 2^-24 of the origin's coordinates, and u t of the
+ * direction's. With O_j no less than any |origin_j| there, hit points and so t direction_j are within 2 O_j, and the kernels'
+ * own roundings, of sheared vertices, within 4 u times what they subtract: all of it below 16 u O_j. In the world that is
+ * 16 u sum_j |M_kj| O_j along axis k. Boxes are padded by it, so that no hit lies outside for any ray from inside the scene.
+ * S = twice the largest coordinate of anything in the scene stands for where rays start, O_j = sum_i |M^-1_ji| S + |o_j|.
+ */
+#include "scene/instance.h"
+
+#include "scene/alpha.h"
+
+#define PAD 0x1p-20
+#define MAX_CONDITION 1e3
+#define MAX_SCALE 1e6
+
+struct lc_level {
+    lc_placed data;
+    lc_bvh *boxes, **bvhs; /* of objects */
+    lc_bvh_data *objects;
+    size_t n_objects;
+};
+
+/* Largest sum of a row of the 3x3. */
+static double norm(const lc_xform *a)
+{
+    double most = 0;
+    for (int k = 0; k < 3; k++) most = fmax(most, fabs(a->m[4 * k]) + fabs(a->m[4 * k + 1]) + fabs(a->m[4 * k + 2]));
+    return most;
+}
+
+bool lc_instance_fits(const lc_xform *x)
+{
+    const double *m = x->m;
+    lc_xform inverse;
+    bool affine = fabs(m[12]) + fabs(m[13]) + fabs(m[14]) <= 0 && fabs(m[15] - 1) <= 0;
+    if (!affine || !lc_xform_finite(x) || !lc_xform_invert(x, &inverse)) return false;
+    double grow = norm(x), shrink = norm(&inverse);
+    return grow <= MAX_SCALE && shrink <= MAX_SCALE && grow * shrink <= MAX_CONDITION;
+}
+
+/* ---- boxes ---- */
+
+/* Corners of a box in the world. */
+static void add_corners(const lc_instance *at, const float lo[3], const float hi[3], lc_box *box)
+{
+    for (int i = 0; i < 8; i++) {
+        const float p[3] = { i & 1 ? hi[0] : lo[0], i & 2 ? hi[1] : lo[1], i & 4 ? hi[2] : lo[2] };
+        float q[3];
+        lc_instance_point(at, p, q);
+        lc_box_add(box, lc_f3_load(q));
+    }
+}
+
+/* Around the boxes of the root's children, tighter than around the object's. Few rotated objects fill their box. */
+static lc_box box_of(const lc_instance *at, const lc_bvh_data *object)
+{
+    lc_box box = lc_box_empty();
+    const lc_bvh_node *root = object->nodes;
+    for (size_t i = 0; i < 8 && object->n_nodes; i++) {
+        if (root->child[i] == LC_NONE) continue;
+        const float lo[3] = { root->lo[0][i], root->lo[1][i], root->lo[2][i] };
+        const float hi[3] = { root->hi[0][i], root->hi[1][i], root->hi[2][i] };
+        add_corners(at, lo, hi, &box);
+    }
+    return box;
+}
+
+/* Twice the largest coordinate in the scene. */
+static double reach(const lc_scene *s)
+{
+    double most = fmax((double)lc_f3_max_abs(s->bounds.lo), (double)lc_f3_max_abs(s->bounds.hi));
+    for (int k = 0; k < 3; k++) most = fmax(most, fabs(s->camera.origin[k]));
+    for (size_t i = 0; i < s->n_lights; i++)
+        if (s->lights[i].kind != LC_LIGHT_DIRECTIONAL) most = fmax(most, (double)lc_f3_max_abs(s->lights[i].pos));
+    return 2 * most;
+}
+
+/* Pads a box to pos: lo, hi. */
+static void pad_box(const lc_instance *at, const lc_box *box, double s, float *pos)
+{
+    double o[3], lo[3] = { (double)box->lo.x, (double)box->lo.y, (double)box->lo.z };
+    double hi[3] = { (double)box->hi.x, (double)box->hi.y, (double)box->hi.z };
+    for (int j = 0; j < 3; j++) {
+        const double *m = at->to_object + 4 * j;
+        o[j] = (fabs(m[0]) + fabs(m[1]) + fabs(m[2])) * s + fabs(m[3]);
+    }
+    for (int k = 0; k < 3; k++) {
+        const double *m = at->to_world + 4 * k;
+        double pad = PAD * (fabs(m[0]) * o[0] + fabs(m[1]) * o[1] + fabs(m[2]) * o[2] + s);
+        pos[k] = (float)(lo[k] - pad);
+        pos[3 + k] = (float)(hi[k] + pad);
+    }
+}
+
+/* A BVH over the boxes, each as a triangle with its corners. */
+static lc_status build_boxes(lc_scene *s, lc_level *level)
+{
+    const size_t n = s->n_instances;
+    lc_box *boxes = lc_alloc_raw(s->ctx, n, sizeof *boxes);
+    float *pos = lc_alloc_raw(s->ctx, 6 * n, sizeof *pos);
+    uint32_t *index = lc_alloc_raw(s->ctx, 3 * n, sizeof *index);
+    lc_status st = boxes && pos && index ? LC_OK : LC_ERR_MEMORY;
+    for (size_t i = 0; i < n && !st; i++) {
+        boxes[i] = box_of(&s->instances[i], &level->objects[s->instances[i].object]);
+        lc_box_join(&s->bounds, &boxes[i]);
+    }
+    double far = st ? 0 : reach(s);
+    for (size_t i = 0; i < n && !st; i++) {
+        pad_box(&s->instances[i], &boxes[i], far, pos + 6 * i);
+        index[3 * i] = index[3 * i + 2] = 2 * (uint32_t)i, index[3 * i + 1] = 2 * (uint32_t)i + 1;
+    }
+    if (!st) st = lc_bvh_build(s->ctx, pos, index, n, &level->boxes);
+    lc_free(s->ctx, boxes, n, sizeof *boxes);
+    lc_free(s->ctx, pos, 6 * n, sizeof *pos);
+    lc_free(s->ctx, index, 3 * n, sizeof *index);
+    return st;
+}
+
+/* ---- all of it ---- */
+
+lc_status lc_instances_build(lc_scene *s)
+{
+    if (!s->n_instances) return LC_OK;
+    lc_level *level = s->level = lc_alloc(s->ctx, 1, sizeof *level);
+    if (!level) return LC_ERR_MEMORY;
+    level->n_objects = s->n_objects;
+    level->bvhs = lc_alloc(s->ctx, level->n_objects, sizeof *level->bvhs);
+    level->objects = lc_alloc(s->ctx, level->n_objects, sizeof *level->objects);
+    lc_status st = level->bvhs && level->objects ? LC_OK : LC_ERR_MEMORY;
+    for (size_t i = 0; i < level->n_objects && !st; i++) {
+        const lc_object *o = &s->objects[i];
+        st = lc_bvh_build(s->ctx, s->pos, s->index + 3 * (size_t)o->first_tri, o->n_tris, &level->bvhs[i]);
+        if (st) return st;
+        level->objects[i] = level->bvhs[i]->data;
+        level->objects[i].first_tri = o->first_tri;
+        level->objects[i].alpha = lc_alpha_of(s, o->first_tri, o->n_tris);
+    }
+    if (!st) st = build_boxes(s, level);
+    if (st) return st;
+    level->data = (lc_placed){ level->boxes->data, s->instances, level->objects };
+    s->bvh->data.placed = &level->data;
+    return LC_OK;
+}
+
+void lc_instances_free(lc_scene *s)
+{
+    lc_level *level = s->level;
+    lc_free(s->ctx, s->instances, s->cap_instances, sizeof *s->instances);
+    lc_free(s->ctx, s->objects, s->cap_objects, sizeof *s->objects);
+    if (!level) return;
+    for (size_t i = 0; i < level->n_objects && level->bvhs; i++) lc_bvh_destroy(level->bvhs[i]);
+    lc_bvh_destroy(level->boxes);
+    lc_free(s->ctx, level->bvhs, level->n_objects, sizeof *level->bvhs);
+    lc_free(s->ctx, level->objects, level->n_objects, sizeof *level->objects);
+    lc_free(s->ctx, level, 1, sizeof *level);
+}
+
+size_t lc_instances_bytes(const lc_scene *s)
+{
+    const lc_level *level = s->level;
+    size_t sum = s->cap_instances * sizeof *s->instances;
+    if (!level) return sum;
+    for (size_t i = 0; i < level->n_objects; i++) sum += lc_bvh_bytes(level->bvhs[i]);
+    return sum + lc_bvh_bytes(level->boxes);
+}
+
+uint64_t lc_instanced_tris(const lc_scene *s)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < s->n_instances; i++) sum += s->objects[s->instances[i].object].n_tris;
+    return sum;
+}

@@ -1,0 +1,82 @@
+/* pixel_filter.c - filters as tables of their integral over cells; see pixel_filter.h. */
+#include "scene/pixel_filter.h"
+
+#include "base/fmath.h"
+#include "base/xform.h"
+
+#include <math.h>
+
+/* [Mitchell88] eq. 8 over -2 .. 2. */
+static double mitchell(double x, double b, double c)
+{
+    x = fabs(x);
+    if (x >= 2) return 0;
+    if (x >= 1) return (((-b - 6 * c) * x + (6 * b + 30 * c)) * x + (-12 * b - 48 * c)) * x / 6 + (8 * b + 24 * c) / 6;
+    return ((12 - 9 * b - 6 * c) * x + (-18 + 12 * b + 6 * c)) * x * x / 6 + (6 - 2 * b) / 6;
+}
+
+/* sin(pi x) / (pi x) */
+static double sinc(double x)
+{
+    double s, c;
+    lc_sincos_deg(180 * x, &s, &c);
+    return fabs(x) < 1e-5 ? 1 : s / (LC_PI * x);
+}
+
+static double value(const lc_pixel_filter_desc *d, double radius, double x)
+{
+    switch (d->kind) {
+    case LC_PIXEL_TRIANGLE: return radius - fabs(x);
+    case LC_PIXEL_GAUSSIAN: return lc_exp_neg(-d->shape[0] * x * x) - lc_exp_neg(-d->shape[0] * radius * radius);
+    case LC_PIXEL_MITCHELL: return mitchell(2 * x / radius, d->shape[0], d->shape[1]);
+    case LC_PIXEL_SINC: return sinc(x) * sinc(x / d->shape[0]);
+    case LC_PIXEL_BOX: break;
+    }
+    return 1;
+}
+
+static bool init_axis(lc_pixel_filter_axis *a, const lc_pixel_filter_desc *d, double radius)
+{
+    double sum = 0;
+    a->radius = radius;
+    for (int i = 0; i < LC_PIXEL_FILTER_CELLS; i++) {
+        double f = value(d, radius, ((i + 0.5) * 2 / LC_PIXEL_FILTER_CELLS - 1) * radius);
+        a->cdf[i] = sum;
+        a->negative[i] = f < 0;
+        sum += fabs(f);
+    }
+    if (!(sum > 0 && sum < 1e6)) return false;
+    for (int i = 0; i < LC_PIXEL_FILTER_CELLS; i++) a->cdf[i] /= sum;
+    a->cdf[LC_PIXEL_FILTER_CELLS] = 1;
+    return true;
+}
+
+bool lc_pixel_filter_init(lc_pixel_filter *f, const lc_pixel_filter_desc *d)
+{
+    for (int k = 0; k < 2; k++) {
+        if (!(d->radius[k] >= LC_MIN_RADIUS && d->radius[k] <= LC_MAX_RADIUS)) return false;
+        if (!(fabs(d->shape[k]) <= 1e3)) return false;
+    }
+    if (d->kind == LC_PIXEL_GAUSSIAN && !(d->shape[0] > 0)) return false;
+    if (d->kind == LC_PIXEL_SINC && !(d->shape[0] >= LC_MIN_RADIUS)) return false;
+    return init_axis(&f->axis[0], d, d->radius[0]) && init_axis(&f->axis[1], d, d->radius[1]);
+}
+
+static double sample_axis(const lc_pixel_filter_axis *a, double u, double *offset)
+{
+    int lo = 0, hi = LC_PIXEL_FILTER_CELLS; /* cdf[lo] <= u < cdf[hi] */
+    while (hi - lo > 1) {
+        int mid = (lo + hi) / 2;
+        if (a->cdf[mid] <= u) lo = mid;
+        else hi = mid;
+    }
+    double within = (u - a->cdf[lo]) / (a->cdf[hi] - a->cdf[lo]);
+    *offset = ((lo + within) * 2 / LC_PIXEL_FILTER_CELLS - 1) * a->radius;
+    return a->negative[lo] ? -1 : 1;
+}
+
+double lc_pixel_filter_sample(const lc_pixel_filter *f, const double u[2], double offset[2])
+{
+    double x = sample_axis(&f->axis[0], u[0], &offset[0]);
+    return x * sample_axis(&f->axis[1], u[1], &offset[1]);
+}

@@ -1,0 +1,156 @@
+/* sight.c - see sight.h. */
+#include "scene/sight.h"
+
+#include "scene/sun.h"
+#include "shade/fresnel.h"
+
+#define MIN_WEIGHT 1e-12f /* of all channels: what comes after can't be seen */
+
+/* On its way. */
+typedef struct ray {
+    lc_f3 org, dir, weight;
+    float way;      /* length behind it */
+    uint32_t depth; /* mirrors and glass surfaces behind it */
+} ray;
+
+typedef struct trace {
+    const lc_scene *scene;
+    lc_sight *out;
+    double pixel;
+    uint32_t max_depth, n_splits, n_rough, n_rays;
+    ray rays[LC_MAX_SPLITS + LC_MAX_ROUGH + 1];
+} trace;
+
+static lc_f3 reflect(lc_f3 dir, lc_f3 n) { return lc_f3_sub(dir, lc_f3_scale(n, 2 * lc_f3_dot(n, dir))); }
+
+lc_f3 lc_mirror_leave(const lc_surface *s, lc_f3 dir)
+{
+    lc_f3 r = reflect(dir, s->n);
+    if (lc_f3_dot(r, s->ng) < 0) r = reflect(r, s->ng);
+    return lc_f3_normalize(r);
+}
+
+/* All orders of reflection between the two sides of a sheet. */
+static float of_sheet(float f) { return 2 * f / (1 + f); }
+
+static lc_f3 refract(const lc_surface *s, lc_f3 dir, float cos_i, float eta)
+{
+    float cos_t = sqrtf(fmaxf(1 - (1 - cos_i * cos_i) / (eta * eta), 0));
+    lc_f3 t = lc_f3_add(lc_f3_scale(dir, 1 / eta), lc_f3_scale(s->n, cos_i / eta - cos_t));
+    if (lc_f3_dot(t, s->ng) > 0) t = reflect(t, s->ng);
+    return lc_f3_normalize(t);
+}
+
+void lc_glass_split(const lc_surface *s, lc_f3 dir, lc_split *split)
+{
+    const lc_material *m = &s->material;
+    float cos_i = fminf(fmaxf(-lc_f3_dot(dir, s->n), 0), 1), eta = s->front ? m->eta.x : 1 / m->eta.x;
+    float f = lc_fresnel_dielectric(cos_i, m->thin ? m->eta.x : eta);
+    if (m->thin) f = of_sheet(f);
+    split->reflected = lc_f3_scale(m->ks, f);
+    split->through = lc_f3_scale(m->kt, 1 - f);
+    split->out = m->thin ? dir : refract(s, dir, cos_i, eta);
+    split->radiance = m->thin ? 1 : 1 / (eta * eta);
+}
+
+static void send(trace *t, const ray *from, lc_f3 org, lc_f3 dir, lc_f3 weight, float way)
+{
+    t->rays[t->n_rays++] = (ray){ org, dir, weight, way, from->depth + 1 };
+}
+
+static void meet_mirror(trace *t, const ray *r, const lc_surface *s, float least)
+{
+    float cos_i = -lc_f3_dot(r->dir, s->n);
+    bool inside = s->material.mirror && !s->front; /* a coat is on both sides */
+    lc_f3 weight = lc_f3_mul(r->weight, lc_reflectance(&s->material, cos_i, inside));
+    if (r->depth < t->max_depth && lc_f3_max(weight) > least)
+        send(t, r, lc_f3_load(s->ray_org), lc_mirror_leave(s, r->dir), weight, s->t);
+}
+
+static void meet_glass(trace *t, const ray *r, const lc_surface *s)
+{
+    lc_split split;
+    float behind[3];
+    lc_glass_split(s, r->dir, &split);
+    lc_f3 back = lc_f3_mul(r->weight, split.reflected);
+    lc_f3 on = lc_f3_scale(lc_f3_mul(r->weight, split.through), split.radiance);
+    if (r->depth == t->max_depth) return;
+    bool is_back = lc_f3_max(back) > LC_LEAST_SHARE, is_on = lc_f3_max(on) > LC_LEAST_SHARE;
+    if (is_back && is_on && t->n_splits == LC_MAX_SPLITS) {
+        is_on = lc_luminance(on) > lc_luminance(back);
+        is_back = !is_on;
+    }
+    t->n_splits += is_back && is_on;
+    if (is_back) send(t, r, lc_f3_load(s->ray_org), lc_mirror_leave(s, r->dir), back, s->t);
+    lc_surface_behind(s, behind);
+    if (is_on) send(t, r, lc_f3_load(behind), split.out, on, s->t);
+}
+
+/* The other side of a surface that lets light through. */
+static void turn_over(lc_lit *lit)
+{
+    lc_surface *s = &lit->surface;
+    lc_surface_behind(s, s->ray_org);
+    s->n = lc_f3_neg(s->n), s->ng = lc_f3_neg(s->ng), s->front = !s->front;
+    s->material = (lc_material){ .kd = s->material.kt };
+}
+
+/* A lobe so narrow that it is followed as a mirror; what is below it is lit all the same. */
+static bool is_smooth(const lc_scene *scene, const lc_material *m)
+{
+    bool narrow = scene->follows_smooth && fmaxf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS;
+    return m->gloss == LC_GLOSS_GGX && lc_f3_max(m->ks) > 0 && (m->smooth || narrow);
+}
+
+static void meet(trace *t, const ray *r, const lc_surface *s)
+{
+    lc_sight *out = t->out;
+    out->emission = lc_f3_add(out->emission, lc_f3_mul(r->weight, s->emission));
+    if (s->material.glass) {
+        meet_glass(t, r, s);
+    } else if (s->material.mirror) {
+        meet_mirror(t, r, s, MIN_WEIGHT);
+    } else if (r->depth < t->max_depth) {
+        bool smooth = is_smooth(t->scene, &s->material);
+        if (smooth) meet_mirror(t, r, s, LC_LEAST_SHARE);
+        if (smooth && !(lc_f3_max(s->material.kd) > 0)) return;
+        t->n_rough++;
+        out->lit[out->n_lit++] = (lc_lit){ *s, lc_f3_neg(r->dir), r->weight, r->depth };
+        if (smooth) out->lit[out->n_lit - 1].surface.material.ks = lc_f3_make(0, 0, 0);
+        if (!(lc_f3_max(s->material.kt) > 0)) return;
+        out->lit[out->n_lit] = out->lit[out->n_lit - 1];
+        turn_over(&out->lit[out->n_lit++]);
+    }
+}
+
+/* Of equally strong rays the one that was sent first. */
+static ray take_strongest(trace *t)
+{
+    uint32_t best = 0;
+    for (uint32_t i = 1; i < t->n_rays; i++)
+        if (lc_luminance(t->rays[i].weight) > lc_luminance(t->rays[best].weight)) best = i;
+    ray r = t->rays[best];
+    t->n_rays--;
+    for (uint32_t i = best; i < t->n_rays; i++) t->rays[i] = t->rays[i + 1];
+    return r;
+}
+
+bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, uint32_t max_depth, lc_sight *out)
+{
+    trace t;
+    ray r = { org, dir, lc_f3_make(1, 1, 1), 0, 0 };
+    t.scene = scene, t.out = out, t.pixel = pixel, t.max_depth = max_depth;
+    t.n_splits = t.n_rough = t.n_rays = 0;
+    out->n_rays = out->n_lit = 0;
+    out->emission = lc_f3_make(0, 0, 0);
+    if (!lc_surface_hit(scene, org, dir, pixel, &out->first)) return false;
+    meet(&t, &r, &out->first);
+    while (t.n_rays && t.n_rough < LC_MAX_ROUGH) {
+        lc_surface s;
+        r = take_strongest(&t);
+        out->n_rays++;
+        if (lc_surface_hit_after(scene, r.org, r.dir, r.way, pixel, &s)) meet(&t, &r, &s);
+        else out->emission = lc_f3_add(out->emission, lc_f3_mul(r.weight, lc_background(scene, r.dir)));
+    }
+    return true;
+}

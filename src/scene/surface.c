@@ -1,0 +1,126 @@
+/* surface.c - position from barycentric weights (better than origin + t dir), normals, offset of shadow rays. */
+#include "scene/surface.h"
+
+#include "scene/instance.h"
+#include "scene/material_eval.h"
+
+static lc_f3 mix(const float *const v[3], float u, float w)
+{
+    float s = 1 - u - w;
+    return lc_f3_make(s * v[0][0] + u * v[1][0] + w * v[2][0], s * v[0][1] + u * v[1][1] + w * v[2][1],
+                      s * v[0][2] + u * v[1][2] + w * v[2][2]);
+}
+
+/* The interpolated position is within 4 ulp of the plane, ulp of the largest coordinate; shadow rays start twice that
+ * and the rounding of the start itself above it. */
+static void set_ray_origin(lc_surface *s, lc_f3 ng, float size)
+{
+    lc_f3 o = lc_f3_add(s->pos, lc_f3_scale(ng, 10 * 0x1p-23f * size));
+    lc_f3_store(s->ray_org, o);
+}
+
+void lc_surface_behind(const lc_surface *s, float org[3])
+{
+    const float pos[3] = { s->pos.x, s->pos.y, s->pos.z };
+    for (int k = 0; k < 3; k++) org[k] = pos[k] - (s->ray_org[k] - pos[k]);
+}
+
+/* World space. */
+typedef struct {
+    const float *p[3], *n[3]; /* n: where the mesh has normals */
+    float placed_p[3][3], placed_n[3][3]; /* what they point to, of an instance */
+} corners;
+
+/* To copies of the object's corners, the same that object.c makes. */
+static void place_corners(const lc_instance *at, bool has_normals, corners *c)
+{
+    double rows[9];
+    lc_xform x = { { 0 } };
+    for (int i = 0; i < 12; i++) x.m[i] = at->to_world[i];
+    x.m[15] = 1;
+    if (has_normals) lc_xform_normal_rows(&x, rows);
+    for (int k = 0; k < 3; k++) {
+        lc_instance_point(at, c->p[k], c->placed_p[k]);
+        c->p[k] = c->placed_p[k];
+        if (!has_normals) continue;
+        lc_xform_normal(rows, c->n[k], c->placed_n[k]);
+        c->n[k] = c->placed_n[k];
+    }
+}
+
+/* What a shadow ray's rounding into the object's space amounts to, as a coordinate of the world would: largest coordinate o of
+ * the triangle there, seen along the normal. An error of e in each axis of the object shifts by e |M^T n|_1 along n. */
+static float object_size(const lc_scene *scene, const lc_hit *hit, lc_f3 n)
+{
+    const lc_instance *at = &scene->instances[hit->instance];
+    double size = 0, sum = 0;
+    for (size_t k = 0; k < 3; k++)
+        size = fmax(size, (double)lc_f3_max_abs(lc_f3_load(lc_tri_vertex(scene->pos, scene->index, hit->tri, k))));
+    for (int j = 0; j < 3; j++)
+        sum += fabs((double)n.x * at->to_world[j] + (double)n.y * at->to_world[4 + j] + (double)n.z * at->to_world[8 + j]);
+    return (float)(size * sum);
+}
+
+static void corners_of(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, corners *c)
+{
+    for (size_t k = 0; k < 3; k++) {
+        c->p[k] = lc_tri_vertex(scene->pos, scene->index, hit->tri, k);
+        if (mesh->has_normals) c->n[k] = lc_tri_vertex(scene->normal, scene->index, hit->tri, k);
+    }
+    if (hit->instance != LC_NONE) place_corners(&scene->instances[hit->instance], mesh->has_normals, c);
+}
+
+/* Evaluates textures. A normal that they tilt below the surface (ng, as wound) stays as it was. */
+static lc_f3 textured_normal(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
+                             double pixel, lc_f3 ns, lc_f3 ng, lc_material *m)
+{
+    bool turned = !mesh->has_normals && mesh->flip; /* ns is on the winding's side, not the mesh's */
+    lc_f3 own = turned ? lc_f3_neg(ns) : ns, tilted = own;
+    lc_textured_material(scene, mesh, corner, hit, dir, pixel, m, &tilted);
+    bool below = (lc_f3_dot(tilted, ng) > 0) != (lc_f3_dot(own, ng) > 0);
+    if (below) return ns;
+    return turned ? lc_f3_neg(tilted) : tilted;
+}
+
+bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, lc_surface *out)
+{
+    return lc_surface_hit_after(scene, org, dir, 0, pixel, out);
+}
+
+bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way, double pixel, lc_surface *out)
+{
+    const float o[3] = { org.x, org.y, org.z }, d[3] = { dir.x, dir.y, dir.z };
+    corners c;
+    lc_hit hit;
+    scene->bvh->kernels->closest(&scene->bvh->data, o, d, FLT_MAX, &hit);
+    if (hit.tri == LC_NONE) return false;
+    hit.t += way;
+    const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[hit.tri]];
+    corners_of(scene, mesh, &hit, &c);
+    const float *const *v = c.p;
+    lc_f3 p0 = lc_f3_load(v[0]), e1 = lc_f3_sub(lc_f3_load(v[1]), p0), e2 = lc_f3_sub(lc_f3_load(v[2]), p0);
+    lc_f3 ng = lc_f3_normalize(lc_f3_cross(e1, e2)), ns = ng;
+    bool back = mesh->flip != (hit.instance != LC_NONE && scene->instances[hit.instance].mirrored);
+    out->pos = mix(v, hit.u, hit.v);
+    float size = fmaxf(lc_f3_max_abs(p0), fmaxf(lc_f3_max_abs(lc_f3_load(v[1])), lc_f3_max_abs(lc_f3_load(v[2]))));
+    if (hit.instance != LC_NONE) size += object_size(scene, &hit, ng);
+    if (mesh->has_normals) {
+        lc_f3 n = lc_f3_normalize(mix(c.n, hit.u, hit.v));
+        if (lc_f3_dot(n, n) > 0) ns = n, back = lc_f3_dot(ng, n) < 0;
+    }
+    out->material = scene->materials[mesh->material_id];
+    if (mesh->textured) ns = textured_normal(scene, mesh, v, &hit, dir, pixel, ns, ng, &out->material);
+    bool away = lc_f3_dot(ng, dir) > 0; /* the winding's side faces away from the viewer */
+    if (away) ng = lc_f3_neg(ng);
+    if (lc_f3_dot(ns, ng) < 0) ns = lc_f3_neg(ns);
+    out->n = ns;
+    out->ng = ng;
+    out->t = hit.t;
+    out->front = back == away;
+    out->emission = out->front || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
+    if (mesh->emission_map && lc_f3_max(out->emission) > 0)
+        out->emission = lc_f3_mul(out->emission, lc_textured_emission(scene, mesh, v, &hit, dir, pixel));
+    if (mesh->brushed) out->material.tangent = lc_textured_tangent(scene, mesh, v, &hit);
+    set_ray_origin(out, ng, size);
+    return true;
+}

@@ -1,0 +1,112 @@
+/* cluster.c - joining and storing of clusters. */
+#include "shade/cluster.h"
+
+static float min_f(float a, float b) { return b < a ? b : a; }
+static float max_f(float a, float b) { return b > a ? b : a; }
+
+void lc_cluster_from_light(lc_cluster *c, const lc_light *light)
+{
+    lc_f3 p = light->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(light->dir) : light->pos;
+    *c = (lc_cluster){ .kind = light->kind };
+    lc_f3_store(c->lo, p);
+    lc_f3_store(c->hi, p);
+    if (lc_is_aimed(light->kind)) {
+        lc_f3_store(c->dlo, light->dir);
+        lc_f3_store(c->dhi, light->dir);
+    }
+    c->power[0] = light->intensity.x, c->power[1] = light->intensity.y, c->power[2] = light->intensity.z;
+    for (int k = 0; k < 3; k++) c->atten[k] = light->kind == LC_LIGHT_SPOT ? k == 2 : light->atten[k];
+    if (light->kind == LC_LIGHT_SPOT) c->spot[0] = light->spot.cos_total, c->spot[1] = light->spot.cos_start;
+}
+
+void lc_cluster_join(lc_cluster *out, const lc_cluster *a, const lc_cluster *b)
+{
+    lc_cluster c = { .kind = a->kind };
+    for (int k = 0; k < 3; k++) {
+        c.lo[k] = min_f(a->lo[k], b->lo[k]);
+        c.hi[k] = max_f(a->hi[k], b->hi[k]);
+        c.dlo[k] = min_f(a->dlo[k], b->dlo[k]);
+        c.dhi[k] = max_f(a->dhi[k], b->dhi[k]);
+        c.power[k] = a->power[k] + b->power[k];
+        c.atten[k] = min_f(a->atten[k], b->atten[k]);
+    }
+    for (int k = 0; k < 2; k++) c.spot[k] = min_f(a->spot[k], b->spot[k]);
+    *out = c;
+}
+
+/* The sphere through the box's corners has centre C = (lo + hi) / 2 and radius R = |hi - lo| / 2; it cuts the unit
+ * sphere in the cap cos(beta) = (|C|^2 + 1 - R^2) / (2 |C|). */
+double lc_cluster_cone(const lc_cluster *c, double axis[3])
+{
+    double s2 = 0, r2 = 0;
+    for (int k = 0; k < 3; k++) {
+        axis[k] = (double)c->dlo[k] + c->dhi[k];
+        double w = (double)c->dhi[k] - c->dlo[k];
+        s2 += axis[k] * axis[k];
+        r2 += w * w;
+    }
+    if (!lc_is_aimed(c->kind)) return 1;
+    double s = sqrt(s2);
+    if (s < 0.1) { /* too near the whole sphere for the axis to mean anything */
+        axis[0] = axis[1] = 0, axis[2] = 1;
+        return -1;
+    }
+    for (int k = 0; k < 3; k++) axis[k] /= s;
+    double cos_beta = (s2 + 4 - r2) / (4 * s);
+    return cos_beta < -1 ? -1 : cos_beta > 1 ? 1 : cos_beta;
+}
+
+double lc_cluster_diag2(const lc_cluster *c)
+{
+    double d2 = 0;
+    for (int k = 0; k < 3; k++) {
+        double w = (double)c->hi[k] - c->lo[k];
+        d2 += w * w;
+    }
+    return d2;
+}
+
+static float round_up(double x)
+{
+    float f = (float)x;
+    return (double)f < x ? nextafterf(f, INFINITY) : f;
+}
+
+/* Least float >= a - b in exact arithmetic. The double difference is itself rounded where exponents are far apart:
+ * e is what it lacks (Knuth's two-sum). */
+static float difference_up(double a, double b)
+{
+    double d = a - b, z = d - a, e = (a - (d - z)) + (-b - z);
+    float f = round_up(d);
+    return (double)f == d && e > 0 ? nextafterf(f, INFINITY) : f;
+}
+
+static float round_down(double x) { return -round_up(-x); }
+
+/* Directions and axis are unit only to float rounding, d = 1.2e-7 each in length and direction: the cap's cosine moves
+ * by at most d (1 + 2 / |C|), |C| >= 0.05 where a cone is formed. Taken as 4 d (1 + 1 / |C|). */
+static double cone_slack(const lc_cluster *c)
+{
+    double s2 = 0;
+    for (int k = 0; k < 3; k++) s2 += ((double)c->dlo[k] + c->dhi[k]) * ((double)c->dlo[k] + c->dhi[k]);
+    return 4.8e-7 * (1 + 2 / sqrt(s2));
+}
+
+void lc_cluster_store(const lc_cluster *c, lc_node *node, lc_atten *atten)
+{
+    double axis[3], cos_cone = lc_cluster_cone(c, axis);
+    for (int k = 0; k < 3; k++) {
+        double lo = c->lo[k], hi = c->hi[k];
+        float center = (float)(0.5 * (lo + hi));
+        node->center[k] = center;
+        node->half[k] = max_f(difference_up(hi, center), difference_up(center, lo));
+        node->power[k] = round_up(c->power[k]);
+        node->axis[k] = (float)axis[k];
+        if (atten) (*atten)[k] = c->atten[k];
+    }
+    bool one_direction = c->dlo[0] == c->dhi[0] && c->dlo[1] == c->dhi[1] && c->dlo[2] == c->dhi[2];
+    for (int k = 0; k < 3 && one_direction; k++) node->axis[k] = c->dlo[k]; /* exact: no slack */
+    if (one_direction) cos_cone = 1;
+    else if (cos_cone > -1) cos_cone = fmax(-1, cos_cone - cone_slack(c));
+    node->cos_cone = round_down(cos_cone);
+}

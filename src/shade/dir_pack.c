@@ -1,0 +1,58 @@
+/* dir_pack.c - packing of unit vectors. Unpacking is done in estimate_tmpl.c too, by the same operations. */
+#include "shade/dir_pack.h"
+
+#include <string.h>
+
+static float of_bits(uint32_t bits)
+{
+    float f;
+    memcpy(&f, &bits, sizeof f);
+    return f;
+}
+
+static uint32_t to_bits(float f)
+{
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    return bits;
+}
+
+lc_f3 lc_dir_unpack(const uint32_t word[2])
+{
+    float a = of_bits(word[0] & ~(LC_DIR_FLAG | LC_DIR_SIGN)), b = of_bits(word[1] & ~LC_DIR_FLAG);
+    float rest = 1 - a * a - b * b, w = sqrtf(rest > 0 ? rest : 0);
+    w = of_bits(to_bits(w) ^ (word[0] & LC_DIR_SIGN) << 31);
+    if (word[0] & LC_DIR_FLAG) return lc_f3_make(w, a, b);
+    return word[1] & LC_DIR_FLAG ? lc_f3_make(a, w, b) : lc_f3_make(a, b, w);
+}
+
+/* With component k made anew. */
+static void pack_about(const float d[3], int k, uint32_t word[2])
+{
+    word[0] = to_bits(d[k == 0 ? 1 : 0]) & ~(LC_DIR_FLAG | LC_DIR_SIGN);
+    word[1] = to_bits(d[k == 2 ? 1 : 2]) & ~LC_DIR_FLAG;
+    word[0] |= (k == 0 ? LC_DIR_FLAG : 0) | (d[k] < 0 ? LC_DIR_SIGN : 0);
+    word[1] |= k == 1 ? LC_DIR_FLAG : 0;
+}
+
+void lc_dir_pack(lc_f3 dir, uint32_t word[2])
+{
+    const float d[3] = { dir.x, dir.y, dir.z }, most = lc_f3_max_abs(dir);
+    int best = fabsf(d[0]) == most ? 0 : fabsf(d[1]) == most ? 1 : 2;
+    /* What was unpacked packs as it was, also where rounding has made another component the largest. */
+    for (int i = 0; i < 3; i++) {
+        int k = (best + i) % 3;
+        if (fabsf(d[k]) < 0.5f) continue; /* then another is above 1 / sqrt 2, perhaps above 1 */
+        pack_about(d, k, word);
+        lc_f3 u = lc_dir_unpack(word);
+        if (u.x == dir.x && u.y == dir.y && u.z == dir.z) return;
+    }
+    pack_about(d, best, word);
+}
+
+lc_f3 lc_dir_round(lc_f3 d)
+{
+    uint32_t word[2];
+    lc_dir_pack(d, word);
+    return lc_dir_unpack(word);
+}

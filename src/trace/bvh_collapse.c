@@ -1,0 +1,267 @@
+/* bvh_collapse.c - from the binary tree to eight-wide nodes and blocks of eight triangles.
+ *
+ * Which descendants of a binary node become the children of a wide one is settled by dynamic programming (Ylitie, Karras,
+ * Laine 2017, "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", 3.2), from the leaves up: with
+ * C(n, i) the least cost of the subtree of n as at most i children, l and r its children,
+ *
+ *     C(n, 1) = min(area NODE_COST + min over k of C(l, k) + C(r, 8 - k), area BLOCK_COST if n has at most 8 triangles)
+ *     C(n, i) = min(C(n, i - 1), min over k of C(l, k) + C(r, i - k))
+ *
+ * The plan in a node's info: for i = 2 .. 8 three bits at 3 (i - 2), the best k, 0 where C(n, i) = C(n, i - 1).
+ */
+#include "trace/bvh_build.h"
+
+#include "base/pool.h"
+#include "base/vec.h"
+
+#include <string.h>
+
+#define NODE_COST 1.0f
+#define BLOCK_COST 1.0f /* half and 2.5 times as much change the nodes and blocks that a ray meets by 1 % */
+
+static float area_of(const lc_bin_node *n)
+{
+    float x = n->hi[0] - n->lo[0], y = n->hi[1] - n->lo[1], z = n->hi[2] - n->lo[2];
+    return x * y + y * z + z * x;
+}
+
+lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_bvh_costs *right)
+{
+    const float area = area_of(node);
+    lc_bvh_costs c;
+    if (!left) {
+        for (int i = 0; i < 7; i++) c.at_most[i] = area * BLOCK_COST;
+        c.height = 0;
+        return c;
+    }
+    float l[8], r[8]; /* l[k] = C(l, k) */
+    for (int i = 0; i < 7; i++) l[i + 1] = left->at_most[i], r[i + 1] = right->at_most[i];
+    float opened[9];
+    uint32_t plan[9];
+    for (uint32_t i = 2; i <= 8; i++) {
+        opened[i] = l[1] + r[i - 1], plan[i] = 1;
+        for (uint32_t k = 2; k < i; k++)
+            if (l[k] + r[i - k] < opened[i]) opened[i] = l[k] + r[i - k], plan[i] = k;
+    }
+    float best = area * NODE_COST + opened[8];
+    uint32_t info = node->info | plan[8] << 18;
+    if (info >> LC_BIN_COUNT_SHIFT & 15 && !(area * BLOCK_COST > best)) {
+        best = area * BLOCK_COST;
+        info |= LC_BIN_BLOCK;
+    }
+    c.at_most[0] = best;
+    for (uint32_t i = 2; i <= 7; i++) {
+        if (opened[i] < best) best = opened[i], info |= plan[i] << 3 * (i - 2);
+        c.at_most[i - 1] = best;
+    }
+    node->info = info;
+    c.height = 1 + (left->height > right->height ? left->height : right->height);
+    return c;
+}
+
+static bool is_block(const lc_bin_node *n) { return n->info & (LC_BIN_LEAF | LC_BIN_BLOCK); }
+
+static bool stands_before(const lc_bin_node *a, const lc_bin_node *b)
+{
+    if (is_block(a) != is_block(b)) return is_block(a);
+    return is_block(a) ? area_of(a) < area_of(b) : area_of(a) > area_of(b);
+}
+
+/* Blocks first, the smallest of them first, then nodes, the largest first. Rays that are blocked visit 2 to 5 % fewer
+ * nodes than in the order of the binary tree while any_hit tests blocks in order and pops the last node first. */
+static void sort_children(const lc_bin_node *nodes, uint32_t *child, uint32_t n)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        uint32_t x = child[i], k = i;
+        for (; k > 0 && stands_before(&nodes[x], &nodes[child[k - 1]]); k--) child[k] = child[k - 1];
+        child[k] = x;
+    }
+}
+
+/* The binary nodes that are the children of a wide one made from `root`. */
+static uint32_t children_of(const lc_bin_node *nodes, uint32_t root, uint32_t out[8])
+{
+    struct {
+        uint32_t node, n;
+    } stack[9];
+    uint32_t n_stack = 0, n_out = 0;
+    stack[n_stack].node = root, stack[n_stack++].n = 8;
+    if (nodes[root].info & (LC_BIN_LEAF | LC_BIN_BLOCK)) stack[0].n = 1;
+    while (n_stack) {
+        uint32_t node = stack[--n_stack].node, n = stack[n_stack].n, k = 0, info = nodes[node].info;
+        if (info & LC_BIN_LEAF) n = 1;
+        while (n > 1 && !(k = info >> 3 * (n - 2) & 7)) n--;
+        if (n == 1) {
+            out[n_out++] = node;
+            continue;
+        }
+        stack[n_stack].node = nodes[node].left + 1, stack[n_stack++].n = n - k;
+        stack[n_stack].node = nodes[node].left, stack[n_stack++].n = k;
+    }
+    sort_children(nodes, out, n_out);
+    return n_out;
+}
+
+/* ---- nodes and blocks ---- */
+
+/* A subtree of wide nodes for one thread. */
+typedef struct {
+    uint32_t root;           /* binary node */
+    uint32_t node, block;    /* first of its nodes and blocks; before that their number */
+} job;
+
+typedef struct {
+    const lc_bvh_builder *b;
+    lc_bvh *bvh;
+    float pad[3];
+    uint32_t *top; /* binary nodes of wide ones that are above all jobs */
+    job *jobs;
+    size_t n_top, n_jobs, n_top_blocks, cap_top, cap_jobs;
+} collapse;
+
+static void fill_block(const lc_bvh_builder *b, const lc_bin_node *leaf, lc_tri_block *blk)
+{
+    const lc_bin_node *first = leaf;
+    const uint32_t n = leaf->info >> LC_BIN_COUNT_SHIFT & 15;
+    while (!(first->info & LC_BIN_LEAF)) first = &b->nodes[first->left];
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t tri = b->order[first->left + i];
+        blk->tri[i] = tri;
+        for (size_t v = 0; v < 3; v++) {
+            const float *p = lc_tri_vertex(b->pos, b->index, tri, v);
+            for (size_t k = 0; k < 3; k++) blk->v[v][k][i] = p[k];
+        }
+    }
+    for (uint32_t i = n; i < 8; i++) { /* empty lanes fail every comparison */
+        blk->tri[i] = LC_NONE;
+        for (size_t v = 0; v < 3; v++)
+            for (size_t k = 0; k < 3; k++) blk->v[v][k][i] = NAN;
+    }
+}
+
+/* Boxes, and children that are blocks, from *block on. The others' binary nodes to inner, their lanes to lane. */
+static uint32_t fill_node(const collapse *c, lc_bvh_node *node, uint32_t root, uint32_t *block, uint32_t inner[8], uint32_t lane[8])
+{
+    uint32_t child[8], n = children_of(c->b->nodes, root, child), n_inner = 0;
+    memset(node->pad, 0, sizeof node->pad);
+    for (uint32_t i = 0; i < 8; i++) {
+        const lc_bin_node *from = i < n ? &c->b->nodes[child[i]] : NULL;
+        for (int k = 0; k < 3; k++) {
+            node->lo[k][i] = from ? from->lo[k] - c->pad[k] : FLT_MAX;
+            node->hi[k][i] = from ? from->hi[k] + c->pad[k] : -FLT_MAX;
+        }
+        node->child[i] = LC_NONE;
+        if (from && is_block(from)) {
+            fill_block(c->b, from, &c->bvh->blocks[*block]);
+            node->child[i] = LC_BVH_LEAF | (*block)++;
+        } else if (from) {
+            inner[n_inner] = child[i], lane[n_inner++] = i;
+        }
+    }
+    return n_inner;
+}
+
+static void count_job(void *user, uint32_t thread, uint64_t item)
+{
+    const collapse *c = user;
+    job *j = &c->jobs[item];
+    uint32_t stack[LC_BVH_STACK], n_stack = 0, child[8];
+    (void)thread;
+    stack[n_stack++] = j->root;
+    while (n_stack) {
+        uint32_t n = children_of(c->b->nodes, stack[--n_stack], child);
+        j->node++;
+        for (uint32_t i = 0; i < n; i++) {
+            if (is_block(&c->b->nodes[child[i]])) j->block++;
+            else stack[n_stack++] = child[i];
+        }
+    }
+}
+
+/* A node's children stand together, the subtree of the first before that of the next. */
+static void fill_job(void *user, uint32_t thread, uint64_t item)
+{
+    const collapse *c = user;
+    const job *j = &c->jobs[item];
+    struct {
+        uint32_t root, wide;
+    } stack[LC_BVH_STACK];
+    uint32_t n_stack = 0, next = j->node, block = j->block, inner[8], lane[8];
+    (void)thread;
+    stack[n_stack].root = j->root, stack[n_stack++].wide = next++;
+    while (n_stack) {
+        uint32_t root = stack[--n_stack].root;
+        lc_bvh_node *node = &c->bvh->nodes[stack[n_stack].wide];
+        uint32_t n = fill_node(c, node, root, &block, inner, lane);
+        for (uint32_t i = 0; i < n; i++) node->child[lane[i]] = next + i;
+        for (uint32_t i = n; i-- > 0;) stack[n_stack].root = inner[i], stack[n_stack++].wide = next + i;
+        next += n;
+    }
+}
+
+/* Level by level, so that the nth child of its kind found here is the nth found by fill_top. */
+static lc_status list_jobs(collapse *c)
+{
+    const lc_bin_node *nodes = c->b->nodes;
+    uint32_t child[8] = { 0 }, n = 1; /* first the root */
+    for (size_t t = 0;; t++) {
+        lc_status st = lc_grow(c->b->ctx, (void **)&c->top, &c->cap_top, c->n_top + 8, sizeof *c->top);
+        if (!st) st = lc_grow(c->b->ctx, (void **)&c->jobs, &c->cap_jobs, c->n_jobs + 8, sizeof *c->jobs);
+        if (st) return st;
+        for (uint32_t i = 0; i < n; i++) {
+            if (nodes[child[i]].info & LC_BIN_TOP) c->top[c->n_top++] = child[i];
+            else if (c->n_top && is_block(&nodes[child[i]])) c->n_top_blocks++;
+            else c->jobs[c->n_jobs++].root = child[i];
+        }
+        if (t == c->n_top) return LC_OK;
+        n = children_of(nodes, c->top[t], child);
+    }
+}
+
+static void fill_top(const collapse *c)
+{
+    uint32_t block = 0, next_top = 1, next_job = 0, inner[8], lane[8];
+    for (size_t t = 0; t < c->n_top; t++) {
+        lc_bvh_node *node = &c->bvh->nodes[t];
+        for (uint32_t i = 0, n = fill_node(c, node, c->top[t], &block, inner, lane); i < n; i++)
+            node->child[lane[i]] = c->b->nodes[inner[i]].info & LC_BIN_TOP ? next_top++ : c->jobs[next_job++].node;
+    }
+}
+
+static lc_status fill(collapse *c)
+{
+    lc_bvh *bvh = c->bvh;
+    const lc_context *ctx = c->b->ctx;
+    size_t n_nodes, n_blocks;
+    lc_status st = list_jobs(c);
+    if (st) return st;
+    lc_parallel(ctx, c->n_jobs, count_job, c);
+    n_nodes = c->n_top, n_blocks = c->n_top_blocks;
+    for (size_t i = 0; i < c->n_jobs; i++) {
+        job *j = &c->jobs[i];
+        uint32_t nodes = j->node, blocks = j->block;
+        j->node = (uint32_t)n_nodes, j->block = (uint32_t)n_blocks;
+        n_nodes += nodes, n_blocks += blocks;
+    }
+    bvh->data.n_nodes = (uint32_t)n_nodes, bvh->data.n_blocks = (uint32_t)n_blocks;
+    bvh->data.nodes = bvh->nodes = lc_alloc_raw(ctx, n_nodes, sizeof *bvh->nodes);
+    bvh->data.blocks = bvh->blocks = lc_alloc_raw(ctx, n_blocks, sizeof *bvh->blocks);
+    if (!bvh->nodes || !bvh->blocks) return LC_ERR_MEMORY;
+    fill_top(c);
+    lc_parallel(ctx, c->n_jobs, fill_job, c);
+    return LC_OK;
+}
+
+lc_status lc_bvh_collapse(lc_bvh_builder *b, lc_bvh *bvh)
+{
+    collapse c = { .b = b, .bvh = bvh };
+    /* 2^-20 of the largest coordinate: the shear of the triangle test rounds a vertex by at most 3 ulp of its distance
+     * from the origin, 6 * 2^-24 of twice that coordinate while the ray starts inside the scene. */
+    float most = 0;
+    for (int k = 0; k < 3; k++) most = fmaxf(most, fmaxf(fabsf(b->nodes[0].lo[k]), fabsf(b->nodes[0].hi[k])));
+    for (int k = 0; k < 3; k++) c.pad[k] = 0x1p-20f * most;
+    lc_status st = fill(&c);
+    lc_free(b->ctx, c.top, c.cap_top, sizeof *c.top);
+    lc_free(b->ctx, c.jobs, c.cap_jobs, sizeof *c.jobs);
+    return st;
+}

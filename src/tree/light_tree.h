@@ -1,0 +1,81 @@
+/* light_tree.h - the finished tree: one per kind of light, flattened.
+ *
+ *     link        what a cluster is called: a node's id, or LC_LEAF | light
+ *     nodes       those of one kind in a row, kinds in rising order, in treelets of three levels, depth first, so that a
+ *                 descent stays on the same cache lines; parents before children
+ *     lights      in the order in which the treelets meet them, kinds in rising order
+ *     rep         representatives: slot s of a cluster is slot s of one child, chosen with probability I_child / I_cluster
+ *                 from a hash of the cluster, so P(light) = I_light / I_cluster at every cluster. A light represents itself
+ *
+ * Bytes: 96 a light; with other attenuation than 1/d^2 32 more; of a spot 32 more; 4 more for each slot where there are several.
+ */
+#ifndef LC_LIGHT_TREE_H
+#define LC_LIGHT_TREE_H
+
+#include "base/arena.h"
+#include "shade/tree_data.h"
+
+#define LC_MAX_REPS 32
+
+typedef struct lc_light_tree lc_light_tree;
+struct lc_light_tree {
+    const lc_context *ctx;
+    lc_tree_data data;
+    uint32_t *reps;      /* of slots 0 .. n_reps - 1 of each node: pixels beside each other read the same line; NULL where n_reps is 1 */
+    uint32_t n_nodes, n_lights, n_reps;
+    uint32_t n_of_kind[LC_LIGHT_KINDS];
+    uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
+    uint32_t root[LC_LIGHT_KINDS];                   /* link; LC_NONE: no light of that kind */
+};
+
+typedef struct lc_light_tree_desc {
+    const lc_light *lights;
+    size_t n_lights;
+    const lc_spot_map *spot_maps; /* of spots, or NULL; they stay the caller's, who keeps them */
+    double diag2;    /* squared diagonal of the scene: c^2 of the metric for oriented lights */
+    uint64_t seed;   /* of representatives */
+    uint32_t n_reps; /* 1..LC_MAX_REPS */
+    lc_builder builder;
+} lc_light_tree_desc;
+
+lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_tree **out);
+void lc_light_tree_destroy(lc_light_tree *tree);
+size_t lc_light_tree_bytes(const lc_light_tree *tree); /* of the arrays */
+
+/* The light that represents a cluster. */
+static inline uint32_t lc_rep_of(const lc_light_tree *t, uint32_t link, uint32_t slot)
+{
+    if (link & LC_LEAF) return link & ~LC_LEAF;
+    return t->reps ? t->reps[(size_t)link * t->n_reps + slot] : t->data.nodes[link].rep;
+}
+
+static inline lc_light_kind lc_kind_of_node(const lc_light_tree *t, uint32_t id)
+{
+    return id < t->first_node[2] ? (id < t->first_node[1] ? LC_LIGHT_POINT : LC_LIGHT_ORIENTED)
+                                 : (id < t->first_node[3] ? LC_LIGHT_DIRECTIONAL : LC_LIGHT_SPOT);
+}
+
+static inline lc_light_kind lc_kind_of_light(const lc_light_tree *t, uint32_t light)
+{
+    return light < t->first_light[2] ? (light < t->first_light[1] ? LC_LIGHT_POINT : LC_LIGHT_ORIENTED)
+                                     : (light < t->first_light[3] ? LC_LIGHT_DIRECTIONAL : LC_LIGHT_SPOT);
+}
+
+static inline lc_light_kind lc_kind_of_link(const lc_light_tree *t, uint32_t link)
+{
+    return link & LC_LEAF ? lc_kind_of_light(t, link & ~LC_LEAF) : lc_kind_of_node(t, link);
+}
+
+/* A, B, C of a light, or NULL where all are 0, 0, 1. */
+static inline const float *lc_light_atten(const lc_tree_data *t, uint32_t light)
+{
+    return t->light_atten ? t->light_atten[light] : NULL;
+}
+
+static inline lc_spot_rec *lc_light_spot(const lc_tree_data *t, uint32_t light) { return &t->light_spot[light - t->first_spot_light]; }
+static inline lc_spot_rec *lc_node_spot(const lc_tree_data *t, uint32_t node) { return &t->node_spot[node - t->first_spot_node]; }
+
+/* Checks partition, boxes, cones, sums, links, representatives; NULL when all hold, else what does not. */
+const char *lc_light_tree_validate(const lc_light_tree *tree);
+
+#endif

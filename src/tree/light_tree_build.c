@@ -1,0 +1,120 @@
+/* light_tree_build.c - the arrays of a light tree: made, filled by the builders, counted, freed. */
+#include "tree/light_tree.h"
+
+#include "shade/shade.h"
+#include "tree/tree_build.h"
+#include "tree/tree_fill.h"
+
+#include <string.h>
+
+/* Lights of one kind up to which the exact builder is the default: it takes 0.1 s then. */
+#define AUTO_EXACT 10000
+
+/* Scene indices of the lights of one kind; *out is NULL where that is all of them. */
+static lc_status index_of_kind(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_kind kind, uint32_t n, uint32_t **out)
+{
+    uint32_t *index = NULL;
+    if (n < desc->n_lights) {
+        index = lc_alloc_raw(ctx, n, sizeof *index);
+        if (!index) return LC_ERR_MEMORY;
+        for (size_t i = 0, k = 0; i < desc->n_lights; i++)
+            if (desc->lights[i].kind == kind) index[k++] = (uint32_t)i;
+    }
+    *out = index;
+    return LC_OK;
+}
+
+static lc_status build_kind(lc_light_tree *t, const lc_light_tree_desc *desc, lc_light_kind kind)
+{
+    uint32_t *index, n = t->n_of_kind[kind];
+    lc_status st = index_of_kind(t->ctx, desc, kind, n, &index);
+    if (st) return st;
+    lc_build_input in = { desc->lights, index, n, kind, lc_is_aimed(kind) ? desc->diag2 : 0 };
+    bool exact = desc->builder == LC_BUILDER_EXACT || (desc->builder == LC_BUILDER_AUTO && n <= AUTO_EXACT);
+    lc_build_pair *pairs = lc_alloc_raw(t->ctx, n, sizeof *pairs);
+    st = pairs ? LC_OK : LC_ERR_MEMORY;
+    if (!st && n > 1) st = (exact ? lc_agglomerate : lc_ploc)(t->ctx, &in, pairs);
+    if (!st) st = lc_tree_fill(t, &in, pairs, desc->seed);
+    lc_free(t->ctx, pairs, n, sizeof *pairs);
+    if (index) lc_free(t->ctx, index, n, sizeof *index);
+    return st;
+}
+
+static size_t n_all_reps(const lc_light_tree *t) { return t->n_reps > 1 ? (size_t)t->n_nodes * t->n_reps : 0; }
+
+static uint32_t n_spot_nodes(const lc_light_tree *t) { return t->first_node[LC_LIGHT_SPOT + 1] - t->first_node[LC_LIGHT_SPOT]; }
+
+static bool alloc_spots(lc_light_tree *t, const lc_light_tree_desc *desc)
+{
+    t->data.first_spot_node = t->first_node[LC_LIGHT_SPOT], t->data.first_spot_light = t->first_light[LC_LIGHT_SPOT];
+    t->data.spot_maps = desc->spot_maps;
+    t->data.node_spot = lc_alloc(t->ctx, n_spot_nodes(t), sizeof *t->data.node_spot);
+    t->data.light_spot = lc_alloc(t->ctx, t->n_of_kind[LC_LIGHT_SPOT], sizeof *t->data.light_spot);
+    return t->data.node_spot && t->data.light_spot;
+}
+
+/* Counts the lights and makes room. */
+static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
+{
+    bool other = false; /* attenuation than 1/d^2 */
+    for (size_t i = 0; i < desc->n_lights; i++) {
+        const lc_light *l = &desc->lights[i];
+        t->n_of_kind[l->kind]++;
+        other |= l->kind <= LC_LIGHT_ORIENTED && !lc_inverse_square(l->atten);
+    }
+    for (int k = 0; k < LC_LIGHT_KINDS; k++) {
+        uint32_t n = t->n_of_kind[k];
+        t->first_light[k + 1] = t->first_light[k] + n;
+        t->first_node[k + 1] = t->first_node[k] + (n > 1 ? n - 1 : 0);
+        t->root[k] = LC_NONE;
+    }
+    t->n_lights = t->first_light[LC_LIGHT_KINDS], t->n_nodes = t->first_node[LC_LIGHT_KINDS];
+    t->data.nodes = lc_alloc_raw(t->ctx, t->n_nodes, sizeof *t->data.nodes);
+    t->data.lights = lc_alloc_raw(t->ctx, t->n_lights, sizeof *t->data.lights);
+    if (!t->data.nodes || !t->data.lights) return LC_ERR_MEMORY;
+    if (t->n_reps > 1 && !(t->reps = lc_alloc_raw(t->ctx, n_all_reps(t), sizeof *t->reps))) return LC_ERR_MEMORY;
+    if (t->n_of_kind[LC_LIGHT_SPOT] && !alloc_spots(t, desc)) return LC_ERR_MEMORY;
+    if (!other) return LC_OK;
+    t->data.node_atten = lc_alloc(t->ctx, t->n_nodes, sizeof *t->data.node_atten);
+    t->data.light_atten = lc_alloc(t->ctx, t->n_lights, sizeof *t->data.light_atten);
+    return t->data.node_atten && t->data.light_atten ? LC_OK : LC_ERR_MEMORY;
+}
+
+lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_tree **out)
+{
+    *out = NULL;
+    lc_light_tree *t = lc_alloc(ctx, 1, sizeof *t);
+    if (!t) return LC_ERR_MEMORY;
+    t->ctx = ctx;
+    t->n_reps = desc->n_reps;
+    lc_status st = alloc_tree(t, desc);
+    for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++)
+        if (t->n_of_kind[kind]) st = build_kind(t, desc, (lc_light_kind)kind);
+    if (st) {
+        lc_light_tree_destroy(t);
+        return st;
+    }
+    *out = t;
+    return LC_OK;
+}
+
+void lc_light_tree_destroy(lc_light_tree *t)
+{
+    if (!t) return;
+    lc_free(t->ctx, t->data.nodes, t->n_nodes, sizeof *t->data.nodes);
+    lc_free(t->ctx, t->data.lights, t->n_lights, sizeof *t->data.lights);
+    lc_free(t->ctx, t->data.node_atten, t->n_nodes, sizeof *t->data.node_atten);
+    lc_free(t->ctx, t->data.light_atten, t->n_lights, sizeof *t->data.light_atten);
+    lc_free(t->ctx, t->data.node_spot, n_spot_nodes(t), sizeof *t->data.node_spot);
+    lc_free(t->ctx, t->data.light_spot, t->n_of_kind[LC_LIGHT_SPOT], sizeof *t->data.light_spot);
+    lc_free(t->ctx, t->reps, n_all_reps(t), sizeof *t->reps);
+    lc_free(t->ctx, t, 1, sizeof *t);
+}
+
+size_t lc_light_tree_bytes(const lc_light_tree *t)
+{
+    size_t node = sizeof *t->data.nodes + (t->data.node_atten ? sizeof(lc_atten) : 0);
+    size_t light = sizeof *t->data.lights + (t->data.light_atten ? sizeof(lc_atten) : 0);
+    size_t spot = (t->data.node_spot ? n_spot_nodes(t) + (size_t)t->n_of_kind[LC_LIGHT_SPOT] : 0) * sizeof(lc_spot_rec);
+    return t->n_nodes * node + n_all_reps(t) * sizeof *t->reps + t->n_lights * light + spot;
+}

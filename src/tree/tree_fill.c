@@ -1,0 +1,314 @@
+/* tree_fill.c - a tree is laid out from the root down, then summed up from the leaves.
+ *
+ *     treelet     up to 7 pairs of children below a cluster, level by level: 2 + 4 + 8. Its nodes come first, then all
+ *                 that is below its first exit, then below the second, ...; lights likewise. With the number of lights
+ *                 below every cluster known, each exit's place is known too, and exits can be worked on apart
+ *     batch       clusters laid out together, parents before children, with their boxes and sums
+ *     jobs        the top of the tree is one batch; below, every cluster of at most `limit` lights is one, by any thread
+ *
+ * The order of nodes does not depend on the limit, as each batch begins with an exit of a treelet.
+ */
+#include "tree/tree_fill.h"
+
+#include "base/pool.h"
+#include "base/rng.h"
+#include "shade/cluster.h"
+#include "shade/dir_pack.h"
+#include "shade/shade.h"
+
+#include <string.h>
+
+#define TREELET_PAIRS 7
+#define MIN_JOB 1024u
+#define MAX_JOB 65536u
+#define AHEAD 16 /* entries for whose lights the memory is asked */
+
+/* A cluster of a batch. build: its number in the builder's output. */
+typedef struct {
+    uint32_t build, id;
+    uint32_t below, light; /* of an exit: first id and first light of what is below */
+    uint32_t slot[2];      /* in the batch, of its children; LC_NONE: a light, or a cluster that is not laid out */
+    bool done;             /* its children are laid out */
+} entry;
+
+typedef struct {
+    lc_cluster c;
+    uint64_t hash; /* of the set of lights and how it was joined */
+} sums;
+
+typedef struct {
+    entry *entries;
+    sums *sums;
+    uint32_t *rep; /* n_reps an entry */
+    size_t n, cap_entries, cap_sums, cap_rep;
+    lc_status status;
+} batch;
+
+typedef struct {
+    lc_light_tree *t;
+    const lc_build_input *in;
+    const lc_build_pair *pairs;
+    uint64_t seed;
+    uint32_t *n_below; /* lights below each joined cluster */
+    uint32_t limit;
+    batch top, *work;  /* work: one a thread */
+    uint32_t *jobs, n_jobs; /* slots of the top */
+} filler;
+
+static uint32_t lights_below(const filler *f, uint32_t build) { return build < f->in->n ? 1 : f->n_below[build - f->in->n]; }
+
+static uint32_t scene_index(const filler *f, uint32_t build) { return f->in->index ? f->in->index[build] : build; }
+
+static lc_status grow(const filler *f, batch *b)
+{
+    const lc_context *ctx = f->t->ctx;
+    lc_status st = lc_grow(ctx, (void **)&b->entries, &b->cap_entries, b->n + 1, sizeof *b->entries);
+    if (!st) st = lc_grow(ctx, (void **)&b->sums, &b->cap_sums, b->cap_entries, sizeof *b->sums);
+    if (!st) st = lc_grow(ctx, (void **)&b->rep, &b->cap_rep, b->cap_entries * f->t->n_reps, sizeof *b->rep);
+    return st;
+}
+
+static lc_status add_entry(const filler *f, batch *b, uint32_t build, uint32_t id, uint32_t *slot)
+{
+    lc_status st = b->n < b->cap_entries ? LC_OK : grow(f, b);
+    if (st) return st;
+    *slot = (uint32_t)b->n++;
+    b->entries[*slot] = (entry){ .build = build, .id = id, .slot = { LC_NONE, LC_NONE } };
+    return LC_OK;
+}
+
+static void free_batch(const filler *f, batch *b)
+{
+    lc_free(f->t->ctx, b->entries, b->cap_entries, sizeof *b->entries);
+    lc_free(f->t->ctx, b->sums, b->cap_sums, sizeof *b->sums);
+    lc_free(f->t->ctx, b->rep, b->cap_rep, sizeof *b->rep);
+}
+
+/* ---- down ---- */
+
+/* Gives both children of an entry their places. *id, *light: the next free ones. */
+static lc_status place_children(filler *f, batch *b, uint32_t at, uint32_t *id, uint32_t *light)
+{
+    const lc_build_pair *pair = &f->pairs[b->entries[at].build - f->in->n];
+    uint32_t link[2];
+    for (int i = 0; i < 2; i++) {
+        uint32_t child = pair->child[i], slot = LC_NONE;
+        if (child < f->in->n) {
+            link[i] = LC_LEAF | (*light)++;
+        } else {
+            link[i] = (*id)++;
+            lc_status st = add_entry(f, b, child, link[i], &slot);
+            if (st) return st;
+        }
+        b->entries[at].slot[i] = slot;
+    }
+    lc_node *node = &f->t->data.nodes[b->entries[at].id];
+    node->left = link[0], node->right = link[1];
+    b->entries[at].done = true;
+    return LC_OK;
+}
+
+/* Lays out the treelet below an exit. */
+static lc_status place_treelet(filler *f, batch *b, uint32_t exit)
+{
+    uint32_t queue[2 * TREELET_PAIRS + 1], head = 0, tail = 0;
+    uint32_t id = b->entries[exit].below, light = b->entries[exit].light;
+    queue[tail++] = exit;
+    for (uint32_t placed = 0; head < tail && placed < TREELET_PAIRS; placed++) {
+        uint32_t at = queue[head++];
+        lc_status st = place_children(f, b, at, &id, &light);
+        if (st) return st;
+        for (int i = 0; i < 2; i++)
+            if (b->entries[at].slot[i] != LC_NONE) queue[tail++] = b->entries[at].slot[i];
+    }
+    for (; head < tail; head++) {
+        entry *e = &b->entries[queue[head]];
+        uint32_t n = lights_below(f, e->build);
+        e->below = id, e->light = light;
+        id += n - 2, light += n;
+    }
+    return LC_OK;
+}
+
+/* Lays out what is below entry 0, but for exits of at most `limit` lights. */
+static lc_status place_all(filler *f, batch *b, uint32_t limit)
+{
+    for (uint32_t i = 0; i < b->n; i++) {
+        if (b->entries[i].done || lights_below(f, b->entries[i].build) <= limit) continue;
+        lc_status st = place_treelet(f, b, i);
+        if (st) return st;
+    }
+    return LC_OK;
+}
+
+/* ---- up ---- */
+
+/* Writes a light and what it is as a cluster. */
+static void fill_light(const filler *f, uint32_t build, uint32_t light, sums *s)
+{
+    uint32_t scene = scene_index(f, build);
+    lc_light l = f->in->lights[scene];
+    lc_light_rec *rec = &f->t->data.lights[light];
+    lc_light_rec_init(rec, &l);
+    if (lc_is_aimed(l.kind)) l.dir = lc_dir_unpack((const uint32_t[2]){ rec->dir_a, rec->dir_b });
+    lc_tree_data *d = &f->t->data;
+    if (l.kind == LC_LIGHT_SPOT) lc_spot_rec_init(lc_light_spot(d, light), l.spot.cos_total, l.spot.cos_start, l.spot.map);
+    else if (d->light_atten) memcpy(d->light_atten[light], l.atten, sizeof l.atten);
+    lc_cluster_from_light(&s->c, &l);
+    s->hash = lc_mix(scene);
+}
+
+/* A number 0 <= u <= 1 for each slot: each is uniform, but together they are one in each n_reps-th, in an order of the
+ * cluster's own. So the slots of a cluster don't choose the same child more often than they should. */
+static void draw(const filler *f, uint64_t cluster, double u[LC_MAX_REPS])
+{
+    uint32_t n = f->t->n_reps, order[LC_MAX_REPS];
+    uint64_t h = lc_hash4(f->seed, cluster, 0, 1);
+    for (uint32_t s = 0; s < n; s++) order[s] = s;
+    for (uint32_t s = n; s-- > 1;) {
+        h = lc_mix(h);
+        uint32_t other = (uint32_t)(h % (s + 1)), was = order[s];
+        order[s] = order[other], order[other] = was;
+    }
+    for (uint32_t s = 0; s < n; s++) u[s] = (order[s] + lc_unit(lc_hash4(f->seed, cluster, s, 0))) / n;
+}
+
+/* Chooses the representatives of an entry among its children's. */
+static void choose_reps(const filler *f, batch *b, uint32_t at, const sums child[2], const uint32_t link[2])
+{
+    lc_light_tree *t = f->t;
+    const entry *e = &b->entries[at];
+    double left = lc_cluster_scalar(&child[0].c), right = lc_cluster_scalar(&child[1].c), u[LC_MAX_REPS];
+    draw(f, b->sums[at].hash, u);
+    for (uint32_t s = 0; s < t->n_reps; s++) {
+        uint32_t rep[2];
+        for (int i = 0; i < 2; i++) rep[i] = e->slot[i] == LC_NONE ? link[i] & ~LC_LEAF : b->rep[(size_t)e->slot[i] * t->n_reps + s];
+        bool is_left = u[s] * (left + right) < left;
+        uint32_t own = is_left ? rep[0] : rep[1];
+        b->rep[(size_t)at * t->n_reps + s] = own;
+        if (t->reps) t->reps[(size_t)e->id * t->n_reps + s] = own;
+        if (!s) t->data.nodes[e->id].rep = own;
+    }
+}
+
+static void fill_node(const filler *f, batch *b, uint32_t at)
+{
+    const entry *e = &b->entries[at];
+    lc_node *node = &f->t->data.nodes[e->id];
+    const uint32_t link[2] = { node->left, node->right };
+    sums child[2], *s = &b->sums[at];
+    for (int i = 0; i < 2; i++) {
+        if (e->slot[i] != LC_NONE) child[i] = b->sums[e->slot[i]];
+        else fill_light(f, f->pairs[e->build - f->in->n].child[i], link[i] & ~LC_LEAF, &child[i]);
+    }
+    lc_cluster_join(&s->c, &child[0].c, &child[1].c);
+    uint64_t x = child[0].hash, y = child[1].hash;
+    s->hash = x < y ? lc_hash2(x, y) : lc_hash2(y, x);
+    lc_cluster_store(&s->c, node, f->t->data.node_atten ? &f->t->data.node_atten[e->id] : NULL);
+    lc_tree_data *d = &f->t->data;
+    if (s->c.kind == LC_LIGHT_SPOT) lc_spot_rec_init(lc_node_spot(d, e->id), s->c.spot[0], s->c.spot[1], 0);
+    choose_reps(f, b, at, child, link);
+}
+
+/* Lights lie anywhere in the scene: asks the memory for those of an entry. */
+static void prefetch_lights(const filler *f, const entry *e)
+{
+    for (int i = 0; i < 2 && e->done; i++) {
+        uint32_t child = f->pairs[e->build - f->in->n].child[i];
+        if (child >= f->in->n) continue;
+        const lc_light *light = &f->in->lights[scene_index(f, child)];
+        __builtin_prefetch(light);
+        __builtin_prefetch(&light->kind);
+    }
+}
+
+static void fill_all(const filler *f, batch *b)
+{
+    for (size_t i = b->n; i-- > 0;) {
+        if (i >= AHEAD) prefetch_lights(f, &b->entries[i - AHEAD]);
+        if (b->entries[i].done) fill_node(f, b, (uint32_t)i);
+    }
+}
+
+static void run_job(void *user, uint32_t thread, uint64_t item)
+{
+    filler *f = user;
+    batch *b = &f->work[thread], *top = &f->top;
+    uint32_t at = f->jobs[item], slot, n_reps = f->t->n_reps;
+    const entry *e = &top->entries[at];
+    if (b->status) return;
+    b->n = 0;
+    b->status = add_entry(f, b, e->build, e->id, &slot);
+    if (b->status) return;
+    b->entries[slot].below = e->below, b->entries[slot].light = e->light;
+    b->status = place_all(f, b, 0);
+    if (b->status) return;
+    fill_all(f, b);
+    top->sums[at] = b->sums[0];
+    memcpy(top->rep + (size_t)at * n_reps, b->rep, n_reps * sizeof *b->rep);
+}
+
+/* ---- both ---- */
+
+static lc_status run_jobs(filler *f)
+{
+    const lc_context *ctx = f->t->ctx;
+    lc_status st = LC_OK;
+    f->jobs = lc_alloc_raw(ctx, f->top.n, sizeof *f->jobs);
+    f->work = lc_alloc(ctx, ctx->n_threads, sizeof *f->work);
+    if (f->jobs && f->work) {
+        for (uint32_t i = 0; i < f->top.n; i++)
+            if (!f->top.entries[i].done) f->jobs[f->n_jobs++] = i;
+        lc_parallel(ctx, f->n_jobs, run_job, f);
+        for (uint32_t i = 0; i < ctx->n_threads; i++) {
+            if (f->work[i].status) st = f->work[i].status;
+            free_batch(f, &f->work[i]);
+        }
+    } else {
+        st = LC_ERR_MEMORY;
+    }
+    lc_free(ctx, f->jobs, f->top.n, sizeof *f->jobs);
+    lc_free(ctx, f->work, ctx->n_threads, sizeof *f->work);
+    return st;
+}
+
+static lc_status fill_tree(filler *f)
+{
+    lc_light_kind kind = f->in->kind;
+    uint32_t slot, n = f->in->n, id = f->t->first_node[kind];
+    lc_status st = add_entry(f, &f->top, 2 * n - 2, id, &slot);
+    if (st) return st;
+    f->top.entries[slot].below = id + 1, f->top.entries[slot].light = f->t->first_light[kind];
+    st = place_all(f, &f->top, f->limit);
+    if (!st) st = run_jobs(f);
+    if (st) return st;
+    fill_all(f, &f->top);
+    f->t->root[kind] = id;
+    return LC_OK;
+}
+
+static void count_lights(filler *f)
+{
+    for (uint32_t i = 0; i + 1 < f->in->n; i++)
+        f->n_below[i] = lights_below(f, f->pairs[i].child[0]) + lights_below(f, f->pairs[i].child[1]);
+}
+
+lc_status lc_tree_fill(lc_light_tree *t, const lc_build_input *in, const lc_build_pair *pairs, uint64_t seed)
+{
+    uint32_t limit = in->n / 64 < MIN_JOB ? MIN_JOB : in->n / 64 > MAX_JOB ? MAX_JOB : in->n / 64;
+    filler f = { .t = t, .in = in, .pairs = pairs, .seed = seed, .limit = limit };
+    if (in->n == 1) { /* the light is the tree */
+        uint32_t light = t->first_light[in->kind];
+        sums unused;
+        fill_light(&f, 0, light, &unused);
+        t->root[in->kind] = LC_LEAF | light;
+        return LC_OK;
+    }
+    f.n_below = lc_alloc_raw(t->ctx, in->n - 1, sizeof *f.n_below);
+    lc_status st = f.n_below ? LC_OK : LC_ERR_MEMORY;
+    if (!st) count_lights(&f);
+    if (!st) st = fill_tree(&f);
+    free_batch(&f, &f.top);
+    lc_free(t->ctx, f.n_below, in->n - 1, sizeof *f.n_below);
+    return st;
+}
