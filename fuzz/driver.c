@@ -1,5 +1,6 @@
-/* driver.c - replays files, and the files of folders, through a fuzzer's entry without a fuzzing engine. After --damage=N also every
- * prefix of those of at most 4 KiB, and N copies with one to four bytes changed. */
+/* driver.c - replays files, and the files of folders, through a fuzzer's entry without a fuzzing engine.
+ * After --damage=N also every prefix of those of at most 4 KiB, and N copies with one to four bytes changed.
+ */
 #include <dirent.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -16,7 +17,9 @@ static unsigned long long n_damaged, state = 88172645463325252ull;
 
 static unsigned long random_of(unsigned long n)
 {
-    state ^= state << 13, state ^= state >> 7, state ^= state << 17; /* xorshift64 */
+    state ^= state << 13; /* xorshift64 */
+    state ^= state >> 7;
+    state ^= state << 17;
     return (unsigned long)(state % n);
 }
 
@@ -94,7 +97,8 @@ int main(int argc, char **argv)
     int total = 0, failed = 0;
     if (argc > 1 && !strncmp(argv[1], "--damage=", 9)) {
         n_changed = strtoul(argv[1] + 9, NULL, 10);
-        argv++, argc--;
+        argv++;
+        argc--;
     }
     qsort(argv + 1, (size_t)(argc - 1), sizeof *argv, compare);
     for (int i = 1; i < argc; i++) {

@@ -1,6 +1,7 @@
-/* fuzz_bvh.c - any triangles and rays: the hierarchy is whole; every instruction set gives the same; and a loop over the
- * triangles, each in a hierarchy of its own, finds the same nearest hit, and the same segments hidden. Where a box about a hidden
- * ray's end is proved to be hidden, rays to its corners are hidden, too. */
+/* fuzz_bvh.c - any triangles and rays: the hierarchy is whole; every instruction set gives the same; and a
+ * loop over the triangles, each in a hierarchy of its own, finds the same nearest hit, and the same segments
+ * hidden. Where a box about a hidden ray's end is proved to be hidden, rays to its corners are hidden, too.
+ */
 #include "cut/occlusion_proof.h"
 #include "support/isas.h"
 #include "trace/bvh.h"
@@ -49,8 +50,9 @@ static bool same(const lc_hit *a, const lc_hit *b)
     return a->tri == b->tri && (a->tri == LC_NONE || (a->t == b->t && a->u == b->u && a->v == b->v));
 }
 
-/* Along its plane, as far as floats can tell (16u of |N|_1 times the ray's length, SLACK of occlusion_proof.c): where the ray meets that is
- * noise, and whether it does can be a matter of which boxes were entered. */
+/* Along its plane, as far as floats can tell (16u of |N|_1 times the ray's length, SLACK of
+ * occlusion_proof.c): where the ray meets that is noise, and whether it does can be a matter of which boxes
+ * were entered. */
 static bool edge_on(const float *pos, const float dir[3])
 {
     double e[2][3], n[3], along = 0, size = 0, most = 0;
@@ -58,7 +60,9 @@ static bool edge_on(const float *pos, const float dir[3])
         for (int k = 0; k < 3; k++) e[i][k] = (double)pos[3 * (i + 1) + k] - (double)pos[k];
     for (int k = 0, x = 1, y = 2; k < 3; x = y, y = k++) {
         n[k] = e[0][x] * e[1][y] - e[0][y] * e[1][x];
-        along += n[k] * (double)dir[k], size += fabs(n[k]), most = fmax(most, fabs((double)dir[k]));
+        along += n[k] * (double)dir[k];
+        size += fabs(n[k]);
+        most = fmax(most, fabs((double)dir[k]));
     }
     return fabs(along) <= 0x1p-20 * size * most;
 }
@@ -77,7 +81,8 @@ static bool any_edge_on(const lc_tri_block *b, const float *pos, const float dir
 }
 
 /* A box about the end of a ray that is hidden in this block. */
-static void check_proof(lc_occlusion *o, source *s, const float org[3], const float to[3], uint32_t block, bool far)
+static void check_proof(lc_occlusion *o, source *s, const float org[3], const float to[3], uint32_t block,
+                        bool far)
 {
     static lc_light_rec light;
     static const lc_tree_data tree = { .lights = &light };
@@ -88,7 +93,8 @@ static void check_proof(lc_occlusion *o, source *s, const float org[3], const fl
     for (int k = 0; k < 3; k++) {
         uint32_t size = byte(s);
         top = 4 * top + size / 64;
-        light.pos[k] = node.center[k] = to[k], node.half[k] = (float)(size % 64) / 16;
+        light.pos[k] = node.center[k] = to[k];
+        node.half[k] = (float)(size % 64) / 16;
     }
     const lc_bvh *bvh = o->visibility.scene;
     lc_occlusion_start(o, org);
@@ -101,9 +107,11 @@ static void check_proof(lc_occlusion *o, source *s, const float org[3], const fl
         const float *const target[3] = { &p[0], &p[1], &p[2] };
         for (int k = 0; k < 3; k++) {
             p[k] = corner >> k & 1 ? to[k] + node.half[k] : to[k] - node.half[k];
-            if (fabs((double)p[k] - (double)to[k]) > (double)node.half[k]) p[k] = to[k]; /* it was rounded out of the box */
+            /* It was rounded out of the box. */
+            if (fabs((double)p[k] - (double)to[k]) > (double)node.half[k]) p[k] = to[k];
         }
-        lc_isa_kernels(corner % 2 ? LC_ISA_SCALAR : lc_isa_pick(LC_ISA_BEST))->trace.hidden(&bvh->data, org, 1, target, far, out, NULL);
+        lc_isa_kernels(corner % 2 ? LC_ISA_SCALAR : lc_isa_pick(LC_ISA_BEST))
+            ->trace.hidden(&bvh->data, org, 1, target, far, out, NULL);
         require(out[0], "what was proved to be hidden is seen");
     }
 }
@@ -144,7 +152,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         if (to[0] == 0 && to[1] == 0 && to[2] == 0) continue; /* a ray without direction may hit or not */
         for (size_t i = 0; i < n; i++) {
             lc_kernels_scalar.trace.closest(&one[i]->data, org, to, most, &hit);
-            if (hit.tri != LC_NONE && (best.tri == LC_NONE || hit.t < best.t)) best = hit, best.tri = (uint32_t)i;
+            if (hit.tri != LC_NONE && (best.tri == LC_NONE || hit.t < best.t)) {
+                best = hit;
+                best.tri = (uint32_t)i;
+            }
             for (int far = 0; far < 2; far++) {
                 lc_kernels_scalar.trace.hidden(&one[i]->data, org, 1, target, far, out, NULL);
                 hidden[far] |= out[0];
@@ -155,16 +166,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             k->closest(&all->data, org, to, most, &hit);
             bool as_good = same(&hit, &best) || is_edge_on(pos, &hit, to) || is_edge_on(pos, &best, to);
             if (!as_good)
-                fprintf(stderr, "org %a %a %a dir %a %a %a most %g: %s: t %a u %a v %a tri %u, not t %a u %a v %a tri %u\n", (double)org[0],
-                        (double)org[1], (double)org[2], (double)to[0], (double)to[1], (double)to[2], (double)most, lc_isa_name(isa),
-                        (double)hit.t, (double)hit.u, (double)hit.v, hit.tri, (double)best.t, (double)best.u, (double)best.v, best.tri);
+                fprintf(stderr,
+                        "org %a %a %a dir %a %a %a most %g: %s: t %a u %a v %a tri %u, not t %a u %a v %a "
+                        "tri %u\n",
+                        (double)org[0], (double)org[1], (double)org[2], (double)to[0], (double)to[1],
+                        (double)to[2], (double)most, lc_isa_name(isa), (double)hit.t, (double)hit.u,
+                        (double)hit.v, hit.tri, (double)best.t, (double)best.u, (double)best.v, best.tri);
             require(as_good, "another nearest hit");
             for (int far = 0; far < 2; far++) {
                 uint32_t block;
                 float d[3];
                 for (int axis = 0; axis < 3; axis++) d[axis] = far ? to[axis] : to[axis] - org[axis];
                 k->hidden(&all->data, org, 1, target, far, out, &block);
-                require(out[0] == hidden[far] || (out[0] && any_edge_on(&all->blocks[block], pos, d)), "another shadow");
+                require(out[0] == hidden[far] || (out[0] && any_edge_on(&all->blocks[block], pos, d)),
+                        "another shadow");
             }
         }
         for (int far = 0; far < 2; far++) {

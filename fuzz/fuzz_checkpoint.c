@@ -1,5 +1,6 @@
-/* fuzz_checkpoint.c - any bytes as a checkpoint: no crash; what is accepted gives each tile once or not at all, and stays valid when a
- * tile is appended. The input's first byte chooses whether its header is put right, so that records are reached. */
+/* fuzz_checkpoint.c - any bytes as a checkpoint: no crash; what is accepted gives each tile once or not at
+ * all, and stays valid when a tile is appended. The input's first byte chooses whether its header is put
+ * right, so that records are reached. */
 #include "lightcuts.h"
 
 #include <stdio.h>
@@ -17,7 +18,8 @@ static lc_scene *scene;
 static int file;
 static char path[64];
 static uint8_t header[HEADER];
-static const char text[] = "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 17 Camera \"perspective\" WorldBegin\n";
+static const char text[] =
+    "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 17 Camera \"perspective\" WorldBegin\n";
 
 static void begin(void)
 {
@@ -27,7 +29,9 @@ static void begin(void)
     char name[] = "/tmp/fuzz-scene-XXXXXX";
     desc.n_threads = 1;
     int fd = mkstemp(name);
-    if (fd < 0 || write(fd, text, sizeof text - 1) < 0 || lc_context_create(&desc, &ctx) || lc_scene_load(ctx, name, NULL, &scene)) abort();
+    if (fd < 0 || write(fd, text, sizeof text - 1) < 0 || lc_context_create(&desc, &ctx) ||
+        lc_scene_load(ctx, name, NULL, &scene))
+        abort();
     close(fd);
     unlink(name);
     file = memfd_create("checkpoint", 0);
@@ -39,8 +43,13 @@ static void begin(void)
 
 static lc_tile tile_of(uint32_t index, float *pixels)
 {
-    return (lc_tile){ .index = index, .x0 = index % 2 * 16, .x1 = index % 2 ? 20 : 16, .y0 = index / 2 * 16, .y1 = index / 2 ? 17 : 16,
-                      .n_planes = 3, .pixels = pixels };
+    return (lc_tile){ .index = index,
+                      .x0 = index % 2 * 16,
+                      .x1 = index % 2 ? 20 : 16,
+                      .y0 = index / 2 * 16,
+                      .y1 = index / 2 ? 17 : 16,
+                      .n_planes = 3,
+                      .pixels = pixels };
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -1,5 +1,5 @@
-/* fuzz_gzip.c - any bytes behind a gzip header through the reader of files: no crash, no more than it says, the same bytes
- * whatever the size of the pieces that are asked for. */
+/* fuzz_gzip.c - any bytes behind a gzip header through the reader of files: no crash, no more than it says,
+ * the same bytes whatever the size of the pieces that are asked for. */
 #include "io/readfile.h"
 
 #include <stdlib.h>
@@ -9,13 +9,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #define MOST ((size_t)1 << 20) /* bytes unpacked */
 
-static lc_status unpack(lc_context *ctx, const uint8_t *data, size_t size, size_t piece, uint8_t *to, size_t *n)
+static lc_status unpack(lc_context *ctx, const uint8_t *data, size_t size, size_t piece, uint8_t *to,
+                        size_t *n)
 {
     lc_reader r;
     size_t got = 1;
     lc_status st = LC_OK;
     lc_reader_memory(data, size, &r);
-    for (*n = 0; !st && got && *n + piece <= MOST; *n += got) st = lc_reader_read(ctx, &r, (char *)to + *n, piece, &got);
+    for (*n = 0; !st && got && *n + piece <= MOST; *n += got)
+        st = lc_reader_read(ctx, &r, (char *)to + *n, piece, &got);
     lc_reader_close(&r);
     return st;
 }
@@ -34,7 +36,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     for (int with_header = 0; with_header < 2; with_header++) {
         const uint8_t *from = with_header ? copy : copy + 10;
         size_t len = with_header ? size + 10 : size, n[2];
-        lc_status a = unpack(ctx, from, len, 4096, out[0], &n[0]), b = unpack(ctx, from, len, 1 + size % 61, out[1], &n[1]);
+        lc_status a = unpack(ctx, from, len, 4096, out[0], &n[0]),
+                  b = unpack(ctx, from, len, 1 + size % 61, out[1], &n[1]);
         if (n[0] + 4096 > MOST || n[1] + 61 > MOST) continue;
         if (a != b || (!a && (n[0] != n[1] || memcmp(out[0], out[1], n[0])))) abort();
     }

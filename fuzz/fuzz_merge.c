@@ -1,5 +1,5 @@
-/* fuzz_merge.c - any bytes as parts of a picture: no crash, and what is put together has every pixel of every channel. The input is cut
- * into parts at the bytes of OpenEXR's magic number. */
+/* fuzz_merge.c - any bytes as parts of a picture: no crash, and what is put together has every pixel of every
+ * channel. The input is cut into parts at the bytes of OpenEXR's magic number. */
 #include "lightcuts.h"
 
 #include <stdio.h>
@@ -52,7 +52,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         const uint8_t *next = memmem(data + 4, size - 4, magic, sizeof magic);
         size_t n = next ? (size_t)(next - data) : size;
         (void)add(m, data, n);
-        data += n, size -= n;
+        data += n;
+        size -= n;
     }
     finish(m);
     lc_merge_destroy(m);

@@ -1,6 +1,7 @@
-/* fuzz_options.c - any words as a command line: no crash, and a status of the contract. Byte 0 picks the command (not report,
- * which reads the whole program to know whether it is the same one, 40 executions a second), zero bytes part
- * the words. No word is a scene or picture that can be read, so nothing is written. */
+/* fuzz_options.c - any words as a command line: no crash, and a status of the contract. Byte 0 picks the
+ * command (not report, which reads the whole program to know whether it is the same one, 40 executions a
+ * second), zero bytes part the words. No word is a scene or picture that can be read, so nothing is written.
+ */
 #include "cli/cli.h"
 
 #include <stdint.h>
@@ -17,8 +18,9 @@ typedef int run_fn(int argc, char **argv);
 static const struct {
     const char *name;
     run_fn *run;
-} commands[] = { { "render", cmd_render }, { "compare", cmd_compare }, { "info", cmd_info }, { "preview", cmd_preview },
-                 { "explain", cmd_explain }, { "scene", cmd_scene }, { "bench", cmd_bench } };
+} commands[] = { { "render", cmd_render },   { "compare", cmd_compare }, { "info", cmd_info },
+                 { "preview", cmd_preview }, { "explain", cmd_explain }, { "scene", cmd_scene },
+                 { "bench", cmd_bench } };
 
 /* Not another folder, nor what would make work or files without reading any. */
 static int harmless(const char *word)

@@ -13,9 +13,11 @@ static void require(bool cond)
 /* Textures give numbers, if any, at points of any size. */
 static void look_at_textures(const lc_scene *scene)
 {
-    static const lc_tex_point points[] = { { { 0, 0, 0 }, { 0, 0 }, 0, 0, 0, { 0.6, 0, -0.8 } },
-                                           { { 1.5, -2.5, 1e4 }, { 0.3, -7 }, 1, 2, 0.1, { 0.6, 0, -0.8 } },
-                                           { { 1e30, -1e30, 3 }, { 1e30, -1e30 }, 1e30, 0, 1e6, { 0.6, 0, -0.8 } } };
+    static const lc_tex_point points[] = {
+        { { 0, 0, 0 }, { 0, 0 }, 0, 0, 0, { 0.6, 0, -0.8 } },
+        { { 1.5, -2.5, 1e4 }, { 0.3, -7 }, 1, 2, 0.1, { 0.6, 0, -0.8 } },
+        { { 1e30, -1e30, 3 }, { 1e30, -1e30 }, 1e30, 0, 1e6, { 0.6, 0, -0.8 } }
+    };
     for (size_t i = 0; i < scene->textures.n && i < 200; i++)
         for (size_t k = 0; k < 3; k++) {
             double out[3];

@@ -1,5 +1,5 @@
-/* fuzz_png.c - any bytes as a PNG picture, as they are and with the checksums of their chunks mended: no crash, and what was
- * accepted is complete. */
+/* fuzz_png.c - any bytes as a PNG picture, as they are and with the checksums of their chunks mended: no
+ * crash, and what was accepted is complete. */
 #include "fuzz_raster.h"
 
 #include <zlib.h>
@@ -8,7 +8,8 @@
 static void mend(uint8_t *data, size_t size)
 {
     for (size_t at = 8; size >= 12 && at <= size - 12;) {
-        size_t len = (size_t)data[at] << 24 | (size_t)data[at + 1] << 16 | (size_t)data[at + 2] << 8 | data[at + 3];
+        size_t len = (size_t)data[at] << 24 | (size_t)data[at + 1] << 16 | (size_t)data[at + 2] << 8 |
+                     data[at + 3];
         if (len > size - 12 - at) return;
         uint32_t crc = (uint32_t)crc32_z(0, data + at + 4, len + 4);
         for (size_t i = 0; i < 4; i++) data[at + 8 + len + i] = (uint8_t)(crc >> (24 - 8 * i));

@@ -1,5 +1,6 @@
-/* fuzz_scene.c - a scene of text made from the input, through parser, trees and renderer to a picture of 8 x 8 pixels: no crash,
- * and what is rendered is finite. Numbers are drawn from those that break things. An input that begins with '#' is taken as text. */
+/* fuzz_scene.c - a scene of text made from the input, through parser, trees and renderer to a picture of 8 x
+ * 8 pixels: no crash, and what is rendered is finite. Numbers are drawn from those that break things. An
+ * input that begins with '#' is taken as text. */
 #include "pbrt/parse.h"
 #include "prepare/commit.h"
 
@@ -39,8 +40,10 @@ static void say(text *t, const char *fmt, ...)
 /* Mostly small ones: a scene of nothing but extremes is seldom seen by its camera. */
 static void number(text *t)
 {
-    static const char *const odd[] = { "0", "-0", "1e-38", "1e-45", "1e38", "-1e38", "1e12", "-1e12", "1e30", "1e-30", "0.5", "1e6", "1e-6",
-                                       "1e-12", "16777216", "3.4e38", "1e999", "-1e20", "1e20", "90", "180", "360", "1e15", "1e-18" };
+    static const char *const odd[] = { "0",    "-0",    "1e-38",    "1e-45",  "1e38",  "-1e38",
+                                       "1e12", "-1e12", "1e30",     "1e-30",  "0.5",   "1e6",
+                                       "1e-6", "1e-12", "16777216", "3.4e38", "1e999", "-1e20",
+                                       "1e20", "90",    "180",      "360",    "1e15",  "1e-18" };
     uint8_t k = byte(t);
     if (k < 16 || k - 16 >= (int)(sizeof odd / sizeof *odd)) say(t, "%.3g ", ((int)k - 128) / 24.0);
     else say(t, "%s ", odd[k - 16]);
@@ -69,28 +72,45 @@ static void light(text *t)
 {
     uint8_t kind = byte(t);
     if (kind >= 240) {
-        say(t, "LightSource \"spot\" "), triple(t, "point3 from"), triple(t, "point3 to"), triple(t, "rgb I");
-        single(t, "float coneangle"), single(t, "float conedeltaangle");
+        say(t, "LightSource \"spot\" ");
+        triple(t, "point3 from");
+        triple(t, "point3 to");
+        triple(t, "rgb I");
+        single(t, "float coneangle");
+        single(t, "float conedeltaangle");
         return;
     }
     switch (kind % 6) {
     case 0: say(t, "LightSource \"point\" "), triple(t, "point3 from"), triple(t, "rgb I"); break;
-    case 1: say(t, "LightSource \"spot\" "), triple(t, "point3 from"), triple(t, "point3 to"), single(t, "float coneangle"); break;
+    case 1:
+        say(t, "LightSource \"spot\" "), triple(t, "point3 from"), triple(t, "point3 to"),
+            single(t, "float coneangle");
+        break;
     case 2: say(t, "LightSource \"distant\" "), triple(t, "point3 from"), triple(t, "rgb L"); break;
     case 3: say(t, "LightSource \"infinite\" "), triple(t, "rgb L"); break;
     case 4:
-        say(t, "LightSource \"oriented\" "), triple(t, "point3 position"), triple(t, "vector3 direction"), triple(t, "rgb I");
-        single(t, "float A"), single(t, "float B"), single(t, "float C");
+        say(t, "LightSource \"oriented\" ");
+        triple(t, "point3 position");
+        triple(t, "vector3 direction");
+        triple(t, "rgb I");
+        single(t, "float A");
+        single(t, "float B");
+        single(t, "float C");
         break;
-    default: say(t, "AreaLightSource \"diffuse\" "), triple(t, "rgb L"), say(t, "\"bool twosided\" %s ", byte(t) & 1 ? "true" : "false");
+    default:
+        say(t, "AreaLightSource \"diffuse\" "), triple(t, "rgb L"),
+            say(t, "\"bool twosided\" %s ", byte(t) & 1 ? "true" : "false");
     }
 }
 
 static void material(text *t)
 {
-    static const char *const names[] = { "diffuse", "conductor", "phong", "ward", "plastic", "uber", "dielectric",
-                                         "mirror", "coateddiffuse", "metal", "mix", "interface",
-                                         "substrate", "matte", "diffusetransmission", "glass" };
+    static const char *const names[] = { "diffuse",    "conductor", "phong",
+                                         "ward",       "plastic",   "uber",
+                                         "dielectric", "mirror",    "coateddiffuse",
+                                         "metal",      "mix",       "interface",
+                                         "substrate",  "matte",     "diffusetransmission",
+                                         "glass" };
     uint8_t kind = byte(t);
     say(t, "Material \"%s\" ", names[kind % 16]);
     if (kind >= 192) say(t, "\"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" \"metal-Cu-k\" ");
@@ -108,11 +128,16 @@ static void material(text *t)
 static void shape(text *t)
 {
     static const char *const round[] = { "sphere", "disk", "cylinder", "cone", "paraboloid", "hyperboloid" };
-    uint8_t first = byte(t), kind = first % 32; /* round ones are many triangles: seldom, or there are few executions a second */
+    /* Round ones are many triangles: seldom, or there are few executions a second. */
+    uint8_t first = byte(t), kind = first % 32;
     if (kind == 31) {
         say(t, "Shape \"%s\" ", round[byte(t) % 6]);
         single(t, "float radius");
-        if (byte(t) & 1) single(t, "float zmin"), single(t, "float zmax"), single(t, "float phimax");
+        if (byte(t) & 1) {
+            single(t, "float zmin");
+            single(t, "float zmax");
+            single(t, "float phimax");
+        }
         return;
     }
     int n = 3 + byte(t) % 6;
@@ -122,10 +147,19 @@ static void shape(text *t)
     say(t, "\"integer indices\" [");
     for (int i = 0; i < (kind % 3 == 2 ? 4 : 3 * (n - 2)); i++) say(t, "%d ", byte(t) % n);
     say(t, "] ");
-    if (byte(t) & 1) say(t, "\"normal3 N\" "), numbers(t, 3 * n);
-    if (byte(t) & 1) say(t, "\"point2 uv\" "), numbers(t, 2 * n);
+    if (byte(t) & 1) {
+        say(t, "\"normal3 N\" ");
+        numbers(t, 3 * n);
+    }
+    if (byte(t) & 1) {
+        say(t, "\"point2 uv\" ");
+        numbers(t, 2 * n);
+    }
     if (first >= 224) say(t, "\"texture alpha\" \"holes\" ");
-    else if (first >= 192) single(t, "float alpha"), single(t, "float shadowalpha");
+    else if (first >= 192) {
+        single(t, "float alpha");
+        single(t, "float shadowalpha");
+    }
 }
 
 /* Objects o0 to o3, each of up to two shapes. */
@@ -160,7 +194,8 @@ static void texture(text *t)
                                          "bilerp", "constant", "scale" };
     say(t, "Texture \"t\" \"spectrum\" \"%s\" ", names[byte(t) % 10]);
     if (!(byte(t) & 1)) return;
-    single(t, "float uscale"), single(t, "float vscale");
+    single(t, "float uscale");
+    single(t, "float vscale");
     say(t, "\"string mapping\" \"%s\" ", byte(t) & 1 ? "spherical" : "planar");
 }
 
@@ -188,13 +223,20 @@ static void world(text *t)
 static void scene_text(text *t)
 {
     uint8_t head = byte(t);
-    if (head & 1) say(t, "LookAt "), numbers(t, 0), t->len -= 4;
+    if (head & 1) {
+        say(t, "LookAt ");
+        numbers(t, 0);
+        t->len -= 4;
+    }
     for (int i = 0; i < 9 && (head & 1); i++) number(t);
     if (!(head & 1)) say(t, "LookAt 0 0 5  0 0 0  0 1 0 ");
     if (head & 64) say(t, "PixelFilter \"gaussian\" ");
     say(t, "Camera \"%s\" ", head & 128 ? "orthographic" : "perspective");
     if (head & 2) single(t, "float fov");
-    if (head & 4) single(t, "float lensradius"), single(t, "float focaldistance");
+    if (head & 4) {
+        single(t, "float lensradius");
+        single(t, "float focaldistance");
+    }
     say(t, "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n");
     say(t, "Sampler \"random\" \"integer pixelsamples\" %d\n", 1 + (head >> 3) % 2);
     say(t, "Integrator \"path\" \"integer maxdepth\" %d WorldBegin\n", 1 + (head >> 4) % 4);
@@ -213,8 +255,12 @@ static void look(lc_context *ctx, lc_scene *scene)
     lc_image *image;
     lc_image_desc size = LC_IMAGE_DESC_INIT;
     lc_render_stats stats;
-    load.area_lights = 16, load.env_lights = 16, load.n_reps = 2, load.indirect_lights = 24;
-    if (scene->n_tris > MAX_TRIS || scene->n_lights > 2000 || (uint64_t)scene->film.width * scene->film.height > 64 || scene->film.spp > 2)
+    load.area_lights = 16;
+    load.env_lights = 16;
+    load.n_reps = 2;
+    load.indirect_lights = 24;
+    if (scene->n_tris > MAX_TRIS || scene->n_lights > 2000 ||
+        (uint64_t)scene->film.width * scene->film.height > 64 || scene->film.spp > 2)
         return;
     if (scene->max_depth > 4) scene->max_depth = 4;
     if (lc_scene_commit(scene, &load)) return;
@@ -226,7 +272,8 @@ static void look(lc_context *ctx, lc_scene *scene)
         const char *name = lc_image_channel_name(image, c);
         const float *p = lc_image_channel(image, name);
         bool colour = !name[1] && name[0] != 'Z'; /* distances may be infinite */
-        for (uint32_t i = 0; i < size.width * size.height; i++) require(colour ? isfinite(p[i]) && p[i] >= 0 : !isnan(p[i]));
+        for (uint32_t i = 0; i < size.width * size.height; i++)
+            require(colour ? isfinite(p[i]) && p[i] >= 0 : !isnan(p[i]));
     }
     lc_image_destroy(image);
 }
@@ -239,12 +286,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     lc_scene *scene;
     desc.n_threads = 1;
     if (!ctx && lc_context_create(&desc, &ctx)) abort();
-    t.in = data, t.left = size, t.len = 0;
+    t.in = data;
+    t.left = size;
+    t.len = 0;
     bool is_text = size && data[0] == '#';
     if (!is_text) scene_text(&t);
     if (getenv("SHOW_SCENE")) fwrite(t.out, 1, t.len, stdout);
     if (lc_scene_create(ctx, &scene)) abort();
-    if (lc_pbrt_parse_memory(scene, "fuzz", is_text ? (const void *)data : t.out, is_text ? size : t.len) == LC_OK) look(ctx, scene);
+    if (lc_pbrt_parse_memory(scene, "fuzz", is_text ? (const void *)data : t.out, is_text ? size : t.len) ==
+        LC_OK)
+        look(ctx, scene);
     lc_scene_destroy(scene);
     return 0;
 }

@@ -1,4 +1,7 @@
 /* fuzz_tga.c - any bytes as a TGA picture: no crash, and what was accepted is complete. */
 #include "fuzz_raster.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) { return fuzz_raster(lc_tga_decode, data, size); }
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    return fuzz_raster(lc_tga_decode, data, size);
+}

@@ -1,5 +1,6 @@
-/* fuzz_tree.c - any lights through the builders of light trees: what lc_light_tree_validate checks holds. Byte 0: builder and
- * representatives; then 8 bytes a light, a byte for each number, so that equal and extreme ones are common. */
+/* fuzz_tree.c - any lights through the builders of light trees: what lc_light_tree_validate checks holds.
+ * Byte 0: builder and representatives; then 8 bytes a light, a byte for each number, so that equal and
+ * extreme ones are common. */
 #include "tree/light_tree.h"
 
 #include <math.h>

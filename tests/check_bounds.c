@@ -1,4 +1,5 @@
-/* check_bounds.c - the promise of one_bound.h: bound >= what it bounds, for every cluster, point and material.
+/* check_bounds.c - the promise of one_bound.h: bound >= what it bounds, for every cluster, point and
+ * material.
  *
  *     check_bounds [--seed S] [--count N] [--only MATERIAL] [--extreme]
  *
@@ -51,14 +52,20 @@ static uint64_t run_line(uint32_t kind, uint32_t brdf)
         gen_result r;
         make(&c, i, kind, brdf, style);
         gen_case_run(&c, &r);
-        nodes += r.n_nodes, below += r.below_exact, live += r.root_float > 0,
-            inf += r.root_bound > (double)FLT_MAX;
+        nodes += r.n_nodes;
+        below += r.below_exact;
+        live += r.root_float > 0;
+        inf += r.root_bound > (double)FLT_MAX;
         if (r.tightest < tightest) tightest = r.tightest;
         if (!r.tiny && r.tightest < normal) normal = r.tightest;
         if (!r.bad) continue;
-        all++, tiny += r.tiny;
+        all++;
+        tiny += r.tiny;
         for (int k = 0; k < 4; k++) bad[k] += (r.bad & columns[k]) != 0;
-        if (r.bad & ~seen) printf("  case %llu\n", (unsigned long long)i), show(&c, r.bad & ~seen);
+        if (r.bad & ~seen) {
+            printf("  case %llu\n", (unsigned long long)i);
+            show(&c, r.bad & ~seen);
+        }
         seen |= r.bad;
     }
     printf("  %-11s %-7s %10llu %11llu %5.1f%% %5.1f%% %8llu %8llu %8llu %8llu %8llu %11.8f %11.8f %9llu\n",
@@ -88,11 +95,12 @@ TEST(bound_holds)
     }
 }
 
-/* The reference's own bound dominates its own sum: two derivations of one paper. Cosines are good to 1e-16 and
- * a power of at most 100 multiplies that: 1e-9 is ample. Oriented: the cone of the reference takes directions for
- * unit, which in float they are to 2^-24 = 6e-8, and tan(phi) multiplies that: 1e-6. Ward: the reference takes tangents and n
- * for perpendicular and o for unit, which in float they are to 2e-7; over roughness 0.05 and the height of h, and times the
- * derivative of e^-x^2, some 1e-4 / height: 1e-3; GGX's falls more slowly.
+/* The reference's own bound dominates its own sum: two derivations of one paper. Cosines are good to 1e-16
+ * and a power of at most 100 multiplies that: 1e-9 is ample. Oriented: the cone of the reference takes
+ * directions for unit, which in float they are to 2^-24 = 6e-8, and tan(phi) multiplies that: 1e-6. Ward: the
+ * reference takes tangents and n for perpendicular and o for unit, which in float they are to 2e-7; over
+ * roughness 0.05 and the height of h, and times the derivative of e^-x^2, some 1e-4 / height: 1e-3; GGX's
+ * falls more slowly.
  */
 TEST(reference_holds)
 {
@@ -104,7 +112,10 @@ TEST(reference_holds)
             lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
             uint32_t all = (1u << c.n) - 1;
             double sum = ref_cluster_sum(&p, c.lights, all);
-            double slack = sum * (p.lobe >= LC_LOBE_WARD ? 1e-3 : kind == LC_LIGHT_ORIENTED ? 1e-6 : 1e-9), ub;
+            double slack = sum * (p.lobe >= LC_LOBE_WARD      ? 1e-3
+                                  : kind == LC_LIGHT_ORIENTED ? 1e-6
+                                                              : 1e-9),
+                   ub;
             ub = ref_cluster_bound(&p, c.lights, all, true);
             CHECKF(ub >= sum - slack, "case %llu: %.9g %.9g", (unsigned long long)i, ub, sum);
             CHECK(ref_cluster_bound(&p, c.lights, all, false) >= ref_cluster_bound(&p, c.lights, all, true));
@@ -118,7 +129,8 @@ static float bound_of(const gen_case *c, const lc_point *p)
     lc_cluster_from_light(&all, &c->lights[0]);
     for (uint32_t i = 1; i < c->n; i++) {
         lc_cluster one;
-        lc_cluster_from_light(&one, &c->lights[i]), lc_cluster_join(&all, &all, &one);
+        lc_cluster_from_light(&one, &c->lights[i]);
+        lc_cluster_join(&all, &all, &one);
     }
     lc_node node = { .left = LC_NONE };
     lc_atten atten;
@@ -144,14 +156,23 @@ TEST(as_tight_as_reference)
                 uint32_t all = (1u << c.n) - 1;
                 double ref = ref_cluster_bound(&p, c.lights, all, true), ub = (double)bound_of(&c, &p);
                 double exact = ref_cluster_sum(&p, c.lights, all);
-                only_ub += ub > 0 && !(ref > 0), only_ref += ref > 0 && !(ub > 0);
+                only_ub += ub > 0 && !(ref > 0);
+                only_ref += ref > 0 && !(ub > 0);
                 if (!(ref > 0 && ub > 0)) continue;
-                mean += ub / ref, geo += log(ub / ref), n++;
+                mean += ub / ref;
+                geo += log(ub / ref);
+                n++;
                 plain += ub / ref_cluster_bound(&p, c.lights, all, false);
-                if (exact > 1e-3 * ref) ref_exact += log(ref / exact), ub_exact += log(ub / exact), n_lit++;
+                if (exact > 1e-3 * ref) {
+                    ref_exact += log(ref / exact);
+                    ub_exact += log(ub / exact);
+                    n_lit++;
+                }
             }
             double dn = (double)n, dl = (double)n_lit;
-            mean /= dn, plain /= dn, geo = exp(geo / dn);
+            mean /= dn;
+            plain /= dn;
+            geo = exp(geo / dn);
             printf("  %-11s %-7s %9.4f %9.4f %9.4f %9.4f | %9.4f %9llu %9llu\n", kind_names[kind],
                    brdf_names[brdf], mean, geo, plain, exp(ref_exact / dl), exp(ub_exact / dl),
                    (unsigned long long)only_ub, (unsigned long long)only_ref);
@@ -163,8 +184,9 @@ TEST(as_tight_as_reference)
     }
 }
 
-/* Relative error of Ward's exponential: with M <= sqrt 3 |p| and `bend` of 18u M^2 / (2 |p|) + 16u M, tangential and normal
- * part of |p| h are moved by at most 166u (T + 2 s), s their quotient, which also is where the bound's second step starts. */
+/* Relative error of Ward's exponential: with M <= sqrt 3 |p| and `bend` of 18u M^2 / (2 |p|) + 16u M,
+ * tangential and normal part of |p| h are moved by at most 166u (T + 2 s), s their quotient, which also is
+ * where the bound's second step starts. */
 static double ward_slack(const lc_point *p, lc_f3 v)
 {
     double h[3], s;
@@ -176,9 +198,9 @@ static double ward_slack(const lc_point *p, lc_f3 v)
     return exp(0x1p-24 * (2 * s * 166 * ((double)p->sharp + 2 * s) / h[2] + 32 * s * s)) - 1;
 }
 
-/* Relative error of GGX's lobe: r^2 by the slope s as above, d ln r^2 / ds < 4 s / (1 + s^2); |h|^2 256u and HALF_SLACK (256u) off, four
- * times for D, and half of it of Fresnel's cosine: Schlick 5 (1 - c)^4, dielectric no more than 5, and 128u, over F; two masking
- * terms, 256u each. */
+/* Relative error of GGX's lobe: r^2 by the slope s as above, d ln r^2 / ds < 4 s / (1 + s^2); |h|^2 256u and
+ * HALF_SLACK (256u) off, four times for D, and half of it of Fresnel's cosine: Schlick 5 (1 - c)^4,
+ * dielectric no more than 5, and 128u, over F; two masking terms, 256u each. */
 static double ggx_slack(const lc_point *p, lc_f3 v)
 {
     double h[3], h2 = 0, s, f = 1, k = 0;
@@ -186,19 +208,23 @@ static double ggx_slack(const lc_point *p, lc_f3 v)
         const float *axis = i < 2 ? p->tangent[i] : p->n;
         h[i] = (double)lc_f3_dot(lc_f3_load(axis), v) + (double)p->view[i];
         h2 += h[i] * h[i] * (double)(i < 2 ? p->square[i] : 1);
-        if ((double)p->specular[i] > 0) f = fmin(f, (double)p->specular[i] / ((double)p->specular[i] + (double)p->rise[i]));
+        if ((double)p->specular[i] > 0)
+            f = fmin(f, (double)p->specular[i] / ((double)p->specular[i] + (double)p->rise[i]));
     }
     s = sqrt(h[0] * h[0] + h[1] * h[1]) / h[2];
-    if (p->fresnel == LC_FRESNEL_DIELECTRIC) k = ref_dielectric(sqrt((double)p->eta2), sqrt(h2) / 2), f = k;
+    if (p->fresnel == LC_FRESNEL_DIELECTRIC) {
+        k = ref_dielectric(sqrt((double)p->eta2), sqrt(h2) / 2);
+        f = k;
+    }
     double lobe = 4 * s / (1 + s * s) * 166 * ((double)p->sharp + 2 * s) / h[2];
     h2 = fmin(h2, 1);
     return 0x1p-24 * (lobe + 512 * (4 / h2 + 1) + (5 * 512 / h2 + 128) / f);
 }
 
-/* One light: the bound is the estimate, but for the slacks of bounds_tmpl.c: of z (14u M, M <= sqrt 3 |p|), of squares
- * (18u M^2 of |p|^2 and of r^2), of powers (2^-15 + 8.4e-6, and half of the exponent times 32u and what cos^2 has from z
- * and the squares) and of products (64u); and, for oriented lights, the cone: a cosine of 1
- * rounded down by k ulp, 1 - k 2^-24, is an angle of sqrt(2 k 2^-24), which moves cos(phi) by that times
+/* One light: the bound is the estimate, but for the slacks of bounds_tmpl.c: of z (14u M, M <= sqrt 3 |p|),
+ * of squares (18u M^2 of |p|^2 and of r^2), of powers (2^-15 + 8.4e-6, and half of the exponent times 32u and
+ * what cos^2 has from z and the squares) and of products (64u); and, for oriented lights, the cone: a cosine
+ * of 1 rounded down by k ulp, 1 - k 2^-24, is an angle of sqrt(2 k 2^-24), which moves cos(phi) by that times
  * sin(phi). k <= 5: 2 for a direction off the sphere (cone_holds_every_direction), 2 for a rounded axis, 1 to
  * round down. */
 TEST(zero_extent_is_tight)
@@ -224,7 +250,8 @@ TEST(zero_extent_is_tight)
             if (p.lobe == LC_LOBE_GGX) limit += ggx_slack(&p, v);
             if (p.lobe == LC_LOBE_WARD) limit += 1.1 * ward_slack(&p, v);
             double off = sqrt(fmax(0, 1 - cos_e * cos_e)) * sqrt(10 * 0x1p-24), t = 0;
-            if (kind == LC_LIGHT_SPOT) { /* the same of the smooth step, whose relative slope is at most 2 / t */
+            /* The same of the smooth step, whose relative slope is at most 2 / t. */
+            if (kind == LC_LIGHT_SPOT) {
                 double width = (double)l->spot.cos_start - (double)l->spot.cos_total;
                 t = fmin((cos_e - (double)l->spot.cos_total) / width, 1);
                 if (t < 0.1) continue;
@@ -235,7 +262,8 @@ TEST(zero_extent_is_tight)
             CHECKF(rel <= limit, "%s case %llu: %g", kind_names[kind], (unsigned long long)i, rel);
             if (rel > worst) worst = rel;
             if (rel / limit > share) share = rel / limit;
-            sum += rel, n++;
+            sum += rel;
+            n++;
         }
         printf("  %-11s mean %.3g worst %.3g, worst of what is allowed %.3g, of %llu\n", kind_names[kind],
                sum / (double)n, worst, share, (unsigned long long)n);
@@ -258,32 +286,38 @@ TEST(inverse_square_needs_no_attenuation)
         lc_cluster_from_light(&all, &c.lights[0]);
         for (uint32_t k = 1; k < c.n; k++) {
             lc_cluster two;
-            lc_cluster_from_light(&two, &c.lights[k]), lc_cluster_join(&all, &all, &two);
+            lc_cluster_from_light(&two, &c.lights[k]);
+            lc_cluster_join(&all, &all, &two);
         }
         lc_cluster_store(&all, &node, NULL);
         memcpy(&n0, &node, sizeof n0);
-        float a = lc_bound(&node, NULL, (lc_light_kind)kind, &p), b = lc_bound(&node, &one, (lc_light_kind)kind, &p);
+        float a = lc_bound(&node, NULL, (lc_light_kind)kind, &p),
+              b = lc_bound(&node, &one, (lc_light_kind)kind, &p);
         CHECK(memcmp(&a, &b, sizeof a) == 0);
         CHECK(memcmp(&n0, &node, sizeof n0) == 0 && memcmp(&p0, &p, sizeof p) == 0);
         lc_light_rec rec;
         lc_light_rec_init(&rec, &c.lights[0]);
-        lc_f3 x = lc_shade_light(&p, (lc_light_kind)kind, &rec, NULL), y = lc_shade_light(&p, (lc_light_kind)kind, &rec, one);
+        lc_f3 x = lc_shade_light(&p, (lc_light_kind)kind, &rec, NULL),
+              y = lc_shade_light(&p, (lc_light_kind)kind, &rec, one);
         CHECK(memcmp(&x, &y, sizeof x) == 0);
     }
 }
 
-/* Packed directions: unpacking gives what was rounded, rounding what was rounded stays, and rounding moves little. */
+/* Packed directions: unpacking gives what was rounded, rounding what was rounded stays, and rounding moves
+ * little. */
 TEST(directions_pack)
 {
     double worst_len = 0, worst = 0;
     for (uint64_t i = 0; i < 400000; i++) {
         gen_case c;
-        make(&c, i / 16, LC_LIGHT_DIRECTIONAL, 0, i & 1 ? GEN_ADVERSARIAL : GEN_ORDINARY); /* not rounded yet */
+        /* Not rounded yet. */
+        make(&c, i / 16, LC_LIGHT_DIRECTIONAL, 0, i & 1 ? GEN_ADVERSARIAL : GEN_ORDINARY);
         lc_f3 d = c.lights[i % c.n].dir, r = lc_dir_round(d), again = lc_dir_round(r);
         CHECK(r.x == again.x && r.y == again.y && r.z == again.z);
         double len2 = (double)r.x * r.x + (double)r.y * r.y + (double)r.z * r.z;
         double off = fmax(fabs((double)r.x - d.x), fmax(fabs((double)r.y - d.y), fabs((double)r.z - d.z)));
-        worst_len = fmax(worst_len, fabs(sqrt(len2) - 1)), worst = fmax(worst, off);
+        worst_len = fmax(worst_len, fabs(sqrt(len2) - 1));
+        worst = fmax(worst, off);
     }
     printf("  length off by at most %.3g, a component by %.3g\n", worst_len, worst);
     CHECK(worst_len <= 0x1p-23 && worst <= 0x1p-22);
@@ -308,7 +342,10 @@ TEST(join_is_associative)
         make(&c, i, (uint32_t)(i % LC_LIGHT_KINDS), 0, GEN_ADVERSARIAL);
         lc_cluster one[GEN_MAX_LIGHTS], forward, back, half[2];
         for (uint32_t k = 0; k < c.n; k++) lc_cluster_from_light(&one[k], &c.lights[k]);
-        forward = one[0], back = one[c.n - 1], half[0] = one[0], half[1] = one[c.n - 1];
+        forward = one[0];
+        back = one[c.n - 1];
+        half[0] = one[0];
+        half[1] = one[c.n - 1];
         for (uint32_t k = 1; k < c.n; k++) {
             lc_cluster_join(&forward, &forward, &one[k]);
             lc_cluster_join(&back, &one[c.n - 1 - k], &back);
@@ -331,13 +368,18 @@ TEST(cone_holds_every_direction)
         lc_cluster_from_light(&all, &c.lights[0]);
         for (uint32_t k = 1; k < c.n; k++) {
             lc_cluster two;
-            lc_cluster_from_light(&two, &c.lights[k]), lc_cluster_join(&all, &all, &two);
+            lc_cluster_from_light(&two, &c.lights[k]);
+            lc_cluster_join(&all, &all, &two);
         }
         double axis[3], lo[3], hi[3], ref_axis[3], cone = lc_cluster_cone(&all, axis);
         CHECK(cone >= -1 && cone <= 1);
-        for (int k = 0; k < 3; k++) lo[k] = (double)all.dlo[k], hi[k] = (double)all.dhi[k];
+        for (int k = 0; k < 3; k++) {
+            lo[k] = (double)all.dlo[k];
+            hi[k] = (double)all.dhi[k];
+        }
         double ref = ref_cone(lo, hi, ref_axis);
-        n++, full += cone <= -1;
+        n++;
+        full += cone <= -1;
         if (cone <= -1) continue;
         /* how much wider than the reference's */
         double wider = acos(cone) - acos(ref);
@@ -347,7 +389,10 @@ TEST(cone_holds_every_direction)
         for (uint32_t k = 0; k < c.n; k++) {
             const float *d = &c.lights[k].dir.x;
             double dot = 0, d2 = 0, c2 = 0;
-            for (int a = 0; a < 3; a++) dot += axis[a] * (double)d[a], d2 += (double)d[a] * (double)d[a];
+            for (int a = 0; a < 3; a++) {
+                dot += axis[a] * (double)d[a];
+                d2 += (double)d[a] * (double)d[a];
+            }
             for (int a = 0; a < 3; a++) c2 += (lo[a] + hi[a]) * (lo[a] + hi[a]);
             /* A unit direction of three floats is off the sphere by 2^-24, which the circumsphere cannot
              * know: with |d| = 1 + e, d.axis >= (|d|^2 + |c|^2/4 - r2/4) / |c| = cone + 2 e / |c|, and e
@@ -368,22 +413,28 @@ static void check_ggx(const lc_point *p, const ref_point *r, const lc_material *
     const double k[3] = { (double)m->k.x, (double)m->k.y, (double)m->k.z };
     double len = 0, s = 0, d = 0, ks[3] = { (double)m->ks.x, (double)m->ks.y, (double)m->ks.z };
     for (int i = 0; i < 3; i++) {
-        double a = i < 2 ? (double)m->roughness[i] : 1, o = a * (double)p->view[i], n2 = eta[i] * eta[i] - k[i] * k[i] - 1;
-        len += o * o, s += a * a * o * o, d += (double)p->to_view[i] * (double)p->to_view[i];
+        double a = i < 2 ? (double)m->roughness[i] : 1, o = a * (double)p->view[i],
+               n2 = eta[i] * eta[i] - k[i] * k[i] - 1;
+        len += o * o;
+        s += a * a * o * o;
+        d += (double)p->to_view[i] * (double)p->to_view[i];
         if (i < 2) CHECK(fabs((double)p->square[i] - a * a) <= 0x1p-24 * a * a);
         double rise = m->fresnel == LC_FRESNEL_SCHLICK ? r->specular[i] * (1 - ks[i]) / ks[i] : 0;
-        if (m->fresnel == LC_FRESNEL_SCHLICK && ks[i] > 0) CHECK(fabs((double)p->rise[i] - rise) <= 8 * 0x1p-24 * rise);
+        if (m->fresnel == LC_FRESNEL_SCHLICK && ks[i] > 0)
+            CHECK(fabs((double)p->rise[i] - rise) <= 8 * 0x1p-24 * rise);
         if (m->fresnel != LC_FRESNEL_CONDUCTOR) continue;
         CHECK(fabs((double)p->rise[i] - n2) <= 0x1p-24 * fabs(n2));
         CHECK(fabs((double)p->turn[i] - 2 * eta[i] * k[i]) <= 0x1p-24 * 2 * eta[i] * k[i]);
     }
     s = (double)p->masking - sqrt(s);
-    CHECKF(fabs(len - 1) <= 64 * 0x1p-24 && fabs(d - 1) <= 8 * 0x1p-24 && fabs(s) <= 16 * 0x1p-24, "%g %g %g", len - 1, d - 1, s);
+    CHECKF(fabs(len - 1) <= 64 * 0x1p-24 && fabs(d - 1) <= 8 * 0x1p-24 && fabs(s) <= 16 * 0x1p-24, "%g %g %g",
+           len - 1, d - 1, s);
     CHECK(p->coat == m->coat && fabs((double)p->eta2 - eta[0] * eta[0]) <= 0x1p-24 * eta[0] * eta[0]);
 }
 
 /* lc_point_init: products and sums of unit numbers; mirror: dot 3 ulp, doubled, product and difference: 8
- * units of 2^-24 absolute. Reflectances: four roundings; Ward: seven, and half of the error of n.o, 3, over 0.02. */
+ * units of 2^-24 absolute. Reflectances: four roundings; Ward: seven, and half of the error of n.o, 3, over
+ * 0.02. */
 TEST(point_init_agrees)
 {
     for (uint64_t i = 0; i < 20000; i++) {
@@ -391,7 +442,10 @@ TEST(point_init_agrees)
         make(&c, i, (uint32_t)(i % 3), (uint32_t)(i / 3 % GEN_BRDFS), GEN_ADVERSARIAL);
         lc_f3 t = c.mat.tangent;
         float n_t = lc_f3_dot(t, c.normal);
-        if (lc_f3_dot(t, t) - n_t * n_t < 2e-4f) c.mat.gloss = LC_GLOSS_PHONG, c.mat.coat = false; /* any frame will do */
+        if (lc_f3_dot(t, t) - n_t * n_t < 2e-4f) { /* any frame will do */
+            c.mat.gloss = LC_GLOSS_PHONG;
+            c.mat.coat = false;
+        }
         lc_point p;
         ref_point r;
         lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
@@ -402,11 +456,13 @@ TEST(point_init_agrees)
             CHECK(p.pos[k] == (&c.pos.x)[k] && p.n[k] == (&c.normal.x)[k]);
             CHECKF(fabs((double)p.mirror[k] - r.mirror[k]) <= 8 * 0x1p-24, "%g",
                    (double)p.mirror[k] - r.mirror[k]);
-            /* below a coat: 16 more, and what o.n, of 4 units, moves T(o), no steeper than T / (o.n); Fi is within 4e-7,
-             * 1 - Fi above 0.05 */
-            double off = 4 * 0x1p-24 * r.diffuse[k], below = 8e-6 + 20 * 0x1p-24 + 4 * 0x1p-24 / fmax(r.view[2], 1e-9);
+            /* below a coat: 16 more, and what o.n, of 4 units, moves T(o), no steeper than T / (o.n); Fi is
+             * within 4e-7, 1 - Fi above 0.05 */
+            double off = 4 * 0x1p-24 * r.diffuse[k],
+                   below = 8e-6 + 20 * 0x1p-24 + 4 * 0x1p-24 / fmax(r.view[2], 1e-9);
             if (p.coat) off = below * fmax(r.diffuse[k], (double)p.diffuse[k]) + (double)LC_MIN_REFLECTANCE;
-            CHECKF(fabs((double)p.diffuse[k] - r.diffuse[k]) <= off + 0x1p-149, "%g %g", (double)p.diffuse[k], r.diffuse[k]);
+            CHECKF(fabs((double)p.diffuse[k] - r.diffuse[k]) <= off + 0x1p-149, "%g %g", (double)p.diffuse[k],
+                   r.diffuse[k]);
             CHECK(fabs((double)p.specular[k] - r.specular[k]) <= more * 0x1p-24 * r.specular[k] + 0x1p-149);
             glossy = glossy || r.specular[k] > 0 || c.mat.coat;
             len += (double)p.mirror[k] * (double)p.mirror[k];
@@ -417,11 +473,13 @@ TEST(point_init_agrees)
         if (ggx) check_ggx(&p, &r, &c.mat);
         CHECK(p.exponent == c.mat.exponent && p.min_d2 == c.min_d2);
         if (!ward && !ggx) continue;
-        /* o by the two tangents, and the tangents themselves, times roughness: the projection takes away at most 0.99 */
+        /* o by the two tangents, and the tangents themselves, times roughness: the projection takes away at
+         * most 0.99 */
         for (int axis = 0; axis < 2; axis++) {
             double a = (double)c.mat.roughness[axis];
             error = fmax(error, a * fabs((double)p.view[axis] - r.view[axis]));
-            for (int k = 0; k < 3; k++) error = fmax(error, a * fabs((double)p.tangent[axis][k] - r.tangent[axis][k]));
+            for (int k = 0; k < 3; k++)
+                error = fmax(error, a * fabs((double)p.tangent[axis][k] - r.tangent[axis][k]));
             CHECK(a * (double)p.sharp >= 1 || c.mat.roughness[!axis] < c.mat.roughness[axis]);
         }
         CHECKF(error <= 400 * 0x1p-24 && fabs((double)p.view[2] - r.view[2]) <= 4 * 0x1p-24, "%g", error);
@@ -435,11 +493,14 @@ TEST(worked_example)
     lc_material m = { .kd = { 1, 1, 1 } };
     lc_point p;
     lc_point_init(&p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_make(0, 0, 1), &m, 1e-10f);
-    lc_light l = { .pos = { 0, 0, 2 }, .dir = { 0, 0, -1 }, .intensity = { 10, 10, 10 }, .atten = { 0, 0, 1 } };
+    lc_light l = {
+        .pos = { 0, 0, 2 }, .dir = { 0, 0, -1 }, .intensity = { 10, 10, 10 }, .atten = { 0, 0, 1 }
+    };
     double mg[3];
     ref_transfer(&p, &l, mg);
     CHECKF(fabs(10 * mg[1] - 0.7957747154594767) < 1e-7, "%.17g", 10 * mg[1]);
-    l.kind = LC_LIGHT_ORIENTED, l.dir = lc_f3_make(0.8660254f, 0, -0.5f);
+    l.kind = LC_LIGHT_ORIENTED;
+    l.dir = lc_f3_make(0.8660254f, 0, -0.5f);
     ref_transfer(&p, &l, mg);
     CHECKF(fabs(10 * mg[1] - 0.3978873577297384) < 1e-7, "%.17g", 10 * mg[1]);
     lc_light_rec rec;
@@ -453,10 +514,15 @@ int main(int argc, char **argv)
     for (int i = 1; i < argc; i++) {
         bool more = i + 1 < argc;
         if (!strcmp(argv[i], "--seed") && more) seed = strtoull(argv[++i], NULL, 0);
-        else if (!strcmp(argv[i], "--count") && more) count = strtoull(argv[++i], NULL, 0), table = true;
-        else if (!strcmp(argv[i], "--only") && more) only = argv[++i];
+        else if (!strcmp(argv[i], "--count") && more) {
+            count = strtoull(argv[++i], NULL, 0);
+            table = true;
+        } else if (!strcmp(argv[i], "--only") && more) only = argv[++i];
         else if (!strcmp(argv[i], "--extreme")) style = GEN_EXTREME;
-        else return fprintf(stderr, "usage: check_bounds [--seed S] [--count N] [--only MATERIAL] [--extreme]\n"), 2;
+        else
+            return fprintf(stderr,
+                           "usage: check_bounds [--seed S] [--count N] [--only MATERIAL] [--extreme]\n"),
+                   2;
     }
     printf("seed %llu\n", (unsigned long long)seed);
     RUN(bound_holds);

@@ -1,6 +1,7 @@
-/* check_kernels.c - bounds and estimates of every instruction set have the bits of the scalar kernels, for any count; the
- * scalar estimate has those of lc_shade_light and lies in the range that rounding allows about the double reference. (The
- * scalar bounds are checked against it in check_bounds.c, the BVH kernels are compared in unit_bvh.c.) */
+/* check_kernels.c - bounds and estimates of every instruction set have the bits of the scalar kernels, for
+ * any count; the scalar estimate has those of lc_shade_light and lies in the range that rounding allows about
+ * the double reference. (The scalar bounds are checked against it in check_bounds.c, the BVH kernels are
+ * compared in unit_bvh.c.) */
 #include "base/rng.h"
 #include "isa/isa.h"
 #include "shade/cluster.h"
@@ -34,14 +35,18 @@ static float guard_value(void) { return 12345.0f; }
 static void make_maps(job *j, gen_src *s)
 {
     static float texels[8 * 8 * 3];
-    for (size_t i = 0; i < sizeof texels / sizeof *texels; i++) texels[i] = (float)(lc_hash2(i, 3) >> 40) * 0x1p-24f;
+    for (size_t i = 0; i < sizeof texels / sizeof *texels; i++)
+        texels[i] = (float)(lc_hash2(i, 3) >> 40) * 0x1p-24f;
     for (int m = 0; m < 2; m++) {
-        j->maps[m] = (lc_spot_map){ .projected = m, .width = m ? 8 : 5, .height = 5, .scale = { 3, 2 }, .texels = texels };
+        j->maps[m] = (lc_spot_map){
+            .projected = m, .width = m ? 8 : 5, .height = 5, .scale = { 3, 2 }, .texels = texels
+        };
         for (int k = 0; k < 9; k++) j->maps[m].to_light[k / 3][k % 3] = (float)gen_real(s, -1, 1);
     }
 }
 
-/* Clusters from one random case: single lights, neighbours joined, all joined; lights in order and then again. */
+/* Clusters from one random case: single lights, neighbours joined, all joined; lights in order and then
+ * again. */
 static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
 {
     gen_src s = gen_src_key(lc_hash4(7, i, 0, 0));
@@ -60,18 +65,24 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
         const lc_cluster *in = k & 1 ? &all : &one;
         memcpy(j->light_atten[k], light->atten, sizeof light->atten);
         lc_spot_rec_init(&j->node_spot[k], in->spot[0], in->spot[1], 0);
-        lc_spot_rec_init(&j->light_spot[k], light->spot.cos_total, light->spot.cos_start, i % 3 ? 0 : gen_pick(&s, 3));
+        lc_spot_rec_init(&j->light_spot[k], light->spot.cos_total, light->spot.cos_start,
+                         i % 3 ? 0 : gen_pick(&s, 3));
         j->list[k] = gen_pick(&s, MOST);
     }
     j->n = 1 + (uint32_t)(i % MOST);
     make_maps(j, &s);
     j->tree = (lc_tree_data){ .nodes = j->node, .lights = j->rec };
-    j->tree.node_atten = j->node_atten, j->tree.light_atten = j->light_atten;
-    j->tree.node_spot = j->node_spot, j->tree.light_spot = j->light_spot, j->tree.spot_maps = j->maps;
+    j->tree.node_atten = j->node_atten;
+    j->tree.light_atten = j->light_atten;
+    j->tree.node_spot = j->node_spot;
+    j->tree.light_spot = j->light_spot;
+    j->tree.spot_maps = j->maps;
     if (i / MOST % 2) { /* inverse square */
         j->tree.node_atten = j->tree.light_atten = NULL;
-        for (uint32_t k = 0; k < j->c.n && kind != LC_LIGHT_SPOT; k++)
-            j->c.lights[k].atten[0] = j->c.lights[k].atten[1] = 0, j->c.lights[k].atten[2] = 1;
+        for (uint32_t k = 0; k < j->c.n && kind != LC_LIGHT_SPOT; k++) {
+            j->c.lights[k].atten[0] = j->c.lights[k].atten[1] = 0;
+            j->c.lights[k].atten[2] = 1;
+        }
     }
 }
 
@@ -91,7 +102,8 @@ static void clear(float *x)
 static void compare_bounds(lc_isa isa, const job *j, uint64_t i)
 {
     float want[ROOM + GUARD], got[ROOM + GUARD];
-    clear(want), clear(got);
+    clear(want);
+    clear(got);
     lc_kernels_scalar.shade.bounds(&j->tree, j->list, j->n, j->kind, &j->point, want);
     lc_isa_kernels(isa)->shade.bounds(&j->tree, j->list, j->n, j->kind, &j->point, got);
     CHECKF(same(want, got, j->n), "%s, case %llu", lc_isa_name(isa), (unsigned long long)i);
@@ -100,7 +112,10 @@ static void compare_bounds(lc_isa isa, const job *j, uint64_t i)
 static void run_estimate(const lc_kernels *k, const job *j, const uint32_t *index, float out[6][ROOM + GUARD])
 {
     float *to[6];
-    for (int c = 0; c < 6; c++) clear(out[c]), to[c] = out[c];
+    for (int c = 0; c < 6; c++) {
+        clear(out[c]);
+        to[c] = out[c];
+    }
     k->shade.estimate(&j->tree, 0, index, j->n, j->kind, &j->point, to);
 }
 
@@ -110,8 +125,8 @@ static void compare_estimate(lc_isa isa, const job *j, const uint32_t *index, ui
     run_estimate(&lc_kernels_scalar, j, index, want);
     run_estimate(lc_isa_kernels(isa), j, index, got);
     for (int c = 0; c < 6; c++)
-        CHECKF(same(want[c], got[c], j->n), "%s, case %llu, %s, output %d", lc_isa_name(isa), (unsigned long long)i,
-               index ? "list" : "all", c);
+        CHECKF(same(want[c], got[c], j->n), "%s, case %llu, %s, output %d", lc_isa_name(isa),
+               (unsigned long long)i, index ? "list" : "all", c);
 }
 
 static void compare(lc_isa isa)
@@ -137,8 +152,9 @@ static bool estimate_right(const job *j, uint32_t at, float out[6][ROOM + GUARD]
     const lc_light *l = &j->c.lights[at % j->c.n];
     const lc_spot_rec *spot = &j->light_spot[at];
     bool mapped = j->kind == LC_LIGHT_SPOT && spot->map;
-    lc_f3 f = j->kind == LC_LIGHT_SPOT ? lc_shade_spot(&j->point, &j->rec[at], spot, j->maps)
-                                       : lc_shade_light(&j->point, j->kind, &j->rec[at], lc_light_atten(&j->tree, at));
+    lc_f3 f = j->kind == LC_LIGHT_SPOT
+                  ? lc_shade_spot(&j->point, &j->rec[at], spot, j->maps)
+                  : lc_shade_light(&j->point, j->kind, &j->rec[at], lc_light_atten(&j->tree, at));
     lc_f3 to = j->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
     const float want[6] = { f.x, f.y, f.z, to.x, to.y, to.z };
     double lo[3], hi[3];
@@ -160,7 +176,8 @@ TEST(scalar_estimate_equals_reference)
         const uint32_t *index = i & 1 ? j.list : NULL;
         run_estimate(&lc_kernels_scalar, &j, index, out);
         for (uint32_t k = 0; k < j.n; k++)
-            CHECKF(estimate_right(&j, index ? index[k] : k, out, k), "case %llu, light %u", (unsigned long long)i, k);
+            CHECKF(estimate_right(&j, index ? index[k] : k, out, k), "case %llu, light %u",
+                   (unsigned long long)i, k);
     }
 }
 

@@ -1,5 +1,6 @@
-/* check_lists.c - place and partition of every instruction set leave what a loop over one cluster after the other does, bit
- * for bit: contents, counts, sum. Nothing is written past the spare elements, nothing read past the lanes of the inputs. */
+/* check_lists.c - place and partition of every instruction set leave what a loop over one cluster after the
+ * other does, bit for bit: contents, counts, sum. Nothing is written past the spare elements, nothing read
+ * past the lanes of the inputs. */
 #include "base/rng.h"
 #include "base/vec.h"
 #include "isa/isa.h"
@@ -56,7 +57,8 @@ static uint32_t as_bits(float f)
 /* 0 now and then, else over the range of transfers. */
 static float rnd_transfer(void) { return rnd() < 0.3 ? 0 : powf(10, (float)rnd_in(-18, 19)); }
 
-/* Styles: 0 and 1 of all kinds, 2 all 0, 3 all infinite, 4 all above the limit, 5 none above, 6 at the limit. */
+/* Styles: 0 and 1 of all kinds, 2 all 0, 3 all infinite, 4 all above the limit, 5 none above, 6 at the limit.
+ */
 static float rnd_bound(int style, float limit)
 {
     double r = rnd();
@@ -64,7 +66,8 @@ static float rnd_bound(int style, float limit)
     if (style == 3) return INFINITY;
     if (style == 4) return limit < 1e30f ? limit * 2 + (float)r : INFINITY;
     if (style == 5) return limit < 1e30f ? limit * (float)r : (float)r;
-    if (style == 6) return r < 0.3 ? nextafterf(limit, INFINITY) : r < 0.6 && limit > 0 ? nextafterf(limit, 0) : limit;
+    if (style == 6)
+        return r < 0.3 ? nextafterf(limit, INFINITY) : r < 0.6 && limit > 0 ? nextafterf(limit, 0) : limit;
     if (r < 0.2) return 0;
     if (r < 0.25) return INFINITY;
     if (r < 0.3) return limit;
@@ -110,18 +113,22 @@ static void *must(size_t n, size_t size)
 static void make_children(job *j, int style)
 {
     double leaves = rnd() < 0.3 ? 0 : rnd() < 0.2 ? 1 : 0.3;
-    j->bound = must(2 * j->n, sizeof *j->bound), j->fresh = must(2 * j->n, sizeof *j->fresh);
+    j->bound = must(2 * j->n, sizeof *j->bound);
+    j->fresh = must(2 * j->n, sizeof *j->fresh);
     j->power = must(2 * j->n, sizeof *j->power);
-    j->link = must(2 * j->n, sizeof *j->link), j->rep = must(j->n, sizeof *j->rep);
+    j->link = must(2 * j->n, sizeof *j->link);
+    j->rep = must(j->n, sizeof *j->rep);
     for (int k = 0; k < 3; k++) j->transfer[k] = must(j->n, sizeof *j->transfer[k]);
     for (uint32_t i = 0; i < 2 * j->n; i++) {
         j->bound[i] = rnd_bound(style, j->limit);
         j->link[i] = rnd_link(leaves);
-        j->power[i] = j->link[i] & LC_LEAF ? j->lights[j->link[i] & ~LC_LEAF].intensity : j->nodes[j->link[i]].power;
+        j->power[i] = j->link[i] & LC_LEAF ? j->lights[j->link[i] & ~LC_LEAF].intensity
+                                           : j->nodes[j->link[i]].power;
     }
     for (uint32_t i = 0; i < j->n; i++) {
         bool left = rnd() < 0.5, dark = rnd() < 0.2;
-        j->fresh[2 * i] = left ? 1 : 0, j->fresh[2 * i + 1] = left ? 0 : 1;
+        j->fresh[2 * i] = left ? 1 : 0;
+        j->fresh[2 * i + 1] = left ? 0 : 1;
         j->rep[i] = rnd_n(100000);
         for (int k = 0; k < 3; k++) j->transfer[k][i] = dark ? 0 : rnd_transfer();
     }
@@ -135,13 +142,19 @@ static void make_job(job *j, uint32_t i, lc_node *nodes, lc_light_rec *lights)
     j->first = rnd() < 0.5 ? 0 : rnd_n(BEFORE);
     j->limit = rnd_limit();
     fill(&j->parent, j->first + j->n, 0, 1, 0);
-    fill(&j->open, rnd_n(BEFORE), 0, 1, 0), fill(&j->left, rnd_n(BEFORE), 0, 1, 0), fill(&j->leaf, rnd_n(BEFORE), 0, 1, 1);
+    fill(&j->open, rnd_n(BEFORE), 0, 1, 0);
+    fill(&j->left, rnd_n(BEFORE), 0, 1, 0);
+    fill(&j->leaf, rnd_n(BEFORE), 0, 1, 1);
     make_children(j, style);
 }
 
 static void free_job(job *j)
 {
-    free(j->power), free(j->bound), free(j->fresh), free(j->link), free(j->rep);
+    free(j->power);
+    free(j->bound);
+    free(j->fresh);
+    free(j->link);
+    free(j->rep);
     for (int k = 0; k < 3; k++) free(j->transfer[k]);
 }
 
@@ -153,7 +166,10 @@ static void put(list *l, const uint32_t word[LC_CUT_WORDS])
     l->n++;
 }
 
-static float luminance(const uint32_t e[3]) { return lc_luminance(lc_f3_make(as_float(e[0]), as_float(e[1]), as_float(e[2]))); }
+static float luminance(const uint32_t e[3])
+{
+    return lc_luminance(lc_f3_make(as_float(e[0]), as_float(e[1]), as_float(e[2])));
+}
 
 /* Puts child c of pair i into its list; returns its luminance. */
 static float ref_child(job *j, uint32_t i, uint32_t c)
@@ -166,7 +182,8 @@ static float ref_child(job *j, uint32_t i, uint32_t c)
         float t = own ? j->transfer[k][i] : as_float(j->parent.word[3 + k][at]);
         lit |= j->transfer[k][i] > 0;
         if (!(bound > 0)) t = 0;
-        word[3 + k] = as_bits(t), word[6 + k] = as_bits(t * power[k]);
+        word[3 + k] = as_bits(t);
+        word[6 + k] = as_bits(t * power[k]);
     }
     word[2] = own ? j->rep[i] | (lit ? LC_PENDING : 0) : j->parent.word[2][at];
     if (bound > 0) put(word[1] & LC_LEAF ? &j->leaf : bound > j->limit ? &j->open : &j->left, word);
@@ -205,7 +222,10 @@ static lc_cut_list view(list *l)
 {
     lc_cut_list v = { .n = l->n, .link = l->word[1], .rep = l->word[2] };
     v.bound = (float *)(void *)l->word[0];
-    for (uint32_t k = 0; k < 3; k++) v.transfer[k] = (float *)(void *)l->word[3 + k], v.e[k] = (float *)(void *)l->word[6 + k];
+    for (uint32_t k = 0; k < 3; k++) {
+        v.transfer[k] = (float *)(void *)l->word[3 + k];
+        v.e[k] = (float *)(void *)l->word[6 + k];
+    }
     return v;
 }
 
@@ -223,21 +243,33 @@ static bool same(const list *want, const list *got, uint32_t longest)
 
 static double run_place(const lc_kernels *k, job *j)
 {
-    lc_cut_list parent = view(&j->parent), open = view(&j->open), left = view(&j->left), leaf = view(&j->leaf);
-    lc_cut_pairs p = { .n = j->n, .parent = &parent, .first = j->first, .bound = j->bound, .link = j->link, .power = j->power,
-                       .fresh = j->fresh, .rep = j->rep, .transfer = { j->transfer[0], j->transfer[1], j->transfer[2] },
+    lc_cut_list parent = view(&j->parent), open = view(&j->open), left = view(&j->left),
+                leaf = view(&j->leaf);
+    lc_cut_pairs p = { .n = j->n,
+                       .parent = &parent,
+                       .first = j->first,
+                       .bound = j->bound,
+                       .link = j->link,
+                       .power = j->power,
+                       .fresh = j->fresh,
+                       .rep = j->rep,
+                       .transfer = { j->transfer[0], j->transfer[1], j->transfer[2] },
                        .limit = j->limit };
     double sum = k->cut.place(&p, &open, &left, &leaf);
-    j->open.n = open.n, j->left.n = left.n, j->leaf.n = leaf.n;
+    j->open.n = open.n;
+    j->left.n = left.n;
+    j->leaf.n = leaf.n;
     return sum;
 }
 
 static void check_place(lc_isa isa, uint32_t i, const job *j)
 {
     static job want, got;
-    want = *j, got = *j;
+    want = *j;
+    got = *j;
     double want_sum = ref_place(&want), got_sum = run_place(lc_isa_kernels(isa), &got);
-    CHECKF(!memcmp(&want_sum, &got_sum, sizeof want_sum), "%s, case %u: sum %a, not %a", lc_isa_name(isa), i, got_sum, want_sum);
+    CHECKF(!memcmp(&want_sum, &got_sum, sizeof want_sum), "%s, case %u: sum %a, not %a", lc_isa_name(isa), i,
+           got_sum, want_sum);
     CHECKF(same(&want.open, &got.open, 0), "%s, case %u, %u pairs", lc_isa_name(isa), i, j->n);
     CHECKF(same(&want.left, &got.left, 0), "%s, case %u, %u pairs", lc_isa_name(isa), i, j->n);
     CHECKF(same(&want.leaf, &got.leaf, 0), "%s, case %u, %u pairs", lc_isa_name(isa), i, j->n);
@@ -253,17 +285,22 @@ TEST(place_as_one_by_one)
     static job j;
     if (!nodes || !lights) abort();
     for (uint32_t i = 0; i < NODES; i++)
-        for (uint32_t k = 0; k < 3; k++) nodes[i].power[k] = rnd_power(), lights[i].intensity[k] = rnd_power();
+        for (uint32_t k = 0; k < 3; k++) {
+            nodes[i].power[k] = rnd_power();
+            lights[i].intensity[k] = rnd_power();
+        }
     for (uint32_t i = 0; i < CASES; i++) {
         make_job(&j, i, nodes, lights);
         EACH_ISA(isa) check_place(isa, i, &j);
         free_job(&j);
     }
-    free(nodes), free(lights);
+    free(nodes);
+    free(lights);
 }
 
 /* where: 0 two other lists, 1 above is the list itself, 2 rest is */
-static void check_partition(lc_isa isa, uint32_t i, const list *from, const list others[2], float limit, int where)
+static void check_partition(lc_isa isa, uint32_t i, const list *from, const list others[2], float limit,
+                            int where)
 {
     static list want[2], got[2], source;
     for (int k = 0; k < 2; k++) {
@@ -276,8 +313,9 @@ static void check_partition(lc_isa isa, uint32_t i, const list *from, const list
     lc_isa_kernels(isa)->cut.partition(where ? &to[where - 1] : &apart, limit, &to[0], &to[1]);
     for (int k = 0; k < 2; k++) {
         got[k].n = to[k].n;
-        CHECKF(same(&want[k], &got[k], where == k + 1 ? from->n : 0), "%s, case %u: %u clusters, limit %g, in place %d, list %d",
-               lc_isa_name(isa), i, from->n, (double)limit, where, k);
+        CHECKF(same(&want[k], &got[k], where == k + 1 ? from->n : 0),
+               "%s, case %u: %u clusters, limit %g, in place %d, list %d", lc_isa_name(isa), i, from->n,
+               (double)limit, where, k);
     }
     CHECK(where || (apart.n == 0 && !memcmp(source.word, from->word, sizeof source.word)));
 }
@@ -288,7 +326,8 @@ TEST(partition_as_one_by_one)
     for (uint32_t i = 0; i < CASES; i++) {
         float limit = rnd_limit();
         fill(&from, i % (2 * MOST + 1), (int)(i / (2 * MOST + 1) % 7), limit, 0.2);
-        fill(&others[0], rnd_n(BEFORE), 0, 1, 0), fill(&others[1], rnd_n(BEFORE), 0, 1, 0);
+        fill(&others[0], rnd_n(BEFORE), 0, 1, 0);
+        fill(&others[1], rnd_n(BEFORE), 0, 1, 0);
         EACH_ISA(isa)
             for (int where = 0; where < 3; where++) check_partition(isa, i, &from, others, limit, where);
     }

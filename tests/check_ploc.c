@@ -1,5 +1,5 @@
-/* check_ploc.c - the nearest neighbours that every instruction set finds are those of a loop over all pairs, bit for bit; nothing
- * is written past them. The metric agrees with its definition in double precision. */
+/* check_ploc.c - the nearest neighbours that every instruction set finds are those of a loop over all pairs,
+ * bit for bit; nothing is written past them. The metric agrees with its definition in double precision. */
 #include "isa/isa.h"
 #include "support/isas.h"
 #include "support/test.h"
@@ -28,7 +28,8 @@ static float ref_metric(const lc_ploc_list *l, uint32_t i, uint32_t j)
     for (int k = 0; k < 3 && l->oriented; k++) {
         float lo = sorted(rows[LC_PLOC_DLO + k][i], rows[LC_PLOC_DLO + k][j], false);
         float hi = sorted(rows[LC_PLOC_DHI + k][i], rows[LC_PLOC_DHI + k][j], true);
-        s2 += (lo + hi) * (lo + hi), r2 += (hi - lo) * (hi - lo);
+        s2 += (lo + hi) * (lo + hi);
+        r2 += (hi - lo) * (hi - lo);
     }
     if (l->oriented) {
         float s = sqrtf(s2), turn = 2;
@@ -55,14 +56,18 @@ static float ref_nearest(const lc_ploc_list *l, uint32_t i, uint32_t radius, boo
     for (uint32_t j = i > radius ? i - radius : 0; j < l->n && j <= i + radius; j++) {
         if (j == i || (grouped && i / LC_PLOC_GROUP != j / LC_PLOC_GROUP)) continue;
         float d = ref_metric(l, i, j);
-        if (before(d, i, j, best_d, best)) best = j, best_d = d;
+        if (before(d, i, j, best_d, best)) {
+            best = j;
+            best_d = d;
+        }
     }
     return best > i ? (float)(best - i) : -(float)(i - best);
 }
 
 /* ---- cases ---- */
 
-/* Styles: 0 at random, 1 along a line, 2 on a grid, 3 all in one place, 4 black, 5 of very different powers and sizes. */
+/* Styles: 0 at random, 1 along a line, 2 on a grid, 3 all in one place, 4 black, 5 of very different powers
+ * and sizes. */
 static void fill(lc_ploc_list *l, int style)
 {
     for (uint32_t i = 0; i < l->n + LC_LANES; i++) {
@@ -75,16 +80,21 @@ static void fill(lc_ploc_list *l, int style)
             if (style == 2) x = y = k ? 0 : (float)i * 0x1p-12f;
             if (style == 3) x = y = 0.25f;
             if (style == 5) y = x + (1 - x) * powf(10, (float)rnd_in(-30, 0));
-            rows[LC_PLOC_LO + k][i] = sorted(x, y, false), rows[LC_PLOC_HI + k][i] = sorted(x, y, true);
+            rows[LC_PLOC_LO + k][i] = sorted(x, y, false);
+            rows[LC_PLOC_HI + k][i] = sorted(x, y, true);
             rows[LC_PLOC_DLO + k][i] = many ? sorted(dir[k], other[k], false) : dir[k];
             rows[LC_PLOC_DHI + k][i] = many ? sorted(dir[k], other[k], true) : dir[k];
         }
-        rows[LC_PLOC_POWER][i] = style == 4 ? 0 : style == 5 ? powf(10, (float)rnd_in(-38, 30)) : style ? 0x1p80f : (float)rnd();
+        rows[LC_PLOC_POWER][i] = style == 4   ? 0
+                                 : style == 5 ? powf(10, (float)rnd_in(-38, 30))
+                                 : style      ? 0x1p80f
+                                              : (float)rnd();
     }
     for (int k = 0; k < LC_PLOC_ROWS; k++) l->row[k] = rows[k];
 }
 
-static void check_case(uint32_t number, const lc_ploc_list *l, uint32_t first, uint32_t n, uint32_t radius, bool grouped)
+static void check_case(uint32_t number, const lc_ploc_list *l, uint32_t first, uint32_t n, uint32_t radius,
+                       bool grouped)
 {
     static float want[MOST], got[MOST + LC_LANES];
     for (uint32_t i = 0; i < n; i++) want[i] = ref_nearest(l, first + i, radius, grouped);
@@ -96,8 +106,9 @@ static void check_case(uint32_t number, const lc_ploc_list *l, uint32_t first, u
         uint32_t at = 0;
         while (at < n && want[at] == got[at]) at++;
         CHECKF(clean, "%s, case %u", lc_isa_name(isa), number);
-        CHECKF(at == n, "%s, case %u: %u of %u + %u, list of %u, radius %u, grouped %d: %g, not %g", lc_isa_name(isa), number,
-               at, first, n, l->n, radius, grouped, (double)got[at], (double)want[at]);
+        CHECKF(at == n, "%s, case %u: %u of %u + %u, list of %u, radius %u, grouped %d: %g, not %g",
+               lc_isa_name(isa), number, at, first, n, l->n, radius, grouped, (double)got[at],
+               (double)want[at]);
     }
 }
 
@@ -105,7 +116,11 @@ TEST(nearest_as_over_all_pairs)
 {
     for (uint32_t i = 0; i < CASES; i++) {
         bool large = i % 20 == 0;
-        lc_ploc_list l = { .n = 2 + rnd_n(large ? MOST - 1 : i % 3 ? 300 : 20), .oriented = rnd() < 0.5, .c2 = (float)rnd() };
+        lc_ploc_list l = { .n = 2 + rnd_n(large   ? MOST - 1
+                                          : i % 3 ? 300
+                                                  : 20),
+                           .oriented = rnd() < 0.5,
+                           .c2 = (float)rnd() };
         uint32_t first = rnd() < 0.3 ? 0 : rnd_n(l.n), n = rnd() < 0.5 ? l.n - first : 1 + rnd_n(l.n - first);
         uint32_t radius = rnd() < 0.3 ? l.n + 5 : rnd() < 0.5 ? 1 + rnd_n(40) : 1 + rnd_n(l.n);
         fill(&l, (int)(i / 2 % 6));
@@ -136,13 +151,17 @@ static double exact_metric(const lc_ploc_list *l)
                    - fmin((double)rows[LC_PLOC_LO + k][0], (double)rows[LC_PLOC_LO + k][1]);
         double lo = fmin((double)rows[LC_PLOC_DLO + k][0], (double)rows[LC_PLOC_DLO + k][1]);
         double hi = fmax((double)rows[LC_PLOC_DHI + k][0], (double)rows[LC_PLOC_DHI + k][1]);
-        size += w * w, s2 += (lo + hi) * (lo + hi), r2 += (hi - lo) * (hi - lo);
+        size += w * w;
+        s2 += (lo + hi) * (lo + hi);
+        r2 += (hi - lo) * (hi - lo);
     }
     double s = sqrt(s2), cos_beta = s < 0.1 ? -1 : fmax(-1, (s2 + 4 - r2) / (4 * s));
-    return ((double)rows[LC_PLOC_POWER][0] + (double)rows[LC_PLOC_POWER][1]) * (size + (double)l->c2 * (1 - cos_beta) * (1 - cos_beta));
+    return ((double)rows[LC_PLOC_POWER][0] + (double)rows[LC_PLOC_POWER][1]) *
+           (size + (double)l->c2 * (1 - cos_beta) * (1 - cos_beta));
 }
 
-/* A dozen roundings of 2^-24, and that the directions are unit only to 2^-24, which moves 1 - cos(beta) by as much / s. */
+/* A dozen roundings of 2^-24, and that the directions are unit only to 2^-24, which moves 1 - cos(beta) by as
+ * much / s. */
 TEST(metric_as_defined)
 {
     lc_ploc_list l = { .n = 2, .oriented = true, .c2 = 0.5f };

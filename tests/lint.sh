@@ -150,7 +150,7 @@ tab=$(printf '\t')
 rule '.c under 800 lines, .h under 200' long_files
 rule 'functions under 60 lines' long_functions
 # shellcheck disable=SC2086
-rule 'lines of at most 140 columns' awk 'length($0) > 140 { print FILENAME ":" FNR ": " length($0) }' $texts
+rule 'lines of at most 110 columns' awk 'length($0) > 110 { print FILENAME ":" FNR ": " length($0) }' $texts
 # shellcheck disable=SC2086
 rule 'no tabs' grep -n "$tab" $texts
 # shellcheck disable=SC2086

@@ -2,11 +2,12 @@
  *
  *     one_light SCENE SPP SEED OUT.exr        direct light only, as --maxdepth 1
  *
- * It is our own exact method but for that choice, so what `compare` says of it and the exact picture is noise alone: what a reference
- * of SPP samples can show at best. The light is found as pbrt-v4's light BVH does it, by a walk down the light tree, a child as likely
- * as its power times the greatest cosine over the square of its distance (Conty and Kulla 2018; emission cones left out), among
- * directional lights by power. Numbers for positions and lights are as well spread as Sobol's. An area light is jittered oriented
- * lights, where a path tracer picks points.
+ * It is our own exact method but for that choice, so what `compare` says of it and the exact picture is noise
+ * alone: what a reference of SPP samples can show at best. The light is found as pbrt-v4's light BVH does it,
+ * by a walk down the light tree, a child as likely as its power times the greatest cosine over the square of
+ * its distance (Conty and Kulla 2018; emission cones left out), among directional lights by power. Numbers
+ * for positions and lights are as well spread as Sobol's. An area light is jittered oriented lights, where a
+ * path tracer picks points.
  */
 #include "lightcuts.h"
 
@@ -38,7 +39,8 @@ static double importance(uint32_t link, lc_light_kind kind, const lc_surface *s)
     for (int k = 0; k < 3 && !leaf; k++) diagonal2 += 4 * (double)node->half[k] * (double)node->half[k];
     lc_f3 way = lc_f3_sub(lc_f3_load(center), s->pos);
     double d2 = (double)lc_f3_dot(way, way), radius2 = diagonal2 / 4;
-    double cos_i = fabs((double)lc_f3_dot(way, s->n)) / sqrt(d2 + 1e-30), cos_b = d2 < radius2 ? -1 : sqrt(1 - radius2 / (d2 + 1e-30));
+    double cos_i = fabs((double)lc_f3_dot(way, s->n)) / sqrt(d2 + 1e-30),
+           cos_b = d2 < radius2 ? -1 : sqrt(1 - radius2 / (d2 + 1e-30));
     if (cos_i < cos_b) cos_i = cos_i * cos_b + sqrt(fmax(1 - cos_i * cos_i, 0) * fmax(1 - cos_b * cos_b, 0));
     else cos_i = 1;
     return power * cos_i / fmax(d2, sqrt(diagonal2) / 2);
@@ -91,9 +93,12 @@ static lc_f3 sample_light(const lc_lit *lit, double u)
     lc_point_init(&point, s->pos, s->n, lit->view, &s->material, scene->min_d2);
     if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(point.ng, s->ng);
     scene->ctx->shade_kernels->estimate(&t->data, 0, &link, 1, kind, &point, out);
-    lc_cut_hidden(&scene->visibility, &point, s->ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, hidden, NULL);
+    lc_cut_hidden(&scene->visibility, &point, s->ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, hidden,
+                  NULL);
     if (hidden[0]) return lc_f3_make(0, 0, 0);
-    return lc_f3_scale(lc_f3_mul(lc_f3_make(f[0][0], f[1][0], f[2][0]), lc_f3_load(t->data.lights[link].intensity)), (float)(1 / p));
+    return lc_f3_scale(lc_f3_mul(lc_f3_make(f[0][0], f[1][0], f[2][0]),
+                                 lc_f3_load(t->data.lights[link].intensity)),
+                       (float)(1 / p));
 }
 
 static lc_f3 pixel(uint32_t x, uint32_t y, uint32_t spp, uint64_t seed)
@@ -112,7 +117,8 @@ static lc_f3 pixel(uint32_t x, uint32_t y, uint32_t spp, uint64_t seed)
             continue;
         }
         sum = lc_f3_add(sum, sight.emission);
-        lc_sample_pair(lights, i ^ (uint32_t)(lights >> 20) % spp, u); /* in another order than the positions */
+        /* In another order than the positions. */
+        lc_sample_pair(lights, i ^ (uint32_t)(lights >> 20) % spp, u);
         for (uint32_t k = 0; k < sight.n_lit && scene->tree->n_lights; k++)
             sum = lc_f3_add(sum, lc_f3_mul(sample_light(&sight.lit[k], u[0]), sight.lit[k].weight));
     }
@@ -126,14 +132,16 @@ int main(int argc, char **argv)
     lc_image_desc desc = LC_IMAGE_DESC_INIT;
     lc_load_desc load = LC_LOAD_DESC_INIT;
     float *plane[3];
-    unsigned long spp = argc == 5 ? strtoul(argv[2], NULL, 10) : 0, seed = argc == 5 ? strtoul(argv[3], NULL, 10) : 0;
+    unsigned long spp = argc == 5 ? strtoul(argv[2], NULL, 10) : 0,
+                  seed = argc == 5 ? strtoul(argv[3], NULL, 10) : 0;
     if (!spp || spp > 1 << 16 || spp & (spp - 1)) {
         fputs("usage: one_light SCENE SPP SEED OUT.exr        SPP: a power of 2\n", stderr);
         return 2;
     }
     load.indirect_lights = LC_NO_LIGHTS;
     if (lc_context_create(NULL, &ctx) || lc_scene_load(ctx, argv[1], &load, &scene)) return 1;
-    desc.width = scene->film.width, desc.height = scene->film.height;
+    desc.width = scene->film.width;
+    desc.height = scene->film.height;
     if (lc_image_create(ctx, &desc, &image)) return 1;
     for (int k = 0; k < 3; k++)
         if (lc_image_add_channel(image, (const char *[]){ "R", "G", "B" }[k], &plane[k])) return 1;
@@ -141,7 +149,9 @@ int main(int argc, char **argv)
         for (uint32_t x = 0; x < desc.width; x++) {
             lc_f3 c = pixel(x, y, (uint32_t)spp, seed);
             size_t i = (size_t)y * desc.width + x;
-            plane[0][i] = c.x, plane[1][i] = c.y, plane[2][i] = c.z;
+            plane[0][i] = c.x;
+            plane[1][i] = c.y;
+            plane[2][i] = c.z;
         }
     bool failed = lc_image_write(image, argv[4]) != LC_OK;
     lc_image_destroy(image);

@@ -1,5 +1,5 @@
-/* unit_agglomerate.c - exact agglomeration: the same clusters as by merging the two nearest of all again and again, and on
- * every set, ties or not, pairs that are each other's nearest among what is left. */
+/* unit_agglomerate.c - exact agglomeration: the same clusters as by merging the two nearest of all again and
+ * again, and on every set, ties or not, pairs that are each other's nearest among what is left. */
 #include "base/rng.h"
 #include "support/test.h"
 #include "tree/tree_build.h"
@@ -15,15 +15,47 @@ static lc_context *ctx;
 /* ---- sets ---- */
 
 typedef enum {
-    ROOM, ANY_DIRECTION, ONE_PLACE, ONE_PLACE_ANY_DIRECTION, ONE_PLACE_NARROW, ONE_PLACE_GRID, LINE, GRID, DECADES, BLACK,
-    SOME_BLACK, SCALES, BLOBS, WALLS, OUTLIERS, GEOMETRIC, UNEQUAL, SHELL, ORIGIN, STYLES
+    ROOM,
+    ANY_DIRECTION,
+    ONE_PLACE,
+    ONE_PLACE_ANY_DIRECTION,
+    ONE_PLACE_NARROW,
+    ONE_PLACE_GRID,
+    LINE,
+    GRID,
+    DECADES,
+    BLACK,
+    SOME_BLACK,
+    SCALES,
+    BLOBS,
+    WALLS,
+    OUTLIERS,
+    GEOMETRIC,
+    UNEQUAL,
+    SHELL,
+    ORIGIN,
+    STYLES
 } style;
 
-static const char *const names[STYLES] = {
-    "room", "any direction", "one place", "one place, any direction", "one place, narrow", "one place, grid of directions",
-    "line", "grid", "30 decades", "black", "some black", "scales", "blobs", "walls", "outliers", "geometric",
-    "one place, unequal", "shell", "about the origin"
-};
+static const char *const names[STYLES] = { "room",
+                                           "any direction",
+                                           "one place",
+                                           "one place, any direction",
+                                           "one place, narrow",
+                                           "one place, grid of directions",
+                                           "line",
+                                           "grid",
+                                           "30 decades",
+                                           "black",
+                                           "some black",
+                                           "scales",
+                                           "blobs",
+                                           "walls",
+                                           "outliers",
+                                           "geometric",
+                                           "one place, unequal",
+                                           "shell",
+                                           "about the origin" };
 
 static lc_light any_light(lc_light_kind kind)
 {
@@ -61,9 +93,14 @@ static lc_light one_light(style st, lc_light_kind kind, uint32_t i, uint32_t n)
     case UNEQUAL: l.intensity.y = (float)rnd(); /* fall through */
     case ONE_PLACE: l.pos = place, l.dir = lc_f3_make(0, -1, 0); break;
     case ONE_PLACE_ANY_DIRECTION: l.pos = place, l.dir = rnd_unit(); break;
-    case ONE_PLACE_NARROW: l = directed(l, rnd_in(-0.005, 0.005), -1, rnd_in(-0.005, 0.005)), l.pos = place; break;
+    case ONE_PLACE_NARROW:
+        l = directed(l, rnd_in(-0.005, 0.005), -1, rnd_in(-0.005, 0.005)), l.pos = place;
+        break;
     case ONE_PLACE_GRID: l = directed(l, column / side - 0.5, -1, row / side - 0.5), l.pos = place; break;
-    case LINE: l = directed(l, kind == LC_LIGHT_DIRECTIONAL ? i * 0.001 : 0, -1, 0), l.pos.x = l.pos.y = l.pos.z = (float)i; break;
+    case LINE:
+        l = directed(l, kind == LC_LIGHT_DIRECTIONAL ? i * 0.001 : 0, -1, 0),
+        l.pos.x = l.pos.y = l.pos.z = (float)i;
+        break;
     case GRID:
         l.pos = lc_f3_make((float)column, 0, (float)row);
         l = kind == LC_LIGHT_DIRECTIONAL ? directed(l, column / 64, -1, row / 64) : directed(l, 0, -1, 0);
@@ -72,10 +109,16 @@ static lc_light one_light(style st, lc_light_kind kind, uint32_t i, uint32_t n)
     case BLACK: l.intensity = lc_f3_make(0, 0, 0); break;
     case SOME_BLACK: l.intensity = lc_f3_scale(l.intensity, (float)rnd_n(2)); break;
     case SCALES: l.pos = lc_f3_scale(l.pos, powf(10, (float)rnd_in(-14, 10))); break;
-    case BLOBS: l.pos = lc_f3_scale(lc_f3_add(l.pos, lc_f3_make(0, (float)(i % 7) * 100, 0)), powf(0.1f, (float)(i % 7))); break;
+    case BLOBS:
+        l.pos = lc_f3_scale(lc_f3_add(l.pos, lc_f3_make(0, (float)(i % 7) * 100, 0)),
+                            powf(0.1f, (float)(i % 7)));
+        break;
     case WALLS: l = on_wall(l); break;
     case OUTLIERS:
-        if (i % 50 == 0) l.pos = lc_f3_scale(rnd_unit(), 1000), l.intensity = lc_f3_make(0.001f, 0.001f, 0.001f);
+        if (i % 50 == 0) {
+            l.pos = lc_f3_scale(rnd_unit(), 1000);
+            l.intensity = lc_f3_make(0.001f, 0.001f, 0.001f);
+        }
         break;
     case GEOMETRIC: l.pos = lc_f3_make(ldexpf(1 + 1e-6f * (float)i, (int)(i % 60) - 40), 0, 0); break;
     case SHELL: l.dir = rnd_unit(), l.pos = lc_f3_scale(l.dir, 10); break;
@@ -113,23 +156,31 @@ static cluster of_light(const lc_light *l)
 {
     cluster c = { .cos_cone = 1 };
     lc_f3 p = l->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
-    lc_f3_store(c.lo, p), lc_f3_store(c.hi, p);
-    lc_f3_store(c.dlo, l->dir), lc_f3_store(c.dhi, l->dir);
-    c.power[0] = (double)l->intensity.x, c.power[1] = (double)l->intensity.y, c.power[2] = (double)l->intensity.z;
+    lc_f3_store(c.lo, p);
+    lc_f3_store(c.hi, p);
+    lc_f3_store(c.dlo, l->dir);
+    lc_f3_store(c.dhi, l->dir);
+    c.power[0] = (double)l->intensity.x;
+    c.power[1] = (double)l->intensity.y;
+    c.power[2] = (double)l->intensity.z;
     return c;
 }
 
-/* The cap that the sphere through the corners of the box of directions cuts out, no narrower than either child's. */
+/* The cap that the sphere through the corners of the box of directions cuts out, no narrower than either
+ * child's. */
 static cluster joined(const cluster *a, const cluster *b)
 {
     cluster c = { .cos_cone = fmin(a->cos_cone, b->cos_cone) };
     double s2 = 0, r2 = 0;
     for (int k = 0; k < 3; k++) {
-        c.lo[k] = fminf(a->lo[k], b->lo[k]), c.hi[k] = fmaxf(a->hi[k], b->hi[k]);
-        c.dlo[k] = fminf(a->dlo[k], b->dlo[k]), c.dhi[k] = fmaxf(a->dhi[k], b->dhi[k]);
+        c.lo[k] = fminf(a->lo[k], b->lo[k]);
+        c.hi[k] = fmaxf(a->hi[k], b->hi[k]);
+        c.dlo[k] = fminf(a->dlo[k], b->dlo[k]);
+        c.dhi[k] = fmaxf(a->dhi[k], b->dhi[k]);
         c.power[k] = a->power[k] + b->power[k];
         double s = (double)c.dlo[k] + (double)c.dhi[k], w = (double)c.dhi[k] - (double)c.dlo[k];
-        s2 += s * s, r2 += w * w;
+        s2 += s * s;
+        r2 += w * w;
     }
     double s = sqrt(s2), cap = s < 0.1 ? -1 : (s2 + 4 - r2) / (4 * s);
     c.cos_cone = fmax(-1, fmin(c.cos_cone, cap));
@@ -142,7 +193,8 @@ static double metric(const cluster *a, const cluster *b, double c2)
 {
     cluster u = joined(a, b);
     double alpha2 = 0;
-    for (int k = 0; k < 3; k++) alpha2 += ((double)u.hi[k] - (double)u.lo[k]) * ((double)u.hi[k] - (double)u.lo[k]);
+    for (int k = 0; k < 3; k++)
+        alpha2 += ((double)u.hi[k] - (double)u.lo[k]) * ((double)u.hi[k] - (double)u.lo[k]);
     return (scalar(a) + scalar(b)) * (alpha2 + c2 * (1 - u.cos_cone) * (1 - u.cos_cone));
 }
 
@@ -181,12 +233,14 @@ static uint32_t not_nearest(const lc_light *l, uint32_t n, const lc_build_pair *
         double d = metric(&c[a], &c[b], c2);
         bool nearer = false;
         for (uint32_t k = 0; k < n + i; k++)
-            if (!dead[k] && k != a && k != b) nearer |= metric(&c[a], &c[k], c2) < d || metric(&c[b], &c[k], c2) < d;
+            if (!dead[k] && k != a && k != b)
+                nearer |= metric(&c[a], &c[k], c2) < d || metric(&c[b], &c[k], c2) < d;
         bad += nearer;
         dead[a] = dead[b] = 1;
         c[n + i] = joined(&c[a], &c[b]);
     }
-    free(c), free(dead);
+    free(c);
+    free(dead);
     return bad;
 }
 
@@ -198,7 +252,8 @@ static void expect_nearest(style st, lc_light_kind kind, uint32_t n)
     CHECKF(tree, "%s, kind %d, %u lights", names[st], kind, n);
     uint32_t bad = tree ? not_nearest(l, n, pairs, weight(l, n)) : 0;
     CHECKF(!bad, "%s, kind %d, %u lights: %u pairs are not nearest", names[st], kind, n, bad);
-    free(l), free(pairs);
+    free(l);
+    free(pairs);
 }
 
 TEST(pairs_are_nearest)
@@ -206,7 +261,8 @@ TEST(pairs_are_nearest)
     static const uint32_t sizes[] = { 2, 3, 4, 5, 6, 9, 16, 17, 33, 64, 65, 100, 257, 600 };
     for (int st = 0; st < STYLES; st++)
         for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
-            for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) expect_nearest((style)st, (lc_light_kind)kind, sizes[i]);
+            for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+                expect_nearest((style)st, (lc_light_kind)kind, sizes[i]);
 }
 
 TEST(one_light_is_no_pair)
@@ -221,7 +277,8 @@ TEST(one_light_is_no_pair)
 static int by_value(const void *a, const void *b)
 {
     uint64_t x, y;
-    memcpy(&x, a, sizeof x), memcpy(&y, b, sizeof y);
+    memcpy(&x, a, sizeof x);
+    memcpy(&y, b, sizeof y);
     return x < y ? -1 : x > y;
 }
 
@@ -230,7 +287,8 @@ static void sets_of(const lc_build_pair *pairs, uint32_t n, uint64_t *sets)
 {
     uint64_t *set = malloc(2 * (size_t)n * sizeof *set);
     for (uint32_t i = 0; i < n; i++) set[i] = lc_mix(i);
-    for (uint32_t i = 0; i + 1 < n; i++) sets[i] = set[n + i] = set[pairs[i].child[0]] + set[pairs[i].child[1]];
+    for (uint32_t i = 0; i + 1 < n; i++)
+        sets[i] = set[n + i] = set[pairs[i].child[0]] + set[pairs[i].child[1]];
     qsort(sets, n - 1, sizeof *sets, by_value);
     free(set);
 }
@@ -240,40 +298,56 @@ static void naive_pairs(const lc_light *l, uint32_t n, double c2, lc_build_pair 
 {
     cluster *c = malloc(n * sizeof *c);
     uint32_t *id = malloc(n * sizeof *id), n_live = n;
-    for (uint32_t i = 0; i < n; i++) c[i] = of_light(&l[i]), id[i] = i;
+    for (uint32_t i = 0; i < n; i++) {
+        c[i] = of_light(&l[i]);
+        id[i] = i;
+    }
     for (uint32_t next = n; n_live > 1; next++) {
         uint32_t a = 0, b = 1;
         double best = INFINITY;
         for (uint32_t i = 0; i < n_live; i++)
             for (uint32_t k = i + 1; k < n_live; k++) {
                 double d = metric(&c[i], &c[k], c2);
-                if (d < best) best = d, a = i, b = k;
+                if (d < best) {
+                    best = d;
+                    a = i;
+                    b = k;
+                }
             }
         pairs[next - n] = (lc_build_pair){ { id[a], id[b] } };
-        c[a] = joined(&c[a], &c[b]), id[a] = next;
-        c[b] = c[--n_live], id[b] = id[n_live];
+        c[a] = joined(&c[a], &c[b]);
+        id[a] = next;
+        c[b] = c[--n_live];
+        id[b] = id[n_live];
     }
-    free(c), free(id);
+    free(c);
+    free(id);
 }
 
 TEST(equals_naive_agglomeration)
 {
-    static const style without_ties[] = { ROOM, ANY_DIRECTION, ONE_PLACE_ANY_DIRECTION, ONE_PLACE_NARROW, DECADES, SCALES, WALLS,
-                                          OUTLIERS, SHELL };
+    static const style without_ties[] = {
+        ROOM,     ANY_DIRECTION, ONE_PLACE_ANY_DIRECTION, ONE_PLACE_NARROW, DECADES, SCALES, WALLS,
+        OUTLIERS, SHELL
+    };
     uint64_t want[512], got[512];
     lc_build_pair naive[512];
     for (size_t s = 0; s < sizeof without_ties / sizeof *without_ties; s++)
         for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
             for (uint32_t n = 2; n <= 350; n += n < 12 ? 1 : n < 100 ? 29 : 113) {
                 style st = without_ties[s];
-                bool tie = !lc_is_aimed((lc_light_kind)kind) && (st == ONE_PLACE_ANY_DIRECTION || st == ONE_PLACE_NARROW || st == WALLS);
+                bool tie = !lc_is_aimed((lc_light_kind)kind) &&
+                           (st == ONE_PLACE_ANY_DIRECTION || st == ONE_PLACE_NARROW || st == WALLS);
                 if (tie || (st == OUTLIERS && kind == LC_LIGHT_DIRECTIONAL)) continue;
                 lc_light *l = make_set(st, (lc_light_kind)kind, n);
                 lc_build_pair *pairs = agglomerate(l, n);
                 naive_pairs(l, n, weight(l, n), naive);
-                sets_of(pairs, n, got), sets_of(naive, n, want);
-                CHECKF(!memcmp(want, got, (n - 1) * sizeof *got), "%s, kind %d, %u lights", names[st], kind, n);
-                free(l), free(pairs);
+                sets_of(pairs, n, got);
+                sets_of(naive, n, want);
+                CHECKF(!memcmp(want, got, (n - 1) * sizeof *got), "%s, kind %d, %u lights", names[st], kind,
+                       n);
+                free(l);
+                free(pairs);
             }
 }
 
@@ -285,9 +359,13 @@ TEST(threads_change_nothing)
     for (int st = 0; st < STYLES; st++) {
         lc_build_pair *pairs[3];
         lc_light *l = make_set((style)st, LC_LIGHT_ORIENTED, n);
-        for (uint32_t i = 0; i < 3; i++) ctx->n_threads = i == 2 ? 7 : i + 1, pairs[i] = agglomerate(l, n);
+        for (uint32_t i = 0; i < 3; i++) {
+            ctx->n_threads = i == 2 ? 7 : i + 1;
+            pairs[i] = agglomerate(l, n);
+        }
         CHECKF(is_tree(pairs[0], n), "%s", names[st]);
-        for (int i = 1; i < 3; i++) CHECKF(!memcmp(pairs[0], pairs[i], (n - 1) * sizeof **pairs), "%s", names[st]);
+        for (int i = 1; i < 3; i++)
+            CHECKF(!memcmp(pairs[0], pairs[i], (n - 1) * sizeof **pairs), "%s", names[st]);
         for (int i = 0; i < 3; i++) free(pairs[i]);
         free(l);
     }
@@ -302,7 +380,8 @@ TEST(lights_by_index)
     lc_build_pair a[N], b[N];
     for (uint32_t i = 0; i < 3 * N; i++) l[i] = any_light(i % 3 ? LC_LIGHT_POINT : LC_LIGHT_ORIENTED);
     for (uint32_t i = 0; i < N; i++) chosen[i] = l[index[i] = 3 * i];
-    lc_build_input all = { chosen, NULL, N, LC_LIGHT_ORIENTED, 50 }, some = { l, index, N, LC_LIGHT_ORIENTED, 50 };
+    lc_build_input all = { chosen, NULL, N, LC_LIGHT_ORIENTED, 50 },
+                   some = { l, index, N, LC_LIGHT_ORIENTED, 50 };
     CHECK(!lc_agglomerate(ctx, &all, a) && !lc_agglomerate(ctx, &some, b));
     CHECK(!memcmp(a, b, (N - 1) * sizeof *a));
 }
@@ -351,7 +430,8 @@ TEST(every_allocation_may_fail)
         CHECK(m.n_live == 0 && (!st || st == LC_ERR_MEMORY));
     }
     CHECKF(!st && n > 8, "%u allocations", n);
-    free(l), free(pairs);
+    free(l);
+    free(pairs);
 }
 
 int main(void)

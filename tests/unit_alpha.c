@@ -1,5 +1,5 @@
-/* unit_alpha.c - meshes with holes: which hits are passed, for camera and shadow rays, alone and in company, on every
- * instruction set, in objects too. */
+/* unit_alpha.c - meshes with holes: which hits are passed, for camera and shadow rays, alone and in company,
+ * on every instruction set, in objects too. */
 #include "base/rng.h"
 #include "image/image.h"
 #include "pbrt/parse.h"
@@ -19,22 +19,32 @@ static uint64_t rnd_state = 1;
 
 static double rnd(double lo, double hi) { return lo + (hi - lo) * lc_unit(lc_hash4(7, rnd_state++, 0, 0)); }
 
-#define HEAD4 "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40 Camera \"perspective\" \"float fov\" 90\nWorldBegin\n" \
-              "LightSource \"point\"\n"
-#define HEAD3 "Film \"image\" \"integer xresolution\" 40 \"integer yresolution\" 40 Camera \"perspective\" \"float fov\" 90\nWorldBegin\n" \
-              "LightSource \"point\"\n"
-/* The square -1..1 at z = 1, and a wall of four times the size behind it at z = 2. u grows to the right, v upwards. */
-#define WALL "Shape \"trianglemesh\" \"point3 P\" [-4 -4 2 4 -4 2 4 4 2 -4 4 2] \"integer indices\" [0 1 2 0 2 3]\n"
-#define QUAD "Shape \"trianglemesh\" \"point3 P\" [-1 -1 1 1 -1 1 1 1 1 -1 1 1] \"integer indices\" [0 1 2 0 2 3] "
+#define HEAD4                                                                                                \
+    "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40 Camera \"perspective\" \"float "     \
+    "fov\" 90\nWorldBegin\n"                                                                                 \
+    "LightSource \"point\"\n"
+#define HEAD3                                                                                                \
+    "Film \"image\" \"integer xresolution\" 40 \"integer yresolution\" 40 Camera \"perspective\" \"float "   \
+    "fov\" 90\nWorldBegin\n"                                                                                 \
+    "LightSource \"point\"\n"
+/* The square -1..1 at z = 1, and a wall of four times the size behind it at z = 2. u grows to the right, v
+ * upwards. */
+#define WALL                                                                                                 \
+    "Shape \"trianglemesh\" \"point3 P\" [-4 -4 2 4 -4 2 4 4 2 -4 4 2] \"integer indices\" [0 1 2 0 2 3]\n"
+#define QUAD                                                                                                 \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 -1 1 1 -1 1 1 1 1 -1 1 1] \"integer indices\" [0 1 2 0 2 3] "
 #define UV "\"point2 uv\" [0 0 1 0 1 1 0 1] "
 #define ST "\"float st\" [0 0 1 0 1 1 0 1] "
 /* 1 where the sum of whole parts of 4 u and 4 v is even */
-#define CHECKS "Texture \"c\" \"float\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4 \"float tex1\" 1 \"float tex2\" 0\n"
+#define CHECKS                                                                                               \
+    "Texture \"c\" \"float\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4 \"float tex1\" 1 "       \
+    "\"float tex2\" 0\n"
 
 static lc_status load_in(lc_context *c, lc_scene **s)
 {
     lc_load_desc desc = LC_LOAD_DESC_INIT;
-    desc.area_lights = desc.env_lights = 64, desc.n_reps = 1;
+    desc.area_lights = desc.env_lights = 64;
+    desc.n_reps = 1;
     lc_status st = lc_scene_create(c, s);
     if (!st) st = lc_pbrt_parse_memory(*s, "s", text, text_len);
     return st ? st : lc_scene_commit(*s, &desc);
@@ -108,13 +118,16 @@ TEST(numbers)
     int n = 0, n_shadow = 0;
     for (int i = 0; i < 10000; i++) {
         double x = rnd(-0.98, 0.98), y = rnd(-0.98, 0.98);
-        n += seen(x, y) < 1.5, n_shadow += hidden(1.9 * x, 1.9 * y, 1.9);
+        n += seen(x, y) < 1.5;
+        n_shadow += hidden(1.9 * x, 1.9 * y, 1.9);
     }
-    CHECKF(abs(n - 3000) < 200 && abs(n_shadow - 3000) < 200, "%d and %d of 10000", n, n_shadow); /* 4 sigma: 183 */
+    /* 4 sigma: 183. */
+    CHECKF(abs(n - 3000) < 200 && abs(n_shadow - 3000) < 200, "%d and %d of 10000", n, n_shadow);
     CHECK(load(HEAD3, WALL QUAD "\"float shadowalpha\" 0"));
     CHECK(fabs(seen(0.1, 0.2) - 1) < 1e-5 && !hidden(0.1, 0.2, 1.9));
     CHECK(load(HEAD3, CHECKS WALL QUAD ST "\"texture shadowalpha\" \"c\""));
-    CHECK(fabs(seen(0.1, 0.6) - 1) < 1e-5 && hidden(0.1 * 1.9, 0.1 * 1.9, 1.9) && !hidden(0.1 * 1.9, 0.6 * 1.9, 1.9));
+    CHECK(fabs(seen(0.1, 0.6) - 1) < 1e-5 && hidden(0.1 * 1.9, 0.1 * 1.9, 1.9) &&
+          !hidden(0.1 * 1.9, 0.6 * 1.9, 1.9));
 }
 
 TEST(emitters)
@@ -125,19 +138,22 @@ TEST(emitters)
     CHECK(note("alpha of an area light") && seen(0.1, 0.1) > 0 && seen(0.1, 0.6) <= 0);
 }
 
-/* A pile of sheets with checks and shares, so that rays pass some. object: as two instances of 288 triangles. */
+/* A pile of sheets with checks and shares, so that rays pass some. object: as two instances of 288 triangles.
+ */
 static void sheets(bool object)
 {
-    size_t n = (size_t)snprintf(text, sizeof text,
-                                HEAD4 CHECKS "Texture \"m\" \"float\" \"mix\" \"texture tex1\" \"c\" \"float tex2\" 0.4\n%s",
-                                object ? "ObjectBegin \"o\"\n" : "");
+    size_t n = (size_t)
+        snprintf(text, sizeof text,
+                 HEAD4 CHECKS "Texture \"m\" \"float\" \"mix\" \"texture tex1\" \"c\" \"float tex2\" 0.4\n%s",
+                 object ? "ObjectBegin \"o\"\n" : "");
     for (int i = 0; i < 144; i++)
         n += (size_t)snprintf(text + n, sizeof text - n,
-                              "Shape \"trianglemesh\" \"point3 P\" [-1 -1 %g 1 -1 %g 1 1 %g -1 1 %g] \"integer indices\" [0 1 2 0 2 3] " UV
-                              "\"texture alpha\" \"%s\"\n", 1 + 0.01 * i, 1 + 0.02 * i, 1.1 + 0.01 * i, 1 + 0.013 * i,
-                              i % 2 ? "c" : "m");
+                              "Shape \"trianglemesh\" \"point3 P\" [-1 -1 %g 1 -1 %g 1 1 %g -1 1 %g] "
+                              "\"integer indices\" [0 1 2 0 2 3] " UV "\"texture alpha\" \"%s\"\n",
+                              1 + 0.01 * i, 1 + 0.02 * i, 1.1 + 0.01 * i, 1 + 0.013 * i, i % 2 ? "c" : "m");
     if (object)
-        n += (size_t)snprintf(text + n, sizeof text - n, "ObjectEnd ObjectInstance \"o\" Translate .3 .1 0 ObjectInstance \"o\"\n");
+        n += (size_t)snprintf(text + n, sizeof text - n,
+                              "ObjectEnd ObjectInstance \"o\" Translate .3 .1 0 ObjectInstance \"o\"\n");
     text_len = n;
 }
 
@@ -154,7 +170,8 @@ TEST(instruction_sets)
             const float *const target[3] = { t[0], t[1], t[2] };
             uint8_t first[64], got[64], one;
             for (int j = 0; j < 64; j++)
-                for (int k = 0; k < 3; k++) t[k][j] = (float)(k == 2 ? org[2] + (float)rnd(-0.02, 0.02) : (float)rnd(-1, 1));
+                for (int k = 0; k < 3; k++)
+                    t[k][j] = (float)(k == 2 ? org[2] + (float)rnd(-0.02, 0.02) : (float)rnd(-1, 1));
             EACH_ISA(isa) {
                 const lc_trace_kernels *k = &lc_isa_kernels(isa)->trace;
                 k->hidden(&scene->bvh->data, org, 64, target, false, got, NULL);
@@ -174,7 +191,10 @@ TEST(instruction_sets)
                         CHECK(one == (a.t < 1 && a.tri != LC_NONE));
                 }
             }
-            for (int j = 0; j < 64; j++) n_hidden += first[j], n_all++;
+            for (int j = 0; j < 64; j++) {
+                n_hidden += first[j];
+                n_all++;
+            }
         }
         CHECKF(n_hidden > n_all / 10 && n_hidden < n_all - n_all / 10, "%u of %u", n_hidden, n_all);
     }
@@ -189,12 +209,14 @@ TEST(pictures)
         lc_context *other;
         lc_scene *s;
         lc_image *image;
-        desc.n_threads = i == 1 ? 7 : 1, desc.isa = i ? LC_ISA_BEST : LC_ISA_SCALAR;
+        desc.n_threads = i == 1 ? 7 : 1;
+        desc.isa = i ? LC_ISA_BEST : LC_ISA_SCALAR;
         if (lc_context_create(&desc, &other)) abort();
         sheets(true);
         CHECK(load_in(other, &s) == LC_OK && lc_render(i ? other : ctx, s, &how, &image, NULL) == LC_OK);
         if (first)
-            for (uint32_t c = 0; c < 3; c++) CHECK(!memcmp(first->channels[c].plane, image->channels[c].plane, 1600 * sizeof(float)));
+            for (uint32_t c = 0; c < 3; c++)
+                CHECK(!memcmp(first->channels[c].plane, image->channels[c].plane, 1600 * sizeof(float)));
         if (i) lc_image_destroy(image);
         else first = image;
         lc_scene_destroy(s);

@@ -19,7 +19,10 @@ static void texel(uint32_t x, uint32_t y, float rgb[3])
 {
     for (int c = 0; c < 3; c++) rgb[c] = (float)lc_unit(lc_hash4(5, x, y, (uint64_t)c)) * (float)x / W;
     if ((x * 7 + y * 13) % 97 == 0) rgb[0] = 40;
-    if (y >= H / 2) rgb[0] = rgb[1] = 0, rgb[2] += 1;
+    if (y >= H / 2) {
+        rgb[0] = rgb[1] = 0;
+        rgb[2] += 1;
+    }
 }
 
 static void write_picture(void)
@@ -31,7 +34,10 @@ static void write_picture(void)
     if (!f) abort();
     fprintf(f, "PF\n%d %d\n-1.0\n", W, H);
     for (uint32_t y = H; y-- > 0;) /* rows from the bottom */
-        for (uint32_t x = 0; x < W; x++) texel(x, y, rgb), fwrite(rgb, sizeof rgb, 1, f);
+        for (uint32_t x = 0; x < W; x++) {
+            texel(x, y, rgb);
+            fwrite(rgb, sizeof rgb, 1, f);
+        }
     if (fclose(f)) abort();
 }
 
@@ -65,7 +71,9 @@ static void sum_of_lights(double sum[3])
     sum[0] = sum[1] = sum[2] = 0;
     for (size_t i = 0; i < scene->n_lights; i++) {
         lc_f3 v = scene->lights[i].intensity;
-        sum[0] += (double)v.x, sum[1] += (double)v.y, sum[2] += (double)v.z;
+        sum[0] += (double)v.x;
+        sum[1] += (double)v.y;
+        sum[2] += (double)v.z;
     }
 }
 
@@ -92,12 +100,16 @@ TEST(pictures_keep_their_power)
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         load("AreaLightSource \"diffuse\" \"string filename\" \"a.pfm\" \"float scale\" 2 " QUAD, numbers[i]);
         size_t n = numbers[i] < 2 ? 2 : numbers[i];
-        CHECKF(scene->n_lights + 2 >= n && scene->n_lights <= n + 1, "%zu of %u", scene->n_lights, numbers[i]);
+        CHECKF(scene->n_lights + 2 >= n && scene->n_lights <= n + 1, "%zu of %u", scene->n_lights,
+               numbers[i]);
         sum_of_lights(got);
-        for (int c = 0; c < 3; c++) CHECKF(fabs(got[c] / (2 * want[c]) - 1) < 0.005, "%u: %g, not %g", numbers[i], got[c], 2 * want[c]);
+        for (int c = 0; c < 3; c++)
+            CHECKF(fabs(got[c] / (2 * want[c]) - 1) < 0.005, "%u: %g, not %g", numbers[i], got[c],
+                   2 * want[c]);
         check_places();
     }
-    for (int c = 0; c < 3; c++) printf("  100000 lights: sum of channel %d off by %.2g\n", c, got[c] / (2 * want[c]) - 1);
+    for (int c = 0; c < 3; c++)
+        printf("  100000 lights: sum of channel %d off by %.2g\n", c, got[c] / (2 * want[c]) - 1);
 }
 
 /* Blocks of the picture have as many lights as their power asks for, and the colours of their texels. */
@@ -119,32 +131,41 @@ TEST(lights_lie_where_the_picture_is_bright)
             const lc_light *l = &scene->lights[i];
             double x = (double)l->pos.x / 2 * W, y = (1 - (double)l->pos.y / 0.5) * H;
             if (x < x0 || x >= x0 + 8 || y < y0 || y >= y0 + 8) continue;
-            got[0] += (double)l->intensity.x, got[1] += (double)l->intensity.y, got[2] += (double)l->intensity.z, in++;
+            got[0] += (double)l->intensity.x;
+            got[1] += (double)l->intensity.y;
+            got[2] += (double)l->intensity.z;
+            in++;
         }
         double share = (want[0] + want[1] + want[2]) / (all[0] + all[1] + all[2]);
         /* bilinear texels reach half a texel over the edge of a block of eight */
         double edge = 0.12 * (all[0] + all[1] + all[2]) / 32 + 0.12 * (want[0] + want[1] + want[2]);
-        CHECKF(fabs(in - share * n) < 0.12 * (n / 32.0 + share * n), "block %u: %u, not %g", block, in, share * n);
-        for (int c = 0; c < 3; c++) CHECKF(fabs(got[c] - want[c]) < edge, "block %u: %g, not %g", block, got[c], want[c]);
+        CHECKF(fabs(in - share * n) < 0.12 * (n / 32.0 + share * n), "block %u: %u, not %g", block, in,
+               share * n);
+        for (int c = 0; c < 3; c++)
+            CHECKF(fabs(got[c] - want[c]) < edge, "block %u: %g, not %g", block, got[c], want[c]);
     }
 }
 
-/* Spheres of 16,000 triangles each: about as many lights as asked for, one a sphere at least, and always all the power. */
+/* Spheres of 16,000 triangles each: about as many lights as asked for, one a sphere at least, and always all
+ * the power. */
 TEST(small_triangles_share_lights)
 {
-    static const char spheres[] = "AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] Shape \"sphere\" Translate 3 0 0 "
-                                  "AreaLightSource \"diffuse\" \"rgb L\" [3 0 1] \"bool twosided\" true Shape \"sphere\"";
+    static const char spheres[] =
+        "AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] Shape \"sphere\" Translate 3 0 0 "
+        "AreaLightSource \"diffuse\" \"rgb L\" [3 0 1] \"bool twosided\" true Shape \"sphere\"";
     static const uint32_t numbers[] = { 1, 10, 1000, 20000, 100000 };
     static const double want[] = { 7, 2, 5 }; /* times the area of a sphere */
     double got[3];
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         load(spheres, numbers[i]);
         /* a triangle of two sides with an odd share has one less */
-        CHECKF(scene->n_lights + 2 >= numbers[i] * 0.9 && scene->n_lights <= numbers[i] + 3, "%zu of %u", scene->n_lights, numbers[i]);
+        CHECKF(scene->n_lights + 2 >= numbers[i] * 0.9 && scene->n_lights <= numbers[i] + 3, "%zu of %u",
+               scene->n_lights, numbers[i]);
         CHECK(scene->n_emissive_tris == scene->n_tris);
         sum_of_lights(got);
         for (int c = 0; c < 3; c++)
-            CHECKF(fabs(got[c] / (4 * LC_PI * want[c]) - 1) < 1e-5, "%u: %g, not %g", numbers[i], got[c], 4 * LC_PI * want[c]);
+            CHECKF(fabs(got[c] / (4 * LC_PI * want[c]) - 1) < 1e-5, "%u: %g, not %g", numbers[i], got[c],
+                   4 * LC_PI * want[c]);
         check_places();
     }
     /* they lie all over the first sphere, and shine outwards */
@@ -158,14 +179,17 @@ TEST(small_triangles_share_lights)
     }
     uint32_t all = 0;
     for (int i = 0; i < 8; i++) all += octant[i];
-    for (int i = 0; i < 8; i++) CHECKF(fabs(octant[i] * 8.0 / all - 1) < 0.1, "octant %d: %u of %u", i, octant[i], all);
+    for (int i = 0; i < 8; i++)
+        CHECKF(fabs(octant[i] * 8.0 / all - 1) < 0.1, "octant %d: %u of %u", i, octant[i], all);
 }
 
 /* Half of the lights go by power, half evenly to the lamps. */
 TEST(weak_lamps_have_lights_too)
 {
     uint32_t n = 0;
-    load("AreaLightSource \"diffuse\" \"rgb L\" [999 999 999] " QUAD " Translate 9 0 0 AreaLightSource \"diffuse\" " QUAD, 1000);
+    load("AreaLightSource \"diffuse\" \"rgb L\" [999 999 999] " QUAD
+         " Translate 9 0 0 AreaLightSource \"diffuse\" " QUAD,
+         1000);
     for (size_t i = 0; i < scene->n_lights; i++) n += (double)scene->lights[i].pos.x > 4;
     CHECKF(n >= 248 && n <= 252, "%u", n);
 }
@@ -179,7 +203,8 @@ TEST(both_sides)
     load("AreaLightSource \"diffuse\" \"string filename\" \"a.pfm\" \"bool twosided\" true " QUAD, 1000);
     sum_of_lights(two);
     double front = 0;
-    for (size_t i = 0; i < scene->n_lights; i++) front += scene->lights[i].dir.z > 0 ? (double)scene->lights[i].intensity.z : 0;
+    for (size_t i = 0; i < scene->n_lights; i++)
+        front += scene->lights[i].dir.z > 0 ? (double)scene->lights[i].intensity.z : 0;
     CHECK(scene->n_lights >= 998 && scene->n_lights <= 1001);
     CHECK(fabs(front - one[2]) < 1e-3 * one[2]);
     for (int c = 0; c < 3; c++) CHECKF(fabs(two[c] - 2 * one[c]) < 1e-3 * two[c], "%g %g", two[c], one[c]);
@@ -198,11 +223,15 @@ TEST(power_is_of_each_shape)
 {
     load("AreaLightSource \"diffuse\" \"float power\" 50 Shape \"sphere\" \"float radius\" 3", 100);
     CHECKF(fabs(luminous() - 50) < 0.01, "%g", luminous());
-    load("AreaLightSource \"diffuse\" \"float power\" 50 \"bool twosided\" true Shape \"disk\" \"float innerradius\" 0.3", 100);
+    load("AreaLightSource \"diffuse\" \"float power\" 50 \"bool twosided\" true Shape \"disk\" \"float "
+         "innerradius\" 0.3",
+         100);
     CHECKF(fabs(luminous() - 50) < 0.01, "%g", luminous());
     load("AreaLightSource \"diffuse\" \"float power\" 50 " QUAD, 100);
     CHECKF(fabs(luminous() - 100) < 0.02, "%g", luminous());
-    load("AreaLightSource \"diffuse\" \"float power\" 50 Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 3 0 1 3 0]", 100);
+    load("AreaLightSource \"diffuse\" \"float power\" 50 Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 "
+         "3 0 1 3 0]",
+         100);
     CHECKF(fabs(luminous() - 50) < 0.02, "%g", luminous());
     load("AreaLightSource \"diffuse\" \"float power\" 50 \"string filename\" \"a.pfm\" " QUAD, 10000);
     CHECKF(fabs(luminous() - 100) < 0.2, "%g", luminous());

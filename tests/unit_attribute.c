@@ -1,4 +1,5 @@
-/* unit_attribute.c - v4's Attribute and ColorSpace: what they do, where they end, and the place of each error. */
+/* unit_attribute.c - v4's Attribute and ColorSpace: what they do, where they end, and the place of each
+ * error. */
 #include "pbrt/parse.h"
 #include "support/last_error.h"
 #include "support/test.h"
@@ -44,15 +45,20 @@ static double radius(size_t mesh)
 
 TEST(defaults_of_shapes)
 {
-    CHECK(load("WorldBegin Shape \"sphere\" AttributeBegin Attribute \"shape\" \"float radius\" 3 \"bool foo\" true\n"
-               "Shape \"sphere\" Shape \"sphere\" \"float radius\" 2 AttributeEnd Shape \"sphere\"") == LC_OK);
+    CHECK(load("WorldBegin Shape \"sphere\" AttributeBegin Attribute \"shape\" \"float radius\" 3 \"bool "
+               "foo\" true\n"
+               "Shape \"sphere\" Shape \"sphere\" \"float radius\" 2 AttributeEnd Shape \"sphere\"") ==
+          LC_OK);
     CHECK(scene->n_meshes == 4 && scene->n_notes == 1); /* foo is nobody's, which is fine */
-    CHECK(near(radius(0), 1, 1e-6) && near(radius(1), 3, 1e-6) && near(radius(2), 2, 1e-6) && near(radius(3), 1, 1e-6));
-    CHECK(load("Attribute \"shape\" \"float radius\" 3 WorldBegin TransformBegin Attribute \"shape\" \"float radius\" 4 TransformEnd\n"
+    CHECK(near(radius(0), 1, 1e-6) && near(radius(1), 3, 1e-6) && near(radius(2), 2, 1e-6) &&
+          near(radius(3), 1, 1e-6));
+    CHECK(load("Attribute \"shape\" \"float radius\" 3 WorldBegin TransformBegin Attribute \"shape\" \"float "
+               "radius\" 4 TransformEnd\n"
                "Shape \"sphere\"") == LC_OK);
     CHECK(near(radius(0), 4, 1e-6)); /* only blocks of attributes end it; the later counts */
     CHECK(load("WorldBegin Attribute \"shape\" \"integer indices\" [0 1 2 0 2 3]\n"
-               "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0]\n"
+               "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] Shape \"trianglemesh\" "
+               "\"point3 P\" [0 0 0 1 0 0 1 1 0]\n"
                "\"integer indices\" [0 1 2]") == LC_OK);
     CHECK(scene->meshes[0].n_tris == 2 && scene->meshes[1].n_tris == 1);
     CHECK(load("WorldBegin Attribute \"shape\" \"integer indices\" [] Shape \"sphere\"") == LC_OK);
@@ -62,8 +68,10 @@ TEST(defaults_of_materials)
 {
     CHECK(load("WorldBegin Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.7 .6 .5]\n"
                "Attribute \"material\" \"rgb reflectance\" [.1 .2 .3]\nMaterial \"diffuse\"\n"
-               "Material \"diffuse\" \"texture reflectance\" \"t\"\nMaterial \"diffuse\" \"rgb reflectance\" [1 0 1]\n"
-               "AttributeBegin Attribute \"material\" \"texture reflectance\" \"t\" Material \"diffuse\" AttributeEnd\n"
+               "Material \"diffuse\" \"texture reflectance\" \"t\"\nMaterial \"diffuse\" \"rgb reflectance\" "
+               "[1 0 1]\n"
+               "AttributeBegin Attribute \"material\" \"texture reflectance\" \"t\" Material \"diffuse\" "
+               "AttributeEnd\n"
                "MakeNamedMaterial \"m\" \"string type\" \"diffuse\"\n"
                "Attribute \"material\" \"string type\" \"mirror\" MakeNamedMaterial \"n\"") == LC_OK);
     CHECK(scene->n_materials == 6 && scene->n_notes == 0);
@@ -73,19 +81,25 @@ TEST(defaults_of_materials)
 
 TEST(defaults_of_lights_and_textures)
 {
-    CHECK(load("WorldBegin Attribute \"light\" \"rgb I\" [2 3 4] \"float scale\" 2 \"bool twosided\" true LightSource \"point\"\n"
-               "AreaLightSource \"diffuse\" Attribute \"texture\" \"rgb value\" [.2 .4 .6] Attribute \"medium\" \"float scale\" 2\n"
-               "Texture \"t\" \"spectrum\" \"constant\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"") == LC_OK);
-    CHECK(near3(scene->lights[0].intensity, 4, 6, 8) && scene->meshes[0].two_sided && near((double)scene->meshes[0].emission.x, 2, 2e-3));
+    CHECK(load("WorldBegin Attribute \"light\" \"rgb I\" [2 3 4] \"float scale\" 2 \"bool twosided\" true "
+               "LightSource \"point\"\n"
+               "AreaLightSource \"diffuse\" Attribute \"texture\" \"rgb value\" [.2 .4 .6] Attribute "
+               "\"medium\" \"float scale\" 2\n"
+               "Texture \"t\" \"spectrum\" \"constant\" Material \"diffuse\" \"texture reflectance\" \"t\" "
+               "Shape \"sphere\"") == LC_OK);
+    CHECK(near3(scene->lights[0].intensity, 4, 6, 8) && scene->meshes[0].two_sided &&
+          near((double)scene->meshes[0].emission.x, 2, 2e-3));
     CHECK(near3(kd(0), .2, .4, .6) && scene->n_notes == 1);
 }
 
 TEST(attribute_errors)
 {
     CHECK(load("WorldBegin\n Attribute \"shapes\" \"float radius\" 3") == LC_ERR_PARSE);
-    CHECKF(!strcmp(last_error, "s.pbrt:2:12: error: Attribute of 'shapes', which is none of shape, light, material, medium, texture"),
+    CHECKF(!strcmp(last_error, "s.pbrt:2:12: error: Attribute of 'shapes', which is none of shape, light, "
+                               "material, medium, texture"),
            "%s", last_error);
-    CHECK(load("WorldBegin\nAttribute \"shape\" \"float radius\" -3\nShape \"sphere\" Attribute \"light\" \"rgb I\" [1 -1 1]\n"
+    CHECK(load("WorldBegin\nAttribute \"shape\" \"float radius\" -3\nShape \"sphere\" Attribute \"light\" "
+               "\"rgb I\" [1 -1 1]\n"
                "LightSource \"point\"") == LC_ERR_PARSE);
     CHECKF(!strcmp(last_error, "s.pbrt:3:34: error: parameter 'I' is negative"), "%s", last_error);
     CHECK(load("WorldBegin Attribute \"shape\" \"float radius\"") == LC_ERR_PARSE);
@@ -96,7 +110,9 @@ TEST(no_end_of_attributes)
 {
     char *text = malloc(1 << 20), *at = text + sprintf(text, "WorldBegin ");
     for (int i = 0; i < 1000; i++)
-        at += sprintf(at, "AttributeBegin Attribute \"shape\" \"float radius\" %d Shape \"disk\" AttributeEnd\n", i + 1);
+        at += sprintf(at,
+                      "AttributeBegin Attribute \"shape\" \"float radius\" %d Shape \"disk\" AttributeEnd\n",
+                      i + 1);
     CHECK(load(text) == LC_OK && scene->n_meshes == 1000 && near(radius(999), 1000, 1e-3));
     at = text + sprintf(text, "WorldBegin\n");
     for (int i = 0; i < 257; i++) at += sprintf(at, "Attribute \"shape\" \"float radius\" 2\n");
@@ -113,13 +129,17 @@ static const char *const matte = "Material \"diffuse\" \"rgb reflectance\" ";
 static void expect_colours(const char *space, const char *rgb, const double light[3], const double albedo[3])
 {
     char text[1024];
-    snprintf(text, sizeof text, "WorldBegin ColorSpace \"%s\" %s%s LightSource \"point\" \"rgb I\" %s", space, matte, rgb, rgb);
+    snprintf(text, sizeof text, "WorldBegin ColorSpace \"%s\" %s%s LightSource \"point\" \"rgb I\" %s", space,
+             matte, rgb, rgb);
     CHECK(load(text) == LC_OK);
-    CHECKF(near3(kd(0), albedo[0], albedo[1], albedo[2]), "%s %s: %g %g %g", space, rgb, (double)kd(0).x, (double)kd(0).y, (double)kd(0).z);
+    CHECKF(near3(kd(0), albedo[0], albedo[1], albedo[2]), "%s %s: %g %g %g", space, rgb, (double)kd(0).x,
+           (double)kd(0).y, (double)kd(0).z);
     lc_f3 i = scene->lights[0].intensity;
-    CHECKF(near3(i, light[0], light[1], light[2]), "%s %s: %g %g %g", space, rgb, (double)i.x, (double)i.y, (double)i.z);
+    CHECKF(near3(i, light[0], light[1], light[2]), "%s %s: %g %g %g", space, rgb, (double)i.x, (double)i.y,
+           (double)i.z);
 }
-#define SAME(space, rgb, ...) expect_colours(space, rgb, (const double[]){ __VA_ARGS__ }, (const double[]){ __VA_ARGS__ })
+#define SAME(space, rgb, ...)                                                                                \
+    expect_colours(space, rgb, (const double[]){ __VA_ARGS__ }, (const double[]){ __VA_ARGS__ })
 
 /* Published matrices: BT.2087 for Rec. 2020, Apple's P3 with D65, the Academy's AP0. */
 TEST(colour_spaces)
@@ -131,7 +151,8 @@ TEST(colour_spaces)
     SAME("dci-p3", "[.5 .5 .5]", .5, .5, .5);
     SAME("dci-p3", "[.3 .4 .5]", .2775060, .4042057, .5117911);
     CHECK(scene->n_notes == 0);
-    expect_colours("aces2065-1", "[1 1 1]", (const double[]){ 1.047103, .994543, .915318 }, (const double[]){ 1, 1, 1 });
+    expect_colours("aces2065-1", "[1 1 1]", (const double[]){ 1.047103, .994543, .915318 },
+                   (const double[]){ 1, 1, 1 });
     CHECK(note("reflectance") == NULL && scene->n_notes == 0);
     SAME("rec2020", "[0 .5 0]", 0, .56645, 0);
     CHECK(note("gamut of rec2020") && note("gamut of rec2020")->count == 2);
@@ -141,12 +162,15 @@ TEST(colour_spaces)
 
 TEST(spaces_end_with_their_block)
 {
-    CHECK(load("ColorSpace \"rec2020\" WorldBegin AttributeBegin ColorSpace \"srgb\" Material \"diffuse\" \"rgb reflectance\" [.2 .3 .25]\n"
+    CHECK(load("ColorSpace \"rec2020\" WorldBegin AttributeBegin ColorSpace \"srgb\" Material \"diffuse\" "
+               "\"rgb reflectance\" [.2 .3 .25]\n"
                "AttributeEnd Material \"diffuse\" \"rgb reflectance\" [.2 .3 .25]\n"
-               "Attribute \"material\" \"rgb reflectance\" [.2 .3 .25] ColorSpace \"srgb\" Material \"diffuse\"\n"
+               "Attribute \"material\" \"rgb reflectance\" [.2 .3 .25] ColorSpace \"srgb\" Material "
+               "\"diffuse\"\n"
                "Material \"diffuse\" \"rgb reflectance\" [.2 .3 .25]") == LC_OK);
     CHECK(near3(kd(0), .2, .3, .25) && near3(kd(1), .1375809, .3128634, .2458787));
-    CHECK(near3(kd(2), .1375809, .3128634, .2458787) && near3(kd(3), .2, .3, .25)); /* that of the Attribute */
+    /* That of the Attribute. */
+    CHECK(near3(kd(2), .1375809, .3128634, .2458787) && near3(kd(3), .2, .3, .25));
 }
 
 int main(void)

@@ -1,5 +1,6 @@
-/* unit_bvh.c - the hierarchy against a loop over all triangles in double precision (Moeller and Trumbore's test, which
- * shares nothing with the kernels), watertightness of closed meshes, the same bits from every instruction set. */
+/* unit_bvh.c - the hierarchy against a loop over all triangles in double precision (Moeller and Trumbore's
+ * test, which shares nothing with the kernels), watertightness of closed meshes, the same bits from every
+ * instruction set. */
 #include "base/rng.h"
 #include "base/stats.h"
 #include "base/vec.h"
@@ -31,7 +32,9 @@ typedef struct {
 
 static void cross_d(const double a[3], const double b[3], double c[3])
 {
-    c[0] = a[1] * b[2] - a[2] * b[1], c[1] = a[2] * b[0] - a[0] * b[2], c[2] = a[0] * b[1] - a[1] * b[0];
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 static double dot_d(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -43,8 +46,10 @@ static bool ref_tri(uint32_t tri, const float org[3], const float dir[3], ref_hi
     const float *v0 = lc_tri_vertex(m.pos, m.index, tri, 0), *v1 = lc_tri_vertex(m.pos, m.index, tri, 1);
     const float *v2 = lc_tri_vertex(m.pos, m.index, tri, 2);
     for (int k = 0; k < 3; k++) {
-        e1[k] = (double)v1[k] - v0[k], e2[k] = (double)v2[k] - v0[k];
-        s[k] = (double)org[k] - v0[k], d[k] = (double)dir[k];
+        e1[k] = (double)v1[k] - v0[k];
+        e2[k] = (double)v2[k] - v0[k];
+        s[k] = (double)org[k] - v0[k];
+        d[k] = (double)dir[k];
     }
     cross_d(d, e2, p);
     cross_d(e1, e2, n);
@@ -65,8 +70,8 @@ static lc_hit closest(const lc_bvh *b, const float org[3], const float dir[3], f
     lc_isa_kernels(LC_ISA_SCALAR)->trace.closest(&b->data, org, dir, t_max, &first);
     EACH_ISA(isa) {
         lc_isa_kernels(isa)->trace.closest(&b->data, org, dir, t_max, &hit);
-        CHECKF(!memcmp(&first, &hit, sizeof hit), "%s: tri %u t %g, scalar: tri %u t %g", lc_isa_name(isa), hit.tri,
-               (double)hit.t, first.tri, (double)first.t);
+        CHECKF(!memcmp(&first, &hit, sizeof hit), "%s: tri %u t %g, scalar: tri %u t %g", lc_isa_name(isa),
+               hit.tri, (double)hit.t, first.tri, (double)first.t);
     }
     return first;
 }
@@ -85,8 +90,9 @@ static uint8_t hidden(const lc_bvh *b, const float org[3], const float target[3]
 
 static uint32_t n_rays, n_hits, n_unsure;
 
-/* What differs must be explained by float rounding: eps is what a coordinate is rounded by, relative to the size of a
- * triangle and the angle it is met at. Checks: the hit is one of the reference's, and none is nearer. */
+/* What differs must be explained by float rounding: eps is what a coordinate is rounded by, relative to the
+ * size of a triangle and the angle it is met at. Checks: the hit is one of the reference's, and none is
+ * nearer. */
 static void check_ray(const lc_bvh *b, const float org[3], const float dir[3], double eps)
 {
     lc_hit hit = closest(b, org, dir, FLT_MAX);
@@ -103,13 +109,17 @@ static void check_ray(const lc_bvh *b, const float org[3], const float dir[3], d
         if (i == hit.tri) {
             double te = fabs(r.t) + 1;
             hit_ok = r.margin > -tol && fabs((double)hit.t - r.t) <= tol * te;
-            CHECKF(hit_ok, "tri %u: t %.9g, reference %.9g, margin %g, sine %g", i, (double)hit.t, r.t, r.margin, r.sine);
+            CHECKF(hit_ok, "tri %u: t %.9g, reference %.9g, margin %g, sine %g", i, (double)hit.t, r.t,
+                   r.margin, r.sine);
         }
-        if (r.margin > tol && r.t > tol && r.t + tol * (r.t + 1) < nearest) nearest = r.t + tol * (r.t + 1), nearest_tri = i;
+        if (r.margin > tol && r.t > tol && r.t + tol * (r.t + 1) < nearest) {
+            nearest = r.t + tol * (r.t + 1);
+            nearest_tri = i;
+        }
     }
     CHECKF(hit_ok, "tri %u isn't there", hit.tri);
-    CHECKF((double)hit.t <= nearest || unsure, "tri %u at %.9g, but tri %u at most at %.9g", hit.tri, (double)hit.t,
-           nearest_tri, nearest);
+    CHECKF((double)hit.t <= nearest || unsure, "tri %u at %.9g, but tri %u at most at %.9g", hit.tri,
+           (double)hit.t, nearest_tri, nearest);
     n_rays++;
     n_hits += hit.tri != LC_NONE;
     n_unsure += unsure;
@@ -147,7 +157,8 @@ static void check_mesh(uint32_t n, lc_f3 c, float r, double eps)
     for (uint32_t i = 0; i < n / SLOW; i++) {
         float org[3], at[3], dir[3];
         lc_f3_store(org, lc_f3_add(c, lc_f3_scale(rnd_unit(), r * (float)rnd_in(0, 3))));
-        lc_f3_store(at, lc_f3_add(c, lc_f3_make((float)rnd_in(-1, 1) * r, (float)rnd_in(-1, 1) * r, (float)rnd_in(-1, 1) * r)));
+        lc_f3_store(at, lc_f3_add(c, lc_f3_make((float)rnd_in(-1, 1) * r, (float)rnd_in(-1, 1) * r,
+                                                (float)rnd_in(-1, 1) * r)));
         for (int k = 0; k < 3; k++) dir[k] = at[k] - org[k];
         if (i % 5 == 0) { /* along an axis */
             uint32_t axis = rnd_n(3);
@@ -156,33 +167,52 @@ static void check_mesh(uint32_t n, lc_f3 c, float r, double eps)
         check_ray(b, org, dir, eps);
         check_segment(b, org, at, eps);
     }
-    printf("  %u triangles, %u nodes: %u rays, %u hits, %u edge-on\n", m.n_tris, b->data.n_nodes, n_rays, n_hits, n_unsure);
+    printf("  %u triangles, %u nodes: %u rays, %u hits, %u edge-on\n", m.n_tris, b->data.n_nodes, n_rays,
+           n_hits, n_unsure);
     lc_bvh_destroy(b);
 }
 
-/* eps: a coordinate of v - o is at most 4 for these, rounded a dozen times by 2^-24; triangles of size s turn that into
- * weights off by 4 * 12 * 2^-24 / s = 3e-6 / s. */
+/* eps: a coordinate of v - o is at most 4 for these, rounded a dozen times by 2^-24; triangles of size s turn
+ * that into weights off by 4 * 12 * 2^-24 / s = 3e-6 / s. */
 TEST(random_soup)
 {
-    clear(), soup(3, 1), check_mesh(4000, zero, 1, 1e-4);
-    clear(), soup(500, 1), check_mesh(4000, zero, 1, 1e-4);
-    clear(), soup(3000, 0.1), check_mesh(2000, zero, 1, 1e-2);
+    clear();
+    soup(3, 1);
+    check_mesh(4000, zero, 1, 1e-4);
+    clear();
+    soup(500, 1);
+    check_mesh(4000, zero, 1, 1e-4);
+    clear();
+    soup(3000, 0.1);
+    check_mesh(2000, zero, 1, 1e-2);
 }
 
 TEST(cornell_box)
 {
-    clear(), cornell(), check_mesh(4000, zero, 1, 1e-4);
+    clear();
+    cornell();
+    check_mesh(4000, zero, 1, 1e-4);
 }
 
 TEST(big_coordinates)
 {
     lc_f3 by = { 1e4f, -2e4f, 5e3f };
-    clear(), soup(300, 100), move(100, by), check_mesh(3000, by, 100, 1e-2);
-    clear(), soup(300, 1), move(1e12f, zero), check_mesh(3000, zero, 1e12f, 1e-4);
-    clear(), soup(300, 1), move(1e-12f, zero), check_mesh(3000, zero, 1e-12f, 1e-4);
+    clear();
+    soup(300, 100);
+    move(100, by);
+    check_mesh(3000, by, 100, 1e-2);
+    clear();
+    soup(300, 1);
+    move(1e12f, zero);
+    check_mesh(3000, zero, 1e12f, 1e-4);
+    clear();
+    soup(300, 1);
+    move(1e-12f, zero);
+    check_mesh(3000, zero, 1e-12f, 1e-4);
 }
 
-/* Points, needles, and duplicates among ordinary triangles: nothing there may be hit that isn't, nothing is lost. */
+/* Points, needles, and duplicates among ordinary triangles: nothing there may be hit that isn't, nothing is
+ * lost. */
 TEST(degenerate_triangles)
 {
     clear();
@@ -254,7 +284,8 @@ TEST(identical_triangles)
     CHECKF(depth_of(b) < LC_BVH_MAX_DEPTH, "%u levels", depth_of(b));
     printf("  %u nodes, %u levels, %.2f s\n", b->data.n_nodes, depth_of(b), lc_now() - t0);
     for (int i = 0; i < 20; i++) {
-        float o[3] = { 0, 0, 0 }, d[3] = { (float)rnd_in(0.1, 1), (float)rnd_in(0.1, 1), (float)rnd_in(0.1, 1) };
+        float o[3] = { 0, 0, 0 },
+              d[3] = { (float)rnd_in(0.1, 1), (float)rnd_in(0.1, 1), (float)rnd_in(0.1, 1) };
         lc_hit h = closest(b, o, d, FLT_MAX);
         CHECKF(h.tri == 0, "tri %u", h.tri);
         CHECK(hidden(b, o, (const float[]){ 9 * d[0], 9 * d[1], 9 * d[2] }, false));
@@ -276,10 +307,22 @@ static void thread_mesh(int style)
     if (style == 0) soup(5, 0.5);
     if (style == 1) soup(4000, 0.1);
     if (style == 2) soup(30000, 0.05);
-    if (style == 3) cube(120), displace(true, 0.2); /* 170 thousand; -0 and 0 among the coordinates */
-    if (style == 4) cube(60), move(1e15f, zero);
-    if (style == 5) soup(20000, 0.5), move(3e38f, zero); /* areas are infinite */
-    if (style == 6) soup(20000, 0.5), move(1e-38f, zero);
+    if (style == 3) { /* 170 thousand; -0 and 0 among the coordinates */
+        cube(120);
+        displace(true, 0.2);
+    }
+    if (style == 4) {
+        cube(60);
+        move(1e15f, zero);
+    }
+    if (style == 5) { /* areas are infinite */
+        soup(20000, 0.5);
+        move(3e38f, zero);
+    }
+    if (style == 6) {
+        soup(20000, 0.5);
+        move(1e-38f, zero);
+    }
     for (uint32_t i = 0; style == 7 && i < 50000; i++) { /* of one place, and of lines */
         float x = i % 3 ? 1 : (float)i;
         put_three(lc_f3_make(x, 0, -0.0f), lc_f3_make(x, 0, 0), lc_f3_make(x, 0, 0));
@@ -322,7 +365,8 @@ TEST(equal_distances_give_the_lowest_id)
     uint32_t hits = 0;
     for (int i = 0; i < 20000 / SLOW; i++) {
         float o[3], d[3];
-        lc_f3_store(o, lc_f3_scale(rnd_unit(), 2)), lc_f3_store(d, rnd_unit());
+        lc_f3_store(o, lc_f3_scale(rnd_unit(), 2));
+        lc_f3_store(d, rnd_unit());
         lc_hit h = closest(b, o, d, FLT_MAX);
         CHECKF(h.tri == LC_NONE || h.tri < n, "tri %u of %u", h.tri, n);
         hits += h.tri != LC_NONE;
@@ -337,7 +381,9 @@ TEST(triangles_on_a_line)
     for (int style = 0; style < 3; style++) {
         clear();
         for (int i = 0; i < 20000; i++) {
-            float x = style == 0 ? (float)i : style == 1 ? ldexpf(1, i % 200 - 100) : powf(1.004f, (float)i - 10000);
+            float x = style == 0   ? (float)i
+                      : style == 1 ? ldexpf(1, i % 200 - 100)
+                                   : powf(1.004f, (float)i - 10000);
             put_three(lc_f3_make(x, 0, 0), lc_f3_make(x, 1, 0), lc_f3_make(x, 0, 1));
         }
         double t0 = lc_now();
@@ -346,7 +392,8 @@ TEST(triangles_on_a_line)
         CHECKF(!wrong, "%s", wrong);
         CHECKF(depth_of(b) < LC_BVH_MAX_DEPTH, "%u levels", depth_of(b));
         printf("  style %d: %u levels, %.2f s\n", style, depth_of(b), lc_now() - t0);
-        const float o[3] = { -1, 0.2f, 0.2f }, d[3] = { 1, 0, 0 }, far_o[3] = { 1e19f, 0.2f, 0.2f }, back[3] = { -1, 0, 0 };
+        const float o[3] = { -1, 0.2f, 0.2f }, d[3] = { 1, 0, 0 }, far_o[3] = { 1e19f, 0.2f, 0.2f },
+                    back[3] = { -1, 0, 0 };
         lc_hit h = closest(b, o, d, FLT_MAX);
         CHECK(style != 0 || (h.tri == 0 && h.t == 1));
         CHECK(h.tri != LC_NONE && closest(b, far_o, back, FLT_MAX).tri != LC_NONE);
@@ -356,16 +403,19 @@ TEST(triangles_on_a_line)
 
 TEST(validator_finds_damage)
 {
-    clear(), cube(8);
+    clear();
+    cube(8);
     lc_bvh *b = build();
     CHECK(!lc_bvh_validate(b, m.pos, m.index, m.n_tris));
     for (uint32_t k = 0; k < b->data.n_blocks; k++) {
         lc_tri_block keep = b->blocks[k];
         b->blocks[k].tri[0] = LC_NONE;
         CHECK(lc_bvh_validate(b, m.pos, m.index, m.n_tris));
-        b->blocks[k] = keep, b->blocks[k].tri[0] = (keep.tri[0] + 1) % m.n_tris;
+        b->blocks[k] = keep;
+        b->blocks[k].tri[0] = (keep.tri[0] + 1) % m.n_tris;
         CHECK(lc_bvh_validate(b, m.pos, m.index, m.n_tris));
-        b->blocks[k] = keep, b->blocks[k].v[1][2][0] += 1e-6f;
+        b->blocks[k] = keep;
+        b->blocks[k].v[1][2][0] += 1e-6f;
         CHECK(lc_bvh_validate(b, m.pos, m.index, m.n_tris));
         b->blocks[k] = keep;
     }
@@ -378,7 +428,8 @@ TEST(validator_finds_damage)
                 CHECKF(lc_bvh_validate(b, m.pos, m.index, m.n_tris), "node %u, child %d, axis %d", w, i, k);
                 b->nodes[w] = keep;
             }
-            b->nodes[w] = keep, b->nodes[w].child[i] = LC_NONE;
+            b->nodes[w] = keep;
+            b->nodes[w].child[i] = LC_NONE;
             CHECK(lc_bvh_validate(b, m.pos, m.index, m.n_tris));
             b->nodes[w] = keep;
         }
@@ -396,16 +447,21 @@ static void tight_dir(const lc_bvh *b, lc_f3 o, lc_f3 dir, const char *what)
     const float org[3] = { o.x, o.y, o.z }, d[3] = { dir.x, dir.y, dir.z };
     lc_isa isa = LC_ISA_SCALAR + (lc_isa)(tight_rays++ % LC_N_ISAS);
     lc_hit hit;
-    lc_isa_kernels(lc_isa_supported(isa) ? isa : LC_ISA_SCALAR)->trace.closest(&b->data, org, d, FLT_MAX, &hit);
+    lc_isa_kernels(lc_isa_supported(isa) ? isa : LC_ISA_SCALAR)
+        ->trace.closest(&b->data, org, d, FLT_MAX, &hit);
     if (hit.tri != LC_NONE) return;
     misses++;
-    CHECKF(false, "%s: org %a %a %a dir %a %a %a goes through", what, (double)o.x, (double)o.y, (double)o.z, (double)dir.x,
-           (double)dir.y, (double)dir.z);
+    CHECKF(false, "%s: org %a %a %a dir %a %a %a goes through", what, (double)o.x, (double)o.y, (double)o.z,
+           (double)dir.x, (double)dir.y, (double)dir.z);
 }
 
-static void tight_ray(const lc_bvh *b, lc_f3 o, lc_f3 at, const char *what) { tight_dir(b, o, lc_f3_sub(at, o), what); }
+static void tight_ray(const lc_bvh *b, lc_f3 o, lc_f3 at, const char *what)
+{
+    tight_dir(b, o, lc_f3_sub(at, o), what);
+}
 
-/* n rays from points near the centre c of a closed mesh that is star-shaped about it; r: how far "near" is. */
+/* n rays from points near the centre c of a closed mesh that is star-shaped about it; r: how far "near" is.
+ */
 static void tight_mesh(uint32_t n, lc_f3 c, float r)
 {
     lc_bvh *b = build();
@@ -456,7 +512,8 @@ TEST(watertight_from_afar)
 {
     tight_rays = misses = 0;
     for (int style = 0; style < 3; style++) {
-        clear(), cube(style == 0 ? 1 : 16);
+        clear();
+        cube(style == 0 ? 1 : 16);
         if (style) displace(true, style == 2 ? 0.3 : 0);
         lc_bvh *b = build();
         for (int i = 0; i < 60000 / SLOW; i++) {
@@ -479,7 +536,9 @@ TEST(watertight_from_afar)
 /* Shadow rays from inside a closed mesh to lights outside: all blocked. */
 TEST(closed_meshes_are_light_tight)
 {
-    clear(), cube(20), displace(true, 0.3);
+    clear();
+    cube(20);
+    displace(true, 0.3);
     lc_bvh *b = build();
     for (int i = 0; i < 100000 / SLOW; i++) {
         float o[3], target[3];
@@ -536,7 +595,8 @@ TEST(shadow_rays_to_infinity)
         float x = at[i];
         clear(); /* a wall 4096 away, 80 wide around the ray of direction (0.6, 0, 0.8) */
         lc_f3 c = lc_f3_make(x + 0.6f * 4096, x, x + 0.8f * 4096);
-        put_three(lc_f3_add(c, lc_f3_make(0, -40, -40)), lc_f3_add(c, lc_f3_make(0, 80, -40)), lc_f3_add(c, lc_f3_make(0, -40, 80)));
+        put_three(lc_f3_add(c, lc_f3_make(0, -40, -40)), lc_f3_add(c, lc_f3_make(0, 80, -40)),
+                  lc_f3_add(c, lc_f3_make(0, -40, 80)));
         lc_bvh *b = build();
         const float o[3] = { x, x, x };
         float dirs[][3] = { { 0.6f, 0, 0.8f }, { 0.8f, 0, 0.6f }, { -0.6f, 0, -0.8f } };
@@ -554,15 +614,21 @@ static lc_bvh_data without_boxes(const lc_bvh *b)
     memcpy(nodes, b->nodes, b->data.n_nodes * sizeof *nodes);
     for (uint32_t w = 0; w < b->data.n_nodes; w++)
         for (int i = 0; i < 8; i++)
-            for (int k = 0; k < 3 && nodes[w].child[i] != LC_NONE; k++) nodes[w].lo[k][i] = -FLT_MAX, nodes[w].hi[k][i] = FLT_MAX;
-    return (lc_bvh_data){ .nodes = nodes, .blocks = b->blocks, .n_nodes = b->data.n_nodes, .n_blocks = b->data.n_blocks };
+            for (int k = 0; k < 3 && nodes[w].child[i] != LC_NONE; k++) {
+                nodes[w].lo[k][i] = -FLT_MAX;
+                nodes[w].hi[k][i] = FLT_MAX;
+            }
+    return (lc_bvh_data){
+        .nodes = nodes, .blocks = b->blocks, .n_nodes = b->data.n_nodes, .n_blocks = b->data.n_blocks
+    };
 }
 
 /* Start of a segment on or a little above a triangle, its end often nearly within the triangle's plane. */
 static void odd_segment(int i, lc_f3 *o, lc_f3 *to)
 {
     uint32_t t = rnd_n(m.n_tris);
-    lc_f3 p = lc_f3_load(lc_tri_vertex(m.pos, m.index, t, 0)), q = lc_f3_load(lc_tri_vertex(m.pos, m.index, t, 1));
+    lc_f3 p = lc_f3_load(lc_tri_vertex(m.pos, m.index, t, 0)),
+          q = lc_f3_load(lc_tri_vertex(m.pos, m.index, t, 1));
     lc_f3 r = lc_f3_load(lc_tri_vertex(m.pos, m.index, t, 2));
     float u = (float)rnd(), v = (float)rnd() * (1 - u), size = lc_f3_len(lc_f3_sub(q, p));
     lc_f3 on = lc_f3_add(lc_f3_scale(p, 1 - u - v), lc_f3_add(lc_f3_scale(q, u), lc_f3_scale(r, v)));
@@ -571,8 +637,8 @@ static void odd_segment(int i, lc_f3 *o, lc_f3 *to)
     if (i % 5 == 0) *to = lc_f3_add(lc_f3_scale(p, 1 - v), lc_f3_scale(r, v));
 }
 
-/* Boxes never hide from a shadow ray what the triangle test accepts: boxes are padded by more than the test rounds off.
- * The nearest hit may differ where two are as near as rounding tells. */
+/* Boxes never hide from a shadow ray what the triangle test accepts: boxes are padded by more than the test
+ * rounds off. The nearest hit may differ where two are as near as rounding tells. */
 TEST(boxes_lose_no_hit)
 {
     const lc_trace_kernels *k = &lc_isa_kernels(lc_isa_pick(LC_ISA_BEST))->trace;
@@ -594,9 +660,12 @@ TEST(boxes_lose_no_hit)
             CHECK(want >= got);
             k->closest(&b->data, org, dir, FLT_MAX, &hit);
             k->closest(&all, org, dir, FLT_MAX, &best);
-            lost += got != want, n_hidden += want, lost_closest += hit.tri != best.tri;
+            lost += got != want;
+            n_hidden += want;
+            lost_closest += hit.tri != best.tri;
         }
-        printf("  style %d: %u segments, %u hidden, %u lost by boxes; closest: %u differ\n", style, n, n_hidden, lost, lost_closest);
+        printf("  style %d: %u segments, %u hidden, %u lost by boxes; closest: %u differ\n", style, n,
+               n_hidden, lost, lost_closest);
         CHECK(lost == 0 && lost_closest <= n / 1000);
         free((void *)all.nodes);
         lc_bvh_destroy(b);

@@ -1,5 +1,5 @@
-/* unit_camera.c - rays of every camera against their definitions, pixel filters against their integrals, points of the sampler,
- * white balance; and what scene files make of them. */
+/* unit_camera.c - rays of every camera against their definitions, pixel filters against their integrals,
+ * points of the sampler, white balance; and what scene files make of them. */
 #include "base/context.h"
 #include "base/sample.h"
 #include "pbrt/state.h"
@@ -15,11 +15,14 @@ static const double centre[2] = { 0.5, 0.5 };
 
 static lc_camera_desc desc_of(lc_camera_kind kind)
 {
-    return (lc_camera_desc){ .kind = kind, .world_to_camera = { 1, 0, 0, -1, 0, 1, 0, -2, 0, 0, 1, -3, 0, 0, 0, 1 }, .fov_degrees = 90,
+    return (lc_camera_desc){ .kind = kind,
+                             .world_to_camera = { 1, 0, 0, -1, 0, 1, 0, -2, 0, 0, 1, -3, 0, 0, 0, 1 },
+                             .fov_degrees = 90,
                              .screen = { -2, 2, -1, 1 } };
 }
 
-static void check_ray(const lc_camera *c, double x, double y, const double lens[2], const double org[3], const double dir[3])
+static void check_ray(const lc_camera *c, double x, double y, const double lens[2], const double org[3],
+                      const double dir[3])
 {
     lc_f3 o, d;
     lc_camera_ray(c, x, y, lens, &o, &d);
@@ -27,7 +30,8 @@ static void check_ray(const lc_camera *c, double x, double y, const double lens[
     const double got[6] = { (double)o.x, (double)o.y, (double)o.z, (double)d.x, (double)d.y, (double)d.z };
     for (int k = 0; k < 3; k++) {
         CHECKF(fabs(got[k] - org[k]) < 1e-6, "pixel %g %g origin[%d] %g, not %g", x, y, k, got[k], org[k]);
-        CHECKF(fabs(got[3 + k] - dir[k] / len) < 1e-6, "pixel %g %g direction[%d] %g, not %g", x, y, k, got[3 + k], dir[k] / len);
+        CHECKF(fabs(got[3 + k] - dir[k] / len) < 1e-6, "pixel %g %g direction[%d] %g, not %g", x, y, k,
+               got[3 + k], dir[k] / len);
     }
 }
 
@@ -45,7 +49,8 @@ TEST(rays)
     CHECK(lc_camera_init(&c, &d, 200, 100) && fabs(c.pixel - 0.02) < 1e-12);
     check_ray(&c, 0, 0, centre, V(-1, 3, 3), V(0, 0, 1));
     check_ray(&c, 150, 100, centre, V(2, 1, 3), V(0, 0, 1));
-    d = desc_of(LC_CAMERA_LATLONG); /* the top row looks up, the middle of a row along -x, the quarter along +z */
+    /* The top row looks up, the middle of a row along -x, the quarter along +z. */
+    d = desc_of(LC_CAMERA_LATLONG);
     CHECK(lc_camera_init(&c, &d, 200, 100));
     check_ray(&c, 17, 0, centre, V(1, 2, 3), V(0, 1, 0));
     check_ray(&c, 100, 50, centre, V(1, 2, 3), V(-1, 0, 0));
@@ -59,13 +64,15 @@ TEST(rays)
     check_ray(&c, 50, 100, centre, V(1, 2, 3), V(0, 0, 1));
 }
 
-/* All rays of a pixel meet where the one through the lens's centre crosses the plane in focus, and start on the lens. */
+/* All rays of a pixel meet where the one through the lens's centre crosses the plane in focus, and start on
+ * the lens. */
 TEST(lens)
 {
     for (int kind = LC_CAMERA_PERSPECTIVE; kind <= LC_CAMERA_ORTHOGRAPHIC; kind++) {
         lc_camera c;
         lc_camera_desc d = desc_of((lc_camera_kind)kind);
-        d.lens_radius = 0.25, d.focal_distance = 4;
+        d.lens_radius = 0.25;
+        d.focal_distance = 4;
         CHECK(lc_camera_init(&c, &d, 200, 100));
         for (int i = 0; i < 256; i++) {
             double u[2];
@@ -87,13 +94,16 @@ TEST(bad_cameras_are_refused)
     lc_camera_desc d = desc_of(LC_CAMERA_PERSPECTIVE);
     d.fov_degrees = 180;
     CHECK(!lc_camera_init(&c, &d, 10, 10));
-    d = desc_of(LC_CAMERA_ORTHOGRAPHIC), d.screen[1] = -2;
+    d = desc_of(LC_CAMERA_ORTHOGRAPHIC);
+    d.screen[1] = -2;
     CHECK(!lc_camera_init(&c, &d, 10, 10));
-    d = desc_of(LC_CAMERA_PERSPECTIVE), d.lens_radius = 1;
+    d = desc_of(LC_CAMERA_PERSPECTIVE);
+    d.lens_radius = 1;
     CHECK(!lc_camera_init(&c, &d, 10, 10)); /* no focal distance */
     d.focal_distance = NAN;
     CHECK(!lc_camera_init(&c, &d, 10, 10));
-    d = desc_of(LC_CAMERA_LATLONG), d.world_to_camera[0] = 0;
+    d = desc_of(LC_CAMERA_LATLONG);
+    d.world_to_camera[0] = 0;
     CHECK(!lc_camera_init(&c, &d, 10, 10));
 }
 
@@ -107,7 +117,8 @@ TEST(points_are_spread)
             lc_sample_pair(lc_mix(key), i, u);
             CHECK(u[0] >= 0 && u[0] < 1 && u[1] >= 0 && u[1] < 1);
             if (i < 16) cell[(int)(u[0] * 4) * 4 + (int)(u[1] * 4)]++;
-            column[(int)(u[0] * 256)]++, row[(int)(u[1] * 256)]++;
+            column[(int)(u[0] * 256)]++;
+            row[(int)(u[1] * 256)]++;
         }
         for (int k = 0; k < 16; k++) CHECK(cell[k] == 1);
         for (int k = 0; k < 256; k++) CHECK(column[k] == 1 && row[k] == 1);
@@ -122,10 +133,14 @@ static double true_filter(const lc_pixel_filter_desc *d, double r, double x)
     case LC_PIXEL_BOX: return 1;
     case LC_PIXEL_TRIANGLE: return fmax(0, r - fabs(x));
     case LC_PIXEL_GAUSSIAN: return exp(-b * x * x) - exp(-b * r * r);
-    case LC_PIXEL_SINC: return fabs(x) < 1e-5 ? 1 : sin(LC_PI * x) / (LC_PI * x) * (sin(LC_PI * x / b) / (LC_PI * x / b));
+    case LC_PIXEL_SINC:
+        return fabs(x) < 1e-5 ? 1 : sin(LC_PI * x) / (LC_PI * x) * (sin(LC_PI * x / b) / (LC_PI * x / b));
     case LC_PIXEL_MITCHELL: break;
     }
-    if (v > 1) return ((-b - 6 * c) * v * v * v + (6 * b + 30 * c) * v * v + (-12 * b - 48 * c) * v + (8 * b + 24 * c)) / 6;
+    if (v > 1)
+        return ((-b - 6 * c) * v * v * v + (6 * b + 30 * c) * v * v + (-12 * b - 48 * c) * v +
+                (8 * b + 24 * c)) /
+               6;
     return ((12 - 9 * b - 6 * c) * v * v * v + (-18 + 12 * b + 6 * c) * v * v + (6 - 2 * b)) / 6;
 }
 
@@ -135,8 +150,8 @@ static double smooth(double x, double y) { return 1 + 0.5 * cos(1.3 * x + 0.2) *
 TEST(filters)
 {
     const lc_pixel_filter_desc filters[] = {
-        { LC_PIXEL_BOX, { 0.5, 0.7 }, { 0, 0 } },          { LC_PIXEL_TRIANGLE, { 2, 1 }, { 0, 0 } },
-        { LC_PIXEL_GAUSSIAN, { 1.5, 1.5 }, { 2, 0 } },     { LC_PIXEL_MITCHELL, { 2, 3 }, { 1.0 / 3, 1.0 / 3 } },
+        { LC_PIXEL_BOX, { 0.5, 0.7 }, { 0, 0 } },      { LC_PIXEL_TRIANGLE, { 2, 1 }, { 0, 0 } },
+        { LC_PIXEL_GAUSSIAN, { 1.5, 1.5 }, { 2, 0 } }, { LC_PIXEL_MITCHELL, { 2, 3 }, { 1.0 / 3, 1.0 / 3 } },
         { LC_PIXEL_SINC, { 4, 4 }, { 3, 0 } },
     };
     for (size_t f = 0; f < sizeof filters / sizeof *filters; f++) {
@@ -149,13 +164,15 @@ TEST(filters)
             lc_sample_pair(5, i, u);
             double w = lc_pixel_filter_sample(&table, u, x);
             CHECK(fabs(w) >= 1 && fabs(w) <= 1 && fabs(x[0]) <= d->radius[0] && fabs(x[1]) <= d->radius[1]);
-            sum += w * smooth(x[0], x[1]), weight += w;
+            sum += w * smooth(x[0], x[1]);
+            weight += w;
         }
         for (int i = 0; i < 512; i++)
             for (int j = 0; j < 512; j++) {
                 double x = ((i + 0.5) / 256 - 1) * d->radius[0], y = ((j + 0.5) / 256 - 1) * d->radius[1];
                 double w = true_filter(d, d->radius[0], x) * true_filter(d, d->radius[1], y);
-                want += w * smooth(x, y), all += w;
+                want += w * smooth(x, y);
+                all += w;
             }
         CHECKF(fabs(sum / weight - want / all) < 2e-3, "filter %zu: %g, not %g", f, sum / weight, want / all);
     }
@@ -178,7 +195,8 @@ TEST(white_balance)
         double got = (double)(m[3 * i] + m[3 * i + 1] + m[3 * i + 2]);
         CHECKF(fabs(got - want[i]) < 0.006, "channel %d: %g, not %g", i, got, want[i]);
     }
-    CHECK(!lc_pbrt_white_balance(3999, m) && !lc_pbrt_white_balance(NAN, m) && !lc_pbrt_white_balance(1e9, m));
+    CHECK(!lc_pbrt_white_balance(3999, m) && !lc_pbrt_white_balance(NAN, m) &&
+          !lc_pbrt_white_balance(1e9, m));
 }
 
 static lc_context *ctx;
@@ -205,7 +223,9 @@ static lc_status load(const char *text)
 static bool filter_is(lc_pixel_filter_kind kind, double rx, double ry, double a, double b)
 {
     const lc_pixel_filter_desc *f = &scene->film.filter;
-    return f->kind == kind && fabs(f->radius[0] - rx) + fabs(f->radius[1] - ry) + fabs(f->shape[0] - a) + fabs(f->shape[1] - b) < 1e-12;
+    return f->kind == kind &&
+           fabs(f->radius[0] - rx) + fabs(f->radius[1] - ry) + fabs(f->shape[0] - a) + fabs(f->shape[1] - b) <
+               1e-12;
 }
 
 TEST(scene_files)
@@ -217,8 +237,10 @@ TEST(scene_files)
           filter_is(LC_PIXEL_GAUSSIAN, 3, 1.5, .5, 0));
     CHECK(load("PixelFilter \"mitchell\" \"float B\" 0 \"float xwidth\" 3 " V3 REST) == LC_OK &&
           filter_is(LC_PIXEL_MITCHELL, 3, 2, 0, 1.0 / 3));
-    CHECK(load("PixelFilter \"sinc\" \"float tau\" 2 " V4 REST) == LC_OK && filter_is(LC_PIXEL_SINC, 4, 4, 2, 0));
-    CHECK(load("PixelFilter \"magic\" " V4 REST) == LC_OK && filter_is(LC_PIXEL_GAUSSIAN, 1.5, 1.5, 2, 0) && scene->n_notes == 1);
+    CHECK(load("PixelFilter \"sinc\" \"float tau\" 2 " V4 REST) == LC_OK &&
+          filter_is(LC_PIXEL_SINC, 4, 4, 2, 0));
+    CHECK(load("PixelFilter \"magic\" " V4 REST) == LC_OK && filter_is(LC_PIXEL_GAUSSIAN, 1.5, 1.5, 2, 0) &&
+          scene->n_notes == 1);
     CHECK(load("PixelFilter \"box\" \"float ywidth\" [2147483300] " V3 REST) == LC_ERR_PARSE);
     CHECK(load("PixelFilter \"box\" \"float xradius\" [0] " V3 REST) == LC_ERR_PARSE);
     CHECK(load(V4 "Camera \"spherical\" WorldBegin") == LC_OK && scene->camera.kind == LC_CAMERA_EQUAL_AREA);
@@ -228,8 +250,10 @@ TEST(scene_files)
     CHECK(load(V3 "Camera \"environment\" WorldBegin") == LC_OK &&
           scene->camera.kind == LC_CAMERA_LATLONG);
     CHECK(load(V3 "Camera \"perspective\" \"float lensradius\" -1 WorldBegin") == LC_ERR_PARSE);
-    CHECK(load("Sampler \"halton\" \"integer pixelsamples\" 64 " V3 REST) == LC_OK && scene->film.spp == 4 && scene->n_notes == 1);
-    CHECK(load(V3 "Sampler \"halton\" \"integer pixelsamples\" 64 Camera \"perspective\" \"float lensradius\" 1 WorldBegin") == LC_OK &&
+    CHECK(load("Sampler \"halton\" \"integer pixelsamples\" 64 " V3 REST) == LC_OK && scene->film.spp == 4 &&
+          scene->n_notes == 1);
+    CHECK(load(V3 "Sampler \"halton\" \"integer pixelsamples\" 64 Camera \"perspective\" \"float "
+                  "lensradius\" 1 WorldBegin") == LC_OK &&
           scene->film.spp == 16);
     CHECK(load("Film \"rgb\" \"float whitebalance\" 5000 " REST) == LC_OK &&
           fabsf(scene->film.white[0] + scene->film.white[1] + scene->film.white[2] - 0.828f) < 0.006f);
@@ -237,7 +261,8 @@ TEST(scene_files)
     CHECK(load("Film \"rgb\" \"string sensor\" \"canon_eos_100d\" " REST) == LC_OK && scene->n_notes == 1);
 }
 
-/* A wall of even light stays even under every filter, negative lobes or not; and so does the mean of an edge. */
+/* A wall of even light stays even under every filter, negative lobes or not; and so does the mean of an edge.
+ */
 TEST(pictures)
 {
     static const char *const filters[] = { "box", "triangle", "gaussian", "mitchell", "sinc" };
@@ -248,8 +273,10 @@ TEST(pictures)
         snprintf(text, sizeof text,
                  "PixelFilter \"%s\" Film \"image\" \"integer xresolution\" 32 \"integer yresolution\" 32 "
                  "Camera \"orthographic\" WorldBegin "
-                 "AreaLightSource \"diffuse\" \"rgb L\" [2 2 2] Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
-                 "\"point P\" [-9 -9 5  -9 9 5  0 9 5  0 -9 5] ReverseOrientation", filters[f]);
+                 "AreaLightSource \"diffuse\" \"rgb L\" [2 2 2] Shape \"trianglemesh\" \"integer indices\" "
+                 "[0 1 2 0 2 3] "
+                 "\"point P\" [-9 -9 5  -9 9 5  0 9 5  0 -9 5] ReverseOrientation",
+                 filters[f]);
         CHECK(load(text) == LC_OK);
         d.spp = 64;
         CHECK(lc_render(ctx, scene, &d, &image, NULL) == LC_OK);

@@ -70,14 +70,16 @@ TEST(roberts_sees_bands_not_noise)
         step[i] = flat[i] + (x < 16 ? 0.1f : -0.1f);
         chess[i] = flat[i] + ((x + y) % 2 ? 0.1f : -0.1f);
     }
-    float *const ref[3] = { flat, flat, flat }, *const a[3] = { step, step, step }, *const b[3] = { chess, chess, chess };
+    float *const ref[3] = { flat, flat, flat }, *const a[3] = { step, step, step },
+                 *const b[3] = { chess, chess, chess };
     metrics m;
     CHECK(metrics_of(ctx, SIDE, SIDE, a, ref, 0.02, &m) == LC_OK);
     /* in one column of seven both differences are 0.2 */
     CHECKF(near(m.value[METRIC_ROBERTS], 2 * 0.2 * 0.2 / 7), "%g", m.value[METRIC_ROBERTS]);
     CHECK(metrics_of(ctx, SIDE, SIDE, b, ref, 0.02, &m) == LC_OK);
     CHECKF(m.value[METRIC_ROBERTS] < 1e-9, "%g", m.value[METRIC_ROBERTS]);
-    CHECK(metrics_of(ctx, 7, SIDE, a, ref, 0.02, &m) == LC_OK && m.value[METRIC_ROBERTS] < 1e-30); /* one block wide */
+    /* One block wide. */
+    CHECK(metrics_of(ctx, 7, SIDE, a, ref, 0.02, &m) == LC_OK && m.value[METRIC_ROBERTS] < 1e-30);
 }
 
 /* ---- FLIP ---- */
@@ -87,7 +89,10 @@ static double flip_of(const float from[3], const float to[3])
     static float one[3][SIDE * SIDE], two[3][SIDE * SIDE];
     float *a[3], *b[3];
     for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < SIDE * SIDE; i++) one[c][i] = from[c], two[c][i] = to[c];
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            one[c][i] = from[c];
+            two[c][i] = to[c];
+        }
         a[c] = one[c];
         b[c] = two[c];
     }

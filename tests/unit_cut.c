@@ -1,5 +1,6 @@
-/* unit_cut.c - cuts: a partition of the lights within the size asked for, the promise about each cluster left, and the
- * two limits: all leaves are the exact value, the root alone is on average. Memory comes with guards around it. */
+/* unit_cut.c - cuts: a partition of the lights within the size asked for, the promise about each cluster
+ * left, and the two limits: all leaves are the exact value, the root alone is on average. Memory comes with
+ * guards around it. */
 #include "base/rng.h"
 #include "cut/cut.h"
 #include "cut/exact.h"
@@ -17,7 +18,10 @@ static double rnd(void) { return lc_unit(lc_hash2(rng_key, rng_ctr++)); }
 static double rnd_in(double lo, double hi) { return lo + (hi - lo) * rnd(); }
 static uint32_t rnd_n(uint32_t n) { return (uint32_t)(rnd() * n); }
 
-static lc_f3 rnd_in_box(double h) { return lc_f3_make((float)rnd_in(-h, h), (float)rnd_in(-h, h), (float)rnd_in(-h, h)); }
+static lc_f3 rnd_in_box(double h)
+{
+    return lc_f3_make((float)rnd_in(-h, h), (float)rnd_in(-h, h), (float)rnd_in(-h, h));
+}
 
 static lc_f3 rnd_unit(void)
 {
@@ -75,8 +79,8 @@ typedef struct {
 
 #define DIAG2 12.0
 
-/* n lights of the kinds whose bit is set around n_tris triangles in the box -1..1. white: grey intensities, for which
- * representatives are unbiased in every channel. */
+/* n lights of the kinds whose bit is set around n_tris triangles in the box -1..1. white: grey intensities,
+ * for which representatives are unbiased in every channel. */
 static void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool white)
 {
     *s = (setup){ .n = n, .n_tris = n_tris };
@@ -85,9 +89,12 @@ static void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool whi
         uint32_t kind;
         do kind = rnd_n(LC_LIGHT_KINDS);
         while (!(kinds >> kind & 1));
-        lc_light l = { .kind = (lc_light_kind)kind, .pos = rnd_in_box(1), .dir = rnd_unit(), .atten = { 0, 0, 1 } };
+        lc_light l = {
+            .kind = (lc_light_kind)kind, .pos = rnd_in_box(1), .dir = rnd_unit(), .atten = { 0, 0, 1 }
+        };
         float grey = (float)rnd_in(0.1, 1);
-        l.intensity = white ? lc_f3_make(grey, grey, grey) : lc_f3_make((float)rnd(), (float)rnd(), (float)rnd());
+        l.intensity = white ? lc_f3_make(grey, grey, grey)
+                            : lc_f3_make((float)rnd(), (float)rnd(), (float)rnd());
         if (kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ (float)rnd_in(-0.5, 0.5), (float)rnd_in(0.5, 1), 0 };
         else if (rnd() < 0.3)
             for (int k = 0; k < 3; k++) l.atten[k] = (float)rnd_in(0.1, 1);
@@ -100,7 +107,10 @@ static void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool whi
             index[v] = 3 * t + v;
             lc_f3_store(s->pos + 3 * (3 * t + v), lc_f3_add(p, lc_f3_scale(rnd_unit(), v ? 0.7f : 0)));
         }
-        if (t % 4) index[0] = index[-1], index[1] = index[-2]; /* strips of four */
+        if (t % 4) { /* strips of four */
+            index[0] = index[-1];
+            index[1] = index[-2];
+        }
     }
     if (lc_bvh_build(ctx, s->pos, s->index, n_tris, &s->bvh)) abort();
     const lc_occluders_desc occluders = { s->pos, s->index, n_tris, NULL };
@@ -132,7 +142,10 @@ static point rnd_point(void)
     lc_material m = { .kd = { (float)rnd(), (float)rnd(), (float)rnd() } };
     lc_f3 pos = rnd_in_box(1.2), n = rnd_unit(), view = rnd_unit();
     if (lc_f3_dot(n, view) < 0) n = lc_f3_neg(n);
-    if (rnd() < 0.4) m.ks = lc_f3_make((float)rnd(), (float)rnd(), (float)rnd()), m.exponent = powf(10, (float)rnd_in(0, 3));
+    if (rnd() < 0.4) {
+        m.ks = lc_f3_make((float)rnd(), (float)rnd(), (float)rnd());
+        m.exponent = powf(10, (float)rnd_in(0, 3));
+    }
     lc_point_init(&q.p, pos, n, view, &m, (float)(1e-10 * DIAG2));
     lc_f3_store(q.org, pos);
     return q;
@@ -143,7 +156,8 @@ static lc_cut_result shade(lc_cut *c, const point *q, uint64_t hash)
     lc_stats stats = { 0 };
     lc_cut_result r;
     lc_cut_shade(c, &q->p, q->org, hash, &stats, &r);
-    CHECK(stats.points == 1 && stats.cut_sum == r.size && stats.shadow_rays == r.rays && stats.at_limit == r.at_limit);
+    CHECK(stats.points == 1 && stats.cut_sum == r.size && stats.shadow_rays == r.rays &&
+          stats.at_limit == r.at_limit);
     return r;
 }
 
@@ -173,7 +187,8 @@ static bool is_hidden(const setup *s, const point *q, uint32_t light)
 {
     const float *pos = s->tree->data.lights[light].pos, *const target[3] = { pos, pos + 1, pos + 2 };
     uint8_t hidden[LC_LANES];
-    s->bvh->kernels->hidden(&s->bvh->data, q->org, 1, target, lc_kind_of_light(s->tree, light) == LC_LIGHT_DIRECTIONAL, hidden, NULL);
+    s->bvh->kernels->hidden(&s->bvh->data, q->org, 1, target,
+                            lc_kind_of_light(s->tree, light) == LC_LIGHT_DIRECTIONAL, hidden, NULL);
     return hidden[0];
 }
 
@@ -188,7 +203,8 @@ static double sum_below(const setup *s, uint32_t top, const point *q, bool shado
     while (n) {
         uint32_t link = stack[--n];
         if (!(link & LC_LEAF)) {
-            stack[n++] = t->data.nodes[link].left, stack[n++] = t->data.nodes[link].right;
+            stack[n++] = t->data.nodes[link].left;
+            stack[n++] = t->data.nodes[link].right;
             continue;
         }
         uint32_t light = link & ~LC_LEAF;
@@ -224,17 +240,21 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
     if (limit < n_roots) limit = n_roots;
     const char *wrong = lc_cut_validate(c);
     CHECKF(!wrong, "%s", wrong);
-    CHECKF(r->size <= limit && n_clusters(c) + c->n_hid >= n_roots && r->size == size_of(c, limit), "size %u of %u", r->size, limit);
-    CHECKF(r->rays <= n_clusters(c) + c->n_hid, "%u rays, %u clusters, %u hidden", r->rays, r->size, c->n_hid);
+    CHECKF(r->size <= limit && n_clusters(c) + c->n_hid >= n_roots && r->size == size_of(c, limit),
+           "size %u of %u", r->size, limit);
+    CHECKF(r->rays <= n_clusters(c) + c->n_hid, "%u rays, %u clusters, %u hidden", r->rays, r->size,
+           c->n_hid);
     CHECK(lc_f3_finite(r->radiance) && r->radiance.x >= 0 && r->radiance.y >= 0 && r->radiance.z >= 0);
-    double total = lum_of(r->radiance), left = 0, most = (double)c->desc.error_ratio * fmax(total, (double)c->desc.floor);
+    double total = lum_of(r->radiance), left = 0,
+           most = (double)c->desc.error_ratio * fmax(total, (double)c->desc.floor);
     CHECK(!r->at_limit || r->size == limit);
     double worst = 0;
     for (uint32_t i = 0; i < n_left(c); i++) {
         double bound = (double)c->left.bound[i];
         uint32_t link = c->left.link[i];
         worst = fmax(worst, bound);
-        CHECKF(r->at_limit || bound <= most * (1 + 1e-5), "bound %g left, limit %g", bound, most); /* 1e-5: of total in float */
+        /* 1e-5: of total in float. */
+        CHECKF(r->at_limit || bound <= most * (1 + 1e-5), "bound %g left, limit %g", bound, most);
         CHECK(bound > 0 && !(link & LC_LEAF) && !(c->left.rep[i] & LC_PENDING));
         /* 1e-6: what float products and the double sum round off */
         double sum = sum_below(s, link, q, false);
@@ -251,8 +271,10 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
     /* Estimate and truth of each cluster left are both within 0..bound; the others are exact. */
     lc_cut_result e = exact(s, q);
     double off = fabs(total - lum_of(e.radiance));
-    CHECKF(off <= left * (1 + 1e-5) + 1e-5 * lum_of(e.radiance), "off by %g, bounds left sum to %g", off, left);
-    CHECKF(!(total > 0) || !(worst > 0) || !isfinite(worst) || fabs((double)r->max_error * total / worst - 1) < 1e-4,
+    CHECKF(off <= left * (1 + 1e-5) + 1e-5 * lum_of(e.radiance), "off by %g, bounds left sum to %g", off,
+           left);
+    CHECKF(!(total > 0) || !(worst > 0) || !isfinite(worst) ||
+               fabs((double)r->max_error * total / worst - 1) < 1e-4,
            "max_error %g", (double)r->max_error);
 }
 
@@ -274,14 +296,17 @@ TEST(cuts_partition_and_keep_their_promise)
                         point q = rnd_point();
                         lc_cut_result res = shade(&c, &q, rnd_n(1000));
                         check_cut(&s, &c, &q, &res);
-                        at_limit += res.at_limit, within += !res.at_limit, left += n_left(&c);
+                        at_limit += res.at_limit;
+                        within += !res.at_limit;
+                        left += n_left(&c);
                     }
                     lc_cut_free(&c);
                 }
             unmake(&s);
         }
-    printf("  %llu cuts at the limit, %llu within, %llu clusters left, %llu hidden, %llu of bound 0\n", (unsigned long long)at_limit,
-           (unsigned long long)within, (unsigned long long)left, (unsigned long long)n_hid, (unsigned long long)n_zero);
+    printf("  %llu cuts at the limit, %llu within, %llu clusters left, %llu hidden, %llu of bound 0\n",
+           (unsigned long long)at_limit, (unsigned long long)within, (unsigned long long)left,
+           (unsigned long long)n_hid, (unsigned long long)n_zero);
     CHECK(at_limit > 1000 && within > 1000 && left > 10000 && n_hid > 100 && n_zero > 1000);
     CHECKF(!guards_broken, "%d bytes written outside", guards_broken);
 }
@@ -297,8 +322,10 @@ TEST(points_at_lights)
             lc_cut c;
             open_cut(&c, &s, i % 3 ? 0.02f : 0, i % 4 ? 0 : 30, 0);
             point q = rnd_point();
-            lc_f3 at = lc_f3_add(s.lights[i].pos, lc_f3_scale(rnd_unit(), i % 2 ? 0 : powf(10, (float)rnd_in(-9, -2))));
-            lc_f3_store(q.p.pos, at), lc_f3_store(q.org, at);
+            lc_f3 at = lc_f3_add(s.lights[i].pos,
+                                 lc_f3_scale(rnd_unit(), i % 2 ? 0 : powf(10, (float)rnd_in(-9, -2))));
+            lc_f3_store(q.p.pos, at);
+            lc_f3_store(q.org, at);
             lc_cut_result r = shade(&c, &q, 0);
             check_cut(&s, &c, &q, &r);
             lc_cut_free(&c);
@@ -322,7 +349,8 @@ TEST(no_error_allowed_is_exact)
         for (int i = 0; i < 150; i++) {
             point q = rnd_point();
             lc_cut_result r = shade(&c, &q, (uint64_t)i), e = exact(&s, &q);
-            double size = (double)lc_f3_max(e.radiance), off = (double)lc_f3_max_abs(lc_f3_sub(r.radiance, e.radiance));
+            double size = (double)lc_f3_max(e.radiance),
+                   off = (double)lc_f3_max_abs(lc_f3_sub(r.radiance, e.radiance));
             CHECKF(off <= 1e-5 * size, "off by %g of %g", off, size);
             CHECK(!r.at_limit && n_left(&c) == 0 && !(r.max_error > 0));
             worst = fmax(worst, size > 0 ? off / size : 0);
@@ -347,7 +375,8 @@ static void mean_is_exact(uint32_t max_cut, uint32_t kinds, uint32_t n_tris, uin
     setup s;
     double worst = 0, z2 = 0;
     uint32_t noisy = 0;
-    memset(sum, 0, sizeof sum), memset(sum2, 0, sizeof sum2);
+    memset(sum, 0, sizeof sum);
+    memset(sum2, 0, sizeof sum2);
     make(&s, 40, kinds, n_tris, true);
     for (int i = 0; i < MEAN_POINTS; i++) q[i] = rnd_point();
     for (uint64_t seed = 0; seed < MEAN_SEEDS; seed++) {
@@ -358,7 +387,8 @@ static void mean_is_exact(uint32_t max_cut, uint32_t kinds, uint32_t n_tris, uin
             lc_cut_result r = shade(&c, &q[i], lc_mix(seed));
             CHECK(r.size <= max_cut || r.size <= LC_LIGHT_KINDS);
             double y = lum_of(r.radiance);
-            sum[i] += y, sum2[i] += y * y;
+            sum[i] += y;
+            sum2[i] += y * y;
         }
         lc_cut_free(&c);
     }
@@ -367,14 +397,16 @@ static void mean_is_exact(uint32_t max_cut, uint32_t kinds, uint32_t n_tris, uin
         double err = sqrt(fmax(sum2[i] / MEAN_SEEDS - mean * mean, 0) / MEAN_SEEDS);
         if (err > 1e-4 * want) {
             double z = (mean - want) / err;
-            worst = fmax(worst, fabs(z)), z2 += z * z, noisy++;
+            worst = fmax(worst, fabs(z));
+            z2 += z * z;
+            noisy++;
             CHECKF(fabs(z) < 4.5, "mean %g, exact %g, standard error %g", mean, want, err);
         } else { /* the same in all seeds */
             CHECKF(fabs(mean - want) <= 1e-3 * want, "mean %g, exact %g", mean, want);
         }
     }
-    printf("  max_cut %u, kinds %u: %u noisy points, worst %.2f standard errors, rms %.2f\n", max_cut, kinds, noisy, worst,
-           sqrt(z2 / (noisy ? noisy : 1)));
+    printf("  max_cut %u, kinds %u: %u noisy points, worst %.2f standard errors, rms %.2f\n", max_cut, kinds,
+           noisy, worst, sqrt(z2 / (noisy ? noisy : 1)));
     CHECK(noisy >= MEAN_POINTS / 2);
     unmake(&s);
 }
@@ -414,7 +446,8 @@ static void judge_cluster(const setup *s, const point *q, const estimated *e, do
     }
 }
 
-/* The cut of ratio 0 and a given size is the same whatever the representatives, so each of its clusters can be followed. */
+/* The cut of ratio 0 and a given size is the same whatever the representatives, so each of its clusters can
+ * be followed. */
 static void clusters_mean_is_exact(uint32_t kinds, uint32_t n_reps)
 {
     static estimated all[CUT_POINTS][CUT_SIZE];
@@ -437,14 +470,17 @@ static void clusters_mean_is_exact(uint32_t kinds, uint32_t n_reps)
                 estimated *e = &all[i][k];
                 double y = lum_of(lc_f3_make(c.left.e[0][k], c.left.e[1][k], c.left.e[2][k]));
                 CHECK(!seed || e->link == c.left.link[k]);
-                e->link = c.left.link[k], e->sum += y, e->sum2 += y * y;
+                e->link = c.left.link[k];
+                e->sum += y;
+                e->sum2 += y * y;
             }
         }
         lc_cut_free(&c);
     }
     for (int i = 0; i < CUT_POINTS; i++)
         for (uint32_t k = 0; k < n_left_of[i]; k++) judge_cluster(&s, &q[i], &all[i][k], &worst, &noisy);
-    printf("  kinds %u, %u slots: %u noisy clusters, worst %.2f standard errors\n", kinds, n_reps, noisy, worst);
+    printf("  kinds %u, %u slots: %u noisy clusters, worst %.2f standard errors\n", kinds, n_reps, noisy,
+           worst);
     CHECK(noisy >= CUT_POINTS);
     unmake(&s);
 }
@@ -486,7 +522,8 @@ TEST(scratch_leaves_no_trace)
         open_cut(&fresh, &s, 0.02f, 60, 0.01f);
         lc_cut_result a = shade(&used, &q, (uint64_t)i), b = shade(&fresh, &q, (uint64_t)i);
         CHECK(!memcmp(&a.radiance, &b.radiance, sizeof a.radiance) && a.size == b.size && a.rays == b.rays);
-        CHECK(!memcmp(&a.max_error, &b.max_error, sizeof a.max_error) && a.dark == b.dark && a.at_limit == b.at_limit);
+        CHECK(!memcmp(&a.max_error, &b.max_error, sizeof a.max_error) && a.dark == b.dark &&
+              a.at_limit == b.at_limit);
         lc_cut_free(&fresh);
     }
     lc_cut_free(&used);
@@ -499,7 +536,8 @@ static bool alike(lc_f3 a, lc_f3 b)
     return lc_f3_max_abs(d) <= 1e-5f * lc_f3_max_abs(b);
 }
 
-/* A cut that begins with another point's is a cut, within the limit wherever it has room; its own, begun with again, is the same one. */
+/* A cut that begins with another point's is a cut, within the limit wherever it has room; its own, begun with
+ * again, is the same one. */
 TEST(cuts_from_other_cuts)
 {
     static lc_cut_start start;
@@ -515,7 +553,10 @@ TEST(cuts_from_other_cuts)
         for (int i = 0; i < 60; i++) {
             point q = rnd_point(), other = q;
             uint64_t hash = lc_mix((uint64_t)i);
-            if (i % 2) other.p.pos[0] += 0.05f, other.org[0] += 0.05f;
+            if (i % 2) {
+                other.p.pos[0] += 0.05f;
+                other.org[0] += 0.05f;
+            }
             if (i % 5 == 4) other = rnd_point();
             from_roots.kept = &start;
             lc_cut_result a = shade(&from_roots, &q, hash);
@@ -526,9 +567,11 @@ TEST(cuts_from_other_cuts)
             guided.start = &start;
             lc_cut_result b = shade(&guided, &other, hash + (uint64_t)(i & 4)), e = exact(&s, &other);
             check_cut(&s, &guided, &other, &b);
-            CHECK(n_clusters(&guided) + guided.n_hid >= n && b.size == size_of(&guided, max_cut ? max_cut : s.n));
+            CHECK(n_clusters(&guided) + guided.n_hid >= n &&
+                  b.size == size_of(&guided, max_cut ? max_cut : s.n));
             float lum = lc_luminance(b.radiance);
-            for (uint32_t k = 0; k < guided.left.n && !b.at_limit; k++) CHECK(guided.left.bound[k] <= 0.02f * lum * 1.0001f);
+            for (uint32_t k = 0; k < guided.left.n && !b.at_limit; k++)
+                CHECK(guided.left.bound[k] <= 0.02f * lum * 1.0001f);
             if (n_clusters(&guided) + guided.n_hid == s.n) CHECK(alike(b.radiance, e.radiance));
             if (!max_cut && !(i % 2) && i % 5 != 4 && !(i & 4)) {
                 CHECKF(b.size == a.size && alike(a.radiance, b.radiance), "%u clusters, %u", b.size, a.size);
@@ -560,7 +603,8 @@ TEST(dark_floor_stops_refinement)
         n_dark += b.dark;
     }
     CHECK(n_dark > 50);
-    lc_cut_free(&plain), lc_cut_free(&bright);
+    lc_cut_free(&plain);
+    lc_cut_free(&bright);
     unmake(&s);
 }
 
@@ -579,7 +623,8 @@ TEST(smaller_ratio_larger_cut)
             point q = rnd_point();
             size[k] += shade(&c, &q, 0).size;
         }
-        CHECKF(k == 0 || size[k] > size[k - 1], "ratio %g: %llu", (double)ratios[k], (unsigned long long)size[k]);
+        CHECKF(k == 0 || size[k] > size[k - 1], "ratio %g: %llu", (double)ratios[k],
+               (unsigned long long)size[k]);
         lc_cut_free(&c);
     }
     unmake(&s);

@@ -1,4 +1,5 @@
-/* unit_env.c - environment maps: mappings, irradiance kept by the lights made of them, where these lie, conventions of v3 and v4. */
+/* unit_env.c - environment maps: mappings, irradiance kept by the lights made of them, where these lie,
+ * conventions of v3 and v4. */
 #include "base/rng.h"
 #include "pbrt/parse.h"
 #include "prepare/env_light.h"
@@ -32,7 +33,10 @@ static lc_env *random_map(uint32_t w, uint32_t h, lc_env_mapping mapping)
             texels[3 * i + c] = (float)(u * (i % 97 == 5 ? 3000 : i % 3 ? 1 : 0));
         }
     lc_raster raster = { w, h, 3, LC_RASTER_F32, texels };
-    lc_env env = { .mapping = mapping, .scale = { 2, 1, 0.5f }, .to_world = lc_xform_identity(), .to_light = lc_xform_identity() };
+    lc_env env = { .mapping = mapping,
+                   .scale = { 2, 1, 0.5f },
+                   .to_world = lc_xform_identity(),
+                   .to_light = lc_xform_identity() };
     begin();
     if (lc_mipmap_build(ctx, &raster, (lc_encoding){ LC_ENCODING_LINEAR, 1 }, &env.map)) abort();
     if (lc_scene_add_env(scene, (lc_pos){ 0, 0, 0 }, &env)) abort();
@@ -61,7 +65,9 @@ static void sum_of_lights(double sum[3])
     sum[0] = sum[1] = sum[2] = 0;
     for (size_t i = 0; i < scene->n_lights; i++) {
         lc_f3 v = scene->lights[i].intensity;
-        sum[0] += (double)v.x, sum[1] += (double)v.y, sum[2] += (double)v.z;
+        sum[0] += (double)v.x;
+        sum[1] += (double)v.y;
+        sum[2] += (double)v.z;
     }
 }
 
@@ -73,7 +79,8 @@ TEST(places_and_directions)
         for (uint32_t y = 0; y < 16; y++) solid += lc_env_solid_angle(e, y) * lc_env_width(e);
         CHECK(near(solid, 4 * LC_PI, 1e-12));
         for (int i = 0; i < 100000; i++) {
-            double x = lc_unit(lc_hash2(1, (uint64_t)i)) * lc_env_width(e), y = lc_unit(lc_hash2(2, (uint64_t)i)) * 16, w[3], s, t, v[3];
+            double x = lc_unit(lc_hash2(1, (uint64_t)i)) * lc_env_width(e),
+                   y = lc_unit(lc_hash2(2, (uint64_t)i)) * 16, w[3], s, t, v[3];
             if (!k) { /* evenly over the sphere */
                 double z = 1 - 2 * y / 16, line = acos(z) * 16 / LC_PI, row = floor(line);
                 y = row + (cos(LC_PI * row / 16) - z) / (cos(LC_PI * row / 16) - cos(LC_PI * (row + 1) / 16));
@@ -81,7 +88,8 @@ TEST(places_and_directions)
             lc_env_direction(e, x, y, w);
             CHECK(near(w[0] * w[0] + w[1] * w[1] + w[2] * w[2], 1, 1e-12));
             lc_env_place(e, w, &s, &t);
-            CHECKF(near(s * lc_env_width(e), x, 1e-5) && near(floor(t * 16), floor(y), 0), "%g %g: %g %g", x, y, s, t);
+            CHECKF(near(s * lc_env_width(e), x, 1e-5) && near(floor(t * 16), floor(y), 0), "%g %g: %g %g", x,
+                   y, s, t);
             if (k) CHECK(near(t * 16, y, 1e-5));
             lc_env_direction(e, s * lc_env_width(e), k ? t * 16 : y, v);
             for (int c = 0; c < 3; c++) {
@@ -98,17 +106,22 @@ TEST(irradiance_is_kept)
     const uint32_t counts[] = { 1, 2, 3, 100, 5000, 20000 };
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 6; i++) {
-            lc_env *e = random_map(k == 1 ? 40 : 61, k == 1 ? 40 : 31, k == 1 ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG);
+            lc_env *e = random_map(k == 1 ? 40 : 61, k == 1 ? 40 : 31,
+                                   k == 1 ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG);
             double want[3], got[3], mean = 0, most = 0;
             integral(e, want);
-            CHECK(lc_env_lights_make(scene, counts[i], 5, 11) == LC_OK && lc_scene_join_lights(scene) == LC_OK);
+            CHECK(lc_env_lights_make(scene, counts[i], 5, 11) == LC_OK &&
+                  lc_scene_join_lights(scene) == LC_OK);
             CHECKF(scene->n_lights == counts[i], "%zu lights", scene->n_lights);
             sum_of_lights(got);
-            for (int c = 0; c < 3; c++) CHECKF(near(got[c], want[c], 1e-6 * want[c]), "%u: %.9g, not %.9g", counts[i], got[c], want[c]);
+            for (int c = 0; c < 3; c++)
+                CHECKF(near(got[c], want[c], 1e-6 * want[c]), "%u: %.9g, not %.9g", counts[i], got[c],
+                       want[c]);
             for (size_t l = 0; l < scene->n_lights; l++) {
                 lc_f3 v = scene->lights[l].intensity;
                 double p = ((double)v.x + (double)v.y + (double)v.z) / 3;
-                mean += p / (double)scene->n_lights, most = fmax(most, p);
+                mean += p / (double)scene->n_lights;
+                most = fmax(most, p);
             }
             CHECKF(most < 1.0001 * mean, "%u: %g over %g", counts[i], most, mean);
         }
@@ -116,23 +129,29 @@ TEST(irradiance_is_kept)
 
 static int by_bytes(const void *a, const void *b) { return memcmp(a, b, sizeof(lc_f3)); }
 
-/* No two lights from the same direction; each from where the map is not black; the same for a seed, another for another. */
+/* No two lights from the same direction; each from where the map is not black; the same for a seed, another
+ * for another. */
 TEST(directions_of_lights)
 {
     lc_f3 *ways[3];
     const uint32_t n = 20000;
     for (int k = 0; k < 3; k++) {
         lc_env *e = random_map(64, 64, LC_ENV_EQUAL_AREA);
-        CHECK(lc_env_lights_make(scene, n, 5, k == 2 ? 5 : 4) == LC_OK && lc_scene_join_lights(scene) == LC_OK && scene->n_lights == n);
+        CHECK(lc_env_lights_make(scene, n, 5, k == 2 ? 5 : 4) == LC_OK &&
+              lc_scene_join_lights(scene) == LC_OK && scene->n_lights == n);
         ways[k] = malloc(n * sizeof **ways);
         for (uint32_t i = 0; i < n; i++) {
             double s, t, rgb[3], w[3];
             lc_f3 d = ways[k][i] = scene->lights[i].dir;
-            w[0] = -(double)d.x, w[1] = -(double)d.y, w[2] = -(double)d.z;
+            w[0] = -(double)d.x;
+            w[1] = -(double)d.y;
+            w[2] = -(double)d.z;
             lc_env_place(e, w, &s, &t);
             lc_env_texel(e, (uint32_t)fmin(s * 64, 63), (uint32_t)fmin(t * 64, 63), rgb);
-            double off = fmin(fmin(s * 64 - floor(s * 64), ceil(s * 64) - s * 64), fmin(t * 64 - floor(t * 64), ceil(t * 64) - t * 64));
-            CHECKF(rgb[0] > 0 || off < 1e-4, "%u: %g %g", i, s * 64, t * 64); /* rounded to floats it may lie next door */
+            double off = fmin(fmin(s * 64 - floor(s * 64), ceil(s * 64) - s * 64),
+                              fmin(t * 64 - floor(t * 64), ceil(t * 64) - t * 64));
+            /* Rounded to floats it may lie next door. */
+            CHECKF(rgb[0] > 0 || off < 1e-4, "%u: %g %g", i, s * 64, t * 64);
         }
     }
     CHECK(!memcmp(ways[0], ways[1], n * sizeof **ways) && memcmp(ways[0], ways[2], n * sizeof **ways));
@@ -184,26 +203,39 @@ TEST(conventions)
     write_pfm("square.pfm", 65, 65, 32, 32);  /* the middle: +z */
     write_pfm("right.pfm", 65, 65, 64, 32);   /* the middle of the right side: +x */
     write_pfm("below.pfm", 65, 65, 32, 64);   /* of the last row: +y */
-    CHECK(load("WorldBegin LightSource \"infinite\" \"string mapname\" \"top.pfm\"") == LC_OK && light_is(0, 0, 1));
-    CHECK(load("WorldBegin LightSource \"infinite\" \"string mapname\" \"side.pfm\"") == LC_OK && light_is(0, 1, 0));
-    CHECK(load("WorldBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string mapname\" \"top.pfm\"") == LC_OK && light_is(0, 1, 0));
-    CHECK(load("WorldBegin LightSource \"infinite\" \"string filename\" \"square.pfm\"") == LC_OK && light_is(0, 0, 1));
-    CHECK(load("WorldBegin LightSource \"infinite\" \"string filename\" \"right.pfm\"") == LC_OK && light_is(1, 0, 0));
-    CHECK(load("WorldBegin LightSource \"infinite\" \"string filename\" \"below.pfm\"") == LC_OK && light_is(0, 1, 0));
-    CHECK(load("WorldBegin Scale 1 -1 1 LightSource \"infinite\" \"string filename\" \"below.pfm\"") == LC_OK && light_is(0, -1, 0));
-    CHECK(load("WorldBegin LightSource \"infinite\" \"string filename\" \"lost.pfm\"") == LC_OK && scene->n_notes == 1);
-    CHECK(load("WorldBegin LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]") == LC_OK && scene->n_notes == 1);
+    CHECK(load("WorldBegin LightSource \"infinite\" \"string mapname\" \"top.pfm\"") == LC_OK &&
+          light_is(0, 0, 1));
+    CHECK(load("WorldBegin LightSource \"infinite\" \"string mapname\" \"side.pfm\"") == LC_OK &&
+          light_is(0, 1, 0));
+    CHECK(load("WorldBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string mapname\" \"top.pfm\"") ==
+              LC_OK &&
+          light_is(0, 1, 0));
+    CHECK(load("WorldBegin LightSource \"infinite\" \"string filename\" \"square.pfm\"") == LC_OK &&
+          light_is(0, 0, 1));
+    CHECK(load("WorldBegin LightSource \"infinite\" \"string filename\" \"right.pfm\"") == LC_OK &&
+          light_is(1, 0, 0));
+    CHECK(load("WorldBegin LightSource \"infinite\" \"string filename\" \"below.pfm\"") == LC_OK &&
+          light_is(0, 1, 0));
+    CHECK(load("WorldBegin Scale 1 -1 1 LightSource \"infinite\" \"string filename\" \"below.pfm\"") ==
+              LC_OK &&
+          light_is(0, -1, 0));
+    CHECK(load("WorldBegin LightSource \"infinite\" \"string filename\" \"lost.pfm\"") == LC_OK &&
+          scene->n_notes == 1);
+    CHECK(load("WorldBegin LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]") == LC_OK &&
+          scene->n_notes == 1);
     CHECK(load("WorldBegin Scale 0 1 1 LightSource \"infinite\"") == LC_ERR_PARSE);
 }
 
 TEST(background)
 {
-    CHECK(load("WorldBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string mapname\" \"side.pfm\" \"float scale\" 4 "
+    CHECK(load("WorldBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string mapname\" \"side.pfm\" \"float "
+               "scale\" 4 "
                "LightSource \"infinite\" \"rgb L\" [1 2 3]") == LC_OK);
     double w[3];
     lc_env_direction(&scene->envs[0], 32.5, 32.5, w); /* the middle of the texel; y goes to -z */
     lc_f3 at = lc_scene_background(scene, lc_f3_normalize_d(w[0], w[2], -w[1]));
-    CHECKF(near((double)at.x, 5, 0.01) && near((double)at.y, 4, 0.01) && near((double)at.z, 4, 0.01), "%g", (double)at.x);
+    CHECKF(near((double)at.x, 5, 0.01) && near((double)at.y, 4, 0.01) && near((double)at.z, 4, 0.01), "%g",
+           (double)at.x);
     at = lc_scene_background(scene, lc_f3_make(0, 0, 1));
     CHECK(near((double)at.x, 1, 1e-6) && near((double)at.z, 3, 1e-6));
 }
@@ -215,8 +247,8 @@ static void check_sum(const char *light, double r, double g, double b)
     snprintf(text, sizeof text, "Film \"rgb\" WorldBegin LightSource \"infinite\" %s", light);
     CHECKF(load(text) == LC_OK && lc_env_lights_make(scene, 1000, 5, 0) == LC_OK, "%s", last_error);
     sum_of_lights(sum);
-    CHECKF(near(sum[0], r, 1e-5 * r) && near(sum[1], g, 1e-5 * g) && near(sum[2], b, 1e-5 * b), "%s: %g %g %g", light, sum[0], sum[1],
-           sum[2]);
+    CHECKF(near(sum[0], r, 1e-5 * r) && near(sum[1], g, 1e-5 * g) && near(sum[2], b, 1e-5 * b),
+           "%s: %g %g %g", light, sum[0], sum[1], sum[2]);
 }
 
 TEST(parameters)
@@ -234,7 +266,8 @@ TEST(parameters)
 
 /* ---- what matters to the picture ---- */
 
-/* A room that is open above, seen from inside: most lights come from there, and all together are the sky still. */
+/* A room that is open above, seen from inside: most lights come from there, and all together are the sky
+ * still. */
 static lc_scene *open_room(uint32_t n_threads, uint32_t n_lights, const char *light)
 {
     char path[128];
@@ -242,13 +275,17 @@ static lc_scene *open_room(uint32_t n_threads, uint32_t n_lights, const char *li
     lc_scene *s = NULL;
     lc_context_desc desc = LC_CONTEXT_DESC_INIT;
     lc_load_desc load_desc = LC_LOAD_DESC_INIT;
-    desc.n_threads = n_threads, load_desc.env_lights = n_lights;
+    desc.n_threads = n_threads;
+    load_desc.env_lights = n_lights;
     snprintf(path, sizeof path, "%s/room.pbrt", dir);
     FILE *f = fopen(path, "wb");
     if (!f || lc_context_create(&desc, &c)) abort();
-    fprintf(f, "LookAt 0 0 1  1 0 0  0 0 1 Camera \"perspective\" \"float fov\" 60 WorldBegin LightSource \"infinite\" %s "
-               "Shape \"trianglemesh\" \"point3 P\" [-2 -2 0 2 -2 0 2 2 0 -2 2 0 -2 -2 4 2 -2 4 2 2 4 -2 2 4] "
-               "\"integer indices\" [0 1 2 0 2 3 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7]", light);
+    fprintf(f,
+            "LookAt 0 0 1  1 0 0  0 0 1 Camera \"perspective\" \"float fov\" 60 WorldBegin LightSource "
+            "\"infinite\" %s "
+            "Shape \"trianglemesh\" \"point3 P\" [-2 -2 0 2 -2 0 2 2 0 -2 2 0 -2 -2 4 2 -2 4 2 2 4 -2 2 4] "
+            "\"integer indices\" [0 1 2 0 2 3 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7]",
+            light);
     fclose(f);
     CHECK(lc_scene_load(c, path, &load_desc, &s) == LC_OK);
     return s;
@@ -275,7 +312,8 @@ TEST(lights_where_they_matter)
         lc_scene *s = open_room(1, 2000, lights[k]), *again = open_room(3, 2000, lights[k]);
         double sum = 0;
         uint32_t n_above = 0;
-        CHECK(s->n_lights == 2000 && s->n_env_lights == 2000 && s->n_env_tried > 2000 && again->n_lights == 2000);
+        CHECK(s->n_lights == 2000 && s->n_env_lights == 2000 && s->n_env_tried > 2000 &&
+              again->n_lights == 2000);
         for (size_t i = 0; i < s->n_lights; i++) {
             sum += (double)s->lights[i].intensity.y;
             n_above += s->lights[i].dir.z < -0.7f; /* 0.15 of the sphere */
@@ -293,8 +331,9 @@ TEST(lights_where_they_matter)
 TEST(every_allocation_fails_in_turn)
 {
     char path[128];
-    CHECK(load("Camera \"perspective\" WorldBegin LightSource \"infinite\" \"string filename\" \"square.pfm\" "
-               "Shape \"sphere\" LightSource \"infinite\"") == LC_OK);
+    CHECK(
+        load("Camera \"perspective\" WorldBegin LightSource \"infinite\" \"string filename\" \"square.pfm\" "
+             "Shape \"sphere\" LightSource \"infinite\"") == LC_OK);
     lc_context *small = poor_context();
     snprintf(path, sizeof path, "%s/s.pbrt", dir);
     lc_status st = LC_ERR_MEMORY;

@@ -1,5 +1,6 @@
-/* unit_explain.c - lc_explain against the picture and the tree: the pixel's bits, a partition of the lights, sums that agree,
- * bounds that hold, splits that lead from the roots to the cut. Runs from the root of the repository. */
+/* unit_explain.c - lc_explain against the picture and the tree: the pixel's bits, a partition of the lights,
+ * sums that agree, bounds that hold, splits that lead from the roots to the cut. Runs from the root of the
+ * repository. */
 #include "lightcuts.h"
 #include "scene/scene.h"
 #include "shade/shade.h"
@@ -46,7 +47,9 @@ static void load(setup *s, const char *path, uint32_t n_reps, lc_method method, 
     cd.n_threads = 2;
     ld.area_lights = 256;
     ld.n_reps = n_reps;
-    s->desc.method = method, s->desc.spp = spp, s->desc.aovs = LC_AOV_ALL;
+    s->desc.method = method;
+    s->desc.spp = spp;
+    s->desc.aovs = LC_AOV_ALL;
     if (lc_context_create(&cd, &s->ctx) || lc_scene_load(s->ctx, path, &ld, &s->scene)) abort();
 }
 
@@ -84,14 +87,16 @@ static void check_partition(const setup *s, const lc_explanation *x)
                 CHECK(!seen[link & ~LC_LEAF]++);
                 lights++;
             } else {
-                stack[n++] = t->data.nodes[link].left, stack[n++] = t->data.nodes[link].right;
+                stack[n++] = t->data.nodes[link].left;
+                stack[n++] = t->data.nodes[link].right;
             }
         }
         CHECKF(lights == x->clusters[i].n_lights, "%u lights, not %u", lights, x->clusters[i].n_lights);
         total += lights;
     }
     CHECKF(total == t->n_lights, "%u lights of %u", total, t->n_lights);
-    free(stack), free(seen);
+    free(stack);
+    free(seen);
 }
 
 static double lum(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
@@ -101,8 +106,10 @@ static void check_cluster(const setup *s, const lc_explanation *x, const lc_expl
     double estimate[3] = { (double)c->estimate[0], (double)c->estimate[1], (double)c->estimate[2] };
     CHECK(c->n_lights > 0 && c->n_seen <= c->n_lights && c->seen >= -1 && c->seen <= 1);
     if (c->n_lights > 1) {
-        CHECKF((double)c->bound * (1 + 2e-6) >= lum(c->exact), "bound %g, exact %g", (double)c->bound, lum(c->exact));
-        CHECKF((double)c->bound * (1 + 2e-6) >= lum(estimate), "bound %g, estimate %g", (double)c->bound, lum(estimate));
+        CHECKF((double)c->bound * (1 + 2e-6) >= lum(c->exact), "bound %g, exact %g", (double)c->bound,
+               lum(c->exact));
+        CHECKF((double)c->bound * (1 + 2e-6) >= lum(estimate), "bound %g, estimate %g", (double)c->bound,
+               lum(estimate));
     } else {
         for (int k = 0; k < 3; k++) CHECK(near(estimate[k], c->exact[k]));
     }
@@ -113,7 +120,9 @@ static void check_cluster(const setup *s, const lc_explanation *x, const lc_expl
     lc_light_rec_init(&rec, l);
     CHECK((uint32_t)l->kind == c->kind && !memcmp(rec.pos, c->light_pos, sizeof rec.pos));
     CHECK(!memcmp(rec.intensity, c->light_intensity, sizeof rec.intensity));
-    for (int k = 0; k < 3; k++) CHECK(rec.pos[k] >= c->lo[k] - 1e-5f * fabsf(c->lo[k]) && rec.pos[k] <= c->hi[k] + 1e-5f * fabsf(c->hi[k]));
+    for (int k = 0; k < 3; k++)
+        CHECK(rec.pos[k] >= c->lo[k] - 1e-5f * fabsf(c->lo[k]) &&
+              rec.pos[k] <= c->hi[k] + 1e-5f * fabsf(c->hi[k]));
     CHECK((c->parent == LC_NO_CLUSTER) == (c->made == 0) && c->made <= x->n_rounds);
 }
 
@@ -126,17 +135,20 @@ static void check_splits(const lc_explanation *x)
         for (uint32_t k = 0; k < x->rounds[i].n_split && n < x->n_splits; k++, n++) {
             CHECK(split[n].split == i + 1 && split[n].made <= i);
             if (i < x->n_start_rounds) continue; /* limits of another point */
-            CHECKF((double)split[n].bound > x->rounds[i].limit, "bound %g, limit %g", (double)split[n].bound, x->rounds[i].limit);
+            CHECKF((double)split[n].bound > x->rounds[i].limit, "bound %g, limit %g", (double)split[n].bound,
+                   x->rounds[i].limit);
         }
     CHECK(n == x->n_splits);
     for (uint32_t i = 0; i < x->n_clusters + x->n_splits; i++) n_roots += c[i].made == 0;
-    CHECKF(x->n_clusters == x->n_splits + n_roots, "%u clusters, %u splits, %u roots", x->n_clusters, x->n_splits, n_roots);
+    CHECKF(x->n_clusters == x->n_splits + n_roots, "%u clusters, %u splits, %u roots", x->n_clusters,
+           x->n_splits, n_roots);
     for (uint32_t i = 0; i < x->n_splits; i++) {
         uint32_t children = 0, lights = 0;
         for (uint32_t k = 0; k < x->n_clusters + x->n_splits; k++)
             if (c[k].parent == split[i].id) {
                 CHECK(c[k].made == split[i].split);
-                children++, lights += c[k].n_lights;
+                children++;
+                lights += c[k].n_lights;
             }
         CHECK(children == 2 && lights == split[i].n_lights);
     }
@@ -148,15 +160,20 @@ static void check_sums(const setup *s, const lc_explanation *x)
     uint32_t rays = 0;
     for (uint32_t i = 0; i < x->n_clusters; i++) {
         const lc_explained_cluster *c = &x->clusters[i];
-        for (int k = 0; k < 3; k++) estimate[k] += (double)c->estimate[k], exact[k] += c->exact[k];
+        for (int k = 0; k < 3; k++) {
+            estimate[k] += (double)c->estimate[k];
+            exact[k] += c->exact[k];
+        }
         CHECK(c->split == 0 && (!i || !x->at_limit || c->n_lights));
         rays += c->seen >= 0;
         if (c->hidden) CHECK(c->n_seen == 0 && c->n_lights > 1 && !(c->estimate[1] > 0));
         else if (c->n_lights > 1 && !x->at_limit) CHECK((double)c->bound <= x->limit * (1 + 1e-5));
     }
     for (int k = 0; k < 3; k++) {
-        CHECKF(near(estimate[k], (double)x->radiance[k]), "estimates sum to %g, radiance %g", estimate[k], (double)x->radiance[k]);
-        CHECKF(near(exact[k], (double)x->exact[k]), "sums of lights %g, exact %g", exact[k], (double)x->exact[k]);
+        CHECKF(near(estimate[k], (double)x->radiance[k]), "estimates sum to %g, radiance %g", estimate[k],
+               (double)x->radiance[k]);
+        CHECKF(near(exact[k], (double)x->exact[k]), "sums of lights %g, exact %g", exact[k],
+               (double)x->exact[k]);
     }
     CHECKF(x->rays <= rays + x->n_splits && x->rays <= s->scene->tree->n_lights, "%u rays", x->rays);
 }
@@ -173,12 +190,15 @@ static void check_all(const setup *s, const lc_explanation *x)
 
 static void check_pixel(const setup *s, const lc_explanation *x, uint32_t px, uint32_t py)
 {
-    static const char *const rgb[] = { "R", "G", "B" }, *const p[] = { "P.X", "P.Y", "P.Z" }, *const n[] = { "N.X", "N.Y", "N.Z" };
+    static const char *const rgb[] = { "R", "G", "B" }, *const p[] = { "P.X", "P.Y", "P.Z" },
+                             *const n[] = { "N.X", "N.Y", "N.Z" };
     CHECK(x->hit == (at(s, "cut.size", px, py) > 0 || at(s, "Z", px, py) > 0));
     for (int k = 0; k < 3; k++) {
         float want = at(s, rgb[k], px, py);
-        CHECKF(same(x->pixel[k], want), "pixel %u,%u: %.9g, picture %.9g", px, py, (double)x->pixel[k], (double)want);
-        if (x->hit) CHECK(same(x->position[k], at(s, p[k], px, py)) && same(x->normal[k], at(s, n[k], px, py)));
+        CHECKF(same(x->pixel[k], want), "pixel %u,%u: %.9g, picture %.9g", px, py, (double)x->pixel[k],
+               (double)want);
+        if (x->hit)
+            CHECK(same(x->position[k], at(s, p[k], px, py)) && same(x->normal[k], at(s, n[k], px, py)));
     }
     if (!x->hit) return;
     if (x->all_lights) {
@@ -190,7 +210,8 @@ static void check_pixel(const setup *s, const lc_explanation *x, uint32_t px, ui
         n_counted += !x->clusters[i].hidden && (x->clusters[i].n_lights == 1 || x->clusters[i].bound > 0);
     uint32_t limit = s->desc.max_cut; /* as many of the others are let off */
     CHECK(n_counted == x->cut_size || (limit && x->n_clusters - n_counted > limit));
-    CHECK(same(at(s, "cut.size", px, py), (float)x->cut_size) && same(at(s, "cut.rays", px, py), (float)x->rays));
+    CHECK(same(at(s, "cut.size", px, py), (float)x->cut_size) &&
+          same(at(s, "cut.rays", px, py), (float)x->rays));
     CHECK(same(at(s, "cut.error", px, py), x->max_error));
 }
 
@@ -208,12 +229,16 @@ static void explain_grid(const char *path, uint32_t n_reps, lc_method method, ui
             if (!e) continue;
             check_pixel(&s, e, x, y);
             if (e->hit) check_all(&s, e);
-            hits += e->hit != 0, all += e->all_lights != 0, clusters += e->n_clusters;
+            hits += e->hit != 0;
+            all += e->all_lights != 0;
+            clusters += e->n_clusters;
             lc_explanation_destroy(e);
         }
     printf("  %s, %u slots, %s, at most %u: %u points, %u clusters%s\n", path, n_reps,
-           method == LC_METHOD_EXACT ? "exact" : method == LC_METHOD_CUTS ? "cuts" : "lightcuts", max_cut, hits, clusters,
-           all ? ", all lights in the picture" : "");
+           method == LC_METHOD_EXACT  ? "exact"
+           : method == LC_METHOD_CUTS ? "cuts"
+                                      : "lightcuts",
+           max_cut, hits, clusters, all ? ", all lights in the picture" : "");
     CHECK(hits > 5 && clusters > hits);
     unload(&s);
 }
@@ -247,7 +272,8 @@ TEST(samples_add_up)
             if (e) sum += (double)e->pixel[1];
             lc_explanation_destroy(e);
         }
-        CHECKF(near(sum / 3, (double)at(&s, "G", x, y)), "mean %g, picture %g", sum / 3, (double)at(&s, "G", x, y));
+        CHECKF(near(sum / 3, (double)at(&s, "G", x, y)), "mean %g, picture %g", sum / 3,
+               (double)at(&s, "G", x, y));
     }
     unload(&s);
 }
@@ -278,8 +304,10 @@ TEST(every_allocation_may_fail)
     size_t before = bytes_live;
     uint64_t tried = 0;
     for (; !e && tried < 200; tried++) {
-        n_allocs = 0, fail_from = tried;
-        lc_status st = lc_explain(s.ctx, s.scene, &s.desc, s.scene->film.width / 2, s.scene->film.height / 2, 0, &e);
+        n_allocs = 0;
+        fail_from = tried;
+        lc_status st = lc_explain(s.ctx, s.scene, &s.desc, s.scene->film.width / 2, s.scene->film.height / 2,
+                                  0, &e);
         CHECK(st == (e ? LC_OK : LC_ERR_MEMORY));
         if (!e) CHECKF(bytes_live == before, "%zu bytes lost", bytes_live - before);
     }

@@ -20,7 +20,8 @@ static void check_cover(const uint32_t crop[4], uint32_t n)
     size_t covered = 0;
     for (uint32_t k = 1; k <= n; k++) {
         CHECK(lc_chunk_crop(crop, k, n, c) == LC_OK);
-        CHECK(c[0] >= crop[0] && c[0] < c[1] && c[1] <= crop[1] && c[2] >= crop[2] && c[2] < c[3] && c[3] <= crop[3]);
+        CHECK(c[0] >= crop[0] && c[0] < c[1] && c[1] <= crop[1] && c[2] >= crop[2] && c[2] < c[3] &&
+              c[3] <= crop[3]);
         uint32_t size = (c[1] - c[0]) * (c[3] - c[2]);
         if (size < least) least = size;
         if (size > most) most = size;
@@ -28,12 +29,14 @@ static void check_cover(const uint32_t crop[4], uint32_t n)
             for (uint32_t x = c[0]; x < c[1]; x++) {
                 uint8_t *at = &seen[(size_t)(y - crop[2]) * width + (x - crop[0])];
                 CHECK(!*at);
-                *at = 1, covered++;
+                *at = 1;
+                covered++;
             }
     }
     CHECK(covered == (size_t)width * (crop[3] - crop[2]));
     if (covered >= 4096 * (size_t)n)
-        CHECKF(most <= 2 * least, "%u parts of %u x %u: %u to %u pixels", n, width, crop[3] - crop[2], least, most);
+        CHECKF(most <= 2 * least, "%u parts of %u x %u: %u to %u pixels", n, width, crop[3] - crop[2], least,
+               most);
     free(seen);
 }
 
@@ -43,7 +46,8 @@ TEST(chunks_cover_once_and_evenly)
     for (uint32_t n = 1; n <= 200; n++) check_cover(big, n);
     for (int i = 0; i < 300; i++) {
         uint32_t crop[4] = { rnd_n(50), 0, rnd_n(50), 0 };
-        crop[1] = crop[0] + 1 + rnd_n(60), crop[3] = crop[2] + 1 + rnd_n(60);
+        crop[1] = crop[0] + 1 + rnd_n(60);
+        crop[3] = crop[2] + 1 + rnd_n(60);
         uint32_t pixels = (crop[1] - crop[0]) * (crop[3] - crop[2]);
         check_cover(crop, 1 + rnd_n(pixels));
         check_cover(crop, pixels);
@@ -110,7 +114,8 @@ TEST(identity_follows_what_shapes_the_picture)
     CHECK(lc_render_identity(ctx, a, &d, &x) == LC_OK && lc_render_identity(ctx, b, &d, &y) == LC_OK);
     CHECK(x.scene != y.scene && x.options == y.options);
     CHECK(lc_render_identity(ctx, again, &d, &y) == LC_OK && x.scene == y.scene);
-    e.spp = 1, e.crop[1] = e.crop[3] = 4; /* the scene's own; another crop */
+    e.spp = 1; /* the scene's own; another crop */
+    e.crop[1] = e.crop[3] = 4;
     CHECK(lc_render_identity(ctx, a, &e, &y) == LC_OK && x.options == y.options);
     for (int i = 0; i < 7; i++) {
         e = d;
@@ -125,9 +130,12 @@ TEST(identity_follows_what_shapes_the_picture)
         }
         CHECKF(lc_render_identity(ctx, a, &e, &y) == LC_OK && x.options != y.options, "%d", i);
     }
-    e = d, e.crop[1] = e.crop[3] = 400;
+    e = d;
+    e.crop[1] = e.crop[3] = 400;
     CHECK(lc_render_identity(ctx, a, &e, &y) == LC_ERR_ARG);
-    lc_scene_destroy(a), lc_scene_destroy(b), lc_scene_destroy(again);
+    lc_scene_destroy(a);
+    lc_scene_destroy(b);
+    lc_scene_destroy(again);
     lc_context_destroy(ctx);
 }
 
@@ -205,7 +213,9 @@ TEST(every_flipped_byte)
         CHECKF(st == LC_OK || st == LC_ERR_PARSE, "byte %zu: %d", i, st);
         if (st) refused++;
         else mended++;
-        if (!st) CHECKF(loaded >= 40 * 24 - 256 && loaded < 40 * 24, "byte %zu: %llu pixels", i, (unsigned long long)loaded);
+        if (!st)
+            CHECKF(loaded >= 40 * 24 - 256 && loaded < 40 * 24, "byte %zu: %llu pixels", i,
+                   (unsigned long long)loaded);
     }
     CHECK(refused == 72); /* the header's bytes, all of them and no others */
     CHECK(mended > 500);
@@ -236,13 +246,19 @@ TEST(records_out_of_order_twice_and_noise_between)
     static const char mark[4] = "TILE";
     uint8_t *second = memmem(k.file, k.n, mark, 4), *data = calloc(3, k.n);
     second = memmem(second + 4, k.n - (size_t)(second + 4 - k.file), mark, 4);
-    size_t head = (size_t)((uint8_t *)memmem(k.file, k.n, mark, 4) - k.file), first = (size_t)(second - k.file) - head;
+    size_t head = (size_t)((uint8_t *)memmem(k.file, k.n, mark, 4) - k.file),
+           first = (size_t)(second - k.file) - head;
     size_t rest = k.n - head - first, at = 0;
-    memcpy(data, k.file, head), at = head;
-    memcpy(data + at, second, rest), at += rest;
-    memcpy(data + at, "TILETILxTITILE noise", 20), at += 20;
-    memcpy(data + at, k.file + head, first), at += first;
-    memcpy(data + at, second, rest), at += rest;
+    memcpy(data, k.file, head);
+    at = head;
+    memcpy(data + at, second, rest);
+    at += rest;
+    memcpy(data + at, "TILETILxTITILE noise", 20);
+    at += 20;
+    memcpy(data + at, k.file + head, first);
+    at += first;
+    memcpy(data + at, second, rest);
+    at += rest;
     farm_write("k.ckpt", data, at);
     CHECK(resume(&k, &loaded, &info) == LC_OK);
     CHECK(loaded == 40 * 24 && info.damaged_bytes == 20);
@@ -250,7 +266,8 @@ TEST(records_out_of_order_twice_and_noise_between)
     end_kept(&k);
 }
 
-/* Noise of what looks like records, so long that they lie at every place of a window that is looked through at once; and much of it. */
+/* Noise of what looks like records, so long that they lie at every place of a window that is looked through
+ * at once; and much of it. */
 TEST(records_behind_noise)
 {
     kept k = begin_kept();
@@ -266,7 +283,8 @@ TEST(records_behind_noise)
         memcpy(data + head + n, k.file + head, rest);
         farm_write("k.ckpt", data, head + n + rest);
         CHECK(resume(&k, &loaded, &info) == LC_OK);
-        CHECKF(loaded == 40 * 24 && info.damaged_bytes == n, "%zu bytes: %llu pixels", n, (unsigned long long)loaded);
+        CHECKF(loaded == 40 * 24 && info.damaged_bytes == n, "%zu bytes: %llu pixels", n,
+               (unsigned long long)loaded);
         for (size_t i = 0; i < rest; i++) data[head + n + i] = (uint8_t)"TILE"[(n + i) % 4];
         if (n == most) break;
     }
@@ -274,15 +292,17 @@ TEST(records_behind_noise)
     end_kept(&k);
 }
 
-/* What a loss of power makes of writes that were not forced to the disk: any set of records is there, the others are zeros or the
- * file ends before them, and each goes on to the right picture with no record lost that is whole. */
+/* What a loss of power makes of writes that were not forced to the disk: any set of records is there, the
+ * others are zeros or the file ends before them, and each goes on to the right picture with no record lost
+ * that is whole. */
 TEST(any_set_of_records_on_the_disk)
 {
     kept k = begin_kept();
     uint64_t loaded, want;
     lc_checkpoint_info info;
     size_t at[8], n = 0;
-    for (uint8_t *p = k.file; n < 7 && (p = memmem(p, k.n - (size_t)(p - k.file), "TILE", 4)); p++) at[n++] = (size_t)(p - k.file);
+    for (uint8_t *p = k.file; n < 7 && (p = memmem(p, k.n - (size_t)(p - k.file), "TILE", 4)); p++)
+        at[n++] = (size_t)(p - k.file);
     CHECK(n == 6); /* tiles of 16 x 16 and 8 x 16 pixels; no pixel reads TILE */
     at[n] = k.n;
     uint8_t *data = malloc(k.n);
@@ -293,11 +313,14 @@ TEST(any_set_of_records_on_the_disk)
             want = 0;
             for (size_t i = 0; i < n; i++) {
                 size_t size = at[i + 1] - at[i], keep = torn ? size / 2 : 0;
-                if (set >> i & 1) end = at[i + 1], want += (size - 16 - sizeof(lc_tile_counts)) / 12;
-                else memset(data + at[i] + keep, 0, size - keep);
+                if (set >> i & 1) {
+                    end = at[i + 1];
+                    want += (size - 16 - sizeof(lc_tile_counts)) / 12;
+                } else memset(data + at[i] + keep, 0, size - keep);
             }
             farm_write("k.ckpt", data, torn ? k.n : end);
-            CHECKF(resume(&k, &loaded, &info) == LC_OK && loaded == want, "set %x: %d of %d pixels", set, (int)loaded, (int)want);
+            CHECKF(resume(&k, &loaded, &info) == LC_OK && loaded == want, "set %x: %d of %d pixels", set,
+                   (int)loaded, (int)want);
         }
     free(data);
     end_kept(&k);
@@ -312,9 +335,11 @@ TEST(foreign_checkpoints)
     CHECK(lc_checkpoint_open(k.ctx, path, k.scene, &d, 0, 30, &c) == LC_ERR_ARG);
     d.seed = 5;
     CHECK(lc_checkpoint_open(k.ctx, path, k.scene, &d, 1, 30, &c) == LC_ERR_PARSE && !c);
-    d = k.desc, d.aovs = LC_AOV_N;
+    d = k.desc;
+    d.aovs = LC_AOV_N;
     CHECK(lc_checkpoint_open(k.ctx, path, k.scene, &d, 1, 30, &c) == LC_ERR_PARSE);
-    d = k.desc, d.crop[1] = d.crop[3] = 10;
+    d = k.desc;
+    d.crop[1] = d.crop[3] = 10;
     CHECK(lc_checkpoint_open(k.ctx, path, k.scene, &d, 1, 30, &c) == LC_ERR_PARSE);
     CHECK(lc_checkpoint_open(k.ctx, farm_path("k.pbrt"), k.scene, &k.desc, 1, 30, &c) == LC_ERR_PARSE);
     CHECK(lc_checkpoint_open(k.ctx, farm_folder, k.scene, &k.desc, 1, 30, &c) == LC_ERR_IO);
@@ -340,7 +365,8 @@ TEST(no_room_for_the_checkpoint)
     lc_image *image = NULL;
     lc_render_desc d = k.desc;
     getrlimit(RLIMIT_FSIZE, &old);
-    tight = old, tight.rlim_cur = k.n / 2;
+    tight = old;
+    tight.rlim_cur = k.n / 2;
     void (*was)(int) = signal(SIGXFSZ, SIG_IGN);
     unlink(farm_path("k.ckpt"));
     setrlimit(RLIMIT_FSIZE, &tight);
@@ -369,7 +395,9 @@ static int step(void *user, uint64_t done, uint64_t total)
     steps *s = user;
     CHECK(done >= s->last && done <= total);
     CHECK(!s->total || s->last < s->total); /* nothing after the last */
-    s->calls++, s->last = done, s->total = total;
+    s->calls++;
+    s->last = done;
+    s->total = total;
     return s->stop_at_once;
 }
 
@@ -382,7 +410,8 @@ TEST(progress_rises_and_ends)
         steps s = { 0 };
         lc_image *image;
         lc_render_desc d = LC_RENDER_DESC_INIT;
-        d.progress = step, d.progress_user = &s;
+        d.progress = step;
+        d.progress_user = &s;
         CHECK(lc_render(ctx, scene, &d, &image, NULL) == LC_OK);
         CHECK(s.last == 300 * 200 && s.total == 300 * 200 && s.calls >= 1);
         lc_image_destroy(image);
@@ -399,13 +428,17 @@ static void put(const char *name, const char *text) { farm_write(name, text, str
 
 TEST(quotas_of_control_groups)
 {
-    mkdir(farm_path("proc"), 0755), mkdir(farm_path("proc/self"), 0755);
-    mkdir(farm_path("sys"), 0755), mkdir(farm_path("sys/fs"), 0755), mkdir(farm_path("sys/fs/cgroup"), 0755);
+    mkdir(farm_path("proc"), 0755);
+    mkdir(farm_path("proc/self"), 0755);
+    mkdir(farm_path("sys"), 0755);
+    mkdir(farm_path("sys/fs"), 0755);
+    mkdir(farm_path("sys/fs/cgroup"), 0755);
     CHECK(lc_cpu_quota(farm_folder) == 0);
     put("proc/self/cgroup", "0::/a/b\n");
     put("sys/fs/cgroup/cpu.max", "300000 100000\n");
     CHECK(lc_cpu_quota(farm_folder) == 3);
-    mkdir(farm_path("sys/fs/cgroup/a"), 0755), mkdir(farm_path("sys/fs/cgroup/a/b"), 0755);
+    mkdir(farm_path("sys/fs/cgroup/a"), 0755);
+    mkdir(farm_path("sys/fs/cgroup/a/b"), 0755);
     put("sys/fs/cgroup/a/b/cpu.max", "max 100000\n");
     CHECK(lc_cpu_quota(farm_folder) == 3);
     put("sys/fs/cgroup/a/cpu.max", "150000 100000\n");
@@ -415,7 +448,8 @@ TEST(quotas_of_control_groups)
     put("sys/fs/cgroup/a/b/cpu.max", "nonsense");
     CHECK(lc_cpu_quota(farm_folder) == 2);
     put("proc/self/cgroup", "5:memory:/x\n3:cpu,cpuacct:/c\n");
-    mkdir(farm_path("sys/fs/cgroup/cpu,cpuacct"), 0755), mkdir(farm_path("sys/fs/cgroup/cpu,cpuacct/c"), 0755);
+    mkdir(farm_path("sys/fs/cgroup/cpu,cpuacct"), 0755);
+    mkdir(farm_path("sys/fs/cgroup/cpu,cpuacct/c"), 0755);
     put("sys/fs/cgroup/cpu,cpuacct/c/cpu.cfs_period_us", "50000\n");
     put("sys/fs/cgroup/cpu,cpuacct/c/cpu.cfs_quota_us", "-1\n");
     unlink(farm_path("sys/fs/cgroup/cpu.max"));

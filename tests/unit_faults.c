@@ -1,11 +1,13 @@
-/* unit_faults.c - every allocation, file operation and thread start of the command line and of the library's calls fails in
- * turn, once and from then on: exit status and message must be right, nothing leak or crash, no file be broken.
+/* unit_faults.c - every allocation, file operation and thread start of the command line and of the library's
+ * calls fails in turn, once and from then on: exit status and message must be right, nothing leak or crash,
+ * no file be broken.
  *
  *     build/tests/unit_faults           of each command the first call of every call site and some more
  *     build/tests/unit_faults --all     all of them (make fault), but of reports, which take long
  *     build/tests/unit_faults --all X   of the commands whose names begin with X
- *     FAULT_SITES=FILE ...              also writes where the file operations that failed were called, for fault_sites.sh
- *     build/tests/unit_faults COMMAND CLASS NTH EVER    one point, say "compare" 0 14 0; leaves its folder
+ *     FAULT_SITES=FILE ...              also writes where the file operations that failed were called, for
+ * fault_sites.sh build/tests/unit_faults COMMAND CLASS NTH EVER    one point, say "compare" 0 14 0; leaves
+ * its folder
  *
  * Each run is a process of its own, forked from this one, in the folder DIR of its own:
  *
@@ -42,68 +44,123 @@ typedef struct command {
     const char *args[MAX_ARGS];
     const char *outputs[4]; /* files it writes, besides stdout */
     const char *from[2][2]; /* copies of files of in/ under other names, made before it */
-    const char *again[MAX_ARGS]; /* afterwards without faults: has to work, and outputs are then what they should be */
+    const char *again[MAX_ARGS]; /* afterwards without faults: has to work, and outputs are then what they
+                                    should be */
     bool whole;             /* its first output is to be in/whole.exr, byte for byte */
-    long bounded;           /* points tried of each kind besides first calls, with --all 10 times that; 0: as many as the others, all */
+    long bounded; /* points tried of each kind besides first calls, with --all 10 times that; 0: as many as
+                     the others, all */
 } command;
 
-#define KEPT "render", "../in/tiles.pbrt", "-o", "a.exr", "-q", "-t", "1", "--checkpoint", "c.ck", "--checkpoint-interval", "0.000001"
-#define ON_TWO "render", "../in/tiles.pbrt", "-o", "a.exr", "-q", "-t", "2", "--checkpoint", "c.ck", "--checkpoint-interval", "0.000001"
+#define KEPT                                                                                                 \
+    "render", "../in/tiles.pbrt", "-o", "a.exr", "-q", "-t", "1", "--checkpoint", "c.ck",                    \
+        "--checkpoint-interval", "0.000001"
+#define ON_TWO                                                                                               \
+    "render", "../in/tiles.pbrt", "-o", "a.exr", "-q", "-t", "2", "--checkpoint", "c.ck",                    \
+        "--checkpoint-interval", "0.000001"
 
 static const command commands[] = {
     { .name = "render text, PLY, gz, PNG, EXR, maps",
-      .args = { "render", "../in/all.pbrt", "-o", "a.exr", "-t", "1", "--env-lights", "12", "--area-lights", "4" },
+      .args = { "render", "../in/all.pbrt", "-o", "a.exr", "-t", "1", "--env-lights", "12", "--area-lights",
+                "4" },
       .outputs = { "a.exr" } },
     { .name = "render on threads, all outputs",
-      .args = { "../in/all.pbrt", "-o", "a.exr", "-o", "b.png", "--aov", "all", "--stats-file", "s.json", "--stats", "-t", "3",
-                "--env-lights", "12", "--area-lights", "4", "--method", "cuts" },
+      .args = { "../in/all.pbrt", "-o", "a.exr", "-o", "b.png", "--aov", "all", "--stats-file", "s.json",
+                "--stats", "-t", "3", "--env-lights", "12", "--area-lights", "4", "--method", "cuts" },
       .outputs = { "a.exr", "b.png" } },
-    { .name = "render by PLOC", .args = { "../in/tiny.pbrt", "-o", "a.png", "-t", "2", "--builder", "ploc" }, .outputs = { "a.png" } },
+    { .name = "render by PLOC",
+      .args = { "../in/tiny.pbrt", "-o", "a.png", "-t", "2", "--builder", "ploc" },
+      .outputs = { "a.png" } },
     { .name = "info of a scene", .args = { "info", "../in/all.pbrt" } },
     { .name = "info of a scene, JSON", .args = { "info", "--json", "../in/tiny.pbrt" } },
     { .name = "info of a picture", .args = { "info", "../in/map.exr" } },
-    { .name = "compare", .args = { "compare", "../in/map.exr", "../in/other.exr", "-o", "d.png" }, .outputs = { "d.png" } },
+    { .name = "compare",
+      .args = { "compare", "../in/map.exr", "../in/other.exr", "-o", "d.png" },
+      .outputs = { "d.png" } },
     { .name = "compare, heat map, JSON",
       .args = { "compare", "--json", "../in/map.exr", "../in/other.png", "-o", "d.exr", "--map", "heat" },
       .outputs = { "d.exr" } },
     { .name = "preview", .args = { "preview", "../in/map.exr", "-o", "p.png" }, .outputs = { "p.png" } },
     { .name = "preview of a channel",
-      .args = { "preview", "../in/map.exr", "-o", "p.png", "--false-colour", "G" }, .outputs = { "p.png" } },
-    { .name = "scene to a file", .args = { "scene", "cornell", "--lights", "9", "-o", "s.pbrt" }, .outputs = { "s.pbrt" } },
+      .args = { "preview", "../in/map.exr", "-o", "p.png", "--false-colour", "G" },
+      .outputs = { "p.png" } },
+    { .name = "scene to a file",
+      .args = { "scene", "cornell", "--lights", "9", "-o", "s.pbrt" },
+      .outputs = { "s.pbrt" } },
     { .name = "scene to stdout", .args = { "scene", "cornell", "--lights", "9" } },
     { .name = "explain", .args = { "explain", "../in/tiny.pbrt", "--pixel", "4,3" } },
     { .name = "explain, JSON", .args = { "explain", "../in/tiny.pbrt", "--pixel", "4,3", "--json" } },
-    { .name = "report", .args = { "report", "../in/tiny.pbrt", "--quick", "-o", "rep", "--error-ratios", "0.1,0.02", "-t", "1" },
+    { .name = "report",
+      .args = { "report", "../in/tiny.pbrt", "--quick", "-o", "rep", "--error-ratios", "0.1,0.02", "-t",
+                "1" },
       .bounded = 8 },
     { .name = "report of kept renders",
-      .args = { "report", "../in/s.pbrt", "--quick", "-o", "../in/kept", "--error-ratios", "0.1", "-t", "1", "-q" }, .bounded = 6 },
+      .args = { "report", "../in/s.pbrt", "--quick", "-o", "../in/kept", "--error-ratios", "0.1", "-t", "1",
+                "-q" },
+      .bounded = 6 },
     { .name = "spots, spectra, GGX, holes, instances, virtual lights",
-      .args = { "render", "../in/new.pbrt", "-o", "a.exr", "-q", "-t", "1", "--area-lights", "4", "--indirect-lights", "60" },
+      .args = { "render", "../in/new.pbrt", "-o", "a.exr", "-q", "-t", "1", "--area-lights", "4",
+                "--indirect-lights", "60" },
       .outputs = { "a.exr" } },
-    { .name = "a device in place of a file", .args = { "render", "../in/tiny.pbrt", "-o", "/dev/null", "-t", "1" } },
-    { .name = "checkpoint", .args = { KEPT }, .outputs = { "a.exr" }, .again = { KEPT, "--resume" }, .whole = true },
-    { .name = "checkpoint on threads", .args = { ON_TWO }, .outputs = { "a.exr" }, .again = { ON_TWO, "--resume" }, .whole = true },
-    { .name = "resume", .args = { KEPT, "--resume" }, .outputs = { "a.exr" }, .from = { { "half.ck", "c.ck" } },
-      .again = { KEPT, "--resume" }, .whole = true },
-    { .name = "resume from a damaged checkpoint", .args = { ON_TWO, "--resume" }, .outputs = { "a.exr" },
-      .from = { { "damaged.ck", "c.ck" } }, .again = { KEPT, "--resume" }, .whole = true },
-    { .name = "checkpoint, time over", .args = { KEPT, "--resume", "--time-limit", "100" }, .outputs = { "a.exr" },
-      .from = { { "full.ck", "c.ck" } }, .again = { KEPT, "--resume" }, .whole = true },
-    { .name = "chunk", .args = { KEPT, "--chunk", "2/3" }, .outputs = { "a.exr" }, .again = { KEPT, "--chunk", "2/3", "--resume" } },
-    { .name = "chunk that is there", .args = { "render", "../in/tiles.pbrt", "-o", "a.exr", "-t", "1", "--chunk", "2/3", "--resume" },
-      .outputs = { "a.exr" }, .from = { { "2.exr", "a.exr" } } },
-    { .name = "merge", .args = { "merge", "../in/3.exr", "../in/1.exr", "../in/2.exr", "-o", "w.exr" }, .outputs = { "w.exr" },
-      .again = { "merge", "../in/3.exr", "../in/1.exr", "../in/2.exr", "-o", "w.exr" }, .whole = true },
+    { .name = "a device in place of a file",
+      .args = { "render", "../in/tiny.pbrt", "-o", "/dev/null", "-t", "1" } },
+    { .name = "checkpoint",
+      .args = { KEPT },
+      .outputs = { "a.exr" },
+      .again = { KEPT, "--resume" },
+      .whole = true },
+    { .name = "checkpoint on threads",
+      .args = { ON_TWO },
+      .outputs = { "a.exr" },
+      .again = { ON_TWO, "--resume" },
+      .whole = true },
+    { .name = "resume",
+      .args = { KEPT, "--resume" },
+      .outputs = { "a.exr" },
+      .from = { { "half.ck", "c.ck" } },
+      .again = { KEPT, "--resume" },
+      .whole = true },
+    { .name = "resume from a damaged checkpoint",
+      .args = { ON_TWO, "--resume" },
+      .outputs = { "a.exr" },
+      .from = { { "damaged.ck", "c.ck" } },
+      .again = { KEPT, "--resume" },
+      .whole = true },
+    { .name = "checkpoint, time over",
+      .args = { KEPT, "--resume", "--time-limit", "100" },
+      .outputs = { "a.exr" },
+      .from = { { "full.ck", "c.ck" } },
+      .again = { KEPT, "--resume" },
+      .whole = true },
+    { .name = "chunk",
+      .args = { KEPT, "--chunk", "2/3" },
+      .outputs = { "a.exr" },
+      .again = { KEPT, "--chunk", "2/3", "--resume" } },
+    { .name = "chunk that is there",
+      .args = { "render", "../in/tiles.pbrt", "-o", "a.exr", "-t", "1", "--chunk", "2/3", "--resume" },
+      .outputs = { "a.exr" },
+      .from = { { "2.exr", "a.exr" } } },
+    { .name = "merge",
+      .args = { "merge", "../in/3.exr", "../in/1.exr", "../in/2.exr", "-o", "w.exr" },
+      .outputs = { "w.exr" },
+      .again = { "merge", "../in/3.exr", "../in/1.exr", "../in/2.exr", "-o", "w.exr" },
+      .whole = true },
     { .name = "chunk that is there, PNG",
-      .args = { "render", "../in/tiles.pbrt", "-o", "a.exr", "-o", "b.png", "-t", "1", "--chunk", "2/3", "--resume" },
-      .outputs = { "a.exr", "b.png" }, .from = { { "2.exr", "a.exr" }, { "2.png", "b.png" } } },
-    { .name = "a scene whose name is a word", .args = { "word", "-t", "1", "-o", "a.exr", "-q" }, .outputs = { "a.exr" },
+      .args = { "render", "../in/tiles.pbrt", "-o", "a.exr", "-o", "b.png", "-t", "1", "--chunk", "2/3",
+                "--resume" },
+      .outputs = { "a.exr", "b.png" },
+      .from = { { "2.exr", "a.exr" }, { "2.png", "b.png" } } },
+    { .name = "a scene whose name is a word",
+      .args = { "word", "-t", "1", "-o", "a.exr", "-q" },
+      .outputs = { "a.exr" },
       .from = { { "bare.pbrt", "word" } } },
     { .name = "bench of rays from files",
-      .args = { "bench", "rays", "--mesh", "../in/m.mesh", "--rays", "../in/m.rays", "--runs", "1", "-t", "1", "--isa", "scalar" } },
+      .args = { "bench", "rays", "--mesh", "../in/m.mesh", "--rays", "../in/m.rays", "--runs", "1", "-t", "1",
+                "--isa", "scalar" } },
     { .name = "bench of a scene through a pipe",
-      .args = { "bench", "tree", "--quality", "cornell", "--lights", "2", "--runs", "1", "-t", "1" }, .bounded = 3 },
-    { .name = "bench of a render", .args = { "bench", "render", "../in/tiny.pbrt", "--runs", "1", "-t", "1" } },
+      .args = { "bench", "tree", "--quality", "cornell", "--lights", "2", "--runs", "1", "-t", "1" },
+      .bounded = 3 },
+    { .name = "bench of a render",
+      .args = { "bench", "render", "../in/tiny.pbrt", "--runs", "1", "-t", "1" } },
     { .name = "the library's calls", .args = { NULL } },
 };
 #define N_COMMANDS (sizeof commands / sizeof *commands)
@@ -142,7 +199,8 @@ static void put_picture(const char *exr, const char *png, float step)
     lc_context *ctx;
     lc_image *image;
     lc_image_desc d = LC_IMAGE_DESC_INIT;
-    d.width = 12, d.height = 6;
+    d.width = 12;
+    d.height = 6;
     if (lc_context_create(NULL, &ctx) || lc_image_create(ctx, &d, &image)) abort();
     for (int c = 0; c < 3; c++) {
         float *p;
@@ -166,26 +224,34 @@ static void put_packed(const char *name, const char *text, size_t n)
 
 static void make_new(void)
 {
-    static const char quad[] = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                               "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                               "-2 -2 -1\n2 -2 -1\n0 2 -1\n3 0 1 2\n";
+    static const char quad[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "-2 -2 -1\n2 -2 -1\n0 2 -1\n3 0 1 2\n";
     put_packed("packed.ply.gz", quad, sizeof quad - 1);
     put("light.spd", "# nm\n300 1\n500 2\n800 3\n");
-    put("new.pbrt", "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50] \"float lensradius\" [0.05]\n"
+    put("new.pbrt",
+        "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50] \"float lensradius\" [0.05]\n"
         "PixelFilter \"gaussian\" \"float xradius\" [1.2] \"float yradius\" [1.2]\n"
-        "Film \"rgb\" \"integer xresolution\" [7] \"integer yresolution\" [5]\nSampler \"zsobol\" \"integer pixelsamples\" [1]\n"
+        "Film \"rgb\" \"integer xresolution\" [7] \"integer yresolution\" [5]\nSampler \"zsobol\" \"integer "
+        "pixelsamples\" [1]\n"
         "Integrator \"path\" \"integer maxdepth\" [3]\nWorldBegin\n"
         "LightSource \"spot\" \"point3 from\" [1 1 2] \"spectrum I\" \"light.spd\"\n"
-        "LightSource \"projection\" \"string filename\" \"map.png\"\nLightSource \"goniometric\" \"string mapname\" \"map.exr\"\n"
+        "LightSource \"projection\" \"string filename\" \"map.png\"\nLightSource \"goniometric\" \"string "
+        "mapname\" \"map.exr\"\n"
         "LightSource \"distant\" \"point3 from\" [1 1 1] \"spectrum L\" \"stdillum-D65\"\n"
         "LightSource \"point\" \"point3 from\" [0 1 2] \"blackbody I\" [3000]\n"
-        "Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\" \"float roughness\" [0.3]\n"
+        "Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\" \"float "
+        "roughness\" [0.3]\n"
         "Shape \"plymesh\" \"string filename\" \"packed.ply.gz\"\n"
         "Texture \"holes\" \"float\" \"imagemap\" \"string filename\" \"map.png\"\n"
         "ObjectBegin \"thing\"\nMaterial \"coateddiffuse\" \"spectrum reflectance\" [400 0.2 700 0.8]\n"
-        "Shape \"trianglemesh\" \"point3 P\" [-1 0 0.5 1 0 0.5 0 1 0.5] \"point2 uv\" [0 0 1 0 0 1] \"integer indices\" [0 1 2]\n"
-        "  \"texture alpha\" \"holes\"\nMaterial \"dielectric\" \"float eta\" [1.5]\nShape \"disk\" \"float radius\" [0.2]\nObjectEnd\n"
-        "ObjectInstance \"thing\"\nTranslate 0.5 0.2 0\nScale 0.5 0.5 0.5\nObjectInstance \"thing\"\nAttributeBegin\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-1 0 0.5 1 0 0.5 0 1 0.5] \"point2 uv\" [0 0 1 0 0 1] "
+        "\"integer indices\" [0 1 2]\n"
+        "  \"texture alpha\" \"holes\"\nMaterial \"dielectric\" \"float eta\" [1.5]\nShape \"disk\" \"float "
+        "radius\" [0.2]\nObjectEnd\n"
+        "ObjectInstance \"thing\"\nTranslate 0.5 0.2 0\nScale 0.5 0.5 0.5\nObjectInstance "
+        "\"thing\"\nAttributeBegin\n"
         "AreaLightSource \"diffuse\" \"string filename\" \"map.exr\"\n"
         "Shape \"bilinearmesh\" \"point3 P\" [-1 1.5 0 1 1.5 0 -1 1.5 1 1 1.5 1]\nAttributeEnd\n");
 }
@@ -223,10 +289,13 @@ static void make_by(const char *const args[MAX_ARGS])
 static void make_parts(void)
 {
 #define PART "render", "tiles.pbrt", "-q", "-o"
-    static const char *const runs_of[][MAX_ARGS] = { { PART, "1.exr", "--chunk", "1/3" },
+    static const char *const runs_of[][MAX_ARGS] = {
+        { PART, "1.exr", "--chunk", "1/3" },
         { PART, "2.exr", "-o", "2.png", "--chunk", "2/3" },
-        { PART, "3.exr", "--chunk", "3/3" }, { PART, "whole.exr", "-t", "1", "--checkpoint", "full.ck", "--keep-checkpoint" },
-        { "report", "s.pbrt", "--quick", "-o", "kept", "--error-ratios", "0.1", "-t", "1", "-q" } };
+        { PART, "3.exr", "--chunk", "3/3" },
+        { PART, "whole.exr", "-t", "1", "--checkpoint", "full.ck", "--keep-checkpoint" },
+        { "report", "s.pbrt", "--quick", "-o", "kept", "--error-ratios", "0.1", "-t", "1", "-q" }
+    };
     for (size_t i = 0; i < sizeof runs_of / sizeof *runs_of; i++) make_by(runs_of[i]);
     size_t n;
     char *ck = load("full.ck", &n);
@@ -240,31 +309,40 @@ static void make_inputs(void)
 {
     put_picture("map.exr", "map.png", 0.06f);
     put_picture("other.exr", "other.png", 0.061f);
-    put("quad.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-                    "property float u\nproperty float v\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                    "-2 -2 -1 0 0\n2 -2 -1 1 0\n2 2 -1 1 1\n-2 2 -1 0 1\n4 0 1 2 3\n");
+    put("quad.ply",
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float u\nproperty float v\nelement face 1\nproperty list uchar int "
+        "vertex_indices\nend_header\n"
+        "-2 -2 -1 0 0\n2 -2 -1 1 0\n2 2 -1 1 1\n-2 2 -1 0 1\n4 0 1 2 3\n");
     put("part.pbrt", "Texture \"png\" \"spectrum\" \"imagemap\" \"string filename\" \"map.png\"\n"
                      "Texture \"exr\" \"spectrum\" \"imagemap\" \"string filename\" \"map.exr\"\n"
                      "MakeNamedMaterial \"mirror\" \"string type\" \"conductor\" \"float roughness\" [0]\n");
-    put("all.pbrt", HEAD "Include \"part.pbrt\"\nLightSource \"infinite\" \"string filename\" \"map.exr\" \"float scale\" [0.2]\n"
-                    "Material \"diffuse\" \"texture reflectance\" \"png\"\nShape \"plymesh\" \"string filename\" \"quad.ply\"\n"
-                    "Material \"diffuse\" \"texture reflectance\" \"exr\"\nShape \"sphere\" \"float radius\" [0.5]\n"
-                    "Include \"more.pbrt.gz\"\n");
-    put("tiny.pbrt", HEAD "LightSource \"point\" \"point3 from\" [0 1 2]\nLightSource \"point\" \"point3 from\" [1 0 2]\n"
-                     "LightSource \"spot\" \"point3 from\" [1 1 2]\nLightSource \"point\" \"point3 from\" [-1 1 2]\n"
-                     "LightSource \"distant\" \"point3 from\" [1 1 1]\nMaterial \"diffuse\"\n"
-                     "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
-    static const char more[] = "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [2 2 2]\nTranslate 0 1 0\n"
-                               "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 0 1] \"integer indices\" [0 1 2]\nAttributeEnd\n"
-                               "NamedMaterial \"mirror\"\nShape \"disk\" \"float radius\" [0.5]\n"
-                               "AttributeBegin\nLightSource \"point\" \"point3 from\" [0 1 2] \"rgb I\" [3 3 3]\nAttributeEnd\n";
+    put("all.pbrt",
+        HEAD "Include \"part.pbrt\"\nLightSource \"infinite\" \"string filename\" \"map.exr\" \"float "
+             "scale\" [0.2]\n"
+             "Material \"diffuse\" \"texture reflectance\" \"png\"\nShape \"plymesh\" \"string filename\" "
+             "\"quad.ply\"\n"
+             "Material \"diffuse\" \"texture reflectance\" \"exr\"\nShape \"sphere\" \"float radius\" [0.5]\n"
+             "Include \"more.pbrt.gz\"\n");
+    put("tiny.pbrt",
+        HEAD "LightSource \"point\" \"point3 from\" [0 1 2]\nLightSource \"point\" \"point3 from\" [1 0 2]\n"
+             "LightSource \"spot\" \"point3 from\" [1 1 2]\nLightSource \"point\" \"point3 from\" [-1 1 2]\n"
+             "LightSource \"distant\" \"point3 from\" [1 1 1]\nMaterial \"diffuse\"\n"
+             "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
+    static const char more[] =
+        "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [2 2 2]\nTranslate 0 1 0\n"
+        "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 0 1] \"integer indices\" [0 1 2]\nAttributeEnd\n"
+        "NamedMaterial \"mirror\"\nShape \"disk\" \"float radius\" [0.5]\n"
+        "AttributeBegin\nLightSource \"point\" \"point3 from\" [0 1 2] \"rgb I\" [3 3 3]\nAttributeEnd\n";
     put_packed("more.pbrt.gz", more, sizeof more - 1);
-    put("tiles.pbrt", "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50]\n"
-                      "Film \"rgb\" \"integer xresolution\" [40] \"integer yresolution\" [20]\nWorldBegin\n"
-                      "LightSource \"point\" \"point3 from\" [0 1 2]\nLightSource \"point\" \"point3 from\" [1 0 2]\n"
-                      "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
-    put("s.pbrt", "# lightcuts scene cornell --lights 1\n" HEAD "LightSource \"point\" \"point3 from\" [0 1 2]\n"
-                  "LightSource \"point\" \"point3 from\" [1 1 2]\nInclude \"leaf.pbrt\"\n");
+    put("tiles.pbrt",
+        "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50]\n"
+        "Film \"rgb\" \"integer xresolution\" [40] \"integer yresolution\" [20]\nWorldBegin\n"
+        "LightSource \"point\" \"point3 from\" [0 1 2]\nLightSource \"point\" \"point3 from\" [1 0 2]\n"
+        "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
+    put("s.pbrt",
+        "# lightcuts scene cornell --lights 1\n" HEAD "LightSource \"point\" \"point3 from\" [0 1 2]\n"
+        "LightSource \"point\" \"point3 from\" [1 1 2]\nInclude \"leaf.pbrt\"\n");
     put("bare.pbrt", HEAD "LightSource \"point\"\n");
     put("leaf.pbrt", "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
     make_new();
@@ -283,14 +361,17 @@ static void count_errors(void *user, lc_log_level level, const char *text)
     if (level == LC_LOG_ERROR) n_errors++;
 }
 
-/* A call that failed says so, where all memory is gone perhaps twice, and leaves NULL; what was made is kept to be destroyed. */
-#define CALL(call, out)                                                                                               \
-    do {                                                                                                              \
-        n_errors = 0;                                                                                                 \
-        lc_status st = (call);                                                                                        \
-        if (st && ((out) != NULL || !n_errors)) fprintf(stderr, "%s: %d messages\n", #call, n_errors), exit(99);  \
-        if (!st && (n_errors || !(out))) fprintf(stderr, "%s: no failure, %d messages\n", #call, n_errors), exit(99); \
-        if (st) failed = 1;                                                                                           \
+/* A call that failed says so, where all memory is gone perhaps twice, and leaves NULL; what was made is kept
+ * to be destroyed. */
+#define CALL(call, out)                                                                                      \
+    do {                                                                                                     \
+        n_errors = 0;                                                                                        \
+        lc_status st = (call);                                                                               \
+        if (st && ((out) != NULL || !n_errors))                                                              \
+            fprintf(stderr, "%s: %d messages\n", #call, n_errors), exit(99);                                 \
+        if (!st && (n_errors || !(out)))                                                                     \
+            fprintf(stderr, "%s: no failure, %d messages\n", #call, n_errors), exit(99);                     \
+        if (st) failed = 1;                                                                                  \
     } while (0)
 
 static int call_library(void)
@@ -307,7 +388,8 @@ static int call_library(void)
     desc.n_threads = 2;
     load.env_lights = 12;
     lc_status made = lc_context_create(&desc, &ctx);
-    if (made) return made == LC_ERR_MEMORY && !ctx && fprintf(stderr, "error: %s\n", lc_status_name(made)) ? 1 : 99;
+    if (made)
+        return made == LC_ERR_MEMORY && !ctx && fprintf(stderr, "error: %s\n", lc_status_name(made)) ? 1 : 99;
     CALL(lc_image_read(ctx, "../in/map.png", &read), read);
     lc_image_destroy(read);
     CALL(lc_image_read(ctx, "../in/map.exr", &read), read);
@@ -396,12 +478,14 @@ static int run(const char *const args[MAX_ARGS], const fault_plan *plan)
         for (uint32_t i = 0; i < seen->n_sites[k]; i++) {
             uint32_t at = 0;
             while (at < total.n_sites[k] && total.sites[k][at] != seen->sites[k][i]) at++;
-            if (at == total.n_sites[k] && at < FAULT_MAX_SITES) total.sites[k][total.n_sites[k]++] = seen->sites[k][i];
+            if (at == total.n_sites[k] && at < FAULT_MAX_SITES)
+                total.sites[k][total.n_sites[k]++] = seen->sites[k][i];
         }
         for (uint32_t i = 0; i < seen->n_failed[k]; i++) {
             uint32_t at = 0;
             while (at < total.n_failed[k] && total.failed_sites[k][at] != seen->failed_sites[k][i]) at++;
-            if (at == total.n_failed[k] && at < FAULT_MAX_SITES) total.failed_sites[k][total.n_failed[k]++] = seen->failed_sites[k][i];
+            if (at == total.n_failed[k] && at < FAULT_MAX_SITES)
+                total.failed_sites[k][total.n_failed[k]++] = seen->failed_sites[k][i];
         }
     }
     return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
@@ -502,21 +586,24 @@ static bool try_plan(const command *c, const fault_plan *plan)
     if (!why) return true;
     test_bad++;
     if (test_bad > 12) return false;
-    printf("  %s: class %d, call %ld of %ld fails%s with %s: status %d: %s\n", c->name, plan->class, plan->nth, seen->calls[plan->class],
-           plan->ever ? " for ever" : "", strerror(plan->err), status, why);
+    printf("  %s: class %d, call %ld of %ld fails%s with %s: status %d: %s\n", c->name, plan->class,
+           plan->nth, seen->calls[plan->class], plan->ever ? " for ever" : "", strerror(plan->err), status,
+           why);
     for (uint32_t i = 0; i < seen->n_failed[plan->class] && i < 3; i++)
         printf("    site %#lx\n", (unsigned long)seen->failed_sites[plan->class][i]);
     show_said();
     return false;
 }
 
-/* Is the call the first of a site in a run without faults? Of commands that take long, of a site that did not fail in others. */
+/* Is the call the first of a site in a run without faults? Of commands that take long, of a site that did not
+ * fail in others. */
 static bool is_first(const command *c, fault_class class, long nth)
 {
     uint32_t i = 0, before = 0;
     while (i < faultless.n_sites[class] && faultless.first[class][i] != nth) i++;
     if (i == faultless.n_sites[class]) return false;
-    while (before < total.n_failed[class] && total.failed_sites[class][before] != faultless.sites[class][i]) before++;
+    while (before < total.n_failed[class] && total.failed_sites[class][before] != faultless.sites[class][i])
+        before++;
     return before == total.n_failed[class] || !c->bounded || all_points;
 }
 
@@ -526,7 +613,8 @@ static void try_class(const command *c, fault_class class, int err, long most)
     long calls = faultless.calls[class], step = most && calls > most ? calls / most : 1;
     for (long nth = 1; nth <= calls; nth++) {
         if (nth % step && (UNDER_TSAN || !is_first(c, class, nth))) continue;
-        for (int ever = 0; ever < (err == EINTR ? 1 : 2); ever++) { /* who is always interrupted tries again for ever, and may */
+        /* Who is always interrupted tries again for ever, and may. */
+        for (int ever = 0; ever < (err == EINTR ? 1 : 2); ever++) {
             fault_plan plan = { .class = class, .nth = nth, .ever = ever, .err = err };
             try_plan(c, &plan);
             points[class]++;
@@ -567,12 +655,14 @@ static void try_command(const command *c)
             fault_plan few = { .class = FAULT_IO, .most = c->bounded ? 4001 * k : k, .stutter = k % 2 };
             if (try_plan(c, &few)) CHECKF(!seen->failed, "short transfers of %zu", k);
             size_t n;
-            CHECKF(!strstr(load("../said", &n), "error: "), "%s: fails with transfers of %zu bytes", c->name, k);
+            CHECKF(!strstr(load("../said", &n), "error: "), "%s: fails with transfers of %zu bytes", c->name,
+                   k);
         }
     }
     if (test_bad) test_failed++;
     else test_passed++;
-    printf("%s %s: %ld allocations, %ld file operations, %ld threads\n", test_bad ? "FAIL" : "ok  ", c->name, calls[0], calls[1], calls[2]);
+    printf("%s %s: %ld allocations, %ld file operations, %ld threads\n", test_bad ? "FAIL" : "ok  ", c->name,
+           calls[0], calls[1], calls[2]);
     fflush(stdout);
 }
 
@@ -580,14 +670,17 @@ static void try_command(const command *c)
 static void write_sites(const char *path)
 {
     FILE *f = path ? fopen(path, "w") : NULL;
-    for (uint32_t i = 0; f && i < total.n_failed[FAULT_IO]; i++) fprintf(f, "%lx\n", (unsigned long)total.failed_sites[FAULT_IO][i]);
+    for (uint32_t i = 0; f && i < total.n_failed[FAULT_IO]; i++)
+        fprintf(f, "%lx\n", (unsigned long)total.failed_sites[FAULT_IO][i]);
     if (f) fclose(f);
 }
 
 static int try_one(char **argv)
 {
     fault_plan none = { .class = FAULT_ALLOC };
-    fault_plan plan = { .class = (fault_class)atoi(argv[2]), .nth = atol(argv[3]), .ever = atoi(argv[4]), .err = ENOMEM };
+    fault_plan plan = {
+        .class = (fault_class)atoi(argv[2]), .nth = atol(argv[3]), .ever = atoi(argv[4]), .err = ENOMEM
+    };
     if (plan.class != FAULT_ALLOC) plan.err = EIO;
     for (size_t i = 0; i < N_COMMANDS; i++)
         if (!strcmp(commands[i].name, argv[1])) {
@@ -604,9 +697,13 @@ int __wrap_main(int argc, char **argv)
     const char *sites = getenv("FAULT_SITES");
     all_points = argc > 1 && !strcmp(argv[1], "--all");
     /* Memory where there is such a folder: a disk takes its time to be synced. */
-    snprintf(dir, sizeof dir, "%s/lightcuts-faults-XXXXXX", access("/dev/shm", W_OK | X_OK) ? "/tmp" : "/dev/shm");
-    if (!mkdtemp(dir) || chdir(dir) || mkdir("in", 0777) || mkdir("run", 0777) || mkdir("want", 0777) || chdir("in")) abort();
-    unsetenv("LC_ISA"), setenv("SOURCE_DATE_EPOCH", "0", 1);
+    snprintf(dir, sizeof dir, "%s/lightcuts-faults-XXXXXX",
+             access("/dev/shm", W_OK | X_OK) ? "/tmp" : "/dev/shm");
+    if (!mkdtemp(dir) || chdir(dir) || mkdir("in", 0777) || mkdir("run", 0777) || mkdir("want", 0777) ||
+        chdir("in"))
+        abort();
+    unsetenv("LC_ISA");
+    setenv("SOURCE_DATE_EPOCH", "0", 1);
     make_inputs();
     if (chdir("../run")) abort();
     seen = mmap(NULL, sizeof *seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
@@ -614,13 +711,18 @@ int __wrap_main(int argc, char **argv)
     if (argc == 5) return try_one(argv);
     for (size_t i = 0; i < N_COMMANDS; i++)
         if (argc < 3 || !strncmp(commands[i].name, argv[2], strlen(argv[2]))) try_command(&commands[i]);
-    printf("%ld runs; failed in turn: %ld allocations, %ld file operations, %ld threads; call sites of file operations met %u, failed %u\n",
+    printf("%ld runs; failed in turn: %ld allocations, %ld file operations, %ld threads; call sites of file "
+           "operations met %u, failed %u\n",
            runs, points[0], points[1], points[2], total.n_sites[FAULT_IO], total.n_failed[FAULT_IO]);
     write_sites(sites);
     if (chdir("..")) abort();
-    empty_folder("in"), empty_folder("run"), empty_folder("want");
+    empty_folder("in");
+    empty_folder("run");
+    empty_folder("want");
     empty_folder(".");
-    rmdir("in"), rmdir("run"), rmdir("want");
+    rmdir("in");
+    rmdir("run");
+    rmdir("want");
     if (!chdir("/")) rmdir(dir);
     munmap(seen, sizeof *seen);
     return test_done();

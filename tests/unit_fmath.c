@@ -33,16 +33,21 @@ TEST(logarithm_and_angle_agree)
 {
     double worst = 0;
     for (uint64_t i = 0; i < 200000; i++) {
-        double x = exp(600 * (lc_unit(lc_hash4(4, i, 0, 0)) - 0.5)), y = exp(600 * (lc_unit(lc_hash4(4, i, 1, 0)) - 0.5));
+        double x = exp(600 * (lc_unit(lc_hash4(4, i, 0, 0)) - 0.5)),
+               y = exp(600 * (lc_unit(lc_hash4(4, i, 1, 0)) - 0.5));
         CHECKF(fabs(lc_ln(x) - log(x)) <= 1e-15 * fabs(log(x)) + 1e-16, "ln %a", x);
-        if (i & 2) x = 2 * lc_unit(lc_hash4(4, i, 2, 0)) - 1, y = 2 * lc_unit(lc_hash4(4, i, 3, 0)) - 1;
+        if (i & 2) {
+            x = 2 * lc_unit(lc_hash4(4, i, 2, 0)) - 1;
+            y = 2 * lc_unit(lc_hash4(4, i, 3, 0)) - 1;
+        }
         if (i & 1) x = -x;
         if (i & 4) y = -y;
         double error = fabs(lc_atan2(y, x) - atan2(y, x));
         if (error > worst) worst = error;
         CHECKF(error < 1e-15, "atan2(%a, %a)", y, x);
     }
-    CHECK(lc_atan2(0, 0) == 0 && lc_atan2(0, 1) == 0 && lc_atan2(0, -1) == LC_PI && lc_atan2(1, 0) == LC_PI / 2);
+    CHECK(lc_atan2(0, 0) == 0 && lc_atan2(0, 1) == 0 && lc_atan2(0, -1) == LC_PI &&
+          lc_atan2(1, 0) == LC_PI / 2);
     CHECK(lc_atan2(-1, 0) == -LC_PI / 2 && lc_atan2(1, 1) == LC_PI / 4);
     printf("  worst error of the angle %.3g\n", worst);
 }
@@ -70,7 +75,8 @@ TEST(upper_bound_holds)
             continue;
         }
         double excess = ub / exact - 1;
-        CHECKF(excess > 0x1p-15 - 2.7e-5 && excess < 0x1p-15 + 2.7e-5, "%a ^ %a: %.9g, bound %.9g", (double)x, (double)n, exact, ub);
+        CHECKF(excess > 0x1p-15 - 2.7e-5 && excess < 0x1p-15 + 2.7e-5, "%a ^ %a: %.9g, bound %.9g", (double)x,
+               (double)n, exact, ub);
         if (excess < least) least = excess;
         if (excess > most) most = excess;
     }
@@ -94,12 +100,16 @@ TEST(decay_agrees)
     for (uint64_t i = 0; i < 1000000; i++) {
         double u = lc_unit(lc_hash4(6, i, 0, 0)), v = lc_unit(lc_hash4(6, i, 1, 0));
         float y = (float)(i & 1 ? 31 * u : pow(10, -40 * v) * u);
-        double want = (double)expl(-(long double)y), got = (double)lc_decay(y), ub = (double)decay_ub_scalar(y);
-        CHECKF(y > 29.93f ? got < 1.1e-13 : fabs(got / want - 1) < 0x1p-24 + 1e-12, "%a: %.9g for %.9g", (double)y, got, want);
-        CHECKF(ub > 0 ? ub > want * (1 + 0x1p-15 - 2.7e-5) && ub < want * (1 + 0x1p-15 + 2.7e-5) : want < (double)LC_MIN_LOBE,
+        double want = (double)expl(-(long double)y), got = (double)lc_decay(y),
+               ub = (double)decay_ub_scalar(y);
+        CHECKF(y > 29.93f ? got < 1.1e-13 : fabs(got / want - 1) < 0x1p-24 + 1e-12, "%a: %.9g for %.9g",
+               (double)y, got, want);
+        CHECKF(ub > 0 ? ub > want * (1 + 0x1p-15 - 2.7e-5) && ub < want * (1 + 0x1p-15 + 2.7e-5)
+                      : want < (double)LC_MIN_LOBE,
                "%a: %.9g, bound %.9g", (double)y, want, ub);
     }
-    CHECK(lc_decay(0) == 1 && lc_decay(1e30f) == 0 && decay_ub_scalar(0) >= 1 && decay_ub_scalar(FLT_MAX) == 0);
+    CHECK(lc_decay(0) == 1 && lc_decay(1e30f) == 0 && decay_ub_scalar(0) >= 1 &&
+          decay_ub_scalar(FLT_MAX) == 0);
     CHECK(decay_ub_scalar(INFINITY) == 0);
 }
 

@@ -1,5 +1,5 @@
-/* unit_ggx.c - GGX's lobe as lc_shade_light gives it: the distribution's integral, what is reflected in all, symmetry, the
- * textbook's formula, reflectances at known angles, coats. */
+/* unit_ggx.c - GGX's lobe as lc_shade_light gives it: the distribution's integral, what is reflected in all,
+ * symmetry, the textbook's formula, reflectances at known angles, coats. */
 #include "base/rng.h"
 #include "shade/coat.h"
 #include "shade/shade.h"
@@ -18,7 +18,9 @@ typedef struct {
 static void direction(double cosine, double phi, double out[3])
 {
     double s = sqrt(1 - cosine * cosine);
-    out[0] = s * cos(phi), out[1] = s * sin(phi), out[2] = cosine;
+    out[0] = s * cos(phi);
+    out[1] = s * sin(phi);
+    out[2] = cosine;
 }
 
 static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -26,14 +28,18 @@ static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + 
 /* Reflects all: Schlick from 1. */
 static lc_material white(const look *l)
 {
-    return (lc_material){ .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { (float)l->ax, (float)l->ay }, .tangent = { 1, 0, 0 } };
+    return (lc_material){ .ks = { 1, 1, 1 },
+                          .gloss = LC_GLOSS_GGX,
+                          .roughness = { (float)l->ax, (float)l->ay },
+                          .tangent = { 1, 0, 0 } };
 }
 
 static void init(lc_point *p, const look *l, const lc_material *m)
 {
     double o[3];
     direction(l->cos_o, l->phi_o, o);
-    lc_point_init(p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_normalize_d(o[0], o[1], o[2]), m, 1e-10f);
+    lc_point_init(p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_normalize_d(o[0], o[1], o[2]), m,
+                  1e-10f);
 }
 
 /* The library's f cos for light from i. */
@@ -82,7 +88,8 @@ static double reflected(const look *l, const lc_material *m)
     return sum / N_U / N_V;
 }
 
-/* The library's D, with what it does to |i + o| = 2: light and viewer in mirror directions about h. From f = F D G / (4 ci co). */
+/* The library's D, with what it does to |i + o| = 2: light and viewer in mirror directions about h. From f =
+ * F D G / (4 ci co). */
 static double library_distribution(const look *l, const double h[3])
 {
     look at = { l->ax, l->ay, h[2], atan2(h[1], h[0]) }; /* i = o = h */
@@ -127,11 +134,13 @@ TEST(textbook)
                 lc_material m = white(&l);
                 lc_point p;
                 init(&p, &l, &m);
-                direction(l.cos_o, l.phi_o, o), direction(cosines[y / 5], phi, i);
+                direction(l.cos_o, l.phi_o, o);
+                direction(cosines[y / 5], phi, i);
                 for (int k = 0; k < 3; k++) h[k] = o[k] + i[k];
                 len = sqrt(dot3(h, h));
                 for (int k = 0; k < 3; k++) h[k] /= len;
-                double want = distribution(&l, h) / (1 + lambda(&l, i) + lambda(&l, o)) / (4 * o[2]), got = library(&p, i);
+                double want = distribution(&l, h) / (1 + lambda(&l, i) + lambda(&l, o)) / (4 * o[2]),
+                       got = library(&p, i);
                 worst = fmax(worst, fabs(got / want - 1));
                 CHECKF(fabs(got / want - 1) <= 2e-4, "roughness %g %g: %g, not %g", l.ax, l.ay, got, want);
             }
@@ -141,7 +150,8 @@ TEST(textbook)
 /* A surface that reflects all light sends back no more than comes in, and all of it where it is smooth. */
 TEST(furnace)
 {
-    static const double rough[] = { 0.01, 0.05, 0.3, 0.6, 1 }, cosines[] = { 1, 0.7, 0.3, 0.1, 0.03, 0.01, 1e-3 };
+    static const double rough[] = { 0.01, 0.05, 0.3, 0.6, 1 },
+                        cosines[] = { 1, 0.7, 0.3, 0.1, 0.03, 0.01, 1e-3 };
     double most = 0, least = 1;
     for (int x = 0; x < 5; x++)
         for (int y = 0; y < 5; y++)
@@ -149,22 +159,29 @@ TEST(furnace)
                 look l = { rough[x], rough[y], cosines[k], 0.8 };
                 lc_material m = white(&l);
                 double r = reflected(&l, &m);
-                most = fmax(most, r), least = fmin(least, r);
+                most = fmax(most, r);
+                least = fmin(least, r);
                 if (x == 0 && y == 0 && k < 3) CHECKF(fabs(r - 1) <= 0.005, "cosine %g: %.6f", l.cos_o, r);
             }
     printf("  %.4f to %.4f\n", least, most);
     CHECKF(most <= 1.002, "%.6f", most);
     look l = { 1, 1, 1, 0 };
     lc_material m = white(&l);
-    CHECKF(fabs(reflected(&l, &m) - (1 - log(2))) <= 1e-3, "%g", reflected(&l, &m)); /* D and G are 1 / pi and 2 c / (1 + c) */
+    /* D and G are 1 / pi and 2 c / (1 + c). */
+    CHECKF(fabs(reflected(&l, &m) - (1 - log(2))) <= 1e-3, "%g", reflected(&l, &m));
 }
 
 static lc_material any_material(int fresnel, bool coat)
 {
-    lc_material m = { .kd = { 0.7f, 0.7f, 0.7f }, .ks = { 0.4f, 0.4f, 0.4f }, .gloss = LC_GLOSS_GGX, .tangent = { 1, 0, 0 } };
-    m.roughness[0] = 0.3f, m.roughness[1] = 0.6f;
-    m.fresnel = (lc_fresnel)fresnel, m.coat = coat;
-    m.eta = fresnel == LC_FRESNEL_CONDUCTOR ? lc_f3_make(1.5f, 0.4f, 1) : lc_f3_make(1.5f, 0, 0), m.k = lc_f3_make(0, 2.4f, 2);
+    lc_material m = {
+        .kd = { 0.7f, 0.7f, 0.7f }, .ks = { 0.4f, 0.4f, 0.4f }, .gloss = LC_GLOSS_GGX, .tangent = { 1, 0, 0 }
+    };
+    m.roughness[0] = 0.3f;
+    m.roughness[1] = 0.6f;
+    m.fresnel = (lc_fresnel)fresnel;
+    m.coat = coat;
+    m.eta = fresnel == LC_FRESNEL_CONDUCTOR ? lc_f3_make(1.5f, 0.4f, 1) : lc_f3_make(1.5f, 0, 0);
+    m.k = lc_f3_make(0, 2.4f, 2);
     return m;
 }
 
@@ -179,14 +196,17 @@ TEST(reciprocal)
                 lc_material m = any_material(kind % 4, kind > 3);
                 lc_point p, q;
                 double i[3], o[3];
-                init(&p, &l, &m), init(&q, &back, &m);
-                direction(l.cos_o, l.phi_o, o), direction(back.cos_o, back.phi_o, i);
+                init(&p, &l, &m);
+                init(&q, &back, &m);
+                direction(l.cos_o, l.phi_o, o);
+                direction(back.cos_o, back.phi_o, i);
                 double a = library(&p, i) / i[2], b = library(&q, o) / o[2];
                 CHECKF(fabs(a - b) <= 1e-4 * (a + b), "%d: %g %g", kind, a, b);
             }
 }
 
-/* Reflectance at cosine c: light, viewer and normal along h tilted so that h.o = c, against a surface that reflects all. */
+/* Reflectance at cosine c: light, viewer and normal along h tilted so that h.o = c, against a surface that
+ * reflects all. */
 static double reflectance(lc_material m, double c)
 {
     look l = { 0.3, 0.3, c, 0 };
@@ -195,27 +215,35 @@ static double reflectance(lc_material m, double c)
     lc_point p, q;
     m.kd = lc_f3_make(0, 0, 0);
     m.roughness[0] = m.roughness[1] = 0.3f;
-    init(&p, &l, &m), init(&q, &l, &all);
+    init(&p, &l, &m);
+    init(&q, &l, &all);
     return library(&p, i) / library(&q, i);
 }
 
-/* Glass of 1.5: 4 % along the normal, 8.9 % at 60 degrees, 38.8 % at 80; Brewster's angle has half of s. Gold's red, green, blue. */
+/* Glass of 1.5: 4 % along the normal, 8.9 % at 60 degrees, 38.8 % at 80; Brewster's angle has half of s.
+ * Gold's red, green, blue. */
 TEST(known_reflectances)
 {
-    lc_material m = { .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .fresnel = LC_FRESNEL_DIELECTRIC, .eta = { 1.5f, 1.5f, 1.5f } };
+    lc_material m = { .ks = { 1, 1, 1 },
+                      .gloss = LC_GLOSS_GGX,
+                      .fresnel = LC_FRESNEL_DIELECTRIC,
+                      .eta = { 1.5f, 1.5f, 1.5f } };
     const double brewster = 1 / sqrt(1 + 1.5 * 1.5);
     CHECKF(fabs(reflectance(m, 1) - 0.04) <= 1e-6, "%g", reflectance(m, 1));
     CHECKF(fabs(reflectance(m, 0.5) - 0.0892) <= 1e-4, "%g", reflectance(m, 0.5));
-    CHECKF(fabs(reflectance(m, cos(80 * LC_PI / 180)) - 0.3877) <= 1e-4, "%g", reflectance(m, cos(80 * LC_PI / 180)));
+    CHECKF(fabs(reflectance(m, cos(80 * LC_PI / 180)) - 0.3877) <= 1e-4, "%g",
+           reflectance(m, cos(80 * LC_PI / 180)));
     CHECKF(fabs(reflectance(m, brewster) - pow(1.25 / 3.25, 2) / 2) <= 1e-6, "%g", reflectance(m, brewster));
     /* eta, k, normal reflectance */
     static const double gold[3][3] = { { 0.143, 3.98, 0.967 }, { 0.375, 2.39, 0.802 }, { 1.44, 1.6, 0.323 } };
     m.fresnel = LC_FRESNEL_CONDUCTOR;
     for (int k = 0; k < 3; k++) {
-        m.eta.y = (float)gold[k][0], m.k.y = (float)gold[k][1];
+        m.eta.y = (float)gold[k][0];
+        m.k.y = (float)gold[k][1];
         CHECKF(fabs(reflectance(m, 1) - gold[k][2]) <= 5e-3, "%g", reflectance(m, 1));
     }
-    m.fresnel = LC_FRESNEL_SCHLICK, m.ks = lc_f3_make(0.04f, 0.04f, 0.04f);
+    m.fresnel = LC_FRESNEL_SCHLICK;
+    m.ks = lc_f3_make(0.04f, 0.04f, 0.04f);
     CHECKF(fabs(reflectance(m, 0.5) - 0.07) <= 1e-6, "%g", reflectance(m, 0.5));
     m.fresnel = LC_FRESNEL_NONE;
     CHECKF(fabs(reflectance(m, 0.1) - 0.04) <= 1e-6, "%g", reflectance(m, 0.1));
@@ -229,22 +257,26 @@ TEST(reflectances)
             lc_material m = { .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .fresnel = LC_FRESNEL_DIELECTRIC };
             m.eta = lc_f3_make((float)eta, (float)eta, (float)eta);
             double want = ref_dielectric((double)m.eta.x, c), got = reflectance(m, c);
-            if (eta >= 1 && eta <= 3.5) CHECKF(fabs(got - want) <= 1e-5, "%g %g: %g, not %g", eta, c, got, want);
+            if (eta >= 1 && eta <= 3.5)
+                CHECKF(fabs(got - want) <= 1e-5, "%g %g: %g, not %g", eta, c, got, want);
             if (eta >= 1) CHECKF(fabs(ref_conductor((double)m.eta.x, 0, c) - want) <= 1e-12, "%g %g", eta, c);
             m.fresnel = LC_FRESNEL_CONDUCTOR;
             for (double k = 0.1; k < 8; k *= 2) {
-                m.k.y = (float)k, want = ref_conductor((double)m.eta.y, (double)m.k.y, c);
-                CHECKF(fabs(reflectance(m, c) - want) <= 1e-5, "%g + %g i, %g: %g, not %g", eta, k, c, reflectance(m, c), want);
+                m.k.y = (float)k;
+                want = ref_conductor((double)m.eta.y, (double)m.k.y, c);
+                CHECKF(fabs(reflectance(m, c) - want) <= 1e-5, "%g + %g i, %g: %g, not %g", eta, k, c,
+                       reflectance(m, c), want);
             }
         }
 }
 
-/* What bounds rely on: a dielectric reflects less the steeper light comes in, for every index that is accepted; and no conductor
- * reflects more than its share of light across the plane, which falls. */
+/* What bounds rely on: a dielectric reflects less the steeper light comes in, for every index that is
+ * accepted; and no conductor reflects more than its share of light across the plane, which falls. */
 TEST(reflectance_falls)
 {
     for (double eta = 1; eta <= (double)LC_MAX_ETA; eta += 0.002)
-        for (double c = 0; c < 1; c += 0.002) CHECKF(ref_dielectric(eta, c + 0.002) <= ref_dielectric(eta, c) + 1e-15, "%g %g", eta, c);
+        for (double c = 0; c < 1; c += 0.002)
+            CHECKF(ref_dielectric(eta, c + 0.002) <= ref_dielectric(eta, c) + 1e-15, "%g %g", eta, c);
 }
 
 /* The mean reflectance by its formula, through what a coat at roughness 1 does to light along the normal. */
@@ -252,30 +284,45 @@ TEST(coats)
 {
     for (double eta = 1; eta <= 3.5; eta += 0.05) {
         look l = { 0.5, 0.5, 1, 0 };
-        lc_material m = { .kd = { 0.2f, 0.6f, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.5f, 0.5f }, .coat = true };
+        lc_material m = {
+            .kd = { 0.2f, 0.6f, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.5f, 0.5f }, .coat = true
+        };
         m.eta.x = (float)eta;
         lc_point p;
         const double i[3] = { 0, 0, 1 };
         init(&p, &l, &m);
-        double e = (double)m.eta.x, t = 1 - ref_dielectric(e, 1), inside = 1 - (1 - ref_mean_dielectric(e)) / (e * e);
+        double e = (double)m.eta.x, t = 1 - ref_dielectric(e, 1),
+               inside = 1 - (1 - ref_mean_dielectric(e)) / (e * e);
         inside /= 1 + (1.1 + 1.125 / fmax(e - 1, 0.001)) * pow(0.5, 1.75);
-        double want = (double)m.kd.y / LC_PI * t * t / (e * e * (1 - (double)m.kd.y * inside)) * (1 - 0.42 * 0.125), got = library(&p, i);
+        double want = (double)m.kd.y / LC_PI * t * t / (e * e * (1 - (double)m.kd.y * inside)) *
+                      (1 - 0.42 * 0.125),
+               got = library(&p, i);
         CHECKF(fabs(got / want - 1) <= 1e-5, "%g: %g, not %g", eta, got, want);
         if (eta < 1.001) CHECKF(fabs(got / (1 - 0.42 * 0.125) - (double)m.kd.y / LC_PI) <= 1e-6, "%g", got);
     }
     /* whatever the cosine, as of a shading normal: a share */
     for (double c = -1; c <= 1.01; c += 0.001) {
-        lc_material m = { .kd = { 1, 0.5f, 0 }, .roughness = { 0.5f, 0.5f }, .coat = true, .eta = { 1.5f, 0, 0 } };
+        lc_material m = {
+            .kd = { 1, 0.5f, 0 }, .roughness = { 0.5f, 0.5f }, .coat = true, .eta = { 1.5f, 0, 0 }
+        };
         lc_f3 share = lc_coat_albedo(&m, (float)c);
         CHECKF(share.x >= 0 && share.x <= 1 && share.y >= 0 && share.y <= 1, "at %g: %g", c, (double)share.x);
     }
     /* white below: all that comes in goes out again, so with the surface's own lobe nothing is lost */
     look l = { 0.01, 0.01, 0.7, 0 };
-    lc_material m = { .kd = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 1e-5f, 1e-5f }, .coat = true, .eta = { 1.5f, 0, 0 } };
+    lc_material m = { .kd = { 1, 1, 1 },
+                      .gloss = LC_GLOSS_GGX,
+                      .roughness = { 1e-5f, 1e-5f },
+                      .coat = true,
+                      .eta = { 1.5f, 0, 0 } };
     double sum = 0, i[3], o[3];
     lc_point p;
-    init(&p, &l, &m), direction(0.7, 0, o);
-    for (int a = 0; a < 4000; a++) direction((a + 0.5) / 4000, 1, i), sum += library(&p, i) * 2 * LC_PI / 4000;
+    init(&p, &l, &m);
+    direction(0.7, 0, o);
+    for (int a = 0; a < 4000; a++) {
+        direction((a + 0.5) / 4000, 1, i);
+        sum += library(&p, i) * 2 * LC_PI / 4000;
+    }
     double left = 1 - ref_dielectric(1.5, 0.7);
     printf("  white below 1.5: %.5f of what the surface lets in\n", sum / left);
     CHECKF(fabs(sum / left - 1) <= 1e-3, "%g", sum / left);
@@ -287,12 +334,16 @@ static uint64_t n_drawn;
 
 static double rnd(void) { return lc_unit(lc_mix(n_drawn++)); }
 
-static double smith(double a, const double w[3]) { return (sqrt(1 + a * a * (w[0] * w[0] + w[1] * w[1]) / (w[2] * w[2])) - 1) / 2; }
+static double smith(double a, const double w[3])
+{
+    return (sqrt(1 + a * a * (w[0] * w[0] + w[1] * w[1]) / (w[2] * w[2])) - 1) / 2;
+}
 
 /* A microfacet's normal out of those that w sees ([Heitz18]). */
 static void visible_normal(double a, const double w[3], double h[3])
 {
-    double v[3] = { a * w[0], a * w[1], w[2] }, len = sqrt(dot3(v, v)), r = sqrt(rnd()), phi = 2 * LC_PI * rnd();
+    double v[3] = { a * w[0], a * w[1], w[2] }, len = sqrt(dot3(v, v)), r = sqrt(rnd()),
+           phi = 2 * LC_PI * rnd();
     for (int k = 0; k < 3; k++) v[k] /= len;
     double flat = sqrt(v[0] * v[0] + v[1] * v[1]), p = r * cos(phi), q = r * sin(phi), s = 0.5 * (1 + v[2]);
     double t[3] = { flat > 0 ? -v[1] / flat : 1, flat > 0 ? v[0] / flat : 0, 0 };
@@ -300,7 +351,10 @@ static void visible_normal(double a, const double w[3], double h[3])
     q = (1 - s) * sqrt(1 - p * p) + s * q;
     double u = sqrt(fmax(0, 1 - p * p - q * q));
     for (int k = 0; k < 3; k++) h[k] = p * t[k] + q * b[k] + u * v[k];
-    h[0] *= a, h[1] *= a, h[2] = fmax(h[2], 1e-9), len = sqrt(dot3(h, h));
+    h[0] *= a;
+    h[1] *= a;
+    h[2] = fmax(h[2], 1e-9);
+    len = sqrt(dot3(h, h));
     for (int k = 0; k < 3; k++) h[k] /= len;
 }
 
@@ -312,7 +366,8 @@ static int meet(double a, double eta, const double w[3], double *weight)
     double c = dot3(w, h), in2 = 1 - (1 - c * c) / (eta * eta);
     if (c <= 0) return -1;
     int through = rnd() >= (in2 > 0 ? ref_dielectric(eta, c) : 1);
-    for (int k = 0; k < 3; k++) o[k] = through ? -w[k] / eta + (c / eta - sqrt(in2)) * h[k] : 2 * c * h[k] - w[k];
+    for (int k = 0; k < 3; k++)
+        o[k] = through ? -w[k] / eta + (c / eta - sqrt(in2)) * h[k] : 2 * c * h[k] - w[k];
     if (through ? o[2] >= 0 : o[2] <= 0) return -1;
     o[2] = fabs(o[2]);
     *weight *= (1 + smith(a, w)) / (1 + smith(a, w) + smith(a, o));
@@ -322,7 +377,9 @@ static int meet(double a, double eta, const double w[3], double *weight)
 static void diffuse_direction(double w[3])
 {
     double u = rnd();
-    w[0] = sqrt(u), w[1] = 0, w[2] = sqrt(1 - u);
+    w[0] = sqrt(u);
+    w[1] = 0;
+    w[2] = sqrt(1 - u);
 }
 
 /* Share of diffuse light that comes out again after it was below. */
@@ -345,7 +402,8 @@ static double walk(double a, double eta, double kd, int n)
 
 TEST(rough_coats_against_a_walk)
 {
-    static const double roughness[] = { 0.05, 0.1, 0.2, 0.35, 0.6, 1 }, etas[] = { 1.3, 1.5, 2 }, kds[] = { 0.3, 0.9 };
+    static const double roughness[] = { 0.05, 0.1, 0.2, 0.35, 0.6, 1 }, etas[] = { 1.3, 1.5, 2 },
+                        kds[] = { 0.3, 0.9 };
     double worst = 0;
     for (int e = 0; e < 3; e++)
         for (int a = 0; a < 6; a++)
@@ -353,13 +411,16 @@ TEST(rough_coats_against_a_walk)
                 look l = { roughness[a], roughness[a], 1, 0 };
                 lc_material m = white(&l);
                 const double i[3] = { 0, 0, 1 }, eta = (double)(float)etas[e];
-                m.ks = lc_f3_make(0, 0, 0), m.kd = lc_f3_make((float)kds[k], (float)kds[k], (float)kds[k]);
-                m.coat = true, m.eta = lc_f3_make((float)eta, 0, 0);
+                m.ks = lc_f3_make(0, 0, 0);
+                m.kd = lc_f3_make((float)kds[k], (float)kds[k], (float)kds[k]);
+                m.coat = true;
+                m.eta = lc_f3_make((float)eta, 0, 0);
                 lc_point p;
                 init(&p, &l, &m);
                 /* the formula's T for both directions, in place of those along the normal */
                 double t = 1 - ref_dielectric(eta, 1), mean = 1 - ref_mean_dielectric(eta);
-                double formula = library(&p, i) * LC_PI / (t * t) * mean * mean, ratio = walk(l.ax, eta, kds[k], 100000) / formula;
+                double formula = library(&p, i) * LC_PI / (t * t) * mean * mean,
+                       ratio = walk(l.ax, eta, kds[k], 100000) / formula;
                 worst = fmax(worst, fabs(ratio - 1));
                 CHECKF(fabs(ratio - 1) < 0.04, "eta %g roughness %g kd %g: %g", eta, l.ax, kds[k], ratio);
             }

@@ -1,11 +1,11 @@
-/* unit_golden.c - pictures that must not change: tests/golden/NAME.pbrt rendered with every instruction set and with 1, 2
- * and 7 threads have one hash, the one in tests/golden/hashes.txt.
+/* unit_golden.c - pictures that must not change: tests/golden/NAME.pbrt rendered with every instruction set
+ * and with 1, 2 and 7 threads have one hash, the one in tests/golden/hashes.txt.
  *
  *     build/tests/unit_golden            from the root of the repository
  *     build/tests/unit_golden --print    prints a new hashes.txt (make golden)
  *
- * The hash is FNV-1a, 64 bits, over the channels in order: name, then the bits of each float, low byte first. Floats in
- * memory are hashed, not files: zlib may pack the same pixels in another way.
+ * The hash is FNV-1a, 64 bits, over the channels in order: name, then the bits of each float, low byte first.
+ * Floats in memory are hashed, not files: zlib may pack the same pixels in another way.
  */
 #include "lightcuts.h"
 #include "support/isas.h"
@@ -18,7 +18,8 @@
 
 #define FOLDER "tests/golden"
 #define MAX_SCENES 64
-/* Mean and median error against the exact method: point 2 of what the first end-to-end version had to show. */
+/* Mean and median error against the exact method: point 2 of what the first end-to-end version had to show.
+ */
 #define MAX_MEAN_ERROR 0.01
 #define MAX_MEDIAN_ERROR 0.02
 
@@ -107,7 +108,8 @@ static bool recorded(const char *method, uint64_t *hash)
     bool found = false;
     FILE *f = fopen(FOLDER "/hashes.txt", "r");
     while (f && !found && fgets(line, sizeof line, f)) {
-        found = sscanf(line, "%255s %63s %llx", name, how, &value) == 3 && !strcmp(name, current) && !strcmp(how, method);
+        found = sscanf(line, "%255s %63s %llx", name, how, &value) == 3 && !strcmp(name, current) &&
+                !strcmp(how, method);
         if (found) *hash = value;
     }
     if (f) fclose(f);
@@ -122,17 +124,19 @@ static void same_hash_everywhere(const char *method_name, lc_method method)
     EACH_ISA(isa)
         for (int t = 0; t < 3; t++) {
             /* Exact is slow and not many kernels: two of the twelve. */
-            if (method == LC_METHOD_EXACT && !(isa == LC_ISA_SCALAR + 1 && t == 1) && !(isa == best && t == 2)) continue;
+            if (method == LC_METHOD_EXACT && !(isa == LC_ISA_SCALAR + 1 && t == 1) &&
+                !(isa == best && t == 2))
+                continue;
             if (UNDER_TSAN && isa != best) continue;
             uint64_t h = hash_of(threads[t], isa, method);
-            CHECKF(h == first, "%s with %u threads: %016llx, %s with 1: %016llx", lc_isa_name(isa), threads[t],
-                   (unsigned long long)h, lc_isa_name(lowest), (unsigned long long)first);
+            CHECKF(h == first, "%s with %u threads: %016llx, %s with 1: %016llx", lc_isa_name(isa),
+                   threads[t], (unsigned long long)h, lc_isa_name(lowest), (unsigned long long)first);
         }
     if (printing) {
         printf("%s %s %016llx\n", current, method_name, (unsigned long long)first);
     } else if (recorded(method_name, &want)) {
-        CHECKF(first == want, "%s %s: %016llx, on record %016llx; if that is meant: make golden", current, method_name,
-               (unsigned long long)first, (unsigned long long)want);
+        CHECKF(first == want, "%s %s: %016llx, on record %016llx; if that is meant: make golden", current,
+               method_name, (unsigned long long)first, (unsigned long long)want);
     } else {
         CHECKF(0, "%s %s is not in hashes.txt: make golden", current, method_name);
     }
@@ -152,12 +156,14 @@ TEST(exact) { same_hash_everywhere("exact", LC_METHOD_EXACT); }
 TEST(crop)
 {
     static const int32_t c[4] = { 13, 37, 5, 23 };
-    picture part = render(2, LC_ISA_BEST, LC_METHOD_CUTS, c), whole = render(2, LC_ISA_BEST, LC_METHOD_CUTS, NULL);
+    picture part = render(2, LC_ISA_BEST, LC_METHOD_CUTS, c),
+            whole = render(2, LC_ISA_BEST, LC_METHOD_CUTS, NULL);
     lc_image_desc pd = LC_IMAGE_DESC_INIT, wd = LC_IMAGE_DESC_INIT;
     if (part.image && whole.image) {
         lc_image_get_desc(part.image, &pd);
         lc_image_get_desc(whole.image, &wd);
-        CHECK(pd.x0 == c[0] && pd.y0 == c[2] && pd.width == 24 && pd.height == 18 && pd.display_width == wd.width);
+        CHECK(pd.x0 == c[0] && pd.y0 == c[2] && pd.width == 24 && pd.height == 18 &&
+              pd.display_width == wd.width);
         CHECK(lc_image_n_channels(part.image) == lc_image_n_channels(whole.image));
         for (uint32_t k = 0; k < lc_image_n_channels(part.image); k++) {
             const char *name = lc_image_channel_name(part.image, k);
@@ -180,13 +186,15 @@ static int by_value(const void *a, const void *b)
 
 static double luminance(lc_image *image, size_t i)
 {
-    return 0.2126 * (double)lc_image_channel(image, "R")[i] + 0.7152 * (double)lc_image_channel(image, "G")[i] +
+    return 0.2126 * (double)lc_image_channel(image, "R")[i] +
+           0.7152 * (double)lc_image_channel(image, "G")[i] +
            0.0722 * (double)lc_image_channel(image, "B")[i];
 }
 
 TEST(error_against_exact)
 {
-    picture a = render(2, LC_ISA_BEST, LC_METHOD_CUTS, NULL), b = render(2, LC_ISA_BEST, LC_METHOD_EXACT, NULL);
+    picture a = render(2, LC_ISA_BEST, LC_METHOD_CUTS, NULL),
+            b = render(2, LC_ISA_BEST, LC_METHOD_EXACT, NULL);
     lc_image_desc d = LC_IMAGE_DESC_INIT;
     if (a.image && b.image) {
         lc_image_get_desc(a.image, &d);
@@ -195,7 +203,8 @@ TEST(error_against_exact)
         for (size_t i = 0; i < n && errors; i++) {
             double x = luminance(a.image, i), y = luminance(b.image, i);
             CHECKF(isfinite(x) && isfinite(y), "pixel %zu: %g and %g", i, x, y);
-            sum_a += x, sum_b += y;
+            sum_a += x;
+            sum_b += y;
             if (y > 0) errors[n_lit++] = fabs(x - y) / y;
         }
         CHECK(errors && n_lit > n / 4);
@@ -238,7 +247,8 @@ static int print_hashes(void)
         default_method();
         exact();
     }
-    if (test_bad || n_names < 3) fprintf(stderr, "unit_golden: the pictures differ between threads or instruction sets\n");
+    if (test_bad || n_names < 3)
+        fprintf(stderr, "unit_golden: the pictures differ between threads or instruction sets\n");
     return test_bad || n_names < 3;
 }
 

@@ -1,4 +1,5 @@
-/* unit_gunzip.c - gzip data in place of plain files: scenes, includes and meshes, and every way they can be damaged. */
+/* unit_gunzip.c - gzip data in place of plain files: scenes, includes and meshes, and every way they can be
+ * damaged. */
 #include "pbrt/parse.h"
 #include "pbrt/ply.h"
 #include "scene/scene.h"
@@ -43,7 +44,8 @@ static char *long_scene(int n)
 {
     char *text = malloc(64 + (size_t)n * 64), *to = text;
     to += sprintf(to, "WorldBegin\n");
-    for (int i = 0; i < n; i++) to += sprintf(to, "LightSource \"point\" \"point3 from\" [%d %d 1]\n", i, 3 * i);
+    for (int i = 0; i < n; i++)
+        to += sprintf(to, "LightSource \"point\" \"point3 from\" [%d %d 1]\n", i, 3 * i);
     return text;
 }
 
@@ -77,7 +79,9 @@ TEST(pieces_of_any_size)
     }
     CHECK(read_memory("\x1f", 1, 1, out, 10, &total) == LC_OK && total == 1);
     CHECK(read_memory("", 0, 1, out, 10, &total) == LC_OK && total == 0);
-    free(text), free(out), free(gz);
+    free(text);
+    free(out);
+    free(gz);
 }
 
 TEST(members_and_padding)
@@ -85,7 +89,8 @@ TEST(members_and_padding)
     size_t n, total;
     unsigned char *gz = packed("abc", 3, &n), *two = calloc(3, n);
     char out[64];
-    memcpy(two, gz, n), memcpy(two + n, gz, n);
+    memcpy(two, gz, n);
+    memcpy(two + n, gz, n);
     CHECK(read_memory(two, 2 * n, 64, out, 64, &total) == LC_OK && total == 6 && !memcmp(out, "abcabc", 6));
     CHECK(read_memory(two, 2 * n + 5, 1, out, 64, &total) == LC_OK && total == 6);
     two[2 * n] = 'x';
@@ -93,7 +98,8 @@ TEST(members_and_padding)
     free(gz);
     gz = packed("", 0, &n);
     CHECK(read_memory(gz, n, 64, out, 64, &total) == LC_OK && total == 0);
-    free(gz), free(two);
+    free(gz);
+    free(two);
 }
 
 /* No prefix and no flipped bit passes as the whole. */
@@ -104,15 +110,18 @@ TEST(damaged)
     unsigned char *gz = packed(text, sizeof text, &n);
     for (size_t i = 2; i < n; i++) {
         n_errors = 0;
-        CHECKF(read_memory(gz, i, 64, out, sizeof out, &total) == LC_ERR_PARSE && n_errors == 1, "%zu bytes", i);
+        CHECKF(read_memory(gz, i, 64, out, sizeof out, &total) == LC_ERR_PARSE && n_errors == 1, "%zu bytes",
+               i);
     }
-    CHECKF(!strcmp(last_error, "error: cannot open 'memory': damaged gzip data: they end too early"), "%s", last_error);
+    CHECKF(!strcmp(last_error, "error: cannot open 'memory': damaged gzip data: they end too early"), "%s",
+           last_error);
     for (size_t i = 16; i < 8 * n; i++) {
         gz[i / 8] ^= (unsigned char)(1 << i % 8);
         n_errors = 0;
         lc_status st = read_memory(gz, n, 64, out, sizeof out, &total);
         /* time and system in the header, bits before the checksum say nothing */
-        CHECKF(st ? n_errors == 1 : total == sizeof text && !memcmp(out, text, total), "bit %zu: status %d", i, st);
+        CHECKF(st ? n_errors == 1 : total == sizeof text && !memcmp(out, text, total), "bit %zu: status %d",
+               i, st);
         gz[i / 8] ^= (unsigned char)(1 << i % 8);
     }
     free(gz);
@@ -145,13 +154,14 @@ static lc_status load(const char *name, size_t *n_lights, size_t *n_tris)
     n_errors = 0;
     if (lc_scene_create(ctx, &s)) abort();
     lc_status st = lc_pbrt_parse(s, path_of(name));
-    *n_lights = s->n_lights, *n_tris = s->n_tris;
+    *n_lights = s->n_lights;
+    *n_tris = s->n_tris;
     lc_scene_destroy(s);
     return st;
 }
 
-#define PLY                                                                                                            \
-    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"                  \
+#define PLY                                                                                                  \
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"        \
     "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 2\n"
 
 TEST(scenes_includes_and_meshes)
@@ -160,8 +170,10 @@ TEST(scenes_includes_and_meshes)
     char *text = long_scene(20000);
     write_packed("lights.pbrt", text + strlen("WorldBegin"), 0); /* a plain name */
     write_packed("m.ply.gz", PLY, 0);
-    write_packed("s.pbrt.gz", "WorldBegin Include \"lights.pbrt\" Shape \"plymesh\" \"string filename\" \"m.ply.gz\"", 0);
-    CHECKF(load("s.pbrt.gz", &n_lights, &n_tris) == LC_OK && n_lights == 20000 && n_tris == 1, "%s", last_error);
+    write_packed("s.pbrt.gz",
+                 "WorldBegin Include \"lights.pbrt\" Shape \"plymesh\" \"string filename\" \"m.ply.gz\"", 0);
+    CHECKF(load("s.pbrt.gz", &n_lights, &n_tris) == LC_OK && n_lights == 20000 && n_tris == 1, "%s",
+           last_error);
     if (!freopen(path_of("s.pbrt.gz"), "rb", stdin)) abort();
     if (chdir(dir)) abort();
     lc_scene *s;

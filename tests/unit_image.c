@@ -73,9 +73,12 @@ TEST(create_checks_arguments)
     lc_image_desc desc = LC_IMAGE_DESC_INIT;
     lc_image *image = (lc_image *)1;
     CHECK(lc_image_create(ctx, &desc, &image) == LC_ERR_ARG && image == NULL);
-    desc.width = 1u << 20, desc.height = 1u << 20;
+    desc.width = 1u << 20;
+    desc.height = 1u << 20;
     CHECK(lc_image_create(ctx, &desc, &image) == LC_ERR_ARG);
-    desc.width = 4, desc.height = 3, desc.size = 3;
+    desc.width = 4;
+    desc.height = 3;
+    desc.size = 3;
     CHECK(lc_image_create(ctx, &desc, &image) == LC_ERR_ARG);
     image = make_image(4, 3);
     float *p;
@@ -116,8 +119,14 @@ TEST(exr_float_round_trip)
     float *z = NULL, *cut = NULL;
     CHECK(lc_image_add_channel(image, "Z", &z) == LC_OK &&
           lc_image_add_channel(image, "cut.size", &cut) == LC_OK);
-    for (int i = 0; i < 33 * 17; i++) z[i] = 1e30f / (float)(i + 1), cut[i] = (float)i + 0.1f;
-    z[3] = NAN, z[4] = -INFINITY, z[5] = -0.0f, z[6] = 1e-42f;
+    for (int i = 0; i < 33 * 17; i++) {
+        z[i] = 1e30f / (float)(i + 1);
+        cut[i] = (float)i + 0.1f;
+    }
+    z[3] = NAN;
+    z[4] = -INFINITY;
+    z[5] = -0.0f;
+    z[6] = 1e-42f;
     lc_image *back = round_trip(image, "float.exr");
     CHECK(back && lc_image_n_channels(back) == 5);
     CHECK(back && same_plane(image, back, "Z") && same_plane(image, back, "cut.size"));
@@ -131,8 +140,12 @@ TEST(exr_windows)
     static const int32_t at[4][2] = { { 5, 9 }, { -3, -20 }, { 0, 1000 }, { 70, -1 } };
     for (int i = 0; i < 4; i++) {
         lc_image_desc desc = LC_IMAGE_DESC_INIT, got;
-        desc.width = 19, desc.height = 40, desc.x0 = at[i][0], desc.y0 = at[i][1];
-        desc.display_width = 64, desc.display_height = 48;
+        desc.width = 19;
+        desc.height = 40;
+        desc.x0 = at[i][0];
+        desc.y0 = at[i][1];
+        desc.display_width = 64;
+        desc.display_height = 48;
         lc_image *image = NULL;
         float *p = NULL;
         CHECK(lc_image_create(ctx, &desc, &image) == LC_OK && lc_image_add_channel(image, "Y", &p) == LC_OK);
@@ -206,7 +219,10 @@ TEST(png_round_trip)
     lc_image *image = make_rgb(61, 23);
     float *r = lc_image_channel(image, "R"), *g = lc_image_channel(image, "G");
     for (int i = 0; i < 61 * 23; i++) r[i] = (float)(i % 100) / 125.0f; /* below the shoulder */
-    g[0] = NAN, g[1] = -1.0f, g[2] = INFINITY, g[3] = 1.0f;
+    g[0] = NAN;
+    g[1] = -1.0f;
+    g[2] = INFINITY;
+    g[3] = 1.0f;
     lc_image *back = round_trip(image, "a.png");
     const float *q = back ? lc_image_channel(back, "R") : r, *p = back ? lc_image_channel(back, "G") : g;
     CHECK(back && lc_image_n_channels(back) == 3 && back->desc.width == 61 && back->desc.height == 23);
@@ -384,7 +400,8 @@ static void *failing_alloc(void *user, size_t size, size_t align)
 
 static void failing_free(void *user, void *ptr, size_t size)
 {
-    (void)user, (void)size;
+    (void)user;
+    (void)size;
     free(ptr);
 }
 

@@ -1,4 +1,5 @@
-/* unit_indirect.c - virtual lights: how much light they hold, against closed forms; depth, threads, radii, pictures. */
+/* unit_indirect.c - virtual lights: how much light they hold, against closed forms; depth, threads, radii,
+ * pictures. */
 #include "base/rng.h"
 #include "prepare/vpl_radius.h"
 #include "scene/scene.h"
@@ -34,7 +35,9 @@ static lc_scene *load_on(lc_context *where, uint32_t n_lights, uint32_t max_dept
 {
     lc_load_desc ld = LC_LOAD_DESC_INIT;
     lc_scene *scene;
-    ld.indirect_lights = n_lights, ld.max_depth = max_depth, ld.area_lights = 100;
+    ld.indirect_lights = n_lights;
+    ld.max_depth = max_depth;
+    ld.area_lights = 100;
     lc_status st = lc_scene_load(where, path, &ld, &scene);
     CHECKF(!st, "%s", lc_status_name(st));
     return scene;
@@ -57,11 +60,15 @@ static double flux(lc_scene *s, int axis, float sign)
 
 static bool near(double a, double b, double slack) { return fabs(a - b) <= slack * fabs(b); }
 
-#define HEAD "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24\nSampler \"independent\" \"integer pixelsamples\" 1\n" \
+#define HEAD                                                                                                 \
+    "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24\nSampler \"independent\" \"integer " \
+    "pixelsamples\" 1\n"                                                                                     \
     "Camera \"perspective\" \"float fov\" 60\nWorldBegin\n"
 #define GREY(a) "Material \"diffuse\" \"rgb reflectance\" [" a " " a " " a "]\n"
 /* x and y from -s to s at depth z */
-#define WALL(s, z) "Shape \"trianglemesh\" \"point3 P\" [-" s " -" s " " z " -" s " " s " " z " " s " " s " " z " " s " -" s " " z "]" \
+#define WALL(s, z)                                                                                           \
+    "Shape \"trianglemesh\" \"point3 P\" [-" s " -" s " " z " -" s " " s " " z " " s " " s " " z " " s       \
+    " -" s " " z "]"                                                                                         \
     " \"integer indices\" [0 1 2 0 2 3]\n"
 #define BALL(r) "Shape \"sphere\" \"float radius\" " r "\n"
 
@@ -104,61 +111,76 @@ TEST(radiance_in_a_ball)
 /* Once reflected: what each kind of light sheds on a plate or in a room. */
 TEST(kinds_of_light)
 {
-    write_scene("%s", HEAD "LightSource \"distant\" \"point3 from\" [3 0 -4] \"point3 to\" [0 0 0] \"rgb L\" [2 2 2]\n"
-                GREY(".5") WALL("1", "4") "Translate 0 0 1 " GREY("0") BALL(".1"));
+    write_scene(
+        "%s", HEAD
+        "LightSource \"distant\" \"point3 from\" [3 0 -4] \"point3 to\" [0 0 0] \"rgb L\" [2 2 2]\n" GREY(
+            ".5") WALL("1", "4") "Translate 0 0 1 " GREY("0") BALL(".1"));
     double got = flux(load(40000, 2), 0, 0);
     CHECKF(near(got, 0.5 * 2 * 4 * 0.8, 0.01), "%g", got);
     write_scene("%s", HEAD "LightSource \"infinite\" \"rgb L\" [1 1 1]\n" GREY(".5") WALL("1", "4"));
     CHECK(near(flux(load(4000, 2), 0, 0), 2 * LC_PI * 4 * 0.5, 0.03));
-    write_scene("%s", HEAD GREY(".5") BALL("3") "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n" GREY("0") WALL(".5", "1"));
+    write_scene("%s", HEAD GREY(".5") BALL("3") "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n" GREY("0")
+                          WALL(".5", "1"));
     CHECK(near(flux(load(4000, 2), 0, 0), LC_PI * 0.5, 0.02));
-    write_scene("%s", HEAD "LightSource \"oriented\" \"vector3 direction\" [0 0 1] \"rgb I\" [1 1 1]\n" GREY(".5") WALL("1000", "1"));
+    write_scene("%s", HEAD "LightSource \"oriented\" \"vector3 direction\" [0 0 1] \"rgb I\" [1 1 1]\n" GREY(
+                          ".5") WALL("1000", "1"));
     CHECK(near(flux(load(4000, 2), 0, 0), LC_PI * 0.5, 0.01));
     /* what falls on a square seen from a distance of half its side is a sixth; 1 / d: E = I cos / d */
     write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\n" GREY(".5") WALL("1", "1"));
     CHECK(near(flux(load(4000, 2), 0, 0), 4 * LC_PI / 6 * 0.5, 0.02));
     /* two lights share the paths by power, and that cancels */
-    write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\nLightSource \"point\" \"rgb I\" [9 9 9]\n" GREY(".5") BALL("3"));
+    write_scene("%s", HEAD
+                "LightSource \"point\" \"rgb I\" [1 1 1]\nLightSource \"point\" \"rgb I\" [9 9 9]\n" GREY(
+                    ".5") BALL("3"));
     CHECK(near(flux(load(4000, 2), 0, 0), 40 * LC_PI * 0.5, 0.02));
 }
 
 /* Attenuation 1 / d: what a ball's wall at distance 3 gets is three times that of 1 / d^2. */
 TEST(attenuation)
 {
-    write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1] \"float B\" 1 \"float C\" 0\n" GREY(".5") BALL("3"));
+    write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1] \"float B\" 1 \"float C\" 0\n" GREY(".5")
+                          BALL("3"));
     CHECK(near(flux(load(4000, 2), 0, 0), 3 * 4 * LC_PI * 0.5, 0.02));
 }
 
 TEST(mirrors_glass_and_leaves)
 {
     /* half of the light goes to a mirror, which sends all on to the wall */
-    write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\nMaterial \"mirror\" \"rgb reflectance\" [.5 .5 .5]\n"
-                WALL("1000", "-1") GREY(".5") WALL("1000", "1"));
+    write_scene(
+        "%s", HEAD
+        "LightSource \"point\" \"rgb I\" [1 1 1]\nMaterial \"mirror\" \"rgb reflectance\" [.5 .5 .5]\n" WALL(
+            "1000", "-1") GREY(".5") WALL("1000", "1"));
     CHECK(near(flux(load(4000, 2), 0, 0), LC_PI, 0.02)); /* the mirror counts as a bounce */
     CHECK(near(flux(load(4000, 3), 0, 0), LC_PI * 1.5, 0.02));
     /* nothing is lost in clear glass, whatever way light takes */
-    write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\n" GREY(".5") BALL("3") "Material \"dielectric\"\n" BALL("1"));
+    write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\n" GREY(".5")
+                          BALL("3") "Material \"dielectric\"\n" BALL("1"));
     CHECK(near(flux(load(4000, 3), 0, 0), 4 * LC_PI * 0.96 * 0.5, 0.03));
     write_scene("%s", HEAD "LightSource \"oriented\" \"vector3 direction\" [0 0 1] \"rgb I\" [1 1 1]\n"
-                "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb transmittance\" [.2 .2 .2]\n" WALL("1000", "1"));
+                           "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb "
+                           "transmittance\" [.2 .2 .2]\n" WALL("1000", "1"));
     /* those behind are kept by chance, as the camera sees nothing that they shine on */
-    CHECK(near(flux(load(40000, 2), 2, -1), LC_PI * 0.4, 0.01) && near(flux(load(40000, 2), 2, 1), LC_PI * 0.2, 0.05));
-    write_scene("%s", HEAD "LightSource \"oriented\" \"vector3 direction\" [0 0 1] \"rgb I\" [1 1 1]\n"
-                "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb transmittance\" [.2 .2 .2]\n" WALL("1000", "1")
-                GREY(".5") WALL("1000", "2") WALL("1000", "-1"));
+    CHECK(near(flux(load(40000, 2), 2, -1), LC_PI * 0.4, 0.01) &&
+          near(flux(load(40000, 2), 2, 1), LC_PI * 0.2, 0.05));
+    write_scene("%s",
+                HEAD "LightSource \"oriented\" \"vector3 direction\" [0 0 1] \"rgb I\" [1 1 1]\n"
+                     "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb transmittance\" "
+                     "[.2 .2 .2]\n" WALL("1000", "1") GREY(".5") WALL("1000", "2") WALL("1000", "-1"));
     CHECK(near(flux(load(8000, 3), 0, 0), LC_PI * (0.6 + 0.5 * 0.6), 0.02));
 }
 
 /* The same lights for any number of threads and instruction set. */
 TEST(same_everywhere)
 {
-    write_scene("%s", HEAD "LightSource \"infinite\" \"rgb L\" [1 2 1]\n" GREY(".7") WALL("4", "3") WALL("4", "-3")
-                "Material \"dielectric\"\n" BALL("1") GREY(".2") "Translate 1 1 1 " BALL("1"));
+    write_scene("%s", HEAD "LightSource \"infinite\" \"rgb L\" [1 2 1]\n" GREY(".7") WALL("4", "3")
+                          WALL("4", "-3") "Material \"dielectric\"\n" BALL("1")
+                              GREY(".2") "Translate 1 1 1 " BALL("1"));
     lc_scene *a = load(3000, 8);
     EACH_ISA(isa) {
         lc_context_desc cd = LC_CONTEXT_DESC_INIT;
         lc_context *other = NULL;
-        cd.n_threads = (uint32_t)isa * 2 - 1, cd.isa = isa;
+        cd.n_threads = (uint32_t)isa * 2 - 1;
+        cd.isa = isa;
         if (lc_context_create(&cd, &other)) abort();
         lc_scene *b = load_on(other, 3000, 8);
         bool same = a && b && a->n_lights == b->n_lights && a->indirect.n_paths == b->indirect.n_paths;
@@ -166,7 +188,8 @@ TEST(same_everywhere)
         for (size_t i = 0; same && i < a->n_lights; i++) {
             const lc_light *x = &a->lights[i], *y = &b->lights[i];
             CHECK(!memcmp(&x->pos, &y->pos, sizeof x->pos) && !memcmp(&x->dir, &y->dir, sizeof x->dir) &&
-                  !memcmp(&x->intensity, &y->intensity, sizeof x->intensity) && !memcmp(x->atten, y->atten, sizeof x->atten));
+                  !memcmp(&x->intensity, &y->intensity, sizeof x->intensity) &&
+                  !memcmp(x->atten, y->atten, sizeof x->atten));
         }
         lc_scene_destroy(b);
         lc_context_destroy(other);
@@ -200,7 +223,8 @@ TEST(radii)
             }
             qsort(d2, m, sizeof *d2, rising);
             float want = m >= LC_VPL_NEIGHBOURS ? d2[LC_VPL_NEIGHBOURS - 1] / LC_VPL_NEIGHBOURS : 0;
-            CHECKF(near((double)l[i].atten[0], (double)want, 1e-5), "%zu of %zu: %g, %g", i, n, (double)l[i].atten[0], (double)want);
+            CHECKF(near((double)l[i].atten[0], (double)want, 1e-5), "%zu of %zu: %g, %g", i, n,
+                   (double)l[i].atten[0], (double)want);
         }
     }
 }
@@ -210,13 +234,16 @@ TEST(defaults)
     static const struct {
         const char *integrator;
         uint32_t n, depth, want;
-    } cases[] = { { "path", 0, 0, 20000 }, { "volpath", 0, 0, 20000 }, { "path", 0, 1, 0 }, { "path", LC_NO_LIGHTS, 0, 0 },
-                  { "path", 70, 0, 70 }, { "directlighting", 0, 0, 0 }, { "whitted", 0, 0, 0 }, { "whitted", 80, 0, 80 } };
+    } cases[] = { { "path", 0, 0, 20000 },        { "volpath", 0, 0, 20000 }, { "path", 0, 1, 0 },
+                  { "path", LC_NO_LIGHTS, 0, 0 }, { "path", 70, 0, 70 },      { "directlighting", 0, 0, 0 },
+                  { "whitted", 0, 0, 0 },         { "whitted", 80, 0, 80 } };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        write_scene("Integrator \"%s\"\n%s", cases[i].integrator, HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\n" GREY(".5") BALL("3"));
+        write_scene("Integrator \"%s\"\n%s", cases[i].integrator,
+                    HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\n" GREY(".5") BALL("3"));
         lc_scene *s = load(cases[i].n, cases[i].depth);
-        if (s) CHECKF(s->indirect.n_lights >= cases[i].want && s->indirect.n_lights <= cases[i].want + 4, "case %zu: %llu", i,
-                      (unsigned long long)s->indirect.n_lights);
+        if (s)
+            CHECKF(s->indirect.n_lights >= cases[i].want && s->indirect.n_lights <= cases[i].want + 4,
+                   "case %zu: %llu", i, (unsigned long long)s->indirect.n_lights);
         lc_scene_destroy(s);
     }
     write_scene("%s", HEAD GREY(".5") BALL("3")); /* no light */
@@ -251,7 +278,8 @@ TEST(every_allocation_may_fail)
 int main(void)
 {
     lc_context_desc cd = LC_CONTEXT_DESC_INIT;
-    cd.log = complain, cd.n_threads = 2;
+    cd.log = complain;
+    cd.n_threads = 2;
     snprintf(path, sizeof path, "/tmp/unit_indirect.%ld", (long)getpid());
     if (lc_context_create(&cd, &ctx)) return 1;
     RUN(furnace);

@@ -1,5 +1,5 @@
-/* unit_instance.c - objects that share triangles: a scene of instances against its twin of copies, matrices of all kinds, every
- * instruction set and company of rays, many instances, and too little memory. */
+/* unit_instance.c - objects that share triangles: a scene of instances against its twin of copies, matrices
+ * of all kinds, every instruction set and company of rays, many instances, and too little memory. */
 #include "base/rng.h"
 #include "image/image.h"
 #include "pbrt/parse.h"
@@ -26,15 +26,20 @@ static void begin(const char *camera)
     free(text);
     text = NULL;
     out = open_memstream(&text, &text_len);
-    fprintf(out, "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n%s Camera \"perspective\" \"float fov\" 60\n"
-                 "WorldBegin\nLightSource \"point\" \"point3 from\" [3 9 -12]\nLightSource \"point\" \"point3 from\" [-9 5 -9]\n"
-                 "Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 8 \"float vscale\" 4\n", camera);
+    fprintf(out,
+            "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n%s Camera \"perspective\" "
+            "\"float fov\" 60\n"
+            "WorldBegin\nLightSource \"point\" \"point3 from\" [3 9 -12]\nLightSource \"point\" \"point3 "
+            "from\" [-9 5 -9]\n"
+            "Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 8 \"float vscale\" 4\n",
+            camera);
 }
 
 static lc_status load_in(lc_context *c, lc_scene **s)
 {
     lc_load_desc desc = LC_LOAD_DESC_INIT;
-    desc.area_lights = desc.env_lights = 64, desc.n_reps = 1;
+    desc.area_lights = desc.env_lights = 64;
+    desc.n_reps = 1;
     lc_status st = lc_scene_create(c, s);
     if (!st) st = lc_pbrt_parse_memory(*s, "s", text, text_len);
     return st ? st : lc_scene_commit(*s, &desc);
@@ -77,8 +82,9 @@ static void put_shape(uint32_t n, bool normals)
 static void put_matrix(double spread)
 {
     double f = rnd(0, 3) < 1 ? -1 : 1;
-    fprintf(out, "Translate %.9g %.9g %.9g Rotate %.9g %.9g %.9g 1 Scale %.9g %.9g %.9g\n", rnd(-spread, spread), rnd(-spread, spread),
-            rnd(-spread, spread), rnd(0, 360), rnd(-1, 1), rnd(-1, 1), f * rnd(0.3, 1.5), rnd(0.3, 1.5), rnd(0.3, 1.5));
+    fprintf(out, "Translate %.9g %.9g %.9g Rotate %.9g %.9g %.9g 1 Scale %.9g %.9g %.9g\n",
+            rnd(-spread, spread), rnd(-spread, spread), rnd(-spread, spread), rnd(0, 360), rnd(-1, 1),
+            rnd(-1, 1), f * rnd(0.3, 1.5), rnd(0.3, 1.5), rnd(0.3, 1.5));
 }
 
 #define MATERIAL "Material \"matte\" \"texture Kd\" \"t\"\n"
@@ -119,7 +125,8 @@ TEST(as_copies)
 {
     for (int normals = 0; normals < 2; normals++) {
         lc_scene *a = twin(20, true, normals), *b = twin(20, false, normals);
-        CHECK(a->n_instances == 20 && a->n_tris == 512 && b->n_tris == 20 * 512 && !b->level && lc_instanced_tris(a) == b->n_tris);
+        CHECK(a->n_instances == 20 && a->n_tris == 512 && b->n_tris == 20 * 512 && !b->level &&
+              lc_instanced_tris(a) == b->n_tris);
         CHECK(a->n_notes == b->n_notes);
         uint32_t n_hits = 0, n_other = 0;
         for (int i = 0; i < 20000; i++) {
@@ -129,16 +136,18 @@ TEST(as_copies)
             const float org[3] = { o.x, o.y, o.z }, dir[3] = { d.x, d.y, d.z };
             a->bvh->kernels->closest(&a->bvh->data, org, dir, FLT_MAX, &ha);
             b->bvh->kernels->closest(&b->bvh->data, org, dir, FLT_MAX, &hb);
-            /* Normals of copies are scaled at each corner, so they mix a little differently. Rounding differs: at an outline a
-             * ray may hit one only, at an edge the neighbour. */
+            /* Normals of copies are scaled at each corner, so they mix a little differently. Rounding
+             * differs: at an outline a ray may hit one only, at an edge the neighbour. */
             if (ha.tri == LC_NONE || hb.tri == LC_NONE || ha.instance * 512 + ha.tri != hb.tri) {
                 n_other += ha.tri != hb.tri;
                 continue;
             }
             n_hits++;
-            CHECKF(fabsf(ha.t - hb.t) < 2e-5f && fabsf(ha.u - hb.u) < 1e-3f, "t %g %g", (double)ha.t, (double)hb.t);
+            CHECKF(fabsf(ha.t - hb.t) < 2e-5f && fabsf(ha.u - hb.u) < 1e-3f, "t %g %g", (double)ha.t,
+                   (double)hb.t);
             CHECK(lc_surface_hit(a, o, d, 0, &p) && lc_surface_hit(b, o, d, 0, &q));
-            CHECK(near3(p.pos, q.pos, 2e-5f) && near3(p.ng, q.ng, 1e-5f) && near3(p.n, q.n, normals ? 0.3f : 1e-5f));
+            CHECK(near3(p.pos, q.pos, 2e-5f) && near3(p.ng, q.ng, 1e-5f) &&
+                  near3(p.n, q.n, normals ? 0.3f : 1e-5f));
         }
         CHECKF(n_hits > 2000 && n_other <= 20, "%u hits, %u others", n_hits, n_other);
         lc_scene_destroy(a);
@@ -175,7 +184,10 @@ TEST(shadows)
                 CHECK(!memcmp(&first, &hit, sizeof hit));
             }
         }
-        for (uint32_t j = 0; j < n; j++) n_hidden += got[j], n_other += got[j] != want[j];
+        for (uint32_t j = 0; j < n; j++) {
+            n_hidden += got[j];
+            n_other += got[j] != want[j];
+        }
     }
     CHECKF(n_hidden > 5000 && n_other <= 20, "%u hidden, %u others", n_hidden, n_other);
     lc_scene_destroy(a);
@@ -185,17 +197,19 @@ TEST(shadows)
 /* Points of a convex object don't shade themselves, wherever it stands. */
 TEST(no_shadow_on_itself)
 {
-    static const double place[][4] = { { 6, 0, 0, 1 }, { 1000, -2000, 500, 1 }, { 5, 5, 5, 1e-3 }, { 1e5, 0, -1e5, 300 },
-                                       { 70, 0, 0, 1e-2 } };
+    static const double place[][4] = {
+        { 6, 0, 0, 1 }, { 1000, -2000, 500, 1 }, { 5, 5, 5, 1e-3 }, { 1e5, 0, -1e5, 300 }, { 70, 0, 0, 1e-2 }
+    };
     bump = 0;
     for (size_t c = 0; c < sizeof place / sizeof *place; c++) {
         const double *at = place[c];
         begin(CAMERA);
         fprintf(out, MATERIAL "ObjectBegin \"o\" Rotate 20 1 0 0 Translate %g 0 0\n", c % 2 ? 5.0 : 0.0);
         put_shape(16, false);
-        fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate %.9g %.9g %.9g Rotate 33 1 2 3 Scale %g %g %g\n"
-                     "ObjectInstance \"o\"\n", at[0], at[1],
-                at[2], at[3], -at[3], at[3] * 0.4);
+        fprintf(out,
+                "ObjectEnd ObjectInstance \"o\" Translate %.9g %.9g %.9g Rotate 33 1 2 3 Scale %g %g %g\n"
+                "ObjectInstance \"o\"\n",
+                at[0], at[1], at[2], at[3], -at[3], at[3] * 0.4);
         lc_scene *s = load();
         CHECK(s->n_instances == 2);
         lc_f3 centre = lc_f3_make(0, 0, 0);
@@ -208,7 +222,8 @@ TEST(no_shadow_on_itself)
         for (int i = 0; i < 20000; i++) {
             lc_f3 d = random_dir(), o = lc_f3_sub(centre, lc_f3_scale(d, (float)(at[3] * 10)));
             lc_surface p;
-            if (!lc_surface_hit(s, o, d, 0, &p) || lc_f3_len(lc_f3_sub(p.pos, centre)) > 4 * (float)at[3]) continue;
+            if (!lc_surface_hit(s, o, d, 0, &p) || lc_f3_len(lc_f3_sub(p.pos, centre)) > 4 * (float)at[3])
+                continue;
             lc_f3 l = random_dir();
             if (lc_f3_dot(l, p.ng) < 0) l = lc_f3_neg(l);
             if (lc_f3_dot(l, p.ng) < 0.1f) continue;
@@ -217,7 +232,8 @@ TEST(no_shadow_on_itself)
             const float *const target[3] = { to, to + 1, to + 2 };
             uint8_t hidden;
             s->bvh->kernels->hidden(&s->bvh->data, p.ray_org, 1, target, false, &hidden, NULL);
-            n_hits++, n_hidden += hidden;
+            n_hits++;
+            n_hidden += hidden;
         }
         CHECKF(n_hits > 5000 && !n_hidden, "place %zu: %u of %u", c, n_hidden, n_hits);
         lc_scene_destroy(s);
@@ -243,20 +259,24 @@ TEST(pictures)
     for (uint32_t c = 0; c < 3; c++)
         for (size_t i = 0; i < n; i++) {
             double x = (double)first->channels[c].plane[i], y = (double)copies->channels[c].plane[i];
-            sum[0] += x, sum[1] += y, diff += fabs(x - y);
+            sum[0] += x;
+            sum[1] += y;
+            diff += fabs(x - y);
         }
     CHECKF(sum[0] > 0 && diff < 2e-3 * sum[0], "%g %g differ by %g", sum[0], sum[1], diff);
     for (int i = 0; i < 2; i++) {
         lc_context_desc desc = LC_CONTEXT_DESC_INIT;
         lc_context *other;
-        desc.n_threads = i ? 7 : 1, desc.isa = i ? LC_ISA_BEST : LC_ISA_SCALAR;
+        desc.n_threads = i ? 7 : 1;
+        desc.isa = i ? LC_ISA_BEST : LC_ISA_SCALAR;
         if (lc_context_create(&desc, &other)) abort();
         lc_scene *s;
         rnd_state = 1;
         lc_scene_destroy(twin(30, true, false)); /* its text again */
         CHECK(load_in(other, &s) == LC_OK);
         lc_image *image = render(other, s);
-        for (uint32_t c = 0; c < 3; c++) CHECK(!memcmp(first->channels[c].plane, image->channels[c].plane, n * sizeof(float)));
+        for (uint32_t c = 0; c < 3; c++)
+            CHECK(!memcmp(first->channels[c].plane, image->channels[c].plane, n * sizeof(float)));
         lc_image_destroy(image);
         lc_scene_destroy(s);
         lc_context_destroy(other);
@@ -293,8 +313,8 @@ TEST(matrices)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         lc_scene *s = with_matrix(cases[i].matrix, 16);
-        CHECKF(s->n_instances == cases[i].n_instances && s->n_tris == cases[i].n_tris, "%s: %zu instances, %zu triangles", cases[i].matrix,
-               s->n_instances, s->n_tris);
+        CHECKF(s->n_instances == cases[i].n_instances && s->n_tris == cases[i].n_tris,
+               "%s: %zu instances, %zu triangles", cases[i].matrix, s->n_instances, s->n_tris);
         lc_scene_destroy(s);
     }
     lc_scene *s = with_matrix("", 0);
@@ -328,7 +348,8 @@ TEST(many)
     put_shape(16, true);
     fprintf(out, "ObjectEnd\n");
     for (int i = 0; i < 100000; i++)
-        fprintf(out, "Identity Translate %.6g %.6g %.6g ObjectInstance \"o\"\n", rnd(-99, 99), rnd(-99, 99), rnd(-99, 99));
+        fprintf(out, "Identity Translate %.6g %.6g %.6g ObjectInstance \"o\"\n", rnd(-99, 99), rnd(-99, 99),
+                rnd(-99, 99));
     lc_scene *s = load();
     CHECK(s->n_instances == 100000 && s->n_tris == 512 && lc_instanced_tris(s) == 51200000);
     CHECKF(lc_instances_bytes(s) < 50 << 20, "%zu bytes", lc_instances_bytes(s));
@@ -347,7 +368,8 @@ TEST(too_little_memory)
     begin(CAMERA);
     fprintf(out, MATERIAL "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\nObjectBegin \"o\"\n");
     put_shape(16, true);
-    fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate 1 0 0 ObjectInstance \"o\" Scale 1 0 1 ObjectInstance \"o\"\n");
+    fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate 1 0 0 ObjectInstance \"o\" Scale 1 0 1 "
+                 "ObjectInstance \"o\"\n");
     fclose(out);
     long n = load_while_poor(load_in, &st);
     CHECKF(st == LC_OK && n > 40, "status %d after %ld", st, n);

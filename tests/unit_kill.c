@@ -1,5 +1,5 @@
-/* unit_kill.c - renders that are killed at random moments and gone on with: the picture is that of one run, and no run loses more than
- * the tiles its threads were at.
+/* unit_kill.c - renders that are killed at random moments and gone on with: the picture is that of one run,
+ * and no run loses more than the tiles its threads were at.
  *
  *     unit_kill [KILLS [SEED]]      default 45, over three scenes; make accept-kill: 1000
  */
@@ -142,7 +142,10 @@ TEST(many_small_tiles_of_a_crop)
     lc_render_desc d = defaults();
     farm_write_scene("c.pbrt", 400, 300, 20);
     d.spp = 3;
-    d.crop[0] = 5, d.crop[1] = 377, d.crop[2] = 9, d.crop[3] = 290;
+    d.crop[0] = 5;
+    d.crop[1] = 377;
+    d.crop[2] = 9;
+    d.crop[3] = 290;
     kill_renders_of("c.pbrt", &d, n_kills - 2 * (n_kills / 3));
 }
 
@@ -158,7 +161,8 @@ int main(int argc, char **argv)
     RUN(exact_with_all_planes);
     RUN(many_small_tiles_of_a_crop);
     farm_end();
-    printf("%ld kills, %ld pictures finished, %ld tiles rendered again, at most %ld after one kill (%d threads)\n", killed,
-           pictures, redone, worst, THREADS);
+    printf("%ld kills, %ld pictures finished, %ld tiles rendered again, at most %ld after one kill (%d "
+           "threads)\n",
+           killed, pictures, redone, worst, THREADS);
     return test_done();
 }

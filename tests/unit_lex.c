@@ -1,5 +1,5 @@
-/* unit_lex.c - scene text read piece by piece: the same tokens, places and mistakes whatever the window; numbers against
- * the C library's; lights beyond the first chunk. */
+/* unit_lex.c - scene text read piece by piece: the same tokens, places and mistakes whatever the window;
+ * numbers against the C library's; lights beyond the first chunk. */
 #include "base/decimal.h"
 #include "base/rng.h"
 #include "pbrt/lex.h"
@@ -13,7 +13,8 @@ static char last_error[512];
 
 static void log_to_buffer(void *user, lc_log_level level, const char *text)
 {
-    (void)user, (void)level;
+    (void)user;
+    (void)level;
     snprintf(last_error, sizeof last_error, "%s", text);
 }
 
@@ -100,8 +101,8 @@ static void check_windows(const char *text, size_t size)
         read_all(text, size, 1 << 20, batches, &whole);
         for (size_t window = 1; window < size + 3 && window < 300; window += window < 40 ? 1 : 13) {
             read_all(text, size, window, batches, &pieces);
-            CHECKF(same(&whole, &pieces), "window %zu of: %.60s...: %zu, %zu tokens; \"%s\", \"%s\"", window, text, whole.n,
-                   pieces.n, whole.error, pieces.error);
+            CHECKF(same(&whole, &pieces), "window %zu of: %.60s...: %zu, %zu tokens; \"%s\", \"%s\"", window,
+                   text, whole.n, pieces.n, whole.error, pieces.error);
         }
     }
 }
@@ -113,8 +114,10 @@ TEST(windows_do_not_matter)
         "a",
         "\xef\xbb\xbf LookAt 1 2 3\n",
         "\xef\xbb",
-        "LightSource \"point\" \"point3 from\" [ 1 2.5 -3e-2 ] # a comment\n\t\"rgb I\" [.1 .2 .3]\nWorldEnd\n",
-        "Shape \"tri\\\"angle\\\\\" \"a\" \"b\" \"c\" [\"d\" \"e\\n\"] \"float long\" [1 2 3 4 5 6 7 8 9 10 11 12 13 14] Shape \"x\"",
+        "LightSource \"point\" \"point3 from\" [ 1 2.5 -3e-2 ] # a comment\n\t\"rgb I\" [.1 .2 "
+        ".3]\nWorldEnd\n",
+        "Shape \"tri\\\"angle\\\\\" \"a\" \"b\" \"c\" [\"d\" \"e\\n\"] \"float long\" [1 2 3 4 5 6 7 8 9 10 "
+        "11 12 13 14] Shape \"x\"",
         "# a comment that is longer than most of the windows, and has \"quotes\" and [ ] in it\nA 1",
         "# a comment without an end of its line",
         "A \"string without an end",
@@ -137,8 +140,10 @@ TEST(windows_do_not_matter)
 
 TEST(random_text)
 {
-    static const char *const words[] = { "Shape", "\"point3 P\"", "\"a\\tb\"", "[", "]", "-1.25", "3", "17e-3", "#x\n", "\n",
-                                         "0.1234567890123456789", "\"\"", "  \t", "1e39", "+.5", "\"\\", "." };
+    static const char *const words[] = {
+        "Shape", "\"point3 P\"",          "\"a\\tb\"", "[",    "]",    "-1.25", "3",    "17e-3", "#x\n",
+        "\n",    "0.1234567890123456789", "\"\"",      "  \t", "1e39", "+.5",   "\"\\", "."
+    };
     char text[512];
     for (uint64_t seed = 0; seed < 300; seed++) {
         size_t n = 0;
@@ -160,17 +165,48 @@ static void check_number(const char *text)
     size_t len = strlen(text), n = lc_decimal_plain(text, &plain);
     CHECKF(lc_decimal_parse(text, len, &parsed), "%s", text);
     CHECKF(!memcmp(&parsed, &want, sizeof want), "%s: %a, not %a", text, parsed, want);
-    CHECKF(!n || (n == len && !memcmp(&plain, &want, sizeof want)), "%s: %zu bytes, %a, not %a", text, n, plain, want);
+    CHECKF(!n || (n == len && !memcmp(&plain, &want, sizeof want)), "%s: %zu bytes, %a, not %a", text, n,
+           plain, want);
 }
 
 TEST(numbers_are_the_nearest_double)
 {
     static const char *const edges[] = {
-        "9007199254740993e-38", "18446744073709551615e19", "9007199254740993e3", "1e-38", "1e-39", "3e-23", "5e-20",
-        "0", "-0", "0.0", "-0.000e9", "1.", ".5", "+7", "9007199254740993", "9007199254740993e-1", "9007199254740992.5",
-        "9007199254740993.0", "18446744073709551615e-1", "9999999999999999999", "9999999999999999999e-19", "1e22", "1e23", "1e-22",
-        "1e-23", "0.000000000000000000012", "4503599627370496.5", "4503599627370497.5", "1234567890123456789012", "1e999", "1e-999",
-        "2.2250738585072011e-308", "0.1000000000000000055", "0.30000000000000004", "179769313486231580793728971405301e277",
+        "9007199254740993e-38",
+        "18446744073709551615e19",
+        "9007199254740993e3",
+        "1e-38",
+        "1e-39",
+        "3e-23",
+        "5e-20",
+        "0",
+        "-0",
+        "0.0",
+        "-0.000e9",
+        "1.",
+        ".5",
+        "+7",
+        "9007199254740993",
+        "9007199254740993e-1",
+        "9007199254740992.5",
+        "9007199254740993.0",
+        "18446744073709551615e-1",
+        "9999999999999999999",
+        "9999999999999999999e-19",
+        "1e22",
+        "1e23",
+        "1e-22",
+        "1e-23",
+        "0.000000000000000000012",
+        "4503599627370496.5",
+        "4503599627370497.5",
+        "1234567890123456789012",
+        "1e999",
+        "1e-999",
+        "2.2250738585072011e-308",
+        "0.1000000000000000055",
+        "0.30000000000000004",
+        "179769313486231580793728971405301e277",
     };
     char text[64];
     for (size_t i = 0; i < sizeof edges / sizeof *edges; i++) check_number(edges[i]);
@@ -178,18 +214,22 @@ TEST(numbers_are_the_nearest_double)
         uint64_t w = lc_hash4(1, i, 0, 0), b = lc_hash4(2, i, 0, 0);
         w >>= b & 63;
         switch (b >> 6 & 3) {
-        case 0: snprintf(text, sizeof text, "%llue%d", (unsigned long long)w, (int)((b >> 8) % 70) - 45); break;
+        case 0:
+            snprintf(text, sizeof text, "%llue%d", (unsigned long long)w, (int)((b >> 8) % 70) - 45);
+            break;
         case 1: snprintf(text, sizeof text, "%.*f", (int)(b >> 8 & 15), (double)w * 1e-15); break;
         case 2: snprintf(text, sizeof text, "-%.*g", 1 + (int)(b >> 8 & 31) % 20, (double)w * 1e-12); break;
         default: /* halfway between doubles, and next to it */
-            snprintf(text, sizeof text, "%llu.%d", (unsigned long long)(((w | 1ull << 63) >> 11) | 1), (int)(b >> 8 & 7));
+            snprintf(text, sizeof text, "%llu.%d", (unsigned long long)(((w | 1ull << 63) >> 11) | 1),
+                     (int)(b >> 8 & 7));
         }
         check_number(text);
     }
     double v;
     static const char *const none[] = { "", "-", ".", "+.", "e5", "1e", "1e+", "x", "-.e1" };
     for (size_t i = 0; i < sizeof none / sizeof *none; i++)
-        CHECKF(!lc_decimal_plain(none[i], &v) && !lc_decimal_parse(none[i], strlen(none[i]), &v), "%s", none[i]);
+        CHECKF(!lc_decimal_plain(none[i], &v) && !lc_decimal_parse(none[i], strlen(none[i]), &v), "%s",
+               none[i]);
     CHECK(lc_decimal_plain("12 34", &v) == 2 && v == 12);
     CHECK(lc_decimal_plain("12.5]", &v) == 4 && v == 12.5);
 }

@@ -1,5 +1,5 @@
-/* unit_light_tree.c - light trees: what lc_light_tree_validate and, for small sets, a slow check of every node against
- * every light say; how often a light represents a node. */
+/* unit_light_tree.c - light trees: what lc_light_tree_validate and, for small sets, a slow check of every
+ * node against every light say; how often a light represents a node. */
 #include "base/rng.h"
 #include "base/stats.h"
 #include "shade/dir_pack.h"
@@ -45,14 +45,19 @@ static lc_builder builder = LC_BUILDER_EXACT; /* of build */
 static lc_light_tree *build(const lc_light *lights, size_t n, uint64_t seed, uint32_t n_reps)
 {
     lc_light_tree *t;
-    lc_light_tree_desc d = { .lights = lights, .n_lights = n, .diag2 = DIAG2, .seed = seed, .n_reps = n_reps, .builder = builder };
+    lc_light_tree_desc d = {
+        .lights = lights, .n_lights = n, .diag2 = DIAG2, .seed = seed, .n_reps = n_reps, .builder = builder
+    };
     if (lc_light_tree_build(ctx, &d, &t)) abort();
     return t;
 }
 
 /* ---- the slow check ---- */
 
-static lc_f3 direction(const lc_light_rec *l) { return lc_dir_unpack((const uint32_t[2]){ l->dir_a, l->dir_b }); }
+static lc_f3 direction(const lc_light_rec *l)
+{
+    return lc_dir_unpack((const uint32_t[2]){ l->dir_a, l->dir_b });
+}
 
 /* Lights under a cluster, to out; returns how many. stack: room for a small tree. */
 static uint32_t lights_below(const lc_light_tree *t, uint32_t id, uint32_t *out)
@@ -62,7 +67,10 @@ static uint32_t lights_below(const lc_light_tree *t, uint32_t id, uint32_t *out)
     while (n) {
         uint32_t link = stack[--n];
         if (link & LC_LEAF) out[k++] = link & ~LC_LEAF;
-        else stack[n++] = t->data.nodes[link].left, stack[n++] = t->data.nodes[link].right;
+        else {
+            stack[n++] = t->data.nodes[link].left;
+            stack[n++] = t->data.nodes[link].right;
+        }
     }
     return k;
 }
@@ -76,7 +84,9 @@ static double least_cosine(const lc_light_tree *t, uint32_t id, const uint32_t *
         lc_f3 dir = direction(&t->data.lights[below[i]]);
         for (int k = 0; k < 3; k++) {
             long double a = b->axis[k], d = (&dir.x)[k];
-            dot += a * d, a2 += a * a, d2 += d * d;
+            dot += a * d;
+            a2 += a * a;
+            d2 += d * d;
         }
         least = fmin(least, (double)(dot / sqrtl(a2 * d2)));
     }
@@ -98,7 +108,8 @@ static const char *slow_check_node(const lc_light_tree *t, uint32_t id, const ui
     for (uint32_t s = 0; s < t->n_reps; s++) {
         uint32_t own = lc_rep_of(t, id, s), is_below = 0;
         for (uint32_t i = 0; i < n; i++) is_below += below[i] == own;
-        if (is_below != 1 || (own != lc_rep_of(t, b->left, s) && own != lc_rep_of(t, b->right, s))) return "rep";
+        if (is_below != 1 || (own != lc_rep_of(t, b->left, s) && own != lc_rep_of(t, b->right, s)))
+            return "rep";
     }
     for (int k = 0; k < 3; k++) {
         float least = INFINITY;
@@ -112,7 +123,8 @@ static const char *slow_check_node(const lc_light_tree *t, uint32_t id, const ui
         if (!t->data.node_atten != !t->data.light_atten) return "atten";
         if (t->data.node_atten && memcmp(&least, &t->data.node_atten[id][k], sizeof least)) return "atten";
     }
-    if (lc_is_aimed(kind) && (double)b->cos_cone > least_cosine(t, id, below, n) && b->cos_cone > -1) return "cone";
+    if (lc_is_aimed(kind) && (double)b->cos_cone > least_cosine(t, id, below, n) && b->cos_cone > -1)
+        return "cone";
     return NULL;
 }
 
@@ -140,8 +152,8 @@ static void expect_valid(const lc_light *l, size_t n, uint32_t n_reps, bool slow
             CHECKF(!wrong, "%s, %zu lights, slow check: %s", what, n, wrong);
         }
         if (n >= 5000)
-            printf("  %s, %zu lights, %s: build %.2f s, check %.2f s\n", what, n, builder == LC_BUILDER_PLOC ? "ploc" : "exact", t1 - t0,
-                   lc_now() - t1);
+            printf("  %s, %zu lights, %s: build %.2f s, check %.2f s\n", what, n,
+                   builder == LC_BUILDER_PLOC ? "ploc" : "exact", t1 - t0, lc_now() - t1);
         lc_light_tree_destroy(t);
     }
     builder = LC_BUILDER_EXACT;
@@ -164,7 +176,8 @@ TEST(random_sets_are_valid)
 
 static bool same_tree(const lc_light_tree *a, const lc_light_tree *b, bool reps)
 {
-    bool same = a->n_nodes == b->n_nodes && a->n_lights == b->n_lights && !memcmp(a->root, b->root, sizeof a->root);
+    bool same = a->n_nodes == b->n_nodes && a->n_lights == b->n_lights &&
+                !memcmp(a->root, b->root, sizeof a->root);
     for (uint32_t i = 0; i < a->n_nodes && same; i++) {
         lc_node x = a->data.nodes[i], y = b->data.nodes[i];
         if (!reps) x.rep = y.rep = 0;
@@ -185,15 +198,19 @@ TEST(same_tree_for_threads_and_instruction_sets)
     for (builder = LC_BUILDER_EXACT; builder <= LC_BUILDER_PLOC; builder++) {
         lc_light_tree *want = NULL;
         for (int i = 0; i < 4; i++) {
-            ctx->n_threads = threads[i], ctx->isa = LC_ISA_SCALAR + i < (int)isa ? (lc_isa)(LC_ISA_SCALAR + i) : isa;
+            ctx->n_threads = threads[i];
+            ctx->isa = LC_ISA_SCALAR + i < (int)isa ? (lc_isa)(LC_ISA_SCALAR + i) : isa;
             lc_light_tree *t = build(l, 60000, 3, 3);
-            CHECKF(!want || same_tree(want, t, true), "builder %d, %u threads, %s", (int)builder, threads[i], lc_isa_name(ctx->isa));
+            CHECKF(!want || same_tree(want, t, true), "builder %d, %u threads, %s", (int)builder, threads[i],
+                   lc_isa_name(ctx->isa));
             if (want) lc_light_tree_destroy(t);
             else want = t;
         }
         lc_light_tree_destroy(want);
     }
-    builder = LC_BUILDER_EXACT, ctx->n_threads = n_threads, ctx->isa = isa;
+    builder = LC_BUILDER_EXACT;
+    ctx->n_threads = n_threads;
+    ctx->isa = isa;
     free(l);
 }
 
@@ -329,7 +346,7 @@ static double power_below(const lc_light_tree *t, uint32_t link)
 
 typedef struct {
     uint16_t count[LC_MAX_REPS][N_FREQ][N_FREQ]; /* slot, node, light */
-    double worst, worst_sum, chi2;               /* standard errors: of one slot, of all together; of the root in slot 0 */
+    double worst, worst_sum, chi2; /* standard errors: of one slot, of all together; of the root in slot 0 */
     uint32_t n;
 } frequencies;
 
@@ -343,9 +360,11 @@ static void judge_node(frequencies *f, const lc_light_tree *t, uint32_t id)
             double off = f->count[s][id][below[i]] - want;
             f->worst = fmax(f->worst, fabs(off) / err);
             if (id == 0 && s == 0) f->chi2 += off * off / want;
-            all += off, f->n++;
+            all += off;
+            f->n++;
         }
-        f->worst_sum = fmax(f->worst_sum, fabs(all) / (err * sqrt(LC_MAX_REPS))); /* or less: slots don't agree by chance */
+        /* Or less: slots don't agree by chance. */
+        f->worst_sum = fmax(f->worst_sum, fabs(all) / (err * sqrt(LC_MAX_REPS)));
     }
 }
 
@@ -370,12 +389,14 @@ TEST(representatives_are_as_frequent_as_bright)
             builder = b ? LC_BUILDER_PLOC : LC_BUILDER_EXACT;
             f = (frequencies){ .n = 0 };
             count_frequencies(&f, l);
-            /* some 25000 normal deviates, 800 of sums: 5.5 is passed once in 1000 sets; chi-square of 95 degrees: 95 +- 13.8 */
+            /* some 25000 normal deviates, 800 of sums: 5.5 is passed once in 1000 sets; chi-square of 95
+             * degrees: 95 +- 13.8 */
             CHECKF(f.worst < 5.5, "kind %u: %.2f standard errors", kind, f.worst);
             CHECKF(f.worst_sum < 4.5, "kind %u: %.2f standard errors of all slots", kind, f.worst_sum);
             CHECKF(fabs(f.chi2 - 95) < 4 * 13.8, "kind %u: chi-square %.1f of 95 degrees", kind, f.chi2);
-            printf("  builder %d, kind %u: %u frequencies, worst %.2f standard errors, of all slots %.2f, chi-square %.0f\n", b, kind, f.n,
-                   f.worst, f.worst_sum, f.chi2);
+            printf("  builder %d, kind %u: %u frequencies, worst %.2f standard errors, of all slots %.2f, "
+                   "chi-square %.0f\n",
+                   b, kind, f.n, f.worst, f.worst_sum, f.chi2);
             free(l);
         }
     builder = LC_BUILDER_EXACT;
@@ -388,9 +409,11 @@ TEST(slots_share_out_the_children)
         lc_light *l = rnd_lights(500, 7);
         lc_light_tree *t = build(l, 500, n_reps, n_reps);
         for (uint32_t id = 0; id < t->n_nodes; id++) {
-            double left = power_below(t, t->data.nodes[id].left), share = n_reps * left / (left + power_below(t, t->data.nodes[id].right));
+            double left = power_below(t, t->data.nodes[id].left),
+                   share = n_reps * left / (left + power_below(t, t->data.nodes[id].right));
             uint32_t n = 0;
-            for (uint32_t s = 0; s < n_reps; s++) n += lc_rep_of(t, id, s) == lc_rep_of(t, t->data.nodes[id].left, s);
+            for (uint32_t s = 0; s < n_reps; s++)
+                n += lc_rep_of(t, id, s) == lc_rep_of(t, t->data.nodes[id].left, s);
             CHECKF(fabs(n - share) < 1 + 1e-9, "%u of %u slots, share %.3f", n, n_reps, share);
         }
         lc_light_tree_destroy(t);
@@ -405,7 +428,9 @@ TEST(same_input_same_tree)
     CHECK(same_tree(a, b, true));
     CHECK(same_tree(a, c, false)); /* the seed is of representatives only */
     CHECK(!same_tree(a, c, true));
-    lc_light_tree_destroy(a), lc_light_tree_destroy(b), lc_light_tree_destroy(c);
+    lc_light_tree_destroy(a);
+    lc_light_tree_destroy(b);
+    lc_light_tree_destroy(c);
     free(l);
 }
 
@@ -468,7 +493,8 @@ static void begin_damage(uint32_t kinds)
     if (kinds != 4) {
         copy(&before, hurt_tree, false);
     } else { /* no attenuations: give it room to copy */
-        hurt_tree->data.node_atten = calloc(N_HURT, sizeof(lc_atten)), hurt_tree->data.light_atten = calloc(N_HURT, sizeof(lc_atten));
+        hurt_tree->data.node_atten = calloc(N_HURT, sizeof(lc_atten));
+        hurt_tree->data.light_atten = calloc(N_HURT, sizeof(lc_atten));
         copy(&before, hurt_tree, false);
         before.tree = *hurt_tree;
     }
@@ -480,7 +506,8 @@ static void end_damage(uint32_t kinds)
     CHECK(n_hurt > N_HURT);
     CHECK(!lc_light_tree_validate(hurt_tree));
     if (kinds == 4) {
-        free(hurt_tree->data.node_atten), free(hurt_tree->data.light_atten);
+        free(hurt_tree->data.node_atten);
+        free(hurt_tree->data.light_atten);
         hurt_tree->data.node_atten = hurt_tree->data.light_atten = NULL;
     }
     lc_light_tree_destroy(hurt_tree);

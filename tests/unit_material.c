@@ -1,4 +1,5 @@
-/* unit_material.c - pbrt's materials and spectra: what each class becomes, and the material where a ray meets a mesh. */
+/* unit_material.c - pbrt's materials and spectra: what each class becomes, and the material where a ray meets
+ * a mesh. */
 #include "pbrt/parse.h"
 #include "prepare/commit.h"
 #include "scene/surface.h"
@@ -12,8 +13,9 @@
 static lc_context *ctx;
 static lc_scene *scene; /* of the last load */
 
-#define QUAD                                                                                                            \
-    "Shape \"trianglemesh\" \"point3 P\" [-1 -1 2  1 -1 2  1 1 2  -1 1 2] \"integer indices\" [0 1 2 0 2 3] "            \
+#define QUAD                                                                                                 \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 -1 2  1 -1 2  1 1 2  -1 1 2] \"integer indices\" [0 1 2 0 2 "   \
+    "3] "                                                                                                    \
     "\"point2 uv\" [0 0 1 0 1 1 0 1]\n"
 #define V4 "Film \"rgb\"\nCamera \"perspective\"\nWorldBegin\n"
 #define V3 "Film \"image\"\nCamera \"perspective\"\nWorldBegin\n"
@@ -65,13 +67,15 @@ static const lc_material *one(const char *head, const char *text)
 
 static bool rough(const lc_material *m, double ax, double ay)
 {
-    return m->gloss == LC_GLOSS_GGX && near((double)m->roughness[0], ax, 1e-5) && near((double)m->roughness[1], ay, 1e-5);
+    return m->gloss == LC_GLOSS_GGX && near((double)m->roughness[0], ax, 1e-5) &&
+           near((double)m->roughness[1], ay, 1e-5);
 }
 
 /* Shares reflected along the normal. */
 static lc_f3 metal(const lc_material *m)
 {
-    return lc_f3_make((float)lc_metal_share((double)m->eta.x, (double)m->k.x), (float)lc_metal_share((double)m->eta.y, (double)m->k.y),
+    return lc_f3_make((float)lc_metal_share((double)m->eta.x, (double)m->k.x),
+                      (float)lc_metal_share((double)m->eta.y, (double)m->k.y),
                       (float)lc_metal_share((double)m->eta.z, (double)m->k.z));
 }
 
@@ -89,11 +93,13 @@ static lc_surface at(double x, double y)
 
 TEST(formulas)
 {
-    CHECK(near(lc_roughness_alpha(LC_REMAP_NONE, 0.3), 0.3, 0) && near(lc_roughness_alpha(LC_REMAP_SQRT, 0.09), 0.3, 1e-15));
+    CHECK(near(lc_roughness_alpha(LC_REMAP_NONE, 0.3), 0.3, 0) &&
+          near(lc_roughness_alpha(LC_REMAP_SQRT, 0.09), 0.3, 1e-15));
     /* pbrt-v3's RoughnessToAlpha(0.1) with the C library's logarithm */
     double x = log(0.1);
     CHECK(near(lc_roughness_alpha(LC_REMAP_POLYNOMIAL, 0.1),
-               1.62142 + 0.819955 * x + 0.1734 * x * x + 0.0171201 * x * x * x + 0.000640711 * x * x * x * x, 1e-12));
+               1.62142 + 0.819955 * x + 0.1734 * x * x + 0.0171201 * x * x * x + 0.000640711 * x * x * x * x,
+               1e-12));
     CHECK(near(lc_roughness_alpha(LC_REMAP_POLYNOMIAL, 0), lc_roughness_alpha(LC_REMAP_POLYNOMIAL, 1e-3), 0));
     for (double r = 0; r < 1; r += 0.01)
         for (double n = 0.05; n < 3; n += 0.1) {
@@ -114,9 +120,11 @@ TEST(formulas)
 TEST(diffuse)
 {
     CHECK(near3(ONE4("\"diffuse\"")->kd, .5, .5, .5, 0) && scene->n_notes == 0);
-    const lc_material *m = ONE4("\"diffusetransmission\" \"rgb reflectance\" [.2 .4 .6] \"rgb transmittance\" [.8 .6 .4] "
-          "\"float scale\" .5");
-    CHECK(near3(m->kd, .1, .2, .3, 1e-6) && near3(m->kt, .4, .3, .2, 1e-6) && near3(m->ks, 0, 0, 0, 0) && scene->n_notes == 0);
+    const lc_material *m = ONE4(
+        "\"diffusetransmission\" \"rgb reflectance\" [.2 .4 .6] \"rgb transmittance\" [.8 .6 .4] "
+        "\"float scale\" .5");
+    CHECK(near3(m->kd, .1, .2, .3, 1e-6) && near3(m->kt, .4, .3, .2, 1e-6) && near3(m->ks, 0, 0, 0, 0) &&
+          scene->n_notes == 0);
     m = ONE4("\"diffusetransmission\"");
     CHECK(near3(m->kd, .25, .25, .25, 0) && near3(m->kt, .25, .25, .25, 0) && !m->mirror);
     CHECK(near3(ONE4("\"subsurface\" \"rgb reflectance\" [.7 .5 .3] \"float g\" .2")->kd, .7, .5, .3, 1e-6) &&
@@ -129,15 +137,20 @@ TEST(coats)
 {
     const lc_material *m = ONE4("\"coateddiffuse\" \"rgb reflectance\" [.1 .2 .3] \"float roughness\" .09 "
           "\"float eta\" 1.6 \"float thickness\" 1");
-    CHECK(m->coat && m->fresnel == LC_FRESNEL_DIELECTRIC && near3(m->eta, 1.6, 1.6, 1.6, 1e-6) && near3(m->ks, 1, 1, 1, 0));
-    CHECK(!m->smooth && rough(m, .3, .3) && near3(m->kd, .1, .2, .3, 1e-7) && note("material coateddiffuse") && scene->n_notes == 1);
-    m = ONE4("\"coateddiffuse\" \"float uroughness\" .09 \"float vroughness\" .36 \"bool remaproughness\" false");
+    CHECK(m->coat && m->fresnel == LC_FRESNEL_DIELECTRIC && near3(m->eta, 1.6, 1.6, 1.6, 1e-6) &&
+          near3(m->ks, 1, 1, 1, 0));
+    CHECK(!m->smooth && rough(m, .3, .3) && near3(m->kd, .1, .2, .3, 1e-7) &&
+          note("material coateddiffuse") && scene->n_notes == 1);
+    m = ONE4(
+        "\"coateddiffuse\" \"float uroughness\" .09 \"float vroughness\" .36 \"bool remaproughness\" false");
     CHECK(rough(m, .09, .36) && scene->meshes[0].brushed && near3(m->eta, 1.5, 1.5, 1.5, 0));
     m = ONE4("\"coateddiffuse\" \"rgb albedo\" [.5 .5 .5]");
     CHECK(rough(m, (double)LC_MIN_ROUGHNESS, (double)LC_MIN_ROUGHNESS) && m->smooth && note("coat albedo"));
     /* one metal for both layers: more along the normal than either, for a dark one below */
-    m = ONE4("\"coatedconductor\" \"rgb conductor.eta\" [1.5 1.5 1.5] \"rgb conductor.k\" [0 0 0] \"float conductor.roughness\" .25");
-    CHECK(!m->coat && m->fresnel == LC_FRESNEL_CONDUCTOR && rough(m, .5, .5) && near3(metal(m), .04, .04, .04, 1e-6));
+    m = ONE4("\"coatedconductor\" \"rgb conductor.eta\" [1.5 1.5 1.5] \"rgb conductor.k\" [0 0 0] \"float "
+             "conductor.roughness\" .25");
+    CHECK(!m->coat && m->fresnel == LC_FRESNEL_CONDUCTOR && rough(m, .5, .5) &&
+          near3(metal(m), .04, .04, .04, 1e-6));
     CHECK(note("material coatedconductor"));
     m = ONE4("\"coatedconductor\"");
     lc_f3 coated = metal(m);
@@ -151,21 +164,28 @@ TEST(metals)
     /* copper where nothing is said */
     const lc_material *m = ONE4("\"conductor\" \"float roughness\" .04");
     lc_f3 copper = metal(m);
-    CHECK(!m->mirror && rough(m, .2, .2) && near3(m->ks, 1, 1, 1, 0) && near3(m->kd, 0, 0, 0, 0) && scene->n_notes == 0);
-    CHECKF(near3(copper, .955, .638, .538, 0.03), "%g %g %g", (double)copper.x, (double)copper.y, (double)copper.z);
+    CHECK(!m->mirror && rough(m, .2, .2) && near3(m->ks, 1, 1, 1, 0) && near3(m->kd, 0, 0, 0, 0) &&
+          scene->n_notes == 0);
+    CHECKF(near3(copper, .955, .638, .538, 0.03), "%g %g %g", (double)copper.x, (double)copper.y,
+           (double)copper.z);
     m = ONE4("\"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" \"metal-Cu-k\"");
     CHECK(m->mirror && !m->glass && near3(metal(m), (double)copper.x, (double)copper.y, (double)copper.z, 0));
     /* linear Rec.709; gold as tabulated at 56 wavelengths, by the same curves in another program */
-    static const struct { const char *name; double rgb[3]; } known[] = {
-        { "Ag", { .97, .96, .915 } }, { "Au", { .993, .789, .337 } }, { "Al", { .913, .922, .924 } }, { "CuZn", { .90, .78, .45 } },
+    static const struct { const char *name; double rgb[3];
+    } known[] = {
+        { "Ag", { .97, .96, .915 } },
+        { "Au", { .993, .789, .337 } },
+        { "Al", { .913, .922, .924 } },
+        { "CuZn", { .90, .78, .45 } },
     };
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         char text[256];
-        snprintf(text, sizeof text, "\"conductor\" \"spectrum eta\" \"metal-%s-eta\" \"spectrum k\" \"metal-%s-k\"", known[i].name,
-            known[i].name);
+        snprintf(text, sizeof text,
+                 "\"conductor\" \"spectrum eta\" \"metal-%s-eta\" \"spectrum k\" \"metal-%s-k\"",
+                 known[i].name, known[i].name);
         lc_f3 got = metal(ONE4(text));
-        CHECKF(near3(got, known[i].rgb[0], known[i].rgb[1], known[i].rgb[2], 0.025) && scene->n_notes == 0, "%s: %g %g %g", known[i].name,
-               (double)got.x, (double)got.y, (double)got.z);
+        CHECKF(near3(got, known[i].rgb[0], known[i].rgb[1], known[i].rgb[2], 0.025) && scene->n_notes == 0,
+               "%s: %g %g %g", known[i].name, (double)got.x, (double)got.y, (double)got.z);
     }
     m = ONE4("\"conductor\" \"rgb eta\" [1 2 3] \"rgb k\" [4 5 6] \"float roughness\" .25");
     CHECK(near3(m->eta, 1, 2, 3, 0) && near3(m->k, 4, 5, 6, 0));
@@ -173,32 +193,42 @@ TEST(metals)
     m = ONE4("\"conductor\" \"spectrum eta\" [200 1.5 900 1.5] \"spectrum k\" [200 3 900 3]");
     CHECK(near3(m->eta, 1.5, 1.5, 1.5, 1e-6) && near3(m->k, 3, 3, 3, 1e-5));
     m = ONE4("\"conductor\" \"rgb reflectance\" [.9 .5 0] \"float roughness\" .25");
-    CHECK(near3(metal(m), .9, .5, 0, 1e-6) && near3(m->eta, 1, 1, 1, 0) && m->fresnel == LC_FRESNEL_CONDUCTOR);
+    CHECK(near3(metal(m), .9, .5, 0, 1e-6) && near3(m->eta, 1, 1, 1, 0) &&
+          m->fresnel == LC_FRESNEL_CONDUCTOR);
     m = ONE3("\"metal\"");
     CHECK(near3(metal(m), (double)copper.x, (double)copper.y, (double)copper.z, 0) && !m->mirror);
-    CHECK(rough(m, lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .01), lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .01)));
+    CHECK(
+        rough(m, lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .01), lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .01)));
     CHECK(ONE4("\"conductor\" \"spectrum eta\" \"metal-Xx-eta\"")->mirror && note("spectrum by name"));
-    CHECK(load(V4, "Material \"conductor\" \"float roughness\" -1") == LC_ERR_PARSE && strstr(last_error, "'roughness' is negative"));
+    CHECK(load(V4, "Material \"conductor\" \"float roughness\" -1") == LC_ERR_PARSE &&
+          strstr(last_error, "'roughness' is negative"));
     CHECK(ONE4("\"conductor\" \"float roughness\" 3")->roughness[0] >= LC_MAX_ROUGHNESS && note("roughness"));
     /* smooth from 0.001 on, as in pbrt */
-    CHECK(!ONE4("\"conductor\" \"float roughness\" .002 \"bool remaproughness\" false")->mirror && note("roughness"));
-    CHECK(ONE4("\"conductor\" \"float roughness\" .0009 \"bool remaproughness\" false")->mirror && scene->n_notes == 0);
+    CHECK(!ONE4("\"conductor\" \"float roughness\" .002 \"bool remaproughness\" false")->mirror &&
+          note("roughness"));
+    CHECK(ONE4("\"conductor\" \"float roughness\" .0009 \"bool remaproughness\" false")->mirror &&
+          scene->n_notes == 0);
 }
 
 TEST(glasses)
 {
     const lc_material *m = ONE4("\"dielectric\"");
-    CHECK(m->mirror && m->glass && !m->thin && m->fresnel == LC_FRESNEL_DIELECTRIC && near3(m->eta, 1.5, 1.5, 1.5, 0));
-    CHECK(near3(m->ks, 1, 1, 1, 0) && near3(m->kt, 1, 1, 1, 0) && near3(m->kd, 0, 0, 0, 0) && scene->n_notes == 0);
+    CHECK(m->mirror && m->glass && !m->thin && m->fresnel == LC_FRESNEL_DIELECTRIC &&
+          near3(m->eta, 1.5, 1.5, 1.5, 0));
+    CHECK(near3(m->ks, 1, 1, 1, 0) && near3(m->kt, 1, 1, 1, 0) && near3(m->kd, 0, 0, 0, 0) &&
+          scene->n_notes == 0);
     CHECK(near3(ONE4("\"dielectric\" \"spectrum eta\" \"glass-SF11\"")->eta, 1.7847, 1.7847, 1.7847, 1e-4));
     CHECK(near3(ONE4("\"dielectric\" \"spectrum eta\" [200 1.6 900 1.6]")->eta, 1.6, 1.6, 1.6, 1e-6));
     CHECK(ONE4("\"thindielectric\" \"float eta\" 1.3")->thin && scene->n_notes == 0);
     CHECK(ONE4("\"dielectric\" \"float roughness\" .1")->glass && note("rough glass"));
     m = ONE3("\"glass\" \"rgb Kr\" [.1 .2 .3] \"rgb Kt\" [.4 .5 .6] \"float index\" 1.2");
-    CHECK(m->glass && near3(m->ks, .1, .2, .3, 1e-7) && near3(m->kt, .4, .5, .6, 1e-7) && near3(m->eta, 1.2, 1.2, 1.2, 1e-6));
-    CHECK(near3(ONE3("\"glass\" \"float index\" 1.2 \"float eta\" 1.7")->eta, 1.7, 1.7, 1.7, 1e-6) && scene->n_notes == 0);
+    CHECK(m->glass && near3(m->ks, .1, .2, .3, 1e-7) && near3(m->kt, .4, .5, .6, 1e-7) &&
+          near3(m->eta, 1.2, 1.2, 1.2, 1e-6));
+    CHECK(near3(ONE3("\"glass\" \"float index\" 1.2 \"float eta\" 1.7")->eta, 1.7, 1.7, 1.7, 1e-6) &&
+          scene->n_notes == 0);
     CHECK(ONE3("\"glass\" \"float uroughness\" .1")->glass && note("rough glass"));
-    CHECK(load(V4, "Material \"dielectric\" \"float eta\" -2") == LC_ERR_PARSE && strstr(last_error, "'eta' is no index"));
+    CHECK(load(V4, "Material \"dielectric\" \"float eta\" -2") == LC_ERR_PARSE &&
+          strstr(last_error, "'eta' is no index"));
 }
 
 /* ---- v3 ---- */
@@ -207,31 +237,41 @@ TEST(plastics)
 {
     double alpha = lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .1);
     const lc_material *m = ONE3("\"plastic\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [.4 .5 .6]");
-    CHECK(near3(m->kd, .1, .2, .3, 1e-7) && near3(m->ks, .4, .5, .6, 1e-7) && near3(m->eta, 1.5, 1.5, 1.5, 0) && !m->coat);
+    CHECK(near3(m->kd, .1, .2, .3, 1e-7) && near3(m->ks, .4, .5, .6, 1e-7) &&
+          near3(m->eta, 1.5, 1.5, 1.5, 0) && !m->coat);
     CHECK(m->fresnel == LC_FRESNEL_DIELECTRIC && rough(m, alpha, alpha) && scene->n_notes == 0);
     m = ONE3("\"uber\" \"float index\" 1.4 \"float roughness\" .3 \"bool remaproughness\" \"false\"");
-    CHECK(near3(m->kd, .25, .25, .25, 0) && near3(m->ks, .25, .25, .25, 0) && rough(m, .3, .3) && scene->n_notes == 0);
+    CHECK(near3(m->kd, .25, .25, .25, 0) && near3(m->ks, .25, .25, .25, 0) && rough(m, .3, .3) &&
+          scene->n_notes == 0);
     CHECK(near3(m->eta, 1.4, 1.4, 1.4, 1e-6));
     CHECK(!ONE3("\"uber\" \"rgb Kr\" [.1 .1 .1]")->mirror && note("uber Kr, Kt"));
     m = ONE3("\"uber\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [0 0 0] \"rgb Kr\" [1 1 1] \"rgb Kt\" [.5 .5 .5]");
-    CHECK(m->mirror && m->glass && near3(m->ks, 1, 1, 1, 0) && near3(m->kt, .5, .5, .5, 0) && scene->n_notes == 0);
-    m = ONE3("\"substrate\" \"rgb Kd\" [.5 .5 .5] \"rgb Ks\" [.2 .4 0] \"float uroughness\" .2 \"float vroughness\" .3");
-    CHECK(near3(m->kd, .4, .3, .5, 1e-7) && near3(m->ks, .2, .4, 0, 1e-7) && m->fresnel == LC_FRESNEL_SCHLICK &&
-          note("material substrate"));
+    CHECK(m->mirror && m->glass && near3(m->ks, 1, 1, 1, 0) && near3(m->kt, .5, .5, .5, 0) &&
+          scene->n_notes == 0);
+    m = ONE3("\"substrate\" \"rgb Kd\" [.5 .5 .5] \"rgb Ks\" [.2 .4 0] \"float uroughness\" .2 \"float "
+             "vroughness\" .3");
+    CHECK(near3(m->kd, .4, .3, .5, 1e-7) && near3(m->ks, .2, .4, 0, 1e-7) &&
+          m->fresnel == LC_FRESNEL_SCHLICK && note("material substrate"));
     CHECK(rough(m, lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .2), lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .3)));
-    m = ONE3("\"translucent\" \"rgb Kd\" [.8 .4 .2] \"rgb Ks\" [.4 .4 .4] \"rgb reflect\" [.25 .25 .25] \"rgb transmit\" [.75 .75 .75]");
-    CHECK(near3(m->kd, .2, .1, .05, 1e-7) && near3(m->kt, .6, .3, .15, 1e-7) && near3(m->ks, .1, .1, .1, 1e-7) &&
-          note("translucent lobe"));
-    m = ONE3("\"disney\" \"color color\" [.8 .4 .2] \"float metallic\" .5 \"float roughness\" .5 \"float anisotropic\" 1");
-    CHECK(near3(m->kd, .4, .2, .1, 1e-7) && near3(m->ks, .42, .22, .12, 1e-6) && rough(m, .25, .25) && note("material disney"));
+    m = ONE3("\"translucent\" \"rgb Kd\" [.8 .4 .2] \"rgb Ks\" [.4 .4 .4] \"rgb reflect\" [.25 .25 .25] "
+             "\"rgb transmit\" [.75 .75 .75]");
+    CHECK(near3(m->kd, .2, .1, .05, 1e-7) && near3(m->kt, .6, .3, .15, 1e-7) &&
+          near3(m->ks, .1, .1, .1, 1e-7) && note("translucent lobe"));
+    m = ONE3("\"disney\" \"color color\" [.8 .4 .2] \"float metallic\" .5 \"float roughness\" .5 \"float "
+             "anisotropic\" 1");
+    CHECK(near3(m->kd, .4, .2, .1, 1e-7) && near3(m->ks, .42, .22, .12, 1e-6) && rough(m, .25, .25) &&
+          note("material disney"));
     CHECK(near3(ONE3("\"kdsubsurface\" \"rgb Kd\" [.1 .2 .3] \"float eta\" 1.33")->kd, .1, .2, .3, 1e-7) &&
           note("material kdsubsurface"));
 }
 
 /* ---- textures ---- */
 
-#define RAMP "Texture \"r\" \"float\" \"bilerp\" \"float v00\" 0 \"float v01\" 0 \"float v10\" 1 \"float v11\" 1\n" /* u */
-#define UV "Texture \"c\" \"spectrum\" \"uv\"\n"                                                                    /* (u, v, 0) */
+/* U. */
+#define RAMP                                                                                                 \
+    "Texture \"r\" \"float\" \"bilerp\" \"float v00\" 0 \"float v01\" 0 \"float v10\" 1 \"float v11\" 1\n"
+/* (u, v, 0). */
+#define UV "Texture \"c\" \"spectrum\" \"uv\"\n"
 
 TEST(textured)
 {
@@ -241,23 +281,31 @@ TEST(textured)
     CHECK(rough(&s.material, .5, .5) && !s.material.mirror);
     CHECK(load(V3, RAMP "Material \"plastic\" \"texture roughness\" \"r\"\n" QUAD) == LC_OK);
     s = at(-.8, .5);
-    CHECKF(rough(&s.material, lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .1), lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .1)), "%g",
-          (double)s.material.roughness[0]);
+    CHECKF(rough(&s.material, lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .1),
+                 lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .1)),
+           "%g", (double)s.material.roughness[0]);
     s = at(.9, .5);
     CHECK(rough(&s.material, 1, 1)); /* 1.5 in pbrt */
-    CHECK(load(V4, UV "Material \"conductor\" \"texture reflectance\" \"c\" \"float roughness\" .5\n" QUAD) == LC_OK);
+    CHECK(load(V4, UV "Material \"conductor\" \"texture reflectance\" \"c\" \"float roughness\" .5\n" QUAD) ==
+          LC_OK);
     s = at(.6, -.4);
     CHECK(near3(metal(&s.material), .8, .3, 0, 1e-6) && near3(s.material.ks, 1, 1, 1, 0));
-    CHECK(load(V4, UV "Material \"diffusetransmission\" \"texture reflectance\" \"c\" \"texture transmittance\" \"c\" "
-          "\"float scale\" .5\n" QUAD) == LC_OK);
+    CHECK(
+        load(V4, UV
+             "Material \"diffusetransmission\" \"texture reflectance\" \"c\" \"texture transmittance\" \"c\" "
+             "\"float scale\" .5\n" QUAD) == LC_OK);
     s = at(.6, -.4);
-    CHECK(near3(s.material.kd, .4, .15, 0, 1e-6) && near3(s.material.kt, .4, .15, 0, 1e-6) && scene->n_notes == 0);
-    CHECK(load(V3, UV "Material \"translucent\" \"texture Kd\" \"c\" \"rgb Ks\" [0 0 0] \"texture transmit\" \"c\"\n" QUAD) == LC_OK);
+    CHECK(near3(s.material.kd, .4, .15, 0, 1e-6) && near3(s.material.kt, .4, .15, 0, 1e-6) &&
+          scene->n_notes == 0);
+    CHECK(load(V3, UV "Material \"translucent\" \"texture Kd\" \"c\" \"rgb Ks\" [0 0 0] \"texture transmit\" "
+                      "\"c\"\n" QUAD) == LC_OK);
     s = at(.6, -.4);
-    CHECK(near3(s.material.kd, .4, .15, 0, 1e-6) && near3(s.material.kt, .64, .09, 0, 1e-6) && scene->n_notes == 0);
+    CHECK(near3(s.material.kd, .4, .15, 0, 1e-6) && near3(s.material.kt, .64, .09, 0, 1e-6) &&
+          scene->n_notes == 0);
     CHECK(load(V3, UV "Material \"substrate\" \"texture Kd\" \"c\" \"rgb Ks\" [.5 .5 .5]\n" QUAD) == LC_OK);
     CHECK(near3(at(.6, -.4).material.kd, .4, .15, 0, 1e-6));
-    CHECK(load(V4, RAMP "Material \"dielectric\" \"texture eta\" \"r\"\n" QUAD) == LC_OK && note("textured parameter eta"));
+    CHECK(load(V4, RAMP "Material \"dielectric\" \"texture eta\" \"r\"\n" QUAD) == LC_OK &&
+          note("textured parameter eta"));
 }
 
 /* ---- bumps ---- */
@@ -268,26 +316,34 @@ static bool points(lc_f3 n, double x, double y, double z)
     return near3(n, x / len, y / len, z / len, 2e-6);
 }
 
-/* The quad faces the camera, which looks along z: its own normal is (0, 0, 1), and that on the viewer's side (0, 0, -1). Height
- * grows by 1 while u does, over two units of length. */
+/* The quad faces the camera, which looks along z: its own normal is (0, 0, 1), and that on the viewer's side
+ * (0, 0, -1). Height grows by 1 while u does, over two units of length. */
 TEST(bumps)
 {
-    CHECK(load(V4, RAMP "Material \"diffuse\" \"texture displacement\" \"r\"\n" QUAD) == LC_OK && scene->n_notes == 0);
+    CHECK(load(V4, RAMP "Material \"diffuse\" \"texture displacement\" \"r\"\n" QUAD) == LC_OK &&
+          scene->n_notes == 0);
     lc_surface s = at(.2, .3);
-    CHECKF(points(s.n, .5, 0, -1) || points(s.n, -.5, 0, -1), "%g %g %g", (double)s.n.x, (double)s.n.y, (double)s.n.z);
+    CHECKF(points(s.n, .5, 0, -1) || points(s.n, -.5, 0, -1), "%g %g %g", (double)s.n.x, (double)s.n.y,
+           (double)s.n.z);
     lc_f3 outside = s.n;
     CHECK(points(s.n, .5, 0, -1) && points(s.ng, 0, 0, -1)); /* seen from the back, hills are dents */
-    CHECK(load(V3, RAMP "ReverseOrientation Material \"matte\" \"texture bumpmap\" \"r\"\n" QUAD) == LC_OK && scene->n_notes == 0);
+    CHECK(load(V3, RAMP "ReverseOrientation Material \"matte\" \"texture bumpmap\" \"r\"\n" QUAD) == LC_OK &&
+          scene->n_notes == 0);
     s = at(.2, .3);
     CHECK(points(s.n, -(double)outside.x, 0, (double)outside.z));
-    CHECK(load(V4, RAMP "Material \"diffuse\" \"float displacement\" 3\n" QUAD) == LC_OK && points(at(.2, .3).n, 0, 0, -1));
+    CHECK(load(V4, RAMP "Material \"diffuse\" \"float displacement\" 3\n" QUAD) == LC_OK &&
+          points(at(.2, .3).n, 0, 0, -1));
     /* a slope in space, not in uv */
-    CHECK(load(V4, "Texture \"x\" \"float\" \"bilerp\" \"string mapping\" \"planar\" \"vector3 v1\" [1 0 0] \"vector3 v2\" [0 1 0] "
-                   "\"float v01\" 1 \"float v10\" 0 \"float v11\" 1\nMaterial \"diffuse\" \"texture displacement\" \"x\"\n" QUAD) == LC_OK);
+    CHECK(load(V4, "Texture \"x\" \"float\" \"bilerp\" \"string mapping\" \"planar\" \"vector3 v1\" [1 0 0] "
+                   "\"vector3 v2\" [0 1 0] "
+                   "\"float v01\" 1 \"float v10\" 0 \"float v11\" 1\nMaterial \"diffuse\" \"texture "
+                   "displacement\" \"x\"\n" QUAD) == LC_OK);
     CHECK(points(at(.2, .3).n, 0, 1, -1));
     /* of the part of a mix that is chosen */
-    CHECK(load(V4, RAMP "MakeNamedMaterial \"a\" \"string type\" \"conductor\" \"texture displacement\" \"r\"\n"
-                        "Material \"mix\" \"string materials\" [\"a\" \"a\"]\n" QUAD) == LC_OK && points(at(.2, .3).n, .5, 0, -1));
+    CHECK(load(V4,
+               RAMP "MakeNamedMaterial \"a\" \"string type\" \"conductor\" \"texture displacement\" \"r\"\n"
+                    "Material \"mix\" \"string materials\" [\"a\" \"a\"]\n" QUAD) == LC_OK &&
+          points(at(.2, .3).n, .5, 0, -1));
 }
 
 static void write_file(const char *path, const char *text)
@@ -303,11 +359,14 @@ static float brightest(const char *text)
     lc_load_desc load_desc = { .area_lights = 1, .env_lights = 1, .seed = 1, .n_reps = 1 };
     lc_image *image;
     float most = 0;
-    CHECK(load("Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 20\nCamera \"perspective\" \"float fov\" 50\n"
-               "WorldBegin\n", text) == LC_OK);
+    CHECK(load("Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 20\nCamera \"perspective\" "
+               "\"float fov\" 50\n"
+               "WorldBegin\n",
+               text) == LC_OK);
     if (lc_scene_commit(scene, &load_desc) || lc_render(ctx, scene, &desc, &image, NULL)) abort();
     for (int k = 0; k < 3; k++)
-        for (int i = 0; i < 400; i++) most = fmaxf(most, lc_image_channel(image, k == 0 ? "R" : k == 1 ? "G" : "B")[i]);
+        for (int i = 0; i < 400; i++)
+            most = fmaxf(most, lc_image_channel(image, k == 0 ? "R" : k == 1 ? "G" : "B")[i]);
     lc_image_destroy(image);
     return most;
 }
@@ -315,13 +374,16 @@ static float brightest(const char *text)
 /* Lights behind the surface, which bumps and interpolated normals face, shed nothing on the viewer's side. */
 TEST(no_leaks)
 {
-#define BEHIND "LightSource \"point\" \"point3 from\" [.2 .1 2.1]\nLightSource \"point\" \"point3 from\" [9 0 3]\n"                       \
-               "LightSource \"distant\" \"point3 from\" [3 0 1] \"point3 to\" [0 0 0]\n"
-#define BUMPY "Texture \"x\" \"float\" \"fbm\"\n"                                                                       \
-              "Texture \"h\" \"float\" \"scale\" \"texture tex\" \"x\" \"float scale\" 9\n"                  \
-              "Material \"diffuse\" \"texture displacement\" \"h\"\n"
+#define BEHIND                                                                                               \
+    "LightSource \"point\" \"point3 from\" [.2 .1 2.1]\nLightSource \"point\" \"point3 from\" [9 0 3]\n"     \
+    "LightSource \"distant\" \"point3 from\" [3 0 1] \"point3 to\" [0 0 0]\n"
+#define BUMPY                                                                                                \
+    "Texture \"x\" \"float\" \"fbm\"\n"                                                                      \
+    "Texture \"h\" \"float\" \"scale\" \"texture tex\" \"x\" \"float scale\" 9\n"                            \
+    "Material \"diffuse\" \"texture displacement\" \"h\"\n"
     CHECKF(!(brightest(BUMPY BEHIND QUAD) > 0), "%g", (double)brightest(BUMPY BEHIND QUAD));
-    CHECK(!(brightest(BEHIND "Shape \"trianglemesh\" \"point3 P\" [-1 -1 2  1 -1 2  1 1 2  -1 1 2] \"integer indices\" [0 1 2 0 2 3] "
+    CHECK(!(brightest(BEHIND "Shape \"trianglemesh\" \"point3 P\" [-1 -1 2  1 -1 2  1 1 2  -1 1 2] \"integer "
+                             "indices\" [0 1 2 0 2 3] "
                              "\"normal N\" [-1 0 -.1  1 0 -.1  1 0 -.1  -1 0 -.1]\n") > 0));
     CHECK(brightest(BUMPY BEHIND "LightSource \"point\"\n" QUAD) > 0);
 }
@@ -350,21 +412,24 @@ TEST(normal_maps)
         write_file(main_file, text);
         CHECK(load_file(main_file) == LC_OK && scene->n_notes == 0);
         lc_f3 n = at(.2, .3).n;
-        CHECKF(points(n, cases[i].want[0], cases[i].want[1], cases[i].want[2]), "%zu: %g %g %g", i, (double)n.x, (double)n.y,
-              (double)n.z);
+        CHECKF(points(n, cases[i].want[0], cases[i].want[1], cases[i].want[2]), "%zu: %g %g %g", i,
+               (double)n.x, (double)n.y, (double)n.z);
     }
     unlink(map);
     CHECK(load_file(main_file) == LC_OK && note("texture image"));
-    unlink(main_file), rmdir(dir);
+    unlink(main_file);
+    rmdir(dir);
 }
 
 /* ---- mixes ---- */
 
-#define TWO4 "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.2 .4 0]\n"                      \
-             "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [.6 .8 1]\n"                      \
-             "MakeNamedMaterial \"m\" \"string type\" \"conductor\"\n"
+#define TWO4                                                                                                 \
+    "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.2 .4 0]\n"                    \
+    "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [.6 .8 1]\n"                    \
+    "MakeNamedMaterial \"m\" \"string type\" \"conductor\"\n"
 
-#define MIX3(second) "Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"" second "\" "
+#define MIX3(second)                                                                                         \
+    "Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"" second "\" "
 
 /* Share of the quad's points whose material is a mirror. */
 static double mirrors(void)
@@ -377,9 +442,12 @@ static double mirrors(void)
 
 TEST(mixes)
 {
-    CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .25\n" QUAD) == LC_OK);
+    CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .25\n" QUAD) ==
+          LC_OK);
     CHECK(near3(at(.3, .3).material.kd, .3, .5, .25, 1e-6) && scene->n_notes == 0);
-    CHECK(load(V4, RAMP TWO4 "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"texture amount\" \"r\"\n" QUAD) == LC_OK);
+    CHECK(load(V4, RAMP TWO4
+               "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"texture amount\" \"r\"\n" QUAD) ==
+          LC_OK);
     CHECK(near3(at(.5, .3).material.kd, .5, .7, .75, 1e-6));
     /* v3: the share of the first, a colour */
     CHECK(load(V3, TWO4 MIX3("b") "\"rgb amount\" [1 .5 0]\n" QUAD) == LC_OK);
@@ -387,28 +455,34 @@ TEST(mixes)
     CHECK(load(V3, UV TWO4 MIX3("b") "\"texture amount\" \"c\"\n" QUAD) == LC_OK);
     CHECK(near3(at(.5, .5).material.kd, .3, .5, 1, 1e-6));
     /* one or the other, as often as it should be, and the same each time */
-    CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" .3\n" QUAD) == LC_OK);
+    CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" .3\n" QUAD) ==
+          LC_OK);
     double share = mirrors();
     CHECKF(near(share, .3, 0.02) && near(share, mirrors(), 0), "%g", share);
-    CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" 0\n" QUAD) == LC_OK && near(mirrors(), 0,
-          0));
-    CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" 1\n" QUAD) == LC_OK && near(mirrors(), 1,
-          0));
+    CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" 0\n" QUAD) ==
+              LC_OK &&
+          near(mirrors(), 0, 0));
+    CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" 1\n" QUAD) ==
+              LC_OK &&
+          near(mirrors(), 1, 0));
     /* a colour that differs between channels: right on average */
     CHECK(load(V3, TWO4 MIX3("m") "\"rgb amount\" [.9 .6 .3]\n" QUAD) == LC_OK);
     double sum[3] = { 0, 0, 0 };
     for (int i = 0; i < 10000; i++) {
         lc_material m = at(-.99 + .0197 * (i % 100), -.98 + .0197 * (i / 100)).material;
-        sum[0] += (double)m.kd.x, sum[1] += (double)m.kd.y, sum[2] += (double)m.ks.z;
+        sum[0] += (double)m.kd.x;
+        sum[1] += (double)m.kd.y;
+        sum[2] += (double)m.ks.z;
     }
-    CHECKF(near(sum[0] / 1e4, .18, .005) && near(sum[1] / 1e4, .24, .01) && near(sum[2] / 1e4, .7, .02), "%g %g %g", sum[0], sum[1],
-          sum[2]);
+    CHECKF(near(sum[0] / 1e4, .18, .005) && near(sum[1] / 1e4, .24, .01) && near(sum[2] / 1e4, .7, .02),
+           "%g %g %g", sum[0], sum[1], sum[2]);
     /* mixes of mixes, of what is not there, of what can't be seen */
-    CHECK(load(V4, TWO4 "MakeNamedMaterial \"x\" \"string type\" \"mix\" \"string materials\" [\"a\" \"m\"]\n"
-                        "Material \"mix\" \"string materials\" [\"x\" \"m\"] \"float amount\" .5\n" QUAD) == LC_OK && near(mirrors(), .75,
-                            0.02));
-    CHECK(load(V4, "Material \"mix\" \"string materials\" [\"p\" \"q\"]\n" QUAD) == LC_OK && note("unknown material p") &&
-          note("unknown material q"));
+    CHECK(load(V4, TWO4
+               "MakeNamedMaterial \"x\" \"string type\" \"mix\" \"string materials\" [\"a\" \"m\"]\n"
+               "Material \"mix\" \"string materials\" [\"x\" \"m\"] \"float amount\" .5\n" QUAD) == LC_OK &&
+          near(mirrors(), .75, 0.02));
+    CHECK(load(V4, "Material \"mix\" \"string materials\" [\"p\" \"q\"]\n" QUAD) == LC_OK &&
+          note("unknown material p") && note("unknown material q"));
     CHECK(load(V4, "MakeNamedMaterial \"i\" \"string type\" \"interface\"\nMaterial \"mix\" "
           "\"string materials\" [\"i\" \"i\"]\n" QUAD) == LC_OK);
     lc_material m = at(.3, .3).material;
@@ -416,18 +490,21 @@ TEST(mixes)
     CHECK(load(V4, "Material \"mix\" \"string materials\" [\"a\"]") == LC_ERR_PARSE && strstr(last_error,
           "'materials' needs the names of two"));
     /* as opacity */
-    CHECK(load(V3, "Material \"uber\" \"rgb opacity\" [.25 .25 .25] \"rgb Kd\" [.5 .5 .5]\n" QUAD) == LC_OK && near(mirrors(), .75,
-          0.02));
-    CHECK(load(V3, UV "Material \"uber\" \"texture opacity\" \"c\" \"rgb Kd\" [.5 .5 .5]\n" QUAD) == LC_OK && scene->n_notes == 0);
+    CHECK(load(V3, "Material \"uber\" \"rgb opacity\" [.25 .25 .25] \"rgb Kd\" [.5 .5 .5]\n" QUAD) == LC_OK &&
+          near(mirrors(), .75, 0.02));
+    CHECK(load(V3, UV "Material \"uber\" \"texture opacity\" \"c\" \"rgb Kd\" [.5 .5 .5]\n" QUAD) == LC_OK &&
+          scene->n_notes == 0);
 }
 
 TEST(deep_mixes)
 {
     char text[8192], *end = text;
-    end += sprintf(end, TWO4 "MakeNamedMaterial \"x0\" \"string type\" \"mix\" \"string materials\" [\"a\" \"m\"]\n");
+    end += sprintf(end, TWO4
+                   "MakeNamedMaterial \"x0\" \"string type\" \"mix\" \"string materials\" [\"a\" \"m\"]\n");
     for (int i = 1; i < 40; i++)
-        end += sprintf(end, "MakeNamedMaterial \"x%d\" \"string type\" \"mix\" \"string materials\" [\"x%d\" \"x%d\"]\n", i, i - 1,
-            i - 1);
+        end += sprintf(
+            end, "MakeNamedMaterial \"x%d\" \"string type\" \"mix\" \"string materials\" [\"x%d\" \"x%d\"]\n",
+            i, i - 1, i - 1);
     sprintf(end, "NamedMaterial \"x39\"\n" QUAD);
     CHECK(load(V4, text) == LC_OK && note("mix depth") && near(mirrors(), .5, 0.03));
 }
@@ -446,9 +523,11 @@ TEST(spectrum_files)
     CHECK(load_file(main_file) == LC_OK && scene->n_notes == 0);
     lc_f3 kd = scene->materials[scene->meshes[0].material_id].kd;
     CHECKF(kd.z > 0.7f && kd.x < 0.3f && kd.y < 0.5f, "%g %g %g", (double)kd.x, (double)kd.y, (double)kd.z);
-    write_file(main_file, V4 "Material \"diffuse\" \"spectrum reflectance\" [300 .8 500 .8 500.01 .25 900 .25]\n" QUAD);
+    write_file(main_file,
+               V4 "Material \"diffuse\" \"spectrum reflectance\" [300 .8 500 .8 500.01 .25 900 .25]\n" QUAD);
     CHECK(load_file(main_file) == LC_OK);
-    CHECK(near3(scene->materials[scene->meshes[0].material_id].kd, (double)kd.x, (double)kd.y, (double)kd.z, 0));
+    CHECK(near3(scene->materials[scene->meshes[0].material_id].kd, (double)kd.x, (double)kd.y, (double)kd.z,
+                0));
     write_file(main_file, V4 "Material \"diffuse\" \"spectrum reflectance\" \"y.spd\"\n" QUAD);
     CHECK(load_file(main_file) == LC_OK && note("spectrum by name"));
     static const struct { const char *text, *message; } faults[] = {
@@ -460,20 +539,27 @@ TEST(spectrum_files)
     };
     for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
         write_file(bad, faults[i].text);
-        CHECKF(load_file(main_file) == LC_ERR_PARSE && strstr(last_error, faults[i].message), "%s", last_error);
+        CHECKF(load_file(main_file) == LC_ERR_PARSE && strstr(last_error, faults[i].message), "%s",
+               last_error);
     }
-    unlink(spd), unlink(bad), unlink(main_file), rmdir(dir);
+    unlink(spd);
+    unlink(bad);
+    unlink(main_file);
+    rmdir(dir);
 }
 
 TEST(illuminants)
 {
-    CHECK(load(V4, "LightSource \"point\" \"spectrum I\" \"stdillum-D65\" LightSource \"point\" \"spectrum I\" \"stdillum-A\" "
-                   "LightSource \"point\" \"blackbody I\" 2856 LightSource \"point\" \"spectrum I\" \"illum-acesD60\"") == LC_OK);
+    CHECK(load(V4, "LightSource \"point\" \"spectrum I\" \"stdillum-D65\" LightSource \"point\" \"spectrum "
+                   "I\" \"stdillum-A\" "
+                   "LightSource \"point\" \"blackbody I\" 2856 LightSource \"point\" \"spectrum I\" "
+                   "\"illum-acesD60\"") == LC_OK);
     const lc_light *l = scene->lights;
     CHECK(scene->n_notes == 0 && scene->n_lights == 4);
     CHECK(near3(l[0].intensity, 1, 1, 1, 1e-3));
     /* A is the blackbody of 2856 K */
-    CHECK(near3(l[1].intensity, (double)l[2].intensity.x, (double)l[2].intensity.y, (double)l[2].intensity.z, 0.02));
+    CHECK(near3(l[1].intensity, (double)l[2].intensity.x, (double)l[2].intensity.y, (double)l[2].intensity.z,
+                0.02));
     for (int i = 0; i < 4; i++) CHECK(near((double)lc_luminance(l[i].intensity), 1, 1e-5));
 }
 
@@ -483,29 +569,38 @@ static bool feature(const char *kind, const char *name, uint64_t count, lc_suppo
 {
     lc_feature f;
     for (uint32_t i = 0; !lc_scene_get_feature(scene, i, &f); i++)
-        if (!strcmp(f.kind, kind) && !strcmp(f.name, name)) return f.count == count && f.support == support && strstr(f.text, text);
+        if (!strcmp(f.kind, kind) && !strcmp(f.name, name))
+            return f.count == count && f.support == support && strstr(f.text, text);
     return false;
 }
 
 TEST(features)
 {
     lc_feature f;
-    CHECK(load("PixelFilter \"mitchell\" Film \"rgb\" \"float foo\" 1 Option \"bool x\" true Camera \"perspective\"\n",
-               "WorldBegin Material \"diffuse\"\n" QUAD QUAD "Shape \"sphere\"\nShape \"nurbs\"\n"
-               "MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\nMaterial \"hair\" Material \"hair\" \"rgb color\" [.1 .1 .1]\n"
-               "Texture \"t\" \"float\" \"checkerboard\"\nLightSource \"point\" LightSource \"nova\"\n"
-               "AreaLightSource \"diffuse\" MediumInterface \"a\" \"b\" Texture \"t\" \"float\" \"x\\ny\"\n") == LC_OK);
+    CHECK(
+        load("PixelFilter \"mitchell\" Film \"rgb\" \"float foo\" 1 Option \"bool x\" true Camera "
+             "\"perspective\"\n",
+             "WorldBegin Material \"diffuse\"\n" QUAD QUAD "Shape \"sphere\"\nShape \"nurbs\"\n"
+             "MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\nMaterial \"hair\" Material \"hair\" \"rgb "
+             "color\" [.1 .1 .1]\n"
+             "Texture \"t\" \"float\" \"checkerboard\"\nLightSource \"point\" LightSource \"nova\"\n"
+             "AreaLightSource \"diffuse\" MediumInterface \"a\" \"b\" Texture \"t\" \"float\" \"x\\ny\"\n") ==
+        LC_OK);
     CHECK(feature("filter", "mitchell", 1, LC_SUPPORT_YES, ""));
     CHECK(feature("film", "rgb", 1, LC_SUPPORT_APPROXIMATED, "'foo' of 'rgb' is ignored"));
-    CHECK(feature("directive", "Option", 1, LC_SUPPORT_IGNORED, "options") && feature("camera", "perspective", 1, LC_SUPPORT_YES, ""));
-    CHECK(feature("material", "diffuse", 2, LC_SUPPORT_YES, "") && feature("material", "hair", 2, LC_SUPPORT_APPROXIMATED, "s.pbrt:"));
-    CHECK(feature("shape", "trianglemesh", 2, LC_SUPPORT_YES, "") && feature("shape", "sphere", 1, LC_SUPPORT_APPROXIMATED,
-          "of triangles"));
-    CHECK(feature("shape", "nurbs", 1, LC_SUPPORT_IGNORED, "skipped") && feature("texture", "checkerboard", 1, LC_SUPPORT_YES, ""));
+    CHECK(feature("directive", "Option", 1, LC_SUPPORT_IGNORED, "options") &&
+          feature("camera", "perspective", 1, LC_SUPPORT_YES, ""));
+    CHECK(feature("material", "diffuse", 2, LC_SUPPORT_YES, "") &&
+          feature("material", "hair", 2, LC_SUPPORT_APPROXIMATED, "s.pbrt:"));
+    CHECK(feature("shape", "trianglemesh", 2, LC_SUPPORT_YES, "") &&
+          feature("shape", "sphere", 1, LC_SUPPORT_APPROXIMATED, "of triangles"));
+    CHECK(feature("shape", "nurbs", 1, LC_SUPPORT_IGNORED, "skipped") &&
+          feature("texture", "checkerboard", 1, LC_SUPPORT_YES, ""));
     CHECK(feature("texture", "x?y", 1, LC_SUPPORT_APPROXIMATED, "constant"));
-    CHECK(feature("light", "point", 1, LC_SUPPORT_YES, "") && feature("light", "nova", 1, LC_SUPPORT_IGNORED, "skipped"));
-    CHECK(feature("area light", "diffuse", 1, LC_SUPPORT_YES, "") && feature("medium", "MediumInterface", 1, LC_SUPPORT_IGNORED,
-          "media"));
+    CHECK(feature("light", "point", 1, LC_SUPPORT_YES, "") &&
+          feature("light", "nova", 1, LC_SUPPORT_IGNORED, "skipped"));
+    CHECK(feature("area light", "diffuse", 1, LC_SUPPORT_YES, "") &&
+          feature("medium", "MediumInterface", 1, LC_SUPPORT_IGNORED, "media"));
     CHECK(lc_scene_get_feature(scene, (uint32_t)scene->n_features, &f) == LC_ERR_ARG);
 }
 
@@ -513,10 +608,11 @@ TEST(features)
 
 static lc_status fill(lc_scene *to)
 {
-    static const char text[] = V3 RAMP UV TWO4 "MakeNamedMaterial \"x\" \"string type\" \"mix\" \"string namedmaterial1\" \"a\" "
-                                             "\"string namedmaterial2\" \"b\" \"texture amount\" \"c\"\nNamedMaterial \"x\"\n" QUAD
-                                             "Material \"uber\" \"texture opacity\" \"c\" \"texture Kd\" \"c\" "
-                                                   "\"texture roughness\" \"r\"\n" QUAD;
+    static const char text[] = V3 RAMP UV TWO4
+        "MakeNamedMaterial \"x\" \"string type\" \"mix\" \"string namedmaterial1\" \"a\" "
+        "\"string namedmaterial2\" \"b\" \"texture amount\" \"c\"\nNamedMaterial \"x\"\n" QUAD
+        "Material \"uber\" \"texture opacity\" \"c\" \"texture Kd\" \"c\" "
+        "\"texture roughness\" \"r\"\n" QUAD;
     return lc_pbrt_parse_memory(to, "s.pbrt", text, sizeof text - 1);
 }
 

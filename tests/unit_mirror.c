@@ -1,4 +1,5 @@
-/* unit_mirror.c - mirrors: a picture seen in one, depth as pbrt counts it, reflectances, normals, statistics. */
+/* unit_mirror.c - mirrors: a picture seen in one, depth as pbrt counts it, reflectances, normals, statistics.
+ */
 #include "pbrt/parse.h"
 #include "scene/sight.h"
 #include "support/test.h"
@@ -44,13 +45,16 @@ static shot shoot(lc_scene *scene, lc_method method, uint32_t max_depth)
     shot s = { 0 };
     lc_render_desc rd = LC_RENDER_DESC_INIT;
     lc_image_desc d = LC_IMAGE_DESC_INIT;
-    rd.method = method, rd.max_depth = max_depth, rd.aovs = LC_AOV_ALL;
+    rd.method = method;
+    rd.max_depth = max_depth;
+    rd.aovs = LC_AOV_ALL;
     lc_status st = scene ? lc_render(ctx, scene, &rd, &s.image, &s.stats) : LC_ERR_ARG;
     CHECKF(!st, "%s", lc_status_name(st));
     lc_scene_destroy(scene);
     if (st) return s;
     lc_image_get_desc(s.image, &d);
-    s.w = d.width, s.h = d.height;
+    s.w = d.width;
+    s.h = d.height;
     return s;
 }
 
@@ -66,16 +70,19 @@ static bool near(double a, double b, double slack) { return fabs(a - b) <= slack
     "Sampler \"independent\" \"integer pixelsamples\" 1\n"
 #define CAMERA "Camera \"perspective\" \"float fov\" 60\nWorldBegin\n"
 /* x and y from -s to s at depth z */
-#define WALL(s, z) "Shape \"trianglemesh\" \"point3 P\" [-" s " -" s " " z " " s " -" s " " z " " s " " s " " z " -" s " " s " " z "]" \
+#define WALL(s, z)                                                                                           \
+    "Shape \"trianglemesh\" \"point3 P\" [-" s " -" s " " z " " s " -" s " " z " " s " " s " " z " -" s      \
+    " " s " " z "]"                                                                                          \
     " \"integer indices\" [0 1 2 0 2 3]\n"
 
 /* What stands before the mirror z = 2, behind the camera: a wall, a ball before it, and lights. */
-#define STAGE \
-    "LightSource \"point\" \"point3 from\" [1 2 -1] \"rgb I\" [9 8 7]\n" \
-    "LightSource \"point\" \"point3 from\" [-2 1 0] \"rgb I\" [3 4 6]\n" \
-    "Material \"diffuse\" \"rgb reflectance\" [.6 .5 .4]\n" WALL("20", "-6") \
-    "AttributeBegin Translate .3 -.2 -4 Material \"phong\" \"rgb Kd\" [.2 .3 .5] \"rgb Ks\" [.2 .2 .2] \"float exponent\" 20\n" \
-    "Shape \"sphere\" AttributeEnd\n"
+#define STAGE                                                                                                \
+    "LightSource \"point\" \"point3 from\" [1 2 -1] \"rgb I\" [9 8 7]\n"                                     \
+    "LightSource \"point\" \"point3 from\" [-2 1 0] \"rgb I\" [3 4 6]\n"                                     \
+    "Material \"diffuse\" \"rgb reflectance\" [.6 .5 .4]\n" WALL(                                            \
+        "20", "-6") "AttributeBegin Translate .3 -.2 -4 Material \"phong\" \"rgb Kd\" [.2 .3 .5] \"rgb "     \
+                    "Ks\" [.2 .2 .2] \"float exponent\" 20\n"                                                \
+                    "Shape \"sphere\" AttributeEnd\n"
 
 static uint32_t n_unlike(const shot *a, const shot *b, const double kr[3])
 {
@@ -84,24 +91,29 @@ static uint32_t n_unlike(const shot *a, const shot *b, const double kr[3])
     for (uint32_t y = 0; y < a->h; y++)
         for (uint32_t x = 0; x < a->w; x++) {
             bool same = true;
-            for (int k = 0; k < 3; k++) same = same && near(at(a, channels[k], x, y), kr[k] * at(b, channels[k], x, y), 1e-4);
+            for (int k = 0; k < 3; k++)
+                same = same && near(at(a, channels[k], x, y), kr[k] * at(b, channels[k], x, y), 1e-4);
             n += !same;
         }
     return n;
 }
 
-/* The camera looks into a mirror, or at the stage with z turned about the mirror's plane. Rounding may move an edge. */
+/* The camera looks into a mirror, or at the stage with z turned about the mirror's plane. Rounding may move
+ * an edge. */
 TEST(a_mirror_shows_the_mirrored_scene)
 {
     static const double kr[3] = { 0.5, 0.75, 1 };
     for (int m = 0; m < 2; m++) {
         lc_method method = m ? LC_METHOD_EXACT : LC_METHOD_LIGHTCUTS;
-        shot a = shoot(load(FILM CAMERA STAGE "Material \"mirror\" \"rgb reflectance\" [.5 .75 1]\n" WALL("30", "2")), method, 0);
+        shot a = shoot(load(FILM CAMERA STAGE
+                            "Material \"mirror\" \"rgb reflectance\" [.5 .75 1]\n" WALL("30", "2")),
+                       method, 0);
         shot b = shoot(load(FILM CAMERA "Translate 0 0 4 Scale 1 1 -1\n" STAGE), method, 0);
         CHECKF(n_unlike(&a, &b, kr) <= 3, "%u pixels differ", n_unlike(&a, &b, kr));
         CHECK(a.stats.points == b.stats.points && a.stats.camera_rays == 2 * b.stats.camera_rays);
         /* planes of what the camera ray meets, counts of what is lit */
-        CHECK(near(at(&a, "Z", 5, 7), 2, 1e-5) && near(at(&a, "P.Z", 5, 7), 2, 1e-5) && near(at(&a, "N.Z", 5, 7), -1, 1e-5));
+        CHECK(near(at(&a, "Z", 5, 7), 2, 1e-5) && near(at(&a, "P.Z", 5, 7), 2, 1e-5) &&
+              near(at(&a, "N.Z", 5, 7), -1, 1e-5));
         CHECK(near(at(&a, "Albedo.G", 5, 7), 0.75, 1e-5));
         CHECK(at(&a, "cut.rays", 5, 7) > 0 && near(at(&a, "cut.rays", 5, 7), at(&b, "cut.rays", 5, 7), 0));
         lc_image_destroy(a.image);
@@ -117,8 +129,9 @@ TEST(depth_1_is_black_in_mirrors)
     CHECK(a.stats.points == 0 && near(at(&a, "Albedo.R", 9, 9), 0.9, 1e-6));
     lc_image_destroy(a.image);
     /* the scene's own depth, the last one named, and the descriptor's over it */
-    const char *scene = "Integrator \"path\" \"integer maxdepth\" 9\nIntegrator \"path\" \"integer maxdepth\" %d\n" FILM CAMERA STAGE
-        "Material \"mirror\"\n" WALL("30", "2");
+    const char *scene =
+        "Integrator \"path\" \"integer maxdepth\" 9\nIntegrator \"path\" \"integer maxdepth\" %d\n" FILM
+            CAMERA STAGE "Material \"mirror\"\n" WALL("30", "2");
     static const struct {
         int file;
         uint32_t desc;
@@ -128,21 +141,25 @@ TEST(depth_1_is_black_in_mirrors)
         char body[sizeof text];
         snprintf(body, sizeof body, "%s", scene);
         char *number = strstr(body, "%d");
-        *number = (char)('0' + cases[i].file), number[1] = ' ';
+        *number = (char)('0' + cases[i].file);
+        number[1] = ' ';
         a = shoot(load("%s", body), LC_METHOD_LIGHTCUTS, cases[i].desc);
         CHECKF((at(&a, "G", 20, 20) > 0) == cases[i].lit, "case %d", i);
         lc_image_destroy(a.image);
     }
 }
 
-/* A corridor between mirrors at z = 2 and z = -2, above a floor at y = -1 that is not one. The middle column's ray at 45 degrees
- * downwards would meet the floor at z = 1; rows further up meet it after 1, 2, 3 ... mirrors. */
+/* A corridor between mirrors at z = 2 and z = -2, above a floor at y = -1 that is not one. The middle
+ * column's ray at 45 degrees downwards would meet the floor at z = 1; rows further up meet it after 1, 2, 3
+ * ... mirrors. */
 TEST(facing_mirrors_end_at_the_depth)
 {
-    const char *corridor = FILM CAMERA "LightSource \"distant\" \"point3 from\" [0 1 0] \"point3 to\" [0 0 0] \"rgb L\" [1 1 1]\n"
-        "Material \"mirror\" \"rgb Kr\" [.5 .8 1]\n" WALL("30", "2") WALL("30", "-2")
-        "Material \"diffuse\" \"rgb reflectance\" [.7 .7 .7]\n"
-        "Shape \"trianglemesh\" \"point3 P\" [-30 -1 -2 30 -1 -2 30 -1 2 -30 -1 2] \"integer indices\" [0 1 2 0 2 3]\n";
+    const char *corridor = FILM CAMERA
+        "LightSource \"distant\" \"point3 from\" [0 1 0] \"point3 to\" [0 0 0] \"rgb L\" [1 1 1]\n"
+        "Material \"mirror\" \"rgb Kr\" [.5 .8 1]\n" WALL("30", "2")
+            WALL("30", "-2") "Material \"diffuse\" \"rgb reflectance\" [.7 .7 .7]\n"
+                             "Shape \"trianglemesh\" \"point3 P\" [-30 -1 -2 30 -1 -2 30 -1 2 -30 -1 2] "
+                             "\"integer indices\" [0 1 2 0 2 3]\n";
     int seen[12] = { 0 };
     for (uint32_t depth = 1; depth <= 9; depth += 2) {
         shot a = shoot(load("%s", corridor), LC_METHOD_LIGHTCUTS, depth);
@@ -150,8 +167,10 @@ TEST(facing_mirrors_end_at_the_depth)
             double slope = ((double)y + 0.5 - 18) / 18 * 0.57735026918962576; /* drop for a step along z */
             uint32_t mirrors = (uint32_t)((1 / slope + 2) / 4); /* passed when y = -1 is reached */
             double want = mirrors < depth ? 0.7 / LC_PI : 0;
-            CHECKF(near(at(&a, "R", 24, y), want * pow(0.5, mirrors), 1e-4), "depth %u row %u: %g", depth, y, at(&a, "R", 24, y));
-            CHECK(near(at(&a, "G", 24, y), want * pow(0.8, mirrors), 1e-4) && near(at(&a, "B", 24, y), want, 1e-4));
+            CHECKF(near(at(&a, "R", 24, y), want * pow(0.5, mirrors), 1e-4), "depth %u row %u: %g", depth, y,
+                   at(&a, "R", 24, y));
+            CHECK(near(at(&a, "G", 24, y), want * pow(0.8, mirrors), 1e-4) &&
+                  near(at(&a, "B", 24, y), want, 1e-4));
             if (mirrors < 12) seen[mirrors]++;
         }
         CHECK(a.stats.camera_rays <= (uint64_t)a.w * a.h * (1 + depth));
@@ -164,8 +183,10 @@ TEST(facing_mirrors_end_at_the_depth)
 TEST(emission_in_mirrors)
 {
     for (uint32_t depth = 1; depth < 6; depth++) {
-        shot a = shoot(load(FILM CAMERA "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true\n"
-                            "Material \"mirror\" \"rgb Kr\" [.5 0 1]\n" WALL("30", "2") WALL("30", "-2")), LC_METHOD_EXACT, depth);
+        shot a = shoot(load(FILM CAMERA
+                            "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true\n"
+                            "Material \"mirror\" \"rgb Kr\" [.5 0 1]\n" WALL("30", "2") WALL("30", "-2")),
+                       LC_METHOD_EXACT, depth);
         CHECK(near(at(&a, "R", 24, 18), 2 - pow(0.5, depth), 1e-5));
         CHECK(near(at(&a, "G", 24, 18), 1, 1e-5) && near(at(&a, "B", 24, 18), 1 + depth, 1e-5));
         CHECK(a.stats.camera_rays >= (uint64_t)a.w * a.h && a.stats.points == 0);
@@ -174,18 +195,22 @@ TEST(emission_in_mirrors)
     /* no path is longer than LC_MAX_DEPTH, whatever the depth */
     shot a = shoot(load("Integrator \"path\" \"integer maxdepth\" 2000000000\n" FILM CAMERA
                         "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true\n"
-                        "Material \"mirror\" \"rgb Kr\" [1 1 1]\n" WALL("1e6", "2") WALL("1e6", "-2")), LC_METHOD_EXACT, 0);
+                        "Material \"mirror\" \"rgb Kr\" [1 1 1]\n" WALL("1e6", "2") WALL("1e6", "-2")),
+                   LC_METHOD_EXACT, 0);
     CHECK(near(at(&a, "B", 24, 18), 1 + LC_MAX_DEPTH, 1e-4));
     lc_image_destroy(a.image);
 }
 
-/* Above what is black, a smooth coat is nothing but a mirror; at depth 1 it shows no light that is a point. */
+/* Above what is black, a smooth coat is nothing but a mirror; at depth 1 it shows no light that is a point.
+ */
 TEST(smooth_coats)
 {
     for (int v4 = 0; v4 < 2; v4++) {
-        const char *coat = v4 ? "Material \"coateddiffuse\" \"rgb reflectance\" [0 0 0] \"float eta\" 1.5\n" WALL("30", "2")
-                              : "Material \"uber\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [1 1 1] \"float eta\" 1.5 \"float roughness\" 0 "
-                                "\"bool remaproughness\" \"false\"\n" WALL("30", "2");
+        const char *coat =
+            v4 ? "Material \"coateddiffuse\" \"rgb reflectance\" [0 0 0] \"float eta\" 1.5\n" WALL("30", "2")
+               : "Material \"uber\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [1 1 1] \"float eta\" 1.5 \"float "
+                 "roughness\" 0 "
+                 "\"bool remaproughness\" \"false\"\n" WALL("30", "2");
         shot a = shoot(load(FILM CAMERA STAGE "%s", coat), LC_METHOD_EXACT, 0);
         shot b = shoot(load(FILM CAMERA "Translate 0 0 4 Scale 1 1 -1\n" STAGE), LC_METHOD_EXACT, 0);
         shot c = shoot(load(FILM CAMERA STAGE "%s", coat), LC_METHOD_EXACT, 1);
@@ -194,7 +219,8 @@ TEST(smooth_coats)
             for (uint32_t x = 0; x < a.w; x++) {
                 double px = at(&a, "P.X", x, y), py = at(&a, "P.Y", x, y);
                 double ci = 2 / sqrt(px * px + py * py + 4), ct = sqrt(1 - (1 - ci * ci) / 2.25);
-                double rs = (ci - 1.5 * ct) / (ci + 1.5 * ct), rp = (1.5 * ci - ct) / (1.5 * ci + ct), share = (rs * rs + rp * rp) / 2;
+                double rs = (ci - 1.5 * ct) / (ci + 1.5 * ct), rp = (1.5 * ci - ct) / (1.5 * ci + ct),
+                       share = (rs * rs + rp * rp) / 2;
                 n += !near(at(&a, "G", x, y), share * at(&b, "G", x, y), 1e-4);
                 CHECK(!(at(&c, "G", x, y) > 0));
             }
@@ -205,23 +231,30 @@ TEST(smooth_coats)
     }
 }
 
-/* Normals that lean away by any amount: the ray leaves on its side of the surface and is lit there, or meets the wall above. */
+/* Normals that lean away by any amount: the ray leaves on its side of the surface and is lit there, or meets
+ * the wall above. */
 TEST(never_below_the_surface)
 {
     for (int k = -20; k <= 20; k++) {
         double lean = 0.15 * k;
-        lc_scene *scene = load(FILM CAMERA "Material \"mirror\"\n"
-            "Shape \"trianglemesh\" \"point3 P\" [-9 -9 2 9 -9 2 9 9 2 -9 9 2] \"integer indices\" [0 1 2 0 2 3]\n"
-            "  \"normal N\" [%g 0 -1 %g 0 -1 %g 0 -1 %g 0 -1]\n"
-            "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true Material \"diffuse\"\n"
-            "Shape \"sphere\" \"float radius\" 100\n", lean, lean, lean, lean);
+        lc_scene *scene =
+            load(FILM CAMERA
+                 "Material \"mirror\"\n"
+                 "Shape \"trianglemesh\" \"point3 P\" [-9 -9 2 9 -9 2 9 9 2 -9 9 2] \"integer indices\" [0 1 "
+                 "2 0 2 3]\n"
+                 "  \"normal N\" [%g 0 -1 %g 0 -1 %g 0 -1 %g 0 -1]\n"
+                 "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true Material \"diffuse\"\n"
+                 "Shape \"sphere\" \"float radius\" 100\n",
+                 lean, lean, lean, lean);
         for (int x = -3; x <= 3 && scene; x++) {
             lc_sight s;
             lc_f3 dir = lc_f3_normalize_d(0.4 * x, 0.1, 1);
-            CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, 0, 5, &s) && s.first.material.mirror && s.n_lit);
+            CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, 0, 5, &s) && s.first.material.mirror &&
+                  s.n_lit);
             CHECK(s.lit[0].n_mirrors == 1 && s.lit[0].view.z >= 0); /* back the way it came, towards +z */
             double l = sqrt(1 + lean * lean), nd = ((double)dir.x * lean - (double)dir.z) / l;
-            double rz = (double)dir.z + 2 * nd / l; /* about the shading normal, which is on the viewer's side of the plane */
+            /* About the shading normal, which is on the viewer's side of the plane. */
+            double rz = (double)dir.z + 2 * nd / l;
             if (rz < 0) CHECK(fabs((double)s.lit[0].view.z + rz) < 1e-6);
             else CHECK(fabs((double)s.lit[0].view.z - rz) < 1e-6);
         }
@@ -229,17 +262,20 @@ TEST(never_below_the_surface)
     }
 }
 
-/* What a texture is filtered over grows with the whole way: the checks seen in the mirror are as blurred as those at its distance. */
+/* What a texture is filtered over grows with the whole way: the checks seen in the mirror are as blurred as
+ * those at its distance. */
 TEST(textures_in_mirrors)
 {
     const char *checks = "LightSource \"point\" \"point3 from\" [0 1 %s] \"rgb I\" [9 9 9]\n"
-        "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" \"vector3 v1\" [9 0 0] \"vector3 v2\" [0 9 0]\n"
-        "Material \"diffuse\" \"texture reflectance\" \"t\"\n%s";
+                         "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" "
+                         "\"vector3 v1\" [9 0 0] \"vector3 v2\" [0 9 0]\n"
+                         "Material \"diffuse\" \"texture reflectance\" \"t\"\n%s";
     char direct[2048], mirrored[2048];
     snprintf(direct, sizeof direct, checks, "5", WALL("60", "10"));
     snprintf(mirrored, sizeof mirrored, checks, "-1", WALL("60", "-6"));
     shot a = shoot(load(FILM CAMERA "%s", direct), LC_METHOD_EXACT, 0);
-    shot b = shoot(load(FILM CAMERA "%s Material \"mirror\" \"rgb Kr\" [1 1 1]\n" WALL("30", "2"), mirrored), LC_METHOD_EXACT, 0);
+    shot b = shoot(load(FILM CAMERA "%s Material \"mirror\" \"rgb Kr\" [1 1 1]\n" WALL("30", "2"), mirrored),
+                   LC_METHOD_EXACT, 0);
     static const double one[3] = { 1, 1, 1 };
     CHECKF(n_unlike(&b, &a, one) == 0, "%u pixels differ", n_unlike(&b, &a, one));
     CHECK(near(at(&b, "Z", 9, 9), 2, 1e-5));
@@ -254,7 +290,8 @@ TEST(no_mirror_is_as_before)
     shot b = shoot(load(FILM "%s", stage), LC_METHOD_CUTS, 9);
     for (uint32_t k = 0; a.image && b.image && k < lc_image_n_channels(a.image); k++) {
         const char *name = lc_image_channel_name(a.image, k);
-        CHECK(!memcmp(lc_image_channel(a.image, name), lc_image_channel(b.image, name), (size_t)a.w * a.h * sizeof(float)));
+        CHECK(!memcmp(lc_image_channel(a.image, name), lc_image_channel(b.image, name),
+                      (size_t)a.w * a.h * sizeof(float)));
     }
     CHECK(a.stats.camera_rays == (uint64_t)a.w * a.h);
     lc_image_destroy(a.image);
@@ -264,7 +301,8 @@ TEST(no_mirror_is_as_before)
 int main(void)
 {
     lc_context_desc cd = LC_CONTEXT_DESC_INIT;
-    cd.log = silent, cd.n_threads = 2;
+    cd.log = silent;
+    cd.n_threads = 2;
     snprintf(path, sizeof path, "/tmp/unit_mirror.%ld", (long)getpid());
     if (lc_context_create(&cd, &ctx)) return 1;
     RUN(a_mirror_shows_the_mirrored_scene);

@@ -1,5 +1,5 @@
-/* unit_morton.c - points along the Z curve: in the order of codes made bit by bit, equal ones by index, the same for any threads;
- * points far away change nothing for the others. */
+/* unit_morton.c - points along the Z curve: in the order of codes made bit by bit, equal ones by index, the
+ * same for any threads; points far away change nothing for the others. */
 #include "base/morton.h"
 #include "support/test.h"
 
@@ -44,7 +44,8 @@ TEST(order_of_codes)
         fill(n, 0);
         /* a corner and another, so that cells are known; few values, so that some are equal */
         for (uint32_t i = 0; i < n / 2; i++) points[i] = lc_f3_make(points[i].x, 0.25f, (float)rnd_n(2));
-        points[n - 1] = lc_f3_make(0, 0, 0), points[0] = lc_f3_make(1, 1, 1);
+        points[n - 1] = lc_f3_make(0, 0, 0);
+        points[0] = lc_f3_make(1, 1, 1);
         if (n == 1) points[0] = lc_f3_make(1, 1, 1);
         sort(points, n, 2, order);
         static uint8_t seen[MOST];
@@ -79,7 +80,8 @@ TEST(far_points_change_nothing)
         for (int style = 0; style < 3; style++) {
             fill(n, 0);
             for (uint32_t i = 0; i < 200; i++)
-                points[n + i] = lc_f3_make(1e12f, style == 1 ? (float)i : 0, style == 2 ? 1e30f * (float)i : 0);
+                points[n + i] = lc_f3_make(1e12f, style == 1 ? (float)i : 0,
+                                           style == 2 ? 1e30f * (float)i : 0);
             sort(points, n, 2, want);
             sort(points, n + 200, 2, got);
             CHECKF(!memcmp(want, got, n * sizeof *want), "%u, style %d", n, style);
@@ -98,7 +100,8 @@ TEST(many_scales)
     }
     sort(points, n, 2, order);
     uint32_t bad = 0;
-    for (uint32_t i = LC_MORTON_FEW; i < n; i++) bad += points[order[i]].x * 2.1f < points[order[i - LC_MORTON_FEW]].x;
+    for (uint32_t i = LC_MORTON_FEW; i < n; i++)
+        bad += points[order[i]].x * 2.1f < points[order[i - LC_MORTON_FEW]].x;
     CHECKF(bad < n / 8, "%u", bad); /* the curve's own jumps: back by half a cube at most */
 }
 

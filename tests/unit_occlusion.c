@@ -1,5 +1,5 @@
-/* unit_occlusion.c - a cluster that is proved to be hidden has no light that a shadow ray reaches, wherever in its box that is; and
- * what ought to be proved is. */
+/* unit_occlusion.c - a cluster that is proved to be hidden has no light that a shadow ray reaches, wherever
+ * in its box that is; and what ought to be proved is. */
 #include "cut/occlusion_proof.h"
 #include "isa/isa.h"
 #include "shade/light.h"
@@ -24,7 +24,8 @@ static void make(setup *s)
 {
     const lc_occluders_desc desc = { m.pos, m.index, m.n_tris, NULL };
     memset(s, 0, sizeof *s);
-    if (lc_bvh_build(ctx, m.pos, m.index, m.n_tris, &s->bvh) || lc_occluders_build(ctx, &desc, &s->occluders)) abort();
+    if (lc_bvh_build(ctx, m.pos, m.index, m.n_tris, &s->bvh) || lc_occluders_build(ctx, &desc, &s->occluders))
+        abort();
     s->bvh->occluders = s->occluders;
     s->tree.lights = &s->light;
     const lc_visibility visibility = lc_bvh_visibility(s->bvh);
@@ -45,7 +46,10 @@ static bool hidden(const setup *s, lc_isa isa, const float org[3], lc_f3 to, boo
     return out[0];
 }
 
-static bool in_box(float p, float center, float half) { return fabs((double)p - (double)center) <= (double)half; }
+static bool in_box(float p, float center, float half)
+{
+    return fabs((double)p - (double)center) <= (double)half;
+}
 
 /* From -1 to 1: a place in the box, in exact arithmetic. */
 static float place(float center, float half, double where)
@@ -76,7 +80,8 @@ static lc_node box_about(lc_f3 light, double size)
     for (int k = 0; k < 3; k++) {
         n.half[k] = (float)(size * (rnd() < 0.2 ? 0 : rnd()));
         n.center[k] = accepted((float)((double)p[k] + rnd_in(-1, 1) * (double)n.half[k]));
-        while (!in_box(p[k], n.center[k], n.half[k])) n.half[k] = nextafterf(n.half[k] * (1 + 1e-6f), INFINITY);
+        while (!in_box(p[k], n.center[k], n.half[k]))
+            n.half[k] = nextafterf(n.half[k] * (1 + 1e-6f), INFINITY);
     }
     return n;
 }
@@ -87,8 +92,9 @@ static void all_hidden(const setup *s, const float org[3], const lc_node *box, b
     for (int i = 0; i < 24; i++) {
         lc_f3 to = place3(box, i < 8 ? 0 : 1);
         lc_isa isa = i % 2 ? LC_ISA_SCALAR : lc_isa_pick(LC_ISA_BEST);
-        CHECKF(hidden(s, isa, org, to, far, NULL), "%s%s: org %a %a %a, to %a %a %a", lc_isa_name(isa), far ? " far" : "",
-               (double)org[0], (double)org[1], (double)org[2], (double)to.x, (double)to.y, (double)to.z);
+        CHECKF(hidden(s, isa, org, to, far, NULL), "%s%s: org %a %a %a, to %a %a %a", lc_isa_name(isa),
+               far ? " far" : "", (double)org[0], (double)org[1], (double)org[2], (double)to.x, (double)to.y,
+               (double)to.z);
     }
 }
 
@@ -127,16 +133,33 @@ static void make_mesh(int style)
     if (style < 6) odd_mesh(style);
     else clear();
     if (style == 6) cube(1);
-    if (style == 7) cube(3), displace(true, 0.4);
-    if (style == 8) cube(8), displace(true, 0);
-    if (style >= 9 && style < 15) cornell(), move(scale[style - 9], zero);
-    if (style == 15) cube(2), displace(true, 0.9), move(1, lc_f3_make(300, 0, 0));
+    if (style == 7) {
+        cube(3);
+        displace(true, 0.4);
+    }
+    if (style == 8) {
+        cube(8);
+        displace(true, 0);
+    }
+    if (style >= 9 && style < 15) {
+        cornell();
+        move(scale[style - 9], zero);
+    }
+    if (style == 15) {
+        cube(2);
+        displace(true, 0.9);
+        move(1, lc_f3_make(300, 0, 0));
+    }
+    /* All the same way, so that there are patches about corners. */
     if (style == 7 || style == 8 || style == 15)
-        for (uint32_t i = 0; i < m.n_tris; i++) { /* all the same way, so that there are patches about corners */
+        for (uint32_t i = 0; i < m.n_tris; i++) {
             uint32_t *t = m.index + 3 * (size_t)i, swap = t[1];
             lc_f3 a = vert(t[0]), n = lc_f3_cross(lc_f3_sub(vert(t[1]), a), lc_f3_sub(vert(t[2]), a));
             if (style == 15) a.x -= 300;
-            if (lc_f3_dot(n, a) < 0) t[1] = t[2], t[2] = swap;
+            if (lc_f3_dot(n, a) < 0) {
+                t[1] = t[2];
+                t[2] = swap;
+            }
         }
 }
 
@@ -162,7 +185,8 @@ static lc_f3 rnd_org(lc_f3 c, float r)
     if (kind < 0.4) return rnd_near(c, 2 * r);
     if (kind < 0.5) return rnd_near(c, 30 * r);
     float u = (float)rnd(), v = (float)rnd() * (1 - u); /* on a triangle, or a little off */
-    lc_f3 p = lc_f3_add(lc_f3_scale(vert(t[0]), 1 - u - v), lc_f3_add(lc_f3_scale(vert(t[1]), u), lc_f3_scale(vert(t[2]), v)));
+    lc_f3 p = lc_f3_add(lc_f3_scale(vert(t[0]), 1 - u - v),
+                        lc_f3_add(lc_f3_scale(vert(t[1]), u), lc_f3_scale(vert(t[2]), v)));
     return rnd_near(p, kind < 0.9 ? 1e-4f * r : 0);
 }
 
@@ -187,17 +211,21 @@ TEST(what_is_proved_hidden_is_hidden)
         for (int i = 0; i < 30000 / SLOW; i++) {
             float org[3];
             bool far = rnd() < 0.3;
-            lc_f3 from = rnd_org(c, r), light = far ? rnd_unit() : rnd_near(c, rnd() < 0.9 ? 1.5f * r : 100 * r);
+            lc_f3 from = rnd_org(c, r),
+                  light = far ? rnd_unit() : rnd_near(c, rnd() < 0.9 ? 1.5f * r : 100 * r);
             lc_f3_store(org, from);
             lc_node box = box_about(light, (far ? 1 : (double)r) * pow(10, rnd_in(-6, 0)));
             try(&s, org, light, &box, far, &t);
         }
-        printf("  mesh %2d: %6u triangles, %6llu boxes, %6llu proved by %.1f triangles\n", style, m.n_tris, (unsigned long long)t.tried,
-               (unsigned long long)t.proved, (double)t.tests / (double)(t.tried ? t.tried : 1) / 2);
-        all.tried += t.tried, all.proved += t.proved;
+        printf("  mesh %2d: %6u triangles, %6llu boxes, %6llu proved by %.1f triangles\n", style, m.n_tris,
+               (unsigned long long)t.tried, (unsigned long long)t.proved,
+               (double)t.tests / (double)(t.tried ? t.tried : 1) / 2);
+        all.tried += t.tried;
+        all.proved += t.proved;
         unmake(&s);
     }
-    CHECKF(all.proved > 50000 / SLOW, "%llu of %llu", (unsigned long long)all.proved, (unsigned long long)all.tried);
+    CHECKF(all.proved > 50000 / SLOW, "%llu of %llu", (unsigned long long)all.proved,
+           (unsigned long long)all.tried);
 }
 
 /* Points take over proofs from others near them, whose triangle may not be before the box here. */
@@ -215,7 +243,8 @@ TEST(a_proof_may_begin_at_any_triangle)
             lc_f3_store(org, rnd_org(c, r));
             lc_node box = box_about(light, (far ? 1 : (double)r) * pow(10, rnd_in(-6, 0)));
             lc_occlusion_start(&s.at, org);
-            if (!lc_occlusion_proves(&s.at, &box, rnd_n(s.occluders->n), false, far, LC_MAX_PATCH, &n_tests)) continue;
+            if (!lc_occlusion_proves(&s.at, &box, rnd_n(s.occluders->n), false, far, LC_MAX_PATCH, &n_tests))
+                continue;
             n_proved++;
             all_hidden(&s, org, &box, far);
         }
@@ -245,15 +274,23 @@ static void wall(uint32_t n, bool apart)
     clear();
     for (uint32_t i = 0; i < n * n; i++) {
         float x[2], y[2]; /* of its sides: bits that its neighbours have too */
-        for (uint32_t k = 0; k < 2; k++) x[k] = 2 * (float)(i % n + k) / (float)n - 1, y[k] = 2 * (float)(i / n + k) / (float)n - 1;
-        lc_f3 a = lc_f3_make(x[0], y[0], 0), b = lc_f3_make(x[1], y[0], 0), c = lc_f3_make(x[1], y[1], 0), d = lc_f3_make(x[0], y[1], 0);
+        for (uint32_t k = 0; k < 2; k++) {
+            x[k] = 2 * (float)(i % n + k) / (float)n - 1;
+            y[k] = 2 * (float)(i / n + k) / (float)n - 1;
+        }
+        lc_f3 a = lc_f3_make(x[0], y[0], 0), b = lc_f3_make(x[1], y[0], 0), c = lc_f3_make(x[1], y[1], 0),
+              d = lc_f3_make(x[0], y[1], 0);
         if (apart) {
-            put_three(a, b, c), put_three(a, c, d);
+            put_three(a, b, c);
+            put_three(a, c, d);
             continue;
         }
         uint32_t first = put_vert(a);
-        put_vert(b), put_vert(c), put_vert(d);
-        put_tri(first, first + 1, first + 2), put_tri(first, first + 2, first + 3);
+        put_vert(b);
+        put_vert(c);
+        put_vert(d);
+        put_tri(first, first + 1, first + 2);
+        put_tri(first, first + 2, first + 3);
     }
 }
 
@@ -265,17 +302,21 @@ TEST(a_wall_hides_what_is_behind)
         for (int apart = 0; apart < 2; apart++) {
             wall(n, apart);
             make(&s);
-            lc_node behind = box_at(0, 0, -1, 0.5f), aside = box_at(1.5f, 0, -1, 0.5f), through = box_at(0, 0, -0.2f, 0.3f);
-            lc_node before = box_at(0, 0, 0.5f, 0.2f), far = box_at(0, 0, -1, 0.3f), far_aside = box_at(0, 0, -1, 0.99f);
+            lc_node behind = box_at(0, 0, -1, 0.5f), aside = box_at(1.5f, 0, -1, 0.5f),
+                    through = box_at(0, 0, -0.2f, 0.3f);
+            lc_node before = box_at(0, 0, 0.5f, 0.2f), far = box_at(0, 0, -1, 0.3f),
+                    far_aside = box_at(0, 0, -1, 0.99f);
             CHECK(proves(&s, eye, &behind, false) && proves(&s, eye, &far, true));
-            CHECK(!proves(&s, eye, &aside, false) && !proves(&s, eye, &through, false) && !proves(&s, eye, &before, false));
+            CHECK(!proves(&s, eye, &aside, false) && !proves(&s, eye, &through, false) &&
+                  !proves(&s, eye, &before, false));
             CHECK(!proves(&s, eye, &far_aside, true));
             CHECK(!proves(&s, lc_f3_make(0.1f, 0.2f, 0), &behind, false)); /* in the wall's plane */
             unmake(&s);
         }
 }
 
-/* What shares edges but leaves a gap in between does not hide; nor does it with the gap filled by a triangle that has holes. */
+/* What shares edges but leaves a gap in between does not hide; nor does it with the gap filled by a triangle
+ * that has holes. */
 TEST(a_gap_is_seen)
 {
     static setup s;
@@ -294,13 +335,15 @@ TEST(a_gap_is_seen)
     CHECK(s.occluders->n == m.n_tris - 1 && lc_occluder_of(s.occluders, in_the_middle) == LC_NONE);
     for (uint32_t t = 0, n = 0; t < m.n_tris; t++)
         if (t != in_the_middle) CHECK(lc_occluder_of(s.occluders, t) == n++);
-    CHECK(lc_occluder_of(s.occluders, m.n_tris) == LC_NONE && lc_occluder_of(s.occluders, 1u << 30) == LC_NONE);
+    CHECK(lc_occluder_of(s.occluders, m.n_tris) == LC_NONE &&
+          lc_occluder_of(s.occluders, 1u << 30) == LC_NONE);
     s.bvh->occluders = s.occluders;
     const lc_visibility visibility = lc_bvh_visibility(s.bvh);
     lc_occlusion_init(&s.at, &visibility, &s.tree);
     CHECK(!proves(&s, eye, &box, false));
     unmake(&s);
-    memmove(m.index + 3 * in_the_middle, m.index + 3 * in_the_middle + 3, 3 * (m.n_tris - in_the_middle - 1) * sizeof *m.index);
+    memmove(m.index + 3 * in_the_middle, m.index + 3 * in_the_middle + 3,
+            3 * (m.n_tris - in_the_middle - 1) * sizeof *m.index);
     m.n_tris--;
     make(&s);
     CHECK(!proves(&s, eye, &box, false));
@@ -314,12 +357,14 @@ TEST(a_fold_hides_one_side)
     clear();
     uint32_t a = put_vert(lc_f3_make(0, -1, 0)), b = put_vert(lc_f3_make(0, 1, 0));
     uint32_t c = put_vert(lc_f3_make(-2, 0, 0)), d = put_vert(lc_f3_make(-2, 0, -0.5f));
-    put_tri(a, b, c), put_tri(b, a, d);
+    put_tri(a, b, c);
+    put_tri(b, a, d);
     make(&s);
     CHECK(s.occluders->all[0].next[0] == 1 && s.occluders->all[1].next[0] == 0);
     lc_node within = box_at(-1, 0, -2, 0.05f), across = box_at(0, 0, -2, 0.1f);
     across.center[0] = -0.05f;
-    CHECK(proves(&s, lc_f3_make(-1, 0, 3), &within, false) && !proves(&s, lc_f3_make(0, 0, 3), &across, false));
+    CHECK(proves(&s, lc_f3_make(-1, 0, 3), &within, false) &&
+          !proves(&s, lc_f3_make(0, 0, 3), &across, false));
     unmake(&s);
 }
 
@@ -327,12 +372,14 @@ TEST(a_fold_hides_one_side)
 TEST(the_largest_are_taken)
 {
     const uint32_t n = 2 * LC_MAX_OCCLUDERS;
-    float *pos = malloc(9 * (size_t)n * sizeof *pos), *size = malloc(n * sizeof *size), least = INFINITY, most = 0;
+    float *pos = malloc(9 * (size_t)n * sizeof *pos), *size = malloc(n * sizeof *size), least = INFINITY,
+          most = 0;
     uint32_t *index = malloc(3 * (size_t)n * sizeof *index), n_taken = 0;
     lc_occluders *o;
     for (uint32_t t = 0; t < n; t++) {
         size[t] = (float)pow(10, rnd_in(-3, 1));
-        for (uint32_t k = 0; k < 9; k++) pos[9 * (size_t)t + k] = (float)(t % 1000) + (k == 3 || k == 7 ? size[t] : 0);
+        for (uint32_t k = 0; k < 9; k++)
+            pos[9 * (size_t)t + k] = (float)(t % 1000) + (k == 3 || k == 7 ? size[t] : 0);
         for (uint32_t k = 0; k < 3; k++) index[3 * t + k] = 3 * t + k;
     }
     const lc_occluders_desc desc = { pos, index, n, NULL };
@@ -346,10 +393,14 @@ TEST(the_largest_are_taken)
         CHECK(i == n_taken++ && !memcmp(&o->all[i].v[0][0], &pos[9 * (size_t)t], sizeof *pos));
         least = fminf(least, size[t]);
     }
-    CHECKF(n_taken == o->n && n_taken <= LC_MAX_OCCLUDERS && n_taken > LC_MAX_OCCLUDERS - LC_MAX_OCCLUDERS / 50, "%u taken", n_taken);
+    CHECKF(n_taken == o->n && n_taken <= LC_MAX_OCCLUDERS &&
+               n_taken > LC_MAX_OCCLUDERS - LC_MAX_OCCLUDERS / 50,
+           "%u taken", n_taken);
     CHECKF(least > 0.99f * most, "taken down to %g, left up to %g", (double)least, (double)most);
     lc_occluders_destroy(o);
-    free(pos), free(size), free(index);
+    free(pos);
+    free(size);
+    free(index);
 }
 
 int main(void)

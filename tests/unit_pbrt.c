@@ -183,9 +183,14 @@ TEST(look_at_and_camera)
     CHECK(near(scene->camera_desc.world_to_camera[0], -1, 0) && near3(vertex(1), 1, 0, 0, 0));
     CHECK(load("Camera \"orthographic\" \"float screenwindow\" [-2 2 -1 1] WorldBegin") == LC_OK);
     CHECK(scene->camera_desc.kind == LC_CAMERA_ORTHOGRAPHIC && near(scene->camera_desc.screen[0], -2, 0));
-    CHECK(load("Camera \"perspective\" \"float lensradius\" .1 \"float screenwindow\" [-2 2 -1 1] WorldBegin") == LC_OK);
-    CHECK(near(scene->camera_desc.lens_radius, .1, 0) && near(scene->camera_desc.focal_distance, 1e6, 0) && scene->film.spp == 16);
-    CHECK(load("Camera \"realistic\" \"float aperturediameter\" 1 WorldBegin") == LC_OK && note("camera realistic"));
+    CHECK(
+        load(
+            "Camera \"perspective\" \"float lensradius\" .1 \"float screenwindow\" [-2 2 -1 1] WorldBegin") ==
+        LC_OK);
+    CHECK(near(scene->camera_desc.lens_radius, .1, 0) && near(scene->camera_desc.focal_distance, 1e6, 0) &&
+          scene->film.spp == 16);
+    CHECK(load("Camera \"realistic\" \"float aperturediameter\" 1 WorldBegin") == LC_OK &&
+          note("camera realistic"));
     EXPECT_ERROR("Camera \"perspective\" \"float fov\" [180] WorldBegin",
                  "s.pbrt:1:22: error: parameter 'fov' is not an angle between 0 and 180");
     EXPECT_ERROR("Scale 0 1 1\nCamera \"perspective\" WorldBegin",
@@ -217,7 +222,10 @@ TEST(a_million_scopes)
 {
     size_t n = 1000000, len = strlen("AttributeBegin ");
     char *text = malloc(n * len + 64), *p = text + sprintf(text, "WorldBegin ");
-    for (size_t i = 0; i < n; i++) memcpy(p, "AttributeBegin ", len), p += len;
+    for (size_t i = 0; i < n; i++) {
+        memcpy(p, "AttributeBegin ", len);
+        p += len;
+    }
     CHECK(load_n(text, (size_t)(p - text)) == LC_OK);
     free(text);
 }
@@ -240,10 +248,12 @@ static void expect_shrunk(uint64_t max_pixels, uint32_t width, uint32_t height, 
     lc_load_desc desc = LC_LOAD_DESC_INIT;
     desc.area_lights = desc.n_reps = 1;
     desc.max_pixels = max_pixels;
-    CHECK(load("Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 32 \"float cropwindow\" [.25 .5 0 .1]\n"
+    CHECK(load("Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 32 \"float cropwindow\" [.25 "
+               ".5 0 .1]\n"
                "Camera \"perspective\" WorldBegin") == LC_OK);
     CHECK(lc_scene_commit(scene, &desc) == LC_OK);
-    CHECKF(scene->film.width == width && scene->film.height == height, "%u x %u", scene->film.width, scene->film.height);
+    CHECKF(scene->film.width == width && scene->film.height == height, "%u x %u", scene->film.width,
+           scene->film.height);
     for (int i = 0; i < 4; i++) CHECKF(scene->film.crop[i] == crop[i], "crop[%d] %u", i, scene->film.crop[i]);
 }
 
@@ -334,14 +344,16 @@ TEST(named_materials_and_textures)
 TEST(mirrors_and_depth)
 {
     CHECK(load("WorldBegin Material \"mirror\" " TRI "Material \"mirror\" \"rgb Kr\" [.1 .2 .3] " TRI
-               "MakeNamedMaterial \"m\" \"string type\" \"mirror\" \"rgb reflectance\" [.4 .5 1.5] NamedMaterial \"m\" " TRI
-               "Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.7 .8 .9] Material \"mirror\" \"texture Kr\" \"t\" " TRI
+               "MakeNamedMaterial \"m\" \"string type\" \"mirror\" \"rgb reflectance\" [.4 .5 1.5] "
+               "NamedMaterial \"m\" " TRI "Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.7 .8 .9] "
+                                          "Material \"mirror\" \"texture Kr\" \"t\" " TRI
                "Material \"matte\" " TRI) == LC_OK);
     CHECK(scene->n_notes == 1 && note("reflectance") && scene->n_meshes == 5 && scene->max_depth == 5);
     static const double want[4][3] = { { .9, .9, .9 }, { .1, .2, .3 }, { .4, .5, 1 }, { .7, .8, .9 } };
     for (int i = 0; i < 4; i++) {
         const lc_material *m = &scene->materials[scene->meshes[i].material_id];
-        CHECK(m->mirror && near3(m->ks, want[i][0], want[i][1], want[i][2], 1e-6) && near3(m->kd, 0, 0, 0, 0));
+        CHECK(m->mirror && near3(m->ks, want[i][0], want[i][1], want[i][2], 1e-6) &&
+              near3(m->kd, 0, 0, 0, 0));
     }
     CHECK(!scene->materials[scene->meshes[4].material_id].mirror);
     static const struct { const char *text; uint32_t depth; } depths[] = {
@@ -355,7 +367,8 @@ TEST(mirrors_and_depth)
     };
     for (size_t i = 0; i < sizeof depths / sizeof *depths; i++) {
         CHECK(load(depths[i].text) == LC_OK);
-        CHECKF(scene->max_depth == depths[i].depth && (note("maxdepth") != NULL) == (i > 4), "%s", depths[i].text);
+        CHECKF(scene->max_depth == depths[i].depth && (note("maxdepth") != NULL) == (i > 4), "%s",
+               depths[i].text);
     }
     EXPECT_ERROR("Integrator \"path\" \"integer maxdepth\" 1.5 WorldBegin",
                  "s.pbrt:1:19: error: parameter 'maxdepth' is not an integer");
@@ -380,20 +393,26 @@ TEST(materials)
     CHECK(scene->n_meshes == 1 && near3(kd_of_mesh(0), 0, 0, 0, 0));
     CHECK(load("WorldBegin Material \"matte\" \"float sigma\" 20 \"rgb Kd\" [2 -1 .5] " TRI) == LC_OK);
     CHECK(near3(kd_of_mesh(0), 1, 0, .5, 0) && note("matte sigma") && note("reflectance"));
-    CHECK(load("WorldBegin Material \"ward\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [.4 .5 .6] \"float roughness\" .25 \"float vroughness\" "
+    CHECK(load("WorldBegin Material \"ward\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [.4 .5 .6] \"float roughness\" "
+               ".25 \"float vroughness\" "
                ".5 " TRI) == LC_OK);
     m = &scene->materials[scene->meshes[0].material_id];
-    CHECK(near3(m->kd, .1, .2, .3, 1e-7) && near3(m->ks, .4, .5, .6, 1e-7) && near((double)m->roughness[0], .25, 0) &&
-          near((double)m->roughness[1], .5, 0) && scene->meshes[0].brushed && scene->n_notes == 0);
+    CHECK(near3(m->kd, .1, .2, .3, 1e-7) && near3(m->ks, .4, .5, .6, 1e-7) &&
+          near((double)m->roughness[0], .25, 0) && near((double)m->roughness[1], .5, 0) &&
+          scene->meshes[0].brushed && scene->n_notes == 0);
     CHECK(load("WorldBegin Material \"ward\" " TRI) == LC_OK && !scene->meshes[0].brushed);
     m = &scene->materials[scene->meshes[0].material_id];
-    CHECK(near((double)m->roughness[0], .1, 1e-7) && near((double)m->roughness[1], .1, 1e-7) && near3(m->ks, 0, 0, 0, 0));
-    CHECK(load("WorldBegin Material \"ward\" \"float uroughness\" 0 \"float vroughness\" 7 " TRI) == LC_OK && note("ward roughness"));
+    CHECK(near((double)m->roughness[0], .1, 1e-7) && near((double)m->roughness[1], .1, 1e-7) &&
+          near3(m->ks, 0, 0, 0, 0));
+    CHECK(load("WorldBegin Material \"ward\" \"float uroughness\" 0 \"float vroughness\" 7 " TRI) == LC_OK &&
+          note("ward roughness"));
     m = &scene->materials[scene->meshes[0].material_id];
     CHECK(near((double)m->roughness[0], (double)LC_MIN_ROUGHNESS, 0) && near((double)m->roughness[1], 1, 0));
-    CHECK(load("WorldBegin Material \"ggx\" \"rgb Ks\" [.4 .5 .6] \"float roughness\" .25 " TRI) == LC_OK && scene->n_notes == 0);
+    CHECK(load("WorldBegin Material \"ggx\" \"rgb Ks\" [.4 .5 .6] \"float roughness\" .25 " TRI) == LC_OK &&
+          scene->n_notes == 0);
     m = &scene->materials[scene->meshes[0].material_id];
-    CHECK(m->gloss == LC_GLOSS_GGX && m->fresnel == LC_FRESNEL_SCHLICK && near((double)m->roughness[1], .25, 0));
+    CHECK(m->gloss == LC_GLOSS_GGX && m->fresnel == LC_FRESNEL_SCHLICK &&
+          near((double)m->roughness[1], .25, 0));
     EXPECT_ERROR("WorldBegin Material \"ward\" \"float uroughness\" -1",
                  "s.pbrt:1:28: error: parameter 'uroughness' is negative");
     EXPECT_ERROR("WorldBegin Material \"phong\" \"float exponent\" -1",
@@ -553,7 +572,8 @@ TEST(many_spheres_are_coarser)
     CHECK(scene->meshes[0].n_tris == 128 * 63 * 2 && scene->meshes[64].n_tris == 64 * 31 * 2);
     CHECK(scene->meshes[256].n_tris == 32 * 15 * 2 && scene->meshes[1024].n_tris == 16 * 7 * 2);
     CHECK(scene->meshes[2999].n_tris == 8 * 3 * 2 && scene->n_tris < 1200000);
-    CHECK(scene->n_notes == 2 && note("shape sphere")->count == 3000 && note("coarse round shapes")->count < 2990);
+    CHECK(scene->n_notes == 2 && note("shape sphere")->count == 3000 &&
+          note("coarse round shapes")->count < 2990);
     free(text);
 }
 
@@ -653,11 +673,13 @@ TEST(includes)
 /* Scenes are passed on without some of their files: what is there is read. */
 TEST(missing_files)
 {
-    write_file("lost.pbrt", "WorldBegin\n Shape \"plymesh\" \"string filename\" \"x.ply\" " TRI "Include \"x\" " TRI);
+    write_file("lost.pbrt",
+               "WorldBegin\n Shape \"plymesh\" \"string filename\" \"x.ply\" " TRI "Include \"x\" " TRI);
     CHECK(load_file("lost.pbrt") == LC_OK && scene->n_meshes == 2);
     CHECK(note("missing mesh") && strstr(note("missing mesh")->text, "lost.pbrt:2:18: '") &&
           strstr(note("missing mesh")->text, "/x.ply': no such file"));
-    CHECK(note("missing file") && strstr(note("missing file")->text, "/x': no such file; what it holds is left out"));
+    CHECK(note("missing file") &&
+          strstr(note("missing file")->text, "/x': no such file; what it holds is left out"));
     char want[512];
     write_file("lost2.pbrt", "Include \"x\" WorldBegin");
     snprintf(want, sizeof want, "cannot open '%s/x': No such file or directory", dir);

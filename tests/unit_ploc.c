@@ -1,5 +1,6 @@
-/* unit_ploc.c - the parallel builder: every result is a tree of all lights, no deeper than is promised even of sets made to be hard,
- * the same for any threads and instruction set; looking at all pairs it finds what greedy joining finds; memory that runs out. */
+/* unit_ploc.c - the parallel builder: every result is a tree of all lights, no deeper than is promised even
+ * of sets made to be hard, the same for any threads and instruction set; looking at all pairs it finds what
+ * greedy joining finds; memory that runs out. */
 #include "isa/isa.h"
 #include "support/test.h"
 #include "tree/tree_build.h"
@@ -16,7 +17,8 @@ static void *counted_alloc(void *user, size_t size, size_t align)
 {
     (void)user;
     if (__atomic_add_fetch(&allocations, 1, __ATOMIC_RELAXED) > allowed) return NULL;
-    now_bytes += size, taken++;
+    now_bytes += size;
+    taken++;
     if (now_bytes > most_bytes) most_bytes = now_bytes;
     return aligned_alloc(align, (size + align - 1) / align * align);
 }
@@ -24,7 +26,8 @@ static void *counted_alloc(void *user, size_t size, size_t align)
 static void counted_free(void *user, void *ptr, size_t size)
 {
     (void)user;
-    now_bytes -= size, taken--;
+    now_bytes -= size;
+    taken--;
     free(ptr);
 }
 
@@ -32,21 +35,42 @@ static const lc_allocator counted = { counted_alloc, counted_free, NULL };
 
 static lc_status build(const lc_build_input *in, uint32_t threads, lc_isa isa, lc_build_pair *pairs)
 {
-    lc_context ctx = { .allocator = counted, .n_threads = threads, .isa = isa, .tree_kernels = &lc_isa_kernels(lc_isa_pick(isa))->tree };
+    lc_context ctx = { .allocator = counted,
+                       .n_threads = threads,
+                       .isa = isa,
+                       .tree_kernels = &lc_isa_kernels(lc_isa_pick(isa))->tree };
     return lc_ploc(&ctx, in, pairs);
 }
 
 /* ---- lights ---- */
 
-enum { ROOM, LINE, GAPS, DOUBLING, ONE_PLACE, TWO_PLACES, POWERS, RISING, BLACK, HUGE_ONE, TINY, FACETS, INTERLEAVED, STYLES };
-static const char *const names[STYLES] = { "room", "line", "growing gaps", "doubling gaps", "one place", "two places", "30 decades",
-                                           "rising powers", "black", "huge", "tiny", "facets", "interleaved" };
+enum {
+    ROOM,
+    LINE,
+    GAPS,
+    DOUBLING,
+    ONE_PLACE,
+    TWO_PLACES,
+    POWERS,
+    RISING,
+    BLACK,
+    HUGE_ONE,
+    TINY,
+    FACETS,
+    INTERLEAVED,
+    STYLES
+};
+static const char *const names[STYLES] = { "room",       "line",       "growing gaps", "doubling gaps",
+                                           "one place",  "two places", "30 decades",   "rising powers",
+                                           "black",      "huge",       "tiny",         "facets",
+                                           "interleaved" };
 
 static void put(lc_light *l, int style, uint32_t i, uint32_t n)
 {
     double x = i, scale = style == HUGE_ONE ? 1e12 : style == TINY ? 1e-30 : 1;
     *l = (lc_light){ .dir = rnd_unit(), .atten = { 0, 0, 1 }, .intensity = { 1, 1, 1 } };
-    l->pos = lc_f3_make((float)(scale * rnd_in(-1, 1)), (float)(scale * rnd_in(-1, 1)), (float)(scale * rnd_in(-1, 1)));
+    l->pos = lc_f3_make((float)(scale * rnd_in(-1, 1)), (float)(scale * rnd_in(-1, 1)),
+                        (float)(scale * rnd_in(-1, 1)));
     if (style == LINE) l->pos = lc_f3_make((float)x, 0, 0);
     if (style == GAPS) l->pos = lc_f3_make((float)(x * x / n), 0, 0);
     if (style == DOUBLING) l->pos = lc_f3_make((float)(1e12 * exp2(((double)i - n) * 60 / n)), 0, 0);
@@ -54,20 +78,28 @@ static void put(lc_light *l, int style, uint32_t i, uint32_t n)
     if (style == TWO_PLACES) l->pos = lc_f3_make(i % 2 ? 3 : 4, 4, 5);
     if (style <= POWERS && style >= LINE) l->dir = lc_f3_make(0, 0, 1);
     if (style == POWERS) l->intensity = lc_f3_scale(l->intensity, powf(10, (float)rnd_in(-15, 15)));
-    if (style == RISING) l->pos = lc_f3_make(0, 0, (float)i), l->intensity.x = powf(10, (float)(30 * x / n - 15));
+    if (style == RISING) {
+        l->pos = lc_f3_make(0, 0, (float)i);
+        l->intensity.x = powf(10, (float)(30 * x / n - 15));
+    }
     if (style == BLACK) l->intensity = lc_f3_make(0, 0, 0);
     if (style == HUGE_ONE) l->intensity = lc_f3_make(1e15f, 1e15f, 1e15f);
     if (style == TINY) l->intensity = lc_f3_make(1e-18f, 0, 0);
     if (style == FACETS) l->dir = lc_f3_make(i % 3 == 0, i % 3 == 1, i % 3 == 2);
-    if (style == INTERLEAVED)
-        l->pos = lc_f3_make((float)(i / 8), 0, 0), l->dir = lc_f3_normalize(lc_f3_make((float)(i % 8 * (i % 8)), 1, 0));
+    if (style == INTERLEAVED) {
+        l->pos = lc_f3_make((float)(i / 8), 0, 0);
+        l->dir = lc_f3_normalize(lc_f3_make((float)(i % 8 * (i % 8)), 1, 0));
+    }
 }
 
 static lc_light *make(int style, uint32_t n, lc_light_kind kind)
 {
     lc_light *l = malloc(n * sizeof *l);
     if (!l) abort();
-    for (uint32_t i = 0; i < n; i++) put(&l[i], style, i, n), l[i].kind = kind;
+    for (uint32_t i = 0; i < n; i++) {
+        put(&l[i], style, i, n);
+        l[i].kind = kind;
+    }
     return l;
 }
 
@@ -89,7 +121,8 @@ static uint32_t depth_of(const lc_build_pair *pairs, uint32_t n)
             if (depth[c] + 1 > depth[n + i]) depth[n + i] = depth[c] + 1;
             if (depth[n + i] > most) most = depth[n + i];
         }
-    free(used), free(depth);
+    free(used);
+    free(depth);
     return most;
 }
 
@@ -101,9 +134,11 @@ static void check_set(int style, uint32_t n, lc_light_kind kind)
     lc_build_input in = { lights, NULL, n, kind, lc_is_aimed((lc_light_kind)kind) ? 12 : 0 };
     CHECK(build(&in, 2, LC_ISA_BEST, pairs) == LC_OK);
     uint32_t depth = depth_of(pairs, n);
-    CHECKF(depth <= 128 + 32 * log(fmax(1, n / 128.0)), "%s, %u lights of kind %d: depth %u", names[style], n, (int)kind, depth);
+    CHECKF(depth <= 128 + 32 * log(fmax(1, n / 128.0)), "%s, %u lights of kind %d: depth %u", names[style], n,
+           (int)kind, depth);
     if (n > 20000) printf("  %-14s kind %d, %u lights: depth %u\n", names[style], (int)kind, n, depth);
-    free(lights), free(pairs);
+    free(lights);
+    free(pairs);
 }
 
 TEST(trees_of_all_lights)
@@ -111,7 +146,8 @@ TEST(trees_of_all_lights)
     static const uint32_t sizes[] = { 2, 3, 4, 7, 8, 9, 63, 300, 5000, 30000 };
     for (int style = 0; style < STYLES; style++)
         for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
-            for (size_t i = 0; i < (kind == LC_LIGHT_DIRECTIONAL ? 9 : 10); i++) check_set(style, sizes[i], (lc_light_kind)kind);
+            for (size_t i = 0; i < (kind == LC_LIGHT_DIRECTIONAL ? 9 : 10); i++)
+                check_set(style, sizes[i], (lc_light_kind)kind);
 }
 
 /* Equal lights in one place: halved by every round. */
@@ -124,7 +160,8 @@ TEST(coincident_lights_are_balanced)
     if (!pairs) abort();
     CHECK(build(&in, 2, LC_ISA_BEST, pairs) == LC_OK);
     CHECK(depth_of(pairs, n) == 17);
-    free(lights), free(pairs);
+    free(lights);
+    free(pairs);
 }
 
 TEST(same_for_threads_and_instruction_sets)
@@ -136,17 +173,20 @@ TEST(same_for_threads_and_instruction_sets)
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
         for (int style = 0; style < STYLES; style += 4) {
             lc_light *lights = make(style, n, (lc_light_kind)kind);
-            lc_build_input in = { lights, NULL, n, (lc_light_kind)kind, lc_is_aimed((lc_light_kind)kind) ? 12 : 0 };
+            lc_build_input in = { lights, NULL, n, (lc_light_kind)kind,
+                                  lc_is_aimed((lc_light_kind)kind) ? 12 : 0 };
             CHECK(build(&in, 1, lc_isa_pick(LC_ISA_BEST), want) == LC_OK);
             for (uint32_t i = 0; i < 4; i++) {
                 lc_isa isa = LC_ISA_SCALAR + (lc_isa)(i % LC_N_ISAS);
                 if (!lc_isa_supported(isa)) isa = LC_ISA_SCALAR;
                 CHECK(build(&in, threads[i], isa, got) == LC_OK);
-                CHECKF(!memcmp(want, got, (n - 1) * sizeof *got), "%s, %u threads, %s", names[style], threads[i], lc_isa_name(isa));
+                CHECKF(!memcmp(want, got, (n - 1) * sizeof *got), "%s, %u threads, %s", names[style],
+                       threads[i], lc_isa_name(isa));
             }
             free(lights);
         }
-    free(want), free(got);
+    free(want);
+    free(got);
 }
 
 /* An index picks lights and numbers them anew. */
@@ -156,11 +196,19 @@ TEST(index_as_a_copy)
     lc_light *all = make(ROOM, n, LC_LIGHT_POINT), *some = malloc(half * sizeof *some);
     lc_build_pair *want = malloc(half * sizeof *want), *got = malloc(half * sizeof *got);
     if (!index || !some || !want || !got) abort();
-    for (uint32_t i = 0; i < half; i++) index[i] = 2 * i + 1, some[i] = all[2 * i + 1];
-    lc_build_input copy = { some, NULL, half, LC_LIGHT_POINT, 0 }, by_index = { all, index, half, LC_LIGHT_POINT, 0 };
+    for (uint32_t i = 0; i < half; i++) {
+        index[i] = 2 * i + 1;
+        some[i] = all[2 * i + 1];
+    }
+    lc_build_input copy = { some, NULL, half, LC_LIGHT_POINT, 0 },
+                   by_index = { all, index, half, LC_LIGHT_POINT, 0 };
     CHECK(build(&copy, 1, LC_ISA_BEST, want) == LC_OK && build(&by_index, 1, LC_ISA_BEST, got) == LC_OK);
     CHECK(!memcmp(want, got, (half - 1) * sizeof *got));
-    free(index), free(all), free(some), free(want), free(got);
+    free(index);
+    free(all);
+    free(some);
+    free(want);
+    free(got);
 }
 
 /* ---- greedy joining ---- */
@@ -182,12 +230,16 @@ static double size_of(const box *a, const box *b)
 
 static void join(box *out, const box *a, const box *b)
 {
-    for (int k = 0; k < 3; k++) out->lo[k] = fmin(a->lo[k], b->lo[k]), out->hi[k] = fmax(a->hi[k], b->hi[k]);
+    for (int k = 0; k < 3; k++) {
+        out->lo[k] = fmin(a->lo[k], b->lo[k]);
+        out->hi[k] = fmax(a->hi[k], b->hi[k]);
+    }
     out->power = a->power + b->power;
     out->live = true;
 }
 
-/* Sum of the metric over a tree of point lights; pairs NULL: of the tree that joins the least pair each time. */
+/* Sum of the metric over a tree of point lights; pairs NULL: of the tree that joins the least pair each time.
+ */
 static double sum_of(const lc_light *lights, const lc_build_pair *pairs, uint32_t n)
 {
     box *b = calloc(2 * (size_t)n, sizeof *b);
@@ -196,7 +248,9 @@ static double sum_of(const lc_light *lights, const lc_build_pair *pairs, uint32_
     for (uint32_t i = 0; i < n; i++) {
         const float x[3] = { lights[i].pos.x, lights[i].pos.y, lights[i].pos.z };
         for (int k = 0; k < 3; k++) b[i].lo[k] = b[i].hi[k] = (double)x[k];
-        b[i].power = ((double)lights[i].intensity.x + (double)lights[i].intensity.y + (double)lights[i].intensity.z) / 3;
+        b[i].power = ((double)lights[i].intensity.x + (double)lights[i].intensity.y +
+                      (double)lights[i].intensity.z) /
+                     3;
         b[i].live = true;
     }
     for (uint32_t m = n; m < 2 * n - 1; m++) {
@@ -204,7 +258,11 @@ static double sum_of(const lc_light *lights, const lc_build_pair *pairs, uint32_
         double least = INFINITY;
         for (uint32_t i = 0; i < m && !pairs; i++)
             for (uint32_t j = 0; j < i && b[i].live; j++)
-                if (b[j].live && size_of(&b[i], &b[j]) < least) one = i, two = j, least = size_of(&b[i], &b[j]);
+                if (b[j].live && size_of(&b[i], &b[j]) < least) {
+                    one = i;
+                    two = j;
+                    least = size_of(&b[i], &b[j]);
+                }
         sum += size_of(&b[one], &b[two]);
         join(&b[m], &b[one], &b[two]);
         b[one].live = b[two].live = false;
@@ -213,7 +271,8 @@ static double sum_of(const lc_light *lights, const lc_build_pair *pairs, uint32_
     return sum;
 }
 
-/* Few lights: all pairs are looked at, and the metric is reducible, so mutual neighbours are what greedy joining would join. */
+/* Few lights: all pairs are looked at, and the metric is reducible, so mutual neighbours are what greedy
+ * joining would join. */
 TEST(few_lights_as_greedy)
 {
     uint32_t n = 120;
@@ -252,7 +311,8 @@ TEST(far_light_is_put_last)
         double got = sum_of(lights, pairs, n);
         CHECKF(fabs(got - want) < 0.01 * want, "%g, not %g", got, want);
     }
-    free(lights), free(pairs);
+    free(lights);
+    free(pairs);
 }
 
 /* ---- memory ---- */

@@ -111,8 +111,12 @@ static size_t make_binary(char *out, bool big)
         short s = -2;
         unsigned short t = 65535;
         unsigned char a = 10;
-        p = put(p, &x, 4, big), p = put(p, &y, 8, big), p = put(p, &z, 1, big);
-        p = put(p, &s, 2, big), p = put(p, &t, 2, big), p = put(p, &a, 1, big);
+        p = put(p, &x, 4, big);
+        p = put(p, &y, 8, big);
+        p = put(p, &z, 1, big);
+        p = put(p, &s, 2, big);
+        p = put(p, &t, 2, big);
+        p = put(p, &a, 1, big);
     }
     unsigned short n = 4;
     p = put(p, &n, 2, big);

@@ -1,5 +1,6 @@
-/* unit_radiometry.c - pictures of scenes with a known answer, through the public calls only: every kind of light, both
- * methods, both sides of a surface, camera geometry; and the same bits for any crop, thread count, instruction set. */
+/* unit_radiometry.c - pictures of scenes with a known answer, through the public calls only: every kind of
+ * light, both methods, both sides of a surface, camera geometry; and the same bits for any crop, thread
+ * count, instruction set. */
 #include "isa/isa.h"
 #include "lightcuts.h"
 #include "support/test.h"
@@ -65,9 +66,16 @@ static bool shoot(shot *s, const how *h)
     lc_render_desc rd = LC_RENDER_DESC_INIT;
     lc_scene *scene = NULL;
     *s = (shot){ 0 };
-    cd.n_threads = h->threads ? h->threads : 1, cd.isa = h->isa, cd.log = keep_error;
-    ld.area_lights = h->area_lights, ld.n_reps = h->n_reps;
-    rd.method = h->method, rd.error_ratio = h->error_ratio, rd.spp = h->spp, rd.aovs = h->aovs, rd.max_cut = 0;
+    cd.n_threads = h->threads ? h->threads : 1;
+    cd.isa = h->isa;
+    cd.log = keep_error;
+    ld.area_lights = h->area_lights;
+    ld.n_reps = h->n_reps;
+    rd.method = h->method;
+    rd.error_ratio = h->error_ratio;
+    rd.spp = h->spp;
+    rd.aovs = h->aovs;
+    rd.max_cut = 0;
     memcpy(rd.crop, h->crop, sizeof rd.crop);
     FILE *f = fopen(path, "w");
     if (!f || fwrite(text, 1, n_text, f) != n_text || fclose(f)) abort();
@@ -99,13 +107,15 @@ static void expect_area(const double want[3], double rel, uint32_t area_lights, 
     static const char *const names[] = { "R", "G", "B" };
     double size = fmax(want[0], fmax(want[1], want[2]));
     for (int method = 0; method < 2; method++) {
-        how h = { .method = method ? LC_METHOD_EXACT : LC_METHOD_LIGHTCUTS, .area_lights = area_lights, .spp = 1 };
+        how h = { .method = method ? LC_METHOD_EXACT : LC_METHOD_LIGHTCUTS,
+                  .area_lights = area_lights,
+                  .spp = 1 };
         shot s;
         if (!shoot(&s, &h)) return;
         for (int k = 0; k < 3; k++) {
             double got = (double)at(&s, names[k], 0, 0);
-            CHECKF(fabs(got - want[k]) <= rel * size, "line %d, method %d, %s: %.9g, not %.9g (%.2g off)", line, method,
-                   names[k], got, want[k], size > 0 ? (got - want[k]) / size : got);
+            CHECKF(fabs(got - want[k]) <= rel * size, "line %d, method %d, %s: %.9g, not %.9g (%.2g off)",
+                   line, method, names[k], got, want[k], size > 0 ? (got - want[k]) / size : got);
         }
         drop(&s);
     }
@@ -118,9 +128,12 @@ static const double black[3] = { 0, 0, 0 };
 /* A one-pixel film whose only ray goes from eye to the origin, where the floor y = 0 is. */
 static void floor_scene(const double eye[3], const char *film, const char *material)
 {
-    begin("LookAt %.17g %.17g %.17g  0 0 0  0 0.1 1\nCamera \"perspective\" \"float fov\" 30\n", eye[0], eye[1], eye[2]);
-    add("Film \"image\" \"integer xresolution\" 1 \"integer yresolution\" 1 %s\nWorldBegin\n%s\n", film, material);
-    add("Shape \"trianglemesh\" \"point3 P\" [-9 0 -9  9 0 -9  9 0 10  -9 0 10] \"integer indices\" [0 1 2 0 2 3]\n");
+    begin("LookAt %.17g %.17g %.17g  0 0 0  0 0.1 1\nCamera \"perspective\" \"float fov\" 30\n", eye[0],
+          eye[1], eye[2]);
+    add("Film \"image\" \"integer xresolution\" 1 \"integer yresolution\" 1 %s\nWorldBegin\n%s\n", film,
+        material);
+    add("Shape \"trianglemesh\" \"point3 P\" [-9 0 -9  9 0 -9  9 0 10  -9 0 10] \"integer indices\" [0 1 2 0 "
+        "2 3]\n");
 }
 
 static const double above[3] = { 0.3, 3, -0.2 }, below[3] = { 0.3, -3, -0.2 };
@@ -138,7 +151,9 @@ static void matte_answer(double factor, double want[3])
     for (int k = 0; k < 3; k++) want[k] = rho[k] / PI * watts[k] * factor;
 }
 
-static const double places[][3] = { { 0, 2, 0 }, { 0.7, 1.9, -0.4 }, { -3, 0.5, 2 }, { 0.2, 0.4, 0 }, { 200, 300, -100 } };
+static const double places[][3] = {
+    { 0, 2, 0 }, { 0.7, 1.9, -0.4 }, { -3, 0.5, 2 }, { 0.2, 0.4, 0 }, { 200, 300, -100 }
+};
 #define N_PLACES (sizeof places / sizeof *places)
 
 TEST(point_lights)
@@ -155,15 +170,17 @@ TEST(point_lights)
 
 TEST(attenuation)
 {
-    static const double abc[][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 2, 0.5, 0.25 }, { 0, 3, 1e-3 } };
+    static const double abc[][3] = {
+        { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 2, 0.5, 0.25 }, { 0, 3, 1e-3 }
+    };
     static const char *const kinds[] = { "point", "oriented" };
     double want[3];
     for (size_t i = 0; i < sizeof abc / sizeof *abc; i++)
         for (int k = 0; k < 2; k++) {
             const double *p = places[1], d = len(p), *a = abc[i];
             floor_scene(above, "", MATTE);
-            add("LightSource \"%s\" \"point3 from\" [%.17g %.17g %.17g] \"vector3 direction\" [0 -1 0] " INTENSITY
-                " \"float A\" %g \"float B\" %g \"float C\" %g\n",
+            add("LightSource \"%s\" \"point3 from\" [%.17g %.17g %.17g] \"vector3 direction\" [0 -1 "
+                "0] " INTENSITY " \"float A\" %g \"float B\" %g \"float C\" %g\n",
                 kinds[k], p[0], p[1], p[2], a[0], a[1], a[2]);
             matte_answer((k ? p[1] / d : 1) * p[1] / d / (a[0] + a[1] * d + a[2] * d * d), want);
             EXPECT(want);
@@ -172,15 +189,17 @@ TEST(attenuation)
 
 TEST(oriented_lights)
 {
-    static const double dirs[][3] = { { 0, -1, 0 }, { 0.3, -2, 0.2 }, { 1, -0.1, 0 }, { -5, -1, 0.3 }, { 0, 1, 0 } };
+    static const double dirs[][3] = {
+        { 0, -1, 0 }, { 0.3, -2, 0.2 }, { 1, -0.1, 0 }, { -5, -1, 0.3 }, { 0, 1, 0 }
+    };
     double want[3];
     for (size_t i = 0; i < N_PLACES; i++)
         for (size_t k = 0; k < sizeof dirs / sizeof *dirs; k++) {
             const double *p = places[i], d = len(p), *w = dirs[k];
             double cos_phi = fmax(-dot(p, w) / (d * len(w)), 0);
             floor_scene(above, "", MATTE);
-            add("LightSource \"oriented\" \"point3 position\" [%.17g %.17g %.17g] \"vector3 direction\" [%g %g %g] " INTENSITY
-                "\n",
+            add("LightSource \"oriented\" \"point3 position\" [%.17g %.17g %.17g] \"vector3 direction\" [%g "
+                "%g %g] " INTENSITY "\n",
                 p[0], p[1], p[2], w[0], w[1], w[2]);
             matte_answer(cos_phi * p[1] / d / (d * d), want);
             EXPECT(want);
@@ -193,8 +212,9 @@ TEST(distant_lights)
     for (size_t i = 0; i < N_PLACES; i++) {
         const double *p = places[i];
         floor_scene(above, "", MATTE);
-        add("LightSource \"distant\" \"point3 from\" [%.17g %.17g %.17g] \"point3 to\" [0 0 0] \"rgb L\" [10 20 5]\n", p[0],
-            p[1], p[2]);
+        add("LightSource \"distant\" \"point3 from\" [%.17g %.17g %.17g] \"point3 to\" [0 0 0] \"rgb L\" [10 "
+            "20 5]\n",
+            p[0], p[1], p[2]);
         matte_answer(p[1] / len(p), want);
         EXPECT(want);
     }
@@ -208,8 +228,9 @@ TEST(mixed_lights)
     for (size_t i = 0; i < 3; i++) {
         const double *p = places[i], d = len(p);
         add("LightSource \"point\" \"point3 from\" [%g %g %g] " INTENSITY "\n", p[0], p[1], p[2]);
-        add("LightSource \"oriented\" \"point3 position\" [%g %g %g] \"vector3 direction\" [0 -1 0] " INTENSITY "\n", p[0],
-            p[1], p[2]);
+        add("LightSource \"oriented\" \"point3 position\" [%g %g %g] \"vector3 direction\" [0 -1 "
+            "0] " INTENSITY "\n",
+            p[0], p[1], p[2]);
         add("LightSource \"distant\" \"point3 from\" [%g %g %g] \"rgb L\" [10 20 5]\n", p[0], p[1], p[2]);
         /* the last: "to" is (0 0 1) */
         double e[3] = { p[0], p[1], p[2] - 1 };
@@ -227,11 +248,14 @@ TEST(modified_phong)
     for (size_t i = 0; i < sizeof exponents / sizeof *exponents; i++)
         for (int k = 0; k < 3; k++) {
             double eye[3] = { 1.5, 3, -0.5 }, n = exponents[i], d;
-            double p[3] = { -1.5 + 0.1 * k, 2.8, 0.5 + 0.05 * k }; /* near the mirror direction (-1.5, 3, 0.5) */
+            /* Near the mirror direction (-1.5, 3, 0.5). */
+            double p[3] = { -1.5 + 0.1 * k, 2.8, 0.5 + 0.05 * k };
             const double mirror[3] = { -eye[0], eye[1], -eye[2] };
             char material[200];
-            snprintf(material, sizeof material,
-                     "Material \"phong\" \"rgb Kd\" [0.2 0.5 0.8] \"rgb Ks\" [0.7 0.1 0.3] \"float exponent\" %g", n);
+            snprintf(
+                material, sizeof material,
+                "Material \"phong\" \"rgb Kd\" [0.2 0.5 0.8] \"rgb Ks\" [0.7 0.1 0.3] \"float exponent\" %g",
+                n);
             d = len(p);
             double cos_a = dot(p, mirror) / (d * len(mirror)), lobe = (n + 2) / (2 * PI) * pow(cos_a, n);
             static const char *const lights[] = { "point", "oriented", "distant" };
@@ -241,7 +265,8 @@ TEST(modified_phong)
                 add("LightSource \"%s\" \"point3 from\" [%g %g %g] ", lights[kind], p[0], p[1], p[2]);
                 add(kind == 2 ? "\"point3 to\" [0 0 0] \"rgb L\" [10 20 5]\n" : "\"rgb I\" [10 20 5] ");
                 if (kind == 1) add("\"vector3 direction\" [0 -1 0]\n");
-                for (int c = 0; c < 3; c++) want[c] = (kd[c] / PI + ks[c] * lobe) * watts[c] * p[1] / d * g[kind];
+                for (int c = 0; c < 3; c++)
+                    want[c] = (kd[c] / PI + ks[c] * lobe) * watts[c] * p[1] / d * g[kind];
                 /* a float cosine is off by some 2e-7, its n-th power by n times that */
                 EXPECT_NEAR(want, 1e-5 + n * 4e-7, 0);
             }
@@ -254,22 +279,34 @@ TEST(ward)
     static const double angles[] = { 0, 0.5, 2 }, kd[3] = { 0.2, 0.5, 0.8 }, ks[3] = { 0.7, 0.1, 0.3 };
     const double eye[3] = { 1.5, 3, -0.5 }, p[3] = { -1.3, 2.8, 0.7 }, a[2] = { 0.15, 0.4 };
     double want[3], o[3], i[3], d = len(p);
-    for (int k = 0; k < 3; k++) o[k] = eye[k] / len(eye), i[k] = p[k] / d;
+    for (int k = 0; k < 3; k++) {
+        o[k] = eye[k] / len(eye);
+        i[k] = p[k] / d;
+    }
     for (size_t n = 0; n < sizeof angles / sizeof *angles; n++)
         for (int oriented = 0; oriented < 2; oriented++) {
             double c = cos(angles[n]), s = sin(angles[n]), x = 0, y = 0;
-            begin("LookAt %.17g %.17g %.17g  0 0 0  0 0.1 1\nCamera \"perspective\" \"float fov\" 30\n", eye[0], eye[1], eye[2]);
-            add("Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nWorldBegin\nMaterial \"ward\" \"rgb Kd\" "
-                "[0.2 0.5 0.8] \"rgb Ks\" [0.7 0.1 0.3] \"float uroughness\" %g \"float vroughness\" %g\n", a[0], a[1]);
-            add("Shape \"trianglemesh\" \"point3 P\" [-9 0 -9  9 0 -9  9 0 10  -9 0 10] \"integer indices\" [0 1 2 0 2 3]"
-                "\"point2 uv\" [%g %g %g %g %g %g %g %g]\n", -9 * c - 9 * s, 9 * s - 9 * c, 9 * c - 9 * s, -9 * s - 9 * c, 9 * c + 10 * s,
-                10 * c - 9 * s, 10 * s - 9 * c, 10 * c + 9 * s); /* u = x cos + z sin, v = z cos - x sin */
-            add("LightSource \"%s\" \"point3 from\" [%g %g %g] " INTENSITY, oriented ? "oriented" : "point", p[0], p[1], p[2]);
+            begin("LookAt %.17g %.17g %.17g  0 0 0  0 0.1 1\nCamera \"perspective\" \"float fov\" 30\n",
+                  eye[0], eye[1], eye[2]);
+            add("Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nWorldBegin\nMaterial "
+                "\"ward\" \"rgb Kd\" "
+                "[0.2 0.5 0.8] \"rgb Ks\" [0.7 0.1 0.3] \"float uroughness\" %g \"float vroughness\" %g\n",
+                a[0], a[1]);
+            add("Shape \"trianglemesh\" \"point3 P\" [-9 0 -9  9 0 -9  9 0 10  -9 0 10] \"integer indices\" "
+                "[0 1 2 0 2 3]"
+                "\"point2 uv\" [%g %g %g %g %g %g %g %g]\n",
+                -9 * c - 9 * s, 9 * s - 9 * c, 9 * c - 9 * s, -9 * s - 9 * c, 9 * c + 10 * s, 10 * c - 9 * s,
+                10 * s - 9 * c, 10 * c + 9 * s); /* u = x cos + z sin, v = z cos - x sin */
+            add("LightSource \"%s\" \"point3 from\" [%g %g %g] " INTENSITY, oriented ? "oriented" : "point",
+                p[0], p[1], p[2]);
             add(oriented ? " \"vector3 direction\" [0 -1 0]\n" : "\n");
-            x = ((i[0] + o[0]) * c + (i[2] + o[2]) * s) / a[0], y = ((i[2] + o[2]) * c - (i[0] + o[0]) * s) / a[1];
-            double e = exp(-(x * x + y * y) / ((i[1] + o[1]) * (i[1] + o[1]))), g = (oriented ? i[1] : 1) / (d * d);
+            x = ((i[0] + o[0]) * c + (i[2] + o[2]) * s) / a[0];
+            y = ((i[2] + o[2]) * c - (i[0] + o[0]) * s) / a[1];
+            double e = exp(-(x * x + y * y) / ((i[1] + o[1]) * (i[1] + o[1]))),
+                   g = (oriented ? i[1] : 1) / (d * d);
             for (int k = 0; k < 3; k++)
-                want[k] = (kd[k] / PI + ks[k] * e / (4 * PI * a[0] * a[1] * sqrt(i[1] * o[1]))) * i[1] * g * watts[k];
+                want[k] = (kd[k] / PI + ks[k] * e / (4 * PI * a[0] * a[1] * sqrt(i[1] * o[1]))) * i[1] * g *
+                          watts[k];
             EXPECT(want);
         }
 }
@@ -296,7 +333,8 @@ TEST(film_scale_multiplies)
     add("LightSource \"point\" \"point3 from\" [0 2 0] " INTENSITY "\n");
     for (int k = 0; k < 3; k++) want[k] = 2.5 * one[k];
     EXPECT(want);
-    begin("LookAt 0 3 0  0 0 0  0 0 1\nFilm \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1 \"float iso\" 150\n"
+    begin("LookAt 0 3 0  0 0 0  0 0 1\nFilm \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1 "
+          "\"float iso\" 150\n"
           "Camera \"perspective\" \"float shutteropen\" 0 \"float shutterclose\" 0.5\nWorldBegin\n"
           "Material \"diffuse\" \"rgb reflectance\" [0.2 0.5 0.8]\n"
           "Shape \"disk\" \"float radius\" 4\nRotate 90 1 0 0\nShape \"disk\" \"float radius\" 4\n"
@@ -310,7 +348,8 @@ TEST(light_scale_and_transform)
     double want[3];
     matte_answer(3 * 0.25, want);
     floor_scene(above, "", MATTE);
-    add("Translate 5 0 0 Scale 2 2 2 LightSource \"point\" \"point3 from\" [-2.5 1 0] " INTENSITY " \"float scale\" 3\n");
+    add("Translate 5 0 0 Scale 2 2 2 LightSource \"point\" \"point3 from\" [-2.5 1 0] " INTENSITY
+        " \"float scale\" 3\n");
     EXPECT(want);
 }
 
@@ -329,8 +368,9 @@ TEST(shadows)
         for (size_t i = 0; i < sizeof heights / sizeof *heights; i++) {
             double h = heights[i], s = h < 0.1 ? 0.01 : 0.2;
             floor_scene(eye, "", MATTE);
-            add("%s\nShape \"trianglemesh\" \"point3 P\" [%g %g %g  %g %g %g  0 %g %g] \"integer indices\" [0 1 2]\n", lights[kind],
-                -s, h, -s, s, h, -s, h, 2 * s); /* around the y axis */
+            add("%s\nShape \"trianglemesh\" \"point3 P\" [%g %g %g  %g %g %g  0 %g %g] \"integer indices\" "
+                "[0 1 2]\n",
+                lights[kind], -s, h, -s, s, h, -s, h, 2 * s); /* around the y axis */
             bool open = kind < 2 && h > 4;
             matte_answer(lit[kind], want);
             if (open) EXPECT(want);
@@ -412,11 +452,14 @@ TEST(emitters_are_seen)
     for (int side = 0; side < 2; side++)
         for (int reverse = 0; reverse < 2; reverse++)
             for (int two = 0; two < 2; two++) {
-                begin("LookAt 0.3 %d 0.1  0.2 0 0  0 0 1\nCamera \"perspective\"\nFilm \"image\" \"integer xresolution\" 1 "
-                      "\"integer yresolution\" 1\nWorldBegin\nMaterial \"matte\" \"rgb Kd\" [0 0 0]\n", side ? 2 : -2);
-                add("AreaLightSource \"diffuse\" \"rgb L\" [10 20 5] \"bool twosided\" %s %s\n", two ? "true" : "false",
-                    reverse ? "ReverseOrientation" : "");
-                add("Shape \"trianglemesh\" \"point3 P\" [-1 0 -1  1 0 -1  1 0 1] \"integer indices\" [0 1 2]\n");
+                begin("LookAt 0.3 %d 0.1  0.2 0 0  0 0 1\nCamera \"perspective\"\nFilm \"image\" \"integer "
+                      "xresolution\" 1 "
+                      "\"integer yresolution\" 1\nWorldBegin\nMaterial \"matte\" \"rgb Kd\" [0 0 0]\n",
+                      side ? 2 : -2);
+                add("AreaLightSource \"diffuse\" \"rgb L\" [10 20 5] \"bool twosided\" %s %s\n",
+                    two ? "true" : "false", reverse ? "ReverseOrientation" : "");
+                add("Shape \"trianglemesh\" \"point3 P\" [-1 0 -1  1 0 -1  1 0 1] \"integer indices\" [0 1 "
+                    "2]\n");
                 if (two || (side == 0) != reverse) EXPECT(glow);
                 else EXPECT(black);
             }
@@ -426,7 +469,9 @@ TEST(emitters_are_seen)
 
 static void cross_d(const double a[3], const double b[3], double c[3])
 {
-    c[0] = a[1] * b[2] - a[2] * b[1], c[1] = a[2] * b[0] - a[0] * b[2], c[2] = a[0] * b[1] - a[1] * b[0];
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 static void unit_d(double a[3])
@@ -438,17 +483,24 @@ static void unit_d(double a[3])
 /* Every pixel's position, projected by the formulas of the pbrt manual, must be that pixel's centre. */
 static void check_projection(uint32_t w, uint32_t h, double fov, bool mirrored)
 {
-    double eye[3] = { 2, 5, -6 }, look[3] = { 0.5, 0, 0.5 }, up[3] = { 0.1, 1, 0 }, z[3], x[3], y[3], worst = 0;
+    double eye[3] = { 2, 5, -6 }, look[3] = { 0.5, 0, 0.5 }, up[3] = { 0.1, 1, 0 }, z[3], x[3], y[3],
+           worst = 0;
     shot s;
     how opts = { .aovs = LC_AOV_P | LC_AOV_Z | LC_AOV_N | LC_AOV_ALBEDO, .spp = 1 };
-    begin("%s LookAt %g %g %g %g %g %g %g %g %g\nCamera \"perspective\" \"float fov\" %g\nFilm \"image\" \"integer xresolution\" "
-          "%u \"integer yresolution\" %u\nWorldBegin\n" MATTE "\n", mirrored ? "Scale -1 1 1" : "", eye[0], eye[1], eye[2], look[0],
-          look[1], look[2], up[0], up[1], up[2], fov, w, h);
+    begin("%s LookAt %g %g %g %g %g %g %g %g %g\nCamera \"perspective\" \"float fov\" %g\nFilm \"image\" "
+          "\"integer xresolution\" "
+          "%u \"integer yresolution\" %u\nWorldBegin\n" MATTE "\n",
+          mirrored ? "Scale -1 1 1" : "", eye[0], eye[1], eye[2], look[0], look[1], look[2], up[0], up[1],
+          up[2], fov, w, h);
     add("Shape \"trianglemesh\" \"point3 P\" [-999 0 -999 0 0 1999 999 0 -999] \"integer indices\" [0 1 2]\n"
         "LightSource \"point\" \"point3 from\" [0 9 0]\n");
     if (!shoot(&s, &opts)) return;
     for (int k = 0; k < 3; k++) z[k] = look[k] - eye[k];
-    unit_d(z), unit_d(up), cross_d(up, z, x), unit_d(x), cross_d(z, x, y);
+    unit_d(z);
+    unit_d(up);
+    cross_d(up, z, x);
+    unit_d(x);
+    cross_d(z, x, y);
     if (mirrored)
         for (int k = 0; k < 3; k++) x[k] = -x[k];
     double half = tan(fov * PI / 360), side = w < h ? w : h;
@@ -456,13 +508,16 @@ static void check_projection(uint32_t w, uint32_t h, double fov, bool mirrored)
         for (uint32_t px = 0; px < w; px++) {
             double p[3] = { (double)at(&s, "P.X", px, py) - eye[0], (double)at(&s, "P.Y", px, py) - eye[1],
                             (double)at(&s, "P.Z", px, py) - eye[2] };
-            double cz = dot(p, z), u = w / 2.0 + dot(p, x) / cz / half * side / 2, v = h / 2.0 - dot(p, y) / cz / half * side / 2;
+            double cz = dot(p, z), u = w / 2.0 + dot(p, x) / cz / half * side / 2,
+                   v = h / 2.0 - dot(p, y) / cz / half * side / 2;
             worst = fmax(worst, fmax(fabs(u - (px + 0.5)), fabs(v - (py + 0.5))));
             /* off by a few roundings of 2^-24 of the triangle's size, 3000 */
-            CHECKF(fabs((double)at(&s, "Z", px, py) - cz) < 5e-4, "Z %g, not %g", (double)at(&s, "Z", px, py), cz);
+            CHECKF(fabs((double)at(&s, "Z", px, py) - cz) < 5e-4, "Z %g, not %g", (double)at(&s, "Z", px, py),
+                   cz);
             CHECK(at(&s, "N.Y", px, py) > 0.999999f && at(&s, "Albedo.G", px, py) == 0.5f);
         }
-    /* P is off by as much, seen from 5 away under a pixel's angle of 20 degrees / 33: a hundredth of a unit */
+    /* P is off by as much, seen from 5 away under a pixel's angle of 20 degrees / 33: a hundredth of a unit
+     */
     CHECKF(worst < 1e-2, "%u x %u, fov %g: %g pixels off", w, h, fov, worst);
     drop(&s);
 }
@@ -477,18 +532,22 @@ TEST(points_project_to_their_pixels)
     }
 }
 
-/* A small bright square in an otherwise black picture, at the pixel worked out by hand: in camera space (x, y, z) =
- * (1, 0.5, 4), fov 90: screen (0.25, 0.125) of -1..1, film 80 x 80: pixel (50, 35), counted from the top left. */
+/* A small bright square in an otherwise black picture, at the pixel worked out by hand: in camera space (x,
+ * y, z) = (1, 0.5, 4), fov 90: screen (0.25, 0.125) of -1..1, film 80 x 80: pixel (50, 35), counted from the
+ * top left. */
 TEST(handedness)
 {
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         shot s;
         how opts = { .spp = 1 };
         uint32_t n_lit = 0;
-        begin("%s Camera \"perspective\" \"float fov\" 90\nFilm \"image\" \"integer xresolution\" 80 \"integer yresolution\" 80\n"
-              "WorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true\n", mirrored ? "Scale -1 1 1" : "");
+        begin("%s Camera \"perspective\" \"float fov\" 90\nFilm \"image\" \"integer xresolution\" 80 "
+              "\"integer yresolution\" 80\n"
+              "WorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true\n",
+              mirrored ? "Scale -1 1 1" : "");
         /* screen 0.2625, 0.1125 is the centre of (50, 35); a pixel is 0.025 wide there, 0.1 at z = 4 */
-        add("Translate 1.05 0.45 4 Shape \"trianglemesh\" \"point3 P\" [-.04 -.04 0 .04 -.04 0 .04 .04 0 -.04 .04 0] "
+        add("Translate 1.05 0.45 4 Shape \"trianglemesh\" \"point3 P\" [-.04 -.04 0 .04 -.04 0 .04 .04 0 "
+            "-.04 .04 0] "
             "\"integer indices\" [0 1 2 0 2 3]\n");
         if (!shoot(&s, &opts)) return;
         for (uint32_t i = 0; i < 80 * 80; i++) n_lit += lc_image_channel(s.image, "G")[i] > 0;
@@ -499,7 +558,8 @@ TEST(handedness)
 
 /* ---- the same bits ---- */
 
-static const char *const planes[] = { "R", "G", "B", "N.X", "N.Y", "N.Z", "P.X", "P.Y", "P.Z", "Z", "cut.size", "cut.error",
+static const char *const planes[] = { "R",        "G",        "B",        "N.X",     "N.Y",      "N.Z",
+                                      "P.X",      "P.Y",      "P.Z",      "Z",       "cut.size", "cut.error",
                                       "cut.rays", "Albedo.R", "Albedo.G", "Albedo.B" };
 #define N_PLANES (sizeof planes / sizeof *planes)
 
@@ -508,7 +568,8 @@ static void busy_scene(void)
 {
     uint64_t seed = 12345;
     begin("LookAt 0 1 -3.5  0 0.9 0  0 1 0\nCamera \"perspective\" \"float fov\" 60\n"
-          "Film \"image\" \"integer xresolution\" 61 \"integer yresolution\" 43\nSampler \"random\" \"integer pixelsamples\" 2\n"
+          "Film \"image\" \"integer xresolution\" 61 \"integer yresolution\" 43\nSampler \"random\" "
+          "\"integer pixelsamples\" 2\n"
           "WorldBegin\n" MATTE "\n"
           "Shape \"trianglemesh\" \"point3 P\" [-2 0 -2 2 0 -2 2 0 2 -2 0 2 -2 2 2 2 2 2]\n"
           "\"integer indices\" [0 1 2 0 2 3 3 2 5 3 5 4]\n"
@@ -523,14 +584,16 @@ static void busy_scene(void)
             v[k] = (double)(seed >> 40) / (1 << 24);
         }
         if (i % 3 == 0)
-            add("LightSource \"point\" \"point3 from\" [%.4f %.4f %.4f] \"rgb I\" [%.3f 0.1 0.05]\n", 4 * v[0] - 2, 2 * v[1],
-                4 * v[2] - 2, v[3]);
+            add("LightSource \"point\" \"point3 from\" [%.4f %.4f %.4f] \"rgb I\" [%.3f 0.1 0.05]\n",
+                4 * v[0] - 2, 2 * v[1], 4 * v[2] - 2, v[3]);
         else if (i % 3 == 1)
-            add("LightSource \"oriented\" \"point3 position\" [%.4f 2 %.4f] \"vector3 direction\" [%.2f -1 0] "
+            add("LightSource \"oriented\" \"point3 position\" [%.4f 2 %.4f] \"vector3 direction\" [%.2f -1 "
+                "0] "
                 "\"rgb I\" [0.1 0.2 0.2]\n",
                 4 * v[0] - 2, 4 * v[1] - 2, v[2] - 0.5);
         else
-            add("LightSource \"distant\" \"point3 from\" [%.3f %.3f -1] \"point3 to\" [0 0 0] \"rgb L\" [0.01 0.01 0.02]\n",
+            add("LightSource \"distant\" \"point3 from\" [%.3f %.3f -1] \"point3 to\" [0 0 0] \"rgb L\" "
+                "[0.01 0.01 0.02]\n",
                 v[0] - 0.5, v[1]);
     }
 }
@@ -544,7 +607,9 @@ static bool same_planes(const shot *a, const shot *b)
     return true;
 }
 
-static const how busy = { .threads = 1, .aovs = LC_AOV_ALL, .error_ratio = 0.02f, .area_lights = 100, .n_reps = 4 };
+static const how busy = {
+    .threads = 1, .aovs = LC_AOV_ALL, .error_ratio = 0.02f, .area_lights = 100, .n_reps = 4
+};
 
 TEST(same_bits_for_any_thread_count)
 {
@@ -585,7 +650,9 @@ TEST(same_bits_on_any_instruction_set)
 
 TEST(crop_is_a_part_of_the_whole)
 {
-    static const int32_t crops[][4] = { { 0, 61, 0, 43 }, { 17, 40, 5, 29 }, { 60, 61, 42, 43 }, { 0, 1, 0, 43 }, { 30, 61, 20, 21 } };
+    static const int32_t crops[][4] = {
+        { 0, 61, 0, 43 }, { 17, 40, 5, 29 }, { 60, 61, 42, 43 }, { 0, 1, 0, 43 }, { 30, 61, 20, 21 }
+    };
     shot full, s;
     how h = busy;
     busy_scene();
@@ -600,7 +667,8 @@ TEST(crop_is_a_part_of_the_whole)
         CHECK(s.desc.display_width == 61 && s.desc.display_height == 43);
         for (size_t k = 0; k < N_PLANES; k++)
             for (uint32_t y = 0; y < rows; y++) {
-                const float *a = lc_image_channel(full.image, planes[k]) + (size_t)(y + (uint32_t)c[2]) * 61 + c[0];
+                const float *a = lc_image_channel(full.image, planes[k]) + (size_t)(y + (uint32_t)c[2]) * 61 +
+                                 c[0];
                 const float *b = lc_image_channel(s.image, planes[k]) + (size_t)y * w;
                 CHECKF(!memcmp(a, b, w * sizeof *a), "crop %zu, %s, row %u", i, planes[k], y);
             }
@@ -622,9 +690,13 @@ TEST(lightcuts_is_near_exact)
         for (uint32_t y = 0; y < 43; y++)
             for (uint32_t x = 0; x < 61; x++) {
                 double e = (double)at(&b, "G", x, y), off = fabs((double)at(&a, "G", x, y) - e);
-                if (e > 0) worst = fmax(worst, off / e), sum += off / e;
+                if (e > 0) {
+                    worst = fmax(worst, off / e);
+                    sum += off / e;
+                }
             }
-        printf("  mean cut %.1f of 300, mean error %.4f, largest %.4f\n", a.stats.cut_mean, sum / (61 * 43), worst);
+        printf("  mean cut %.1f of 300, mean error %.4f, largest %.4f\n", a.stats.cut_mean, sum / (61 * 43),
+               worst);
         CHECK(sum / (61 * 43) < 0.02 && a.stats.cut_mean < 250);
         drop(&b);
     }

@@ -55,8 +55,8 @@ static void png_chunk(const char *type, const void *data, size_t n)
 }
 
 /* rows: with filter bytes, of all passes. */
-static void png(uint32_t w, uint32_t h, int depth, int colour, int interlace, const uint8_t *palette, size_t n_palette,
-                const uint8_t *clear, size_t n_clear, const uint8_t *rows, size_t n_rows)
+static void png(uint32_t w, uint32_t h, int depth, int colour, int interlace, const uint8_t *palette,
+                size_t n_palette, const uint8_t *clear, size_t n_clear, const uint8_t *rows, size_t n_rows)
 {
     start();
     put("\x89PNG\r\n\x1a\n", 8);
@@ -73,13 +73,22 @@ static void png(uint32_t w, uint32_t h, int depth, int colour, int interlace, co
     png_chunk("IEND", NULL, 0);
 }
 
-static void tga_head(int type, uint32_t w, uint32_t h, int bits, int flags, uint32_t first, uint32_t n_palette, int entry_bits)
+static void tga_head(int type, uint32_t w, uint32_t h, int bits, int flags, uint32_t first,
+                     uint32_t n_palette, int entry_bits)
 {
     start();
-    put_byte(2), put_byte(n_palette > 0), put_byte(type);
-    put_little16(first), put_little16(n_palette), put_byte(entry_bits);
-    put_little16(0), put_little16(0), put_little16(w), put_little16(h);
-    put_byte(bits), put_byte(flags);
+    put_byte(2);
+    put_byte(n_palette > 0);
+    put_byte(type);
+    put_little16(first);
+    put_little16(n_palette);
+    put_byte(entry_bits);
+    put_little16(0);
+    put_little16(0);
+    put_little16(w);
+    put_little16(h);
+    put_byte(bits);
+    put_byte(flags);
     put("id", 2);
 }
 
@@ -138,7 +147,9 @@ TEST(png_grey_of_every_depth)
     /* 0, 1, most - 1, most at each depth */
     static const uint8_t rows[5][9] = { { 0, 0x50 }, { 0, 0x1b }, { 0, 0x01, 0xef }, { 0, 0, 1, 254, 255 },
                                         { 0, 0, 0, 0, 1, 255, 254, 255, 255 } };
-    static const uint8_t want[4][4] = { { 0, 255, 0, 255 }, { 0, 85, 170, 255 }, { 0, 17, 238, 255 }, { 0, 1, 254, 255 } };
+    static const uint8_t want[4][4] = {
+        { 0, 255, 0, 255 }, { 0, 85, 170, 255 }, { 0, 17, 238, 255 }, { 0, 1, 254, 255 }
+    };
     for (int k = 0; k < 4; k++) {
         png(4, 1, 1 << k, 0, 0, NULL, 0, NULL, 0, rows[k], 1 + ((size_t)4 << k) / 8 + (k == 0));
         CHECK(decoded(4, 1, 1, LC_RASTER_U8) && codes(want[k], 4));
@@ -179,8 +190,10 @@ TEST(png_filters_and_interlace)
     for (int y = 0; y < 5; y++) {
         flat[6 * y] = (uint8_t)y;
         for (int x = 0; x < 5; x++) {
-            int left = x ? want[5 * y + x - 1] : 0, up = y ? want[5 * (y - 1) + x] : 0, corner = x && y ? want[5 * (y - 1) + x - 1] : 0;
-            int guess[5] = { 0, left, up, (left + up) / 2, lc_png_paeth((uint8_t)left, (uint8_t)up, (uint8_t)corner) };
+            int left = x ? want[5 * y + x - 1] : 0, up = y ? want[5 * (y - 1) + x] : 0,
+                corner = x && y ? want[5 * (y - 1) + x - 1] : 0;
+            int guess[5] = { 0, left, up, (left + up) / 2,
+                             lc_png_paeth((uint8_t)left, (uint8_t)up, (uint8_t)corner) };
             flat[6 * y + 1 + x] = (uint8_t)(want[5 * y + x] - guess[y]);
         }
     }
@@ -233,7 +246,10 @@ TEST(pfm_both_endians)
 static const uint8_t rgbe[6][4] = { { 128, 64, 0, 129 }, { 1, 2, 3, 136 }, { 0, 0, 0, 0 },
                                     { 255, 255, 255, 130 }, { 7, 9, 11, 100 }, { 200, 100, 50, 140 } };
 
-static float value(int pixel, int c) { return rgbe[pixel][3] ? ldexpf((float)rgbe[pixel][c], rgbe[pixel][3] - 136) : 0; }
+static float value(int pixel, int c)
+{
+    return rgbe[pixel][3] ? ldexpf((float)rgbe[pixel][c], rgbe[pixel][3] - 136) : 0;
+}
 
 /* The eight orientations of a flat 3 x 2 picture. */
 TEST(hdr_orientations)
@@ -264,7 +280,10 @@ TEST(hdr_old_and_new_runs)
 {
     start();
     put_text("#?RGBE\n\n-Y 1 +X 300\n");
-    put(rgbe[0], 4), put("\1\1\1\x2a", 4), put("\1\1\1\1", 4), put(rgbe[1], 4); /* 1 + 42 + 256 + 1 */
+    put(rgbe[0], 4); /* 1 + 42 + 256 + 1 */
+    put("\1\1\1\x2a", 4);
+    put("\1\1\1\1", 4);
+    put(rgbe[1], 4);
     CHECK(decoded(300, 1, 3, LC_RASTER_F32));
     for (int i = 0; i < 300; i++) CHECK(((const float *)r.data)[3 * i + 1] == value(i == 299, 1));
     damage_everywhere(21);
@@ -272,8 +291,12 @@ TEST(hdr_old_and_new_runs)
     put_text("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 10\n");
     for (int y = 0; y < 2; y++) {
         put("\2\2\0\x0a", 4);
-        for (int c = 0; c < 4; c++) /* six of the first pixel, then four apart */
-            put_byte(128 + 6), put_byte(rgbe[y][c]), put_byte(4), put((uint8_t[]){ rgbe[0][c], rgbe[1][c], rgbe[2][c], rgbe[3][c] }, 4);
+        for (int c = 0; c < 4; c++) /* six of the first pixel, then four apart */ {
+            put_byte(128 + 6);
+            put_byte(rgbe[y][c]);
+            put_byte(4);
+            put((uint8_t[]){ rgbe[0][c], rgbe[1][c], rgbe[2][c], rgbe[3][c] }, 4);
+        }
     }
     CHECK(decoded(10, 2, 3, LC_RASTER_F32));
     for (int i = 0; i < 20; i++)
@@ -293,7 +316,11 @@ TEST(tga_true_colour)
     for (int k = 0; k < 4; k++) {
         bool top = k & 1, left = !(k & 2);
         tga_head(2, 3, 2, 24, (top ? 32 : 0) | (left ? 0 : 16), 0, 0, 0);
-        for (int i = 0; i < 6; i++) put_byte(i), put_byte(i + 100), put_byte(i + 200);
+        for (int i = 0; i < 6; i++) {
+            put_byte(i);
+            put_byte(i + 100);
+            put_byte(i + 200);
+        }
         CHECK(decoded(3, 2, 3, LC_RASTER_U8));
         for (int i = 0; i < 6; i++) {
             int x = left ? i % 3 : 2 - i % 3, y = top ? i / 3 : 1 - i / 3;
@@ -310,7 +337,8 @@ TEST(tga_true_colour)
     CHECK(decoded(2, 1, 3, LC_RASTER_U8) && codes((uint8_t[]){ 3, 2, 1, 7, 6, 5 }, 6));
     for (int bits = 15; bits <= 16; bits++) {
         tga_head(2, 2, 1, bits, 32, 0, 0, 0);
-        put_little16(31u << 10 | 16u << 5), put_little16(0x8000u | 31u);
+        put_little16(31u << 10 | 16u << 5);
+        put_little16(0x8000u | 31u);
         CHECK(decoded(2, 1, 3, LC_RASTER_U8) && codes((uint8_t[]){ 255, 132, 0, 0, 0, 255 }, 6));
     }
 }
@@ -340,7 +368,9 @@ TEST(tga_grey_palette_and_runs)
     put((uint8_t[]){ 128 + 2, 77 }, 2);
     CHECK(decoded(3, 1, 1, LC_RASTER_U8) && codes((uint8_t[]){ 77, 77, 77 }, 3));
     tga_head(9, 3, 1, 16, 0, 256, 1, 16);
-    put_little16(31), put_byte(128 + 2), put_little16(256);
+    put_little16(31);
+    put_byte(128 + 2);
+    put_little16(256);
     CHECK(decoded(3, 1, 3, LC_RASTER_U8) && codes((uint8_t[]){ 0, 0, 255, 0, 0, 255, 0, 0, 255 }, 9));
     damage_everywhere(33);
     tga_head(10, 1, 1, 24, 32, 0, 0, 0);
@@ -355,7 +385,8 @@ static void exr(const char *const *names, int n)
     lc_image_desc desc = LC_IMAGE_DESC_INIT;
     lc_image *image;
     float *plane;
-    desc.width = 3, desc.height = 2;
+    desc.width = 3;
+    desc.height = 2;
     CHECK(lc_image_create(ctx, &desc, &image) == LC_OK);
     for (int c = 0; c < n; c++) {
         CHECK(lc_image_add_channel(image, names[c], &plane) == LC_OK);

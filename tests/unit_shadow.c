@@ -1,5 +1,5 @@
-/* unit_shadow.c - shadow rays of one origin are traced in groups: every ray must get the answer it gets alone, from every
- * instruction set, and one that the nearest hit along it does not contradict. */
+/* unit_shadow.c - shadow rays of one origin are traced in groups: every ray must get the answer it gets
+ * alone, from every instruction set, and one that the nearest hit along it does not contradict. */
 #include "isa/isa.h"
 #include "shade/light.h"
 #include "support/isas.h"
@@ -25,9 +25,11 @@ static lc_bvh *build(void)
 static void slivers(void)
 {
     for (int i = 0; i < 60; i++) {
-        lc_f3 d = i % 3 ? rnd_unit() : lc_f3_make(i % 9 == 0, i % 9 == 3, i % 9 == 6), p = lc_f3_scale(rnd_unit(), 0.5f);
+        lc_f3 d = i % 3 ? rnd_unit() : lc_f3_make(i % 9 == 0, i % 9 == 3, i % 9 == 6),
+              p = lc_f3_scale(rnd_unit(), 0.5f);
         lc_f3 side = lc_f3_scale(rnd_unit(), powf(10, (float)rnd_in(-6, -1)));
-        uint32_t a = put_vert(lc_f3_sub(p, lc_f3_scale(d, 50))), b = put_vert(lc_f3_add(p, lc_f3_scale(d, 50)));
+        uint32_t a = put_vert(lc_f3_sub(p, lc_f3_scale(d, 50))),
+                 b = put_vert(lc_f3_add(p, lc_f3_scale(d, 50)));
         uint32_t last = put_vert(lc_f3_add(p, side));
         put_tri(a, b, last);
         for (int k = 0; k < 5; k++) {
@@ -46,10 +48,17 @@ static void make_mesh(int style)
     clear();
     if (style < 6) odd_mesh(style);
     else if (style == 6) slivers();
-    else if (style == 7) slivers(), move(1e3f, lc_f3_make(1e4f, 0, -1e4f));
-    else if (style < 14) cornell(), soup(100, 0.5), move(scale[style - 8], zero);
-    else if (style == 14) slivers(), move(1e10f, zero);
-    else soup(2, 1);
+    else if (style == 7) {
+        slivers();
+        move(1e3f, lc_f3_make(1e4f, 0, -1e4f));
+    } else if (style < 14) {
+        cornell();
+        soup(100, 0.5);
+        move(scale[style - 8], zero);
+    } else if (style == 14) {
+        slivers();
+        move(1e10f, zero);
+    } else soup(2, 1);
 }
 
 typedef struct group {
@@ -62,12 +71,14 @@ typedef struct group {
 static lc_f3 accepted(lc_f3 p)
 {
     const float most = LC_MAX_COORD;
-    return lc_f3_make(fmaxf(-most, fminf(p.x, most)), fmaxf(-most, fminf(p.y, most)), fmaxf(-most, fminf(p.z, most)));
+    return lc_f3_make(fmaxf(-most, fminf(p.x, most)), fmaxf(-most, fminf(p.y, most)),
+                      fmaxf(-most, fminf(p.z, most)));
 }
 
 static lc_f3 rnd_point(lc_f3 c, float r)
 {
-    return lc_f3_add(c, lc_f3_make((float)rnd_in(-1, 1) * r, (float)rnd_in(-1, 1) * r, (float)rnd_in(-1, 1) * r));
+    return lc_f3_add(c, lc_f3_make((float)rnd_in(-1, 1) * r, (float)rnd_in(-1, 1) * r,
+                                   (float)rnd_in(-1, 1) * r));
 }
 
 /* Somewhere on a triangle: 0 a corner, 1 the middle of an edge, 2 on an edge, 3 within. */
@@ -103,16 +114,22 @@ static lc_f3 rnd_target(int style, lc_f3 o, lc_f3 c, lc_f3 at, float r)
     if (style == 0) return rnd_point(c, 1.5f * r);
     if (style == 1) return rnd_point(at, 0.02f * r);
     if (style == 2) return rnd_on((int)rnd_n(4)); /* ends there */
-    if (style == 3) return lc_f3_add(o, lc_f3_scale(lc_f3_sub(rnd_on((int)rnd_n(3)), o), rnd() < 0.5 ? 2 : 5)); /* passes there */
+    /* Passes there. */
+    if (style == 3)
+        return lc_f3_add(o, lc_f3_scale(lc_f3_sub(rnd_on((int)rnd_n(3)), o), rnd() < 0.5 ? 2 : 5));
     if (style == 4) return lc_f3_add(o, rnd_axis(r));
-    if (style == 5) return rnd() < 0.5 ? o : rnd_point(o, r * powf(10, (float)rnd_in(-8, 0))); /* null and short */
+    /* Null and short. */
+    if (style == 5) return rnd() < 0.5 ? o : rnd_point(o, r * powf(10, (float)rnd_in(-8, 0)));
     return rnd_target((int)rnd_n(6), o, c, at, r);
 }
 
 static void make_group(group *g, int style, lc_f3 c, float r)
 {
     double kind = rnd();
-    lc_f3 o = kind < 0.3 ? rnd_on((int)rnd_n(4)) : kind < 0.9 ? rnd_point(c, 1.2f * r) : rnd_point(c, 30 * r), at = rnd_point(c, r);
+    lc_f3 o = kind < 0.3   ? rnd_on((int)rnd_n(4))
+              : kind < 0.9 ? rnd_point(c, 1.2f * r)
+                           : rnd_point(c, 30 * r),
+          at = rnd_point(c, r);
     if (rnd() < 0.2) o = lc_f3_add(rnd_on(3), lc_f3_scale(rnd_unit(), 1e-4f * r)); /* as cut.c has it */
     o = accepted(o);
     lc_f3_store(g->org, o);
@@ -121,12 +138,15 @@ static void make_group(group *g, int style, lc_f3 c, float r)
     for (uint32_t i = 0; i < g->n; i++) {
         lc_f3 t = accepted(rnd_target(style, o, c, at, r));
         if (g->far) t = lc_f3_sub(t, o);
-        g->target[0][i] = t.x, g->target[1][i] = t.y, g->target[2][i] = t.z;
+        g->target[0][i] = t.x;
+        g->target[1][i] = t.y;
+        g->target[2][i] = t.z;
     }
 }
 
 /* false if anything but the answers is written. */
-static bool trace_data(lc_isa isa, const lc_bvh_data *data, const group *g, uint32_t first, uint32_t n, uint8_t *out, uint32_t *block)
+static bool trace_data(lc_isa isa, const lc_bvh_data *data, const group *g, uint32_t first, uint32_t n,
+                       uint8_t *out, uint32_t *block)
 {
     uint8_t got[MOST + LC_LANES + GUARD];
     const float *const target[3] = { g->target[0] + first, g->target[1] + first, g->target[2] + first };
@@ -144,27 +164,31 @@ static bool blocks_agree(lc_isa isa, const lc_bvh_data *data, const group *g, ui
 {
     static uint32_t want[MOST], got[MOST];
     uint8_t hidden[MOST];
-    bool ok = trace_data(LC_ISA_SCALAR, data, g, first, n, hidden, want) && trace_data(isa, data, g, first, n, hidden, got);
-    for (uint32_t i = 0; i < n; i++) ok &= got[i] == want[i] && (hidden[i] ? got[i] < data->n_blocks : got[i] == LC_NONE);
+    bool ok = trace_data(LC_ISA_SCALAR, data, g, first, n, hidden, want) &&
+              trace_data(isa, data, g, first, n, hidden, got);
+    for (uint32_t i = 0; i < n; i++)
+        ok &= got[i] == want[i] && (hidden[i] ? got[i] < data->n_blocks : got[i] == LC_NONE);
     return ok;
 }
 
-/* Rays first .. first + n - 1. False if anything else is written, or if they fare otherwise in turns, as in a tree that is
- * too large for the caches. */
+/* Rays first .. first + n - 1. False if anything else is written, or if they fare otherwise in turns, as in a
+ * tree that is too large for the caches. */
 static bool trace(lc_isa isa, const lc_bvh *b, const group *g, uint32_t first, uint32_t n, uint8_t *out)
 {
     uint8_t in_turns[MOST];
     lc_bvh_data large = b->data;
     large.n_blocks = LC_BVH_LEAF;
-    return trace_data(isa, &b->data, g, first, n, out, NULL) && trace_data(isa, &large, g, first, n, in_turns, NULL) &&
-           !memcmp(out, in_turns, n) && blocks_agree(isa, &b->data, g, first, n) && blocks_agree(isa, &large, g, first, n);
+    return trace_data(isa, &b->data, g, first, n, out, NULL) &&
+           trace_data(isa, &large, g, first, n, in_turns, NULL) && !memcmp(out, in_turns, n) &&
+           blocks_agree(isa, &b->data, g, first, n) && blocks_agree(isa, &large, g, first, n);
 }
 
 static void say(const char *what, lc_isa isa, int mesh_style, const group *g, uint32_t i, int got, int want)
 {
-    CHECKF(false, "%s: %s, mesh %d, ray %u of %u%s: %d, alone by scalar %d; org %a %a %a target %a %a %a", what, lc_isa_name(isa),
-           mesh_style, i, g->n, g->far ? " far" : "", got, want, (double)g->org[0], (double)g->org[1], (double)g->org[2],
-           (double)g->target[0][i], (double)g->target[1][i], (double)g->target[2][i]);
+    CHECKF(false, "%s: %s, mesh %d, ray %u of %u%s: %d, alone by scalar %d; org %a %a %a target %a %a %a",
+           what, lc_isa_name(isa), mesh_style, i, g->n, g->far ? " far" : "", got, want, (double)g->org[0],
+           (double)g->org[1], (double)g->org[2], (double)g->target[0][i], (double)g->target[1][i],
+           (double)g->target[2][i]);
 }
 
 /* Whole, a ray at a time, and in two parts. Returns how many are hidden. */

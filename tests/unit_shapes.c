@@ -1,4 +1,5 @@
-/* unit_shapes.c - quadrics, bilinear patches and subdivision surfaces as triangles: area, side, normals, texture coordinates. */
+/* unit_shapes.c - quadrics, bilinear patches and subdivision surfaces as triangles: area, side, normals,
+ * texture coordinates. */
 #include "pbrt/parse.h"
 #include "scene/scene.h"
 #include "support/last_error.h"
@@ -48,7 +49,8 @@ static void check_normals(int line)
     CHECKF(scene->normal, "line %d", line);
     for (size_t i = 0; scene->normal && i < 3 * scene->n_tris; i++) {
         lc_f3 n = lc_f3_normalize(normal(scene->index[i])), f = lc_f3_normalize(face(i / 3));
-        CHECKF((double)lc_f3_dot(n, f) > 0.93, "line %d: triangle %zu: %g", line, i / 3, (double)lc_f3_dot(n, f));
+        CHECKF((double)lc_f3_dot(n, f) > 0.93, "line %d: triangle %zu: %g", line, i / 3,
+               (double)lc_f3_dot(n, f));
     }
 }
 
@@ -65,14 +67,18 @@ TEST(quadrics)
 {
     CHECK_SHAPE("Shape \"cylinder\"", 4 * LC_PI);
     CHECK(scene->n_tris == 256 && (double)lc_f3_dot(normal(5), vertex(5)) > 0);
-    CHECK_SHAPE("Shape \"cylinder\" \"float radius\" 2 \"float zmin\" 3 \"float zmax\" 1 \"float phimax\" 90", LC_PI * 2);
+    CHECK_SHAPE("Shape \"cylinder\" \"float radius\" 2 \"float zmin\" 3 \"float zmax\" 1 \"float phimax\" 90",
+                LC_PI * 2);
     CHECK(near((double)scene->bounds.lo.z, 1, 0) && near((double)scene->bounds.hi.z, 3, 0));
     CHECK(near((double)scene->bounds.lo.x, 0, 1e-6) && near((double)scene->bounds.hi.y, 2, 0));
     CHECK_SHAPE("Shape \"cone\" \"float radius\" 3 \"float height\" 4", 15 * LC_PI);
-    CHECK(near((double)scene->bounds.hi.z, 4, 0) && (double)lc_f3_dot(normal(0), lc_f3_make(4, 0, 3)) > 0.9 * 5);
+    CHECK(near((double)scene->bounds.hi.z, 4, 0) &&
+          (double)lc_f3_dot(normal(0), lc_f3_make(4, 0, 3)) > 0.9 * 5);
     /* pi r / (6 h^2) ((r^2 + 4 h^2)^1.5 - r^3) */
-    CHECK_SHAPE("Shape \"paraboloid\" \"float radius\" 2 \"float zmax\" 3", LC_PI * 2 / 54 * (pow(40, 1.5) - 8));
-    CHECK(near((double)scene->bounds.lo.z, 0, 0) && (double)normal(0).z < -0.99 && near((double)scene->bounds.hi.x, 2, 0));
+    CHECK_SHAPE("Shape \"paraboloid\" \"float radius\" 2 \"float zmax\" 3",
+                LC_PI * 2 / 54 * (pow(40, 1.5) - 8));
+    CHECK(near((double)scene->bounds.lo.z, 0, 0) && (double)normal(0).z < -0.99 &&
+          near((double)scene->bounds.hi.x, 2, 0));
     CHECK_SHAPE("Shape \"paraboloid\" \"float zmin\" 0.25", LC_PI / 6 * (pow(5, 1.5) - pow(2, 1.5)));
     CHECK_SHAPE("Shape \"hyperboloid\" \"point3 p1\" [2 0 0] \"point3 p2\" [2 0 3]", 12 * LC_PI);
     /* the default: from the apex along (1, 1, 1), a cone; its normals point down, away from the axis */
@@ -83,12 +89,15 @@ TEST(quadrics)
     CHECK(near((double)vertex(0).z, 0, 0));
     CHECK_SHAPE("Shape \"hyperboloid\" \"point3 p1\" [1 -.5 -1] \"point3 p2\" [1 .5 1]",
                 2 * LC_PI * (sqrt(21) / 4 + asinh(sqrt(5) / 4) / (sqrt(5) / 4)));
-    CHECK(load("Shape \"cylinder\" \"float radius\" 0 Shape \"cone\" \"float phimax\" 0 Shape \"paraboloid\" \"float zmax\" 0 "
-               "Shape \"hyperboloid\" \"point3 p2\" [0 0 1]") == LC_OK && scene->n_tris == 0);
+    CHECK(load("Shape \"cylinder\" \"float radius\" 0 Shape \"cone\" \"float phimax\" 0 Shape \"paraboloid\" "
+               "\"float zmax\" 0 "
+               "Shape \"hyperboloid\" \"point3 p2\" [0 0 1]") == LC_OK &&
+          scene->n_tris == 0);
     CHECK(load(TEXTURED "Shape \"cone\" Shape \"paraboloid\"") == LC_OK && scene->uv);
     size_t row = 129, last = scene->meshes[1].first_vert - row;
     CHECK(near((double)scene->uv[2 * last + 1], 1, 0) && near((double)scene->uv[2 * (last + 128)], 1, 0));
-    CHECK(near((double)scene->uv[2 * (scene->meshes[1].first_vert + 16 * row) + 1], 0.25, 1e-6)); /* half the radius */
+    /* Half the radius. */
+    CHECK(near((double)scene->uv[2 * (scene->meshes[1].first_vert + 16 * row) + 1], 0.25, 1e-6));
 }
 
 TEST(sides_of_quadrics)
@@ -113,7 +122,8 @@ TEST(bilinear_meshes)
         lc_f3 v = vertex(i);
         double z = v.x > 1 ? (double)(v.x - 1) * (double)v.y : 0;
         CHECK(near((double)v.z, z, 1e-6));
-        lc_f3 n = lc_f3_normalize(normal(i)), want = lc_f3_normalize_d(v.x > 1 ? -(double)v.y : 0, v.x > 1 ? 1 - (double)v.x : 0, 1);
+        lc_f3 n = lc_f3_normalize(normal(i)),
+              want = lc_f3_normalize_d(v.x > 1 ? -(double)v.y : 0, v.x > 1 ? 1 - (double)v.x : 0, 1);
         CHECK(v.x == 1 || lc_f3_dot(n, want) > 0.99999f);
     }
     /* a trapezoid: only its texture needs a grid */
@@ -125,24 +135,28 @@ TEST(bilinear_meshes)
         CHECK(near((double)v.x, x, 1e-6) && near((double)v.y, y, 1e-6));
     }
     CHECK(load("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] "
-               "\"normal3 N\" [0 0 -1 0 0 -1 0 0 -1 1 0 -1]") == LC_OK && scene->n_tris == 2 && scene->normal[2] < 0);
+               "\"normal3 N\" [0 0 -1 0 0 -1 0 0 -1 1 0 -1]") == LC_OK &&
+          scene->n_tris == 2 && scene->normal[2] < 0);
     CHECK(load("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]") == LC_ERR_PARSE);
-    CHECK(load("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 1 2]") == LC_ERR_PARSE);
+    CHECK(load("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 1 2]") ==
+          LC_ERR_PARSE);
     CHECKF(strstr(last_error, "'indices' is not made of fours"), "%s", last_error);
     CHECK(load("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 0 0 0 0 0 0 0 0 0]") == LC_OK);
 }
 
-#define OCTAHEDRON                                                                                                       \
-    "Shape \"loopsubdiv\" \"point3 P\" [0 0 1 1 0 0 0 1 0 -1 0 0 0 -1 0 0 0 -1] "                                         \
+#define OCTAHEDRON                                                                                           \
+    "Shape \"loopsubdiv\" \"point3 P\" [0 0 1 1 0 0 0 1 0 -1 0 0 0 -1 0 0 0 -1] "                            \
     "\"integer indices\" [0 1 2 0 2 3 0 3 4 0 4 1 5 2 1 5 3 2 5 4 3 5 1 4] \"integer levels\" "
 /* A strip of five by three vertices, bent, with a hole. */
-#define SHEET                                                                                                            \
-    "Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 2 0 .3 3 0 0 4 0 0  0 1 0 1 1 .5 2 1 1 3 1 0 4 1 0  0 2 0 1 2 0 2 2 0 3 2 1 4 2 0] " \
-    "\"integer indices\" [0 1 6 0 6 5 1 2 7 1 7 6 2 3 7 3 8 7 3 4 9 5 6 11 5 11 10 6 7 12 6 12 11 7 8 13 7 13 12 8 9 13 9 14 13] "      \
+#define SHEET                                                                                                \
+    "Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 2 0 .3 3 0 0 4 0 0  0 1 0 1 1 .5 2 1 1 3 1 0 4 1 0  0 "  \
+    "2 0 1 2 0 2 2 0 3 2 1 4 2 0] "                                                                          \
+    "\"integer indices\" [0 1 6 0 6 5 1 2 7 1 7 6 2 3 7 3 8 7 3 4 9 5 6 11 5 11 10 6 7 12 6 12 11 7 8 13 7 " \
+    "13 12 8 9 13 9 14 13] "                                                                                 \
     "\"integer nlevels\" "
 
-/* The limit does not depend on the level at which it is taken; but pbrt's does a little at the boundary, whose weight 1/5 would have
- * to be 1/6. inside: one bit a vertex. */
+/* The limit does not depend on the level at which it is taken; but pbrt's does a little at the boundary,
+ * whose weight 1/5 would have to be 1/6. inside: one bit a vertex. */
 static void check_limit(const char *shape, size_t n_verts, unsigned inside)
 {
     char text[2048];
@@ -152,17 +166,22 @@ static void check_limit(const char *shape, size_t n_verts, unsigned inside)
         CHECKF(load(text) == LC_OK, "%s", last_error);
         for (size_t i = 0; i < n_verts; i++) {
             lc_f3 m = lc_f3_normalize(normal(i));
-            if (!level) pos[i] = vertex(i), n[i] = m;
-            CHECKF(lc_f3_len(lc_f3_sub(pos[i], vertex(i))) < (inside >> i & 1 ? 1e-6f : 0.12f), "level %d vertex %zu",
-                   level, i);
-            if (level == 1) n[i] = m; /* tangents of the limit are exact once each vertex has its own kind of neighbours */
+            if (!level) {
+                pos[i] = vertex(i);
+                n[i] = m;
+            }
+            CHECKF(lc_f3_len(lc_f3_sub(pos[i], vertex(i))) < (inside >> i & 1 ? 1e-6f : 0.12f),
+                   "level %d vertex %zu", level, i);
+            /* Tangents of the limit are exact once each vertex has its own kind of neighbours. */
+            if (level == 1) n[i] = m;
             CHECKF(level < 2 || lc_f3_dot(n[i], m) > (inside >> i & 1 ? 0.98f : 0.95f),
                    "level %d vertex %zu: %g", level, i, (double)lc_f3_dot(n[i], m));
         }
     }
     /* pbrt's side is that of clockwise corners; normals stand on the fine faces */
     for (size_t i = 0; i < 3 * scene->n_tris; i++) {
-        double cosine = (double)lc_f3_dot(lc_f3_normalize(normal(scene->index[i])), lc_f3_normalize(face(i / 3)));
+        double cosine = (double)lc_f3_dot(lc_f3_normalize(normal(scene->index[i])),
+                                          lc_f3_normalize(face(i / 3)));
         CHECKF(cosine < -0.93, "triangle %zu: %g", i / 3, cosine);
     }
 }
@@ -176,10 +195,13 @@ TEST(subdivision)
     CHECK(load(OCTAHEDRON "3") == LC_OK && scene->n_notes == 0);
     /* six-fold symmetry: vertices and their opposites */
     lc_f3 a = vertex(0), b = vertex(5), c = vertex(1);
-    CHECK(a.z > 0.3f && a.z < 0.8f && near((double)a.z, -(double)b.z, 1e-6) && near((double)a.z, (double)c.x, 1e-6));
+    CHECK(a.z > 0.3f && a.z < 0.8f && near((double)a.z, -(double)b.z, 1e-6) &&
+          near((double)a.z, (double)c.x, 1e-6));
     /* one step by hand: beta(4) = 3/32; limit of a vertex of valence 4: gamma = 1/8 */
     CHECK(load(OCTAHEDRON "0") == LC_OK && near((double)vertex(0).z, 0.5, 1e-7));
-    CHECK(load("Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]") == LC_OK && !scene->n_notes);
+    CHECK(load("Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]") ==
+              LC_OK &&
+          !scene->n_notes);
     CHECK(scene->n_tris == 64);
     for (size_t i = 0; i < scene->n_verts; i++) CHECK(vertex(i).z == 0);
 }
@@ -190,7 +212,8 @@ TEST(odd_meshes)
     CHECK(load("Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1 0 0 -1 9 9 9] "
                "\"integer indices\" [0 1 2 0 1 3 1 0 4 2 2 2 0 0 1] \"integer levels\" 2") == LC_OK);
     CHECK(scene->n_tris == 5 * 16);
-    CHECK(load(OCTAHEDRON "30") == LC_OK && scene->n_tris > 1000000 && scene->n_tris <= 4 << 20 && scene->n_notes == 1);
+    CHECK(load(OCTAHEDRON "30") == LC_OK && scene->n_tris > 1000000 && scene->n_tris <= 4 << 20 &&
+          scene->n_notes == 1);
     CHECK(load(OCTAHEDRON "-1") == LC_ERR_PARSE);
     CHECK(load("Shape \"loopsubdiv\" \"point3 P\" [0 0 0]") == LC_ERR_PARSE);
     CHECK(load("Shape \"loopsubdiv\" \"point3 P\" [0 0 0] \"integer indices\" [0 0 1]") == LC_ERR_PARSE);

@@ -29,9 +29,12 @@ TEST(sun_fills_its_disc)
         const lc_light *l = &scene->lights[i];
         double angle = acos(fmin(-(double)lc_f3_dot(l->dir, sun), 1));
         CHECK(l->kind == LC_LIGHT_DIRECTIONAL);
-        widest = fmax(widest, angle), second += angle * angle / 500;
+        widest = fmax(widest, angle);
+        second += angle * angle / 500;
         sum += (double)l->intensity.y;
-        mean[0] += (double)l->dir.x / 500, mean[1] += (double)l->dir.y / 500, mean[2] += (double)l->dir.z / 500;
+        mean[0] += (double)l->dir.x / 500;
+        mean[1] += (double)l->dir.y / 500;
+        mean[2] += (double)l->dir.z / 500;
         for (size_t k = 0; k < i; k++) CHECK(memcmp(&l->dir, &scene->lights[k].dir, sizeof l->dir));
     }
     double r = LC_PI / 180;
@@ -53,31 +56,37 @@ static lc_f3 beside(double angle, double turn)
 TEST(sun_is_seen)
 {
     const double r = 0.265 * LC_PI / 180, radiance = 10 / (LC_PI * sin(r) * sin(r));
-    CHECK(load("LightSource \"sun\" \"vector3 direction\" [0 3 4] \"rgb E\" [10 20 5]") == LC_OK && scene->n_lights == 64);
+    CHECK(load("LightSource \"sun\" \"vector3 direction\" [0 3 4] \"rgb E\" [10 20 5]") == LC_OK &&
+          scene->n_lights == 64);
     CHECK(lc_f3_max(lc_scene_background(scene, beside(0, 0))) <= 0);
     for (int i = 0; i < 360; i++) {
-        lc_f3 in = lc_background(scene, beside(r * 0.9999, i)), out = lc_background(scene, beside(r * 1.0001, i));
+        lc_f3 in = lc_background(scene, beside(r * 0.9999, i)),
+              out = lc_background(scene, beside(r * 1.0001, i));
         CHECK(lc_f3_max(out) <= 0);
         CHECKF(fabs((double)in.x / radiance - 1) < 1e-5, "%g, not %g", (double)in.x, radiance);
     }
     lc_f3 centre = lc_background(scene, beside(0, 0));
-    CHECK(fabs((double)centre.y / (2 * radiance) - 1) < 1e-5 && fabs((double)centre.z / (0.5 * radiance) - 1) < 1e-5);
+    CHECK(fabs((double)centre.y / (2 * radiance) - 1) < 1e-5 &&
+          fabs((double)centre.z / (0.5 * radiance) - 1) < 1e-5);
     CHECK(load("LightSource \"sun\" LightSource \"sun\"") == LC_OK); /* both are seen */
     CHECK(fabs((double)lc_background(scene, lc_f3_make(0, 0, 1)).x / (0.2 * radiance) - 1) < 1e-5);
-    CHECK(load("LightSource \"sun\" \"float angle\" 0 LightSource \"sun\" \"float angle\" 1e-30") == LC_OK && !scene->suns);
+    CHECK(load("LightSource \"sun\" \"float angle\" 0 LightSource \"sun\" \"float angle\" 1e-30") == LC_OK &&
+          !scene->suns);
 }
 
 /* [CIE03], type 12. */
 static double clear_sky(double cos_zenith, double cos_sun, double cos_between)
 {
-    double f = 1 + 10 * (exp(-3 * acos(cos_between)) - exp(-3 * LC_PI / 2)) + 0.45 * cos_between * cos_between;
+    double f = 1 + 10 * (exp(-3 * acos(cos_between)) - exp(-3 * LC_PI / 2)) +
+               0.45 * cos_between * cos_between;
     double f0 = 1 + 10 * (exp(-3 * acos(cos_sun)) - exp(-3 * LC_PI / 2)) + 0.45 * cos_sun * cos_sun;
     return f / f0 * (1 - exp(-0.32 / cos_zenith)) / (1 - exp(-0.32));
 }
 
 TEST(sky_is_the_clear_one)
 {
-    CHECK(load("Rotate -90 1 0 0 LightSource \"sky\" \"vector3 sun\" [3 0 4] \"rgb L\" [1 2 3] \"float scale\" 2") == LC_OK);
+    CHECK(load("Rotate -90 1 0 0 LightSource \"sky\" \"vector3 sun\" [3 0 4] \"rgb L\" [1 2 3] \"float "
+               "scale\" 2") == LC_OK);
     CHECK(scene->n_envs == 1);
     const lc_f3 sun = lc_f3_make(0.6f, 0.8f, 0);
     lc_f3 v = lc_scene_background(scene, lc_f3_make(0, 1, 0));
@@ -87,7 +96,8 @@ TEST(sky_is_the_clear_one)
     for (int i = 0; i < 1000; i++) {
         double z = 0.03 + 0.96 * (i + 0.5) / 1000, phi = i * 2.4;
         lc_f3 w = lc_f3_normalize_d(sqrt(1 - z * z) * cos(phi), z, sqrt(1 - z * z) * sin(phi));
-        double between = (double)lc_f3_dot(w, sun), want = 2 * clear_sky(z, 0.8, between), got = (double)lc_scene_background(scene, w).x;
+        double between = (double)lc_f3_dot(w, sun), want = 2 * clear_sky(z, 0.8, between),
+               got = (double)lc_scene_background(scene, w).x;
         if (between < 0.9995) CHECKF(fabs(got / want - 1) < 0.02, "%d: %g, not %g", i, got, want);
     }
     CHECK(!lc_env_lights_make(scene, 1000, 5, 1) && scene->n_lights == 1000);

@@ -42,7 +42,8 @@ static lc_status load(const char *text)
     return lc_pbrt_parse(scene, name);
 }
 
-/* Radiant intensity in a direction, by the estimate of a white diffuser at distance 1 that faces the light. */
+/* Radiant intensity in a direction, by the estimate of a white diffuser at distance 1 that faces the light.
+ */
 static lc_f3 shine(const lc_light *l, lc_f3 w)
 {
     const lc_material white = { .kd = { 1, 1, 1 } };
@@ -52,7 +53,8 @@ static lc_f3 shine(const lc_light *l, lc_f3 w)
     lc_light_rec_init(&rec, l);
     lc_spot_rec_init(&spot, l->spot.cos_total, l->spot.cos_start, l->spot.map);
     lc_point_init(&p, lc_f3_add(l->pos, w), lc_f3_neg(w), lc_f3_neg(w), &white, 1e-10f);
-    return lc_f3_scale(lc_f3_mul(lc_shade_spot(&p, &rec, &spot, scene->spot_maps), l->intensity), (float)LC_PI);
+    return lc_f3_scale(lc_f3_mul(lc_shade_spot(&p, &rec, &spot, scene->spot_maps), l->intensity),
+                       (float)LC_PI);
 }
 
 /* Integral over all directions. */
@@ -64,7 +66,9 @@ static void flux(const lc_light *l, double sum[3])
         for (uint32_t j = 0; j < 2 * n; j++) {
             double z = 1 - 2 * (i + 0.5) / n, r = sqrt(1 - z * z), phi = LC_PI * (j + 0.5) / n;
             lc_f3 v = shine(l, lc_f3_normalize_d(r * cos(phi), r * sin(phi), z));
-            sum[0] += (double)v.x, sum[1] += (double)v.y, sum[2] += (double)v.z;
+            sum[0] += (double)v.x;
+            sum[1] += (double)v.y;
+            sum[2] += (double)v.z;
         }
     for (int c = 0; c < 3; c++) sum[c] *= 2 * LC_PI / n / n;
 }
@@ -73,11 +77,13 @@ static double luminance(const double v[3]) { return 0.2126 * v[0] + 0.7152 * v[1
 
 TEST(parameters)
 {
-    CHECK(load("Translate 1 2 3 LightSource \"spot\" \"rgb I\" [1 2 3] \"point3 from\" [0 0 1] \"point3 to\" [0 5 1]") == LC_OK);
+    CHECK(load("Translate 1 2 3 LightSource \"spot\" \"rgb I\" [1 2 3] \"point3 from\" [0 0 1] \"point3 to\" "
+               "[0 5 1]") == LC_OK);
     const lc_light *l = scene->lights;
     CHECK(scene->n_lights == 1 && l->kind == LC_LIGHT_SPOT);
     CHECK(l->pos.x == 1 && l->pos.y == 2 && l->pos.z == 4 && l->dir.y == 1);
-    CHECK(near((double)l->spot.cos_total, cos(LC_PI / 6), 1e-7) && near((double)l->spot.cos_start, cos(25 * LC_PI / 180), 1e-7));
+    CHECK(near((double)l->spot.cos_total, cos(LC_PI / 6), 1e-7) &&
+          near((double)l->spot.cos_start, cos(25 * LC_PI / 180), 1e-7));
     CHECK(near((double)shine(l, lc_f3_make(0, 1, 0)).z, 3, 1e-5));
     /* half way between the cosines there is half of it */
     double mid = (cos(LC_PI / 6) + cos(25 * LC_PI / 180)) / 2;
@@ -102,11 +108,17 @@ TEST(power)
         const char *text;
         double most;
     } tests[] = {
-        { "LightSource \"spot\" \"float power\" 70 \"float coneangle\" 60 \"float conedeltaangle\" 20", 0.001 },
-        { "LightSource \"spot\" \"float power\" 70 \"float coneangle\" 120 \"float conedeltaangle\" 0", 0.002 },
-        { "Rotate 33 1 2 3 LightSource \"projection\" \"float power\" 70 \"string filename\" \"p.pfm\"", 0.01 },
-        { "Rotate 33 1 2 3 LightSource \"projection\" \"float power\" 70 \"float fov\" 20 \"string filename\" \"p.pfm\"", 0.02 },
-        { "Rotate 70 1 2 3 LightSource \"goniometric\" \"float power\" 70 \"string filename\" \"g.pfm\"", 0.01 },
+        { "LightSource \"spot\" \"float power\" 70 \"float coneangle\" 60 \"float conedeltaangle\" 20",
+          0.001 },
+        { "LightSource \"spot\" \"float power\" 70 \"float coneangle\" 120 \"float conedeltaangle\" 0",
+          0.002 },
+        { "Rotate 33 1 2 3 LightSource \"projection\" \"float power\" 70 \"string filename\" \"p.pfm\"",
+          0.01 },
+        { "Rotate 33 1 2 3 LightSource \"projection\" \"float power\" 70 \"float fov\" 20 \"string "
+          "filename\" \"p.pfm\"",
+          0.02 },
+        { "Rotate 70 1 2 3 LightSource \"goniometric\" \"float power\" 70 \"string filename\" \"g.pfm\"",
+          0.01 },
         { "LightSource \"goniometric\" \"float power\" 70", 0.001 },
     };
     for (size_t i = 0; i < sizeof tests / sizeof *tests; i++) {
@@ -118,7 +130,8 @@ TEST(power)
     }
 }
 
-/* Four texels, seen from the light along +z: pbrt-v4 has the picture's top at +y and its left at -x, v3 the top at -y. */
+/* Four texels, seen from the light along +z: pbrt-v4 has the picture's top at +y and its left at -x, v3 the
+ * top at -y. */
 TEST(projections_are_the_right_way_up)
 {
     const float rgb[12] = { 1, 0, 0, 0, 2, 0, 0, 0, 3, 4, 4, 4 };
@@ -128,8 +141,10 @@ TEST(projections_are_the_right_way_up)
                       : "LightSource \"projection\" \"string filename\" \"q.pfm\"") == LC_OK);
         const lc_light *l = scene->lights;
         float up = v3 ? -0.5f : 0.5f;
-        lc_f3 a = shine(l, lc_f3_normalize(lc_f3_make(-0.5f, up, 1))), b = shine(l, lc_f3_normalize(lc_f3_make(0.5f, up, 1)));
-        lc_f3 c = shine(l, lc_f3_normalize(lc_f3_make(-0.5f, -up, 1))), d = shine(l, lc_f3_normalize(lc_f3_make(0.5f, -up, 1)));
+        lc_f3 a = shine(l, lc_f3_normalize(lc_f3_make(-0.5f, up, 1))),
+              b = shine(l, lc_f3_normalize(lc_f3_make(0.5f, up, 1)));
+        lc_f3 c = shine(l, lc_f3_normalize(lc_f3_make(-0.5f, -up, 1))),
+              d = shine(l, lc_f3_normalize(lc_f3_make(0.5f, -up, 1)));
         CHECK(near((double)a.x, 1, 1e-4) && !(a.y > 0) && near((double)b.y, 2, 1e-4) && !(b.x > 0));
         CHECK(near((double)c.z, 3, 1e-4) && near((double)d.x, 4, 1e-4));
         CHECK(!(lc_f3_max(shine(l, lc_f3_normalize(lc_f3_make(1.01f, 0, 1)))) > 0));
@@ -146,7 +161,8 @@ TEST(goniometric_maps_by_latitude)
     write_pfm("l.pfm", 32, 16, rgb);
     CHECK(load("LightSource \"goniometric\" \"rgb I\" [2 2 2] \"string mapname\" \"l.pfm\"") == LC_OK);
     const lc_light *l = scene->lights;
-    lc_f3 up = shine(l, lc_f3_normalize(lc_f3_make(0.1f, 1, 0.2f))), down = shine(l, lc_f3_normalize(lc_f3_make(0.1f, -1, 0.2f)));
+    lc_f3 up = shine(l, lc_f3_normalize(lc_f3_make(0.1f, 1, 0.2f))),
+          down = shine(l, lc_f3_normalize(lc_f3_make(0.1f, -1, 0.2f)));
     CHECK(near((double)up.x, 6, 1e-4) && !(down.x > 0));
     /* the left half of the map: longitudes from +x by way of the light's z */
     CHECK(near((double)up.z, 2, 1e-4) && !(shine(l, lc_f3_normalize(lc_f3_make(0.1f, 0.3f, -0.8f))).z > 0));
@@ -165,7 +181,11 @@ TEST(damage_to_spots_is_found)
     lc_light_tree *t;
     for (size_t i = 0; i < 60; i++) {
         lights[i] = rnd_spot();
-        if (i % 3 == 0) lights[i].kind = LC_LIGHT_POINT, lights[i].atten[0] = lights[i].atten[1] = 0, lights[i].atten[2] = 1;
+        if (i % 3 == 0) {
+            lights[i].kind = LC_LIGHT_POINT;
+            lights[i].atten[0] = lights[i].atten[1] = 0;
+            lights[i].atten[2] = 1;
+        }
     }
     const lc_light_tree_desc d = { .lights = lights, .n_lights = 60, .diag2 = 12, .n_reps = 2 };
     CHECK(!lc_light_tree_build(ctx, &d, &t) && !lc_light_tree_validate(t));
@@ -190,12 +210,17 @@ TEST(damage_to_spots_is_found)
 /* Attenuation of a light of another kind in the same tree is nothing to spots. */
 TEST(bounds_of_spots_beside_attenuated_lights)
 {
-    static const lc_material looks[] = { { .kd = { 1, 1, 1 } }, { .kd = { 1, 1, 1 }, .ks = { 1, 1, 1 }, .exponent = 9 },
-                                         { .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.3f, 0.3f } } };
+    static const lc_material looks[] = {
+        { .kd = { 1, 1, 1 } },
+        { .kd = { 1, 1, 1 }, .ks = { 1, 1, 1 }, .exponent = 9 },
+        { .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.3f, 0.3f } }
+    };
     lc_light lights[41];
     lc_light_tree *alone, *both;
     for (size_t i = 0; i < 40; i++) lights[i] = rnd_spot();
-    lights[40] = (lc_light){ .kind = LC_LIGHT_POINT, .pos = rnd_unit(), .intensity = { 1, 1, 1 }, .atten = { 3, 2, 1 } };
+    lights[40] = (lc_light){
+        .kind = LC_LIGHT_POINT, .pos = rnd_unit(), .intensity = { 1, 1, 1 }, .atten = { 3, 2, 1 }
+    };
     lc_light_tree_desc d = { .lights = lights, .n_lights = 40, .diag2 = 12, .n_reps = 2 };
     CHECK(!lc_light_tree_build(ctx, &d, &alone) && !alone->data.node_atten);
     d.n_lights = 41;
@@ -209,7 +234,8 @@ TEST(bounds_of_spots_beside_attenuated_lights)
             const lc_kernels *k = lc_isa_kernels(isa);
             k->shade.bounds(&alone->data, &alone->root[LC_LIGHT_SPOT], 1, LC_LIGHT_SPOT, &p, a);
             k->shade.bounds(&both->data, &both->root[LC_LIGHT_SPOT], 1, LC_LIGHT_SPOT, &p, b);
-            CHECKF(*a >= *b && *b >= *a, "%s: %g, beside others %g", lc_isa_name(isa), (double)*a, (double)*b);
+            CHECKF(*a >= *b && *b >= *a, "%s: %g, beside others %g", lc_isa_name(isa), (double)*a,
+                   (double)*b);
         }
     }
     lc_light_tree_destroy(alone);

@@ -1,4 +1,5 @@
-/* unit_texture.c - lookups in images, mappings and patterns against plain double code written apart from them. */
+/* unit_texture.c - lookups in images, mappings and patterns against plain double code written apart from
+ * them. */
 #include "base/arena.h"
 #include "base/rng.h"
 #include "scene/noise.h"
@@ -40,7 +41,8 @@ static double plain_texel(const lc_raster *r, lc_encoding e, int64_t x, int64_t 
     y = wrap == LC_WRAP_REPEAT ? ((y % h) + h) % h : y < 0 ? 0 : y >= h ? h - 1 : y;
     size_t at = (size_t)(y * w + x) * r->n_channels + (r->n_channels >= 3 ? c : 0);
     if (r->kind == LC_RASTER_F32) return (double)((const float *)r->data)[at];
-    double v = r->kind == LC_RASTER_U8 ? ((const uint8_t *)r->data)[at] / 255.0 : ((const uint16_t *)r->data)[at] / 65535.0;
+    double v = r->kind == LC_RASTER_U8 ? ((const uint8_t *)r->data)[at] / 255.0
+                                       : ((const uint16_t *)r->data)[at] / 65535.0;
     return e.kind == LC_ENCODING_SRGB ? srgb(v) : e.kind == LC_ENCODING_LINEAR ? v : pow(v, (double)e.gamma);
 }
 
@@ -48,14 +50,18 @@ static double plain_bilinear(const lc_raster *r, lc_encoding e, double s, double
 {
     double x = s * r->width - 0.5, y = t * r->height - 0.5, fx = x - floor(x), fy = y - floor(y);
     int64_t ix = (int64_t)floor(x), iy = (int64_t)floor(y);
-    return plain_texel(r, e, ix, iy, wrap, c) * (1 - fx) * (1 - fy) + plain_texel(r, e, ix + 1, iy, wrap, c) * fx * (1 - fy) +
-           plain_texel(r, e, ix, iy + 1, wrap, c) * (1 - fx) * fy + plain_texel(r, e, ix + 1, iy + 1, wrap, c) * fx * fy;
+    return plain_texel(r, e, ix, iy, wrap, c) * (1 - fx) * (1 - fy) +
+           plain_texel(r, e, ix + 1, iy, wrap, c) * fx * (1 - fy) +
+           plain_texel(r, e, ix, iy + 1, wrap, c) * (1 - fx) * fy +
+           plain_texel(r, e, ix + 1, iy + 1, wrap, c) * fx * fy;
 }
 
 TEST(bilinear_agrees)
 {
     static const lc_raster_kind kinds[3] = { LC_RASTER_U8, LC_RASTER_U16, LC_RASTER_F32 };
-    static const lc_encoding encodings[3] = { { LC_ENCODING_SRGB, 1 }, { LC_ENCODING_LINEAR, 1 }, { LC_ENCODING_GAMMA, 2.2f } };
+    static const lc_encoding encodings[3] = { { LC_ENCODING_SRGB, 1 },
+                                              { LC_ENCODING_LINEAR, 1 },
+                                              { LC_ENCODING_GAMMA, 2.2f } };
     for (int k = 0; k < 27; k++) {
         lc_raster r = make_raster(7 + (uint32_t)k, 5, (uint32_t)k % 4 + 1, kinds[k % 3]);
         lc_encoding e = encodings[k / 3 % 3];
@@ -68,10 +74,12 @@ TEST(bilinear_agrees)
             lc_mipmap_lookup(&m, s, t, 0.5, wrap, LC_FILTER_BILINEAR, got);
             for (uint32_t c = 0; c < 3; c++) {
                 double want = plain_bilinear(&r, e, s, t, wrap, c);
-                CHECKF(fabs(got[c] - want) <= 2e-7 * (1 + fabs(want)), "case %d (%g, %g): %.9g for %.9g", k, s, t, got[c], want);
+                CHECKF(fabs(got[c] - want) <= 2e-7 * (1 + fabs(want)), "case %d (%g, %g): %.9g for %.9g", k,
+                       s, t, got[c], want);
             }
             lc_mipmap_lookup(&m, s, t, 0, wrap, LC_FILTER_POINT, got);
-            double want = plain_texel(&r, e, (int64_t)floor(s * r.width), (int64_t)floor(t * r.height), wrap, 1);
+            double want = plain_texel(&r, e, (int64_t)floor(s * r.width), (int64_t)floor(t * r.height), wrap,
+                                      1);
             CHECK(fabs(got[1] - want) <= 2e-7 * (1 + fabs(want)));
         }
         lc_mipmap_free(ctx, &m);
@@ -82,7 +90,8 @@ TEST(bilinear_agrees)
 /* Every level's mean is the image's: areas are shared out whole. Codes: within half a code for each level. */
 TEST(levels_keep_the_mean)
 {
-    static const uint32_t sizes[][2] = { { 8, 8 }, { 7, 5 }, { 1, 9 }, { 13, 1 }, { 33, 31 }, { 1, 1 }, { 2, 3 } };
+    static const uint32_t sizes[][2] = { { 8, 8 },   { 7, 5 }, { 1, 9 }, { 13, 1 },
+                                         { 33, 31 }, { 1, 1 }, { 2, 3 } };
     for (size_t k = 0; k < 14; k++) {
         bool codes = k >= 7;
         lc_raster r = make_raster(sizes[k % 7][0], sizes[k % 7][1], 1, codes ? LC_RASTER_U8 : LC_RASTER_F32);
@@ -91,7 +100,8 @@ TEST(levels_keep_the_mean)
         CHECK(!lc_mipmap_build(ctx, &r, linear, &m));
         double want = 0;
         for (uint32_t i = 0; i < r.width * r.height; i++)
-            want += plain_texel(&r, linear, i % r.width, i / r.width, LC_WRAP_CLAMP, 0) / (r.width * r.height);
+            want += plain_texel(&r, linear, i % r.width, i / r.width, LC_WRAP_CLAMP, 0) /
+                    (r.width * r.height);
         CHECK(m.levels[m.n_levels - 1].width == 1 && m.levels[m.n_levels - 1].height == 1);
         double got[3];
         lc_mipmap_mean(&m, got);
@@ -117,12 +127,14 @@ TEST(trilinear_between_levels)
         lc_mipmap_lookup(&m, s, t, 4, LC_WRAP_REPEAT, LC_FILTER_TRILINEAR, b);
         lc_mipmap_lookup(&m, s, t, 2 * sqrt(2), LC_WRAP_REPEAT, LC_FILTER_TRILINEAR, half);
         lc_mipmap_lookup(&m, s, t, 3.99, LC_WRAP_REPEAT, LC_FILTER_BILINEAR, low);
-        for (int c = 0; c < 3; c++) CHECK(fabs(half[c] - 0.5 * (a[c] + b[c])) < 1e-9 && fabs(low[c] - a[c]) < 1e-9);
+        for (int c = 0; c < 3; c++)
+            CHECK(fabs(half[c] - 0.5 * (a[c] + b[c])) < 1e-9 && fabs(low[c] - a[c]) < 1e-9);
     }
     /* texel (1, 2) of level 1 covers four of level 0 */
     lc_mipmap_lookup(&m, 1.5 / 8, 2.5 / 8, 2, LC_WRAP_REPEAT, LC_FILTER_TRILINEAR, a);
     double want = 0;
-    for (int i = 0; i < 4; i++) want += (double)((const float *)r.data)[3 * ((4 + i / 2) * 16 + 2 + i % 2)] / 4;
+    for (int i = 0; i < 4; i++)
+        want += (double)((const float *)r.data)[3 * ((4 + i / 2) * 16 + 2 + i % 2)] / 4;
     CHECK(fabs(a[0] - want) < 1e-6);
     lc_mipmap_free(ctx, &m);
     lc_raster_free(ctx, &r);
@@ -130,19 +142,25 @@ TEST(trilinear_between_levels)
 
 TEST(odd_arguments_do_no_harm)
 {
-    static const double odd[] = { 0, -0.0, 1, -1, 1e-300, 1e18, -1e300, 0x1p-1074, 0.9999999999999999, -1e-18 };
+    static const double odd[] = {
+        0, -0.0, 1, -1, 1e-300, 1e18, -1e300, 0x1p-1074, 0.9999999999999999, -1e-18
+    };
     lc_raster r = make_raster(5, 3, 3, LC_RASTER_U8);
     lc_mipmap m;
     CHECK(!lc_mipmap_build(ctx, &r, (lc_encoding){ LC_ENCODING_SRGB, 1 }, &m));
     for (uint64_t i = 0; i < 10 * 10 * 10 * 9; i++) {
         double out[3];
-        lc_mipmap_lookup(&m, odd[i % 10], odd[i / 10 % 10], odd[i / 100 % 10], (lc_wrap)(i / 1000 % 3), (lc_filter)(i / 3000), out);
+        lc_mipmap_lookup(&m, odd[i % 10], odd[i / 10 % 10], odd[i / 100 % 10], (lc_wrap)(i / 1000 % 3),
+                         (lc_filter)(i / 3000), out);
         CHECK(out[0] >= 0 && out[0] <= 1.000001);
     }
     lc_mipmap_free(ctx, &m);
     lc_raster_free(ctx, &r);
     r = make_raster(2, 2, 1, LC_RASTER_F32);
-    ((float *)r.data)[0] = NAN, ((float *)r.data)[1] = INFINITY, ((float *)r.data)[2] = FLT_MAX, ((float *)r.data)[3] = FLT_MAX;
+    ((float *)r.data)[0] = NAN;
+    ((float *)r.data)[1] = INFINITY;
+    ((float *)r.data)[2] = FLT_MAX;
+    ((float *)r.data)[3] = FLT_MAX;
     CHECK(!lc_mipmap_build(ctx, &r, (lc_encoding){ LC_ENCODING_SRGB, 1 }, &m));
     double out[3];
     lc_mipmap_mean(&m, out);
@@ -165,15 +183,24 @@ static lc_tex_map make_map(lc_tex_map_kind kind)
 TEST(mappings_agree)
 {
     for (uint64_t i = 0; i < 5000; i++) {
-        lc_tex_point p = { { 4 * rnd(i, 5) - 2, 4 * rnd(i, 6) - 2, 4 * rnd(i, 7) - 2 }, { rnd(i, 8), rnd(i, 9) }, 2, 3, 1e-3, { 0, 0, 1 } };
+        lc_tex_point p = { { 4 * rnd(i, 5) - 2, 4 * rnd(i, 6) - 2, 4 * rnd(i, 7) - 2 },
+                           { rnd(i, 8), rnd(i, 9) },
+                           2,
+                           3,
+                           1e-3,
+                           { 0, 0, 1 } };
         double st[2], w[2];
         lc_tex_map m = make_map(LC_MAP_UV);
-        m.su = 3, m.sv = -2, m.du = 0.25, m.dv = 7;
+        m.su = 3;
+        m.sv = -2;
+        m.du = 0.25;
+        m.dv = 7;
         CHECK(lc_tex_map_2d(&m, &p, st, w));
         CHECK(fabs(st[0] - (3 * p.uv[0] + 0.25)) < 1e-12 && fabs(st[1] - (7 - 2 * p.uv[1])) < 1e-12);
         CHECK(fabs(w[0] - 6e-3) < 1e-12 && fabs(w[1] - 6e-3) < 1e-12);
         m = make_map(LC_MAP_PLANAR);
-        m.v1[1] = 2, m.du = 0.5;
+        m.v1[1] = 2;
+        m.du = 0.5;
         m.to_texture[3] = 10; /* moved along x */
         CHECK(lc_tex_map_2d(&m, &p, st, w));
         CHECK(fabs(st[0] - (p.pos[0] + 10 + 2 * p.pos[1] + 0.5)) < 1e-12 && fabs(st[1] - p.pos[1]) < 1e-12);
@@ -214,7 +241,10 @@ static uint32_t add(const lc_texture *t)
     return id;
 }
 
-static lc_tex_point at_uv(double u, double v, double width) { return (lc_tex_point){ { u, v, 0 }, { u, v }, 1, 1, width, { 0, 0, 1 } }; }
+static lc_tex_point at_uv(double u, double v, double width)
+{
+    return (lc_tex_point){ { u, v, 0 }, { u, v }, 1, 1, width, { 0, 0, 1 } };
+}
 
 /* Sum over a triangle filter of radius 3/4 of a pixel, by the midpoint rule. */
 static double plain_checker(double s, double t, double width)
@@ -250,7 +280,9 @@ TEST(checkerboard)
     t.solid = true;
     id = add(&t);
     for (int i = 0; i < 8; i++) {
-        lc_tex_point p = { { (i & 1) + 0.5, (i >> 1 & 1) + 0.5, (i >> 2) - 0.5 }, { 0, 0 }, 0, 0, 0, { 0, 0, 1 } };
+        lc_tex_point p = {
+            { (i & 1) + 0.5, (i >> 1 & 1) + 0.5, (i >> 2) - 0.5 }, { 0, 0 }, 0, 0, 0, { 0, 0, 1 }
+        };
         lc_texture_eval(&set, id, &p, v);
         CHECK(v[0] == (double)(((i & 1) + (i >> 1 & 1) + (i >> 2) + 1) % 2));
     }
@@ -260,7 +292,8 @@ TEST(noise_is_noise)
 {
     double most = 0, sum = 0, rough = 0;
     for (uint64_t i = 0; i < 200000; i++) {
-        double x = 300 * rnd(i, 13) - 150, y = 300 * rnd(i, 14) - 150, z = 300 * rnd(i, 15) - 150, v = lc_noise(x, y, z);
+        double x = 300 * rnd(i, 13) - 150, y = 300 * rnd(i, 14) - 150, z = 300 * rnd(i, 15) - 150,
+               v = lc_noise(x, y, z);
         most = fmax(most, fabs(v));
         sum += v;
         rough = fmax(rough, fabs(lc_noise(x + 1e-4, y, z) - v));
@@ -269,10 +302,12 @@ TEST(noise_is_noise)
     CHECKF(fabs(sum / 200000) < 0.01, "mean %g", sum / 200000);
     CHECKF(rough < 1e-3, "step %g", rough);
     CHECK(lc_noise(3, -5, 255) == 0 && lc_noise(NAN, 0, 0) == 0 && lc_noise(1e300, 0.5, 0.5) == 0);
-    CHECK(lc_noise(0.3, 0.6, 0.2) == lc_noise(256.3, 0.6, -255.8) || fabs(lc_noise(0.3, 0.6, 0.2) - lc_noise(256.3, 0.6, -255.8)) < 1e-12);
+    CHECK(lc_noise(0.3, 0.6, 0.2) == lc_noise(256.3, 0.6, -255.8) ||
+          fabs(lc_noise(0.3, 0.6, 0.2) - lc_noise(256.3, 0.6, -255.8)) < 1e-12);
     double p[3] = { 1.3, 2.6, 3.9 };
     CHECK(fabs(lc_fbm(p, 0, 0.5, 1) - lc_noise(1.3, 2.6, 3.9)) < 1e-15);
-    CHECK(fabs(lc_fbm(p, 0, 0.5, 2) - lc_noise(1.3, 2.6, 3.9) - 0.5 * lc_noise(1.99 * 1.3, 1.99 * 2.6, 1.99 * 3.9)) < 1e-12);
+    CHECK(fabs(lc_fbm(p, 0, 0.5, 2) - lc_noise(1.3, 2.6, 3.9) -
+               0.5 * lc_noise(1.99 * 1.3, 1.99 * 2.6, 1.99 * 3.9)) < 1e-12);
     CHECK(lc_fbm(p, 10, 0.5, 8) == 0 && fabs(lc_turbulence(p, 10, 0.5, 2) - 0.3) < 1e-15);
     CHECK(fabs(lc_fbm(p, 0.25, 0.5, 8) - lc_noise(1.3, 2.6, 3.9)) < 1e-15); /* -1 - log2(1/4): one octave */
 }
@@ -295,7 +330,8 @@ TEST(means_are_about_right)
             lc_texture_eval(&set, id, &p, v);
             sum += v[0] / n;
         }
-        CHECKF(fabs(sum - set.items[id].mean[0]) < 0.05, "%s: %g, stated %g", lc_tex_kind_name((lc_tex_kind)k), sum, set.items[id].mean[0]);
+        CHECKF(fabs(sum - set.items[id].mean[0]) < 0.05, "%s: %g, stated %g",
+               lc_tex_kind_name((lc_tex_kind)k), sum, set.items[id].mean[0]);
     }
 }
 
@@ -303,12 +339,15 @@ TEST(wood_has_rings)
 {
     lc_texture t = make_texture(LC_TEX_WOOD);
     t.scale = 2; /* rings of 1/2, no noise */
-    t.in[0].value[0] = 0.25, t.in[1].value[0] = 0.75;
+    t.in[0].value[0] = 0.25;
+    t.in[1].value[0] = 0.75;
     uint32_t id = add(&t);
     double v[3];
     static const double r[] = { 0, 0.2, 0.4, 0.45, 0.5 }, want[] = { 0, 0.5, 1, 0.5, 0 };
     for (int i = 0; i < 5; i++) {
-        lc_tex_point p = { { 0.6 * (r[i] + 1e-9), -0.8 * (r[i] + 1e-9), 17 * i }, { 0, 0 }, 0, 0, 0, { 0, 0, 1 } };
+        lc_tex_point p = {
+            { 0.6 * (r[i] + 1e-9), -0.8 * (r[i] + 1e-9), 17 * i }, { 0, 0 }, 0, 0, 0, { 0, 0, 1 }
+        };
         lc_texture_eval(&set, id, &p, v);
         CHECKF(fabs(v[0] - 0.25 - 0.5 * want[i]) < 1e-6, "ring %g: %g", r[i], v[0]);
     }
@@ -321,7 +360,8 @@ TEST(wood_has_rings)
 
 TEST(textures_of_textures)
 {
-    lc_texture uv = make_texture(LC_TEX_UV), mix = make_texture(LC_TEX_MIX), scale = make_texture(LC_TEX_SCALE);
+    lc_texture uv = make_texture(LC_TEX_UV), mix = make_texture(LC_TEX_MIX),
+               scale = make_texture(LC_TEX_SCALE);
     uint32_t id = add(&uv);
     double v[3];
     lc_tex_point p = at_uv(1.25, -0.4, 0);
@@ -330,7 +370,8 @@ TEST(textures_of_textures)
     mix.in[2] = (lc_tex_input){ LC_NONE, { 0.25, 0.25, 0.25 } };
     uint32_t mixed = add(&mix);
     lc_texture_eval(&set, mixed, &p, v);
-    CHECK(fabs(v[0] - (0.75 + 0.25 * 0.25)) < 1e-12 && fabs(v[1] - (0.75 + 0.25 * 0.6)) < 1e-12 && fabs(v[2] - 0.75) < 1e-12);
+    CHECK(fabs(v[0] - (0.75 + 0.25 * 0.25)) < 1e-12 && fabs(v[1] - (0.75 + 0.25 * 0.6)) < 1e-12 &&
+          fabs(v[2] - 0.75) < 1e-12);
     scale.in[0].id = mixed;
     scale.in[1] = (lc_tex_input){ LC_NONE, { 2, 2, 2 } };
     scale.in[2].id = id;
@@ -350,15 +391,18 @@ TEST(deep_textures_become_constants)
     int n = 0;
     for (; n < 1000 && !deep; n++) { /* a chain */
         t = make_texture(LC_TEX_SCALE);
-        t.in[0].id = id, t.in[1].value[0] = t.in[2].value[0] = 1;
+        t.in[0].id = id;
+        t.in[1].value[0] = t.in[2].value[0] = 1;
         CHECK(!lc_textures_add(&set, &t, &id, &deep));
     }
-    CHECK(n == LC_TEX_MAX_DEPTH && set.items[id].kind == LC_TEX_CONSTANT && fabs(set.items[id].mean[0] - 0.5) < 1e-12);
+    CHECK(n == LC_TEX_MAX_DEPTH && set.items[id].kind == LC_TEX_CONSTANT &&
+          fabs(set.items[id].mean[0] - 0.5) < 1e-12);
     t = make_texture(LC_TEX_UV);
     id = add(&t);
     for (n = 0; n < 1000; n++) { /* each twice as dear as the one before */
         t = make_texture(LC_TEX_MIX);
-        t.in[0].id = t.in[1].id = id, t.in[2].value[0] = 0.5;
+        t.in[0].id = t.in[1].id = id;
+        t.in[2].value[0] = 0.5;
         CHECK(!lc_textures_add(&set, &t, &id, &deep));
         if (deep) break;
     }

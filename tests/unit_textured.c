@@ -1,4 +1,5 @@
-/* unit_textured.c - textures of scene files: what the statements mean, the material where a ray meets a mesh, and a picture. */
+/* unit_textured.c - textures of scene files: what the statements mean, the material where a ray meets a mesh,
+ * and a picture. */
 #include "image/image.h"
 #include "pbrt/parse.h"
 #include "scene/surface.h"
@@ -13,7 +14,8 @@ static lc_scene *scene;
 
 static void keep_log(void *user, lc_log_level level, const char *text)
 {
-    (void)user, (void)level;
+    (void)user;
+    (void)level;
     snprintf(log_line, sizeof log_line, "%s", text);
 }
 
@@ -42,8 +44,10 @@ static void write_tga(const char *name)
 #define HEAD4 "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
 #define HEAD3 "Film \"image\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
 #define CAMERA "Camera \"perspective\" \"float fov\" 90\nWorldBegin\nLightSource \"distant\"\n"
-/* The square -1..1 at z = 1, seen whole from the origin; u grows to the right, v upwards. pbrt's x is right. */
-#define QUAD "Shape \"trianglemesh\" \"point3 P\" [-1 -1 1 1 -1 1 1 1 1 -1 1 1] \"integer indices\" [0 1 2 0 2 3] "
+/* The square -1..1 at z = 1, seen whole from the origin; u grows to the right, v upwards. pbrt's x is right.
+ */
+#define QUAD                                                                                                 \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 -1 1 1 -1 1 1 1 1 -1 1 1] \"integer indices\" [0 1 2 0 2 3] "
 #define UV4 "\"point2 uv\" [0 0 1 0 1 1 0 1]\n"
 #define UV3 "\"float st\" [0 0 1 0 1 1 0 1]\n"
 #define MATTE "Material \"matte\" \"texture Kd\" \"t\"\n"
@@ -85,8 +89,8 @@ static bool near3(lc_f3 v, double x, double y, double z)
 /* The middles of the four pixels, for the image as it is. */
 static bool quarters(void)
 {
-    return near3(kd_at(-.5, .5, 0), 1, 0, 0) && near3(kd_at(.5, .5, 0), 0, 1, 0) && near3(kd_at(-.5, -.5, 0), 0, 0, 1) &&
-           near3(kd_at(.5, -.5, 0), GREY, GREY, GREY);
+    return near3(kd_at(-.5, .5, 0), 1, 0, 0) && near3(kd_at(.5, .5, 0), 0, 1, 0) &&
+           near3(kd_at(-.5, -.5, 0), 0, 0, 1) && near3(kd_at(.5, -.5, 0), GREY, GREY, GREY);
 }
 
 TEST(imagemap_of_both_versions)
@@ -96,16 +100,19 @@ TEST(imagemap_of_both_versions)
                       "Material \"diffuse\" \"texture reflectance\" \"t\"\n" QUAD UV4) == LC_OK);
     CHECK(quarters() && scene->n_notes == 0);
     CHECK(near3(kd_at(0, 0, 0), (1 + GREY) / 4, (1 + GREY) / 4, (1 + GREY) / 4)); /* all four meet */
-    CHECK(load(HEAD3, "Texture \"t\" \"color\" \"imagemap\" \"string filename\" [\"a.tga\"] \"bool trilinear\" \"true\"\n" MATTE
-               QUAD UV3) == LC_OK);
+    CHECK(load(HEAD3, "Texture \"t\" \"color\" \"imagemap\" \"string filename\" [\"a.tga\"] \"bool "
+                      "trilinear\" \"true\"\n" MATTE QUAD UV3) == LC_OK);
     CHECK(quarters() && scene->n_notes == 0);
     /* a pixel as wide as the square sees about the mean, at level 1 */
     CHECK(fabs((double)kd_at(-.5, .5, 2).x - (1 + GREY) / 4) < 0.003); /* one of 256 codes */
-    CHECK(load(HEAD3, "Texture \"t\" \"color\" \"imagemap\" \"string filename\" [\"a.tga\"] \"bool gamma\" \"false\"\n" MATTE QUAD
-               UV3) == LC_OK);
+    CHECK(load(HEAD3, "Texture \"t\" \"color\" \"imagemap\" \"string filename\" [\"a.tga\"] \"bool gamma\" "
+                      "\"false\"\n" MATTE QUAD UV3) == LC_OK);
     CHECK(near3(kd_at(.5, -.5, 0), 128 / 255.0, 128 / 255.0, 128 / 255.0) && note("texture filter EWA"));
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"string encoding\" \"gamma 2\" "
-                      "\"float scale\" 0.5 \"bool invert\" true \"string filter\" \"point\"\n" MATTE QUAD UV4) == LC_OK);
+    CHECK(load(HEAD4,
+               "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"string encoding\" "
+               "\"gamma 2\" "
+               "\"float scale\" 0.5 \"bool invert\" true \"string filter\" \"point\"\n" MATTE QUAD UV4) ==
+          LC_OK);
     double want = 1 - 0.5 * (128 / 255.0) * (128 / 255.0);
     CHECK(near3(kd_at(.5, -.5, 0), want, want, want) && near3(kd_at(-.9, .1, 0), 0.5, 1, 1));
 }
@@ -113,25 +120,35 @@ TEST(imagemap_of_both_versions)
 TEST(wrapping_and_mapping)
 {
     write_tga("a.tga");
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float uscale\" 2 \"float vscale\" 2 "
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float "
+                      "uscale\" 2 \"float vscale\" 2 "
                       "\"string filter\" \"point\"\n" MATTE QUAD UV4) == LC_OK);
-    CHECK(near3(kd_at(-.75, .75, 0), 1, 0, 0) && near3(kd_at(.25, .75, 0), 1, 0, 0) && near3(kd_at(.75, -.75, 0), GREY, GREY, GREY));
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float uscale\" 2 \"float vscale\" 2 "
+    CHECK(near3(kd_at(-.75, .75, 0), 1, 0, 0) && near3(kd_at(.25, .75, 0), 1, 0, 0) &&
+          near3(kd_at(.75, -.75, 0), GREY, GREY, GREY));
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float "
+                      "uscale\" 2 \"float vscale\" 2 "
                       "\"string filter\" \"point\" \"string wrap\" \"black\"\n" MATTE QUAD UV4) == LC_OK);
     CHECK(near3(kd_at(-.75, -.75, 0), 0, 0, 1) && near3(kd_at(.25, .75, 0), 0, 0, 0));
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float udelta\" 5 "
-                      "\"string wrap\" \"clamp\"\n" MATTE QUAD UV4) == LC_OK);
+    CHECK(load(HEAD4,
+               "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float udelta\" 5 "
+               "\"string wrap\" \"clamp\"\n" MATTE QUAD UV4) == LC_OK);
     CHECK(near3(kd_at(-.75, .75, 0), 0, 1, 0));
     /* planar, v4: in the texture's space, which is moved and twice as large */
-    CHECK(load(HEAD4, "AttributeBegin\nTranslate -1 -1 0\nScale 2 2 2\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" "
+    CHECK(load(HEAD4, "AttributeBegin\nTranslate -1 -1 0\nScale 2 2 2\nTexture \"t\" \"spectrum\" "
+                      "\"imagemap\" \"string filename\" "
                       "\"a.tga\" \"string mapping\" \"planar\"\nAttributeEnd\n" MATTE QUAD) == LC_OK);
     CHECK(quarters());
     /* v3: in world space */
-    CHECK(load(HEAD3, "AttributeBegin\nTranslate 9 9 9\nTexture \"t\" \"color\" \"imagemap\" \"string filename\" \"a.tga\" "
-                      "\"string mapping\" \"planar\" \"vector v1\" [.5 0 0] \"vector v2\" [0 .5 0] \"float udelta\" .5 "
-                      "\"float vdelta\" .5\nAttributeEnd\n" MATTE QUAD) == LC_OK);
+    CHECK(
+        load(
+            HEAD3,
+            "AttributeBegin\nTranslate 9 9 9\nTexture \"t\" \"color\" \"imagemap\" \"string filename\" "
+            "\"a.tga\" "
+            "\"string mapping\" \"planar\" \"vector v1\" [.5 0 0] \"vector v2\" [0 .5 0] \"float udelta\" .5 "
+            "\"float vdelta\" .5\nAttributeEnd\n" MATTE QUAD) == LC_OK);
     CHECK(quarters());
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE QUAD) == LC_OK); /* pbrt's own uv of triangles */
+    /* Pbrt's own uv of triangles. */
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE QUAD) == LC_OK);
     CHECK(near3(kd_at(.5, -.5, 0), .75, .25, 0) && near3(kd_at(-.5, .5, 0), .75, .5, 0));
 }
 
@@ -141,7 +158,8 @@ TEST(files_and_notes)
     write_tga("a.tga");
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\"\n"
                       "Texture \"u\" \"float\" \"imagemap\" \"string filename\" \"a.tga\"\n"
-                      "Texture \"w\" \"float\" \"imagemap\" \"string filename\" \"a.tga\" \"string encoding\" \"linear\"\n"
+                      "Texture \"w\" \"float\" \"imagemap\" \"string filename\" \"a.tga\" \"string "
+                      "encoding\" \"linear\"\n"
                       "Texture \"x\" \"spectrum\" \"ptex\"\n" MATTE QUAD UV4) == LC_OK);
     CHECK(scene->textures.n == 4 && scene->textures.n_images == 2 && note("texture ptex"));
     lc_scene_info info;
@@ -152,37 +170,55 @@ TEST(files_and_notes)
     for (uint32_t k = 0; !lc_scene_get_texture_class(scene, k, &name, &count); k++)
         if (!strcmp(name, "imagemap")) n_images = count;
     CHECK(n_images == 3);
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\" \"float scale\" .5\n" MATTE QUAD UV4) ==
-          LC_OK);
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\" \"float "
+                      "scale\" .5\n" MATTE QUAD UV4) == LC_OK);
     CHECK(note("texture image") && near3(kd_at(.5, .5, 0), .25, .25, .25) && !scene->uv);
     write_file("j.jpg", "\xff\xd8\xff\xe0", 4);
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"j.jpg\"\n" MATTE QUAD UV4) == LC_OK);
+    CHECK(load(HEAD4,
+               "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"j.jpg\"\n" MATTE QUAD UV4) ==
+          LC_OK);
     CHECK(note("JPEG") && strstr(scene->notes[0].text, "JPEG is not read"));
     write_file("cut.tga", "\0\0\2\0\0\0\0\0\0\0\0\0\2\0\2\0\30\40abc", 21);
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"cut.tga\"\n" MATTE QUAD UV4) == LC_ERR_PARSE);
+    CHECK(load(HEAD4,
+               "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"cut.tga\"\n" MATTE QUAD UV4) ==
+          LC_ERR_PARSE);
     CHECK(strstr(log_line, "cut.tga: error: damaged TGA file: pixels are missing at byte 21"));
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\"\n") == LC_ERR_PARSE && strstr(log_line, "imagemap without"));
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\"\n") == LC_ERR_PARSE &&
+          strstr(log_line, "imagemap without"));
 }
 
 TEST(values_of_materials)
 {
     lc_surface s;
-    CHECK(load(HEAD4, "Texture \"e\" \"float\" \"mix\" \"float tex1\" 10 \"float tex2\" 30 \"texture amount\" \"m\"\n"
-                      "Texture \"m\" \"float\" \"constant\" \"float value\" .25\n") == LC_OK && note("unknown texture m"));
-    CHECK(load(HEAD4, "Texture \"m\" \"float\" \"bilerp\" \"float v00\" 0 \"float v10\" 1 \"float v01\" 0 \"float v11\" 1\n"
-                      "Texture \"e\" \"float\" \"mix\" \"float tex1\" 10 \"float tex2\" 30 \"texture amount\" \"m\"\n"
-                      "Texture \"c\" \"spectrum\" \"uv\"\n"
-                      "Texture \"k\" \"spectrum\" \"scale\" \"texture tex\" \"c\" \"float scale\" .5\n"
-                      "Material \"phong\" \"texture Kd\" \"c\" \"texture Ks\" \"k\" \"texture exponent\" \"e\"\n" QUAD UV4) == LC_OK);
+    CHECK(
+        load(HEAD4,
+             "Texture \"e\" \"float\" \"mix\" \"float tex1\" 10 \"float tex2\" 30 \"texture amount\" \"m\"\n"
+             "Texture \"m\" \"float\" \"constant\" \"float value\" .25\n") == LC_OK &&
+        note("unknown texture m"));
+    CHECK(
+        load(HEAD4,
+             "Texture \"m\" \"float\" \"bilerp\" \"float v00\" 0 \"float v10\" 1 \"float v01\" 0 \"float "
+             "v11\" 1\n"
+             "Texture \"e\" \"float\" \"mix\" \"float tex1\" 10 \"float tex2\" 30 \"texture amount\" \"m\"\n"
+             "Texture \"c\" \"spectrum\" \"uv\"\n"
+             "Texture \"k\" \"spectrum\" \"scale\" \"texture tex\" \"c\" \"float scale\" .5\n"
+             "Material \"phong\" \"texture Kd\" \"c\" \"texture Ks\" \"k\" \"texture exponent\" \"e\"\n" QUAD
+                 UV4) == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s));
-    CHECK(near3(s.material.kd, .75, .25, 0) && near3(s.material.ks, .375, .125, 0) && fabs((double)s.material.exponent - 25) < 1e-3);
-    /* v4's, by the cosine between the normal, along z, and a direction that the matrix turns: 0 3 4 becomes 0 -4 3 */
-    CHECK(load(HEAD4, "AttributeBegin Rotate 90 1 0 0\nTexture \"t\" \"spectrum\" \"directionmix\" \"vector3 dir\" [0 3 4]\n"
-                      "\"rgb tex1\" [1 .5 0] \"rgb tex2\" [0 0 1] AttributeEnd\n" MATTE QUAD) == LC_OK && scene->n_notes == 0);
+    CHECK(near3(s.material.kd, .75, .25, 0) && near3(s.material.ks, .375, .125, 0) &&
+          fabs((double)s.material.exponent - 25) < 1e-3);
+    /* v4's, by the cosine between the normal, along z, and a direction that the matrix turns: 0 3 4 becomes 0
+     * -4 3 */
+    CHECK(load(HEAD4, "AttributeBegin Rotate 90 1 0 0\nTexture \"t\" \"spectrum\" \"directionmix\" \"vector3 "
+                      "dir\" [0 3 4]\n"
+                      "\"rgb tex1\" [1 .5 0] \"rgb tex2\" [0 0 1] AttributeEnd\n" MATTE QUAD) == LC_OK &&
+          scene->n_notes == 0);
     CHECK(near3(kd_at(.5, -.5, 0), .6, .3, .4));
     /* values beyond 1 are cut off */
-    CHECK(load(HEAD3, "Texture \"c\" \"color\" \"checkerboard\" \"float uscale\" 2 \"float vscale\" 2 \"rgb tex1\" [3 .5 -1]\n"
-                      "MakeNamedMaterial \"n\" \"string type\" \"plastic\" \"texture Kd\" \"c\"\nNamedMaterial \"n\"\n" QUAD UV3) == LC_OK);
+    CHECK(load(HEAD3, "Texture \"c\" \"color\" \"checkerboard\" \"float uscale\" 2 \"float vscale\" 2 \"rgb "
+                      "tex1\" [3 .5 -1]\n"
+                      "MakeNamedMaterial \"n\" \"string type\" \"plastic\" \"texture Kd\" "
+                      "\"c\"\nNamedMaterial \"n\"\n" QUAD UV3) == LC_OK);
     CHECK(near3(kd_at(-.5, -.5, 0), 1, .5, 0) && near3(kd_at(.5, -.5, 0), 0, 0, 0) && note("reflectance"));
 }
 
@@ -190,8 +226,10 @@ TEST(values_of_materials)
 TEST(ward)
 {
     lc_surface s;
-    CHECK(load(HEAD4, "Texture \"e\" \"float\" \"bilerp\" \"float v00\" 0 \"float v10\" 1 \"float v01\" 0 \"float v11\" 2\n"
-                      "Material \"ward\" \"rgb Ks\" [.5 .5 .5] \"texture uroughness\" \"e\" \"float vroughness\" .3\n" QUAD UV4) == LC_OK);
+    CHECK(load(HEAD4, "Texture \"e\" \"float\" \"bilerp\" \"float v00\" 0 \"float v10\" 1 \"float v01\" 0 "
+                      "\"float v11\" 2\n"
+                      "Material \"ward\" \"rgb Ks\" [.5 .5 .5] \"texture uroughness\" \"e\" \"float "
+                      "vroughness\" .3\n" QUAD UV4) == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s));
     CHECK(near3(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .9375, .3, 0));
     CHECK(fabs(fabs((double)s.material.tangent.x) - 1) < 1e-6);
@@ -199,9 +237,11 @@ TEST(ward)
     CHECK(near3(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .01, .3, 0)); /* raised */
     CHECK(load(HEAD4, "Material \"ward\" \"float roughness\" .3\n" QUAD UV4) == LC_OK && !scene->uv);
     CHECK(load(HEAD4, "Material \"ward\" \"float uroughness\" .3\n" QUAD) == LC_OK);
-    CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s) && near3(s.material.tangent, 0, 0, 0));
+    CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s) &&
+          near3(s.material.tangent, 0, 0, 0));
     /* around a sphere's axis */
-    CHECK(load(HEAD4, "Material \"ward\" \"float uroughness\" .3\nTranslate 0 0 3\nRotate 90 1 0 0\nShape \"sphere\"\n") == LC_OK);
+    CHECK(load(HEAD4, "Material \"ward\" \"float uroughness\" .3\nTranslate 0 0 3\nRotate 90 1 0 0\nShape "
+                      "\"sphere\"\n") == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.01, .01, 1), 0, &s));
     CHECK(fabs(fabs((double)s.material.tangent.x) - 1) < 2e-3 && fabs((double)s.material.tangent.y) < 1e-5);
 }
@@ -209,31 +249,38 @@ TEST(ward)
 /* Coordinates from PLY files, of spheres, disks and instances. */
 TEST(coordinates_of_shapes)
 {
-    static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                              "property float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\n"
-                              "end_header\n-1 -1 1 .5 .5\n1 -1 1 .25 .5\n1 1 1 .25 .75\n3 0 1 2\n";
+    static const char ply[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\n"
+        "end_header\n-1 -1 1 .5 .5\n1 -1 1 .25 .5\n1 1 1 .25 .75\n3 0 1 2\n";
     write_file("m.ply", ply, sizeof ply - 1);
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE "Shape \"plymesh\" \"string filename\" \"m.ply\"\n") == LC_OK);
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE
+                      "Shape \"plymesh\" \"string filename\" \"m.ply\"\n") == LC_OK);
     CHECK(near3(kd_at(.5, -.5, 0), .25 * .5 + .5 * .25 + .25 * .25, .5 * .75 + .25 * .75, 0));
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE "ObjectBegin \"o\"\n" QUAD UV4 "ObjectEnd\nScale .5 .5 .5\n"
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE "ObjectBegin \"o\"\n" QUAD UV4
+                      "ObjectEnd\nScale .5 .5 .5\n"
                       "ObjectInstance \"o\"\n") == LC_OK);
     CHECK(near3(kd_at(.5, -.5, 0), .75, .25, 0));
-    /* seen from the origin along +z, the sphere's pole points up: v from 0 at the bottom; -y faces us, at u = 3/4 */
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE "Translate 0 0 3\nRotate -90 1 0 0\nShape \"sphere\"\n") == LC_OK);
+    /* seen from the origin along +z, the sphere's pole points up: v from 0 at the bottom; -y faces us, at u =
+     * 3/4 */
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE
+                      "Translate 0 0 3\nRotate -90 1 0 0\nShape \"sphere\"\n") == LC_OK);
     lc_f3 middle = kd_at(.001, .001, 0), up = kd_at(0.0003, .17, 0);
     CHECK(fabs((double)middle.x - .25) < .01 || fabs((double)middle.x - .75) < .01);
     CHECK(fabs((double)middle.y - .5) < .01 && up.y > middle.y);
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE "Translate 0 0 1\nShape \"disk\" \"float innerradius\" .5\n") == LC_OK);
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE
+                      "Translate 0 0 1\nShape \"disk\" \"float innerradius\" .5\n") == LC_OK);
     lc_f3 out = kd_at(0, .99, 0), in = kd_at(.001, .51, 0);
     CHECK(fabs((double)out.y) < .05 && fabs((double)in.y - 1) < .05 && fabs((double)in.x - .25) < .02);
 }
 
-/* The square fills the picture: its quarters have the colours of the image's pixels, in proportion to the light. */
+/* The square fills the picture: its quarters have the colours of the image's pixels, in proportion to the
+ * light. */
 TEST(picture)
 {
     write_tga("a.tga");
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"string filter\" \"point\"\n" MATTE QUAD
-               UV4) == LC_OK);
+    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"string "
+                      "filter\" \"point\"\n" MATTE QUAD UV4) == LC_OK);
     lc_render_desc desc = LC_RENDER_DESC_INIT;
     lc_image *image;
     desc.aovs = LC_AOV_ALBEDO;
@@ -245,9 +292,10 @@ TEST(picture)
         size_t x = i % 40, y = i / 40;
         for (int c = 0; c < 3; c++) {
             double w = want[(y >= 20) * 2 + (x >= 20)][c];
-            double colour = (double)lc_image_channel(image, names[0][c])[i], albedo = (double)lc_image_channel(image, names[1][c])[i];
-            CHECKF(fabs(albedo - w) < 1e-5 && fabs(colour * LC_PI - w) < 1e-5, "pixel %zu, %zu channel %d: %g %g", x, y, c, colour * LC_PI,
-                   albedo);
+            double colour = (double)lc_image_channel(image, names[0][c])[i],
+                   albedo = (double)lc_image_channel(image, names[1][c])[i];
+            CHECKF(fabs(albedo - w) < 1e-5 && fabs(colour * LC_PI - w) < 1e-5,
+                   "pixel %zu, %zu channel %d: %g %g", x, y, c, colour * LC_PI, albedo);
         }
     }
     lc_image_destroy(image);
@@ -266,11 +314,13 @@ static void *failing_alloc(void *user, size_t size, size_t align)
 
 static void failing_free(void *user, void *ptr, size_t size)
 {
-    (void)user, (void)size;
+    (void)user;
+    (void)size;
     free(ptr);
 }
 
-/* An image of each format, coordinates, a graph: whichever allocation fails, the load says so and leaves nothing behind. */
+/* An image of each format, coordinates, a graph: whichever allocation fails, the load says so and leaves
+ * nothing behind. */
 TEST(every_allocation_may_fail)
 {
     static const char hdr[] = "#?RADIANCE\n\n-Y 1 +X 1\nabc\x80", pfm[] = "Pf 1 1 -1\n\0\0\x80\x3f";
@@ -278,19 +328,23 @@ TEST(every_allocation_may_fail)
     lc_image_desc size = LC_IMAGE_DESC_INIT;
     size.width = size.height = 3;
     CHECK(lc_image_create(ctx, &size, &image) == LC_OK);
-    for (int c = 0; c < 3; c++) CHECK(lc_image_add_channel(image, c == 0 ? "R" : c == 1 ? "G" : "B", NULL) == LC_OK);
+    for (int c = 0; c < 3; c++)
+        CHECK(lc_image_add_channel(image, c == 0 ? "R" : c == 1 ? "G" : "B", NULL) == LC_OK);
     CHECK(lc_image_write(image, in_dir("m.png")) == LC_OK && lc_image_write(image, in_dir("m.exr")) == LC_OK);
     lc_image_destroy(image);
     write_tga("a.tga");
     write_file("m.hdr", hdr, sizeof hdr - 1);
     write_file("m.pfm", pfm, sizeof pfm - 1);
-    CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\"\n"
-                      "Texture \"u\" \"float\" \"imagemap\" \"string filename\" \"m.png\"\n"
-                      "Texture \"v\" \"spectrum\" \"imagemap\" \"string filename\" \"m.hdr\"\n"
-                      "Texture \"w\" \"spectrum\" \"imagemap\" \"string filename\" \"m.pfm\"\n"
-                      "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"m.exr\"\n"
-                      "Texture \"y\" \"spectrum\" \"mix\" \"texture tex1\" \"t\" \"texture amount\" \"u\"\n" MATTE QUAD UV4
-               "ObjectBegin \"o\"\n" QUAD UV4 "ObjectEnd\nObjectInstance \"o\"\nShape \"disk\"\n") == LC_OK);
+    CHECK(
+        load(HEAD4,
+             "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\"\n"
+             "Texture \"u\" \"float\" \"imagemap\" \"string filename\" \"m.png\"\n"
+             "Texture \"v\" \"spectrum\" \"imagemap\" \"string filename\" \"m.hdr\"\n"
+             "Texture \"w\" \"spectrum\" \"imagemap\" \"string filename\" \"m.pfm\"\n"
+             "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"m.exr\"\n"
+             "Texture \"y\" \"spectrum\" \"mix\" \"texture tex1\" \"t\" \"texture amount\" \"u\"\n" MATTE QUAD
+                 UV4 "ObjectBegin \"o\"\n" QUAD UV4
+             "ObjectEnd\nObjectInstance \"o\"\nShape \"disk\"\n") == LC_OK);
     CHECK(scene->textures.n_images == 5);
     lc_allocator allocator = { failing_alloc, failing_free, NULL };
     lc_context_desc desc = LC_CONTEXT_DESC_INIT;
@@ -314,7 +368,8 @@ TEST(every_allocation_may_fail)
 
 int main(void)
 {
-    static const char *const files[] = { "a.tga", "s.pbrt", "j.jpg", "cut.tga", "m.ply", "m.png", "m.exr", "m.hdr", "m.pfm" };
+    static const char *const files[] = { "a.tga", "s.pbrt", "j.jpg", "cut.tga", "m.ply",
+                                         "m.png", "m.exr",  "m.hdr", "m.pfm" };
     lc_context_desc desc = LC_CONTEXT_DESC_INIT;
     desc.log = keep_log;
     desc.n_threads = 1;

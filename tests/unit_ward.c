@@ -1,5 +1,5 @@
-/* unit_ward.c - Ward's lobe as lc_shade_light gives it: what it reflects in all, against the reflectance and against an
- * integral of the formula; symmetry, frames, limits. */
+/* unit_ward.c - Ward's lobe as lc_shade_light gives it: what it reflects in all, against the reflectance and
+ * against an integral of the formula; symmetry, frames, limits. */
 #include "shade/shade.h"
 #include "support/test.h"
 
@@ -17,16 +17,21 @@ typedef struct {
 static void direction(double cosine, double phi, double out[3])
 {
     double s = sqrt(1 - cosine * cosine);
-    out[0] = s * cos(phi), out[1] = s * sin(phi), out[2] = cosine;
+    out[0] = s * cos(phi);
+    out[1] = s * sin(phi);
+    out[2] = cosine;
 }
 
 static void init(lc_point *p, const look *l)
 {
     lc_material m = { .ks = { (float)ks, (float)ks, (float)ks },
-                      .gloss = LC_GLOSS_WARD, .roughness = { (float)l->ax, (float)l->ay }, .tangent = { 1, 0, 0 } };
+                      .gloss = LC_GLOSS_WARD,
+                      .roughness = { (float)l->ax, (float)l->ay },
+                      .tangent = { 1, 0, 0 } };
     double o[3];
     direction(l->cos_o, l->phi_o, o);
-    lc_point_init(p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_normalize_d(o[0], o[1], o[2]), &m, 1e-10f);
+    lc_point_init(p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_normalize_d(o[0], o[1], o[2]), &m,
+                  1e-10f);
 }
 
 /* The library's f cos for light from i. */
@@ -42,11 +47,12 @@ static double formula(const look *l, const double i[3])
     double o[3];
     direction(l->cos_o, l->phi_o, o);
     double x = (i[0] + o[0]) / l->ax, y = (i[1] + o[1]) / l->ay, z = i[2] + o[2];
-    return i[2] * ks / (4 * LC_PI * l->ax * l->ay * sqrt(fmax(i[2], 0.02) * fmax(o[2], 0.02))) * exp(-(x * x + y * y) / (z * z));
+    return i[2] * ks / (4 * LC_PI * l->ax * l->ay * sqrt(fmax(i[2], 0.02) * fmax(o[2], 0.02))) *
+           exp(-(x * x + y * y) / (z * z));
 }
 
-/* Integral of f cos over the hemisphere, by half vectors: h has the density of the lobe, a midpoint rule over its two random
- * numbers; i = 2 (o.h) h - o. */
+/* Integral of f cos over the hemisphere, by half vectors: h has the density of the lobe, a midpoint rule over
+ * its two random numbers; i = 2 (o.h) h - o. */
 static double reflected(const look *l)
 {
     lc_point p;
@@ -102,7 +108,8 @@ TEST(rough_reflects_what_the_formula_says)
             for (int k = 0; k < 4; k++) {
                 look l = { rough[x], rough[y], cosines[k], 0.3 };
                 double r = reflected(&l), want = integral(&l);
-                CHECKF(fabs(r / want - 1) <= 0.005, "roughness %g %g, cosine %g: %.6f, not %.6f", l.ax, l.ay, l.cos_o, r, want);
+                CHECKF(fabs(r / want - 1) <= 0.005, "roughness %g %g, cosine %g: %.6f, not %.6f", l.ax, l.ay,
+                       l.cos_o, r, want);
                 if (k == 0 && want / ks < least) least = want / ks;
             }
     printf("  along the normal, of the roughest: %.4f of ks\n", least);
@@ -111,7 +118,8 @@ TEST(rough_reflects_what_the_formula_says)
 /* No direction sends back more than ks: what LC_WARD_MIN_COS is for. */
 TEST(never_more_than_comes_in)
 {
-    static const double rough[] = { 0.01, 0.05, 0.3, 0.6, 1 }, cosines[] = { 1, 0.5, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 1e-3, 1e-5 };
+    static const double rough[] = { 0.01, 0.05, 0.3, 0.6, 1 },
+                        cosines[] = { 1, 0.5, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 1e-3, 1e-5 };
     double most = 0;
     for (int x = 0; x < 5; x++)
         for (int y = 0; y < 5; y++)
@@ -133,17 +141,21 @@ TEST(reciprocal)
                 look l = { 0.3, 0.6, cosines[x], phi }, back = { 0.3, 0.6, cosines[y], 1 };
                 lc_point p, q;
                 double i[3], o[3];
-                init(&p, &l), init(&q, &back);
-                direction(l.cos_o, l.phi_o, o), direction(back.cos_o, back.phi_o, i);
+                init(&p, &l);
+                init(&q, &back);
+                direction(l.cos_o, l.phi_o, o);
+                direction(back.cos_o, back.phi_o, i);
                 double a = library(&p, i) / i[2], b = library(&q, o) / o[2];
                 CHECKF(fabs(a - b) <= 1e-4 * (a + b), "%g %g", a, b);
             }
 }
 
-/* The tangent's length along the normal and its sign don't matter; equal roughness knows no tangent; no tangent will do. */
+/* The tangent's length along the normal and its sign don't matter; equal roughness knows no tangent; no
+ * tangent will do. */
 TEST(tangents)
 {
-    static const lc_f3 tangents[] = { { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0.6f, 0.8f }, { 0, 0, 1 }, { 0, 0, 0 }, { 0, 0, -1 } };
+    static const lc_f3 tangents[] = { { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0.6f, 0.8f },
+                                      { 0, 0, 1 }, { 0, 0, 0 },  { 0, 0, -1 } };
     const double i[3] = { 0.48, -0.6, 0.64 };
     double first = 0, want[2];
     for (int swap = 0; swap < 2; swap++) {

@@ -1,11 +1,12 @@
-/* unit_watertight.c - no light leaks: rays from inside random closed meshes, half of them aimed at edges and vertices, all hit,
- * for the nearest hit and for groups of shadow rays, near and far, on every instruction set.
+/* unit_watertight.c - no light leaks: rays from inside random closed meshes, half of them aimed at edges and
+ * vertices, all hit, for the nearest hit and for groups of shadow rays, near and far, on every instruction
+ * set.
  *
  *     build/tests/unit_watertight             2 * 10^6 rays
  *     build/tests/unit_watertight 1e8 [SEED]  as many as asked for
  *
- * A mesh may be so far from the origin that its vertices snap to few places and triangles fold or vanish: it stays closed, so a
- * point that is inside before rounding by more than a step has a surface around it. */
+ * A mesh may be so far from the origin that its vertices snap to few places and triangles fold or vanish: it
+ * stays closed, so a point that is inside before rounding by more than a step has a surface around it. */
 #include "isa/isa.h"
 #include "support/test.h"
 #include "trace/bvh.h"
@@ -28,7 +29,8 @@ static lc_f3 on_torus(uint32_t i, uint32_t k, uint32_t n, double bump)
 {
     const double turn = 6.283185307179586;
     double a = turn * (i % n) / n, b = turn * (k % n) / n, r = 0.3 + bump * lc_unit(lc_hash2(i % n, k % n));
-    return lc_f3_make((float)((0.7 + r * cos(b)) * cos(a)), (float)((0.7 + r * cos(b)) * sin(a)), (float)(r * sin(b)));
+    return lc_f3_make((float)((0.7 + r * cos(b)) * cos(a)), (float)((0.7 + r * cos(b)) * sin(a)),
+                      (float)(r * sin(b)));
 }
 
 static void torus(uint32_t n, double bump)
@@ -43,13 +45,15 @@ static void torus(uint32_t n, double bump)
         }
 }
 
-/* A box whose lid is a height field: every vertex at the top, those shared with the walls too, goes down by its own amount. */
+/* A box whose lid is a height field: every vertex at the top, those shared with the walls too, goes down by
+ * its own amount. */
 static void hills(uint32_t n)
 {
     cube(n);
     for (uint32_t i = 0; i < m.n_verts; i++) {
         float *p = m.pos + 3 * (size_t)i;
-        uint64_t key = lc_hash2((uint64_t)(int64_t)lrintf(p[0] * 4096), (uint64_t)(int64_t)lrintf(p[1] * 4096));
+        uint64_t key = lc_hash2((uint64_t)(int64_t)lrintf(p[0] * 4096),
+                                (uint64_t)(int64_t)lrintf(p[1] * 4096));
         if (p[2] >= 1) p[2] -= (float)(0.9 * lc_unit(key));
     }
 }
@@ -70,7 +74,8 @@ static void make_mesh(style s, uint32_t n)
 static lc_f3 inside(style s)
 {
     double a = rnd_in(0, 6.283185307179586);
-    if (s == TORUS) return lc_f3_make((float)(0.7 * cos(a)), (float)(0.7 * sin(a)), (float)rnd_in(-0.05, 0.05));
+    if (s == TORUS)
+        return lc_f3_make((float)(0.7 * cos(a)), (float)(0.7 * sin(a)), (float)rnd_in(-0.05, 0.05));
     lc_f3 p = lc_f3_scale(rnd_unit(), 0.3f * (float)rnd());
     return s == HILLS ? lc_f3_add(p, lc_f3_make(0, 0, -0.5f)) : p;
 }
@@ -85,15 +90,16 @@ static lc_f3 direction(lc_f3 o, uint32_t i)
     float s = (float)rnd();
     if (i % 4 == 1) return lc_f3_sub(p, o);
     if (i % 4 == 3) return lc_f3_sub(lc_f3_add(lc_f3_scale(p, 1 - s), lc_f3_scale(q, s)), o);
-    if (i % 32 == 0) return lc_f3_make(k == 0 ? s - 0.5f : 0, k == 1 ? s - 0.5f : 0, k == 2 ? s - 0.5f : -0.0f);
+    if (i % 32 == 0)
+        return lc_f3_make(k == 0 ? s - 0.5f : 0, k == 1 ? s - 0.5f : 0, k == 2 ? s - 0.5f : -0.0f);
     return lc_f3_scale(rnd_unit(), powf(2, (float)rnd_in(-20, 20)));
 }
 
 static void miss(const char *what, lc_isa isa, lc_f3 o, lc_f3 d)
 {
     misses++;
-    CHECKF(false, "%s, %s: org %a %a %a dir %a %a %a goes through", what, lc_isa_name(isa), (double)o.x, (double)o.y, (double)o.z,
-           (double)d.x, (double)d.y, (double)d.z);
+    CHECKF(false, "%s, %s: org %a %a %a dir %a %a %a goes through", what, lc_isa_name(isa), (double)o.x,
+           (double)o.y, (double)o.z, (double)d.x, (double)d.y, (double)d.z);
 }
 
 static lc_isa next_isa(uint64_t i)
@@ -102,7 +108,8 @@ static lc_isa next_isa(uint64_t i)
     return lc_isa_supported(isa) ? isa : best;
 }
 
-/* One group from one point: each ray alone for the nearest hit, together as directions, together as segments that end outside. */
+/* One group from one point: each ray alone for the nearest hit, together as directions, together as segments
+ * that end outside. */
 static void group(const lc_bvh *b, lc_f3 o, float size)
 {
     float dir[3][GROUP], end[3][GROUP], org[3];
@@ -114,9 +121,13 @@ static void group(const lc_bvh *b, lc_f3 o, float size)
         lc_f3 d = direction(o, i);
         if (!(lc_f3_dot(d, d) > 0)) d = lc_f3_make(1, 0, 0);
         double length = sqrt((double)d.x * d.x + (double)d.y * d.y + (double)d.z * d.z);
-        dir[0][i] = d.x, dir[1][i] = d.y, dir[2][i] = d.z;
+        dir[0][i] = d.x;
+        dir[1][i] = d.y;
+        dir[2][i] = d.z;
         float far = (float)(20 * (double)size / length);
-        end[0][i] = o.x + far * d.x, end[1][i] = o.y + far * d.y, end[2][i] = o.z + far * d.z;
+        end[0][i] = o.x + far * d.x;
+        end[1][i] = o.y + far * d.y;
+        end[2][i] = o.z + far * d.z;
         lc_hit hit;
         kernels->closest(&b->data, org, (float[3]){ d.x, d.y, d.z }, FLT_MAX, &hit);
         if (hit.tri == LC_NONE) miss("nearest", isa, o, d);
@@ -126,7 +137,8 @@ static void group(const lc_bvh *b, lc_f3 o, float size)
     kernels->hidden(&b->data, org, GROUP, ends, false, out[1], NULL);
     for (uint32_t i = 0; i < GROUP; i++)
         for (int k = 0; k < 2; k++) {
-            lc_f3 to = k ? lc_f3_make(end[0][i], end[1][i], end[2][i]) : lc_f3_make(dir[0][i], dir[1][i], dir[2][i]);
+            lc_f3 to = k ? lc_f3_make(end[0][i], end[1][i], end[2][i])
+                         : lc_f3_make(dir[0][i], dir[1][i], dir[2][i]);
             if (!out[k][i]) miss(k ? "segment" : "direction", isa, o, to);
         }
     rays += 3 * GROUP;
@@ -156,7 +168,8 @@ TEST(no_ray_leaves_a_closed_mesh)
         double offset = meshes % 3 == 0 ? 0 : pow(10, rnd_in(-1, 5));
         one_mesh((style)(meshes % STYLES), scale, offset);
     }
-    printf("  %llu rays in %llu meshes, %llu misses\n", (unsigned long long)rays, (unsigned long long)meshes, (unsigned long long)misses);
+    printf("  %llu rays in %llu meshes, %llu misses\n", (unsigned long long)rays, (unsigned long long)meshes,
+           (unsigned long long)misses);
     CHECK(misses == 0);
 }
 

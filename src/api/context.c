@@ -15,8 +15,11 @@ lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
         d = *desc;
     }
     if (d.isa < LC_ISA_BEST || d.isa > LC_N_ISAS || d.n_threads > LC_MAX_THREADS) return LC_ERR_ARG;
-    lc_context ctx = { .allocator = d.allocator ? *d.allocator : lc_allocator_libc(), .log = d.log, .log_user = d.log_user,
-                       .n_threads = d.n_threads, .isa = lc_isa_pick(d.isa) };
+    lc_context ctx = { .allocator = d.allocator ? *d.allocator : lc_allocator_libc(),
+                       .log = d.log,
+                       .log_user = d.log_user,
+                       .n_threads = d.n_threads,
+                       .isa = lc_isa_pick(d.isa) };
     if (!ctx.n_threads) ctx.n_threads = lc_cpu_threads();
     const lc_kernels *kernels = lc_isa_kernels(ctx.isa);
     ctx.shade_kernels = &kernels->shade;

@@ -37,7 +37,8 @@ lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *d
     if (d.indirect_lights != LC_NO_LIGHTS && d.indirect_lights > MAX_MADE_LIGHTS)
         return lc_fail(ctx, LC_ERR_ARG, "indirect lights must be at most %u", MAX_MADE_LIGHTS);
     if (d.n_reps > LC_MAX_REPS || d.area_lights > MAX_MADE_LIGHTS || d.env_lights > MAX_MADE_LIGHTS)
-        return lc_fail(ctx, LC_ERR_ARG, "representatives must be 1 to %d, area and environment lights at most %u", LC_MAX_REPS,
+        return lc_fail(ctx, LC_ERR_ARG,
+                       "representatives must be 1 to %d, area and environment lights at most %u", LC_MAX_REPS,
                        MAX_MADE_LIGHTS);
     lc_scene *scene;
     lc_status st = lc_scene_create(ctx, &scene);

@@ -21,12 +21,15 @@ static const cli_command commands[] = {
 
 static void print_help(FILE *f)
 {
-    fprintf(f, "usage: lightcuts [render] [options] SCENE.pbrt\n"
-               "       lightcuts COMMAND [options] ...\n\n"
-               "Renders scenes with very many lights by Lightcuts: a light tree, and for each shading point a cut of it\n"
-               "refined until the error bound of every cluster is below a ratio of the estimate.\n\ncommands:\n");
+    fprintf(
+        f, "usage: lightcuts [render] [options] SCENE.pbrt\n"
+           "       lightcuts COMMAND [options] ...\n\n"
+           "Renders scenes with very many lights by Lightcuts: a light tree, and for each shading point a "
+           "cut of it\n"
+           "refined until the error bound of every cluster is below a ratio of the estimate.\n\ncommands:\n");
     for (size_t i = 0; i < N_COMMANDS; i++) fprintf(f, "  %-9s %s\n", commands[i].name, commands[i].summary);
-    fprintf(f, "\n'lightcuts help COMMAND' or 'lightcuts COMMAND --help' shows a command's options; --version the version.\n"
+    fprintf(f, "\n'lightcuts help COMMAND' or 'lightcuts COMMAND --help' shows a command's options; "
+               "--version the version.\n"
                "exit status: 0 done, 1 failed at run time, 2 wrong command line, 3 wrong input file,\n"
                "             75 stopped by --time-limit, 130/143 interrupted\n");
 }
@@ -45,8 +48,8 @@ static int unknown_command(const char *word)
     for (size_t i = 0; i < N_COMMANDS; i++) names[i] = commands[i].name;
     names[N_COMMANDS] = NULL;
     const char *near = cli_nearest(word, names);
-    fprintf(stderr, "lightcuts: '%s' is neither a command nor a scene file%s%s%s\ntry 'lightcuts --help'\n", cli_shown(word),
-            near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    fprintf(stderr, "lightcuts: '%s' is neither a command nor a scene file%s%s%s\ntry 'lightcuts --help'\n",
+            cli_shown(word), near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
     return CLI_USAGE;
 }
 
@@ -80,7 +83,8 @@ static int dispatch(int argc, char **argv)
     }
     const cli_command *c = find(word);
     if (c) return c->run(argc - 1, argv + 1);
-    if (word[0] != '-' && !strpbrk(word, "./") && access(word, F_OK) && errno == ENOENT) return unknown_command(word);
+    if (word[0] != '-' && !strpbrk(word, "./") && access(word, F_OK) && errno == ENOENT)
+        return unknown_command(word);
     argv[0] = (char[]){ "render" };
     return cmd_render(argc, argv);
 }

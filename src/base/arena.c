@@ -6,7 +6,8 @@
 #include <sys/mman.h>
 
 #define ALIGN 64
-#define CHUNK LC_SIZE(256u << 10, 16u << 10) /* ASan maps anew what is larger than 128 KiB: half the time of a small scene */
+/* ASan maps anew what is larger than 128 KiB: half the time of a small scene. */
+#define CHUNK LC_SIZE(256u << 10, 16u << 10)
 #define HUGE ((size_t)2 << 20)
 
 struct lc_arena_chunk {
@@ -15,7 +16,8 @@ struct lc_arena_chunk {
     char pad[ALIGN - 3 * sizeof(size_t)];
 };
 
-/* Large blocks ask for huge pages: shadow rays through a BVH of 50 MB were 15 % faster so, its build up to 40 % (Zen 4). */
+/* Large blocks ask for huge pages: shadow rays through a BVH of 50 MB were 15 % faster so, its build up to 40
+ * % (Zen 4). */
 static void *libc_alloc(void *user, size_t size, size_t align)
 {
     (void)user;
@@ -32,7 +34,8 @@ static void *libc_alloc(void *user, size_t size, size_t align)
 
 static void libc_free(void *user, void *ptr, size_t size)
 {
-    (void)user, (void)size;
+    (void)user;
+    (void)size;
     free(ptr);
 }
 

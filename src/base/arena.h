@@ -15,8 +15,8 @@ void *lc_alloc_raw(const lc_context *ctx, size_t n, size_t size);
 /* n and size as given to lc_alloc; NULL is fine. */
 void lc_free(const lc_context *ctx, void *ptr, size_t n, size_t size);
 
-/* Makes room for `need` elements in a growing array: *ptr has *cap elements, doubled until enough, new ones zeroed.
- * Free with lc_free(ctx, ptr, cap, size). */
+/* Makes room for `need` elements in a growing array: *ptr has *cap elements, doubled until enough, new ones
+ * zeroed. Free with lc_free(ctx, ptr, cap, size). */
 lc_status lc_grow(const lc_context *ctx, void **ptr, size_t *cap, size_t need, size_t size);
 
 typedef struct lc_arena_chunk lc_arena_chunk;

@@ -27,7 +27,8 @@
 #define LC_ASSERT(cond) ((void)0)
 #endif
 
-/* Arrays that kernels write have room for their count rounded up to this; what they put past the count means nothing. */
+/* Arrays that kernels write have room for their count rounded up to this; what they put past the count means
+ * nothing. */
 #define LC_LANES 16
 
 #endif

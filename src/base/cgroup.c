@@ -1,7 +1,8 @@
 /* cgroup.c - how many processors' worth of time the control groups of this process leave it.
  *
- *     version 2    /proc/self/cgroup "0::/a/b"            cpu.max "QUOTA PERIOD" or "max PERIOD" in each folder from there up
- *     version 1    "3:cpu,cpuacct:/a/b"                   cpu.cfs_quota_us (-1: none) and cpu.cfs_period_us
+ *     version 2    /proc/self/cgroup "0::/a/b"            cpu.max "QUOTA PERIOD" or "max PERIOD" in each
+ * folder from there up version 1    "3:cpu,cpuacct:/a/b"                   cpu.cfs_quota_us (-1: none) and
+ * cpu.cfs_period_us
  */
 #include "base/cpu.h"
 
@@ -45,7 +46,8 @@ static uint32_t quota_of_folder(const char *folder, bool v2)
 
 static uint32_t least(uint32_t a, uint32_t b) { return !a || (b && b < a) ? b : a; }
 
-/* The smallest quota from a group up to the root; a group that is not to be seen, as in a container, is passed over. */
+/* The smallest quota from a group up to the root; a group that is not to be seen, as in a container, is
+ * passed over. */
 static uint32_t quota_of_group(const char *root, const char *controller, char *group, bool v2)
 {
     char folder[1100];
@@ -78,7 +80,8 @@ uint32_t lc_cpu_quota(const char *root)
     for (char *line; (line = strsep(&rest, "\n"));) { /* number:controllers:group */
         char *controllers = strchr(line, ':'), *group = controllers ? strchr(controllers + 1, ':') : NULL;
         if (!group || strlen(group) > 512) continue;
-        *group++ = 0, controllers++;
+        *group++ = 0;
+        controllers++;
         if (!*controllers) n = least(n, quota_of_group(root, "", group, true));
         else if (names_cpu(controllers)) n = least(n, quota_of_group(root, controllers, group, false));
     }

@@ -1,7 +1,7 @@
 /* context.h - what every module is handed: allocator, log, thread count, instruction set.
  *
- * Errors: whatever can fail returns lc_status. The place that finds the fault calls lc_fail, which logs one line and
- * returns the status; callers pass the status up and log nothing more.
+ * Errors: whatever can fail returns lc_status. The place that finds the fault calls lc_fail, which logs one
+ * line and returns the status; callers pass the status up and log nothing more.
  */
 #ifndef LC_CONTEXT_H
 #define LC_CONTEXT_H
@@ -35,7 +35,8 @@ typedef struct lc_pos {
 void lc_log(const lc_context *ctx, lc_log_level level, const char *fmt, ...) LC_PRINTF(3, 4);
 lc_status lc_fail(const lc_context *ctx, lc_status status, const char *fmt, ...) LC_PRINTF(3, 4);
 /* Text is "file:line:column: error: ..."; unknown line or column are left out. */
-lc_status lc_fail_at(const lc_context *ctx, lc_status status, lc_pos pos, const char *fmt, ...) LC_PRINTF(4, 5);
+lc_status lc_fail_at(const lc_context *ctx, lc_status status, lc_pos pos, const char *fmt, ...)
+    LC_PRINTF(4, 5);
 /* A warning in the same form, for scene.c, which counts them. */
 void lc_warn_at(const lc_context *ctx, lc_pos pos, const char *fmt, va_list args);
 

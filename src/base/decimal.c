@@ -49,14 +49,32 @@ static bool scan_decimal(const char *text, size_t n, decimal *dec)
 typedef unsigned __int128 wide;
 
 static const uint64_t whole_tens[20] = {
-    1u, 10u, 100u, 1000u, 10000u, 100000u, 1000000u, 10000000u, 100000000u, 1000000000u, 10000000000u, 100000000000u,
-    1000000000000u, 10000000000000u, 100000000000000u, 1000000000000000u, 10000000000000000u, 100000000000000000u,
-    1000000000000000000u, 10000000000000000000u,
+    1u,
+    10u,
+    100u,
+    1000u,
+    10000u,
+    100000u,
+    1000000u,
+    10000000u,
+    100000000u,
+    1000000000u,
+    10000000000u,
+    100000000000u,
+    1000000000000u,
+    10000000000000u,
+    100000000000000u,
+    1000000000000000u,
+    10000000000000000u,
+    100000000000000000u,
+    1000000000000000000u,
+    10000000000000000000u,
 };
 
-/* w / 10^k to the nearest double, w > 0 and k = 1..38. The quotient of w, shifted to 127 bits, has 62 bits or more, so a
- * remainder may stand for its last one: that is below the bit that decides the rounding. More than 19 tens are divided by in
- * two steps, the first to 126 bits again: floor(floor(x / a) / b) = floor(x / ab). */
+/* w / 10^k to the nearest double, w > 0 and k = 1..38. The quotient of w, shifted to 127 bits, has 62 bits or
+ * more, so a remainder may stand for its last one: that is below the bit that decides the rounding. More than
+ * 19 tens are divided by in two steps, the first to 126 bits again: floor(floor(x / a) / b) = floor(x / ab).
+ */
 static double quotient(uint64_t w, int k)
 {
     int up = __builtin_clzll(w);
@@ -76,8 +94,8 @@ static double quotient(uint64_t w, int k)
     return (double)q * scale;
 }
 
-/* *v = w * 10^e to the nearest double, or false. Up to 2^53 and 22 tens both parts are exact in double, so one division
- * or product rounds once (Clinger 1990). */
+/* *v = w * 10^e to the nearest double, or false. Up to 2^53 and 22 tens both parts are exact in double, so
+ * one division or product rounds once (Clinger 1990). */
 static bool scaled(uint64_t w, int e, double *v)
 {
     static const double tens[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
@@ -91,7 +109,8 @@ static bool scaled(uint64_t w, int e, double *v)
     return true;
 }
 
-/* The nearest double; what pure 64-bit arithmetic can't do is the C library's, in the C locale whatever the program's is. */
+/* The nearest double; what pure 64-bit arithmetic can't do is the C library's, in the C locale whatever the
+ * program's is. */
 static double to_double(const char *text, const decimal *dec)
 {
     double v;

@@ -1,5 +1,5 @@
-/* digest.c - see digest.h. A word is mixed in by a product with an odd constant and a shift, each of which can be undone, so two
- * words that differ never lead to the same state. */
+/* digest.c - see digest.h. A word is mixed in by a product with an odd constant and a shift, each of which
+ * can be undone, so two words that differ never lead to the same state. */
 #include "base/digest.h"
 
 #include <string.h>
@@ -24,7 +24,8 @@ void lc_digest_add(lc_digest *d, const void *data, size_t n)
         if (held + take < 8) return;
         memcpy(&word, d->tail, 8);
         d->hash = mix(d->hash, word);
-        p += take, n -= take;
+        p += take;
+        n -= take;
     }
     for (; n >= 8; p += 8, n -= 8) {
         memcpy(&word, p, 8);

@@ -4,7 +4,8 @@
 
 #include "base/base.h"
 
-/* Zeroed: nothing added yet. The result depends on the bytes and marks in order, not on the pieces they come in. */
+/* Zeroed: nothing added yet. The result depends on the bytes and marks in order, not on the pieces they come
+ * in. */
 typedef struct lc_digest {
     uint64_t hash, n; /* n: bytes */
     uint8_t tail[8];  /* n % 8 bytes that are not in hash yet */

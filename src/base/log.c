@@ -4,10 +4,15 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-/* Bytes of the well-formed UTF-8 character at p that a terminal may be given, 0: what is there is none, or controls it. */
+/* Bytes of the well-formed UTF-8 character at p that a terminal may be given, 0: what is there is none, or
+ * controls it. */
 static size_t printable(const unsigned char *p)
 {
-    size_t n = *p < 0x80 ? 1 : *p >= 0xc2 && *p < 0xe0 ? 2 : *p >= 0xe0 && *p < 0xf0 ? 3 : *p >= 0xf0 && *p < 0xf5 ? 4 : 0;
+    size_t n = *p < 0x80                 ? 1
+               : *p >= 0xc2 && *p < 0xe0 ? 2
+               : *p >= 0xe0 && *p < 0xf0 ? 3
+               : *p >= 0xf0 && *p < 0xf5 ? 4
+                                         : 0;
     if (*p < 0x20 || *p == 0x7f || (*p == 0xc2 && p[1] < 0xa0)) return 0;
     for (size_t i = 1; i < n; i++)
         if ((p[i] & 0xc0) != 0x80) return 0;
@@ -21,8 +26,8 @@ static void clean(char *text)
         if (!(n = printable((const unsigned char *)text))) *text = (unsigned char)*text < 0x80 ? ' ' : '?';
 }
 
-static void log_line(const lc_context *ctx, lc_log_level level, const lc_pos *pos, const char *prefix, const char *fmt,
-                     va_list args)
+static void log_line(const lc_context *ctx, lc_log_level level, const lc_pos *pos, const char *prefix,
+                     const char *fmt, va_list args)
 {
     char text[2048];
     size_t n = 0;

@@ -1,8 +1,9 @@
-/* morton.c - codes of 63 bits and two sorts, both stable: for many points radix, least digit first, each pass counting the digits of
- * every chunk and then moving chunks to where they go, so that neither chunks nor threads matter; for fewer merging.
+/* morton.c - codes of 63 bits and two sorts, both stable: for many points radix, least digit first, each pass
+ * counting the digits of every chunk and then moving chunks to where they go, so that neither chunks nor
+ * threads matter; for fewer merging.
  *
- * Runs of equal codes become the work of the next level, in a cube of their own. That is at most 2^-21 as large and no float
- * is below 2^-149, so levels are few. */
+ * Runs of equal codes become the work of the next level, in a cube of their own. That is at most 2^-21 as
+ * large and no float is below 2^-149, so levels are few. */
 #include "base/morton.h"
 
 #include "base/pool.h"
@@ -53,7 +54,8 @@ static lc_box box_of(const sorter *s, run r)
 
 static double side_of(const lc_box *b)
 {
-    double x = (double)b->hi.x - (double)b->lo.x, y = (double)b->hi.y - (double)b->lo.y, z = (double)b->hi.z - (double)b->lo.z;
+    double x = (double)b->hi.x - (double)b->lo.x, y = (double)b->hi.y - (double)b->lo.y,
+           z = (double)b->hi.z - (double)b->lo.z;
     return fmax(x, fmax(y, z));
 }
 
@@ -69,8 +71,9 @@ static void make_codes(const sorter *s, run r, const lc_box *box)
     const double scale = CELLS / side_of(box);
     for (uint32_t i = r.first; i < r.first + r.n; i++) {
         lc_f3 p = s->place(s->user, s->index[0][i]);
-        s->code[0][i] = spread(cell((double)p.x, (double)box->lo.x, scale)) << 2
-                        | spread(cell((double)p.y, (double)box->lo.y, scale)) << 1 | spread(cell((double)p.z, (double)box->lo.z, scale));
+        s->code[0][i] = spread(cell((double)p.x, (double)box->lo.x, scale)) << 2 |
+                        spread(cell((double)p.y, (double)box->lo.y, scale)) << 1 |
+                        spread(cell((double)p.z, (double)box->lo.z, scale));
     }
 }
 
@@ -143,7 +146,8 @@ static void count_digits(void *user, uint32_t thread, uint64_t chunk)
     uint32_t *count = s->count[chunk];
     (void)thread;
     memset(count, 0, sizeof *s->count);
-    for (uint32_t i = r.first; i < r.first + r.n; i++) count[s->code[s->from][i] >> s->shift & (DIGITS - 1)]++;
+    for (uint32_t i = r.first; i < r.first + r.n; i++)
+        count[s->code[s->from][i] >> s->shift & (DIGITS - 1)]++;
 }
 
 static void move_chunk(void *user, uint32_t thread, uint64_t chunk)
@@ -222,13 +226,16 @@ static lc_status sort_level(sorter *s)
     for (size_t i = 0; i < s->n_runs && !st; i++) st = find_equal(s, s->runs[i]);
     run *runs = s->runs;
     size_t cap = s->cap_runs;
-    s->runs = s->next, s->cap_runs = s->cap_next, s->n_runs = s->n_next;
-    s->next = runs, s->cap_next = cap;
+    s->runs = s->next;
+    s->cap_runs = s->cap_next;
+    s->n_runs = s->n_next;
+    s->next = runs;
+    s->cap_next = cap;
     return st;
 }
 
-lc_status lc_morton_order(const lc_context *ctx, uint32_t n, lc_f3 (*place)(const void *user, uint32_t i), const void *user,
-                          uint32_t *order)
+lc_status lc_morton_order(const lc_context *ctx, uint32_t n, lc_f3 (*place)(const void *user, uint32_t i),
+                          const void *user, uint32_t *order)
 {
     const uint32_t n_chunks = n / CHUNK + 1;
     sorter s = { .ctx = ctx, .place = place, .user = user, .index = { order } };

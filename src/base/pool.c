@@ -1,4 +1,5 @@
-/* pool.c - threads live for one parallel loop; a loop is a whole render or pre-pass, so starting them costs nothing. */
+/* pool.c - threads live for one parallel loop; a loop is a whole render or pre-pass, so starting them costs
+ * nothing. */
 #include "base/pool.h"
 
 #include "base/arena.h"
@@ -40,7 +41,8 @@ void lc_parallel(const lc_context *ctx, uint64_t n_items, void (*fn)(void *, uin
     for (; n < want; n++) {
         workers[n] = (worker){ &l, n };
         if (pthread_create(&thread[n], NULL, work, &workers[n])) {
-            lc_log(ctx, LC_LOG_WARNING, "warning: could not start thread %u of %u, going on with %u", n + 1, want, n);
+            lc_log(ctx, LC_LOG_WARNING, "warning: could not start thread %u of %u, going on with %u", n + 1,
+                   want, n);
             break;
         }
     }

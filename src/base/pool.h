@@ -5,9 +5,10 @@
 #include "base/context.h"
 
 /* Calls fn(user, thread, item) once for each item 0 .. n_items - 1, items handed out in rising order to
- * ctx->n_threads threads (fewer when the system refuses some); thread < ctx->n_threads. Returns when all are done. */
-void lc_parallel(const lc_context *ctx, uint64_t n_items, void (*fn)(void *user, uint32_t thread, uint64_t item),
-                 void *user);
+ * ctx->n_threads threads (fewer when the system refuses some); thread < ctx->n_threads. Returns when all are
+ * done. */
+void lc_parallel(const lc_context *ctx, uint64_t n_items,
+                 void (*fn)(void *user, uint32_t thread, uint64_t item), void *user);
 
 typedef struct lc_mutex lc_mutex;
 lc_mutex *lc_mutex_create(const lc_context *ctx); /* NULL: out of memory */

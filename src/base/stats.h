@@ -25,7 +25,8 @@ typedef struct lc_stats {
     uint64_t proved, proof_tests; /* clusters proved hidden, triangles looked at for that */
     uint64_t ticks[LC_PHASES], last_tick; /* of the samples that are timed */
     bool timed;
-    bool (*go_on)(void *user); /* NULL, or false: the work is no longer wanted, and what was begun may end unfinished */
+    bool (*go_on)(
+        void *user); /* NULL, or false: the work is no longer wanted, and what was begun may end unfinished */
     void *go_on_user;
 } lc_stats;
 
@@ -39,7 +40,8 @@ static inline uint64_t lc_ticks(void)
 #endif
 }
 
-/* Starts the clock for this sample: for one in sixteen, as reading it a hundred times a point costs some percent. */
+/* Starts the clock for this sample: for one in sixteen, as reading it a hundred times a point costs some
+ * percent. */
 static inline void lc_phase_start(lc_stats *s)
 {
     s->timed = (s->camera_rays & 15) == 0;

@@ -42,7 +42,10 @@ static inline lc_f3 lc_f3_normalize_d(double x, double y, double z)
     return (lc_f3){ (float)(x / l), (float)(y / l), (float)(z / l) };
 }
 
-static inline lc_f3 lc_f3_normalize(lc_f3 a) { return lc_f3_normalize_d((double)a.x, (double)a.y, (double)a.z); }
+static inline lc_f3 lc_f3_normalize(lc_f3 a)
+{
+    return lc_f3_normalize_d((double)a.x, (double)a.y, (double)a.z);
+}
 
 /* Vertex v (0..2) of a triangle: pos has three floats a vertex, index three entries a triangle. */
 static inline const float *lc_tri_vertex(const float *pos, const uint32_t *index, size_t tri, size_t v)
@@ -60,8 +63,10 @@ static inline lc_box lc_box_empty(void)
 
 static inline void lc_box_add(lc_box *b, lc_f3 p)
 {
-    b->lo = lc_f3_make(p.x < b->lo.x ? p.x : b->lo.x, p.y < b->lo.y ? p.y : b->lo.y, p.z < b->lo.z ? p.z : b->lo.z);
-    b->hi = lc_f3_make(p.x > b->hi.x ? p.x : b->hi.x, p.y > b->hi.y ? p.y : b->hi.y, p.z > b->hi.z ? p.z : b->hi.z);
+    b->lo = lc_f3_make(p.x < b->lo.x ? p.x : b->lo.x, p.y < b->lo.y ? p.y : b->lo.y,
+                       p.z < b->lo.z ? p.z : b->lo.z);
+    b->hi = lc_f3_make(p.x > b->hi.x ? p.x : b->hi.x, p.y > b->hi.y ? p.y : b->hi.y,
+                       p.z > b->hi.z ? p.z : b->hi.z);
 }
 
 static inline void lc_box_join(lc_box *b, const lc_box *o)

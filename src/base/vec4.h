@@ -1,5 +1,5 @@
-/* vec4.h - four floats at a time for code that is compiled once for all CPUs: SSE2, which every x86-64 has, else plain C.
- * The same bits either way. A box is two of them; what its fourth lanes hold means nothing. */
+/* vec4.h - four floats at a time for code that is compiled once for all CPUs: SSE2, which every x86-64 has,
+ * else plain C. The same bits either way. A box is two of them; what its fourth lanes hold means nothing. */
 #ifndef LC_F4_H
 #define LC_F4_H
 
@@ -104,7 +104,10 @@ static inline void f4_to_u3(f4 a, uint32_t out[3])
 static inline void f4_keep_less(f4 *best, f4 *best_at, f4 less, f4 at)
 {
     for (int k = 0; k < 4; k++)
-        if (less.v[k] < best->v[k]) best->v[k] = less.v[k], best_at->v[k] = at.v[k];
+        if (less.v[k] < best->v[k]) {
+            best->v[k] = less.v[k];
+            best_at->v[k] = at.v[k];
+        }
 }
 static inline float f4_first(f4 a) { return a.v[0]; }
 static inline float f4_last(f4 a) { return a.v[3]; }
@@ -143,13 +146,17 @@ typedef struct f4_box {
 
 static inline f4_box f4_box_empty(void) { return (f4_box){ f4_set(FLT_MAX), f4_set(-FLT_MAX) }; }
 
-static inline f4_box f4_box_join(f4_box a, f4_box b) { return (f4_box){ f4_min(a.lo, b.lo), f4_max(a.hi, b.hi) }; }
+static inline f4_box f4_box_join(f4_box a, f4_box b)
+{
+    return (f4_box){ f4_min(a.lo, b.lo), f4_max(a.hi, b.hi) };
+}
 
 /* Half the surface areas of three boxes, in lanes 0 to 2. */
 static inline f4 f4_areas(const f4_box box[3])
 {
     f4 d[3];
-    f4_transpose3(f4_sub(box[0].hi, box[0].lo), f4_sub(box[1].hi, box[1].lo), f4_sub(box[2].hi, box[2].lo), d);
+    f4_transpose3(f4_sub(box[0].hi, box[0].lo), f4_sub(box[1].hi, box[1].lo), f4_sub(box[2].hi, box[2].lo),
+                  d);
     return f4_add(f4_add(f4_mul(d[0], d[1]), f4_mul(d[1], d[2])), f4_mul(d[2], d[0]));
 }
 

@@ -51,7 +51,9 @@ static bool unit(const double v[3], double out[3])
     double max = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
     if (!(max > 0) || !isfinite(max)) return false;
     double a = v[0] / max, b = v[1] / max, c = v[2] / max, len = sqrt(a * a + b * b + c * c);
-    out[0] = a / len, out[1] = b / len, out[2] = c / len;
+    out[0] = a / len;
+    out[1] = b / len;
+    out[2] = c / len;
     return true;
 }
 
@@ -72,9 +74,12 @@ bool lc_xform_rotate(double degrees, const double axis[3], lc_xform *out)
     *out = lc_xform_identity();
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) out->m[4 * i + j] = a[i] * a[j] * (1 - c) + (i == j ? c : 0);
-    out->m[1] -= a[2] * s, out->m[2] += a[1] * s;
-    out->m[4] += a[2] * s, out->m[6] -= a[0] * s;
-    out->m[8] -= a[1] * s, out->m[9] += a[0] * s;
+    out->m[1] -= a[2] * s;
+    out->m[2] += a[1] * s;
+    out->m[4] += a[2] * s;
+    out->m[6] -= a[0] * s;
+    out->m[8] -= a[1] * s;
+    out->m[9] += a[0] * s;
     return true;
 }
 
@@ -107,8 +112,12 @@ bool lc_xform_invert(const lc_xform *a, lc_xform *out)
         if (!(fabs(p) > 0)) return false;
         for (int k = 0; k < 4; k++) {
             double t = w.m[4 * col + k], u = r.m[4 * col + k];
-            w.m[4 * col + k] = w.m[4 * pivot + k] / p, r.m[4 * col + k] = r.m[4 * pivot + k] / p;
-            if (pivot != col) w.m[4 * pivot + k] = t, r.m[4 * pivot + k] = u;
+            w.m[4 * col + k] = w.m[4 * pivot + k] / p;
+            r.m[4 * col + k] = r.m[4 * pivot + k] / p;
+            if (pivot != col) {
+                w.m[4 * pivot + k] = t;
+                r.m[4 * pivot + k] = u;
+            }
         }
         for (int i = 0; i < 4; i++) {
             double f = w.m[4 * i + col];

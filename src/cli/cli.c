@@ -24,7 +24,8 @@ static void log_to_stderr(void *user, lc_log_level level, const char *text)
     bool memory = level == LC_LOG_ERROR && strstr(text, "error: out of memory");
     if (memory && atomic_flag_test_and_set(&said_memory)) return; /* one lack of memory fails several calls */
     if (level == LC_LOG_WARNING) atomic_fetch_add(&n_warnings, 1);
-    if (level == LC_LOG_ERROR || verbosity >= (level == LC_LOG_WARNING ? 0 : 1)) fprintf(stderr, "lightcuts: %s\n", text);
+    if (level == LC_LOG_ERROR || verbosity >= (level == LC_LOG_WARNING ? 0 : 1))
+        fprintf(stderr, "lightcuts: %s\n", text);
 }
 
 lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
@@ -37,7 +38,8 @@ lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
     desc.isa = isa;
     lc_context *ctx = NULL;
     lc_status st = lc_context_create(&desc, &ctx);
-    if (st && st != LC_ERR_MEMORY) fprintf(stderr, "lightcuts: error: %s\n", lc_status_name(st)); /* that was said */
+    /* That was said. */
+    if (st && st != LC_ERR_MEMORY) fprintf(stderr, "lightcuts: error: %s\n", lc_status_name(st));
     return ctx;
 }
 
@@ -224,7 +226,10 @@ const char *cli_nearest(const char *text, const char *const *names)
     size_t best_d = strlen(text) / 3 + 2;
     for (; *names; names++) {
         size_t d = distance(text, *names);
-        if (d < best_d) best_d = d, best = *names;
+        if (d < best_d) {
+            best_d = d;
+            best = *names;
+        }
     }
     return best;
 }
@@ -265,10 +270,15 @@ int cli_has_extension(const char *path, const char *extension)
     return 1;
 }
 
-/* Bytes of the well-formed UTF-8 character at p that a terminal may be given, 0: what is there is none, or controls it. */
+/* Bytes of the well-formed UTF-8 character at p that a terminal may be given, 0: what is there is none, or
+ * controls it. */
 static size_t printable(const unsigned char *p)
 {
-    size_t n = *p < 0x80 ? 1 : *p >= 0xc2 && *p < 0xe0 ? 2 : *p >= 0xe0 && *p < 0xf0 ? 3 : *p >= 0xf0 && *p < 0xf5 ? 4 : 0;
+    size_t n = *p < 0x80                 ? 1
+               : *p >= 0xc2 && *p < 0xe0 ? 2
+               : *p >= 0xe0 && *p < 0xf0 ? 3
+               : *p >= 0xf0 && *p < 0xf5 ? 4
+                                         : 0;
     if (*p < 0x20 || *p == 0x7f || (*p == 0xc2 && p[1] < 0xa0)) return 0;
     for (size_t i = 1; i < n; i++)
         if ((p[i] & 0xc0) != 0x80) return 0;
@@ -313,8 +323,10 @@ int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user
 {
     struct stat st;
     char temp[4096], real[PATH_MAX];
-    bool there = !stat(path, &st), in_place = there && !S_ISREG(st.st_mode); /* a device or pipe can't be renamed over */
-    const char *target = there && !in_place && realpath(path, real) ? real : path; /* a symbolic link stays one */
+    /* a device or pipe can't be renamed over. */
+    bool there = !stat(path, &st), in_place = there && !S_ISREG(st.st_mode);
+    /* a symbolic link stays one. */
+    const char *target = there && !in_place && realpath(path, real) ? real : path;
     int len = snprintf(temp, sizeof temp, in_place ? "%s" : "%s.%ld.tmp", target, (long)getpid());
     if (len < 0 || (size_t)len >= sizeof temp) {
         errno = ENAMETOOLONG;

@@ -29,7 +29,8 @@ int cmd_report(int argc, char **argv);
 
 /* Logs to stderr; verbosity -1: errors only, 0: warnings too, 1: everything. NULL: out of memory (said). */
 lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity);
-/* Reads a picture of an earlier run that is rendered again where it cannot be read: that is then said, and is no error. */
+/* Reads a picture of an earlier run that is rendered again where it cannot be read: that is then said, and is
+ * no error. */
 bool cli_read_kept(lc_context *ctx, const char *path, lc_image **out);
 /* Warnings logged so far by any context of this process. */
 uint64_t cli_warnings(void);
@@ -55,7 +56,8 @@ const char *cli_method_name(lc_method m);
 int cli_parse_isa(const char *text, lc_isa *out);
 /* The instruction sets there are kernels for, as a sentence lists them. One thread. */
 const char *cli_isa_names(void);
-/* The cap of LC_ISA in the environment; LC_ISA_BEST without. Returns -1 and complains when it is not a name. */
+/* The cap of LC_ISA in the environment; LC_ISA_BEST without. Returns -1 and complains when it is not a name.
+ */
 int cli_env_isa(const char *command, lc_isa *out);
 
 /* "lightcuts COMMAND: text" and where to find help, to stderr. */
@@ -67,12 +69,13 @@ const char *cli_nearest(const char *text, const char *const *names);
 
 /* 0 and true when the path ends with the extension, any case. */
 int cli_has_extension(const char *path, const char *extension);
-/* A copy, at most 1023 bytes, that cannot make a terminal obey: '?' for control characters and what is no UTF-8. The next four
- * calls leave it alone. One thread. */
+/* A copy, at most 1023 bytes, that cannot make a terminal obey: '?' for control characters and what is no
+ * UTF-8. The next four calls leave it alone. One thread. */
 const char *cli_shown(const char *text);
 /* A JSON string with quotes; '?' for bytes that are no UTF-8. */
 void cli_json_text(FILE *f, const char *text);
-/* Writes a file through `fn` under a temporary name and puts it in place; complains and returns nonzero on failure. */
+/* Writes a file through `fn` under a temporary name and puts it in place; complains and returns nonzero on
+ * failure. */
 int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user);
 
 #endif

@@ -37,7 +37,8 @@ static const char help[] =
     "  mape        mean |d| / (|REF| + 0.01), as a fraction\n"
     "  psnr        -10 log10(mse), in dB for a peak of 1; inf for equal images\n"
     "  flip        mean LDR-FLIP error, 67 pixels per degree, values clamped to 0..1; 0: equal\n"
-    "  roberts     energy of edges in the error, where bands show and noise does not: mean square of Roberts' two\n"
+    "  roberts     energy of edges in the error, where bands show and noise does not: mean square of "
+    "Roberts' two\n"
     "              differences of (A - REF) / (REF + 0.01) in luminance, averaged over blocks of 4x4 pixels\n"
     "  max         largest |d|, then its pixel x,y, its channel and both values\n"
     "  mean_ratio  mean of IMAGE / mean of REFERENCE\n"
@@ -46,7 +47,8 @@ static const char help[] =
     "  over        share of those pixels above the --over limit\n"
     "  nonfinite   pixels with NaN or infinity in either image; more than 0 always fails\n"
     "\n"
-    "      --average N     compare means of blocks of N x N pixels, 1 to 1024 (default 1): for a noisy reference\n"
+    "      --average N     compare means of blocks of N x N pixels, 1 to 1024 (default 1): for a noisy "
+    "reference\n"
     "      --over E        limit of `over` (default 0.02)\n"
     "      --fail NAME=V   exit with status 1 when NAME is larger than V; psnr: smaller than V;\n"
     "                      mean_ratio: further than V from 1. Repeatable\n"
@@ -261,19 +263,22 @@ static lc_status average(lc_context *ctx, const lc_image_desc *d, uint32_t n, fl
 {
     static const char *const names[3] = { "R", "G", "B" };
     lc_image_desc small = LC_IMAGE_DESC_INIT;
-    small.width = (d->width + n - 1) / n, small.height = (d->height + n - 1) / n;
+    small.width = (d->width + n - 1) / n;
+    small.height = (d->height + n - 1) / n;
     lc_status status = lc_image_create(ctx, &small, out);
     for (int c = 0; status == LC_OK && c < 3; c++) {
         float *mean;
         if ((status = lc_image_add_channel(*out, names[c], &mean)) != LC_OK) break;
         for (uint32_t y = 0; y < small.height; y++)
-            for (uint32_t x = 0; x < small.width; x++) mean[(size_t)y * small.width + x] = block_mean(plane[c], d, x * n, y * n, n);
+            for (uint32_t x = 0; x < small.width; x++)
+                mean[(size_t)y * small.width + x] = block_mean(plane[c], d, x * n, y * n, n);
         plane[c] = mean;
     }
     return status;
 }
 
-static int compare_planes(lc_context *ctx, const options *o, const lc_image_desc *desc, float *const a[3], float *const ref[3])
+static int compare_planes(lc_context *ctx, const options *o, const lc_image_desc *desc, float *const a[3],
+                          float *const ref[3])
 {
     metrics m;
     if (metrics_of(ctx, desc->width, desc->height, a, ref, o->over, &m) != LC_OK) return CLI_FAILED;
@@ -305,7 +310,8 @@ static int compare(lc_context *ctx, const options *o, const lc_image *image, con
     if (o->average == 1) return compare_planes(ctx, o, &da, a, ref);
     lc_image *small_a = NULL, *small_ref = NULL;
     int status = CLI_FAILED;
-    if (average(ctx, &da, o->average, a, &small_a) == LC_OK && average(ctx, &dr, o->average, ref, &small_ref) == LC_OK) {
+    if (average(ctx, &da, o->average, a, &small_a) == LC_OK &&
+        average(ctx, &dr, o->average, ref, &small_ref) == LC_OK) {
         lc_image_get_desc(small_a, &da);
         status = compare_planes(ctx, o, &da, a, ref);
     }

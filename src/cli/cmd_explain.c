@@ -16,45 +16,85 @@ typedef struct {
     bool json, has_pixel;
 } options;
 
-enum { OPT_PIXEL = 256, OPT_SAMPLE, OPT_JSON, OPT_TOP, OPT_ALL, OPT_METHOD, OPT_ERROR, OPT_MAX_CUT, OPT_FLOOR, OPT_REPS, OPT_BUILDER,
-       OPT_AREA, OPT_INDIRECT, OPT_MAXDEPTH, OPT_SEED, OPT_SPP, OPT_ISA };
+enum {
+    OPT_PIXEL = 256,
+    OPT_SAMPLE,
+    OPT_JSON,
+    OPT_TOP,
+    OPT_ALL,
+    OPT_METHOD,
+    OPT_ERROR,
+    OPT_MAX_CUT,
+    OPT_FLOOR,
+    OPT_REPS,
+    OPT_BUILDER,
+    OPT_AREA,
+    OPT_INDIRECT,
+    OPT_MAXDEPTH,
+    OPT_SEED,
+    OPT_SPP,
+    OPT_ISA
+};
 
 static const struct option long_options[] = {
-    { "pixel", 1, 0, OPT_PIXEL }, { "sample", 1, 0, OPT_SAMPLE }, { "json", 0, 0, OPT_JSON }, { "top", 1, 0, OPT_TOP },
-    { "all", 0, 0, OPT_ALL }, { "method", 1, 0, OPT_METHOD }, { "error-ratio", 1, 0, OPT_ERROR },
-    { "max-cut", 1, 0, OPT_MAX_CUT }, { "dark-floor", 1, 0, OPT_FLOOR }, { "representatives", 1, 0, OPT_REPS },
-    { "builder", 1, 0, OPT_BUILDER }, { "area-lights", 1, 0, OPT_AREA }, { "indirect-lights", 1, 0, OPT_INDIRECT },
-    { "maxdepth", 1, 0, OPT_MAXDEPTH }, { "seed", 1, 0, OPT_SEED }, { "spp", 1, 0, OPT_SPP },
-    { "isa", 1, 0, OPT_ISA }, { "nthreads", 1, 0, 't' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 },
+    { "pixel", 1, 0, OPT_PIXEL },
+    { "sample", 1, 0, OPT_SAMPLE },
+    { "json", 0, 0, OPT_JSON },
+    { "top", 1, 0, OPT_TOP },
+    { "all", 0, 0, OPT_ALL },
+    { "method", 1, 0, OPT_METHOD },
+    { "error-ratio", 1, 0, OPT_ERROR },
+    { "max-cut", 1, 0, OPT_MAX_CUT },
+    { "dark-floor", 1, 0, OPT_FLOOR },
+    { "representatives", 1, 0, OPT_REPS },
+    { "builder", 1, 0, OPT_BUILDER },
+    { "area-lights", 1, 0, OPT_AREA },
+    { "indirect-lights", 1, 0, OPT_INDIRECT },
+    { "maxdepth", 1, 0, OPT_MAXDEPTH },
+    { "seed", 1, 0, OPT_SEED },
+    { "spp", 1, 0, OPT_SPP },
+    { "isa", 1, 0, OPT_ISA },
+    { "nthreads", 1, 0, 't' },
+    { "help", 0, 0, 'h' },
+    { 0, 0, 0, 0 },
 };
 
 static void print_help(void)
 {
-    printf("usage: lightcuts explain [options] SCENE.pbrt --pixel x,y\n\n"
-           "Prints the cut that render makes for one pixel: the point, the rounds of refinement, and for each cluster its\n"
-           "lights, bound and estimate beside the exact sum of its lights, those with the largest share first.\n\n"
-           "      --pixel x,y          of the film, from the upper left, counted from 0\n"
-           "      --sample S           of the pixel's samples, counted from 0, default 0\n"
-           "      --top N              print N clusters, default %d\n"
-           "      --all                print all clusters\n"
-           "      --json               print everything as JSON, the clusters that were split too\n\n"
-           "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
-           "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --builder B,\n"
-           "      --area-lights N, --indirect-lights N, --maxdepth N, --seed N, --spp N, --isa I, -t, --nthreads N\n\n"
-           "  -h, --help               this text\n\n"
-           "columns: share of the cut's luminance; luminance of estimate, of the exact sum, their difference (error), and the\n"
-           "bound that it never exceeds; lights in the cluster and how many of them reach the point; light: the representative\n"
-           "(lights of the file in order, then those of emissive surfaces); seen: '-' sheds nothing here, 'none' is proved of the\n"
-           "whole cluster, whose error is 0; made: round. A cut may begin with that of pixel 1,1 of its 4x4 block: its rounds come\n"
-           "first, with that pixel's limits and totals.\n",
-           DEFAULT_TOP);
+    printf(
+        "usage: lightcuts explain [options] SCENE.pbrt --pixel x,y\n\n"
+        "Prints the cut that render makes for one pixel: the point, the rounds of refinement, and for each "
+        "cluster its\n"
+        "lights, bound and estimate beside the exact sum of its lights, those with the largest share "
+        "first.\n\n"
+        "      --pixel x,y          of the film, from the upper left, counted from 0\n"
+        "      --sample S           of the pixel's samples, counted from 0, default 0\n"
+        "      --top N              print N clusters, default %d\n"
+        "      --all                print all clusters\n"
+        "      --json               print everything as JSON, the clusters that were split too\n\n"
+        "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
+        "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --builder B,\n"
+        "      --area-lights N, --indirect-lights N, --maxdepth N, --seed N, --spp N, --isa I, -t, "
+        "--nthreads N\n\n"
+        "  -h, --help               this text\n\n"
+        "columns: share of the cut's luminance; luminance of estimate, of the exact sum, their difference "
+        "(error), and the\n"
+        "bound that it never exceeds; lights in the cluster and how many of them reach the point; light: the "
+        "representative\n"
+        "(lights of the file in order, then those of emissive surfaces); seen: '-' sheds nothing here, "
+        "'none' is proved of the\n"
+        "whole cluster, whose error is 0; made: round. A cut may begin with that of pixel 1,1 of its 4x4 "
+        "block: its rounds come\n"
+        "first, with that pixel's limits and totals.\n",
+        DEFAULT_TOP);
 }
 
 static int parse_pixel(options *o, const char *text)
 {
     double v[2];
     if (cli_parse_list(text, 2, 0, 65535, v)) return -1;
-    o->x = (uint32_t)v[0], o->y = (uint32_t)v[1];
+    o->x = (uint32_t)v[0];
+    o->y = (uint32_t)v[1];
     o->has_pixel = true;
     return v[0] > (double)o->x || v[1] > (double)o->y;
 }
@@ -91,7 +131,8 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     int c, index = -1;
     *status = CLI_USAGE;
     if (cli_env_isa("explain", &o->isa)) return -1;
-    optind = 1, opterr = 0;
+    optind = 1;
+    opterr = 0;
     while ((c = getopt_long(argc, argv, ":t:h", long_options, &index)) != -1) {
         if (c == 'h') {
             print_help();
@@ -104,22 +145,31 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         }
         if (set_option(o, c)) {
             if (c < 256) cli_usage_error("explain", "bad value '%s' for option -%c", optarg, c);
-            else cli_usage_error("explain", "bad value '%s' for option --%s", optarg, long_options[index].name);
+            else
+                cli_usage_error("explain", "bad value '%s' for option --%s", optarg,
+                                long_options[index].name);
             return -1;
         }
     }
     if (argc - optind != 1 || !o->has_pixel) {
-        cli_usage_error("explain", argc == optind ? "no scene given" : o->has_pixel ? "more than one scene given" : "no --pixel x,y given");
+        cli_usage_error("explain", argc == optind ? "no scene given"
+                                   : o->has_pixel ? "more than one scene given"
+                                                  : "no --pixel x,y given");
         return -1;
     }
     o->scene = argv[optind];
-    o->load.seed = o->render.seed, o->load.max_depth = o->render.max_depth, o->load.spp = o->render.spp;
+    o->load.seed = o->render.seed;
+    o->load.max_depth = o->render.max_depth;
+    o->load.spp = o->render.spp;
     return 0;
 }
 
 /* ---- text ---- */
 
-static double lum(const float c[3]) { return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2]; }
+static double lum(const float c[3])
+{
+    return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
+}
 static double lum_d(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
 static const char *const kinds[] = { "point", "oriented", "direct.", "spot" };
@@ -147,7 +197,8 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
     print_vector(", view", x->view, "\n");
     print_vector("kd", x->kd, "");
     print_vector(", ks", x->ks, "");
-    if (x->roughness[0] > 0) printf(", %s, roughness %g %g\n", x->gloss, (double)x->roughness[0], (double)x->roughness[1]);
+    if (x->roughness[0] > 0)
+        printf(", %s, roughness %g %g\n", x->gloss, (double)x->roughness[0], (double)x->roughness[1]);
     else printf(", exponent %g\n", (double)x->exponent);
     if (lum(x->emission) > 0) print_vector("emission", x->emission, "\n");
     print_radiance("radiance", x->radiance, "by the cut");
@@ -158,16 +209,19 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
     print_vector("pixel", x->pixel, ", what this sample gives to the picture\n");
     if (x->all_lights)
         printf("note         %s: the picture has the exact value; the cut below is that of --method cuts\n",
-               o->render.method == LC_METHOD_EXACT ? "the method is exact" : "with so few lights every one is evaluated");
+               o->render.method == LC_METHOD_EXACT ? "the method is exact"
+                                                   : "with so few lights every one is evaluated");
     printf("cut          %u clusters of %llu lights, %u shadow rays, %u splits in %u rounds", x->n_clusters,
            (unsigned long long)info->n_lights, x->rays, x->n_splits, x->n_rounds);
-    if (x->cut_size < x->n_clusters) printf("; %u count, as %u are hidden or can shed nothing", x->cut_size, x->n_clusters - x->cut_size);
+    if (x->cut_size < x->n_clusters)
+        printf("; %u count, as %u are hidden or can shed nothing", x->cut_size, x->n_clusters - x->cut_size);
     printf("\n");
-    printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit, (double)o->render.error_ratio,
-           x->floor > cut ? "the dark floor" : "the luminance", x->at_limit ? ", not reached within --max-cut" : "",
-           (double)x->max_error);
+    printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit,
+           (double)o->render.error_ratio, x->floor > cut ? "the dark floor" : "the luminance",
+           x->at_limit ? ", not reached within --max-cut" : "", (double)x->max_error);
     if (x->floor > 0)
-        printf("dark floor   %.6g = %g of the picture's mean %.6g\n", x->floor, (double)o->render.dark_floor, x->mean_luminance);
+        printf("dark floor   %.6g = %g of the picture's mean %.6g\n", x->floor, (double)o->render.dark_floor,
+               x->mean_luminance);
 }
 
 static void print_rounds(const lc_explanation *x)
@@ -175,21 +229,29 @@ static void print_rounds(const lc_explanation *x)
     printf("\nround   splits        limit        total  rays before\n");
     for (uint32_t i = 0; i < x->n_rounds; i++) {
         const lc_explained_round *r = &x->rounds[i];
-        if (i && i == x->n_start_rounds) printf("with the cut of its block's pixel 1,1, made so far, it begins:\n");
+        if (i && i == x->n_start_rounds)
+            printf("with the cut of its block's pixel 1,1, made so far, it begins:\n");
         printf("%5u %8u %12.6g %12.6g %12u\n", i + 1, r->n_split, r->limit, r->total, r->rays);
     }
-    if (x->n_start_rounds && x->n_start_rounds == x->n_rounds) printf("with the cut of its block's pixel 1,1, made so, it ends, too\n");
+    if (x->n_start_rounds && x->n_start_rounds == x->n_rounds)
+        printf("with the cut of its block's pixel 1,1, made so, it ends, too\n");
 }
 
 static void print_cluster(const lc_explained_cluster *c, double total)
 {
     double estimate = lum(c->estimate), exact = lum_d(c->exact);
-    printf("%7.3f%% %12.5g %12.5g %12.4g %12.5g %8u %8u %-8s %9u %-4s %5u ", total > 0 ? 100 * estimate / total : 0, estimate, exact,
-           estimate - exact, (double)c->bound, c->n_lights, c->n_seen, kinds[c->kind], c->light,
-           c->hidden ? "none" : c->seen < 0 ? "-" : c->seen ? "yes" : "no", c->made);
+    printf("%7.3f%% %12.5g %12.5g %12.4g %12.5g %8u %8u %-8s %9u %-4s %5u ",
+           total > 0 ? 100 * estimate / total : 0, estimate, exact, estimate - exact, (double)c->bound,
+           c->n_lights, c->n_seen, kinds[c->kind], c->light,
+           c->hidden     ? "none"
+           : c->seen < 0 ? "-"
+           : c->seen     ? "yes"
+                         : "no",
+           c->made);
     const float *const vectors[] = { c->light_pos, c->light_intensity, c->lo, c->hi };
     for (int k = 0; k < 4; k++)
-        printf("%s (%.5g, %.5g, %.5g)", k == 3 ? " .." : "", (double)vectors[k][0], (double)vectors[k][1], (double)vectors[k][2]);
+        printf("%s (%.5g, %.5g, %.5g)", k == 3 ? " .." : "", (double)vectors[k][0], (double)vectors[k][1],
+               (double)vectors[k][2]);
     printf("\n");
 }
 
@@ -200,11 +262,16 @@ static void print_rest(const lc_explanation *x, uint32_t from, double total)
     if (from >= x->n_clusters) return;
     for (uint32_t i = from; i < x->n_clusters; i++) {
         const lc_explained_cluster *c = &x->clusters[i];
-        estimate += lum(c->estimate), exact += lum_d(c->exact), error += fabs(lum(c->estimate) - lum_d(c->exact));
-        bound += (double)c->bound, lights += c->n_lights, seen += c->n_seen;
+        estimate += lum(c->estimate);
+        exact += lum_d(c->exact);
+        error += fabs(lum(c->estimate) - lum_d(c->exact));
+        bound += (double)c->bound;
+        lights += c->n_lights;
+        seen += c->n_seen;
     }
     printf("%7.3f%% %12.5g %12.5g %12.4g %12.5g %8llu %8llu the other %u; error: sum without signs\n",
-           total > 0 ? 100 * estimate / total : 0, estimate, exact, error, bound, lights, seen, x->n_clusters - from);
+           total > 0 ? 100 * estimate / total : 0, estimate, exact, error, bound, lights, seen,
+           x->n_clusters - from);
 }
 
 static void print_text(const options *o, const lc_explanation *x, const lc_scene_info *info)
@@ -218,8 +285,9 @@ static void print_text(const options *o, const lc_explanation *x, const lc_scene
     print_point(o, x, info);
     print_rounds(x);
     for (uint32_t i = 0; i < x->n_clusters; i++) total += lum(x->clusters[i].estimate);
-    printf("\n%8s %12s %12s %12s %12s %8s %8s %-8s %9s %-4s %5s  %s\n", "share", "estimate", "exact", "error", "bound", "lights",
-           "reach", "kind", "light", "seen", "made", "its position, intensity, the cluster's box");
+    printf("\n%8s %12s %12s %12s %12s %8s %8s %-8s %9s %-4s %5s  %s\n", "share", "estimate", "exact", "error",
+           "bound", "lights", "reach", "kind", "light", "seen", "made",
+           "its position, intensity, the cluster's box");
     uint32_t n = o->top < x->n_clusters ? o->top : x->n_clusters;
     for (uint32_t i = 0; i < n; i++) print_cluster(&x->clusters[i], total);
     print_rest(x, n, total);
@@ -252,7 +320,8 @@ static void json_cluster(const lc_explained_cluster *c, double total)
     printf("{\"id\": %u, \"parent\": ", c->id);
     if (c->parent == LC_NO_CLUSTER) printf("null");
     else printf("%u", c->parent);
-    printf(", \"kind\": \"%s\", \"lights\": %u, \"reach\": %u, \"made\": %u, \"split\": ", names[c->kind], c->n_lights, c->n_seen, c->made);
+    printf(", \"kind\": \"%s\", \"lights\": %u, \"reach\": %u, \"made\": %u, \"split\": ", names[c->kind],
+           c->n_lights, c->n_seen, c->made);
     if (c->split) printf("%u, ", c->split);
     else printf("null, ");
     json_floats("lo", c->lo, ", ");
@@ -287,7 +356,8 @@ static void json_point(const lc_explanation *x)
     json_floats("kd", x->kd, ",\n  ");
     json_floats("ks", x->ks, ",\n  ");
     json_float("exponent", (double)x->exponent, ",\n  ");
-    printf("\"lobe\": \"%s\",\n  \"roughness\": [%.9g, %.9g],\n  ", x->gloss, (double)x->roughness[0], (double)x->roughness[1]);
+    printf("\"lobe\": \"%s\",\n  \"roughness\": [%.9g, %.9g],\n  ", x->gloss, (double)x->roughness[0],
+           (double)x->roughness[1]);
     printf("\"mirrors\": %u,\n  ", x->n_mirrors);
     json_floats("weight", x->weight, ",\n  ");
     json_floats("emission", x->emission, ",\n  ");
@@ -299,8 +369,8 @@ static void json_point(const lc_explanation *x)
     json_float("floor", x->floor, ",\n  ");
     json_float("limit", x->limit, ",\n  ");
     json_float("max_error", (double)x->max_error, ",\n  ");
-    printf("\"cut_size\": %u,\n  \"shadow_rays\": %u,\n  \"at_limit\": %s,\n  \"dark\": %s", x->cut_size, x->rays,
-           x->at_limit ? "true" : "false", x->dark ? "true" : "false");
+    printf("\"cut_size\": %u,\n  \"shadow_rays\": %u,\n  \"at_limit\": %s,\n  \"dark\": %s", x->cut_size,
+           x->rays, x->at_limit ? "true" : "false", x->dark ? "true" : "false");
 }
 
 static void print_json(const options *o, const lc_explanation *x, const lc_scene_info *info)
@@ -308,16 +378,16 @@ static void print_json(const options *o, const lc_explanation *x, const lc_scene
     double total = 0;
     printf("{\n  \"scene\": ");
     cli_json_text(stdout, o->scene);
-    printf(",\n  \"pixel_xy\": [%u, %u],\n  \"sample\": %u,\n  \"lights\": %llu,\n  \"hit\": %s", o->x, o->y, o->sample,
-           (unsigned long long)info->n_lights, x->hit ? "true" : "false");
+    printf(",\n  \"pixel_xy\": [%u, %u],\n  \"sample\": %u,\n  \"lights\": %llu,\n  \"hit\": %s", o->x, o->y,
+           o->sample, (unsigned long long)info->n_lights, x->hit ? "true" : "false");
     if (x->hit) {
         for (uint32_t i = 0; i < x->n_clusters; i++) total += lum(x->clusters[i].estimate);
         json_point(x);
         printf(",\n  \"rounds\": [");
         for (uint32_t i = 0; i < x->n_rounds; i++) {
             const lc_explained_round *r = &x->rounds[i];
-            printf("%s\n    {\"splits\": %u, \"limit\": %.9g, \"total\": %.17g, \"rays_before\": %u}", i ? "," : "", r->n_split, r->limit,
-                   r->total, r->rays);
+            printf("%s\n    {\"splits\": %u, \"limit\": %.9g, \"total\": %.17g, \"rays_before\": %u}",
+                   i ? "," : "", r->n_split, r->limit, r->total, r->rays);
         }
         printf("%s],\n  \"start_rounds\": %u", x->n_rounds ? "\n  " : "", x->n_start_rounds);
         json_clusters("clusters", x->clusters, x->n_clusters, total);
@@ -333,7 +403,8 @@ static int run(const options *o, lc_context *ctx, lc_scene **scene, lc_explanati
     if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
     lc_scene_get_info(*scene, &info);
     if (o->x >= info.width || o->y >= info.height) {
-        cli_usage_error("explain", "pixel %u,%u is outside the film of %u x %u pixels", o->x, o->y, info.width, info.height);
+        cli_usage_error("explain", "pixel %u,%u is outside the film of %u x %u pixels", o->x, o->y,
+                        info.width, info.height);
         return CLI_USAGE;
     }
     st = lc_explain(ctx, *scene, &o->render, o->x, o->y, o->sample, x);

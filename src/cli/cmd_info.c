@@ -22,36 +22,42 @@ static void texture_classes(const lc_scene *scene, bool json)
 
 static void scene_text(const lc_scene *scene, const lc_scene_info *i)
 {
-    printf("triangles            %llu in %llu meshes, %llu vertices\n", (ull)i->n_triangles, (ull)i->n_meshes, (ull)i->n_vertices);
+    printf("triangles            %llu in %llu meshes, %llu vertices\n", (ull)i->n_triangles, (ull)i->n_meshes,
+           (ull)i->n_vertices);
     printf("materials            %llu\n", (ull)i->n_materials);
     if (i->n_instances)
-        printf("instances            %llu, %llu triangles instanced\n", (ull)i->n_instances, (ull)i->n_instanced_triangles);
+        printf("instances            %llu, %llu triangles instanced\n", (ull)i->n_instances,
+               (ull)i->n_instanced_triangles);
     if (i->n_alpha_meshes) printf("meshes with alpha    %llu\n", (ull)i->n_alpha_meshes);
-    if (i->n_mirrors) printf("mirrors              %llu of them, paths of depth %u\n", (ull)i->n_mirrors, i->max_depth);
-    printf("lights               %llu: %llu point, %llu oriented, %llu directional, %llu spot\n", (ull)i->n_lights, (ull)i->n_point,
-           (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
+    if (i->n_mirrors)
+        printf("mirrors              %llu of them, paths of depth %u\n", (ull)i->n_mirrors, i->max_depth);
+    printf("lights               %llu: %llu point, %llu oriented, %llu directional, %llu spot\n",
+           (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
     if (i->n_light_paths)
-        printf("indirect light       %llu virtual lights along %llu paths, %.2g of it lost to clamping\n", (ull)i->n_indirect_lights,
-               (ull)i->n_light_paths, i->indirect_loss);
+        printf("indirect light       %llu virtual lights along %llu paths, %.2g of it lost to clamping\n",
+               (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
     printf("emissive triangles   %llu\n", (ull)i->n_emissive_triangles);
     if (i->n_env_maps)
-        printf("infinite lights      %llu, made into %llu directional, where %llu that were tried matter\n", (ull)i->n_env_maps,
-               (ull)i->n_env_lights, (ull)i->n_env_tried);
+        printf("infinite lights      %llu, made into %llu directional, where %llu that were tried matter\n",
+               (ull)i->n_env_maps, (ull)i->n_env_lights, (ull)i->n_env_tried);
     if (i->n_textures) {
         printf("textures             %llu: ", (ull)i->n_textures);
         texture_classes(scene, false);
         printf("\nimages               %llu of %llu bytes\n", (ull)i->n_images, (ull)i->image_bytes);
     }
     if (i->n_triangles)
-        printf("bounds               (%g, %g, %g) to (%g, %g, %g)\n", (double)i->bounds_lo[0], (double)i->bounds_lo[1],
-               (double)i->bounds_lo[2], (double)i->bounds_hi[0], (double)i->bounds_hi[1], (double)i->bounds_hi[2]);
-    printf("film                 %u x %u, pixels %u-%u x %u-%u, %u samples a pixel, file '%s'\n", i->width, i->height, i->crop[0],
-           i->crop[1], i->crop[2], i->crop[3], i->spp, cli_shown(i->film_filename));
-    printf("memory               bvh %llu bytes, light tree %llu bytes\n", (ull)i->bvh_bytes, (ull)i->tree_bytes);
+        printf("bounds               (%g, %g, %g) to (%g, %g, %g)\n", (double)i->bounds_lo[0],
+               (double)i->bounds_lo[1], (double)i->bounds_lo[2], (double)i->bounds_hi[0],
+               (double)i->bounds_hi[1], (double)i->bounds_hi[2]);
+    printf("film                 %u x %u, pixels %u-%u x %u-%u, %u samples a pixel, file '%s'\n", i->width,
+           i->height, i->crop[0], i->crop[1], i->crop[2], i->crop[3], i->spp, cli_shown(i->film_filename));
+    printf("memory               bvh %llu bytes, light tree %llu bytes\n", (ull)i->bvh_bytes,
+           (ull)i->tree_bytes);
     printf("approximated or ignored: %u kind%s\n", i->n_notes, i->n_notes == 1 ? "" : "s");
     for (uint32_t k = 0; k < i->n_notes; k++) {
         lc_note note;
-        if (!lc_scene_get_note(scene, k, &note)) printf("  %6llu  %-24s %s\n", (ull)note.count, cli_shown(note.kind), cli_shown(note.text));
+        if (!lc_scene_get_note(scene, k, &note))
+            printf("  %6llu  %-24s %s\n", (ull)note.count, cli_shown(note.kind), cli_shown(note.text));
     }
 }
 
@@ -75,31 +81,35 @@ static void features_json(const lc_scene *scene)
 
 static void scene_json(const lc_scene *scene, const lc_scene_info *i)
 {
-    printf("{\n  \"triangles\": %llu,\n  \"vertices\": %llu,\n  \"meshes\": %llu,\n  \"materials\": %llu,\n", (ull)i->n_triangles,
-           (ull)i->n_vertices, (ull)i->n_meshes, (ull)i->n_materials);
-    printf("  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"alpha_meshes\": %llu,\n", (ull)i->n_instances,
-           (ull)i->n_instanced_triangles, (ull)i->n_alpha_meshes);
+    printf("{\n  \"triangles\": %llu,\n  \"vertices\": %llu,\n  \"meshes\": %llu,\n  \"materials\": %llu,\n",
+           (ull)i->n_triangles, (ull)i->n_vertices, (ull)i->n_meshes, (ull)i->n_materials);
+    printf("  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"alpha_meshes\": %llu,\n",
+           (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_alpha_meshes);
     printf("  \"mirrors\": %llu,\n  \"max_depth\": %u,\n", (ull)i->n_mirrors, i->max_depth);
-    printf("  \"lights\": %llu,\n  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu, \"spot\": %llu},\n",
+    printf("  \"lights\": %llu,\n  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, "
+           "\"directional\": %llu, \"spot\": %llu},\n",
            (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
-    printf("  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n", (ull)i->n_indirect_lights,
-           (ull)i->n_light_paths, i->indirect_loss);
+    printf("  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n",
+           (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
     printf("  \"emissive_triangles\": %llu,\n  \"infinite_lights\": %llu,\n  \"env_lights\": %llu,\n"
            "  \"env_tried\": %llu,\n  \"textures\": {",
            (ull)i->n_emissive_triangles, (ull)i->n_env_maps, (ull)i->n_env_lights, (ull)i->n_env_tried);
     texture_classes(scene, true);
     printf("},\n  \"images\": %llu,\n  \"image_bytes\": %llu,\n", (ull)i->n_images, (ull)i->image_bytes);
     if (i->n_triangles)
-        printf("  \"bounds\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]],\n", (double)i->bounds_lo[0], (double)i->bounds_lo[1],
-               (double)i->bounds_lo[2], (double)i->bounds_hi[0], (double)i->bounds_hi[1], (double)i->bounds_hi[2]);
+        printf("  \"bounds\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]],\n", (double)i->bounds_lo[0],
+               (double)i->bounds_lo[1], (double)i->bounds_lo[2], (double)i->bounds_hi[0],
+               (double)i->bounds_hi[1], (double)i->bounds_hi[2]);
     else
         printf("  \"bounds\": null,\n");
-    printf("  \"width\": %u,\n  \"height\": %u,\n  \"crop\": [%u, %u, %u, %u],\n  \"spp\": %u,\n  \"filename\": ", i->width, i->height,
-           i->crop[0], i->crop[1], i->crop[2], i->crop[3], i->spp);
+    printf("  \"width\": %u,\n  \"height\": %u,\n  \"crop\": [%u, %u, %u, %u],\n  \"spp\": %u,\n  "
+           "\"filename\": ",
+           i->width, i->height, i->crop[0], i->crop[1], i->crop[2], i->crop[3], i->spp);
     cli_json_text(stdout, i->film_filename);
     printf(",\n  ");
     features_json(scene);
-    printf("  \"bvh_bytes\": %llu,\n  \"tree_bytes\": %llu,\n  \"notes\": [", (ull)i->bvh_bytes, (ull)i->tree_bytes);
+    printf("  \"bvh_bytes\": %llu,\n  \"tree_bytes\": %llu,\n  \"notes\": [", (ull)i->bvh_bytes,
+           (ull)i->tree_bytes);
     for (uint32_t k = 0; k < i->n_notes; k++) {
         lc_note note;
         if (lc_scene_get_note(scene, k, &note)) continue;
@@ -141,21 +151,24 @@ static void print_image(lc_image *image, bool json)
     lc_image_get_desc(image, &d);
     size_t n = (size_t)d.width * d.height;
     if (json)
-        printf("{\n  \"width\": %u,\n  \"height\": %u,\n  \"x0\": %d,\n  \"y0\": %d,\n  \"display_width\": %u,\n"
-               "  \"display_height\": %u,\n  \"channels\": [",
-               d.width, d.height, d.x0, d.y0, d.display_width, d.display_height);
+        printf(
+            "{\n  \"width\": %u,\n  \"height\": %u,\n  \"x0\": %d,\n  \"y0\": %d,\n  \"display_width\": %u,\n"
+            "  \"display_height\": %u,\n  \"channels\": [",
+            d.width, d.height, d.x0, d.y0, d.display_width, d.display_height);
     else
-        printf("image                %u x %u at (%d, %d) of %u x %u\n", d.width, d.height, d.x0, d.y0, d.display_width, d.display_height);
+        printf("image                %u x %u at (%d, %d) of %u x %u\n", d.width, d.height, d.x0, d.y0,
+               d.display_width, d.display_height);
     for (uint32_t i = 0; i < lc_image_n_channels(image); i++) {
         const char *name = lc_image_channel_name(image, i);
         range r = range_of(lc_image_channel(image, name), n);
         if (json) {
             printf("%s\n    {\"name\": ", i ? "," : "");
             cli_json_text(stdout, name);
-            printf(", \"min\": %.9g, \"max\": %.9g, \"mean\": %.9g, \"nonfinite\": %llu}", r.min, r.max, r.mean, (ull)r.nonfinite);
+            printf(", \"min\": %.9g, \"max\": %.9g, \"mean\": %.9g, \"nonfinite\": %llu}", r.min, r.max,
+                   r.mean, (ull)r.nonfinite);
         } else {
-            printf("  %-18s min %-12.6g max %-12.6g mean %-12.6g not finite %llu\n", cli_shown(name), r.min, r.max, r.mean,
-                   (ull)r.nonfinite);
+            printf("  %-18s min %-12.6g max %-12.6g mean %-12.6g not finite %llu\n", cli_shown(name), r.min,
+                   r.max, r.mean, (ull)r.nonfinite);
         }
     }
     if (json) printf("\n  ]\n}\n");
@@ -197,14 +210,16 @@ int cmd_info(int argc, char **argv)
     static const struct option options[] = { { "json", 0, 0, 'j' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 } };
     bool json = false;
     int c;
-    optind = 1, opterr = 0;
+    optind = 1;
+    opterr = 0;
     while ((c = getopt_long(argc, argv, ":h", options, NULL)) != -1) {
         if (c == 'j') {
             json = true;
         } else if (c == 'h') {
-            printf("usage: lightcuts info [--json] SCENE.pbrt|IMAGE\n\n"
-                   "Prints what is in a scene (counts, bounds, what was approximated or ignored) or an image\n"
-                   "(.exr .png .tga .pfm .hdr).\n");
+            printf(
+                "usage: lightcuts info [--json] SCENE.pbrt|IMAGE\n\n"
+                "Prints what is in a scene (counts, bounds, what was approximated or ignored) or an image\n"
+                "(.exr .png .tga .pfm .hdr).\n");
             return CLI_OK;
         } else {
             cli_bad_option("info", c, argv, options);

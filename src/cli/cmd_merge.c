@@ -3,17 +3,22 @@
 
 #include <string.h>
 
-static const struct option long_options[] = { { "outfile", 1, 0, 'o' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 } };
+static const struct option long_options[] = { { "outfile", 1, 0, 'o' },
+                                              { "help", 0, 0, 'h' },
+                                              { 0, 0, 0, 0 } };
 
 static void print_help(void)
 {
     printf("usage: lightcuts merge -o FULL.exr PART.exr...\n\n"
-           "Puts the parts that 'render --chunk K/N' wrote together. The result is the very file that one render would have\n"
-           "written. All parts must be of the same scene, options and N, each must be there once; the numbers of missing ones\n"
+           "Puts the parts that 'render --chunk K/N' wrote together. The result is the very file that one "
+           "render would have\n"
+           "written. All parts must be of the same scene, options and N, each must be there once; the "
+           "numbers of missing ones\n"
            "are printed as the array option of sbatch takes them.\n\n"
            "  -o, --outfile FILE       .exr or .png\n"
            "  -h, --help               this text\n\n"
-           "exit status: 0 done, 1 parts are missing or the file cannot be written, 2 wrong command line, 3 wrong input file\n");
+           "exit status: 0 done, 1 parts are missing or the file cannot be written, 2 wrong command line, 3 "
+           "wrong input file\n");
 }
 
 static int write_whole(lc_merge *m, const char *out)
@@ -50,7 +55,8 @@ int cmd_merge(int argc, char **argv)
 {
     const char *out = NULL;
     int c;
-    optind = 1, opterr = 0;
+    optind = 1;
+    opterr = 0;
     while ((c = getopt_long(argc, argv, ":o:h", long_options, NULL)) != -1) {
         if (c == 'o') out = optarg;
         if (c == 'h') {

@@ -29,58 +29,117 @@ typedef struct {
     cli_farm farm;
 } options;
 
-enum { OPT_METHOD = 256, OPT_ERROR, OPT_MAX_CUT, OPT_REPS, OPT_MAXDEPTH, OPT_AREA, OPT_SEED, OPT_SPP, OPT_ISA,
-       OPT_PIXELS, OPT_CROP, OPT_AOV, OPT_STATS_FILE, OPT_STATS, OPT_FLOOR, OPT_TIME, OPT_BUILDER, OPT_ENV, OPT_INDIRECT,
-       OPT_CHUNK, OPT_PRINT_CHUNKS, OPT_CHECKPOINT, OPT_INTERVAL, OPT_RESUME, OPT_KEEP, OPT_LIMIT };
+enum {
+    OPT_METHOD = 256,
+    OPT_ERROR,
+    OPT_MAX_CUT,
+    OPT_REPS,
+    OPT_MAXDEPTH,
+    OPT_AREA,
+    OPT_SEED,
+    OPT_SPP,
+    OPT_ISA,
+    OPT_PIXELS,
+    OPT_CROP,
+    OPT_AOV,
+    OPT_STATS_FILE,
+    OPT_STATS,
+    OPT_FLOOR,
+    OPT_TIME,
+    OPT_BUILDER,
+    OPT_ENV,
+    OPT_INDIRECT,
+    OPT_CHUNK,
+    OPT_PRINT_CHUNKS,
+    OPT_CHECKPOINT,
+    OPT_INTERVAL,
+    OPT_RESUME,
+    OPT_KEEP,
+    OPT_LIMIT
+};
 
 static const struct option long_options[] = {
-    { "outfile", 1, 0, 'o' }, { "method", 1, 0, OPT_METHOD }, { "error-ratio", 1, 0, OPT_ERROR },
-    { "max-cut", 1, 0, OPT_MAX_CUT }, { "dark-floor", 1, 0, OPT_FLOOR }, { "representatives", 1, 0, OPT_REPS },
-    { "maxdepth", 1, 0, OPT_MAXDEPTH }, { "area-lights", 1, 0, OPT_AREA }, { "env-lights", 1, 0, OPT_ENV },
-    { "indirect-lights", 1, 0, OPT_INDIRECT }, { "nthreads", 1, 0, 't' },
-    { "seed", 1, 0, OPT_SEED }, { "spp", 1, 0, OPT_SPP }, { "isa", 1, 0, OPT_ISA },
-    { "pixelbounds", 1, 0, OPT_PIXELS }, { "cropwindow", 1, 0, OPT_CROP }, { "aov", 1, 0, OPT_AOV },
-    { "chunk", 1, 0, OPT_CHUNK }, { "print-chunks", 1, 0, OPT_PRINT_CHUNKS }, { "checkpoint", 1, 0, OPT_CHECKPOINT },
-    { "checkpoint-interval", 1, 0, OPT_INTERVAL }, { "keep-checkpoint", 0, 0, OPT_KEEP }, { "resume", 0, 0, OPT_RESUME },
+    { "outfile", 1, 0, 'o' },
+    { "method", 1, 0, OPT_METHOD },
+    { "error-ratio", 1, 0, OPT_ERROR },
+    { "max-cut", 1, 0, OPT_MAX_CUT },
+    { "dark-floor", 1, 0, OPT_FLOOR },
+    { "representatives", 1, 0, OPT_REPS },
+    { "maxdepth", 1, 0, OPT_MAXDEPTH },
+    { "area-lights", 1, 0, OPT_AREA },
+    { "env-lights", 1, 0, OPT_ENV },
+    { "indirect-lights", 1, 0, OPT_INDIRECT },
+    { "nthreads", 1, 0, 't' },
+    { "seed", 1, 0, OPT_SEED },
+    { "spp", 1, 0, OPT_SPP },
+    { "isa", 1, 0, OPT_ISA },
+    { "pixelbounds", 1, 0, OPT_PIXELS },
+    { "cropwindow", 1, 0, OPT_CROP },
+    { "aov", 1, 0, OPT_AOV },
+    { "chunk", 1, 0, OPT_CHUNK },
+    { "print-chunks", 1, 0, OPT_PRINT_CHUNKS },
+    { "checkpoint", 1, 0, OPT_CHECKPOINT },
+    { "checkpoint-interval", 1, 0, OPT_INTERVAL },
+    { "keep-checkpoint", 0, 0, OPT_KEEP },
+    { "resume", 0, 0, OPT_RESUME },
     { "time-limit", 1, 0, OPT_LIMIT },
-    { "stats-file", 1, 0, OPT_STATS_FILE }, { "stats", 0, 0, OPT_STATS }, { "write-time", 0, 0, OPT_TIME },
-    { "builder", 1, 0, OPT_BUILDER }, { "quiet", 0, 0, 'q' }, { "verbose", 0, 0, 'v' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 },
+    { "stats-file", 1, 0, OPT_STATS_FILE },
+    { "stats", 0, 0, OPT_STATS },
+    { "write-time", 0, 0, OPT_TIME },
+    { "builder", 1, 0, OPT_BUILDER },
+    { "quiet", 0, 0, 'q' },
+    { "verbose", 0, 0, 'v' },
+    { "help", 0, 0, 'h' },
+    { 0, 0, 0, 0 },
 };
 
 static void print_help(void)
 {
-    printf("usage: lightcuts [render] [options] SCENE.pbrt     ('-' reads the scene from standard input)\n\n"
-           "  -o, --outfile FILE       .exr or .png; may be repeated; default: the scene's film filename, else SCENE.exr\n"
-           "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts even of few lights\n"
-           "      --error-ratio E      bound of every cluster against the estimate, default 0.02\n"
-           "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
-           "      --dark-floor F       errors are measured against at least F times the picture's mean, default %g\n"
-           "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 16\n"
-           "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many lights\n"
-           "      --maxdepth N         bounces, default the scene's; 1: direct light only\n"
-           "      --area-lights N      lights made from emissive surfaces, default 1024\n"
-           "      --env-lights N       lights made from environment maps, default 5000\n"
-           "      --indirect-lights N  virtual lights of bounced light; default 20000 where the scene's integrator traces paths, else 0\n"
-           "      --seed N             of sampling, of area and environment lights and of the tree's representatives, default 0\n"
-           "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a lens 16\n"
-           "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
-           "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n"
-           "      --chunk K/N|slurm    render part K of N; 'lightcuts merge' puts them together. slurm: of an array job's variables\n"
-           "      --print-chunks N     list the parts, render nothing\n"
-           "      --checkpoint FILE    append finished tiles to FILE, which goes away when the picture is in place\n"
-           "      --resume             go on with FILE if it is there; with --chunk: nothing to do when the part is there\n"
-           "      --time-limit T       stop after T (3600, 90s, 55m, 2h) with all saved and exit status 75\n"
-           "      --checkpoint-interval T  force FILE to the disk this often, default 30s\n"
-           "      --keep-checkpoint    leave FILE there\n"
-           "      --aov LIST           further channels, with commas: cut n p z albedo error rays all\n"
-           "  -t, --nthreads N         default: all processors this process may use\n"
-           "      --isa I              use at most %s (also: LC_ISA in the environment)\n"
-           "      --stats              print statistics\n"
-           "      --stats-file F.json  write statistics\n"
-           "      --write-time         put renderTimeSeconds into the EXR, which else holds nothing that varies\n"
-           "  -q, --quiet              errors only\n"
-           "  -v, --verbose            say more\n"
-           "  -h, --help               this text\n", (double)LC_DARK_FLOOR, cli_isa_names());
+    printf(
+        "usage: lightcuts [render] [options] SCENE.pbrt     ('-' reads the scene from standard input)\n\n"
+        "  -o, --outfile FILE       .exr or .png; may be repeated; default: the scene's film filename, else "
+        "SCENE.exr\n"
+        "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts "
+        "even of few lights\n"
+        "      --error-ratio E      bound of every cluster against the estimate, default 0.02\n"
+        "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
+        "      --dark-floor F       errors are measured against at least F times the picture's mean, default "
+        "%g\n"
+        "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 16\n"
+        "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many "
+        "lights\n"
+        "      --maxdepth N         bounces, default the scene's; 1: direct light only\n"
+        "      --area-lights N      lights made from emissive surfaces, default 1024\n"
+        "      --env-lights N       lights made from environment maps, default 5000\n"
+        "      --indirect-lights N  virtual lights of bounced light; default 20000 where the scene's "
+        "integrator traces paths, else 0\n"
+        "      --seed N             of sampling, of area and environment lights and of the tree's "
+        "representatives, default 0\n"
+        "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a "
+        "lens 16\n"
+        "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
+        "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n"
+        "      --chunk K/N|slurm    render part K of N; 'lightcuts merge' puts them together. slurm: of an "
+        "array job's variables\n"
+        "      --print-chunks N     list the parts, render nothing\n"
+        "      --checkpoint FILE    append finished tiles to FILE, which goes away when the picture is in "
+        "place\n"
+        "      --resume             go on with FILE if it is there; with --chunk: nothing to do when the "
+        "part is there\n"
+        "      --time-limit T       stop after T (3600, 90s, 55m, 2h) with all saved and exit status 75\n"
+        "      --checkpoint-interval T  force FILE to the disk this often, default 30s\n"
+        "      --keep-checkpoint    leave FILE there\n"
+        "      --aov LIST           further channels, with commas: cut n p z albedo error rays all\n"
+        "  -t, --nthreads N         default: all processors this process may use\n"
+        "      --isa I              use at most %s (also: LC_ISA in the environment)\n"
+        "      --stats              print statistics\n"
+        "      --stats-file F.json  write statistics\n"
+        "      --write-time         put renderTimeSeconds into the EXR, which else holds nothing that "
+        "varies\n"
+        "  -q, --quiet              errors only\n"
+        "  -v, --verbose            say more\n"
+        "  -h, --help               this text\n",
+        (double)LC_DARK_FLOOR, cli_isa_names());
 }
 
 static int parse_aovs(const char *text, uint32_t *out)
@@ -88,8 +147,9 @@ static int parse_aovs(const char *text, uint32_t *out)
     static const struct {
         const char *name;
         uint32_t bit;
-    } names[] = { { "cut", LC_AOV_CUT }, { "n", LC_AOV_N }, { "p", LC_AOV_P }, { "z", LC_AOV_Z },
-                  { "albedo", LC_AOV_ALBEDO }, { "error", LC_AOV_ERROR }, { "rays", LC_AOV_RAYS }, { "all", LC_AOV_ALL } };
+    } names[] = { { "cut", LC_AOV_CUT },   { "n", LC_AOV_N },           { "p", LC_AOV_P },
+                  { "z", LC_AOV_Z },       { "albedo", LC_AOV_ALBEDO }, { "error", LC_AOV_ERROR },
+                  { "rays", LC_AOV_RAYS }, { "all", LC_AOV_ALL } };
     *out = 0;
     for (;;) {
         size_t len = strcspn(text, ","), i = 0, n = sizeof names / sizeof *names;
@@ -105,7 +165,9 @@ static int parse_aovs(const char *text, uint32_t *out)
 static int set_option(options *o, int c)
 {
     switch (c) {
-    case 'o': o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg; return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
+    case 'o':
+        o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg;
+        return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
     case OPT_ERROR: return cli_parse_single(optarg, 0, 1e6, &o->render.error_ratio);
     case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
@@ -145,7 +207,8 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     int c, index = -1;
     *status = CLI_USAGE;
     if (cli_env_isa("render", &o->isa)) return -1;
-    optind = 1, opterr = 0;
+    optind = 1;
+    opterr = 0;
     while ((c = getopt_long(argc, argv, ":o:t:qvh", long_options, &index)) != -1) {
         if (c == 'h') {
             print_help();
@@ -158,7 +221,8 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         }
         if (set_option(o, c)) {
             if (c < 256) cli_usage_error("render", "bad value '%s' for option -%c", optarg, c);
-            else cli_usage_error("render", "bad value '%s' for option --%s", optarg, long_options[index].name);
+            else
+                cli_usage_error("render", "bad value '%s' for option --%s", optarg, long_options[index].name);
             return -1;
         }
     }
@@ -167,7 +231,9 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         return -1;
     }
     o->scene = argv[optind];
-    o->load.seed = o->render.seed, o->load.max_depth = o->render.max_depth, o->load.spp = o->render.spp;
+    o->load.seed = o->render.seed;
+    o->load.max_depth = o->render.max_depth;
+    o->load.spp = o->render.spp;
     if (cli_farm_check(&o->farm)) return -1;
     for (int i = 0; i < o->n_outputs; i++)
         if (!cli_has_extension(o->outputs[i], ".exr") && !cli_has_extension(o->outputs[i], ".png")
@@ -178,8 +244,8 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     return 0;
 }
 
-/* The film's filename if it is one we write, with .exr in place of another extension; else SCENE.exr here, also of
- * SCENE.pbrt.gz. */
+/* The film's filename if it is one we write, with .exr in place of another extension; else SCENE.exr here,
+ * also of SCENE.pbrt.gz. */
 static void choose_output(options *o, const lc_scene_info *info)
 {
     if (o->n_outputs) return;
@@ -200,19 +266,22 @@ static void choose_output(options *o, const lc_scene_info *info)
     if (o->farm.chunk) { /* each part a file of its own */
         char *end = o->default_output + strlen(o->default_output) - 4, extension[8];
         snprintf(extension, sizeof extension, "%s", end);
-        snprintf(end, sizeof o->default_output - (size_t)(end - o->default_output), "-%u-of-%u%s", o->farm.k, o->farm.n, extension);
+        snprintf(end, sizeof o->default_output - (size_t)(end - o->default_output), "-%u-of-%u%s", o->farm.k,
+                 o->farm.n, extension);
     }
     o->outputs[o->n_outputs++] = o->default_output;
 }
 
-/* 0 or errno. Files are put in place by renaming, so the folder matters; a device or pipe is written to itself. */
+/* 0 or errno. Files are put in place by renaming, so the folder matters; a device or pipe is written to
+ * itself. */
 static int unwritable(const char *path)
 {
     char folder[4096], real[PATH_MAX];
     struct stat st;
     bool there = !stat(path, &st);
     if (there && !S_ISREG(st.st_mode)) return S_ISDIR(st.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
-    snprintf(folder, sizeof folder, "%s", there && realpath(path, real) ? real : path); /* what a link points to is replaced */
+    /* What a link points to is replaced. */
+    snprintf(folder, sizeof folder, "%s", there && realpath(path, real) ? real : path);
     char *slash = strrchr(folder, '/');
     if (slash) slash[slash == folder] = 0;
     else strcpy(folder, ".");
@@ -244,28 +313,32 @@ static int set_crop(options *o, const lc_scene_info *info)
         else if (o->has_unit_crop) o->render.crop[i] = (int32_t)(o->unit_crop[i] * size + 0.5);
     }
     bool asked = o->has_pixel_crop || o->has_unit_crop;
-    if (asked && (o->render.crop[0] >= o->render.crop[1] || o->render.crop[2] >= o->render.crop[3]
-                  || (uint32_t)o->render.crop[1] > info->width || (uint32_t)o->render.crop[3] > info->height)) {
-        cli_usage_error("render", "the crop is empty or outside the film of %u x %u pixels", info->width, info->height);
+    if (asked && (o->render.crop[0] >= o->render.crop[1] || o->render.crop[2] >= o->render.crop[3] ||
+                  (uint32_t)o->render.crop[1] > info->width || (uint32_t)o->render.crop[3] > info->height)) {
+        cli_usage_error("render", "the crop is empty or outside the film of %u x %u pixels", info->width,
+                        info->height);
         return CLI_USAGE;
     }
     return 0;
 }
 
-/* 1: every output is there as this run would write it. A PNG cannot tell, so it only has to be there beside an EXR. */
+/* 1: every output is there as this run would write it. A PNG cannot tell, so it only has to be there beside
+ * an EXR. */
 static bool already_done(const options *o, lc_context *ctx)
 {
     bool told = false;
     if (!o->farm.chunk || !o->farm.resume) return false;
     for (int i = 0; i < o->n_outputs; i++) {
         bool png = cli_has_extension(o->outputs[i], ".png");
-        if (png ? access(o->outputs[i], R_OK) != 0 : !cli_farm_has(&o->farm, ctx, o->outputs[i])) return false;
+        if (png ? access(o->outputs[i], R_OK) != 0 : !cli_farm_has(&o->farm, ctx, o->outputs[i]))
+            return false;
         told = told || !png;
     }
     return told;
 }
 
-/* What is to be rendered and where to, known as soon as the scene is read: what is wrong with it is said before the long work. */
+/* What is to be rendered and where to, known as soon as the scene is read: what is wrong with it is said
+ * before the long work. */
 typedef struct {
     options *o;
     lc_context *ctx;
@@ -297,9 +370,11 @@ static int make_plan(void *user, const lc_scene *scene)
 
 static int write_outputs(const options *o, lc_image *image, double seconds)
 {
-    if (o->write_time && !getenv("SOURCE_DATE_EPOCH") && lc_image_set_number(image, "renderTimeSeconds", seconds))
+    if (o->write_time && !getenv("SOURCE_DATE_EPOCH") &&
+        lc_image_set_number(image, "renderTimeSeconds", seconds))
         return CLI_FAILED;
-    if (o->farm.chunk && lc_chunk_mark(image, &o->farm.id, o->farm.crop, o->farm.k, o->farm.n)) return CLI_FAILED;
+    if (o->farm.chunk && lc_chunk_mark(image, &o->farm.id, o->farm.crop, o->farm.k, o->farm.n))
+        return CLI_FAILED;
     for (int i = 0; i < o->n_outputs; i++)
         if (lc_image_write(image, o->outputs[i])) return CLI_FAILED;
     return CLI_OK;
@@ -335,18 +410,25 @@ static void warn_of_scene(const options *o, const lc_scene_info *info)
 {
     if (o->quiet) return;
     if (info->indirect_loss > WARN_LOSS)
-        fprintf(stderr, "lightcuts: warning: clamping takes %.0f %% of the indirect light, with more --indirect-lights less\n",
+        fprintf(stderr,
+                "lightcuts: warning: clamping takes %.0f %% of the indirect light, with more "
+                "--indirect-lights less\n",
                 100 * info->indirect_loss);
-    if (!info->n_lights) fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
+    if (!info->n_lights)
+        fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
     if (!info->n_triangles)
         fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will %s\n",
                 info->n_env_maps ? "show its infinite light only" : "be black");
-    if (o->render.max_depth > 1 && !info->n_mirrors && !info->n_indirect_lights && o->load.indirect_lights != LC_NO_LIGHTS)
-        fprintf(stderr, "lightcuts: warning: --maxdepth %u: without mirrors, glass or --indirect-lights there is only direct light\n",
+    if (o->render.max_depth > 1 && !info->n_mirrors && !info->n_indirect_lights &&
+        o->load.indirect_lights != LC_NO_LIGHTS)
+        fprintf(stderr,
+                "lightcuts: warning: --maxdepth %u: without mirrors, glass or --indirect-lights there is "
+                "only direct light\n",
                 o->render.max_depth);
 }
 
-static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image **image, lc_render_stats *stats)
+static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image **image,
+                  lc_render_stats *stats)
 {
     steps s = { .farm = &o->farm };
     cli_catch_signals(); /* not before: there is nothing to tidy up, and loading does not ask for signals */

@@ -34,7 +34,8 @@ static int64_t slurm_number(const char *name, bool wanted)
     uint64_t v;
     if (!text && !wanted) return 0;
     if (text && !cli_parse_u64(text, 0, UINT32_MAX, &v)) return (int64_t)v;
-    cli_usage_error("render", "--chunk slurm: %s is %s", name, text ? "no number" : "not set; this is no task of an array job");
+    cli_usage_error("render", "--chunk slurm: %s is %s", name,
+                    text ? "no number" : "not set; this is no task of an array job");
     return -1;
 }
 
@@ -54,7 +55,8 @@ static int slurm_chunk(cli_farm *f)
                                   "give --chunk $SLURM_ARRAY_TASK_ID/N with the N of the picture");
         return -1;
     }
-    f->k = (uint32_t)((id - min) / step + 1), f->n = (uint32_t)n;
+    f->k = (uint32_t)((id - min) / step + 1);
+    f->n = (uint32_t)n;
     return 0;
 }
 
@@ -75,7 +77,9 @@ int cli_farm_check(cli_farm *f)
     bool bad = !slash || slash - f->chunk >= (long)sizeof k;
     if (!bad) snprintf(k, sizeof k, "%.*s", (int)(slash - f->chunk), f->chunk);
     bad = bad || cli_parse_u32(slash + 1, 1, UINT32_MAX, &f->n) || cli_parse_u32(k, 1, f->n, &f->k);
-    if (bad) cli_usage_error("render", "bad value '%s' for option --chunk: K/N with 1 <= K <= N, or slurm", f->chunk);
+    if (bad)
+        cli_usage_error("render", "bad value '%s' for option --chunk: K/N with 1 <= K <= N, or slurm",
+                        f->chunk);
     return bad ? -1 : 0;
 }
 
@@ -128,7 +132,9 @@ int cli_farm_open(cli_farm *f, lc_context *ctx, const lc_scene *scene, lc_render
     lc_checkpoint_get_info(f->file, &info);
     f->n_before = info.n_done;
     f->share_before = (double)info.n_done / info.n_tiles;
-    if (info.n_done && !quiet) fprintf(stderr, "lightcuts: going on with %s: %u of %u tiles\n", f->checkpoint, info.n_done, info.n_tiles);
+    if (info.n_done && !quiet)
+        fprintf(stderr, "lightcuts: going on with %s: %u of %u tiles\n", f->checkpoint, info.n_done,
+                info.n_tiles);
     return 0;
 }
 
@@ -139,7 +145,8 @@ int cli_farm_step(cli_farm *f)
     if (cli_asked_to_save()) (void)lc_checkpoint_sync(f->file);
     if (!(f->time_limit > 0) || cli_now() - f->start < f->time_limit) return 0;
     lc_checkpoint_get_info(f->file, &info);
-    /* A run that saves nothing would be repeated for ever; one whose file cannot be written is better finished. */
+    /* A run that saves nothing would be repeated for ever; one whose file cannot be written is better
+     * finished. */
     f->stopped = info.n_done > f->n_before && !info.failed;
     return f->stopped;
 }
@@ -154,7 +161,8 @@ int cli_farm_stopped(cli_farm *f)
     }
     lc_status st = lc_checkpoint_sync(f->file);
     lc_checkpoint_get_info(f->file, &info);
-    fprintf(stderr, "lightcuts: %s; %s holds %u of %u tiles, go on with --resume\n", why, f->checkpoint, info.n_done, info.n_tiles);
+    fprintf(stderr, "lightcuts: %s; %s holds %u of %u tiles, go on with --resume\n", why, f->checkpoint,
+            info.n_done, info.n_tiles);
     return f->stopped && !st && !info.failed ? CLI_STOPPED : CLI_FAILED;
 }
 
@@ -164,7 +172,8 @@ void cli_farm_close(cli_farm *f, bool in_place)
     if (!f->file) return;
     /* Before it is closed, and so unlocked. A symbolic link stays. */
     const char *path = realpath(f->checkpoint, real) ? real : f->checkpoint;
-    if (in_place && !f->keep && unlink(path)) fprintf(stderr, "lightcuts: warning: cannot remove '%s': %s\n", path, strerror(errno));
+    if (in_place && !f->keep && unlink(path))
+        fprintf(stderr, "lightcuts: warning: cannot remove '%s': %s\n", path, strerror(errno));
     lc_checkpoint_close(f->file);
     f->file = NULL;
 }

@@ -36,8 +36,8 @@ int cli_farm_print(const cli_farm *f);
 /* Is the file this very chunk, whole? Says nothing. */
 bool cli_farm_has(const cli_farm *f, lc_context *ctx, const char *path);
 int cli_farm_open(cli_farm *f, lc_context *ctx, const lc_scene *scene, lc_render_desc *desc, bool quiet);
-/* Asked while rendering: nonzero when the time is over and something of this run was saved. Forces the checkpoint to the disk when
- * a signal asked for it. */
+/* Asked while rendering: nonzero when the time is over and something of this run was saved. Forces the
+ * checkpoint to the disk when a signal asked for it. */
 int cli_farm_step(cli_farm *f);
 /* A render that did not end: says what was saved. The exit status. */
 int cli_farm_stopped(cli_farm *f);

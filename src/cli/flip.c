@@ -222,7 +222,10 @@ static double max_colour(void)
 static double pixel_error(const look *a, const look *b, size_t i, double c_max)
 {
     double p[3], q[3];
-    for (int c = 0; c < 3; c++) p[c] = (double)a->lab[c][i], q[c] = (double)b->lab[c][i];
+    for (int c = 0; c < 3; c++) {
+        p[c] = (double)a->lab[c][i];
+        q[c] = (double)b->lab[c][i];
+    }
     // Section 4.1: most of the range is given to differences below p_c c_max.
     double colour = pow(hyab(p, q), q_c), knee = p_c * c_max;
     colour = colour < knee ? colour * p_t / knee : p_t + (colour - knee) / (c_max - knee) * (1 - p_t);

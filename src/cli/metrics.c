@@ -106,8 +106,10 @@ static void relative_errors(size_t n, float *const a[3], float *const ref[3], do
     m->value[METRIC_OVER] = n_rel ? (double)n_over / (double)n_rel : 0.0;
 }
 
-/* Relative error of luminance, averaged over BLOCK x BLOCK pixels; an incomplete block at the edge is left out. */
-static void block_errors(uint32_t width, uint32_t height, float *const a[3], float *const ref[3], float *block)
+/* Relative error of luminance, averaged over BLOCK x BLOCK pixels; an incomplete block at the edge is left
+ * out. */
+static void block_errors(uint32_t width, uint32_t height, float *const a[3], float *const ref[3],
+                         float *block)
 {
     for (size_t y = 0; y < height / BLOCK; y++)
         for (size_t x = 0; x < width / BLOCK; x++) {
@@ -121,8 +123,8 @@ static void block_errors(uint32_t width, uint32_t height, float *const a[3], flo
         }
 }
 
-/* Bands in the error against its noise: the energy that Roberts' operator finds in block means, where noise has mostly
- * gone and edges longer than a block have not. `block` is room for all blocks. */
+/* Bands in the error against its noise: the energy that Roberts' operator finds in block means, where noise
+ * has mostly gone and edges longer than a block have not. `block` is room for all blocks. */
 static double roberts(uint32_t width, uint32_t height, float *const a[3], float *const ref[3], float *block)
 {
     size_t w = width / BLOCK, h = height / BLOCK;
@@ -131,7 +133,8 @@ static double roberts(uint32_t width, uint32_t height, float *const a[3], float 
     block_errors(width, height, a, ref, block);
     for (size_t i = 0; i + w + 1 < w * h; i++) {
         if (i % w == w - 1) continue;
-        double p = (double)block[i] - (double)block[i + w + 1], q = (double)block[i + 1] - (double)block[i + w];
+        double p = (double)block[i] - (double)block[i + w + 1],
+               q = (double)block[i + 1] - (double)block[i + w];
         sum += p * p + q * q;
     }
     return sum / (double)((w - 1) * (h - 1));

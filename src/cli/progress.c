@@ -88,7 +88,8 @@ int cli_progress_step(void *user, uint64_t done, uint64_t total)
     if (atomic_load(&caught)) return 1;
     if (p->quiet || t - p->last < (p->terminal ? TERMINAL_STEP : PLAIN_STEP)) return 0;
     p->last = t;
-    format_time(left, sizeof left, share > p->before ? (t - p->start) * (1 - share) / (share - p->before) : 0);
+    format_time(left, sizeof left,
+                share > p->before ? (t - p->start) * (1 - share) / (share - p->before) : 0);
     if (p->terminal) {
         fprintf(stderr, "\r%s%s %5.1f %%%s  %s left   ", p->colour ? "\033[1m" : "", p->what, 100 * share,
                 p->colour ? "\033[0m" : "", left);

@@ -1,5 +1,5 @@
-/* progress.h - progress on stderr: one rewritten line on a terminal, plain lines elsewhere; and the signals that end a
- * render. */
+/* progress.h - progress on stderr: one rewritten line on a terminal, plain lines elsewhere; and the signals
+ * that end a render. */
 #ifndef LC_CLI_PROGRESS_H
 #define LC_CLI_PROGRESS_H
 
@@ -19,7 +19,8 @@ void cli_progress_start(cli_progress *p, const char *what, bool quiet);
 int cli_progress_step(void *user, uint64_t done, uint64_t total);
 void cli_progress_end(cli_progress *p);
 
-/* From now on SIGUSR1, and with `hangup` SIGHUP unless it is ignored, only ask for the checkpoint to be saved. */
+/* From now on SIGUSR1, and with `hangup` SIGHUP unless it is ignored, only ask for the checkpoint to be
+ * saved. */
 void cli_catch_save_signals(bool hangup);
 /* True once after each of them. */
 bool cli_asked_to_save(void);

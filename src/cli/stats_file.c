@@ -14,7 +14,10 @@ static uint64_t peak_rss(void)
 }
 
 /* What each chunk of a picture takes anew. */
-static double setup_seconds(const lc_scene_info *i) { return i->seconds_parse + i->seconds_bvh + i->seconds_lights + i->seconds_tree; }
+static double setup_seconds(const lc_scene_info *i)
+{
+    return i->seconds_parse + i->seconds_bvh + i->seconds_lights + i->seconds_tree;
+}
 
 void cli_print_stats(FILE *f, const cli_render_report *r)
 {
@@ -22,33 +25,47 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     const lc_render_stats *s = &r->stats;
     fprintf(f, "scene            %s\n", cli_shown(r->scene));
     fprintf(f, "method           %s%s, %s, %u threads\n", cli_method_name(r->method),
-            s->exact && r->method != LC_METHOD_EXACT ? " (few lights: every one of them)" : "", r->isa, r->threads);
+            s->exact && r->method != LC_METHOD_EXACT ? " (few lights: every one of them)" : "", r->isa,
+            r->threads);
     fprintf(f, "triangles        %llu", (ull)i->n_triangles);
-    if (i->n_instances) fprintf(f, "; %llu instances of %llu", (ull)i->n_instances, (ull)i->n_instanced_triangles);
+    if (i->n_instances)
+        fprintf(f, "; %llu instances of %llu", (ull)i->n_instances, (ull)i->n_instanced_triangles);
     fprintf(f, "\n");
-    fprintf(f, "lights           %llu: %llu point, %llu oriented, %llu directional, %llu spot\n", (ull)i->n_lights, (ull)i->n_point,
-            (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
+    fprintf(f, "lights           %llu: %llu point, %llu oriented, %llu directional, %llu spot\n",
+            (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
     if (i->n_light_paths)
-        fprintf(f, "indirect light   %llu virtual lights along %llu paths, %.2g of it lost to clamping\n", (ull)i->n_indirect_lights,
-                (ull)i->n_light_paths, i->indirect_loss);
+        fprintf(f, "indirect light   %llu virtual lights along %llu paths, %.2g of it lost to clamping\n",
+                (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
     if (i->n_env_maps)
-        fprintf(f, "environment      %llu directional lights, where %llu that were tried matter\n", (ull)i->n_env_lights,
-                (ull)i->n_env_tried);
-    fprintf(f, "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total %.3f\n",
-            i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total);
-    fprintf(f, "set-up, render   %.3f s for any part of the picture, %.3f s for its pixels\n", setup_seconds(i), s->seconds);
+        fprintf(f, "environment      %llu directional lights, where %llu that were tried matter\n",
+                (ull)i->n_env_lights, (ull)i->n_env_tried);
+    fprintf(f,
+            "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total "
+            "%.3f\n",
+            i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds,
+            r->seconds_write, r->seconds_total);
+    fprintf(f, "set-up, render   %.3f s for any part of the picture, %.3f s for its pixels\n",
+            setup_seconds(i), s->seconds);
     if (s->pixels_loaded)
-        fprintf(f, "resumed          %llu of %llu pixels were in the checkpoint; seconds, median and 99 %% are of the others\n",
+        fprintf(f,
+                "resumed          %llu of %llu pixels were in the checkpoint; seconds, median and 99 %% are "
+                "of the others\n",
                 (ull)s->pixels_loaded, (ull)s->pixels);
-    fprintf(f, "thread seconds   camera rays %.3f, bounds %.3f, estimates %.3f, heap %.3f, shadow rays %.3f, other %.3f\n",
-            s->phase_camera, s->phase_bounds, s->phase_estimates, s->phase_heap, s->phase_shadow_rays, s->phase_other);
+    fprintf(f,
+            "thread seconds   camera rays %.3f, bounds %.3f, estimates %.3f, heap %.3f, shadow rays %.3f, "
+            "other %.3f\n",
+            s->phase_camera, s->phase_bounds, s->phase_estimates, s->phase_heap, s->phase_shadow_rays,
+            s->phase_other);
     fprintf(f, "shading points   %llu on %llu pixels\n", (ull)s->points, (ull)s->pixels);
-    fprintf(f, "cut              mean %.1f, median %u, 99 %% %u, max %u; %llu points at the limit, %llu at the dark floor\n",
+    fprintf(f,
+            "cut              mean %.1f, median %u, 99 %% %u, max %u; %llu points at the limit, %llu at the "
+            "dark floor\n",
             s->cut_mean, s->cut_median, s->cut_p99, s->cut_max, (ull)s->cut_at_limit, (ull)s->points_dark);
-    fprintf(f, "shadow rays      %llu, %.1f a point\n", (ull)s->shadow_rays, s->points ? (double)s->shadow_rays / (double)s->points : 0.0);
+    fprintf(f, "shadow rays      %llu, %.1f a point\n", (ull)s->shadow_rays,
+            s->points ? (double)s->shadow_rays / (double)s->points : 0.0);
     fprintf(f, "bounds           %llu\n", (ull)s->bounds_evaluated);
-    fprintf(f, "memory           bvh %.1f MB, light tree %.1f MB, process at most %.1f MB\n", (double)i->bvh_bytes * 1e-6,
-            (double)i->tree_bytes * 1e-6, (double)peak_rss() * 1e-6);
+    fprintf(f, "memory           bvh %.1f MB, light tree %.1f MB, process at most %.1f MB\n",
+            (double)i->bvh_bytes * 1e-6, (double)i->tree_bytes * 1e-6, (double)peak_rss() * 1e-6);
 }
 
 void cli_write_stats_json(FILE *f, void *report)
@@ -58,29 +75,48 @@ void cli_write_stats_json(FILE *f, void *report)
     const lc_render_stats *s = &r->stats;
     fprintf(f, "{\n  \"version\": \"%s\",\n  \"scene\": ", LC_VERSION);
     cli_json_text(f, r->scene);
-    fprintf(f, ",\n  \"method\": \"%s\",\n  \"every_light\": %s,\n  \"isa\": \"%s\",\n  \"threads\": %u,\n  \"seed\": %llu,\n",
+    fprintf(f,
+            ",\n  \"method\": \"%s\",\n  \"every_light\": %s,\n  \"isa\": \"%s\",\n  \"threads\": %u,\n  "
+            "\"seed\": %llu,\n",
             cli_method_name(r->method), s->exact ? "true" : "false", r->isa, r->threads, (ull)r->seed);
     fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"pixels_resumed\": %llu,\n"
                "  \"points\": %llu,\n", i->width, i->height,
             (ull)s->pixels, (ull)s->pixels_loaded, (ull)s->points);
-    fprintf(f, "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": %llu,\n",
+    fprintf(f,
+            "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": "
+            "%llu,\n",
             (ull)i->n_triangles, (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_lights);
-    fprintf(f, "  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu, \"spot\": %llu},\n", (ull)i->n_point,
-            (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
-    fprintf(f, "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n", (ull)i->n_indirect_lights,
-            (ull)i->n_light_paths, i->indirect_loss);
-    fprintf(f, "  \"environment\": {\"lights\": %llu, \"tried\": %llu},\n", (ull)i->n_env_lights, (ull)i->n_env_tried);
-    fprintf(f, "  \"seconds\": {\"parse\": %.6f, \"bvh\": %.6f, \"lights\": %.6f, \"tree\": %.6f, \"render\": %.6f, "
-               "\"write\": %.6f, \"total\": %.6f, \"setup\": %.6f},\n",
-            i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write, r->seconds_total,
-            setup_seconds(i));
-    fprintf(f, "  \"thread_seconds\": {\"camera_rays\": %.6f, \"bounds\": %.6f, \"estimates\": %.6f, \"heap\": %.6f, "
-               "\"shadow_rays\": %.6f, \"other\": %.6f},\n",
-            s->phase_camera, s->phase_bounds, s->phase_estimates, s->phase_heap, s->phase_shadow_rays, s->phase_other);
-    fprintf(f, "  \"cut\": {\"mean\": %.6g, \"median\": %u, \"p99\": %u, \"max\": %u, \"at_limit\": %llu, \"at_floor\": %llu},\n",
+    fprintf(f,
+            "  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu, \"spot\": "
+            "%llu},\n",
+            (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
+    fprintf(f, "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n",
+            (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
+    fprintf(f, "  \"environment\": {\"lights\": %llu, \"tried\": %llu},\n", (ull)i->n_env_lights,
+            (ull)i->n_env_tried);
+    fprintf(
+        f,
+        "  \"seconds\": {\"parse\": %.6f, \"bvh\": %.6f, \"lights\": %.6f, \"tree\": %.6f, \"render\": %.6f, "
+        "\"write\": %.6f, \"total\": %.6f, \"setup\": %.6f},\n",
+        i->seconds_parse, i->seconds_bvh, i->seconds_lights, i->seconds_tree, s->seconds, r->seconds_write,
+        r->seconds_total, setup_seconds(i));
+    fprintf(f,
+            "  \"thread_seconds\": {\"camera_rays\": %.6f, \"bounds\": %.6f, \"estimates\": %.6f, \"heap\": "
+            "%.6f, "
+            "\"shadow_rays\": %.6f, \"other\": %.6f},\n",
+            s->phase_camera, s->phase_bounds, s->phase_estimates, s->phase_heap, s->phase_shadow_rays,
+            s->phase_other);
+    fprintf(f,
+            "  \"cut\": {\"mean\": %.6g, \"median\": %u, \"p99\": %u, \"max\": %u, \"at_limit\": %llu, "
+            "\"at_floor\": %llu},\n",
             s->cut_mean, s->cut_median, s->cut_p99, s->cut_max, (ull)s->cut_at_limit, (ull)s->points_dark);
-    fprintf(f, "  \"mean_luminance\": %.9g,\n  \"shadow_rays\": %llu,\n  \"camera_rays\": %llu,\n  \"bounds_evaluated\": %llu,\n",
+    fprintf(f,
+            "  \"mean_luminance\": %.9g,\n  \"shadow_rays\": %llu,\n  \"camera_rays\": %llu,\n  "
+            "\"bounds_evaluated\": %llu,\n",
             s->mean_luminance, (ull)s->shadow_rays, (ull)s->camera_rays, (ull)s->bounds_evaluated);
-    fprintf(f, "  \"nonfinite\": %llu,\n  \"bvh_bytes\": %llu,\n  \"tree_bytes\": %llu,\n  \"peak_rss_bytes\": %llu,\n"
-               "  \"warnings\": %llu\n}\n", (ull)s->nonfinite, (ull)i->bvh_bytes, (ull)i->tree_bytes, (ull)peak_rss(), (ull)cli_warnings());
+    fprintf(f,
+            "  \"nonfinite\": %llu,\n  \"bvh_bytes\": %llu,\n  \"tree_bytes\": %llu,\n  \"peak_rss_bytes\": "
+            "%llu,\n"
+            "  \"warnings\": %llu\n}\n",
+            (ull)s->nonfinite, (ull)i->bvh_bytes, (ull)i->tree_bytes, (ull)peak_rss(), (ull)cli_warnings());
 }

@@ -1,11 +1,12 @@
 /* cut.c - refinement in rounds.
  *
- * The key is the bound U. max(U - estimate, estimate) is rigorous too and lost: on stairs, room and cornell its cuts were
- * 3 to 6 % smaller at 2 %, their rmse 18 to 62 % larger.
+ * The key is the bound U. max(U - estimate, estimate) is rigorous too and lost: on stairs, room and cornell
+ * its cuts were 3 to 6 % smaller at 2 %, their rmse 18 to 62 % larger.
  *
- * A split replaces a cluster by its two children. One of them has the parent's representative (slots, light_tree.h):
- * its transfer M G V is taken over, only its power is new. The other costs one estimate and, unless that is 0, one
- * shadow ray. Children whose bound is 0 contribute exactly 0 and are done; so are lights, which are exact.
+ * A split replaces a cluster by its two children. One of them has the parent's representative (slots,
+ * light_tree.h): its transfer M G V is taken over, only its power is new. The other costs one estimate and,
+ * unless that is 0, one shadow ray. Children whose bound is 0 contribute exactly 0 and are done; so are
+ * lights, which are exact.
  */
 #include "cut/cut.h"
 
@@ -20,9 +21,12 @@
 #define LITTLE_ROOM 32 /* of max_cut */
 #define LAST_PATCH 12  /* triangles */
 
-/* Elements of a list: the limit, one too many and what kernels write past the end, in cache lines; of these one more
- * than a multiple of eight, so that the arrays don't compete for the same sets of the cache. */
-static size_t capacity(const lc_cut *c) { return ((((size_t)c->limit + 1 + LC_CUT_SPARE + 15) / 16 | 7) + 2) * 16; }
+/* Elements of a list: the limit, one too many and what kernels write past the end, in cache lines; of these
+ * one more than a multiple of eight, so that the arrays don't compete for the same sets of the cache. */
+static size_t capacity(const lc_cut *c)
+{
+    return ((((size_t)c->limit + 1 + LC_CUT_SPARE + 15) / 16 | 7) + 2) * 16;
+}
 
 /* Clusters, with as many that can't shed anything, and hidden ones. */
 static size_t most_in_all(const lc_cut *c) { return capacity(c) + c->limit + LC_MAX_HID; }
@@ -32,31 +36,40 @@ static void lay_out(lc_cut_list *list, float *memory, size_t n)
     list->bound = memory;
     list->link = (uint32_t *)(void *)(memory + n);
     list->rep = (uint32_t *)(void *)(memory + 2 * n);
-    for (size_t k = 0; k < 3; k++) list->transfer[k] = memory + (3 + k) * n, list->e[k] = memory + (6 + k) * n;
+    for (size_t k = 0; k < 3; k++) {
+        list->transfer[k] = memory + (3 + k) * n;
+        list->e[k] = memory + (6 + k) * n;
+    }
 }
 
-lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *tree, const lc_visibility *visibility,
-                      const lc_cut_desc *desc, bool keep_done)
+lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *tree,
+                      const lc_visibility *visibility, const lc_cut_desc *desc, bool keep_done)
 {
     memset(cut, 0, sizeof *cut);
-    cut->ctx = ctx, cut->tree = tree, cut->visibility = *visibility, cut->desc = *desc, cut->keep_done = keep_done;
+    cut->ctx = ctx;
+    cut->tree = tree;
+    cut->visibility = *visibility;
+    cut->desc = *desc;
+    cut->keep_done = keep_done;
     cut->limit = desc->max_cut && desc->max_cut < tree->n_lights ? desc->max_cut : tree->n_lights;
     uint32_t n_roots = 0;
     for (int k = 0; k < LC_LIGHT_KINDS; k++) n_roots += tree->n_of_kind[k] > 0;
     if (cut->limit < n_roots) cut->limit = n_roots; /* they are there from the start */
-    uint32_t half = cut->limit < tree->n_lights ? cut->limit / 2 : LC_MAX_HID; /* other points that begin with them may see them all */
+    /* Other points that begin with them may see them all. */
+    uint32_t half = cut->limit < tree->n_lights ? cut->limit / 2 : LC_MAX_HID;
     cut->most_hid = half < LC_MAX_HID ? half : LC_MAX_HID;
     lc_cut_list *const lists[] = { &cut->open, &cut->split, &cut->left, &cut->leaf };
     size_t n = capacity(cut);
-    cut->memory = lc_alloc_raw(ctx, n, 4 * LC_CUT_WORDS * sizeof *cut->memory); /* without a limit few pages are touched */
+    /* Without a limit few pages are touched. */
+    cut->memory = lc_alloc_raw(ctx, n, 4 * LC_CUT_WORDS * sizeof *cut->memory);
     cut->key = lc_alloc_raw(ctx, n, sizeof *cut->key);
     cut->done = lc_alloc_raw(ctx, most_in_all(cut), sizeof *cut->done);
     cut->hid = lc_alloc_raw(ctx, LC_MAX_HID, sizeof *cut->hid);
     cut->occlusion = visibility->occluders ? lc_alloc_raw(ctx, 1, sizeof *cut->occlusion) : NULL;
     cut->history = keep_done ? lc_alloc_raw(ctx, most_in_all(cut), sizeof *cut->history) : NULL;
     cut->rounds = keep_done ? lc_alloc_raw(ctx, most_in_all(cut), sizeof *cut->rounds) : NULL;
-    if (!cut->memory || !cut->key || !cut->done || !cut->hid || (keep_done && (!cut->history || !cut->rounds)) ||
-        (visibility->occluders && !cut->occlusion)) {
+    if (!cut->memory || !cut->key || !cut->done || !cut->hid ||
+        (keep_done && (!cut->history || !cut->rounds)) || (visibility->occluders && !cut->occlusion)) {
         lc_cut_free(cut);
         return LC_ERR_MEMORY;
     }
@@ -75,19 +88,34 @@ void lc_cut_free(lc_cut *cut)
     lc_free(cut->ctx, cut->occlusion, 1, sizeof *cut->occlusion);
     lc_free(cut->ctx, cut->history, most_in_all(cut), sizeof *cut->history);
     lc_free(cut->ctx, cut->rounds, most_in_all(cut), sizeof *cut->rounds);
-    cut->memory = NULL, cut->key = NULL, cut->done = NULL, cut->hid = NULL, cut->occlusion = NULL, cut->history = NULL, cut->rounds = NULL;
+    cut->memory = NULL;
+    cut->key = NULL;
+    cut->done = NULL;
+    cut->hid = NULL;
+    cut->occlusion = NULL;
+    cut->history = NULL;
+    cut->rounds = NULL;
 }
 
 /* Clusters but for those that are hidden. */
 static uint32_t n_clusters(const lc_cut *c) { return c->open.n + c->split.n + c->left.n + c->n_done; }
 
-/* What max_cut limits: those that can't shed anything at the point are left out, up to as many as there may be others. */
-static uint32_t cut_size(const lc_cut *c) { return n_clusters(c) - (c->n_zero < c->limit ? c->n_zero : c->limit); }
+/* What max_cut limits: those that can't shed anything at the point are left out, up to as many as there may
+ * be others. */
+static uint32_t cut_size(const lc_cut *c)
+{
+    return n_clusters(c) - (c->n_zero < c->limit ? c->n_zero : c->limit);
+}
 
 static void copy_one(lc_cut_list *to, uint32_t at, const lc_cut_list *from, uint32_t i)
 {
-    to->bound[at] = from->bound[i], to->link[at] = from->link[i], to->rep[at] = from->rep[i];
-    for (int k = 0; k < 3; k++) to->transfer[k][at] = from->transfer[k][i], to->e[k][at] = from->e[k][i];
+    to->bound[at] = from->bound[i];
+    to->link[at] = from->link[i];
+    to->rep[at] = from->rep[i];
+    for (int k = 0; k < 3; k++) {
+        to->transfer[k][at] = from->transfer[k][i];
+        to->e[k][at] = from->e[k][i];
+    }
 }
 
 /* Four at a time, as one would wait for itself. */
@@ -114,7 +142,8 @@ static float nth_largest(float *key, uint32_t count, uint32_t n)
             while (key[j] < pivot) j--;
             if (i >= j) break;
             float t = key[i];
-            key[i++] = key[j], key[j--] = t;
+            key[i++] = key[j];
+            key[j--] = t;
         }
         if (want <= j) hi = j;
         else lo = j + 1;
@@ -135,12 +164,14 @@ static float least_of_worst(lc_cut *c, const lc_cut_list *list, uint32_t n, bool
 static void swap_open(lc_cut *c)
 {
     lc_cut_list all = c->open;
-    c->open = c->split, c->split = all;
+    c->open = c->split;
+    c->split = all;
 }
 
-/* There is no room to split all: puts all but the worst back into open, which is empty. Three quarters of the room are used at a time,
- * as the worst may have to be split again: against half of it a tenth of the time less where half of the points are at max_cut (a
- * living room under 5,000 sky lights, 2026-11), mrse 0.6 % more; all of it 3 % more, for another hundredth of the time. */
+/* There is no room to split all: puts all but the worst back into open, which is empty. Three quarters of the
+ * room are used at a time, as the worst may have to be split again: against half of it a tenth of the time
+ * less where half of the points are at max_cut (a living room under 5,000 sky lights, 2026-11), mrse 0.6 %
+ * more; all of it 3 % more, for another hundredth of the time. */
 static void split_fewer(lc_cut *c, uint32_t room)
 {
     lc_cut_list *split = &c->split;
@@ -166,33 +197,38 @@ static bool proves(lc_cut *c, uint32_t link, uint32_t by, bool passed, uint32_t 
 {
     if (c->n_hid == c->most_hid) return false;
     bool far = lc_kind_of_node(c->tree, link) == LC_LIGHT_DIRECTIONAL;
-    if (!lc_occlusion_proves(c->occlusion, &c->tree->data.nodes[link], by, passed, far, most, &stats->proof_tests)) return false;
+    if (!lc_occlusion_proves(c->occlusion, &c->tree->data.nodes[link], by, passed, far, most,
+                             &stats->proof_tests))
+        return false;
     c->hid[c->n_hid++] = (lc_cut_hid){ link, by };
     return true;
 }
 
-/* Triangles that a proof may take: one saves more work the further the bound is above the limit. Where LC_MAX_PATCH are always allowed
- * (2026-11, stairs, room, living room under its sky): clusters 6, 3, 5 % fewer, and 61, 66, 38 % more triangles are looked at. */
+/* Triangles that a proof may take: one saves more work the further the bound is above the limit. Where
+ * LC_MAX_PATCH are always allowed (2026-11, stairs, room, living room under its sky): clusters 6, 3, 5 %
+ * fewer, and 61, 66, 38 % more triangles are looked at. */
 static uint32_t most_triangles(float bound, float limit)
 {
     float most = 4 + bound / limit; /* no NaN: the bound is above the limit; it may be infinite */
     return most < LC_MAX_PATCH ? (uint32_t)most : LC_MAX_PATCH;
 }
 
-/* What hides the representatives of the chosen clusters, LC_NONE of those that are seen; asks the memory for it. */
+/* What hides the representatives of the chosen clusters, LC_NONE of those that are seen; asks the memory for
+ * it. */
 static void find_occluders(const lc_cut *c, uint32_t *by)
 {
     const lc_cut_list *split = &c->split;
     for (uint32_t i = 0; i < split->n; i++) {
         by[i] = LC_NONE;
         if (split->transfer[0][i] + split->transfer[1][i] + split->transfer[2][i] > 0) continue;
-        by[i] = lc_occlusion_by(c->occlusion, split->rep[i], lc_kind_of_node(c->tree, split->link[i]) == LC_LIGHT_DIRECTIONAL);
+        by[i] = lc_occlusion_by(c->occlusion, split->rep[i],
+                                lc_kind_of_node(c->tree, split->link[i]) == LC_LIGHT_DIRECTIONAL);
         if (by[i] != LC_NONE) __builtin_prefetch(&c->occlusion->occluders->all[by[i]]);
     }
 }
 
-/* Of the chosen clusters those whose representative is hidden, and with it all of them, need no splitting. last: they won't be asked
- * again. */
+/* Of the chosen clusters those whose representative is hidden, and with it all of them, need no splitting.
+ * last: they won't be asked again. */
 static void drop_hidden(lc_cut *c, float limit, bool last, lc_stats *stats)
 {
     lc_cut_list *split = &c->split;
@@ -210,9 +246,10 @@ static void drop_hidden(lc_cut *c, float limit, bool last, lc_stats *stats)
     }
 }
 
-/* Moves the clusters that the next round splits from open to split, as many as there is room for, and those within the limit to left.
- * Before the last of the room is used, all that are above the limit are asked whether they are hidden, which makes room: without and
- * with (2026-11, living room and its sky, 1,000,000 and 100,000 lights) median error 2.01, 1.62 and 1.90, 1.58 %, time 1.03. */
+/* Moves the clusters that the next round splits from open to split, as many as there is room for, and those
+ * within the limit to left. Before the last of the room is used, all that are above the limit are asked
+ * whether they are hidden, which makes room: without and with (2026-11, living room and its sky, 1,000,000
+ * and 100,000 lights) median error 2.01, 1.62 and 1.90, 1.58 %, time 1.03. */
 static void choose(lc_cut *c, float limit, lc_stats *stats)
 {
     swap_open(c);
@@ -229,7 +266,8 @@ static void choose(lc_cut *c, float limit, lc_stats *stats)
     if (!last) drop_hidden(c, limit, false, stats);
 }
 
-/* What one step works on: children of parents first .. first + n - 1 of the list split, pair by pair, in runs of one kind. */
+/* What one step works on: children of parents first .. first + n - 1 of the list split, pair by pair, in runs
+ * of one kind. */
 typedef struct {
     const lc_point *point;
     lc_stats *stats;
@@ -267,10 +305,13 @@ static void find_children(const lc_cut *c, step *s)
     for (uint32_t i = 0; i < s->pairs.n; i++) {
         const lc_node *node = &t->nodes[parent[i]];
         uint32_t rep = rep_of(c, node->left), right = rep == (own[i] & ~LC_PENDING);
-        s->link[2 * i] = node->left, s->link[2 * i + 1] = node->right;
-        s->power[2 * i] = find_cluster(t, node->left), s->power[2 * i + 1] = find_cluster(t, node->right);
+        s->link[2 * i] = node->left;
+        s->link[2 * i + 1] = node->right;
+        s->power[2 * i] = find_cluster(t, node->left);
+        s->power[2 * i + 1] = find_cluster(t, node->right);
         s->rep[i] = right ? rep_of(c, node->right) : rep;
-        s->fresh[2 * i] = (float)(1 - right), s->fresh[2 * i + 1] = (float)right;
+        s->fresh[2 * i] = (float)(1 - right);
+        s->fresh[2 * i + 1] = (float)right;
         __builtin_prefetch(&t->lights[s->rep[i]]);
     }
 }
@@ -284,7 +325,8 @@ static void bound(const lc_cut *c, step *s, uint32_t first, uint32_t n, lc_light
         s->node[m] = link[i];
         m += !(link[i] & LC_LEAF);
     }
-    s->stats->bounds += m, s->n_bounded += m;
+    s->stats->bounds += m;
+    s->n_bounded += m;
     if (m == 2 * n) {
         c->ctx->shade_kernels->bounds(&c->tree->data, link, m, kind, s->point, s->bound + 2 * first);
         return;
@@ -300,7 +342,8 @@ static void bound(const lc_cut *c, step *s, uint32_t first, uint32_t n, lc_light
 /* M G of the new representatives of pairs first .. first + n - 1, all of one kind. */
 static void estimate(const lc_cut *c, step *s, uint32_t first, uint32_t n, lc_light_kind kind)
 {
-    float *const out[6] = { s->f[0] + first, s->f[1] + first, s->f[2] + first, s->f[3] + first, s->f[4] + first, s->f[5] + first };
+    float *const out[6] = { s->f[0] + first, s->f[1] + first, s->f[2] + first,
+                            s->f[3] + first, s->f[4] + first, s->f[5] + first };
     c->ctx->shade_kernels->estimate(&c->tree->data, 0, s->rep + first, n, kind, s->point, out);
 }
 
@@ -363,11 +406,17 @@ static double split_chosen(lc_cut *c, step *s, float limit)
 }
 
 /* Returns the luminance of the estimate. */
-static double append(lc_cut_list *list, float bound, uint32_t link, uint32_t rep, const float transfer[3], const float *power)
+static double append(lc_cut_list *list, float bound, uint32_t link, uint32_t rep, const float transfer[3],
+                     const float *power)
 {
     uint32_t at = list->n++;
-    list->bound[at] = bound, list->link[at] = link, list->rep[at] = rep;
-    for (int k = 0; k < 3; k++) list->transfer[k][at] = transfer[k], list->e[k][at] = transfer[k] * power[k];
+    list->bound[at] = bound;
+    list->link[at] = link;
+    list->rep[at] = rep;
+    for (int k = 0; k < 3; k++) {
+        list->transfer[k][at] = transfer[k];
+        list->e[k][at] = transfer[k] * power[k];
+    }
     return (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
 }
 
@@ -377,7 +426,8 @@ static double place_root(lc_cut *c, step *s, lc_light_kind kind)
     const lc_light_tree *t = c->tree;
     uint32_t link = t->root[kind];
     bool inner = !(link & LC_LEAF), lit;
-    s->rep[0] = rep_of(c, link), s->bound[0] = 1;
+    s->rep[0] = rep_of(c, link);
+    s->bound[0] = 1;
     if (inner) c->ctx->shade_kernels->bounds(&t->data, &link, 1, kind, s->point, s->bound);
     s->stats->bounds += inner;
     estimate(c, s, 0, 1, kind);
@@ -410,30 +460,35 @@ static void sort_links(uint32_t *link, uint32_t *scratch, uint32_t n)
         for (uint32_t i = 0; i < n; i++) at[(from[i] >> shift & 255) + 1]++;
         for (uint32_t d = 0; d < 256; d++) at[d + 1] += at[d];
         for (uint32_t i = 0; i < n; i++) to[at[from[i] >> shift & 255]++] = from[i];
-        from = to, to = was;
+        from = to;
+        to = was;
     }
     if (from != link) memcpy(link, from, n * sizeof *link);
 }
 
-/* Keeps what the cut is now, nodes in the order of the tree: rays to neighbours in one group take 5 % less time. */
+/* Keeps what the cut is now, nodes in the order of the tree: rays to neighbours in one group take 5 % less
+ * time. */
 static void keep_start(lc_cut *c)
 {
     const uint32_t *const link[] = { c->open.link, c->split.link, c->left.link, c->done };
     const uint32_t n[] = { c->open.n, c->split.n, c->left.n, c->n_done };
     uint32_t *lights = (uint32_t *)(void *)c->key;
     lc_cut_start *out = c->kept;
-    out->n_nodes = out->n_lights = 0, out->n_hidden = c->n_hid;
+    out->n_nodes = out->n_lights = 0;
+    out->n_hidden = c->n_hid;
     for (int list = 0; list < 4; list++)
         for (uint32_t i = 0; i < n[list]; i++) {
             uint32_t is_light = link[list][i] >> 31; /* both are written, one counts */
             out->link[out->n_nodes] = lights[out->n_lights] = link[list][i];
-            out->n_nodes += 1 - is_light, out->n_lights += is_light;
+            out->n_nodes += 1 - is_light;
+            out->n_lights += is_light;
         }
     memcpy(out->link + out->n_nodes, lights, out->n_lights * sizeof *lights);
     memcpy(out->hidden, c->hid, c->n_hid * sizeof *c->hid);
     sort_links(out->link, lights, out->n_nodes);
     c->is_kept = true;
-    c->kept_history = c->n_history, c->kept_rounds = c->n_rounds;
+    c->kept_history = c->n_history;
+    c->kept_rounds = c->n_rounds;
 }
 
 void lc_cut_hidden(const lc_visibility *visibility, const lc_point *p, const float org[3], uint32_t n,
@@ -452,8 +507,8 @@ typedef struct {
     float target[3][BATCH];
 } ray_group;
 
-static double trace(const lc_cut *c, const lc_point *p, lc_cut_list *list, const ray_group *g, const float org[3], bool far,
-                    lc_stats *stats)
+static double trace(const lc_cut *c, const lc_point *p, lc_cut_list *list, const ray_group *g,
+                    const float org[3], bool far, lc_stats *stats)
 {
     uint8_t hidden[BATCH];
     uint32_t block[BATCH];
@@ -473,8 +528,10 @@ static double trace(const lc_cut *c, const lc_point *p, lc_cut_list *list, const
     return change;
 }
 
-/* Traces the rays that are pending in a list from one place on, those of directional lights apart. Returns the change of the total. */
-static double trace_list(const lc_cut *c, const lc_point *p, lc_cut_list *list, uint32_t first, const float org[3], lc_stats *stats)
+/* Traces the rays that are pending in a list from one place on, those of directional lights apart. Returns
+ * the change of the total. */
+static double trace_list(const lc_cut *c, const lc_point *p, lc_cut_list *list, uint32_t first,
+                         const float org[3], lc_stats *stats)
 {
     const lc_light_tree *t = c->tree;
     double change = 0;
@@ -520,13 +577,14 @@ static double luminance_of(float *const e[3], uint32_t n)
     double sum[4] = { 0, 0, 0, 0 };
     uint32_t i = 0;
     for (; i + 4 <= n; i += 4)
-        for (uint32_t k = 0; k < 4; k++) sum[k] += (double)lc_luminance(lc_f3_make(e[0][i + k], e[1][i + k], e[2][i + k]));
+        for (uint32_t k = 0; k < 4; k++)
+            sum[k] += (double)lc_luminance(lc_f3_make(e[0][i + k], e[1][i + k], e[2][i + k]));
     for (; i < n; i++) sum[i & 3] += (double)lc_luminance(lc_f3_make(e[0][i], e[1][i], e[2][i]));
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-/* Of the n nodes of a start whose bounds have just been put behind the list left, those above 0 take their places there; they are
- * counted, but not by the list yet. */
+/* Of the n nodes of a start whose bounds have just been put behind the list left, those above 0 take their
+ * places there; they are counted, but not by the list yet. */
 static uint32_t drop_zero(lc_cut *c, step *s, const uint32_t *link, uint32_t n)
 {
     uint32_t at = c->left.n, m = 0;
@@ -540,25 +598,32 @@ static uint32_t drop_zero(lc_cut *c, step *s, const uint32_t *link, uint32_t n)
     for (uint32_t i = 0; i < n; i++) {
         c->done[c->n_done] = c->left.link[at + m] = link[i]; /* all are written, one counts */
         c->left.rep[at + m] = s->rep[m] = s->rep[i];
-        s->power[m] = s->power[i], bound[m] = bound[i];
+        s->power[m] = s->power[i];
+        bound[m] = bound[i];
         bool zero = !(bound[i] > 0);
-        c->n_done += zero, c->n_zero += zero, m += !zero;
+        c->n_done += zero;
+        c->n_zero += zero;
+        m += !zero;
     }
     return m;
 }
 
-/* Takes over up to BATCH nodes of one kind and traces their rays. They go to left, where those above the limit are found then. Returns
- * their luminance. */
-static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t *link, uint32_t n, lc_light_kind kind)
+/* Takes over up to BATCH nodes of one kind and traces their rays. They go to left, where those above the
+ * limit are found then. Returns their luminance. */
+static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t *link, uint32_t n,
+                          lc_light_kind kind)
 {
     lc_cut_list *left = &c->left;
     uint32_t at = left->n, lit[BATCH], block[BATCH], n_lit = 0;
     uint8_t hidden[BATCH];
-    float *const out[6] = { left->transfer[0] + at, left->transfer[1] + at, left->transfer[2] + at, s->f[3], s->f[4], s->f[5] };
+    float *const out[6] = {
+        left->transfer[0] + at, left->transfer[1] + at, left->transfer[2] + at, s->f[3], s->f[4], s->f[5]
+    };
     float *const e[3] = { left->e[0] + at, left->e[1] + at, left->e[2] + at };
     const float *const target[3] = { s->f[3], s->f[4], s->f[5] };
     for (uint32_t i = 0; i < n; i++) {
-        s->rep[i] = rep_of(c, link[i]), s->power[i] = find_cluster(&c->tree->data, link[i]);
+        s->rep[i] = rep_of(c, link[i]);
+        s->power[i] = find_cluster(&c->tree->data, link[i]);
         __builtin_prefetch(&c->tree->data.lights[s->rep[i]]);
     }
     lc_phase_end(s->stats, LC_PHASE_HEAP);
@@ -591,7 +656,8 @@ static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t
 }
 
 /* The same of lights, which are done. */
-static double start_lights(lc_cut *c, step *s, const float org[3], const uint32_t *link, uint32_t n, lc_light_kind kind)
+static double start_lights(lc_cut *c, step *s, const float org[3], const uint32_t *link, uint32_t n,
+                           lc_light_kind kind)
 {
     double total = 0;
     for (uint32_t i = 0; i < n; i++) s->rep[i] = link[i] & ~LC_LEAF;
@@ -700,12 +766,14 @@ static void set_slot(lc_cut *c, uint32_t slot)
     c->reps_stride = t->reps ? t->n_reps : sizeof(lc_node) / sizeof(uint32_t);
 }
 
-/* Of the error ratio. Clusters whose representative is hidden, while others of them may be seen, are wrong by all that those shed; errors
- * of n such clusters, each with a sign of its own, add up as the root of n. Where there are more than MANY of them, each may have less,
- * so that the sum does not grow with them. Without and with (2026-11): median error of Modern Hall under 10,000 bulbs, a living room and
- * its sky with 100,000 lights 2.3, 2.6 % and 1.9, 1.8 %, clusters 321, 727 and 387, 860; stairs, room, cube 1 to 3 % more clusters.
- * The root of MANY over all clusters instead took 2 to 10 % more on the latter for the same. Points that are all but dark, whose errors
- * nobody sees, are spared it: cornell 5 % fewer clusters, a third of the points at max_cut. No ray is pending. */
+/* Of the error ratio. Clusters whose representative is hidden, while others of them may be seen, are wrong by
+ * all that those shed; errors of n such clusters, each with a sign of its own, add up as the root of n. Where
+ * there are more than MANY of them, each may have less, so that the sum does not grow with them. Without and
+ * with (2026-11): median error of Modern Hall under 10,000 bulbs, a living room and its sky with 100,000
+ * lights 2.3, 2.6 % and 1.9, 1.8 %, clusters 321, 727 and 387, 860; stairs, room, cube 1 to 3 % more
+ * clusters. The root of MANY over all clusters instead took 2 to 10 % more on the latter for the same. Points
+ * that are all but dark, whose errors nobody sees, are spared it: cornell 5 % fewer clusters, a third of the
+ * points at max_cut. No ray is pending. */
 static double share(const lc_cut *c)
 {
     const lc_cut_list *const lists[] = { &c->open, &c->left };
@@ -725,20 +793,25 @@ static uint32_t most_kept(const lc_cut *c)
     return most < LC_MAX_START ? most : LC_MAX_START;
 }
 
-/* Splits until no bound is above the limit, all shadow rays that are pending taken as not hidden: the total then is no
- * less than it will be and the limit no lower. So nothing is split that need not be, and the rays go out in large
- * groups. Then those rays lower the total, and what is above the new limit is split in turn. */
-void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t hash, lc_stats *stats, lc_cut_result *out)
+/* Splits until no bound is above the limit, all shadow rays that are pending taken as not hidden: the total
+ * then is no less than it will be and the limit no lower. So nothing is split that need not be, and the rays
+ * go out in large groups. Then those rays lower the total, and what is above the new limit is split in turn.
+ */
+void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t hash, lc_stats *stats,
+                  lc_cut_result *out)
 {
     double ratio = (double)c->desc.error_ratio, floor_lum = (double)c->desc.floor;
     uint64_t rays_before = stats->shadow_rays;
     step s;
-    s.point = p, s.stats = stats;
+    s.point = p;
+    s.stats = stats;
     s.pairs = (lc_cut_pairs){ .parent = &c->split, .bound = s.bound, .link = s.link, .power = s.power,
                               .fresh = s.fresh, .rep = s.rep, .transfer = { s.f[0], s.f[1], s.f[2] } };
     *out = (lc_cut_result){ 0 };
-    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = c->n_zero = c->n_hid = c->n_traced = 0, c->asked = false;
-    c->n_history = c->start ? c->kept_history : 0, c->n_rounds = c->start ? c->kept_rounds : 0;
+    c->open.n = c->split.n = c->left.n = c->leaf.n = c->n_done = c->n_zero = c->n_hid = c->n_traced = 0;
+    c->asked = false;
+    c->n_history = c->start ? c->kept_history : 0;
+    c->n_rounds = c->start ? c->kept_rounds : 0;
     c->done_sum[0] = c->done_sum[1] = c->done_sum[2] = 0;
     c->is_kept = !c->kept;
     stats->points++;
@@ -751,7 +824,10 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     for (bool traced = c->start;;) {
         if (traced) part = total > UNLIT * floor_lum ? share(c) : 1;
         float limit = round_down(part * ratio * (total > floor_lum ? total : floor_lum));
-        if (traced) c->ctx->cut_kernels->partition(&c->left, limit, &c->open, &c->left), c->n_traced = c->left.n;
+        if (traced) {
+            c->ctx->cut_kernels->partition(&c->left, limit, &c->open, &c->left);
+            c->n_traced = c->left.n;
+        }
         choose(c, limit, stats);
         if (c->split.n) {
             if (!c->is_kept && n_clusters(c) + c->split.n > most_kept(c)) keep_start(c);

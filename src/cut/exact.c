@@ -6,8 +6,8 @@
 
 /* Lights first .. first + n - 1, all of one kind, n <= BATCH. */
 static uint32_t shade_exactly(const lc_light_tree *t, const lc_visibility *visibility, const lc_point *p,
-                              const float org[3], lc_light_kind kind, uint32_t first, uint32_t n, lc_stats *stats,
-                              double sum[3])
+                              const float org[3], lc_light_kind kind, uint32_t first, uint32_t n,
+                              lc_stats *stats, double sum[3])
 {
     _Alignas(64) float f[6][BATCH];
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
@@ -26,22 +26,26 @@ static uint32_t shade_exactly(const lc_light_tree *t, const lc_visibility *visib
     lc_phase_end(stats, LC_PHASE_SHADOW);
     for (uint32_t i = 0; i < m; i++) {
         uint32_t at = lit[i];
-        const float *power = t->data.lights[first + at].intensity, v = hidden[i] ? 0 : 1; /* a branch on it would be a gamble */
+        /* a branch on it would be a gamble. */
+        const float *power = t->data.lights[first + at].intensity, v = hidden[i] ? 0 : 1;
         for (int k = 0; k < 3; k++) sum[k] += (double)(v * (f[k][at] * power[k]));
     }
     return m;
 }
 
-void lc_exact_shade(const lc_light_tree *t, const lc_visibility *visibility, const lc_point *p, const float org[3], lc_stats *stats,
-                    lc_cut_result *out)
+void lc_exact_shade(const lc_light_tree *t, const lc_visibility *visibility, const lc_point *p,
+                    const float org[3], lc_stats *stats, lc_cut_result *out)
 {
     double sum[3] = { 0, 0, 0 };
     *out = (lc_cut_result){ .size = t->n_lights };
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
-        for (uint32_t first = t->first_light[kind], n, end = t->first_light[kind + 1]; first < end; first += n) {
+        for (uint32_t first = t->first_light[kind], n, end = t->first_light[kind + 1]; first < end;
+             first += n) {
             n = end - first < BATCH ? end - first : BATCH;
             out->rays += shade_exactly(t, visibility, p, org, (lc_light_kind)kind, first, n, stats, sum);
-            if (n == BATCH && first / BATCH % ASK == ASK - 1 && stats->go_on && !stats->go_on(stats->go_on_user)) return;
+            if (n == BATCH && first / BATCH % ASK == ASK - 1 && stats->go_on &&
+                !stats->go_on(stats->go_on_user))
+                return;
         }
     out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
     stats->points++;

@@ -5,7 +5,7 @@
 #include "cut/cut.h"
 
 /* For the arguments see lc_cut_shade. The size is the number of lights. */
-void lc_exact_shade(const lc_light_tree *tree, const lc_visibility *visibility, const lc_point *point, const float ray_org[3],
-                    lc_stats *stats, lc_cut_result *out);
+void lc_exact_shade(const lc_light_tree *tree, const lc_visibility *visibility, const lc_point *point,
+                    const float ray_org[3], lc_stats *stats, lc_cut_result *out);
 
 #endif

@@ -1,21 +1,25 @@
 /* occlusion_proof.c - see occlusion_proof.h.
  *
- * Seen from the point, the box is a convex set B of directions. Beginning with a triangle that is before some of it, walk over every
- * edge that B may cross to the triangle behind it. If none of these edges is a boundary, if all the triangles that B may touch turn the
- * same side to the point, and all stand between the point and the box, then B is hidden or wholly beside them: the triangles'
- * projections, each counted once, are a chain whose boundary stays outside of B, so that the number of times that it covers a direction
- * is the same all over B. It is at least 1 if the direction to one of the box's lights is known to pass the first triangle, or if that
- * to the box's centre passes inside of any.
+ * Seen from the point, the box is a convex set B of directions. Beginning with a triangle that is before some
+ * of it, walk over every edge that B may cross to the triangle behind it. If none of these edges is a
+ * boundary, if all the triangles that B may touch turn the same side to the point, and all stand between the
+ * point and the box, then B is hidden or wholly beside them: the triangles' projections, each counted once,
+ * are a chain whose boundary stays outside of B, so that the number of times that it covers a direction is
+ * the same all over B. It is at least 1 if the direction to one of the box's lights is known to pass the
+ * first triangle, or if that to the box's centre passes inside of any.
  *
- * Rounding, u = 2^-24. Let a, b, c be the corners relative to the point, M their largest coordinate, D the largest of the box: |c_k| +
- * half_k, widened by 4u as in bounds_tmpl.c, so that the float vectors that shadow rays take are in it. All as in shadow_tmpl.c, with
- * whose tests the proof has to agree:
- * - Edge planes a x b have components within 4u M^2, so that n.c - |n|.half is within 60u M^2 D. Beyond 32u M^2 D the sign is the one
- *   that the rays' test finds. E = 128u M^2 D: "B is inside" is above E, "outside" below -E.
- * - Next to edges inside of B a ray may meet either triangle; that test is watertight, and meets one at least.
- * - The triangle's plane: N is formed as the rays form it, from the edges, so it is the same, and h = a.N. A ray's N.d is within
- *   4u n1 D, n1 = |N_x| + |N_y| + |N_z|, and so is our range of it: SLACK = 16u. The ray is stopped where LC_SHADOW_EPS N.d < h <
- *   (1 - LC_SHADOW_EPS) N.d. |h| itself is wanted above SLACK n1 M, so that its sign is sure.
+ * Rounding, u = 2^-24. Let a, b, c be the corners relative to the point, M their largest coordinate, D the
+ * largest of the box: |c_k| + half_k, widened by 4u as in bounds_tmpl.c, so that the float vectors that
+ * shadow rays take are in it. All as in shadow_tmpl.c, with whose tests the proof has to agree:
+ * - Edge planes a x b have components within 4u M^2, so that n.c - |n|.half is within 60u M^2 D. Beyond 32u
+ * M^2 D the sign is the one that the rays' test finds. E = 128u M^2 D: "B is inside" is above E, "outside"
+ * below -E.
+ * - Next to edges inside of B a ray may meet either triangle; that test is watertight, and meets one at
+ * least.
+ * - The triangle's plane: N is formed as the rays form it, from the edges, so it is the same, and h = a.N. A
+ * ray's N.d is within 4u n1 D, n1 = |N_x| + |N_y| + |N_z|, and so is our range of it: SLACK = 16u. The ray is
+ * stopped where LC_SHADOW_EPS N.d < h < (1 - LC_SHADOW_EPS) N.d. |h| itself is wanted above SLACK n1 M, so
+ * that its sign is sure.
  */
 #include "cut/occlusion_proof.h"
 
@@ -33,7 +37,9 @@
 void lc_occlusion_init(lc_occlusion *o, const lc_visibility *visibility, const lc_tree_data *tree)
 {
     memset(o, 0, sizeof *o);
-    o->visibility = *visibility, o->occluders = visibility->occluders, o->tree = tree;
+    o->visibility = *visibility;
+    o->occluders = visibility->occluders;
+    o->tree = tree;
 }
 
 void lc_occlusion_start(lc_occlusion *o, const float org[3])
@@ -61,7 +67,7 @@ uint32_t lc_occlusion_by(lc_occlusion *o, uint32_t light, bool far)
 
 /* Where an occluder's edges and its plane stand about the point. */
 typedef struct {
-    f4 n[3];                 /* axis by plane: those through the point and an edge, inwards; last N, away from the point */
+    f4 n[3]; /* axis by plane: those through the point and an edge, inwards; last N, away from the point */
     float h;                 /* 0: seen from its edge */
     float edge_slack, slack; /* over D */
     bool flipped;            /* wound the other way about */
@@ -77,7 +83,8 @@ static planes planes_of(const lc_occluder *t, const float org[3])
         b[k] = f4_turn3(a[k]);
         most = f4_max(most, f4_max(a[k], f4_sub(zero, a[k])));
     }
-    for (int k = 0, x = 1, y = 2; k < 3; x = y, y = k++) n[k] = f4_with_last(f4_sub(f4_mul(a[x], b[y]), f4_mul(a[y], b[x])), v[k]);
+    for (int k = 0, x = 1, y = 2; k < 3; x = y, y = k++)
+        n[k] = f4_with_last(f4_sub(f4_mul(a[x], b[y]), f4_mul(a[y], b[x])), v[k]);
     float h = f4_first(a[0]) * t->v[0][3] + f4_first(a[1]) * t->v[1][3] + f4_first(a[2]) * t->v[2][3];
     float m = f4_first(f4_max(most, f4_max(f4_turn3(most), f4_turn3(f4_turn3(most)))));
     p.flipped = h < 0;
@@ -101,27 +108,33 @@ static view_box box_of(const lc_node *node, const float org[3], bool far)
 {
     view_box b = { .most = 0 };
     for (int k = 0; k < 3; k++) {
-        float c = far ? node->center[k] : node->center[k] - org[k], half = node->half[k] + 0x1p-22f * (fabsf(c) + node->half[k]);
-        b.c[k] = f4_set(c), b.half[k] = f4_set(half);
+        float c = far ? node->center[k] : node->center[k] - org[k],
+              half = node->half[k] + 0x1p-22f * (fabsf(c) + node->half[k]);
+        b.c[k] = f4_set(c);
+        b.half[k] = f4_set(half);
         b.most = larger(b.most, fabsf(c) + half);
     }
     return b;
 }
 
-static f4 dots(const f4 n[3], const f4 v[3]) { return f4_add(f4_add(f4_mul(n[0], v[0]), f4_mul(n[1], v[1])), f4_mul(n[2], v[2])); }
+static f4 dots(const f4 n[3], const f4 v[3])
+{
+    return f4_add(f4_add(f4_mul(n[0], v[0]), f4_mul(n[1], v[1])), f4_mul(n[2], v[2]));
+}
 
 static f4 f4_abs(f4 a) { return f4_max(a, f4_sub(f4_set(0), a)); }
 
 /* Does the triangle's plane stop all rays into the box that pass inside of it? */
 static bool stands_between(float h, float lo, float hi, float slack, bool far)
 {
-    lo -= slack, hi += slack;
+    lo -= slack;
+    hi += slack;
     if (!(lo > LEAST_COS * h) || !(h > 0)) return false;
     return far || (lo > h * (1 + 3 * LC_SHADOW_EPS) && h > 1.01f * LC_SHADOW_EPS * hi);
 }
 
-bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t occluder, bool passed, bool far, uint32_t most,
-                         uint64_t *n_tests)
+bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t occluder, bool passed, bool far,
+                         uint32_t most, uint64_t *n_tests)
 {
     const view_box box = box_of(node, o->org, far);
     uint32_t patch[LC_MAX_PATCH + 3], n = 1;
@@ -131,7 +144,8 @@ bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t oc
         const lc_occluder *t = &o->occluders->all[patch[at]];
         const planes p = planes_of(t, o->org);
         const f4 abs_n[3] = { f4_abs(p.n[0]), f4_abs(p.n[1]), f4_abs(p.n[2]) };
-        const f4 c = dots(p.n, box.c), half = dots(abs_n, box.half), lo = f4_sub(c, half), hi = f4_add(c, half);
+        const f4 c = dots(p.n, box.c), half = dots(abs_n, box.half), lo = f4_sub(c, half),
+                 hi = f4_add(c, half);
         const float edge_slack = p.edge_slack * box.most + TINY;
         (*n_tests)++;
         if (f4_lt(hi, f4_set(-edge_slack)) & 7) { /* the box is beside it */
@@ -140,7 +154,9 @@ bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t oc
         }
         if (!at) flipped = p.flipped;
         covered |= (f4_lt(f4_set(edge_slack), c) & 7) == 7;
-        if (p.flipped != flipped || !stands_between(p.h, f4_last(lo), f4_last(hi), p.slack * box.most + TINY, far)) return false;
+        if (p.flipped != flipped ||
+            !stands_between(p.h, f4_last(lo), f4_last(hi), p.slack * box.most + TINY, far))
+            return false;
         for (uint32_t cross = ~f4_lt(f4_set(edge_slack), lo) & 7; cross; cross &= cross - 1) {
             uint32_t next = t->next[__builtin_ctz(cross)], seen = at;
             if (next == LC_NONE) return false;

@@ -54,7 +54,8 @@ bool lc_exr_is(const uint8_t *head, size_t len)
 static int64_t read_bytes(exr_const_context_t exr, void *user, void *buffer, uint64_t size, uint64_t offset,
                           exr_stream_error_func_ptr_t error)
 {
-    (void)exr, (void)error;
+    (void)exr;
+    (void)error;
     const source *src = user;
     if (offset >= src->len) return 0;
     size_t n = src->len - (size_t)offset;
@@ -261,7 +262,8 @@ static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *info, size_t
     if (first) rv = exr_decoding_choose_default_routines(r->exr, 0, p);
     if (rv == EXR_ERR_SUCCESS) rv = exr_decoding_run(r->exr, 0, p);
     if (rv == EXR_ERR_SUCCESS || rv == EXR_ERR_OUT_OF_MEMORY) return rv;
-    // Where zlib lacks memory the library speaks of damage: what is damaged fails again, with memory to be had.
+    // Where zlib lacks memory the library speaks of damage: what is damaged fails again, with memory to be
+    // had.
     void *probe = lc_alloc_raw(r->ctx, 1, ZLIB_NEEDS);
     if (!probe) return EXR_ERR_OUT_OF_MEMORY;
     lc_free(r->ctx, probe, 1, ZLIB_NEEDS);
@@ -325,7 +327,8 @@ lc_status lc_exr_decode(lc_context *ctx, const char *path, const lc_bytes *file,
     init.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
 
     exr_result_t rv = exr_start_read(&r->exr, path, &init);
-    if (src.no_memory) rv = EXR_ERR_OUT_OF_MEMORY; // attributes are missing, which the library takes for success
+    if (src.no_memory)
+        rv = EXR_ERR_OUT_OF_MEMORY; // attributes are missing, which the library takes for success
     lc_status status = rv == EXR_ERR_SUCCESS ? read_image(r) : fail_exr(r, rv);
     if (r->decoding) exr_decoding_destroy(r->exr, &r->pipeline);
     if (r->exr) exr_finish(&r->exr);
@@ -348,7 +351,8 @@ typedef struct sink {
 static int64_t write_bytes(exr_const_context_t exr, void *user, const void *buffer, uint64_t size,
                            uint64_t offset, exr_stream_error_func_ptr_t error)
 {
-    (void)exr, (void)error;
+    (void)exr;
+    (void)error;
     sink *to = user;
     if (to->status == LC_OK) to->status = lc_bytes_put(to->file, (size_t)offset, buffer, (size_t)size);
     return to->status == LC_OK ? (int64_t)size : -1;
@@ -357,7 +361,9 @@ static int64_t write_bytes(exr_const_context_t exr, void *user, const void *buff
 /* The library may call this with its lock held, so the context must not be asked for anything. */
 static void drop_message(exr_const_context_t exr, exr_result_t code, const char *text)
 {
-    (void)exr, (void)code, (void)text;
+    (void)exr;
+    (void)code;
+    (void)text;
 }
 
 static bool is_rgb_only(const lc_image *image)

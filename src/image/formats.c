@@ -12,8 +12,11 @@ static lc_status image_of_raster(lc_context *ctx, const lc_raster *r, lc_image *
 {
     static const char *const names[4] = { "R", "G", "B", "A" };
     lc_image_desc desc = LC_IMAGE_DESC_INIT;
-    desc.width = r->width, desc.height = r->height;
-    size_t n = (size_t)r->width * r->height, n_codes = r->kind == LC_RASTER_U8 ? 256 : r->kind == LC_RASTER_U16 ? 65536 : 0;
+    desc.width = r->width;
+    desc.height = r->height;
+    size_t n = (size_t)r->width * r->height, n_codes = r->kind == LC_RASTER_U8    ? 256
+                                                       : r->kind == LC_RASTER_U16 ? 65536
+                                                                                  : 0;
     bool grey = r->n_channels < 3, alpha = r->n_channels % 2 == 0;
     float *linear = lc_alloc(ctx, n_codes, sizeof *linear), *plane = NULL;
     lc_status status = linear ? lc_image_create(ctx, &desc, out) : LC_ERR_MEMORY;
@@ -27,7 +30,8 @@ static lc_status image_of_raster(lc_context *ctx, const lc_raster *r, lc_image *
                 plane[i] = ((const float *)r->data)[from];
                 continue;
             }
-            size_t code = n_codes == 256 ? ((const uint8_t *)r->data)[from] : ((const uint16_t *)r->data)[from];
+            size_t code = n_codes == 256 ? ((const uint8_t *)r->data)[from]
+                                         : ((const uint16_t *)r->data)[from];
             plane[i] = c == 3 ? (float)((double)code / (double)(n_codes - 1)) : linear[code];
         }
     }

@@ -1,8 +1,8 @@
 /* hdr.c - Radiance pictures: a header of text, the line "-Y 480 +X 640", then scanlines of RGBE pixels.
  *
  * Scanlines are flat, or run-length encoded in the old way (1 1 1 n repeats the pixel before) or the new one
- * (2 2 length, then each of the four bytes apart). All eight orientations are read. EXPOSURE is not applied, as
- * in pbrt; XYZE is refused.
+ * (2 2 length, then each of the four bytes apart). All eight orientations are read. EXPOSURE is not applied,
+ * as in pbrt; XYZE is refused.
  */
 #include "image/pixels.h"
 
@@ -82,8 +82,10 @@ static lc_status read_header(hdr *h)
         return damaged(h, start, "no line such as '-Y 480 +X 640'");
     int x = axis[0] == 'X' ? 0 : 1;
     h->by_columns = x == 0;
-    h->width = n[x], h->height = n[1 - x];
-    h->right = !minus[x], h->down = minus[1 - x];
+    h->width = n[x];
+    h->height = n[1 - x];
+    h->right = !minus[x];
+    h->down = minus[1 - x];
     return LC_OK;
 }
 
@@ -97,7 +99,8 @@ static lc_status read_new(hdr *h, uint8_t *row, uint32_t n)
             uint32_t count = h->data[h->at++];
             bool run = count > 128;
             if (run) count -= 128;
-            if (!count || count > n - i) return damaged(h, h->at - 1, "a run is empty or leaves the scanline");
+            if (!count || count > n - i)
+                return damaged(h, h->at - 1, "a run is empty or leaves the scanline");
             if (!run && h->len - h->at < count) return damaged(h, h->len, "the file ends inside a scanline");
             for (uint32_t k = 0; k < count; k++, i++) row[4 * (size_t)i + c] = h->data[run ? h->at : h->at++];
             h->at += run;
@@ -116,7 +119,8 @@ static lc_status read_old(hdr *h, uint8_t *row, uint32_t n)
             shift = 0;
         } else {
             uint64_t count = shift < 32 ? (uint64_t)p[3] << shift : UINT64_MAX;
-            if (!i || count > n - i) return damaged(h, h->at, "a run has no pixel before it or leaves the scanline");
+            if (!i || count > n - i)
+                return damaged(h, h->at, "a run has no pixel before it or leaves the scanline");
             for (uint64_t k = 0; k < count; k++, i++) memcpy(row + 4 * (size_t)i, row + 4 * (size_t)i - 4, 4);
             shift += 8;
         }

@@ -133,7 +133,8 @@ static lc_status set_attr(lc_image *image, lc_attr attr)
 const char *lc_image_get_text(const lc_image *image, const char *name)
 {
     for (size_t i = 0; i < image->n_attrs; i++)
-        if (image->attrs[i].kind == LC_ATTR_TEXT && strcmp(image->attrs[i].name, name) == 0) return image->attrs[i].text;
+        if (image->attrs[i].kind == LC_ATTR_TEXT && strcmp(image->attrs[i].name, name) == 0)
+            return image->attrs[i].text;
     return NULL;
 }
 

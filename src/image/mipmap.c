@@ -42,7 +42,8 @@ static void make_encoder(const float *table, encoder *e)
 
 static double get(const lc_mipmap *m, size_t sample)
 {
-    return m->is_codes ? (double)m->table[((const uint8_t *)m->texels)[sample]] : (double)((const float *)m->texels)[sample];
+    return m->is_codes ? (double)m->table[((const uint8_t *)m->texels)[sample]]
+                       : (double)((const float *)m->texels)[sample];
 }
 
 static void lay_out(lc_mipmap *m, uint32_t width, uint32_t height)
@@ -51,7 +52,8 @@ static void lay_out(lc_mipmap *m, uint32_t width, uint32_t height)
         m->levels[m->n_levels++] = (lc_mip_level){ width, height, m->n_texels };
         m->n_texels += (size_t)width * height;
         if (width == 1 && height == 1) return;
-        width = (width + 1) / 2, height = (height + 1) / 2;
+        width = (width + 1) / 2;
+        height = (height + 1) / 2;
     }
 }
 
@@ -95,7 +97,8 @@ static span span_of(uint32_t i, uint32_t n, uint32_t n_next)
 }
 
 /* columns: room for to->width. */
-static void shrink(lc_mipmap *m, const lc_mip_level *from, const lc_mip_level *to, const encoder *e, span *columns)
+static void shrink(lc_mipmap *m, const lc_mip_level *from, const lc_mip_level *to, const encoder *e,
+                   span *columns)
 {
     for (uint32_t x = 0; x < to->width; x++) columns[x] = span_of(x, from->width, to->width);
     for (uint32_t y = 0; y < to->height; y++) {
@@ -122,13 +125,15 @@ lc_status lc_mipmap_build(const lc_context *ctx, const lc_raster *r, lc_encoding
     *m = (lc_mipmap){ .n_channels = r->n_channels < 3 ? 1 : 3, .is_codes = r->kind == LC_RASTER_U8 };
     for (int i = 0; i < 256; i++) m->table[i] = (float)decode(encoding, i / 255.0);
     lay_out(m, r->width, r->height);
-    m->texels = lc_alloc_raw(ctx, m->n_texels, m->n_channels * (m->is_codes ? sizeof(uint8_t) : sizeof(float)));
+    m->texels = lc_alloc_raw(ctx, m->n_texels,
+                             m->n_channels * (m->is_codes ? sizeof(uint8_t) : sizeof(float)));
     size_t n_columns = ((size_t)r->width + 1) / 2;
     span *columns = lc_alloc(ctx, n_columns, sizeof *columns);
     lc_status st = m->texels && columns ? fill_first(ctx, r, encoding, m) : LC_ERR_MEMORY;
     encoder e;
     make_encoder(m->table, &e);
-    for (uint32_t k = 0; k + 1 < m->n_levels && !st; k++) shrink(m, &m->levels[k], &m->levels[k + 1], &e, columns);
+    for (uint32_t k = 0; k + 1 < m->n_levels && !st; k++)
+        shrink(m, &m->levels[k], &m->levels[k + 1], &e, columns);
     lc_free(ctx, columns, n_columns, sizeof *columns);
     if (st) lc_mipmap_free(ctx, m);
     return st;
@@ -148,7 +153,8 @@ size_t lc_mipmap_bytes(const lc_mipmap *m)
 /* ---- lookups ---- */
 
 /* Adds share times the texel at (x, y), which may lie outside. */
-static void add_texel(const lc_mipmap *m, const lc_mip_level *l, int64_t x, int64_t y, lc_wrap wrap, double share, double out[3])
+static void add_texel(const lc_mipmap *m, const lc_mip_level *l, int64_t x, int64_t y, lc_wrap wrap,
+                      double share, double out[3])
 {
     int64_t w = l->width, h = l->height;
     if (wrap == LC_WRAP_REPEAT) {
@@ -164,9 +170,13 @@ static void add_texel(const lc_mipmap *m, const lc_mip_level *l, int64_t x, int6
 }
 
 /* Into 0..1 where it repeats; elsewhere so near to it that texel numbers stay small. */
-static double bring_near(double v, lc_wrap wrap) { return wrap == LC_WRAP_REPEAT ? v - floor(v) : fmin(fmax(v, -1), 2); }
+static double bring_near(double v, lc_wrap wrap)
+{
+    return wrap == LC_WRAP_REPEAT ? v - floor(v) : fmin(fmax(v, -1), 2);
+}
 
-static void look(const lc_mipmap *m, uint32_t level, double s, double t, lc_wrap wrap, bool point, double share, double out[3])
+static void look(const lc_mipmap *m, uint32_t level, double s, double t, lc_wrap wrap, bool point,
+                 double share, double out[3])
 {
     const lc_mip_level *l = &m->levels[level];
     double x = s * l->width, y = t * l->height;
@@ -181,12 +191,14 @@ static void look(const lc_mipmap *m, uint32_t level, double s, double t, lc_wrap
     add_texel(m, l, (int64_t)x0 + 1, (int64_t)y0 + 1, wrap, share * fx * fy, out);
 }
 
-void lc_mipmap_lookup(const lc_mipmap *m, double s, double t, double width, lc_wrap wrap, lc_filter filter, double out[3])
+void lc_mipmap_lookup(const lc_mipmap *m, double s, double t, double width, lc_wrap wrap, lc_filter filter,
+                      double out[3])
 {
     double level = width > 1 ? fmin(lc_ln(fmin(width, 0x1p40)) * LC_INV_LN2, m->n_levels - 1.0) : 0;
     uint32_t whole = (uint32_t)level;
     double part = filter == LC_FILTER_TRILINEAR ? level - whole : 0;
-    s = bring_near(s, wrap), t = bring_near(t, wrap);
+    s = bring_near(s, wrap);
+    t = bring_near(t, wrap);
     out[0] = out[1] = out[2] = 0;
     look(m, whole, s, t, wrap, filter == LC_FILTER_POINT, 1 - part, out);
     if (part > 0) look(m, whole + 1, s, t, wrap, false, part, out);

@@ -3,7 +3,8 @@
  *     level 0   width x height, rows from the top, 1 (grey) or 3 (RGB) channels; alpha is dropped
  *     level k   half of level k - 1, rounded up, each texel the mean of the area it covers, in linear light
  *
- * 8-bit images stay codes on every level, read through a table of 256 linear values; others are floats. Lookups are of
+ * 8-bit images stay codes on every level, read through a table of 256 linear values; others are floats.
+ * Lookups are of
  * + - * / and tables, so they give the same bits everywhere.
  */
 #ifndef LC_MIPMAP_H
@@ -37,13 +38,16 @@ typedef struct lc_mipmap {
 } lc_mipmap;
 
 /* Floats that are not finite count as 0. LC_ERR_MEMORY. */
-lc_status lc_mipmap_build(const lc_context *ctx, const lc_raster *raster, lc_encoding encoding, lc_mipmap *out);
+lc_status lc_mipmap_build(const lc_context *ctx, const lc_raster *raster, lc_encoding encoding,
+                          lc_mipmap *out);
 void lc_mipmap_free(const lc_context *ctx, lc_mipmap *m);
 size_t lc_mipmap_bytes(const lc_mipmap *m);
 
-/* The value at (s, t), each finite, (0, 0) the upper left corner and (1, 1) the lower right one. width: of the area that is
- * seen, in texels of level 0. Point and bilinear look at one level, the one whose texels are no wider than that. */
-void lc_mipmap_lookup(const lc_mipmap *m, double s, double t, double width, lc_wrap wrap, lc_filter filter, double out[3]);
+/* The value at (s, t), each finite, (0, 0) the upper left corner and (1, 1) the lower right one. width: of
+ * the area that is seen, in texels of level 0. Point and bilinear look at one level, the one whose texels are
+ * no wider than that. */
+void lc_mipmap_lookup(const lc_mipmap *m, double s, double t, double width, lc_wrap wrap, lc_filter filter,
+                      double out[3]);
 /* A texel of level 0. */
 void lc_mipmap_texel(const lc_mipmap *m, uint32_t x, uint32_t y, double out[3]);
 /* The only texel of the last level. */

@@ -1,5 +1,6 @@
 /* pfm.c - PFM: "PF" (RGB) or "Pf" (grey), width, height, scale, one white space; then floats, rows from
- * the bottom, little endian where the scale is negative. The scale's size is ignored, as pbrt and others do. */
+ * the bottom, little endian where the scale is negative. The scale's size is ignored, as pbrt and others do.
+ */
 #include "image/pixels.h"
 
 #include "base/decimal.h"
@@ -42,7 +43,8 @@ lc_status lc_pfm_decode(lc_context *ctx, const char *path, const lc_bytes *file,
     *out = (lc_raster){ 0 };
     for (int i = 0; i < 3; i++) {
         size_t start = at;
-        if (!next_number(data, file->len, &at, &v[i])) return lc_raster_damaged(ctx, path, "PFM", start, "no number");
+        if (!next_number(data, file->len, &at, &v[i]))
+            return lc_raster_damaged(ctx, path, "PFM", start, "no number");
         bool ok = i == 2 ? v[2] < 0 || v[2] > 0 : v[i] >= 1 && v[i] <= INT32_MAX && floor(v[i]) >= v[i];
         if (!ok) return lc_raster_damaged(ctx, path, "PFM", start, i == 2 ? "scale 0" : "size out of range");
     }

@@ -16,9 +16,11 @@ bool lc_raster_is(const uint8_t *head, size_t len)
            lc_jpeg_is(head, len) || lc_tga_is(head, len);
 }
 
-lc_status lc_raster_damaged(const lc_context *ctx, const char *path, const char *format, size_t at, const char *what)
+lc_status lc_raster_damaged(const lc_context *ctx, const char *path, const char *format, size_t at,
+                            const char *what)
 {
-    return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "damaged %s file: %s at byte %zu", format, what, at);
+    return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "damaged %s file: %s at byte %zu", format,
+                      what, at);
 }
 
 lc_status lc_raster_init(lc_context *ctx, const char *path, const lc_raster *size, size_t file_len,
@@ -27,13 +29,14 @@ lc_status lc_raster_init(lc_context *ctx, const char *path, const lc_raster *siz
     uint64_t n_pixels = (uint64_t)size->width * size->height;
     *out = (lc_raster){ 0 };
     if (!n_pixels)
-        return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "an image of %u x %u pixels", size->width, size->height);
-    if (n_pixels > LC_IMAGE_MAX_PIXELS)
-        return lc_fail_at(ctx, LC_ERR_UNSUPPORTED, (lc_pos){ path, 0, 0 }, "too large: %u x %u pixels", size->width,
-                          size->height);
-    if (n_pixels / max_pixels_per_byte > file_len)
-        return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "%zu bytes are too short for %u x %u pixels", file_len,
+        return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "an image of %u x %u pixels",
                           size->width, size->height);
+    if (n_pixels > LC_IMAGE_MAX_PIXELS)
+        return lc_fail_at(ctx, LC_ERR_UNSUPPORTED, (lc_pos){ path, 0, 0 }, "too large: %u x %u pixels",
+                          size->width, size->height);
+    if (n_pixels / max_pixels_per_byte > file_len)
+        return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 },
+                          "%zu bytes are too short for %u x %u pixels", file_len, size->width, size->height);
     void *data = lc_alloc(ctx, (size_t)n_pixels, size->n_channels * (size_t)size->kind);
     if (!data) return LC_ERR_MEMORY;
     *out = *size;
@@ -67,9 +70,11 @@ static lc_status exr_decode(lc_context *ctx, const char *path, const lc_bytes *f
     lc_raster size = { .kind = LC_RASTER_F32 };
     lc_status st = lc_exr_decode(ctx, path, file, &image);
     if (st) return st;
-    size.width = image->desc.width, size.height = image->desc.height;
+    size.width = image->desc.width;
+    size.height = image->desc.height;
     if (!pick_planes(image, plane, &size.n_channels))
-        st = lc_fail_at(ctx, LC_ERR_UNSUPPORTED, (lc_pos){ path, 0, 0 }, "no channels R, G and B, nor Y, nor just one");
+        st = lc_fail_at(ctx, LC_ERR_UNSUPPORTED, (lc_pos){ path, 0, 0 },
+                        "no channels R, G and B, nor Y, nor just one");
     if (!st) st = lc_raster_init(ctx, path, &size, file->len, UINT32_MAX, out);
     size_t n = st ? 0 : (size_t)size.width * size.height;
     for (uint32_t c = 0; !st && c < size.n_channels; c++)
@@ -89,7 +94,9 @@ lc_status lc_raster_decode(lc_context *ctx, const char *path, const lc_bytes *fi
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
         if (formats[i].is(file->data, file->len)) return formats[i].decode(ctx, path, file, out);
     if (lc_jpeg_is(file->data, file->len))
-        return lc_fail_at(ctx, LC_ERR_UNSUPPORTED, (lc_pos){ path, 0, 0 }, "JPEG is not read; convert it to PNG");
+        return lc_fail_at(ctx, LC_ERR_UNSUPPORTED, (lc_pos){ path, 0, 0 },
+                          "JPEG is not read; convert it to PNG");
     return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "%s",
-                      file->len ? "not an image of a known format: OpenEXR, PNG, PFM, Radiance HDR or TGA" : "the file is empty");
+                      file->len ? "not an image of a known format: OpenEXR, PNG, PFM, Radiance HDR or TGA"
+                                : "the file is empty");
 }

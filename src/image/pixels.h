@@ -2,8 +2,9 @@
  *
  *     file -> lc_raster_decode, by what it starts with -> lc_raster -> texture, or planes of an lc_image
  *
- * Rows run from the top, the samples of a pixel lie side by side. A file is not trusted: its size in pixels is
- * held against its bytes before anything is allocated for it, and damage is an error that names file and byte.
+ * Rows run from the top, the samples of a pixel lie side by side. A file is not trusted: its size in pixels
+ * is held against its bytes before anything is allocated for it, and damage is an error that names file and
+ * byte.
  */
 #ifndef LC_RASTER_H
 #define LC_RASTER_H
@@ -35,10 +36,12 @@ bool lc_hdr_is(const uint8_t *head, size_t len);
 bool lc_tga_is(const uint8_t *head, size_t len); /* a guess: the format has no mark at its start */
 lc_raster_decoder lc_png_decode, lc_pfm_decode, lc_hdr_decode, lc_tga_decode;
 
-/* For the decoders. Checks the size, also against the file's: a byte of it makes at most max_pixels_per_byte. */
+/* For the decoders. Checks the size, also against the file's: a byte of it makes at most max_pixels_per_byte.
+ */
 lc_status lc_raster_init(lc_context *ctx, const char *path, const lc_raster *size, size_t file_len,
                          uint32_t max_pixels_per_byte, lc_raster *out);
 /* LC_ERR_PARSE: "PATH: error: damaged FORMAT file: WHAT at byte AT" */
-lc_status lc_raster_damaged(const lc_context *ctx, const char *path, const char *format, size_t at, const char *what);
+lc_status lc_raster_damaged(const lc_context *ctx, const char *path, const char *format, size_t at,
+                            const char *what);
 
 #endif

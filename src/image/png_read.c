@@ -1,7 +1,7 @@
 /* png_read.c - PNG files, with zlib: every colour type, 1 to 16 bits, interlaced too.
  *
- * Fewer than 8 bits become 8, palettes become RGB, tRNS becomes an alpha channel. gAMA and colour profiles are
- * not applied. Sizes and checksums are checked.
+ * Fewer than 8 bits become 8, palettes become RGB, tRNS becomes an alpha channel. gAMA and colour profiles
+ * are not applied. Sizes and checksums are checked.
  */
 #include "image/pixels.h"
 
@@ -91,21 +91,23 @@ static lc_status read_header(png *p, const uint8_t *data, size_t len)
     p->depth = data[8];
     p->colour = data[9];
     if (!depth_allowed(p->colour, p->depth)) return damaged(p, "no such colour type and bit depth");
-    if (data[10] != 0 || data[11] != 0 || data[12] > 1) return damaged(p, "no such compression, filter or interlace method");
+    if (data[10] != 0 || data[11] != 0 || data[12] > 1)
+        return damaged(p, "no such compression, filter or interlace method");
     p->n_samples = samples[p->colour];
     p->interlaced = data[12] == 1;
     if (p->width == 0 || p->height == 0 || p->width > INT32_MAX || p->height > INT32_MAX)
         return damaged(p, "width or height out of range");
     if ((uint64_t)p->width * p->height > LC_IMAGE_MAX_PIXELS)
-        return lc_fail_at(p->ctx, LC_ERR_UNSUPPORTED, (lc_pos){ p->path, 0, 0 }, "too large: %u x %u pixels", p->width,
-                          p->height);
+        return lc_fail_at(p->ctx, LC_ERR_UNSUPPORTED, (lc_pos){ p->path, 0, 0 }, "too large: %u x %u pixels",
+                          p->width, p->height);
     const pass *first = p->interlaced ? passes : passes + 7, *last = p->interlaced ? passes + 7 : passes + 8;
     for (const pass *s = first; s < last; s++) {
         uint32_t w = pass_width(p, s), h = pass_height(p, s);
         if (w) p->raw_len += (row_bytes(p, w) + 1) * h;
     }
     // More than the file can hold is not worth asking memory for.
-    if (p->raw_len / MAX_INFLATE > (size_t)(p->end - p->start)) return damaged(p, "too short for its size in pixels");
+    if (p->raw_len / MAX_INFLATE > (size_t)(p->end - p->start))
+        return damaged(p, "too short for its size in pixels");
     p->raw = lc_alloc(p->ctx, p->raw_len, 1);
     return p->raw ? LC_OK : LC_ERR_MEMORY;
 }
@@ -124,7 +126,8 @@ static lc_status read_palette(png *p, const uint8_t *data, size_t len)
 static lc_status read_clear(png *p, const uint8_t *data, size_t len)
 {
     if (p->colour & 4) return damaged(p, "tRNS beside an alpha channel");
-    if (p->colour == 3 ? len > p->n_palette : len != 2 * (size_t)p->n_samples) return damaged(p, "tRNS has a wrong length");
+    if (p->colour == 3 ? len > p->n_palette : len != 2 * (size_t)p->n_samples)
+        return damaged(p, "tRNS has a wrong length");
     p->has_clear = true;
     for (size_t i = 0; p->colour == 3 && i < len; i++) p->palette[i][3] = data[i];
     for (size_t i = 0; p->colour != 3 && i < p->n_samples; i++)
@@ -223,7 +226,8 @@ static unsigned get_sample(const png *p, const uint8_t *row, size_t idx)
 /* Width pixels of one row of a pass to the raster, from pixel `at` every `step`. */
 static lc_status convert_row(const png *p, const uint8_t *row, uint32_t width, size_t at, size_t step)
 {
-    unsigned n = p->to->n_channels, most = p->depth == 16 ? 65535 : 255, scale = p->depth < 8 ? 255 / ((1u << p->depth) - 1) : 1;
+    unsigned n = p->to->n_channels, most = p->depth == 16 ? 65535 : 255,
+             scale = p->depth < 8 ? 255 / ((1u << p->depth) - 1) : 1;
     for (size_t x = 0; x < width; x++, at += step) {
         unsigned v[4], same = 0;
         for (unsigned s = 0; s < p->n_samples; s++) v[s] = get_sample(p, row, x * p->n_samples + s);
@@ -247,8 +251,8 @@ static lc_status convert_row(const png *p, const uint8_t *row, uint32_t width, s
 
 static lc_status convert(png *p)
 {
-    lc_raster size = { p->width, p->height, p->colour == 3 ? 3 : p->n_samples, p->depth == 16 ? LC_RASTER_U16 : LC_RASTER_U8,
-                       NULL };
+    lc_raster size = { p->width, p->height, p->colour == 3 ? 3 : p->n_samples,
+                       p->depth == 16 ? LC_RASTER_U16 : LC_RASTER_U8, NULL };
     size.n_channels += p->has_clear;
     lc_status status = lc_raster_init(p->ctx, p->path, &size, (size_t)(p->end - p->start), UINT32_MAX, p->to);
     if (status != LC_OK) return status;

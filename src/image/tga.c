@@ -1,6 +1,6 @@
 /* tga.c - Targa: palette, true colour and grey (types 1, 2, 3), run-length encoded too (9, 10, 11), any
- * corner as origin. 15 and 16 bits are 5-5-5, whose attribute bit is ignored; 16 bits of grey are grey and alpha. The file's
- * order of bytes is blue, green, red, alpha. */
+ * corner as origin. 15 and 16 bits are 5-5-5, whose attribute bit is ignored; 16 bits of grey are grey and
+ * alpha. The file's order of bytes is blue, green, red, alpha. */
 #include "image/pixels.h"
 
 #include <string.h>
@@ -44,19 +44,25 @@ static lc_status read_header(tga *t, lc_raster *size)
     t->type = d[2] & 3;
     t->coded = d[2] & 8;
     uint32_t bits = d[16], alpha_bits = d[17] & 15;
-    bool depth_ok = t->type == 2 ? bits == 15 || bits == 16 || bits == 24 || bits == 32 : bits == 8 || bits == 16;
+    bool depth_ok = t->type == 2 ? bits == 15 || bits == 16 || bits == 24 || bits == 32
+                                 : bits == 8 || bits == 16;
     if (!depth_ok) return damaged(t, 16, "no such depth for this type");
-    if (d[17] & 0xc0) return lc_fail_at(t->ctx, LC_ERR_UNSUPPORTED, (lc_pos){ t->path, 0, 0 }, "interleaved TGA is not read");
+    if (d[17] & 0xc0)
+        return lc_fail_at(t->ctx, LC_ERR_UNSUPPORTED, (lc_pos){ t->path, 0, 0 },
+                          "interleaved TGA is not read");
     t->bytes = (bits + 7) / 8;
     t->at = HEADER + (size_t)d[0];
-    t->first = get_u16(d + 3), t->n_palette = get_u16(d + 5), t->entry_bytes = (d[7] + 7u) / 8;
+    t->first = get_u16(d + 3);
+    t->n_palette = get_u16(d + 5);
+    t->entry_bytes = (d[7] + 7u) / 8;
     size_t palette_len = d[1] ? (size_t)t->n_palette * t->entry_bytes : 0;
     if (t->at > t->len || palette_len > t->len - t->at) return damaged(t, t->len, "the palette is cut off");
     t->palette = d + t->at;
     t->at += palette_len;
     uint32_t colour_bits = t->type == 1 ? d[7] : bits;
     t->alpha = t->type == 3 ? bits == 16 : colour_bits == 32 && alpha_bits;
-    *size = (lc_raster){ get_u16(d + 12), get_u16(d + 14), (t->type == 3 ? 1u : 3u) + t->alpha, LC_RASTER_U8, NULL };
+    *size = (lc_raster){ get_u16(d + 12), get_u16(d + 14), (t->type == 3 ? 1u : 3u) + t->alpha, LC_RASTER_U8,
+                         NULL };
     return LC_OK;
 }
 
@@ -66,10 +72,14 @@ static void put_colour(const tga *t, const uint8_t *p, uint32_t bytes, uint8_t *
 {
     if (bytes == 2) {
         uint32_t v = get_u16(p);
-        out[0] = five_bits(v >> 10), out[1] = five_bits(v >> 5), out[2] = five_bits(v);
+        out[0] = five_bits(v >> 10);
+        out[1] = five_bits(v >> 5);
+        out[2] = five_bits(v);
         return;
     }
-    out[0] = p[2], out[1] = p[1], out[2] = p[0];
+    out[0] = p[2];
+    out[1] = p[1];
+    out[2] = p[0];
     if (t->alpha) out[3] = p[3];
 }
 
@@ -83,7 +93,8 @@ static lc_status put_pixel(const tga *t, size_t at, uint8_t *out)
         memcpy(out, p, t->bytes);
     } else {
         uint32_t code = t->bytes == 1 ? p[0] : get_u16(p);
-        if (code < t->first || code - t->first >= t->n_palette) return damaged(t, at, "a pixel is outside the palette");
+        if (code < t->first || code - t->first >= t->n_palette)
+            return damaged(t, at, "a pixel is outside the palette");
         put_colour(t, t->palette + (size_t)(code - t->first) * t->entry_bytes, t->entry_bytes, out);
     }
     return LC_OK;

@@ -22,7 +22,8 @@ lc_status lc_bytes_load(const lc_context *ctx, const char *path, size_t max_len,
                         bool (*magic)(const uint8_t *head, size_t len), lc_bytes *out);
 
 /* Regular and new files: temporary name in the same folder, fsync, rename; on failure nothing is left
- * behind and the old file is as it was. Devices and pipes are written directly. LC_ERR_IO, logged with path. */
+ * behind and the old file is as it was. Devices and pipes are written directly. LC_ERR_IO, logged with path.
+ */
 lc_status lc_file_replace(const lc_context *ctx, const char *path, const void *data, size_t len);
 
 /* True when the path is there and is a pipe, a socket or a device. */

@@ -35,7 +35,10 @@ lc_status lc_gunzip_open(const lc_context *ctx, const char *head, size_t len, lc
 /* Steps over the zeros between members. False: no other one has begun in what was read so far. */
 static bool next_member(lc_gunzip *g)
 {
-    while (g->z.avail_in && !*g->z.next_in) g->z.next_in++, g->z.avail_in--;
+    while (g->z.avail_in && !*g->z.next_in) {
+        g->z.next_in++;
+        g->z.avail_in--;
+    }
     if (!g->z.avail_in) return false;
     inflateReset(&g->z);
     g->between = false;
@@ -53,7 +56,8 @@ static lc_status feed(lc_gunzip *g, lc_gunzip_pull *pull, void *user)
     return LC_OK;
 }
 
-lc_status lc_gunzip_read(lc_gunzip *g, lc_gunzip_pull *pull, void *user, char *to, size_t n, size_t *got, const char **why)
+lc_status lc_gunzip_read(lc_gunzip *g, lc_gunzip_pull *pull, void *user, char *to, size_t n, size_t *got,
+                         const char **why)
 {
     *got = 0;
     while (*got < n) {
@@ -72,7 +76,8 @@ lc_status lc_gunzip_read(lc_gunzip *g, lc_gunzip_pull *pull, void *user, char *t
         *got += room - g->z.avail_out;
         if (rv == Z_MEM_ERROR) return LC_ERR_MEMORY;
         g->between = rv == Z_STREAM_END;
-        if (rv == Z_OK || rv == Z_STREAM_END || rv == Z_BUF_ERROR) continue; /* the last: nothing could be done yet */
+        /* The last: nothing could be done yet. */
+        if (rv == Z_OK || rv == Z_STREAM_END || rv == Z_BUF_ERROR) continue;
         *why = g->z.msg ? g->z.msg : "not deflate's";
         return LC_ERR_PARSE;
     }

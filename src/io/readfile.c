@@ -65,7 +65,8 @@ static lc_status check_file(const lc_context *ctx, lc_reader *r)
     if (fstat(r->fd, &info) < 0) return fail(ctx, r, LC_ERR_IO, strerror(errno));
     if (S_ISDIR(info.st_mode)) return fail(ctx, r, LC_ERR_IO, "is a directory");
     if (!S_ISREG(info.st_mode)) return fail(ctx, r, LC_ERR_IO, "is not a regular file");
-    if (info.st_size < 0 || (uint64_t)info.st_size > LC_FILE_MAX) return fail(ctx, r, LC_ERR_PARSE, "larger than 8 GiB");
+    if (info.st_size < 0 || (uint64_t)info.st_size > LC_FILE_MAX)
+        return fail(ctx, r, LC_ERR_PARSE, "larger than 8 GiB");
     r->size = (size_t)info.st_size;
     r->dev = (uint64_t)info.st_dev;
     r->ino = (uint64_t)info.st_ino;

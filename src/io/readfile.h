@@ -1,7 +1,9 @@
-/* readfile.h - input files, whole or piece by piece. Folders, pipes and devices are refused, but stdin may be anything.
+/* readfile.h - input files, whole or piece by piece. Folders, pipes and devices are refused, but stdin may be
+ * anything.
  *
- * Nothing is mapped: a file that another program cuts short while it is read just ends there. What begins as gzip data do
- * is unpacked while it is read, whatever its name; sizes and limits are of the unpacked bytes. */
+ * Nothing is mapped: a file that another program cuts short while it is read just ends there. What begins as
+ * gzip data do is unpacked while it is read, whatever its name; sizes and limits are of the unpacked bytes.
+ */
 #ifndef LC_READFILE_H
 #define LC_READFILE_H
 

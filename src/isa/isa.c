@@ -23,7 +23,10 @@ static const struct {
 
 uint32_t lc_isa_count(void) { return LC_N_ISAS; }
 
-const char *lc_isa_name(lc_isa isa) { return isa >= LC_ISA_BEST && isa <= LC_N_ISAS ? sets[isa].name : "unknown"; }
+const char *lc_isa_name(lc_isa isa)
+{
+    return isa >= LC_ISA_BEST && isa <= LC_N_ISAS ? sets[isa].name : "unknown";
+}
 
 lc_isa lc_isa_find(const char *name)
 {
@@ -40,7 +43,10 @@ bool lc_isa_supported(lc_isa isa)
     return sets[isa].supported();
 }
 
-bool lc_isa_within(lc_isa isa, lc_isa cap) { return sets[isa].rank <= sets[cap].rank && lc_isa_supported(isa); }
+bool lc_isa_within(lc_isa isa, lc_isa cap)
+{
+    return sets[isa].rank <= sets[cap].rank && lc_isa_supported(isa);
+}
 
 lc_isa lc_isa_pick(lc_isa cap)
 {

@@ -36,7 +36,8 @@ bool lc_isa_supported(lc_isa isa);
 /* Supported, and of no higher rank than the cap. */
 bool lc_isa_within(lc_isa isa, lc_isa cap);
 
-/* The supported set of the highest rank that is no higher than the cap's; cap: LC_ISA_BEST, or 1 .. LC_N_ISAS. */
+/* The supported set of the highest rank that is no higher than the cap's; cap: LC_ISA_BEST, or 1 ..
+ * LC_N_ISAS. */
 lc_isa lc_isa_pick(lc_isa cap);
 
 const lc_kernels *lc_isa_kernels(lc_isa isa); /* isa: a supported one */

@@ -1,4 +1,5 @@
-/* isa_avx512.c - the kernels, compiled for this instruction set. The BVH stays at eight lanes: a node has no more. */
+/* isa_avx512.c - the kernels, compiled for this instruction set. The BVH stays at eight lanes: a node has no
+ * more. */
 #define LC_ISA_LEVEL 3
 #define LC_HALF_AS_WIDE lc_kernels_avx2 /* for what is left of a list */
 #define LC_FN(name) name##_avx512

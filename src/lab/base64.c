@@ -8,7 +8,8 @@ void base64_write(FILE *f, const unsigned char *data, size_t n)
         unsigned bits = (unsigned)data[i] << 16;
         if (i + 1 < n) bits |= (unsigned)data[i + 1] << 8;
         if (i + 2 < n) bits |= data[i + 2];
-        const char four[4] = { digits[bits >> 18], digits[bits >> 12 & 63], i + 1 < n ? digits[bits >> 6 & 63] : '=',
+        const char four[4] = { digits[bits >> 18], digits[bits >> 12 & 63],
+                               i + 1 < n ? digits[bits >> 6 & 63] : '=',
                                i + 2 < n ? digits[bits & 63] : '=' };
         fwrite(four, 1, 4, f);
     }

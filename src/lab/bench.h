@@ -1,5 +1,5 @@
-/* bench.h - what the parts of `lightcuts bench` share. Unlike the other commands they reach into the library, to time its
- * parts alone; the lint rules let bench_*.c do that. */
+/* bench.h - what the parts of `lightcuts bench` share. Unlike the other commands they reach into the library,
+ * to time its parts alone; the lint rules let bench_*.c do that. */
 #ifndef LC_CLI_BENCH_H
 #define LC_CLI_BENCH_H
 
@@ -63,11 +63,13 @@ typedef struct bench_builder {
 #define BENCH_N_BUILDERS 2
 extern const bench_builder bench_builders[BENCH_N_BUILDERS];
 
-/* A generated scene, loaded without a file. max_pixels 0: the film as it is. builder NULL: the one of *load. */
-lc_status bench_load(lc_context *ctx, const gen_scene *scene, uint64_t n_lights, uint64_t max_pixels, const bench_builder *builder,
-                     const lc_load_desc *load, lc_scene **out);
+/* A generated scene, loaded without a file. max_pixels 0: the film as it is. builder NULL: the one of *load.
+ */
+lc_status bench_load(lc_context *ctx, const gen_scene *scene, uint64_t n_lights, uint64_t max_pixels,
+                     const bench_builder *builder, const lc_load_desc *load, lc_scene **out);
 
-/* {"version", "bench", "threads", "results": [ ... ]}: opens it; bench_json_next before each result; closes it. */
+/* {"version", "bench", "threads", "results": [ ... ]}: opens it; bench_json_next before each result; closes
+ * it. */
 void bench_json_begin(const char *bench, uint32_t n_threads);
 void bench_json_next(bool first);
 void bench_json_end(void);

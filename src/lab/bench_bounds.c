@@ -1,7 +1,7 @@
 /* bench_bounds.c - the kernels over lights: bounds of clusters, estimates of lights; one thread.
  *
- * A tree of 4096 lights: 256 kB of clusters, 128 kB of lights, so in L2. Instruction sets take turns, run by run, so that
- * a busy machine slows them all.
+ * A tree of 4096 lights: 256 kB of clusters, 128 kB of lights, so in L2. Instruction sets take turns, run by
+ * run, so that a busy machine slows them all.
  */
 #include "lab/bench.h"
 
@@ -53,20 +53,25 @@ static uint32_t run_exact(const setup *s, const lc_kernels *k)
     float *const to[6] = { out[0], out[1], out[2], out[3], out[4], out[5] };
     const uint32_t n_calls = BATCH * N_BATCHES / BLOCK;
     for (uint32_t i = 0; i < n_calls; i++)
-        k->shade.estimate(&s->tree->data, i % (N_LIGHTS / BLOCK) * BLOCK, NULL, BLOCK, s->kind, &s->points[i % N_POINTS], to);
+        k->shade.estimate(&s->tree->data, i % (N_LIGHTS / BLOCK) * BLOCK, NULL, BLOCK, s->kind,
+                          &s->points[i % N_POINTS], to);
     return n_calls * BLOCK;
 }
 
 static const struct {
     const char *name, *unit;
     run_fn *run;
-} parts[] = { { "bounds", "cluster", run_bounds }, { "estimate", "light", run_estimates }, { "exact", "light", run_exact } };
+} parts[] = { { "bounds", "cluster", run_bounds },
+              { "estimate", "light", run_estimates },
+              { "exact", "light", run_exact } };
 #define N_PARTS (sizeof parts / sizeof *parts)
 
 static lc_status setup_init(const lc_context *ctx, lc_light_kind kind, setup *s)
 {
     static lc_light lights[N_LIGHTS];
-    lc_light_tree_desc desc = { .lights = lights, .n_lights = N_LIGHTS, .diag2 = 300, .n_reps = 1, .builder = LC_BUILDER_EXACT };
+    lc_light_tree_desc desc = {
+        .lights = lights, .n_lights = N_LIGHTS, .diag2 = 300, .n_reps = 1, .builder = LC_BUILDER_EXACT
+    };
     *s = (setup){ .kind = kind };
     for (uint64_t i = 0; i < N_LIGHTS; i++) lights[i] = bench_light(kind, i);
     s->list = lc_alloc(ctx, 2 * N_BATCHES * BATCH, sizeof *s->list);
@@ -75,7 +80,8 @@ static lc_status setup_init(const lc_context *ctx, lc_light_kind kind, setup *s)
     if (st) return st;
     for (uint32_t i = 0; i < N_BATCHES * BATCH; i++)
         s->list[i] = (uint32_t)(lc_mix(i) % s->tree->n_nodes);
-    for (uint32_t i = N_BATCHES * BATCH; i < 2 * N_BATCHES * BATCH; i++) s->list[i] = (uint32_t)(lc_mix(i) % N_LIGHTS);
+    for (uint32_t i = N_BATCHES * BATCH; i < 2 * N_BATCHES * BATCH; i++)
+        s->list[i] = (uint32_t)(lc_mix(i) % N_LIGHTS);
     return LC_OK;
 }
 
@@ -92,9 +98,17 @@ static void set_points(setup *s, size_t material)
 {
     lc_material m = { .kd = { 0.5f, 0.5f, 0.5f }, .exponent = 20 };
     if (material > 0) m.ks = m.kd;
-    if (material > 1) m.gloss = LC_GLOSS_WARD, m.roughness[0] = 0.15f, m.roughness[1] = 0.3f;
+    if (material > 1) {
+        m.gloss = LC_GLOSS_WARD;
+        m.roughness[0] = 0.15f;
+        m.roughness[1] = 0.3f;
+    }
     if (material > 2) m.gloss = LC_GLOSS_GGX;
-    if (material > 3) m.coat = true, m.fresnel = LC_FRESNEL_DIELECTRIC, m.eta.x = 1.5f;
+    if (material > 3) {
+        m.coat = true;
+        m.fresnel = LC_FRESNEL_DIELECTRIC;
+        m.eta.x = 1.5f;
+    }
     lc_f3 up = lc_f3_make(0, 1, 0), view = lc_f3_normalize(lc_f3_make(1, 1, 0));
     for (uint32_t i = 0; i < N_POINTS; i++)
         lc_point_init(&s->points[i], lc_f3_make((float)i + 1, 0, 5), up, view, &m, 1e-8f);
@@ -111,11 +125,13 @@ static void print_text(const char *part, const setup *s, const char *material, c
     }
 }
 
-static void print_json(const char *part, const setup *s, const char *material, const bench_isas *isas, const bench_summary *r, bool first)
+static void print_json(const char *part, const setup *s, const char *material, const bench_isas *isas,
+                       const bench_summary *r, bool first)
 {
     for (uint32_t i = 0; i < isas->n; i++, first = false) {
         bench_json_next(first);
-        printf("{\"kernel\": \"%s\", \"lights\": \"%s\", \"material\": \"%s\", \"isa\": \"%s\", \"ns\": %.4f, \"ns_spread\": %.4f, "
+        printf("{\"kernel\": \"%s\", \"lights\": \"%s\", \"material\": \"%s\", \"isa\": \"%s\", \"ns\": "
+               "%.4f, \"ns_spread\": %.4f, "
                "\"ns_best\": %.4f",
                part, bench_kind_name(s->kind), material, lc_isa_name(isas->of[i]), r[i].median, r[i].spread,
                r[i].best);
@@ -146,8 +162,10 @@ int bench_bounds(const bench_options *o)
     lc_status st = LC_OK;
     bool first = true;
     if (o->json) bench_json_begin("bounds", 1);
-    else printf("kernels, %u lights in L2: median of %u runs, +- half the distance between the quartiles; one thread\n",
-                N_LIGHTS, n_runs);
+    else
+        printf("kernels, %u lights in L2: median of %u runs, +- half the distance between the quartiles; one "
+               "thread\n",
+               N_LIGHTS, n_runs);
     for (size_t part = 0; part < N_PARTS && !st; part++)
         for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++) {
             setup s;

@@ -1,5 +1,5 @@
-/* bench_file.c - see bench_file.h. Arrays stay where the file was read to; only whole files of exactly the size that their
- * counts ask for are taken. */
+/* bench_file.c - see bench_file.h. Arrays stay where the file was read to; only whole files of exactly the
+ * size that their counts ask for are taken. */
 #include "lab/bench_file.h"
 
 #include "lab/bench.h"
@@ -28,7 +28,8 @@ static void to_host(char *p, uint64_t n_words)
         memcpy(p + 4 * i, &v, 4);
     }
 #else
-    (void)p, (void)n_words;
+    (void)p;
+    (void)n_words;
 #endif
 }
 
@@ -38,13 +39,16 @@ static lc_status fail_at_byte(const lc_context *ctx, const char *path, uint64_t 
 }
 
 /* The file from its magic on; want: what its counts say it has. */
-static lc_status check_size(const lc_context *ctx, const char *path, const lc_file *f, double want, const char *what)
+static lc_status check_size(const lc_context *ctx, const char *path, const lc_file *f, double want,
+                            const char *what)
 {
     if ((double)f->size == want) return LC_OK;
-    return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "%s at byte 8 make %.0f bytes, the file has %zu", what, want, f->size);
+    return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 },
+                      "%s at byte 8 make %.0f bytes, the file has %zu", what, want, f->size);
 }
 
-static lc_status check_magic(const lc_context *ctx, const char *path, const lc_file *f, const char *magic, size_t head)
+static lc_status check_magic(const lc_context *ctx, const char *path, const lc_file *f, const char *magic,
+                             size_t head)
 {
     if (f->size < 8 || memcmp(f->data, magic, 8)) {
         return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "no '%s' at byte 0", magic);
@@ -53,10 +57,12 @@ static lc_status check_magic(const lc_context *ctx, const char *path, const lc_f
 }
 
 /* The same limit as for vertices and lights of scenes. */
-static lc_status check_floats(const lc_context *ctx, const char *path, const float *p, uint64_t n, uint64_t off)
+static lc_status check_floats(const lc_context *ctx, const char *path, const float *p, uint64_t n,
+                              uint64_t off)
 {
     for (uint64_t i = 0; i < n; i++)
-        if (!(fabsf(p[i]) <= LC_MAX_COORD)) return fail_at_byte(ctx, path, off + 4 * i, "a coordinate that is not finite or beyond 1e12");
+        if (!(fabsf(p[i]) <= LC_MAX_COORD))
+            return fail_at_byte(ctx, path, off + 4 * i, "a coordinate that is not finite or beyond 1e12");
     return LC_OK;
 }
 
@@ -67,15 +73,18 @@ static lc_status parse_mesh(const lc_context *ctx, const char *path, bench_mesh 
     char *data = m->file.data;
     m->n_verts = (uint32_t)little(data + 8, 4);
     m->n_tris = (uint32_t)little(data + 12, 4);
-    uint64_t n_pos = 3 * (uint64_t)m->n_verts, n_index = 3 * (uint64_t)m->n_tris, index_off = MESH_HEAD + 4 * n_pos;
-    st = check_size(ctx, path, &m->file, (double)(index_off + 4 * n_index), "numbers of vertices and triangles");
+    uint64_t n_pos = 3 * (uint64_t)m->n_verts, n_index = 3 * (uint64_t)m->n_tris,
+             index_off = MESH_HEAD + 4 * n_pos;
+    st = check_size(ctx, path, &m->file, (double)(index_off + 4 * n_index),
+                    "numbers of vertices and triangles");
     if (st) return st;
     to_host(data + MESH_HEAD, n_pos + n_index);
     m->pos = (const float *)(void *)(data + MESH_HEAD);
     m->index = (const uint32_t *)(void *)(data + index_off);
     st = check_floats(ctx, path, m->pos, n_pos, MESH_HEAD);
     for (uint64_t i = 0; i < n_index && !st; i++)
-        if (m->index[i] >= m->n_verts) st = fail_at_byte(ctx, path, index_off + 4 * i, "an index out of range");
+        if (m->index[i] >= m->n_verts)
+            st = fail_at_byte(ctx, path, index_off + 4 * i, "an index out of range");
     return st;
 }
 
@@ -121,17 +130,20 @@ static lc_status make_file(const lc_context *ctx, size_t bytes, lc_file *f)
 
 lc_status bench_make_mesh(const lc_context *ctx, uint32_t n, bench_mesh *out)
 {
-    static const uint8_t faces[12][3] = { { 0, 1, 3 }, { 0, 3, 2 }, { 4, 6, 7 }, { 4, 7, 5 }, { 0, 4, 5 }, { 0, 5, 1 },
-                                          { 2, 3, 7 }, { 2, 7, 6 }, { 0, 2, 6 }, { 0, 6, 4 }, { 1, 5, 7 }, { 1, 7, 3 } };
+    static const uint8_t faces[12][3] = { { 0, 1, 3 }, { 0, 3, 2 }, { 4, 6, 7 }, { 4, 7, 5 },
+                                          { 0, 4, 5 }, { 0, 5, 1 }, { 2, 3, 7 }, { 2, 7, 6 },
+                                          { 0, 2, 6 }, { 0, 6, 4 }, { 1, 5, 7 }, { 1, 7, 3 } };
     const size_t n_pos = (size_t)(n + 1) * 24, n_index = (size_t)(n + 1) * 36;
     *out = (bench_mesh){ .n_verts = 8 * (n + 1), .n_tris = 12 * (n + 1) };
     lc_status st = make_file(ctx, 4 * (n_pos + n_index), &out->file);
     if (st) return st;
     float *pos = (float *)(void *)out->file.data;
     uint32_t *index = (uint32_t *)(void *)(out->file.data + 4 * n_pos);
-    out->pos = pos, out->index = index;
+    out->pos = pos;
+    out->index = index;
     for (uint32_t i = 0; i <= n; i++) {
-        float c[3] = { bench_unit(i, 10) * 10, bench_unit(i, 11) * 4, bench_unit(i, 12) * 10 }, h = 0.02f + 0.1f * bench_unit(i, 13);
+        float c[3] = { bench_unit(i, 10) * 10, bench_unit(i, 11) * 4, bench_unit(i, 12) * 10 },
+              h = 0.02f + 0.1f * bench_unit(i, 13);
         for (uint32_t v = 0; v < 8; v++)
             for (uint32_t k = 0; k < 3; k++) {
                 float side = v >> k & 1 ? 1.0f : -1.0f;
@@ -152,8 +164,12 @@ lc_status bench_make_segments(const lc_context *ctx, uint32_t n_points, bench_se
     out->ray = r;
     for (uint64_t i = 0; i < out->n; i++, r += 6) {
         uint64_t point = i / 64, light = i % 64;
-        r[0] = bench_unit(point, 20) * 10, r[1] = bench_unit(point, 21) * 4, r[2] = bench_unit(point, 22) * 10;
-        r[3] = bench_unit(light, 23) * 10, r[4] = 9, r[5] = bench_unit(light, 24) * 10;
+        r[0] = bench_unit(point, 20) * 10;
+        r[1] = bench_unit(point, 21) * 4;
+        r[2] = bench_unit(point, 22) * 10;
+        r[3] = bench_unit(light, 23) * 10;
+        r[4] = 9;
+        r[5] = bench_unit(light, 24) * 10;
     }
     return LC_OK;
 }

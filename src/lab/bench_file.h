@@ -1,4 +1,5 @@
-/* bench_file.h - the exchange files of `lightcuts bench rays`, little endian, and meshes and rays made up without files.
+/* bench_file.h - the exchange files of `lightcuts bench rays`, little endian, and meshes and rays made up
+ * without files.
  *
  *     mesh   "LCMESH1\0", uint32 n_verts, uint32 n_tris, float32 xyz[3 n_verts], uint32 index[3 n_tris]
  *     rays   "LCRAYS1\0", uint64 n_rays, uint32 group, uint32 0, per ray float32 origin xyz, target xyz

@@ -1,13 +1,14 @@
-/* bench_quality.c - what a builder's trees are worth: error and cost of cuts against every light, over generated scenes.
+/* bench_quality.c - what a builder's trees are worth: error and cost of cuts against every light, over
+ * generated scenes.
  *
  *     scene, lights: exact method -> reference
  *         builder, seed of the representatives: load -> render at each error ratio -> error, shadow rays
  *
- * Cost at equal error: shadow rays a point interpolated, both in logarithms, to the errors that the first builder has at each
- * of the ratios, over its rays; the geometric mean. Once by each measure of error: a few bright pixels decide the rmse, none of
- * them the mrse. Each cluster has REPS representatives, so that neighbouring pixels don't all err alike: the expected error is
- * the same as with one, and fewer seeds find it. Pictures are of the whole view but small, as many pixels as all lights can be
- * traced for.
+ * Cost at equal error: shadow rays a point interpolated, both in logarithms, to the errors that the first
+ * builder has at each of the ratios, over its rays; the geometric mean. Once by each measure of error: a few
+ * bright pixels decide the rmse, none of them the mrse. Each cluster has REPS representatives, so that
+ * neighbouring pixels don't all err alike: the expected error is the same as with one, and fewer seeds find
+ * it. Pictures are of the whole view but small, as many pixels as all lights can be traced for.
  */
 #include "lab/bench.h"
 
@@ -39,7 +40,8 @@ typedef struct outcome {
     double build_seconds; /* median over seeds */
     double bytes;         /* a light */
     point at[N_RATIOS];
-    double cost_rmse, cost_mrse; /* rays at the first builder's error over its rays; NaN when the curves do not tell */
+    double cost_rmse,
+        cost_mrse; /* rays at the first builder's error over its rays; NaN when the curves do not tell */
 } outcome;
 
 typedef struct job {
@@ -58,12 +60,14 @@ static void planes_of(const lc_image *image, float *planes[3])
     for (int k = 0; k < 3; k++) planes[k] = lc_image_channel(image, names[k]);
 }
 
-static lc_status load(const job *j, const bench_builder *builder, uint64_t seed, uint32_t n_reps, lc_scene **scene)
+static lc_status load(const job *j, const bench_builder *builder, uint64_t seed, uint32_t n_reps,
+                      lc_scene **scene)
 {
     uint64_t pixels = MAX_VISITS / j->n_lights;
     pixels = pixels < MIN_PIXELS ? MIN_PIXELS : pixels > MAX_PIXELS ? MAX_PIXELS : pixels;
     lc_load_desc d = j->o->load;
-    d.seed = seed, d.n_reps = n_reps;
+    d.seed = seed;
+    d.n_reps = n_reps;
     return bench_load(j->ctx, j->scene, j->n_lights, pixels, builder, &d, scene);
 }
 
@@ -138,23 +142,27 @@ static lc_status measure(const job *j, outcome *r)
         point *p = &r->at[k];
         p->rmse = j->mean > 0 ? sqrt(p->rmse / n_seeds) / j->mean : 0;
         p->mrse = sqrt(p->mrse / n_seeds);
-        p->rel_p50 /= n_seeds, p->cut /= n_seeds, p->rays /= n_seeds;
+        p->rel_p50 /= n_seeds;
+        p->cut /= n_seeds;
+        p->rays /= n_seeds;
     }
     return LC_OK;
 }
 
-/* Shadow rays at an error, on the segment of the curve around it or on the nearest one's continuation. Errors rise with the
- * ratio but for noise. */
+/* Shadow rays at an error, on the segment of the curve around it or on the nearest one's continuation. Errors
+ * rise with the ratio but for noise. */
 static double cost_at(const double error[N_RATIOS], const point *at, double target)
 {
     int k = 0;
     while (k + 2 < N_RATIOS && error[k + 1] < target) k++;
-    if (!(error[k] > 0 && error[k + 1] > error[k] && target > 0 && at[k].rays > 0 && at[k + 1].rays > 0)) return NAN;
+    if (!(error[k] > 0 && error[k + 1] > error[k] && target > 0 && at[k].rays > 0 && at[k + 1].rays > 0))
+        return NAN;
     double t = log(target / error[k]) / log(error[k + 1] / error[k]);
     return at[k].rays * exp(t * log(at[k + 1].rays / at[k].rays));
 }
 
-static double cost(const double error[N_RATIOS], const outcome *r, const double first_error[N_RATIOS], const outcome *first)
+static double cost(const double error[N_RATIOS], const outcome *r, const double first_error[N_RATIOS],
+                   const outcome *first)
 {
     double sum = 0;
     for (int k = 0; k < N_RATIOS; k++) sum += log(cost_at(error, r->at, first_error[k]) / first->at[k].rays);
@@ -165,8 +173,10 @@ static void set_costs(outcome *r, const outcome *first)
 {
     double rmse[2][N_RATIOS], mrse[2][N_RATIOS];
     for (int k = 0; k < N_RATIOS; k++) {
-        rmse[0][k] = r->at[k].rmse, rmse[1][k] = first->at[k].rmse;
-        mrse[0][k] = r->at[k].mrse, mrse[1][k] = first->at[k].mrse;
+        rmse[0][k] = r->at[k].rmse;
+        rmse[1][k] = first->at[k].rmse;
+        mrse[0][k] = r->at[k].mrse;
+        mrse[1][k] = first->at[k].mrse;
     }
     r->cost_rmse = cost(rmse[0], r, rmse[1], first);
     r->cost_mrse = cost(mrse[0], r, mrse[1], first);
@@ -178,12 +188,16 @@ static void print_head(const job *j)
         bench_json_begin("tree", lc_context_threads(j->ctx));
         return;
     }
-    printf("light trees: %u seeds; cuts without limit against every light; rmse over the mean, median relative error;\n"
-           "rays: shadow rays a point at 2 %%; x: at equal rmse and at equal mrse, over those of '%s'; %u thread%s\n\n",
+    printf("light trees: %u seeds; cuts without limit against every light; rmse over the mean, median "
+           "relative error;\n"
+           "rays: shadow rays a point at 2 %%; x: at equal rmse and at equal mrse, over those of '%s'; %u "
+           "thread%s\n\n",
            j->o->n_runs ? j->o->n_runs : SEEDS, bench_builders[0].name, lc_context_threads(j->ctx),
            lc_context_threads(j->ctx) == 1 ? "" : "s");
-    printf("                                            |---------- 2 %% ----------|  |---------- 10 %% ---------|\n"
-           "scene     lights builder   build s   B/light    cut    rmse  median rel     cut    rmse  median rel     rays x rmse x mrse\n");
+    printf("                                            |---------- 2 %% ----------|  |---------- 10 %% "
+           "---------|\n"
+           "scene     lights builder   build s   B/light    cut    rmse  median rel     cut    rmse  median "
+           "rel     rays x rmse x mrse\n");
 }
 
 static void print_ratio(double ratio)
@@ -195,8 +209,9 @@ static void print_ratio(double ratio)
 static void print_row(const job *j, const outcome *r)
 {
     const point *a = &r->at[AT_2], *b = &r->at[AT_10];
-    printf("%-8s %7u %-8s %9.4f %9.0f %6.1f %7.4f %11.5f %7.1f %7.4f %11.5f %8.1f", j->scene->name, j->n_lights,
-           r->builder->name, r->build_seconds, r->bytes, a->cut, a->rmse, a->rel_p50, b->cut, b->rmse, b->rel_p50, a->rays);
+    printf("%-8s %7u %-8s %9.4f %9.0f %6.1f %7.4f %11.5f %7.1f %7.4f %11.5f %8.1f", j->scene->name,
+           j->n_lights, r->builder->name, r->build_seconds, r->bytes, a->cut, a->rmse, a->rel_p50, b->cut,
+           b->rmse, b->rel_p50, a->rays);
     print_ratio(r->cost_rmse);
     print_ratio(r->cost_mrse);
     printf("\n");
@@ -212,7 +227,8 @@ static void json_number(const char *name, double v)
 static void print_json(job *j, const outcome *r)
 {
     bench_json_next(j->first);
-    printf("{\"scene\": \"%s\", \"lights\": %u, \"builder\": \"%s\"", j->scene->name, j->n_lights, r->builder->name);
+    printf("{\"scene\": \"%s\", \"lights\": %u, \"builder\": \"%s\"", j->scene->name, j->n_lights,
+           r->builder->name);
     json_number("build_seconds", r->build_seconds);
     json_number("bytes_per_light", r->bytes);
     json_number("cost_at_equal_rmse", r->cost_rmse);
@@ -221,8 +237,11 @@ static void print_json(job *j, const outcome *r)
     for (int k = 0; k < N_RATIOS; k++) {
         const point *p = &r->at[k];
         printf("%s{\"error_ratio\": %g", k ? ", " : "", (double)ratios[k]);
-        json_number("rmse", p->rmse), json_number("root_mrse", p->mrse), json_number("rel_p50", p->rel_p50);
-        json_number("cut_mean", p->cut), json_number("shadow_rays_per_point", p->rays);
+        json_number("rmse", p->rmse);
+        json_number("root_mrse", p->mrse);
+        json_number("rel_p50", p->rel_p50);
+        json_number("cut_mean", p->cut);
+        json_number("shadow_rays_per_point", p->rays);
         printf("}");
     }
     printf("]}");

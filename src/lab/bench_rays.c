@@ -1,8 +1,9 @@
 /* bench_rays.c - shadow rays a second, and the build of the BVH they are traced through.
  *
- * Rays of one origin go to the kernel together, as the renderer sends those of a shading point; making the kernel's arrays
- * out of the file's rays is part of the time. Chunks of 16384 rays are handed to the threads. On a machine that does other
- * things as well, `quiet` is the figure to compare: each chunk counts with the shortest time it ever took.
+ * Rays of one origin go to the kernel together, as the renderer sends those of a shading point; making the
+ * kernel's arrays out of the file's rays is part of the time. Chunks of 16384 rays are handed to the threads.
+ * On a machine that does other things as well, `quiet` is the figure to compare: each chunk counts with the
+ * shortest time it ever took.
  */
 #include "lab/bench.h"
 
@@ -42,7 +43,10 @@ typedef struct result {
     uint64_t occluded;
 } result;
 
-static bool same_origin(const float *a, const float *b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+static bool same_origin(const float *a, const float *b)
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
 
 static uint32_t trace(const job *j, const float *ray, uint64_t n)
 {
@@ -54,7 +58,9 @@ static uint32_t trace(const job *j, const float *ray, uint64_t n)
         const float *org = ray;
         uint32_t m = 0;
         do {
-            x[0][m] = ray[3], x[1][m] = ray[4], x[2][m] = ray[5];
+            x[0][m] = ray[3];
+            x[1][m] = ray[4];
+            x[2][m] = ray[5];
             ray += 6;
         } while (++m < j->max_group && ray < end && same_origin(ray, org));
         j->kernels->hidden(&j->bvh->data, org, m, target, false, hidden, NULL);
@@ -87,7 +93,10 @@ static result run_rays(job *j, lc_isa isa)
         times[k] = lc_now() - t0;
     }
     r.seconds = bench_summarize(times, j->n_runs);
-    for (uint64_t i = 0; i < j->n_chunks; i++) r.quiet += j->quiet[i], r.occluded += j->hidden[i];
+    for (uint64_t i = 0; i < j->n_chunks; i++) {
+        r.quiet += j->quiet[i];
+        r.occluded += j->hidden[i];
+    }
     r.quiet /= j->ctx->n_threads < j->n_chunks ? (double)j->ctx->n_threads : (double)j->n_chunks;
     return r;
 }
@@ -110,16 +119,18 @@ static void print_build(const job *j, const bench_summary *b)
 {
     printf("runs    %u on %u thread%s\n", j->n_runs, j->ctx->n_threads, j->ctx->n_threads == 1 ? "" : "s");
     printf("mesh    %s: %u triangles, %u vertices\n", j->mesh_name, j->mesh.n_tris, j->mesh.n_verts);
-    printf("build   median %.3f ms, best %.3f ms, %.2f Mtriangles/s at best, %.2f MB\n", b->median * 1e3, b->best * 1e3,
-           j->mesh.n_tris / b->best * 1e-6, (double)lc_bvh_bytes(j->bvh) * 1e-6);
-    printf("rays    %s: %llu rays, at most %u of one origin at a time\n", j->rays_name, (ull)j->rays.n, j->max_group);
+    printf("build   median %.3f ms, best %.3f ms, %.2f Mtriangles/s at best, %.2f MB\n", b->median * 1e3,
+           b->best * 1e3, j->mesh.n_tris / b->best * 1e-6, (double)lc_bvh_bytes(j->bvh) * 1e-6);
+    printf("rays    %s: %llu rays, at most %u of one origin at a time\n", j->rays_name, (ull)j->rays.n,
+           j->max_group);
 }
 
 static void print_rays(const job *j, const result *r)
 {
     double m = (double)j->rays.n * 1e-6;
     printf("%-7s median %.2f, best %.2f, quiet %.2f Mrays/s; %llu occluded (%.2f %%)\n", lc_isa_name(r->isa),
-           m / r->seconds.median, m / r->seconds.best, m / r->quiet, (ull)r->occluded, 1e-4 * (double)r->occluded / m);
+           m / r->seconds.median, m / r->seconds.best, m / r->quiet, (ull)r->occluded,
+           1e-4 * (double)r->occluded / m);
 }
 
 static void print_json(const job *j, const bench_summary *b, const result *r)
@@ -131,10 +142,12 @@ static void print_json(const job *j, const bench_summary *b, const result *r)
     cli_json_text(stdout, j->rays_name);
     printf(", \"triangles\": %u, \"vertices\": %u, \"n_rays\": %llu,\n     \"isa\": \"%s\", \"runs\": %u, "
            "\"build_seconds_best\": %.9g, \"build_seconds_median\": %.9g, \"bvh_bytes\": %zu,\n"
-           "     \"mrays_per_second_best\": %.6g, \"mrays_per_second_median\": %.6g, \"mrays_per_second_quiet\": %.6g, "
+           "     \"mrays_per_second_best\": %.6g, \"mrays_per_second_median\": %.6g, "
+           "\"mrays_per_second_quiet\": %.6g, "
            "\"occluded\": %llu}",
-           j->mesh.n_tris, j->mesh.n_verts, (ull)j->rays.n, lc_isa_name(r->isa), j->n_runs, b->best, b->median,
-           lc_bvh_bytes(j->bvh), m / r->seconds.best, m / r->seconds.median, m / r->quiet, (ull)r->occluded);
+           j->mesh.n_tris, j->mesh.n_verts, (ull)j->rays.n, lc_isa_name(r->isa), j->n_runs, b->best,
+           b->median, lc_bvh_bytes(j->bvh), m / r->seconds.best, m / r->seconds.median, m / r->quiet,
+           (ull)r->occluded);
 }
 
 /* Everything about one mesh and its rays. first: no result is printed yet. */
@@ -151,8 +164,10 @@ static lc_status run_all(const bench_options *o, job *j, const bench_isas *isas,
     if (!o->json) print_build(j, &build);
     for (uint32_t i = 0; i < isas->n; i++) {
         result r = run_rays(j, isas->of[i]);
-        if (o->json) bench_json_next(first), print_json(j, &build, &r);
-        else print_rays(j, &r);
+        if (o->json) {
+            bench_json_next(first);
+            print_json(j, &build, &r);
+        } else print_rays(j, &r);
         first = false;
     }
     return LC_OK;
@@ -187,7 +202,9 @@ static lc_status run_made_up(const bench_options *o, lc_context *ctx, uint32_t n
     for (uint32_t n = 2; n <= 20000 && !st; n *= 100) {
         char name[32];
         snprintf(name, sizeof name, "%u boxes in a room", n);
-        job j = { .ctx = ctx, .mesh_name = name, .rays_name = "from random points to 64 lights", .n_runs = n_runs };
+        job j = {
+            .ctx = ctx, .mesh_name = name, .rays_name = "from random points to 64 lights", .n_runs = n_runs
+        };
         st = bench_make_mesh(ctx, n, &j.mesh);
         if (!st) st = bench_make_segments(ctx, POINTS, &j.rays);
         if (!st) st = run_all(o, &j, &isas, n == 2);

@@ -32,7 +32,8 @@ static void close_groups(bench_record *r)
     close_group(r, true);
 }
 
-static void add(bench_record *r, const float org[3], uint32_t n, const float *const target[3], bool far, const uint8_t *hidden)
+static void add(bench_record *r, const float org[3], uint32_t n, const float *const target[3], bool far,
+                const uint8_t *hidden)
 {
     if (memcmp(r->org, org, sizeof r->org) != 0) {
         close_groups(r);
@@ -47,8 +48,8 @@ static void add(bench_record *r, const float org[3], uint32_t n, const float *co
     }
 }
 
-static void record_hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
-                          uint8_t *hidden, uint32_t *block)
+static void record_hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n,
+                          const float *const target[3], bool far, uint8_t *hidden, uint32_t *block)
 {
     bench_record *r = current;
     r->real->hidden(bvh, org, n, target, far, hidden, block);
@@ -56,7 +57,8 @@ static void record_hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n
     if (keeps(r)) add(r, org, n, target, far, hidden);
 }
 
-static void record_closest(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit)
+static void record_closest(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max,
+                           lc_hit *hit)
 {
     bench_record *r = current;
     r->real->closest(bvh, org, dir, t_max, hit);
@@ -65,10 +67,12 @@ static void record_closest(const lc_bvh_data *bvh, const float org[3], const flo
     if (!keeps(r)) return;
     r->status = lc_grow(r->ctx, (void **)&r->cameras, &r->cap_cameras, r->n_cameras + 1, sizeof *r->cameras);
     if (r->status) return;
-    r->cameras[r->n_cameras++] = (record_camera){ { org[0], org[1], org[2] }, { dir[0], dir[1], dir[2] }, t_max };
+    r->cameras[r->n_cameras++] =
+        (record_camera){ { org[0], org[1], org[2] }, { dir[0], dir[1], dir[2] }, t_max };
 }
 
-lc_status bench_record_start(bench_record *r, const lc_context *ctx, lc_bvh *bvh, uint64_t every, size_t max_targets)
+lc_status bench_record_start(bench_record *r, const lc_context *ctx, lc_bvh *bvh, uint64_t every,
+                             size_t max_targets)
 {
     *r = (bench_record){ .ctx = ctx, .bvh = bvh, .real = bvh->kernels, .table = *bvh->kernels, .every = every,
                          .max_targets = max_targets };

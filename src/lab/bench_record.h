@@ -1,15 +1,16 @@
 /* bench_record.h - the rays that a render traces, kept so that they can be traced again alone.
  *
- * The recorder puts a table of kernels into a BVH whose ray kernels remember what they were asked before they ask the real
- * ones. While it is there the scene must be rendered by one thread. Rays in a row of one origin make one group, as if the
- * renderer had known them all when it sent the first.
+ * The recorder puts a table of kernels into a BVH whose ray kernels remember what they were asked before they
+ * ask the real ones. While it is there the scene must be rendered by one thread. Rays in a row of one origin
+ * make one group, as if the renderer had known them all when it sent the first.
  */
 #ifndef LC_CLI_BENCH_RECORD_H
 #define LC_CLI_BENCH_RECORD_H
 
 #include "trace/bvh.h"
 
-#define RECORD_BLOCK 4096u /* camera rays, and the shadow rays that follow from them: kept or left out together */
+/* Camera rays, and the shadow rays that follow from them: kept or left out together. */
+#define RECORD_BLOCK 4096u
 
 typedef struct record_group {
     float org[3];
@@ -47,7 +48,8 @@ typedef struct bench_record {
 } bench_record;
 
 /* Starts recording; one block in `every`, at most max_targets shadow rays. One recorder at a time. */
-lc_status bench_record_start(bench_record *r, const lc_context *ctx, lc_bvh *bvh, uint64_t every, size_t max_targets);
+lc_status bench_record_start(bench_record *r, const lc_context *ctx, lc_bvh *bvh, uint64_t every,
+                             size_t max_targets);
 /* Puts the real kernels back. Fails when memory ran out meanwhile. */
 lc_status bench_record_stop(bench_record *r);
 void bench_record_free(bench_record *r);

@@ -1,11 +1,11 @@
-/* bench_render.c - what a frame costs over its own rays: seconds of a render divided by the seconds that the same shadow and
- * camera rays take when nothing else is done: the shadow rays of a point together, and, as in `bench rays`, with the making
- * of the kernel's arrays.
+/* bench_render.c - what a frame costs over its own rays: seconds of a render divided by the seconds that the
+ * same shadow and camera rays take when nothing else is done: the shadow rays of a point together, and, as in
+ * `bench rays`, with the making of the kernel's arrays.
  *
  *     render 1 -> record its rays (one thread) -> rays 1 -> render 2 -> rays 2 -> render 3 -> rays 3
  *
- * in turn, so that a busy machine slows both. Where all rays would not fit in memory, one block of tiles out of so many is
- * recorded and the time of its rays scaled by their share.
+ * in turn, so that a busy machine slows both. Where all rays would not fit in memory, one block of tiles out
+ * of so many is recorded and the time of its rays scaled by their share.
  */
 #include "lab/bench.h"
 
@@ -31,7 +31,8 @@ typedef struct job {
     bench_record rec;
     lc_render_stats stats;
     uint64_t *n_hidden;   /* by thread, 8 apart: a cache line each */
-    double *times[3];     /* render, shadow rays, camera rays; seconds of each run, rays scaled to the whole frame */
+    double
+        *times[3]; /* render, shadow rays, camera rays; seconds of each run, rays scaled to the whole frame */
     bool differs;         /* rays traced again were not occluded as they were in the render */
 } job;
 
@@ -46,7 +47,11 @@ static uint32_t replay_group(const bench_record *r, const record_group *g)
     uint32_t count = 0;
     for (uint32_t done = 0, n; done < g->n; done += n) {
         n = g->n - done < PIECE ? g->n - done : PIECE;
-        for (uint32_t i = 0; i < n; i++, from += 3) x[0][i] = from[0], x[1][i] = from[1], x[2][i] = from[2];
+        for (uint32_t i = 0; i < n; i++, from += 3) {
+            x[0][i] = from[0];
+            x[1][i] = from[1];
+            x[2][i] = from[2];
+        }
         r->real->hidden(&r->bvh->data, g->org, n, target, g->far, hidden, NULL);
         for (uint32_t i = 0; i < n; i++) count += hidden[i];
     }
@@ -91,11 +96,13 @@ static lc_status replay(job *j, uint32_t run)
     for (uint32_t t = 0; t < j->ctx->n_threads; t++) n_hidden += j->n_hidden[8 * t];
     j->differs = n_hidden != r->n_hidden;
     if (!j->differs) return LC_OK;
-    return lc_fail(j->ctx, LC_ERR_CANCELLED, "%llu of the recorded rays were occluded, %llu of the same rays traced again",
+    return lc_fail(j->ctx, LC_ERR_CANCELLED,
+                   "%llu of the recorded rays were occluded, %llu of the same rays traced again",
                    (ull)r->n_hidden, (ull)n_hidden);
 }
 
-static lc_status render(lc_context *ctx, const bench_options *o, const lc_scene *scene, lc_render_stats *stats)
+static lc_status render(lc_context *ctx, const bench_options *o, const lc_scene *scene,
+                        lc_render_stats *stats)
 {
     lc_image *image;
     lc_status st = lc_render(ctx, scene, &o->render, &image, stats);
@@ -110,7 +117,8 @@ static lc_status record(job *j, const bench_options *o)
     if (!single) return LC_ERR_MEMORY;
     uint64_t every = 1 + j->stats.shadow_rays / (MAX_TARGETS / 16 * 15);
     uint64_t want = j->stats.shadow_rays / 8 * 9 + (1 << 20); /* the pre-pass is not counted */
-    lc_status st = bench_record_start(&j->rec, j->ctx, j->scene->bvh, every, want < MAX_TARGETS ? (size_t)want : MAX_TARGETS);
+    lc_status st = bench_record_start(&j->rec, j->ctx, j->scene->bvh, every,
+                                      want < MAX_TARGETS ? (size_t)want : MAX_TARGETS);
     if (!st) {
         st = render(single, o, j->scene, NULL);
         lc_status stopped = bench_record_stop(&j->rec);
@@ -141,7 +149,8 @@ typedef struct figures {
     bench_summary render, shadow, camera, rays; /* seconds; rays: shadow and camera of a run together */
     double share;                               /* of the shadow rays that were recorded */
     double ratio, ratio_best;
-    double render_rate, shadow_rate, camera_rate; /* million rays a second, medians; the render's: shadow rays */
+    double render_rate, shadow_rate,
+        camera_rate; /* million rays a second, medians; the render's: shadow rays */
     double per_point;
 } figures;
 
@@ -169,12 +178,15 @@ static void print_text(const job *j, const bench_options *o, const figures *f)
            cli_method_name(o->render.method));
     if (o->render.method != LC_METHOD_EXACT)
         printf(", error ratio %g, at most %u clusters", (double)o->render.error_ratio, o->render.max_cut);
-    printf("; %s, %u thread%s\n", lc_isa_name(j->ctx->isa), j->ctx->n_threads, j->ctx->n_threads == 1 ? "" : "s");
-    printf("render    median %.3f s, best %.3f s; %llu points, %.1f shadow rays a point, %.2f Mrays/s\n", f->render.median,
-           f->render.best, (ull)j->stats.points, f->per_point, f->render_rate);
-    printf("rays      median %.3f s, best %.3f s: shadow rays %.3f s, %.2f Mrays/s; camera rays %.3f s, %.2f Mrays/s\n",
+    printf("; %s, %u thread%s\n", lc_isa_name(j->ctx->isa), j->ctx->n_threads,
+           j->ctx->n_threads == 1 ? "" : "s");
+    printf("render    median %.3f s, best %.3f s; %llu points, %.1f shadow rays a point, %.2f Mrays/s\n",
+           f->render.median, f->render.best, (ull)j->stats.points, f->per_point, f->render_rate);
+    printf("rays      median %.3f s, best %.3f s: shadow rays %.3f s, %.2f Mrays/s; camera rays %.3f s, %.2f "
+           "Mrays/s\n",
            f->rays.median, f->rays.best, f->shadow.median, f->shadow_rate, f->camera.median, f->camera_rate);
-    printf("recorded  %.1f %% of %llu shadow rays in %zu groups%s\n", 100 * f->share, (ull)j->rec.n_shadow_seen, j->rec.n_groups,
+    printf("recorded  %.1f %% of %llu shadow rays in %zu groups%s\n", 100 * f->share,
+           (ull)j->rec.n_shadow_seen, j->rec.n_groups,
            f->share < 1 ? "; the time of the rays is scaled to all" : "");
     printf("speed     %.3f of the rays' alone (shadow rays a second of the render and of the rays)\n",
            ratio_of(f->render_rate, f->shadow_rate));
@@ -187,17 +199,23 @@ static void print_json(const job *j, const bench_options *o, const figures *f, u
     bench_json_next(true);
     printf("{\"scene\": ");
     cli_json_text(stdout, o->scene);
-    printf(", \"triangles\": %zu, \"lights\": %zu, \"method\": \"%s\", \"error_ratio\": %.6g, \"max_cut\": %u, \"isa\": \"%s\", "
+    printf(", \"triangles\": %zu, \"lights\": %zu, \"method\": \"%s\", \"error_ratio\": %.6g, \"max_cut\": "
+           "%u, \"isa\": \"%s\", "
            "\"runs\": %u,\n",
-           j->scene->n_tris, j->scene->n_lights, cli_method_name(o->render.method), (double)o->render.error_ratio, o->render.max_cut,
-           lc_isa_name(j->ctx->isa), n_runs);
-    printf("     \"points\": %llu, \"shadow_rays\": %llu, \"camera_rays\": %llu, \"shadow_rays_per_point\": %.6g, "
+           j->scene->n_tris, j->scene->n_lights, cli_method_name(o->render.method),
+           (double)o->render.error_ratio, o->render.max_cut, lc_isa_name(j->ctx->isa), n_runs);
+    printf("     \"points\": %llu, \"shadow_rays\": %llu, \"camera_rays\": %llu, \"shadow_rays_per_point\": "
+           "%.6g, "
            "\"recorded_share\": %.6g,\n",
-           (ull)j->stats.points, (ull)j->rec.n_shadow_seen, (ull)j->rec.n_camera_seen, f->per_point, f->share);
-    printf("     \"render_seconds_median\": %.9g, \"render_seconds_best\": %.9g, \"ray_seconds_median\": %.9g, "
-           "\"ray_seconds_best\": %.9g,\n     \"shadow_seconds_median\": %.9g, \"camera_seconds_median\": %.9g,\n",
-           f->render.median, f->render.best, f->rays.median, f->rays.best, f->shadow.median, f->camera.median);
-    printf("     \"render_mrays_per_second\": %.6g, \"shadow_mrays_per_second\": %.6g, \"camera_mrays_per_second\": %.6g,\n"
+           (ull)j->stats.points, (ull)j->rec.n_shadow_seen, (ull)j->rec.n_camera_seen, f->per_point,
+           f->share);
+    printf(
+        "     \"render_seconds_median\": %.9g, \"render_seconds_best\": %.9g, \"ray_seconds_median\": %.9g, "
+        "\"ray_seconds_best\": %.9g,\n     \"shadow_seconds_median\": %.9g, \"camera_seconds_median\": "
+        "%.9g,\n",
+        f->render.median, f->render.best, f->rays.median, f->rays.best, f->shadow.median, f->camera.median);
+    printf("     \"render_mrays_per_second\": %.6g, \"shadow_mrays_per_second\": %.6g, "
+           "\"camera_mrays_per_second\": %.6g,\n"
            "     \"ratio\": %.6g, \"ratio_best\": %.6g}",
            f->render_rate, f->shadow_rate, f->camera_rate, f->ratio, f->ratio_best);
     bench_json_end();

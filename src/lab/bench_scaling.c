@@ -1,5 +1,5 @@
-/* bench_scaling.c - render time against the number of lights: the scene `cube` with 10^3, 10^4 ... lights of the same total
- * flux, so that the picture stays as bright as it is; printed, and plotted on demand. */
+/* bench_scaling.c - render time against the number of lights: the scene `cube` with 10^3, 10^4 ... lights of
+ * the same total flux, so that the picture stays as bright as it is; printed, and plotted on demand. */
 #include "lab/bench.h"
 
 #include "base/stats.h"
@@ -26,7 +26,8 @@ static double peak_mb(void)
     return getrusage(RUSAGE_SELF, &usage) ? 0 : (double)usage.ru_maxrss / 1024;
 }
 
-static lc_status render(const bench_options *o, lc_context *ctx, const lc_scene *scene, lc_render_stats *stats, double *median)
+static lc_status render(const bench_options *o, lc_context *ctx, const lc_scene *scene,
+                        lc_render_stats *stats, double *median)
 {
     double times[BENCH_MAX_RUNS];
     static const int32_t middle[4] = { 192, 448, 112, 368 }; /* 256 x 256 of 640 x 480 */
@@ -44,16 +45,18 @@ static lc_status render(const bench_options *o, lc_context *ctx, const lc_scene 
     return LC_OK;
 }
 
-static void print_row(const bench_options *o, const sizes *z, const lc_scene_info *info, const lc_render_stats *stats)
+static void print_row(const bench_options *o, const sizes *z, const lc_scene_info *info,
+                      const lc_render_stats *stats)
 {
     uint32_t k = z->count - 1;
     double ratio = k && z->seconds[k - 1] > 0 ? z->seconds[k] / z->seconds[k - 1] : 0;
     if (o->json) {
         bench_json_next(!k);
-        printf("{\"scene\": \"cube\", \"lights\": %.0f, \"parse_seconds\": %.6g, \"tree_seconds\": %.6g, \"render_seconds\": %.6g, "
+        printf("{\"scene\": \"cube\", \"lights\": %.0f, \"parse_seconds\": %.6g, \"tree_seconds\": %.6g, "
+               "\"render_seconds\": %.6g, "
                "\"cut_mean\": %.6g, \"mean_luminance\": %.6g, \"bytes_per_light\": %.6g, \"peak_mb\": %.6g}",
-               z->n[k], info->seconds_parse, info->seconds_tree, z->seconds[k], z->cut[k], stats->mean_luminance,
-               (double)info->tree_bytes / (double)info->n_lights, peak_mb());
+               z->n[k], info->seconds_parse, info->seconds_tree, z->seconds[k], z->cut[k],
+               stats->mean_luminance, (double)info->tree_bytes / (double)info->n_lights, peak_mb());
         return;
     }
     printf("%9.0f %9.3f %9.3f %10.3f ", z->n[k], info->seconds_parse, info->seconds_tree, z->seconds[k]);
@@ -76,7 +79,10 @@ static lc_status one_size(const bench_options *o, lc_context *ctx, uint32_t n, s
     st = render(o, ctx, scene, &stats, &z->seconds[z->count]);
     z->n[z->count] = n;
     z->cut[z->count] = stats.cut_mean;
-    if (!st) z->count++, print_row(o, z, &info, &stats);
+    if (!st) {
+        z->count++;
+        print_row(o, z, &info, &stats);
+    }
     lc_scene_destroy(scene);
     return st;
 }
@@ -85,10 +91,21 @@ static void write_plots(FILE *f, void *user)
 {
     const sizes *z = user;
     const svg_plot plots[2] = {
-        { .title = "Render time against number of lights", .x_label = "lights, total flux the same", .y_label = "seconds",
-          .log_x = 1, .log_y = 1, .values = 1, .series = { { "seconds", z->n, z->seconds, z->count } }, .n_series = 1 },
-        { .title = "Lights evaluated at a point", .x_label = "lights", .y_label = "mean cut", .log_x = 1, .values = 1,
-          .series = { { "mean cut", z->n, z->cut, z->count } }, .n_series = 1 },
+        { .title = "Render time against number of lights",
+          .x_label = "lights, total flux the same",
+          .y_label = "seconds",
+          .log_x = 1,
+          .log_y = 1,
+          .values = 1,
+          .series = { { "seconds", z->n, z->seconds, z->count } },
+          .n_series = 1 },
+        { .title = "Lights evaluated at a point",
+          .x_label = "lights",
+          .y_label = "mean cut",
+          .log_x = 1,
+          .values = 1,
+          .series = { { "mean cut", z->n, z->cut, z->count } },
+          .n_series = 1 },
     };
     svg_write(f, plots, 2, 640, 340);
 }
@@ -102,10 +119,12 @@ int bench_scaling(const bench_options *o)
     uint32_t threads = lc_context_threads(ctx), most = o->n_lights ? o->n_lights : MAX_LIGHTS;
     if (o->json) bench_json_begin("tree", threads);
     else
-        printf("cube, error ratio %g, median of %u renders; x: seconds over those of the line above; %u thread%s\n\n"
+        printf("cube, error ratio %g, median of %u renders; x: seconds over those of the line above; %u "
+               "thread%s\n\n"
                "   lights   parse s    tree s   render s       x      cut  luminance   peak MB\n",
                (double)o->render.error_ratio, o->n_runs ? o->n_runs : RUNS, threads, threads == 1 ? "" : "s");
-    for (uint64_t n = most < 1000 ? most : 1000; n <= most && !st; n *= 10) st = one_size(o, ctx, (uint32_t)n, &z);
+    for (uint64_t n = most < 1000 ? most : 1000; n <= most && !st; n *= 10)
+        st = one_size(o, ctx, (uint32_t)n, &z);
     if (o->json) bench_json_end();
     lc_context_destroy(ctx);
     if (!st && o->outfile && cli_write_file(o->outfile, write_plots, &z)) return CLI_FAILED;

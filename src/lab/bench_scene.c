@@ -1,5 +1,5 @@
-/* bench_scene.c - generated scenes for the benches: a child process writes the text, which is read from a pipe in place of
- * standard input, so no file is made and the text is never in memory as a whole. */
+/* bench_scene.c - generated scenes for the benches: a child process writes the text, which is read from a
+ * pipe in place of standard input, so no file is made and the text is never in memory as a whole. */
 #include "lab/bench.h"
 
 #include <errno.h>
@@ -46,8 +46,8 @@ static lc_status load_from(lc_context *ctx, int fd, const lc_load_desc *load, lc
     return st;
 }
 
-lc_status bench_load(lc_context *ctx, const gen_scene *scene, uint64_t n_lights, uint64_t max_pixels, const bench_builder *builder,
-                     const lc_load_desc *load, lc_scene **out)
+lc_status bench_load(lc_context *ctx, const gen_scene *scene, uint64_t n_lights, uint64_t max_pixels,
+                     const bench_builder *builder, const lc_load_desc *load, lc_scene **out)
 {
     const text t = { scene, n_lights, max_pixels };
     lc_load_desc d = *load;

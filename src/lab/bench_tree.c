@@ -1,4 +1,5 @@
-/* bench_tree.c - how long light trees take to build, and how much memory a light: by kind of light, builder and threads. */
+/* bench_tree.c - how long light trees take to build, and how much memory a light: by kind of light, builder
+ * and threads. */
 #include "lab/bench.h"
 
 #include "base/stats.h"
@@ -7,8 +8,8 @@
 
 #define RUNS 5
 
-static lc_status measure(const bench_options *o, const lc_context *ctx, const bench_builder *builder, lc_light_kind kind, uint32_t n,
-                         bool *first)
+static lc_status measure(const bench_options *o, const lc_context *ctx, const bench_builder *builder,
+                         lc_light_kind kind, uint32_t n, bool *first)
 {
     double times[BENCH_MAX_RUNS], bytes = 0;
     uint32_t n_runs = o->n_runs ? o->n_runs : RUNS;
@@ -16,7 +17,9 @@ static lc_status measure(const bench_options *o, const lc_context *ctx, const be
     lc_status st = lights ? LC_OK : LC_ERR_MEMORY;
     for (uint64_t i = 0; i < n && !st; i++) lights[i] = bench_light(kind, i);
     for (uint32_t r = 0; r < n_runs && !st; r++) {
-        lc_light_tree_desc desc = { .lights = lights, .n_lights = n, .diag2 = 300, .n_reps = 1, .builder = builder->id };
+        lc_light_tree_desc desc = {
+            .lights = lights, .n_lights = n, .diag2 = 300, .n_reps = 1, .builder = builder->id
+        };
         lc_light_tree *tree;
         double t0 = lc_now();
         st = lc_light_tree_build(ctx, &desc, &tree);
@@ -30,13 +33,15 @@ static lc_status measure(const bench_options *o, const lc_context *ctx, const be
     bench_summary s = bench_summarize(times, n_runs);
     if (o->json) {
         bench_json_next(*first);
-        printf("{\"kind\": \"%s\", \"lights\": %u, \"builder\": \"%s\", \"threads\": %u, \"build_seconds_best\": %.9g, "
+        printf("{\"kind\": \"%s\", \"lights\": %u, \"builder\": \"%s\", \"threads\": %u, "
+               "\"build_seconds_best\": %.9g, "
                "\"build_seconds_median\": %.9g, \"build_seconds_spread\": %.9g, \"bytes_per_light\": %.6g}",
                bench_kind_name(kind), n, builder->name, ctx->n_threads, s.best, s.median, s.spread, bytes);
     } else {
-        printf("%8u %-12s %-6s %2u thread%s build %10.3f +- %.3f ms, best %10.3f ms, %4.0f ns/light, %.0f bytes/light\n", n,
-               bench_kind_name(kind), builder->name, ctx->n_threads, ctx->n_threads == 1 ? " " : "s", s.median * 1e3, s.spread * 1e3,
-               s.best * 1e3, s.median / n * 1e9, bytes);
+        printf("%8u %-12s %-6s %2u thread%s build %10.3f +- %.3f ms, best %10.3f ms, %4.0f ns/light, %.0f "
+               "bytes/light\n",
+               n, bench_kind_name(kind), builder->name, ctx->n_threads, ctx->n_threads == 1 ? " " : "s",
+               s.median * 1e3, s.spread * 1e3, s.best * 1e3, s.median / n * 1e9, bytes);
     }
     *first = false;
     return LC_OK;
@@ -63,7 +68,9 @@ int bench_tree(const bench_options *o)
     bool first = true;
     if (!ctx) return CLI_FAILED;
     if (o->json) bench_json_begin("tree", ctx->n_threads);
-    else printf("light trees: median of %u runs, +- half the distance between the quartiles\n", o->n_runs ? o->n_runs : RUNS);
+    else
+        printf("light trees: median of %u runs, +- half the distance between the quartiles\n",
+               o->n_runs ? o->n_runs : RUNS);
     /* Unless told how many: by one thread as well. */
     if (!o->n_threads && ctx->n_threads > 1) {
         single = cli_context(1, o->isa, 0);

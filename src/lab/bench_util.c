@@ -37,7 +37,8 @@ lc_light bench_light(lc_light_kind kind, uint64_t i)
     return l;
 }
 
-const bench_builder bench_builders[BENCH_N_BUILDERS] = { { "exact", LC_BUILDER_EXACT }, { "ploc", LC_BUILDER_PLOC } };
+const bench_builder bench_builders[BENCH_N_BUILDERS] = { { "exact", LC_BUILDER_EXACT },
+                                                         { "ploc", LC_BUILDER_PLOC } };
 
 const char *bench_kind_name(lc_light_kind kind)
 {
@@ -47,7 +48,8 @@ const char *bench_kind_name(lc_light_kind kind)
 
 void bench_json_begin(const char *bench, uint32_t n_threads)
 {
-    printf("{\n  \"version\": \"%s\",\n  \"bench\": \"%s\",\n  \"threads\": %u,\n  \"results\": [", LC_VERSION, bench, n_threads);
+    printf("{\n  \"version\": \"%s\",\n  \"bench\": \"%s\",\n  \"threads\": %u,\n  \"results\": [",
+           LC_VERSION, bench, n_threads);
 }
 
 void bench_json_next(bool first) { printf("%s\n    ", first ? "" : ","); }

@@ -5,14 +5,31 @@
 #include <string.h>
 
 enum { BOUNDS = 1, RAYS = 2, TREE = 4, RENDER = 8, ALL = 15 };
-enum { OPT_MESH = 256, OPT_RAYS, OPT_ISA, OPT_LIGHTS, OPT_RUNS, OPT_JSON, OPT_METHOD, OPT_ERROR, OPT_MAX_CUT, OPT_FLOOR, OPT_REPS,
-       OPT_PIXELS, OPT_BUILDER, OPT_QUALITY, OPT_SCALING };
+enum {
+    OPT_MESH = 256,
+    OPT_RAYS,
+    OPT_ISA,
+    OPT_LIGHTS,
+    OPT_RUNS,
+    OPT_JSON,
+    OPT_METHOD,
+    OPT_ERROR,
+    OPT_MAX_CUT,
+    OPT_FLOOR,
+    OPT_REPS,
+    OPT_PIXELS,
+    OPT_BUILDER,
+    OPT_QUALITY,
+    OPT_SCALING
+};
 
 static const struct {
     const char *name;
     int bit;
     int (*run)(const bench_options *o);
-} benches[] = { { "bounds", BOUNDS, bench_bounds }, { "rays", RAYS, bench_rays }, { "tree", TREE, bench_tree },
+} benches[] = { { "bounds", BOUNDS, bench_bounds },
+                { "rays", RAYS, bench_rays },
+                { "tree", TREE, bench_tree },
                 { "render", RENDER, bench_render } };
 #define N_BENCHES (sizeof benches / sizeof *benches)
 
@@ -47,30 +64,38 @@ static const char help[] =
     "       lightcuts bench tree [options] [--quality [SCENE...] | --scaling [-o PLOT.svg]]\n"
     "       lightcuts bench render [options] SCENE.pbrt\n"
     "\n"
-    "Times parts of the renderer on this machine and prints medians; what else the machine does meanwhile counts too.\n"
+    "Times parts of the renderer on this machine and prints medians; what else the machine does meanwhile "
+    "counts too.\n"
     "\n"
-    "bounds   ns a cluster of the bounds, ns a light of the estimates (of lights here and there, and of the exact method's\n"
+    "bounds   ns a cluster of the bounds, ns a light of the estimates (of lights here and there, and of the "
+    "exact method's\n"
     "         blocks), for every instruction set; a tree of 4096 lights, one thread\n"
-    "rays     build of the BVH and shadow rays a second; without files for meshes made up here and every instruction set.\n"
+    "rays     build of the BVH and shadow rays a second; without files for meshes made up here and every "
+    "instruction set.\n"
     "         quiet: each 16384 rays count with the shortest time they ever took\n"
-    "tree     build of the light tree and its bytes a light, by one thread and by all; instead of that, on generated scenes:\n"
+    "tree     build of the light tree and its bytes a light, by one thread and by all; instead of that, on "
+    "generated scenes:\n"
     "         --quality: build, bytes, cuts, measured error and cost at equal error of each builder\n"
-    "         --scaling: time of a 256x256 crop of `cube` with 10^3 to 10^7 lights, the picture as bright as ever\n"
+    "         --scaling: time of a 256x256 crop of `cube` with 10^3 to 10^7 lights, the picture as bright as "
+    "ever\n"
     "render   seconds of a render divided by the seconds its shadow and camera rays take alone: `ratio`\n"
     "\n"
-    "      --runs N         repetitions, 1 to 1001; default 15 (bounds), 5 (rays, tree), 3 (render and the rest)\n"
+    "      --runs N         repetitions, 1 to 1001; default 15 (bounds), 5 (rays, tree), 3 (render and the "
+    "rest)\n"
     "      --json           print one JSON object: version, bench, threads, results\n"
     "      --isa I          bounds, rays, render: %s only (also, as the best: LC_ISA)\n"
     "  -t, --nthreads N     rays, tree, render: default all processors this process may use\n"
     "      --mesh FILE      rays: the mesh\n"
     "      --rays FILE      rays: the segments, in groups of one origin\n"
-    "      --lights N       tree: this number of lights, not 1000, 10000 and 100000; --quality: not 10000 and 100000;\n"
+    "      --lights N       tree: this number of lights, not 1000, 10000 and 100000; --quality: not 10000 "
+    "and 100000;\n"
     "                       --scaling: at most so many\n"
     "      --quality        tree: of these generated scenes, or of the first six; --runs: seeds\n"
     "      --scaling        tree: see above; minutes, and some GB of memory at 10^7\n"
     "  -o, --outfile FILE   tree --scaling: plot it as SVG\n"
     "      --builder B      tree: exact or ploc only; render: as of `lightcuts render`\n"
-    "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --pixelbounds x0,x1,y0,y1\n"
+    "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --pixelbounds "
+    "x0,x1,y0,y1\n"
     "                       render: as of `lightcuts render`\n"
     "  -h, --help           this text\n"
     "\n"
@@ -110,8 +135,8 @@ static int find_bench(const char *word)
         if (!strcmp(word, benches[i].name)) return (int)i;
     }
     const char *near = cli_nearest(word, names);
-    cli_usage_error("bench", "'%s' is not bounds, rays, tree or render%s%s%s", word, near ? "; did you mean '" : "",
-                    near ? near : "", near ? "'?" : "");
+    cli_usage_error("bench", "'%s' is not bounds, rays, tree or render%s%s%s", word,
+                    near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
     return -1;
 }
 
@@ -125,8 +150,8 @@ static int find_scenes(bench_options *o, int n, char **args)
         while (i < GEN_N_SCENES && strcmp(args[k], names[i])) i++;
         if (i == GEN_N_SCENES || k == GEN_N_SCENES) {
             const char *near = cli_nearest(args[k], names);
-            cli_usage_error("bench", "there is no generated scene '%s'%s%s%s", args[k], near ? "; did you mean '" : "",
-                            near ? near : "", near ? "'?" : "");
+            cli_usage_error("bench", "there is no generated scene '%s'%s%s%s", args[k],
+                            near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
             return CLI_USAGE;
         }
         o->scenes[o->n_scenes++] = &gen_scenes[i];
@@ -148,12 +173,14 @@ static int check_arguments(bench_options *o, int which, int n, char **args)
     }
     if (o->quality) return find_scenes(o, n, args);
     if (n != want) {
-        cli_usage_error("bench", "%s wants %s, got %d", benches[which].name, want ? "one scene" : "no argument but options", n);
+        cli_usage_error("bench", "%s wants %s, got %d", benches[which].name,
+                        want ? "one scene" : "no argument but options", n);
         return CLI_USAGE;
     }
     if (want) o->scene = args[0];
     if (!o->mesh != !o->rays) {
-        cli_usage_error("bench", "--%s is missing: give both --mesh and --rays, or neither", o->mesh ? "rays" : "mesh");
+        cli_usage_error("bench", "--%s is missing: give both --mesh and --rays, or neither",
+                        o->mesh ? "rays" : "mesh");
         return CLI_USAGE;
     }
     return CLI_OK;
@@ -167,8 +194,13 @@ static int parse_options(int argc, char **argv, int which, bench_options *o)
     for (size_t i = 0; i < N_OPTIONS; i++)
         if (all_options[i].benches & bit) table[n++] = all_options[i].option;
     table[n] = (struct option){ 0 };
-    optind = 1, opterr = 0;
-    while ((c = getopt_long(argc, argv, bit == BOUNDS ? ":h" : bit == TREE ? ":t:o:h" : ":t:h", table, &index)) != -1) {
+    optind = 1;
+    opterr = 0;
+    while ((c = getopt_long(argc, argv,
+                            bit == BOUNDS ? ":h"
+                            : bit == TREE ? ":t:o:h"
+                                          : ":t:h",
+                            table, &index)) != -1) {
         if (c == 'h') {
             printf(help, cli_isa_names());
             return -1;

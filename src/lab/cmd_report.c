@@ -14,24 +14,36 @@
 enum { OPT_QUICK = 256, OPT_RATIOS, OPT_REPS, OPT_MAX_CUT, OPT_ISA };
 
 static const struct option long_options[] = {
-    { "outdir", 1, 0, 'o' }, { "quick", 0, 0, OPT_QUICK }, { "error-ratios", 1, 0, OPT_RATIOS }, { "representatives", 1, 0, OPT_REPS },
-    { "max-cut", 1, 0, OPT_MAX_CUT }, { "nthreads", 1, 0, 't' }, { "isa", 1, 0, OPT_ISA }, { "quiet", 0, 0, 'q' },
-    { "help", 0, 0, 'h' }, { 0, 0, 0, 0 },
+    { "outdir", 1, 0, 'o' },
+    { "quick", 0, 0, OPT_QUICK },
+    { "error-ratios", 1, 0, OPT_RATIOS },
+    { "representatives", 1, 0, OPT_REPS },
+    { "max-cut", 1, 0, OPT_MAX_CUT },
+    { "nthreads", 1, 0, 't' },
+    { "isa", 1, 0, OPT_ISA },
+    { "quiet", 0, 0, 'q' },
+    { "help", 0, 0, 'h' },
+    { 0, 0, 0, 0 },
 };
 
 static const char help[] =
     "usage: lightcuts report [options] SCENE.pbrt... -o DIR\n"
     "\n"
-    "Renders each scene by the exact method and by Lightcuts, at several error ratios with one and with many\n"
-    "representatives, and writes DIR/index.html, one page without anything from elsewhere: the pictures with a slider,\n"
-    "differences, errors, sizes of cuts, plots and tables; and DIR/report.json with every number of it. Scenes of the seed\n"
-    "report, known by the comment that `lightcuts scene` writes or as cornell.pbrt, stairs.pbrt and room.pbrt, get its\n"
+    "Renders each scene by the exact method and by Lightcuts, at several error ratios with one and with "
+    "many\n"
+    "representatives, and writes DIR/index.html, one page without anything from elsewhere: the pictures with "
+    "a slider,\n"
+    "differences, errors, sizes of cuts, plots and tables; and DIR/report.json with every number of it. "
+    "Scenes of the seed\n"
+    "report, known by the comment that `lightcuts scene` writes or as cornell.pbrt, stairs.pbrt and "
+    "room.pbrt, get its\n"
     "Table 1 and appendix C beside ours.\n"
     "Finished renders are kept in DIR/renders: after an interruption run the same again to go on.\n"
     "\n"
     "  -o, --outdir DIR         where to write; made if it is not there\n"
     "      --quick              films of about 160 x 120 pixels: seconds instead of minutes\n"
-    "      --error-ratios LIST  default 0.9,0.7,0.5,0.2,0.1,0.05,0.02,0.01; pictures are shown of that nearest to 0.02\n"
+    "      --error-ratios LIST  default 0.9,0.7,0.5,0.2,0.1,0.05,0.02,0.01; pictures are shown of that "
+    "nearest to 0.02\n"
     "      --representatives N  how many are many, 2 to 32, default 16\n"
     "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
     "  -t, --nthreads N         default: all processors this process may use\n"
@@ -101,7 +113,8 @@ static int parse_options(int argc, char **argv, report_options *o, int *status)
     int c, index = -1;
     *status = CLI_USAGE;
     if (cli_env_isa("report", &o->isa)) return -1;
-    optind = 1, opterr = 0;
+    optind = 1;
+    opterr = 0;
     while ((c = getopt_long(argc, argv, ":o:t:qh", long_options, &index)) != -1) {
         if (c == 'h') {
             printf(help, cli_isa_names());
@@ -114,7 +127,8 @@ static int parse_options(int argc, char **argv, report_options *o, int *status)
         }
         if (set_option(o, c)) {
             if (c < 256) cli_usage_error("report", "bad value '%s' for option -%c", optarg, c);
-            else cli_usage_error("report", "bad value '%s' for option --%s", optarg, long_options[index].name);
+            else
+                cli_usage_error("report", "bad value '%s' for option --%s", optarg, long_options[index].name);
             return -1;
         }
     }
@@ -123,7 +137,8 @@ static int parse_options(int argc, char **argv, report_options *o, int *status)
 
 /* ---- scenes and folders ---- */
 
-/* The file's name without folder and .pbrt, in letters that mean nothing to a shell or to HTML; a second one gets -2. */
+/* The file's name without folder and .pbrt, in letters that mean nothing to a shell or to HTML; a second one
+ * gets -2. */
 static void name_scene(report *r, uint32_t k)
 {
     report_scene *s = &r->scenes[k];
@@ -145,7 +160,8 @@ static int make_folder(const char *path)
 {
     struct stat st;
     int err = mkdir(path, 0777) ? errno : 0;
-    if (err == EEXIST && !stat(path, &st)) err = !S_ISDIR(st.st_mode) ? ENOTDIR : access(path, W_OK | X_OK) ? errno : 0;
+    if (err == EEXIST && !stat(path, &st))
+        err = !S_ISDIR(st.st_mode) ? ENOTDIR : access(path, W_OK | X_OK) ? errno : 0;
     if (!err) return CLI_OK;
     fprintf(stderr, "lightcuts: error: cannot make the folder '%s': %s\n", path, strerror(err));
     return CLI_FAILED;
@@ -178,7 +194,9 @@ static int run(report *r)
 
 int cmd_report(int argc, char **argv)
 {
-    report_options o = { .ratios = { 0.9, 0.7, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01 }, .n_ratios = 8, .n_reps = 16, .max_cut = 1000 };
+    report_options o = {
+        .ratios = { 0.9, 0.7, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01 }, .n_ratios = 8, .n_reps = 16, .max_cut = 1000
+    };
     int status;
     if (parse_options(argc, argv, &o, &status)) return status;
     report *r = calloc(1, sizeof *r);

@@ -17,7 +17,8 @@ typedef struct scene_args {
 static void list_scenes(FILE *f)
 {
     for (size_t i = 0; i < GEN_N_SCENES; i++)
-        fprintf(f, "  %-11s %s (%" PRIu64 " lights)\n", gen_scenes[i].name, gen_scenes[i].about, gen_scenes[i].n_lights);
+        fprintf(f, "  %-11s %s (%" PRIu64 " lights)\n", gen_scenes[i].name, gen_scenes[i].about,
+                gen_scenes[i].n_lights);
 }
 
 static int print_help(void)
@@ -67,7 +68,8 @@ static int parse_args(int argc, char **argv, scene_args *args)
                                              { "help", 0, 0, 'h' },
                                              { 0, 0, 0, 0 } };
     int c, status = CLI_OK;
-    optind = 1, opterr = 0;
+    optind = 1;
+    opterr = 0;
     while ((c = getopt_long(argc, argv, ":o:h", options, NULL)) != -1) {
         switch (c) {
         case 'n': status = number_option("lights", optarg, 1, MAX_LIGHTS, &args->n_lights); break;

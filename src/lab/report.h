@@ -3,8 +3,8 @@
  *     options -> survey -> render -> measure -> report.json, index.html
  *             report_key  report_render  report_measure, report_picture   report_json, report_page ...
  *
- * A scene has 1 + 2 n_ratios renders: the exact one first, then every error ratio with one representative, then every ratio
- * with many. Renders are kept in DIR/renders and found again by their key. */
+ * A scene has 1 + 2 n_ratios renders: the exact one first, then every error ratio with one representative,
+ * then every ratio with many. Renders are kept in DIR/renders and found again by their key. */
 #ifndef LC_CLI_REPORT_H
 #define LC_CLI_REPORT_H
 
@@ -30,10 +30,12 @@ typedef struct report_options {
     bool quick, quiet;
 } report_options;
 
-/* What a render leaves beside its picture; named in report_kept.c for report.json and the files that are kept. */
+/* What a render leaves beside its picture; named in report_kept.c for report.json and the files that are
+ * kept. */
 typedef struct report_stats {
     double width, height, triangles, lights;
-    double seconds, tree_seconds, cut_mean, cut_median, cut_p99, cut_max, at_limit, points, shadow_rays, every_light;
+    double seconds, tree_seconds, cut_mean, cut_median, cut_p99, cut_max, at_limit, points, shadow_rays,
+        every_light;
 } report_stats;
 
 typedef struct report_field {
@@ -53,7 +55,8 @@ typedef struct report_render {
     /* Against the exact render, so not of that one itself. */
     metrics m;
     double speedup, rmse_of_mean, rays_per_point;
-    double rel_share[REPORT_BINS], cut_share[REPORT_BINS]; /* of the pixels, %, between the edges of the scene */
+    double rel_share[REPORT_BINS],
+        cut_share[REPORT_BINS]; /* of the pixels, %, between the edges of the scene */
 } report_render;
 
 typedef struct report_picture {
@@ -90,7 +93,8 @@ typedef struct report_scene {
     double rel_edges[REPORT_BINS + 1], cut_edges[REPORT_BINS + 1];
     report_picture exact;
     report_view views[2];                        /* one representative, many */
-    report_picture details[REPORT_MAX_RENDERS][2]; /* of every render: a part of the picture, and its difference */
+    report_picture details[REPORT_MAX_RENDERS]
+                          [2]; /* of every render: a part of the picture, and its difference */
     uint32_t detail_x, detail_y, detail_width, detail_height;
 } report_scene;
 
@@ -108,7 +112,8 @@ typedef struct report {
 int report_hash_scene(const char *path, uint64_t *key);
 uint64_t report_hash(uint64_t key, const void *data, size_t n);
 #define REPORT_HASH_START 0xcbf29ce484222325u
-/* The scene of the seed report that a file is: by the comment `lightcuts scene` writes into it, else by its name. */
+/* The scene of the seed report that a file is: by the comment `lightcuts scene` writes into it, else by its
+ * name. */
 const report_seed *report_find_seed(const char *path);
 
 /* Where a render is kept: DIR/renders/SCENE-exact.exr and .json, DIR/renders/SCENE-0.02-r16.exr ... */
@@ -124,7 +129,8 @@ int report_render_all(report *r);
 
 /* Reads the renders of all scenes and fills in all that report.json and the page show. */
 int report_measure_all(report *r);
-lc_status report_make_pictures(lc_context *ctx, report *r, report_scene *s, uint32_t render, lc_image *image, const lc_image *exact);
+lc_status report_make_pictures(lc_context *ctx, report *r, report_scene *s, uint32_t render, lc_image *image,
+                               const lc_image *exact);
 lc_status report_make_legends(lc_context *ctx, report *r);
 void report_free_pictures(report *r);
 double report_luminance(float *const plane[3], size_t i);
@@ -139,11 +145,21 @@ void report_write_rows(FILE *f, const report *r, uint32_t k); /* appendix C, of 
 void report_write_plots(FILE *f, const report *r, uint32_t k);
 void report_put_image(FILE *f, const report_picture *p, const char *alt);
 
-typedef enum report_format { FMT_COUNT, FMT_PLAIN, FMT_PERCENT, FMT_SECONDS, FMT_CLOCK, FMT_TIMES } report_format;
-/* A number as a reader likes it, with the whole of it and its place in report.json: "scenes.0.renders.3.rmse". */
-void report_put_number(FILE *f, report_format format, double v, const char *key, ...) __attribute__((format(printf, 4, 5)));
+typedef enum report_format {
+    FMT_COUNT,
+    FMT_PLAIN,
+    FMT_PERCENT,
+    FMT_SECONDS,
+    FMT_CLOCK,
+    FMT_TIMES
+} report_format;
+/* A number as a reader likes it, with the whole of it and its place in report.json:
+ * "scenes.0.renders.3.rmse". */
+void report_put_number(FILE *f, report_format format, double v, const char *key, ...)
+    __attribute__((format(printf, 4, 5)));
 /* The same of render `render` of scene k: "scenes.k.renders.render.name". */
-void report_put_of_render(FILE *f, report_format format, double v, uint32_t k, uint32_t render, const char *name);
+void report_put_of_render(FILE *f, report_format format, double v, uint32_t k, uint32_t render,
+                          const char *name);
 /* The number as report.json has it; null where it is not finite. */
 void report_put_value(FILE *f, double v);
 

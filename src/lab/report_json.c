@@ -1,4 +1,5 @@
-/* report_json.c - report.json: every number of the page, from the same variables. Keys are added, never renamed. */
+/* report_json.c - report.json: every number of the page, from the same variables. Keys are added, never
+ * renamed. */
 #include "lab/report.h"
 
 #include "cli/cli.h"
@@ -34,7 +35,8 @@ static void put_render(FILE *f, const report_render *v)
     fprintf(f, "{\"method\": \"%s\", \"representatives\": %" PRIu32, cli_method_name(v->method), v->n_reps);
     member(f, "error_ratio", exact ? NAN : v->ratio);
     for (int i = 0; i < REPORT_N_STATS; i++)
-        member(f, report_fields[i].name, *(const double *)((const char *)&v->stats + report_fields[i].offset));
+        member(f, report_fields[i].name,
+               *(const double *)((const char *)&v->stats + report_fields[i].offset));
     member(f, "rays_per_point", v->rays_per_point);
     if (!exact) {
         member(f, "speedup", v->speedup);
@@ -60,7 +62,8 @@ static void put_seed(FILE *f, const report_seed *s)
     fputs(", \"appendix\": [", f);
     for (int i = 0; i < REPORT_N_SEED_ROWS && s->has_appendix; i++) {
         const report_seed_row *row = &report_appendix[i];
-        fprintf(f, "%s{\"error_ratio\": %g, \"seconds\": %g, \"speedup\": %g}", i ? ", " : "", row->ratio, row->seconds, row->speedup);
+        fprintf(f, "%s{\"error_ratio\": %g, \"seconds\": %g, \"speedup\": %g}", i ? ", " : "", row->ratio,
+                row->seconds, row->speedup);
     }
     fputs("]}", f);
 }
@@ -71,7 +74,9 @@ static void put_scene(FILE *f, const report *r, const report_scene *s)
     cli_json_text(f, s->name);
     member(f, "shown_error_ratio", r->o->ratios[s->shown]);
     member(f, "mean_luminance", s->mean_luminance);
-    fprintf(f, ", \"detail\": {\"x\": %" PRIu32 ", \"y\": %" PRIu32 ", \"width\": %" PRIu32 ", \"height\": %" PRIu32 "}",
+    fprintf(f,
+            ", \"detail\": {\"x\": %" PRIu32 ", \"y\": %" PRIu32 ", \"width\": %" PRIu32
+            ", \"height\": %" PRIu32 "}",
             s->detail_x, s->detail_y, s->detail_width, s->detail_height);
     array(f, "rel_edges", s->rel_edges, REPORT_BINS + 1);
     array(f, "cut_edges", s->cut_edges, REPORT_BINS + 1);
@@ -90,8 +95,10 @@ void report_write_json(FILE *f, void *user)
 {
     const report *r = user;
     const report_options *o = r->o;
-    fprintf(f, "{\"version\": \"%s\", \"quick\": %s, \"isa\": \"%s\", \"threads\": %" PRIu32 ", \"max_cut\": %" PRIu32
-               ", \"representatives\": %" PRIu32, LC_VERSION, o->quick ? "true" : "false", r->isa, r->n_threads, o->max_cut, o->n_reps);
+    fprintf(f,
+            "{\"version\": \"%s\", \"quick\": %s, \"isa\": \"%s\", \"threads\": %" PRIu32
+            ", \"max_cut\": %" PRIu32 ", \"representatives\": %" PRIu32,
+            LC_VERSION, o->quick ? "true" : "false", r->isa, r->n_threads, o->max_cut, o->n_reps);
     member(f, "over_limit", REPORT_OVER);
     member(f, "error_map_top", REPORT_HEAT_TOP);
     member(f, "difference_times", REPORT_DIFFERENCE);

@@ -1,5 +1,6 @@
-/* report_kept.c - finished renders in DIR/renders: SCENE-exact.exr, SCENE-0.02-r16.exr, SCENE-quick-exact.exr ..., beside each
- * a .json of its figures. The .json is written last and removed first, so where it is the picture is that of its key. */
+/* report_kept.c - finished renders in DIR/renders: SCENE-exact.exr, SCENE-0.02-r16.exr, SCENE-quick-exact.exr
+ * ..., beside each a .json of its figures. The .json is written last and removed first, so where it is the
+ * picture is that of its key. */
 #include "lab/report.h"
 
 #include "cli/cli.h"
@@ -16,8 +17,8 @@
 #define F(name) { #name, offsetof(report_stats, name) }
 
 const report_field report_fields[REPORT_N_STATS] = {
-    F(width), F(height), F(triangles), F(lights), F(seconds), F(tree_seconds), F(cut_mean), F(cut_median), F(cut_p99),
-    F(cut_max), F(at_limit), F(points), F(shadow_rays), F(every_light),
+    F(width),      F(height),  F(triangles), F(lights),   F(seconds), F(tree_seconds), F(cut_mean),
+    F(cut_median), F(cut_p99), F(cut_max),   F(at_limit), F(points),  F(shadow_rays),  F(every_light),
 };
 
 void report_kept_path(const report *r, const report_scene *s, const report_render *v, const char *extension,
@@ -25,7 +26,8 @@ void report_kept_path(const report *r, const report_scene *s, const report_rende
 {
     char what[64] = "exact";
     if (v->method != LC_METHOD_EXACT) snprintf(what, sizeof what, "%g-r%" PRIu32, v->ratio, v->n_reps);
-    snprintf(out, REPORT_MAX_PATH, "%s/renders/%s%s-%s.%s", r->o->folder, s->name, r->o->quick ? "-quick" : "", what, extension);
+    snprintf(out, REPORT_MAX_PATH, "%s/renders/%s%s-%s.%s", r->o->folder, s->name,
+             r->o->quick ? "-quick" : "", what, extension);
 }
 
 /* `"name": number` anywhere in our own JSON. */
@@ -46,7 +48,9 @@ static bool parse(const char *text, report_render *v)
     snprintf(key, sizeof key, "\"key\": \"%016" PRIx64 "\"", v->key);
     if (!strstr(text, key)) return false;
     for (int i = 0; i < REPORT_N_STATS; i++)
-        if (!find_number(text, report_fields[i].name, (double *)((char *)&v->stats + report_fields[i].offset))) return false;
+        if (!find_number(text, report_fields[i].name,
+                         (double *)((char *)&v->stats + report_fields[i].offset)))
+            return false;
     return true;
 }
 
@@ -86,7 +90,8 @@ static void write_json(FILE *f, void *render)
     const report_render *v = render;
     fprintf(f, "{\n  \"key\": \"%016" PRIx64 "\",\n  \"method\": \"%s\"", v->key, cli_method_name(v->method));
     for (int i = 0; i < REPORT_N_STATS; i++)
-        fprintf(f, ",\n  \"%s\": %.17g", report_fields[i].name, *(const double *)((const char *)&v->stats + report_fields[i].offset));
+        fprintf(f, ",\n  \"%s\": %.17g", report_fields[i].name,
+                *(const double *)((const char *)&v->stats + report_fields[i].offset));
     fputs("\n}\n", f);
 }
 

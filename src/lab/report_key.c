@@ -1,5 +1,6 @@
-/* report_key.c - is a kept render still one of this scene? FNV-1a over the scene's text and over size and time of the files
- * that it names in quotes (included text is searched in turn); and which scene of the seed report it is. */
+/* report_key.c - is a kept render still one of this scene? FNV-1a over the scene's text and over size and
+ * time of the files that it names in quotes (included text is searched in turn); and which scene of the seed
+ * report it is. */
 #include "lab/report.h"
 
 #include "cli/cli.h"
@@ -85,7 +86,8 @@ int report_hash_scene(const char *path, uint64_t *key)
     struct stat st;
     int bad = stat(path, &st);
     if (!bad && !S_ISREG(st.st_mode)) {
-        fprintf(stderr, "lightcuts: error: '%s' is no file; a report reads its scenes more than once\n", path);
+        fprintf(stderr, "lightcuts: error: '%s' is no file; a report reads its scenes more than once\n",
+                path);
         return CLI_INPUT;
     }
     if (!bad) bad = hash_text(&s, path, 0);
@@ -126,7 +128,9 @@ const report_seed *report_find_seed(const char *path)
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
     for (size_t i = 0; i < sizeof seeds / sizeof *seeds; i++) {
         size_t n = strlen(seeds[i].name);
-        if ((!strncmp(base, seeds[i].name, n) && !strcmp(base + n, ".pbrt")) || comment_names(path, seeds[i].name)) return &seeds[i];
+        if ((!strncmp(base, seeds[i].name, n) && !strcmp(base + n, ".pbrt")) ||
+            comment_names(path, seeds[i].name))
+            return &seeds[i];
     }
     return NULL;
 }

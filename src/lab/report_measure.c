@@ -1,4 +1,5 @@
-/* report_measure.c - figures of each render against the exact one: metrics, histograms, and where the detail lies. */
+/* report_measure.c - figures of each render against the exact one: metrics, histograms, and where the detail
+ * lies. */
 #include "lab/report.h"
 
 #include "cli/cli.h"
@@ -8,7 +9,8 @@
 #include <stdlib.h>
 
 #define SHOWN_RATIO 0.02
-#define REL_LOW 1e-4 /* edges of relative errors: 8 to a power of ten, 1e-4 to 10; what lies beyond counts in the last ones */
+/* Edges of relative errors: 8 to a power of ten, 1e-4 to 10; what lies beyond counts in the last ones. */
+#define REL_LOW 1e-4
 #define REL_PER_TEN 8.0
 #define DETAIL_WIDTH 160
 #define DETAIL_HEIGHT 120
@@ -17,12 +19,14 @@ static void choose_shown(const report_options *o, report_scene *s)
 {
     s->shown = 0;
     for (uint32_t i = 1; i < o->n_ratios; i++)
-        if (fabs(log(o->ratios[i] / SHOWN_RATIO)) < fabs(log(o->ratios[s->shown] / SHOWN_RATIO))) s->shown = i;
+        if (fabs(log(o->ratios[i] / SHOWN_RATIO)) < fabs(log(o->ratios[s->shown] / SHOWN_RATIO)))
+            s->shown = i;
 }
 
 static void set_edges(const report_options *o, report_scene *s)
 {
-    double most = fmax(s->renders[1 + s->shown].stats.cut_max, s->renders[1 + o->n_ratios + s->shown].stats.cut_max);
+    double most = fmax(s->renders[1 + s->shown].stats.cut_max,
+                       s->renders[1 + o->n_ratios + s->shown].stats.cut_max);
     double step = fmax(ceil(most / REPORT_BINS), 1);
     for (int i = 0; i <= REPORT_BINS; i++) {
         s->rel_edges[i] = REL_LOW * pow(10, i / REL_PER_TEN);
@@ -43,7 +47,8 @@ static void to_percent(double *bins)
     for (int i = 0; i < REPORT_BINS && sum > 0; i++) bins[i] *= 100 / sum;
 }
 
-static void fill_histograms(const report_scene *s, report_render *v, const lc_image *image, float *const a[3], float *const ref[3])
+static void fill_histograms(const report_scene *s, report_render *v, const lc_image *image, float *const a[3],
+                            float *const ref[3])
 {
     const float *cut = lc_image_channel(image, "cut.size");
     size_t n = (size_t)(v->stats.width * v->stats.height);
@@ -57,7 +62,8 @@ static void fill_histograms(const report_scene *s, report_render *v, const lc_im
     to_percent(v->cut_share);
 }
 
-static lc_status measure_one(lc_context *ctx, report_scene *s, report_render *v, const lc_image *image, const lc_image *exact)
+static lc_status measure_one(lc_context *ctx, report_scene *s, report_render *v, const lc_image *image,
+                             const lc_image *exact)
 {
     float *a[3], *ref[3];
     const report_stats *st = &v->stats;
@@ -81,7 +87,8 @@ static double mean_luminance(const lc_image *image, size_t n)
 
 /* ---- the detail: where the picture of the largest ratio is most wrong ---- */
 
-static double sum_of_window(const double *error, uint32_t width, uint32_t x0, uint32_t y0, uint32_t w, uint32_t h)
+static double sum_of_window(const double *error, uint32_t width, uint32_t x0, uint32_t y0, uint32_t w,
+                            uint32_t h)
 {
     double sum = 0;
     for (uint32_t y = y0; y < y0 + h; y++)
@@ -97,7 +104,8 @@ static uint32_t largest_ratio(const report_options *o)
     return best;
 }
 
-static lc_status read_render(lc_context *ctx, const report *r, const report_scene *s, const report_render *v, lc_image **out)
+static lc_status read_render(lc_context *ctx, const report *r, const report_scene *s, const report_render *v,
+                             lc_image **out)
 {
     char path[REPORT_MAX_PATH];
     report_kept_path(r, s, v, "exr", path);
@@ -112,7 +120,8 @@ static lc_status place_detail(lc_context *ctx, const report *r, report_scene *s,
     lc_image_get_desc(exact, &d);
     uint32_t w = d.width < 2 * DETAIL_WIDTH ? (d.width + 1) / 2 : DETAIL_WIDTH;
     uint32_t h = d.height < 2 * DETAIL_HEIGHT ? (d.height + 1) / 2 : DETAIL_HEIGHT;
-    s->detail_width = w, s->detail_height = h;
+    s->detail_width = w;
+    s->detail_height = h;
     lc_status st = read_render(ctx, r, s, &s->renders[1 + largest_ratio(r->o)], &image);
     double best = -1, *error = malloc((size_t)d.width * d.height * sizeof *error);
     if (!st && !error) {
@@ -122,11 +131,16 @@ static lc_status place_detail(lc_context *ctx, const report *r, report_scene *s,
     if (!st) {
         report_planes(image, a);
         report_planes(exact, ref);
-        for (size_t i = 0; i < (size_t)d.width * d.height; i++) error[i] = fabs(report_luminance(a, i) - report_luminance(ref, i));
+        for (size_t i = 0; i < (size_t)d.width * d.height; i++)
+            error[i] = fabs(report_luminance(a, i) - report_luminance(ref, i));
         for (uint32_t y = 0; y + h <= d.height; y += (h + 3) / 4)
             for (uint32_t x = 0; x + w <= d.width; x += (w + 3) / 4) {
                 double sum = sum_of_window(error, d.width, x, y, w, h);
-                if (sum > best) best = sum, s->detail_x = x, s->detail_y = y;
+                if (sum > best) {
+                    best = sum;
+                    s->detail_x = x;
+                    s->detail_y = y;
+                }
             }
     }
     free(error);
@@ -156,7 +170,8 @@ static lc_status measure_scene(lc_context *ctx, report *r, report_scene *s, cli_
         if (!st) st = measure_one(ctx, s, &s->renders[i], image, exact);
         if (!st) st = report_make_pictures(ctx, r, s, i, image, exact);
         lc_image_destroy(image);
-        if (cli_progress_step(p, done + i, (uint64_t)r->o->n_scenes * r->n_renders) && !st) st = LC_ERR_CANCELLED;
+        if (cli_progress_step(p, done + i, (uint64_t)r->o->n_scenes * r->n_renders) && !st)
+            st = LC_ERR_CANCELLED;
     }
     lc_image_destroy(exact);
     return st;

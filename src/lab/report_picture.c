@@ -1,5 +1,6 @@
-/* report_picture.c - the pictures of the page as PNG in memory: a render and, against the exact one, the difference, the
- * relative error, the edges of the error (Roberts' operator: banding shows there) and the size of the cuts. */
+/* report_picture.c - the pictures of the page as PNG in memory: a render and, against the exact one, the
+ * difference, the relative error, the edges of the error (Roberts' operator: banding shows there) and the
+ * size of the cuts. */
 #include "lab/report.h"
 
 #include "cli/colourmap.h"
@@ -55,7 +56,8 @@ static void as_it_is(const source *s, uint32_t x, uint32_t y, float rgb[3])
 static void difference(const source *s, uint32_t x, uint32_t y, float rgb[3])
 {
     size_t i = (size_t)y * s->width + x;
-    for (int c = 0; c < 3; c++) rgb[c] = (float)(REPORT_DIFFERENCE * fabs((double)s->a[c][i] - (double)s->ref[c][i]));
+    for (int c = 0; c < 3; c++)
+        rgb[c] = (float)(REPORT_DIFFERENCE * fabs((double)s->a[c][i] - (double)s->ref[c][i]));
 }
 
 static void relative_error(const source *s, uint32_t x, uint32_t y, float rgb[3])
@@ -67,7 +69,8 @@ static void relative_error(const source *s, uint32_t x, uint32_t y, float rgb[3]
 
 static void edges(const source *s, uint32_t x, uint32_t y, float rgb[3])
 {
-    double down = error_at(s, x, y) - error_at(s, x + 1, y + 1), up = error_at(s, x + 1, y) - error_at(s, x, y + 1);
+    double down = error_at(s, x, y) - error_at(s, x + 1, y + 1),
+           up = error_at(s, x + 1, y) - error_at(s, x, y + 1);
     rgb[0] = rgb[1] = rgb[2] = (float)(REPORT_DIFFERENCE * sqrt(down * down + up * up));
 }
 
@@ -114,7 +117,8 @@ static lc_status encode(const report *r, const lc_image *image, report_picture *
     return st;
 }
 
-static lc_status make(lc_context *ctx, const report *r, const source *s, window w, pixel_fn *fn, report_picture *out)
+static lc_status make(lc_context *ctx, const report *r, const source *s, window w, pixel_fn *fn,
+                      report_picture *out)
 {
     static const char *const names[3] = { "R", "G", "B" };
     lc_image *image = NULL;
@@ -134,15 +138,18 @@ static lc_status make(lc_context *ctx, const report *r, const source *s, window 
     return st;
 }
 
-lc_status report_make_pictures(lc_context *ctx, report *r, report_scene *s, uint32_t render, lc_image *image, const lc_image *exact)
+lc_status report_make_pictures(lc_context *ctx, report *r, report_scene *s, uint32_t render, lc_image *image,
+                               const lc_image *exact)
 {
     lc_image_desc d = LC_IMAGE_DESC_INIT;
     source src = { .cut = lc_image_channel(image, "cut.size"), .cut_top = s->cut_edges[REPORT_BINS] };
     lc_image_get_desc(image, &d);
     report_planes(image, src.a);
     report_planes(exact, src.ref);
-    src.width = d.width, src.height = d.height;
-    window all = { 0, 0, d.width, d.height }, part = { s->detail_x, s->detail_y, s->detail_width, s->detail_height };
+    src.width = d.width;
+    src.height = d.height;
+    window all = { 0, 0, d.width, d.height },
+           part = { s->detail_x, s->detail_y, s->detail_width, s->detail_height };
     lc_status st = make(ctx, r, &src, part, as_it_is, &s->details[render][0]);
     if (!render) return st ? st : make(ctx, r, &src, all, as_it_is, &s->exact);
     if (!st) st = make(ctx, r, &src, part, difference, &s->details[render][1]);
@@ -172,9 +179,17 @@ void report_free_pictures(report *r)
         free(s->exact.png);
         for (int i = 0; i < 2; i++) {
             report_view *v = &s->views[i];
-            free(v->image.png), free(v->difference.png), free(v->cut.png), free(v->error.png), free(v->edges.png);
+            free(v->image.png);
+            free(v->difference.png);
+            free(v->cut.png);
+            free(v->error.png);
+            free(v->edges.png);
         }
-        for (int i = 0; i < REPORT_MAX_RENDERS; i++) free(s->details[i][0].png), free(s->details[i][1].png);
+        for (int i = 0; i < REPORT_MAX_RENDERS; i++) {
+            free(s->details[i][0].png);
+            free(s->details[i][1].png);
+        }
     }
-    free(r->legends[0].png), free(r->legends[1].png);
+    free(r->legends[0].png);
+    free(r->legends[1].png);
 }

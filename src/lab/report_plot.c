@@ -9,8 +9,8 @@
 #define WIDTH 560.0
 #define HEIGHT 330.0
 
-/* One figure of the renders of a row, one or many representatives, by rising x; what a logarithmic axis has no place for is
- * left out. */
+/* One figure of the renders of a row, one or many representatives, by rising x; what a logarithmic axis has
+ * no place for is left out. */
 typedef struct row {
     double x[REPORT_MAX_RATIOS], y[REPORT_MAX_RATIOS];
     uint32_t n;
@@ -33,8 +33,12 @@ static row row_of(const report *r, const report_scene *s, int many, figure_fn *x
         double vx = x(v), vy = y(v);
         if (!(vx > 0 && vy > 0) || !isfinite(vx) || !isfinite(vy)) continue;
         uint32_t k = out.n++;
-        for (; k && out.x[k - 1] > vx; k--) out.x[k] = out.x[k - 1], out.y[k] = out.y[k - 1];
-        out.x[k] = vx, out.y[k] = vy;
+        for (; k && out.x[k - 1] > vx; k--) {
+            out.x[k] = out.x[k - 1];
+            out.y[k] = out.y[k - 1];
+        }
+        out.x[k] = vx;
+        out.y[k] = vy;
     }
     return out;
 }
@@ -51,10 +55,16 @@ static void put_plot(FILE *f, const svg_plot *p, const char *note)
 static void errors(FILE *f, const report *r, const report_scene *s, const char *const names[2])
 {
     row one = row_of(r, s, 0, rays, rmse), many = row_of(r, s, 1, rays, rmse);
-    svg_plot p = { .title = "Error and shadow rays", .x_label = "shadow rays a point", .y_label = "rmse / mean", .log_x = 1,
-                   .log_y = 1, .legend = SVG_BOTTOM_LEFT, .n_series = 2,
+    svg_plot p = { .title = "Error and shadow rays",
+                   .x_label = "shadow rays a point",
+                   .y_label = "rmse / mean",
+                   .log_x = 1,
+                   .log_y = 1,
+                   .legend = SVG_BOTTOM_LEFT,
+                   .n_series = 2,
                    .series = { series_of(names[0], &one), series_of(names[1], &many) } };
-    put_plot(f, &p, "Root of the mean squared difference over the mean luminance, one dot for each error ratio.");
+    put_plot(f, &p,
+             "Root of the mean squared difference over the mean luminance, one dot for each error ratio.");
     char text[4][64];
     snprintf(text[0], sizeof text[0], "99 %%, %.32s", names[0]);
     snprintf(text[1], sizeof text[1], "99 %%, %.32s", names[1]);
@@ -62,9 +72,15 @@ static void errors(FILE *f, const report *r, const report_scene *s, const char *
     snprintf(text[3], sizeof text[3], "median, %.32s", names[1]);
     row a = row_of(r, s, 0, rays, p99), b = row_of(r, s, 1, rays, p99);
     row c = row_of(r, s, 0, rays, median), d = row_of(r, s, 1, rays, median);
-    svg_plot q = { .title = "Relative error and shadow rays", .x_label = "shadow rays a point", .y_label = "|A - exact| / exact",
-                   .log_x = 1, .log_y = 1, .legend = SVG_BOTTOM_LEFT, .n_series = 4,
-                   .series = { series_of(text[0], &a), series_of(text[1], &b), series_of(text[2], &c), series_of(text[3], &d) } };
+    svg_plot q = { .title = "Relative error and shadow rays",
+                   .x_label = "shadow rays a point",
+                   .y_label = "|A - exact| / exact",
+                   .log_x = 1,
+                   .log_y = 1,
+                   .legend = SVG_BOTTOM_LEFT,
+                   .n_series = 4,
+                   .series = { series_of(text[0], &a), series_of(text[1], &b), series_of(text[2], &c),
+                               series_of(text[3], &d) } };
     put_plot(f, &q, "Of a pixel's luminance: half of the pixels, and 99 % of them, are nearer than this.");
 }
 
@@ -72,29 +88,48 @@ static void times(FILE *f, const report *r, const report_scene *s, const char *c
 {
     row one = row_of(r, s, 0, ratio, seconds), many = row_of(r, s, 1, ratio, seconds);
     double exact = s->renders[0].stats.seconds;
-    row every = { { one.x[0], one.x[one.n ? one.n - 1 : 0] }, { exact, exact }, exact > 0 ? one.n > 1 ? 2 : one.n : 0 };
-    svg_plot p = { .title = "Time and error ratio", .x_label = "error ratio", .y_label = "seconds", .log_x = 1, .log_y = 1,
-                   .legend = SVG_BOTTOM_LEFT, .n_series = 3,
-                   .series = { series_of(names[0], &one), series_of(names[1], &many), series_of("every light (exact)", &every) } };
+    row every = { { one.x[0], one.x[one.n ? one.n - 1 : 0] },
+                  { exact, exact },
+                  exact > 0 ? one.n > 1 ? 2 : one.n : 0 };
+    svg_plot p = { .title = "Time and error ratio",
+                   .x_label = "error ratio",
+                   .y_label = "seconds",
+                   .log_x = 1,
+                   .log_y = 1,
+                   .legend = SVG_BOTTOM_LEFT,
+                   .n_series = 3,
+                   .series = { series_of(names[0], &one), series_of(names[1], &many),
+                               series_of("every light (exact)", &every) } };
     put_plot(f, &p, "Render time of one run, without the building of the trees.");
 }
 
 static void histograms(FILE *f, const report *r, const report_scene *s, const char *const names[2])
 {
     const report_render *one = &s->renders[1 + s->shown], *many = &s->renders[1 + r->o->n_ratios + s->shown];
-    svg_plot p = { .title = "Relative error of pixels", .x_label = "|A - exact| / exact", .y_label = "% of pixels", .log_x = 1,
-                   .steps = 1, .legend = SVG_TOP_RIGHT, .n_series = 2,
+    svg_plot p = { .title = "Relative error of pixels",
+                   .x_label = "|A - exact| / exact",
+                   .y_label = "% of pixels",
+                   .log_x = 1,
+                   .steps = 1,
+                   .legend = SVG_TOP_RIGHT,
+                   .n_series = 2,
                    .series = { { names[0], s->rel_edges, one->rel_share, REPORT_BINS },
                                { names[1], s->rel_edges, many->rel_share, REPORT_BINS } } };
     char note[160];
-    snprintf(note, sizeof note, "At the error ratio %g. What is smaller or larger counts in the first and last step.",
+    snprintf(note, sizeof note,
+             "At the error ratio %g. What is smaller or larger counts in the first and last step.",
              r->o->ratios[s->shown]);
     put_plot(f, &p, note);
-    svg_plot q = { .title = "Size of cuts", .x_label = "lights evaluated at a pixel", .y_label = "% of pixels", .steps = 1,
-                   .legend = SVG_TOP_RIGHT, .n_series = 2,
+    svg_plot q = { .title = "Size of cuts",
+                   .x_label = "lights evaluated at a pixel",
+                   .y_label = "% of pixels",
+                   .steps = 1,
+                   .legend = SVG_TOP_RIGHT,
+                   .n_series = 2,
                    .series = { { names[0], s->cut_edges, one->cut_share, REPORT_BINS },
                                { names[1], s->cut_edges, many->cut_share, REPORT_BINS } } };
-    snprintf(note, sizeof note, "At the error ratio %g, of pixels that show a surface.", r->o->ratios[s->shown]);
+    snprintf(note, sizeof note, "At the error ratio %g, of pixels that show a surface.",
+             r->o->ratios[s->shown]);
     put_plot(f, &q, note);
 }
 

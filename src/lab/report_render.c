@@ -1,5 +1,5 @@
-/* report_render.c - surveys the scenes, then renders what no earlier run has left, one scene and one number of representatives
- * at a time, for those share a light tree. */
+/* report_render.c - surveys the scenes, then renders what no earlier run has left, one scene and one number
+ * of representatives at a time, for those share a light tree. */
 #include "lab/report.h"
 
 #include "cli/cli.h"
@@ -9,12 +9,14 @@
 #include <string.h>
 
 #define QUICK_PIXELS 19200 /* 160 x 120 */
-/* Work of a pixel, in lights evaluated by a cut: three scenes, 2 cores (EPYC, Zen 4), 2026-11. For the time left only. */
+/* Work of a pixel, in lights evaluated by a cut: three scenes, 2 cores (EPYC, Zen 4), 2026-11. For the time
+ * left only. */
 #define EXACT_WORK 0.3
 #define CUT_WORK 20
 #define CUT_WORK_RATIO 12
 
-#define RUNS 3      /* of renders that take less than SHORT seconds: a hiccup of the machine is a large part of those */
+/* Of renders that take less than SHORT seconds: a hiccup of the machine is a large part of those. */
+#define RUNS 3
 #define SHORT 2.0
 
 typedef struct progress {
@@ -45,7 +47,8 @@ static void set_up_renders(report *r, report_scene *s)
     s->renders[0] = (report_render){ .method = LC_METHOD_EXACT, .n_reps = 1, .key = key };
     for (uint32_t i = 0; i < 2 * o->n_ratios; i++) {
         report_render *v = &s->renders[1 + i];
-        *v = (report_render){ .n_reps = i < o->n_ratios ? 1 : o->n_reps, .ratio = o->ratios[i % o->n_ratios] };
+        *v = (report_render){ .n_reps = i < o->n_ratios ? 1 : o->n_reps,
+                              .ratio = o->ratios[i % o->n_ratios] };
         v->key = report_hash(key, &v->ratio, sizeof v->ratio);
         v->key = report_hash(v->key, &v->n_reps, sizeof v->n_reps);
         v->key = report_hash(v->key, &o->max_cut, sizeof o->max_cut);
@@ -62,7 +65,8 @@ static lc_status load(report *r, lc_context *ctx, const report_scene *s, uint32_
 
 static int input_status(lc_status st) { return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st); }
 
-/* Loads a scene of which something is missing, so that its errors show before hours of other renders, and adds up the work. */
+/* Loads a scene of which something is missing, so that its errors show before hours of other renders, and
+ * adds up the work. */
 static int survey(report *r, lc_context *ctx, report_scene *s, double *work, uint32_t *n_missing)
 {
     lc_scene *scene;
@@ -87,8 +91,10 @@ static int survey(report *r, lc_context *ctx, report_scene *s, double *work, uin
 
 /* ---- doing it ---- */
 
-/* The same render again, for its time: the shorter counts. Nothing is said meanwhile, as that takes time too. */
-static lc_status again(lc_context *ctx, const lc_scene *scene, const lc_render_desc *d, lc_render_stats *stats)
+/* The same render again, for its time: the shorter counts. Nothing is said meanwhile, as that takes time too.
+ */
+static lc_status again(lc_context *ctx, const lc_scene *scene, const lc_render_desc *d,
+                       lc_render_stats *stats)
 {
     lc_render_desc silent = *d;
     lc_render_stats more;
@@ -101,17 +107,29 @@ static lc_status again(lc_context *ctx, const lc_scene *scene, const lc_render_d
     return LC_OK;
 }
 
-static void take_stats(report_render *v, const lc_scene_info *info, const lc_render_stats *st, const lc_image *image)
+static void take_stats(report_render *v, const lc_scene_info *info, const lc_render_stats *st,
+                       const lc_image *image)
 {
     lc_image_desc d = LC_IMAGE_DESC_INIT;
     lc_image_get_desc(image, &d);
-    v->stats = (report_stats){ .width = d.width, .height = d.height, .triangles = (double)info->n_triangles,
-        .lights = (double)info->n_lights, .seconds = st->seconds, .tree_seconds = info->seconds_tree, .cut_mean = st->cut_mean,
-        .cut_median = st->cut_median, .cut_p99 = st->cut_p99, .cut_max = st->cut_max, .at_limit = (double)st->cut_at_limit,
-        .points = (double)st->points, .shadow_rays = (double)st->shadow_rays, .every_light = st->exact };
+    v->stats = (report_stats){ .width = d.width,
+                               .height = d.height,
+                               .triangles = (double)info->n_triangles,
+                               .lights = (double)info->n_lights,
+                               .seconds = st->seconds,
+                               .tree_seconds = info->seconds_tree,
+                               .cut_mean = st->cut_mean,
+                               .cut_median = st->cut_median,
+                               .cut_p99 = st->cut_p99,
+                               .cut_max = st->cut_max,
+                               .at_limit = (double)st->cut_at_limit,
+                               .points = (double)st->points,
+                               .shadow_rays = (double)st->shadow_rays,
+                               .every_light = st->exact };
 }
 
-static int render_one(report *r, lc_context *ctx, const report_scene *s, report_render *v, const lc_scene *scene, progress *p)
+static int render_one(report *r, lc_context *ctx, const report_scene *s, report_render *v,
+                      const lc_scene *scene, progress *p)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
     lc_scene_info info;
@@ -124,7 +142,8 @@ static int render_one(report *r, lc_context *ctx, const report_scene *s, report_
     char padded[40]; /* of one width, or the rest of a longer line would stay */
     snprintf(padded, sizeof padded, "%-20.32s", what);
     p->line.what = padded;
-    p->now = work_of(v, (double)info.n_lights, (double)(info.crop[1] - info.crop[0]) * (info.crop[3] - info.crop[2]));
+    p->now = work_of(v, (double)info.n_lights,
+                     (double)(info.crop[1] - info.crop[0]) * (info.crop[3] - info.crop[2]));
     d.method = v->method;
     if (v->method != LC_METHOD_EXACT) d.error_ratio = (float)v->ratio;
     d.max_cut = r->o->max_cut;
@@ -132,7 +151,8 @@ static int render_one(report *r, lc_context *ctx, const report_scene *s, report_
     d.progress = step;
     d.progress_user = p;
     lc_status st = lc_render(ctx, scene, &d, &image, &stats);
-    for (int i = 1; i < RUNS && !st && stats.seconds < SHORT && !r->o->quick; i++) st = again(ctx, scene, &d, &stats);
+    for (int i = 1; i < RUNS && !st && stats.seconds < SHORT && !r->o->quick; i++)
+        st = again(ctx, scene, &d, &stats);
     int status = cli_exit_status(st);
     if (!st) {
         take_stats(v, &info, &stats, image);
@@ -168,8 +188,12 @@ static int survey_all(report *r, progress *p, uint32_t *n_missing)
 {
     lc_context *ctx = cli_context(r->o->n_threads, r->o->isa, r->o->quiet ? -1 : 0);
     int status = ctx ? CLI_OK : CLI_FAILED;
-    if (!status) r->n_threads = lc_context_threads(ctx), r->isa = lc_isa_name(lc_context_isa(ctx));
-    for (uint32_t k = 0; k < r->o->n_scenes && !status; k++) status = survey(r, ctx, &r->scenes[k], &p->total, n_missing);
+    if (!status) {
+        r->n_threads = lc_context_threads(ctx);
+        r->isa = lc_isa_name(lc_context_isa(ctx));
+    }
+    for (uint32_t k = 0; k < r->o->n_scenes && !status; k++)
+        status = survey(r, ctx, &r->scenes[k], &p->total, n_missing);
     lc_context_destroy(ctx);
     return status;
 }

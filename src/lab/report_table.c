@@ -1,4 +1,5 @@
-/* report_table.c - numbers with their place in report.json, table 1 and appendix C of the seed report with ours beside. */
+/* report_table.c - numbers with their place in report.json, table 1 and appendix C of the seed report with
+ * ours beside. */
 #include "lab/report.h"
 
 #include <inttypes.h>
@@ -56,7 +57,8 @@ void report_put_number(FILE *f, report_format format, double v, const char *key,
     fputs("</data>", f);
 }
 
-void report_put_of_render(FILE *f, report_format format, double v, uint32_t k, uint32_t render, const char *name)
+void report_put_of_render(FILE *f, report_format format, double v, uint32_t k, uint32_t render,
+                          const char *name)
 {
     report_put_number(f, format, v, "scenes.%" PRIu32 ".renders.%" PRIu32 ".%s", k, render, name);
 }
@@ -81,10 +83,14 @@ static const struct {
     { "Average cut size", 1, FMT_COUNT, FMT_COUNT, THEIRS(cut_mean), OURS(cut_mean) },
     { "Render time (basic lightcuts)", 1, FMT_CLOCK, FMT_SECONDS, THEIRS(basic_seconds), OURS(seconds) },
     { "Render time (mult. repr.)", 2, FMT_CLOCK, FMT_SECONDS, THEIRS(many_seconds), OURS(seconds) },
-    { "Speedup (mult. repr.)", 2, FMT_TIMES, FMT_TIMES, THEIRS(speedup), "speedup", offsetof(report_render, speedup) },
+    { "Speedup (mult. repr.)", 2, FMT_TIMES, FMT_TIMES, THEIRS(speedup), "speedup",
+      offsetof(report_render, speedup) },
 };
 
-static double value_at(const void *base, size_t offset) { return *(const double *)((const char *)base + offset); }
+static double value_at(const void *base, size_t offset)
+{
+    return *(const double *)((const char *)base + offset);
+}
 
 static void put_theirs(FILE *f, report_format format, double v, uint32_t k, const char *name)
 {
@@ -115,20 +121,25 @@ void report_write_tables(FILE *f, const report *r)
     bool any = false;
     for (uint32_t k = 0; k < r->o->n_scenes; k++) any |= r->scenes[k].seed != NULL;
     if (!any) return;
-    fputs("<section id=\"table1\"><h2>The seed report's Table 1</h2>\n<p>What the report of 2007 printed of its scenes, rendered at "
-          "800&times;600 (the Cornell box at 800&times;800) by one processor of its time, and ours of scenes rebuilt from its text and "
-          "pictures. Times cannot be compared across the years; speedups can.</p>\n", f);
+    fputs("<section id=\"table1\"><h2>The seed report's Table 1</h2>\n<p>What the report of 2007 printed of "
+          "its scenes, rendered at "
+          "800&times;600 (the Cornell box at 800&times;800) by one processor of its time, and ours of scenes "
+          "rebuilt from its text and "
+          "pictures. Times cannot be compared across the years; speedups can.</p>\n",
+          f);
     table_head(f, r);
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         fprintf(f, "<tr><th scope=\"row\">%s</th>", lines[i].label);
         for (uint32_t k = 0; k < r->o->n_scenes; k++) {
             const report_scene *s = &r->scenes[k];
             if (!s->seed) continue;
-            uint32_t render = lines[i].render ? 1 + s->shown + (lines[i].render == 2 ? r->o->n_ratios : 0) : 0;
+            uint32_t render = lines[i].render ? 1 + s->shown + (lines[i].render == 2 ? r->o->n_ratios : 0)
+                                              : 0;
             fputs("<td>", f);
             put_theirs(f, lines[i].their_format, value_at(s->seed, lines[i].theirs), k, lines[i].their_key);
             fputs("</td><td>", f);
-            report_put_of_render(f, lines[i].our_format, value_at(&s->renders[render], lines[i].ours), k, render, lines[i].our_key);
+            report_put_of_render(f, lines[i].our_format, value_at(&s->renders[render], lines[i].ours), k,
+                                 render, lines[i].our_key);
             fputs("</td>", f);
         }
         fputs("</tr>\n", f);
@@ -197,14 +208,22 @@ static void put_row(FILE *f, const report *r, uint32_t k, uint32_t i)
 
 void report_write_rows(FILE *f, const report *r, uint32_t k)
 {
-    static const char *const columns[] = { "ratio", "repre&shy;sent&shy;atives", "detail", "16&times; difference", "2007 time",
-                                           "2007 speedup", "time", "speedup", "mean cut", "rays a point", "rmse / mean",
-                                           "median error", "99 % of pixels", "over", "FLIP", "mean ratio" };
+    static const char *const columns[] = { "ratio",          "repre&shy;sent&shy;atives",
+                                           "detail",         "16&times; difference",
+                                           "2007 time",      "2007 speedup",
+                                           "time",           "speedup",
+                                           "mean cut",       "rays a point",
+                                           "rmse / mean",    "median error",
+                                           "99 % of pixels", "over",
+                                           "FLIP",           "mean ratio" };
     const report_scene *s = &r->scenes[k];
     bool theirs = s->seed && s->seed->has_appendix;
-    fprintf(f, "<h3>Error ratios%s</h3>\n<p>The detail is where the picture of the largest ratio is furthest off. Errors are of a "
-               "pixel's luminance, |A &minus; exact| / exact; &ldquo;over&rdquo; is the share of pixels more than ",
-            theirs ? ", and the seed report's appendix C" : "");
+    fprintf(
+        f,
+        "<h3>Error ratios%s</h3>\n<p>The detail is where the picture of the largest ratio is furthest off. "
+        "Errors are of a "
+        "pixel's luminance, |A &minus; exact| / exact; &ldquo;over&rdquo; is the share of pixels more than ",
+        theirs ? ", and the seed report's appendix C" : "");
     report_put_number(f, FMT_PERCENT, REPORT_OVER, "over_limit");
     fputs(" off.</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Error ratios\">"
           "<table class=\"rows\"><thead><tr>", f);

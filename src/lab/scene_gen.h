@@ -108,7 +108,8 @@ void gen_ball(gen *g, gen_v3 centre, double radius, int n_segments, int n_rings)
 void gen_tube(gen *g, const gen_v3 *path, int n_path, double radius, int n_segments); /* flat ends */
 typedef gen_v3 gen_sheet_fn(const void *ctx, double u, double v);                     /* 0..1 each */
 void gen_sheet(gen *g, int nu, int nv, gen_sheet_fn *fn, const void *ctx);
-void gen_torus(gen *g, double large, double small, int n_around, int n_tube); /* about the y axis, radii of ring and tube */
+void gen_torus(gen *g, double large, double small, int n_around,
+               int n_tube); /* about the y axis, radii of ring and tube */
 /* A wall in the plane of x and y (z = 0) with one hole, and the hole's reveal of the given depth towards +z.
  */
 typedef struct gen_rect {

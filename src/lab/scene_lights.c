@@ -16,10 +16,11 @@ void gen_light(gen *g, gen_v3 p, const gen_v3 *dir, gen_v3 intensity)
     /* Most lights differ in their place alone. */
     if (!*g->intensity_text || intensity.x != last.x || intensity.y != last.y || intensity.z != last.z) {
         g->intensity = intensity;
-        snprintf(g->intensity_text, sizeof g->intensity_text, " ] \"rgb I\" [ %.7g %.7g %.7g ]\n", intensity.x, intensity.y,
-                 intensity.z);
+        snprintf(g->intensity_text, sizeof g->intensity_text, " ] \"rgb I\" [ %.7g %.7g %.7g ]\n",
+                 intensity.x, intensity.y, intensity.z);
     }
-    fputs(dir ? "LightSource \"oriented\" \"point3 position\" [" : "LightSource \"point\" \"point3 from\" [", g->file);
+    fputs(dir ? "LightSource \"oriented\" \"point3 position\" [" : "LightSource \"point\" \"point3 from\" [",
+          g->file);
     gen_put_vector(g, p);
     if (dir) {
         fputs(" ] \"vector3 direction\" [", g->file);

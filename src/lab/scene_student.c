@@ -1,16 +1,17 @@
-/* scene_student.c - the scenes of a student report on Lightcuts ("the student report"): few point lights over a plane.
+/* scene_student.c - the scenes of a student report on Lightcuts ("the student report"): few point lights over
+ * a plane.
  *
- *     student1      its Scene 1, five lights near the bottom left corner, two of them in one place; also its "blooper"
- *     student2      its Scene 2, four lights near the corners; row 2 of its table
- *     student3      its Scene 3 from the side, 100 lights in a grid over the plane; row "3 (Side)"
- *     student3top   the same from above; row "3 (Top down)"
- *     student4      its Scene 4, a ring on a wooden floor under the same lights; row "4 (w/o Reflection)"
- *     student5      the same with reflection, its Scene 5 and Fig. 1; row "5 (w/ Reflection)"
+ *     student1      its Scene 1, five lights near the bottom left corner, two of them in one place; also its
+ * "blooper" student2      its Scene 2, four lights near the corners; row 2 of its table student3      its
+ * Scene 3 from the side, 100 lights in a grid over the plane; row "3 (Side)" student3top   the same from
+ * above; row "3 (Top down)" student4      its Scene 4, a ring on a wooden floor under the same lights; row "4
+ * (w/o Reflection)" student5      the same with reflection, its Scene 5 and Fig. 1; row "5 (w/ Reflection)"
  *
- * The report says no more than this: point lights of like power, Phong materials, spheres with highlights in Scene 1, and no
- * sizes. Chosen here: a plane of 12 x 12, "bottom left" as seen by the camera, lights at heights of 1.2 to 2.8, spheres in
- * Scenes 1 to 3, the ring a torus with two spheres beside it for it to show, what reflects in Scene 5 the ring alone and
- * perfectly, colours, 640 x 480. More lights than the report's go to the same places: by chance about corners, by a finer grid.
+ * The report says no more than this: point lights of like power, Phong materials, spheres with highlights in
+ * Scene 1, and no sizes. Chosen here: a plane of 12 x 12, "bottom left" as seen by the camera, lights at
+ * heights of 1.2 to 2.8, spheres in Scenes 1 to 3, the ring a torus with two spheres beside it for it to
+ * show, what reflects in Scene 5 the ring alone and perfectly, colours, 640 x 480. More lights than the
+ * report's go to the same places: by chance about corners, by a finer grid.
  */
 #include "lab/scene_gen.h"
 
@@ -61,28 +62,35 @@ static void light(gen *g, gen_v3 p, double flux)
 /* By chance within 1.2 about p, at a height of 1.2 to 2.4. */
 static gen_v3 somewhere_near(const gen *g, gen_v3 p, uint64_t idx)
 {
-    double x = gen_rand(g->seed, idx, 0, 0), y = gen_rand(g->seed, idx, 0, 1), z = gen_rand(g->seed, idx, 0, 2);
+    double x = gen_rand(g->seed, idx, 0, 0), y = gen_rand(g->seed, idx, 0, 1),
+           z = gen_rand(g->seed, idx, 0, 2);
     return gen_v(p.x + 2.4 * (x - 0.5), 1.2 + 1.2 * y, p.z + 2.4 * (z - 0.5));
 }
 
 void gen_scene_student1(gen *g)
 {
-    static const gen_v3 at[] = { { -5.6, 2.6, -5.4 }, { -3.7, 1.6, -5.6 }, { -5.7, 1.3, -3.6 }, { -4, 2.8, -4 }, { -4, 2.8, -4 } };
+    static const gen_v3 at[] = {
+        { -5.6, 2.6, -5.4 }, { -3.7, 1.6, -5.6 }, { -5.7, 1.3, -3.6 }, { -4, 2.8, -4 }, { -4, 2.8, -4 }
+    };
     header(g, "student1");
     grey_plane(g);
     spheres(g);
     gen_flush(g);
-    for (uint64_t i = 0; i < g->n_lights; i++) light(g, i < 5 ? at[i] : somewhere_near(g, gen_v(-4.6, 0, -4.6), i), 600);
+    for (uint64_t i = 0; i < g->n_lights; i++)
+        light(g, i < 5 ? at[i] : somewhere_near(g, gen_v(-4.6, 0, -4.6), i), 600);
 }
 
 void gen_scene_student2(gen *g)
 {
-    static const gen_v3 at[] = { { -4.8, 2.2, -4.8 }, { 4.8, 2.2, -4.8 }, { 4.8, 2.2, 4.8 }, { -4.8, 2.2, 4.8 } };
+    static const gen_v3 at[] = {
+        { -4.8, 2.2, -4.8 }, { 4.8, 2.2, -4.8 }, { 4.8, 2.2, 4.8 }, { -4.8, 2.2, 4.8 }
+    };
     header(g, "student2");
     grey_plane(g);
     spheres(g);
     gen_flush(g);
-    for (uint64_t i = 0; i < g->n_lights; i++) light(g, i < 4 ? at[i] : somewhere_near(g, at[i % 4], i), 1000);
+    for (uint64_t i = 0; i < g->n_lights; i++)
+        light(g, i < 4 ? at[i] : somewhere_near(g, at[i % 4], i), 1000);
 }
 
 static void light_grid(gen *g)
@@ -113,7 +121,8 @@ void gen_scene_student3top(gen *g)
     light_grid(g);
 }
 
-/* Boards are not told apart: the plane is cut from one trunk whose axis lies along it, below and a little askew. */
+/* Boards are not told apart: the plane is cut from one trunk whose axis lies along it, below and a little
+ * askew. */
 static void wooden_plane(gen *g)
 {
     gen_flush(g);
@@ -121,10 +130,12 @@ static void wooden_plane(gen *g)
           "  Rotate 81 0 1 0\n"
           "  Rotate 3 1 0 0\n"
           "  Translate 0 -1.6 0\n"
-          "  Texture \"wood\" \"spectrum\" \"wood\" \"rgb tex1\" [ 0.62 0.42 0.24 ] \"rgb tex2\" [ 0.36 0.2 0.1 ]\n"
+          "  Texture \"wood\" \"spectrum\" \"wood\" \"rgb tex1\" [ 0.62 0.42 0.24 ] \"rgb tex2\" [ 0.36 0.2 "
+          "0.1 ]\n"
           "    \"float rings\" 4 \"float variation\" 0.16\n"
           "AttributeEnd\n"
-          "Material \"phong\" \"texture Kd\" \"wood\" \"rgb Ks\" [ 0.12 0.12 0.12 ] \"float exponent\" 40\n", g->file);
+          "Material \"phong\" \"texture Kd\" \"wood\" \"rgb Ks\" [ 0.12 0.12 0.12 ] \"float exponent\" 40\n",
+          g->file);
     plane(g);
 }
 

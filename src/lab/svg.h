@@ -1,5 +1,5 @@
-/* svg.h - plots as SVG text: lines with dots, or steps, over axes, linear or logarithmic. Colours follow the viewer's light or dark
- * scheme, so a plot may stand alone or inside a page. */
+/* svg.h - plots as SVG text: lines with dots, or steps, over axes, linear or logarithmic. Colours follow the
+ * viewer's light or dark scheme, so a plot may stand alone or inside a page. */
 #ifndef LC_CLI_SVG_H
 #define LC_CLI_SVG_H
 

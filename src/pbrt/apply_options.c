@@ -77,7 +77,8 @@ static lc_status get_sensor(lc_pbrt *p)
         return lc_pbrt_bad_param(&p->params, par, "is not a daylight temperature, 4000 to 25000 K");
     st = lc_pbrt_get_text(&p->params, "sensor", &sensor, &par);
     if (st || !strcmp(sensor, "cie1931")) return st;
-    return lc_pbrt_note_name(p, par->pos, "film sensor", sensor, "the CIE's observer takes its place, whose colours are close");
+    return lc_pbrt_note_name(p, par->pos, "film sensor", sensor,
+                             "the CIE's observer takes its place, whose colours are close");
 }
 
 lc_status lc_pbrt_film(lc_pbrt *p, const lc_pbrt_stmt *s)
@@ -130,8 +131,10 @@ static lc_status limit_spp(lc_pbrt *p, uint32_t *spp)
     uint32_t n = *spp;
     *spp = most;
     if (!p->opt.spp_pos.file || p->scene->load.spp) return LC_OK;
-    return lc_pbrt_note(p, p->opt.spp_pos, "sampler pixelsamples",
-                        "%u samples per pixel: %u are taken, for here they serve antialiasing only; --spp overrides", n, most);
+    return lc_pbrt_note(
+        p, p->opt.spp_pos, "sampler pixelsamples",
+        "%u samples per pixel: %u are taken, for here they serve antialiasing only; --spp overrides", n,
+        most);
 }
 
 /* Of every integrator whether it follows light on its way, and how deep; the last one counts. */
@@ -139,8 +142,9 @@ lc_status lc_pbrt_integrator(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     const lc_pbrt_param *par;
     int64_t depth = LC_PBRT_DEPTH;
-    static const char *const tracing[] = { "path", "volpath", "simplepath", "simplevolpath", "bdpt", "mlt", "sppm", "photonmap",
-                                           "exphotonmap", "igi", "irradiancecache" };
+    static const char *const tracing[] = { "path",        "volpath", "simplepath",     "simplevolpath",
+                                           "bdpt",        "mlt",     "sppm",           "photonmap",
+                                           "exphotonmap", "igi",     "irradiancecache" };
     p->scene->traces_paths = false;
     for (size_t i = 0; i < sizeof tracing / sizeof *tracing; i++)
         if (!strcmp(s->text[0], tracing[i])) p->scene->traces_paths = true;
@@ -203,7 +207,9 @@ static lc_status get_kind(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (p->opt.camera == LC_CAMERA_EQUAL_AREA) st = lc_pbrt_get_text(&p->params, "mapping", &mapping, &par);
     if (st || !strcmp(mapping, "equalarea")) return st;
     p->opt.camera = LC_CAMERA_LATLONG;
-    return strcmp(mapping, "equirectangular") ? lc_pbrt_bad_param(&p->params, par, "is neither equalarea nor equirectangular") : LC_OK;
+    return strcmp(mapping, "equirectangular")
+               ? lc_pbrt_bad_param(&p->params, par, "is neither equalarea nor equirectangular")
+               : LC_OK;
 }
 
 static lc_status get_lens(lc_pbrt *p)
@@ -250,7 +256,10 @@ static void crop_axis(const lc_pbrt_options *o, int64_t size, int axis, uint32_t
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
 {
     lc_pbrt_options *o = &p->opt;
-    if (!o->width) o->width = 1280, o->height = 720;
+    if (!o->width) {
+        o->width = 1280;
+        o->height = 720;
+    }
     lc_film_desc film = { .filename = o->filename, .spp = o->spp };
     memcpy(film.white, o->white, sizeof film.white);
     lc_pbrt_filter_desc(p, &film.filter);
@@ -269,7 +278,12 @@ lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
     memcpy(camera.world_to_camera, o->world_to_camera.m, sizeof camera.world_to_camera);
     double aspect = o->aspect > 0 ? o->aspect : (double)o->width / (double)o->height;
     double x = aspect > 1 ? aspect : 1, y = aspect > 1 ? 1 : 1 / aspect;
-    if (!o->has_screen) o->screen[0] = -x, o->screen[1] = x, o->screen[2] = -y, o->screen[3] = y;
+    if (!o->has_screen) {
+        o->screen[0] = -x;
+        o->screen[1] = x;
+        o->screen[2] = -y;
+        o->screen[3] = y;
+    }
     memcpy(camera.screen, o->screen, sizeof camera.screen);
     return lc_scene_set_camera(p->scene, o->has_camera ? o->camera_pos : where, &camera);
 }

@@ -1,5 +1,6 @@
-/* attribute.c - v4's Attribute: parameters that later statements of a kind take in this block where they don't give one of
- * that name themselves. Of two Attributes the later counts. What no statement wants of them is not noted. */
+/* attribute.c - v4's Attribute: parameters that later statements of a kind take in this block where they
+ * don't give one of that name themselves. Of two Attributes the later counts. What no statement wants of them
+ * is not noted. */
 #include "pbrt/attribute.h"
 
 #include <string.h>
@@ -24,8 +25,9 @@ static target target_of(const char *directive)
     static const struct {
         const char *name;
         target target;
-    } takers[] = { { "Shape", SHAPE }, { "LightSource", LIGHT }, { "AreaLightSource", LIGHT }, { "Material", MATERIAL },
-                   { "MakeNamedMaterial", MATERIAL }, { "MakeNamedMedium", MEDIUM }, { "Texture", TEXTURE } };
+    } takers[] = { { "Shape", SHAPE },       { "LightSource", LIGHT },          { "AreaLightSource", LIGHT },
+                   { "Material", MATERIAL }, { "MakeNamedMaterial", MATERIAL }, { "MakeNamedMedium", MEDIUM },
+                   { "Texture", TEXTURE } };
     for (size_t i = 0; i < sizeof takers / sizeof *takers; i++)
         if (!strcmp(takers[i].name, directive)) return takers[i].target;
     return N_TARGETS;
@@ -59,7 +61,8 @@ static lc_status add_default(lc_pbrt *p, target t, const lc_pbrt_param *par)
     lc_pbrt_default d = { .target = t };
     void *defaults = p->defaults;
     if (a->n_defaults >= MAX_DEFAULTS || par->n > MAX_DEFAULT_VALUES - a->n_default_values)
-        return lc_fail_at(p->ctx, LC_ERR_PARSE, par->pos, "more than %d parameters or %d values of Attributes in force", MAX_DEFAULTS,
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, par->pos,
+                          "more than %d parameters or %d values of Attributes in force", MAX_DEFAULTS,
                           MAX_DEFAULT_VALUES);
     lc_status st = lc_grow(p->ctx, &defaults, &p->cap_defaults, a->n_defaults + 1, sizeof *p->defaults);
     p->defaults = defaults;
@@ -77,7 +80,8 @@ lc_status lc_pbrt_attribute(lc_pbrt *p, const lc_pbrt_stmt *s)
     while (t < N_TARGETS && strcmp(target_names[t], s->text[0])) t++;
     if (t == N_TARGETS)
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->text_pos[0],
-                          "Attribute of '%.80s', which is none of shape, light, material, medium, texture", s->text[0]);
+                          "Attribute of '%.80s', which is none of shape, light, material, medium, texture",
+                          s->text[0]);
     for (size_t i = 0; i < p->params.n && !st; i++) st = add_default(p, t, &p->params.items[i]);
     lc_pbrt_mark_all(&p->params);
     return st;
@@ -96,7 +100,8 @@ lc_status lc_pbrt_take_defaults(lc_pbrt *p, const char *directive)
     lc_status st = LC_OK;
     for (size_t i = p->attrs.n_defaults; i-- > 0 && t < N_TARGETS && !st;) {
         const lc_pbrt_default *d = &p->defaults[i];
-        if (d->target == t && !has(&p->params, d->par.name)) st = lc_pbrt_params_add(&p->params, &d->par, d->num, d->text);
+        if (d->target == t && !has(&p->params, d->par.name))
+            st = lc_pbrt_params_add(&p->params, &d->par, d->num, d->text);
     }
     return st;
 }

@@ -1,4 +1,5 @@
-/* attribute.h - what blocks of attributes keep of v4's: parameters for later statements, and the space of their colours. */
+/* attribute.h - what blocks of attributes keep of v4's: parameters for later statements, and the space of
+ * their colours. */
 #ifndef LC_PBRT_ATTRIBUTE_H
 #define LC_PBRT_ATTRIBUTE_H
 
@@ -11,7 +12,8 @@ void lc_pbrt_free_defaults(lc_pbrt *p);
 
 /* space.c */
 lc_pbrt_handler lc_pbrt_colour_space;
-/* An rgb parameter's values to linear Rec.709; what falls below 0 becomes 0 and is noted, what is given so stays. */
+/* An rgb parameter's values to linear Rec.709; what falls below 0 becomes 0 and is noted, what is given so
+ * stays. */
 lc_status lc_pbrt_from_space(lc_pbrt *p, const lc_pbrt_param *par, lc_pbrt_colour_use use, double rgb[3]);
 
 #endif

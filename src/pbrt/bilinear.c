@@ -1,8 +1,8 @@
 /* bilinear.c - Shape "bilinearmesh" as triangles.
  *
- *     p01 -- p11      indices: p00 p10 p01 p11; u runs from p00 to p10, v from p00 to p01. A patch that is not planar, or whose
- *      |      |       texture is not, becomes a grid of n x n cells, which is off by the twist
- *     p00 -- p10      |p00 - p10 - p01 + p11| / (4 n^2) at most.
+ *     p01 -- p11      indices: p00 p10 p01 p11; u runs from p00 to p10, v from p00 to p01. A patch that is
+ * not planar, or whose |      |       texture is not, becomes a grid of n x n cells, which is off by the
+ * twist p00 -- p10      |p00 - p10 - p01 + p11| / (4 n^2) at most.
  */
 #include "pbrt/state.h"
 
@@ -60,9 +60,11 @@ static uint32_t side_of(const patch *q, bool in_plane)
     return side;
 }
 
-static void mix(const double *c00, const double *c10, const double *c01, const double *c11, double u, double v, int n, double *out)
+static void mix(const double *c00, const double *c10, const double *c01, const double *c11, double u,
+                double v, int n, double *out)
 {
-    for (int k = 0; k < n; k++) out[k] = (1 - v) * ((1 - u) * c00[k] + u * c10[k]) + v * ((1 - u) * c01[k] + u * c11[k]);
+    for (int k = 0; k < n; k++)
+        out[k] = (1 - v) * ((1 - u) * c00[k] + u * c10[k]) + v * ((1 - u) * c01[k] + u * c11[k]);
 }
 
 /* The shading normal: the given ones interpolated, or the surface's own where it is curved. */
@@ -97,7 +99,8 @@ static void put_patch(lc_pbrt *p, const patch *q, uint32_t side, output *o)
             if (o->normals) {
                 normal_at(q, o->given, u, v, out);
                 double max = fmax(fabs(out[0]), fmax(fabs(out[1]), fabs(out[2])));
-                for (size_t k = 0; k < 3; k++) p->normal[3 * o->n_verts + k] = (float)(max > 0 ? out[k] / max : 0);
+                for (size_t k = 0; k < 3; k++)
+                    p->normal[3 * o->n_verts + k] = (float)(max > 0 ? out[k] / max : 0);
             }
             if (!o->uv) continue;
             mix(q->uv[0], q->uv[1], q->uv[2], q->uv[3], u, v, 2, out);
@@ -121,20 +124,25 @@ static lc_status cut(lc_pbrt *p, const lc_pbrt_stmt *s, const patches *all, lc_m
     lc_status st = lc_pbrt_current_material(p, &id);
     if (st) return st;
     const bool textured = lc_scene_is_textured(p->scene, id); /* o.uv may be set without */
-    for (size_t i = 0; i < all->n; i++) fetch(all, i, &q), counts[side_of(&q, textured)]++;
+    for (size_t i = 0; i < all->n; i++) {
+        fetch(all, i, &q);
+        counts[side_of(&q, textured)]++;
+    }
     o.normals = o.given || counts[1] < all->n;
     for (;; most /= 2) {
         o.n_verts = o.n_tris = 0;
         for (uint32_t k = 1; k <= MAX_SIDE; k++) {
             size_t side = k < most ? k : most;
-            o.n_verts += counts[k] * (side + 1) * (side + 1), o.n_tris += 2 * counts[k] * side * side;
+            o.n_verts += counts[k] * (side + 1) * (side + 1);
+            o.n_tris += 2 * counts[k] * side * side;
         }
         if (most == 1 || o.n_tris <= MAX_TRIS) break;
     }
     st = lc_pbrt_mesh_room(p, o.n_verts, o.n_tris, o.normals);
     if (!st) st = lc_pbrt_uv_room(p, o.n_verts, &o.uv);
     if (!st && counts[1] < all->n)
-        st = lc_pbrt_note_name(p, s->pos, "shape", s->text[0], "what is not flat of it is approximated by triangles");
+        st = lc_pbrt_note_name(p, s->pos, "shape", s->text[0],
+                               "what is not flat of it is approximated by triangles");
     if (st) return st;
     o.n_verts = o.n_tris = 0;
     for (size_t i = 0; i < all->n; i++) {
@@ -142,8 +150,12 @@ static lc_status cut(lc_pbrt *p, const lc_pbrt_stmt *s, const patches *all, lc_m
         uint32_t side = side_of(&q, textured);
         put_patch(p, &q, side < most ? side : most, &o);
     }
-    *mesh = (lc_mesh_desc){ .n_verts = (uint32_t)o.n_verts, .n_tris = (uint32_t)o.n_tris, .pos = p->pos,
-                            .normal = o.normals ? p->normal : NULL, .uv = o.uv ? p->uv : NULL, .index = p->index };
+    *mesh = (lc_mesh_desc){ .n_verts = (uint32_t)o.n_verts,
+                            .n_tris = (uint32_t)o.n_tris,
+                            .pos = p->pos,
+                            .normal = o.normals ? p->normal : NULL,
+                            .uv = o.uv ? p->uv : NULL,
+                            .index = p->index };
     return LC_OK;
 }
 
@@ -157,12 +169,15 @@ lc_status lc_pbrt_bilinear_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc 
     lc_pbrt_mark(&p->params, "faceIndices");
     if (!pos) return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "bilinearmesh without vertices \"point3 P\"");
     size_t n_verts = pos->n / 3, n_index = index ? index->n : 4;
-    if (!index && n_verts != 4) return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "bilinearmesh without \"integer indices\"");
+    if (!index && n_verts != 4)
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "bilinearmesh without \"integer indices\"");
     if (normal && normal->n != pos->n)
-        return lc_fail_at(p->ctx, LC_ERR_PARSE, normal->pos, "%zu normals for %zu vertices", normal->n / 3, n_verts);
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, normal->pos, "%zu normals for %zu vertices", normal->n / 3,
+                          n_verts);
     lc_status st = LC_OK;
     if (uv && uv->n < 2 * n_verts)
-        st = lc_pbrt_note(p, uv->pos, "uv", "%zu texture coordinates for %zu vertices are ignored", uv->n / 2, n_verts);
+        st = lc_pbrt_note(p, uv->pos, "uv", "%zu texture coordinates for %zu vertices are ignored", uv->n / 2,
+                          n_verts);
     if (!st) st = lc_pbrt_mesh_room(p, 0, n_index / 3 + 1, false);
     for (uint32_t i = 0; !st && !index && i < 4; i++) p->index[i] = i;
     if (!st && index) st = lc_pbrt_copy_indices(p, index, 4, (uint32_t)n_verts);
@@ -171,7 +186,8 @@ lc_status lc_pbrt_bilinear_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc 
     if (!corners) return LC_ERR_MEMORY;
     for (size_t i = 0; i < n_index; i++) corners[i] = p->index[i];
     patches all = { lc_pbrt_numbers(&p->params, pos), normal ? lc_pbrt_numbers(&p->params, normal) : NULL,
-                    uv && uv->n >= 2 * n_verts ? lc_pbrt_numbers(&p->params, uv) : NULL, corners, n_index / 4 };
+                    uv && uv->n >= 2 * n_verts ? lc_pbrt_numbers(&p->params, uv) : NULL, corners,
+                    n_index / 4 };
     st = cut(p, s, &all, mesh);
     lc_free(p->ctx, corners, n_index, sizeof *corners);
     return st;

@@ -50,7 +50,8 @@ static void xyz_to_rgb(const double xyz[3], double rgb[3])
 static double planck(double nm, double kelvin)
 {
     double peak = 2.897771955e6 / kelvin, r = peak / nm, r2 = r * r;
-    double e = lc_exp_neg(-1.438776877e7 / (nm * kelvin)), e_peak = lc_exp_neg(-1.438776877e7 / 2.897771955e6);
+    double e = lc_exp_neg(-1.438776877e7 / (nm * kelvin)),
+           e_peak = lc_exp_neg(-1.438776877e7 / 2.897771955e6);
     return r2 * r2 * r * (e / (1 - e)) / (e_peak / (1 - e_peak));
 }
 
@@ -91,7 +92,8 @@ static lc_status named(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_PBRT_
     return lc_pbrt_spectrum_file(p, par, name, out, there);
 }
 
-static lc_status samples_of(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_PBRT_CIE_N], double *scale, bool *there)
+static lc_status samples_of(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_PBRT_CIE_N], double *scale,
+                            bool *there)
 {
     *there = true;
     *scale = 1;
@@ -102,11 +104,13 @@ static lc_status samples_of(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_
 
 static lc_status note_unknown(lc_pbrt *p, const lc_pbrt_param *par, const char *instead)
 {
-    return lc_pbrt_note(p, par->pos, "spectrum by name", "spectrum '%.80s' is neither known nor a file that can be read: %s",
+    return lc_pbrt_note(p, par->pos, "spectrum by name",
+                        "spectrum '%.80s' is neither known nor a file that can be read: %s",
                         p->params.text[par->first], instead);
 }
 
-lc_status lc_pbrt_get_spectrum(lc_pbrt *p, const char *name, double out[LC_PBRT_CIE_N], const lc_pbrt_param **found)
+lc_status lc_pbrt_get_spectrum(lc_pbrt *p, const char *name, double out[LC_PBRT_CIE_N],
+                               const lc_pbrt_param **found)
 {
     const lc_pbrt_param *par = lc_pbrt_find(&p->params, name, LC_PBRT_SPECTRUM);
     double scale;

@@ -1,12 +1,15 @@
-/* curve.c - Shape "curve" as triangles: Bezier or B-spline, of degree 2 or 3, in segments, each a strip or a tube in steps.
+/* curve.c - Shape "curve" as triangles: Bezier or B-spline, of degree 2 or 3, in segments, each a strip or a
+ * tube in steps.
  *
  *     ribbon           a strip across the normals N
- *     flat, cylinder   a tube, where pbrt has a strip that faces each ray; its normals are those of a cylinder
+ *     flat, cylinder   a tube, where pbrt has a strip that faces each ray; its normals are those of a
+ * cylinder
  *
- * A step keeps within a fiftieth of the width of the curve, up to the steps of a level. Like round shapes, curves get coarser as they
- * become more: 8 around and 16 steps for the first quarter of a million triangles, in the end a strip of two steps, and none beyond
- * 6 million (1.2 GB, a million curves). Tubes are as much thicker than round ones that the mean of their widths, seen from all
- * sides, is the curve's: by Cauchy that is the perimeter over pi. */
+ * A step keeps within a fiftieth of the width of the curve, up to the steps of a level. Like round shapes,
+ * curves get coarser as they become more: 8 around and 16 steps for the first quarter of a million triangles,
+ * in the end a strip of two steps, and none beyond 6 million (1.2 GB, a million curves). Tubes are as much
+ * thicker than round ones that the mean of their widths, seen from all sides, is the curve's: by Cauchy that
+ * is the perimeter over pi. */
 #include "pbrt/state.h"
 
 #include "base/fmath.h"
@@ -46,7 +49,9 @@ static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a
 
 static void cross(const double a[3], const double b[3], double out[3])
 {
-    out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /* False, and out stays, where v is shorter than `least`. */
@@ -70,22 +75,32 @@ static void fetch(const spline *c, size_t segment, double b[4][3])
 {
     const double *p[4], *q[3];
     double ends[2][3], inner[2][3];
-    for (size_t i = 0; i <= c->degree; i++) p[i] = c->points + 3 * (segment * (c->bspline ? 1 : c->degree) + i);
+    for (size_t i = 0; i <= c->degree; i++)
+        p[i] = c->points + 3 * (segment * (c->bspline ? 1 : c->degree) + i);
     if (c->degree == 3) {
         for (int i = 0; i < 4 && !c->bspline; i++) memcpy(b[i], p[i], sizeof b[i]);
         if (!c->bspline) return;
-        between(p[1], p[2], 1.0 / 3, b[1]), between(p[1], p[2], 2.0 / 3, b[2]);
-        between(p[0], p[1], 2.0 / 3, inner[0]), between(p[2], p[3], 1.0 / 3, inner[1]);
-        between(inner[0], b[1], 0.5, b[0]), between(b[2], inner[1], 0.5, b[3]);
+        between(p[1], p[2], 1.0 / 3, b[1]);
+        between(p[1], p[2], 2.0 / 3, b[2]);
+        between(p[0], p[1], 2.0 / 3, inner[0]);
+        between(p[2], p[3], 1.0 / 3, inner[1]);
+        between(inner[0], b[1], 0.5, b[0]);
+        between(b[2], inner[1], 0.5, b[3]);
         return;
     }
-    q[0] = p[0], q[1] = p[1], q[2] = p[2];
+    q[0] = p[0];
+    q[1] = p[1];
+    q[2] = p[2];
     if (c->bspline) {
-        between(p[0], p[1], 0.5, ends[0]), between(p[1], p[2], 0.5, ends[1]);
-        q[0] = ends[0], q[2] = ends[1];
+        between(p[0], p[1], 0.5, ends[0]);
+        between(p[1], p[2], 0.5, ends[1]);
+        q[0] = ends[0];
+        q[2] = ends[1];
     }
-    memcpy(b[0], q[0], sizeof b[0]), memcpy(b[3], q[2], sizeof b[3]);
-    between(q[0], q[1], 2.0 / 3, b[1]), between(q[2], q[1], 2.0 / 3, b[2]);
+    memcpy(b[0], q[0], sizeof b[0]);
+    memcpy(b[3], q[2], sizeof b[3]);
+    between(q[0], q[1], 2.0 / 3, b[1]);
+    between(q[2], q[1], 2.0 / 3, b[2]);
 }
 
 /* Point and derivative. */
@@ -117,7 +132,8 @@ static size_t triangles(const spline *c, const struct level *level)
     double b[4][3];
     for (size_t i = 0; i < c->n_segments; i++) {
         fetch(c, i, b);
-        sum += 2 * (size_t)steps_of(c, b, level->steps) * (c->normals || level->sides == 2 ? 1 : level->sides);
+        sum += 2 * (size_t)steps_of(c, b, level->steps) *
+               (c->normals || level->sides == 2 ? 1 : level->sides);
     }
     return sum;
 }
@@ -162,11 +178,15 @@ static void put_ring(lc_pbrt *p, tube *o, const double centre[3], double radius,
     for (uint32_t j = 0; j < o->row; j++) {
         size_t v = o->n_verts++;
         for (size_t k = 0; k < 3; k++) {
-            double out = o->sides == 2 ? (j ? -o->x[k] : o->x[k]) : o->cosine[j] * o->x[k] + o->sine[j] * o->y[k];
+            double out = o->sides == 2 ? (j ? -o->x[k] : o->x[k])
+                                       : o->cosine[j] * o->x[k] + o->sine[j] * o->y[k];
             p->pos[3 * v + k] = (float)(centre[k] + radius * out);
             p->normal[3 * v + k] = (float)(o->sides == 2 ? o->y[k] : out);
         }
-        if (o->uv) p->uv[2 * v] = (float)u, p->uv[2 * v + 1] = (float)((double)j / (o->row - 1));
+        if (o->uv) {
+            p->uv[2 * v] = (float)u;
+            p->uv[2 * v + 1] = (float)((double)j / (o->row - 1));
+        }
     }
 }
 
@@ -175,7 +195,8 @@ static void join(lc_pbrt *p, tube *o, bool first_is_point, bool last_is_point)
 {
     uint32_t last = (uint32_t)o->n_verts - o->row, first = last - o->row;
     for (uint32_t j = 0; j + 1 < o->row; j++) {
-        const uint32_t t[2][3] = { { first + j, first + j + 1, last + j + 1 }, { first + j, last + j + 1, last + j } };
+        const uint32_t t[2][3] = { { first + j, first + j + 1, last + j + 1 },
+                                   { first + j, last + j + 1, last + j } };
         if (!first_is_point) memcpy(p->index + 3 * o->n_tris++, t[0], sizeof t[0]);
         if (!last_is_point) memcpy(p->index + 3 * o->n_tris++, t[1], sizeof t[1]);
     }
@@ -191,7 +212,8 @@ static void put_segment(lc_pbrt *p, const spline *c, size_t segment, tube *o)
         size = fmax(size, sqrt(dot(d, d)));
     }
     for (uint32_t i = 0; i <= n; i++) {
-        double t = (double)i / n, point[3], near[3], d[3], tangent[3], u = ((double)segment + t) / (double)c->n_segments;
+        double t = (double)i / n, point[3], near[3], d[3], tangent[3],
+               u = ((double)segment + t) / (double)c->n_segments;
         double radius = 0.5 * ((1 - u) * c->width[0] + u * c->width[1]);
         memcpy(tangent, o->tangent, sizeof tangent);
         at(b, t, point, d);
@@ -208,11 +230,17 @@ static void put_segment(lc_pbrt *p, const spline *c, size_t segment, tube *o)
     }
 }
 
-static lc_status put_all(lc_pbrt *p, const spline *c, const struct level *level, size_t most, lc_mesh_desc *mesh)
+static lc_status put_all(lc_pbrt *p, const spline *c, const struct level *level, size_t most,
+                         lc_mesh_desc *mesh)
 {
-    tube o = { .sides = c->normals ? 2 : level->sides, .steps = level->steps, .swell = 1, .x = { 1, 0, 0 }, .tangent = { 0, 0, 1 } };
+    tube o = { .sides = c->normals ? 2 : level->sides,
+               .steps = level->steps,
+               .swell = 1,
+               .x = { 1, 0, 0 },
+               .tangent = { 0, 0, 1 } };
     o.row = o.sides == 2 ? 2 : o.sides + 1;
-    for (uint32_t j = 0; j < o.row && o.sides > 2; j++) lc_sincos_deg(360.0 * j / o.sides, &o.sine[j], &o.cosine[j]);
+    for (uint32_t j = 0; j < o.row && o.sides > 2; j++)
+        lc_sincos_deg(360.0 * j / o.sides, &o.sine[j], &o.cosine[j]);
     double sine, cosine;
     lc_sincos_deg(180.0 / o.sides, &sine, &cosine);
     if (!c->normals) o.swell = LC_PI / (o.sides * sine);
@@ -221,8 +249,12 @@ static lc_status put_all(lc_pbrt *p, const spline *c, const struct level *level,
     if (!st) st = lc_pbrt_uv_room(p, n_verts, &o.uv);
     for (size_t i = 0; i < c->n_segments && !st; i++) put_segment(p, c, i, &o);
     if (st) return st;
-    *mesh = (lc_mesh_desc){ .n_verts = (uint32_t)o.n_verts, .n_tris = (uint32_t)o.n_tris, .pos = p->pos, .normal = p->normal,
-                            .uv = o.uv ? p->uv : NULL, .index = p->index };
+    *mesh = (lc_mesh_desc){ .n_verts = (uint32_t)o.n_verts,
+                            .n_tris = (uint32_t)o.n_tris,
+                            .pos = p->pos,
+                            .normal = p->normal,
+                            .uv = o.uv ? p->uv : NULL,
+                            .index = p->index };
     p->n_curve_tris += o.n_tris;
     return LC_OK;
 }
@@ -236,7 +268,8 @@ static lc_status get_points(lc_pbrt *p, const lc_pbrt_stmt *s, spline *c)
     int64_t degree = 3;
     lc_status st = lc_pbrt_get_text(&p->params, "basis", &basis, &par);
     c->bspline = !strcmp(basis, "bspline");
-    if (!st && !c->bspline && strcmp(basis, "bezier")) return lc_pbrt_bad_param(&p->params, par, "is neither bezier nor bspline");
+    if (!st && !c->bspline && strcmp(basis, "bezier"))
+        return lc_pbrt_bad_param(&p->params, par, "is neither bezier nor bspline");
     if (!st) st = lc_pbrt_get_int(&p->params, "degree", &degree, &par);
     if (st) return st;
     if (degree != 2 && degree != 3) return lc_pbrt_bad_param(&p->params, par, "is neither 2 nor 3");
@@ -257,10 +290,12 @@ static lc_status get_type(lc_pbrt *p, const lc_pbrt_stmt *s, spline *c)
     const char *type = "flat";
     lc_status st = lc_pbrt_get_text(&p->params, "type", &type, &par);
     if (st || !strcmp(type, "flat") || !strcmp(type, "cylinder")) return st;
-    if (strcmp(type, "ribbon")) return lc_pbrt_bad_param(&p->params, par, "is none of flat, cylinder, ribbon");
+    if (strcmp(type, "ribbon"))
+        return lc_pbrt_bad_param(&p->params, par, "is none of flat, cylinder, ribbon");
     if (!normals || normals->n != 3 * (c->n_segments + 1))
-        return lc_fail_at(p->ctx, LC_ERR_PARSE, normals ? normals->pos : s->pos, "a ribbon of %zu segments needs %zu normals \"normal N\"",
-                          c->n_segments, c->n_segments + 1);
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, normals ? normals->pos : s->pos,
+                          "a ribbon of %zu segments needs %zu normals \"normal N\"", c->n_segments,
+                          c->n_segments + 1);
     c->normals = lc_pbrt_numbers(&p->params, normals);
     return LC_OK;
 }
@@ -291,14 +326,21 @@ lc_status lc_pbrt_curve(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, d
     if (!st) st = get_type(p, s, &c);
     if (!st) st = get_width(p, &c);
     if (st) return st;
-    if (!(c.width[0] > 0 || c.width[1] > 0)) return lc_pbrt_note(p, s->pos, "shape without area", "a curve without width is skipped");
+    if (!(c.width[0] > 0 || c.width[1] > 0))
+        return lc_pbrt_note(p, s->pos, "shape without area", "a curve without width is skipped");
     while (level < N_LEVELS && p->n_curve_tris >= levels[level].up_to) level++;
-    while (level < N_LEVELS && p->n_curve_tris + (n = triangles(&c, &levels[level])) > levels[N_LEVELS - 1].up_to) level++;
+    while (level < N_LEVELS &&
+           p->n_curve_tris + (n = triangles(&c, &levels[level])) > levels[N_LEVELS - 1].up_to)
+        level++;
     if (level == N_LEVELS)
-        return lc_pbrt_note(p, s->pos, "curve limit", "curves of more than %llu triangles: the rest of them are left out",
+        return lc_pbrt_note(p, s->pos, "curve limit",
+                            "curves of more than %llu triangles: the rest of them are left out",
                             (unsigned long long)levels[N_LEVELS - 1].up_to);
-    snprintf(text, sizeof text, "made of triangles: %s, at most %u steps a segment", c.normals ? "a strip" : "a tube", levels[level].steps);
+    snprintf(text, sizeof text, "made of triangles: %s, at most %u steps a segment",
+             c.normals ? "a strip" : "a tube", levels[level].steps);
     st = lc_pbrt_note_name(p, s->pos, "shape", s->text[0], text);
-    if (!st && level) st = lc_pbrt_note(p, s->pos, "coarse curves", "from here on curves have fewer triangles, as they are many");
+    if (!st && level)
+        st = lc_pbrt_note(p, s->pos, "coarse curves",
+                          "from here on curves have fewer triangles, as they are many");
     return st ? st : put_all(p, &c, &levels[level], n, mesh);
 }

@@ -1,5 +1,5 @@
-/* feature.c - what a scene file uses and how well that is supported. A statement is approximated when something was
- * noted of it, or where the table says so; ignored when its handler says so. */
+/* feature.c - what a scene file uses and how well that is supported. A statement is approximated when
+ * something was noted of it, or where the table says so; ignored when its handler says so. */
 #include "pbrt/state.h"
 
 #include <stdio.h>
@@ -43,9 +43,12 @@ lc_status lc_pbrt_count_feature(lc_pbrt *p, const char *directive, uint64_t n_no
     while (i < n && strcmp(kinds[i].directive, directive)) i++;
     if (i == n) return LC_OK;
     bool noted = scene->n_noted > n_noted;
-    lc_support support = p->ignored ? LC_SUPPORT_IGNORED : noted || kinds[i].remark ? LC_SUPPORT_APPROXIMATED : LC_SUPPORT_YES;
+    lc_support support = p->ignored                 ? LC_SUPPORT_IGNORED
+                         : noted || kinds[i].remark ? LC_SUPPORT_APPROXIMATED
+                                                    : LC_SUPPORT_YES;
     bool full = scene->n_features >= LC_PBRT_MAX_KINDS;
     snprintf(name, sizeof name, "%.90s", full ? "other" : kinds[i].by_directive ? directive : p->owner);
     lc_pbrt_printable(name);
-    return lc_scene_count_feature(scene, kinds[i].name, name, support, noted ? scene->noted : kinds[i].remark);
+    return lc_scene_count_feature(scene, kinds[i].name, name, support,
+                                  noted ? scene->noted : kinds[i].remark);
 }

@@ -1,5 +1,5 @@
-/* filter.c - PixelFilter. v3 writes xwidth and alpha, v4 xradius and sigma, with other defaults: those of the file's
- * version, which is known once its Film has been read. */
+/* filter.c - PixelFilter. v3 writes xwidth and alpha, v4 xradius and sigma, with other defaults: those of the
+ * file's version, which is known once its Film has been read. */
 #include "pbrt/state.h"
 
 #include <string.h>
@@ -22,7 +22,8 @@ static lc_status get_value(lc_pbrt *p, const char *name, double least, double mo
     const lc_pbrt_param *par;
     lc_status st = lc_pbrt_get_float(&p->params, name, out, &par);
     if (there) *there = par;
-    if (!st && par && !(*out >= least && *out <= most)) return lc_pbrt_bad_param(&p->params, par, "is out of range");
+    if (!st && par && !(*out >= least && *out <= most))
+        return lc_pbrt_bad_param(&p->params, par, "is out of range");
     return st;
 }
 
@@ -55,7 +56,9 @@ lc_status lc_pbrt_pixel_filter(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_pbrt_filter *f = &p->opt.filter;
     size_t i = 0, n = sizeof filters / sizeof *filters;
     while (i < n && strcmp(s->text[0], filters[i].name)) i++;
-    if (i == n) return lc_pbrt_note_name(p, s->pos, "pixel filter", s->text[0], "that of pbrt without a PixelFilter takes its place");
+    if (i == n)
+        return lc_pbrt_note_name(p, s->pos, "pixel filter", s->text[0],
+                                 "that of pbrt without a PixelFilter takes its place");
     lc_status st = LC_OK;
     *f = (lc_pbrt_filter){ .there = true, .desc.kind = filters[i].kind };
     for (int axis = 0; axis < 2; axis++)
@@ -70,6 +73,8 @@ void lc_pbrt_filter_desc(const lc_pbrt *p, lc_pixel_filter_desc *out)
     if (!p->opt.filter.there) out->kind = p->v4 ? LC_PIXEL_GAUSSIAN : LC_PIXEL_BOX;
     for (size_t i = 0; i < sizeof filters / sizeof *filters; i++)
         for (int k = 0; k < 2; k++)
-            if (filters[i].kind == out->kind && !(out->radius[k] > 0)) out->radius[k] = filters[i].radius[p->v4];
-    if (out->kind == LC_PIXEL_GAUSSIAN && !(out->shape[0] > 0)) out->shape[0] = 2; /* v4's sigma of 0.5 is an alpha of 2, too */
+            if (filters[i].kind == out->kind && !(out->radius[k] > 0))
+                out->radius[k] = filters[i].radius[p->v4];
+    /* V4's sigma of 0.5 is an alpha of 2, too. */
+    if (out->kind == LC_PIXEL_GAUSSIAN && !(out->shape[0] > 0)) out->shape[0] = 2;
 }

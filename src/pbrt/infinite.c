@@ -1,6 +1,7 @@
 /* infinite.c - LightSource "infinite": a constant or a picture, "filename" (v4) or "mapname" (v3).
  *
- * Square pictures are pbrt-v4's equal-area ones unless named by "mapname"; others go by latitude and longitude.
+ * Square pictures are pbrt-v4's equal-area ones unless named by "mapname"; others go by latitude and
+ * longitude.
  */
 #include "pbrt/light_source.h"
 
@@ -16,15 +17,18 @@ lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipma
     lc_raster raster = { 0 };
     *there = false;
     if (p->lex.no_files)
-        return lc_pbrt_note(p, where, "light image", "'%.150s': this scene may not open files; a constant takes its place", name);
+        return lc_pbrt_note(p, where, "light image",
+                            "'%.150s': this scene may not open files; a constant takes its place", name);
     lc_status st = lc_pbrt_find_file(&p->lex, where, name, &path);
     if (st) return st;
     if (!lc_file_exists(path))
-        return lc_pbrt_note(p, where, "light image", "'%.150s': no such file; a constant takes its place", path);
+        return lc_pbrt_note(p, where, "light image", "'%.150s': no such file; a constant takes its place",
+                            path);
     if ((st = lc_file_read(p->ctx, where, path, &file))) return st;
     lc_bytes bytes = { p->ctx, file.data, file.size, file.cap };
     if (lc_jpeg_is(bytes.data, bytes.len))
-        st = lc_pbrt_note(p, where, "JPEG", "'%.150s': JPEG is not read; a constant takes its place. Convert it to PNG", path);
+        st = lc_pbrt_note(p, where, "JPEG",
+                          "'%.150s': JPEG is not read; a constant takes its place. Convert it to PNG", path);
     else if (!(st = lc_raster_decode(p->ctx, path, &bytes, &raster)))
         *there = true;
     lc_file_free(p->ctx, &file);
@@ -54,7 +58,8 @@ static lc_status get_map(lc_pbrt *p, lc_env *env, bool *is_image)
     return st || *is_image ? st : lc_pbrt_constant_map(p, &env->map);
 }
 
-/* Illuminance of a surface under the upper half of the map. The factor is pbrt-v4's, which takes texels for half as large. */
+/* Illuminance of a surface under the upper half of the map. The factor is pbrt-v4's, which takes texels for
+ * half as large. */
 static double upper_illuminance(const lc_env *env)
 {
     double sum = 0, rgb[3], w[3];

@@ -150,10 +150,24 @@ enum { SPACE = 1, BREAK = 2, DIGIT = 4, LETTER = 8, SIGN = 16 };
 
 /* BREAK ends a number or a word; so does the zero at the end of the window. */
 static const uint8_t classes[256] = {
-    [' '] = SPACE | BREAK, ['\t'] = SPACE | BREAK, ['\n'] = SPACE | BREAK, ['\r'] = SPACE | BREAK,
-    ['\f'] = SPACE | BREAK, ['\v'] = SPACE | BREAK, ['"'] = BREAK, ['['] = BREAK, [']'] = BREAK, ['#'] = BREAK,
-    [0] = BREAK, ['0' ... '9'] = DIGIT, ['a' ... 'z'] = LETTER, ['A' ... 'Z'] = LETTER, ['_'] = LETTER,
-    ['+'] = SIGN, ['-'] = SIGN, ['.'] = SIGN,
+    [' '] = SPACE | BREAK,
+    ['\t'] = SPACE | BREAK,
+    ['\n'] = SPACE | BREAK,
+    ['\r'] = SPACE | BREAK,
+    ['\f'] = SPACE | BREAK,
+    ['\v'] = SPACE | BREAK,
+    ['"'] = BREAK,
+    ['['] = BREAK,
+    [']'] = BREAK,
+    ['#'] = BREAK,
+    [0] = BREAK,
+    ['0' ... '9'] = DIGIT,
+    ['a' ... 'z'] = LETTER,
+    ['A' ... 'Z'] = LETTER,
+    ['_'] = LETTER,
+    ['+'] = SIGN,
+    ['-'] = SIGN,
+    ['.'] = SIGN,
 };
 static bool is(char c, unsigned set) { return classes[(unsigned char)c] & set; }
 
@@ -162,7 +176,10 @@ static bool skip_in_window(lc_pbrt_source *s)
 {
     const char *p = s->data + s->off;
     for (; is(*p, SPACE); p++)
-        if (*p == '\n') s->line++, s->line_start = s->base + (size_t)(p - s->data) + 1;
+        if (*p == '\n') {
+            s->line++;
+            s->line_start = s->base + (size_t)(p - s->data) + 1;
+        }
     s->off = (size_t)(p - s->data);
     return s->off == s->size;
 }
@@ -214,7 +231,8 @@ static int unescape(char c)
 static bool string_ends(const lc_pbrt_source *s)
 {
     size_t i = s->off + 1;
-    while (i < s->size && s->data[i] != '"' && s->data[i] != '\n' && s->data[i]) i += s->data[i] == '\\' ? 2 : 1;
+    while (i < s->size && s->data[i] != '"' && s->data[i] != '\n' && s->data[i])
+        i += s->data[i] == '\\' ? 2 : 1;
     return i < s->size;
 }
 
@@ -230,7 +248,8 @@ static lc_status lex_string(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *
     t->text = out;
     s->has_strings = true;
     for (size_t i = s->off + 1; i < s->size && d[i] != '\n'; i++) {
-        if (!d[i]) return lc_fail_at(lex->ctx, LC_ERR_PARSE, lc_pbrt_source_pos(s, i), "zero byte in a string");
+        if (!d[i])
+            return lc_fail_at(lex->ctx, LC_ERR_PARSE, lc_pbrt_source_pos(s, i), "zero byte in a string");
         if (d[i] == '"') {
             *out = 0;
             t->len = (size_t)(out - t->text);
@@ -243,7 +262,8 @@ static lc_status lex_string(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *
         }
         int c = i + 1 < s->size ? unescape(d[i + 1]) : -1;
         if (c < 0)
-            return lc_fail_at(lex->ctx, LC_ERR_PARSE, lc_pbrt_source_pos(s, i), "unknown escape sequence in a string");
+            return lc_fail_at(lex->ctx, LC_ERR_PARSE, lc_pbrt_source_pos(s, i),
+                              "unknown escape sequence in a string");
         *out++ = (char)c;
         i++;
     }
@@ -262,7 +282,8 @@ static lc_status lex_number(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *
         return lc_fail_at(lex->ctx, LC_ERR_PARSE, t->pos, "not a number: '%.*s'", shown(t->len), t->text);
     s->off += t->len;
     if (!fits_float(t->number))
-        return lc_fail_at(lex->ctx, LC_ERR_PARSE, t->pos, "number out of range: '%.*s'", shown(t->len), t->text);
+        return lc_fail_at(lex->ctx, LC_ERR_PARSE, t->pos, "number out of range: '%.*s'", shown(t->len),
+                          t->text);
     return LC_OK;
 }
 
@@ -275,7 +296,8 @@ size_t lc_pbrt_lex_numbers(lc_pbrt_lex *lex, double *out, size_t n)
         if (skip_in_window(s)) break;
         size_t len = lc_decimal_plain(s->data + s->off, &out[i]);
         /* At the window's end it may go on. */
-        if (!len || !is(s->data[s->off + len], BREAK) || s->off + len == s->size || !fits_float(out[i])) break;
+        if (!len || !is(s->data[s->off + len], BREAK) || s->off + len == s->size || !fits_float(out[i]))
+            break;
         s->off += len;
     }
     return i;

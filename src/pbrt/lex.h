@@ -1,9 +1,9 @@
 /* lex.h - pbrt text to tokens, each with its file, line and column (bytes, from 1), and a stack of
  * include files.
  *
- * Files are read piece by piece. A string's text lives until lc_pbrt_lex_forget, which ends a statement, or until its
- * file is popped, which only lc_pbrt_lex_pop does; that of any other token until the next one is read. Every number is
- * finite and fits a float.
+ * Files are read piece by piece. A string's text lives until lc_pbrt_lex_forget, which ends a statement, or
+ * until its file is popped, which only lc_pbrt_lex_pop does; that of any other token until the next one is
+ * read. Every number is finite and fits a float.
  */
 #ifndef LC_PBRT_LEX_H
 #define LC_PBRT_LEX_H
@@ -47,7 +47,8 @@ void lc_pbrt_lex_init(lc_pbrt_lex *lex, const lc_context *ctx, lc_arena *arena);
 lc_status lc_pbrt_lex_open(lc_pbrt_lex *lex, const char *path);
 /* The caller keeps data. */
 lc_status lc_pbrt_lex_open_memory(lc_pbrt_lex *lex, const char *name, const void *data, size_t size);
-/* Puts the file that `where` includes under `name` on the stack. *lost: its path, where there is no such file; else NULL. */
+/* Puts the file that `where` includes under `name` on the stack. *lost: its path, where there is no such
+ * file; else NULL. */
 lc_status lc_pbrt_lex_include(lc_pbrt_lex *lex, lc_pos where, const char *name, const char **lost);
 void lc_pbrt_lex_pop(lc_pbrt_lex *lex); /* depth > 0; no token looked ahead but the file's END */
 void lc_pbrt_lex_free(lc_pbrt_lex *lex);
@@ -58,8 +59,8 @@ lc_status lc_pbrt_lex_peek(lc_pbrt_lex *lex, const lc_pbrt_token **token);
 static inline void lc_pbrt_lex_take(lc_pbrt_lex *lex) { lex->has_ahead = false; }
 /* The statement is over. */
 void lc_pbrt_lex_forget(lc_pbrt_lex *lex);
-/* Reads numbers up to n to out and returns how many: those that are plain to read. It stops before anything else, which
- * lc_pbrt_lex_next then reads or complains of. No token may be looked ahead. */
+/* Reads numbers up to n to out and returns how many: those that are plain to read. It stops before anything
+ * else, which lc_pbrt_lex_next then reads or complains of. No token may be looked ahead. */
 size_t lc_pbrt_lex_numbers(lc_pbrt_lex *lex, double *out, size_t n);
 
 /* The file that a scene means by `name`: beside the main file, else beside the including file. *path is in

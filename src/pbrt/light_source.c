@@ -177,6 +177,7 @@ lc_status lc_pbrt_area_light(lc_pbrt *p, const lc_pbrt_stmt *s)
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the light's radiance is out of range");
     p->attrs.emission = emission;
     p->attrs.two_sided = two_sided;
-    p->attrs.emission_map = map, p->attrs.power = fmax(power, 0);
+    p->attrs.emission_map = map;
+    p->attrs.power = fmax(power, 0);
     return LC_OK;
 }

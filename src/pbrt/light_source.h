@@ -18,7 +18,8 @@ lc_status lc_pbrt_light_position(lc_pbrt *p, const char *name, const char *alias
 /* A direction through the current matrix, unit. */
 lc_status lc_pbrt_light_direction(lc_pbrt *p, lc_pos where, const double v[3], lc_f3 *out);
 
-/* infinite.c: a light's picture, decoded; *there: false after a note, where there is none that can be read. */
+/* infinite.c: a light's picture, decoded; *there: false after a note, where there is none that can be read.
+ */
 lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap *out, bool *there);
 /* One white texel. */
 lc_status lc_pbrt_constant_map(lc_pbrt *p, lc_mipmap *out);

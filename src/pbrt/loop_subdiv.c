@@ -18,11 +18,14 @@ static lc_status get_levels(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t n_faces,
     lc_status st = lc_pbrt_get_int(&p->params, "nlevels", &levels, NULL);
     if (!st) st = lc_pbrt_get_int(&p->params, "levels", &levels, &par);
     if (st) return st;
-    if (levels < 0) return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "loopsubdiv with a negative number of levels");
+    if (levels < 0)
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "loopsubdiv with a negative number of levels");
     *out = 0;
-    for (uint64_t n = 4 * (uint64_t)n_faces; *out < MAX_LEVELS && *out < levels && n <= MAX_TRIS; n *= 4) ++*out;
+    for (uint64_t n = 4 * (uint64_t)n_faces; *out < MAX_LEVELS && *out < levels && n <= MAX_TRIS; n *= 4)
+        ++*out;
     if (*out < levels && n_faces)
-        st = lc_pbrt_note(p, s->pos, "subdivision levels", "loopsubdiv: %u levels instead of %lld", *out, (long long)levels);
+        st = lc_pbrt_note(p, s->pos, "subdivision levels", "loopsubdiv: %u levels instead of %lld", *out,
+                          (long long)levels);
     return st;
 }
 
@@ -48,7 +51,9 @@ static lc_status subdivide(lc_pbrt *p, lc_arena *arena, uint32_t levels, lc_subd
         }
     }
     memcpy(p->index, m->corner, 3 * (size_t)m->n_faces * sizeof *p->index);
-    *mesh = (lc_mesh_desc){ .n_verts = m->n_verts, .n_tris = m->n_faces, .pos = p->pos, .normal = p->normal, .index = p->index };
+    *mesh = (lc_mesh_desc){
+        .n_verts = m->n_verts, .n_tris = m->n_faces, .pos = p->pos, .normal = p->normal, .index = p->index
+    };
     return LC_OK;
 }
 
@@ -59,7 +64,8 @@ lc_status lc_pbrt_loop_subdiv(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *m
     (void)area_ratio;
     lc_pbrt_mark(&p->params, "scheme");
     if (!pos || !index)
-        return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "loopsubdiv without \"point3 P\" or \"integer indices\"");
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos,
+                          "loopsubdiv without \"point3 P\" or \"integer indices\"");
     uint32_t levels = 0, n_faces = (uint32_t)(index->n / 3);
     lc_status st = get_levels(p, s, n_faces, &levels);
     if (!st) st = lc_pbrt_mesh_room(p, 0, n_faces + 1, false);

@@ -1,5 +1,5 @@
-/* make_material.c - Material statements: the classes, materials by name, mixes. What each class becomes is said in
- * material_v3.c and material_v4.c; a class that none of them knows is grey and diffuse. */
+/* make_material.c - Material statements: the classes, materials by name, mixes. What each class becomes is
+ * said in material_v3.c and material_v4.c; a class that none of them knows is grey and diffuse. */
 #include "pbrt/make_material.h"
 
 #include <string.h>
@@ -22,12 +22,13 @@ static const struct class {
     { "diffuse", lc_pbrt_diffuse, NULL },
     { "matte", lc_pbrt_matte, NULL },
     { "coateddiffuse", lc_pbrt_coated_diffuse,
-        "a Lambertian surface below a GGX coat; paths between the two are summed up by a formula" },
+      "a Lambertian surface below a GGX coat; paths between the two are summed up by a formula" },
     { "dielectric", lc_pbrt_dielectric, NULL },
     { "conductor", lc_pbrt_conductor, NULL },
     { "plastic", lc_pbrt_plastic, NULL },
     { "uber", lc_pbrt_uber, NULL },
-    { "substrate", lc_pbrt_substrate, "Lambert and GGX with Schlick's Fresnel for Ashikhmin and Shirley's blend" },
+    { "substrate", lc_pbrt_substrate,
+      "Lambert and GGX with Schlick's Fresnel for Ashikhmin and Shirley's blend" },
     { "metal", lc_pbrt_metal, NULL },
     { "glass", lc_pbrt_glass, NULL },
     { "mirror", lc_pbrt_mirror, NULL },
@@ -35,7 +36,8 @@ static const struct class {
     { "translucent", lc_pbrt_translucent, NULL },
     { "diffusetransmission", lc_pbrt_diffuse_transmission, NULL },
     { "thindielectric", lc_pbrt_thin_dielectric, NULL },
-    { "coatedconductor", lc_pbrt_coated_conductor, "one conductor that reflects what both layers do together along the normal" },
+    { "coatedconductor", lc_pbrt_coated_conductor,
+      "one conductor that reflects what both layers do together along the normal" },
     { "", invisible, NULL },
     { "none", invisible, NULL },
     { "interface", invisible, NULL },
@@ -50,7 +52,8 @@ static const struct class {
 
 static lc_status unknown_class(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    (void)where, (void)look;
+    (void)where;
+    (void)look;
     lc_pbrt_mark_all(&p->params);
     return LC_OK;
 }
@@ -104,12 +107,14 @@ static lc_status get_part(lc_pbrt *p, lc_pos where, const char *name, uint32_t *
         *id = p->materials[at].id;
         return p->materials[at].invisible ? add_clear(p, id) : LC_OK;
     }
-    lc_status st = lc_pbrt_note_name(p, where, "unknown material", name ? name : "", "no such material; grey diffuse is used");
+    lc_status st = lc_pbrt_note_name(p, where, "unknown material", name ? name : "",
+                                     "no such material; grey diffuse is used");
     return st ? st : lc_scene_add_material(p->scene, &grey, id);
 }
 
 /* look becomes a mix of two materials of the scene. */
-static lc_status be_mix(lc_pbrt *p, lc_pos where, uint32_t first, uint32_t second, const lc_tex_input *share, lc_pbrt_look *look)
+static lc_status be_mix(lc_pbrt *p, lc_pos where, uint32_t first, uint32_t second, const lc_tex_input *share,
+                        lc_pbrt_look *look)
 {
     const lc_scene *s = p->scene;
     double mean = (share->value[0] + share->value[1] + share->value[2]) / 3;
@@ -117,9 +122,11 @@ static lc_status be_mix(lc_pbrt *p, lc_pos where, uint32_t first, uint32_t secon
     look->m = s->materials[main];
     look->maps = s->maps[main];
     if (s->maps[first].depth >= LC_MAX_MIX || s->maps[second].depth >= LC_MAX_MIX)
-        return lc_pbrt_note(p, where, "mix depth", "mixes of mixes beyond %d deep: one of the two takes their place", LC_MAX_MIX);
+        return lc_pbrt_note(p, where, "mix depth",
+                            "mixes of mixes beyond %d deep: one of the two takes their place", LC_MAX_MIX);
     look->maps = (lc_material_maps)LC_NO_MAPS;
-    look->maps.mix[0] = first, look->maps.mix[1] = second;
+    look->maps.mix[0] = first;
+    look->maps.mix[1] = second;
     lc_pbrt_set_tint(share, &look->maps.share, &look->maps.share_map);
     return LC_OK;
 }
@@ -180,7 +187,11 @@ static lc_status get_normal_map(lc_pbrt *p, uint32_t *id)
     const lc_encoding linear = { .kind = LC_ENCODING_LINEAR };
     const char *name = NULL;
     const lc_pbrt_param *par;
-    lc_texture t = { .kind = LC_TEX_IMAGE, .image = LC_NONE, .wrap = LC_WRAP_REPEAT, .filter = LC_FILTER_BILINEAR, .scale = 1 };
+    lc_texture t = { .kind = LC_TEX_IMAGE,
+                     .image = LC_NONE,
+                     .wrap = LC_WRAP_REPEAT,
+                     .filter = LC_FILTER_BILINEAR,
+                     .scale = 1 };
     bool too_deep;
     lc_status st = lc_pbrt_get_text(&p->params, "normalmap", &name, &par);
     if (st || !name) return st;
@@ -195,7 +206,9 @@ static lc_status get_normal_map(lc_pbrt *p, uint32_t *id)
 static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_material *out)
 {
     const struct class *class = class_of(name);
-    lc_pbrt_look look = { .m = { .kd = { 0.5f, 0.5f, 0.5f } }, .maps = LC_NO_MAPS, .opacity = LC_PBRT_VALUE(1) };
+    lc_pbrt_look look = { .m = { .kd = { 0.5f, 0.5f, 0.5f } },
+                          .maps = LC_NO_MAPS,
+                          .opacity = LC_PBRT_VALUE(1) };
     lc_status st = class->read(p, where, &look);
     if (!st) st = get_bump(p, "bumpmap", &look.maps.bump);
     if (!st) st = get_bump(p, "displacement", &look.maps.bump);

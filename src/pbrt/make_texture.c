@@ -1,7 +1,7 @@
 /* make_texture.c - Texture statements. All of pbrt's classes but ptex, and one of ours:
  *
- *     wood   rings about the z axis of the texture's space: "rgb tex1" early, "rgb tex2" late wood, "float rings"
- *            per unit of length, "float variation", "integer octaves", "float roughness"
+ *     wood   rings about the z axis of the texture's space: "rgb tex1" early, "rgb tex2" late wood, "float
+ * rings" per unit of length, "float variation", "integer octaves", "float roughness"
  *
  * Any other class is a constant of 1/2. pbrt v3 applies the current matrix to points as it is for textures in
  * space, v4 its inverse; this is kept.
@@ -17,7 +17,8 @@
 /* ---- inputs ---- */
 
 /* The texture that a parameter names, LC_NONE if it is absent or unknown. */
-static lc_status find_texture(lc_pbrt *p, const char *name, bool is_float, uint32_t *id, const lc_pbrt_param **found)
+static lc_status find_texture(lc_pbrt *p, const char *name, bool is_float, uint32_t *id,
+                              const lc_pbrt_param **found)
 {
     const lc_pbrt_param *par = *found = lc_pbrt_find(&p->params, name, LC_PBRT_TEXTURE);
     *id = LC_NONE;
@@ -27,10 +28,12 @@ static lc_status find_texture(lc_pbrt *p, const char *name, bool is_float, uint3
     *id = lc_pbrt_map_get(is_float ? &p->float_textures : &p->colour_textures, texture);
     if (*id != LC_NONE) return LC_OK;
     return lc_pbrt_note_name(p, par->pos, "unknown texture", texture,
-                             is_float ? "no such float texture; 0.5 is used" : "no such texture; grey is used");
+                             is_float ? "no such float texture; 0.5 is used"
+                                      : "no such texture; grey is used");
 }
 
-lc_status lc_pbrt_get_input(lc_pbrt *p, const char *name, bool is_float, lc_tex_input *in, const lc_pbrt_param **found)
+lc_status lc_pbrt_get_input(lc_pbrt *p, const char *name, bool is_float, lc_tex_input *in,
+                            const lc_pbrt_param **found)
 {
     const lc_pbrt_param *par = NULL;
     lc_f3 colour;
@@ -39,7 +42,8 @@ lc_status lc_pbrt_get_input(lc_pbrt *p, const char *name, bool is_float, lc_tex_
                             : lc_pbrt_get_colour(p, name, LC_PBRT_FOR_ALBEDO, &colour, &par);
     *in = (lc_tex_input)NO_INPUT(0);
     if (par && is_float) *in = (lc_tex_input)NO_INPUT(v);
-    if (par && !is_float) *in = (lc_tex_input){ LC_NONE, { (double)colour.x, (double)colour.y, (double)colour.z } };
+    if (par && !is_float)
+        *in = (lc_tex_input){ LC_NONE, { (double)colour.x, (double)colour.y, (double)colour.z } };
     if (!st && !par) {
         st = find_texture(p, name, is_float, &in->id, &par);
         if (par && in->id == LC_NONE) *in = (lc_tex_input)NO_INPUT(0.5);
@@ -72,7 +76,8 @@ static lc_status affine(lc_pbrt *p, lc_pos where, bool inverse, lc_tex_map *map)
         st = lc_pbrt_note(p, where, "texture transform", "a texture's matrix has no inverse and is ignored");
     }
     if (x.m[12] < 0 || x.m[12] > 0 || x.m[13] < 0 || x.m[13] > 0 || x.m[14] < 0 || x.m[14] > 0)
-        st = lc_pbrt_note(p, where, "texture transform", "a texture's matrix is a projection and taken as affine");
+        st = lc_pbrt_note(p, where, "texture transform",
+                          "a texture's matrix is a projection and taken as affine");
     memcpy(map->to_texture, x.m, sizeof map->to_texture);
     for (int i = 0; i < 12; i++) sum += i % 4 < 3 ? x.m[i] * x.m[i] : 0;
     map->stretch = sqrt(sum / 3);
@@ -131,7 +136,8 @@ static lc_status scale(lc_pbrt *p, lc_pos where, lc_texture *t)
     if (!st) st = input(p, "tex2", t->is_float, &t->in[1]);
     if (!st) st = input(p, "tex", t->is_float, &t->in[0]);
     if (st) return st;
-    const lc_pbrt_param *named = lc_pbrt_find(&p->params, "scale", LC_PBRT_TEXTURE | LC_PBRT_FLOAT | LC_PBRT_INT);
+    const lc_pbrt_param *named = lc_pbrt_find(&p->params, "scale",
+                                              LC_PBRT_TEXTURE | LC_PBRT_FLOAT | LC_PBRT_INT);
     bool is_float = named && (named->type != LC_PBRT_TEXTURE || named->n != 1 ||
                               lc_pbrt_map_get(&p->float_textures, p->params.text[named->first]) != LC_NONE);
     return input(p, "scale", is_float || t->is_float, &t->in[2]);
@@ -156,7 +162,9 @@ static lc_status direction_mix(lc_pbrt *p, lc_pos where, lc_texture *t)
     lc_status st = lc_pbrt_get_triple(&p->params, "dir", dir, NULL);
     lc_xform_vector(&p->ctm, dir, t->map.v1);
     lc_f3 unit = lc_f3_normalize_d(t->map.v1[0], t->map.v1[1], t->map.v1[2]);
-    t->map.v1[0] = (double)unit.x, t->map.v1[1] = (double)unit.y, t->map.v1[2] = (double)unit.z;
+    t->map.v1[0] = (double)unit.x;
+    t->map.v1[1] = (double)unit.y;
+    t->map.v1[2] = (double)unit.z;
     if (!st) st = input(p, "tex1", t->is_float, &t->in[0]);
     return st ? st : input(p, "tex2", t->is_float, &t->in[1]);
 }
@@ -221,7 +229,8 @@ static lc_status marble(lc_pbrt *p, lc_pos where, lc_texture *t)
 
 static lc_status wood(lc_pbrt *p, lc_pos where, lc_texture *t)
 {
-    static const lc_tex_input early = { LC_NONE, { 0.50, 0.29, 0.13 } }, late = { LC_NONE, { 0.25, 0.12, 0.045 } };
+    static const lc_tex_input early = { LC_NONE, { 0.50, 0.29, 0.13 } },
+                              late = { LC_NONE, { 0.25, 0.12, 0.045 } };
     t->in[0] = t->is_float ? (lc_tex_input)NO_INPUT(0) : early;
     t->in[1] = t->is_float ? (lc_tex_input)NO_INPUT(1) : late;
     t->scale = 8;
@@ -249,13 +258,19 @@ static const struct {
     const char *name;
     lc_tex_kind kind;
     reader *read;
-} classes[] = { { "constant", LC_TEX_CONSTANT, constant }, { "scale", LC_TEX_SCALE, scale },
-                { "mix", LC_TEX_MIX, mix },                { "directionmix", LC_TEX_DIRECTION, direction_mix },
+} classes[] = { { "constant", LC_TEX_CONSTANT, constant },
+                { "scale", LC_TEX_SCALE, scale },
+                { "mix", LC_TEX_MIX, mix },
+                { "directionmix", LC_TEX_DIRECTION, direction_mix },
                 { "imagemap", LC_TEX_IMAGE, imagemap },
-                { "checkerboard", LC_TEX_CHECKER, checkerboard }, { "dots", LC_TEX_DOTS, dots },
-                { "bilerp", LC_TEX_BILERP, bilerp },       { "uv", LC_TEX_UV, uv },
-                { "fbm", LC_TEX_FBM, noise },              { "wrinkled", LC_TEX_WRINKLED, noise },
-                { "windy", LC_TEX_WINDY, noise },          { "marble", LC_TEX_MARBLE, marble },
+                { "checkerboard", LC_TEX_CHECKER, checkerboard },
+                { "dots", LC_TEX_DOTS, dots },
+                { "bilerp", LC_TEX_BILERP, bilerp },
+                { "uv", LC_TEX_UV, uv },
+                { "fbm", LC_TEX_FBM, noise },
+                { "wrinkled", LC_TEX_WRINKLED, noise },
+                { "windy", LC_TEX_WINDY, noise },
+                { "marble", LC_TEX_MARBLE, marble },
                 { "wood", LC_TEX_WOOD, wood } };
 
 static lc_status read_class(lc_pbrt *p, const lc_pbrt_stmt *s, lc_texture *t)
@@ -278,14 +293,17 @@ lc_status lc_pbrt_texture(lc_pbrt *p, const lc_pbrt_stmt *s)
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->text_pos[1],
                           "texture type '%.80s' is none of float, spectrum, color", s->text[1]);
     lc_texture t = { .kind = LC_TEX_CONSTANT, .is_float = is_float, .scale = 1, .roughness = 0.5 };
-    t.map = (lc_tex_map){ LC_MAP_UV, 1, 1, 0, 0, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0 }, 1 };
+    t.map = (lc_tex_map){ LC_MAP_UV, 1,           1,           0,
+                          0,         { 1, 0, 0 }, { 0, 1, 0 }, { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0 },
+                          1 };
     for (int i = 0; i < 4; i++) t.in[i] = (lc_tex_input)NO_INPUT(0);
     p->owner = s->text[2];
     uint32_t id;
     lc_status st = read_class(p, s, &t);
     if (!st) st = lc_textures_add(&p->scene->textures, &t, &id, &too_deep);
     if (!st && too_deep)
-        st = lc_pbrt_note(p, s->pos, "texture depth", "textures of textures beyond %d deep or %u in all: the mean takes their place",
+        st = lc_pbrt_note(p, s->pos, "texture depth",
+                          "textures of textures beyond %d deep or %u in all: the mean takes their place",
                           LC_TEX_MAX_DEPTH, LC_TEX_MAX_COST);
     if (st) return st;
     return lc_pbrt_map_put(is_float ? &p->float_textures : &p->colour_textures, &p->arena, s->text[0], id);

@@ -1,5 +1,5 @@
-/* material_own.c - phong and ward, which pbrt has not: "rgb Kd", "rgb Ks" and "float exponent", or "float roughness",
- * "uroughness", "vroughness". Each of these may be a texture. */
+/* material_own.c - phong and ward, which pbrt has not: "rgb Kd", "rgb Ks" and "float exponent", or "float
+ * roughness", "uroughness", "vroughness". Each of these may be a texture. */
 #include "pbrt/make_material.h"
 
 lc_status lc_pbrt_phong(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
@@ -50,7 +50,8 @@ lc_status lc_pbrt_ward(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     m->gloss = LC_GLOSS_WARD;
     m->roughness[0] = 0.1f;
     if (!st) st = get_roughness(p, "roughness", &m->roughness[0], &maps->roughness[0]);
-    m->roughness[1] = m->roughness[0], maps->roughness[1] = maps->roughness[0];
+    m->roughness[1] = m->roughness[0];
+    maps->roughness[1] = maps->roughness[0];
     if (!st) st = get_roughness(p, "uroughness", &m->roughness[0], &maps->roughness[0]);
     if (!st) st = get_roughness(p, "vroughness", &m->roughness[1], &maps->roughness[1]);
     return st;

@@ -3,9 +3,8 @@
  *     matte        Lambert; sigma is ignored
  *     plastic      Lambert + GGX, dielectric of 1.5, times Ks: as in pbrt
  *     uber         the same with an index; opacity lets the rest through. All specular: glass or mirror
- *     substrate    Lambert of Kd (1 - Ks) + GGX with Schlick's Fresnel from Ks, for the blend of Ashikhmin and Shirley
- *     metal        GGX, conductor; smooth: mirror
- *     glass        smooth whatever its roughness
+ *     substrate    Lambert of Kd (1 - Ks) + GGX with Schlick's Fresnel from Ks, for the blend of Ashikhmin
+ * and Shirley metal        GGX, conductor; smooth: mirror glass        smooth whatever its roughness
  *     translucent  Lambert on both sides + GGX on the viewer's
  *     disney       Lambert + GGX, Schlick
  */
@@ -91,7 +90,8 @@ lc_status lc_pbrt_uber(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
         specular(look, &kr, &kt);
         return LC_OK;
     }
-    return lc_pbrt_note(p, where, "uber Kr, Kt", "uber: perfect reflection and transmission beside Kd and Ks are ignored");
+    return lc_pbrt_note(p, where, "uber Kr, Kt",
+                        "uber: perfect reflection and transmission beside Kd and Ks are ignored");
 }
 
 lc_status lc_pbrt_substrate(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)

@@ -40,7 +40,8 @@ lc_status lc_pbrt_coated_diffuse(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     if (!st) st = lc_pbrt_get_alpha(p, "", 0, look, &smooth);
     lc_pbrt_be_glossy(&look->m, ONE);
     lc_pbrt_set_index(&look->m, index);
-    look->m.coat = true, look->m.smooth = smooth;
+    look->m.coat = true;
+    look->m.smooth = smooth;
     return st;
 }
 
@@ -73,11 +74,13 @@ lc_status lc_pbrt_conductor(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     return st;
 }
 
-/* Light is reflected by the coat, or goes through it, is reflected below, and goes out again or to and fro. */
+/* Light is reflected by the coat, or goes through it, is reflected below, and goes out again or to and fro.
+ */
 static void add_coat(double index, lc_material *m)
 {
     double f = (index - 1) / (index + 1) * ((index - 1) / (index + 1)), eta[3], k[3];
-    const double e[3] = { (double)m->eta.x, (double)m->eta.y, (double)m->eta.z }, a[3] = { (double)m->k.x, (double)m->k.y, (double)m->k.z };
+    const double e[3] = { (double)m->eta.x, (double)m->eta.y, (double)m->eta.z },
+                 a[3] = { (double)m->k.x, (double)m->k.y, (double)m->k.z };
     for (int c = 0; c < 3; c++) {
         double r = lc_metal_share(e[c], a[c]);
         eta[c] = e[c];
@@ -148,7 +151,8 @@ lc_status lc_pbrt_diffuse_transmission(lc_pbrt *p, lc_pos where, lc_pbrt_look *l
     lc_status st = lc_pbrt_get_tint(p, "reflectance", &kd);
     if (!st) st = lc_pbrt_get_tint(p, "transmittance", &kt);
     if (!st) st = lc_pbrt_get_mean(p, "scale", &scale);
-    if (!st && !(scale >= 0 && scale <= 1e6)) return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "diffusetransmission: scale is out of range");
+    if (!st && !(scale >= 0 && scale <= 1e6))
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "diffusetransmission: scale is out of range");
     if (!st) st = lc_pbrt_product(p, where, &kd, &LC_PBRT_VALUE(scale), &kd);
     if (!st) st = lc_pbrt_product(p, where, &kt, &LC_PBRT_VALUE(scale), &kt);
     if (st) return st;

@@ -1,16 +1,18 @@
 /* object.c - ObjectBegin, ObjectEnd, ObjectInstance. An object keeps its meshes, transformed by the
- * matrices inside ObjectBegin; an instance shows them transformed by the matrix in force. As in pbrt, shapes of
- * objects don't emit.
+ * matrices inside ObjectBegin; an instance shows them transformed by the matrix in force. As in pbrt, shapes
+ * of objects don't emit.
  *
- * Small objects are copied as they come. Others wait for the end: if there is one instance only, or for matrices that
- * rays can't be taken back through, it is a copy too; all others share the object's triangles. */
+ * Small objects are copied as they come. Others wait for the end: if there is one instance only, or for
+ * matrices that rays can't be taken back through, it is a copy too; all others share the object's triangles.
+ */
 #include "pbrt/state.h"
 
 #include "scene/instance.h"
 
 #include <string.h>
 
-/* Copies; a triangle costs some 150 bytes with its share of the BVH: of small objects 150 MB, of all 1.2 GB. */
+/* Copies; a triangle costs some 150 bytes with its share of the BVH: of small objects 150 MB, of all 1.2 GB.
+ */
 #define SMALL_TRIS 256
 #define MAX_SMALL_TRIS (1u << 20)
 #define MAX_COPIED_TRIS (8u << 20)
@@ -54,7 +56,8 @@ lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
     if (m.normal) m.normal = keep(p, mesh->normal, (size_t)m.n_verts * 3, sizeof *m.normal);
     if (m.uv) m.uv = keep(p, mesh->uv, (size_t)m.n_verts * 2, sizeof *m.uv);
     if (m.alpha) m.alpha = keep(p, mesh->alpha, 1, sizeof *m.alpha);
-    if (!m.pos || !m.index || (mesh->normal && !m.normal) || (mesh->uv && !m.uv) || (mesh->alpha && !m.alpha)) return LC_ERR_MEMORY;
+    if (!m.pos || !m.index || (mesh->normal && !m.normal) || (mesh->uv && !m.uv) || (mesh->alpha && !m.alpha))
+        return LC_ERR_MEMORY;
     void *meshes = p->object_meshes;
     lc_status st =
         lc_grow(p->ctx, &meshes, &p->cap_object_meshes, p->n_object_meshes + 1, sizeof *p->object_meshes);
@@ -69,7 +72,8 @@ lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
     return LC_OK;
 }
 
-static lc_status copy_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh, const lc_xform *x, const double normal_rows[9])
+static lc_status copy_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh, const lc_xform *x,
+                           const double normal_rows[9])
 {
     lc_mesh_desc m = *mesh;
     lc_status st = lc_pbrt_mesh_room(p, m.n_verts, 0, m.normal != NULL);
@@ -90,7 +94,8 @@ static lc_status copy_object(lc_pbrt *p, lc_pos where, const lc_pbrt_object *o, 
     double rows[9];
     lc_status st = LC_OK;
     lc_xform_normal_rows(x, rows);
-    for (size_t i = 0; i < o->n && !st; i++) st = copy_mesh(p, where, &p->object_meshes[o->first + i], x, rows);
+    for (size_t i = 0; i < o->n && !st; i++)
+        st = copy_mesh(p, where, &p->object_meshes[o->first + i], x, rows);
     return st;
 }
 
@@ -126,9 +131,10 @@ static lc_status copy_place(lc_pbrt *p, const lc_pbrt_place *place)
     const lc_pbrt_object *o = &p->objects[place->object];
     if (o->n_places > 1) {
         if (o->n_tris > MAX_COPIED_TRIS - p->n_copied_tris)
-            return lc_pbrt_note(p, place->pos, "instance limit",
-                                "instances by singular or extreme matrices are copies; beyond %u triangles they are left out",
-                                MAX_COPIED_TRIS);
+            return lc_pbrt_note(
+                p, place->pos, "instance limit",
+                "instances by singular or extreme matrices are copies; beyond %u triangles they are left out",
+                MAX_COPIED_TRIS);
         p->n_copied_tris += o->n_tris;
     }
     return copy_object(p, place->pos, o, &place->to_world);
@@ -138,7 +144,8 @@ static lc_status add_object(lc_pbrt *p, lc_pos where, lc_pbrt_object *o)
 {
     lc_status st = lc_scene_begin_object(p->scene);
     o->id = (uint32_t)p->scene->n_objects - 1;
-    for (size_t i = 0; i < o->n && !st; i++) st = lc_scene_add_mesh(p->scene, where, &p->object_meshes[o->first + i]);
+    for (size_t i = 0; i < o->n && !st; i++)
+        st = lc_scene_add_mesh(p->scene, where, &p->object_meshes[o->first + i]);
     return st;
 }
 

@@ -25,11 +25,12 @@ static const struct {
     size_t len;
     lc_pbrt_type type;
 } types[] = {
-    TYPE("float", FLOAT),       TYPE("integer", INT),     TYPE("bool", BOOL),           TYPE("string", TEXT),
-    TYPE("point", TRIPLE),      TYPE("point2", PAIR),     TYPE("point3", TRIPLE),       TYPE("vector", TRIPLE),
-    TYPE("vector2", PAIR),      TYPE("vector3", TRIPLE),  TYPE("normal", TRIPLE),       TYPE("normal3", TRIPLE),
-    TYPE("rgb", RGB),           TYPE("color", RGB),       TYPE("xyz", XYZ),             TYPE("spectrum", SPECTRUM),
-    TYPE("texture", TEXTURE),   TYPE("blackbody", BLACKBODY),
+    TYPE("float", FLOAT),       TYPE("integer", INT),     TYPE("bool", BOOL),
+    TYPE("string", TEXT),       TYPE("point", TRIPLE),    TYPE("point2", PAIR),
+    TYPE("point3", TRIPLE),     TYPE("vector", TRIPLE),   TYPE("vector2", PAIR),
+    TYPE("vector3", TRIPLE),    TYPE("normal", TRIPLE),   TYPE("normal3", TRIPLE),
+    TYPE("rgb", RGB),           TYPE("color", RGB),       TYPE("xyz", XYZ),
+    TYPE("spectrum", SPECTRUM), TYPE("texture", TEXTURE), TYPE("blackbody", BLACKBODY),
 };
 
 static lc_pbrt_type type_of(const char *name, size_t len)
@@ -85,7 +86,10 @@ static lc_status add_value(lc_pbrt_params *list, lc_pbrt_param *p, const lc_pbrt
     bool is_number =
         t->kind == LC_PBRT_NUMBER && !(p->type & (LC_PBRT_TEXT | LC_PBRT_TEXTURE | LC_PBRT_BOOL));
     bool is_text = t->kind == LC_PBRT_STRING && (p->type & takes_text);
-    if (is_bool && (is_true || is_false)) is_number = true, is_text = false;
+    if (is_bool && (is_true || is_false)) {
+        is_number = true;
+        is_text = false;
+    }
     if (!is_number && !is_text)
         return lc_fail_at(list->ctx, LC_ERR_PARSE, t->pos, "parameter '%.80s' can't have the value '%.*s'",
                           p->name, t->len < 40 ? (int)t->len : 40, t->text);
@@ -161,16 +165,22 @@ static lc_status add_param(lc_pbrt_params *list, const lc_pbrt_param *p)
     return st;
 }
 
-lc_status lc_pbrt_params_add(lc_pbrt_params *list, const lc_pbrt_param *par, const double *num, const char *const *text)
+lc_status lc_pbrt_params_add(lc_pbrt_params *list, const lc_pbrt_param *par, const double *num,
+                             const char *const *text)
 {
     lc_pbrt_param p = *par;
     void *pool = list->num;
     p.first = p.is_text ? list->n_text : list->n_num;
-    lc_status st = p.is_text ? LC_OK : lc_grow(list->ctx, &pool, &list->cap_num, list->n_num + p.n + 1, sizeof *list->num);
+    lc_status st = p.is_text
+                       ? LC_OK
+                       : lc_grow(list->ctx, &pool, &list->cap_num, list->n_num + p.n + 1, sizeof *list->num);
     list->num = pool;
     for (size_t i = 0; i < p.n && !st && p.is_text; i++) st = add_text(list, text[i]);
     if (st) return st;
-    if (!p.is_text) memcpy(list->num + p.first, num, p.n * sizeof *num), list->n_num += p.n;
+    if (!p.is_text) {
+        memcpy(list->num + p.first, num, p.n * sizeof *num);
+        list->n_num += p.n;
+    }
     return add_param(list, &p);
 }
 

@@ -51,7 +51,8 @@ void lc_pbrt_params_free(lc_pbrt_params *list);
 lc_status lc_pbrt_params_read(lc_pbrt_params *list, lc_pbrt_lex *lex);
 
 /* Adds one with its par->n values, of which num or text is copied; name and strings stay the caller's. */
-lc_status lc_pbrt_params_add(lc_pbrt_params *list, const lc_pbrt_param *par, const double *num, const char *const *text);
+lc_status lc_pbrt_params_add(lc_pbrt_params *list, const lc_pbrt_param *par, const double *num,
+                             const char *const *text);
 
 /* The parameter of this name whose type is in the set `types`, marked as used; NULL if there is none. */
 const lc_pbrt_param *lc_pbrt_find(lc_pbrt_params *list, const char *name, unsigned types);

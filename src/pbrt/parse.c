@@ -141,8 +141,11 @@ static lc_status include(lc_pbrt *p, const lc_pbrt_stmt *s)
     const char *lost;
     lc_status st = lc_pbrt_lex_include(&p->lex, s->text_pos[0], s->text[0], &lost);
     if (st || !lost) return st;
-    if (!p->in_world) return lc_fail_at(p->ctx, LC_ERR_IO, s->text_pos[0], "cannot open '%s': No such file or directory", lost);
-    return lc_pbrt_note(p, s->text_pos[0], "missing file", "'%.150s': no such file; what it holds is left out", lost);
+    if (!p->in_world)
+        return lc_fail_at(p->ctx, LC_ERR_IO, s->text_pos[0], "cannot open '%s': No such file or directory",
+                          lost);
+    return lc_pbrt_note(p, s->text_pos[0], "missing file",
+                        "'%.150s': no such file; what it holds is left out", lost);
 }
 
 /* ---- what is read and left aside ---- */
@@ -368,8 +371,8 @@ static void init(lc_pbrt *p, lc_scene *scene)
 static void destroy(lc_pbrt *p)
 {
     const lc_context *ctx = p->ctx;
-    lc_pbrt_map *maps[] = { &p->material_names, &p->colour_textures, &p->float_textures, &p->image_names, &p->emission_names,
-                            &p->object_names,   &p->coord_names };
+    lc_pbrt_map *maps[] = { &p->material_names, &p->colour_textures, &p->float_textures, &p->image_names,
+                            &p->emission_names, &p->object_names,    &p->coord_names };
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) lc_pbrt_map_free(maps[i], ctx);
     lc_pbrt_free_defaults(p);
     lc_free(ctx, p->scopes, p->cap_scopes, sizeof *p->scopes);

@@ -59,7 +59,10 @@ static lc_status fail(const reader *r, size_t off, const char *what)
     size_t start = 0;
     for (size_t i = 0; i < off; i++) {
         bool end = r->data[i] == '\n' || (r->data[i] == '\r' && r->data[i + 1] != '\n');
-        if (end) line++, start = i + 1;
+        if (end) {
+            line++;
+            start = i + 1;
+        }
     }
     return lc_fail_at(r->ctx, LC_ERR_PARSE, (lc_pos){ r->name, line, (uint32_t)(off - start + 1) }, "%s",
                       what);
@@ -88,7 +91,10 @@ static bool next_line(reader *r, words *w)
         size_t first = i;
         while (i < r->size && d[i] != '\n' && d[i] != '\r' && d[i] != ' ' && d[i] != '\t') i++;
         if (i > first) {
-            if (w->n < 6) w->at[w->n] = d + first, w->len[w->n] = i - first;
+            if (w->n < 6) {
+                w->at[w->n] = d + first;
+                w->len[w->n] = i - first;
+            }
             w->n++;
         } else
             i++;
@@ -299,7 +305,8 @@ static lc_status read_vertex(reader *r, size_t row)
         bool wanted = p->role < 3 || (p->role < ROLE_U && r->has_normals) || is_uv;
         lc_status st = wanted ? next_value(r, p->type, &v) : skip_value(r, p);
         if (st) return st;
-        if (is_uv) r->mesh->uv[2 * row + p->role - ROLE_U] = (float)fmin(fmax(v, -(double)FLT_MAX), (double)FLT_MAX);
+        if (is_uv)
+            r->mesh->uv[2 * row + p->role - ROLE_U] = (float)fmin(fmax(v, -(double)FLT_MAX), (double)FLT_MAX);
         if (!wanted || is_uv) continue;
         while (r->format == ASCII && is_space(r->data[start])) start++;
         if (!(fabs(v) <= (double)FLT_MAX)) return fail(r, start, "a vertex is not finite");
@@ -317,7 +324,9 @@ static lc_status add_triangle(reader *r, uint32_t a, uint32_t b, uint32_t c)
     m->index = index;
     if (st) return st;
     uint32_t *out = m->index + (size_t)m->n_tris++ * 3;
-    out[0] = a, out[1] = b, out[2] = c;
+    out[0] = a;
+    out[1] = b;
+    out[2] = c;
     return LC_OK;
 }
 
@@ -385,7 +394,11 @@ lc_status lc_ply_parse(const lc_context *ctx, const char *name, const char *data
     *out = (lc_ply_mesh){ 0 };
     reader *r = lc_alloc(ctx, 1, sizeof *r);
     if (!r) return LC_ERR_MEMORY;
-    r->ctx = ctx, r->name = name, r->data = data, r->size = size, r->mesh = out;
+    r->ctx = ctx;
+    r->name = name;
+    r->data = data;
+    r->size = size;
+    r->mesh = out;
     lc_status st = read_header(r);
     r->in_body = true;
     bool vertex = false, face = false;

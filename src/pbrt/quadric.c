@@ -1,7 +1,7 @@
 /* quadric.c - cylinders, cones, paraboloids and hyperboloids: a curve swept about the z axis.
  *
- * The curve c(t), 0 <= t <= 1, runs in pbrt's direction of v, so that the normal, d/du x d/dv, points where pbrt's does and where
- * the winding of the rings does. An area element is |normal| dt times the angle.
+ * The curve c(t), 0 <= t <= 1, runs in pbrt's direction of v, so that the normal, d/du x d/dv, points where
+ * pbrt's does and where the winding of the rings does. An area element is |normal| dt times the angle.
  */
 #include "pbrt/round.h"
 
@@ -15,7 +15,10 @@ struct curve {
 
 static void on_line(const curve *c, double t, double p[3], double d[3])
 {
-    for (int k = 0; k < 3; k++) p[k] = (1 - t) * c->a[k] + t * c->b[k], d[k] = c->b[k] - c->a[k];
+    for (int k = 0; k < 3; k++) {
+        p[k] = (1 - t) * c->a[k] + t * c->b[k];
+        d[k] = c->b[k] - c->a[k];
+    }
 }
 
 /* t is even in the radius. */
@@ -30,7 +33,9 @@ static double normal_at(const curve *c, double t, double n[3])
 {
     double p[3], d[3];
     c->at(c, t, p, d);
-    n[0] = p[0] * d[2], n[1] = p[1] * d[2], n[2] = -(p[0] * d[0] + p[1] * d[1]);
+    n[0] = p[0] * d[2];
+    n[1] = p[1] * d[2];
+    n[2] = -(p[0] * d[0] + p[1] * d[1]);
     return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
@@ -39,7 +44,8 @@ static double area_per_radian(const curve *c)
 {
     const int n = 256;
     double sum = 0, normal[3];
-    for (int i = 0; i <= n; i++) sum += normal_at(c, (double)i / n, normal) * (i == 0 || i == n ? 1 : i % 2 ? 4 : 2);
+    for (int i = 0; i <= n; i++)
+        sum += normal_at(c, (double)i / n, normal) * (i == 0 || i == n ? 1 : i % 2 ? 4 : 2);
     return sum / (3 * n);
 }
 
@@ -70,7 +76,8 @@ static void put_ring(lc_pbrt *p, const curve *c, uint32_t ring, const lc_pbrt_sw
     }
 }
 
-static lc_status sweep_curve(lc_pbrt *p, const lc_pbrt_stmt *s, const curve *c, uint32_t segments, lc_mesh_desc *mesh, double *area_ratio)
+static lc_status sweep_curve(lc_pbrt *p, const lc_pbrt_stmt *s, const curve *c, uint32_t segments,
+                             lc_mesh_desc *mesh, double *area_ratio)
 {
     lc_pbrt_sweep around;
     lc_status st = lc_pbrt_get_sweep(p, segments, &around);
@@ -78,7 +85,8 @@ static lc_status sweep_curve(lc_pbrt *p, const lc_pbrt_stmt *s, const curve *c, 
     double area = area_per_radian(c) * around.degrees * (LC_PI / 180);
     if (!(area > 0 && area <= DBL_MAX)) return lc_pbrt_no_area(p, s);
     uint32_t n_rings = c->steps + 1, row = around.n + 1;
-    bool uv, tip_first = !(fabs(c->a[0]) + fabs(c->a[1]) > 0), tip_last = !(fabs(c->b[0]) + fabs(c->b[1]) > 0);
+    bool uv, tip_first = !(fabs(c->a[0]) + fabs(c->a[1]) > 0),
+             tip_last = !(fabs(c->b[0]) + fabs(c->b[1]) > 0);
     st = lc_pbrt_mesh_room(p, (size_t)n_rings * row, 2 * (size_t)n_rings * around.n, true);
     if (!st) st = lc_pbrt_uv_room(p, (size_t)n_rings * row, &uv);
     if (st) return st;
@@ -110,7 +118,8 @@ lc_status lc_pbrt_cone(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, do
     if (!st) st = lc_pbrt_get_float(&p->params, "height", &height, NULL);
     if (st) return st;
     uint32_t segments = lc_pbrt_segments(p);
-    curve c = { on_line, { radius, 0, 0 }, { 0, 0, height }, 0, segments / 16 + 1 }; /* more than 1: for u at the tip */
+    /* More than 1: for u at the tip. */
+    curve c = { on_line, { radius, 0, 0 }, { 0, 0, height }, 0, segments / 16 + 1 };
     return sweep_curve(p, s, &c, segments, mesh, area_ratio);
 }
 
@@ -124,7 +133,11 @@ lc_status lc_pbrt_paraboloid(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *me
     uint32_t segments = lc_pbrt_segments(p);
     double zmin = fmax(fmin(z0, z1), 0), zmax = fmax(z0, z1);
     if (!(radius > 0 && zmax > zmin)) return lc_pbrt_no_area(p, s);
-    curve c = { on_parabola, { radius * sqrt(zmin / zmax), 0, 0 }, { radius, 0, 0 }, zmax / (radius * radius), segments / 4 };
+    curve c = { on_parabola,
+                { radius * sqrt(zmin / zmax), 0, 0 },
+                { radius, 0, 0 },
+                zmax / (radius * radius),
+                segments / 4 };
     return sweep_curve(p, s, &c, segments, mesh, area_ratio);
 }
 
@@ -138,7 +151,8 @@ lc_status lc_pbrt_hyperboloid(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *m
     if (!(fabs(c.b[2]) > 0)) /* as pbrt does */
         for (int k = 0; k < 3; k++) {
             double b = c.b[k];
-            c.b[k] = c.a[k], c.a[k] = b;
+            c.b[k] = c.a[k];
+            c.a[k] = b;
         }
     return sweep_curve(p, s, &c, segments, mesh, area_ratio);
 }

@@ -22,10 +22,12 @@ lc_status lc_pbrt_get_tint(lc_pbrt *p, const char *name, lc_tex_input *in)
         clamped |= given.value[k] < 0 || given.value[k] > 1;
         in->value[k] = clamp(given.value[k], 0, 1);
     }
-    return clamped ? lc_pbrt_note(p, par->pos, "reflectance", "a reflectance outside 0..1 is clamped") : LC_OK;
+    return clamped ? lc_pbrt_note(p, par->pos, "reflectance", "a reflectance outside 0..1 is clamped")
+                   : LC_OK;
 }
 
-lc_status lc_pbrt_product(lc_pbrt *p, lc_pos where, const lc_tex_input *a, const lc_tex_input *b, lc_tex_input *out)
+lc_status lc_pbrt_product(lc_pbrt *p, lc_pos where, const lc_tex_input *a, const lc_tex_input *b,
+                          lc_tex_input *out)
 {
     lc_texture t = { .kind = LC_TEX_SCALE, .scale = 1, .in = { *a, *b, LC_PBRT_VALUE(1), LC_PBRT_VALUE(0) } };
     uint32_t id = LC_NONE;
@@ -35,7 +37,8 @@ lc_status lc_pbrt_product(lc_pbrt *p, lc_pos where, const lc_tex_input *a, const
     if (t.in[0].id == LC_NONE && t.in[1].id == LC_NONE) return LC_OK;
     lc_status st = lc_textures_add(&p->scene->textures, &t, &id, &too_deep);
     if (!st && too_deep)
-        st = lc_pbrt_note(p, where, "texture depth", "textures of textures beyond %d deep or %u in all: the mean takes their place",
+        st = lc_pbrt_note(p, where, "texture depth",
+                          "textures of textures beyond %d deep or %u in all: the mean takes their place",
                           LC_TEX_MAX_DEPTH, LC_TEX_MAX_COST);
     if (!st) out->id = id;
     return st;
@@ -43,7 +46,8 @@ lc_status lc_pbrt_product(lc_pbrt *p, lc_pos where, const lc_tex_input *a, const
 
 void lc_pbrt_set_tint(const lc_tex_input *in, lc_f3 *value, uint32_t *map)
 {
-    *value = lc_f3_make((float)clamp(in->value[0], 0, 1), (float)clamp(in->value[1], 0, 1), (float)clamp(in->value[2], 0, 1));
+    *value = lc_f3_make((float)clamp(in->value[0], 0, 1), (float)clamp(in->value[1], 0, 1),
+                        (float)clamp(in->value[2], 0, 1));
     *map = in->id;
 }
 
@@ -107,11 +111,13 @@ lc_status lc_pbrt_get_alpha(lc_pbrt *p, const char *prefix, double usual, lc_pbr
         look->m.roughness[axis] = (float)clamp(alpha, (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
         look->maps.roughness[axis] = in[axis].id;
         *smooth &= in[axis].id == LC_NONE && alpha < LC_SMOOTH;
-        if (in[axis].id == LC_NONE && ((float)alpha < LC_MIN_ROUGHNESS || (float)alpha > LC_MAX_ROUGHNESS)) outside = alpha;
+        if (in[axis].id == LC_NONE && ((float)alpha < LC_MIN_ROUGHNESS || (float)alpha > LC_MAX_ROUGHNESS))
+            outside = alpha;
     }
     if (outside < 0 || *smooth || !p->params.n) return LC_OK;
-    return lc_pbrt_note(p, p->params.items[0].pos, "roughness", "a roughness, alpha %.3g, is clamped to %g..%g", outside,
-                        (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
+    return lc_pbrt_note(p, p->params.items[0].pos, "roughness",
+                        "a roughness, alpha %.3g, is clamped to %g..%g", outside, (double)LC_MIN_ROUGHNESS,
+                        (double)LC_MAX_ROUGHNESS);
 }
 
 /* ---- indices ---- */
@@ -134,10 +140,14 @@ lc_status lc_pbrt_get_index(lc_pbrt *p, const char *name, double *out)
     return LC_OK;
 }
 
-void lc_pbrt_set_index(lc_material *m, double index) { m->eta = lc_f3_make((float)index, (float)index, (float)index); }
+void lc_pbrt_set_index(lc_material *m, double index)
+{
+    m->eta = lc_f3_make((float)index, (float)index, (float)index);
+}
 
 /* One of a metal's two: at each nanometre, or where it is given as a colour, the colour. */
-static lc_status get_constants(lc_pbrt *p, const char *name, const char *usual, double s[LC_PBRT_CIE_N], double rgb[3], bool *is_rgb)
+static lc_status get_constants(lc_pbrt *p, const char *name, const char *usual, double s[LC_PBRT_CIE_N],
+                               double rgb[3], bool *is_rgb)
 {
     double pairs[2 * LC_PBRT_NAMED_MAX], v = -1;
     const lc_pbrt_param *par;
@@ -145,7 +155,9 @@ static lc_status get_constants(lc_pbrt *p, const char *name, const char *usual, 
     *is_rgb = lc_pbrt_find(&p->params, name, LC_PBRT_RGB | LC_PBRT_XYZ | LC_PBRT_BLACKBODY) != NULL;
     if (*is_rgb) {
         lc_status st = lc_pbrt_get_colour(p, name, LC_PBRT_FOR_ALBEDO, &colour, NULL);
-        rgb[0] = (double)colour.x, rgb[1] = (double)colour.y, rgb[2] = (double)colour.z;
+        rgb[0] = (double)colour.x;
+        rgb[1] = (double)colour.y;
+        rgb[2] = (double)colour.z;
         for (int k = 0; k < 3; k++) rgb[k] = clamp(rgb[k], 0, 1000);
         return st;
     }
@@ -157,14 +169,16 @@ static lc_status get_constants(lc_pbrt *p, const char *name, const char *usual, 
     return st;
 }
 
-/* The share reflected is projected to colours, and eta, which counts for little then, kept within its spectrum's range. */
-static void project(lc_pbrt *p, const double eta_s[LC_PBRT_CIE_N], const double k_s[LC_PBRT_CIE_N], double outside, double eta[3],
-    double k[3])
+/* The share reflected is projected to colours, and eta, which counts for little then, kept within its
+ * spectrum's range. */
+static void project(lc_pbrt *p, const double eta_s[LC_PBRT_CIE_N], const double k_s[LC_PBRT_CIE_N],
+                    double outside, double eta[3], double k[3])
 {
     double share_s[LC_PBRT_CIE_N], share[3], least = 1000, most = 0;
     for (int i = 0; i < LC_PBRT_CIE_N; i++) {
         share_s[i] = lc_metal_share(eta_s[i] / outside, k_s[i] / outside);
-        least = fmin(least, eta_s[i]), most = fmax(most, eta_s[i]);
+        least = fmin(least, eta_s[i]);
+        most = fmax(most, eta_s[i]);
     }
     lc_pbrt_spectrum_albedo(p, share_s, share);
     for (int c = 0; c < 3; c++) {
@@ -173,7 +187,8 @@ static void project(lc_pbrt *p, const double eta_s[LC_PBRT_CIE_N], const double 
     }
 }
 
-lc_status lc_pbrt_get_metal(lc_pbrt *p, const char *eta_name, const char *k_name, double outside, lc_material *m)
+lc_status lc_pbrt_get_metal(lc_pbrt *p, const char *eta_name, const char *k_name, double outside,
+                            lc_material *m)
 {
     double eta_s[LC_PBRT_CIE_N], k_s[LC_PBRT_CIE_N], eta[3], k[3];
     bool eta_rgb, k_rgb;
@@ -181,7 +196,10 @@ lc_status lc_pbrt_get_metal(lc_pbrt *p, const char *eta_name, const char *k_name
     if (!st) st = get_constants(p, k_name, "metal-Cu-k", k_s, k, &k_rgb);
     if (st) return st;
     if (!eta_rgb && !k_rgb) project(p, eta_s, k_s, outside, eta, k);
-    else for (int c = 0; c < 3; c++) eta[c] /= outside, k[c] /= outside;
+    else for (int c = 0; c < 3; c++) {
+        eta[c] /= outside;
+        k[c] /= outside;
+    }
     m->eta = lc_f3_make((float)eta[0], (float)eta[1], (float)eta[2]);
     m->k = lc_f3_make((float)k[0], (float)k[1], (float)k[2]);
     m->fresnel = LC_FRESNEL_CONDUCTOR;

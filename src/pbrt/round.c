@@ -1,9 +1,10 @@
 /* round.c - spheres and disks as triangles.
  *
- * The first quarter of a million triangles (16 spheres) have 128 segments around, so that the silhouette is within
- * 1 - cos(pi / 128) = 0.03 % of the radius; later shapes are coarser and coarser, for a scene of ten thousand is made of small
- * ones: those are 1.4 million triangles, and a sphere more is 48. Vertices lie on the true surface. What the faces lack in area is
- * returned as a ratio, by which emission is raised to keep the power.
+ * The first quarter of a million triangles (16 spheres) have 128 segments around, so that the silhouette is
+ * within 1 - cos(pi / 128) = 0.03 % of the radius; later shapes are coarser and coarser, for a scene of ten
+ * thousand is made of small ones: those are 1.4 million triangles, and a sphere more is 48. Vertices lie on
+ * the true surface. What the faces lack in area is returned as a ratio, by which emission is raised to keep
+ * the power.
  */
 #include "pbrt/round.h"
 
@@ -14,7 +15,9 @@
 static const struct {
     uint64_t up_to; /* triangles of round shapes so far */
     uint32_t segments;
-} levels[] = { { FULL, LC_PBRT_ROUND_SEGMENTS }, { 2 * FULL, 64 }, { 3 * FULL, 32 }, { 4 * FULL, 16 }, { UINT64_MAX, 8 } };
+} levels[] = {
+    { FULL, LC_PBRT_ROUND_SEGMENTS }, { 2 * FULL, 64 }, { 3 * FULL, 32 }, { 4 * FULL, 16 }, { UINT64_MAX, 8 }
+};
 
 uint32_t lc_pbrt_segments(const lc_pbrt *p)
 {
@@ -35,7 +38,9 @@ lc_status lc_pbrt_get_sweep(lc_pbrt *p, uint32_t segments, lc_pbrt_sweep *out)
 
 static void put_vertex(float *v, double x, double y, double z)
 {
-    v[0] = (float)x, v[1] = (float)y, v[2] = (float)z;
+    v[0] = (float)x;
+    v[1] = (float)y;
+    v[2] = (float)z;
 }
 
 uint32_t lc_pbrt_join_rings(lc_pbrt *p, uint32_t n_rings, uint32_t around, bool tip_first, bool tip_last)
@@ -44,8 +49,16 @@ uint32_t lc_pbrt_join_rings(lc_pbrt *p, uint32_t n_rings, uint32_t around, bool 
     for (uint32_t i = 0; i + 1 < n_rings; i++)
         for (uint32_t j = 0; j < around; j++) {
             uint32_t a = i * row + j, b = a + 1, c = a + row, d = c + 1;
-            if (i || !tip_first) *out++ = a, *out++ = b, *out++ = d;
-            if (i + 2 < n_rings || !tip_last) *out++ = a, *out++ = d, *out++ = c;
+            if (i || !tip_first) {
+                *out++ = a;
+                *out++ = b;
+                *out++ = d;
+            }
+            if (i + 2 < n_rings || !tip_last) {
+                *out++ = a;
+                *out++ = d;
+                *out++ = c;
+            }
         }
     return (uint32_t)((size_t)(out - p->index) / 3);
 }
@@ -58,15 +71,18 @@ static double area_of(const lc_pbrt *p, uint32_t n_tris)
         const float *v[3];
         double a[3], b[3];
         for (int k = 0; k < 3; k++) v[k] = p->pos + 3 * (size_t)p->index[3 * t + (size_t)k];
-        for (int k = 0; k < 3; k++) a[k] = (double)v[1][k] - v[0][k], b[k] = (double)v[2][k] - v[0][k];
+        for (int k = 0; k < 3; k++) {
+            a[k] = (double)v[1][k] - v[0][k];
+            b[k] = (double)v[2][k] - v[0][k];
+        }
         double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
         sum += 0.5 * sqrt(x * x + y * y + z * z);
     }
     return sum;
 }
 
-void lc_pbrt_finish_round(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint32_t n_tris, bool normals, double exact,
-                          double *area_ratio)
+void lc_pbrt_finish_round(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint32_t n_tris, bool normals,
+                          double exact, double *area_ratio)
 {
     mesh->n_verts = n_verts;
     mesh->n_tris = n_tris;
@@ -166,7 +182,11 @@ lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, do
     if ((st = lc_pbrt_mesh_room(p, 2 * (size_t)row, 2 * (size_t)around.n, false))) return st;
     bool uv;
     if ((st = lc_pbrt_uv_room(p, 2 * (size_t)row, &uv))) return st;
-    if (uv) mesh->uv = p->uv, lc_pbrt_ring_uv(p, 0, around.n, 0), lc_pbrt_ring_uv(p, row, around.n, 1);
+    if (uv) {
+        mesh->uv = p->uv;
+        lc_pbrt_ring_uv(p, 0, around.n, 0);
+        lc_pbrt_ring_uv(p, row, around.n, 1);
+    }
     /* The outer ring first: counter-clockwise seen from +z. */
     for (uint32_t j = 0; j < row; j++) {
         double sine, cosine;

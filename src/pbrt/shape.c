@@ -39,14 +39,16 @@ lc_status lc_pbrt_uv_room(lc_pbrt *p, size_t n_verts, bool *wanted)
 static lc_status copy_uv(lc_pbrt *p, uint32_t n_verts, lc_mesh_desc *mesh)
 {
     const unsigned types = LC_PBRT_FLOAT | LC_PBRT_INT | LC_PBRT_PAIR;
-    const lc_pbrt_param *uv = lc_pbrt_find(&p->params, "uv", types), *st_param = lc_pbrt_find(&p->params, "st", types);
+    const lc_pbrt_param *uv = lc_pbrt_find(&p->params, "uv", types),
+                        *st_param = lc_pbrt_find(&p->params, "st", types);
     bool wanted = false;
     if (!uv) uv = st_param;
     if (!uv) return LC_OK;
     lc_status st = lc_pbrt_uv_room(p, n_verts, &wanted);
     if (st || !wanted) return st;
     if (uv->n < (size_t)n_verts * 2)
-        return lc_pbrt_note(p, uv->pos, "uv", "%zu texture coordinates for %u vertices are ignored", uv->n / 2, n_verts);
+        return lc_pbrt_note(p, uv->pos, "uv", "%zu texture coordinates for %u vertices are ignored",
+                            uv->n / 2, n_verts);
     for (size_t i = 0; i < (size_t)n_verts * 2; i++) p->uv[i] = (float)lc_pbrt_numbers(&p->params, uv)[i];
     mesh->uv = p->uv;
     return LC_OK;
@@ -55,7 +57,9 @@ static lc_status copy_uv(lc_pbrt *p, uint32_t n_verts, lc_mesh_desc *mesh)
 lc_status lc_pbrt_copy_indices(lc_pbrt *p, const lc_pbrt_param *par, uint32_t group, uint32_t n_verts)
 {
     const double *v = lc_pbrt_numbers(&p->params, par);
-    if (par->n % group) return lc_pbrt_bad_param(&p->params, par, group == 3 ? "is not made of triples" : "is not made of fours");
+    if (par->n % group)
+        return lc_pbrt_bad_param(&p->params, par,
+                                 group == 3 ? "is not made of triples" : "is not made of fours");
     for (size_t i = 0; i < par->n; i++) {
         if (!(v[i] >= 0 && v[i] < n_verts) || floor(v[i]) < v[i])
             return lc_fail_at(p->ctx, LC_ERR_PARSE, par->pos, "index %zu is %g, not one of %u vertices", i,
@@ -109,7 +113,8 @@ static lc_status ply_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh,
     lc_ply_mesh ply;
     if (!lc_file_exists(path)) {
         lc_pbrt_mark_all(&p->params);
-        return lc_pbrt_note(p, par->pos, "missing mesh", "'%.150s': no such file; the shape is left out", path);
+        return lc_pbrt_note(p, par->pos, "missing mesh", "'%.150s': no such file; the shape is left out",
+                            path);
     }
     if ((st = lc_ply_load(p->ctx, par->pos, path, &ply))) return st;
     bool uv_wanted;
@@ -199,15 +204,19 @@ static lc_status mesh_alpha(lc_pbrt *p, lc_pos where, lc_mesh_alpha *out, const 
     if (st || (!p->alpha_uv && out->alpha.value[0] >= 1 && out->shadow.value[0] >= 1)) return st;
     *alpha = out;
     if (lc_f3_max(p->attrs.emission) > 0 && p->alpha_uv)
-        st = lc_pbrt_note(p, where, "alpha of an area light", "lights are made on all of a shape, its holes included");
+        st = lc_pbrt_note(p, where, "alpha of an area light",
+                          "lights are made on all of a shape, its holes included");
     return st;
 }
 
 /* Never met by any ray. */
-static bool is_absent(const lc_mesh_alpha *a) { return a && a->alpha.id == LC_NONE && !(a->alpha.value[0] > 0); }
+static bool is_absent(const lc_mesh_alpha *a)
+{
+    return a && a->alpha.id == LC_NONE && !(a->alpha.value[0] > 0);
+}
 
-/* Of what pbrt takes for a shape of its own: each triangle or patch of a mesh. round: one shape. The picture's mean is of its
- * texels, not of those that the shape shows, as in pbrt. */
+/* Of what pbrt takes for a shape of its own: each triangle or patch of a mesh. round: one shape. The
+ * picture's mean is of its texels, not of those that the shape shows, as in pbrt. */
 static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, bool round, double area_ratio)
 {
     const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);
@@ -217,7 +226,10 @@ static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, boo
         const float *v[3];
         for (size_t k = 0; k < 3; k++) v[k] = mesh->pos + 3 * (size_t)mesh->index[3 * t + k];
         double a[3], b[3];
-        for (int k = 0; k < 3; k++) a[k] = (double)v[1][k] - (double)v[0][k], b[k] = (double)v[2][k] - (double)v[0][k];
+        for (int k = 0; k < 3; k++) {
+            a[k] = (double)v[1][k] - (double)v[0][k];
+            b[k] = (double)v[2][k] - (double)v[0][k];
+        }
         double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
         area += 0.5 * sqrt(x * x + y * y + z * z);
     }
@@ -234,7 +246,8 @@ static lc_status note_round(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t segments
     snprintf(text, sizeof text, "made of triangles, %u around", segments);
     lc_status st = lc_pbrt_note_name(p, s->pos, "shape", s->text[0], text);
     if (st || segments >= LC_PBRT_ROUND_SEGMENTS) return st;
-    return lc_pbrt_note(p, s->pos, "coarse round shapes", "from here on round shapes have fewer triangles, as they are many");
+    return lc_pbrt_note(p, s->pos, "coarse round shapes",
+                        "from here on round shapes have fewer triangles, as they are many");
 }
 
 lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)

@@ -1,11 +1,13 @@
 /* sky.c - two lights of our own, in the light's space, whose +z is up.
  *
- *     "sun"   vector3 direction   towards it, default 0 0 1      rgb E           irradiance across the direction, default 1
- *             float angle         diameter, default 0.53 deg     integer lights  directional lights in its place, default 64
- *     "sky"   vector3 sun         towards the sun                rgb L           radiance at the zenith, default 1
+ *     "sun"   vector3 direction   towards it, default 0 0 1      rgb E           irradiance across the
+ * direction, default 1 float angle         diameter, default 0.53 deg     integer lights  directional lights
+ * in its place, default 64 "sky"   vector3 sun         towards the sun                rgb L radiance at the
+ * zenith, default 1
  *
- * The sky is CIE's standard clear one, type 12 [CIE03], of one colour, black below the horizon: an environment map that cameras see.
- * The sun's lights lie on a spiral, each in as much of the disc, which cameras see too. Both take "scale".
+ * The sky is CIE's standard clear one, type 12 [CIE03], of one colour, black below the horizon: an
+ * environment map that cameras see. The sun's lights lie on a spiral, each in as much of the disc, which
+ * cameras see too. Both take "scale".
  */
 #include "pbrt/light_source.h"
 
@@ -27,7 +29,9 @@ static void frame_of(lc_f3 n, lc_f3 *x, lc_f3 *y)
 
 static lc_status add_sun(lc_pbrt *p, lc_pos where, lc_f3 to_sun, lc_f3 e, double angle, uint32_t n)
 {
-    lc_light light = { .kind = LC_LIGHT_DIRECTIONAL, .atten = { 1, 0, 0 }, .intensity = lc_f3_scale(e, 1 / (float)n) };
+    lc_light light = { .kind = LC_LIGHT_DIRECTIONAL,
+                       .atten = { 1, 0, 0 },
+                       .intensity = lc_f3_scale(e, 1 / (float)n) };
     double sine, cosine, radius, turn = 137.50776405003785;
     lc_f3 x, y;
     frame_of(to_sun, &x, &y);
@@ -57,7 +61,8 @@ lc_status lc_pbrt_sun_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (!st) st = lc_pbrt_get_colour(p, "E", LC_PBRT_FOR_LIGHT, &e, NULL);
     if (!st) st = lc_pbrt_light_scale(p, &e);
     if (!st) st = lc_pbrt_get_float(&p->params, "angle", &angle, &par);
-    if (!st && !(angle >= 0 && angle <= 90)) return lc_pbrt_bad_param(&p->params, par, "is not 0 to 90 degrees");
+    if (!st && !(angle >= 0 && angle <= 90))
+        return lc_pbrt_bad_param(&p->params, par, "is not 0 to 90 degrees");
     if (!st) st = lc_pbrt_get_int(&p->params, "lights", &n, &par);
     if (!st && (n < 1 || n > MAX_SUN_LIGHTS)) return lc_pbrt_bad_param(&p->params, par, "is not 1 to 100000");
     if (!st) st = add_sun(p, s->pos, dir, e, angle, angle > 0 ? (uint32_t)n : 1);
@@ -89,7 +94,8 @@ static lc_status paint(lc_pbrt *p, const double sun[3], lc_env *env)
     float *texels = lc_alloc_raw(p->ctx, SKY_W * SKY_H * 3, sizeof *texels);
     const lc_raster raster = { SKY_W, SKY_H, 3, LC_RASTER_F32, texels };
     if (!texels) return LC_ERR_MEMORY;
-    env->map.levels[0].width = SKY_W, env->map.levels[0].height = SKY_H; /* what lc_env_direction needs */
+    env->map.levels[0].width = SKY_W; /* what lc_env_direction needs */
+    env->map.levels[0].height = SKY_H;
     for (uint32_t y = 0; y < SKY_H; y++)
         for (uint32_t x = 0; x < SKY_W; x++) {
             double w[3];

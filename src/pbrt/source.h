@@ -3,9 +3,9 @@
  *     file    ....................|----------- window -----------|.........
  *                                 base        off           size
  *
- * A token is read once it lies in the window as a whole. Strings are decoded in place and stay there, so a window that
- * moves while a statement is being read leaves its bytes behind ("kept") when there are strings among them. Long lists
- * of numbers keep nothing.
+ * A token is read once it lies in the window as a whole. Strings are decoded in place and stay there, so a
+ * window that moves while a statement is being read leaves its bytes behind ("kept") when there are strings
+ * among them. Long lists of numbers keep nothing.
  */
 #ifndef LC_PBRT_SOURCE_H
 #define LC_PBRT_SOURCE_H
@@ -30,12 +30,14 @@ typedef struct lc_pbrt_source {
     bool has_strings; /* of the statement, in the window */
 } lc_pbrt_source;
 
-/* The reader becomes the source's; the first window is filled, of at most `window` bytes. On failure all is closed. */
+/* The reader becomes the source's; the first window is filled, of at most `window` bytes. On failure all is
+ * closed. */
 lc_status lc_pbrt_source_open(const lc_context *ctx, const lc_reader *reader, const char *name, size_t window,
                               lc_pbrt_source *out);
 void lc_pbrt_source_close(lc_pbrt_source *s);
 
-/* Moves the window to s->off and reads on, by one byte at least if the file has one; s->off and s->data change. */
+/* Moves the window to s->off and reads on, by one byte at least if the file has one; s->off and s->data
+ * change. */
 lc_status lc_pbrt_source_more(lc_pbrt_source *s);
 /* The strings read so far are no longer needed. */
 void lc_pbrt_source_forget(lc_pbrt_source *s);

@@ -1,8 +1,9 @@
 /* space.c - v4's ColorSpace: the space of rgb values, in which they are linear.
  *
- * A light's colour goes through XYZ, as in pbrt: the white of ACES, D60, looks a little yellow. In pbrt a reflectance of 1 1 1 is
- * white in any light; so reflectances are adapted from D60 to D65 by Bradford's cones. The other spaces have D65 as their white.
- * The film stays Rec.709, where pbrt's would get the space that is in force at Film. */
+ * A light's colour goes through XYZ, as in pbrt: the white of ACES, D60, looks a little yellow. In pbrt a
+ * reflectance of 1 1 1 is white in any light; so reflectances are adapted from D60 to D65 by Bradford's
+ * cones. The other spaces have D65 as their white. The film stays Rec.709, where pbrt's would get the space
+ * that is in force at Film. */
 #include "pbrt/attribute.h"
 
 #include <string.h>
@@ -17,8 +18,9 @@ static const double p3_d65[9] = { 1.2249401763, -0.2249401763, 0,            -0.
 /* white x 0.32168, y 0.33767 */
 static const double aces[9] = { 2.5583854498,  -1.1194703074, -0.3918121192, -0.2779854666, 1.3660159329,
                                 -0.0934873218, -0.0171706647, -0.1485291060, 1.0810180715 };
-static const double aces_adapted[9] = { 2.5216861867,  -1.1341309882, -0.3875551985, -0.2764799142, 1.3727190877,
-                                        -0.0962391734, -0.0153780650, -0.1529753359, 1.1683534008 };
+static const double aces_adapted[9] = { 2.5216861867,  -1.1341309882, -0.3875551985,
+                                        -0.2764799142, 1.3727190877,  -0.0962391734,
+                                        -0.0153780650, -0.1529753359, 1.1683534008 };
 
 static const struct space {
     const char *name;
@@ -51,15 +53,19 @@ lc_status lc_pbrt_colour_space(lc_pbrt *p, const lc_pbrt_stmt *s)
 lc_status lc_pbrt_from_space(lc_pbrt *p, const lc_pbrt_param *par, lc_pbrt_colour_use use, double rgb[3])
 {
     const struct space *space = &spaces[par->space ? par->space - 1u : p->attrs.space];
-    const double *v = lc_pbrt_numbers(&p->params, par), *m = use == LC_PBRT_FOR_ALBEDO ? space->albedo : space->light;
+    const double *v = lc_pbrt_numbers(&p->params, par),
+                 *m = use == LC_PBRT_FOR_ALBEDO ? space->albedo : space->light;
     double least = 0, most = 0;
     memcpy(rgb, v, 3 * sizeof *rgb);
-    if (!m || v[0] < 0 || v[1] < 0 || v[2] < 0) return LC_OK; /* below 0: wrong in any space, the caller's business */
+    /* Below 0: wrong in any space, the caller's business. */
+    if (!m || v[0] < 0 || v[1] < 0 || v[2] < 0) return LC_OK;
     for (int i = 0; i < 3; i++, m += 3) {
         double c = m[0] * v[0] + m[1] * v[1] + m[2] * v[2];
-        least = fmin(least, c), most = fmax(most, c);
+        least = fmin(least, c);
+        most = fmax(most, c);
         rgb[i] = fmax(c, 0);
     }
     if (least >= -ROUNDING * most) return LC_OK;
-    return lc_pbrt_note_name(p, par->pos, "gamut of", space->name, "a colour is outside of Rec.709: components below 0 become 0");
+    return lc_pbrt_note_name(p, par->pos, "gamut of", space->name,
+                             "a colour is outside of Rec.709: components below 0 become 0");
 }

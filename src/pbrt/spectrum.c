@@ -1,9 +1,10 @@
 /* spectrum.c - see spectrum.h: spectra by name and from .spd files.
  *
- * Metals: measured optical constants, of which the tables of Weaver and Frederikse (CRC Handbook of Chemistry and Physics,
- * 12-111) have the values at these photon energies; brass as Querry (1985) measured it, read off at 50 nm. MgO and TiO2:
- * index alone, as both absorb nothing that can be seen. Glass: index for the helium d line, from the maker's sheet.
- * Illuminants: their CIE 1931 chromaticities (CIE 15:2004); the strength of a light is stated otherwise.
+ * Metals: measured optical constants, of which the tables of Weaver and Frederikse (CRC Handbook of Chemistry
+ * and Physics, 12-111) have the values at these photon energies; brass as Querry (1985) measured it, read off
+ * at 50 nm. MgO and TiO2: index alone, as both absorb nothing that can be seen. Glass: index for the helium d
+ * line, from the maker's sheet. Illuminants: their CIE 1931 chromaticities (CIE 15:2004); the strength of a
+ * light is stated otherwise.
  */
 #include "pbrt/spectrum.h"
 
@@ -18,21 +19,29 @@ static const struct {
     double v[N_ENERGIES];
 } metals[] = {
     { "metal-Ag-eta",
-      { .186, .200, .192, .173, .173, .160, .157, .144, .132, .130, .130, .129, .120, .121, .131, .140, .140, .148, .143 } },
+      { .186, .200, .192, .173, .173, .160, .157, .144, .132, .130, .130, .129, .120, .121, .131, .140, .140,
+        .148, .143 } },
     { "metal-Ag-k",
-      { 1.61, 1.67, 1.81, 1.95, 2.11, 2.26, 2.40, 2.56, 2.72, 2.88, 3.07, 3.25, 3.45, 3.66, 3.88, 4.15, 4.44, 4.74, 5.09 } },
+      { 1.61, 1.67, 1.81, 1.95, 2.11, 2.26, 2.40, 2.56, 2.72, 2.88, 3.07, 3.25, 3.45, 3.66, 3.88, 4.15, 4.44,
+        4.74, 5.09 } },
     { "metal-Al-eta",
-      { .407, .432, .460, .490, .523, .558, .598, .644, .695, .755, .826, .912, 1.02, 1.15, 1.30, 1.49, 1.74, 2.14, 2.63 } },
+      { .407, .432, .460, .490, .523, .558, .598, .644, .695, .755, .826, .912, 1.02, 1.15, 1.30, 1.49, 1.74,
+        2.14, 2.63 } },
     { "metal-Al-k",
-      { 4.43, 4.56, 4.71, 4.86, 5.02, 5.20, 5.38, 5.58, 5.80, 6.03, 6.28, 6.55, 6.85, 7.15, 7.48, 7.82, 8.21, 8.57, 8.60 } },
+      { 4.43, 4.56, 4.71, 4.86, 5.02, 5.20, 5.38, 5.58, 5.80, 6.03, 6.28, 6.55, 6.85, 7.15, 7.48, 7.82, 8.21,
+        8.57, 8.60 } },
     { "metal-Au-eta",
-      { 1.716, 1.696, 1.674, 1.658, 1.636, 1.616, 1.562, 1.426, 1.242, .916, .608, .402, .306, .236, .194, .166, .160, .164, .176 } },
+      { 1.716, 1.696, 1.674, 1.658, 1.636, 1.616, 1.562, 1.426, 1.242, .916, .608, .402, .306, .236, .194,
+        .166, .160, .164, .176 } },
     { "metal-Au-k",
-      { 1.862, 1.906, 1.936, 1.956, 1.958, 1.940, 1.904, 1.846, 1.796, 1.84, 2.12, 2.54, 2.88, 2.97, 3.06, 3.15, 3.80, 4.357, 4.86 } },
+      { 1.862, 1.906, 1.936, 1.956, 1.958, 1.940, 1.904, 1.846, 1.796, 1.84, 2.12, 2.54, 2.88, 2.97, 3.06,
+        3.15, 3.80, 4.357, 4.86 } },
     { "metal-Cu-eta",
-      { 1.27, 1.225, 1.18, 1.175, 1.18, 1.175, 1.17, 1.16, 1.15, 1.135, 1.12, 1.04, .826, .468, .272, .214, .213, .223, .250 } },
+      { 1.27, 1.225, 1.18, 1.175, 1.18, 1.175, 1.17, 1.16, 1.15, 1.135, 1.12, 1.04, .826, .468, .272, .214,
+        .213, .223, .250 } },
     { "metal-Cu-k",
-      { 1.95, 2.015, 2.21, 2.13, 2.21, 2.289, 2.362, 2.433, 2.504, 2.564, 2.605, 2.583, 2.599, 2.809, 3.24, 3.67, 4.05, 4.43, 4.817 } },
+      { 1.95, 2.015, 2.21, 2.13, 2.21, 2.289, 2.362, 2.433, 2.504, 2.564, 2.605, 2.583, 2.599, 2.809, 3.24,
+        3.67, 4.05, 4.43, 4.817 } },
 };
 
 #define N_WAVES 7 /* 400 to 700 nm in steps of 50 */
@@ -53,20 +62,22 @@ static const struct {
     const char *name;
     double index;
 } glasses[] = {
-    { "glass-BK7", 1.5168 },   { "glass-BAF10", 1.6700 }, { "glass-FK51A", 1.4866 }, { "glass-LASF9", 1.8503 },
-    { "glass-SF5", 1.6727 },   { "glass-F5", 1.6034 },    { "glass-SF10", 1.7283 },  { "glass-SF11", 1.7847 },
+    { "glass-BK7", 1.5168 }, { "glass-BAF10", 1.6700 }, { "glass-FK51A", 1.4866 }, { "glass-LASF9", 1.8503 },
+    { "glass-SF5", 1.6727 }, { "glass-F5", 1.6034 },    { "glass-SF10", 1.7283 },  { "glass-SF11", 1.7847 },
 };
 
 static const struct {
     const char *name;
     double x, y;
 } illuminants[] = {
-    { "stdillum-A", .44757, .40745 },   { "stdillum-D50", .34567, .35850 }, { "stdillum-D65", .31271, .32902 },
-    { "illum-acesD60", .32168, .33767 }, { "stdillum-F1", .31310, .33727 },  { "stdillum-F2", .37208, .37529 },
-    { "stdillum-F3", .40910, .39430 },  { "stdillum-F4", .44018, .40329 },  { "stdillum-F5", .31379, .34531 },
-    { "stdillum-F6", .37790, .38835 },  { "stdillum-F7", .31292, .32933 },  { "stdillum-F8", .34588, .35875 },
-    { "stdillum-F9", .37417, .37281 },  { "stdillum-F10", .34609, .35986 }, { "stdillum-F11", .38052, .37713 },
-    { "stdillum-F12", .43695, .40441 },
+    { "stdillum-A", .44757, .40745 },   { "stdillum-D50", .34567, .35850 },
+    { "stdillum-D65", .31271, .32902 }, { "illum-acesD60", .32168, .33767 },
+    { "stdillum-F1", .31310, .33727 },  { "stdillum-F2", .37208, .37529 },
+    { "stdillum-F3", .40910, .39430 },  { "stdillum-F4", .44018, .40329 },
+    { "stdillum-F5", .31379, .34531 },  { "stdillum-F6", .37790, .38835 },
+    { "stdillum-F7", .31292, .32933 },  { "stdillum-F8", .34588, .35875 },
+    { "stdillum-F9", .37417, .37281 },  { "stdillum-F10", .34609, .35986 },
+    { "stdillum-F11", .38052, .37713 }, { "stdillum-F12", .43695, .40441 },
 };
 
 bool lc_pbrt_illuminant(const char *name, double xyz[3])
@@ -74,7 +85,9 @@ bool lc_pbrt_illuminant(const char *name, double xyz[3])
     for (size_t i = 0; i < sizeof illuminants / sizeof *illuminants; i++) {
         if (strcmp(illuminants[i].name, name)) continue;
         double x = illuminants[i].x, y = illuminants[i].y;
-        xyz[0] = x / y, xyz[1] = 1, xyz[2] = (1 - x - y) / y;
+        xyz[0] = x / y;
+        xyz[1] = 1;
+        xyz[2] = (1 - x - y) / y;
         return true;
     }
     return false;
@@ -96,7 +109,8 @@ size_t lc_pbrt_named_spectrum(const char *name, double pairs[2 * LC_PBRT_NAMED_M
         }
     for (size_t i = 0; i < sizeof glasses / sizeof *glasses; i++)
         if (!strcmp(glasses[i].name, name)) {
-            pairs[0] = 587.56, pairs[1] = glasses[i].index;
+            pairs[0] = 587.56;
+            pairs[1] = glasses[i].index;
             return 1;
         }
     return 0;
@@ -118,7 +132,8 @@ static const char *skip(const char *at, uint32_t *line)
     return at;
 }
 
-static lc_status read_pairs(lc_pbrt *p, const char *path, const lc_file *file, double **pairs, size_t *cap, size_t *n_out)
+static lc_status read_pairs(lc_pbrt *p, const char *path, const lc_file *file, double **pairs, size_t *cap,
+                            size_t *n_out)
 {
     uint32_t line = 1;
     size_t n = 0;
@@ -128,7 +143,8 @@ static lc_status read_pairs(lc_pbrt *p, const char *path, const lc_file *file, d
         double v;
         while (at[len] && !is_gap(at[len]) && at[len] != '#') len++;
         if (!len || !lc_decimal_parse(at, len, &v) || !(fabs(v) <= (double)FLT_MAX))
-            return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "spectrum: not a number: '%.*s'", len < 40 ? (int)len : 40, at);
+            return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "spectrum: not a number: '%.*s'",
+                              len < 40 ? (int)len : 40, at);
         if (n % 2 == 0 && n && !(v > (*pairs)[n - 2]))
             return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "spectrum: wavelengths don't rise");
         void *items = *pairs;
@@ -146,7 +162,8 @@ static lc_status read_pairs(lc_pbrt *p, const char *path, const lc_file *file, d
     return LC_OK;
 }
 
-lc_status lc_pbrt_spectrum_file(lc_pbrt *p, const lc_pbrt_param *par, const char *name, double out[LC_PBRT_CIE_N], bool *there)
+lc_status lc_pbrt_spectrum_file(lc_pbrt *p, const lc_pbrt_param *par, const char *name,
+                                double out[LC_PBRT_CIE_N], bool *there)
 {
     const char *path;
     lc_file file;
@@ -179,5 +196,6 @@ static double sample(const double *pairs, size_t n, double nm, bool zero_outside
 void lc_pbrt_resample(const double *pairs, size_t n, bool zero_outside, double out[LC_PBRT_CIE_N])
 {
     size_t at = 0;
-    for (int i = 0; i < LC_PBRT_CIE_N; i++) out[i] = sample(pairs, n, LC_PBRT_CIE_FIRST + i, zero_outside, &at);
+    for (int i = 0; i < LC_PBRT_CIE_N; i++)
+        out[i] = sample(pairs, n, LC_PBRT_CIE_FIRST + i, zero_outside, &at);
 }

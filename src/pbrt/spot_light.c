@@ -1,8 +1,10 @@
-/* spot_light.c - LightSource "spot", "projection" and "goniometric": lights whose intensity depends on direction (spot.h).
+/* spot_light.c - LightSource "spot", "projection" and "goniometric": lights whose intensity depends on
+ * direction (spot.h).
  *
- * Pictures: "filename" (v4) or "mapname" (v3). v4 turns projections upside down against v3, and wants goniometric maps square, by
- * equal area, where v3's are by latitude and longitude; in both a goniometric light's y and z are exchanged. A map's greatest
- * value of each channel goes into the intensity, so that what kernels look up is 0..1.
+ * Pictures: "filename" (v4) or "mapname" (v3). v4 turns projections upside down against v3, and wants
+ * goniometric maps square, by equal area, where v3's are by latitude and longitude; in both a goniometric
+ * light's y and z are exchanged. A map's greatest value of each channel goes into the intensity, so that what
+ * kernels look up is 0..1.
  */
 #include "pbrt/light_source.h"
 
@@ -20,8 +22,8 @@ static double cosine_of(double degrees)
     return cosine;
 }
 
-/* pbrt-v4's smooth step between the cosines of the cone and of where the falloff begins, for v3 too, which raises the same
- * quotient to the fourth power. */
+/* pbrt-v4's smooth step between the cosines of the cone and of where the falloff begins, for v3 too, which
+ * raises the same quotient to the fourth power. */
 lc_status lc_pbrt_spot_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_light light = { .kind = LC_LIGHT_SPOT, .intensity = { 1, 1, 1 } };
@@ -33,11 +35,13 @@ lc_status lc_pbrt_spot_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     for (int k = 0; k < 3; k++) to[k] -= from[k];
     if (!st) st = lc_pbrt_light_direction(p, s->pos, to, &light.dir);
     if (!st) st = lc_pbrt_get_float(&p->params, "coneangle", &cone, &par);
-    if (!st && !(cone >= 0 && cone <= 180)) return lc_pbrt_bad_param(&p->params, par, "is not 0 to 180 degrees");
+    if (!st && !(cone >= 0 && cone <= 180))
+        return lc_pbrt_bad_param(&p->params, par, "is not 0 to 180 degrees");
     if (!st) st = lc_pbrt_get_float(&p->params, "conedeltaangle", &delta, &par);
     if (!st && !(fabs(delta) <= 180)) return lc_pbrt_bad_param(&p->params, par, "is not 0 to 180 degrees");
     double cos_total = cosine_of(cone), cos_start = fmax(cosine_of(cone - delta), cos_total);
-    light.spot.cos_total = (float)cos_total, light.spot.cos_start = (float)cos_start;
+    light.spot.cos_total = (float)cos_total;
+    light.spot.cos_start = (float)cos_start;
     if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
     if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
     /* v4's integral of the smooth step over solid angle: exact, as it is symmetric about its middle */
@@ -75,7 +79,8 @@ static lc_status get_frame(lc_pbrt *p, lc_pos where, shine *l)
     const double axis[3] = { 0, 0, 1 };
     lc_xform back;
     l->light = (lc_light){ .kind = LC_LIGHT_SPOT, .intensity = { 1, 1, 1 } };
-    if (!lc_xform_invert(&p->ctm, &back)) return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the light's transform is singular");
+    if (!lc_xform_invert(&p->ctm, &back))
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the light's transform is singular");
     double most = 0;
     for (int k = 0; k < 12; k++) most = k % 4 < 3 ? fmax(most, fabs(back.m[k])) : most;
     for (int k = 0; k < 9; k++) l->map.to_light[k / 3][k % 3] = (float)(back.m[k / 3 * 4 + k % 3] / most);
@@ -134,7 +139,8 @@ static void half_sides(const lc_spot_map *m, double fov, double half[2])
 {
     double sine, cosine, aspect = (double)m->width / m->height;
     lc_sincos_deg(fov / 2, &sine, &cosine);
-    half[0] = fmax(aspect, 1) * sine / cosine, half[1] = fmax(1 / aspect, 1) * sine / cosine;
+    half[0] = fmax(aspect, 1) * sine / cosine;
+    half[1] = fmax(1 / aspect, 1) * sine / cosine;
 }
 
 /* Copies the picture. Returns its luminance times solid angle; pbrt-v4's sum over texels. */
@@ -148,13 +154,15 @@ static double copy_picture(shine *l, const double half[2], float *texels)
                 rgb[c] = fmin(fmax(rgb[c], 0), (double)LC_MAX_INTENSITY);
                 texels[((size_t)y * l->map.width + x) * 3 + (size_t)c] = (float)rgb[c];
             }
-            double px = half[0] * (2 * (x + 0.5) / w - 1), py = half[1] * (2 * (y + 0.5) / h - 1), d2 = 1 + px * px + py * py;
+            double px = half[0] * (2 * (x + 0.5) / w - 1), py = half[1] * (2 * (y + 0.5) / h - 1),
+                   d2 = 1 + px * px + py * py;
             sum += (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]) / (d2 * sqrt(d2));
         }
     return 4 * half[0] * half[1] * sum / (w * h);
 }
 
-/* The step lies outside the widest corner, farther than an estimate's cosine is off: the frustum is the map's. */
+/* The step lies outside the widest corner, farther than an estimate's cosine is off: the frustum is the
+ * map's. */
 static lc_status set_cone(lc_pbrt *p, lc_pos where, shine *l, const double half[2])
 {
     double least = 1;
@@ -165,7 +173,8 @@ static lc_status set_cone(lc_pbrt *p, lc_pos where, shine *l, const double half[
         if (st) return st;
         least = fmin(least, (double)lc_f3_dot(d, l->light.dir));
     }
-    l->light.spot.cos_total = (float)(least - 4e-6), l->light.spot.cos_start = (float)(least - 2e-6);
+    l->light.spot.cos_total = (float)(least - 4e-6);
+    l->light.spot.cos_start = (float)(least - 2e-6);
     return LC_OK;
 }
 
@@ -180,11 +189,15 @@ lc_status lc_pbrt_projection_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (st) return finish(p, &l, st);
     fov = l.is_v4 || p->v4 ? 90 : 45;
     st = lc_pbrt_get_float(&p->params, "fov", &fov, &par);
-    if (!st && !(fov > 0 && fov < 180)) st = lc_pbrt_bad_param(&p->params, par, "is not between 0 and 180 degrees");
+    if (!st && !(fov > 0 && fov < 180))
+        st = lc_pbrt_bad_param(&p->params, par, "is not between 0 and 180 degrees");
     if (st) return finish(p, &l, st);
-    l.map.projected = true, l.map.width = lc_env_width(&l.env), l.map.height = lc_env_height(&l.env);
+    l.map.projected = true;
+    l.map.width = lc_env_width(&l.env);
+    l.map.height = lc_env_height(&l.env);
     half_sides(&l.map, fov, half);
-    l.map.scale[0] = (float)(l.map.width / (2 * half[0])), l.map.scale[1] = (float)(l.map.height / (2 * half[1]));
+    l.map.scale[0] = (float)(l.map.width / (2 * half[0]));
+    l.map.scale[1] = (float)(l.map.height / (2 * half[1]));
     for (int k = 0; k < 3 && l.is_v4; k++) l.map.to_light[1][k] = -l.map.to_light[1][k];
     st = set_cone(p, s->pos, &l, half);
     if (!st) st = alloc_texels(p, &l.map, &texels);
@@ -198,7 +211,8 @@ lc_status lc_pbrt_projection_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 static lc_f3 octahedron(double x, double y)
 {
     double z = 1 - fabs(x) - fabs(y), fold = z < 0 ? -z : 0;
-    x -= copysign(fold, x), y -= copysign(fold, y);
+    x -= copysign(fold, x);
+    y -= copysign(fold, y);
     return lc_f3_normalize_d(x, y, z);
 }
 
@@ -207,7 +221,8 @@ static void fill_octahedron(shine *l, float *texels)
     for (uint32_t y = 0; y < l->map.height; y++)
         for (uint32_t x = 0; x < l->map.width; x++) {
             float *to = texels + ((size_t)y * l->map.width + x) * 3;
-            lc_f3 v = lc_env_radiance(&l->env, octahedron(2.0 * x / (l->map.width - 1) - 1, 2.0 * y / (l->map.height - 1) - 1));
+            lc_f3 v = lc_env_radiance(&l->env, octahedron(2.0 * x / (l->map.width - 1) - 1,
+                                                          2.0 * y / (l->map.height - 1) - 1));
             lc_f3_store(to, v);
             if (l->is_v4) to[0] = to[1] = to[2] = (v.x + v.y + v.z) / 3;
             for (int c = 0; c < 3; c++) to[c] = fminf(to[c], LC_MAX_INTENSITY);
@@ -228,7 +243,9 @@ static double power_of(const lc_env *env)
 
 lc_status lc_pbrt_goniometric_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    shine l = { .env = { .scale = { 1, 1, 1 }, .to_world = lc_xform_identity(), .to_light = lc_xform_identity() } };
+    shine l = {
+        .env = { .scale = { 1, 1, 1 }, .to_world = lc_xform_identity(), .to_light = lc_xform_identity() }
+    };
     float *texels;
     lc_status st = get_frame(p, s->pos, &l);
     if (!st) st = get_picture(p, &l);
@@ -238,9 +255,11 @@ lc_status lc_pbrt_goniometric_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     l.map.width = l.map.height = side < 65 ? 65 : side > MAX_KNOTS ? MAX_KNOTS : side;
     for (int k = 0; k < 3; k++) {
         float y = l.map.to_light[1][k];
-        l.map.to_light[1][k] = l.map.to_light[2][k], l.map.to_light[2][k] = y;
+        l.map.to_light[1][k] = l.map.to_light[2][k];
+        l.map.to_light[2][k] = y;
     }
-    l.light.spot.cos_total = -2, l.light.spot.cos_start = -1.5f; /* every direction */
+    l.light.spot.cos_total = -2; /* every direction */
+    l.light.spot.cos_start = -1.5f;
     st = alloc_texels(p, &l.map, &texels);
     if (st) return finish(p, &l, st);
     fill_octahedron(&l, texels);

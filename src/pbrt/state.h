@@ -83,7 +83,8 @@ typedef struct lc_pbrt {
     struct lc_pbrt_default *defaults; /* attrs.n_defaults are in force */
     size_t n_scopes, n_saved, cap_scopes, cap_saved, cap_defaults;
 
-    lc_pbrt_map material_names, colour_textures, float_textures, image_names, emission_names, object_names, coord_names;
+    lc_pbrt_map material_names, colour_textures, float_textures, image_names, emission_names, object_names,
+        coord_names;
     lc_pbrt_material *materials;
     lc_xform *coords;
     size_t n_materials, n_coords, cap_materials, cap_coords;
@@ -156,12 +157,14 @@ lc_status lc_pbrt_current_material(lc_pbrt *p, uint32_t *id);
 
 /* make_texture.c */
 lc_pbrt_handler lc_pbrt_texture;
-/* A parameter that is a value or a texture's name. *in: 0 when it is absent, then *found is NULL; of a texture the mean is
- * in in->value. found may be NULL. */
+/* A parameter that is a value or a texture's name. *in: 0 when it is absent, then *found is NULL; of a
+ * texture the mean is in in->value. found may be NULL. */
 lc_status lc_pbrt_get_input(lc_pbrt *p, const char *name, bool is_float, lc_tex_input *in,
                             const lc_pbrt_param **found);
-/* texture_image.c: reads what imagemap needs into *t; *there is false, after a note, where there is no such image. */
-lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding, uint32_t *id); /* LC_NONE: noted */
+/* texture_image.c: reads what imagemap needs into *t; *there is false, after a note, where there is no such
+ * image. */
+lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding,
+                             uint32_t *id); /* LC_NONE: noted */
 lc_status lc_pbrt_get_image(lc_pbrt *p, lc_pos where, lc_texture *t, bool *there);
 
 /* light_source.c */
@@ -169,11 +172,13 @@ lc_pbrt_handler lc_pbrt_light, lc_pbrt_area_light;
 
 /* shape.c */
 lc_pbrt_handler lc_pbrt_shape;
-/* Positions and normals in object space to p->pos, p->normal, p->index; no triangles when it has no area. *area_ratio, at
- * first 1: true area over that of the triangles. round.c, quadric.c, loop_subdiv.c, bilinear.c, curve.c */
-typedef lc_status lc_pbrt_shape_handler(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio);
-lc_pbrt_shape_handler lc_pbrt_sphere, lc_pbrt_disk, lc_pbrt_cylinder, lc_pbrt_cone, lc_pbrt_paraboloid, lc_pbrt_hyperboloid,
-    lc_pbrt_loop_subdiv, lc_pbrt_bilinear_mesh, lc_pbrt_curve;
+/* Positions and normals in object space to p->pos, p->normal, p->index; no triangles when it has no area.
+ * *area_ratio, at first 1: true area over that of the triangles. round.c, quadric.c, loop_subdiv.c,
+ * bilinear.c, curve.c */
+typedef lc_status lc_pbrt_shape_handler(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh,
+                                        double *area_ratio);
+lc_pbrt_shape_handler lc_pbrt_sphere, lc_pbrt_disk, lc_pbrt_cylinder, lc_pbrt_cone, lc_pbrt_paraboloid,
+    lc_pbrt_hyperboloid, lc_pbrt_loop_subdiv, lc_pbrt_bilinear_mesh, lc_pbrt_curve;
 /* Checked, to p->index, where there is room; `group` (3 or 4) of them make a face. */
 lc_status lc_pbrt_copy_indices(lc_pbrt *p, const lc_pbrt_param *par, uint32_t group, uint32_t n_verts);
 lc_status lc_pbrt_mesh_room(lc_pbrt *p, size_t n_verts, size_t n_tris, bool normals);
@@ -189,7 +194,8 @@ lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh);
 
 /* colour.c */
 typedef enum lc_pbrt_colour_use { LC_PBRT_FOR_ALBEDO, LC_PBRT_FOR_LIGHT } lc_pbrt_colour_use;
-/* Rows of what takes linear Rec.709 to the same with the daylight of this temperature as white; false outside 4000..25000 K. */
+/* Rows of what takes linear Rec.709 to the same with the daylight of this temperature as white; false outside
+ * 4000..25000 K. */
 bool lc_pbrt_white_balance(double kelvin, float rows[9]);
 /* A colour parameter as linear Rec.709. *out keeps its value if absent. */
 lc_status lc_pbrt_get_colour(lc_pbrt *p, const char *name, lc_pbrt_colour_use use, lc_f3 *out,

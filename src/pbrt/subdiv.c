@@ -1,4 +1,5 @@
-/* subdiv.c - see subdiv.h. Weights from [Loop87], those of normals from Hoppe et al. 1994, as in pbrt's loopsubdiv. */
+/* subdiv.c - see subdiv.h. Weights from [Loop87], those of normals from Hoppe et al. 1994, as in pbrt's
+ * loopsubdiv. */
 #include "pbrt/subdiv.h"
 
 #include "base/xform.h"
@@ -28,7 +29,10 @@ static void gather(const lc_subdiv *m, const uint32_t *twin, ring *rings)
     for (uint32_t h = 0; h < 3 * m->n_faces; h++) {
         uint32_t a = start_of(m, h), b = end_of(m, h);
         if (!rings[a].boundary) add(&rings[a], m->pos + 3 * (size_t)b);
-        if (twin[h] == LC_NONE) add(&rings[a], m->pos + 3 * (size_t)b), add(&rings[b], m->pos + 3 * (size_t)a);
+        if (twin[h] == LC_NONE) {
+            add(&rings[a], m->pos + 3 * (size_t)b);
+            add(&rings[b], m->pos + 3 * (size_t)a);
+        }
     }
 }
 
@@ -48,7 +52,8 @@ static void odd_vertex(const lc_subdiv *m, uint32_t h, uint32_t twin, double *to
     const double *a = m->pos + 3 * (size_t)start_of(m, h), *b = m->pos + 3 * (size_t)end_of(m, h);
     const double *c = m->pos + 3 * (size_t)m->corner[lc_half_edge_prev(h)];
     const double *d = twin == LC_NONE ? c : m->pos + 3 * (size_t)m->corner[lc_half_edge_prev(twin)];
-    for (int k = 0; k < 3; k++) to[k] = twin == LC_NONE ? 0.5 * (a[k] + b[k]) : 0.375 * (a[k] + b[k]) + 0.125 * (c[k] + d[k]);
+    for (int k = 0; k < 3; k++)
+        to[k] = twin == LC_NONE ? 0.5 * (a[k] + b[k]) : 0.375 * (a[k] + b[k]) + 0.125 * (c[k] + d[k]);
 }
 
 /* odd[h]: the new vertex on half-edge h. Its twin has the same one. */
@@ -67,11 +72,14 @@ static void split_edges(const lc_subdiv *in, const uint32_t *twin, uint32_t *odd
 lc_status lc_subdiv_refine(lc_arena *arena, const lc_subdiv *in, lc_subdiv *out)
 {
     uint32_t n_half = 3 * in->n_faces;
-    uint32_t *twin = lc_arena_alloc(arena, n_half, sizeof *twin), *odd = lc_arena_alloc(arena, n_half, sizeof *odd);
+    uint32_t *twin = lc_arena_alloc(arena, n_half, sizeof *twin),
+             *odd = lc_arena_alloc(arena, n_half, sizeof *odd);
     ring *rings = lc_arena_alloc(arena, in->n_verts, sizeof *rings);
     *out = (lc_subdiv){ in->n_verts, 4 * in->n_faces, NULL, NULL };
     out->corner = lc_arena_alloc(arena, 4 * (size_t)n_half, sizeof *out->corner);
-    lc_status st = twin && odd && rings && out->corner ? lc_find_twins(arena->ctx, in->corner, in->n_faces, twin) : LC_ERR_MEMORY;
+    lc_status st = twin && odd && rings && out->corner
+                       ? lc_find_twins(arena->ctx, in->corner, in->n_faces, twin)
+                       : LC_ERR_MEMORY;
     if (st) return st;
     size_t n_edges = 0;
     for (uint32_t h = 0; h < n_half; h++) n_edges += twin[h] == LC_NONE || h < twin[h];
@@ -112,11 +120,15 @@ static void tangents_inside(const double *const *p, uint32_t n, double s[3], dou
 /* The ring runs counter-clockwise from one boundary edge to the other. */
 static void tangents_boundary(const double *const *p, uint32_t n, const double *v, double s[3], double t[3])
 {
-    add_scaled(s, 1, p[n - 1]), add_scaled(s, -1, p[0]);
+    add_scaled(s, 1, p[n - 1]);
+    add_scaled(s, -1, p[0]);
     if (n == 2) {
-        add_scaled(t, 1, p[0]), add_scaled(t, 1, p[1]), add_scaled(t, -2, v);
+        add_scaled(t, 1, p[0]);
+        add_scaled(t, 1, p[1]);
+        add_scaled(t, -2, v);
     } else if (n == 3) {
-        add_scaled(t, 1, p[1]), add_scaled(t, -1, v);
+        add_scaled(t, 1, p[1]);
+        add_scaled(t, -1, v);
     } else if (n == 4) {
         const double w[4] = { -1, 2, 2, -1 };
         for (int j = 0; j < 4; j++) add_scaled(t, w[j], p[j]);
@@ -124,7 +136,8 @@ static void tangents_boundary(const double *const *p, uint32_t n, const double *
     } else {
         double step = 180.0 / (n - 1), sine, cosine, cos_step;
         lc_sincos_deg(step, &sine, &cos_step);
-        add_scaled(t, -sine, p[0]), add_scaled(t, -sine, p[n - 1]);
+        add_scaled(t, -sine, p[0]);
+        add_scaled(t, -sine, p[n - 1]);
         for (uint32_t k = 1; k + 1 < n; k++) {
             lc_sincos_deg(k * step, &sine, &cosine);
             add_scaled(t, (2 - 2 * cos_step) * sine, p[k]);
@@ -132,7 +145,8 @@ static void tangents_boundary(const double *const *p, uint32_t n, const double *
     }
 }
 
-/* first: a half-edge that leaves the vertex; of a boundary vertex the one along the boundary. p has room for all. */
+/* first: a half-edge that leaves the vertex; of a boundary vertex the one along the boundary. p has room for
+ * all. */
 static uint32_t ring_inside(const lc_subdiv *m, const uint32_t *twin, uint32_t first, const double **p)
 {
     uint32_t n = 0, h = first;
@@ -154,7 +168,8 @@ static uint32_t ring_boundary(const lc_subdiv *m, const uint32_t *twin, uint32_t
     return n;
 }
 
-static void normals(const lc_subdiv *m, const uint32_t *twin, const ring *rings, uint32_t *first, const double **p, double *normal)
+static void normals(const lc_subdiv *m, const uint32_t *twin, const ring *rings, uint32_t *first,
+                    const double **p, double *normal)
 {
     for (size_t v = 0; v < m->n_verts; v++) first[v] = LC_NONE;
     for (uint32_t h = 0; h < 3 * m->n_faces; h++)
@@ -163,7 +178,8 @@ static void normals(const lc_subdiv *m, const uint32_t *twin, const ring *rings,
         double s[3] = { 0 }, t[3] = { 0 }, *n = normal + 3 * v;
         n[0] = n[1] = n[2] = 0;
         if (first[v] == LC_NONE) continue;
-        if (rings[v].boundary) tangents_boundary(p, ring_boundary(m, twin, first[v], p), m->pos + 3 * v, s, t);
+        if (rings[v].boundary)
+            tangents_boundary(p, ring_boundary(m, twin, first[v], p), m->pos + 3 * v, s, t);
         else tangents_inside(p, ring_inside(m, twin, first[v], p), s, t);
         for (int k = 0; k < 3; k++) n[k] = s[(k + 1) % 3] * t[(k + 2) % 3] - s[(k + 2) % 3] * t[(k + 1) % 3];
     }
@@ -172,11 +188,14 @@ static void normals(const lc_subdiv *m, const uint32_t *twin, const ring *rings,
 lc_status lc_subdiv_limit(lc_arena *arena, lc_subdiv *m, double *normal)
 {
     size_t n_half = 3 * (size_t)m->n_faces, n_floats = 3 * (size_t)m->n_verts;
-    uint32_t *twin = lc_arena_alloc(arena, n_half, sizeof *twin), *first = lc_arena_alloc(arena, m->n_verts, sizeof *first);
+    uint32_t *twin = lc_arena_alloc(arena, n_half, sizeof *twin),
+             *first = lc_arena_alloc(arena, m->n_verts, sizeof *first);
     ring *rings = lc_arena_alloc(arena, m->n_verts, sizeof *rings);
     double *moved = lc_arena_alloc(arena, n_floats, sizeof *moved);
     const double **p = lc_arena_alloc(arena, n_half + 1, sizeof *p); /* a ring has no more vertices */
-    lc_status st = twin && first && rings && moved && p ? lc_find_twins(arena->ctx, m->corner, m->n_faces, twin) : LC_ERR_MEMORY;
+    lc_status st = twin && first && rings && moved && p
+                       ? lc_find_twins(arena->ctx, m->corner, m->n_faces, twin)
+                       : LC_ERR_MEMORY;
     if (st) return st;
     gather(m, twin, rings);
     for (size_t v = 0; v < m->n_verts; v++) {

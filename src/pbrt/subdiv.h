@@ -1,8 +1,8 @@
 /* subdiv.h - Loop subdivision of triangle meshes with boundaries, as pbrt does it.
  *
  *          c                c
- *         / \              / \        even vertices are a, b, c moved; odd ones lie near the middles of edges.
- *        /   \     ->     x - x       Half-edge 3 f + k of face f runs from its corner k to the next.
+ *         / \              / \        even vertices are a, b, c moved; odd ones lie near the middles of
+ * edges. /   \     ->     x - x       Half-edge 3 f + k of face f runs from its corner k to the next.
  *       /     \          / \ / \
  *      a ----- b        a - x - b
  *
@@ -21,9 +21,9 @@ typedef struct lc_subdiv {
 
 /* Four faces for each, in the arena. n_faces * 12 and the vertices fit 32 bits. LC_ERR_MEMORY. */
 lc_status lc_subdiv_refine(lc_arena *arena, const lc_subdiv *in, lc_subdiv *out);
-/* Moves the vertices to where they come to lie after infinitely many steps, at a boundary by pbrt's weights, which are a
- * little off. Normals of that surface: n_verts * 3, of any length, 0 where there is none; their side is pbrt's: where corners
- * run clockwise. LC_ERR_MEMORY. */
+/* Moves the vertices to where they come to lie after infinitely many steps, at a boundary by pbrt's weights,
+ * which are a little off. Normals of that surface: n_verts * 3, of any length, 0 where there is none; their
+ * side is pbrt's: where corners run clockwise. LC_ERR_MEMORY. */
 lc_status lc_subdiv_limit(lc_arena *arena, lc_subdiv *mesh, double *normal);
 
 #endif

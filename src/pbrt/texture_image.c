@@ -1,7 +1,8 @@
-/* texture_image.c - the image of an imagemap texture: its file, read once for each encoding, and how it is looked up.
+/* texture_image.c - the image of an imagemap texture: its file, read once for each encoding, and how it is
+ * looked up.
  *
- * v4: "encoding" (sRGB, linear, gamma X), "filter". v3: "gamma", "trilinear". Integer images are sRGB unless told otherwise.
- * EWA is approximated by trilinear, whose footprint is round.
+ * v4: "encoding" (sRGB, linear, gamma X), "filter". v3: "gamma", "trilinear". Integer images are sRGB unless
+ * told otherwise. EWA is approximated by trilinear, whose footprint is round.
  */
 #include "pbrt/state.h"
 
@@ -25,7 +26,8 @@ static lc_status get_encoding(lc_pbrt *p, lc_encoding *out)
     if (!strcmp(text, "sRGB")) return LC_OK;
     if (!strcmp(text, "linear")) {
         out->kind = LC_ENCODING_LINEAR;
-    } else if (!strncmp(text, "gamma ", 6) && lc_decimal_parse(text + 6, strlen(text + 6), &power) && power >= 1e-3 && power <= 1e3) {
+    } else if (!strncmp(text, "gamma ", 6) && lc_decimal_parse(text + 6, strlen(text + 6), &power) &&
+               power >= 1e-3 && power <= 1e3) {
         *out = (lc_encoding){ LC_ENCODING_GAMMA, (float)power };
     } else {
         return lc_pbrt_note_name(p, par->pos, "texture encoding", text, "sRGB takes its place");
@@ -67,11 +69,13 @@ static lc_status get_filter(lc_pbrt *p, lc_pos where, lc_filter *out)
             return LC_OK;
         }
     if (!strcmp(text, "EWA") || !strcmp(text, "ewa"))
-        return lc_pbrt_note(p, where, "texture filter EWA", "the EWA filter is approximated by a trilinear one");
+        return lc_pbrt_note(p, where, "texture filter EWA",
+                            "the EWA filter is approximated by a trilinear one");
     return lc_pbrt_note_name(p, par->pos, "texture filter", text, "trilinear takes its place");
 }
 
-/* Decodes the file into a new image of the scene; LC_NONE after a note where it is of a kind that is not read. */
+/* Decodes the file into a new image of the scene; LC_NONE after a note where it is of a kind that is not
+ * read. */
 static lc_status load(lc_pbrt *p, lc_pos where, const char *path, lc_encoding encoding, uint32_t *id)
 {
     lc_file file;
@@ -81,7 +85,9 @@ static lc_status load(lc_pbrt *p, lc_pos where, const char *path, lc_encoding en
     if (st) return st;
     lc_bytes bytes = { p->ctx, file.data, file.size, file.cap };
     bool jpeg = lc_jpeg_is(bytes.data, bytes.len);
-    if (jpeg) st = lc_pbrt_note(p, where, "JPEG", "'%.150s': JPEG is not read; grey is used. Convert it to PNG", path);
+    if (jpeg)
+        st = lc_pbrt_note(p, where, "JPEG", "'%.150s': JPEG is not read; grey is used. Convert it to PNG",
+                          path);
     else st = lc_raster_decode(p->ctx, path, &bytes, &raster);
     lc_file_free(p->ctx, &file);
     if (!st && !jpeg) {
@@ -99,7 +105,8 @@ lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_enco
     const char *path;
     *id = LC_NONE;
     if (p->lex.no_files)
-        return lc_pbrt_note(p, where, "texture image", "'%.150s': this scene may not open files; grey is used", name);
+        return lc_pbrt_note(p, where, "texture image",
+                            "'%.150s': this scene may not open files; grey is used", name);
     lc_status st = lc_pbrt_find_file(&p->lex, where, name, &path);
     if (st) return st;
     int n = snprintf(key, sizeof key, "%d %a %s", (int)encoding.kind, (double)encoding.gamma, path);

@@ -1,5 +1,6 @@
-/* white.c - pbrt-v4's "whitebalance" of a Film: von Kries' adaptation in Bradford's cone responses, from the daylight of
- * a temperature to Rec.709's white, D65. Daylight's chromaticity is the CIE's polynomial in 1 / T. */
+/* white.c - pbrt-v4's "whitebalance" of a Film: von Kries' adaptation in Bradford's cone responses, from the
+ * daylight of a temperature to Rec.709's white, D65. Daylight's chromaticity is the CIE's polynomial in 1 /
+ * T. */
 #include "pbrt/state.h"
 
 typedef double mat3[3][3];
@@ -32,14 +33,17 @@ static void cones(const mat3 lms, double x, double y, double out[3])
 
 bool lc_pbrt_white_balance(double kelvin, float rows[9])
 {
-    static const mat3 bradford = { { 0.8951, 0.2664, -0.1614 }, { -0.7502, 1.7135, 0.0367 }, { 0.0389, -0.0685, 1.0296 } };
+    static const mat3 bradford = { { 0.8951, 0.2664, -0.1614 },
+                                   { -0.7502, 1.7135, 0.0367 },
+                                   { 0.0389, -0.0685, 1.0296 } };
     static const mat3 rgb_to_xyz = { { 0.4124564, 0.3575761, 0.1804375 },
                                      { 0.2126729, 0.7151522, 0.0721750 },
                                      { 0.0193339, 0.1191920, 0.9503041 } };
     mat3 to_cones, back, scaled, m;
     double t = 1000 * (1.4388 / 1.4380) / kelvin, source[3], target[3]; /* of today's radiation constant */
     if (!(kelvin >= 4000 && kelvin <= 25000)) return false;
-    double x = kelvin <= 7000 ? 0.244063 + t * (0.09911 + t * (2.9678 - t * 4.6070)) : 0.237040 + t * (0.24748 + t * (1.9018 - t * 2.0064));
+    double x = kelvin <= 7000 ? 0.244063 + t * (0.09911 + t * (2.9678 - t * 4.6070))
+                              : 0.237040 + t * (0.24748 + t * (1.9018 - t * 2.0064));
     cones(bradford, x, -3 * x * x + 2.870 * x - 0.275, source);
     cones(bradford, 0.3127, 0.3290, target);
     multiply(bradford, rgb_to_xyz, to_cones);

@@ -1,12 +1,14 @@
-/* area_light.c - k points on a triangle, stratified: the unit square is cut into k jittered cells of a rank-1 lattice
- * and folded onto the triangle. Gridded points would give exact ties in the light tree and visible bands.
+/* area_light.c - k points on a triangle, stratified: the unit square is cut into k jittered cells of a rank-1
+ * lattice and folded onto the triangle. Gridded points would give exact ties in the light tree and visible
+ * bands.
  *
- * Half of the lights are shared out by power, half evenly to the meshes that shine: a weak lamp may be near, or seen in a gloss, where
- * its five lights beside a strong one's thousand would show as dots.
+ * Half of the lights are shared out by power, half evenly to the meshes that shine: a weak lamp may be near,
+ * or seen in a gloss, where its five lights beside a strong one's thousand would show as dots.
  *
- * Triangles whose share is less than a light join the next such ones of their mesh until they have one: it lies in one of them,
- * picked by power, and shines as all do. So every emissive mesh has a light, and as much power and colour as it should, and there are
- * at most as many lights more than asked for as there are such meshes, and their back sides. */
+ * Triangles whose share is less than a light join the next such ones of their mesh until they have one: it
+ * lies in one of them, picked by power, and shines as all do. So every emissive mesh has a light, and as much
+ * power and colour as it should, and there are at most as many lights more than asked for as there are such
+ * meshes, and their back sides. */
 #include "prepare/area_light.h"
 
 #include "base/context.h"
@@ -19,7 +21,10 @@ static double cross_of(const lc_scene *s, size_t tri, double n[3])
     const float *p0 = lc_tri_vertex(s->pos, s->index, tri, 0), *p1 = lc_tri_vertex(s->pos, s->index, tri, 1);
     const float *p2 = lc_tri_vertex(s->pos, s->index, tri, 2);
     double a[3], b[3];
-    for (int k = 0; k < 3; k++) a[k] = (double)p1[k] - p0[k], b[k] = (double)p2[k] - p0[k];
+    for (int k = 0; k < 3; k++) {
+        a[k] = (double)p1[k] - p0[k];
+        b[k] = (double)p2[k] - p0[k];
+    }
     n[0] = a[1] * b[2] - a[2] * b[1];
     n[1] = a[2] * b[0] - a[0] * b[2];
     n[2] = a[0] * b[1] - a[1] * b[0];
@@ -38,13 +43,16 @@ static double side_of(const lc_scene *s, const lc_mesh *mesh, size_t tri, const 
     return mesh->flip ? -1 : 1;
 }
 
-/* Emitted power of a triangle, the scalar that lights are shared out by. flux: area times the mean of the picture, if any. */
+/* Emitted power of a triangle, the scalar that lights are shared out by. flux: area times the mean of the
+ * picture, if any. */
 static double power_of(const lc_scene *s, size_t tri, double flux[3])
 {
     const lc_mesh *mesh = &s->meshes[s->tri_mesh[tri]];
     double n[3], area = 0.5 * cross_of(s, tri, n), rgb[3] = { 1, 1, 1 };
     if (mesh->emission_map && lc_f3_max(mesh->emission) > 0) lc_area_map_mean(s, tri, rgb);
-    double l = (rgb[0] * (double)mesh->emission.x + rgb[1] * (double)mesh->emission.y + rgb[2] * (double)mesh->emission.z) / 3;
+    double l = (rgb[0] * (double)mesh->emission.x + rgb[1] * (double)mesh->emission.y +
+                rgb[2] * (double)mesh->emission.z) /
+               3;
     for (int k = 0; k < 3; k++) flux[k] = rgb[k] * area;
     return l * area * (mesh->two_sided ? 2 : 1);
 }
@@ -123,11 +131,16 @@ static lc_status make_lights(lc_scene *scene, const powers *p, uint32_t n_lights
     for (size_t t = 0; t < scene->n_tris && !st; t++) {
         uint32_t mesh = scene->tri_mesh[t], sides = scene->meshes[mesh].two_sided ? 2 : 1;
         double power = power_of(scene, t, flux);
-        if (small.n && scene->tri_mesh[small.tri] != mesh) st = add_lights(scene, &small, 1, seed), small.n = 0;
+        if (small.n && scene->tri_mesh[small.tri] != mesh) {
+            st = add_lights(scene, &small, 1, seed);
+            small.n = 0;
+        }
         if (!(power > 0) || st) continue;
         scene->n_emissive_tris++;
-        /* The share of this triangle: rounding the running sum keeps the total. A millionth, for sums that miss a whole number. */
-        double share = n_lights * (0.5 * power / p->total + 0.5 * power / p->of_mesh[mesh] / (double)p->n_meshes);
+        /* The share of this triangle: rounding the running sum keeps the total. A millionth, for sums that
+         * miss a whole number. */
+        double share = n_lights *
+                       (0.5 * power / p->total + 0.5 * power / p->of_mesh[mesh] / (double)p->n_meshes);
         double first = floor(before + 1e-6), last = floor(before + share + 1e-6);
         before += share;
         if (share + 1e-6 >= sides && last - first >= sides) {
@@ -136,7 +149,10 @@ static lc_status make_lights(lc_scene *scene, const powers *p, uint32_t n_lights
             st = add_lights(scene, &alone, (uint32_t)(last - first) / sides, seed);
         } else {
             join(&small, t, power, flux, first, seed);
-            if (last - small.first >= sides) st = add_lights(scene, &small, 1, seed), small.n = 0;
+            if (last - small.first >= sides) {
+                st = add_lights(scene, &small, 1, seed);
+                small.n = 0;
+            }
         }
     }
     if (small.n && !st) st = add_lights(scene, &small, 1, seed);
@@ -151,7 +167,10 @@ lc_status lc_area_lights_make(lc_scene *scene, uint32_t n_lights, uint64_t seed)
     if (!p.of_mesh) return LC_ERR_MEMORY;
     for (size_t i = 0; i < scene->n_meshes; i++) p.of_mesh[i] = 0;
     for (size_t t = 0; t < scene->n_tris; t++) p.of_mesh[scene->tri_mesh[t]] += power_of(scene, t, flux);
-    for (size_t i = 0; i < scene->n_meshes; i++) p.total += p.of_mesh[i], p.n_meshes += p.of_mesh[i] > 0;
+    for (size_t i = 0; i < scene->n_meshes; i++) {
+        p.total += p.of_mesh[i];
+        p.n_meshes += p.of_mesh[i] > 0;
+    }
     lc_status st = p.total > 0 ? make_lights(scene, &p, n_lights, seed) : LC_OK;
     lc_free(scene->ctx, p.of_mesh, scene->n_meshes, sizeof *p.of_mesh);
     return st;

@@ -1,5 +1,6 @@
-/* area_map.c - see area_map.h. The triangle is halved along its sides until the parts are as small as texels and there are many for
- * each light; their power, in the order of the halving, is cut into equal shares, each of parts that lie together.
+/* area_map.c - see area_map.h. The triangle is halved along its sides until the parts are as small as texels
+ * and there are many for each light; their power, in the order of the halving, is cut into equal shares, each
+ * of parts that lie together.
  */
 #include "prepare/area_map.h"
 
@@ -31,7 +32,10 @@ typedef struct walk {
 typedef void leaf_fn(walk *w, const double corner[3][2], const double rgb[3]);
 
 /* Weights of vertices 1 and 2. */
-static void between(const double a[2], const double b[2], double out[2]) { out[0] = (a[0] + b[0]) / 2, out[1] = (a[1] + b[1]) / 2; }
+static void between(const double a[2], const double b[2], double out[2])
+{
+    out[0] = (a[0] + b[0]) / 2, out[1] = (a[1] + b[1]) / 2;
+}
 
 static void look_up(const walk *w, const double c[3][2], double rgb[3])
 {
@@ -41,7 +45,8 @@ static void look_up(const walk *w, const double c[3][2], double rgb[3])
     for (int k = 0; k < 3; k++) rgb[k] = fmax(rgb[k], 0);
 }
 
-/* Four parts a level: at a corner, in the middle, at the other corners, so that those that follow each other touch. */
+/* Four parts a level: at a corner, in the middle, at the other corners, so that those that follow each other
+ * touch. */
 static void visit(walk *w, const double c[3][2], uint32_t depth, leaf_fn *leaf)
 {
     double mid[3][2], rgb[3];
@@ -51,10 +56,12 @@ static void visit(walk *w, const double c[3][2], uint32_t depth, leaf_fn *leaf)
         return;
     }
     for (int i = 0; i < 3; i++) between(c[i], c[(i + 1) % 3], mid[i]);
-    const double part[4][3][2] = { { { c[0][0], c[0][1] }, { mid[0][0], mid[0][1] }, { mid[2][0], mid[2][1] } },
-                                   { { mid[0][0], mid[0][1] }, { mid[1][0], mid[1][1] }, { mid[2][0], mid[2][1] } },
-                                   { { mid[0][0], mid[0][1] }, { c[1][0], c[1][1] }, { mid[1][0], mid[1][1] } },
-                                   { { mid[2][0], mid[2][1] }, { mid[1][0], mid[1][1] }, { c[2][0], c[2][1] } } };
+    const double part[4][3][2] = {
+        { { c[0][0], c[0][1] }, { mid[0][0], mid[0][1] }, { mid[2][0], mid[2][1] } },
+        { { mid[0][0], mid[0][1] }, { mid[1][0], mid[1][1] }, { mid[2][0], mid[2][1] } },
+        { { mid[0][0], mid[0][1] }, { c[1][0], c[1][1] }, { mid[1][0], mid[1][1] } },
+        { { mid[2][0], mid[2][1] }, { mid[1][0], mid[1][1] }, { c[2][0], c[2][1] } }
+    };
     for (int i = 0; i < 4; i++) visit(w, part[i], depth - 1, leaf);
 }
 
@@ -72,9 +79,11 @@ static double power_of(const walk *w, const double rgb[3])
 /* A place anywhere in a part, the light's own. */
 static lc_f3 place_in(const walk *w, const double c[3][2])
 {
-    double u = sqrt(lc_unit(lc_hash4(w->seed, w->made, 0, 0))), v = lc_unit(lc_hash4(w->seed, w->made, 0, 1)), x[3];
+    double u = sqrt(lc_unit(lc_hash4(w->seed, w->made, 0, 0))), v = lc_unit(lc_hash4(w->seed, w->made, 0, 1)),
+           x[3];
     double a[3] = { 1 - u, u * (1 - v), u * v };
-    double b1 = a[0] * c[0][0] + a[1] * c[1][0] + a[2] * c[2][0], b2 = a[0] * c[0][1] + a[1] * c[1][1] + a[2] * c[2][1];
+    double b1 = a[0] * c[0][0] + a[1] * c[1][0] + a[2] * c[2][0],
+           b2 = a[0] * c[0][1] + a[1] * c[1][1] + a[2] * c[2][1];
     for (int k = 0; k < 3; k++) x[k] = (1 - b1 - b2) * w->p[0][k] + b1 * w->p[1][k] + b2 * w->p[2][k];
     return lc_f3_make((float)x[0], (float)x[1], (float)x[2]);
 }
@@ -84,9 +93,11 @@ static void add_light(walk *w)
     lc_light light = *w->base;
     double f = 1 / w->n_parts;
     light.pos = w->place;
-    light.intensity = lc_f3_mul(light.intensity, lc_f3_make((float)(w->sum[0] * f), (float)(w->sum[1] * f), (float)(w->sum[2] * f)));
+    light.intensity = lc_f3_mul(light.intensity, lc_f3_make((float)(w->sum[0] * f), (float)(w->sum[1] * f),
+                                                            (float)(w->sum[2] * f)));
     if (w->placed && !w->status) w->status = lc_scene_add_light(w->scene, (lc_pos){ 0, 0, 0 }, &light);
-    w->made++, w->placed = false;
+    w->made++;
+    w->placed = false;
     w->sum[0] = w->sum[1] = w->sum[2] = 0;
 }
 
@@ -97,9 +108,13 @@ static void share(walk *w, const double c[3][2], const double rgb[3])
     if (!(power > 0)) return;
     while (from < after && w->made < w->n_lights) {
         double pick = w->total * (w->made + lc_unit(lc_hash4(w->seed, w->made, 0, 2))) / w->n_lights;
-        double end = w->made + 1 < w->n_lights ? w->total * (w->made + 1.0) / w->n_lights : INFINITY, to = fmin(end, after);
+        double end = w->made + 1 < w->n_lights ? w->total * (w->made + 1.0) / w->n_lights : INFINITY,
+               to = fmin(end, after);
         for (int k = 0; k < 3; k++) w->sum[k] += (to - from) / power * rgb[k];
-        if (!w->placed && pick <= to) w->place = place_in(w, c), w->placed = true;
+        if (!w->placed && pick <= to) {
+            w->place = place_in(w, c);
+            w->placed = true;
+        }
         if (end <= after) add_light(w);
         from = to;
     }
@@ -124,8 +139,10 @@ static uint32_t begin(walk *w, const lc_scene *scene, size_t tri, uint32_t k)
         double dv = (w->uv[v][1] - w->uv[(v + 1) % 3][1]) * w->map->levels[0].height;
         longest = fmax(longest, fmax(fabs(du), fabs(dv)));
     }
-    while (depth < MAX_DEPTH && (longest > ldexp(1, (int)depth) || ldexp(1, 2 * (int)depth) < 4.0 * k)) depth++;
-    w->width = fmax(longest / ldexp(1, (int)depth), 1), w->n_parts = ldexp(1, 2 * (int)depth);
+    while (depth < MAX_DEPTH && (longest > ldexp(1, (int)depth) || ldexp(1, 2 * (int)depth) < 4.0 * k))
+        depth++;
+    w->width = fmax(longest / ldexp(1, (int)depth), 1);
+    w->n_parts = ldexp(1, 2 * (int)depth);
     return depth;
 }
 
@@ -140,7 +157,9 @@ lc_status lc_area_map_lights(lc_scene *scene, size_t tri, uint32_t k, const lc_l
 {
     walk w = { .scene = scene, .base = base, .n_lights = k, .seed = seed };
     uint32_t depth = begin(&w, scene, tri, k);
-    w.weight[0] = (double)base->intensity.x, w.weight[1] = (double)base->intensity.y, w.weight[2] = (double)base->intensity.z;
+    w.weight[0] = (double)base->intensity.x;
+    w.weight[1] = (double)base->intensity.y;
+    w.weight[2] = (double)base->intensity.z;
     visit(&w, whole, depth, add_up);
     w.total = power_of(&w, w.sum);
     memset(w.sum, 0, sizeof w.sum);

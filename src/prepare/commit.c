@@ -34,7 +34,10 @@ static void shrink_film(lc_film_desc *f, uint64_t max_pixels)
     }
 }
 
-static uint32_t depth_of(const lc_scene *s, const lc_load_desc *desc) { return desc->max_depth ? desc->max_depth : s->max_depth; }
+static uint32_t depth_of(const lc_scene *s, const lc_load_desc *desc)
+{
+    return desc->max_depth ? desc->max_depth : s->max_depth;
+}
 
 static uint32_t n_indirect(const lc_scene *s, const lc_load_desc *desc)
 {
@@ -75,8 +78,13 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     s->min_d2 = (float)fmax(1e-10 * diag2, LC_MIN_D2);
     double t2 = lc_now();
     s->seconds_lights = t2 - t1;
-    lc_light_tree_desc tree_desc = { .lights = s->lights, .n_lights = s->n_lights, .spot_maps = s->spot_maps, .diag2 = diag2,
-                                     .seed = desc->seed, .n_reps = desc->n_reps, .builder = desc->builder };
+    lc_light_tree_desc tree_desc = { .lights = s->lights,
+                                     .n_lights = s->n_lights,
+                                     .spot_maps = s->spot_maps,
+                                     .diag2 = diag2,
+                                     .seed = desc->seed,
+                                     .n_reps = desc->n_reps,
+                                     .builder = desc->builder };
     st = lc_light_tree_build(s->ctx, &tree_desc, &s->tree);
     s->seconds_tree = lc_now() - t2;
     return st;

@@ -47,10 +47,12 @@ static void try_point(const job *j, uint32_t first, uint32_t n, uint32_t point)
 static void try_block(void *user, uint32_t thread, uint64_t item)
 {
     job *j = user;
-    uint32_t first = (uint32_t)item * BLOCK, n = j->n - first < BLOCK ? j->n - first : BLOCK, all = j->view->n;
+    uint32_t first = (uint32_t)item * BLOCK, n = j->n - first < BLOCK ? j->n - first : BLOCK,
+             all = j->view->n;
     (void)thread;
     for (uint32_t k = 0; k < POINTS; k++) {
-        uint32_t from = (uint32_t)((uint64_t)all * k / POINTS), to = (uint32_t)((uint64_t)all * (k + 1) / POINTS);
+        uint32_t from = (uint32_t)((uint64_t)all * k / POINTS),
+                 to = (uint32_t)((uint64_t)all * (k + 1) / POINTS);
         if (to > from) try_point(j, first, n, from + (uint32_t)(lc_hash4(j->seed, item, k, 6) % (to - from)));
     }
 }
@@ -81,7 +83,8 @@ static void vouch(double *worth, uint32_t n)
     }
 }
 
-lc_status lc_env_weights(const lc_vpl_view *view, const lc_light *lights, uint32_t n, uint64_t seed, double *weights)
+lc_status lc_env_weights(const lc_vpl_view *view, const lc_light *lights, uint32_t n, uint64_t seed,
+                         double *weights)
 {
     const lc_context *ctx = view->scene->ctx;
     double *sorted = lc_alloc_raw(ctx, n, sizeof *sorted);
@@ -91,7 +94,8 @@ lc_status lc_env_weights(const lc_vpl_view *view, const lc_light *lights, uint32
     lc_parallel(ctx, (n + BLOCK - 1) / BLOCK, try_block, &j);
     vouch(weights, n);
     double enough = WORTH * median_worth(weights, sorted, n);
-    for (uint32_t i = 0; i < n; i++) weights[i] = enough > 0 ? fmin(fmax(weights[i] / enough, LC_LEAST_WEIGHT), 1) : 1;
+    for (uint32_t i = 0; i < n; i++)
+        weights[i] = enough > 0 ? fmin(fmax(weights[i] / enough, LC_LEAST_WEIGHT), 1) : 1;
     lc_free(ctx, sorted, n, sizeof *sorted);
     return LC_OK;
 }

@@ -1,11 +1,13 @@
-/* env_light.c - see env_light.h. A table of sums over all rectangles from the corner finds where to cut: a rectangle for k lights is
- * cut across its longer side into one for k / 2 and one for the rest, by weighted power. Cuts go through texels.
+/* env_light.c - see env_light.h. A table of sums over all rectangles from the corner finds where to cut: a
+ * rectangle for k lights is cut across its longer side into one for k / 2 and one for the rest, by weighted
+ * power. Cuts go through texels.
  *
- * Weights come from CANDIDATES lights of equal power that are made first and tried at points that the camera sees. Most of the sky
- * that stands outside the windows of a room lights none of them. Against weights of 1, mrse of 5,000 lights' exact picture against
- * that of 60,000 without weights, two seeds: living room 0.0059 and 0.0064 -> 0.0041 and 0.0040, buddha-fractal in the open 2.6 and
- * 3.7 -> 1.6 and 1.4 e-4, spheres on a plane 1.1 and 1.1 -> 0.45 and 0.40 e-6. Chances from weights, with lights kept or not, would
- * keep the map's sum on average only. */
+ * Weights come from CANDIDATES lights of equal power that are made first and tried at points that the camera
+ * sees. Most of the sky that stands outside the windows of a room lights none of them. Against weights of 1,
+ * mrse of 5,000 lights' exact picture against that of 60,000 without weights, two seeds: living room 0.0059
+ * and 0.0064 -> 0.0041 and 0.0040, buddha-fractal in the open 2.6 and 3.7 -> 1.6 and 1.4 e-4, spheres on a
+ * plane 1.1 and 1.1 -> 0.45 and 0.40 e-6. Chances from weights, with lights kept or not, would keep the map's
+ * sum on average only. */
 #include "prepare/env_light.h"
 
 #include "base/rng.h"
@@ -31,7 +33,7 @@ typedef struct table {
     double *solid;      /* h: solid angle of a texel */
     uint64_t seed;
     uint64_t n_made;
-    rect *tried;        /* where the lights that are made now go, only to be tried; NULL: they are the scene's */
+    rect *tried; /* where the lights that are made now go, only to be tried; NULL: they are the scene's */
     lc_light *candidates;
     double *weights;    /* of these */
 } table;
@@ -69,10 +71,17 @@ static double find_cut(const table *t, const double *sums, const rect *r, int ax
     while (a <= b) {
         int64_t line = a + (b - a) / 2;
         double p = sum_before(t, sums, r, axis, (double)line);
-        if (p <= target) from = (double)line, before = p, a = line + 1;
-        else to = (double)line, b = line - 1;
+        if (p <= target) {
+            from = (double)line;
+            before = p;
+            a = line + 1;
+        } else {
+            to = (double)line;
+            b = line - 1;
+        }
     }
-    double after = sum_before(t, sums, r, axis, to), f = after > before ? (target - before) / (after - before) : 0.5;
+    double after = sum_before(t, sums, r, axis, to),
+           f = after > before ? (target - before) / (after - before) : 0.5;
     return from + fmin(fmax(f, 0), 1) * (to - from);
 }
 
@@ -119,7 +128,8 @@ static lc_status add_light(table *t, const rect *r)
     light.dir = lc_f3_normalize_d(-v[0], -v[1], -v[2]);
     uint64_t i = t->n_made++;
     if (!t->tried) return lc_scene_add_light(t->scene, (lc_pos){ 0, 0, 0 }, &light);
-    t->tried[i] = *r, t->candidates[i] = light;
+    t->tried[i] = *r;
+    t->candidates[i] = light;
     return LC_OK;
 }
 
@@ -214,7 +224,8 @@ static lc_status try_candidates(table *t, const rect *all, const lc_vpl_view *vi
     lc_free(ctx, t->candidates, CANDIDATES, sizeof *t->candidates);
     lc_free(ctx, t->weights, CANDIDATES, sizeof *t->weights);
     t->scene->n_env_tried += t->n_made;
-    t->tried = NULL, t->n_made = 0;
+    t->tried = NULL;
+    t->n_made = 0;
     return st;
 }
 
@@ -242,7 +253,8 @@ static void init_table(table *t, lc_scene *scene, size_t env, bool weighed, uint
     uint32_t w = lc_env_width(&scene->envs[env]), h = lc_env_height(&scene->envs[env]), side = w < h ? w : h;
     *t = (table){ .scene = scene, .env = &scene->envs[env], .seed = lc_hash2(seed, env) };
     t->fine = weighed ? (GRID_SIDE + side - 1) / side : 1;
-    t->w = w * t->fine, t->h = h * t->fine;
+    t->w = w * t->fine;
+    t->h = h * t->fine;
 }
 
 static double env_power(const lc_env *env)
@@ -250,7 +262,10 @@ static double env_power(const lc_env *env)
     double sum = 0, rgb[3];
     for (uint32_t y = 0; y < lc_env_height(env); y++) {
         double solid = lc_env_solid_angle(env, y);
-        for (uint32_t x = 0; x < lc_env_width(env); x++) lc_env_texel(env, x, y, rgb), sum += power_of(rgb) * solid;
+        for (uint32_t x = 0; x < lc_env_width(env); x++) {
+            lc_env_texel(env, x, y, rgb);
+            sum += power_of(rgb) * solid;
+        }
     }
     return sum;
 }

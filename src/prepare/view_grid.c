@@ -26,8 +26,10 @@ lc_status lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t si
     for (uint32_t i = 0; i < side * side; i++) {
         lc_f3 org, dir;
         lc_sight sight;
-        lc_camera_ray(&scene->camera, (i % side + 0.5) / side * width, (i / side + 0.5) / side * height, lens, &org, &dir);
-        if (!lc_sight_trace(scene, org, dir, scene->camera.pixel, max_depth, &sight) || !sight.n_lit) continue;
+        lc_camera_ray(&scene->camera, (i % side + 0.5) / side * width, (i / side + 0.5) / side * height, lens,
+                      &org, &dir);
+        if (!lc_sight_trace(scene, org, dir, scene->camera.pixel, max_depth, &sight) || !sight.n_lit)
+            continue;
         const lc_lit *lit = &sight.lit[0];
         lc_point_init(&view->points[view->n], lit->surface.pos, lit->surface.n, lit->view, &grey, LC_MIN_D2);
         memcpy(view->org[view->n++], lit->surface.ray_org, sizeof view->org[0]);
@@ -44,7 +46,8 @@ void lc_vpl_view_free(lc_vpl_view *view)
     *view = (lc_vpl_view){ 0 };
 }
 
-static float luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec, const float *atten, float min_d2)
+static float luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec, const float *atten,
+                       float min_d2)
 {
     lc_point near = *p;
     near.min_d2 = min_d2;
@@ -69,7 +72,8 @@ double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t has
     lc_light_rec rec;
     lc_light_rec_init(&rec, light);
     for (uint32_t k = 0; k < LC_WORTH_POINTS && view->n; k++) {
-        uint32_t from = view->n * k / LC_WORTH_POINTS, end = view->n * (k + 1) / LC_WORTH_POINTS; /* spread over the picture */
+        /* Spread over the picture. */
+        uint32_t from = view->n * k / LC_WORTH_POINTS, end = view->n * (k + 1) / LC_WORTH_POINTS;
         uint32_t i = from + (uint32_t)(lc_hash2(hash, k) % (end > from ? end - from : 1));
         f[n] = luminance(&view->points[i], light, &rec, NULL, LC_MIN_D2);
         if (!(f[n] > 0)) continue;
@@ -104,7 +108,9 @@ static void trace(group *g)
     uint8_t hidden[BATCH];
     const float *const t[3] = { g->target[0], g->target[1], g->target[2] };
     const lc_vpl_view *view = g->j->view;
-    if (g->n) view->scene->bvh->kernels->hidden(&view->scene->bvh->data, view->org[g->item], g->n, t, false, hidden, NULL);
+    if (g->n)
+        view->scene->bvh->kernels->hidden(&view->scene->bvh->data, view->org[g->item], g->n, t, false, hidden,
+                                          NULL);
     for (uint32_t i = 0; i < g->n; i++) {
         if (hidden[i]) continue;
         g->j->soft[g->item] += (double)(g->soft[i] * g->each);
@@ -120,8 +126,11 @@ static void add(group *g, const lc_light *light)
     lc_light_rec_init(&rec, light);
     float hard = luminance(p, light, &rec, NULL, fmaxf(LC_MIN_D2, light->atten[0] / 16));
     if (!(hard > 0)) return;
-    g->hard[g->n] = hard, g->soft[g->n] = luminance(p, light, &rec, light->atten, LC_MIN_D2);
-    g->target[0][g->n] = light->pos.x, g->target[1][g->n] = light->pos.y, g->target[2][g->n] = light->pos.z;
+    g->hard[g->n] = hard;
+    g->soft[g->n] = luminance(p, light, &rec, light->atten, LC_MIN_D2);
+    g->target[0][g->n] = light->pos.x;
+    g->target[1][g->n] = light->pos.y;
+    g->target[2][g->n] = light->pos.z;
     if (++g->n == BATCH) trace(g);
 }
 
@@ -158,6 +167,9 @@ double lc_vpl_loss(const lc_vpl_view *view, size_t first, uint64_t seed)
     double soft = 0, hard = 0;
     if (!j.n) return 0;
     lc_parallel(view->scene->ctx, view->n, try_point, &j);
-    for (uint32_t i = 0; i < view->n; i++) soft += j.soft[i], hard += j.hard[i];
+    for (uint32_t i = 0; i < view->n; i++) {
+        soft += j.soft[i];
+        hard += j.hard[i];
+    }
     return hard > 0 ? 1 - soft / hard : 0;
 }

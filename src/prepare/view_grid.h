@@ -1,4 +1,5 @@
-/* view_grid.h - what the camera sees, as far as the making of lights asks: a grid of points, taken as grey. */
+/* view_grid.h - what the camera sees, as far as the making of lights asks: a grid of points, taken as grey.
+ */
 #ifndef LC_VPL_VIEW_H
 #define LC_VPL_VIEW_H
 
@@ -21,13 +22,14 @@ void lc_vpl_view_free(lc_vpl_view *view);
 /* Luminance that a light of inverse square, or a directional one, gives to a point, shadows not counted. */
 float lc_view_luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec);
 
-/* Mean luminance that an inverse-square light gives to LC_WORTH_POINTS of the points, shadows counted; hash picks which. */
+/* Mean luminance that an inverse-square light gives to LC_WORTH_POINTS of the points, shadows counted; hash
+ * picks which. */
 #define LC_WORTH_POINTS 16
 double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t hash);
 
-/* Share of the light of the scene's lights from `first` on that their attenuation r^2 + d^2 in place of d^2 takes away, shadows
- * counted. An estimate by all lights near each point and a sample of the others; nearer than r / 4 distances count as that, for single dots
- * would outweigh all else. 0 where nothing is lit. */
+/* Share of the light of the scene's lights from `first` on that their attenuation r^2 + d^2 in place of d^2
+ * takes away, shadows counted. An estimate by all lights near each point and a sample of the others; nearer
+ * than r / 4 distances count as that, for single dots would outweigh all else. 0 where nothing is lit. */
 double lc_vpl_loss(const lc_vpl_view *view, size_t first, uint64_t seed);
 
 #endif

@@ -1,15 +1,18 @@
 /* vpl.c - see vpl.h.
  *
- *     a light, by power -> direction -> surface -> virtual light, goes on -> surface -> virtual light, goes on -> ...
+ *     a light, by power -> direction -> surface -> virtual light, goes on -> surface -> virtual light, goes
+ * on -> ...
  *
- * Path i draws its first numbers from point i of a Kronecker sequence (powers of the root of x^6 = x + 1, [Roberts18]), which
- * fill light, direction and first bounce evenly, and the others from its own hash. Each virtual light shines as a diffuse surface
- * does: flux * albedo / pi along the shading normal; lobes count as diffuse with what they reflect in all; what lets light through
- * diffusely has a light on its other side too. Mirrors and glass send a path on, by chance where they do both. From the second
- * rough surface on a path ends by chance, 1 - albedo. Intensities are divided by the number of paths.
+ * Path i draws its first numbers from point i of a Kronecker sequence (powers of the root of x^6 = x + 1,
+ * [Roberts18]), which fill light, direction and first bounce evenly, and the others from its own hash. Each
+ * virtual light shines as a diffuse surface does: flux * albedo / pi along the shading normal; lobes count as
+ * diffuse with what they reflect in all; what lets light through diffusely has a light on its other side too.
+ * Mirrors and glass send a path on, by chance where they do both. From the second rough surface on a path
+ * ends by chance, 1 - albedo. Intensities are divided by the number of paths.
  *
- * Lights that give next to nothing to what the camera sees, such as those on the outside of a room, are kept by chance only and
- * then are as much stronger ([Georgiev10]): WORTH of the median of the first batch's lights is enough to be kept for sure.
+ * Lights that give next to nothing to what the camera sees, such as those on the outside of a room, are kept
+ * by chance only and then are as much stronger ([Georgiev10]): WORTH of the median of the first batch's
+ * lights is enough to be kept for sure.
  */
 #include "prepare/vpl.h"
 
@@ -64,15 +67,18 @@ typedef struct path {
 
 static double draw(path *p)
 {
-    static const uint64_t step[DIMS] = { 0xe19b01aa9d42c633u, 0xc6d1d6c8ed0c9631u, 0xaf36d01ef7518dbbu, 0x9a69443f36f710e7u,
-                                         0x881403b9339bd42du };
+    static const uint64_t step[DIMS] = { 0xe19b01aa9d42c633u, 0xc6d1d6c8ed0c9631u, 0xaf36d01ef7518dbbu,
+                                         0x9a69443f36f710e7u, 0x881403b9339bd42du };
     uint32_t d = p->n_drawn++;
     if (d >= DIMS) return lc_unit(lc_hash4(p->m->seed, p->index, d, 1));
     return lc_unit(lc_hash4(p->m->seed, d, 0, 0) + (p->index + 1) * step[d]);
 }
 
 /* For choices between two ways, so that mirrors don't take the numbers of the first bounce. */
-static double toss(const path *p, uint32_t depth) { return lc_unit(lc_hash4(p->m->seed, p->index, depth, 2)); }
+static double toss(const path *p, uint32_t depth)
+{
+    return lc_unit(lc_hash4(p->m->seed, p->index, depth, 2));
+}
 
 /* x, y evenly on the unit disc. */
 static void draw_disc(path *p, double *x, double *y, double *r2)
@@ -81,7 +87,8 @@ static void draw_disc(path *p, double *x, double *y, double *r2)
     *r2 = draw(p);
     lc_sincos_deg(360 * draw(p), &sine, &cosine);
     r = sqrt(*r2);
-    *x = r * cosine, *y = r * sine;
+    *x = r * cosine;
+    *y = r * sine;
 }
 
 /* x t + y b + z n, n unit with t and b across it. */
@@ -89,8 +96,8 @@ static lc_f3 in_frame(lc_f3 n, double x, double y, double z)
 {
     double s = n.z < 0 ? -1 : 1, nx = (double)n.x, ny = (double)n.y, nz = (double)n.z; /* [Duff17] */
     double a = -1 / (s + nz), b = nx * ny * a;
-    return lc_f3_normalize_d((1 + s * nx * nx * a) * x + b * y + nx * z, s * b * x + (s + ny * ny * a) * y + ny * z,
-                             -s * nx * x - ny * y + nz * z);
+    return lc_f3_normalize_d((1 + s * nx * nx * a) * x + b * y + nx * z,
+                             s * b * x + (s + ny * ny * a) * y + ny * z, -s * nx * x - ny * y + nz * z);
 }
 
 static lc_f3 draw_cosine(path *p, lc_f3 n)
@@ -145,7 +152,8 @@ static void emit_spot(path *p, const lc_light *light)
     lc_spot_rec spot;
     float rgb[3] = { 1, 1, 1 };
     lc_spot_rec_init(&spot, light->spot.cos_total, light->spot.cos_start, light->spot.map);
-    double z = 1 - draw(p) * (1 - fmax((double)light->spot.cos_total, -1)), r = sqrt(fmax((1 - z) * (1 + z), 0)), sine, cosine;
+    double z = 1 - draw(p) * (1 - fmax((double)light->spot.cos_total, -1)),
+           r = sqrt(fmax((1 - z) * (1 + z), 0)), sine, cosine;
     lc_sincos_deg(360 * draw(p), &sine, &cosine);
     p->dir = in_frame(light->dir, r * cosine, r * sine, z);
     const float to[3] = { p->dir.x, p->dir.y, p->dir.z };
@@ -156,21 +164,24 @@ static void emit_spot(path *p, const lc_light *light)
 static void leave_from(path *p, const lc_light *light)
 {
     float size = lc_f3_max_abs(light->pos);
-    p->org = lc_f3_add(light->pos, lc_f3_scale(light->kind == LC_LIGHT_ORIENTED ? light->dir : p->dir, 10 * 0x1p-23f * size));
+    p->org = lc_f3_add(light->pos, lc_f3_scale(light->kind == LC_LIGHT_ORIENTED ? light->dir : p->dir,
+                                               10 * 0x1p-23f * size));
 }
 
 static void emit(path *p, const lc_light **from)
 {
     const maker *m = p->m;
     const lc_light *light = *from = pick_light(p, draw(p));
-    double power = power_of(m, light), factor = spread(m, light) * (m->sums[m->scene->n_lights] / power), x, y, r2;
+    double power = power_of(m, light), factor = spread(m, light) * (m->sums[m->scene->n_lights] / power), x,
+           y, r2;
     p->flux = lc_f3_scale(light->intensity, (float)factor);
     if (light->kind == LC_LIGHT_DIRECTIONAL) {
         draw_disc(p, &x, &y, &r2);
         p->dir = light->dir;
         lc_f3 across = in_frame(light->dir, x, y, -1); /* of length sqrt(1 + r2) */
         double scale = m->radius * sqrt(1 + r2);
-        p->org = lc_f3_make((float)(m->centre[0] + scale * (double)across.x), (float)(m->centre[1] + scale * (double)across.y),
+        p->org = lc_f3_make((float)(m->centre[0] + scale * (double)across.x),
+                            (float)(m->centre[1] + scale * (double)across.y),
                             (float)(m->centre[2] + scale * (double)across.z));
         return;
     }
@@ -206,8 +217,11 @@ static void store(path *p, const lc_surface *s, float side, lc_f3 albedo_of_side
 {
     lc_f3 intensity = lc_f3_scale(lc_f3_mul(p->flux, albedo_of_side), (float)(1 / LC_PI));
     if (!(lc_f3_max(intensity) > 0) || *p->n_lights == PATH_LIGHTS) return;
-    p->lights[(*p->n_lights)++] = (lc_light){ .kind = LC_LIGHT_ORIENTED, .pos = s->pos, .dir = lc_f3_scale(s->n, side),
-                                              .intensity = intensity, .atten = { 0, 0, 1 } };
+    p->lights[(*p->n_lights)++] = (lc_light){ .kind = LC_LIGHT_ORIENTED,
+                                              .pos = s->pos,
+                                              .dir = lc_f3_scale(s->n, side),
+                                              .intensity = intensity,
+                                              .atten = { 0, 0, 1 } };
 }
 
 /* Leaves virtual lights at a rough surface and sends the path on; false: it ends. */
@@ -239,7 +253,8 @@ static bool bend(path *p, const lc_surface *s, uint32_t depth)
     float org[3], cos_i = -lc_f3_dot(p->dir, s->n);
     if (!s->material.glass) {
         p->flux = lc_f3_mul(p->flux, lc_reflectance(&s->material, cos_i, !s->front));
-        p->org = lc_f3_load(s->ray_org), p->dir = lc_mirror_leave(s, p->dir);
+        p->org = lc_f3_load(s->ray_org);
+        p->dir = lc_mirror_leave(s, p->dir);
         return lc_f3_max(p->flux) > 0;
     }
     lc_split split;
@@ -248,7 +263,8 @@ static bool bend(path *p, const lc_surface *s, uint32_t depth)
     if (!(back + on > 0)) return false;
     float share = back / (back + on);
     bool through = toss(p, depth) >= (double)share;
-    p->flux = lc_f3_mul(p->flux, lc_f3_scale(through ? split.through : split.reflected, 1 / (through ? 1 - share : share)));
+    p->flux = lc_f3_mul(p->flux, lc_f3_scale(through ? split.through : split.reflected,
+                                             1 / (through ? 1 - share : share)));
     lc_surface_behind(s, org);
     p->org = through ? lc_f3_load(org) : lc_f3_load(s->ray_org);
     p->dir = through ? split.out : lc_mirror_leave(s, p->dir);
@@ -273,7 +289,10 @@ static void trace_item(void *user, uint32_t thread, uint64_t item)
     maker *m = user;
     (void)thread;
     for (uint64_t i = item * ITEM; i < (item + 1) * ITEM; i++) {
-        path p = { .m = m, .index = m->first_path + i, .lights = m->slots + i * PATH_LIGHTS, .n_lights = &m->n_stored[i] };
+        path p = { .m = m,
+                   .index = m->first_path + i,
+                   .lights = m->slots + i * PATH_LIGHTS,
+                   .n_lights = &m->n_stored[i] };
         m->n_stored[i] = 0;
         trace(&p);
         for (uint64_t k = i * PATH_LIGHTS; k < i * PATH_LIGHTS + m->n_stored[i]; k++)
@@ -303,7 +322,8 @@ static double median_worth(maker *m)
 static void keep(maker *m, size_t i, size_t k)
 {
     const lc_light *light = &m->slots[i * PATH_LIGHTS + k];
-    double chance = m->enough > 0 ? fmin(fmax(m->worth[i * PATH_LIGHTS + k] / m->enough, LEAST_CHANCE), 1) : 1;
+    double chance = m->enough > 0 ? fmin(fmax(m->worth[i * PATH_LIGHTS + k] / m->enough, LEAST_CHANCE), 1)
+                                  : 1;
     if (!(lc_unit(lc_hash4(m->seed, m->first_path + i, k, 5)) < chance)) return;
     m->made[m->n_made] = *light;
     m->made[m->n_made++].intensity = lc_f3_scale(light->intensity, (float)(1 / chance));
@@ -315,11 +335,13 @@ static bool prepare(maker *m)
 {
     const lc_scene *s = m->scene;
     const lc_box *b = &s->bounds;
-    double lo[3] = { (double)b->lo.x, (double)b->lo.y, (double)b->lo.z }, hi[3] = { (double)b->hi.x, (double)b->hi.y, (double)b->hi.z };
+    double lo[3] = { (double)b->lo.x, (double)b->lo.y, (double)b->lo.z },
+           hi[3] = { (double)b->hi.x, (double)b->hi.y, (double)b->hi.z };
     double r2 = 0;
     for (int k = 0; k < 3; k++) {
         double half = (hi[k] - lo[k]) / 2;
-        m->centre[k] = lo[k] + half, r2 += half * half;
+        m->centre[k] = lo[k] + half;
+        r2 += half * half;
     }
     m->radius = sqrt(r2);
     for (size_t i = 0; i < s->n_lights; i++) m->sums[i + 1] = m->sums[i] + power_of(m, &s->lights[i]);
@@ -343,12 +365,14 @@ static lc_status add_all(lc_scene *scene, maker *m)
     double each = 1 / (double)m->n_paths;
     for (size_t i = 0; i < m->n_made; i++) {
         lc_light *l = &m->made[i];
-        l->intensity = lc_f3_make((float)((double)l->intensity.x * each), (float)((double)l->intensity.y * each),
+        l->intensity = lc_f3_make((float)((double)l->intensity.x * each),
+                                  (float)((double)l->intensity.y * each),
                                   (float)((double)l->intensity.z * each));
     }
     lc_status st = lc_vpl_radii(scene->ctx, m->made, m->n_made);
     size_t before = scene->n_lights;
-    for (size_t i = 0; i < m->n_made && !st; i++) st = lc_scene_add_light(scene, (lc_pos){ 0, 0, 0 }, &m->made[i]);
+    for (size_t i = 0; i < m->n_made && !st; i++)
+        st = lc_scene_add_light(scene, (lc_pos){ 0, 0, 0 }, &m->made[i]);
     if (!st) st = lc_scene_join_lights(scene);
     if (st) return st;
     scene->indirect.n_lights = scene->n_lights - before;
@@ -360,7 +384,11 @@ static lc_status add_all(lc_scene *scene, maker *m)
 lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed)
 {
     lc_vpl_view view = { 0 };
-    maker m = { .scene = scene, .view = &view, .seed = lc_hash2(seed, 0x76706c), .max_depth = max_depth, .n_wanted = n_lights };
+    maker m = { .scene = scene,
+                .view = &view,
+                .seed = lc_hash2(seed, 0x76706c),
+                .max_depth = max_depth,
+                .n_wanted = n_lights };
     const lc_context *ctx = scene->ctx;
     size_t n_sums = scene->n_lights + 1, n_room = (size_t)n_lights + PATH_LIGHTS;
     if (!n_lights || max_depth < 2 || !scene->n_lights || !scene->n_tris) return LC_OK;

@@ -1,4 +1,5 @@
-/* vpl_radius.c - a kd-tree in an array: the middle of each range is its node, what is left of it below, what is right above. */
+/* vpl_radius.c - a kd-tree in an array: the middle of each range is its node, what is left of it below, what
+ * is right above. */
 #include "prepare/vpl_radius.h"
 
 #include "base/arena.h"
@@ -46,7 +47,8 @@ static void select_nth(place *p, size_t n, size_t want, int axis)
             while (p[j].pos[axis] > pivot) j--;
             if (i >= j) break;
             place t = p[i];
-            p[i++] = p[j], p[j--] = t;
+            p[i++] = p[j];
+            p[j--] = t;
         }
         if (want <= j) hi = j;
         else lo = j + 1;
@@ -62,7 +64,8 @@ static void build(place *p, size_t n)
         select_nth(p, n, middle, axis);
         p[middle].axis = (uint32_t)axis & 3;
         build(p, middle);
-        p += middle + 1, n -= middle + 1;
+        p += middle + 1;
+        n -= middle + 1;
     }
 }
 
@@ -70,7 +73,8 @@ static void build(place *p, size_t n)
 
 static void meet(nearest *q, const place *p)
 {
-    float x = p->pos[0] - q->pos[0], y = p->pos[1] - q->pos[1], z = p->pos[2] - q->pos[2], d2 = x * x + y * y + z * z;
+    float x = p->pos[0] - q->pos[0], y = p->pos[1] - q->pos[1], z = p->pos[2] - q->pos[2],
+          d2 = x * x + y * y + z * z;
     uint32_t k = 0;
     if (p->light == q->self || !(d2 < q->d2[0])) return;
     for (; k + 1 < LC_VPL_NEIGHBOURS && q->d2[k + 1] > d2; k++) q->d2[k] = q->d2[k + 1];
@@ -88,7 +92,10 @@ static void search(nearest *q, const place *p, size_t n)
         if (!(away * away < q->d2[0])) return;
         meet(q, &p[middle]);
         if (!(away < 0)) n = middle;
-        else p = above, n = n_above;
+        else {
+            p = above;
+            n = n_above;
+        }
     }
     for (size_t i = 0; i < n; i++) meet(q, &p[i]);
 }

@@ -4,12 +4,14 @@
  *     | header | record | record | record | torn        little endian
  *     +--------+--------+--------+--------+- - -
  *     header   magic, sizes, identity, crop, CRC of all before it
- *     record   magic, tile, bytes, CRC of tile, bytes and payload; payload: counts, then pixels plane by plane
+ *     record   magic, tile, bytes, CRC of tile, bytes and payload; payload: counts, then pixels plane by
+ * plane
  *
- * One process writes, held to that by a lock on the file; a record goes out in one write under a mutex. What a killed process leaves
- * is a file of whole records and perhaps the beginning of one, which is cut off. Damaged bytes are skipped up to the next record that
- * is whole; they stay, but for the magic of a record that is not, and the tiles they held are rendered again and appended. Pixels are
- * read where they are asked for.
+ * One process writes, held to that by a lock on the file; a record goes out in one write under a mutex. What
+ * a killed process leaves is a file of whole records and perhaps the beginning of one, which is cut off.
+ * Damaged bytes are skipped up to the next record that is whole; they stay, but for the magic of a record
+ * that is not, and the tiles they held are rendered again and appended. Pixels are read where they are asked
+ * for.
  */
 #include "base/arena.h"
 #include "base/pool.h"
@@ -51,7 +53,8 @@ struct lc_checkpoint {
     int fd;
     header head;
     uint32_t n_tiles, tiles_x;
-    uint64_t *at;              /* where a tile's payload is; 0: not there. Set by open, then by tile_done under the mutex */
+    uint64_t
+        *at; /* where a tile's payload is; 0: not there. Set by open, then by tile_done under the mutex */
     uint64_t end;              /* of the file */
     lc_mutex *mutex;           /* of end, at, info and unsynced */
     lc_checkpoint_info info;
@@ -61,7 +64,10 @@ struct lc_checkpoint {
     size_t path_bytes;
 };
 
-static uint32_t crc_of(uint32_t crc, const void *data, size_t n) { return (uint32_t)crc32(crc, data, (uInt)n); }
+static uint32_t crc_of(uint32_t crc, const void *data, size_t n)
+{
+    return (uint32_t)crc32(crc, data, (uInt)n);
+}
 
 static uint32_t record_crc(const record *r, const void *payload)
 {
@@ -125,10 +131,14 @@ static lc_status fill_header(lc_checkpoint *c, const lc_scene *scene, const lc_r
     if (st) return st;
     lc_scene_get_info(scene, &info);
     memcpy(h->magic, magic, sizeof magic);
-    h->size = sizeof *h, h->n_planes = lc_film_n_planes(desc->aovs), h->tile = LC_TILE;
+    h->size = sizeof *h;
+    h->n_planes = lc_film_n_planes(desc->aovs);
+    h->tile = LC_TILE;
     h->n_counts = sizeof(lc_tile_counts) / sizeof(uint64_t);
-    h->width = info.width, h->height = info.height;
-    h->scene = id.scene, h->options = id.options;
+    h->width = info.width;
+    h->height = info.height;
+    h->scene = id.scene;
+    h->options = id.options;
     h->crc = crc_of(0, h, offsetof(header, crc));
     c->tiles_x = (h->crop[1] - h->crop[0] + LC_TILE - 1) / LC_TILE;
     c->n_tiles = c->tiles_x * ((h->crop[3] - h->crop[2] + LC_TILE - 1) / LC_TILE);
@@ -143,7 +153,8 @@ static bool fits(const lc_checkpoint *c, const record *r)
     return r->magic == RECORD_MAGIC && r->tile < c->n_tiles && r->bytes == payload_bytes(c, r->tile);
 }
 
-/* What fits but is no record must not become one when others are appended, as its payload would reach into them. */
+/* What fits but is no record must not become one when others are appended, as its payload would reach into
+ * them. */
 static int erase_mark(const lc_checkpoint *c, uint64_t at)
 {
     const uint32_t none = 0;
@@ -215,7 +226,8 @@ static int scan_records(lc_checkpoint *c, uint64_t size, uint8_t *room)
         if (err) return err;
         if (whole) {
             c->info.damaged_bytes += bad;
-            c->end = next, bad = 0;
+            c->end = next;
+            bad = 0;
         } else
             bad += next - at;
         at = next;
@@ -248,11 +260,15 @@ static lc_status begin_file(lc_checkpoint *c)
 
 static lc_status go_on_with(lc_checkpoint *c, const header *h, uint64_t size)
 {
-    if (memcmp(h->magic, magic, sizeof magic)) return fail(c, LC_ERR_PARSE, "is no checkpoint of this version");
-    if (h->crc != crc_of(0, h, offsetof(header, crc))) return fail(c, LC_ERR_PARSE, "damaged checkpoint: its header is not whole");
+    if (memcmp(h->magic, magic, sizeof magic))
+        return fail(c, LC_ERR_PARSE, "is no checkpoint of this version");
+    if (h->crc != crc_of(0, h, offsetof(header, crc)))
+        return fail(c, LC_ERR_PARSE, "damaged checkpoint: its header is not whole");
     if (h->scene != c->head.scene) return fail(c, LC_ERR_PARSE, "the checkpoint is of another scene");
-    if (memcmp(h->crop, c->head.crop, sizeof h->crop)) return fail(c, LC_ERR_PARSE, "the checkpoint is of another part of the picture");
-    if (memcmp(h, &c->head, sizeof *h)) return fail(c, LC_ERR_PARSE, "the checkpoint is of a render with other options");
+    if (memcmp(h->crop, c->head.crop, sizeof h->crop))
+        return fail(c, LC_ERR_PARSE, "the checkpoint is of another part of the picture");
+    if (memcmp(h, &c->head, sizeof *h))
+        return fail(c, LC_ERR_PARSE, "the checkpoint is of a render with other options");
     uint8_t *room = lc_alloc_raw(c->ctx, 1, MAX_PAYLOAD > SCAN ? MAX_PAYLOAD : SCAN);
     if (!room) return LC_ERR_MEMORY;
     int err = scan_records(c, size, room);
@@ -261,13 +277,14 @@ static lc_status go_on_with(lc_checkpoint *c, const header *h, uint64_t size)
     if (!err && c->end < size && ftruncate(c->fd, (off_t)c->end)) err = errno;
     if (err) return fail_errno(c, "cannot read the checkpoint", err);
     if (c->info.damaged_bytes)
-        lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: %llu bytes of the checkpoint are damaged; their tiles are rendered again", c->path,
-               (unsigned long long)c->info.damaged_bytes);
+        lc_log(c->ctx, LC_LOG_WARNING,
+               "%s: warning: %llu bytes of the checkpoint are damaged; their tiles are rendered again",
+               c->path, (unsigned long long)c->info.damaged_bytes);
     return LC_OK;
 }
 
-/* One process writes. A killed one takes a moment to be gone, so this waits for it. A file system without locks is no reason not to
- * render. */
+/* One process writes. A killed one takes a moment to be gone, so this waits for it. A file system without
+ * locks is no reason not to render. */
 static bool lock_file(int fd)
 {
     for (int i = 0; i < LOCK_TRIES; i++) {
@@ -293,7 +310,8 @@ static lc_status open_file(lc_checkpoint *c, bool resume)
     /* Killed before the header was whole: nothing is lost. Any other short file is not ours to write to. */
     if (got < sizeof h && !memcmp(&h, &c->head, got)) return begin_file(c);
     if (got < sizeof h) return fail(c, LC_ERR_PARSE, "is no checkpoint");
-    if (!resume) return fail(c, LC_ERR_ARG, "the checkpoint is there already; go on with --resume, or remove it");
+    if (!resume)
+        return fail(c, LC_ERR_ARG, "the checkpoint is there already; go on with --resume, or remove it");
     return go_on_with(c, &h, (uint64_t)st.st_size);
 }
 
@@ -302,8 +320,8 @@ static void set_next_sync(lc_checkpoint *c)
     atomic_store(&c->next_sync, (uint64_t)((lc_now() + c->interval) * 1e9));
 }
 
-lc_status lc_checkpoint_open(lc_context *ctx, const char *path, const lc_scene *scene, const lc_render_desc *desc, int resume,
-                             double sync_seconds, lc_checkpoint **out)
+lc_status lc_checkpoint_open(lc_context *ctx, const char *path, const lc_scene *scene,
+                             const lc_render_desc *desc, int resume, double sync_seconds, lc_checkpoint **out)
 {
     if (!out) return LC_ERR_ARG;
     *out = NULL;
@@ -334,7 +352,8 @@ static int load(void *user, lc_tile *t)
     lc_checkpoint *c = user;
     size_t n = payload_bytes(c, t->index) - sizeof t->counts, got;
     if (!c->at[t->index]) return 0;
-    if (read_at(c->fd, &t->counts, sizeof t->counts, c->at[t->index], &got) || got < sizeof t->counts) return 0;
+    if (read_at(c->fd, &t->counts, sizeof t->counts, c->at[t->index], &got) || got < sizeof t->counts)
+        return 0;
     return !read_at(c->fd, t->pixels, n, c->at[t->index] + sizeof t->counts, &got) && got == n;
 }
 
@@ -346,8 +365,8 @@ static void append(lc_checkpoint *c, const void *data, size_t n, uint32_t tile)
     if (err) {
         c->info.failed = 1;
         int cut = ftruncate(c->fd, (off_t)c->end);
-        lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: cannot write the checkpoint: %s; %s", c->path, strerror(err),
-               cut ? "its end is not whole" : "it stays as it is, and the render goes on");
+        lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: cannot write the checkpoint: %s; %s", c->path,
+               strerror(err), cut ? "its end is not whole" : "it stays as it is, and the render goes on");
         return;
     }
     c->at[tile] = c->end + sizeof(record);
@@ -363,7 +382,8 @@ static void done(void *user, const lc_tile *t)
         record head;
         uint8_t payload[MAX_PAYLOAD];
     } room;
-    room.head = (record){ .magic = RECORD_MAGIC, .tile = t->index, .bytes = (uint32_t)payload_bytes(c, t->index) };
+    room.head =
+        (record){ .magic = RECORD_MAGIC, .tile = t->index, .bytes = (uint32_t)payload_bytes(c, t->index) };
     memcpy(room.payload, &t->counts, sizeof t->counts);
     memcpy(room.payload + sizeof t->counts, t->pixels, room.head.bytes - sizeof t->counts);
     room.head.crc = record_crc(&room.head, room.payload);
@@ -401,7 +421,9 @@ lc_status lc_checkpoint_sync(lc_checkpoint *c)
     bool first = !c->info.failed;
     c->info.failed = 1;
     lc_mutex_unlock(c->mutex);
-    if (first) lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: cannot force the checkpoint to the disk: %s", c->path, strerror(err));
+    if (first)
+        lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: cannot force the checkpoint to the disk: %s", c->path,
+               strerror(err));
     return LC_ERR_IO;
 }
 

@@ -1,4 +1,5 @@
-/* chunk.c - a crop cut into n rectangles: halved across its longer side again and again, pixels in proportion to parts.
+/* chunk.c - a crop cut into n rectangles: halved across its longer side again and again, pixels in proportion
+ * to parts.
  *
  *     +--------+----+      5 parts of 12 x 6: 2 to the left of the first cut, 3 to the right
  *     |   1    | 3  |
@@ -49,7 +50,8 @@ lc_status lc_chunk_crop(const uint32_t crop[4], uint32_t k, uint32_t n, uint32_t
     return LC_OK;
 }
 
-lc_status lc_chunk_mark(lc_image *image, const lc_identity *id, const uint32_t crop[4], uint32_t k, uint32_t n)
+lc_status lc_chunk_mark(lc_image *image, const lc_identity *id, const uint32_t crop[4], uint32_t k,
+                        uint32_t n)
 {
     char text[96];
     if (!image || !id || !crop) return LC_ERR_ARG;
@@ -84,19 +86,27 @@ bool lc_chunk_read(const lc_image *im, lc_chunk *out)
     uint64_t part[2], crop[4];
     uint32_t own[4];
     if (!parse_numbers(lc_image_get_text(im, LC_CHUNK_ATTR), 2, '/', 10, UINT32_MAX, part)) return false;
-    if (!parse_numbers(lc_image_get_text(im, LC_CHUNK_CROP_ATTR), 4, ',', 10, LC_IMAGE_MAX_COORD, crop)) return false;
-    if (!parse_numbers(lc_image_get_text(im, LC_CHUNK_SCENE_ATTR), 1, 0, 16, UINT64_MAX, &out->id.scene)) return false;
-    if (!parse_numbers(lc_image_get_text(im, LC_CHUNK_OPTIONS_ATTR), 1, 0, 16, UINT64_MAX, &out->id.options)) return false;
-    out->k = (uint32_t)part[0], out->n = (uint32_t)part[1];
+    if (!parse_numbers(lc_image_get_text(im, LC_CHUNK_CROP_ATTR), 4, ',', 10, LC_IMAGE_MAX_COORD, crop))
+        return false;
+    if (!parse_numbers(lc_image_get_text(im, LC_CHUNK_SCENE_ATTR), 1, 0, 16, UINT64_MAX, &out->id.scene))
+        return false;
+    if (!parse_numbers(lc_image_get_text(im, LC_CHUNK_OPTIONS_ATTR), 1, 0, 16, UINT64_MAX, &out->id.options))
+        return false;
+    out->k = (uint32_t)part[0];
+    out->n = (uint32_t)part[1];
     for (int i = 0; i < 4; i++) out->crop[i] = (uint32_t)crop[i];
     const lc_image_desc *d = &im->desc;
-    if (lc_chunk_crop(out->crop, out->k, out->n, own) || out->crop[1] > d->display_width || out->crop[3] > d->display_height) return false;
-    return d->x0 == (int32_t)own[0] && d->y0 == (int32_t)own[2] && d->width == own[1] - own[0] && d->height == own[3] - own[2];
+    if (lc_chunk_crop(out->crop, out->k, out->n, own) || out->crop[1] > d->display_width ||
+        out->crop[3] > d->display_height)
+        return false;
+    return d->x0 == (int32_t)own[0] && d->y0 == (int32_t)own[2] && d->width == own[1] - own[0] &&
+           d->height == own[3] - own[2];
 }
 
-int lc_chunk_matches(const lc_image *image, const lc_identity *id, const uint32_t crop[4], uint32_t k, uint32_t n)
+int lc_chunk_matches(const lc_image *image, const lc_identity *id, const uint32_t crop[4], uint32_t k,
+                     uint32_t n)
 {
     lc_chunk c;
-    return image && id && crop && lc_chunk_read(image, &c) && c.k == k && c.n == n && !memcmp(c.crop, crop, sizeof c.crop) &&
-           c.id.scene == id->scene && c.id.options == id->options;
+    return image && id && crop && lc_chunk_read(image, &c) && c.k == k && c.n == n &&
+           !memcmp(c.crop, crop, sizeof c.crop) && c.id.scene == id->scene && c.id.options == id->options;
 }

@@ -53,12 +53,21 @@ static int by_estimate(const void *a, const void *b)
 {
     const lc_explained_cluster *p = a, *q = b;
     float x = lum3(p->estimate), y = lum3(q->estimate);
-    if (x <= y && x >= y) x = p->bound, y = q->bound;
+    if (x <= y && x >= y) {
+        x = p->bound;
+        y = q->bound;
+    }
     return x < y ? 1 : x > y ? -1 : (p->id > q->id) - (p->id < q->id);
 }
 
-static uint32_t link_of(const lc_light_tree *t, uint32_t id) { return id < t->n_nodes ? id : LC_LEAF | (id - t->n_nodes); }
-static uint32_t id_of(const lc_light_tree *t, uint32_t link) { return link & LC_LEAF ? t->n_nodes + (link & ~LC_LEAF) : link; }
+static uint32_t link_of(const lc_light_tree *t, uint32_t id)
+{
+    return id < t->n_nodes ? id : LC_LEAF | (id - t->n_nodes);
+}
+static uint32_t id_of(const lc_light_tree *t, uint32_t link)
+{
+    return link & LC_LEAF ? t->n_nodes + (link & ~LC_LEAF) : link;
+}
 
 static lc_explained_cluster *find(const explainer *e, uint32_t link)
 {
@@ -76,12 +85,14 @@ static void set_box(const lc_light_tree *t, uint32_t link, lc_explained_cluster 
     for (int k = 0; k < 3; k++) {
         float center = link & LC_LEAF ? t->data.lights[link & ~LC_LEAF].pos[k] : node->center[k];
         float half = link & LC_LEAF ? 0 : node->half[k];
-        c->lo[k] = center - half, c->hi[k] = center + half;
+        c->lo[k] = center - half;
+        c->hi[k] = center + half;
     }
 }
 
 /* M G of lights of one kind into f[0 .. 2]; hidden[i] where that is not 0, else 2. */
-static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_light_kind kind, float f[6][BATCH], uint8_t *hidden)
+static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_light_kind kind,
+                         float f[6][BATCH], uint8_t *hidden)
 {
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
     e->scene->ctx->shade_kernels->estimate(&e->tree->data, 0, light, n, kind, &e->probe.point, out);
@@ -89,8 +100,8 @@ static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_lig
         const float *const target[3] = { f[3] + i, f[4] + i, f[5] + i };
         hidden[i] = 2;
         if (f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0)
-            lc_cut_hidden(&e->scene->visibility, &e->probe.point, e->probe.sight.lit[0].surface.ray_org, 1, target,
-                          kind == LC_LIGHT_DIRECTIONAL, &hidden[i], NULL);
+            lc_cut_hidden(&e->scene->visibility, &e->probe.point, e->probe.sight.lit[0].surface.ray_org, 1,
+                          target, kind == LC_LIGHT_DIRECTIONAL, &hidden[i], NULL);
     }
 }
 
@@ -104,7 +115,9 @@ static void describe(explainer *e, uint32_t link, lc_explained_cluster *c)
     lc_light_kind kind = lc_kind_of_light(t, rep);
     const lc_light_rec *light = &t->data.lights[rep];
     const float *power = link & LC_LEAF ? light->intensity : t->data.nodes[link].power;
-    *c = (lc_explained_cluster){ .id = id_of(t, link), .parent = LC_NO_CLUSTER, .kind = (uint32_t)kind, .light = rep };
+    *c = (lc_explained_cluster){
+        .id = id_of(t, link), .parent = LC_NO_CLUSTER, .kind = (uint32_t)kind, .light = rep
+    };
     if (!(link & LC_LEAF)) {
         e->scene->ctx->shade_kernels->bounds(&t->data, &link, 1, kind, &e->probe.point, ub);
         c->bound = ub[0];
@@ -115,7 +128,8 @@ static void describe(explainer *e, uint32_t link, lc_explained_cluster *c)
     c->seen = nothing ? -1 : !hidden[0];
     for (int k = 0; k < 3; k++) {
         c->estimate[k] = c->seen == 1 ? f[k][0] * power[k] : 0;
-        c->light_pos[k] = light->pos[k], c->light_intensity[k] = light->intensity[k];
+        c->light_pos[k] = light->pos[k];
+        c->light_intensity[k] = light->intensity[k];
     }
 }
 
@@ -141,7 +155,10 @@ static lc_status add_all(explainer *e, lc_explained_cluster *c)
         uint32_t link = e->stack[--depth];
         if (link & LC_LEAF) {
             light[n++] = link & ~LC_LEAF;
-            if (n == BATCH) add_lights(e, light, n, c), n = 0;
+            if (n == BATCH) {
+                add_lights(e, light, n, c);
+                n = 0;
+            }
             continue;
         }
         lc_status st = lc_grow(e->tree->ctx, (void **)&e->stack, &e->cap_stack, depth + 2, sizeof *e->stack);
@@ -182,15 +199,22 @@ static void join_splits(explainer *e)
     for (uint32_t i = x->n_splits; i-- > 0;) {
         lc_explained_cluster *c = &x->clusters[x->n_clusters + i];
         const lc_explained_cluster *a = find(e, nodes[c->id].left), *b = find(e, nodes[c->id].right);
-        c->n_lights = a->n_lights + b->n_lights, c->n_seen = a->n_seen + b->n_seen;
+        c->n_lights = a->n_lights + b->n_lights;
+        c->n_seen = a->n_seen + b->n_seen;
         for (int k = 0; k < 3; k++) c->exact[k] = a->exact[k] + b->exact[k];
     }
     for (uint32_t i = 0; i < x->n_splits; i++, in_round++) {
         lc_explained_cluster *c = &x->clusters[x->n_clusters + i];
         lc_explained_cluster *const child[2] = { find(e, nodes[c->id].left), find(e, nodes[c->id].right) };
-        if (in_round == x->rounds[round - 1].n_split) round++, in_round = 0;
+        if (in_round == x->rounds[round - 1].n_split) {
+            round++;
+            in_round = 0;
+        }
         c->split = round;
-        for (int k = 0; k < 2; k++) child[k]->made = round, child[k]->parent = c->id;
+        for (int k = 0; k < 2; k++) {
+            child[k]->made = round;
+            child[k]->parent = c->id;
+        }
     }
 }
 
@@ -214,7 +238,10 @@ static void seek(const lc_light_tree *t, uint32_t light, sought *s)
 {
     const float *atten = lc_light_atten(&t->data, light);
     memset(s, 0, sizeof *s);
-    s->kind = (uint32_t)lc_kind_of_light(t, light), s->rec = t->data.lights[light], s->light = light, s->scene = LC_NONE;
+    s->kind = (uint32_t)lc_kind_of_light(t, light);
+    s->rec = t->data.lights[light];
+    s->light = light;
+    s->scene = LC_NONE;
     if (s->kind == LC_LIGHT_DIRECTIONAL) return;
     if (s->kind == LC_LIGHT_SPOT) {
         const lc_spot_rec *spot = lc_light_spot(&t->data, light);
@@ -226,7 +253,8 @@ static void seek(const lc_light_tree *t, uint32_t light, sought *s)
     else s->atten[2] = 1;
 }
 
-/* Every light of the scene is turned into what the tree keeps, and looked for among those sought, which are sorted by value. */
+/* Every light of the scene is turned into what the tree keeps, and looked for among those sought, which are
+ * sorted by value. */
 static void meet(const lc_scene *scene, sought *s, uint32_t n)
 {
     for (size_t i = 0; i < scene->n_lights; i++) {
@@ -235,7 +263,8 @@ static void meet(const lc_scene *scene, sought *s, uint32_t n)
         memset(&key, 0, sizeof key);
         key.kind = (uint32_t)l->kind;
         lc_light_rec_init(&key.rec, l);
-        if (l->kind != LC_LIGHT_DIRECTIONAL) memcpy(key.atten, l->atten, sizeof key.atten); /* or a spot's profile */
+        /* Or a spot's profile. */
+        if (l->kind != LC_LIGHT_DIRECTIONAL) memcpy(key.atten, l->atten, sizeof key.atten);
         sought *found = bsearch(&key, s, n, sizeof key, by_value);
         if (!found) continue;
         while (found > s && !by_value(found - 1, &key)) found--;
@@ -281,27 +310,33 @@ static void set_point(explainer *e)
     lc_f3_store(x->ks, lit->surface.material.ks);
     x->exponent = lit->surface.material.exponent;
     x->gloss = lobes[p->point.lobe];
-    for (int k = 0; k < 2 && p->point.lobe >= LC_LOBE_WARD; k++) x->roughness[k] = lit->surface.material.roughness[k];
+    for (int k = 0; k < 2 && p->point.lobe >= LC_LOBE_WARD; k++)
+        x->roughness[k] = lit->surface.material.roughness[k];
     lc_f3_store(x->emission, p->sight.emission);
     lc_f3_store(x->radiance, p->by_cut.radiance);
     lc_f3_store(x->exact, all.radiance);
     lc_f3_store(x->weight, lit->weight);
     x->n_mirrors = lit->n_mirrors;
-    lc_f3 sum = lc_f3_add(lc_f3_mul(p->all_lights ? all.radiance : p->by_cut.radiance, lit->weight), p->others);
+    lc_f3 sum = lc_f3_add(lc_f3_mul(p->all_lights ? all.radiance : p->by_cut.radiance, lit->weight),
+                          p->others);
     sum = lc_f3_add(sum, p->sight.emission);
     lc_f3_store(x->pixel, lc_film_expose(&e->scene->film, sum));
     double ratio = (double)p->cut.desc.error_ratio, total = (double)lc_luminance(p->by_cut.radiance);
     x->limit = ratio * (total > x->floor ? total : x->floor);
     x->max_error = p->by_cut.max_error;
-    x->rays = p->by_cut.rays, x->cut_size = p->by_cut.size;
-    x->at_limit = p->by_cut.at_limit, x->dark = p->by_cut.dark;
+    x->rays = p->by_cut.rays;
+    x->cut_size = p->by_cut.size;
+    x->at_limit = p->by_cut.at_limit;
+    x->dark = p->by_cut.dark;
 }
 
 static lc_status make_room(explainer *e, owner *o)
 {
     const lc_cut *cut = &e->probe.cut;
     lc_explanation *x = e->out;
-    x->n_clusters = cut->left.n + cut->n_done, x->n_splits = cut->n_history, x->n_rounds = cut->n_rounds;
+    x->n_clusters = cut->left.n + cut->n_done;
+    x->n_splits = cut->n_history;
+    x->n_rounds = cut->n_rounds;
     e->n_known = o->n = (size_t)x->n_clusters + x->n_splits;
     x->clusters = lc_alloc(o->ctx, o->n, sizeof *x->clusters);
     x->n_start_rounds = cut->start ? cut->kept_rounds : 0;
@@ -326,8 +361,8 @@ static lc_status explain_hit(explainer *e, owner *o)
     return name_lights(e);
 }
 
-lc_status lc_explain(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x, uint32_t y,
-                     uint32_t sample, lc_explanation **out)
+lc_status lc_explain(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x,
+                     uint32_t y, uint32_t sample, lc_explanation **out)
 {
     if (!out) return LC_ERR_ARG;
     *out = NULL;

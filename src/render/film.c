@@ -27,12 +27,16 @@ lc_status lc_film_init(lc_film *film, lc_context *ctx, const uint32_t crop[4], c
     lc_image_desc desc = LC_IMAGE_DESC_INIT;
     *film = (lc_film){ .desc = film_desc };
     for (int i = 0; i < 4; i++) film->crop[i] = crop[i];
-    desc.width = crop[1] - crop[0], desc.height = crop[3] - crop[2];
-    desc.x0 = (int32_t)crop[0], desc.y0 = (int32_t)crop[2];
-    desc.display_width = film_desc->width, desc.display_height = film_desc->height;
+    desc.width = crop[1] - crop[0];
+    desc.height = crop[3] - crop[2];
+    desc.x0 = (int32_t)crop[0];
+    desc.y0 = (int32_t)crop[2];
+    desc.display_width = film_desc->width;
+    desc.display_height = film_desc->height;
     lc_status st = lc_image_create(ctx, &desc, &film->image);
     for (int i = 0; i < LC_N_PLANES && !st; i++)
-        if (!planes[i].aov || (aovs & planes[i].aov)) st = lc_image_add_channel(film->image, planes[i].name, &film->plane[i]);
+        if (!planes[i].aov || (aovs & planes[i].aov))
+            st = lc_image_add_channel(film->image, planes[i].name, &film->plane[i]);
     if (st) {
         lc_image_destroy(film->image);
         film->image = NULL;
@@ -56,7 +60,8 @@ lc_f3 lc_film_expose(const lc_film_desc *desc, lc_f3 c)
 {
     const float *m = desc->white;
     if (m[0] > 0)
-        c = lc_f3_make(m[0] * c.x + m[1] * c.y + m[2] * c.z, m[3] * c.x + m[4] * c.y + m[5] * c.z, m[6] * c.x + m[7] * c.y + m[8] * c.z);
+        c = lc_f3_make(m[0] * c.x + m[1] * c.y + m[2] * c.z, m[3] * c.x + m[4] * c.y + m[5] * c.z,
+                       m[6] * c.x + m[7] * c.y + m[8] * c.z);
     return lc_f3_scale(c, desc->scale);
 }
 
@@ -64,7 +69,8 @@ bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *px)
 {
     size_t at = (size_t)(y - film->crop[2]) * (film->crop[1] - film->crop[0]) + (x - film->crop[0]);
     float hits = px->hits ? 1 / (float)px->hits : 0;
-    lc_f3 rgb = lc_film_expose(film->desc, px->weight > 0 ? lc_f3_scale(px->rgb, 1 / px->weight) : lc_f3_make(0, 0, 0));
+    lc_f3 rgb = lc_film_expose(film->desc,
+                               px->weight > 0 ? lc_f3_scale(px->rgb, 1 / px->weight) : lc_f3_make(0, 0, 0));
     bool finite = lc_f3_finite(rgb);
     store3(film, LC_PLANE_RGB, at, finite ? rgb : lc_f3_make(0, 0, 0));
     store3(film, LC_PLANE_N, at, lc_f3_scale(px->n, hits));

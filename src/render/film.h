@@ -25,7 +25,8 @@ typedef struct lc_film {
 
 uint32_t lc_film_n_planes(uint32_t aovs);
 /* Makes the image: data window crop in a display window of the film's size, R G B and the planes of aovs. */
-lc_status lc_film_init(lc_film *film, lc_context *ctx, const uint32_t crop[4], const lc_film_desc *desc, uint32_t aovs);
+lc_status lc_film_init(lc_film *film, lc_context *ctx, const uint32_t crop[4], const lc_film_desc *desc,
+                       uint32_t aovs);
 /* Stores pixel (x, y) of the film. Returns false when it was not finite and 0 was stored. */
 bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *pixel);
 /* Radiance to what the picture holds. */

@@ -5,8 +5,10 @@
 #include <string.h>
 
 /* A field was added? Hash it below if it shapes the picture, then put the new size here. */
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 72, "lc_render_identity: hash the new field of lc_load_desc");
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 112, "lc_render_identity: hash the new field of lc_render_desc");
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 72,
+               "lc_render_identity: hash the new field of lc_load_desc");
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 112,
+               "lc_render_identity: hash the new field of lc_render_desc");
 
 static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *scene)
 {
@@ -33,7 +35,8 @@ static void add_render(lc_digest *d, const lc_render_desc *r, const lc_scene *sc
     lc_digest_u64(d, r->max_depth ? r->max_depth : scene->max_depth);
 }
 
-lc_status lc_render_identity(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, lc_identity *id)
+lc_status lc_render_identity(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc,
+                             lc_identity *id)
 {
     uint32_t crop[4];
     lc_digest d = { 0 };

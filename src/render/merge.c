@@ -1,5 +1,5 @@
-/* merge.c - parts of a picture put together. Every part is kept until all are there, so memory is in proportion to what was read and
- * not to what a damaged file says about the whole. */
+/* merge.c - parts of a picture put together. Every part is kept until all are there, so memory is in
+ * proportion to what was read and not to what a damaged file says about the whole. */
 #include "image/image.h"
 #include "render/chunk.h"
 
@@ -43,7 +43,8 @@ void lc_merge_destroy(lc_merge *m)
 static bool same_channels(const lc_image *a, const lc_image *b)
 {
     bool same = a->n_channels == b->n_channels;
-    for (size_t i = 0; i < a->n_channels && same; i++) same = !strcmp(a->channels[i].name, b->channels[i].name);
+    for (size_t i = 0; i < a->n_channels && same; i++)
+        same = !strcmp(a->channels[i].name, b->channels[i].name);
     return same;
 }
 
@@ -55,7 +56,8 @@ static const char *difference(const part *a, const part *b)
     if (a->chunk.id.options != b->chunk.id.options) return "was rendered with other options";
     if (a->chunk.n != b->chunk.n) return "is of another number of chunks";
     if (memcmp(a->chunk.crop, b->chunk.crop, sizeof a->chunk.crop)) return "is of another crop";
-    if (da->display_width != db->display_width || da->display_height != db->display_height) return "has another display window";
+    if (da->display_width != db->display_width || da->display_height != db->display_height)
+        return "has another display window";
     return same_channels(a->image, b->image) ? NULL : "has other channels";
 }
 
@@ -64,7 +66,8 @@ static lc_status insert(lc_merge *m, const char *path, const part *p)
     size_t at = m->n;
     while (at && m->parts[at - 1].chunk.k > p->chunk.k) at--;
     if (at && m->parts[at - 1].chunk.k == p->chunk.k)
-        return lc_fail_at(m->ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "chunk %u of %u is there already", p->chunk.k, p->chunk.n);
+        return lc_fail_at(m->ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "chunk %u of %u is there already",
+                          p->chunk.k, p->chunk.n);
     void *parts = m->parts;
     lc_status st = lc_grow(m->ctx, &parts, &m->cap, m->n + 1, sizeof *m->parts);
     m->parts = parts;
@@ -114,8 +117,8 @@ static void copy_part(lc_image *to, const lc_image *from)
     size_t x = (size_t)(from->desc.x0 - to->desc.x0), y = (size_t)(from->desc.y0 - to->desc.y0);
     for (size_t c = 0; c < from->n_channels; c++)
         for (size_t row = 0; row < from->desc.height; row++)
-            memcpy(to->channels[c].plane + (y + row) * to->desc.width + x, from->channels[c].plane + row * from->desc.width,
-                   from->desc.width * sizeof(float));
+            memcpy(to->channels[c].plane + (y + row) * to->desc.width + x,
+                   from->channels[c].plane + row * from->desc.width, from->desc.width * sizeof(float));
 }
 
 /* All but what makes a part of it. */
@@ -126,11 +129,12 @@ static lc_status copy_attrs(const lc_merge *m, lc_image *to)
     lc_status st = LC_OK;
     for (size_t i = 0; i < m->n; i++)
         for (size_t k = 0; k < m->parts[i].image->n_attrs; k++)
-            if (!strcmp(m->parts[i].image->attrs[k].name, TIME_ATTR)) seconds += m->parts[i].image->attrs[k].number;
+            if (!strcmp(m->parts[i].image->attrs[k].name, TIME_ATTR))
+                seconds += m->parts[i].image->attrs[k].number;
     for (size_t i = 0; i < from->n_attrs && !st; i++) {
         const lc_attr *a = &from->attrs[i];
-        if (!strcmp(a->name, LC_CHUNK_ATTR) || !strcmp(a->name, LC_CHUNK_CROP_ATTR) || !strcmp(a->name, LC_CHUNK_SCENE_ATTR) ||
-            !strcmp(a->name, LC_CHUNK_OPTIONS_ATTR))
+        if (!strcmp(a->name, LC_CHUNK_ATTR) || !strcmp(a->name, LC_CHUNK_CROP_ATTR) ||
+            !strcmp(a->name, LC_CHUNK_SCENE_ATTR) || !strcmp(a->name, LC_CHUNK_OPTIONS_ATTR))
             continue;
         if (a->kind == LC_ATTR_TEXT) st = lc_image_set_text(to, a->name, a->text);
         else if (a->kind == LC_ATTR_MATRIX) st = lc_image_set_matrix(to, a->name, a->matrix);
@@ -148,10 +152,13 @@ lc_status lc_merge_finish(lc_merge *m, lc_image **out)
     const lc_image *first = m->parts[0].image;
     const uint32_t *crop = m->parts[0].chunk.crop;
     lc_image_desc d = first->desc;
-    d.x0 = (int32_t)crop[0], d.y0 = (int32_t)crop[2];
-    d.width = crop[1] - crop[0], d.height = crop[3] - crop[2];
+    d.x0 = (int32_t)crop[0];
+    d.y0 = (int32_t)crop[2];
+    d.width = crop[1] - crop[0];
+    d.height = crop[3] - crop[2];
     lc_status st = lc_image_create(m->ctx, &d, out);
-    for (size_t c = 0; c < first->n_channels && !st; c++) st = lc_image_add_channel(*out, first->channels[c].name, NULL);
+    for (size_t c = 0; c < first->n_channels && !st; c++)
+        st = lc_image_add_channel(*out, first->channels[c].name, NULL);
     if (!st) st = copy_attrs(m, *out);
     for (size_t i = 0; i < m->n && !st; i++) copy_part(*out, m->parts[i].image);
     if (!st) return LC_OK;

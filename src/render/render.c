@@ -1,7 +1,8 @@
 /* render.c - lc_render: pre-pass for the dark floor, then tiles over threads.
  *
- * Every pixel depends on scene, descriptor and its own coordinates only. Sample positions and representative slots come
- * from (seed, pixel, sample, dimension); the pre-pass looks at a fixed grid over the whole film whatever the crop.
+ * Every pixel depends on scene, descriptor and its own coordinates only. Sample positions and representative
+ * slots come from (seed, pixel, sample, dimension); the pre-pass looks at a fixed grid over the whole film
+ * whatever the crop.
  */
 #include "render/render.h"
 
@@ -25,11 +26,12 @@
 #define PREPASS_RATIO 0.1f   /* its error ratio and cut limit: its mean is wanted to a few percent */
 #define PREPASS_MAX_CUT 128
 
-/* Few lights: every one of them is evaluated where that is expected to take no longer than cuts. Cost in nanoseconds, with AVX-512
- * on Zen 4, 2026-11; the same everywhere, as the picture depends on the choice. A ray costs RAY_COST for each doubling of the
- * triangles. Fitted to the quotient of both methods' times on cornell, stairs, room, cube, grid and bulbs with 100 to 1000 lights:
- * within 17 % of it; they cross between 170 and 450 lights. What lobes add was measured on the student report's scenes with and
- * without them: cuts of 20 to 60 clusters of 100 lights cost 500 to 1000 ns more a point, all lights 300. */
+/* Few lights: every one of them is evaluated where that is expected to take no longer than cuts. Cost in
+ * nanoseconds, with AVX-512 on Zen 4, 2026-11; the same everywhere, as the picture depends on the choice. A
+ * ray costs RAY_COST for each doubling of the triangles. Fitted to the quotient of both methods' times on
+ * cornell, stairs, room, cube, grid and bulbs with 100 to 1000 lights: within 17 % of it; they cross between
+ * 170 and 450 lights. What lobes add was measured on the student report's scenes with and without them: cuts
+ * of 20 to 60 clusters of 100 lights cost 500 to 1000 ns more a point, all lights 300. */
 #define ALWAYS_FEW 16       /* lights: not even asked */
 #define NEVER_FEW 4096
 #define CHOICE_SIDE LC_SIZE(16, 6) /* grid of the points that are tried */
@@ -46,11 +48,12 @@
 
 enum { DIM_FILM, DIM_LENS, DIM_SLOT };
 
-/* Cuts of a block's points begin with the cut that was made for its middle, sample 0: what they are all alike in need not be
- * found again, and what is left to do is done in large groups. Only on surfaces like that one: elsewhere its cut is of no use. Against
- * the roots (2026-11; stairs, room, cornell at half size, one thread): 0.73, 0.75, 0.75 of the time, cuts 1.03, 1.04, 1.01 times as
- * large, mrse 0.95; that was with a corner's cut, the middle's takes another 0.05 off. Blocks of 8 pixels are as fast, of 2 0.2
- * slower; clusters of at least 1.5 times the limit only, 0.05. */
+/* Cuts of a block's points begin with the cut that was made for its middle, sample 0: what they are all alike
+ * in need not be found again, and what is left to do is done in large groups. Only on surfaces like that one:
+ * elsewhere its cut is of no use. Against the roots (2026-11; stairs, room, cornell at half size, one
+ * thread): 0.73, 0.75, 0.75 of the time, cuts 1.03, 1.04, 1.01 times as large, mrse 0.95; that was with a
+ * corner's cut, the middle's takes another 0.05 off. Blocks of 8 pixels are as fast, of 2 0.2 slower;
+ * clusters of at least 1.5 times the limit only, 0.05. */
 typedef struct {
     uint32_t x, y;  /* the pixel that makes it */
     bool made, lit; /* lit: the rest means something */
@@ -70,7 +73,7 @@ typedef struct {
     uint64_t *cut_hist; /* points by cut size, 0 .. cut.limit */
     uint64_t cut_max;   /* of the tile */
     uint64_t asked;     /* work that was done when go_on was last called */
-    float *tile;        /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
+    float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
 } worker;
 
 typedef struct {
@@ -90,11 +93,13 @@ typedef struct {
     double *prepass; /* luminance by grid cell */
     bool exact;      /* every light at every point */
     double pixel;    /* textures are filtered over: a length at distance 1 */
-    uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the film */
+    uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the
+                            film */
 } job;
 
 #define ASK_STEP 1000 /* rays and lights between looks at the clock: 10 us and more */
-#define CALL_STEP 20000000u /* nanoseconds between calls of progress: what a user sees, and how soon a signal is heard */
+/* Nanoseconds between calls of progress: what a user sees, and how soon a signal is heard. */
+#define CALL_STEP 20000000u
 
 /* False once the render is cancelled. Calls progress when it is time and no other thread does. */
 static bool go_on(void *user)
@@ -103,11 +108,13 @@ static bool go_on(void *user)
     if (atomic_load_explicit(&j->cancelled, memory_order_relaxed)) return false;
     if (!j->desc->progress || !j->mutex) return true;
     uint64_t now = (uint64_t)(lc_now() * 1e9);
-    if (now < atomic_load_explicit(&j->next_call, memory_order_relaxed) || !lc_mutex_try(j->mutex)) return true;
+    if (now < atomic_load_explicit(&j->next_call, memory_order_relaxed) || !lc_mutex_try(j->mutex))
+        return true;
     if (now >= atomic_load_explicit(&j->next_call, memory_order_relaxed)) {
         uint64_t done = atomic_load_explicit(&j->done, memory_order_relaxed);
         /* done == total only once, by the end of render_all */
-        if (done < j->total && j->desc->progress(j->desc->progress_user, done, j->total)) atomic_store(&j->cancelled, true);
+        if (done < j->total && j->desc->progress(j->desc->progress_user, done, j->total))
+            atomic_store(&j->cancelled, true);
         atomic_store_explicit(&j->next_call, (uint64_t)(lc_now() * 1e9) + CALL_STEP, memory_order_relaxed);
     }
     lc_mutex_unlock(j->mutex);
@@ -135,9 +142,13 @@ static uint64_t key(const job *j, uint64_t pixel, uint64_t sample, uint64_t dime
     return lc_hash4(j->desc->seed, pixel, sample, dimension);
 }
 
-static uint64_t pixel_of(const job *j, uint32_t x, uint32_t y) { return (uint64_t)y * j->scene->film.width + x; }
+static uint64_t pixel_of(const job *j, uint32_t x, uint32_t y)
+{
+    return (uint64_t)y * j->scene->film.width + x;
+}
 
-/* A permutation of 0 .. 15 for each key: rounds of what can be undone, addition, an odd factor, a shifted xor. */
+/* A permutation of 0 .. 15 for each key: rounds of what can be undone, addition, an odd factor, a shifted
+ * xor. */
 static uint32_t permute16(uint32_t k, uint64_t key)
 {
     for (int round = 0; round < 4; round++, key >>= 8) {
@@ -147,10 +158,11 @@ static uint32_t permute16(uint32_t k, uint64_t key)
     return k;
 }
 
-/* Picks a pixel's slot of representatives. The pixels of a block have 16 numbers in an order of its own, so with at most as many
- * slots all are in it equally often, and the block's mean is better than that of any 16 choices; samples of a pixel go on from its
- * number. Against independent choices, both with slots as tree_fill.c fills them (16 slots, half size, 2026-11; stairs, room,
- * cornell): error of the means of 4 x 4 pixels in penumbrae 0.70, 0.71, 0.92 times, of pixels the same. */
+/* Picks a pixel's slot of representatives. The pixels of a block have 16 numbers in an order of its own, so
+ * with at most as many slots all are in it equally often, and the block's mean is better than that of any 16
+ * choices; samples of a pixel go on from its number. Against independent choices, both with slots as
+ * tree_fill.c fills them (16 slots, half size, 2026-11; stairs, room, cornell): error of the means of 4 x 4
+ * pixels in penumbrae 0.70, 0.71, 0.92 times, of pixels the same. */
 static uint64_t slot_hash(const job *j, uint32_t x, uint32_t y, uint32_t i)
 {
     if (j->scene->tree->n_reps == 1) return 0;
@@ -167,12 +179,14 @@ static bool guides(const guide *g, const lc_surface *s)
 static void set_guide(guide *g, const lc_surface *s)
 {
     g->lit = true;
-    g->pos = s->pos, g->n = s->n;
+    g->pos = s->pos;
+    g->n = s->n;
     g->reach2 = GUIDE_REACH * GUIDE_REACH * s->t * s->t;
 }
 
 /* A cut that makes a guide, or is guided by one that is made; or neither, where g is NULL. */
-static void cut_shade(lc_cut *c, guide *g, const lc_point *p, const lc_surface *s, uint64_t hash, lc_stats *stats, lc_cut_result *out)
+static void cut_shade(lc_cut *c, guide *g, const lc_point *p, const lc_surface *s, uint64_t hash,
+                      lc_stats *stats, lc_cut_result *out)
 {
     c->kept = g && !g->made ? &g->start : NULL;
     c->start = g && g->made && guides(g, s) ? &g->start : NULL;
@@ -196,8 +210,8 @@ static void shade_lit(const job *j, worker *w, const lc_lit *lit, guide *g, uint
     if (out->size > w->cut_max) w->cut_max = out->size;
 }
 
-/* Radiance of all that is seen, as it reaches the camera; fills what the statistics and planes want. The first surface makes the guide
- * where that is not made yet. */
+/* Radiance of all that is seen, as it reaches the camera; fills what the statistics and planes want. The
+ * first surface makes the guide where that is not made yet. */
 static void shade(const job *j, worker *w, const lc_sight *sight, guide *g, uint64_t hash, lc_cut_result *sum)
 {
     *sum = (lc_cut_result){ .size = 0 };
@@ -206,12 +220,14 @@ static void shade(const job *j, worker *w, const lc_sight *sight, guide *g, uint
         shade_lit(j, w, &sight->lit[i], g, hash + i, &r);
         if (g) g->made = true;
         sum->radiance = lc_f3_add(sum->radiance, lc_f3_mul(r.radiance, sight->lit[i].weight));
-        sum->size += r.size, sum->rays += r.rays;
+        sum->size += r.size;
+        sum->rays += r.rays;
         sum->max_error = r.max_error > sum->max_error ? r.max_error : sum->max_error;
     }
 }
 
-static void add_sample(const job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir, float weight, const lc_cut_result *r)
+static void add_sample(const job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir, float weight,
+                       const lc_cut_result *r)
 {
     const lc_surface *s = &sight->first;
     const double *axis = j->scene->camera.axis;
@@ -227,7 +243,8 @@ static void add_sample(const job *j, lc_pixel *px, const lc_sight *sight, lc_f3 
     px->hits++;
 }
 
-/* Camera ray of sample i of a pixel; returns its weight. One sample is of the pixel's centre and the lens's. */
+/* Camera ray of sample i of a pixel; returns its weight. One sample is of the pixel's centre and the lens's.
+ */
 static float sample_ray(const job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir)
 {
     uint64_t pixel = pixel_of(j, x, y);
@@ -260,12 +277,17 @@ static void make_guide(const job *j, lc_cut *c, guide *g)
 
 static uint32_t guide_pixel(uint32_t at) { return at - at % BLOCK + GUIDE_AT; }
 
-/* Makes g the guide of a pixel; sample 0 of the pixel that makes it does so itself, whatever was made before. */
+/* Makes g the guide of a pixel; sample 0 of the pixel that makes it does so itself, whatever was made before.
+ */
 static guide *guide_of(const job *j, lc_cut *c, guide *g, uint32_t x, uint32_t y, uint32_t sample)
 {
     const uint32_t at_x = guide_pixel(x), at_y = guide_pixel(y);
     const bool makes = x == at_x && y == at_y && !sample;
-    if (!g->made || g->x != at_x || g->y != at_y || makes) g->x = at_x, g->y = at_y, g->made = g->lit = false;
+    if (!g->made || g->x != at_x || g->y != at_y || makes) {
+        g->x = at_x;
+        g->y = at_y;
+        g->made = g->lit = false;
+    }
     if (!g->made && !makes) make_guide(j, c, g);
     return g;
 }
@@ -300,11 +322,13 @@ static bool render_pixel(job *j, worker *w, uint32_t x, uint32_t y)
             continue;
         }
         w->stats.camera_rays += s.n_rays;
-        shade(j, w, &s, j->exact ? NULL : guide_of(j, &w->cut, &w->guide, x, y, i), slot_hash(j, x, y, i), &r);
+        shade(j, w, &s, j->exact ? NULL : guide_of(j, &w->cut, &w->guide, x, y, i), slot_hash(j, x, y, i),
+              &r);
         add_sample(j, &px, &s, dir, weight, &r);
         lc_phase_end(&w->stats, LC_PHASE_OTHER);
     }
-    if (atomic_load_explicit(&j->cancelled, memory_order_relaxed)) return false; /* the exact method may have stopped halfway */
+    /* The exact method may have stopped halfway. */
+    if (atomic_load_explicit(&j->cancelled, memory_order_relaxed)) return false;
     if (!lc_film_store(&j->film, x, y, &px)) w->stats.nonfinite++;
     return true;
 }
@@ -319,11 +343,13 @@ static bool load_tile(job *j, worker *w, lc_tile *t)
     lc_tile_add_counts(&w->stats, &t->counts);
     atomic_fetch_add(&j->loaded, (uint64_t)(t->x1 - t->x0) * (t->y1 - t->y0));
     uint64_t old = atomic_load(&j->loaded_max);
-    while (t->counts.cut_max > old && !atomic_compare_exchange_weak(&j->loaded_max, &old, t->counts.cut_max)) {}
+    while (t->counts.cut_max > old &&
+           !atomic_compare_exchange_weak(&j->loaded_max, &old, t->counts.cut_max)) {}
     return true;
 }
 
-/* What is in the tile of the block that begins at, or the tile has from, a pixel on; first the one that makes the block's guide. */
+/* What is in the tile of the block that begins at, or the tile has from, a pixel on; first the one that makes
+ * the block's guide. */
 static bool render_block(job *j, worker *w, const lc_tile *t, uint32_t x0, uint32_t y0)
 {
     const uint32_t x1 = min_u(x0 + BLOCK - x0 % BLOCK, t->x1), y1 = min_u(y0 + BLOCK - y0 % BLOCK, t->y1);
@@ -343,9 +369,15 @@ static void render_tile(void *user, uint32_t thread, uint64_t item)
     worker *w = &j->workers[thread];
     const uint32_t *c = j->film.crop;
     if (!go_on(j)) return;
-    uint32_t x0 = c[0] + (uint32_t)(item % j->tiles_x) * TILE, y0 = c[2] + (uint32_t)(item / j->tiles_x) * TILE;
-    lc_tile t = { .index = (uint32_t)item, .x0 = x0, .x1 = min_u(x0 + TILE, c[1]), .y0 = y0, .y1 = min_u(y0 + TILE, c[3]),
-                  .n_planes = j->n_planes, .pixels = w->tile };
+    uint32_t x0 = c[0] + (uint32_t)(item % j->tiles_x) * TILE,
+             y0 = c[2] + (uint32_t)(item / j->tiles_x) * TILE;
+    lc_tile t = { .index = (uint32_t)item,
+                  .x0 = x0,
+                  .x1 = min_u(x0 + TILE, c[1]),
+                  .y0 = y0,
+                  .y1 = min_u(y0 + TILE, c[3]),
+                  .n_planes = j->n_planes,
+                  .pixels = w->tile };
     uint64_t width = t.x1 - x0;
     if (load_tile(j, w, &t)) {
         atomic_fetch_add(&j->done, width * (t.y1 - y0));
@@ -370,7 +402,8 @@ static bool shade_cell(job *j, uint32_t thread, uint64_t item, uint32_t side, lc
     double u = ((double)(item % side) + 0.5) / side, v = ((double)(item / side) + 0.5) / side;
     const double lens[2] = { 0.5, 0.5 };
     lc_camera_ray(&j->scene->camera, u * j->scene->film.width, v * j->scene->film.height, lens, &org, &dir);
-    if (!go_on(j) || !lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) || !s.n_lit) return false;
+    if (!go_on(j) || !lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) || !s.n_lit)
+        return false;
     shade(j, &j->workers[thread], &s, NULL, key(j, item, 0, DIM_SLOT), r);
     return true;
 }
@@ -410,9 +443,11 @@ static lc_status make_workers(job *j, const lc_cut_desc *desc)
         if (st) return st;
         w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.limit + 2, sizeof *w->cut_hist);
         if (!w->cut_hist) return LC_ERR_MEMORY;
-        w->stats.go_on = go_on, w->stats.go_on_user = j;
+        w->stats.go_on = go_on;
+        w->stats.go_on_user = j;
         bool tiles = j->desc->tile_load || j->desc->tile_done;
-        if (tiles && !(w->tile = lc_alloc(j->ctx, (size_t)LC_N_PLANES * TILE * TILE, sizeof(float)))) return LC_ERR_MEMORY;
+        if (tiles && !(w->tile = lc_alloc(j->ctx, (size_t)LC_N_PLANES * TILE * TILE, sizeof(float))))
+            return LC_ERR_MEMORY;
     }
     return LC_OK;
 }
@@ -465,7 +500,8 @@ static double doublings(uint64_t n)
 static lc_status exact_pays(job *j, const lc_cut_desc *cut, bool *pays)
 {
     lc_stats cuts = { 0 }, all = { 0 };
-    double n = j->scene->tree->n_lights, ray = RAY_COST * doublings(j->scene->n_tris + lc_instanced_tris(j->scene));
+    double n = j->scene->tree->n_lights,
+           ray = RAY_COST * doublings(j->scene->n_tris + lc_instanced_tris(j->scene));
     *pays = false;
     if ((cut->max_cut && cut->max_cut < n) || n > NEVER_FEW) return LC_OK;
     *pays = n <= ALWAYS_FEW;
@@ -475,7 +511,8 @@ static lc_status exact_pays(job *j, const lc_cut_desc *cut, bool *pays)
     if (st) return st;
     double points = (double)all.points, lobes = points > 0 ? (double)all.glossy / points : 0;
     double exact = points * n * (LIGHT_COST + lobes * LOBE_LIGHT_COST) + (double)all.shadow_rays * ray;
-    double by_cuts = points * (CUT_COST + lobes * LOBE_CUT_COST) + (double)cuts.bounds / 2 * (SPLIT_COST + lobes * LOBE_SPLIT_COST) +
+    double by_cuts = points * (CUT_COST + lobes * LOBE_CUT_COST) +
+                     (double)cuts.bounds / 2 * (SPLIT_COST + lobes * LOBE_SPLIT_COST) +
                      (double)cuts.shadow_rays * CUT_RAY_SHARE * ray + (double)cuts.proof_tests * PROOF_COST;
     *pays = exact <= EXACT_GAIN * by_cuts;
     return LC_OK;
@@ -543,13 +580,16 @@ static void join_stats(const job *j, lc_render_stats *out)
     phase_stats(j, out);
 }
 
-/* What the lights and their tree were made with: numbers that were asked for, or the defaults in their place. */
+/* What the lights and their tree were made with: numbers that were asked for, or the defaults in their place.
+ */
 static lc_status set_load_attributes(lc_image *im, const lc_scene *scene)
 {
     static const char *const builder[] = { "auto", "exact", "ploc" };
     const lc_load_desc *l = &scene->load;
     uint32_t by_scene = scene->traces_paths ? LC_DEFAULT_INDIRECT : 0;
-    uint32_t indirect = l->indirect_lights == LC_NO_LIGHTS ? 0 : l->indirect_lights ? l->indirect_lights : by_scene;
+    uint32_t indirect = l->indirect_lights == LC_NO_LIGHTS ? 0
+                        : l->indirect_lights               ? l->indirect_lights
+                                                           : by_scene;
     lc_status st = lc_image_set_text(im, "lightcuts/builder", builder[l->builder]);
     if (!st) st = lc_image_set_number(im, "lightcuts/areaLights", l->area_lights);
     if (!st) st = lc_image_set_number(im, "lightcuts/envLights", l->env_lights);
@@ -580,16 +620,20 @@ static lc_status set_attributes(const job *j)
     return st;
 }
 
-static lc_status check_desc(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *d, uint32_t crop[4])
+static lc_status check_desc(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *d,
+                            uint32_t crop[4])
 {
     const lc_film_desc *f = &scene->film;
-    if (d->size != sizeof *d || d->method < LC_METHOD_LIGHTCUTS || d->method > LC_METHOD_CUTS) return LC_ERR_ARG;
-    if (!(d->error_ratio >= 0) || !isfinite(d->error_ratio) || !(d->dark_floor >= 0) || !isfinite(d->dark_floor))
+    if (d->size != sizeof *d || d->method < LC_METHOD_LIGHTCUTS || d->method > LC_METHOD_CUTS)
+        return LC_ERR_ARG;
+    if (!(d->error_ratio >= 0) || !isfinite(d->error_ratio) || !(d->dark_floor >= 0) ||
+        !isfinite(d->dark_floor))
         return lc_fail(ctx, LC_ERR_ARG, "error ratio and dark floor must be finite and at least 0");
     if (d->spp > LC_MAX_SPP) return lc_fail(ctx, LC_ERR_ARG, "more than %u samples per pixel", LC_MAX_SPP);
     bool scene_crop = !d->crop[0] && !d->crop[1] && !d->crop[2] && !d->crop[3];
     for (int i = 0; i < 4; i++) {
-        if (d->crop[i] < 0) return lc_fail(ctx, LC_ERR_ARG, "crop is outside the film of %u x %u", f->width, f->height);
+        if (d->crop[i] < 0)
+            return lc_fail(ctx, LC_ERR_ARG, "crop is outside the film of %u x %u", f->width, f->height);
         crop[i] = scene_crop ? f->crop[i] : (uint32_t)d->crop[i];
     }
     if (crop[0] >= crop[1] || crop[2] >= crop[3] || crop[1] > f->width || crop[3] > f->height)
@@ -599,7 +643,8 @@ static lc_status check_desc(const lc_context *ctx, const lc_scene *scene, const 
 
 static lc_cut_desc cut_desc(const job *j, const lc_render_stats *stats)
 {
-    return (lc_cut_desc){ j->desc->error_ratio, j->desc->max_cut, j->desc->dark_floor * (float)stats->mean_luminance };
+    return (lc_cut_desc){ j->desc->error_ratio, j->desc->max_cut,
+                          j->desc->dark_floor * (float)stats->mean_luminance };
 }
 
 /* Whether cuts are made at all, and the mean luminance for their dark floor. */
@@ -634,7 +679,8 @@ static lc_status render_all(job *j, const uint32_t crop[4], lc_render_stats *sta
     j->n_planes = lc_image_n_channels(j->film.image);
     lc_parallel(j->ctx, (uint64_t)j->tiles_x * j->tiles_y, render_tile, j);
     if (atomic_load(&j->cancelled)) return LC_ERR_CANCELLED;
-    if (j->desc->progress && j->desc->progress(j->desc->progress_user, j->total, j->total)) return LC_ERR_CANCELLED;
+    if (j->desc->progress && j->desc->progress(j->desc->progress_user, j->total, j->total))
+        return LC_ERR_CANCELLED;
     stats->seconds = lc_now() - t0;
     stats->pixels = j->total;
     stats->pixels_loaded = atomic_load(&j->loaded);
@@ -690,7 +736,8 @@ static lc_status probe_desc(job *j, lc_probe *p, lc_cut_desc *cut)
     lc_status st = choose_method(j, &stats);
     p->all_lights = j->exact;
     if (!st && j->exact) {
-        cuts.method = LC_METHOD_CUTS, j->desc = &cuts;
+        cuts.method = LC_METHOD_CUTS;
+        j->desc = &cuts;
         st = choose_method(j, &stats);
         j->desc = desc;
     }
@@ -708,14 +755,15 @@ static void shade_others(const job *j, lc_probe *p, guide *g, uint64_t hash)
         lc_point point;
         lc_cut_result r;
         init_point(j->scene, lit, &point);
-        if (p->all_lights) lc_exact_shade(j->scene->tree, &j->scene->visibility, &point, lit->surface.ray_org, &stats, &r);
+        if (p->all_lights)
+            lc_exact_shade(j->scene->tree, &j->scene->visibility, &point, lit->surface.ray_org, &stats, &r);
         else cut_shade(&p->cut, g, &point, &lit->surface, hash + i, &stats, &r);
         p->others = lc_f3_add(p->others, lc_f3_mul(r.radiance, lit->weight));
     }
 }
 
-lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x, uint32_t y,
-                          uint32_t sample, lc_probe *p)
+lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x,
+                          uint32_t y, uint32_t sample, lc_probe *p)
 {
     job j;
     lc_cut_desc cut;
@@ -727,8 +775,10 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     if (st) return st;
     init_job(&j, ctx, scene, desc);
     if (x >= scene->film.width || y >= scene->film.height)
-        return lc_fail(ctx, LC_ERR_ARG, "pixel %u,%u is outside the film of %u x %u", x, y, scene->film.width, scene->film.height);
-    if (sample >= j.spp) return lc_fail(ctx, LC_ERR_ARG, "sample %u: a pixel has %u, counted from 0", sample, j.spp);
+        return lc_fail(ctx, LC_ERR_ARG, "pixel %u,%u is outside the film of %u x %u", x, y, scene->film.width,
+                       scene->film.height);
+    if (sample >= j.spp)
+        return lc_fail(ctx, LC_ERR_ARG, "sample %u: a pixel has %u, counted from 0", sample, j.spp);
     st = probe_desc(&j, p, &cut);
     if (!st) st = lc_cut_init(&p->cut, ctx, scene->tree, &scene->visibility, &cut, true);
     if (st) return st;
@@ -737,7 +787,8 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     if (!p->hit) return LC_OK;
     const lc_lit *lit = &p->sight.lit[0];
     if (!p->sight.n_lit) {
-        p->sight.lit[0] = (lc_lit){ .surface = p->sight.first, .view = lc_f3_neg(dir), .weight = { 1, 1, 1 } };
+        p->sight.lit[0] =
+            (lc_lit){ .surface = p->sight.first, .view = lc_f3_neg(dir), .weight = { 1, 1, 1 } };
         return LC_OK;
     }
     guide *g = lc_alloc(ctx, 1, sizeof *g);
@@ -748,7 +799,8 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     if (is_guide) make_guide(&j, &p->cut, g);
     shade_others(&j, p, g, hash);
     g->made = false;
-    if (!is_guide) make_guide(&j, &p->cut, g); /* again: its splits are kept for the cut that begins with it */
+    /* again: its splits are kept for the cut that begins with it. */
+    if (!is_guide) make_guide(&j, &p->cut, g);
     init_point(scene, lit, &p->point);
     cut_shade(&p->cut, g, &p->point, &lit->surface, hash, &stats, &p->by_cut);
     lc_free(ctx, g, 1, sizeof *g);

@@ -17,10 +17,10 @@ typedef struct lc_probe {
     double mean_luminance; /* of the pre-pass, W/(m^2 sr) */
 } lc_probe;
 
-/* The cut of that sample is the very one that lc_render makes with this descriptor, whatever its crop. Fails with LC_ERR_ARG where
- * there is no such pixel or sample, LC_ERR_MEMORY. Free it also after a failure. */
-lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x, uint32_t y,
-                          uint32_t sample, lc_probe *probe);
+/* The cut of that sample is the very one that lc_render makes with this descriptor, whatever its crop. Fails
+ * with LC_ERR_ARG where there is no such pixel or sample, LC_ERR_MEMORY. Free it also after a failure. */
+lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x,
+                          uint32_t y, uint32_t sample, lc_probe *probe);
 void lc_probe_free(lc_probe *probe);
 
 #endif

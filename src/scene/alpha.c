@@ -1,4 +1,5 @@
-/* alpha.c - see alpha.h. Textures are looked up at the point, not filtered: neither kernel knows how far a ray has come. */
+/* alpha.c - see alpha.h. Textures are looked up at the point, not filtered: neither kernel knows how far a
+ * ray has come. */
 #include "scene/alpha.h"
 
 #include "base/rng.h"
@@ -27,7 +28,8 @@ bool lc_alpha_opaque(const void *user, uint32_t tri, float u, float v, bool shad
     if (shadow) a *= value(s, &alpha->shadow, &p);
     if (!(a > 0)) return false;
     if (a >= 1) return true;
-    memcpy(&at[0], &u, sizeof u), memcpy(&at[1], &v, sizeof v);
+    memcpy(&at[0], &u, sizeof u);
+    memcpy(&at[1], &v, sizeof v);
     return lc_unit(lc_hash4(tri, at[0], at[1], 0)) < a;
 }
 

@@ -1,6 +1,6 @@
-/* alpha.h - meshes with holes. Where alpha is 0 a ray goes on, where it is 1 it is stopped; of the hits between, a share
- * of alpha stops it, chosen by a hash of triangle and place. Shadow rays also look at pbrt-v3's shadowalpha, whose share
- * multiplies. */
+/* alpha.h - meshes with holes. Where alpha is 0 a ray goes on, where it is 1 it is stopped; of the hits
+ * between, a share of alpha stops it, chosen by a hash of triangle and place. Shadow rays also look at
+ * pbrt-v3's shadowalpha, whose share multiplies. */
 #ifndef LC_ALPHA_H
 #define LC_ALPHA_H
 

@@ -21,7 +21,8 @@ static bool invert_affine(const double m[16], double inv[16])
         inv[i * 4 + 3] = 0;
         for (int j = 0; j < 3; j++) inv[i * 4 + 3] -= inv[i * 4 + j] * m[j * 4 + 3] / w;
     }
-    inv[12] = inv[13] = inv[14] = 0, inv[15] = 1;
+    inv[12] = inv[13] = inv[14] = 0;
+    inv[15] = 1;
     for (int i = 0; i < 16; i++)
         if (!isfinite(inv[i])) return false;
     return true;
@@ -31,10 +32,12 @@ static bool in_range(const lc_camera_desc *d)
 {
     if (d->kind == LC_CAMERA_PERSPECTIVE && !(d->fov_degrees > 0 && d->fov_degrees < 180)) return false;
     if (!(d->screen[0] < d->screen[1] && d->screen[2] < d->screen[3])) return false;
-    return d->lens_radius >= 0 && d->lens_radius <= 1e12 && (!(d->lens_radius > 0) || (d->focal_distance > 0 && d->focal_distance <= 1e12));
+    return d->lens_radius >= 0 && d->lens_radius <= 1e12 &&
+           (!(d->lens_radius > 0) || (d->focal_distance > 0 && d->focal_distance <= 1e12));
 }
 
-/* Half the screen's height at distance 1; not by the C library's tangent, whose bits may depend on the CPU. */
+/* Half the screen's height at distance 1; not by the C library's tangent, whose bits may depend on the CPU.
+ */
 static double screen_scale(const lc_camera_desc *d)
 {
     double sine, cosine;
@@ -51,10 +54,12 @@ bool lc_camera_init(lc_camera *cam, const lc_camera_desc *desc, uint32_t width, 
     const bool flat = desc->kind == LC_CAMERA_ORTHOGRAPHIC, round = desc->kind > LC_CAMERA_ORTHOGRAPHIC;
     if (!in_range(desc) || !invert_affine(desc->world_to_camera, inv)) return false;
     double t = screen_scale(desc), z[3];
-    double sx = (desc->screen[1] - desc->screen[0]) * t / width, sy = (desc->screen[3] - desc->screen[2]) * t / height;
+    double sx = (desc->screen[1] - desc->screen[0]) * t / width,
+           sy = (desc->screen[3] - desc->screen[2]) * t / height;
     double x0 = desc->screen[0] * t, y1 = desc->screen[3] * t;
     cam->kind = desc->kind;
-    cam->width = width, cam->height = height;
+    cam->width = width;
+    cam->height = height;
     for (int i = 0; i < 3; i++) {
         z[i] = inv[i * 4 + 2];
         cam->origin[i] = inv[i * 4 + 3];
@@ -89,7 +94,8 @@ static void disc_of(const double u[2], double xy[2])
         return;
     }
     lc_sincos_deg(fabs(a) > fabs(b) ? 45 * (b / a) : 90 - 45 * (a / b), &sine, &cosine);
-    xy[0] = r * cosine, xy[1] = r * sine;
+    xy[0] = r * cosine;
+    xy[1] = r * sine;
 }
 
 /* Camera space is that of environment maps with y for z. */
@@ -102,9 +108,12 @@ static void spherical(const lc_camera *cam, double px, double py, double d[3])
         double sine, cosine;
         lc_sincos_deg(180 * t, &sine, &w[2]);
         lc_sincos_deg(360 * px / cam->width, &w[1], &cosine);
-        w[0] = sine * cosine, w[1] *= sine;
+        w[0] = sine * cosine;
+        w[1] *= sine;
     }
-    for (int i = 0; i < 3; i++) d[i] = cam->to_world[i * 4] * w[0] + cam->to_world[i * 4 + 1] * w[2] + cam->to_world[i * 4 + 2] * w[1];
+    for (int i = 0; i < 3; i++)
+        d[i] = cam->to_world[i * 4] * w[0] + cam->to_world[i * 4 + 1] * w[2] +
+               cam->to_world[i * 4 + 2] * w[1];
 }
 
 /* Moves a ray's start to a point of the lens and aims it where the one through the centre is in focus. */
@@ -119,7 +128,8 @@ static void through_lens(const lc_camera *cam, const double lens[2], double o[3]
     }
 }
 
-void lc_camera_ray(const lc_camera *cam, double px, double py, const double lens[2], lc_f3 *origin, lc_f3 *dir)
+void lc_camera_ray(const lc_camera *cam, double px, double py, const double lens[2], lc_f3 *origin,
+                   lc_f3 *dir)
 {
     double o[3], d[3];
     const bool flat = cam->kind == LC_CAMERA_ORTHOGRAPHIC;

@@ -31,7 +31,9 @@ static void latlong_direction(const lc_env *env, double x, double y, double w[3]
     double row = fmin(floor(y), lc_env_height(env) - 1.0), f = y - row, sine, cosine;
     double z = (1 - f) * line_z(env, row) + f * line_z(env, row + 1), r = sqrt(fmax((1 - z) * (1 + z), 0));
     lc_sincos_deg(360 * x / lc_env_width(env), &sine, &cosine);
-    w[0] = r * cosine, w[1] = r * sine, w[2] = z;
+    w[0] = r * cosine;
+    w[1] = r * sine;
+    w[2] = z;
 }
 
 void lc_equal_area_direction(double s, double t, double w[3])
@@ -57,7 +59,8 @@ static void equal_area_place(const double w[3], double len, double *s, double *t
     double v = r * lc_atan2(fabs(w[1]), fabs(w[0])) * (2 / LC_PI), u = r - v;
     if (w[2] < 0) {
         double swap = u;
-        u = 1 - v, v = 1 - swap;
+        u = 1 - v;
+        v = 1 - swap;
     }
     *s = 0.5 * (copysign(u, w[0]) + 1);
     *t = 0.5 * (copysign(v, w[1]) + 1);
@@ -84,7 +87,9 @@ lc_f3 lc_env_radiance(const lc_env *env, lc_f3 dir)
     lc_xform_vector(&env->to_light, v, w);
     lc_env_place(env, w, &s, &t);
     t = fmin(fmax(t, edge), 1 - edge); /* at the poles rows don't go over into each other */
-    lc_mipmap_lookup(&env->map, s, t, 1, env->mapping == LC_ENV_LATLONG ? LC_WRAP_REPEAT : LC_WRAP_CLAMP, LC_FILTER_BILINEAR, rgb);
-    return lc_f3_make((float)fmax(rgb[0] * (double)env->scale.x, 0), (float)fmax(rgb[1] * (double)env->scale.y, 0),
+    lc_mipmap_lookup(&env->map, s, t, 1, env->mapping == LC_ENV_LATLONG ? LC_WRAP_REPEAT : LC_WRAP_CLAMP,
+                     LC_FILTER_BILINEAR, rgb);
+    return lc_f3_make((float)fmax(rgb[0] * (double)env->scale.x, 0),
+                      (float)fmax(rgb[1] * (double)env->scale.y, 0),
                       (float)fmax(rgb[2] * (double)env->scale.z, 0));
 }

@@ -3,8 +3,9 @@
  *     latitude-longitude   row: angle from +z, 0 at the top; column: angle from +x to +y
  *     equal area           square, octahedral [Clarberg08]: +z in the middle, -z in the corners; pbrt-v4's
  *
- * A place on the map is (x, y) in texels. Inside a row y runs evenly with solid angle, so that a texel's radiance times its solid
- * angle times the share of a rectangle is that rectangle's irradiance, exactly. Directions are of the light's space.
+ * A place on the map is (x, y) in texels. Inside a row y runs evenly with solid angle, so that a texel's
+ * radiance times its solid angle times the share of a rectangle is that rectangle's irradiance, exactly.
+ * Directions are of the light's space.
  */
 #ifndef LC_ENV_MAP_H
 #define LC_ENV_MAP_H

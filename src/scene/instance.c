@@ -1,10 +1,11 @@
 /* instance.c - see instance.h.
  *
- * Boxes. A world ray is rounded once into the object's space: u = 2^-24 of the origin's coordinates, and u t of the
- * direction's. With O_j no less than any |origin_j| there, hit points and so t direction_j are within 2 O_j, and the kernels'
- * own roundings, of sheared vertices, within 4 u times what they subtract: all of it below 16 u O_j. In the world that is
- * 16 u sum_j |M_kj| O_j along axis k. Boxes are padded by it, so that no hit lies outside for any ray from inside the scene.
- * S = twice the largest coordinate of anything in the scene stands for where rays start, O_j = sum_i |M^-1_ji| S + |o_j|.
+ * Boxes. A world ray is rounded once into the object's space: u = 2^-24 of the origin's coordinates, and u t
+ * of the direction's. With O_j no less than any |origin_j| there, hit points and so t direction_j are within
+ * 2 O_j, and the kernels' own roundings, of sheared vertices, within 4 u times what they subtract: all of it
+ * below 16 u O_j. In the world that is 16 u sum_j |M_kj| O_j along axis k. Boxes are padded by it, so that no
+ * hit lies outside for any ray from inside the scene. S = twice the largest coordinate of anything in the
+ * scene stands for where rays start, O_j = sum_i |M^-1_ji| S + |o_j|.
  */
 #include "scene/instance.h"
 
@@ -25,7 +26,8 @@ struct lc_level {
 static double norm(const lc_xform *a)
 {
     double most = 0;
-    for (int k = 0; k < 3; k++) most = fmax(most, fabs(a->m[4 * k]) + fabs(a->m[4 * k + 1]) + fabs(a->m[4 * k + 2]));
+    for (int k = 0; k < 3; k++)
+        most = fmax(most, fabs(a->m[4 * k]) + fabs(a->m[4 * k + 1]) + fabs(a->m[4 * k + 2]));
     return most;
 }
 
@@ -52,7 +54,8 @@ static void add_corners(const lc_instance *at, const float lo[3], const float hi
     }
 }
 
-/* Around the boxes of the root's children, tighter than around the object's. Few rotated objects fill their box. */
+/* Around the boxes of the root's children, tighter than around the object's. Few rotated objects fill their
+ * box. */
 static lc_box box_of(const lc_instance *at, const lc_bvh_data *object)
 {
     lc_box box = lc_box_empty();
@@ -72,7 +75,8 @@ static double reach(const lc_scene *s)
     double most = fmax((double)lc_f3_max_abs(s->bounds.lo), (double)lc_f3_max_abs(s->bounds.hi));
     for (int k = 0; k < 3; k++) most = fmax(most, fabs(s->camera.origin[k]));
     for (size_t i = 0; i < s->n_lights; i++)
-        if (s->lights[i].kind != LC_LIGHT_DIRECTIONAL) most = fmax(most, (double)lc_f3_max_abs(s->lights[i].pos));
+        if (s->lights[i].kind != LC_LIGHT_DIRECTIONAL)
+            most = fmax(most, (double)lc_f3_max_abs(s->lights[i].pos));
     return 2 * most;
 }
 
@@ -108,7 +112,8 @@ static lc_status build_boxes(lc_scene *s, lc_level *level)
     double far = st ? 0 : reach(s);
     for (size_t i = 0; i < n && !st; i++) {
         pad_box(&s->instances[i], &boxes[i], far, pos + 6 * i);
-        index[3 * i] = index[3 * i + 2] = 2 * (uint32_t)i, index[3 * i + 1] = 2 * (uint32_t)i + 1;
+        index[3 * i] = index[3 * i + 2] = 2 * (uint32_t)i;
+        index[3 * i + 1] = 2 * (uint32_t)i + 1;
     }
     if (!st) st = lc_bvh_build(s->ctx, pos, index, n, &level->boxes);
     lc_free(s->ctx, boxes, n, sizeof *boxes);

@@ -1,5 +1,6 @@
-/* material_eval.c - see material_eval.h. A mix of materials is their mean where both are diffuse, else one of the two, chosen by a hash
- * of the position, as in pbrt-v4. Coordinates and what a pixel sees are worked out in double from the triangle's floats. */
+/* material_eval.c - see material_eval.h. A mix of materials is their mean where both are diffuse, else one of
+ * the two, chosen by a hash of the position, as in pbrt-v4. Coordinates and what a pixel sees are worked out
+ * in double from the triangle's floats. */
 #include "scene/material_eval.h"
 
 #include "base/rng.h"
@@ -13,11 +14,18 @@ typedef struct {
     double x, y, z;
 } d3;
 
-static d3 sub(const float *a, const float *b) { return (d3){ (double)a[0] - b[0], (double)a[1] - b[1], (double)a[2] - b[2] }; }
-static d3 cross(d3 a, d3 b) { return (d3){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x }; }
+static d3 sub(const float *a, const float *b)
+{
+    return (d3){ (double)a[0] - b[0], (double)a[1] - b[1], (double)a[2] - b[2] };
+}
+static d3 cross(d3 a, d3 b)
+{
+    return (d3){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
 static double dot(d3 a, d3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/* Length of the gradient, in the triangle's plane, of what grows by d1 along e1 and by d2 along e2; n = e1 x e2. */
+/* Length of the gradient, in the triangle's plane, of what grows by d1 along e1 and by d2 along e2; n = e1 x
+ * e2. */
 static double gradient(d3 e1, d3 e2, d3 n, double d1, double d2)
 {
     d3 a = cross(e2, n), b = cross(n, e1);
@@ -35,11 +43,12 @@ static const float *uv_of(const lc_scene *scene, const lc_mesh *mesh, uint32_t t
 void lc_textured_uv(const lc_scene *scene, const lc_mesh *mesh, uint32_t tri, size_t vertex, double uv[2])
 {
     const float *t = uv_of(scene, mesh, tri, vertex);
-    uv[0] = (double)t[0], uv[1] = (double)t[1];
+    uv[0] = (double)t[0];
+    uv[1] = (double)t[1];
 }
 
-lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], uint32_t tri, float u,
-                               float v)
+lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
+                               uint32_t tri, float u, float v)
 {
     const double w[3] = { 1 - (double)u - v, (double)u, (double)v };
     lc_tex_point p = { .width = 0 };
@@ -50,12 +59,14 @@ lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const
     }
     d3 n = cross(sub(corner[1], corner[0]), sub(corner[2], corner[0]));
     double len = sqrt(dot(n, n)), inv = len > 0 ? 1 / len : 0;
-    p.n[0] = n.x * inv, p.n[1] = n.y * inv, p.n[2] = n.z * inv;
+    p.n[0] = n.x * inv;
+    p.n[1] = n.y * inv;
+    p.n[2] = n.z * inv;
     return p;
 }
 
-static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const float *const v[3], const lc_hit *hit, lc_f3 dir,
-                             double pixel)
+static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const float *const v[3],
+                             const lc_hit *hit, lc_f3 dir, double pixel)
 {
     const float *t[3];
     lc_tex_point p = lc_textured_point(scene, mesh, v, hit->tri, hit->u, hit->v);
@@ -64,13 +75,15 @@ static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const f
     p.grad_u = gradient(e1, e2, n, (double)t[1][0] - t[0][0], (double)t[2][0] - t[0][0]);
     p.grad_v = gradient(e1, e2, n, (double)t[1][1] - t[0][1], (double)t[2][1] - t[0][1]);
     /* the side of a square as large as the pixel's area on the surface */
-    double len = sqrt(dot(n, n)), cosine = len > 0 ? fabs(dot(n, (d3){ (double)dir.x, (double)dir.y, (double)dir.z })) / len : 1;
+    double len = sqrt(dot(n, n)),
+           cosine = len > 0 ? fabs(dot(n, (d3){ (double)dir.x, (double)dir.y, (double)dir.z })) / len : 1;
     p.width = (double)hit->t * pixel / sqrt(fmax(cosine, MIN_COS));
     return p;
 }
 
 /* dp/du and dp/dv; false where uv don't give them. */
-static bool derivatives(const lc_scene *scene, const lc_mesh *mesh, const float *const v[3], const lc_hit *hit, d3 *du, d3 *dv)
+static bool derivatives(const lc_scene *scene, const lc_mesh *mesh, const float *const v[3],
+                        const lc_hit *hit, d3 *du, d3 *dv)
 {
     const float *t[3];
     for (size_t k = 0; k < 3; k++) t[k] = uv_of(scene, mesh, hit->tri, k);
@@ -83,8 +96,10 @@ static bool derivatives(const lc_scene *scene, const lc_mesh *mesh, const float 
     return true;
 }
 
-/* dp/du of p = p0 + s e1 + t e2, uv linear in s and t, times the determinant, whose sign no lobe cares for. */
-lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const float *const v[3], const lc_hit *hit)
+/* dp/du of p = p0 + s e1 + t e2, uv linear in s and t, times the determinant, whose sign no lobe cares for.
+ */
+lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const float *const v[3],
+                          const lc_hit *hit)
 {
     const float *t[3];
     if (!mesh->has_uv) return lc_f3_make(0, 0, 0);
@@ -93,7 +108,8 @@ lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const floa
     double d1 = (double)t[1][1] - t[0][1], d2 = (double)t[2][1] - t[0][1], most = fmax(fabs(d1), fabs(d2));
     double det = ((double)t[1][0] - t[0][0]) * d2 - ((double)t[2][0] - t[0][0]) * d1;
     if (!(fabs(det) > 0 && most > 0)) return lc_f3_make(0, 0, 0);
-    d1 /= most, d2 /= most;
+    d1 /= most;
+    d2 /= most;
     return lc_f3_normalize_d(d2 * e1.x - d1 * e2.x, d2 * e1.y - d1 * e2.y, d2 * e1.z - d1 * e2.z);
 }
 
@@ -107,7 +123,8 @@ static void set_colour(const lc_scene *scene, uint32_t id, const lc_tex_point *p
     *out = lc_f3_make(within(v[0], 0, 1), within(v[1], 0, 1), within(v[2], 0, 1));
 }
 
-static void set_number(const lc_scene *scene, uint32_t id, const lc_tex_point *p, float least, float most, float *out)
+static void set_number(const lc_scene *scene, uint32_t id, const lc_tex_point *p, float least, float most,
+                       float *out)
 {
     double v[3];
     if (id == LC_NONE) return;
@@ -115,12 +132,14 @@ static void set_number(const lc_scene *scene, uint32_t id, const lc_tex_point *p
     *out = within(v[0], (double)least, (double)most);
 }
 
-static void set_alpha(const lc_scene *scene, const lc_material_maps *maps, int axis, const lc_tex_point *p, float *out)
+static void set_alpha(const lc_scene *scene, const lc_material_maps *maps, int axis, const lc_tex_point *p,
+                      float *out)
 {
     double v[3];
     if (maps->roughness[axis] == LC_NONE) return;
     lc_texture_eval(&scene->textures, maps->roughness[axis], p, v);
-    *out = within(lc_roughness_alpha(maps->remap, fmax(v[0], 0)), (double)LC_MIN_ROUGHNESS, (double)LC_MAX_ROUGHNESS);
+    *out = within(lc_roughness_alpha(maps->remap, fmax(v[0], 0)), (double)LC_MIN_ROUGHNESS,
+                  (double)LC_MAX_ROUGHNESS);
 }
 
 /* k of metals without eta that reflect the texture's value along the normal. */
@@ -154,7 +173,8 @@ static lc_f3 blend(lc_f3 a, lc_f3 b, lc_f3 share)
     return lc_f3_add(lc_f3_mul(a, rest), lc_f3_mul(b, share));
 }
 
-/* One of the two, chosen with its mean share as probability; *tint makes up for shares that differ between channels. */
+/* One of the two, chosen with its mean share as probability; *tint makes up for shares that differ between
+ * channels. */
 static uint32_t choose(const lc_material_maps *maps, lc_f3 share, uint64_t *hash, lc_f3 *tint)
 {
     float mean = (share.x + share.y + share.z) * (1.0f / 3);
@@ -180,12 +200,15 @@ static double height(const lc_scene *scene, uint32_t id, const lc_tex_point *p, 
     lc_tex_point q = *p;
     double v[3];
     q.uv[axis] += h;
-    q.pos[0] += h * d.x, q.pos[1] += h * d.y, q.pos[2] += h * d.z;
+    q.pos[0] += h * d.x;
+    q.pos[1] += h * d.y;
+    q.pos[2] += h * d.z;
     lc_texture_eval(&scene->textures, id, &q, v);
     return v[0];
 }
 
-/* The normal of p + height n, by differences over about a pixel, as in pbrt; what n changes along the surface is left out. */
+/* The normal of p + height n, by differences over about a pixel, as in pbrt; what n changes along the surface
+ * is left out. */
 static lc_f3 bumped(const lc_scene *scene, uint32_t id, const lc_tex_point *p, d3 du, d3 dv, lc_f3 normal)
 {
     const d3 n = { (double)normal.x, (double)normal.y, (double)normal.z };
@@ -193,8 +216,10 @@ static lc_f3 bumped(const lc_scene *scene, uint32_t id, const lc_tex_point *p, d
     if (!(hu > 1e-9)) hu = 0.0005;
     if (!(hv > 1e-9)) hv = 0.0005;
     double base = height(scene, id, p, 0, 0, du);
-    double a = (height(scene, id, p, 0, hu, du) - base) / hu, b = (height(scene, id, p, 1, hv, dv) - base) / hv;
-    d3 eu = { du.x + a * n.x, du.y + a * n.y, du.z + a * n.z }, ev = { dv.x + b * n.x, dv.y + b * n.y, dv.z + b * n.z };
+    double a = (height(scene, id, p, 0, hu, du) - base) / hu,
+           b = (height(scene, id, p, 1, hv, dv) - base) / hv;
+    d3 eu = { du.x + a * n.x, du.y + a * n.y, du.z + a * n.z },
+       ev = { dv.x + b * n.x, dv.y + b * n.y, dv.z + b * n.z };
     d3 m = cross(eu, ev);
     double side = dot(m, n) < 0 ? -1 : 1, most = fmax(fabs(m.x), fmax(fabs(m.y), fabs(m.z)));
     if (!(most > 0 && most <= DBL_MAX)) return normal;
@@ -213,12 +238,13 @@ static lc_f3 mapped(const lc_scene *scene, uint32_t id, const lc_tex_point *p, d
     d3 y = cross(n, x);
     lc_texture_eval(&scene->textures, id, p, v);
     for (int k = 0; k < 3; k++) v[k] = 2 * v[k] - 1;
-    d3 m = { v[0] * x.x + v[1] * y.x + v[2] * n.x, v[0] * x.y + v[1] * y.y + v[2] * n.y, v[0] * x.z + v[1] * y.z + v[2] * n.z };
+    d3 m = { v[0] * x.x + v[1] * y.x + v[2] * n.x, v[0] * x.y + v[1] * y.y + v[2] * n.y,
+             v[0] * x.z + v[1] * y.z + v[2] * n.z };
     return dot(m, m) > 0 ? lc_f3_normalize_d(m.x, m.y, m.z) : normal;
 }
 
-static void tilt(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, uint32_t id,
-                 const lc_tex_point *p, lc_f3 *n)
+static void tilt(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit,
+                 uint32_t id, const lc_tex_point *p, lc_f3 *n)
 {
     const lc_material_maps *maps = &scene->maps[id];
     d3 du, dv;
@@ -228,8 +254,8 @@ static void tilt(const lc_scene *scene, const lc_mesh *mesh, const float *const 
     else *n = bumped(scene, maps->bump, p, du, dv, *n);
 }
 
-void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
-                          double pixel, lc_material *m, lc_f3 *n)
+void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
+                          const lc_hit *hit, lc_f3 dir, double pixel, lc_material *m, lc_f3 *n)
 {
     lc_tex_point p = point_of(scene, mesh, corner, hit, dir, pixel);
     lc_f3 tint = lc_f3_make(1, 1, 1);
@@ -255,8 +281,8 @@ void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const floa
     m->kt = lc_f3_mul(m->kt, tint);
 }
 
-lc_f3 lc_textured_emission(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
-                           double pixel)
+lc_f3 lc_textured_emission(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
+                           const lc_hit *hit, lc_f3 dir, double pixel)
 {
     const lc_mipmap *map = &scene->emission_maps[mesh->emission_map - 1];
     lc_tex_point p = point_of(scene, mesh, corner, hit, dir, pixel);

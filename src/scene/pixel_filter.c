@@ -11,7 +11,9 @@ static double mitchell(double x, double b, double c)
 {
     x = fabs(x);
     if (x >= 2) return 0;
-    if (x >= 1) return (((-b - 6 * c) * x + (6 * b + 30 * c)) * x + (-12 * b - 48 * c)) * x / 6 + (8 * b + 24 * c) / 6;
+    if (x >= 1)
+        return (((-b - 6 * c) * x + (6 * b + 30 * c)) * x + (-12 * b - 48 * c)) * x / 6 +
+               (8 * b + 24 * c) / 6;
     return ((12 - 9 * b - 6 * c) * x + (-18 + 12 * b + 6 * c)) * x * x / 6 + (6 - 2 * b) / 6;
 }
 
@@ -27,7 +29,8 @@ static double value(const lc_pixel_filter_desc *d, double radius, double x)
 {
     switch (d->kind) {
     case LC_PIXEL_TRIANGLE: return radius - fabs(x);
-    case LC_PIXEL_GAUSSIAN: return lc_exp_neg(-d->shape[0] * x * x) - lc_exp_neg(-d->shape[0] * radius * radius);
+    case LC_PIXEL_GAUSSIAN:
+        return lc_exp_neg(-d->shape[0] * x * x) - lc_exp_neg(-d->shape[0] * radius * radius);
     case LC_PIXEL_MITCHELL: return mitchell(2 * x / radius, d->shape[0], d->shape[1]);
     case LC_PIXEL_SINC: return sinc(x) * sinc(x / d->shape[0]);
     case LC_PIXEL_BOX: break;

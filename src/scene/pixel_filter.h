@@ -1,5 +1,6 @@
-/* pixel_filter.h - pbrt's pixel filters, by sampling: a pixel's samples lie where the filter is large, so that all count alike and
- * pixels stay independent of each other ([Ernst06]; what pbrt-v4 does). All are products of a function of x and one of y.
+/* pixel_filter.h - pbrt's pixel filters, by sampling: a pixel's samples lie where the filter is large, so
+ * that all count alike and pixels stay independent of each other ([Ernst06]; what pbrt-v4 does). All are
+ * products of a function of x and one of y.
  */
 #ifndef LC_PIXEL_FILTER_H
 #define LC_PIXEL_FILTER_H
@@ -17,8 +18,8 @@ typedef enum lc_pixel_filter_kind {
 typedef struct lc_pixel_filter_desc {
     lc_pixel_filter_kind kind;
     double radius[2];    /* pixels, of x and y, LC_MIN_RADIUS..LC_MAX_RADIUS */
-    double shape[2];     /* gaussian: exponent's factor alpha, f = e^(-alpha x^2) - e^(-alpha r^2); mitchell: B, C; sinc: tau, the
-                          * radius's part of the window; else 0 */
+    double shape[2]; /* gaussian: exponent's factor alpha, f = e^(-alpha x^2) - e^(-alpha r^2); mitchell: B,
+                      * C; sinc: tau, the radius's part of the window; else 0 */
 } lc_pixel_filter_desc;
 
 #define LC_PIXEL_FILTER_BOX { .kind = LC_PIXEL_BOX, .radius = { 0.5, 0.5 } }
@@ -38,7 +39,8 @@ typedef struct lc_pixel_filter {
 
 /* False where numbers are out of range or the filter is 0 everywhere. */
 bool lc_pixel_filter_init(lc_pixel_filter *f, const lc_pixel_filter_desc *desc);
-/* Offset from the pixel's centre, pixels, of a pair of numbers 0 <= u < 1; returns the sample's weight, 1 or -1. */
+/* Offset from the pixel's centre, pixels, of a pair of numbers 0 <= u < 1; returns the sample's weight, 1 or
+ * -1. */
 double lc_pixel_filter_sample(const lc_pixel_filter *f, const double u[2], double offset[2]);
 
 #endif

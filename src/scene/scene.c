@@ -7,7 +7,8 @@
 
 #define MAX_COUNT 0x3fffffffu /* triangles, vertices, lights: ids fit in 31 bits with room for flags */
 
-#define GROW(scene, field, cap, need) lc_grow((scene)->ctx, (void **)&(scene)->field, &(scene)->cap, need, sizeof *(scene)->field)
+#define GROW(scene, field, cap, need)                                                                        \
+    lc_grow((scene)->ctx, (void **)&(scene)->field, &(scene)->cap, need, sizeof *(scene)->field)
 
 lc_status lc_scene_create(lc_context *ctx, lc_scene **out)
 {
@@ -19,7 +20,8 @@ lc_status lc_scene_create(lc_context *ctx, lc_scene **out)
     s->textures.ctx = ctx;
     s->bounds = lc_box_empty();
     s->max_depth = LC_PBRT_DEPTH;
-    s->film = (lc_film_desc){ .width = 1280, .height = 720, .crop = { 0, 1280, 0, 720 }, .scale = 1, .spp = 1 };
+    s->film =
+        (lc_film_desc){ .width = 1280, .height = 720, .crop = { 0, 1280, 0, 720 }, .scale = 1, .spp = 1 };
     s->film.filter = (lc_pixel_filter_desc)LC_PIXEL_FILTER_BOX;
     return LC_OK;
 }
@@ -41,13 +43,14 @@ static bool good_index(const lc_material *m)
 
 lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
 {
-    if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !is_colour(m->kt, 1e6f) || !is_colour(m->eta, 1e6f) ||
-        !is_colour(m->k, 1e6f) || !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
+    if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !is_colour(m->kt, 1e6f) ||
+        !is_colour(m->eta, 1e6f) || !is_colour(m->k, 1e6f) ||
+        !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
         return LC_ERR_ARG;
     if (!good_index(m)) return LC_ERR_ARG;
     const float *rough = m->roughness;
-    if (rough[0] > 0 && !(rough[0] >= LC_MIN_ROUGHNESS && rough[0] <= LC_MAX_ROUGHNESS && rough[1] >= LC_MIN_ROUGHNESS &&
-                          rough[1] <= LC_MAX_ROUGHNESS))
+    if (rough[0] > 0 && !(rough[0] >= LC_MIN_ROUGHNESS && rough[0] <= LC_MAX_ROUGHNESS &&
+                          rough[1] >= LC_MIN_ROUGHNESS && rough[1] <= LC_MAX_ROUGHNESS))
         return LC_ERR_ARG;
     lc_status st = GROW(s, materials, cap_materials, s->n_materials + 1);
     if (!st) st = GROW(s, maps, cap_maps, s->n_materials + 1);
@@ -62,9 +65,9 @@ lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
 static void set_kind(const lc_scene *s, uint32_t id, lc_material_maps *maps)
 {
     const float *rough = s->materials[id].roughness;
-    maps->textured = maps->mix[0] != LC_NONE || maps->kd != LC_NONE || maps->ks != LC_NONE || maps->kt != LC_NONE ||
-                     maps->exponent != LC_NONE || maps->roughness[0] != LC_NONE || maps->roughness[1] != LC_NONE ||
-                     maps->bump != LC_NONE || maps->normal != LC_NONE;
+    maps->textured = maps->mix[0] != LC_NONE || maps->kd != LC_NONE || maps->ks != LC_NONE ||
+                     maps->kt != LC_NONE || maps->exponent != LC_NONE || maps->roughness[0] != LC_NONE ||
+                     maps->roughness[1] != LC_NONE || maps->bump != LC_NONE || maps->normal != LC_NONE;
     maps->brushed = rough[0] < rough[1] || rough[0] > rough[1] || maps->roughness[0] != maps->roughness[1];
     maps->depth = 0;
     for (int i = 0; i < 2 && maps->mix[0] != LC_NONE; i++) {
@@ -93,15 +96,15 @@ static lc_status check_mesh(const lc_scene *s, lc_pos where, const lc_mesh_desc 
 {
     for (size_t i = 0; i < (size_t)m->n_verts * 3; i++)
         if (!(fabsf(m->pos[i]) <= LC_MAX_COORD))
-            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "vertex %zu is not finite or beyond %g units", i / 3,
-                              (double)LC_MAX_COORD);
+            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "vertex %zu is not finite or beyond %g units",
+                              i / 3, (double)LC_MAX_COORD);
     for (size_t i = 0; m->normal && i < (size_t)m->n_verts * 3; i++)
         if (!isfinite(m->normal[i]))
             return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "normal %zu is not finite", i / 3);
     for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
         if (m->index[i] >= m->n_verts)
-            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "triangle %zu uses vertex %u of %u", i / 3, m->index[i],
-                              m->n_verts);
+            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "triangle %zu uses vertex %u of %u", i / 3,
+                              m->index[i], m->n_verts);
     if (!is_colour(m->emission, LC_MAX_INTENSITY))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "emission is negative, not finite or above %g",
                           (double)LC_MAX_INTENSITY);
@@ -157,9 +160,17 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
         lc_box_add(object ? &object->box : &s->bounds, lc_f3_load(m->pos + 3 * (size_t)m->index[i]));
     if (object) object->n_tris += m->n_tris;
     s->meshes[s->n_meshes++] = (lc_mesh){
-        .first_tri = (uint32_t)s->n_tris, .n_tris = m->n_tris, .first_vert = (uint32_t)s->n_verts, .material_id = m->material_id,
-        .has_normals = m->normal != NULL, .has_uv = m->uv != NULL, .textured = textured,
-        .brushed = s->maps[m->material_id].brushed, .flip = m->flip, .two_sided = m->two_sided, .emission = m->emission,
+        .first_tri = (uint32_t)s->n_tris,
+        .n_tris = m->n_tris,
+        .first_vert = (uint32_t)s->n_verts,
+        .material_id = m->material_id,
+        .has_normals = m->normal != NULL,
+        .has_uv = m->uv != NULL,
+        .textured = textured,
+        .brushed = s->maps[m->material_id].brushed,
+        .flip = m->flip,
+        .two_sided = m->two_sided,
+        .emission = m->emission,
         .emission_map = m->emission_map,
         .alpha = m->alpha ? (uint32_t)s->n_alphas : LC_NONE,
     };
@@ -172,7 +183,8 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
 lc_status lc_scene_begin_object(lc_scene *s)
 {
     lc_status st = GROW(s, objects, cap_objects, s->n_objects + 1);
-    if (!st) s->objects[s->n_objects++] = (lc_object){ .first_tri = (uint32_t)s->n_tris, .box = lc_box_empty() };
+    if (!st)
+        s->objects[s->n_objects++] = (lc_object){ .first_tri = (uint32_t)s->n_tris, .box = lc_box_empty() };
     return st;
 }
 
@@ -181,7 +193,8 @@ lc_status lc_scene_add_instance(lc_scene *s, lc_pos where, uint32_t object, cons
     lc_xform inverse;
     const lc_object *o = &s->objects[object];
     if (!o->n_tris) return LC_OK;
-    if (s->n_instances >= MAX_COUNT) return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u instances", MAX_COUNT);
+    if (s->n_instances >= MAX_COUNT)
+        return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u instances", MAX_COUNT);
     lc_status st = GROW(s, instances, cap_instances, s->n_instances + 1);
     if (st) return st;
     lc_instance *at = &s->instances[s->n_instances];
@@ -190,11 +203,13 @@ lc_status lc_scene_add_instance(lc_scene *s, lc_pos where, uint32_t object, cons
     memcpy(at->to_world, to_world->m, sizeof at->to_world);
     memcpy(at->to_object, inverse.m, sizeof at->to_object);
     for (int i = 0; i < 8; i++) {
-        const float p[3] = { i & 1 ? o->box.hi.x : o->box.lo.x, i & 2 ? o->box.hi.y : o->box.lo.y, i & 4 ? o->box.hi.z : o->box.lo.z };
+        const float p[3] = { i & 1 ? o->box.hi.x : o->box.lo.x, i & 2 ? o->box.hi.y : o->box.lo.y,
+                             i & 4 ? o->box.hi.z : o->box.lo.z };
         float q[3];
         lc_instance_point(at, p, q);
         if (!in_range(lc_f3_load(q), LC_MAX_COORD))
-            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "an instance is beyond %g units", (double)LC_MAX_COORD);
+            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "an instance is beyond %g units",
+                              (double)LC_MAX_COORD);
     }
     s->n_instances++;
     return LC_OK;
@@ -224,7 +239,8 @@ static lc_status next_light(lc_scene *s, lc_light **out)
 lc_status lc_scene_join_lights(lc_scene *s)
 {
     if (!s->n_light_chunks) return LC_OK;
-    lc_light *all = lc_alloc_raw(s->ctx, s->n_lights, sizeof *all); /* not touched yet: no memory before the copies */
+    /* Not touched yet: no memory before the copies. */
+    lc_light *all = lc_alloc_raw(s->ctx, s->n_lights, sizeof *all);
     if (!all) return LC_ERR_MEMORY;
     memcpy(all, s->lights, s->cap_lights * sizeof *all);
     lc_free(s->ctx, s->lights, s->cap_lights, sizeof *all);
@@ -252,13 +268,15 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light direction is zero or not finite");
     if (light->kind == LC_LIGHT_SPOT) {
         const lc_spot *spot = &light->spot;
-        if (!(spot->cos_total >= -2 && spot->cos_total <= spot->cos_start && spot->cos_start <= 1) || spot->map > s->n_spot_maps)
+        if (!(spot->cos_total >= -2 && spot->cos_total <= spot->cos_start && spot->cos_start <= 1) ||
+            spot->map > s->n_spot_maps)
             return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "the spot light's angles are out of range");
     }
     for (int k = 0; k < 3 && light->kind != LC_LIGHT_SPOT; k++) {
         float a = light->atten[k];
         bool soft = k == 0 && light->atten[2] == 1;
-        if (!(a == 0 || (a >= (soft ? LC_MIN_D2 : LC_MIN_ATTEN) && a <= (soft ? LC_MAX_SOFTENING : LC_MAX_ATTEN))))
+        if (!(a == 0 ||
+              (a >= (soft ? LC_MIN_D2 : LC_MIN_ATTEN) && a <= (soft ? LC_MAX_SOFTENING : LC_MAX_ATTEN))))
             return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients must be 0 or %g to %g",
                               (double)LC_MIN_ATTEN, (double)LC_MAX_ATTEN);
         sum += a;
@@ -268,7 +286,8 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
     if (s->n_lights >= MAX_COUNT)
         return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u lights", MAX_COUNT);
     lc_f3 i = light->intensity;
-    i = lc_f3_make(i.x < LC_MIN_INTENSITY ? 0 : i.x, i.y < LC_MIN_INTENSITY ? 0 : i.y, i.z < LC_MIN_INTENSITY ? 0 : i.z);
+    i = lc_f3_make(i.x < LC_MIN_INTENSITY ? 0 : i.x, i.y < LC_MIN_INTENSITY ? 0 : i.y,
+                   i.z < LC_MIN_INTENSITY ? 0 : i.z);
     if (!(lc_f3_max(i) > 0)) return LC_OK; /* sheds nothing */
     lc_light *to;
     lc_status st = next_light(s, &to);
@@ -281,7 +300,8 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
 
 lc_status lc_scene_add_env(lc_scene *s, lc_pos where, const lc_env *env)
 {
-    if (!is_colour(env->scale, LC_MAX_INTENSITY) || !lc_xform_finite(&env->to_world) || !lc_xform_finite(&env->to_light))
+    if (!is_colour(env->scale, LC_MAX_INTENSITY) || !lc_xform_finite(&env->to_world) ||
+        !lc_xform_finite(&env->to_light))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "the light's radiance or transform is out of range");
     lc_status st = GROW(s, envs, cap_envs, s->n_envs + 1);
     if (!st) s->envs[s->n_envs++] = *env;
@@ -323,7 +343,8 @@ lc_status lc_scene_set_camera(lc_scene *s, lc_pos where, const lc_camera_desc *c
 {
     lc_camera test;
     if (!lc_camera_init(&test, camera, 1, 1))
-        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "camera: singular transform, or fov or screen window out of range");
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where,
+                          "camera: singular transform, or fov or screen window out of range");
     s->camera_desc = *camera;
     s->has_camera = true;
     return LC_OK;
@@ -331,16 +352,21 @@ lc_status lc_scene_set_camera(lc_scene *s, lc_pos where, const lc_camera_desc *c
 
 lc_status lc_scene_set_film(lc_scene *s, lc_pos where, const lc_film_desc *f)
 {
-    if (!f->width || !f->height || f->width > 65535 || f->height > 65535 || (uint64_t)f->width * f->height > LC_MAX_PIXELS)
-        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film of %u x %u pixels: each side must be 1 to 65535, the product at most %u",
+    if (!f->width || !f->height || f->width > 65535 || f->height > 65535 ||
+        (uint64_t)f->width * f->height > LC_MAX_PIXELS)
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where,
+                          "film of %u x %u pixels: each side must be 1 to 65535, the product at most %u",
                           f->width, f->height, LC_MAX_PIXELS);
-    if (f->crop[0] >= f->crop[1] || f->crop[2] >= f->crop[3] || f->crop[1] > f->width || f->crop[3] > f->height)
+    if (f->crop[0] >= f->crop[1] || f->crop[2] >= f->crop[3] || f->crop[1] > f->width ||
+        f->crop[3] > f->height)
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film: crop window is empty or outside the film");
     if (!(f->scale > 0 && f->scale <= LC_MAX_INTENSITY) || !f->spp || f->spp > LC_MAX_SPP)
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film: scale or samples per pixel out of range");
-    if (!lc_pixel_filter_init(&s->filter, &f->filter)) return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film: pixel filter out of range");
+    if (!lc_pixel_filter_init(&s->filter, &f->filter))
+        return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "film: pixel filter out of range");
     char *name = NULL;
-    if (f->filename && !(name = lc_arena_text(&s->arena, f->filename, strlen(f->filename)))) return LC_ERR_MEMORY;
+    if (f->filename && !(name = lc_arena_text(&s->arena, f->filename, strlen(f->filename))))
+        return LC_ERR_MEMORY;
     s->film = *f;
     s->film.filename = name;
     return LC_OK;
@@ -366,7 +392,8 @@ lc_status lc_scene_note_at(lc_scene *s, lc_pos where, const char *kind, const ch
     va_end(args);
     lc_status st = GROW(s, notes, cap_notes, s->n_notes + 1);
     if (st) return st;
-    lc_scene_note note = { lc_arena_text(&s->arena, kind, strlen(kind)), lc_arena_text(&s->arena, text, strlen(text)), 1 };
+    lc_scene_note note = { lc_arena_text(&s->arena, kind, strlen(kind)),
+                           lc_arena_text(&s->arena, text, strlen(text)), 1 };
     if (!note.kind || !note.text) return LC_ERR_MEMORY;
     s->notes[s->n_notes++] = note;
     s->noted = note.text;
@@ -383,14 +410,16 @@ static lc_status find_feature(lc_scene *s, const char *kind, const char *name, l
     }
     lc_status st = GROW(s, features, cap_features, s->n_features + 1);
     if (st) return st;
-    lc_feature f = { lc_arena_text(&s->arena, kind, strlen(kind)), lc_arena_text(&s->arena, name, strlen(name)), "", 0, LC_SUPPORT_YES };
+    lc_feature f = { lc_arena_text(&s->arena, kind, strlen(kind)),
+                     lc_arena_text(&s->arena, name, strlen(name)), "", 0, LC_SUPPORT_YES };
     if (!f.kind || !f.name) return LC_ERR_MEMORY;
     *out = &s->features[s->n_features];
     s->features[s->n_features++] = f;
     return LC_OK;
 }
 
-lc_status lc_scene_count_feature(lc_scene *s, const char *kind, const char *name, lc_support support, const char *text)
+lc_status lc_scene_count_feature(lc_scene *s, const char *kind, const char *name, lc_support support,
+                                 const char *text)
 {
     lc_feature *f;
     lc_status st = find_feature(s, kind, name, &f);
@@ -398,6 +427,9 @@ lc_status lc_scene_count_feature(lc_scene *s, const char *kind, const char *name
     f->count++;
     if (support <= f->support) return LC_OK;
     f->support = support;
-    if (text && !(f->text = lc_arena_text(&s->arena, text, strlen(text)))) f->text = "", st = LC_ERR_MEMORY;
+    if (text && !(f->text = lc_arena_text(&s->arena, text, strlen(text)))) {
+        f->text = "";
+        st = LC_ERR_MEMORY;
+    }
     return st;
 }

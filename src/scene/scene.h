@@ -2,8 +2,8 @@
  *
  *     create -> add_material, add_mesh, add_light, set_camera, set_film, note ... -> commit
  *
- * Everything given to the builder is copied, and checked here: finite numbers, indices in range, counts that fit.
- * All positions are in world space.
+ * Everything given to the builder is copied, and checked here: finite numbers, indices in range, counts that
+ * fit. All positions are in world space.
  */
 #ifndef LC_SCENE_H
 #define LC_SCENE_H
@@ -31,12 +31,13 @@ typedef struct lc_mesh_alpha {
 typedef struct lc_mesh_desc {
     uint32_t n_verts, n_tris;
     const float *pos;      /* n_verts * 3 */
-    const float *uv;       /* n_verts * 2, or NULL: (0,0) (1,0) (1,1) on each triangle. Kept where lc_scene_wants_uv. */
+    const float
+        *uv; /* n_verts * 2, or NULL: (0,0) (1,0) (1,1) on each triangle. Kept where lc_scene_wants_uv. */
     const float *normal;   /* n_verts * 3, any length, or NULL; zero vectors: use the face's */
     const uint32_t *index; /* n_tris * 3 */
     uint32_t material_id;
-    bool flip;             /* geometric normal is the negative of cross(p1-p0, p2-p0): ReverseOrientation xor a
-                              mirrored transform. Where there are normals they decide the side instead. */
+    bool flip; /* geometric normal is the negative of cross(p1-p0, p2-p0): ReverseOrientation xor a
+                  mirrored transform. Where there are normals they decide the side instead. */
     lc_f3 emission;        /* radiance W/(m^2 sr), 0 = none */
     bool two_sided;        /* of the emission */
     const lc_mesh_alpha *alpha; /* NULL: opaque. uv are kept where it is given */
@@ -92,8 +93,8 @@ struct lc_scene {
     lc_context *ctx;
     lc_arena arena;
 
-    /* n_verts * 3 and n_tris * 3 floats and indices; normal is NULL unless some mesh has normals (zeros elsewhere),
-       and so is uv, n_verts * 2 */
+    /* n_verts * 3 and n_tris * 3 floats and indices; normal is NULL unless some mesh has normals (zeros
+       elsewhere), and so is uv, n_verts * 2 */
     float *pos, *normal, *uv;
     uint32_t *index;    /* into pos, absolute */
     uint32_t *tri_mesh; /* mesh of each triangle */
@@ -118,10 +119,12 @@ struct lc_scene {
     size_t n_spot_maps, cap_spot_maps;
     lc_mipmap *emission_maps;
     size_t n_emission_maps, cap_emission_maps;
-    /* Those of the file first, then those made from emissive triangles, then from envs. Lights beyond cap_lights lie in chunks of
-     * LC_LIGHT_CHUNK until commit joins all: an array that doubles would need three times the memory for a while. */
+    /* Those of the file first, then those made from emissive triangles, then from envs. Lights beyond
+     * cap_lights lie in chunks of LC_LIGHT_CHUNK until commit joins all: an array that doubles would need
+     * three times the memory for a while. */
     lc_light *lights, **light_chunks;
-    size_t n_meshes, cap_meshes, n_materials, cap_materials, cap_maps, n_lights, cap_lights, n_light_chunks, cap_light_chunks;
+    size_t n_meshes, cap_meshes, n_materials, cap_materials, cap_maps, n_lights, cap_lights, n_light_chunks,
+        cap_light_chunks;
 
     lc_scene_note *notes;
     lc_feature *features; /* text in the arena */
@@ -159,13 +162,16 @@ struct lc_scene {
 
 lc_status lc_scene_create(lc_context *ctx, lc_scene **out);
 lc_status lc_scene_add_material(lc_scene *scene, const lc_material *material, uint32_t *id);
-/* Textures of scene->textures, or the materials it mixes, for a material that was added; before the meshes and mixes that use it. */
+/* Textures of scene->textures, or the materials it mixes, for a material that was added; before the meshes
+ * and mixes that use it. */
 void lc_scene_map_material(lc_scene *scene, uint32_t id, const lc_material_maps *maps);
-/* Of the material: whether meshes keep their uv for textures, or for the direction of anisotropic roughness too. */
+/* Of the material: whether meshes keep their uv for textures, or for the direction of anisotropic roughness
+ * too. */
 bool lc_scene_is_textured(const lc_scene *scene, uint32_t material_id);
 bool lc_scene_wants_uv(const lc_scene *scene, uint32_t material_id);
 lc_status lc_scene_add_mesh(lc_scene *scene, lc_pos where, const lc_mesh_desc *mesh);
-/* Meshes from now on are a new object's, in its space; the world's come before all objects'. An object's don't emit. */
+/* Meshes from now on are a new object's, in its space; the world's come before all objects'. An object's
+ * don't emit. */
 lc_status lc_scene_begin_object(lc_scene *scene);
 /* Places an object, all of whose meshes are there; to_world is such that lc_instance_fits. */
 lc_status lc_scene_add_instance(lc_scene *scene, lc_pos where, uint32_t object, const lc_xform *to_world);
@@ -182,9 +188,11 @@ lc_f3 lc_scene_background(const lc_scene *scene, lc_f3 dir);
 lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);
 lc_status lc_scene_set_film(lc_scene *scene, lc_pos where, const lc_film_desc *film);
 /* Something was approximated or skipped. The first of a kind is logged as a warning, all are counted. */
-lc_status lc_scene_note_at(lc_scene *scene, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
+lc_status lc_scene_note_at(lc_scene *scene, lc_pos where, const char *kind, const char *fmt, ...)
+    LC_PRINTF(4, 5);
 /* The file uses this. Of one that is less than supported the first text stays; it is copied, or NULL. */
-lc_status lc_scene_count_feature(lc_scene *scene, const char *kind, const char *name, lc_support support, const char *text);
+lc_status lc_scene_count_feature(lc_scene *scene, const char *kind, const char *name, lc_support support,
+                                 const char *text);
 /* Makes scene->lights hold all n_lights; commit does it. */
 lc_status lc_scene_join_lights(lc_scene *scene);
 

@@ -31,7 +31,8 @@ void lc_scene_destroy(lc_scene *s)
     lc_free(ctx, s->emission_maps, s->cap_emission_maps, sizeof *s->emission_maps);
     lc_free(ctx, s->spot_maps, s->cap_spot_maps, sizeof *s->spot_maps);
     lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
-    for (size_t i = 0; i < s->n_light_chunks; i++) lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
+    for (size_t i = 0; i < s->n_light_chunks; i++)
+        lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
     lc_free(ctx, s->light_chunks, s->cap_light_chunks, sizeof *s->light_chunks);
     lc_free(ctx, s->notes, s->cap_notes, sizeof *s->notes);
     lc_free(ctx, s->features, s->cap_features, sizeof *s->features);

@@ -11,22 +11,44 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
     static const lc_light_tree none;
     const lc_light_tree *t = s->tree ? s->tree : &none; /* parsed only */
     *info = (lc_scene_info){
-        .n_triangles = s->n_tris, .n_vertices = s->n_verts, .n_meshes = s->n_meshes, .n_materials = s->n_materials,
-        .n_lights = t->n_lights, .n_point = t->n_of_kind[LC_LIGHT_POINT], .n_oriented = t->n_of_kind[LC_LIGHT_ORIENTED],
-        .n_directional = t->n_of_kind[LC_LIGHT_DIRECTIONAL], .n_spot = t->n_of_kind[LC_LIGHT_SPOT],
+        .n_triangles = s->n_tris,
+        .n_vertices = s->n_verts,
+        .n_meshes = s->n_meshes,
+        .n_materials = s->n_materials,
+        .n_lights = t->n_lights,
+        .n_point = t->n_of_kind[LC_LIGHT_POINT],
+        .n_oriented = t->n_of_kind[LC_LIGHT_ORIENTED],
+        .n_directional = t->n_of_kind[LC_LIGHT_DIRECTIONAL],
+        .n_spot = t->n_of_kind[LC_LIGHT_SPOT],
         .n_emissive_triangles = s->n_emissive_tris,
-        .n_indirect_lights = s->indirect.n_lights, .n_light_paths = s->indirect.n_paths, .indirect_loss = s->indirect.loss,
-        .n_instances = s->n_instances, .n_instanced_triangles = lc_instanced_tris(s), .n_alpha_meshes = s->n_alphas,
-        .n_env_maps = s->n_envs, .n_env_lights = s->n_env_lights, .n_env_tried = s->n_env_tried,
-        .max_depth = s->max_depth, .n_textures = s->textures.n, .n_images = s->textures.n_images,
-        .width = s->film.width, .height = s->film.height, .spp = s->film.spp,
-        .film_filename = s->film.filename ? s->film.filename : "", .n_notes = (uint32_t)s->n_notes,
-        .seconds_parse = s->seconds_parse, .seconds_bvh = s->seconds_bvh, .seconds_lights = s->seconds_lights,
-        .seconds_tree = s->seconds_tree, .bvh_bytes = s->bvh ? lc_bvh_bytes(s->bvh) + lc_instances_bytes(s) : 0,
+        .n_indirect_lights = s->indirect.n_lights,
+        .n_light_paths = s->indirect.n_paths,
+        .indirect_loss = s->indirect.loss,
+        .n_instances = s->n_instances,
+        .n_instanced_triangles = lc_instanced_tris(s),
+        .n_alpha_meshes = s->n_alphas,
+        .n_env_maps = s->n_envs,
+        .n_env_lights = s->n_env_lights,
+        .n_env_tried = s->n_env_tried,
+        .max_depth = s->max_depth,
+        .n_textures = s->textures.n,
+        .n_images = s->textures.n_images,
+        .width = s->film.width,
+        .height = s->film.height,
+        .spp = s->film.spp,
+        .film_filename = s->film.filename ? s->film.filename : "",
+        .n_notes = (uint32_t)s->n_notes,
+        .seconds_parse = s->seconds_parse,
+        .seconds_bvh = s->seconds_bvh,
+        .seconds_lights = s->seconds_lights,
+        .seconds_tree = s->seconds_tree,
+        .bvh_bytes = s->bvh ? lc_bvh_bytes(s->bvh) + lc_instances_bytes(s) : 0,
         .tree_bytes = s->tree ? lc_light_tree_bytes(t) : 0,
     };
-    for (size_t i = 0; i < s->textures.n_images; i++) info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);
-    for (size_t i = 0; i < s->n_materials; i++) info->n_mirrors += s->materials[i].mirror || s->materials[i].glass;
+    for (size_t i = 0; i < s->textures.n_images; i++)
+        info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);
+    for (size_t i = 0; i < s->n_materials; i++)
+        info->n_mirrors += s->materials[i].mirror || s->materials[i].glass;
     lc_f3_store(info->bounds_lo, s->bounds.lo);
     lc_f3_store(info->bounds_hi, s->bounds.hi);
     for (int i = 0; i < 4; i++) info->crop[i] = s->film.crop[i];

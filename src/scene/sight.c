@@ -91,7 +91,9 @@ static void turn_over(lc_lit *lit)
 {
     lc_surface *s = &lit->surface;
     lc_surface_behind(s, s->ray_org);
-    s->n = lc_f3_neg(s->n), s->ng = lc_f3_neg(s->ng), s->front = !s->front;
+    s->n = lc_f3_neg(s->n);
+    s->ng = lc_f3_neg(s->ng);
+    s->front = !s->front;
     s->material = (lc_material){ .kd = s->material.kt };
 }
 
@@ -135,11 +137,15 @@ static ray take_strongest(trace *t)
     return r;
 }
 
-bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, uint32_t max_depth, lc_sight *out)
+bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, uint32_t max_depth,
+                    lc_sight *out)
 {
     trace t;
     ray r = { org, dir, lc_f3_make(1, 1, 1), 0, 0 };
-    t.scene = scene, t.out = out, t.pixel = pixel, t.max_depth = max_depth;
+    t.scene = scene;
+    t.out = out;
+    t.pixel = pixel;
+    t.max_depth = max_depth;
     t.n_splits = t.n_rough = t.n_rays = 0;
     out->n_rays = out->n_lit = 0;
     out->emission = lc_f3_make(0, 0, 0);

@@ -1,17 +1,20 @@
-/* sight.h - what a camera ray shows: the first surface, or by way of mirrors and glass the first surfaces that are neither.
+/* sight.h - what a camera ray shows: the first surface, or by way of mirrors and glass the first surfaces
+ * that are neither.
  *
  *     camera -> mirror -> glass -> surface           light reaches the camera times all shares
  *                           `----> another surface
  *
- * Glass sends a ray on twice, reflected and refracted; a sheet (`thin`) lets it through without bending it, and all reflections
- * inside count as one. Radiance that enters a medium of index eta is divided by eta^2, as in pbrt, and so multiplied on leaving.
- * The strongest ray goes first. Left out are rays that show less than LC_LEAST_SHARE beyond glass, what is left after
- * LC_MAX_ROUGH rough surfaces, and the weaker side of glass after LC_MAX_SPLITS.
+ * Glass sends a ray on twice, reflected and refracted; a sheet (`thin`) lets it through without bending it,
+ * and all reflections inside count as one. Radiance that enters a medium of index eta is divided by eta^2, as
+ * in pbrt, and so multiplied on leaving. The strongest ray goes first. Left out are rays that show less than
+ * LC_LEAST_SHARE beyond glass, what is left after LC_MAX_ROUGH rough surfaces, and the weaker side of glass
+ * after LC_MAX_SPLITS.
  *
- * A ray is reflected about the shading normal; where that would lead below the surface, it is turned up again by the same
- * angle, so that what a mirror shows has no jump there; what is refracted likewise. Depth counts as in pbrt: after k mirrors or
- * glass surfaces another is lit when k < max_depth, and shows its own emission when k <= max_depth. What leaves the scene shows
- * its background. A surface that lets light through diffusely is lit from both sides: twice in the list.
+ * A ray is reflected about the shading normal; where that would lead below the surface, it is turned up again
+ * by the same angle, so that what a mirror shows has no jump there; what is refracted likewise. Depth counts
+ * as in pbrt: after k mirrors or glass surfaces another is lit when k < max_depth, and shows its own emission
+ * when k <= max_depth. What leaves the scene shows its background. A surface that lets light through
+ * diffusely is lit from both sides: twice in the list.
  */
 #ifndef LC_MIRROR_H
 #define LC_MIRROR_H
@@ -39,8 +42,10 @@ typedef struct lc_sight {
     lc_lit lit[LC_MAX_LIT]; /* the strongest first */
 } lc_sight;
 
-/* False: the camera ray leaves the scene. For the arguments see lc_surface_hit; max_depth: 1..LC_MAX_DEPTH. */
-bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, uint32_t max_depth, lc_sight *out);
+/* False: the camera ray leaves the scene. For the arguments see lc_surface_hit; max_depth: 1..LC_MAX_DEPTH.
+ */
+bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, uint32_t max_depth,
+                    lc_sight *out);
 
 /* The direction in which a mirror sends light on that comes along dir. */
 lc_f3 lc_mirror_leave(const lc_surface *s, lc_f3 dir);

@@ -25,7 +25,8 @@ lc_status lc_scene_add_sun(lc_scene *scene, lc_f3 dir, lc_f3 irradiance, double 
 /* By the chord, in double: the cosine of a quarter of a degree has few of a float's digits left. */
 static bool sees(const lc_sun *sun, lc_f3 dir)
 {
-    double x = (double)dir.x - (double)sun->dir.x, y = (double)dir.y - (double)sun->dir.y, z = (double)dir.z - (double)sun->dir.z;
+    double x = (double)dir.x - (double)sun->dir.x, y = (double)dir.y - (double)sun->dir.y,
+           z = (double)dir.z - (double)sun->dir.z;
     return x * x + y * y + z * z <= sun->chord2;
 }
 

@@ -1,4 +1,5 @@
-/* sun.h - discs in the sky that cameras and mirrors see. Their light comes from directional lights; nothing else knows of them. */
+/* sun.h - discs in the sky that cameras and mirrors see. Their light comes from directional lights; nothing
+ * else knows of them. */
 #ifndef LC_SUN_H
 #define LC_SUN_H
 

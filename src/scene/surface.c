@@ -1,4 +1,5 @@
-/* surface.c - position from barycentric weights (better than origin + t dir), normals, offset of shadow rays. */
+/* surface.c - position from barycentric weights (better than origin + t dir), normals, offset of shadow rays.
+ */
 #include "scene/surface.h"
 
 #include "scene/instance.h"
@@ -11,8 +12,8 @@ static lc_f3 mix(const float *const v[3], float u, float w)
                       s * v[0][2] + u * v[1][2] + w * v[2][2]);
 }
 
-/* The interpolated position is within 4 ulp of the plane, ulp of the largest coordinate; shadow rays start twice that
- * and the rounding of the start itself above it. */
+/* The interpolated position is within 4 ulp of the plane, ulp of the largest coordinate; shadow rays start
+ * twice that and the rounding of the start itself above it. */
 static void set_ray_origin(lc_surface *s, lc_f3 ng, float size)
 {
     lc_f3 o = lc_f3_add(s->pos, lc_f3_scale(ng, 10 * 0x1p-23f * size));
@@ -48,16 +49,19 @@ static void place_corners(const lc_instance *at, bool has_normals, corners *c)
     }
 }
 
-/* What a shadow ray's rounding into the object's space amounts to, as a coordinate of the world would: largest coordinate o of
- * the triangle there, seen along the normal. An error of e in each axis of the object shifts by e |M^T n|_1 along n. */
+/* What a shadow ray's rounding into the object's space amounts to, as a coordinate of the world would:
+ * largest coordinate o of the triangle there, seen along the normal. An error of e in each axis of the object
+ * shifts by e |M^T n|_1 along n. */
 static float object_size(const lc_scene *scene, const lc_hit *hit, lc_f3 n)
 {
     const lc_instance *at = &scene->instances[hit->instance];
     double size = 0, sum = 0;
     for (size_t k = 0; k < 3; k++)
-        size = fmax(size, (double)lc_f3_max_abs(lc_f3_load(lc_tri_vertex(scene->pos, scene->index, hit->tri, k))));
+        size = fmax(size,
+                    (double)lc_f3_max_abs(lc_f3_load(lc_tri_vertex(scene->pos, scene->index, hit->tri, k))));
     for (int j = 0; j < 3; j++)
-        sum += fabs((double)n.x * at->to_world[j] + (double)n.y * at->to_world[4 + j] + (double)n.z * at->to_world[8 + j]);
+        sum += fabs((double)n.x * at->to_world[j] + (double)n.y * at->to_world[4 + j] +
+                    (double)n.z * at->to_world[8 + j]);
     return (float)(size * sum);
 }
 
@@ -71,8 +75,8 @@ static void corners_of(const lc_scene *scene, const lc_mesh *mesh, const lc_hit 
 }
 
 /* Evaluates textures. A normal that they tilt below the surface (ng, as wound) stays as it was. */
-static lc_f3 textured_normal(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit, lc_f3 dir,
-                             double pixel, lc_f3 ns, lc_f3 ng, lc_material *m)
+static lc_f3 textured_normal(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
+                             const lc_hit *hit, lc_f3 dir, double pixel, lc_f3 ns, lc_f3 ng, lc_material *m)
 {
     bool turned = !mesh->has_normals && mesh->flip; /* ns is on the winding's side, not the mesh's */
     lc_f3 own = turned ? lc_f3_neg(ns) : ns, tilted = own;
@@ -87,7 +91,8 @@ bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, l
     return lc_surface_hit_after(scene, org, dir, 0, pixel, out);
 }
 
-bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way, double pixel, lc_surface *out)
+bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way, double pixel,
+                          lc_surface *out)
 {
     const float o[3] = { org.x, org.y, org.z }, d[3] = { dir.x, dir.y, dir.z };
     corners c;
@@ -102,11 +107,15 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
     lc_f3 ng = lc_f3_normalize(lc_f3_cross(e1, e2)), ns = ng;
     bool back = mesh->flip != (hit.instance != LC_NONE && scene->instances[hit.instance].mirrored);
     out->pos = mix(v, hit.u, hit.v);
-    float size = fmaxf(lc_f3_max_abs(p0), fmaxf(lc_f3_max_abs(lc_f3_load(v[1])), lc_f3_max_abs(lc_f3_load(v[2]))));
+    float size = fmaxf(lc_f3_max_abs(p0),
+                       fmaxf(lc_f3_max_abs(lc_f3_load(v[1])), lc_f3_max_abs(lc_f3_load(v[2]))));
     if (hit.instance != LC_NONE) size += object_size(scene, &hit, ng);
     if (mesh->has_normals) {
         lc_f3 n = lc_f3_normalize(mix(c.n, hit.u, hit.v));
-        if (lc_f3_dot(n, n) > 0) ns = n, back = lc_f3_dot(ng, n) < 0;
+        if (lc_f3_dot(n, n) > 0) {
+            ns = n;
+            back = lc_f3_dot(ng, n) < 0;
+        }
     }
     out->material = scene->materials[mesh->material_id];
     if (mesh->textured) ns = textured_normal(scene, mesh, v, &hit, dir, pixel, ns, ng, &out->material);

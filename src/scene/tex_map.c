@@ -23,27 +23,36 @@ bool lc_tex_map_2d(const lc_tex_map *map, const lc_tex_point *p, double st[2], d
 {
     double q[3], w;
     if (map->kind == LC_MAP_UV) {
-        st[0] = map->su * p->uv[0] + map->du, st[1] = map->sv * p->uv[1] + map->dv;
-        width[0] = fabs(map->su) * p->grad_u * p->width, width[1] = fabs(map->sv) * p->grad_v * p->width;
+        st[0] = map->su * p->uv[0] + map->du;
+        st[1] = map->sv * p->uv[1] + map->dv;
+        width[0] = fabs(map->su) * p->grad_u * p->width;
+        width[1] = fabs(map->sv) * p->grad_v * p->width;
         return all_finite(st, width);
     }
     if (!lc_tex_map_3d(map, p, q, &w)) return false;
-    double about = lc_atan2(q[1], q[0]) / (2 * LC_PI), r = sqrt(q[0] * q[0] + q[1] * q[1]), d = sqrt(dot(q, q));
+    double about = lc_atan2(q[1], q[0]) / (2 * LC_PI), r = sqrt(q[0] * q[0] + q[1] * q[1]),
+           d = sqrt(dot(q, q));
     if (about < 0) about += 1;
     /* w seen at distance r is an angle of w / r, at most all around */
     double around = fmin(w / (2 * LC_PI * fmax(r, 1e-300)), 1);
     switch (map->kind) {
     case LC_MAP_PLANAR:
-        st[0] = dot(map->v1, q) + map->du, st[1] = dot(map->v2, q) + map->dv;
-        width[0] = w * sqrt(dot(map->v1, map->v1)), width[1] = w * sqrt(dot(map->v2, map->v2));
+        st[0] = dot(map->v1, q) + map->du;
+        st[1] = dot(map->v2, q) + map->dv;
+        width[0] = w * sqrt(dot(map->v1, map->v1));
+        width[1] = w * sqrt(dot(map->v2, map->v2));
         break;
     case LC_MAP_SPHERICAL:
-        st[0] = lc_atan2(r, q[2]) / LC_PI, st[1] = about;
-        width[0] = fmin(w / (LC_PI * fmax(d, 1e-300)), 1), width[1] = around;
+        st[0] = lc_atan2(r, q[2]) / LC_PI;
+        st[1] = about;
+        width[0] = fmin(w / (LC_PI * fmax(d, 1e-300)), 1);
+        width[1] = around;
         break;
     default:
-        st[0] = about, st[1] = q[2];
-        width[0] = around, width[1] = w;
+        st[0] = about;
+        st[1] = q[2];
+        width[0] = around;
+        width[1] = w;
     }
     return all_finite(st, width);
 }

@@ -30,11 +30,12 @@ static void marble(const lc_texture *t, const double p[3], double width, double 
     double f = at - first, g = 1 - f;
     const double(*c)[3] = colours + (size_t)first;
     for (int k = 0; k < 3; k++)
-        out[k] = 1.5 * (g * g * g * c[0][k] + 3 * f * g * g * c[1][k] + 3 * f * f * g * c[2][k] + f * f * f * c[3][k]);
+        out[k] = 1.5 * (g * g * g * c[0][k] + 3 * f * g * g * c[1][k] + 3 * f * f * g * c[2][k] +
+                        f * f * f * c[3][k]);
 }
 
-/* Share of late wood: rings about the z axis, bent by noise that is ten times as long along it. It rises over four fifths
- * of a ring and falls over the last. Rings narrower than a pixel blur into their mean, 1/2. */
+/* Share of late wood: rings about the z axis, bent by noise that is ten times as long along it. It rises over
+ * four fifths of a ring and falls over the last. Rings narrower than a pixel blur into their mean, 1/2. */
 static double wood(const lc_texture *t, const double p[3], double width)
 {
     double q[3] = { p[0], p[1], 0.1 * p[2] };

@@ -9,8 +9,10 @@
 
 const char *lc_tex_kind_name(lc_tex_kind kind)
 {
-    static const char *const names[LC_TEX_KINDS] = { "constant", "scale", "mix",      "directionmix", "imagemap", "checkerboard", "dots",
-                                                     "bilerp",   "uv",    "fbm",      "wrinkled",     "windy",    "marble",       "wood" };
+    static const char *const names[LC_TEX_KINDS] = { "constant", "scale",        "mix",      "directionmix",
+                                                     "imagemap", "checkerboard", "dots",     "bilerp",
+                                                     "uv",       "fbm",          "wrinkled", "windy",
+                                                     "marble",   "wood" };
     return names[kind];
 }
 
@@ -63,7 +65,8 @@ static double checker(const lc_texture *t, const lc_tex_point *p)
     bool ok = t->solid ? lc_tex_map_3d(&t->map, p, at, width) : lc_tex_map_2d(&t->map, p, at, width);
     if (!ok) return 0.5;
     if (t->solid) width[1] = width[2] = width[0];
-    for (int k = 0; k < (t->solid ? 3 : 2); k++) product *= wave(at[k], t->sharp ? 0 : CHECKER_RADIUS * width[k]);
+    for (int k = 0; k < (t->solid ? 3 : 2); k++)
+        product *= wave(at[k], t->sharp ? 0 : CHECKER_RADIUS * width[k]);
     return 0.5 - 0.5 * product;
 }
 
@@ -121,7 +124,9 @@ static void coordinates(const lc_texture *t, const lc_tex_point *p, double out[3
 {
     double st[2], width[2];
     if (!lc_tex_map_2d(&t->map, p, st, width)) st[0] = st[1] = 0;
-    out[0] = st[0] - floor(st[0]), out[1] = st[1] - floor(st[1]), out[2] = 0;
+    out[0] = st[0] - floor(st[0]);
+    out[1] = st[1] - floor(st[1]);
+    out[2] = 0;
 }
 
 static void solid(const lc_textures *set, const lc_texture *t, const lc_tex_point *p, double out[3])

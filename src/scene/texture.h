@@ -2,8 +2,9 @@
  *
  *     lc_tex_point -> mapping -> (s, t), or a point in texture space -> pattern or image -> value
  *
- * A texture's inputs are values or textures made before it, so there are no circles; depth and cost of evaluation are
- * bounded when it is added. Float textures have three equal components. Nothing here depends on the machine.
+ * A texture's inputs are values or textures made before it, so there are no circles; depth and cost of
+ * evaluation are bounded when it is added. Float textures have three equal components. Nothing here depends
+ * on the machine.
  */
 #ifndef LC_TEXTURE_H
 #define LC_TEXTURE_H
@@ -83,7 +84,8 @@ typedef struct lc_textures {
 #define LC_TEX_MAX_DEPTH 64   /* of inputs of inputs */
 #define LC_TEX_MAX_COST 1024u /* textures evaluated for one value */
 
-/* Copies the texture. Where it would exceed the limits it becomes a constant, its mean, and *too_deep is set. */
+/* Copies the texture. Where it would exceed the limits it becomes a constant, its mean, and *too_deep is set.
+ */
 lc_status lc_textures_add(lc_textures *set, const lc_texture *t, uint32_t *id, bool *too_deep);
 /* Takes the image over. */
 lc_status lc_textures_add_image(lc_textures *set, const lc_mipmap *image, uint32_t *id);

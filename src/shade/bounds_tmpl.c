@@ -462,7 +462,8 @@ LC_INLINE void LC_FN(bounds_of)(const lc_tree_data *t, const uint32_t *index, ui
     const lc_point p = *point; /* that ub can't alias */
     uint32_t rest[VF_LANES];
     lanes l;
-    l.tree = t, l.atten = kind == LC_LIGHT_SPOT ? NULL : t->node_atten;
+    l.tree = t;
+    l.atten = kind == LC_LIGHT_SPOT ? NULL : t->node_atten;
     for (uint32_t i = 0; i < n; i += VF_LANES) {
         l.index = index + i;
         if (n - i < VF_LANES) { /* the last one fills up */

@@ -14,9 +14,14 @@ void lc_cluster_from_light(lc_cluster *c, const lc_light *light)
         lc_f3_store(c->dlo, light->dir);
         lc_f3_store(c->dhi, light->dir);
     }
-    c->power[0] = light->intensity.x, c->power[1] = light->intensity.y, c->power[2] = light->intensity.z;
+    c->power[0] = light->intensity.x;
+    c->power[1] = light->intensity.y;
+    c->power[2] = light->intensity.z;
     for (int k = 0; k < 3; k++) c->atten[k] = light->kind == LC_LIGHT_SPOT ? k == 2 : light->atten[k];
-    if (light->kind == LC_LIGHT_SPOT) c->spot[0] = light->spot.cos_total, c->spot[1] = light->spot.cos_start;
+    if (light->kind == LC_LIGHT_SPOT) {
+        c->spot[0] = light->spot.cos_total;
+        c->spot[1] = light->spot.cos_start;
+    }
 }
 
 void lc_cluster_join(lc_cluster *out, const lc_cluster *a, const lc_cluster *b)
@@ -34,8 +39,8 @@ void lc_cluster_join(lc_cluster *out, const lc_cluster *a, const lc_cluster *b)
     *out = c;
 }
 
-/* The sphere through the box's corners has centre C = (lo + hi) / 2 and radius R = |hi - lo| / 2; it cuts the unit
- * sphere in the cap cos(beta) = (|C|^2 + 1 - R^2) / (2 |C|). */
+/* The sphere through the box's corners has centre C = (lo + hi) / 2 and radius R = |hi - lo| / 2; it cuts the
+ * unit sphere in the cap cos(beta) = (|C|^2 + 1 - R^2) / (2 |C|). */
 double lc_cluster_cone(const lc_cluster *c, double axis[3])
 {
     double s2 = 0, r2 = 0;
@@ -48,7 +53,8 @@ double lc_cluster_cone(const lc_cluster *c, double axis[3])
     if (!lc_is_aimed(c->kind)) return 1;
     double s = sqrt(s2);
     if (s < 0.1) { /* too near the whole sphere for the axis to mean anything */
-        axis[0] = axis[1] = 0, axis[2] = 1;
+        axis[0] = axis[1] = 0;
+        axis[2] = 1;
         return -1;
     }
     for (int k = 0; k < 3; k++) axis[k] /= s;
@@ -72,8 +78,8 @@ static float round_up(double x)
     return (double)f < x ? nextafterf(f, INFINITY) : f;
 }
 
-/* Least float >= a - b in exact arithmetic. The double difference is itself rounded where exponents are far apart:
- * e is what it lacks (Knuth's two-sum). */
+/* Least float >= a - b in exact arithmetic. The double difference is itself rounded where exponents are far
+ * apart: e is what it lacks (Knuth's two-sum). */
 static float difference_up(double a, double b)
 {
     double d = a - b, z = d - a, e = (a - (d - z)) + (-b - z);
@@ -83,8 +89,8 @@ static float difference_up(double a, double b)
 
 static float round_down(double x) { return -round_up(-x); }
 
-/* Directions and axis are unit only to float rounding, d = 1.2e-7 each in length and direction: the cap's cosine moves
- * by at most d (1 + 2 / |C|), |C| >= 0.05 where a cone is formed. Taken as 4 d (1 + 1 / |C|). */
+/* Directions and axis are unit only to float rounding, d = 1.2e-7 each in length and direction: the cap's
+ * cosine moves by at most d (1 + 2 / |C|), |C| >= 0.05 where a cone is formed. Taken as 4 d (1 + 1 / |C|). */
 static double cone_slack(const lc_cluster *c)
 {
     double s2 = 0;

@@ -1,7 +1,7 @@
 /* cluster.h - what a set of lights of one kind has in common: box, box of directions, summed power, least
- * attenuation. Joining is associative and commutative but for the rounding of the sums, so any order of building
- * gives the same bounds. Directions are held as a box of unit directions, the cone is derived from it (design.md,
- * "Estimate and bound").
+ * attenuation. Joining is associative and commutative but for the rounding of the sums, so any order of
+ * building gives the same bounds. Directions are held as a box of unit directions, the cone is derived from
+ * it (design.md, "Estimate and bound").
  */
 #ifndef LC_CLUSTER_H
 #define LC_CLUSTER_H
@@ -26,8 +26,12 @@ double lc_cluster_cone(const lc_cluster *c, double axis[3]);
 /* Squared diagonal of the box. */
 double lc_cluster_diag2(const lc_cluster *c);
 /* Scalar power used by metric and representatives: (R + G + B) / 3. */
-static inline double lc_cluster_scalar(const lc_cluster *c) { return (c->power[0] + c->power[1] + c->power[2]) / 3; }
-/* Writes what the kernels read of the node but for children and representative, rounding outwards. atten may be NULL. */
+static inline double lc_cluster_scalar(const lc_cluster *c)
+{
+    return (c->power[0] + c->power[1] + c->power[2]) / 3;
+}
+/* Writes what the kernels read of the node but for children and representative, rounding outwards. atten may
+ * be NULL. */
 void lc_cluster_store(const lc_cluster *c, lc_node *node, lc_atten *atten);
 
 #endif

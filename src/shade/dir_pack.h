@@ -1,8 +1,8 @@
 /* dir_pack.h - a unit vector in two words.
  *
- * The two smaller components, a and b, are kept, and the largest, w = +- sqrt(1 - a^2 - b^2), is made anew. |a|, |b| < 1, so
- * bit 30 of both is free, LC_DIR_FLAG: set in a, w is x; set in b, w is y; else z. LC_DIR_SIGN of a is the sign of w. Length:
- * within 2^-23 of 1; components: within 2^-22 of those packed.
+ * The two smaller components, a and b, are kept, and the largest, w = +- sqrt(1 - a^2 - b^2), is made anew.
+ * |a|, |b| < 1, so bit 30 of both is free, LC_DIR_FLAG: set in a, w is x; set in b, w is y; else z.
+ * LC_DIR_SIGN of a is the sign of w. Length: within 2^-23 of 1; components: within 2^-22 of those packed.
  */
 #ifndef LC_DIRECTION_H
 #define LC_DIRECTION_H

@@ -50,7 +50,8 @@ LC_INLINE vf LC_FN(spot)(const lc_tree_data *t, const float *const *light, vf co
     }
     vf_rows(row, 0, k);
     vf x = MUL(vf_sub(vf_sel_gt(one, cos_phi, cos_phi, one), k[0]), k[1]);
-    x = vf_sel_gt(x, zero, x, zero), x = vf_sel_gt(one, x, x, one);
+    x = vf_sel_gt(x, zero, x, zero);
+    x = vf_sel_gt(one, x, x, one);
     if (t->spot_maps) {
         for (int a = 0; a < 3; a++) vf_store(to[a], vf_neg(d[a]));
         for (uint32_t i = 0; i < VF_LANES; i++) {
@@ -70,7 +71,8 @@ LC_INLINE void LC_FN(unpack)(vf a, vf b, vf out[3])
     const vf zero = SET(0), flag = vf_word(LC_DIR_FLAG);
     vf is_x = vf_and(a, flag), is_y = vf_and(b, flag); /* 2 or 0 as floats */
     vf sign = vf_shl(vf_and(a, vf_word(LC_DIR_SIGN)), 31);
-    a = vf_and(a, vf_word(~(LC_DIR_FLAG | LC_DIR_SIGN))), b = vf_and(b, vf_word(~LC_DIR_FLAG));
+    a = vf_and(a, vf_word(~(LC_DIR_FLAG | LC_DIR_SIGN)));
+    b = vf_and(b, vf_word(~LC_DIR_FLAG));
     vf rest = vf_sub(vf_sub(SET(1), MUL(a, a)), MUL(b, b)), w = vf_xor(vf_sqrt(vf_max(rest, zero)), sign);
     out[0] = vf_sel_gt(is_x, zero, w, a);
     out[1] = vf_sel_gt(is_x, zero, a, vf_sel_gt(is_y, zero, w, b));
@@ -111,7 +113,8 @@ LC_INLINE vf LC_FN(ward)(const lc_point *p, const vf d[3], vf cos_r, vf inv_len,
 
 LC_INLINE vf LC_FN(stretched)(const lc_point *p, vf x, vf y, vf z)
 {
-    x = MUL(x, SET(p->square[0])), y = MUL(y, SET(p->square[1]));
+    x = MUL(x, SET(p->square[0]));
+    y = MUL(y, SET(p->square[1]));
     return vf_sqrt(ADD(ADD(MUL(x, x), MUL(y, y)), MUL(z, z)));
 }
 
@@ -139,8 +142,11 @@ LC_INLINE void LC_FN(ggx)(const lc_point *p, const vf d[3], vf cos_r, vf inv_len
     LC_FN(set_row)(ty, p->tangent[1]);
     vf x = MUL(LC_FN(dot_rows)(tx, d), inv_len), y = MUL(LC_FN(dot_rows)(ty, d), inv_len);
     vf shadowing = LC_FN(stretched)(p, x, y, cos_r), z = ADD(cos_r, o_n);
-    x = ADD(x, SET(p->view[0])), y = ADD(y, SET(p->view[1]));
-    x = MUL(x, x), y = MUL(y, y), z = MUL(z, z);
+    x = ADD(x, SET(p->view[0]));
+    y = ADD(y, SET(p->view[1]));
+    x = MUL(x, x);
+    y = MUL(y, y);
+    z = MUL(z, z);
     vf h2 = ADD(ADD(MUL(x, SET(p->square[0])), MUL(y, SET(p->square[1]))), z), r = vf_div(h2, ADD(ADD(x, y), z));
     vf lobe = vf_div(MUL(r, r), ADD(MUL(SET(p->masking), cos_r), MUL(shadowing, o_n)));
     LC_FN(fresnel)(p, vf_min(MUL(SET(0.5f), vf_sqrt(h2)), SET(1)), lobe, out);

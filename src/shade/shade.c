@@ -14,8 +14,8 @@ static float transfer(float f) { return f < LC_MIN_TRANSFER ? 0 : f < LC_MAX_TRA
 
 static float no_less(float a, float least) { return a > least ? a : least; }
 
-/* A unit vector across n: along `wish` where that has a direction along the surface, else across the axis that n is
- * farthest from. */
+/* A unit vector across n: along `wish` where that has a direction along the surface, else across the axis
+ * that n is farthest from. */
 static lc_f3 tangent_of(lc_f3 n, lc_f3 wish)
 {
     float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
@@ -38,18 +38,20 @@ static void init_frame(lc_point *p, lc_f3 n, lc_f3 unit, lc_f3 view, const lc_ma
 static float init_ward(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m)
 {
     init_frame(p, n, tangent_of(n, m->tangent), view, m);
-    return (float)(0.25 / LC_PI) / (m->roughness[0] * m->roughness[1] * sqrtf(no_less(lc_f3_dot(n, view), LC_WARD_MIN_COS)));
+    return (float)(0.25 / LC_PI) /
+           (m->roughness[0] * m->roughness[1] * sqrtf(no_less(lc_f3_dot(n, view), LC_WARD_MIN_COS)));
 }
 
 /* Length of (ax w.x, ay w.y, w.z), x and y along the tangents over roughness. */
 static float stretched(const lc_point *p, float x, float y, float z)
 {
-    x *= p->square[0], y *= p->square[1];
+    x *= p->square[0];
+    y *= p->square[1];
     return sqrtf(x * x + y * y + z * z);
 }
 
-/* Share of light that a smooth dielectric lets through, 0 < c: half of 4 c g / (c + g)^2 + 4 eta^2 c g / (eta^2 c + g)^2, with g =
- * eta times the cosine inside. */
+/* Share of light that a smooth dielectric lets through, 0 < c: half of 4 c g / (c + g)^2 + 4 eta^2 c g /
+ * (eta^2 c + g)^2, with g = eta times the cosine inside. */
 static float transmitted(const lc_point *p, float c)
 {
     float g = sqrtf(p->bend + c * c), s = c + g, t = p->eta2 * c + g;
@@ -63,7 +65,8 @@ static float reflected(const lc_point *p, float c) { return no_less(1 - transmit
 static float conductor(float rise, float turn, float c)
 {
     float cc = c * c, ss = 1 - cc, t = rise + cc, w = sqrtf(t * t + turn * turn); /* w: |N|^2 */
-    float b = no_less(sqrtf(0.5f * (w + fabsf(t))), LC_TINY_PART), a = t > 0 ? b : 0.5f * turn / b; /* a: real part of N */
+    /* a: real part of N. */
+    float b = no_less(sqrtf(0.5f * (w + fabsf(t))), LC_TINY_PART), a = t > 0 ? b : 0.5f * turn / b;
     float ca = c * a, t1 = w + cc, t2 = ca + ca, t3 = cc * w + ss * ss, t4 = t2 * ss;
     float rs = (t1 - t2) / (t1 + t2), f = 0.5f * (rs + rs * ((t3 - t4) / (t3 + t4)));
     f = no_less(f, 0);
@@ -82,25 +85,33 @@ static float init_ggx(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, lc
     const double eta[3] = { (double)m->eta.x, (double)m->eta.y, (double)m->eta.z };
     const double k[3] = { (double)m->k.x, (double)m->k.y, (double)m->k.z };
     float factor = (float)(0.5 / LC_PI) / (m->roughness[0] * m->roughness[1]);
-    if (lc_f3_dot(n, view) < 0) view = tangent_of(n, tangent_of(n, view)); /* twice: then it is across to the last digit */
+    /* twice: then it is across to the last digit. */
+    if (lc_f3_dot(n, view) < 0) view = tangent_of(n, tangent_of(n, view));
     init_frame(p, n, tangent_of(n, tangent_of(n, m->tangent)), view, m);
     lc_f3_store(p->to_view, view);
     for (int i = 0; i < 2; i++) p->square[i] = m->roughness[i] * m->roughness[i];
     p->masking = stretched(p, p->view[0], p->view[1], p->view[2]);
     p->fresnel = m->fresnel == LC_FRESNEL_NONE ? LC_FRESNEL_SCHLICK : m->fresnel;
     p->coat = m->coat;
-    p->eta2 = (float)(eta[0] * eta[0]), p->bend = (float)(eta[0] * eta[0] - 1);
-    lc_f3 rise = lc_f3_scale(lc_f3_make(no_less(1 - m->ks.x, 0), no_less(1 - m->ks.y, 0), no_less(1 - m->ks.z, 0)), factor);
+    p->eta2 = (float)(eta[0] * eta[0]);
+    p->bend = (float)(eta[0] * eta[0] - 1);
+    lc_f3 rise = lc_f3_scale(lc_f3_make(no_less(1 - m->ks.x, 0), no_less(1 - m->ks.y, 0),
+                                        no_less(1 - m->ks.z, 0)),
+                             factor);
     if (m->fresnel == LC_FRESNEL_SCHLICK && lc_f3_max(m->ks) > 0) lc_f3_store(p->rise, rise);
-    for (int i = 0; i < 3 && m->fresnel == LC_FRESNEL_CONDUCTOR; i++)
-        p->rise[i] = (float)(eta[i] * eta[i] - k[i] * k[i] - 1), p->turn[i] = (float)(2 * eta[i] * k[i]);
+    for (int i = 0; i < 3 && m->fresnel == LC_FRESNEL_CONDUCTOR; i++) {
+        p->rise[i] = (float)(eta[i] * eta[i] - k[i] * k[i] - 1);
+        p->turn[i] = (float)(2 * eta[i] * k[i]);
+    }
     if (m->coat) *kd = below_coat(p, m);
     return factor;
 }
 
 void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_material *m, float min_d2)
 {
-    static const lc_lobe lobes[] = { [LC_GLOSS_PHONG] = LC_LOBE_PHONG, [LC_GLOSS_WARD] = LC_LOBE_WARD, [LC_GLOSS_GGX] = LC_LOBE_GGX };
+    static const lc_lobe lobes[] = {
+        [LC_GLOSS_PHONG] = LC_LOBE_PHONG, [LC_GLOSS_WARD] = LC_LOBE_WARD, [LC_GLOSS_GGX] = LC_LOBE_GGX
+    };
     lc_f3 kd = m->kd;
     float k;
     *p = (lc_point){ .exponent = m->exponent, .min_d2 = min_d2 };
@@ -141,16 +152,21 @@ static lc_f3 fresnel(const lc_point *p, float c)
         return lc_f3_add(f, lc_f3_scale(lc_f3_load(rise), w < LC_MIN_LOBE ? 0 : w));
     }
     if (p->fresnel == LC_FRESNEL_DIELECTRIC) return lc_f3_scale(f, reflected(p, c));
-    return lc_f3_mul(f, lc_f3_make(conductor(rise[0], turn[0], c), conductor(rise[1], turn[1], c), conductor(rise[2], turn[2], c)));
+    return lc_f3_mul(f, lc_f3_make(conductor(rise[0], turn[0], c), conductor(rise[1], turn[1], c),
+                                   conductor(rise[2], turn[2], c)));
 }
 
 /* r is that of material.h; |h| is twice the cosine between h and the viewer. */
 static lc_f3 ggx(const lc_point *p, lc_f3 d, float cos_r, float inv_len)
 {
-    float x = lc_f3_dot(lc_f3_load(p->tangent[0]), d) * inv_len, y = lc_f3_dot(lc_f3_load(p->tangent[1]), d) * inv_len;
+    float x = lc_f3_dot(lc_f3_load(p->tangent[0]), d) * inv_len,
+          y = lc_f3_dot(lc_f3_load(p->tangent[1]), d) * inv_len;
     float shadowing = stretched(p, x, y, cos_r), z = cos_r + p->view[2];
-    x += p->view[0], y += p->view[1];
-    x *= x, y *= y, z *= z;
+    x += p->view[0];
+    y += p->view[1];
+    x *= x;
+    y *= y;
+    z *= z;
     float h2 = x * p->square[0] + y * p->square[1] + z, r = h2 / (x + y + z), c = 0.5f * sqrtf(h2);
     float lobe = r * r / (p->masking * cos_r + shadowing * p->view[2]);
     return lc_f3_scale(fresnel(p, c < 1 ? c : 1), lobe);
@@ -159,7 +175,8 @@ static lc_f3 ggx(const lc_point *p, lc_f3 d, float cos_r, float inv_len)
 static lc_f3 gloss(const lc_point *p, lc_f3 d, float cos_r, float inv_len)
 {
     if (p->lobe == LC_LOBE_GGX) return ggx(p, d, cos_r, inv_len);
-    return lc_f3_scale(lc_f3_load(p->specular), p->lobe == LC_LOBE_WARD ? ward(p, d, cos_r, inv_len) : phong(p, d, inv_len));
+    return lc_f3_scale(lc_f3_load(p->specular),
+                       p->lobe == LC_LOBE_WARD ? ward(p, d, cos_r, inv_len) : phong(p, d, inv_len));
 }
 
 /* BRDF times cosine times g times tint, for unnormalised direction d of length 1 / inv_len. */
@@ -173,8 +190,8 @@ static lc_f3 material_term(const lc_point *p, lc_f3 d, float cos_r, float inv_le
 }
 
 /* A spot, or where it is NULL a point or oriented light. */
-static lc_f3 shade_near(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten, const lc_spot_rec *spot,
-                        const lc_spot_map *spot_maps)
+static lc_f3 shade_near(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten,
+                        const lc_spot_rec *spot, const lc_spot_map *spot_maps)
 {
     const lc_f3 zero = { 0, 0, 0 }, d = lc_f3_sub(lc_f3_load(light->pos), lc_f3_load(p->pos));
     float nd = lc_f3_dot(lc_f3_load(p->n), d), d2 = lc_f3_dot(d, d), tint[3] = { 1, 1, 1 };
@@ -205,7 +222,8 @@ lc_f3 lc_shade_light(const lc_point *p, lc_light_kind kind, const lc_light_rec *
     return cos_r > LC_MIN_COS ? material_term(p, pos, cos_r, 1, 1, one) : zero;
 }
 
-lc_f3 lc_shade_spot(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot, const lc_spot_map *spot_maps)
+lc_f3 lc_shade_spot(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot,
+                    const lc_spot_map *spot_maps)
 {
     return shade_near(p, LC_LIGHT_SPOT, light, NULL, spot, spot_maps);
 }
@@ -216,5 +234,6 @@ void lc_light_rec_init(lc_light_rec *rec, const lc_light *light)
     if (lc_is_aimed(light->kind)) lc_dir_pack(light->dir, dir);
     lc_f3_store(rec->pos, light->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(light->dir) : light->pos);
     lc_f3_store(rec->intensity, light->intensity);
-    rec->dir_a = dir[0], rec->dir_b = dir[1];
+    rec->dir_a = dir[0];
+    rec->dir_b = dir[1];
 }

@@ -2,9 +2,10 @@
  *
  *     t = (cos phi - cos_total) / (cos_start - cos_total) in 0..1      emission = t^2 (3 - 2 t) colour
  *
- * phi is the angle about the light's axis; the colour is 1, or that of a map: a picture that is projected, or intensities by
- * direction on an octahedron (x, y of the direction over |x| + |y| + |z|, the lower half folded outwards), each 0..1, so that a
- * bound of the cosine alone holds. Estimates of all instruction sets look colours up by lc_spot_colour, one light at a time.
+ * phi is the angle about the light's axis; the colour is 1, or that of a map: a picture that is projected, or
+ * intensities by direction on an octahedron (x, y of the direction over |x| + |y| + |z|, the lower half
+ * folded outwards), each 0..1, so that a bound of the cosine alone holds. Estimates of all instruction sets
+ * look colours up by lc_spot_colour, one light at a time.
  */
 #ifndef LC_SPOT_H
 #define LC_SPOT_H
@@ -13,7 +14,8 @@
 
 /* Of a light. Anything below -1 shines everywhere. */
 typedef struct lc_spot {
-    float cos_total, cos_start; /* -2..1, rising: emission is 0 at and below the first, 1 from the second on */
+    float cos_total,
+        cos_start; /* -2..1, rising: emission is 0 at and below the first, 1 from the second on */
     uint32_t map;               /* 1 + index; 0: none */
 } lc_spot;
 
@@ -37,7 +39,9 @@ typedef struct lc_spot_map {
 static inline void lc_spot_rec_init(lc_spot_rec *rec, float cos_total, float cos_start, uint32_t map)
 {
     double width = (double)cos_start - (double)cos_total;
-    *rec = (lc_spot_rec){ cos_total, width * (double)LC_SPOT_MAX_INV > 1 ? (float)(1 / width) : LC_SPOT_MAX_INV, cos_start, map };
+    *rec = (lc_spot_rec){ cos_total,
+                          width * (double)LC_SPOT_MAX_INV > 1 ? (float)(1 / width) : LC_SPOT_MAX_INV,
+                          cos_start, map };
 }
 
 static inline float lc_spot_emission(const lc_spot_rec *spot, float cos_phi)
@@ -69,13 +73,17 @@ static inline void lc_spot_knots(const lc_spot_map *m, float x, float y, float r
 static inline void lc_spot_colour(const lc_spot_map *m, const float to[3], float rgb[3])
 {
     float w[3];
-    for (int k = 0; k < 3; k++) w[k] = m->to_light[k][0] * to[0] + m->to_light[k][1] * to[1] + m->to_light[k][2] * to[2];
+    for (int k = 0; k < 3; k++)
+        w[k] = m->to_light[k][0] * to[0] + m->to_light[k][1] * to[1] + m->to_light[k][2] * to[2];
     rgb[0] = rgb[1] = rgb[2] = 0;
     if (m->projected) {
-        float x = w[0] / w[2] * m->scale[0] + 0.5f * (float)m->width, y = w[1] / w[2] * m->scale[1] + 0.5f * (float)m->height;
+        float x = w[0] / w[2] * m->scale[0] + 0.5f * (float)m->width,
+              y = w[1] / w[2] * m->scale[1] + 0.5f * (float)m->height;
         if (!(w[2] > 0 && x >= 0 && x < (float)m->width && y >= 0 && y < (float)m->height)) return;
         const float *texel = m->texels + ((size_t)(uint32_t)y * m->width + (uint32_t)x) * 3;
-        rgb[0] = texel[0], rgb[1] = texel[1], rgb[2] = texel[2];
+        rgb[0] = texel[0];
+        rgb[1] = texel[1];
+        rgb[2] = texel[2];
         return;
     }
     float sum = fabsf(w[0]) + fabsf(w[1]) + fabsf(w[2]);
@@ -83,9 +91,11 @@ static inline void lc_spot_colour(const lc_spot_map *m, const float to[3], float
     float x = w[0] / sum, y = w[1] / sum;
     if (w[2] < 0) {
         float fold = 1 - fabsf(y);
-        y = copysignf(1 - fabsf(x), y), x = copysignf(fold, x);
+        y = copysignf(1 - fabsf(x), y);
+        x = copysignf(fold, x);
     }
-    x = (0.5f * x + 0.5f) * (float)(m->width - 1), y = (0.5f * y + 0.5f) * (float)(m->height - 1);
+    x = (0.5f * x + 0.5f) * (float)(m->width - 1);
+    y = (0.5f * y + 0.5f) * (float)(m->height - 1);
     lc_spot_knots(m, x > 0 ? x : 0, y > 0 ? y : 0, rgb);
 }
 

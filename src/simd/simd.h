@@ -87,7 +87,10 @@ static inline vf8 vf8_sel_gt(vf8 a, vf8 b, vf8 x, vf8 y)
 static inline void vf8_rows(const float *const p[8], vf8 out[4])
 {
     __m128 a[4], b[4];
-    for (int k = 0; k < 4; k++) a[k] = _mm_loadu_ps(p[k]), b[k] = _mm_loadu_ps(p[k + 4]);
+    for (int k = 0; k < 4; k++) {
+        a[k] = _mm_loadu_ps(p[k]);
+        b[k] = _mm_loadu_ps(p[k + 4]);
+    }
     _MM_TRANSPOSE4_PS(a[0], a[1], a[2], a[3]);
     _MM_TRANSPOSE4_PS(b[0], b[1], b[2], b[3]);
     for (int k = 0; k < 4; k++) out[k] = (vf8){ a[k], b[k] };
@@ -127,8 +130,10 @@ static inline void vf8_rows(const float *const p[8], vf8 out[4])
     for (int k = 0; k < 4; k++) r[k] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(p[k])), _mm_loadu_ps(p[k + 4]), 1);
     __m256d ab = _mm256_castps_pd(_mm256_unpacklo_ps(r[0], r[1])), cd = _mm256_castps_pd(_mm256_unpacklo_ps(r[2], r[3]));
     __m256d ef = _mm256_castps_pd(_mm256_unpackhi_ps(r[0], r[1])), gh = _mm256_castps_pd(_mm256_unpackhi_ps(r[2], r[3]));
-    out[0] = _mm256_castpd_ps(_mm256_unpacklo_pd(ab, cd)), out[1] = _mm256_castpd_ps(_mm256_unpackhi_pd(ab, cd));
-    out[2] = _mm256_castpd_ps(_mm256_unpacklo_pd(ef, gh)), out[3] = _mm256_castpd_ps(_mm256_unpackhi_pd(ef, gh));
+    out[0] = _mm256_castpd_ps(_mm256_unpacklo_pd(ab, cd));
+    out[1] = _mm256_castpd_ps(_mm256_unpackhi_pd(ab, cd));
+    out[2] = _mm256_castpd_ps(_mm256_unpacklo_pd(ef, gh));
+    out[3] = _mm256_castpd_ps(_mm256_unpackhi_pd(ef, gh));
 }
 static inline void vf8_store(float *p, vf8 a) { _mm256_store_ps(p, a); }
 

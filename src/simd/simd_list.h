@@ -28,7 +28,8 @@ static inline vf8 vf8_or(vf8 a, vf8 b)
 {
     for (int i = 0; i < 8; i++) {
         uint32_t x, y;
-        memcpy(&x, &a.v[i], 4), memcpy(&y, &b.v[i], 4);
+        memcpy(&x, &a.v[i], 4);
+        memcpy(&y, &b.v[i], 4);
         x |= y;
         memcpy(&a.v[i], &x, 4);
     }
@@ -37,7 +38,10 @@ static inline vf8 vf8_or(vf8 a, vf8 b)
 static inline uint32_t vf8_signs(vf8 a)
 {
     uint32_t bits = 0, x;
-    for (uint32_t i = 0; i < 8; i++) memcpy(&x, &a.v[i], 4), bits |= x >> 31 << i;
+    for (uint32_t i = 0; i < 8; i++) {
+        memcpy(&x, &a.v[i], 4);
+        bits |= x >> 31 << i;
+    }
     return bits;
 }
 static inline void vf8_keep(void *p, vf8 a, uint32_t mask)

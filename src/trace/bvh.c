@@ -1,4 +1,5 @@
-/* bvh.c - the hierarchy once it is built: its size, its end, and what has to hold of it. bvh_build.c builds it. */
+/* bvh.c - the hierarchy once it is built: its size, its end, and what has to hold of it. bvh_build.c builds
+ * it. */
 #include "trace/bvh.h"
 
 #include "base/vec.h"
@@ -17,19 +18,21 @@ size_t lc_bvh_bytes(const lc_bvh *bvh)
     return sizeof *bvh + bvh->data.n_nodes * sizeof *bvh->nodes + bvh->data.n_blocks * sizeof *bvh->blocks;
 }
 
-/* Is the box of child i of a node around everything in its subtree's blocks? Checked level by level: a child's boxes
- * against the parent's, a block's vertices against its box. */
-static const char *check_child(const lc_bvh *bvh, uint32_t w, uint32_t i, uint8_t *seen, size_t n_tris, const float *pos,
-                               const uint32_t *index)
+/* Is the box of child i of a node around everything in its subtree's blocks? Checked level by level: a
+ * child's boxes against the parent's, a block's vertices against its box. */
+static const char *check_child(const lc_bvh *bvh, uint32_t w, uint32_t i, uint8_t *seen, size_t n_tris,
+                               const float *pos, const uint32_t *index)
 {
     const lc_bvh_node *node = &bvh->nodes[w];
     uint32_t ref = node->child[i];
     if (!(ref & LC_BVH_LEAF)) {
-        if (ref <= w || ref >= bvh->data.n_nodes || seen[n_tris + ref]++) return "node out of order or with two parents";
+        if (ref <= w || ref >= bvh->data.n_nodes || seen[n_tris + ref]++)
+            return "node out of order or with two parents";
         const lc_bvh_node *c = &bvh->nodes[ref];
         for (uint32_t j = 0; j < 8; j++)
             for (int k = 0; k < 3 && c->child[j] != LC_NONE; k++)
-                if (c->lo[k][j] < node->lo[k][i] || c->hi[k][j] > node->hi[k][i]) return "child box outside its parent";
+                if (c->lo[k][j] < node->lo[k][i] || c->hi[k][j] > node->hi[k][i])
+                    return "child box outside its parent";
         return NULL;
     }
     if ((ref & ~LC_BVH_LEAF) >= bvh->data.n_blocks) return "block out of range";

@@ -16,7 +16,8 @@ struct lc_bvh {
 };
 
 /* pos: vertices * 3; index: n_tris * 3, in range; numbers finite. n_tris may be 0. */
-lc_status lc_bvh_build(const lc_context *ctx, const float *pos, const uint32_t *index, size_t n_tris, lc_bvh **out);
+lc_status lc_bvh_build(const lc_context *ctx, const float *pos, const uint32_t *index, size_t n_tris,
+                       lc_bvh **out);
 void lc_bvh_destroy(lc_bvh *bvh);
 size_t lc_bvh_bytes(const lc_bvh *bvh);
 /* NULL when every triangle is in exactly one block and inside all boxes above it, else what is wrong. */

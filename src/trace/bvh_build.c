@@ -1,6 +1,6 @@
-/* bvh_build.c - the binary tree. Ranges of refs too large for one thread are split level by level, all threads working on
- * chunks of them; what is left are subtrees, which threads make alone. No recursion; depth is bounded by halving once
- * MAX_SAH_DEPTH is passed. */
+/* bvh_build.c - the binary tree. Ranges of refs too large for one thread are split level by level, all
+ * threads working on chunks of them; what is left are subtrees, which threads make alone. No recursion; depth
+ * is bounded by halving once MAX_SAH_DEPTH is passed. */
 #include "trace/bvh_build.h"
 
 #include "base/pool.h"
@@ -15,7 +15,8 @@ _Static_assert(MAX_SAH_DEPTH + 31 < LC_BVH_MAX_DEPTH, "traversal stack");
 
 static void set_node(lc_bin_node *node, f4_box box, uint32_t count)
 {
-    f4_store(node->lo, box.lo), f4_store(node->hi, box.hi);
+    f4_store(node->lo, box.lo);
+    f4_store(node->hi, box.hi);
     node->left = 0;
     node->info = count <= 8 ? count << LC_BIN_COUNT_SHIFT : 0;
 }
@@ -52,9 +53,13 @@ static bool split_range(const lc_bvh_builder *b, const lc_bvh_range *r, uint32_t
     half[1] = (lc_bvh_range){ .node = left + 1, .first = r->first + n, .count = r->count - n };
     for (int k = 0; k < 2; k++) {
         const lc_bvh_ref *part = b->refs[side] + half[k].first;
-        half[k].depth = r->depth + 1, half[k].side = side;
+        half[k].depth = r->depth + 1;
+        half[k].side = side;
         half[k].centroids = lc_bvh_centroids_of(part, half[k].count);
-        set_node(&b->nodes[left + (uint32_t)k], halve ? lc_bvh_box_of(part, half[k].count) : k ? s.right : s.left,
+        set_node(&b->nodes[left + (uint32_t)k],
+                 halve ? lc_bvh_box_of(part, half[k].count)
+                 : k   ? s.right
+                       : s.left,
                  half[k].count);
     }
     return true;
@@ -75,7 +80,8 @@ static lc_bvh_costs plan_node(const lc_bvh_builder *b, lc_bin_node *n)
     return lc_bvh_plan(n, lc_bvh_costs_of(b, n->left), lc_bvh_costs_of(b, n->left + 1));
 }
 
-/* Returns the costs of the subtree's root. Its other nodes stand from 2 first + 2 on, children after their parents. */
+/* Returns the costs of the subtree's root. Its other nodes stand from 2 first + 2 on, children after their
+ * parents. */
 static lc_bvh_costs make_subtree(const lc_bvh_builder *b, const lc_bvh_range *root)
 {
     lc_bvh_range stack[LC_BVH_MAX_DEPTH + 1], half[2];
@@ -88,7 +94,8 @@ static lc_bvh_costs make_subtree(const lc_bvh_builder *b, const lc_bvh_range *ro
             b->nodes[r.node].left = next;
             b->parents[next / 2] = r.node;
             next += 2;
-            stack[n_stack++] = half[1], stack[n_stack++] = half[0];
+            stack[n_stack++] = half[1];
+            stack[n_stack++] = half[0];
         } else {
             make_leaf(b, &r);
         }
@@ -181,8 +188,10 @@ static void choose_split(void *user, uint32_t thread, uint64_t item)
     lc_bvh_ref *left = l->b->refs[!r->side] + r->first, *right = left + w->split.n_left;
     for (chunk *c = first; c < end; c++) {
         uint32_t n = lc_bvh_count_left(&c->bins, &w->split);
-        c->left = left, c->right = right;
-        left += n, right += c->count - n;
+        c->left = left;
+        c->right = right;
+        left += n;
+        right += c->count - n;
     }
 }
 
@@ -232,8 +241,12 @@ static void add_heads(level *l, const work *w)
     b->nodes[r->node].left = node;
     b->parents[node / 2] = r->node;
     for (uint32_t k = 0; k < 2; k++) {
-        lc_bvh_range h = { .node = node + k, .first = k ? r->first + n : r->first, .count = k ? r->count - n : n,
-                           .depth = r->depth + 1, .side = halve ? r->side : !r->side, .centroids = f4_box_empty() };
+        lc_bvh_range h = { .node = node + k,
+                           .first = k ? r->first + n : r->first,
+                           .count = k ? r->count - n : n,
+                           .depth = r->depth + 1,
+                           .side = halve ? r->side : !r->side,
+                           .centroids = f4_box_empty() };
         const lc_bvh_ref *refs = b->refs[h.side] + h.first;
         if (halve) h.centroids = lc_bvh_centroids_of(refs, h.count);
         for (uint32_t i = 0; i < w->n_chunks && !halve; i++)
@@ -252,7 +265,8 @@ static lc_status split_levels(level *l)
         lc_parallel(b->ctx, l->n_chunks, bin_chunk, l);
         for (size_t i = 0; i < l->n_works; i++) choose_split(l, 0, i);
         lc_parallel(b->ctx, l->n_chunks, move_chunk, l);
-        lc_status st = lc_grow(b->ctx, (void **)&b->heads, &b->cap_heads, b->n_heads + 2 * l->n_works, sizeof *b->heads);
+        lc_status st = lc_grow(b->ctx, (void **)&b->heads, &b->cap_heads, b->n_heads + 2 * l->n_works,
+                               sizeof *b->heads);
         if (st) return st;
         for (size_t i = 0; i < l->n_works; i++) add_heads(l, &l->works[i]);
     }
@@ -291,11 +305,14 @@ static lc_status make_root(lc_bvh_builder *b)
     if (!l.boxes) return LC_ERR_MEMORY;
     lc_parallel(b->ctx, n, refs_item, &l);
     f4_box box = f4_box_empty(), centroids = box;
-    for (size_t i = 0; i < n; i++)
-        box = f4_box_join(box, l.boxes[2 * i]), centroids = f4_box_join(centroids, l.boxes[2 * i + 1]);
+    for (size_t i = 0; i < n; i++) {
+        box = f4_box_join(box, l.boxes[2 * i]);
+        centroids = f4_box_join(centroids, l.boxes[2 * i + 1]);
+    }
     lc_free(b->ctx, l.boxes, 2 * n, sizeof *l.boxes);
     set_node(&b->nodes[0], box, (uint32_t)b->n_tris);
-    b->heads[b->n_heads++] = (lc_bvh_head){ .range = { .centroids = centroids, .count = (uint32_t)b->n_tris } };
+    b->heads[b->n_heads++] = (lc_bvh_head){ .range = { .centroids = centroids,
+                                                       .count = (uint32_t)b->n_tris } };
     return LC_OK;
 }
 
@@ -320,7 +337,8 @@ static lc_status make_binary(lc_bvh_builder *b)
     return st;
 }
 
-lc_status lc_bvh_build(const lc_context *ctx, const float *pos, const uint32_t *index, size_t n_tris, lc_bvh **out)
+lc_status lc_bvh_build(const lc_context *ctx, const float *pos, const uint32_t *index, size_t n_tris,
+                       lc_bvh **out)
 {
     *out = NULL;
     lc_bvh *bvh = lc_alloc(ctx, 1, sizeof *bvh);
@@ -329,7 +347,9 @@ lc_status lc_bvh_build(const lc_context *ctx, const float *pos, const uint32_t *
     bvh->kernels = ctx->trace_kernels;
     size_t task_max = n_tris / TASKS;
     task_max = task_max < TASK_MIN ? TASK_MIN : task_max > TASK_MAX ? TASK_MAX : task_max;
-    lc_bvh_builder b = { .ctx = ctx, .pos = pos, .index = index, .n_tris = n_tris, .task_max = (uint32_t)task_max };
+    lc_bvh_builder b = {
+        .ctx = ctx, .pos = pos, .index = index, .n_tris = n_tris, .task_max = (uint32_t)task_max
+    };
     lc_status st = LC_OK;
     if (n_tris) {
         st = make_binary(&b);

@@ -1,10 +1,10 @@
 /* bvh_build.h - what the parts of the builder share; the way of the data:
  *
- *     triangles -> refs -> binary nodes -> better ones -> plan of eight-wide nodes -> lc_bvh_node[], lc_tri_block[]
- *                 bvh_split, bvh_build    bvh_reinsert   bvh_collapse
+ *     triangles -> refs -> binary nodes -> better ones -> plan of eight-wide nodes -> lc_bvh_node[],
+ * lc_tri_block[] bvh_split, bvh_build    bvh_reinsert   bvh_collapse
  *
- * Every step that threads share is cut up by the number of triangles, never by that of threads, and every piece has its
- * own place to write to, so the arrays are the same bytes for any number of threads.
+ * Every step that threads share is cut up by the number of triangles, never by that of threads, and every
+ * piece has its own place to write to, so the arrays are the same bytes for any number of threads.
  */
 #ifndef LC_BVH_BUILD_H
 #define LC_BVH_BUILD_H
@@ -21,7 +21,8 @@ typedef struct lc_bvh_ref {
 } lc_bvh_ref;
 _Static_assert(sizeof(lc_bvh_ref) == 32, "two f4");
 
-/* Children are left and left + 1. The pair made by a split before ref `mid` may stand at 2 mid: no two splits share one. */
+/* Children are left and left + 1. The pair made by a split before ref `mid` may stand at 2 mid: no two splits
+ * share one. */
 typedef struct lc_bin_node {
     float lo[3];
     uint32_t left; /* LC_BIN_LEAF: first of its triangles in builder.order */
@@ -48,7 +49,8 @@ typedef struct lc_bvh_costs {
 } lc_bvh_costs;
 _Static_assert(sizeof(lc_bvh_costs) == sizeof(lc_bvh_ref), "takes its place");
 
-/* A range of the upper tree, and how it went on: the ranges it was split into, or a subtree made by one thread. */
+/* A range of the upper tree, and how it went on: the ranges it was split into, or a subtree made by one
+ * thread. */
 typedef struct lc_bvh_head {
     lc_bvh_range range;
     lc_bvh_costs costs;
@@ -69,8 +71,8 @@ typedef struct lc_bvh_builder {
     size_t n_heads, cap_heads;
 } lc_bvh_builder;
 
-/* Costs of a node but the root, in place of a ref of its subtree, or the last one left of it: once all leaves are made
- * refs are of no use. */
+/* Costs of a node but the root, in place of a ref of its subtree, or the last one left of it: once all leaves
+ * are made refs are of no use. */
 static inline lc_bvh_costs *lc_bvh_costs_of(const lc_bvh_builder *b, uint32_t node)
 {
     return (lc_bvh_costs *)(void *)&b->refs[node % 2][node / 2 - 1];
@@ -97,7 +99,8 @@ typedef struct lc_bvh_split {
 } lc_bvh_split;
 
 /* Refs of triangles first .. first + count - 1; their boxes' box and that of lo + hi. */
-void lc_bvh_make_refs(const lc_bvh_builder *b, uint32_t first, uint32_t count, f4_box *box, f4_box *centroids);
+void lc_bvh_make_refs(const lc_bvh_builder *b, uint32_t first, uint32_t count, f4_box *box,
+                      f4_box *centroids);
 lc_bvh_binning lc_bvh_binning_of(const lc_bvh_range *range);
 void lc_bvh_clear_bins(lc_bvh_bins *bins, uint32_t n);
 void lc_bvh_join_bins(lc_bvh_bins *bins, const lc_bvh_bins *others, uint32_t n);
@@ -106,8 +109,8 @@ lc_bvh_split lc_bvh_best_split(const lc_bvh_bins *bins, const lc_bvh_binning *by
 /* Of the refs in these bins, those left of a split. */
 uint32_t lc_bvh_count_left(const lc_bvh_bins *bins, const lc_bvh_split *split);
 /* Copies refs to *left and *right in their order and moves both past them. */
-void lc_bvh_partition(const lc_bvh_binning *by, const lc_bvh_split *split, const lc_bvh_ref *refs, uint32_t count,
-                      lc_bvh_ref **left, lc_bvh_ref **right);
+void lc_bvh_partition(const lc_bvh_binning *by, const lc_bvh_split *split, const lc_bvh_ref *refs,
+                      uint32_t count, lc_bvh_ref **left, lc_bvh_ref **right);
 f4_box lc_bvh_box_of(const lc_bvh_ref *refs, uint32_t count);
 f4_box lc_bvh_centroids_of(const lc_bvh_ref *refs, uint32_t count);
 

@@ -1,13 +1,15 @@
 /* bvh_collapse.c - from the binary tree to eight-wide nodes and blocks of eight triangles.
  *
- * Which descendants of a binary node become the children of a wide one is settled by dynamic programming (Ylitie, Karras,
- * Laine 2017, "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", 3.2), from the leaves up: with
- * C(n, i) the least cost of the subtree of n as at most i children, l and r its children,
+ * Which descendants of a binary node become the children of a wide one is settled by dynamic programming
+ * (Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on GPUs through compressed wide
+ * BVHs", 3.2), from the leaves up: with C(n, i) the least cost of the subtree of n as at most i children, l
+ * and r its children,
  *
- *     C(n, 1) = min(area NODE_COST + min over k of C(l, k) + C(r, 8 - k), area BLOCK_COST if n has at most 8 triangles)
- *     C(n, i) = min(C(n, i - 1), min over k of C(l, k) + C(r, i - k))
+ *     C(n, 1) = min(area NODE_COST + min over k of C(l, k) + C(r, 8 - k), area BLOCK_COST if n has at most 8
+ * triangles) C(n, i) = min(C(n, i - 1), min over k of C(l, k) + C(r, i - k))
  *
- * The plan in a node's info: for i = 2 .. 8 three bits at 3 (i - 2), the best k, 0 where C(n, i) = C(n, i - 1).
+ * The plan in a node's info: for i = 2 .. 8 three bits at 3 (i - 2), the best k, 0 where C(n, i) = C(n, i -
+ * 1).
  */
 #include "trace/bvh_build.h"
 
@@ -35,13 +37,20 @@ lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_b
         return c;
     }
     float l[8], r[8]; /* l[k] = C(l, k) */
-    for (int i = 0; i < 7; i++) l[i + 1] = left->at_most[i], r[i + 1] = right->at_most[i];
+    for (int i = 0; i < 7; i++) {
+        l[i + 1] = left->at_most[i];
+        r[i + 1] = right->at_most[i];
+    }
     float opened[9];
     uint32_t plan[9];
     for (uint32_t i = 2; i <= 8; i++) {
-        opened[i] = l[1] + r[i - 1], plan[i] = 1;
+        opened[i] = l[1] + r[i - 1];
+        plan[i] = 1;
         for (uint32_t k = 2; k < i; k++)
-            if (l[k] + r[i - k] < opened[i]) opened[i] = l[k] + r[i - k], plan[i] = k;
+            if (l[k] + r[i - k] < opened[i]) {
+                opened[i] = l[k] + r[i - k];
+                plan[i] = k;
+            }
     }
     float best = area * NODE_COST + opened[8];
     uint32_t info = node->info | plan[8] << 18;
@@ -51,7 +60,10 @@ lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_b
     }
     c.at_most[0] = best;
     for (uint32_t i = 2; i <= 7; i++) {
-        if (opened[i] < best) best = opened[i], info |= plan[i] << 3 * (i - 2);
+        if (opened[i] < best) {
+            best = opened[i];
+            info |= plan[i] << 3 * (i - 2);
+        }
         c.at_most[i - 1] = best;
     }
     node->info = info;
@@ -67,8 +79,9 @@ static bool stands_before(const lc_bin_node *a, const lc_bin_node *b)
     return is_block(a) ? area_of(a) < area_of(b) : area_of(a) > area_of(b);
 }
 
-/* Blocks first, the smallest of them first, then nodes, the largest first. Rays that are blocked visit 2 to 5 % fewer
- * nodes than in the order of the binary tree while any_hit tests blocks in order and pops the last node first. */
+/* Blocks first, the smallest of them first, then nodes, the largest first. Rays that are blocked visit 2 to 5
+ * % fewer nodes than in the order of the binary tree while any_hit tests blocks in order and pops the last
+ * node first. */
 static void sort_children(const lc_bin_node *nodes, uint32_t *child, uint32_t n)
 {
     for (uint32_t i = 1; i < n; i++) {
@@ -85,7 +98,8 @@ static uint32_t children_of(const lc_bin_node *nodes, uint32_t root, uint32_t ou
         uint32_t node, n;
     } stack[9];
     uint32_t n_stack = 0, n_out = 0;
-    stack[n_stack].node = root, stack[n_stack++].n = 8;
+    stack[n_stack].node = root;
+    stack[n_stack++].n = 8;
     if (nodes[root].info & (LC_BIN_LEAF | LC_BIN_BLOCK)) stack[0].n = 1;
     while (n_stack) {
         uint32_t node = stack[--n_stack].node, n = stack[n_stack].n, k = 0, info = nodes[node].info;
@@ -95,8 +109,10 @@ static uint32_t children_of(const lc_bin_node *nodes, uint32_t root, uint32_t ou
             out[n_out++] = node;
             continue;
         }
-        stack[n_stack].node = nodes[node].left + 1, stack[n_stack++].n = n - k;
-        stack[n_stack].node = nodes[node].left, stack[n_stack++].n = k;
+        stack[n_stack].node = nodes[node].left + 1;
+        stack[n_stack++].n = n - k;
+        stack[n_stack].node = nodes[node].left;
+        stack[n_stack++].n = k;
     }
     sort_children(nodes, out, n_out);
     return n_out;
@@ -139,8 +155,10 @@ static void fill_block(const lc_bvh_builder *b, const lc_bin_node *leaf, lc_tri_
     }
 }
 
-/* Boxes, and children that are blocks, from *block on. The others' binary nodes to inner, their lanes to lane. */
-static uint32_t fill_node(const collapse *c, lc_bvh_node *node, uint32_t root, uint32_t *block, uint32_t inner[8], uint32_t lane[8])
+/* Boxes, and children that are blocks, from *block on. The others' binary nodes to inner, their lanes to
+ * lane. */
+static uint32_t fill_node(const collapse *c, lc_bvh_node *node, uint32_t root, uint32_t *block,
+                          uint32_t inner[8], uint32_t lane[8])
 {
     uint32_t child[8], n = children_of(c->b->nodes, root, child), n_inner = 0;
     memset(node->pad, 0, sizeof node->pad);
@@ -155,7 +173,8 @@ static uint32_t fill_node(const collapse *c, lc_bvh_node *node, uint32_t root, u
             fill_block(c->b, from, &c->bvh->blocks[*block]);
             node->child[i] = LC_BVH_LEAF | (*block)++;
         } else if (from) {
-            inner[n_inner] = child[i], lane[n_inner++] = i;
+            inner[n_inner] = child[i];
+            lane[n_inner++] = i;
         }
     }
     return n_inner;
@@ -188,13 +207,17 @@ static void fill_job(void *user, uint32_t thread, uint64_t item)
     } stack[LC_BVH_STACK];
     uint32_t n_stack = 0, next = j->node, block = j->block, inner[8], lane[8];
     (void)thread;
-    stack[n_stack].root = j->root, stack[n_stack++].wide = next++;
+    stack[n_stack].root = j->root;
+    stack[n_stack++].wide = next++;
     while (n_stack) {
         uint32_t root = stack[--n_stack].root;
         lc_bvh_node *node = &c->bvh->nodes[stack[n_stack].wide];
         uint32_t n = fill_node(c, node, root, &block, inner, lane);
         for (uint32_t i = 0; i < n; i++) node->child[lane[i]] = next + i;
-        for (uint32_t i = n; i-- > 0;) stack[n_stack].root = inner[i], stack[n_stack++].wide = next + i;
+        for (uint32_t i = n; i-- > 0;) {
+            stack[n_stack].root = inner[i];
+            stack[n_stack++].wide = next + i;
+        }
         next += n;
     }
 }
@@ -224,7 +247,8 @@ static void fill_top(const collapse *c)
     for (size_t t = 0; t < c->n_top; t++) {
         lc_bvh_node *node = &c->bvh->nodes[t];
         for (uint32_t i = 0, n = fill_node(c, node, c->top[t], &block, inner, lane); i < n; i++)
-            node->child[lane[i]] = c->b->nodes[inner[i]].info & LC_BIN_TOP ? next_top++ : c->jobs[next_job++].node;
+            node->child[lane[i]] = c->b->nodes[inner[i]].info & LC_BIN_TOP ? next_top++
+                                                                           : c->jobs[next_job++].node;
     }
 }
 
@@ -236,14 +260,18 @@ static lc_status fill(collapse *c)
     lc_status st = list_jobs(c);
     if (st) return st;
     lc_parallel(ctx, c->n_jobs, count_job, c);
-    n_nodes = c->n_top, n_blocks = c->n_top_blocks;
+    n_nodes = c->n_top;
+    n_blocks = c->n_top_blocks;
     for (size_t i = 0; i < c->n_jobs; i++) {
         job *j = &c->jobs[i];
         uint32_t nodes = j->node, blocks = j->block;
-        j->node = (uint32_t)n_nodes, j->block = (uint32_t)n_blocks;
-        n_nodes += nodes, n_blocks += blocks;
+        j->node = (uint32_t)n_nodes;
+        j->block = (uint32_t)n_blocks;
+        n_nodes += nodes;
+        n_blocks += blocks;
     }
-    bvh->data.n_nodes = (uint32_t)n_nodes, bvh->data.n_blocks = (uint32_t)n_blocks;
+    bvh->data.n_nodes = (uint32_t)n_nodes;
+    bvh->data.n_blocks = (uint32_t)n_blocks;
     bvh->data.nodes = bvh->nodes = lc_alloc_raw(ctx, n_nodes, sizeof *bvh->nodes);
     bvh->data.blocks = bvh->blocks = lc_alloc_raw(ctx, n_blocks, sizeof *bvh->blocks);
     if (!bvh->nodes || !bvh->blocks) return LC_ERR_MEMORY;
@@ -255,8 +283,8 @@ static lc_status fill(collapse *c)
 lc_status lc_bvh_collapse(lc_bvh_builder *b, lc_bvh *bvh)
 {
     collapse c = { .b = b, .bvh = bvh };
-    /* 2^-20 of the largest coordinate: the shear of the triangle test rounds a vertex by at most 3 ulp of its distance
-     * from the origin, 6 * 2^-24 of twice that coordinate while the ray starts inside the scene. */
+    /* 2^-20 of the largest coordinate: the shear of the triangle test rounds a vertex by at most 3 ulp of its
+     * distance from the origin, 6 * 2^-24 of twice that coordinate while the ray starts inside the scene. */
     float most = 0;
     for (int k = 0; k < 3; k++) most = fmaxf(most, fmaxf(fabsf(b->nodes[0].lo[k]), fabsf(b->nodes[0].hi[k])));
     for (int k = 0; k < 3; k++) c.pad[k] = 0x1p-20f * most;

@@ -1,4 +1,5 @@
-/* bvh_data.h - the bounding volume hierarchy as the kernels read it, and the table of the kernels over it; sizes asserted. */
+/* bvh_data.h - the bounding volume hierarchy as the kernels read it, and the table of the kernels over it;
+ * sizes asserted. */
 #ifndef LC_BVH_DATA_H
 #define LC_BVH_DATA_H
 
@@ -12,7 +13,8 @@ typedef struct lc_bvh_node {
 } lc_bvh_node;
 _Static_assert(sizeof(lc_bvh_node) == 4 * 64, "four cache lines");
 
-/* Up to eight triangles, vertex by axis by lane. Lanes without a triangle have tri = LC_NONE and can't be hit. */
+/* Up to eight triangles, vertex by axis by lane. Lanes without a triangle have tri = LC_NONE and can't be
+ * hit. */
 typedef struct lc_tri_block {
     float v[3][3][8]; /* [vertex][axis][lane] */
     uint32_t tri[8];
@@ -55,8 +57,8 @@ static inline void lc_instance_point(const lc_instance *at, const float p[3], fl
     for (int k = 0; k < 3; k++, m += 4) out[k] = (float)(m[0] * x + m[1] * y + m[2] * z + m[3]);
 }
 
-/* Instances. `boxes` is a BVH like others, but vertices 0 and 1 of a triangle are the corners of an instance's box, and its
- * number is the instance's. */
+/* Instances. `boxes` is a BVH like others, but vertices 0 and 1 of a triangle are the corners of an
+ * instance's box, and its number is the instance's. */
 typedef struct lc_placed {
     lc_bvh_data boxes;
     const lc_instance *instances;
@@ -78,13 +80,15 @@ typedef struct lc_hit {
 
 /* Kernels that trace rays, of one instruction set. */
 typedef struct lc_trace_kernels {
-    /* Nearest hit with 0 < t <= t_max; of equal t one of the world, then the lowest instance, then the lowest triangle id. */
+    /* Nearest hit with 0 < t <= t_max; of equal t one of the world, then the lowest instance, then the lowest
+     * triangle id. */
     void (*closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit);
-    /* hidden[i] = 1 if a triangle is met on org + t (target i - org) for t in (LC_SHADOW_EPS, 1 - LC_SHADOW_EPS), or,
-     * if `far` is set, on org + t target at any t > 0: targets then are directions. target: x, y, z arrays.
-     * block, unless NULL: where hidden, the block of such a triangle, LC_NONE if it is an instance's; the same from all kernels. */
-    void (*hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
-                   uint8_t *hidden, uint32_t *block);
+    /* hidden[i] = 1 if a triangle is met on org + t (target i - org) for t in (LC_SHADOW_EPS, 1 -
+     * LC_SHADOW_EPS), or, if `far` is set, on org + t target at any t > 0: targets then are directions.
+     * target: x, y, z arrays. block, unless NULL: where hidden, the block of such a triangle, LC_NONE if it
+     * is an instance's; the same from all kernels. */
+    void (*hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
+                   bool far, uint8_t *hidden, uint32_t *block);
 } lc_trace_kernels;
 
 #endif

@@ -1,5 +1,6 @@
-/* bvh_split.c - binned surface area heuristic (Wald 2007): bins on all three axes in one pass, the best plane, and the
- * stable partition by it. The cost of a side is its area times the blocks of eight that its triangles fill. */
+/* bvh_split.c - binned surface area heuristic (Wald 2007): bins on all three axes in one pass, the best
+ * plane, and the stable partition by it. The cost of a side is its area times the blocks of eight that its
+ * triangles fill. */
 #include "trace/bvh_build.h"
 
 #include "base/vec.h"
@@ -73,7 +74,8 @@ void lc_bvh_add_to_bins(lc_bvh_bins *bins, const lc_bvh_binning *by, const lc_bv
     }
 }
 
-/* Blocks that n triangles fill, and a little for each triangle: even halves are preferred between the steps. */
+/* Blocks that n triangles fill, and a little for each triangle: even halves are preferred between the steps.
+ */
 static f4 blocks_of(i4 n)
 {
     return f4_add(f4_from_i4(i4_div8(i4_add(n, i4_set(7)))), f4_mul(f4_from_i4(n), f4_set(EVEN)));
@@ -110,20 +112,26 @@ lc_bvh_split lc_bvh_best_split(const lc_bvh_bins *bins, const lc_bvh_binning *by
     for (uint32_t i = 1; i < by->n; i++) {
         for (int k = 0; k < 3; k++) acc[k] = f4_box_join(acc[k], bins->box[i - 1][k]);
         n = i4_add(n, i4_load(bins->count[i - 1]));
-        f4_keep_less(&best, &best_at, f4_add(f4_mul(f4_areas(acc), blocks_of(n)), right[i]), f4_set((float)i));
+        f4_keep_less(&best, &best_at, f4_add(f4_mul(f4_areas(acc), blocks_of(n)), right[i]),
+                     f4_set((float)i));
     }
     _Alignas(16) float cost[4], at[4];
-    f4_store(cost, best), f4_store(at, best_at);
+    f4_store(cost, best);
+    f4_store(at, best_at);
     lc_bvh_split s = { .cost = FLT_MAX };
     for (uint32_t k = 0; k < 3; k++)
-        if (cost[k] < s.cost) s.cost = cost[k], s.axis = k, s.bin = (uint32_t)at[k];
+        if (cost[k] < s.cost) {
+            s.cost = cost[k];
+            s.axis = k;
+            s.bin = (uint32_t)at[k];
+        }
     if (s.cost < FLT_MAX) describe(bins, by->n, &s);
     return s;
 }
 
 /* Without branches: both halves being likely, a branch would be mispredicted half of the time. */
-void lc_bvh_partition(const lc_bvh_binning *by, const lc_bvh_split *split, const lc_bvh_ref *refs, uint32_t count,
-                      lc_bvh_ref **left, lc_bvh_ref **right)
+void lc_bvh_partition(const lc_bvh_binning *by, const lc_bvh_split *split, const lc_bvh_ref *refs,
+                      uint32_t count, lc_bvh_ref **left, lc_bvh_ref **right)
 {
     const f4 plane = f4_set((float)split->bin), lo = by->lo, scale = by->scale;
     lc_bvh_ref *to[2] = { *right, *left };
@@ -131,17 +139,20 @@ void lc_bvh_partition(const lc_bvh_binning *by, const lc_bvh_split *split, const
         f4 a = f4_load(refs[i].lo), b = f4_load(refs[i].hi);
         uint32_t is_left = f4_lt(f4_mul(f4_sub(f4_add(a, b), lo), scale), plane) >> split->axis & 1;
         lc_bvh_ref *out = is_left ? to[1] : to[0];
-        f4_store(out->lo, a), f4_store(out->hi, b);
+        f4_store(out->lo, a);
+        f4_store(out->hi, b);
         to[1] += is_left;
         to[0] += 1 - is_left;
     }
-    *left = to[1], *right = to[0];
+    *left = to[1];
+    *right = to[0];
 }
 
 f4_box lc_bvh_box_of(const lc_bvh_ref *refs, uint32_t count)
 {
     f4_box box = f4_box_empty();
-    for (uint32_t i = 0; i < count; i++) box = f4_box_join(box, (f4_box){ f4_load(refs[i].lo), f4_load(refs[i].hi) });
+    for (uint32_t i = 0; i < count; i++)
+        box = f4_box_join(box, (f4_box){ f4_load(refs[i].lo), f4_load(refs[i].hi) });
     return box;
 }
 

@@ -72,7 +72,11 @@ typedef struct {
 static void LC_FN(settle_zeros)(const vf8 x[3], const vf8 y[3], uint32_t lanes, vf8 edge[3])
 {
     _Alignas(32) float X[3][8], Y[3][8], e[3][8];
-    for (int k = 0; k < 3; k++) vf8_store(X[k], x[k]), vf8_store(Y[k], y[k]), vf8_store(e[k], edge[k]);
+    for (int k = 0; k < 3; k++) {
+        vf8_store(X[k], x[k]);
+        vf8_store(Y[k], y[k]);
+        vf8_store(e[k], edge[k]);
+    }
     for (int i = 0; i < 8; i++) {
         if (!(lanes >> i & 1)) continue;
         for (int k = 0; k < 3; k++) { /* edge k is opposite vertex k: from vertex k + 1 to k + 2 */
@@ -118,7 +122,8 @@ static inline vf8 LC_FN(plane_distances)(const lc_tri_block *b, const ray *r)
     vf8 v[3], e[3], f[3], n[3];
     for (int k = 0; k < 3; k++) {
         v[k] = vf8_load(b->v[0][axis[k]]);
-        e[k] = vf8_sub(vf8_load(b->v[1][axis[k]]), v[k]), f[k] = vf8_sub(vf8_load(b->v[2][axis[k]]), v[k]);
+        e[k] = vf8_sub(vf8_load(b->v[1][axis[k]]), v[k]);
+        f[k] = vf8_sub(vf8_load(b->v[2][axis[k]]), v[k]);
         v[k] = vf8_sub(v[k], r->vo[axis[k]]);
     }
     for (int k = 0, x = 1, y = 2; k < 3; x = y, y = k++) n[k] = vf8_sub(vf8_mul(e[x], f[y]), vf8_mul(e[y], f[x]));
@@ -149,7 +154,10 @@ static inline void LC_FN(keep_nearest)(const lc_bvh_data *bvh, const lc_tri_bloc
                                        lc_hit *hit)
 {
     _Alignas(32) float t[8], v[8], w[8], det[8];
-    vf8_store(t, h->t), vf8_store(v, h->v), vf8_store(w, h->w), vf8_store(det, h->det);
+    vf8_store(t, h->t);
+    vf8_store(v, h->v);
+    vf8_store(w, h->w);
+    vf8_store(det, h->det);
     for (; bits; bits &= bits - 1) {
         int i = __builtin_ctz(bits);
         uint32_t tri = bvh->first_tri + b->tri[i];

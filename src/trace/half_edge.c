@@ -23,7 +23,10 @@ lc_status lc_find_twins(const lc_context *ctx, const uint32_t *corner, uint32_t 
             if (o == LC_NONE) break;
             uint32_t c = corner[o], d = corner[lc_half_edge_next(o)];
             if ((c < d ? c : d) != lo || (c < d ? d : c) != hi) continue;
-            if (c == b && twin[o] == LC_NONE && a != b) twin[h] = o, twin[o] = h;
+            if (c == b && twin[o] == LC_NONE && a != b) {
+                twin[h] = o;
+                twin[o] = h;
+            }
             break; /* of one edge the first stands for all: a third face goes without */
         }
         slots[i] = slots[i] == LC_NONE ? h : slots[i];

@@ -9,12 +9,16 @@
 
 #define BINS ((size_t)1 << 16) /* of sizes, by the upper half of their bits */
 
-static bool may_be_one(const lc_occluders_desc *d, size_t tri) { return !d->has_holes || !(d->has_holes[tri / 32] >> tri % 32 & 1); }
+static bool may_be_one(const lc_occluders_desc *d, size_t tri)
+{
+    return !d->has_holes || !(d->has_holes[tri / 32] >> tri % 32 & 1);
+}
 
 /* Squared area times 4: its bits grow with it. */
 static uint32_t size_of(const lc_occluders_desc *d, size_t tri)
 {
-    lc_f3 a = lc_f3_load(lc_tri_vertex(d->pos, d->index, tri, 0)), b = lc_f3_load(lc_tri_vertex(d->pos, d->index, tri, 1));
+    lc_f3 a = lc_f3_load(lc_tri_vertex(d->pos, d->index, tri, 0)),
+          b = lc_f3_load(lc_tri_vertex(d->pos, d->index, tri, 1));
     lc_f3 n = lc_f3_cross(lc_f3_sub(b, a), lc_f3_sub(lc_f3_load(lc_tri_vertex(d->pos, d->index, tri, 2)), a));
     float size = lc_f3_dot(n, n);
     uint32_t bits;
@@ -33,7 +37,8 @@ static lc_status choose(const lc_context *ctx, const lc_occluders_desc *d, lc_oc
     while (least > 1 && count[least - 1] <= LC_MAX_OCCLUDERS - o->n) o->n += count[--least];
     for (size_t t = 0; t < d->n_tris; t++)
         if (may_be_one(d, t) && size_of(d, t) >> 16 >= least) o->bits[t / 64] |= (uint64_t)1 << t % 64;
-    for (size_t w = 1; w < o->n_words; w++) o->rank[w] = o->rank[w - 1] + (uint32_t)__builtin_popcountll(o->bits[w - 1]);
+    for (size_t w = 1; w < o->n_words; w++)
+        o->rank[w] = o->rank[w - 1] + (uint32_t)__builtin_popcountll(o->bits[w - 1]);
     lc_free(ctx, count, BINS, sizeof *count);
     return LC_OK;
 }
@@ -60,11 +65,13 @@ static bool same_place(const lc_occluders *o, uint32_t a, uint32_t b)
 {
     const lc_occluder *p = &o->all[a / 3], *q = &o->all[b / 3];
     bool same = true;
-    for (int axis = 0; axis < 3; axis++) same &= !memcmp(&p->v[axis][a % 3], &q->v[axis][b % 3], sizeof(float));
+    for (int axis = 0; axis < 3; axis++)
+        same &= !memcmp(&p->v[axis][a % 3], &q->v[axis][b % 3], sizeof(float));
     return same;
 }
 
-/* corner[i]: the first corner that lies where corner i does. Meshes often have a vertex twice, for two normals. */
+/* corner[i]: the first corner that lies where corner i does. Meshes often have a vertex twice, for two
+ * normals. */
 static lc_status weld(const lc_context *ctx, const lc_occluders *o, uint32_t *corner)
 {
     size_t cap = 16;
@@ -74,7 +81,8 @@ static lc_status weld(const lc_context *ctx, const lc_occluders *o, uint32_t *co
     memset(slots, 0xff, cap * sizeof *slots);
     for (uint32_t i = 0; i < 3 * o->n; i++) {
         uint32_t key[3];
-        for (int axis = 0; axis < 3; axis++) memcpy(&key[axis], &o->all[i / 3].v[axis][i % 3], sizeof key[axis]);
+        for (int axis = 0; axis < 3; axis++)
+            memcpy(&key[axis], &o->all[i / 3].v[axis][i % 3], sizeof key[axis]);
         size_t at = lc_hash2((uint64_t)key[0] << 32 | key[1], key[2]) & (cap - 1);
         while (slots[at] != LC_NONE && !same_place(o, slots[at], i)) at = (at + 1) & (cap - 1);
         if (slots[at] == LC_NONE) slots[at] = i;
@@ -90,7 +98,8 @@ static lc_status join(const lc_context *ctx, lc_occluders *o)
     uint32_t *corner = lc_alloc_raw(ctx, n, sizeof *corner), *twin = lc_alloc_raw(ctx, n, sizeof *twin);
     lc_status st = corner && twin ? weld(ctx, o, corner) : LC_ERR_MEMORY;
     if (!st) st = lc_find_twins(ctx, corner, o->n, twin);
-    for (size_t h = 0; h < n && !st; h++) o->all[h / 3].next[h % 3] = twin[h] == LC_NONE ? LC_NONE : twin[h] / 3;
+    for (size_t h = 0; h < n && !st; h++)
+        o->all[h / 3].next[h % 3] = twin[h] == LC_NONE ? LC_NONE : twin[h] / 3;
     lc_free(ctx, corner, n, sizeof *corner);
     lc_free(ctx, twin, n, sizeof *twin);
     return st;

@@ -1,5 +1,5 @@
-/* occluder.h - the largest opaque triangles of the world, and which of them share an edge: what occlusion_proof.h walks over to prove that
- * a whole cluster is hidden. Read-only after building.
+/* occluder.h - the largest opaque triangles of the world, and which of them share an edge: what
+ * occlusion_proof.h walks over to prove that a whole cluster is hidden. Read-only after building.
  *
  * Bytes: 64 a triangle, of LC_MAX_OCCLUDERS at most, and 1.5 bits for each triangle of the world. */
 #ifndef LC_OCCLUDER_H
@@ -11,8 +11,10 @@
 #define LC_MAX_OCCLUDERS LC_SIZE((uint32_t)1 << 18, 64)
 
 typedef struct lc_occluder {
-    float v[3][4];    /* axis by vertex, world space, -0 as 0; last: N, what edge 0 1 times edge 0 2 is in floats */
-    uint32_t next[3]; /* the occluder across the edge from vertex k to the next one, wound the same way; LC_NONE: none */
+    float v[3]
+           [4]; /* axis by vertex, world space, -0 as 0; last: N, what edge 0 1 times edge 0 2 is in floats */
+    uint32_t next[3]; /* the occluder across the edge from vertex k to the next one, wound the same way;
+                         LC_NONE: none */
     float n1;         /* |N_x| + |N_y| + |N_z| */
 } lc_occluder;
 _Static_assert(sizeof(lc_occluder) == 64, "a cache line");

@@ -52,7 +52,8 @@ LC_INLINE void LC_FN(rays_axis)(rays *r, const float org[3], uint32_t n, uint32_
 /* What follows from all of them. */
 LC_INLINE void LC_FN(rays_ready)(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n)
 {
-    r->org = org, r->bvh = bvh;
+    r->org = org;
+    r->bvh = bvh;
     for (uint32_t i = 0; i < n; i += 8) {
         vf8 x = vf8_abs(vf8_load(&r->d[0][i])), y = vf8_abs(vf8_load(&r->d[1][i])), z = vf8_abs(vf8_load(&r->d[2][i]));
         vf8_store(&r->d_max[i], vf8_max(vf8_max(x, y), z));
@@ -63,7 +64,8 @@ LC_INLINE void LC_FN(rays_ready)(rays *r, const lc_bvh_data *bvh, const float or
 static inline void LC_FN(rays_init)(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
                                     bool far)
 {
-    r->vt_min = vf8_set(far ? 0 : LC_SHADOW_EPS), r->vt_max = vf8_set(far ? FLT_MAX : 1 - LC_SHADOW_EPS);
+    r->vt_min = vf8_set(far ? 0 : LC_SHADOW_EPS);
+    r->vt_max = vf8_set(far ? FLT_MAX : 1 - LC_SHADOW_EPS);
     for (uint32_t k = 0; k < 3; k++) {
         for (uint32_t i = 0; i < n; i++) r->d[k][i] = far ? target[k][i] : target[k][i] - org[k];
         for (uint32_t i = n; i & 7; i++) r->d[k][i] = r->d[k][n - 1];
@@ -172,7 +174,8 @@ static __attribute__((noinline)) bool LC_FN(solid)(const lc_tri_block *b, const 
     in &= LC_FN(edges)(b, &r, x, y, z, e);
     if (!in) return false;
     vf8 det = vf8_add(vf8_add(e[0], e[1]), e[2]);
-    vf8_store(u, vf8_div(e[1], det)), vf8_store(v, vf8_div(e[2], det));
+    vf8_store(u, vf8_div(e[1], det));
+    vf8_store(v, vf8_div(e[2], det));
     for (; in; in &= in - 1) {
         int k = __builtin_ctz(in);
         if (LC_FN(is_opaque)(s->bvh->alpha, s->bvh->first_tri + b->tri[k], u[k], v[k], true)) return true;
@@ -202,7 +205,10 @@ LC_INLINE uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uin
         vf8 least = vf8_min(vf8_min(u, v), w), most = vf8_max(vf8_max(u, v), w);
         uint32_t in = used & ~(vf8_lt(least, minus_e) & vf8_lt(e, most));
         if (!in) continue;
-        if (!have_planes) p = LC_FN(planes_of)(b, va), have_planes = true;
+        if (!have_planes) {
+            p = LC_FN(planes_of)(b, va);
+            have_planes = true;
+        }
         in &= LC_FN(in_range)(&p, r, i);
         if (!in) continue;
         uint32_t sure = vf8_lt(e, least) | vf8_lt(most, minus_e);
@@ -239,7 +245,8 @@ static inline void LC_FN(expand)(const lc_bvh_data *bvh, const lc_bvh_node *node
         uint32_t is_leaf = ref >> 31; /* both are written, one counts: no branch to mispredict */
         leaf[*n_leaves] = (visit){ ref & ~LC_BVH_LEAF, met[i] };
         stack[*depth] = (visit){ ref, met[i] };
-        *n_leaves += is_leaf, *depth += 1 - is_leaf;
+        *n_leaves += is_leaf;
+        *depth += 1 - is_leaf;
     }
 }
 
@@ -255,7 +262,8 @@ static inline void LC_FN(single_init)(single *s, const rays *r, uint32_t i)
 {
     for (uint32_t k = 0; k < 3; k++) {
         bool down = r->near[k][i] != 24 * k;
-        s->near[k] = 8 * k + (down ? 24 : 0), s->far[k] = 8 * k + (down ? 0 : 24);
+        s->near[k] = 8 * k + (down ? 24 : 0);
+        s->far[k] = 8 * k + (down ? 0 : 24);
         s->inv[k] = vf8_set(r->inv[k][i]);
     }
 }
@@ -284,7 +292,8 @@ static inline uint32_t LC_FN(single_expand)(const lc_bvh_data *bvh, const lc_bvh
         LC_FN(prefetch)(bvh, child);
         leaf[m] = child & ~LC_BVH_LEAF;
         stack[n] = child;
-        m += child >> 31, n += 1 - (child >> 31);
+        m += child >> 31;
+        n += 1 - (child >> 31);
     }
     *n_leaves = m;
     return n;
@@ -356,7 +365,10 @@ static inline uint64_t LC_FN(step_all)(const lc_bvh_data *bvh, const rays *r, lo
     for (uint32_t k = 0; k < ls->n;) {
         lone *l = ls->active[k];
         if (LC_FN(step)(bvh, r, l, &alive, holes)) k++;
-        else ls->active[k] = ls->active[--ls->n], ls->active[ls->n] = l;
+        else {
+            ls->active[k] = ls->active[--ls->n];
+            ls->active[ls->n] = l;
+        }
     }
     return alive;
 }
@@ -376,7 +388,10 @@ static inline bool LC_FN(add)(lones *ls, const rays *r, uint32_t i, uint32_t ref
     if (ls->n == LONE) return false;
     lone *l = ls->active[ls->n++];
     LC_FN(single_init)(&l->s, r, i);
-    l->ray = i, l->n = 1, l->n_leaves = 0, l->stack[0] = ref;
+    l->ray = i;
+    l->n = 1;
+    l->n_leaves = 0;
+    l->stack[0] = ref;
     return true;
 }
 
@@ -432,7 +447,8 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_in)(const lc_placed *p, u
     rays o;
     o.by = by;
     LC_FN(to_object)(at, r->org, 1, org);
-    o.vt_min = r->vt_min, o.vt_max = r->vt_max;
+    o.vt_min = r->vt_min;
+    o.vt_max = r->vt_max;
     for (; mask; mask &= mask - 1, n++) {
         uint32_t i = of[n] = (uint8_t)__builtin_ctzll(mask);
         const float world[3] = { r->d[0][i], r->d[1][i], r->d[2][i] };
@@ -474,7 +490,8 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_placed)(const lc_placed *
         uint32_t bits = LC_FN(stream_boxes)(&b->v[0][0][0], r, mask, met) & LC_FN(lanes_used)(b);
         for (uint32_t m = bits; m; m &= m - 1) {
             const char *at = (const char *)&p->instances[b->tri[__builtin_ctz(m)]];
-            __builtin_prefetch(at), __builtin_prefetch(at + 64);
+            __builtin_prefetch(at);
+            __builtin_prefetch(at + 64);
         }
         for (; bits; bits &= bits - 1) {
             uint32_t i = (uint32_t)__builtin_ctz(bits);

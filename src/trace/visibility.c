@@ -4,8 +4,8 @@
 #include "base/vec4.h"
 #include "trace/bvh.h"
 
-static void hidden_by_bvh(const void *scene, const float org[3], uint32_t n, const float *const target[3], bool far, uint8_t *hidden,
-                          uint32_t *blocker)
+static void hidden_by_bvh(const void *scene, const float org[3], uint32_t n, const float *const target[3],
+                          bool far, uint8_t *hidden, uint32_t *blocker)
 {
     const lc_bvh *bvh = scene;
     bvh->kernels->hidden(&bvh->data, org, n, target, far, hidden, blocker);
@@ -17,10 +17,12 @@ static uint32_t passed(const lc_tri_block *b, const float org[3], const float d[
     for (int half = 0; half < 8; half += 4) {
         f4 v[3][3], s[3], zero = f4_set(0);
         for (int k = 0; k < 3; k++)
-            for (int axis = 0; axis < 3; axis++) v[k][axis] = f4_sub(f4_load(b->v[k][axis] + half), f4_set(org[axis]));
+            for (int axis = 0; axis < 3; axis++)
+                v[k][axis] = f4_sub(f4_load(b->v[k][axis] + half), f4_set(org[axis]));
         for (int k = 0; k < 3; k++) {
             const f4 *p = v[k], *q = v[(k + 1) % 3];
-            f4 x = f4_sub(f4_mul(p[1], q[2]), f4_mul(p[2], q[1])), y = f4_sub(f4_mul(p[2], q[0]), f4_mul(p[0], q[2]));
+            f4 x = f4_sub(f4_mul(p[1], q[2]), f4_mul(p[2], q[1])),
+               y = f4_sub(f4_mul(p[2], q[0]), f4_mul(p[0], q[2]));
             f4 z = f4_sub(f4_mul(p[0], q[1]), f4_mul(p[1], q[0]));
             s[k] = f4_add(f4_add(f4_mul(x, f4_set(d[0])), f4_mul(y, f4_set(d[1]))), f4_mul(z, f4_set(d[2])));
         }
@@ -38,4 +40,7 @@ static uint32_t occluder_of(const void *scene, uint32_t blocker, const float org
     return tri == LC_NONE ? LC_NONE : lc_occluder_of(bvh->occluders, tri);
 }
 
-lc_visibility lc_bvh_visibility(const lc_bvh *bvh) { return (lc_visibility){ hidden_by_bvh, bvh, occluder_of, bvh->occluders }; }
+lc_visibility lc_bvh_visibility(const lc_bvh *bvh)
+{
+    return (lc_visibility){ hidden_by_bvh, bvh, occluder_of, bvh->occluders };
+}

@@ -1,14 +1,15 @@
 /* agglomerate.c - exact agglomeration by a nearest-neighbour chain ([Miksik07] 3, [Walter08]).
  *
- * Chain: A, NN(A), NN(NN(A)), ... until the last two are each other's nearest; they are merged, and what is left of the
- * chain stays valid because merging never brings two clusters closer (reducibility). Distances along the chain fall
- * strictly - a neighbour has to beat the previous element, not only equal it - so it can't cycle on ties.
+ * Chain: A, NN(A), NN(NN(A)), ... until the last two are each other's nearest; they are merged, and what is
+ * left of the chain stays valid because merging never brings two clusters closer (reducibility). Distances
+ * along the chain fall strictly - a neighbour has to beat the previous element, not only equal it - so it
+ * can't cycle on ties.
  *
- * The nearest of every light, about two searches in five, is looked for in advance and in parallel; the chain itself runs
- * in one thread.
+ * The nearest of every light, about two searches in five, is looked for in advance and in parallel; the chain
+ * itself runs in one thread.
  *
- * Bytes a light: cluster_kdtree.h's 170 at most, 4 for the lights' nearest, 16 for each element of the chain, of which there are
- * some dozens but on sets made for the purpose.
+ * Bytes a light: cluster_kdtree.h's 170 at most, 4 for the lights' nearest, 16 for each element of the chain,
+ * of which there are some dozens but on sets made for the purpose.
  */
 #include "tree/cluster_kdtree.h"
 
@@ -19,7 +20,8 @@
 
 typedef struct {
     lc_near_tree near;
-    uint32_t *first;     /* nearest of each light while there are only lights; holds for as long as that one is live */
+    uint32_t
+        *first; /* nearest of each light while there are only lights; holds for as long as that one is live */
     lc_neighbour *chain; /* chain[i].d is the distance between elements i and i - 1 */
     size_t cap_chain;
     uint32_t n_chain;
@@ -38,8 +40,8 @@ static void find_first(void *user, uint32_t thread, uint64_t item)
     }
 }
 
-/* Nearest of q; ties: prev, then the lowest. That of a light is known for as long as it is live: what has been merged
- * since is no nearer and of a higher id. */
+/* Nearest of q; ties: prev, then the lowest. That of a light is known for as long as it is live: what has
+ * been merged since is no nearer and of a higher id. */
 static lc_neighbour nearest(const builder *b, uint32_t q, lc_neighbour prev, double floor)
 {
     uint32_t known = q < b->n ? b->first[q] : LC_NONE;
@@ -68,7 +70,8 @@ static lc_status run_chain(builder *b, const lc_context *ctx, lc_build_pair *pai
 {
     lc_status st = LC_OK;
     uint32_t n = b->n, next = n;
-    double floor = 0; /* distance at which the end of the chain has just lost its nearest: there is none below */
+    /* Distance at which the end of the chain has just lost its nearest: there is none below. */
+    double floor = 0;
     while (next < 2 * n - 1 && !st) {
         uint32_t n_live = 2 * n - next;
         if (n_live <= b->near.n / 2 && n_live >= RENEW_MIN && (st = lc_near_renew(&b->near, n_live))) break;

@@ -4,7 +4,8 @@
 #include "base/vec4.h"
 #include "tree/kd_order.h"
 
-#define SLACK (0.99999 / 3) /* of a lower bound, for its rounding: below 1e-6; a third, as power is R + G + B */
+/* Of a lower bound, for its rounding: below 1e-6; a third, as power is R + G + B. */
+#define SLACK (0.99999 / 3)
 #define UNDERFLOW 3e-44     /* above what some 20 floats below the normal range are rounded by */
 #define LONG_SEARCH 512     /* nodes after which ties no longer matter */
 
@@ -27,15 +28,20 @@ static query make_query(const lc_near_tree *t, uint32_t slot)
     uint32_t lane = slot % 4;
     query q = { .slot = slot, .power = n->power[lane] };
     for (int k = 0; k < 3; k++) {
-        q.box[0][k] = n->max_lo[k][lane], q.box[1][k] = n->min_hi[k][lane];
-        q.lo[k] = f4_set(q.box[0][k]), q.hi[k] = f4_set(q.box[1][k]);
+        q.box[0][k] = n->max_lo[k][lane];
+        q.box[1][k] = n->min_hi[k][lane];
+        q.lo[k] = f4_set(q.box[0][k]);
+        q.hi[k] = f4_set(q.box[1][k]);
     }
     if (!t->oriented) return q;
     for (int k = 0; k < 3; k++) {
-        q.box[2][k] = n->max_dlo[k][lane], q.box[3][k] = n->min_dhi[k][lane];
-        q.dlo[k] = f4_set(q.box[2][k]), q.dhi[k] = f4_set(q.box[3][k]);
+        q.box[2][k] = n->max_dlo[k][lane];
+        q.box[3][k] = n->min_dhi[k][lane];
+        q.dlo[k] = f4_set(q.box[2][k]);
+        q.dhi[k] = f4_set(q.box[3][k]);
     }
-    q.cos = f4_set(n->max_cos[lane]), q.light = f4_set(n->lights[lane]);
+    q.cos = f4_set(n->max_cos[lane]);
+    q.light = f4_set(n->lights[lane]);
     q.cos_cone = t->cos_cone[slot];
     return q;
 }
@@ -44,12 +50,16 @@ static query make_query(const lc_near_tree *t, uint32_t slot)
 static double box_cone(const double s[3], const double w[3])
 {
     double s2 = 0, r2 = 0;
-    for (int k = 0; k < 3; k++) s2 += s[k] * s[k], r2 += w[k] * w[k];
+    for (int k = 0; k < 3; k++) {
+        s2 += s[k] * s[k];
+        r2 += w[k] * w[k];
+    }
     double len = sqrt(s2);
     return len < LEAST_AXIS ? -1 : (s2 + 4 - r2) / (4 * len);
 }
 
-/* The metric of q and the cluster in a slot. Sums and products in the order of the definition: a tie is one here too. */
+/* The metric of q and the cluster in a slot. Sums and products in the order of the definition: a tie is one
+ * here too. */
 static double distance(const lc_near_tree *t, const query *q, uint32_t slot)
 {
     const lc_near_node *n = &t->nodes[slot / 4];
@@ -64,9 +74,11 @@ static double distance(const lc_near_tree *t, const query *q, uint32_t slot)
         for (int k = 0; k < 3; k++) {
             float lo = q->box[2][k] < n->max_dlo[k][lane] ? q->box[2][k] : n->max_dlo[k][lane];
             float hi = q->box[3][k] > n->min_dhi[k][lane] ? q->box[3][k] : n->min_dhi[k][lane];
-            s[k] = (double)lo + (double)hi, w[k] = (double)hi - (double)lo;
+            s[k] = (double)lo + (double)hi;
+            w[k] = (double)hi - (double)lo;
         }
-        double least = q->cos_cone < t->cos_cone[slot] ? q->cos_cone : t->cos_cone[slot], cos_beta = box_cone(s, w);
+        double least = q->cos_cone < t->cos_cone[slot] ? q->cos_cone : t->cos_cone[slot],
+               cos_beta = box_cone(s, w);
         if (cos_beta > least) cos_beta = least;
         if (cos_beta < -1) cos_beta = -1;
         turn = t->c2 * (1 - cos_beta) * (1 - cos_beta);
@@ -80,18 +92,20 @@ double lc_near_distance(const lc_near_tree *t, uint32_t a, uint32_t b)
     return distance(t, &q, t->slot[b]);
 }
 
-/* Least 1 - cos beta that a cone of the union can have. If two of its directions, unit to e = 6e-8 each, are w apart, the
- * cone's half angle is at least half the angle between them: 1 - cos beta >= 1 - sqrt(1 - w^2 / 4) >= y + y^2 / 2, y = w^2 / 8,
- * less at most e R / (1 - R) + e^2, R <= w sqrt(3) / 2 the radius of the box of directions. All sides of the box are
- * touched by directions, so w is at least its longest side; of two single lights it is its diagonal.
- * The cut of y is above what the lengths of directions can do: y / 1000 + 1e-10 >= 2e-7 w. */
+/* Least 1 - cos beta that a cone of the union can have. If two of its directions, unit to e = 6e-8 each, are
+ * w apart, the cone's half angle is at least half the angle between them: 1 - cos beta >= 1 - sqrt(1 - w^2 /
+ * 4) >= y + y^2 / 2, y = w^2 / 8, less at most e R / (1 - R) + e^2, R <= w sqrt(3) / 2 the radius of the box
+ * of directions. All sides of the box are touched by directions, so w is at least its longest side; of two
+ * single lights it is its diagonal. The cut of y is above what the lengths of directions can do: y / 1000 +
+ * 1e-10 >= 2e-7 w. */
 static f4 least_turn(const query *q, const lc_near_node *n)
 {
     f4 sum = f4_set(0), most = f4_set(0), one = f4_set(1);
     for (int k = 0; k < 3; k++) {
         f4 e = f4_sub(f4_max(q->dhi[k], f4_load(n->min_dhi[k])), f4_min(q->dlo[k], f4_load(n->max_dlo[k])));
         e = f4_mul(e, e);
-        sum = f4_add(sum, e), most = f4_max(most, e);
+        sum = f4_add(sum, e);
+        most = f4_max(most, e);
     }
     f4 both_lights = f4_mul(q->light, f4_load(n->lights));
     f4 w2 = f4_add(most, f4_mul(both_lights, f4_sub(sum, most)));
@@ -145,7 +159,8 @@ static void look_at_slots(search *s, uint32_t node)
         if (!(lb[k] < s->best.d) || slot == s->q.slot) continue;
         uint32_t id = s->t->id[slot];
         double d = distance(s->t, &s->q, slot);
-        if (d < s->best.d || s->best.id == LC_NONE || (d == s->best.d && s->best.id != s->candidate && id < s->best.id))
+        if (d < s->best.d || s->best.id == LC_NONE ||
+            (d == s->best.d && s->best.id != s->candidate && id < s->best.id))
             s->best = (lc_neighbour){ id, d };
     }
 }
@@ -157,7 +172,8 @@ static void push_lanes(search *s, uint32_t level, uint32_t node, uint32_t skip)
     lower_bounds(s->t, &s->q, &s->t->nodes[s->t->first[level] + node], lb);
     uint32_t from = s->n_stack;
     for (uint32_t k = 0; k < 4; k++) {
-        if (!(lb[k] < s->best.d) || k == skip) continue; /* equal: coincident lights must not all be looked at */
+        /* equal: coincident lights must not all be looked at. */
+        if (!(lb[k] < s->best.d) || k == skip) continue;
         uint32_t i = s->n_stack++;
         for (; i > from && s->stack[i - 1].lb < lb[k]; i--) s->stack[i] = s->stack[i - 1];
         s->stack[i] = (entry){ lb[k], level - 1, 4 * node + k };
@@ -188,8 +204,10 @@ lc_neighbour lc_near_find(const lc_near_tree *t, uint32_t q, lc_neighbour best, 
 static void clear_lane(lc_near_node *n, uint32_t lane)
 {
     for (int k = 0; k < 3; k++) {
-        n->min_hi[k][lane] = INFINITY, n->max_lo[k][lane] = -INFINITY;
-        n->min_dhi[k][lane] = 4, n->max_dlo[k][lane] = -4; /* beyond any direction */
+        n->min_hi[k][lane] = INFINITY;
+        n->max_lo[k][lane] = -INFINITY;
+        n->min_dhi[k][lane] = 4; /* beyond any direction */
+        n->max_dlo[k][lane] = -4;
     }
     n->power[lane] = INFINITY;
     n->max_cos[lane] = -1;
@@ -210,7 +228,10 @@ static float max4(const float v[4])
 
 static void set(float *to, float value, bool *changed)
 {
-    if (*to != value) *to = value, *changed = true;
+    if (*to != value) {
+        *to = value;
+        *changed = true;
+    }
 }
 
 /* Lane of `up` := what the node below has in common; whether that is new. */
@@ -219,7 +240,10 @@ static bool sum_up(const lc_near_tree *t, const lc_near_node *n, lc_near_node *u
     bool changed = false;
     double p01 = n->power[0] < n->power[1] ? n->power[0] : n->power[1];
     double p23 = n->power[2] < n->power[3] ? n->power[2] : n->power[3], power = p01 < p23 ? p01 : p23;
-    if (up->power[lane] != power) up->power[lane] = power, changed = true;
+    if (up->power[lane] != power) {
+        up->power[lane] = power;
+        changed = true;
+    }
     for (int k = 0; k < 3; k++) {
         set(&up->min_hi[k][lane], min4(n->min_hi[k]), &changed);
         set(&up->max_lo[k][lane], max4(n->max_lo[k]), &changed);
@@ -256,17 +280,21 @@ void lc_near_merge(lc_near_tree *t, uint32_t a, uint32_t b, uint32_t id)
             if (m->min_dhi[k][y] > n->min_dhi[k][x]) n->min_dhi[k][x] = m->min_dhi[k][y];
             if (m->max_dlo[k][y] < n->max_dlo[k][x]) n->max_dlo[k][x] = m->max_dlo[k][y];
             double lo = (double)n->max_dlo[k][x], hi = (double)n->min_dhi[k][x];
-            s[k] = lo + hi, w[k] = hi - lo;
+            s[k] = lo + hi;
+            w[k] = hi - lo;
         }
-        double cone = box_cone(s, w), least = t->cos_cone[from] < t->cos_cone[to] ? t->cos_cone[from] : t->cos_cone[to];
+        double cone = box_cone(s, w),
+               least = t->cos_cone[from] < t->cos_cone[to] ? t->cos_cone[from] : t->cos_cone[to];
         if (cone > least) cone = least;
         if (cone < -1) cone = -1;
         t->cos_cone[to] = cone;
         n->max_cos[x] = nextafterf((float)cone, 2); /* not below cone */
         n->lights[x] = 0;
     }
-    t->id[to] = id, t->id[from] = LC_NONE;
-    t->slot[id] = to, t->slot[a] = t->slot[b] = LC_NONE;
+    t->id[to] = id;
+    t->id[from] = LC_NONE;
+    t->slot[id] = to;
+    t->slot[a] = t->slot[b] = LC_NONE;
     clear_lane(m, y);
     refresh(t, from);
     refresh(t, to);
@@ -290,7 +318,8 @@ void lc_near_destroy(lc_near_tree *t)
 static lc_status alloc_slots(lc_near_tree *t, uint32_t n)
 {
     size_t width = n;
-    t->n = n, t->n_nodes = 0;
+    t->n = n;
+    t->n_nodes = 0;
     for (t->top = 0;; t->top++) {
         width = (width + 3) / 4;
         t->first[t->top] = t->n_nodes;
@@ -308,7 +337,8 @@ static void fill_above(lc_near_tree *t)
 {
     for (uint32_t i = t->n; i % 4; i++) clear_lane(&t->nodes[i / 4], i % 4);
     for (uint32_t level = 1; level <= t->top; level++) {
-        size_t end = level < t->top ? t->first[level + 1] : t->n_nodes, n_below = t->first[level] - t->first[level - 1];
+        size_t end = level < t->top ? t->first[level + 1] : t->n_nodes,
+               n_below = t->first[level] - t->first[level - 1];
         for (size_t i = 0; i < 4 * (end - t->first[level]); i++) {
             lc_near_node *up = &t->nodes[t->first[level] + i / 4];
             clear_lane(up, i % 4);
@@ -317,16 +347,23 @@ static void fill_above(lc_near_tree *t)
     }
 }
 
-static const lc_light *light_of(const lc_build_input *in, uint32_t i) { return &in->lights[in->index ? in->index[i] : i]; }
+static const lc_light *light_of(const lc_build_input *in, uint32_t i)
+{
+    return &in->lights[in->index ? in->index[i] : i];
+}
 
-static lc_f3 position(const lc_light *l) { return l->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos; }
+static lc_f3 position(const lc_light *l)
+{
+    return l->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
+}
 
 static void set_light(lc_near_tree *t, uint32_t slot, const lc_light *l)
 {
     lc_near_node *n = &t->nodes[slot / 4];
     uint32_t lane = slot % 4;
     float p[3], d[3];
-    lc_f3_store(p, position(l)), lc_f3_store(d, l->dir);
+    lc_f3_store(p, position(l));
+    lc_f3_store(d, l->dir);
     for (int k = 0; k < 3; k++) {
         n->min_hi[k][lane] = n->max_lo[k][lane] = p[k];
         n->min_dhi[k][lane] = n->max_dlo[k][lane] = d[k];
@@ -384,10 +421,14 @@ static void copy_slot(const lc_near_tree *from, uint32_t a, lc_near_tree *to, ui
     lc_near_node *n = &to->nodes[b / 4];
     uint32_t x = a % 4, y = b % 4;
     for (int k = 0; k < 3; k++) {
-        n->min_hi[k][y] = m->min_hi[k][x], n->max_lo[k][y] = m->max_lo[k][x];
-        n->min_dhi[k][y] = m->min_dhi[k][x], n->max_dlo[k][y] = m->max_dlo[k][x];
+        n->min_hi[k][y] = m->min_hi[k][x];
+        n->max_lo[k][y] = m->max_lo[k][x];
+        n->min_dhi[k][y] = m->min_dhi[k][x];
+        n->max_dlo[k][y] = m->max_dlo[k][x];
     }
-    n->power[y] = m->power[x], n->max_cos[y] = m->max_cos[x], n->lights[y] = m->lights[x];
+    n->power[y] = m->power[x];
+    n->max_cos[y] = m->max_cos[x];
+    n->lights[y] = m->lights[x];
     if (to->oriented) to->cos_cone[b] = from->cos_cone[a];
     to->id[b] = from->id[a];
     to->slot[to->id[b]] = b;

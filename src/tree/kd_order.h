@@ -10,8 +10,9 @@ typedef struct lc_near_item {
     uint32_t id;
 } lc_near_item;
 
-/* Sorts so that each aligned run of 2^k items, k >= 2, is a cell of a kd-tree: halves at the longest side, where w of
- * directions counts as c w^2 / 32 of positions. c: scene units. The order is one for any number of threads. */
+/* Sorts so that each aligned run of 2^k items, k >= 2, is a cell of a kd-tree: halves at the longest side,
+ * where w of directions counts as c w^2 / 32 of positions. c: scene units. The order is one for any number of
+ * threads. */
 void lc_near_order(const lc_context *ctx, lc_near_item *items, uint32_t n, float c);
 
 #endif

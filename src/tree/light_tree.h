@@ -1,13 +1,14 @@
 /* light_tree.h - the finished tree: one per kind of light, flattened.
  *
  *     link        what a cluster is called: a node's id, or LC_LEAF | light
- *     nodes       those of one kind in a row, kinds in rising order, in treelets of three levels, depth first, so that a
- *                 descent stays on the same cache lines; parents before children
- *     lights      in the order in which the treelets meet them, kinds in rising order
- *     rep         representatives: slot s of a cluster is slot s of one child, chosen with probability I_child / I_cluster
- *                 from a hash of the cluster, so P(light) = I_light / I_cluster at every cluster. A light represents itself
+ *     nodes       those of one kind in a row, kinds in rising order, in treelets of three levels, depth
+ * first, so that a descent stays on the same cache lines; parents before children lights      in the order in
+ * which the treelets meet them, kinds in rising order rep         representatives: slot s of a cluster is
+ * slot s of one child, chosen with probability I_child / I_cluster from a hash of the cluster, so P(light) =
+ * I_light / I_cluster at every cluster. A light represents itself
  *
- * Bytes: 96 a light; with other attenuation than 1/d^2 32 more; of a spot 32 more; 4 more for each slot where there are several.
+ * Bytes: 96 a light; with other attenuation than 1/d^2 32 more; of a spot 32 more; 4 more for each slot where
+ * there are several.
  */
 #ifndef LC_LIGHT_TREE_H
 #define LC_LIGHT_TREE_H
@@ -21,7 +22,8 @@ typedef struct lc_light_tree lc_light_tree;
 struct lc_light_tree {
     const lc_context *ctx;
     lc_tree_data data;
-    uint32_t *reps;      /* of slots 0 .. n_reps - 1 of each node: pixels beside each other read the same line; NULL where n_reps is 1 */
+    uint32_t *reps; /* of slots 0 .. n_reps - 1 of each node: pixels beside each other read the same line;
+                       NULL where n_reps is 1 */
     uint32_t n_nodes, n_lights, n_reps;
     uint32_t n_of_kind[LC_LIGHT_KINDS];
     uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
@@ -72,8 +74,14 @@ static inline const float *lc_light_atten(const lc_tree_data *t, uint32_t light)
     return t->light_atten ? t->light_atten[light] : NULL;
 }
 
-static inline lc_spot_rec *lc_light_spot(const lc_tree_data *t, uint32_t light) { return &t->light_spot[light - t->first_spot_light]; }
-static inline lc_spot_rec *lc_node_spot(const lc_tree_data *t, uint32_t node) { return &t->node_spot[node - t->first_spot_node]; }
+static inline lc_spot_rec *lc_light_spot(const lc_tree_data *t, uint32_t light)
+{
+    return &t->light_spot[light - t->first_spot_light];
+}
+static inline lc_spot_rec *lc_node_spot(const lc_tree_data *t, uint32_t node)
+{
+    return &t->node_spot[node - t->first_spot_node];
+}
 
 /* Checks partition, boxes, cones, sums, links, representatives; NULL when all hold, else what does not. */
 const char *lc_light_tree_validate(const lc_light_tree *tree);

@@ -11,7 +11,8 @@
 #define AUTO_EXACT 10000
 
 /* Scene indices of the lights of one kind; *out is NULL where that is all of them. */
-static lc_status index_of_kind(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_kind kind, uint32_t n, uint32_t **out)
+static lc_status index_of_kind(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_kind kind,
+                               uint32_t n, uint32_t **out)
 {
     uint32_t *index = NULL;
     if (n < desc->n_lights) {
@@ -40,13 +41,20 @@ static lc_status build_kind(lc_light_tree *t, const lc_light_tree_desc *desc, lc
     return st;
 }
 
-static size_t n_all_reps(const lc_light_tree *t) { return t->n_reps > 1 ? (size_t)t->n_nodes * t->n_reps : 0; }
+static size_t n_all_reps(const lc_light_tree *t)
+{
+    return t->n_reps > 1 ? (size_t)t->n_nodes * t->n_reps : 0;
+}
 
-static uint32_t n_spot_nodes(const lc_light_tree *t) { return t->first_node[LC_LIGHT_SPOT + 1] - t->first_node[LC_LIGHT_SPOT]; }
+static uint32_t n_spot_nodes(const lc_light_tree *t)
+{
+    return t->first_node[LC_LIGHT_SPOT + 1] - t->first_node[LC_LIGHT_SPOT];
+}
 
 static bool alloc_spots(lc_light_tree *t, const lc_light_tree_desc *desc)
 {
-    t->data.first_spot_node = t->first_node[LC_LIGHT_SPOT], t->data.first_spot_light = t->first_light[LC_LIGHT_SPOT];
+    t->data.first_spot_node = t->first_node[LC_LIGHT_SPOT];
+    t->data.first_spot_light = t->first_light[LC_LIGHT_SPOT];
     t->data.spot_maps = desc->spot_maps;
     t->data.node_spot = lc_alloc(t->ctx, n_spot_nodes(t), sizeof *t->data.node_spot);
     t->data.light_spot = lc_alloc(t->ctx, t->n_of_kind[LC_LIGHT_SPOT], sizeof *t->data.light_spot);
@@ -68,11 +76,13 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
         t->first_node[k + 1] = t->first_node[k] + (n > 1 ? n - 1 : 0);
         t->root[k] = LC_NONE;
     }
-    t->n_lights = t->first_light[LC_LIGHT_KINDS], t->n_nodes = t->first_node[LC_LIGHT_KINDS];
+    t->n_lights = t->first_light[LC_LIGHT_KINDS];
+    t->n_nodes = t->first_node[LC_LIGHT_KINDS];
     t->data.nodes = lc_alloc_raw(t->ctx, t->n_nodes, sizeof *t->data.nodes);
     t->data.lights = lc_alloc_raw(t->ctx, t->n_lights, sizeof *t->data.lights);
     if (!t->data.nodes || !t->data.lights) return LC_ERR_MEMORY;
-    if (t->n_reps > 1 && !(t->reps = lc_alloc_raw(t->ctx, n_all_reps(t), sizeof *t->reps))) return LC_ERR_MEMORY;
+    if (t->n_reps > 1 && !(t->reps = lc_alloc_raw(t->ctx, n_all_reps(t), sizeof *t->reps)))
+        return LC_ERR_MEMORY;
     if (t->n_of_kind[LC_LIGHT_SPOT] && !alloc_spots(t, desc)) return LC_ERR_MEMORY;
     if (!other) return LC_OK;
     t->data.node_atten = lc_alloc(t->ctx, t->n_nodes, sizeof *t->data.node_atten);
@@ -115,6 +125,7 @@ size_t lc_light_tree_bytes(const lc_light_tree *t)
 {
     size_t node = sizeof *t->data.nodes + (t->data.node_atten ? sizeof(lc_atten) : 0);
     size_t light = sizeof *t->data.lights + (t->data.light_atten ? sizeof(lc_atten) : 0);
-    size_t spot = (t->data.node_spot ? n_spot_nodes(t) + (size_t)t->n_of_kind[LC_LIGHT_SPOT] : 0) * sizeof(lc_spot_rec);
+    size_t spot = (t->data.node_spot ? n_spot_nodes(t) + (size_t)t->n_of_kind[LC_LIGHT_SPOT] : 0) *
+                  sizeof(lc_spot_rec);
     return t->n_nodes * node + n_all_reps(t) * sizeof *t->reps + t->n_lights * light + spot;
 }

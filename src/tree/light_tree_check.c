@@ -1,11 +1,12 @@
-/* light_tree_check.c - lc_light_tree_validate: what light_tree.h and layout.h promise, looked up in a finished tree.
+/* light_tree_check.c - lc_light_tree_validate: what light_tree.h and layout.h promise, looked up in a
+ * finished tree.
  *
  *     walk    roots -> lights with a stack, so any depth: every node and every light met once
  *     join    the walk backwards, children before parents: each node's own box, box of directions, sum, least
  *             attenuation and representatives from its two children's, each compared with what is stored
  *
- * Linear in the number of lights but for cones that are narrower than the box of directions gives: those look at every
- * direction below them.
+ * Linear in the number of lights but for cones that are narrower than the box of directions gives: those look
+ * at every direction below them.
  */
 #include "tree/light_tree.h"
 
@@ -33,7 +34,10 @@ typedef struct {
 static float min_f(float a, float b) { return b < a ? b : a; }
 static float max_f(float a, float b) { return b > a ? b : a; }
 
-static lc_f3 direction(const lc_light_rec *l) { return lc_dir_unpack((const uint32_t[2]){ l->dir_a, l->dir_b }); }
+static lc_f3 direction(const lc_light_rec *l)
+{
+    return lc_dir_unpack((const uint32_t[2]){ l->dir_a, l->dir_b });
+}
 
 /* Follows a link, from a node of the kind or its root; puts a node on the stack. */
 static const char *follow(check *c, uint32_t link, lc_light_kind kind, uint32_t *stack, uint32_t *n)
@@ -88,7 +92,8 @@ static void sums_of_light(sums *s, const lc_light_tree *t, uint32_t light)
     lc_f3 d = direction(l);
     if (lc_kind_of_light(t, light) == LC_LIGHT_SPOT) {
         const lc_spot_rec *spot = lc_light_spot(&t->data, light);
-        s->spot[0] = spot->cos_total, s->spot[1] = spot->cos_start;
+        s->spot[0] = spot->cos_total;
+        s->spot[1] = spot->cos_start;
     }
     lc_f3_store(s->dlo, d);
     lc_f3_store(s->dhi, d);
@@ -116,7 +121,8 @@ static void join(sums *s, const sums *a, const sums *b)
     s->len2_max = fmax(a->len2_max, b->len2_max);
 }
 
-/* a - b <= half in exact arithmetic: the difference and, where it ties, what its rounding lost (Knuth's two-sum). */
+/* a - b <= half in exact arithmetic: the difference and, where it ties, what its rounding lost (Knuth's
+ * two-sum). */
 static bool within(float a, float b, float half)
 {
     double x = (double)a, y = -(double)b, d = x + y, v = d - x, lost = (x - (d - v)) + (y - v);
@@ -128,12 +134,14 @@ static const char *check_box(const lc_node *b, const sums *s)
     for (int i = 0; i < 3; i++) {
         float center = b->center[i], half = b->half[i];
         if (!isfinite(center) || !(half >= 0)) return "a box is not finite or inside out";
-        if (!within(s->hi[i], center, half) || !within(center, s->lo[i], half)) return "a light is outside a box";
+        if (!within(s->hi[i], center, half) || !within(center, s->lo[i], half))
+            return "a light is outside a box";
     }
     return NULL;
 }
 
-/* Stored sums are float, rounded up from a double sum in the order of the tree, which is the order of join. */
+/* Stored sums are float, rounded up from a double sum in the order of the tree, which is the order of join.
+ */
 static const char *check_power(const lc_node *b, const sums *s)
 {
     for (int i = 0; i < 3; i++) {
@@ -145,9 +153,10 @@ static const char *check_power(const lc_node *b, const sums *s)
     return NULL;
 }
 
-/* Least cosine about a (length len_a) of the vectors of squared length len2_min..len2_max in the ball around the box of
- * directions, centre C, radius R: such a d has d.C >= (L^2 + |C|^2 - R^2) / 2, L = |d|, and the cosine about
- * a differs from that about C by at most |a / |a| - C / |C||. The quotient by L is least at the ends or where L^2 = |C|^2 - R^2. */
+/* Least cosine about a (length len_a) of the vectors of squared length len2_min..len2_max in the ball around
+ * the box of directions, centre C, radius R: such a d has d.C >= (L^2 + |C|^2 - R^2) / 2, L = |d|, and the
+ * cosine about a differs from that about C by at most |a / |a| - C / |C||. The quotient by L is least at the
+ * ends or where L^2 = |C|^2 - R^2. */
 static double least_cosine(const sums *s, const double a[3], double len_a)
 {
     double c2 = 0, r2 = 0, e2 = 0, least = INFINITY;
@@ -168,7 +177,8 @@ static double least_cosine(const sums *s, const double a[3], double len_a)
 }
 
 /* Least cosine about a of the directions below node, one by one. */
-static double least_cosine_below(const check *c, uint32_t node, uint32_t *stack, const double a[3], double len_a)
+static double least_cosine_below(const check *c, uint32_t node, uint32_t *stack, const double a[3],
+                                 double len_a)
 {
     double least = 1;
     uint32_t n = 0;
@@ -181,14 +191,15 @@ static double least_cosine_below(const check *c, uint32_t node, uint32_t *stack,
             continue;
         }
         lc_f3 d = direction(&c->t->data.lights[link & ~LC_LEAF]);
-        double dot = a[0] * d.x + a[1] * d.y + a[2] * d.z, len2 = (double)d.x * d.x + (double)d.y * d.y + (double)d.z * d.z;
+        double dot = a[0] * d.x + a[1] * d.y + a[2] * d.z,
+               len2 = (double)d.x * d.x + (double)d.y * d.y + (double)d.z * d.z;
         least = fmin(least, dot / (len_a * sqrt(len2)));
     }
     return least;
 }
 
-/* Double sums of three products and two quotients, each term at most 1 / |C| <= 20 where a cone is narrower than the
- * sphere: 16 roundings of 20 * 2^-53 are 4e-14. */
+/* Double sums of three products and two quotients, each term at most 1 / |C| <= 20 where a cone is narrower
+ * than the sphere: 16 roundings of 20 * 2^-53 are 4e-14. */
 #define COSINE_ROUNDING 4e-14
 
 static const char *check_cone(const check *c, uint32_t id, uint32_t *stack)
@@ -221,14 +232,16 @@ static bool spot_is(const lc_spot_rec *rec, const float cosines[2])
 {
     lc_spot_rec want;
     lc_spot_rec_init(&want, cosines[0], cosines[1], rec->map);
-    return cosines[0] >= -2 && cosines[1] >= cosines[0] && cosines[1] <= 1 && !memcmp(&want, rec, sizeof want);
+    return cosines[0] >= -2 && cosines[1] >= cosines[0] && cosines[1] <= 1 &&
+           !memcmp(&want, rec, sizeof want);
 }
 
 static const char *check_spots(const lc_light_tree *t)
 {
     for (uint32_t i = 0; i < t->n_of_kind[LC_LIGHT_SPOT]; i++) {
         const lc_spot_rec *rec = &t->data.light_spot[i];
-        if (!spot_is(rec, (const float[2]){ rec->cos_total, rec->cos_start })) return "a spot's profile is wrong";
+        if (!spot_is(rec, (const float[2]){ rec->cos_total, rec->cos_start }))
+            return "a spot's profile is wrong";
         if (rec->map && !t->data.spot_maps) return "a spot has a map that is not there";
     }
     return NULL;
@@ -246,8 +259,10 @@ static const char *check_node(check *c, uint32_t id, uint32_t *stack)
     const char *wrong = check_power(b, s);
     if (!wrong) wrong = check_box(b, s);
     if (!wrong && lc_is_aimed(kind)) wrong = check_cone(c, id, stack);
-    if (!wrong && kind == LC_LIGHT_SPOT && !spot_is(lc_node_spot(&t->data, id), s->spot)) wrong = "a node's least spot is wrong";
-    if (!wrong && kind <= LC_LIGHT_ORIENTED) wrong = check_atten(t->data.node_atten ? t->data.node_atten[id] : NULL, s);
+    if (!wrong && kind == LC_LIGHT_SPOT && !spot_is(lc_node_spot(&t->data, id), s->spot))
+        wrong = "a node's least spot is wrong";
+    if (!wrong && kind <= LC_LIGHT_ORIENTED)
+        wrong = check_atten(t->data.node_atten ? t->data.node_atten[id] : NULL, s);
     return wrong;
 }
 
@@ -258,7 +273,8 @@ static const char *check_reps(const lc_light_tree *t, uint32_t id)
     for (uint32_t slot = 0; slot < t->n_reps; slot++) {
         uint32_t own = lc_rep_of(t, id, slot);
         if (!slot && own != t->data.nodes[id].rep) return "a node's representative is not that of slot 0";
-        if (own != lc_rep_of(t, b->left, slot) && own != lc_rep_of(t, b->right, slot)) return "a representative is not that of a child";
+        if (own != lc_rep_of(t, b->left, slot) && own != lc_rep_of(t, b->right, slot))
+            return "a representative is not that of a child";
     }
     return NULL;
 }
@@ -269,11 +285,14 @@ static const char *check_counts(const lc_light_tree *t)
     if (!t->n_reps || t->n_reps > LC_MAX_REPS) return "the number of representatives is out of range";
     for (int k = 0; k < LC_LIGHT_KINDS; k++) {
         uint32_t n = t->n_of_kind[k];
-        if (t->first_light[k] != lights || t->first_node[k] != nodes) return "a kind begins at the wrong place";
+        if (t->first_light[k] != lights || t->first_node[k] != nodes)
+            return "a kind begins at the wrong place";
         if (n > t->n_lights || t->n_lights >= LC_LEAF / 2) return "lights of a kind are miscounted";
-        lights += n, nodes += n > 1 ? n - 1 : 0;
+        lights += n;
+        nodes += n > 1 ? n - 1 : 0;
     }
-    if (t->first_light[LC_LIGHT_KINDS] != lights || t->first_node[LC_LIGHT_KINDS] != nodes) return "kinds end at the wrong place";
+    if (t->first_light[LC_LIGHT_KINDS] != lights || t->first_node[LC_LIGHT_KINDS] != nodes)
+        return "kinds end at the wrong place";
     return t->n_lights == lights && t->n_nodes == nodes ? NULL : "lights or nodes are miscounted";
 }
 

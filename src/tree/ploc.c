@@ -1,18 +1,19 @@
 /* ploc.c - parallel locally-ordered clustering ([Meister18]) with the metric of light trees.
  *
- * The lights are put in the order of a space-filling curve (morton.h). In a round every cluster looks for its nearest neighbour
- * among those close by in the list; two that are each other's nearest become one, which takes the place of the first. Rounds go
- * on until one is left.
+ * The lights are put in the order of a space-filling curve (morton.h). In a round every cluster looks for its
+ * nearest neighbour among those close by in the list; two that are each other's nearest become one, which
+ * takes the place of the first. Rounds go on until one is left.
  *
- *     radius   how far a cluster looks. It grows as the list gets shorter, such that no round costs less than SEARCH_LEAST pairs.
- *     ties     pairs are totally ordered (ploc_tmpl.c), so the least of any stretch is always joined.
- *     rounds   after one that joined fewer than a SLOW-th of a list of more than SHORT, clusters look for one round within groups
- *              of eight positions only, each of which then joins two. So n lights take at most SLOW ln(n / SHORT) + SHORT rounds,
- *              and the tree is no deeper.
+ *     radius   how far a cluster looks. It grows as the list gets shorter, such that no round costs less than
+ * SEARCH_LEAST pairs. ties     pairs are totally ordered (ploc_tmpl.c), so the least of any stretch is always
+ * joined. rounds   after one that joined fewer than a SLOW-th of a list of more than SHORT, clusters look for
+ * one round within groups of eight positions only, each of which then joins two. So n lights take at most
+ * SLOW ln(n / SHORT) + SHORT rounds, and the tree is no deeper.
  *
- * Memory: a list has 13 floats (7 without emission directions) and an id a cluster; that of the lights 7 (4), as boxes of one
- * light are points. Lists of the first round and the second are made when their lengths are known. At most 116 bytes a light (68),
- * where next to nothing is joined; of usual lights 75 (45). Before that 28 for the order.
+ * Memory: a list has 13 floats (7 without emission directions) and an id a cluster; that of the lights 7 (4),
+ * as boxes of one light are points. Lists of the first round and the second are made when their lengths are
+ * known. At most 116 bytes a light (68), where next to nothing is joined; of usual lights 75 (45). Before
+ * that 28 for the order.
  */
 #include "tree/tree_build.h"
 
@@ -72,7 +73,8 @@ static uint32_t chunk_size(uint32_t n, uint64_t chunk)
     return left < CHUNK ? left : CHUNK;
 }
 
-static void run(builder *b, uint64_t n_items, bool serial, void (*fn)(void *user, uint32_t thread, uint64_t item))
+static void run(builder *b, uint64_t n_items, bool serial,
+                void (*fn)(void *user, uint32_t thread, uint64_t item))
 {
     if (!serial) lc_parallel(b->ctx, n_items, fn, b);
     for (uint64_t i = 0; i < n_items && serial; i++) fn(b, 0, i);
@@ -80,11 +82,20 @@ static void run(builder *b, uint64_t n_items, bool serial, void (*fn)(void *user
 
 /* ---- lights in order ---- */
 
-static const lc_light *light_of(const builder *b, uint32_t i) { return &b->in->lights[b->in->index ? b->in->index[i] : i]; }
+static const lc_light *light_of(const builder *b, uint32_t i)
+{
+    return &b->in->lights[b->in->index ? b->in->index[i] : i];
+}
 
-static lc_f3 place_of(const lc_light *l) { return l->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos; }
+static lc_f3 place_of(const lc_light *l)
+{
+    return l->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
+}
 
-static double power_of(const lc_light *l) { return ((double)l->intensity.x + (double)l->intensity.y + (double)l->intensity.z) / 3; }
+static double power_of(const lc_light *l)
+{
+    return ((double)l->intensity.x + (double)l->intensity.y + (double)l->intensity.z) / 3;
+}
 
 static void measure_chunk(void *user, uint32_t thread, uint64_t chunk)
 {
@@ -109,8 +120,9 @@ static double inverse_size(double x)
     return ldexp(1, -k);
 }
 
-/* Powers of two, so that coordinates lose nothing. No metric is above 2^100 (3 + 4): neither edges of boxes nor the weight of
- * directions are above 1, and sums of powers not above 2^100. The floor keeps coordinates finite where all are equal. */
+/* Powers of two, so that coordinates lose nothing. No metric is above 2^100 (3 + 4): neither edges of boxes
+ * nor the weight of directions are above 1, and sums of powers not above 2^100. The floor keeps coordinates
+ * finite where all are equal. */
 static void set_scales(builder *b)
 {
     extent e = b->extents[0];
@@ -118,7 +130,8 @@ static void set_scales(builder *b)
         lc_box_join(&e.box, &b->extents[c].box);
         if (b->extents[c].power > e.power) e.power = b->extents[c].power;
     }
-    const float lo[3] = { e.box.lo.x, e.box.lo.y, e.box.lo.z }, hi[3] = { e.box.hi.x, e.box.hi.y, e.box.hi.z };
+    const float lo[3] = { e.box.lo.x, e.box.lo.y, e.box.lo.z },
+                hi[3] = { e.box.hi.x, e.box.hi.y, e.box.hi.z };
     double turn = lc_is_aimed(b->in->kind) ? sqrt(b->in->c2) : 0, size = turn;
     for (int k = 0; k < 3; k++) {
         size = fmax(size, (double)hi[k] - (double)lo[k]);
@@ -157,7 +170,8 @@ static void search_some(void *user, uint32_t thread, uint64_t item)
     builder *b = user;
     uint32_t first = (uint32_t)item * b->search_item, n = b->now.view.n - first;
     (void)thread;
-    b->kernels->nearest(&b->now.view, first, n < b->search_item ? n : b->search_item, b->radius, b->grouped, b->offset + first);
+    b->kernels->nearest(&b->now.view, first, n < b->search_item ? n : b->search_item, b->radius, b->grouped,
+                        b->offset + first);
 }
 
 /* Whether the neighbour's neighbour is oneself. */
@@ -186,7 +200,8 @@ static tally sum_tallies(builder *b)
     for (uint32_t c = 0; c < n_chunks(b->now.view.n, CHUNK); c++) {
         tally t = b->tallies[c];
         b->tallies[c] = sum;
-        sum.kept += t.kept, sum.joined += t.joined;
+        sum.kept += t.kept;
+        sum.joined += t.joined;
     }
     return sum;
 }
@@ -199,11 +214,14 @@ static void join_rows(const builder *b, const uint32_t *left, const uint32_t *ri
         float *out = b->next.view.row[k] + to;
         bool high = (k >= LC_PLOC_HI && k < LC_PLOC_POWER) || k >= LC_PLOC_DHI;
         if (k == LC_PLOC_POWER)
-            for (uint32_t i = 0; i < n; i++) out[i] = from[left[i]] + (left[i] == right[i] ? 0 : from[right[i]]);
+            for (uint32_t i = 0; i < n; i++)
+                out[i] = from[left[i]] + (left[i] == right[i] ? 0 : from[right[i]]);
         else if (high)
-            for (uint32_t i = 0; i < n; i++) out[i] = from[left[i]] > from[right[i]] ? from[left[i]] : from[right[i]];
+            for (uint32_t i = 0; i < n; i++)
+                out[i] = from[left[i]] > from[right[i]] ? from[left[i]] : from[right[i]];
         else
-            for (uint32_t i = 0; i < n; i++) out[i] = from[left[i]] < from[right[i]] ? from[left[i]] : from[right[i]];
+            for (uint32_t i = 0; i < n; i++)
+                out[i] = from[left[i]] < from[right[i]] ? from[left[i]] : from[right[i]];
     }
 }
 
@@ -217,7 +235,8 @@ static void join_chunk(void *user, uint32_t thread, uint64_t chunk)
     (void)thread;
     for (uint32_t i = first; i < first + chunk_size(b->now.view.n, chunk); i++) {
         float offset = is_mutual(b, i) ? b->offset[i] : 0;
-        left[n] = i, right[n] = i + (uint32_t)(int32_t)offset;
+        left[n] = i;
+        right[n] = i + (uint32_t)(int32_t)offset;
         n += offset >= 0;
     }
     for (uint32_t i = 0; i < n; i++) {
@@ -279,7 +298,8 @@ static lc_status join_all(builder *b)
         b->search_item = n / (8 * b->ctx->n_threads) / LC_PLOC_CHUNK * LC_PLOC_CHUNK;
         if (b->search_item < LC_PLOC_CHUNK) b->search_item = LC_PLOC_CHUNK;
         if (b->search_item > 4096) b->search_item = 4096;
-        run(b, n_chunks(n, b->search_item), (uint64_t)n * (b->radius < n ? b->radius : n) < SERIAL_SEARCH, search_some);
+        run(b, n_chunks(n, b->search_item), (uint64_t)n * (b->radius < n ? b->radius : n) < SERIAL_SEARCH,
+            search_some);
         run(b, chunks, n < SERIAL_MOVE, count_chunk);
         tally t = sum_tallies(b);
         lc_status st = make_room(b, t.kept);
@@ -288,7 +308,8 @@ static lc_status join_all(builder *b)
         b->n_pairs += t.joined;
         b->grouped = n > SHORT && (uint64_t)t.joined * SLOW < n;
         list was = b->now;
-        b->now = b->next, b->next = was;
+        b->now = b->next;
+        b->next = was;
     }
     return LC_OK;
 }

@@ -22,9 +22,11 @@ typedef struct lc_ploc_list {
 
 /* Kernels of the builder, of one instruction set. */
 typedef struct lc_tree_kernels {
-    /* offset[i] leads from position first + i of the list, i < n, to its nearest neighbour among the `radius` before and
-     * behind it, or is 0 where it has none. grouped: of its group of LC_PLOC_GROUP positions only. */
-    void (*nearest)(const lc_ploc_list *list, uint32_t first, uint32_t n, uint32_t radius, bool grouped, float *offset);
+    /* offset[i] leads from position first + i of the list, i < n, to its nearest neighbour among the `radius`
+     * before and behind it, or is 0 where it has none. grouped: of its group of LC_PLOC_GROUP positions only.
+     */
+    void (*nearest)(const lc_ploc_list *list, uint32_t first, uint32_t n, uint32_t radius, bool grouped,
+                    float *offset);
 } lc_tree_kernels;
 
 #endif

@@ -22,7 +22,8 @@ LC_INLINE vf LC_FN(ploc_metric)(const vf *a, const vf *b, bool oriented, vf c2)
         for (int k = 0; k < 3; k++) {
             vf lo = vf_min(a[LC_PLOC_DLO + k], b[LC_PLOC_DLO + k]), hi = vf_max(a[LC_PLOC_DHI + k], b[LC_PLOC_DHI + k]);
             vf sum = vf_add(lo, hi), width = vf_sub(hi, lo);
-            s2 = vf_add(s2, vf_mul(sum, sum)), r2 = vf_add(r2, vf_mul(width, width));
+            s2 = vf_add(s2, vf_mul(sum, sum));
+            r2 = vf_add(r2, vf_mul(width, width));
         }
         vf s = vf_sqrt(s2), off = vf_sub(vf_set(2), s);
         vf turn = vf_div(vf_sub(r2, vf_mul(off, off)), vf_mul(vf_set(4), s));
@@ -99,7 +100,10 @@ LC_INLINE void LC_FN(nearest_of)(const lc_ploc_list *l, uint32_t first, uint32_t
                                  float *out)
 {
     float best[LC_PLOC_CHUNK + VF_LANES], offset[LC_PLOC_CHUNK + VF_LANES];
-    for (uint32_t i = 0; i < n + VF_LANES; i++) best[i] = INFINITY, offset[i] = 0;
+    for (uint32_t i = 0; i < n + VF_LANES; i++) {
+        best[i] = INFINITY;
+        offset[i] = 0;
+    }
     for (uint32_t k = 1; k <= radius; k += PLOC_TILE)
         LC_FN(ploc_tile)(l, first, n, k, radius - k + 1 < PLOC_TILE ? radius - k + 1 : PLOC_TILE, oriented, grouped, best, offset);
     memcpy(out, offset, n * sizeof *out);

@@ -1,8 +1,8 @@
 /* tree_build.h - what the builders of light trees share: lights of one kind in, who is joined with whom out.
  *
- * A builder only decides the shape of the tree. Boxes, cones, sums and representatives are made from the lights
- * afterwards (light_tree.c), so a builder may work in whatever precision it likes; its result must not depend on the
- * number of threads or the instruction set.
+ * A builder only decides the shape of the tree. Boxes, cones, sums and representatives are made from the
+ * lights afterwards (light_tree.c), so a builder may work in whatever precision it likes; its result must not
+ * depend on the number of threads or the instruction set.
  */
 #ifndef LC_TREE_BUILD_H
 #define LC_TREE_BUILD_H
@@ -15,7 +15,7 @@ typedef struct lc_build_input {
     const uint32_t *index; /* n scene indices of lights of one kind, rising; NULL: 0 .. n - 1 */
     uint32_t n;
     lc_light_kind kind;
-    double c2;             /* squared weight of directions in the metric, scene units^2; oriented lights and spots only */
+    double c2; /* squared weight of directions in the metric, scene units^2; oriented lights and spots only */
 } lc_build_input;
 
 /* Cluster n + i is what joining child[0] < child[1] < n + i gave; clusters 0 .. n - 1 are the lights. */

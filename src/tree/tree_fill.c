@@ -1,10 +1,10 @@
 /* tree_fill.c - a tree is laid out from the root down, then summed up from the leaves.
  *
- *     treelet     up to 7 pairs of children below a cluster, level by level: 2 + 4 + 8. Its nodes come first, then all
- *                 that is below its first exit, then below the second, ...; lights likewise. With the number of lights
- *                 below every cluster known, each exit's place is known too, and exits can be worked on apart
- *     batch       clusters laid out together, parents before children, with their boxes and sums
- *     jobs        the top of the tree is one batch; below, every cluster of at most `limit` lights is one, by any thread
+ *     treelet     up to 7 pairs of children below a cluster, level by level: 2 + 4 + 8. Its nodes come first,
+ * then all that is below its first exit, then below the second, ...; lights likewise. With the number of
+ * lights below every cluster known, each exit's place is known too, and exits can be worked on apart batch
+ * clusters laid out together, parents before children, with their boxes and sums jobs        the top of the
+ * tree is one batch; below, every cluster of at most `limit` lights is one, by any thread
  *
  * The order of nodes does not depend on the limit, as each batch begins with an exit of a treelet.
  */
@@ -27,7 +27,7 @@
 typedef struct {
     uint32_t build, id;
     uint32_t below, light; /* of an exit: first id and first light of what is below */
-    uint32_t slot[2];      /* in the batch, of its children; LC_NONE: a light, or a cluster that is not laid out */
+    uint32_t slot[2]; /* in the batch, of its children; LC_NONE: a light, or a cluster that is not laid out */
     bool done;             /* its children are laid out */
 } entry;
 
@@ -55,9 +55,15 @@ typedef struct {
     uint32_t *jobs, n_jobs; /* slots of the top */
 } filler;
 
-static uint32_t lights_below(const filler *f, uint32_t build) { return build < f->in->n ? 1 : f->n_below[build - f->in->n]; }
+static uint32_t lights_below(const filler *f, uint32_t build)
+{
+    return build < f->in->n ? 1 : f->n_below[build - f->in->n];
+}
 
-static uint32_t scene_index(const filler *f, uint32_t build) { return f->in->index ? f->in->index[build] : build; }
+static uint32_t scene_index(const filler *f, uint32_t build)
+{
+    return f->in->index ? f->in->index[build] : build;
+}
 
 static lc_status grow(const filler *f, batch *b)
 {
@@ -103,7 +109,8 @@ static lc_status place_children(filler *f, batch *b, uint32_t at, uint32_t *id, 
         b->entries[at].slot[i] = slot;
     }
     lc_node *node = &f->t->data.nodes[b->entries[at].id];
-    node->left = link[0], node->right = link[1];
+    node->left = link[0];
+    node->right = link[1];
     b->entries[at].done = true;
     return LC_OK;
 }
@@ -124,8 +131,10 @@ static lc_status place_treelet(filler *f, batch *b, uint32_t exit)
     for (; head < tail; head++) {
         entry *e = &b->entries[queue[head]];
         uint32_t n = lights_below(f, e->build);
-        e->below = id, e->light = light;
-        id += n - 2, light += n;
+        e->below = id;
+        e->light = light;
+        id += n - 2;
+        light += n;
     }
     return LC_OK;
 }
@@ -152,14 +161,16 @@ static void fill_light(const filler *f, uint32_t build, uint32_t light, sums *s)
     lc_light_rec_init(rec, &l);
     if (lc_is_aimed(l.kind)) l.dir = lc_dir_unpack((const uint32_t[2]){ rec->dir_a, rec->dir_b });
     lc_tree_data *d = &f->t->data;
-    if (l.kind == LC_LIGHT_SPOT) lc_spot_rec_init(lc_light_spot(d, light), l.spot.cos_total, l.spot.cos_start, l.spot.map);
+    if (l.kind == LC_LIGHT_SPOT)
+        lc_spot_rec_init(lc_light_spot(d, light), l.spot.cos_total, l.spot.cos_start, l.spot.map);
     else if (d->light_atten) memcpy(d->light_atten[light], l.atten, sizeof l.atten);
     lc_cluster_from_light(&s->c, &l);
     s->hash = lc_mix(scene);
 }
 
-/* A number 0 <= u <= 1 for each slot: each is uniform, but together they are one in each n_reps-th, in an order of the
- * cluster's own. So the slots of a cluster don't choose the same child more often than they should. */
+/* A number 0 <= u <= 1 for each slot: each is uniform, but together they are one in each n_reps-th, in an
+ * order of the cluster's own. So the slots of a cluster don't choose the same child more often than they
+ * should. */
 static void draw(const filler *f, uint64_t cluster, double u[LC_MAX_REPS])
 {
     uint32_t n = f->t->n_reps, order[LC_MAX_REPS];
@@ -168,7 +179,8 @@ static void draw(const filler *f, uint64_t cluster, double u[LC_MAX_REPS])
     for (uint32_t s = n; s-- > 1;) {
         h = lc_mix(h);
         uint32_t other = (uint32_t)(h % (s + 1)), was = order[s];
-        order[s] = order[other], order[other] = was;
+        order[s] = order[other];
+        order[other] = was;
     }
     for (uint32_t s = 0; s < n; s++) u[s] = (order[s] + lc_unit(lc_hash4(f->seed, cluster, s, 0))) / n;
 }
@@ -182,7 +194,8 @@ static void choose_reps(const filler *f, batch *b, uint32_t at, const sums child
     draw(f, b->sums[at].hash, u);
     for (uint32_t s = 0; s < t->n_reps; s++) {
         uint32_t rep[2];
-        for (int i = 0; i < 2; i++) rep[i] = e->slot[i] == LC_NONE ? link[i] & ~LC_LEAF : b->rep[(size_t)e->slot[i] * t->n_reps + s];
+        for (int i = 0; i < 2; i++)
+            rep[i] = e->slot[i] == LC_NONE ? link[i] & ~LC_LEAF : b->rep[(size_t)e->slot[i] * t->n_reps + s];
         bool is_left = u[s] * (left + right) < left;
         uint32_t own = is_left ? rep[0] : rep[1];
         b->rep[(size_t)at * t->n_reps + s] = own;
@@ -240,7 +253,8 @@ static void run_job(void *user, uint32_t thread, uint64_t item)
     b->n = 0;
     b->status = add_entry(f, b, e->build, e->id, &slot);
     if (b->status) return;
-    b->entries[slot].below = e->below, b->entries[slot].light = e->light;
+    b->entries[slot].below = e->below;
+    b->entries[slot].light = e->light;
     b->status = place_all(f, b, 0);
     if (b->status) return;
     fill_all(f, b);
@@ -278,7 +292,8 @@ static lc_status fill_tree(filler *f)
     uint32_t slot, n = f->in->n, id = f->t->first_node[kind];
     lc_status st = add_entry(f, &f->top, 2 * n - 2, id, &slot);
     if (st) return st;
-    f->top.entries[slot].below = id + 1, f->top.entries[slot].light = f->t->first_light[kind];
+    f->top.entries[slot].below = id + 1;
+    f->top.entries[slot].light = f->t->first_light[kind];
     st = place_all(f, &f->top, f->limit);
     if (!st) st = run_jobs(f);
     if (st) return st;

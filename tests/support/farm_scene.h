@@ -1,4 +1,5 @@
-/* farm_scene.h - small scenes, a folder of its own and checkpoints for the tests of long renders and of renders in parts. */
+/* farm_scene.h - small scenes, a folder of its own and checkpoints for the tests of long renders and of
+ * renders in parts. */
 #ifndef FARM_SCENE_H
 #define FARM_SCENE_H
 
@@ -43,11 +44,14 @@ static inline void farm_write_scene(const char *name, unsigned width, unsigned h
     fprintf(f, "Film \"rgb\" \"integer xresolution\" [%u] \"integer yresolution\" [%u]\n", width, height);
     fprintf(f, "Sampler \"independent\" \"integer pixelsamples\" [1]\nWorldBegin\n");
     for (unsigned i = 0; i < n; i++)
-        fprintf(f, "LightSource \"point\" \"point3 from\" [%g %g %g] \"rgb I\" [%g 1 .5]\n", (i * 37 % 101) * 0.04 - 2,
-                (i * 53 % 97) * 0.04 - 2, -1.5 - (i * 29 % 89) * 0.02, 0.1 * (i % 17));
-    fprintf(f, "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
-               "Shape \"trianglemesh\" \"point3 P\" [-4 -4 0  4 -4 0  4 4 0  -4 4 0] \"integer indices\" [0 1 2 0 2 3]\n"
-               "Shape \"trianglemesh\" \"point3 P\" [-1 -1 -1  1 -1 -1  0 1 -1] \"integer indices\" [0 1 2]\n");
+        fprintf(f, "LightSource \"point\" \"point3 from\" [%g %g %g] \"rgb I\" [%g 1 .5]\n",
+                (i * 37 % 101) * 0.04 - 2, (i * 53 % 97) * 0.04 - 2, -1.5 - (i * 29 % 89) * 0.02,
+                0.1 * (i % 17));
+    fprintf(f,
+            "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+            "Shape \"trianglemesh\" \"point3 P\" [-4 -4 0  4 -4 0  4 4 0  -4 4 0] \"integer indices\" [0 1 2 "
+            "0 2 3]\n"
+            "Shape \"trianglemesh\" \"point3 P\" [-1 -1 -1  1 -1 -1  0 1 -1] \"integer indices\" [0 1 2]\n");
     if (fclose(f)) abort();
 }
 
@@ -93,7 +97,9 @@ static inline int farm_same_planes(lc_image *a, lc_image *b)
     if (lc_image_n_channels(a) != lc_image_n_channels(b)) return 0;
     for (uint32_t c = 0; c < lc_image_n_channels(a); c++) {
         const float *other = lc_image_channel(b, lc_image_channel_name(a, c));
-        if (!other || memcmp(lc_image_channel(a, lc_image_channel_name(a, c)), other, (size_t)d.width * d.height * sizeof *other)) return 0;
+        if (!other || memcmp(lc_image_channel(a, lc_image_channel_name(a, c)), other,
+                             (size_t)d.width * d.height * sizeof *other))
+            return 0;
     }
     return 1;
 }

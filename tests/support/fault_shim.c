@@ -58,9 +58,9 @@ static ssize_t share(size_t n)
 
 /* ---- memory ---- */
 
-#define WRAP(result, name, params, args, class, bad)                                                                  \
-    result __real_##name params;                                                                                      \
-    result __wrap_##name params;                                                                                      \
+#define WRAP(result, name, params, args, class, bad)                                                         \
+    result __real_##name params;                                                                             \
+    result __wrap_##name params;                                                                             \
     result __wrap_##name params { return fails(class, SITE) ? (bad) : __real_##name args; }
 
 WRAP(void *, malloc, (size_t n), (n), FAULT_ALLOC, NULL)
@@ -69,13 +69,13 @@ WRAP(void *, realloc, (void *p, size_t n), (p, n), FAULT_ALLOC, NULL)
 WRAP(void *, aligned_alloc, (size_t align, size_t n), (align, n), FAULT_ALLOC, NULL)
 WRAP(int, posix_memalign, (void **p, size_t align, size_t n), (p, align, n), FAULT_ALLOC, ENOMEM)
 WRAP(char *, strdup, (const char *s), (s), FAULT_ALLOC, NULL)
-WRAP(void *, mmap, (void *at, size_t n, int prot, int flags, int fd, off_t from), (at, n, prot, flags, fd, from), FAULT_ALLOC,
-     (void *)-1)
+WRAP(void *, mmap, (void *at, size_t n, int prot, int flags, int fd, off_t from),
+     (at, n, prot, flags, fd, from), FAULT_ALLOC, (void *)-1)
 
 /* ---- threads ---- */
 
-WRAP(int, pthread_create, (pthread_t *t, const pthread_attr_t *a, void *(*fn)(void *), void *arg), (t, a, fn, arg), FAULT_THREAD,
-     EAGAIN)
+WRAP(int, pthread_create, (pthread_t * t, const pthread_attr_t *a, void *(*fn)(void *), void *arg),
+     (t, a, fn, arg), FAULT_THREAD, EAGAIN)
 WRAP(int, pthread_mutex_init, (pthread_mutex_t *m, const pthread_mutexattr_t *a), (m, a), FAULT_ALLOC, ENOMEM)
 
 /* ---- files ---- */
@@ -213,7 +213,11 @@ static FILE *stream(int fd, const char *mode, int *place)
     int i = 0;
     while (i < MAX_STREAMS && streams[i].f) i++;
     FILE *f = i < MAX_STREAMS ? fopencookie((void *)(intptr_t)i, mode, io) : NULL;
-    if (f) streams[i].f = f, streams[i].fd = fd, *place = i;
+    if (f) {
+        streams[i].f = f;
+        streams[i].fd = fd;
+        *place = i;
+    }
     return f;
 }
 
@@ -227,7 +231,9 @@ FILE *__wrap_fopen(const char *path, const char *mode)
     if (fails(FAULT_IO, SITE)) return NULL;
     FILE *f = stream(-1, mode, &place); /* first: a file is not made when there is no memory for its stream */
     if (!f) return NULL;
-    int fd = streams[place].fd = __real_open(path, *mode == 'r' ? O_RDONLY : O_WRONLY | O_CREAT | O_TRUNC, 0666), err = errno;
+    int fd = streams[place].fd = __real_open(path, *mode == 'r' ? O_RDONLY : O_WRONLY | O_CREAT | O_TRUNC,
+                                             0666),
+        err = errno;
     if (fd >= 0) return f;
     __wrap_fclose(f);
     errno = err;

@@ -1,5 +1,6 @@
-/* fault_shim.h - calls of the C library that fail on demand. The linker's --wrap leads every call of the program to the shim,
- * which counts it and lets the n-th of a class fail. Streams of fopen and stdout are made of the same calls. */
+/* fault_shim.h - calls of the C library that fail on demand. The linker's --wrap leads every call of the
+ * program to the shim, which counts it and lets the n-th of a class fail. Streams of fopen and stdout are
+ * made of the same calls. */
 #ifndef FAULT_SHIM_H
 #define FAULT_SHIM_H
 
@@ -20,7 +21,8 @@ typedef struct fault_plan {
 
 #define FAULT_MAX_SITES 4096
 
-/* What the parent of a process under test sees: zeroed memory shared with it. A site is the address that a call returns to. */
+/* What the parent of a process under test sees: zeroed memory shared with it. A site is the address that a
+ * call returns to. */
 typedef struct fault_seen {
     long calls[FAULT_CLASSES]; /* since fault_start */
     long failed;

@@ -25,9 +25,13 @@ static uint32_t draw(gen_src *s, unsigned bytes)
             v |= (uint32_t)(s->pos < s->size ? s->data[s->pos++] : 0) << (8 * i);
         return v;
     }
-    if (s->have < bytes) s->buf = lc_hash2(s->key, s->ctr++), s->have = 8;
+    if (s->have < bytes) {
+        s->buf = lc_hash2(s->key, s->ctr++);
+        s->have = 8;
+    }
     uint32_t v = (uint32_t)(s->buf & ((1ull << (8 * bytes)) - 1));
-    s->buf >>= 8 * bytes, s->have -= bytes;
+    s->buf >>= 8 * bytes;
+    s->have -= bytes;
     return v;
 }
 
@@ -86,8 +90,10 @@ static d3 direction(gen_src *s)
         a.v[k] = gen_pick(s, 2) ? 0 : sign(s) * decade(s, -44, -3);
     } else {
         a.v[k] = sign(s);
-        if (style == 1)
-            a.v[(k + 1) % 3] = sign(s) * decade(s, -44, -3), a.v[(k + 2) % 3] = sign(s) * decade(s, -9, -3);
+        if (style == 1) {
+            a.v[(k + 1) % 3] = sign(s) * decade(s, -44, -3);
+            a.v[(k + 2) % 3] = sign(s) * decade(s, -9, -3);
+        }
     }
     return d3_unit(a);
 }
@@ -130,7 +136,8 @@ static void make_space(gen_src *s, space *b, gen_style style)
          denormal = style != GEN_ORDINARY && !gen_pick(s, 32);
     for (int a = 0; a < 3; a++) {
         double h = flat || (style != GEN_ORDINARY && !gen_pick(s, 5)) ? 0 : size * gen_real(s, 0.01, 1);
-        b->lo[a] = (float)(off[a] - h), b->hi[a] = (float)(off[a] + h);
+        b->lo[a] = (float)(off[a] - h);
+        b->hi[a] = (float)(off[a] + h);
         if (denormal && gen_pick(s, 2)) {
             b->lo[a] = (float)(sign(s) * decade(s, -45, -20));
             b->hi[a] = gen_pick(s, 2) ? b->lo[a] : b->lo[a] + (float)decade(s, -45, -20);
@@ -202,8 +209,10 @@ static void make_directions(gen_src *s, gen_case *c, gen_style style, d3 to_poin
         d3 d = axis;
         if (how == 1) d = d3_mad(axis, spread, sphere(s));
         if (how == 2) d = style == GEN_ORDINARY ? sphere(s) : direction(s);
-        if (how == 3)
-            d = d3_mad((d3) { { 0, 0, 0 } }, i & 1 ? -1 : 1, axis), d = d3_mad(d, tilt(s), direction(s));
+        if (how == 3) {
+            d = d3_mad((d3) { { 0, 0, 0 } }, i & 1 ? -1 : 1, axis);
+            d = d3_mad(d, tilt(s), direction(s));
+        }
         if (how == 4) {
             d = sphere(s);
             if (d3_dot(d, axis) < 0) d = d3_mad(d, -2 * d3_dot(d, axis), axis);
@@ -220,12 +229,15 @@ static d3 target(gen_src *s, const gen_case *c, uint32_t which)
     double lo[3], hi[3], v[3];
     uint32_t pick = gen_pick(s, c->n);
     for (int a = 0; a < 3; a++) {
-        lo[a] = HUGE_VAL, hi[a] = -HUGE_VAL, v[a] = 0;
+        lo[a] = HUGE_VAL;
+        hi[a] = -HUGE_VAL;
+        v[a] = 0;
         for (uint32_t i = 0; i < c->n; i++) {
             const lc_light *l = &c->lights[i];
             double t = l->kind == LC_LIGHT_DIRECTIONAL ? -(double)(&l->dir.x)[a]
                                                        : (double)(&l->pos.x)[a] - (double)(&c->pos.x)[a];
-            lo[a] = fmin(lo[a], t), hi[a] = fmax(hi[a], t);
+            lo[a] = fmin(lo[a], t);
+            hi[a] = fmax(hi[a], t);
             if (i == pick) v[a] = t;
         }
         if (which == 0) v[a] = (lo[a] + hi[a]) / 2;
@@ -255,7 +267,8 @@ static void make_frame_of_point(gen_src *s, gen_case *c, gen_style style)
         /* the mirror direction hits a target, nearly */
         d3 t = target(s, c, how - 3);
         if (gen_pick(s, 2)) t = d3_mad(t, decade(s, -6, -0.3), sphere(s));
-        o = d3_mad(zero, -1, t), o = d3_mad(o, -2 * d3_dot(o, n), n);
+        o = d3_mad(zero, -1, t);
+        o = d3_mad(o, -2 * d3_dot(o, n), n);
         if (d3_dot(o, n) < 0) o = t;
     }
     if (d3_dot(o, n) < 0) o = d3_mad(o, -2 * d3_dot(o, n), n);
@@ -291,10 +304,14 @@ static void make_fresnel(gen_src *s, gen_case *c, gen_style style)
     c->mat.coat = gen_pick(s, 2) != 0;
     for (int i = 0; i < 3; i++) {
         bool metal = c->mat.fresnel == LC_FRESNEL_CONDUCTOR && (i || !c->mat.coat);
-        eta[i] = (float)(metal ? gen_real(s, 0.05, 4) : gen_real(s, 1.2, 2.5)), k[i] = metal ? (float)gen_real(s, 0.5, 8) : 0;
-        if (any == 1) eta[i] = metal ? (float)decade(s, -2, 2) : (float)fmin(1 + decade(s, -8, 0.398), (double)LC_MAX_ETA);
+        eta[i] = (float)(metal ? gen_real(s, 0.05, 4) : gen_real(s, 1.2, 2.5));
+        k[i] = metal ? (float)gen_real(s, 0.5, 8) : 0;
+        if (any == 1)
+            eta[i] = metal ? (float)decade(s, -2, 2)
+                           : (float)fmin(1 + decade(s, -8, 0.398), (double)LC_MAX_ETA);
         if (any == 1 && metal) k[i] = eta[i] > 0.1f && gen_pick(s, 2) ? 0 : (float)decade(s, -2, 2);
-        if (any == 2) eta[i] = metal ? (float)gen_real(s, 0.9, 1.1) : gen_pick(s, 2) ? LC_MIN_ETA : LC_MAX_ETA;
+        if (any == 2)
+            eta[i] = metal ? (float)gen_real(s, 0.9, 1.1) : gen_pick(s, 2) ? LC_MIN_ETA : LC_MAX_ETA;
         if (any == 2 && metal) k[i] = (float)decade(s, -8, 0);
     }
     if (style != GEN_ORDINARY && !gen_pick(s, 8)) c->mat.fresnel = LC_FRESNEL_NONE;
@@ -356,25 +373,48 @@ static void make_light_values(gen_src *s, gen_case *c, const space *b, gen_style
         memcpy(l->atten, atten, sizeof atten);
         double power = common * (!vary ? 1 : style == GEN_ORDINARY ? gen_real(s, 0.1, 1) : decade(s, -6, 6));
         lc_f3 tint = coloured ? colour(s, style) : lc_f3_make(1, 1, 1);
-        if (dark) tint = lc_f3_make(0, gen_pick(s, 2) ? 0 : LC_MIN_INTENSITY, 0), power = 1;
+        if (dark) {
+            tint = lc_f3_make(0, gen_pick(s, 2) ? 0 : LC_MIN_INTENSITY, 0);
+            power = 1;
+        }
         l->intensity = lc_f3_scale(tint, fminf((float)power, LC_MAX_INTENSITY));
         for (float *in = &l->intensity.x; in <= &l->intensity.z; in++) /* as the scene builder does */
             *in = *in < LC_MIN_INTENSITY ? 0 : *in;
     }
 }
 
-/* Wide ones, narrow ones about the axis, those that end next to the point, jumps, and what shines everywhere. */
+/* Wide ones, narrow ones about the axis, those that end next to the point, jumps, and what shines everywhere.
+ */
 static lc_spot spot_profile(gen_src *s, const gen_case *c, const lc_light *l, gen_style style)
 {
     uint32_t how = style == GEN_ORDINARY ? 0 : gen_pick(s, 8);
     d3 to = d3_mad(from_f3(c->pos), -1, from_f3(l->pos));
-    double cosine = d3_dot(d3_unit(to), from_f3(l->dir)), total = gen_real(s, -0.2, 0.9), width = gen_real(s, 0.02, 0.3);
-    if (how == 1) total = 1 - decade(s, -8, -1), width = decade(s, -9, -1);
-    if (how == 2) width = decade(s, -9, -1), total = cosine - width * gen_real(s, -0.2, 1.2);
-    if (how == 3) total = cosine - sign(s) * decade(s, -9, -3), width = decade(s, -9, -1);
-    if (how == 4) total = gen_real(s, -1, 1), width = 0;
-    if (how == 5) total = (double)(float)cosine, width = gen_pick(s, 2) ? 0 : decade(s, -8, -1);
-    if (how == 6) total = -2, width = 0.5;
+    double cosine = d3_dot(d3_unit(to), from_f3(l->dir)), total = gen_real(s, -0.2, 0.9),
+           width = gen_real(s, 0.02, 0.3);
+    if (how == 1) {
+        total = 1 - decade(s, -8, -1);
+        width = decade(s, -9, -1);
+    }
+    if (how == 2) {
+        width = decade(s, -9, -1);
+        total = cosine - width * gen_real(s, -0.2, 1.2);
+    }
+    if (how == 3) {
+        total = cosine - sign(s) * decade(s, -9, -3);
+        width = decade(s, -9, -1);
+    }
+    if (how == 4) {
+        total = gen_real(s, -1, 1);
+        width = 0;
+    }
+    if (how == 5) {
+        total = (double)(float)cosine;
+        width = gen_pick(s, 2) ? 0 : decade(s, -8, -1);
+    }
+    if (how == 6) {
+        total = -2;
+        width = 0.5;
+    }
     lc_spot spot = { fminf(fmaxf((float)total, -2), 1), fminf(fmaxf((float)(total + width), -2), 1), 0 };
     if (spot.cos_start < spot.cos_total) spot.cos_start = spot.cos_total;
     return spot;
@@ -384,7 +424,8 @@ static void make_spots(gen_src *s, gen_case *c, gen_style style)
 {
     lc_spot one = spot_profile(s, c, &c->lights[0], style);
     bool alike = gen_pick(s, 2);
-    for (uint32_t i = 0; i < c->n; i++) c->lights[i].spot = alike ? one : spot_profile(s, c, &c->lights[i], style);
+    for (uint32_t i = 0; i < c->n; i++)
+        c->lights[i].spot = alike ? one : spot_profile(s, c, &c->lights[i], style);
 }
 
 void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, gen_style style)
@@ -426,7 +467,8 @@ static void build(tree *t, const gen_case *c)
     t->n = c->n;
     for (uint32_t i = 0; i < c->n; i++) {
         lc_cluster_from_light(&t->node[i], &c->lights[i]);
-        t->members[i] = 1u << i, open[i] = i;
+        t->members[i] = 1u << i;
+        open[i] = i;
     }
     for (uint32_t step = 0; n_open > 1; step++) {
         uint64_t h = lc_hash2(c->order, step);
@@ -469,13 +511,16 @@ static value light_value(const lc_point *p, const lc_light *l)
 {
     lc_f3 mg = gen_shade(p, l);
     double ref[3], lo[3], hi[3], d[3];
-    ref_transfer(p, l, ref), ref_transfer_range(p, l, lo, hi);
+    ref_transfer(p, l, ref);
+    ref_transfer_range(p, l, lo, hi);
     value v = { .shade_ok = lc_f3_finite(mg) };
     for (int k = 0; k < 3; k++) {
         double t = (double)(&mg.x)[k], in = (double)(&l->intensity.x)[k];
         if (!(t >= lo[k] && t <= hi[k])) v.shade_ok = false;
         if (near_zero(t) || near_zero(in) || near_zero(t * in) || near_zero(ref[k])) v.tiny = true;
-        d[k] = t * in, ref[k] *= in, lo[k] *= in;
+        d[k] = t * in;
+        ref[k] *= in;
+        lo[k] *= in;
     }
     d3 to = from_f3(l->pos), dir = from_f3(l->dir);
     for (int k = 0; k < 3; k++)
@@ -487,13 +532,19 @@ static value light_value(const lc_point *p, const lc_light *l)
     /* in float, and from the float transfer in exact arithmetic: the bound covers both */
     double in_float = (double)lc_luminance(lc_f3_mul(mg, l->intensity)), in_exact = ref_luminance(d);
     if (in_float > (double)FLT_MAX) v.tiny = true;
-    v.f = fmax(in_float, in_exact), v.exact = ref_luminance(ref), v.least = ref_luminance(lo);
+    v.f = fmax(in_float, in_exact);
+    v.exact = ref_luminance(ref);
+    v.least = ref_luminance(lo);
     return v;
 }
 
 static void complain(gen_result *r, uint32_t bad, uint32_t members, double bound, double v)
 {
-    if (!(r->bad)) r->bad_node = members, r->bad_bound = bound, r->bad_value = v;
+    if (!(r->bad)) {
+        r->bad_node = members;
+        r->bad_bound = bound;
+        r->bad_value = v;
+    }
     r->bad |= bad;
 }
 
@@ -502,7 +553,10 @@ static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten
 {
     uint32_t bad = 0;
     double axis[3], len2 = 0, power[3] = { 0, 0, 0 };
-    for (int k = 0; k < 3; k++) axis[k] = (double)b->axis[k], len2 += axis[k] * axis[k];
+    for (int k = 0; k < 3; k++) {
+        axis[k] = (double)b->axis[k];
+        len2 += axis[k] * axis[k];
+    }
     for (uint32_t i = 0; i < c->n; i++) {
         if (!(members >> i & 1)) continue;
         const lc_light *l = &c->lights[i];
@@ -512,7 +566,8 @@ static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten
             double p = l->kind == LC_LIGHT_DIRECTIONAL ? -(double)e[k] : (double)y[k];
             if (!(fabs(p - (double)b->center[k]) <= (double)b->half[k])) bad |= GEN_BAD_BOX;
             if (l->kind <= LC_LIGHT_ORIENTED && !(atten[k] <= l->atten[k])) bad |= GEN_BAD_BOX;
-            dot += axis[k] * (double)e[k], e2 += (double)e[k] * (double)e[k];
+            dot += axis[k] * (double)e[k];
+            e2 += (double)e[k] * (double)e[k];
             power[k] += (double)(&l->intensity.x)[k];
         }
         double cone = (double)b->cos_cone;
@@ -529,7 +584,11 @@ static void check_node(const gen_case *c, gen_result *r, const value *v, uint32_
 {
     double f = 0, exact = 0, least = 0;
     for (uint32_t i = 0; i < c->n; i++) {
-        if (members >> i & 1) f += v[i].f, exact += v[i].exact, least += v[i].least;
+        if (members >> i & 1) {
+            f += v[i].f;
+            exact += v[i].exact;
+            least += v[i].least;
+        }
     }
     if (!(ub >= 0)) complain(r, GEN_BAD_BOUND_NAN, members, ub, f);
     if (!(ub >= f)) complain(r, GEN_BAD_BOUND_FLOAT, members, ub, f);
@@ -537,7 +596,9 @@ static void check_node(const gen_case *c, gen_result *r, const value *v, uint32_
     if (!(ub >= exact)) r->below_exact++;
     /* a double sum beyond the range of float is inf in float */
     if (f > 0 && ub < HUGE_VAL && ub / f < r->tightest) r->tightest = ub / f;
-    r->root_bound = ub, r->root_float = f, r->root_exact = exact;
+    r->root_bound = ub;
+    r->root_float = f;
+    r->root_exact = exact;
 }
 
 void gen_case_run(const gen_case *c, gen_result *r)
@@ -584,7 +645,10 @@ void gen_case_shrink(gen_case *c, uint32_t bad)
             gen_case t = *c;
             memmove(&t.lights[i], &t.lights[i + 1], (t.n - i - 1) * sizeof t.lights[0]);
             t.n--;
-            if (still_bad(&t, bad)) *c = t, again = true;
+            if (still_bad(&t, bad)) {
+                *c = t;
+                again = true;
+            }
         }
     }
     for (int what = 0; what < 8; what++) {
@@ -594,11 +658,15 @@ void gen_case_shrink(gen_case *c, uint32_t bad)
             lc_light *l = &t.lights[i];
             if (what == 0) l->intensity = lc_f3_make(1, 1, 1);
             if (l->kind == LC_LIGHT_SPOT && (what == 1 || what == 3 || what == 4)) continue;
-            if (what == 1) l->atten[0] = l->atten[1] = 0, l->atten[2] = 1;
+            if (what == 1) {
+                l->atten[0] = l->atten[1] = 0;
+                l->atten[2] = 1;
+            }
             if (what == 2) l->pos = lc_f3_sub(l->pos, c->pos);
             if (what == 3) l->atten[0] = 0;
             if (what == 4) l->atten[1] = 0;
-            valid = valid && (l->kind == LC_LIGHT_SPOT || l->atten[0] > 0 || l->atten[1] > 0 || l->atten[2] > 0);
+            valid = valid &&
+                    (l->kind == LC_LIGHT_SPOT || l->atten[0] > 0 || l->atten[1] > 0 || l->atten[2] > 0);
         }
         if (what == 2) t.pos = lc_f3_make(0, 0, 0);
         if (what == 5) t.mat.kd = lc_f3_make(1, 1, 1);
@@ -632,13 +700,17 @@ void gen_case_print(const gen_case *c)
     gen_case_run(c, &r);
     printf("  case: %s, %u lights: %s (bits %u), members %x, bound %.9g, value %.9g\n",
            kinds[c->lights[0].kind], c->n, gen_bad_name(r.bad), r.bad, r.bad_node, r.bad_bound, r.bad_value);
-    print3("pos", c->pos), print3("normal", c->normal), print3("view", c->view);
-    print3("kd", c->mat.kd), print3("ks", c->mat.ks);
+    print3("pos", c->pos);
+    print3("normal", c->normal);
+    print3("view", c->view);
+    print3("kd", c->mat.kd);
+    print3("ks", c->mat.ks);
     printf("    exponent %a (%.9g)  min_d2 %a (%.9g)  order %llu\n", (double)c->mat.exponent,
            (double)c->mat.exponent, (double)c->min_d2, (double)c->min_d2, (unsigned long long)c->order);
     if (c->mat.gloss == LC_GLOSS_GGX) {
         printf("    ggx, fresnel %d, coat %d\n", (int)c->mat.fresnel, c->mat.coat);
-        print3("eta", c->mat.eta), print3("k", c->mat.k);
+        print3("eta", c->mat.eta);
+        print3("k", c->mat.k);
     }
     if (c->mat.gloss != LC_GLOSS_PHONG) {
         printf("    roughness %a %a (%.9g %.9g)\n", (double)c->mat.roughness[0], (double)c->mat.roughness[1],
@@ -650,11 +722,14 @@ void gen_case_print(const gen_case *c)
     for (uint32_t i = 0; i < c->n && i < 4; i++) {
         const lc_light *l = &c->lights[i];
         printf("    light %u\n", i);
-        print3("  pos", l->pos), print3("  dir", l->dir), print3("  intens.", l->intensity);
+        print3("  pos", l->pos);
+        print3("  dir", l->dir);
+        print3("  intens.", l->intensity);
         print3("  atten", lc_f3_load(l->atten));
         lc_f3 mg = gen_shade(&p, l);
         double ref[3], lo[3], hi[3];
-        ref_transfer(&p, l, ref), ref_transfer_range(&p, l, lo, hi);
+        ref_transfer(&p, l, ref);
+        ref_transfer_range(&p, l, lo, hi);
         print3("  shade", mg);
         printf("      reference %.9g %.9g %.9g, allowed %.9g..%.9g, %.9g..%.9g, %.9g..%.9g\n", ref[0], ref[1],
                ref[2], lo[0], hi[0], lo[1], hi[1], lo[2], hi[2]);

@@ -32,7 +32,14 @@ typedef enum gen_style {
 } gen_style;
 
 /* Lobes beside Lambert's. */
-typedef enum gen_brdf { GEN_LAMBERT, GEN_PHONG, GEN_WARD_ISO, GEN_WARD_ANISO, GEN_GGX_ISO, GEN_GGX_ANISO } gen_brdf;
+typedef enum gen_brdf {
+    GEN_LAMBERT,
+    GEN_PHONG,
+    GEN_WARD_ISO,
+    GEN_WARD_ANISO,
+    GEN_GGX_ISO,
+    GEN_GGX_ANISO
+} gen_brdf;
 #define GEN_BRDFS 6
 
 typedef struct gen_case {

@@ -1,4 +1,5 @@
-/* meshes.h - random and awkward meshes for the tests of the hierarchy, made in the one mesh m. RND_KEY: as for rnd.h. */
+/* meshes.h - random and awkward meshes for the tests of the hierarchy, made in the one mesh m. RND_KEY: as
+ * for rnd.h. */
 #ifndef MESHES_H
 #define MESHES_H
 
@@ -42,13 +43,16 @@ static inline void put_tri(uint32_t a, uint32_t b, uint32_t c)
 {
     if (m.n_tris >= MAX_TRIS) abort();
     uint32_t *i = m.index + 3 * (size_t)m.n_tris++;
-    i[0] = a, i[1] = b, i[2] = c;
+    i[0] = a;
+    i[1] = b;
+    i[2] = c;
 }
 
 static inline void put_three(lc_f3 a, lc_f3 b, lc_f3 c)
 {
     uint32_t first = put_vert(a);
-    put_vert(b), put_vert(c);
+    put_vert(b);
+    put_vert(c);
     put_tri(first, first + 1, first + 2);
 }
 
@@ -56,7 +60,8 @@ static inline void clear(void) { m.n_verts = m.n_tris = 0; }
 
 static inline lc_f3 vert(uint32_t i) { return lc_f3_load(m.pos + 3 * (size_t)i); }
 
-/* Grid of n x n squares on each face of the cube -1..1, vertices shared within a face and equal at the seams. */
+/* Grid of n x n squares on each face of the cube -1..1, vertices shared within a face and equal at the seams.
+ */
 static inline void cube(uint32_t n)
 {
     for (int face = 0; face < 6; face++) {
@@ -64,7 +69,9 @@ static inline void cube(uint32_t n)
         for (uint32_t i = 0; i <= n; i++)
             for (uint32_t k = 0; k <= n; k++) {
                 float a = 2 * (float)i / (float)n - 1, b = 2 * (float)k / (float)n - 1, c = face % 2 ? 1 : -1;
-                put_vert(face < 2 ? lc_f3_make(c, a, b) : face < 4 ? lc_f3_make(a, c, b) : lc_f3_make(a, b, c));
+                put_vert(face < 2   ? lc_f3_make(c, a, b)
+                         : face < 4 ? lc_f3_make(a, c, b)
+                                    : lc_f3_make(a, b, c));
             }
         for (uint32_t i = 0; i < n; i++)
             for (uint32_t k = 0; k < n; k++) {
@@ -76,13 +83,15 @@ static inline void cube(uint32_t n)
     }
 }
 
-/* Every vertex to where its own coordinates say, so that seams stay closed. Star-shaped about 0 for amount < 0.5. */
+/* Every vertex to where its own coordinates say, so that seams stay closed. Star-shaped about 0 for amount <
+ * 0.5. */
 static inline void displace(bool sphere, double amount)
 {
     for (uint32_t i = 0; i < m.n_verts; i++) {
         lc_f3 p = vert(i);
         uint64_t key = 0;
-        for (int k = 0; k < 3; k++) key = lc_hash2(key, (uint64_t)(int64_t)lrintf(m.pos[3 * (size_t)i + (size_t)k] * 4096));
+        for (int k = 0; k < 3; k++)
+            key = lc_hash2(key, (uint64_t)(int64_t)lrintf(m.pos[3 * (size_t)i + (size_t)k] * 4096));
         if (sphere) p = lc_f3_normalize(p);
         p = lc_f3_scale(p, (float)(1 + amount * (lc_unit(key) - 0.5)));
         lc_f3_store(m.pos + 3 * (size_t)i, p);
@@ -119,8 +128,9 @@ static inline void cornell(void)
         cube(1);
         for (uint32_t i = first; i < m.n_verts; i++) {
             lc_f3 p = vert(i);
-            lc_f3_store(m.pos + 3 * (size_t)i, b ? lc_f3_make(p.x * 0.1f - 0.5f, p.y * 0.4f - 0.6f, p.z * 0.2f)
-                                                 : lc_f3_make(p.x * 0.2f - 0.3f, p.y * 0.1f - 0.9f, p.z * 0.2f - 0.5f));
+            lc_f3_store(m.pos + 3 * (size_t)i,
+                        b ? lc_f3_make(p.x * 0.1f - 0.5f, p.y * 0.4f - 0.6f, p.z * 0.2f)
+                          : lc_f3_make(p.x * 0.2f - 0.3f, p.y * 0.1f - 0.9f, p.z * 0.2f - 0.5f));
         }
     }
 }
@@ -131,13 +141,23 @@ static inline void odd_mesh(int style)
     clear();
     if (style == 0) cornell();
     if (style == 1) soup(200, 0.5);
-    if (style == 2) cube(1), move(1000, zero);
+    if (style == 2) {
+        cube(1);
+        move(1000, zero);
+    }
     for (int i = 0; i < 200 && style == 3; i++) { /* needles */
         lc_f3 p = rnd_unit(), d = rnd_unit(), e = lc_f3_scale(rnd_unit(), powf(10, (float)rnd_in(-7, -2)));
         put_three(p, lc_f3_add(p, lc_f3_scale(d, 2)), lc_f3_add(lc_f3_add(p, d), e));
     }
-    if (style == 4) cornell(), move(1, lc_f3_make(1e3f, -1e3f, 1e3f));
-    if (style == 5) cube(20), displace(true, 0.2), soup(20, 300);
+    if (style == 4) {
+        cornell();
+        move(1, lc_f3_make(1e3f, -1e3f, 1e3f));
+    }
+    if (style == 5) {
+        cube(20);
+        displace(true, 0.2);
+        soup(20, 300);
+    }
 }
 
 #endif

@@ -1,8 +1,8 @@
 /* one_bound.h - upper bounds of clusters ([Walter05] 4.1, [Miksik07] 2.2; derivations in bounds_tmpl.c).
  *
- * Let L_i(c) = lc_shade_light(point, light i)[c] * intensity_i[c]. For every cluster C stored by lc_cluster_store,
- * bound >= sum over i in C of luminance(L_i), and so >= each of them, in float and in exact arithmetic. It may be
- * +inf, never NaN, never negative.
+ * Let L_i(c) = lc_shade_light(point, light i)[c] * intensity_i[c]. For every cluster C stored by
+ * lc_cluster_store, bound >= sum over i in C of luminance(L_i), and so >= each of them, in float and in exact
+ * arithmetic. It may be +inf, never NaN, never negative.
  */
 #ifndef LC_BOUNDS_H
 #define LC_BOUNDS_H

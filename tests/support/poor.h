@@ -1,4 +1,5 @@
-/* poor.h - a context whose allocator fails after as many allocations as are left. Include it once a program. */
+/* poor.h - a context whose allocator fails after as many allocations as are left. Include it once a program.
+ */
 #ifndef POOR_H
 #define POOR_H
 
@@ -18,7 +19,8 @@ static inline void *counted_alloc(void *user, size_t size, size_t align)
 
 static inline void counted_free(void *user, void *ptr, size_t size)
 {
-    (void)user, (void)size;
+    (void)user;
+    (void)size;
     free(ptr);
 }
 
@@ -32,8 +34,8 @@ static inline lc_context *poor_context(void)
     return ctx;
 }
 
-/* Fills a new scene again and again, one allocation more at a time, until something else than memory decides. Returns how
- * often that took. */
+/* Fills a new scene again and again, one allocation more at a time, until something else than memory decides.
+ * Returns how often that took. */
 static inline long fill_while_poor(lc_status (*fill)(lc_scene *scene), lc_status *st)
 {
     lc_context *ctx = poor_context();

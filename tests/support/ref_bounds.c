@@ -2,7 +2,8 @@
  *
  * [Miksik07] M. Miksik, Implementing Lightcuts, CESCG 2007. Equation numbers are of that report.
  * [Walter05b] B. Walter, Notes on the Ward BRDF, PCG-05-06, 2005.
- * [Walter07] Walter, Marschner, Li, Torrance, Microfacet models for refraction through rough surfaces, EGSR 2007.
+ * [Walter07] Walter, Marschner, Li, Torrance, Microfacet models for refraction through rough surfaces, EGSR
+ * 2007.
  */
 #include "support/ref_bounds.h"
 
@@ -58,34 +59,44 @@ double ref_mean_dielectric(double eta)
     return sum / n;
 }
 
-/* A frame whose x is along the material's tangent where that points along the surface; what stands before the exponential
- * of [Walter05b] but 1 / sqrt(cos_i); before r^2 of GGX. */
+/* A frame whose x is along the material's tangent where that points along the surface; what stands before the
+ * exponential of [Walter05b] but 1 / sqrt(cos_i); before r^2 of GGX. */
 static void make_rough(ref_point *r, const double n[3], const double o[3], const lc_material *m)
 {
     double a[2] = { (double)m->roughness[0], (double)m->roughness[1] }, t[3], x[3], y[3], len;
-    double eta = (double)m->eta.x, fi = m->coat ? 1 - (1 - ref_mean_dielectric(eta)) / (eta * eta) : 0, mean = sqrt(a[0] * a[1]);
+    double eta = (double)m->eta.x, fi = m->coat ? 1 - (1 - ref_mean_dielectric(eta)) / (eta * eta) : 0,
+           mean = sqrt(a[0] * a[1]);
     fi /= 1 + (1.1 + 1.125 / fmax(eta - 1, 0.001)) * pow(mean, 1.75);
     load_f3(t, m->tangent);
     for (int k = 0; k < 3; k++) x[k] = t[k] - dot3(n, t) * n[k];
     len = sqrt(dot3(x, x));
     for (int k = 0; k < 3; k++) x[k] /= len;
-    y[0] = n[1] * x[2] - n[2] * x[1], y[1] = n[2] * x[0] - n[0] * x[2], y[2] = n[0] * x[1] - n[1] * x[0];
+    y[0] = n[1] * x[2] - n[2] * x[1];
+    y[1] = n[2] * x[0] - n[0] * x[2];
+    y[2] = n[0] * x[1] - n[1] * x[0];
     for (int k = 0; k < 3; k++) {
         double ks = k == 0 ? (double)m->ks.x : k == 1 ? (double)m->ks.y : (double)m->ks.z;
-        r->tangent[0][k] = x[k] / a[0], r->tangent[1][k] = y[k] / a[1];
+        r->tangent[0][k] = x[k] / a[0];
+        r->tangent[1][k] = y[k] / a[1];
         r->specular[k] = ks / (4 * LC_PI * a[0] * a[1] * sqrt(fmax(dot3(n, o), (double)LC_WARD_MIN_COS)));
         if (m->gloss == LC_GLOSS_GGX) r->specular[k] = ks / (2 * LC_PI * a[0] * a[1]);
         if (!m->coat) continue;
         double kd = r->diffuse[k] * LC_PI;
-        r->diffuse[k] *= (1 - ref_dielectric(eta, dot3(n, o))) / (eta * eta * (1 - kd * fi)) * (1 - 0.42 * pow(mean, 3) / (mean + 0.5));
+        r->diffuse[k] *= (1 - ref_dielectric(eta, dot3(n, o))) / (eta * eta * (1 - kd * fi)) *
+                         (1 - 0.42 * pow(mean, 3) / (mean + 0.5));
     }
-    r->view[0] = dot3(r->tangent[0], o), r->view[1] = dot3(r->tangent[1], o), r->view[2] = fmax(dot3(n, o), 0);
+    r->view[0] = dot3(r->tangent[0], o);
+    r->view[1] = dot3(r->tangent[1], o);
+    r->view[2] = fmax(dot3(n, o), 0);
 }
 
 void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m)
 {
     double nn[3], o[3], kd[3], ks[3];
-    load_f3(nn, n), load_f3(o, view), load_f3(kd, m->kd), load_f3(ks, m->ks);
+    load_f3(nn, n);
+    load_f3(o, view);
+    load_f3(kd, m->kd);
+    load_f3(ks, m->ks);
     for (int k = 0; k < 3; k++) {
         r->mirror[k] = 2 * dot3(nn, o) * nn[k] - o[k];
         r->diffuse[k] = kd[k] / LC_PI;
@@ -116,8 +127,8 @@ static double emission(const lc_light *l, double cos_phi)
     return profile((double)l->spot.cos_total, (double)l->spot.cos_start, cos_phi);
 }
 
-/* What M G is made of: cosines at the receiver, about the mirror direction, at the light; 1/f; Ward, GGX: i and h = i + o by
- * tangents over roughness and n, and the lengths of the former two. */
+/* What M G is made of: cosines at the receiver, about the mirror direction, at the light; 1/f; Ward, GGX: i
+ * and h = i + o by tangents over roughness and n, and the lengths of the former two. */
 typedef struct terms {
     double cos_r, cos_m, cos_e, inv_f, i[3], h[3], sharp[2];
 } terms;
@@ -130,7 +141,11 @@ static void load_atten(double a[3], const lc_light *l)
 static terms light_terms(const lc_point *p, const lc_light *l)
 {
     double x[3], y[3], dir[3], n[3], m[3], atten[3], v[3], w[3];
-    load(x, p->pos), load_f3(y, l->pos), load_f3(dir, l->dir), load(n, p->n), load(m, p->mirror);
+    load(x, p->pos);
+    load_f3(y, l->pos);
+    load_f3(dir, l->dir);
+    load(n, p->n);
+    load(m, p->mirror);
     load_atten(atten, l);
     bool far = l->kind == LC_LIGHT_DIRECTIONAL;
     for (int k = 0; k < 3; k++) v[k] = far ? -dir[k] : y[k] - x[k];
@@ -140,7 +155,8 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     for (int k = 0; k < 2; k++) {
         double tangent[3];
         load(tangent, p->tangent[k]);
-        t.i[k] = dot3(tangent, w), t.sharp[k] = sqrt(dot3(tangent, tangent));
+        t.i[k] = dot3(tangent, w);
+        t.sharp[k] = sqrt(dot3(tangent, tangent));
     }
     t.i[2] = dot3(n, w);
     for (int k = 0; k < 3; k++) t.h[k] = t.i[k] + (double)p->view[k];
@@ -152,8 +168,10 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     return t;
 }
 
-/* Diffuse part, of which a coat lets in `coat`, and lobe, times the receiver cosine times G ([Miksik07] eq. 6). cos^0 = 1. */
-static double combine(const lc_point *p, int c, double cos_r, double coat, double lobe, double cos_e, double inv_f)
+/* Diffuse part, of which a coat lets in `coat`, and lobe, times the receiver cosine times G ([Miksik07] eq.
+ * 6). cos^0 = 1. */
+static double combine(const lc_point *p, int c, double cos_r, double coat, double lobe, double cos_e,
+                      double inv_f)
 {
     double rho = (double)p->diffuse[c] * coat + lobe;
     return rho * fmax(cos_r, 0) * fmax(cos_e, 0) * inv_f;
@@ -165,14 +183,18 @@ static double ward(double x, double y, double z, double cos_r)
     return z > 0 ? exp(-(x * x + y * y) / (z * z)) / sqrt(fmax(cos_r, (double)LC_WARD_MIN_COS)) : 0;
 }
 
-/* [Walter07]: D G / (4 cos_i cos_o) times 2 pi ax ay, for i and o by tangents over roughness and n; both cosines > 0. */
+/* [Walter07]: D G / (4 cos_i cos_o) times 2 pi ax ay, for i and o by tangents over roughness and n; both
+ * cosines > 0. */
 static double ggx(const lc_point *p, const double i[3], double o_n)
 {
     double a2[3] = { (double)p->square[0], (double)p->square[1], 1 }, h2 = 0, e = 0, s[2] = { 0, 0 };
     double o[3] = { (double)p->view[0], (double)p->view[1], o_n };
     for (int k = 0; k < 3; k++) {
         double h = i[k] + o[k], x = a2[k] * i[k], y = a2[k] * o[k];
-        h2 += a2[k] * h * h, e += h * h, s[0] += x * x, s[1] += y * y;
+        h2 += a2[k] * h * h;
+        e += h * h;
+        s[0] += x * x;
+        s[1] += y * y;
     }
     e /= h2; /* of h of length 1: (hx / ax)^2 + (hy / ay)^2 + hz^2 */
     double lambda[2] = { (sqrt(s[0]) / i[2] - 1) / 2, (sqrt(s[1]) / o_n - 1) / 2 };
@@ -208,8 +230,10 @@ void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
     for (int c = 0; c < 3; c++) {
         double lobe = (double)p->specular[c] * pm, c_h = half_cosine(p, t.h[0], t.h[1], t.h[2]);
         /* the cosine of o is no less, for the quotients */
-        if (p->lobe == LC_LOBE_GGX) lobe = t.cos_r > 0 ? fresnel(p, c, c_h) * ggx(p, t.i, fmax((double)p->view[2], 1e-12)) : 0;
-        mg[c] = combine(p, c, fmin(t.cos_r, 1), coat_in(p, t.cos_r), lobe, fmin(emission(l, t.cos_e), 1), t.inv_f);
+        if (p->lobe == LC_LOBE_GGX)
+            lobe = t.cos_r > 0 ? fresnel(p, c, c_h) * ggx(p, t.i, fmax((double)p->view[2], 1e-12)) : 0;
+        mg[c] = combine(p, c, fmin(t.cos_r, 1), coat_in(p, t.cos_r), lobe, fmin(emission(l, t.cos_e), 1),
+                        t.inv_f);
     }
 }
 
@@ -224,21 +248,22 @@ static double cos_error(double c) { return 4 * U + 8 * U * fabs(c); }
  * sum of lobes and products with specular, cosines, 1/f: 1 + 1 + 3 U. 17 U, rounded to 18 U; second order
  * terms are below 1e-12. Gradual underflow: a partial product is off by 2^-149, times the factors still to
  * come: at most rho, 1/f or their product with another denormal; the power may flush below 2^-126. */
-/* The same for Ward: x of h is off by cos_error of a tangent of that length and the rounding of a sum; exponent, the
- * exponential and what stands before it by 6 + 3 U, beside what has been counted. */
+/* The same for Ward: x of h is off by cos_error of a tangent of that length and the rounding of a sum;
+ * exponent, the exponential and what stands before it by 6 + 3 U, beside what has been counted. */
 static void ward_range(const terms *t, double er, double *lo, double *hi)
 {
     double near[2], far[2], ez = cos_error(1) + 2 * U * fabs(t->h[2]);
     for (int k = 0; k < 2; k++) {
         double x = fabs(t->h[k]), e = t->sharp[k] * cos_error(1) + 2 * U * x;
-        near[k] = fmax(x - e, 0) * (1 - 4 * U), far[k] = (x + e) * (1 + 4 * U);
+        near[k] = fmax(x - e, 0) * (1 - 4 * U);
+        far[k] = (x + e) * (1 + 4 * U);
     }
     *lo = ward(far[0], far[1], t->h[2] - ez, t->cos_r - er) * (1 - 6 * U);
     *hi = ward(near[0], near[1], t->h[2] + ez, t->cos_r + er) * (1 + 6 * U);
 }
 
-/* GGX: a conductor's N = sqrt(N^2) where terms of N^2 of size s cancel is off by the lesser of s 3U / |N| and its root; that
- * moves its reflectance by 4 c / (c^2 + |N|^2) of it, s and p alike. */
+/* GGX: a conductor's N = sqrt(N^2) where terms of N^2 of size s cancel is off by the lesser of s 3U / |N| and
+ * its root; that moves its reflectance by 4 c / (c^2 + |N|^2) of it, s and p alike. */
 static double conductor_error(const lc_point *p, int channel, double c)
 {
     double rise = (double)p->rise[channel], t = rise + c * c, n2 = hypot(t, (double)p->turn[channel]);
@@ -252,36 +277,47 @@ static void fresnel_range(const lc_point *p, int channel, double c0, double c1, 
     if (p->fresnel == LC_FRESNEL_DIELECTRIC) e = s * 32 * U;
     if (p->fresnel == LC_FRESNEL_CONDUCTOR) /* neither rises nor falls: as much again */
         e = fabs(a - b) + s * fmax(conductor_error(p, channel, c0), conductor_error(p, channel, c1));
-    *lo = fmax(fmin(a, b) - e, 0), *hi = fmax(a, b) + e;
+    *lo = fmax(fmin(a, b) - e, 0);
+    *hi = fmax(a, b) + e;
     /* Schlick's power may be left out */
     if (p->fresnel == LC_FRESNEL_SCHLICK && pow(1 - c1, 5) < 2 * (double)LC_MIN_LOBE) *lo = fmin(*lo, s);
 }
 
-/* Of the fraction r = (ax^2 x^2 + ay^2 y^2 + z^2) / (x^2 + y^2 + z^2), h by tangents over roughness: monotone in each of the
- * squares, so least and greatest at corners. What is left is relative: r 9 U, twice, and two more quotients and a root: 30 U. */
+/* Of the fraction r = (ax^2 x^2 + ay^2 y^2 + z^2) / (x^2 + y^2 + z^2), h by tangents over roughness: monotone
+ * in each of the squares, so least and greatest at corners. What is left is relative: r 9 U, twice, and two
+ * more quotients and a root: 30 U. */
 static void ggx_range(const lc_point *p, const terms *t, double er, double lo[3], double hi[3])
 {
     double a2[2] = { (double)p->square[0], (double)p->square[1] }, h[2][3], s[2], r0 = 1, r1 = 0, i[2][2];
-    double ez = cos_error(1) + 2 * U * fabs(t->h[2]), ci[2] = { fmax(t->cos_r - er, (double)LC_MIN_COS / 2), t->cos_r + er };
+    double ez = cos_error(1) + 2 * U * fabs(t->h[2]),
+           ci[2] = { fmax(t->cos_r - er, (double)LC_MIN_COS / 2), t->cos_r + er };
     if (ci[1] <= (double)LC_MIN_COS) ci[1] = (double)LC_MIN_COS;
     for (int k = 0; k < 2; k++) {
         double e = t->sharp[k] * cos_error(1), x = fabs(t->h[k]);
-        h[0][k] = fmax(x - e - 2 * U * x, 0), h[1][k] = x + e + 2 * U * x;
-        i[0][k] = fmax(fabs(t->i[k]) - e, 0), i[1][k] = fabs(t->i[k]) + e;
+        h[0][k] = fmax(x - e - 2 * U * x, 0);
+        h[1][k] = x + e + 2 * U * x;
+        i[0][k] = fmax(fabs(t->i[k]) - e, 0);
+        i[1][k] = fabs(t->i[k]) + e;
     }
-    h[0][2] = fmax(t->h[2] - ez, (double)LC_MIN_COS / 2), h[1][2] = fmax(t->h[2] + ez, h[0][2]);
+    h[0][2] = fmax(t->h[2] - ez, (double)LC_MIN_COS / 2);
+    h[1][2] = fmax(t->h[2] + ez, h[0][2]);
     for (int corner = 0; corner < 8; corner++) {
         double x = h[corner & 1][0], y = h[corner >> 1 & 1][1], z = h[corner >> 2][2];
         double r = (a2[0] * x * x + a2[1] * y * y + z * z) / (x * x + y * y + z * z);
-        r0 = fmin(r0, r), r1 = fmax(r1, r);
+        r0 = fmin(r0, r);
+        r1 = fmax(r1, r);
     }
-    for (int k = 0; k < 2; k++) s[k] = sqrt(pow(a2[0] * i[k][0], 2) + pow(a2[1] * i[k][1], 2) + ci[k] * ci[k]);
+    for (int k = 0; k < 2; k++)
+        s[k] = sqrt(pow(a2[0] * i[k][0], 2) + pow(a2[1] * i[k][1], 2) + ci[k] * ci[k]);
     double o_s = (double)p->masking, o_n = (double)p->view[2];
-    double least = r0 * r0 / (o_s * ci[1] + o_n * s[1]) * (1 - 30 * U), most = r1 * r1 / (o_s * ci[0] + o_n * s[0]) * (1 + 30 * U);
-    double c0 = half_cosine(p, h[0][0], h[0][1], h[0][2]) * (1 - 5 * U), c1 = half_cosine(p, h[1][0], h[1][1], h[1][2]) * (1 + 5 * U);
+    double least = r0 * r0 / (o_s * ci[1] + o_n * s[1]) * (1 - 30 * U),
+           most = r1 * r1 / (o_s * ci[0] + o_n * s[0]) * (1 + 30 * U);
+    double c0 = half_cosine(p, h[0][0], h[0][1], h[0][2]) * (1 - 5 * U),
+           c1 = half_cosine(p, h[1][0], h[1][1], h[1][2]) * (1 + 5 * U);
     for (int c = 0; c < 3; c++) {
         fresnel_range(p, c, c0, fmin(c1, 1), &lo[c], &hi[c]);
-        lo[c] *= least, hi[c] *= most;
+        lo[c] *= least;
+        hi[c] *= most;
     }
 }
 
@@ -292,7 +328,8 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
            ee = lc_is_aimed(l->kind) ? cos_error(t.cos_e) : 0;
     /* A spot's quotient and smooth step are six operations more, the quotient's errors counted twice: 12 U */
     double spot = l->kind == LC_LIGHT_SPOT ? 12 * U : 0;
-    double e_lo = emission(l, fmin(t.cos_e, 1) - ee) * (1 - spot), e_hi = emission(l, t.cos_e + ee) * (1 + spot);
+    double e_lo = emission(l, fmin(t.cos_e, 1) - ee) * (1 - spot),
+           e_hi = emission(l, t.cos_e + ee) * (1 + spot);
     double n = (double)p->exponent, pm_lo = 0, pm_hi = 0, gloss_lo[3], gloss_hi[3];
     if (p->lobe == LC_LOBE_WARD) ward_range(&t, er, &pm_lo, &pm_hi);
     if (p->lobe == LC_LOBE_PHONG) {
@@ -301,11 +338,16 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
         pm_hi = pow(fmax(t.cos_m + em, 0), n);
     }
     /* Ward's limit is for the exponential alone */
-    double least = (double)LC_MIN_LOBE * (1 + 1e-6) / (p->lobe == LC_LOBE_WARD ? sqrt((double)LC_WARD_MIN_COS) : 1);
+    double least = (double)LC_MIN_LOBE * (1 + 1e-6) /
+                   (p->lobe == LC_LOBE_WARD ? sqrt((double)LC_WARD_MIN_COS) : 1);
     if (pm_lo < least) pm_lo = 0;
-    for (int c = 0; c < 3; c++) gloss_lo[c] = (double)p->specular[c] * pm_lo, gloss_hi[c] = (double)p->specular[c] * pm_hi;
+    for (int c = 0; c < 3; c++) {
+        gloss_lo[c] = (double)p->specular[c] * pm_lo;
+        gloss_hi[c] = (double)p->specular[c] * pm_hi;
+    }
     if (p->lobe == LC_LOBE_GGX) ggx_range(p, &t, er, gloss_lo, gloss_hi);
-    double in_lo = coat_in(p, t.cos_r - er) * (1 - 32 * U), in_hi = p->coat ? coat_in(p, t.cos_r + er) * (1 + 32 * U) : 1;
+    double in_lo = coat_in(p, t.cos_r - er) * (1 - 32 * U),
+           in_hi = p->coat ? coat_in(p, t.cos_r + er) * (1 + 32 * U) : 1;
     if (!p->coat) in_lo = 1;
     for (int c = 0; c < 3; c++) {
         double rho = (double)p->diffuse[c] + gloss_hi[c];
@@ -326,7 +368,8 @@ double ref_cluster_sum(const lc_point *p, const lc_light *lights, uint32_t membe
     for (uint32_t i = 0; i < 32; i++) {
         if (!(members >> i & 1)) continue;
         double mg[3], in[3];
-        ref_transfer(p, &lights[i], mg), load_f3(in, lights[i].intensity);
+        ref_transfer(p, &lights[i], mg);
+        load_f3(in, lights[i].intensity);
         for (int c = 0; c < 3; c++) mg[c] *= in[c];
         sum += ref_luminance(mg);
     }
@@ -346,23 +389,31 @@ static void make_frame(double f[3][3], const double axis[3])
     double e[3] = { 0, 0, 0 };
     e[small] = 1;
     double *x = f[0], *y = f[1];
-    x[0] = e[1] * z[2] - e[2] * z[1], x[1] = e[2] * z[0] - e[0] * z[2], x[2] = e[0] * z[1] - e[1] * z[0];
+    x[0] = e[1] * z[2] - e[2] * z[1];
+    x[1] = e[2] * z[0] - e[0] * z[2];
+    x[2] = e[0] * z[1] - e[1] * z[0];
     len = sqrt(dot3(x, x));
     for (int k = 0; k < 3; k++) x[k] /= len;
-    y[0] = z[1] * x[2] - z[2] * x[1], y[1] = z[2] * x[0] - z[0] * x[2], y[2] = z[0] * x[1] - z[1] * x[0];
+    y[0] = z[1] * x[2] - z[2] * x[1];
+    y[1] = z[2] * x[0] - z[0] * x[2];
+    y[2] = z[0] * x[1] - z[1] * x[0];
 }
 
 /* Rotates the 8 corners into the frame and boxes them. */
 static void rotate_box(const double f[3][3], const double lo[3], const double hi[3], double rlo[3],
                        double rhi[3])
 {
-    for (int k = 0; k < 3; k++) rlo[k] = HUGE_VAL, rhi[k] = -HUGE_VAL;
+    for (int k = 0; k < 3; k++) {
+        rlo[k] = HUGE_VAL;
+        rhi[k] = -HUGE_VAL;
+    }
     for (int corner = 0; corner < 8; corner++) {
         double q[3];
         for (int k = 0; k < 3; k++) q[k] = corner >> k & 1 ? hi[k] : lo[k];
         for (int k = 0; k < 3; k++) {
             double t = dot3(f[k], q);
-            rlo[k] = fmin(rlo[k], t), rhi[k] = fmax(rhi[k], t);
+            rlo[k] = fmin(rlo[k], t);
+            rhi[k] = fmax(rhi[k], t);
         }
     }
 }
@@ -387,11 +438,13 @@ double ref_cone(const double lo[3], const double hi[3], double axis[3])
     double c2 = 0, r2 = 0;
     for (int k = 0; k < 3; k++) {
         axis[k] = lo[k] + hi[k];
-        c2 += axis[k] * axis[k], r2 += (hi[k] - lo[k]) * (hi[k] - lo[k]);
+        c2 += axis[k] * axis[k];
+        r2 += (hi[k] - lo[k]) * (hi[k] - lo[k]);
     }
     double c = sqrt(c2);
     if (c2 < 0.01) {
-        axis[0] = axis[1] = 0, axis[2] = 1;
+        axis[0] = axis[1] = 0;
+        axis[2] = 1;
         return -1;
     }
     for (int k = 0; k < 3; k++) axis[k] /= c;
@@ -421,7 +474,8 @@ static void gather(ref_cluster *c, const lc_point *p, const lc_light *lights, ui
 {
     for (int k = 0; k < 3; k++) {
         c->vlo[k] = c->elo[k] = c->atten[k] = HUGE_VAL;
-        c->vhi[k] = c->ehi[k] = -HUGE_VAL, c->power[k] = 0;
+        c->vhi[k] = c->ehi[k] = -HUGE_VAL;
+        c->power[k] = 0;
     }
     c->spot[0] = c->spot[1] = 1;
     for (uint32_t i = 0; i < 32; i++) {
@@ -429,15 +483,21 @@ static void gather(ref_cluster *c, const lc_point *p, const lc_light *lights, ui
         const lc_light *l = &lights[i];
         c->kind = l->kind;
         double x[3], y[3], dir[3], in[3], atten[3];
-        load(x, p->pos), load_f3(y, l->pos), load_f3(dir, l->dir), load_f3(in, l->intensity), load_atten(atten, l);
+        load(x, p->pos);
+        load_f3(y, l->pos);
+        load_f3(dir, l->dir);
+        load_f3(in, l->intensity);
+        load_atten(atten, l);
         if (l->kind == LC_LIGHT_SPOT) {
             c->spot[0] = fmin(c->spot[0], (double)l->spot.cos_total);
             c->spot[1] = fmin(c->spot[1], (double)l->spot.cos_start);
         }
         for (int k = 0; k < 3; k++) {
             double v = l->kind == LC_LIGHT_DIRECTIONAL ? -dir[k] : y[k] - x[k];
-            c->vlo[k] = fmin(c->vlo[k], v), c->vhi[k] = fmax(c->vhi[k], v);
-            c->elo[k] = fmin(c->elo[k], dir[k]), c->ehi[k] = fmax(c->ehi[k], dir[k]);
+            c->vlo[k] = fmin(c->vlo[k], v);
+            c->vhi[k] = fmax(c->vhi[k], v);
+            c->elo[k] = fmin(c->elo[k], dir[k]);
+            c->ehi[k] = fmax(c->ehi[k], dir[k]);
             c->atten[k] = fmin(c->atten[k], atten[k]);
             c->power[k] += in[k];
         }
@@ -450,7 +510,10 @@ static double emission_bound(const ref_cluster *c)
     double axis[3], lo[3], hi[3];
     double cos_cone = ref_cone(c->elo, c->ehi, axis);
     if (cos_cone <= -1) return 1;
-    for (int k = 0; k < 3; k++) lo[k] = -c->vhi[k], hi[k] = -c->vlo[k];
+    for (int k = 0; k < 3; k++) {
+        lo[k] = -c->vhi[k];
+        hi[k] = -c->vlo[k];
+    }
     double theta = acos(ref_cos_box(lo, hi, axis)), beta = acos(cos_cone);
     return theta <= beta ? 1 : cos(theta - beta);
 }
@@ -474,7 +537,9 @@ static double max_half_cosine(const double lo[3], const double hi[3], const doub
     if (sin_n > 1e-9) {
         for (int k = 0; k < 3; k++) f[0][k] = x[k] / sin_n;
         const double *z = f[2], *u = f[0];
-        f[1][0] = z[1] * u[2] - z[2] * u[1], f[1][1] = z[2] * u[0] - z[0] * u[2], f[1][2] = z[0] * u[1] - z[1] * u[0];
+        f[1][0] = z[1] * u[2] - z[2] * u[1];
+        f[1][1] = z[2] * u[0] - z[0] * u[2];
+        f[1][2] = z[0] * u[1] - z[1] * u[0];
     }
     rotate_box(f, lo, hi, rlo, rhi);
     double y0 = min_square(rlo[1], rhi[1]), y1 = max_square(rlo[1], rhi[1]);
@@ -509,15 +574,19 @@ static double ward_bound(const lc_point *p, const ref_cluster *c, const double n
     return exp(-(1 - m * m) / (m * m) * least * least) / sqrt(fmax(cos_r, (double)LC_WARD_MIN_COS));
 }
 
-/* Greatest lobe times cos_r: F D G / (4 n.o) with D's bracket by the larger roughness, G by masking alone or shadowing alone
- * by the smaller, F at the greatest angle between the directions; conductors: 1. */
-static void ggx_bound(const lc_point *p, const ref_cluster *c, const double n[3], double cos_r, double lobe[3])
+/* Greatest lobe times cos_r: F D G / (4 n.o) with D's bracket by the larger roughness, G by masking alone or
+ * shadowing alone by the smaller, F at the greatest angle between the directions; conductors: 1. */
+static void ggx_bound(const lc_point *p, const ref_cluster *c, const double n[3], double cos_r,
+                      double lobe[3])
 {
-    double o[3], sharp[2], back[3], x2 = (double)p->square[0], y2 = (double)p->square[1], a2 = fmax(x2, y2), b2 = fmin(x2, y2);
+    double o[3], sharp[2], back[3], x2 = (double)p->square[0], y2 = (double)p->square[1], a2 = fmax(x2, y2),
+                                    b2 = fmin(x2, y2);
     viewer(p, n, o, sharp);
     for (int k = 0; k < 3; k++) back[k] = -o[k];
-    double m = fmax(max_half_cosine(c->vlo, c->vhi, n, o), 0), r = 1 / ((1 - m * m) / a2 + m * m) / a2; /* e >= 1 / (a2 r) */
-    double o_n = (double)p->view[2], cr = fmin(cos_r, 1), g1 = 2 / (1 + sqrt(1 + b2 * (1 - cr * cr) / (cr * cr)));
+    /* e >= 1 / (a2 r). */
+    double m = fmax(max_half_cosine(c->vlo, c->vhi, n, o), 0), r = 1 / ((1 - m * m) / a2 + m * m) / a2;
+    double o_n = (double)p->view[2], cr = fmin(cos_r, 1),
+           g1 = 2 / (1 + sqrt(1 + b2 * (1 - cr * cr) / (cr * cr)));
     double geometry = fmin(1 / (o_n + (double)p->masking), o_n > 0 ? g1 / (2 * o_n) : HUGE_VAL);
     double hd = sqrt((1 - ref_cos_box(c->vlo, c->vhi, back)) / 2);
     for (int k = 0; k < 3; k++) {
@@ -531,13 +600,15 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
     ref_cluster c;
     gather(&c, p, lights, members);
     double n[3], m[3], rho[3], gloss[3], d2 = 0;
-    load(n, p->n), load(m, p->mirror);
+    load(n, p->n);
+    load(m, p->mirror);
     /* n and mirror are unit to within rounding: their lengths are part of what ref_transfer computes */
     double len_n = sqrt(dot3(n, n)), len_m = sqrt(dot3(m, m));
     double cos_r = fmax(ref_cos_box(c.vlo, c.vhi, n), 0) * len_n;
     double cos_m = p->lobe == LC_LOBE_PHONG ? fmin(fmax(ref_cos_box(c.vlo, c.vhi, m), 0) * len_m, 1) : 0;
     double pm = p->lobe == LC_LOBE_PHONG ? pow(cos_m, (double)p->exponent) : 0;
-    double pw = p->lobe == LC_LOBE_WARD ? ward_bound(p, &c, n, cos_r) : 0; /* not with the joint bound: another cosine */
+    /* Not with the joint bound: another cosine. */
+    double pw = p->lobe == LC_LOBE_WARD ? ward_bound(p, &c, n, cos_r) : 0;
     for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * pw * cos_r;
     if (p->lobe == LC_LOBE_GGX && cos_r > 0) ggx_bound(p, &c, n, cos_r, gloss);
     for (int k = 0; k < 3; k++) {
@@ -548,7 +619,8 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
     if (material + lobe <= 0 || cos_r <= 0) return 0;
     if (c.kind == LC_LIGHT_DIRECTIONAL) return material * cos_r + lobe;
     for (int k = 0; k < 3; k++) d2 += min_square(c.vlo[k], c.vhi[k]);
-    double inv_f = 1 / falloff(c.atten, fmax(d2, (double)p->min_d2)), separate = cos_r * inv_f, geometry = separate;
+    double inv_f = 1 / falloff(c.atten, fmax(d2, (double)p->min_d2)), separate = cos_r * inv_f,
+           geometry = separate;
     if (joint && c.atten[2] > 0) geometry = fmin(geometry, len_n * joint_bound(c.vlo, c.vhi, n) / c.atten[2]);
     double cos_e = lc_is_aimed(c.kind) ? emission_bound(&c) : 1;
     if (c.kind == LC_LIGHT_SPOT) cos_e = profile(c.spot[0], c.spot[1], cos_e);

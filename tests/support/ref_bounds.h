@@ -1,6 +1,7 @@
 /* ref_bounds.h - what the kernels of bounds and shade should compute, in double precision, written from the
  * papers
- * ([Walter05] 4.1, [Miksik07] 2.2, [Walter05b]) and not from the kernels. Slow, plain, one formula a function.
+ * ([Walter05] 4.1, [Miksik07] 2.2, [Walter05b]) and not from the kernels. Slow, plain, one formula a
+ * function.
  *
  * Inputs are the floats that the library reads (lc_point, lc_light), taken as exact numbers.
  */
@@ -18,7 +19,8 @@ typedef struct ref_point {
 
 void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m);
 
-/* Share that a smooth dielectric of index eta reflects, a smooth conductor; cosine outside. Mean over diffuse light from outside. */
+/* Share that a smooth dielectric of index eta reflects, a smooth conductor; cosine outside. Mean over diffuse
+ * light from outside. */
 double ref_dielectric(double eta, double c);
 double ref_conductor(double eta, double k, double c);
 double ref_mean_dielectric(double eta);

@@ -1,5 +1,6 @@
 /* test.h - the smallest test harness: TEST functions, CHECK in them, RUN in main, test_done() last.
- * Each test program ends with the line "N passed, N failed" (", N skipped" where something is not here); tests/run.sh adds them up. */
+ * Each test program ends with the line "N passed, N failed" (", N skipped" where something is not here);
+ * tests/run.sh adds them up. */
 #ifndef TEST_H
 #define TEST_H
 
@@ -23,40 +24,41 @@ static int test_absent __attribute__((unused)); /* what the test needs is not he
 
 #define TEST(name) static void name(void)
 
-#define CHECK(cond)                                                                                                   \
-    do {                                                                                                              \
-        if (!(cond)) {                                                                                                \
-            test_bad++;                                                                                               \
-            if (test_bad <= 10) printf("  %s:%d: %s\n", __FILE__, __LINE__, #cond);                                   \
-        }                                                                                                             \
+#define CHECK(cond)                                                                                          \
+    do {                                                                                                     \
+        if (!(cond)) {                                                                                       \
+            test_bad++;                                                                                      \
+            if (test_bad <= 10) printf("  %s:%d: %s\n", __FILE__, __LINE__, #cond);                          \
+        }                                                                                                    \
     } while (0)
 
 /* CHECK with figures */
-#define CHECKF(cond, ...)                                                                                             \
-    do {                                                                                                              \
-        if (!(cond)) {                                                                                                \
-            test_bad++;                                                                                               \
-            if (test_bad <= 10) printf("  %s:%d: %s: ", __FILE__, __LINE__, #cond), printf(__VA_ARGS__), printf("\n"); \
-        }                                                                                                             \
+#define CHECKF(cond, ...)                                                                                    \
+    do {                                                                                                     \
+        if (!(cond)) {                                                                                       \
+            test_bad++;                                                                                      \
+            if (test_bad <= 10)                                                                              \
+                printf("  %s:%d: %s: ", __FILE__, __LINE__, #cond), printf(__VA_ARGS__), printf("\n");       \
+        }                                                                                                    \
     } while (0)
 
 /* What the test needs is not here: it counts as skipped, unless something failed before. */
-#define SKIP(...)                                                                                                     \
-    do {                                                                                                              \
-        test_absent = 1;                                                                                              \
-        printf("  skipped: "), printf(__VA_ARGS__), printf("\n");                                                     \
-        return;                                                                                                       \
+#define SKIP(...)                                                                                            \
+    do {                                                                                                     \
+        test_absent = 1;                                                                                     \
+        printf("  skipped: "), printf(__VA_ARGS__), printf("\n");                                            \
+        return;                                                                                              \
     } while (0)
 
-#define RUN(name)                                                                                                     \
-    do {                                                                                                              \
-        test_bad = test_absent = 0;                                                                                   \
-        name();                                                                                                       \
-        if (test_bad) test_failed++;                                                                                  \
-        else if (test_absent) test_skipped++;                                                                         \
-        else test_passed++;                                                                                           \
-        printf("%s %s\n", test_bad ? "FAIL" : test_absent ? "skip" : "ok  ", #name);                                  \
-        fflush(stdout);                                                                                               \
+#define RUN(name)                                                                                            \
+    do {                                                                                                     \
+        test_bad = test_absent = 0;                                                                          \
+        name();                                                                                              \
+        if (test_bad) test_failed++;                                                                         \
+        else if (test_absent) test_skipped++;                                                                \
+        else test_passed++;                                                                                  \
+        printf("%s %s\n", test_bad ? "FAIL" : test_absent ? "skip" : "ok  ", #name);                         \
+        fflush(stdout);                                                                                      \
     } while (0)
 
 static inline int test_done(void)
