@@ -284,7 +284,7 @@ static int unwritable(const char *path)
     snprintf(folder, sizeof folder, "%s", there && realpath(path, real) ? real : path);
     char *slash = strrchr(folder, '/');
     if (slash) slash[slash == folder] = 0;
-    else strcpy(folder, ".");
+    else memcpy(folder, ".", 2);
     if (stat(folder, &st)) return errno;
     if (!S_ISDIR(st.st_mode)) return ENOTDIR;
     return access(folder, W_OK | X_OK) ? errno : 0;
