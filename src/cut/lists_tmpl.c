@@ -1,95 +1,101 @@
-/* lists_tmpl.c - clusters put into the lists of a cut, eight at a time; included by isa_*.c. */
+/* lists_tmpl.c - clusters put into the lists of a cut, VB_LANES at a time; included by isa_tmpl.c. */
 #include "cut/cut_list.h"
 
+/* VB_LANES clusters. */
 typedef struct {
-    vf8 word[LC_CUT_WORDS]; /* in the order of lc_cut_list */
-} LC_FN(eight);
+    vb word[LC_CUT_WORDS]; /* in the order of lc_cut_list */
+} clusters;
 
-#define eight LC_FN(eight)
-
-static inline void LC_FN(append)(lc_cut_list *list, const eight *x, uint32_t mask)
+LC_INLINE void append(lc_cut_list *list, const clusters *x, uint32_t mask)
 {
     uint32_t at = list->n;
-    vf8_keep(list->bound + at, x->word[0], mask);
-    vf8_keep(list->link + at, x->word[1], mask);
-    vf8_keep(list->rep + at, x->word[2], mask);
-    for (int k = 0; k < 3; k++) vf8_keep(list->transfer[k] + at, x->word[3 + k], mask);
-    for (int k = 0; k < 3; k++) vf8_keep(list->e[k] + at, x->word[6 + k], mask);
+    vb_keep(list->bound + at, x->word[0], mask);
+    vb_keep(list->link + at, x->word[1], mask);
+    vb_keep(list->rep + at, x->word[2], mask);
+    for (int k = 0; k < 3; k++) vb_keep(list->transfer[k] + at, x->word[3 + k], mask);
+    for (int k = 0; k < 3; k++) vb_keep(list->e[k] + at, x->word[6 + k], mask);
     list->n = at + (uint32_t)__builtin_popcount(mask);
 }
 
-static inline vf8 LC_FN(luminance)(vf8 r, vf8 g, vf8 b)
+LC_INLINE vb luminance(vb r, vb g, vb b) { return r * 0.2126f + g * 0.7152f + b * 0.0722f; }
+
+/* Children first .. first + VB_LANES - 1 of the pairs, of which those in `exist` are there. Their luminances
+ * and their parents' go to lum and parent_lum. */
+LC_INLINE void place_children(const lc_cut_pairs *p, uint32_t first, uint32_t exist, lc_cut_list *open,
+                              lc_cut_list *left, lc_cut_list *leaf, float *lum, float *parent_lum)
 {
-    return vf8_add(vf8_add(vf8_mul(r, vf8_set(0.2126f)), vf8_mul(g, vf8_set(0.7152f))), vf8_mul(b, vf8_set(0.0722f)));
+    const vb zero = vb_set(0), half = vb_set(0.5f);
+    const lc_cut_list *parent = p->parent;
+    const uint32_t pair = first / 2, from = p->first + pair;
+    const float *power[VB_LANES];
+    clusters x;
+    vb intensity[4], own[3], parent_e[3];
+    for (uint32_t k = 0; k < VB_LANES; k++) power[k] = p->power[exist >> k & 1 ? first + k : first];
+    vb_rows(power, intensity);
+    const vb bound = vb_loadu(p->bound + first), fresh = vb_loadu(p->fresh + first);
+    x.word[0] = bound;
+    x.word[1] = vb_loadu(p->link + first);
+    for (int k = 0; k < 3; k++) {
+        own[k] = vb_twice(p->transfer[k] + pair);
+        vb t = vb_sel_gt(fresh, half, own[k], vb_twice(parent->transfer[k] + from));
+        x.word[3 + k] = vb_sel_gt(bound, zero, t, zero);
+        x.word[6 + k] = x.word[3 + k] * intensity[k];
+        parent_e[k] = vb_twice(parent->e[k] + from);
+    }
+    vb lit = vb_max(vb_max(own[0], own[1]), own[2]), rep = vb_twice(p->rep + pair);
+    rep = vb_or(rep, vb_sel_gt(lit, zero, vb_set(-0.0f), zero)); /* LC_PENDING is the sign bit */
+    x.word[2] = vb_sel_gt(fresh, half, rep, vb_twice(parent->rep + from));
+    const uint32_t some = vb_lt(zero, bound) & exist, inner = some & ~vb_signs(x.word[1]);
+    const uint32_t above = inner & vb_lt(vb_set(p->limit), bound);
+    append(open, &x, above);
+    append(left, &x, inner & ~above);
+    if (some & ~inner) append(leaf, &x, some & ~inner);
+    vb_store(lum, luminance(x.word[6], x.word[7], x.word[8]));
+    vb_store(parent_lum, luminance(parent_e[0], parent_e[1], parent_e[2]));
 }
 
-/* Children of four pairs, `lanes` of which exist. Returns the change of the total's luminance. */
-static inline double LC_FN(place_four)(const lc_cut_pairs *p, uint32_t i, uint32_t lanes, lc_cut_list *open, lc_cut_list *left,
-                                       lc_cut_list *leaf)
+/* Children of four pairs from one on, as many of them as there are. Returns the change of the total's
+ * luminance. */
+LC_INLINE double place_four(const lc_cut_pairs *p, uint32_t i, lc_cut_list *open, lc_cut_list *left,
+                            lc_cut_list *leaf)
 {
-    const vf8 zero = vf8_set(0), half = vf8_set(0.5f);
-    const lc_cut_list *parent = p->parent;
-    const float *power[8];
+    const uint32_t n = p->n - i < 4 ? p->n - i : 4, exist = (1u << 2 * n) - 1;
     _Alignas(32) float lum[8], parent_lum[8];
-    eight x;
-    uint32_t from = p->first + i;
-    vf8 watts[4];
-    for (uint32_t k = 0; k < 8; k++) power[k] = p->power[2 * i + (lanes >> k & 1 ? k : 0)];
-    vf8_rows(power, watts);
-    vf8 bound = vf8_loadu(p->bound + 2 * i), fresh = vf8_loadu(p->fresh + 2 * i), own[3], pe[3];
-    x.word[0] = bound;
-    x.word[1] = vf8_loadu(p->link + 2 * i);
-    for (int k = 0; k < 3; k++) {
-        own[k] = vf8_twice(p->transfer[k] + i);
-        vf8 t = vf8_sel_gt(fresh, half, own[k], vf8_twice(parent->transfer[k] + from));
-        x.word[3 + k] = vf8_sel_gt(bound, zero, t, zero);
-        x.word[6 + k] = vf8_mul(x.word[3 + k], watts[k]);
-        pe[k] = vf8_twice(parent->e[k] + from);
-    }
-    vf8 lit = vf8_max(vf8_max(own[0], own[1]), own[2]), rep = vf8_twice(p->rep + i);
-    rep = vf8_or(rep, vf8_sel_gt(lit, zero, vf8_set(-0.0f), zero)); /* LC_PENDING is the sign bit */
-    x.word[2] = vf8_sel_gt(fresh, half, rep, vf8_twice(parent->rep + from));
-    uint32_t some = vf8_lt(zero, bound) & lanes, inner = some & ~vf8_signs(x.word[1]), above = inner & vf8_lt(vf8_set(p->limit), bound);
-    LC_FN(append)(open, &x, above);
-    LC_FN(append)(left, &x, inner & ~above);
-    if (some & ~inner) LC_FN(append)(leaf, &x, some & ~inner);
-    vf8_store(lum, LC_FN(luminance)(x.word[6], x.word[7], x.word[8]));
-    vf8_store(parent_lum, LC_FN(luminance)(pe[0], pe[1], pe[2]));
-    double change[4];
-    for (uint32_t k = 0; k < 4; k++) {
+    double change[4] = { 0, 0, 0, 0 };
+    for (uint32_t k = 0; k < 2 * n; k += VB_LANES)
+        place_children(p, 2 * i + k, exist >> k & ((1u << VB_LANES) - 1), open, left, leaf, lum + k,
+                       parent_lum + k);
+    for (uint32_t k = 0; k < n; k++)
         change[k] = (double)lum[2 * k] + (double)lum[2 * k + 1] - (double)parent_lum[2 * k];
-        if (!(lanes >> (2 * k) & 1)) change[k] = 0;
-    }
     return (change[0] + change[1]) + (change[2] + change[3]);
 }
 
-static double LC_FN(place)(const lc_cut_pairs *p, lc_cut_list *open, lc_cut_list *left, lc_cut_list *leaf)
+static double place(const lc_cut_pairs *p, lc_cut_list *open, lc_cut_list *left, lc_cut_list *leaf)
 {
     double change = 0;
-    for (uint32_t i = 0; i < p->n; i += 4)
-        change += LC_FN(place_four)(p, i, p->n - i < 4 ? (1u << 2 * (p->n - i)) - 1 : 255, open, left, leaf);
+    for (uint32_t i = 0; i < p->n; i += 4) change += place_four(p, i, open, left, leaf);
     return change;
 }
 
-static void LC_FN(partition)(lc_cut_list *from, float limit, lc_cut_list *above, lc_cut_list *rest)
+static void partition(lc_cut_list *from, float limit, lc_cut_list *above, lc_cut_list *rest)
 {
-    uint32_t n = from->n;
+    const uint32_t n = from->n, all = (1u << VB_LANES) - 1;
     from->n = 0;
-    for (uint32_t i = 0; i < n; i += 8) {
-        eight x;
-        x.word[0] = vf8_loadu(from->bound + i);
-        uint32_t lanes = n - i < 8 ? (1u << (n - i)) - 1 : 255, more = vf8_lt(vf8_set(limit), x.word[0]) & lanes;
-        if (from->n == i && (from == above ? more == lanes : from == rest && !more)) { /* they stay where they are */
-            from->n += (uint32_t)__builtin_popcount(lanes);
+    for (uint32_t i = 0; i < n; i += VB_LANES) {
+        clusters x;
+        x.word[0] = vb_loadu(from->bound + i);
+        uint32_t exist = n - i < VB_LANES ? (1u << (n - i)) - 1 : all,
+                 more = vb_lt(vb_set(limit), x.word[0]) & exist;
+        if (from->n == i &&
+            (from == above ? more == exist : from == rest && !more)) { /* they stay where they are */
+            from->n += (uint32_t)__builtin_popcount(exist);
             continue;
         }
-        x.word[1] = vf8_loadu(from->link + i);
-        x.word[2] = vf8_loadu(from->rep + i);
-        for (int k = 0; k < 3; k++) x.word[3 + k] = vf8_loadu(from->transfer[k] + i);
-        for (int k = 0; k < 3; k++) x.word[6 + k] = vf8_loadu(from->e[k] + i);
-        if (more) LC_FN(append)(above, &x, more);
-        if (lanes & ~more) LC_FN(append)(rest, &x, lanes & ~more);
+        x.word[1] = vb_loadu(from->link + i);
+        x.word[2] = vb_loadu(from->rep + i);
+        for (int k = 0; k < 3; k++) x.word[3 + k] = vb_loadu(from->transfer[k] + i);
+        for (int k = 0; k < 3; k++) x.word[6 + k] = vb_loadu(from->e[k] + i);
+        if (more) append(above, &x, more);
+        if (exist & ~more) append(rest, &x, exist & ~more);
     }
 }
-
-#undef eight

@@ -16,3 +16,6 @@ ISA(avx2, 20, __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"), "
 ISA(avx512, 30, __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("avx512f") &&
     __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"), "-mavx2 -mfma -mavx512f -mavx512vl -mavx512dq")
 #endif
+#if defined(__aarch64__)
+ISA(neon, 10, true, "")
+#endif

@@ -1,24 +1,6 @@
 /* isa_scalar.c - the kernels, compiled for this instruction set. */
-#define LC_ISA_LEVEL 0
-#define LC_FN(name) name##_scalar
-#include "isa/isa.h"
-#include "simd/simd.h"
-#include "simd/simd_list.h"
-#include "simd/simd_ray.h"
-#include "simd/simd_wide.h"
+#include "simd/vec_scalar.h"
 
-#include "simd/fmath_tmpl.c"
-#include "shade/fresnel_tmpl.c"
-#include "shade/bounds_tmpl.c"
-#include "trace/bvh_tmpl.c"
-#include "trace/shadow_tmpl.c"
-#include "cut/lists_tmpl.c"
-#include "shade/estimate_tmpl.c"
-#include "tree/ploc_tmpl.c"
+#include "isa/isa_tmpl.c"
 
-const lc_kernels LC_FN(lc_kernels) = {
-    .shade = { LC_FN(bounds), LC_FN(estimate) },
-    .tree = { LC_FN(nearest) },
-    .trace = { LC_FN(closest), LC_FN(hidden) },
-    .cut = { LC_FN(place), LC_FN(partition) },
-};
+const lc_kernels lc_kernels_scalar = LC_KERNELS;

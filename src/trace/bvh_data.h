@@ -5,6 +5,9 @@
 
 #include "base/base.h"
 
+/* A node has so many children, a block so many triangles. */
+#define LC_BLOCK_LANES 8
+
 /* Eight-wide BVH node. Lanes without a child have lo > hi. */
 typedef struct lc_bvh_node {
     float lo[3][8], hi[3][8];
@@ -74,6 +77,8 @@ typedef struct lc_hit {
 
 /* Share of a shadow segment that is left out at either end. */
 #define LC_SHADOW_EPS 1e-4f
+/* Factor of the distance to the far side of a box: 1 + 2 gamma(3), and more (Ize 2013, "Robust BVH ray traversal"). */
+#define LC_FAR_SLACK (1 + 0x1p-20f)
 /* Stack of the traversals: 7 entries a level, levels bounded by the builder. */
 #define LC_BVH_MAX_DEPTH 96
 #define LC_BVH_STACK (7 * LC_BVH_MAX_DEPTH + 8)

@@ -1,247 +1,260 @@
-/* shadow_tmpl.c - shadow rays of one point, 64 at a time; included by isa_*.c after bvh_tmpl.c.
+/* shadow_tmpl.c - shadow rays of one point, 64 at a time; included by isa_tmpl.c after bvh_tmpl.c.
  *
- * A stack entry is a subtree and the mask of the rays that have to go there. What depends on the origin only is computed
- * once for all of them: the planes of a node's boxes relative to the origin, and the edge planes of a block's triangles.
- * A ray that is alone in a subtree goes through it in a loop of its own; in a large tree several such rays take turns.
+ * A stack entry is a subtree and the mask of the rays that have to go there. What depends on the origin only
+ * is computed once for all of them: the planes of a node's boxes relative to the origin, and the edge planes
+ * of a block's triangles. A ray that is alone in a subtree goes through it in a loop of its own; in a large
+ * tree several such rays take turns.
  *
- * Triangles a, b, c relative to the origin; a ray along d passes inside where the volumes d.(b x c), d.(c x a), d.(a x b)
- * have one sign. That is Woop's edge functions times the direction's largest component, in other arithmetic: with u = 2^-24
- * and M the largest coordinate of a, b, c, Woop's sheared vertices are within 4uM of the exact ones, its edge functions
- * then within 32 u M^2; cross and dot products here are within 30 u M^2 max|d|. So beyond E = 64 u M^2 max|d| the sign is
- * the sign Woop's test finds; where a volume is nearer to 0 that test itself is asked. Filter and fallback give the answer
- * of Woop's test for every ray, whatever company it travels in.
+ * Triangles a, b, c relative to the origin; a ray along d passes inside where the volumes d.(b x c), d.(c x
+ * a), d.(a x b) have one sign. That is Woop's edge functions times the direction's largest component, in
+ * other arithmetic: with u = 2^-24 and M the largest coordinate of a, b, c, Woop's sheared vertices are
+ * within 4uM of the exact ones, its edge functions then within 32 u M^2; cross and dot products here are
+ * within 30 u M^2 max|d|. So beyond E = 64 u M^2 max|d| the sign is the sign Woop's test finds; where a
+ * volume is nearer to 0 that test itself is asked. Filter and fallback give the answer of Woop's test for
+ * every ray, whatever company it travels in.
  *
- * The distance is that to the triangle's plane, a.N / d.N with N from the edges: better than Woop's interpolated one, and
- * needs no division.
+ * The distance is that to the triangle's plane, a.N / d.N with N from the edges: better than Woop's
+ * interpolated one, and needs no division.
  */
 #include "trace/bvh_data.h"
 
 #define STREAM 64
-#define ray LC_FN(ray)
-
 typedef struct {
     _Alignas(32) float d[3][STREAM], inv[3][STREAM], d_max[STREAM];
-    uint32_t near[3][STREAM]; /* where the near plane of an axis stands among a node's planes; the far one is 8 behind */
+    uint32_t near[3][STREAM]; /* where the near plane of an axis stands among a node's planes; the far one is
+                                 8 behind */
     const float *org;
     const lc_bvh_data *bvh;
     uint32_t *by; /* for each ray: the block where it was stopped */
-    vf8 vorg[3], vt_min, vt_max;
-} LC_FN(rays);
+    vb vorg[3], vt_min, vt_max;
+} rays;
 
-#define rays LC_FN(rays)
-
-static const uint32_t LC_FN(bit_of)[32] = {
-    1u << 0,  1u << 1,  1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,  1u << 8,  1u << 9,  1u << 10,
-    1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15, 1u << 16, 1u << 17, 1u << 18, 1u << 19, 1u << 20, 1u << 21,
-    1u << 22, 1u << 23, 1u << 24, 1u << 25, 1u << 26, 1u << 27, 1u << 28, 1u << 29, 1u << 30, 1u << 31,
+static const uint32_t bit_of[32] = {
+    1u << 0,  1u << 1,  1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
+    1u << 8,  1u << 9,  1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
+    1u << 16, 1u << 17, 1u << 18, 1u << 19, 1u << 20, 1u << 21, 1u << 22, 1u << 23,
+    1u << 24, 1u << 25, 1u << 26, 1u << 27, 1u << 28, 1u << 29, 1u << 30, 1u << 31,
 };
 
 /* What follows from an axis of the directions of n rays; those up to a multiple of 8 are there too. */
-LC_INLINE void LC_FN(rays_axis)(rays *r, const float org[3], uint32_t n, uint32_t k)
+LC_INLINE void rays_axis(rays *r, const float org[3], uint32_t n, uint32_t k)
 {
-    const vf8 zero = vf8_set(0), tiny = vf8_set(1e-30f), minus_tiny = vf8_set(-1e-30f);
-    r->vorg[k] = vf8_set(org[k]);
-    for (uint32_t i = 0; i < n; i += 8) {
-        vf8 d = vf8_load(&r->d[k][i]);
-        vf8 safe = vf8_sel_gt(vf8_abs(d), tiny, d, vf8_sel_gt(zero, d, minus_tiny, tiny));
-        vf8_store(&r->inv[k][i], vf8_div(vf8_set(1), safe));
+    const vb zero = vb_set(0), tiny = vb_set(1e-30f), minus_tiny = vb_set(-1e-30f);
+    r->vorg[k] = vb_set(org[k]);
+    for (uint32_t i = 0; i < n; i += VB_LANES) {
+        vb d = vb_load(&r->d[k][i]);
+        vb safe = vb_sel_gt(vb_abs(d), tiny, d, vb_sel_gt(zero, d, minus_tiny, tiny));
+        vb_store(&r->inv[k][i], 1 / safe);
     }
     for (uint32_t i = 0; i < n; i++) r->near[k][i] = 24 * k + (r->inv[k][i] < 0 ? 8 : 0);
 }
 
 /* What follows from all of them. */
-LC_INLINE void LC_FN(rays_ready)(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n)
+LC_INLINE void rays_ready(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n)
 {
     r->org = org;
     r->bvh = bvh;
-    for (uint32_t i = 0; i < n; i += 8) {
-        vf8 x = vf8_abs(vf8_load(&r->d[0][i])), y = vf8_abs(vf8_load(&r->d[1][i])), z = vf8_abs(vf8_load(&r->d[2][i]));
-        vf8_store(&r->d_max[i], vf8_max(vf8_max(x, y), z));
+    for (uint32_t i = 0; i < n; i += VB_LANES) {
+        vb x = vb_abs(vb_load(&r->d[0][i])), y = vb_abs(vb_load(&r->d[1][i])),
+           z = vb_abs(vb_load(&r->d[2][i]));
+        vb_store(&r->d_max[i], vb_max(vb_max(x, y), z));
     }
 }
 
 /* Rays to targets 0 .. n - 1; unused ones repeat the last. */
-static inline void LC_FN(rays_init)(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
-                                    bool far)
+static inline void rays_init(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n,
+                             const float *const target[3], bool far)
 {
-    r->vt_min = vf8_set(far ? 0 : LC_SHADOW_EPS);
-    r->vt_max = vf8_set(far ? FLT_MAX : 1 - LC_SHADOW_EPS);
+    r->vt_min = vb_set(far ? 0 : LC_SHADOW_EPS);
+    r->vt_max = vb_set(far ? FLT_MAX : 1 - LC_SHADOW_EPS);
     for (uint32_t k = 0; k < 3; k++) {
         for (uint32_t i = 0; i < n; i++) r->d[k][i] = far ? target[k][i] : target[k][i] - org[k];
         for (uint32_t i = n; i & 7; i++) r->d[k][i] = r->d[k][n - 1];
-        LC_FN(rays_axis)(r, org, n, k);
+        rays_axis(r, org, n, k);
     }
-    LC_FN(rays_ready)(r, bvh, org, n);
+    rays_ready(r, bvh, org, n);
 }
 
-/* For each of eight boxes the rays of `mask` that meet it; returns the boxes that any meets. f: lo[3][8], then hi[3][8]. */
-static inline uint32_t LC_FN(stream_boxes)(const float *f, const rays *r, uint64_t mask, uint64_t met[8])
+/* For each of eight boxes the rays of `mask` that meet it; returns the boxes that any meets. f: lo[3][8],
+ * then hi[3][8]. */
+static inline uint32_t stream_boxes(const float *f, const rays *r, uint64_t mask, uint64_t met[8])
 {
-    _Alignas(32) float plane[3 * 24]; /* an axis: low, high, low planes, so that near and far are neighbours */
+    _Alignas(
+        32) float plane[3 * 24]; /* an axis: low, high, low planes, so that near and far are neighbours */
     _Alignas(32) uint32_t bits[2][8];
-    const vf8 slack = vf8_set(FAR_SLACK);
-    vu8 half[2];
-    for (int k = 0; k < 3; k++) {
-        vf8 lo = vf8_sub(vf8_load(f + 8 * k), r->vorg[k]), hi = vf8_sub(vf8_load(f + 24 + 8 * k), r->vorg[k]);
-        vf8_store(plane + 24 * k, lo);
-        vf8_store(plane + 24 * k + 8, hi);
-        vf8_store(plane + 24 * k + 16, lo);
-    }
+    const vb slack = vb_set(LC_FAR_SLACK);
+    uint32_t any = 0;
+    for (uint32_t axis = 0; axis < 3; axis++)
+        for (uint32_t k = 0; k < LC_BLOCK_LANES; k += VB_LANES) {
+            vb lo = vb_load(f + 8 * axis + k) - r->vorg[axis],
+               hi = vb_load(f + 24 + 8 * axis + k) - r->vorg[axis];
+            vb_store(plane + 24 * axis + k, lo);
+            vb_store(plane + 24 * axis + 8 + k, hi);
+            vb_store(plane + 24 * axis + 16 + k, lo);
+        }
     for (uint32_t h = 0; h < 2; h++) {
         uint32_t m = (uint32_t)(mask >> (32 * h));
-        vu8 acc = vu8_zero();
+        vbu sum[LC_BLOCK_LANES / VB_LANES];
+        for (uint32_t k = 0; k < LC_BLOCK_LANES / VB_LANES; k++) sum[k] = vbu_zero();
         for (; m; m &= m - 1) {
             uint32_t bit = (uint32_t)__builtin_ctz(m), i = 32 * h + bit;
             const float *x = plane + r->near[0][i], *y = plane + r->near[1][i], *z = plane + r->near[2][i];
-            vf8 ix = vf8_set(r->inv[0][i]), iy = vf8_set(r->inv[1][i]), iz = vf8_set(r->inv[2][i]);
-            vf8 near = vf8_max(vf8_max(vf8_mul(vf8_load(x), ix), vf8_mul(vf8_load(y), iy)),
-                               vf8_max(vf8_mul(vf8_load(z), iz), r->vt_min));
-            vf8 far = vf8_min(vf8_min(vf8_mul(vf8_load(x + 8), ix), vf8_mul(vf8_load(y + 8), iy)),
-                              vf8_min(vf8_mul(vf8_load(z + 8), iz), r->vt_max));
-            acc = vu8_mark_le(acc, near, vf8_mul(far, slack), &LC_FN(bit_of)[bit]);
+            vb ix = vb_set(r->inv[0][i]), iy = vb_set(r->inv[1][i]), iz = vb_set(r->inv[2][i]);
+            for (uint32_t k = 0; k < LC_BLOCK_LANES; k += VB_LANES) {
+                vb near = vb_max(vb_max(vb_load(x + k) * ix, vb_load(y + k) * iy),
+                                 vb_max(vb_load(z + k) * iz, r->vt_min));
+                vb far = vb_min(vb_min(vb_load(x + 8 + k) * ix, vb_load(y + 8 + k) * iy),
+                                vb_min(vb_load(z + 8 + k) * iz, r->vt_max));
+                sum[k / VB_LANES] = vbu_mark_le(sum[k / VB_LANES], near, far * slack, &bit_of[bit]);
+            }
         }
-        vu8_store(bits[h], acc);
-        half[h] = acc;
+        for (uint32_t k = 0; k < LC_BLOCK_LANES; k += VB_LANES) {
+            vbu_store(bits[h] + k, sum[k / VB_LANES]);
+            any |= vbu_nonzero(sum[k / VB_LANES]) << k;
+        }
     }
     for (int i = 0; i < 8; i++) met[i] = bits[0][i] | (uint64_t)bits[1][i] << 32;
-    return vu8_nonzero(half[0]) | vu8_nonzero(half[1]);
+    return any;
 }
 
 typedef struct {
-    vf8 x, y, z;
-} LC_FN(vec8);
+    vb x, y, z;
+} vb3;
 
-#define vec8 LC_FN(vec8)
-
-static inline vec8 LC_FN(rel)(const float v[3][8], const vf8 o[3])
+/* Corners of triangles relative to o. */
+LC_INLINE vb3 corner_from(const float v[3][8], uint32_t at, const vb o[3])
 {
-    return (vec8){ vf8_sub(vf8_load(v[0]), o[0]), vf8_sub(vf8_load(v[1]), o[1]), vf8_sub(vf8_load(v[2]), o[2]) };
+    return (vb3){ vb_load(v[0] + at) - o[0], vb_load(v[1] + at) - o[1], vb_load(v[2] + at) - o[2] };
 }
 
-static inline vec8 LC_FN(cross_fused)(vec8 a, vec8 b)
+LC_INLINE vb3 cross_fused(vb3 a, vb3 b)
 {
-    return (vec8){ vf8_fms(a.y, b.z, vf8_mul(a.z, b.y)), vf8_fms(a.z, b.x, vf8_mul(a.x, b.z)),
-                   vf8_fms(a.x, b.y, vf8_mul(a.y, b.x)) };
+    return (vb3){ vb_fms(a.y, b.z, a.z * b.y), vb_fms(a.z, b.x, a.x * b.z), vb_fms(a.x, b.y, a.y * b.x) };
 }
 
-static inline vf8 LC_FN(max_abs)(vec8 a) { return vf8_max(vf8_max(vf8_abs(a.x), vf8_abs(a.y)), vf8_abs(a.z)); }
+LC_INLINE vb max_abs(vb3 a) { return vb_max(vb_max(vb_abs(a.x), vb_abs(a.y)), vb_abs(a.z)); }
 
-/* The planes of a block's triangles: normal N from the edges, and a.N. Every path decides distances by these. */
+/* The planes of triangles: normal N from the edges, and a.N. Every path decides distances by these. */
 typedef struct {
-    vec8 n;
-    vf8 h;
-} LC_FN(planes);
+    vb3 n;
+    vb h;
+} planes;
 
-#define planes LC_FN(planes)
-
-static inline planes LC_FN(planes_of)(const lc_tri_block *b, vec8 a)
+LC_INLINE planes planes_of(const lc_tri_block *b, uint32_t at, vb3 a)
 {
-    vec8 v0 = { vf8_load(b->v[0][0]), vf8_load(b->v[0][1]), vf8_load(b->v[0][2]) }, e, f, n;
-    e = (vec8){ vf8_sub(vf8_load(b->v[1][0]), v0.x), vf8_sub(vf8_load(b->v[1][1]), v0.y), vf8_sub(vf8_load(b->v[1][2]), v0.z) };
-    f = (vec8){ vf8_sub(vf8_load(b->v[2][0]), v0.x), vf8_sub(vf8_load(b->v[2][1]), v0.y), vf8_sub(vf8_load(b->v[2][2]), v0.z) };
-    n = (vec8){ vf8_sub(vf8_mul(e.y, f.z), vf8_mul(e.z, f.y)), vf8_sub(vf8_mul(e.z, f.x), vf8_mul(e.x, f.z)),
-                vf8_sub(vf8_mul(e.x, f.y), vf8_mul(e.y, f.x)) };
-    return (planes){ n, vf8_add(vf8_add(vf8_mul(a.x, n.x), vf8_mul(a.y, n.y)), vf8_mul(a.z, n.z)) };
+    const vb v0[3] = { vb_load(b->v[0][0] + at), vb_load(b->v[0][1] + at), vb_load(b->v[0][2] + at) };
+    const vb3 e = corner_from(b->v[1], at, v0), f = corner_from(b->v[2], at, v0);
+    const vb3 n = { e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x };
+    return (planes){ n, a.x * n.x + a.y * n.y + a.z * n.z };
 }
 
 /* Bits of the lanes whose plane ray i meets at t in (t_min, t_max). */
-static inline uint32_t LC_FN(in_range)(const planes *p, const rays *r, uint32_t i)
+LC_INLINE uint32_t in_range(const planes *p, const rays *r, uint32_t i)
 {
-    vf8 dx = vf8_set(r->d[0][i]), dy = vf8_set(r->d[1][i]), dz = vf8_set(r->d[2][i]);
-    vf8 v = vf8_add(vf8_add(vf8_mul(dx, p->n.x), vf8_mul(dy, p->n.y)), vf8_mul(dz, p->n.z));
-    vf8 lo = vf8_mul(r->vt_min, v), hi = vf8_mul(r->vt_max, v);
-    return (vf8_lt(lo, p->h) & vf8_lt(p->h, hi)) | (vf8_lt(hi, p->h) & vf8_lt(p->h, lo));
+    vb v = r->d[0][i] * p->n.x + r->d[1][i] * p->n.y + r->d[2][i] * p->n.z;
+    vb lo = r->vt_min * v, hi = r->vt_max * v;
+    return (vb_lt(lo, p->h) & vb_lt(p->h, hi)) | (vb_lt(hi, p->h) & vb_lt(p->h, lo));
 }
 
-/* Lanes that ray i passes inside of, by Woop's test. */
-static __attribute__((noinline)) uint32_t LC_FN(inside)(const lc_tri_block *b, const rays *s, uint32_t i)
+/* Lanes from `at` on that ray i passes inside of, by Woop's test. */
+static __attribute__((noinline)) uint32_t inside(const lc_tri_block *b, uint32_t at, const rays *s,
+                                                 uint32_t i)
 {
     ray r;
-    vf8 x[3], y[3], z[3], e[3];
+    vb x[3], y[3], e[3];
     const float d[3] = { s->d[0][i], s->d[1][i], s->d[2][i] };
-    LC_FN(ray_init)(&r, s->org, d);
-    return LC_FN(edges)(b, &r, x, y, z, e);
+    ray_init(&r, s->org, d);
+    return edges(b, at, &r, x, y, e);
 }
 
-/* Do lanes `in` of a block that may have holes stop ray i? */
-static __attribute__((noinline)) bool LC_FN(solid)(const lc_tri_block *b, const rays *s, uint32_t i, uint32_t in)
+/* Do lanes `in`, counted from `at`, of a block that may have holes stop ray i? */
+static __attribute__((noinline)) bool solid(const lc_tri_block *b, uint32_t at, const rays *s, uint32_t i,
+                                            uint32_t in)
 {
     ray r;
-    vf8 x[3], y[3], z[3], e[3];
-    _Alignas(32) float u[8], v[8];
+    vb x[3], y[3], e[3];
+    _Alignas(32) float u[VB_LANES], v[VB_LANES];
     const float d[3] = { s->d[0][i], s->d[1][i], s->d[2][i] };
-    LC_FN(ray_init)(&r, s->org, d);
-    in &= LC_FN(edges)(b, &r, x, y, z, e);
+    ray_init(&r, s->org, d);
+    in &= edges(b, at, &r, x, y, e);
     if (!in) return false;
-    vf8 det = vf8_add(vf8_add(e[0], e[1]), e[2]);
-    vf8_store(u, vf8_div(e[1], det));
-    vf8_store(v, vf8_div(e[2], det));
+    vb det = e[0] + e[1] + e[2];
+    vb_store(u, e[1] / det);
+    vb_store(v, e[2] / det);
     for (; in; in &= in - 1) {
-        int k = __builtin_ctz(in);
-        if (LC_FN(is_opaque)(s->bvh->alpha, s->bvh->first_tri + b->tri[k], u[k], v[k], true)) return true;
+        uint32_t k = (uint32_t)__builtin_ctz(in);
+        if (is_opaque(s->bvh->alpha, s->bvh->first_tri + b->tri[at + k], u[k], v[k], true)) return true;
     }
     return false;
 }
 
-/* Rays of `mask` that some triangle of the block stops. holes: a constant, false where the BVH has no alpha. */
-LC_INLINE uint64_t LC_FN(stream_block)(const lc_tri_block *b, const rays *r, uint64_t mask, bool holes)
+/* Rays of `mask` that some triangle of the block from lane `at` on stops. holes: a constant, false where the
+ * BVH has no alpha. */
+LC_INLINE uint64_t stream_lanes(const lc_tri_block *b, uint32_t at, const rays *r, uint64_t mask, bool holes)
 {
-    const vf8 zero = vf8_set(0);
     uint64_t stopped = 0;
-    vec8 va = LC_FN(rel)(b->v[0], r->vorg), vb = LC_FN(rel)(b->v[1], r->vorg), vc = LC_FN(rel)(b->v[2], r->vorg);
-    vec8 n0 = LC_FN(cross_fused)(vb, vc), n1 = LC_FN(cross_fused)(vc, va), n2 = LC_FN(cross_fused)(va, vb);
-    vf8 m = vf8_max(vf8_max(LC_FN(max_abs)(va), LC_FN(max_abs)(vb)), LC_FN(max_abs)(vc));
-    vf8 m2 = vf8_mul(vf8_mul(m, m), vf8_set(0x1p-18f));
-    uint32_t used = vf8_eq(va.x, va.x);
-    planes p = { va, zero };
+    const vb3 va = corner_from(b->v[0], at, r->vorg), vb_ = corner_from(b->v[1], at, r->vorg);
+    const vb3 vc = corner_from(b->v[2], at, r->vorg);
+    const vb3 n0 = cross_fused(vb_, vc), n1 = cross_fused(vc, va), n2 = cross_fused(va, vb_);
+    const vb m = vb_max(vb_max(max_abs(va), max_abs(vb_)), max_abs(vc)), m2 = m * m * 0x1p-18f;
+    const uint32_t used = vb_eq(va.x, va.x);
+    planes p = { va, vb_set(0) };
     bool have_planes = false;
     for (; mask; mask &= mask - 1) {
         uint32_t i = (uint32_t)__builtin_ctzll(mask);
-        vf8 dx = vf8_set(r->d[0][i]), dy = vf8_set(r->d[1][i]), dz = vf8_set(r->d[2][i]);
-        vf8 u = vf8_fma(n0.x, dx, vf8_fma(n0.y, dy, vf8_mul(n0.z, dz)));
-        vf8 v = vf8_fma(n1.x, dx, vf8_fma(n1.y, dy, vf8_mul(n1.z, dz)));
-        vf8 w = vf8_fma(n2.x, dx, vf8_fma(n2.y, dy, vf8_mul(n2.z, dz)));
-        vf8 e = vf8_fma(m2, vf8_set(r->d_max[i]), vf8_set(FLT_MIN)), minus_e = vf8_sub(zero, e);
-        vf8 least = vf8_min(vf8_min(u, v), w), most = vf8_max(vf8_max(u, v), w);
-        uint32_t in = used & ~(vf8_lt(least, minus_e) & vf8_lt(e, most));
+        vb dx = vb_set(r->d[0][i]), dy = vb_set(r->d[1][i]), dz = vb_set(r->d[2][i]);
+        vb u = vb_fma(n0.x, dx, vb_fma(n0.y, dy, n0.z * dz));
+        vb v = vb_fma(n1.x, dx, vb_fma(n1.y, dy, n1.z * dz));
+        vb w = vb_fma(n2.x, dx, vb_fma(n2.y, dy, n2.z * dz));
+        vb e = vb_fma(m2, vb_set(r->d_max[i]), vb_set(FLT_MIN)), minus_e = 0 - e;
+        vb least = vb_min(vb_min(u, v), w), most = vb_max(vb_max(u, v), w);
+        uint32_t in = used & ~(vb_lt(least, minus_e) & vb_lt(e, most));
         if (!in) continue;
         if (!have_planes) {
-            p = LC_FN(planes_of)(b, va);
+            p = planes_of(b, at, va);
             have_planes = true;
         }
-        in &= LC_FN(in_range)(&p, r, i);
+        in &= in_range(&p, r, i);
         if (!in) continue;
-        uint32_t sure = vf8_lt(e, least) | vf8_lt(most, minus_e);
-        if (!(in & sure)) in &= LC_FN(inside)(b, r, i);
-        if (!in || (holes && r->bvh->alpha && !LC_FN(solid)(b, r, i, in))) continue;
+        uint32_t sure = vb_lt(e, least) | vb_lt(most, minus_e);
+        if (!(in & sure)) in &= inside(b, at, r, i);
+        if (!in || (holes && r->bvh->alpha && !solid(b, at, r, i, in))) continue;
         stopped |= (uint64_t)1 << i;
         r->by[i] = (uint32_t)(b - r->bvh->blocks);
     }
     return stopped;
 }
 
+/* Rays of `mask` that some triangle of the block stops. */
+LC_INLINE uint64_t stream_block(const lc_tri_block *b, const rays *r, uint64_t mask, bool holes)
+{
+    uint64_t stopped = 0;
+    for (uint32_t at = 0; at < LC_BLOCK_LANES; at += VB_LANES)
+        stopped |= stream_lanes(b, at, r, mask & ~stopped, holes);
+    return stopped;
+}
+
 /* Without a branch on what it is, as that would be mispredicted. A node has four lines, a block five. */
-static inline void LC_FN(prefetch)(const lc_bvh_data *bvh, uint32_t ref)
+static inline void prefetch(const lc_bvh_data *bvh, uint32_t ref)
 {
     const uintptr_t leaf = ref >> 31, nodes = (uintptr_t)bvh->nodes, blocks = (uintptr_t)bvh->blocks;
-    const uintptr_t at = (nodes ^ ((nodes ^ blocks) & -leaf)) + (ref & ~LC_BVH_LEAF) * (uintptr_t)(256 + 64 * leaf);
+    const uintptr_t at = (nodes ^ ((nodes ^ blocks) & -leaf)) +
+                         (ref & ~LC_BVH_LEAF) * (uintptr_t)(256 + 64 * leaf);
     for (int i = 0; i < 5; i++) __builtin_prefetch((const char *)at + 64 * i);
 }
 
 typedef struct {
     uint32_t ref;
     uint64_t mask;
-} LC_FN(visit);
-
-#define visit LC_FN(visit)
+} visit;
 
 /* Pushes inner children, lists the leaves, and asks for all of them to be fetched. */
-static inline void LC_FN(expand)(const lc_bvh_data *bvh, const lc_bvh_node *node, uint32_t bits, const uint64_t *met,
+static inline void expand(const lc_bvh_data *bvh, const lc_bvh_node *node, uint32_t bits, const uint64_t *met,
                                  visit *stack, uint32_t *depth, visit leaf[8], uint32_t *n_leaves)
 {
     for (; bits; bits &= bits - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(bits), ref = node->child[i];
-        LC_FN(prefetch)(bvh, ref);
+        prefetch(bvh, ref);
         uint32_t is_leaf = ref >> 31; /* both are written, one counts: no branch to mispredict */
         leaf[*n_leaves] = (visit){ ref & ~LC_BVH_LEAF, met[i] };
         stack[*depth] = (visit){ ref, met[i] };
@@ -252,44 +265,48 @@ static inline void LC_FN(expand)(const lc_bvh_data *bvh, const lc_bvh_node *node
 
 /* What one ray needs of a node's planes. */
 typedef struct {
-    vf8 inv[3];
+    vb inv[3];
     uint32_t near[3], far[3];
-} LC_FN(single);
+} single;
 
-#define single LC_FN(single)
-
-static inline void LC_FN(single_init)(single *s, const rays *r, uint32_t i)
+static inline void single_init(single *s, const rays *r, uint32_t i)
 {
     for (uint32_t k = 0; k < 3; k++) {
         bool down = r->near[k][i] != 24 * k;
         s->near[k] = 8 * k + (down ? 24 : 0);
         s->far[k] = 8 * k + (down ? 0 : 24);
-        s->inv[k] = vf8_set(r->inv[k][i]);
+        s->inv[k] = vb_set(r->inv[k][i]);
     }
 }
 
 /* Bits of the children whose box the ray meets: those of stream_boxes, to the bit. */
-static inline uint32_t LC_FN(single_boxes)(const lc_bvh_node *node, const rays *r, const single *s)
+static inline uint32_t single_boxes(const lc_bvh_node *node, const rays *r, const single *s)
 {
-    const float *f = &node->lo[0][0];
-    vf8 n0 = vf8_mul(vf8_sub(vf8_load(f + s->near[0]), r->vorg[0]), s->inv[0]);
-    vf8 n1 = vf8_mul(vf8_sub(vf8_load(f + s->near[1]), r->vorg[1]), s->inv[1]);
-    vf8 n2 = vf8_mul(vf8_sub(vf8_load(f + s->near[2]), r->vorg[2]), s->inv[2]);
-    vf8 f0 = vf8_mul(vf8_sub(vf8_load(f + s->far[0]), r->vorg[0]), s->inv[0]);
-    vf8 f1 = vf8_mul(vf8_sub(vf8_load(f + s->far[1]), r->vorg[1]), s->inv[1]);
-    vf8 f2 = vf8_mul(vf8_sub(vf8_load(f + s->far[2]), r->vorg[2]), s->inv[2]);
-    return vf8_le(vf8_max(vf8_max(n0, n1), vf8_max(n2, r->vt_min)),
-                  vf8_mul(vf8_min(vf8_min(f0, f1), vf8_min(f2, r->vt_max)), vf8_set(FAR_SLACK)));
+    uint32_t met = 0;
+    for (uint32_t k = 0; k < LC_BLOCK_LANES; k += VB_LANES) {
+        const float *f = &node->lo[0][0] + k;
+        vb n0 = (vb_load(f + s->near[0]) - r->vorg[0]) * s->inv[0];
+        vb n1 = (vb_load(f + s->near[1]) - r->vorg[1]) * s->inv[1];
+        vb n2 = (vb_load(f + s->near[2]) - r->vorg[2]) * s->inv[2];
+        vb f0 = (vb_load(f + s->far[0]) - r->vorg[0]) * s->inv[0];
+        vb f1 = (vb_load(f + s->far[1]) - r->vorg[1]) * s->inv[1];
+        vb f2 = (vb_load(f + s->far[2]) - r->vorg[2]) * s->inv[2];
+        vb near = vb_max(vb_max(n0, n1), vb_max(n2, r->vt_min)),
+           far = vb_min(vb_min(f0, f1), vb_min(f2, r->vt_max));
+        met |= vb_le(near, far * LC_FAR_SLACK) << k;
+    }
+    return met;
 }
 
-/* Pushes inner children on a stack of n, lists the leaves, and asks for all of them to be fetched. Returns the new n. */
-static inline uint32_t LC_FN(single_expand)(const lc_bvh_data *bvh, const lc_bvh_node *node, uint32_t bits, uint32_t *stack,
-                                            uint32_t n, uint32_t leaf[8], uint32_t *n_leaves)
+/* Pushes inner children on a stack of n, lists the leaves, and asks for all of them to be fetched. Returns
+ * the new n. */
+static inline uint32_t single_expand(const lc_bvh_data *bvh, const lc_bvh_node *node, uint32_t bits,
+                                     uint32_t *stack, uint32_t n, uint32_t leaf[8], uint32_t *n_leaves)
 {
     uint32_t m = 0;
     for (; bits; bits &= bits - 1) {
         uint32_t child = node->child[__builtin_ctz(bits)];
-        LC_FN(prefetch)(bvh, child);
+        prefetch(bvh, child);
         leaf[m] = child & ~LC_BVH_LEAF;
         stack[n] = child;
         m += child >> 31;
@@ -300,71 +317,70 @@ static inline uint32_t LC_FN(single_expand)(const lc_bvh_data *bvh, const lc_bvh
 }
 
 /* One ray through a subtree: true if it is stopped. */
-LC_INLINE bool LC_FN(alone)(const lc_bvh_data *bvh, const rays *r, uint32_t i, uint32_t ref, bool holes)
+LC_INLINE bool alone(const lc_bvh_data *bvh, const rays *r, uint32_t i, uint32_t ref, bool holes)
 {
     uint32_t stack[LC_BVH_STACK], n = 0, leaf[8], n_leaves;
     single s;
-    LC_FN(single_init)(&s, r, i);
+    single_init(&s, r, i);
     for (;;) {
         const lc_bvh_node *node = &bvh->nodes[ref];
-        n = LC_FN(single_expand)(bvh, node, LC_FN(single_boxes)(node, r, &s), stack, n, leaf, &n_leaves);
+        n = single_expand(bvh, node, single_boxes(node, r, &s), stack, n, leaf, &n_leaves);
         for (uint32_t k = 0; k < n_leaves; k++)
-            if (LC_FN(stream_block)(&bvh->blocks[leaf[k]], r, (uint64_t)1 << i, holes)) return true;
+            if (stream_block(&bvh->blocks[leaf[k]], r, (uint64_t)1 << i, holes)) return true;
         if (!n) return false;
         ref = stack[--n];
     }
 }
 
-/* ---- large trees: rays that are alone take turns, so that the memory one needs is fetched while the others go on ---- */
+/* ---- large trees: rays that are alone take turns, so that the memory one needs is fetched while the others
+ * go on ---- */
 
 #define LONE 8      /* rays; 4 and 16 are within 2 % */
 #define AWAIT 8     /* subtrees of a ray */
-#define LARGE 40000 /* blocks, of a tree of 18 MB: without turns smaller ones were 8 % faster, those of 35 MB 8 to 20 % slower
-                     * (Zen 4, 32 MB shared cache) */
+#define LARGE                                                                                                \
+    40000 /* blocks, of a tree of 18 MB: without turns smaller ones were 8 % faster, those of 35 MB 8 to 20  \
+           * % slower (Zen 4, 32 MB shared cache) */
 
 typedef struct {
     single s;
     uint32_t ray, n, n_leaves, leaf[8], stack[LC_BVH_STACK];
-} LC_FN(lone);
-
-#define lone LC_FN(lone)
+} lone;
 
 typedef struct {
     lone at[LONE];
     lone *active[LONE]; /* the first n; the others are free */
     uint32_t n;
-} LC_FN(lones);
+} lones;
 
-#define lones LC_FN(lones)
-
-static inline void LC_FN(lones_init)(lones *ls)
+static inline void lones_init(lones *ls)
 {
     ls->n = 0;
     for (uint32_t i = 0; i < LONE; i++) ls->active[i] = &ls->at[i];
 }
 
-/* Tests the blocks that the last step found, then one node. False: done. *alive loses the ray if it is stopped. */
-static inline bool LC_FN(step)(const lc_bvh_data *bvh, const rays *r, lone *l, uint64_t *alive, bool holes)
+/* Tests the blocks that the last step found, then one node. False: done. *alive loses the ray if it is
+ * stopped. */
+static inline bool step(const lc_bvh_data *bvh, const rays *r, lone *l, uint64_t *alive, bool holes)
 {
     const uint64_t bit = (uint64_t)1 << l->ray;
     if (!(*alive & bit)) return false;
     for (uint32_t k = 0; k < l->n_leaves; k++) {
-        if (!LC_FN(stream_block)(&bvh->blocks[l->leaf[k]], r, bit, holes)) continue;
+        if (!stream_block(&bvh->blocks[l->leaf[k]], r, bit, holes)) continue;
         *alive &= ~bit;
         return false;
     }
     if (!l->n) return false;
     const lc_bvh_node *node = &bvh->nodes[l->stack[--l->n]];
-    l->n = LC_FN(single_expand)(bvh, node, LC_FN(single_boxes)(node, r, &l->s), l->stack, l->n, l->leaf, &l->n_leaves);
+    l->n = single_expand(bvh, node, single_boxes(node, r, &l->s), l->stack, l->n, l->leaf, &l->n_leaves);
     return l->n | l->n_leaves;
 }
 
 /* A step of each; returns those of `alive` that go on. */
-static inline uint64_t LC_FN(step_all)(const lc_bvh_data *bvh, const rays *r, lones *ls, uint64_t alive, bool holes)
+static inline uint64_t step_all(const lc_bvh_data *bvh, const rays *r, lones *ls, uint64_t alive, bool holes)
 {
     for (uint32_t k = 0; k < ls->n;) {
         lone *l = ls->active[k];
-        if (LC_FN(step)(bvh, r, l, &alive, holes)) k++;
+        if (step(bvh, r, l, &alive, holes)) k++;
         else {
             ls->active[k] = ls->active[--ls->n];
             ls->active[ls->n] = l;
@@ -373,9 +389,10 @@ static inline uint64_t LC_FN(step_all)(const lc_bvh_data *bvh, const rays *r, lo
     return alive;
 }
 
-/* Gives ray i a subtree, the last of those it has; false: there is no room until others are done. Of up to AWAIT subtrees
- * that wait and one that is opened there are no more than AWAIT + 7 LC_BVH_MAX_DEPTH on a stack. */
-static inline bool LC_FN(add)(lones *ls, const rays *r, uint32_t i, uint32_t ref)
+/* Gives ray i a subtree, the last of those it has; false: there is no room until others are done. Of up to
+ * AWAIT subtrees that wait and one that is opened there are no more than AWAIT + 7 LC_BVH_MAX_DEPTH on a
+ * stack. */
+static inline bool add(lones *ls, const rays *r, uint32_t i, uint32_t ref)
 {
     for (uint32_t k = 0; k < ls->n; k++) {
         lone *l = ls->active[k];
@@ -387,7 +404,7 @@ static inline bool LC_FN(add)(lones *ls, const rays *r, uint32_t i, uint32_t ref
     }
     if (ls->n == LONE) return false;
     lone *l = ls->active[ls->n++];
-    LC_FN(single_init)(&l->s, r, i);
+    single_init(&l->s, r, i);
     l->ray = i;
     l->n = 1;
     l->n_leaves = 0;
@@ -396,7 +413,7 @@ static inline bool LC_FN(add)(lones *ls, const rays *r, uint32_t i, uint32_t ref
 }
 
 /* Mask of the n <= STREAM rays that are stopped. ls has none, before and after. */
-LC_INLINE uint64_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint32_t n, lones *ls, bool holes)
+LC_INLINE uint64_t stream(const lc_bvh_data *bvh, const rays *r, uint32_t n, lones *ls, bool holes)
 {
     visit stack[LC_BVH_STACK], leaf[8];
     uint64_t met[8], alive = ~(uint64_t)0 >> (64 - n), all = alive;
@@ -406,7 +423,7 @@ LC_INLINE uint64_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint32_t
     for (;;) {
         if (!depth) {
             if (!ls->n) return all & ~alive;
-            alive = LC_FN(step_all)(bvh, r, ls, alive, holes);
+            alive = step_all(bvh, r, ls, alive, holes);
             continue;
         }
         visit v = stack[--depth];
@@ -415,30 +432,32 @@ LC_INLINE uint64_t LC_FN(stream)(const lc_bvh_data *bvh, const rays *r, uint32_t
         if (!mask) continue;
         if (!(mask & (mask - 1))) {
             uint32_t i = (uint32_t)__builtin_ctzll(mask);
-            while (large && !LC_FN(add)(ls, r, i, v.ref)) alive = LC_FN(step_all)(bvh, r, ls, alive, holes);
-            if (!large && LC_FN(alone)(bvh, r, i, v.ref, holes)) alive &= ~mask;
+            while (large && !add(ls, r, i, v.ref)) alive = step_all(bvh, r, ls, alive, holes);
+            if (!large && alone(bvh, r, i, v.ref, holes)) alive &= ~mask;
             continue;
         }
         const lc_bvh_node *node = &bvh->nodes[v.ref];
-        uint32_t bits = LC_FN(stream_boxes)(&node->lo[0][0], r, mask, met);
-        LC_FN(expand)(bvh, node, bits, met, stack, &depth, leaf, &n_leaves);
+        uint32_t bits = stream_boxes(&node->lo[0][0], r, mask, met);
+        expand(bvh, node, bits, met, stack, &depth, leaf, &n_leaves);
         for (uint32_t i = 0; i < n_leaves; i++)
-            if (leaf[i].mask & alive) alive &= ~LC_FN(stream_block)(&bvh->blocks[leaf[i].ref], r, leaf[i].mask & alive, holes);
-        if (ls->n) alive = LC_FN(step_all)(bvh, r, ls, alive, holes);
+            if (leaf[i].mask & alive)
+                alive &= ~stream_block(&bvh->blocks[leaf[i].ref], r, leaf[i].mask & alive, holes);
+        if (ls->n) alive = step_all(bvh, r, ls, alive, holes);
     }
 }
 
 /* The same where there may be holes. Apart, so that it takes no registers from the other. */
-static __attribute__((noinline)) uint64_t LC_FN(stream_holes)(const lc_bvh_data *bvh, const rays *r, uint32_t n, lones *ls)
+static __attribute__((noinline)) uint64_t stream_holes(const lc_bvh_data *bvh, const rays *r, uint32_t n,
+                                                       lones *ls)
 {
-    return LC_FN(stream)(bvh, r, n, ls, true);
+    return stream(bvh, r, n, ls, true);
 }
 
 /* ---- instances ---- */
 
 /* Rays of `mask` that an instance stops, in its object's space. */
-static __attribute__((noinline)) uint64_t LC_FN(stream_in)(const lc_placed *p, uint32_t instance, const rays *r, uint64_t mask,
-                                                           lones *ls)
+static __attribute__((noinline)) uint64_t stream_in(const lc_placed *p, uint32_t instance, const rays *r,
+                                                    uint64_t mask, lones *ls)
 {
     const lc_instance *at = &p->instances[instance];
     uint8_t of[STREAM];
@@ -446,28 +465,30 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_in)(const lc_placed *p, u
     float org[3];
     rays o;
     o.by = by;
-    LC_FN(to_object)(at, r->org, 1, org);
+    to_object(at, r->org, 1, org);
     o.vt_min = r->vt_min;
     o.vt_max = r->vt_max;
     for (; mask; mask &= mask - 1, n++) {
         uint32_t i = of[n] = (uint8_t)__builtin_ctzll(mask);
         const float world[3] = { r->d[0][i], r->d[1][i], r->d[2][i] };
         float d[3];
-        LC_FN(to_object)(at, world, 0, d);
-        if (n & 7)
-            for (int k = 0; k < 3; k++) o.d[k][n] = d[k];
-        else /* unused ones repeat the first: a word as wide as it is loaded, for a narrow store would hold up the load */
-            for (int k = 0; k < 3; k++) vf8_store(&o.d[k][n], vf8_set(d[k]));
+        to_object(at, world, 0, d);
+        for (int k = 0; k < 3; k++) {
+            /* The first of each vector fills it, since narrow stores alone would hold up the wide load. */
+            if (n % VB_LANES) o.d[k][n] = d[k];
+            else vb_store(&o.d[k][n], vb_set(d[k]));
+        }
     }
-    for (uint32_t k = 0; k < 3; k++) LC_FN(rays_axis)(&o, org, n, k);
-    LC_FN(rays_ready)(&o, &p->objects[at->object], org, n);
-    uint64_t in = LC_FN(stream_holes)(o.bvh, &o, n, ls), stopped = 0;
+    for (uint32_t k = 0; k < 3; k++) rays_axis(&o, org, n, k);
+    rays_ready(&o, &p->objects[at->object], org, n);
+    uint64_t in = stream_holes(o.bvh, &o, n, ls), stopped = 0;
     for (; in; in &= in - 1) stopped |= (uint64_t)1 << of[__builtin_ctzll(in)];
     return stopped;
 }
 
 /* Rays of `alive` that instances stop. */
-static __attribute__((noinline)) uint64_t LC_FN(stream_placed)(const lc_placed *p, const rays *r, uint64_t alive, lones *ls)
+static __attribute__((noinline)) uint64_t stream_placed(const lc_placed *p, const rays *r, uint64_t alive,
+                                                        lones *ls)
 {
     visit stack[LC_BVH_STACK];
     uint64_t met[8], all = alive;
@@ -479,7 +500,7 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_placed)(const lc_placed *
         if (!mask) continue;
         if (!(v.ref & LC_BVH_LEAF)) {
             const lc_bvh_node *node = &p->boxes.nodes[v.ref];
-            uint32_t bits = LC_FN(stream_boxes)(&node->lo[0][0], r, mask, met);
+            uint32_t bits = stream_boxes(&node->lo[0][0], r, mask, met);
             for (; bits; bits &= bits - 1) {
                 uint32_t i = (uint32_t)__builtin_ctz(bits);
                 stack[depth++] = (visit){ node->child[i], met[i] };
@@ -487,7 +508,7 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_placed)(const lc_placed *
             continue;
         }
         const lc_tri_block *b = &p->boxes.blocks[v.ref & ~LC_BVH_LEAF];
-        uint32_t bits = LC_FN(stream_boxes)(&b->v[0][0][0], r, mask, met) & LC_FN(lanes_used)(b);
+        uint32_t bits = stream_boxes(&b->v[0][0][0], r, mask, met) & lanes_used(b);
         for (uint32_t m = bits; m; m &= m - 1) {
             const char *at = (const char *)&p->instances[b->tri[__builtin_ctz(m)]];
             __builtin_prefetch(at);
@@ -495,27 +516,27 @@ static __attribute__((noinline)) uint64_t LC_FN(stream_placed)(const lc_placed *
         }
         for (; bits; bits &= bits - 1) {
             uint32_t i = (uint32_t)__builtin_ctz(bits);
-            if (met[i] & alive) alive &= ~LC_FN(stream_in)(p, b->tri[i], r, met[i] & alive, ls);
+            if (met[i] & alive) alive &= ~stream_in(p, b->tri[i], r, met[i] & alive, ls);
         }
     }
     return all & ~alive;
 }
 
-static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3], bool far,
-                          uint8_t *hidden, uint32_t *block)
+static void hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
+                   bool far, uint8_t *hidden, uint32_t *block)
 {
     uint32_t by[STREAM];
     rays r;
     lones ls;
     r.by = by;
-    LC_FN(lones_init)(&ls);
+    lones_init(&ls);
     for (uint32_t first = 0; first < n; first += STREAM) {
         uint32_t m = n - first < STREAM ? n - first : STREAM;
         const float *const t[3] = { target[0] + first, target[1] + first, target[2] + first };
-        LC_FN(rays_init)(&r, bvh, org, m, t, far);
-        uint64_t stopped = bvh->alpha ? LC_FN(stream_holes)(bvh, &r, m, &ls) : LC_FN(stream)(bvh, &r, m, &ls, false);
+        rays_init(&r, bvh, org, m, t, far);
+        uint64_t stopped = bvh->alpha ? stream_holes(bvh, &r, m, &ls) : stream(bvh, &r, m, &ls, false);
         for (uint32_t i = 0; i < m && block; i++) block[first + i] = stopped >> i & 1 ? by[i] : LC_NONE;
-        if (bvh->placed) stopped |= LC_FN(stream_placed)(bvh->placed, &r, ~stopped & ~(uint64_t)0 >> (64 - m), &ls);
+        if (bvh->placed) stopped |= stream_placed(bvh->placed, &r, ~stopped & ~(uint64_t)0 >> (64 - m), &ls);
         uint32_t i = 0;
         for (; i + 8 <= m; i += 8) { /* a bit to each byte */
             uint64_t byte = (stopped >> i & 255) * 0x0101010101010101u & 0x8040201008040201u;
@@ -526,15 +547,7 @@ static void LC_FN(hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n
     }
 }
 
-#undef ray
-#undef rays
-#undef vec8
-#undef planes
-#undef visit
-#undef single
-#undef lone
-#undef lones
+#undef STREAM
 #undef LONE
 #undef AWAIT
 #undef LARGE
-#undef STREAM

@@ -1,65 +1,70 @@
-/* ploc_tmpl.c - nearest neighbours of clusters among those before and behind them in a list; included by isa_*.c.
+/* ploc_tmpl.c - nearest neighbours of clusters among those before and behind them in a list; included by
+ * isa_*.c.
  *
- * Distances come in rows, one for each offset k: row[i] is that of positions i and i + k. A row serves both, so each pair
- * is measured once but for those that straddle the ends of a chunk. Rows of TILE offsets are made at a time, while the
- * clusters of one vector of positions are in registers.
+ * Distances come in rows, one for each offset k: row[i] is that of positions i and i + k. A row serves both,
+ * so each pair is measured once but for those that straddle the ends of a chunk. Rows of TILE offsets are
+ * made at a time, while the clusters of one vector of positions are in registers.
  */
 #include "tree/ploc_list.h"
 
+#include <string.h>
+
 #define PLOC_TILE 8
-#define PLOC_AHEAD (LC_PLOC_CHUNK + PLOC_TILE + VF_LANES) /* where a row's second half starts, if it has two */
+#define PLOC_AHEAD                                                                                           \
+    (LC_PLOC_CHUNK + PLOC_TILE + VF_LANES) /* where a row's second half starts, if it has two */
 #define PLOC_ROW (PLOC_AHEAD + LC_PLOC_CHUNK + VF_LANES)
 
-/* The metric of [Miksik07] eq. 3 with the box of directions' cone; 1 - cos(beta) = (r2 - (2 - s)^2) / (4 s), which is
- * cluster.c's cosine without its cancellation. */
-LC_INLINE vf LC_FN(ploc_metric)(const vf *a, const vf *b, bool oriented, vf c2)
+/* The metric of [Miksik07] eq. 3 with the box of directions' cone; 1 - cos(beta) = (r2 - (2 - s)^2) / (4 s),
+ * which is cluster.c's cosine without its cancellation. */
+LC_INLINE vf ploc_metric(const vf *a, const vf *b, bool oriented, vf c2)
 {
-    vf x = vf_sub(vf_max(a[3], b[3]), vf_min(a[0], b[0])), y = vf_sub(vf_max(a[4], b[4]), vf_min(a[1], b[1])),
-       z = vf_sub(vf_max(a[5], b[5]), vf_min(a[2], b[2]));
-    vf size = vf_add(vf_add(vf_mul(x, x), vf_mul(y, y)), vf_mul(z, z));
+    vf x = vf_max(a[3], b[3]) - vf_min(a[0], b[0]), y = vf_max(a[4], b[4]) - vf_min(a[1], b[1]),
+       z = vf_max(a[5], b[5]) - vf_min(a[2], b[2]);
+    vf size = x * x + y * y + z * z;
     if (oriented) {
         vf s2 = vf_set(0), r2 = vf_set(0);
         for (int k = 0; k < 3; k++) {
-            vf lo = vf_min(a[LC_PLOC_DLO + k], b[LC_PLOC_DLO + k]), hi = vf_max(a[LC_PLOC_DHI + k], b[LC_PLOC_DHI + k]);
-            vf sum = vf_add(lo, hi), width = vf_sub(hi, lo);
-            s2 = vf_add(s2, vf_mul(sum, sum));
-            r2 = vf_add(r2, vf_mul(width, width));
+            vf lo = vf_min(a[LC_PLOC_DLO + k], b[LC_PLOC_DLO + k]),
+               hi = vf_max(a[LC_PLOC_DHI + k], b[LC_PLOC_DHI + k]);
+            vf sum = lo + hi, width = hi - lo;
+            s2 = s2 + sum * sum;
+            r2 = r2 + width * width;
         }
-        vf s = vf_sqrt(s2), off = vf_sub(vf_set(2), s);
-        vf turn = vf_div(vf_sub(r2, vf_mul(off, off)), vf_mul(vf_set(4), s));
+        vf s = vf_sqrt(s2), off = 2 - s;
+        vf turn = (r2 - off * off) / (4 * s);
         turn = vf_min(vf_max(turn, vf_set(0)), vf_set(2));
         turn = vf_sel_gt(s, vf_set(0.1f), turn, vf_set(2));
-        size = vf_add(size, vf_mul(vf_mul(c2, turn), turn));
+        size = size + c2 * turn * turn;
     }
-    return vf_mul(vf_add(a[LC_PLOC_POWER], b[LC_PLOC_POWER]), size);
+    return (a[LC_PLOC_POWER] + b[LC_PLOC_POWER]) * size;
 }
 
-LC_INLINE void LC_FN(ploc_load)(const lc_ploc_list *l, uint32_t i, bool oriented, vf *out)
+LC_INLINE void ploc_load(const lc_ploc_list *l, uint32_t i, bool oriented, vf *out)
 {
     for (int k = 0; k < (oriented ? LC_PLOC_ROWS : LC_PLOC_DLO); k++) out[k] = vf_load(l->row[k] + i);
 }
 
-/* row[t][i - first]: distance of positions i and i + k + t, for i from first to end - 1, t < n_offsets. Where there is no such
- * position it means nothing. */
-LC_INLINE void LC_FN(ploc_rows)(const lc_ploc_list *l, uint32_t first, uint32_t end, uint32_t k, uint32_t n_offsets, bool oriented,
-                                float *row)
+/* row[t][i - first]: distance of positions i and i + k + t, for i from first to end - 1, t < n_offsets. Where
+ * there is no such position it means nothing. */
+LC_INLINE void ploc_rows(const lc_ploc_list *l, uint32_t first, uint32_t end, uint32_t k, uint32_t n_offsets,
+                         bool oriented, float *row)
 {
     const vf c2 = vf_set(l->c2);
     for (uint32_t i = first; i < end; i += VF_LANES) {
         vf a[LC_PLOC_ROWS], b[LC_PLOC_ROWS];
-        LC_FN(ploc_load)(l, i, oriented, a);
+        ploc_load(l, i, oriented, a);
         for (uint32_t t = 0; t < n_offsets && i + k + t < l->n; t++) {
-            LC_FN(ploc_load)(l, i + k + t, oriented, b);
-            vf_store(row + t * PLOC_ROW + (i - first), LC_FN(ploc_metric)(a, b, oriented, c2));
+            ploc_load(l, i + k + t, oriented, b);
+            vf_store(row + t * PLOC_ROW + (i - first), ploc_metric(a, b, oriented, c2));
         }
     }
 }
 
-/* Takes offset k into account at positions first + [0, n): ahead[i] is the distance to the one k further on, back[i] to the
- * one k before. Of equal distances the least offset stays; of the two of one offset the pair whose lower position is in an
- * even run of k: with that a line of equal distances is matched perfectly. */
-static inline void LC_FN(ploc_take)(uint32_t first, uint32_t n, uint32_t k, const float *ahead, const float *back, float *best,
-                                    float *offset)
+/* Takes offset k into account at positions first + [0, n): ahead[i] is the distance to the one k further on,
+ * back[i] to the one k before. Of equal distances the least offset stays; of the two of one offset the pair
+ * whose lower position is in an even run of k: with that a line of equal distances is matched perfectly. */
+static inline void ploc_take(uint32_t first, uint32_t n, uint32_t k, const float *ahead, const float *back,
+                             float *best, float *offset)
 {
     const vf plus = vf_set((float)k), minus = vf_set(-(float)k), zero = vf_set(0), one = vf_set(1);
     for (uint32_t i = 0; i < n; i += VF_LANES) {
@@ -70,34 +75,36 @@ static inline void LC_FN(ploc_take)(uint32_t first, uint32_t n, uint32_t k, cons
         vf_store(offset + i, vf_sel_gt(old, d, to, vf_load(offset + i)));
         if (!vf_any_gt(vf_sel_gt(old, d, tie, zero), zero)) continue;
         for (uint32_t j = i; j < i + VF_LANES && j < n; j++)
-            if (offset[j] == -(float)k && ahead[j] == back[j] && (first + j) / k % 2 == 0) offset[j] = (float)k;
+            if (offset[j] == -(float)k && ahead[j] == back[j] && (first + j) / k % 2 == 0)
+                offset[j] = (float)k;
     }
 }
 
-/* Offsets k .. k + n_offsets - 1, at most PLOC_TILE. A row starts `last` positions before the chunk; where that is before the
- * list or the pair ends after it, or in another group, the distance is infinite. */
-LC_INLINE void LC_FN(ploc_tile)(const lc_ploc_list *l, uint32_t first, uint32_t n, uint32_t k, uint32_t n_offsets, bool oriented,
-                                bool grouped, float *best, float *offset)
+/* Offsets k .. k + n_offsets - 1, at most PLOC_TILE. A row starts `last` positions before the chunk; where
+ * that is before the list or the pair ends after it, or in another group, the distance is infinite. */
+LC_INLINE void ploc_tile(const lc_ploc_list *l, uint32_t first, uint32_t n, uint32_t k, uint32_t n_offsets,
+                         bool oriented, bool grouped, float *best, float *offset)
 {
     float row[PLOC_TILE][PLOC_ROW];
     const uint32_t last = k + n_offsets - 1, end = first + n, missing = last > first ? last - first : 0;
     const bool apart = last > LC_PLOC_CHUNK; /* what lies between the two halves is not wanted */
     const uint32_t ahead = apart ? PLOC_AHEAD : last;
     const uint32_t stop = !apart ? end : end > k ? end - k : 0;
-    if (stop) LC_FN(ploc_rows)(l, first + missing - last, stop, k, n_offsets, oriented, &row[0][missing]);
-    if (apart) LC_FN(ploc_rows)(l, first, end, k, n_offsets, oriented, &row[0][ahead]);
+    if (stop) ploc_rows(l, first + missing - last, stop, k, n_offsets, oriented, &row[0][missing]);
+    if (apart) ploc_rows(l, first, end, k, n_offsets, oriented, &row[0][ahead]);
     for (uint32_t t = 0; t < n_offsets; t++, k++) {
         float *r = row[t];
         for (uint32_t i = 0; i < missing && i < PLOC_AHEAD; i++) r[i] = INFINITY;
-        for (uint32_t i = l->n - k > first ? l->n - k - first : 0; i < n + VF_LANES; i++) r[ahead + i] = INFINITY;
+        for (uint32_t i = l->n - k > first ? l->n - k - first : 0; i < n + VF_LANES; i++)
+            r[ahead + i] = INFINITY;
         for (uint32_t i = first + missing - last; grouped && i < end; i++)
             if (i % LC_PLOC_GROUP + k >= LC_PLOC_GROUP) r[last + i - first] = INFINITY;
-        LC_FN(ploc_take)(first, n, k, r + ahead, r + (last - k), best, offset);
+        ploc_take(first, n, k, r + ahead, r + (last - k), best, offset);
     }
 }
 
-LC_INLINE void LC_FN(nearest_of)(const lc_ploc_list *l, uint32_t first, uint32_t n, uint32_t radius, bool oriented, bool grouped,
-                                 float *out)
+LC_INLINE void nearest_of(const lc_ploc_list *l, uint32_t first, uint32_t n, uint32_t radius, bool oriented,
+                          bool grouped, float *out)
 {
     float best[LC_PLOC_CHUNK + VF_LANES], offset[LC_PLOC_CHUNK + VF_LANES];
     for (uint32_t i = 0; i < n + VF_LANES; i++) {
@@ -105,18 +112,24 @@ LC_INLINE void LC_FN(nearest_of)(const lc_ploc_list *l, uint32_t first, uint32_t
         offset[i] = 0;
     }
     for (uint32_t k = 1; k <= radius; k += PLOC_TILE)
-        LC_FN(ploc_tile)(l, first, n, k, radius - k + 1 < PLOC_TILE ? radius - k + 1 : PLOC_TILE, oriented, grouped, best, offset);
+        ploc_tile(l, first, n, k, radius - k + 1 < PLOC_TILE ? radius - k + 1 : PLOC_TILE, oriented, grouped,
+                  best, offset);
     memcpy(out, offset, n * sizeof *out);
 }
 
-static void LC_FN(nearest)(const lc_ploc_list *l, uint32_t first, uint32_t n, uint32_t radius, bool grouped, float *offset)
+static void nearest(const lc_ploc_list *l, uint32_t first, uint32_t n, uint32_t radius, bool grouped,
+                    float *offset)
 {
     if (grouped && radius >= LC_PLOC_GROUP) radius = LC_PLOC_GROUP - 1;
     if (radius >= l->n) radius = l->n - 1;
     for (; n; first += LC_PLOC_CHUNK, offset += LC_PLOC_CHUNK) {
         uint32_t some = n < LC_PLOC_CHUNK ? n : LC_PLOC_CHUNK;
-        if (l->oriented) LC_FN(nearest_of)(l, first, some, radius, true, grouped, offset);
-        else LC_FN(nearest_of)(l, first, some, radius, false, grouped, offset);
+        if (l->oriented) nearest_of(l, first, some, radius, true, grouped, offset);
+        else nearest_of(l, first, some, radius, false, grouped, offset);
         n -= some;
     }
 }
+
+#undef PLOC_TILE
+#undef PLOC_AHEAD
+#undef PLOC_ROW

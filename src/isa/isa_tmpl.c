@@ -1,0 +1,27 @@
+/* isa_tmpl.c - all kernels, in the words of the vector header that was included before; included by isa_*.c.
+ */
+#include "isa/isa.h"
+
+#include "simd/fmath_tmpl.c"
+
+#include "shade/fresnel_tmpl.c"
+
+#include "shade/bounds_tmpl.c"
+
+#include "shade/estimate_tmpl.c"
+
+#include "tree/ploc_tmpl.c"
+
+#include "trace/bvh_tmpl.c"
+
+#include "trace/shadow_tmpl.c"
+
+#include "cut/lists_tmpl.c"
+
+#define LC_KERNELS                                                                                           \
+    {                                                                                                        \
+        .shade = { bounds, estimate }, .tree = { nearest }, .trace = { closest, hidden }, .cut = {           \
+            place,                                                                                           \
+            partition                                                                                        \
+        }                                                                                                    \
+    }
