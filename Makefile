@@ -13,19 +13,26 @@ SAN ?=
 Q := $(if $(V),,@)
 say = $(if $(V),,@echo "$1")
 
+# Another processor's compiler: its build has a folder of its own and a zlib of its own.
+TARGET := $(firstword $(subst -, ,$(shell $(CC) -dumpmachine 2>/dev/null)))
+CROSS := $(filter-out $(shell uname -m) amd64,$(TARGET))
+AR := $(if $(CROSS),$(CROSS)-linux-gnu-ar,ar)
+DEPS := build/deps$(if $(CROSS),/$(CROSS))
+
 # Neither -fno-math-errno nor -fno-trapping-math changes a result; contraction would.
 # One folder for each set of flags.
-CONFIG ?= release
+CONFIG ?= $(or $(CROSS),release)
 OUT := build/$(if $(filter release,$(CONFIG)),obj,$(CONFIG))
 BIN := build/$(if $(filter release,$(CONFIG)),,$(CONFIG)/)
 
 WARN := -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wstrict-prototypes -Wvla -Werror
-FLAGS := -std=c11 -D_GNU_SOURCE $(OPT) -g -ffp-contract=off -fno-math-errno -fno-trapping-math -fvisibility=hidden -Iinclude -Isrc $(WARN) $(SAN) $(CFLAGS)
+FLAGS := -std=c11 -D_GNU_SOURCE $(OPT) -g -ffp-contract=off -fno-math-errno -fno-trapping-math -fvisibility=hidden -Iinclude -Isrc \
+  $(if $(CROSS),-I$(DEPS)/zlib) $(WARN) $(SAN) $(CFLAGS)
 
 ifeq ($(STATIC),1)
 EXR_GROUP := static
-EXR_LIB := build/deps/openexr/lib/libOpenEXRCore.a
-EXR_INC := -Ibuild/deps/openexr/include -I/usr/include/Imath
+EXR_LIB := $(DEPS)/openexr/lib/libOpenEXRCore.a
+EXR_INC := -I$(DEPS)/openexr/include -I/usr/include/Imath
 EXR_LINK := $(EXR_LIB)
 LINK_STATIC := -static
 else
@@ -35,7 +42,7 @@ EXR_INC := -I/usr/include/OpenEXR -I/usr/include/Imath
 EXR_LINK := -lOpenEXRCore-3_1
 LINK_STATIC :=
 endif
-LIBS := $(EXR_LINK) -lz -lm -lpthread $(LDFLAGS)
+LIBS := $(EXR_LINK) $(if $(CROSS),$(DEPS)/zlib/libz.a,-lz) -lm -lpthread $(LDFLAGS)
 
 # The instruction sets that the compiler's processor can have, a word each: name:flag,flag
 ISA_LINES := $(shell $(CC) -E -P src/isa/isa_flags.h 2>/dev/null | tr -d '\n' | tr '>' '\n' | sed 's/[<"]//g; s/: */:/; s/ /,/g')
@@ -65,6 +72,7 @@ help:
 	@echo "make accept-kill  1300 random kills of renders that are gone on with"
 	@echo "make fuzz       build the fuzzers, replay their corpora; make fuzz-run SECONDS=n runs each for n seconds"
 	@echo "make fault      every allocation, file operation and thread start fails in turn (make test: some of them)"
+	@echo "make test-arm64 the tests on an emulated 64-bit ARM with NEON, and the golden hashes of x86"
 	@echo "make coverage   the tests, and the share of the lines of src/ that they run"
 	@echo "make san tsan   the tests under ASan and UBSan, under TSan"
 	@echo "make lint       source rules, both compilers"
@@ -73,15 +81,16 @@ help:
 
 # ---- dependencies ----
 
-.PHONY: all help deps deps-check demo test bench accept accept-kill fault coverage fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
+.PHONY: all help deps deps-check demo test test-all test-arm64 bench accept accept-kill fault coverage fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
 deps:
-	@sh src/deps/install.sh install build $(EXR_GROUP)
+	@sh src/deps/install.sh install build $(EXR_GROUP) $(if $(CROSS),$(CROSS))
 deps-check:
 	@sh src/deps/install.sh check build $(EXR_GROUP)
 
-build/deps/openexr/lib/libOpenEXRCore.a: | deps-check
+$(DEPS)/openexr/lib/libOpenEXRCore.a: | deps-check
 	@echo "building OpenEXR's C library (once)"
-	@CC="$(CC)" sh src/deps/openexr.sh build/deps
+	$(if $(CROSS),@CC="$(CC)" AR=$(AR) sh src/deps/zlib.sh $(DEPS))
+	@CC="$(CC)" AR=$(AR) $(if $(CROSS),ZLIB=$(CURDIR)/$(DEPS)/zlib) sh src/deps/openexr.sh $(DEPS)
 
 .SECONDARY:
 
@@ -99,8 +108,8 @@ $(OUT)/%.o: %.c Makefile | $(EXR_LIB) deps-check
 $(BIN)liblightcuts.a: $(LIB_OBJ) $(EXR_LIB)
 	@rm -f $@
 	$(call say,AR $@)
-	$(Q)ar rcs $@ $(LIB_OBJ)
-	$(Q)$(if $(EXR_LIB),printf 'open %s\naddlib %s\nsave\nend\n' $@ $(EXR_LIB) | ar -M)
+	$(Q)$(AR) rcs $@ $(LIB_OBJ)
+	$(Q)$(if $(EXR_LIB),printf 'open %s\naddlib %s\nsave\nend\n' $@ $(EXR_LIB) | $(AR) -M)
 
 $(BIN)lightcuts: $(CLI_OBJ) $(BIN)liblightcuts.a
 	$(call say,LD $@)
@@ -112,20 +121,20 @@ $(BIN)lightcuts: $(CLI_OBJ) $(BIN)liblightcuts.a
 
 HELP_OBJ := $(TEST_HELP:%.c=$(OUT)/%.o)
 TEST_OBJ := $(patsubst %.c,$(OUT)/%.o,$(wildcard tests/unit_*.c tests/check_*.c tests/support/*.c fuzz/*.c))
-$(OUT)/tests/%.o $(OUT)/fuzz/%.o: FLAGS += -Itests
+$(OUT)/tests/%.o $(OUT)/fuzz/%.o: FLAGS += -Itests $(if $(CROSS),-DTEST_SLOWLY)
 -include $(TEST_OBJ:.o=.d)
 
 $(BIN)tests/%: $(OUT)/tests/%.o $(HELP_OBJ) $(BIN)liblightcuts.a
 	@mkdir -p $(@D)
 	$(call say,LD $@)
-	$(Q)$(CC) $(FLAGS) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
+	$(Q)$(CC) $(FLAGS) $(if $(CROSS),-static) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
 
 # Without the program's main().
 $(BIN)tests/replay_fuzz_options: $(filter-out %/main.o,$(CLI_OBJ))
 $(BIN)tests/replay_%: $(OUT)/fuzz/%.o $(OUT)/fuzz/driver.o $(HELP_OBJ) $(BIN)liblightcuts.a
 	@mkdir -p $(@D)
 	$(call say,LD $@)
-	$(Q)$(CC) $(FLAGS) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
+	$(Q)$(CC) $(FLAGS) $(if $(CROSS),-static) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
 
 # The whole program with the C library's calls led through a shim that lets them fail.
 FAULT_CALLS := main malloc calloc realloc aligned_alloc posix_memalign strdup mmap pthread_create pthread_mutex_init open read write \
@@ -147,6 +156,13 @@ test-programs: $(TESTS) $(REPLAYS) $(BIN)lightcuts
 
 run-tests: test-programs
 	@sh tests/run.sh $(BIN)
+
+# The tests and the golden hashes, with the very bytes of this processor, on an emulated 64-bit ARM.
+test-arm64:
+	@$(MAKE) --no-print-directory deps
+	@sh src/deps/install.sh install aarch64
+	@$(MAKE) --no-print-directory $(JOBS) CC=aarch64-linux-gnu-gcc all test-programs
+	@sh tests/arm64.sh build/aarch64
 
 golden: build/tests/unit_golden
 	build/tests/unit_golden --print > build/hashes.txt

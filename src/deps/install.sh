@@ -1,7 +1,7 @@
 #!/bin/sh
 # install.sh - makes sure that what a build needs is there.
 #
-#     sh src/deps/install.sh check|install GROUP...      groups: build static shared test fuzz lint browser farm
+#     sh src/deps/install.sh check|install GROUP...      groups: build static shared test fuzz lint browser farm aarch64
 #
 # A thing is looked for by a file or command, never by package, so that it may come from anywhere. What is missing is
 # installed with apt-get when that is there and the user may (root, or sudo without a password); otherwise one line
@@ -39,6 +39,11 @@ for group in "$@"; do
     fuzz) need_command clang clang ; need_file libclang-rt-14-dev /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.fuzzer-x86_64.a ;;
     san) need_file libasan8 /usr/lib/gcc/*/*/libasan.so "/usr/lib/$arch/libasan.so.8" ;;
     lint) need_command clang clang ;;
+    aarch64)
+        need_command gcc-aarch64-linux-gnu aarch64-linux-gnu-gcc
+        need_file libc6-dev-arm64-cross /usr/aarch64-linux-gnu/include/stdio.h
+        need_command qemu-user qemu-aarch64
+        ;;
     browser) need_command chromium chromium ;;
     farm)
         need_command parallel parallel

@@ -3,11 +3,11 @@
 #
 #     sh src/deps/openexr.sh BUILD_DEPS_DIR   ->   BUILD_DEPS_DIR/openexr/{lib/libOpenEXRCore.a,include/*.h}
 #
-# Debian ships OpenEXR's C library as a shared object only. The source comes through the machine's own apt
-# configuration: a temporary copy of it with `deb` turned into `deb-src`, so nothing system-wide changes.
-# Needs dpkg-dev (dpkg-source), libimath-dev (half.h) and zlib1g-dev. CC names the compiler, CFLAGS is not used.
+# Debian ships OpenEXR's C library as a shared object only. Needs dpkg-dev (dpkg-source), libimath-dev (half.h) and zlib1g-dev, or
+# ZLIB, a folder with zlib.h, for another processor. CC names the compiler, CFLAGS is not used.
 # The folder is made elsewhere and renamed, so it is complete when it exists.
 set -eu
+. "$(dirname "$0")/source.sh"
 
 die()
 {
@@ -25,35 +25,14 @@ trap 'rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
 CC=${CC:-cc}
 
-for tool in apt-get dpkg-source; do
-    command -v "$tool" >/dev/null || die "$tool is missing (package dpkg-dev); or build with: make STATIC=0"
-done
 half=
 for dir in /usr/include/Imath /usr/local/include/Imath; do
     [ -f "$dir/half.h" ] && half=$dir && break
 done
 [ -n "$half" ] || die "Imath/half.h is missing (package libimath-dev)"
-[ -f /usr/include/zlib.h ] || die "zlib.h is missing (package zlib1g-dev)"
+[ -n "${ZLIB:-}" ] || [ -f /usr/include/zlib.h ] || die "zlib.h is missing (package zlib1g-dev)"
 
-# The copy of the apt sources. A third-party entry may have no sources: its failure must not matter.
-mkdir -p "$work/sources" "$work/lists/partial" "$work/cache/archives/partial" "$work/src"
-for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources; do
-    [ -f "$file" ] || continue
-    sed -e 's/^[[:space:]]*deb[[:space:]]/deb-src /' -e 's/^[Tt]ypes:.*/Types: deb-src/' "$file" \
-        >"$work/sources/$(basename "$file")"
-done
-
-apt()
-{
-    apt-get -q -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$work/sources" \
-        -o Dir::State::Lists="$work/lists" -o Dir::Cache="$work/cache" -o APT::Sandbox::User=root \
-        -o Acquire::Languages=none -o Acquire::Retries=2 -o Acquire::http::Timeout=20 \
-        -o Acquire::https::Timeout=20 "$@"
-}
-
-apt update >"$work/log" 2>&1 || true
-(cd "$work/src" && apt source openexr) >>"$work/log" 2>&1 ||
-    die "cannot fetch Debian's openexr source: $(grep -E '^(E|W|Err|dpkg-source: error):?' "$work/log" | tail -n 1)"
+fetch_source openexr "$work"
 core=$(echo "$work"/src/openexr-*/src/lib/OpenEXRCore)
 [ -f "$core/openexr.h" ] || die "Debian's openexr source has no OpenEXRCore"
 root=${core%/src/lib/OpenEXRCore}
@@ -93,7 +72,7 @@ cp "$core"/openexr*.h "$work/out/include/"
     for file in *.c; do
         # shellcheck disable=SC2086
         $CC -std=c11 -D_GNU_SOURCE -DNDEBUG -O2 -fPIC -ffunction-sections -fdata-sections -w \
-            -DIMATH_HALF_NO_LOOKUP_TABLE -I"$work/out/include" -I"$work/obj" -I. -I"$half" \
+            -DIMATH_HALF_NO_LOOKUP_TABLE -I"$work/out/include" -I"$work/obj" -I. ${ZLIB:+-I"$ZLIB"} -I"$half" \
             -c "$file" -o "$work/obj/${file%.c}.o" ||
             exit 1
     done

@@ -7,8 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/* TSan slows programs tenfold and looks at threads only: what repeats without them is done less often. */
-#if defined(__SANITIZE_THREAD__)
+/* TSan slows programs tenfold and looks at threads only; an emulator slows them as much (TEST_SLOWLY, tests/arm64.sh): what repeats is
+ * done less often. */
+#if defined(__SANITIZE_THREAD__) || defined(TEST_SLOWLY)
 #define UNDER_TSAN 1
 #elif defined(__has_feature)
 #if __has_feature(thread_sanitizer)

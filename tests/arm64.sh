@@ -1,0 +1,50 @@
+#!/bin/sh
+# arm64.sh - runs the test programs of a build for 64-bit ARM under qemu-aarch64, two at a time, and adds them up.
+#
+#     sh tests/arm64.sh build/aarch64
+#
+# tests/run.sh does what is not a test of the processor: the scripts, and programs that start and kill others. The last line is "N passed,
+# N failed" (", N skipped" may follow); status 0 only with 0 failed.
+set -u
+[ $# -eq 1 ] || { echo "usage: sh tests/arm64.sh BIN_DIR" >&2; exit 2; }
+cd "$(dirname "$0")/.." || exit 2
+bin=${1%/}
+command -v qemu-aarch64 >/dev/null 2>&1 || { echo "arm64.sh: qemu-aarch64 is not here" >&2; exit 2; }
+log=$(mktemp -d) || exit 2
+trap 'rm -rf "$log"' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+# What the emulator has no words for, or what is the same on every processor and takes long.
+left_out='unit_faults unit_kill unit_farm'
+list=
+for program in "$bin"/tests/unit_golden "$bin"/tests/unit_* "$bin"/tests/check_*; do
+    name=${program##*/}
+    case " $left_out $list " in *" $name "*) continue ;; esac
+    [ -f "$program" ] && [ -x "$program" ] && list="$list $name"
+done
+for program in "$bin"/tests/replay_fuzz_b*; do list="$list ${program##*/}"; done # bounds and the BVH
+
+run_one='name=$1
+    corpus=
+    case $name in replay_*) corpus="--damage=20 fuzz/corpus/${name#replay_fuzz_}" ;; esac
+    timeout -k 10 1800 qemu-aarch64 "$bin/tests/$name" $corpus >"$log/$name" 2>&1 </dev/null
+    echo $? >"$log/$name.status"'
+export bin log
+echo "$list" | tr ' ' '\n' | grep . | xargs -n 1 -P 2 sh -c "$run_one" sh
+
+passed=0 failed=0 skipped=0
+for name in $list; do
+    status=$(cat "$log/$name.status" 2>/dev/null || echo 99)
+    line=$(grep -a '^[0-9][0-9]* passed, [0-9][0-9]* failed' "$log/$name" | tail -n 1)
+    case $name in replay_*) [ "$status" = 0 ] && line='1 passed, 0 failed' || line='0 passed, 1 failed' ;; esac
+    p=$(echo "$line" | sed -n 's/^\([0-9]*\) passed.*/\1/p') f=$(echo "$line" | sed -n 's/.* \([0-9]*\) failed.*/\1/p')
+    s=$(echo "$line" | sed -n 's/.* \([0-9]*\) skipped$/\1/p')
+    [ -n "$p" ] || { p=0 f=1; }
+    [ "$status" = 0 ] || [ "$f" -gt 0 ] || f=1
+    passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + ${s:-0}))
+    [ "$f" -eq 0 ] && echo "ok   $name, $line" || { echo "FAIL $name, status $status"; tail -n 30 "$log/$name" | sed 's/^/    /'; }
+done
+[ "$skipped" -eq 0 ] && skipped= || skipped=", $skipped skipped"
+echo "$passed passed, $failed failed$skipped"
+[ "$failed" -eq 0 ]
