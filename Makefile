@@ -256,17 +256,20 @@ accept-kill:
 
 install: all
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
-	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/bash-completion/completions
+	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/man/man5
+	install -d $(DESTDIR)$(PREFIX)/share/bash-completion/completions
 	install -m 755 build/lightcuts $(DESTDIR)$(PREFIX)/bin/
 	install -m 644 build/liblightcuts.a $(DESTDIR)$(PREFIX)/lib/
 	install -m 644 include/lightcuts.h $(DESTDIR)$(PREFIX)/include/
 	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBS@|$(if $(EXR_LIB),,$(EXR_LINK) )-lz -lm -lpthread|' src/app/lightcuts.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc
 	install -m 644 src/app/lightcuts.1 $(DESTDIR)$(PREFIX)/share/man/man1/
+	install -m 644 src/app/lightcuts-scene.5 $(DESTDIR)$(PREFIX)/share/man/man5/
 	install -m 644 src/app/lightcuts.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
 
 uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/bin/lightcuts $(DESTDIR)$(PREFIX)/lib/liblightcuts.a $(DESTDIR)$(PREFIX)/include/lightcuts.h
 	rm -f $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc $(DESTDIR)$(PREFIX)/share/man/man1/lightcuts.1
+	rm -f $(DESTDIR)$(PREFIX)/share/man/man5/lightcuts-scene.5
 	rm -f $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
 
 clean:

@@ -5,7 +5,7 @@
 #
 # Reads every .pbrt and .pbrt.gz below the folders that has a WorldBegin, with `lightcuts info --json`. A feature has the worst
 # status it has in any scene, but for files that are missing. --compact: a row for each kind, with how many scenes have what status:
-# the table in README.md. Scenes that can't be read are listed after the table, with their error; then the status is 1.
+# the table of tests/results/public-scenes.md. Scenes that can't be read are listed after the table, with their error; then the status is 1.
 set -u
 L=${LIGHTCUTS:-build/lightcuts}
 T=$(mktemp -d) || exit 2

@@ -1,5 +1,5 @@
 #!/bin/sh
-# slurm.sh - the recipe of README.md, "On a farm", on a Slurm of one node on this machine: an array job of chunks, one task that stops
+# slurm.sh - the recipe of src/cli/README.md, "On a farm", on a Slurm of one node on this machine: an array job of chunks, one task that stops
 # with status 75 and one that is killed, both put back into the queue, and a merge that checks.
 #
 #     sh tests/slurm.sh build/lightcuts

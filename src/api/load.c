@@ -5,7 +5,7 @@
 #include "tree/light_tree.h"
 
 #define DEFAULT_AREA_LIGHTS 1024
-#define DEFAULT_REPS 16 /* README.md, Representatives: bands 6 to 9 times fainter for 0 to 8 % of time */
+#define DEFAULT_REPS 16 /* bands are 6 to 9 times fainter than with 1: tests/results/representatives.md */
 #define DEFAULT_ENV_LIGHTS 5000
 #define MAX_MADE_LIGHTS (1u << 28) /* of each */
 

@@ -1,11 +1,20 @@
 # lightcuts.bash - completion of commands, options, their values and files.
+
+# The names of instruction sets, as the program has them in its help.
+_lightcuts_isas()
+{
+    "${COMP_WORDS[0]/#\~/$HOME}" render --help 2>/dev/null |
+        sed -n 's/,//g; s/ or / /; s/.*--isa I *use at most \([a-z0-9 ]*\).*/\1/p'
+}
+
 _lightcuts()
 {
     local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=render options i
     local commands='render compare scene info preview explain merge bench report help'
     COMPREPLY=()
     case ${COMP_WORDS[1]-} in
-    render | compare | scene | info | preview | explain | merge | bench | report | help) command=${COMP_WORDS[1]} ;;
+    render | compare | scene | info | preview | explain | merge | bench | report | help)
+        command=${COMP_WORDS[1]} ;;
     esac
     # "--name=value" comes in three words.
     if [[ $word == = ]]; then
@@ -17,33 +26,43 @@ _lightcuts()
     case $command:$previous in
     help:help) COMPREPLY=($(compgen -W "${commands% help}" -- "$word")); return ;;
     scene:scene | bench:--quality)
-        COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs student1 student2 student3 student3top student4 student5' \
-            -- "$word"))
+        COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs student1 student2 student3 student3top
+            student4 student5' -- "$word"))
         return ;;
     bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render' -- "$word")); return ;;
-    render:--method | explain:--method | bench:--method) COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word")); return ;;
-    render:--builder | explain:--builder | bench:--builder) COMPREPLY=($(compgen -W 'auto exact ploc' -- "$word")); return ;;
+    render:--method | explain:--method | bench:--method)
+        COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word"))
+        return ;;
+    render:--builder | explain:--builder | bench:--builder)
+        COMPREPLY=($(compgen -W 'auto exact ploc' -- "$word"))
+        return ;;
     render:--chunk) COMPREPLY=($(compgen -W slurm -- "$word")); return ;;
-    render:--isa | explain:--isa | bench:--isa | report:--isa) COMPREPLY=($(compgen -W 'scalar sse4 avx2 avx512' -- "$word")); return ;;
+    render:--isa | explain:--isa | bench:--isa | report:--isa)
+        COMPREPLY=($(compgen -W "$(_lightcuts_isas)" -- "$word"))
+        return ;;
     render:--aov)
         # A list with commas: complete its last part.
         local head=
         [[ $word == *,* ]] && head=${word%,*},
         COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays all' -- "${word##*,}"))
         return ;;
-    render:-t | render:--nthreads | explain:-t | explain:--nthreads | bench:-t | bench:--nthreads | report:-t | report:--nthreads)
+    render:-t | render:--nthreads | explain:-t | explain:--nthreads | bench:-t | bench:--nthreads | \
+        report:-t | report:--nthreads)
         COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
         return ;;
-    render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | render:--maxdepth | \
-        render:--area-lights | render:--env-lights | render:--indirect-lights | \
+    render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | \
+        render:--maxdepth | render:--area-lights | render:--env-lights | render:--indirect-lights | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
         render:--print-chunks | render:--time-limit | render:--checkpoint-interval | \
-        compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | scene:--lights | scene:--seed | \
+        compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
+        scene:--lights | scene:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
-        explain:--pixel | explain:--sample | explain:--top | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
+        explain:--pixel | explain:--sample | explain:--top | \
+        explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
         explain:--representatives | explain:--area-lights | explain:--indirect-lights | \
         explain:--maxdepth | explain:--seed | explain:--spp | \
-        bench:--representatives | bench:--pixelbounds | report:--error-ratios | report:--representatives | report:--max-cut) return ;;
+        bench:--representatives | bench:--pixelbounds | \
+        report:--error-ratios | report:--representatives | report:--max-cut) return ;;
     report:-o | report:--outdir)
         compopt -o filenames 2>/dev/null
         COMPREPLY=($(compgen -d -- "$word"))
@@ -51,31 +70,35 @@ _lightcuts()
     compare:--map) COMPREPLY=($(compgen -W heat -- "$word")); return ;;
     compare:--fail)
         compopt -o nospace 2>/dev/null
-        COMPREPLY=($(compgen -S = -W 'mae mse rmse mrse mape psnr flip roberts max mean_ratio rel_p50 rel_p95 rel_p99 rel_p999 rel_max over
-            nonfinite' -- "$word"))
+        COMPREPLY=($(compgen -S = -W 'mae mse rmse mrse mape psnr flip roberts max mean_ratio
+            rel_p50 rel_p95 rel_p99 rel_p999 rel_max over nonfinite' -- "$word"))
         return ;;
     preview:--false-colour)
-        COMPREPLY=($(compgen -W 'R G B cut.size cut.rays cut.error N.X N.Y N.Z P.X P.Y P.Z Z Albedo.R Albedo.G Albedo.B' -- "$word"))
+        COMPREPLY=($(compgen -W 'R G B cut.size cut.rays cut.error N.X N.Y N.Z P.X P.Y P.Z Z
+            Albedo.R Albedo.G Albedo.B' -- "$word"))
         return ;;
     esac
 
     if [[ $word == -* ]]; then
         case $command in
-        render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives --builder --maxdepth --area-lights
-            --env-lights --indirect-lights
-            --seed --spp --pixelbounds --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit
-            --checkpoint-interval --keep-checkpoint --aov --nthreads --isa --stats --stats-file --write-time --quiet
-            --verbose --help' ;;
+        render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives
+            --builder --maxdepth --area-lights --env-lights --indirect-lights --seed --spp --pixelbounds
+            --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit --checkpoint-interval
+            --keep-checkpoint --aov --nthreads --isa --stats --stats-file --write-time --quiet --verbose
+            --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;
         scene) options='--lights --seed --outfile --help' ;;
         info) options='--json --help' ;;
         preview) options='--outfile --exposure --false-colour --range --help' ;;
-        explain) options='--pixel --sample --top --all --json --method --error-ratio --max-cut --dark-floor --representatives
-            --builder --area-lights --indirect-lights --maxdepth --seed --spp --nthreads --isa --help' ;;
+        explain) options='--pixel --sample --top --all --json --method --error-ratio --max-cut
+            --dark-floor --representatives --builder --area-lights --indirect-lights --maxdepth --seed
+            --spp --nthreads --isa --help' ;;
         merge) options='--outfile --help' ;;
-        bench) options='--mesh --rays --lights --quality --scaling --outfile --method --error-ratio --max-cut --dark-floor
-            --representatives --builder --pixelbounds --nthreads --isa --runs --json --help' ;;
-        report) options='--outdir --quick --error-ratios --representatives --max-cut --nthreads --isa --quiet --help' ;;
+        bench) options='--mesh --rays --lights --quality --scaling --outfile --method --error-ratio
+            --max-cut --dark-floor --representatives --builder --pixelbounds --nthreads --isa --runs
+            --json --help' ;;
+        report) options='--outdir --quick --error-ratios --representatives --max-cut --nthreads --isa
+            --quiet --help' ;;
         *) options= ;;
         esac
         ((COMP_CWORD == 1)) && options="$options --version"

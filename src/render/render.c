@@ -597,7 +597,7 @@ static lc_status set_load_attributes(lc_image *im, const lc_scene *scene)
     return st;
 }
 
-/* The options that shape the picture, so that a file says how it was made. README.md lists them. */
+/* The options that shape the picture, so that a file says how it was made; the manual page lists them. */
 static lc_status set_attributes(const job *j)
 {
     static const char *const method[] = { "lightcuts", "exact", "cuts" };
