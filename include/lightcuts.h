@@ -128,9 +128,15 @@ typedef struct lc_feature {
     lc_support support;      /* the worst of them */
 } lc_feature;
 
+/* The kinds of light that a scene is made into: "point", "oriented", "directional", "spot". */
+#define LC_MAX_LIGHT_KINDS 16
+LC_API uint32_t lc_light_kind_count(void);
+LC_API const char *lc_light_kind_name(uint32_t kind); /* "unknown" from the count on */
+
 typedef struct lc_scene_info {
     uint64_t n_triangles, n_vertices, n_meshes, n_materials;
-    uint64_t n_lights, n_point, n_oriented, n_directional, n_spot;
+    uint64_t n_lights;
+    uint64_t n_of_kind[LC_MAX_LIGHT_KINDS]; /* 0 .. lc_light_kind_count() - 1 */
     uint64_t n_emissive_triangles;
     uint64_t n_mirrors;               /* materials that are mirrors or glass */
     uint64_t n_instances,

@@ -9,7 +9,7 @@
 #include "base/rng.h"
 #include "shade/cluster.h"
 #include "shade/dir_pack.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "support/gen_clusters.h"
 #include "support/one_bound.h"
 #include "support/ref_bounds.h"
@@ -325,7 +325,7 @@ TEST(directions_pack)
 
 static bool same_boxes(const lc_cluster *a, const lc_cluster *b)
 {
-    bool same = a->kind == b->kind && a->spot[0] == b->spot[0] && a->spot[1] == b->spot[1];
+    bool same = a->kind == b->kind && a->least[0] == b->least[0] && a->least[1] == b->least[1];
     for (int k = 0; k < 3; k++) {
         same = same && a->lo[k] == b->lo[k] && a->hi[k] == b->hi[k] && a->atten[k] == b->atten[k];
         same = same && (!lc_is_aimed(a->kind) || (a->dlo[k] == b->dlo[k] && a->dhi[k] == b->dhi[k]));
@@ -443,7 +443,7 @@ TEST(point_init_agrees)
         lc_f3 t = c.mat.tangent;
         float n_t = lc_f3_dot(t, c.normal);
         if (lc_f3_dot(t, t) - n_t * n_t < 2e-4f) { /* any frame will do */
-            c.mat.gloss = LC_GLOSS_PHONG;
+            c.mat.lobe = LC_LOBE_PHONG;
             c.mat.coat = false;
         }
         lc_point p;
@@ -451,7 +451,7 @@ TEST(point_init_agrees)
         lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
         ref_point_make(&r, c.normal, c.view, &c.mat);
         bool glossy = false;
-        double len = 0, error = 0, more = c.mat.gloss == LC_GLOSS_WARD ? 82 : 4;
+        double len = 0, error = 0, more = c.mat.lobe == LC_LOBE_WARD ? 82 : 4;
         for (int k = 0; k < 3; k++) {
             CHECK(p.pos[k] == (&c.pos.x)[k] && p.n[k] == (&c.normal.x)[k]);
             CHECKF(fabs((double)p.mirror[k] - r.mirror[k]) <= 8 * 0x1p-24, "%g",
@@ -468,7 +468,7 @@ TEST(point_init_agrees)
             len += (double)p.mirror[k] * (double)p.mirror[k];
         }
         CHECKF(fabs(len - 1) <= 16 * 0x1p-24, "%.9g", len);
-        bool ward = c.mat.gloss == LC_GLOSS_WARD, ggx = c.mat.gloss == LC_GLOSS_GGX;
+        bool ward = c.mat.lobe == LC_LOBE_WARD, ggx = c.mat.lobe == LC_LOBE_GGX;
         CHECK(p.lobe == (!glossy ? LC_LOBE_NONE : ggx ? LC_LOBE_GGX : ward ? LC_LOBE_WARD : LC_LOBE_PHONG));
         if (ggx) check_ggx(&p, &r, &c.mat);
         CHECK(p.exponent == c.mat.exponent && p.min_d2 == c.min_d2);

@@ -5,8 +5,9 @@
 #include "base/rng.h"
 #include "isa/isa.h"
 #include "shade/cluster.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "support/gen_clusters.h"
+#include "support/one_bound.h"
 #include "support/ref_bounds.h"
 #include "support/test.h"
 #include "tree/light_tree.h"
@@ -64,7 +65,7 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
         lc_light_rec_init(&j->rec[k], light);
         const lc_cluster *in = k & 1 ? &all : &one;
         memcpy(j->light_atten[k], light->atten, sizeof light->atten);
-        lc_spot_rec_init(&j->node_spot[k], in->spot[0], in->spot[1], 0);
+        lc_spot_rec_init(&j->node_spot[k], in->least[0], in->least[1], 0);
         lc_spot_rec_init(&j->light_spot[k], light->spot.cos_total, light->spot.cos_start,
                          i % 3 ? 0 : gen_pick(&s, 3));
         j->list[k] = gen_pick(&s, MOST);
@@ -74,8 +75,8 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
     j->tree = (lc_tree_data){ .nodes = j->node, .lights = j->rec };
     j->tree.node_atten = j->node_atten;
     j->tree.light_atten = j->light_atten;
-    j->tree.node_spot = j->node_spot;
-    j->tree.light_spot = j->light_spot;
+    j->tree.own[LC_LIGHT_SPOT].node = j->node_spot;
+    j->tree.own[LC_LIGHT_SPOT].light = j->light_spot;
     j->tree.spot_maps = j->maps;
     if (i / MOST % 2) { /* inverse square */
         j->tree.node_atten = j->tree.light_atten = NULL;

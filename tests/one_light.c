@@ -17,7 +17,7 @@
 #include "scene/scene.h"
 #include "scene/sight.h"
 #include "scene/sun.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "cut/cut.h"
 #include "cut/exact.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "support/one_bound.h"
 #include "support/test.h"
 #include "trace/bvh.h"
@@ -211,7 +211,7 @@ static double sum_below(const setup *s, uint32_t top, const point *q, bool shado
         if (shadows && is_hidden(s, q, light)) continue;
         const lc_light_rec *l = &t->data.lights[light];
         lc_light_kind kind = lc_kind_of_light(t, light);
-        lc_f3 mg = kind == LC_LIGHT_SPOT ? lc_shade_spot(p, l, lc_light_spot(&t->data, light), NULL)
+        lc_f3 mg = kind == LC_LIGHT_SPOT ? lc_shade_spot(p, l, lc_light_own(&t->data, kind, light), NULL)
                                          : lc_shade_light(p, kind, l, lc_light_atten(&t->data, light));
         sum += lum_of(lc_f3_mul(mg, lc_f3_load(l->intensity)));
     }

@@ -3,7 +3,7 @@
  * repository. */
 #include "lightcuts.h"
 #include "scene/scene.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "support/test.h"
 #include "tree/light_tree.h"
 

@@ -2,7 +2,8 @@
  * symmetry, the textbook's formula, reflectances at known angles, coats. */
 #include "base/rng.h"
 #include "shade/coat.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
+#include "support/one_bound.h"
 #include "support/ref_bounds.h"
 #include "support/test.h"
 
@@ -29,7 +30,7 @@ static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + 
 static lc_material white(const look *l)
 {
     return (lc_material){ .ks = { 1, 1, 1 },
-                          .gloss = LC_GLOSS_GGX,
+                          .lobe = LC_LOBE_GGX,
                           .roughness = { (float)l->ax, (float)l->ay },
                           .tangent = { 1, 0, 0 } };
 }
@@ -174,7 +175,7 @@ TEST(furnace)
 static lc_material any_material(int fresnel, bool coat)
 {
     lc_material m = {
-        .kd = { 0.7f, 0.7f, 0.7f }, .ks = { 0.4f, 0.4f, 0.4f }, .gloss = LC_GLOSS_GGX, .tangent = { 1, 0, 0 }
+        .kd = { 0.7f, 0.7f, 0.7f }, .ks = { 0.4f, 0.4f, 0.4f }, .lobe = LC_LOBE_GGX, .tangent = { 1, 0, 0 }
     };
     m.roughness[0] = 0.3f;
     m.roughness[1] = 0.6f;
@@ -225,7 +226,7 @@ static double reflectance(lc_material m, double c)
 TEST(known_reflectances)
 {
     lc_material m = { .ks = { 1, 1, 1 },
-                      .gloss = LC_GLOSS_GGX,
+                      .lobe = LC_LOBE_GGX,
                       .fresnel = LC_FRESNEL_DIELECTRIC,
                       .eta = { 1.5f, 1.5f, 1.5f } };
     const double brewster = 1 / sqrt(1 + 1.5 * 1.5);
@@ -254,7 +255,7 @@ TEST(reflectances)
 {
     for (double eta = 0.05; eta < 4; eta += 0.1)
         for (double c = 0.01; c <= 1; c += 0.03) {
-            lc_material m = { .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .fresnel = LC_FRESNEL_DIELECTRIC };
+            lc_material m = { .ks = { 1, 1, 1 }, .lobe = LC_LOBE_GGX, .fresnel = LC_FRESNEL_DIELECTRIC };
             m.eta = lc_f3_make((float)eta, (float)eta, (float)eta);
             double want = ref_dielectric((double)m.eta.x, c), got = reflectance(m, c);
             if (eta >= 1 && eta <= 3.5)
@@ -285,7 +286,7 @@ TEST(coats)
     for (double eta = 1; eta <= 3.5; eta += 0.05) {
         look l = { 0.5, 0.5, 1, 0 };
         lc_material m = {
-            .kd = { 0.2f, 0.6f, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.5f, 0.5f }, .coat = true
+            .kd = { 0.2f, 0.6f, 1 }, .lobe = LC_LOBE_GGX, .roughness = { 0.5f, 0.5f }, .coat = true
         };
         m.eta.x = (float)eta;
         lc_point p;
@@ -311,7 +312,7 @@ TEST(coats)
     /* white below: all that comes in goes out again, so with the surface's own lobe nothing is lost */
     look l = { 0.01, 0.01, 0.7, 0 };
     lc_material m = { .kd = { 1, 1, 1 },
-                      .gloss = LC_GLOSS_GGX,
+                      .lobe = LC_LOBE_GGX,
                       .roughness = { 1e-5f, 1e-5f },
                       .coat = true,
                       .eta = { 1.5f, 0, 0 } };

@@ -3,7 +3,7 @@
 #include "base/rng.h"
 #include "base/stats.h"
 #include "shade/dir_pack.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "support/test.h"
 #include "tree/light_tree.h"
 

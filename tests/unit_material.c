@@ -67,7 +67,7 @@ static const lc_material *one(const char *head, const char *text)
 
 static bool rough(const lc_material *m, double ax, double ay)
 {
-    return m->gloss == LC_GLOSS_GGX && near((double)m->roughness[0], ax, 1e-5) &&
+    return m->lobe == LC_LOBE_GGX && near((double)m->roughness[0], ax, 1e-5) &&
            near((double)m->roughness[1], ay, 1e-5);
 }
 

@@ -411,7 +411,7 @@ TEST(materials)
     CHECK(load("WorldBegin Material \"ggx\" \"rgb Ks\" [.4 .5 .6] \"float roughness\" .25 " TRI) == LC_OK &&
           scene->n_notes == 0);
     m = &scene->materials[scene->meshes[0].material_id];
-    CHECK(m->gloss == LC_GLOSS_GGX && m->fresnel == LC_FRESNEL_SCHLICK &&
+    CHECK(m->lobe == LC_LOBE_GGX && m->fresnel == LC_FRESNEL_SCHLICK &&
           near((double)m->roughness[1], .25, 0));
     EXPECT_ERROR("WorldBegin Material \"ward\" \"float uroughness\" -1",
                  "s.pbrt:1:28: error: parameter 'uroughness' is negative");

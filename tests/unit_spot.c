@@ -2,8 +2,9 @@
 #include "base/rng.h"
 #include "isa/isa.h"
 #include "pbrt/parse.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "support/isas.h"
+#include "support/one_bound.h"
 #include "support/test.h"
 #include "tree/light_tree.h"
 
@@ -191,7 +192,8 @@ TEST(damage_to_spots_is_found)
     CHECK(!lc_light_tree_build(ctx, &d, &t) && !lc_light_tree_validate(t));
     CHECK(t->n_of_kind[LC_LIGHT_SPOT] == 40 && !t->data.node_atten);
     for (uint32_t i = 0; i < 39 + 40; i++) {
-        lc_spot_rec *s = i < 39 ? &t->data.node_spot[i] : &t->data.light_spot[i - 39], was = *s;
+        lc_own *own = &t->data.own[LC_LIGHT_SPOT];
+        lc_spot_rec *s = i < 39 ? (lc_spot_rec *)own->node + i : (lc_spot_rec *)own->light + (i - 39), was = *s;
         for (int what = i < 39 ? 0 : 2; what < 6; what++) { /* a light's cosines are what they are */
             if (what == 0) s->cos_total = nextafterf(s->cos_total, 2);
             if (what == 1) s->cos_start = nextafterf(s->cos_start, 2);
@@ -213,7 +215,7 @@ TEST(bounds_of_spots_beside_attenuated_lights)
     static const lc_material looks[] = {
         { .kd = { 1, 1, 1 } },
         { .kd = { 1, 1, 1 }, .ks = { 1, 1, 1 }, .exponent = 9 },
-        { .ks = { 1, 1, 1 }, .gloss = LC_GLOSS_GGX, .roughness = { 0.3f, 0.3f } }
+        { .ks = { 1, 1, 1 }, .lobe = LC_LOBE_GGX, .roughness = { 0.3f, 0.3f } }
     };
     lc_light lights[41];
     lc_light_tree *alone, *both;

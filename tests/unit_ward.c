@@ -1,6 +1,7 @@
 /* unit_ward.c - Ward's lobe as lc_shade_light gives it: what it reflects in all, against the reflectance and
  * against an integral of the formula; symmetry, frames, limits. */
-#include "shade/shade.h"
+#include "shade/point_init.h"
+#include "support/one_bound.h"
 #include "support/test.h"
 
 #include <math.h>
@@ -25,7 +26,7 @@ static void direction(double cosine, double phi, double out[3])
 static void init(lc_point *p, const look *l)
 {
     lc_material m = { .ks = { (float)ks, (float)ks, (float)ks },
-                      .gloss = LC_GLOSS_WARD,
+                      .lobe = LC_LOBE_WARD,
                       .roughness = { (float)l->ax, (float)l->ay },
                       .tangent = { 1, 0, 0 } };
     double o[3];
@@ -164,7 +165,7 @@ TEST(tangents)
     }
     for (int k = 0; k < 6; k++) {
         lc_material m = { .ks = { (float)ks, (float)ks, (float)ks },
-                      .gloss = LC_GLOSS_WARD, .roughness = { 0.2f, 0.5f }, .tangent = tangents[k] };
+                      .lobe = LC_LOBE_WARD, .roughness = { 0.2f, 0.5f }, .tangent = tangents[k] };
         double o[3];
         lc_point p;
         direction(0.8, 2, o);

@@ -343,3 +343,12 @@ int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user
     if (!in_place) unlink(temp);
     return CLI_FAILED;
 }
+
+void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json)
+{
+    for (uint32_t k = 0; k < lc_light_kind_count(); k++) {
+        unsigned long long n = info->n_of_kind[k];
+        if (json) fprintf(f, "%s\"%s\": %llu", k ? ", " : "", lc_light_kind_name(k), n);
+        else fprintf(f, "%s%llu %s", k ? ", " : "", n, lc_light_kind_name(k));
+    }
+}

@@ -72,6 +72,8 @@ int cli_has_extension(const char *path, const char *extension);
 /* A copy, at most 1023 bytes, that cannot make a terminal obey: '?' for control characters and what is no
  * UTF-8. The next four calls leave it alone. One thread. */
 const char *cli_shown(const char *text);
+/* "3 point, 0 oriented, ...", or "\"point\": 3, ..." as JSON: the lights of each kind. */
+void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json);
 /* A JSON string with quotes; '?' for bytes that are no UTF-8. */
 void cli_json_text(FILE *f, const char *text);
 /* Writes a file through `fn` under a temporary name and puts it in place; complains and returns nonzero on

@@ -172,8 +172,6 @@ static double lum(const float c[3])
 }
 static double lum_d(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
-static const char *const kinds[] = { "point", "oriented", "direct.", "spot" };
-
 static void print_vector(const char *name, const float v[3], const char *rest)
 {
     printf("%-12s (%.6g, %.6g, %.6g)%s", name, (double)v[0], (double)v[1], (double)v[2], rest);
@@ -242,7 +240,7 @@ static void print_cluster(const lc_explained_cluster *c, double total)
     double estimate = lum(c->estimate), exact = lum_d(c->exact);
     printf("%7.3f%% %12.5g %12.5g %12.4g %12.5g %8u %8u %-8s %9u %-4s %5u ",
            total > 0 ? 100 * estimate / total : 0, estimate, exact, estimate - exact, (double)c->bound,
-           c->n_lights, c->n_seen, kinds[c->kind], c->light,
+           c->n_lights, c->n_seen, lc_light_kind_name((uint32_t)c->kind), c->light,
            c->hidden     ? "none"
            : c->seen < 0 ? "-"
            : c->seen     ? "yes"
@@ -316,11 +314,10 @@ static void json_float(const char *name, double v, const char *after)
 static void json_cluster(const lc_explained_cluster *c, double total)
 {
     static const char *const seen[] = { "null", "false", "true" };
-    static const char *const names[] = { "point", "oriented", "directional", "spot" };
     printf("{\"id\": %u, \"parent\": ", c->id);
     if (c->parent == LC_NO_CLUSTER) printf("null");
     else printf("%u", c->parent);
-    printf(", \"kind\": \"%s\", \"lights\": %u, \"reach\": %u, \"made\": %u, \"split\": ", names[c->kind],
+    printf(", \"kind\": \"%s\", \"lights\": %u, \"reach\": %u, \"made\": %u, \"split\": ", lc_light_kind_name((uint32_t)c->kind),
            c->n_lights, c->n_seen, c->made);
     if (c->split) printf("%u, ", c->split);
     else printf("null, ");

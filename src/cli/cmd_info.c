@@ -31,8 +31,9 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     if (i->n_alpha_meshes) printf("meshes with alpha    %llu\n", (ull)i->n_alpha_meshes);
     if (i->n_mirrors)
         printf("mirrors              %llu of them, paths of depth %u\n", (ull)i->n_mirrors, i->max_depth);
-    printf("lights               %llu: %llu point, %llu oriented, %llu directional, %llu spot\n",
-           (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
+    printf("lights               %llu: ", (ull)i->n_lights);
+    cli_light_kinds(stdout, i, false);
+    printf("\n");
     if (i->n_light_paths)
         printf("indirect light       %llu virtual lights along %llu paths, %.2g of it lost to clamping\n",
                (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
@@ -86,9 +87,9 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
     printf("  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"alpha_meshes\": %llu,\n",
            (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_alpha_meshes);
     printf("  \"mirrors\": %llu,\n  \"max_depth\": %u,\n", (ull)i->n_mirrors, i->max_depth);
-    printf("  \"lights\": %llu,\n  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, "
-           "\"directional\": %llu, \"spot\": %llu},\n",
-           (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
+    printf("  \"lights\": %llu,\n  \"lights_by_type\": {", (ull)i->n_lights);
+    cli_light_kinds(stdout, i, true);
+    printf("},\n");
     printf("  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n",
            (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
     printf("  \"emissive_triangles\": %llu,\n  \"infinite_lights\": %llu,\n  \"env_lights\": %llu,\n"

@@ -31,8 +31,9 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     if (i->n_instances)
         fprintf(f, "; %llu instances of %llu", (ull)i->n_instances, (ull)i->n_instanced_triangles);
     fprintf(f, "\n");
-    fprintf(f, "lights           %llu: %llu point, %llu oriented, %llu directional, %llu spot\n",
-            (ull)i->n_lights, (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
+    fprintf(f, "lights           %llu: ", (ull)i->n_lights);
+    cli_light_kinds(f, i, false);
+    fprintf(f, "\n");
     if (i->n_light_paths)
         fprintf(f, "indirect light   %llu virtual lights along %llu paths, %.2g of it lost to clamping\n",
                 (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
@@ -86,10 +87,9 @@ void cli_write_stats_json(FILE *f, void *report)
             "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": "
             "%llu,\n",
             (ull)i->n_triangles, (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_lights);
-    fprintf(f,
-            "  \"lights_by_type\": {\"point\": %llu, \"oriented\": %llu, \"directional\": %llu, \"spot\": "
-            "%llu},\n",
-            (ull)i->n_point, (ull)i->n_oriented, (ull)i->n_directional, (ull)i->n_spot);
+    fprintf(f, "  \"lights_by_type\": {");
+    cli_light_kinds(f, i, true);
+    fprintf(f, "},\n");
     fprintf(f, "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n",
             (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
     fprintf(f, "  \"environment\": {\"lights\": %llu, \"tried\": %llu},\n", (ull)i->n_env_lights,

@@ -10,7 +10,7 @@
  */
 #include "cut/cut.h"
 
-#include "shade/shade.h"
+#include "shade/point_init.h"
 
 #include <math.h>
 #include <string.h>
@@ -196,7 +196,7 @@ static void split_fewer(lc_cut *c, uint32_t room)
 static bool proves(lc_cut *c, uint32_t link, uint32_t by, bool passed, uint32_t most, lc_stats *stats)
 {
     if (c->n_hid == c->most_hid) return false;
-    bool far = lc_kind_of_node(c->tree, link) == LC_LIGHT_DIRECTIONAL;
+    bool far = lc_is_far(lc_kind_of_node(c->tree, link));
     if (!lc_occlusion_proves(c->occlusion, &c->tree->data.nodes[link], by, passed, far, most,
                              &stats->proof_tests))
         return false;
@@ -222,7 +222,7 @@ static void find_occluders(const lc_cut *c, uint32_t *by)
         by[i] = LC_NONE;
         if (split->transfer[0][i] + split->transfer[1][i] + split->transfer[2][i] > 0) continue;
         by[i] = lc_occlusion_by(c->occlusion, split->rep[i],
-                                lc_kind_of_node(c->tree, split->link[i]) == LC_LIGHT_DIRECTIONAL);
+                                lc_is_far(lc_kind_of_node(c->tree, split->link[i])));
         if (by[i] != LC_NONE) __builtin_prefetch(&c->occlusion->occluders->all[by[i]]);
     }
 }
@@ -542,7 +542,7 @@ static double trace_list(const lc_cut *c, const lc_point *p, lc_cut_list *list, 
             uint32_t rep = list->rep[i];
             if (!(rep & LC_PENDING)) continue;
             rep &= ~LC_PENDING;
-            ray_group *g = lc_kind_of_light(t, rep) == LC_LIGHT_DIRECTIONAL ? &far : &near;
+            ray_group *g = lc_is_far(lc_kind_of_light(t, rep)) ? &far : &near;
             for (int k = 0; k < 3; k++) g->target[k][g->n] = t->data.lights[rep].pos[k];
             g->at[g->n++] = i;
             list->rep[i] = rep;
@@ -642,7 +642,7 @@ static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t
         for (int k = 3; k < 6; k++) s->f[k][i] = s->f[k][lit[i]];
     lc_phase_end(s->stats, LC_PHASE_HEAP);
     if (n_lit)
-        lc_cut_hidden(&c->visibility, s->point, org, n_lit, target, kind == LC_LIGHT_DIRECTIONAL, hidden,
+        lc_cut_hidden(&c->visibility, s->point, org, n_lit, target, lc_is_far(kind), hidden,
                       c->occlusion ? block : NULL);
     s->stats->shadow_rays += n_lit;
     lc_phase_end(s->stats, LC_PHASE_SHADOW);

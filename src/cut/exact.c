@@ -22,7 +22,7 @@ static uint32_t shade_exactly(const lc_light_tree *t, const lc_visibility *visib
     for (uint32_t i = 0; i < m && m < n; i++) /* lit[i] >= i: writes behind the reading */
         for (int k = 3; k < 6; k++) f[k][i] = f[k][lit[i]];
     lc_phase_end(stats, LC_PHASE_ESTIMATES);
-    if (m) lc_cut_hidden(visibility, p, org, m, target, kind == LC_LIGHT_DIRECTIONAL, hidden, NULL);
+    if (m) lc_cut_hidden(visibility, p, org, m, target, lc_is_far(kind), hidden, NULL);
     lc_phase_end(stats, LC_PHASE_SHADOW);
     for (uint32_t i = 0; i < m; i++) {
         uint32_t at = lit[i];

@@ -4,7 +4,18 @@
 
 #include "simd/fmath_tmpl.c"
 
+#include "shade/rows_tmpl.c"
+
 #include "shade/fresnel_tmpl.c"
+
+#include "shade/box_tmpl.c"
+
+#include "shade/slope_tmpl.c"
+
+#define LC_KERNEL_PARTS
+#include "shade/light_kinds.h"
+#include "shade/lobes.h"
+#undef LC_KERNEL_PARTS
 
 #include "shade/bounds_tmpl.c"
 

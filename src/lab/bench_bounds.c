@@ -9,7 +9,7 @@
 #include "base/stats.h"
 #include "cli/cli.h"
 #include "isa/isa.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "tree/light_tree.h"
 
 #define N_LIGHTS 4096u
@@ -99,11 +99,11 @@ static void set_points(setup *s, size_t material)
     lc_material m = { .kd = { 0.5f, 0.5f, 0.5f }, .exponent = 20 };
     if (material > 0) m.ks = m.kd;
     if (material > 1) {
-        m.gloss = LC_GLOSS_WARD;
+        m.lobe = LC_LOBE_WARD;
         m.roughness[0] = 0.15f;
         m.roughness[1] = 0.3f;
     }
-    if (material > 2) m.gloss = LC_GLOSS_GGX;
+    if (material > 2) m.lobe = LC_LOBE_GGX;
     if (material > 3) {
         m.coat = true;
         m.fresnel = LC_FRESNEL_DIELECTRIC;

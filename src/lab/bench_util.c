@@ -42,8 +42,7 @@ const bench_builder bench_builders[BENCH_N_BUILDERS] = { { "exact", LC_BUILDER_E
 
 const char *bench_kind_name(lc_light_kind kind)
 {
-    static const char *const names[LC_LIGHT_KINDS] = { "point", "oriented", "directional", "spot" };
-    return names[kind];
+    return lc_light_kind_name((uint32_t)kind);
 }
 
 void bench_json_begin(const char *bench, uint32_t n_threads)

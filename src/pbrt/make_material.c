@@ -74,7 +74,7 @@ static float within(float v, float least, float most) { return fminf(fmaxf(v, le
 static void limit_index(lc_material *m)
 {
     float *eta[3] = { &m->eta.x, &m->eta.y, &m->eta.z }, *k[3] = { &m->k.x, &m->k.y, &m->k.z };
-    if (m->gloss != LC_GLOSS_GGX) return;
+    if (m->lobe != LC_LOBE_GGX) return;
     if (m->coat || m->fresnel == LC_FRESNEL_DIELECTRIC) m->eta.x = within(m->eta.x, LC_MIN_ETA, LC_MAX_ETA);
     for (int c = 0; c < 3 && m->fresnel == LC_FRESNEL_CONDUCTOR; c++) {
         *eta[c] = within(*eta[c], 2e-3f, LC_MAX_CONDUCTOR); /* its square is above LC_MIN_CONDUCTOR */

@@ -47,7 +47,7 @@ lc_status lc_pbrt_ward(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     (void)where;
     lc_status st = lc_pbrt_get_albedo(p, "Kd", &m->kd, &maps->kd);
     if (!st) st = lc_pbrt_get_albedo(p, "Ks", &m->ks, &maps->ks);
-    m->gloss = LC_GLOSS_WARD;
+    m->lobe = LC_LOBE_WARD;
     m->roughness[0] = 0.1f;
     if (!st) st = get_roughness(p, "roughness", &m->roughness[0], &maps->roughness[0]);
     m->roughness[1] = m->roughness[0];
@@ -60,6 +60,6 @@ lc_status lc_pbrt_ward(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 lc_status lc_pbrt_ggx(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
     lc_status st = lc_pbrt_ward(p, where, look);
-    look->m.gloss = LC_GLOSS_GGX;
+    look->m.lobe = LC_LOBE_GGX;
     return st;
 }

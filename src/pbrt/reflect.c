@@ -103,7 +103,7 @@ lc_status lc_pbrt_get_alpha(lc_pbrt *p, const char *prefix, double usual, lc_pbr
     snprintf(name, sizeof name, "%sremaproughness", prefix);
     if (!st && *prefix) st = lc_pbrt_get_bool(&p->params, name, &remap);
     if (st) return st;
-    look->m.gloss = LC_GLOSS_GGX;
+    look->m.lobe = LC_LOBE_GGX;
     look->maps.remap = !remap ? LC_REMAP_NONE : p->v4 ? LC_REMAP_SQRT : LC_REMAP_POLYNOMIAL;
     *smooth = true;
     for (int axis = 0; axis < 2; axis++) {
@@ -211,14 +211,14 @@ lc_status lc_pbrt_get_metal(lc_pbrt *p, const char *eta_name, const char *k_name
 void lc_pbrt_be_mirror(lc_material *m)
 {
     m->mirror = true;
-    m->gloss = LC_GLOSS_PHONG;
+    m->lobe = LC_LOBE_PHONG;
     m->kd = lc_f3_make(0, 0, 0);
     m->roughness[0] = m->roughness[1] = 0;
 }
 
 void lc_pbrt_be_glossy(lc_material *m, lc_f3 ks)
 {
-    m->gloss = LC_GLOSS_GGX;
+    m->lobe = LC_LOBE_GGX;
     m->fresnel = LC_FRESNEL_DIELECTRIC;
     m->ks = ks;
 }

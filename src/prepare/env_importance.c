@@ -3,7 +3,7 @@
 
 #include "base/pool.h"
 #include "base/rng.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "trace/bvh.h"
 
 #include <stdlib.h>
@@ -34,7 +34,7 @@ static void try_point(const job *j, uint32_t first, uint32_t n, uint32_t point)
         lc_light_rec rec;
         light.intensity = lc_f3_make(1, 1, 1);
         lc_light_rec_init(&rec, &light);
-        f[m] = lc_view_luminance(&j->view->points[point], &light, &rec);
+        f[m] = lc_view_luminance(j->view->scene->ctx->shade_kernels, &j->view->points[point], &light, &rec);
         if (!(f[m] > 0)) continue;
         for (int c = 0; c < 3; c++) to[c][m] = rec.pos[c];
         at[m++] = i;

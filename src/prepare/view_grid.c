@@ -4,7 +4,7 @@
 #include "base/pool.h"
 #include "base/rng.h"
 #include "scene/sight.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "trace/bvh.h"
 
 #include <string.h>
@@ -46,23 +46,24 @@ void lc_vpl_view_free(lc_vpl_view *view)
     *view = (lc_vpl_view){ 0 };
 }
 
-static float luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec, const float *atten,
+static float luminance(const lc_shade_kernels *kernels, const lc_point *p, const lc_light *light, const lc_light_rec *rec, const float *atten,
                        float min_d2)
 {
     lc_point near = *p;
     near.min_d2 = min_d2;
-    return lc_luminance(lc_f3_mul(lc_shade_light(&near, light->kind, rec, atten), light->intensity));
+    return lc_luminance(lc_f3_mul(lc_estimate_one(kernels, &near, light->kind, rec, atten), light->intensity));
 }
 
-float lc_view_luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec)
+float lc_view_luminance(const lc_shade_kernels *kernels, const lc_point *p, const lc_light *light, const lc_light_rec *rec)
 {
-    return luminance(p, light, rec, NULL, LC_MIN_D2);
+    return luminance(kernels, p, light, rec, NULL, LC_MIN_D2);
 }
 
 /* Rays go from the light, so that they have one origin. */
 double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t hash)
 {
     const lc_bvh *bvh = view->scene->bvh;
+    const lc_shade_kernels *kernels = view->scene->ctx->shade_kernels;
     const float org[3] = { light->pos.x, light->pos.y, light->pos.z };
     float to[3][LC_WORTH_POINTS], f[LC_WORTH_POINTS];
     const float *const target[3] = { to[0], to[1], to[2] };
@@ -75,7 +76,7 @@ double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t has
         /* Spread over the picture. */
         uint32_t from = view->n * k / LC_WORTH_POINTS, end = view->n * (k + 1) / LC_WORTH_POINTS;
         uint32_t i = from + (uint32_t)(lc_hash2(hash, k) % (end > from ? end - from : 1));
-        f[n] = luminance(&view->points[i], light, &rec, NULL, LC_MIN_D2);
+        f[n] = luminance(kernels, &view->points[i], light, &rec, NULL, LC_MIN_D2);
         if (!(f[n] > 0)) continue;
         for (int c = 0; c < 3; c++) to[c][n] = view->org[i][c];
         n++;
@@ -122,12 +123,13 @@ static void trace(group *g)
 static void add(group *g, const lc_light *light)
 {
     const lc_point *p = &g->j->view->points[g->item];
+    const lc_shade_kernels *kernels = g->j->view->scene->ctx->shade_kernels;
     lc_light_rec rec;
     lc_light_rec_init(&rec, light);
-    float hard = luminance(p, light, &rec, NULL, fmaxf(LC_MIN_D2, light->atten[0] / 16));
+    float hard = luminance(kernels, p, light, &rec, NULL, fmaxf(LC_MIN_D2, light->atten[0] / 16));
     if (!(hard > 0)) return;
     g->hard[g->n] = hard;
-    g->soft[g->n] = luminance(p, light, &rec, light->atten, LC_MIN_D2);
+    g->soft[g->n] = luminance(kernels, p, light, &rec, light->atten, LC_MIN_D2);
     g->target[0][g->n] = light->pos.x;
     g->target[1][g->n] = light->pos.y;
     g->target[2][g->n] = light->pos.z;

@@ -20,7 +20,7 @@ lc_status lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t si
 void lc_vpl_view_free(lc_vpl_view *view);
 
 /* Luminance that a light of inverse square, or a directional one, gives to a point, shadows not counted. */
-float lc_view_luminance(const lc_point *p, const lc_light *light, const lc_light_rec *rec);
+float lc_view_luminance(const lc_shade_kernels *kernels, const lc_point *p, const lc_light *light, const lc_light_rec *rec);
 
 /* Mean luminance that an inverse-square light gives to LC_WORTH_POINTS of the points, shadows counted; hash
  * picks which. */

@@ -18,13 +18,14 @@
 
 #include "base/pool.h"
 #include "base/rng.h"
-#include "base/xform.h"
+#include "base/sample_dir.h"
 #include "prepare/view_grid.h"
 #include "prepare/vpl_radius.h"
 #include "scene/sight.h"
-#include "shade/coat.h"
 #include "shade/fresnel.h"
-#include "shade/shade.h"
+#include "shade/light_kind.h"
+#include "shade/lobe.h"
+#include "shade/point_init.h"
 
 #include <stdlib.h>
 
@@ -80,57 +81,21 @@ static double toss(const path *p, uint32_t depth)
     return lc_unit(lc_hash4(p->m->seed, p->index, depth, 2));
 }
 
-/* x, y evenly on the unit disc. */
-static void draw_disc(path *p, double *x, double *y, double *r2)
-{
-    double sine, cosine, r;
-    *r2 = draw(p);
-    lc_sincos_deg(360 * draw(p), &sine, &cosine);
-    r = sqrt(*r2);
-    *x = r * cosine;
-    *y = r * sine;
-}
-
-/* x t + y b + z n, n unit with t and b across it. */
-static lc_f3 in_frame(lc_f3 n, double x, double y, double z)
-{
-    double s = n.z < 0 ? -1 : 1, nx = (double)n.x, ny = (double)n.y, nz = (double)n.z; /* [Duff17] */
-    double a = -1 / (s + nz), b = nx * ny * a;
-    return lc_f3_normalize_d((1 + s * nx * nx * a) * x + b * y + nx * z,
-                             s * b * x + (s + ny * ny * a) * y + ny * z, -s * nx * x - ny * y + nz * z);
-}
-
 static lc_f3 draw_cosine(path *p, lc_f3 n)
 {
-    double x, y, r2;
-    draw_disc(p, &x, &y, &r2);
-    return in_frame(n, x, y, sqrt(1 - r2));
-}
-
-static lc_f3 draw_sphere(path *p)
-{
-    double z = 1 - 2 * draw(p), sine, cosine, r = sqrt(fmax(1 - z * z, 0));
-    lc_sincos_deg(360 * draw(p), &sine, &cosine);
-    return lc_f3_normalize_d(r * cosine, r * sine, z);
+    double u[2], x, y;
+    u[0] = draw(p);
+    u[1] = draw(p);
+    lc_sample_disc(u, &x, &y);
+    return lc_sample_frame(n, x, y, sqrt(1 - u[0]));
 }
 
 /* ---- emission ---- */
 
-/* Factor of the intensity: what a light sheds on the scene. */
-static double spread(const maker *m, const lc_light *light)
-{
-    switch (light->kind) {
-    case LC_LIGHT_POINT: return 4 * LC_PI;
-    case LC_LIGHT_ORIENTED: return LC_PI;
-    case LC_LIGHT_SPOT: return 2 * LC_PI * (1 - fmax((double)light->spot.cos_total, -1));
-    default: return LC_PI * m->radius * m->radius;
-    }
-}
-
 static double power_of(const maker *m, const lc_light *light)
 {
     lc_f3 i = light->intensity;
-    return ((double)i.x + (double)i.y + (double)i.z) / 3 * spread(m, light);
+    return ((double)i.x + (double)i.y + (double)i.z) / 3 * lc_light_kinds[light->kind].flux(light, m->radius);
 }
 
 static const lc_light *pick_light(const path *p, double at)
@@ -146,55 +111,26 @@ static const lc_light *pick_light(const path *p, double at)
     return &p->m->scene->lights[lo];
 }
 
-/* Evenly over a spot's cone; the flux by its profile. */
-static void emit_spot(path *p, const lc_light *light)
-{
-    lc_spot_rec spot;
-    float rgb[3] = { 1, 1, 1 };
-    lc_spot_rec_init(&spot, light->spot.cos_total, light->spot.cos_start, light->spot.map);
-    double z = 1 - draw(p) * (1 - fmax((double)light->spot.cos_total, -1)),
-           r = sqrt(fmax((1 - z) * (1 + z), 0)), sine, cosine;
-    lc_sincos_deg(360 * draw(p), &sine, &cosine);
-    p->dir = in_frame(light->dir, r * cosine, r * sine, z);
-    const float to[3] = { p->dir.x, p->dir.y, p->dir.z };
-    if (spot.map) lc_spot_colour(&p->m->scene->spot_maps[spot.map - 1], to, rgb);
-    p->flux = lc_f3_mul(lc_f3_scale(p->flux, lc_spot_emission(&spot, (float)z)), lc_f3_load(rgb));
-}
-
-static void leave_from(path *p, const lc_light *light)
-{
-    float size = lc_f3_max_abs(light->pos);
-    p->org = lc_f3_add(light->pos, lc_f3_scale(light->kind == LC_LIGHT_ORIENTED ? light->dir : p->dir,
-                                               10 * 0x1p-23f * size));
-}
-
 static void emit(path *p, const lc_light **from)
 {
     const maker *m = p->m;
     const lc_light *light = *from = pick_light(p, draw(p));
-    double power = power_of(m, light), factor = spread(m, light) * (m->sums[m->scene->n_lights] / power), x,
-           y, r2;
-    p->flux = lc_f3_scale(light->intensity, (float)factor);
-    if (light->kind == LC_LIGHT_DIRECTIONAL) {
-        draw_disc(p, &x, &y, &r2);
-        p->dir = light->dir;
-        lc_f3 across = in_frame(light->dir, x, y, -1); /* of length sqrt(1 + r2) */
-        double scale = m->radius * sqrt(1 + r2);
-        p->org = lc_f3_make((float)(m->centre[0] + scale * (double)across.x),
-                            (float)(m->centre[1] + scale * (double)across.y),
-                            (float)(m->centre[2] + scale * (double)across.z));
-        return;
-    }
-    if (light->kind == LC_LIGHT_SPOT) emit_spot(p, light);
-    else p->dir = light->kind == LC_LIGHT_ORIENTED ? draw_cosine(p, light->dir) : draw_sphere(p);
-    leave_from(p, light);
+    double power = power_of(m, light);
+    double factor = lc_light_kinds[light->kind].flux(light, m->radius) * (m->sums[m->scene->n_lights] / power);
+    lc_emit_from in = { .centre = { m->centre[0], m->centre[1], m->centre[2] }, .radius = m->radius, .spot_maps = m->scene->spot_maps };
+    lc_emitted ray;
+    for (int k = 0; k < 2; k++) in.u[k] = draw(p);
+    lc_light_kinds[light->kind].emit(light, &in, &ray);
+    p->org = ray.org;
+    p->dir = ray.dir;
+    p->flux = lc_f3_mul(lc_f3_scale(lc_f3_scale(light->intensity, (float)factor), ray.weight), ray.colour);
 }
 
 /* Lights of other attenuation than 1 / d^2 light what is at distance d as if they were so much stronger. */
 static float unlike_square(const lc_light *light, const lc_surface *s)
 {
     const float *a = light->atten;
-    if (light->kind > LC_LIGHT_ORIENTED || lc_inverse_square(a)) return 1;
+    if (!lc_is_attenuated(light->kind) || lc_inverse_square(a)) return 1;
     lc_f3 v = lc_f3_sub(s->pos, light->pos);
     float d2 = lc_f3_dot(v, v);
     d2 = d2 > LC_MIN_D2 ? d2 : LC_MIN_D2;
@@ -208,9 +144,7 @@ static lc_f3 at_most_1(lc_f3 a) { return lc_f3_make(fminf(a.x, 1), fminf(a.y, 1)
 /* Share of light that a rough surface sends back. */
 static lc_f3 albedo(const lc_material *m, float cos_i)
 {
-    lc_f3 lobe = m->gloss == LC_GLOSS_GGX ? lc_reflectance(m, cos_i, false) : m->ks;
-    lc_f3 below = m->coat ? lc_coat_albedo(m, cos_i) : m->kd;
-    return at_most_1(lc_f3_add(below, lobe));
+    return at_most_1(lc_lobes[m->lobe].albedo(m, cos_i));
 }
 
 static void store(path *p, const lc_surface *s, float side, lc_f3 albedo_of_side)

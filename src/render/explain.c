@@ -11,7 +11,8 @@
 #include "render/film.h"
 #include "render/render.h"
 
-#include "shade/shade.h"
+#include "shade/lobe.h"
+#include "shade/point_init.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -101,7 +102,7 @@ static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_lig
         hidden[i] = 2;
         if (f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0)
             lc_cut_hidden(&e->scene->visibility, &e->probe.point, e->probe.sight.lit[0].surface.ray_org, 1,
-                          target, kind == LC_LIGHT_DIRECTIONAL, &hidden[i], NULL);
+                          target, lc_is_far(kind), &hidden[i], NULL);
     }
 }
 
@@ -224,6 +225,7 @@ typedef struct {
     uint32_t kind;
     lc_light_rec rec;
     float atten[3];
+    unsigned char own[LC_OWN_BYTES]; /* of the kind */
     uint32_t light, scene; /* in the tree; in the scene, LC_NONE: not met yet */
 } sought;
 
@@ -242,13 +244,10 @@ static void seek(const lc_light_tree *t, uint32_t light, sought *s)
     s->rec = t->data.lights[light];
     s->light = light;
     s->scene = LC_NONE;
-    if (s->kind == LC_LIGHT_DIRECTIONAL) return;
-    if (s->kind == LC_LIGHT_SPOT) {
-        const lc_spot_rec *spot = lc_light_spot(&t->data, light);
-        const lc_spot profile = { spot->cos_total, spot->cos_start, spot->map };
-        memcpy(s->atten, &profile, sizeof s->atten);
-        return;
-    }
+    const lc_light_kind kind = (lc_light_kind)s->kind;
+    const size_t own = lc_light_kinds[kind].own_size;
+    if (own) memcpy(s->own, lc_light_own(&t->data, kind, light), own);
+    if (!lc_is_attenuated(kind)) return;
     if (atten) memcpy(s->atten, atten, sizeof s->atten);
     else s->atten[2] = 1;
 }
@@ -263,8 +262,8 @@ static void meet(const lc_scene *scene, sought *s, uint32_t n)
         memset(&key, 0, sizeof key);
         key.kind = (uint32_t)l->kind;
         lc_light_rec_init(&key.rec, l);
-        /* Or a spot's profile. */
-        if (l->kind != LC_LIGHT_DIRECTIONAL) memcpy(key.atten, l->atten, sizeof key.atten);
+        if (lc_light_kinds[l->kind].own_size) lc_light_kinds[l->kind].light_own(key.own, l);
+        if (lc_is_attenuated(l->kind)) memcpy(key.atten, l->atten, sizeof key.atten);
         sought *found = bsearch(&key, s, n, sizeof key, by_value);
         if (!found) continue;
         while (found > s && !by_value(found - 1, &key)) found--;
@@ -299,8 +298,6 @@ static void set_point(explainer *e)
     const lc_probe *p = &e->probe;
     const lc_lit *lit = &p->sight.lit[0];
     lc_explanation *x = e->out;
-    static const char *const lobes[] = { [LC_LOBE_NONE] = "none", [LC_LOBE_PHONG] = "phong",
-                                         [LC_LOBE_WARD] = "ward", [LC_LOBE_GGX] = "ggx" };
     lc_cut_result all;
     lc_exact_shade(e->tree, &e->scene->visibility, &p->point, lit->surface.ray_org, &e->stats, &all);
     lc_f3_store(x->position, lit->surface.pos);
@@ -309,8 +306,8 @@ static void set_point(explainer *e)
     lc_f3_store(x->kd, lit->surface.material.kd);
     lc_f3_store(x->ks, lit->surface.material.ks);
     x->exponent = lit->surface.material.exponent;
-    x->gloss = lobes[p->point.lobe];
-    for (int k = 0; k < 2 && p->point.lobe >= LC_LOBE_WARD; k++)
+    x->gloss = p->point.lobe == LC_LOBE_NONE ? "none" : lc_lobes[p->point.lobe].name;
+    for (int k = 0; k < 2 && p->point.lobe != LC_LOBE_NONE; k++)
         x->roughness[k] = lit->surface.material.roughness[k];
     lc_f3_store(x->emission, p->sight.emission);
     lc_f3_store(x->radiance, p->by_cut.radiance);

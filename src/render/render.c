@@ -14,7 +14,7 @@
 #include "scene/instance.h"
 #include "scene/sight.h"
 #include "scene/sun.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 
 #include <stdatomic.h>
 #include <stdio.h>

@@ -75,7 +75,7 @@ static double reach(const lc_scene *s)
     double most = fmax((double)lc_f3_max_abs(s->bounds.lo), (double)lc_f3_max_abs(s->bounds.hi));
     for (int k = 0; k < 3; k++) most = fmax(most, fabs(s->camera.origin[k]));
     for (size_t i = 0; i < s->n_lights; i++)
-        if (s->lights[i].kind != LC_LIGHT_DIRECTIONAL)
+        if (!lc_is_far(s->lights[i].kind))
             most = fmax(most, (double)lc_f3_max_abs(s->lights[i].pos));
     return 2 * most;
 }

@@ -1,6 +1,9 @@
 /* scene.c - the builder: checks and copies. */
 #include "scene/scene.h"
 
+#include "shade/light_kind.h"
+#include "shade/lobe.h"
+
 
 #include <stdio.h>
 #include <string.h>
@@ -30,24 +33,13 @@ static bool in_range(lc_f3 a, float max) { return lc_f3_finite(a) && lc_f3_max_a
 
 static bool is_colour(lc_f3 a, float max) { return in_range(a, max) && a.x >= 0 && a.y >= 0 && a.z >= 0; }
 
-/* Indices of what reflects by them. */
-static bool good_index(const lc_material *m)
-{
-    const bool smooth = m->gloss == LC_GLOSS_GGX && (m->coat || m->fresnel == LC_FRESNEL_DIELECTRIC);
-    if (smooth && !(m->eta.x >= LC_MIN_ETA && m->eta.x <= LC_MAX_ETA)) return false;
-    if (m->gloss != LC_GLOSS_GGX || m->fresnel != LC_FRESNEL_CONDUCTOR) return true;
-    lc_f3 size = lc_f3_add(lc_f3_mul(m->eta, m->eta), lc_f3_mul(m->k, m->k));
-    return is_colour(m->eta, LC_MAX_CONDUCTOR) && is_colour(m->k, LC_MAX_CONDUCTOR) &&
-           fminf(size.x, fminf(size.y, size.z)) >= LC_MIN_CONDUCTOR;
-}
-
 lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
 {
     if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !is_colour(m->kt, 1e6f) ||
         !is_colour(m->eta, 1e6f) || !is_colour(m->k, 1e6f) ||
         !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
         return LC_ERR_ARG;
-    if (!good_index(m)) return LC_ERR_ARG;
+    if (!lc_lobes[m->lobe].check(m)) return LC_ERR_ARG;
     const float *rough = m->roughness;
     if (rough[0] > 0 && !(rough[0] >= LC_MIN_ROUGHNESS && rough[0] <= LC_MAX_ROUGHNESS &&
                           rough[1] >= LC_MIN_ROUGHNESS && rough[1] <= LC_MAX_ROUGHNESS))
@@ -260,19 +252,16 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
     if (!is_colour(light->intensity, LC_MAX_INTENSITY))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light intensity is negative, not finite or above %g",
                           (double)LC_MAX_INTENSITY);
-    if (light->kind != LC_LIGHT_DIRECTIONAL && !in_range(light->pos, LC_MAX_COORD))
+    if (!lc_is_far(light->kind) && !in_range(light->pos, LC_MAX_COORD))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light position is not finite or beyond %g units",
                           (double)LC_MAX_COORD);
     float len = lc_f3_len(light->dir), sum = 0;
-    if (light->kind != LC_LIGHT_POINT && !(fabsf(len - 1) < 1e-4f))
+    if ((lc_is_far(light->kind) || lc_is_aimed(light->kind)) && !(fabsf(len - 1) < 1e-4f))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light direction is zero or not finite");
-    if (light->kind == LC_LIGHT_SPOT) {
-        const lc_spot *spot = &light->spot;
-        if (!(spot->cos_total >= -2 && spot->cos_total <= spot->cos_start && spot->cos_start <= 1) ||
-            spot->map > s->n_spot_maps)
-            return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "the spot light's angles are out of range");
-    }
-    for (int k = 0; k < 3 && light->kind != LC_LIGHT_SPOT; k++) {
+    const lc_light_kind_info *kind = &lc_light_kinds[light->kind];
+    const char *wrong = kind->check ? kind->check(light, s->n_spot_maps) : NULL;
+    if (wrong) return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "%s", wrong);
+    for (int k = 0; k < 3 && lc_is_attenuated(light->kind); k++) {
         float a = light->atten[k];
         bool soft = k == 0 && light->atten[2] == 1;
         if (!(a == 0 ||
@@ -281,7 +270,7 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
                               (double)LC_MIN_ATTEN, (double)LC_MAX_ATTEN);
         sum += a;
     }
-    if (light->kind <= LC_LIGHT_ORIENTED && !(sum > 0))
+    if (lc_is_attenuated(light->kind) && !(sum > 0))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients are all 0");
     if (s->n_lights >= MAX_COUNT)
         return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u lights", MAX_COUNT);

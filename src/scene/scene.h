@@ -14,7 +14,7 @@
 #include "scene/env_map.h"
 #include "scene/pixel_filter.h"
 #include "scene/texture.h"
-#include "shade/light.h"
+#include "shade/light_spot.h"
 #include "shade/material.h"
 #include "trace/bvh_data.h"
 #include "trace/visibility.h"

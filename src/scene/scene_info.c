@@ -6,6 +6,12 @@
 #include "trace/bvh.h"
 #include "tree/light_tree.h"
 
+uint32_t lc_light_kind_count(void) { return LC_LIGHT_KINDS; }
+
+const char *lc_light_kind_name(uint32_t kind) { return kind < LC_LIGHT_KINDS ? lc_light_kinds[kind].name : "unknown"; }
+
+_Static_assert((int)LC_LIGHT_KINDS <= LC_MAX_LIGHT_KINDS, "lc_scene_info counts them");
+
 void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
 {
     static const lc_light_tree none;
@@ -16,10 +22,6 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
         .n_meshes = s->n_meshes,
         .n_materials = s->n_materials,
         .n_lights = t->n_lights,
-        .n_point = t->n_of_kind[LC_LIGHT_POINT],
-        .n_oriented = t->n_of_kind[LC_LIGHT_ORIENTED],
-        .n_directional = t->n_of_kind[LC_LIGHT_DIRECTIONAL],
-        .n_spot = t->n_of_kind[LC_LIGHT_SPOT],
         .n_emissive_triangles = s->n_emissive_tris,
         .n_indirect_lights = s->indirect.n_lights,
         .n_light_paths = s->indirect.n_paths,
@@ -49,6 +51,7 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
         info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);
     for (size_t i = 0; i < s->n_materials; i++)
         info->n_mirrors += s->materials[i].mirror || s->materials[i].glass;
+    for (int k = 0; k < LC_LIGHT_KINDS; k++) info->n_of_kind[k] = t->n_of_kind[k];
     lc_f3_store(info->bounds_lo, s->bounds.lo);
     lc_f3_store(info->bounds_hi, s->bounds.hi);
     for (int i = 0; i < 4; i++) info->crop[i] = s->film.crop[i];

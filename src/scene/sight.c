@@ -101,7 +101,7 @@ static void turn_over(lc_lit *lit)
 static bool is_smooth(const lc_scene *scene, const lc_material *m)
 {
     bool narrow = scene->follows_smooth && fmaxf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS;
-    return m->gloss == LC_GLOSS_GGX && lc_f3_max(m->ks) > 0 && (m->smooth || narrow);
+    return m->lobe == LC_LOBE_GGX && lc_f3_max(m->ks) > 0 && (m->smooth || narrow);
 }
 
 static void meet(trace *t, const ray *r, const lc_surface *s)

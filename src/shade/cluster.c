@@ -6,7 +6,7 @@ static float max_f(float a, float b) { return b > a ? b : a; }
 
 void lc_cluster_from_light(lc_cluster *c, const lc_light *light)
 {
-    lc_f3 p = light->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(light->dir) : light->pos;
+    lc_f3 p = lc_is_far(light->kind) ? lc_f3_neg(light->dir) : light->pos;
     *c = (lc_cluster){ .kind = light->kind };
     lc_f3_store(c->lo, p);
     lc_f3_store(c->hi, p);
@@ -17,11 +17,8 @@ void lc_cluster_from_light(lc_cluster *c, const lc_light *light)
     c->power[0] = light->intensity.x;
     c->power[1] = light->intensity.y;
     c->power[2] = light->intensity.z;
-    for (int k = 0; k < 3; k++) c->atten[k] = light->kind == LC_LIGHT_SPOT ? k == 2 : light->atten[k];
-    if (light->kind == LC_LIGHT_SPOT) {
-        c->spot[0] = light->spot.cos_total;
-        c->spot[1] = light->spot.cos_start;
-    }
+    for (int k = 0; k < 3; k++) c->atten[k] = lc_is_attenuated(light->kind) ? light->atten[k] : k == 2;
+    if (lc_light_kinds[light->kind].least) lc_light_kinds[light->kind].least(light, c->least);
 }
 
 void lc_cluster_join(lc_cluster *out, const lc_cluster *a, const lc_cluster *b)
@@ -35,7 +32,7 @@ void lc_cluster_join(lc_cluster *out, const lc_cluster *a, const lc_cluster *b)
         c.power[k] = a->power[k] + b->power[k];
         c.atten[k] = min_f(a->atten[k], b->atten[k]);
     }
-    for (int k = 0; k < 2; k++) c.spot[k] = min_f(a->spot[k], b->spot[k]);
+    for (int k = 0; k < LC_OWN_FLOATS; k++) c.least[k] = min_f(a->least[k], b->least[k]);
     *out = c;
 }
 

@@ -6,6 +6,7 @@
 #ifndef LC_CLUSTER_H
 #define LC_CLUSTER_H
 
+#include "shade/light_kind.h"
 #include "shade/tree_data.h"
 
 typedef struct lc_cluster {
@@ -13,7 +14,7 @@ typedef struct lc_cluster {
     float dlo[3], dhi[3]; /* oriented, spot: emission directions */
     double power[3];      /* summed intensity */
     float atten[3];
-    float spot[2];        /* least cos_total, cos_start */
+    float least[LC_OWN_FLOATS]; /* of what the kind has of its own, see light_kind.h */
     lc_light_kind kind;
 } lc_cluster;
 

@@ -1,24 +1,7 @@
-/* estimate_tmpl.c - transfers of VF_LANES lights at once; included by isa_*.c. The operations of
- * lc_shade_light in the same order, so the same bits, but for those that can't matter: lanes that it leaves
- * early are computed and set to 0, the root of B d is not taken where B is 0 in every lane, and a lobe that
- * is not added is added as 0.
+/* estimate_tmpl.c - transfers M G of VF_LANES lights at once; included by isa_tmpl.c. Lanes that contribute nothing are computed all the
+ * same and set to 0; the root of B d is not taken where B is 0 in every lane.
  */
 #include "shade/tree_data.h"
-
-LC_INLINE vf dot_rows(const vf a[3], const vf b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-LC_INLINE void set_row(vf out[3], const float a[3])
-{
-    for (int k = 0; k < 3; k++) out[k] = vf_set(a[k]);
-}
-
-LC_INLINE uint32_t index_of(const lc_tree_data *t, const float *light)
-{
-    return (uint32_t)((const lc_light_rec *)(const void *)light - t->lights);
-}
 
 /* 1 / f, times g; d2: squared distances. */
 LC_INLINE vf attenuated(const lc_tree_data *t, const float *const *light, lc_light_kind kind,
@@ -26,41 +9,12 @@ LC_INLINE vf attenuated(const lc_tree_data *t, const float *const *light, lc_lig
 {
     vf min_d2 = vf_set(p->min_d2), d2c = vf_sel_gt(d2, min_d2, d2, min_d2), k[4], f;
     const float *atten[VF_LANES];
-    if (!t->light_atten || kind == LC_LIGHT_SPOT) return g / d2c;
-    for (uint32_t i = 0; i < VF_LANES; i++) atten[i] = t->light_atten[index_of(t, light[i])];
+    if (!t->light_atten || !lc_is_attenuated(kind)) return g / d2c;
+    for (uint32_t i = 0; i < VF_LANES; i++) atten[i] = t->light_atten[light_index(t, light[i])];
     vf_rows(atten, 0, k);
     f = k[0];
     if (vf_any_gt(k[1], vf_set(0))) f = f + k[1] * vf_sqrt(d2c);
     return g / (f + k[2] * d2c);
-}
-
-/* lc_spot_emission; tint: colours of maps, or 1. d: from the point to the light. */
-LC_INLINE vf spot(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3], vf tint[3])
-{
-    const vf zero = vf_set(0), one = vf_set(1);
-    const lc_spot_rec *spot[VF_LANES];
-    const float *row[VF_LANES];
-    float to[3][VF_LANES], rgb[3][VF_LANES];
-    vf k[4];
-    for (uint32_t i = 0; i < VF_LANES; i++) {
-        spot[i] = &t->light_spot[index_of(t, light[i]) - t->first_spot_light];
-        row[i] = &spot[i]->cos_total;
-    }
-    vf_rows(row, 0, k);
-    vf x = (vf_sel_gt(one, cos_phi, cos_phi, one) - k[0]) * k[1];
-    x = vf_sel_gt(x, zero, x, zero);
-    x = vf_sel_gt(one, x, x, one);
-    if (t->spot_maps) {
-        for (int a = 0; a < 3; a++) vf_store(to[a], -d[a]);
-        for (uint32_t i = 0; i < VF_LANES; i++) {
-            const float w[3] = { to[0][i], to[1][i], to[2][i] };
-            float c[3] = { 1, 1, 1 };
-            if (spot[i]->map) lc_spot_colour(&t->spot_maps[spot[i]->map - 1], w, c);
-            for (int a = 0; a < 3; a++) rgb[a][i] = c[a];
-        }
-        for (int a = 0; a < 3; a++) tint[a] = vf_load(rgb[a]);
-    }
-    return x * x * (3 - (x + x));
 }
 
 /* lc_dir_unpack. */
@@ -77,79 +31,6 @@ LC_INLINE void unpack(vf a, vf b, vf out[3])
     out[2] = vf_sel_gt(is_x, zero, b, vf_sel_gt(is_y, zero, b, w));
 }
 
-/* Factor of the specular reflectance for directions d. */
-LC_INLINE vf phong(const lc_point *p, const vf d[3], vf inv_len, vf lit)
-{
-    const vf zero = vf_set(0), one = vf_set(1);
-    vf mirror[3];
-    set_row(mirror, p->mirror);
-    vf cos_m = dot_rows(mirror, d) * inv_len;
-    cos_m = vf_sel_gt(lit, zero, cos_m, zero);
-    cos_m = vf_sel_gt(cos_m, vf_set(LC_MIN_COS), vf_sel_gt(one, cos_m, cos_m, one), zero);
-    if (!vf_any_gt(cos_m, zero)) return zero;
-    vf lobe = pow01(cos_m, p->exponent);
-    return vf_sel_gt(vf_set(LC_MIN_LOBE), lobe, zero, lobe);
-}
-
-/* The same of Ward's lobe, also for lanes that are not lit. */
-LC_INLINE vf ward(const lc_point *p, const vf d[3], vf cos_r, vf inv_len, vf lit)
-{
-    const vf zero = vf_set(0), min_cos = vf_set(LC_WARD_MIN_COS), many = vf_set(100);
-    vf tx[3], ty[3];
-    set_row(tx, p->tangent[0]);
-    set_row(ty, p->tangent[1]);
-    vf x = dot_rows(tx, d) * inv_len + p->view[0];
-    vf y = dot_rows(ty, d) * inv_len + p->view[1], z = cos_r + p->view[2];
-    vf e = (x * x + y * y) / (z * z);
-    e = vf_sel_gt(lit, zero, e, many);
-    e = vf_sel_gt(many, e, e, many);
-    if (!vf_any_gt(vf_set(-(float)LC_LEAST_LN), e)) return zero;
-    vf lobe = decay(e);
-    lobe = vf_sel_gt(vf_set(LC_MIN_LOBE), lobe, zero, lobe);
-    return lobe / vf_sqrt(vf_sel_gt(cos_r, min_cos, cos_r, min_cos));
-}
-
-LC_INLINE vf stretched(const lc_point *p, vf x, vf y, vf z)
-{
-    x = x * p->square[0];
-    y = y * p->square[1];
-    return vf_sqrt(x * x + y * y + z * z);
-}
-
-/* out: R G B of GGX's lobe. */
-LC_INLINE void fresnel(const lc_point *p, vf c, vf lobe, vf out[3])
-{
-    const vf one = vf_set(1);
-    if (p->fresnel == LC_FRESNEL_SCHLICK) {
-        vf m = one - c, m2 = m * m, w = m2 * m2 * m;
-        w = vf_sel_gt(vf_set(LC_MIN_LOBE), w, vf_set(0), w);
-        for (int k = 0; k < 3; k++) out[k] = (p->specular[k] + p->rise[k] * w) * lobe;
-    } else if (p->fresnel == LC_FRESNEL_DIELECTRIC) {
-        vf f = vf_max(one - transmitted(p, c), vf_set(0));
-        for (int k = 0; k < 3; k++) out[k] = p->specular[k] * f * lobe;
-    } else {
-        for (int k = 0; k < 3; k++) out[k] = p->specular[k] * conductor(p->rise[k], p->turn[k], c) * lobe;
-    }
-}
-
-LC_INLINE void ggx(const lc_point *p, const vf d[3], vf cos_r, vf inv_len, vf out[3])
-{
-    const vf o_n = vf_set(p->view[2]);
-    vf tx[3], ty[3];
-    set_row(tx, p->tangent[0]);
-    set_row(ty, p->tangent[1]);
-    vf x = dot_rows(tx, d) * inv_len, y = dot_rows(ty, d) * inv_len;
-    vf shadowing = stretched(p, x, y, cos_r), z = cos_r + o_n;
-    x = x + p->view[0];
-    y = y + p->view[1];
-    x = x * x;
-    y = y * y;
-    z = z * z;
-    vf h2 = x * p->square[0] + y * p->square[1] + z, r = h2 / (x + y + z);
-    vf lobe = r * r / (p->masking * cos_r + shadowing * o_n);
-    fresnel(p, vf_min(0.5f * vf_sqrt(h2), vf_set(1)), lobe, out);
-}
-
 /* One channel of the transfer, times the cosine and g; 0 where `lit` is not above 0. */
 LC_INLINE vf channel(vf f, vf cos_g, vf lit)
 {
@@ -157,6 +38,29 @@ LC_INLINE vf channel(vf f, vf cos_g, vf lit)
     f = f * cos_g;
     f = vf_sel_gt(vf_set(LC_MIN_TRANSFER), f, zero, vf_sel_gt(most, f, f, most));
     return vf_sel_gt(lit, zero, f, zero);
+}
+
+/* kind, lobe: constants. */
+LC_INLINE vf emission(const lc_tree_data *t, const float *const *light, lc_light_kind kind, vf cos_phi, const vf d[3], vf tint[3])
+{
+    switch (kind) {
+#define KIND(ID, name, traits) \
+    case LC_LIGHT_##ID: return name##_emission(t, light, cos_phi, d, tint);
+#include "shade/light_kinds.h"
+#undef KIND
+    default: return cos_phi;
+    }
+}
+
+LC_INLINE void add_lobe(const lc_point *p, lc_lobe lobe, const vf d[3], vf cos_r, vf inv_len, vf lit, vf f[3])
+{
+    switch (lobe) {
+#define LOBE(ID, name) \
+    case LC_LOBE_##ID: name##_value(p, d, cos_r, inv_len, lit, f); return;
+#include "shade/lobes.h"
+#undef LOBE
+    default: return;
+    }
 }
 
 /* light: VF_LANES records. kind, lobe: constants. */
@@ -167,7 +71,7 @@ LC_INLINE void shade(const lc_tree_data *t, const float *const *light, lc_light_
     vf n[3], d[3], y[4], tint[3] = { one, one, one }, inv_len = one, g = one, cos_r, lit;
     set_row(n, p->n);
     vf_rows(light, 0, y);
-    if (kind == LC_LIGHT_DIRECTIONAL) {
+    if (lc_is_far(kind)) {
         for (int k = 0; k < 3; k++) d[k] = y[k];
         cos_r = dot_rows(n, d);
         lit = vf_sel_gt(cos_r, min_cos, one, zero);
@@ -182,22 +86,16 @@ LC_INLINE void shade(const lc_tree_data *t, const float *const *light, lc_light_
             vf_rows(light, offsetof(lc_light_rec, intensity) / sizeof(float), row);
             unpack(y[3], row[3], dir);
             g = -dot_rows(dir, d) * inv_len;
-            if (kind == LC_LIGHT_SPOT) g = spot(t, light, g, d, tint);
+            g = emission(t, light, kind, g, d, tint);
             lit = vf_sel_gt(g, min_cos, lit, zero);
         }
         g = attenuated(t, light, kind, p, d2, g);
     }
-    vf cos_g = cos_r * g, glossy = zero, lobes[3] = { zero, zero, zero }, coat = one;
-    if (lobe == LC_LOBE_PHONG) glossy = phong(p, d, inv_len, lit);
-    if (lobe == LC_LOBE_WARD) glossy = ward(p, d, cos_r, inv_len, lit);
-    if (lobe == LC_LOBE_GGX) ggx(p, d, cos_r, inv_len, lobes);
-    if (lobe == LC_LOBE_GGX && p->coat) coat = transmitted(p, cos_r);
+    vf cos_g = cos_r * g, f[3];
+    set_row(f, p->diffuse);
+    add_lobe(p, lobe, d, cos_r, inv_len, lit, f);
     for (int k = 0; k < 3; k++) {
-        vf f = vf_set(p->diffuse[k]);
-        if (lobe == LC_LOBE_GGX) f = f * coat + lobes[k];
-        else if (lobe != LC_LOBE_NONE) f = f + p->specular[k] * glossy;
-        if (kind == LC_LIGHT_SPOT) f = f * tint[k];
-        vf_store(out[k] + at, channel(f, cos_g, lit));
+        vf_store(out[k] + at, channel(f[k] * tint[k], cos_g, lit));
         vf_store(out[3 + k] + at, y[k]);
     }
 }
@@ -215,6 +113,18 @@ LC_INLINE void estimate_of(const lc_tree_data *t, uint32_t first, const uint32_t
     }
 }
 
+LC_INLINE void estimate_by_lobe(const lc_tree_data *t, uint32_t first, const uint32_t *index, uint32_t n, lc_light_kind kind,
+                                const lc_point *p, float *const out[6])
+{
+    switch (p->lobe) {
+#define LOBE(ID, name) \
+    case LC_LOBE_##ID: estimate_of(t, first, index, n, kind, LC_LOBE_##ID, p, out); return;
+#include "shade/lobes.h"
+#undef LOBE
+    default: estimate_of(t, first, index, n, kind, LC_LOBE_NONE, p, out);
+    }
+}
+
 static void estimate(const lc_tree_data *t, uint32_t first, const uint32_t *index, uint32_t n,
                      lc_light_kind kind, const lc_point *p, float *const out[6])
 {
@@ -226,26 +136,11 @@ static void estimate(const lc_tree_data *t, uint32_t first, const uint32_t *inde
         LC_HALF_AS_WIDE.shade.estimate(t, first + n, index ? index + n : NULL, rest, kind, p, end);
     }
 #endif
-#define ESTIMATE(kind, lobe) estimate_of(t, first, index, n, kind, lobe, p, out)
-#define BY_LOBE(kind)                                                 \
-    if (p->lobe == LC_LOBE_NONE) ESTIMATE(kind, LC_LOBE_NONE);        \
-    else if (p->lobe == LC_LOBE_PHONG) ESTIMATE(kind, LC_LOBE_PHONG); \
-    else if (p->lobe == LC_LOBE_WARD) ESTIMATE(kind, LC_LOBE_WARD);   \
-    else ESTIMATE(kind, LC_LOBE_GGX)
     switch (kind) {
-    case LC_LIGHT_POINT:
-        BY_LOBE(LC_LIGHT_POINT);
-        break;
-    case LC_LIGHT_ORIENTED:
-        BY_LOBE(LC_LIGHT_ORIENTED);
-        break;
-    case LC_LIGHT_DIRECTIONAL:
-        BY_LOBE(LC_LIGHT_DIRECTIONAL);
-        break;
-    case LC_LIGHT_SPOT:
-        BY_LOBE(LC_LIGHT_SPOT);
-        break;
+#define KIND(ID, name, traits) \
+    case LC_LIGHT_##ID: estimate_by_lobe(t, first, index, n, LC_LIGHT_##ID, p, out); return;
+#include "shade/light_kinds.h"
+#undef KIND
+    default: return;
     }
-#undef BY_LOBE
-#undef ESTIMATE
 }

@@ -27,7 +27,14 @@
 
 #include "base/vec.h"
 
-typedef enum lc_gloss { LC_GLOSS_PHONG, LC_GLOSS_WARD, LC_GLOSS_GGX } lc_gloss;
+/* The lobes beside the diffuse one: those of lobes.h. */
+typedef enum lc_lobe {
+#define LOBE(ID, name) LC_LOBE_##ID,
+#include "shade/lobes.h"
+#undef LOBE
+    LC_LOBES,
+    LC_LOBE_NONE = LC_LOBES
+} lc_lobe;
 
 /* Share of light that a smooth surface reflects, of GGX's microfacets and of mirrors. */
 typedef enum lc_fresnel {
@@ -45,7 +52,7 @@ typedef struct lc_material {
                  reflected */
     float exponent;     /* Phong: n, 0..LC_MAX_EXPONENT */
     float roughness[2]; /* Ward, GGX: ax, ay, LC_MIN_ROUGHNESS..LC_MAX_ROUGHNESS */
-    lc_gloss gloss;     /* of the lobe ks */
+    lc_lobe lobe;       /* that ks is of; not LC_LOBE_NONE */
     lc_fresnel fresnel; /* GGX, mirrors, glass */
     lc_f3 eta, k;       /* index relative to outside; absorption */
     bool coat;          /* GGX: kd lies below a dielectric of eta.x, whose surface is the lobe */

@@ -21,13 +21,6 @@
 /* Squares of lengths below this count as this where a cosine is formed: no division by 0. */
 #define LC_TINY_D2 1e-36f
 
-typedef enum lc_lobe {
-    LC_LOBE_NONE,
-    LC_LOBE_PHONG,
-    LC_LOBE_WARD,
-    LC_LOBE_GGX
-} lc_lobe; /* beside the diffuse one */
-
 /* What estimate and bound need to know of one shading point. Filled by lc_point_init (shade.h). */
 typedef struct lc_point {
     float pos[3];      /* world space */

@@ -9,7 +9,7 @@
 #ifndef LC_TREE_DATA_H
 #define LC_TREE_DATA_H
 
-#include "shade/light.h"
+#include "shade/light_spot.h"
 #include "shade/point.h"
 
 /* A cluster of at least two lights. Its box is of positions (directional: of unit directions towards the
@@ -45,14 +45,19 @@ _Static_assert(sizeof(lc_light_rec) == 32, "half a cache line");
 /* A, B, C of f(d), and a word unused: of a light, or the least ones of a cluster. */
 typedef float lc_atten[4];
 
+/* Records that a kind of light has of its own (LC_LIGHT_OWN), one for each of its nodes and lights; NULL: none. */
+typedef struct lc_own {
+    void *node, *light;
+    uint32_t first_node, first_light; /* of the kind */
+} lc_own;
+
 /* What the kernels read of a light tree. Attenuation arrays are NULL where all are 0, 0, 1: inverse square.
  */
 typedef struct lc_tree_data {
     lc_node *nodes;
     lc_light_rec *lights;
     lc_atten *node_atten, *light_atten;
-    lc_spot_rec *node_spot, *light_spot; /* of spots alone, whose first node and light are: */
-    uint32_t first_spot_node, first_spot_light;
+    lc_own own[LC_LIGHT_KINDS];
     const lc_spot_map *spot_maps;
 } lc_tree_data;
 

@@ -354,7 +354,7 @@ static const lc_light *light_of(const lc_build_input *in, uint32_t i)
 
 static lc_f3 position(const lc_light *l)
 {
-    return l->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
+    return lc_is_far(l->kind) ? lc_f3_neg(l->dir) : l->pos;
 }
 
 static void set_light(lc_near_tree *t, uint32_t slot, const lc_light *l)

@@ -14,6 +14,7 @@
 #define LC_LIGHT_TREE_H
 
 #include "base/arena.h"
+#include "shade/light_kind.h"
 #include "shade/tree_data.h"
 
 #define LC_MAX_REPS 32
@@ -51,17 +52,17 @@ static inline uint32_t lc_rep_of(const lc_light_tree *t, uint32_t link, uint32_t
     return t->reps ? t->reps[(size_t)link * t->n_reps + slot] : t->data.nodes[link].rep;
 }
 
-static inline lc_light_kind lc_kind_of_node(const lc_light_tree *t, uint32_t id)
+/* The kind that the place of a node or light is of: how many kinds begin at or before it, but for the first. */
+static inline lc_light_kind lc_kind_at(const uint32_t first[LC_LIGHT_KINDS + 1], uint32_t at)
 {
-    return id < t->first_node[2] ? (id < t->first_node[1] ? LC_LIGHT_POINT : LC_LIGHT_ORIENTED)
-                                 : (id < t->first_node[3] ? LC_LIGHT_DIRECTIONAL : LC_LIGHT_SPOT);
+    uint32_t kind = 0;
+    for (int k = 1; k < LC_LIGHT_KINDS; k++) kind += at >= first[k];
+    return (lc_light_kind)kind;
 }
 
-static inline lc_light_kind lc_kind_of_light(const lc_light_tree *t, uint32_t light)
-{
-    return light < t->first_light[2] ? (light < t->first_light[1] ? LC_LIGHT_POINT : LC_LIGHT_ORIENTED)
-                                     : (light < t->first_light[3] ? LC_LIGHT_DIRECTIONAL : LC_LIGHT_SPOT);
-}
+static inline lc_light_kind lc_kind_of_node(const lc_light_tree *t, uint32_t id) { return lc_kind_at(t->first_node, id); }
+
+static inline lc_light_kind lc_kind_of_light(const lc_light_tree *t, uint32_t light) { return lc_kind_at(t->first_light, light); }
 
 static inline lc_light_kind lc_kind_of_link(const lc_light_tree *t, uint32_t link)
 {
@@ -74,13 +75,14 @@ static inline const float *lc_light_atten(const lc_tree_data *t, uint32_t light)
     return t->light_atten ? t->light_atten[light] : NULL;
 }
 
-static inline lc_spot_rec *lc_light_spot(const lc_tree_data *t, uint32_t light)
+/* The record that a light or node has of its kind's own. */
+static inline void *lc_light_own(const lc_tree_data *t, lc_light_kind kind, uint32_t light)
 {
-    return &t->light_spot[light - t->first_spot_light];
+    return (char *)t->own[kind].light + (light - t->own[kind].first_light) * lc_light_kinds[kind].own_size;
 }
-static inline lc_spot_rec *lc_node_spot(const lc_tree_data *t, uint32_t node)
+static inline void *lc_node_own(const lc_tree_data *t, lc_light_kind kind, uint32_t node)
 {
-    return &t->node_spot[node - t->first_spot_node];
+    return (char *)t->own[kind].node + (node - t->own[kind].first_node) * lc_light_kinds[kind].own_size;
 }
 
 /* Checks partition, boxes, cones, sums, links, representatives; NULL when all hold, else what does not. */

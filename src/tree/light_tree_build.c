@@ -1,7 +1,7 @@
 /* light_tree_build.c - the arrays of a light tree: made, filled by the builders, counted, freed. */
 #include "tree/light_tree.h"
 
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "tree/tree_build.h"
 #include "tree/tree_fill.h"
 
@@ -46,19 +46,22 @@ static size_t n_all_reps(const lc_light_tree *t)
     return t->n_reps > 1 ? (size_t)t->n_nodes * t->n_reps : 0;
 }
 
-static uint32_t n_spot_nodes(const lc_light_tree *t)
-{
-    return t->first_node[LC_LIGHT_SPOT + 1] - t->first_node[LC_LIGHT_SPOT];
-}
+static uint32_t n_nodes_of(const lc_light_tree *t, int kind) { return t->first_node[kind + 1] - t->first_node[kind]; }
 
-static bool alloc_spots(lc_light_tree *t, const lc_light_tree_desc *desc)
+/* Records of the kinds' own. */
+static bool alloc_own(lc_light_tree *t)
 {
-    t->data.first_spot_node = t->first_node[LC_LIGHT_SPOT];
-    t->data.first_spot_light = t->first_light[LC_LIGHT_SPOT];
-    t->data.spot_maps = desc->spot_maps;
-    t->data.node_spot = lc_alloc(t->ctx, n_spot_nodes(t), sizeof *t->data.node_spot);
-    t->data.light_spot = lc_alloc(t->ctx, t->n_of_kind[LC_LIGHT_SPOT], sizeof *t->data.light_spot);
-    return t->data.node_spot && t->data.light_spot;
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+        lc_own *own = &t->data.own[kind];
+        const size_t size = lc_light_kinds[kind].own_size;
+        own->first_node = t->first_node[kind];
+        own->first_light = t->first_light[kind];
+        if (!size || !t->n_of_kind[kind]) continue;
+        own->node = lc_alloc(t->ctx, n_nodes_of(t, kind), size);
+        own->light = lc_alloc(t->ctx, t->n_of_kind[kind], size);
+        if (!own->node || !own->light) return false;
+    }
+    return true;
 }
 
 /* Counts the lights and makes room. */
@@ -68,7 +71,7 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     for (size_t i = 0; i < desc->n_lights; i++) {
         const lc_light *l = &desc->lights[i];
         t->n_of_kind[l->kind]++;
-        other |= l->kind <= LC_LIGHT_ORIENTED && !lc_inverse_square(l->atten);
+        other |= lc_is_attenuated(l->kind) && !lc_inverse_square(l->atten);
     }
     for (int k = 0; k < LC_LIGHT_KINDS; k++) {
         uint32_t n = t->n_of_kind[k];
@@ -83,7 +86,8 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     if (!t->data.nodes || !t->data.lights) return LC_ERR_MEMORY;
     if (t->n_reps > 1 && !(t->reps = lc_alloc_raw(t->ctx, n_all_reps(t), sizeof *t->reps)))
         return LC_ERR_MEMORY;
-    if (t->n_of_kind[LC_LIGHT_SPOT] && !alloc_spots(t, desc)) return LC_ERR_MEMORY;
+    t->data.spot_maps = desc->spot_maps;
+    if (!alloc_own(t)) return LC_ERR_MEMORY;
     if (!other) return LC_OK;
     t->data.node_atten = lc_alloc(t->ctx, t->n_nodes, sizeof *t->data.node_atten);
     t->data.light_atten = lc_alloc(t->ctx, t->n_lights, sizeof *t->data.light_atten);
@@ -115,8 +119,10 @@ void lc_light_tree_destroy(lc_light_tree *t)
     lc_free(t->ctx, t->data.lights, t->n_lights, sizeof *t->data.lights);
     lc_free(t->ctx, t->data.node_atten, t->n_nodes, sizeof *t->data.node_atten);
     lc_free(t->ctx, t->data.light_atten, t->n_lights, sizeof *t->data.light_atten);
-    lc_free(t->ctx, t->data.node_spot, n_spot_nodes(t), sizeof *t->data.node_spot);
-    lc_free(t->ctx, t->data.light_spot, t->n_of_kind[LC_LIGHT_SPOT], sizeof *t->data.light_spot);
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+        lc_free(t->ctx, t->data.own[kind].node, n_nodes_of(t, kind), lc_light_kinds[kind].own_size);
+        lc_free(t->ctx, t->data.own[kind].light, t->n_of_kind[kind], lc_light_kinds[kind].own_size);
+    }
     lc_free(t->ctx, t->reps, n_all_reps(t), sizeof *t->reps);
     lc_free(t->ctx, t, 1, sizeof *t);
 }
@@ -125,7 +131,8 @@ size_t lc_light_tree_bytes(const lc_light_tree *t)
 {
     size_t node = sizeof *t->data.nodes + (t->data.node_atten ? sizeof(lc_atten) : 0);
     size_t light = sizeof *t->data.lights + (t->data.light_atten ? sizeof(lc_atten) : 0);
-    size_t spot = (t->data.node_spot ? n_spot_nodes(t) + (size_t)t->n_of_kind[LC_LIGHT_SPOT] : 0) *
-                  sizeof(lc_spot_rec);
-    return t->n_nodes * node + n_all_reps(t) * sizeof *t->reps + t->n_lights * light + spot;
+    size_t own = 0;
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        own += ((size_t)n_nodes_of(t, kind) + t->n_of_kind[kind]) * lc_light_kinds[kind].own_size;
+    return t->n_nodes * node + n_all_reps(t) * sizeof *t->reps + t->n_lights * light + own;
 }

@@ -18,7 +18,7 @@ typedef struct {
     float lo[3], hi[3];   /* positions; directional: towards the light */
     float dlo[3], dhi[3]; /* oriented, spot: emission directions */
     float atten[3];
-    float spot[2];        /* least cos_total, cos_start */
+    float least[LC_OWN_FLOATS]; /* of what the kind has of its own */
     double power[3];
     double len2_min, len2_max; /* oriented, spot: squared length of the directions, 1 but for rounding */
 } sums;
@@ -88,13 +88,10 @@ static void sums_of_light(sums *s, const lc_light_tree *t, uint32_t light)
         s->atten[k] = atten[k];
         s->power[k] = (double)l->intensity[k];
     }
-    if (!lc_is_aimed(lc_kind_of_light(t, light))) return;
+    const lc_light_kind kind = lc_kind_of_light(t, light);
+    if (lc_light_kinds[kind].own_size) lc_light_kinds[kind].least_of_own(lc_light_own(&t->data, kind, light), s->least);
+    if (!lc_is_aimed(kind)) return;
     lc_f3 d = direction(l);
-    if (lc_kind_of_light(t, light) == LC_LIGHT_SPOT) {
-        const lc_spot_rec *spot = lc_light_spot(&t->data, light);
-        s->spot[0] = spot->cos_total;
-        s->spot[1] = spot->cos_start;
-    }
     lc_f3_store(s->dlo, d);
     lc_f3_store(s->dhi, d);
     s->len2_min = s->len2_max = (double)d.x * d.x + (double)d.y * d.y + (double)d.z * d.z;
@@ -116,7 +113,7 @@ static void join(sums *s, const sums *a, const sums *b)
         s->atten[k] = min_f(a->atten[k], b->atten[k]);
         s->power[k] = a->power[k] + b->power[k];
     }
-    for (int k = 0; k < 2; k++) s->spot[k] = min_f(a->spot[k], b->spot[k]);
+    for (int k = 0; k < LC_OWN_FLOATS; k++) s->least[k] = min_f(a->least[k], b->least[k]);
     s->len2_min = fmin(a->len2_min, b->len2_min);
     s->len2_max = fmax(a->len2_max, b->len2_max);
 }
@@ -227,22 +224,18 @@ static const char *check_atten(const float *least, const sums *s)
     return NULL;
 }
 
-/* That a spot's width is what its cosines say is checked of nodes and lights alike. */
-static bool spot_is(const lc_spot_rec *rec, const float cosines[2])
+/* The records that lights have of their kinds' own. */
+static const char *check_own(const lc_light_tree *t)
 {
-    lc_spot_rec want;
-    lc_spot_rec_init(&want, cosines[0], cosines[1], rec->map);
-    return cosines[0] >= -2 && cosines[1] >= cosines[0] && cosines[1] <= 1 &&
-           !memcmp(&want, rec, sizeof want);
-}
-
-static const char *check_spots(const lc_light_tree *t)
-{
-    for (uint32_t i = 0; i < t->n_of_kind[LC_LIGHT_SPOT]; i++) {
-        const lc_spot_rec *rec = &t->data.light_spot[i];
-        if (!spot_is(rec, (const float[2]){ rec->cos_total, rec->cos_start }))
-            return "a spot's profile is wrong";
-        if (rec->map && !t->data.spot_maps) return "a spot has a map that is not there";
+    for (uint32_t i = 0; i < t->n_lights; i++) {
+        const lc_light_kind kind = lc_kind_of_light(t, i);
+        const lc_light_kind_info *info = &lc_light_kinds[kind];
+        float least[LC_OWN_FLOATS];
+        if (!info->own_size) continue;
+        const void *own = lc_light_own(&t->data, kind, i);
+        info->least_of_own(own, least);
+        const char *wrong = info->check_own(own, least, t->data.spot_maps != NULL);
+        if (wrong) return wrong;
     }
     return NULL;
 }
@@ -259,9 +252,9 @@ static const char *check_node(check *c, uint32_t id, uint32_t *stack)
     const char *wrong = check_power(b, s);
     if (!wrong) wrong = check_box(b, s);
     if (!wrong && lc_is_aimed(kind)) wrong = check_cone(c, id, stack);
-    if (!wrong && kind == LC_LIGHT_SPOT && !spot_is(lc_node_spot(&t->data, id), s->spot))
-        wrong = "a node's least spot is wrong";
-    if (!wrong && kind <= LC_LIGHT_ORIENTED)
+    const lc_light_kind_info *info = &lc_light_kinds[kind];
+    if (!wrong && info->own_size) wrong = info->check_own(lc_node_own(&t->data, kind, id), s->least, t->data.spot_maps != NULL);
+    if (!wrong && lc_is_attenuated(kind))
         wrong = check_atten(t->data.node_atten ? t->data.node_atten[id] : NULL, s);
     return wrong;
 }
@@ -299,7 +292,7 @@ static const char *check_counts(const lc_light_tree *t)
 const char *lc_light_tree_validate(const lc_light_tree *t)
 {
     const char *wrong = check_counts(t);
-    if (!wrong) wrong = check_spots(t);
+    if (!wrong) wrong = check_own(t);
     if (wrong || !t->n_lights) return wrong;
     size_t n = t->n_nodes, room = n + 1;
     check c = { .t = t };

@@ -89,7 +89,7 @@ static const lc_light *light_of(const builder *b, uint32_t i)
 
 static lc_f3 place_of(const lc_light *l)
 {
-    return l->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
+    return lc_is_far(l->kind) ? lc_f3_neg(l->dir) : l->pos;
 }
 
 static double power_of(const lc_light *l)

@@ -14,7 +14,7 @@
 #include "base/rng.h"
 #include "shade/cluster.h"
 #include "shade/dir_pack.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 
 #include <string.h>
 
@@ -161,9 +161,9 @@ static void fill_light(const filler *f, uint32_t build, uint32_t light, sums *s)
     lc_light_rec_init(rec, &l);
     if (lc_is_aimed(l.kind)) l.dir = lc_dir_unpack((const uint32_t[2]){ rec->dir_a, rec->dir_b });
     lc_tree_data *d = &f->t->data;
-    if (l.kind == LC_LIGHT_SPOT)
-        lc_spot_rec_init(lc_light_spot(d, light), l.spot.cos_total, l.spot.cos_start, l.spot.map);
-    else if (d->light_atten) memcpy(d->light_atten[light], l.atten, sizeof l.atten);
+    const lc_light_kind_info *kind = &lc_light_kinds[l.kind];
+    if (kind->own_size) kind->light_own(lc_light_own(d, l.kind, light), &l);
+    if (d->light_atten && lc_is_attenuated(l.kind)) memcpy(d->light_atten[light], l.atten, sizeof l.atten);
     lc_cluster_from_light(&s->c, &l);
     s->hash = lc_mix(scene);
 }
@@ -219,7 +219,8 @@ static void fill_node(const filler *f, batch *b, uint32_t at)
     s->hash = x < y ? lc_hash2(x, y) : lc_hash2(y, x);
     lc_cluster_store(&s->c, node, f->t->data.node_atten ? &f->t->data.node_atten[e->id] : NULL);
     lc_tree_data *d = &f->t->data;
-    if (s->c.kind == LC_LIGHT_SPOT) lc_spot_rec_init(lc_node_spot(d, e->id), s->c.spot[0], s->c.spot[1], 0);
+    const lc_light_kind_info *kind = &lc_light_kinds[s->c.kind];
+    if (kind->own_size) kind->node_own(lc_node_own(d, s->c.kind, e->id), s->c.least);
     choose_reps(f, b, at, child, link);
 }
 

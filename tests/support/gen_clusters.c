@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "shade/cluster.h"
 #include "shade/dir_pack.h"
-#include "shade/shade.h"
+#include "shade/point_init.h"
 #include "support/one_bound.h"
 #include "support/ref_bounds.h"
 
@@ -319,7 +319,7 @@ static void make_fresnel(gen_src *s, gen_case *c, gen_style style)
 
 static void make_rough(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
 {
-    c->mat.gloss = brdf >= GEN_GGX_ISO ? LC_GLOSS_GGX : LC_GLOSS_WARD;
+    c->mat.lobe = brdf >= GEN_GGX_ISO ? LC_LOBE_GGX : LC_LOBE_WARD;
     c->mat.roughness[0] = c->mat.roughness[1] = roughness(s, style);
     if (brdf == GEN_WARD_ANISO || brdf == GEN_GGX_ANISO) c->mat.roughness[1] = roughness(s, style);
     d3 n = from_f3(c->normal), t = style == GEN_ORDINARY ? sphere(s) : direction(s);
@@ -327,7 +327,7 @@ static void make_rough(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
     if (how == 1) t = n;
     if (how == 2) t = across(s, n);
     if (how < 3) c->mat.tangent = unit_f3(t);
-    if (c->mat.gloss == LC_GLOSS_GGX) make_fresnel(s, c, style);
+    if (c->mat.lobe == LC_LOBE_GGX) make_fresnel(s, c, style);
 }
 
 static void make_material(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
@@ -503,7 +503,7 @@ float gen_bound(const lc_cluster *c, const lc_node *node, const lc_atten *atten,
 {
     lc_spot_rec spot;
     if (c->kind != LC_LIGHT_SPOT) return lc_bound(node, lc_inverse_square(*atten) ? NULL : atten, c->kind, p);
-    lc_spot_rec_init(&spot, c->spot[0], c->spot[1], 0);
+    lc_spot_rec_init(&spot, c->least[0], c->least[1], 0);
     return lc_bound_spots(node, &spot, p);
 }
 
@@ -707,12 +707,12 @@ void gen_case_print(const gen_case *c)
     print3("ks", c->mat.ks);
     printf("    exponent %a (%.9g)  min_d2 %a (%.9g)  order %llu\n", (double)c->mat.exponent,
            (double)c->mat.exponent, (double)c->min_d2, (double)c->min_d2, (unsigned long long)c->order);
-    if (c->mat.gloss == LC_GLOSS_GGX) {
+    if (c->mat.lobe == LC_LOBE_GGX) {
         printf("    ggx, fresnel %d, coat %d\n", (int)c->mat.fresnel, c->mat.coat);
         print3("eta", c->mat.eta);
         print3("k", c->mat.k);
     }
-    if (c->mat.gloss != LC_GLOSS_PHONG) {
+    if (c->mat.lobe != LC_LOBE_PHONG) {
         printf("    roughness %a %a (%.9g %.9g)\n", (double)c->mat.roughness[0], (double)c->mat.roughness[1],
                (double)c->mat.roughness[0], (double)c->mat.roughness[1]);
         print3("tangent", c->mat.tangent);

@@ -1,7 +1,8 @@
-/* one_bound.c - one node at a time, for tests. */
+/* one_bound.c - one node and one light at a time, by the scalar kernels. */
 #include "support/one_bound.h"
 
 #include "isa/isa.h"
+#include "shade/point_init.h"
 
 #include <string.h>
 
@@ -23,7 +24,23 @@ float lc_bound_spots(const lc_node *node, const lc_spot_rec *spot, const lc_poin
     float ub[LC_LANES];
     lc_node n = *node;
     lc_spot_rec s = *spot;
-    const lc_tree_data tree = { .nodes = &n, .node_spot = &s };
+    const lc_tree_data tree = { .nodes = &n, .own[LC_LIGHT_SPOT].node = &s };
     lc_kernels_scalar.shade.bounds(&tree, &index, 1, LC_LIGHT_SPOT, point, ub);
     return ub[0];
+}
+
+lc_f3 lc_shade_light(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten)
+{
+    return lc_estimate_one(&lc_kernels_scalar.shade, p, kind, light, atten);
+}
+
+lc_f3 lc_shade_spot(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot, const lc_spot_map *spot_maps)
+{
+    float to[6][LC_LANES];
+    float *const out[6] = { to[0], to[1], to[2], to[3], to[4], to[5] };
+    lc_light_rec rec = *light;
+    lc_spot_rec s = *spot;
+    const lc_tree_data tree = { .lights = &rec, .own[LC_LIGHT_SPOT].light = &s, .spot_maps = spot_maps };
+    lc_kernels_scalar.shade.estimate(&tree, 0, NULL, 1, LC_LIGHT_SPOT, p, out);
+    return lc_f3_make(to[0][0], to[1][0], to[2][0]);
 }

@@ -7,11 +7,17 @@
 #ifndef LC_BOUNDS_H
 #define LC_BOUNDS_H
 
+#include "shade/light_spot.h"
 #include "shade/tree_data.h"
 
 /* Bound of one node. atten: least A, B, C of its members, or NULL where all are 0, 0, 1. */
 float lc_bound(const lc_node *node, const lc_atten *atten, lc_light_kind kind, const lc_point *point);
 /* The same of spots. */
 float lc_bound_spots(const lc_node *node, const lc_spot_rec *spot, const lc_point *point);
+
+/* M G of one light, R G B, without visibility. atten: A, B, C, or NULL for 0, 0, 1. */
+lc_f3 lc_shade_light(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten);
+/* The same of a spot; spot_maps: those of the scene, or NULL. */
+lc_f3 lc_shade_spot(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot, const lc_spot_map *spot_maps);
 
 #endif

@@ -79,7 +79,7 @@ static void make_rough(ref_point *r, const double n[3], const double o[3], const
         r->tangent[0][k] = x[k] / a[0];
         r->tangent[1][k] = y[k] / a[1];
         r->specular[k] = ks / (4 * LC_PI * a[0] * a[1] * sqrt(fmax(dot3(n, o), (double)LC_WARD_MIN_COS)));
-        if (m->gloss == LC_GLOSS_GGX) r->specular[k] = ks / (2 * LC_PI * a[0] * a[1]);
+        if (m->lobe == LC_LOBE_GGX) r->specular[k] = ks / (2 * LC_PI * a[0] * a[1]);
         if (!m->coat) continue;
         double kd = r->diffuse[k] * LC_PI;
         r->diffuse[k] *= (1 - ref_dielectric(eta, dot3(n, o))) / (eta * eta * (1 - kd * fi)) *
@@ -102,7 +102,7 @@ void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m)
         r->diffuse[k] = kd[k] / LC_PI;
         r->specular[k] = ks[k] * ((double)m->exponent + 2) / (2 * LC_PI);
     }
-    if (m->gloss != LC_GLOSS_PHONG) make_rough(r, nn, o, m);
+    if (m->lobe != LC_LOBE_PHONG) make_rough(r, nn, o, m);
 }
 
 /* ---- transfer ---- */

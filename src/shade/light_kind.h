@@ -1,0 +1,57 @@
+/* light_kind.h - what the home of a kind of light (light_NAME.h) provides, and the table that the rest of the code asks.
+ *
+ * Such a home has up to three parts: types that others use; below `#ifdef LC_TABLE_PARTS`, for light_kind.c alone, its functions and
+ * LC_LIGHT_INFO_NAME, its line of the table; below `#ifdef LC_KERNEL_PARTS`, for the kernels, NAME_emission and NAME_emission_bound.
+ */
+#ifndef LC_LIGHT_KIND_H
+#define LC_LIGHT_KIND_H
+
+#include "shade/light.h"
+
+#include <string.h>
+
+/* What clusters keep of a kind's own: the least of each over all members. */
+#define LC_OWN_FLOATS 2
+#define LC_OWN_BYTES 16 /* of a kind's own record, at most */
+
+struct lc_spot_map; /* light_spot.h */
+
+/* What an emission is drawn by. */
+typedef struct lc_emit_from {
+    double u[2];              /* 0 <= u < 1 */
+    double centre[3], radius; /* of a ball around the scene, world space */
+    const struct lc_spot_map *spot_maps;
+} lc_emit_from;
+
+/* A ray that a light emits. */
+typedef struct lc_emitted {
+    lc_f3 org, dir;
+    /* Factors of the intensity times NAME_flux: emission in this direction over the density of drawing it. */
+    float weight;
+    lc_f3 colour;
+} lc_emitted;
+
+typedef struct lc_light_kind_info {
+    const char *name; /* in statistics and explanations */
+    /* Flux of intensity 1, W: what a light of the kind gives to a scene in a ball of this radius. */
+    double (*flux)(const lc_light *light, double radius);
+    void (*emit)(const lc_light *light, const lc_emit_from *from, lc_emitted *out);
+    /* With LC_LIGHT_OWN. */
+    size_t own_size;                                             /* bytes of a record */
+    const char *(*check)(const lc_light *light, size_t n_maps);  /* what is wrong with the kind's own part; NULL: nothing */
+    void (*least)(const lc_light *light, float least[LC_OWN_FLOATS]);
+    void (*light_own)(void *rec, const lc_light *light);
+    void (*node_own)(void *rec, const float least[LC_OWN_FLOATS]);
+    const char *(*check_own)(const void *rec, const float least[LC_OWN_FLOATS], bool has_maps); /* of a tree; NULL: right */
+    void (*least_of_own)(const void *rec, float least[LC_OWN_FLOATS]);
+} lc_light_kind_info;
+
+extern const lc_light_kind_info lc_light_kinds[LC_LIGHT_KINDS];
+
+/* A start off the light along `way`, so that the ray does not meet what the light lies on. */
+static inline lc_f3 lc_emit_clear(const lc_light *light, lc_f3 way)
+{
+    return lc_f3_add(light->pos, lc_f3_scale(way, 10 * 0x1p-23f * lc_f3_max_abs(light->pos)));
+}
+
+#endif

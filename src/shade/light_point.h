@@ -1,0 +1,54 @@
+/* light_point.h - lights that shine from a point in all directions: G = 1 / f(d), intensity in W/sr.
+ */
+#ifndef LC_LIGHT_POINT_H
+#define LC_LIGHT_POINT_H
+
+#include "shade/light_kind.h"
+
+#endif
+
+#ifdef LC_TABLE_PARTS
+
+static double point_flux(const lc_light *light, double radius)
+{
+    (void)light;
+    (void)radius;
+    return 4 * LC_PI;
+}
+
+static void point_emit(const lc_light *light, const lc_emit_from *from, lc_emitted *out)
+{
+    double z = 1 - 2 * from->u[0], sine, cosine, r = sqrt(fmax(1 - z * z, 0));
+    lc_sincos_deg(360 * from->u[1], &sine, &cosine);
+    out->dir = lc_f3_normalize_d(r * cosine, r * sine, z);
+    out->weight = 1;
+    out->colour = lc_f3_make(1, 1, 1);
+    out->org = lc_emit_clear(light, out->dir);
+}
+
+#define LC_LIGHT_INFO_point .name = "point", .flux = point_flux, .emit = point_emit
+
+#endif
+
+#ifdef LC_KERNEL_PARTS
+
+/* Shines the same in all directions in which it shines. */
+LC_INLINE vf point_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3], vf tint[3])
+{
+    (void)t;
+    (void)light;
+    (void)d;
+    (void)tint;
+    (void)cos_phi;
+    return vf_set(1);
+}
+
+LC_INLINE vf point_emission_bound(const lc_tree_data *t, const uint32_t *node, vf e)
+{
+    (void)t;
+    (void)node;
+    (void)e;
+    return vf_set(1);
+}
+
+#endif

@@ -1,0 +1,36 @@
+/* lobe.c - the table of the lobes, and the frame that they have in common. */
+#include "shade/lobe.h"
+
+#include "shade/coat.h"
+#include "shade/fresnel.h"
+
+static float no_less(float a, float least) { return a > least ? a : least; }
+
+/* A unit vector across n: along `wish` where that has a direction along the surface, else across the axis
+ * that n is farthest from. */
+static lc_f3 tangent_of(lc_f3 n, lc_f3 wish)
+{
+    float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
+    lc_f3 t = lc_f3_sub(wish, lc_f3_scale(n, lc_f3_dot(n, wish)));
+    lc_f3 axis = lc_f3_make(x <= y && x <= z, y < x && y <= z, z < x && z < y);
+    return lc_f3_normalize(lc_f3_dot(t, t) > 1e-4f ? t : lc_f3_cross(axis, n));
+}
+
+static void init_frame(lc_point *p, lc_f3 n, lc_f3 unit, lc_f3 view, const lc_material *m)
+{
+    float ax = m->roughness[0], ay = m->roughness[1], cos_o = lc_f3_dot(n, view);
+    lc_f3 tx = lc_f3_scale(unit, 1 / ax), ty = lc_f3_scale(lc_f3_cross(n, unit), 1 / ay);
+    lc_f3_store(p->tangent[0], tx);
+    lc_f3_store(p->tangent[1], ty);
+    lc_f3_store(p->view, lc_f3_make(lc_f3_dot(tx, view), lc_f3_dot(ty, view), no_less(cos_o, 0)));
+    p->sharp = (1 + 0x1p-20f) / (ax < ay ? ax : ay);
+}
+
+#define LC_TABLE_PARTS
+#include "shade/lobes.h"
+
+const lc_lobe_info lc_lobes[LC_LOBES] = {
+#define LOBE(ID, name) [LC_LOBE_##ID] = { #name, name##_init, name##_albedo, name##_check },
+#include "shade/lobes.h"
+#undef LOBE
+};

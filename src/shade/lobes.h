@@ -1,0 +1,13 @@
+/* lobes.h - the lobes of reflection beside the diffuse one, a line each. No guard: it is included wherever something is wanted of all.
+ *
+ *     LOBE(ID, name)    shade/lobe_NAME.h is its home: all that the lobe is stands there
+ */
+#ifdef LOBE
+LOBE(PHONG, phong)
+LOBE(WARD, ward)
+LOBE(GGX, ggx)
+#else
+#include "shade/lobe_ggx.h"
+#include "shade/lobe_phong.h"
+#include "shade/lobe_ward.h"
+#endif
