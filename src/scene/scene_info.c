@@ -1,4 +1,4 @@
-/* scene_info.c - what a scene is made of, as lightcuts.h gives it. */
+/* scene_info.c - the public queries about a scene: counts, timings, notes, features. */
 #include "lightcuts.h"
 
 #include "scene/instance.h"
@@ -9,7 +9,7 @@
 void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
 {
     static const lc_light_tree none;
-    const lc_light_tree *t = s->tree ? s->tree : &none; /* parsed only */
+    const lc_light_tree *t = s->tree ? s->tree : &none; /* no tree while only parsed */
     *info = (lc_scene_info){
         .n_triangles = s->n_tris,
         .n_vertices = s->n_verts,
