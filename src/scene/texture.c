@@ -184,7 +184,10 @@ static void pattern_mean(const lc_textures *set, const lc_texture *t, double out
         lc_mipmap_mean(&set->images[t->image], out);
         finish_image(t, out);
         return;
-    case LC_TEX_UV: out[0] = out[1] = 0.5, out[2] = 0; return;
+    case LC_TEX_UV:
+        out[0] = out[1] = 0.5;
+        out[2] = 0;
+        return;
     case LC_TEX_MARBLE: memcpy(out, marble, sizeof marble); return;
     case LC_TEX_WRINKLED:
         for (int i = 0; i < t->octaves; i++) v = v * t->roughness + 0.2;
