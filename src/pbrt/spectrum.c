@@ -1,8 +1,8 @@
 /* spectrum.c - spectra by name and from .spd files.
  *
  *     metals         measured optical constants at photon energies in steps of 0.1 eV, from the tables of
- *                    Weaver and Frederikse (CRC Handbook of Chemistry and Physics, 12-111); brass as measured by
- *                    Querry (1985), read off every 50 nm
+ *                    Weaver and Frederikse (CRC Handbook of Chemistry and Physics, 12-111); brass as measured
+ *                    by Querry (1985), read off every 50 nm
  *     MgO, TiO2      the index only, as both absorb no visible light
  *     glass          the index at the helium d line, from the manufacturer's data sheet
  *     illuminants    their CIE 1931 chromaticities (CIE 15:2004); other parameters give a light's strength
