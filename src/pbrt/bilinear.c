@@ -8,7 +8,7 @@
  * becomes a grid of n x n cells, whose distance from the patch is at most the twist |p00 - p10 - p01 + p11| /
  * (4 n^2).
  */
-#include "pbrt/shape.h"
+#include "pbrt/shape_handler.h"
 
 #define MAX_SIDE LC_SIZE(16, 4) /* limits n */
 #define MAX_TRIS (8u << 20)     /* limits the triangles of a shape: its patches then get fewer cells */

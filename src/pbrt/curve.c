@@ -10,7 +10,7 @@
  * A tube with few sides is made thicker, so that its width averaged over all directions is the curve's; by
  * Cauchy that mean is the perimeter over pi.
  */
-#include "pbrt/shape.h"
+#include "pbrt/shape_handler.h"
 
 #include "base/fmath.h"
 

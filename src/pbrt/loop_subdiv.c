@@ -1,5 +1,5 @@
 /* loop_subdiv.c - Shape "loopsubdiv" as triangles. */
-#include "pbrt/shape.h"
+#include "pbrt/shape_handler.h"
 
 #include "pbrt/subdiv.h"
 

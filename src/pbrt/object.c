@@ -7,7 +7,7 @@
  * an object's only instance, and instances whose matrix does not satisfy lc_instance_fits, are copied, too;
  * all others share the object's triangles.
  */
-#include "pbrt/shape.h"
+#include "pbrt/shape_handler.h"
 
 #include "scene/instance.h"
 

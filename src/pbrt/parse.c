@@ -3,7 +3,7 @@
 
 #include "pbrt/attribute.h"
 #include "pbrt/make_texture.h"
-#include "pbrt/shape.h"
+#include "pbrt/shape_handler.h"
 
 #include <stdio.h>
 #include <string.h>

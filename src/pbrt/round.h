@@ -3,7 +3,7 @@
 #ifndef LC_PBRT_ROUND_H
 #define LC_PBRT_ROUND_H
 
-#include "pbrt/shape.h"
+#include "pbrt/shape_handler.h"
 
 typedef struct lc_pbrt_sweep {
     double degrees; /* 0 <= degrees <= 360 */

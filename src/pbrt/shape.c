@@ -5,7 +5,7 @@
  * ReverseOrientation and a mirroring matrix is in force. Normals are transformed by the inverse transpose and
  * negated by ReverseOrientation.
  */
-#include "pbrt/shape.h"
+#include "pbrt/shape_handler.h"
 
 #include "pbrt/make_texture.h"
 #include "pbrt/ply.h"

@@ -2,6 +2,7 @@
 #ifndef LC_SCENE_DESC_H
 #define LC_SCENE_DESC_H
 
+#include "base/vec.h"
 #include "scene/pixel_filter.h"
 #include "scene/texture.h"
 

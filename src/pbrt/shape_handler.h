@@ -1,6 +1,6 @@
-/* shape.h - what the handlers of Shape share: each turns one class of shape into a triangle mesh. */
-#ifndef LC_PBRT_SHAPE_H
-#define LC_PBRT_SHAPE_H
+/* shape_handler.h - what the handlers of Shape share: each turns one class of shape into a triangle mesh. */
+#ifndef LC_PBRT_SHAPE_HANDLER_H
+#define LC_PBRT_SHAPE_HANDLER_H
 
 #include "pbrt/state.h"
 
