@@ -6,18 +6,18 @@
 #include <sys/mman.h>
 
 #define ALIGN 64
-/* ASan maps anew what is larger than 128 KiB: half the time of a small scene. */
+/* Bytes of an arena's chunk. For fuzzers it stays below the 128 KiB from which on ASan maps each block anew,
+ * which takes half the time of a small scene. */
 #define CHUNK LC_SIZE(256u << 10, 16u << 10)
-#define HUGE ((size_t)2 << 20)
+#define HUGE ((size_t)2 << 20) /* bytes of a huge page */
 
 struct lc_arena_chunk {
     lc_arena_chunk *below;
-    size_t size, used; /* bytes, header included */
+    size_t size, used; /* bytes, this header included */
     char pad[ALIGN - 3 * sizeof(size_t)];
 };
 
-/* Large blocks ask for huge pages: shadow rays through a BVH of 50 MB were 15 % faster so, its build up to 40
- * % (Zen 4). */
+/* Asks for huge pages for large blocks; measured: tests/results/shadow-rays.md. */
 static void *libc_alloc(void *user, size_t size, size_t align)
 {
     (void)user;
@@ -27,7 +27,7 @@ static void *libc_alloc(void *user, size_t size, size_t align)
     size = (size + align - 1) / align * align;
     void *p = aligned_alloc(align, size);
 #ifdef MADV_HUGEPAGE
-    if (p && huge) madvise(p, size, MADV_HUGEPAGE); /* no harm where it is refused */
+    if (p && huge) madvise(p, size, MADV_HUGEPAGE); /* may be refused */
 #endif
     return p;
 }
@@ -41,7 +41,7 @@ static void libc_free(void *user, void *ptr, size_t size)
 
 lc_allocator lc_allocator_libc(void) { return (lc_allocator){ libc_alloc, libc_free, NULL }; }
 
-/* Bytes of n elements, SIZE_MAX when that does not fit. */
+/* The bytes of n elements, at least 1; SIZE_MAX if that overflows. */
 static size_t bytes_of(size_t n, size_t size)
 {
     size_t bytes;

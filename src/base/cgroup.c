@@ -1,8 +1,8 @@
-/* cgroup.c - how many processors' worth of time the control groups of this process leave it.
+/* cgroup.c - the CPU quota of this process's control groups, as a number of processors.
  *
- *     version 2    /proc/self/cgroup "0::/a/b"            cpu.max "QUOTA PERIOD" or "max PERIOD" in each
- * folder from there up version 1    "3:cpu,cpuacct:/a/b"                   cpu.cfs_quota_us (-1: none) and
- * cpu.cfs_period_us
+ *                  line of /proc/self/cgroup    files in each folder from /a/b up to the root
+ *     version 2    0::/a/b                      cpu.max: "QUOTA PERIOD" or "max PERIOD"
+ *     version 1    3:cpu,cpuacct:/a/b           cpu.cfs_quota_us (-1: none) and cpu.cfs_period_us
  */
 #include "base/cpu.h"
 
@@ -14,7 +14,7 @@
 
 #define ROOT "/sys/fs/cgroup"
 
-/* The beginning of a small file as text; false: not there. */
+/* Reads the beginning of a file as text; false if it is empty or cannot be read. */
 static bool read_text(const char *path, char *text, size_t size)
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC);
@@ -24,7 +24,7 @@ static bool read_text(const char *path, char *text, size_t size)
     return n > 0;
 }
 
-/* Processors of a quota in time per period, rounded up; 0: no limit. */
+/* The processors that a quota of time per period amounts to, rounded up; 0: no limit. */
 static uint32_t whole(long long quota, long long period)
 {
     if (quota <= 0 || period <= 0 || quota > (long long)LC_MAX_THREADS * period) return 0;
@@ -44,10 +44,11 @@ static uint32_t quota_of_folder(const char *folder, bool v2)
     return read_text(path, text, sizeof text) ? whole(quota, strtoll(text, NULL, 10)) : 0;
 }
 
+/* The smaller limit, where 0 is none. */
 static uint32_t least(uint32_t a, uint32_t b) { return !a || (b && b < a) ? b : a; }
 
-/* The smallest quota from a group up to the root; a group that is not to be seen, as in a container, is
- * passed over. */
+/* The smallest quota of a group and all groups above it. Groups whose folder is not visible, as in a
+ * container, are skipped. */
 static uint32_t quota_of_group(const char *root, const char *controller, char *group, bool v2)
 {
     char folder[1100];

@@ -1,4 +1,4 @@
-/* cpu.c - asks the scheduler. */
+/* cpu.c - the processors of the scheduler's affinity mask, limited by the control groups' quota. */
 #include "base/cpu.h"
 
 #include <sched.h>

@@ -1,4 +1,4 @@
-/* decimal.c - see decimal.h. */
+/* decimal.c - exact conversion in 64- and 128-bit integers where possible, else by the C library. */
 #include "base/decimal.h"
 
 #include <locale.h>
@@ -7,8 +7,8 @@
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 typedef struct decimal {
-    uint64_t digits; /* of the mantissa */
-    int n_digits;    /* significant ones; above 19 `digits` is not exact */
+    uint64_t digits; /* the first 19 significant digits as an integer */
+    int n_digits;    /* significant digits; above 19, `digits` is not exact */
     int exp10;       /* value = digits * 10^exp10 */
 } decimal;
 
@@ -71,10 +71,10 @@ static const uint64_t whole_tens[20] = {
     10000000000000000000u,
 };
 
-/* w / 10^k to the nearest double, w > 0 and k = 1..38. The quotient of w, shifted to 127 bits, has 62 bits or
- * more, so a remainder may stand for its last one: that is below the bit that decides the rounding. More than
- * 19 tens are divided by in two steps, the first to 126 bits again: floor(floor(x / a) / b) = floor(x / ab).
- */
+/* w / 10^k to the nearest double, w > 0 and k = 1..38. w is shifted to 127 bits, so the quotient has at least
+ * 62 bits and a nonzero remainder can be recorded in the last of them, below the bit that decides the
+ * rounding. For k > 19 the division takes two steps, the first to 126 bits again: floor(floor(x / a) / b) =
+ * floor(x / (a b)). */
 static double quotient(uint64_t w, int k)
 {
     int up = __builtin_clzll(w);
@@ -94,8 +94,9 @@ static double quotient(uint64_t w, int k)
     return (double)q * scale;
 }
 
-/* *v = w * 10^e to the nearest double, or false. Up to 2^53 and 22 tens both parts are exact in double, so
- * one division or product rounds once (Clinger 1990). */
+/* Sets *v to the double nearest to w * 10^e; false if e is out of range. Up to w = 2^53 and |e| = 22 both
+ * factors are exact in double, so a single product or division rounds once (Clinger 1990, "How to read
+ * floating point numbers accurately"). */
 static bool scaled(uint64_t w, int e, double *v)
 {
     static const double tens[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
@@ -109,8 +110,7 @@ static bool scaled(uint64_t w, int e, double *v)
     return true;
 }
 
-/* The nearest double; what pure 64-bit arithmetic can't do is the C library's, in the C locale whatever the
- * program's is. */
+/* The nearest double: by `scaled` if it can, else by the C library in the C locale. */
 static double to_double(const char *text, const decimal *dec)
 {
     double v;
@@ -130,7 +130,7 @@ bool lc_decimal_parse(const char *text, size_t n, double *out)
     return true;
 }
 
-/* Reads digits, adds them to *w and returns what follows. *w is right for 19 digits. */
+/* Appends digits to *w, which is exact for up to 19, and returns the position behind them. */
 static const char *digits(const char *p, uint64_t *w)
 {
     for (; is_digit(*p); p++) *w = *w * 10 + (uint64_t)(*p - '0');

@@ -1,5 +1,5 @@
-/* digest.c - see digest.h. A word is mixed in by a product with an odd constant and a shift, each of which
- * can be undone, so two words that differ never lead to the same state. */
+/* digest.c - mixes words of 64 bits into the hash. The product with an odd constant and the xor with a shift
+ * are invertible, so from one state two different words never lead to the same state. */
 #include "base/digest.h"
 
 #include <string.h>

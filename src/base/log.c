@@ -1,11 +1,10 @@
-/* log.c - the one place where log lines are made. */
+/* log.c - formats log lines and makes them safe to print. */
 #include "base/context.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 
-/* Bytes of the well-formed UTF-8 character at p that a terminal may be given, 0: what is there is none, or
- * controls it. */
+/* The length of the UTF-8 character at p; 0 if it is malformed or a control character. */
 static size_t printable(const unsigned char *p)
 {
     size_t n = *p < 0x80                 ? 1
@@ -19,7 +18,8 @@ static size_t printable(const unsigned char *p)
     return n;
 }
 
-/* File names and scenes may hold anything, also what would make a terminal obey. */
+/* Replaces everything else: file names and scenes are not trusted and might hold a terminal's control
+ * sequences. */
 static void clean(char *text)
 {
     for (size_t n; *text; text += n ? n : 1)

@@ -1,9 +1,13 @@
-/* morton.c - codes of 63 bits and two sorts, both stable: for many points radix, least digit first, each pass
- * counting the digits of every chunk and then moving chunks to where they go, so that neither chunks nor
- * threads matter; for fewer merging.
+/* morton.c - sorts points by Morton codes of 63 bits, level by level.
  *
- * Runs of equal codes become the work of the next level, in a cube of their own. That is at most 2^-21 as
- * large and no float is below 2^-149, so levels are few. */
+ *     run of points -> cube around it -> codes -> stable sort -> runs of equal codes: the next level's
+ *
+ * A run of at most CHUNK points is merge sorted by one thread. A longer one is radix sorted by all threads,
+ * least digit first: each pass counts the digits in every chunk, then moves every chunk's points to their
+ * final positions, so the result depends neither on chunks nor on threads.
+ *
+ * A run's cube has at most 2^-21 the side of the one before, and no float is below 2^-149, so levels are few.
+ */
 #include "base/morton.h"
 
 #include "base/pool.h"
@@ -12,8 +16,8 @@
 
 #define DIGIT_BITS 11
 #define DIGITS (1u << DIGIT_BITS)
-#define CHUNK 32768 /* points that a thread takes at a time; longer runs are for all threads */
-#define CELLS 0x1p21
+#define CHUNK 32768  /* points that a thread takes at a time; longer runs are sorted by all threads */
+#define CELLS 0x1p21 /* of a cube along each axis */
 
 typedef struct {
     uint32_t first, n;
@@ -25,17 +29,17 @@ typedef struct {
     const void *user;
     uint64_t *code[2];
     uint32_t *index[2];
-    run *runs, *next;  /* of this level, of the next */
+    run *runs, *next;          /* of this level, of the next level */
     size_t n_runs, n_next, cap_runs, cap_next;
-    /* of the long run in work: */
+    /* For the long run that is being sorted: */
     run part;
     lc_box box;
-    lc_box *boxes;     /* of its chunks */
-    uint32_t shift, from;
-    uint32_t (*count)[DIGITS]; /* of each chunk; then where its first of a digit goes */
+    lc_box *boxes;             /* of its chunks */
+    uint32_t shift, from;      /* the current digit; which of code[] and index[] holds the points */
+    uint32_t (*count)[DIGITS]; /* per chunk: the number of each digit, then the position of the next */
 } sorter;
 
-/* 21 bits to every third of 63. */
+/* Moves the 21 low bits to every third of 63 bits. */
 static uint64_t spread(uint64_t x)
 {
     x = (x | x << 32) & 0x001f00000000ffff;
@@ -65,7 +69,7 @@ static uint64_t cell(double x, double lo, double scale)
     return at < CELLS - 1 ? (uint64_t)at : (uint64_t)CELLS - 1;
 }
 
-/* side > 0 */
+/* Computes the codes of a run. The box must have a side > 0. */
 static void make_codes(const sorter *s, run r, const lc_box *box)
 {
     const double scale = CELLS / side_of(box);
@@ -105,7 +109,7 @@ static void sort_run(void *user, uint32_t thread, uint64_t item)
     if (r->n > CHUNK) return;
     lc_box box = box_of(s, *r);
     if (!(side_of(&box) > 0)) {
-        r->n = 0; /* one point */
+        r->n = 0; /* all points are the same */
         return;
     }
     make_codes(s, *r, &box);
@@ -163,7 +167,7 @@ static void move_chunk(void *user, uint32_t thread, uint64_t chunk)
     }
 }
 
-/* Counts to positions; false when one digit has all. */
+/* Turns counts into positions; false if all points have the same digit. */
 static bool place_digits(const sorter *s, uint32_t n_chunks)
 {
     uint32_t at = s->part.first;
@@ -193,7 +197,7 @@ static void sort_long_run(sorter *s, run *r)
     lc_parallel(s->ctx, n_chunks, code_chunk, s);
     for (s->from = s->shift = 0; s->shift < 63; s->shift += DIGIT_BITS) {
         lc_parallel(s->ctx, n_chunks, count_digits, s);
-        if (!place_digits(s, n_chunks)) continue; /* all have this digit */
+        if (!place_digits(s, n_chunks)) continue;
         lc_parallel(s->ctx, n_chunks, move_chunk, s);
         s->from = !s->from;
     }
@@ -202,6 +206,7 @@ static void sort_long_run(sorter *s, run *r)
 
 /* ---- levels ---- */
 
+/* Appends the runs of equal codes in a sorted run to the next level. */
 static lc_status find_equal(sorter *s, run r)
 {
     const uint64_t *code = s->code[0];
@@ -215,7 +220,7 @@ static lc_status find_equal(sorter *s, run r)
     return LC_OK;
 }
 
-/* Sorts the runs of a level; those that are left become the level's runs. */
+/* Sorts the runs of a level and makes those of the next the current ones. */
 static lc_status sort_level(sorter *s)
 {
     lc_status st = LC_OK;

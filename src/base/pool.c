@@ -1,5 +1,5 @@
-/* pool.c - threads live for one parallel loop; a loop is a whole render or pre-pass, so starting them costs
- * nothing. */
+/* pool.c - parallel loops. Threads are started for each loop: a loop is long, such as a whole render, so the
+ * time to start them does not matter. */
 #include "base/pool.h"
 
 #include "base/arena.h"

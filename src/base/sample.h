@@ -1,12 +1,12 @@
-/* sample.h - well spread points of the unit square: the (0,2)-sequence of van der Corput and Sobol', each
- * with a random digit shift of its own ([Kollig02]). Any 2^k points from a multiple of 2^k on have one in
- * each of 2^k strips and cells. */
+/* sample.h - well distributed points of the unit square: the (0,2)-sequence of van der Corput and Sobol',
+ * each coordinate with its own random digit shift ([Kollig02]). Of any 2^k successive points that start at a
+ * multiple of 2^k, exactly one lies in each elementary interval of area 2^-k. */
 #ifndef LC_SAMPLE_H
 #define LC_SAMPLE_H
 
 #include "base/rng.h"
 
-/* Point i of the sequence that `key` names, 0 <= u < 1. */
+/* Point i of the sequence with this key, 0 <= u < 1. */
 static inline void lc_sample_pair(uint64_t key, uint32_t i, double u[2])
 {
     uint32_t x = (uint32_t)key, y = (uint32_t)(key >> 32);

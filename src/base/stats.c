@@ -1,4 +1,4 @@
-/* stats.c - the clock. */
+/* stats.c - the monotonic clock. */
 #include "base/stats.h"
 
 #include <time.h>

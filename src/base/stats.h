@@ -1,4 +1,5 @@
-/* stats.h - per-thread counters of a render; sums of integers, so any order of joining gives the same. */
+/* stats.h - per-thread counters and timers of a render. The counters are integers, so they may be added in
+ * any order. */
 #ifndef LC_STATS_H
 #define LC_STATS_H
 
@@ -7,12 +8,12 @@
 /* Seconds of a monotonic clock. */
 double lc_now(void);
 
-/* What the time of a render goes to. */
+/* What the time of a render is spent on. */
 typedef enum lc_phase {
-    LC_PHASE_CAMERA,    /* camera rays and what they hit */
-    LC_PHASE_BOUNDS,    /* tree nodes fetched and bounded */
-    LC_PHASE_ESTIMATES, /* transfers of lights */
-    LC_PHASE_HEAP,      /* choosing, placing and summing of clusters */
+    LC_PHASE_CAMERA,    /* camera rays and the evaluation of their hits */
+    LC_PHASE_BOUNDS,    /* error bounds of tree nodes, fetching them included */
+    LC_PHASE_ESTIMATES, /* estimates of lights */
+    LC_PHASE_HEAP,      /* selecting, storing and summing clusters */
     LC_PHASE_SHADOW,    /* shadow rays */
     LC_PHASE_OTHER,
     LC_PHASES
@@ -20,17 +21,18 @@ typedef enum lc_phase {
 
 typedef struct lc_stats {
     uint64_t points, shadow_rays, bounds, camera_rays, at_limit, dark, nonfinite;
-    uint64_t cut_sum;
-    uint64_t glossy; /* of points: those with a lobe */
-    uint64_t proved, proof_tests; /* clusters proved hidden, triangles looked at for that */
+    uint64_t cut_sum; /* sum of the cuts' sizes */
+    uint64_t glossy;  /* points with a lobe beside the diffuse one */
+    uint64_t proved;  /* clusters proved to be occluded */
+    uint64_t proof_tests; /* triangles tested in proofs */
     uint64_t ticks[LC_PHASES], last_tick; /* of the samples that are timed */
     bool timed;
-    bool (*go_on)(
-        void *user); /* NULL, or false: the work is no longer wanted, and what was begun may end unfinished */
+    bool (*go_on)(void *user); /* NULL, or returns false once the render is cancelled: long loops may stop
+                                * then */
     void *go_on_user;
 } lc_stats;
 
-/* A clock of no particular unit, for shares of time only. */
+/* A fast clock without a defined unit, for fractions of time only. */
 static inline uint64_t lc_ticks(void)
 {
 #if defined(__x86_64__)
@@ -40,15 +42,15 @@ static inline uint64_t lc_ticks(void)
 #endif
 }
 
-/* Starts the clock for this sample: for one in sixteen, as reading it a hundred times a point costs some
- * percent. */
+/* Starts timing a sample. Only one sample in sixteen is timed, as reading the clock a hundred times a point
+ * takes a few percent of the time. */
 static inline void lc_phase_start(lc_stats *s)
 {
     s->timed = (s->camera_rays & 15) == 0;
     if (s->timed) s->last_tick = lc_ticks();
 }
 
-/* All time since the last call goes to this phase. */
+/* Adds the time since the last call to this phase. */
 static inline void lc_phase_end(lc_stats *s, lc_phase phase)
 {
     if (!s->timed) return;

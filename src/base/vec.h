@@ -1,4 +1,4 @@
-/* vec.h - three floats and a box of them; scalar, inline. */
+/* vec.h - vectors of three floats, axis-aligned boxes, triangle vertices; scalar and inline. */
 #ifndef LC_VEC_H
 #define LC_VEC_H
 
@@ -17,7 +17,12 @@ typedef struct lc_box {
 
 static inline lc_f3 lc_f3_make(float x, float y, float z) { return (lc_f3){ x, y, z }; }
 static inline lc_f3 lc_f3_load(const float *p) { return (lc_f3){ p[0], p[1], p[2] }; }
-static inline void lc_f3_store(float *p, lc_f3 a) { p[0] = a.x, p[1] = a.y, p[2] = a.z; }
+static inline void lc_f3_store(float *p, lc_f3 a)
+{
+    p[0] = a.x;
+    p[1] = a.y;
+    p[2] = a.z;
+}
 static inline lc_f3 lc_f3_add(lc_f3 a, lc_f3 b) { return (lc_f3){ a.x + b.x, a.y + b.y, a.z + b.z }; }
 static inline lc_f3 lc_f3_sub(lc_f3 a, lc_f3 b) { return (lc_f3){ a.x - b.x, a.y - b.y, a.z - b.z }; }
 static inline lc_f3 lc_f3_mul(lc_f3 a, lc_f3 b) { return (lc_f3){ a.x * b.x, a.y * b.y, a.z * b.z }; }
@@ -34,7 +39,8 @@ static inline lc_f3 lc_f3_cross(lc_f3 a, lc_f3 b)
     return (lc_f3){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
 }
 
-/* Of doubles whose squares neither overflow nor vanish; one rounding to float. Zero stays zero. */
+/* The unit vector along (x, y, z), computed in double and rounded to float once; the zero vector for zero.
+ * Squares of the arguments must neither overflow nor underflow. */
 static inline lc_f3 lc_f3_normalize_d(double x, double y, double z)
 {
     double l = sqrt(x * x + y * y + z * z);
@@ -47,7 +53,7 @@ static inline lc_f3 lc_f3_normalize(lc_f3 a)
     return lc_f3_normalize_d((double)a.x, (double)a.y, (double)a.z);
 }
 
-/* Vertex v (0..2) of a triangle: pos has three floats a vertex, index three entries a triangle. */
+/* Vertex v (0..2) of a triangle. pos: vertices * 3; index: triangles * 3. */
 static inline const float *lc_tri_vertex(const float *pos, const uint32_t *index, size_t tri, size_t v)
 {
     return pos + 3 * (size_t)index[3 * tri + v];

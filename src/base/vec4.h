@@ -1,7 +1,7 @@
-/* vec4.h - four floats at a time for code that is compiled once for all CPUs: SSE2, which every x86-64 has,
- * else plain C. The same bits either way. A box is two of them; what its fourth lanes hold means nothing. */
-#ifndef LC_F4_H
-#define LC_F4_H
+/* vec4.h - vectors of four floats for code that is compiled once for all CPUs: SSE2, which every x86-64 has,
+ * else plain C, with the same bits. A box is two vectors, whose fourth lanes are ignored. */
+#ifndef LC_VEC4_H
+#define LC_VEC4_H
 
 #include "base/base.h"
 
@@ -20,12 +20,12 @@ static inline f4 f4_set(float a) { return _mm_set1_ps(a); }
 static inline f4 f4_add(f4 a, f4 b) { return _mm_add_ps(a, b); }
 static inline f4 f4_sub(f4 a, f4 b) { return _mm_sub_ps(a, b); }
 static inline f4 f4_mul(f4 a, f4 b) { return _mm_mul_ps(a, b); }
-/* b where either is NaN */
+/* Minimum and maximum; b if either is NaN. */
 static inline f4 f4_min(f4 a, f4 b) { return _mm_min_ps(a, b); }
 static inline f4 f4_max(f4 a, f4 b) { return _mm_max_ps(a, b); }
-/* Lanes of a below those of b, as bits. */
+/* Bit k is set if lane k of a is less than that of b. */
 static inline uint32_t f4_lt(f4 a, f4 b) { return (uint32_t)_mm_movemask_ps(_mm_cmplt_ps(a, b)); }
-/* Lanes x y z, each in 0 .. 65535, cut to whole numbers. */
+/* Truncates lanes 0 to 2, each in 0 .. 65535, to integers. */
 static inline void f4_to_u3(f4 a, uint32_t out[3])
 {
     i4 k = _mm_cvttps_epi32(a);
@@ -33,7 +33,7 @@ static inline void f4_to_u3(f4 a, uint32_t out[3])
     out[1] = (uint32_t)_mm_extract_epi16(k, 2);
     out[2] = (uint32_t)_mm_extract_epi16(k, 4);
 }
-/* Where less < *best, takes less, and at into *best_at. */
+/* In lanes where less < *best, sets *best to less and *best_at to at. */
 static inline void f4_keep_less(f4 *best, f4 *best_at, f4 less, f4 at)
 {
     f4 m = _mm_cmplt_ps(less, *best);
@@ -56,7 +56,7 @@ static inline i4 i4_add(i4 a, i4 b) { return _mm_add_epi32(a, b); }
 /* a / 8, a >= 0 */
 static inline i4 i4_div8(i4 a) { return _mm_srli_epi32(a, 3); }
 static inline f4 f4_from_i4(i4 a) { return _mm_cvtepi32_ps(a); }
-/* out[k] = lane k of a, b, c; the fourth lanes mean nothing. */
+/* Sets out[k] to lane k of a, b, c; its fourth lane is undefined. */
 static inline void f4_transpose3(f4 a, f4 b, f4 c, f4 out[3])
 {
     f4 ab_lo = _mm_unpacklo_ps(a, b), ab_hi = _mm_unpackhi_ps(a, b); /* ax bx ay by, az bz */
@@ -151,7 +151,7 @@ static inline f4_box f4_box_join(f4_box a, f4_box b)
     return (f4_box){ f4_min(a.lo, b.lo), f4_max(a.hi, b.hi) };
 }
 
-/* Half the surface areas of three boxes, in lanes 0 to 2. */
+/* Half the surface area of each of three boxes, in lanes 0 to 2. */
 static inline f4 f4_areas(const f4_box box[3])
 {
     f4 d[3];

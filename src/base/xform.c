@@ -1,7 +1,10 @@
-/* xform.c - see xform.h. */
+/* xform.c - transforms, their inverse by Gauss-Jordan elimination, sine and cosine by Taylor series. */
 #include "base/xform.h"
 
 #include <string.h>
+
+#define MIN_SINE2 1e-24 /* of the angle between view and up: below a sine of 1e-12 their product is rounding
+                         * noise */
 
 void lc_sincos_deg(double degrees, double *sine, double *cosine)
 {
@@ -9,16 +12,27 @@ void lc_sincos_deg(double degrees, double *sine, double *cosine)
     double d = fmod(degrees, 360);
     double quadrant = floor(d / 90 + 0.5);
     double x = (d - quadrant * 90) * (LC_PI / 180), x2 = x * x;
-    /* Taylor series up to x^17 and x^18: the first term left out is below 2^-59 at 45 degrees. */
+    /* Taylor series up to x^17 and x^18: the first omitted term is below 2^-59 at 45 degrees. */
     double s = 1, c = 1;
     for (int k = 17; k >= 3; k -= 2) s = 1 - x2 / (k * (k - 1)) * s;
     for (int k = 18; k >= 2; k -= 2) c = 1 - x2 / (k * (k - 1)) * c;
     s *= x;
     switch ((int)quadrant & 3) {
-    case 0: *sine = s, *cosine = c; break;
-    case 1: *sine = c, *cosine = -s; break;
-    case 2: *sine = -s, *cosine = -c; break;
-    default: *sine = -c, *cosine = s; break;
+    case 0:
+        *sine = s;
+        *cosine = c;
+        break;
+    case 1:
+        *sine = c;
+        *cosine = -s;
+        break;
+    case 2:
+        *sine = -s;
+        *cosine = -c;
+        break;
+    default:
+        *sine = -c;
+        *cosine = s;
     }
 }
 
@@ -89,8 +103,7 @@ bool lc_xform_look_at(const double v[9], lc_xform *out)
     double dir[3], up[3], side[3], right[3], up2[3];
     if (!unit(to, dir) || !unit(v + 6, up)) return false;
     cross(up, dir, side);
-    /* below 1e-12 the direction of the product is rounding noise */
-    if (!(dot(side, side) > 1e-24) || !unit(side, right)) return false;
+    if (!(dot(side, side) > MIN_SINE2) || !unit(side, right)) return false;
     cross(dir, right, up2);
     const double *rows[3] = { right, up2, dir };
     *out = lc_xform_identity();
@@ -148,7 +161,8 @@ double lc_xform_det3(const lc_xform *a)
     return dot(r0, c);
 }
 
-/* A double as float; beyond the range of float it becomes infinity rather than undefined behaviour. */
+/* Converts to float. Beyond the range of float, where C leaves the conversion undefined, the result is
+ * infinity. */
 static float narrow(double x)
 {
     return fabs(x) <= (double)FLT_MAX ? (float)x : x > 0 ? INFINITY : x < 0 ? -INFINITY : NAN;

@@ -1,12 +1,14 @@
-/* exr.c - OpenEXR files from and to memory, through its C library OpenEXRCore.
+/* exr.c - reads and writes OpenEXR files in memory by the C library OpenEXRCore.
  *
  *     lc_bytes <-> callbacks <-> OpenEXRCore <-> planes of an lc_image
  *
- * Written: one part, scanlines, increasing y, ZIP. Channels are half when they are just R G B, else float.
- * Read: one part, scanlines or the largest level of tiles, any channel names, no subsampling, no DWA; whole
- * files only. A file is not trusted: windows, channel counts and the place of every chunk are checked before
- * planes are made. OpenEXRCore's own working memory does not come from the context's allocator: its hooks
- * carry no user pointer. Its matrices act on row vectors, ours on column vectors, hence the transpositions.
+ * Written are files of one part with scanlines of increasing y and ZIP compression; channels are half if
+ * there are only R, G and B, else float. Read are complete files of one part with scanlines, or the largest
+ * level of tiles, and any channels without subsampling, but no DWA. Files are not trusted: windows, numbers
+ * of channels and the place of every chunk are checked before planes are allocated.
+ *
+ * OpenEXRCore's own memory is not from the context's allocator, as its hooks have no user pointer. Its
+ * matrices act on row vectors, those of lc_image on column vectors, so they are transposed.
  */
 #include "image/image.h"
 
@@ -15,18 +17,17 @@
 #include <stdio.h>
 #include <string.h>
 
-/* No compression makes more than this many bytes out of one: deflate 1032, and 4/3 of that for PXR24's
- * floats. */
+/* Limits the bytes that one byte of a chunk gives: deflate reaches 1032, and PXR24's floats 4/3 of that. */
 #define MAX_UNPACK 2048
-#define ZLIB_NEEDS ((size_t)64 << 10) /* bytes, to unpack: 44 KiB [zlib.h] */
-#define HALF_MAX 65504.0f /* larger values would become infinity */
+#define ZLIB_NEEDS ((size_t)64 << 10) /* bytes; zlib needs 44 KiB to decompress [zlib.h] */
+#define HALF_MAX 65504.0f             /* the largest half; larger values would become infinity */
 
-/* One file being read; OpenEXRCore's user data. */
+/* A file that is read; OpenEXRCore's user data. */
 typedef struct source {
     const uint8_t *data;
     size_t len;
-    char message[256]; /* the first complaint of the library, one line */
-    bool no_memory;    /* one of its complaints was of that */
+    char message[256]; /* the library's first error message, one line */
+    bool no_memory;    /* one of its errors was that memory ran out */
 } source;
 
 typedef struct reader {
@@ -70,7 +71,7 @@ static int64_t query_size(exr_const_context_t exr, void *user)
     return (int64_t)((const source *)user)->len;
 }
 
-/* Keeps the first message; the end of the call makes it the log line. */
+/* Keeps the first error message, which fail_exr logs. */
 static void keep_message(exr_const_context_t exr, exr_result_t code, const char *text)
 {
     void *user = NULL;
@@ -86,7 +87,7 @@ static void keep_message(exr_const_context_t exr, exr_result_t code, const char 
 
 static lc_status fail_exr(const reader *r, exr_result_t rv)
 {
-    // Some calls return another code when memory was what was missing.
+    /* Some calls return another code if memory ran out. */
     if (rv == EXR_ERR_OUT_OF_MEMORY || r->src->no_memory)
         return lc_fail_at(r->ctx, LC_ERR_MEMORY, (lc_pos){ r->path, 0, 0 }, "out of memory");
     return lc_fail_at(r->ctx, LC_ERR_PARSE, (lc_pos){ r->path, 0, 0 }, "damaged OpenEXR file: %s",
@@ -127,7 +128,7 @@ static lc_status check_channels(const reader *r)
     return LC_OK;
 }
 
-/* Fills in windows and layout after the header has been parsed. */
+/* Reads windows and layout from the header. */
 static lc_status read_layout(reader *r, lc_image_desc *desc)
 {
     int n_parts = 0;
@@ -189,7 +190,7 @@ static bool is_layout_attr(const char *name)
     return false;
 }
 
-/* Takes over text, number and matrix attributes; other kinds are dropped. */
+/* Copies text, number and matrix attributes to the image; other kinds are dropped. */
 static lc_status read_attrs(const reader *r)
 {
     int32_t n = 0;
@@ -222,14 +223,14 @@ static lc_status read_attrs(const reader *r)
 
 /* ---- reading: pixels ---- */
 
-/* Chunks in the order of the loops below: idx counts rows of chunks, then columns. */
+/* The chunk at a column and a row of chunks; scanline files have one column. */
 static exr_result_t find_chunk(const reader *r, int64_t col, int64_t row, exr_chunk_info_t *info)
 {
     if (r->tile_width) return exr_read_tile_chunk_info(r->exr, 0, (int)col, (int)row, 0, 0, info);
     return exr_read_scanline_chunk_info(r->exr, 0, (int)(r->window.min.y + row * r->lines_per_chunk), info);
 }
 
-/* Where the chunk's first pixel is in a plane; false when the chunk would leave it. */
+/* Sets *offset to the chunk's first pixel in a plane; false if the chunk extends beyond it. */
 static bool place_chunk(const reader *r, int64_t col, int64_t row, const exr_chunk_info_t *info,
                         size_t *offset)
 {
@@ -262,15 +263,15 @@ static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *info, size_t
     if (first) rv = exr_decoding_choose_default_routines(r->exr, 0, p);
     if (rv == EXR_ERR_SUCCESS) rv = exr_decoding_run(r->exr, 0, p);
     if (rv == EXR_ERR_SUCCESS || rv == EXR_ERR_OUT_OF_MEMORY) return rv;
-    // Where zlib lacks memory the library speaks of damage: what is damaged fails again, with memory to be
-    // had.
+    /* If zlib runs out of memory the library reports damage. So check first that there is memory: what fails
+     * then is damaged. */
     void *probe = lc_alloc_raw(r->ctx, 1, ZLIB_NEEDS);
     if (!probe) return EXR_ERR_OUT_OF_MEMORY;
     lc_free(r->ctx, probe, 1, ZLIB_NEEDS);
     return exr_decoding_run(r->exr, 0, p);
 }
 
-/* Without planes: only looks whether every chunk is there. */
+/* Decodes all chunks into the image's planes; without an image only checks that every chunk is there. */
 static lc_status read_chunks(reader *r, const lc_image_desc *desc)
 {
     int64_t cols = r->tile_width ? ((int64_t)desc->width + r->tile_width - 1) / r->tile_width : 1;
@@ -281,7 +282,7 @@ static lc_status read_chunks(reader *r, const lc_image_desc *desc)
             exr_chunk_info_t info = { 0 };
             size_t offset = 0;
             exr_result_t rv = find_chunk(r, col, row, &info);
-            // The library would take an empty chunk for a decoded one.
+            /* The library takes an empty chunk for a decoded one. */
             if (rv == EXR_ERR_SUCCESS && (info.packed_size == 0 || info.packed_size > r->src->len ||
                                           info.unpacked_size / MAX_UNPACK > info.packed_size)) {
                 rv = EXR_ERR_CORRUPT_CHUNK;
@@ -328,7 +329,7 @@ lc_status lc_exr_decode(lc_context *ctx, const char *path, const lc_bytes *file,
 
     exr_result_t rv = exr_start_read(&r->exr, path, &init);
     if (src.no_memory)
-        rv = EXR_ERR_OUT_OF_MEMORY; // attributes are missing, which the library takes for success
+        rv = EXR_ERR_OUT_OF_MEMORY; /* attributes are missing, but the library reports success */
     lc_status status = rv == EXR_ERR_SUCCESS ? read_image(r) : fail_exr(r, rv);
     if (r->decoding) exr_decoding_destroy(r->exr, &r->pipeline);
     if (r->exr) exr_finish(&r->exr);
@@ -345,7 +346,7 @@ lc_status lc_exr_decode(lc_context *ctx, const char *path, const lc_bytes *file,
 
 typedef struct sink {
     lc_bytes *file;
-    lc_status status; /* of memory for it; a failure is logged already */
+    lc_status status; /* of growing the file; a failure has been logged */
 } sink;
 
 static int64_t write_bytes(exr_const_context_t exr, void *user, const void *buffer, uint64_t size,
@@ -358,7 +359,7 @@ static int64_t write_bytes(exr_const_context_t exr, void *user, const void *buff
     return to->status == LC_OK ? (int64_t)size : -1;
 }
 
-/* The library may call this with its lock held, so the context must not be asked for anything. */
+/* Ignores messages. The library may call this with its lock held, so the context must not be used here. */
 static void drop_message(exr_const_context_t exr, exr_result_t code, const char *text)
 {
     (void)exr;
@@ -372,7 +373,7 @@ static bool is_rgb_only(const lc_image *image)
            lc_image_channel(image, "B");
 }
 
-/* Attributes that other readers know by name have a fixed type; every other number is a double. */
+/* Writes numbers that other readers know by name in the type that they expect, and all others as double. */
 static exr_result_t write_number(exr_context_t exr, const lc_attr *a)
 {
     static const char *const floats[] = {
@@ -429,7 +430,7 @@ static exr_result_t write_layout(const lc_image *image, exr_context_t exr)
     return rv;
 }
 
-/* Copies n_lines rows of every channel to `rows`, clamped to what half can hold. */
+/* Copies n_lines rows of every channel to `rows`, clamped to the range of half. */
 static void clamp_rows(const lc_image *image, uint32_t y, size_t n_lines, float *rows)
 {
     size_t n = n_lines * image->desc.width;
@@ -458,7 +459,7 @@ static exr_result_t write_pixels(const lc_image *image, exr_context_t exr, float
         if (rows) clamp_rows(image, y, n_lines, rows);
         for (int i = 0; i < p->channel_count; i++) {
             exr_coding_channel_info_t *c = &p->channels[i];
-            // The library sorts channels by name.
+            /* The library sorts channels by name: find ours. */
             size_t k = 0;
             while (strcmp(image->channels[k].name, c->channel_name) != 0) k++;
             const float *from =
@@ -505,7 +506,7 @@ lc_status lc_exr_encode(const lc_image *image, const char *path, lc_bytes *file)
         exr_encoding_destroy(exr, &pipeline);
     }
     lc_free(ctx, rows, n_rows, image->desc.width * sizeof *rows);
-    // The table of chunks is written last.
+    /* exr_finish writes the table of chunks. */
     if (exr) {
         exr_result_t end = exr_finish(&exr);
         if (rv == EXR_ERR_SUCCESS) rv = end;

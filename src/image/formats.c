@@ -1,4 +1,5 @@
-/* formats.c - images from files and into them: the formats by what a file starts with, or by its name. */
+/* formats.c - reads images, in the format that a file's first bytes show, and writes them, in the one its
+ * name shows. */
 #include "image/image.h"
 
 #include "image/pixels.h"
@@ -7,7 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Integer codes are taken as sRGB, alpha as it is; a grey plane stands for R, G and B. */
+/* Integer codes are decoded as sRGB, alpha is linear; grey is copied to R, G and B. */
 static lc_status image_of_raster(lc_context *ctx, const lc_raster *r, lc_image **out)
 {
     static const char *const names[4] = { "R", "G", "B", "A" };
@@ -73,7 +74,7 @@ lc_status lc_image_write(const lc_image *image, const char *path)
     if (!image || !path) return LC_ERR_ARG;
     lc_bytes file = { image->ctx, NULL, 0, 0 };
     lc_status status;
-    // A device or pipe has no extension to go by and gets EXR.
+    /* A device or pipe has no extension; it is written as EXR. */
     if (has_extension(path, ".png")) {
         status = lc_png_encode(image, path, &file);
     } else if (has_extension(path, ".exr") || lc_file_is_special(path)) {

@@ -1,8 +1,8 @@
-/* hdr.c - Radiance pictures: a header of text, the line "-Y 480 +X 640", then scanlines of RGBE pixels.
+/* hdr.c - Radiance HDR files: a text header, the line "-Y 480 +X 640", then scanlines of RGBE pixels.
  *
- * Scanlines are flat, or run-length encoded in the old way (1 1 1 n repeats the pixel before) or the new one
- * (2 2 length, then each of the four bytes apart). All eight orientations are read. EXPOSURE is not applied,
- * as in pbrt; XYZE is refused.
+ * Scanlines are flat, or run-length encoded in the old way (1 1 1 n repeats the previous pixel) or in the new
+ * way (2 2 length, then the four bytes of all pixels one after the other). All eight orientations are
+ * supported. EXPOSURE is not applied, as in pbrt; XYZE is rejected.
  */
 #include "image/pixels.h"
 
@@ -10,8 +10,8 @@
 
 #include <string.h>
 
-#define MAX_RATIO 1024   /* pixels a byte; the new encoding makes 16 */
-#define MAX_NEW_RLE 32767 /* pixels of a scanline */
+#define MAX_RATIO 1024    /* limits pixels per byte; the new encoding reaches 16 */
+#define MAX_NEW_RLE 32767 /* pixels of a scanline in the new encoding, by its format */
 
 typedef struct hdr {
     lc_context *ctx;
@@ -19,7 +19,7 @@ typedef struct hdr {
     const uint8_t *data;
     size_t len, at;
     bool by_columns;     /* X is the first axis of the size line */
-    bool down, right;    /* "-Y", "+X": along the rows and columns of our raster */
+    bool down, right;    /* "-Y", "+X": in the direction of the raster's rows and columns */
     uint32_t width, height;
 } hdr;
 
@@ -33,7 +33,7 @@ static lc_status damaged(const hdr *h, size_t at, const char *what)
     return lc_raster_damaged(h->ctx, h->path, "Radiance", at, what);
 }
 
-/* The line at h->at without its end, at most size - 1 bytes of it. False at the end of the file. */
+/* Reads the line at h->at without its newline, truncated to size - 1 bytes. False at the end of the file. */
 static bool next_line(hdr *h, char *line, size_t size)
 {
     size_t n = 0;
@@ -45,7 +45,8 @@ static bool next_line(hdr *h, char *line, size_t size)
     return h->at++ < h->len;
 }
 
-/* "-Y 12 " at *p: the axis, whether it has this sign, its length. False: something else. */
+/* Parses text like "-Y 12 " at *p: the axis, whether its sign is minus, the length. False if it is something
+ * else. */
 static bool read_axis(const char **p, char *axis, bool *minus, uint32_t *n)
 {
     const char *c = *p;
@@ -89,7 +90,7 @@ static lc_status read_header(hdr *h)
     return LC_OK;
 }
 
-/* Each byte of the pixels apart: lengths above 128 are runs. */
+/* Decodes a scanline in the new encoding: the four bytes separately; lengths above 128 are runs. */
 static lc_status read_new(hdr *h, uint8_t *row, uint32_t n)
 {
     h->at += 4;
@@ -138,7 +139,7 @@ static lc_status read_scanline(hdr *h, uint8_t *row, uint32_t n)
     return read_new(h, row, n);
 }
 
-/* Mantissas m and exponent e stand for m 2^(e - 136). */
+/* Converts RGBE to floats: a mantissa m with exponent e is m 2^(e - 136). */
 static void expand(const uint8_t *rgbe, float *out)
 {
     uint64_t bits = (uint64_t)(rgbe[3] + 1023 - 136) << 52;

@@ -1,11 +1,10 @@
-/* image.c - see image.h. Reading goes by what a file starts with, writing by the name's extension. */
+/* image.c - creates images and their channels and attributes. */
 #include "image/image.h"
-
 
 #include <string.h>
 #include <strings.h>
 
-/* ---- making and looking ---- */
+/* ---- images and channels ---- */
 
 static lc_status check_desc(const lc_context *ctx, lc_image_desc *d)
 {
@@ -101,7 +100,7 @@ lc_status lc_image_add_channel(lc_image *image, const char *name, float **plane)
 
 /* ---- attributes ---- */
 
-/* Copies `attr` in, over one of the same name. */
+/* Adds a copy of `attr`, or replaces the attribute of the same name. */
 static lc_status set_attr(lc_image *image, lc_attr attr)
 {
     size_t len = strlen(attr.name);

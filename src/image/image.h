@@ -1,10 +1,18 @@
-/* image.h - an image in memory: float planes with names, a data window, attributes.
+/* image.h - an image in memory: named float planes, a data window, attributes.
+ *
+ * The room image/ reads and writes pictures:
+ *
+ *     file -> raster of codes or floats (pixels.h) -> planes of an lc_image
+ *                                                  -> mipmap of a texture (mipmap.h)
+ *     lc_image -> EXR (exr.c), PNG (png_write.c) -> file
+ *
+ * An image:
  *
  *     display window  (0,0) .. (display_width, display_height)
  *       data window   (x0,y0) .. (x0+width, y0+height), the pixels held; may lie outside the display window
- *     plane           row-major, width*height floats, first pixel (x0,y0)
+ *     plane           width * height floats by rows from the top, first pixel (x0,y0)
  *
- * Planes, names and attributes live in the image's arena. Channel and attribute names are unique.
+ * Planes, names and attributes are in the image's arena. Names of channels and of attributes are unique.
  */
 #ifndef LC_IMAGE_H
 #define LC_IMAGE_H
@@ -14,9 +22,9 @@
 
 #define LC_IMAGE_MAX_PIXELS ((uint64_t)1 << 28)  /* of the data window */
 #define LC_IMAGE_MAX_SAMPLES ((uint64_t)1 << 30) /* pixels * channels: 4 GiB of floats */
-#define LC_IMAGE_MAX_COORD (1 << 28)             /* |x0|, |y0|, display size */
-#define LC_IMAGE_MAX_NAME 255                    /* bytes, EXR's limit */
-#define LC_IMAGE_MAX_FILE ((size_t)1 << 33)      /* bytes read at most */
+#define LC_IMAGE_MAX_COORD (1 << 28)             /* limits |x0|, |y0| and the display size */
+#define LC_IMAGE_MAX_NAME 255                    /* bytes; EXR's limit */
+#define LC_IMAGE_MAX_FILE ((size_t)1 << 33)      /* bytes of a file that is read */
 
 typedef struct lc_channel {
     const char *name;
@@ -30,7 +38,7 @@ typedef struct lc_attr {
     lc_attr_kind kind;
     const char *text;
     double number;
-    float matrix[16]; /* row-major, column vectors */
+    float matrix[16]; /* row-major, acts on column vectors */
 } lc_attr;
 
 struct lc_image {
@@ -43,12 +51,14 @@ struct lc_image {
     size_t n_attrs, cap_attrs;
 };
 
-/* From and to a file's bytes; `path` is for messages. exr.c, png_write.c; pixels.h has the other formats. */
+/* Codecs between images and the bytes of files: exr.c, png_write.c. `path` is for messages. _is tells by the
+ * first bytes whether a file has the format. LC_ERR_PARSE, _UNSUPPORTED, _MEMORY, and LC_ERR_ARG from
+ * encoders. */
 bool lc_exr_is(const uint8_t *head, size_t len);
 lc_status lc_exr_decode(lc_context *ctx, const char *path, const lc_bytes *file, lc_image **out);
 lc_status lc_exr_encode(const lc_image *image, const char *path, lc_bytes *file);
 bool lc_png_is(const uint8_t *head, size_t len);
-uint8_t lc_png_paeth(uint8_t left, uint8_t up, uint8_t corner); /* filter 4's guess [PNG, 9.4] */
+uint8_t lc_png_paeth(uint8_t left, uint8_t up, uint8_t corner); /* the predictor of filter 4 [PNG, 9.4] */
 lc_status lc_png_encode(const lc_image *image, const char *path, lc_bytes *file);
 
 #endif

@@ -1,4 +1,4 @@
-/* mipmap.c - see mipmap.h. */
+/* mipmap.c - builds the levels, encoding their means again for 8-bit images, and filters lookups. */
 #include "image/mipmap.h"
 
 #include "base/arena.h"
@@ -16,11 +16,11 @@ static double decode(lc_encoding e, double v)
     return e.kind == LC_ENCODING_LINEAR ? v : (double)lc_pow01((float)v, e.gamma);
 }
 
-/* The code of a linear value: the one whose own is nearest. */
+/* Finds the code whose linear value is nearest to a given one. */
 #define GUESSES 1024
 typedef struct encoder {
-    double above[255];            /* values above it have a larger code */
-    uint8_t guess[GUESSES + 1];   /* code of i / GUESSES */
+    double above[255];          /* values above above[c] have a larger code than c */
+    uint8_t guess[GUESSES + 1]; /* code of i / GUESSES, where the search starts */
 } encoder;
 
 static uint8_t encode(const encoder *e, double v)
@@ -57,7 +57,7 @@ static void lay_out(lc_mipmap *m, uint32_t width, uint32_t height)
     }
 }
 
-/* Level 0 out of the raster: codes as they are, or linear floats. */
+/* Fills level 0 from the raster: with codes as they are, or with linear floats. */
 static lc_status fill_first(const lc_context *ctx, const lc_raster *r, lc_encoding encoding, lc_mipmap *m)
 {
     size_t n = (size_t)r->width * r->height, n_codes = r->kind == LC_RASTER_U16 ? 65536 : 0;
@@ -78,7 +78,7 @@ static lc_status fill_first(const lc_context *ctx, const lc_raster *r, lc_encodi
     return LC_OK;
 }
 
-/* What a texel of the next level covers along one axis: up to three texels and their shares. */
+/* What a texel of the next level covers along one axis: up to three texels, with the weight of each. */
 typedef struct span {
     uint32_t first, n;
     double share[3];
@@ -96,7 +96,7 @@ static span span_of(uint32_t i, uint32_t n, uint32_t n_next)
     return s;
 }
 
-/* columns: room for to->width. */
+/* Fills a level with means of the one before. columns: scratch of to->width. */
 static void shrink(lc_mipmap *m, const lc_mip_level *from, const lc_mip_level *to, const encoder *e,
                    span *columns)
 {
@@ -152,7 +152,7 @@ size_t lc_mipmap_bytes(const lc_mipmap *m)
 
 /* ---- lookups ---- */
 
-/* Adds share times the texel at (x, y), which may lie outside. */
+/* Adds share times the texel (x, y), which may be outside of the image. */
 static void add_texel(const lc_mipmap *m, const lc_mip_level *l, int64_t x, int64_t y, lc_wrap wrap,
                       double share, double out[3])
 {
@@ -169,12 +169,13 @@ static void add_texel(const lc_mipmap *m, const lc_mip_level *l, int64_t x, int6
     for (size_t c = 0; c < 3; c++) out[c] += share * get(m, m->n_channels == 3 ? at + c : at);
 }
 
-/* Into 0..1 where it repeats; elsewhere so near to it that texel numbers stay small. */
+/* Reduces a coordinate to 0..1 if the image repeats, else to a range in which texel indices stay small. */
 static double bring_near(double v, lc_wrap wrap)
 {
     return wrap == LC_WRAP_REPEAT ? v - floor(v) : fmin(fmax(v, -1), 2);
 }
 
+/* Adds share times the value of one level, by point or bilinear filtering. */
 static void look(const lc_mipmap *m, uint32_t level, double s, double t, lc_wrap wrap, bool point,
                  double share, double out[3])
 {

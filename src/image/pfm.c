@@ -1,6 +1,6 @@
-/* pfm.c - PFM: "PF" (RGB) or "Pf" (grey), width, height, scale, one white space; then floats, rows from
- * the bottom, little endian where the scale is negative. The scale's size is ignored, as pbrt and others do.
- */
+/* pfm.c - PFM files: "PF" (RGB) or "Pf" (grey), width, height, scale and one white space; then floats by rows
+ * from the bottom, little endian if the scale is negative. The magnitude of the scale is ignored, as in
+ * pbrt. */
 #include "image/pixels.h"
 
 #include "base/decimal.h"
@@ -16,7 +16,8 @@ bool lc_pfm_is(const uint8_t *head, size_t len)
 
 static bool is_space(uint8_t c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
 
-/* The next word as a number; *at is left behind it. False: no number, or the file ends right behind it. */
+/* Reads the next word as a number and moves *at behind it. False if it is no number or the file ends with
+ * it. */
 static bool next_number(const uint8_t *data, size_t len, size_t *at, double *out)
 {
     char word[64] = "";

@@ -1,4 +1,4 @@
-/* pixels.c - see pixels.h: choice of the format, memory, OpenEXR's planes. */
+/* pixels.c - rasters: their memory, the choice of the decoder, and rasters from OpenEXR's planes. */
 #include "image/pixels.h"
 
 #include "image/image.h"
@@ -50,7 +50,7 @@ void lc_raster_free(const lc_context *ctx, lc_raster *r)
     *r = (lc_raster){ 0 };
 }
 
-/* Planes in the order R G B A, or grey from Y or the only one there is. False: neither. */
+/* Selects planes R G B A, or as grey Y or the only plane. False if there are neither. */
 static bool pick_planes(const lc_image *image, const float *plane[4], uint32_t *n)
 {
     static const char *const names[4] = { "R", "G", "B", "A" };

@@ -1,13 +1,13 @@
-/* pixels.h - the pixels of an image file as they stand there: integer codes or floats, colours not converted.
+/* pixels.h - rasters: the pixels of an image file as integer codes or floats, colours not converted.
  *
- *     file -> lc_raster_decode, by what it starts with -> lc_raster -> texture, or planes of an lc_image
+ *     file -> lc_raster_decode, by its first bytes -> lc_raster -> texture, or planes of an lc_image
  *
- * Rows run from the top, the samples of a pixel lie side by side. A file is not trusted: its size in pixels
- * is held against its bytes before anything is allocated for it, and damage is an error that names file and
+ * Rows run from the top; the samples of a pixel are adjacent. Files are not trusted: the size in pixels is
+ * checked against the bytes of the file before anything is allocated, and damage is an error with file and
  * byte.
  */
-#ifndef LC_RASTER_H
-#define LC_RASTER_H
+#ifndef LC_PIXELS_H
+#define LC_PIXELS_H
 
 #include "io/file.h"
 
@@ -23,24 +23,24 @@ typedef struct lc_raster {
 
 typedef lc_status lc_raster_decoder(lc_context *ctx, const char *path, const lc_bytes *file, lc_raster *out);
 
-/* Does a file that starts so look like an image that is read? 8 bytes tell. */
+/* True if a file with these first bytes, 8 suffice, looks like an image in a supported format. */
 bool lc_raster_is(const uint8_t *head, size_t len);
 bool lc_jpeg_is(const uint8_t *head, size_t len);
-/* `path` is for messages. LC_ERR_PARSE, _UNSUPPORTED, _MEMORY; *out is then empty. */
+/* `path` is for messages. LC_ERR_PARSE, _UNSUPPORTED, _MEMORY; on failure *out is empty. */
 lc_raster_decoder lc_raster_decode;
 void lc_raster_free(const lc_context *ctx, lc_raster *raster);
 
-/* One for each format, raster_*.c. */
+/* The decoders: png_read.c, pfm.c, hdr.c, tga.c. */
 bool lc_pfm_is(const uint8_t *head, size_t len);
 bool lc_hdr_is(const uint8_t *head, size_t len);
-bool lc_tga_is(const uint8_t *head, size_t len); /* a guess: the format has no mark at its start */
+bool lc_tga_is(const uint8_t *head, size_t len); /* a guess, as the format has no signature */
 lc_raster_decoder lc_png_decode, lc_pfm_decode, lc_hdr_decode, lc_tga_decode;
 
-/* For the decoders. Checks the size, also against the file's: a byte of it makes at most max_pixels_per_byte.
- */
+/* For decoders: allocates a raster after checking its size, also against the file's: one byte of the file
+ * gives at most max_pixels_per_byte pixels. */
 lc_status lc_raster_init(lc_context *ctx, const char *path, const lc_raster *size, size_t file_len,
                          uint32_t max_pixels_per_byte, lc_raster *out);
-/* LC_ERR_PARSE: "PATH: error: damaged FORMAT file: WHAT at byte AT" */
+/* Logs "PATH: error: damaged FORMAT file: WHAT at byte AT" and returns LC_ERR_PARSE. */
 lc_status lc_raster_damaged(const lc_context *ctx, const char *path, const char *format, size_t at,
                             const char *what);
 

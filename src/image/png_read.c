@@ -1,7 +1,7 @@
-/* png_read.c - PNG files, with zlib: every colour type, 1 to 16 bits, interlaced too.
+/* png_read.c - reads PNG files, with zlib: all colour types, 1 to 16 bits, interlaced or not.
  *
- * Fewer than 8 bits become 8, palettes become RGB, tRNS becomes an alpha channel. gAMA and colour profiles
- * are not applied. Sizes and checksums are checked.
+ * Samples of fewer than 8 bits are extended to 8, palettes become RGB, tRNS becomes an alpha channel. gAMA
+ * and colour profiles are not applied. Sizes and checksums are checked.
  */
 #include "image/pixels.h"
 
@@ -11,26 +11,27 @@
 
 #include <string.h>
 
-#define MAX_INFLATE 1032 /* deflate makes at most 1032 bytes out of one [zlib technical details] */
+#define MAX_INFLATE 1032 /* bytes that one byte of deflate data gives at most [zlib technical details] */
 
 typedef struct png {
     lc_context *ctx;
     const char *path;
-    const uint8_t *start, *data, *end; /* the file, and where we are */
+    const uint8_t *start, *data, *end; /* the file; data: the next byte to read */
     uint32_t width, height;
     unsigned depth, colour; /* bits per sample; 0 grey, 2 RGB, 3 palette, 4 grey + alpha, 6 RGBA */
     unsigned n_samples;     /* per pixel of the file */
     bool interlaced;
     uint8_t palette[256][4];
     unsigned n_palette;
-    bool has_clear; /* tRNS was there: the palette's alpha, or this colour is clear */
+    bool has_clear; /* there is a tRNS chunk: alpha of the palette, or the colour that is transparent */
     unsigned clear[3];
-    uint8_t *raw; /* all rows of all passes, each after its filter byte */
+    uint8_t *raw; /* all rows of all passes, each with its filter byte before it */
     size_t raw_len, raw_got;
     lc_raster *to;
 } png;
 
-/* Adam7's passes: first pixel and distance in x and y [PNG, 8.2]; the last row is a plain image. */
+/* The passes of Adam7: first pixel and step in x and y [PNG, 8.2]; the last entry is for images without
+ * interlacing. */
 typedef struct pass {
     uint32_t x0, y0, dx, dy;
 } pass;
@@ -105,7 +106,7 @@ static lc_status read_header(png *p, const uint8_t *data, size_t len)
         uint32_t w = pass_width(p, s), h = pass_height(p, s);
         if (w) p->raw_len += (row_bytes(p, w) + 1) * h;
     }
-    // More than the file can hold is not worth asking memory for.
+    /* Allocate nothing for more rows than the file can hold. */
     if (p->raw_len / MAX_INFLATE > (size_t)(p->end - p->start))
         return damaged(p, "too short for its size in pixels");
     p->raw = lc_alloc(p->ctx, p->raw_len, 1);
@@ -135,10 +136,10 @@ static lc_status read_clear(png *p, const uint8_t *data, size_t len)
     return LC_OK;
 }
 
-/* Feeds one IDAT chunk to the inflater. What comes after the last row is ignored. */
+/* Inflates one IDAT chunk. Data after the last row are ignored. */
 static lc_status read_data(png *p, z_stream *z, const uint8_t *data, size_t len)
 {
-    memcpy(&z->next_in, &data, sizeof data); /* zlib's input pointer lacks const without ZLIB_CONST */
+    memcpy(&z->next_in, &data, sizeof data); /* without ZLIB_CONST zlib's input pointer is not const */
     z->avail_in = (uInt)len;
     while (z->avail_in > 0 && p->raw_got < p->raw_len) {
         size_t room = p->raw_len - p->raw_got;
@@ -195,7 +196,7 @@ uint8_t lc_png_paeth(uint8_t left, uint8_t up, uint8_t corner)
     return pa <= pb && pa <= pc ? left : pb <= pc ? up : corner;
 }
 
-/* Undoes the filters of one pass in place [PNG, 9.2]. */
+/* Reverses the filters of one pass in place [PNG, 9.2]. */
 static lc_status unfilter(const png *p, uint8_t *rows, uint32_t height, size_t n)
 {
     size_t step = ((size_t)p->n_samples * p->depth + 7) / 8;
@@ -223,7 +224,7 @@ static unsigned get_sample(const png *p, const uint8_t *row, size_t idx)
     return (unsigned)row[bit / 8] >> (8 - p->depth - bit % 8) & ((1u << p->depth) - 1);
 }
 
-/* Width pixels of one row of a pass to the raster, from pixel `at` every `step`. */
+/* Converts the `width` pixels of one row of a pass to the raster: to pixels at, at + step, ... */
 static lc_status convert_row(const png *p, const uint8_t *row, uint32_t width, size_t at, size_t step)
 {
     unsigned n = p->to->n_channels, most = p->depth == 16 ? 65535 : 255,

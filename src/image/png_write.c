@@ -1,9 +1,9 @@
-/* png_write.c - PNG files to memory, with zlib; png_read.c reads them.
+/* png_write.c - writes PNG files to memory, with zlib: 8-bit RGB from the planes R, G and B, without alpha.
  *
- * Written: 8 bits RGB of the planes R G B, no alpha. Values below 0.8 keep their place; above, a shoulder
- * rolls off so that highlights stay apart: f(v) = 0.8 + 0.2 t / (1 + t), t = (v - 0.8) / 0.2, with slope 1 at
- * 0.8 and limit 1 at infinity (1.0 becomes 0.9). Then the sRGB curve [IEC 61966-2-1].
- * NaN, negative: black.
+ * Values below 0.8 are unchanged. Above, a shoulder compresses highlights so that they remain
+ * distinguishable: f(v) = 0.8 + 0.2 t / (1 + t), t = (v - 0.8) / 0.2, with slope 1 at 0.8 and limit 1 at
+ * infinity (1.0 becomes 0.9). Then the sRGB curve [IEC 61966-2-1] is applied. NaN and negative values become
+ * black.
  */
 #include "image/image.h"
 
@@ -12,13 +12,13 @@
 
 #include <string.h>
 
-#define SHOULDER 0.8
+#define SHOULDER 0.8 /* linear value from which on highlights are compressed; chosen */
 
 static const uint8_t signature[8] = { 0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n' };
 
 /* ---- codes ---- */
 
-/* Linear value above which the nearest of the 256 codes is more than k. */
+/* Sets threshold[k] to the linear value above which the nearest of the 256 codes is more than k. */
 static void make_thresholds(double threshold[255])
 {
     for (int k = 0; k < 255; k++) threshold[k] = lc_srgb_to_linear((k + 0.5) / 255.0);
@@ -57,7 +57,7 @@ static lc_status put_chunk(lc_bytes *file, const char type[4], const uint8_t *da
     put_u32(head, (uint32_t)len);
     memcpy(head + 4, type, 4);
     uLong crc = crc32_z(0, head + 4, 4);
-    if (len) crc = crc32_z(crc, data, len); /* NULL would start anew */
+    if (len) crc = crc32_z(crc, data, len); /* NULL would restart the checksum */
     put_u32(tail, (uint32_t)crc);
     lc_status status = lc_bytes_put(file, file->len, head, sizeof head);
     if (status == LC_OK) status = lc_bytes_put(file, file->len, data, len);
@@ -65,8 +65,8 @@ static lc_status put_chunk(lc_bytes *file, const char type[4], const uint8_t *da
     return status;
 }
 
-/* `raw` gets height rows of a filter byte (Paeth) and width * 3 filtered bytes; `rows` is room for two plain
- * ones. */
+/* Fills `raw` with `height` rows of a filter byte (Paeth) and width * 3 filtered bytes. rows: scratch of two
+ * unfiltered rows. */
 static void filter_rows(const lc_image *image, uint8_t *raw, uint8_t *rows)
 {
     static const char *const names[3] = { "R", "G", "B" };
@@ -125,7 +125,7 @@ lc_status lc_png_encode(const lc_image *image, const char *path, lc_bytes *file)
     lc_free(ctx, raw, raw_len, 1);
     lc_free(ctx, rows, row_len, 2);
 
-    uint8_t header[13] = { [8] = 8, [9] = 2 }; /* 8 bits, RGB, deflate, the five filters, not interlaced */
+    uint8_t header[13] = { [8] = 8, [9] = 2 }; /* 8 bits, RGB, deflate, adaptive filters, not interlaced */
     put_u32(header, d->width);
     put_u32(header + 4, d->height);
     const uint8_t intent = 0; /* perceptual */

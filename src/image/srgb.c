@@ -1,7 +1,8 @@
-/* srgb.c - see srgb.h. */
+/* srgb.c - x^2.4 by a fifth root. */
 #include "image/srgb.h"
 
-/* x^(1/5) for x in (0, 1], by Newton's method from above, where it falls until it meets rounding. */
+/* x^(1/5) for x in (0, 1], by Newton's method from above, where iterates decrease until rounding stops
+ * them. */
 static double fifth_root(double x)
 {
     double y = 1.0;

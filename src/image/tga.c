@@ -1,12 +1,12 @@
-/* tga.c - Targa: palette, true colour and grey (types 1, 2, 3), run-length encoded too (9, 10, 11), any
- * corner as origin. 15 and 16 bits are 5-5-5, whose attribute bit is ignored; 16 bits of grey are grey and
- * alpha. The file's order of bytes is blue, green, red, alpha. */
+/* tga.c - Targa files: palette, true colour and grey (types 1, 2, 3), also run-length encoded (9, 10, 11),
+ * with any corner as origin. Colours of 15 and 16 bits are 5-5-5 with an ignored attribute bit; 16 bits of
+ * grey are grey and alpha. The order of bytes is blue, green, red, alpha. */
 #include "image/pixels.h"
 
 #include <string.h>
 
 #define HEADER 18
-#define MAX_RATIO 128 /* pixels a byte: a packet has 128 pixels and at least 2 bytes */
+#define MAX_RATIO 128 /* limits pixels per byte: a packet has at most 128 pixels and at least 2 bytes */
 
 typedef struct tga {
     lc_context *ctx;
@@ -14,10 +14,10 @@ typedef struct tga {
     const uint8_t *data;
     size_t len, at;
     uint32_t type;        /* 1, 2, 3 */
-    bool coded;           /* by runs */
-    uint32_t bytes;       /* of a pixel in the file */
+    bool coded;           /* run-length encoded */
+    uint32_t bytes;       /* per pixel in the file */
     const uint8_t *palette;
-    uint32_t first, n_palette, entry_bytes; /* number of its first entry */
+    uint32_t first, n_palette, entry_bytes; /* index of the palette's first entry, entries, bytes of each */
     bool alpha;
 } tga;
 
@@ -83,7 +83,7 @@ static void put_colour(const tga *t, const uint8_t *p, uint32_t bytes, uint8_t *
     if (t->alpha) out[3] = p[3];
 }
 
-/* The pixel at byte `at`. */
+/* Decodes the pixel at byte `at`. */
 static lc_status put_pixel(const tga *t, size_t at, uint8_t *out)
 {
     const uint8_t *p = t->data + at;
@@ -100,7 +100,7 @@ static lc_status put_pixel(const tga *t, size_t at, uint8_t *out)
     return LC_OK;
 }
 
-/* Where the pixel of this number, in the file's order, belongs. */
+/* The place in the raster of a pixel by its number in the file. */
 static uint8_t *place(const tga *t, const lc_raster *r, size_t number)
 {
     size_t x = number % r->width, y = number / r->width;
@@ -109,7 +109,7 @@ static uint8_t *place(const tga *t, const lc_raster *r, size_t number)
     return (uint8_t *)r->data + (y * r->width + x) * r->n_channels;
 }
 
-/* Packets may go on from row to row, as older writers make them. */
+/* Reads all pixels. Packets may continue on the next row, as older writers make them. */
 static lc_status read_pixels(tga *t, const lc_raster *r)
 {
     size_t n = (size_t)r->width * r->height;

@@ -1,4 +1,4 @@
-/* file.c - see file.h. */
+/* file.c - reads files of unknown size, and replaces files by rename. */
 #include "io/file.h"
 
 #include "base/arena.h"
@@ -12,8 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define READ_STEP ((size_t)1 << LC_SIZE(16, 12)) /* ASan takes a while to make more than that afresh */
-#define TEMP_TRIES 1000
+#define READ_STEP ((size_t)1 << LC_SIZE(16, 12)) /* bytes read at first; less for fuzzers, for ASan */
+#define TEMP_TRIES 1000 /* names tried for a temporary file */
 
 lc_status lc_bytes_put(lc_bytes *bytes, size_t offset, const void *data, size_t n)
 {
@@ -35,7 +35,7 @@ void lc_bytes_free(lc_bytes *bytes)
 
 /* ---- reading ---- */
 
-/* Reads up to n bytes at the end of `out`; *got is what came, 0 at the end of the file. */
+/* Appends up to n bytes of the file to `out`; *got is their number, 0 at the end of the file. */
 static lc_status read_some(int fd, const char *path, size_t n, lc_bytes *out, size_t *got)
 {
     *got = 0;
@@ -96,7 +96,7 @@ bool lc_file_is_special(const char *path)
     return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
 }
 
-/* 0 or errno. Closes fd in any case. */
+/* Writes all data and closes fd in any case. Returns 0 or errno. */
 static int write_and_close(int fd, const uint8_t *data, size_t len, bool sync)
 {
     int err = 0;
@@ -115,7 +115,7 @@ static int write_and_close(int fd, const uint8_t *data, size_t len, bool sync)
     return err;
 }
 
-/* Opens a new file beside `path`, for its folder's length of `path` and a name of its own; fd or -1. */
+/* Creates a new file with a unique name in the folder of `path`; returns its descriptor, or -1. */
 static int open_temp(const char *path, mode_t mode, char temp[PATH_MAX])
 {
     const char *slash = strrchr(path, '/');
@@ -132,7 +132,7 @@ static int open_temp(const char *path, mode_t mode, char temp[PATH_MAX])
     return -1;
 }
 
-/* Makes the rename itself durable; a folder that cannot be synced is no error. */
+/* Makes the rename itself durable. A folder that cannot be synced is not an error. */
 static void sync_folder_of(const char *path)
 {
     char dir[PATH_MAX];

@@ -1,4 +1,4 @@
-/* gunzip.c - see gunzip.h. */
+/* gunzip.c - inflates one member after another with zlib. */
 #include "io/gunzip.h"
 
 #include "base/arena.h"
@@ -7,12 +7,12 @@
 #include <string.h>
 
 #define PIECE ((size_t)1 << 16)
-#define GZIP_WINDOW (15 + 16) /* zlib's: the largest window, with gzip's header and trailer */
+#define GZIP_WINDOW (15 + 16) /* zlib's windowBits: the largest window, 15, and gzip's header and trailer */
 
 struct lc_gunzip {
     const lc_context *ctx;
     z_stream z;
-    bool between; /* a member has ended and no other begun */
+    bool between; /* between members: one has ended, and no other has begun */
     char in[PIECE];
 };
 
@@ -32,7 +32,7 @@ lc_status lc_gunzip_open(const lc_context *ctx, const char *head, size_t len, lc
     return LC_ERR_MEMORY;
 }
 
-/* Steps over the zeros between members. False: no other one has begun in what was read so far. */
+/* Skips the zeros between members. False if no further member begins in the data read so far. */
 static bool next_member(lc_gunzip *g)
 {
     while (g->z.avail_in && !*g->z.next_in) {
@@ -45,7 +45,7 @@ static bool next_member(lc_gunzip *g)
     return true;
 }
 
-/* Reads the next piece. */
+/* Reads the next piece of compressed data. */
 static lc_status feed(lc_gunzip *g, lc_gunzip_pull *pull, void *user)
 {
     size_t len;
@@ -76,7 +76,7 @@ lc_status lc_gunzip_read(lc_gunzip *g, lc_gunzip_pull *pull, void *user, char *t
         *got += room - g->z.avail_out;
         if (rv == Z_MEM_ERROR) return LC_ERR_MEMORY;
         g->between = rv == Z_STREAM_END;
-        /* The last: nothing could be done yet. */
+        /* Z_BUF_ERROR: zlib could make no progress yet. */
         if (rv == Z_OK || rv == Z_STREAM_END || rv == Z_BUF_ERROR) continue;
         *why = g->z.msg ? g->z.msg : "not deflate's";
         return LC_ERR_PARSE;

@@ -1,4 +1,4 @@
-/* readfile.c - see readfile.h. */
+/* readfile.c - checks, reads and if necessary decompresses input files. */
 #include "io/readfile.h"
 
 #include "base/digest.h"
@@ -16,7 +16,7 @@ static lc_status fail(const lc_context *ctx, const lc_reader *r, lc_status statu
     return lc_fail(ctx, status, "cannot open '%s': %s", r->path, why);
 }
 
-/* ---- bytes as they stand in the file ---- */
+/* ---- bytes of the file ---- */
 
 static lc_status raw_memory(lc_reader *r, char *to, size_t n, size_t *got)
 {
@@ -43,7 +43,7 @@ static lc_status raw(const lc_context *ctx, void *user, char *to, size_t n, size
     return LC_OK;
 }
 
-/* Reads the first bytes and sees whether they are gzip's. */
+/* Reads the first bytes and detects gzip data. */
 static lc_status begin(const lc_context *ctx, lc_reader *r)
 {
     size_t got;
@@ -76,7 +76,7 @@ static lc_status check_file(const lc_context *ctx, lc_reader *r)
 lc_status lc_reader_open(const lc_context *ctx, lc_pos where, const char *path, lc_reader *r)
 {
     *r = (lc_reader){ .path = path, .where = where };
-    /* A pipe without a writer would block open() for ever. */
+    /* O_NONBLOCK: opening a pipe without a writer would block forever. */
     r->fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     if (r->fd < 0) return fail(ctx, r, LC_ERR_IO, strerror(errno));
     r->owned = true;
@@ -107,7 +107,7 @@ static lc_status read_plain(const lc_context *ctx, lc_reader *r, char *to, size_
 {
     size_t head = n < r->n_head ? n : r->n_head;
     memcpy(to, r->head, head);
-    r->head[0] = r->head[1]; /* where one is left, it is the second */
+    r->head[0] = r->head[1]; /* if one byte remains, it is the second */
     r->n_head = (uint8_t)(r->n_head - head);
     lc_status st = raw(ctx, r, to + head, n - head, got);
     *got += head;
@@ -138,12 +138,12 @@ void lc_reader_close(lc_reader *r)
 
 /* ---- whole files ---- */
 
-/* Reads to the end; the file may have grown since it was opened. */
+/* Reads to the end, even if the file has grown since it was opened. */
 static lc_status read_all(const lc_context *ctx, lc_reader *r, lc_file *f)
 {
     for (;;) {
         void *data = f->data;
-        /* One byte for the zero, one to notice that the file goes on. */
+        /* Two more: one byte for the zero, one to detect that the file continues. */
         size_t want = f->size < r->size ? r->size - f->size : 65536, got;
         lc_status st = lc_grow(ctx, &data, &f->cap, f->size + want + 2, 1);
         f->data = data;

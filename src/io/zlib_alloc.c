@@ -1,4 +1,4 @@
-/* zlib_alloc.c - see zlib_alloc.h. Blocks know their size, which our allocator wants back. */
+/* zlib_alloc.c - each block stores its size, which the context's allocator needs to free it. */
 #include "io/zlib_alloc.h"
 
 #include "base/arena.h"
@@ -29,6 +29,6 @@ static void zlib_free(void *user, void *ptr)
 z_stream lc_zlib_stream(const lc_context *ctx)
 {
     lc_context *user;
-    memcpy(&user, &ctx, sizeof user); /* zlib wants a pointer without const */
+    memcpy(&user, &ctx, sizeof user); /* zlib's pointer is not const */
     return (z_stream){ .zalloc = zlib_alloc, .zfree = zlib_free, .opaque = user };
 }

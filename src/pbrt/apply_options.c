@@ -1,7 +1,7 @@
-/* apply_options.c - Film, Sampler and Camera, and their joining at WorldBegin.
+/* apply_options.c - Film, Sampler, Camera and Integrator, applied to the scene at WorldBegin.
  *
- * Screen window, unless the file gives one: -1..1 along the shorter side of the picture, wider along the
- * other. Exposure: v3's "scale"; v4's iso / 100 times the seconds the shutter is open.
+ * The screen window by default is -1..1 along the shorter side of the picture and proportionally wider along
+ * the other. Exposure is v3's "scale", or v4's iso / 100 times the seconds that the shutter is open.
  */
 #include "pbrt/option.h"
 
@@ -9,8 +9,10 @@
 
 #include <string.h>
 
-#define MAX_FILE_SPP 4   /* light sampling leaves no noise to average, so samples serve antialiasing only */
-#define MAX_LENS_SPP 16  /* of a lens there is */
+/* Limit the scene's own samples per pixel. Lightcuts leave no noise of light sampling to average, so samples
+ * serve antialiasing only; a lens needs more. */
+#define MAX_FILE_SPP 4
+#define MAX_LENS_SPP 16
 
 void lc_pbrt_options_init(lc_pbrt_options *opt)
 {
@@ -18,7 +20,7 @@ void lc_pbrt_options_init(lc_pbrt_options *opt)
     opt->scale = 1;
     opt->iso = 100;
     opt->shutter = 1;
-    opt->spp = 16; /* pbrt's */
+    opt->spp = 16; /* pbrt's default */
     opt->focal_distance = 1e6;
     opt->world_to_camera = lc_xform_identity();
     opt->fov = 90;
@@ -137,7 +139,7 @@ static lc_status limit_spp(lc_pbrt *p, uint32_t *spp)
         most);
 }
 
-/* Of every integrator whether it follows light on its way, and how deep; the last one counts. */
+/* Records whether the integrator traces paths, and their depth. The last statement applies. */
 lc_status lc_pbrt_integrator(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     const lc_pbrt_param *par;
@@ -193,7 +195,7 @@ static const struct camera {
     { "spherical", LC_CAMERA_EQUAL_AREA },
 };
 
-/* pbrt-v4's spherical camera has either mapping. */
+/* The kind of camera; that of v4's "spherical" depends on its mapping. */
 static lc_status get_kind(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     const char *mapping = "equalarea";
@@ -242,7 +244,7 @@ lc_status lc_pbrt_camera(lc_pbrt *p, const lc_pbrt_stmt *s)
     return st;
 }
 
-/* One axis of the crop window in pixels: pbrt rounds both ends up. */
+/* The crop window along one axis, in pixels; pbrt rounds both ends up. */
 static void crop_axis(const lc_pbrt_options *o, int64_t size, int axis, uint32_t out[2])
 {
     int64_t lo = (int64_t)ceil((double)size * o->crop[2 * axis]);
@@ -250,7 +252,7 @@ static void crop_axis(const lc_pbrt_options *o, int64_t size, int axis, uint32_t
     if (o->bounds[2 * axis] > lo) lo = o->bounds[2 * axis];
     if (o->bounds[2 * axis + 1] < hi) hi = o->bounds[2 * axis + 1];
     out[0] = (uint32_t)(lo < size ? lo : size);
-    out[1] = (uint32_t)(hi > 0 ? hi : 0); /* lo >= hi is refused by lc_scene_set_film */
+    out[1] = (uint32_t)(hi > 0 ? hi : 0); /* lc_scene_set_film rejects lo >= hi */
 }
 
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)

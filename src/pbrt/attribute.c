@@ -1,12 +1,14 @@
-/* attribute.c - v4's Attribute: parameters that later statements of a kind take in this block where they
- * don't give one of that name themselves. Of two Attributes the later counts. What no statement wants of them
- * is not noted. */
+/* attribute.c - v4's Attribute: default parameters for later statements of a kind within the same block. A
+ * statement's own parameters take precedence, and of two defaults with the same name the later one. Defaults
+ * that no statement uses are not noted. */
 #include "pbrt/attribute.h"
 
 #include <string.h>
 
-#define MAX_DEFAULTS 256        /* in force: every statement of their kind looks at each */
-#define MAX_DEFAULT_VALUES 4096 /* of them together: and copies those */
+/* Limit the time of a statement, which tests every default in force and copies the values of those that
+ * apply. */
+#define MAX_DEFAULTS 256
+#define MAX_DEFAULT_VALUES 4096
 
 typedef enum target { SHAPE, LIGHT, MATERIAL, MEDIUM, TEXTURE, N_TARGETS } target;
 
@@ -19,7 +21,7 @@ typedef struct lc_pbrt_default {
 
 static const char *const target_names[N_TARGETS] = { "shape", "light", "material", "medium", "texture" };
 
-/* Of a directive; N_TARGETS: it takes none. */
+/* The kind of defaults that a directive takes; N_TARGETS: none. */
 static target target_of(const char *directive)
 {
     static const struct {
@@ -33,7 +35,7 @@ static target target_of(const char *directive)
     return N_TARGETS;
 }
 
-/* A copy of a parameter that outlives its statement. */
+/* Copies a parameter to the arena, so that it outlives its statement. */
 static lc_status keep(lc_pbrt *p, const lc_pbrt_param *par, lc_pbrt_default *out)
 {
     out->par = *par;

@@ -1,14 +1,19 @@
 /* bilinear.c - Shape "bilinearmesh" as triangles.
  *
- *     p01 -- p11      indices: p00 p10 p01 p11; u runs from p00 to p10, v from p00 to p01. A patch that is
- * not planar, or whose |      |       texture is not, becomes a grid of n x n cells, which is off by the
- * twist p00 -- p10      |p00 - p10 - p01 + p11| / (4 n^2) at most.
+ *     p01 -- p11      indices: p00 p10 p01 p11; u runs from p00 to p10, v from p00 to p01
+ *      |      |
+ *     p00 -- p10
+ *
+ * A planar patch becomes two triangles. A patch that is not planar, or whose texture mapping is not affine,
+ * becomes a grid of n x n cells, whose distance from the patch is at most the twist |p00 - p10 - p01 + p11| /
+ * (4 n^2).
  */
-#include "pbrt/state.h"
+#include "pbrt/shape_handler.h"
 
-#define MAX_SIDE LC_SIZE(16, 4) /* cells */
-#define MAX_TRIS (8u << 20)  /* of one shape: patches are then cut less */
-#define MAX_OFF 1e-3         /* how far off, of the patch's diagonal */
+#define MAX_SIDE LC_SIZE(16, 4) /* limits n */
+#define MAX_TRIS (8u << 20)     /* limits the triangles of a shape: its patches then get fewer cells */
+#define MAX_OFF 1e-3            /* limits the distance from the patch, as a fraction of its diagonal;
+                                 * chosen */
 
 typedef struct patch {
     double p[4][3], n[4][3], uv[4][2];
@@ -45,7 +50,7 @@ static void difference(const double a[3], const double b[3], double out[3])
     for (int k = 0; k < 3; k++) out[k] = a[k] - b[k];
 }
 
-/* Cells along a side. in_plane: a twist within the plane counts, too. */
+/* The number of cells along a side, n. With in_plane a twist within the plane counts, too. */
 static uint32_t side_of(const patch *q, bool in_plane)
 {
     double d0[3], d1[3], n[3], twist[3];
@@ -67,7 +72,7 @@ static void mix(const double *c00, const double *c10, const double *c01, const d
         out[k] = (1 - v) * ((1 - u) * c00[k] + u * c10[k]) + v * ((1 - u) * c01[k] + u * c11[k]);
 }
 
-/* The shading normal: the given ones interpolated, or the surface's own where it is curved. */
+/* The shading normal: interpolated from given normals, or that of the bilinear surface. */
 static void normal_at(const patch *q, bool given, double u, double v, double out[3])
 {
     double du[3], dv[3];
@@ -82,9 +87,8 @@ static void normal_at(const patch *q, bool given, double u, double v, double out
     cross(du, dv, out);
 }
 
-/* Which shapes get what. */
 typedef struct output {
-    bool normals, given, uv;
+    bool normals, given, uv; /* the mesh has normals; they are given in the file; the mesh has uv */
     size_t n_verts, n_tris;
 } output;
 

@@ -1,12 +1,14 @@
-/* colour.c - rgb, xyz, spectrum (values, names, files) and blackbody parameters to linear Rec.709.
+/* colour.c - converts rgb, xyz, spectrum (values, names, files) and blackbody parameters to linear Rec.709.
  *
- * Spectra are weighted with the CIE 1931 curves as fitted in [Wyman13] 2.2, each curve scaled to sum 1, so
- * that the constant spectrum 1 is X = Y = Z = 1. Then
- *     blackbody T      has luminance 1
- *     blackbody T s    (v3) is s times Planck's curve with its peak at 1
- *     light, v4        is divided by its luminance: there the strength of a light is stated otherwise
- *     albedo           is divided by the colour of the constant spectrum 1, so that flat spectra are grey
- * Components below 0 (colours outside Rec.709) become 0.
+ * Spectra are weighted with the CIE 1931 curves as fitted in [Wyman13] 2.2, each scaled to a sum of 1, so
+ * that the constant spectrum 1 has X = Y = Z = 1. Further scaling:
+ *
+ *     blackbody T      to luminance 1
+ *     blackbody T s    (v3) to s times Planck's curve with a peak of 1
+ *     light, v4        to luminance 1, as other parameters give the strength of a light
+ *     albedo           by the inverse colour of the constant spectrum 1, so that flat spectra are grey
+ *
+ * Negative components, of colours outside of Rec.709, become 0.
  */
 #include "base/fmath.h"
 #include "pbrt/attribute.h"
@@ -37,7 +39,7 @@ static void fill_cie(lc_pbrt *p)
         for (int k = 0; k < 3; k++) p->cie[i][k] /= sum[k];
 }
 
-/* IEC 61966-2-1, D65 white. */
+/* From X Y Z to linear Rec.709 with D65 white (IEC 61966-2-1). */
 static void xyz_to_rgb(const double xyz[3], double rgb[3])
 {
     static const double m[3][3] = { { 3.2404542, -1.5371385, -0.4985314 },
@@ -46,7 +48,8 @@ static void xyz_to_rgb(const double xyz[3], double rgb[3])
     for (int i = 0; i < 3; i++) rgb[i] = m[i][0] * xyz[0] + m[i][1] * xyz[1] + m[i][2] * xyz[2];
 }
 
-/* Planck's curve relative to its peak; hc/k = 1.438776877e7 nm K, the peak is at 2.897771955e6 nm K / T. */
+/* Planck's curve relative to its peak; hc/k = 1.438776877e7 nm K, the peak is at 2.897771955e6 nm K / T.
+ * Constants by CODATA 2018. */
 static double planck(double nm, double kelvin)
 {
     double peak = 2.897771955e6 / kelvin, r = peak / nm, r2 = r * r;
@@ -55,13 +58,13 @@ static double planck(double nm, double kelvin)
     return r2 * r2 * r * (e / (1 - e)) / (e_peak / (1 - e_peak));
 }
 
-/* Planck's curve; *scale is what makes it a colour, 0: what gives it luminance 1. */
+/* Planck's curve of a blackbody parameter. *scale is its factor; 0: it is to be scaled to luminance 1. */
 static lc_status blackbody(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_PBRT_CIE_N], double *scale)
 {
     const double *v = lc_pbrt_numbers(&p->params, par);
     if (par->n != 1 && par->n != 2)
         return lc_pbrt_bad_param(&p->params, par, "needs a temperature and perhaps a scale");
-    /* below 1 K and above 10^9 K the curve is of no use in the visible */
+    /* Outside of this range the curve is useless at visible wavelengths. */
     if (!(v[0] >= 1 && v[0] <= 1e9))
         return lc_pbrt_bad_param(&p->params, par, "is a temperature out of range");
     for (int i = 0; i < LC_PBRT_CIE_N; i++) out[i] = planck(LC_PBRT_CIE_FIRST + i, v[0]);
@@ -69,7 +72,7 @@ static lc_status blackbody(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_P
     return LC_OK;
 }
 
-/* Outside of what it says a spectrum is 0 in v4, and as at its end in v3. */
+/* A spectrum given as pairs. Outside of its wavelengths it is 0 in v4 and constant in v3. */
 static lc_status spectrum(lc_pbrt *p, const lc_pbrt_param *par, double out[LC_PBRT_CIE_N])
 {
     const double *v = lc_pbrt_numbers(&p->params, par);

@@ -1,16 +1,16 @@
-/* curve.c - Shape "curve" as triangles: Bezier or B-spline, of degree 2 or 3, in segments, each a strip or a
- * tube in steps.
+/* curve.c - Shape "curve" as triangles: Bezier or B-spline segments of degree 2 or 3, each a strip or a tube
+ * in steps.
  *
  *     ribbon           a strip across the normals N
- *     flat, cylinder   a tube, where pbrt has a strip that faces each ray; its normals are those of a
- * cylinder
+ *     flat, cylinder   a tube with the normals of a cylinder, where pbrt has a strip that faces each ray
  *
- * A step keeps within a fiftieth of the width of the curve, up to the steps of a level. Like round shapes,
- * curves get coarser as they become more: 8 around and 16 steps for the first quarter of a million triangles,
- * in the end a strip of two steps, and none beyond 6 million (1.2 GB, a million curves). Tubes are as much
- * thicker than round ones that the mean of their widths, seen from all sides, is the curve's: by Cauchy that
- * is the perimeter over pi. */
-#include "pbrt/state.h"
+ * A step deviates from the curve by at most OFF of its width, as long as the level's number of steps allows.
+ * Curves get coarser as they become more: the first quarter of a million triangles have 8 sides and 16 steps,
+ * the last a strip of two steps, and beyond 6 million triangles (1.2 GB, a million curves) there are no more.
+ * A tube with few sides is made thicker, so that its width averaged over all directions is the curve's; by
+ * Cauchy that mean is the perimeter over pi.
+ */
+#include "pbrt/shape_handler.h"
 
 #include "base/fmath.h"
 
@@ -18,27 +18,27 @@
 #include <string.h>
 
 #define MAX_SIDES 8
-#define OFF 0.02 /* of the width */
-#define FULL LC_SIZE((uint64_t)1 << 18, 1 << 9) /* triangles of the finest level */
+#define MIN_SINE 1e-6 /* of the angle between two unit vectors: below, their cross product has no direction */
+#define OFF 0.02 /* limits the deviation of a step, as a fraction of the curve's width; chosen */
+#define FULL LC_SIZE((uint64_t)1 << 18, 1 << 9) /* triangles at the finest level */
 
 static const struct level {
-    uint64_t up_to; /* triangles of curves so far */
-    uint32_t sides, steps; /* sides: 2 is a strip */
+    uint64_t up_to; /* the level applies until so many triangles of curves have been made */
+    uint32_t sides, steps; /* 2 sides: a strip */
 } levels[] = { { FULL, MAX_SIDES, 16 }, { 4 * FULL, 4, 8 }, { 8 * FULL, 3, 4 }, { 24 * FULL, 2, 2 } };
 #define N_LEVELS (sizeof levels / sizeof *levels)
 
 typedef struct spline {
-    const double *points, *normals; /* normals: of ribbons, one more than segments; else NULL */
+    const double *points, *normals; /* normals: for ribbons, one more than segments; else NULL */
     size_t n_segments, degree;
     double width[2];
     bool bspline;
 } spline;
 
-/* Rings of `row` vertices. */
 typedef struct tube {
-    uint32_t sides, steps, row;
-    double swell, cosine[MAX_SIDES + 1], sine[MAX_SIDES + 1];
-    double x[3], y[3], tangent[3]; /* of the last ring, unit, at right angles */
+    uint32_t sides, steps, row; /* row: vertices of a ring */
+    double swell, cosine[MAX_SIDES + 1], sine[MAX_SIDES + 1]; /* swell: factor by which the tube is thicker */
+    double x[3], y[3], tangent[3]; /* the orthonormal frame of the last ring */
     bool uv;
     size_t n_verts, n_tris;
 } tube;
@@ -54,7 +54,7 @@ static void cross(const double a[3], const double b[3], double out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* False, and out stays, where v is shorter than `least`. */
+/* Normalizes v; false, with out unchanged, if v is not longer than `least`. */
 static bool unit(const double v[3], double least, double out[3])
 {
     double len = sqrt(dot(v, v));
@@ -70,7 +70,7 @@ static void between(const double *a, const double *b, double share, double out[3
     for (int k = 0; k < 3; k++) out[k] = (1 - share) * a[k] + share * b[k];
 }
 
-/* Control points of a segment as a cubic Bezier curve. */
+/* The control points of a segment as a cubic Bezier curve. */
 static void fetch(const spline *c, size_t segment, double b[4][3])
 {
     const double *p[4], *q[3];
@@ -103,7 +103,7 @@ static void fetch(const spline *c, size_t segment, double b[4][3])
     between(q[2], q[1], 2.0 / 3, b[2]);
 }
 
-/* Point and derivative. */
+/* The point of a cubic Bezier curve at t and its derivative. */
 static void at(const double b[4][3], double t, double point[3], double d[3])
 {
     double q[3][3], r[2][3];
@@ -113,7 +113,8 @@ static void at(const double b[4][3], double t, double point[3], double d[3])
     for (int k = 0; k < 3; k++) d[k] = 3 * (r[1][k] - r[0][k]);
 }
 
-/* The chord of a step of 1 / n is off by at most an eighth of the largest second derivative over n^2. */
+/* The number of steps of a segment: the chord of a step of 1 / n deviates by at most the largest second
+ * derivative over 8 n^2. */
 static uint32_t steps_of(const spline *c, const double b[4][3], uint32_t most)
 {
     double bend = 0, width = fmax(c->width[0], c->width[1]);
@@ -140,12 +141,12 @@ static size_t triangles(const spline *c, const struct level *level)
 
 /* ---- rings ---- */
 
-/* Turns the frame with the tangent, by the least angle; keeps it where there is no tangent. */
+/* Rotates the frame to the tangent by the least angle; leaves it if there is no tangent. */
 static void follow(tube *o, const double tangent[3])
 {
     double x[3], t[3] = { tangent[0], tangent[1], tangent[2] };
     for (int k = 0; k < 3; k++) x[k] = o->x[k] - dot(o->x, t) * t[k];
-    if (!unit(x, 1e-6, o->x)) {
+    if (!unit(x, MIN_SINE, o->x)) {
         int axis = fabs(t[0]) < 0.6 ? 0 : fabs(t[1]) < 0.6 ? 1 : 2;
         double e[3] = { axis == 0, axis == 1, axis == 2 };
         cross(t, e, x);
@@ -155,7 +156,8 @@ static void follow(tube *o, const double tangent[3])
     memcpy(o->tangent, t, sizeof t);
 }
 
-/* A ribbon's frame: x lies in it, y is its normal, turned evenly from one to the other. */
+/* Sets a ribbon's frame: x lies in it, y is its normal, interpolated between two given normals at a constant
+ * angular speed. */
 static void follow_normal(tube *o, const double *from, const double *to, double t, const double tangent[3])
 {
     double n[3], m[3], c[3], x[3], angle, least, ends, begins;
@@ -163,13 +165,13 @@ static void follow_normal(tube *o, const double *from, const double *to, double 
     cross(n, m, c);
     angle = lc_atan2(sqrt(dot(c, c)), dot(n, m)) * (180 / LC_PI);
     lc_sincos_deg(angle, &least, &x[0]);
-    if (least > 1e-6) { /* else they are the same, or opposite and nobody knows which way */
+    if (least > MIN_SINE) { /* else they are equal, or opposite with no defined rotation between them */
         lc_sincos_deg((1 - t) * angle, &begins, &x[0]);
         lc_sincos_deg(t * angle, &ends, &x[0]);
         for (int k = 0; k < 3; k++) n[k] = (begins * n[k] + ends * m[k]) / least;
     }
     cross(n, tangent, x);
-    if (!unit(x, 1e-6, o->x)) return;
+    if (!unit(x, MIN_SINE, o->x)) return;
     cross(tangent, o->x, o->y);
 }
 
@@ -190,7 +192,7 @@ static void put_ring(lc_pbrt *p, tube *o, const double centre[3], double radius,
     }
 }
 
-/* Between the last two rings; where one is a point triangles without area are left out. */
+/* Makes the triangles between the last two rings, except degenerate ones at a ring that is a point. */
 static void join(lc_pbrt *p, tube *o, bool first_is_point, bool last_is_point)
 {
     uint32_t last = (uint32_t)o->n_verts - o->row, first = last - o->row;
@@ -217,7 +219,7 @@ static void put_segment(lc_pbrt *p, const spline *c, size_t segment, tube *o)
         double radius = 0.5 * ((1 - u) * c->width[0] + u * c->width[1]);
         memcpy(tangent, o->tangent, sizeof tangent);
         at(b, t, point, d);
-        /* where two control points coincide the derivative vanishes, but not next to it */
+        /* Where control points coincide the derivative vanishes: take it a little further along. */
         if (!unit(d, 1e-9 * size, tangent)) {
             at(b, t + (i < n ? 1e-3 : -1e-3), near, d);
             unit(d, 0, tangent);

@@ -1,5 +1,6 @@
-/* feature.c - what a scene file uses and how well that is supported. A statement is approximated when
- * something was noted of it, or where the table says so; ignored when its handler says so. */
+/* feature.c - records which features a scene file uses and how they are supported. A statement counts as
+ * approximated if something was noted about it or the table says so, and as ignored if its handler says
+ * so. */
 #include "pbrt/state.h"
 
 #include <stdio.h>
@@ -7,8 +8,8 @@
 
 static const struct kind {
     const char *directive, *name;
-    bool by_directive;  /* named as the directive, else by class */
-    const char *remark; /* how it is approximated always, or NULL */
+    bool by_directive;  /* the feature has the directive's name, else that of the class */
+    const char *remark; /* how it is always approximated, or NULL */
 } kinds[] = {
     { "Shape", "shape", false, NULL },
     { "LightSource", "light", false, NULL },

@@ -1,5 +1,5 @@
-/* filter.c - PixelFilter. v3 writes xwidth and alpha, v4 xradius and sigma, with other defaults: those of the
- * file's version, which is known once its Film has been read. */
+/* filter.c - PixelFilter. v3 has xwidth and alpha, v4 xradius and sigma, with different defaults: those of
+ * the file's version apply, which is known when its Film has been read. */
 #include "pbrt/state.h"
 
 #include <string.h>
@@ -7,7 +7,7 @@
 static const struct filter {
     const char *name;
     lc_pixel_filter_kind kind;
-    double radius[2]; /* pbrt's default in v3, in v4 */
+    double radius[2]; /* pixels: pbrt's defaults in v3 and v4 */
 } filters[] = {
     { "box", LC_PIXEL_BOX, { 0.5, 0.5 } },
     { "triangle", LC_PIXEL_TRIANGLE, { 2, 2 } },
@@ -16,7 +16,7 @@ static const struct filter {
     { "sinc", LC_PIXEL_SINC, { 4, 4 } },
 };
 
-/* Keeps what the file says; 0 stays where it says nothing. */
+/* Reads a number; *out remains 0 if the file does not give it. */
 static lc_status get_value(lc_pbrt *p, const char *name, double least, double most, double *out, bool *there)
 {
     const lc_pbrt_param *par;
@@ -75,6 +75,6 @@ void lc_pbrt_filter_desc(const lc_pbrt *p, lc_pixel_filter_desc *out)
         for (int k = 0; k < 2; k++)
             if (filters[i].kind == out->kind && !(out->radius[k] > 0))
                 out->radius[k] = filters[i].radius[p->v4];
-    /* V4's sigma of 0.5 is an alpha of 2, too. */
+    /* v3's default alpha is 2, v4's default sigma is 0.5, which is the same: alpha = 1 / (2 sigma^2). */
     if (out->kind == LC_PIXEL_GAUSSIAN && !(out->shape[0] > 0)) out->shape[0] = 2;
 }

@@ -1,7 +1,7 @@
-/* infinite.c - LightSource "infinite": a constant or a picture, "filename" (v4) or "mapname" (v3).
+/* infinite.c - LightSource "infinite": a constant, or an image "filename" (v4) or "mapname" (v3).
  *
- * Square pictures are pbrt-v4's equal-area ones unless named by "mapname"; others go by latitude and
- * longitude.
+ * A square image given by "filename" has pbrt-v4's equal-area mapping; all others are latitude-longitude
+ * maps.
  */
 #include "pbrt/light_source.h"
 
@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Integers are sRGB. */
+/* Integer images are decoded as sRGB. */
 lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap *out, bool *there)
 {
     const char *path;
@@ -58,8 +58,8 @@ static lc_status get_map(lc_pbrt *p, lc_env *env, bool *is_image)
     return st || *is_image ? st : lc_pbrt_constant_map(p, &env->map);
 }
 
-/* Illuminance of a surface under the upper half of the map. The factor is pbrt-v4's, which takes texels for
- * half as large. */
+/* The illuminance of a surface by the upper half of the map. It includes pbrt-v4's factor of 1/2: pbrt takes
+ * texels for half as large as they are. */
 static double upper_illuminance(const lc_env *env)
 {
     double sum = 0, rgb[3], w[3];

@@ -1,4 +1,4 @@
-/* lex.c - see lex.h. */
+/* lex.c - finds and opens files, and cuts their text into tokens. */
 #include "pbrt/lex.h"
 
 #include "base/decimal.h"
@@ -17,14 +17,14 @@ void lc_pbrt_lex_init(lc_pbrt_lex *lex, const lc_context *ctx, lc_arena *arena)
 
 /* ---- files ---- */
 
-/* Length of the folder part of a path, slash included. */
+/* The length of a path's folder, its slash included. */
 static size_t dir_len(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
-/* dir (first n bytes) + name + suffix, in the arena. */
+/* Concatenates the first n bytes of dir, name and suffix in the arena; NULL if memory runs out. */
 static char *join(lc_pbrt_lex *lex, const char *dir, size_t n, const char *name, const char *suffix)
 {
     size_t a = strlen(name), b = strlen(suffix);
@@ -64,7 +64,7 @@ lc_status lc_pbrt_find_file(lc_pbrt_lex *lex, lc_pos where, const char *name, co
     return find(lex, where, name, "", path, &found);
 }
 
-/* The reader is closed when it fails. */
+/* Pushes a file on the stack. Takes ownership of the reader, which is closed on failure. */
 static lc_status push(lc_pbrt_lex *lex, const lc_reader *reader, const char *name)
 {
     lc_status st = lc_pbrt_source_open(lex->ctx, reader, name, lex->window, &lex->stack[lex->depth]);
@@ -148,7 +148,7 @@ void lc_pbrt_lex_free(lc_pbrt_lex *lex)
 
 enum { SPACE = 1, BREAK = 2, DIGIT = 4, LETTER = 8, SIGN = 16 };
 
-/* BREAK ends a number or a word; so does the zero at the end of the window. */
+/* BREAK: ends a number or a word; the zero at the end of the window is one, too. */
 static const uint8_t classes[256] = {
     [' '] = SPACE | BREAK,
     ['\t'] = SPACE | BREAK,
@@ -171,7 +171,7 @@ static const uint8_t classes[256] = {
 };
 static bool is(char c, unsigned set) { return classes[(unsigned char)c] & set; }
 
-/* Skips spaces in the window; false when a comment or a token follows. */
+/* Skips spaces in the window; false if a comment or a token follows. */
 static bool skip_in_window(lc_pbrt_source *s)
 {
     const char *p = s->data + s->off;
@@ -184,7 +184,7 @@ static bool skip_in_window(lc_pbrt_source *s)
     return s->off == s->size;
 }
 
-/* Skips to the end of the line, which may be many windows away. */
+/* Skips to the end of the line, however many windows away. */
 static lc_status skip_comment(lc_pbrt_source *s)
 {
     for (;;) {
@@ -211,7 +211,7 @@ static lc_status skip_space(lc_pbrt_source *s)
     }
 }
 
-/* What stands for an escape sequence, -1 for none that pbrt knows. */
+/* The character that an escape sequence means, -1 if pbrt has no such sequence. */
 static int unescape(char c)
 {
     switch (c) {
@@ -227,7 +227,7 @@ static int unescape(char c)
     }
 }
 
-/* Whether the string that begins at s->off ends in the window, be it by a quote or by a mistake. */
+/* True if the string that begins at s->off ends in the window, by its quote or by an error. */
 static bool string_ends(const lc_pbrt_source *s)
 {
     size_t i = s->off + 1;
@@ -236,7 +236,7 @@ static bool string_ends(const lc_pbrt_source *s)
     return i < s->size;
 }
 
-/* s->off is at the opening quote. */
+/* Reads a string, whose opening quote is at s->off, and decodes it in place. */
 static lc_status lex_string(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *t)
 {
     while (!string_ends(s) && !s->at_end) {
@@ -270,7 +270,7 @@ static lc_status lex_string(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *
     return lc_fail_at(lex->ctx, LC_ERR_PARSE, t->pos, "string without a closing quote");
 }
 
-/* Length shown of a token in a message. */
+/* The length of a token that messages show. */
 static int shown(size_t len) { return len < 40 ? (int)len : 40; }
 
 static bool fits_float(double v) { return v <= (double)FLT_MAX && v >= -(double)FLT_MAX; }
@@ -295,7 +295,7 @@ size_t lc_pbrt_lex_numbers(lc_pbrt_lex *lex, double *out, size_t n)
     for (; i < n; i++) {
         if (skip_in_window(s)) break;
         size_t len = lc_decimal_plain(s->data + s->off, &out[i]);
-        /* At the window's end it may go on. */
+        /* A number at the window's end may continue behind it. */
         if (!len || !is(s->data[s->off + len], BREAK) || s->off + len == s->size || !fits_float(out[i]))
             break;
         s->off += len;
@@ -317,7 +317,7 @@ static lc_status lex_word(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *t)
     return LC_OK;
 }
 
-/* Sets t->text and t->len: up to the next break, but one byte at least. */
+/* Sets t->text and t->len to the bytes up to the next break, at least one. */
 static lc_status find_end(lc_pbrt_source *s, lc_pbrt_token *t)
 {
     size_t len = 1;

@@ -1,6 +1,6 @@
 /* light_source.h - what the handlers of LightSource share. */
-#ifndef LC_PBRT_LIGHT_H
-#define LC_PBRT_LIGHT_H
+#ifndef LC_PBRT_LIGHT_SOURCE_H
+#define LC_PBRT_LIGHT_SOURCE_H
 
 #include "pbrt/state.h"
 
@@ -9,19 +9,19 @@ lc_pbrt_handler lc_pbrt_infinite_light;
 lc_pbrt_handler lc_pbrt_spot_light, lc_pbrt_projection_light, lc_pbrt_goniometric_light;
 lc_pbrt_handler lc_pbrt_sun_light, lc_pbrt_sky_light;
 
-/* Multiplies by "scale": a number, or v3's colour. */
+/* Multiplies the colour by "scale": a number, or in v3 a colour. */
 lc_status lc_pbrt_light_scale(lc_pbrt *p, lc_f3 *colour);
-/* v4: a photometric quantity that multiplies the light when it is given and above 0. */
+/* v4: multiplies the colour by a photometric parameter times factor, if the parameter is given and above
+ * 0. */
 lc_status lc_pbrt_light_photometric(lc_pbrt *p, const char *name, double factor, lc_f3 *colour);
-/* Position parameter (either name) through the current matrix. */
+/* A position parameter, under either name, transformed to world space by the current matrix. */
 lc_status lc_pbrt_light_position(lc_pbrt *p, const char *name, const char *alias, lc_f3 *out);
-/* A direction through the current matrix, unit. */
+/* A direction transformed to world space by the current matrix, normalized. */
 lc_status lc_pbrt_light_direction(lc_pbrt *p, lc_pos where, const double v[3], lc_f3 *out);
 
-/* infinite.c: a light's picture, decoded; *there: false after a note, where there is none that can be read.
- */
+/* infinite.c: decodes the image of a light. *there is false, after a note, if it cannot be read. */
 lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap *out, bool *there);
-/* One white texel. */
+/* A map of one white texel. */
 lc_status lc_pbrt_constant_map(lc_pbrt *p, lc_mipmap *out);
 
 #endif

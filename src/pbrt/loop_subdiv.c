@@ -1,16 +1,14 @@
 /* loop_subdiv.c - Shape "loopsubdiv" as triangles. */
-#include "pbrt/state.h"
+#include "pbrt/shape_handler.h"
 
 #include "pbrt/subdiv.h"
 
 #include <string.h>
 
-#define MAX_TRIS LC_SIZE(4u << 20, 256u) /* of one shape; more would take a gigabyte while they are made */
-#define MAX_LEVELS 20
+#define MAX_TRIS LC_SIZE(4u << 20, 256u) /* limits the triangles of a shape, and so the memory to 1 GB */
+#define MAX_LEVELS 20                    /* limits the loop for meshes without faces */
 
-/* ---- loopsubdiv ---- */
-
-/* Levels asked for, less those that would make too many triangles. */
+/* The number of levels requested, reduced until there are at most MAX_TRIS triangles. */
 static lc_status get_levels(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t n_faces, uint32_t *out)
 {
     int64_t levels = 3;

@@ -1,8 +1,10 @@
-/* make_material.c - Material statements: the classes, materials by name, mixes. What each class becomes is
- * said in material_v3.c and material_v4.c; a class that none of them knows is grey and diffuse. */
+/* make_material.c - Material statements: the table of classes, materials by name, mixes. material_v3.c,
+ * material_v4.c and material_own.c read the classes; an unknown class becomes grey and diffuse. */
 #include "pbrt/make_material.h"
 
 #include <string.h>
+
+#define MIN_CONDUCTOR_ETA 2e-3f /* its square is above LC_MIN_CONDUCTOR */
 
 static lc_status invisible(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
@@ -17,7 +19,7 @@ static const char diffuse_instead[] = "a diffuse material takes its place";
 static const struct class {
     const char *name;
     lc_pbrt_reader *read;
-    const char *note; /* NULL: nothing is approximated, but for what the reader notes */
+    const char *note; /* how the class is approximated; NULL: exact, except for what its reader notes */
 } classes[] = {
     { "diffuse", lc_pbrt_diffuse, NULL },
     { "matte", lc_pbrt_matte, NULL },
@@ -70,14 +72,14 @@ static const struct class *class_of(const char *name)
 
 static float within(float v, float least, float most) { return fminf(fmaxf(v, least), most); }
 
-/* Indices as far as the lobes' bounds hold for them. */
+/* Limits indices of refraction to the range for which the bounds of lobes hold. */
 static void limit_index(lc_material *m)
 {
     float *eta[3] = { &m->eta.x, &m->eta.y, &m->eta.z }, *k[3] = { &m->k.x, &m->k.y, &m->k.z };
     if (m->lobe != LC_LOBE_GGX) return;
     if (m->coat || m->fresnel == LC_FRESNEL_DIELECTRIC) m->eta.x = within(m->eta.x, LC_MIN_ETA, LC_MAX_ETA);
     for (int c = 0; c < 3 && m->fresnel == LC_FRESNEL_CONDUCTOR; c++) {
-        *eta[c] = within(*eta[c], 2e-3f, LC_MAX_CONDUCTOR); /* its square is above LC_MIN_CONDUCTOR */
+        *eta[c] = within(*eta[c], MIN_CONDUCTOR_ETA, LC_MAX_CONDUCTOR);
         *k[c] = within(*k[c], 0, LC_MAX_CONDUCTOR);
     }
 }
@@ -90,7 +92,7 @@ static lc_status add_look(lc_pbrt *p, lc_pbrt_look *look, uint32_t *id)
     return st;
 }
 
-/* Lets everything through as if it were not there. */
+/* Adds a material that transmits everything unchanged. */
 static lc_status add_clear(lc_pbrt *p, uint32_t *id)
 {
     lc_material m = { .kt = { 1, 1, 1 }, .eta = { 1, 1, 1 }, .fresnel = LC_FRESNEL_DIELECTRIC };
@@ -98,7 +100,7 @@ static lc_status add_clear(lc_pbrt *p, uint32_t *id)
     return lc_scene_add_material(p->scene, &m, id);
 }
 
-/* Of a material that was made before. */
+/* The id of a material for a mix: an earlier one by name. */
 static lc_status get_part(lc_pbrt *p, lc_pos where, const char *name, uint32_t *id)
 {
     uint32_t at = name ? lc_pbrt_map_get(&p->material_names, name) : LC_NONE;
@@ -112,7 +114,7 @@ static lc_status get_part(lc_pbrt *p, lc_pos where, const char *name, uint32_t *
     return st ? st : lc_scene_add_material(p->scene, &grey, id);
 }
 
-/* look becomes a mix of two materials of the scene. */
+/* Makes the look a mix of two materials of the scene; share is the weight of the second. */
 static lc_status be_mix(lc_pbrt *p, lc_pos where, uint32_t first, uint32_t second, const lc_tex_input *share,
                         lc_pbrt_look *look)
 {
@@ -138,7 +140,7 @@ static bool is_float_param(lc_pbrt *p, const char *name)
     return par->n == 1 && lc_pbrt_map_get(&p->float_textures, p->params.text[par->first]) != LC_NONE;
 }
 
-/* v3: "amount" is the share of "namedmaterial1". v4: it is that of the second of "materials". */
+/* v3: "amount" is the weight of "namedmaterial1". v4: the weight of the second of "materials". */
 lc_status lc_pbrt_mix(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
     const char *names[2] = { NULL, NULL };
@@ -158,7 +160,7 @@ lc_status lc_pbrt_mix(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     return st ? st : be_mix(p, where, id[0], id[1], &share, look);
 }
 
-/* Where it is not opaque, a mix with nothing. */
+/* Makes a look that is not opaque a mix with a material that transmits everything. */
 static lc_status apply_opacity(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
     const double *v = look->opacity.value;
@@ -171,7 +173,7 @@ static lc_status apply_opacity(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 
 /* ---- statements ---- */
 
-/* v4's "displacement", v3's "bumpmap": a texture of numbers. */
+/* Reads v4's "displacement" or v3's "bumpmap": a float texture. */
 static lc_status get_bump(lc_pbrt *p, const char *name, uint32_t *id)
 {
     const lc_pbrt_param *par;
@@ -181,7 +183,7 @@ static lc_status get_bump(lc_pbrt *p, const char *name, uint32_t *id)
     return st;
 }
 
-/* v4's "normalmap": the name of an image. */
+/* Reads v4's "normalmap": the name of an image. */
 static lc_status get_normal_map(lc_pbrt *p, uint32_t *id)
 {
     const lc_encoding linear = { .kind = LC_ENCODING_LINEAR };
@@ -202,7 +204,7 @@ static lc_status get_normal_map(lc_pbrt *p, uint32_t *id)
     return lc_textures_add(&p->scene->textures, &t, id, &too_deep);
 }
 
-/* Adds the material of this name with the statement's parameters to the scene. */
+/* Adds a material of the class `name` with the statement's parameters to the scene. */
 static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_material *out)
 {
     const struct class *class = class_of(name);

@@ -1,12 +1,12 @@
-/* make_texture.c - Texture statements. All of pbrt's classes but ptex, and one of ours:
+/* make_texture.c - Texture statements: all of pbrt's classes except ptex, and one that pbrt lacks:
  *
- *     wood   rings about the z axis of the texture's space: "rgb tex1" early, "rgb tex2" late wood, "float
- * rings" per unit of length, "float variation", "integer octaves", "float roughness"
+ *     wood   rings about the z axis of texture space: "rgb tex1" early wood, "rgb tex2" late wood,
+ *            "float rings" per unit of length, "float variation", "integer octaves", "float roughness"
  *
- * Any other class is a constant of 1/2. pbrt v3 applies the current matrix to points as it is for textures in
- * space, v4 its inverse; this is kept.
+ * Any other class becomes a constant of 1/2. For solid textures pbrt v3 applies the current matrix to points,
+ * and v4 its inverse; so does this.
  */
-#include "pbrt/state.h"
+#include "pbrt/make_texture.h"
 
 #include "scene/noise.h"
 
@@ -16,7 +16,7 @@
 
 /* ---- inputs ---- */
 
-/* The texture that a parameter names, LC_NONE if it is absent or unknown. */
+/* The texture that a parameter names; LC_NONE if the parameter is absent or the name unknown. */
 static lc_status find_texture(lc_pbrt *p, const char *name, bool is_float, uint32_t *id,
                               const lc_pbrt_param **found)
 {
@@ -54,7 +54,7 @@ lc_status lc_pbrt_get_input(lc_pbrt *p, const char *name, bool is_float, lc_tex_
     return st;
 }
 
-/* Keeps *in when the parameter is absent. */
+/* Reads an input; *in keeps its value if the parameter is absent. */
 static lc_status input(lc_pbrt *p, const char *name, bool is_float, lc_tex_input *in)
 {
     lc_tex_input given;
@@ -66,6 +66,7 @@ static lc_status input(lc_pbrt *p, const char *name, bool is_float, lc_tex_input
 
 /* ---- mappings ---- */
 
+/* Sets the map from world to texture space to the current matrix or its inverse. */
 static lc_status affine(lc_pbrt *p, lc_pos where, bool inverse, lc_tex_map *map)
 {
     lc_xform x = p->ctm;
@@ -84,7 +85,7 @@ static lc_status affine(lc_pbrt *p, lc_pos where, bool inverse, lc_tex_map *map)
     return st;
 }
 
-/* Textures in space. */
+/* The mapping of a solid texture. */
 static lc_status map_3d(lc_pbrt *p, lc_pos where, lc_tex_map *map) { return affine(p, where, p->v4, map); }
 
 static lc_status map_2d(lc_pbrt *p, lc_pos where, lc_tex_map *map)
@@ -111,7 +112,7 @@ static lc_status map_2d(lc_pbrt *p, lc_pos where, lc_tex_map *map)
     if (!st && map->kind == LC_MAP_PLANAR) {
         st = lc_pbrt_get_triple(&p->params, "v1", map->v1, NULL);
         if (!st) st = lc_pbrt_get_triple(&p->params, "v2", map->v2, NULL);
-        if (st || !p->v4) return st; /* v3: in world space */
+        if (st || !p->v4) return st; /* v3's planar mapping is in world space */
     }
     return st ? st : affine(p, where, true, map);
 }
@@ -127,7 +128,7 @@ static lc_status constant(lc_pbrt *p, lc_pos where, lc_texture *t)
     return input(p, "value", t->is_float, &t->in[0]);
 }
 
-/* v3: tex1 tex2. v4: tex, and a scale that is a float; a colour is taken too. */
+/* v3: "tex1" times "tex2". v4: "tex" times "scale", a float; a colour is accepted, too. */
 static lc_status scale(lc_pbrt *p, lc_pos where, lc_texture *t)
 {
     (void)where;
@@ -153,7 +154,7 @@ static lc_status mix(lc_pbrt *p, lc_pos where, lc_texture *t)
     return st ? st : input(p, "amount", true, &t->in[2]);
 }
 
-/* v4's, between surfaces across a direction and those along it. */
+/* v4's directionmix: blends between surfaces perpendicular to a direction and parallel to it. */
 static lc_status direction_mix(lc_pbrt *p, lc_pos where, lc_texture *t)
 {
     double dir[3] = { 0, 1, 0 };

@@ -1,5 +1,8 @@
-/* material_own.c - phong and ward, which pbrt has not: "rgb Kd", "rgb Ks" and "float exponent", or "float
- * roughness", "uroughness", "vroughness". Each of these may be a texture. */
+/* material_own.c - materials that pbrt lacks. Each parameter may be a texture.
+ *
+ *     phong        "rgb Kd", "rgb Ks", "float exponent"
+ *     ward, ggx    "rgb Kd", "rgb Ks", "float roughness", "float uroughness", "float vroughness"
+ */
 #include "pbrt/make_material.h"
 
 lc_status lc_pbrt_phong(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
@@ -24,7 +27,7 @@ lc_status lc_pbrt_phong(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     return st;
 }
 
-/* One of Ward's two; *value keeps its value and *map its texture where the parameter is absent. */
+/* Reads one of Ward's two roughnesses; *value and *map keep their values if the parameter is absent. */
 static lc_status get_roughness(lc_pbrt *p, const char *name, float *value, uint32_t *map)
 {
     const lc_pbrt_param *par;

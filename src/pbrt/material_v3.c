@@ -1,12 +1,15 @@
 /* material_v3.c - the materials of pbrt v2 and v3, with v3's defaults.
  *
  *     matte        Lambert; sigma is ignored
- *     plastic      Lambert + GGX, dielectric of 1.5, times Ks: as in pbrt
- *     uber         the same with an index; opacity lets the rest through. All specular: glass or mirror
- *     substrate    Lambert of Kd (1 - Ks) + GGX with Schlick's Fresnel from Ks, for the blend of Ashikhmin
- * and Shirley metal        GGX, conductor; smooth: mirror glass        smooth whatever its roughness
- *     translucent  Lambert on both sides + GGX on the viewer's
- *     disney       Lambert + GGX, Schlick
+ *     plastic      Lambert + GGX of a dielectric with index 1.5, times Ks, as in pbrt
+ *     uber         the same with a given index; what opacity leaves is transmitted. Glass or a mirror if it
+ *                  is only specular
+ *     substrate    Lambert of Kd (1 - Ks) + GGX with Schlick's Fresnel from Ks, in place of the model of
+ *                  Ashikhmin and Shirley
+ *     metal        GGX of a conductor; a mirror if smooth
+ *     glass        smooth, whatever its roughness
+ *     translucent  Lambert on both sides + GGX on the viewer's side
+ *     disney       Lambert + GGX with Schlick's Fresnel
  */
 #include "pbrt/make_material.h"
 
@@ -34,7 +37,7 @@ lc_status lc_pbrt_mirror(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     return st ? st : lc_pbrt_get_albedo(p, "Kr", &m->ks, &look->maps.ks);
 }
 
-/* "eta", else "index". */
+/* Reads the index from "eta" or else "index". */
 static lc_status get_eta(lc_pbrt *p, lc_material *m)
 {
     double index = 1.5;
@@ -44,7 +47,7 @@ static lc_status get_eta(lc_pbrt *p, lc_material *m)
     return st;
 }
 
-/* kd and a dielectric's lobe. */
+/* Sets a diffuse part and the lobe of a dielectric. */
 static lc_status glossy(lc_pbrt *p, lc_pbrt_look *look, const lc_tex_input *kd, const lc_tex_input *ks)
 {
     lc_pbrt_be_glossy(&look->m, ONE);
@@ -63,7 +66,7 @@ lc_status lc_pbrt_plastic(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     return st ? st : glossy(p, look, &kd, &ks);
 }
 
-/* Nothing but perfect reflection and transmission. */
+/* Makes the look perfectly specular: reflection by kr, transmission by kt. */
 static void specular(lc_pbrt_look *look, const lc_tex_input *kr, const lc_tex_input *kt)
 {
     lc_material *m = &look->m;
@@ -169,7 +172,7 @@ lc_status lc_pbrt_disney(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     lc_pbrt_be_glossy(&look->m, ONE);
     look->m.fresnel = LC_FRESNEL_SCHLICK;
     lc_pbrt_set_tint(&kd, &look->m.kd, &look->maps.kd);
-    if (metallic < 1) ks.id = LC_NONE; /* a sum; the mean will do */
+    if (metallic < 1) ks.id = LC_NONE; /* a sum of texture and constant is replaced by its mean */
     for (int k = 0; k < 3; k++) ks.value[k] += rest * f0 * f0;
     lc_pbrt_set_tint(&ks, &look->m.ks, &look->maps.ks);
     double alpha = fmin(fmax(roughness * roughness, (double)LC_MIN_ROUGHNESS), (double)LC_MAX_ROUGHNESS);

@@ -2,8 +2,8 @@
  *
  *     diffuse              Lambert
  *     coateddiffuse        Lambert below a dielectric whose surface is a GGX lobe
- *     conductor            GGX; smooth: mirror
- *     coatedconductor      one conductor that reflects along the normal what both layers do together
+ *     conductor            GGX; a mirror if smooth
+ *     coatedconductor      one conductor that reflects at normal incidence what both layers do together
  *     dielectric           glass, smooth whatever its roughness
  *     diffusetransmission  Lambert on both sides
  *     subsurface, hair     Lambert
@@ -45,7 +45,7 @@ lc_status lc_pbrt_coated_diffuse(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     return st;
 }
 
-/* eta 1 and the k that reflects the colour along the normal, as in pbrt. */
+/* A conductor with eta = 1 and the k that reflects the given colour at normal incidence, as in pbrt. */
 static lc_status reflectance_metal(lc_pbrt *p, lc_pbrt_look *look, const lc_tex_input *share)
 {
     double eta[3] = { 1, 1, 1 }, k[3];
@@ -74,8 +74,8 @@ lc_status lc_pbrt_conductor(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     return st;
 }
 
-/* Light is reflected by the coat, or goes through it, is reflected below, and goes out again or to and fro.
- */
+/* Changes a conductor so that it reflects at normal incidence what it does below a coat of this index, all
+ * interreflections between the two included. */
 static void add_coat(double index, lc_material *m)
 {
     double f = (index - 1) / (index + 1) * ((index - 1) / (index + 1)), eta[3], k[3];
@@ -106,7 +106,7 @@ lc_status lc_pbrt_coated_conductor(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     if (!st) st = lc_pbrt_get_alpha(p, "interface.", 0, &coat, &smooth_coat);
     if (!st) st = lc_pbrt_get_alpha(p, "conductor.", 0, look, &smooth);
     if (!st && !look->maps.metal) add_coat(index, &look->m);
-    /* below a rough coat nothing is smooth */
+    /* A smooth conductor below a rough coat takes the coat's roughness. */
     if (smooth && smooth_coat) lc_pbrt_be_mirror(&look->m);
     for (int axis = 0; axis < 2 && smooth && !smooth_coat; axis++) {
         look->m.roughness[axis] = coat.m.roughness[axis];

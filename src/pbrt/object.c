@@ -1,21 +1,23 @@
-/* object.c - ObjectBegin, ObjectEnd, ObjectInstance. An object keeps its meshes, transformed by the
- * matrices inside ObjectBegin; an instance shows them transformed by the matrix in force. As in pbrt, shapes
- * of objects don't emit.
+/* object.c - ObjectBegin, ObjectEnd, ObjectInstance.
  *
- * Small objects are copied as they come. Others wait for the end: if there is one instance only, or for
- * matrices that rays can't be taken back through, it is a copy too; all others share the object's triangles.
+ * An object keeps its meshes, transformed by the matrices inside ObjectBegin. An instance places them by the
+ * matrix in force. As in pbrt, shapes of objects do not emit.
+ *
+ * Instances of small objects are copied to the world at once. The others are handled at the end of the file:
+ * an object's only instance, and instances whose matrix does not satisfy lc_instance_fits, are copied, too;
+ * all others share the object's triangles.
  */
-#include "pbrt/state.h"
+#include "pbrt/shape_handler.h"
 
 #include "scene/instance.h"
 
 #include <string.h>
 
-/* Copies; a triangle costs some 150 bytes with its share of the BVH: of small objects 150 MB, of all 1.2 GB.
- */
-#define SMALL_TRIS 256
-#define MAX_SMALL_TRIS (1u << 20)
-#define MAX_COPIED_TRIS (8u << 20)
+/* Limits on copies. A triangle takes about 150 bytes, its part of the BVH included, so copies of small
+ * objects take at most 150 MB and all copies 1.2 GB. */
+#define SMALL_TRIS 256             /* triangles of a small object */
+#define MAX_SMALL_TRIS (1u << 20)  /* triangles in copies of small objects */
+#define MAX_COPIED_TRIS (8u << 20) /* triangles in all copies */
 
 lc_status lc_pbrt_object_begin(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
@@ -39,7 +41,7 @@ lc_status lc_pbrt_object_end(lc_pbrt *p, const lc_pbrt_stmt *s)
     return st;
 }
 
-/* A copy of n elements in the arena. */
+/* Copies n elements to the arena. */
 static const void *keep(lc_pbrt *p, const void *data, size_t n, size_t size)
 {
     void *copy = lc_arena_alloc(&p->arena, n, size);
@@ -149,7 +151,7 @@ static lc_status add_object(lc_pbrt *p, lc_pos where, lc_pbrt_object *o)
     return st;
 }
 
-/* Copies first, as the scene wants the world's meshes before those of objects. */
+/* Makes copies first, as the world's meshes must precede those of objects. */
 lc_status lc_pbrt_place_objects(lc_pbrt *p)
 {
     lc_status st = LC_OK;

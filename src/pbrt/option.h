@@ -1,26 +1,27 @@
-/* option.h - what a file says before WorldBegin about its picture. */
+/* option.h - the options of a file: its statements before WorldBegin about the picture. */
 #ifndef LC_PBRT_OPTION_H
 #define LC_PBRT_OPTION_H
 
 #include "base/xform.h"
 #include "scene/scene.h"
 
-/* What a PixelFilter says; 0 where pbrt's default counts. */
+/* A PixelFilter statement; fields that it does not give are 0 and mean pbrt's default. */
 typedef struct lc_pbrt_filter {
     bool there;
     lc_pixel_filter_desc desc;
 } lc_pbrt_filter;
 
-/* Film, Sampler and Camera as far as read; joined at WorldBegin. */
+/* Film, Sampler and Camera as read so far; applied at WorldBegin. */
 typedef struct lc_pbrt_options {
     lc_pos film_pos, camera_pos;
     bool has_camera;
     int64_t width, height;
-    double crop[4];    /* fractions: x0, x1, y0, y1 */
-    int64_t bounds[4]; /* pixels; the film is intersected with it */
-    double scale, iso; /* of every pixel; of the sensor */
-    double shutter;    /* seconds; counts in v4 only */
-    float white[9];    /* see lc_film_desc */
+    double crop[4];    /* x0, x1, y0, y1, as fractions of the film */
+    int64_t bounds[4]; /* x0, x1, y0, y1 in pixels, intersected with the film */
+    double scale;      /* factor of every pixel */
+    double iso;        /* of v4's sensor */
+    double shutter;    /* seconds that it is open; used in v4 only */
+    float white[9];    /* as in lc_film_desc */
     const char *filename;
     uint32_t spp;
     lc_pos spp_pos;
@@ -28,7 +29,7 @@ typedef struct lc_pbrt_options {
     lc_camera_kind camera;
     double lens_radius, focal_distance;
     lc_xform world_to_camera;
-    double fov, aspect; /* degrees; width / height of the picture, 0 = of the pixels */
+    double fov, aspect; /* degrees; width / height of the picture, 0: of the film */
     double screen[4];
     bool has_screen;
 } lc_pbrt_options;

@@ -1,4 +1,4 @@
-/* param.c - see param.h. */
+/* param.c - reads parameter lists and finds parameters in them. */
 #include "pbrt/param.h"
 
 #include <math.h>
@@ -42,7 +42,7 @@ static lc_pbrt_type type_of(const char *name, size_t len)
 
 static bool is_space(char c) { return c == ' ' || (c >= '\b' && c <= '\r'); } /* \b \t \n \v \f \r */
 
-/* Splits "type name"; any spaces around and between. */
+/* Splits "type name", with any spaces before, between and after. */
 static lc_status declare(const lc_pbrt_params *list, const lc_pbrt_token *t, lc_pbrt_param *p)
 {
     const char *type = t->text, *type_end, *name, *name_end, *rest;
@@ -106,7 +106,8 @@ static lc_status add_value(lc_pbrt_params *list, lc_pbrt_param *p, const lc_pbrt
     return add_number(list, t->kind == LC_PBRT_NUMBER ? t->number : is_true);
 }
 
-/* As many numbers as follow at once, without a token for each; what else follows is left to add_value. */
+/* The fast path: adds as many numbers as follow without making tokens of them. Anything else is left to
+ * add_value. */
 static lc_status add_numbers(lc_pbrt_params *list, lc_pbrt_lex *lex, lc_pbrt_param *p)
 {
     size_t got, room;
@@ -146,7 +147,7 @@ static lc_status read_values(lc_pbrt_params *list, lc_pbrt_lex *lex, lc_pbrt_par
     }
 }
 
-/* Values come in pairs or triples. */
+/* Checks that the values of a type with several components are complete. */
 static lc_status check_count(const lc_pbrt_params *list, const lc_pbrt_param *p)
 {
     size_t k = p->type == LC_PBRT_PAIR ? 2 : p->type & (LC_PBRT_TRIPLE | LC_PBRT_RGB | LC_PBRT_XYZ) ? 3 : 1;
@@ -225,7 +226,7 @@ lc_status lc_pbrt_bad_param(const lc_pbrt_params *list, const lc_pbrt_param *p, 
     return lc_fail_at(list->ctx, LC_ERR_PARSE, p->pos, "parameter '%.80s' %s", p->name, why);
 }
 
-/* Finds a parameter that must hold exactly n values. *p is NULL when it is absent. */
+/* Finds a parameter that must have exactly n values. *p is NULL if it is absent. */
 static lc_status find_n(lc_pbrt_params *list, const char *name, unsigned set, size_t n,
                         const lc_pbrt_param **p)
 {

@@ -1,26 +1,28 @@
-/* param.h - a statement's parameter list: "type name" [values], in the spelling of pbrt v3 and v4.
+/* param.h - a statement's parameter list, "type name" [values], in the spelling of pbrt v3 and v4.
  *
- * Values of all parameters stand in two pools, numbers and strings; a parameter is a range of one of them. A
- * list is reused from statement to statement. Strings point into the file being read. A lookup marks what it
- * found as used; of two parameters of one name the later counts.
+ *     items: type, name, range -----> num[]   numbers of all parameters
+ *                              `----> text[]  strings of all parameters, which point into the file being read
+ *
+ * A list is reused for every statement. A lookup marks the parameter it finds as used; of two parameters with
+ * the same name the later one is found.
  */
 #ifndef LC_PBRT_PARAM_H
 #define LC_PBRT_PARAM_H
 
 #include "pbrt/lex.h"
 
-#define LC_PBRT_MAX_VALUES ((size_t)1 << 28) /* of one statement */
+#define LC_PBRT_MAX_VALUES ((size_t)1 << 28) /* limits the values of one statement */
 
 typedef enum lc_pbrt_type {
     LC_PBRT_FLOAT = 1,
     LC_PBRT_INT = 2,
     LC_PBRT_BOOL = 4,
     LC_PBRT_TEXT = 8,
-    LC_PBRT_PAIR = 16,   /* point2 vector2 */
-    LC_PBRT_TRIPLE = 32, /* point vector normal, point3 vector3 normal3 */
-    LC_PBRT_RGB = 64,    /* rgb color */
+    LC_PBRT_PAIR = 16,   /* point2, vector2 */
+    LC_PBRT_TRIPLE = 32, /* point, vector, normal, point3, vector3, normal3 */
+    LC_PBRT_RGB = 64,    /* rgb, color */
     LC_PBRT_XYZ = 128,
-    LC_PBRT_SPECTRUM = 256, /* numbers, or a name */
+    LC_PBRT_SPECTRUM = 256, /* numbers, or the name of a spectrum or file */
     LC_PBRT_BLACKBODY = 512,
     LC_PBRT_TEXTURE = 1024,
     LC_PBRT_UNKNOWN = 2048,
@@ -32,9 +34,9 @@ typedef struct lc_pbrt_param {
     lc_pbrt_type type;
     const char *name;
     lc_pos pos;
-    size_t first, n; /* in the pool of strings if is_text, else of numbers; booleans are 0 and 1 */
+    size_t first, n; /* range in text[] if is_text, else in num[]; booleans are the numbers 0 and 1 */
     bool is_text, used;
-    uint8_t space; /* of rgb: 1 + as lc_pbrt_attrs.space; 0: the one in force */
+    uint8_t space;   /* of rgb values: 1 + lc_pbrt_attrs.space, or 0: the space in force */
 } lc_pbrt_param;
 
 typedef struct lc_pbrt_params {
@@ -47,24 +49,28 @@ typedef struct lc_pbrt_params {
 
 void lc_pbrt_params_init(lc_pbrt_params *list, const lc_context *ctx);
 void lc_pbrt_params_free(lc_pbrt_params *list);
-/* Reads parameters as long as strings follow. */
+/* Reads parameters until a token follows that is not a string. */
 lc_status lc_pbrt_params_read(lc_pbrt_params *list, lc_pbrt_lex *lex);
 
-/* Adds one with its par->n values, of which num or text is copied; name and strings stay the caller's. */
+/* Adds a parameter with par->n values, copied from num or text. The name and the strings remain the
+ * caller's. */
 lc_status lc_pbrt_params_add(lc_pbrt_params *list, const lc_pbrt_param *par, const double *num,
                              const char *const *text);
 
-/* The parameter of this name whose type is in the set `types`, marked as used; NULL if there is none. */
+/* Finds the parameter of this name whose type is in the set `types` and marks it as used; NULL if there is
+ * none. */
 const lc_pbrt_param *lc_pbrt_find(lc_pbrt_params *list, const char *name, unsigned types);
+/* Marks all parameters, or those of this name, as used, so that they are not noted. */
 void lc_pbrt_mark_all(lc_pbrt_params *list);
-void lc_pbrt_mark(lc_pbrt_params *list, const char *name); /* of any type */
+void lc_pbrt_mark(lc_pbrt_params *list, const char *name);
 
 static inline const double *lc_pbrt_numbers(const lc_pbrt_params *list, const lc_pbrt_param *p)
 {
     return list->num + p->first;
 }
 
-/* Single values; *out keeps the caller's default when the parameter is absent. *found may be NULL. */
+/* Single values. *out keeps its value, the default, if the parameter is absent; *found is then NULL. found
+ * may be NULL. */
 lc_status lc_pbrt_get_float(lc_pbrt_params *list, const char *name, double *out, const lc_pbrt_param **found);
 lc_status lc_pbrt_get_int(lc_pbrt_params *list, const char *name, int64_t *out, const lc_pbrt_param **found);
 lc_status lc_pbrt_get_bool(lc_pbrt_params *list, const char *name, bool *out);
@@ -73,7 +79,7 @@ lc_status lc_pbrt_get_text(lc_pbrt_params *list, const char *name, const char **
 lc_status lc_pbrt_get_triple(lc_pbrt_params *list, const char *name, double out[3],
                              const lc_pbrt_param **found);
 
-/* LC_ERR_PARSE at the parameter. */
+/* Reports LC_ERR_PARSE at the parameter: "parameter NAME why". */
 lc_status lc_pbrt_bad_param(const lc_pbrt_params *list, const lc_pbrt_param *p, const char *why);
 
 #endif

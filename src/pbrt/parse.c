@@ -1,12 +1,14 @@
-/* parse.c - the statements of a pbrt file: their table, reading them, scopes and notes. */
+/* parse.c - the table of statements, reading them, scopes and notes. */
 #include "pbrt/parse.h"
 
 #include "pbrt/attribute.h"
+#include "pbrt/make_texture.h"
+#include "pbrt/shape_handler.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#define MAX_UNKNOWN 100    /* unknown statements after which a file is no pbrt file */
+#define MAX_UNKNOWN 100    /* unknown statements after which the file is taken not to be a pbrt file */
 
 /* ---- notes ---- */
 
@@ -148,7 +150,7 @@ static lc_status include(lc_pbrt *p, const lc_pbrt_stmt *s)
                         "'%.150s': no such file; what it holds is left out", lost);
 }
 
-/* ---- what is read and left aside ---- */
+/* ---- statements without effect ---- */
 
 static lc_status ignore(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
@@ -160,7 +162,7 @@ static lc_status ignore(lc_pbrt *p, const lc_pbrt_stmt *s)
 
 static lc_status ignore_medium(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    bool none = !strcmp(s->name, "MediumInterface"); /* the vacuum on both sides: "" "" */
+    bool none = !strcmp(s->name, "MediumInterface"); /* and both names are "": vacuum on both sides */
     for (uint32_t i = 0; i < s->n_text; i++) none &= !*s->text[i];
     if (none) return LC_OK;
     p->ignored = true;
@@ -170,8 +172,8 @@ static lc_status ignore_medium(lc_pbrt *p, const lc_pbrt_stmt *s)
 
 typedef enum place { ANYWHERE, BEFORE_WORLD, IN_WORLD } place;
 
-/* What follows the name: n_num numbers, then n_text strings (of which the last n_optional may be absent),
- * then parameters. word: in place of the string, a bare word. */
+/* The table of statements. After the name come n_num numbers, n_text strings, of which the last n_optional
+ * may be absent, and parameters. word: a bare word in place of the string. */
 static const struct directive {
     const char *name;
     lc_pbrt_handler *handler;
@@ -237,7 +239,7 @@ static lc_status expected(lc_pbrt *p, const lc_pbrt_token *t, const char *name, 
                       t->len < 40 ? (int)t->len : 40, t->text);
 }
 
-/* n numbers, with or without brackets around. */
+/* Reads n numbers, with or without brackets around them. */
 static lc_status read_numbers(lc_pbrt *p, lc_pbrt_stmt *s, uint32_t n)
 {
     const lc_pbrt_token *ahead;
@@ -295,7 +297,7 @@ static lc_status run(lc_pbrt *p, const struct directive *d, lc_pos pos)
     return st ? st : lc_pbrt_count_feature(p, d->name, n_noted);
 }
 
-/* Skips to the next word that may begin a statement. */
+/* Notes an unknown statement and skips to the next word, which may begin another. */
 static lc_status unknown(lc_pbrt *p, const lc_pbrt_token *word)
 {
     char name[64];
@@ -321,7 +323,7 @@ static lc_status statement(lc_pbrt *p, const lc_pbrt_token *t)
 {
     if (t->kind != LC_PBRT_WORD) return expected(p, t, "statement", "a directive");
     const size_t n = sizeof directives / sizeof *directives;
-    /* Scenes with many lights repeat one directive. */
+    /* Start at the directive found last: scenes with many lights repeat it. */
     for (size_t k = 0, i = p->last_directive; k < n; k++, i = i + 1 < n ? i + 1 : 0)
         if (*directives[i].name == *t->text && lc_pbrt_is_word(t, directives[i].name)) {
             p->last_directive = i;
@@ -353,7 +355,7 @@ static lc_status parse_all(lc_pbrt *p)
     return note_open_scopes(p);
 }
 
-/* ---- entry ---- */
+/* ---- entry points ---- */
 
 static void init(lc_pbrt *p, lc_scene *scene)
 {

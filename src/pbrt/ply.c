@@ -1,6 +1,5 @@
-/* ply.c - see ply.h. The header becomes a list of elements with their properties; then each element's rows
- * are read value by value. Counts are checked against the bytes that are left before anything is allocated
- * for them. */
+/* ply.c - reads the header into a list of elements with their properties, then each element's rows value by
+ * value. Counts are checked against the remaining bytes before anything is allocated for them. */
 #include "pbrt/ply.h"
 
 #include "base/decimal.h"
@@ -9,9 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-#define MAX_ELEMENTS 64 /* files seen have at most 3 elements and 20 properties */
+#define MAX_ELEMENTS 64 /* common files have at most 3 elements with 20 properties */
 #define MAX_PROPERTIES 1024
-#define MAX_VERTS 0x3fffffffu
+#define MAX_VERTS 0x3fffffffu /* MAX_COUNT of scene.c */
 
 typedef enum scalar { I8, U8, I16, U16, I32, U32, F32, F64, N_SCALARS } scalar;
 static const uint8_t scalar_size[N_SCALARS] = { 1, 1, 2, 2, 4, 4, 4, 8 };
@@ -29,7 +28,7 @@ typedef enum element_kind { VERTEX, FACE, OTHER } element_kind;
 typedef struct element {
     element_kind kind;
     uint64_t count;
-    uint32_t first, n; /* properties */
+    uint32_t first, n; /* its properties */
 } element;
 
 typedef enum format { NO_FORMAT, ASCII, LITTLE, BIG } format;
@@ -50,7 +49,7 @@ typedef struct reader {
 
 /* ---- messages ---- */
 
-/* The error stands at byte `off`: as line and column in text, as itself in binary data. */
+/* Reports an error at byte `off`: by line and column in text, by the byte in binary data. */
 static lc_status fail(const reader *r, size_t off, const char *what)
 {
     if (r->in_body && r->format != ASCII)
@@ -73,7 +72,7 @@ static lc_status fail(const reader *r, size_t off, const char *what)
 typedef struct words {
     const char *at[6];
     size_t len[6];
-    uint32_t n; /* found; those beyond 6 are only counted */
+    uint32_t n; /* words of the line; only the first 6 are kept */
 } words;
 
 static bool is(const words *w, uint32_t i, const char *text)
@@ -81,7 +80,7 @@ static bool is(const words *w, uint32_t i, const char *text)
     return i < w->n && w->len[i] == strlen(text) && !memcmp(w->at[i], text, w->len[i]);
 }
 
-/* Splits the line at r->off into words and steps behind it. False at the end of the file. */
+/* Splits the line at r->off into words and advances r->off past it. False at the end of the file. */
 static bool next_line(reader *r, words *w)
 {
     const char *d = r->data;
@@ -176,7 +175,7 @@ static lc_status read_property(reader *r, const words *w, size_t line)
     return LC_OK;
 }
 
-/* What the rest of the file needs of the header. */
+/* Checks that the header has what reading the rest requires. */
 static lc_status check_header(reader *r)
 {
     uint32_t roles = 0;
@@ -281,7 +280,7 @@ static lc_status skip_value(reader *r, const property *p)
 
 /* ---- rows ---- */
 
-/* Sets up no more rows than the rest of the file can hold. */
+/* Checks that the rest of the file can hold the element's rows. */
 static lc_status check_count(const reader *r, const element *e)
 {
     uint64_t row = 0, left = r->size - r->off;
@@ -289,7 +288,7 @@ static lc_status check_count(const reader *r, const element *e)
         const property *p = &r->properties[e->first + i];
         row += r->format == ASCII ? 2 : p->is_list ? scalar_size[p->count_type] : scalar_size[p->type];
     }
-    /* In text the last value needs no separator. */
+    /* In text the last value of the file needs no separator, hence left + 1. */
     if (row && e->count > (left + 1) / row)
         return fail(r, r->off, "the element count is more than the file can hold");
     return LC_OK;

@@ -1,16 +1,17 @@
 /* quadric.c - cylinders, cones, paraboloids and hyperboloids: a curve swept about the z axis.
  *
- * The curve c(t), 0 <= t <= 1, runs in pbrt's direction of v, so that the normal, d/du x d/dv, points where
- * pbrt's does and where the winding of the rings does. An area element is |normal| dt times the angle.
+ * The curve c(t), 0 <= t <= 1, has pbrt's direction of v, so the normal d/du x d/dv points to the same side
+ * as pbrt's and as the winding order of the rings. An element of area is |normal| dt times the element of the
+ * angle.
  */
 #include "pbrt/round.h"
 
 typedef struct curve curve;
 struct curve {
     void (*at)(const curve *c, double t, double p[3], double d[3]); /* point and derivative */
-    double a[3], b[3];   /* from, to */
-    double steepness;    /* of a paraboloid: z = steepness r^2 */
-    uint32_t steps;      /* between rings */
+    double a[3], b[3];   /* start and end */
+    double steepness;    /* paraboloid: z = steepness r^2 */
+    uint32_t steps;      /* one more ring than steps is made */
 };
 
 static void on_line(const curve *c, double t, double p[3], double d[3])
@@ -21,7 +22,7 @@ static void on_line(const curve *c, double t, double p[3], double d[3])
     }
 }
 
-/* t is even in the radius. */
+/* A parabola; the radius is linear in t. */
 static void on_parabola(const curve *c, double t, double p[3], double d[3])
 {
     on_line(c, t, p, d);
@@ -39,7 +40,7 @@ static double normal_at(const curve *c, double t, double n[3])
     return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
-/* Area for each radian, by Simpson's rule. */
+/* The area per radian of sweep, by Simpson's rule. */
 static double area_per_radian(const curve *c)
 {
     const int n = 256;
@@ -49,7 +50,7 @@ static double area_per_radian(const curve *c)
     return sum / (3 * n);
 }
 
-/* v of texture coordinates: pbrt's runs evenly with z on a paraboloid. */
+/* The texture coordinate v at t; pbrt's is linear in z on a paraboloid. */
 static double v_at(const curve *c, double t)
 {
     double p[3], d[3], z0 = c->steepness * c->a[0] * c->a[0], z1 = c->steepness * c->b[0] * c->b[0];
@@ -61,7 +62,7 @@ static void put_ring(lc_pbrt *p, const curve *c, uint32_t ring, const lc_pbrt_sw
 {
     double t = (double)ring / c->steps, v[3], d[3], n[3];
     c->at(c, t, v, d);
-    /* at a tip the normal vanishes, but not its direction next to it */
+    /* The normal vanishes at a tip: take its direction a little further along. */
     double len = normal_at(c, tip ? t + (ring ? -1e-6 : 1e-6) : t, n);
     for (uint32_t j = 0; j <= around->n; j++) {
         double s, k;
@@ -118,7 +119,7 @@ lc_status lc_pbrt_cone(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, do
     if (!st) st = lc_pbrt_get_float(&p->params, "height", &height, NULL);
     if (st) return st;
     uint32_t segments = lc_pbrt_segments(p);
-    /* More than 1: for u at the tip. */
+    /* Several steps, so that u is accurate near a tip. */
     curve c = { on_line, { radius, 0, 0 }, { 0, 0, height }, 0, segments / 16 + 1 };
     return sweep_curve(p, s, &c, segments, mesh, area_ratio);
 }
@@ -148,7 +149,7 @@ lc_status lc_pbrt_hyperboloid(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *m
     lc_status st = lc_pbrt_get_triple(&p->params, "p1", c.a, NULL);
     if (!st) st = lc_pbrt_get_triple(&p->params, "p2", c.b, NULL);
     if (st) return st;
-    if (!(fabs(c.b[2]) > 0)) /* as pbrt does */
+    if (!(fabs(c.b[2]) > 0)) /* exchanges the end points, as pbrt does */
         for (int k = 0; k < 3; k++) {
             double b = c.b[k];
             c.b[k] = c.a[k];

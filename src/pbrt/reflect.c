@@ -1,9 +1,11 @@
-/* reflect.c - parameters that materials share; see make_material.h. */
+/* reflect.c - the parameters that materials share: reflectances, roughness, indices of refraction. */
 #include "pbrt/make_material.h"
 
 #include "pbrt/spectrum.h"
 
 #include <stdio.h>
+
+#define MIN_INDEX 0.01 /* limits a dielectric's relative index from below */
 #include <string.h>
 
 static double clamp(double v, double least, double most) { return fmin(fmax(v, least), most); }
@@ -136,7 +138,7 @@ lc_status lc_pbrt_get_index(lc_pbrt *p, const char *name, double *out)
     } else st = lc_pbrt_get_mean(p, name, &v);
     if (st) return st;
     if (!(v >= 0 && v <= 1000)) return lc_pbrt_bad_param(&p->params, any, "is no index of refraction");
-    *out = v > 0 ? fmax(v, 0.01) : 1; /* pbrt-v4 takes 0 as 1 */
+    *out = v > 0 ? fmax(v, MIN_INDEX) : 1; /* pbrt-v4 takes 0 as 1 */
     return LC_OK;
 }
 
@@ -145,7 +147,7 @@ void lc_pbrt_set_index(lc_material *m, double index)
     m->eta = lc_f3_make((float)index, (float)index, (float)index);
 }
 
-/* One of a metal's two: at each nanometre, or where it is given as a colour, the colour. */
+/* Reads eta or k of a metal: a spectrum, or a colour if it is given as one. */
 static lc_status get_constants(lc_pbrt *p, const char *name, const char *usual, double s[LC_PBRT_CIE_N],
                                double rgb[3], bool *is_rgb)
 {
@@ -169,8 +171,8 @@ static lc_status get_constants(lc_pbrt *p, const char *name, const char *usual, 
     return st;
 }
 
-/* The share reflected is projected to colours, and eta, which counts for little then, kept within its
- * spectrum's range. */
+/* Converts spectra of eta and k to values for each channel: the reflectance at normal incidence is converted
+ * to a colour, and eta, on which the result then depends little, is limited to the range of its spectrum. */
 static void project(lc_pbrt *p, const double eta_s[LC_PBRT_CIE_N], const double k_s[LC_PBRT_CIE_N],
                     double outside, double eta[3], double k[3])
 {

@@ -1,19 +1,22 @@
 /* round.c - spheres and disks as triangles.
  *
- * The first quarter of a million triangles (16 spheres) have 128 segments around, so that the silhouette is
- * within 1 - cos(pi / 128) = 0.03 % of the radius; later shapes are coarser and coarser, for a scene of ten
- * thousand is made of small ones: those are 1.4 million triangles, and a sphere more is 48. Vertices lie on
- * the true surface. What the faces lack in area is returned as a ratio, by which emission is raised to keep
- * the power.
+ * The first quarter of a million triangles (16 spheres) have 128 segments around, so the silhouette is within
+ * 1 - cos(pi / 128) = 0.03 % of the radius. Later shapes are coarser, since in scenes with thousands of
+ * spheres they are small: ten thousand take 1.4 million triangles, and each further one 48. Vertices lie on
+ * the true surface. The faces have less area; the ratio is returned, and emission is multiplied by it to
+ * preserve the power.
  */
 #include "pbrt/round.h"
 
 #include "base/fmath.h"
 
-#define FULL LC_SIZE((uint64_t)1 << 18, 0) /* 16,000 triangles a sphere are 10 scenes a second */
+#define FULL LC_SIZE((uint64_t)1 << 18, 0) /* triangles at the finest level; none in fuzzers, which need
+                                            * speed */
+
+#define MIN_STEP 1e-3 /* least distance of a ring from a sphere's edge, as a fraction of a step */
 
 static const struct {
-    uint64_t up_to; /* triangles of round shapes so far */
+    uint64_t up_to; /* the level applies until so many triangles of round shapes have been made */
     uint32_t segments;
 } levels[] = {
     { FULL, LC_PBRT_ROUND_SEGMENTS }, { 2 * FULL, 64 }, { 3 * FULL, 32 }, { 4 * FULL, 16 }, { UINT64_MAX, 8 }
@@ -63,7 +66,7 @@ uint32_t lc_pbrt_join_rings(lc_pbrt *p, uint32_t n_rings, uint32_t around, bool 
     return (uint32_t)((size_t)(out - p->index) / 3);
 }
 
-/* Sum of the areas of the triangles made. */
+/* The area of the triangles made. */
 static double area_of(const lc_pbrt *p, uint32_t n_tris)
 {
     double sum = 0;
@@ -91,7 +94,7 @@ void lc_pbrt_finish_round(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint
     mesh->normal = normals ? p->normal : NULL;
     mesh->index = p->index;
     double ratio = exact / area_of(p, n_tris);
-    *area_ratio = ratio > 0.25 && ratio < 4 ? ratio : 1; /* outside only by under- or overflow */
+    *area_ratio = ratio > 0.25 && ratio < 4 ? ratio : 1; /* outside of this only by under- or overflow */
 }
 
 void lc_pbrt_ring_uv(lc_pbrt *p, size_t first, uint32_t around, double v)
@@ -107,7 +110,7 @@ lc_status lc_pbrt_no_area(lc_pbrt *p, const lc_pbrt_stmt *s)
     return lc_pbrt_note(p, s->pos, "shape without area", "a %s without area is skipped", s->text[0]);
 }
 
-/* Heights of the rings of a sphere: those of `half` equal steps in latitude, cut off at zmin and zmax. */
+/* The heights of a sphere's rings: `half` equal steps of latitude, cut off at zmin and zmax. */
 static uint32_t sphere_rings(double radius, double zmin, double zmax, uint32_t half, double *z)
 {
     uint32_t n = 0;
@@ -116,14 +119,14 @@ static uint32_t sphere_rings(double radius, double zmin, double zmax, uint32_t h
         double sine, cosine;
         lc_sincos_deg(180.0 * k / half, &sine, &cosine);
         double ring = -radius * cosine;
-        /* a ring within a thousandth of a step of the edge would only make slivers */
-        if (ring > zmin + 1e-3 * radius / half && ring < zmax - 1e-3 * radius / half) z[n++] = ring;
+        /* A ring next to the edge would only make slivers. */
+        if (ring > zmin + MIN_STEP * radius / half && ring < zmax - MIN_STEP * radius / half) z[n++] = ring;
     }
     z[n++] = zmax;
     return n;
 }
 
-/* Angle above the equator of the ring at this height. */
+/* The latitude of the ring at height z. */
 static double latitude(double z, double radius)
 {
     double c = fmin(fmax(z / radius, -1), 1);
@@ -187,7 +190,7 @@ lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, do
         lc_pbrt_ring_uv(p, 0, around.n, 0);
         lc_pbrt_ring_uv(p, row, around.n, 1);
     }
-    /* The outer ring first: counter-clockwise seen from +z. */
+    /* The outer ring comes first, so that triangles are counter-clockwise seen from +z. */
     for (uint32_t j = 0; j < row; j++) {
         double sine, cosine;
         lc_sincos_deg(around.degrees * j / around.n, &sine, &cosine);

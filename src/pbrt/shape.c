@@ -1,12 +1,15 @@
-/* shape.c - Shape statements to meshes in world space.
+/* shape.c - Shape statements: a handler makes the mesh in object space, lc_pbrt_shape transforms it to world
+ * space.
  *
- * A handler leaves the mesh in object space; lc_pbrt_shape then transforms it. Winding and given normals are
- * kept as they are, so the geometric normal is flipped when ReverseOrientation and a mirrored matrix don't
- * cancel; normals follow the inverse transpose, and ReverseOrientation.
+ * Winding and given normals are kept as they are, so the geometric normal is flipped if exactly one of
+ * ReverseOrientation and a mirroring matrix is in force. Normals are transformed by the inverse transpose and
+ * negated by ReverseOrientation.
  */
-#include "pbrt/round.h"
+#include "pbrt/shape_handler.h"
 
+#include "pbrt/make_texture.h"
 #include "pbrt/ply.h"
+#include "pbrt/round.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -35,7 +38,7 @@ lc_status lc_pbrt_uv_room(lc_pbrt *p, size_t n_verts, bool *wanted)
     return st;
 }
 
-/* v4's "point2 uv", v3's "float uv", "float st"; only for materials that want them. */
+/* Copies v4's "point2 uv" or v3's "float uv" or "float st", if they are needed. */
 static lc_status copy_uv(lc_pbrt *p, uint32_t n_verts, lc_mesh_desc *mesh)
 {
     const unsigned types = LC_PBRT_FLOAT | LC_PBRT_INT | LC_PBRT_PAIR;
@@ -159,7 +162,7 @@ static const struct {
     { "curve", lc_pbrt_curve, false },
 };
 
-/* p->pos and p->normal to world space. */
+/* Transforms p->pos and p->normal to world space. */
 static lc_status to_world(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
 {
     double rows[9], sign = p->attrs.reverse ? -1 : 1;
@@ -194,7 +197,7 @@ static lc_status get_alpha(lc_pbrt *p, const char *name, lc_tex_input *in)
     return st;
 }
 
-/* To *out, and to *alpha out where that is not opaque. */
+/* Reads alpha and shadowalpha to *out; *alpha = out, or NULL if the shape is opaque. */
 static lc_status mesh_alpha(lc_pbrt *p, lc_pos where, lc_mesh_alpha *out, const lc_mesh_alpha **alpha)
 {
     lc_status st = get_alpha(p, "alpha", &out->alpha);
@@ -209,14 +212,15 @@ static lc_status mesh_alpha(lc_pbrt *p, lc_pos where, lc_mesh_alpha *out, const 
     return st;
 }
 
-/* Never met by any ray. */
+/* True if alpha is 0 everywhere, so that no ray hits the shape. */
 static bool is_absent(const lc_mesh_alpha *a)
 {
     return a && a->alpha.id == LC_NONE && !(a->alpha.value[0] > 0);
 }
 
-/* Of what pbrt takes for a shape of its own: each triangle or patch of a mesh. round: one shape. The
- * picture's mean is of its texels, not of those that the shape shows, as in pbrt. */
+/* v4: scales the emission to the power given for each shape. pbrt counts each triangle or patch of a mesh as
+ * a shape, and a round shape as one. The mean of an emission map is that of all its texels, shown or not, as
+ * in pbrt. */
 static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, bool round, double area_ratio)
 {
     const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);
@@ -239,7 +243,7 @@ static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, boo
     if (all > 0) mesh->emission = lc_f3_scale(mesh->emission, (float)fmin(p->attrs.power * n / all, 1e30));
 }
 
-/* segments: of a whole turn. */
+/* Notes that a round shape is made of triangles; segments: of a full turn. */
 static lc_status note_round(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t segments)
 {
     char text[64];

@@ -1,13 +1,15 @@
-/* sky.c - two lights of our own, in the light's space, whose +z is up.
+/* sky.c - two light sources that pbrt lacks, in the light's space with +z up. Both take "scale".
  *
- *     "sun"   vector3 direction   towards it, default 0 0 1      rgb E           irradiance across the
- * direction, default 1 float angle         diameter, default 0.53 deg     integer lights  directional lights
- * in its place, default 64 "sky"   vector3 sun         towards the sun                rgb L radiance at the
- * zenith, default 1
+ *     "sun"   vector3 direction   towards the sun, default 0 0 1
+ *             rgb E               irradiance on a surface across the direction, W/m^2, default 1
+ *             float angle         diameter in degrees, default 0.53
+ *             integer lights      directional lights that represent it, default 64
+ *     "sky"   vector3 sun         towards the sun
+ *             rgb L               radiance at the zenith, W/(m^2 sr), default 1
  *
- * The sky is CIE's standard clear one, type 12 [CIE03], of one colour, black below the horizon: an
- * environment map that cameras see. The sun's lights lie on a spiral, each in as much of the disc, which
- * cameras see too. Both take "scale".
+ * The sky is the CIE standard clear sky, type 12 [CIE03], in one colour and black below the horizon: an
+ * environment map, which camera rays show. The sun's lights are on a spiral over its disc, each for the same
+ * area of it; camera rays show the disc.
  */
 #include "pbrt/light_source.h"
 
@@ -19,7 +21,7 @@
 #define SKY_H 256u
 #define MAX_SUN_LIGHTS 100000
 
-/* Two unit vectors across a unit vector. */
+/* Two unit vectors that are orthogonal to a unit vector and to each other. */
 static void frame_of(lc_f3 n, lc_f3 *x, lc_f3 *y)
 {
     lc_f3 axis = fabsf(n.x) < 0.5f ? lc_f3_make(1, 0, 0) : lc_f3_make(0, 1, 0);
@@ -71,17 +73,17 @@ lc_status lc_pbrt_sun_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 
 /* ---- sky ---- */
 
-/* By the angle to the sun, of this cosine. */
+/* The scattering indicatrix of [CIE03] as a function of the cosine of the angle to the sun. */
 static double indicatrix(double cosine)
 {
     double angle = lc_atan2(sqrt(fmax(1 - cosine * cosine, 0)), cosine);
     return 1 + 10 * (lc_exp_neg(-3 * angle) - lc_exp_neg(-1.5 * LC_PI)) + 0.45 * cosine * cosine;
 }
 
-/* By the cosine to the zenith. */
+/* The luminance gradation of [CIE03] as a function of the cosine of the angle to the zenith. */
 static double gradation(double cosine) { return cosine > 0 ? 1 - lc_exp_neg(-0.32 / cosine) : 1; }
 
-/* Radiance over that at the zenith, for w and sun of unit length. */
+/* The radiance in direction w relative to the zenith's; w and sun are unit vectors. */
 static double sky(const double w[3], const double sun[3])
 {
     if (!(w[2] > 0)) return 0;
@@ -94,7 +96,7 @@ static lc_status paint(lc_pbrt *p, const double sun[3], lc_env *env)
     float *texels = lc_alloc_raw(p->ctx, SKY_W * SKY_H * 3, sizeof *texels);
     const lc_raster raster = { SKY_W, SKY_H, 3, LC_RASTER_F32, texels };
     if (!texels) return LC_ERR_MEMORY;
-    env->map.levels[0].width = SKY_W; /* what lc_env_direction needs */
+    env->map.levels[0].width = SKY_W; /* as lc_env_direction reads them */
     env->map.levels[0].height = SKY_H;
     for (uint32_t y = 0; y < SKY_H; y++)
         for (uint32_t x = 0; x < SKY_W; x++) {

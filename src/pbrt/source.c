@@ -1,11 +1,11 @@
-/* source.c - see source.h. */
+/* source.c - fills, moves and keeps windows of a file. */
 #include "pbrt/source.h"
 
 #include <string.h>
 
 struct lc_pbrt_window {
     lc_pbrt_window *next;
-    size_t cap; /* bytes of text it holds, without the zero */
+    size_t cap; /* bytes of text that fit, the zero not counted */
     char data[];
 };
 
@@ -18,7 +18,7 @@ static void drop(const lc_context *ctx, lc_pbrt_window *w)
     }
 }
 
-/* Puts a window of `cap` bytes in place of the current one, with what is unread of that. */
+/* Replaces the current window by one of `cap` bytes, to which the unread bytes are copied. */
 static lc_status new_window(lc_pbrt_source *s, size_t cap)
 {
     lc_pbrt_window *w = lc_alloc_raw(s->ctx, sizeof *w + cap + 1, 1), *old = s->window;
@@ -36,7 +36,7 @@ static lc_status new_window(lc_pbrt_source *s, size_t cap)
     return LC_OK;
 }
 
-/* Fills what is free of the window. */
+/* Fills the free part of the window. */
 static lc_status fill(lc_pbrt_source *s)
 {
     size_t want = s->window->cap - s->size, got;
@@ -74,7 +74,7 @@ void lc_pbrt_source_forget(lc_pbrt_source *s)
 lc_status lc_pbrt_source_open(const lc_context *ctx, const lc_reader *reader, const char *name, size_t window,
                               lc_pbrt_source *s)
 {
-    /* A file that fits is read at once, with room for one byte more to see that it ends. */
+    /* A file that fits is read at once; one more byte of room shows that it has ended. */
     size_t cap = reader->size && reader->size < window ? reader->size + 1 : window;
     *s = (lc_pbrt_source){ .ctx = ctx, .reader = *reader, .name = name, .line = 1 };
     lc_status st = new_window(s, cap);
@@ -84,7 +84,7 @@ lc_status lc_pbrt_source_open(const lc_context *ctx, const lc_reader *reader, co
         lc_pbrt_source_close(s);
         return st;
     }
-    if (s->size >= 3 && !memcmp(s->data, "\xef\xbb\xbf", 3)) s->off = s->line_start = 3; /* UTF-8's mark */
+    if (s->size >= 3 && !memcmp(s->data, "\xef\xbb\xbf", 3)) s->off = s->line_start = 3; /* byte order mark */
     return LC_OK;
 }
 

@@ -1,10 +1,11 @@
-/* spectrum.c - see spectrum.h: spectra by name and from .spd files.
+/* spectrum.c - spectra by name and from .spd files.
  *
- * Metals: measured optical constants, of which the tables of Weaver and Frederikse (CRC Handbook of Chemistry
- * and Physics, 12-111) have the values at these photon energies; brass as Querry (1985) measured it, read off
- * at 50 nm. MgO and TiO2: index alone, as both absorb nothing that can be seen. Glass: index for the helium d
- * line, from the maker's sheet. Illuminants: their CIE 1931 chromaticities (CIE 15:2004); the strength of a
- * light is stated otherwise.
+ *     metals         measured optical constants at photon energies in steps of 0.1 eV, from the tables of
+ *                    Weaver and Frederikse (CRC Handbook of Chemistry and Physics, 12-111); brass as measured
+ *                    by Querry (1985), read off every 50 nm
+ *     MgO, TiO2      the index only, as both absorb no visible light
+ *     glass          the index at the helium d line, from the manufacturer's data sheet
+ *     illuminants    their CIE 1931 chromaticities (CIE 15:2004); other parameters give a light's strength
  */
 #include "pbrt/spectrum.h"
 
@@ -120,7 +121,7 @@ size_t lc_pbrt_named_spectrum(const char *name, double pairs[2 * LC_PBRT_NAMED_M
 
 static bool is_gap(char c) { return c == ' ' || c == ',' || (c >= '\t' && c <= '\r'); }
 
-/* Where the next number begins; comments run from # to the end of the line. */
+/* Skips to the next number; comments extend from # to the end of the line. */
 static const char *skip(const char *at, uint32_t *line)
 {
     for (; is_gap(*at) || *at == '#'; at++) {
@@ -182,7 +183,8 @@ lc_status lc_pbrt_spectrum_file(lc_pbrt *p, const lc_pbrt_param *par, const char
     return st;
 }
 
-/* Value at a wavelength of n pairs, rising. */
+/* The value at a wavelength, between n pairs by rising wavelength. *at is the pair found last, where the
+ * search starts. */
 static double sample(const double *pairs, size_t n, double nm, bool zero_outside, size_t *at)
 {
     if (nm < pairs[0]) return zero_outside ? 0 : pairs[1];

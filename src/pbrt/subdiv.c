@@ -1,5 +1,5 @@
-/* subdiv.c - see subdiv.h. Weights from [Loop87], those of normals from Hoppe et al. 1994, as in pbrt's
- * loopsubdiv. */
+/* subdiv.c - the step and the limit of Loop subdivision. Weights from [Loop87], those of normals from Hoppe
+ * et al. 1994 ("Piecewise smooth surface reconstruction"), as in pbrt's loopsubdiv. */
 #include "pbrt/subdiv.h"
 
 #include "base/xform.h"
@@ -11,7 +11,7 @@ static uint32_t start_of(const lc_subdiv *m, uint32_t h) { return m->corner[h]; 
 static uint32_t end_of(const lc_subdiv *m, uint32_t h) { return m->corner[lc_half_edge_next(h)]; }
 
 typedef struct ring {
-    double sum[3]; /* of the neighbours, at a boundary of those along it */
+    double sum[3]; /* of the neighbours; at a boundary only of those along it */
     uint32_t n;
     bool boundary;
 } ring;
@@ -38,7 +38,8 @@ static void gather(const lc_subdiv *m, const uint32_t *twin, ring *rings)
 
 static double beta(uint32_t valence) { return valence == 3 ? 3.0 / 16 : 3 / (8.0 * valence); }
 
-/* Inside: share of each neighbour; at a boundary: of each of the two along it. */
+/* Moves a vertex to a weighted mean: `inside` is the weight of each neighbour, `boundary` at a boundary that
+ * of each of the two neighbours along it. */
 static void move(const ring *r, double inside, double boundary, const double *from, double *to)
 {
     double each = r->boundary ? 2 * boundary / (r->n ? r->n : 1) : inside;
@@ -56,7 +57,7 @@ static void odd_vertex(const lc_subdiv *m, uint32_t h, uint32_t twin, double *to
         to[k] = twin == LC_NONE ? 0.5 * (a[k] + b[k]) : 0.375 * (a[k] + b[k]) + 0.125 * (c[k] + d[k]);
 }
 
-/* odd[h]: the new vertex on half-edge h. Its twin has the same one. */
+/* Makes the odd vertices: odd[h] is the one on half-edge h and on its twin. */
 static void split_edges(const lc_subdiv *in, const uint32_t *twin, uint32_t *odd, lc_subdiv *out)
 {
     for (uint32_t h = 0; h < 3 * in->n_faces; h++) {
@@ -106,7 +107,7 @@ static void add_scaled(double *to, double k, const double *p)
     for (int i = 0; i < 3; i++) to[i] += k * p[i];
 }
 
-/* Tangents from the ring p[0 .. n - 1], which runs clockwise. */
+/* The tangents of an inner vertex from its ring p[0 .. n - 1], in clockwise order. */
 static void tangents_inside(const double *const *p, uint32_t n, double s[3], double t[3])
 {
     for (uint32_t j = 0; j < n; j++) {
@@ -117,7 +118,7 @@ static void tangents_inside(const double *const *p, uint32_t n, double s[3], dou
     }
 }
 
-/* The ring runs counter-clockwise from one boundary edge to the other. */
+/* The tangents of a boundary vertex from its ring, counter-clockwise from one boundary edge to the other. */
 static void tangents_boundary(const double *const *p, uint32_t n, const double *v, double s[3], double t[3])
 {
     add_scaled(s, 1, p[n - 1]);
@@ -145,8 +146,8 @@ static void tangents_boundary(const double *const *p, uint32_t n, const double *
     }
 }
 
-/* first: a half-edge that leaves the vertex; of a boundary vertex the one along the boundary. p has room for
- * all. */
+/* Lists the ring of a vertex. first: a half-edge that leaves the vertex, for a boundary vertex the one along
+ * the boundary. */
 static uint32_t ring_inside(const lc_subdiv *m, const uint32_t *twin, uint32_t first, const double **p)
 {
     uint32_t n = 0, h = first;
@@ -192,7 +193,7 @@ lc_status lc_subdiv_limit(lc_arena *arena, lc_subdiv *m, double *normal)
              *first = lc_arena_alloc(arena, m->n_verts, sizeof *first);
     ring *rings = lc_arena_alloc(arena, m->n_verts, sizeof *rings);
     double *moved = lc_arena_alloc(arena, n_floats, sizeof *moved);
-    const double **p = lc_arena_alloc(arena, n_half + 1, sizeof *p); /* a ring has no more vertices */
+    const double **p = lc_arena_alloc(arena, n_half + 1, sizeof *p); /* room for any ring */
     lc_status st = twin && first && rings && moved && p
                        ? lc_find_twins(arena->ctx, m->corner, m->n_faces, twin)
                        : LC_ERR_MEMORY;

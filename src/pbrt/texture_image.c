@@ -1,10 +1,12 @@
-/* texture_image.c - the image of an imagemap texture: its file, read once for each encoding, and how it is
- * looked up.
+/* texture_image.c - imagemap textures: the image, loaded once for each encoding, and how it is sampled.
  *
- * v4: "encoding" (sRGB, linear, gamma X), "filter". v3: "gamma", "trilinear". Integer images are sRGB unless
- * told otherwise. EWA is approximated by trilinear, whose footprint is round.
+ *     v4    "encoding" (sRGB, linear, gamma X), "filter", "wrap"
+ *     v3    "gamma", "trilinear", "wrap"
+ *
+ * Integer images are sRGB by default. EWA filtering is approximated by trilinear filtering, whose footprint
+ * is round.
  */
-#include "pbrt/state.h"
+#include "pbrt/make_texture.h"
 
 #include "base/decimal.h"
 #include "image/pixels.h"
@@ -74,8 +76,7 @@ static lc_status get_filter(lc_pbrt *p, lc_pos where, lc_filter *out)
     return lc_pbrt_note_name(p, par->pos, "texture filter", text, "trilinear takes its place");
 }
 
-/* Decodes the file into a new image of the scene; LC_NONE after a note where it is of a kind that is not
- * read. */
+/* Decodes the file into a new image of the scene; LC_NONE, after a note, if its format is not supported. */
 static lc_status load(lc_pbrt *p, lc_pos where, const char *path, lc_encoding encoding, uint32_t *id)
 {
     lc_file file;
@@ -98,7 +99,6 @@ static lc_status load(lc_pbrt *p, lc_pos where, const char *path, lc_encoding en
     return st;
 }
 
-/* The image of a file, loaded if it has not been; LC_NONE, noted, where there is none. */
 lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding, uint32_t *id)
 {
     char key[4352];
@@ -135,7 +135,7 @@ lc_status lc_pbrt_get_image(lc_pbrt *p, lc_pos where, lc_texture *t, bool *there
     if (!st) st = lc_pbrt_get_bool(&p->params, "invert", &t->invert);
     if (!st) st = lc_pbrt_find_image(p, par->pos, name, encoding, &t->image);
     *there = t->image != LC_NONE;
-    /* the mean of the channels in v4, their luminance in v3 */
+    /* Float textures take the mean of the channels in v4 and their luminance in v3. */
     static const double mean[3] = { 1.0 / 3, 1.0 / 3, 1.0 / 3 }, luminance[3] = { 0.2126, 0.7152, 0.0722 };
     memcpy(t->grey, p->v4 ? mean : luminance, sizeof t->grey);
     return st;

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* Keeps the matrix for the innermost scope that has not kept it yet, then replaces it. */
+/* The innermost scope saves the matrix if it has not done so yet. */
 lc_status lc_pbrt_set_ctm(lc_pbrt *p, lc_pos where, const lc_xform *x)
 {
     if (!lc_xform_finite(x)) return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the transform is out of range");
@@ -62,7 +62,7 @@ lc_status lc_pbrt_look_at(lc_pbrt *p, const lc_pbrt_stmt *s)
     return concat(p, s->pos, &x);
 }
 
-/* pbrt lists matrices by columns. */
+/* pbrt lists matrices by columns, lc_xform stores rows. */
 static lc_xform by_columns(const double v[16])
 {
     lc_xform x;

@@ -1,6 +1,6 @@
-/* white.c - pbrt-v4's "whitebalance" of a Film: von Kries' adaptation in Bradford's cone responses, from the
- * daylight of a temperature to Rec.709's white, D65. Daylight's chromaticity is the CIE's polynomial in 1 /
- * T. */
+/* white.c - the "whitebalance" of pbrt-v4's Film: von Kries adaptation in Bradford's cone responses from
+ * daylight of a temperature to Rec.709's white, D65. The chromaticity of daylight is the CIE's polynomial in
+ * 1 / T. */
 #include "pbrt/state.h"
 
 typedef double mat3[3][3];
@@ -11,7 +11,7 @@ static void multiply(const mat3 a, const mat3 b, mat3 out)
         for (int j = 0; j < 3; j++) out[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
 }
 
-/* Of a matrix that has one. */
+/* Inverts a matrix that is not singular. */
 static void invert(const mat3 m, mat3 out)
 {
     double det = 0;
@@ -40,7 +40,7 @@ bool lc_pbrt_white_balance(double kelvin, float rows[9])
                                      { 0.2126729, 0.7151522, 0.0721750 },
                                      { 0.0193339, 0.1191920, 0.9503041 } };
     mat3 to_cones, back, scaled, m;
-    double t = 1000 * (1.4388 / 1.4380) / kelvin, source[3], target[3]; /* of today's radiation constant */
+    double t = 1000 * (1.4388 / 1.4380) / kelvin, source[3], target[3]; /* for the current c2 */
     if (!(kelvin >= 4000 && kelvin <= 25000)) return false;
     double x = kelvin <= 7000 ? 0.244063 + t * (0.09911 + t * (2.9678 - t * 4.6070))
                               : 0.237040 + t * (0.24748 + t * (1.9018 - t * 2.0064));

@@ -1,21 +1,26 @@
-/* area_light.c - k points on a triangle, stratified: the unit square is cut into k jittered cells of a rank-1
- * lattice and folded onto the triangle. Gridded points would give exact ties in the light tree and visible
- * bands.
+/* area_light.c - distributes lights over the emissive triangles.
  *
- * Half of the lights are shared out by power, half evenly to the meshes that shine: a weak lamp may be near,
- * or seen in a gloss, where its five lights beside a strong one's thousand would show as dots.
+ * On a triangle: k stratified points. The unit square is cut into k jittered cells of a rank-1 lattice and
+ * mapped to the triangle. Points on a grid would give exact ties in the light tree and visible bands.
  *
- * Triangles whose share is less than a light join the next such ones of their mesh until they have one: it
- * lies in one of them, picked by power, and shines as all do. So every emissive mesh has a light, and as much
- * power and colour as it should, and there are at most as many lights more than asked for as there are such
- * meshes, and their back sides. */
+ * Between triangles: half of the lights are distributed by power, half evenly over the emissive meshes. A
+ * weak lamp may be close, or reflected by a glossy surface, where a handful of lights would show as dots.
+ *
+ * Triangles whose part is less than one light are grouped with the next such triangles of their mesh until
+ * the group has one. Its light lies in one of them, chosen by power, and has the flux of all. So every
+ * emissive mesh has a light and exactly its power and colour, and the number of lights exceeds n_lights by at
+ * most one for each side of a mesh.
+ */
 #include "prepare/area_light.h"
 
 #include "base/context.h"
 #include "base/rng.h"
 #include "prepare/area_map.h"
 
-/* Twice the area vector of a triangle, double. */
+#define INV_GOLDEN_RATIO 0.61803398874989484820 /* generator of the rank-1 lattice */
+#define ROUNDING 1e-6 /* lights: sums that miss an integer by rounding still reach it */
+
+/* The cross product of two edges: n[] is twice the area vector, its length is returned. */
 static double cross_of(const lc_scene *s, size_t tri, double n[3])
 {
     const float *p0 = lc_tri_vertex(s->pos, s->index, tri, 0), *p1 = lc_tri_vertex(s->pos, s->index, tri, 1);
@@ -31,7 +36,8 @@ static double cross_of(const lc_scene *s, size_t tri, double n[3])
     return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
-/* Which side of the winding emits: normals decide where there are any, else the flip flag. */
+/* 1 if the side that cross_of points to emits, else -1: by the normals if the mesh has them, else by its flip
+ * flag. */
 static double side_of(const lc_scene *s, const lc_mesh *mesh, size_t tri, const double n[3])
 {
     if (mesh->has_normals) {
@@ -43,8 +49,8 @@ static double side_of(const lc_scene *s, const lc_mesh *mesh, size_t tri, const 
     return mesh->flip ? -1 : 1;
 }
 
-/* Emitted power of a triangle, the scalar that lights are shared out by. flux: area times the mean of the
- * picture, if any. */
+/* The emitted power of a triangle, mean of R, G and B over pi, by which lights are distributed. flux: the
+ * area times the mean colour of the emission map, or white. */
 static double power_of(const lc_scene *s, size_t tri, double flux[3])
 {
     const lc_mesh *mesh = &s->meshes[s->tri_mesh[tri]];
@@ -57,14 +63,14 @@ static double power_of(const lc_scene *s, size_t tri, double flux[3])
     return l * area * (mesh->two_sided ? 2 : 1);
 }
 
-/* k lights that together shine as `light` does, at places spread over the triangle. */
+/* Appends k lights like `light` at stratified points of the triangle. sign: 0 or 1, for the two sides. */
 static lc_status spread(lc_scene *s, size_t tri, uint32_t k, lc_light *light, uint64_t sign, uint64_t seed)
 {
     const float *p[3];
     for (size_t v = 0; v < 3; v++) p[v] = lc_tri_vertex(s->pos, s->index, tri, v);
     for (uint32_t i = 0; i < k; i++) {
         double u = (i + lc_unit(lc_hash4(seed, tri, i, sign))) / k;
-        double v = i * 0.61803398874989484820 + lc_unit(lc_hash4(seed, tri, 0, 2 + sign));
+        double v = i * INV_GOLDEN_RATIO + lc_unit(lc_hash4(seed, tri, 0, 2 + sign));
         v += lc_unit(lc_hash4(seed, tri, i, 4 + sign)) / k;
         v -= floor(v);
         double b0 = 1 - sqrt(u), b1 = v * sqrt(u), b2 = 1 - b0 - b1;
@@ -77,15 +83,15 @@ static lc_status spread(lc_scene *s, size_t tri, uint32_t k, lc_light *light, ui
     return LC_OK;
 }
 
-/* Small triangles of a mesh that share a light; or one that has k. */
+/* Small triangles of a mesh that share one light, or a single triangle that has k. */
 typedef struct group {
-    double power, flux[3]; /* of all */
-    double first;          /* the share at which it begins, rounded down */
-    size_t tri;            /* one of them */
-    uint32_t n;
+    double power, flux[3]; /* sums over the group */
+    double first;          /* number of lights, rounded down, for the triangles before the group */
+    size_t tri;            /* the triangle in which the light lies */
+    uint32_t n;            /* triangles */
 } group;
 
-/* Both sides' lights, k each. */
+/* Appends k lights for each emitting side of the group. */
 static lc_status add_lights(lc_scene *s, const group *g, uint32_t k, uint64_t seed)
 {
     double n[3], twice = cross_of(s, g->tri, n);
@@ -107,7 +113,7 @@ static lc_status add_lights(lc_scene *s, const group *g, uint32_t k, uint64_t se
     return st;
 }
 
-/* Each triangle is the one that is kept in proportion to its power. */
+/* Adds a triangle to the group; it becomes g->tri with a probability proportional to its power. */
 static void join(group *g, size_t tri, double power, const double flux[3], double first, uint64_t seed)
 {
     if (!g->n) *g = (group){ .first = first };
@@ -117,10 +123,9 @@ static void join(group *g, size_t tri, double power, const double flux[3], doubl
     if (g->n == 1 || lc_unit(lc_hash4(seed, tri, 0, 8)) * g->power < power) g->tri = tri;
 }
 
-/* What shines. */
 typedef struct powers {
     double *of_mesh, total;
-    size_t n_meshes; /* above 0 */
+    size_t n_meshes; /* meshes with power above 0 */
 } powers;
 
 static lc_status make_lights(lc_scene *scene, const powers *p, uint32_t n_lights, uint64_t seed)
@@ -137,13 +142,12 @@ static lc_status make_lights(lc_scene *scene, const powers *p, uint32_t n_lights
         }
         if (!(power > 0) || st) continue;
         scene->n_emissive_tris++;
-        /* The share of this triangle: rounding the running sum keeps the total. A millionth, for sums that
-         * miss a whole number. */
+        /* Lights for this triangle, not rounded; rounding the running sum keeps the total. */
         double share = n_lights *
                        (0.5 * power / p->total + 0.5 * power / p->of_mesh[mesh] / (double)p->n_meshes);
-        double first = floor(before + 1e-6), last = floor(before + share + 1e-6);
+        double first = floor(before + ROUNDING), last = floor(before + share + ROUNDING);
         before += share;
-        if (share + 1e-6 >= sides && last - first >= sides) {
+        if (share + ROUNDING >= sides && last - first >= sides) {
             group alone = { .n = 0 };
             join(&alone, t, power, flux, first, seed);
             st = add_lights(scene, &alone, (uint32_t)(last - first) / sides, seed);

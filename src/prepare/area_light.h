@@ -4,9 +4,10 @@
 
 #include "scene/scene.h"
 
-/* Appends about n_lights oriented lights for all emissive triangles of the scene together (at least one for
- * each triangle side that emits), spread by emitted power. A light of area A / k at a jittered point has I =
- * L A / k along the emitting normal, so that the sum of flux is exact whatever n_lights. */
+/* Appends about n_lights oriented lights for all emissive triangles of the scene together, distributed by
+ * emitted power, at least one for each emitting side of a mesh. A light that stands for a k-th of a triangle
+ * of area A and radiance L has the intensity L A / k along the emitting normal, so the sum of the flux is
+ * exact for any n_lights. Sets scene->n_emissive_tris. LC_ERR_MEMORY. */
 lc_status lc_area_lights_make(lc_scene *scene, uint32_t n_lights, uint64_t seed);
 
 #endif

@@ -1,6 +1,8 @@
-/* area_map.c - see area_map.h. The triangle is halved along its sides until the parts are as small as texels
- * and there are many for each light; their power, in the order of the halving, is cut into equal shares, each
- * of parts that lie together.
+/* area_map.c - distributes lights over a triangle by the power of its emission map.
+ *
+ * The triangle is divided into four recursively until the pieces are as small as texels and there are at
+ * least four for each light. The pieces, in the order of the recursion, in which successive ones touch, are
+ * cut into runs of equal power: one run for each light.
  */
 #include "prepare/area_map.h"
 
@@ -9,21 +11,23 @@
 
 #include <string.h>
 
-#define MAX_DEPTH 10u /* 10^6 parts */
+#define MAX_DEPTH 10u /* limits the pieces to 4^10, about 10^6 */
+#define PIECES_A_LIGHT 4.0
 
+/* Points of the triangle are given by their barycentric coordinates, the weights of vertices 1 and 2. */
 typedef struct walk {
     lc_scene *scene;
     const lc_mipmap *map;
-    double p[3][3], uv[3][2];
-    double width;           /* of a part, in texels */
-    double weight[3];       /* power of a colour */
-    double sum[3];          /* of all parts; of the share so far */
-    /* lights */
+    double p[3][3], uv[3][2]; /* of the triangle's vertices */
+    double width;             /* of a piece, in texels */
+    double weight[3];         /* power of each channel */
+    double sum[3];            /* colour of all pieces, or of the current run so far */
+    /* n_parts: the number of pieces. The others are set only when lights are made. */
     const lc_light *base;
-    double total, before;   /* power; of the parts so far */
-    uint32_t n_lights, made;
+    double total, before;     /* power of all pieces, and of those visited */
+    uint32_t n_lights, made;  /* lights wanted, and made */
     double n_parts;
-    bool placed;
+    bool placed;              /* the current light has its position, in `place` */
     lc_f3 place;
     uint64_t seed;
     lc_status status;
@@ -31,12 +35,13 @@ typedef struct walk {
 
 typedef void leaf_fn(walk *w, const double corner[3][2], const double rgb[3]);
 
-/* Weights of vertices 1 and 2. */
 static void between(const double a[2], const double b[2], double out[2])
 {
-    out[0] = (a[0] + b[0]) / 2, out[1] = (a[1] + b[1]) / 2;
+    out[0] = (a[0] + b[0]) / 2;
+    out[1] = (a[1] + b[1]) / 2;
 }
 
+/* The colour of a piece, >= 0: the map at its centroid, filtered over its width. */
 static void look_up(const walk *w, const double c[3][2], double rgb[3])
 {
     double b1 = (c[0][0] + c[1][0] + c[2][0]) / 3, b2 = (c[0][1] + c[1][1] + c[2][1]) / 3, st[2];
@@ -45,8 +50,8 @@ static void look_up(const walk *w, const double c[3][2], double rgb[3])
     for (int k = 0; k < 3; k++) rgb[k] = fmax(rgb[k], 0);
 }
 
-/* Four parts a level: at a corner, in the middle, at the other corners, so that those that follow each other
- * touch. */
+/* Divides a piece into four at each level, in an order in which successive ones touch: a corner, the middle,
+ * the other two corners. Calls leaf for the pieces of the last level. */
 static void visit(walk *w, const double c[3][2], uint32_t depth, leaf_fn *leaf)
 {
     double mid[3][2], rgb[3];
@@ -76,7 +81,7 @@ static double power_of(const walk *w, const double rgb[3])
     return w->weight[0] * rgb[0] + w->weight[1] * rgb[1] + w->weight[2] * rgb[2];
 }
 
-/* A place anywhere in a part, the light's own. */
+/* A random point of the piece, in world space, for the current light. */
 static lc_f3 place_in(const walk *w, const double c[3][2])
 {
     double u = sqrt(lc_unit(lc_hash4(w->seed, w->made, 0, 0))), v = lc_unit(lc_hash4(w->seed, w->made, 0, 1)),
@@ -101,8 +106,8 @@ static void add_light(walk *w)
     w->sum[0] = w->sum[1] = w->sum[2] = 0;
 }
 
-/* Shares end inside parts. */
-static void share(walk *w, const double c[3][2], const double rgb[3])
+/* Adds a piece to the run of the current light, and completes every light whose run ends inside the piece. */
+static void distribute(walk *w, const double c[3][2], const double rgb[3])
 {
     double power = power_of(w, rgb), after = w->before + power, from = w->before;
     if (!(power > 0)) return;
@@ -123,7 +128,7 @@ static void share(walk *w, const double c[3][2], const double rgb[3])
 
 static const double whole[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } };
 
-/* Sets the walk up; returns its depth for k lights. */
+/* Sets up the walk and returns the depth of the recursion for k lights. */
 static uint32_t begin(walk *w, const lc_scene *scene, size_t tri, uint32_t k)
 {
     const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[tri]];
@@ -139,7 +144,8 @@ static uint32_t begin(walk *w, const lc_scene *scene, size_t tri, uint32_t k)
         double dv = (w->uv[v][1] - w->uv[(v + 1) % 3][1]) * w->map->levels[0].height;
         longest = fmax(longest, fmax(fabs(du), fabs(dv)));
     }
-    while (depth < MAX_DEPTH && (longest > ldexp(1, (int)depth) || ldexp(1, 2 * (int)depth) < 4.0 * k))
+    while (depth < MAX_DEPTH &&
+           (longest > ldexp(1, (int)depth) || ldexp(1, 2 * (int)depth) < PIECES_A_LIGHT * k))
         depth++;
     w->width = fmax(longest / ldexp(1, (int)depth), 1);
     w->n_parts = ldexp(1, 2 * (int)depth);
@@ -163,7 +169,7 @@ lc_status lc_area_map_lights(lc_scene *scene, size_t tri, uint32_t k, const lc_l
     visit(&w, whole, depth, add_up);
     w.total = power_of(&w, w.sum);
     memset(w.sum, 0, sizeof w.sum);
-    visit(&w, whole, depth, share);
-    if (w.made < k) add_light(&w); /* the last share has no end */
+    visit(&w, whole, depth, distribute);
+    if (w.made < k) add_light(&w); /* the last run is not ended inside a piece */
     return w.status;
 }

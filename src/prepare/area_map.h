@@ -1,15 +1,15 @@
-/* area_map.h - lights of triangles whose emission is a picture, by uv. */
+/* area_map.h - lights for triangles whose emission is an image over uv. */
 #ifndef LC_AREA_MAP_H
 #define LC_AREA_MAP_H
 
 #include "scene/scene.h"
 
-/* Mean over the triangle's area of the picture's colours. */
+/* The mean R, G, B of the emission map over the triangle's area. */
 void lc_area_map_mean(const lc_scene *scene, size_t tri, double rgb[3]);
 
-/* Appends k lights of `base`'s kind and direction, whose intensities together are base->intensity, that of a
- * white picture, times the mean of the picture: each has the colour of its share of the triangle, shares
- * being of equal power, and lies in it at a place picked by power. */
+/* Appends k lights of the kind and direction of `base`. Their intensities sum to base->intensity, which is
+ * that for a white map, times the mean of the map. The triangle is cut into k parts of equal power; each
+ * light has the colour of its part and a position in it chosen with a density proportional to power. */
 lc_status lc_area_map_lights(lc_scene *scene, size_t tri, uint32_t k, const lc_light *base, uint64_t seed);
 
 #endif

@@ -1,4 +1,4 @@
-/* commit.c - BVH, lights from surfaces, environments and bounces, light tree. */
+/* commit.c - the steps in order: BVH; lights from surfaces, environments and light paths; light tree. */
 #include "prepare/commit.h"
 
 #include "base/stats.h"
@@ -10,7 +10,9 @@
 #include "trace/bvh.h"
 #include "tree/light_tree.h"
 
-/* Squared diagonal of triangles and lights together. */
+#define FLOOR_OF_DIAG2 1e-10 /* the squared distance floor, as a fraction of the squared diagonal */
+
+/* The squared diagonal of the box around triangles and lights. */
 static double scene_diag2(const lc_scene *s)
 {
     lc_box box = s->bounds;
@@ -20,7 +22,7 @@ static double scene_diag2(const lc_scene *s)
     return x >= 0 ? x * x + y * y + z * z : 0;
 }
 
-/* Fewer pixels for the same view. The crop grows to whole pixels. */
+/* Reduces the film to about max_pixels with the same view. The crop is rounded outwards to whole pixels. */
 static void shrink_film(lc_film_desc *f, uint64_t max_pixels)
 {
     double all = (double)f->width * f->height, factor = sqrt((double)max_pixels / all);
@@ -75,7 +77,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     s->follows_smooth = all_seen || s->indirect.n_lights;
     double diag2 = scene_diag2(s);
     lc_camera_set_distance(&s->camera, sqrt(diag2));
-    s->min_d2 = (float)fmax(1e-10 * diag2, LC_MIN_D2);
+    s->min_d2 = (float)fmax(FLOOR_OF_DIAG2 * diag2, LC_MIN_D2);
     double t2 = lc_now();
     s->seconds_lights = t2 - t1;
     lc_light_tree_desc tree_desc = { .lights = s->lights,

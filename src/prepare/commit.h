@@ -1,10 +1,22 @@
-/* commit.h - makes a scene that is complete ready to render. */
+/* commit.h - makes a complete scene ready to render.
+ *
+ * The room prepare/ turns everything that emits into the four kinds of light that the light tree knows. In
+ * goes a scene as the parser leaves it; out comes the same scene with all its lights, its BVH and its light
+ * tree.
+ *
+ *     triangles, instances -> BVH, occluders
+ *     emissive triangles   -> oriented lights     (area_light.h, area_map.h)
+ *     environment maps     -> directional lights  (env_light.h, scored by env_importance.h)
+ *     light paths          -> virtual lights      (vpl.h, scored by view_grid.h, clamped by vpl_radius.h)
+ *     all lights           -> light tree
+ */
 #ifndef LC_COMMIT_H
 #define LC_COMMIT_H
 
 #include "scene/scene.h"
 
-/* Makes area and environment lights, builds BVH and light tree. desc is complete (no zero fields). */
+/* desc must have its defaults filled in. Must be called once; afterwards the scene is read-only and may be
+ * shared by threads. LC_ERR_PARSE without a camera or if it is out of range; LC_ERR_MEMORY. */
 lc_status lc_scene_commit(lc_scene *scene, const lc_load_desc *desc);
 
 #endif

@@ -1,4 +1,5 @@
-/* env_importance.c - see env_importance.h. */
+/* env_importance.c - traces shadow rays from visible points towards each direction, in parallel over blocks
+ * of lights. */
 #include "prepare/env_importance.h"
 
 #include "base/pool.h"
@@ -8,20 +9,20 @@
 
 #include <stdlib.h>
 
-#define BLOCK 64   /* lights whose rays go out together, from the same points */
-#define POINTS LC_SIZE(256, 16) /* of the view that a block is tried at */
-#define FAMILY 8   /* neighbours in the sky that vouch for each other */
-#define WORTH 0.5  /* of the median of those that give anything, for a weight of 1 */
+#define BLOCK 64                /* lights whose shadow rays are traced together from a point */
+#define POINTS LC_SIZE(256, 16) /* points of the view that a block's lights are scored at */
+#define GROUP 8                 /* neighbouring directions over which importance is smoothed */
+#define FULL_WEIGHT 0.5         /* fraction of the median importance from which on the weight is 1 */
 
 typedef struct job {
-    const lc_vpl_view *view;
+    const lc_view_grid *view;
     const lc_light *lights;
     uint32_t n;
     uint64_t seed;
-    double *worth;
+    double *importance; /* n */
 } job;
 
-/* Adds what the block's lights give to one point. */
+/* Adds the contributions of lights first .. first + n - 1, with unit irradiance, to one point. */
 static void try_point(const job *j, uint32_t first, uint32_t n, uint32_t point)
 {
     const lc_bvh *bvh = j->view->scene->bvh;
@@ -34,14 +35,15 @@ static void try_point(const job *j, uint32_t first, uint32_t n, uint32_t point)
         lc_light_rec rec;
         light.intensity = lc_f3_make(1, 1, 1);
         lc_light_rec_init(&rec, &light);
-        f[m] = lc_view_luminance(j->view->scene->ctx->shade_kernels, &j->view->points[point], &light, &rec);
+        f[m] = lc_unoccluded_luminance(j->view->scene->ctx->shade_kernels, &j->view->points[point], &light,
+                                       &rec);
         if (!(f[m] > 0)) continue;
         for (int c = 0; c < 3; c++) to[c][m] = rec.pos[c];
         at[m++] = i;
     }
     if (m) bvh->kernels->hidden(&bvh->data, j->view->org[point], m, target, true, hidden, NULL);
     for (uint32_t k = 0; k < m; k++)
-        if (!hidden[k]) j->worth[at[k]] += (double)f[k];
+        if (!hidden[k]) j->importance[at[k]] += (double)f[k];
 }
 
 static void try_block(void *user, uint32_t thread, uint64_t item)
@@ -63,39 +65,41 @@ static int rising(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static double median_worth(const double *worth, double *sorted, uint32_t n)
+/* The median of the positive values, 0 if there is none. sorted: scratch of n. */
+static double median_importance(const double *importance, double *sorted, uint32_t n)
 {
     uint32_t m = 0;
     for (uint32_t i = 0; i < n; i++)
-        if (worth[i] > 0) sorted[m++] = worth[i];
+        if (importance[i] > 0) sorted[m++] = importance[i];
     qsort(sorted, m, sizeof *sorted, rising);
     return m ? sorted[m / 2] : 0;
 }
 
-/* What none of a light's points sees may be seen elsewhere, the sooner the more of its neighbours are. */
-static void vouch(double *worth, uint32_t n)
+/* Averages each value with the mean of its group: a direction occluded at all its sample points may be
+ * visible from others, the more likely the more its neighbours are. */
+static void smooth(double *importance, uint32_t n)
 {
-    for (uint32_t from = 0; from < n; from += FAMILY) {
-        uint32_t to = from + FAMILY < n ? from + FAMILY : n;
+    for (uint32_t from = 0; from < n; from += GROUP) {
+        uint32_t to = from + GROUP < n ? from + GROUP : n;
         double mean = 0;
-        for (uint32_t i = from; i < to; i++) mean += worth[i] / (to - from);
-        for (uint32_t i = from; i < to; i++) worth[i] = (worth[i] + mean) / 2;
+        for (uint32_t i = from; i < to; i++) mean += importance[i] / (to - from);
+        for (uint32_t i = from; i < to; i++) importance[i] = (importance[i] + mean) / 2;
     }
 }
 
-lc_status lc_env_weights(const lc_vpl_view *view, const lc_light *lights, uint32_t n, uint64_t seed,
+lc_status lc_env_importance(const lc_view_grid *view, const lc_light *lights, uint32_t n, uint64_t seed,
                          double *weights)
 {
     const lc_context *ctx = view->scene->ctx;
     double *sorted = lc_alloc_raw(ctx, n, sizeof *sorted);
-    job j = { .view = view, .lights = lights, .n = n, .seed = seed, .worth = weights };
+    job j = { .view = view, .lights = lights, .n = n, .seed = seed, .importance = weights };
     if (!sorted) return LC_ERR_MEMORY;
     for (uint32_t i = 0; i < n; i++) weights[i] = 0;
     lc_parallel(ctx, (n + BLOCK - 1) / BLOCK, try_block, &j);
-    vouch(weights, n);
-    double enough = WORTH * median_worth(weights, sorted, n);
+    smooth(weights, n);
+    double enough = FULL_WEIGHT * median_importance(weights, sorted, n);
     for (uint32_t i = 0; i < n; i++)
-        weights[i] = enough > 0 ? fmin(fmax(weights[i] / enough, LC_LEAST_WEIGHT), 1) : 1;
+        weights[i] = enough > 0 ? fmin(fmax(weights[i] / enough, LC_MIN_ENV_WEIGHT), 1) : 1;
     lc_free(ctx, sorted, n, sizeof *sorted);
     return LC_OK;
 }

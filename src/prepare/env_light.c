@@ -1,13 +1,14 @@
-/* env_light.c - see env_light.h. A table of sums over all rectangles from the corner finds where to cut: a
- * rectangle for k lights is cut across its longer side into one for k / 2 and one for the rest, by weighted
- * power. Cuts go through texels.
+/* env_light.c - cuts environment maps into rectangles of equal weighted power, a light for each.
  *
- * Weights come from CANDIDATES lights of equal power that are made first and tried at points that the camera
- * sees. Most of the sky that stands outside the windows of a room lights none of them. Against weights of 1,
- * mrse of 5,000 lights' exact picture against that of 60,000 without weights, two seeds: living room 0.0059
- * and 0.0064 -> 0.0041 and 0.0040, buddha-fractal in the open 2.6 and 3.7 -> 1.6 and 1.4 e-4, spheres on a
- * plane 1.1 and 1.1 -> 0.45 and 0.40 e-6. Chances from weights, with lights kept or not, would keep the map's
- * sum on average only. */
+ *     map -> summed-area table of power -> CANDIDATES rectangles -> importance of each (env_importance.h)
+ *         -> summed-area table of weighted power -> n_lights rectangles -> lights
+ *
+ * A rectangle for k lights is cut across its longer side into one for k / 2 lights and one for the rest; the
+ * summed-area table tells where. Cuts may pass through texels. Weights matter indoors, where most of the sky
+ * is occluded at every visible point; measured: tests/results/virtual-lights.md. They decide where to cut,
+ * not which lights to keep: keeping lights with a probability would preserve the map's irradiance only on
+ * average.
+ */
 #include "prepare/env_light.h"
 
 #include "base/rng.h"
@@ -15,33 +16,34 @@
 
 #include <string.h>
 
-#define CANDIDATES LC_SIZE(4096, 96)
-#define VIEW_SIDE LC_SIZE(64, 6)
-#define GRID_SIDE LC_SIZE(64, 8) /* texels, at least, of a map that is weighed */
+#define CANDIDATES LC_SIZE(4096, 96) /* lights whose importance is measured */
+#define VIEW_SIDE LC_SIZE(64, 6)     /* side of the view grid at whose points it is measured */
+#define MIN_SIDE LC_SIZE(64, 8)      /* texels; the map is subdivided to at least this if it is weighted */
 
 typedef struct rect {
-    double lo[2], hi[2]; /* texels: x, y */
+    double lo[2], hi[2]; /* x, y in texels of the table */
 } rect;
 
 typedef struct table {
     lc_scene *scene;
     const lc_env *env;
-    uint32_t fine, w, h; /* a texel of the map is cut into fine * fine: w * h of them in all */
-    double *power;      /* (w + 1) * (h + 1): power of the texels left of x and above y */
-    double *weighted;   /* the same of weighted power; NULL: all weigh the same */
-    double *cut_by;     /* one of these */
-    double *solid;      /* h: solid angle of a texel */
+    uint32_t fine, w, h; /* each texel of the map is cut into fine * fine, so the table has w * h */
+    double *power;       /* (w + 1) * (h + 1): the power of the texels left of x and above y */
+    double *weighted;    /* (w + 1) * (h + 1): the same for weighted power; NULL: not weighted */
+    double *cut_by;      /* the one of the two that decides where to cut */
+    double *solid;       /* h: solid angle of one texel of the row */
     uint64_t seed;
-    uint64_t n_made;
-    rect *tried; /* where the lights that are made now go, only to be tried; NULL: they are the scene's */
-    lc_light *candidates;
-    double *weights;    /* of these */
+    uint64_t n_made;     /* lights */
+    rect *tried;          /* while candidates are made: their rectangles; NULL: lights go to the scene */
+    lc_light *candidates; /* CANDIDATES */
+    double *weights;      /* CANDIDATES */
 } table;
 
 /* ---- power of rectangles ---- */
 
 static double power_of(const double rgb[3]) { return (rgb[0] + rgb[1] + rgb[2]) / 3; }
 
+/* The summed-area table `sums` at (x, y), bilinear inside a texel, whose power is spread evenly over it. */
 static double sum_to(const table *t, const double *sums, double x, double y)
 {
     size_t ix = (size_t)fmin(x, t->w - 1.0), iy = (size_t)fmin(y, t->h - 1.0), row = (size_t)t->w + 1;
@@ -56,6 +58,7 @@ static double sum_in(const table *t, const double *sums, const rect *r)
            (sum_to(t, sums, r->hi[0], r->lo[1]) - sum_to(t, sums, r->lo[0], r->lo[1]));
 }
 
+/* The sum over the part of the rectangle below coordinate `at` on an axis. */
 static double sum_before(const table *t, const double *sums, const rect *r, int axis, double at)
 {
     rect part = *r;
@@ -63,10 +66,11 @@ static double sum_before(const table *t, const double *sums, const rect *r, int 
     return sum_in(t, sums, &part);
 }
 
-/* Where `share` of the rectangle's sum lies before. Between lines of texels it rises linearly. */
-static double find_cut(const table *t, const double *sums, const rect *r, int axis, double share)
+/* The coordinate on an axis below which this fraction of the rectangle's sum lies. Inside a texel the sum is
+ * linear. */
+static double find_cut(const table *t, const double *sums, const rect *r, int axis, double fraction)
 {
-    double from = r->lo[axis], to = r->hi[axis], before = 0, target = share * sum_in(t, sums, r);
+    double from = r->lo[axis], to = r->hi[axis], before = 0, target = fraction * sum_in(t, sums, r);
     int64_t a = (int64_t)floor(from) + 1, b = (int64_t)ceil(to) - 1;
     while (a <= b) {
         int64_t line = a + (b - a) / 2;
@@ -87,9 +91,10 @@ static double find_cut(const table *t, const double *sums, const rect *r, int ax
 
 /* ---- lights ---- */
 
-/* Length of [lo, hi] in [i, i + 1]. */
+/* The length of the intersection of [lo, hi] and [i, i + 1]. */
 static double overlap(double lo, double hi, uint32_t i) { return fmax(fmin(hi, i + 1.0) - fmax(lo, i), 0); }
 
+/* The irradiance R, G, B of a rectangle on a surface across the light. */
 static void irradiance(const table *t, const rect *r, double sum[3])
 {
     double rgb[3];
@@ -105,7 +110,7 @@ static void irradiance(const table *t, const rect *r, double sum[3])
     }
 }
 
-/* A point of the rectangle, by power: a row's place first, then the place in that row. */
+/* Chooses a point of the rectangle with a density proportional to power: first y, then x in that row. */
 static void pick(const table *t, const rect *r, double p[2])
 {
     rect row = *r;
@@ -133,7 +138,7 @@ static lc_status add_light(table *t, const rect *r)
     return LC_OK;
 }
 
-/* The axis along which the rectangle is longer, seen from the scene. */
+/* The axis, 0 for x or 1 for y, along which the rectangle subtends the larger angle. */
 static int longer(const table *t, const rect *r)
 {
     double across = (r->hi[0] - r->lo[0]) / t->w, down = (r->hi[1] - r->lo[1]) / t->h;
@@ -145,7 +150,8 @@ static int longer(const table *t, const rect *r)
     return down > across;
 }
 
-/* Goes as deep as k has bits. */
+/* Cuts a rectangle into k of equal weighted power and makes a light for each. The recursion is as deep as k
+ * has bits. */
 static lc_status cut(table *t, const rect *r, uint32_t k)
 {
     if (k == 1) return add_light(t, r);
@@ -158,6 +164,7 @@ static lc_status cut(table *t, const rect *r, uint32_t k)
 
 /* ---- maps ---- */
 
+/* Fills t->power and t->solid; returns the total power. */
 static double fill(table *t)
 {
     size_t row = (size_t)t->w + 1;
@@ -177,7 +184,7 @@ static double fill(table *t)
 static size_t n_sums(const table *t) { return ((size_t)t->w + 1) * ((size_t)t->h + 1); }
 
 /* Adds a rectangle's power times its weight to the texels that it covers. */
-static void weigh(table *t, const rect *r, double weight)
+static void add_weighted(table *t, const rect *r, double weight)
 {
     size_t row = (size_t)t->w + 1;
     double rgb[3];
@@ -190,7 +197,7 @@ static void weigh(table *t, const rect *r, double weight)
     }
 }
 
-/* Makes sums of what stands in the table. */
+/* Turns a table of values per texel into a summed-area table, in place. */
 static void sum_up(const table *t, double *sums)
 {
     size_t row = (size_t)t->w + 1;
@@ -204,8 +211,9 @@ static void sum_up(const table *t, double *sums)
     }
 }
 
-/* Tries CANDIDATES lights of equal power, so that dark parts of the sky get fewer lights. */
-static lc_status try_candidates(table *t, const rect *all, const lc_vpl_view *view)
+/* Measures the importance of CANDIDATES rectangles of equal power and fills t->weighted. Equal power gives
+ * bright parts of the sky more candidates. */
+static lc_status try_candidates(table *t, const rect *all, const lc_view_grid *view)
 {
     const lc_context *ctx = t->scene->ctx;
     t->weighted = lc_alloc(ctx, n_sums(t), sizeof *t->weighted);
@@ -214,9 +222,9 @@ static lc_status try_candidates(table *t, const rect *all, const lc_vpl_view *vi
     t->weights = lc_alloc_raw(ctx, CANDIDATES, sizeof *t->weights);
     lc_status st = t->weighted && t->tried && t->candidates && t->weights ? LC_OK : LC_ERR_MEMORY;
     if (!st) st = cut(t, all, CANDIDATES);
-    if (!st) st = lc_env_weights(view, t->candidates, CANDIDATES, t->seed, t->weights);
+    if (!st) st = lc_env_importance(view, t->candidates, CANDIDATES, t->seed, t->weights);
     if (!st) {
-        for (uint32_t i = 0; i < CANDIDATES; i++) weigh(t, &t->tried[i], t->weights[i]);
+        for (uint32_t i = 0; i < CANDIDATES; i++) add_weighted(t, &t->tried[i], t->weights[i]);
         sum_up(t, t->weighted);
         t->cut_by = t->weighted;
     }
@@ -229,7 +237,8 @@ static lc_status try_candidates(table *t, const rect *all, const lc_vpl_view *vi
     return st;
 }
 
-static lc_status make(table *t, uint32_t k, const lc_vpl_view *view)
+/* Makes k lights for one map. */
+static lc_status make(table *t, uint32_t k, const lc_view_grid *view)
 {
     rect all = { { 0, 0 }, { t->w, t->h } };
     const lc_context *ctx = t->scene->ctx;
@@ -247,12 +256,13 @@ static lc_status make(table *t, uint32_t k, const lc_vpl_view *view)
     return st;
 }
 
-/* What is weighed needs a grid that is fine enough to tell directions, of which a constant map has none. */
-static void init_table(table *t, lc_scene *scene, size_t env, bool weighed, uint64_t seed)
+/* A weighted map must have enough texels to tell directions apart; a constant map, for one, has a single
+ * one. */
+static void init_table(table *t, lc_scene *scene, size_t env, bool weighted, uint64_t seed)
 {
     uint32_t w = lc_env_width(&scene->envs[env]), h = lc_env_height(&scene->envs[env]), side = w < h ? w : h;
     *t = (table){ .scene = scene, .env = &scene->envs[env], .seed = lc_hash2(seed, env) };
-    t->fine = weighed ? (GRID_SIDE + side - 1) / side : 1;
+    t->fine = weighted ? (MIN_SIDE + side - 1) / side : 1;
     t->w = w * t->fine;
     t->h = h * t->fine;
 }
@@ -270,14 +280,14 @@ static double env_power(const lc_env *env)
     return sum;
 }
 
-static lc_status make_all(lc_scene *scene, uint32_t n_lights, uint64_t seed, const lc_vpl_view *view)
+static lc_status make_all(lc_scene *scene, uint32_t n_lights, uint64_t seed, const lc_view_grid *view)
 {
     double total = 0, before = 0;
     for (size_t i = 0; i < scene->n_envs; i++) total += env_power(&scene->envs[i]);
     for (size_t i = 0; i < scene->n_envs && total > 0; i++) {
         table t;
         init_table(&t, scene, i, view->n > 0, seed);
-        /* The share of this map: rounding the running sum keeps the total. */
+        /* The lights for this map; rounding the running sum keeps the total. */
         double power = env_power(t.env), first = floor(before / total * n_lights + 0.5);
         before += power;
         uint32_t k = (uint32_t)(floor(before / total * n_lights + 0.5) - first);
@@ -290,9 +300,10 @@ static lc_status make_all(lc_scene *scene, uint32_t n_lights, uint64_t seed, con
 
 lc_status lc_env_lights_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed)
 {
-    lc_vpl_view view = { 0 };
-    lc_status st = scene->n_envs && scene->bvh ? lc_vpl_view_init(&view, scene, VIEW_SIDE, max_depth) : LC_OK;
+    lc_view_grid view = { 0 };
+    bool scored = scene->n_envs && scene->bvh;
+    lc_status st = scored ? lc_view_grid_init(&view, scene, VIEW_SIDE, max_depth) : LC_OK;
     if (!st) st = make_all(scene, n_lights, seed, &view);
-    lc_vpl_view_free(&view);
+    lc_view_grid_free(&view);
     return st;
 }

@@ -4,11 +4,12 @@
 
 #include "scene/scene.h"
 
-/* Appends n_lights lights for all maps of the scene together, at least one for each that is not black; fewer
- * where intensities vanish. Each map is cut into rectangles of equal power, power being the mean of R, G and
- * B, weighted by what directions give to what the camera sees (env_importance.h) where the scene has a BVH; a
- * light has its rectangle's irradiance, so that their sum is the map's whatever n_lights, and a direction out
- * of it, picked by power. max_depth: of camera rays. Sets scene->n_env_tried. */
+/* Appends n_lights lights for all environment maps of the scene together, at least one for each map that is
+ * not black; fewer if an intensity underflows to 0. Each map is cut into rectangles of equal power: the mean
+ * of R, G and B, times the importance of the direction for the picture (env_importance.h) if the scene has a
+ * BVH. A light has the irradiance of its rectangle, so their sum is exactly the map's for any n_lights, and a
+ * direction in it chosen with a density proportional to power. max_depth is that of camera rays. Sets
+ * scene->n_env_tried. LC_ERR_MEMORY. */
 lc_status lc_env_lights_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed);
 
 #endif

@@ -1,4 +1,4 @@
-/* view_grid.c - see view_grid.h. */
+/* view_grid.c - makes the grid, scores single lights by it, and estimates what clamping removes. */
 #include "prepare/view_grid.h"
 
 #include "base/pool.h"
@@ -9,17 +9,18 @@
 
 #include <string.h>
 
-#define SAMPLE 1024 /* far lights at each point */
-#define NEAR 64.0f  /* lights within 8 r are near: what is lost beyond falls as 1 / d^4 */
-#define BATCH 64
+#define FAR_SAMPLES 1024 /* far lights sampled at each point, for the loss by clamping */
+#define NEAR_D2 64.0f    /* lights with d^2 < 64 r^2 are near; the loss of farther ones falls as 1 / d^4 */
+#define MIN_HARD 16      /* an unclamped light's d^2 is at least r^2 / 16, so d >= r / 4 */
+#define BATCH 64         /* shadow rays traced together */
 
 static const lc_material grey = { .kd = { 0.5f, 0.5f, 0.5f } };
 
-lc_status lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t side, uint32_t max_depth)
+lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t side, uint32_t max_depth)
 {
     const double lens[2] = { 0.5, 0.5 };
     const double width = scene->film.width, height = scene->film.height;
-    *view = (lc_vpl_view){ .scene = scene, .side = side };
+    *view = (lc_view_grid){ .scene = scene, .side = side };
     view->points = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->points);
     view->org = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->org);
     if (!view->points || !view->org) return LC_ERR_MEMORY;
@@ -37,44 +38,48 @@ lc_status lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t si
     return LC_OK;
 }
 
-void lc_vpl_view_free(lc_vpl_view *view)
+void lc_view_grid_free(lc_view_grid *view)
 {
     size_t n = (size_t)view->side * view->side;
     if (!n) return;
     lc_free(view->scene->ctx, view->points, n, sizeof *view->points);
     lc_free(view->scene->ctx, view->org, n, sizeof *view->org);
-    *view = (lc_vpl_view){ 0 };
+    *view = (lc_view_grid){ 0 };
 }
 
-static float luminance(const lc_shade_kernels *kernels, const lc_point *p, const lc_light *light, const lc_light_rec *rec, const float *atten,
-                       float min_d2)
+/* The light's unoccluded luminance at a point, with this attenuation (NULL: inverse square) and distance
+ * floor. */
+static float luminance(const lc_shade_kernels *kernels, const lc_point *p, const lc_light *light,
+                       const lc_light_rec *rec, const float *atten, float min_d2)
 {
     lc_point near = *p;
     near.min_d2 = min_d2;
-    return lc_luminance(lc_f3_mul(lc_estimate_one(kernels, &near, light->kind, rec, atten), light->intensity));
+    return lc_luminance(
+        lc_f3_mul(lc_estimate_one(kernels, &near, light->kind, rec, atten), light->intensity));
 }
 
-float lc_view_luminance(const lc_shade_kernels *kernels, const lc_point *p, const lc_light *light, const lc_light_rec *rec)
+float lc_unoccluded_luminance(const lc_shade_kernels *kernels, const lc_point *p, const lc_light *light,
+                              const lc_light_rec *rec)
 {
     return luminance(kernels, p, light, rec, NULL, LC_MIN_D2);
 }
 
-/* Rays go from the light, so that they have one origin. */
-double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t hash)
+/* Shadow rays are traced from the light to the points, so that all have the same origin. */
+double lc_view_grid_importance(const lc_view_grid *view, const lc_light *light, uint64_t hash)
 {
     const lc_bvh *bvh = view->scene->bvh;
     const lc_shade_kernels *kernels = view->scene->ctx->shade_kernels;
     const float org[3] = { light->pos.x, light->pos.y, light->pos.z };
-    float to[3][LC_WORTH_POINTS], f[LC_WORTH_POINTS];
+    float to[3][LC_IMPORTANCE_POINTS], f[LC_IMPORTANCE_POINTS];
     const float *const target[3] = { to[0], to[1], to[2] };
-    uint8_t hidden[LC_WORTH_POINTS];
+    uint8_t hidden[LC_IMPORTANCE_POINTS];
     uint32_t n = 0;
     double sum = 0;
     lc_light_rec rec;
     lc_light_rec_init(&rec, light);
-    for (uint32_t k = 0; k < LC_WORTH_POINTS && view->n; k++) {
-        /* Spread over the picture. */
-        uint32_t from = view->n * k / LC_WORTH_POINTS, end = view->n * (k + 1) / LC_WORTH_POINTS;
+    for (uint32_t k = 0; k < LC_IMPORTANCE_POINTS && view->n; k++) {
+        /* Stratify over the picture. */
+        uint32_t from = view->n * k / LC_IMPORTANCE_POINTS, end = view->n * (k + 1) / LC_IMPORTANCE_POINTS;
         uint32_t i = from + (uint32_t)(lc_hash2(hash, k) % (end > from ? end - from : 1));
         f[n] = luminance(kernels, &view->points[i], light, &rec, NULL, LC_MIN_D2);
         if (!(f[n] > 0)) continue;
@@ -83,23 +88,24 @@ double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t has
     }
     if (n) bvh->kernels->hidden(&bvh->data, org, n, target, false, hidden, NULL);
     for (uint32_t k = 0; k < n; k++) sum += hidden[k] ? 0 : (double)f[k];
-    return sum / LC_WORTH_POINTS;
+    return sum / LC_IMPORTANCE_POINTS;
 }
 
-/* ---- loss ---- */
+/* ---- loss by clamping ---- */
 
+/* soft, hard: each point's luminance with and without clamping. */
 typedef struct job {
-    const lc_vpl_view *view;
-    size_t first, n;
+    const lc_view_grid *view;
+    size_t first, n; /* virtual lights of the scene */
     uint64_t seed;
-    double soft[LC_VIEW_SIDE * LC_VIEW_SIDE], hard[LC_VIEW_SIDE * LC_VIEW_SIDE];
+    double soft[LC_VIEW_GRID_SIDE * LC_VIEW_GRID_SIDE], hard[LC_VIEW_GRID_SIDE * LC_VIEW_GRID_SIDE];
 } job;
 
-/* Lights at a point that wait for their shadow rays. */
+/* A batch of lights at one point whose shadow rays are traced together. */
 typedef struct group {
     job *j;
-    uint64_t item;
-    float each; /* of these lights stands for so many */
+    uint64_t item; /* the point */
+    float each;    /* number of lights that each of these stands for */
     uint32_t n;
     float target[3][BATCH], soft[BATCH], hard[BATCH];
 } group;
@@ -108,7 +114,7 @@ static void trace(group *g)
 {
     uint8_t hidden[BATCH];
     const float *const t[3] = { g->target[0], g->target[1], g->target[2] };
-    const lc_vpl_view *view = g->j->view;
+    const lc_view_grid *view = g->j->view;
     if (g->n)
         view->scene->bvh->kernels->hidden(&view->scene->bvh->data, view->org[g->item], g->n, t, false, hidden,
                                           NULL);
@@ -126,7 +132,7 @@ static void add(group *g, const lc_light *light)
     const lc_shade_kernels *kernels = g->j->view->scene->ctx->shade_kernels;
     lc_light_rec rec;
     lc_light_rec_init(&rec, light);
-    float hard = luminance(kernels, p, light, &rec, NULL, fmaxf(LC_MIN_D2, light->atten[0] / 16));
+    float hard = luminance(kernels, p, light, &rec, NULL, fmaxf(LC_MIN_D2, light->atten[0] / MIN_HARD));
     if (!(hard > 0)) return;
     g->hard[g->n] = hard;
     g->soft[g->n] = luminance(kernels, p, light, &rec, light->atten, LC_MIN_D2);
@@ -139,16 +145,16 @@ static void add(group *g, const lc_light *light)
 static bool is_near(const lc_point *p, const lc_light *light)
 {
     lc_f3 d = lc_f3_sub(light->pos, lc_f3_load(p->pos));
-    return lc_f3_dot(d, d) < NEAR * light->atten[0];
+    return lc_f3_dot(d, d) < NEAR_D2 * light->atten[0];
 }
 
-/* All lights that are near, and one of each of SAMPLE equal ranges of those that are not. */
+/* Adds all near lights, and one of each of FAR_SAMPLES equal ranges of the lights if it is not near. */
 static void try_point(void *user, uint32_t thread, uint64_t item)
 {
     job *j = user;
     const lc_point *p = &j->view->points[item];
     const lc_light *lights = j->view->scene->lights + j->first;
-    size_t n_sample = j->n < SAMPLE ? j->n : SAMPLE;
+    size_t n_sample = j->n < FAR_SAMPLES ? j->n : FAR_SAMPLES;
     group g = { .j = j, .item = item, .each = 1 };
     (void)thread;
     for (size_t i = 0; i < j->n; i++)
@@ -163,7 +169,7 @@ static void try_point(void *user, uint32_t thread, uint64_t item)
     trace(&g);
 }
 
-double lc_vpl_loss(const lc_vpl_view *view, size_t first, uint64_t seed)
+double lc_view_grid_clamping_loss(const lc_view_grid *view, size_t first, uint64_t seed)
 {
     job j = { .view = view, .first = first, .n = view->scene->n_lights - first, .seed = seed };
     double soft = 0, hard = 0;

@@ -1,35 +1,43 @@
-/* view_grid.h - what the camera sees, as far as the making of lights asks: a grid of points, taken as grey.
+/* view_grid.h - a grid of visible shading points for scoring generated lights.
+ *
+ *     side * side camera rays -> first rough surface of each -> lc_point with a grey diffuse material
+ *
+ * Lights made from environment maps and light paths are scored by what they contribute to these points,
+ * shadows included, so that fewer are spent on what the picture does not show.
  */
-#ifndef LC_VPL_VIEW_H
-#define LC_VPL_VIEW_H
+#ifndef LC_VIEW_GRID_H
+#define LC_VIEW_GRID_H
 
 #include "scene/scene.h"
 #include "shade/tree_data.h"
 
-#define LC_VIEW_SIDE LC_SIZE(16, 6) /* for virtual lights */
+#define LC_VIEW_GRID_SIDE LC_SIZE(16, 6) /* points a side, for virtual lights */
 
-typedef struct lc_vpl_view {
+typedef struct lc_view_grid {
     const lc_scene *scene;
-    uint32_t n, side; /* points, at most side * side */
-    lc_point *points;
-    float (*org)[3]; /* where their shadow rays start */
-} lc_vpl_view;
+    uint32_t n, side; /* points, at most side * side: rays that leave the scene give none */
+    lc_point *points; /* in the order of the picture's rows */
+    float (*org)[3];  /* n: origins of their shadow rays */
+} lc_view_grid;
 
-/* side * side camera rays over the whole film, whatever the crop. LC_ERR_MEMORY; free it also then. */
-lc_status lc_vpl_view_init(lc_vpl_view *view, const lc_scene *scene, uint32_t side, uint32_t max_depth);
-void lc_vpl_view_free(lc_vpl_view *view);
+/* Traces side * side camera rays over the whole film, whatever its crop. LC_ERR_MEMORY, after which it must
+ * be freed, too. */
+lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t side, uint32_t max_depth);
+void lc_view_grid_free(lc_view_grid *view);
 
-/* Luminance that a light of inverse square, or a directional one, gives to a point, shadows not counted. */
-float lc_view_luminance(const lc_shade_kernels *kernels, const lc_point *p, const lc_light *light, const lc_light_rec *rec);
+/* Luminance that an inverse-square or directional light contributes to a point, shadows ignored. */
+float lc_unoccluded_luminance(const lc_shade_kernels *kernels, const lc_point *p, const lc_light *light,
+                              const lc_light_rec *rec);
 
-/* Mean luminance that an inverse-square light gives to LC_WORTH_POINTS of the points, shadows counted; hash
- * picks which. */
-#define LC_WORTH_POINTS 16
-double lc_vpl_worth(const lc_vpl_view *view, const lc_light *light, uint64_t hash);
+/* The importance of an inverse-square light: the mean luminance that it contributes to LC_IMPORTANCE_POINTS
+ * of the points, shadows included. hash chooses the points. */
+#define LC_IMPORTANCE_POINTS 16
+double lc_view_grid_importance(const lc_view_grid *view, const lc_light *light, uint64_t hash);
 
-/* Share of the light of the scene's lights from `first` on that their attenuation r^2 + d^2 in place of d^2
- * takes away, shadows counted. An estimate by all lights near each point and a sample of the others; nearer
- * than r / 4 distances count as that, for single dots would outweigh all else. 0 where nothing is lit. */
-double lc_vpl_loss(const lc_vpl_view *view, size_t first, uint64_t seed);
+/* The fraction, 0..1, of the light contributed by the scene's virtual lights, from light `first` on, that
+ * clamping removes: their attenuation r^2 + d^2 in place of d^2 (vpl_radius.h), shadows included. An estimate
+ * by all lights near each point and a sample of the others. Distances below r / 4 count as r / 4, as a few
+ * points next to a light would otherwise outweigh all others. 0 if nothing is illuminated. */
+double lc_view_grid_clamping_loss(const lc_view_grid *view, size_t first, uint64_t seed);
 
 #endif

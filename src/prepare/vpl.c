@@ -45,7 +45,7 @@ typedef struct maker {
     uint32_t max_depth;
     double *sums; /* n_lights + 1: power of the lights before */
     double centre[3], radius; /* of a ball around all triangles */
-    const lc_vpl_view *view;
+    const lc_view_grid *view;
     double enough; /* worth of a light that is kept; 0: not known yet, or of no use */
     double *worth, *sorted; /* of slots; scratch */
     lc_light *slots; /* PATH_LIGHTS a path of the batch */
@@ -116,8 +116,11 @@ static void emit(path *p, const lc_light **from)
     const maker *m = p->m;
     const lc_light *light = *from = pick_light(p, draw(p));
     double power = power_of(m, light);
-    double factor = lc_light_kinds[light->kind].flux(light, m->radius) * (m->sums[m->scene->n_lights] / power);
-    lc_emit_from in = { .centre = { m->centre[0], m->centre[1], m->centre[2] }, .radius = m->radius, .spot_maps = m->scene->spot_maps };
+    double factor = lc_light_kinds[light->kind].flux(light, m->radius) *
+                    (m->sums[m->scene->n_lights] / power);
+    lc_emit_from in = { .centre = { m->centre[0], m->centre[1], m->centre[2] },
+                        .radius = m->radius,
+                        .spot_maps = m->scene->spot_maps };
     lc_emitted ray;
     for (int k = 0; k < 2; k++) in.u[k] = draw(p);
     lc_light_kinds[light->kind].emit(light, &in, &ray);
@@ -230,7 +233,8 @@ static void trace_item(void *user, uint32_t thread, uint64_t item)
         m->n_stored[i] = 0;
         trace(&p);
         for (uint64_t k = i * PATH_LIGHTS; k < i * PATH_LIGHTS + m->n_stored[i]; k++)
-            m->worth[k] = lc_vpl_worth(m->view, &m->slots[k], lc_hash4(m->seed, p.index, k % PATH_LIGHTS, 4));
+            m->worth[k] = lc_view_grid_importance(m->view, &m->slots[k],
+                                                  lc_hash4(m->seed, p.index, k % PATH_LIGHTS, 4));
     }
 }
 
@@ -311,13 +315,13 @@ static lc_status add_all(lc_scene *scene, maker *m)
     if (st) return st;
     scene->indirect.n_lights = scene->n_lights - before;
     scene->indirect.n_paths = m->n_paths;
-    scene->indirect.loss = lc_vpl_loss(m->view, before, m->seed);
+    scene->indirect.loss = lc_view_grid_clamping_loss(m->view, before, m->seed);
     return LC_OK;
 }
 
 lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed)
 {
-    lc_vpl_view view = { 0 };
+    lc_view_grid view = { 0 };
     maker m = { .scene = scene,
                 .view = &view,
                 .seed = lc_hash2(seed, 0x76706c),
@@ -332,7 +336,7 @@ lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, ui
     m.sorted = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
     m.made = lc_alloc_raw(ctx, n_room, sizeof *m.made);
     lc_status st = m.sums && m.slots && m.worth && m.sorted && m.made ? LC_OK : LC_ERR_MEMORY;
-    if (!st && prepare(&m) && !(st = lc_vpl_view_init(&view, scene, LC_VIEW_SIDE, max_depth))) {
+    if (!st && prepare(&m) && !(st = lc_view_grid_init(&view, scene, LC_VIEW_GRID_SIDE, max_depth))) {
         trace_all(&m);
         st = add_all(scene, &m);
     }
@@ -340,7 +344,7 @@ lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, ui
     lc_free(ctx, m.slots, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
     lc_free(ctx, m.worth, (size_t)BATCH * PATH_LIGHTS, sizeof *m.worth);
     lc_free(ctx, m.sorted, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
-    lc_vpl_view_free(&view);
+    lc_view_grid_free(&view);
     lc_free(ctx, m.made, n_room, sizeof *m.made);
     return st;
 }

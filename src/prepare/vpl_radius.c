@@ -1,16 +1,18 @@
-/* vpl_radius.c - a kd-tree in an array: the middle of each range is its node, what is left of it below, what
- * is right above. */
+/* vpl_radius.c - the nearest neighbours of all lights, by a kd-tree stored in one array.
+ *
+ *     range of the array:   [ lower child | node | upper child ]   the node is the median on its axis
+ */
 #include "prepare/vpl_radius.h"
 
 #include "base/arena.h"
 #include "base/pool.h"
 
-#define ITEM 256 /* lights a thread takes at a time */
-#define FEW 8    /* a range that is not divided */
+#define ITEM 256   /* lights that a thread takes at a time */
+#define MAX_LEAF 8 /* ranges of at most this many lights are not divided */
 
 typedef struct place {
     float pos[3];
-    uint32_t light : 30, axis : 2;
+    uint32_t light : 30, axis : 2; /* axis: on which the range is divided here */
 } place;
 
 typedef struct tree {
@@ -19,7 +21,7 @@ typedef struct tree {
     size_t n;
 } tree;
 
-/* The nearest so far, the farthest of them first. */
+/* A query: squared distances of the nearest lights found so far, the farthest first. */
 typedef struct nearest {
     float pos[3], d2[LC_VPL_NEIGHBOURS];
     uint32_t self;
@@ -35,7 +37,8 @@ static int longest_axis(const place *p, size_t n)
     return d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
 }
 
-/* Puts what belongs there at p[want], none greater before it, none less behind. */
+/* Partially sorts p[0 .. n) on an axis: p[want] gets its sorted position, with none greater before and none
+ * less after it (Hoare's quickselect). */
 static void select_nth(place *p, size_t n, size_t want, int axis)
 {
     size_t lo = 0, hi = n - 1;
@@ -55,10 +58,10 @@ static void select_nth(place *p, size_t n, size_t want, int axis)
     }
 }
 
-/* Goes as deep as n has bits. */
+/* Orders p[0 .. n) as a kd-tree. The recursion is as deep as n has bits. */
 static void build(place *p, size_t n)
 {
-    while (n > FEW) {
+    while (n > MAX_LEAF) {
         size_t middle = n / 2;
         int axis = longest_axis(p, n);
         select_nth(p, n, middle, axis);
@@ -71,6 +74,7 @@ static void build(place *p, size_t n)
 
 /* ---- search ---- */
 
+/* Inserts a light into the query's list if it is near enough. */
 static void meet(nearest *q, const place *p)
 {
     float x = p->pos[0] - q->pos[0], y = p->pos[1] - q->pos[1], z = p->pos[2] - q->pos[2],
@@ -83,7 +87,7 @@ static void meet(nearest *q, const place *p)
 
 static void search(nearest *q, const place *p, size_t n)
 {
-    while (n > FEW) {
+    while (n > MAX_LEAF) {
         size_t middle = n / 2;
         float away = q->pos[p[middle].axis] - p[middle].pos[p[middle].axis];
         const place *above = p + middle + 1;
@@ -110,7 +114,7 @@ static void search_item(void *user, uint32_t thread, uint64_t item)
         lc_f3_store(q.pos, l->pos);
         for (int k = 0; k < LC_VPL_NEIGHBOURS; k++) q.d2[k] = INFINITY;
         search(&q, t->places, t->n);
-        float a = q.d2[0] < INFINITY ? q.d2[0] / LC_VPL_NEIGHBOURS : 0; /* among so few none is softened */
+        float a = q.d2[0] < INFINITY ? q.d2[0] / LC_VPL_NEIGHBOURS : 0; /* too few neighbours: not clamped */
         l->atten[0] = a < LC_MIN_D2 ? 0 : a < LC_MAX_SOFTENING ? a : LC_MAX_SOFTENING;
     }
 }

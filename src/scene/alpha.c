@@ -1,5 +1,5 @@
-/* alpha.c - see alpha.h. Textures are looked up at the point, not filtered: neither kernel knows how far a
- * ray has come. */
+/* alpha.c - evaluates alpha at a hit. Textures are not filtered, as the kernels do not know the length of the
+ * path before the ray. */
 #include "scene/alpha.h"
 
 #include "base/rng.h"

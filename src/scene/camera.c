@@ -1,9 +1,12 @@
-/* camera.c - inverts the world-to-camera matrix once; most rays are then three multiply-adds in double. */
+/* camera.c - the world-to-camera matrix is inverted once; most rays then take three multiply-adds in
+ * double. */
 #include "scene/camera.h"
 
 #include "scene/env_map.h"
 
-/* Inverse of an affine row-major 4x4 (last row 0 0 0 1 after division); false when singular. */
+#define MAX_LENGTH 1e12 /* limits lens radius and focal distance, as LC_MAX_COORD does coordinates */
+
+/* Inverts an affine row-major 4x4 matrix, whose last row must be 0 0 0 w; false when it is singular. */
 static bool invert_affine(const double m[16], double inv[16])
 {
     double w = m[15], a[9], det;
@@ -32,12 +35,12 @@ static bool in_range(const lc_camera_desc *d)
 {
     if (d->kind == LC_CAMERA_PERSPECTIVE && !(d->fov_degrees > 0 && d->fov_degrees < 180)) return false;
     if (!(d->screen[0] < d->screen[1] && d->screen[2] < d->screen[3])) return false;
-    return d->lens_radius >= 0 && d->lens_radius <= 1e12 &&
-           (!(d->lens_radius > 0) || (d->focal_distance > 0 && d->focal_distance <= 1e12));
+    return d->lens_radius >= 0 && d->lens_radius <= MAX_LENGTH &&
+           (!(d->lens_radius > 0) || (d->focal_distance > 0 && d->focal_distance <= MAX_LENGTH));
 }
 
-/* Half the screen's height at distance 1; not by the C library's tangent, whose bits may depend on the CPU.
- */
+/* tan(fov / 2): half the height of the screen window at distance 1. Not by the C library's tangent, whose
+ * bits may depend on the CPU. */
 static double screen_scale(const lc_camera_desc *d)
 {
     double sine, cosine;
@@ -85,7 +88,8 @@ void lc_camera_set_distance(lc_camera *cam, double distance)
     if (cam->kind == LC_CAMERA_ORTHOGRAPHIC && distance > 0) cam->pixel /= distance;
 }
 
-/* Shirley's map of the square to the disc, in rings. */
+/* Maps the unit square to the unit disc, squares to circles around the centre (Shirley and Chiu 1997,
+ * "A low distortion map between disk and square"). */
 static void disc_of(const double u[2], double xy[2])
 {
     double a = 2 * u[0] - 1, b = 2 * u[1] - 1, sine, cosine, r = fabs(a) > fabs(b) ? a : b;
@@ -98,7 +102,8 @@ static void disc_of(const double u[2], double xy[2])
     xy[1] = r * sine;
 }
 
-/* Camera space is that of environment maps with y for z. */
+/* The direction of film point (px, py) of a spherical camera. Camera space is an environment map's space with
+ * y and z exchanged. */
 static void spherical(const lc_camera *cam, double px, double py, double d[3])
 {
     double w[3], s = fmin(fmax(px / cam->width, 0), 1), t = fmin(fmax(py / cam->height, 0), 1);
@@ -116,7 +121,8 @@ static void spherical(const lc_camera *cam, double px, double py, double d[3])
                cam->to_world[i * 4 + 2] * w[1];
 }
 
-/* Moves a ray's start to a point of the lens and aims it where the one through the centre is in focus. */
+/* Moves the ray's origin to a point of the lens and aims it at the point where the ray through the lens
+ * centre meets the plane in focus. */
 static void through_lens(const lc_camera *cam, const double lens[2], double o[3], double d[3])
 {
     double xy[2];

@@ -1,10 +1,11 @@
-/* camera.h - pbrt's cameras and conventions: looks along +z of camera space, y up, x right (left-handed).
+/* camera.h - pbrt's cameras and conventions: the camera looks along +z of camera space, y is up, x points
+ * right (left-handed).
  *
  *     perspective    fov spans the shorter side of the screen window
  *     orthographic   the screen window is in scene units
  *     spherical      the whole sphere, +y up, by latitude and longitude or on pbrt-v4's equal-area square
  *
- * The first two may have a thin lens, which is sharp at focal_distance along the axis.
+ * The first two may have a thin lens, which focuses on the plane at focal_distance along the axis.
  */
 #ifndef LC_CAMERA_H
 #define LC_CAMERA_H
@@ -21,34 +22,35 @@ typedef enum lc_camera_kind {
 typedef struct lc_camera_desc {
     lc_camera_kind kind;
     double world_to_camera[16]; /* row-major, p_camera = M p_world; invertible, affine */
-    double fov_degrees;         /* 0 < fov < 180; of the perspective camera */
-    double screen[4]; /* xmin, xmax, ymin, ymax of the screen window, pbrt's defaults already applied */
-    double lens_radius;         /* units of camera space, 0: a pinhole */
-    double focal_distance;      /* along the axis, > 0 */
+    double fov_degrees;         /* perspective only; 0 < fov < 180 */
+    double screen[4];           /* xmin, xmax, ymin, ymax of the screen window, pbrt's defaults applied */
+    double lens_radius;         /* camera-space units; 0: a pinhole */
+    double focal_distance;      /* camera-space units along the axis, > 0 */
 } lc_camera_desc;
 
 typedef struct lc_camera {
     lc_camera_kind kind;
-    uint32_t width, height;
-    double to_world[16];          /* row-major, of camera space */
-    double origin[3];
-    double dir0[3], dx[3], dy[3]; /* through film point (x, y) in pixels: dir0 + x dx + y dy in the world, a
-                                   * direction, or the place where an orthographic camera's ray starts */
-    double axis[3];               /* unit, the viewing direction */
-    double ahead[3];              /* one unit of camera space along the axis */
-    double lens[2][3],
-        focal; /* lens radius along x and y; units of camera space to what is in focus, 0: a pinhole */
-    double pixel;                 /* side of a pixel at distance 1 along the axis */
+    uint32_t width, height;       /* pixels of the whole film */
+    double to_world[16];          /* camera space to world space, row-major */
+    double origin[3];             /* world space */
+    double dir0[3], dx[3], dy[3]; /* film point (x, y), in pixels, maps to dir0 + x dx + y dy in world space:
+                                   * the ray's direction, or for an orthographic camera its origin */
+    double axis[3];               /* unit viewing direction, world space */
+    double ahead[3];              /* one unit of camera space along the axis, in world space */
+    double lens[2][3];            /* lens radius along camera x and y, in world space */
+    double focal;                 /* camera-space units to the plane in focus; 0: a pinhole */
+    double pixel;                 /* side of a pixel's footprint at distance 1, world units */
     float world_to_camera[16];
 } lc_camera;
 
-/* width, height: of the whole film. Returns false when the matrix is singular or the numbers are out of
+/* width, height: pixels of the whole film. Returns false when the matrix is singular or a number is out of
  * range. */
 bool lc_camera_init(lc_camera *cam, const lc_camera_desc *desc, uint32_t width, uint32_t height);
-/* Orthographic: pixels have one size, and textures are filtered as if everything were this far away. */
+/* An orthographic camera's pixels have the same footprint at every distance, which `pixel` cannot express:
+ * textures are filtered as if every surface were at this distance. Does nothing to other cameras. */
 void lc_camera_set_distance(lc_camera *cam, double distance);
-/* Ray through film point (px, py), pixels, and the point of the lens that 0 <= lens[] <= 1 stand for: 0.5,
- * 0.5 its centre. *dir has unit length. */
+/* The ray through film point (px, py), in pixels, and the lens point of the square sample 0 <= lens[] <= 1,
+ * of which (0.5, 0.5) is the lens centre. *origin and the unit *dir are in world space. */
 void lc_camera_ray(const lc_camera *cam, double px, double py, const double lens[2], lc_f3 *origin,
                    lc_f3 *dir);
 

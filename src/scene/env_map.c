@@ -1,4 +1,4 @@
-/* env_map.c - see env_map.h. */
+/* env_map.c - directions to map points and back, in double. */
 #include "scene/env_map.h"
 
 #include "base/fmath.h"
@@ -11,7 +11,7 @@ void lc_env_texel(const lc_env *env, uint32_t x, uint32_t y, double rgb[3])
     rgb[2] = fmax(rgb[2] * (double)env->scale.z, 0);
 }
 
-/* z of a latitude-longitude map's line between rows. */
+/* z of the directions at height y of a latitude-longitude map. */
 static double line_z(const lc_env *env, double y)
 {
     double sine, cosine;
@@ -86,7 +86,7 @@ lc_f3 lc_env_radiance(const lc_env *env, lc_f3 dir)
     double w[3], s, t, rgb[3], edge = 0.5 / lc_env_height(env);
     lc_xform_vector(&env->to_light, v, w);
     lc_env_place(env, w, &s, &t);
-    t = fmin(fmax(t, edge), 1 - edge); /* at the poles rows don't go over into each other */
+    t = fmin(fmax(t, edge), 1 - edge); /* no interpolation across the poles */
     lc_mipmap_lookup(&env->map, s, t, 1, env->mapping == LC_ENV_LATLONG ? LC_WRAP_REPEAT : LC_WRAP_CLAMP,
                      LC_FILTER_BILINEAR, rgb);
     return lc_f3_make((float)fmax(rgb[0] * (double)env->scale.x, 0),

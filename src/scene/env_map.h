@@ -1,11 +1,11 @@
-/* env_map.h - light from infinitely far away, by direction: a picture wrapped about the scene.
+/* env_map.h - environment maps: radiance from infinitely far away as a function of direction.
  *
  *     latitude-longitude   row: angle from +z, 0 at the top; column: angle from +x to +y
- *     equal area           square, octahedral [Clarberg08]: +z in the middle, -z in the corners; pbrt-v4's
+ *     equal area           pbrt-v4's square, octahedral [Clarberg08]: +z in the middle, -z in the corners
  *
- * A place on the map is (x, y) in texels. Inside a row y runs evenly with solid angle, so that a texel's
- * radiance times its solid angle times the share of a rectangle is that rectangle's irradiance, exactly.
- * Directions are of the light's space.
+ * Points on the map are (x, y) in texels. Within a row solid angle is proportional to y, so the irradiance of
+ * a rectangle inside a texel is exactly the texel's radiance times its solid angle times the fraction of its
+ * area. Directions are in the light's space unless "world" is said.
  */
 #ifndef LC_ENV_MAP_H
 #define LC_ENV_MAP_H
@@ -19,24 +19,24 @@ typedef enum lc_env_mapping { LC_ENV_LATLONG, LC_ENV_EQUAL_AREA } lc_env_mapping
 typedef struct lc_env {
     lc_env_mapping mapping;
     lc_mipmap map;
-    lc_f3 scale;                 /* radiance = scale * texel; below 0 counts as 0 */
-    lc_xform to_world, to_light; /* of directions */
+    lc_f3 scale;                 /* radiance = scale * texel, W/(m^2 sr); negative values count as 0 */
+    lc_xform to_world, to_light; /* of directions: light space to world space, and its inverse */
 } lc_env;
 
 static inline uint32_t lc_env_width(const lc_env *e) { return e->map.levels[0].width; }
 static inline uint32_t lc_env_height(const lc_env *e) { return e->map.levels[0].height; }
 
-/* Radiance of a texel. */
+/* Radiance of a texel, >= 0. */
 void lc_env_texel(const lc_env *env, uint32_t x, uint32_t y, double rgb[3]);
-/* Solid angle of a texel of this row; all rows and columns together have 4 pi. */
+/* Solid angle of one texel of row y, sr; all texels sum to 4 pi. */
 double lc_env_solid_angle(const lc_env *env, uint32_t y);
-/* Unit. 0 <= x <= width, 0 <= y <= height. */
+/* The unit direction of map point (x, y), 0 <= x <= width, 0 <= y <= height. */
 void lc_env_direction(const lc_env *env, double x, double y, double w[3]);
-/* Unit direction of a place on the equal-area square, 0 <= s, t <= 1. */
+/* The unit direction of the point (s, t) of the equal-area square, 0 <= s, t <= 1. */
 void lc_equal_area_direction(double s, double t, double w[3]);
-/* Where (s, t), both 0..1, a direction of any length lies on the map. */
+/* The point (s, t) of the map, both 0..1, for a direction w of any length; (0.5, 0.5) if w is 0. */
 void lc_env_place(const lc_env *env, const double w[3], double *s, double *t);
-/* Radiance that arrives from direction dir of the world, bilinear between texels. */
+/* Radiance arriving from world direction dir, interpolated bilinearly between texels. */
 lc_f3 lc_env_radiance(const lc_env *env, lc_f3 dir);
 
 #endif

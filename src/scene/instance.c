@@ -1,28 +1,30 @@
-/* instance.c - see instance.h.
+/* instance.c - the BVH over instances, whose boxes are padded for rounding.
  *
- * Boxes. A world ray is rounded once into the object's space: u = 2^-24 of the origin's coordinates, and u t
- * of the direction's. With O_j no less than any |origin_j| there, hit points and so t direction_j are within
- * 2 O_j, and the kernels' own roundings, of sheared vertices, within 4 u times what they subtract: all of it
- * below 16 u O_j. In the world that is 16 u sum_j |M_kj| O_j along axis k. Boxes are padded by it, so that no
- * hit lies outside for any ray from inside the scene. S = twice the largest coordinate of anything in the
- * scene stands for where rays start, O_j = sum_i |M^-1_ji| S + |o_j|.
+ * Padding. M maps the object to the world, M^-1 back, with translation o. A world ray is rounded once when it
+ * enters object space: with u = 2^-24, by u of the origin's coordinates and u t of the direction's. Let O_j
+ * be at least any |origin_j| in object space. Hit points, and so t direction_j, are within 2 O_j; the kernels
+ * round sheared vertices by at most 4 u times what they subtract. All of this is below 16 u O_j, or in the
+ * world 16 u sum_j |M_kj| O_j along axis k. Boxes are padded by that, so a hit of a ray that starts inside
+ * the scene never lies outside its box. Ray origins are bounded by S, twice the largest coordinate in the
+ * scene, hence O_j = sum_i |M^-1_ji| S + |o_j|.
  */
 #include "scene/instance.h"
 
 #include "scene/alpha.h"
 
-#define PAD 0x1p-20
-#define MAX_CONDITION 1e3
-#define MAX_SCALE 1e6
+#define PAD 0x1p-20       /* 16 u, derived above */
+#define MAX_CONDITION 1e3 /* a condition number that leaves a float's 24 bits 14 */
+#define MAX_SCALE 1e6     /* of lengths, either way: object space stays far from a float's limits */
 
 struct lc_level {
     lc_placed data;
-    lc_bvh *boxes, **bvhs; /* of objects */
-    lc_bvh_data *objects;
+    lc_bvh *boxes;        /* over the instances' boxes */
+    lc_bvh **bvhs;        /* n_objects: one per object */
+    lc_bvh_data *objects; /* n_objects: what the kernels read of them */
     size_t n_objects;
 };
 
-/* Largest sum of a row of the 3x3. */
+/* The infinity norm of the 3x3 part: the largest sum of absolute values in a row. */
 static double norm(const lc_xform *a)
 {
     double most = 0;
@@ -43,7 +45,7 @@ bool lc_instance_fits(const lc_xform *x)
 
 /* ---- boxes ---- */
 
-/* Corners of a box in the world. */
+/* Extends *box by the world positions of the corners of a box in object space. */
 static void add_corners(const lc_instance *at, const float lo[3], const float hi[3], lc_box *box)
 {
     for (int i = 0; i < 8; i++) {
@@ -54,8 +56,8 @@ static void add_corners(const lc_instance *at, const float lo[3], const float hi
     }
 }
 
-/* Around the boxes of the root's children, tighter than around the object's. Few rotated objects fill their
- * box. */
+/* The world box of an instance, taken around the boxes of the root's children: that is tighter than taking it
+ * around the object's box, which a rotated object rarely fills. */
 static lc_box box_of(const lc_instance *at, const lc_bvh_data *object)
 {
     lc_box box = lc_box_empty();
@@ -69,7 +71,7 @@ static lc_box box_of(const lc_instance *at, const lc_bvh_data *object)
     return box;
 }
 
-/* Twice the largest coordinate in the scene. */
+/* Twice the largest coordinate of triangles, camera and lights: S above. */
 static double reach(const lc_scene *s)
 {
     double most = fmax((double)lc_f3_max_abs(s->bounds.lo), (double)lc_f3_max_abs(s->bounds.hi));
@@ -80,7 +82,7 @@ static double reach(const lc_scene *s)
     return 2 * most;
 }
 
-/* Pads a box to pos: lo, hi. */
+/* Writes the padded box to pos[0 .. 2] (lo) and pos[3 .. 5] (hi). s is S above. */
 static void pad_box(const lc_instance *at, const lc_box *box, double s, float *pos)
 {
     double o[3], lo[3] = { (double)box->lo.x, (double)box->lo.y, (double)box->lo.z };
@@ -97,7 +99,7 @@ static void pad_box(const lc_instance *at, const lc_box *box, double s, float *p
     }
 }
 
-/* A BVH over the boxes, each as a triangle with its corners. */
+/* Builds a BVH over the instances' boxes, each passed as a degenerate triangle of its two corners. */
 static lc_status build_boxes(lc_scene *s, lc_level *level)
 {
     const size_t n = s->n_instances;
@@ -122,7 +124,7 @@ static lc_status build_boxes(lc_scene *s, lc_level *level)
     return st;
 }
 
-/* ---- all of it ---- */
+/* ---- build and destroy ---- */
 
 lc_status lc_instances_build(lc_scene *s)
 {

@@ -1,9 +1,9 @@
-/* instance.h - objects that stand in the world more than once and share their triangles.
+/* instance.h - object instancing: many placements of an object share its triangles and one BVH.
  *
- *     top:     the world's BVH over its own triangles, then one over the boxes of instances
- *     objects: a BVH each, in the object's space; rays are transformed
+ *     world ray -> BVH over the world's own triangles
+ *               -> BVH over the instances' boxes -> ray in object space -> the object's BVH
  *
- * A ray keeps its t: point = origin + t direction holds in both spaces.
+ * The parameter t does not change under the transform: point = origin + t direction holds in both spaces.
  */
 #ifndef LC_INSTANCE_H
 #define LC_INSTANCE_H
@@ -11,16 +11,18 @@
 #include "scene/scene.h"
 #include "trace/bvh.h"
 
-/* May an object be placed by this? An affine map with an inverse that floats can do with: of condition at
- * most 10^3, growing or shrinking lengths by at most 10^6. Of others a copy of the triangles has to be made.
- */
+/* True if an object can be instanced by this map: affine, with a condition number of at most MAX_CONDITION,
+ * scaling lengths by at most MAX_SCALE either way (instance.c). Under any other map the triangles must be
+ * copied. */
 bool lc_instance_fits(const lc_xform *to_world);
 
-/* Objects' BVHs and that of the instances, for scene->bvh, which is built; adds the instances to the scene's
- * bounds. */
+/* Builds the BVH of each object and the BVH over the instances, hangs them on scene->bvh, which must be
+ * built, and extends scene->bounds by the instances. LC_ERR_MEMORY. */
 lc_status lc_instances_build(lc_scene *scene);
 void lc_instances_free(lc_scene *scene);
-size_t lc_instances_bytes(const lc_scene *scene); /* BVHs and instances */
-uint64_t lc_instanced_tris(const lc_scene *scene); /* as copies there would be as many triangles */
+/* Bytes of the BVHs and of the instances. */
+size_t lc_instances_bytes(const lc_scene *scene);
+/* The number of triangles that the instances would have as copies. */
+uint64_t lc_instanced_tris(const lc_scene *scene);
 
 #endif

@@ -1,6 +1,9 @@
-/* material_eval.c - see material_eval.h. A mix of materials is their mean where both are diffuse, else one of
- * the two, chosen by a hash of the position, as in pbrt-v4. Coordinates and what a pixel sees are worked out
- * in double from the triangle's floats. */
+/* material_eval.c - texture coordinates and their derivatives, material mixes, bump and normal maps.
+ *
+ * A mix of two diffuse materials is their weighted mean. Any other mix is one of the two, chosen by a hash of
+ * the position as in pbrt-v4. Texture coordinates and pixel footprints are computed in double from the
+ * triangle's floats.
+ */
 #include "scene/material_eval.h"
 
 #include "base/rng.h"
@@ -8,7 +11,10 @@
 #include <float.h>
 #include <string.h>
 
-#define MIN_COS 0.015625 /* seen at a flatter angle, a pixel's area grows no more */
+#define MIN_COS 0.015625 /* limits the footprint at grazing angles: at most 64 times the area seen head-on */
+/* Bump maps: the step in u or v for finite differences where the footprint gives none; pbrt's value. */
+#define DEFAULT_BUMP_STEP 0.0005
+#define MIN_BUMP_STEP 1e-9 /* differences over less than this are lost in rounding */
 
 typedef struct {
     double x, y, z;
@@ -24,8 +30,8 @@ static d3 cross(d3 a, d3 b)
 }
 static double dot(d3 a, d3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/* Length of the gradient, in the triangle's plane, of what grows by d1 along e1 and by d2 along e2; n = e1 x
- * e2. */
+/* The length of the gradient, in the triangle's plane, of a linear function that changes by d1 along edge e1
+ * and by d2 along edge e2. n = e1 x e2. */
 static double gradient(d3 e1, d3 e2, d3 n, double d1, double d2)
 {
     d3 a = cross(e2, n), b = cross(n, e1);
@@ -36,7 +42,7 @@ static double gradient(d3 e1, d3 e2, d3 n, double d1, double d2)
 
 static const float *uv_of(const lc_scene *scene, const lc_mesh *mesh, uint32_t tri, size_t k)
 {
-    static const float corners[3][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 } }; /* pbrt's, of triangles without uv */
+    static const float corners[3][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 } }; /* pbrt's default */
     return mesh->has_uv ? scene->uv + 2 * (size_t)scene->index[3 * (size_t)tri + k] : corners[k];
 }
 
@@ -74,14 +80,14 @@ static lc_tex_point point_of(const lc_scene *scene, const lc_mesh *mesh, const f
     d3 e1 = sub(v[1], v[0]), e2 = sub(v[2], v[0]), n = cross(e1, e2);
     p.grad_u = gradient(e1, e2, n, (double)t[1][0] - t[0][0], (double)t[2][0] - t[0][0]);
     p.grad_v = gradient(e1, e2, n, (double)t[1][1] - t[0][1], (double)t[2][1] - t[0][1]);
-    /* the side of a square as large as the pixel's area on the surface */
+    /* The side of a square with the area of the pixel's footprint on the surface. */
     double len = sqrt(dot(n, n)),
            cosine = len > 0 ? fabs(dot(n, (d3){ (double)dir.x, (double)dir.y, (double)dir.z })) / len : 1;
     p.width = (double)hit->t * pixel / sqrt(fmax(cosine, MIN_COS));
     return p;
 }
 
-/* dp/du and dp/dv; false where uv don't give them. */
+/* dp/du and dp/dv; false if the uv are degenerate on this triangle. */
 static bool derivatives(const lc_scene *scene, const lc_mesh *mesh, const float *const v[3],
                         const lc_hit *hit, d3 *du, d3 *dv)
 {
@@ -96,8 +102,8 @@ static bool derivatives(const lc_scene *scene, const lc_mesh *mesh, const float 
     return true;
 }
 
-/* dp/du of p = p0 + s e1 + t e2, uv linear in s and t, times the determinant, whose sign no lobe cares for.
- */
+/* dp/du for p = p0 + s e1 + t e2 with uv linear in s and t, times the determinant. Its sign may thus be
+ * wrong, which changes no lobe. */
 lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const float *const v[3],
                           const lc_hit *hit)
 {
@@ -142,7 +148,7 @@ static void set_alpha(const lc_scene *scene, const lc_material_maps *maps, int a
                   (double)LC_MAX_ROUGHNESS);
 }
 
-/* k of metals without eta that reflect the texture's value along the normal. */
+/* The absorption k of a conductor with eta = 1 that reflects the texture's value at normal incidence. */
 static void set_metal(const lc_scene *scene, uint32_t id, const lc_tex_point *p, lc_f3 *out)
 {
     double v[3], eta[3] = { 1, 1, 1 }, k[3];
@@ -151,7 +157,7 @@ static void set_metal(const lc_scene *scene, uint32_t id, const lc_tex_point *p,
     *out = lc_f3_make((float)k[0], (float)k[1], (float)k[2]);
 }
 
-/* A material that is no mix. */
+/* Evaluates the textures of a material that is no mix. */
 static void evaluate(const lc_scene *scene, uint32_t id, const lc_tex_point *p, lc_material *m)
 {
     const lc_material_maps *maps = &scene->maps[id];
@@ -173,8 +179,9 @@ static lc_f3 blend(lc_f3 a, lc_f3 b, lc_f3 share)
     return lc_f3_add(lc_f3_mul(a, rest), lc_f3_mul(b, share));
 }
 
-/* One of the two, chosen with its mean share as probability; *tint makes up for shares that differ between
- * channels. */
+/* Chooses one of the two materials of a mix; share is the mixing weight of the second, and its mean over the
+ * channels is the probability. *tint is multiplied by weight / probability where the weights of the channels
+ * differ. */
 static uint32_t choose(const lc_material_maps *maps, lc_f3 share, uint64_t *hash, lc_f3 *tint)
 {
     float mean = (share.x + share.y + share.z) * (1.0f / 3);
@@ -186,7 +193,7 @@ static uint32_t choose(const lc_material_maps *maps, lc_f3 share, uint64_t *hash
     return maps->mix[second];
 }
 
-/* Numbers that differ from point to point and depend on nothing else. */
+/* A hash of the position and the material alone. */
 static uint64_t hash_of(const lc_tex_point *p, uint32_t material_id)
 {
     uint64_t bits[3];
@@ -194,7 +201,7 @@ static uint64_t hash_of(const lc_tex_point *p, uint32_t material_id)
     return lc_hash4(material_id, bits[0], bits[1], bits[2]);
 }
 
-/* Height at a point moved by h along u or v. */
+/* The bump map's height at the point moved by h along u (axis 0) or v (axis 1); d = dp/du or dp/dv. */
 static double height(const lc_scene *scene, uint32_t id, const lc_tex_point *p, int axis, double h, d3 d)
 {
     lc_tex_point q = *p;
@@ -207,14 +214,14 @@ static double height(const lc_scene *scene, uint32_t id, const lc_tex_point *p, 
     return v[0];
 }
 
-/* The normal of p + height n, by differences over about a pixel, as in pbrt; what n changes along the surface
- * is left out. */
+/* The normal of the displaced surface p + height n, by finite differences over about a pixel as in pbrt. The
+ * change of n along the surface is neglected. */
 static lc_f3 bumped(const lc_scene *scene, uint32_t id, const lc_tex_point *p, d3 du, d3 dv, lc_f3 normal)
 {
     const d3 n = { (double)normal.x, (double)normal.y, (double)normal.z };
     double hu = p->width * p->grad_u, hv = p->width * p->grad_v;
-    if (!(hu > 1e-9)) hu = 0.0005;
-    if (!(hv > 1e-9)) hv = 0.0005;
+    if (!(hu > MIN_BUMP_STEP)) hu = DEFAULT_BUMP_STEP;
+    if (!(hv > MIN_BUMP_STEP)) hv = DEFAULT_BUMP_STEP;
     double base = height(scene, id, p, 0, 0, du);
     double a = (height(scene, id, p, 0, hu, du) - base) / hu,
            b = (height(scene, id, p, 1, hv, dv) - base) / hv;
@@ -227,6 +234,7 @@ static lc_f3 bumped(const lc_scene *scene, uint32_t id, const lc_tex_point *p, d
     return lc_f3_normalize_d(side * m.x, side * m.y, side * m.z);
 }
 
+/* The normal that a normal map gives, in the frame (dp/du made orthogonal to n, n x that, n). */
 static lc_f3 mapped(const lc_scene *scene, uint32_t id, const lc_tex_point *p, d3 du, lc_f3 normal)
 {
     const d3 n = { (double)normal.x, (double)normal.y, (double)normal.z };
@@ -243,6 +251,7 @@ static lc_f3 mapped(const lc_scene *scene, uint32_t id, const lc_tex_point *p, d
     return dot(m, m) > 0 ? lc_f3_normalize_d(m.x, m.y, m.z) : normal;
 }
 
+/* Tilts *n by the material's normal map, else by its bump map. */
 static void tilt(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3], const lc_hit *hit,
                  uint32_t id, const lc_tex_point *p, lc_f3 *n)
 {

@@ -1,29 +1,34 @@
-/* material_eval.h - what a hit takes from texture coordinates: material and tangent. corner: of the triangle,
- * world space. */
-#ifndef LC_TEXTURED_H
-#define LC_TEXTURED_H
+/* material_eval.h - what depends on texture coordinates at a hit: the material, its tangent and the emission.
+ *
+ *     hit, uv of the triangle -> lc_tex_point -> textures -> lc_material, tilted shading normal
+ *
+ * corner: the triangle's vertices in world space. dir: the ray's unit direction. pixel: side of the pixel's
+ * footprint at distance 1, over which textures are filtered.
+ */
+#ifndef LC_MATERIAL_EVAL_H
+#define LC_MATERIAL_EVAL_H
 
 #include "scene/scene.h"
 #include "trace/bvh.h"
 
-/* The unit direction of growing u along the triangle, or 0 where the mesh has no uv or they don't give one.
- */
+/* dp/du, normalized; 0 if the mesh has no uv or they are degenerate on this triangle. */
 lc_f3 lc_textured_tangent(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
                           const lc_hit *hit);
 
-/* Position and uv, those of no area, at (u, v) of a triangle with these corners. */
+/* The texture point at barycentric coordinates (u, v), with a footprint of no extent: position, uv and
+ * normal. */
 lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
                                uint32_t tri, float u, float v);
 
-/* The material at the hit; *n, the shading normal on the mesh's own side, is tilted by bump and normal maps.
- * dir: of the ray, unit; pixel: see surface.h. */
+/* The material at the hit. *n is the shading normal on the mesh's outer side; bump and normal maps tilt
+ * it. */
 void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
                           const lc_hit *hit, lc_f3 dir, double pixel, lc_material *m, lc_f3 *n);
 
-/* Picture of the emission there. */
+/* The value of the mesh's emission map at the hit, which multiplies the mesh's emission. */
 lc_f3 lc_textured_emission(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
                            const lc_hit *hit, lc_f3 dir, double pixel);
-/* Texture coordinates of a vertex, 0..2, of a triangle. */
+/* The texture coordinates of vertex 0, 1 or 2 of a triangle. */
 void lc_textured_uv(const lc_scene *scene, const lc_mesh *mesh, uint32_t tri, size_t vertex, double uv[2]);
 
 #endif

@@ -1,4 +1,4 @@
-/* noise.c - see noise.h. */
+/* noise.c - gradient noise with the permutation of [Perlin02] and pbrt's gradients. */
 #include "scene/noise.h"
 
 #include "base/fmath.h"
@@ -6,6 +6,9 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
+
+#define LACUNARITY 1.99    /* frequency ratio of successive octaves, pbrt's; at 2 all would share zeros */
+#define MEAN_ABS_NOISE 0.2 /* mean of |noise|, as in pbrt */
 
 /* The permutation of [Perlin02]. */
 static const uint8_t perm[256] = {
@@ -24,8 +27,8 @@ static const uint8_t perm[256] = {
     222, 114, 67,  29,  24,  72,  243, 141, 128, 195, 78,  66,  215, 61,  156, 180
 };
 
-/* One of twelve gradients towards the edges of a cube, times the offset from the corner. pbrt's choice of
- * them, which is not that of the paper for h of 12 to 15. */
+/* The dot product of the lattice point's gradient, one of twelve towards the edges of a cube, with the offset
+ * from it. The choice of gradient is pbrt's, which differs from the paper's for h = 12 .. 15. */
 static double corner(int64_t x, int64_t y, int64_t z, double dx, double dy, double dz)
 {
     uint8_t a = (uint8_t)(perm[x & 255] + y), b = (uint8_t)(perm[a] + z);
@@ -59,7 +62,7 @@ static double smooth_step(double lo, double hi, double v)
     return t * t * (3 - 2 * t);
 }
 
-/* Octaves that a pixel of this width can tell: one has passed when its waves are two pixels long. */
+/* The number of octaves that a pixel of this width resolves: the finest has a wavelength of two pixels. */
 static double octaves_seen(double width, int octaves)
 {
     if (!(width > 0x1p-60)) return octaves;
@@ -70,7 +73,7 @@ static double octaves_seen(double width, int octaves)
 double lc_fbm(const double p[3], double width, double omega, int octaves)
 {
     double n = octaves_seen(width, octaves), sum = 0, freq = 1, height = 1, whole = floor(n);
-    for (int i = 0; i < (int)whole; i++, freq *= 1.99, height *= omega)
+    for (int i = 0; i < (int)whole; i++, freq *= LACUNARITY, height *= omega)
         sum += height * lc_noise(freq * p[0], freq * p[1], freq * p[2]);
     if (n > whole)
         sum += height * smooth_step(0.3, 0.7, n - whole) * lc_noise(freq * p[0], freq * p[1], freq * p[2]);
@@ -81,11 +84,12 @@ double lc_turbulence(const double p[3], double width, double omega, int octaves)
 {
     double n = octaves_seen(width, octaves), sum = 0, freq = 1, height = 1, whole = floor(n);
     int i = 0;
-    for (; i < (int)whole; i++, freq *= 1.99, height *= omega)
+    for (; i < (int)whole; i++, freq *= LACUNARITY, height *= omega)
         sum += height * fabs(lc_noise(freq * p[0], freq * p[1], freq * p[2]));
-    for (; i < octaves; i++, freq *= 1.99, height *= omega) {
-        double seen = i == (int)whole ? smooth_step(0.3, 0.7, n - whole) : 0, value = 0.2;
-        if (seen > 0) value = mix(seen, 0.2, fabs(lc_noise(freq * p[0], freq * p[1], freq * p[2])));
+    for (; i < octaves; i++, freq *= LACUNARITY, height *= omega) {
+        double seen = i == (int)whole ? smooth_step(0.3, 0.7, n - whole) : 0, value = MEAN_ABS_NOISE;
+        if (seen > 0)
+            value = mix(seen, MEAN_ABS_NOISE, fabs(lc_noise(freq * p[0], freq * p[1], freq * p[2])));
         sum += height * value;
     }
     return sum;

@@ -1,15 +1,16 @@
-/* noise.h - Perlin's gradient noise [Perlin02] and sums of it, in double, of + - * / alone. */
+/* noise.h - Perlin's gradient noise [Perlin02] and fractal sums of it, in double, with + - * / only. */
 #ifndef LC_NOISE_H
 #define LC_NOISE_H
 
-/* About -1 .. 1, 0 at whole coordinates and beyond 2^31. */
+/* Noise of about -1 .. 1; 0 at integer coordinates and where a coordinate is beyond 2^31. */
 double lc_noise(double x, double y, double z);
 
-/* Sum of octaves, each twice (1.99 times) as fine and `omega` times as high as the one before. Those finer
- * than `width`, of what a pixel sees, fade out. At most LC_MAX_OCTAVES. */
+/* Fractal Brownian motion: a sum of at most LC_MAX_OCTAVES octaves, each with 1.99 times the frequency and
+ * `omega` times the amplitude of the one before, as in pbrt. Octaves finer than the pixel footprint `width`
+ * fade out. */
 #define LC_MAX_OCTAVES 32
 double lc_fbm(const double p[3], double width, double omega, int octaves);
-/* The same of absolute values; octaves that fade give their mean, 0.2. */
+/* The same sum of absolute values. Octaves that fade out are replaced by their mean, about 0.2. */
 double lc_turbulence(const double p[3], double width, double omega, int octaves);
 
 #endif

@@ -1,4 +1,4 @@
-/* pixel_filter.c - filters as tables of their integral over cells; see pixel_filter.h. */
+/* pixel_filter.c - the filters' values, tabulated as cumulative distributions and sampled by inversion. */
 #include "scene/pixel_filter.h"
 
 #include "base/fmath.h"
@@ -6,7 +6,10 @@
 
 #include <math.h>
 
-/* [Mitchell88] eq. 8 over -2 .. 2. */
+#define MAX_SHAPE 1e3 /* limits |shape|; pbrt's defaults are at most 3 */
+#define MAX_SUM 1e6   /* limits the sum of |f| over the cells of an axis */
+
+/* [Mitchell88] eq. 8, nonzero for -2 < x < 2. */
 static double mitchell(double x, double b, double c)
 {
     x = fabs(x);
@@ -25,6 +28,7 @@ static double sinc(double x)
     return fabs(x) < 1e-5 ? 1 : s / (LC_PI * x);
 }
 
+/* f(x) along one axis, not normalized. */
 static double value(const lc_pixel_filter_desc *d, double radius, double x)
 {
     switch (d->kind) {
@@ -48,7 +52,7 @@ static bool init_axis(lc_pixel_filter_axis *a, const lc_pixel_filter_desc *d, do
         a->negative[i] = f < 0;
         sum += fabs(f);
     }
-    if (!(sum > 0 && sum < 1e6)) return false;
+    if (!(sum > 0 && sum < MAX_SUM)) return false;
     for (int i = 0; i < LC_PIXEL_FILTER_CELLS; i++) a->cdf[i] /= sum;
     a->cdf[LC_PIXEL_FILTER_CELLS] = 1;
     return true;
@@ -58,7 +62,7 @@ bool lc_pixel_filter_init(lc_pixel_filter *f, const lc_pixel_filter_desc *d)
 {
     for (int k = 0; k < 2; k++) {
         if (!(d->radius[k] >= LC_MIN_RADIUS && d->radius[k] <= LC_MAX_RADIUS)) return false;
-        if (!(fabs(d->shape[k]) <= 1e3)) return false;
+        if (!(fabs(d->shape[k]) <= MAX_SHAPE)) return false;
     }
     if (d->kind == LC_PIXEL_GAUSSIAN && !(d->shape[0] > 0)) return false;
     if (d->kind == LC_PIXEL_SINC && !(d->shape[0] >= LC_MIN_RADIUS)) return false;

@@ -1,14 +1,15 @@
-/* scene.c - the builder: checks and copies. */
+/* scene.c - the scene builder: checks what it is given and copies it. */
 #include "scene/scene.h"
 
 #include "shade/light_kind.h"
 #include "shade/lobe.h"
 
-
 #include <stdio.h>
 #include <string.h>
 
-#define MAX_COUNT 0x3fffffffu /* triangles, vertices, lights: ids fit in 31 bits with room for flags */
+#define MAX_COUNT 0x3fffffffu /* limits triangles, vertices, lights: ids of 30 bits leave two for flags */
+#define MAX_COLOUR 1e6f       /* limits colours and indices of refraction of a material */
+#define UNIT_TOLERANCE 1e-4f  /* of the length of a unit direction; rounding gives about 1e-7 */
 
 #define GROW(scene, field, cap, need)                                                                        \
     lc_grow((scene)->ctx, (void **)&(scene)->field, &(scene)->cap, need, sizeof *(scene)->field)
@@ -35,8 +36,8 @@ static bool is_colour(lc_f3 a, float max) { return in_range(a, max) && a.x >= 0 
 
 lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
 {
-    if (!is_colour(m->kd, 1e6f) || !is_colour(m->ks, 1e6f) || !is_colour(m->kt, 1e6f) ||
-        !is_colour(m->eta, 1e6f) || !is_colour(m->k, 1e6f) ||
+    if (!is_colour(m->kd, MAX_COLOUR) || !is_colour(m->ks, MAX_COLOUR) || !is_colour(m->kt, MAX_COLOUR) ||
+        !is_colour(m->eta, MAX_COLOUR) || !is_colour(m->k, MAX_COLOUR) ||
         !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
         return LC_ERR_ARG;
     if (!lc_lobes[m->lobe].check(m)) return LC_ERR_ARG;
@@ -53,8 +54,8 @@ lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
     return LC_OK;
 }
 
-/* What follows from the rest of *maps and from the materials it mixes. */
-static void set_kind(const lc_scene *s, uint32_t id, lc_material_maps *maps)
+/* Sets the fields of *maps that follow from its other fields and from the materials it mixes. */
+static void set_derived(const lc_scene *s, uint32_t id, lc_material_maps *maps)
 {
     const float *rough = s->materials[id].roughness;
     maps->textured = maps->mix[0] != LC_NONE || maps->kd != LC_NONE || maps->ks != LC_NONE ||
@@ -74,7 +75,7 @@ void lc_scene_map_material(lc_scene *s, uint32_t id, const lc_material_maps *map
 {
     LC_ASSERT(id < s->n_materials);
     s->maps[id] = *maps;
-    set_kind(s, id, &s->maps[id]);
+    set_derived(s, id, &s->maps[id]);
 }
 
 bool lc_scene_is_textured(const lc_scene *s, uint32_t material_id) { return s->maps[material_id].textured; }
@@ -116,7 +117,7 @@ static lc_status grow_mesh(lc_scene *s, const lc_mesh_desc *m)
     return st;
 }
 
-/* uv that are not finite count as 0. */
+/* Copies texture coordinates; those that are not finite become 0. */
 static void copy_uv(lc_scene *s, const lc_mesh_desc *m)
 {
     float *to = s->uv + s->n_verts * 2;
@@ -207,7 +208,7 @@ lc_status lc_scene_add_instance(lc_scene *s, lc_pos where, uint32_t object, cons
     return LC_OK;
 }
 
-/* Room for the light after the last. */
+/* Makes room for one more light and sets *out to its place. */
 static lc_status next_light(lc_scene *s, lc_light **out)
 {
     if (s->n_lights >= s->cap_lights && s->cap_lights < LC_LIGHT_CHUNK) {
@@ -231,7 +232,7 @@ static lc_status next_light(lc_scene *s, lc_light **out)
 lc_status lc_scene_join_lights(lc_scene *s)
 {
     if (!s->n_light_chunks) return LC_OK;
-    /* Not touched yet: no memory before the copies. */
+    /* Untouched pages take no memory until the copies below write them. */
     lc_light *all = lc_alloc_raw(s->ctx, s->n_lights, sizeof *all);
     if (!all) return LC_ERR_MEMORY;
     memcpy(all, s->lights, s->cap_lights * sizeof *all);
@@ -256,7 +257,7 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light position is not finite or beyond %g units",
                           (double)LC_MAX_COORD);
     float len = lc_f3_len(light->dir), sum = 0;
-    if ((lc_is_far(light->kind) || lc_is_aimed(light->kind)) && !(fabsf(len - 1) < 1e-4f))
+    if ((lc_is_far(light->kind) || lc_is_aimed(light->kind)) && !(fabsf(len - 1) < UNIT_TOLERANCE))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light direction is zero or not finite");
     const lc_light_kind_info *kind = &lc_light_kinds[light->kind];
     const char *wrong = kind->check ? kind->check(light, s->n_spot_maps) : NULL;
@@ -277,7 +278,7 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
     lc_f3 i = light->intensity;
     i = lc_f3_make(i.x < LC_MIN_INTENSITY ? 0 : i.x, i.y < LC_MIN_INTENSITY ? 0 : i.y,
                    i.z < LC_MIN_INTENSITY ? 0 : i.z);
-    if (!(lc_f3_max(i) > 0)) return LC_OK; /* sheds nothing */
+    if (!(lc_f3_max(i) > 0)) return LC_OK; /* contributes nothing */
     lc_light *to;
     lc_status st = next_light(s, &to);
     if (st) return st;
@@ -341,7 +342,7 @@ lc_status lc_scene_set_camera(lc_scene *s, lc_pos where, const lc_camera_desc *c
 
 lc_status lc_scene_set_film(lc_scene *s, lc_pos where, const lc_film_desc *f)
 {
-    if (!f->width || !f->height || f->width > 65535 || f->height > 65535 ||
+    if (!f->width || !f->height || f->width > LC_MAX_SIDE || f->height > LC_MAX_SIDE ||
         (uint64_t)f->width * f->height > LC_MAX_PIXELS)
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where,
                           "film of %u x %u pixels: each side must be 1 to 65535, the product at most %u",

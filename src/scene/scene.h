@@ -1,9 +1,18 @@
-/* scene.h - the scene builder that the parser calls, and the committed scene that rendering reads.
+/* scene.h - the scene builder that parsers call, and the committed scene that rendering reads.
  *
- *     create -> add_material, add_mesh, add_light, set_camera, set_film, note ... -> commit
+ * The room scene/ holds what a scene is made of and what a ray meets in it: in go meshes, materials,
+ * textures, lights, environment maps, a camera and a film; out come surface points with evaluated materials
+ * (surface.h, sight.h) and camera rays (camera.h).
  *
- * Everything given to the builder is copied, and checked here: finite numbers, indices in range, counts that
- * fit. All positions are in world space.
+ *     lc_scene_create -> add_material, add_mesh, add_light, set_camera ... -> prepare/commit.h -> rendering
+ *
+ *     lc_scene: triangles -> meshes -> materials -> textures      objects <- instances
+ *               lights, environment maps, suns                    camera, film
+ *               by commit: BVH, occluders, visibility, light tree
+ *
+ * The builder copies all it is given and checks it: finite numbers, indices in range, counts that fit.
+ * Positions are in world space except those of objects. Statuses: LC_ERR_PARSE at `where` for bad values,
+ * LC_ERR_UNSUPPORTED for too many, LC_ERR_MEMORY.
  */
 #ifndef LC_SCENE_H
 #define LC_SCENE_H
@@ -12,8 +21,7 @@
 #include "base/stats.h"
 #include "scene/camera.h"
 #include "scene/env_map.h"
-#include "scene/pixel_filter.h"
-#include "scene/texture.h"
+#include "scene/scene_desc.h"
 #include "shade/light_spot.h"
 #include "shade/material.h"
 #include "trace/bvh_data.h"
@@ -21,61 +29,27 @@
 
 typedef struct lc_bvh lc_bvh;
 typedef struct lc_light_tree lc_light_tree;
-typedef struct lc_level lc_level; /* instance.c */
+typedef struct lc_level lc_level; /* the BVHs of objects and instances: instance.c */
 
-/* Shares of rays that a surface stops, 0..1: camera rays alpha, shadow rays the product. */
-typedef struct lc_mesh_alpha {
-    lc_tex_input alpha, shadow;
-} lc_mesh_alpha;
+#define LC_LIGHT_CHUNK ((size_t)1 << 20) /* lights: 52 MB, large enough that free returns it to the system */
 
-typedef struct lc_mesh_desc {
-    uint32_t n_verts, n_tris;
-    const float *pos;      /* n_verts * 3 */
-    const float
-        *uv; /* n_verts * 2, or NULL: (0,0) (1,0) (1,1) on each triangle. Kept where lc_scene_wants_uv. */
-    const float *normal;   /* n_verts * 3, any length, or NULL; zero vectors: use the face's */
-    const uint32_t *index; /* n_tris * 3 */
-    uint32_t material_id;
-    bool flip; /* geometric normal is the negative of cross(p1-p0, p2-p0): ReverseOrientation xor a
-                  mirrored transform. Where there are normals they decide the side instead. */
-    lc_f3 emission;        /* radiance W/(m^2 sr), 0 = none */
-    bool two_sided;        /* of the emission */
-    const lc_mesh_alpha *alpha; /* NULL: opaque. uv are kept where it is given */
-    uint32_t emission_map; /* of lc_scene_add_emission_map, its picture by uv, v upwards; 0: none */
-} lc_mesh_desc;
-
-typedef struct lc_film_desc {
-    uint32_t width, height; /* 1..65535 each, product at most LC_MAX_PIXELS */
-    uint32_t crop[4];       /* x0, x1, y0, y1, half open, within the film */
-    const char *filename;   /* or NULL */
-    float scale;            /* multiplies every pixel: exposure of the scene file, > 0 */
-    uint32_t spp;           /* >= 1 */
-    lc_pixel_filter_desc filter;
-    float white[9];         /* of every pixel's R G B before scale, rows; all 0: as it is */
-} lc_film_desc;
-
-#define LC_MAX_PIXELS (1u << 28)
-#define LC_MAX_SPP 65536u
-#define LC_PBRT_DEPTH 5   /* pbrt's maxdepth where a scene names none */
-#define LC_DEFAULT_INDIRECT 20000u /* virtual lights */
-#define LC_MAX_DEPTH 1000 /* more is cut down to this */
-#define LC_LIGHT_CHUNK ((size_t)1 << 20) /* lights: 52 MB, which the C library gives back when freed */
-
-/* Per mesh, the cold part. */
+/* What the scene keeps of a mesh beside its vertices and triangles. */
 typedef struct lc_mesh {
     uint32_t first_tri, n_tris;
     uint32_t first_vert;
     uint32_t material_id;
-    bool has_normals, has_uv, textured, brushed, flip, two_sided; /* brushed: roughness has a direction */
+    bool has_normals, has_uv, textured;
+    bool brushed; /* the material's roughness is anisotropic, so hits need a tangent */
+    bool flip, two_sided;
     lc_f3 emission;
-    uint32_t alpha; /* LC_NONE: opaque */
-    uint32_t emission_map; /* 1 + index; 0: none */
+    uint32_t alpha;        /* index into lc_scene.alphas; LC_NONE: opaque */
+    uint32_t emission_map; /* 1 + index into lc_scene.emission_maps; 0: none */
 } lc_mesh;
 
-/* Meshes in a space of their own: those of these triangles. */
+/* An object for instancing: consecutive triangles in a space of their own. */
 typedef struct lc_object {
     uint32_t first_tri, n_tris;
-    lc_box box;
+    lc_box box; /* object space */
 } lc_object;
 
 typedef struct lc_scene_note {
@@ -83,24 +57,24 @@ typedef struct lc_scene_note {
     uint64_t count;
 } lc_scene_note;
 
-/* Virtual lights. */
+/* Virtual lights: how many were made, along how many paths. */
 typedef struct lc_indirect {
     uint64_t n_lights, n_paths;
-    double loss; /* share of their light that softening takes away, see view_grid.h */
+    double loss; /* fraction of their light removed by clamping, see view_grid.h */
 } lc_indirect;
 
 struct lc_scene {
     lc_context *ctx;
     lc_arena arena;
 
-    /* n_verts * 3 and n_tris * 3 floats and indices; normal is NULL unless some mesh has normals (zeros
-       elsewhere), and so is uv, n_verts * 2 */
-    float *pos, *normal, *uv;
-    uint32_t *index;    /* into pos, absolute */
-    uint32_t *tri_mesh; /* mesh of each triangle */
+    /* Vertices and triangles. normal and uv are NULL unless some mesh has them; they are 0 for meshes
+     * without. */
+    float *pos, *normal, *uv; /* n_verts * 3, n_verts * 3, n_verts * 2 */
+    uint32_t *index;          /* n_tris * 3: vertices of the whole scene */
+    uint32_t *tri_mesh;       /* n_tris: the mesh of each triangle */
     size_t n_verts, n_tris, cap_pos, cap_normal, cap_uv, cap_index, cap_tri_mesh;
 
-    /* Triangles of the world come first, then those of objects, which lc_instance places. */
+    /* The world's triangles come first, then those of the objects, which instances place in the world. */
     lc_object *objects;
     lc_instance *instances;
     size_t n_objects, cap_objects, n_instances, cap_instances;
@@ -109,91 +83,94 @@ struct lc_scene {
     size_t n_alphas, cap_alphas;
 
     lc_mesh *meshes;
-    lc_material *materials; /* of a textured one: means */
+    lc_material *materials; /* for a textured material: the means of its textures */
     lc_material_maps *maps; /* n_materials */
     lc_textures textures;
     lc_env *envs;
     size_t n_envs, cap_envs;
-    const struct lc_sun *suns; /* a list in the arena: discs that are seen, see sun.h */
+    const struct lc_sun *suns; /* a list in the arena: discs shown to camera rays, see sun.h */
     lc_spot_map *spot_maps;
     size_t n_spot_maps, cap_spot_maps;
     lc_mipmap *emission_maps;
     size_t n_emission_maps, cap_emission_maps;
-    /* Those of the file first, then those made from emissive triangles, then from envs. Lights beyond
-     * cap_lights lie in chunks of LC_LIGHT_CHUNK until commit joins all: an array that doubles would need
-     * three times the memory for a while. */
+    /* Lights of the file, then those made from emissive triangles, from environment maps, from light paths.
+     * Until commit joins them, lights beyond cap_lights are in chunks of LC_LIGHT_CHUNK: an array that
+     * doubles would need three times the memory while it is copied. */
     lc_light *lights, **light_chunks;
     size_t n_meshes, cap_meshes, n_materials, cap_materials, cap_maps, n_lights, cap_lights, n_light_chunks,
         cap_light_chunks;
 
     lc_scene_note *notes;
-    lc_feature *features; /* text in the arena */
+    lc_feature *features; /* their text is in the arena */
     size_t n_notes, cap_notes, n_features, cap_features;
     uint64_t n_noted;     /* sum of the notes' counts */
-    const char *noted;    /* text of the last */
+    const char *noted;    /* text of the latest note */
 
     lc_camera_desc camera_desc;
     lc_film_desc film;
     bool has_camera;
-    bool traces_paths;  /* its integrator does: indirect light by default */
-    uint32_t max_depth; /* of paths, 1..LC_MAX_DEPTH: how many mirrors in a row show something is one less */
+    bool traces_paths;  /* the file's integrator traces paths: indirect light is on by default */
+    uint32_t max_depth; /* of paths, 1..LC_MAX_DEPTH; a camera ray may pass max_depth - 1 mirrors */
 
-    /* set by commit */
-    lc_box bounds;       /* of the triangles */
+    /* Set by commit. */
+    lc_box bounds;       /* world space, of the world's triangles; extended by the instances */
     lc_camera camera;
     lc_pixel_filter filter;
-    float min_d2;        /* squared distance below which 1/d^2 stays flat, see layout.h */
+    float min_d2;        /* distance floor: 1/d^2 is evaluated with d^2 >= min_d2, see shade/point.h */
     uint64_t n_emissive_tris, n_env_lights, n_env_tried;
-    bool follows_smooth; /* lobes below LC_SMOOTH_ROUGHNESS are followed as mirrors */
+    bool follows_smooth; /* lobes narrower than LC_SMOOTH_ROUGHNESS are followed as mirrors */
     lc_indirect indirect;
     lc_bvh *bvh;
     lc_occluders *occluders;
     lc_visibility visibility; /* by the BVH */
-    lc_level *level;      /* instances; NULL: none */
+    lc_level *level;      /* BVHs of instances; NULL: none */
     lc_alpha alpha;
-    uint32_t *alpha_bits; /* alpha_words of them, or NULL: all is opaque */
+    uint32_t *alpha_bits; /* alpha_words: a bit per triangle, set if it may have holes; NULL: all opaque */
     size_t alpha_words;
     lc_light_tree *tree;
     double seconds_parse, seconds_bvh, seconds_lights, seconds_tree;
 
-    uint64_t input_id; /* of the bytes of all files */
-    lc_load_desc load; /* complete; what lights and trees are made with */
+    uint64_t input_id; /* hash of the bytes of all files read */
+    lc_load_desc load; /* the options of loading, defaults filled in */
 };
 
 lc_status lc_scene_create(lc_context *ctx, lc_scene **out);
+/* LC_ERR_ARG if a number is out of the range that shade/material.h gives. */
 lc_status lc_scene_add_material(lc_scene *scene, const lc_material *material, uint32_t *id);
-/* Textures of scene->textures, or the materials it mixes, for a material that was added; before the meshes
- * and mixes that use it. */
+/* Sets the textures of an added material, or the materials it mixes. Must precede meshes and mixes that use
+ * it. */
 void lc_scene_map_material(lc_scene *scene, uint32_t id, const lc_material_maps *maps);
-/* Of the material: whether meshes keep their uv for textures, or for the direction of anisotropic roughness
- * too. */
+/* True if the material, or one it mixes, has textures. */
 bool lc_scene_is_textured(const lc_scene *scene, uint32_t material_id);
+/* True if meshes of the material keep their uv, for textures or for the tangent of anisotropic roughness. */
 bool lc_scene_wants_uv(const lc_scene *scene, uint32_t material_id);
 lc_status lc_scene_add_mesh(lc_scene *scene, lc_pos where, const lc_mesh_desc *mesh);
-/* Meshes from now on are a new object's, in its space; the world's come before all objects'. An object's
- * don't emit. */
+/* Starts a new object, to which all further meshes belong, in its own space. They must not emit, and all
+ * meshes of the world must have been added. */
 lc_status lc_scene_begin_object(lc_scene *scene);
-/* Places an object, all of whose meshes are there; to_world is such that lc_instance_fits. */
+/* Places an object whose meshes have all been added. to_world must satisfy lc_instance_fits. */
 lc_status lc_scene_add_instance(lc_scene *scene, lc_pos where, uint32_t object, const lc_xform *to_world);
 lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
-/* The map becomes the scene's; on failure it stays the caller's. */
+/* The scene takes ownership of the map, on success only. */
 lc_status lc_scene_add_env(lc_scene *scene, lc_pos where, const lc_env *env);
-/* The texels become the scene's; on failure they stay the caller's. *id is for lc_spot.map. */
-/* The map becomes the scene's; on failure it stays the caller's. *id is for lc_mesh_desc.emission_map. */
+/* The scene takes ownership of the map, on success only. *id is for lc_mesh_desc.emission_map. */
 lc_status lc_scene_add_emission_map(lc_scene *scene, const lc_mipmap *map, uint32_t *id);
-void lc_spot_map_free(const lc_context *ctx, lc_spot_map *map);
+/* The scene takes ownership of the texels, on success only. *id is for lc_spot.map. */
 lc_status lc_scene_add_spot_map(lc_scene *scene, const lc_spot_map *map, uint32_t *id);
-/* Radiance of environments from this direction; lc_background adds suns. */
+void lc_spot_map_free(const lc_context *ctx, lc_spot_map *map);
+/* Radiance of the environment maps from world direction dir; lc_background in sun.h adds the suns. */
 lc_f3 lc_scene_background(const lc_scene *scene, lc_f3 dir);
 lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);
 lc_status lc_scene_set_film(lc_scene *scene, lc_pos where, const lc_film_desc *film);
-/* Something was approximated or skipped. The first of a kind is logged as a warning, all are counted. */
+/* Records that something was approximated or skipped. The first of each kind is logged as a warning, all are
+ * counted. */
 lc_status lc_scene_note_at(lc_scene *scene, lc_pos where, const char *kind, const char *fmt, ...)
     LC_PRINTF(4, 5);
-/* The file uses this. Of one that is less than supported the first text stays; it is copied, or NULL. */
+/* Counts one use of a feature of the file format. Its support is the worst counted; the first text at that
+ * level is kept, copied. text may be NULL. */
 lc_status lc_scene_count_feature(lc_scene *scene, const char *kind, const char *name, lc_support support,
                                  const char *text);
-/* Makes scene->lights hold all n_lights; commit does it. */
+/* Moves all lights into scene->lights; called by commit. */
 lc_status lc_scene_join_lights(lc_scene *scene);
 
 #endif

@@ -1,4 +1,4 @@
-/* scene_destroy.c - the end of a scene and all that hangs on it. */
+/* scene_destroy.c - frees a scene and everything it owns. */
 #include "scene/scene.h"
 
 #include "scene/instance.h"

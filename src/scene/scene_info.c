@@ -1,4 +1,4 @@
-/* scene_info.c - what a scene is made of, as lightcuts.h gives it. */
+/* scene_info.c - the public queries about a scene: counts, timings, notes, features. */
 #include "lightcuts.h"
 
 #include "scene/instance.h"
@@ -8,14 +8,17 @@
 
 uint32_t lc_light_kind_count(void) { return LC_LIGHT_KINDS; }
 
-const char *lc_light_kind_name(uint32_t kind) { return kind < LC_LIGHT_KINDS ? lc_light_kinds[kind].name : "unknown"; }
+const char *lc_light_kind_name(uint32_t kind)
+{
+    return kind < LC_LIGHT_KINDS ? lc_light_kinds[kind].name : "unknown";
+}
 
 _Static_assert((int)LC_LIGHT_KINDS <= LC_MAX_LIGHT_KINDS, "lc_scene_info counts them");
 
 void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
 {
     static const lc_light_tree none;
-    const lc_light_tree *t = s->tree ? s->tree : &none; /* parsed only */
+    const lc_light_tree *t = s->tree ? s->tree : &none; /* no tree while only parsed */
     *info = (lc_scene_info){
         .n_triangles = s->n_tris,
         .n_vertices = s->n_verts,

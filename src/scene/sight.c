@@ -1,16 +1,16 @@
-/* sight.c - see sight.h. */
+/* sight.c - follows a camera ray through mirrors and glass, the ray of largest weight first. */
 #include "scene/sight.h"
 
 #include "scene/sun.h"
 #include "shade/fresnel.h"
 
-#define MIN_WEIGHT 1e-12f /* of all channels: what comes after can't be seen */
+#define MIN_WEIGHT 1e-12f /* a chain of mirrors ends when no channel's weight exceeds this */
 
-/* On its way. */
+/* A ray that is still to be traced. */
 typedef struct ray {
     lc_f3 org, dir, weight;
-    float way;      /* length behind it */
-    uint32_t depth; /* mirrors and glass surfaces behind it */
+    float length;   /* of the path from the camera to org */
+    uint32_t depth; /* mirrors and glass surfaces on that path */
 } ray;
 
 typedef struct trace {
@@ -30,8 +30,9 @@ lc_f3 lc_mirror_leave(const lc_surface *s, lc_f3 dir)
     return lc_f3_normalize(r);
 }
 
-/* All orders of reflection between the two sides of a sheet. */
-static float of_sheet(float f) { return 2 * f / (1 + f); }
+/* Reflectance of a thin sheet whose surfaces reflect f: the sum over all inner reflections, f + (1 - f)^2 f /
+ * (1 - f^2). */
+static float sheet_reflectance(float f) { return 2 * f / (1 + f); }
 
 static lc_f3 refract(const lc_surface *s, lc_f3 dir, float cos_i, float eta)
 {
@@ -46,24 +47,24 @@ void lc_glass_split(const lc_surface *s, lc_f3 dir, lc_split *split)
     const lc_material *m = &s->material;
     float cos_i = fminf(fmaxf(-lc_f3_dot(dir, s->n), 0), 1), eta = s->front ? m->eta.x : 1 / m->eta.x;
     float f = lc_fresnel_dielectric(cos_i, m->thin ? m->eta.x : eta);
-    if (m->thin) f = of_sheet(f);
+    if (m->thin) f = sheet_reflectance(f);
     split->reflected = lc_f3_scale(m->ks, f);
     split->through = lc_f3_scale(m->kt, 1 - f);
     split->out = m->thin ? dir : refract(s, dir, cos_i, eta);
     split->radiance = m->thin ? 1 : 1 / (eta * eta);
 }
 
-static void send(trace *t, const ray *from, lc_f3 org, lc_f3 dir, lc_f3 weight, float way)
+static void send(trace *t, const ray *from, lc_f3 org, lc_f3 dir, lc_f3 weight, float length)
 {
-    t->rays[t->n_rays++] = (ray){ org, dir, weight, way, from->depth + 1 };
+    t->rays[t->n_rays++] = (ray){ org, dir, weight, length, from->depth + 1 };
 }
 
-static void meet_mirror(trace *t, const ray *r, const lc_surface *s, float least)
+static void meet_mirror(trace *t, const ray *r, const lc_surface *s, float min_weight)
 {
     float cos_i = -lc_f3_dot(r->dir, s->n);
-    bool inside = s->material.mirror && !s->front; /* a coat is on both sides */
+    bool inside = s->material.mirror && !s->front; /* a coat covers both sides */
     lc_f3 weight = lc_f3_mul(r->weight, lc_reflectance(&s->material, cos_i, inside));
-    if (r->depth < t->max_depth && lc_f3_max(weight) > least)
+    if (r->depth < t->max_depth && lc_f3_max(weight) > min_weight)
         send(t, r, lc_f3_load(s->ray_org), lc_mirror_leave(s, r->dir), weight, s->t);
 }
 
@@ -75,7 +76,7 @@ static void meet_glass(trace *t, const ray *r, const lc_surface *s)
     lc_f3 back = lc_f3_mul(r->weight, split.reflected);
     lc_f3 on = lc_f3_scale(lc_f3_mul(r->weight, split.through), split.radiance);
     if (r->depth == t->max_depth) return;
-    bool is_back = lc_f3_max(back) > LC_LEAST_SHARE, is_on = lc_f3_max(on) > LC_LEAST_SHARE;
+    bool is_back = lc_f3_max(back) > LC_MIN_PATH_WEIGHT, is_on = lc_f3_max(on) > LC_MIN_PATH_WEIGHT;
     if (is_back && is_on && t->n_splits == LC_MAX_SPLITS) {
         is_on = lc_luminance(on) > lc_luminance(back);
         is_back = !is_on;
@@ -86,7 +87,7 @@ static void meet_glass(trace *t, const ray *r, const lc_surface *s)
     if (is_on) send(t, r, lc_f3_load(behind), split.out, on, s->t);
 }
 
-/* The other side of a surface that lets light through. */
+/* Turns an entry into the one for the other side of a surface with diffuse transmission. */
 static void turn_over(lc_lit *lit)
 {
     lc_surface *s = &lit->surface;
@@ -97,7 +98,7 @@ static void turn_over(lc_lit *lit)
     s->material = (lc_material){ .kd = s->material.kt };
 }
 
-/* A lobe so narrow that it is followed as a mirror; what is below it is lit all the same. */
+/* True if the lobe is so narrow that it is followed as a mirror. The diffuse part is illuminated as usual. */
 static bool is_smooth(const lc_scene *scene, const lc_material *m)
 {
     bool narrow = scene->follows_smooth && fmaxf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS;
@@ -114,7 +115,7 @@ static void meet(trace *t, const ray *r, const lc_surface *s)
         meet_mirror(t, r, s, MIN_WEIGHT);
     } else if (r->depth < t->max_depth) {
         bool smooth = is_smooth(t->scene, &s->material);
-        if (smooth) meet_mirror(t, r, s, LC_LEAST_SHARE);
+        if (smooth) meet_mirror(t, r, s, LC_MIN_PATH_WEIGHT);
         if (smooth && !(lc_f3_max(s->material.kd) > 0)) return;
         t->n_rough++;
         out->lit[out->n_lit++] = (lc_lit){ *s, lc_f3_neg(r->dir), r->weight, r->depth };
@@ -125,7 +126,7 @@ static void meet(trace *t, const ray *r, const lc_surface *s)
     }
 }
 
-/* Of equally strong rays the one that was sent first. */
+/* Removes and returns the ray of largest weight; among equals the oldest. */
 static ray take_strongest(trace *t)
 {
     uint32_t best = 0;
@@ -155,7 +156,7 @@ bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, u
         lc_surface s;
         r = take_strongest(&t);
         out->n_rays++;
-        if (lc_surface_hit_after(scene, r.org, r.dir, r.way, pixel, &s)) meet(&t, &r, &s);
+        if (lc_surface_hit_after(scene, r.org, r.dir, r.length, pixel, &s)) meet(&t, &r, &s);
         else out->emission = lc_f3_add(out->emission, lc_f3_mul(r.weight, lc_background(scene, r.dir)));
     }
     return true;

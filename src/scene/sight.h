@@ -1,60 +1,59 @@
-/* sight.h - what a camera ray shows: the first surface, or by way of mirrors and glass the first surfaces
- * that are neither.
+/* sight.h - what a camera ray shows: the first rough surface, or through mirrors and glass several of them.
  *
- *     camera -> mirror -> glass -> surface           light reaches the camera times all shares
- *                           `----> another surface
+ *     camera -> mirror -> glass -> surface           each surface's radiance reaches the camera times the
+ *                           `----> another surface   product of the reflectances and transmittances before it
  *
- * Glass sends a ray on twice, reflected and refracted; a sheet (`thin`) lets it through without bending it,
- * and all reflections inside count as one. Radiance that enters a medium of index eta is divided by eta^2, as
- * in pbrt, and so multiplied on leaving. The strongest ray goes first. Left out are rays that show less than
- * LC_LEAST_SHARE beyond glass, what is left after LC_MAX_ROUGH rough surfaces, and the weaker side of glass
- * after LC_MAX_SPLITS.
+ * Glass splits a ray into a reflected and a refracted one; a thin sheet transmits without refraction, and its
+ * inner reflections of all orders are summed into one. Radiance that enters a medium of index eta is divided
+ * by eta^2 as in pbrt, and multiplied by it on leaving. Rays are traced in order of falling weight. Not
+ * traced are rays from glass whose weight is at most LC_MIN_PATH_WEIGHT, all rays left after LC_MAX_ROUGH
+ * rough surfaces, and after LC_MAX_SPLITS splits the weaker of the two rays.
  *
- * A ray is reflected about the shading normal; where that would lead below the surface, it is turned up again
- * by the same angle, so that what a mirror shows has no jump there; what is refracted likewise. Depth counts
- * as in pbrt: after k mirrors or glass surfaces another is lit when k < max_depth, and shows its own emission
- * when k <= max_depth. What leaves the scene shows its background. A surface that lets light through
- * diffusely is lit from both sides: twice in the list.
+ * A ray is reflected about the shading normal. If that leads below the surface, it is reflected once more
+ * about the geometric normal, so that the reflected image has no discontinuity there; refracted rays
+ * likewise. Depth counts as in pbrt: the surface after k mirrors or glass surfaces is illuminated if k <
+ * max_depth, and shows its own emission if k <= max_depth. A ray that leaves the scene shows the background.
+ * A surface with diffuse transmission is illuminated on both sides and so appears twice in the list.
  */
-#ifndef LC_MIRROR_H
-#define LC_MIRROR_H
+#ifndef LC_SIGHT_H
+#define LC_SIGHT_H
 
 #include "scene/surface.h"
 
-#define LC_MAX_ROUGH 8
-#define LC_MAX_LIT (2 * LC_MAX_ROUGH)
-#define LC_MAX_SPLITS 31
-#define LC_LEAST_SHARE 1e-3f
+#define LC_MAX_ROUGH 8                /* rough surfaces shown by one camera ray */
+#define LC_MAX_LIT (2 * LC_MAX_ROUGH) /* entries of the list: both sides of each */
+#define LC_MAX_SPLITS 31              /* bounds the stack of rays that are still to be traced */
+#define LC_MIN_PATH_WEIGHT 1e-3f      /* a contribution below this is dropped beyond glass and narrow lobes */
 
-/* A surface to be lit. */
+/* A surface point to be illuminated. */
 typedef struct lc_lit {
-    lc_surface surface; /* its t is the length of the whole way */
-    lc_f3 view;         /* unit, from there towards where the ray came from */
-    lc_f3 weight;       /* share of its radiance that reaches the camera; 1 without mirrors or glass */
-    uint32_t n_mirrors; /* mirrors and glass surfaces on the way */
+    lc_surface surface; /* surface.t is the length of the whole path */
+    lc_f3 view;         /* unit, from the point towards the viewer or the last mirror, world space */
+    lc_f3 weight;       /* fraction of its radiance that reaches the camera; 1 without mirrors or glass */
+    uint32_t n_mirrors; /* mirrors and glass surfaces on the path */
 } lc_lit;
 
 typedef struct lc_sight {
-    lc_surface first;   /* what the camera ray meets, a mirror or not */
-    lc_f3 emission;     /* radiance of all that was met, weighted */
-    uint32_t n_rays;    /* beside the camera's */
+    lc_surface first;       /* the first hit of the camera ray, specular or not */
+    lc_f3 emission;         /* radiance emitted by all surfaces met and by the background, weighted */
+    uint32_t n_rays;        /* rays traced, the camera ray not counted */
     uint32_t n_lit;
-    lc_lit lit[LC_MAX_LIT]; /* the strongest first */
+    lc_lit lit[LC_MAX_LIT]; /* by falling weight */
 } lc_sight;
 
-/* False: the camera ray leaves the scene. For the arguments see lc_surface_hit; max_depth: 1..LC_MAX_DEPTH.
- */
+/* Traces a camera ray. False if it leaves the scene. Arguments as for lc_surface_hit; max_depth:
+ * 1..LC_MAX_DEPTH. */
 bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, uint32_t max_depth,
                     lc_sight *out);
 
-/* The direction in which a mirror sends light on that comes along dir. */
+/* The direction in which a mirror reflects a ray with direction dir; both unit, world space. */
 lc_f3 lc_mirror_leave(const lc_surface *s, lc_f3 dir);
 
-/* What glass does with light that comes along dir. */
+/* How glass splits a ray with direction dir. */
 typedef struct lc_split {
-    lc_f3 reflected, through; /* shares; through: of power, so radiance is that times `radiance` */
-    lc_f3 out;                /* unit, where `through` goes */
-    float radiance;
+    lc_f3 reflected, through; /* fractions of the power that are reflected and transmitted */
+    lc_f3 out;                /* unit direction of the transmitted ray */
+    float radiance;           /* factor from transmitted power to transmitted radiance: 1 / eta^2 */
 } lc_split;
 void lc_glass_split(const lc_surface *s, lc_f3 dir, lc_split *split);
 

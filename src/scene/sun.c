@@ -1,4 +1,5 @@
-/* sun.c - see sun.h. A disc of half angle a and radiance L has the irradiance pi sin(a)^2 L. */
+/* sun.c - the sun's radiance from its irradiance: a disc of half angle a and radiance L gives pi sin(a)^2
+ * L. */
 #include "scene/sun.h"
 
 #include "base/fmath.h"
@@ -22,8 +23,9 @@ lc_status lc_scene_add_sun(lc_scene *scene, lc_f3 dir, lc_f3 irradiance, double 
     return LC_OK;
 }
 
-/* By the chord, in double: the cosine of a quarter of a degree has few of a float's digits left. */
-static bool sees(const lc_sun *sun, lc_f3 dir)
+/* True if dir points into the disc. Compares chords in double: cosines of angles about a quarter of a degree
+ * differ in a float's last digits only. */
+static bool is_inside(const lc_sun *sun, lc_f3 dir)
 {
     double x = (double)dir.x - (double)sun->dir.x, y = (double)dir.y - (double)sun->dir.y,
            z = (double)dir.z - (double)sun->dir.z;
@@ -34,6 +36,6 @@ lc_f3 lc_background(const lc_scene *scene, lc_f3 dir)
 {
     lc_f3 sum = lc_scene_background(scene, dir);
     for (const lc_sun *sun = scene->suns; sun; sun = sun->next)
-        if (sees(sun, dir)) sum = lc_f3_add(sum, sun->radiance);
+        if (is_inside(sun, dir)) sum = lc_f3_add(sum, sun->radiance);
     return sum;
 }

@@ -1,5 +1,5 @@
-/* sun.h - discs in the sky that cameras and mirrors see. Their light comes from directional lights; nothing
- * else knows of them. */
+/* sun.h - discs in the sky that camera rays and mirrors show. They illuminate nothing: their light is
+ * contributed by directional lights of the same irradiance. */
 #ifndef LC_SUN_H
 #define LC_SUN_H
 
@@ -7,14 +7,15 @@
 
 typedef struct lc_sun {
     const struct lc_sun *next;
-    lc_f3 dir;      /* towards its centre, unit, world space */
+    lc_f3 dir;      /* unit, towards the disc's centre, world space */
     lc_f3 radiance; /* W/(m^2 sr) */
-    double chord2;  /* squared distance from dir of unit vectors at the edge */
+    double chord2;  /* squared distance between dir and a unit vector towards the disc's edge */
 } lc_sun;
 
-/* irradiance: across the direction; angle: diameter in degrees, 0..90. One of no size is not seen. */
+/* irradiance: on a surface across dir, W/m^2. angle: the disc's diameter in degrees, 0..90. A disc too small
+ * for a finite radiance is not shown. LC_ERR_MEMORY. */
 lc_status lc_scene_add_sun(lc_scene *scene, lc_f3 dir, lc_f3 irradiance, double angle);
-/* Radiance seen where no surface is: of environments and suns. */
+/* Radiance that arrives from world direction dir where no surface is: environment maps and suns. */
 lc_f3 lc_background(const lc_scene *scene, lc_f3 dir);
 
 #endif

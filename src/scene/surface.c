@@ -1,10 +1,11 @@
-/* surface.c - position from barycentric weights (better than origin + t dir), normals, offset of shadow rays.
- */
+/* surface.c - the position from barycentric coordinates (more accurate than origin + t dir), normals, and the
+ * offset of shadow-ray origins. */
 #include "scene/surface.h"
 
 #include "scene/instance.h"
 #include "scene/material_eval.h"
 
+/* (1 - u - w) v[0] + u v[1] + w v[2]. */
 static lc_f3 mix(const float *const v[3], float u, float w)
 {
     float s = 1 - u - w;
@@ -12,11 +13,14 @@ static lc_f3 mix(const float *const v[3], float u, float w)
                       s * v[0][2] + u * v[1][2] + w * v[2][2]);
 }
 
-/* The interpolated position is within 4 ulp of the plane, ulp of the largest coordinate; shadow rays start
- * twice that and the rounding of the start itself above it. */
+/* Offset of shadow-ray origins, in ulp of the triangle's largest coordinate: the interpolated position is
+ * within 4 ulp of the plane; twice that, and 2 for rounding the origin itself. */
+#define OFFSET_ULP 10
+
+/* size: the largest absolute coordinate of the triangle's vertices. */
 static void set_ray_origin(lc_surface *s, lc_f3 ng, float size)
 {
-    lc_f3 o = lc_f3_add(s->pos, lc_f3_scale(ng, 10 * 0x1p-23f * size));
+    lc_f3 o = lc_f3_add(s->pos, lc_f3_scale(ng, OFFSET_ULP * 0x1p-23f * size));
     lc_f3_store(s->ray_org, o);
 }
 
@@ -26,13 +30,14 @@ void lc_surface_behind(const lc_surface *s, float org[3])
     for (int k = 0; k < 3; k++) org[k] = pos[k] - (s->ray_org[k] - pos[k]);
 }
 
-/* World space. */
+/* The hit triangle's vertices in world space. */
 typedef struct {
-    const float *p[3], *n[3]; /* n: where the mesh has normals */
-    float placed_p[3][3], placed_n[3][3]; /* what they point to, of an instance */
+    const float *p[3], *n[3];             /* positions; normals, set if the mesh has them */
+    float placed_p[3][3], placed_n[3][3]; /* storage for those of an instance */
 } corners;
 
-/* To copies of the object's corners, the same that object.c makes. */
+/* Transforms the corners of an instance's triangle to the world, to the same bits as pbrt/object.c does when
+ * it copies an object. */
 static void place_corners(const lc_instance *at, bool has_normals, corners *c)
 {
     double rows[9];
@@ -49,9 +54,9 @@ static void place_corners(const lc_instance *at, bool has_normals, corners *c)
     }
 }
 
-/* What a shadow ray's rounding into the object's space amounts to, as a coordinate of the world would:
- * largest coordinate o of the triangle there, seen along the normal. An error of e in each axis of the object
- * shifts by e |M^T n|_1 along n. */
+/* How much a shadow ray's rounding into object space adds to `size` of set_ray_origin: an error of e along
+ * each axis of object space shifts the ray by e |M^T n|_1 along n, and e is proportional to the triangle's
+ * largest coordinate. */
 static float object_size(const lc_scene *scene, const lc_hit *hit, lc_f3 n)
 {
     const lc_instance *at = &scene->instances[hit->instance];
@@ -74,11 +79,12 @@ static void corners_of(const lc_scene *scene, const lc_mesh *mesh, const lc_hit 
     if (hit->instance != LC_NONE) place_corners(&scene->instances[hit->instance], mesh->has_normals, c);
 }
 
-/* Evaluates textures. A normal that they tilt below the surface (ng, as wound) stays as it was. */
+/* Evaluates the material's textures and returns the shading normal. ng is the normal by winding order, ns the
+ * shading normal without textures; it stays if bump or normal maps would tilt it below the surface. */
 static lc_f3 textured_normal(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
                              const lc_hit *hit, lc_f3 dir, double pixel, lc_f3 ns, lc_f3 ng, lc_material *m)
 {
-    bool turned = !mesh->has_normals && mesh->flip; /* ns is on the winding's side, not the mesh's */
+    bool turned = !mesh->has_normals && mesh->flip; /* ns points by winding order, not to the outer side */
     lc_f3 own = turned ? lc_f3_neg(ns) : ns, tilted = own;
     lc_textured_material(scene, mesh, corner, hit, dir, pixel, m, &tilted);
     bool below = (lc_f3_dot(tilted, ng) > 0) != (lc_f3_dot(own, ng) > 0);
@@ -91,7 +97,7 @@ bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, l
     return lc_surface_hit_after(scene, org, dir, 0, pixel, out);
 }
 
-bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way, double pixel,
+bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float length, double pixel,
                           lc_surface *out)
 {
     const float o[3] = { org.x, org.y, org.z }, d[3] = { dir.x, dir.y, dir.z };
@@ -99,7 +105,7 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
     lc_hit hit;
     scene->bvh->kernels->closest(&scene->bvh->data, o, d, FLT_MAX, &hit);
     if (hit.tri == LC_NONE) return false;
-    hit.t += way;
+    hit.t += length;
     const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[hit.tri]];
     corners_of(scene, mesh, &hit, &c);
     const float *const *v = c.p;
@@ -119,7 +125,7 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way
     }
     out->material = scene->materials[mesh->material_id];
     if (mesh->textured) ns = textured_normal(scene, mesh, v, &hit, dir, pixel, ns, ng, &out->material);
-    bool away = lc_f3_dot(ng, dir) > 0; /* the winding's side faces away from the viewer */
+    bool away = lc_f3_dot(ng, dir) > 0; /* the normal by winding order points away from the viewer */
     if (away) ng = lc_f3_neg(ng);
     if (lc_f3_dot(ns, ng) < 0) ns = lc_f3_neg(ns);
     out->n = ns;

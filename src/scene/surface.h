@@ -1,8 +1,8 @@
-/* surface.h - a camera ray's hit turned into a shading point.
+/* surface.h - turns the nearest hit of a ray into a surface point: position, normals, material, emission.
  *
- * Rules, the same for estimates, bounds and exact: the geometric normal is flipped towards the viewer; the
- * shading normal, interpolated where the mesh has normals, is put on the geometric one's side. Surfaces
- * reflect on both sides.
+ * The rules are the same for estimates, bounds and the exact method: the geometric normal is flipped towards
+ * the viewer; the shading normal, interpolated if the mesh has normals, is flipped to the geometric normal's
+ * side. Surfaces reflect on both sides.
  */
 #ifndef LC_SURFACE_H
 #define LC_SURFACE_H
@@ -11,22 +11,23 @@
 #include "trace/bvh.h"
 
 typedef struct lc_surface {
-    lc_f3 pos, n, ng;      /* world space; shading and geometric normal, on the viewer's side */
-    float ray_org[3];      /* pos moved off the surface to the viewer's side */
-    float t;               /* distance from the camera, by way of mirrors */
-    bool front; /* the viewer is on the outer side: where ReverseOrientation, or the normals, say it is */
-    lc_f3 emission;        /* radiance towards the viewer */
-    lc_material material;  /* textures evaluated */
+    lc_f3 pos, n, ng;     /* world space; n, ng: unit shading and geometric normal on the viewer's side */
+    float ray_org[3];     /* origin of shadow rays: pos moved off the surface to the viewer's side */
+    float t;              /* length of the path from the camera, mirrors included */
+    bool front;           /* the viewer is on the outer side, as set by normals or by ReverseOrientation */
+    lc_f3 emission;       /* radiance towards the viewer, W/(m^2 sr) */
+    lc_material material; /* textures evaluated */
 } lc_surface;
 
-/* False: the ray leaves the scene. dir has unit length. pixel: what textures are filtered over, a length at
- * distance 1. */
+/* Traces a world ray with unit direction dir. False if it leaves the scene. pixel: side of the pixel's
+ * footprint at distance 1, over which textures are filtered. */
 bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, lc_surface *out);
-/* The same for a ray that has come a way already. */
-bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float way, double pixel,
+/* The same for a ray whose path from the camera to org already has this length, which widens the
+ * footprint. */
+bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float length, double pixel,
                           lc_surface *out);
 
-/* Where rays start on the other side. */
+/* The origin of rays that leave on the other side of the surface. */
 void lc_surface_behind(const lc_surface *s, float org[3]);
 
 #endif

@@ -1,9 +1,11 @@
-/* tex_map.c - texture coordinates of a point, and how much of them a pixel sees. */
+/* tex_map.c - texture coordinates of a point, and the pixel footprint in them. */
 #include "scene/texture.h"
 
 #include "base/fmath.h"
 
 #include <math.h>
+
+#define TINY 1e-300 /* in place of a length of 0, to divide by */
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -33,8 +35,8 @@ bool lc_tex_map_2d(const lc_tex_map *map, const lc_tex_point *p, double st[2], d
     double about = lc_atan2(q[1], q[0]) / (2 * LC_PI), r = sqrt(q[0] * q[0] + q[1] * q[1]),
            d = sqrt(dot(q, q));
     if (about < 0) about += 1;
-    /* w seen at distance r is an angle of w / r, at most all around */
-    double around = fmin(w / (2 * LC_PI * fmax(r, 1e-300)), 1);
+    /* At distance r from the axis the width w subtends an angle of w / r, at most the full circle. */
+    double around = fmin(w / (2 * LC_PI * fmax(r, TINY)), 1);
     switch (map->kind) {
     case LC_MAP_PLANAR:
         st[0] = dot(map->v1, q) + map->du;
@@ -45,7 +47,7 @@ bool lc_tex_map_2d(const lc_tex_map *map, const lc_tex_point *p, double st[2], d
     case LC_MAP_SPHERICAL:
         st[0] = lc_atan2(r, q[2]) / LC_PI;
         st[1] = about;
-        width[0] = fmin(w / (LC_PI * fmax(d, 1e-300)), 1);
+        width[0] = fmin(w / (LC_PI * fmax(d, TINY)), 1);
         width[1] = around;
         break;
     default:

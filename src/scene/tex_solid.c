@@ -1,4 +1,4 @@
-/* tex_solid.c - patterns in space: sums of noise, marble, wood. */
+/* tex_solid.c - solid patterns: sums of noise, marble, wood. */
 #include "scene/texture.h"
 
 #include "base/xform.h"
@@ -16,7 +16,7 @@ static double windy(const double p[3], double width)
     return fabs(lc_fbm(slow, 0.1 * width, 0.5, 3)) * lc_fbm(p, width, 0.5, 6);
 }
 
-/* pbrt's nine colours along a cubic Bezier curve of six overlapping pieces, times 1.5. */
+/* pbrt's marble: nine colours as control points of six overlapping cubic Bezier segments, times 1.5. */
 static void marble(const lc_texture *t, const double p[3], double width, double out[3])
 {
     static const double colours[9][3] = { { .58, .58, .6 }, { .58, .58, .6 },  { .58, .58, .6 },
@@ -24,7 +24,7 @@ static void marble(const lc_texture *t, const double p[3], double width, double 
                                           { .58, .58, .6 }, { .2, .2, .33 },   { .58, .58, .6 } };
     double q[3] = { t->scale * p[0], t->scale * p[1], t->scale * p[2] }, sine, cosine;
     double phase = q[1] + t->variation * lc_fbm(q, fabs(t->scale) * width, t->roughness, t->octaves);
-    if (!(fabs(phase) < 1e15)) phase = 0;
+    if (!(fabs(phase) < 1e15)) phase = 0; /* too large for its sine to mean anything */
     lc_sincos_deg(phase * (180 / LC_PI), &sine, &cosine);
     double at = clamp01(0.5 + 0.5 * sine) * 6, first = fmin(floor(at), 5);
     double f = at - first, g = 1 - f;
@@ -34,8 +34,9 @@ static void marble(const lc_texture *t, const double p[3], double width, double 
                         f * f * f * c[3][k]);
 }
 
-/* Share of late wood: rings about the z axis, bent by noise that is ten times as long along it. It rises over
- * four fifths of a ring and falls over the last. Rings narrower than a pixel blur into their mean, 1/2. */
+/* The fraction of late wood: rings about the z axis, distorted by noise stretched tenfold along it. The
+ * fraction rises over four fifths of a ring and falls over the last fifth. Rings narrower than a pixel blur
+ * into their mean, 1/2. */
 static double wood(const lc_texture *t, const double p[3], double width)
 {
     double q[3] = { p[0], p[1], 0.1 * p[2] };

@@ -1,4 +1,4 @@
-/* texture.c - see texture.h. */
+/* texture.c - evaluates the graph of textures, and builds it with bounds on depth and cost. */
 #include "scene/texture.h"
 
 #include "base/arena.h"
@@ -24,7 +24,7 @@ static void input(const lc_textures *set, const lc_tex_input *in, const lc_tex_p
     else lc_texture_eval(set, in->id, p, out);
 }
 
-/* (1 - w) in[0] + w in[1]; an input of no weight is not evaluated. */
+/* (1 - w) in[0] + w in[1]. An input whose weight is 0 is not evaluated. */
 static void blend(const lc_textures *set, const lc_texture *t, const lc_tex_point *p, double w, double out[3])
 {
     double a[3] = { 0, 0, 0 }, b[3] = { 0, 0, 0 };
@@ -33,32 +33,38 @@ static void blend(const lc_textures *set, const lc_texture *t, const lc_tex_poin
     for (int k = 0; k < 3; k++) out[k] = (1 - w) * a[k] + w * b[k];
 }
 
+/* The weight of in[1] in LC_TEX_DIRECTION: 1 - |n . v1|. */
 static double across(const lc_texture *t, const lc_tex_point *p)
 {
     const double *v = t->map.v1;
     return 1 - fmin(fabs(v[0] * p->n[0] + v[1] * p->n[1] + v[2] * p->n[2]), 1);
 }
 
-/* Integral of the integral of the square wave that is 1 on even cells and -1 on odd ones. */
-static double twice_summed(double x)
+/* The second integral of the square wave that is 1 on even cells and -1 on odd ones. */
+static double second_integral(double x)
 {
     double y = x / 2 - floor(x / 2) - 0.5;
     return x / 2 + y * (1 - 2 * fabs(y));
 }
 
-/* The wave at x, seen through a triangle filter of radius r. */
+/* Radii, in cells, outside of which the second difference in wave() is lost in rounding: below, the wave is
+ * not filtered; above, its mean is 0. */
+#define MIN_WAVE_RADIUS 1e-6 /* times |x|, if that is above 1 */
+#define MAX_WAVE_RADIUS 1e6
+
+/* The square wave at x, filtered with a triangle filter of radius r. */
 static double wave(double x, double r)
 {
     double cell = floor(x);
-    if (!(r > 1e-6 * fmax(fabs(x), 1)) || (floor(x - r) >= cell && floor(x + r) <= cell))
+    if (!(r > MIN_WAVE_RADIUS * fmax(fabs(x), 1)) || (floor(x - r) >= cell && floor(x + r) <= cell))
         return floor(cell / 2) * 2 < cell ? -1 : 1;
-    if (r > 1e6) return 0;
-    return (twice_summed(x + r) - 2 * twice_summed(x) + twice_summed(x - r)) / (r * r);
+    if (r > MAX_WAVE_RADIUS) return 0;
+    return (second_integral(x + r) - 2 * second_integral(x) + second_integral(x - r)) / (r * r);
 }
 
-#define CHECKER_RADIUS 0.75 /* pixels */
+#define CHECKER_RADIUS 0.75 /* of the triangle filter, in pixel footprints; chosen */
 
-/* Share of in[1]. */
+/* The weight of in[1] in a checkerboard. */
 static double checker(const lc_texture *t, const lc_tex_point *p)
 {
     double at[3] = { 0, 0, 0 }, width[3] = { 0, 0, 0 }, product = 1;
@@ -70,9 +76,10 @@ static double checker(const lc_texture *t, const lc_tex_point *p)
     return 0.5 - 0.5 * product;
 }
 
-#define DOT_RADIUS 0.35
+#define DOT_RADIUS 0.35 /* cells; pbrt's */
 
-/* 0 inside a dot, 1 outside. Half of the cells hold one, moved off the middle. */
+/* The weight of in[1]: 0 inside a dot, 1 outside. Half of the cells hold a dot, off their centre; as in
+ * pbrt. */
 static double dots(const lc_texture *t, const lc_tex_point *p)
 {
     double st[2], width[2];
@@ -84,7 +91,7 @@ static double dots(const lc_texture *t, const lc_tex_point *p)
     return ds * ds + dt * dt < DOT_RADIUS * DOT_RADIUS ? 0 : 1;
 }
 
-/* Colour or grey, scaled, inverted. */
+/* From an image's R, G, B to the texture's value: grey for a float texture, scaled, inverted. */
 static void finish_image(const lc_texture *t, double out[3])
 {
     double grey = t->grey[0] * out[0] + t->grey[1] * out[1] + t->grey[2] * out[2];
@@ -107,7 +114,7 @@ static void image(const lc_textures *set, const lc_texture *t, const lc_tex_poin
     finish_image(t, out);
 }
 
-/* in[0] to in[3] at the corners of the unit square. */
+/* Interpolates between in[0] .. in[3] at the corners of the unit square. */
 static void bilerp(const lc_textures *set, const lc_texture *t, const lc_tex_point *p, double out[3])
 {
     double st[2], width[2], v[3];
@@ -167,7 +174,7 @@ void lc_texture_eval(const lc_textures *set, uint32_t id, const lc_tex_point *p,
 
 /* ---- building ---- */
 
-/* Means of the noises, over 10^6 points. */
+/* The mean of a pattern without inputs. Those of the noises were measured over 10^6 random points. */
 static void pattern_mean(const lc_textures *set, const lc_texture *t, double out[3])
 {
     static const double marble[3] = { .83, .82, .86 };
@@ -177,7 +184,10 @@ static void pattern_mean(const lc_textures *set, const lc_texture *t, double out
         lc_mipmap_mean(&set->images[t->image], out);
         finish_image(t, out);
         return;
-    case LC_TEX_UV: out[0] = out[1] = 0.5, out[2] = 0; return;
+    case LC_TEX_UV:
+        out[0] = out[1] = 0.5;
+        out[2] = 0;
+        return;
     case LC_TEX_MARBLE: memcpy(out, marble, sizeof marble); return;
     case LC_TEX_WRINKLED:
         for (int i = 0; i < t->octaves; i++) v = v * t->roughness + 0.2;
@@ -189,7 +199,8 @@ static void pattern_mean(const lc_textures *set, const lc_texture *t, double out
 
 static void set_mean(const lc_textures *set, lc_texture *t)
 {
-    /* share of in[1] for those that choose: half; a dot of radius 0.35 in half of the cells covers 0.19 */
+    /* Mean weight of in[1]: 1/2, but dots in half of the cells cover pi DOT_RADIUS^2 / 2 = 0.19 of the
+     * area. */
     double in[4][3], w = t->kind == LC_TEX_DOTS ? 0.81 : 0.5;
     for (int i = 0; i < 4; i++)
         memcpy(in[i], t->in[i].id == LC_NONE ? t->in[i].value : set->items[t->in[i].id].mean, sizeof in[i]);
@@ -217,7 +228,8 @@ static void become_constant(lc_texture *t)
     memcpy(t->in[0].value, t->mean, sizeof t->mean);
 }
 
-/* Depth, cost, and whether every input is a value. */
+/* Sets depth and cost, and replaces inputs that are constant textures by values. True if every input is a
+ * value. */
 static bool measure(const lc_textures *set, lc_texture *t)
 {
     bool values = true;

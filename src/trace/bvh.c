@@ -1,5 +1,4 @@
-/* bvh.c - the hierarchy once it is built: its size, its end, and what has to hold of it. bvh_build.c builds
- * it. */
+/* bvh.c - size, destruction and validation of the hierarchy that bvh_build.c builds. */
 #include "trace/bvh.h"
 
 #include "base/vec.h"
@@ -18,8 +17,9 @@ size_t lc_bvh_bytes(const lc_bvh *bvh)
     return sizeof *bvh + bvh->data.n_nodes * sizeof *bvh->nodes + bvh->data.n_blocks * sizeof *bvh->blocks;
 }
 
-/* Is the box of child i of a node around everything in its subtree's blocks? Checked level by level: a
- * child's boxes against the parent's, a block's vertices against its box. */
+/* Checks child i of node w: the boxes of a node against its own box in w, the vertices of a block against
+ * theirs, and that nothing has two parents. Over all nodes this proves that every box contains its
+ * subtree. */
 static const char *check_child(const lc_bvh *bvh, uint32_t w, uint32_t i, uint8_t *seen, size_t n_tris,
                                const float *pos, const uint32_t *index)
 {

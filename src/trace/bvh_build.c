@@ -1,16 +1,20 @@
-/* bvh_build.c - the binary tree. Ranges of refs too large for one thread are split level by level, all
- * threads working on chunks of them; what is left are subtrees, which threads make alone. No recursion; depth
- * is bounded by halving once MAX_SAH_DEPTH is passed. */
+/* bvh_build.c - builds the binary tree by the binned surface area heuristic (SAH).
+ *
+ *     refs -> upper tree: large ranges, split level by level, all threads binning and moving chunks of them
+ *          -> subtrees of at most task_max refs, each by one thread
+ *
+ * There is no recursion. The depth is bounded, as beyond MAX_SAH_DEPTH ranges are halved.
+ */
 #include "trace/bvh_build.h"
 
 #include "base/pool.h"
 
-#define CHUNK 4096       /* refs that are binned or moved at a time */
-#define TASK_MIN 4096    /* refs of a subtree: a share of all, within these */
+#define CHUNK 4096    /* refs that one thread bins or moves at a time */
+#define TASKS 64      /* subtrees: one has at most n_tris / TASKS refs, kept within the next two */
+#define TASK_MIN 4096
 #define TASK_MAX 65536
-#define TASKS 64
-#define MAX_SAH_DEPTH 60 /* then halving: 30 more levels hold 2^30 triangles */
-#define SPLIT_COST 0.25f /* share of the area that splitting eight triangles or fewer has to save */
+#define MAX_SAH_DEPTH 60 /* from there on ranges are halved: 30 more levels hold 2^30 triangles */
+#define SPLIT_COST 0.25f /* fraction of the area that splitting eight or fewer triangles must save; chosen */
 _Static_assert(MAX_SAH_DEPTH + 31 < LC_BVH_MAX_DEPTH, "traversal stack");
 
 static void set_node(lc_bin_node *node, f4_box box, uint32_t count)
@@ -29,7 +33,7 @@ static float area_of(const lc_bin_node *n)
 
 /* ---- subtrees ---- */
 
-/* Splits r into halves[2], boxes to their nodes left and left + 1; false: it had better be a leaf. */
+/* Splits r into half[2] and sets the boxes of nodes left and left + 1; false if it is cheaper as a leaf. */
 static bool split_range(const lc_bvh_builder *b, const lc_bvh_range *r, uint32_t left, lc_bvh_range half[2])
 {
     lc_bvh_ref *refs = b->refs[r->side] + r->first;
@@ -73,15 +77,15 @@ static void make_leaf(const lc_bvh_builder *b, const lc_bvh_range *r)
     node->info = LC_BIN_LEAF | r->count << LC_BIN_COUNT_SHIFT;
 }
 
-/* Children have their plans. */
+/* Plans a node whose children have their plans. */
 static lc_bvh_costs plan_node(const lc_bvh_builder *b, lc_bin_node *n)
 {
     if (n->info & LC_BIN_LEAF) return lc_bvh_plan(n, NULL, NULL);
     return lc_bvh_plan(n, lc_bvh_costs_of(b, n->left), lc_bvh_costs_of(b, n->left + 1));
 }
 
-/* Returns the costs of the subtree's root. Its other nodes stand from 2 first + 2 on, children after their
- * parents. */
+/* Builds the subtree of a range and returns the costs of its root. Its other nodes are stored from 2 first +
+ * 2 on, parents before their children. */
 static lc_bvh_costs make_subtree(const lc_bvh_builder *b, const lc_bvh_range *root)
 {
     lc_bvh_range stack[LC_BVH_MAX_DEPTH + 1], half[2];
@@ -106,7 +110,7 @@ static lc_bvh_costs make_subtree(const lc_bvh_builder *b, const lc_bvh_range *ro
 
 typedef struct {
     lc_bvh_builder *b;
-    uint32_t *heads; /* of the subtrees */
+    uint32_t *heads; /* the heads that are subtrees */
 } subtree_loop;
 
 static void subtree_item(void *user, uint32_t thread, uint64_t item)
@@ -117,6 +121,7 @@ static void subtree_item(void *user, uint32_t thread, uint64_t item)
     head->costs = make_subtree(l->b, &head->range);
 }
 
+/* Builds all subtrees in parallel, then plans the upper tree from the bottom. */
 static lc_status make_subtrees(lc_bvh_builder *b)
 {
     subtree_loop l = { b, lc_alloc(b->ctx, b->n_heads, sizeof *l.heads) };
@@ -140,14 +145,15 @@ static lc_status make_subtrees(lc_bvh_builder *b)
 
 /* ---- ranges too large for one thread ---- */
 
+/* A part of a range that one thread works on. */
 typedef struct {
-    uint32_t work, first, count; /* refs */
-    lc_bvh_ref *left, *right;    /* where they go */
-    f4_box centroids[2];
+    uint32_t work, first, count; /* index of its range in level.works; its refs */
+    lc_bvh_ref *left, *right;    /* destinations of its refs */
+    f4_box centroids[2];         /* of its refs that go left and right */
     lc_bvh_bins bins;
 } chunk;
 
-/* A range of this level. */
+/* A range of the current level that is split. */
 typedef struct {
     uint32_t head, first_chunk, n_chunks;
     lc_bvh_binning by;
@@ -171,7 +177,7 @@ static void bin_chunk(void *user, uint32_t thread, uint64_t item)
     lc_bvh_add_to_bins(&c->bins, &w->by, l->b->refs[l->b->heads[w->head].range.side] + c->first, c->count);
 }
 
-/* Chooses the split of a range, and where the refs of its chunks go. */
+/* Chooses the split of a range and the destinations of its chunks' refs. */
 static void choose_split(void *user, uint32_t thread, uint64_t item)
 {
     const level *l = user;
@@ -209,7 +215,7 @@ static void move_chunk(void *user, uint32_t thread, uint64_t item)
     c->centroids[1] = lc_bvh_centroids_of(c->right, (uint32_t)(right - c->right));
 }
 
-/* The chunks of heads first .. end - 1 that are too large. */
+/* Lists the chunks of those heads first .. end - 1 that are too large for one thread. */
 static void list_chunks(level *l, size_t first, size_t end)
 {
     l->n_chunks = l->n_works = 0;
@@ -229,7 +235,7 @@ static void list_chunks(level *l, size_t first, size_t end)
     }
 }
 
-/* Two heads for the halves of a range. */
+/* Appends the heads of the two halves of a range. */
 static void add_heads(level *l, const work *w)
 {
     lc_bvh_builder *b = l->b;
@@ -256,6 +262,7 @@ static void add_heads(level *l, const work *w)
     }
 }
 
+/* Splits all ranges that are too large, level by level from the root. */
 static lc_status split_levels(level *l)
 {
     lc_bvh_builder *b = l->b;
@@ -276,7 +283,7 @@ static lc_status split_levels(level *l)
 static lc_status split_top(lc_bvh_builder *b)
 {
     if (b->n_tris <= b->task_max) return LC_OK;
-    /* A level's ranges have more than task_max refs each, and a chunk at their end that is not full. */
+    /* The ranges of a level have more than task_max refs each, and at most one chunk that is not full. */
     level l = { .b = b, .cap_works = b->n_tris / b->task_max + 1 };
     l.cap_chunks = b->n_tris / CHUNK + l.cap_works;
     l.chunks = lc_alloc_raw(b->ctx, l.cap_chunks, sizeof *l.chunks);
@@ -287,7 +294,7 @@ static lc_status split_top(lc_bvh_builder *b)
     return st;
 }
 
-/* ---- all of it ---- */
+/* ---- the whole build ---- */
 
 static void refs_item(void *user, uint32_t thread, uint64_t item)
 {
@@ -297,7 +304,7 @@ static void refs_item(void *user, uint32_t thread, uint64_t item)
     lc_bvh_make_refs(l->b, first, left < CHUNK ? left : CHUNK, &l->boxes[2 * item], &l->boxes[2 * item + 1]);
 }
 
-/* Refs, and the root as the first head. */
+/* Makes the refs, and the root as the first head. */
 static lc_status make_root(lc_bvh_builder *b)
 {
     const size_t n = (b->n_tris + CHUNK - 1) / CHUNK;
@@ -330,7 +337,7 @@ static lc_status make_binary(lc_bvh_builder *b)
     if (!st) st = split_top(b);
     if (!st) st = make_subtrees(b);
     if (!st) st = lc_bvh_reinsert(b);
-    /* Now, before nodes and blocks are asked for. */
+    /* Freed before the wide nodes and blocks are allocated, which keeps the peak of memory low. */
     lc_free(b->ctx, b->refs[0], n, sizeof **b->refs);
     lc_free(b->ctx, b->refs[1], n, sizeof **b->refs);
     lc_free(b->ctx, b->parents, n, sizeof *b->parents);

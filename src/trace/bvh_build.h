@@ -1,10 +1,10 @@
-/* bvh_build.h - what the parts of the builder share; the way of the data:
+/* bvh_build.h - what the steps of the BVH builder share.
  *
- *     triangles -> refs -> binary nodes -> better ones -> plan of eight-wide nodes -> lc_bvh_node[],
- * lc_tri_block[] bvh_split, bvh_build    bvh_reinsert   bvh_collapse
+ *     triangles -> refs -> binary tree -> better tree -> plan -> eight-wide nodes and blocks of triangles
+ *          bvh_split.c   bvh_build.c   bvh_reinsert.c  bvh_collapse.c
  *
- * Every step that threads share is cut up by the number of triangles, never by that of threads, and every
- * piece has its own place to write to, so the arrays are the same bytes for any number of threads.
+ * Every parallel step is divided by the number of triangles, never by the number of threads, and every piece
+ * writes to its own part of the arrays, so the result is the same bytes for any number of threads.
  */
 #ifndef LC_BVH_BUILD_H
 #define LC_BVH_BUILD_H
@@ -12,49 +12,49 @@
 #include "base/vec4.h"
 #include "trace/bvh.h"
 
-/* A triangle's box. -0 is stored as 0, so that minima don't depend on the order. */
+/* A reference to a triangle: its box and id. -0 is stored as 0, so that minima do not depend on the order. */
 typedef struct lc_bvh_ref {
     float lo[3];
     uint32_t tri;
     float hi[3];
-    float one; /* keeps denormals out of the fourth lane of lo + hi */
+    float one; /* 1: keeps denormals out of the fourth lane of lo + hi */
 } lc_bvh_ref;
 _Static_assert(sizeof(lc_bvh_ref) == 32, "two f4");
 
-/* Children are left and left + 1. The pair made by a split before ref `mid` may stand at 2 mid: no two splits
- * share one. */
+/* A node of the binary tree. Its children are nodes left and left + 1. The pair made by a split before ref
+ * `mid` can be stored at 2 mid, as no two splits have the same mid. */
 typedef struct lc_bin_node {
     float lo[3];
-    uint32_t left; /* LC_BIN_LEAF: first of its triangles in builder.order */
+    uint32_t left; /* in a leaf: the first of its triangles in builder.order */
     float hi[3];
-    uint32_t info; /* flags, count of triangles if at most eight, and the plan, see bvh_collapse.c */
+    uint32_t info; /* flags, the number of triangles if at most eight, and the plan of bvh_collapse.c */
 } lc_bin_node;
 _Static_assert(sizeof(lc_bin_node) == 32, "two f4");
 #define LC_BIN_LEAF 0x80000000u
-#define LC_BIN_TOP 0x40000000u   /* a range too large for one thread */
-#define LC_BIN_BLOCK 0x20000000u /* with children, but as one child of a wide node it had better be a block */
-#define LC_BIN_DIRTY 0x10000000u /* bvh_reinsert.c: to be planned again */
+#define LC_BIN_TOP 0x40000000u   /* the range is too large for one thread */
+#define LC_BIN_BLOCK 0x20000000u /* not a leaf, but cheaper as a block if it is one child of a wide node */
+#define LC_BIN_DIRTY 0x10000000u /* bvh_reinsert.c: must be planned again */
 #define LC_BIN_COUNT_SHIFT 24
 
+/* Consecutive refs that become a subtree. */
 typedef struct lc_bvh_range {
-    f4_box centroids; /* of lo + hi */
+    f4_box centroids; /* the box of lo + hi over the refs: twice the centroids */
     uint32_t node, first, count, depth;
-    uint32_t side; /* which of the builder's two arrays of refs it stands in */
+    uint32_t side;    /* which of the builder's two arrays holds the refs */
 } lc_bvh_range;
 
-/* Least cost of a subtree as at most i + 1 children of an eight-wide node. */
+/* at_most[i]: the least cost of a subtree as at most i + 1 children of an eight-wide node. */
 typedef struct lc_bvh_costs {
     float at_most[7];
-    uint32_t height; /* levels of binary nodes below */
+    uint32_t height; /* levels of binary nodes below this one */
 } lc_bvh_costs;
-_Static_assert(sizeof(lc_bvh_costs) == sizeof(lc_bvh_ref), "takes its place");
+_Static_assert(sizeof(lc_bvh_costs) == sizeof(lc_bvh_ref), "stored in place of a ref");
 
-/* A range of the upper tree, and how it went on: the ranges it was split into, or a subtree made by one
- * thread. */
+/* A range of the upper tree: either split into two more, or a subtree that one thread builds. */
 typedef struct lc_bvh_head {
     lc_bvh_range range;
     lc_bvh_costs costs;
-    uint32_t left; /* heads left, left + 1; 0: subtree */
+    uint32_t left; /* split into heads left and left + 1; 0: a subtree */
 } lc_bvh_head;
 
 typedef struct lc_bvh_builder {
@@ -62,17 +62,17 @@ typedef struct lc_bvh_builder {
     const float *pos;
     const uint32_t *index;
     size_t n_tris;
-    uint32_t task_max;   /* refs of a subtree that one thread makes alone */
-    lc_bvh_ref *refs[2]; /* a split moves a range from one to the other */
-    uint32_t *order;     /* triangle ids in the order of the leaves */
-    lc_bin_node *nodes;  /* 2 n_tris places, few of them used */
-    uint32_t *parents;   /* of pairs: of nodes 2 i and 2 i + 1 */
-    lc_bvh_head *heads;  /* parents before children */
+    uint32_t task_max;   /* limits the refs of a subtree that one thread builds */
+    lc_bvh_ref *refs[2]; /* n_tris each; a split moves a range from one array to the other */
+    uint32_t *order;     /* n_tris: triangle ids in the order of the leaves */
+    lc_bin_node *nodes;  /* 2 n_tris, of which few are used */
+    uint32_t *parents;   /* n_tris: the parent of nodes 2 i and 2 i + 1 */
+    lc_bvh_head *heads;  /* parents before their children */
     size_t n_heads, cap_heads;
 } lc_bvh_builder;
 
-/* Costs of a node but the root, in place of a ref of its subtree, or the last one left of it: once all leaves
- * are made refs are of no use. */
+/* The costs of a node other than the root. They overwrite a ref of its subtree, or the last one before it,
+ * which no leaf needs any more. */
 static inline lc_bvh_costs *lc_bvh_costs_of(const lc_bvh_builder *b, uint32_t node)
 {
     return (lc_bvh_costs *)(void *)&b->refs[node % 2][node / 2 - 1];
@@ -88,17 +88,18 @@ typedef struct lc_bvh_bins {
 } lc_bvh_bins;
 
 typedef struct lc_bvh_binning {
-    f4 lo, scale; /* of lo + hi */
+    f4 lo, scale; /* the bin of a ref on each axis is (lo + hi of the ref - lo) * scale */
     uint32_t n;   /* bins */
 } lc_bvh_binning;
 
 typedef struct lc_bvh_split {
-    float cost; /* blocks times area; FLT_MAX: all centroids are the same */
-    uint32_t axis, bin, n_left;
+    float cost;                 /* area times blocks, summed over both sides; FLT_MAX: there is no split */
+    uint32_t axis, bin, n_left; /* bins below `bin` go left, with n_left refs in all */
     f4_box left, right;
 } lc_bvh_split;
 
-/* Refs of triangles first .. first + count - 1; their boxes' box and that of lo + hi. */
+/* Makes the refs of triangles first .. first + count - 1; *box and *centroids are the boxes around their
+ * boxes and around their lo + hi. */
 void lc_bvh_make_refs(const lc_bvh_builder *b, uint32_t first, uint32_t count, f4_box *box,
                       f4_box *centroids);
 lc_bvh_binning lc_bvh_binning_of(const lc_bvh_range *range);
@@ -106,9 +107,9 @@ void lc_bvh_clear_bins(lc_bvh_bins *bins, uint32_t n);
 void lc_bvh_join_bins(lc_bvh_bins *bins, const lc_bvh_bins *others, uint32_t n);
 void lc_bvh_add_to_bins(lc_bvh_bins *bins, const lc_bvh_binning *by, const lc_bvh_ref *refs, uint32_t count);
 lc_bvh_split lc_bvh_best_split(const lc_bvh_bins *bins, const lc_bvh_binning *by);
-/* Of the refs in these bins, those left of a split. */
+/* The number of refs in these bins to the left of a split. */
 uint32_t lc_bvh_count_left(const lc_bvh_bins *bins, const lc_bvh_split *split);
-/* Copies refs to *left and *right in their order and moves both past them. */
+/* Copies refs to *left and *right, keeping their order, and advances both pointers past them. */
 void lc_bvh_partition(const lc_bvh_binning *by, const lc_bvh_split *split, const lc_bvh_ref *refs,
                       uint32_t count, lc_bvh_ref **left, lc_bvh_ref **right);
 f4_box lc_bvh_box_of(const lc_bvh_ref *refs, uint32_t count);
@@ -116,14 +117,14 @@ f4_box lc_bvh_centroids_of(const lc_bvh_ref *refs, uint32_t count);
 
 /* ---- bvh_reinsert.c ---- */
 
-/* All nodes have to be planned, and are after it. */
+/* Optimizes the upper tree. All nodes must have their plans, before and after. LC_ERR_MEMORY. */
 lc_status lc_bvh_reinsert(lc_bvh_builder *b);
 
 /* ---- bvh_collapse.c ---- */
 
-/* Plans a node whose children cost this; a leaf's are NULL. */
+/* Plans a node from the costs of its children, NULL for a leaf; returns its costs. */
 lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_bvh_costs *right);
-/* Nodes and blocks of bvh from the binary nodes, all planned. */
+/* Makes the wide nodes and blocks of bvh from the planned binary nodes. LC_ERR_MEMORY. */
 lc_status lc_bvh_collapse(lc_bvh_builder *b, lc_bvh *bvh);
 
 #endif

@@ -1,15 +1,16 @@
-/* bvh_collapse.c - from the binary tree to eight-wide nodes and blocks of eight triangles.
+/* bvh_collapse.c - turns the binary tree into eight-wide nodes and blocks of eight triangles.
  *
- * Which descendants of a binary node become the children of a wide one is settled by dynamic programming
- * (Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on GPUs through compressed wide
- * BVHs", 3.2), from the leaves up: with C(n, i) the least cost of the subtree of n as at most i children, l
- * and r its children,
+ * Dynamic programming from the leaves up (Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on
+ * GPUs through compressed wide BVHs", 3.2) chooses which descendants of a binary node become the children of
+ * a wide one. Let C(n, i) be the least cost of the subtree of n as at most i children of a wide node, and l,
+ * r the children of n:
  *
- *     C(n, 1) = min(area NODE_COST + min over k of C(l, k) + C(r, 8 - k), area BLOCK_COST if n has at most 8
- * triangles) C(n, i) = min(C(n, i - 1), min over k of C(l, k) + C(r, i - k))
+ *     C(n, 1) = min(area NODE_COST + min over k of C(l, k) + C(r, 8 - k),
+ *                   area BLOCK_COST if n has at most 8 triangles)
+ *     C(n, i) = min(C(n, i - 1), min over k of C(l, k) + C(r, i - k))
  *
- * The plan in a node's info: for i = 2 .. 8 three bits at 3 (i - 2), the best k, 0 where C(n, i) = C(n, i -
- * 1).
+ * The plan in a node's info has three bits at 3 (i - 2) for i = 2 .. 8: the best k, or 0 if C(n, i) = C(n, i
+ * - 1).
  */
 #include "trace/bvh_build.h"
 
@@ -18,8 +19,8 @@
 
 #include <string.h>
 
-#define NODE_COST 1.0f
-#define BLOCK_COST 1.0f /* half and 2.5 times as much change the nodes and blocks that a ray meets by 1 % */
+#define NODE_COST 1.0f  /* relative costs of a visit */
+#define BLOCK_COST 1.0f /* insensitive; measured: tests/results/bvh-build.md */
 
 static float area_of(const lc_bin_node *n)
 {
@@ -73,25 +74,25 @@ lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_b
 
 static bool is_block(const lc_bin_node *n) { return n->info & (LC_BIN_LEAF | LC_BIN_BLOCK); }
 
-static bool stands_before(const lc_bin_node *a, const lc_bin_node *b)
+static bool goes_before(const lc_bin_node *a, const lc_bin_node *b)
 {
     if (is_block(a) != is_block(b)) return is_block(a);
     return is_block(a) ? area_of(a) < area_of(b) : area_of(a) > area_of(b);
 }
 
-/* Blocks first, the smallest of them first, then nodes, the largest first. Rays that are blocked visit 2 to 5
- * % fewer nodes than in the order of the binary tree while any_hit tests blocks in order and pops the last
- * node first. */
+/* Sorts children for shadow rays: blocks first, by rising area, then nodes by falling area. The kernels test
+ * blocks in order and visit the last node first. Measured: tests/results/bvh-build.md. */
 static void sort_children(const lc_bin_node *nodes, uint32_t *child, uint32_t n)
 {
     for (uint32_t i = 1; i < n; i++) {
         uint32_t x = child[i], k = i;
-        for (; k > 0 && stands_before(&nodes[x], &nodes[child[k - 1]]); k--) child[k] = child[k - 1];
+        for (; k > 0 && goes_before(&nodes[x], &nodes[child[k - 1]]); k--) child[k] = child[k - 1];
         child[k] = x;
     }
 }
 
-/* The binary nodes that are the children of a wide one made from `root`. */
+/* Follows the plan: out[] gets the binary nodes that become the children of the wide node made from
+ * `root`. */
 static uint32_t children_of(const lc_bin_node *nodes, uint32_t root, uint32_t out[8])
 {
     struct {
@@ -120,17 +121,17 @@ static uint32_t children_of(const lc_bin_node *nodes, uint32_t root, uint32_t ou
 
 /* ---- nodes and blocks ---- */
 
-/* A subtree of wide nodes for one thread. */
+/* A subtree of wide nodes that one thread makes. */
 typedef struct {
-    uint32_t root;           /* binary node */
-    uint32_t node, block;    /* first of its nodes and blocks; before that their number */
+    uint32_t root;        /* binary node */
+    uint32_t node, block; /* first the number of its nodes and blocks, then the index of the first of each */
 } job;
 
 typedef struct {
     const lc_bvh_builder *b;
     lc_bvh *bvh;
-    float pad[3];
-    uint32_t *top; /* binary nodes of wide ones that are above all jobs */
+    float pad[3];  /* by which boxes are widened along each axis */
+    uint32_t *top; /* the binary nodes of the wide nodes above all jobs */
     job *jobs;
     size_t n_top, n_jobs, n_top_blocks, cap_top, cap_jobs;
 } collapse;
@@ -148,15 +149,15 @@ static void fill_block(const lc_bvh_builder *b, const lc_bin_node *leaf, lc_tri_
             for (size_t k = 0; k < 3; k++) blk->v[v][k][i] = p[k];
         }
     }
-    for (uint32_t i = n; i < 8; i++) { /* empty lanes fail every comparison */
+    for (uint32_t i = n; i < 8; i++) { /* NaN fails every comparison, so empty lanes are never hit */
         blk->tri[i] = LC_NONE;
         for (size_t v = 0; v < 3; v++)
             for (size_t k = 0; k < 3; k++) blk->v[v][k][i] = NAN;
     }
 }
 
-/* Boxes, and children that are blocks, from *block on. The others' binary nodes to inner, their lanes to
- * lane. */
+/* Fills a wide node's boxes and those of its children that are blocks, numbered from *block on. Returns the
+ * number of other children: their binary nodes in inner[], their lanes in lane[]. */
 static uint32_t fill_node(const collapse *c, lc_bvh_node *node, uint32_t root, uint32_t *block,
                           uint32_t inner[8], uint32_t lane[8])
 {
@@ -197,7 +198,8 @@ static void count_job(void *user, uint32_t thread, uint64_t item)
     }
 }
 
-/* A node's children stand together, the subtree of the first before that of the next. */
+/* Makes the nodes of a job. The children of a node are consecutive; the subtree of the first comes before
+ * that of the next. */
 static void fill_job(void *user, uint32_t thread, uint64_t item)
 {
     const collapse *c = user;
@@ -222,11 +224,12 @@ static void fill_job(void *user, uint32_t thread, uint64_t item)
     }
 }
 
-/* Level by level, so that the nth child of its kind found here is the nth found by fill_top. */
+/* Lists the wide nodes above all jobs, and the jobs, level by level: the nth child of its kind found here is
+ * the nth found by fill_top. */
 static lc_status list_jobs(collapse *c)
 {
     const lc_bin_node *nodes = c->b->nodes;
-    uint32_t child[8] = { 0 }, n = 1; /* first the root */
+    uint32_t child[8] = { 0 }, n = 1; /* starts with the root, node 0 */
     for (size_t t = 0;; t++) {
         lc_status st = lc_grow(c->b->ctx, (void **)&c->top, &c->cap_top, c->n_top + 8, sizeof *c->top);
         if (!st) st = lc_grow(c->b->ctx, (void **)&c->jobs, &c->cap_jobs, c->n_jobs + 8, sizeof *c->jobs);
@@ -283,8 +286,9 @@ static lc_status fill(collapse *c)
 lc_status lc_bvh_collapse(lc_bvh_builder *b, lc_bvh *bvh)
 {
     collapse c = { .b = b, .bvh = bvh };
-    /* 2^-20 of the largest coordinate: the shear of the triangle test rounds a vertex by at most 3 ulp of its
-     * distance from the origin, 6 * 2^-24 of twice that coordinate while the ray starts inside the scene. */
+    /* Boxes are padded by 2^-20 of the largest coordinate: the shear of the triangle test rounds a vertex by
+     * at most 3 ulp of its distance from the ray's origin, or 6 * 2^-24 of twice the largest coordinate if
+     * the ray starts inside the scene. */
     float most = 0;
     for (int k = 0; k < 3; k++) most = fmaxf(most, fmaxf(fabsf(b->nodes[0].lo[k]), fabsf(b->nodes[0].hi[k])));
     for (int k = 0; k < 3; k++) c.pad[k] = 0x1p-20f * most;

@@ -1,20 +1,21 @@
-/* bvh_reinsert.c - betters the upper binary tree (Bittner, Hapala, Havran 2013, "Fast insertion-based
- * optimization of bounding volume hierarchies"): nodes of large area are taken out and put back where they
- * add least area. Serial. Rays visit 5 to 30 % fewer nodes for it.
+/* bvh_reinsert.c - optimizes the upper binary tree (Bittner, Hapala, Havran 2013, "Fast insertion-based
+ * optimization of bounding volume hierarchies"): nodes of large area are removed and inserted again where
+ * they add the least area. Serial. Measured: tests/results/bvh-build.md.
  *
- *     taking out n:    p(n, s) -> s at p's place          putting in at x:    x -> q(x, n) at x's place
+ *     remove n:    p(n, s) -> s in p's place          insert at x:    x -> q(x, n) in x's place
  *
- * The pair of places that n and s leave is taken by x and n. Nodes of at most eight triangles are not opened,
- * so that those of a block stay together. Depth stays below MAX_DEPTH.
+ * x and n take the pair of places that n and s leave. Nodes of at most eight triangles are not opened, so
+ * that the triangles of a block stay together. The depth stays below MAX_DEPTH.
  */
 #include "trace/bvh_build.h"
 
 #include <math.h>
 
+/* Limits on the time spent; chosen. */
 #define PASSES 2
-#define SHARE 28 /* one node is moved for so many triangles */
-#define MAX_MOVES 8192
-#define MAX_VISITS 256 /* of a search */
+#define TRIS_A_MOVE 28 /* triangles for each node that a pass moves */
+#define MAX_MOVES 8192 /* nodes that a pass moves */
+#define MAX_VISITS 256 /* nodes that the search for one place visits */
 #define MAX_DEPTH (LC_BVH_MAX_DEPTH - 2)
 
 typedef struct {
@@ -22,7 +23,7 @@ typedef struct {
     uint32_t node, depth;
 } entry;
 
-/* The least cost on top. */
+/* A binary heap with the least cost at the top. */
 typedef struct {
     entry *at;
     uint32_t n;
@@ -64,12 +65,13 @@ static float area_of(f4_box box)
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
 }
 
-/* May it get a new child somewhere below? */
+/* True if a node may be inserted below this one. */
 static bool is_open(const lc_bin_node *n)
 {
     return !(n->info & LC_BIN_LEAF) && !(n->info >> LC_BIN_COUNT_SHIFT & 15);
 }
 
+/* Stores a node and its costs at a place. */
 static void put(const lc_bvh_builder *b, uint32_t place, const lc_bin_node *node, const lc_bvh_costs *costs)
 {
     b->nodes[place] = *node;
@@ -77,7 +79,7 @@ static void put(const lc_bvh_builder *b, uint32_t place, const lc_bin_node *node
     if (!(node->info & LC_BIN_LEAF)) b->parents[node->left / 2] = place;
 }
 
-/* Boxes, heights and marks from a node whose children changed up to the root. */
+/* Updates boxes, heights and flags from a node whose children changed up to the root. */
 static void update_above(const lc_bvh_builder *b, uint32_t place)
 {
     for (;; place = b->parents[place / 2]) {
@@ -95,7 +97,8 @@ static void update_above(const lc_bvh_builder *b, uint32_t place)
     }
 }
 
-/* Where a node adds least area: in itself and its sibling's new parent, and in all above. 0: nowhere. */
+/* The place where inserting the node adds the least area, to all nodes above and by the new parent; 0 if
+ * there is none. Branch and bound, as in the paper. */
 static uint32_t find_place(mover *m, const lc_bin_node *node, uint32_t height)
 {
     const lc_bvh_builder *b = m->b;
@@ -144,7 +147,8 @@ static void move_node(mover *m, uint32_t place)
     update_above(b, to);
 }
 
-/* The largest nodes below the root, falling: a child is never larger than its parent. */
+/* Lists the nodes of largest area below the root, in falling order: a child is never larger than its
+ * parent. */
 static uint32_t list_largest(mover *m)
 {
     const lc_bin_node *nodes = m->b->nodes;
@@ -161,7 +165,7 @@ static uint32_t list_largest(mover *m)
     return n;
 }
 
-/* New plans for all that changed, which is a tree below the root. list: room for all inner nodes. */
+/* Plans again all nodes that changed, which form a tree below the root. list: room for all inner nodes. */
 static void plan_changed(const lc_bvh_builder *b, uint32_t *list)
 {
     uint32_t n = 0;
@@ -181,8 +185,8 @@ static void plan_changed(const lc_bvh_builder *b, uint32_t *list)
 
 lc_status lc_bvh_reinsert(lc_bvh_builder *b)
 {
-    const size_t share = b->n_tris / SHARE;
-    mover m = { .b = b, .n_moves = share < MAX_MOVES ? (uint32_t)share : MAX_MOVES };
+    const size_t moves = b->n_tris / TRIS_A_MOVE;
+    mover m = { .b = b, .n_moves = moves < MAX_MOVES ? (uint32_t)moves : MAX_MOVES };
     const size_t room = 2 * (size_t)m.n_moves + 2 * MAX_VISITS;
     if (!m.n_moves || !is_open(&b->nodes[0])) return LC_OK;
     m.moves = lc_alloc_raw(b->ctx, m.n_moves, sizeof *m.moves);

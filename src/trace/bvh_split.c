@@ -1,13 +1,13 @@
-/* bvh_split.c - binned surface area heuristic (Wald 2007): bins on all three axes in one pass, the best
- * plane, and the stable partition by it. The cost of a side is its area times the blocks of eight that its
- * triangles fill. */
+/* bvh_split.c - the binned surface area heuristic (Wald 2007, "On fast construction of SAH-based bounding
+ * volume hierarchies"): bins on all three axes in one pass, the best plane, and the stable partition by it.
+ * The cost of a side is its area times the number of eight-triangle blocks that it fills. */
 #include "trace/bvh_build.h"
 
 #include "base/vec.h"
 
-#define EVEN 0.02f /* of a block, for each triangle */
+#define TRI_COST 0.02f /* of a block: breaks ties between splits that fill equally many blocks; chosen */
 #define MIN_BINS 4
-#define BIN_SHARE 4 /* refs a bin more */
+#define REFS_A_BIN 4   /* a range gets one more bin for so many refs, up to LC_BVH_BINS */
 
 void lc_bvh_make_refs(const lc_bvh_builder *b, uint32_t first, uint32_t count, f4_box *box, f4_box *centroids)
 {
@@ -32,7 +32,7 @@ void lc_bvh_make_refs(const lc_bvh_builder *b, uint32_t first, uint32_t count, f
 lc_bvh_binning lc_bvh_binning_of(const lc_bvh_range *range)
 {
     _Alignas(16) float extent[4], scale[4] = { 0, 0, 0, 0 };
-    uint32_t n = MIN_BINS + range->count / BIN_SHARE;
+    uint32_t n = MIN_BINS + range->count / REFS_A_BIN;
     if (n > LC_BVH_BINS) n = LC_BVH_BINS;
     f4_store(extent, f4_sub(range->centroids.hi, range->centroids.lo));
     for (int k = 0; k < 3; k++) {
@@ -74,11 +74,10 @@ void lc_bvh_add_to_bins(lc_bvh_bins *bins, const lc_bvh_binning *by, const lc_bv
     }
 }
 
-/* Blocks that n triangles fill, and a little for each triangle: even halves are preferred between the steps.
- */
+/* The number of blocks that n triangles fill, plus TRI_COST for each triangle, which favours even splits. */
 static f4 blocks_of(i4 n)
 {
-    return f4_add(f4_from_i4(i4_div8(i4_add(n, i4_set(7)))), f4_mul(f4_from_i4(n), f4_set(EVEN)));
+    return f4_add(f4_from_i4(i4_div8(i4_add(n, i4_set(7)))), f4_mul(f4_from_i4(n), f4_set(TRI_COST)));
 }
 
 uint32_t lc_bvh_count_left(const lc_bvh_bins *bins, const lc_bvh_split *split)
@@ -96,7 +95,8 @@ static void describe(const lc_bvh_bins *bins, uint32_t n_bins, lc_bvh_split *s)
     for (uint32_t i = s->bin; i < n_bins; i++) s->right = f4_box_join(s->right, bins->box[i][s->axis]);
 }
 
-/* All axes at once, an axis a lane. An empty side makes its cost NaN, which is less than nothing. */
+/* Evaluates all axes at once, one a lane. An empty side makes the cost NaN, which compares as less than
+ * nothing. */
 lc_bvh_split lc_bvh_best_split(const lc_bvh_bins *bins, const lc_bvh_binning *by)
 {
     f4 right[LC_BVH_BINS], best = f4_set(FLT_MAX), best_at = f4_set(0);
@@ -129,7 +129,7 @@ lc_bvh_split lc_bvh_best_split(const lc_bvh_bins *bins, const lc_bvh_binning *by
     return s;
 }
 
-/* Without branches: both halves being likely, a branch would be mispredicted half of the time. */
+/* Branchless, as both sides are about equally likely and a branch would often be mispredicted. */
 void lc_bvh_partition(const lc_bvh_binning *by, const lc_bvh_split *split, const lc_bvh_ref *refs,
                       uint32_t count, lc_bvh_ref **left, lc_bvh_ref **right)
 {

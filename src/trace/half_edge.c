@@ -1,4 +1,4 @@
-/* half_edge.c - see half_edge.h. Open addressing by the two vertices. */
+/* half_edge.c - matches half-edges by a hash table of vertex pairs, with open addressing. */
 #include "trace/half_edge.h"
 
 #include "base/arena.h"
@@ -27,7 +27,7 @@ lc_status lc_find_twins(const lc_context *ctx, const uint32_t *corner, uint32_t 
                 twin[h] = o;
                 twin[o] = h;
             }
-            break; /* of one edge the first stands for all: a third face goes without */
+            break; /* the table keeps the first half-edge of an edge: a third face finds it taken */
         }
         slots[i] = slots[i] == LC_NONE ? h : slots[i];
     }

@@ -1,4 +1,4 @@
-/* occluder.c - see occluder.h. */
+/* occluder.c - selects the largest triangles by a histogram, then finds neighbours by vertex position. */
 #include "trace/occluder.h"
 
 #include "base/rng.h"
@@ -7,14 +7,14 @@
 
 #include <string.h>
 
-#define BINS ((size_t)1 << 16) /* of sizes, by the upper half of their bits */
+#define BINS ((size_t)1 << 16) /* of the histogram of sizes: the upper half of a float's bits */
 
 static bool may_be_one(const lc_occluders_desc *d, size_t tri)
 {
     return !d->has_holes || !(d->has_holes[tri / 32] >> tri % 32 & 1);
 }
 
-/* Squared area times 4: its bits grow with it. */
+/* Four times the squared area as the bits of a float, which have the same order as its values. */
 static uint32_t size_of(const lc_occluders_desc *d, size_t tri)
 {
     lc_f3 a = lc_f3_load(lc_tri_vertex(d->pos, d->index, tri, 0)),
@@ -26,7 +26,7 @@ static uint32_t size_of(const lc_occluders_desc *d, size_t tri)
     return size > 0 ? bits : 0;
 }
 
-/* Marks those of the highest bins that are not too many together. */
+/* Marks the triangles of as many of the highest bins as stay below LC_MAX_OCCLUDERS together. */
 static lc_status choose(const lc_context *ctx, const lc_occluders_desc *d, lc_occluders *o)
 {
     uint32_t *count = lc_alloc(ctx, BINS, sizeof *count);
@@ -43,7 +43,12 @@ static lc_status choose(const lc_context *ctx, const lc_occluders_desc *d, lc_oc
     return LC_OK;
 }
 
-static void set(lc_occluder *o, size_t k, lc_f3 v) { o->v[0][k] = v.x, o->v[1][k] = v.y, o->v[2][k] = v.z; }
+static void set(lc_occluder *o, size_t k, lc_f3 v)
+{
+    o->v[0][k] = v.x;
+    o->v[1][k] = v.y;
+    o->v[2][k] = v.z;
+}
 
 static void copy_vertices(const lc_occluders_desc *d, lc_occluders *o)
 {
@@ -70,7 +75,7 @@ static bool same_place(const lc_occluders *o, uint32_t a, uint32_t b)
     return same;
 }
 
-/* corner[i]: the first corner that lies where corner i does. Meshes often have a vertex twice, for two
+/* Sets corner[i] to the first corner at the position of corner i. Meshes often repeat a vertex to give it two
  * normals. */
 static lc_status weld(const lc_context *ctx, const lc_occluders *o, uint32_t *corner)
 {
@@ -92,6 +97,7 @@ static lc_status weld(const lc_context *ctx, const lc_occluders *o, uint32_t *co
     return LC_OK;
 }
 
+/* Finds the neighbours across the edges. */
 static lc_status join(const lc_context *ctx, lc_occluders *o)
 {
     size_t n = 3 * (size_t)o->n;

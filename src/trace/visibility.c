@@ -1,4 +1,4 @@
-/* visibility.c - shadows by the BVH. */
+/* visibility.c - the visibility interface on top of the BVH. */
 #include "trace/visibility.h"
 
 #include "base/vec4.h"
@@ -11,8 +11,9 @@ static void hidden_by_bvh(const void *scene, const float org[3], uint32_t n, con
     bvh->kernels->hidden(&bvh->data, org, n, target, far, hidden, blocker);
 }
 
-/* Which of a block's triangles a direction passes; LC_NONE: rounding keeps that from being seen. */
-static uint32_t passed(const lc_tri_block *b, const float org[3], const float d[3])
+/* The triangle of a block through which a direction passes; LC_NONE if rounding leaves that open for all of
+ * them. */
+static uint32_t triangle_along(const lc_tri_block *b, const float org[3], const float d[3])
 {
     for (int half = 0; half < 8; half += 4) {
         f4 v[3][3], s[3], zero = f4_set(0);
@@ -36,7 +37,7 @@ static uint32_t passed(const lc_tri_block *b, const float org[3], const float d[
 static uint32_t occluder_of(const void *scene, uint32_t blocker, const float org[3], const float dir[3])
 {
     const lc_bvh *bvh = scene;
-    uint32_t tri = passed(&bvh->data.blocks[blocker], org, dir);
+    uint32_t tri = triangle_along(&bvh->data.blocks[blocker], org, dir);
     return tri == LC_NONE ? LC_NONE : lc_occluder_of(bvh->occluders, tri);
 }
 
