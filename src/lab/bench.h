@@ -35,8 +35,15 @@ int bench_tree(const bench_options *o); /* calls one of the next two when o says
 int bench_quality(const bench_options *o);
 int bench_scaling(const bench_options *o);
 int bench_render(const bench_options *o);
+int bench_layout(const bench_options *o);
 
-/* Seconds of repeated runs, sorted in place. spread: half the distance between the quartiles. */
+/* Seconds of processor time, which other programs on a busy machine do not add to: of the calling thread,
+ * and of all threads of the process, ended ones included. */
+double bench_cpu(void);
+double bench_process_cpu(void);
+
+/* Seconds of repeated runs, sorted in place. best: the least; spread: half the distance between the
+ * quartiles. */
 typedef struct bench_summary {
     double best, median, spread;
 } bench_summary;

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { BOUNDS = 1, RAYS = 2, TREE = 4, RENDER = 8, ALL = 15 };
+enum { BOUNDS = 1, RAYS = 2, TREE = 4, RENDER = 8, LAYOUT = 16, ALL = 31 };
 enum {
     OPT_MESH = 256,
     OPT_RAYS,
@@ -30,7 +30,8 @@ static const struct {
 } benches[] = { { "bounds", BOUNDS, bench_bounds },
                 { "rays", RAYS, bench_rays },
                 { "tree", TREE, bench_tree },
-                { "render", RENDER, bench_render } };
+                { "render", RENDER, bench_render },
+                { "layout", LAYOUT, bench_layout } };
 #define N_BENCHES (sizeof benches / sizeof *benches)
 
 static const struct {
@@ -39,7 +40,7 @@ static const struct {
 } all_options[] = {
     { { "mesh", 1, 0, OPT_MESH }, RAYS },
     { { "rays", 1, 0, OPT_RAYS }, RAYS },
-    { { "lights", 1, 0, OPT_LIGHTS }, TREE },
+    { { "lights", 1, 0, OPT_LIGHTS }, TREE | LAYOUT },
     { { "quality", 0, 0, OPT_QUALITY }, TREE },
     { { "scaling", 0, 0, OPT_SCALING }, TREE },
     { { "outfile", 1, 0, 'o' }, TREE },
@@ -51,7 +52,7 @@ static const struct {
     { { "representatives", 1, 0, OPT_REPS }, RENDER },
     { { "pixelbounds", 1, 0, OPT_PIXELS }, RENDER },
     { { "nthreads", 1, 0, 't' }, RAYS | TREE | RENDER },
-    { { "isa", 1, 0, OPT_ISA }, BOUNDS | RAYS | RENDER },
+    { { "isa", 1, 0, OPT_ISA }, BOUNDS | RAYS | RENDER | LAYOUT },
     { { "runs", 1, 0, OPT_RUNS }, ALL },
     { { "json", 0, 0, OPT_JSON }, ALL },
     { { "help", 0, 0, 'h' }, ALL },
@@ -63,6 +64,7 @@ static const char help[] =
     "       lightcuts bench rays [options] [--mesh M.mesh.bin --rays R.rays.bin]\n"
     "       lightcuts bench tree [options] [--quality [SCENE...] | --scaling [-o PLOT.svg]]\n"
     "       lightcuts bench render [options] SCENE.pbrt\n"
+    "       lightcuts bench layout [options]\n"
     "\n"
     "Times parts of the renderer on this machine and prints medians; what else the machine does meanwhile "
     "counts too.\n"
@@ -79,17 +81,22 @@ static const char help[] =
     "         --scaling: time of a 256x256 crop of `cube` with 10^3 to 10^7 lights, the picture as bright as "
     "ever\n"
     "render   seconds of a render divided by the seconds its shadow and camera rays take alone: `ratio`\n"
+    "layout   ns a bound of the renderer's 64-byte cluster records and of a structure of arrays; ns a cut "
+    "of\n"
+    "         its rounds and of a max-heap; 10000 lights of `room`, one thread\n"
     "\n"
-    "      --runs N         repetitions, 1 to 1001; default 15 (bounds), 5 (rays, tree), 3 (render and the "
-    "rest)\n"
+    "      --runs N         repetitions, 1 to 1001; default 15 (bounds, layout), 5 (rays, tree), 3 (render "
+    "and "
+    "the rest)\n"
     "      --json           print one JSON object: version, bench, threads, results\n"
-    "      --isa I          bounds, rays, render: %s only (also, as the best: LC_ISA)\n"
+    "      --isa I          bounds, rays, render, layout: %s only (also, as the best: "
+    "LC_ISA)\n"
     "  -t, --nthreads N     rays, tree, render: default all processors this process may use\n"
     "      --mesh FILE      rays: the mesh\n"
     "      --rays FILE      rays: the segments, in groups of one origin\n"
     "      --lights N       tree: this number of lights, not 1000, 10000 and 100000; --quality: not 10000 "
     "and 100000;\n"
-    "                       --scaling: at most so many\n"
+    "                       --scaling: at most so many; layout: not 10000\n"
     "      --quality        tree: of these generated scenes, or of the first six; --runs: seeds\n"
     "      --scaling        tree: see above; minutes, and some GB of memory at 10^7\n"
     "  -o, --outfile FILE   tree --scaling: plot it as SVG\n"
@@ -135,7 +142,7 @@ static int find_bench(const char *word)
         if (!strcmp(word, benches[i].name)) return (int)i;
     }
     const char *near = cli_nearest(word, names);
-    cli_usage_error("bench", "'%s' is not bounds, rays, tree or render%s%s%s", word,
+    cli_usage_error("bench", "'%s' is not bounds, rays, tree, render or layout%s%s%s", word,
                     near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
     return -1;
 }
@@ -197,7 +204,7 @@ static int parse_options(int argc, char **argv, int which, bench_options *o)
     optind = 1;
     opterr = 0;
     while ((c = getopt_long(argc, argv,
-                            bit == BOUNDS ? ":h"
+                            bit & (BOUNDS | LAYOUT) ? ":h"
                             : bit == TREE ? ":t:o:h"
                                           : ":t:h",
                             table, &index)) != -1) {
@@ -226,7 +233,7 @@ int cmd_bench(int argc, char **argv)
         return CLI_OK;
     }
     if (argc < 2) {
-        cli_usage_error("bench", "say what: bounds, rays, tree or render");
+        cli_usage_error("bench", "say what: bounds, rays, tree, render or layout");
         return CLI_USAGE;
     }
     int which = find_bench(argv[1]);
