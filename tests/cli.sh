@@ -716,16 +716,19 @@ for isa in scalar sse4 avx2 avx512; do
     prints '"occluded": 2}'
 done
 cp out bench_rays.json
+prints '"mrays_per_cpu_second_best": '
 good 'bench bounds' bench bounds --runs 1 --isa scalar
 prints '^bounds  *directional  *phong  *scalar .* ns/cluster'
 prints '^exact  *oriented  *lambert  *scalar .* ns/light'
 prints '^estimate  *point  *ward  *scalar .* ns/light'
 prints '^bounds  *oriented  *ggx  *scalar .* ns/cluster'
 good 'bench bounds --json' bench bounds --runs 1 --json
+prints '"clock": "cpu", "ns": '
 cp out bench_bounds.json
 good 'bench tree' bench tree --lights 100 --runs 1 -t 1
 prints '^ *100 oriented .* exact .* 1 thread .* ms, .* bytes/light'
 good 'bench tree --json' bench tree --lights 100 --runs 1 --json
+prints '"build_cpu_seconds_best": '
 cp out bench_tree.json
 good 'bench tree --quality' bench tree --quality grid cornell --lights 50 --runs 1
 prints '^grid  *50 exact .* 1.000  *1.000$'
@@ -738,13 +741,14 @@ prints '^ *200 .*[0-9]'
 check 'the plot is SVG' grep -q '<polyline .* points="[0-9.,]*"/>' p.svg
 if command -v python3 >/dev/null 2>&1; then check 'p.svg is XML' timeout 60 python3 -c 'import xml.dom.minidom as m; m.parse("p.svg")'; fi
 good 'bench tree --scaling --json' bench tree --scaling --lights 2 --runs 1 --json
-prints '"scene": "cube", "lights": 2, "parse_seconds": '
+prints '"scene": "cube", "lights": 2, "clock": "wall", "parse_seconds": '
 cp out scaling_tree.json
 good 'bench render' bench render s.pbrt --runs 1
 prints '^ratio  *[0-9]'
 prints '^recorded  100.0 % of [1-9]'
 good 'bench render, exact' bench render s.pbrt --runs 1 --method exact --pixelbounds 8,24,8,24 -t 2 --json
 prints '"shadow_rays": 384, "camera_rays": 256,'
+prints '"cpu_ratio_best": '
 cp out bench_render.json
 good 'bench layout' bench layout --runs 1
 prints 'ns of its CPU time'
