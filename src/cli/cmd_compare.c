@@ -108,7 +108,7 @@ static int parse_average(const char *text, uint32_t *out)
 /* 0: go on; else the exit status + 1. */
 static int parse_options(int argc, char **argv, options *o)
 {
-    enum { OPT_AVERAGE = 256, OPT_OVER, OPT_JSON, OPT_SCALE, OPT_MAP, OPT_FAIL };
+    enum { OPT_AVERAGE = CLI_LONG_ONLY, OPT_OVER, OPT_JSON, OPT_SCALE, OPT_MAP, OPT_FAIL };
     static const struct option table[] = { { "average", required_argument, NULL, OPT_AVERAGE },
                                            { "over", required_argument, NULL, OPT_OVER },
                                            { "json", no_argument, NULL, OPT_JSON },
@@ -232,7 +232,7 @@ static bool is_beyond(const options *o, const metrics *m)
     return beyond;
 }
 
-/* R G B, or Y three times; false when there is neither. */
+/* The planes R, G and B, or Y three times. False: the image has neither. */
 static bool find_planes(const lc_image *image, const char *path, float *plane[3])
 {
     static const char *const names[3] = { "R", "G", "B" };
@@ -248,7 +248,7 @@ static bool find_planes(const lc_image *image, const char *path, float *plane[3]
     return grey != NULL;
 }
 
-/* Mean of the n x n pixels from (x, y) on that there are. */
+/* Mean of the n x n pixels from (x, y) on, as far as they lie in the image. */
 static float block_mean(const float *plane, const lc_image_desc *d, uint32_t x, uint32_t y, uint32_t n)
 {
     double sum = 0;
@@ -258,7 +258,7 @@ static float block_mean(const float *plane, const lc_image_desc *d, uint32_t x, 
     return (float)(sum / ((double)(x1 - x) * (y1 - y)));
 }
 
-/* An image of the means of blocks of n x n pixels, and its planes in place of the given ones. */
+/* Makes an image of the means of blocks of n x n pixels and replaces the given planes by its own. */
 static lc_status average(lc_context *ctx, const lc_image_desc *d, uint32_t n, float *plane[3], lc_image **out)
 {
     static const char *const names[3] = { "R", "G", "B" };

@@ -1,7 +1,8 @@
-/* bench_bounds.c - the kernels over lights: bounds of clusters, estimates of lights; one thread.
+/* bench_bounds.c - the kernels over clusters and lights, one thread: bounds, the estimates of cuts, and those
+ * of the exact method.
  *
- * A tree of 4096 lights: 256 kB of clusters, 128 kB of lights, so in L2. Instruction sets take turns, run by
- * run, so that a busy machine slows them all.
+ * The tree has 4096 lights: 256 kB of clusters and 128 kB of lights, which fit in L2. Instruction sets take
+ * turns, run by run, so that a busy machine slows all of them.
  */
 #include "lab/bench.h"
 
@@ -12,20 +13,20 @@
 #include "tree/light_tree.h"
 
 #define N_LIGHTS 4096u
-#define BATCH 64u      /* clusters or lights in a call: what a cut asks for at once */
+#define BATCH 64u      /* clusters or lights in a call, as in cuts */
 #define N_BATCHES 2048u /* calls in a run */
-#define BLOCK 256u     /* lights in a call of the exact method */
-#define N_POINTS 8u
-#define RUNS 15
+#define BLOCK 256u     /* lights in a call, as in the exact method */
+#define N_POINTS 8u    /* receivers, in turn */
+#define RUNS 15        /* by default */
 
 typedef struct setup {
     lc_light_kind kind;
     lc_light_tree *tree;
-    uint32_t *list; /* N_BATCHES * BATCH clusters, then as many lights, at random */
+    uint32_t *list; /* N_BATCHES * BATCH random clusters, then as many random lights */
     lc_point points[N_POINTS];
 } setup;
 
-/* One run with one instruction set; returns how many clusters or lights it went through. */
+/* One run with the kernels of an instruction set. Returns how many clusters or lights were evaluated. */
 typedef uint32_t run_fn(const setup *s, const lc_kernels *k);
 
 static uint32_t run_bounds(const setup *s, const lc_kernels *k)

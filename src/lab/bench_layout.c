@@ -29,7 +29,7 @@
 #define N_LIGHTS 10000u
 #define N_REPS 16u       /* representatives of a cluster: the default of a render */
 #define GRID_SIDE 16u    /* points: the first hits of 16 x 16 camera rays */
-#define RUNS 15
+#define RUNS 15          /* by default */
 #define BATCH 64u        /* consecutive clusters in a call */
 #define MIN_BOUNDS 1000000u /* in a run, which repeats the list until it has as many */
 #define MAX_ULP 4        /* greatest difference allowed between the bounds of the two layouts */

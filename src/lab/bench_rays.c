@@ -15,11 +15,11 @@
 
 #include <string.h>
 
-#define CHUNK 16384u
+#define CHUNK 16384u    /* rays that a thread takes at a time */
 #define MAX_GROUP 1024u /* rays in one kernel call; a multiple of LC_LANES */
-#define UNKNOWN_GROUP 64u
-#define RUNS 5
-#define POINTS 6400 /* of the rays that are made up */
+#define UNKNOWN_GROUP 64u /* rays in one kernel call where the file does not say how many share an origin */
+#define RUNS 5          /* by default */
+#define POINTS 6400 /* points that generated rays start from */
 
 typedef unsigned long long ull;
 
@@ -30,7 +30,7 @@ typedef struct job {
     bench_segments rays;
     uint32_t max_group, n_runs;
     lc_bvh *bvh;
-    const lc_trace_kernels *kernels; /* set for each instruction set */
+    const lc_trace_kernels *kernels; /* of the instruction set that is timed */
     uint64_t n_chunks;
     double *quiet;             /* least CPU seconds of each chunk */
     uint32_t *hidden;          /* occluded rays of each chunk */
@@ -44,7 +44,7 @@ typedef struct timing {
 typedef struct result {
     lc_isa isa;
     timing seconds;
-    double quiet;      /* seconds */
+    double quiet;      /* seconds on all threads, every chunk at its least CPU time */
     uint64_t occluded;
 } result;
 
@@ -166,7 +166,7 @@ static void print_json(const job *j, const timing *b, const result *r)
            (ull)r->occluded);
 }
 
-/* Everything about one mesh and its rays. first: no result is printed yet. */
+/* Times one mesh and its rays. first: no result has been printed. */
 static lc_status run_all(const bench_options *o, job *j, const bench_isas *isas, bool first)
 {
     timing build;

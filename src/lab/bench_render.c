@@ -18,11 +18,11 @@
 
 #include <string.h>
 
-#define RUNS 3
-#define MAX_TARGETS ((size_t)80 << 20) /* shadow rays kept at most, 12 bytes each: below 1 GiB */
-#define GROUPS 64  /* shading points handed to a thread at a time */
-#define CAMERAS 1024
-#define PIECE 1024 /* rays in one kernel call at most; a multiple of LC_LANES */
+#define RUNS 3 /* by default */
+#define MAX_TARGETS ((size_t)80 << 20) /* limit of the recorded shadow rays, 12 bytes each: below 1 GiB */
+#define GROUPS 64  /* shading points that a thread takes at a time */
+#define CAMERAS 1024 /* camera rays that a thread takes at a time */
+#define PIECE 1024 /* limit of rays in a kernel call; a multiple of LC_LANES */
 
 typedef unsigned long long ull;
 
@@ -37,7 +37,7 @@ typedef struct job {
     lc_render_stats stats;
     uint64_t *n_hidden;   /* by thread, 8 apart: a cache line each */
     double (*times)[N_PARTS][BENCH_MAX_RUNS]; /* N_CLOCKS; seconds of each run, rays scaled to the frame */
-    bool differs;         /* rays traced again were not occluded as they were in the render */
+    bool differs;         /* rays that are traced again are not occluded as in the render */
 } job;
 
 typedef struct seconds {
@@ -90,7 +90,7 @@ static void replay_cameras(void *user, uint32_t thread, uint64_t item)
     }
 }
 
-/* Times the recorded rays; the render has found the same ones occluded, or something is wrong. */
+/* Times the recorded rays, which must be occluded as they were in the render. */
 static lc_status replay(job *j, uint32_t run)
 {
     const bench_record *r = &j->rec;
@@ -124,13 +124,13 @@ static lc_status render(lc_context *ctx, const bench_options *o, const lc_scene 
     return st;
 }
 
-/* Renders once more, by one thread, and keeps what rays it traces. */
+/* Renders once more with one thread and records the rays. */
 static lc_status record(job *j, const bench_options *o)
 {
     lc_context *single = cli_context(1, o->isa, -1);
     if (!single) return LC_ERR_MEMORY;
     uint64_t every = 1 + j->stats.shadow_rays / (MAX_TARGETS / 16 * 15);
-    uint64_t want = j->stats.shadow_rays / 8 * 9 + (1 << 20); /* the pre-pass is not counted */
+    uint64_t want = j->stats.shadow_rays / 8 * 9 + (1 << 20); /* rays of the pre-pass are not counted */
     lc_status st = bench_record_start(&j->rec, j->ctx, j->scene->bvh, every,
                                       want < MAX_TARGETS ? (size_t)want : MAX_TARGETS);
     if (!st) {
@@ -140,7 +140,7 @@ static lc_status record(job *j, const bench_options *o)
     }
     lc_context_destroy(single);
     if (st) return st;
-    if (j->rec.n_shadow_seen < j->stats.shadow_rays) /* then the ratio is of other rays than it says */
+    if (j->rec.n_shadow_seen < j->stats.shadow_rays) /* then the ratio is of different rays */
         lc_log(j->ctx, LC_LOG_WARNING, "warning: the render counts %llu shadow rays, the kernels saw %llu",
                (ull)j->stats.shadow_rays, (ull)j->rec.n_shadow_seen);
     j->n_hidden = lc_alloc(j->ctx, j->ctx->n_threads, 8 * sizeof *j->n_hidden);
@@ -176,7 +176,7 @@ static figures figures_of(job *j, uint32_t n_runs)
     return f;
 }
 
-/* Million rays a second; of a render: shadow rays. */
+/* Million rays a second; for a render its shadow rays count. */
 static double rate(const job *j, int part, double seconds_of_part)
 {
     uint64_t n = part == CAMERA ? j->rec.n_camera_seen : j->rec.n_shadow_seen;

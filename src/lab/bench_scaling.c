@@ -10,8 +10,8 @@
 #include <string.h>
 #include <sys/resource.h>
 
-#define RUNS 3
-#define MAX_LIGHTS 10000000u
+#define RUNS 3               /* by default */
+#define MAX_LIGHTS 10000000u /* by default */
 #define MAX_SIZES 16
 
 typedef struct sizes {
@@ -22,7 +22,7 @@ typedef struct sizes {
     uint32_t count;
 } sizes;
 
-/* Highest memory of this process so far, in MB. */
+/* Peak memory of the process, MB. */
 static double peak_mb(void)
 {
     struct rusage usage;

@@ -1,12 +1,11 @@
-/* bench_tree.c - how long light trees take to build, and how much memory a light: by kind of light, builder
- * and threads. */
+/* bench_tree.c - time and memory of the build of light trees, by kind of light, builder and threads. */
 #include "lab/bench.h"
 
 #include "base/stats.h"
 #include "cli/cli.h"
 #include "tree/light_tree.h"
 
-#define RUNS 5
+#define RUNS 5 /* by default */
 
 static lc_status measure(const bench_options *o, const lc_context *ctx, const bench_builder *builder,
                          lc_light_kind kind, uint32_t n, bool *first)
@@ -77,7 +76,7 @@ int bench_tree(const bench_options *o)
             "light trees: build, CPU time of all threads and wall clock, the least of %u runs; +- half the "
             "distance between the quartiles\n",
             o->n_runs ? o->n_runs : RUNS);
-    /* Unless told how many: by one thread as well. */
+    /* Without -t: with one thread too. */
     if (!o->n_threads && ctx->n_threads > 1) {
         single = cli_context(1, o->isa, 0);
         st = single ? build_times(o, single, &first) : LC_ERR_MEMORY;

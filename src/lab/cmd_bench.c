@@ -6,7 +6,7 @@
 
 enum { BOUNDS = 1, RAYS = 2, TREE = 4, RENDER = 8, LAYOUT = 16, ALL = 31 };
 enum {
-    OPT_MESH = 256,
+    OPT_MESH = CLI_LONG_ONLY,
     OPT_RAYS,
     OPT_ISA,
     OPT_LIGHTS,
@@ -36,7 +36,7 @@ static const struct {
 
 static const struct {
     struct option option;
-    int benches; /* that know it */
+    int benches; /* bits of the benches that have it */
 } all_options[] = {
     { { "mesh", 1, 0, OPT_MESH }, RAYS },
     { { "rays", 1, 0, OPT_RAYS }, RAYS },
@@ -122,18 +122,18 @@ static int set_option(bench_options *o, int c)
     case OPT_SCALING: o->scaling = true; return 0;
     case 'o': o->outfile = optarg; return !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return cli_parse_single(optarg, 0, 1e6, &o->render.error_ratio);
+    case OPT_ERROR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
     case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: return cli_parse_single(optarg, 0, 1e6, &o->render.dark_floor);
+    case OPT_FLOOR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
-    case OPT_REPS: return cli_parse_u32(optarg, 1, 32, &o->load.n_reps);
+    case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_PIXELS: return cli_parse_pixels(optarg, o->render.crop);
-    case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
+    case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
     default: return 0;
     }
 }
 
-/* -1: no such bench (said). */
+/* The index of the bench. -1 after a usage error. */
 static int find_bench(const char *word)
 {
     const char *names[N_BENCHES + 1] = { NULL };
@@ -147,7 +147,7 @@ static int find_bench(const char *word)
     return -1;
 }
 
-/* The generated scenes for --quality. */
+/* Finds the generated scenes named for --quality. */
 static int find_scenes(bench_options *o, int n, char **args)
 {
     const char *names[GEN_N_SCENES + 1] = { NULL };
@@ -166,7 +166,7 @@ static int find_scenes(bench_options *o, int n, char **args)
     return CLI_OK;
 }
 
-/* What the bench wants besides options. */
+/* Checks the arguments beside the options, and which options go together. */
 static int check_arguments(bench_options *o, int which, int n, char **args)
 {
     int bit = benches[which].bit, want = bit == RENDER;
@@ -193,7 +193,7 @@ static int check_arguments(bench_options *o, int which, int n, char **args)
     return CLI_OK;
 }
 
-/* argv[0] is the bench's name. -1: help was asked for and given; else 0 or the exit status. */
+/* argv[0] is the bench's name. -1 after --help, else 0 or the exit status. */
 static int parse_options(int argc, char **argv, int which, bench_options *o)
 {
     struct option table[N_OPTIONS + 1];
@@ -217,7 +217,7 @@ static int parse_options(int argc, char **argv, int which, bench_options *o)
             return CLI_USAGE;
         }
         if (set_option(o, c)) {
-            if (c < 256) cli_usage_error("bench", "bad value '%s' for option -%c", optarg, c);
+            if (c < CLI_LONG_ONLY) cli_usage_error("bench", "bad value '%s' for option -%c", optarg, c);
             else cli_usage_error("bench", "bad value '%s' for option --%s", optarg, table[index].name);
             return CLI_USAGE;
         }
