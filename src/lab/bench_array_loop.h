@@ -50,7 +50,7 @@ ARRAYS_INLINE float lane_bound(const bench_receiver *r, float cx, float cy, floa
     return z1 > 0 ? u * g : 0;
 }
 
-/* Lane k of a block at b. */
+/* The lane whose first word is at b. */
 #define LANE_BOUND(r, b)                                                                                     \
     lane_bound(r, (b)[(ROW_CENTER + 0) * LC_LANES], (b)[(ROW_CENTER + 1) * LC_LANES],                        \
                (b)[(ROW_CENTER + 2) * LC_LANES], (b)[(ROW_HALF + 0) * LC_LANES],                             \
@@ -58,27 +58,41 @@ ARRAYS_INLINE float lane_bound(const bench_receiver *r, float cx, float cy, floa
                (b)[(ROW_POWER + 0) * LC_LANES], (b)[(ROW_POWER + 1) * LC_LANES],                             \
                (b)[(ROW_POWER + 2) * LC_LANES])
 
+/* Bounds of the first `lanes`, a constant, of the clusters index[0 .. n); the last one stands in for those
+ * that are missing. */
+ARRAYS_INLINE void listed_bounds(const float *word, const uint32_t *index, uint32_t n, uint32_t lanes,
+                                 const bench_receiver *r, float *restrict ub)
+{
+    const int n_lanes = (int)lanes; /* with signed counters GCC 12 vectorizes the loops */
+    int32_t at[LC_LANES];
+    for (int k = 0; k < n_lanes; k++) {
+        uint32_t id = index[(uint32_t)k < n ? (uint32_t)k : n - 1];
+        at[k] = (int32_t)(id / LC_LANES * BLOCK_WORDS + id % LC_LANES);
+    }
+#if defined(__clang__) /* vectorizes only what lies in a row in memory */
+    float block[N_BOUND_ROWS * LC_LANES];
+    for (int k = 0; k < n_lanes; k++)
+        for (int row = 0; row < N_BOUND_ROWS; row++)
+            block[row * LC_LANES + k] = word[at[k] + row * LC_LANES];
+    for (int k = 0; k < n_lanes; k++) ub[k] = LANE_BOUND(r, block + k);
+#else
+    for (int k = 0; k < n_lanes; k++) ub[k] = LANE_BOUND(r, word + at[k]);
+#endif
+}
+
 /* For the arguments see bench_array_bounds_fn. lanes: how many clusters of a list are bounded together, a
- * constant; the last cluster fills up what is left of the list. */
+ * constant. */
 ARRAYS_INLINE void array_bounds(const float *word, const uint32_t *index, uint32_t n, uint32_t lanes,
                                 const bench_receiver *receiver, float *restrict ub)
 {
     const bench_receiver r = *receiver;
-    const int n_lanes = (int)lanes; /* with signed counters GCC 12 vectorizes the inner loops */
     for (uint32_t i = 0; i < n && !index; i += LC_LANES) {
         const float *block = word + (size_t)i * N_ROWS;
         float *out = ub + i;
         for (int k = 0; k < LC_LANES; k++) out[k] = LANE_BOUND(&r, block + k);
     }
-    for (uint32_t i = 0; i < n && index; i += lanes) {
-        int32_t at[LC_LANES];
-        float *out = ub + i;
-        for (int k = 0; k < n_lanes; k++) {
-            uint32_t want = i + (uint32_t)k, id = index[want < n ? want : n - 1];
-            at[k] = (int32_t)(id / LC_LANES * BLOCK_WORDS + id % LC_LANES);
-        }
-        for (int k = 0; k < n_lanes; k++) out[k] = LANE_BOUND(&r, word + at[k]);
-    }
+    for (uint32_t i = 0; i < n && index; i += lanes)
+        listed_bounds(word, index + i, n - i, lanes, &r, ub + i);
 }
 
 #endif
