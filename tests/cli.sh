@@ -716,16 +716,19 @@ for isa in scalar sse4 avx2 avx512; do
     prints '"occluded": 2}'
 done
 cp out bench_rays.json
+prints '"mrays_per_cpu_second_best": '
 good 'bench bounds' bench bounds --runs 1 --isa scalar
 prints '^bounds  *directional  *phong  *scalar .* ns/cluster'
 prints '^exact  *oriented  *lambert  *scalar .* ns/light'
 prints '^estimate  *point  *ward  *scalar .* ns/light'
 prints '^bounds  *oriented  *ggx  *scalar .* ns/cluster'
 good 'bench bounds --json' bench bounds --runs 1 --json
+prints '"clock": "cpu", "ns": '
 cp out bench_bounds.json
 good 'bench tree' bench tree --lights 100 --runs 1 -t 1
 prints '^ *100 oriented .* exact .* 1 thread .* ms, .* bytes/light'
 good 'bench tree --json' bench tree --lights 100 --runs 1 --json
+prints '"build_cpu_seconds_best": '
 cp out bench_tree.json
 good 'bench tree --quality' bench tree --quality grid cornell --lights 50 --runs 1
 prints '^grid  *50 exact .* 1.000  *1.000$'
@@ -738,17 +741,40 @@ prints '^ *200 .*[0-9]'
 check 'the plot is SVG' grep -q '<polyline .* points="[0-9.,]*"/>' p.svg
 if command -v python3 >/dev/null 2>&1; then check 'p.svg is XML' timeout 60 python3 -c 'import xml.dom.minidom as m; m.parse("p.svg")'; fi
 good 'bench tree --scaling --json' bench tree --scaling --lights 2 --runs 1 --json
-prints '"scene": "cube", "lights": 2, "parse_seconds": '
+prints '"scene": "cube", "lights": 2, "clock": "wall", "parse_seconds": '
 cp out scaling_tree.json
 good 'bench render' bench render s.pbrt --runs 1
 prints '^ratio  *[0-9]'
 prints '^recorded  100.0 % of [1-9]'
 good 'bench render, exact' bench render s.pbrt --runs 1 --method exact --pixelbounds 8,24,8,24 -t 2 --json
 prints '"shadow_rays": 384, "camera_rays": 256,'
+prints '"cpu_ratio_best": '
 cp out bench_render.json
+good 'bench layout' bench layout --runs 1
+prints 'ns of its CPU time'
+prints '^siblings  *arrays  *[0-9]'
+prints 'at most [0-4] ulp apart'
+prints '^heap4  *[0-9]'
+for isa in scalar sse4 avx2 avx512; do
+    good "bench layout --isa $isa" bench layout --lights 300 --runs 1 --isa $isa --json
+    prints 'ulp": [0-4]}'
+done
+for lights in 2 3; do good "bench layout of $lights lights" bench layout --lights $lights --runs 1; done
+good 'bench layout --json' bench layout --runs 1 --json
+cp out bench_layout.json
+name='bench_layout.json has all results and keys'
+results=
+for pattern in consecutive siblings; do
+    for layout in records arrays; do results="$results bounds,pattern:$pattern,layout:$layout,"; done
+done
+for method in rounds heap heap4; do results="$results refinement,method:$method,"; done
+for key in $results clock:cpu, ns: ns_spread: ns_best: lines_per_bound: lines_per_split: max_ulp: points: \
+    error_ratio:0.02, max_cut:1000, cut_mean: bounds_per_cut: mean_luminance:; do
+    if tr -d ' "\n' <bench_layout.json | grep -qF -e "$key"; then ok; else no "$name" "it lacks $key"; fi
+done
 good 'bench render without lights' bench render dark.pbrt --runs 1
 good 'bench render without triangles' bench render void.pbrt --runs 1
-for file in bench_rays bench_bounds bench_tree quality_tree scaling_tree bench_render; do
+for file in bench_rays bench_bounds bench_tree quality_tree scaling_tree bench_render bench_layout; do
     name="$file.json"
     flat=$(tr -d ' \n' <$file.json)
     case $flat in
@@ -757,13 +783,15 @@ for file in bench_rays bench_bounds bench_tree quality_tree scaling_tree bench_r
     esac
     if command -v python3 >/dev/null 2>&1; then check "$name is JSON" timeout 60 python3 -m json.tool $file.json; fi
 done
-bad 'bench of nothing' 2 'bounds, rays, tree or render' bench
+bad 'bench of nothing' 2 'bounds, rays, tree, render or layout' bench
 bad 'bench of something else' 2 "did you mean 'rays'" bench ray
 bad 'bench: an option of another bench' 2 "unknown option '--mesh'" bench tree --mesh square.mesh.bin
 bad 'bench rays without rays' 2 '--rays is missing' bench rays --mesh square.mesh.bin
 bad 'bench rays without mesh' 2 '--mesh is missing' bench rays --rays four.rays.bin
 bad 'bench render without scene' 2 'one scene' bench render
 bad 'bench tree with an argument' 2 'no argument' bench tree s.pbrt
+bad 'bench layout with an argument' 2 'no argument' bench layout s.pbrt
+bad 'bench layout with threads' 2 "unknown option '-t'" bench layout -t 2
 bad 'bench tree --quality of no scene' 2 "no generated scene 'cuba'; did you mean 'cube'" bench tree --quality cuba
 bad 'bench tree --quality --scaling' 2 'not both' bench tree --quality --scaling
 bad 'bench tree -o without --scaling' 2 'plot of --scaling' bench tree -o p.svg

@@ -29,7 +29,7 @@ _lightcuts()
         COMPREPLY=($(compgen -W 'cornell stairs room grid cube bulbs student1 student2 student3 student3top
             student4 student5' -- "$word"))
         return ;;
-    bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render' -- "$word")); return ;;
+    bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render layout' -- "$word")); return ;;
     render:--method | explain:--method | bench:--method)
         COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word"))
         return ;;

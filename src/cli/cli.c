@@ -14,15 +14,17 @@
 #include <unistd.h>
 
 static atomic_uint_fast64_t n_warnings;
-static atomic_bool forgiving; /* what fails is tried in another way: no error */
+/* true while cli_read_kept tries a picture: its failure is no error, so it is not logged */
+static atomic_bool tries_kept;
 
 static void log_to_stderr(void *user, lc_log_level level, const char *text)
 {
     static atomic_flag said_memory = ATOMIC_FLAG_INIT;
     int verbosity = user ? *(int *)user : 0;
-    if (level == LC_LOG_ERROR && atomic_load(&forgiving)) return;
+    if (level == LC_LOG_ERROR && atomic_load(&tries_kept)) return;
     bool memory = level == LC_LOG_ERROR && strstr(text, "error: out of memory");
-    if (memory && atomic_flag_test_and_set(&said_memory)) return; /* one lack of memory fails several calls */
+    /* logged once, as one lack of memory makes several calls fail */
+    if (memory && atomic_flag_test_and_set(&said_memory)) return;
     if (level == LC_LOG_WARNING) atomic_fetch_add(&n_warnings, 1);
     if (level == LC_LOG_ERROR || verbosity >= (level == LC_LOG_WARNING ? 0 : 1))
         fprintf(stderr, "lightcuts: %s\n", text);
@@ -38,16 +40,16 @@ lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
     desc.isa = isa;
     lc_context *ctx = NULL;
     lc_status st = lc_context_create(&desc, &ctx);
-    /* That was said. */
+    /* A lack of memory was logged by the call itself. */
     if (st && st != LC_ERR_MEMORY) fprintf(stderr, "lightcuts: error: %s\n", lc_status_name(st));
     return ctx;
 }
 
 bool cli_read_kept(lc_context *ctx, const char *path, lc_image **out)
 {
-    atomic_store(&forgiving, true);
+    atomic_store(&tries_kept, true);
     lc_status st = lc_image_read(ctx, path, out);
-    atomic_store(&forgiving, false);
+    atomic_store(&tries_kept, false);
     if (st) fprintf(stderr, "lightcuts: '%s' is rendered again: %s\n", cli_shown(path), lc_status_name(st));
     return !st;
 }
@@ -112,7 +114,7 @@ int cli_parse_u32(const char *text, uint64_t lo, uint64_t hi, uint32_t *out)
 
 int cli_parse_indirect(const char *text, uint32_t *out)
 {
-    int bad = cli_parse_u32(text, 0, 1u << 28, out);
+    int bad = cli_parse_u32(text, 0, CLI_MAX_LIGHTS, out);
     if (!bad && !*out) *out = LC_NO_LIGHTS;
     return bad;
 }
@@ -128,7 +130,7 @@ int cli_parse_single(const char *text, double lo, double hi, float *out)
 int cli_parse_pixels(const char *text, int32_t out[4])
 {
     double v[4];
-    if (cli_parse_list(text, 4, 0, 65535, v)) return -1;
+    if (cli_parse_list(text, 4, 0, CLI_MAX_SIDE, v)) return -1;
     for (int i = 0; i < 4; i++) {
         out[i] = (int32_t)v[i];
         if (v[i] > (double)out[i]) return -1;
@@ -200,11 +202,13 @@ void cli_usage_error(const char *command, const char *fmt, ...)
     fprintf(stderr, "lightcuts %s: %s\ntry 'lightcuts %s --help'\n", command, cli_shown(text), command);
 }
 
-/* Damerau-Levenshtein without transpositions of edited letters; names are short. */
+#define MAX_NAME 63 /* letters of names that are compared */
+
+/* Levenshtein distance; SIZE_MAX where a name is too long to be meant. */
 static size_t distance(const char *a, const char *b)
 {
-    size_t d[64], n = strlen(b);
-    if (n > 62 || strlen(a) > 62) return 99;
+    size_t d[MAX_NAME + 1], n = strlen(b);
+    if (n > MAX_NAME || strlen(a) > MAX_NAME) return SIZE_MAX;
     for (size_t j = 0; j <= n; j++) d[j] = j;
     for (size_t i = 1; *a; i++, a++) {
         size_t diagonal = d[0];
@@ -223,7 +227,7 @@ static size_t distance(const char *a, const char *b)
 const char *cli_nearest(const char *text, const char *const *names)
 {
     const char *best = NULL;
-    size_t best_d = strlen(text) / 3 + 2;
+    size_t best_d = strlen(text) / 3 + 2; /* a third of the letters may be wrong, or one of a short word */
     for (; *names; names++) {
         size_t d = distance(text, *names);
         if (d < best_d) {
@@ -234,9 +238,11 @@ const char *cli_nearest(const char *text, const char *const *names)
     return best;
 }
 
+#define MAX_OPTIONS 63 /* of a command, that are compared */
+
 void cli_bad_option(const char *command, int result, char **argv, const struct option *options)
 {
-    const char *arg = argv[optind - 1], *names[64];
+    const char *arg = argv[optind - 1], *names[MAX_OPTIONS + 1];
     size_t n = 0;
     if (optopt && result == ':') {
         cli_usage_error(command, "option '%s' needs a value", arg);
@@ -251,10 +257,10 @@ void cli_bad_option(const char *command, int result, char **argv, const struct o
         cli_usage_error(command, "unknown option '-%c'", optopt);
         return;
     }
-    char text[64];
+    char text[MAX_NAME + 1];
     snprintf(text, sizeof text, "%s", arg + strspn(arg, "-"));
     text[strcspn(text, "=")] = 0;
-    for (; options->name && n < 63; options++) names[n++] = options->name;
+    for (; options->name && n < MAX_OPTIONS; options++) names[n++] = options->name;
     names[n] = NULL;
     const char *near = cli_nearest(text, names);
     if (near) cli_usage_error(command, "unknown option '%s'; did you mean '--%s'?", arg, near);
@@ -270,8 +276,8 @@ int cli_has_extension(const char *path, const char *extension)
     return 1;
 }
 
-/* Bytes of the well-formed UTF-8 character at p that a terminal may be given, 0: what is there is none, or
- * controls it. */
+/* Bytes of the well-formed UTF-8 character at p that may go to a terminal. 0: the bytes are malformed or a
+ * control character. */
 static size_t printable(const unsigned char *p)
 {
     size_t n = *p < 0x80                 ? 1

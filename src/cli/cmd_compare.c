@@ -37,9 +37,9 @@ static const char help[] =
     "  mape        mean |d| / (|REF| + 0.01), as a fraction\n"
     "  psnr        -10 log10(mse), in dB for a peak of 1; inf for equal images\n"
     "  flip        mean LDR-FLIP error, 67 pixels per degree, values clamped to 0..1; 0: equal\n"
-    "  roberts     energy of edges in the error, where bands show and noise does not: mean square of "
-    "Roberts' two\n"
-    "              differences of (A - REF) / (REF + 0.01) in luminance, averaged over blocks of 4x4 pixels\n"
+    "  roberts     energy of edges in the error, where bands show and noise does not: mean square of\n"
+    "              Roberts' two differences of (A - REF) / (REF + 0.01) in luminance, averaged over\n"
+    "              blocks of 4x4 pixels\n"
     "  max         largest |d|, then its pixel x,y, its channel and both values\n"
     "  mean_ratio  mean of IMAGE / mean of REFERENCE\n"
     "  rel_p50 rel_p95 rel_p99 rel_p999 rel_max\n"
@@ -47,8 +47,8 @@ static const char help[] =
     "  over        share of those pixels above the --over limit\n"
     "  nonfinite   pixels with NaN or infinity in either image; more than 0 always fails\n"
     "\n"
-    "      --average N     compare means of blocks of N x N pixels, 1 to 1024 (default 1): for a noisy "
-    "reference\n"
+    "      --average N     compare means of blocks of N x N pixels, 1 to 1024 (default 1): for a noisy\n"
+    "                      reference\n"
     "      --over E        limit of `over` (default 0.02)\n"
     "      --fail NAME=V   exit with status 1 when NAME is larger than V; psnr: smaller than V;\n"
     "                      mean_ratio: further than V from 1. Repeatable\n"
@@ -108,7 +108,7 @@ static int parse_average(const char *text, uint32_t *out)
 /* 0: go on; else the exit status + 1. */
 static int parse_options(int argc, char **argv, options *o)
 {
-    enum { OPT_AVERAGE = 256, OPT_OVER, OPT_JSON, OPT_SCALE, OPT_MAP, OPT_FAIL };
+    enum { OPT_AVERAGE = CLI_LONG_ONLY, OPT_OVER, OPT_JSON, OPT_SCALE, OPT_MAP, OPT_FAIL };
     static const struct option table[] = { { "average", required_argument, NULL, OPT_AVERAGE },
                                            { "over", required_argument, NULL, OPT_OVER },
                                            { "json", no_argument, NULL, OPT_JSON },
@@ -232,7 +232,7 @@ static bool is_beyond(const options *o, const metrics *m)
     return beyond;
 }
 
-/* R G B, or Y three times; false when there is neither. */
+/* The planes R, G and B, or Y three times. False: the image has neither. */
 static bool find_planes(const lc_image *image, const char *path, float *plane[3])
 {
     static const char *const names[3] = { "R", "G", "B" };
@@ -248,7 +248,7 @@ static bool find_planes(const lc_image *image, const char *path, float *plane[3]
     return grey != NULL;
 }
 
-/* Mean of the n x n pixels from (x, y) on that there are. */
+/* Mean of the n x n pixels from (x, y) on, as far as they lie in the image. */
 static float block_mean(const float *plane, const lc_image_desc *d, uint32_t x, uint32_t y, uint32_t n)
 {
     double sum = 0;
@@ -258,7 +258,7 @@ static float block_mean(const float *plane, const lc_image_desc *d, uint32_t x, 
     return (float)(sum / ((double)(x1 - x) * (y1 - y)));
 }
 
-/* An image of the means of blocks of n x n pixels, and its planes in place of the given ones. */
+/* Makes an image of the means of blocks of n x n pixels and replaces the given planes by its own. */
 static lc_status average(lc_context *ctx, const lc_image_desc *d, uint32_t n, float *plane[3], lc_image **out)
 {
     static const char *const names[3] = { "R", "G", "B" };

@@ -17,7 +17,7 @@ typedef struct {
 } options;
 
 enum {
-    OPT_PIXEL = 256,
+    OPT_PIXEL = CLI_LONG_ONLY,
     OPT_SAMPLE,
     OPT_JSON,
     OPT_TOP,
@@ -62,37 +62,38 @@ static const struct option long_options[] = {
 static void print_help(void)
 {
     printf(
-        "usage: lightcuts explain [options] SCENE.pbrt --pixel x,y\n\n"
-        "Prints the cut that render makes for one pixel: the point, the rounds of refinement, and for each "
-        "cluster its\n"
-        "lights, bound and estimate beside the exact sum of its lights, those with the largest share "
-        "first.\n\n"
+        "usage: lightcuts explain [options] SCENE.pbrt --pixel x,y\n"
+        "\n"
+        "Prints the cut that render makes for one pixel: the point, the rounds of refinement, and for each\n"
+        "cluster its lights, bound and estimate beside the exact sum of its lights, those with the largest\n"
+        "share first.\n"
+        "\n"
         "      --pixel x,y          of the film, from the upper left, counted from 0\n"
         "      --sample S           of the pixel's samples, counted from 0, default 0\n"
         "      --top N              print N clusters, default %d\n"
         "      --all                print all clusters\n"
-        "      --json               print everything as JSON, the clusters that were split too\n\n"
+        "      --json               print everything as JSON, the clusters that were split too\n"
+        "\n"
         "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
         "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --builder B,\n"
-        "      --area-lights N, --indirect-lights N, --maxdepth N, --seed N, --spp N, --isa I, -t, "
-        "--nthreads N\n\n"
-        "  -h, --help               this text\n\n"
-        "columns: share of the cut's luminance; luminance of estimate, of the exact sum, their difference "
-        "(error), and the\n"
-        "bound that it never exceeds; lights in the cluster and how many of them reach the point; light: the "
-        "representative\n"
-        "(lights of the file in order, then those of emissive surfaces); seen: '-' sheds nothing here, "
-        "'none' is proved of the\n"
-        "whole cluster, whose error is 0; made: round. A cut may begin with that of pixel 1,1 of its 4x4 "
-        "block: its rounds come\n"
-        "first, with that pixel's limits and totals.\n",
+        "      --area-lights N, --indirect-lights N, --maxdepth N, --seed N, --spp N, --isa I, -t,\n"
+        "      --nthreads N\n"
+        "\n"
+        "  -h, --help               this text\n"
+        "\n"
+        "columns: share of the cut's luminance; luminance of estimate, of the exact sum, their difference\n"
+        "(error), and the bound that it never exceeds; lights in the cluster and how many of them reach the\n"
+        "point; light: the representative (lights of the file in order, then those of emissive surfaces);\n"
+        "seen: whether that is visible, '-' if it contributes nothing here, 'none' if the whole cluster is\n"
+        "proved to be occluded, and so its error 0; made: round. A cut may begin with that of pixel 1,1 of\n"
+        "its 4x4 block: its rounds come first, with that pixel's limits and totals.\n",
         DEFAULT_TOP);
 }
 
 static int parse_pixel(options *o, const char *text)
 {
     double v[2];
-    if (cli_parse_list(text, 2, 0, 65535, v)) return -1;
+    if (cli_parse_list(text, 2, 0, CLI_MAX_SIDE, v)) return -1;
     o->x = (uint32_t)v[0];
     o->y = (uint32_t)v[1];
     o->has_pixel = true;
@@ -104,23 +105,23 @@ static int set_option(options *o, int c)
 {
     switch (c) {
     case OPT_PIXEL: return parse_pixel(o, optarg);
-    case OPT_SAMPLE: return cli_parse_u32(optarg, 0, 65535, &o->sample);
+    case OPT_SAMPLE: return cli_parse_u32(optarg, 0, CLI_MAX_SPP - 1, &o->sample);
     case OPT_JSON: o->json = true; return 0;
     case OPT_TOP: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->top);
     case OPT_ALL: o->top = UINT32_MAX; return 0;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return cli_parse_single(optarg, 0, 1e6, &o->render.error_ratio);
+    case OPT_ERROR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
     case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: return cli_parse_single(optarg, 0, 1e6, &o->render.dark_floor);
-    case OPT_REPS: return cli_parse_u32(optarg, 1, 32, &o->load.n_reps);
+    case OPT_FLOOR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
+    case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
-    case OPT_AREA: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.area_lights);
+    case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
     case OPT_INDIRECT: return cli_parse_indirect(optarg, &o->load.indirect_lights);
-    case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, 1000000, &o->render.max_depth);
+    case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->render.max_depth);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
-    case OPT_SPP: return cli_parse_u32(optarg, 1, 65536, &o->render.spp);
+    case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->render.spp);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
-    case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
+    case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
     default: return 0;
     }
 }
@@ -144,7 +145,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
             return -1;
         }
         if (set_option(o, c)) {
-            if (c < 256) cli_usage_error("explain", "bad value '%s' for option -%c", optarg, c);
+            if (c < CLI_LONG_ONLY) cli_usage_error("explain", "bad value '%s' for option -%c", optarg, c);
             else
                 cli_usage_error("explain", "bad value '%s' for option --%s", optarg,
                                 long_options[index].name);
@@ -212,7 +213,8 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
     printf("cut          %u clusters of %llu lights, %u shadow rays, %u splits in %u rounds", x->n_clusters,
            (unsigned long long)info->n_lights, x->rays, x->n_splits, x->n_rounds);
     if (x->cut_size < x->n_clusters)
-        printf("; %u count, as %u are hidden or can shed nothing", x->cut_size, x->n_clusters - x->cut_size);
+        printf("; %u count, as %u are occluded or contribute nothing", x->cut_size,
+               x->n_clusters - x->cut_size);
     printf("\n");
     printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit,
            (double)o->render.error_ratio, x->floor > cut ? "the dark floor" : "the luminance",

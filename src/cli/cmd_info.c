@@ -7,7 +7,7 @@
 
 typedef unsigned long long ull;
 
-/* "2 imagemap, 1 scale" or, for JSON, "imagemap": 2, "scale": 1 */
+/* Prints the classes of textures: 2 imagemap, 1 scale; for JSON "imagemap": 2, "scale": 1 */
 static void texture_classes(const lc_scene *scene, bool json)
 {
     const char *name, *comma = "";
@@ -62,7 +62,7 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     }
 }
 
-/* One a line, for tests/scene_table.sh. */
+/* One feature a line: tests/scene_table.sh reads them so. */
 static void features_json(const lc_scene *scene)
 {
     static const char *const names[] = { "yes", "approximated", "ignored" };

@@ -44,7 +44,7 @@ static int parse_range(const char *text, options *o)
 /* 0: go on; else the exit status + 1. */
 static int parse_options(int argc, char **argv, options *o)
 {
-    enum { OPT_EXPOSURE = 256, OPT_CHANNEL, OPT_RANGE };
+    enum { OPT_EXPOSURE = CLI_LONG_ONLY, OPT_CHANNEL, OPT_RANGE };
     static const struct option table[] = { { "exposure", required_argument, NULL, OPT_EXPOSURE },
                                            { "false-colour", required_argument, NULL, OPT_CHANNEL },
                                            { "range", required_argument, NULL, OPT_RANGE },

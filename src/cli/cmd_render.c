@@ -30,7 +30,7 @@ typedef struct {
 } options;
 
 enum {
-    OPT_METHOD = 256,
+    OPT_METHOD = CLI_LONG_ONLY,
     OPT_ERROR,
     OPT_MAX_CUT,
     OPT_REPS,
@@ -96,36 +96,37 @@ static const struct option long_options[] = {
 static void print_help(void)
 {
     printf(
-        "usage: lightcuts [render] [options] SCENE.pbrt     ('-' reads the scene from standard input)\n\n"
-        "  -o, --outfile FILE       .exr or .png; may be repeated; default: the scene's film filename, else "
-        "SCENE.exr\n"
-        "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts "
-        "even of few lights\n"
+        "usage: lightcuts [render] [options] SCENE.pbrt     ('-' reads the scene from standard input)\n"
+        "\n"
+        "  -o, --outfile FILE       .exr or .png; may be repeated; default: the scene's film filename, else\n"
+        "                           SCENE.exr\n"
+        "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts\n"
+        "                           even of few lights\n"
         "      --error-ratio E      bound of every cluster against the estimate, default 0.02\n"
         "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
-        "      --dark-floor F       errors are measured against at least F times the picture's mean, default "
-        "%g\n"
+        "      --dark-floor F       errors are measured against at least F times the picture's mean,\n"
+        "                           default %g\n"
         "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 16\n"
-        "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many "
-        "lights\n"
+        "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many\n"
+        "                           lights\n"
         "      --maxdepth N         bounces, default the scene's; 1: direct light only\n"
         "      --area-lights N      lights made from emissive surfaces, default 1024\n"
         "      --env-lights N       lights made from environment maps, default 5000\n"
-        "      --indirect-lights N  virtual lights of bounced light; default 20000 where the scene's "
-        "integrator traces paths, else 0\n"
-        "      --seed N             of sampling, of area and environment lights and of the tree's "
-        "representatives, default 0\n"
-        "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a "
-        "lens 16\n"
+        "      --indirect-lights N  virtual lights of bounced light; default 20000 where the scene's\n"
+        "                           integrator traces paths, else 0\n"
+        "      --seed N             of sampling, of area and environment lights and of the tree's\n"
+        "                           representatives, default 0\n"
+        "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a\n"
+        "                           lens 16\n"
         "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
         "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n"
-        "      --chunk K/N|slurm    render part K of N; 'lightcuts merge' puts them together. slurm: of an "
-        "array job's variables\n"
+        "      --chunk K/N|slurm    render part K of N; 'lightcuts merge' puts them together. slurm: of an\n"
+        "                           array job's variables\n"
         "      --print-chunks N     list the parts, render nothing\n"
-        "      --checkpoint FILE    append finished tiles to FILE, which goes away when the picture is in "
-        "place\n"
-        "      --resume             go on with FILE if it is there; with --chunk: nothing to do when the "
-        "part is there\n"
+        "      --checkpoint FILE    append finished tiles to FILE, which goes away when the picture is in\n"
+        "                           place\n"
+        "      --resume             go on with FILE if it is there; with --chunk: nothing to do when the\n"
+        "                           part is there\n"
         "      --time-limit T       stop after T (3600, 90s, 55m, 2h) with all saved and exit status 75\n"
         "      --checkpoint-interval T  force FILE to the disk this often, default 30s\n"
         "      --keep-checkpoint    leave FILE there\n"
@@ -134,8 +135,8 @@ static void print_help(void)
         "      --isa I              use at most %s (also: LC_ISA in the environment)\n"
         "      --stats              print statistics\n"
         "      --stats-file F.json  write statistics\n"
-        "      --write-time         put renderTimeSeconds into the EXR, which else holds nothing that "
-        "varies\n"
+        "      --write-time         put renderTimeSeconds into the EXR, which else holds nothing that\n"
+        "                           varies\n"
         "  -q, --quiet              errors only\n"
         "  -v, --verbose            say more\n"
         "  -h, --help               this text\n",
@@ -169,18 +170,18 @@ static int set_option(options *o, int c)
         o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg;
         return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return cli_parse_single(optarg, 0, 1e6, &o->render.error_ratio);
+    case OPT_ERROR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
     case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: return cli_parse_single(optarg, 0, 1e6, &o->render.dark_floor);
+    case OPT_FLOOR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
-    case OPT_REPS: return cli_parse_u32(optarg, 1, 32, &o->load.n_reps);
-    case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, 1000000, &o->render.max_depth);
-    case OPT_AREA: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.area_lights);
-    case OPT_ENV: return cli_parse_u32(optarg, 1, 1u << 28, &o->load.env_lights);
+    case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
+    case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->render.max_depth);
+    case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
+    case OPT_ENV: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.env_lights);
     case OPT_INDIRECT: return cli_parse_indirect(optarg, &o->load.indirect_lights);
-    case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
+    case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
-    case OPT_SPP: return cli_parse_u32(optarg, 1, 65536, &o->render.spp);
+    case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->render.spp);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
     case OPT_PIXELS: o->has_pixel_crop = true; return cli_parse_pixels(optarg, o->pixel_crop);
     case OPT_CROP: o->has_unit_crop = true; return cli_parse_list(optarg, 4, 0, 1, o->unit_crop);
@@ -220,7 +221,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
             return -1;
         }
         if (set_option(o, c)) {
-            if (c < 256) cli_usage_error("render", "bad value '%s' for option -%c", optarg, c);
+            if (c < CLI_LONG_ONLY) cli_usage_error("render", "bad value '%s' for option -%c", optarg, c);
             else
                 cli_usage_error("render", "bad value '%s' for option --%s", optarg, long_options[index].name);
             return -1;
@@ -244,8 +245,8 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     return 0;
 }
 
-/* The film's filename if it is one we write, with .exr in place of another extension; else SCENE.exr here,
- * also of SCENE.pbrt.gz. */
+/* The default output: the film's filename, with .exr in place of an extension that is neither .exr nor .png;
+ * without a filename SCENE.exr in the current folder, also of SCENE.pbrt.gz. */
 static void choose_output(options *o, const lc_scene_info *info)
 {
     if (o->n_outputs) return;
@@ -263,7 +264,7 @@ static void choose_output(options *o, const lc_scene_info *info)
         if (dot && dot != o->default_output && !strchr(dot, '/')) *dot = 0;
         strcat(o->default_output, ".exr");
     }
-    if (o->farm.chunk) { /* each part a file of its own */
+    if (o->farm.chunk) { /* every chunk has a file of its own */
         char *end = o->default_output + strlen(o->default_output) - 4, extension[8];
         snprintf(extension, sizeof extension, "%s", end);
         snprintf(end, sizeof o->default_output - (size_t)(end - o->default_output), "-%u-of-%u%s", o->farm.k,
@@ -272,15 +273,15 @@ static void choose_output(options *o, const lc_scene_info *info)
     o->outputs[o->n_outputs++] = o->default_output;
 }
 
-/* 0 or errno. Files are put in place by renaming, so the folder matters; a device or pipe is written to
- * itself. */
+/* Why a file cannot be written: 0 or errno. A file is replaced by renaming, so its folder has to be writable;
+ * a device or pipe itself. */
 static int unwritable(const char *path)
 {
     char folder[4096], real[PATH_MAX];
     struct stat st;
     bool there = !stat(path, &st);
     if (there && !S_ISREG(st.st_mode)) return S_ISDIR(st.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
-    /* What a link points to is replaced. */
+    /* Of a symbolic link the target is replaced. */
     snprintf(folder, sizeof folder, "%s", there && realpath(path, real) ? real : path);
     char *slash = strrchr(folder, '/');
     if (slash) slash[slash == folder] = 0;
@@ -290,7 +291,7 @@ static int unwritable(const char *path)
     return access(folder, W_OK | X_OK) ? errno : 0;
 }
 
-/* A long render must not end with an output that could never be written. */
+/* Checks before a long render that its output can be written. */
 static int check_writable(const char *path)
 {
     int err = unwritable(path);
@@ -322,8 +323,8 @@ static int set_crop(options *o, const lc_scene_info *info)
     return 0;
 }
 
-/* 1: every output is there as this run would write it. A PNG cannot tell, so it only has to be there beside
- * an EXR. */
+/* Whether a render with --resume finds all its outputs in place. An EXR names its chunk and options; a PNG
+ * cannot, so it only has to exist, and beside an EXR. */
 static bool already_done(const options *o, lc_context *ctx)
 {
     bool told = false;
@@ -337,12 +338,12 @@ static bool already_done(const options *o, lc_context *ctx)
     return told;
 }
 
-/* What is to be rendered and where to, known as soon as the scene is read: what is wrong with it is said
- * before the long work. */
+/* Decides what is rendered and where it is written as soon as the scene file is read, so that errors are
+ * reported before the long work. */
 typedef struct {
     options *o;
     lc_context *ctx;
-    int status; /* of the process, when the load ends here */
+    int status; /* exit status of the process where make_plan ends the load */
 } plan;
 
 static int make_plan(void *user, const lc_scene *scene)
@@ -404,7 +405,7 @@ static int step(void *user, uint64_t done, uint64_t total)
     return done < total && cli_farm_step(s->farm);
 }
 
-#define WARN_LOSS 0.1 /* of the indirect light: a room loses 0.01 to 0.03 */
+#define WARN_LOSS 0.1 /* share of the indirect light; interiors lose 0.01 to 0.03 */
 
 static void warn_of_scene(const options *o, const lc_scene_info *info)
 {
@@ -431,7 +432,8 @@ static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image *
                   lc_render_stats *stats)
 {
     steps s = { .farm = &o->farm };
-    cli_catch_signals(); /* not before: there is nothing to tidy up, and loading does not ask for signals */
+    /* not earlier: while loading nothing checks for signals, and there is nothing to save */
+    cli_catch_signals();
     cli_progress_start(&s.line, "rendering", o->quiet);
     s.line.before = o->farm.share_before;
     o->render.progress = step;

@@ -7,8 +7,8 @@ typedef enum colourmap_kind {
     COLOURMAP_HEAT           /* black, red, orange, white */
 } colourmap_kind;
 
-/* Linear RGB for v, clamped to 0..1; NaN is grey. The highlight shoulder that a PNG gets is undone
- * beforehand. */
+/* Linear RGB for v, clamped to 0..1; NaN is grey. Undoes in advance the compression of highlights that
+ * lc_image_write applies to a PNG. */
 void colourmap_rgb(colourmap_kind kind, double v, float rgb[3]);
 
 #endif

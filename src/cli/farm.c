@@ -27,7 +27,7 @@ int cli_parse_time(const char *text, double *seconds)
     return *seconds > 1e9;
 }
 
-/* A variable of an array job as a number, or -1 after complaining. */
+/* A variable of an array job as a number. -1 after a usage error. */
 static int64_t slurm_number(const char *name, bool wanted)
 {
     const char *text = getenv(name);
@@ -39,7 +39,7 @@ static int64_t slurm_number(const char *name, bool wanted)
     return -1;
 }
 
-/* Task ids are min, min + step .. max. */
+/* The ids of the tasks are min, min + step .. max. */
 static int slurm_chunk(cli_farm *f)
 {
     int64_t id = slurm_number("SLURM_ARRAY_TASK_ID", true);
@@ -145,8 +145,8 @@ int cli_farm_step(cli_farm *f)
     if (cli_asked_to_save()) (void)lc_checkpoint_sync(f->file);
     if (!(f->time_limit > 0) || cli_now() - f->start < f->time_limit) return 0;
     lc_checkpoint_get_info(f->file, &info);
-    /* A run that saves nothing would be repeated for ever; one whose file cannot be written is better
-     * finished. */
+    /* A run that stopped with nothing saved would be repeated for ever. Where the checkpoint cannot be
+     * written the render is finished. */
     f->stopped = info.n_done > f->n_before && !info.failed;
     return f->stopped;
 }
@@ -170,7 +170,7 @@ void cli_farm_close(cli_farm *f, bool in_place)
 {
     char real[PATH_MAX];
     if (!f->file) return;
-    /* Before it is closed, and so unlocked. A symbolic link stays. */
+    /* Removed while it is still open, and so locked. Of a symbolic link the target is removed. */
     const char *path = realpath(f->checkpoint, real) ? real : f->checkpoint;
     if (in_place && !f->keep && unlink(path))
         fprintf(stderr, "lightcuts: warning: cannot remove '%s': %s\n", path, strerror(errno));

@@ -24,7 +24,7 @@ typedef struct kernel {
     double weight[2 * MAX_RADIUS + 1];
 } kernel;
 
-/* What FLIP compares of one picture. */
+/* What FLIP compares of a picture. */
 typedef struct look {
     float *lab[3], *edge, *point;
 } look;
@@ -154,12 +154,12 @@ static double csf_sd(double b) { return sqrt(b / (2 * PI * PI)) * PIXELS_PER_DEG
 static void blur(const work *w, int c)
 {
     const csf *s = &csfs[c];
-    int radius = (int)ceil(3 * csf_sd(0.04)); /* the widest of all sets the window */
+    int radius = (int)ceil(3 * csf_sd(0.04)); /* the widest Gaussian of all planes sets the window */
     kernel k1 = gaussian(csf_sd(s->b1), radius);
     size_t n = w->width * w->height;
     filter(w, w->ycc[c], &k1, &k1, w->sum);
     if (s->a2 > 0) {
-        // Each term's share of the whole kernel's sum: in two dimensions a sqrt(pi/b) (sum of exp)^2.
+        /* A term's share of the whole kernel's sum: in two dimensions a sqrt(pi/b) (sum of exp)^2. */
         kernel k2 = gaussian(csf_sd(s->b2), radius);
         double m1 = s->a1 * sqrt(PI / s->b1) / (k1.weight[radius] * k1.weight[radius]);
         double m2 = s->a2 * sqrt(PI / s->b2) / (k2.weight[radius] * k2.weight[radius]);
@@ -179,7 +179,7 @@ static void features(const work *w, int order, float *out)
     kernel g = gaussian(sd, radius), d = derivative(sd, radius, order);
     filter(w, w->ycc[0], &d, &g, w->dx);
     filter(w, w->ycc[0], &g, &d, w->dy);
-    // Y of YCxCz is 116 Y - 16; a derivative only sees the factor.
+    /* Y of YCxCz is 116 Y - 16, of which a derivative keeps the factor. */
     for (size_t i = 0; i < w->width * w->height; i++) out[i] = hypotf(w->dx[i], w->dy[i]) / 116.0f;
 }
 
@@ -209,7 +209,7 @@ static void see(const work *w, float *const rgb[3], const look *out)
     }
 }
 
-/* Largest colour difference there is: green to blue. */
+/* The greatest colour difference that there is: between green and blue. */
 static double max_colour(void)
 {
     static const double green[3] = { 0, 1, 0 }, blue[3] = { 0, 0, 1 };
@@ -226,7 +226,7 @@ static double pixel_error(const look *a, const look *b, size_t i, double c_max)
         p[c] = (double)a->lab[c][i];
         q[c] = (double)b->lab[c][i];
     }
-    // Section 4.1: most of the range is given to differences below p_c c_max.
+    /* Section 4.1: most of the range is given to differences below p_c c_max. */
     double colour = pow(hyab(p, q), q_c), knee = p_c * c_max;
     colour = colour < knee ? colour * p_t / knee : p_t + (colour - knee) / (c_max - knee) * (1 - p_t);
     double edge = fabs((double)a->edge[i] - (double)b->edge[i]),
@@ -243,10 +243,10 @@ lc_status flip_mean(lc_context *ctx, uint32_t width, uint32_t height, float *con
     lc_image_desc desc = LC_IMAGE_DESC_INIT;
     desc.width = width;
     desc.height = height;
-    lc_image *room = NULL;
+    lc_image *scratch = NULL;
     float *p[17] = { NULL };
-    lc_status status = lc_image_create(ctx, &desc, &room);
-    for (int i = 0; status == LC_OK && i < 17; i++) status = lc_image_add_channel(room, names[i], &p[i]);
+    lc_status status = lc_image_create(ctx, &desc, &scratch);
+    for (int i = 0; status == LC_OK && i < 17; i++) status = lc_image_add_channel(scratch, names[i], &p[i]);
     if (status == LC_OK) {
         work w = { width, height, { p[0], p[1], p[2] }, p[3], p[4], p[5], p[6] };
         look one = { { p[7], p[8], p[9] }, p[10], p[11] }, two = { { p[12], p[13], p[14] }, p[15], p[16] };
@@ -257,6 +257,6 @@ lc_status flip_mean(lc_context *ctx, uint32_t width, uint32_t height, float *con
         for (size_t i = 0; i < n; i++) sum += pixel_error(&one, &two, i, c_max);
         *mean = sum / (double)n;
     }
-    lc_image_destroy(room);
+    lc_image_destroy(scratch);
     return status;
 }

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define EPSILON 0.01 /* keeps black reference values from ruling mrse and mape, pbrt's choice */
-#define BLOCK 4      /* pixels a side: what the slots of representatives are shared out over */
+#define EPSILON 0.01 /* in denominators: dark reference pixels must not dominate mrse and mape; as in pbrt */
+#define BLOCK 4      /* pixels a side: the slots of representatives are shared out over such blocks */
 
 const char *const metric_names[N_METRICS] = { "mae",     "mse",      "rmse",    "mrse",       "mape",
                                               "psnr",    "flip",     "roberts", "max",        "mean_ratio",
@@ -24,7 +24,7 @@ static bool finite_pixel(float *const a[3], float *const ref[3], size_t i)
     return true;
 }
 
-/* Everything that is a sum or a maximum over values. */
+/* The metrics that are sums and maxima over pixels. */
 static void add_up(uint32_t width, size_t n, float *const a[3], float *const ref[3], metrics *m)
 {
     double abs_sum = 0, sq_sum = 0, rel_sq_sum = 0, rel_sum = 0, a_sum = 0, ref_sum = 0;
@@ -72,7 +72,7 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The smallest value that a share p of the sorted values does not exceed. */
+/* The least of the sorted values that is no less than a fraction p of them. */
 static double percentile(const float *sorted, size_t n, double p)
 {
     if (n == 0) return 0;
@@ -85,7 +85,7 @@ static double luminance(float *const p[3], size_t i)
     return 0.2126 * (double)p[0][i] + 0.7152 * (double)p[1][i] + 0.0722 * (double)p[2][i];
 }
 
-/* `rel` is room for n values. */
+/* rel: scratch for n values. */
 static void relative_errors(size_t n, float *const a[3], float *const ref[3], double over, float *rel,
                             metrics *m)
 {
@@ -106,8 +106,8 @@ static void relative_errors(size_t n, float *const a[3], float *const ref[3], do
     m->value[METRIC_OVER] = n_rel ? (double)n_over / (double)n_rel : 0.0;
 }
 
-/* Relative error of luminance, averaged over BLOCK x BLOCK pixels; an incomplete block at the edge is left
- * out. */
+/* Means of the relative error of luminance over blocks of BLOCK x BLOCK pixels. Incomplete blocks at the
+ * edges are left out. */
 static void block_errors(uint32_t width, uint32_t height, float *const a[3], float *const ref[3],
                          float *block)
 {
@@ -123,8 +123,8 @@ static void block_errors(uint32_t width, uint32_t height, float *const a[3], flo
         }
 }
 
-/* Bands in the error against its noise: the energy that Roberts' operator finds in block means, where noise
- * has mostly gone and edges longer than a block have not. `block` is room for all blocks. */
+/* Energy of Roberts' operator on the block means of the error. It shows bands: averaging removes most of the
+ * noise, but not edges longer than a block. block: scratch for the means. */
 static double roberts(uint32_t width, uint32_t height, float *const a[3], float *const ref[3], float *block)
 {
     size_t w = width / BLOCK, h = height / BLOCK;
@@ -147,10 +147,10 @@ lc_status metrics_of(lc_context *ctx, uint32_t width, uint32_t height, float *co
     lc_image_desc desc = LC_IMAGE_DESC_INIT;
     desc.width = width;
     desc.height = height;
-    lc_image *room = NULL;
+    lc_image *scratch = NULL;
     float *rel = NULL;
-    lc_status status = lc_image_create(ctx, &desc, &room);
-    if (status == LC_OK) status = lc_image_add_channel(room, "rel", &rel);
+    lc_status status = lc_image_create(ctx, &desc, &scratch);
+    if (status == LC_OK) status = lc_image_add_channel(scratch, "rel", &rel);
     if (status == LC_OK) {
         size_t n = (size_t)width * height;
         add_up(width, n, a, ref, out);
@@ -158,6 +158,6 @@ lc_status metrics_of(lc_context *ctx, uint32_t width, uint32_t height, float *co
         relative_errors(n, a, ref, over, rel, out);
         status = flip_mean(ctx, width, height, a, ref, &out->value[METRIC_FLIP]);
     }
-    lc_image_destroy(room);
+    lc_image_destroy(scratch);
     return status;
 }

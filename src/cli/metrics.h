@@ -1,4 +1,5 @@
-/* metrics.h - what two pictures of one size differ by. Definitions as in `lightcuts compare --help`. */
+/* metrics.h - metrics of the difference of two pictures of one size, as `lightcuts compare --help` defines
+ * them. */
 #ifndef LC_CLI_METRICS_H
 #define LC_CLI_METRICS_H
 
@@ -34,8 +35,8 @@ typedef struct metrics {
 
 extern const char *const metric_names[N_METRICS];
 
-/* Planes are linear RGB, width*height. Pixels with NaN or infinity in either picture are counted, and left
- * out of all else. `over` is the relative error above which METRIC_OVER counts. */
+/* Planes are linear RGB, width*height. Pixels with NaN or infinity in either picture are counted and
+ * otherwise ignored. over: the relative error above which METRIC_OVER counts a pixel. */
 lc_status metrics_of(lc_context *ctx, uint32_t width, uint32_t height, float *const a[3], float *const ref[3],
                      double over, metrics *out);
 

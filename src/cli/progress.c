@@ -10,10 +10,10 @@
 #include <time.h>
 #include <unistd.h>
 
-#define TERMINAL_STEP 0.25 /* seconds between rewritten lines, */
-#define PLAIN_STEP 10.0    /* and between plain ones */
+#define TERMINAL_STEP 0.25 /* seconds between updates of the line on a terminal */
+#define PLAIN_STEP 10.0    /* seconds between lines elsewhere */
 
-static atomic_int caught, save; /* a handler runs in any thread, another one reads */
+static atomic_int caught, save; /* set by signal handlers, which run in any thread */
 
 static void on_signal(int sig)
 {
@@ -35,7 +35,7 @@ static void on_save_signal(int sig)
     atomic_store(&save, 1);
 }
 
-/* sigaction: the handler stays, and calls of the system go on. */
+/* Unlike signal, sigaction keeps the handler installed and restarts interrupted system calls. */
 void cli_catch_save_signals(bool hangup)
 {
     struct sigaction act = { .sa_handler = on_save_signal, .sa_flags = SA_RESTART }, old;

@@ -1,5 +1,5 @@
-/* progress.h - progress on stderr: one rewritten line on a terminal, plain lines elsewhere; and the signals
- * that end a render. */
+/* progress.h - progress on stderr: on a terminal one line that is rewritten, else plain lines; and the
+ * signals that end a render. */
 #ifndef LC_CLI_PROGRESS_H
 #define LC_CLI_PROGRESS_H
 
@@ -10,8 +10,8 @@ typedef struct cli_progress {
     const char *what;
     bool quiet, terminal, colour;
     double start, last;
-    double before;  /* share that was done when the work began */
-    bool line_open; /* a rewritten line stands on the terminal */
+    double before;  /* fraction that was done when this run began */
+    bool line_open; /* the line on the terminal is to be cleared */
 } cli_progress;
 
 void cli_progress_start(cli_progress *p, const char *what, bool quiet);
@@ -19,10 +19,10 @@ void cli_progress_start(cli_progress *p, const char *what, bool quiet);
 int cli_progress_step(void *user, uint64_t done, uint64_t total);
 void cli_progress_end(cli_progress *p);
 
-/* From now on SIGUSR1, and with `hangup` SIGHUP unless it is ignored, only ask for the checkpoint to be
- * saved. */
+/* From now on SIGUSR1 asks for the checkpoint to be saved, and so does SIGHUP where hangup is set and SIGHUP
+ * is not ignored. */
 void cli_catch_save_signals(bool hangup);
-/* True once after each of them. */
+/* True once after each such signal. */
 bool cli_asked_to_save(void);
 
 /* Seconds of a monotonic clock. */
@@ -30,9 +30,9 @@ double cli_now(void);
 
 /* From now on SIGINT and SIGTERM only set a flag; a second one ends the process at once. */
 void cli_catch_signals(void);
-/* The signal caught, 0 for none. */
+/* The signal that was caught; 0: none. */
 int cli_caught_signal(void);
-/* Ends the process by the signal, so that the shell sees it. */
+/* Ends the process by the signal, so that the shell knows it as the cause. */
 void cli_die_by_signal(int sig);
 
 #endif

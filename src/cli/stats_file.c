@@ -13,7 +13,7 @@ static uint64_t peak_rss(void)
     return getrusage(RUSAGE_SELF, &u) ? 0 : (uint64_t)u.ru_maxrss * 1024;
 }
 
-/* What each chunk of a picture takes anew. */
+/* Time before the first pixel, which every chunk of a picture takes again. */
 static double setup_seconds(const lc_scene_info *i)
 {
     return i->seconds_parse + i->seconds_bvh + i->seconds_lights + i->seconds_tree;

@@ -1,32 +1,32 @@
-/* bench_bounds.c - the kernels over lights: bounds of clusters, estimates of lights; one thread.
+/* bench_bounds.c - the kernels over clusters and lights, one thread: bounds, the estimates of cuts, and those
+ * of the exact method.
  *
- * A tree of 4096 lights: 256 kB of clusters, 128 kB of lights, so in L2. Instruction sets take turns, run by
- * run, so that a busy machine slows them all.
+ * The tree has 4096 lights: 256 kB of clusters and 128 kB of lights, which fit in L2. Instruction sets take
+ * turns, run by run, so that a busy machine slows all of them.
  */
 #include "lab/bench.h"
 
 #include "base/rng.h"
-#include "base/stats.h"
 #include "cli/cli.h"
 #include "isa/isa.h"
 #include "shade/point_init.h"
 #include "tree/light_tree.h"
 
 #define N_LIGHTS 4096u
-#define BATCH 64u      /* clusters or lights in a call: what a cut asks for at once */
+#define BATCH 64u      /* clusters or lights in a call, as in cuts */
 #define N_BATCHES 2048u /* calls in a run */
-#define BLOCK 256u     /* lights in a call of the exact method */
-#define N_POINTS 8u
-#define RUNS 15
+#define BLOCK 256u     /* lights in a call, as in the exact method */
+#define N_POINTS 8u    /* receivers, in turn */
+#define RUNS 15        /* by default */
 
 typedef struct setup {
     lc_light_kind kind;
     lc_light_tree *tree;
-    uint32_t *list; /* N_BATCHES * BATCH clusters, then as many lights, at random */
+    uint32_t *list; /* N_BATCHES * BATCH random clusters, then as many random lights */
     lc_point points[N_POINTS];
 } setup;
 
-/* One run with one instruction set; returns how many clusters or lights it went through. */
+/* One run with the kernels of an instruction set. Returns how many clusters or lights were evaluated. */
 typedef uint32_t run_fn(const setup *s, const lc_kernels *k);
 
 static uint32_t run_bounds(const setup *s, const lc_kernels *k)
@@ -118,9 +118,9 @@ static void print_text(const char *part, const setup *s, const char *material, c
                        const bench_isas *isas, const bench_summary *r)
 {
     for (uint32_t i = 0; i < isas->n; i++) {
-        printf("%-9s %-12s %-8s %-7s %8.2f +- %.2f ns/%s", part, bench_kind_name(s->kind), material,
-               lc_isa_name(isas->of[i]), r[i].median, r[i].spread, unit);
-        if (i) printf(", %.2fx scalar", r[0].median / r[i].median);
+        printf("%-9s %-12s %-8s %-7s %8.2f ns/%s, median %.2f +- %.2f", part, bench_kind_name(s->kind),
+               material, lc_isa_name(isas->of[i]), r[i].best, unit, r[i].median, r[i].spread);
+        if (i) printf(", %.2fx scalar", r[0].best / r[i].best);
         printf("\n");
     }
 }
@@ -130,25 +130,24 @@ static void print_json(const char *part, const setup *s, const char *material, c
 {
     for (uint32_t i = 0; i < isas->n; i++, first = false) {
         bench_json_next(first);
-        printf("{\"kernel\": \"%s\", \"lights\": \"%s\", \"material\": \"%s\", \"isa\": \"%s\", \"ns\": "
-               "%.4f, \"ns_spread\": %.4f, "
-               "\"ns_best\": %.4f",
+        printf("{\"kernel\": \"%s\", \"lights\": \"%s\", \"material\": \"%s\", \"isa\": \"%s\", "
+               "\"clock\": \"cpu\", \"ns\": %.4f, \"ns_spread\": %.4f, \"ns_best\": %.4f",
                part, bench_kind_name(s->kind), material, lc_isa_name(isas->of[i]), r[i].median, r[i].spread,
                r[i].best);
-        if (isas->of[0] == LC_ISA_SCALAR) printf(", \"times_scalar\": %.4f", r[0].median / r[i].median);
+        if (isas->of[0] == LC_ISA_SCALAR) printf(", \"times_scalar\": %.4f", r[0].best / r[i].best);
         printf("}");
     }
 }
 
-/* ns an element for each instruction set. */
+/* ns of CPU time an element, for each instruction set. */
 static void measure(const setup *s, run_fn *run, uint32_t n_runs, const bench_isas *isas, bench_summary *out)
 {
     static double times[LC_N_ISAS][BENCH_MAX_RUNS];
     for (uint32_t k = 0; k < n_runs; k++)
         for (uint32_t i = 0; i < isas->n; i++) {
-            double t0 = lc_now();
+            double t0 = bench_cpu();
             uint32_t n = run(s, lc_isa_kernels(isas->of[i]));
-            times[i][k] = (lc_now() - t0) / n * 1e9;
+            times[i][k] = (bench_cpu() - t0) / n * 1e9;
         }
     for (uint32_t i = 0; i < isas->n; i++) out[i] = bench_summarize(times[i], n_runs);
 }
@@ -163,9 +162,10 @@ int bench_bounds(const bench_options *o)
     bool first = true;
     if (o->json) bench_json_begin("bounds", 1);
     else
-        printf("kernels, %u lights in L2: median of %u runs, +- half the distance between the quartiles; one "
-               "thread\n",
-               N_LIGHTS, n_runs);
+        printf(
+            "kernels, %u lights in L2, one thread: its CPU time, the least of %u runs; +- half the distance "
+            "between the quartiles\n",
+            N_LIGHTS, n_runs);
     for (size_t part = 0; part < N_PARTS && !st; part++)
         for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++) {
             setup s;

@@ -1,5 +1,5 @@
-/* bench_file.c - see bench_file.h. Arrays stay where the file was read to; only whole files of exactly the
- * size that their counts ask for are taken. */
+/* bench_file.c - see bench_file.h. The arrays are used where the file was read into memory. A file must have
+ * exactly the size that its counts give. */
 #include "lab/bench_file.h"
 
 #include "lab/bench.h"
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#define MESH_HEAD 16 /* bytes */
+#define MESH_HEAD 16 /* bytes before the arrays */
 #define RAYS_HEAD 24
 
 typedef unsigned long long ull;
@@ -38,7 +38,7 @@ static lc_status fail_at_byte(const lc_context *ctx, const char *path, uint64_t 
     return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "%s at byte %llu", what, (ull)off);
 }
 
-/* The file from its magic on; want: what its counts say it has. */
+/* want: the size that the counts give. */
 static lc_status check_size(const lc_context *ctx, const char *path, const lc_file *f, double want,
                             const char *what)
 {
@@ -56,7 +56,7 @@ static lc_status check_magic(const lc_context *ctx, const char *path, const lc_f
     return f->size < head ? fail_at_byte(ctx, path, f->size, "the header ends too early") : LC_OK;
 }
 
-/* The same limit as for vertices and lights of scenes. */
+/* Coordinates have the limit of scenes' vertices and lights. */
 static lc_status check_floats(const lc_context *ctx, const char *path, const float *p, uint64_t n,
                               uint64_t off)
 {

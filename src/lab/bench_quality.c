@@ -1,14 +1,16 @@
-/* bench_quality.c - what a builder's trees are worth: error and cost of cuts against every light, over
- * generated scenes.
+/* bench_quality.c - what trees of each builder are worth: error and cost of their cuts against the exact
+ * method, on generated scenes.
  *
  *     scene, lights: exact method -> reference
  *         builder, seed of the representatives: load -> render at each error ratio -> error, shadow rays
  *
- * Cost at equal error: shadow rays a point interpolated, both in logarithms, to the errors that the first
- * builder has at each of the ratios, over its rays; the geometric mean. Once by each measure of error: a few
- * bright pixels decide the rmse, none of them the mrse. Each cluster has REPS representatives, so that
- * neighbouring pixels don't all err alike: the expected error is the same as with one, and fewer seeds find
- * it. Pictures are of the whole view but small, as many pixels as all lights can be traced for.
+ * Cost at equal error: the builder's shadow rays a point, interpolated in logarithms at the errors that the
+ * first builder has at each ratio, over the first builder's rays; the geometric mean over the ratios. It is
+ * given for rmse, which a few bright pixels dominate, and for mrse, which they do not.
+ *
+ * Clusters have REPS representatives, so that the errors of neighbouring pixels are independent: the expected
+ * error is that of one representative, but fewer seeds are needed to measure it. Pictures show the whole view
+ * with so few pixels that the exact method can evaluate every light.
  */
 #include "lab/bench.h"
 
@@ -17,18 +19,18 @@
 
 #include <math.h>
 
-#define SEEDS 5
-#define REPS 16
-#define MAX_VISITS 1000000000u /* pixels times lights of a reference: some 20 s */
-#define MIN_PIXELS 300u
+#define SEEDS 5 /* by default */
+#define REPS 16 /* representatives of a cluster */
+#define MAX_VISITS 1000000000u /* limit of pixels times lights of a reference: some 20 s */
+#define MIN_PIXELS 300u /* limits of a picture */
 #define MAX_PIXELS 25000u
 #define N_RATIOS 4
 static const float ratios[N_RATIOS] = { 0.01f, 0.02f, 0.05f, 0.1f };
 enum { AT_2 = 1, AT_10 = 3 };
 
-/* Of one error ratio; means over seeds, but rmse and mrse: root of the mean square. */
+/* At one error ratio: rmse and mrse are root mean squares over the seeds, the others means. */
 typedef struct point {
-    double rmse;    /* over the reference's mean */
+    double rmse;    /* over the mean of the reference */
     double mrse;    /* root of compare's mrse */
     double rel_p50; /* median of the pixels' relative errors */
     double cut;     /* lights evaluated a shading point */
@@ -37,11 +39,11 @@ typedef struct point {
 
 typedef struct outcome {
     const bench_builder *builder;
-    double build_seconds; /* median over seeds */
+    double build_seconds; /* by the wall clock, the least over seeds */
     double bytes;         /* a light */
     point at[N_RATIOS];
-    double cost_rmse,
-        cost_mrse; /* rays at the first builder's error over its rays; NaN when the curves do not tell */
+    /* Shadow rays at equal error, over those of the first builder. NaN: the curves do not give it. */
+    double cost_rmse, cost_mrse;
 } outcome;
 
 typedef struct job {
@@ -51,7 +53,7 @@ typedef struct job {
     uint32_t n_lights;
     lc_image *reference;
     double mean; /* of the reference */
-    bool first;  /* no result printed yet */
+    bool first;  /* no result has been printed */
 } job;
 
 static void planes_of(const lc_image *image, float *planes[3])
@@ -91,7 +93,7 @@ static lc_status make_reference(job *j)
     return LC_OK;
 }
 
-/* Renders at one error ratio and adds what came out to *p. */
+/* Renders at one error ratio and adds the outcome to *p. */
 static lc_status add_render(const job *j, const lc_scene *scene, float ratio, point *p)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
@@ -102,7 +104,7 @@ static lc_status add_render(const job *j, const lc_scene *scene, float ratio, po
     float *a[3], *b[3];
     d.method = LC_METHOD_CUTS;
     d.error_ratio = ratio;
-    d.max_cut = 0; /* the ratio alone decides */
+    d.max_cut = 0; /* no limit: the error ratio alone decides */
     lc_status st = lc_render(j->ctx, scene, &d, &image, &stats);
     if (st) return st;
     lc_image_get_desc(image, &size);
@@ -121,7 +123,7 @@ static lc_status add_render(const job *j, const lc_scene *scene, float ratio, po
 
 static lc_status measure(const job *j, outcome *r)
 {
-    double times[BENCH_MAX_RUNS];
+    double builds[BENCH_MAX_RUNS];
     uint32_t n_seeds = j->o->n_runs ? j->o->n_runs : SEEDS;
     lc_status st = LC_OK;
     for (uint32_t s = 0; s < n_seeds && !st; s++) {
@@ -129,7 +131,7 @@ static lc_status measure(const job *j, outcome *r)
         lc_scene_info info;
         if ((st = load(j, r->builder, s, 1, &scene))) return st;
         lc_scene_get_info(scene, &info);
-        times[s] = info.seconds_tree;
+        builds[s] = info.seconds_tree;
         r->bytes = (double)info.tree_bytes / (double)info.n_lights;
         lc_scene_destroy(scene);
         if ((st = load(j, r->builder, s, REPS, &scene))) return st;
@@ -137,7 +139,7 @@ static lc_status measure(const job *j, outcome *r)
         lc_scene_destroy(scene);
     }
     if (st) return st;
-    r->build_seconds = bench_summarize(times, n_seeds).median;
+    r->build_seconds = bench_summarize(builds, n_seeds).best;
     for (int k = 0; k < N_RATIOS; k++) {
         point *p = &r->at[k];
         p->rmse = j->mean > 0 ? sqrt(p->rmse / n_seeds) / j->mean : 0;
@@ -149,8 +151,8 @@ static lc_status measure(const job *j, outcome *r)
     return LC_OK;
 }
 
-/* Shadow rays at an error, on the segment of the curve around it or on the nearest one's continuation. Errors
- * rise with the ratio but for noise. */
+/* Shadow rays a point at an error: on the segment of the curve that holds the error, or on the continuation
+ * of the nearest one. But for noise, errors rise with the ratio. */
 static double cost_at(const double error[N_RATIOS], const point *at, double target)
 {
     int k = 0;

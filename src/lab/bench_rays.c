@@ -2,8 +2,8 @@
  *
  * Rays of one origin go to the kernel together, as the renderer sends those of a shading point; making the
  * kernel's arrays out of the file's rays is part of the time. Chunks of 16384 rays are handed to the threads.
- * On a machine that does other things as well, `quiet` is the figure to compare: each chunk counts with the
- * shortest time it ever took.
+ * Rates are of the process's CPU time, and by the wall clock, which other programs on the machine slow down.
+ * The most stable rate is `quiet`: each chunk counts with the least CPU time it ever took.
  */
 #include "lab/bench.h"
 
@@ -15,11 +15,11 @@
 
 #include <string.h>
 
-#define CHUNK 16384u
+#define CHUNK 16384u    /* rays that a thread takes at a time */
 #define MAX_GROUP 1024u /* rays in one kernel call; a multiple of LC_LANES */
-#define UNKNOWN_GROUP 64u
-#define RUNS 5
-#define POINTS 6400 /* of the rays that are made up */
+#define UNKNOWN_GROUP 64u /* rays in one kernel call where the file does not say how many share an origin */
+#define RUNS 5          /* by default */
+#define POINTS 6400 /* points that generated rays start from */
 
 typedef unsigned long long ull;
 
@@ -30,16 +30,21 @@ typedef struct job {
     bench_segments rays;
     uint32_t max_group, n_runs;
     lc_bvh *bvh;
-    const lc_trace_kernels *kernels; /* set for each instruction set */
+    const lc_trace_kernels *kernels; /* of the instruction set that is timed */
     uint64_t n_chunks;
-    double *quiet;             /* shortest seconds of each chunk */
+    double *quiet;             /* least CPU seconds of each chunk */
     uint32_t *hidden;          /* occluded rays of each chunk */
 } job;
 
+/* Seconds by the wall clock, and of CPU time of all threads. */
+typedef struct timing {
+    bench_summary wall, cpu;
+} timing;
+
 typedef struct result {
     lc_isa isa;
-    bench_summary seconds;
-    double quiet;      /* seconds */
+    timing seconds;
+    double quiet;      /* seconds on all threads, every chunk at its least CPU time */
     uint64_t occluded;
 } result;
 
@@ -74,25 +79,27 @@ static void trace_chunk(void *user, uint32_t thread, uint64_t item)
     job *j = user;
     uint64_t first = item * CHUNK, n = j->rays.n - first < CHUNK ? j->rays.n - first : CHUNK;
     (void)thread;
-    double t0 = lc_now();
+    double t0 = bench_cpu();
     j->hidden[item] = trace(j, j->rays.ray + 6 * first, n);
-    double s = lc_now() - t0;
+    double s = bench_cpu() - t0;
     if (s < j->quiet[item]) j->quiet[item] = s;
 }
 
 /* Times the rays with one instruction set. */
 static result run_rays(job *j, lc_isa isa)
 {
-    double times[BENCH_MAX_RUNS];
+    double wall[BENCH_MAX_RUNS], cpu[BENCH_MAX_RUNS];
     result r = { .isa = isa };
     j->kernels = &lc_isa_kernels(isa)->trace;
     for (uint64_t i = 0; i < j->n_chunks; i++) j->quiet[i] = 1e30;
     for (uint32_t k = 0; k < j->n_runs; k++) {
-        double t0 = lc_now();
+        double wall0 = lc_now(), cpu0 = bench_process_cpu();
         lc_parallel(j->ctx, j->n_chunks, trace_chunk, j);
-        times[k] = lc_now() - t0;
+        wall[k] = lc_now() - wall0;
+        cpu[k] = bench_process_cpu() - cpu0;
     }
-    r.seconds = bench_summarize(times, j->n_runs);
+    r.seconds.wall = bench_summarize(wall, j->n_runs);
+    r.seconds.cpu = bench_summarize(cpu, j->n_runs);
     for (uint64_t i = 0; i < j->n_chunks; i++) {
         r.quiet += j->quiet[i];
         r.occluded += j->hidden[i];
@@ -101,26 +108,31 @@ static result run_rays(job *j, lc_isa isa)
     return r;
 }
 
-static lc_status run_build(job *j, bench_summary *out)
+static lc_status run_build(job *j, timing *out)
 {
-    double times[BENCH_MAX_RUNS];
+    double wall[BENCH_MAX_RUNS], cpu[BENCH_MAX_RUNS];
     for (uint32_t k = 0; k < j->n_runs; k++) {
         lc_bvh_destroy(j->bvh);
-        double t0 = lc_now();
+        double wall0 = lc_now(), cpu0 = bench_process_cpu();
         lc_status st = lc_bvh_build(j->ctx, j->mesh.pos, j->mesh.index, j->mesh.n_tris, &j->bvh);
-        times[k] = lc_now() - t0;
+        wall[k] = lc_now() - wall0;
+        cpu[k] = bench_process_cpu() - cpu0;
         if (st) return st;
     }
-    *out = bench_summarize(times, j->n_runs);
+    out->wall = bench_summarize(wall, j->n_runs);
+    out->cpu = bench_summarize(cpu, j->n_runs);
     return LC_OK;
 }
 
-static void print_build(const job *j, const bench_summary *b)
+static void print_build(const job *j, const timing *b)
 {
-    printf("runs    %u on %u thread%s\n", j->n_runs, j->ctx->n_threads, j->ctx->n_threads == 1 ? "" : "s");
+    printf("runs    %u on %u thread%s; CPU time is of all threads\n", j->n_runs, j->ctx->n_threads,
+           j->ctx->n_threads == 1 ? "" : "s");
     printf("mesh    %s: %u triangles, %u vertices\n", j->mesh_name, j->mesh.n_tris, j->mesh.n_verts);
-    printf("build   median %.3f ms, best %.3f ms, %.2f Mtriangles/s at best, %.2f MB\n", b->median * 1e3,
-           b->best * 1e3, j->mesh.n_tris / b->best * 1e-6, (double)lc_bvh_bytes(j->bvh) * 1e-6);
+    printf("build   CPU best %.3f ms, median %.3f ms; wall clock best %.3f ms, median %.3f ms, %.2f "
+           "Mtriangles/s at best; %.2f MB\n",
+           b->cpu.best * 1e3, b->cpu.median * 1e3, b->wall.best * 1e3, b->wall.median * 1e3,
+           j->mesh.n_tris / b->wall.best * 1e-6, (double)lc_bvh_bytes(j->bvh) * 1e-6);
     printf("rays    %s: %llu rays, at most %u of one origin at a time\n", j->rays_name, (ull)j->rays.n,
            j->max_group);
 }
@@ -128,12 +140,13 @@ static void print_build(const job *j, const bench_summary *b)
 static void print_rays(const job *j, const result *r)
 {
     double m = (double)j->rays.n * 1e-6;
-    printf("%-7s median %.2f, best %.2f, quiet %.2f Mrays/s; %llu occluded (%.2f %%)\n", lc_isa_name(r->isa),
-           m / r->seconds.median, m / r->seconds.best, m / r->quiet, (ull)r->occluded,
-           1e-4 * (double)r->occluded / m);
+    printf("%-7s best %.2f, median %.2f Mrays per CPU second; wall clock best %.2f, median %.2f, quiet %.2f "
+           "Mrays/s; %llu occluded (%.2f %%)\n",
+           lc_isa_name(r->isa), m / r->seconds.cpu.best, m / r->seconds.cpu.median, m / r->seconds.wall.best,
+           m / r->seconds.wall.median, m / r->quiet, (ull)r->occluded, 1e-4 * (double)r->occluded / m);
 }
 
-static void print_json(const job *j, const bench_summary *b, const result *r)
+static void print_json(const job *j, const timing *b, const result *r)
 {
     double m = (double)j->rays.n * 1e-6;
     printf("{\"mesh\": ");
@@ -141,19 +154,22 @@ static void print_json(const job *j, const bench_summary *b, const result *r)
     printf(", \"rays\": ");
     cli_json_text(stdout, j->rays_name);
     printf(", \"triangles\": %u, \"vertices\": %u, \"n_rays\": %llu,\n     \"isa\": \"%s\", \"runs\": %u, "
-           "\"build_seconds_best\": %.9g, \"build_seconds_median\": %.9g, \"bvh_bytes\": %zu,\n"
+           "\"clock\": \"wall\", \"build_seconds_best\": %.9g, \"build_seconds_median\": %.9g,\n"
+           "     \"build_cpu_seconds_best\": %.9g, \"build_cpu_seconds_median\": %.9g, \"bvh_bytes\": %zu,\n"
            "     \"mrays_per_second_best\": %.6g, \"mrays_per_second_median\": %.6g, "
-           "\"mrays_per_second_quiet\": %.6g, "
+           "\"mrays_per_second_quiet\": %.6g,\n"
+           "     \"mrays_per_cpu_second_best\": %.6g, \"mrays_per_cpu_second_median\": %.6g, "
            "\"occluded\": %llu}",
-           j->mesh.n_tris, j->mesh.n_verts, (ull)j->rays.n, lc_isa_name(r->isa), j->n_runs, b->best,
-           b->median, lc_bvh_bytes(j->bvh), m / r->seconds.best, m / r->seconds.median, m / r->quiet,
+           j->mesh.n_tris, j->mesh.n_verts, (ull)j->rays.n, lc_isa_name(r->isa), j->n_runs, b->wall.best,
+           b->wall.median, b->cpu.best, b->cpu.median, lc_bvh_bytes(j->bvh), m / r->seconds.wall.best,
+           m / r->seconds.wall.median, m / r->quiet, m / r->seconds.cpu.best, m / r->seconds.cpu.median,
            (ull)r->occluded);
 }
 
-/* Everything about one mesh and its rays. first: no result is printed yet. */
+/* Times one mesh and its rays. first: no result has been printed. */
 static lc_status run_all(const bench_options *o, job *j, const bench_isas *isas, bool first)
 {
-    bench_summary build;
+    timing build;
     j->max_group = !j->rays.group ? UNKNOWN_GROUP : j->rays.group < MAX_GROUP ? j->rays.group : MAX_GROUP;
     j->n_chunks = (j->rays.n + CHUNK - 1) / CHUNK;
     j->quiet = lc_alloc(j->ctx, j->n_chunks, sizeof *j->quiet);

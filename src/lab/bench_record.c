@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-static bench_record *current; /* kernels are told nothing but the BVH */
+static bench_record *current; /* the recorder in use: kernels have no argument for it */
 
 static bool keeps(const bench_record *r)
 {

@@ -1,21 +1,21 @@
-/* bench_record.h - the rays that a render traces, kept so that they can be traced again alone.
+/* bench_record.h - keeps the rays that a render traces, so that they can be traced again alone.
  *
- * The recorder puts a table of kernels into a BVH whose ray kernels remember what they were asked before they
- * ask the real ones. While it is there the scene must be rendered by one thread. Rays in a row of one origin
- * make one group, as if the renderer had known them all when it sent the first.
+ * The recorder replaces the kernel table of a BVH by one whose ray kernels store their arguments and call the
+ * real kernels. Until it is stopped the scene may be rendered by one thread only. Consecutive rays of one
+ * origin form a group, as if the renderer had known all of them when it sent the first.
  */
 #ifndef LC_CLI_BENCH_RECORD_H
 #define LC_CLI_BENCH_RECORD_H
 
 #include "trace/bvh.h"
 
-/* Camera rays, and the shadow rays that follow from them: kept or left out together. */
+/* Camera rays of a block, which is kept or dropped together with the shadow rays that follow from them. */
 #define RECORD_BLOCK 4096u
 
 typedef struct record_group {
     float org[3];
     uint32_t n;     /* shadow rays */
-    uint64_t first; /* of their targets */
+    uint64_t first; /* its first target */
     bool far;
 } record_group;
 
@@ -23,7 +23,7 @@ typedef struct record_camera {
     float org[3], dir[3], t_max;
 } record_camera;
 
-/* Rays of a group that is not complete yet. */
+/* A group that is not complete yet. */
 typedef struct record_open {
     float *target;
     size_t cap;
@@ -35,7 +35,7 @@ typedef struct bench_record {
     lc_bvh *bvh;
     const lc_trace_kernels *real;
     lc_trace_kernels table;
-    uint64_t every;          /* one block of so many is kept */
+    uint64_t every;          /* one block of this many is kept */
     uint64_t n_camera_seen, n_shadow_seen;
     record_group *groups;
     record_camera *cameras;
@@ -47,10 +47,10 @@ typedef struct bench_record {
     lc_status status;
 } bench_record;
 
-/* Starts recording; one block in `every`, at most max_targets shadow rays. One recorder at a time. */
+/* Starts to record one block of `every`, at most max_targets shadow rays. Only one recorder may be active. */
 lc_status bench_record_start(bench_record *r, const lc_context *ctx, lc_bvh *bvh, uint64_t every,
                              size_t max_targets);
-/* Puts the real kernels back. Fails when memory ran out meanwhile. */
+/* Restores the kernels. Fails if memory ran out while recording. */
 lc_status bench_record_stop(bench_record *r);
 void bench_record_free(bench_record *r);
 

@@ -1,5 +1,5 @@
-/* bench_scene.c - generated scenes for the benches: a child process writes the text, which is read from a
- * pipe in place of standard input, so no file is made and the text is never in memory as a whole. */
+/* bench_scene.c - generated scenes for the benches. A child process writes the text to a pipe, which is read
+ * as standard input: no file is made, and the text is never in memory as a whole. */
 #include "lab/bench.h"
 
 #include <errno.h>
@@ -13,11 +13,12 @@ typedef struct text {
     uint64_t n_lights, max_pixels;
 } text;
 
-/* The child; 0 from the parent's side of fork, with the reading end in *fd. */
+/* Starts the child that writes the scene. Returns 0 in the parent, with the reading end of the pipe in
+ * *fd. */
 static int start_writer(const text *t, int *fd, pid_t *pid)
 {
     int ends[2];
-    fflush(NULL); /* or the child would write it once more */
+    fflush(NULL); /* else the child would write the parent's output a second time */
     if (pipe(ends)) return -1;
     *pid = fork();
     if (*pid) {
@@ -31,7 +32,7 @@ static int start_writer(const text *t, int *fd, pid_t *pid)
     _exit(!f || fclose(f) != 0);
 }
 
-/* Loads what stands in fd by the name "-". */
+/* Loads the scene that fd holds, as the file "-". */
 static lc_status load_from(lc_context *ctx, int fd, const lc_load_desc *load, lc_scene **out)
 {
     int saved = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);

@@ -1,10 +1,22 @@
-/* bench_util.c - medians, random lights and the JSON around the results of `lightcuts bench`. */
+/* bench_util.c - clocks, medians, random lights and the JSON around the results of `lightcuts bench`. */
 #include "lab/bench.h"
 
 #include "base/rng.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
+
+static double seconds_of(clockid_t clock)
+{
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double bench_cpu(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
+
+double bench_process_cpu(void) { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
 
 static int by_value(const void *a, const void *b)
 {
@@ -31,7 +43,7 @@ float bench_unit(uint64_t a, uint64_t b) { return (float)lc_unit(lc_hash4(1, a, 
 lc_light bench_light(lc_light_kind kind, uint64_t i)
 {
     lc_light l = { .kind = kind, .intensity = { 1, 1, 1 }, .atten = { 0, 0, 1 } };
-    if (kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ 0.5f, 0.7f, 0 }; /* 60 and 46 degrees */
+    if (kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ 0.5f, 0.7f, 0 }; /* half angles of 60 and 46 degrees */
     l.pos = lc_f3_make(bench_unit(i, 0) * 10, 3 + bench_unit(i, 1), bench_unit(i, 2) * 10);
     l.dir = lc_f3_normalize(lc_f3_make(bench_unit(i, 3) - 0.5f, -1, bench_unit(i, 4) - 0.5f));
     return l;

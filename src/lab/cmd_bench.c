@@ -4,9 +4,9 @@
 
 #include <string.h>
 
-enum { BOUNDS = 1, RAYS = 2, TREE = 4, RENDER = 8, ALL = 15 };
+enum { BOUNDS = 1, RAYS = 2, TREE = 4, RENDER = 8, LAYOUT = 16, ALL = 31 };
 enum {
-    OPT_MESH = 256,
+    OPT_MESH = CLI_LONG_ONLY,
     OPT_RAYS,
     OPT_ISA,
     OPT_LIGHTS,
@@ -30,16 +30,17 @@ static const struct {
 } benches[] = { { "bounds", BOUNDS, bench_bounds },
                 { "rays", RAYS, bench_rays },
                 { "tree", TREE, bench_tree },
-                { "render", RENDER, bench_render } };
+                { "render", RENDER, bench_render },
+                { "layout", LAYOUT, bench_layout } };
 #define N_BENCHES (sizeof benches / sizeof *benches)
 
 static const struct {
     struct option option;
-    int benches; /* that know it */
+    int benches; /* bits of the benches that have it */
 } all_options[] = {
     { { "mesh", 1, 0, OPT_MESH }, RAYS },
     { { "rays", 1, 0, OPT_RAYS }, RAYS },
-    { { "lights", 1, 0, OPT_LIGHTS }, TREE },
+    { { "lights", 1, 0, OPT_LIGHTS }, TREE | LAYOUT },
     { { "quality", 0, 0, OPT_QUALITY }, TREE },
     { { "scaling", 0, 0, OPT_SCALING }, TREE },
     { { "outfile", 1, 0, 'o' }, TREE },
@@ -51,7 +52,7 @@ static const struct {
     { { "representatives", 1, 0, OPT_REPS }, RENDER },
     { { "pixelbounds", 1, 0, OPT_PIXELS }, RENDER },
     { { "nthreads", 1, 0, 't' }, RAYS | TREE | RENDER },
-    { { "isa", 1, 0, OPT_ISA }, BOUNDS | RAYS | RENDER },
+    { { "isa", 1, 0, OPT_ISA }, BOUNDS | RAYS | RENDER | LAYOUT },
     { { "runs", 1, 0, OPT_RUNS }, ALL },
     { { "json", 0, 0, OPT_JSON }, ALL },
     { { "help", 0, 0, 'h' }, ALL },
@@ -63,39 +64,40 @@ static const char help[] =
     "       lightcuts bench rays [options] [--mesh M.mesh.bin --rays R.rays.bin]\n"
     "       lightcuts bench tree [options] [--quality [SCENE...] | --scaling [-o PLOT.svg]]\n"
     "       lightcuts bench render [options] SCENE.pbrt\n"
+    "       lightcuts bench layout [options]\n"
     "\n"
-    "Times parts of the renderer on this machine and prints medians; what else the machine does meanwhile "
-    "counts too.\n"
+    "Times parts of the renderer on this machine: CPU time, the least of several runs, and medians.\n"
+    "Other programs slow down only what is said to be by the wall clock.\n"
     "\n"
-    "bounds   ns a cluster of the bounds, ns a light of the estimates (of lights here and there, and of the "
-    "exact method's\n"
-    "         blocks), for every instruction set; a tree of 4096 lights, one thread\n"
-    "rays     build of the BVH and shadow rays a second; without files for meshes made up here and every "
-    "instruction set.\n"
-    "         quiet: each 16384 rays count with the shortest time they ever took\n"
-    "tree     build of the light tree and its bytes a light, by one thread and by all; instead of that, on "
-    "generated scenes:\n"
+    "bounds   ns a cluster for bounds, ns a light for estimates (of lights here and there, as in cuts,\n"
+    "         and in order, as in the exact method), for every instruction set; a tree of 4096 lights,\n"
+    "         one thread\n"
+    "rays     build of the BVH, and shadow rays a second; without files for generated meshes and every\n"
+    "         instruction set. quiet: each 16384 rays count with the least CPU time they ever took\n"
+    "tree     build of the light tree and its bytes a light, with one thread and with all; or, on generated\n"
+    "         scenes:\n"
     "         --quality: build, bytes, cuts, measured error and cost at equal error of each builder\n"
-    "         --scaling: time of a 256x256 crop of `cube` with 10^3 to 10^7 lights, the picture as bright as "
-    "ever\n"
-    "render   seconds of a render divided by the seconds its shadow and camera rays take alone: `ratio`\n"
+    "         --scaling: time of a 256x256 crop of `cube` with 10^3 to 10^7 lights of the same total flux\n"
+    "render   CPU time of a render divided by that of its shadow and camera rays alone: `ratio`\n"
+    "layout   ns a bound of the renderer's 64-byte cluster records and of a structure of arrays; ns a\n"
+    "         cut of its rounds and of a max-heap; 10000 lights of `room`, one thread\n"
     "\n"
-    "      --runs N         repetitions, 1 to 1001; default 15 (bounds), 5 (rays, tree), 3 (render and the "
-    "rest)\n"
+    "      --runs N         repetitions, 1 to 1001; default 15 (bounds, layout), 5 (rays, tree), 3 (render,\n"
+    "                       --quality, --scaling)\n"
     "      --json           print one JSON object: version, bench, threads, results\n"
-    "      --isa I          bounds, rays, render: %s only (also, as the best: LC_ISA)\n"
+    "      --isa I          bounds, rays, render, layout: use only %s\n"
+    "                       (LC_ISA in the environment: the best one allowed)\n"
     "  -t, --nthreads N     rays, tree, render: default all processors this process may use\n"
     "      --mesh FILE      rays: the mesh\n"
     "      --rays FILE      rays: the segments, in groups of one origin\n"
-    "      --lights N       tree: this number of lights, not 1000, 10000 and 100000; --quality: not 10000 "
-    "and 100000;\n"
-    "                       --scaling: at most so many\n"
+    "      --lights N       tree: this number of lights, not 1000, 10000 and 100000; --quality: not 10000\n"
+    "                       and 100000; --scaling: at most so many; layout: not 10000\n"
     "      --quality        tree: of these generated scenes, or of the first six; --runs: seeds\n"
-    "      --scaling        tree: see above; minutes, and some GB of memory at 10^7\n"
+    "      --scaling        tree: see above; takes minutes, and some GB of memory at 10^7\n"
     "  -o, --outfile FILE   tree --scaling: plot it as SVG\n"
     "      --builder B      tree: exact or ploc only; render: as of `lightcuts render`\n"
-    "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --pixelbounds "
-    "x0,x1,y0,y1\n"
+    "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N,\n"
+    "      --pixelbounds x0,x1,y0,y1\n"
     "                       render: as of `lightcuts render`\n"
     "  -h, --help           this text\n"
     "\n"
@@ -115,18 +117,18 @@ static int set_option(bench_options *o, int c)
     case OPT_SCALING: o->scaling = true; return 0;
     case 'o': o->outfile = optarg; return !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return cli_parse_single(optarg, 0, 1e6, &o->render.error_ratio);
+    case OPT_ERROR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
     case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: return cli_parse_single(optarg, 0, 1e6, &o->render.dark_floor);
+    case OPT_FLOOR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
-    case OPT_REPS: return cli_parse_u32(optarg, 1, 32, &o->load.n_reps);
+    case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_PIXELS: return cli_parse_pixels(optarg, o->render.crop);
-    case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
+    case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
     default: return 0;
     }
 }
 
-/* -1: no such bench (said). */
+/* The index of the bench. -1 after a usage error. */
 static int find_bench(const char *word)
 {
     const char *names[N_BENCHES + 1] = { NULL };
@@ -135,12 +137,12 @@ static int find_bench(const char *word)
         if (!strcmp(word, benches[i].name)) return (int)i;
     }
     const char *near = cli_nearest(word, names);
-    cli_usage_error("bench", "'%s' is not bounds, rays, tree or render%s%s%s", word,
+    cli_usage_error("bench", "'%s' is not bounds, rays, tree, render or layout%s%s%s", word,
                     near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
     return -1;
 }
 
-/* The generated scenes for --quality. */
+/* Finds the generated scenes named for --quality. */
 static int find_scenes(bench_options *o, int n, char **args)
 {
     const char *names[GEN_N_SCENES + 1] = { NULL };
@@ -159,7 +161,7 @@ static int find_scenes(bench_options *o, int n, char **args)
     return CLI_OK;
 }
 
-/* What the bench wants besides options. */
+/* Checks the arguments beside the options, and which options go together. */
 static int check_arguments(bench_options *o, int which, int n, char **args)
 {
     int bit = benches[which].bit, want = bit == RENDER;
@@ -186,7 +188,7 @@ static int check_arguments(bench_options *o, int which, int n, char **args)
     return CLI_OK;
 }
 
-/* argv[0] is the bench's name. -1: help was asked for and given; else 0 or the exit status. */
+/* argv[0] is the bench's name. -1 after --help, else 0 or the exit status. */
 static int parse_options(int argc, char **argv, int which, bench_options *o)
 {
     struct option table[N_OPTIONS + 1];
@@ -197,7 +199,7 @@ static int parse_options(int argc, char **argv, int which, bench_options *o)
     optind = 1;
     opterr = 0;
     while ((c = getopt_long(argc, argv,
-                            bit == BOUNDS ? ":h"
+                            bit & (BOUNDS | LAYOUT) ? ":h"
                             : bit == TREE ? ":t:o:h"
                                           : ":t:h",
                             table, &index)) != -1) {
@@ -210,7 +212,7 @@ static int parse_options(int argc, char **argv, int which, bench_options *o)
             return CLI_USAGE;
         }
         if (set_option(o, c)) {
-            if (c < 256) cli_usage_error("bench", "bad value '%s' for option -%c", optarg, c);
+            if (c < CLI_LONG_ONLY) cli_usage_error("bench", "bad value '%s' for option -%c", optarg, c);
             else cli_usage_error("bench", "bad value '%s' for option --%s", optarg, table[index].name);
             return CLI_USAGE;
         }
@@ -226,7 +228,7 @@ int cmd_bench(int argc, char **argv)
         return CLI_OK;
     }
     if (argc < 2) {
-        cli_usage_error("bench", "say what: bounds, rays, tree or render");
+        cli_usage_error("bench", "say what: bounds, rays, tree, render or layout");
         return CLI_USAGE;
     }
     int which = find_bench(argv[1]);

@@ -9,9 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define MAX_REPS 32
-
-enum { OPT_QUICK = 256, OPT_RATIOS, OPT_REPS, OPT_MAX_CUT, OPT_ISA };
+enum { OPT_QUICK = CLI_LONG_ONLY, OPT_RATIOS, OPT_REPS, OPT_MAX_CUT, OPT_ISA };
 
 static const struct option long_options[] = {
     { "outdir", 1, 0, 'o' },
@@ -29,21 +27,17 @@ static const struct option long_options[] = {
 static const char help[] =
     "usage: lightcuts report [options] SCENE.pbrt... -o DIR\n"
     "\n"
-    "Renders each scene by the exact method and by Lightcuts, at several error ratios with one and with "
-    "many\n"
-    "representatives, and writes DIR/index.html, one page without anything from elsewhere: the pictures with "
-    "a slider,\n"
-    "differences, errors, sizes of cuts, plots and tables; and DIR/report.json with every number of it. "
-    "Scenes of the seed\n"
-    "report, known by the comment that `lightcuts scene` writes or as cornell.pbrt, stairs.pbrt and "
-    "room.pbrt, get its\n"
-    "Table 1 and appendix C beside ours.\n"
+    "Renders each scene by the exact method and by Lightcuts, at several error ratios with one and with\n"
+    "many representatives, and writes DIR/index.html, one page without anything from elsewhere: the\n"
+    "pictures with a slider, differences, errors, sizes of cuts, plots and tables; and DIR/report.json\n"
+    "with every number of it. Scenes of the seed report, known by the comment that `lightcuts scene`\n"
+    "writes or as cornell.pbrt, stairs.pbrt and room.pbrt, get its Table 1 and appendix C beside ours.\n"
     "Finished renders are kept in DIR/renders: after an interruption run the same again to go on.\n"
     "\n"
     "  -o, --outdir DIR         where to write; made if it is not there\n"
     "      --quick              films of about 160 x 120 pixels: seconds instead of minutes\n"
-    "      --error-ratios LIST  default 0.9,0.7,0.5,0.2,0.1,0.05,0.02,0.01; pictures are shown of that "
-    "nearest to 0.02\n"
+    "      --error-ratios LIST  default 0.9,0.7,0.5,0.2,0.1,0.05,0.02,0.01; pictures are shown of that\n"
+    "                           nearest to 0.02\n"
     "      --representatives N  how many are many, 2 to 32, default 16\n"
     "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
     "  -t, --nthreads N         default: all processors this process may use\n"
@@ -51,7 +45,7 @@ static const char help[] =
     "  -q, --quiet              errors only\n"
     "  -h, --help               this text\n";
 
-/* 1 to REPORT_MAX_RATIOS numbers, none twice: they name files. */
+/* 1 to REPORT_MAX_RATIOS numbers, all different, as they are part of file names. */
 static int parse_ratios(const char *text, report_options *o)
 {
     int n = 1;
@@ -61,7 +55,7 @@ static int parse_ratios(const char *text, report_options *o)
     for (int i = 0; i < n; i++) {
         char name[32];
         snprintf(name, sizeof name, "%g", o->ratios[i]);
-        o->ratios[i] = strtod(name, NULL); /* the name is the number */
+        o->ratios[i] = strtod(name, NULL); /* the very number that file names and page show */
         for (int j = 0; j < i; j++)
             if (!(o->ratios[j] < o->ratios[i] || o->ratios[j] > o->ratios[i])) return -1;
     }
@@ -75,9 +69,9 @@ static int set_option(report_options *o, int c)
     case 'o': o->folder = optarg; return !*optarg || strlen(optarg) > REPORT_MAX_PATH - 256;
     case OPT_QUICK: o->quick = true; return 0;
     case OPT_RATIOS: return parse_ratios(optarg, o);
-    case OPT_REPS: return cli_parse_u32(optarg, 2, MAX_REPS, &o->n_reps);
+    case OPT_REPS: return cli_parse_u32(optarg, 2, CLI_MAX_REPS, &o->n_reps);
     case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->max_cut);
-    case 't': return cli_parse_u32(optarg, 0, 1024, &o->n_threads);
+    case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
     case 'q': o->quiet = true; return 0;
     default: return 0;
@@ -126,7 +120,7 @@ static int parse_options(int argc, char **argv, report_options *o, int *status)
             return -1;
         }
         if (set_option(o, c)) {
-            if (c < 256) cli_usage_error("report", "bad value '%s' for option -%c", optarg, c);
+            if (c < CLI_LONG_ONLY) cli_usage_error("report", "bad value '%s' for option -%c", optarg, c);
             else
                 cli_usage_error("report", "bad value '%s' for option --%s", optarg, long_options[index].name);
             return -1;
@@ -137,8 +131,8 @@ static int parse_options(int argc, char **argv, report_options *o, int *status)
 
 /* ---- scenes and folders ---- */
 
-/* The file's name without folder and .pbrt, in letters that mean nothing to a shell or to HTML; a second one
- * gets -2. */
+/* Names a scene after its file, without folder and .pbrt, in characters that are safe in a shell and in HTML;
+ * a name that is taken gets -2, -3 ... */
 static void name_scene(report *r, uint32_t k)
 {
     report_scene *s = &r->scenes[k];
@@ -152,7 +146,7 @@ static void name_scene(report *r, uint32_t k)
     for (uint32_t i = 0; i < k; i++)
         if (!strcmp(r->scenes[i].name, s->name)) {
             snprintf(s->name + length, sizeof s->name - length, "-%d", copy++);
-            i = UINT32_MAX; /* from the start */
+            i = UINT32_MAX; /* compares with all names again */
         }
 }
 

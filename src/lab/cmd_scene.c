@@ -11,7 +11,7 @@
 typedef struct scene_args {
     const gen_scene *scene;
     const char *outfile;     /* NULL: stdout */
-    uint64_t n_lights, seed; /* no lights: the scene's default */
+    uint64_t n_lights, seed; /* n_lights 0: the scene's default */
 } scene_args;
 
 static void list_scenes(FILE *f)
@@ -59,7 +59,7 @@ static int number_option(const char *name, const char *text, uint64_t lo, uint64
     return CLI_USAGE;
 }
 
-/* The whole command line; CLI_OK with no scene after --help. */
+/* Parses the command line. CLI_OK without a scene after --help. */
 static int parse_args(int argc, char **argv, scene_args *args)
 {
     static const struct option options[] = { { "lights", 1, 0, 'n' },

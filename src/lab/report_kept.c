@@ -1,6 +1,6 @@
 /* report_kept.c - finished renders in DIR/renders: SCENE-exact.exr, SCENE-0.02-r16.exr, SCENE-quick-exact.exr
- * ..., beside each a .json of its figures. The .json is written last and removed first, so where it is the
- * picture is that of its key. */
+ * ..., each with a .json of its figures. The .json is removed first and written last, so where it exists it
+ * belongs to the picture. */
 #include "lab/report.h"
 
 #include "cli/cli.h"
@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MAX_KEPT 4096 /* bytes of the .json */
+#define MAX_KEPT 4096 /* limit of a .json, bytes */
 #define F(name) { #name, offsetof(report_stats, name) }
 
 const report_field report_fields[REPORT_N_STATS] = {
@@ -30,7 +30,7 @@ void report_kept_path(const report *r, const report_scene *s, const report_rende
              r->o->quick ? "-quick" : "", what, extension);
 }
 
-/* `"name": number` anywhere in our own JSON. */
+/* The number after "name": anywhere in JSON that this file wrote. */
 static bool find_number(const char *text, const char *name, double *out)
 {
     char pattern[64], *end;
@@ -54,13 +54,13 @@ static bool parse(const char *text, report_render *v)
     return true;
 }
 
-/* A picture that reads, of the size it should have. */
+/* Whether the picture can be read and has the size in the statistics. */
 static bool picture_fits(lc_context *ctx, const char *path, const report_render *v)
 {
     lc_image *image = NULL;
     lc_image_desc d = LC_IMAGE_DESC_INIT;
     float *plane[3];
-    if (access(path, F_OK)) return false; /* or reading it would complain */
+    if (access(path, F_OK)) return false; /* a missing picture is not worth a message */
     bool fits = cli_read_kept(ctx, path, &image);
     if (fits) {
         lc_image_get_desc(image, &d);

@@ -1,6 +1,6 @@
-/* report_key.c - is a kept render still one of this scene? FNV-1a over the scene's text and over size and
- * time of the files that it names in quotes (included text is searched in turn); and which scene of the seed
- * report it is. */
+/* report_key.c - the key by which a kept render is known: FNV-1a over the scene's text and over size and time
+ * of the files that it names in quotes, and over included text in turn. Also which scene of the seed report a
+ * file is. */
 #include "lab/report.h"
 
 #include "cli/cli.h"
@@ -9,11 +9,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define MAX_DEPTH 8
-#define MAX_FILES 4096 /* searched; names beyond are not followed */
+#define MAX_DEPTH 8    /* limit of files included by included files */
+#define MAX_FILES 4096 /* limit of the files that are searched for names */
 
 typedef struct search {
-    const char *root; /* the scene, whose folder names are relative to */
+    const char *root; /* path of the scene; names are relative to its folder */
     uint64_t key;
     uint32_t n_files;
 } search;
@@ -40,15 +40,15 @@ static void hash_named(search *s, const char *name, int depth)
     if (strstr(name, ".pbrt") && depth < MAX_DEPTH && s->n_files < MAX_FILES) hash_text(s, path, depth + 1);
 }
 
-/* The bytes, and each quoted word with a dot in it that is the name of a file. */
+/* Hashes the bytes, and each quoted word with a dot in it that names a file. */
 static int hash_text(search *s, const char *path, int depth)
 {
-    char buffer[65536], room[4096], word[1024];
+    char buffer[65536], stdio_buffer[4096], word[1024];
     size_t n, length = 0;
     bool quoted = false;
     FILE *f = fopen(path, "rb");
     if (!f) return -1;
-    setvbuf(f, room, _IOFBF, sizeof room); /* without memory for its own it would read byte by byte */
+    setvbuf(f, stdio_buffer, _IOFBF, sizeof stdio_buffer); /* without memory stdio reads byte by byte */
     s->n_files++;
     while ((n = fread(buffer, 1, sizeof buffer, f))) {
         s->key = report_hash(s->key, buffer, n);
@@ -67,14 +67,14 @@ static int hash_text(search *s, const char *path, int depth)
     return bad ? -1 : 0;
 }
 
-/* Times of different programs are not to be compared, nor need their pictures be equal. */
+/* Renders of another build are made again: its times do not compare, and its pictures may differ. */
 static uint64_t hash_program(uint64_t key)
 {
-    char buffer[65536], room[4096];
+    char buffer[65536], stdio_buffer[4096];
     size_t n;
     FILE *f = fopen("/proc/self/exe", "rb");
     if (!f) return report_hash(key, LC_VERSION, sizeof LC_VERSION);
-    setvbuf(f, room, _IOFBF, sizeof room);
+    setvbuf(f, stdio_buffer, _IOFBF, sizeof stdio_buffer);
     while ((n = fread(buffer, 1, sizeof buffer, f))) key = report_hash(key, buffer, n);
     fclose(f);
     return key;

@@ -1,5 +1,5 @@
-/* report_measure.c - figures of each render against the exact one: metrics, histograms, and where the detail
- * lies. */
+/* report_measure.c - figures of each render against the exact one: metrics, histograms, and the place of the
+ * detail. */
 #include "lab/report.h"
 
 #include "cli/cli.h"
@@ -8,11 +8,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define SHOWN_RATIO 0.02
-/* Edges of relative errors: 8 to a power of ten, 1e-4 to 10; what lies beyond counts in the last ones. */
+#define SHOWN_RATIO 0.02 /* the ratio nearest to this is shown */
+/* Bins of relative errors: 8 to a power of ten, from 1e-4 to 10. Errors beyond count in the outer bins. */
 #define REL_LOW 1e-4
 #define REL_PER_TEN 8.0
-#define DETAIL_WIDTH 160
+#define DETAIL_WIDTH 160 /* pixels */
 #define DETAIL_HEIGHT 120
 
 static void choose_shown(const report_options *o, report_scene *s)
@@ -85,7 +85,7 @@ static double mean_luminance(const lc_image *image, size_t n)
     return n ? sum / (double)n : 0;
 }
 
-/* ---- the detail: where the picture of the largest ratio is most wrong ---- */
+/* ---- the detail: where the picture of the largest ratio has the greatest error ---- */
 
 static double sum_of_window(const double *error, uint32_t width, uint32_t x0, uint32_t y0, uint32_t w,
                             uint32_t h)

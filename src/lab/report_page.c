@@ -1,4 +1,4 @@
-/* report_page.c - index.html: one file without anything from elsewhere, pictures inside as data URIs. */
+/* report_page.c - index.html: one file that loads nothing else; pictures are data URIs. */
 #include "lab/report.h"
 
 #include "lab/base64.h"

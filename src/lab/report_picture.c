@@ -1,6 +1,6 @@
-/* report_picture.c - the pictures of the page as PNG in memory: a render and, against the exact one, the
- * difference, the relative error, the edges of the error (Roberts' operator: banding shows there) and the
- * size of the cuts. */
+/* report_picture.c - the pictures of the page as PNG in memory: renders, and against the exact one the
+ * difference, the relative error, the edges of the error (by Roberts' operator, which shows banding) and the
+ * sizes of the cuts. */
 #include "lab/report.h"
 
 #include "cli/colourmap.h"
@@ -24,7 +24,7 @@ typedef struct source {
     double cut_top;
 } source;
 
-/* Linear RGB of pixel (x, y), before what a PNG does to it. */
+/* Linear RGB of pixel (x, y), before the tone curve of a PNG. */
 typedef void pixel_fn(const source *s, uint32_t x, uint32_t y, float rgb[3]);
 
 bool report_planes(const lc_image *image, float *plane[3])
@@ -106,7 +106,7 @@ static lc_status read_whole(const char *path, report_picture *out)
     return st;
 }
 
-/* The library writes PNG to files, so there is one for a moment. */
+/* The library writes PNG files only, so a temporary one is written and read back. */
 static lc_status encode(const report *r, const lc_image *image, report_picture *out)
 {
     char path[REPORT_MAX_PATH];

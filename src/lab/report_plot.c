@@ -9,8 +9,8 @@
 #define WIDTH 560.0
 #define HEIGHT 330.0
 
-/* One figure of the renders of a row, one or many representatives, by rising x; what a logarithmic axis has
- * no place for is left out. */
+/* A figure of the renders with one or with many representatives, by rising x. Values that a logarithmic axis
+ * cannot show are left out. */
 typedef struct row {
     double x[REPORT_MAX_RATIOS], y[REPORT_MAX_RATIOS];
     uint32_t n;

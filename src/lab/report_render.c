@@ -1,5 +1,5 @@
-/* report_render.c - surveys the scenes, then renders what no earlier run has left, one scene and one number
- * of representatives at a time, for those share a light tree. */
+/* report_render.c - surveys the scenes, then renders what no earlier run has left: one scene at a time, and
+ * the renders with the same number of representatives together, as they share a light tree. */
 #include "lab/report.h"
 
 #include "cli/cli.h"
@@ -8,28 +8,31 @@
 #include <math.h>
 #include <string.h>
 
-#define QUICK_PIXELS 19200 /* 160 x 120 */
-/* Work of a pixel, in lights evaluated by a cut: three scenes, 2 cores (EPYC, Zen 4), 2026-11. For the time
- * left only. */
-#define EXACT_WORK 0.3
-#define CUT_WORK 20
-#define CUT_WORK_RATIO 12
+#define QUICK_PIXELS 19200 /* limit of a film with --quick: 160 x 120 */
 
-/* Of renders that take less than SHORT seconds: a hiccup of the machine is a large part of those. */
-#define RUNS 3
-#define SHORT 2.0
+/* Work of a pixel, in lights that a cut evaluates; only the estimate of the time left depends on it.
+ * Measured: tests/results/report.md. */
+#define PIXEL_WORK 20        /* of any method */
+#define EXACT_LIGHT_WORK 0.3 /* a light of the exact method */
+#define CUT_SIZE 12          /* a cut has about CUT_SIZE error_ratio^(-3/4) lights */
+#define LEAST_RATIO 1e-4     /* for that estimate */
+
+/* Renders of less than SHORT seconds are repeated, as disturbances are a large part of their time. */
+#define RUNS 3    /* renders, at most */
+#define SHORT 2.0 /* seconds */
 
 typedef struct progress {
     cli_progress line;
-    double done, total, now; /* work of finished renders, of all that are to be made, of the present one */
+    double done, total, now; /* work: of finished renders, of all that are to be made, of the present one */
 } progress;
 
 static double work_of(const report_render *v, double lights, double pixels)
 {
-    if (v->method == LC_METHOD_EXACT) return pixels * (CUT_WORK + EXACT_WORK * lights);
-    return pixels * (CUT_WORK + fmin(lights, CUT_WORK_RATIO * pow(fmax(v->ratio, 1e-4), -0.75)));
+    if (v->method == LC_METHOD_EXACT) return pixels * (PIXEL_WORK + EXACT_LIGHT_WORK * lights);
+    return pixels * (PIXEL_WORK + fmin(lights, CUT_SIZE * pow(fmax(v->ratio, LEAST_RATIO), -0.75)));
 }
 
+/* The callback of lc_render: progress over all renders, in billionths. */
 static int step(void *user, uint64_t done, uint64_t total)
 {
     progress *p = user;
@@ -65,8 +68,8 @@ static lc_status load(report *r, lc_context *ctx, const report_scene *s, uint32_
 
 static int input_status(lc_status st) { return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st); }
 
-/* Loads a scene of which something is missing, so that its errors show before hours of other renders, and
- * adds up the work. */
+/* Loads every scene of which a render is missing, so that errors in it are reported before hours of other
+ * renders, and adds up the work. */
 static int survey(report *r, lc_context *ctx, report_scene *s, double *work, uint32_t *n_missing)
 {
     lc_scene *scene;
@@ -91,8 +94,7 @@ static int survey(report *r, lc_context *ctx, report_scene *s, double *work, uin
 
 /* ---- doing it ---- */
 
-/* The same render again, for its time: the shorter counts. Nothing is said meanwhile, as that takes time too.
- */
+/* Renders once more and keeps the shorter time. Without progress, as printing takes time too. */
 static lc_status again(lc_context *ctx, const lc_scene *scene, const lc_render_desc *d,
                        lc_render_stats *stats)
 {
@@ -139,7 +141,7 @@ static int render_one(report *r, lc_context *ctx, const report_scene *s, report_
     lc_scene_get_info(scene, &info);
     if (v->method == LC_METHOD_EXACT) snprintf(what, sizeof what, "%.14s exact", s->name);
     else snprintf(what, sizeof what, "%.14s %g r%-2u", s->name, v->ratio, v->n_reps);
-    char padded[40]; /* of one width, or the rest of a longer line would stay */
+    char padded[40]; /* of fixed width, so that a shorter line covers a longer one */
     snprintf(padded, sizeof padded, "%-20.32s", what);
     p->line.what = padded;
     p->now = work_of(v, (double)info.n_lights,
@@ -147,7 +149,7 @@ static int render_one(report *r, lc_context *ctx, const report_scene *s, report_
     d.method = v->method;
     if (v->method != LC_METHOD_EXACT) d.error_ratio = (float)v->ratio;
     d.max_cut = r->o->max_cut;
-    d.aovs = LC_AOV_CUT; /* which also makes the file one of whole floats */
+    d.aovs = LC_AOV_CUT; /* the sizes of the cuts; with them the file holds whole floats */
     d.progress = step;
     d.progress_user = p;
     lc_status st = lc_render(ctx, scene, &d, &image, &stats);
@@ -166,7 +168,7 @@ static int render_one(report *r, lc_context *ctx, const report_scene *s, report_
     return status;
 }
 
-/* The renders [from, to) share a tree. */
+/* Renders [from, to), which share a light tree. */
 static int render_group(report *r, lc_context *ctx, report_scene *s, uint32_t from, uint32_t to, progress *p)
 {
     lc_scene *scene = NULL;
@@ -206,7 +208,7 @@ int report_render_all(report *r)
     if (status || !n_missing) return status;
     if (n_missing < n_all && !r->o->quiet)
         fprintf(stderr, "lightcuts: %u of %u renders are there from before\n", n_all - n_missing, n_all);
-    lc_context *ctx = cli_context(r->o->n_threads, r->o->isa, -1); /* the survey has said the warnings */
+    lc_context *ctx = cli_context(r->o->n_threads, r->o->isa, -1); /* the survey has printed the warnings */
     if (!ctx) return CLI_FAILED;
     cli_catch_signals();
     cli_progress_start(&p.line, "", r->o->quiet);

@@ -1,8 +1,8 @@
-/* report_style.c - style and script of the report's page. The page reads without the script; it moves the
- * slider, changes between one and many representatives, and enlarges maps. */
+/* report_style.c - style and script of the page. The script moves the slider, switches between one and many
+ * representatives, and enlarges maps; without it the page can still be read. */
 #include "lab/report.h"
 
-/* Plots bring their own colours, svg.c, with the same backgrounds. */
+/* Plots have colours of their own (svg.c), with the same backgrounds. */
 const char report_css[] =
     ":root { color-scheme: light dark; --back: #fff; --text: #24292f; --faint: #57606a; --line: #d8dee4; "
     "--accent: #0550ae }\n"

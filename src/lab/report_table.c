@@ -1,5 +1,5 @@
-/* report_table.c - numbers with their place in report.json, table 1 and appendix C of the seed report with
- * ours beside. */
+/* report_table.c - numbers with their place in report.json; table 1 and appendix C of the seed report beside
+ * this program's figures. */
 #include "lab/report.h"
 
 #include <inttypes.h>
@@ -69,7 +69,7 @@ void report_put_of_render(FILE *f, report_format format, double v, uint32_t k, u
 #define OURS(name) #name, offsetof(report_render, stats.name)
 static const struct {
     const char *label;
-    int render; /* of ours: 0 exact, 1 one representative, 2 many, at the shown ratio */
+    int render; /* of ours at the shown ratio: 0 exact, 1 with one representative, 2 with many */
     report_format their_format, our_format;
     const char *their_key;
     size_t theirs;
@@ -164,7 +164,7 @@ static void cell(FILE *f, report_format format, double v, uint32_t k, uint32_t r
     fputs("</td>", f);
 }
 
-/* Theirs belong to many representatives. */
+/* The seed report's figures are of many representatives. */
 static void their_cells(FILE *f, const report_scene *s, uint32_t k, const report_render *v)
 {
     if (!s->seed || !s->seed->has_appendix) return;

@@ -106,9 +106,9 @@ void gen_pop(gen *g)
 
 /* ---- text ---- */
 
-/* " %.7g" of a coordinate, rounded to 1e-5, never as -0. Its last zero is returned. From 1e-4 to 100 that is
- * the whole number of hundred-thousandths with a point in it, which is written here without the C library:
- * most of a scene's text. */
+/* Prints " %.7g" of a coordinate rounded to 1e-5, never -0, and returns the place of its last zero byte.
+ * Magnitudes from 1e-4 to 100 are whole numbers of hundred-thousandths, printed here without the C library,
+ * as they are most of a scene's text. */
 static char *put_number(char *p, double x)
 {
     double n = floor(x * 1e5 + 0.5), a = n < 0 ? -n : n;

@@ -1,4 +1,4 @@
-/* scene_furniture.c - things that more than one generated scene places. */
+/* scene_furniture.c - objects that several generated scenes use. */
 #include "lab/scene_gen.h"
 
 #include <math.h>
@@ -55,7 +55,7 @@ void gen_round_table(gen *g, double radius, double height, gen_v3 colour)
     gen_lathe(g, foot, 8, 20);
 }
 
-/* A mount and three bands of colour, never the same. */
+/* A mount and three bands of colour, which differ from picture to picture. */
 void gen_picture(gen *g, double width, double height, uint64_t idx)
 {
     double w = width / 2, h = height / 2, mw = w * 0.68, mh = h * 0.72;

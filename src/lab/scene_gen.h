@@ -4,8 +4,8 @@
  *     scene_<name>.c -> shapes (scene_shapes.c) -> mesh buffer -> text (scene_emit.c)
  *
  * Coordinates are pbrt's: left-handed, y up; seen along +z, x points right. Lengths are metres unless a scene
- * says otherwise. Only + - * / sqrt and floor are used, so equal arguments give equal bytes on every machine.
- * A model does not depend on the seed; only the places of the lights do.
+ * says otherwise. Only + - * / sqrt and floor are used, so that equal arguments give equal bytes on every
+ * machine. The seed moves the lights only, not the model.
  */
 #ifndef CLI_SCENE_GEN_H
 #define CLI_SCENE_GEN_H
@@ -48,9 +48,9 @@ typedef struct gen_frame {
 } gen_frame;
 
 typedef struct gen {
-    FILE *file; /* errors stick to it; the caller asks ferror once */
+    FILE *file; /* keeps a failure to write; the caller asks ferror once */
     uint64_t seed, n_lights;
-    uint64_t max_pixels; /* of the film, which is made smaller if need be; 0: as it is */
+    uint64_t max_pixels; /* limit of the film, which is scaled down to it; 0: none */
     gen_frame stack[GEN_MAX_DEPTH];
     int depth;  /* stack[depth] is current */
     int smooth; /* the buffered triangles have vertex normals of their own */
@@ -75,7 +75,7 @@ void gen_header(gen *g, const gen_view *view);
 void gen_end(gen *g);
 void gen_comment(gen *g, const char *text);
 void gen_flush(gen *g); /* writes the buffered triangles as one shape */
-/* Makes room for so many in one shape; flushes first when there is none or the kind of normals changes. */
+/* Makes room in the buffer; flushes it first when it is full or holds the other kind of normals. */
 void gen_need(gen *g, uint32_t n_vertices, uint32_t n_triangles, int smooth);
 uint32_t gen_vertex(gen *g, gen_v3 p, gen_v3 n); /* local space; returns its index */
 void gen_triangle(gen *g, uint32_t a, uint32_t b, uint32_t c);
@@ -86,8 +86,7 @@ void gen_diffuse(gen *g, double r, double green, double b);
 void gen_phong(gen *g, gen_v3 kd, double ks, double exponent);
 void gen_mirror(gen *g, gen_v3 kr);
 
-/* What follows is moved, then turned about the y axis (x towards -z when positive), within the frame outside.
- */
+/* What follows is moved, then turned about the y axis (positive: x towards -z), in the frame outside. */
 void gen_push(gen *g, double x, double y, double z, double turns);
 void gen_push_axes(gen *g, gen_v3 origin, gen_v3 x_axis, gen_v3 y_axis); /* made orthonormal */
 void gen_pop(gen *g);
@@ -130,14 +129,14 @@ typedef enum gen_emitter_kind {
 typedef struct gen_emitter {
     gen_emitter_kind kind;
     gen_v3 p, u, v; /* world space */
-    double share;   /* of the flux and so of the lights; any scale */
+    double share;   /* fraction of the flux, and so of the lights; any scale */
 } gen_emitter;
 
-/* One light: oriented along dir, a point light without. W/sr. */
+/* One light: oriented along dir, or a point light where dir is NULL. Intensity in W/sr. */
 void gen_light(gen *g, gen_v3 p, const gen_v3 *dir, gen_v3 intensity);
-/* n_lights lights of equal flux, flux W in all whatever n_lights is. */
+/* Writes n_lights lights of equal flux whose sum is `flux`, W. */
 void gen_lights(gen *g, const gen_emitter *emitters, int n_emitters, double flux, gen_v3 colour);
-/* Shape shared by the wires' lights and their geometry. */
+/* The line of a wire, which its lights and its geometry share. */
 gen_v3 gen_wire_point(const gen_emitter *wire, double t);
 
 /* ---- scenes ---- */
@@ -159,22 +158,22 @@ void gen_scene_student5(gen *g);
 
 typedef struct gen_scene {
     const char *name, *about;
-    uint64_t n_lights; /* unless told */
+    uint64_t n_lights; /* by default */
     void (*generate)(gen *g);
 } gen_scene;
 
 #define GEN_N_SCENES 12
-#define GEN_N_MANY 6 /* the first ones: meant for thousands of lights */
+#define GEN_N_MANY 6 /* the first of them, meant for thousands of lights */
 extern const gen_scene gen_scenes[GEN_N_SCENES];
 
-/* The whole text. n_lights 0: the scene's own number; max_pixels 0: the scene's own film. */
+/* Writes the whole text. n_lights 0: the scene's default; max_pixels 0: the scene's own film. */
 void gen_write(const gen_scene *scene, FILE *file, uint64_t n_lights, uint64_t seed, uint64_t max_pixels);
 
 /* ---- scene_furniture.c: local frame, standing on y = 0, facing -z; the caller sets no material ---- */
 
 void gen_planks(gen *g, gen_rect area, double board, gen_v3 colour); /* area: x and z */
 void gen_chair(gen *g, gen_v3 colour);
-void gen_round_table(gen *g, double radius, double height, gen_v3 colour); /* 0 < colour: the top's */
+void gen_round_table(gen *g, double radius, double height, gen_v3 colour); /* colour: of the top */
 void gen_picture(gen *g, double width, double height, uint64_t idx);       /* hangs at z = 0, centred */
 void gen_plant(gen *g, double height, int n_leaves, uint64_t idx);
 void gen_lamp_shade(gen *g, double r_bottom, double r_top, double y0, double y1); /* open, 5 mm thick */

@@ -13,7 +13,7 @@
 void gen_light(gen *g, gen_v3 p, const gen_v3 *dir, gen_v3 intensity)
 {
     const gen_v3 last = g->intensity;
-    /* Most lights differ in their place alone. */
+    /* Most lights differ from the one before only in position. */
     if (!*g->intensity_text || intensity.x != last.x || intensity.y != last.y || intensity.z != last.z) {
         g->intensity = intensity;
         snprintf(g->intensity_text, sizeof g->intensity_text, " ] \"rgb I\" [ %.7g %.7g %.7g ]\n",
@@ -29,7 +29,7 @@ void gen_light(gen *g, gen_v3 p, const gen_v3 *dir, gen_v3 intensity)
     fputs(g->intensity_text, g->file);
 }
 
-/* Light k of n on the lamp: jittered rows over a panel. */
+/* Position of light k of n on a panel: jittered rows. */
 static gen_v3 panel_point(const gen_emitter *e, uint64_t k, uint64_t n, double xi, double eta)
 {
     double aspect = gen_length(e->v) / gen_length(e->u);

@@ -9,7 +9,7 @@
 /* ---- grid ---- */
 
 #define GRID_SIDE 10.0
-#define GRID_HEIGHT 2.6 /* of the lights; everything else stays below 2.2 */
+#define GRID_HEIGHT 2.6 /* height of the lights; all else stays below 2.2 */
 
 static void grid_objects(gen *g)
 {
@@ -56,11 +56,11 @@ void gen_scene_grid(gen *g)
 /* ---- cube ---- */
 
 #define CUBE 100.0
-#define CUBE_MARGIN 0.5 /* of a light to any surface */
+#define CUBE_MARGIN 0.5 /* least distance of a light from any surface */
 
 typedef struct solid {
     int is_ball;
-    gen_v3 lo, hi; /* ball: centre, and radius in hi.x */
+    gen_v3 lo, hi; /* a ball: its centre is lo, its radius hi.x */
     gen_v3 kd;
     double ks;
 } solid;

@@ -13,7 +13,7 @@
 #define NEAR (-3.4)
 #define FAR 2.8
 #define TOP 2.7
-#define OFFSET 0.006 /* of oriented lights from what they stand for: a thousandth of the room */
+#define OFFSET 0.006 /* distance of oriented lights from the lamp they stand for: a thousandth of the room */
 
 static const gen_rect window = { -0.55, 1.2, 1.15, 2.35 };
 
@@ -74,7 +74,7 @@ static void window_frame(gen *g)
 }
 
 typedef struct curtain {
-    double x0, x1, tied_x0, tied_x1; /* at the ends; in the middle height */
+    double x0, x1, tied_x0, tied_x1; /* x at the two ends, and at half the height, where it is tied */
 } curtain;
 
 static gen_v3 curtain_point(const void *ctx, double u, double v)

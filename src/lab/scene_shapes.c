@@ -1,4 +1,4 @@
-/* scene_shapes.c - the shapes that the generated scenes are put together from, as triangles. */
+/* scene_shapes.c - the shapes of the generated scenes, as triangles. */
 #include "lab/scene_gen.h"
 
 #include <math.h>
@@ -174,7 +174,7 @@ void gen_ball(gen *g, gen_v3 centre, double radius, int n_segments, int n_rings)
 
 /* ---- tube ---- */
 
-/* The ring about path[i], square to the mean of the two directions there. */
+/* The ring about path[i], perpendicular to the mean of the two directions there. */
 static uint32_t tube_ring(gen *g, const gen_v3 *path, int n_path, int i, double radius, int n_segments)
 {
     gen_v3 before = i > 0 ? gen_unit(gen_sub(path[i], path[i - 1])) : gen_v(0, 0, 0);

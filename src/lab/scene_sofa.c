@@ -62,7 +62,7 @@ static void book(gen *g, double x, double width, double height, double depth, ui
     gen_box(g, gen_v(x, 0, -depth), gen_v(x + width, height, -0.01));
 }
 
-/* From x0 to x1; ends somewhat early now and then, with a ball or a vase in the gap. */
+/* A row of books from x0 to x1; at random it ends early, with a ball or a vase in the gap. */
 static void book_row(gen *g, double x0, double x1, double room, double depth, uint64_t shelf)
 {
     static const double vase[][2] = { { 0, 0.001 },    { 0.035, 0.001 }, { 0.055, 0.06 },

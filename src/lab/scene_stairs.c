@@ -28,7 +28,7 @@
 #define GALLERY_X (FLIGHT1_X - FLIGHT2_STEPS * TREAD)
 #define GALLERY_Y (LANDING_Y + FLIGHT2_STEPS * RISE)
 #define RAIL 0.95   /* height of the handrail above tread or floor */
-#define OFFSET 0.01 /* of oriented lights from what they stand for: a thousandth of the hall */
+#define OFFSET 0.01 /* distance of oriented lights from the lamp they stand for: a thousandth of the hall */
 
 /* ---- steps ---- */
 
@@ -100,7 +100,7 @@ static void flight(gen *g, double width, int n_steps, double bottom)
              gen_v(0.06, RISE * (n_steps + 0.5) + RAIL, TREAD * n_steps));
 }
 
-/* Level railing from a to b; both ends belong to newels. */
+/* A level railing from a to b. The posts at its ends belong to others. */
 static void railing(gen *g, gen_v3 a, gen_v3 b)
 {
     gen_v3 up = gen_v(0, RAIL, 0);

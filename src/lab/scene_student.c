@@ -2,16 +2,18 @@
  * a plane.
  *
  *     student1      its Scene 1, five lights near the bottom left corner, two of them in one place; also its
- * "blooper" student2      its Scene 2, four lights near the corners; row 2 of its table student3      its
- * Scene 3 from the side, 100 lights in a grid over the plane; row "3 (Side)" student3top   the same from
- * above; row "3 (Top down)" student4      its Scene 4, a ring on a wooden floor under the same lights; row "4
- * (w/o Reflection)" student5      the same with reflection, its Scene 5 and Fig. 1; row "5 (w/ Reflection)"
+ *                   "blooper"
+ *     student2      its Scene 2, four lights near the corners; row 2 of its table
+ *     student3      its Scene 3 from the side, 100 lights in a grid over the plane; row "3 (Side)"
+ *     student3top   the same from above; row "3 (Top down)"
+ *     student4      its Scene 4, a ring on a wooden floor under the same lights; row "4 (w/o Reflection)"
+ *     student5      the same with reflection, its Scene 5 and Fig. 1; row "5 (w/ Reflection)"
  *
- * The report says no more than this: point lights of like power, Phong materials, spheres with highlights in
- * Scene 1, and no sizes. Chosen here: a plane of 12 x 12, "bottom left" as seen by the camera, lights at
- * heights of 1.2 to 2.8, spheres in Scenes 1 to 3, the ring a torus with two spheres beside it for it to
- * show, what reflects in Scene 5 the ring alone and perfectly, colours, 640 x 480. More lights than the
- * report's go to the same places: by chance about corners, by a finer grid.
+ * The report specifies point lights of similar power, Phong materials, and spheres with highlights in Scene
+ * 1, but no sizes. Chosen here: a plane of 12 x 12; "bottom left" as the camera sees it; lights at heights of
+ * 1.2 to 2.8; spheres in Scenes 1 to 3; for the ring a torus with two spheres beside it, which it can
+ * reflect; in Scene 5 only the ring reflects, perfectly; colours; 640 x 480. More lights than the report has
+ * go to the same places: at random about the corners, or in a finer grid.
  */
 #include "lab/scene_gen.h"
 
@@ -52,14 +54,14 @@ static void spheres(gen *g)
     gen_ball(g, gen_v(1.6, 1.1, 2), 1.1, 64, 32);
 }
 
-/* One of n_lights that share the flux, W. */
+/* One of n_lights lights whose fluxes sum to `flux`, W. */
 static void light(gen *g, gen_v3 p, double flux)
 {
     double i_one = flux / (FOUR_PI * (double)g->n_lights);
     gen_light(g, p, NULL, gen_v(i_one, i_one, i_one));
 }
 
-/* By chance within 1.2 about p, at a height of 1.2 to 2.4. */
+/* At random within 1.2 of p, at a height of 1.2 to 2.4. */
 static gen_v3 somewhere_near(const gen *g, gen_v3 p, uint64_t idx)
 {
     double x = gen_rand(g->seed, idx, 0, 0), y = gen_rand(g->seed, idx, 0, 1),
@@ -121,8 +123,8 @@ void gen_scene_student3top(gen *g)
     light_grid(g);
 }
 
-/* Boards are not told apart: the plane is cut from one trunk whose axis lies along it, below and a little
- * askew. */
+/* Boards are not told apart: the plane is cut from one trunk, whose axis lies along it, below and slightly
+ * tilted. */
 static void wooden_plane(gen *g)
 {
     gen_flush(g);

@@ -1,7 +1,7 @@
-/* svg.c - see svg.h. A plot is a frame with ticks outside of it:
+/* svg.c - see svg.h. A plot is a frame with ticks outside it:
  *
  *       title
- *     y |        +--- series, dots, values
+ *     y |   --- series, dots, values
  *       +---------
  *           x label
  */
@@ -57,7 +57,7 @@ static scale scale_of(double lo, double hi, int is_log, double from, double to)
     return s;
 }
 
-/* Ticks of a logarithmic axis: powers of ten, and 2 and 5 between when there are few of those. */
+/* Ticks. On a logarithmic axis they are powers of ten, and 2 and 5 times these where powers are few. */
 static uint32_t ticks_of(const scale *s, double *ticks)
 {
     uint32_t n = 0;
@@ -91,7 +91,7 @@ static void label(FILE *f, double x, double y, const char *attributes, const cha
     fputs("</text>\n", f);
 }
 
-/* "1000" as 10^3, others as they are. */
+/* On a logarithmic axis 1000 is shown as 10^3. */
 static void tick_label(FILE *f, double x, double y, const char *anchor, double v, int is_log)
 {
     double power = floor(log10(v > 0 ? v : 1) + 0.5);
@@ -188,7 +188,8 @@ void svg_write(FILE *f, const svg_plot *plots, uint32_t n_plots, double width, d
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"lc-plot\" width=\"%.0f\" height=\"%.0f\" "
             "viewBox=\"0 0 %.0f %.0f\">\n",
             width, height * n_plots, width, height * n_plots);
-    /* No var(): viewers outside browsers know neither it nor the media query, and show the light scheme. */
+    /* Colours are not CSS variables: viewers other than browsers know neither these nor the media query, and
+     * show the light scheme. */
     fputs("<style>\n"
           ".lc-plot text { font: 12px system-ui, sans-serif; fill: #24292f } .lc-plot .lc-title { "
           "font-weight: 600; font-size: 14px }\n"

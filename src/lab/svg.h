@@ -11,7 +11,7 @@
 typedef enum svg_place { SVG_TOP_LEFT = 0, SVG_TOP_RIGHT, SVG_BOTTOM_LEFT } svg_place;
 
 typedef struct svg_series {
-    const char *name;    /* for the legend, which only plots of two or more have */
+    const char *name;    /* in the legend, which plots of two or more series have */
     const double *x, *y; /* n, x rising; above 0 on a logarithmic axis. Of steps: n + 1 edges in x */
     uint32_t n;
 } svg_series;
