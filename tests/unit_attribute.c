@@ -2,6 +2,7 @@
  * error. */
 #include "pbrt/parse.h"
 #include "support/last_error.h"
+#include "support/near.h"
 #include "support/test.h"
 
 #include <stdlib.h>
@@ -17,12 +18,8 @@ static lc_status load(const char *text)
     return lc_pbrt_parse_memory(scene, "s.pbrt", text, strlen(text));
 }
 
-static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
-
-static bool near3(lc_f3 v, double x, double y, double z)
-{
-    return near((double)v.x, x, 2e-4) && near((double)v.y, y, 2e-4) && near((double)v.z, z, 2e-4);
-}
+/* To the digits that published matrices of colour spaces have. */
+static bool rgb_is(lc_f3 v, double r, double g, double b) { return near3_abs(v, r, g, b, 2e-4); }
 
 static const lc_scene_note *note(const char *kind)
 {
@@ -50,12 +47,12 @@ TEST(defaults_of_shapes)
                "Shape \"sphere\" Shape \"sphere\" \"float radius\" 2 AttributeEnd Shape \"sphere\"") ==
           LC_OK);
     CHECK(scene->n_meshes == 4 && scene->n_notes == 1); /* foo is nobody's, which is fine */
-    CHECK(near(radius(0), 1, 1e-6) && near(radius(1), 3, 1e-6) && near(radius(2), 2, 1e-6) &&
-          near(radius(3), 1, 1e-6));
+    CHECK(near_abs(radius(0), 1, 1e-6) && near_abs(radius(1), 3, 1e-6) && near_abs(radius(2), 2, 1e-6) &&
+          near_abs(radius(3), 1, 1e-6));
     CHECK(load("Attribute \"shape\" \"float radius\" 3 WorldBegin TransformBegin Attribute \"shape\" \"float "
                "radius\" 4 TransformEnd\n"
                "Shape \"sphere\"") == LC_OK);
-    CHECK(near(radius(0), 4, 1e-6)); /* only blocks of attributes end it; the later counts */
+    CHECK(near_abs(radius(0), 4, 1e-6)); /* only blocks of attributes end it; the later counts */
     CHECK(load("WorldBegin Attribute \"shape\" \"integer indices\" [0 1 2 0 2 3]\n"
                "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] Shape \"trianglemesh\" "
                "\"point3 P\" [0 0 0 1 0 0 1 1 0]\n"
@@ -75,8 +72,8 @@ TEST(defaults_of_materials)
                "MakeNamedMaterial \"m\" \"string type\" \"diffuse\"\n"
                "Attribute \"material\" \"string type\" \"mirror\" MakeNamedMaterial \"n\"") == LC_OK);
     CHECK(scene->n_materials == 6 && scene->n_notes == 0);
-    CHECK(near3(kd(0), .1, .2, .3) && near3(kd(1), .7, .6, .5) && near3(kd(2), 1, 0, 1));
-    CHECK(near3(kd(3), .7, .6, .5) && near3(kd(4), .1, .2, .3) && scene->materials[5].mirror);
+    CHECK(rgb_is(kd(0), .1, .2, .3) && rgb_is(kd(1), .7, .6, .5) && rgb_is(kd(2), 1, 0, 1));
+    CHECK(rgb_is(kd(3), .7, .6, .5) && rgb_is(kd(4), .1, .2, .3) && scene->materials[5].mirror);
 }
 
 TEST(defaults_of_lights_and_textures)
@@ -87,9 +84,9 @@ TEST(defaults_of_lights_and_textures)
                "\"medium\" \"float scale\" 2\n"
                "Texture \"t\" \"spectrum\" \"constant\" Material \"diffuse\" \"texture reflectance\" \"t\" "
                "Shape \"sphere\"") == LC_OK);
-    CHECK(near3(scene->lights[0].intensity, 4, 6, 8) && scene->meshes[0].two_sided &&
-          near((double)scene->meshes[0].emission.x, 2, 2e-3));
-    CHECK(near3(kd(0), .2, .4, .6) && scene->n_notes == 1);
+    CHECK(rgb_is(scene->lights[0].intensity, 4, 6, 8) && scene->meshes[0].two_sided &&
+          near_abs((double)scene->meshes[0].emission.x, 2, 2e-3));
+    CHECK(rgb_is(kd(0), .2, .4, .6) && scene->n_notes == 1);
 }
 
 TEST(attribute_errors)
@@ -113,7 +110,7 @@ TEST(no_end_of_attributes)
         at += sprintf(at,
                       "AttributeBegin Attribute \"shape\" \"float radius\" %d Shape \"disk\" AttributeEnd\n",
                       i + 1);
-    CHECK(load(text) == LC_OK && scene->n_meshes == 1000 && near(radius(999), 1000, 1e-3));
+    CHECK(load(text) == LC_OK && scene->n_meshes == 1000 && near_abs(radius(999), 1000, 1e-3));
     at = text + sprintf(text, "WorldBegin\n");
     for (int i = 0; i < 257; i++) at += sprintf(at, "Attribute \"shape\" \"float radius\" 2\n");
     CHECK(load(text) == LC_ERR_PARSE && strstr(last_error, "s.pbrt:258:19: error: more than 256 parameters"));
@@ -132,10 +129,10 @@ static void expect_colours(const char *space, const char *rgb, const double ligh
     snprintf(text, sizeof text, "WorldBegin ColorSpace \"%s\" %s%s LightSource \"point\" \"rgb I\" %s", space,
              matte, rgb, rgb);
     CHECK(load(text) == LC_OK);
-    CHECKF(near3(kd(0), albedo[0], albedo[1], albedo[2]), "%s %s: %g %g %g", space, rgb, (double)kd(0).x,
+    CHECKF(rgb_is(kd(0), albedo[0], albedo[1], albedo[2]), "%s %s: %g %g %g", space, rgb, (double)kd(0).x,
            (double)kd(0).y, (double)kd(0).z);
     lc_f3 i = scene->lights[0].intensity;
-    CHECKF(near3(i, light[0], light[1], light[2]), "%s %s: %g %g %g", space, rgb, (double)i.x, (double)i.y,
+    CHECKF(rgb_is(i, light[0], light[1], light[2]), "%s %s: %g %g %g", space, rgb, (double)i.x, (double)i.y,
            (double)i.z);
 }
 #define SAME(space, rgb, ...)                                                                                \
@@ -168,9 +165,9 @@ TEST(spaces_end_with_their_block)
                "Attribute \"material\" \"rgb reflectance\" [.2 .3 .25] ColorSpace \"srgb\" Material "
                "\"diffuse\"\n"
                "Material \"diffuse\" \"rgb reflectance\" [.2 .3 .25]") == LC_OK);
-    CHECK(near3(kd(0), .2, .3, .25) && near3(kd(1), .1375809, .3128634, .2458787));
+    CHECK(rgb_is(kd(0), .2, .3, .25) && rgb_is(kd(1), .1375809, .3128634, .2458787));
     /* That of the Attribute. */
-    CHECK(near3(kd(2), .1375809, .3128634, .2458787) && near3(kd(3), .2, .3, .25));
+    CHECK(rgb_is(kd(2), .1375809, .3128634, .2458787) && rgb_is(kd(3), .2, .3, .25));
 }
 
 int main(void)

@@ -1,4 +1,5 @@
 /* unit_compare.c - metrics of `lightcuts compare` on pictures done by hand, and properties of FLIP. */
+#include "support/near.h"
 #include "support/test.h"
 
 /* The tests link with the library, which these are no part of. */
@@ -12,7 +13,8 @@
 
 static lc_context *ctx;
 
-static bool near(double got, double want) { return fabs(got - want) <= 1e-6 * fmax(1.0, fabs(want)); }
+/* Metrics of at most 1 are compared by near_abs, larger ones by near_rel. */
+#define EPS 1e-6
 
 TEST(by_hand)
 {
@@ -23,19 +25,19 @@ TEST(by_hand)
     float *const a[3] = { ar, ag, ab }, *const ref[3] = { rr, rg, rb };
     metrics m;
     CHECK(metrics_of(ctx, 2, 2, a, ref, 0.02, &m) == LC_OK);
-    CHECK(near(m.value[METRIC_MAE], 1.25 / 12));
-    CHECK(near(m.value[METRIC_MSE], 1.0625 / 12));
-    CHECK(near(m.value[METRIC_RMSE], sqrt(1.0625 / 12)));
-    CHECK(near(m.value[METRIC_MRSE], (1 / (1.01 * 1.01) + 0.0625 / (0.26 * 0.26)) / 12));
-    CHECK(near(m.value[METRIC_MAPE], (1 / 1.01 + 0.25 / 0.26) / 12));
-    CHECK(near(m.value[METRIC_PSNR], -10 * log10(1.0625 / 12)));
+    CHECK(near_abs(m.value[METRIC_MAE], 1.25 / 12, EPS));
+    CHECK(near_abs(m.value[METRIC_MSE], 1.0625 / 12, EPS));
+    CHECK(near_abs(m.value[METRIC_RMSE], sqrt(1.0625 / 12), EPS));
+    CHECK(near_abs(m.value[METRIC_MRSE], (1 / (1.01 * 1.01) + 0.0625 / (0.26 * 0.26)) / 12, EPS));
+    CHECK(near_abs(m.value[METRIC_MAPE], (1 / 1.01 + 0.25 / 0.26) / 12, EPS));
+    CHECK(near_rel(m.value[METRIC_PSNR], -10 * log10(1.0625 / 12), EPS));
     CHECK(m.value[METRIC_MAX] == 1.0 && m.max_x == 1 && m.max_y == 0 && m.max_channel == 0);
     CHECK(m.max_a == 2.0 && m.max_ref == 1.0);
-    CHECK(near(m.value[METRIC_MEAN_RATIO], 10.5 / 9.75));
+    CHECK(near_rel(m.value[METRIC_MEAN_RATIO], 10.5 / 9.75, EPS));
     // Luminance: 1 and 1, 2 and 1.7874, 0 and 0.01805, 0.5 and 0.5.
-    CHECK(m.value[METRIC_REL_P50] == 0.0 && near(m.value[METRIC_REL_P99], 1.0) &&
-          near(m.value[METRIC_REL_MAX], 1.0));
-    CHECK(near(m.value[METRIC_OVER], 0.5) && m.value[METRIC_NONFINITE] == 0.0);
+    CHECK(m.value[METRIC_REL_P50] == 0.0 && near_abs(m.value[METRIC_REL_P99], 1.0, EPS) &&
+          near_abs(m.value[METRIC_REL_MAX], 1.0, EPS));
+    CHECK(near_abs(m.value[METRIC_OVER], 0.5, EPS) && m.value[METRIC_NONFINITE] == 0.0);
 }
 
 TEST(equal_pictures)
@@ -56,7 +58,7 @@ TEST(nonfinite_pixels_are_counted_and_left_out)
     float *const a[3] = { y, x, y }, *const ref[3] = { y, y, y };
     metrics m;
     CHECK(metrics_of(ctx, 4, 1, a, ref, 0.02, &m) == LC_OK);
-    CHECK(m.value[METRIC_NONFINITE] == 2.0 && near(m.value[METRIC_MAE], 1.0 / 6) &&
+    CHECK(m.value[METRIC_NONFINITE] == 2.0 && near_abs(m.value[METRIC_MAE], 1.0 / 6, EPS) &&
           isfinite(m.value[METRIC_FLIP]));
 }
 
@@ -75,7 +77,7 @@ TEST(roberts_sees_bands_not_noise)
     metrics m;
     CHECK(metrics_of(ctx, SIDE, SIDE, a, ref, 0.02, &m) == LC_OK);
     /* in one column of seven both differences are 0.2 */
-    CHECKF(near(m.value[METRIC_ROBERTS], 2 * 0.2 * 0.2 / 7), "%g", m.value[METRIC_ROBERTS]);
+    CHECKF(near_abs(m.value[METRIC_ROBERTS], 2 * 0.2 * 0.2 / 7, EPS), "%g", m.value[METRIC_ROBERTS]);
     CHECK(metrics_of(ctx, SIDE, SIDE, b, ref, 0.02, &m) == LC_OK);
     CHECKF(m.value[METRIC_ROBERTS] < 1e-9, "%g", m.value[METRIC_ROBERTS]);
     /* One block wide. */

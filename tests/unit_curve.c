@@ -2,6 +2,7 @@
  * each error. */
 #include "pbrt/parse.h"
 #include "support/last_error.h"
+#include "support/near.h"
 #include "support/test.h"
 
 #include <stdlib.h>
@@ -37,8 +38,6 @@ static const lc_scene_note *note(const char *kind)
     return NULL;
 }
 
-static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
-
 static lc_f3 vertex(size_t i) { return lc_f3_load(scene->pos + 3 * i); }
 
 static double area(void)
@@ -61,14 +60,15 @@ TEST(tubes)
     CHECK(scene->n_tris == 16 && scene->n_verts == 18 && note("shape curve"));
     for (size_t v = 0; v < scene->n_verts; v++) {
         lc_f3 p = vertex(v), n = lc_f3_normalize(lc_f3_load(scene->normal + 3 * v));
-        CHECK(near((double)p.z, v < 9 ? 1 : 4, 1e-6) && near((double)n.z, 0, 1e-6));
-        CHECK(near((double)lc_f3_len(lc_f3_sub(p, lc_f3_make(0, 0, p.z))) * (double)n.x, (double)p.x, 1e-6));
+        CHECK(near_abs((double)p.z, v < 9 ? 1 : 4, 1e-6) && near_abs((double)n.z, 0, 1e-6));
+        CHECK(near_abs((double)lc_f3_len(lc_f3_sub(p, lc_f3_make(0, 0, p.z))) * (double)n.x, (double)p.x,
+                       1e-6));
     }
-    CHECK(near(area(), 3 * LC_PI * .5, 1e-5)); /* the perimeter is that of the circle */
+    CHECK(near_abs(area(), 3 * LC_PI * .5, 1e-5)); /* the perimeter is that of the circle */
     /* with a tip, and control points that coincide */
     CHECK(load("Shape \"curve\" \"point3 P\" [0 0 1  0 0 1  0 0 4  0 0 4] \"float width0\" 0 \"float "
                "width1\" .5") == LC_OK);
-    CHECK(scene->n_tris == 2 * 8 * 15 - 8 && near(area(), .75 * LC_PI, .02));
+    CHECK(scene->n_tris == 2 * 8 * 15 - 8 && near_abs(area(), .75 * LC_PI, .02));
     for (size_t i = 0; i < 3 * (size_t)scene->n_verts; i++)
         CHECK(isfinite(scene->pos[i]) && isfinite(scene->normal[i]));
     CHECK(load("Shape \"curve\" \"point3 P\" [1 1 1  1 1 1  1 1 1  1 1 1]") == LC_OK);
@@ -93,7 +93,7 @@ static void expect_on_curve(size_t row, void (*at)(double t, double p[3]))
                 sum[k] += (double)scene->pos[3 * (row * i + j) + k] / (double)(row - 1);
         at((double)i / (double)(rings - 1), want);
         for (int k = 0; k < 3; k++)
-            CHECKF(near(sum[k], want[k], 1e-5), "ring %zu: %g, not %g", i, sum[k], want[k]);
+            CHECKF(near_abs(sum[k], want[k], 1e-5), "ring %zu: %g, not %g", i, sum[k], want[k]);
     }
 }
 
@@ -123,8 +123,8 @@ TEST(bases)
           scene->n_tris == 32);
     CHECK(load("Shape \"curve\" \"point3 P\" [0 0 0  1 0 0  2 0 0  3 0 0  4 0 0] \"string basis\" "
                "\"bspline\"") == LC_OK);
-    CHECK(scene->n_tris == 32 && near((double)scene->bounds.lo.x, 1, 1e-6) &&
-          near((double)scene->bounds.hi.x, 3, 1e-6));
+    CHECK(scene->n_tris == 32 && near_abs((double)scene->bounds.lo.x, 1, 1e-6) &&
+          near_abs((double)scene->bounds.hi.x, 3, 1e-6));
 }
 
 TEST(ribbons)
@@ -132,10 +132,10 @@ TEST(ribbons)
     CHECK(load("Shape \"curve\" \"point3 P\" [0 0 0  0 0 1  0 0 2  0 0 3] \"float width\" .5 \"string type\" "
                "\"ribbon\"\n"
                "\"normal N\" [0 2 1  0 1 0]") == LC_OK);
-    CHECK(scene->n_tris == 2 && near(area(), 1.5, 1e-6));
+    CHECK(scene->n_tris == 2 && near_abs(area(), 1.5, 1e-6));
     for (size_t v = 0; v < 4; v++)
-        CHECK(near((double)scene->normal[3 * v + 1], 1, 1e-6) &&
-              near(fabs((double)scene->pos[3 * v]), .25, 1e-6));
+        CHECK(near_abs((double)scene->normal[3 * v + 1], 1, 1e-6) &&
+              near_abs(fabs((double)scene->pos[3 * v]), .25, 1e-6));
     CHECK(load("Shape \"curve\" \"point3 P\" [0 0 0  0 0 1  .1 0 2  0 0 3] \"float width\" .01 \"string "
                "type\" \"ribbon\"\n"
                "\"normal N\" [0 1 0  1 0 0]") == LC_OK);
@@ -154,8 +154,8 @@ TEST(uv_and_alpha)
         load(
             "Texture \"t\" \"spectrum\" \"checkerboard\" Material \"diffuse\" \"texture reflectance\" \"t\"\n"
             "Shape \"curve\" \"point3 P\" [0 0 0  0 0 1  0 0 2  0 0 3] \"float alpha\" .5") == LC_OK);
-    CHECK(scene->uv && near((double)scene->uv[0], 0, 0));
-    CHECK(near((double)scene->uv[2 * 17], 1, 0) && near((double)scene->uv[2 * 17 + 1], 1, 0));
+    CHECK(scene->uv && near_abs((double)scene->uv[0], 0, 0));
+    CHECK(near_abs((double)scene->uv[2 * 17], 1, 0) && near_abs((double)scene->uv[2 * 17 + 1], 1, 0));
     CHECK(scene->meshes[0].alpha != LC_NONE);
     CHECK(load("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"float alpha\" .5\n"
                "Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2] \"float "

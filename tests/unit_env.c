@@ -4,6 +4,7 @@
 #include "pbrt/parse.h"
 #include "prepare/env_light.h"
 #include "support/last_error.h"
+#include "support/near.h"
 #include "support/poor.h"
 #include "support/test.h"
 
@@ -13,8 +14,6 @@
 static char dir[] = "/tmp/unit_env.XXXXXX";
 static lc_context *ctx;
 static lc_scene *scene;
-
-static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
 
 static void begin(void)
 {
@@ -77,7 +76,7 @@ TEST(places_and_directions)
         lc_env *e = random_map(k ? 16 : 32, 16, k ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG);
         double solid = 0, mean[3] = { 0 };
         for (uint32_t y = 0; y < 16; y++) solid += lc_env_solid_angle(e, y) * lc_env_width(e);
-        CHECK(near(solid, 4 * LC_PI, 1e-12));
+        CHECK(near_abs(solid, 4 * LC_PI, 1e-12));
         for (int i = 0; i < 100000; i++) {
             double x = lc_unit(lc_hash2(1, (uint64_t)i)) * lc_env_width(e),
                    y = lc_unit(lc_hash2(2, (uint64_t)i)) * 16, w[3], s, t, v[3];
@@ -86,18 +85,18 @@ TEST(places_and_directions)
                 y = row + (cos(LC_PI * row / 16) - z) / (cos(LC_PI * row / 16) - cos(LC_PI * (row + 1) / 16));
             }
             lc_env_direction(e, x, y, w);
-            CHECK(near(w[0] * w[0] + w[1] * w[1] + w[2] * w[2], 1, 1e-12));
+            CHECK(near_abs(w[0] * w[0] + w[1] * w[1] + w[2] * w[2], 1, 1e-12));
             lc_env_place(e, w, &s, &t);
-            CHECKF(near(s * lc_env_width(e), x, 1e-5) && near(floor(t * 16), floor(y), 0), "%g %g: %g %g", x,
-                   y, s, t);
-            if (k) CHECK(near(t * 16, y, 1e-5));
+            CHECKF(near_abs(s * lc_env_width(e), x, 1e-5) && near_abs(floor(t * 16), floor(y), 0),
+                   "%g %g: %g %g", x, y, s, t);
+            if (k) CHECK(near_abs(t * 16, y, 1e-5));
             lc_env_direction(e, s * lc_env_width(e), k ? t * 16 : y, v);
             for (int c = 0; c < 3; c++) {
-                CHECK(near(v[c], w[c], 1e-6));
+                CHECK(near_abs(v[c], w[c], 1e-6));
                 mean[c] += w[c] / 100000;
             }
         }
-        for (int c = 0; c < 3; c++) CHECKF(near(mean[c], 0, 0.01), "%g", mean[c]); /* equal areas */
+        for (int c = 0; c < 3; c++) CHECKF(near_abs(mean[c], 0, 0.01), "%g", mean[c]); /* equal areas */
     }
 }
 
@@ -115,7 +114,7 @@ TEST(irradiance_is_kept)
             CHECKF(scene->n_lights == counts[i], "%zu lights", scene->n_lights);
             sum_of_lights(got);
             for (int c = 0; c < 3; c++)
-                CHECKF(near(got[c], want[c], 1e-6 * want[c]), "%u: %.9g, not %.9g", counts[i], got[c],
+                CHECKF(near_abs(got[c], want[c], 1e-6 * want[c]), "%u: %.9g, not %.9g", counts[i], got[c],
                        want[c]);
             for (size_t l = 0; l < scene->n_lights; l++) {
                 lc_f3 v = scene->lights[l].intensity;
@@ -234,10 +233,11 @@ TEST(background)
     double w[3];
     lc_env_direction(&scene->envs[0], 32.5, 32.5, w); /* the middle of the texel; y goes to -z */
     lc_f3 at = lc_scene_background(scene, lc_f3_normalize_d(w[0], w[2], -w[1]));
-    CHECKF(near((double)at.x, 5, 0.01) && near((double)at.y, 4, 0.01) && near((double)at.z, 4, 0.01), "%g",
-           (double)at.x);
+    CHECKF(near_abs((double)at.x, 5, 0.01) && near_abs((double)at.y, 4, 0.01) &&
+               near_abs((double)at.z, 4, 0.01),
+           "%g", (double)at.x);
     at = lc_scene_background(scene, lc_f3_make(0, 0, 1));
-    CHECK(near((double)at.x, 1, 1e-6) && near((double)at.z, 3, 1e-6));
+    CHECK(near_abs((double)at.x, 1, 1e-6) && near_abs((double)at.z, 3, 1e-6));
 }
 
 static void check_sum(const char *light, double r, double g, double b)
@@ -247,7 +247,7 @@ static void check_sum(const char *light, double r, double g, double b)
     snprintf(text, sizeof text, "Film \"rgb\" WorldBegin LightSource \"infinite\" %s", light);
     CHECKF(load(text) == LC_OK && lc_env_lights_make(scene, 1000, 5, 0) == LC_OK, "%s", last_error);
     sum_of_lights(sum);
-    CHECKF(near(sum[0], r, 1e-5 * r) && near(sum[1], g, 1e-5 * g) && near(sum[2], b, 1e-5 * b),
+    CHECKF(near_abs(sum[0], r, 1e-5 * r) && near_abs(sum[1], g, 1e-5 * g) && near_abs(sum[2], b, 1e-5 * b),
            "%s: %g %g %g", light, sum[0], sum[1], sum[2]);
 }
 
@@ -318,7 +318,7 @@ TEST(lights_where_they_matter)
             sum += (double)s->lights[i].intensity.y;
             n_above += s->lights[i].dir.z < -0.7f; /* 0.15 of the sphere */
         }
-        CHECKF(near(sum, 4 * LC_PI, 1e-5), "%.9g", sum);
+        CHECKF(near_abs(sum, 4 * LC_PI, 1e-5), "%.9g", sum);
         CHECKF(n_above > 1000, "%u of 2000 lights", n_above);
         CHECK(!memcmp(s->lights, again->lights, s->n_lights * sizeof *s->lights));
         close_room(s);

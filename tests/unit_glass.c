@@ -2,6 +2,7 @@
  * through diffusely. */
 #include "scene/sight.h"
 #include "shade/fresnel.h"
+#include "support/near.h"
 #include "support/test.h"
 
 #include <stdarg.h>
@@ -48,8 +49,6 @@ static double green(lc_scene *scene, uint32_t max_depth, lc_render_stats *stats)
     return g;
 }
 
-static bool near(double a, double b, double slack) { return fabs(a - b) <= slack; }
-
 #define HEAD                                                                                                 \
     "Film \"rgb\" \"integer xresolution\" 3 \"integer yresolution\" 3\nSampler \"independent\" \"integer "   \
     "pixelsamples\" 1\n"                                                                                     \
@@ -66,31 +65,31 @@ static bool near(double a, double b, double slack) { return fabs(a - b) <= slack
 
 TEST(fresnel)
 {
-    CHECK(near((double)lc_fresnel_dielectric(1, 1.5f), 0.04, 1e-7) &&
-          near((double)lc_fresnel_dielectric(1, 1 / 1.5f), 0.04, 1e-6));
-    CHECK(near((double)lc_fresnel_dielectric(0, 1.5f), 1, 0) &&
-          near((double)lc_fresnel_dielectric(0.5f, 1 / 1.5f), 1, 0));
+    CHECK(near_abs((double)lc_fresnel_dielectric(1, 1.5f), 0.04, 1e-7) &&
+          near_abs((double)lc_fresnel_dielectric(1, 1 / 1.5f), 0.04, 1e-6));
+    CHECK(near_abs((double)lc_fresnel_dielectric(0, 1.5f), 1, 0) &&
+          near_abs((double)lc_fresnel_dielectric(0.5f, 1 / 1.5f), 1, 0));
     for (int i = 1; i <= 40; i++) {
         double c = i / 40., eta = 1.33, ct = sqrt(1 - (1 - c * c) / (eta * eta));
         double s = (c - eta * ct) / (c + eta * ct), p = (eta * c - ct) / (eta * c + ct),
                f = (s * s + p * p) / 2;
-        CHECK(near((double)lc_fresnel_dielectric((float)c, (float)eta), f, 1e-6));
+        CHECK(near_abs((double)lc_fresnel_dielectric((float)c, (float)eta), f, 1e-6));
         /* Back along the same way. */
-        CHECK(near((double)lc_fresnel_dielectric((float)ct, (float)(1 / eta)), f, 5e-5));
-        CHECK(near((double)lc_fresnel_conductor((float)c, (float)eta, 0), f, 1e-6)); /* no absorption */
+        CHECK(near_abs((double)lc_fresnel_dielectric((float)ct, (float)(1 / eta)), f, 5e-5));
+        CHECK(near_abs((double)lc_fresnel_conductor((float)c, (float)eta, 0), f, 1e-6)); /* no absorption */
     }
-    CHECK(near((double)lc_fresnel_conductor(1, 0.2f, 3.9f), (0.64 + 15.21) / (1.44 + 15.21), 1e-6));
-    CHECK(near((double)lc_fresnel_conductor(0, 0.2f, 3.9f), 1, 1e-6));
+    CHECK(near_abs((double)lc_fresnel_conductor(1, 0.2f, 3.9f), (0.64 + 15.21) / (1.44 + 15.21), 1e-6));
+    CHECK(near_abs((double)lc_fresnel_conductor(0, 0.2f, 3.9f), 1, 1e-6));
     for (float c = 0; c < 1; c += 0.0007f)
         for (float e = 1e-3f; e < 2; e *= 1.37f)
             CHECK(lc_fresnel_conductor(c, 1, e * 1e-4f) >= 0 && lc_fresnel_conductor(c, e, 0) >= 0);
     lc_material m = { .ks = { 0.5f, 0.2f, 0 }, .fresnel = LC_FRESNEL_SCHLICK };
-    CHECK(near((double)lc_reflectance(&m, 1, false).y, 0.2, 1e-7) &&
-          near((double)lc_reflectance(&m, 0, false).z, 1, 1e-7));
+    CHECK(near_abs((double)lc_reflectance(&m, 1, false).y, 0.2, 1e-7) &&
+          near_abs((double)lc_reflectance(&m, 0, false).z, 1, 1e-7));
     m.fresnel = LC_FRESNEL_DIELECTRIC;
     m.eta = lc_f3_make(1.5f, 1.5f, 1.5f);
-    CHECK(near((double)lc_reflectance(&m, 1, false).x, 0.02, 1e-7) &&
-          near((double)lc_reflectance(&m, 0.5f, true).y, 0.2, 1e-7));
+    CHECK(near_abs((double)lc_reflectance(&m, 1, false).x, 0.02, 1e-7) &&
+          near_abs((double)lc_reflectance(&m, 0.5f, true).y, 0.2, 1e-7));
 }
 
 /* A sheet before a lamp: all orders of reflection between its sides are in it. */
@@ -98,10 +97,11 @@ TEST(sheet)
 {
     const double r = 2 * 0.04 / 1.04;
     const char *scene = HEAD LAMP("6") "Material \"thindielectric\" \"float eta\" 1.5\n" WALL("9", "2");
-    CHECK(near(green(load("%s", scene), 5, NULL), 1 - r, 1e-4));
-    CHECK(near(green(load("%s" LAMP("-3"), scene), 5, NULL), 1, 1e-4)); /* white all around */
-    CHECK(near(green(load("%s Translate 0 0 1\n" WALL("9", "2"), scene), 2, NULL), (1 - r) * (1 - r), 1e-4));
-    CHECK(near(green(load("%s Translate 0 0 1\n" WALL("9", "2"), scene), 1, NULL), 0, 0));
+    CHECK(near_abs(green(load("%s", scene), 5, NULL), 1 - r, 1e-4));
+    CHECK(near_abs(green(load("%s" LAMP("-3"), scene), 5, NULL), 1, 1e-4)); /* white all around */
+    CHECK(near_abs(green(load("%s Translate 0 0 1\n" WALL("9", "2"), scene), 2, NULL), (1 - r) * (1 - r),
+                   1e-4));
+    CHECK(near_abs(green(load("%s Translate 0 0 1\n" WALL("9", "2"), scene), 1, NULL), 0, 0));
 }
 
 /* Two boundaries: radiance that is divided by eta^2 on the way in is multiplied on the way out. Depth counts
@@ -113,12 +113,12 @@ TEST(slab)
         "6") "Material \"dielectric\"\n" WALL("9", "2") "ReverseOrientation\n" WALL("9", "3");
     double want[5] = { 0, 0, t2, t2, t2 };
     for (uint32_t depth = 1; depth < 5; depth++)
-        CHECKF(near(green(load("%s", scene), depth, NULL), want[depth], 2e-3), "depth %u", depth);
-    CHECK(near(green(load("%s", scene), 50, NULL), t2 / (1 - r * r), 2e-3));
-    CHECK(near(green(load("%s" LAMP("-3"), scene), 50, NULL), 1, 4e-3));
+        CHECKF(near_abs(green(load("%s", scene), depth, NULL), want[depth], 2e-3), "depth %u", depth);
+    CHECK(near_abs(green(load("%s", scene), 50, NULL), t2 / (1 - r * r), 2e-3));
+    CHECK(near_abs(green(load("%s" LAMP("-3"), scene), 50, NULL), 1, 4e-3));
     /* what is lit in glass looks eta^2 times darker */
     scene = HEAD "Material \"glass\" \"float index\" 1.5 \"rgb Kt\" [.5 .5 .5]\n" WALL("9", "2") LAMP("6");
-    CHECK(near(green(load("%s", scene), 3, NULL), 0.96 * 0.5 / 2.25, 1e-4));
+    CHECK(near_abs(green(load("%s", scene), 3, NULL), 0.96 * 0.5 / 2.25, 1e-4));
 }
 
 static lc_scene *floor_below(const char *more)
@@ -139,12 +139,12 @@ TEST(refraction_and_total_reflection)
         /* Along x in the slab; 1 / 1 elsewhere. */
         double sine = sqrt(0.5) / 1.5, shift = sine / sqrt(1 - sine * sine);
         CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, 0, 9, &s) && s.n_lit > 2);
-        CHECKF(s.lit[0].n_mirrors == 2 && near((double)s.lit[0].surface.pos.x, 5 + shift, 1e-3),
+        CHECKF(s.lit[0].n_mirrors == 2 && near_abs((double)s.lit[0].surface.pos.x, 5 + shift, 1e-3),
                "%u %g %g %g", s.lit[0].n_mirrors, (double)s.lit[0].surface.pos.x,
                (double)s.lit[0].surface.pos.z, 5 + shift);
         double f = (double)lc_fresnel_dielectric((float)sqrt(0.5), 1.5f);
-        CHECK(near((double)s.lit[0].weight.x, (1 - f) * (1 - f), 1e-5) &&
-              near((double)s.lit[1].weight.x, f, 1e-5));
+        CHECK(near_abs((double)s.lit[0].weight.x, (1 - f) * (1 - f), 1e-5) &&
+              near_abs((double)s.lit[1].weight.x, f, 1e-5));
         /* from inside, beyond the critical angle of 41.8 degrees, and below */
         CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 2.5f), dir, 0, 9, &s) && s.n_lit == 0 && s.n_rays == 9);
         CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 2.5f), lc_f3_normalize_d(0.5, 0, 1), 0, 9, &s) &&
@@ -184,8 +184,8 @@ TEST(leaf)
                             "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb "
                             "transmittance\" [.1 .1 .1]\n" WALL("9", "2");
     lc_render_stats stats;
-    CHECK(near(green(load(leaf, 0), 1, &stats), 0.4 / LC_PI / 4, 1e-6) && stats.points == 18);
-    CHECK(near(green(load(leaf, 4), 1, &stats), 0.1 / LC_PI / 4, 1e-6));
+    CHECK(near_abs(green(load(leaf, 0), 1, &stats), 0.4 / LC_PI / 4, 1e-6) && stats.points == 18);
+    CHECK(near_abs(green(load(leaf, 4), 1, &stats), 0.1 / LC_PI / 4, 1e-6));
 }
 
 int main(void)

@@ -4,6 +4,7 @@
 #include "prepare/vpl_radius.h"
 #include "scene/scene.h"
 #include "support/isas.h"
+#include "support/near.h"
 #include "support/poor.h"
 #include "support/test.h"
 
@@ -58,8 +59,6 @@ static double flux(lc_scene *s, int axis, float sign)
     return sum;
 }
 
-static bool near(double a, double b, double slack) { return fabs(a - b) <= slack * fabs(b); }
-
 #define HEAD                                                                                                 \
     "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24\nSampler \"independent\" \"integer " \
     "pixelsamples\" 1\n"                                                                                     \
@@ -80,9 +79,9 @@ TEST(furnace)
     for (uint32_t depth = 2; depth < 6; depth++) {
         sum += term *= 0.5;
         double got = flux(load(20000, depth), 0, 0);
-        CHECKF(near(got, 4 * LC_PI * sum, 0.02), "depth %u: %g of %g", depth, got, 4 * LC_PI * sum);
+        CHECKF(near_rel(got, 4 * LC_PI * sum, 0.02), "depth %u: %g of %g", depth, got, 4 * LC_PI * sum);
     }
-    CHECK(near(flux(load(20000, 1000), 0, 0), 4 * LC_PI, 0.02));
+    CHECK(near_rel(flux(load(20000, 1000), 0, 0), 4 * LC_PI, 0.02));
     lc_scene *s = load(5000, 2);
     if (s) CHECK(s->indirect.n_lights == 5000 && s->indirect.n_paths == 5000); /* each path meets the wall */
     lc_scene_destroy(s);
@@ -102,7 +101,7 @@ TEST(radiance_in_a_ball)
     lc_status st = s ? lc_render(ctx, s, &rd, &image, NULL) : LC_ERR_ARG;
     double sum = 0;
     for (int i = 0; !st && i < 24 * 24; i++) sum += (double)lc_image_channel(image, "G")[i] / (24 * 24);
-    CHECKF(near(sum, want, 0.02), "%g of %g", sum, want);
+    CHECKF(near_rel(sum, want, 0.02), "%g of %g", sum, want);
     if (s) CHECKF(s->indirect.loss > 0 && s->indirect.loss < 0.02, "loss %g", s->indirect.loss);
     lc_image_destroy(image);
     lc_scene_destroy(s);
@@ -116,23 +115,23 @@ TEST(kinds_of_light)
         "LightSource \"distant\" \"point3 from\" [3 0 -4] \"point3 to\" [0 0 0] \"rgb L\" [2 2 2]\n" GREY(
             ".5") WALL("1", "4") "Translate 0 0 1 " GREY("0") BALL(".1"));
     double got = flux(load(40000, 2), 0, 0);
-    CHECKF(near(got, 0.5 * 2 * 4 * 0.8, 0.01), "%g", got);
+    CHECKF(near_rel(got, 0.5 * 2 * 4 * 0.8, 0.01), "%g", got);
     write_scene("%s", HEAD "LightSource \"infinite\" \"rgb L\" [1 1 1]\n" GREY(".5") WALL("1", "4"));
-    CHECK(near(flux(load(4000, 2), 0, 0), 2 * LC_PI * 4 * 0.5, 0.03));
+    CHECK(near_rel(flux(load(4000, 2), 0, 0), 2 * LC_PI * 4 * 0.5, 0.03));
     write_scene("%s", HEAD GREY(".5") BALL("3") "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n" GREY("0")
                           WALL(".5", "1"));
-    CHECK(near(flux(load(4000, 2), 0, 0), LC_PI * 0.5, 0.02));
+    CHECK(near_rel(flux(load(4000, 2), 0, 0), LC_PI * 0.5, 0.02));
     write_scene("%s", HEAD "LightSource \"oriented\" \"vector3 direction\" [0 0 1] \"rgb I\" [1 1 1]\n" GREY(
                           ".5") WALL("1000", "1"));
-    CHECK(near(flux(load(4000, 2), 0, 0), LC_PI * 0.5, 0.01));
+    CHECK(near_rel(flux(load(4000, 2), 0, 0), LC_PI * 0.5, 0.01));
     /* what falls on a square seen from a distance of half its side is a sixth; 1 / d: E = I cos / d */
     write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\n" GREY(".5") WALL("1", "1"));
-    CHECK(near(flux(load(4000, 2), 0, 0), 4 * LC_PI / 6 * 0.5, 0.02));
+    CHECK(near_rel(flux(load(4000, 2), 0, 0), 4 * LC_PI / 6 * 0.5, 0.02));
     /* two lights share the paths by power, and that cancels */
     write_scene("%s", HEAD
                 "LightSource \"point\" \"rgb I\" [1 1 1]\nLightSource \"point\" \"rgb I\" [9 9 9]\n" GREY(
                     ".5") BALL("3"));
-    CHECK(near(flux(load(4000, 2), 0, 0), 40 * LC_PI * 0.5, 0.02));
+    CHECK(near_rel(flux(load(4000, 2), 0, 0), 40 * LC_PI * 0.5, 0.02));
 }
 
 /* Attenuation 1 / d: what a ball's wall at distance 3 gets is three times that of 1 / d^2. */
@@ -140,7 +139,7 @@ TEST(attenuation)
 {
     write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1] \"float B\" 1 \"float C\" 0\n" GREY(".5")
                           BALL("3"));
-    CHECK(near(flux(load(4000, 2), 0, 0), 3 * 4 * LC_PI * 0.5, 0.02));
+    CHECK(near_rel(flux(load(4000, 2), 0, 0), 3 * 4 * LC_PI * 0.5, 0.02));
 }
 
 TEST(mirrors_glass_and_leaves)
@@ -150,23 +149,23 @@ TEST(mirrors_glass_and_leaves)
         "%s", HEAD
         "LightSource \"point\" \"rgb I\" [1 1 1]\nMaterial \"mirror\" \"rgb reflectance\" [.5 .5 .5]\n" WALL(
             "1000", "-1") GREY(".5") WALL("1000", "1"));
-    CHECK(near(flux(load(4000, 2), 0, 0), LC_PI, 0.02)); /* the mirror counts as a bounce */
-    CHECK(near(flux(load(4000, 3), 0, 0), LC_PI * 1.5, 0.02));
+    CHECK(near_rel(flux(load(4000, 2), 0, 0), LC_PI, 0.02)); /* the mirror counts as a bounce */
+    CHECK(near_rel(flux(load(4000, 3), 0, 0), LC_PI * 1.5, 0.02));
     /* nothing is lost in clear glass, whatever way light takes */
     write_scene("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\n" GREY(".5")
                           BALL("3") "Material \"dielectric\"\n" BALL("1"));
-    CHECK(near(flux(load(4000, 3), 0, 0), 4 * LC_PI * 0.96 * 0.5, 0.03));
+    CHECK(near_rel(flux(load(4000, 3), 0, 0), 4 * LC_PI * 0.96 * 0.5, 0.03));
     write_scene("%s", HEAD "LightSource \"oriented\" \"vector3 direction\" [0 0 1] \"rgb I\" [1 1 1]\n"
                            "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb "
                            "transmittance\" [.2 .2 .2]\n" WALL("1000", "1"));
     /* those behind are kept by chance, as the camera sees nothing that they shine on */
-    CHECK(near(flux(load(40000, 2), 2, -1), LC_PI * 0.4, 0.01) &&
-          near(flux(load(40000, 2), 2, 1), LC_PI * 0.2, 0.05));
+    CHECK(near_rel(flux(load(40000, 2), 2, -1), LC_PI * 0.4, 0.01) &&
+          near_rel(flux(load(40000, 2), 2, 1), LC_PI * 0.2, 0.05));
     write_scene("%s",
                 HEAD "LightSource \"oriented\" \"vector3 direction\" [0 0 1] \"rgb I\" [1 1 1]\n"
                      "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb transmittance\" "
                      "[.2 .2 .2]\n" WALL("1000", "1") GREY(".5") WALL("1000", "2") WALL("1000", "-1"));
-    CHECK(near(flux(load(8000, 3), 0, 0), LC_PI * (0.6 + 0.5 * 0.6), 0.02));
+    CHECK(near_rel(flux(load(8000, 3), 0, 0), LC_PI * (0.6 + 0.5 * 0.6), 0.02));
 }
 
 /* The same lights for any number of threads and instruction set. */
@@ -223,7 +222,7 @@ TEST(radii)
             }
             qsort(d2, m, sizeof *d2, rising);
             float want = m >= LC_VPL_NEIGHBOURS ? d2[LC_VPL_NEIGHBOURS - 1] / LC_VPL_NEIGHBOURS : 0;
-            CHECKF(near((double)l[i].atten[0], (double)want, 1e-5), "%zu of %zu: %g, %g", i, n,
+            CHECKF(near_rel((double)l[i].atten[0], (double)want, 1e-5), "%zu of %zu: %g, %g", i, n,
                    (double)l[i].atten[0], (double)want);
         }
     }

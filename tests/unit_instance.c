@@ -7,6 +7,7 @@
 #include "scene/instance.h"
 #include "scene/surface.h"
 #include "support/isas.h"
+#include "support/near.h"
 #include "support/poor.h"
 #include "support/test.h"
 
@@ -119,8 +120,6 @@ static lc_f3 random_dir(void)
     }
 }
 
-static bool near3(lc_f3 a, lc_f3 b, float eps) { return lc_f3_max_abs(lc_f3_sub(a, b)) <= eps; }
-
 TEST(as_copies)
 {
     for (int normals = 0; normals < 2; normals++) {
@@ -146,8 +145,8 @@ TEST(as_copies)
             CHECKF(fabsf(ha.t - hb.t) < 2e-5f && fabsf(ha.u - hb.u) < 1e-3f, "t %g %g", (double)ha.t,
                    (double)hb.t);
             CHECK(lc_surface_hit(a, o, d, 0, &p) && lc_surface_hit(b, o, d, 0, &q));
-            CHECK(near3(p.pos, q.pos, 2e-5f) && near3(p.ng, q.ng, 1e-5f) &&
-                  near3(p.n, q.n, normals ? 0.3f : 1e-5f));
+            CHECK(near_f3_abs(p.pos, q.pos, 2e-5) && near_f3_abs(p.ng, q.ng, 1e-5) &&
+                  near_f3_abs(p.n, q.n, normals ? 0.3 : 1e-5));
         }
         CHECKF(n_hits > 2000 && n_other <= 20, "%u hits, %u others", n_hits, n_other);
         lc_scene_destroy(a);

@@ -4,6 +4,7 @@
 #include "prepare/commit.h"
 #include "scene/surface.h"
 #include "support/last_error.h"
+#include "support/near.h"
 #include "support/poor.h"
 #include "support/test.h"
 
@@ -45,13 +46,6 @@ static const lc_scene_note *note(const char *kind)
     return NULL;
 }
 
-static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
-
-static bool near3(lc_f3 v, double x, double y, double z, double eps)
-{
-    return near((double)v.x, x, eps) && near((double)v.y, y, eps) && near((double)v.z, z, eps);
-}
-
 /* That of the last mesh of `Material text`; its notes stay to be looked at. */
 static const lc_material *one(const char *head, const char *text)
 {
@@ -67,8 +61,8 @@ static const lc_material *one(const char *head, const char *text)
 
 static bool rough(const lc_material *m, double ax, double ay)
 {
-    return m->gloss == LC_GLOSS_GGX && near((double)m->roughness[0], ax, 1e-5) &&
-           near((double)m->roughness[1], ay, 1e-5);
+    return m->gloss == LC_GLOSS_GGX && near_abs((double)m->roughness[0], ax, 1e-5) &&
+           near_abs((double)m->roughness[1], ay, 1e-5);
 }
 
 /* Shares reflected along the normal. */
@@ -93,24 +87,26 @@ static lc_surface at(double x, double y)
 
 TEST(formulas)
 {
-    CHECK(near(lc_roughness_alpha(LC_REMAP_NONE, 0.3), 0.3, 0) &&
-          near(lc_roughness_alpha(LC_REMAP_SQRT, 0.09), 0.3, 1e-15));
+    CHECK(near_abs(lc_roughness_alpha(LC_REMAP_NONE, 0.3), 0.3, 0) &&
+          near_abs(lc_roughness_alpha(LC_REMAP_SQRT, 0.09), 0.3, 1e-15));
     /* pbrt-v3's RoughnessToAlpha(0.1) with the C library's logarithm */
     double x = log(0.1);
-    CHECK(near(lc_roughness_alpha(LC_REMAP_POLYNOMIAL, 0.1),
-               1.62142 + 0.819955 * x + 0.1734 * x * x + 0.0171201 * x * x * x + 0.000640711 * x * x * x * x,
-               1e-12));
-    CHECK(near(lc_roughness_alpha(LC_REMAP_POLYNOMIAL, 0), lc_roughness_alpha(LC_REMAP_POLYNOMIAL, 1e-3), 0));
+    CHECK(near_abs(lc_roughness_alpha(LC_REMAP_POLYNOMIAL, 0.1),
+                   1.62142 + 0.819955 * x + 0.1734 * x * x + 0.0171201 * x * x * x +
+                       0.000640711 * x * x * x * x,
+                   1e-12));
+    CHECK(near_abs(lc_roughness_alpha(LC_REMAP_POLYNOMIAL, 0), lc_roughness_alpha(LC_REMAP_POLYNOMIAL, 1e-3),
+                   0));
     for (double r = 0; r < 1; r += 0.01)
         for (double n = 0.05; n < 3; n += 0.1) {
             double eta = n, k = -1;
             lc_metal_of_share(r, &eta, &k);
-            CHECKF(k >= 0 && near(lc_metal_share(eta, k), r, 1e-12), "%g %g: %g %g", r, n, eta, k);
-            CHECK(k > 0 ? near(eta, n, 0) : eta > 0);
+            CHECKF(k >= 0 && near_abs(lc_metal_share(eta, k), r, 1e-12), "%g %g: %g %g", r, n, eta, k);
+            CHECK(k > 0 ? near_abs(eta, n, 0) : eta > 0);
         }
     double eta = 1, k;
     lc_metal_of_share(0.36, &eta, &k); /* pbrt's: k = 2 sqrt(r) / sqrt(1 - r) */
-    CHECK(near(eta, 1, 0) && near(k, 1.5, 1e-12));
+    CHECK(near_abs(eta, 1, 0) && near_abs(k, 1.5, 1e-12));
     lc_metal_of_share(7, &eta, &k);
     CHECK(k > 100 && k < 1000);
 }
@@ -119,15 +115,16 @@ TEST(formulas)
 
 TEST(diffuse)
 {
-    CHECK(near3(ONE4("\"diffuse\"")->kd, .5, .5, .5, 0) && scene->n_notes == 0);
+    CHECK(near3_abs(ONE4("\"diffuse\"")->kd, .5, .5, .5, 0) && scene->n_notes == 0);
     const lc_material *m = ONE4(
         "\"diffusetransmission\" \"rgb reflectance\" [.2 .4 .6] \"rgb transmittance\" [.8 .6 .4] "
         "\"float scale\" .5");
-    CHECK(near3(m->kd, .1, .2, .3, 1e-6) && near3(m->kt, .4, .3, .2, 1e-6) && near3(m->ks, 0, 0, 0, 0) &&
-          scene->n_notes == 0);
+    CHECK(near3_abs(m->kd, .1, .2, .3, 1e-6) && near3_abs(m->kt, .4, .3, .2, 1e-6) &&
+          near3_abs(m->ks, 0, 0, 0, 0) && scene->n_notes == 0);
     m = ONE4("\"diffusetransmission\"");
-    CHECK(near3(m->kd, .25, .25, .25, 0) && near3(m->kt, .25, .25, .25, 0) && !m->mirror);
-    CHECK(near3(ONE4("\"subsurface\" \"rgb reflectance\" [.7 .5 .3] \"float g\" .2")->kd, .7, .5, .3, 1e-6) &&
+    CHECK(near3_abs(m->kd, .25, .25, .25, 0) && near3_abs(m->kt, .25, .25, .25, 0) && !m->mirror);
+    CHECK(near3_abs(ONE4("\"subsurface\" \"rgb reflectance\" [.7 .5 .3] \"float g\" .2")->kd, .7, .5, .3,
+                    1e-6) &&
           note("material subsurface"));
     CHECK(scene->n_notes == 1);
     CHECK(ONE4("\"hair\"")->kd.x < 0.5f && note("material hair"));
@@ -137,20 +134,20 @@ TEST(coats)
 {
     const lc_material *m = ONE4("\"coateddiffuse\" \"rgb reflectance\" [.1 .2 .3] \"float roughness\" .09 "
           "\"float eta\" 1.6 \"float thickness\" 1");
-    CHECK(m->coat && m->fresnel == LC_FRESNEL_DIELECTRIC && near3(m->eta, 1.6, 1.6, 1.6, 1e-6) &&
-          near3(m->ks, 1, 1, 1, 0));
-    CHECK(!m->smooth && rough(m, .3, .3) && near3(m->kd, .1, .2, .3, 1e-7) &&
+    CHECK(m->coat && m->fresnel == LC_FRESNEL_DIELECTRIC && near3_abs(m->eta, 1.6, 1.6, 1.6, 1e-6) &&
+          near3_abs(m->ks, 1, 1, 1, 0));
+    CHECK(!m->smooth && rough(m, .3, .3) && near3_abs(m->kd, .1, .2, .3, 1e-7) &&
           note("material coateddiffuse") && scene->n_notes == 1);
     m = ONE4(
         "\"coateddiffuse\" \"float uroughness\" .09 \"float vroughness\" .36 \"bool remaproughness\" false");
-    CHECK(rough(m, .09, .36) && scene->meshes[0].brushed && near3(m->eta, 1.5, 1.5, 1.5, 0));
+    CHECK(rough(m, .09, .36) && scene->meshes[0].brushed && near3_abs(m->eta, 1.5, 1.5, 1.5, 0));
     m = ONE4("\"coateddiffuse\" \"rgb albedo\" [.5 .5 .5]");
     CHECK(rough(m, (double)LC_MIN_ROUGHNESS, (double)LC_MIN_ROUGHNESS) && m->smooth && note("coat albedo"));
     /* one metal for both layers: more along the normal than either, for a dark one below */
     m = ONE4("\"coatedconductor\" \"rgb conductor.eta\" [1.5 1.5 1.5] \"rgb conductor.k\" [0 0 0] \"float "
              "conductor.roughness\" .25");
     CHECK(!m->coat && m->fresnel == LC_FRESNEL_CONDUCTOR && rough(m, .5, .5) &&
-          near3(metal(m), .04, .04, .04, 1e-6));
+          near3_abs(metal(m), .04, .04, .04, 1e-6));
     CHECK(note("material coatedconductor"));
     m = ONE4("\"coatedconductor\"");
     lc_f3 coated = metal(m);
@@ -164,12 +161,13 @@ TEST(metals)
     /* copper where nothing is said */
     const lc_material *m = ONE4("\"conductor\" \"float roughness\" .04");
     lc_f3 copper = metal(m);
-    CHECK(!m->mirror && rough(m, .2, .2) && near3(m->ks, 1, 1, 1, 0) && near3(m->kd, 0, 0, 0, 0) &&
+    CHECK(!m->mirror && rough(m, .2, .2) && near3_abs(m->ks, 1, 1, 1, 0) && near3_abs(m->kd, 0, 0, 0, 0) &&
           scene->n_notes == 0);
-    CHECKF(near3(copper, .955, .638, .538, 0.03), "%g %g %g", (double)copper.x, (double)copper.y,
+    CHECKF(near3_abs(copper, .955, .638, .538, 0.03), "%g %g %g", (double)copper.x, (double)copper.y,
            (double)copper.z);
     m = ONE4("\"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" \"metal-Cu-k\"");
-    CHECK(m->mirror && !m->glass && near3(metal(m), (double)copper.x, (double)copper.y, (double)copper.z, 0));
+    CHECK(m->mirror && !m->glass &&
+          near3_abs(metal(m), (double)copper.x, (double)copper.y, (double)copper.z, 0));
     /* linear Rec.709; gold as tabulated at 56 wavelengths, by the same curves in another program */
     static const struct { const char *name; double rgb[3];
     } known[] = {
@@ -184,19 +182,20 @@ TEST(metals)
                  "\"conductor\" \"spectrum eta\" \"metal-%s-eta\" \"spectrum k\" \"metal-%s-k\"",
                  known[i].name, known[i].name);
         lc_f3 got = metal(ONE4(text));
-        CHECKF(near3(got, known[i].rgb[0], known[i].rgb[1], known[i].rgb[2], 0.025) && scene->n_notes == 0,
+        CHECKF(near3_abs(got, known[i].rgb[0], known[i].rgb[1], known[i].rgb[2], 0.025) &&
+                   scene->n_notes == 0,
                "%s: %g %g %g", known[i].name, (double)got.x, (double)got.y, (double)got.z);
     }
     m = ONE4("\"conductor\" \"rgb eta\" [1 2 3] \"rgb k\" [4 5 6] \"float roughness\" .25");
-    CHECK(near3(m->eta, 1, 2, 3, 0) && near3(m->k, 4, 5, 6, 0));
+    CHECK(near3_abs(m->eta, 1, 2, 3, 0) && near3_abs(m->k, 4, 5, 6, 0));
     /* flat spectra are kept */
     m = ONE4("\"conductor\" \"spectrum eta\" [200 1.5 900 1.5] \"spectrum k\" [200 3 900 3]");
-    CHECK(near3(m->eta, 1.5, 1.5, 1.5, 1e-6) && near3(m->k, 3, 3, 3, 1e-5));
+    CHECK(near3_abs(m->eta, 1.5, 1.5, 1.5, 1e-6) && near3_abs(m->k, 3, 3, 3, 1e-5));
     m = ONE4("\"conductor\" \"rgb reflectance\" [.9 .5 0] \"float roughness\" .25");
-    CHECK(near3(metal(m), .9, .5, 0, 1e-6) && near3(m->eta, 1, 1, 1, 0) &&
+    CHECK(near3_abs(metal(m), .9, .5, 0, 1e-6) && near3_abs(m->eta, 1, 1, 1, 0) &&
           m->fresnel == LC_FRESNEL_CONDUCTOR);
     m = ONE3("\"metal\"");
-    CHECK(near3(metal(m), (double)copper.x, (double)copper.y, (double)copper.z, 0) && !m->mirror);
+    CHECK(near3_abs(metal(m), (double)copper.x, (double)copper.y, (double)copper.z, 0) && !m->mirror);
     CHECK(
         rough(m, lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .01), lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .01)));
     CHECK(ONE4("\"conductor\" \"spectrum eta\" \"metal-Xx-eta\"")->mirror && note("spectrum by name"));
@@ -214,17 +213,18 @@ TEST(glasses)
 {
     const lc_material *m = ONE4("\"dielectric\"");
     CHECK(m->mirror && m->glass && !m->thin && m->fresnel == LC_FRESNEL_DIELECTRIC &&
-          near3(m->eta, 1.5, 1.5, 1.5, 0));
-    CHECK(near3(m->ks, 1, 1, 1, 0) && near3(m->kt, 1, 1, 1, 0) && near3(m->kd, 0, 0, 0, 0) &&
+          near3_abs(m->eta, 1.5, 1.5, 1.5, 0));
+    CHECK(near3_abs(m->ks, 1, 1, 1, 0) && near3_abs(m->kt, 1, 1, 1, 0) && near3_abs(m->kd, 0, 0, 0, 0) &&
           scene->n_notes == 0);
-    CHECK(near3(ONE4("\"dielectric\" \"spectrum eta\" \"glass-SF11\"")->eta, 1.7847, 1.7847, 1.7847, 1e-4));
-    CHECK(near3(ONE4("\"dielectric\" \"spectrum eta\" [200 1.6 900 1.6]")->eta, 1.6, 1.6, 1.6, 1e-6));
+    CHECK(
+        near3_abs(ONE4("\"dielectric\" \"spectrum eta\" \"glass-SF11\"")->eta, 1.7847, 1.7847, 1.7847, 1e-4));
+    CHECK(near3_abs(ONE4("\"dielectric\" \"spectrum eta\" [200 1.6 900 1.6]")->eta, 1.6, 1.6, 1.6, 1e-6));
     CHECK(ONE4("\"thindielectric\" \"float eta\" 1.3")->thin && scene->n_notes == 0);
     CHECK(ONE4("\"dielectric\" \"float roughness\" .1")->glass && note("rough glass"));
     m = ONE3("\"glass\" \"rgb Kr\" [.1 .2 .3] \"rgb Kt\" [.4 .5 .6] \"float index\" 1.2");
-    CHECK(m->glass && near3(m->ks, .1, .2, .3, 1e-7) && near3(m->kt, .4, .5, .6, 1e-7) &&
-          near3(m->eta, 1.2, 1.2, 1.2, 1e-6));
-    CHECK(near3(ONE3("\"glass\" \"float index\" 1.2 \"float eta\" 1.7")->eta, 1.7, 1.7, 1.7, 1e-6) &&
+    CHECK(m->glass && near3_abs(m->ks, .1, .2, .3, 1e-7) && near3_abs(m->kt, .4, .5, .6, 1e-7) &&
+          near3_abs(m->eta, 1.2, 1.2, 1.2, 1e-6));
+    CHECK(near3_abs(ONE3("\"glass\" \"float index\" 1.2 \"float eta\" 1.7")->eta, 1.7, 1.7, 1.7, 1e-6) &&
           scene->n_notes == 0);
     CHECK(ONE3("\"glass\" \"float uroughness\" .1")->glass && note("rough glass"));
     CHECK(load(V4, "Material \"dielectric\" \"float eta\" -2") == LC_ERR_PARSE &&
@@ -237,32 +237,33 @@ TEST(plastics)
 {
     double alpha = lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .1);
     const lc_material *m = ONE3("\"plastic\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [.4 .5 .6]");
-    CHECK(near3(m->kd, .1, .2, .3, 1e-7) && near3(m->ks, .4, .5, .6, 1e-7) &&
-          near3(m->eta, 1.5, 1.5, 1.5, 0) && !m->coat);
+    CHECK(near3_abs(m->kd, .1, .2, .3, 1e-7) && near3_abs(m->ks, .4, .5, .6, 1e-7) &&
+          near3_abs(m->eta, 1.5, 1.5, 1.5, 0) && !m->coat);
     CHECK(m->fresnel == LC_FRESNEL_DIELECTRIC && rough(m, alpha, alpha) && scene->n_notes == 0);
     m = ONE3("\"uber\" \"float index\" 1.4 \"float roughness\" .3 \"bool remaproughness\" \"false\"");
-    CHECK(near3(m->kd, .25, .25, .25, 0) && near3(m->ks, .25, .25, .25, 0) && rough(m, .3, .3) &&
+    CHECK(near3_abs(m->kd, .25, .25, .25, 0) && near3_abs(m->ks, .25, .25, .25, 0) && rough(m, .3, .3) &&
           scene->n_notes == 0);
-    CHECK(near3(m->eta, 1.4, 1.4, 1.4, 1e-6));
+    CHECK(near3_abs(m->eta, 1.4, 1.4, 1.4, 1e-6));
     CHECK(!ONE3("\"uber\" \"rgb Kr\" [.1 .1 .1]")->mirror && note("uber Kr, Kt"));
     m = ONE3("\"uber\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [0 0 0] \"rgb Kr\" [1 1 1] \"rgb Kt\" [.5 .5 .5]");
-    CHECK(m->mirror && m->glass && near3(m->ks, 1, 1, 1, 0) && near3(m->kt, .5, .5, .5, 0) &&
+    CHECK(m->mirror && m->glass && near3_abs(m->ks, 1, 1, 1, 0) && near3_abs(m->kt, .5, .5, .5, 0) &&
           scene->n_notes == 0);
     m = ONE3("\"substrate\" \"rgb Kd\" [.5 .5 .5] \"rgb Ks\" [.2 .4 0] \"float uroughness\" .2 \"float "
              "vroughness\" .3");
-    CHECK(near3(m->kd, .4, .3, .5, 1e-7) && near3(m->ks, .2, .4, 0, 1e-7) &&
+    CHECK(near3_abs(m->kd, .4, .3, .5, 1e-7) && near3_abs(m->ks, .2, .4, 0, 1e-7) &&
           m->fresnel == LC_FRESNEL_SCHLICK && note("material substrate"));
     CHECK(rough(m, lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .2), lc_roughness_alpha(LC_REMAP_POLYNOMIAL, .3)));
     m = ONE3("\"translucent\" \"rgb Kd\" [.8 .4 .2] \"rgb Ks\" [.4 .4 .4] \"rgb reflect\" [.25 .25 .25] "
              "\"rgb transmit\" [.75 .75 .75]");
-    CHECK(near3(m->kd, .2, .1, .05, 1e-7) && near3(m->kt, .6, .3, .15, 1e-7) &&
-          near3(m->ks, .1, .1, .1, 1e-7) && note("translucent lobe"));
+    CHECK(near3_abs(m->kd, .2, .1, .05, 1e-7) && near3_abs(m->kt, .6, .3, .15, 1e-7) &&
+          near3_abs(m->ks, .1, .1, .1, 1e-7) && note("translucent lobe"));
     m = ONE3("\"disney\" \"color color\" [.8 .4 .2] \"float metallic\" .5 \"float roughness\" .5 \"float "
              "anisotropic\" 1");
-    CHECK(near3(m->kd, .4, .2, .1, 1e-7) && near3(m->ks, .42, .22, .12, 1e-6) && rough(m, .25, .25) &&
+    CHECK(near3_abs(m->kd, .4, .2, .1, 1e-7) && near3_abs(m->ks, .42, .22, .12, 1e-6) && rough(m, .25, .25) &&
           note("material disney"));
-    CHECK(near3(ONE3("\"kdsubsurface\" \"rgb Kd\" [.1 .2 .3] \"float eta\" 1.33")->kd, .1, .2, .3, 1e-7) &&
-          note("material kdsubsurface"));
+    CHECK(
+        near3_abs(ONE3("\"kdsubsurface\" \"rgb Kd\" [.1 .2 .3] \"float eta\" 1.33")->kd, .1, .2, .3, 1e-7) &&
+        note("material kdsubsurface"));
 }
 
 /* ---- textures ---- */
@@ -289,21 +290,21 @@ TEST(textured)
     CHECK(load(V4, UV "Material \"conductor\" \"texture reflectance\" \"c\" \"float roughness\" .5\n" QUAD) ==
           LC_OK);
     s = at(.6, -.4);
-    CHECK(near3(metal(&s.material), .8, .3, 0, 1e-6) && near3(s.material.ks, 1, 1, 1, 0));
+    CHECK(near3_abs(metal(&s.material), .8, .3, 0, 1e-6) && near3_abs(s.material.ks, 1, 1, 1, 0));
     CHECK(
         load(V4, UV
              "Material \"diffusetransmission\" \"texture reflectance\" \"c\" \"texture transmittance\" \"c\" "
              "\"float scale\" .5\n" QUAD) == LC_OK);
     s = at(.6, -.4);
-    CHECK(near3(s.material.kd, .4, .15, 0, 1e-6) && near3(s.material.kt, .4, .15, 0, 1e-6) &&
+    CHECK(near3_abs(s.material.kd, .4, .15, 0, 1e-6) && near3_abs(s.material.kt, .4, .15, 0, 1e-6) &&
           scene->n_notes == 0);
     CHECK(load(V3, UV "Material \"translucent\" \"texture Kd\" \"c\" \"rgb Ks\" [0 0 0] \"texture transmit\" "
                       "\"c\"\n" QUAD) == LC_OK);
     s = at(.6, -.4);
-    CHECK(near3(s.material.kd, .4, .15, 0, 1e-6) && near3(s.material.kt, .64, .09, 0, 1e-6) &&
+    CHECK(near3_abs(s.material.kd, .4, .15, 0, 1e-6) && near3_abs(s.material.kt, .64, .09, 0, 1e-6) &&
           scene->n_notes == 0);
     CHECK(load(V3, UV "Material \"substrate\" \"texture Kd\" \"c\" \"rgb Ks\" [.5 .5 .5]\n" QUAD) == LC_OK);
-    CHECK(near3(at(.6, -.4).material.kd, .4, .15, 0, 1e-6));
+    CHECK(near3_abs(at(.6, -.4).material.kd, .4, .15, 0, 1e-6));
     CHECK(load(V4, RAMP "Material \"dielectric\" \"texture eta\" \"r\"\n" QUAD) == LC_OK &&
           note("textured parameter eta"));
 }
@@ -313,7 +314,7 @@ TEST(textured)
 static bool points(lc_f3 n, double x, double y, double z)
 {
     double len = sqrt(x * x + y * y + z * z);
-    return near3(n, x / len, y / len, z / len, 2e-6);
+    return near3_abs(n, x / len, y / len, z / len, 2e-6);
 }
 
 /* The quad faces the camera, which looks along z: its own normal is (0, 0, 1), and that on the viewer's side
@@ -444,27 +445,27 @@ TEST(mixes)
 {
     CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .25\n" QUAD) ==
           LC_OK);
-    CHECK(near3(at(.3, .3).material.kd, .3, .5, .25, 1e-6) && scene->n_notes == 0);
+    CHECK(near3_abs(at(.3, .3).material.kd, .3, .5, .25, 1e-6) && scene->n_notes == 0);
     CHECK(load(V4, RAMP TWO4
                "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"texture amount\" \"r\"\n" QUAD) ==
           LC_OK);
-    CHECK(near3(at(.5, .3).material.kd, .5, .7, .75, 1e-6));
+    CHECK(near3_abs(at(.5, .3).material.kd, .5, .7, .75, 1e-6));
     /* v3: the share of the first, a colour */
     CHECK(load(V3, TWO4 MIX3("b") "\"rgb amount\" [1 .5 0]\n" QUAD) == LC_OK);
-    CHECK(near3(at(.3, .3).material.kd, .2, .6, 1, 1e-6));
+    CHECK(near3_abs(at(.3, .3).material.kd, .2, .6, 1, 1e-6));
     CHECK(load(V3, UV TWO4 MIX3("b") "\"texture amount\" \"c\"\n" QUAD) == LC_OK);
-    CHECK(near3(at(.5, .5).material.kd, .3, .5, 1, 1e-6));
+    CHECK(near3_abs(at(.5, .5).material.kd, .3, .5, 1, 1e-6));
     /* one or the other, as often as it should be, and the same each time */
     CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" .3\n" QUAD) ==
           LC_OK);
     double share = mirrors();
-    CHECKF(near(share, .3, 0.02) && near(share, mirrors(), 0), "%g", share);
+    CHECKF(near_abs(share, .3, 0.02) && near_abs(share, mirrors(), 0), "%g", share);
     CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" 0\n" QUAD) ==
               LC_OK &&
-          near(mirrors(), 0, 0));
+          near_abs(mirrors(), 0, 0));
     CHECK(load(V4, TWO4 "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" 1\n" QUAD) ==
               LC_OK &&
-          near(mirrors(), 1, 0));
+          near_abs(mirrors(), 1, 0));
     /* a colour that differs between channels: right on average */
     CHECK(load(V3, TWO4 MIX3("m") "\"rgb amount\" [.9 .6 .3]\n" QUAD) == LC_OK);
     double sum[3] = { 0, 0, 0 };
@@ -474,24 +475,25 @@ TEST(mixes)
         sum[1] += (double)m.kd.y;
         sum[2] += (double)m.ks.z;
     }
-    CHECKF(near(sum[0] / 1e4, .18, .005) && near(sum[1] / 1e4, .24, .01) && near(sum[2] / 1e4, .7, .02),
+    CHECKF(near_abs(sum[0] / 1e4, .18, .005) && near_abs(sum[1] / 1e4, .24, .01) &&
+               near_abs(sum[2] / 1e4, .7, .02),
            "%g %g %g", sum[0], sum[1], sum[2]);
     /* mixes of mixes, of what is not there, of what can't be seen */
     CHECK(load(V4, TWO4
                "MakeNamedMaterial \"x\" \"string type\" \"mix\" \"string materials\" [\"a\" \"m\"]\n"
                "Material \"mix\" \"string materials\" [\"x\" \"m\"] \"float amount\" .5\n" QUAD) == LC_OK &&
-          near(mirrors(), .75, 0.02));
+          near_abs(mirrors(), .75, 0.02));
     CHECK(load(V4, "Material \"mix\" \"string materials\" [\"p\" \"q\"]\n" QUAD) == LC_OK &&
           note("unknown material p") && note("unknown material q"));
     CHECK(load(V4, "MakeNamedMaterial \"i\" \"string type\" \"interface\"\nMaterial \"mix\" "
           "\"string materials\" [\"i\" \"i\"]\n" QUAD) == LC_OK);
     lc_material m = at(.3, .3).material;
-    CHECK(m.glass && m.thin && near3(m.eta, 1, 1, 1, 0) && near3(m.kt, 1, 1, 1, 0));
+    CHECK(m.glass && m.thin && near3_abs(m.eta, 1, 1, 1, 0) && near3_abs(m.kt, 1, 1, 1, 0));
     CHECK(load(V4, "Material \"mix\" \"string materials\" [\"a\"]") == LC_ERR_PARSE && strstr(last_error,
           "'materials' needs the names of two"));
     /* as opacity */
     CHECK(load(V3, "Material \"uber\" \"rgb opacity\" [.25 .25 .25] \"rgb Kd\" [.5 .5 .5]\n" QUAD) == LC_OK &&
-          near(mirrors(), .75, 0.02));
+          near_abs(mirrors(), .75, 0.02));
     CHECK(load(V3, UV "Material \"uber\" \"texture opacity\" \"c\" \"rgb Kd\" [.5 .5 .5]\n" QUAD) == LC_OK &&
           scene->n_notes == 0);
 }
@@ -506,7 +508,7 @@ TEST(deep_mixes)
             end, "MakeNamedMaterial \"x%d\" \"string type\" \"mix\" \"string materials\" [\"x%d\" \"x%d\"]\n",
             i, i - 1, i - 1);
     sprintf(end, "NamedMaterial \"x39\"\n" QUAD);
-    CHECK(load(V4, text) == LC_OK && note("mix depth") && near(mirrors(), .5, 0.03));
+    CHECK(load(V4, text) == LC_OK && note("mix depth") && near_abs(mirrors(), .5, 0.03));
 }
 
 /* ---- spectra ---- */
@@ -526,8 +528,8 @@ TEST(spectrum_files)
     write_file(main_file,
                V4 "Material \"diffuse\" \"spectrum reflectance\" [300 .8 500 .8 500.01 .25 900 .25]\n" QUAD);
     CHECK(load_file(main_file) == LC_OK);
-    CHECK(near3(scene->materials[scene->meshes[0].material_id].kd, (double)kd.x, (double)kd.y, (double)kd.z,
-                0));
+    CHECK(near3_abs(scene->materials[scene->meshes[0].material_id].kd, (double)kd.x, (double)kd.y,
+                    (double)kd.z, 0));
     write_file(main_file, V4 "Material \"diffuse\" \"spectrum reflectance\" \"y.spd\"\n" QUAD);
     CHECK(load_file(main_file) == LC_OK && note("spectrum by name"));
     static const struct { const char *text, *message; } faults[] = {
@@ -556,11 +558,11 @@ TEST(illuminants)
                    "\"illum-acesD60\"") == LC_OK);
     const lc_light *l = scene->lights;
     CHECK(scene->n_notes == 0 && scene->n_lights == 4);
-    CHECK(near3(l[0].intensity, 1, 1, 1, 1e-3));
+    CHECK(near3_abs(l[0].intensity, 1, 1, 1, 1e-3));
     /* A is the blackbody of 2856 K */
-    CHECK(near3(l[1].intensity, (double)l[2].intensity.x, (double)l[2].intensity.y, (double)l[2].intensity.z,
-                0.02));
-    for (int i = 0; i < 4; i++) CHECK(near((double)lc_luminance(l[i].intensity), 1, 1e-5));
+    CHECK(near3_abs(l[1].intensity, (double)l[2].intensity.x, (double)l[2].intensity.y,
+                    (double)l[2].intensity.z, 0.02));
+    for (int i = 0; i < 4; i++) CHECK(near_abs((double)lc_luminance(l[i].intensity), 1, 1e-5));
 }
 
 /* ---- the list of what a scene uses ---- */

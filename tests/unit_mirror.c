@@ -2,6 +2,7 @@
  */
 #include "pbrt/parse.h"
 #include "scene/sight.h"
+#include "support/near.h"
 #include "support/test.h"
 
 #include <stdarg.h>
@@ -64,8 +65,6 @@ static double at(const shot *s, const char *channel, uint32_t x, uint32_t y)
     return plane ? (double)plane[(size_t)y * s->w + x] : NAN;
 }
 
-static bool near(double a, double b, double slack) { return fabs(a - b) <= slack * fabs(b); }
-
 #define FILM "Film \"rgb\" \"integer xresolution\" 48 \"integer yresolution\" 36\n" \
     "Sampler \"independent\" \"integer pixelsamples\" 1\n"
 #define CAMERA "Camera \"perspective\" \"float fov\" 60\nWorldBegin\n"
@@ -92,7 +91,7 @@ static uint32_t n_unlike(const shot *a, const shot *b, const double kr[3])
         for (uint32_t x = 0; x < a->w; x++) {
             bool same = true;
             for (int k = 0; k < 3; k++)
-                same = same && near(at(a, channels[k], x, y), kr[k] * at(b, channels[k], x, y), 1e-4);
+                same = same && near_rel(at(a, channels[k], x, y), kr[k] * at(b, channels[k], x, y), 1e-4);
             n += !same;
         }
     return n;
@@ -112,10 +111,11 @@ TEST(a_mirror_shows_the_mirrored_scene)
         CHECKF(n_unlike(&a, &b, kr) <= 3, "%u pixels differ", n_unlike(&a, &b, kr));
         CHECK(a.stats.points == b.stats.points && a.stats.camera_rays == 2 * b.stats.camera_rays);
         /* planes of what the camera ray meets, counts of what is lit */
-        CHECK(near(at(&a, "Z", 5, 7), 2, 1e-5) && near(at(&a, "P.Z", 5, 7), 2, 1e-5) &&
-              near(at(&a, "N.Z", 5, 7), -1, 1e-5));
-        CHECK(near(at(&a, "Albedo.G", 5, 7), 0.75, 1e-5));
-        CHECK(at(&a, "cut.rays", 5, 7) > 0 && near(at(&a, "cut.rays", 5, 7), at(&b, "cut.rays", 5, 7), 0));
+        CHECK(near_rel(at(&a, "Z", 5, 7), 2, 1e-5) && near_rel(at(&a, "P.Z", 5, 7), 2, 1e-5) &&
+              near_rel(at(&a, "N.Z", 5, 7), -1, 1e-5));
+        CHECK(near_rel(at(&a, "Albedo.G", 5, 7), 0.75, 1e-5));
+        CHECK(at(&a, "cut.rays", 5, 7) > 0 &&
+              near_rel(at(&a, "cut.rays", 5, 7), at(&b, "cut.rays", 5, 7), 0));
         lc_image_destroy(a.image);
         lc_image_destroy(b.image);
     }
@@ -126,7 +126,7 @@ TEST(depth_1_is_black_in_mirrors)
     shot a = shoot(load(FILM CAMERA STAGE "Material \"mirror\"\n" WALL("30", "2")), LC_METHOD_LIGHTCUTS, 1);
     for (uint32_t y = 0; y < a.h; y++)
         for (uint32_t x = 0; x < a.w; x++) CHECK(!(at(&a, "G", x, y) > 0) && !(at(&a, "cut.size", x, y) > 0));
-    CHECK(a.stats.points == 0 && near(at(&a, "Albedo.R", 9, 9), 0.9, 1e-6));
+    CHECK(a.stats.points == 0 && near_rel(at(&a, "Albedo.R", 9, 9), 0.9, 1e-6));
     lc_image_destroy(a.image);
     /* the scene's own depth, the last one named, and the descriptor's over it */
     const char *scene =
@@ -167,10 +167,10 @@ TEST(facing_mirrors_end_at_the_depth)
             double slope = ((double)y + 0.5 - 18) / 18 * 0.57735026918962576; /* drop for a step along z */
             uint32_t mirrors = (uint32_t)((1 / slope + 2) / 4); /* passed when y = -1 is reached */
             double want = mirrors < depth ? 0.7 / LC_PI : 0;
-            CHECKF(near(at(&a, "R", 24, y), want * pow(0.5, mirrors), 1e-4), "depth %u row %u: %g", depth, y,
-                   at(&a, "R", 24, y));
-            CHECK(near(at(&a, "G", 24, y), want * pow(0.8, mirrors), 1e-4) &&
-                  near(at(&a, "B", 24, y), want, 1e-4));
+            CHECKF(near_rel(at(&a, "R", 24, y), want * pow(0.5, mirrors), 1e-4), "depth %u row %u: %g", depth,
+                   y, at(&a, "R", 24, y));
+            CHECK(near_rel(at(&a, "G", 24, y), want * pow(0.8, mirrors), 1e-4) &&
+                  near_rel(at(&a, "B", 24, y), want, 1e-4));
             if (mirrors < 12) seen[mirrors]++;
         }
         CHECK(a.stats.camera_rays <= (uint64_t)a.w * a.h * (1 + depth));
@@ -187,8 +187,8 @@ TEST(emission_in_mirrors)
                             "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true\n"
                             "Material \"mirror\" \"rgb Kr\" [.5 0 1]\n" WALL("30", "2") WALL("30", "-2")),
                        LC_METHOD_EXACT, depth);
-        CHECK(near(at(&a, "R", 24, 18), 2 - pow(0.5, depth), 1e-5));
-        CHECK(near(at(&a, "G", 24, 18), 1, 1e-5) && near(at(&a, "B", 24, 18), 1 + depth, 1e-5));
+        CHECK(near_rel(at(&a, "R", 24, 18), 2 - pow(0.5, depth), 1e-5));
+        CHECK(near_rel(at(&a, "G", 24, 18), 1, 1e-5) && near_rel(at(&a, "B", 24, 18), 1 + depth, 1e-5));
         CHECK(a.stats.camera_rays >= (uint64_t)a.w * a.h && a.stats.points == 0);
         lc_image_destroy(a.image);
     }
@@ -197,7 +197,7 @@ TEST(emission_in_mirrors)
                         "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true\n"
                         "Material \"mirror\" \"rgb Kr\" [1 1 1]\n" WALL("1e6", "2") WALL("1e6", "-2")),
                    LC_METHOD_EXACT, 0);
-    CHECK(near(at(&a, "B", 24, 18), 1 + LC_MAX_DEPTH, 1e-4));
+    CHECK(near_rel(at(&a, "B", 24, 18), 1 + LC_MAX_DEPTH, 1e-4));
     lc_image_destroy(a.image);
 }
 
@@ -221,7 +221,7 @@ TEST(smooth_coats)
                 double ci = 2 / sqrt(px * px + py * py + 4), ct = sqrt(1 - (1 - ci * ci) / 2.25);
                 double rs = (ci - 1.5 * ct) / (ci + 1.5 * ct), rp = (1.5 * ci - ct) / (1.5 * ci + ct),
                        share = (rs * rs + rp * rp) / 2;
-                n += !near(at(&a, "G", x, y), share * at(&b, "G", x, y), 1e-4);
+                n += !near_rel(at(&a, "G", x, y), share * at(&b, "G", x, y), 1e-4);
                 CHECK(!(at(&c, "G", x, y) > 0));
             }
         CHECKF(n <= 3, "%d: %u pixels differ", v4, n);
@@ -278,7 +278,7 @@ TEST(textures_in_mirrors)
                    LC_METHOD_EXACT, 0);
     static const double one[3] = { 1, 1, 1 };
     CHECKF(n_unlike(&b, &a, one) == 0, "%u pixels differ", n_unlike(&b, &a, one));
-    CHECK(near(at(&b, "Z", 9, 9), 2, 1e-5));
+    CHECK(near_rel(at(&b, "Z", 9, 9), 2, 1e-5));
     lc_image_destroy(a.image);
     lc_image_destroy(b.image);
 }

@@ -2,6 +2,7 @@
  * files, and the place of each error. Scenes are looked at before commit. */
 #include "pbrt/parse.h"
 #include "prepare/commit.h"
+#include "support/near.h"
 #include "support/poor.h"
 #include "support/test.h"
 
@@ -50,13 +51,6 @@ static void expect_error(const char *text, const char *message, int line)
 }
 #define EXPECT_ERROR(text, message) expect_error(text, message, __LINE__)
 
-static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
-
-static bool near3(lc_f3 v, double x, double y, double z, double eps)
-{
-    return near((double)v.x, x, eps) && near((double)v.y, y, eps) && near((double)v.z, z, eps);
-}
-
 static const lc_scene_note *note(const char *kind)
 {
     for (size_t i = 0; i < scene->n_notes; i++)
@@ -75,9 +69,9 @@ static lc_f3 kd_of_mesh(size_t i) { return scene->materials[scene->meshes[i].mat
 TEST(numbers)
 {
     CHECK(load("WorldBegin Translate -0 .5 1. " TRI) == LC_OK);
-    CHECK(near3(vertex(0), 0, 0.5, 1, 0));
+    CHECK(near3_abs(vertex(0), 0, 0.5, 1, 0));
     CHECK(load("WorldBegin Translate +1 1e-008 -2E+1 " TRI) == LC_OK);
-    CHECK(near3(vertex(0), 1, 1e-8, -20, 1e-15));
+    CHECK(near3_abs(vertex(0), 1, 1e-8, -20, 1e-15));
     CHECK(load("WorldBegin Translate 0.1 123456789012345678901234567890e-25 3.4028234e38 "
                "LightSource \"distant\"") == LC_OK);
     EXPECT_ERROR("WorldBegin\nTranslate 1 nan 0",
@@ -139,25 +133,25 @@ TEST(garbage)
 TEST(transforms)
 {
     CHECK(load("WorldBegin Translate 1 2 3 Scale 2 2 2 " TRI) == LC_OK);
-    CHECK(near3(vertex(1), 3, 2, 3, 0));
+    CHECK(near3_abs(vertex(1), 3, 2, 3, 0));
     CHECK(load("WorldBegin Rotate 90 0 0 2 " TRI) == LC_OK);
-    CHECK(near3(vertex(1), 0, 1, 0, 0) && near3(vertex(2), -1, 0, 0, 0));
+    CHECK(near3_abs(vertex(1), 0, 1, 0, 0) && near3_abs(vertex(2), -1, 0, 0, 0));
     CHECK(load("WorldBegin Rotate 30 1 2 3 Rotate -30 1 2 3 " TRI) == LC_OK);
-    CHECK(near3(vertex(1), 1, 0, 0, 1e-6));
+    CHECK(near3_abs(vertex(1), 1, 0, 0, 1e-6));
     CHECK(load("WorldBegin Transform [1 0 0 0 0 1 0 0 0 0 1 0 5 6 7 1] ConcatTransform [2 0 0 0 0 2 0 0 0 0 "
                "2 0 0 0 0 1]" TRI) == LC_OK);
-    CHECK(near3(vertex(1), 7, 6, 7, 0));
+    CHECK(near3_abs(vertex(1), 7, 6, 7, 0));
     CHECK(load("WorldBegin Translate 1 0 0 CoordinateSystem \"here\" Identity CoordSysTransform "
                "\"here\" " TRI) == LC_OK);
-    CHECK(near3(vertex(0), 1, 0, 0, 0));
+    CHECK(near3_abs(vertex(0), 1, 0, 0, 0));
     CHECK(load("Translate 0 0 5 Camera \"perspective\" WorldBegin CoordSysTransform \"camera\" " TRI) ==
           LC_OK);
-    CHECK(near3(vertex(0), 0, 0, -5, 0));
+    CHECK(near3_abs(vertex(0), 0, 0, -5, 0));
     CHECK(load("WorldBegin CoordSysTransform \"nowhere\" " TRI) == LC_OK);
     CHECK(note("unknown coordinate system nowhere"));
     CHECK(load("TransformTimes 0 1 WorldBegin ActiveTransform EndTime Translate 9 9 9 ActiveTransform "
                "All " TRI) == LC_OK);
-    CHECK(near3(vertex(0), 0, 0, 0, 0) && note("ActiveTransform"));
+    CHECK(near3_abs(vertex(0), 0, 0, 0, 0) && note("ActiveTransform"));
     EXPECT_ERROR("WorldBegin\nRotate 1 0 0 0", "s.pbrt:2:1: error: Rotate about a zero axis");
     EXPECT_ERROR("LookAt 1 2 3 1 2 3 0 1 0 WorldBegin",
                  "s.pbrt:1:1: error: LookAt: eye and target coincide, or up is along the view");
@@ -171,24 +165,24 @@ TEST(look_at_and_camera)
                "Film \"image\" \"integer xresolution\" [200] \"integer yresolution\" [100] WorldBegin") ==
           LC_OK);
     const lc_camera_desc *c = &scene->camera_desc;
-    CHECK(scene->has_camera && near(c->fov_degrees, 60, 0));
+    CHECK(scene->has_camera && near_abs(c->fov_degrees, 60, 0));
     /* the eye to the origin; +z stays +z, and x is to the right of it: left-handed */
     const double want[16] = { 1, 0, 0, -1, 0, 1, 0, -2, 0, 0, 1, -3, 0, 0, 0, 1 };
-    for (int i = 0; i < 16; i++) CHECK(near(c->world_to_camera[i], want[i], 1e-15));
-    CHECK(near(c->screen[0], -2, 0) && near(c->screen[1], 2, 0) && near(c->screen[2], -1, 0) &&
-          near(c->screen[3], 1, 0));
+    for (int i = 0; i < 16; i++) CHECK(near_abs(c->world_to_camera[i], want[i], 1e-15));
+    CHECK(near_abs(c->screen[0], -2, 0) && near_abs(c->screen[1], 2, 0) && near_abs(c->screen[2], -1, 0) &&
+          near_abs(c->screen[3], 1, 0));
     CHECK(load("Film \"image\" \"integer xresolution\" 100 \"integer yresolution\" 200 Scale -1 1 1 "
                "Camera \"perspective\" WorldBegin " TRI) == LC_OK);
-    CHECK(near(scene->camera_desc.fov_degrees, 90, 0) && near(scene->camera_desc.screen[2], -2, 0));
-    CHECK(near(scene->camera_desc.world_to_camera[0], -1, 0) && near3(vertex(1), 1, 0, 0, 0));
+    CHECK(near_abs(scene->camera_desc.fov_degrees, 90, 0) && near_abs(scene->camera_desc.screen[2], -2, 0));
+    CHECK(near_abs(scene->camera_desc.world_to_camera[0], -1, 0) && near3_abs(vertex(1), 1, 0, 0, 0));
     CHECK(load("Camera \"orthographic\" \"float screenwindow\" [-2 2 -1 1] WorldBegin") == LC_OK);
-    CHECK(scene->camera_desc.kind == LC_CAMERA_ORTHOGRAPHIC && near(scene->camera_desc.screen[0], -2, 0));
+    CHECK(scene->camera_desc.kind == LC_CAMERA_ORTHOGRAPHIC && near_abs(scene->camera_desc.screen[0], -2, 0));
     CHECK(
         load(
             "Camera \"perspective\" \"float lensradius\" .1 \"float screenwindow\" [-2 2 -1 1] WorldBegin") ==
         LC_OK);
-    CHECK(near(scene->camera_desc.lens_radius, .1, 0) && near(scene->camera_desc.focal_distance, 1e6, 0) &&
-          scene->film.spp == 16);
+    CHECK(near_abs(scene->camera_desc.lens_radius, .1, 0) &&
+          near_abs(scene->camera_desc.focal_distance, 1e6, 0) && scene->film.spp == 16);
     CHECK(load("Camera \"realistic\" \"float aperturediameter\" 1 WorldBegin") == LC_OK &&
           note("camera realistic"));
     EXPECT_ERROR("Camera \"perspective\" \"float fov\" [180] WorldBegin",
@@ -204,14 +198,15 @@ TEST(scopes)
                "AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"bool twosided\" true " TRI
                "AttributeEnd " TRI) == LC_OK);
     CHECK(scene->n_meshes == 2);
-    CHECK(near3(vertex(0), 1, 0, 0, 0) && near3(vertex(3), 0, 0, 0, 0));
-    CHECK(near3(kd_of_mesh(0), .4, .5, .6, 1e-7) && near3(kd_of_mesh(1), .1, .2, .3, 1e-7));
+    CHECK(near3_abs(vertex(0), 1, 0, 0, 0) && near3_abs(vertex(3), 0, 0, 0, 0));
+    CHECK(near3_abs(kd_of_mesh(0), .4, .5, .6, 1e-7) && near3_abs(kd_of_mesh(1), .1, .2, .3, 1e-7));
     CHECK(scene->meshes[0].flip && !scene->meshes[1].flip);
-    CHECK(near3(scene->meshes[0].emission, 1, 2, 3, 0) && near3(scene->meshes[1].emission, 0, 0, 0, 0));
+    CHECK(near3_abs(scene->meshes[0].emission, 1, 2, 3, 0) &&
+          near3_abs(scene->meshes[1].emission, 0, 0, 0, 0));
     CHECK(scene->meshes[0].two_sided && !scene->meshes[1].two_sided);
     CHECK(load("WorldBegin TransformBegin Translate 1 0 0 Material \"matte\" \"rgb Kd\" [.1 .2 .3] "
                "TransformEnd " TRI) == LC_OK);
-    CHECK(near3(vertex(0), 0, 0, 0, 0) && near3(kd_of_mesh(0), .1, .2, .3, 1e-7));
+    CHECK(near3_abs(vertex(0), 0, 0, 0, 0) && near3_abs(kd_of_mesh(0), .1, .2, .3, 1e-7));
     CHECK(load("WorldBegin AttributeBegin\n" TRI) == LC_OK && note("scope without end"));
     EXPECT_ERROR("WorldBegin\n AttributeEnd", "s.pbrt:2:2: error: AttributeEnd without AttributeBegin");
     EXPECT_ERROR("WorldBegin AttributeBegin\nTransformEnd",
@@ -277,10 +272,10 @@ TEST(film)
     CHECK(scene->film.width == 64 && scene->film.height == 32 && scene->film.spp == 3 && scene->n_notes == 0);
     CHECK(scene->film.crop[0] == 16 && scene->film.crop[1] == 32 && scene->film.crop[2] == 0 &&
           scene->film.crop[3] == 4);
-    CHECK(near((double)scene->film.scale, 2, 0) && !strcmp(scene->film.filename, "x.exr"));
+    CHECK(near_abs((double)scene->film.scale, 2, 0) && !strcmp(scene->film.filename, "x.exr"));
     CHECK(load("Film \"rgb\" \"float iso\" [200] \"integer pixelbounds\" [10 20 -5 2000] "
                "Camera \"perspective\" \"float shutterclose\" .25 WorldBegin") == LC_OK);
-    CHECK(near((double)scene->film.scale, 0.5, 1e-7));
+    CHECK(near_abs((double)scene->film.scale, 0.5, 1e-7));
     CHECK(scene->film.crop[0] == 10 && scene->film.crop[1] == 20 && scene->film.crop[2] == 0 &&
           scene->film.crop[3] == 720);
     CHECK(load("Sampler \"halton\" \"integer pixelsamples\" [64] WorldBegin") == LC_OK);
@@ -324,17 +319,17 @@ TEST(named_materials_and_textures)
                "NamedMaterial \"b\" " TRI "NamedMaterial \"a\" " TRI
                "Material \"matte\" \"texture Kd\" \"t\" " TRI) == LC_OK);
     CHECK(scene->n_notes == 0 && scene->n_meshes == 3);
-    CHECK(near3(kd_of_mesh(0), .4, .5, .6, 1e-7) && near3(kd_of_mesh(1), .1, .2, .3, 1e-7));
-    CHECK(near3(kd_of_mesh(2), .7, .8, .9, 1e-7));
+    CHECK(near3_abs(kd_of_mesh(0), .4, .5, .6, 1e-7) && near3_abs(kd_of_mesh(1), .1, .2, .3, 1e-7));
+    CHECK(near3_abs(kd_of_mesh(2), .7, .8, .9, 1e-7));
     CHECK(load("WorldBegin NamedMaterial \"nix\" " TRI) == LC_OK && note("unknown material nix"));
-    CHECK(near3(kd_of_mesh(0), .5, .5, .5, 0));
+    CHECK(near3_abs(kd_of_mesh(0), .5, .5, .5, 0));
     CHECK(load("WorldBegin Material \"matte\" \"texture Kd\" \"nix\" " TRI) == LC_OK &&
           note("unknown texture nix"));
     CHECK(load("WorldBegin Texture \"f\" \"float\" \"constant\" \"float value\" .5 "
                "Texture \"i\" \"color\" \"imagemap\" \"string filename\" \"x.png\" "
                "Texture \"s\" \"color\" \"scale\" \"texture tex\" \"i\" \"texture scale\" \"f\" "
                "Material \"matte\" \"texture Kd\" \"s\" " TRI) == LC_OK);
-    CHECK(near3(kd_of_mesh(0), .25, .25, .25, 1e-7) && note("texture image"));
+    CHECK(near3_abs(kd_of_mesh(0), .25, .25, .25, 1e-7) && note("texture image"));
     EXPECT_ERROR("WorldBegin\nMakeNamedMaterial \"a\"",
                  "s.pbrt:2:1: error: MakeNamedMaterial 'a' has no \"string type\"");
     EXPECT_ERROR("WorldBegin\nTexture \"t\" \"string filename\" [ \"x\" ]",
@@ -352,8 +347,8 @@ TEST(mirrors_and_depth)
     static const double want[4][3] = { { .9, .9, .9 }, { .1, .2, .3 }, { .4, .5, 1 }, { .7, .8, .9 } };
     for (int i = 0; i < 4; i++) {
         const lc_material *m = &scene->materials[scene->meshes[i].material_id];
-        CHECK(m->mirror && near3(m->ks, want[i][0], want[i][1], want[i][2], 1e-6) &&
-              near3(m->kd, 0, 0, 0, 0));
+        CHECK(m->mirror && near3_abs(m->ks, want[i][0], want[i][1], want[i][2], 1e-6) &&
+              near3_abs(m->kd, 0, 0, 0, 0));
     }
     CHECK(!scene->materials[scene->meshes[4].material_id].mirror);
     static const struct { const char *text; uint32_t depth; } depths[] = {
@@ -376,43 +371,44 @@ TEST(mirrors_and_depth)
 
 TEST(materials)
 {
-    CHECK(load("WorldBegin " TRI) == LC_OK && near3(kd_of_mesh(0), .5, .5, .5, 0));
+    CHECK(load("WorldBegin " TRI) == LC_OK && near3_abs(kd_of_mesh(0), .5, .5, .5, 0));
     CHECK(load("WorldBegin Material \"phong\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [.4 .5 .6] \"float exponent\" "
                "30 " TRI) == LC_OK);
     const lc_material *m = &scene->materials[scene->meshes[0].material_id];
-    CHECK(near3(m->kd, .1, .2, .3, 1e-7) && near3(m->ks, .4, .5, .6, 1e-7) &&
-          near((double)m->exponent, 30, 0));
+    CHECK(near3_abs(m->kd, .1, .2, .3, 1e-7) && near3_abs(m->ks, .4, .5, .6, 1e-7) &&
+          near_abs((double)m->exponent, 30, 0));
     CHECK(load("WorldBegin Material \"plastic\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [1 1 1] " TRI) == LC_OK);
-    CHECK(near3(kd_of_mesh(0), .1, .2, .3, 1e-7) && scene->n_notes == 0);
+    CHECK(near3_abs(kd_of_mesh(0), .1, .2, .3, 1e-7) && scene->n_notes == 0);
     CHECK(load("WorldBegin Material \"fourier\" " TRI "Material \"strange\" " TRI) == LC_OK);
-    CHECK(note("material fourier") && note("material strange") && near3(kd_of_mesh(1), .5, .5, .5, 0));
+    CHECK(note("material fourier") && note("material strange") && near3_abs(kd_of_mesh(1), .5, .5, .5, 0));
     CHECK(load("WorldBegin Material \"interface\" " TRI "Material \"none\" " TRI "Material \"\" " TRI) ==
           LC_OK);
     CHECK(scene->n_meshes == 0);
     CHECK(load("WorldBegin Material \"none\" AreaLightSource \"area\" \"color L\" [1 1 1] " TRI) == LC_OK);
-    CHECK(scene->n_meshes == 1 && near3(kd_of_mesh(0), 0, 0, 0, 0));
+    CHECK(scene->n_meshes == 1 && near3_abs(kd_of_mesh(0), 0, 0, 0, 0));
     CHECK(load("WorldBegin Material \"matte\" \"float sigma\" 20 \"rgb Kd\" [2 -1 .5] " TRI) == LC_OK);
-    CHECK(near3(kd_of_mesh(0), 1, 0, .5, 0) && note("matte sigma") && note("reflectance"));
+    CHECK(near3_abs(kd_of_mesh(0), 1, 0, .5, 0) && note("matte sigma") && note("reflectance"));
     CHECK(load("WorldBegin Material \"ward\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [.4 .5 .6] \"float roughness\" "
                ".25 \"float vroughness\" "
                ".5 " TRI) == LC_OK);
     m = &scene->materials[scene->meshes[0].material_id];
-    CHECK(near3(m->kd, .1, .2, .3, 1e-7) && near3(m->ks, .4, .5, .6, 1e-7) &&
-          near((double)m->roughness[0], .25, 0) && near((double)m->roughness[1], .5, 0) &&
+    CHECK(near3_abs(m->kd, .1, .2, .3, 1e-7) && near3_abs(m->ks, .4, .5, .6, 1e-7) &&
+          near_abs((double)m->roughness[0], .25, 0) && near_abs((double)m->roughness[1], .5, 0) &&
           scene->meshes[0].brushed && scene->n_notes == 0);
     CHECK(load("WorldBegin Material \"ward\" " TRI) == LC_OK && !scene->meshes[0].brushed);
     m = &scene->materials[scene->meshes[0].material_id];
-    CHECK(near((double)m->roughness[0], .1, 1e-7) && near((double)m->roughness[1], .1, 1e-7) &&
-          near3(m->ks, 0, 0, 0, 0));
+    CHECK(near_abs((double)m->roughness[0], .1, 1e-7) && near_abs((double)m->roughness[1], .1, 1e-7) &&
+          near3_abs(m->ks, 0, 0, 0, 0));
     CHECK(load("WorldBegin Material \"ward\" \"float uroughness\" 0 \"float vroughness\" 7 " TRI) == LC_OK &&
           note("ward roughness"));
     m = &scene->materials[scene->meshes[0].material_id];
-    CHECK(near((double)m->roughness[0], (double)LC_MIN_ROUGHNESS, 0) && near((double)m->roughness[1], 1, 0));
+    CHECK(near_abs((double)m->roughness[0], (double)LC_MIN_ROUGHNESS, 0) &&
+          near_abs((double)m->roughness[1], 1, 0));
     CHECK(load("WorldBegin Material \"ggx\" \"rgb Ks\" [.4 .5 .6] \"float roughness\" .25 " TRI) == LC_OK &&
           scene->n_notes == 0);
     m = &scene->materials[scene->meshes[0].material_id];
     CHECK(m->gloss == LC_GLOSS_GGX && m->fresnel == LC_FRESNEL_SCHLICK &&
-          near((double)m->roughness[1], .25, 0));
+          near_abs((double)m->roughness[1], .25, 0));
     EXPECT_ERROR("WorldBegin Material \"ward\" \"float uroughness\" -1",
                  "s.pbrt:1:28: error: parameter 'uroughness' is negative");
     EXPECT_ERROR("WorldBegin Material \"phong\" \"float exponent\" -1",
@@ -432,11 +428,12 @@ TEST(point_lights)
                "LightSource \"point\" \"float A\" 1 \"float B\" 2 \"float C\" 0") == LC_OK);
     CHECK(scene->n_lights == 3 && scene->n_notes == 0);
     const lc_light *l = scene->lights;
-    CHECK(l[0].kind == LC_LIGHT_POINT && near3(l[0].pos, 2, 2, 3, 0) && near3(l[0].intensity, 2, 4, 6, 0));
+    CHECK(l[0].kind == LC_LIGHT_POINT && near3_abs(l[0].pos, 2, 2, 3, 0) &&
+          near3_abs(l[0].intensity, 2, 4, 6, 0));
     CHECK(l[0].atten[0] == 0 && l[0].atten[1] == 0 && l[0].atten[2] == 1);
-    CHECK(near3(l[1].intensity, 6, 6, 6, 1e-5));
+    CHECK(near3_abs(l[1].intensity, 6, 6, 6, 1e-5));
     CHECK(l[2].atten[0] == 1 && l[2].atten[1] == 2 && l[2].atten[2] == 0 &&
-          near3(l[2].intensity, 1, 1, 1, 0));
+          near3_abs(l[2].intensity, 1, 1, 1, 0));
     EXPECT_ERROR("WorldBegin\n LightSource \"point\" \"float C\" 0",
                  "s.pbrt:2:2: error: A, B and C are all 0");
     EXPECT_ERROR("WorldBegin\n LightSource \"point\" \"float B\" -1",
@@ -455,9 +452,10 @@ TEST(directed_lights)
             "LightSource \"distant\" \"float illuminance\" 7") == LC_OK);
     const lc_light *l = scene->lights;
     CHECK(scene->n_lights == 3 && l[0].kind == LC_LIGHT_ORIENTED && l[1].kind == LC_LIGHT_DIRECTIONAL);
-    CHECK(near3(l[0].pos, 2, 0, 0, 0) && near3(l[0].dir, 1, 0, 0, 0) && near3(l[0].intensity, 1, 2, 3, 0));
-    CHECK(near3(l[1].dir, 0, -1, 0, 0) && near3(l[1].intensity, 3, 2, 1, 0));
-    CHECK(near3(l[2].dir, 1, 0, 0, 0) && near3(l[2].intensity, 7, 7, 7, 0));
+    CHECK(near3_abs(l[0].pos, 2, 0, 0, 0) && near3_abs(l[0].dir, 1, 0, 0, 0) &&
+          near3_abs(l[0].intensity, 1, 2, 3, 0));
+    CHECK(near3_abs(l[1].dir, 0, -1, 0, 0) && near3_abs(l[1].intensity, 3, 2, 1, 0));
+    CHECK(near3_abs(l[2].dir, 1, 0, 0, 0) && near3_abs(l[2].intensity, 7, 7, 7, 0));
     EXPECT_ERROR("WorldBegin\nLightSource \"oriented\" \"vector direction\" [0 0 0]",
                  "s.pbrt:2:1: error: the light's direction is zero or out of range");
     CHECK(load("WorldBegin LightSource \"lamp\" LightSource \"beam\" LightSource \"lamp\"") == LC_OK);
@@ -473,19 +471,19 @@ TEST(spectral_lights)
                "LightSource \"point\" \"spectrum I\" \"stdillum-D65\"") == LC_OK);
     const lc_light *l = scene->lights;
     CHECK(scene->n_lights == 4);
-    CHECKF(near3(l[0].intensity, 1.043, 0.984, 1.035, 0.01), "%g %g %g", (double)l[0].intensity.x,
+    CHECKF(near3_abs(l[0].intensity, 1.043, 0.984, 1.035, 0.01), "%g %g %g", (double)l[0].intensity.x,
            (double)l[0].intensity.y, (double)l[0].intensity.z);
-    CHECKF(near3(l[1].intensity, 1.771, 0.844, 0.272, 0.02), "%g %g %g", (double)l[1].intensity.x,
+    CHECKF(near3_abs(l[1].intensity, 1.771, 0.844, 0.272, 0.02), "%g %g %g", (double)l[1].intensity.x,
            (double)l[1].intensity.y, (double)l[1].intensity.z);
-    CHECK(near3(l[2].intensity, 1.205, 0.948, 0.909, 0.001));
-    CHECK(near3(l[3].intensity, 1, 1, 1, 1e-3) && scene->n_notes == 0);
+    CHECK(near3_abs(l[2].intensity, 1.205, 0.948, 0.909, 0.001));
+    CHECK(near3_abs(l[3].intensity, 1, 1, 1, 1e-3) && scene->n_notes == 0);
     CHECK(load("Film \"image\" WorldBegin LightSource \"point\" \"blackbody I\" [6500 2]\n"
                "LightSource \"point\" \"spectrum I\" [300 5 900 5]") == LC_OK);
     /* v3: the curve's peak is 1, and 5 stays 5 */
     CHECK(lc_luminance(scene->lights[0].intensity) > 1.6f && lc_luminance(scene->lights[0].intensity) < 2);
-    CHECK(near((double)lc_luminance(scene->lights[1].intensity), 5, 1e-4));
+    CHECK(near_abs((double)lc_luminance(scene->lights[1].intensity), 5, 1e-4));
     CHECK(load("WorldBegin Material \"matte\" \"spectrum Kd\" [400 .3 700 .3] " TRI) == LC_OK);
-    CHECK(near3(kd_of_mesh(0), .3, .3, .3, 1e-6));
+    CHECK(near3_abs(kd_of_mesh(0), .3, .3, .3, 1e-6));
     EXPECT_ERROR("WorldBegin LightSource \"point\" \"blackbody I\" -5",
                  "s.pbrt:1:32: error: parameter 'I' is a temperature out of range");
     EXPECT_ERROR("WorldBegin LightSource \"point\" \"spectrum I\" [400 1 300 1]",
@@ -501,12 +499,12 @@ TEST(triangle_meshes)
                "0 1 0 1 1 0 1]") == LC_OK);
     CHECK(scene->n_tris == 2 && scene->n_verts == 4 && scene->n_notes == 0);
     CHECK(scene->meshes[0].flip && scene->meshes[0].has_normals);
-    CHECK(near3(lc_f3_normalize(lc_f3_load(scene->normal)), 0, 1 / sqrt(5), -2 / sqrt(5), 1e-6));
-    CHECK(near3(lc_f3_normalize(lc_f3_load(scene->normal + 3)), 0, 0, -1, 1e-6));
+    CHECK(near3_abs(lc_f3_normalize(lc_f3_load(scene->normal)), 0, 1 / sqrt(5), -2 / sqrt(5), 1e-6));
+    CHECK(near3_abs(lc_f3_normalize(lc_f3_load(scene->normal + 3)), 0, 0, -1, 1e-6));
     CHECK(load("WorldBegin ReverseOrientation Scale -1 1 1 Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 "
                "1 0] "
                "\"normal N\" [0 0 1 0 0 1 0 0 1]") == LC_OK);
-    CHECK(!scene->meshes[0].flip && near3(lc_f3_normalize(lc_f3_load(scene->normal)), 0, 0, -1, 0));
+    CHECK(!scene->meshes[0].flip && near3_abs(lc_f3_normalize(lc_f3_load(scene->normal)), 0, 0, -1, 0));
     EXPECT_ERROR("WorldBegin\nShape \"trianglemesh\"",
                  "s.pbrt:2:1: error: trianglemesh without vertices \"point3 P\"");
     EXPECT_ERROR("WorldBegin\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0]",
@@ -540,7 +538,7 @@ TEST(spheres)
         load(
             "WorldBegin AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] Shape \"sphere\" \"float radius\" 2") ==
         LC_OK);
-    CHECK(note("shape sphere") && near(volume(), 4.0 / 3 * LC_PI * 8, 0.1));
+    CHECK(note("shape sphere") && near_abs(volume(), 4.0 / 3 * LC_PI * 8, 0.1));
     double power = 0; /* emission times area = that of the true sphere */
     for (size_t t = 0; t < scene->n_tris; t++) {
         lc_f3 a = vertex(scene->index[3 * t]), b = vertex(scene->index[3 * t + 1]),
@@ -549,17 +547,18 @@ TEST(spheres)
                  (double)scene->meshes[0].emission.x;
         CHECK((double)lc_f3_dot(lc_f3_load(scene->normal + 3 * (size_t)scene->index[3 * t]), a) > 0);
     }
-    CHECKF(near(power, 16 * LC_PI, 1e-3), "%g", power);
-    for (size_t i = 0; i < scene->n_verts; i++) CHECK(near((double)lc_f3_len(vertex(i)), 2, 1e-6));
-    CHECK(load("WorldBegin Scale -1 1 1 Shape \"sphere\"") == LC_OK && near(volume(), 4.0 / 3 * LC_PI, 0.02));
+    CHECKF(near_abs(power, 16 * LC_PI, 1e-3), "%g", power);
+    for (size_t i = 0; i < scene->n_verts; i++) CHECK(near_abs((double)lc_f3_len(vertex(i)), 2, 1e-6));
+    CHECK(load("WorldBegin Scale -1 1 1 Shape \"sphere\"") == LC_OK &&
+          near_abs(volume(), 4.0 / 3 * LC_PI, 0.02));
     CHECK(scene->meshes[0].flip && (double)lc_f3_dot(lc_f3_load(scene->normal), vertex(0)) > 0);
     CHECK(load("WorldBegin ReverseOrientation Shape \"sphere\"") == LC_OK &&
-          near(volume(), -4.0 / 3 * LC_PI, 0.02));
+          near_abs(volume(), -4.0 / 3 * LC_PI, 0.02));
     CHECK((double)lc_f3_dot(lc_f3_load(scene->normal), vertex(0)) < 0);
     CHECK(load("WorldBegin Shape \"sphere\" \"float zmin\" -0.5 \"float zmax\" 2 \"float phimax\" 180") ==
           LC_OK);
-    CHECK(near((double)scene->bounds.lo.z, -0.5, 0) && near((double)scene->bounds.hi.z, 1, 0));
-    CHECK(near((double)scene->bounds.lo.y, 0, 1e-6) && near((double)scene->bounds.lo.x, -1, 1e-3));
+    CHECK(near_abs((double)scene->bounds.lo.z, -0.5, 0) && near_abs((double)scene->bounds.hi.z, 1, 0));
+    CHECK(near_abs((double)scene->bounds.lo.y, 0, 1e-6) && near_abs((double)scene->bounds.lo.x, -1, 1e-3));
     CHECK(load("WorldBegin Shape \"sphere\" \"float radius\" 0") == LC_OK && scene->n_tris == 0);
     CHECK(note("shape without area"));
 }
@@ -580,11 +579,12 @@ TEST(many_spheres_are_coarser)
 TEST(disks)
 {
     CHECK(load("WorldBegin Shape \"disk\" \"float height\" 1 \"float radius\" 2") == LC_OK);
-    CHECK(near((double)scene->bounds.lo.z, 1, 0) && near((double)scene->bounds.hi.x, 2, 0));
-    CHECK(scene->n_tris == 128 && near(volume(), 4 * LC_PI / 3, 0.01)); /* a cone over the origin: faces +z */
+    CHECK(near_abs((double)scene->bounds.lo.z, 1, 0) && near_abs((double)scene->bounds.hi.x, 2, 0));
+    CHECK(scene->n_tris == 128 &&
+          near_abs(volume(), 4 * LC_PI / 3, 0.01)); /* a cone over the origin: faces +z */
     CHECK(load("WorldBegin Shape \"disk\" \"float height\" 1 \"float innerradius\" .5 \"float phimax\" 90") ==
           LC_OK);
-    CHECK(scene->n_tris == 64 && near(volume(), LC_PI * 0.75 / 12, 0.001));
+    CHECK(scene->n_tris == 64 && near_abs(volume(), LC_PI * 0.75 / 12, 0.001));
 }
 
 TEST(unknown_shapes)
@@ -599,9 +599,10 @@ TEST(instances)
                "[.1 .1 .1] " TRI "ObjectEnd Identity Scale -1 1 1 ObjectInstance \"o\" Identity Translate 0 "
                                  "5 0 ObjectInstance \"o\" " TRI) == LC_OK);
     CHECK(scene->n_meshes == 3 && scene->n_notes == 0);
-    CHECK(near3(vertex(0), -1, 0, 1, 0) && near3(vertex(3), 1, 5, 1, 0) && near3(vertex(6), 0, 5, 0, 0));
+    CHECK(near3_abs(vertex(0), -1, 0, 1, 0) && near3_abs(vertex(3), 1, 5, 1, 0) &&
+          near3_abs(vertex(6), 0, 5, 0, 0));
     CHECK(scene->meshes[0].flip && !scene->meshes[1].flip);
-    CHECK(near3(kd_of_mesh(1), .1, .1, .1, 1e-7) && near3(kd_of_mesh(2), .5, .5, .5, 0));
+    CHECK(near3_abs(kd_of_mesh(1), .1, .1, .1, 1e-7) && near3_abs(kd_of_mesh(2), .5, .5, .5, 0));
     CHECK(load("WorldBegin ObjectInstance \"x\"") == LC_OK && note("unknown object x"));
     EXPECT_ERROR("WorldBegin ObjectEnd", "s.pbrt:1:12: error: ObjectEnd without ObjectBegin");
     EXPECT_ERROR("WorldBegin ObjectBegin \"a\"\nObjectBegin \"b\"",
@@ -662,9 +663,9 @@ TEST(includes)
     write_file("sub/b.pbrt", "Translate 0 1 0 # no newline at the end");
     write_file("sub/m.ply", PLY);
     CHECKF(load_file("main.pbrt") == LC_OK, "%s", last_error);
-    CHECK(scene->n_tris == 4 && near3(vertex(0), 1, 1, 0, 0));
+    CHECK(scene->n_tris == 4 && near3_abs(vertex(0), 1, 1, 0, 0));
     write_file("b.pbrt", "Translate 0 0 7"); /* beside the main file: goes first */
-    CHECK(load_file("main.pbrt") == LC_OK && near3(vertex(0), 1, 0, 7, 0));
+    CHECK(load_file("main.pbrt") == LC_OK && near3_abs(vertex(0), 1, 0, 7, 0));
     write_file("twice.pbrt", "WorldBegin Include \"tri.pbrt\" Include \"tri.pbrt\"");
     write_file("tri.pbrt", TRI);
     CHECK(load_file("twice.pbrt") == LC_OK && scene->n_tris == 2);

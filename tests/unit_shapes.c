@@ -3,6 +3,7 @@
 #include "pbrt/parse.h"
 #include "scene/scene.h"
 #include "support/last_error.h"
+#include "support/near.h"
 #include "support/poor.h"
 #include "support/test.h"
 
@@ -23,7 +24,6 @@ static lc_status load(const char *text)
     return lc_pbrt_parse_memory(scene, "s.pbrt", all, strlen(all));
 }
 
-static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
 static lc_f3 vertex(size_t i) { return lc_f3_load(scene->pos + 3 * i); }
 static lc_f3 normal(size_t i) { return lc_f3_load(scene->normal + 3 * i); }
 
@@ -57,7 +57,7 @@ static void check_normals(int line)
 static void check_shape(const char *text, double area, int line)
 {
     CHECKF(load(text) == LC_OK, "line %d: %s", line, last_error);
-    CHECKF(near(power(), area, 1e-4 * area), "line %d: area %.7g, not %.7g", line, power(), area);
+    CHECKF(near_abs(power(), area, 1e-4 * area), "line %d: area %.7g, not %.7g", line, power(), area);
     CHECKF(!scene->meshes[0].flip && scene->n_notes == 1, "line %d", line);
     check_normals(line);
 }
@@ -69,16 +69,16 @@ TEST(quadrics)
     CHECK(scene->n_tris == 256 && (double)lc_f3_dot(normal(5), vertex(5)) > 0);
     CHECK_SHAPE("Shape \"cylinder\" \"float radius\" 2 \"float zmin\" 3 \"float zmax\" 1 \"float phimax\" 90",
                 LC_PI * 2);
-    CHECK(near((double)scene->bounds.lo.z, 1, 0) && near((double)scene->bounds.hi.z, 3, 0));
-    CHECK(near((double)scene->bounds.lo.x, 0, 1e-6) && near((double)scene->bounds.hi.y, 2, 0));
+    CHECK(near_abs((double)scene->bounds.lo.z, 1, 0) && near_abs((double)scene->bounds.hi.z, 3, 0));
+    CHECK(near_abs((double)scene->bounds.lo.x, 0, 1e-6) && near_abs((double)scene->bounds.hi.y, 2, 0));
     CHECK_SHAPE("Shape \"cone\" \"float radius\" 3 \"float height\" 4", 15 * LC_PI);
-    CHECK(near((double)scene->bounds.hi.z, 4, 0) &&
+    CHECK(near_abs((double)scene->bounds.hi.z, 4, 0) &&
           (double)lc_f3_dot(normal(0), lc_f3_make(4, 0, 3)) > 0.9 * 5);
     /* pi r / (6 h^2) ((r^2 + 4 h^2)^1.5 - r^3) */
     CHECK_SHAPE("Shape \"paraboloid\" \"float radius\" 2 \"float zmax\" 3",
                 LC_PI * 2 / 54 * (pow(40, 1.5) - 8));
-    CHECK(near((double)scene->bounds.lo.z, 0, 0) && (double)normal(0).z < -0.99 &&
-          near((double)scene->bounds.hi.x, 2, 0));
+    CHECK(near_abs((double)scene->bounds.lo.z, 0, 0) && (double)normal(0).z < -0.99 &&
+          near_abs((double)scene->bounds.hi.x, 2, 0));
     CHECK_SHAPE("Shape \"paraboloid\" \"float zmin\" 0.25", LC_PI / 6 * (pow(5, 1.5) - pow(2, 1.5)));
     CHECK_SHAPE("Shape \"hyperboloid\" \"point3 p1\" [2 0 0] \"point3 p2\" [2 0 3]", 12 * LC_PI);
     /* the default: from the apex along (1, 1, 1), a cone; its normals point down, away from the axis */
@@ -86,7 +86,7 @@ TEST(quadrics)
     CHECK((double)normal(scene->n_verts - 1).z < 0);
     /* z = 0 of p2: the ends change places */
     CHECK_SHAPE("Shape \"hyperboloid\" \"point3 p1\" [1 0 1] \"point3 p2\" [1 0 0]", 2 * LC_PI);
-    CHECK(near((double)vertex(0).z, 0, 0));
+    CHECK(near_abs((double)vertex(0).z, 0, 0));
     CHECK_SHAPE("Shape \"hyperboloid\" \"point3 p1\" [1 -.5 -1] \"point3 p2\" [1 .5 1]",
                 2 * LC_PI * (sqrt(21) / 4 + asinh(sqrt(5) / 4) / (sqrt(5) / 4)));
     CHECK(load("Shape \"cylinder\" \"float radius\" 0 Shape \"cone\" \"float phimax\" 0 Shape \"paraboloid\" "
@@ -95,9 +95,10 @@ TEST(quadrics)
           scene->n_tris == 0);
     CHECK(load(TEXTURED "Shape \"cone\" Shape \"paraboloid\"") == LC_OK && scene->uv);
     size_t row = 129, last = scene->meshes[1].first_vert - row;
-    CHECK(near((double)scene->uv[2 * last + 1], 1, 0) && near((double)scene->uv[2 * (last + 128)], 1, 0));
+    CHECK(near_abs((double)scene->uv[2 * last + 1], 1, 0) &&
+          near_abs((double)scene->uv[2 * (last + 128)], 1, 0));
     /* Half the radius. */
-    CHECK(near((double)scene->uv[2 * (scene->meshes[1].first_vert + 16 * row) + 1], 0.25, 1e-6));
+    CHECK(near_abs((double)scene->uv[2 * (scene->meshes[1].first_vert + 16 * row) + 1], 0.25, 1e-6));
 }
 
 TEST(sides_of_quadrics)
@@ -111,7 +112,7 @@ TEST(sides_of_quadrics)
 TEST(bilinear_meshes)
 {
     CHECK(load("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 1 1 0]") == LC_OK);
-    CHECK(scene->n_tris == 2 && scene->n_notes == 0 && !scene->normal && near(power(), 1.5, 1e-6));
+    CHECK(scene->n_tris == 2 && scene->n_notes == 0 && !scene->normal && near_abs(power(), 1.5, 1e-6));
     CHECK((double)face(0).z > 0 && (double)face(1).z > 0);
     /* two patches; the second is twisted */
     CHECK(load("Shape \"bilinearmesh\" \"integer indices\" [0 1 2 3 1 4 3 5] "
@@ -121,18 +122,18 @@ TEST(bilinear_meshes)
     for (size_t i = 0; i < scene->n_verts; i++) {
         lc_f3 v = vertex(i);
         double z = v.x > 1 ? (double)(v.x - 1) * (double)v.y : 0;
-        CHECK(near((double)v.z, z, 1e-6));
+        CHECK(near_abs((double)v.z, z, 1e-6));
         lc_f3 n = lc_f3_normalize(normal(i)),
               want = lc_f3_normalize_d(v.x > 1 ? -(double)v.y : 0, v.x > 1 ? 1 - (double)v.x : 0, 1);
         CHECK(v.x == 1 || lc_f3_dot(n, want) > 0.99999f);
     }
     /* a trapezoid: only its texture needs a grid */
     CHECK(load(TEXTURED "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 1 1 0]") == LC_OK);
-    CHECK(scene->n_tris > 2 && near(power(), 1.5, 1e-5));
+    CHECK(scene->n_tris > 2 && near_abs(power(), 1.5, 1e-5));
     for (size_t i = 0; i < scene->n_verts; i++) {
         lc_f3 v = vertex(i);
         double y = (double)scene->uv[2 * i + 1], x = (double)scene->uv[2 * i] * (2 - y);
-        CHECK(near((double)v.x, x, 1e-6) && near((double)v.y, y, 1e-6));
+        CHECK(near_abs((double)v.x, x, 1e-6) && near_abs((double)v.y, y, 1e-6));
     }
     CHECK(load("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] "
                "\"normal3 N\" [0 0 -1 0 0 -1 0 0 -1 1 0 -1]") == LC_OK &&
@@ -195,10 +196,10 @@ TEST(subdivision)
     CHECK(load(OCTAHEDRON "3") == LC_OK && scene->n_notes == 0);
     /* six-fold symmetry: vertices and their opposites */
     lc_f3 a = vertex(0), b = vertex(5), c = vertex(1);
-    CHECK(a.z > 0.3f && a.z < 0.8f && near((double)a.z, -(double)b.z, 1e-6) &&
-          near((double)a.z, (double)c.x, 1e-6));
+    CHECK(a.z > 0.3f && a.z < 0.8f && near_abs((double)a.z, -(double)b.z, 1e-6) &&
+          near_abs((double)a.z, (double)c.x, 1e-6));
     /* one step by hand: beta(4) = 3/32; limit of a vertex of valence 4: gamma = 1/8 */
-    CHECK(load(OCTAHEDRON "0") == LC_OK && near((double)vertex(0).z, 0.5, 1e-7));
+    CHECK(load(OCTAHEDRON "0") == LC_OK && near_abs((double)vertex(0).z, 0.5, 1e-7));
     CHECK(load("Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]") ==
               LC_OK &&
           !scene->n_notes);

@@ -4,6 +4,7 @@
 #include "pbrt/parse.h"
 #include "shade/shade.h"
 #include "support/isas.h"
+#include "support/near.h"
 #include "support/test.h"
 #include "tree/light_tree.h"
 
@@ -16,8 +17,6 @@
 static char dir[] = "/tmp/unit_spot.XXXXXX";
 static lc_context *ctx;
 static lc_scene *scene;
-
-static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
 
 /* rgb: w * h * 3, rows from the top. */
 static void write_pfm(const char *name, uint32_t w, uint32_t h, const float *rgb)
@@ -82,12 +81,12 @@ TEST(parameters)
     const lc_light *l = scene->lights;
     CHECK(scene->n_lights == 1 && l->kind == LC_LIGHT_SPOT);
     CHECK(l->pos.x == 1 && l->pos.y == 2 && l->pos.z == 4 && l->dir.y == 1);
-    CHECK(near((double)l->spot.cos_total, cos(LC_PI / 6), 1e-7) &&
-          near((double)l->spot.cos_start, cos(25 * LC_PI / 180), 1e-7));
-    CHECK(near((double)shine(l, lc_f3_make(0, 1, 0)).z, 3, 1e-5));
+    CHECK(near_abs((double)l->spot.cos_total, cos(LC_PI / 6), 1e-7) &&
+          near_abs((double)l->spot.cos_start, cos(25 * LC_PI / 180), 1e-7));
+    CHECK(near_abs((double)shine(l, lc_f3_make(0, 1, 0)).z, 3, 1e-5));
     /* half way between the cosines there is half of it */
     double mid = (cos(LC_PI / 6) + cos(25 * LC_PI / 180)) / 2;
-    CHECK(near((double)shine(l, lc_f3_normalize_d(sqrt(1 - mid * mid), mid, 0)).y, 1, 1e-4));
+    CHECK(near_abs((double)shine(l, lc_f3_normalize_d(sqrt(1 - mid * mid), mid, 0)).y, 1, 1e-4));
     CHECK(!(shine(l, lc_f3_normalize_d(sin(0.53), cos(0.53), 0)).y > 0));
     CHECK(load("LightSource \"spot\" \"float coneangle\" 0") == LC_OK && scene->n_lights == 0);
     CHECK(load("LightSource \"spot\" \"float coneangle\" 200") == LC_ERR_PARSE);
@@ -126,7 +125,7 @@ TEST(power)
         if (scene->n_lights != 1) continue;
         flux(scene->lights, sum);
         printf("  %.40s: %.6g\n", tests[i].text, luminance(sum));
-        CHECKF(near(luminance(sum), 70, 70 * tests[i].most), "%s: %g", tests[i].text, luminance(sum));
+        CHECKF(near_abs(luminance(sum), 70, 70 * tests[i].most), "%s: %g", tests[i].text, luminance(sum));
     }
 }
 
@@ -145,8 +144,8 @@ TEST(projections_are_the_right_way_up)
               b = shine(l, lc_f3_normalize(lc_f3_make(0.5f, up, 1)));
         lc_f3 c = shine(l, lc_f3_normalize(lc_f3_make(-0.5f, -up, 1))),
               d = shine(l, lc_f3_normalize(lc_f3_make(0.5f, -up, 1)));
-        CHECK(near((double)a.x, 1, 1e-4) && !(a.y > 0) && near((double)b.y, 2, 1e-4) && !(b.x > 0));
-        CHECK(near((double)c.z, 3, 1e-4) && near((double)d.x, 4, 1e-4));
+        CHECK(near_abs((double)a.x, 1, 1e-4) && !(a.y > 0) && near_abs((double)b.y, 2, 1e-4) && !(b.x > 0));
+        CHECK(near_abs((double)c.z, 3, 1e-4) && near_abs((double)d.x, 4, 1e-4));
         CHECK(!(lc_f3_max(shine(l, lc_f3_normalize(lc_f3_make(1.01f, 0, 1)))) > 0));
         CHECK(!(lc_f3_max(shine(l, lc_f3_make(0, 0, -1))) > 0));
     }
@@ -163,9 +162,10 @@ TEST(goniometric_maps_by_latitude)
     const lc_light *l = scene->lights;
     lc_f3 up = shine(l, lc_f3_normalize(lc_f3_make(0.1f, 1, 0.2f))),
           down = shine(l, lc_f3_normalize(lc_f3_make(0.1f, -1, 0.2f)));
-    CHECK(near((double)up.x, 6, 1e-4) && !(down.x > 0));
+    CHECK(near_abs((double)up.x, 6, 1e-4) && !(down.x > 0));
     /* the left half of the map: longitudes from +x by way of the light's z */
-    CHECK(near((double)up.z, 2, 1e-4) && !(shine(l, lc_f3_normalize(lc_f3_make(0.1f, 0.3f, -0.8f))).z > 0));
+    CHECK(near_abs((double)up.z, 2, 1e-4) &&
+          !(shine(l, lc_f3_normalize(lc_f3_make(0.1f, 0.3f, -0.8f))).z > 0));
 }
 
 static lc_light rnd_spot(void)

@@ -3,6 +3,7 @@
 #include "image/image.h"
 #include "pbrt/parse.h"
 #include "scene/surface.h"
+#include "support/near.h"
 #include "support/test.h"
 
 #include <stdlib.h>
@@ -79,18 +80,15 @@ static lc_f3 kd_at(double x, double y, double pixel)
     return s.material.kd;
 }
 
-static bool near3(lc_f3 v, double x, double y, double z)
-{
-    return fabs((double)v.x - x) < 1e-4 && fabs((double)v.y - y) < 1e-4 && fabs((double)v.z - z) < 1e-4;
-}
+static bool rgb_is(lc_f3 v, double r, double g, double b) { return near3_abs(v, r, g, b, 1e-4); }
 
 #define GREY 0.2158605 /* sRGB code 128 */
 
 /* The middles of the four pixels, for the image as it is. */
 static bool quarters(void)
 {
-    return near3(kd_at(-.5, .5, 0), 1, 0, 0) && near3(kd_at(.5, .5, 0), 0, 1, 0) &&
-           near3(kd_at(-.5, -.5, 0), 0, 0, 1) && near3(kd_at(.5, -.5, 0), GREY, GREY, GREY);
+    return rgb_is(kd_at(-.5, .5, 0), 1, 0, 0) && rgb_is(kd_at(.5, .5, 0), 0, 1, 0) &&
+           rgb_is(kd_at(-.5, -.5, 0), 0, 0, 1) && rgb_is(kd_at(.5, -.5, 0), GREY, GREY, GREY);
 }
 
 TEST(imagemap_of_both_versions)
@@ -99,7 +97,7 @@ TEST(imagemap_of_both_versions)
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\"\n"
                       "Material \"diffuse\" \"texture reflectance\" \"t\"\n" QUAD UV4) == LC_OK);
     CHECK(quarters() && scene->n_notes == 0);
-    CHECK(near3(kd_at(0, 0, 0), (1 + GREY) / 4, (1 + GREY) / 4, (1 + GREY) / 4)); /* all four meet */
+    CHECK(rgb_is(kd_at(0, 0, 0), (1 + GREY) / 4, (1 + GREY) / 4, (1 + GREY) / 4)); /* all four meet */
     CHECK(load(HEAD3, "Texture \"t\" \"color\" \"imagemap\" \"string filename\" [\"a.tga\"] \"bool "
                       "trilinear\" \"true\"\n" MATTE QUAD UV3) == LC_OK);
     CHECK(quarters() && scene->n_notes == 0);
@@ -107,14 +105,14 @@ TEST(imagemap_of_both_versions)
     CHECK(fabs((double)kd_at(-.5, .5, 2).x - (1 + GREY) / 4) < 0.003); /* one of 256 codes */
     CHECK(load(HEAD3, "Texture \"t\" \"color\" \"imagemap\" \"string filename\" [\"a.tga\"] \"bool gamma\" "
                       "\"false\"\n" MATTE QUAD UV3) == LC_OK);
-    CHECK(near3(kd_at(.5, -.5, 0), 128 / 255.0, 128 / 255.0, 128 / 255.0) && note("texture filter EWA"));
+    CHECK(rgb_is(kd_at(.5, -.5, 0), 128 / 255.0, 128 / 255.0, 128 / 255.0) && note("texture filter EWA"));
     CHECK(load(HEAD4,
                "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"string encoding\" "
                "\"gamma 2\" "
                "\"float scale\" 0.5 \"bool invert\" true \"string filter\" \"point\"\n" MATTE QUAD UV4) ==
           LC_OK);
     double want = 1 - 0.5 * (128 / 255.0) * (128 / 255.0);
-    CHECK(near3(kd_at(.5, -.5, 0), want, want, want) && near3(kd_at(-.9, .1, 0), 0.5, 1, 1));
+    CHECK(rgb_is(kd_at(.5, -.5, 0), want, want, want) && rgb_is(kd_at(-.9, .1, 0), 0.5, 1, 1));
 }
 
 TEST(wrapping_and_mapping)
@@ -123,16 +121,16 @@ TEST(wrapping_and_mapping)
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float "
                       "uscale\" 2 \"float vscale\" 2 "
                       "\"string filter\" \"point\"\n" MATTE QUAD UV4) == LC_OK);
-    CHECK(near3(kd_at(-.75, .75, 0), 1, 0, 0) && near3(kd_at(.25, .75, 0), 1, 0, 0) &&
-          near3(kd_at(.75, -.75, 0), GREY, GREY, GREY));
+    CHECK(rgb_is(kd_at(-.75, .75, 0), 1, 0, 0) && rgb_is(kd_at(.25, .75, 0), 1, 0, 0) &&
+          rgb_is(kd_at(.75, -.75, 0), GREY, GREY, GREY));
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float "
                       "uscale\" 2 \"float vscale\" 2 "
                       "\"string filter\" \"point\" \"string wrap\" \"black\"\n" MATTE QUAD UV4) == LC_OK);
-    CHECK(near3(kd_at(-.75, -.75, 0), 0, 0, 1) && near3(kd_at(.25, .75, 0), 0, 0, 0));
+    CHECK(rgb_is(kd_at(-.75, -.75, 0), 0, 0, 1) && rgb_is(kd_at(.25, .75, 0), 0, 0, 0));
     CHECK(load(HEAD4,
                "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float udelta\" 5 "
                "\"string wrap\" \"clamp\"\n" MATTE QUAD UV4) == LC_OK);
-    CHECK(near3(kd_at(-.75, .75, 0), 0, 1, 0));
+    CHECK(rgb_is(kd_at(-.75, .75, 0), 0, 1, 0));
     /* planar, v4: in the texture's space, which is moved and twice as large */
     CHECK(load(HEAD4, "AttributeBegin\nTranslate -1 -1 0\nScale 2 2 2\nTexture \"t\" \"spectrum\" "
                       "\"imagemap\" \"string filename\" "
@@ -149,7 +147,7 @@ TEST(wrapping_and_mapping)
     CHECK(quarters());
     /* Pbrt's own uv of triangles. */
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE QUAD) == LC_OK);
-    CHECK(near3(kd_at(.5, -.5, 0), .75, .25, 0) && near3(kd_at(-.5, .5, 0), .75, .5, 0));
+    CHECK(rgb_is(kd_at(.5, -.5, 0), .75, .25, 0) && rgb_is(kd_at(-.5, .5, 0), .75, .5, 0));
 }
 
 /* The file is read once for each encoding, whatever uses it; what is of no use is noted. */
@@ -172,7 +170,7 @@ TEST(files_and_notes)
     CHECK(n_images == 3);
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\" \"float "
                       "scale\" .5\n" MATTE QUAD UV4) == LC_OK);
-    CHECK(note("texture image") && near3(kd_at(.5, .5, 0), .25, .25, .25) && !scene->uv);
+    CHECK(note("texture image") && rgb_is(kd_at(.5, .5, 0), .25, .25, .25) && !scene->uv);
     write_file("j.jpg", "\xff\xd8\xff\xe0", 4);
     CHECK(load(HEAD4,
                "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"j.jpg\"\n" MATTE QUAD UV4) ==
@@ -205,7 +203,7 @@ TEST(values_of_materials)
              "Material \"phong\" \"texture Kd\" \"c\" \"texture Ks\" \"k\" \"texture exponent\" \"e\"\n" QUAD
                  UV4) == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s));
-    CHECK(near3(s.material.kd, .75, .25, 0) && near3(s.material.ks, .375, .125, 0) &&
+    CHECK(rgb_is(s.material.kd, .75, .25, 0) && rgb_is(s.material.ks, .375, .125, 0) &&
           fabs((double)s.material.exponent - 25) < 1e-3);
     /* v4's, by the cosine between the normal, along z, and a direction that the matrix turns: 0 3 4 becomes 0
      * -4 3 */
@@ -213,13 +211,13 @@ TEST(values_of_materials)
                       "dir\" [0 3 4]\n"
                       "\"rgb tex1\" [1 .5 0] \"rgb tex2\" [0 0 1] AttributeEnd\n" MATTE QUAD) == LC_OK &&
           scene->n_notes == 0);
-    CHECK(near3(kd_at(.5, -.5, 0), .6, .3, .4));
+    CHECK(rgb_is(kd_at(.5, -.5, 0), .6, .3, .4));
     /* values beyond 1 are cut off */
     CHECK(load(HEAD3, "Texture \"c\" \"color\" \"checkerboard\" \"float uscale\" 2 \"float vscale\" 2 \"rgb "
                       "tex1\" [3 .5 -1]\n"
                       "MakeNamedMaterial \"n\" \"string type\" \"plastic\" \"texture Kd\" "
                       "\"c\"\nNamedMaterial \"n\"\n" QUAD UV3) == LC_OK);
-    CHECK(near3(kd_at(-.5, -.5, 0), 1, .5, 0) && near3(kd_at(.5, -.5, 0), 0, 0, 0) && note("reflectance"));
+    CHECK(rgb_is(kd_at(-.5, -.5, 0), 1, .5, 0) && rgb_is(kd_at(.5, -.5, 0), 0, 0, 0) && note("reflectance"));
 }
 
 /* Roughness may be a texture; anisotropic roughness lies along u, isotropic needs no uv. */
@@ -231,14 +229,14 @@ TEST(ward)
                       "Material \"ward\" \"rgb Ks\" [.5 .5 .5] \"texture uroughness\" \"e\" \"float "
                       "vroughness\" .3\n" QUAD UV4) == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s));
-    CHECK(near3(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .9375, .3, 0));
+    CHECK(rgb_is(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .9375, .3, 0));
     CHECK(fabs(fabs((double)s.material.tangent.x) - 1) < 1e-6);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(-.999, -.9, 1), 0, &s));
-    CHECK(near3(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .01, .3, 0)); /* raised */
+    CHECK(rgb_is(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .01, .3, 0)); /* raised */
     CHECK(load(HEAD4, "Material \"ward\" \"float roughness\" .3\n" QUAD UV4) == LC_OK && !scene->uv);
     CHECK(load(HEAD4, "Material \"ward\" \"float uroughness\" .3\n" QUAD) == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s) &&
-          near3(s.material.tangent, 0, 0, 0));
+          rgb_is(s.material.tangent, 0, 0, 0));
     /* around a sphere's axis */
     CHECK(load(HEAD4, "Material \"ward\" \"float uroughness\" .3\nTranslate 0 0 3\nRotate 90 1 0 0\nShape "
                       "\"sphere\"\n") == LC_OK);
@@ -256,11 +254,11 @@ TEST(coordinates_of_shapes)
     write_file("m.ply", ply, sizeof ply - 1);
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE
                       "Shape \"plymesh\" \"string filename\" \"m.ply\"\n") == LC_OK);
-    CHECK(near3(kd_at(.5, -.5, 0), .25 * .5 + .5 * .25 + .25 * .25, .5 * .75 + .25 * .75, 0));
+    CHECK(rgb_is(kd_at(.5, -.5, 0), .25 * .5 + .5 * .25 + .25 * .25, .5 * .75 + .25 * .75, 0));
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE "ObjectBegin \"o\"\n" QUAD UV4
                       "ObjectEnd\nScale .5 .5 .5\n"
                       "ObjectInstance \"o\"\n") == LC_OK);
-    CHECK(near3(kd_at(.5, -.5, 0), .75, .25, 0));
+    CHECK(rgb_is(kd_at(.5, -.5, 0), .75, .25, 0));
     /* seen from the origin along +z, the sphere's pole points up: v from 0 at the bottom; -y faces us, at u =
      * 3/4 */
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE
