@@ -109,16 +109,6 @@ static inline lc_status load_text(const lc_load_desc *desc, const char *fmt, ...
     return load_file(desc, scene_path());
 }
 
-/* For starve: the load of a file in another context, whose scene is destroyed. */
-static inline lc_status load_file_in(lc_context *other, const lc_load_desc *desc, const char *path)
-{
-    lc_scene *s;
-    lc_status st = lc_scene_load(other, path, desc, &s);
-    CHECK(!st == (s != NULL));
-    lc_scene_destroy(s);
-    return st;
-}
-
 /* ---- looked at ---- */
 
 /* What the scene noted of this kind; NULL: nothing. */

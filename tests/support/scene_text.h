@@ -28,6 +28,16 @@ static inline void scene_write(const char *fmt, ...)
     va_end(args);
 }
 
+/* For starve of watched_memory.h: the load of a file in another context, whose scene is destroyed. */
+static inline lc_status load_file_in(lc_context *other, const lc_load_desc *desc, const char *path)
+{
+    lc_scene *s;
+    lc_status st = lc_scene_load(other, path, desc, &s);
+    CHECK(!st == (s != NULL));
+    lc_scene_destroy(s);
+    return st;
+}
+
 /* A scene that must load: a failed check and NULL otherwise. desc: NULL for the defaults. */
 static inline lc_scene *scene_from_file(lc_context *c, const lc_load_desc *desc, const char *path)
 {
