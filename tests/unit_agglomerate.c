@@ -403,10 +403,8 @@ static lc_status agglomerate_in(lc_context *c)
 
 TEST(every_allocation_may_fail)
 {
-    lc_status st;
     starved_lights = make_set(ROOM, LC_LIGHT_ORIENTED, N_STARVED);
-    long n = starve(agglomerate_in, &st);
-    CHECKF(!st && n > 8, "%s after %ld allocations", lc_status_name(st), n);
+    starve(agglomerate_in, 8);
     free(starved_lights);
 }
 

@@ -195,10 +195,8 @@ static lc_status load_sheets(lc_context *c) { return load_file_in(c, &few_lights
 
 TEST(every_allocation_may_fail)
 {
-    lc_status st;
     write_sheets(true);
-    long n = starve(load_sheets, &st);
-    CHECKF(st == LC_OK && n > 40, "%s after %ld allocations", lc_status_name(st), n);
+    starve(load_sheets, 40);
 }
 
 int main(void)

@@ -287,12 +287,10 @@ static lc_status load_starved(lc_context *c)
 
 TEST(every_allocation_may_fail)
 {
-    lc_status st;
     CHECK(
         load("Camera \"perspective\" WorldBegin LightSource \"infinite\" \"string filename\" \"square.pfm\" "
              "Shape \"sphere\" LightSource \"infinite\"") == LC_OK);
-    long n = starve(load_starved, &st);
-    CHECKF(st == LC_OK && n > 20, "%s after %ld allocations", lc_status_name(st), n);
+    starve(load_starved, 20);
 }
 
 int main(void)

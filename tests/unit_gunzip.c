@@ -171,12 +171,7 @@ TEST(damaged_files_are_named)
 
 static lc_status parse_starved(lc_context *c) { return parse_file_in(c, temp_path("s.pbrt.gz")); }
 
-TEST(every_allocation_may_fail)
-{
-    lc_status st;
-    long n = starve(parse_starved, &st);
-    CHECKF(st == LC_OK && n > 10, "%s after %ld allocations", lc_status_name(st), n);
-}
+TEST(every_allocation_may_fail) { starve(parse_starved, 10); }
 
 int main(void)
 {

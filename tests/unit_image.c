@@ -406,11 +406,9 @@ TEST(every_allocation_may_fail)
           lc_image_write(image, temp_path("m.png")) == LC_OK);
     lc_image_destroy(image);
     for (int k = 0; k < 4; k++) {
-        lc_status st;
         starved_from = cases[k][0];
         starved_to = cases[k][1];
-        long n = starve(copy_starved, &st);
-        CHECKF(st == LC_OK && n > 1, "%s after %ld allocations", lc_status_name(st), n);
+        starve(copy_starved, 1);
     }
 }
 

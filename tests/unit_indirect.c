@@ -239,10 +239,8 @@ static lc_status load_starved(lc_context *c)
 
 TEST(every_allocation_may_fail)
 {
-    lc_status st;
     scene_write("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\n" GREY(".5") WALL("3", "1"));
-    long n = starve(load_starved, &st);
-    CHECKF(!st && n > 20, "%s after %ld allocations", lc_status_name(st), n);
+    starve(load_starved, 20);
 }
 
 int main(void)

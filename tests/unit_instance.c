@@ -337,15 +337,13 @@ static lc_status load_starved(lc_context *c) { return load_file_in(c, &few_light
 
 TEST(every_allocation_may_fail)
 {
-    lc_status st;
     begin(CAMERA);
     fprintf(out, MATERIAL "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\nObjectBegin \"o\"\n");
     put_shape(16, true);
     fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate 1 0 0 ObjectInstance \"o\" Scale 1 0 1 "
                  "ObjectInstance \"o\"\n");
     fclose(out);
-    long n = starve(load_starved, &st);
-    CHECKF(st == LC_OK && n > 40, "%s after %ld allocations", lc_status_name(st), n);
+    starve(load_starved, 40);
 }
 
 int main(void)

@@ -684,9 +684,7 @@ TEST(every_allocation_may_fail)
         "CoordinateSystem \"c\" AttributeBegin Scale 2 2 2 AttributeEnd LightSource \"point\" "
         "ObjectBegin \"o\" Shape \"sphere\" ObjectEnd ObjectInstance \"o\"\n"
         "Shape \"plymesh\" \"string filename\" \"sub/m.ply\" Shape \"disk\" \"float x\" 1");
-    lc_status st;
-    long n = starve(parse_starved, &st);
-    CHECKF(st == LC_OK && n > 20, "%s after %ld allocations", lc_status_name(st), n);
+    starve(parse_starved, 20);
 }
 
 int main(void)

@@ -302,10 +302,8 @@ static lc_status build_starved(lc_context *c)
 
 TEST(every_allocation_may_fail)
 {
-    lc_status st;
     starved_lights = make(ROOM, 500, LC_LIGHT_ORIENTED);
-    long n = starve(build_starved, &st);
-    CHECKF(st == LC_OK && n > 12, "%s after %ld allocations", lc_status_name(st), n);
+    starve(build_starved, 12);
     free(starved_lights);
 }
 

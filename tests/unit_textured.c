@@ -291,9 +291,7 @@ TEST(every_allocation_may_fail)
                  UV4 "ObjectBegin \"o\"\n" QUAD UV4
              "ObjectEnd\nObjectInstance \"o\"\nShape \"disk\"\n") == LC_OK);
     CHECK(scene->textures.n_images == 5);
-    lc_status st;
-    long n = starve(load_starved, &st);
-    CHECKF(st == LC_OK && n > 50, "%s after %ld allocations", lc_status_name(st), n);
+    starve(load_starved, 50);
 }
 
 int main(void)

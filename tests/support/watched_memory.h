@@ -67,21 +67,23 @@ static inline lc_context *watched_context(uint32_t n_threads)
 }
 
 /* Calls `work` in a context where every allocation fails, then where one succeeds before the others fail,
- * then two, until it returns something else than LC_ERR_MEMORY, which goes to *st. Returns how many calls
- * that took. Each call must free all that it allocated, and write within its blocks. */
-static inline long starve(lc_status (*work)(lc_context *c), lc_status *st)
+ * then two, as long as it returns LC_ERR_MEMORY. Each call must free all that it allocated and write within
+ * its blocks; the last one must succeed, after at least `least` allocations: fewer would mean that the
+ * failures were not where they belong. */
+static inline void starve(lc_status (*work)(lc_context *c), long least)
 {
     lc_context *poor = watched_context(0);
+    lc_status st = LC_ERR_MEMORY;
     long n = 0, before = blocks_live;
-    for (*st = LC_ERR_MEMORY; *st == LC_ERR_MEMORY && n < 5000; n++) {
+    for (; st == LC_ERR_MEMORY && n < 5000; n++) {
         allocations_left = n;
-        *st = work(poor);
+        st = work(poor);
         allocations_left = -1;
         CHECKF(blocks_live == before, "%ld blocks lost after %ld allocations", blocks_live - before, n);
     }
     lc_context_destroy(poor);
     CHECKF(!guards_broken, "%d bytes written outside of blocks", guards_broken);
-    return n;
+    CHECKF(!st && n > least, "%s after %ld allocations", lc_status_name(st), n - 1);
 }
 
 #endif
