@@ -12,7 +12,7 @@
 #define CASES 30000
 #define MOST 40 /* pairs */
 #define NODES 64
-#define BEFORE     24 /* most elements in a list before the call, and most parents before the first one used */
+#define BEFORE 24 /* most elements in a list before the call; most parents before the first used */
 #define GUARD 32
 #define ROOM (BEFORE + 2 * MOST + LC_CUT_SPARE + GUARD)
 #define GUARD_WORD 0xDEADBEEFu
