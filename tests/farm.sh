@@ -1,6 +1,6 @@
 #!/bin/sh
-# farm.sh - long renders and renders in parts: chunks and merge, checkpoints, signals, time limits, and jobs of
-# GNU parallel.
+# farm.sh - long renders and renders in parts: chunks and merge, checkpoints, signals, time limits, and jobs
+# of GNU parallel.
 #
 #     sh tests/farm.sh build/lightcuts [KILLS]      KILLS of the program at random moments, default 12
 #
