@@ -384,8 +384,7 @@ TEST(a_full_device_is_an_error)
 
 static const char *starved_from, *starved_to; /* names; to: NULL if nothing is written */
 
-/* Reads a picture and writes it again. A write without memory may end with LC_ERR_IO, when the codec of EXR
- * says no more than that it failed. */
+/* Reads a picture and writes it again. A write that runs out of memory may end with LC_ERR_IO as well. */
 static lc_status copy_starved(lc_context *c)
 {
     lc_image *image;

@@ -25,7 +25,7 @@ static inline void farm_write_scene(const char *name, unsigned width, unsigned h
     if (fclose(f)) abort();
 }
 
-/* Of a file that farm_write_scene wrote. */
+/* The scene of a file that farm_write_scene wrote. */
 static inline lc_scene *farm_load(lc_context *c, const char *name)
 {
     lc_scene *made = scene_from_file(c, NULL, temp_path(name));

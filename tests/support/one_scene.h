@@ -8,7 +8,7 @@
 #include "support/scene_text.h"
 
 static lc_context *ctx; /* main makes it, one_scene_end destroys it */
-static lc_scene *scene; /* NULL before the first, and where loading failed */
+static lc_scene *scene; /* NULL before the first one, and where loading failed */
 
 /* A scene without anything. */
 static inline void scene_begin(void)
@@ -60,7 +60,7 @@ static inline lc_status parse_file(const char *path)
     return lc_pbrt_parse(scene, path);
 }
 
-/* parse_format of a file, beside which other files of the test are found. */
+/* parse_format of the file s.pbrt, in whose folder the test's other files are. */
 LC_PRINTF(1, 2)
 static inline lc_status parse_text_file(const char *fmt, ...)
 {
@@ -111,7 +111,7 @@ static inline lc_status load_text(const lc_load_desc *desc, const char *fmt, ...
 
 /* ---- looked at ---- */
 
-/* What the scene noted of this kind; NULL: nothing. */
+/* The scene's note of this kind; NULL: there is none. */
 static inline const lc_scene_note *note(const char *kind)
 {
     for (size_t i = 0; i < scene->n_notes; i++)

@@ -16,14 +16,14 @@ static inline double rnd(void) { return lc_unit(lc_hash2(rng_key, rng_ctr++)); }
 static inline double rnd_in(double lo, double hi) { return lo + (hi - lo) * rnd(); }
 static inline uint32_t rnd_n(uint32_t n) { return (uint32_t)(rnd() * n); }
 
-/* In the cube of half side h about 0. */
+/* A point in the cube of half side h about 0. */
 static inline lc_f3 rnd_in_box(double h)
 {
     float x = (float)rnd_in(-h, h), y = (float)rnd_in(-h, h), z = (float)rnd_in(-h, h);
     return lc_f3_make(x, y, z);
 }
 
-/* Evenly over the unit sphere. */
+/* A point of the unit sphere. */
 static inline lc_f3 rnd_unit(void)
 {
     for (;;) {
