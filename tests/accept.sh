@@ -1,20 +1,26 @@
 #!/bin/sh
-# accept.sh - Lightcuts against the exact method on full frames, and how the cost grows with the number of lights.
+# accept.sh - Lightcuts against the exact method on full frames, and how the cost grows with the number of
+# lights.
 #
-#     sh tests/accept.sh build/lightcuts OUTDIR [cornell|stairs|room|cube]...      about 8 minutes on 2 cores
+#     sh tests/accept.sh build/lightcuts OUTDIR [cornell|stairs|room|cube]...      8 minutes on 2 cores
 #
-# First table: cornell 800x800 with 10,000 lights, stairs 800x600 with 10,000, room 800x600 with 12,000; 2 threads, error
-# ratio 0.02, cuts of at most 1000. A line passes with a speedup in render seconds above that of the seed report [Miksik07],
-# mean cut at most 260, mean_ratio 0.99..1.01, rel_p50 at most 0.02 and no pixel that is not finite. rel_p99, `over` (share of
-# pixels further than 2 % off) and `limit` (points that met --max-cut) are reported only.
-# Second table: the same scenes at error ratios of 0.9 to 0.01, as appendix C of that report, with 1 and with 16 representatives:
-# reported only.
-# Third table: cube with 1,000, 10,000 and 100,000 lights; a line passes when mean cut and render seconds are less than 1.6 times
-# those of the line above.
-# Seconds of cuts are the median of three renders, those of the exact method of one.
-# ACCEPT_SCALE=10 shrinks the films to 10 % of their width and height, to try this script out. Status 1 if a line failed.
+# First table: cornell 800x800 with 10,000 lights, stairs 800x600 with 10,000, room 800x600 with 12,000; 2
+# threads, error ratio 0.02, cuts of at most 1000. A line passes with a speedup in render seconds above that
+# of the seed report [Miksik07], mean cut at most 260, mean_ratio 0.99..1.01, rel_p50 at most 0.02 and no
+# pixel that is not finite. rel_p99, `over` (share of pixels with an error above 2 %) and `limit` (points
+# that met --max-cut) are reported only.
+#
+# Second table: the same scenes at error ratios of 0.9 to 0.01, as in appendix C of that report, with 1 and
+# with 16 representatives: reported only.
+#
+# Third table: cube with 1,000, 10,000 and 100,000 lights; a line passes when mean cut and render seconds are
+# less than 1.6 times those of the line above.
+#
+# Seconds of cuts are the median of three renders, those of the exact method of one. ACCEPT_SCALE=10 shrinks
+# the films to 10 % of their width and height, to try this script out. Status 1 if a line failed.
 set -eu
-[ $# -ge 2 ] && [ -x "$1" ] || { echo "usage: sh tests/accept.sh BINARY OUTDIR [cornell|stairs|room|cube]..." >&2; exit 2; }
+[ $# -ge 2 ] && [ -x "$1" ] ||
+    { echo "usage: sh tests/accept.sh BINARY OUTDIR [cornell|stairs|room|cube]..." >&2; exit 2; }
 L=$1
 out=$2
 shift 2
@@ -27,7 +33,10 @@ failed=0
 generate() # scene lights file
 {
     "$L" scene "$1" --lights "$2" | awk -v s="$scale" '
-        /^Film/ { for (i = 1; i < NF; i++) if ($i ~ /resolution"$/) $(i + 1) = int($(i + 1) * s / 100 + 1 - s / 100) }
+        /^Film/ {
+            for (i = 1; i < NF; i++)
+                if ($i ~ /resolution"$/) $(i + 1) = int($(i + 1) * s / 100 + 1 - s / 100)
+        }
         { print }' >"$3"
 }
 render() # name scene options...: writes name.exr and name.json
@@ -63,11 +72,12 @@ compare_line() # scene lights speedup
     slow=$(seconds "$1-exact") cut=$(cut_of "$1" mean) ratio=$(figure "$1" mean_ratio)
     p50=$(figure "$1" rel_p50) bad=$(figure "$1" nonfinite)
     speedup=$(awk "BEGIN { printf \"%.2f\", $slow / $fast }")
-    [ -n "$headed" ] || printf '%-8s %7s %9s %9s %8s %7s %7s %10s %8s %8s %7s %9s %9s\n' scene lights 'cuts s' 'exact s' \
-        speedup 'at least' 'cut' mean_ratio rel_p50 rel_p99 over nonfinite limit
+    [ -n "$headed" ] || printf '%-8s %7s %9s %9s %8s %7s %7s %10s %8s %8s %7s %9s %9s\n' scene lights \
+        'cuts s' 'exact s' speedup 'at least' 'cut' mean_ratio rel_p50 rel_p99 over nonfinite limit
     headed=yes
-    printf '%-8s %7d %9.2f %9.2f %8.2f %8.1f %7.1f %10.5f %8.5f %8.5f %7.4f %9d %9d  ' "$1" "$2" "$fast" "$slow" "$speedup" "$3" \
-        "$cut" "$ratio" "$p50" "$(figure "$1" rel_p99)" "$(figure "$1" over)" "$bad" "$(cut_of "$1" at_limit)"
+    printf '%-8s %7d %9.2f %9.2f %8.2f %8.1f %7.1f %10.5f %8.5f %8.5f %7.4f %9d %9d  ' "$1" "$2" "$fast" \
+        "$slow" "$speedup" "$3" "$cut" "$ratio" "$p50" "$(figure "$1" rel_p99)" "$(figure "$1" over)" "$bad" \
+        "$(cut_of "$1" at_limit)"
     judge "$speedup > $3 && $cut <= 260 && $ratio >= 0.99 && $ratio <= 1.01 && $p50 <= 0.02 && $bad == 0"
 }
 
@@ -79,8 +89,10 @@ threshold_lines() # scene
             "$L" compare "$out/$1-t.exr" "$out/$1-exact.exr" --over 0.02 >"$out/$1-t.txt" || :
             slow=$(seconds "$1-exact")
             printf '%-8s %5d %6s %9.2f %8.1f %7.1f %10.5f %8.5f %8.5f %7.4f %9d\n' "$1" $reps $ratio "$fast" \
-                "$(awk "BEGIN { print $slow / $fast }")" "$(cut_of "$1-t" mean)" "$(figure "$1-t" mean_ratio)" \
-                "$(figure "$1-t" rel_p50)" "$(figure "$1-t" rel_p99)" "$(figure "$1-t" over)" "$(cut_of "$1-t" at_limit)"
+                "$(awk "BEGIN { print $slow / $fast }")" "$(cut_of "$1-t" mean)" \
+                "$(figure "$1-t" mean_ratio)" "$(figure "$1-t" rel_p50)" \
+                "$(figure "$1-t" rel_p99)" "$(figure "$1-t" over)" \
+                "$(cut_of "$1-t" at_limit)"
         done
     done
 }
@@ -96,8 +108,8 @@ cube_table()
         if [ -z "$last_s" ]; then
             printf '%-8s %7d %9.2f %9s %9.1f %9s\n' cube $lights "$s" - "$c" -
         else
-            printf '%-8s %7d %9.2f %9.2f %9.1f %9.2f  ' cube $lights "$s" "$(awk "BEGIN { print $s / $last_s }")" "$c" \
-                "$(awk "BEGIN { print $c / $last_c }")"
+            printf '%-8s %7d %9.2f %9.2f %9.1f %9.2f  ' cube $lights \
+                "$s" "$(awk "BEGIN { print $s / $last_s }")" "$c" "$(awk "BEGIN { print $c / $last_c }")"
             judge "$s < 1.6 * $last_s && $c < 1.6 * $last_c"
         fi
         last_s=$s last_c=$c
@@ -115,8 +127,8 @@ for what; do
     *) echo "accept.sh: no scene '$what'" >&2; exit 2 ;;
     esac
 done
-[ -z "$headed" ] || printf '\n%-8s %5s %6s %9s %8s %7s %10s %8s %8s %7s %9s\n' scene repr. ratio 'cuts s' speedup cut mean_ratio \
-    rel_p50 rel_p99 over limit
+[ -z "$headed" ] || printf '\n%-8s %5s %6s %9s %8s %7s %10s %8s %8s %7s %9s\n' scene repr. ratio 'cuts s' \
+    speedup cut mean_ratio rel_p50 rel_p99 over limit
 for what; do [ "$what" = cube ] || threshold_lines "$what"; done
 for what; do [ "$what" != cube ] || cube_table; done
 echo

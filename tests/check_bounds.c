@@ -291,14 +291,14 @@ TEST(inverse_square_needs_no_attenuation)
         }
         lc_cluster_store(&all, &node, NULL);
         memcpy(&n0, &node, sizeof n0);
-        float a = lc_bound(&node, NULL, (lc_light_kind)kind, &p),
-              b = lc_bound(&node, &one, (lc_light_kind)kind, &p);
+        float a = one_bound(&node, NULL, (lc_light_kind)kind, &p),
+              b = one_bound(&node, &one, (lc_light_kind)kind, &p);
         CHECK(memcmp(&a, &b, sizeof a) == 0);
         CHECK(memcmp(&n0, &node, sizeof n0) == 0 && memcmp(&p0, &p, sizeof p) == 0);
         lc_light_rec rec;
         lc_light_rec_init(&rec, &c.lights[0]);
-        lc_f3 x = lc_shade_light(&p, (lc_light_kind)kind, &rec, NULL),
-              y = lc_shade_light(&p, (lc_light_kind)kind, &rec, one);
+        lc_f3 x = one_transfer(&p, (lc_light_kind)kind, &rec, NULL),
+              y = one_transfer(&p, (lc_light_kind)kind, &rec, one);
         CHECK(memcmp(&x, &y, sizeof x) == 0);
     }
 }
@@ -505,7 +505,7 @@ TEST(worked_example)
     CHECKF(fabs(10 * mg[1] - 0.3978873577297384) < 1e-7, "%.17g", 10 * mg[1]);
     lc_light_rec rec;
     lc_light_rec_init(&rec, &l);
-    CHECK(fabs(10 * (double)lc_shade_light(&p, l.kind, &rec, NULL).y - 0.3978873577297384) < 1e-6);
+    CHECK(fabs(10 * (double)one_transfer(&p, l.kind, &rec, NULL).y - 0.3978873577297384) < 1e-6);
 }
 
 int main(int argc, char **argv)

@@ -1,5 +1,5 @@
 /* check_kernels.c - bounds and estimates of every instruction set have the bits of the scalar kernels, for
- * any count; the scalar estimate has those of lc_shade_light and lies in the range that rounding allows about
+ * any count; the scalar estimate has those of one_transfer and lies in the range that rounding allows about
  * the double reference. (The scalar bounds are checked against it in check_bounds.c, the BVH kernels are
  * compared in unit_bvh.c.) */
 #include "base/rng.h"
@@ -154,8 +154,8 @@ static bool estimate_right(const job *j, uint32_t at, float out[6][ROOM + GUARD]
     const lc_spot_rec *spot = &j->light_spot[at];
     bool mapped = j->kind == LC_LIGHT_SPOT && spot->map;
     lc_f3 f = j->kind == LC_LIGHT_SPOT
-                  ? lc_shade_spot(&j->point, &j->rec[at], spot, j->maps)
-                  : lc_shade_light(&j->point, j->kind, &j->rec[at], lc_light_atten(&j->tree, at));
+                  ? one_spot_transfer(&j->point, &j->rec[at], spot, j->maps)
+                  : one_transfer(&j->point, j->kind, &j->rec[at], lc_light_atten(&j->tree, at));
     lc_f3 to = j->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
     const float want[6] = { f.x, f.y, f.z, to.x, to.y, to.z };
     double lo[3], hi[3];

@@ -1,11 +1,7 @@
-/* check_lists.c - place and partition of every instruction set leave what a loop over one cluster after the
- * other does, bit for bit: contents, counts, sum. Nothing is written past the spare elements, nothing read
- * past the lanes of the inputs. */
-#include "base/rng.h"
-#include "base/vec.h"
-#include "isa/isa.h"
+/* check_lists.c - the kernels place and partition, which sort clusters into the lists of a cut: by every
+ * instruction set contents, counts and sum are bit for bit those of a loop over single clusters. Nothing is
+ * written past the spare elements, and nothing is read past the lanes of the inputs. */
 #include "support/isas.h"
-#include "support/test.h"
 #include "tree/light_tree.h"
 
 #include <stdlib.h>
@@ -16,7 +12,7 @@
 #define CASES 30000
 #define MOST 40 /* pairs */
 #define NODES 64
-#define BEFORE 24 /* elements in a list before, at most; parents before the first */
+#define BEFORE 24 /* most elements in a list before the call; most parents before the first used */
 #define GUARD 32
 #define ROOM (BEFORE + 2 * MOST + LC_CUT_SPARE + GUARD)
 #define GUARD_WORD 0xDEADBEEFu
@@ -26,7 +22,7 @@ typedef struct list {
     uint32_t n;
 } list;
 
-/* What cut.c would hand over. Inputs lie in memory of exactly the size that is promised, for ASan. */
+/* The arguments of place. Inputs have exactly the promised size, so that ASan sees reads beyond it. */
 typedef struct job {
     lc_node *nodes;
     lc_light_rec *lights;
@@ -54,11 +50,10 @@ static uint32_t as_bits(float f)
 
 /* ---- random cases ---- */
 
-/* 0 now and then, else over the range of transfers. */
+/* 0 for three of ten, else anywhere in the range of transfers. */
 static float rnd_transfer(void) { return rnd() < 0.3 ? 0 : powf(10, (float)rnd_in(-18, 19)); }
 
-/* Styles: 0 and 1 of all kinds, 2 all 0, 3 all infinite, 4 all above the limit, 5 none above, 6 at the limit.
- */
+/* Styles: 0 and 1 mixed, 2 all 0, 3 all infinite, 4 all above the limit, 5 none above it, 6 at the limit. */
 static float rnd_bound(int style, float limit)
 {
     double r = rnd();
@@ -90,7 +85,7 @@ static void clear(list *l)
     l->n = 0;
 }
 
-/* n clusters; leaves: share of them. */
+/* n random clusters, of which `leaves` is the share of leaves. */
 static void fill(list *l, uint32_t n, int style, float limit, double leaves)
 {
     clear(l);
@@ -158,7 +153,7 @@ static void free_job(job *j)
     for (int k = 0; k < 3; k++) free(j->transfer[k]);
 }
 
-/* ---- one cluster after the other ---- */
+/* ---- the reference: one cluster after the other ---- */
 
 static void put(list *l, const uint32_t word[LC_CUT_WORDS])
 {
@@ -190,7 +185,8 @@ static float ref_child(job *j, uint32_t i, uint32_t c)
     return luminance(word + 6);
 }
 
-/* The sum: a figure a pair, four of them in a tree, one four after the other. */
+/* Returns the sum of changes, one for each pair, in the kernels' order: four pairs in a tree, then four after
+ * four. */
 static double ref_place(job *j)
 {
     double sum = 0;
@@ -229,7 +225,7 @@ static lc_cut_list view(list *l)
     return v;
 }
 
-/* The same clusters; nothing beyond the spare elements behind the longest it has been. */
+/* The same clusters, and nothing written beyond the spare elements after the list's greatest length. */
 static bool same(const list *want, const list *got, uint32_t longest)
 {
     if (want->n != got->n) return false;
@@ -298,7 +294,7 @@ TEST(place_as_one_by_one)
     free(lights);
 }
 
-/* where: 0 two other lists, 1 above is the list itself, 2 rest is */
+/* where: 0 into two other lists, 1 the list itself is `above`, 2 the list itself is `rest` */
 static void check_partition(lc_isa isa, uint32_t i, const list *from, const list others[2], float limit,
                             int where)
 {
@@ -336,6 +332,7 @@ TEST(partition_as_one_by_one)
 int main(void)
 {
     printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
+    RUN(every_instruction_set_is_here);
     RUN(place_as_one_by_one);
     RUN(partition_as_one_by_one);
     return test_done();

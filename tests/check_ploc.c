@@ -1,10 +1,7 @@
-/* check_ploc.c - the nearest neighbours that every instruction set finds are those of a loop over all pairs,
- * bit for bit; nothing is written past them. The metric agrees with its definition in double precision. */
-#include "isa/isa.h"
+/* check_ploc.c - the kernel that finds nearest neighbours for the parallel builder: by every instruction set
+ * they are those of a loop over all pairs, and nothing is written past them. The metric of that loop, which
+ * has the kernel's roundings, agrees with its definition in doubles. */
 #include "support/isas.h"
-#include "support/test.h"
-
-#include <stdlib.h>
 
 #define RND_KEY 90210
 #include "support/rnd.h"
@@ -17,7 +14,7 @@ static float rows[LC_PLOC_ROWS][MOST + LC_LANES];
 
 static float sorted(float a, float b, bool high) { return (a < b) == high ? b : a; }
 
-/* ---- the definition ---- */
+/* ---- the reference ---- */
 
 static float ref_metric(const lc_ploc_list *l, uint32_t i, uint32_t j)
 {
@@ -39,7 +36,7 @@ static float ref_metric(const lc_ploc_list *l, uint32_t i, uint32_t j)
     return (rows[LC_PLOC_POWER][i] + rows[LC_PLOC_POWER][j]) * size;
 }
 
-/* Whether pair (i, j) comes before pair (i, best), i in both. */
+/* Whether pair (i, j) comes before pair (i, best) in the order of pairs of equal metric. */
 static bool before(float d, uint32_t i, uint32_t j, float best_d, uint32_t best)
 {
     uint32_t low = i < j ? i : j, k = i < j ? j - i : i - j;
@@ -66,14 +63,14 @@ static float ref_nearest(const lc_ploc_list *l, uint32_t i, uint32_t radius, boo
 
 /* ---- cases ---- */
 
-/* Styles: 0 at random, 1 along a line, 2 on a grid, 3 all in one place, 4 black, 5 of very different powers
- * and sizes. */
+/* Styles: 0 random, 1 ever wider gaps on a line, 2 equal gaps on a line, 3 all in one place, 4 black, 5
+ * powers and sizes of many magnitudes. */
 static void fill(lc_ploc_list *l, int style)
 {
     for (uint32_t i = 0; i < l->n + LC_LANES; i++) {
         lc_f3 d = style == 2 ? lc_f3_make(0, 0, 1) : rnd_unit(), e = style == 2 ? d : rnd_unit();
         const float dir[3] = { d.x, d.y, d.z }, other[3] = { e.x, e.y, e.z };
-        bool many = rnd() < 0.5; /* directions */
+        bool many = rnd() < 0.5; /* a range of directions, not one */
         for (int k = 0; k < 3; k++) {
             float x = (float)rnd(), y = (float)rnd();
             if (style == 1) x = y = k ? 0 : (float)(i * i) * 0x1p-24f;
@@ -128,7 +125,7 @@ TEST(nearest_as_over_all_pairs)
     }
 }
 
-/* Nothing infinite, nothing NaN: else it would have no neighbour. */
+/* No metric is infinite or NaN, for which a cluster would have no neighbour. */
 TEST(everyone_has_a_neighbour)
 {
     for (int style = 0; style < 6; style++) {
@@ -142,7 +139,7 @@ TEST(everyone_has_a_neighbour)
     }
 }
 
-/* [Miksik07] eq. 3 with the cone through the corners of the box of directions. */
+/* [Miksik07] eq. 3, with the cone about the box of directions. */
 static double exact_metric(const lc_ploc_list *l)
 {
     double size = 0, s2 = 0, r2 = 0;
@@ -160,8 +157,8 @@ static double exact_metric(const lc_ploc_list *l)
            (size + (double)l->c2 * (1 - cos_beta) * (1 - cos_beta));
 }
 
-/* A dozen roundings of 2^-24, and that the directions are unit only to 2^-24, which moves 1 - cos(beta) by as
- * much / s. */
+/* The tolerance covers a dozen roundings of 2^-24, and the length of directions, which is 1 up to 2^-24: that
+ * changes 1 - cos(beta) by as much / s. */
 TEST(metric_as_defined)
 {
     lc_ploc_list l = { .n = 2, .oriented = true, .c2 = 0.5f };
@@ -175,6 +172,7 @@ TEST(metric_as_defined)
 int main(void)
 {
     printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
+    RUN(every_instruction_set_is_here);
     RUN(nearest_as_over_all_pairs);
     RUN(everyone_has_a_neighbour);
     RUN(metric_as_defined);

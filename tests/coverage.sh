@@ -3,7 +3,8 @@
 #
 #     sh tests/coverage.sh build/coverage       make coverage builds, runs the tests, calls this
 #
-# A line that several objects hold (templates of the kernels, headers) counts once, as run when one of them ran it.
+# A line that several objects hold (templates of the kernels, headers) counts once, as run when one of them
+# ran it.
 set -u
 [ $# -eq 1 ] || { echo "usage: sh tests/coverage.sh BUILD_DIR" >&2; exit 2; }
 cd "$(dirname "$0")/.." || exit 2

@@ -1,11 +1,12 @@
 #!/bin/sh
-# exactness.sh - Lightcuts against the exact method on scenes of others: a row of a Markdown table for each scene and number of lights.
+# exactness.sh - Lightcuts against the exact method on scenes of others: a row of a Markdown table for each
+# scene and number of lights.
 #
 #     sh tests/exactness.sh SCENE...        pictures and statistics stay in build/exactness
 #
-# LIGHTS, "10000 100000": lights in all, virtual ones making up what lamps and sky leave; of a scene with more than that already all of
-# them, and none virtual. WIDTH, 160: of the picture in pixels. SPP, 1. MORE: further options of both renders.
-# Nothing is judged. Seconds are those of the pixels, by all threads.
+# In the environment: LIGHTS, "10000 100000", numbers of lights in all: virtual lights are added to those of
+# lamps and sky up to that number, if these are fewer. WIDTH, 160: of the picture in pixels. SPP, 1. MORE:
+# further options of both renders. Nothing is judged. Seconds are those of the pixels, by all threads.
 set -u
 [ $# -gt 0 ] || { echo "usage: sh tests/exactness.sh SCENE..." >&2; exit 2; }
 L=${LIGHTCUTS:-build/lightcuts}
@@ -22,7 +23,8 @@ figure() { sed -n "s/^$1 \([^ ]*\).*/\1/p" "$out/compare"; }
 text() { case $1 in *.gz) gzip -dc "$1" ;; *) cat "$1" ;; esac; }
 small() # scene height
 {
-    text "$1" | sed -E "s/(\"integer xresolution\" *\[?) *[0-9]+/\1 $width/; s/(\"integer yresolution\" *\[?) *[0-9]+/\1 $2/"
+    text "$1" | sed -E "s/(\"integer xresolution\" *\[?) *[0-9]+/\1 $width/
+                        s/(\"integer yresolution\" *\[?) *[0-9]+/\1 $2/"
 }
 render() # scene height name options...: from the scene's folder, where what it includes lies
 {
@@ -30,8 +32,8 @@ render() # scene height name options...: from the scene's folder, where what it 
     small "$1" "$2" >"$out/small.pbrt"
     shift 3
     # shellcheck disable=SC2086
-    (cd "$(dirname "$from")" && timeout 580 "$L" -q - --spp "${SPP:-1}" -o "$out/$to.exr" --stats-file "$out/$to.json" "$@" \
-        ${MORE:-}) <"$out/small.pbrt"
+    (cd "$(dirname "$from")" && timeout 580 "$L" -q - --spp "${SPP:-1}" -o "$out/$to.exr" \
+        --stats-file "$out/$to.json" "$@" ${MORE:-}) <"$out/small.pbrt"
 }
 row() # scene lights: no more lights than that, unless lamps and sky have them
 {
@@ -43,11 +45,15 @@ row() # scene lights: no more lights than that, unless lamps and sky have them
     render "$1" "$height" "$name-exact" --method exact --indirect-lights "$n" || return
     render "$1" "$height" "$name" --indirect-lights "$n" || return
     "$L" compare "$out/$name.exr" "$out/$name-exact.exr" >"$out/compare"
-    awk -v name="$(basename "${1%.gz}" .pbrt)" -v lights="$(whole lights "$out/$name.json")" -v exact="$(seconds "$out/$name-exact.json")" \
-        -v s="$(seconds "$out/$name.json")" -v mean="$(cut_of "$out/$name.json" mean)" -v limit="$(cut_of "$out/$name.json" at_limit)" \
-        -v points="$(whole points "$out/$name.json")" -v ratio="$(figure mean_ratio)" -v p50="$(figure rel_p50)" 'BEGIN {
-            printf "| %s | %d | %.2f | %.2f | %.1fx | %.0f | %.1f %% | %.4f | %.2f %% |\n", name, lights, exact, s, (s > 0 ? exact / s : 0),
-                mean, (points > 0 ? 100 * limit / points : 0), ratio, 100 * p50 }'
+    json=$out/$name.json
+    awk -v name="$(basename "${1%.gz}" .pbrt)" -v lights="$(whole lights "$json")" \
+        -v exact="$(seconds "$out/$name-exact.json")" -v s="$(seconds "$json")" \
+        -v mean="$(cut_of "$json" mean)" -v limit="$(cut_of "$json" at_limit)" \
+        -v points="$(whole points "$json")" -v ratio="$(figure mean_ratio)" \
+        -v p50="$(figure rel_p50)" 'BEGIN {
+            printf "| %s | %d | %.2f | %.2f | %.1fx | %.0f | %.1f %% | %.4f | %.2f %% |\n",
+                name, lights, exact, s, (s > 0 ? exact / s : 0), mean,
+                (points > 0 ? 100 * limit / points : 0), ratio, 100 * p50 }'
 }
 
 echo "| scene | lights | exact s | Lightcuts s | speedup | mean cut | at limit | mean ratio | median error |"

@@ -1,44 +1,24 @@
 #!/bin/sh
-# farm.sh - long renders and renders in parts: chunks and merge, checkpoints, signals, time limits, GNU parallel.
+# farm.sh - long renders and renders in parts: chunks and merge, checkpoints, signals, time limits, and jobs
+# of GNU parallel.
 #
 #     sh tests/farm.sh build/lightcuts [KILLS]      KILLS of the program at random moments, default 12
 #
 # Every picture that comes from parts or from several runs must be byte for byte that of one run.
-# Ends with "N passed, N failed, N skipped".
 set -u
-[ $# -ge 1 ] && [ -x "$1" ] || { echo "usage: sh tests/farm.sh BINARY [KILLS]" >&2; exit 2; }
-L=$(cd "$(dirname "$1")" && pwd)/${1##*/}
+. "$(dirname "$0")/support/harness.sh"
+[ $# -ge 1 ] || { echo "usage: sh tests/farm.sh BINARY [KILLS]" >&2; exit 2; }
 kills=${2:-12}
-if [ -d /dev/shm ] && [ -w /dev/shm ]; then T=$(mktemp -d -p /dev/shm); else T=$(mktemp -d); fi || exit 2
-trap 'cd /; rm -rf "$T"' EXIT
-trap 'exit 130' INT
-trap 'exit 143' TERM
-cd "$T" || exit 2
-unset LC_ISA SOURCE_DATE_EPOCH SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_MIN SLURM_ARRAY_TASK_MAX SLURM_ARRAY_TASK_STEP SLURM_ARRAY_TASK_COUNT
+if [ -d /dev/shm ] && [ -w /dev/shm ]; then begin "$1" /dev/shm; else begin "$1"; fi
+no_slurm()
+{
+    unset SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_MIN SLURM_ARRAY_TASK_MAX
+    unset SLURM_ARRAY_TASK_STEP SLURM_ARRAY_TASK_COUNT
+}
+no_slurm
 patience=20 # tenths of a second
-if grep -q -e __asan_init -e __tsan_init "$L"; then patience=100; fi
-passed=0
-failed=0
-skipped=0
+if sanitized; then patience=100; fi
 
-ok() { passed=$((passed + 1)); }
-no() # name why
-{
-    failed=$((failed + 1))
-    echo "FAIL $1: $2"
-    [ ! -s err ] || head -n 5 err | sed 's/^/     stderr: /'
-}
-skip()
-{
-    skipped=$((skipped + 1))
-    echo "skip $1"
-}
-check() # name command...: passes when the command does
-{
-    check_name=$1
-    shift
-    if "$@" >/dev/null 2>&1; then ok; else no "$check_name" "'$*' failed"; fi
-}
 run() { timeout 120 "$L" "$@" >out 2>err </dev/null; rc=$?; }
 expect() # name status regex args...: status and what stderr says
 {
@@ -95,11 +75,13 @@ check 'a crop in chunks: the bytes of one run' cmp merged.exr crop.exr
 
 rm -f none.exr t-3.exr t-7.exr t-8.exr t-9.exr
 expect 'missing chunks are named' 1 'error: 4 missing chunks: 3,7-9$' merge -o none.exr t-*.exr
-expect 'a chunk twice' 3 't-1.exr: error: chunk 1 of 16 is there already' merge -o none.exr t-1.exr t-2.exr t-1.exr
+expect 'a chunk twice' 3 't-1.exr: error: chunk 1 of 16 is there already' \
+    merge -o none.exr t-1.exr t-2.exr t-1.exr
 run -q other.pbrt --chunk 3/16 -o x.exr
 expect 'a chunk of another scene' 3 'x.exr: error: is of another scene' merge -o none.exr t-1.exr x.exr
 run -q s.pbrt --chunk 3/16 --seed 9 -o x.exr
-expect 'a chunk with other options' 3 'x.exr: error: was rendered with other options' merge -o none.exr t-1.exr x.exr
+expect 'a chunk with other options' 3 'x.exr: error: was rendered with other options' \
+    merge -o none.exr t-1.exr x.exr
 run -q s.pbrt --chunk 3/15 -o x.exr
 expect 'a chunk of another N' 3 'x.exr: error: is of another number of chunks' merge -o none.exr t-1.exr x.exr
 expect 'a chunk of a crop' 3 'error: ' merge -o none.exr a-1.exr c-2.exr
@@ -136,11 +118,11 @@ check 'half a chunk is rendered again' grep -q 'wrote t-1.exr' err
 
 slurm_vars() # id min max step count args...
 {
-    SLURM_ARRAY_TASK_ID=$1 SLURM_ARRAY_TASK_MIN=$2 SLURM_ARRAY_TASK_MAX=$3 SLURM_ARRAY_TASK_STEP=$4 SLURM_ARRAY_TASK_COUNT=$5
-    export SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_MIN SLURM_ARRAY_TASK_MAX SLURM_ARRAY_TASK_STEP SLURM_ARRAY_TASK_COUNT
+    export SLURM_ARRAY_TASK_ID="$1" SLURM_ARRAY_TASK_MIN="$2" SLURM_ARRAY_TASK_MAX="$3"
+    export SLURM_ARRAY_TASK_STEP="$4" SLURM_ARRAY_TASK_COUNT="$5"
     shift 5
     run "$@"
-    unset SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_MIN SLURM_ARRAY_TASK_MAX SLURM_ARRAY_TASK_STEP SLURM_ARRAY_TASK_COUNT
+    no_slurm
 }
 rm -f v-*.exr
 for id in 1 3 5 7; do slurm_vars $id 1 7 2 4 -q s.pbrt --chunk slurm -o v-$id.exr; done # --array=1-7:2
@@ -164,36 +146,46 @@ check 'the checkpoint is gone' test ! -e c.ckpt
 expect '--time-limit' 75 'time is over; c.ckpt holds [0-9]* of 336 tiles' -q long.pbrt --method exact \
     --checkpoint c.ckpt --time-limit 0.05s -o l2.exr
 check 'no picture yet' test ! -e l2.exr
-expect 'the checkpoint is not overwritten' 2 'c.ckpt: error: .*--resume' long.pbrt --method exact --checkpoint c.ckpt -o l2.exr
-expect 'resume with other options' 3 'c.ckpt: error: .*other options' long.pbrt --checkpoint c.ckpt --resume -o l2.exr
-expect 'resume of another scene' 3 'c.ckpt: error: .*another scene' s.pbrt --method exact --checkpoint c.ckpt --resume -o l2.exr
+expect 'the checkpoint is not overwritten' 2 'c.ckpt: error: .*--resume' \
+    long.pbrt --method exact --checkpoint c.ckpt -o l2.exr
+expect 'resume with other options' 3 'c.ckpt: error: .*other options' \
+    long.pbrt --checkpoint c.ckpt --resume -o l2.exr
+expect 'resume of another scene' 3 'c.ckpt: error: .*another scene' \
+    s.pbrt --method exact --checkpoint c.ckpt --resume -o l2.exr
 cp c.ckpt old.ckpt
-good 'resume' long.pbrt --method exact --checkpoint c.ckpt --resume --keep-checkpoint -o l2.exr --stats-file resumed.json
+good 'resume' long.pbrt --method exact --checkpoint c.ckpt --resume --keep-checkpoint -o l2.exr \
+    --stats-file resumed.json
 check 'resume says so' grep -q 'going on with c.ckpt: [1-9][0-9]* of 336 tiles' err
 check 'resume: the same bytes' cmp l2.exr long.exr
 check '--keep-checkpoint' test -s c.ckpt
 for key in shadow_rays points camera_rays; do
-    check "resume: $key add up" test "$(grep "^  \"$key\"" whole.json)" = "$(grep "^  \"$key\"" resumed.json)"
+    check "resume: $key is there" grep -q "^  \"$key\"" whole.json
+    check "resume: $key add up" \
+        test "$(grep "^  \"$key\"" whole.json)" = "$(grep "^  \"$key\"" resumed.json)"
 done
 check 'resume: pixels of before are counted' grep -q '"pixels_resumed": [1-9]' resumed.json
 good 'resume of a finished run' long.pbrt --method exact --checkpoint c.ckpt --resume -o l3.exr
-check 'finished: the same bytes, and the checkpoint is gone' test "$(cmp l3.exr long.exr && echo same)" = same -a ! -e c.ckpt
+check 'finished: the same bytes' cmp l3.exr long.exr
+check 'finished: the checkpoint is gone' test ! -e c.ckpt
 mv old.ckpt c.ckpt
 printf 'X' | dd of=c.ckpt bs=1 seek=3000 conv=notrunc 2>/dev/null
 expect 'a damaged record' 0 'c.ckpt: warning: [0-9]* bytes of the checkpoint are damaged' \
     long.pbrt --method exact --checkpoint c.ckpt --resume -o l4.exr
 check 'damaged: the same bytes' cmp l4.exr long.exr
-echo 'no checkpoint at all, but a long text that somebody still wants to have, so that nothing may be written into it' >text
+echo 'no checkpoint, but a long text that somebody wants to keep: nothing may be written into this file' >text
 cp text text2
-expect 'a file that is no checkpoint' 3 'text: error: is no checkpoint' long.pbrt --checkpoint text --resume -o l5.exr
+expect 'a file that is no checkpoint' 3 'text: error: is no checkpoint' \
+    long.pbrt --checkpoint text --resume -o l5.exr
 check 'it is left alone' cmp text text2
 expect '--time-limit alone' 2 'needs --checkpoint' s.pbrt --time-limit 10 -o l5.exr
 expect '--resume alone' 2 'needs --checkpoint' s.pbrt --resume -o l5.exr
 for value in 0 -1 x 5y '' 1e99; do
-    expect "--time-limit $value" 2 "bad value '$value'" s.pbrt --checkpoint c.ckpt --time-limit "$value" -o l5.exr
+    expect "--time-limit $value" 2 "bad value '$value'" \
+        s.pbrt --checkpoint c.ckpt --time-limit "$value" -o l5.exr
 done
 ln -s real.ckpt link.ckpt
-expect 'a checkpoint behind a link' 75 'time is over' long.pbrt --method exact --checkpoint link.ckpt --time-limit 0.05 -o l5.exr
+expect 'a checkpoint behind a link' 75 'time is over' \
+    long.pbrt --method exact --checkpoint link.ckpt --time-limit 0.05 -o l5.exr
 check 'the link stays one' test -L link.ckpt -a -s real.ckpt
 rm -f link.ckpt real.ckpt
 ln -s real.json link.json
@@ -203,7 +195,7 @@ check 'the link of the statistics stays one' test -L link.json -a -s real.json
 
 # ---- signals ----
 
-# A signal once there is a tile; SECONDS until the end go to $took, in tenths.
+# Sends a signal once the checkpoint has a tile; t0 is the time then, in nanoseconds.
 signal_after() # signal args...
 {
     signal=$1
@@ -212,7 +204,10 @@ signal_after() # signal args...
     "$L" "$@" --checkpoint c.ckpt >out 2>err </dev/null &
     pid=$!
     i=0
-    while [ "$(cat c.ckpt 2>/dev/null | wc -c)" -lt 100 ] && [ $i -lt 6000 ]; do sleep 0.05; i=$((i + 1)); done
+    while [ "$(cat c.ckpt 2>/dev/null | wc -c)" -lt 100 ] && [ $i -lt 6000 ]; do
+        sleep 0.05
+        i=$((i + 1))
+    done
     kill "-$signal" $pid
     t0=$(date +%s%N)
 }
@@ -262,12 +257,14 @@ while [ $done_kills -lt "$kills" ] || [ -e c.ckpt ]; do
         break
     fi
 done
-if [ $bad -eq 0 ] && [ $pictures -gt 0 ]; then ok; else no 'kills' "$bad of $pictures pictures are wrong, last status $rc"; fi
+if [ $bad -eq 0 ] && [ $pictures -gt 0 ]; then ok
+else no 'kills' "$bad of $pictures pictures are wrong, last status $rc"
+fi
 echo "     $done_kills kills, $pictures pictures"
 
 # ---- GNU parallel ----
 
-if command -v parallel >/dev/null 2>&1 && parallel --version 2>/dev/null </dev/null | grep -q GNU; then
+if has parallel && parallel --version 2>/dev/null </dev/null | grep -q GNU; then
     mkdir -p p home
     HOME=$T/home
     export HOME
@@ -282,8 +279,8 @@ if command -v parallel >/dev/null 2>&1 && parallel --version 2>/dev/null </dev/n
     check 'parallel: the bytes of one run' cmp p/full.exr full.exr
     check 'parallel: four jobs' test "$(wc -l <p/jobs.log)" -eq 5
 else
-    skip 'GNU parallel is not here'
+    skip 'parallel: the bytes of one run' 'no GNU parallel'
+    skip 'parallel: four jobs' 'no GNU parallel'
 fi
 
-echo "$passed passed, $failed failed, $skipped skipped"
-[ "$failed" -eq 0 ]
+finish

@@ -1,17 +1,18 @@
 #!/bin/sh
 # fault_sites.sh - which calls of file operations never failed in a run of unit_faults.
 #
-#     FAULT_SITES=/tmp/sites build/tests/unit_faults --all; sh tests/fault_sites.sh build/tests/unit_faults /tmp/sites
+#     FAULT_SITES=/tmp/sites build/tests/unit_faults --all
+#     sh tests/fault_sites.sh build/tests/unit_faults /tmp/sites
 #
-# A call in the program's own code to a function of the shim is a site; what follows it is the address that the shim saw.
-# Copies of a line that the compiler made are one site. Prints
-# those that are missing, with file and line, and the two numbers. The commands that unit_faults does not run count as missing.
+# A site is a call of a function of the shim in the program's own code; the shim saw the address after the
+# call. Copies of a line that the compiler made are one site. Prints file and line of the sites that are
+# missing, and how many of all failed. Sites in commands that unit_faults does not run count as missing.
 set -u
 [ $# -eq 2 ] || { echo "usage: sh tests/fault_sites.sh PROGRAM SITES" >&2; exit 2; }
 T=$(mktemp) || exit 2
 trap 'rm -f "$T" "$T.lines"' EXIT
-calls='open|read|write|close|fsync|fdatasync|rename|ftruncate|stat|fstat|access|mkdir|fchmod|realpath|pread|pwrite|fopen|unlink'
-calls="$calls|flock|pipe|fork|dup2|fcntl"
+calls='open|read|write|close|fsync|fdatasync|rename|ftruncate|stat|fstat|access|mkdir|fchmod|realpath|pread'
+calls="$calls|pwrite|fopen|unlink|flock|pipe|fork|dup2|fcntl"
 objdump -d --no-show-raw-insn "$1" | awk -v calls="(call|jmp) .*<__wrap_($calls)>" '
     /^[0-9a-f]+ </ { own = ($2 !~ /__wrap_|stream|fault_/) }
     after { sub(":", "", $1); print $1; after = 0 }

@@ -1,31 +1,19 @@
 #!/bin/sh
-# hostile.sh - scenes and files made to break the program: loops, devices, absurd sizes, deep nesting, long names, odd numbers.
+# hostile.sh - scenes and files made to break the program: loops, devices, absurd sizes, deep nesting, long
+# names, odd numbers.
 #
 #     sh tests/hostile.sh build/lightcuts
 #
-# `refused` expects status 3, one message, no picture, and an end within SECONDS; `drawn` status 0 and a picture in which every
-# number is finite. Both run with a stack of 256 KiB, main thread and others. Ends with "N passed, N failed".
+# `refused` expects status 3, one message, no picture, and an end within some seconds; `drawn` status 0 and a
+# picture in which every number is finite; `crazy` one of the two. All threads have a stack of 256 KiB.
 set -u
-[ $# -eq 1 ] && [ -x "$1" ] || { echo "usage: sh tests/hostile.sh BINARY" >&2; exit 2; }
-L=$(cd "$(dirname "$1")" && pwd)/${1##*/}
-T=$(mktemp -d) || exit 2
-trap 'rm -rf "$T"' EXIT
-trap 'exit 130' INT
-trap 'exit 143' TERM
-cd "$T" || exit 2
-unset LC_ISA
+. "$(dirname "$0")/support/harness.sh"
+[ $# -eq 1 ] || { echo "usage: sh tests/hostile.sh BINARY" >&2; exit 2; }
+begin "$1"
 export SOURCE_DATE_EPOCH=0
 seconds=60 stack=256 memory=1500000
-grep -q -e __asan_init -e __tsan_init "$L" && seconds=240 stack=8192 memory=unlimited
-passed=0
-failed=0
-ok() { passed=$((passed + 1)); }
-no() # name why
-{
-    failed=$((failed + 1))
-    echo "FAIL $1: $2"
-    [ ! -s err ] || head -c 400 err | sed 's/^/     stderr: /'
-}
+sanitized && seconds=240 stack=8192 memory=unlimited
+
 run() # name args...: in little memory and stack
 {
     name=$1
@@ -52,18 +40,33 @@ drawn() # name args...
     "$L" info o.exr >shown 2>&1
     if grep -Eq 'not finite [1-9]' shown; then no "$name" 'the picture is not finite'; else ok; fi
 }
-crazy() # name text...: drawn or refused, but nothing else
+crazy() # name text: drawn or refused, but nothing else
 {
     echo "$2" >crazy.pbrt
     run "$1" render crazy.pbrt -o o.exr -q --env-lights 64
     case $rc in
-    0) if "$L" info o.exr | grep -Eq 'not finite [1-9]'; then no "$name" 'the picture is not finite'; else ok; fi ;;
+    0)
+        "$L" info o.exr >shown 2>&1
+        if [ ! -f o.exr ]; then no "$name" 'no picture'
+        elif grep -Eq 'not finite [1-9]' shown; then no "$name" 'the picture is not finite'
+        else ok
+        fi
+        ;;
     3) if [ "$(grep -c 'error: ' err)" -eq 1 ]; then ok; else no "$name" 'not one message'; fi ;;
     *) no "$name" "status $rc" ;;
     esac
 }
+tame() # the last messages hold nothing that a terminal would obey
+{
+    if LC_ALL=C grep -aq '[^[:print:][:space:]]' out err; then no "$name" 'the terminal is controlled'
+    else ok
+    fi
+}
 repeat() { awk -v n="$1" -v s="$2" 'BEGIN { for (i = 0; i < n; i++) print s }'; }
-long() { awk -v n="$1" 'BEGIN { s = "aaaaaaaaaa"; while (length(s) < n) s = s s; printf "%s", substr(s, 1, n) }'; }
+long() # that many letters
+{
+    awk -v n="$1" 'BEGIN { s = "aaaaaaaaaa"; while (length(s) < n) s = s s; printf "%s", substr(s, 1, n) }'
+}
 film='Film "rgb" "integer xresolution" 8 "integer yresolution" 8'
 point='LightSource "point" "point3 from"'
 head='LookAt 0 0 5  0 0 0  0 1 0
@@ -100,6 +103,8 @@ if mkfifo pipe 2>/dev/null; then
     printf '%s Material "diffuse" "texture reflectance" "t"\n' "$head" >dev.pbrt
     run 'a pipe as a picture' info pipe
     if [ $rc -eq 3 ]; then ok; else no "$name" "status $rc"; fi
+else
+    skip 'pipes without a writer' 'mkfifo fails here'
 fi
 repeat 200000 'Include "leaf.pbrt"' >many.pbrt
 echo '# nothing' >leaf.pbrt
@@ -116,16 +121,22 @@ Film "rgb" "integer xresolution" 1 "integer yresolution" 1
 WorldBegin'
 crazy 'a wide filter' "PixelFilter \"gaussian\" \"float xradius\" 2147483300 \"float yradius\" 1e38 $head"
 for n in 4294967295 2147483648 -1 1e9; do
-    { printf 'ply\nformat binary_little_endian 1.0\nelement vertex %s\n' $n
-      printf 'property float x\nproperty float y\nproperty float z\n'
-      printf 'element face %s\nproperty list uint uint vertex_indices\nend_header\n\377\377\377\377' $n; } >huge.ply
+    {
+        printf 'ply\nformat binary_little_endian 1.0\nelement vertex %s\n' $n
+        printf 'property float x\nproperty float y\nproperty float z\n'
+        printf 'element face %s\nproperty list uint uint vertex_indices\n' $n
+        printf 'end_header\n\377\377\377\377'
+    } >huge.ply
     printf '%sShape "plymesh" "string filename" "huge.ply"\n' "$head" >size.pbrt
     refused "PLY of $n" size.pbrt -o o.exr
 done
 printf 'PF\n2147483647 2147483647\n-1\nabc' >huge.pfm
 printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2147483647 +X 2147483647\nabc' >huge.hdr
 printf '\000\000\002\000\000\000\000\000\000\000\000\000\377\377\377\377\040\000ab' >huge.tga
-printf '\211PNG\r\n\032\n\000\000\000\015IHDR\177\377\377\377\177\377\377\377\010\006\000\000\000\000\000\000\000' >huge.png
+{
+    printf '\211PNG\r\n\032\n\000\000\000\015IHDR'
+    printf '\177\377\377\377\177\377\377\377\010\006\000\000\000\000\000\000\000'
+} >huge.png
 for kind in pfm hdr tga png; do refused "$kind of 2^31 pixels" info huge.$kind; done
 head -c 3000000 /dev/zero | gzip -9 >zeros.pbrt.gz
 refused 'zeros, packed' zeros.pbrt.gz -o o.exr
@@ -142,9 +153,13 @@ done
 refused 'ends without a begin' deep.pbrt -o o.exr
 { echo "$head"; repeat 100000 'ObjectBegin "o"'; } >deep.pbrt
 refused '10^5 ObjectBegin' deep.pbrt -o o.exr
-{ echo "$head"
-  awk 'BEGIN { for (i = 1; i <= 20000; i++) printf "Texture \"t%d\" \"spectrum\" \"scale\" \"texture tex\" \"t%d\"\n", i, i - 1 }'
-  echo 'Material "diffuse" "texture reflectance" "t20000"'; echo "$ball"; } >deep.pbrt
+{
+    echo "$head"
+    awk 'BEGIN { for (i = 1; i <= 20000; i++)
+        printf "Texture \"t%d\" \"spectrum\" \"scale\" \"texture tex\" \"t%d\"\n", i, i - 1 }'
+    echo 'Material "diffuse" "texture reflectance" "t20000"'
+    echo "$ball"
+} >deep.pbrt
 run 'textures of textures' render deep.pbrt -o o.exr -q
 case $rc in 0 | 3) ok ;; *) no "$name" "status $rc" ;; esac
 { echo "$head Shape \"trianglemesh\" \"point3 P\" [ -1 -1 0 1 -1 0 0 1 0 ] \"integer indices\" ["
@@ -152,9 +167,11 @@ case $rc in 0 | 3) ok ;; *) no "$name" "status $rc" ;; esac
 drawn '2 * 10^5 triangles in one place' deep.pbrt -o o.exr -q
 { echo "$head$ball"; repeat 50000 'LightSource "point" "point3 from" [ 1 2 3 ]'; } >deep.pbrt
 drawn '5 * 10^4 lights in one place' deep.pbrt -o o.exr -q
-{ echo "$head$ball"
-  awk 'BEGIN { for (i = 0; i < 20000; i++)
-      printf "LightSource \"point\" \"point3 from\" [ %g 0 3 ]\n", 2 ^ (i % 60 - 30) * (1 + i / 1e5) }'; } >deep.pbrt
+{
+    echo "$head$ball"
+    awk 'BEGIN { for (i = 0; i < 20000; i++)
+        printf "LightSource \"point\" \"point3 from\" [ %g 0 3 ]\n", 2 ^ (i % 60 - 30) * (1 + i / 1e5) }'
+} >deep.pbrt
 drawn 'lights on a line, ever closer' deep.pbrt -o o.exr -q
 
 # ---- long words ----
@@ -182,12 +199,13 @@ case $rc in 1 | 3) ok ;; *) no "$name" "status $rc" ;; esac
 
 esc=$(printf '\033]0;owned\007\033[2J\233A')
 for place in "Include \"$esc\"" "$esc" \
-    "Shape \"plymesh\" \"string filename\" \"$esc\"" "Translate $esc" "Material \"$esc" "Film \"rgb\" \"$esc"; do
+    "Shape \"plymesh\" \"string filename\" \"$esc\"" "Translate $esc" "Material \"$esc" \
+    "Film \"rgb\" \"$esc"; do
     printf '%s\n' "$place" >esc.pbrt
     refused 'escape sequences in a scene' esc.pbrt -o o.exr
     printf '%s%s\n' "$head" "$place" >esc.pbrt
-    run 'escape sequences in a world' esc.pbrt -o o.exr # a file that is not there is left out of a world
-    if LC_ALL=C grep -aq '[^[:print:][:space:]]' out err; then no "$name" 'the terminal is controlled'; else ok; fi
+    run 'escape sequences in a world' esc.pbrt -o o.exr # files that are missing are left out of a world
+    tame
     case $place in Include* | Shape*) want=0 ;; *) want=3 ;; esac
     if [ $rc -eq $want ]; then ok; else no "$name" "status $rc, not $want"; fi
 done
@@ -195,25 +213,26 @@ printf '%s\n' "$head" >"$esc.pbrt"
 for what in render info; do
     printf 'Film "rgb" "string filename" "%s.exr"\nMaterial "%s"\nWorldBegin\n' "$esc" "$esc" >film.pbrt
     run "escape sequences in names, $what" $what film.pbrt
-    if LC_ALL=C grep -aq '[^[:print:][:space:]]' out err; then no "$name" 'the terminal is controlled'; else ok; fi
+    tame
 done
 run 'escape sequences on the command line' "--$esc" x.pbrt
-if [ $rc -eq 2 ] && ! LC_ALL=C grep -aq '[^[:print:][:space:]]' err; then ok; else no "$name" "status $rc"; fi
-run 'a command that is one' "$esc"
-if [ $rc -eq 2 ] && ! LC_ALL=C grep -aq '[^[:print:][:space:]]' err; then ok; else no "$name" "status $rc"; fi
+if [ $rc -eq 2 ]; then tame; else no "$name" "status $rc"; fi
+run 'a command that is an escape sequence' "$esc"
+if [ $rc -eq 2 ]; then tame; else no "$name" "status $rc"; fi
 
 # ---- numbers ----
 
+corners='Shape "trianglemesh" "integer indices" [ 0 1 2 ] "point3 P"'
 for v in 1e999 -1e999 nan inf -0 1e-999 1e38 -1e38 3.5e38 1e-45 0x10 1e 1e+ . - + 1.2.3 --1 1e9999999999; do
     crazy "radius $v" "$head Shape \"sphere\" \"float radius\" $v"
-    crazy "vertices $v" "$head Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 $v 0 $v 1 ] \"integer indices\" [ 0 1 2 ]"
+    crazy "vertices $v" "$head $corners [ 0 0 0 1 0 $v 0 $v 1 ]"
     crazy "light at $v" "$head LightSource \"point\" \"point3 from\" [ $v 0 $v ] \"rgb I\" [ 1 $v 1 ] $ball"
     crazy "fov $v" "Camera \"perspective\" \"float fov\" $v $film WorldBegin $ball"
     crazy "scale $v" "$head Scale $v 1 1 $ball"
-    crazy "normals $v" "$head
-        Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"normal3 N\" [ $v 0 0 0 $v 0 0 0 $v ] \"integer indices\" [ 0 1 2 ]"
+    crazy "normals $v" "$head $corners [ 0 0 0 1 0 0 0 1 0 ] \"normal3 N\" [ $v 0 0 0 $v 0 0 0 $v ]"
 done
-crazy 'a plane of a transform' "$head Scale 1 1 0 $ball Identity ConcatTransform [ 1 1 1 0 1 1 1 0 1 1 1 0 0 0 0 1 ] $ball"
+crazy 'transforms onto a plane' "$head Scale 1 1 0 $ball Identity
+    ConcatTransform [ 1 1 1 0 1 1 1 0 1 1 1 0 0 0 0 1 ] $ball"
 crazy 'a transform of zeros' "$head Transform [ 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 ] $ball"
 crazy 'a transform that divides by zero' "$head Transform [ 1 0 0 0 0 1 0 1 0 0 1 0 0 0 0 0 ] $ball"
 crazy 'a camera that looks at itself' "LookAt 0 0 0  0 0 0  0 1 0 $head $ball"
@@ -225,8 +244,10 @@ crazy 'a light on a surface' "$head LightSource \"point\" \"point3 from\" [ 0 0 
 crazy 'a camera in a light' "$head LightSource \"point\" \"point3 from\" [ 0 0 5 ] $ball"
 crazy 'lights 10^30 apart' "$head $point [ 1e30 0 0 ] $point [ -1e30 0 0 ] $ball"
 crazy 'lights 10^12 apart' "$head $point [ 9e11 0 0 ] $point [ -9e11 0 0 ] $ball"
-crazy 'negative lights' "$head LightSource \"point\" \"rgb I\" [ -1 -1 -1 ] AreaLightSource \"diffuse\" \"rgb L\" [ -1 0 1 ] $ball"
-crazy 'lights without power' "$film Camera \"perspective\" WorldBegin LightSource \"point\" \"rgb I\" [ 0 0 0 ] $ball"
+crazy 'negative lights' "$head LightSource \"point\" \"rgb I\" [ -1 -1 -1 ]
+    AreaLightSource \"diffuse\" \"rgb L\" [ -1 0 1 ] $ball"
+crazy 'lights without power' "$film Camera \"perspective\" WorldBegin
+    LightSource \"point\" \"rgb I\" [ 0 0 0 ] $ball"
 powers=$(awk 'BEGIN { for (i = -30; i <= 30; i++)
     printf "LightSource \"point\" \"point3 from\" [ %g 2 3 ] \"rgb I\" [ 1e%d 1e%d 0 ]\n", i / 10, i, -i }')
 crazy 'power over 60 decades' "$head $powers $ball"
@@ -234,5 +255,4 @@ powers=$(awk 'BEGIN { for (i = -15; i <= 14; i++)
     printf "LightSource \"point\" \"point3 from\" [ %g 2 3 ] \"rgb I\" [ 1e%d 1e%d 0 ]\n", i / 10, i, i }')
 crazy 'power over 30 decades' "$head $powers $ball"
 
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+finish

@@ -1,13 +1,14 @@
-/* one_light.c - a picture with the noise of a path tracer that picks one light a sample.
+/* one_light.c - a picture with the noise of a path tracer that samples one light for each sample of a pixel.
+ * A tool for reference.sh, not a test.
  *
- *     one_light SCENE SPP SEED OUT.exr        direct light only, as --maxdepth 1
+ *     one_light SCENE SPP SEED OUT.exr        direct light only, as with --maxdepth 1
  *
- * It is our own exact method but for that choice, so what `compare` says of it and the exact picture is noise
- * alone: what a reference of SPP samples can show at best. The light is found as pbrt-v4's light BVH does it,
- * by a walk down the light tree, a child as likely as its power times the greatest cosine over the square of
- * its distance (Conty and Kulla 2018; emission cones left out), among directional lights by power. Numbers
- * for positions and lights are as well spread as Sobol's. An area light is jittered oriented lights, where a
- * path tracer picks points.
+ * But for the choice of the light this is the library's exact method, so that the difference of its pictures
+ * is noise alone: no reference of SPP samples can show less. The light is chosen as by pbrt-v4's light BVH,
+ * on a walk down the light tree: the probability of a child is proportional to its power times the greatest
+ * cosine over the squared distance (Conty and Kulla 2018; emission cones are left out), and for directional
+ * lights to its power. Random numbers for positions and lights are stratified like Sobol's. Area lights are
+ * jittered oriented lights, where a path tracer samples points.
  */
 #include "lightcuts.h"
 
@@ -26,7 +27,7 @@
 
 static lc_scene *scene;
 
-/* How likely a cluster is taken, beside others of its kind. */
+/* To what the probability of a cluster is proportional, among those of its kind. */
 static double importance(uint32_t link, lc_light_kind kind, const lc_surface *s)
 {
     const lc_tree_data *t = &scene->tree->data;
@@ -46,7 +47,8 @@ static double importance(uint32_t link, lc_light_kind kind, const lc_surface *s)
     return power * cos_i / fmax(d2, sqrt(diagonal2) / 2);
 }
 
-/* Takes the first of two with the share a / (a + b); u stays uniform, *p is multiplied by the likelihood. */
+/* Chooses the first of two with probability a / (a + b). *u stays uniform; *p is multiplied by the
+ * probability of the choice. */
 static bool first_of_two(double a, double b, double *u, double *p)
 {
     double share = a + b > 0 ? a / (a + b) : 0.5;
@@ -56,7 +58,8 @@ static bool first_of_two(double a, double b, double *u, double *p)
     return first;
 }
 
-/* The kind to look in: all that have a distance compete, directional lights are half of the choices. */
+/* Chooses the kind of the light: by importance among the kinds at a finite distance, against which
+ * directional lights have probability 1/2. */
 static lc_light_kind choose_kind(const lc_surface *s, double *u, double *p)
 {
     const lc_light_tree *t = scene->tree;
@@ -71,7 +74,7 @@ static lc_light_kind choose_kind(const lc_surface *s, double *u, double *p)
     return kind;
 }
 
-/* One light's radiance over its likelihood. */
+/* The radiance of one light, divided by its probability. */
 static lc_f3 sample_light(const lc_lit *lit, double u)
 {
     const lc_light_tree *t = scene->tree;
@@ -117,7 +120,7 @@ static lc_f3 pixel(uint32_t x, uint32_t y, uint32_t spp, uint64_t seed)
             continue;
         }
         sum = lc_f3_add(sum, sight.emission);
-        /* In another order than the positions. */
+        /* The lights' numbers come in another order than those of the positions. */
         lc_sample_pair(lights, i ^ (uint32_t)(lights >> 20) % spp, u);
         for (uint32_t k = 0; k < sight.n_lit && scene->tree->n_lights; k++)
             sum = lc_f3_add(sum, lc_f3_mul(sample_light(&sight.lit[k], u[0]), sight.lit[k].weight));

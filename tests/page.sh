@@ -1,39 +1,28 @@
 #!/bin/sh
-# page.sh - the page of `lightcuts report` in headless Chromium: no errors, nothing loaded, the slider moves, every number is
-# that of report.json; on a desk, and on a dark phone.
+# page.sh - the page of `lightcuts report` in headless Chromium: no errors, nothing loaded, the slider moves,
+# every number is that of report.json; on a desk, and on a dark phone.
 #
 #     sh tests/page.sh build/lightcuts
 #
-# The tests themselves are in page.js, which goes into a copy of the page together with report.json. Without Chromium only
-# what needs no browser is tested. Ends with "N passed, N failed".
+# The tests of the page are in page.js, which goes into a copy of the page together with report.json. Without
+# Chromium only what needs no browser is tested.
 set -u
-[ $# -eq 1 ] && [ -x "$1" ] || { echo "usage: sh tests/page.sh BINARY" >&2; exit 2; }
-L=$(cd "$(dirname "$1")" && pwd)/${1##*/}
-here=$(cd "$(dirname "$0")" && pwd)
-T=$(mktemp -d) || exit 2
-trap 'rm -rf "$T"' EXIT
-trap 'exit 130' INT
-trap 'exit 143' TERM
-cd "$T" || exit 2
-unset LC_ISA
-passed=0
-failed=0
-ok() { passed=$((passed + 1)); }
-no() # name why
-{
-    failed=$((failed + 1))
-    echo "FAIL $1: $2"
-}
+. "$(dirname "$0")/support/harness.sh"
+[ $# -eq 1 ] || { echo "usage: sh tests/page.sh BINARY" >&2; exit 2; }
+begin "$1"
 
 "$L" scene cornell --lights 600 >cornell.pbrt
 "$L" scene grid --lights 400 >'odd <name> & "more".pbrt'
-if timeout 300 "$L" report --quick -q cornell.pbrt odd*.pbrt -o r --error-ratios 0.5,0.1,0.02 --max-cut 100 2>err; then ok; else
-    no report "status $?: $(cat err)"
-fi
-[ "$(ls r)" = "index.html
-renders
-report.json" ] && ok || no 'what is written' "$(ls r | tr '\n' ' ')"
-grep -q -e 'src="[^d]' -e 'href="[^#d]' -e '<link rel="style' -e '@import' -e 'url(' r/index.html && no 'one file' 'it names another' || ok
+timeout 300 "$L" report --quick -q cornell.pbrt odd*.pbrt -o r --error-ratios 0.5,0.1,0.02 --max-cut 100 2>err
+status=$?
+if [ $status -eq 0 ]; then ok; else no report "status $status"; fi
+check 'what is written' test "$(ls r | tr '\n' ' ')" = 'index.html renders report.json '
+one_file() # the page names no other
+{
+    [ -s r/index.html ] &&
+        ! grep -q -e 'src="[^d]' -e 'href="[^#d]' -e '<link rel="style' -e '@import' -e 'url(' r/index.html
+}
+check 'the page names no other file' one_file
 
 copy() # out: the page with the test in it
 {
@@ -43,8 +32,10 @@ copy() # out: the page with the test in it
             print "<head><script>window.pageErrors = [];" > out
             print "for (const kind of [\"error\", \"unhandledrejection\", \"securitypolicyviolation\"])" > out
             print "  addEventListener(kind, (e) =>" > out
-            print "    pageErrors.push(kind + \" \" + (e.message || e.reason || e.violatedDirective)), true);" > out
-            print "console.error = console.warn = (...text) => pageErrors.push(text.join(\" \"));</script>" > out
+            print "    pageErrors.push(kind + \" \" + (e.message || e.reason || e.violatedDirective))," > out
+            print "    true);" > out
+            print "console.error = console.warn =" > out
+            print "  (...text) => pageErrors.push(text.join(\" \"));</script>" > out
             next
         }
         /^<\/body>$/ {
@@ -61,8 +52,9 @@ browse() # name file options...
 {
     name=$1 file=$2
     shift 2
-    timeout 60 chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --user-data-dir="$T/profile" \
-        --enable-logging=stderr --virtual-time-budget=10000 "$@" --dump-dom "file://$T/$file" >dom 2>log
+    timeout 60 chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage \
+        --user-data-dir="$T/profile" --enable-logging=stderr --virtual-time-budget=10000 "$@" \
+        --dump-dom "file://$T/$file" >dom 2>log
     sed -n '/<pre id="selftest">/,/^end/p' dom >lines
     grep -q '^end' lines || no "$name" "the page's test did not end: $(grep -v dbus log | tail -n 3)"
     n=$(grep -c '^ok ' lines)
@@ -70,9 +62,12 @@ browse() # name file options...
     grep '^FAIL ' lines >bad && while read -r line; do no "$name" "$line"; done <bad
     if grep -q CONSOLE log; then no "$name" "$(grep CONSOLE log | head -n 3)"; else ok; fi
 }
-if command -v chromium >/dev/null 2>&1 && [ -s r/index.html ]; then
+if ! has chromium; then
+    skip 'the page on a desk' 'no chromium'
+    skip 'the page on a dark phone' 'no chromium'
+elif [ -s r/index.html ]; then
     copy copy.html
-    # No window is as narrow as a phone, so the page is in a frame, which may not be looked into and sends its lines.
+    # No window is as narrow as a phone: the page is in a frame, from which it sends its lines.
     cat >phone.html <<'END'
 <!DOCTYPE html><html style="color-scheme: light dark"><body>
 <script>addEventListener('message', (e) => {
@@ -85,9 +80,6 @@ if command -v chromium >/dev/null 2>&1 && [ -s r/index.html ]; then
 END
     browse 'desk' copy.html --window-size=1280,900
     browse 'dark phone' phone.html --window-size=600,900 --blink-settings=preferredColorScheme=0
-else
-    echo "skip the page in a browser: no chromium here"
 fi
 
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+finish

@@ -1,12 +1,13 @@
 #!/bin/sh
 # run.sh - runs every test there is and adds them up.
 #
-#     sh tests/run.sh build/        BIN_DIR: build/, build/san/, ...; LC_TEST_SECONDS limits each program, default 900
+#     sh tests/run.sh BIN_DIR        build/, build/san/, ...; LC_TEST_SECONDS limits each program, default 900
 #
-# Programs BIN_DIR/tests/{unit,check}_* and scripts end with "N passed, N failed" (", N skipped" may follow);
-# BIN_DIR/tests/replay_fuzz_X replays fuzz/corpus/X, whole and damaged, and counts as one test. One line each; all that a
-# failing one said follows it, indented. A program that crashes or says no figures is one failed test. The last line is "N
-# passed, N failed"; status 0 only with 0 failed.
+# Programs BIN_DIR/tests/{unit,check}_X, made from tests/{unit,check}_X.c, and scripts end with the line "N
+# passed, N failed", with ", N skipped" where something could not run on this machine; the reasons are
+# shown. BIN_DIR/tests/replay_fuzz_X replays fuzz/corpus/X, whole and damaged, and counts as one test. Each
+# has a line; what a failing one printed follows it, indented. A program that is not there, crashes or ends
+# without that line is one failed test. The last line is the sum; the status is 0 only if nothing failed.
 set -u
 [ $# -eq 1 ] || { echo "usage: sh tests/run.sh BIN_DIR" >&2; exit 2; }
 cd "$(dirname "$0")/.." || exit 2
@@ -21,8 +22,13 @@ trap 'exit 130' INT
 trap 'exit 143' TERM
 
 show() { tail -n 200 "$log" | sed 's/^/    /'; }
+absent() # name
+{
+    echo "FAIL $1: not there"
+    failed=$((failed + 1))
+}
 
-# What follows "name" is the command. Sets p and f from its last line of figures, and prints.
+# Runs the command after the name, prints its line and adds what its last line says; plain: its status only.
 run() # plain|figures name command...
 {
     kind=$1 name=$2
@@ -48,25 +54,27 @@ run() # plain|figures name command...
     [ $rc -gt 128 ] && note="$note, ended by signal $((rc - 128))"
     passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
     [ "$f" -eq 0 ] && word="ok  " || word="FAIL"
-    printf '%s %-34s %5d passed, %d failed  %4d.%02d s%s\n' "$word" "$name" "$p" "$f" $((ms / 1000)) $((ms % 1000 / 10)) "$note"
-    [ "$f" -eq 0 ] || show
+    printf '%s %-34s %5d passed, %d failed  %4d.%02d s%s\n' "$word" "$name" "$p" "$f" $((ms / 1000)) \
+        $((ms % 1000 / 10)) "$note"
+    if [ "$f" -gt 0 ]; then show
+    else sed -n 's/^  skipped: /     skipped: /p; s/^skip .*: /     &/p' "$log"
+    fi
 }
 
-for program in "$bin"/tests/unit_* "$bin"/tests/check_*; do
-    case $program in *.d | *.o | *.dSYM) continue ;; esac
-    [ -f "$program" ] && [ -x "$program" ] || continue
-    run figures "${program##*/}" "$program"
+for source in tests/unit_*.c tests/check_*.c; do
+    name=$(basename "$source" .c)
+    if [ -x "$bin/tests/$name" ]; then run figures "$name" "$bin/tests/$name"; else absent "$name"; fi
 done
-for program in "$bin"/tests/replay_fuzz_*; do
-    [ -f "$program" ] && [ -x "$program" ] || continue
-    run plain "${program##*/}" "$program" --damage=2000 "fuzz/corpus/${program##*/replay_fuzz_}"
+for source in fuzz/fuzz_*.c; do
+    name=replay_$(basename "$source" .c)
+    program=$bin/tests/$name
+    if [ -x "$program" ]; then run plain "$name" "$program" --damage=2000 "fuzz/corpus/${name#replay_fuzz_}"
+    else absent "$name"
+    fi
 done
 for script in cli hostile scenes golden page farm slurm; do
-    if [ -f "tests/$script.sh" ]; then
-        run figures "$script.sh" sh "tests/$script.sh" "$bin/lightcuts"
-    else
-        echo "FAIL $script.sh: no such file"
-        failed=$((failed + 1))
+    if [ -f "tests/$script.sh" ]; then run figures "$script.sh" sh "tests/$script.sh" "$bin/lightcuts"
+    else absent "$script.sh"
     fi
 done
 

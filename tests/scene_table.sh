@@ -3,9 +3,11 @@
 #
 #     sh tests/scene_table.sh [--compact] DIR...
 #
-# Reads every .pbrt and .pbrt.gz below the folders that has a WorldBegin, with `lightcuts info --json`. A feature has the worst
-# status it has in any scene, but for files that are missing. --compact: a row for each kind, with how many scenes have what status:
-# the table of tests/results/public-scenes.md. Scenes that can't be read are listed after the table, with their error; then the status is 1.
+# Reads every .pbrt and .pbrt.gz with a WorldBegin below the folders, by `lightcuts info --json`. The status
+# of a feature is the worst of any scene, without regard to files that are missing. --compact: a row for
+# each kind, with the number of scenes for each status: the table of
+# tests/results/public-scenes.md. Scenes that cannot be read are listed after the
+# table with their error; the status is then 1.
 set -u
 L=${LIGHTCUTS:-build/lightcuts}
 T=$(mktemp -d) || exit 2
@@ -28,7 +30,8 @@ while read -r file; do
     n=$((n + 1))
     if timeout 600 "$L" info --json "$file" >"$T/json" 2>"$T/err"; then
         # {"kind": "k", "name": "n", "count": 1, "status": "s", "text": "t"} to tab-separated k n 1 s t
-        row='"kind": "\(.*\)", "name": "\(.*\)", "count": \([0-9]*\), "status": "\([a-z]*\)", "text": "\(.*\)"'
+        row='"kind": "\(.*\)", "name": "\(.*\)", "count": \([0-9]*\), "status": "\([a-z]*\)"'
+        row=$row', "text": "\(.*\)"'
         sed -n "/^  \"features\"/,/^  \]/s/^    {$row}.*/\1\t\2\t\3\t\4\t\5/p" \
             "$T/json" >>"$T/rows"
     else
@@ -36,8 +39,9 @@ while read -r file; do
     fi
 done <"$T/files"
 
-# the fault of the scene
-awk -F '\t' -v OFS='\t' '$5 ~ /no such file|neither known nor a file/ { $4 = "yes"; $5 = "" } { print }' "$T/rows" >"$T/all"
+# A missing file is an error of the scene.
+awk -F '\t' -v OFS='\t' '$5 ~ /no such file|neither known nor a file/ { $4 = "yes"; $5 = "" } { print }' \
+    "$T/rows" >"$T/all"
 
 worst() {
     echo "| kind | name | status | scenes | statements | how |"
@@ -47,11 +51,17 @@ worst() {
     {
         key = $1 "\t" $2
         if (!(key in scenes) || rank[$4] > rank[status[key]]) status[key] = $4
-        if (how[key] == "" && $4 != "yes") { how[key] = $5; sub(/^.*:[0-9]+:[0-9]+: /, "", how[key]); gsub(/\|/, "\\|", how[key]) }
+        if (how[key] == "" && $4 != "yes") {
+            how[key] = $5
+            sub(/^.*:[0-9]+:[0-9]+: /, "", how[key])
+            gsub(/\|/, "\\|", how[key])
+        }
         scenes[key]++
         count[key] += $3
     }
-    END { for (key in scenes) print key "\t" status[key] "\t" scenes[key] "\t" count[key] "\t" how[key] }' "$T/all" |
+    END {
+        for (key in scenes) print key "\t" status[key] "\t" scenes[key] "\t" count[key] "\t" how[key]
+    }' "$T/all" |
         LC_ALL=C sort -t "$(printf '\t')" -k1,1 -k4,4nr -k2,2 |
         awk -F '\t' '{ printf "| %s | %s | %s | %d | %d | %s |\n", $1, $2, $3, $4, $5, $6 }'
 }
@@ -62,7 +72,10 @@ by_kind() {
     awk -F '\t' '{ n[$1 "\t" $2 "\t" $4]++ } END { for (key in n) print key "\t" n[key] }' "$T/all" |
         LC_ALL=C sort -t "$(printf '\t')" -k1,1 -k4,4nr -k2,2 |
         awk -F '\t' '
-        function row() { if (kind != "") printf "| %s | %s | %s | %s |\n", kind, cell["yes"], cell["approximated"], cell["ignored"] }
+        function row() {
+            if (kind == "") return
+            printf "| %s | %s | %s | %s |\n", kind, cell["yes"], cell["approximated"], cell["ignored"]
+        }
         $1 != kind { row(); kind = $1; split("", cell) }
         { cell[$3] = cell[$3] (cell[$3] == "" ? "" : ", ") "`" $2 "` " $4 }
         END { row() }'

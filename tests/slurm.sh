@@ -1,47 +1,35 @@
 #!/bin/sh
-# slurm.sh - the recipe of src/cli/README.md, "On a farm", on a Slurm of one node on this machine: an array job of chunks, one task that stops
-# with status 75 and one that is killed, both put back into the queue, and a merge that checks.
+# slurm.sh - the recipe of src/cli/README.md, "On a farm", on a Slurm of one node on this machine: an array job of chunks,
+# of which one task stops with status 75 and one is killed, both are put back into the queue, and a merge
+# follows.
 #
 #     sh tests/slurm.sh build/lightcuts
 #
-# Slurm runs as the user, on loopback, without munge, database and control groups: for tests only. Where it is not installed or does
-# not start, all is skipped. Ends with "N passed, N failed, N skipped".
+# Slurm runs as the user, on loopback, without munge, database and control groups: for tests only. All is
+# skipped where it is not installed or does not start.
 set -u
-[ $# -eq 1 ] && [ -x "$1" ] || { echo "usage: sh tests/slurm.sh BINARY" >&2; exit 2; }
-L=$(cd "$(dirname "$1")" && pwd)/${1##*/}
-N=4
-passed=0
-failed=0
-daemons=
-give_up()
+. "$(dirname "$0")/support/harness.sh"
+[ $# -eq 1 ] || { echo "usage: sh tests/slurm.sh BINARY" >&2; exit 2; }
+stopped='task 2 stopped with 75 and was put back'
+killed='task 3 was killed and put back'
+merged='the merge found all chunks'
+same='the bytes of one run'
+give_up() # why
 {
-    echo "skip $1"
-    echo "0 passed, 0 failed, $N skipped"
+    for name in "$stopped" "$killed" "$merged" "$same"; do skip "$name" "$1"; done
+    finish
     exit 0
 }
-check() # name command...
-{
-    name=$1
-    shift
-    if "$@" >/dev/null 2>&1; then passed=$((passed + 1)); else
-        failed=$((failed + 1))
-        echo "FAIL $name: '$*' failed"
-    fi
-}
 for program in /usr/sbin/slurmctld /usr/sbin/slurmd; do [ -x $program ] || give_up "no $program"; done
-for program in sbatch squeue scontrol sinfo; do command -v $program >/dev/null 2>&1 || give_up "no $program"; done
-T=$(mktemp -d) || exit 2
-cleanup()
+for program in sbatch squeue scontrol sinfo; do has $program || give_up "no $program"; done
+daemons=
+at_end()
 {
     # shellcheck disable=SC2086
     [ -z "$daemons" ] || kill $daemons 2>/dev/null
     wait 2>/dev/null
-    rm -rf "$T"
 }
-trap cleanup EXIT
-trap 'exit 130' INT
-trap 'exit 143' TERM
-cd "$T" || exit 2
+begin "$1"
 
 # ---- a cluster of this machine ----
 
@@ -104,8 +92,8 @@ mkdir job
 cd job || exit 2
 "$L" scene cornell --lights 300 -o scene.pbrt
 "$L" -q scene.pbrt --spp 4 -o single.exr
-# Not "exec": a program that takes the place of its script and is killed counts as a failed launch, which is not put back.
-# The first attempt of task 2 has hardly any time, that of task 3 is killed by the line before it.
+# The first attempt of task 2 has hardly any time; that of task 3 is killed by the line before it. No `exec`:
+# a killed program that has replaced its script counts as a failed launch, which is not put back.
 cat >tile.sbatch <<END
 #!/bin/sh
 #SBATCH --array=1-4 --requeue --cpus-per-task=1 --open-mode=append --output=%a.log
@@ -113,10 +101,12 @@ limit=1h
 [ "\$SLURM_ARRAY_TASK_ID\${SLURM_RESTART_COUNT:-0}" != 20 ] || limit=0.01
 if [ "\$SLURM_ARRAY_TASK_ID\${SLURM_RESTART_COUNT:-0}" = 30 ]; then
     { while [ ! -s tile-3.ckpt ]; do sleep 0.02; done; sleep 0.1; kill -9 "\$(cat pid)"; } &
-    '$L' -q -t 1 --spp 4 --chunk slurm --checkpoint tile-3.ckpt --resume -o tile-3.exr scene.pbrt & echo \$! >pid; wait \$!
+    '$L' -q -t 1 --spp 4 --chunk slurm --checkpoint tile-3.ckpt --resume -o tile-3.exr scene.pbrt &
+    echo \$! >pid
+    wait \$!
 else
-    '$L' -q -t "\$SLURM_CPUS_PER_TASK" --spp 4 --chunk slurm --checkpoint "tile-\$SLURM_ARRAY_TASK_ID.ckpt" --resume \\
-        --time-limit \$limit -o "tile-\$SLURM_ARRAY_TASK_ID.exr" scene.pbrt
+    '$L' -q -t "\$SLURM_CPUS_PER_TASK" --spp 4 --chunk slurm --resume --time-limit \$limit \\
+        --checkpoint "tile-\$SLURM_ARRAY_TASK_ID.ckpt" -o "tile-\$SLURM_ARRAY_TASK_ID.exr" scene.pbrt
 fi
 status=\$?
 echo "status \$status"
@@ -128,20 +118,20 @@ cat >merge.sbatch <<END
 '$L' merge -o full.exr tile-*.exr
 END
 job=$(sbatch --parsable tile.sbatch)
-# afterok would give the merge up as soon as a task ends with 75, although it is put back.
+# With afterok Slurm would drop the merge as soon as a task ends with 75, although the task is put back.
 merge=$(sbatch --parsable --dependency=afterany:"$job" merge.sbatch)
 finished()
 {
-    # What was put back waits two minutes; not here.
-    squeue -h -r -t PD -j "$job" -o %i | while read -r task; do scontrol update jobid="$task" StartTime=now; done
+    # A task that was put back would wait for two minutes.
+    squeue -h -r -t PD -j "$job" -o %i |
+        while read -r task; do scontrol update jobid="$task" StartTime=now; done
     [ -z "$(squeue -h -j "$job,$merge" -o %i)" ]
 }
 until_true 1500 finished || cat ../slurmctld.log
 
-check 'task 2 stopped with 75 and was put back' test "$(grep -c '^status' 2.log)$(sed -n 's/^status //p' 2.log | tr '\n' ' ')" = '275 0 '
-check 'task 3 was killed and put back' test "$(sed -n 's/^status //p' 3.log | tr '\n' ' ')" = '137 0 '
-check 'the merge found all chunks' test -s full.exr
-check 'the bytes of one run' cmp full.exr single.exr
-[ $failed -eq 0 ] || tail -n 5 ./*.log
-echo "$passed passed, $failed failed, 0 skipped"
-[ $failed -eq 0 ]
+check "$stopped" test "$(sed -n 's/^status //p' 2.log | tr '\n' ' ')" = '75 0 '
+check "$killed" test "$(sed -n 's/^status //p' 3.log | tr '\n' ' ')" = '137 0 '
+check "$merged" test -s full.exr
+check "$same" cmp full.exr single.exr
+[ "$failed" -eq 0 ] || tail -n 5 ./*.log
+finish

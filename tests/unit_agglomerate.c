@@ -1,11 +1,12 @@
-/* unit_agglomerate.c - exact agglomeration: the same clusters as by merging the two nearest of all again and
- * again, and on every set, ties or not, pairs that are each other's nearest among what is left. */
-#include "base/rng.h"
-#include "support/test.h"
+/* unit_agglomerate.c - the exact builder of light trees, against a naive one that merges the two nearest
+ * clusters of all in each step, in doubles. Where several pairs are equally near, the trees may differ; there
+ * and on every other set each merged pair must be the nearest of each other among all clusters left, found by
+ * a loop over them. */
+#include "support/logged.h"
+#include "support/watched_memory.h"
 #include "tree/tree_build.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #define RND_KEY 20240819
 #include "support/rnd.h"
@@ -71,7 +72,7 @@ static lc_light directed(lc_light l, double x, double y, double z)
     return l;
 }
 
-/* On one of the six sides of a cube, facing inwards. */
+/* Moved to one of the six sides of a cube, facing inwards. */
 static lc_light on_wall(lc_light l)
 {
     uint32_t side = rnd_n(6);
@@ -135,7 +136,8 @@ static lc_light *make_set(style st, lc_light_kind kind, uint32_t n)
     return l;
 }
 
-/* Squared diagonal of the box of positions, or 1. */
+/* The metric's weight of directions, 0 for lights without one: the squared diagonal of the box of positions,
+ * or 1 if that is 0. */
 static double weight(const lc_light *l, uint32_t n)
 {
     lc_box b = lc_box_empty();
@@ -145,7 +147,7 @@ static double weight(const lc_light *l, uint32_t n)
     return x * x + y * y + z * z > 0 ? x * x + y * y + z * z : 1;
 }
 
-/* ---- clusters, from the definition ---- */
+/* ---- clusters by the definition, in doubles ---- */
 
 typedef struct {
     float lo[3], hi[3], dlo[3], dhi[3];
@@ -166,8 +168,8 @@ static cluster of_light(const lc_light *l)
     return c;
 }
 
-/* The cap that the sphere through the corners of the box of directions cuts out, no narrower than either
- * child's. */
+/* The cone is the cap that the sphere through the corners of the box of directions cuts out of the unit
+ * sphere; it is no narrower than either child's. */
 static cluster joined(const cluster *a, const cluster *b)
 {
     cluster c = { .cos_cone = fmin(a->cos_cone, b->cos_cone) };
@@ -206,7 +208,7 @@ static lc_build_pair *agglomerate(const lc_light *l, uint32_t n)
     return pairs;
 }
 
-/* ---- pairs ---- */
+/* ---- pairs are nearest ---- */
 
 static bool is_tree(const lc_build_pair *pairs, uint32_t n)
 {
@@ -218,10 +220,10 @@ static bool is_tree(const lc_build_pair *pairs, uint32_t n)
         if (ok) used[c[0]] = used[c[1]] = 1;
     }
     free(used);
-    return ok; /* n - 1 joins of different ones: nothing is left over */
+    return ok; /* n - 1 merges of clusters that were not merged before: one cluster is left */
 }
 
-/* Merges again, looking at all that are live. Returns how many pairs had somebody nearer, exactly. */
+/* Repeats the merges. Returns how many of the pairs had a cluster left that is nearer to one of the two. */
 static uint32_t not_nearest(const lc_light *l, uint32_t n, const lc_build_pair *pairs, double c2)
 {
     cluster *c = malloc(2 * (size_t)n * sizeof *c);
@@ -282,7 +284,7 @@ static int by_value(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Sets of lights as sums of hashes of their indices, sorted. */
+/* The set of lights of each cluster as the sum of the hashes of their indices, sorted. */
 static void sets_of(const lc_build_pair *pairs, uint32_t n, uint64_t *sets)
 {
     uint64_t *set = malloc(2 * (size_t)n * sizeof *set);
@@ -351,7 +353,7 @@ TEST(equals_naive_agglomeration)
             }
 }
 
-/* ---- what it must not depend on ---- */
+/* ---- independence of threads and of the order of lights ---- */
 
 TEST(threads_change_nothing)
 {
@@ -386,57 +388,29 @@ TEST(lights_by_index)
     CHECK(!memcmp(a, b, (N - 1) * sizeof *a));
 }
 
-/* ---- no memory ---- */
+/* ---- memory ---- */
 
-typedef struct {
-    lc_allocator libc;
-    uint32_t left, n_live; /* allocations until one fails; blocks not freed */
-} short_memory;
+#define N_STARVED 3000
 
-static void *alloc_short(void *user, size_t size, size_t align)
+static lc_light *starved_lights;
+static lc_build_pair starved_pairs[N_STARVED];
+
+static lc_status agglomerate_in(lc_context *c)
 {
-    short_memory *m = user;
-    if (!m->left) return NULL;
-    m->left--;
-    void *p = m->libc.alloc(m->libc.user, size, align);
-    m->n_live += p != NULL;
-    return p;
+    lc_build_input in = { starved_lights, NULL, N_STARVED, LC_LIGHT_ORIENTED, 50 };
+    return lc_agglomerate(c, &in, starved_pairs);
 }
-
-static void free_short(void *user, void *ptr, size_t size)
-{
-    short_memory *m = user;
-    m->n_live -= ptr != NULL;
-    m->libc.free(m->libc.user, ptr, size);
-}
-
-static void quiet(void *user, lc_log_level level, const char *text) { (void)user, (void)level, (void)text; }
 
 TEST(every_allocation_may_fail)
 {
-    enum { N = 3000 };
-    lc_light *l = make_set(ROOM, LC_LIGHT_ORIENTED, N);
-    lc_build_pair *pairs = malloc(N * sizeof *pairs);
-    lc_build_input in = { l, NULL, N, LC_LIGHT_ORIENTED, 50 };
-    short_memory m = { .libc = lc_allocator_libc() };
-    lc_context poor = *ctx;
-    poor.allocator = (lc_allocator){ alloc_short, free_short, &m };
-    poor.log = quiet;
-    lc_status st = LC_ERR_MEMORY;
-    uint32_t n = 0;
-    for (; st && n < 1000; n++) {
-        m.left = n;
-        st = lc_agglomerate(&poor, &in, pairs);
-        CHECK(m.n_live == 0 && (!st || st == LC_ERR_MEMORY));
-    }
-    CHECKF(!st && n > 8, "%u allocations", n);
-    free(l);
-    free(pairs);
+    starved_lights = make_set(ROOM, LC_LIGHT_ORIENTED, N_STARVED);
+    starve(agglomerate_in, 8);
+    free(starved_lights);
 }
 
 int main(void)
 {
-    if (lc_context_create(NULL, &ctx)) return 1;
+    ctx = quiet_context(0);
     printf("seed %llu\n", (unsigned long long)rng_key);
     RUN(one_light_is_no_pair);
     RUN(pairs_are_nearest);

@@ -1,20 +1,13 @@
-/* unit_area.c - lights of emissive triangles: pictures, both sides, power; no two in one place. */
+/* unit_area.c - the lights made from emissive triangles: their power against integrals of the emission, as a
+ * whole and for each part of an emissive picture; their number; that no two lie in one place. */
 #include "base/rng.h"
-#include "pbrt/parse.h"
 #include "prepare/area_light.h"
-#include "support/test.h"
-
-#include <stdlib.h>
-#include <unistd.h>
-
-static char dir[] = "/tmp/unit_area.XXXXXX";
-static lc_context *ctx;
-static lc_scene *scene;
+#include "support/one_scene.h"
 
 #define W 64
 #define H 32
 
-/* Dark on the left, a few texels very bright, the lower half blue. */
+/* The emissive picture a.pfm: dark on the left, with a few very bright texels, blue in the lower half. */
 static void texel(uint32_t x, uint32_t y, float rgb[3])
 {
     for (int c = 0; c < 3; c++) rgb[c] = (float)lc_unit(lc_hash4(5, x, y, (uint64_t)c)) * (float)x / W;
@@ -27,21 +20,13 @@ static void texel(uint32_t x, uint32_t y, float rgb[3])
 
 static void write_picture(void)
 {
-    char path[64];
-    float rgb[3];
-    snprintf(path, sizeof path, "%s/a.pfm", dir);
-    FILE *f = fopen(path, "wb");
-    if (!f) abort();
-    fprintf(f, "PF\n%d %d\n-1.0\n", W, H);
-    for (uint32_t y = H; y-- > 0;) /* rows from the bottom */
-        for (uint32_t x = 0; x < W; x++) {
-            texel(x, y, rgb);
-            fwrite(rgb, sizeof rgb, 1, f);
-        }
-    if (fclose(f)) abort();
+    static float rgb[H][W][3];
+    for (uint32_t y = 0; y < H; y++)
+        for (uint32_t x = 0; x < W; x++) texel(x, y, rgb[y][x]);
+    pfm_write(temp_path("a.pfm"), W, H, rgb[0][0]);
 }
 
-/* Power over pi of the whole picture on an area of 1. */
+/* Power over pi that an area of 1 with the whole picture on it emits. */
 static void integral(double sum[3])
 {
     float rgb[3];
@@ -55,26 +40,8 @@ static void integral(double sum[3])
 
 static void load(const char *text, uint32_t n_lights)
 {
-    char all[2048], name[64];
-    lc_scene_destroy(scene);
-    if (lc_scene_create(ctx, &scene)) abort();
-    snprintf(name, sizeof name, "%s/s.pbrt", dir);
-    snprintf(all, sizeof all, "WorldBegin %s", text);
-    FILE *f = fopen(name, "wb");
-    if (!f || fputs(all, f) < 0 || fclose(f)) abort();
-    CHECK(lc_pbrt_parse(scene, name) == LC_OK);
+    CHECKF(parse_text_file("WorldBegin %s", text) == LC_OK, "%s", last_error);
     CHECK(lc_area_lights_make(scene, n_lights, 3) == LC_OK && lc_scene_join_lights(scene) == LC_OK);
-}
-
-static void sum_of_lights(double sum[3])
-{
-    sum[0] = sum[1] = sum[2] = 0;
-    for (size_t i = 0; i < scene->n_lights; i++) {
-        lc_f3 v = scene->lights[i].intensity;
-        sum[0] += (double)v.x;
-        sum[1] += (double)v.y;
-        sum[2] += (double)v.z;
-    }
 }
 
 static int by_place(const void *a, const void *b)
@@ -82,6 +49,7 @@ static int by_place(const void *a, const void *b)
     return memcmp(&((const lc_light *)a)->pos, &((const lc_light *)b)->pos, sizeof(lc_f3));
 }
 
+/* No two lights have the same position. Sorts the lights. */
 static void check_places(void)
 {
     qsort(scene->lights, scene->n_lights, sizeof *scene->lights, by_place);
@@ -112,7 +80,8 @@ TEST(pictures_keep_their_power)
         printf("  100000 lights: sum of channel %d off by %.2g\n", c, got[c] / (2 * want[c]) - 1);
 }
 
-/* Blocks of the picture have as many lights as their power asks for, and the colours of their texels. */
+/* Each block of 8 x 8 texels gets the share of the lights that it has of the power, and its lights add up to
+ * the colour of its texels. */
 TEST(lights_lie_where_the_picture_is_bright)
 {
     double all[3];
@@ -137,7 +106,7 @@ TEST(lights_lie_where_the_picture_is_bright)
             in++;
         }
         double share = (want[0] + want[1] + want[2]) / (all[0] + all[1] + all[2]);
-        /* bilinear texels reach half a texel over the edge of a block of eight */
+        /* Bilinear interpolation moves the light of half a texel over the edge of a block of eight. */
         double edge = 0.12 * (all[0] + all[1] + all[2]) / 32 + 0.12 * (want[0] + want[1] + want[2]);
         CHECKF(fabs(in - share * n) < 0.12 * (n / 32.0 + share * n), "block %u: %u, not %g", block, in,
                share * n);
@@ -146,8 +115,8 @@ TEST(lights_lie_where_the_picture_is_bright)
     }
 }
 
-/* Spheres of 16,000 triangles each: about as many lights as asked for, one a sphere at least, and always all
- * the power. */
+/* Two spheres of 16,000 triangles each: the number of lights is about the wanted one, at least one a sphere,
+ * and their sum is always the whole power. */
 TEST(small_triangles_share_lights)
 {
     static const char spheres[] =
@@ -158,7 +127,7 @@ TEST(small_triangles_share_lights)
     double got[3];
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         load(spheres, numbers[i]);
-        /* a triangle of two sides with an odd share has one less */
+        /* A two-sided triangle with an odd share of the lights gets one light less. */
         CHECKF(scene->n_lights + 2 >= numbers[i] * 0.9 && scene->n_lights <= numbers[i] + 3, "%zu of %u",
                scene->n_lights, numbers[i]);
         CHECK(scene->n_emissive_tris == scene->n_tris);
@@ -168,7 +137,7 @@ TEST(small_triangles_share_lights)
                    4 * LC_PI * want[c]);
         check_places();
     }
-    /* they lie all over the first sphere, and shine outwards */
+    /* Lights lie evenly on the first sphere and face outwards. */
     uint32_t octant[8] = { 0 };
     load(spheres, 4000);
     for (size_t i = 0; i < scene->n_lights; i++) {
@@ -183,7 +152,7 @@ TEST(small_triangles_share_lights)
         CHECKF(fabs(octant[i] * 8.0 / all - 1) < 0.1, "octant %d: %u of %u", i, octant[i], all);
 }
 
-/* Half of the lights go by power, half evenly to the lamps. */
+/* Half of the lights are shared out by power, half evenly among the lamps. */
 TEST(weak_lamps_have_lights_too)
 {
     uint32_t n = 0;
@@ -218,7 +187,7 @@ static double luminous(void)
     return LC_PI * (0.2126 * sum[0] + 0.7152 * sum[1] + 0.0722 * sum[2]);
 }
 
-/* pbrt takes each triangle of a mesh for a shape. */
+/* "power" is the power of each shape; in pbrt each triangle of a mesh is a shape. */
 TEST(power_is_of_each_shape)
 {
     load("AreaLightSource \"diffuse\" \"float power\" 50 Shape \"sphere\" \"float radius\" 3", 100);
@@ -239,7 +208,8 @@ TEST(power_is_of_each_shape)
 
 int main(void)
 {
-    if (lc_context_create(NULL, &ctx) || !mkdtemp(dir)) return 1;
+    ctx = quiet_context(0);
+    temp_begin();
     write_picture();
     RUN(pictures_keep_their_power);
     RUN(lights_lie_where_the_picture_is_bright);
@@ -247,13 +217,7 @@ int main(void)
     RUN(weak_lamps_have_lights_too);
     RUN(both_sides);
     RUN(power_is_of_each_shape);
-    lc_scene_destroy(scene);
-    lc_context_destroy(ctx);
-    char path[64];
-    snprintf(path, sizeof path, "%s/a.pfm", dir);
-    unlink(path);
-    snprintf(path, sizeof path, "%s/s.pbrt", dir);
-    unlink(path);
-    rmdir(dir);
+    one_scene_end();
+    temp_end();
     return test_done();
 }

@@ -1,45 +1,25 @@
-/* unit_bvh.c - the hierarchy against a loop over all triangles in double precision (Moeller and Trumbore's
- * test, which shares nothing with the kernels), watertightness of closed meshes, the same bits from every
- * instruction set. */
-#include "base/rng.h"
+/* unit_bvh.c - rays through the BVH against a loop over all triangles in doubles, by Moeller and Trumbore's
+ * test, which shares nothing with the kernels. No ray from inside leaves a closed mesh; every instruction set
+ * gives the bits of plain C, and any number of threads builds the same bytes. */
 #include "base/stats.h"
-#include "base/vec.h"
 #include "support/isas.h"
-#include "support/test.h"
-#include "trace/bvh.h"
-
-#include <stdlib.h>
+#include "support/logged.h"
+#include "support/vec_d.h"
 
 #define RND_KEY 77001
 #include "support/meshes.h"
 
 static lc_context *ctx;
 
-static lc_bvh *build(void)
-{
-    lc_bvh *b;
-    if (lc_bvh_build(ctx, m.pos, m.index, m.n_tris, &b)) abort();
-    return b;
-}
-
 /* ---- the reference ---- */
 
 typedef struct {
     double t;
-    double margin; /* least barycentric weight: how far the ray is inside, < 0 outside */
+    double margin; /* least barycentric weight: > 0 inside of the triangle, < 0 outside */
     double sine;   /* of the angle between ray and plane */
 } ref_hit;
 
-static void cross_d(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot_d(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/* False: flat triangle or parallel ray. */
+/* False: the triangle is degenerate, or the ray parallel to it. */
 static bool ref_tri(uint32_t tri, const float org[3], const float dir[3], ref_hit *h)
 {
     double e1[3], e2[3], s[3], d[3], p[3], q[3], n[3];
@@ -63,7 +43,7 @@ static bool ref_tri(uint32_t tri, const float org[3], const float dir[3], ref_hi
     return true;
 }
 
-/* Closest hit by every ISA; they must agree to the bit. */
+/* The closest hit by plain C, with which every instruction set must agree to the bit. */
 static lc_hit closest(const lc_bvh *b, const float org[3], const float dir[3], float t_max)
 {
     lc_hit first, hit;
@@ -76,6 +56,7 @@ static lc_hit closest(const lc_bvh *b, const float org[3], const float dir[3], f
     return first;
 }
 
+/* Whether the target is occluded, likewise. */
 static uint8_t hidden(const lc_bvh *b, const float org[3], const float target[3], bool far)
 {
     uint8_t first = 9, other = 9;
@@ -90,9 +71,9 @@ static uint8_t hidden(const lc_bvh *b, const float org[3], const float target[3]
 
 static uint32_t n_rays, n_hits, n_unsure;
 
-/* What differs must be explained by float rounding: eps is what a coordinate is rounded by, relative to the
- * size of a triangle and the angle it is met at. Checks: the hit is one of the reference's, and none is
- * nearer. */
+/* The library's hit is a hit of the reference, and the reference has none that is nearer, but for rounding:
+ * eps is the rounding of a coordinate relative to the size of a triangle, and counts more the smaller the
+ * angle between ray and triangle is. */
 static void check_ray(const lc_bvh *b, const float org[3], const float dir[3], double eps)
 {
     lc_hit hit = closest(b, org, dir, FLT_MAX);
@@ -102,7 +83,7 @@ static void check_ray(const lc_bvh *b, const float org[3], const float dir[3], d
     for (uint32_t i = 0; i < m.n_tris; i++) {
         ref_hit r;
         if (!ref_tri(i, org, dir, &r)) {
-            if (i == hit.tri) hit_ok = unsure = true; /* seen edge-on: the reference can't say */
+            if (i == hit.tri) hit_ok = unsure = true; /* edge-on, where the reference is undefined */
             continue;
         }
         double tol = eps / r.sine;
@@ -117,7 +98,7 @@ static void check_ray(const lc_bvh *b, const float org[3], const float dir[3], d
             nearest_tri = i;
         }
     }
-    CHECKF(hit_ok, "tri %u isn't there", hit.tri);
+    CHECKF(hit_ok, "tri %u is no hit", hit.tri);
     CHECKF((double)hit.t <= nearest || unsure, "tri %u at %.9g, but tri %u at most at %.9g", hit.tri,
            (double)hit.t, nearest_tri, nearest);
     n_rays++;
@@ -125,7 +106,8 @@ static void check_ray(const lc_bvh *b, const float org[3], const float dir[3], d
     n_unsure += unsure;
 }
 
-/* Any hit between org and target, likewise: where the reference is sure, the answer must be the same. */
+/* Whether anything is between org and target, likewise: where rounding cannot change the reference's answer,
+ * the library's must be the same. */
 static void check_segment(const lc_bvh *b, const float org[3], const float target[3], double eps)
 {
     float dir[3];
@@ -147,10 +129,10 @@ static void check_segment(const lc_bvh *b, const float org[3], const float targe
     CHECKF(maybe_hit || got == 0, "an open segment is blocked");
 }
 
-/* Rays from around to points within a box of half size r about c. */
+/* n rays from random origins to points in the box of half size r about c. */
 static void check_mesh(uint32_t n, lc_f3 c, float r, double eps)
 {
-    lc_bvh *b = build();
+    lc_bvh *b = build_bvh(ctx);
     const char *wrong = lc_bvh_validate(b, m.pos, m.index, m.n_tris);
     CHECKF(!wrong, "%s", wrong);
     n_rays = n_hits = n_unsure = 0;
@@ -169,11 +151,12 @@ static void check_mesh(uint32_t n, lc_f3 c, float r, double eps)
     }
     printf("  %u triangles, %u nodes: %u rays, %u hits, %u edge-on\n", m.n_tris, b->data.n_nodes, n_rays,
            n_hits, n_unsure);
+    CHECK(n_hits > 0);
     lc_bvh_destroy(b);
 }
 
-/* eps: a coordinate of v - o is at most 4 for these, rounded a dozen times by 2^-24; triangles of size s turn
- * that into weights off by 4 * 12 * 2^-24 / s = 3e-6 / s. */
+/* eps: a coordinate of v - o is at most 4 here and is rounded a dozen times by 2^-24. For triangles of size s
+ * the error of a barycentric weight is therefore about 4 * 12 * 2^-24 / s = 3e-6 / s. */
 TEST(random_soup)
 {
     clear();
@@ -211,8 +194,7 @@ TEST(big_coordinates)
     check_mesh(3000, zero, 1e-12f, 1e-4);
 }
 
-/* Points, needles, and duplicates among ordinary triangles: nothing there may be hit that isn't, nothing is
- * lost. */
+/* Points, needles and duplicates among ordinary triangles add no hits and lose none. */
 TEST(degenerate_triangles)
 {
     clear();
@@ -221,7 +203,7 @@ TEST(degenerate_triangles)
         put_three(p, p, p);
         put_three(p, p, lc_f3_add(p, d));
         put_three(p, lc_f3_add(p, d), p);
-        put_three(p, lc_f3_add(p, d), lc_f3_add(p, lc_f3_scale(d, 2))); /* collinear but for rounding */
+        put_three(p, lc_f3_add(p, d), lc_f3_add(p, lc_f3_scale(d, 2))); /* collinear up to rounding */
     }
     soup(100, 1);
     check_mesh(4000, zero, 1, 1e-4);
@@ -231,7 +213,7 @@ TEST(only_degenerate_triangles)
 {
     clear();
     for (int i = 0; i < 1000; i++) put_three(zero, zero, zero);
-    lc_bvh *b = build();
+    lc_bvh *b = build_bvh(ctx);
     CHECK(!lc_bvh_validate(b, m.pos, m.index, m.n_tris));
     for (int i = 0; i < 1000; i++) {
         float o[3], d[3];
@@ -245,7 +227,7 @@ TEST(only_degenerate_triangles)
 TEST(no_triangles)
 {
     clear();
-    lc_bvh *b = build();
+    lc_bvh *b = build_bvh(ctx);
     const float o[3] = { 0, 0, 0 }, d[3] = { 0, 0, 1 };
     CHECK(!lc_bvh_validate(b, m.pos, m.index, 0));
     CHECK(closest(b, o, d, FLT_MAX).tri == LC_NONE);
@@ -253,12 +235,12 @@ TEST(no_triangles)
     lc_bvh_destroy(b);
 }
 
-/* Levels of the finished tree; node 0 is at 1. */
+/* The number of levels; node 0 is at level 1. */
 static uint32_t depth_of(const lc_bvh *b)
 {
     uint32_t *level = calloc(b->data.n_nodes + 1u, sizeof *level), most = b->data.n_nodes ? 1 : 0;
     if (most) level[0] = 1;
-    for (uint32_t w = 0; w < b->data.n_nodes; w++) /* children come later than parents */
+    for (uint32_t w = 0; w < b->data.n_nodes; w++) /* children follow their parents */
         for (int i = 0; i < 8; i++) {
             uint32_t c = b->nodes[w].child[i];
             if (c == LC_NONE || (c & LC_BVH_LEAF)) continue;
@@ -270,7 +252,7 @@ static uint32_t depth_of(const lc_bvh *b)
     return most;
 }
 
-/* Equal hits: the lowest id, wherever in the tree it is. */
+/* Of equal hits the one with the lowest id counts, wherever it is in the tree. */
 TEST(identical_triangles)
 {
     uint32_t n = 100000;
@@ -278,7 +260,7 @@ TEST(identical_triangles)
     for (int k = 0; k < 3; k++) put_vert(lc_f3_make(k == 0, k == 1, k == 2));
     for (uint32_t i = 0; i < n; i++) put_tri(0, 1, 2);
     double t0 = lc_now();
-    lc_bvh *b = build();
+    lc_bvh *b = build_bvh(ctx);
     const char *wrong = lc_bvh_validate(b, m.pos, m.index, n);
     CHECKF(!wrong, "%s", wrong);
     CHECKF(depth_of(b) < LC_BVH_MAX_DEPTH, "%u levels", depth_of(b));
@@ -300,14 +282,14 @@ static bool same_bytes(const lc_bvh *a, const lc_bvh *b)
            && !memcmp(a->blocks, b->blocks, a->data.n_blocks * sizeof *a->blocks);
 }
 
-/* From one leaf up to several levels of ranges that all threads split together. */
+/* Meshes from one leaf to several levels of ranges that all threads split together. */
 static void thread_mesh(int style)
 {
     clear();
     if (style == 0) soup(5, 0.5);
     if (style == 1) soup(4000, 0.1);
     if (style == 2) soup(30000, 0.05);
-    if (style == 3) { /* 170 thousand; -0 and 0 among the coordinates */
+    if (style == 3) { /* 170 thousand triangles, with coordinates 0 and -0 */
         cube(120);
         displace(true, 0.2);
     }
@@ -315,7 +297,7 @@ static void thread_mesh(int style)
         cube(60);
         move(1e15f, zero);
     }
-    if (style == 5) { /* areas are infinite */
+    if (style == 5) { /* areas overflow to infinity */
         soup(20000, 0.5);
         move(3e38f, zero);
     }
@@ -323,7 +305,7 @@ static void thread_mesh(int style)
         soup(20000, 0.5);
         move(1e-38f, zero);
     }
-    for (uint32_t i = 0; style == 7 && i < 50000; i++) { /* of one place, and of lines */
+    for (uint32_t i = 0; style == 7 && i < 50000; i++) { /* degenerate to points and lines */
         float x = i % 3 ? 1 : (float)i;
         put_three(lc_f3_make(x, 0, -0.0f), lc_f3_make(x, 0, 0), lc_f3_make(x, 0, 0));
     }
@@ -336,11 +318,8 @@ TEST(same_bytes_for_any_number_of_threads)
         thread_mesh(style);
         lc_bvh *first = NULL;
         for (int i = 0; i < 4; i++) {
-            lc_context_desc d = LC_CONTEXT_DESC_INIT;
-            lc_context *c;
-            lc_bvh *b;
-            d.n_threads = threads[i];
-            if (lc_context_create(&d, &c) || lc_bvh_build(c, m.pos, m.index, m.n_tris, &b)) abort();
+            lc_context *c = quiet_context(threads[i]);
+            lc_bvh *b = build_bvh(c);
             b->ctx = ctx;
             lc_context_destroy(c);
             const char *wrong = i ? NULL : lc_bvh_validate(b, m.pos, m.index, m.n_tris);
@@ -359,9 +338,9 @@ TEST(equal_distances_give_the_lowest_id)
     clear();
     soup(60, 1);
     uint32_t n = m.n_tris;
-    for (int copy = 0; copy < 20; copy++) /* the same triangles again and again */
+    for (int copy = 0; copy < 20; copy++) /* the same triangles twenty times more */
         for (uint32_t i = 0; i < n; i++) put_tri(m.index[3 * i], m.index[3 * i + 1], m.index[3 * i + 2]);
-    lc_bvh *b = build();
+    lc_bvh *b = build_bvh(ctx);
     uint32_t hits = 0;
     for (int i = 0; i < 20000 / SLOW; i++) {
         float o[3], d[3];
@@ -375,7 +354,7 @@ TEST(equal_distances_give_the_lowest_id)
     lc_bvh_destroy(b);
 }
 
-/* Along a line at geometric spacing, where splitting in the middle peels off one triangle at a time. */
+/* Triangles on a line at geometric distances, of which a split in the middle separates one at a time. */
 TEST(triangles_on_a_line)
 {
     for (int style = 0; style < 3; style++) {
@@ -387,7 +366,7 @@ TEST(triangles_on_a_line)
             put_three(lc_f3_make(x, 0, 0), lc_f3_make(x, 1, 0), lc_f3_make(x, 0, 1));
         }
         double t0 = lc_now();
-        lc_bvh *b = build();
+        lc_bvh *b = build_bvh(ctx);
         const char *wrong = lc_bvh_validate(b, m.pos, m.index, m.n_tris);
         CHECKF(!wrong, "%s", wrong);
         CHECKF(depth_of(b) < LC_BVH_MAX_DEPTH, "%u levels", depth_of(b));
@@ -405,7 +384,7 @@ TEST(validator_finds_damage)
 {
     clear();
     cube(8);
-    lc_bvh *b = build();
+    lc_bvh *b = build_bvh(ctx);
     CHECK(!lc_bvh_validate(b, m.pos, m.index, m.n_tris));
     for (uint32_t k = 0; k < b->data.n_blocks; k++) {
         lc_tri_block keep = b->blocks[k];
@@ -441,14 +420,12 @@ TEST(validator_finds_damage)
 
 static uint64_t tight_rays, misses;
 
-/* One ray that has to hit. In turn by the ISAs, for speed. */
+/* A ray that must hit, traced by one of the instruction sets in turn. */
 static void tight_dir(const lc_bvh *b, lc_f3 o, lc_f3 dir, const char *what)
 {
     const float org[3] = { o.x, o.y, o.z }, d[3] = { dir.x, dir.y, dir.z };
-    lc_isa isa = LC_ISA_SCALAR + (lc_isa)(tight_rays++ % LC_N_ISAS);
     lc_hit hit;
-    lc_isa_kernels(lc_isa_supported(isa) ? isa : LC_ISA_SCALAR)
-        ->trace.closest(&b->data, org, d, FLT_MAX, &hit);
+    lc_isa_kernels(isa_in_turn(tight_rays++))->trace.closest(&b->data, org, d, FLT_MAX, &hit);
     if (hit.tri != LC_NONE) return;
     misses++;
     CHECKF(false, "%s: org %a %a %a dir %a %a %a goes through", what, (double)o.x, (double)o.y, (double)o.z,
@@ -460,11 +437,10 @@ static void tight_ray(const lc_bvh *b, lc_f3 o, lc_f3 at, const char *what)
     tight_dir(b, o, lc_f3_sub(at, o), what);
 }
 
-/* n rays from points near the centre c of a closed mesh that is star-shaped about it; r: how far "near" is.
- */
+/* n rays from points at most r from the centre c of a closed mesh that is star-shaped about c. */
 static void tight_mesh(uint32_t n, lc_f3 c, float r)
 {
-    lc_bvh *b = build();
+    lc_bvh *b = build_bvh(ctx);
     CHECK(!lc_bvh_validate(b, m.pos, m.index, m.n_tris));
     for (uint32_t i = 0; i < n / SLOW; i++) {
         lc_f3 o = i % 4 ? lc_f3_add(c, lc_f3_scale(rnd_unit(), r * (float)rnd())) : c;
@@ -492,12 +468,12 @@ TEST(closed_meshes_are_watertight)
     for (uint32_t s = 0; s < 5; s++)
         for (uint32_t off = 0; off < 4; off++)
             for (int style = 0; style < 5; style++) {
-                /* style: box of 12 triangles, gridded box, ball, rough ball, coarse ball */
+                /* Styles: a box of 12 triangles, a box of many, a ball, a rough ball, a coarse ball. */
                 lc_f3 by = offsets[off];
                 clear();
                 cube(style == 0 ? 1 : style == 4 ? 3 : 20);
                 if (style >= 2) displace(true, style == 3 ? 0.4 : 0);
-                /* At an offset of 1e4 a float step is 1e-3: smaller meshes would fold over themselves. */
+                /* At an offset of 1e4 floats are 1e-3 apart: smaller meshes would fold over themselves. */
                 float scale = off && scales[s] < 1 ? 1 / scales[s] : scales[s];
                 move(scale, by);
                 tight_mesh(5200, by, 0.4f * scale);
@@ -507,7 +483,7 @@ TEST(closed_meshes_are_watertight)
     CHECK(misses == 0);
 }
 
-/* From far outside at the inside of the silhouette: what the origin's size rounds off is not the scene's. */
+/* From far outside into the silhouette: the rounding of the distant origin opens no gaps. */
 TEST(watertight_from_afar)
 {
     tight_rays = misses = 0;
@@ -515,13 +491,13 @@ TEST(watertight_from_afar)
         clear();
         cube(style == 0 ? 1 : 16);
         if (style) displace(true, style == 2 ? 0.3 : 0);
-        lc_bvh *b = build();
+        lc_bvh *b = build_bvh(ctx);
         for (int i = 0; i < 60000 / SLOW; i++) {
             lc_f3 o = lc_f3_scale(rnd_unit(), powf(10, (float)rnd_in(0.5, 4)));
-            lc_f3 at = lc_f3_scale(rnd_unit(), 0.3f); /* the ball of radius 0.7 is inside all three */
+            lc_f3 at = lc_f3_scale(rnd_unit(), 0.3f); /* a ball of radius 0.7 is inside of all three meshes */
             const uint32_t *t = m.index + 3 * (size_t)rnd_n(m.n_tris);
             tight_ray(b, o, at, "afar");
-            lc_f3 v = vert(t[0]), w = vert(t[1]); /* a vertex on the near side, well within the silhouette */
+            lc_f3 v = vert(t[0]), w = vert(t[1]); /* on the near side and well inside of the silhouette */
             if (style == 0 || lc_f3_dot(lc_f3_normalize(v), lc_f3_normalize(o)) < 0.9f) continue;
             tight_ray(b, o, v, "afar, vertex");
             if (lc_f3_dot(lc_f3_normalize(w), lc_f3_normalize(o)) < 0.9f) continue;
@@ -533,13 +509,13 @@ TEST(watertight_from_afar)
     CHECK(misses == 0);
 }
 
-/* Shadow rays from inside a closed mesh to lights outside: all blocked. */
+/* All shadow rays from inside of a closed mesh to lights outside are blocked. */
 TEST(closed_meshes_are_light_tight)
 {
     clear();
     cube(20);
     displace(true, 0.3);
-    lc_bvh *b = build();
+    lc_bvh *b = build_bvh(ctx);
     for (int i = 0; i < 100000 / SLOW; i++) {
         float o[3], target[3];
         const uint32_t *t = m.index + 3 * (size_t)rnd_n(m.n_tris);
@@ -560,10 +536,10 @@ TEST(ends_of_shadow_rays)
 {
     clear();
     put_three(lc_f3_make(1, -10, -10), lc_f3_make(1, 20, -10), lc_f3_make(1, -10, 20));
-    lc_bvh *b = build();
+    lc_bvh *b = build_bvh(ctx);
     const float o[3] = { 0, 0, 0 };
     static const struct {
-        double length; /* of the segment; the wall is at 1 / length of it */
+        double length; /* along x; the wall is at the fraction 1 / length of the segment */
         int hidden;
     } cases[] = { { 0.5, 0 }, { 1, 0 }, { 1.00005, 0 }, { 1.0002, 1 }, { 2, 1 }, { 9000, 1 }, { 11000, 0 } };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -572,32 +548,32 @@ TEST(ends_of_shadow_rays)
         CHECKF(hidden(b, o, to, false) == cases[i].hidden, "segment of %g", cases[i].length);
         CHECK(!hidden(b, o, away, false));
     }
-    /* Closest: t may equal t_max, and starts above 0. */
+    /* The closest hit has 0 < t <= t_max. */
     const float d[3] = { 1, 0, 0 }, on[3] = { 1, 0, 0 };
     CHECK(closest(b, o, d, 1).tri == 0);
     CHECK(closest(b, o, d, nextafterf(1, 0)).tri == LC_NONE);
     CHECK(closest(b, on, d, FLT_MAX).tri == LC_NONE);
     lc_hit h = closest(b, o, (const float[]){ 0.5f, 0, 0 }, FLT_MAX);
     CHECK(h.tri == 0 && h.t == 2);
-    /* weights: P = (1 - u - v) p0 + u p1 + v p2 */
+    /* u and v are weights: P = (1 - u - v) p0 + u p1 + v p2. */
     h = closest(b, o, (const float[]){ 1, 5, -2.5f }, FLT_MAX);
     CHECKF(fabsf(h.u - 0.5f) < 1e-6f && fabsf(h.v - 0.25f) < 1e-6f, "u %g v %g", (double)h.u, (double)h.v);
-    /* A null direction is no hit and no fault. */
+    /* A null direction hits nothing. */
     CHECK(closest(b, o, o, FLT_MAX).tri == LC_NONE);
     lc_bvh_destroy(b);
 }
 
-/* Rays to a light at infinity: everything along the direction counts, wherever the origin is. */
+/* Rays to a light at infinity are blocked by anything along the direction, wherever the origin is. */
 TEST(shadow_rays_to_infinity)
 {
     static const float at[] = { 0, 1, 1e3f, 1e4f, 1e6f };
     for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
         float x = at[i];
-        clear(); /* a wall 4096 away, 80 wide around the ray of direction (0.6, 0, 0.8) */
+        clear(); /* a wall 4096 away and 80 wide, about the ray of direction (0.6, 0, 0.8) */
         lc_f3 c = lc_f3_make(x + 0.6f * 4096, x, x + 0.8f * 4096);
         put_three(lc_f3_add(c, lc_f3_make(0, -40, -40)), lc_f3_add(c, lc_f3_make(0, 80, -40)),
                   lc_f3_add(c, lc_f3_make(0, -40, 80)));
-        lc_bvh *b = build();
+        lc_bvh *b = build_bvh(ctx);
         const float o[3] = { x, x, x };
         float dirs[][3] = { { 0.6f, 0, 0.8f }, { 0.8f, 0, 0.6f }, { -0.6f, 0, -0.8f } };
         for (int k = 0; k < 3; k++) {
@@ -607,7 +583,7 @@ TEST(shadow_rays_to_infinity)
     }
 }
 
-/* Every box made endless, so that every triangle is tested. */
+/* A copy whose boxes are infinite, so that every triangle is tested. */
 static lc_bvh_data without_boxes(const lc_bvh *b)
 {
     lc_bvh_node *nodes = aligned_alloc(64, b->data.n_nodes * sizeof *nodes);
@@ -623,7 +599,8 @@ static lc_bvh_data without_boxes(const lc_bvh *b)
     };
 }
 
-/* Start of a segment on or a little above a triangle, its end often nearly within the triangle's plane. */
+/* A segment that starts on a triangle or a little above it; its end is often almost in the triangle's plane.
+ */
 static void odd_segment(int i, lc_f3 *o, lc_f3 *to)
 {
     uint32_t t = rnd_n(m.n_tris);
@@ -637,15 +614,15 @@ static void odd_segment(int i, lc_f3 *o, lc_f3 *to)
     if (i % 5 == 0) *to = lc_f3_add(lc_f3_scale(p, 1 - v), lc_f3_scale(r, v));
 }
 
-/* Boxes never hide from a shadow ray what the triangle test accepts: boxes are padded by more than the test
- * rounds off. The nearest hit may differ where two are as near as rounding tells. */
+/* No box keeps a shadow ray from a triangle that the triangle test accepts, as boxes are padded by more than
+ * the test's rounding. The nearest hit may differ where two hits are equally near up to rounding. */
 TEST(boxes_lose_no_hit)
 {
     const lc_trace_kernels *k = &lc_isa_kernels(lc_isa_pick(LC_ISA_BEST))->trace;
     for (int style = 0; style < 6; style++) {
         uint32_t n = 40000 / SLOW, n_hidden = 0, lost = 0, lost_closest = 0;
         odd_mesh(style);
-        lc_bvh *b = build();
+        lc_bvh *b = build_bvh(ctx);
         lc_bvh_data all = without_boxes(b);
         for (uint32_t i = 0; i < n; i++) {
             lc_f3 o, to;
@@ -666,7 +643,7 @@ TEST(boxes_lose_no_hit)
         }
         printf("  style %d: %u segments, %u hidden, %u lost by boxes; closest: %u differ\n", style, n,
                n_hidden, lost, lost_closest);
-        CHECK(lost == 0 && lost_closest <= n / 1000);
+        CHECK(n_hidden > 0 && lost == 0 && lost_closest <= n / 1000);
         free((void *)all.nodes);
         lc_bvh_destroy(b);
     }
@@ -674,8 +651,9 @@ TEST(boxes_lose_no_hit)
 
 int main(void)
 {
-    if (lc_context_create(NULL, &ctx)) return 1;
+    ctx = quiet_context(0);
     printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
+    RUN(every_instruction_set_is_here);
     RUN(no_triangles);
     RUN(ends_of_shadow_rays);
     RUN(shadow_rays_to_infinity);

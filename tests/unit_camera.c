@@ -1,15 +1,10 @@
-/* unit_camera.c - rays of every camera against their definitions, pixel filters against their integrals,
- * points of the sampler, white balance; and what scene files make of them. */
-#include "base/context.h"
+/* unit_camera.c - rays of every camera against their definitions; pixel filters against integrals of the
+ * functions in pbrt's books; stratification of the sampler's points; white balance against a picture by
+ * pbrt-v4; and the cameras, filters and films that scene files describe. */
 #include "base/sample.h"
 #include "pbrt/state.h"
 #include "scene/camera.h"
-#include "scene/scene.h"
-#include "support/test.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <unistd.h>
+#include "support/one_scene.h"
 
 static const double centre[2] = { 0.5, 0.5 };
 
@@ -49,14 +44,14 @@ TEST(rays)
     CHECK(lc_camera_init(&c, &d, 200, 100) && fabs(c.pixel - 0.02) < 1e-12);
     check_ray(&c, 0, 0, centre, V(-1, 3, 3), V(0, 0, 1));
     check_ray(&c, 150, 100, centre, V(2, 1, 3), V(0, 0, 1));
-    /* The top row looks up, the middle of a row along -x, the quarter along +z. */
+    /* The top row looks up, the middle of a row along -x, a quarter of a row along +z. */
     d = desc_of(LC_CAMERA_LATLONG);
     CHECK(lc_camera_init(&c, &d, 200, 100));
     check_ray(&c, 17, 0, centre, V(1, 2, 3), V(0, 1, 0));
     check_ray(&c, 100, 50, centre, V(1, 2, 3), V(-1, 0, 0));
     check_ray(&c, 50, 50, centre, V(1, 2, 3), V(0, 0, 1));
     check_ray(&c, 25, 25, centre, V(1, 2, 3), V(sqrt(0.25), sqrt(0.5), sqrt(0.25)));
-    d = desc_of(LC_CAMERA_EQUAL_AREA); /* +y in the middle, -y in the corners */
+    d = desc_of(LC_CAMERA_EQUAL_AREA); /* +y is in the middle, -y in the corners */
     CHECK(lc_camera_init(&c, &d, 100, 100));
     check_ray(&c, 50, 50, centre, V(1, 2, 3), V(0, 1, 0));
     check_ray(&c, 100, 0, centre, V(1, 2, 3), V(0, -1, 0));
@@ -64,8 +59,8 @@ TEST(rays)
     check_ray(&c, 50, 100, centre, V(1, 2, 3), V(0, 0, 1));
 }
 
-/* All rays of a pixel meet where the one through the lens's centre crosses the plane in focus, and start on
- * the lens. */
+/* All rays of a pixel start on the lens, and meet where the ray through the lens's centre crosses the plane
+ * in focus. */
 TEST(lens)
 {
     for (int kind = LC_CAMERA_PERSPECTIVE; kind <= LC_CAMERA_ORTHOGRAPHIC; kind++) {
@@ -107,7 +102,7 @@ TEST(bad_cameras_are_refused)
     CHECK(!lc_camera_init(&c, &d, 10, 10));
 }
 
-/* Of 4^k points every 2^k strip and 4^k cell has its share. */
+/* Of 16 points one lies in each cell of a 4 x 4 grid; of 256 points one in each of 256 columns and rows. */
 TEST(points_are_spread)
 {
     for (uint64_t key = 1; key < 50; key++) {
@@ -125,7 +120,7 @@ TEST(points_are_spread)
     }
 }
 
-/* Independent of the table: the filters as pbrt's books have them. */
+/* The filters as pbrt's books define them. */
 static double true_filter(const lc_pixel_filter_desc *d, double r, double x)
 {
     double v = fabs(2 * x / r), b = d->shape[0], c = d->shape[1];
@@ -185,7 +180,8 @@ TEST(filters)
     CHECK(!lc_pixel_filter_init(&table, &bad));
 }
 
-/* As pbrt-v4 renders grey under a white light with a film of this white balance. */
+/* Against the colour of a grey surface under a white light in a picture by pbrt-v4 with this white balance.
+ */
 TEST(white_balance)
 {
     static const double want[3] = { 0.828, 1.022, 1.369 };
@@ -199,21 +195,12 @@ TEST(white_balance)
           !lc_pbrt_white_balance(1e9, m));
 }
 
-static lc_context *ctx;
-static lc_scene *scene;
-
+/* With few area lights: the picture below shows the emitter itself. */
 static lc_status load(const char *text)
 {
-    char path[] = "/tmp/unit_camera.XXXXXX";
-    int fd = mkstemp(path);
-    FILE *f = fd < 0 ? NULL : fdopen(fd, "w");
-    CHECK(f && fputs(text, f) >= 0 && !fclose(f));
-    lc_load_desc few = LC_LOAD_DESC_INIT; /* lights: the pictures show the emitter itself */
+    lc_load_desc few = LC_LOAD_DESC_INIT;
     few.area_lights = 16;
-    lc_scene_destroy(scene);
-    lc_status st = lc_scene_load(ctx, path, &few, &scene);
-    remove(path);
-    return st;
+    return load_text(&few, "%s", text);
 }
 
 #define V3 "Film \"image\" \"integer xresolution\" 8 \"integer yresolution\" 8 "
@@ -261,8 +248,8 @@ TEST(scene_files)
     CHECK(load("Film \"rgb\" \"string sensor\" \"canon_eos_100d\" " REST) == LC_OK && scene->n_notes == 1);
 }
 
-/* A wall of even light stays even under every filter, negative lobes or not; and so does the mean of an edge.
- */
+/* A wall of constant radiance, whose edge is in the middle of the picture: away from the edge every filter,
+ * with negative lobes or without, leaves pixels as they are, and the mean over the edge is right. */
 TEST(pictures)
 {
     static const char *const filters[] = { "box", "triangle", "gaussian", "mitchell", "sinc" };
@@ -296,9 +283,8 @@ TEST(pictures)
 
 int main(void)
 {
-    lc_context_desc cd = LC_CONTEXT_DESC_INIT;
-    cd.n_threads = 1;
-    CHECK(lc_context_create(&cd, &ctx) == LC_OK);
+    ctx = quiet_context(1);
+    temp_begin();
     RUN(rays);
     RUN(lens);
     RUN(bad_cameras_are_refused);
@@ -307,7 +293,7 @@ int main(void)
     RUN(white_balance);
     RUN(scene_files);
     RUN(pictures);
-    lc_scene_destroy(scene);
-    lc_context_destroy(ctx);
+    one_scene_end();
+    temp_end();
     return test_done();
 }

@@ -1,7 +1,9 @@
-/* unit_compare.c - metrics of `lightcuts compare` on pictures done by hand, and properties of FLIP. */
-#include "support/test.h"
+/* unit_compare.c - the metrics of `lightcuts compare`, against values worked out by hand for small pictures;
+ * FLIP for pairs of colours that its definition tells, and its symmetry and order. */
+#include "support/logged.h"
+#include "support/near.h"
 
-/* The tests link with the library, which these are no part of. */
+/* Tests link with the library only, and these are parts of the program. */
 #include "cli/flip.c"
 #include "cli/metrics.c"
 
@@ -12,7 +14,8 @@
 
 static lc_context *ctx;
 
-static bool near(double got, double want) { return fabs(got - want) <= 1e-6 * fmax(1.0, fabs(want)); }
+/* Metrics of at most 1 are compared by near_abs, larger ones by near_rel. */
+#define EPS 1e-6
 
 TEST(by_hand)
 {
@@ -23,19 +26,19 @@ TEST(by_hand)
     float *const a[3] = { ar, ag, ab }, *const ref[3] = { rr, rg, rb };
     metrics m;
     CHECK(metrics_of(ctx, 2, 2, a, ref, 0.02, &m) == LC_OK);
-    CHECK(near(m.value[METRIC_MAE], 1.25 / 12));
-    CHECK(near(m.value[METRIC_MSE], 1.0625 / 12));
-    CHECK(near(m.value[METRIC_RMSE], sqrt(1.0625 / 12)));
-    CHECK(near(m.value[METRIC_MRSE], (1 / (1.01 * 1.01) + 0.0625 / (0.26 * 0.26)) / 12));
-    CHECK(near(m.value[METRIC_MAPE], (1 / 1.01 + 0.25 / 0.26) / 12));
-    CHECK(near(m.value[METRIC_PSNR], -10 * log10(1.0625 / 12)));
+    CHECK(near_abs(m.value[METRIC_MAE], 1.25 / 12, EPS));
+    CHECK(near_abs(m.value[METRIC_MSE], 1.0625 / 12, EPS));
+    CHECK(near_abs(m.value[METRIC_RMSE], sqrt(1.0625 / 12), EPS));
+    CHECK(near_abs(m.value[METRIC_MRSE], (1 / (1.01 * 1.01) + 0.0625 / (0.26 * 0.26)) / 12, EPS));
+    CHECK(near_abs(m.value[METRIC_MAPE], (1 / 1.01 + 0.25 / 0.26) / 12, EPS));
+    CHECK(near_rel(m.value[METRIC_PSNR], -10 * log10(1.0625 / 12), EPS));
     CHECK(m.value[METRIC_MAX] == 1.0 && m.max_x == 1 && m.max_y == 0 && m.max_channel == 0);
     CHECK(m.max_a == 2.0 && m.max_ref == 1.0);
-    CHECK(near(m.value[METRIC_MEAN_RATIO], 10.5 / 9.75));
-    // Luminance: 1 and 1, 2 and 1.7874, 0 and 0.01805, 0.5 and 0.5.
-    CHECK(m.value[METRIC_REL_P50] == 0.0 && near(m.value[METRIC_REL_P99], 1.0) &&
-          near(m.value[METRIC_REL_MAX], 1.0));
-    CHECK(near(m.value[METRIC_OVER], 0.5) && m.value[METRIC_NONFINITE] == 0.0);
+    CHECK(near_rel(m.value[METRIC_MEAN_RATIO], 10.5 / 9.75, EPS));
+    /* Luminances: 1 and 1, 2 and 1.7874, 0 and 0.01805, 0.5 and 0.5. */
+    CHECK(m.value[METRIC_REL_P50] == 0.0 && near_abs(m.value[METRIC_REL_P99], 1.0, EPS) &&
+          near_abs(m.value[METRIC_REL_MAX], 1.0, EPS));
+    CHECK(near_abs(m.value[METRIC_OVER], 0.5, EPS) && m.value[METRIC_NONFINITE] == 0.0);
 }
 
 TEST(equal_pictures)
@@ -56,11 +59,11 @@ TEST(nonfinite_pixels_are_counted_and_left_out)
     float *const a[3] = { y, x, y }, *const ref[3] = { y, y, y };
     metrics m;
     CHECK(metrics_of(ctx, 4, 1, a, ref, 0.02, &m) == LC_OK);
-    CHECK(m.value[METRIC_NONFINITE] == 2.0 && near(m.value[METRIC_MAE], 1.0 / 6) &&
+    CHECK(m.value[METRIC_NONFINITE] == 2.0 && near_abs(m.value[METRIC_MAE], 1.0 / 6, EPS) &&
           isfinite(m.value[METRIC_FLIP]));
 }
 
-/* A step and a chessboard of the same size of error: block means keep the one and lose the other. */
+/* A step and a chessboard with the same error at each pixel: means of blocks show the step only. */
 TEST(roberts_sees_bands_not_noise)
 {
     static float flat[SIDE * SIDE], step[SIDE * SIDE], chess[SIDE * SIDE];
@@ -74,11 +77,11 @@ TEST(roberts_sees_bands_not_noise)
                  *const b[3] = { chess, chess, chess };
     metrics m;
     CHECK(metrics_of(ctx, SIDE, SIDE, a, ref, 0.02, &m) == LC_OK);
-    /* in one column of seven both differences are 0.2 */
-    CHECKF(near(m.value[METRIC_ROBERTS], 2 * 0.2 * 0.2 / 7), "%g", m.value[METRIC_ROBERTS]);
+    /* In one of the seven columns of blocks both differences of Roberts's operator are 0.2. */
+    CHECKF(near_abs(m.value[METRIC_ROBERTS], 2 * 0.2 * 0.2 / 7, EPS), "%g", m.value[METRIC_ROBERTS]);
     CHECK(metrics_of(ctx, SIDE, SIDE, b, ref, 0.02, &m) == LC_OK);
     CHECKF(m.value[METRIC_ROBERTS] < 1e-9, "%g", m.value[METRIC_ROBERTS]);
-    /* One block wide. */
+    /* A picture of one block in width has no differences. */
     CHECK(metrics_of(ctx, 7, SIDE, a, ref, 0.02, &m) == LC_OK && m.value[METRIC_ROBERTS] < 1e-30);
 }
 
@@ -108,10 +111,12 @@ TEST(flip_of_flat_colours)
     static const float grey[3] = { 0.2f, 0.2f, 0.2f }, greyer[3] = { 0.21f, 0.21f, 0.21f },
                        over[3] = { 9, 9, 9 };
     CHECK(flip_of(grey, grey) == 0.0 && flip_of(white, over) == 0.0);
-    // Green and blue are the furthest apart that FLIP knows. No edges, so the colour error alone counts.
+    /* Green and blue have the largest distance of colours in FLIP. Without edges only the colour error
+     * counts. */
     CHECKF(fabs(flip_of(green, blue) - 1.0) < 1e-4, "%.9g", flip_of(green, blue));
     CHECKF(fabs(flip_of(green, blue) - flip_of(blue, green)) < 1e-6, "symmetric");
-    // By hand: HyAB of black and white is 100; c_max = 308.2^0.7 for these primaries, so 25.12 -> 0.95 + ...
+    /* By hand: HyAB of black and white is 100, and 100^0.7 = 25.12 is above 0.4 of 308.2^0.7, where errors
+     * are mapped to more than 0.95. */
     double black_white = flip_of(black, white), small = flip_of(grey, greyer);
     CHECKF(black_white > 0.95 && black_white < 1.0, "%g", black_white);
     CHECKF(small > 0.0 && small < 0.15, "%g", small);
@@ -136,8 +141,7 @@ TEST(flip_sees_edges)
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    if (lc_context_create(&desc, &ctx) != LC_OK) return 1;
+    ctx = quiet_context(0);
     RUN(by_hand);
     RUN(equal_pictures);
     RUN(nonfinite_pixels_are_counted_and_left_out);

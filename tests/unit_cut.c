@@ -1,63 +1,18 @@
-/* unit_cut.c - cuts: a partition of the lights within the size asked for, the promise about each cluster
- * left, and the two limits: all leaves are the exact value, the root alone is on average. Memory comes with
- * guards around it. */
-#include "base/rng.h"
+/* unit_cut.c - cuts of light trees. Every cut is a partition of the lights within the allowed size; the bound
+ * of each cluster in it is at least the sum over its lights, and at most the error ratio of the estimate.
+ * With all leaves the estimate is the exact value, which a loop over the lights gives; with fewer clusters
+ * its mean over representatives is, and so is that of each cluster. All memory is watched_memory.h's. */
 #include "cut/cut.h"
 #include "cut/exact.h"
 #include "shade/point_init.h"
 #include "support/one_bound.h"
-#include "support/test.h"
+#include "support/watched_memory.h"
 #include "trace/bvh.h"
 
-#include <stdlib.h>
+#define RND_KEY 5150
+#include "support/rnd.h"
 
 static lc_context *ctx;
-static uint64_t rng_key = 5150, rng_ctr;
-
-static double rnd(void) { return lc_unit(lc_hash2(rng_key, rng_ctr++)); }
-static double rnd_in(double lo, double hi) { return lo + (hi - lo) * rnd(); }
-static uint32_t rnd_n(uint32_t n) { return (uint32_t)(rnd() * n); }
-
-static lc_f3 rnd_in_box(double h)
-{
-    return lc_f3_make((float)rnd_in(-h, h), (float)rnd_in(-h, h), (float)rnd_in(-h, h));
-}
-
-static lc_f3 rnd_unit(void)
-{
-    for (;;) {
-        lc_f3 d = rnd_in_box(1);
-        if (lc_f3_dot(d, d) < 1 && lc_f3_dot(d, d) > 1e-3f) return lc_f3_normalize(d);
-    }
-}
-
-/* ---- guarded memory ---- */
-
-#define GUARD 64
-
-static int guards_broken;
-static size_t bytes_live;
-
-static void *guarded_alloc(void *user, size_t size, size_t align)
-{
-    (void)user;
-    size_t room = (size + 2 * GUARD + align - 1) / align * align;
-    unsigned char *p = aligned_alloc(align < GUARD ? GUARD : align, (room + GUARD - 1) / GUARD * GUARD);
-    if (!p) return NULL;
-    memset(p, 0xa5, GUARD);
-    memset(p + GUARD + size, 0xa5, GUARD);
-    bytes_live += size;
-    return p + GUARD;
-}
-
-static void guarded_free(void *user, void *ptr, size_t size)
-{
-    unsigned char *p = (unsigned char *)ptr - GUARD;
-    (void)user;
-    for (size_t i = 0; i < GUARD; i++) guards_broken += p[i] != 0xa5 || p[GUARD + size + i] != 0xa5;
-    bytes_live -= size;
-    free(p);
-}
 
 /* ---- scenes ---- */
 
@@ -79,8 +34,8 @@ typedef struct {
 
 #define DIAG2 12.0
 
-/* n lights of the kinds whose bit is set around n_tris triangles in the box -1..1. white: grey intensities,
- * for which representatives are unbiased in every channel. */
+/* n lights of the kinds whose bits are set in `kinds`, and n_tris triangles, in the box -1..1. white: grey
+ * intensities, for which estimates by representatives are unbiased in every channel. */
 static void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool white)
 {
     *s = (setup){ .n = n, .n_tris = n_tris };
@@ -107,7 +62,7 @@ static void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool whi
             index[v] = 3 * t + v;
             lc_f3_store(s->pos + 3 * (3 * t + v), lc_f3_add(p, lc_f3_scale(rnd_unit(), v ? 0.7f : 0)));
         }
-        if (t % 4) { /* strips of four */
+        if (t % 4) { /* strips of four triangles */
             index[0] = index[-1];
             index[1] = index[-2];
         }
@@ -178,9 +133,9 @@ static void open_cut(lc_cut *c, const setup *s, float ratio, uint32_t max_cut, f
 
 static double lum_of(lc_f3 c) { return 0.2126 * (double)c.x + 0.7152 * (double)c.y + 0.0722 * (double)c.z; }
 
-/* ---- what holds of every cut ---- */
+/* ---- properties of every cut ---- */
 
-/* Clusters that still have a bound above 0. */
+/* Clusters of the cut that are no leaves and have a bound above 0. */
 static uint32_t n_left(const lc_cut *c) { return c->left.n; }
 
 static bool is_hidden(const setup *s, const point *q, uint32_t light)
@@ -192,7 +147,7 @@ static bool is_hidden(const setup *s, const point *q, uint32_t light)
     return hidden[0];
 }
 
-/* Sum of the luminance of all lights under the node with this link; shadows: of those that are not hidden. */
+/* Sum of the luminance of all lights below a link; shadows: of those that are visible. */
 static double sum_below(const setup *s, uint32_t top, const point *q, bool shadows)
 {
     const lc_light_tree *t = s->tree;
@@ -211,19 +166,19 @@ static double sum_below(const setup *s, uint32_t top, const point *q, bool shado
         if (shadows && is_hidden(s, q, light)) continue;
         const lc_light_rec *l = &t->data.lights[light];
         lc_light_kind kind = lc_kind_of_light(t, light);
-        lc_f3 mg = kind == LC_LIGHT_SPOT ? lc_shade_spot(p, l, lc_light_own(&t->data, kind, light), NULL)
-                                         : lc_shade_light(p, kind, l, lc_light_atten(&t->data, light));
+        lc_f3 mg = kind == LC_LIGHT_SPOT ? one_spot_transfer(p, l, lc_light_own(&t->data, kind, light), NULL)
+                                         : one_transfer(p, kind, l, lc_light_atten(&t->data, light));
         sum += lum_of(lc_f3_mul(mg, lc_f3_load(l->intensity)));
     }
     return sum;
 }
 
-static uint64_t n_hid, n_zero; /* clusters that were proved hidden, and of bound 0, in all checked cuts */
+static uint64_t n_hid, n_zero; /* in all checked cuts: clusters proved to be occluded, and of bound 0 */
 
-/* All clusters but hidden ones. */
+/* All clusters but those proved to be occluded. */
 static uint32_t n_clusters(const lc_cut *c) { return n_left(c) + c->n_done - c->n_hid; }
 
-/* Those that count: without the clusters of bound 0, of which as many are let off as others are allowed. */
+/* The size of the cut: clusters of bound 0 do not count, but at most `limit` of them. */
 static uint32_t size_of(const lc_cut *c, uint32_t limit)
 {
     uint32_t zero = 0;
@@ -253,10 +208,10 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
         double bound = (double)c->left.bound[i];
         uint32_t link = c->left.link[i];
         worst = fmax(worst, bound);
-        /* 1e-5: of total in float. */
+        /* 1e-5: the library sums the total in float. */
         CHECKF(r->at_limit || bound <= most * (1 + 1e-5), "bound %g left, limit %g", bound, most);
         CHECK(bound > 0 && !(link & LC_LEAF) && !(c->left.rep[i] & LC_PENDING));
-        /* 1e-6: what float products and the double sum round off */
+        /* 1e-6: rounding of float products and of this sum. */
         double sum = sum_below(s, link, q, false);
         CHECKF(bound >= sum * (1 - 1e-6), "bound %g of lights that sum to %g", bound, sum);
         left += bound;
@@ -268,7 +223,7 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
             CHECKF(!(sum > 0), "a cluster of bound 0, or hidden, has lights that sum to %g", sum);
             n_hid += hid;
         }
-    /* Estimate and truth of each cluster left are both within 0..bound; the others are exact. */
+    /* Estimate and exact value of each cluster left are within 0..bound; the others are exact. */
     lc_cut_result e = exact(s, q);
     double off = fabs(total - lum_of(e.radiance));
     CHECKF(off <= left * (1 + 1e-5) + 1e-5 * lum_of(e.radiance), "off by %g, bounds left sum to %g", off,
@@ -308,7 +263,7 @@ TEST(cuts_partition_and_keep_their_promise)
            (unsigned long long)at_limit, (unsigned long long)within, (unsigned long long)left,
            (unsigned long long)n_hid, (unsigned long long)n_zero);
     CHECK(at_limit > 1000 && within > 1000 && left > 10000 && n_hid > 100 && n_zero > 1000);
-    CHECKF(!guards_broken, "%d bytes written outside", guards_broken);
+    CHECKF(!guards_broken, "%d bytes written outside of blocks", guards_broken);
 }
 
 /* Points on and very near lights, where bounds are largest. */
@@ -334,7 +289,7 @@ TEST(points_at_lights)
     }
 }
 
-/* ---- the two ends ---- */
+/* ---- the exact value, and means equal to it ---- */
 
 TEST(no_error_allowed_is_exact)
 {
@@ -366,8 +321,8 @@ TEST(no_error_allowed_is_exact)
 #define MEAN_SEEDS 3000
 #define MEAN_POINTS 16
 
-/* Refinement of ratio 0 goes by bounds alone, so whatever the size of the cut its mean over the choice of
- * representatives is the exact value; max_cut 1 is the roots only. */
+/* With error ratio 0 the cut depends on bounds only and not on representatives, so that for any size of the
+ * cut the mean over the choice of representatives is the exact value. max_cut 1: the roots only. */
 static void mean_is_exact(uint32_t max_cut, uint32_t kinds, uint32_t n_tris, uint32_t n_reps)
 {
     static double sum[MEAN_POINTS], sum2[MEAN_POINTS];
@@ -401,7 +356,7 @@ static void mean_is_exact(uint32_t max_cut, uint32_t kinds, uint32_t n_tris, uin
             z2 += z * z;
             noisy++;
             CHECKF(fabs(z) < 4.5, "mean %g, exact %g, standard error %g", mean, want, err);
-        } else { /* the same in all seeds */
+        } else { /* the same for all seeds */
             CHECKF(fabs(mean - want) <= 1e-3 * want, "mean %g, exact %g", mean, want);
         }
     }
@@ -427,7 +382,7 @@ TEST(small_cuts_are_exact_on_average)
 #define CUT_POINTS 12
 #define CUT_SIZE 10
 
-/* What one cluster of a cut was estimated to over the seeds. */
+/* The estimates of one cluster of a cut, summed over the seeds. */
 typedef struct {
     uint32_t link;
     double sum, sum2;
@@ -446,8 +401,8 @@ static void judge_cluster(const setup *s, const point *q, const estimated *e, do
     }
 }
 
-/* The cut of ratio 0 and a given size is the same whatever the representatives, so each of its clusters can
- * be followed. */
+/* The mean of each cluster's estimate is its exact value. The cut of error ratio 0 and a given size is the
+ * same for all representatives, so that each of its clusters appears for each seed. */
 static void clusters_mean_is_exact(uint32_t kinds, uint32_t n_reps)
 {
     static estimated all[CUT_POINTS][CUT_SIZE];
@@ -492,7 +447,7 @@ TEST(clusters_are_exact_on_average)
     clusters_mean_is_exact(3, LC_MAX_REPS);
 }
 
-/* ---- the rest ---- */
+/* ---- limits, reuse, damage ---- */
 
 TEST(no_lights_is_black)
 {
@@ -509,7 +464,7 @@ TEST(no_lights_is_black)
     unmake(&s);
 }
 
-/* The same bits whatever the scratch was used for before. */
+/* Results have the same bits whatever the scratch memory was used for before. */
 TEST(scratch_leaves_no_trace)
 {
     setup s;
@@ -536,8 +491,8 @@ static bool alike(lc_f3 a, lc_f3 b)
     return lc_f3_max_abs(d) <= 1e-5f * lc_f3_max_abs(b);
 }
 
-/* A cut that begins with another point's is a cut, within the limit wherever it has room; its own, begun with
- * again, is the same one. */
+/* A cut that starts from the cut of another point has the properties of every cut; one that starts from the
+ * point's own cut has its clusters and its value. */
 TEST(cuts_from_other_cuts)
 {
     static lc_cut_start start;
@@ -618,7 +573,7 @@ TEST(smaller_ratio_larger_cut)
     for (int k = 0; k < 5; k++) {
         lc_cut c;
         open_cut(&c, &s, ratios[k], 0, 0);
-        rng_ctr = 1u << 20; /* the same points each time */
+        rng_ctr = 1u << 20; /* the same points for each ratio */
         for (int i = 0; i < 40; i++) {
             point q = rnd_point();
             size[k] += shade(&c, &q, 0).size;
@@ -667,16 +622,13 @@ TEST(validator_finds_damage)
 TEST(no_memory_lost_or_overrun)
 {
     lc_context_destroy(ctx);
-    CHECKF(bytes_live == 0, "%zu bytes", bytes_live);
-    CHECKF(!guards_broken, "%d bytes written outside", guards_broken);
+    CHECKF(bytes_live == 0 && blocks_live == 0, "%zu bytes", bytes_live);
+    CHECKF(!guards_broken, "%d bytes written outside of blocks", guards_broken);
 }
 
 int main(void)
 {
-    lc_allocator guarded = { guarded_alloc, guarded_free, NULL };
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.allocator = &guarded;
-    if (lc_context_create(&desc, &ctx)) return 1;
+    ctx = watched_context(0);
     printf("seed %llu\n", (unsigned long long)rng_key);
     RUN(no_lights_is_black);
     RUN(cuts_partition_and_keep_their_promise);

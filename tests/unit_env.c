@@ -1,29 +1,13 @@
-/* unit_env.c - environment maps: mappings, irradiance kept by the lights made of them, where these lie,
- * conventions of v3 and v4. */
+/* unit_env.c - environment maps and the directional lights made from them: mappings against their inverse and
+ * their areas, the sum of the lights against the integral of the map, where the lights lie, and the
+ * directions that pbrt-v3 and pbrt-v4 give to a map's texels. */
 #include "base/rng.h"
-#include "pbrt/parse.h"
 #include "prepare/env_light.h"
-#include "support/last_error.h"
-#include "support/poor.h"
-#include "support/test.h"
+#include "support/near.h"
+#include "support/one_scene.h"
+#include "support/watched_memory.h"
 
-#include <stdlib.h>
-#include <unistd.h>
-
-static char dir[] = "/tmp/unit_env.XXXXXX";
-static lc_context *ctx;
-static lc_scene *scene;
-
-static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
-
-static void begin(void)
-{
-    lc_scene_destroy(scene);
-    last_error[0] = 0;
-    if (lc_scene_create(ctx, &scene)) abort();
-}
-
-/* A map of w x h texels, random with a few suns, added to a new scene. */
+/* A map of w x h random texels, a few of them as bright as suns, added to a new scene. */
 static lc_env *random_map(uint32_t w, uint32_t h, lc_env_mapping mapping)
 {
     float *texels = malloc((size_t)w * h * 3 * sizeof *texels);
@@ -37,14 +21,14 @@ static lc_env *random_map(uint32_t w, uint32_t h, lc_env_mapping mapping)
                    .scale = { 2, 1, 0.5f },
                    .to_world = lc_xform_identity(),
                    .to_light = lc_xform_identity() };
-    begin();
+    scene_begin();
     if (lc_mipmap_build(ctx, &raster, (lc_encoding){ LC_ENCODING_LINEAR, 1 }, &env.map)) abort();
     if (lc_scene_add_env(scene, (lc_pos){ 0, 0, 0 }, &env)) abort();
     free(texels);
     return &scene->envs[0];
 }
 
-/* Irradiance of the whole map, from every direction, by its definition. */
+/* Sum of radiance times solid angle over the texels, the solid angles by their definition. */
 static void integral(const lc_env *e, double sum[3])
 {
     double rgb[3];
@@ -60,44 +44,34 @@ static void integral(const lc_env *e, double sum[3])
     }
 }
 
-static void sum_of_lights(double sum[3])
-{
-    sum[0] = sum[1] = sum[2] = 0;
-    for (size_t i = 0; i < scene->n_lights; i++) {
-        lc_f3 v = scene->lights[i].intensity;
-        sum[0] += (double)v.x;
-        sum[1] += (double)v.y;
-        sum[2] += (double)v.z;
-    }
-}
-
 TEST(places_and_directions)
 {
     for (int k = 0; k < 2; k++) {
         lc_env *e = random_map(k ? 16 : 32, 16, k ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG);
         double solid = 0, mean[3] = { 0 };
         for (uint32_t y = 0; y < 16; y++) solid += lc_env_solid_angle(e, y) * lc_env_width(e);
-        CHECK(near(solid, 4 * LC_PI, 1e-12));
+        CHECK(near_abs(solid, 4 * LC_PI, 1e-12));
         for (int i = 0; i < 100000; i++) {
             double x = lc_unit(lc_hash2(1, (uint64_t)i)) * lc_env_width(e),
                    y = lc_unit(lc_hash2(2, (uint64_t)i)) * 16, w[3], s, t, v[3];
-            if (!k) { /* evenly over the sphere */
+            if (!k) { /* the row and the place in it of a direction that is uniform over the sphere */
                 double z = 1 - 2 * y / 16, line = acos(z) * 16 / LC_PI, row = floor(line);
                 y = row + (cos(LC_PI * row / 16) - z) / (cos(LC_PI * row / 16) - cos(LC_PI * (row + 1) / 16));
             }
             lc_env_direction(e, x, y, w);
-            CHECK(near(w[0] * w[0] + w[1] * w[1] + w[2] * w[2], 1, 1e-12));
+            CHECK(near_abs(w[0] * w[0] + w[1] * w[1] + w[2] * w[2], 1, 1e-12));
             lc_env_place(e, w, &s, &t);
-            CHECKF(near(s * lc_env_width(e), x, 1e-5) && near(floor(t * 16), floor(y), 0), "%g %g: %g %g", x,
-                   y, s, t);
-            if (k) CHECK(near(t * 16, y, 1e-5));
+            CHECKF(near_abs(s * lc_env_width(e), x, 1e-5) && near_abs(floor(t * 16), floor(y), 0),
+                   "%g %g: %g %g", x, y, s, t);
+            if (k) CHECK(near_abs(t * 16, y, 1e-5));
             lc_env_direction(e, s * lc_env_width(e), k ? t * 16 : y, v);
             for (int c = 0; c < 3; c++) {
-                CHECK(near(v[c], w[c], 1e-6));
+                CHECK(near_abs(v[c], w[c], 1e-6));
                 mean[c] += w[c] / 100000;
             }
         }
-        for (int c = 0; c < 3; c++) CHECKF(near(mean[c], 0, 0.01), "%g", mean[c]); /* equal areas */
+        for (int c = 0; c < 3; c++)
+            CHECKF(near_abs(mean[c], 0, 0.01), "%g", mean[c]); /* uniform over the sphere */
     }
 }
 
@@ -115,7 +89,7 @@ TEST(irradiance_is_kept)
             CHECKF(scene->n_lights == counts[i], "%zu lights", scene->n_lights);
             sum_of_lights(got);
             for (int c = 0; c < 3; c++)
-                CHECKF(near(got[c], want[c], 1e-6 * want[c]), "%u: %.9g, not %.9g", counts[i], got[c],
+                CHECKF(near_abs(got[c], want[c], 1e-6 * want[c]), "%u: %.9g, not %.9g", counts[i], got[c],
                        want[c]);
             for (size_t l = 0; l < scene->n_lights; l++) {
                 lc_f3 v = scene->lights[l].intensity;
@@ -129,8 +103,8 @@ TEST(irradiance_is_kept)
 
 static int by_bytes(const void *a, const void *b) { return memcmp(a, b, sizeof(lc_f3)); }
 
-/* No two lights from the same direction; each from where the map is not black; the same for a seed, another
- * for another. */
+/* No two lights have the same direction, and none comes from where the map is black. The same seed gives the
+ * same lights, another seed others. */
 TEST(directions_of_lights)
 {
     lc_f3 *ways[3];
@@ -150,7 +124,7 @@ TEST(directions_of_lights)
             lc_env_texel(e, (uint32_t)fmin(s * 64, 63), (uint32_t)fmin(t * 64, 63), rgb);
             double off = fmin(fmin(s * 64 - floor(s * 64), ceil(s * 64) - s * 64),
                               fmin(t * 64 - floor(t * 64), ceil(t * 64) - t * 64));
-            /* Rounded to floats it may lie next door. */
+            /* A direction rounded to floats may lie in the texel beside its own. */
             CHECKF(rgb[0] > 0 || off < 1e-4, "%u: %g %g", i, s * 64, t * 64);
         }
     }
@@ -162,33 +136,21 @@ TEST(directions_of_lights)
 
 /* ---- scenes ---- */
 
-static void write_pfm(const char *name, uint32_t w, uint32_t h, uint32_t x, uint32_t y)
+/* A black map but for the texel (x, y). */
+static void write_map(const char *name, uint32_t w, uint32_t h, uint32_t x, uint32_t y)
 {
-    char path[128];
-    snprintf(path, sizeof path, "%s/%s", dir, name);
-    FILE *f = fopen(path, "wb");
-    if (!f) abort();
-    fprintf(f, "PF\n%u %u\n-1\n", w, h);
-    for (uint32_t j = h; j-- > 0;) /* from the bottom */
-        for (uint32_t i = 0; i < w; i++) {
-            float v = i == x && j == y ? 1 : 0, rgb[3] = { v, v / 2, v / 4 };
-            fwrite(rgb, sizeof rgb, 1, f);
-        }
-    fclose(f);
+    float *rgb = calloc((size_t)w * h, 3 * sizeof *rgb), *at = rgb + 3 * ((size_t)y * w + x);
+    if (!rgb) abort();
+    at[0] = 1;
+    at[1] = 0.5f;
+    at[2] = 0.25f;
+    pfm_write(temp_path(name), w, h, rgb);
+    free(rgb);
 }
 
-static lc_status load(const char *text)
-{
-    char path[128];
-    snprintf(path, sizeof path, "%s/s.pbrt", dir);
-    FILE *f = fopen(path, "wb");
-    if (!f) abort();
-    fputs(text, f);
-    fclose(f);
-    begin();
-    return lc_pbrt_parse(scene, path);
-}
+static lc_status load(const char *text) { return parse_text_file("%s", text); }
 
+/* The one light made from the map comes from (x, y, z). */
 static bool light_is(double x, double y, double z)
 {
     if (lc_env_lights_make(scene, 1, 5, 0) || scene->n_lights != 1) return false;
@@ -198,11 +160,11 @@ static bool light_is(double x, double y, double z)
 
 TEST(conventions)
 {
-    write_pfm("top.pfm", 128, 64, 3, 0);      /* latitude-longitude: the first row is +z */
-    write_pfm("side.pfm", 128, 64, 32, 32);   /* a quarter around from +x: +y */
-    write_pfm("square.pfm", 65, 65, 32, 32);  /* the middle: +z */
-    write_pfm("right.pfm", 65, 65, 64, 32);   /* the middle of the right side: +x */
-    write_pfm("below.pfm", 65, 65, 32, 64);   /* of the last row: +y */
+    write_map("top.pfm", 128, 64, 3, 0);     /* latitude and longitude: the first row is at +z */
+    write_map("side.pfm", 128, 64, 32, 32);  /* a quarter of the way around from +x: +y */
+    write_map("square.pfm", 65, 65, 32, 32); /* equal areas: +z is in the middle */
+    write_map("right.pfm", 65, 65, 64, 32);  /* +x in the middle of the right side */
+    write_map("below.pfm", 65, 65, 32, 64);  /* +y in the middle of the last row */
     CHECK(load("WorldBegin LightSource \"infinite\" \"string mapname\" \"top.pfm\"") == LC_OK &&
           light_is(0, 0, 1));
     CHECK(load("WorldBegin LightSource \"infinite\" \"string mapname\" \"side.pfm\"") == LC_OK &&
@@ -234,20 +196,21 @@ TEST(background)
     double w[3];
     lc_env_direction(&scene->envs[0], 32.5, 32.5, w); /* the middle of the texel; y goes to -z */
     lc_f3 at = lc_scene_background(scene, lc_f3_normalize_d(w[0], w[2], -w[1]));
-    CHECKF(near((double)at.x, 5, 0.01) && near((double)at.y, 4, 0.01) && near((double)at.z, 4, 0.01), "%g",
-           (double)at.x);
+    CHECKF(near_abs((double)at.x, 5, 0.01) && near_abs((double)at.y, 4, 0.01) &&
+               near_abs((double)at.z, 4, 0.01),
+           "%g", (double)at.x);
     at = lc_scene_background(scene, lc_f3_make(0, 0, 1));
-    CHECK(near((double)at.x, 1, 1e-6) && near((double)at.z, 3, 1e-6));
+    CHECK(near_abs((double)at.x, 1, 1e-6) && near_abs((double)at.z, 3, 1e-6));
 }
 
 static void check_sum(const char *light, double r, double g, double b)
 {
-    char text[256];
     double sum[3];
-    snprintf(text, sizeof text, "Film \"rgb\" WorldBegin LightSource \"infinite\" %s", light);
-    CHECKF(load(text) == LC_OK && lc_env_lights_make(scene, 1000, 5, 0) == LC_OK, "%s", last_error);
+    CHECKF(parse_text_file("Film \"rgb\" WorldBegin LightSource \"infinite\" %s", light) == LC_OK &&
+               lc_env_lights_make(scene, 1000, 5, 0) == LC_OK,
+           "%s", last_error);
     sum_of_lights(sum);
-    CHECKF(near(sum[0], r, 1e-5 * r) && near(sum[1], g, 1e-5 * g) && near(sum[2], b, 1e-5 * b),
+    CHECKF(near_abs(sum[0], r, 1e-5 * r) && near_abs(sum[1], g, 1e-5 * g) && near_abs(sum[2], b, 1e-5 * b),
            "%s: %g %g %g", light, sum[0], sum[1], sum[2]);
 }
 
@@ -259,36 +222,25 @@ TEST(parameters)
     check_sum("\"rgb L\" [1 2 3] \"float illuminance\" 6.2831853", 2 * all, 4 * all, 6 * all);
     check_sum("\"string filename\" \"square.pfm\"", texel, texel / 2, texel / 4);
     check_sum("\"string filename\" \"square.pfm\" \"rgb L\" [1 2 4]", texel, texel, texel);
-    /* pbrt-v4's illuminance: half of luminance times solid angle, as the texel is at the zenith */
+    /* pbrt-v4 takes half of luminance times solid angle for the illuminance of a texel at the zenith. */
     double k = 2 / (0.2126 + 0.7152 / 2 + 0.0722 / 4);
     check_sum("\"string filename\" \"square.pfm\" \"float illuminance\" 5", 5 * k, 2.5 * k, 1.25 * k);
 }
 
-/* ---- what matters to the picture ---- */
+/* ---- more lights where they matter to the picture ---- */
 
-/* A room that is open above, seen from inside: most lights come from there, and all together are the sky
- * still. */
+/* A room without a ceiling, seen from inside. Its context is its own. */
 static lc_scene *open_room(uint32_t n_threads, uint32_t n_lights, const char *light)
 {
-    char path[128];
-    lc_context *c;
-    lc_scene *s = NULL;
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    lc_load_desc load_desc = LC_LOAD_DESC_INIT;
-    desc.n_threads = n_threads;
-    load_desc.env_lights = n_lights;
-    snprintf(path, sizeof path, "%s/room.pbrt", dir);
-    FILE *f = fopen(path, "wb");
-    if (!f || lc_context_create(&desc, &c)) abort();
-    fprintf(f,
-            "LookAt 0 0 1  1 0 0  0 0 1 Camera \"perspective\" \"float fov\" 60 WorldBegin LightSource "
-            "\"infinite\" %s "
-            "Shape \"trianglemesh\" \"point3 P\" [-2 -2 0 2 -2 0 2 2 0 -2 2 0 -2 -2 4 2 -2 4 2 2 4 -2 2 4] "
-            "\"integer indices\" [0 1 2 0 2 3 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7]",
-            light);
-    fclose(f);
-    CHECK(lc_scene_load(c, path, &load_desc, &s) == LC_OK);
-    return s;
+    lc_load_desc desc = LC_LOAD_DESC_INIT;
+    desc.env_lights = n_lights;
+    return scene_from_text(
+        quiet_context(n_threads), &desc,
+        "LookAt 0 0 1  1 0 0  0 0 1 Camera \"perspective\" \"float fov\" 60 WorldBegin LightSource "
+        "\"infinite\" %s "
+        "Shape \"trianglemesh\" \"point3 P\" [-2 -2 0 2 -2 0 2 2 0 -2 2 0 -2 -2 4 2 -2 4 2 2 4 -2 2 4] "
+        "\"integer indices\" [0 1 2 0 2 3 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7]",
+        light);
 }
 
 static void close_room(lc_scene *s)
@@ -298,27 +250,25 @@ static void close_room(lc_scene *s)
     lc_context_destroy(c);
 }
 
+/* Most lights come from above, where the room is open; all together they still have the power of the sky. */
 TEST(lights_where_they_matter)
 {
+    static float even[100 * 100 * 3];
     const char *const lights[] = { "", "\"string filename\" \"soft.pfm\"" };
-    char path[128];
-    snprintf(path, sizeof path, "%s/soft.pfm", dir);
-    FILE *f = fopen(path, "wb");
-    if (!f) abort();
-    fprintf(f, "PF\n100 100\n-1\n");
-    for (int i = 0; i < 10000; i++) fwrite((float[3]){ 1, 1, 1 }, sizeof(float[3]), 1, f);
-    fclose(f);
+    for (size_t i = 0; i < sizeof even / sizeof *even; i++) even[i] = 1;
+    pfm_write(temp_path("soft.pfm"), 100, 100, even);
     for (int k = 0; k < 2; k++) {
         lc_scene *s = open_room(1, 2000, lights[k]), *again = open_room(3, 2000, lights[k]);
         double sum = 0;
         uint32_t n_above = 0;
+        if (!s || !again) return; /* which has failed the test */
         CHECK(s->n_lights == 2000 && s->n_env_lights == 2000 && s->n_env_tried > 2000 &&
               again->n_lights == 2000);
         for (size_t i = 0; i < s->n_lights; i++) {
             sum += (double)s->lights[i].intensity.y;
-            n_above += s->lights[i].dir.z < -0.7f; /* 0.15 of the sphere */
+            n_above += s->lights[i].dir.z < -0.7f; /* a cap of 0.15 of the sphere */
         }
-        CHECKF(near(sum, 4 * LC_PI, 1e-5), "%.9g", sum);
+        CHECKF(near_abs(sum, 4 * LC_PI, 1e-5), "%.9g", sum);
         CHECKF(n_above > 1000, "%u of 2000 lights", n_above);
         CHECK(!memcmp(s->lights, again->lights, s->n_lights * sizeof *s->lights));
         close_room(s);
@@ -328,32 +278,25 @@ TEST(lights_where_they_matter)
 
 /* ---- memory ---- */
 
-TEST(every_allocation_fails_in_turn)
+static lc_status load_starved(lc_context *c)
 {
-    char path[128];
+    lc_load_desc desc = LC_LOAD_DESC_INIT;
+    desc.env_lights = 50;
+    return load_file_in(c, &desc, scene_path());
+}
+
+TEST(every_allocation_may_fail)
+{
     CHECK(
         load("Camera \"perspective\" WorldBegin LightSource \"infinite\" \"string filename\" \"square.pfm\" "
              "Shape \"sphere\" LightSource \"infinite\"") == LC_OK);
-    lc_context *small = poor_context();
-    snprintf(path, sizeof path, "%s/s.pbrt", dir);
-    lc_status st = LC_ERR_MEMORY;
-    long n = 0;
-    for (; st == LC_ERR_MEMORY && n < 1000; n++) {
-        lc_scene *s;
-        lc_load_desc load_desc = LC_LOAD_DESC_INIT;
-        load_desc.env_lights = 50;
-        allocations_left = n;
-        st = lc_scene_load(small, path, &load_desc, &s);
-        allocations_left = -1;
-        lc_scene_destroy(s);
-    }
-    CHECKF(st == LC_OK && n > 20, "status %d after %ld", st, n);
-    lc_context_destroy(small);
+    starve(load_starved, 20);
 }
 
 int main(void)
 {
-    if (!mkdtemp(dir) || !(ctx = quiet_context(0))) return 1;
+    ctx = quiet_context(0);
+    temp_begin();
     RUN(places_and_directions);
     RUN(irradiance_is_kept);
     RUN(directions_of_lights);
@@ -361,11 +304,8 @@ int main(void)
     RUN(background);
     RUN(parameters);
     RUN(lights_where_they_matter);
-    RUN(every_allocation_fails_in_turn);
-    lc_scene_destroy(scene);
-    lc_context_destroy(ctx);
-    char clean[64];
-    snprintf(clean, sizeof clean, "rm -r %s", dir);
-    if (system(clean)) printf("could not remove %s\n", dir);
+    RUN(every_allocation_may_fail);
+    one_scene_end();
+    temp_end();
     return test_done();
 }

@@ -1,15 +1,16 @@
-/* unit_farm.c - chunks, identities, checkpoints with every kind of damage, quotas of processors. */
+/* unit_farm.c - renders in parts: chunks cover a picture once and evenly; identities differ where pictures
+ * may; a checkpoint with any damage is refused or leads to the picture of one run, bit for bit, without
+ * losing a record that is whole; progress; quotas of processors in control groups written here. */
 #include "base/cpu.h"
 #include "base/digest.h"
 #include "image/image.h"
 #include "render/chunk.h"
 #include "support/farm_scene.h"
+#include "support/pictures.h"
 #include "support/rnd.h"
-#include "support/test.h"
 
 #include <signal.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 
 /* ---- chunks ---- */
 
@@ -105,7 +106,7 @@ TEST(digest_of_pieces)
 
 TEST(identity_follows_what_shapes_the_picture)
 {
-    lc_context *ctx = farm_context(1);
+    lc_context *ctx = quiet_context(1);
     farm_write_scene("i.pbrt", 20, 20, 5);
     farm_write_scene("j.pbrt", 20, 20, 6);
     lc_scene *a = farm_load(ctx, "i.pbrt"), *b = farm_load(ctx, "j.pbrt"), *again = farm_load(ctx, "i.pbrt");
@@ -114,7 +115,7 @@ TEST(identity_follows_what_shapes_the_picture)
     CHECK(lc_render_identity(ctx, a, &d, &x) == LC_OK && lc_render_identity(ctx, b, &d, &y) == LC_OK);
     CHECK(x.scene != y.scene && x.options == y.options);
     CHECK(lc_render_identity(ctx, again, &d, &y) == LC_OK && x.scene == y.scene);
-    e.spp = 1; /* the scene's own; another crop */
+    e.spp = 1; /* that of the scene; and another crop */
     e.crop[1] = e.crop[3] = 4;
     CHECK(lc_render_identity(ctx, a, &e, &y) == LC_OK && x.options == y.options);
     for (int i = 0; i < 7; i++) {
@@ -152,13 +153,13 @@ typedef struct {
 
 static kept begin_kept(void)
 {
-    kept k = { .ctx = farm_context(1), .desc = LC_RENDER_DESC_INIT };
+    kept k = { .ctx = quiet_context(1), .desc = LC_RENDER_DESC_INIT };
     lc_checkpoint *c;
     farm_write_scene("k.pbrt", 40, 24, 4);
     k.scene = farm_load(k.ctx, "k.pbrt");
-    unlink(farm_path("k.ckpt"));
+    unlink(temp_path("k.ckpt"));
     lc_render_desc d = k.desc;
-    if (lc_checkpoint_open(k.ctx, farm_path("k.ckpt"), k.scene, &d, 0, 30, &c)) abort();
+    if (lc_checkpoint_open(k.ctx, temp_path("k.ckpt"), k.scene, &d, 0, 30, &c)) abort();
     lc_checkpoint_attach(c, &d);
     if (lc_render(k.ctx, k.scene, &d, &k.whole, NULL)) abort();
     lc_checkpoint_close(c);
@@ -174,7 +175,8 @@ static void end_kept(kept *k)
     lc_context_destroy(k->ctx);
 }
 
-/* Goes on with what the file holds; LC_OK: the picture is right, *loaded pixels are from the file. */
+/* Renders what the file does not hold. LC_OK: the picture was compared with that of one run, and *loaded of
+ * its pixels are from the file. */
 static lc_status resume(const kept *k, uint64_t *loaded, lc_checkpoint_info *info)
 {
     lc_checkpoint *c;
@@ -182,14 +184,14 @@ static lc_status resume(const kept *k, uint64_t *loaded, lc_checkpoint_info *inf
     lc_render_stats stats;
     lc_render_desc d = k->desc;
     *loaded = 0;
-    lc_status st = lc_checkpoint_open(k->ctx, farm_path("k.ckpt"), k->scene, &d, 1, 30, &c);
+    lc_status st = lc_checkpoint_open(k->ctx, temp_path("k.ckpt"), k->scene, &d, 1, 30, &c);
     if (st) return st;
     lc_checkpoint_get_info(c, info);
     lc_checkpoint_attach(c, &d);
     st = lc_render(k->ctx, k->scene, &d, &image, &stats);
     CHECK(st == LC_OK);
     if (!st) {
-        CHECK(farm_same_planes(image, k->whole));
+        CHECK(same_planes(image, k->whole));
         *loaded = stats.pixels_loaded;
         lc_image_destroy(image);
     }
@@ -207,7 +209,7 @@ TEST(every_flipped_byte)
     size_t refused = 0, mended = 0;
     for (size_t i = 0; i < k.n; i += i < 400 ? 1 : 13) {
         k.file[i] ^= (uint8_t)(1 << i % 8);
-        farm_write("k.ckpt", k.file, k.n);
+        file_write(temp_path("k.ckpt"), k.file, k.n);
         k.file[i] ^= (uint8_t)(1 << i % 8);
         lc_status st = resume(&k, &loaded, &info);
         CHECKF(st == LC_OK || st == LC_ERR_PARSE, "byte %zu: %d", i, st);
@@ -217,7 +219,7 @@ TEST(every_flipped_byte)
             CHECKF(loaded >= 40 * 24 - 256 && loaded < 40 * 24, "byte %zu: %llu pixels", i,
                    (unsigned long long)loaded);
     }
-    CHECK(refused == 72); /* the header's bytes, all of them and no others */
+    CHECK(refused == 72); /* every byte of the header, and no other */
     CHECK(mended > 500);
     end_kept(&k);
 }
@@ -228,13 +230,13 @@ TEST(every_length)
     uint64_t loaded, before = 0;
     lc_checkpoint_info info;
     for (size_t n = 0; n <= k.n; n += n < 300 || n + 40 > k.n ? 1 : 17) {
-        farm_write("k.ckpt", k.file, n);
+        file_write(temp_path("k.ckpt"), k.file, n);
         lc_status st = resume(&k, &loaded, &info);
         CHECKF(st == LC_OK, "%zu bytes: %d", n, st);
         CHECK(loaded >= before && info.damaged_bytes == 0);
         before = loaded;
     }
-    CHECK(before == 40 * 24);
+    CHECK(before == 40 * 24); /* the whole file */
     end_kept(&k);
 }
 
@@ -259,15 +261,16 @@ TEST(records_out_of_order_twice_and_noise_between)
     at += first;
     memcpy(data + at, second, rest);
     at += rest;
-    farm_write("k.ckpt", data, at);
+    file_write(temp_path("k.ckpt"), data, at);
     CHECK(resume(&k, &loaded, &info) == LC_OK);
     CHECK(loaded == 40 * 24 && info.damaged_bytes == 20);
     free(data);
     end_kept(&k);
 }
 
-/* Noise of what looks like records, so long that they lie at every place of a window that is looked through
- * at once; and much of it. */
+/* Noise that looks like the starts of records, before the real ones. It has about the length of the window
+ * that is searched at once, so that a record begins at every place near the window's end; and a large length.
+ */
 TEST(records_behind_noise)
 {
     kept k = begin_kept();
@@ -281,7 +284,7 @@ TEST(records_behind_noise)
     for (size_t i = 0; i < most; i++) data[head + i] = (uint8_t)"TILE"[i % 4];
     for (size_t n = window - 20; n <= window + 20; n = n == window + 20 ? most : n + 1) {
         memcpy(data + head + n, k.file + head, rest);
-        farm_write("k.ckpt", data, head + n + rest);
+        file_write(temp_path("k.ckpt"), data, head + n + rest);
         CHECK(resume(&k, &loaded, &info) == LC_OK);
         CHECKF(loaded == 40 * 24 && info.damaged_bytes == n, "%zu bytes: %llu pixels", n,
                (unsigned long long)loaded);
@@ -292,9 +295,8 @@ TEST(records_behind_noise)
     end_kept(&k);
 }
 
-/* What a loss of power makes of writes that were not forced to the disk: any set of records is there, the
- * others are zeros or the file ends before them, and each goes on to the right picture with no record lost
- * that is whole. */
+/* After a loss of power any set of the records may be on the disk; the others are zeros, or the file ends
+ * before them. Each such file leads to the right picture, and no record that is whole is lost. */
 TEST(any_set_of_records_on_the_disk)
 {
     kept k = begin_kept();
@@ -307,7 +309,7 @@ TEST(any_set_of_records_on_the_disk)
     at[n] = k.n;
     uint8_t *data = malloc(k.n);
     for (uint32_t set = 0; set < 64; set++)
-        for (int torn = 0; torn < 2; torn++) { /* torn: the first half of what is not there is */
+        for (int torn = 0; torn < 2; torn++) { /* torn: absent records have their first half */
             size_t end = at[0];
             memcpy(data, k.file, k.n);
             want = 0;
@@ -318,7 +320,7 @@ TEST(any_set_of_records_on_the_disk)
                     want += (size - 16 - sizeof(lc_tile_counts)) / 12;
                 } else memset(data + at[i] + keep, 0, size - keep);
             }
-            farm_write("k.ckpt", data, torn ? k.n : end);
+            file_write(temp_path("k.ckpt"), data, torn ? k.n : end);
             CHECKF(resume(&k, &loaded, &info) == LC_OK && loaded == want, "set %x: %d of %d pixels", set,
                    (int)loaded, (int)want);
         }
@@ -331,7 +333,7 @@ TEST(foreign_checkpoints)
     kept k = begin_kept();
     lc_checkpoint *c, *other;
     lc_render_desc d = k.desc;
-    const char *path = farm_path("k.ckpt");
+    const char *path = temp_path("k.ckpt");
     CHECK(lc_checkpoint_open(k.ctx, path, k.scene, &d, 0, 30, &c) == LC_ERR_ARG);
     d.seed = 5;
     CHECK(lc_checkpoint_open(k.ctx, path, k.scene, &d, 1, 30, &c) == LC_ERR_PARSE && !c);
@@ -341,12 +343,13 @@ TEST(foreign_checkpoints)
     d = k.desc;
     d.crop[1] = d.crop[3] = 10;
     CHECK(lc_checkpoint_open(k.ctx, path, k.scene, &d, 1, 30, &c) == LC_ERR_PARSE);
-    CHECK(lc_checkpoint_open(k.ctx, farm_path("k.pbrt"), k.scene, &k.desc, 1, 30, &c) == LC_ERR_PARSE);
-    CHECK(lc_checkpoint_open(k.ctx, farm_folder, k.scene, &k.desc, 1, 30, &c) == LC_ERR_IO);
+    CHECK(lc_checkpoint_open(k.ctx, temp_path("k.pbrt"), k.scene, &k.desc, 1, 30, &c) == LC_ERR_PARSE);
+    CHECK(lc_checkpoint_open(k.ctx, temp_folder, k.scene, &k.desc, 1, 30, &c) == LC_ERR_IO);
     CHECK(lc_checkpoint_open(k.ctx, "/dev/null", k.scene, &k.desc, 1, 30, &c) == LC_ERR_IO);
-    CHECK(lc_checkpoint_open(k.ctx, farm_path("none/k.ckpt"), k.scene, &k.desc, 1, 30, &c) == LC_ERR_IO);
+    CHECK(lc_checkpoint_open(k.ctx, temp_path("none/k.ckpt"), k.scene, &k.desc, 1, 30, &c) == LC_ERR_IO);
     CHECK(lc_checkpoint_open(k.ctx, path, k.scene, &k.desc, 1, 30, &c) == LC_OK);
-    CHECK(lc_checkpoint_open(k.ctx, path, k.scene, &k.desc, 1, 30, &other) == LC_ERR_IO); /* one writer */
+    CHECK(lc_checkpoint_open(k.ctx, path, k.scene, &k.desc, 1, 30, &other) ==
+          LC_ERR_IO); /* it has a writer */
     lc_checkpoint_close(c);
     size_t n;
     uint8_t *now = farm_read("k.ckpt", &n);
@@ -368,11 +371,11 @@ TEST(no_room_for_the_checkpoint)
     tight = old;
     tight.rlim_cur = k.n / 2;
     void (*was)(int) = signal(SIGXFSZ, SIG_IGN);
-    unlink(farm_path("k.ckpt"));
+    unlink(temp_path("k.ckpt"));
     setrlimit(RLIMIT_FSIZE, &tight);
-    CHECK(lc_checkpoint_open(k.ctx, farm_path("k.ckpt"), k.scene, &d, 0, 30, &c) == LC_OK);
+    CHECK(lc_checkpoint_open(k.ctx, temp_path("k.ckpt"), k.scene, &d, 0, 30, &c) == LC_OK);
     lc_checkpoint_attach(c, &d);
-    CHECK(lc_render(k.ctx, k.scene, &d, &image, NULL) == LC_OK && farm_same_planes(image, k.whole));
+    CHECK(lc_render(k.ctx, k.scene, &d, &image, NULL) == LC_OK && same_planes(image, k.whole));
     lc_checkpoint_get_info(c, &info);
     CHECK(info.failed && info.n_done > 0 && info.n_done < info.n_tiles);
     lc_checkpoint_close(c);
@@ -394,7 +397,7 @@ static int step(void *user, uint64_t done, uint64_t total)
 {
     steps *s = user;
     CHECK(done >= s->last && done <= total);
-    CHECK(!s->total || s->last < s->total); /* nothing after the last */
+    CHECK(!s->total || s->last < s->total); /* no call after the last */
     s->calls++;
     s->last = done;
     s->total = total;
@@ -404,7 +407,7 @@ static int step(void *user, uint64_t done, uint64_t total)
 TEST(progress_rises_and_ends)
 {
     for (uint32_t threads = 1; threads <= 4; threads += 3) {
-        lc_context *ctx = farm_context(threads);
+        lc_context *ctx = quiet_context(threads);
         farm_write_scene("p.pbrt", 300, 200, 40);
         lc_scene *scene = farm_load(ctx, "p.pbrt");
         steps s = { 0 };
@@ -424,43 +427,43 @@ TEST(progress_rises_and_ends)
 
 /* ---- processors ---- */
 
-static void put(const char *name, const char *text) { farm_write(name, text, strlen(text)); }
+static void put(const char *name, const char *text) { file_text(temp_path(name), text); }
 
 TEST(quotas_of_control_groups)
 {
-    mkdir(farm_path("proc"), 0755);
-    mkdir(farm_path("proc/self"), 0755);
-    mkdir(farm_path("sys"), 0755);
-    mkdir(farm_path("sys/fs"), 0755);
-    mkdir(farm_path("sys/fs/cgroup"), 0755);
-    CHECK(lc_cpu_quota(farm_folder) == 0);
+    mkdir(temp_path("proc"), 0755);
+    mkdir(temp_path("proc/self"), 0755);
+    mkdir(temp_path("sys"), 0755);
+    mkdir(temp_path("sys/fs"), 0755);
+    mkdir(temp_path("sys/fs/cgroup"), 0755);
+    CHECK(lc_cpu_quota(temp_folder) == 0);
     put("proc/self/cgroup", "0::/a/b\n");
     put("sys/fs/cgroup/cpu.max", "300000 100000\n");
-    CHECK(lc_cpu_quota(farm_folder) == 3);
-    mkdir(farm_path("sys/fs/cgroup/a"), 0755);
-    mkdir(farm_path("sys/fs/cgroup/a/b"), 0755);
+    CHECK(lc_cpu_quota(temp_folder) == 3);
+    mkdir(temp_path("sys/fs/cgroup/a"), 0755);
+    mkdir(temp_path("sys/fs/cgroup/a/b"), 0755);
     put("sys/fs/cgroup/a/b/cpu.max", "max 100000\n");
-    CHECK(lc_cpu_quota(farm_folder) == 3);
+    CHECK(lc_cpu_quota(temp_folder) == 3);
     put("sys/fs/cgroup/a/cpu.max", "150000 100000\n");
-    CHECK(lc_cpu_quota(farm_folder) == 2); /* one and a half */
+    CHECK(lc_cpu_quota(temp_folder) == 2); /* 1.5, rounded up */
     put("sys/fs/cgroup/a/b/cpu.max", "1000 100000\n");
-    CHECK(lc_cpu_quota(farm_folder) == 1);
+    CHECK(lc_cpu_quota(temp_folder) == 1);
     put("sys/fs/cgroup/a/b/cpu.max", "nonsense");
-    CHECK(lc_cpu_quota(farm_folder) == 2);
+    CHECK(lc_cpu_quota(temp_folder) == 2);
     put("proc/self/cgroup", "5:memory:/x\n3:cpu,cpuacct:/c\n");
-    mkdir(farm_path("sys/fs/cgroup/cpu,cpuacct"), 0755);
-    mkdir(farm_path("sys/fs/cgroup/cpu,cpuacct/c"), 0755);
+    mkdir(temp_path("sys/fs/cgroup/cpu,cpuacct"), 0755);
+    mkdir(temp_path("sys/fs/cgroup/cpu,cpuacct/c"), 0755);
     put("sys/fs/cgroup/cpu,cpuacct/c/cpu.cfs_period_us", "50000\n");
     put("sys/fs/cgroup/cpu,cpuacct/c/cpu.cfs_quota_us", "-1\n");
-    unlink(farm_path("sys/fs/cgroup/cpu.max"));
-    CHECK(lc_cpu_quota(farm_folder) == 0);
+    unlink(temp_path("sys/fs/cgroup/cpu.max"));
+    CHECK(lc_cpu_quota(temp_folder) == 0);
     put("sys/fs/cgroup/cpu,cpuacct/c/cpu.cfs_quota_us", "200000\n");
-    CHECK(lc_cpu_quota(farm_folder) == 4);
+    CHECK(lc_cpu_quota(temp_folder) == 4);
 }
 
 int main(void)
 {
-    farm_begin();
+    temp_begin();
     RUN(chunks_cover_once_and_evenly);
     RUN(chunks_are_square_and_between_tiles);
     RUN(chunks_refused);
@@ -475,6 +478,6 @@ int main(void)
     RUN(no_room_for_the_checkpoint);
     RUN(progress_rises_and_ends);
     RUN(quotas_of_control_groups);
-    farm_end();
+    temp_end();
     return test_done();
 }

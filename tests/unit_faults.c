@@ -1,40 +1,39 @@
-/* unit_faults.c - every allocation, file operation and thread start of the command line and of the library's
- * calls fails in turn, once and from then on: exit status and message must be right, nothing leak or crash,
- * no file be broken.
+/* unit_faults.c - every allocation, file operation and thread start of the program and of the library's calls
+ * fails in turn, alone or with all that follow: the exit status and the message must be right, nothing leaks
+ * or crashes, and each output holds its old content or that of a run without faults.
  *
- *     build/tests/unit_faults           of each command the first call of every call site and some more
- *     build/tests/unit_faults --all     all of them (make fault), but of reports, which take long
- *     build/tests/unit_faults --all X   of the commands whose names begin with X
- *     FAULT_SITES=FILE ...              also writes where the file operations that failed were called, for
- * fault_sites.sh build/tests/unit_faults COMMAND CLASS NTH EVER    one point, say "compare" 0 14 0; leaves
- * its folder
+ *     unit_faults            of each command the first call of every call site, and some more
+ *     unit_faults --all      all calls (make fault), but not all of reports, which take long
+ *     unit_faults --all X    those of the commands whose names begin with X
+ *     unit_faults COMMAND CLASS NTH EVER    one fault, say "compare" 0 14 0; its folder is left
+ *     FAULT_SITES=FILE ...   also writes the call sites of the file operations that failed, for
+ * fault_sites.sh
  *
- * Each run is a process of its own, forked from this one, in the folder DIR of its own:
+ * Each run is a process forked from this one, with four places in a temporary folder:
  *
- *     DIR/in/         scenes and pictures, made here
- *     DIR/run/        where the command runs; the files it writes are there before, holding OLD
- *     DIR/want/       what those files hold after a run without faults
- *     DIR/said        stdout and stderr
+ *     in/     scenes and pictures, made here
+ *     run/    where the command runs; before it, each of its outputs holds OLD
+ *     want/   the outputs of a run without faults
+ *     said    stdout and stderr
  */
 #include "lightcuts.h"
 #include "support/fault_shim.h"
+#include "support/files.h"
 #include "support/test.h"
 
 #include <dirent.h>
 #include <errno.h>
-#include <stdlib.h>
+#include <stdbool.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #define OLD "what was there before\n"
 #define MAX_ARGS 24
 #define SECONDS_PER_RUN 60
 
-#define MOST (UNDER_TSAN ? 4 : 20) /* points of each kind besides first calls */
+#define MOST (UNDER_TSAN ? 4 : 20) /* faults of each class besides those at first calls */
 
 int __real_main(int argc, char **argv);
 int __wrap_main(int argc, char **argv);
@@ -43,12 +42,12 @@ typedef struct command {
     const char *name;
     const char *args[MAX_ARGS];
     const char *outputs[4]; /* files it writes, besides stdout */
-    const char *from[2][2]; /* copies of files of in/ under other names, made before it */
-    const char *again[MAX_ARGS]; /* afterwards without faults: has to work, and outputs are then what they
-                                    should be */
-    bool whole;             /* its first output is to be in/whole.exr, byte for byte */
-    long bounded; /* points tried of each kind besides first calls, with --all 10 times that; 0: as many as
-                     the others, all */
+    const char *from[2][2]; /* files of in/ that are copied to these names before */
+    const char *again[MAX_ARGS]; /* arguments of a second run, without faults, after one with a fault: it must
+                                    succeed and leave the right outputs */
+    bool whole;                  /* the first output must be equal to in/whole.exr */
+    long bounded; /* faults of each class besides those at first calls, with --all 10 times as many; 0: MOST,
+                     with --all every call */
 } command;
 
 #define KEPT                                                                                                 \
@@ -165,34 +164,15 @@ static const command commands[] = {
 };
 #define N_COMMANDS (sizeof commands / sizeof *commands)
 
-static char dir[64];
-static bool all_points;
-static fault_seen *seen; /* of the run, shared */
-static fault_seen faultless; /* of the command without faults */
-static fault_seen total; /* sites of all runs */
-static long runs, points[FAULT_CLASSES];
+static bool all_points;                  /* --all */
+static fault_seen *seen;                 /* by the running process, in memory shared with it */
+static fault_seen faultless;             /* by the command without faults */
+static fault_seen total;                 /* by all runs: sites only */
+static long runs, points[FAULT_CLASSES]; /* points: faults tried */
 
 /* ---- the scenes ---- */
 
-static char *load(const char *path, size_t *n)
-{
-    static char buffer[2][1 << 20];
-    static int which;
-    char *to = buffer[which ^= 1];
-    FILE *f = fopen(path, "rb");
-    *n = f ? fread(to, 1, (1 << 20) - 1, f) : 0;
-    to[*n] = 0;
-    if (f) fclose(f);
-    return f ? to : NULL;
-}
-
-static void put(const char *name, const char *text)
-{
-    FILE *f = fopen(name, "w");
-    if (!f || fputs(text, f) < 0 || fclose(f)) abort();
-}
-
-/* Two pictures that differ a little, as EXR and PNG. */
+/* A picture as EXR and PNG; another step gives one that differs a little. */
 static void put_picture(const char *exr, const char *png, float step)
 {
     static const char *const names[3] = { "R", "G", "B" };
@@ -229,8 +209,9 @@ static void make_new(void)
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
         "-2 -2 -1\n2 -2 -1\n0 2 -1\n3 0 1 2\n";
     put_packed("packed.ply.gz", quad, sizeof quad - 1);
-    put("light.spd", "# nm\n300 1\n500 2\n800 3\n");
-    put("new.pbrt",
+    file_text("light.spd", "# nm\n300 1\n500 2\n800 3\n");
+    file_text(
+        "new.pbrt",
         "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50] \"float lensradius\" [0.05]\n"
         "PixelFilter \"gaussian\" \"float xradius\" [1.2] \"float yradius\" [1.2]\n"
         "Film \"rgb\" \"integer xresolution\" [7] \"integer yresolution\" [5]\nSampler \"zsobol\" \"integer "
@@ -256,24 +237,18 @@ static void make_new(void)
         "Shape \"bilinearmesh\" \"point3 P\" [-1 1.5 0 1 1.5 0 -1 1.5 1 1 1.5 1]\nAttributeEnd\n");
 }
 
-static void put_bytes(const char *name, const void *data, size_t n)
-{
-    FILE *f = fopen(name, "wb");
-    if (!f || fwrite(data, 1, n, f) != n || fclose(f)) abort();
-}
-
-/* A triangle and a ray. */
+/* A mesh of one triangle and a file of two rays, for `bench rays`. */
 static void make_mesh(void)
 {
     const struct { char magic[8]; uint32_t n_verts, n_tris; float pos[9]; uint32_t index[3]; } mesh = {
         "LCMESH1", 3, 1, { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, { 0, 1, 2 } };
     const struct { char magic[8]; uint32_t n[2], group, zero; float ray[12]; } rays = {
         "LCRAYS1", { 2, 0 }, 2, 0, { 0.1f, 0.1f, -1, 0.1f, 0.1f, 1, 0.1f, 0.1f, -1, 3, 3, 1 } };
-    put_bytes("m.mesh", &mesh, sizeof mesh);
-    put_bytes("m.rays", &rays, sizeof rays);
+    file_write("m.mesh", &mesh, sizeof mesh);
+    file_write("m.rays", &rays, sizeof rays);
 }
 
-/* A command without faults, in in/. */
+/* Runs a command without faults in the folder in/. */
 static void make_by(const char *const args[MAX_ARGS])
 {
     char *argv[MAX_ARGS + 1] = { (char[]){ "lightcuts" } };
@@ -285,7 +260,8 @@ static void make_by(const char *const args[MAX_ARGS])
     if (pid < 0 || waitpid(pid, &status, 0) < 0 || status) abort();
 }
 
-/* Parts of a picture, the whole, and its checkpoint: full, ending within a record, with a record damaged. */
+/* Parts of a picture, the whole picture, and three checkpoints of it: the full one, one that ends within a
+ * record, and one with a damaged record. */
 static void make_parts(void)
 {
 #define PART "render", "tiles.pbrt", "-q", "-o"
@@ -298,53 +274,57 @@ static void make_parts(void)
     };
     for (size_t i = 0; i < sizeof runs_of / sizeof *runs_of; i++) make_by(runs_of[i]);
     size_t n;
-    char *ck = load("full.ck", &n);
+    char *ck = file_read("full.ck", &n);
     if (!ck || n < 1000) abort();
-    put_bytes("half.ck", ck, n / 2);
+    file_write("half.ck", ck, n / 2);
     ck[n / 3] ^= 4;
-    put_bytes("damaged.ck", ck, n);
+    file_write("damaged.ck", ck, n);
+    free(ck);
 }
 
 static void make_inputs(void)
 {
     put_picture("map.exr", "map.png", 0.06f);
     put_picture("other.exr", "other.png", 0.061f);
-    put("quad.ply",
+    file_text(
+        "quad.ply",
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
         "property float u\nproperty float v\nelement face 1\nproperty list uchar int "
         "vertex_indices\nend_header\n"
         "-2 -2 -1 0 0\n2 -2 -1 1 0\n2 2 -1 1 1\n-2 2 -1 0 1\n4 0 1 2 3\n");
-    put("part.pbrt", "Texture \"png\" \"spectrum\" \"imagemap\" \"string filename\" \"map.png\"\n"
-                     "Texture \"exr\" \"spectrum\" \"imagemap\" \"string filename\" \"map.exr\"\n"
-                     "MakeNamedMaterial \"mirror\" \"string type\" \"conductor\" \"float roughness\" [0]\n");
-    put("all.pbrt",
+    file_text("part.pbrt",
+              "Texture \"png\" \"spectrum\" \"imagemap\" \"string filename\" \"map.png\"\n"
+              "Texture \"exr\" \"spectrum\" \"imagemap\" \"string filename\" \"map.exr\"\n"
+              "MakeNamedMaterial \"mirror\" \"string type\" \"conductor\" \"float roughness\" [0]\n");
+    file_text(
+        "all.pbrt",
         HEAD "Include \"part.pbrt\"\nLightSource \"infinite\" \"string filename\" \"map.exr\" \"float "
              "scale\" [0.2]\n"
              "Material \"diffuse\" \"texture reflectance\" \"png\"\nShape \"plymesh\" \"string filename\" "
              "\"quad.ply\"\n"
              "Material \"diffuse\" \"texture reflectance\" \"exr\"\nShape \"sphere\" \"float radius\" [0.5]\n"
              "Include \"more.pbrt.gz\"\n");
-    put("tiny.pbrt",
-        HEAD "LightSource \"point\" \"point3 from\" [0 1 2]\nLightSource \"point\" \"point3 from\" [1 0 2]\n"
-             "LightSource \"spot\" \"point3 from\" [1 1 2]\nLightSource \"point\" \"point3 from\" [-1 1 2]\n"
-             "LightSource \"distant\" \"point3 from\" [1 1 1]\nMaterial \"diffuse\"\n"
-             "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
+    file_text("tiny.pbrt", HEAD
+              "LightSource \"point\" \"point3 from\" [0 1 2]\nLightSource \"point\" \"point3 from\" [1 0 2]\n"
+              "LightSource \"spot\" \"point3 from\" [1 1 2]\nLightSource \"point\" \"point3 from\" [-1 1 2]\n"
+              "LightSource \"distant\" \"point3 from\" [1 1 1]\nMaterial \"diffuse\"\n"
+              "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
     static const char more[] =
         "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [2 2 2]\nTranslate 0 1 0\n"
         "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 0 1] \"integer indices\" [0 1 2]\nAttributeEnd\n"
         "NamedMaterial \"mirror\"\nShape \"disk\" \"float radius\" [0.5]\n"
         "AttributeBegin\nLightSource \"point\" \"point3 from\" [0 1 2] \"rgb I\" [3 3 3]\nAttributeEnd\n";
     put_packed("more.pbrt.gz", more, sizeof more - 1);
-    put("tiles.pbrt",
-        "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50]\n"
-        "Film \"rgb\" \"integer xresolution\" [40] \"integer yresolution\" [20]\nWorldBegin\n"
-        "LightSource \"point\" \"point3 from\" [0 1 2]\nLightSource \"point\" \"point3 from\" [1 0 2]\n"
-        "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
-    put("s.pbrt",
-        "# lightcuts scene cornell --lights 1\n" HEAD "LightSource \"point\" \"point3 from\" [0 1 2]\n"
-        "LightSource \"point\" \"point3 from\" [1 1 2]\nInclude \"leaf.pbrt\"\n");
-    put("bare.pbrt", HEAD "LightSource \"point\"\n");
-    put("leaf.pbrt", "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
+    file_text("tiles.pbrt",
+              "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50]\n"
+              "Film \"rgb\" \"integer xresolution\" [40] \"integer yresolution\" [20]\nWorldBegin\n"
+              "LightSource \"point\" \"point3 from\" [0 1 2]\nLightSource \"point\" \"point3 from\" [1 0 2]\n"
+              "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
+    file_text("s.pbrt",
+              "# lightcuts scene cornell --lights 1\n" HEAD "LightSource \"point\" \"point3 from\" [0 1 2]\n"
+              "LightSource \"point\" \"point3 from\" [1 1 2]\nInclude \"leaf.pbrt\"\n");
+    file_text("bare.pbrt", HEAD "LightSource \"point\"\n");
+    file_text("leaf.pbrt", "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
     make_new();
     make_mesh();
     make_parts();
@@ -361,8 +341,8 @@ static void count_errors(void *user, lc_log_level level, const char *text)
     if (level == LC_LOG_ERROR) n_errors++;
 }
 
-/* A call that failed says so, where all memory is gone perhaps twice, and leaves NULL; what was made is kept
- * to be destroyed. */
+/* A call that fails logs at least one error and gives NULL; one that succeeds logs none and gives something,
+ * which is destroyed at the end. */
 #define CALL(call, out)                                                                                      \
     do {                                                                                                     \
         n_errors = 0;                                                                                        \
@@ -416,20 +396,14 @@ static int call_library(void)
 
 /* ---- one run ---- */
 
+static int remove_below(const char *path, const struct stat *st, int type, struct FTW *at)
+{
+    return at->level ? temp_remove(path, st, type, at) : 0;
+}
+
 static void empty_folder(const char *path)
 {
-    DIR *d = opendir(path);
-    if (!d) return;
-    for (struct dirent *e; (e = readdir(d));) {
-        char name[512];
-        if (!strcmp(e->d_name, ".") || !strcmp(e->d_name, "..")) continue;
-        snprintf(name, sizeof name, "%s/%s", path, e->d_name);
-        if (unlink(name) && errno == EISDIR) {
-            empty_folder(name);
-            rmdir(name);
-        }
-    }
-    closedir(d);
+    if (nftw(path, remove_below, 16, FTW_DEPTH | FTW_PHYS)) abort();
 }
 
 static void child(const char *const args[MAX_ARGS], const fault_plan *plan)
@@ -450,19 +424,20 @@ static void child(const char *const args[MAX_ARGS], const fault_plan *plan)
 
 static void prepare(const command *c)
 {
-    size_t n;
     empty_folder(".");
-    for (int i = 0; i < 4 && c->outputs[i]; i++) put(c->outputs[i], OLD);
+    for (int i = 0; i < 4 && c->outputs[i]; i++) file_text(c->outputs[i], OLD);
     for (int i = 0; i < 2 && c->from[i][0]; i++) {
         char name[64];
         snprintf(name, sizeof name, "../in/%s", c->from[i][0]);
-        const char *data = load(name, &n);
+        size_t n;
+        char *data = file_read(name, &n);
         if (!data) abort();
-        put_bytes(c->from[i][1], data, n);
+        file_write(c->from[i][1], data, n);
+        free(data);
     }
 }
 
-/* The exit status; 128 + signal. */
+/* Runs a command in a process of its own. Returns its exit status, or 128 + signal. */
 static int run(const char *const args[MAX_ARGS], const fault_plan *plan)
 {
     int status;
@@ -493,18 +468,34 @@ static int run(const char *const args[MAX_ARGS], const fault_plan *plan)
 
 /* ---- what must hold after it ---- */
 
+/* The file has the content of the file `want`. */
 static bool holds(const char *path, const char *want)
 {
     size_t n, m;
-    const char *a = load(path, &n), *b = load(want, &m);
-    return a && b && n == m && !memcmp(a, b, n);
+    char *a = file_read(path, &n), *b = file_read(want, &m);
+    bool same = a && b && n == m && !memcmp(a, b, n);
+    free(a);
+    free(b);
+    return same;
 }
 
 static bool holds_old(const char *path)
 {
     size_t n;
-    const char *a = load(path, &n);
-    return a && n == strlen(OLD) && !memcmp(a, OLD, n);
+    char *a = file_read(path, &n);
+    bool same = a && n == strlen(OLD) && !memcmp(a, OLD, n);
+    free(a);
+    return same;
+}
+
+/* stdout and stderr of the last run, up to the next call. */
+static const char *what_it_said(void)
+{
+    static char *text;
+    size_t n;
+    free(text);
+    text = file_read("../said", &n);
+    return text ? text : "";
 }
 
 static int count_of(const char *text, const char *word)
@@ -540,41 +531,39 @@ static bool outputs_hold(const command *c, bool may_be_old)
     return true;
 }
 
-/* NULL when all is well. */
+/* Why a run is wrong; NULL when it is right. */
 static const char *judge(const command *c, const fault_plan *plan, int status)
 {
     static const char *const bad_words[] = { "Sanitizer", "runtime error", "assert" };
-    size_t n;
-    const char *said = load("../said", &n);
+    const char *said = what_it_said();
     if (status == 128 + SIGALRM) return "it hangs";
     if (status > 128) return "it crashes";
     if (status != 0 && status != 1 && status != 3) return "wrong exit status";
-    if (plan->class == FAULT_ALLOC && status == 3) return "no memory is taken for wrong input";
+    if (plan->class == FAULT_ALLOC && status == 3) return "a lack of memory has the status of wrong input";
     if (plan->class == FAULT_THREAD && status) return "it needs threads";
     for (int i = 0; i < 3; i++)
-        if (said && strstr(said, bad_words[i])) return bad_words[i];
-    int errors = said ? count_of(said, "error: ") : 0;
+        if (strstr(said, bad_words[i])) return bad_words[i];
+    int errors = count_of(said, "error: ");
     if (status && c->args[0] && errors != 1) return errors ? "more than one message" : "no message";
     if (!status && errors) return "an error, but status 0";
     if (!seen->stays && has_leftovers(".")) return "temporary files stay";
     return outputs_hold(c, status != 0) ? NULL : "a broken file";
 }
 
-/* Goes on where a command with faults ended. */
+/* Runs the command again after one with faults; why it is wrong, or NULL. */
 static const char *judge_again(const command *c)
 {
     fault_plan none = { .class = FAULT_ALLOC };
     if (!c->again[0]) return NULL;
     int status = run(c->again, &none);
-    if (status) return "what it leaves cannot be gone on with";
-    return outputs_hold(c, false) ? NULL : "a wrong file when gone on with";
+    if (status) return "a second run fails";
+    return outputs_hold(c, false) ? NULL : "a second run leaves a wrong file";
 }
 
 static void show_said(void)
 {
-    size_t n;
-    const char *said = load("../said", &n);
-    printf("    %.600s\n", said && n ? said : "it says nothing");
+    const char *said = what_it_said();
+    printf("    %.600s\n", *said ? said : "it says nothing");
 }
 
 static bool try_plan(const command *c, const fault_plan *plan)
@@ -595,8 +584,8 @@ static bool try_plan(const command *c, const fault_plan *plan)
     return false;
 }
 
-/* Is the call the first of a site in a run without faults? Of commands that take long, of a site that did not
- * fail in others. */
+/* Whether the call is the first of its site in the run without faults. For commands that take long: of a site
+ * that did not fail in other commands. */
 static bool is_first(const command *c, fault_class class, long nth)
 {
     uint32_t i = 0, before = 0;
@@ -607,13 +596,13 @@ static bool is_first(const command *c, fault_class class, long nth)
     return before == total.n_failed[class] || !c->bounded || all_points;
 }
 
-/* Every call of a class in turn, or the first of each site and about `most` others. */
+/* Lets calls of a class fail: the first of each site and about `most` others; most 0: every call. */
 static void try_class(const command *c, fault_class class, int err, long most)
 {
     long calls = faultless.calls[class], step = most && calls > most ? calls / most : 1;
     for (long nth = 1; nth <= calls; nth++) {
         if (nth % step && (UNDER_TSAN || !is_first(c, class, nth))) continue;
-        /* Who is always interrupted tries again for ever, and may. */
+        /* A call that is always interrupted may be repeated for ever. */
         for (int ever = 0; ever < (err == EINTR ? 1 : 2); ever++) {
             fault_plan plan = { .class = class, .nth = nth, .ever = ever, .err = err };
             try_plan(c, &plan);
@@ -651,12 +640,10 @@ static void try_command(const command *c)
             try_class(c, FAULT_IO, errs[i], most);
         try_class(c, FAULT_THREAD, EAGAIN, most);
         for (size_t k = 1; k <= 7; k += all_points ? 1 : 6) {
-            /* a report reads the program, megabytes */
+            /* Reports read the program, which has megabytes. */
             fault_plan few = { .class = FAULT_IO, .most = c->bounded ? 4001 * k : k, .stutter = k % 2 };
             if (try_plan(c, &few)) CHECKF(!seen->failed, "short transfers of %zu", k);
-            size_t n;
-            CHECKF(!strstr(load("../said", &n), "error: "), "%s: fails with transfers of %zu bytes", c->name,
-                   k);
+            CHECKF(!strstr(what_it_said(), "error: "), "%s: fails with transfers of %zu bytes", c->name, k);
         }
     }
     if (test_bad) test_failed++;
@@ -666,7 +653,7 @@ static void try_command(const command *c)
     fflush(stdout);
 }
 
-/* An address a line. */
+/* Writes a line for each site, its address. */
 static void write_sites(const char *path)
 {
     FILE *f = path ? fopen(path, "w") : NULL;
@@ -687,7 +674,7 @@ static int try_one(char **argv)
             prepare(&commands[i]);
             if (run(commands[i].args, &none)) show_said();
             keep_outputs(&commands[i]);
-            printf("%s: %s\n", dir, try_plan(&commands[i], &plan) ? "well" : "not well");
+            printf("%s: %s\n", temp_folder, try_plan(&commands[i], &plan) ? "well" : "not well");
         }
     return 0;
 }
@@ -696,11 +683,8 @@ int __wrap_main(int argc, char **argv)
 {
     const char *sites = getenv("FAULT_SITES");
     all_points = argc > 1 && !strcmp(argv[1], "--all");
-    /* Memory where there is such a folder: a disk takes its time to be synced. */
-    snprintf(dir, sizeof dir, "%s/lightcuts-faults-XXXXXX",
-             access("/dev/shm", W_OK | X_OK) ? "/tmp" : "/dev/shm");
-    if (!mkdtemp(dir) || chdir(dir) || mkdir("in", 0777) || mkdir("run", 0777) || mkdir("want", 0777) ||
-        chdir("in"))
+    temp_begin();
+    if (chdir(temp_folder) || mkdir("in", 0777) || mkdir("run", 0777) || mkdir("want", 0777) || chdir("in"))
         abort();
     unsetenv("LC_ISA");
     setenv("SOURCE_DATE_EPOCH", "0", 1);
@@ -715,15 +699,8 @@ int __wrap_main(int argc, char **argv)
            "operations met %u, failed %u\n",
            runs, points[0], points[1], points[2], total.n_sites[FAULT_IO], total.n_failed[FAULT_IO]);
     write_sites(sites);
-    if (chdir("..")) abort();
-    empty_folder("in");
-    empty_folder("run");
-    empty_folder("want");
-    empty_folder(".");
-    rmdir("in");
-    rmdir("run");
-    rmdir("want");
-    if (!chdir("/")) rmdir(dir);
+    if (chdir("/")) abort();
+    temp_end();
     munmap(seen, sizeof *seen);
     return test_done();
 }

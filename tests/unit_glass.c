@@ -1,37 +1,13 @@
-/* unit_glass.c - Fresnel's equations, glass seen from the camera, total reflection, depth, light that comes
- * through diffusely. */
+/* unit_glass.c - Fresnel's equations in doubles against the library's; glass seen from the camera against
+ * what they give for a sheet and a slab; refraction, total reflection, depth, diffuse transmission. */
 #include "scene/sight.h"
 #include "shade/fresnel.h"
-#include "support/test.h"
+#include "support/near.h"
+#include "support/scene_text.h"
 
-#include <stdarg.h>
-#include <stdlib.h>
-#include <unistd.h>
-
-static char path[64], text[1 << 14];
 static lc_context *ctx;
 
-static void complain(void *user, lc_log_level level, const char *line)
-{
-    (void)user;
-    if (level == LC_LOG_ERROR) fprintf(stderr, "%s\n", line);
-}
-
-static lc_scene *load(const char *fmt, ...) __attribute__((format(printf, 1, 2)));
-static lc_scene *load(const char *fmt, ...)
-{
-    lc_load_desc ld = LC_LOAD_DESC_INIT;
-    lc_scene *scene;
-    va_list args;
-    va_start(args, fmt);
-    vsnprintf(text, sizeof text, fmt, args);
-    va_end(args);
-    FILE *f = fopen(path, "w");
-    if (!f || fputs(text, f) < 0 || fclose(f)) abort();
-    lc_status st = lc_scene_load(ctx, path, &ld, &scene);
-    CHECKF(!st, "%s", lc_status_name(st));
-    return scene;
-}
+#define LOAD(...) scene_from_text(ctx, NULL, __VA_ARGS__)
 
 /* The green of the middle pixel; destroys the scene. */
 static double green(lc_scene *scene, uint32_t max_depth, lc_render_stats *stats)
@@ -48,17 +24,16 @@ static double green(lc_scene *scene, uint32_t max_depth, lc_render_stats *stats)
     return g;
 }
 
-static bool near(double a, double b, double slack) { return fabs(a - b) <= slack; }
-
 #define HEAD                                                                                                 \
     "Film \"rgb\" \"integer xresolution\" 3 \"integer yresolution\" 3\nSampler \"independent\" \"integer "   \
     "pixelsamples\" 1\n"                                                                                     \
     "Camera \"perspective\" \"float fov\" 1\nWorldBegin\n"
-/* x and y from -s to s at depth z; the normal towards -z, or with ReverseOrientation towards +z */
+/* A square, x and y from -s to s at depth z, whose normal is -z, or +z with ReverseOrientation. */
 #define WALL(s, z)                                                                                           \
     "Shape \"trianglemesh\" \"point3 P\" [-" s " -" s " " z " -" s " " s " " z " " s " " s " " z " " s       \
     " -" s " " z "]"                                                                                         \
     " \"integer indices\" [0 1 2 0 2 3]\n"
+/* A square that emits to both sides. */
 #define LAMP(z)                                                                                              \
     "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true Material "          \
     "\"diffuse\" "                                                                                           \
@@ -66,46 +41,48 @@ static bool near(double a, double b, double slack) { return fabs(a - b) <= slack
 
 TEST(fresnel)
 {
-    CHECK(near((double)lc_fresnel_dielectric(1, 1.5f), 0.04, 1e-7) &&
-          near((double)lc_fresnel_dielectric(1, 1 / 1.5f), 0.04, 1e-6));
-    CHECK(near((double)lc_fresnel_dielectric(0, 1.5f), 1, 0) &&
-          near((double)lc_fresnel_dielectric(0.5f, 1 / 1.5f), 1, 0));
+    CHECK(near_abs((double)lc_fresnel_dielectric(1, 1.5f), 0.04, 1e-7) &&
+          near_abs((double)lc_fresnel_dielectric(1, 1 / 1.5f), 0.04, 1e-6));
+    CHECK(near_abs((double)lc_fresnel_dielectric(0, 1.5f), 1, 0) &&
+          near_abs((double)lc_fresnel_dielectric(0.5f, 1 / 1.5f), 1, 0));
     for (int i = 1; i <= 40; i++) {
         double c = i / 40., eta = 1.33, ct = sqrt(1 - (1 - c * c) / (eta * eta));
         double s = (c - eta * ct) / (c + eta * ct), p = (eta * c - ct) / (eta * c + ct),
                f = (s * s + p * p) / 2;
-        CHECK(near((double)lc_fresnel_dielectric((float)c, (float)eta), f, 1e-6));
-        /* Back along the same way. */
-        CHECK(near((double)lc_fresnel_dielectric((float)ct, (float)(1 / eta)), f, 5e-5));
-        CHECK(near((double)lc_fresnel_conductor((float)c, (float)eta, 0), f, 1e-6)); /* no absorption */
+        CHECK(near_abs((double)lc_fresnel_dielectric((float)c, (float)eta), f, 1e-6));
+        /* In the other direction along the same path. */
+        CHECK(near_abs((double)lc_fresnel_dielectric((float)ct, (float)(1 / eta)), f, 5e-5));
+        CHECK(near_abs((double)lc_fresnel_conductor((float)c, (float)eta, 0), f,
+                       1e-6)); /* a conductor without absorption */
     }
-    CHECK(near((double)lc_fresnel_conductor(1, 0.2f, 3.9f), (0.64 + 15.21) / (1.44 + 15.21), 1e-6));
-    CHECK(near((double)lc_fresnel_conductor(0, 0.2f, 3.9f), 1, 1e-6));
+    CHECK(near_abs((double)lc_fresnel_conductor(1, 0.2f, 3.9f), (0.64 + 15.21) / (1.44 + 15.21), 1e-6));
+    CHECK(near_abs((double)lc_fresnel_conductor(0, 0.2f, 3.9f), 1, 1e-6));
     for (float c = 0; c < 1; c += 0.0007f)
         for (float e = 1e-3f; e < 2; e *= 1.37f)
             CHECK(lc_fresnel_conductor(c, 1, e * 1e-4f) >= 0 && lc_fresnel_conductor(c, e, 0) >= 0);
     lc_material m = { .ks = { 0.5f, 0.2f, 0 }, .fresnel = LC_FRESNEL_SCHLICK };
-    CHECK(near((double)lc_reflectance(&m, 1, false).y, 0.2, 1e-7) &&
-          near((double)lc_reflectance(&m, 0, false).z, 1, 1e-7));
+    CHECK(near_abs((double)lc_reflectance(&m, 1, false).y, 0.2, 1e-7) &&
+          near_abs((double)lc_reflectance(&m, 0, false).z, 1, 1e-7));
     m.fresnel = LC_FRESNEL_DIELECTRIC;
     m.eta = lc_f3_make(1.5f, 1.5f, 1.5f);
-    CHECK(near((double)lc_reflectance(&m, 1, false).x, 0.02, 1e-7) &&
-          near((double)lc_reflectance(&m, 0.5f, true).y, 0.2, 1e-7));
+    CHECK(near_abs((double)lc_reflectance(&m, 1, false).x, 0.02, 1e-7) &&
+          near_abs((double)lc_reflectance(&m, 0.5f, true).y, 0.2, 1e-7));
 }
 
-/* A sheet before a lamp: all orders of reflection between its sides are in it. */
+/* A thin sheet in front of a lamp reflects r, the sum over all orders of reflection between its two sides. */
 TEST(sheet)
 {
     const double r = 2 * 0.04 / 1.04;
     const char *scene = HEAD LAMP("6") "Material \"thindielectric\" \"float eta\" 1.5\n" WALL("9", "2");
-    CHECK(near(green(load("%s", scene), 5, NULL), 1 - r, 1e-4));
-    CHECK(near(green(load("%s" LAMP("-3"), scene), 5, NULL), 1, 1e-4)); /* white all around */
-    CHECK(near(green(load("%s Translate 0 0 1\n" WALL("9", "2"), scene), 2, NULL), (1 - r) * (1 - r), 1e-4));
-    CHECK(near(green(load("%s Translate 0 0 1\n" WALL("9", "2"), scene), 1, NULL), 0, 0));
+    CHECK(near_abs(green(LOAD("%s", scene), 5, NULL), 1 - r, 1e-4));
+    CHECK(near_abs(green(LOAD("%s" LAMP("-3"), scene), 5, NULL), 1, 1e-4)); /* the camera sees 1 everywhere */
+    CHECK(near_abs(green(LOAD("%s Translate 0 0 1\n" WALL("9", "2"), scene), 2, NULL), (1 - r) * (1 - r),
+                   1e-4));
+    CHECK(near_abs(green(LOAD("%s Translate 0 0 1\n" WALL("9", "2"), scene), 1, NULL), 0, 0));
 }
 
-/* Two boundaries: radiance that is divided by eta^2 on the way in is multiplied on the way out. Depth counts
- * each. */
+/* Two boundaries: radiance is divided by eta^2 at the first and multiplied by it at the second. Each counts
+ * for the depth. */
 TEST(slab)
 {
     const double r = 0.04, t2 = 0.96 * 0.96;
@@ -113,17 +90,17 @@ TEST(slab)
         "6") "Material \"dielectric\"\n" WALL("9", "2") "ReverseOrientation\n" WALL("9", "3");
     double want[5] = { 0, 0, t2, t2, t2 };
     for (uint32_t depth = 1; depth < 5; depth++)
-        CHECKF(near(green(load("%s", scene), depth, NULL), want[depth], 2e-3), "depth %u", depth);
-    CHECK(near(green(load("%s", scene), 50, NULL), t2 / (1 - r * r), 2e-3));
-    CHECK(near(green(load("%s" LAMP("-3"), scene), 50, NULL), 1, 4e-3));
-    /* what is lit in glass looks eta^2 times darker */
+        CHECKF(near_abs(green(LOAD("%s", scene), depth, NULL), want[depth], 2e-3), "depth %u", depth);
+    CHECK(near_abs(green(LOAD("%s", scene), 50, NULL), t2 / (1 - r * r), 2e-3));
+    CHECK(near_abs(green(LOAD("%s" LAMP("-3"), scene), 50, NULL), 1, 4e-3));
+    /* A lamp inside the glass looks eta^2 times darker. */
     scene = HEAD "Material \"glass\" \"float index\" 1.5 \"rgb Kt\" [.5 .5 .5]\n" WALL("9", "2") LAMP("6");
-    CHECK(near(green(load("%s", scene), 3, NULL), 0.96 * 0.5 / 2.25, 1e-4));
+    CHECK(near_abs(green(LOAD("%s", scene), 3, NULL), 0.96 * 0.5 / 2.25, 1e-4));
 }
 
 static lc_scene *floor_below(const char *more)
 {
-    return load(HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\nMaterial \"diffuse\"\n" WALL("90", "6")
+    return LOAD(HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\nMaterial \"diffuse\"\n" WALL("90", "6")
                     WALL("90", "-6") "%s",
                 more);
 }
@@ -136,16 +113,17 @@ TEST(refraction_and_total_reflection)
     static lc_sight s;
     lc_f3 dir = lc_f3_normalize_d(1, 0, 1);
     if (scene) {
-        /* Along x in the slab; 1 / 1 elsewhere. */
+        /* The path advances by `shift` along x in the slab of thickness 1, and by 1 for each unit of z
+         * outside of it. */
         double sine = sqrt(0.5) / 1.5, shift = sine / sqrt(1 - sine * sine);
         CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, 0, 9, &s) && s.n_lit > 2);
-        CHECKF(s.lit[0].n_mirrors == 2 && near((double)s.lit[0].surface.pos.x, 5 + shift, 1e-3),
+        CHECKF(s.lit[0].n_mirrors == 2 && near_abs((double)s.lit[0].surface.pos.x, 5 + shift, 1e-3),
                "%u %g %g %g", s.lit[0].n_mirrors, (double)s.lit[0].surface.pos.x,
                (double)s.lit[0].surface.pos.z, 5 + shift);
         double f = (double)lc_fresnel_dielectric((float)sqrt(0.5), 1.5f);
-        CHECK(near((double)s.lit[0].weight.x, (1 - f) * (1 - f), 1e-5) &&
-              near((double)s.lit[1].weight.x, f, 1e-5));
-        /* from inside, beyond the critical angle of 41.8 degrees, and below */
+        CHECK(near_abs((double)s.lit[0].weight.x, (1 - f) * (1 - f), 1e-5) &&
+              near_abs((double)s.lit[1].weight.x, f, 1e-5));
+        /* From inside the slab, at an angle beyond the critical one of 41.8 degrees, and at one below it. */
         CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 2.5f), dir, 0, 9, &s) && s.n_lit == 0 && s.n_rays == 9);
         CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 2.5f), lc_f3_normalize_d(0.5, 0, 1), 0, 9, &s) &&
               s.lit[0].n_mirrors == 1);
@@ -154,7 +132,7 @@ TEST(refraction_and_total_reflection)
     lc_scene_destroy(scene);
 }
 
-/* Twenty sheets: the list of what is lit has an end, the strongest is first. */
+/* Twenty sheets: the list of surfaces seen is bounded, and the one of the greatest weight is first. */
 TEST(many_sheets)
 {
     char more[4096] = "Material \"thindielectric\" \"float eta\" 1.8\n";
@@ -177,24 +155,21 @@ TEST(many_sheets)
     lc_scene_destroy(scene);
 }
 
-/* A leaf, lit from the camera's side, from behind, and in a sheet's reflection. */
+/* A leaf with a light on the camera's side, and with one behind it. */
 TEST(leaf)
 {
     const char *leaf = HEAD "LightSource \"point\" \"point3 from\" [0 0 %d] \"rgb I\" [1 1 1]\n"
                             "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb "
                             "transmittance\" [.1 .1 .1]\n" WALL("9", "2");
     lc_render_stats stats;
-    CHECK(near(green(load(leaf, 0), 1, &stats), 0.4 / LC_PI / 4, 1e-6) && stats.points == 18);
-    CHECK(near(green(load(leaf, 4), 1, &stats), 0.1 / LC_PI / 4, 1e-6));
+    CHECK(near_abs(green(LOAD(leaf, 0), 1, &stats), 0.4 / LC_PI / 4, 1e-6) && stats.points == 18);
+    CHECK(near_abs(green(LOAD(leaf, 4), 1, &stats), 0.1 / LC_PI / 4, 1e-6));
 }
 
 int main(void)
 {
-    lc_context_desc cd = LC_CONTEXT_DESC_INIT;
-    cd.log = complain;
-    cd.n_threads = 2;
-    snprintf(path, sizeof path, "/tmp/unit_glass.%ld", (long)getpid());
-    if (lc_context_create(&cd, &ctx)) return 1;
+    ctx = quiet_context(2);
+    temp_begin();
     RUN(fresnel);
     RUN(sheet);
     RUN(slab);
@@ -202,6 +177,6 @@ int main(void)
     RUN(many_sheets);
     RUN(leaf);
     lc_context_destroy(ctx);
-    remove(path);
+    temp_end();
     return test_done();
 }

@@ -1,28 +1,12 @@
-/* unit_gunzip.c - gzip data in place of plain files: scenes, includes and meshes, and every way they can be
- * damaged. */
-#include "pbrt/parse.h"
+/* unit_gunzip.c - gzip data in place of plain files: what zlib packed is read back as it was, in pieces of
+ * any size, as scene, include and mesh; and every prefix and every flipped bit is noticed. */
 #include "pbrt/ply.h"
-#include "scene/scene.h"
-#include "support/poor.h"
-#include "support/test.h"
+#include "support/one_scene.h"
+#include "support/watched_memory.h"
 
-#include <stdlib.h>
-#include <unistd.h>
 #include <zlib.h>
 
-static char last_error[4096], dir[] = "/tmp/lc_gunzip_XXXXXX";
-static int n_errors;
-static lc_context *ctx;
-
-static void log_to_buffer(void *user, lc_log_level level, const char *text)
-{
-    (void)user;
-    if (level != LC_LOG_ERROR) return;
-    n_errors++;
-    snprintf(last_error, sizeof last_error, "%s", text);
-}
-
-/* One member. The caller frees it. */
+/* One gzip member with the data. The caller frees it. */
 static unsigned char *packed(const void *data, size_t n, size_t *len)
 {
     z_stream z = { 0 };
@@ -39,7 +23,7 @@ static unsigned char *packed(const void *data, size_t n, size_t *len)
     return out;
 }
 
-/* The text of a scene with n points, which is longer than a window. */
+/* The text of a scene with n point lights. */
 static char *long_scene(int n)
 {
     char *text = malloc(64 + (size_t)n * 64), *to = text;
@@ -102,14 +86,14 @@ TEST(members_and_padding)
     free(two);
 }
 
-/* No prefix and no flipped bit passes as the whole. */
+/* No prefix is accepted, and no flipped bit changes the data without an error. */
 TEST(damaged)
 {
     char text[] = "WorldBegin Translate 1 2 3 # a scene", out[4096];
     size_t n, total;
     unsigned char *gz = packed(text, sizeof text, &n);
     for (size_t i = 2; i < n; i++) {
-        n_errors = 0;
+        log_clear();
         CHECKF(read_memory(gz, i, 64, out, sizeof out, &total) == LC_ERR_PARSE && n_errors == 1, "%zu bytes",
                i);
     }
@@ -117,9 +101,9 @@ TEST(damaged)
            last_error);
     for (size_t i = 16; i < 8 * n; i++) {
         gz[i / 8] ^= (unsigned char)(1 << i % 8);
-        n_errors = 0;
+        log_clear();
         lc_status st = read_memory(gz, n, 64, out, sizeof out, &total);
-        /* time and system in the header, bits before the checksum say nothing */
+        /* Bits of the header's time and system, and padding before the checksum, may have any value. */
         CHECKF(st ? n_errors == 1 : total == sizeof text && !memcmp(out, text, total), "bit %zu: status %d",
                i, st);
         gz[i / 8] ^= (unsigned char)(1 << i % 8);
@@ -129,36 +113,16 @@ TEST(damaged)
 
 /* ---- files ---- */
 
-static const char *path_of(const char *name)
-{
-    static char path[2][128];
-    static int i;
-    i = !i;
-    snprintf(path[i], sizeof path[i], "%s/%s", dir, name);
-    return path[i];
-}
-
+/* The text packed, without its last `cut` bytes. */
 static void write_packed(const char *name, const char *text, size_t cut)
 {
     size_t n;
     unsigned char *gz = packed(text, strlen(text), &n);
-    FILE *f = fopen(path_of(name), "wb");
-    if (!f || fwrite(gz, 1, n - cut, f) != n - cut || fclose(f)) abort();
+    file_write(temp_path(name), gz, n - cut);
     free(gz);
 }
 
-static lc_status load(const char *name, size_t *n_lights, size_t *n_tris)
-{
-    lc_scene *s;
-    last_error[0] = 0;
-    n_errors = 0;
-    if (lc_scene_create(ctx, &s)) abort();
-    lc_status st = lc_pbrt_parse(s, path_of(name));
-    *n_lights = s->n_lights;
-    *n_tris = s->n_tris;
-    lc_scene_destroy(s);
-    return st;
-}
+static lc_status parse_named(const char *name) { return parse_file(temp_path(name)); }
 
 #define PLY                                                                                                  \
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"        \
@@ -166,30 +130,25 @@ static lc_status load(const char *name, size_t *n_lights, size_t *n_tris)
 
 TEST(scenes_includes_and_meshes)
 {
-    size_t n_lights, n_tris;
     char *text = long_scene(20000);
-    write_packed("lights.pbrt", text + strlen("WorldBegin"), 0); /* a plain name */
+    write_packed("lights.pbrt", text + strlen("WorldBegin"), 0); /* packed, but not named .gz */
     write_packed("m.ply.gz", PLY, 0);
     write_packed("s.pbrt.gz",
                  "WorldBegin Include \"lights.pbrt\" Shape \"plymesh\" \"string filename\" \"m.ply.gz\"", 0);
-    CHECKF(load("s.pbrt.gz", &n_lights, &n_tris) == LC_OK && n_lights == 20000 && n_tris == 1, "%s",
+    CHECKF(parse_named("s.pbrt.gz") == LC_OK && scene->n_lights == 20000 && scene->n_tris == 1, "%s",
            last_error);
-    if (!freopen(path_of("s.pbrt.gz"), "rb", stdin)) abort();
-    if (chdir(dir)) abort();
-    lc_scene *s;
-    if (lc_scene_create(ctx, &s)) abort();
-    CHECKF(lc_pbrt_parse(s, "-") == LC_OK && s->n_lights == 20000, "%s", last_error);
-    lc_scene_destroy(s);
+    if (!freopen(temp_path("s.pbrt.gz"), "rb", stdin)) abort();
+    if (chdir(temp_folder)) abort();
+    CHECKF(parse_file("-") == LC_OK && scene->n_lights == 20000, "%s", last_error);
     write_packed("bad.pbrt.gz", "WorldBegin\n Translate 1 2", 0);
-    CHECK(load("bad.pbrt.gz", &n_lights, &n_tris) == LC_ERR_PARSE);
+    CHECK(parse_named("bad.pbrt.gz") == LC_ERR_PARSE);
     CHECKF(strstr(last_error, "bad.pbrt.gz:2:15: error: Translate"), "%s", last_error);
     free(text);
 }
 
-static void expect(const char *scene, const char *message)
+static void expect(const char *name, const char *message)
 {
-    size_t n_lights, n_tris;
-    CHECK(load(scene, &n_lights, &n_tris) == LC_ERR_PARSE && n_errors == 1);
+    CHECK(parse_named(name) == LC_ERR_PARSE && n_errors == 1);
     CHECKF(strstr(last_error, message), "%s", last_error);
 }
 
@@ -210,32 +169,21 @@ TEST(damaged_files_are_named)
 
 /* ---- memory ---- */
 
-static lc_status fill(lc_scene *s)
-{
-    return lc_pbrt_parse(s, path_of("s.pbrt.gz"));
-}
+static lc_status parse_starved(lc_context *c) { return parse_file_in(c, temp_path("s.pbrt.gz")); }
 
-TEST(every_allocation_fails_in_turn)
-{
-    lc_status st;
-    long n = fill_while_poor(fill, &st);
-    CHECKF(st == LC_OK && n > 10, "status %d after %ld", st, n);
-}
+TEST(every_allocation_may_fail) { starve(parse_starved, 10); }
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.log = log_to_buffer;
-    if (!mkdtemp(dir) || lc_context_create(&desc, &ctx)) return 1;
+    ctx = quiet_context(0);
+    temp_begin();
     RUN(pieces_of_any_size);
     RUN(members_and_padding);
     RUN(damaged);
     RUN(scenes_includes_and_meshes);
     RUN(damaged_files_are_named);
-    RUN(every_allocation_fails_in_turn);
-    lc_context_destroy(ctx);
-    char clean[64];
-    snprintf(clean, sizeof clean, "rm -r %s", dir);
-    if (system(clean)) printf("could not remove %s\n", dir);
+    RUN(every_allocation_may_fail);
+    one_scene_end();
+    temp_end();
     return test_done();
 }

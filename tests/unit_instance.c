@@ -1,31 +1,25 @@
-/* unit_instance.c - objects that share triangles: a scene of instances against its twin of copies, matrices
- * of all kinds, every instruction set and company of rays, many instances, and too little memory. */
-#include "base/rng.h"
-#include "image/image.h"
-#include "pbrt/parse.h"
-#include "prepare/commit.h"
+/* unit_instance.c - instances that share the triangles of an object: rays, shadow rays and pictures of a
+ * scene of instances against its twin, in which every object is a mesh of its own; transforms that cannot be
+ * instanced; every instruction set against plain C; many instances. */
 #include "scene/instance.h"
 #include "scene/surface.h"
 #include "support/isas.h"
-#include "support/poor.h"
-#include "support/test.h"
-
-#include <stdarg.h>
+#include "support/near.h"
+#include "support/pictures.h"
+#include "support/rnd.h"
+#include "support/scene_text.h"
+#include "support/watched_memory.h"
+#include "trace/bvh.h"
 
 static lc_context *ctx;
-static uint64_t rnd_state = 1;
-static char *text;
-static size_t text_len;
-static double bump = 0.2; /* of the shape; 0: a ball, convex */
-static FILE *out;
+static double bump = 0.2; /* depth of the shape's waist; 0: the shape is a ball, convex */
+static FILE *out;         /* the scene file, from begin to load */
 
-static double rnd(double lo, double hi) { return lo + (hi - lo) * lc_unit(lc_hash4(7, rnd_state++, 0, 0)); }
-
+/* The head of a scene file. */
 static void begin(const char *camera)
 {
-    free(text);
-    text = NULL;
-    out = open_memstream(&text, &text_len);
+    out = fopen(scene_path(), "w");
+    if (!out) abort();
     fprintf(out,
             "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n%s Camera \"perspective\" "
             "\"float fov\" 60\n"
@@ -35,26 +29,18 @@ static void begin(const char *camera)
             camera);
 }
 
-static lc_status load_in(lc_context *c, lc_scene **s)
-{
-    lc_load_desc desc = LC_LOAD_DESC_INIT;
-    desc.area_lights = desc.env_lights = 64;
-    desc.n_reps = 1;
-    lc_status st = lc_scene_create(c, s);
-    if (!st) st = lc_pbrt_parse_memory(*s, "s", text, text_len);
-    return st ? st : lc_scene_commit(*s, &desc);
-}
+static const lc_load_desc few_lights = {
+    .size = sizeof few_lights, .area_lights = 64, .env_lights = 64, .n_reps = 1
+};
 
+/* The scene of the file since begin. */
 static lc_scene *load(void)
 {
-    lc_scene *s;
-    fclose(out);
-    lc_status st = load_in(ctx, &s);
-    CHECKF(st == LC_OK, "status %d", st);
-    return s;
+    if (fclose(out)) abort();
+    return scene_from_file(ctx, &few_lights, scene_path());
 }
 
-/* A sphere of n * n quads with a bump, as a mesh in explicit numbers: no larger than 1. */
+/* A sphere of radius 1 with a waist, as a mesh of n * n quads. */
 static void put_shape(uint32_t n, bool normals)
 {
     fprintf(out, "Shape \"trianglemesh\" \"point3 P\" [");
@@ -78,22 +64,22 @@ static void put_shape(uint32_t n, bool normals)
     fprintf(out, "]\n");
 }
 
-/* Rotated, stretched, every third mirrored. */
+/* A random place, rotation and scale; every third is mirrored. */
 static void put_matrix(double spread)
 {
-    double f = rnd(0, 3) < 1 ? -1 : 1;
+    double f = rnd() < 1. / 3 ? -1 : 1;
     fprintf(out, "Translate %.9g %.9g %.9g Rotate %.9g %.9g %.9g 1 Scale %.9g %.9g %.9g\n",
-            rnd(-spread, spread), rnd(-spread, spread), rnd(-spread, spread), rnd(0, 360), rnd(-1, 1),
-            rnd(-1, 1), f * rnd(0.3, 1.5), rnd(0.3, 1.5), rnd(0.3, 1.5));
+            rnd_in(-spread, spread), rnd_in(-spread, spread), rnd_in(-spread, spread), rnd_in(0, 360),
+            rnd_in(-1, 1), rnd_in(-1, 1), f * rnd_in(0.3, 1.5), rnd_in(0.3, 1.5), rnd_in(0.3, 1.5));
 }
 
 #define MATERIAL "Material \"matte\" \"texture Kd\" \"t\"\n"
 #define CAMERA "LookAt 0 0 -14 0 0 0 0 1 0"
 
-/* The same n objects as instances or as meshes of their own. */
+/* n objects, the same ones as instances (shared) or as meshes of their own. */
 static lc_scene *twin(uint32_t n, bool shared, bool normals)
 {
-    rnd_state = 1;
+    rng_ctr = 0;
     begin(CAMERA);
     fprintf(out, MATERIAL);
     if (shared) {
@@ -111,16 +97,6 @@ static lc_scene *twin(uint32_t n, bool shared, bool normals)
     return load();
 }
 
-static lc_f3 random_dir(void)
-{
-    for (;;) {
-        double x = rnd(-1, 1), y = rnd(-1, 1), z = rnd(-1, 1), d = x * x + y * y + z * z;
-        if (d > 0.01 && d < 1) return lc_f3_normalize_d(x, y, z);
-    }
-}
-
-static bool near3(lc_f3 a, lc_f3 b, float eps) { return lc_f3_max_abs(lc_f3_sub(a, b)) <= eps; }
-
 TEST(as_copies)
 {
     for (int normals = 0; normals < 2; normals++) {
@@ -132,12 +108,13 @@ TEST(as_copies)
         for (int i = 0; i < 20000; i++) {
             lc_surface p, q;
             lc_hit ha, hb;
-            lc_f3 o = lc_f3_make((float)rnd(-6, 6), (float)rnd(-6, 6), (float)rnd(-6, 6)), d = random_dir();
+            lc_f3 o = rnd_in_box(6), d = rnd_unit();
             const float org[3] = { o.x, o.y, o.z }, dir[3] = { d.x, d.y, d.z };
             a->bvh->kernels->closest(&a->bvh->data, org, dir, FLT_MAX, &ha);
             b->bvh->kernels->closest(&b->bvh->data, org, dir, FLT_MAX, &hb);
-            /* Normals of copies are scaled at each corner, so they mix a little differently. Rounding
-             * differs: at an outline a ray may hit one only, at an edge the neighbour. */
+            /* Rounding differs: at an outline a ray may hit only one of the two, at an edge the neighbouring
+             * triangle. Shading normals of copies are normalized at each corner and so interpolate a little
+             * differently. */
             if (ha.tri == LC_NONE || hb.tri == LC_NONE || ha.instance * 512 + ha.tri != hb.tri) {
                 n_other += ha.tri != hb.tri;
                 continue;
@@ -146,8 +123,8 @@ TEST(as_copies)
             CHECKF(fabsf(ha.t - hb.t) < 2e-5f && fabsf(ha.u - hb.u) < 1e-3f, "t %g %g", (double)ha.t,
                    (double)hb.t);
             CHECK(lc_surface_hit(a, o, d, 0, &p) && lc_surface_hit(b, o, d, 0, &q));
-            CHECK(near3(p.pos, q.pos, 2e-5f) && near3(p.ng, q.ng, 1e-5f) &&
-                  near3(p.n, q.n, normals ? 0.3f : 1e-5f));
+            CHECK(near_f3_abs(p.pos, q.pos, 2e-5) && near_f3_abs(p.ng, q.ng, 1e-5) &&
+                  near_f3_abs(p.n, q.n, normals ? 0.3 : 1e-5));
         }
         CHECKF(n_hits > 2000 && n_other <= 20, "%u hits, %u others", n_hits, n_other);
         lc_scene_destroy(a);
@@ -160,13 +137,13 @@ TEST(shadows)
     lc_scene *a = twin(200, true, false), *b = twin(200, false, false);
     uint32_t n_hidden = 0, n_other = 0;
     for (int i = 0; i < 1000; i++) {
-        float org[3] = { (float)rnd(-6, 6), (float)rnd(-6, 6), (float)rnd(-6, 6) }, t[3][70];
+        float org[3] = { (float)rnd_in(-6, 6), (float)rnd_in(-6, 6), (float)rnd_in(-6, 6) }, t[3][70];
         const float *const target[3] = { t[0], t[1], t[2] };
         uint8_t got[80], want[80], one;
         bool far = i % 4 == 0;
-        uint32_t n = 1 + (uint32_t)rnd(0, 70);
+        uint32_t n = 1 + rnd_n(70);
         for (uint32_t j = 0; j < n; j++)
-            for (int k = 0; k < 3; k++) t[k][j] = (float)rnd(-6, 6);
+            for (int k = 0; k < 3; k++) t[k][j] = (float)rnd_in(-6, 6);
         b->bvh->kernels->hidden(&b->bvh->data, org, n, target, far, want, NULL);
         EACH_ISA(isa) {
             uint8_t other[80];
@@ -194,7 +171,7 @@ TEST(shadows)
     lc_scene_destroy(b);
 }
 
-/* Points of a convex object don't shade themselves, wherever it stands. */
+/* No point of a convex object is in the object's own shadow, at any place and scale. */
 TEST(no_shadow_on_itself)
 {
     static const double place[][4] = {
@@ -213,18 +190,18 @@ TEST(no_shadow_on_itself)
         lc_scene *s = load();
         CHECK(s->n_instances == 2);
         lc_f3 centre = lc_f3_make(0, 0, 0);
-        for (int i = 0; i < 512; i++) { /* the middle of its triangles */
+        for (int i = 0; i < 512; i++) { /* the mean of its triangles */
             float p[3];
             lc_instance_point(&s->instances[1], lc_tri_vertex(s->pos, s->index, (size_t)i, 0), p);
             centre = lc_f3_add(centre, lc_f3_scale(lc_f3_load(p), 1.0f / 512));
         }
         uint32_t n_hidden = 0, n_hits = 0;
         for (int i = 0; i < 20000; i++) {
-            lc_f3 d = random_dir(), o = lc_f3_sub(centre, lc_f3_scale(d, (float)(at[3] * 10)));
+            lc_f3 d = rnd_unit(), o = lc_f3_sub(centre, lc_f3_scale(d, (float)(at[3] * 10)));
             lc_surface p;
             if (!lc_surface_hit(s, o, d, 0, &p) || lc_f3_len(lc_f3_sub(p.pos, centre)) > 4 * (float)at[3])
                 continue;
-            lc_f3 l = random_dir();
+            lc_f3 l = rnd_unit();
             if (lc_f3_dot(l, p.ng) < 0) l = lc_f3_neg(l);
             if (lc_f3_dot(l, p.ng) < 0.1f) continue;
             l = lc_f3_scale(l, (float)(3 * at[3]));
@@ -255,28 +232,22 @@ TEST(pictures)
     lc_scene *a = twin(30, true, false), *b = twin(30, false, false);
     lc_image *first = render(ctx, a), *copies = render(ctx, b);
     double sum[2] = { 0, 0 }, diff = 0;
-    size_t n = 64 * 64;
-    for (uint32_t c = 0; c < 3; c++)
-        for (size_t i = 0; i < n; i++) {
-            double x = (double)first->channels[c].plane[i], y = (double)copies->channels[c].plane[i];
+    static const char *const rgb[] = { "R", "G", "B" };
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < 64 * 64; i++) {
+            double x = (double)lc_image_channel(first, rgb[c])[i],
+                   y = (double)lc_image_channel(copies, rgb[c])[i];
             sum[0] += x;
             sum[1] += y;
             diff += fabs(x - y);
         }
     CHECKF(sum[0] > 0 && diff < 2e-3 * sum[0], "%g %g differ by %g", sum[0], sum[1], diff);
+    lc_scene_destroy(twin(30, true, false)); /* writes the file of a again */
     for (int i = 0; i < 2; i++) {
-        lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-        lc_context *other;
-        desc.n_threads = i ? 7 : 1;
-        desc.isa = i ? LC_ISA_BEST : LC_ISA_SCALAR;
-        if (lc_context_create(&desc, &other)) abort();
-        lc_scene *s;
-        rnd_state = 1;
-        lc_scene_destroy(twin(30, true, false)); /* its text again */
-        CHECK(load_in(other, &s) == LC_OK);
+        lc_context *other = quiet_context_of(i ? 7 : 1, i ? LC_ISA_BEST : LC_ISA_SCALAR);
+        lc_scene *s = scene_from_file(other, &few_lights, scene_path());
         lc_image *image = render(other, s);
-        for (uint32_t c = 0; c < 3; c++)
-            CHECK(!memcmp(first->channels[c].plane, image->channels[c].plane, n * sizeof(float)));
+        CHECK(same_planes(first, image));
         lc_image_destroy(image);
         lc_scene_destroy(s);
         lc_context_destroy(other);
@@ -287,7 +258,7 @@ TEST(pictures)
     lc_scene_destroy(b);
 }
 
-/* Two instances of an object, the second with this before it. */
+/* Three instances of an object of n * n quads, the third under this transform. */
 static lc_scene *with_matrix(const char *matrix, uint32_t n)
 {
     begin(CAMERA);
@@ -320,22 +291,21 @@ TEST(matrices)
     lc_scene *s = with_matrix("", 0);
     CHECK(s->n_tris == 0 && s->n_instances == 0);
     lc_scene_destroy(s);
-    s = with_matrix("", 4); /* small: copied */
+    s = with_matrix("", 4); /* small objects are copied */
     CHECK(s->n_tris == 3 * 32 && s->n_instances == 0);
     lc_scene_destroy(s);
-    for (uint32_t n = 4; n <= 16; n += 12) { /* a copy, an instance */
+    for (uint32_t n = 4; n <= 16; n += 12) { /* one that would be copied, one that would be an instance */
         begin(CAMERA);
         fprintf(out, "ObjectBegin \"o\"\n");
         put_shape(n, false);
         fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate 1e13 0 0 ObjectInstance \"o\"\n");
         fclose(out);
-        CHECK(load_in(ctx, &s) == LC_ERR_PARSE);
-        lc_scene_destroy(s);
+        CHECK(lc_scene_load(ctx, scene_path(), &few_lights, &s) == LC_ERR_PARSE && !s);
     }
     begin(CAMERA);
     fprintf(out, "ObjectBegin \"o\"\n");
     put_shape(16, true);
-    fprintf(out, "ObjectEnd Translate 1 0 0 ObjectInstance \"o\"\n"); /* one: nothing to share */
+    fprintf(out, "ObjectEnd Translate 1 0 0 ObjectInstance \"o\"\n"); /* one instance has nothing to share */
     s = load();
     CHECK(s->n_tris == 512 && s->n_instances == 0 && s->bounds.hi.x > 1.5f);
     lc_scene_destroy(s);
@@ -348,45 +318,47 @@ TEST(many)
     put_shape(16, true);
     fprintf(out, "ObjectEnd\n");
     for (int i = 0; i < 100000; i++)
-        fprintf(out, "Identity Translate %.6g %.6g %.6g ObjectInstance \"o\"\n", rnd(-99, 99), rnd(-99, 99),
-                rnd(-99, 99));
+        fprintf(out, "Identity Translate %.6g %.6g %.6g ObjectInstance \"o\"\n", rnd_in(-99, 99),
+                rnd_in(-99, 99), rnd_in(-99, 99));
     lc_scene *s = load();
     CHECK(s->n_instances == 100000 && s->n_tris == 512 && lc_instanced_tris(s) == 51200000);
     CHECKF(lc_instances_bytes(s) < 50 << 20, "%zu bytes", lc_instances_bytes(s));
     uint32_t n_hits = 0;
     for (int i = 0; i < 1000; i++) {
         lc_surface p;
-        n_hits += lc_surface_hit(s, lc_f3_make(0, 0, 0), random_dir(), 0, &p);
+        n_hits += lc_surface_hit(s, lc_f3_make(0, 0, 0), rnd_unit(), 0, &p);
     }
-    CHECK(n_hits > 500); /* 99 units with 100000 balls of 0.8 to 1 in a cube of 198: a free path of 25 */
+    CHECK(n_hits >
+          500); /* 100000 balls of radius 0.8 to 1 in a cube of 198: the mean free path is about 25 */
     lc_scene_destroy(s);
 }
 
-TEST(too_little_memory)
+static lc_status load_starved(lc_context *c) { return load_file_in(c, &few_lights, scene_path()); }
+
+TEST(every_allocation_may_fail)
 {
-    lc_status st;
     begin(CAMERA);
     fprintf(out, MATERIAL "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\nObjectBegin \"o\"\n");
     put_shape(16, true);
     fprintf(out, "ObjectEnd ObjectInstance \"o\" Translate 1 0 0 ObjectInstance \"o\" Scale 1 0 1 "
                  "ObjectInstance \"o\"\n");
     fclose(out);
-    long n = load_while_poor(load_in, &st);
-    CHECKF(st == LC_OK && n > 40, "status %d after %ld", st, n);
+    starve(load_starved, 40);
 }
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    if (lc_context_create(&desc, &ctx)) return 1;
+    ctx = quiet_context(0);
+    temp_begin();
+    RUN(every_instruction_set_is_here);
     RUN(as_copies);
     RUN(shadows);
     RUN(no_shadow_on_itself);
     RUN(pictures);
     RUN(matrices);
     RUN(many);
-    RUN(too_little_memory);
+    RUN(every_allocation_may_fail);
     lc_context_destroy(ctx);
-    free(text);
+    temp_end();
     return test_done();
 }

@@ -1,11 +1,10 @@
-/* unit_kill.c - renders that are killed at random moments and gone on with: the picture is that of one run,
- * and no run loses more than the tiles its threads were at.
+/* unit_kill.c - renders that are killed at random moments and resumed: the picture has the bytes of that of
+ * one run, and a kill loses at most one tile for each thread.
  *
  *     unit_kill [KILLS [SEED]]      default 45, over three scenes; make accept-kill: 1000
  */
 #include "support/farm_scene.h"
 #include "support/rnd.h"
-#include "support/test.h"
 
 #include <signal.h>
 #include <stdatomic.h>
@@ -17,7 +16,7 @@
 #define THREADS 2
 
 static long n_kills = UNDER_TSAN ? 9 : 45, killed, pictures, redone, worst;
-static atomic_uint *begun; /* tiles of a run that were not in the checkpoint; shared with the child */
+static atomic_uint *begun; /* tiles that the child had to render; memory shared with it */
 
 static int (*load_tile)(void *, lc_tile *);
 
@@ -39,21 +38,21 @@ static void child(lc_context *ctx, const lc_scene *scene, lc_render_desc desc)
 {
     lc_checkpoint *c;
     lc_image *image;
-    if (lc_checkpoint_open(ctx, farm_path("c.ckpt"), scene, &desc, 1, 1, &c)) _exit(2);
+    if (lc_checkpoint_open(ctx, temp_path("c.ckpt"), scene, &desc, 1, 1, &c)) _exit(2);
     lc_checkpoint_attach(c, &desc);
     load_tile = desc.tile_load;
     desc.tile_load = counting_load;
     if (lc_render(ctx, scene, &desc, &image, NULL)) _exit(3);
-    if (lc_image_write(image, farm_path("resumed.exr"))) _exit(4);
+    if (lc_image_write(image, temp_path("resumed.exr"))) _exit(4);
     _exit(0);
 }
 
-/* Tiles in the checkpoint. */
+/* The number of tiles in the checkpoint. */
 static uint32_t n_done(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc)
 {
     lc_checkpoint *c;
     lc_checkpoint_info info = { 0 };
-    lc_status st = lc_checkpoint_open(ctx, farm_path("c.ckpt"), scene, desc, 1, 1, &c);
+    lc_status st = lc_checkpoint_open(ctx, temp_path("c.ckpt"), scene, desc, 1, 1, &c);
     CHECK(st == LC_OK);
     if (st) return 0;
     lc_checkpoint_get_info(c, &info);
@@ -62,7 +61,8 @@ static uint32_t n_done(lc_context *ctx, const lc_scene *scene, const lc_render_d
     return info.n_done;
 }
 
-/* Returns true when the picture was finished. */
+/* Renders in a child that is killed after a random time below `patience` seconds. True if the child had
+ * finished the picture before. */
 static bool run_once(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, double patience)
 {
     int status = 0;
@@ -89,19 +89,19 @@ static bool run_once(lc_context *ctx, const lc_scene *scene, const lc_render_des
 
 static void kill_renders_of(const char *name, const lc_render_desc *desc, long kills)
 {
-    lc_context *ctx = farm_context(THREADS);
+    lc_context *ctx = quiet_context(THREADS);
     lc_scene *scene = farm_load(ctx, name);
     lc_image *whole;
     size_t n, m;
     double t0 = now();
     if (lc_render(ctx, scene, desc, &whole, NULL)) abort();
     double patience = 0.12 * (now() - t0);
-    if (lc_image_write(whole, farm_path("whole.exr"))) abort();
+    if (lc_image_write(whole, temp_path("whole.exr"))) abort();
     uint8_t *want = farm_read("whole.exr", &n);
     lc_image_destroy(whole);
     for (long end = killed + kills; killed < end;) {
-        unlink(farm_path("c.ckpt"));
-        unlink(farm_path("resumed.exr"));
+        unlink(temp_path("c.ckpt"));
+        unlink(temp_path("resumed.exr"));
         while (!run_once(ctx, scene, desc, killed < end ? patience : 100 * patience) && !test_bad) {}
         if (test_bad) break;
         uint8_t *got = farm_read("resumed.exr", &m);
@@ -156,11 +156,11 @@ int main(int argc, char **argv)
     rng_key = seed;
     begun = mmap(NULL, sizeof *begun, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (begun == MAP_FAILED) abort();
-    farm_begin();
+    temp_begin();
     RUN(cuts);
     RUN(exact_with_all_planes);
     RUN(many_small_tiles_of_a_crop);
-    farm_end();
+    temp_end();
     printf("%ld kills, %ld pictures finished, %ld tiles rendered again, at most %ld after one kill (%d "
            "threads)\n",
            killed, pictures, redone, worst, THREADS);

@@ -1,22 +1,12 @@
-/* unit_lex.c - scene text read piece by piece: the same tokens, places and mistakes whatever the window;
- * numbers against the C library's; lights beyond the first chunk. */
+/* unit_lex.c - scene text that is read window by window: tokens, places and errors for any size of the window
+ * against those of a window as large as the text; numbers against strtod; lights beyond the first chunk. */
 #include "base/decimal.h"
 #include "base/rng.h"
 #include "pbrt/lex.h"
 #include "scene/scene.h"
-#include "support/test.h"
+#include "support/logged.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-static char last_error[512];
-
-static void log_to_buffer(void *user, lc_log_level level, const char *text)
-{
-    (void)user;
-    (void)level;
-    snprintf(last_error, sizeof last_error, "%s", text);
-}
 
 static lc_context *ctx;
 
@@ -27,7 +17,7 @@ static lc_context *ctx;
 typedef struct record {
     lc_pbrt_token_kind kind;
     uint32_t line, column;
-    const char *string; /* in the lexer's memory, looked at once the statement is over */
+    const char *string; /* in the lexer's memory, where it must be unchanged until the statement ends */
     uint64_t hash;      /* of the text when the token was read */
     double number;
 } record;
@@ -36,7 +26,7 @@ typedef struct result {
     record token[MAX_TOKENS];
     size_t n;
     lc_status status;
-    char error[512];
+    char error[sizeof last_error];
 } result;
 
 static uint64_t hash_text(const char *text, size_t len)
@@ -46,7 +36,7 @@ static uint64_t hash_text(const char *text, size_t len)
     return h;
 }
 
-/* All tokens of the text; a word ends a statement, now and then numbers are read many at a time. */
+/* All tokens of the text; a word ends a statement. batches: numbers are read up to five at a time. */
 static void read_all(const char *text, size_t size, size_t window, bool batches, result *r)
 {
     lc_arena arena;
@@ -55,7 +45,7 @@ static void read_all(const char *text, size_t size, size_t window, bool batches,
     lc_pbrt_lex_init(&lex, ctx, &arena);
     lex.window = window;
     r->n = 0;
-    last_error[0] = 0;
+    log_clear();
     r->status = lc_pbrt_lex_open_memory(&lex, "s", text, size);
     size_t first = 0;
     while (!r->status && r->n < MAX_TOKENS) {
@@ -149,7 +139,7 @@ TEST(random_text)
         size_t n = 0;
         for (uint64_t i = 0; n < sizeof text - 40; i++) {
             uint64_t bits = lc_hash4(seed, i, 0, 0);
-            /* Mistakes end a text, so they are rare. */
+            /* The words from 13 on are errors, which end a text, so they are rare. */
             size_t k = bits % 13 + (bits >> 32 & 63 ? 0 : 4);
             n += (size_t)sprintf(text + n, "%s%s", words[k], bits >> 40 & 7 ? " " : "");
         }
@@ -219,7 +209,7 @@ TEST(numbers_are_the_nearest_double)
             break;
         case 1: snprintf(text, sizeof text, "%.*f", (int)(b >> 8 & 15), (double)w * 1e-15); break;
         case 2: snprintf(text, sizeof text, "-%.*g", 1 + (int)(b >> 8 & 31) % 20, (double)w * 1e-12); break;
-        default: /* halfway between doubles, and next to it */
+        default: /* halfway between two doubles, and beside that */
             snprintf(text, sizeof text, "%llu.%d", (unsigned long long)(((w | 1ull << 63) >> 11) | 1),
                      (int)(b >> 8 & 7));
         }
@@ -251,7 +241,7 @@ TEST(lights_in_chunks)
     CHECK(lc_scene_join_lights(s) == LC_OK);
     CHECK(s->n_light_chunks == 0 && s->cap_lights == n);
     for (size_t i = 0; i < n; i++) CHECK(s->lights[i].pos.x == (float)i);
-    l.pos.x = 7; /* and more of them */
+    l.pos.x = 7; /* one more after they were joined */
     CHECK(lc_scene_add_light(s, (lc_pos){ 0 }, &l) == LC_OK && lc_scene_join_lights(s) == LC_OK);
     CHECK(s->n_lights == n + 1 && s->lights[n].pos.x == 7 && s->lights[n - 1].pos.x == (float)(n - 1));
     lc_scene_destroy(s);
@@ -259,9 +249,7 @@ TEST(lights_in_chunks)
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.log = log_to_buffer;
-    if (lc_context_create(&desc, &ctx)) return 1;
+    ctx = quiet_context(0);
     RUN(windows_do_not_matter);
     RUN(random_text);
     RUN(numbers_are_the_nearest_double);

@@ -1,5 +1,5 @@
-/* unit_morton.c - points along the Z curve: in the order of codes made bit by bit, equal ones by index, the
- * same for any threads; points far away change nothing for the others. */
+/* unit_morton.c - points along the Z curve: their order against codes made bit by bit, with equal codes by
+ * index; the same for any number of threads; not changed for the other points by some that are far away. */
 #include "base/morton.h"
 #include "support/test.h"
 
@@ -42,7 +42,7 @@ TEST(order_of_codes)
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
         const uint32_t n = sizes[s];
         fill(n, 0);
-        /* a corner and another, so that cells are known; few values, so that some are equal */
+        /* Two opposite corners, so that the cells are known; few values, so that some codes are equal. */
         for (uint32_t i = 0; i < n / 2; i++) points[i] = lc_f3_make(points[i].x, 0.25f, (float)rnd_n(2));
         points[n - 1] = lc_f3_make(0, 0, 0);
         points[0] = lc_f3_make(1, 1, 1);
@@ -72,7 +72,7 @@ TEST(same_for_threads)
     }
 }
 
-/* Some of the points are far away, in one place or in a cluster of their own. */
+/* 200 of the points are far away: in one place, in a cluster, or ever further away. */
 TEST(far_points_change_nothing)
 {
     static uint32_t want[MOST], got[MOST];
@@ -89,7 +89,7 @@ TEST(far_points_change_nothing)
         }
 }
 
-/* Every level of cells takes a few of them. */
+/* Points at distances of 250 octaves, of which each level of cells holds a few. */
 TEST(many_scales)
 {
     static uint32_t order[MOST];
@@ -102,7 +102,7 @@ TEST(many_scales)
     uint32_t bad = 0;
     for (uint32_t i = LC_MORTON_FEW; i < n; i++)
         bad += points[order[i]].x * 2.1f < points[order[i - LC_MORTON_FEW]].x;
-    CHECKF(bad < n / 8, "%u", bad); /* the curve's own jumps: back by half a cube at most */
+    CHECKF(bad < n / 8, "%u", bad); /* the curve itself jumps back by up to half a cube */
 }
 
 TEST(coincident_points_by_index)

@@ -1,11 +1,10 @@
-/* unit_occlusion.c - a cluster that is proved to be hidden has no light that a shadow ray reaches, wherever
- * in its box that is; and what ought to be proved is. */
+/* unit_occlusion.c - proofs that a cluster is occluded: where one succeeds, shadow rays to places all over
+ * the cluster's box, to its corners and faces first, are all blocked. Walls, gaps and folds for which the
+ * answer is known are proved, or not proved, as they should be. */
 #include "cut/occlusion_proof.h"
-#include "isa/isa.h"
 #include "shade/light.h"
 #include "support/isas.h"
-#include "support/test.h"
-#include "trace/bvh.h"
+#include "support/logged.h"
 
 #define RND_KEY 71077
 #include "support/meshes.h"
@@ -24,8 +23,8 @@ static void make(setup *s)
 {
     const lc_occluders_desc desc = { m.pos, m.index, m.n_tris, NULL };
     memset(s, 0, sizeof *s);
-    if (lc_bvh_build(ctx, m.pos, m.index, m.n_tris, &s->bvh) || lc_occluders_build(ctx, &desc, &s->occluders))
-        abort();
+    s->bvh = build_bvh(ctx);
+    if (lc_occluders_build(ctx, &desc, &s->occluders)) abort();
     s->bvh->occluders = s->occluders;
     s->tree.lights = &s->light;
     const lc_visibility visibility = lc_bvh_visibility(s->bvh);
@@ -51,7 +50,7 @@ static bool in_box(float p, float center, float half)
     return fabs((double)p - (double)center) <= (double)half;
 }
 
-/* From -1 to 1: a place in the box, in exact arithmetic. */
+/* A coordinate in the box, in exact arithmetic. where: -1 to 1 across the box. */
 static float place(float center, float half, double where)
 {
     float p = (float)((double)center + where * (double)half);
@@ -59,6 +58,7 @@ static float place(float center, float half, double where)
     return p;
 }
 
+/* A point of the box; style 0: a corner, 1: on a face or inside. */
 static lc_f3 place3(const lc_node *n, int style)
 {
     float p[3];
@@ -69,10 +69,10 @@ static lc_f3 place3(const lc_node *n, int style)
     return lc_f3_load(p);
 }
 
-/* Within what a scene may hold. */
+/* The nearest coordinate that a scene may contain. */
 static float accepted(float x) { return fmaxf(-LC_MAX_COORD, fminf(x, LC_MAX_COORD)); }
 
-/* A box about a light, which is not in its middle. */
+/* A box with the light in it, at a random place. */
 static lc_node box_about(lc_f3 light, double size)
 {
     lc_node n = { .left = 0 };
@@ -86,7 +86,7 @@ static lc_node box_about(lc_f3 light, double size)
     return n;
 }
 
-/* Rays to all sorts of places in a box that is said to be hidden. */
+/* Checks that rays to corners, faces and the inside of a box are blocked. */
 static void all_hidden(const setup *s, const float org[3], const lc_node *box, bool far)
 {
     for (int i = 0; i < 24; i++) {
@@ -102,7 +102,7 @@ typedef struct {
     uint64_t tried, proved, tests;
 } tally;
 
-/* One box; its light is hidden. False: not proved. */
+/* Tries to prove that a box is occluded, if its light is, and checks the proof. False: there is none. */
 static bool try(setup *s, const float org[3], lc_f3 light, const lc_node *box, bool far, tally *t)
 {
     uint32_t block, other;
@@ -150,7 +150,7 @@ static void make_mesh(int style)
         displace(true, 0.9);
         move(1, lc_f3_make(300, 0, 0));
     }
-    /* All the same way, so that there are patches about corners. */
+    /* All triangles get the same orientation, so that those about a vertex form a patch. */
     if (style == 7 || style == 8 || style == 15)
         for (uint32_t i = 0; i < m.n_tris; i++) {
             uint32_t *t = m.index + 3 * (size_t)i, swap = t[1];
@@ -184,13 +184,13 @@ static lc_f3 rnd_org(lc_f3 c, float r)
     double kind = rnd();
     if (kind < 0.4) return rnd_near(c, 2 * r);
     if (kind < 0.5) return rnd_near(c, 30 * r);
-    float u = (float)rnd(), v = (float)rnd() * (1 - u); /* on a triangle, or a little off */
+    float u = (float)rnd(), v = (float)rnd() * (1 - u); /* on a triangle or close to it */
     lc_f3 p = lc_f3_add(lc_f3_scale(vert(t[0]), 1 - u - v),
                         lc_f3_add(lc_f3_scale(vert(t[1]), u), lc_f3_scale(vert(t[2]), v)));
     return rnd_near(p, kind < 0.9 ? 1e-4f * r : 0);
 }
 
-/* One of the meshes, its centre and half its extent. */
+/* Makes one of the meshes; its centre and half its extent. */
 static void make_any(setup *s, int style, lc_f3 *c, float *r)
 {
     make_mesh(style);
@@ -228,7 +228,8 @@ TEST(what_is_proved_hidden_is_hidden)
            (unsigned long long)all.tried);
 }
 
-/* Points take over proofs from others near them, whose triangle may not be before the box here. */
+/* Points reuse the triangle of a proof for a point close to them, from which the triangle may not cover the
+ * box: a proof that starts from any triangle must be right. */
 TEST(a_proof_may_begin_at_any_triangle)
 {
     static setup s;
@@ -268,12 +269,12 @@ static bool proves(setup *s, lc_f3 from, const lc_node *box, bool far)
     return try(s, org, lc_f3_load(box->center), box, far, &t);
 }
 
-/* A wall of n x n squares in the plane z = 0 from -1 to 1, each square of its own vertices if apart. */
+/* A wall of n x n squares in the plane z = 0 from -1 to 1; apart: each square has its own vertices. */
 static void wall(uint32_t n, bool apart)
 {
     clear();
     for (uint32_t i = 0; i < n * n; i++) {
-        float x[2], y[2]; /* of its sides: bits that its neighbours have too */
+        float x[2], y[2]; /* of the sides, with the bits that the neighbours have */
         for (uint32_t k = 0; k < 2; k++) {
             x[k] = 2 * (float)(i % n + k) / (float)n - 1;
             y[k] = 2 * (float)(i / n + k) / (float)n - 1;
@@ -315,8 +316,8 @@ TEST(a_wall_hides_what_is_behind)
         }
 }
 
-/* What shares edges but leaves a gap in between does not hide; nor does it with the gap filled by a triangle
- * that has holes. */
+/* Triangles that share edges around a gap occlude nothing behind the gap; nor do they where the gap is filled
+ * by a triangle with holes. */
 TEST(a_gap_is_seen)
 {
     static setup s;
@@ -326,7 +327,7 @@ TEST(a_gap_is_seen)
     make(&s);
     CHECK(proves(&s, eye, &box, false));
     unmake(&s);
-    uint32_t in_the_middle = 8; /* and 9 */
+    uint32_t in_the_middle = 8; /* with 9 the square in the middle */
     uint32_t holes[1] = { 1u << in_the_middle };
     const lc_occluders_desc desc = { m.pos, m.index, m.n_tris, holes };
     make(&s);
@@ -350,7 +351,7 @@ TEST(a_gap_is_seen)
     unmake(&s);
 }
 
-/* A fold's edge is not a boundary, but what is beyond it is not hidden. */
+/* The edge of a fold has a triangle on both sides, but the space beyond it is not occluded. */
 TEST(a_fold_hides_one_side)
 {
     static setup s;
@@ -368,7 +369,7 @@ TEST(a_fold_hides_one_side)
     unmake(&s);
 }
 
-/* Of too many the largest are taken, wherever they stand. */
+/* Of too many triangles the largest become occluders, wherever they are in the list. */
 TEST(the_largest_are_taken)
 {
     const uint32_t n = 2 * LC_MAX_OCCLUDERS;
@@ -405,8 +406,9 @@ TEST(the_largest_are_taken)
 
 int main(void)
 {
-    if (lc_context_create(NULL, &ctx)) return 1;
+    ctx = quiet_context(0);
     printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
+    RUN(every_instruction_set_is_here);
     RUN(a_wall_hides_what_is_behind);
     RUN(a_gap_is_seen);
     RUN(a_fold_hides_one_side);

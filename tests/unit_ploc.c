@@ -1,41 +1,16 @@
-/* unit_ploc.c - the parallel builder: every result is a tree of all lights, no deeper than is promised even
- * of sets made to be hard, the same for any threads and instruction set; looking at all pairs it finds what
- * greedy joining finds; memory that runs out. */
-#include "isa/isa.h"
-#include "support/test.h"
+/* unit_ploc.c - the parallel builder of light trees: every result is a tree of all lights, of at most the
+ * promised depth even for sets made to be hard, and the same for any number of threads and instruction set.
+ * For few lights, where it looks at all pairs, it is compared with greedy merging in doubles. */
+#include "support/isas.h"
+#include "support/watched_memory.h"
 #include "tree/tree_build.h"
-
-#include <stdlib.h>
 
 #define RND_KEY 60606
 #include "support/rnd.h"
 
-static uint64_t allocations, allowed = UINT64_MAX, taken;
-static size_t now_bytes, most_bytes;
-
-static void *counted_alloc(void *user, size_t size, size_t align)
-{
-    (void)user;
-    if (__atomic_add_fetch(&allocations, 1, __ATOMIC_RELAXED) > allowed) return NULL;
-    now_bytes += size;
-    taken++;
-    if (now_bytes > most_bytes) most_bytes = now_bytes;
-    return aligned_alloc(align, (size + align - 1) / align * align);
-}
-
-static void counted_free(void *user, void *ptr, size_t size)
-{
-    (void)user;
-    now_bytes -= size;
-    taken--;
-    free(ptr);
-}
-
-static const lc_allocator counted = { counted_alloc, counted_free, NULL };
-
 static lc_status build(const lc_build_input *in, uint32_t threads, lc_isa isa, lc_build_pair *pairs)
 {
-    lc_context ctx = { .allocator = counted,
+    lc_context ctx = { .allocator = watched,
                        .n_threads = threads,
                        .isa = isa,
                        .tree_kernels = &lc_isa_kernels(lc_isa_pick(isa))->tree };
@@ -105,7 +80,7 @@ static lc_light *make(int style, uint32_t n, lc_light_kind kind)
 
 /* ---- checks ---- */
 
-/* Most pairs on a way from the root to a light; UINT32_MAX if it is not a tree of n lights. */
+/* Most pairs on a path from the root to a light; UINT32_MAX if the pairs are no tree of n lights. */
 static uint32_t depth_of(const lc_build_pair *pairs, uint32_t n)
 {
     uint8_t *used = calloc(2 * (size_t)n, 1);
@@ -150,7 +125,7 @@ TEST(trees_of_all_lights)
                 check_set(style, sizes[i], (lc_light_kind)kind);
 }
 
-/* Equal lights in one place: halved by every round. */
+/* Equal lights in one place: every round halves the number of clusters. */
 TEST(coincident_lights_are_balanced)
 {
     uint32_t n = 1u << 17;
@@ -167,7 +142,7 @@ TEST(coincident_lights_are_balanced)
 TEST(same_for_threads_and_instruction_sets)
 {
     static const uint32_t threads[] = { 1, 2, 3, 8 };
-    uint32_t n = 25001; /* enough for threads */
+    uint32_t n = 25001; /* enough for several threads to share */
     lc_build_pair *want = malloc(n * sizeof *want), *got = malloc(n * sizeof *got);
     if (!want || !got) abort();
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
@@ -177,8 +152,7 @@ TEST(same_for_threads_and_instruction_sets)
                                   lc_is_aimed((lc_light_kind)kind) ? 12 : 0 };
             CHECK(build(&in, 1, lc_isa_pick(LC_ISA_BEST), want) == LC_OK);
             for (uint32_t i = 0; i < 4; i++) {
-                lc_isa isa = LC_ISA_SCALAR + (lc_isa)(i % LC_N_ISAS);
-                if (!lc_isa_supported(isa)) isa = LC_ISA_SCALAR;
+                lc_isa isa = isa_in_turn(i);
                 CHECK(build(&in, threads[i], isa, got) == LC_OK);
                 CHECKF(!memcmp(want, got, (n - 1) * sizeof *got), "%s, %u threads, %s", names[style],
                        threads[i], lc_isa_name(isa));
@@ -189,7 +163,7 @@ TEST(same_for_threads_and_instruction_sets)
     free(got);
 }
 
-/* An index picks lights and numbers them anew. */
+/* Lights chosen by an index give the tree of a copy of these lights. */
 TEST(index_as_a_copy)
 {
     uint32_t n = 3000, half = n / 2, *index = malloc(half * sizeof *index);
@@ -211,7 +185,7 @@ TEST(index_as_a_copy)
     free(got);
 }
 
-/* ---- greedy joining ---- */
+/* ---- greedy merging ---- */
 
 typedef struct {
     double lo[3], hi[3], power;
@@ -238,8 +212,8 @@ static void join(box *out, const box *a, const box *b)
     out->live = true;
 }
 
-/* Sum of the metric over a tree of point lights; pairs NULL: of the tree that joins the least pair each time.
- */
+/* Sum of the metric over the pairs of a tree of point lights; pairs NULL: of the tree that merges the pair of
+ * least metric in each step. */
 static double sum_of(const lc_light *lights, const lc_build_pair *pairs, uint32_t n)
 {
     box *b = calloc(2 * (size_t)n, sizeof *b);
@@ -271,8 +245,8 @@ static double sum_of(const lc_light *lights, const lc_build_pair *pairs, uint32_
     return sum;
 }
 
-/* Few lights: all pairs are looked at, and the metric is reducible, so mutual neighbours are what greedy
- * joining would join. */
+/* For few lights all pairs are looked at, and as the metric is reducible, pairs of mutual nearest neighbours
+ * are those that greedy merging merges. */
 TEST(few_lights_as_greedy)
 {
     uint32_t n = 120;
@@ -290,7 +264,7 @@ TEST(few_lights_as_greedy)
     free(pairs);
 }
 
-/* One light far away does not spoil the tree of the others. */
+/* A light far away does not change the quality of the tree of the others. */
 TEST(far_light_is_put_last)
 {
     uint32_t n = 20000;
@@ -306,7 +280,7 @@ TEST(far_light_is_put_last)
         in.n = n + 1;
         CHECK(build(&in, 2, LC_ISA_BEST, pairs) == LC_OK);
         CHECK(pairs[n - 1].child[0] == n);
-        for (uint32_t i = 0; i + 1 < n; i++) /* without the far one */
+        for (uint32_t i = 0; i + 1 < n; i++) /* the tree without the far light */
             for (int k = 0; k < 2; k++) pairs[i].child[k] -= pairs[i].child[k] > n;
         double got = sum_of(lights, pairs, n);
         CHECKF(fabs(got - want) < 0.01 * want, "%g, not %g", got, want);
@@ -317,21 +291,20 @@ TEST(far_light_is_put_last)
 
 /* ---- memory ---- */
 
-TEST(memory_runs_out)
+static lc_light *starved_lights;
+
+static lc_status build_starved(lc_context *c)
 {
-    lc_light *lights = make(ROOM, 500, LC_LIGHT_ORIENTED);
-    lc_build_pair pairs[500];
-    lc_build_input in = { lights, NULL, 500, LC_LIGHT_ORIENTED, 1 };
-    lc_status st = LC_ERR_MEMORY;
-    for (allowed = 0; st; allowed++) {
-        allocations = 0;
-        st = build(&in, 1, LC_ISA_BEST, pairs);
-        CHECK(st == LC_OK || st == LC_ERR_MEMORY);
-        CHECK(!taken && !now_bytes);
-    }
-    CHECK(allowed > 12);
-    allowed = UINT64_MAX;
-    free(lights);
+    static lc_build_pair pairs[500];
+    lc_build_input in = { starved_lights, NULL, 500, LC_LIGHT_ORIENTED, 1 };
+    return lc_ploc(c, &in, pairs);
+}
+
+TEST(every_allocation_may_fail)
+{
+    starved_lights = make(ROOM, 500, LC_LIGHT_ORIENTED);
+    starve(build_starved, 12);
+    free(starved_lights);
 }
 
 TEST(bytes_a_light)
@@ -342,9 +315,9 @@ TEST(bytes_a_light)
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         lc_light *lights = make(ROOM, n, (lc_light_kind)kind);
         lc_build_input in = { lights, NULL, n, (lc_light_kind)kind, lc_is_aimed((lc_light_kind)kind) };
-        most_bytes = 0;
+        bytes_most = 0;
         CHECK(build(&in, 1, LC_ISA_BEST, pairs) == LC_OK);
-        double bytes = (double)most_bytes / n;
+        double bytes = (double)bytes_most / n;
         printf("  kind %d: %.1f bytes a light\n", kind, bytes);
         CHECKF(bytes < (lc_is_aimed((lc_light_kind)kind) ? 125 : 75), "kind %d: %g", kind, bytes);
         free(lights);
@@ -354,13 +327,14 @@ TEST(bytes_a_light)
 
 int main(void)
 {
+    RUN(every_instruction_set_is_here);
     RUN(trees_of_all_lights);
     RUN(coincident_lights_are_balanced);
     RUN(same_for_threads_and_instruction_sets);
     RUN(index_as_a_copy);
     RUN(few_lights_as_greedy);
     RUN(far_light_is_put_last);
-    RUN(memory_runs_out);
+    RUN(every_allocation_may_fail);
     RUN(bytes_a_light);
     return test_done();
 }

@@ -1,23 +1,16 @@
-/* unit_raster.c - image formats from bytes made here: values, orientation, damage at every byte. */
+/* unit_raster.c - decoders of PNG, PFM, Radiance HDR, TGA and OpenEXR against files made here byte by byte
+ * from the formats' descriptions: samples, orientation, and damage at every byte. */
 #include "base/rng.h"
 #include "image/image.h"
 #include "image/pixels.h"
-#include "support/test.h"
+#include "support/logged.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <zlib.h>
 
 static lc_context *ctx;
-static char log_line[1024];
 
-static void keep_log(void *user, lc_log_level level, const char *text)
-{
-    (void)user;
-    if (level == LC_LOG_ERROR) snprintf(log_line, sizeof log_line, "%s", text);
-}
-
-/* ---- writers ---- */
+/* ---- writers of the one file ---- */
 
 static lc_bytes file;
 
@@ -54,7 +47,7 @@ static void png_chunk(const char *type, const void *data, size_t n)
     put_big((uint32_t)crc32_z(0, (const uint8_t *)file.data + at, n + 4));
 }
 
-/* rows: with filter bytes, of all passes. */
+/* rows: those of all passes, each with its filter byte before it. */
 static void png(uint32_t w, uint32_t h, int depth, int colour, int interlace, const uint8_t *palette,
                 size_t n_palette, const uint8_t *clear, size_t n_clear, const uint8_t *rows, size_t n_rows)
 {
@@ -109,7 +102,8 @@ static bool decoded(uint32_t w, uint32_t h, uint32_t n, lc_raster_kind kind)
 
 static bool codes(const uint8_t *want, size_t n) { return !memcmp(r.data, want, n); }
 
-/* No prefix is accepted, and none, nor any change of a few bytes, does harm; the sanitizers look on. */
+/* No prefix is accepted. Prefixes and changes of a few bytes do no harm, which sanitizers see, and an error
+ * leaves no samples. */
 static void damage_everywhere(uint64_t seed)
 {
     size_t len = file.len;
@@ -144,7 +138,7 @@ static void damage_everywhere(uint64_t seed)
 
 TEST(png_grey_of_every_depth)
 {
-    /* 0, 1, most - 1, most at each depth */
+    /* Samples 0, 1, most - 1 and most of each depth. */
     static const uint8_t rows[5][9] = { { 0, 0x50 }, { 0, 0x1b }, { 0, 0x01, 0xef }, { 0, 0, 1, 254, 255 },
                                         { 0, 0, 0, 0, 1, 255, 254, 255, 255 } };
     static const uint8_t want[4][4] = {
@@ -168,7 +162,7 @@ TEST(png_colours_and_clear)
     CHECK(decoded(1, 1, 4, LC_RASTER_U8) && codes(rgba + 1, 4));
     png(1, 1, 8, 4, 0, NULL, 0, NULL, 0, ga, sizeof ga);
     CHECK(decoded(1, 1, 2, LC_RASTER_U8) && codes(ga + 1, 2));
-    /* the second pixel is the clear one */
+    /* The colour of the second pixel is the transparent one. */
     png(2, 1, 8, 2, 0, NULL, 0, (uint8_t[]){ 0, 4, 0, 5, 0, 6 }, 6, rgb, sizeof rgb);
     CHECK(decoded(2, 1, 4, LC_RASTER_U8) && codes((uint8_t[]){ 1, 2, 3, 255, 4, 5, 6, 0 }, 8));
     static const uint8_t grey[] = { 0, 0x1b };
@@ -179,7 +173,7 @@ TEST(png_colours_and_clear)
     CHECK(decoded(4, 1, 4, LC_RASTER_U8));
     CHECK(codes((uint8_t[]){ 9, 8, 7, 33, 6, 5, 4, 255, 9, 8, 7, 33, 6, 5, 4, 255 }, 16));
     png(1, 1, 8, 4, 0, NULL, 0, (uint8_t[]){ 0, 2 }, 2, ga, sizeof ga);
-    CHECK(!decode() && strstr(log_line, "tRNS beside an alpha channel at byte 33"));
+    CHECK(!decode() && strstr(last_error, "tRNS beside an alpha channel at byte 33"));
 }
 
 /* Filters 0 to 4 and both orders of the rows give the same picture. */
@@ -232,13 +226,13 @@ TEST(pfm_both_endians)
     }
     start();
     put_text("PF\n100000 100000\n-1\n");
-    CHECK(!decode() && strstr(log_line, "t: error: too large: 100000 x 100000 pixels"));
+    CHECK(!decode() && strstr(last_error, "t: error: too large: 100000 x 100000 pixels"));
     start();
     put_text("PF\n1000 1000\n-1\n12345678");
-    CHECK(!decode() && strstr(log_line, "too short for 1000 x 1000 pixels"));
+    CHECK(!decode() && strstr(last_error, "too short for 1000 x 1000 pixels"));
     start();
     put_text("PF\n2 1.5\n-1\n12345678");
-    CHECK(!decode() && strstr(log_line, "size out of range at byte 4"));
+    CHECK(!decode() && strstr(last_error, "size out of range at byte 4"));
 }
 
 /* ---- Radiance ---- */
@@ -251,7 +245,7 @@ static float value(int pixel, int c)
     return rgbe[pixel][3] ? ldexpf((float)rgbe[pixel][c], rgbe[pixel][3] - 136) : 0;
 }
 
-/* The eight orientations of a flat 3 x 2 picture. */
+/* The eight orientations of a picture of 3 x 2 pixels, without run lengths. */
 TEST(hdr_orientations)
 {
     for (int k = 0; k < 8; k++) {
@@ -264,7 +258,7 @@ TEST(hdr_orientations)
         put_text("#?RADIANCE\n# note\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n");
         put_text(size);
         for (int i = 0; i < 6; i++) put(rgbe[i], 4);
-        CHECKF(decoded(3, 2, 3, LC_RASTER_F32), "%s: %s", size, log_line);
+        CHECKF(decoded(3, 2, 3, LC_RASTER_F32), "%s: %s", size, last_error);
         for (int i = 0; i < 6; i++) {
             int px = columns ? i / 2 : i % 3, py = columns ? i % 2 : i / 3;
             if (!right) px = 2 - px;
@@ -291,7 +285,7 @@ TEST(hdr_old_and_new_runs)
     put_text("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 10\n");
     for (int y = 0; y < 2; y++) {
         put("\2\2\0\x0a", 4);
-        for (int c = 0; c < 4; c++) /* six of the first pixel, then four apart */ {
+        for (int c = 0; c < 4; c++) { /* six times the first pixel, then four single ones */
             put_byte(128 + 6);
             put_byte(rgbe[y][c]);
             put_byte(4);
@@ -305,12 +299,12 @@ TEST(hdr_old_and_new_runs)
     damage_everywhere(22);
     start();
     put_text("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n1234");
-    CHECK(!decode() && strstr(log_line, "only 32-bit_rle_rgbe"));
+    CHECK(!decode() && strstr(last_error, "only 32-bit_rle_rgbe"));
 }
 
 /* ---- TGA ---- */
 
-/* 3 x 2 pixels, blue green red; from all four corners. */
+/* 3 x 2 pixels, each as blue green red, that start in any of the four corners. */
 TEST(tga_true_colour)
 {
     for (int k = 0; k < 4; k++) {
@@ -357,8 +351,8 @@ TEST(tga_grey_palette_and_runs)
     damage_everywhere(31);
     tga_head(1, 1, 1, 8, 32, 5, 2, 24);
     put((uint8_t[]){ 1, 2, 3, 4, 5, 6, /* pixel */ 7 }, 7);
-    CHECK(!decode() && strstr(log_line, "a pixel is outside the palette at byte 26"));
-    /* a run of four over the end of a row, then two apart */
+    CHECK(!decode() && strstr(last_error, "a pixel is outside the palette at byte 26"));
+    /* A run of four that crosses the end of a row, then two single pixels. */
     tga_head(10, 3, 2, 24, 32, 0, 0, 0);
     put((uint8_t[]){ 128 + 3, 1, 2, 3, 1, 4, 5, 6, 7, 8, 9 }, 11);
     CHECK(decoded(3, 2, 3, LC_RASTER_U8));
@@ -375,10 +369,10 @@ TEST(tga_grey_palette_and_runs)
     damage_everywhere(33);
     tga_head(10, 1, 1, 24, 32, 0, 0, 0);
     put((uint8_t[]){ 128 + 1, 1, 2, 3 }, 4);
-    CHECK(!decode() && strstr(log_line, "more pixels than the size says at byte 20"));
+    CHECK(!decode() && strstr(last_error, "more pixels than the size says at byte 20"));
 }
 
-/* ---- OpenEXR, and none of these ---- */
+/* ---- OpenEXR, and files of other formats ---- */
 
 static void exr(const char *const *names, int n)
 {
@@ -407,7 +401,7 @@ TEST(exr_channels)
     exr((const char *[]){ "depth" }, 1);
     CHECK(decoded(3, 2, 1, LC_RASTER_F32) && ((const float *)r.data)[5] == 5);
     exr((const char *[]){ "u", "v" }, 2);
-    CHECK(!decode() && strstr(log_line, "no channels R, G and B"));
+    CHECK(!decode() && strstr(last_error, "no channels R, G and B"));
     exr((const char *[]){ "R", "G", "B" }, 3);
     damage_everywhere(40);
 }
@@ -416,20 +410,17 @@ TEST(other_files)
 {
     start();
     put("\xff\xd8\xff\xe0 a JPEG", 11);
-    CHECK(!decode() && strstr(log_line, "t: error: JPEG is not read"));
+    CHECK(!decode() && strstr(last_error, "t: error: JPEG is not read"));
     start();
     put_text("P6\n1 1\n255\nabc");
-    CHECK(!decode() && strstr(log_line, "not an image of a known format"));
+    CHECK(!decode() && strstr(last_error, "not an image of a known format"));
     start();
-    CHECK(!decode() && strstr(log_line, "the file is empty"));
+    CHECK(!decode() && strstr(last_error, "the file is empty"));
 }
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.log = keep_log;
-    desc.n_threads = 1;
-    if (lc_context_create(&desc, &ctx)) return 1;
+    ctx = quiet_context(1);
     RUN(png_grey_of_every_depth);
     RUN(png_colours_and_clear);
     RUN(png_filters_and_interlace);

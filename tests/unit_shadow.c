@@ -1,27 +1,20 @@
-/* unit_shadow.c - shadow rays of one origin are traced in groups: every ray must get the answer it gets
- * alone, from every instruction set, and one that the nearest hit along it does not contradict. */
-#include "isa/isa.h"
+/* unit_shadow.c - shadow rays of one origin, which are traced in groups: by every instruction set each ray
+ * must get the answer, and the occluding block, that plain C gives for the ray alone. (unit_bvh.c compares
+ * single rays with a reference.) */
 #include "shade/light.h"
 #include "support/isas.h"
-#include "support/test.h"
-#include "trace/bvh.h"
+#include "support/logged.h"
 
 #define RND_KEY 88001
 #include "support/meshes.h"
 
 #define MOST 200 /* rays in a group */
-#define GUARD 16 /* answers behind the last, rounded up to LC_LANES, that must stay as they are */
+#define GUARD 16  /* bytes after the answers, rounded up to LC_LANES, that must not be written */
 
 static lc_context *ctx;
 
-static lc_bvh *build(void)
-{
-    lc_bvh *b;
-    if (lc_bvh_build(ctx, m.pos, m.index, m.n_tris, &b)) abort();
-    return b;
-}
-
-/* Long slivers that cross one another, in fans: with shared corners and edges, many along an axis. */
+/* Fans of long slivers that cross each other and share corners and edges; every third is parallel to an axis.
+ */
 static void slivers(void)
 {
     for (int i = 0; i < 60; i++) {
@@ -67,7 +60,7 @@ typedef struct group {
     bool far;
 } group;
 
-/* Into what a scene may hold. */
+/* The nearest point that a scene may contain. */
 static lc_f3 accepted(lc_f3 p)
 {
     const float most = LC_MAX_COORD;
@@ -81,7 +74,7 @@ static lc_f3 rnd_point(lc_f3 c, float r)
                                    (float)rnd_in(-1, 1) * r));
 }
 
-/* Somewhere on a triangle: 0 a corner, 1 the middle of an edge, 2 on an edge, 3 within. */
+/* A point of a triangle: 0 a corner, 1 the middle of an edge, 2 on an edge, 3 inside. */
 static lc_f3 rnd_on(int where)
 {
     const uint32_t *t = m.index + 3 * (size_t)rnd_n(m.n_tris), k = rnd_n(3);
@@ -93,7 +86,7 @@ static lc_f3 rnd_on(int where)
     return lc_f3_add(lc_f3_scale(p, 1 - u - v), lc_f3_add(lc_f3_scale(q, u), lc_f3_scale(r, v)));
 }
 
-/* Along one or two axes only: the other components are 0, of either sign. */
+/* Along one or two axes: the other components are 0, of either sign. */
 static lc_f3 rnd_axis(float r)
 {
     float d[3];
@@ -108,17 +101,17 @@ static lc_f3 rnd_axis(float r)
 
 #define N_STYLES 7
 
-/* The end of a ray, r: size of the scene, at: what the group has in common. */
+/* The end of a ray. r: size of the scene; at: a point that all rays of the group share. */
 static lc_f3 rnd_target(int style, lc_f3 o, lc_f3 c, lc_f3 at, float r)
 {
     if (style == 0) return rnd_point(c, 1.5f * r);
     if (style == 1) return rnd_point(at, 0.02f * r);
-    if (style == 2) return rnd_on((int)rnd_n(4)); /* ends there */
-    /* Passes there. */
+    if (style == 2) return rnd_on((int)rnd_n(4)); /* the ray ends on a triangle */
+    /* The ray passes through a point of a triangle. */
     if (style == 3)
         return lc_f3_add(o, lc_f3_scale(lc_f3_sub(rnd_on((int)rnd_n(3)), o), rnd() < 0.5 ? 2 : 5));
     if (style == 4) return lc_f3_add(o, rnd_axis(r));
-    /* Null and short. */
+    /* Null directions and short rays. */
     if (style == 5) return rnd() < 0.5 ? o : rnd_point(o, r * powf(10, (float)rnd_in(-8, 0)));
     return rnd_target((int)rnd_n(6), o, c, at, r);
 }
@@ -130,7 +123,8 @@ static void make_group(group *g, int style, lc_f3 c, float r)
               : kind < 0.9 ? rnd_point(c, 1.2f * r)
                            : rnd_point(c, 30 * r),
           at = rnd_point(c, r);
-    if (rnd() < 0.2) o = lc_f3_add(rnd_on(3), lc_f3_scale(rnd_unit(), 1e-4f * r)); /* as cut.c has it */
+    if (rnd() < 0.2)
+        o = lc_f3_add(rnd_on(3), lc_f3_scale(rnd_unit(), 1e-4f * r)); /* an origin as cut.c has them */
     o = accepted(o);
     lc_f3_store(g->org, o);
     g->n = 1 + rnd_n(MOST);
@@ -144,7 +138,7 @@ static void make_group(group *g, int style, lc_f3 c, float r)
     }
 }
 
-/* false if anything but the answers is written. */
+/* Traces rays first .. first + n - 1. False if anything but the answers is written. */
 static bool trace_data(lc_isa isa, const lc_bvh_data *data, const group *g, uint32_t first, uint32_t n,
                        uint8_t *out, uint32_t *block)
 {
@@ -159,7 +153,7 @@ static bool trace_data(lc_isa isa, const lc_bvh_data *data, const group *g, uint
     return ok;
 }
 
-/* As scalar says, the blocks too: with the right answers, and none beside. */
+/* The occluding blocks are those of plain C: one for each occluded ray, none for the others. */
 static bool blocks_agree(lc_isa isa, const lc_bvh_data *data, const group *g, uint32_t first, uint32_t n)
 {
     static uint32_t want[MOST], got[MOST];
@@ -171,8 +165,8 @@ static bool blocks_agree(lc_isa isa, const lc_bvh_data *data, const group *g, ui
     return ok;
 }
 
-/* Rays first .. first + n - 1. False if anything else is written, or if they fare otherwise in turns, as in a
- * tree that is too large for the caches. */
+/* Traces rays first .. first + n - 1. False if anything but the answers is written, or if they or the blocks
+ * differ when rays take turns, as they do in a tree that is too large for the caches. */
 static bool trace(lc_isa isa, const lc_bvh *b, const group *g, uint32_t first, uint32_t n, uint8_t *out)
 {
     uint8_t in_turns[MOST];
@@ -191,7 +185,7 @@ static void say(const char *what, lc_isa isa, int mesh_style, const group *g, ui
            (double)g->target[2][i]);
 }
 
-/* Whole, a ray at a time, and in two parts. Returns how many are hidden. */
+/* The group as a whole, ray by ray, and a part of it. Returns how many rays are occluded. */
 static uint32_t check_group(const lc_bvh *b, const group *g, int mesh_style)
 {
     uint8_t want[MOST], got[MOST];
@@ -216,7 +210,7 @@ static uint32_t check_group(const lc_bvh *b, const group *g, int mesh_style)
     return n_hidden;
 }
 
-/* Centre and half size of what is not far outliers: the mean of the corners and their mean distance. */
+/* Centre and half size of the mesh without regard to outliers: mean and mean distance of the vertices. */
 static void extent(lc_f3 *c, float *r)
 {
     double sum[3] = { 0, 0, 0 }, dist = 0;
@@ -231,6 +225,7 @@ static void extent(lc_f3 *c, float *r)
 TEST(groups_answer_as_rays_alone)
 {
     static group g;
+    uint32_t all_hidden = 0, all_rays = 0;
     for (int mesh_style = 0; mesh_style < N_MESHES; mesh_style++) {
         uint32_t n_rays = 0, n_hidden = 0;
         lc_f3 c;
@@ -238,24 +233,28 @@ TEST(groups_answer_as_rays_alone)
         make_mesh(mesh_style);
         for (uint32_t i = 0; i < m.n_verts; i++) lc_f3_store(m.pos + 3 * (size_t)i, accepted(vert(i)));
         extent(&c, &r);
-        lc_bvh *b = build();
+        lc_bvh *b = build_bvh(ctx);
         for (int i = 0; i < 420 / SLOW; i++) {
             make_group(&g, i % N_STYLES, c, r);
             n_rays += g.n;
             n_hidden += check_group(b, &g, mesh_style);
         }
         printf("  mesh %d: %u triangles, %u rays, %u hidden\n", mesh_style, m.n_tris, n_rays, n_hidden);
+        all_rays += n_rays;
+        all_hidden += n_hidden;
         lc_bvh_destroy(b);
     }
+    CHECKF(all_hidden > all_rays / 10 && all_hidden < all_rays - all_rays / 10, "%u of %u hidden", all_hidden,
+           all_rays);
 }
 
-/* No group, and a group without triangles. */
+/* A group of no rays, and a scene of no triangles. */
 TEST(nothing_to_trace)
 {
     static group g = { .n = MOST };
     uint8_t got[MOST];
     clear();
-    lc_bvh *b = build();
+    lc_bvh *b = build_bvh(ctx);
     EACH_ISA(isa) {
         CHECK(trace(isa, b, &g, 0, 0, got));
         CHECK(trace(isa, b, &g, 0, MOST, got));
@@ -266,8 +265,9 @@ TEST(nothing_to_trace)
 
 int main(void)
 {
-    if (lc_context_create(NULL, &ctx)) return 1;
+    ctx = quiet_context(0);
     printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
+    RUN(every_instruction_set_is_here);
     RUN(nothing_to_trace);
     RUN(groups_answer_as_rays_alone);
     lc_context_destroy(ctx);

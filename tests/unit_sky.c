@@ -1,22 +1,11 @@
-/* unit_sky.c - our own LightSource "sun" and "sky". */
-#include "pbrt/parse.h"
+/* unit_sky.c - this renderer's own LightSource "sun" and "sky": the sun's lights against a uniform disc of
+ * its irradiance, its visible disc against the radiance of that, the sky against the formula of CIE's clear
+ * sky. */
 #include "prepare/env_light.h"
 #include "scene/sun.h"
-#include "support/test.h"
+#include "support/one_scene.h"
 
-#include <stdlib.h>
-
-static lc_context *ctx;
-static lc_scene *scene;
-
-static lc_status load(const char *text)
-{
-    char all[1024];
-    lc_scene_destroy(scene);
-    if (lc_scene_create(ctx, &scene)) abort();
-    snprintf(all, sizeof all, "WorldBegin %s", text);
-    return lc_pbrt_parse_memory(scene, "s.pbrt", all, strlen(all));
-}
+static lc_status load(const char *text) { return parse_format("WorldBegin %s", text); }
 
 TEST(sun_fills_its_disc)
 {
@@ -39,14 +28,14 @@ TEST(sun_fills_its_disc)
     }
     double r = LC_PI / 180;
     CHECKF(fabs(sum - 20) < 1e-4 && widest <= r * 1.001 && widest > 0.97 * r, "%g %g", sum, widest);
-    CHECKF(fabs(second / (r * r) - 0.5) < 0.01, "%g", second / (r * r)); /* of an even disc */
+    CHECKF(fabs(second / (r * r) - 0.5) < 0.01, "%g", second / (r * r)); /* 1/2 for a uniform disc */
     CHECK(fabs(mean[0]) < 1e-4 && fabs(mean[1] + 0.8) < 3e-4 && fabs(mean[2] - 0.6) < 3e-4);
     CHECK(load("LightSource \"sun\" \"float angle\" 0") == LC_OK && scene->n_lights == 1);
     CHECK(load("LightSource \"sun\" \"vector3 direction\" [0 0 0]") == LC_ERR_PARSE);
     CHECK(load("LightSource \"sun\" \"integer lights\" 0") == LC_ERR_PARSE);
 }
 
-/* Unit, `angle` radians from the sun of 0 3 4, on any side. */
+/* The unit vector `angle` radians from the direction of the sun at 0 3 4, on the side that `turn` gives. */
 static lc_f3 beside(double angle, double turn)
 {
     double s = sin(angle), c = cos(angle), x = s * cos(turn), y = s * sin(turn);
@@ -68,13 +57,13 @@ TEST(sun_is_seen)
     lc_f3 centre = lc_background(scene, beside(0, 0));
     CHECK(fabs((double)centre.y / (2 * radiance) - 1) < 1e-5 &&
           fabs((double)centre.z / (0.5 * radiance) - 1) < 1e-5);
-    CHECK(load("LightSource \"sun\" LightSource \"sun\"") == LC_OK); /* both are seen */
+    CHECK(load("LightSource \"sun\" LightSource \"sun\"") == LC_OK); /* both are visible */
     CHECK(fabs((double)lc_background(scene, lc_f3_make(0, 0, 1)).x / (0.2 * radiance) - 1) < 1e-5);
     CHECK(load("LightSource \"sun\" \"float angle\" 0 LightSource \"sun\" \"float angle\" 1e-30") == LC_OK &&
           !scene->suns);
 }
 
-/* [CIE03], type 12. */
+/* Relative luminance of [CIE03], sky type 12. */
 static double clear_sky(double cos_zenith, double cos_sun, double cos_between)
 {
     double f = 1 + 10 * (exp(-3 * acos(cos_between)) - exp(-3 * LC_PI / 2)) +
@@ -90,7 +79,7 @@ TEST(sky_is_the_clear_one)
     CHECK(scene->n_envs == 1);
     const lc_f3 sun = lc_f3_make(0.6f, 0.8f, 0);
     lc_f3 v = lc_scene_background(scene, lc_f3_make(0, 1, 0));
-    /* the pole shows a texel beside it, 0.35 degrees off */
+    /* At the pole the map shows the nearest texel, 0.35 degrees away. */
     CHECKF(fabs((double)v.x - 2) < 0.04 && fabs((double)v.z - 6) < 0.12, "%g %g", (double)v.x, (double)v.z);
     CHECK(!(lc_f3_max(lc_scene_background(scene, lc_f3_normalize(lc_f3_make(0.3f, -0.1f, 0.2f)))) > 0));
     for (int i = 0; i < 1000; i++) {
@@ -107,11 +96,10 @@ TEST(sky_is_the_clear_one)
 
 int main(void)
 {
-    if (lc_context_create(NULL, &ctx)) return 1;
+    ctx = quiet_context(0);
     RUN(sun_fills_its_disc);
     RUN(sun_is_seen);
     RUN(sky_is_the_clear_one);
-    lc_scene_destroy(scene);
-    lc_context_destroy(ctx);
+    one_scene_end();
     return test_done();
 }

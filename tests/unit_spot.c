@@ -1,50 +1,20 @@
-/* unit_spot.c - spot, projection and goniometric lights: parameters, power, direction, trees. */
-#include "base/rng.h"
+/* unit_spot.c - spot, projection and goniometric lights: their radiant intensity in known directions, their
+ * "power" against an integral of the intensity over the sphere, and light trees that hold them. */
 #include "isa/isa.h"
-#include "pbrt/parse.h"
 #include "shade/point_init.h"
 #include "support/isas.h"
+#include "support/near.h"
 #include "support/one_bound.h"
-#include "support/test.h"
+#include "support/one_scene.h"
 #include "tree/light_tree.h"
-
-#include <stdlib.h>
-#include <unistd.h>
 
 #define RND_KEY 20260607
 #include "support/rnd.h"
 
-static char dir[] = "/tmp/unit_spot.XXXXXX";
-static lc_context *ctx;
-static lc_scene *scene;
+static lc_status load(const char *text) { return parse_text_file("WorldBegin %s\n", text); }
 
-static bool near(double a, double b, double eps) { return fabs(a - b) <= eps; }
-
-/* rgb: w * h * 3, rows from the top. */
-static void write_pfm(const char *name, uint32_t w, uint32_t h, const float *rgb)
-{
-    char path[64];
-    snprintf(path, sizeof path, "%s/%s", dir, name);
-    FILE *f = fopen(path, "wb");
-    if (!f) abort();
-    fprintf(f, "PF\n%u %u\n-1.0\n", w, h);
-    for (uint32_t y = h; y-- > 0;) fwrite(rgb + (size_t)y * w * 3, sizeof *rgb, (size_t)w * 3, f);
-    if (fclose(f)) abort();
-}
-
-static lc_status load(const char *text)
-{
-    char name[64];
-    lc_scene_destroy(scene);
-    if (lc_scene_create(ctx, &scene)) abort();
-    snprintf(name, sizeof name, "%s/s.pbrt", dir);
-    FILE *f = fopen(name, "wb");
-    if (!f || fprintf(f, "WorldBegin %s\n", text) < 0 || fclose(f)) abort();
-    return lc_pbrt_parse(scene, name);
-}
-
-/* Radiant intensity in a direction, by the estimate of a white diffuser at distance 1 that faces the light.
- */
+/* Radiant intensity in direction w: pi times the estimate for a white diffuser that faces the light at
+ * distance 1. */
 static lc_f3 shine(const lc_light *l, lc_f3 w)
 {
     const lc_material white = { .kd = { 1, 1, 1 } };
@@ -54,7 +24,7 @@ static lc_f3 shine(const lc_light *l, lc_f3 w)
     lc_light_rec_init(&rec, l);
     lc_spot_rec_init(&spot, l->spot.cos_total, l->spot.cos_start, l->spot.map);
     lc_point_init(&p, lc_f3_add(l->pos, w), lc_f3_neg(w), lc_f3_neg(w), &white, 1e-10f);
-    return lc_f3_scale(lc_f3_mul(lc_shade_spot(&p, &rec, &spot, scene->spot_maps), l->intensity),
+    return lc_f3_scale(lc_f3_mul(one_spot_transfer(&p, &rec, &spot, scene->spot_maps), l->intensity),
                        (float)LC_PI);
 }
 
@@ -83,12 +53,12 @@ TEST(parameters)
     const lc_light *l = scene->lights;
     CHECK(scene->n_lights == 1 && l->kind == LC_LIGHT_SPOT);
     CHECK(l->pos.x == 1 && l->pos.y == 2 && l->pos.z == 4 && l->dir.y == 1);
-    CHECK(near((double)l->spot.cos_total, cos(LC_PI / 6), 1e-7) &&
-          near((double)l->spot.cos_start, cos(25 * LC_PI / 180), 1e-7));
-    CHECK(near((double)shine(l, lc_f3_make(0, 1, 0)).z, 3, 1e-5));
-    /* half way between the cosines there is half of it */
+    CHECK(near_abs((double)l->spot.cos_total, cos(LC_PI / 6), 1e-7) &&
+          near_abs((double)l->spot.cos_start, cos(25 * LC_PI / 180), 1e-7));
+    CHECK(near_abs((double)shine(l, lc_f3_make(0, 1, 0)).z, 3, 1e-5));
+    /* Halfway between the cosines of the two angles the intensity is half of the full one. */
     double mid = (cos(LC_PI / 6) + cos(25 * LC_PI / 180)) / 2;
-    CHECK(near((double)shine(l, lc_f3_normalize_d(sqrt(1 - mid * mid), mid, 0)).y, 1, 1e-4));
+    CHECK(near_abs((double)shine(l, lc_f3_normalize_d(sqrt(1 - mid * mid), mid, 0)).y, 1, 1e-4));
     CHECK(!(shine(l, lc_f3_normalize_d(sin(0.53), cos(0.53), 0)).y > 0));
     CHECK(load("LightSource \"spot\" \"float coneangle\" 0") == LC_OK && scene->n_lights == 0);
     CHECK(load("LightSource \"spot\" \"float coneangle\" 200") == LC_ERR_PARSE);
@@ -103,8 +73,8 @@ TEST(power)
     double sum[3];
     for (size_t i = 0; i < sizeof rgb / sizeof *rgb; i++) rgb[i] = (float)rnd_in(0, 5);
     for (size_t i = 0; i < sizeof square / sizeof *square; i++) square[i] = (float)rnd_in(1, 5);
-    write_pfm("p.pfm", 12, 8, rgb);
-    write_pfm("g.pfm", 16, 16, square);
+    pfm_write(temp_path("p.pfm"), 12, 8, rgb);
+    pfm_write(temp_path("g.pfm"), 16, 16, square);
     static const struct {
         const char *text;
         double most;
@@ -127,16 +97,16 @@ TEST(power)
         if (scene->n_lights != 1) continue;
         flux(scene->lights, sum);
         printf("  %.40s: %.6g\n", tests[i].text, luminance(sum));
-        CHECKF(near(luminance(sum), 70, 70 * tests[i].most), "%s: %g", tests[i].text, luminance(sum));
+        CHECKF(near_abs(luminance(sum), 70, 70 * tests[i].most), "%s: %g", tests[i].text, luminance(sum));
     }
 }
 
-/* Four texels, seen from the light along +z: pbrt-v4 has the picture's top at +y and its left at -x, v3 the
- * top at -y. */
+/* Four texels, seen from the light along +z: pbrt-v4 has the picture's top at +y and its left at -x, pbrt-v3
+ * has the top at -y. */
 TEST(projections_are_the_right_way_up)
 {
     const float rgb[12] = { 1, 0, 0, 0, 2, 0, 0, 0, 3, 4, 4, 4 };
-    write_pfm("q.pfm", 2, 2, rgb);
+    pfm_write(temp_path("q.pfm"), 2, 2, rgb);
     for (int v3 = 0; v3 < 2; v3++) {
         CHECK(load(v3 ? "LightSource \"projection\" \"string mapname\" \"q.pfm\" \"float fov\" 90"
                       : "LightSource \"projection\" \"string filename\" \"q.pfm\"") == LC_OK);
@@ -146,27 +116,28 @@ TEST(projections_are_the_right_way_up)
               b = shine(l, lc_f3_normalize(lc_f3_make(0.5f, up, 1)));
         lc_f3 c = shine(l, lc_f3_normalize(lc_f3_make(-0.5f, -up, 1))),
               d = shine(l, lc_f3_normalize(lc_f3_make(0.5f, -up, 1)));
-        CHECK(near((double)a.x, 1, 1e-4) && !(a.y > 0) && near((double)b.y, 2, 1e-4) && !(b.x > 0));
-        CHECK(near((double)c.z, 3, 1e-4) && near((double)d.x, 4, 1e-4));
+        CHECK(near_abs((double)a.x, 1, 1e-4) && !(a.y > 0) && near_abs((double)b.y, 2, 1e-4) && !(b.x > 0));
+        CHECK(near_abs((double)c.z, 3, 1e-4) && near_abs((double)d.x, 4, 1e-4));
         CHECK(!(lc_f3_max(shine(l, lc_f3_normalize(lc_f3_make(1.01f, 0, 1)))) > 0));
         CHECK(!(lc_f3_max(shine(l, lc_f3_make(0, 0, -1))) > 0));
     }
 }
 
-/* By latitude and longitude, after y and z have changed places: the top row is about +y. */
+/* A map by latitude and longitude, with y and z exchanged: its top row is at +y. */
 TEST(goniometric_maps_by_latitude)
 {
     float rgb[32 * 16 * 3] = { 0 };
     for (size_t i = 0; i < 32 * 8 * 3; i++) rgb[i] = 3;
     for (size_t i = 0; i < 32 * 16; i++) rgb[3 * i + 2] = (float)(i % 32 < 16);
-    write_pfm("l.pfm", 32, 16, rgb);
+    pfm_write(temp_path("l.pfm"), 32, 16, rgb);
     CHECK(load("LightSource \"goniometric\" \"rgb I\" [2 2 2] \"string mapname\" \"l.pfm\"") == LC_OK);
     const lc_light *l = scene->lights;
     lc_f3 up = shine(l, lc_f3_normalize(lc_f3_make(0.1f, 1, 0.2f))),
           down = shine(l, lc_f3_normalize(lc_f3_make(0.1f, -1, 0.2f)));
-    CHECK(near((double)up.x, 6, 1e-4) && !(down.x > 0));
-    /* the left half of the map: longitudes from +x by way of the light's z */
-    CHECK(near((double)up.z, 2, 1e-4) && !(shine(l, lc_f3_normalize(lc_f3_make(0.1f, 0.3f, -0.8f))).z > 0));
+    CHECK(near_abs((double)up.x, 6, 1e-4) && !(down.x > 0));
+    /* The left half of the map has the longitudes from +x by way of the light's z to -x. */
+    CHECK(near_abs((double)up.z, 2, 1e-4) &&
+          !(shine(l, lc_f3_normalize(lc_f3_make(0.1f, 0.3f, -0.8f))).z > 0));
 }
 
 static lc_light rnd_spot(void)
@@ -194,7 +165,7 @@ TEST(damage_to_spots_is_found)
     for (uint32_t i = 0; i < 39 + 40; i++) {
         lc_own *own = &t->data.own[LC_LIGHT_SPOT];
         lc_spot_rec *s = i < 39 ? (lc_spot_rec *)own->node + i : (lc_spot_rec *)own->light + (i - 39), was = *s;
-        for (int what = i < 39 ? 0 : 2; what < 6; what++) { /* a light's cosines are what they are */
+        for (int what = i < 39 ? 0 : 2; what < 6; what++) { /* any cosines are valid for a light */
             if (what == 0) s->cos_total = nextafterf(s->cos_total, 2);
             if (what == 1) s->cos_start = nextafterf(s->cos_start, 2);
             if (what == 2) s->inv_width = nextafterf(s->inv_width, 0);
@@ -209,7 +180,7 @@ TEST(damage_to_spots_is_found)
     lc_light_tree_destroy(t);
 }
 
-/* Attenuation of a light of another kind in the same tree is nothing to spots. */
+/* The bounds of spots do not depend on the attenuation of a light of another kind in the same tree. */
 TEST(bounds_of_spots_beside_attenuated_lights)
 {
     static const lc_material looks[] = {
@@ -246,21 +217,16 @@ TEST(bounds_of_spots_beside_attenuated_lights)
 
 int main(void)
 {
-    if (lc_context_create(NULL, &ctx) || !mkdtemp(dir)) return 1;
+    ctx = quiet_context(0);
+    temp_begin();
+    RUN(every_instruction_set_is_here);
     RUN(bounds_of_spots_beside_attenuated_lights);
     RUN(parameters);
     RUN(power);
     RUN(projections_are_the_right_way_up);
     RUN(goniometric_maps_by_latitude);
     RUN(damage_to_spots_is_found);
-    lc_scene_destroy(scene);
-    lc_context_destroy(ctx);
-    static const char *const files[] = { "s.pbrt", "p.pfm", "g.pfm", "q.pfm", "l.pfm" };
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-        char path[64];
-        snprintf(path, sizeof path, "%s/%s", dir, files[i]);
-        unlink(path);
-    }
-    rmdir(dir);
+    one_scene_end();
+    temp_end();
     return test_done();
 }

@@ -1,17 +1,17 @@
-/* unit_texture.c - lookups in images, mappings and patterns against plain double code written apart from
- * them. */
+/* unit_texture.c - lookups in images, mappings and patterns against plain code in doubles, which shares
+ * nothing with the library; mean values that textures state against means over many points. */
 #include "base/arena.h"
-#include "base/rng.h"
 #include "scene/noise.h"
 #include "scene/texture.h"
-#include "support/test.h"
+#include "support/logged.h"
 
-#include <math.h>
 #include <float.h>
+#include <math.h>
+
+#define RND_KEY 77
+#include "support/rnd.h"
 
 static lc_context *ctx;
-
-static double rnd(uint64_t a, uint64_t b) { return lc_unit(lc_hash4(77, a, b, 0)); }
 
 /* ---- images ---- */
 
@@ -24,7 +24,7 @@ static lc_raster make_raster(uint32_t w, uint32_t h, uint32_t n, lc_raster_kind 
     size_t count = (size_t)w * h * n;
     CHECK(!lc_raster_init(ctx, "t", &(lc_raster){ w, h, n, kind, NULL }, SIZE_MAX, 1, &r));
     for (size_t i = 0; i < count; i++) {
-        double v = rnd(i, (uint64_t)w * 1000 + h);
+        double v = rnd();
         if (kind == LC_RASTER_U8) ((uint8_t *)r.data)[i] = (uint8_t)(v * 256);
         if (kind == LC_RASTER_U16) ((uint16_t *)r.data)[i] = (uint16_t)(v * 65536);
         if (kind == LC_RASTER_F32) ((float *)r.data)[i] = (float)(v * 10 - 2);
@@ -70,7 +70,7 @@ TEST(bilinear_agrees)
         double got[3];
         CHECK(!lc_mipmap_build(ctx, &r, e, &m) && m.is_codes == (k % 3 == 0));
         for (uint64_t i = 0; i < 2000; i++) {
-            double s = 4 * rnd(i, 1) - 1.5, t = 4 * rnd(i, 2) - 1.5;
+            double s = 4 * rnd() - 1.5, t = 4 * rnd() - 1.5;
             lc_mipmap_lookup(&m, s, t, 0.5, wrap, LC_FILTER_BILINEAR, got);
             for (uint32_t c = 0; c < 3; c++) {
                 double want = plain_bilinear(&r, e, s, t, wrap, c);
@@ -87,7 +87,8 @@ TEST(bilinear_agrees)
     }
 }
 
-/* Every level's mean is the image's: areas are shared out whole. Codes: within half a code for each level. */
+/* Each level has the mean of the image, as the area of every texel is shared out among those of the next
+ * level. Levels of codes are rounded by up to half a code each. */
 TEST(levels_keep_the_mean)
 {
     static const uint32_t sizes[][2] = { { 8, 8 },   { 7, 5 }, { 1, 9 }, { 13, 1 },
@@ -114,7 +115,8 @@ TEST(levels_keep_the_mean)
     }
 }
 
-/* Widths of 2 and 4 are levels 1 and 2, 2 sqrt 2 lies half way; bilinear takes the lower one. */
+/* Filter widths of 2 and 4 texels belong to levels 1 and 2, and 2 sqrt 2 is halfway between them. The
+ * bilinear filter takes the lower level. */
 TEST(trilinear_between_levels)
 {
     lc_raster r = make_raster(16, 16, 3, LC_RASTER_F32);
@@ -122,7 +124,7 @@ TEST(trilinear_between_levels)
     double a[3], b[3], half[3], low[3];
     CHECK(!lc_mipmap_build(ctx, &r, (lc_encoding){ LC_ENCODING_LINEAR, 1 }, &m) && m.n_levels == 5);
     for (uint64_t i = 0; i < 500; i++) {
-        double s = rnd(i, 3), t = rnd(i, 4);
+        double s = rnd(), t = rnd();
         lc_mipmap_lookup(&m, s, t, 2, LC_WRAP_REPEAT, LC_FILTER_TRILINEAR, a);
         lc_mipmap_lookup(&m, s, t, 4, LC_WRAP_REPEAT, LC_FILTER_TRILINEAR, b);
         lc_mipmap_lookup(&m, s, t, 2 * sqrt(2), LC_WRAP_REPEAT, LC_FILTER_TRILINEAR, half);
@@ -130,7 +132,7 @@ TEST(trilinear_between_levels)
         for (int c = 0; c < 3; c++)
             CHECK(fabs(half[c] - 0.5 * (a[c] + b[c])) < 1e-9 && fabs(low[c] - a[c]) < 1e-9);
     }
-    /* texel (1, 2) of level 1 covers four of level 0 */
+    /* Texel (1, 2) of level 1 covers four texels of level 0. */
     lc_mipmap_lookup(&m, 1.5 / 8, 2.5 / 8, 2, LC_WRAP_REPEAT, LC_FILTER_TRILINEAR, a);
     double want = 0;
     for (int i = 0; i < 4; i++)
@@ -183,12 +185,9 @@ static lc_tex_map make_map(lc_tex_map_kind kind)
 TEST(mappings_agree)
 {
     for (uint64_t i = 0; i < 5000; i++) {
-        lc_tex_point p = { { 4 * rnd(i, 5) - 2, 4 * rnd(i, 6) - 2, 4 * rnd(i, 7) - 2 },
-                           { rnd(i, 8), rnd(i, 9) },
-                           2,
-                           3,
-                           1e-3,
-                           { 0, 0, 1 } };
+        lc_tex_point p = {
+            { 4 * rnd() - 2, 4 * rnd() - 2, 4 * rnd() - 2 }, { rnd(), rnd() }, 2, 3, 1e-3, { 0, 0, 1 }
+        };
         double st[2], w[2];
         lc_tex_map m = make_map(LC_MAP_UV);
         m.su = 3;
@@ -201,7 +200,7 @@ TEST(mappings_agree)
         m = make_map(LC_MAP_PLANAR);
         m.v1[1] = 2;
         m.du = 0.5;
-        m.to_texture[3] = 10; /* moved along x */
+        m.to_texture[3] = 10; /* the texture's space is moved along x */
         CHECK(lc_tex_map_2d(&m, &p, st, w));
         CHECK(fabs(st[0] - (p.pos[0] + 10 + 2 * p.pos[1] + 0.5)) < 1e-12 && fabs(st[1] - p.pos[1]) < 1e-12);
         CHECK(fabs(w[0] - sqrt(5) * 1e-3) < 1e-12);
@@ -246,7 +245,7 @@ static lc_tex_point at_uv(double u, double v, double width)
     return (lc_tex_point){ { u, v, 0 }, { u, v }, 1, 1, width, { 0, 0, 1 } };
 }
 
-/* Sum over a triangle filter of radius 3/4 of a pixel, by the midpoint rule. */
+/* The checkerboard filtered by a triangle of radius 3/4 of a pixel, by the midpoint rule. */
 static double plain_checker(double s, double t, double width)
 {
     const int n = 200;
@@ -268,7 +267,7 @@ TEST(checkerboard)
     uint32_t id = add(&t);
     double v[3];
     for (uint64_t i = 0; i < 300; i++) {
-        double s = 10 * rnd(i, 10) - 5, u = 10 * rnd(i, 11) - 5, width = i % 3 ? 2 * rnd(i, 12) : 0;
+        double s = 10 * rnd() - 5, u = 10 * rnd() - 5, width = i % 3 ? 2 * rnd() : 0;
         lc_tex_point p = at_uv(s, u, width);
         lc_texture_eval(&set, id, &p, v);
         double want = width > 0 ? plain_checker(s, u, width) : fmod(fabs(floor(s) + floor(u)), 2);
@@ -292,8 +291,7 @@ TEST(noise_is_noise)
 {
     double most = 0, sum = 0, rough = 0;
     for (uint64_t i = 0; i < 200000; i++) {
-        double x = 300 * rnd(i, 13) - 150, y = 300 * rnd(i, 14) - 150, z = 300 * rnd(i, 15) - 150,
-               v = lc_noise(x, y, z);
+        double x = 300 * rnd() - 150, y = 300 * rnd() - 150, z = 300 * rnd() - 150, v = lc_noise(x, y, z);
         most = fmax(most, fabs(v));
         sum += v;
         rough = fmax(rough, fabs(lc_noise(x + 1e-4, y, z) - v));
@@ -309,10 +307,10 @@ TEST(noise_is_noise)
     CHECK(fabs(lc_fbm(p, 0, 0.5, 2) - lc_noise(1.3, 2.6, 3.9) -
                0.5 * lc_noise(1.99 * 1.3, 1.99 * 2.6, 1.99 * 3.9)) < 1e-12);
     CHECK(lc_fbm(p, 10, 0.5, 8) == 0 && fabs(lc_turbulence(p, 10, 0.5, 2) - 0.3) < 1e-15);
-    CHECK(fabs(lc_fbm(p, 0.25, 0.5, 8) - lc_noise(1.3, 2.6, 3.9)) < 1e-15); /* -1 - log2(1/4): one octave */
+    CHECK(fabs(lc_fbm(p, 0.25, 0.5, 8) - lc_noise(1.3, 2.6, 3.9)) < 1e-15); /* -1 - log2(1/4) is one octave */
 }
 
-/* Means that are stated without looking. */
+/* The mean that a texture states, which far lookups use, is about that over many points. */
 TEST(means_are_about_right)
 {
     for (int k = LC_TEX_CHECKER; k < LC_TEX_KINDS; k++) {
@@ -325,8 +323,8 @@ TEST(means_are_about_right)
         const int n = 40000;
         for (uint64_t i = 0; i < (uint64_t)n; i++) {
             double size = k == LC_TEX_BILERP ? 1 : 50;
-            lc_tex_point p = at_uv(size * rnd(i, 16), size * rnd(i, 17), 0);
-            p.pos[2] = 50 * rnd(i, 18);
+            lc_tex_point p = at_uv(size * rnd(), size * rnd(), 0);
+            p.pos[2] = 50 * rnd();
             lc_texture_eval(&set, id, &p, v);
             sum += v[0] / n;
         }
@@ -338,7 +336,7 @@ TEST(means_are_about_right)
 TEST(wood_has_rings)
 {
     lc_texture t = make_texture(LC_TEX_WOOD);
-    t.scale = 2; /* rings of 1/2, no noise */
+    t.scale = 2; /* rings 1/2 wide, without noise */
     t.in[0].value[0] = 0.25;
     t.in[1].value[0] = 0.75;
     uint32_t id = add(&t);
@@ -377,7 +375,7 @@ TEST(textures_of_textures)
     scale.in[2].id = id;
     lc_texture_eval(&set, add(&scale), &p, v);
     CHECK(fabs(v[0] - 2 * (0.75 + 0.25 * 0.25) * 0.25) < 1e-12);
-    /* values alone are worked out at once */
+    /* A texture of constants becomes a constant. */
     lc_texture fixed = make_texture(LC_TEX_SCALE);
     for (int i = 0; i < 3; i++) fixed.in[i].value[0] = i + 2;
     CHECK(set.items[add(&fixed)].kind == LC_TEX_CONSTANT && set.items[set.n - 1].mean[0] == 24);
@@ -389,7 +387,7 @@ TEST(deep_textures_become_constants)
     uint32_t id = add(&t);
     bool deep = false;
     int n = 0;
-    for (; n < 1000 && !deep; n++) { /* a chain */
+    for (; n < 1000 && !deep; n++) { /* a chain of textures */
         t = make_texture(LC_TEX_SCALE);
         t.in[0].id = id;
         t.in[1].value[0] = t.in[2].value[0] = 1;
@@ -399,7 +397,7 @@ TEST(deep_textures_become_constants)
           fabs(set.items[id].mean[0] - 0.5) < 1e-12);
     t = make_texture(LC_TEX_UV);
     id = add(&t);
-    for (n = 0; n < 1000; n++) { /* each twice as dear as the one before */
+    for (n = 0; n < 1000; n++) { /* each is evaluated with twice the cost of the one before */
         t = make_texture(LC_TEX_MIX);
         t.in[0].id = t.in[1].id = id;
         t.in[2].value[0] = 0.5;
@@ -411,9 +409,7 @@ TEST(deep_textures_become_constants)
 
 int main(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.n_threads = 1;
-    if (lc_context_create(&desc, &ctx)) return 1;
+    ctx = quiet_context(1);
     set.ctx = ctx;
     RUN(bilinear_agrees);
     RUN(levels_keep_the_mean);

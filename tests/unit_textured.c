@@ -1,39 +1,14 @@
-/* unit_textured.c - textures of scene files: what the statements mean, the material where a ray meets a mesh,
- * and a picture. */
-#include "image/image.h"
-#include "pbrt/parse.h"
+/* unit_textured.c - textures of scene files: the material where a ray meets a textured mesh, and a picture,
+ * against the texels, coordinates and formulas of the statements, worked out by hand. */
 #include "scene/surface.h"
-#include "support/test.h"
+#include "support/near.h"
+#include "support/one_scene.h"
+#include "support/watched_memory.h"
 
-#include <stdlib.h>
-#include <unistd.h>
+static void write_file(const char *name, const void *data, size_t n) { file_write(temp_path(name), data, n); }
 
-static char folder[64], log_line[2048];
-static lc_context *ctx;
-static lc_scene *scene;
-
-static void keep_log(void *user, lc_log_level level, const char *text)
-{
-    (void)user;
-    (void)level;
-    snprintf(log_line, sizeof log_line, "%s", text);
-}
-
-static const char *in_dir(const char *name)
-{
-    static char path[256];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-static void write_file(const char *name, const void *data, size_t n)
-{
-    FILE *f = fopen(in_dir(name), "wb");
-    CHECK(f && fwrite(data, 1, n, f) == n);
-    if (f) fclose(f);
-}
-
-/* 2 x 2 pixels, blue green red, rows from the top: red, green over blue, a grey code of 128. */
+/* 2 x 2 pixels: red and green over blue and the grey of code 128. The file has blue, green, red of each, rows
+ * from the top. */
 static void write_tga(const char *name)
 {
     static const uint8_t bytes[] = { 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 32,
@@ -44,8 +19,7 @@ static void write_tga(const char *name)
 #define HEAD4 "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
 #define HEAD3 "Film \"image\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
 #define CAMERA "Camera \"perspective\" \"float fov\" 90\nWorldBegin\nLightSource \"distant\"\n"
-/* The square -1..1 at z = 1, seen whole from the origin; u grows to the right, v upwards. pbrt's x is right.
- */
+/* The square -1..1 at z = 1, which fills the picture; u grows to the right, as x does, and v upwards. */
 #define QUAD                                                                                                 \
     "Shape \"trianglemesh\" \"point3 P\" [-1 -1 1 1 -1 1 1 1 1 -1 1 1] \"integer indices\" [0 1 2 0 2 3] "
 #define UV4 "\"point2 uv\" [0 0 1 0 1 1 0 1]\n"
@@ -54,23 +28,10 @@ static void write_tga(const char *name)
 
 static lc_status load(const char *head, const char *body)
 {
-    char text[4096];
-    lc_load_desc desc = LC_LOAD_DESC_INIT;
-    int n = snprintf(text, sizeof text, "%s%s%s", head, CAMERA, body);
-    write_file("s.pbrt", text, (size_t)n);
-    lc_scene_destroy(scene);
-    log_line[0] = 0;
-    return lc_scene_load(ctx, in_dir("s.pbrt"), &desc, &scene);
+    return load_text(NULL, "%s%s%s", head, CAMERA, body);
 }
 
-static bool note(const char *kind)
-{
-    for (size_t i = 0; i < scene->n_notes; i++)
-        if (!strcmp(scene->notes[i].kind, kind)) return true;
-    return false;
-}
-
-/* kd where the ray through (x, y, 1) arrives; pixel: 0 looks at a point. */
+/* kd where the ray from the origin through (x, y, 1) arrives. pixel: width of a pixel, 0 for a point. */
 static lc_f3 kd_at(double x, double y, double pixel)
 {
     lc_surface s;
@@ -79,18 +40,15 @@ static lc_f3 kd_at(double x, double y, double pixel)
     return s.material.kd;
 }
 
-static bool near3(lc_f3 v, double x, double y, double z)
-{
-    return fabs((double)v.x - x) < 1e-4 && fabs((double)v.y - y) < 1e-4 && fabs((double)v.z - z) < 1e-4;
-}
+static bool rgb_is(lc_f3 v, double r, double g, double b) { return near3_abs(v, r, g, b, 1e-4); }
 
 #define GREY 0.2158605 /* sRGB code 128 */
 
-/* The middles of the four pixels, for the image as it is. */
+/* Each quarter of the square has the colour of one pixel of the image at its centre. */
 static bool quarters(void)
 {
-    return near3(kd_at(-.5, .5, 0), 1, 0, 0) && near3(kd_at(.5, .5, 0), 0, 1, 0) &&
-           near3(kd_at(-.5, -.5, 0), 0, 0, 1) && near3(kd_at(.5, -.5, 0), GREY, GREY, GREY);
+    return rgb_is(kd_at(-.5, .5, 0), 1, 0, 0) && rgb_is(kd_at(.5, .5, 0), 0, 1, 0) &&
+           rgb_is(kd_at(-.5, -.5, 0), 0, 0, 1) && rgb_is(kd_at(.5, -.5, 0), GREY, GREY, GREY);
 }
 
 TEST(imagemap_of_both_versions)
@@ -99,22 +57,22 @@ TEST(imagemap_of_both_versions)
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\"\n"
                       "Material \"diffuse\" \"texture reflectance\" \"t\"\n" QUAD UV4) == LC_OK);
     CHECK(quarters() && scene->n_notes == 0);
-    CHECK(near3(kd_at(0, 0, 0), (1 + GREY) / 4, (1 + GREY) / 4, (1 + GREY) / 4)); /* all four meet */
+    CHECK(rgb_is(kd_at(0, 0, 0), (1 + GREY) / 4, (1 + GREY) / 4, (1 + GREY) / 4)); /* all four meet */
     CHECK(load(HEAD3, "Texture \"t\" \"color\" \"imagemap\" \"string filename\" [\"a.tga\"] \"bool "
                       "trilinear\" \"true\"\n" MATTE QUAD UV3) == LC_OK);
     CHECK(quarters() && scene->n_notes == 0);
-    /* a pixel as wide as the square sees about the mean, at level 1 */
+    /* A pixel as wide as the square has about the mean of the image, from level 1. */
     CHECK(fabs((double)kd_at(-.5, .5, 2).x - (1 + GREY) / 4) < 0.003); /* one of 256 codes */
     CHECK(load(HEAD3, "Texture \"t\" \"color\" \"imagemap\" \"string filename\" [\"a.tga\"] \"bool gamma\" "
                       "\"false\"\n" MATTE QUAD UV3) == LC_OK);
-    CHECK(near3(kd_at(.5, -.5, 0), 128 / 255.0, 128 / 255.0, 128 / 255.0) && note("texture filter EWA"));
+    CHECK(rgb_is(kd_at(.5, -.5, 0), 128 / 255.0, 128 / 255.0, 128 / 255.0) && note("texture filter EWA"));
     CHECK(load(HEAD4,
                "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"string encoding\" "
                "\"gamma 2\" "
                "\"float scale\" 0.5 \"bool invert\" true \"string filter\" \"point\"\n" MATTE QUAD UV4) ==
           LC_OK);
     double want = 1 - 0.5 * (128 / 255.0) * (128 / 255.0);
-    CHECK(near3(kd_at(.5, -.5, 0), want, want, want) && near3(kd_at(-.9, .1, 0), 0.5, 1, 1));
+    CHECK(rgb_is(kd_at(.5, -.5, 0), want, want, want) && rgb_is(kd_at(-.9, .1, 0), 0.5, 1, 1));
 }
 
 TEST(wrapping_and_mapping)
@@ -123,22 +81,22 @@ TEST(wrapping_and_mapping)
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float "
                       "uscale\" 2 \"float vscale\" 2 "
                       "\"string filter\" \"point\"\n" MATTE QUAD UV4) == LC_OK);
-    CHECK(near3(kd_at(-.75, .75, 0), 1, 0, 0) && near3(kd_at(.25, .75, 0), 1, 0, 0) &&
-          near3(kd_at(.75, -.75, 0), GREY, GREY, GREY));
+    CHECK(rgb_is(kd_at(-.75, .75, 0), 1, 0, 0) && rgb_is(kd_at(.25, .75, 0), 1, 0, 0) &&
+          rgb_is(kd_at(.75, -.75, 0), GREY, GREY, GREY));
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float "
                       "uscale\" 2 \"float vscale\" 2 "
                       "\"string filter\" \"point\" \"string wrap\" \"black\"\n" MATTE QUAD UV4) == LC_OK);
-    CHECK(near3(kd_at(-.75, -.75, 0), 0, 0, 1) && near3(kd_at(.25, .75, 0), 0, 0, 0));
+    CHECK(rgb_is(kd_at(-.75, -.75, 0), 0, 0, 1) && rgb_is(kd_at(.25, .75, 0), 0, 0, 0));
     CHECK(load(HEAD4,
                "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float udelta\" 5 "
                "\"string wrap\" \"clamp\"\n" MATTE QUAD UV4) == LC_OK);
-    CHECK(near3(kd_at(-.75, .75, 0), 0, 1, 0));
-    /* planar, v4: in the texture's space, which is moved and twice as large */
+    CHECK(rgb_is(kd_at(-.75, .75, 0), 0, 1, 0));
+    /* pbrt-v4's planar mapping is in the texture's space, which is moved and scaled here. */
     CHECK(load(HEAD4, "AttributeBegin\nTranslate -1 -1 0\nScale 2 2 2\nTexture \"t\" \"spectrum\" "
                       "\"imagemap\" \"string filename\" "
                       "\"a.tga\" \"string mapping\" \"planar\"\nAttributeEnd\n" MATTE QUAD) == LC_OK);
     CHECK(quarters());
-    /* v3: in world space */
+    /* pbrt-v3's is in world space. */
     CHECK(
         load(
             HEAD3,
@@ -147,12 +105,12 @@ TEST(wrapping_and_mapping)
             "\"string mapping\" \"planar\" \"vector v1\" [.5 0 0] \"vector v2\" [0 .5 0] \"float udelta\" .5 "
             "\"float vdelta\" .5\nAttributeEnd\n" MATTE QUAD) == LC_OK);
     CHECK(quarters());
-    /* Pbrt's own uv of triangles. */
+    /* The uv that pbrt gives to triangles without any. */
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE QUAD) == LC_OK);
-    CHECK(near3(kd_at(.5, -.5, 0), .75, .25, 0) && near3(kd_at(-.5, .5, 0), .75, .5, 0));
+    CHECK(rgb_is(kd_at(.5, -.5, 0), .75, .25, 0) && rgb_is(kd_at(-.5, .5, 0), .75, .5, 0));
 }
 
-/* The file is read once for each encoding, whatever uses it; what is of no use is noted. */
+/* A file is read once for each encoding, however often it is used; files that cannot be used are noted. */
 TEST(files_and_notes)
 {
     write_tga("a.tga");
@@ -172,7 +130,7 @@ TEST(files_and_notes)
     CHECK(n_images == 3);
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\" \"float "
                       "scale\" .5\n" MATTE QUAD UV4) == LC_OK);
-    CHECK(note("texture image") && near3(kd_at(.5, .5, 0), .25, .25, .25) && !scene->uv);
+    CHECK(note("texture image") && rgb_is(kd_at(.5, .5, 0), .25, .25, .25) && !scene->uv);
     write_file("j.jpg", "\xff\xd8\xff\xe0", 4);
     CHECK(load(HEAD4,
                "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"j.jpg\"\n" MATTE QUAD UV4) ==
@@ -182,9 +140,9 @@ TEST(files_and_notes)
     CHECK(load(HEAD4,
                "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"cut.tga\"\n" MATTE QUAD UV4) ==
           LC_ERR_PARSE);
-    CHECK(strstr(log_line, "cut.tga: error: damaged TGA file: pixels are missing at byte 21"));
+    CHECK(strstr(last_error, "cut.tga: error: damaged TGA file: pixels are missing at byte 21"));
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\"\n") == LC_ERR_PARSE &&
-          strstr(log_line, "imagemap without"));
+          strstr(last_error, "imagemap without"));
 }
 
 TEST(values_of_materials)
@@ -205,24 +163,25 @@ TEST(values_of_materials)
              "Material \"phong\" \"texture Kd\" \"c\" \"texture Ks\" \"k\" \"texture exponent\" \"e\"\n" QUAD
                  UV4) == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s));
-    CHECK(near3(s.material.kd, .75, .25, 0) && near3(s.material.ks, .375, .125, 0) &&
+    CHECK(rgb_is(s.material.kd, .75, .25, 0) && rgb_is(s.material.ks, .375, .125, 0) &&
           fabs((double)s.material.exponent - 25) < 1e-3);
-    /* v4's, by the cosine between the normal, along z, and a direction that the matrix turns: 0 3 4 becomes 0
-     * -4 3 */
+    /* pbrt-v4's directionmix goes by the cosine between the normal, along z, and a direction, which the
+     * matrix turns from 0 3 4 to 0 -4 3. */
     CHECK(load(HEAD4, "AttributeBegin Rotate 90 1 0 0\nTexture \"t\" \"spectrum\" \"directionmix\" \"vector3 "
                       "dir\" [0 3 4]\n"
                       "\"rgb tex1\" [1 .5 0] \"rgb tex2\" [0 0 1] AttributeEnd\n" MATTE QUAD) == LC_OK &&
           scene->n_notes == 0);
-    CHECK(near3(kd_at(.5, -.5, 0), .6, .3, .4));
-    /* values beyond 1 are cut off */
+    CHECK(rgb_is(kd_at(.5, -.5, 0), .6, .3, .4));
+    /* Reflectances are clamped to 0..1. */
     CHECK(load(HEAD3, "Texture \"c\" \"color\" \"checkerboard\" \"float uscale\" 2 \"float vscale\" 2 \"rgb "
                       "tex1\" [3 .5 -1]\n"
                       "MakeNamedMaterial \"n\" \"string type\" \"plastic\" \"texture Kd\" "
                       "\"c\"\nNamedMaterial \"n\"\n" QUAD UV3) == LC_OK);
-    CHECK(near3(kd_at(-.5, -.5, 0), 1, .5, 0) && near3(kd_at(.5, -.5, 0), 0, 0, 0) && note("reflectance"));
+    CHECK(rgb_is(kd_at(-.5, -.5, 0), 1, .5, 0) && rgb_is(kd_at(.5, -.5, 0), 0, 0, 0) && note("reflectance"));
 }
 
-/* Roughness may be a texture; anisotropic roughness lies along u, isotropic needs no uv. */
+/* Roughness may be a texture. The direction of anisotropic roughness is that of u; isotropic roughness needs
+ * no uv. */
 TEST(ward)
 {
     lc_surface s;
@@ -231,15 +190,16 @@ TEST(ward)
                       "Material \"ward\" \"rgb Ks\" [.5 .5 .5] \"texture uroughness\" \"e\" \"float "
                       "vroughness\" .3\n" QUAD UV4) == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s));
-    CHECK(near3(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .9375, .3, 0));
+    CHECK(rgb_is(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .9375, .3, 0));
     CHECK(fabs(fabs((double)s.material.tangent.x) - 1) < 1e-6);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(-.999, -.9, 1), 0, &s));
-    CHECK(near3(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .01, .3, 0)); /* raised */
+    CHECK(rgb_is(lc_f3_make(s.material.roughness[0], s.material.roughness[1], 0), .01, .3,
+                 0)); /* raised to the least roughness */
     CHECK(load(HEAD4, "Material \"ward\" \"float roughness\" .3\n" QUAD UV4) == LC_OK && !scene->uv);
     CHECK(load(HEAD4, "Material \"ward\" \"float uroughness\" .3\n" QUAD) == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.5, -.5, 1), 0, &s) &&
-          near3(s.material.tangent, 0, 0, 0));
-    /* around a sphere's axis */
+          rgb_is(s.material.tangent, 0, 0, 0));
+    /* On a sphere u runs around the axis. */
     CHECK(load(HEAD4, "Material \"ward\" \"float uroughness\" .3\nTranslate 0 0 3\nRotate 90 1 0 0\nShape "
                       "\"sphere\"\n") == LC_OK);
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(.01, .01, 1), 0, &s));
@@ -256,13 +216,13 @@ TEST(coordinates_of_shapes)
     write_file("m.ply", ply, sizeof ply - 1);
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE
                       "Shape \"plymesh\" \"string filename\" \"m.ply\"\n") == LC_OK);
-    CHECK(near3(kd_at(.5, -.5, 0), .25 * .5 + .5 * .25 + .25 * .25, .5 * .75 + .25 * .75, 0));
+    CHECK(rgb_is(kd_at(.5, -.5, 0), .25 * .5 + .5 * .25 + .25 * .25, .5 * .75 + .25 * .75, 0));
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE "ObjectBegin \"o\"\n" QUAD UV4
                       "ObjectEnd\nScale .5 .5 .5\n"
                       "ObjectInstance \"o\"\n") == LC_OK);
-    CHECK(near3(kd_at(.5, -.5, 0), .75, .25, 0));
-    /* seen from the origin along +z, the sphere's pole points up: v from 0 at the bottom; -y faces us, at u =
-     * 3/4 */
+    CHECK(rgb_is(kd_at(.5, -.5, 0), .75, .25, 0));
+    /* The sphere's pole points up, so that v is 0 at the bottom; the side that faces the camera has u = 1/4
+     * or 3/4. */
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"uv\"\n" MATTE
                       "Translate 0 0 3\nRotate -90 1 0 0\nShape \"sphere\"\n") == LC_OK);
     lc_f3 middle = kd_at(.001, .001, 0), up = kd_at(0.0003, .17, 0);
@@ -274,8 +234,7 @@ TEST(coordinates_of_shapes)
     CHECK(fabs((double)out.y) < .05 && fabs((double)in.y - 1) < .05 && fabs((double)in.x - .25) < .02);
 }
 
-/* The square fills the picture: its quarters have the colours of the image's pixels, in proportion to the
- * light. */
+/* The quarters of the picture have the colours of the image's pixels, divided by pi for a light of 1. */
 TEST(picture)
 {
     write_tga("a.tga");
@@ -284,7 +243,7 @@ TEST(picture)
     lc_render_desc desc = LC_RENDER_DESC_INIT;
     lc_image *image;
     desc.aovs = LC_AOV_ALBEDO;
-    desc.spp = 1; /* more reach into the next pixel */
+    desc.spp = 1; /* the samples of more reach into the next pixel */
     CHECK(lc_render(ctx, scene, &desc, &image, NULL) == LC_OK);
     static const double want[4][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { GREY, GREY, GREY } };
     static const char *const names[2][3] = { { "R", "G", "B" }, { "Albedo.R", "Albedo.G", "Albedo.B" } };
@@ -303,24 +262,9 @@ TEST(picture)
 
 /* ---- memory ---- */
 
-static int alloc_left;
+static lc_status load_starved(lc_context *c) { return load_file_in(c, NULL, scene_path()); }
 
-static void *failing_alloc(void *user, size_t size, size_t align)
-{
-    (void)user;
-    if (alloc_left-- <= 0) return NULL;
-    return aligned_alloc(align, (size + align - 1) / align * align);
-}
-
-static void failing_free(void *user, void *ptr, size_t size)
-{
-    (void)user;
-    (void)size;
-    free(ptr);
-}
-
-/* An image of each format, coordinates, a graph: whichever allocation fails, the load says so and leaves
- * nothing behind. */
+/* With an image of each format, texture coordinates, and a texture of textures. */
 TEST(every_allocation_may_fail)
 {
     static const char hdr[] = "#?RADIANCE\n\n-Y 1 +X 1\nabc\x80", pfm[] = "Pf 1 1 -1\n\0\0\x80\x3f";
@@ -330,7 +274,8 @@ TEST(every_allocation_may_fail)
     CHECK(lc_image_create(ctx, &size, &image) == LC_OK);
     for (int c = 0; c < 3; c++)
         CHECK(lc_image_add_channel(image, c == 0 ? "R" : c == 1 ? "G" : "B", NULL) == LC_OK);
-    CHECK(lc_image_write(image, in_dir("m.png")) == LC_OK && lc_image_write(image, in_dir("m.exr")) == LC_OK);
+    CHECK(lc_image_write(image, temp_path("m.png")) == LC_OK &&
+          lc_image_write(image, temp_path("m.exr")) == LC_OK);
     lc_image_destroy(image);
     write_tga("a.tga");
     write_file("m.hdr", hdr, sizeof hdr - 1);
@@ -346,36 +291,13 @@ TEST(every_allocation_may_fail)
                  UV4 "ObjectBegin \"o\"\n" QUAD UV4
              "ObjectEnd\nObjectInstance \"o\"\nShape \"disk\"\n") == LC_OK);
     CHECK(scene->textures.n_images == 5);
-    lc_allocator allocator = { failing_alloc, failing_free, NULL };
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.allocator = &allocator;
-    desc.n_threads = 1;
-    alloc_left = 1 << 20;
-    lc_context *small = NULL;
-    CHECK(lc_context_create(&desc, &small) == LC_OK);
-    lc_status st = LC_ERR_MEMORY;
-    int n = 0;
-    for (; n < 2000 && st != LC_OK; n++) {
-        lc_scene *s;
-        alloc_left = n;
-        st = lc_scene_load(small, in_dir("s.pbrt"), NULL, &s);
-        CHECKF(st == LC_OK || st == LC_ERR_MEMORY, "status %d after %d", st, n);
-        lc_scene_destroy(s);
-    }
-    CHECK(st == LC_OK && n > 50);
-    lc_context_destroy(small);
+    starve(load_starved, 50);
 }
 
 int main(void)
 {
-    static const char *const files[] = { "a.tga", "s.pbrt", "j.jpg", "cut.tga", "m.ply",
-                                         "m.png", "m.exr",  "m.hdr", "m.pfm" };
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.log = keep_log;
-    desc.n_threads = 1;
-    const char *tmp = getenv("TMPDIR");
-    snprintf(folder, sizeof folder, "%.40s/lc_XXXXXX", tmp ? tmp : "/tmp");
-    if (!mkdtemp(folder) || lc_context_create(&desc, &ctx)) return 1;
+    ctx = quiet_context(1);
+    temp_begin();
     RUN(imagemap_of_both_versions);
     RUN(wrapping_and_mapping);
     RUN(files_and_notes);
@@ -384,9 +306,7 @@ int main(void)
     RUN(coordinates_of_shapes);
     RUN(picture);
     RUN(every_allocation_may_fail);
-    lc_scene_destroy(scene);
-    lc_context_destroy(ctx);
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++) unlink(in_dir(files[i]));
-    rmdir(folder);
+    one_scene_end();
+    temp_end();
     return test_done();
 }

@@ -1,27 +1,12 @@
-/* unit_ward.c - Ward's lobe as lc_shade_light gives it: what it reflects in all, against the reflectance and
- * against an integral of the formula; symmetry, frames, limits. */
-#include "shade/point_init.h"
-#include "support/one_bound.h"
+/* unit_ward.c - Ward's lobe as one_transfer gives it: its albedo against the reflectance and against an
+ * integral of the formula of [Walter05b] in doubles; reciprocity; any tangent. */
+#include "support/lobe.h"
 #include "support/test.h"
 
-#include <math.h>
-
-#define N_U 256 /* of the integral over half vectors */
+#define N_U 256 /* steps of the integral over half vectors, by each of two numbers */
 #define N_V 128
 
 static const double ks = 0.75;
-
-typedef struct {
-    double ax, ay, cos_o, phi_o; /* roughness, direction of the viewer */
-} look;
-
-static void direction(double cosine, double phi, double out[3])
-{
-    double s = sqrt(1 - cosine * cosine);
-    out[0] = s * cos(phi);
-    out[1] = s * sin(phi);
-    out[2] = cosine;
-}
 
 static void init(lc_point *p, const look *l)
 {
@@ -29,46 +14,37 @@ static void init(lc_point *p, const look *l)
                       .lobe = LC_LOBE_WARD,
                       .roughness = { (float)l->ax, (float)l->ay },
                       .tangent = { 1, 0, 0 } };
-    double o[3];
-    direction(l->cos_o, l->phi_o, o);
-    lc_point_init(p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_normalize_d(o[0], o[1], o[2]), &m,
-                  1e-10f);
+    lobe_point(p, l, &m);
 }
 
-/* The library's f cos for light from i. */
-static double library(const lc_point *p, const double i[3])
-{
-    lc_light_rec rec = { .pos = { (float)i[0], (float)i[1], (float)i[2] } };
-    return (double)lc_shade_light(p, LC_LIGHT_DIRECTIONAL, &rec, NULL).y;
-}
-
-/* The same from [Walter05b], roots from 0.02 on. */
+/* f cos by [Walter05b], with cosines of at least 0.02 under the root. */
 static double formula(const look *l, const double i[3])
 {
     double o[3];
-    direction(l->cos_o, l->phi_o, o);
+    direction_d(l->cos_o, l->phi_o, o);
     double x = (i[0] + o[0]) / l->ax, y = (i[1] + o[1]) / l->ay, z = i[2] + o[2];
     return i[2] * ks / (4 * LC_PI * l->ax * l->ay * sqrt(fmax(i[2], 0.02) * fmax(o[2], 0.02))) *
            exp(-(x * x + y * y) / (z * z));
 }
 
-/* Integral of f cos over the hemisphere, by half vectors: h has the density of the lobe, a midpoint rule over
- * its two random numbers; i = 2 (o.h) h - o. */
+/* Integral of f cos over the hemisphere of light directions i = 2 (o.h) h - o, by a midpoint rule over the
+ * two numbers that give half vectors h the density of the lobe. */
 static double reflected(const look *l)
 {
     lc_point p;
     double o[3], sum = 0;
     init(&p, l);
-    direction(l->cos_o, l->phi_o, o);
+    direction_d(l->cos_o, l->phi_o, o);
     for (int a = 0; a < N_U; a++)
         for (int b = 0; b < N_V; b++) {
             double u = (a + 0.5) / N_U, v = 2 * LC_PI * (b + 0.5) / N_V, h[3], i[3];
             double phi = atan2(l->ay * sin(v), l->ax * cos(v)), c = cos(phi) / l->ax, s = sin(phi) / l->ay;
             double t2 = -log(u) / (c * c + s * s);
-            direction(1 / sqrt(1 + t2), phi, h);
+            direction_d(1 / sqrt(1 + t2), phi, h);
             double oh = o[0] * h[0] + o[1] * h[1] + o[2] * h[2];
             for (int k = 0; k < 3; k++) i[k] = 2 * oh * h[k] - o[k];
-            if (oh > 0 && i[2] > 0) sum += library(&p, i) * 4 * LC_PI * l->ax * l->ay * oh * pow(h[2], 3) / u;
+            if (oh > 0 && i[2] > 0)
+                sum += lobe_value(&p, i) * 4 * LC_PI * l->ax * l->ay * oh * pow(h[2], 3) / u;
         }
     return sum / N_U / N_V;
 }
@@ -80,13 +56,13 @@ static double integral(const look *l)
     double sum = 0, i[3];
     for (int a = 0; a < n; a++)
         for (int b = 0; b < n; b++) {
-            direction((a + 0.5) / n, 2 * LC_PI * (b + 0.5) / n, i);
+            direction_d((a + 0.5) / n, 2 * LC_PI * (b + 0.5) / n, i);
             sum += formula(l, i);
         }
     return sum * 2 * LC_PI / n / n;
 }
 
-/* Smooth: ks times the cosine of the viewer, which is 1 along the normal. */
+/* A smooth surface has an albedo of ks times the viewer's cosine. */
 TEST(smooth_reflects_its_albedo)
 {
     static const double rough[] = { 0.01, 0.015, 0.02 }, cosines[] = { 1, 0.9, 0.7, 0.5 };
@@ -99,7 +75,7 @@ TEST(smooth_reflects_its_albedo)
             }
 }
 
-/* Rough: less, as much as the formula says. */
+/* A rough surface has the albedo of the formula, which is less. */
 TEST(rough_reflects_what_the_formula_says)
 {
     static const double rough[] = { 0.1, 0.2, 0.4, 1 }, cosines[] = { 1, 0.7, 0.3, 0.05 };
@@ -116,7 +92,7 @@ TEST(rough_reflects_what_the_formula_says)
     printf("  along the normal, of the roughest: %.4f of ks\n", least);
 }
 
-/* No direction sends back more than ks: what LC_WARD_MIN_COS is for. */
+/* The albedo is at most ks in every direction, thanks to LC_WARD_MIN_COS. */
 TEST(never_more_than_comes_in)
 {
     static const double rough[] = { 0.01, 0.05, 0.3, 0.6, 1 },
@@ -132,7 +108,7 @@ TEST(never_more_than_comes_in)
     printf("  at most %.4f of ks\n", most);
 }
 
-/* f(i, o) = f(o, i), also where cosines count as 0.02. */
+/* f(i, o) = f(o, i), also where cosines are raised to 0.02. */
 TEST(reciprocal)
 {
     static const double cosines[] = { 1, 0.6, 0.2, 0.05, 0.01 };
@@ -144,15 +120,15 @@ TEST(reciprocal)
                 double i[3], o[3];
                 init(&p, &l);
                 init(&q, &back);
-                direction(l.cos_o, l.phi_o, o);
-                direction(back.cos_o, back.phi_o, i);
-                double a = library(&p, i) / i[2], b = library(&q, o) / o[2];
+                direction_d(l.cos_o, l.phi_o, o);
+                direction_d(back.cos_o, back.phi_o, i);
+                double a = lobe_value(&p, i) / i[2], b = lobe_value(&q, o) / o[2];
                 CHECKF(fabs(a - b) <= 1e-4 * (a + b), "%g %g", a, b);
             }
 }
 
-/* The tangent's length along the normal and its sign don't matter; equal roughness knows no tangent; no
- * tangent will do. */
+/* A tangent's sign and its part along the normal do not matter; without a tangent any direction will do; with
+ * equal roughness the tangent does not matter. */
 TEST(tangents)
 {
     static const lc_f3 tangents[] = { { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0.6f, 0.8f },
@@ -168,15 +144,15 @@ TEST(tangents)
                       .lobe = LC_LOBE_WARD, .roughness = { 0.2f, 0.5f }, .tangent = tangents[k] };
         double o[3];
         lc_point p;
-        direction(0.8, 2, o);
+        direction_d(0.8, 2, o);
         lc_f3 view = lc_f3_normalize_d(o[0], o[1], o[2]), n = lc_f3_make(0, 0, 1);
         lc_point_init(&p, lc_f3_make(0, 0, 0), n, view, &m, 1e-10f);
-        double f = library(&p, i);
+        double f = lobe_value(&p, i);
         if (k < 3) CHECKF(fabs(f / want[0] - 1) < 1e-4, "%g, not %g", f, want[0]);
         else CHECKF(fabs(f / want[1] - 1) < 1e-4 || fabs(f / want[0] - 1) < 1e-4, "%g", f); /* along x or y */
         m.roughness[1] = 0.2f;
         lc_point_init(&p, lc_f3_make(0, 0, 0), n, view, &m, 1e-10f);
-        f = library(&p, i);
+        f = lobe_value(&p, i);
         if (k == 0) first = f;
         CHECKF(fabs(f / first - 1) < 1e-4, "%g, not %g", f, first);
     }

@@ -1,15 +1,14 @@
-/* unit_watertight.c - no light leaks: rays from inside random closed meshes, half of them aimed at edges and
- * vertices, all hit, for the nearest hit and for groups of shadow rays, near and far, on every instruction
- * set.
+/* unit_watertight.c - closed meshes let no ray out: all rays from inside of random ones, half of them towards
+ * edges and vertices, hit something, as rays for the nearest hit and as groups of shadow rays to near and far
+ * ends, by every instruction set.
  *
  *     build/tests/unit_watertight             2 * 10^6 rays
  *     build/tests/unit_watertight 1e8 [SEED]  as many as asked for
  *
- * A mesh may be so far from the origin that its vertices snap to few places and triangles fold or vanish: it
- * stays closed, so a point that is inside before rounding by more than a step has a surface around it. */
-#include "isa/isa.h"
-#include "support/test.h"
-#include "trace/bvh.h"
+ * A mesh may be so far from the origin that rounding moves its vertices to few places, and triangles fold or
+ * vanish. It stays closed, so that a point that was inside by more than a rounding step still is. */
+#include "support/isas.h"
+#include "support/logged.h"
 
 #define RND_KEY 91001
 #include "support/meshes.h"
@@ -20,7 +19,6 @@
 typedef enum { BALL, ROUGH_BALL, BOX, HILLS, TORUS, STYLES } style;
 
 static lc_context *ctx;
-static lc_isa best;
 static uint64_t rays, misses;
 
 /* ---- meshes of size 1 about 0 ---- */
@@ -45,8 +43,8 @@ static void torus(uint32_t n, double bump)
         }
 }
 
-/* A box whose lid is a height field: every vertex at the top, those shared with the walls too, goes down by
- * its own amount. */
+/* A box with a height field as its top: each vertex of the top, also where it meets the walls, is moved down
+ * by an amount of its own. */
 static void hills(uint32_t n)
 {
     cube(n);
@@ -70,7 +68,7 @@ static void make_mesh(style s, uint32_t n)
     if (s == BALL || s == ROUGH_BALL) displace(true, s == ROUGH_BALL ? 0.4 : 0);
 }
 
-/* Well inside the mesh of that style. */
+/* A point well inside of the mesh of that style. */
 static lc_f3 inside(style s)
 {
     double a = rnd_in(0, 6.283185307179586);
@@ -82,7 +80,7 @@ static lc_f3 inside(style s)
 
 /* ---- rays ---- */
 
-/* Unit directions would hide what long and short ones do. */
+/* To a random vertex, edge or direction; of any length, as kernels may depend on it. */
 static lc_f3 direction(lc_f3 o, uint32_t i)
 {
     const uint32_t *t = m.index + 3 * (size_t)rnd_n(m.n_tris), k = rnd_n(3);
@@ -102,19 +100,13 @@ static void miss(const char *what, lc_isa isa, lc_f3 o, lc_f3 d)
            (double)o.y, (double)o.z, (double)d.x, (double)d.y, (double)d.z);
 }
 
-static lc_isa next_isa(uint64_t i)
-{
-    lc_isa isa = LC_ISA_SCALAR + (lc_isa)(i % LC_N_ISAS);
-    return lc_isa_supported(isa) ? isa : best;
-}
-
-/* One group from one point: each ray alone for the nearest hit, together as directions, together as segments
- * that end outside. */
+/* A group of rays from one point: each ray alone for its nearest hit, then all as directions, and all as
+ * segments that end outside. */
 static void group(const lc_bvh *b, lc_f3 o, float size)
 {
     float dir[3][GROUP], end[3][GROUP], org[3];
     uint8_t out[2][GROUP + LC_LANES];
-    lc_isa isa = next_isa(rays / GROUP);
+    lc_isa isa = isa_in_turn(rays / GROUP);
     const lc_trace_kernels *kernels = &lc_isa_kernels(isa)->trace;
     lc_f3_store(org, o);
     for (uint32_t i = 0; i < GROUP; i++) {
@@ -146,12 +138,11 @@ static void group(const lc_bvh *b, lc_f3 o, float size)
 
 static void one_mesh(style s, float scale, double offset)
 {
-    lc_bvh *b;
     uint32_t n = 1 + rnd_n(rnd() < 0.2 ? 40 : 12);
     lc_f3 by = lc_f3_scale(rnd_unit(), (float)(offset * (double)scale));
     make_mesh(s, n);
     move(scale, by);
-    if (lc_bvh_build(ctx, m.pos, m.index, m.n_tris, &b)) abort();
+    lc_bvh *b = build_bvh(ctx);
     for (uint64_t end = rays + RAYS_PER_MESH / SLOW; rays < end;)
         group(b, lc_f3_add(lc_f3_scale(inside(s), scale), by), scale);
     lc_bvh_destroy(b);
@@ -159,7 +150,7 @@ static void one_mesh(style s, float scale, double offset)
 
 static double wanted = 2e6 / SLOW;
 
-/* Scales 1e-6 .. 1e6, centres up to 1e5 sizes away from the origin. */
+/* Meshes of sizes 1e-6 to 1e6 whose centres are up to 1e5 sizes away from the origin. */
 TEST(no_ray_leaves_a_closed_mesh)
 {
     uint64_t meshes = 0;
@@ -177,8 +168,8 @@ int main(int argc, char **argv)
 {
     if (argc > 1) wanted = strtod(argv[1], NULL);
     if (argc > 2) rng_key = strtoull(argv[2], NULL, 10);
-    if (lc_context_create(NULL, &ctx)) return 1;
-    best = lc_isa_pick(LC_ISA_BEST);
+    ctx = quiet_context(0);
+    RUN(every_instruction_set_is_here);
     RUN(no_ray_leaves_a_closed_mesh);
     lc_context_destroy(ctx);
     return test_done();

@@ -75,7 +75,7 @@ typedef struct job {
     lc_context *ctx;
     lc_scene *scene;
     lc_light_tree *tree;
-    lc_vpl_view view; /* the points */
+    lc_view_grid view; /* the points */
     bench_receiver *receivers;
     bench_arrays arrays;
     list lists[N_PATTERNS];
@@ -120,7 +120,7 @@ static lc_status build_tree(job *j)
 
 static lc_status init_points(job *j)
 {
-    lc_status st = lc_vpl_view_init(&j->view, j->scene, GRID_SIDE, 1);
+    lc_status st = lc_view_grid_init(&j->view, j->scene, GRID_SIDE, 1);
     if (st) return st;
     if (!j->view.n) return lc_fail(j->ctx, LC_ERR_ARG, "the camera sees nothing");
     j->receivers = lc_alloc(j->ctx, j->view.n, sizeof *j->receivers);
@@ -438,7 +438,7 @@ static void free_job(job *j)
     if (j->cut.ctx) lc_cut_free(&j->cut);
     bench_arrays_free(j->ctx, &j->arrays);
     lc_free(j->ctx, j->receivers, j->view.n, sizeof *j->receivers);
-    lc_vpl_view_free(&j->view);
+    lc_view_grid_free(&j->view);
     lc_light_tree_destroy(j->tree);
     lc_scene_destroy(j->scene);
 }

@@ -1,44 +1,14 @@
-/* farm_scene.h - small scenes, a folder of its own and checkpoints for the tests of long renders and of
- * renders in parts. */
+/* farm_scene.h - small scenes with checkpoints and pictures in the test's folder, for tests of long renders
+ * and of renders in parts. Include it in one file of a program. */
 #ifndef FARM_SCENE_H
 #define FARM_SCENE_H
 
-#include "lightcuts.h"
+#include "support/scene_text.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-static char farm_folder[64];
-
-static inline const char *farm_path(const char *name)
-{
-    static char path[4][128];
-    static int next;
-    char *p = path[next++ % 4];
-    snprintf(p, sizeof path[0], "%s/%s", farm_folder, name);
-    return p;
-}
-
-static inline void farm_begin(void)
-{
-    /* Memory where there is such a folder: forcing files to a busy disk takes longer than all the rest. */
-    strcpy(farm_folder, access("/dev/shm", W_OK | X_OK) ? "/tmp/lc-farm-XXXXXX" : "/dev/shm/lc-farm-XXXXXX");
-    if (!mkdtemp(farm_folder)) abort();
-}
-
-static inline void farm_end(void)
-{
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf '%s'", farm_folder);
-    if (system(command)) abort();
-}
-
-/* A wall with a box before it and n lights in a spiral. */
+/* A wall with a triangle in front of it and n lights in a cloud. */
 static inline void farm_write_scene(const char *name, unsigned width, unsigned height, unsigned n)
 {
-    FILE *f = fopen(farm_path(name), "w");
+    FILE *f = fopen(temp_path(name), "w");
     if (!f) abort();
     fprintf(f, "LookAt 0 0 -5  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [60]\n");
     fprintf(f, "Film \"rgb\" \"integer xresolution\" [%u] \"integer yresolution\" [%u]\n", width, height);
@@ -55,53 +25,20 @@ static inline void farm_write_scene(const char *name, unsigned width, unsigned h
     if (fclose(f)) abort();
 }
 
-static inline lc_context *farm_context(uint32_t n_threads)
+/* The scene of a file that farm_write_scene wrote. */
+static inline lc_scene *farm_load(lc_context *c, const char *name)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    lc_context *ctx;
-    desc.n_threads = n_threads;
-    if (lc_context_create(&desc, &ctx)) abort();
-    return ctx;
+    lc_scene *made = scene_from_file(c, NULL, temp_path(name));
+    if (!made) abort();
+    return made;
 }
 
-static inline lc_scene *farm_load(lc_context *ctx, const char *name)
-{
-    lc_scene *scene;
-    if (lc_scene_load(ctx, farm_path(name), NULL, &scene)) abort();
-    return scene;
-}
-
-/* All bytes of a file; free them. */
+/* All bytes of a file that must be there; free them. */
 static inline uint8_t *farm_read(const char *name, size_t *n)
 {
-    FILE *f = fopen(farm_path(name), "rb");
-    if (!f || fseek(f, 0, SEEK_END)) abort();
-    *n = (size_t)ftell(f);
-    uint8_t *data = malloc(*n + 1);
-    rewind(f);
-    if (!data || fread(data, 1, *n, f) != *n) abort();
-    fclose(f);
-    return data;
-}
-
-static inline void farm_write(const char *name, const void *data, size_t n)
-{
-    FILE *f = fopen(farm_path(name), "wb");
-    if (!f || fwrite(data, 1, n, f) != n || fclose(f)) abort();
-}
-
-static inline int farm_same_planes(lc_image *a, lc_image *b)
-{
-    lc_image_desc d;
-    lc_image_get_desc(a, &d);
-    if (lc_image_n_channels(a) != lc_image_n_channels(b)) return 0;
-    for (uint32_t c = 0; c < lc_image_n_channels(a); c++) {
-        const float *other = lc_image_channel(b, lc_image_channel_name(a, c));
-        if (!other || memcmp(lc_image_channel(a, lc_image_channel_name(a, c)), other,
-                             (size_t)d.width * d.height * sizeof *other))
-            return 0;
-    }
-    return 1;
+    char *data = file_read(temp_path(name), n);
+    if (!data) abort();
+    return (uint8_t *)data;
 }
 
 #endif

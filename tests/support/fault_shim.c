@@ -27,7 +27,7 @@ static void note(uintptr_t *sites, uint32_t *n, uintptr_t site)
     if (*n < FAULT_MAX_SITES) sites[(*n)++] = site;
 }
 
-/* True when this call is to fail; errno is set. */
+/* Counts a call. True when it must fail: errno is set. */
 static bool fails(fault_class class, uintptr_t site)
 {
     if (!seen) return false;
@@ -45,7 +45,7 @@ static bool fails(fault_class class, uintptr_t site)
     return fail;
 }
 
-/* Bytes that a read or write may move, -1 when it is to be interrupted. */
+/* The number of bytes that a read or write may transfer; -1: it fails with EINTR. */
 static ssize_t share(size_t n)
 {
     if (!seen) return (ssize_t)n;
@@ -145,7 +145,7 @@ ssize_t __wrap_write(int fd, const void *from, size_t n)
     return k < 0 ? -1 : __real_write(fd, from, (size_t)k);
 }
 
-/* A close that fails has closed, as on Linux. */
+/* A close that fails has closed the file, as on Linux. */
 int __real_close(int fd);
 int __wrap_close(int fd);
 int __wrap_close(int fd)
@@ -172,7 +172,7 @@ static int stream_fd(FILE *f)
     return -1;
 }
 
-/* The cookie is the place in streams[]. */
+/* The cookie is an index of streams[]. */
 static int fd_of(void *cookie) { return streams[(intptr_t)cookie].fd; }
 
 static ssize_t stream_read(void *cookie, char *to, size_t n)
@@ -183,7 +183,7 @@ static ssize_t stream_read(void *cookie, char *to, size_t n)
     return k;
 }
 
-/* A stream gives up where its cookie writes less than all; 0 means failure. */
+/* A stream fails when its cookie writes less than it was given; 0 is a failure. */
 static ssize_t stream_write(void *cookie, const char *from, size_t n)
 {
     size_t done = 0;
@@ -206,7 +206,7 @@ static int stream_seek(void *cookie, off64_t *offset, int whence)
 
 static int stream_close(void *cookie) { return fd_of(cookie) < 0 ? 0 : __wrap_close(fd_of(cookie)); }
 
-/* fd may be set later. */
+/* fd: -1 if it is set later. */
 static FILE *stream(int fd, const char *mode, int *place)
 {
     cookie_io_functions_t io = { stream_read, stream_write, stream_seek, stream_close };
@@ -229,7 +229,7 @@ FILE *__wrap_fopen(const char *path, const char *mode)
     int place;
     if (!seen) return __real_fopen(path, mode);
     if (fails(FAULT_IO, SITE)) return NULL;
-    FILE *f = stream(-1, mode, &place); /* first: a file is not made when there is no memory for its stream */
+    FILE *f = stream(-1, mode, &place); /* before open: without memory for a stream no file is made */
     if (!f) return NULL;
     int fd = streams[place].fd = __real_open(path, *mode == 'r' ? O_RDONLY : O_WRONLY | O_CREAT | O_TRUNC,
                                              0666),

@@ -494,17 +494,17 @@ lc_f3 gen_shade(const lc_point *p, const lc_light *l)
     lc_light_rec rec;
     lc_spot_rec spot;
     lc_light_rec_init(&rec, l);
-    if (l->kind != LC_LIGHT_SPOT) return lc_shade_light(p, l->kind, &rec, l->atten);
+    if (l->kind != LC_LIGHT_SPOT) return one_transfer(p, l->kind, &rec, l->atten);
     lc_spot_rec_init(&spot, l->spot.cos_total, l->spot.cos_start, 0);
-    return lc_shade_spot(p, &rec, &spot, NULL);
+    return one_spot_transfer(p, &rec, &spot, NULL);
 }
 
 float gen_bound(const lc_cluster *c, const lc_node *node, const lc_atten *atten, const lc_point *p)
 {
     lc_spot_rec spot;
-    if (c->kind != LC_LIGHT_SPOT) return lc_bound(node, lc_inverse_square(*atten) ? NULL : atten, c->kind, p);
+    if (c->kind != LC_LIGHT_SPOT) return one_bound(node, lc_inverse_square(*atten) ? NULL : atten, c->kind, p);
     lc_spot_rec_init(&spot, c->least[0], c->least[1], 0);
-    return lc_bound_spots(node, &spot, p);
+    return one_spot_bound(node, &spot, p);
 }
 
 static value light_value(const lc_point *p, const lc_light *l)
@@ -681,7 +681,7 @@ const char *gen_bad_name(uint32_t bad)
     return bad & GEN_BAD_BOUND_NAN     ? "bound is NaN or negative"
            : bad & GEN_BAD_BOUND_FLOAT ? "bound < float sum"
            : bad & GEN_BAD_BOUND_EXACT ? "bound < exact sum less float error"
-           : bad & GEN_BAD_SHADE       ? "lc_shade_light differs from the reference"
+           : bad & GEN_BAD_SHADE       ? "one_transfer differs from the reference"
            : bad & GEN_BAD_CONE        ? "stored cone misses a direction"
            : bad & GEN_BAD_BOX         ? "stored box, attenuation or power is too small"
                                        : "nothing";

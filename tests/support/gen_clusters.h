@@ -60,15 +60,15 @@ typedef struct gen_result {
     double tightest; /* least bound / value over nodes with 0 < value, finite bound; HUGE_VAL if none */
     bool tiny;       /* see GEN_TINY */
     double root_bound, root_float,
-        root_exact;       /* of all lights: bound; sum by lc_shade_light; sum by ref_transfer */
+        root_exact;       /* of all lights: bound; sum by one_transfer; sum by ref_transfer */
     uint32_t below_exact; /* nodes with bound < sum of ref_transfer with no allowance: not a violation */
 } gen_result;
 
 enum {
     GEN_BAD_BOUND_NAN = 1,   /* or negative */
-    GEN_BAD_BOUND_FLOAT = 2, /* bound < sum of luminance(lc_shade_light * intensity) */
+    GEN_BAD_BOUND_FLOAT = 2, /* bound < sum of luminance(one_transfer * intensity) */
     GEN_BAD_BOUND_EXACT = 4, /* bound < sum of the least that ref_transfer_range allows */
-    GEN_BAD_SHADE = 8,       /* lc_shade_light outside ref_transfer_range, not finite or negative */
+    GEN_BAD_SHADE = 8,       /* one_transfer outside ref_transfer_range, not finite or negative */
     GEN_BAD_CONE = 16,       /* a member's direction outside the stored cone */
     GEN_BAD_BOX = 32         /* a member's position outside the stored box, or power too small */
 };

@@ -1,24 +1,17 @@
-/* meshes.h - random and awkward meshes for the tests of the hierarchy, made in the one mesh m. RND_KEY: as
- * for rnd.h. */
+/* meshes.h - random and awkward meshes for tests of the BVH, made in the one mesh m, whose BVH build_bvh
+ * makes. RND_KEY: see rnd.h. Include it in one file of a program. */
 #ifndef MESHES_H
 #define MESHES_H
 
 #include "support/rnd.h"
+#include "support/test.h"
+#include "trace/bvh.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SLOW 8 /* fewer rays by this factor where the build is slow */
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SLOW 8
-#endif
-#endif
-#ifndef SLOW
-#define SLOW 1
-#endif
+#define SLOW (UNDER_ASAN || UNDER_TSAN ? 8 : 1) /* tests trace fewer rays by this factor */
 
 #define MAX_VERTS 400000
 #define MAX_TRIS 200000
@@ -58,10 +51,17 @@ static inline void put_three(lc_f3 a, lc_f3 b, lc_f3 c)
 
 static inline void clear(void) { m.n_verts = m.n_tris = 0; }
 
+static inline lc_bvh *build_bvh(lc_context *ctx)
+{
+    lc_bvh *b;
+    if (lc_bvh_build(ctx, m.pos, m.index, m.n_tris, &b)) abort();
+    return b;
+}
+
 static inline lc_f3 vert(uint32_t i) { return lc_f3_load(m.pos + 3 * (size_t)i); }
 
-/* Grid of n x n squares on each face of the cube -1..1, vertices shared within a face and equal at the seams.
- */
+/* A grid of n x n squares on each face of the cube -1..1. Squares of one face share vertices; those of two
+ * faces have equal vertices at the seam. */
 static inline void cube(uint32_t n)
 {
     for (int face = 0; face < 6; face++) {
@@ -83,8 +83,9 @@ static inline void cube(uint32_t n)
     }
 }
 
-/* Every vertex to where its own coordinates say, so that seams stay closed. Star-shaped about 0 for amount <
- * 0.5. */
+/* Moves each vertex along its ray from 0 by a random factor that depends on its coordinates only, so that
+ * seams stay closed. The mesh is star-shaped about 0 for amount < 0.5. sphere: onto the unit sphere before.
+ */
 static inline void displace(bool sphere, double amount)
 {
     for (uint32_t i = 0; i < m.n_verts; i++) {
@@ -113,7 +114,7 @@ static inline void soup(uint32_t n, double size)
     }
 }
 
-/* A room, a ball, two boxes: large and small triangles together, much of it along the axes. */
+/* A room with a ball and two boxes: large and small triangles, many of them parallel to the axes. */
 static inline void cornell(void)
 {
     cube(2);
@@ -135,7 +136,9 @@ static inline void cornell(void)
     }
 }
 
-/* Meshes with triangles of sizes that differ much from those of the segments. */
+/* Meshes whose triangles are much larger or smaller than the segments that odd_segment of unit_bvh.c and its
+ * like trace: 0 a room, 1 soup, 2 a huge cube, 3 needles, 4 a room far from the origin, 5 a ball in huge
+ * soup. */
 static inline void odd_mesh(int style)
 {
     clear();

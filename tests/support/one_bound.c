@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-float lc_bound(const lc_node *node, const lc_atten *atten, lc_light_kind kind, const lc_point *point)
+float one_bound(const lc_node *node, const lc_atten *atten, lc_light_kind kind, const lc_point *point)
 {
     const uint32_t index = 0;
     float ub[LC_LANES];
@@ -18,7 +18,7 @@ float lc_bound(const lc_node *node, const lc_atten *atten, lc_light_kind kind, c
     return ub[0];
 }
 
-float lc_bound_spots(const lc_node *node, const lc_spot_rec *spot, const lc_point *point)
+float one_spot_bound(const lc_node *node, const lc_spot_rec *spot, const lc_point *point)
 {
     const uint32_t index = 0;
     float ub[LC_LANES];
@@ -29,12 +29,12 @@ float lc_bound_spots(const lc_node *node, const lc_spot_rec *spot, const lc_poin
     return ub[0];
 }
 
-lc_f3 lc_shade_light(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten)
+lc_f3 one_transfer(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten)
 {
     return lc_estimate_one(&lc_kernels_scalar.shade, p, kind, light, atten);
 }
 
-lc_f3 lc_shade_spot(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot, const lc_spot_map *spot_maps)
+lc_f3 one_spot_transfer(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot, const lc_spot_map *spot_maps)
 {
     float to[6][LC_LANES];
     float *const out[6] = { to[0], to[1], to[2], to[3], to[4], to[5] };

@@ -1,23 +1,23 @@
 /* one_bound.h - upper bounds of clusters ([Walter05] 4.1, [Miksik07] 2.2; derivations in bounds_tmpl.c).
  *
- * Let L_i(c) = lc_shade_light(point, light i)[c] * intensity_i[c]. For every cluster C stored by
+ * Let L_i(c) = one_transfer(point, light i)[c] * intensity_i[c]. For every cluster C stored by
  * lc_cluster_store, bound >= sum over i in C of luminance(L_i), and so >= each of them, in float and in exact
  * arithmetic. It may be +inf, never NaN, never negative.
  */
-#ifndef LC_BOUNDS_H
-#define LC_BOUNDS_H
+#ifndef ONE_BOUND_H
+#define ONE_BOUND_H
 
 #include "shade/light_spot.h"
 #include "shade/tree_data.h"
 
 /* Bound of one node. atten: least A, B, C of its members, or NULL where all are 0, 0, 1. */
-float lc_bound(const lc_node *node, const lc_atten *atten, lc_light_kind kind, const lc_point *point);
-/* The same of spots. */
-float lc_bound_spots(const lc_node *node, const lc_spot_rec *spot, const lc_point *point);
+float one_bound(const lc_node *node, const lc_atten *atten, lc_light_kind kind, const lc_point *point);
+/* The same for spots. */
+float one_spot_bound(const lc_node *node, const lc_spot_rec *spot, const lc_point *point);
 
 /* M G of one light, R G B, without visibility. atten: A, B, C, or NULL for 0, 0, 1. */
-lc_f3 lc_shade_light(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten);
+lc_f3 one_transfer(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten);
 /* The same of a spot; spot_maps: those of the scene, or NULL. */
-lc_f3 lc_shade_spot(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot, const lc_spot_map *spot_maps);
+lc_f3 one_spot_transfer(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot, const lc_spot_map *spot_maps);
 
 #endif

@@ -1,4 +1,5 @@
-/* rnd.h - a stream of random numbers for a test; RND_KEY, if defined before, is its seed. */
+/* rnd.h - a stream of random numbers for a test. RND_KEY, if defined before the include, is its seed; a test
+ * that sets rng_ctr back draws the same numbers again. */
 #ifndef RND_H
 #define RND_H
 
@@ -15,6 +16,14 @@ static inline double rnd(void) { return lc_unit(lc_hash2(rng_key, rng_ctr++)); }
 static inline double rnd_in(double lo, double hi) { return lo + (hi - lo) * rnd(); }
 static inline uint32_t rnd_n(uint32_t n) { return (uint32_t)(rnd() * n); }
 
+/* A point in the cube of half side h about 0. */
+static inline lc_f3 rnd_in_box(double h)
+{
+    float x = (float)rnd_in(-h, h), y = (float)rnd_in(-h, h), z = (float)rnd_in(-h, h);
+    return lc_f3_make(x, y, z);
+}
+
+/* A point of the unit sphere. */
 static inline lc_f3 rnd_unit(void)
 {
     for (;;) {

@@ -1,14 +1,15 @@
 /* test.h - the smallest test harness: TEST functions, CHECK in them, RUN in main, test_done() last.
- * Each test program ends with the line "N passed, N failed" (", N skipped" where something is not here);
- * tests/run.sh adds them up. */
+ * Each test program ends with the line "N passed, N failed" (", N skipped" where a test could not run on this
+ * machine); tests/run.sh adds them up. A CHECK outside of a test that RUN calls counts for nothing. */
 #ifndef TEST_H
 #define TEST_H
 
 #include <stdio.h>
 #include <string.h>
 
-/* TSan slows programs tenfold and looks at threads only; an emulator slows them as much (TEST_SLOWLY, tests/arm64.sh): what repeats is
- * done less often. */
+/* 1 in a build with that sanitizer, or for an emulator (TEST_SLOWLY, tests/arm64.sh): both slow programs
+ * tenfold and more, and TSan looks at threads only: tests that repeat something on one thread repeat it less
+ * often. */
 #if defined(__SANITIZE_THREAD__) || defined(TEST_SLOWLY)
 #define UNDER_TSAN 1
 #elif defined(__has_feature)
@@ -19,9 +20,20 @@
 #ifndef UNDER_TSAN
 #define UNDER_TSAN 0
 #endif
+#if defined(__SANITIZE_ADDRESS__)
+#define UNDER_ASAN 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define UNDER_ASAN 1
+#endif
+#endif
+#ifndef UNDER_ASAN
+#define UNDER_ASAN 0
+#endif
 
-static int test_passed, test_failed, test_skipped, test_bad;
-static int test_absent __attribute__((unused)); /* what the test needs is not here */
+static int test_passed, test_failed, test_skipped;
+static int test_bad __attribute__((unused));    /* checks of the running test that failed */
+static int test_absent __attribute__((unused)); /* 1: what the running test needs is absent */
 
 #define TEST(name) static void name(void)
 
@@ -33,7 +45,7 @@ static int test_absent __attribute__((unused)); /* what the test needs is not he
         }                                                                                                    \
     } while (0)
 
-/* CHECK with figures */
+/* CHECK that prints figures when it fails. */
 #define CHECKF(cond, ...)                                                                                    \
     do {                                                                                                     \
         if (!(cond)) {                                                                                       \
@@ -43,7 +55,8 @@ static int test_absent __attribute__((unused)); /* what the test needs is not he
         }                                                                                                    \
     } while (0)
 
-/* What the test needs is not here: it counts as skipped, unless something failed before. */
+/* Ends a test that cannot run on this machine, with the reason: it counts as skipped, or as failed if a check
+ * failed before. */
 #define SKIP(...)                                                                                            \
     do {                                                                                                     \
         test_absent = 1;                                                                                     \
