@@ -164,7 +164,8 @@ TEST(damage_to_spots_is_found)
     CHECK(t->n_of_kind[LC_LIGHT_SPOT] == 40 && !t->data.node_atten);
     for (uint32_t i = 0; i < 39 + 40; i++) {
         lc_own *own = &t->data.own[LC_LIGHT_SPOT];
-        lc_spot_rec *s = i < 39 ? (lc_spot_rec *)own->node + i : (lc_spot_rec *)own->light + (i - 39), was = *s;
+        lc_spot_rec *s = i < 39 ? (lc_spot_rec *)own->node + i : (lc_spot_rec *)own->light + (i - 39),
+                    was = *s;
         for (int what = i < 39 ? 0 : 2; what < 6; what++) { /* any cosines are valid for a light */
             if (what == 0) s->cos_total = nextafterf(s->cos_total, 2);
             if (what == 1) s->cos_start = nextafterf(s->cos_start, 2);

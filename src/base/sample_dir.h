@@ -19,8 +19,8 @@ static inline lc_f3 lc_sample_frame(lc_f3 n, double x, double y, double z)
 {
     double s = n.z < 0 ? -1 : 1, nx = (double)n.x, ny = (double)n.y, nz = (double)n.z;
     double a = -1 / (s + nz), b = nx * ny * a;
-    return lc_f3_normalize_d((1 + s * nx * nx * a) * x + b * y + nx * z, s * b * x + (s + ny * ny * a) * y + ny * z,
-                             -s * nx * x - ny * y + nz * z);
+    return lc_f3_normalize_d((1 + s * nx * nx * a) * x + b * y + nx * z,
+                             s * b * x + (s + ny * ny * a) * y + ny * z, -s * nx * x - ny * y + nz * z);
 }
 
 #endif

@@ -319,8 +319,8 @@ static void json_cluster(const lc_explained_cluster *c, double total)
     printf("{\"id\": %u, \"parent\": ", c->id);
     if (c->parent == LC_NO_CLUSTER) printf("null");
     else printf("%u", c->parent);
-    printf(", \"kind\": \"%s\", \"lights\": %u, \"reach\": %u, \"made\": %u, \"split\": ", lc_light_kind_name((uint32_t)c->kind),
-           c->n_lights, c->n_seen, c->made);
+    printf(", \"kind\": \"%s\", \"lights\": %u, \"reach\": %u, \"made\": %u, \"split\": ",
+           lc_light_kind_name((uint32_t)c->kind), c->n_lights, c->n_seen, c->made);
     if (c->split) printf("%u, ", c->split);
     else printf("null, ");
     json_floats("lo", c->lo, ", ");

@@ -1,4 +1,5 @@
-/* bounds_tmpl.c - upper bounds of VF_LANES clusters at once; included by isa_tmpl.c. box_tmpl.c derives them and their rounding. */
+/* bounds_tmpl.c - upper bounds of VF_LANES clusters at once; included by isa_tmpl.c. box_tmpl.c derives them
+ * and their rounding. */
 #include "shade/tree_data.h"
 
 /* kind, lobe: constants. */
@@ -13,8 +14,8 @@ LC_INLINE vf emission_bound(const cluster_lanes *l, lc_light_kind kind, vf cos_p
     }
 }
 
-LC_INLINE vf lobe_bound(cluster_lanes *l, lc_lobe lobe, const lc_point *p, const rel_box *box, const range *n, bool far, vf g, vf diffuse,
-                        v3 power)
+LC_INLINE vf lobe_bound(cluster_lanes *l, lc_lobe lobe, const lc_point *p, const rel_box *box, const range *n,
+                        bool far, vf g, vf diffuse, v3 power)
 {
     switch (lobe) {
 #define LOBE(ID, name) \
@@ -64,7 +65,8 @@ LC_INLINE void bounds_of(const lc_tree_data *t, const uint32_t *index, uint32_t 
     }
 }
 
-LC_INLINE void bounds_by_lobe(const lc_tree_data *t, const uint32_t *index, uint32_t n, lc_light_kind kind, const lc_point *p, float *ub)
+LC_INLINE void bounds_by_lobe(const lc_tree_data *t, const uint32_t *index, uint32_t n, lc_light_kind kind,
+                              const lc_point *p, float *ub)
 {
     switch (p->lobe) {
 #define LOBE(ID, name) \
@@ -75,7 +77,8 @@ LC_INLINE void bounds_by_lobe(const lc_tree_data *t, const uint32_t *index, uint
     }
 }
 
-static void bounds(const lc_tree_data *t, const uint32_t *index, uint32_t n, lc_light_kind kind, const lc_point *p, float *ub)
+static void bounds(const lc_tree_data *t, const uint32_t *index, uint32_t n, lc_light_kind kind,
+                   const lc_point *p, float *ub)
 {
 #ifdef LC_HALF_AS_WIDE
     uint32_t rest = n % VF_LANES;

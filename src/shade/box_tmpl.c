@@ -1,48 +1,54 @@
-/* box_tmpl.c - the boxes of VF_LANES clusters as a point sees them, and what bounds their cosines and distances; included by isa_tmpl.c.
+/* box_tmpl.c - the boxes of VF_LANES clusters as a point sees them, and what bounds their cosines and
+ * distances; included by isa_tmpl.c.
  *
- * For a cluster in the box center +- half and a point x: members are p = y - x in c +- h. Three cosines are bounded
- * the same way, about the axes n (receiver), mirror (Phong lobe) and, with p reversed, the emission cone's axis a:
+ * For a cluster in the box center +- half and a point x: members are p = y - x in c +- h. Three cosines are
+ * bounded the same way, about the axes n (receiver), mirror (Phong lobe) and, with p reversed, the emission
+ * cone's axis a:
  *
  *     z1   greatest z = axis.p        r  least distance of the box from the axis       D  least |p|
  *     z1 <= 0: cos <= 0, else  cos = z / |p| <= z1 / sqrt(max(r^2 + z1^2, D^2))          [Miksik07] eq. 5
  *
- * in the frame whose second axis, t, points from the axis to the box centre: r |t| = t.t - sum |t_k| h_k. Receiver
- * cosine and 1/d^2 are bounded together : with z in [z0, z1], cos / d^2 = z / |p|^3 <=
- * z / max(z^2 + r^2, D^2)^(3/2), which grows in z up to sqrt(D^2 - r^2) and then up to r / sqrt 2, and falls beyond:
- * its maximum is at z* = those two's greater one, clamped to [z0, z1]. That is never above the product of the separate
- * bounds. With q = max(z*^2 + r^2, D^2) it is sqrt(z*^2 / q) / q: z* itself is not needed. z*^2 and q are taken as no
- * less than the distance floor: the cosine is 1 below it, and too great by 1e-5 at most of the scene's size over |p|.
+ * in the frame whose second axis, t, points from the axis to the box centre: r |t| = t.t - sum |t_k| h_k.
+ * Receiver cosine and 1/d^2 are bounded together : with z in [z0, z1], cos / d^2 = z / |p|^3 <= z / max(z^2 +
+ * r^2, D^2)^(3/2), which grows in z up to sqrt(D^2 - r^2) and then up to r / sqrt 2, and falls beyond: its
+ * maximum is at z* = those two's greater one, clamped to [z0, z1]. That is never above the product of the
+ * separate bounds. With q = max(z*^2 + r^2, D^2) it is sqrt(z*^2 / q) / q: z* itself is not needed. z*^2 and
+ * q are taken as no less than the distance floor: the cosine is 1 below it, and too great by 1e-5 at most of
+ * the scene's size over |p|.
  *
  * Rounding, u = 2^-24, m_k = |c_k| + half_k, M = sum m_k.
- * - Subtraction: the estimate's p and our c are each within u of the exact difference, so h_k = half_k + 4u m_k.
- *   From there on p means the float vector that the estimate uses.
- * - D^2: the widening takes at most 2 * 4u m_k d_k of a square d_k^2, d_k = max(|c_k| - half_k, 0) <= m_k, and our own
- *   rounding 6u m_k^2: we subtract 18u M^2. What is left may be negative, which is as good as 0.
- * - Dot products of three terms are within 3u of the sum of |terms|, at most S = sum |axis_k| m_k <= (1 + 2u) M; the
- *   estimate's and our two make at most 9u S, the widening of h 4u S: we add 14u M.
- * - r: t = c - (axis.c) axis is within 8u M of the exact one (an axis of length 1 +- 2u included), and its direction
- *   within 8u M / |t|, which matters by at most that times the half extent along the axis: together at most
- *   8u M (|t| + extent) <= 8u M^2 of r |t|. The widening is 4u sum |t_k| m_k <= 4u M^2, our own rounding 6u M^2
- *   (t.t <= M^2, sum |t_k| h_k <= M^2 / 4): 18u M^2.
- * - Boxes within NEAR of the point have squares near underflow: their cosines are taken as 1, and NEAR is added to z1.
+ * - Subtraction: the estimate's p and our c are each within u of the exact difference, so h_k = half_k + 4u
+ * m_k. From there on p means the float vector that the estimate uses.
+ * - D^2: the widening takes at most 2 * 4u m_k d_k of a square d_k^2, d_k = max(|c_k| - half_k, 0) <= m_k,
+ * and our own rounding 6u m_k^2: we subtract 18u M^2. What is left may be negative, which is as good as 0.
+ * - Dot products of three terms are within 3u of the sum of |terms|, at most S = sum |axis_k| m_k <= (1 + 2u)
+ * M; the estimate's and our two make at most 9u S, the widening of h 4u S: we add 14u M.
+ * - r: t = c - (axis.c) axis is within 8u M of the exact one (an axis of length 1 +- 2u included), and its
+ * direction within 8u M / |t|, which matters by at most that times the half extent along the axis: together
+ * at most 8u M (|t| + extent) <= 8u M^2 of r |t|. The widening is 4u sum |t_k| m_k <= 4u M^2, our own
+ * rounding 6u M^2 (t.t <= M^2, sum |t_k| h_k <= M^2 / 4): 18u M^2.
+ * - Boxes within NEAR of the point have squares near underflow: their cosines are taken as 1, and NEAR is
+ * added to z1.
  * - What follows is products, quotients and roots of positive terms: below 40 operations with those of the
  *   estimate, each within u; the factor SLACK = 1 + 2^-18 = 1 + 64u covers them. The limits of
  *   light.h and point.h keep what they multiply away from denormals wherever the estimate is not 0.
- * - Cosines enter angles (emission) and powers (Phong), where relative errors grow. For angles COS_SLACK = 32u is added
- *   to them first: the estimate's own cosine is within 12u. For powers the square is multiplied by 1 + 32u: the errors
- *   of dot products are in z1 already, so what is left is relative: 4.5u of the estimate's quotient, twice; 8u of ours
- *   (r^2 5u, q and the quotient 1u an operation); 4u of a direction of length 1 +- 2u that no estimate divides by.
+ * - Cosines enter angles (emission) and powers (Phong), where relative errors grow. For angles COS_SLACK =
+ * 32u is added to them first: the estimate's own cosine is within 12u. For powers the square is multiplied by
+ * 1 + 32u: the errors of dot products are in z1 already, so what is left is relative: 4.5u of the estimate's
+ * quotient, twice; 8u of ours (r^2 5u, q and the quotient 1u an operation); 4u of a direction of length 1 +-
+ * 2u that no estimate divides by.
  * - The power is fmath_tmpl.c's pow01_ub: above the exact one, and so above the estimate's times 1 - 2e-10.
  */
 #include "base/vec.h"
 #include "shade/tree_data.h"
 
 static const float U = 0x1p-24f;              /* unit roundoff */
-static const float SLACK = 1 + 0x1p-18f;      /* factor of what is a product, quotient or root of positive terms */
+static const float SLACK = 1 + 0x1p-18f; /* factor of what is a product, quotient or root of positive terms */
 static const float COS_SLACK = 32 * 0x1p-24f; /* of cosines that enter angles */
 static const float COS2_SLACK = 1 + 32 * 0x1p-24f;
 static const float TINY = 1e-30f;             /* squares below this may have lost bits */
-static const float NEAR = 1e-12f;             /* scene units: the square root of LC_MIN_D2, below which 1/d^2 is flat anyway */
+static const float NEAR =
+    1e-12f; /* scene units: the square root of LC_MIN_D2, below which 1/d^2 is flat anyway */
 
 typedef struct {
     vf x, y, z;

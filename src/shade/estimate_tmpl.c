@@ -1,5 +1,5 @@
-/* estimate_tmpl.c - transfers M G of VF_LANES lights at once; included by isa_tmpl.c. Lanes that contribute nothing are computed all the
- * same and set to 0; the root of B d is not taken where B is 0 in every lane.
+/* estimate_tmpl.c - transfers M G of VF_LANES lights at once; included by isa_tmpl.c. Lanes that contribute
+ * nothing are computed all the same and set to 0; the root of B d is not taken where B is 0 in every lane.
  */
 #include "shade/tree_data.h"
 
@@ -41,7 +41,8 @@ LC_INLINE vf channel(vf f, vf cos_g, vf lit)
 }
 
 /* kind, lobe: constants. */
-LC_INLINE vf emission(const lc_tree_data *t, const float *const *light, lc_light_kind kind, vf cos_phi, const vf d[3], vf tint[3])
+LC_INLINE vf emission(const lc_tree_data *t, const float *const *light, lc_light_kind kind, vf cos_phi,
+                      const vf d[3], vf tint[3])
 {
     switch (kind) {
 #define KIND(ID, name, traits) \
@@ -113,8 +114,8 @@ LC_INLINE void estimate_of(const lc_tree_data *t, uint32_t first, const uint32_t
     }
 }
 
-LC_INLINE void estimate_by_lobe(const lc_tree_data *t, uint32_t first, const uint32_t *index, uint32_t n, lc_light_kind kind,
-                                const lc_point *p, float *const out[6])
+LC_INLINE void estimate_by_lobe(const lc_tree_data *t, uint32_t first, const uint32_t *index, uint32_t n,
+                                lc_light_kind kind, const lc_point *p, float *const out[6])
 {
     switch (p->lobe) {
 #define LOBE(ID, name) \

@@ -1,14 +1,20 @@
 /* light.h - a light, of any of the kinds of light_kinds.h ([Miksik07] table in 2.2.2).
  *
- * Its contribution at a point is M G V I ([Walter05] 3): material, geometry, visibility, intensity. G is the kind's emission in the
- * point's direction over f(d) = A + B d + C d^2; phi is the angle between dir and the direction from the light to the point.
+ * Its contribution at a point is M G V I ([Walter05] 3): material, geometry, visibility, intensity. G is the
+ * kind's emission in the point's direction over f(d) = A + B d + C d^2; phi is the angle between dir and the
+ * direction from the light to the point.
  */
 #ifndef LC_LIGHT_H
 #define LC_LIGHT_H
 
 #include "base/vec.h"
 
-enum { LC_LIGHT_FAR = 1, LC_LIGHT_AIMED = 2, LC_LIGHT_ATTENUATED = 4, LC_LIGHT_OWN = 8 }; /* see light_kinds.h */
+enum {
+    LC_LIGHT_FAR = 1,
+    LC_LIGHT_AIMED = 2,
+    LC_LIGHT_ATTENUATED = 4,
+    LC_LIGHT_OWN = 8
+}; /* see light_kinds.h */
 
 typedef enum lc_light_kind {
 #define KIND(ID, name, traits) LC_LIGHT_##ID,
@@ -30,7 +36,10 @@ static inline int lc_light_traits(lc_light_kind kind)
 
 static inline bool lc_is_far(lc_light_kind kind) { return lc_light_traits(kind) & LC_LIGHT_FAR; }
 static inline bool lc_is_aimed(lc_light_kind kind) { return lc_light_traits(kind) & LC_LIGHT_AIMED; }
-static inline bool lc_is_attenuated(lc_light_kind kind) { return lc_light_traits(kind) & LC_LIGHT_ATTENUATED; }
+static inline bool lc_is_attenuated(lc_light_kind kind)
+{
+    return lc_light_traits(kind) & LC_LIGHT_ATTENUATED;
+}
 
 /* What is accepted, so that no product of an estimate leaves the range of normal floats, nor one of three
  * differences of coordinates in a shadow ray's test: sums of these stay below 48 LC_MAX_COORD^3. */
@@ -45,7 +54,8 @@ static inline bool lc_is_attenuated(lc_light_kind kind) { return lc_light_traits
 
 /* How a spot shines. Anything below -1 shines everywhere. */
 typedef struct lc_spot {
-    float cos_total, cos_start; /* -2..1, rising: emission is 0 at and below the first, 1 from the second on */
+    float cos_total,
+        cos_start; /* -2..1, rising: emission is 0 at and below the first, 1 from the second on */
     uint32_t map;               /* 1 + index; 0: none */
 } lc_spot;
 
@@ -54,7 +64,8 @@ typedef struct lc_light {
     lc_f3 dir;       /* unit, the way light travels; unused by point lights */
     lc_f3 intensity; /* >= 0 */
     union {
-        float atten[3]; /* A, B, C of kinds that are attenuated, all >= 0, one of them > 0; (0, 0, 1) = inverse square */
+        float atten[3]; /* A, B, C of kinds that are attenuated, all >= 0, one of them > 0; (0, 0, 1) =
+                           inverse square */
         lc_spot spot;   /* of spots */
     };
     lc_light_kind kind;

@@ -25,7 +25,8 @@ static void directional_emit(const lc_light *light, const lc_emit_from *from, lc
     out->dir = light->dir;
     out->weight = 1;
     out->colour = lc_f3_make(1, 1, 1);
-    out->org = lc_f3_make((float)(from->centre[0] + scale * (double)across.x), (float)(from->centre[1] + scale * (double)across.y),
+    out->org = lc_f3_make((float)(from->centre[0] + scale * (double)across.x),
+                          (float)(from->centre[1] + scale * (double)across.y),
                           (float)(from->centre[2] + scale * (double)across.z));
 }
 
@@ -36,7 +37,8 @@ static void directional_emit(const lc_light *light, const lc_emit_from *from, lc
 #ifdef LC_KERNEL_PARTS
 
 /* Shines the same in all directions in which it shines. */
-LC_INLINE vf directional_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3], vf tint[3])
+LC_INLINE vf directional_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3],
+                                  vf tint[3])
 {
     (void)t;
     (void)light;

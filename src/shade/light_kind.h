@@ -1,7 +1,9 @@
-/* light_kind.h - what the home of a kind of light (light_NAME.h) provides, and the table that the rest of the code asks.
+/* light_kind.h - what the home of a kind of light (light_NAME.h) provides, and the table that the rest of the
+ * code asks.
  *
- * Such a home has up to three parts: types that others use; below `#ifdef LC_TABLE_PARTS`, for light_kind.c alone, its functions and
- * LC_LIGHT_INFO_NAME, its line of the table; below `#ifdef LC_KERNEL_PARTS`, for the kernels, NAME_emission and NAME_emission_bound.
+ * Such a home has up to three parts: types that others use; below `#ifdef LC_TABLE_PARTS`, for light_kind.c
+ * alone, its functions and LC_LIGHT_INFO_NAME, its line of the table; below `#ifdef LC_KERNEL_PARTS`, for the
+ * kernels, NAME_emission and NAME_emission_bound.
  */
 #ifndef LC_LIGHT_KIND_H
 #define LC_LIGHT_KIND_H
@@ -38,11 +40,13 @@ typedef struct lc_light_kind_info {
     void (*emit)(const lc_light *light, const lc_emit_from *from, lc_emitted *out);
     /* With LC_LIGHT_OWN. */
     size_t own_size;                                             /* bytes of a record */
-    const char *(*check)(const lc_light *light, size_t n_maps);  /* what is wrong with the kind's own part; NULL: nothing */
+    const char *(*check)(const lc_light *light,
+                         size_t n_maps); /* what is wrong with the kind's own part; NULL: nothing */
     void (*least)(const lc_light *light, float least[LC_OWN_FLOATS]);
     void (*light_own)(void *rec, const lc_light *light);
     void (*node_own)(void *rec, const float least[LC_OWN_FLOATS]);
-    const char *(*check_own)(const void *rec, const float least[LC_OWN_FLOATS], bool has_maps); /* of a tree; NULL: right */
+    const char *(*check_own)(const void *rec, const float least[LC_OWN_FLOATS],
+                             bool has_maps); /* of a tree; NULL: right */
     void (*least_of_own)(const void *rec, float least[LC_OWN_FLOATS]);
 } lc_light_kind_info;
 

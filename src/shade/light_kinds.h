@@ -1,4 +1,5 @@
-/* light_kinds.h - the kinds of light, a line each. No guard: it is included wherever something is wanted of all.
+/* light_kinds.h - the kinds of light, a line each. No guard: it is included wherever something is wanted of
+ * all.
  *
  *     KIND(ID, name, traits)    shade/light_NAME.h is its home: all that the kind is stands there
  *

@@ -1,5 +1,5 @@
-/* light_oriented.h - lights that shine from a point by the cosine about their direction, as a small piece of a
- * diffuse surface does: G = max(cos phi, 0) / f(d), intensity in W/sr along dir.
+/* light_oriented.h - lights that shine from a point by the cosine about their direction, as a small piece of
+ * a diffuse surface does: G = max(cos phi, 0) / f(d), intensity in W/sr along dir.
  */
 #ifndef LC_LIGHT_ORIENTED_H
 #define LC_LIGHT_ORIENTED_H
@@ -33,7 +33,8 @@ static void oriented_emit(const lc_light *light, const lc_emit_from *from, lc_em
 
 #ifdef LC_KERNEL_PARTS
 
-LC_INLINE vf oriented_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3], vf tint[3])
+LC_INLINE vf oriented_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3],
+                               vf tint[3])
 {
     (void)t;
     (void)light;

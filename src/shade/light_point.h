@@ -33,7 +33,8 @@ static void point_emit(const lc_light *light, const lc_emit_from *from, lc_emitt
 #ifdef LC_KERNEL_PARTS
 
 /* Shines the same in all directions in which it shines. */
-LC_INLINE vf point_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3], vf tint[3])
+LC_INLINE vf point_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3],
+                            vf tint[3])
 {
     (void)t;
     (void)light;

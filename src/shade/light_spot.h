@@ -103,7 +103,8 @@ static const char *spot_check(const lc_light *light, size_t n_maps)
     return good && spot->map <= n_maps ? NULL : "the spot light's angles are out of range";
 }
 
-/* Profiles rise with the cosine and fall with both of these: the least ones of a cluster give no less than any member's. */
+/* Profiles rise with the cosine and fall with both of these: the least ones of a cluster give no less than
+ * any member's. */
 static void spot_least(const lc_light *light, float least[LC_OWN_FLOATS])
 {
     least[0] = light->spot.cos_total;
@@ -115,14 +116,18 @@ static void spot_light_own(void *rec, const lc_light *light)
     lc_spot_rec_init(rec, light->spot.cos_total, light->spot.cos_start, light->spot.map);
 }
 
-static void spot_node_own(void *rec, const float least[LC_OWN_FLOATS]) { lc_spot_rec_init(rec, least[0], least[1], 0); }
+static void spot_node_own(void *rec, const float least[LC_OWN_FLOATS])
+{
+    lc_spot_rec_init(rec, least[0], least[1], 0);
+}
 
 static const char *spot_check_own(const void *own, const float least[LC_OWN_FLOATS], bool has_maps)
 {
     const lc_spot_rec *rec = own;
     lc_spot_rec want;
     lc_spot_rec_init(&want, least[0], least[1], rec->map);
-    if (!(least[0] >= -2 && least[1] >= least[0] && least[1] <= 1)) return "a spot's cosines are out of range";
+    if (!(least[0] >= -2 && least[1] >= least[0] && least[1] <= 1))
+        return "a spot's cosines are out of range";
     if (memcmp(&want, rec, sizeof want)) return "a spot's profile is wrong";
     return rec->map && !has_maps ? "a spot has a map that is not there" : NULL;
 }
@@ -146,7 +151,8 @@ static void spot_emit(const lc_light *light, const lc_emit_from *from, lc_emitte
     lc_spot_rec spot;
     float rgb[3] = { 1, 1, 1 };
     spot_light_own(&spot, light);
-    double z = 1 - from->u[0] * (1 - fmax((double)light->spot.cos_total, -1)), r = sqrt(fmax((1 - z) * (1 + z), 0));
+    double z = 1 - from->u[0] * (1 - fmax((double)light->spot.cos_total, -1)),
+           r = sqrt(fmax((1 - z) * (1 + z), 0));
     double sine, cosine;
     lc_sincos_deg(360 * from->u[1], &sine, &cosine);
     out->dir = lc_sample_frame(light->dir, r * cosine, r * sine, z);
@@ -157,10 +163,10 @@ static void spot_emit(const lc_light *light, const lc_emit_from *from, lc_emitte
     out->org = lc_emit_clear(light, out->dir);
 }
 
-#define LC_LIGHT_INFO_spot                                                                        \
-    .name = "spot", .flux = spot_flux, .emit = spot_emit, .own_size = sizeof(lc_spot_rec), .check = spot_check, \
-    .least = spot_least, .light_own = spot_light_own, .node_own = spot_node_own, .check_own = spot_check_own,  \
-    .least_of_own = spot_least_of_own
+#define LC_LIGHT_INFO_spot                                                                                   \
+    .name = "spot", .flux = spot_flux, .emit = spot_emit, .own_size = sizeof(lc_spot_rec),                   \
+    .check = spot_check, .least = spot_least, .light_own = spot_light_own, .node_own = spot_node_own,        \
+    .check_own = spot_check_own, .least_of_own = spot_least_of_own
 
 #endif
 
@@ -173,7 +179,8 @@ LC_INLINE const lc_spot_rec *spot_of(const lc_tree_data *t, const float *light)
 }
 
 /* lc_spot_emission; tint: colours of maps, or left alone. d: from the point to the light. */
-LC_INLINE vf spot_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3], vf tint[3])
+LC_INLINE vf spot_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3],
+                           vf tint[3])
 {
     const vf zero = vf_set(0), one = vf_set(1);
     const lc_spot_rec *spot[VF_LANES];
@@ -201,10 +208,11 @@ LC_INLINE vf spot_emission(const lc_tree_data *t, const float *const *light, vf 
     return x * x * (3 - (x + x));
 }
 
-/* Greatest emission for a cosine of at most e. The quotient t falls in both cos_total and cos_start, so that of the members' least
- * ones, cut off at 1, is no less than any member's; the members' cosines, cut off at 1, are no more than e. Ours and a member's t are
- * differences of what is exact, and their products: within 3u each of exact, twice that in the emission, which grows no faster than
- * t^2, and 3u more of its own: 18u, for which the factor is taken once more. */
+/* Greatest emission for a cosine of at most e. The quotient t falls in both cos_total and cos_start, so that
+ * of the members' least ones, cut off at 1, is no less than any member's; the members' cosines, cut off at 1,
+ * are no more than e. Ours and a member's t are differences of what is exact, and their products: within 3u
+ * each of exact, twice that in the emission, which grows no faster than t^2, and 3u more of its own: 18u, for
+ * which the factor is taken once more. */
 LC_INLINE vf spot_emission_bound(const lc_tree_data *t, const uint32_t *node, vf e)
 {
     const lc_own *own = &t->own[LC_LIGHT_SPOT];

@@ -1,7 +1,7 @@
 /* lobe.h - what the home of a lobe (lobe_NAME.h) provides, and the table that the rest of the code asks.
  *
- * Below `#ifdef LC_TABLE_PARTS`, for lobe.c alone, NAME_init, NAME_albedo and NAME_check; below `#ifdef LC_KERNEL_PARTS`, for the
- * kernels, NAME_value and NAME_bound.
+ * Below `#ifdef LC_TABLE_PARTS`, for lobe.c alone, NAME_init, NAME_albedo and NAME_check; below `#ifdef
+ * LC_KERNEL_PARTS`, for the kernels, NAME_value and NAME_bound.
  */
 #ifndef LC_LOBE_H
 #define LC_LOBE_H
@@ -10,10 +10,11 @@
 
 typedef struct lc_lobe_info {
     const char *name; /* in explanations */
-    /* Sets what the kernels need of a point (unit n and view, n on the viewer's side) and returns the factor of ks in lc_point.specular;
-     * changes *kd where the diffuse part lies below the lobe. */
+    /* Sets what the kernels need of a point (unit n and view, n on the viewer's side) and returns the factor
+     * of ks in lc_point.specular; changes *kd where the diffuse part lies below the lobe. */
     float (*init)(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, lc_f3 *kd);
-    /* Fraction of the light from a direction of cosine cos_i that the material reflects, by lobe and diffuse part; R G B, may exceed 1. */
+    /* Fraction of the light from a direction of cosine cos_i that the material reflects, by lobe and diffuse
+     * part; R G B, may exceed 1. */
     lc_f3 (*albedo)(const lc_material *m, float cos_i);
     bool (*check)(const lc_material *m); /* whether the numbers that only this lobe reads are in range */
 } lc_lobe_info;

@@ -1,28 +1,36 @@
-/* lobe_ggx.h - microfacets with the distribution of [Walter07], and a diffuse surface below a coat; material.h has the formulas.
+/* lobe_ggx.h - microfacets with the distribution of [Walter07], and a diffuse surface below a coat;
+ * material.h has the formulas.
  *
  * Bound: f cos = F r^2 cos / (s(o) cos + s(i) o.n) times a constant, r = |h|^2 / (X^2 + Y^2 + N^2), |h|^2 =
  * (ax X)^2 + (ay Y)^2 + N^2. With Ward's t <= sqrt(X^2 + Y^2) / N, and a <= 1 the larger roughness,
  *
- *     r = (1 + ((ax X)^2 + (ay Y)^2) / N^2) / (1 + (X^2 + Y^2) / N^2) <= min(1 + a^2 t^2, max |h|^2 / min N^2) / (1 + t^2)
+ *     r = (1 + ((ax X)^2 + (ay Y)^2) / N^2) / (1 + (X^2 + Y^2) / N^2) <= min(1 + a^2 t^2, max |h|^2 / min
+ * N^2) / (1 + t^2)
  *
- * since (1 + a^2 x) / (1 + x) falls. The first is exact where ax = ay; the second brings a lobe down that is long one way.
- * |h|^2 = 2 + 2 i.o, two cosines about o. s(i)^2 >= cos^2 + b^2 (1 - cos^2), b the smaller roughness: s(i) grows with the
- * cosine, s(i) / cos falls; and |p| s(i) >= w.p, w = S u, S the symmetric matrix of s, u any unit vector: that along S e. So
+ * since (1 + a^2 x) / (1 + x) falls. The first is exact where ax = ay; the second brings a lobe down that is
+ * long one way. |h|^2 = 2 + 2 i.o, two cosines about o. s(i)^2 >= cos^2 + b^2 (1 - cos^2), b the smaller
+ * roughness: s(i) grows with the cosine, s(i) / cos falls; and |p| s(i) >= w.p, w = S u, S the symmetric
+ * matrix of s, u any unit vector: that along S e. So
  *
- *     cos / (s(o) cos + s(i) o.n) / f(d) <= g / (s(o) c0 + s0 o.n) and <= 1 / (least f(d) (s(o) + q o.n)), g: greatest cos / f(d)
+ *     cos / (s(o) cos + s(i) o.n) / f(d) <= g / (s(o) c0 + s0 o.n) and <= 1 / (least f(d) (s(o) + q o.n)), g:
+ * greatest cos / f(d)
  *
- * with c0 the least cosine, s0 the greater of s there and min w.p / max |p|, q that of s / cos at the greatest cosine and
- * min w.p / z1. F falls with the cosine c = |h| / 2: Schlick's plainly, a dielectric's up to an index of 2 + sqrt 3 (unit_ggx.c
- * goes through them). A conductor's is no more than that of light across the plane, 1 - 4 / ((w + x) / (c Re N) + 2), x = c^2,
- * N^2 = x + p + i q, p = eta^2 - k^2 - 1, q = 2 eta k, w = |N|^2, which falls too: the derivative of ln((w + x)^2 / (x (w + x + p)))
- * by x is -(p^2 + q^2) / (w x (w + x)). A coat lets in more of light that is steeper: T at the greatest cosine.
- * - t holds for the estimate's X, Y, N, as above, and its squares of roughness are used. |h|^2 as the estimate adds it up: frames
- *   are perpendicular to 4u, tangents off by 5u in length and components by 10u: 40u of |h|^2 and 70u; i.o as for COS_SLACK:
- *   64u. We take 256u of both. s(i): the same frame, 40u of it; 256u.
+ * with c0 the least cosine, s0 the greater of s there and min w.p / max |p|, q that of s / cos at the
+ * greatest cosine and min w.p / z1. F falls with the cosine c = |h| / 2: Schlick's plainly, a dielectric's up
+ * to an index of 2 + sqrt 3 (unit_ggx.c goes through them). A conductor's is no more than that of light
+ * across the plane, 1 - 4 / ((w + x) / (c Re N) + 2), x = c^2, N^2 = x + p + i q, p = eta^2 - k^2 - 1, q = 2
+ * eta k, w = |N|^2, which falls too: the derivative of ln((w + x)^2 / (x (w + x + p))) by x is -(p^2 + q^2) /
+ * (w x (w + x)). A coat lets in more of light that is steeper: T at the greatest cosine.
+ * - t holds for the estimate's X, Y, N, as above, and its squares of roughness are used. |h|^2 as the
+ * estimate adds it up: frames are perpendicular to 4u, tangents off by 5u in length and components by 10u:
+ * 40u of |h|^2 and 70u; i.o as for COS_SLACK: 64u. We take 256u of both. s(i): the same frame, 40u of it;
+ * 256u.
  * - w.p: u and w within 8u, three dot products 9u each, the widening 4u, all times |S| <= 1: 64uM.
- * - T: g 2.5u, squares of sums 9u, quotients and products: below 20u of T <= 1 in estimate and bound: F is raised by 64u.
- * - Conductors: x + p is off by 2u x where it cancels, N by the root of that at most, 3.5e-4 c; the quotient of amplitudes by
- *   2 c / |c + N|^2 times that, its square by twice as much: 1.4e-3, here and in the estimate. CONDUCTOR_SLACK is 3.9e-3.
+ * - T: g 2.5u, squares of sums 9u, quotients and products: below 20u of T <= 1 in estimate and bound: F is
+ * raised by 64u.
+ * - Conductors: x + p is off by 2u x where it cancels, N by the root of that at most, 3.5e-4 c; the quotient
+ * of amplitudes by 2 c / |c + N|^2 times that, its square by twice as much: 1.4e-3, here and in the estimate.
+ * CONDUCTOR_SLACK is 3.9e-3.
  * - r^2 has 18u in the estimate and 20u here, the rest 12u: a SLACK of its own.
  */
 #ifdef LC_TABLE_PARTS
@@ -88,7 +96,8 @@ static lc_f3 ggx_albedo(const lc_material *m, float cos_i)
 static bool ggx_check(const lc_material *m)
 {
     const float *eta = &m->eta.x, *k = &m->k.x;
-    if ((m->coat || m->fresnel == LC_FRESNEL_DIELECTRIC) && !(eta[0] >= LC_MIN_ETA && eta[0] <= LC_MAX_ETA)) return false;
+    if ((m->coat || m->fresnel == LC_FRESNEL_DIELECTRIC) && !(eta[0] >= LC_MIN_ETA && eta[0] <= LC_MAX_ETA))
+        return false;
     for (int i = 0; i < 3 && m->fresnel == LC_FRESNEL_CONDUCTOR; i++)
         if (!(eta[i] >= 0 && eta[i] <= LC_MAX_CONDUCTOR && k[i] >= 0 && k[i] <= LC_MAX_CONDUCTOR &&
               eta[i] * eta[i] + k[i] * k[i] >= LC_MIN_CONDUCTOR))

@@ -1,5 +1,5 @@
-/* lobe_phong.h - modified Phong ([Miksik07] eq. 6): ks (n + 2) / (2 pi) cos(alpha)^n, alpha between the mirror direction and that to the
- * light. Estimates and bounds are as box_tmpl.c says.
+/* lobe_phong.h - modified Phong ([Miksik07] eq. 6): ks (n + 2) / (2 pi) cos(alpha)^n, alpha between the
+ * mirror direction and that to the light. Estimates and bounds are as box_tmpl.c says.
  */
 #ifdef LC_TABLE_PARTS
 
@@ -62,8 +62,10 @@ LC_INLINE vf max_phong(const lc_point *p, const rel_box *box)
     return vf_sel_gt(m.z1, zero, lobe, zero);
 }
 
-/* Bound of lobe and diffuse part. diffuse: of the latter without geometry; g: greatest receiver cosine times 1 / f(d). */
-LC_INLINE vf phong_bound(cluster_lanes *l, const lc_point *p, const rel_box *box, const range *n, bool far, vf g, vf diffuse, v3 power)
+/* Bound of lobe and diffuse part. diffuse: of the latter without geometry; g: greatest receiver cosine times
+ * 1 / f(d). */
+LC_INLINE vf phong_bound(cluster_lanes *l, const lc_point *p, const rel_box *box, const range *n, bool far,
+                         vf g, vf diffuse, v3 power)
 {
     (void)l;
     (void)n;

@@ -1,4 +1,5 @@
-/* lobe_ward.h - Ward's lobe as [Walter05b] writes it; material.h has the formula, slope_tmpl.c the bound of its exponent.
+/* lobe_ward.h - Ward's lobe as [Walter05b] writes it; material.h has the formula, slope_tmpl.c the bound of
+ * its exponent.
  */
 #ifdef LC_TABLE_PARTS
 
@@ -74,7 +75,8 @@ LC_INLINE vf ward_geometry(cluster_lanes *l, const lc_point *p, const rel_box *b
     return vf_min(vf_min(root, most), vf_set(FLT_MAX / 2));
 }
 
-LC_INLINE vf ward_bound(cluster_lanes *l, const lc_point *p, const rel_box *box, const range *n, bool far, vf g, vf diffuse, v3 power)
+LC_INLINE vf ward_bound(cluster_lanes *l, const lc_point *p, const rel_box *box, const range *n, bool far,
+                        vf g, vf diffuse, v3 power)
 {
     (void)n;
     vf lobe = max_ward(p, box) * ward_geometry(l, p, box, far, g);

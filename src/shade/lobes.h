@@ -1,4 +1,5 @@
-/* lobes.h - the lobes of reflection beside the diffuse one, a line each. No guard: it is included wherever something is wanted of all.
+/* lobes.h - the lobes of reflection beside the diffuse one, a line each. No guard: it is included wherever
+ * something is wanted of all.
  *
  *     LOBE(ID, name)    shade/lobe_NAME.h is its home: all that the lobe is stands there
  */

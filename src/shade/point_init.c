@@ -37,7 +37,8 @@ void lc_light_rec_init(lc_light_rec *rec, const lc_light *light)
     rec->dir_b = dir[1];
 }
 
-lc_f3 lc_estimate_one(const lc_shade_kernels *kernels, const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten)
+lc_f3 lc_estimate_one(const lc_shade_kernels *kernels, const lc_point *p, lc_light_kind kind,
+                      const lc_light_rec *light, const float *atten)
 {
     float to[6][LC_LANES];
     float *const out[6] = { to[0], to[1], to[2], to[3], to[4], to[5] };

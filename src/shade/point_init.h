@@ -1,5 +1,5 @@
-/* point_init.h - fills in what the kernels read of a shading point and of a light. Radiance towards the viewer = transfer M G *
- * intensity * visibility, per channel; M G is what the estimate kernel gives. */
+/* point_init.h - fills in what the kernels read of a shading point and of a light. Radiance towards the
+ * viewer = transfer M G * intensity * visibility, per channel; M G is what the estimate kernel gives. */
 #ifndef LC_POINT_INIT_H
 #define LC_POINT_INIT_H
 
@@ -9,9 +9,10 @@
 /* n and view: unit; n is flipped to the viewer's side by the caller. */
 void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_material *m, float min_d2);
 
-/* M G of one light, R G B, >= 0 and finite, by the kernels; 0 where light or receiver face away. Of kinds without records of their own.
- * atten: A, B, C, or NULL for 0, 0, 1. */
-lc_f3 lc_estimate_one(const lc_shade_kernels *kernels, const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten);
+/* M G of one light, R G B, >= 0 and finite, by the kernels; 0 where light or receiver face away. Of kinds
+ * without records of their own. atten: A, B, C, or NULL for 0, 0, 1. */
+lc_f3 lc_estimate_one(const lc_shade_kernels *kernels, const lc_point *p, lc_light_kind kind,
+                      const lc_light_rec *light, const float *atten);
 
 /* Rounds the direction of an oriented light as lc_dir_round does. */
 void lc_light_rec_init(lc_light_rec *rec, const lc_light *light);

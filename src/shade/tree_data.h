@@ -45,7 +45,8 @@ _Static_assert(sizeof(lc_light_rec) == 32, "half a cache line");
 /* A, B, C of f(d), and a word unused: of a light, or the least ones of a cluster. */
 typedef float lc_atten[4];
 
-/* Records that a kind of light has of its own (LC_LIGHT_OWN), one for each of its nodes and lights; NULL: none. */
+/* Records that a kind of light has of its own (LC_LIGHT_OWN), one for each of its nodes and lights; NULL:
+ * none. */
 typedef struct lc_own {
     void *node, *light;
     uint32_t first_node, first_light; /* of the kind */

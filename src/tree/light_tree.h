@@ -52,7 +52,8 @@ static inline uint32_t lc_rep_of(const lc_light_tree *t, uint32_t link, uint32_t
     return t->reps ? t->reps[(size_t)link * t->n_reps + slot] : t->data.nodes[link].rep;
 }
 
-/* The kind that the place of a node or light is of: how many kinds begin at or before it, but for the first. */
+/* The kind that the place of a node or light is of: how many kinds begin at or before it, but for the first.
+ */
 static inline lc_light_kind lc_kind_at(const uint32_t first[LC_LIGHT_KINDS + 1], uint32_t at)
 {
     uint32_t kind = 0;
@@ -60,9 +61,15 @@ static inline lc_light_kind lc_kind_at(const uint32_t first[LC_LIGHT_KINDS + 1],
     return (lc_light_kind)kind;
 }
 
-static inline lc_light_kind lc_kind_of_node(const lc_light_tree *t, uint32_t id) { return lc_kind_at(t->first_node, id); }
+static inline lc_light_kind lc_kind_of_node(const lc_light_tree *t, uint32_t id)
+{
+    return lc_kind_at(t->first_node, id);
+}
 
-static inline lc_light_kind lc_kind_of_light(const lc_light_tree *t, uint32_t light) { return lc_kind_at(t->first_light, light); }
+static inline lc_light_kind lc_kind_of_light(const lc_light_tree *t, uint32_t light)
+{
+    return lc_kind_at(t->first_light, light);
+}
 
 static inline lc_light_kind lc_kind_of_link(const lc_light_tree *t, uint32_t link)
 {

@@ -46,7 +46,10 @@ static size_t n_all_reps(const lc_light_tree *t)
     return t->n_reps > 1 ? (size_t)t->n_nodes * t->n_reps : 0;
 }
 
-static uint32_t n_nodes_of(const lc_light_tree *t, int kind) { return t->first_node[kind + 1] - t->first_node[kind]; }
+static uint32_t n_nodes_of(const lc_light_tree *t, int kind)
+{
+    return t->first_node[kind + 1] - t->first_node[kind];
+}
 
 /* Records of the kinds' own. */
 static bool alloc_own(lc_light_tree *t)

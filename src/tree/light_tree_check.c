@@ -89,7 +89,8 @@ static void sums_of_light(sums *s, const lc_light_tree *t, uint32_t light)
         s->power[k] = (double)l->intensity[k];
     }
     const lc_light_kind kind = lc_kind_of_light(t, light);
-    if (lc_light_kinds[kind].own_size) lc_light_kinds[kind].least_of_own(lc_light_own(&t->data, kind, light), s->least);
+    if (lc_light_kinds[kind].own_size)
+        lc_light_kinds[kind].least_of_own(lc_light_own(&t->data, kind, light), s->least);
     if (!lc_is_aimed(kind)) return;
     lc_f3 d = direction(l);
     lc_f3_store(s->dlo, d);
@@ -253,7 +254,8 @@ static const char *check_node(check *c, uint32_t id, uint32_t *stack)
     if (!wrong) wrong = check_box(b, s);
     if (!wrong && lc_is_aimed(kind)) wrong = check_cone(c, id, stack);
     const lc_light_kind_info *info = &lc_light_kinds[kind];
-    if (!wrong && info->own_size) wrong = info->check_own(lc_node_own(&t->data, kind, id), s->least, t->data.spot_maps != NULL);
+    if (!wrong && info->own_size)
+        wrong = info->check_own(lc_node_own(&t->data, kind, id), s->least, t->data.spot_maps != NULL);
     if (!wrong && lc_is_attenuated(kind))
         wrong = check_atten(t->data.node_atten ? t->data.node_atten[id] : NULL, s);
     return wrong;

@@ -502,7 +502,8 @@ lc_f3 gen_shade(const lc_point *p, const lc_light *l)
 float gen_bound(const lc_cluster *c, const lc_node *node, const lc_atten *atten, const lc_point *p)
 {
     lc_spot_rec spot;
-    if (c->kind != LC_LIGHT_SPOT) return one_bound(node, lc_inverse_square(*atten) ? NULL : atten, c->kind, p);
+    if (c->kind != LC_LIGHT_SPOT)
+        return one_bound(node, lc_inverse_square(*atten) ? NULL : atten, c->kind, p);
     lc_spot_rec_init(&spot, c->least[0], c->least[1], 0);
     return one_spot_bound(node, &spot, p);
 }

@@ -34,7 +34,8 @@ lc_f3 one_transfer(const lc_point *p, lc_light_kind kind, const lc_light_rec *li
     return lc_estimate_one(&lc_kernels_scalar.shade, p, kind, light, atten);
 }
 
-lc_f3 one_spot_transfer(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot, const lc_spot_map *spot_maps)
+lc_f3 one_spot_transfer(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot,
+                        const lc_spot_map *spot_maps)
 {
     float to[6][LC_LANES];
     float *const out[6] = { to[0], to[1], to[2], to[3], to[4], to[5] };
