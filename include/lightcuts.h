@@ -303,9 +303,11 @@ typedef struct lc_render_stats {
     double mean_luminance;   /* of the pre-pass: what dark_floor is a fraction of */
     int exact;               /* every light was evaluated: as requested, or because there are few */
     uint64_t nonfinite;      /* pixels set to 0 because they were not finite */
-    /* What `seconds` times threads were spent on, in seconds, estimated from one sample in sixteen. heap:
-     * selecting, storing and summing clusters. heap and bounds are 0 for the exact method. */
-    double phase_camera, phase_bounds, phase_estimates, phase_heap, phase_shadow_rays, phase_other;
+    double cpu_seconds; /* processor time of the threads while they rendered tiles, summed */
+    /* What cpu_seconds were spent on, in seconds, estimated from one sample in sixteen, but for those during
+     * which a thread waited for a processor. refine: selecting, storing and summing clusters. refine and
+     * bounds are 0 for the exact method. */
+    double phase_camera, phase_bounds, phase_estimates, phase_refine, phase_shadow_rays, phase_other;
     uint64_t pixels_loaded;  /* pixels of tiles from tile_load: included in the counts, but not in seconds,
                               * cut_median and cut_p99 */
 } lc_render_stats;

@@ -5,15 +5,18 @@
 
 #include "base/base.h"
 
-/* Seconds of a monotonic clock. */
+/* Seconds of a monotonic clock, and of processor time of the calling thread. */
 double lc_now(void);
+double lc_thread_cpu(void);
+
+#define LC_CLOCK_SECONDS 5e-6 /* that reading both clocks may differ by */
 
 /* What the time of a render is spent on. */
 typedef enum lc_phase {
     LC_PHASE_CAMERA,    /* camera rays and the evaluation of their hits */
     LC_PHASE_BOUNDS,    /* error bounds of tree nodes, fetching them included */
     LC_PHASE_ESTIMATES, /* estimates of lights */
-    LC_PHASE_HEAP,      /* selecting, storing and summing clusters */
+    LC_PHASE_REFINE,    /* selecting, storing and summing clusters */
     LC_PHASE_SHADOW,    /* shadow rays */
     LC_PHASE_OTHER,
     LC_PHASES
@@ -25,7 +28,10 @@ typedef struct lc_stats {
     uint64_t glossy;  /* points with a lobe beside the diffuse one */
     uint64_t proved;  /* clusters proved to be occluded */
     uint64_t proof_tests; /* triangles tested in proofs */
-    uint64_t ticks[LC_PHASES], last_tick; /* of the samples that are timed */
+    uint64_t ticks[LC_PHASES];            /* of the samples that were timed and not interrupted */
+    uint64_t sample[LC_PHASES], last_tick; /* of the sample that is being timed */
+    double wall, cpu;                     /* when it began */
+    double cpu_seconds;                   /* processor time of the tiles */
     bool timed;
     bool (*go_on)(void *user); /* NULL, or returns false once the render is cancelled: long loops may stop
                                 * then */
@@ -47,7 +53,22 @@ static inline uint64_t lc_ticks(void)
 static inline void lc_phase_start(lc_stats *s)
 {
     s->timed = (s->camera_rays & 15) == 0;
-    if (s->timed) s->last_tick = lc_ticks();
+    if (!s->timed) return;
+    for (int k = 0; k < LC_PHASES; k++) s->sample[k] = 0;
+    s->wall = lc_now();
+    s->cpu = lc_thread_cpu();
+    s->last_tick = lc_ticks();
+}
+
+/* Ends a sample. One during which the thread had to wait for a processor does not count: the wait would be
+ * charged to one phase. */
+static inline void lc_phase_stop(lc_stats *s)
+{
+    if (!s->timed) return;
+    const double cpu = lc_thread_cpu() - s->cpu, wall = lc_now() - s->wall;
+    s->timed = false;
+    if (wall > 1.25 * cpu + LC_CLOCK_SECONDS) return;
+    for (int k = 0; k < LC_PHASES; k++) s->ticks[k] += s->sample[k];
 }
 
 /* Adds the time since the last call to this phase. */
@@ -55,7 +76,7 @@ static inline void lc_phase_end(lc_stats *s, lc_phase phase)
 {
     if (!s->timed) return;
     uint64_t now = lc_ticks();
-    s->ticks[phase] += now - s->last_tick;
+    s->sample[phase] += now - s->last_tick;
     s->last_tick = now;
 }
 

@@ -389,7 +389,7 @@ static double split_chosen(lc_cut *c, step *s, float limit)
         s->pairs.n = n - at < BATCH ? n - at : BATCH;
         s->n_bounded = 0;
         find_children(c, s);
-        lc_phase_end(s->stats, LC_PHASE_HEAP);
+        lc_phase_end(s->stats, LC_PHASE_REFINE);
         for (uint32_t i = 0; i < s->pairs.n; i += run) {
             lc_light_kind kind = lc_kind_of_node(c->tree, c->split.link[at + i]);
             run = run_length(c, s, i, kind);
@@ -400,7 +400,7 @@ static double split_chosen(lc_cut *c, step *s, float limit)
         }
         change += c->ctx->cut_kernels->place(&s->pairs, &c->open, &c->left, &c->leaf);
         count_done(c, s, c->open.n + c->left.n - n_inner);
-        lc_phase_end(s->stats, LC_PHASE_HEAP);
+        lc_phase_end(s->stats, LC_PHASE_REFINE);
     }
     return change;
 }
@@ -514,7 +514,7 @@ static double trace(const lc_cut *c, const lc_point *p, lc_cut_list *list, const
     uint32_t block[BATCH];
     const float *const target[3] = { g->target[0], g->target[1], g->target[2] };
     double change = 0;
-    lc_phase_end(stats, LC_PHASE_HEAP);
+    lc_phase_end(stats, LC_PHASE_REFINE);
     lc_cut_hidden(&c->visibility, p, org, g->n, target, far, hidden, c->occlusion ? block : NULL);
     lc_phase_end(stats, LC_PHASE_SHADOW);
     stats->shadow_rays += g->n;
@@ -626,7 +626,7 @@ static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t
         s->power[i] = find_cluster(&c->tree->data, link[i]);
         __builtin_prefetch(&c->tree->data.lights[s->rep[i]]);
     }
-    lc_phase_end(s->stats, LC_PHASE_HEAP);
+    lc_phase_end(s->stats, LC_PHASE_REFINE);
     c->ctx->shade_kernels->bounds(&c->tree->data, link, n, kind, s->point, left->bound + at);
     s->stats->bounds += n;
     lc_phase_end(s->stats, LC_PHASE_BOUNDS);
@@ -640,7 +640,7 @@ static double start_nodes(lc_cut *c, step *s, const float org[3], const uint32_t
     }
     for (uint32_t i = 0; i < n_lit && n_lit < n; i++) /* lit[i] >= i: writes behind the reading */
         for (int k = 3; k < 6; k++) s->f[k][i] = s->f[k][lit[i]];
-    lc_phase_end(s->stats, LC_PHASE_HEAP);
+    lc_phase_end(s->stats, LC_PHASE_REFINE);
     if (n_lit)
         lc_cut_hidden(&c->visibility, s->point, org, n_lit, target, lc_is_far(kind), hidden,
                       c->occlusion ? block : NULL);
@@ -716,7 +716,7 @@ static double place_start(lc_cut *c, step *s, const float org[3])
         run = batch_of(c->tree, lights + at, start->n_lights - at, &kind);
         total += start_lights(c, s, org, lights + at, run, kind);
     }
-    lc_phase_end(s->stats, LC_PHASE_HEAP);
+    lc_phase_end(s->stats, LC_PHASE_REFINE);
     return total;
 }
 
@@ -748,7 +748,7 @@ static void finish(lc_cut *c, uint64_t rays_before, lc_stats *stats, lc_cut_resu
     stats->proved += c->n_hid;
     stats->at_limit += out->at_limit;
     stats->dark += out->dark;
-    lc_phase_end(stats, LC_PHASE_HEAP);
+    lc_phase_end(stats, LC_PHASE_REFINE);
 }
 
 /* Largest float that is at most x. */

@@ -1,0 +1,71 @@
+/* guide.c - the cut that the cuts of a block of pixels begin with. */
+#include "render/render_job.h"
+
+#include "scene/surface.h"
+
+/* The cuts of a block of pixels begin with the cut that was made for its middle pixel, sample 0, in place of
+ * the roots: splits that all of them need are made once, and what is left to split goes to the kernels in
+ * large groups. Only points on a surface like that of the guide begin with it. Measured:
+ * tests/results/cuts.md. */
+#define GUIDE_AT 1        /* of LC_PIXEL_BLOCK, each way: the pixel that makes a block's guide */
+#define GUIDE_REACH                                                                                          \
+    0.05f /* fraction of the distance to the camera up to which a point is near a guide; chosen */
+#define GUIDE_COS                                                                                            \
+    0.8f /* least cosine between the normals of a guide and a point that begins with it; chosen */
+
+static bool guides(const lc_guide *g, const lc_surface *s)
+{
+    lc_f3 way = lc_f3_sub(s->pos, g->pos);
+    return g->valid && lc_f3_dot(s->n, g->n) > GUIDE_COS && lc_f3_dot(way, way) <= g->reach2;
+}
+
+static void set_guide(lc_guide *g, const lc_surface *s)
+{
+    g->valid = true;
+    g->pos = s->pos;
+    g->n = s->n;
+    g->reach2 = GUIDE_REACH * GUIDE_REACH * s->t * s->t;
+}
+
+/* A cut that makes a guide, or is guided by one that is made; or neither, where g is NULL. */
+void lc_guided_cut(lc_cut *c, lc_guide *g, const lc_point *p, const lc_surface *s, uint64_t hash,
+                      lc_stats *stats, lc_cut_result *out)
+{
+    c->kept = g && !g->made ? &g->start : NULL;
+    c->start = g && g->made && guides(g, s) ? &g->start : NULL;
+    if (c->kept) set_guide(g, s);
+    lc_cut_shade(c, p, s->ray_org, hash, stats, out);
+}
+
+/* Makes a guide apart, where its pixel is not of this tile or not the first to be asked for. */
+void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g)
+{
+    lc_f3 org, dir;
+    lc_sight s;
+    lc_point p;
+    lc_stats stats = { 0 };
+    lc_cut_result r;
+    (void)lc_sample_ray(j, g->x, g->y, 0, &org, &dir);
+    if (lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) && s.n_lit) {
+        lc_lit_point(j->scene, &s.lit[0], &p);
+        lc_guided_cut(c, g, &p, &s.lit[0].surface, lc_slot_hash(j, g->x, g->y, 0), &stats, &r);
+    }
+    g->made = true;
+}
+
+uint32_t lc_guide_pixel(uint32_t at) { return at - at % LC_PIXEL_BLOCK + GUIDE_AT; }
+
+/* Makes g the guide of a pixel; sample 0 of the pixel that makes it does so itself, whatever was made before.
+ */
+lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x, uint32_t y, uint32_t sample)
+{
+    const uint32_t at_x = lc_guide_pixel(x), at_y = lc_guide_pixel(y);
+    const bool makes = x == at_x && y == at_y && !sample;
+    if (!g->made || g->x != at_x || g->y != at_y || makes) {
+        g->x = at_x;
+        g->y = at_y;
+        g->made = g->valid = false;
+    }
+    if (!g->made && !makes) lc_guide_make(j, c, g);
+    return g;
+}

@@ -1,0 +1,129 @@
+/* method.c - cuts or every light, and the pre-pass for the dark floor. */
+#include "render/render_job.h"
+
+#include "base/pool.h"
+#include "scene/instance.h"
+
+#include <math.h>
+
+#define PREPASS_SIDE LC_SIZE(32, 8) /* grid of the pre-pass */
+#define PREPASS_RATIO 0.1f   /* its error ratio and cut limit: its mean is wanted to a few percent */
+#define PREPASS_MAX_CUT 128
+
+/* Few lights: every one of them is evaluated where that takes less work than cuts. Work is counted, over a
+ * grid of points that are shaded both ways, in estimates of one light; these are the only weights, and no
+ * clock is asked, so that the choice, and with it the picture, is the same everywhere. A shadow ray visits a
+ * few dozen boxes and triangles with what it shares with its group: those of a cut's groups are few. A bound
+ * is two estimates' arithmetic, and its cluster is placed in a list. How they were chosen:
+ * tests/results/few-lights.md. */
+#define ALWAYS_FEW 16       /* lights: all are evaluated, neither way is tried */
+#define NEVER_FEW 4096      /* lights: more are never all evaluated */
+#define CHOICE_SIDE LC_SIZE(16, 6) /* grid of the points that are tried */
+#define WORK_OF_RAY 10 /* of every light's rays, in groups of 64 */
+#define WORK_OF_CUT_RAY 15
+#define WORK_OF_BOUND 3     /* with its share of a split: half an estimate, a cluster placed */
+#define WORK_OF_PROOF 15    /* a triangle tested in a proof */
+#define WORK_OF_CUT 48      /* a cut, whatever its size */
+#define WORK_FOR_NO_ERROR 1.1 /* factor of work that every light is allowed, as it has no error */
+
+/* Radiance seen at a cell of a grid of side * side over the whole film; false: nothing there that is lit. */
+static bool shade_cell(lc_render_job *j, uint32_t thread, uint64_t item, uint32_t side, lc_cut_result *r)
+{
+    lc_f3 org, dir;
+    lc_sight s;
+    double u = ((double)(item % side) + 0.5) / side, v = ((double)(item / side) + 0.5) / side;
+    const double lens[2] = { 0.5, 0.5 };
+    lc_camera_ray(&j->scene->camera, u * j->scene->film.width, v * j->scene->film.height, lens, &org, &dir);
+    if (!lc_job_go_on(j) || !lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) || !s.n_lit)
+        return false;
+    lc_shade_sight(j, &j->workers[thread], &s, NULL, lc_job_key(j, item, 0, LC_DIM_SLOT), r);
+    return true;
+}
+
+static void prepass_cell(void *user, uint32_t thread, uint64_t item)
+{
+    lc_render_job *j = user;
+    lc_cut_result r;
+    if (shade_cell(j, thread, item, PREPASS_SIDE, &r)) j->prepass[item] = (double)lc_luminance(r.radiance);
+}
+
+/* Mean luminance over the grid, cells added in order. */
+static lc_status prepass(lc_render_job *j, double *mean)
+{
+    const size_t n = PREPASS_SIDE * PREPASS_SIDE;
+    lc_cut_desc desc = { PREPASS_RATIO, PREPASS_MAX_CUT, 0 };
+    j->prepass = lc_alloc(j->ctx, n, sizeof *j->prepass);
+    lc_status st = j->prepass ? lc_job_make_workers(j, &desc) : LC_ERR_MEMORY;
+    *mean = 0;
+    if (!st) {
+        lc_parallel(j->ctx, n, prepass_cell, j);
+        for (size_t i = 0; i < n; i++) *mean += isfinite(j->prepass[i]) ? j->prepass[i] / (double)n : 0;
+    }
+    lc_free(j->ctx, j->prepass, n, sizeof *j->prepass);
+    lc_job_free_workers(j);
+    return st;
+}
+
+static void choice_cell(void *user, uint32_t thread, uint64_t item)
+{
+    lc_cut_result r;
+    shade_cell(user, thread, item, CHOICE_SIDE, &r);
+}
+
+/* Counts of both methods over a grid: shading points, shadow rays, bounds. */
+static lc_status try_method(lc_render_job *j, const lc_cut_desc *cut, bool exact, lc_stats *sum)
+{
+    bool was = j->exact;
+    lc_status st = lc_job_make_workers(j, cut);
+    j->exact = exact;
+    if (!st) lc_parallel(j->ctx, CHOICE_SIDE * CHOICE_SIDE, choice_cell, j);
+    for (uint32_t i = 0; i < j->ctx->n_threads && !st; i++) {
+        sum->points += j->workers[i].stats.points;
+        sum->shadow_rays += j->workers[i].stats.shadow_rays;
+        sum->bounds += j->workers[i].stats.bounds;
+        sum->proof_tests += j->workers[i].stats.proof_tests;
+    }
+    j->exact = was;
+    lc_job_free_workers(j);
+    return st;
+}
+
+/* Whether every light takes no more work than these cuts. Never where there are more lights than max_cut. */
+static lc_status exact_pays(lc_render_job *j, const lc_cut_desc *cut, bool *pays)
+{
+    lc_stats cuts = { 0 }, all = { 0 };
+    const uint32_t n = j->scene->tree->n_lights;
+    *pays = false;
+    if ((cut->max_cut && cut->max_cut < n) || n > NEVER_FEW) return LC_OK;
+    *pays = n <= ALWAYS_FEW;
+    if (*pays) return LC_OK;
+    lc_status st = try_method(j, cut, false, &cuts);
+    if (!st) st = try_method(j, cut, true, &all);
+    if (st) return st;
+    const uint64_t exact = all.points * n + WORK_OF_RAY * all.shadow_rays;
+    const uint64_t by_cuts = WORK_OF_CUT * cuts.points + WORK_OF_BOUND * cuts.bounds +
+                             WORK_OF_CUT_RAY * cuts.shadow_rays + WORK_OF_PROOF * cuts.proof_tests;
+    *pays = (double)exact <= WORK_FOR_NO_ERROR * (double)by_cuts;
+    return LC_OK;
+}
+
+lc_cut_desc lc_job_cut_desc(const lc_render_job *j, const lc_render_stats *stats)
+{
+    return (lc_cut_desc){ j->desc->error_ratio, j->desc->max_cut,
+                          j->desc->dark_floor * (float)stats->mean_luminance };
+}
+
+/* Whether cuts are made at all, and the mean luminance for their dark floor. */
+lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
+{
+    lc_status st = LC_OK;
+    uint32_t n = j->scene->tree->n_lights, max_cut = j->desc->max_cut;
+    stats->exact = j->exact = j->desc->method == LC_METHOD_EXACT;
+    if (j->exact) return LC_OK;
+    bool few = j->desc->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(max_cut && max_cut < n);
+    if (!few && j->desc->dark_floor > 0 && j->desc->error_ratio > 0) st = prepass(j, &stats->mean_luminance);
+    lc_cut_desc cut = lc_job_cut_desc(j, stats);
+    if (!st && j->desc->method == LC_METHOD_LIGHTCUTS) st = exact_pays(j, &cut, &j->exact);
+    stats->exact = j->exact;
+    return st;
+}

@@ -1,0 +1,131 @@
+/* render_job.h - one call of lc_render while it runs: what its parts share.
+ *
+ *     method.c   pre-pass for the dark floor; cuts or every light
+ *     guide.c    the cut that a block's cuts begin with
+ *     pixel.c    camera rays, shading points, their cuts, the pixel
+ *     render.c   tiles over threads, the film
+ *     render_stats.c   counts of all threads; the attributes of the picture
+ *     probe.c    one sample on its own, its cut kept
+ *
+ * Every pixel depends on scene, descriptor and its own coordinates only. Sample positions and representative
+ * slots come from (seed, pixel, sample, dimension); the pre-pass looks at a fixed grid over the whole film
+ * whatever the crop.
+ */
+#ifndef LC_RENDER_JOB_H
+#define LC_RENDER_JOB_H
+
+#include "base/sample.h"
+#include "cut/cut.h"
+#include "render/film.h"
+#include "render/render.h"
+#include "scene/sight.h"
+
+#include <stdatomic.h>
+
+struct lc_mutex;
+
+#define LC_PIXEL_BLOCK                                                                                       \
+    4 /* pixels a side that share a guide, and among whom the slots of representatives are dealt out */
+
+enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT }; /* dimensions of a sample */
+
+/* The guide of a block of pixels; see guide.c. */
+typedef struct lc_guide {
+    uint32_t x, y; /* the pixel that makes it */
+    bool made;     /* whether that was done */
+    bool valid;    /* its camera ray met a surface to be lit: the fields below are set */
+    lc_f3 pos, n;
+    float reach2; /* squared distance up to which surfaces are like it */
+    lc_cut_start start;
+} lc_guide;
+
+/* What a thread has for itself. */
+typedef struct lc_render_worker {
+    lc_cut cut;
+    lc_stats stats;
+    lc_guide guide;
+    uint64_t *cut_hist; /* points by cut size, 0 .. cut.limit */
+    uint64_t cut_max;   /* of the tile */
+    uint64_t asked;     /* work that was done when lc_job_go_on was last called */
+    float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
+} lc_render_worker;
+
+typedef struct lc_render_job {
+    lc_context *ctx;
+    const lc_scene *scene;
+    const lc_render_desc *desc;
+    lc_film film;
+    uint32_t spp, max_depth, tiles_x, tiles_y;
+    lc_render_worker *workers;
+    struct lc_mutex *mutex;         /* of the progress callback */
+    atomic_uint_fast64_t done, loaded;  /* pixels; loaded: of done, those given by tile_load */
+    atomic_uint_fast64_t next_call;     /* of progress, in nanoseconds of lc_now */
+    atomic_uint_fast64_t loaded_max;    /* largest cut of loaded tiles */
+    uint64_t total;          /* pixels */
+    uint32_t n_planes;
+    atomic_bool cancelled;
+    double *prepass; /* luminance by grid cell */
+    bool exact;      /* every light at every point */
+    double pixel;    /* textures are filtered over: a length at distance 1 */
+    uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the
+                            film */
+} lc_render_job;
+
+/* False once the render is cancelled. Calls progress when it is time and no other thread does. user: the job.
+ */
+bool lc_job_go_on(void *user);
+
+/* A key for numbers of one sample of a pixel. */
+static inline uint64_t lc_job_key(const lc_render_job *j, uint64_t pixel, uint64_t sample, uint64_t dimension)
+{
+    return lc_hash4(j->desc->seed, pixel, sample, dimension);
+}
+
+void lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc);
+/* Scratch for as many threads as the context has; free it also after a failure. */
+lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc);
+void lc_job_free_workers(lc_render_job *j);
+/* Whether a descriptor fits a scene; *crop: the pixels it asks for. */
+lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *d,
+                          uint32_t crop[4]);
+
+/* ---- method.c ---- */
+
+/* Sets j->exact: whether every light is evaluated at every point; and the mean luminance of the dark floor.
+ */
+lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats);
+lc_cut_desc lc_job_cut_desc(const lc_render_job *j, const lc_render_stats *stats);
+
+/* ---- guide.c ---- */
+
+/* Makes g the guide of a pixel; sample 0 of the pixel that makes it does so itself, whatever was made before.
+ */
+lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x, uint32_t y,
+                      uint32_t sample);
+void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g);
+uint32_t lc_guide_pixel(uint32_t at); /* coordinate of the pixel that makes the guide of a pixel at `at` */
+/* A cut that makes a guide, or begins with one that is made; or neither, where g is NULL. */
+void lc_guided_cut(lc_cut *c, lc_guide *g, const lc_point *p, const lc_surface *s, uint64_t hash,
+                   lc_stats *stats, lc_cut_result *out);
+
+/* ---- pixel.c ---- */
+
+/* What the kernels read of a lit surface. */
+void lc_lit_point(const lc_scene *scene, const lc_lit *lit, lc_point *p);
+/* Chooses a sample's slot of representatives. */
+uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
+/* Camera ray of sample i of a pixel; returns its weight. */
+float lc_sample_ray(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir);
+/* Radiance of all that is seen, as it reaches the camera. The first surface makes the guide where that is not
+ * made yet. */
+void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight *sight, lc_guide *g,
+                    uint64_t hash, lc_cut_result *sum);
+/* False: cancelled, nothing stored. */
+bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y);
+
+/* ---- render_stats.c ---- */
+
+void lc_job_join_stats(const lc_render_job *j, lc_render_stats *out);
+lc_status lc_job_set_attributes(const lc_render_job *j);
+
+#endif
