@@ -70,7 +70,7 @@ typedef struct {
     lc_cut cut;
     lc_stats stats;
     guide guide;
-    uint64_t *cut_hist; /* points by cut size, 0 .. cut.limit */
+    uint64_t *cut_hist; /* points by cut size, 0 .. cut.max_size */
     uint64_t cut_max;   /* of the tile */
     uint64_t asked;     /* work that was done when go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
@@ -188,9 +188,9 @@ static void set_guide(guide *g, const lc_surface *s)
 static void cut_shade(lc_cut *c, guide *g, const lc_point *p, const lc_surface *s, uint64_t hash,
                       lc_stats *stats, lc_cut_result *out)
 {
-    c->kept = g && !g->made ? &g->start : NULL;
+    c->start_out = g && !g->made ? &g->start : NULL;
     c->start = g && g->made && guides(g, s) ? &g->start : NULL;
-    if (c->kept) set_guide(g, s);
+    if (c->start_out) set_guide(g, s);
     lc_cut_shade(c, p, s->ray_org, hash, stats, out);
 }
 
@@ -426,7 +426,7 @@ static void free_workers(job *j)
     for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) {
         if (!j->workers[i].cut.ctx) continue;
         lc_free(j->ctx, j->workers[i].tile, (size_t)LC_N_PLANES * TILE * TILE, sizeof(float));
-        lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.limit + 2, sizeof(uint64_t));
+        lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.max_size + 2, sizeof(uint64_t));
         lc_cut_free(&j->workers[i].cut);
     }
     lc_free(j->ctx, j->workers, j->ctx->n_threads, sizeof *j->workers);
@@ -441,7 +441,7 @@ static lc_status make_workers(job *j, const lc_cut_desc *desc)
         worker *w = &j->workers[i];
         lc_status st = lc_cut_init(&w->cut, j->ctx, j->scene->tree, &j->scene->visibility, desc, false);
         if (st) return st;
-        w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.limit + 2, sizeof *w->cut_hist);
+        w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.max_size + 2, sizeof *w->cut_hist);
         if (!w->cut_hist) return LC_ERR_MEMORY;
         w->stats.go_on = go_on;
         w->stats.go_on_user = j;
@@ -529,7 +529,7 @@ static uint32_t percentile(const uint64_t *hist, uint32_t limit, uint64_t total,
 static void cut_stats(const job *j, lc_render_stats *out)
 {
     uint64_t *hist = j->workers[0].cut_hist;
-    uint32_t limit = j->workers[0].cut.limit;
+    uint32_t limit = j->workers[0].cut.max_size;
     uint64_t points = 0; /* but for loaded tiles */
     if (j->exact) {
         out->cut_median = out->cut_p99 = out->cut_max = out->points ? j->scene->tree->n_lights : 0;
