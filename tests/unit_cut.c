@@ -173,7 +173,7 @@ static double sum_below(const setup *s, uint32_t top, const point *q, bool shado
     return sum;
 }
 
-static uint64_t n_hid, n_zero; /* in all checked cuts: clusters proved to be occluded, and of bound 0 */
+static uint64_t n_proved, n_zero; /* in all checked cuts: clusters proved to be occluded, and of bound 0 */
 
 /* All clusters but those proved to be occluded. */
 static uint32_t n_clusters(const lc_cut *c) { return n_left(c) + c->n_done - c->n_hidden; }
@@ -218,10 +218,10 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
     }
     for (uint32_t i = 0; i < c->n_done; i++)
         if (!(c->done[i] & LC_LEAF)) {
-            bool hid = i >= c->n_done - c->n_hidden;
-            double sum = sum_below(s, c->done[i], q, hid);
+            bool proved = i >= c->n_done - c->n_hidden;
+            double sum = sum_below(s, c->done[i], q, proved);
             CHECKF(!(sum > 0), "a cluster of bound 0, or hidden, has lights that sum to %g", sum);
-            n_hid += hid;
+            n_proved += proved;
         }
     /* Estimate and exact value of each cluster left are within 0..bound; the others are exact. */
     lc_cut_result e = exact(s, q);
@@ -261,8 +261,8 @@ TEST(cuts_partition_and_keep_their_promise)
         }
     printf("  %llu cuts at the limit, %llu within, %llu clusters left, %llu hidden, %llu of bound 0\n",
            (unsigned long long)at_limit, (unsigned long long)within, (unsigned long long)left,
-           (unsigned long long)n_hid, (unsigned long long)n_zero);
-    CHECK(at_limit > 1000 && within > 1000 && left > 10000 && n_hid > 100 && n_zero > 1000);
+           (unsigned long long)n_proved, (unsigned long long)n_zero);
+    CHECK(at_limit > 1000 && within > 1000 && left > 10000 && n_proved > 100 && n_zero > 1000);
     CHECKF(!guards_broken, "%d bytes written outside of blocks", guards_broken);
 }
 

@@ -154,7 +154,7 @@ static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
     lc_cut_list *kept = &c->kept;
     uint32_t at = kept->n, lit[LC_CUT_BATCH], n_lit = 0;
     float *const out[6] = { kept->transfer[0] + at, kept->transfer[1] + at, kept->transfer[2] + at,
-                            s->f[3],                s->f[4],                s->f[5] };
+                            s->f[3], s->f[4], s->f[5] };
     float *const e[3] = { kept->e[0] + at, kept->e[1] + at, kept->e[2] + at };
     for (uint32_t i = 0; i < n; i++) {
         s->rep[i] = lc_cut_rep_of(c, link[i]);
