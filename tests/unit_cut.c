@@ -136,7 +136,7 @@ static double lum_of(lc_f3 c) { return 0.2126 * (double)c.x + 0.7152 * (double)c
 /* ---- properties of every cut ---- */
 
 /* Clusters of the cut that are no leaves and have a bound above 0. */
-static uint32_t n_left(const lc_cut *c) { return c->left.n; }
+static uint32_t n_left(const lc_cut *c) { return c->kept.n; }
 
 static bool is_hidden(const setup *s, const point *q, uint32_t light)
 {
@@ -173,16 +173,16 @@ static double sum_below(const setup *s, uint32_t top, const point *q, bool shado
     return sum;
 }
 
-static uint64_t n_hid, n_zero; /* in all checked cuts: clusters proved to be occluded, and of bound 0 */
+static uint64_t n_proved, n_zero; /* in all checked cuts: clusters proved to be occluded, and of bound 0 */
 
 /* All clusters but those proved to be occluded. */
-static uint32_t n_clusters(const lc_cut *c) { return n_left(c) + c->n_done - c->n_hid; }
+static uint32_t n_clusters(const lc_cut *c) { return n_left(c) + c->n_done - c->n_hidden; }
 
 /* The size of the cut: clusters of bound 0 do not count, but at most `limit` of them. */
 static uint32_t size_of(const lc_cut *c, uint32_t limit)
 {
     uint32_t zero = 0;
-    for (uint32_t i = 0; i < c->n_done - c->n_hid; i++) zero += !(c->done[i] & LC_LEAF);
+    for (uint32_t i = 0; i < c->n_done - c->n_hidden; i++) zero += !(c->done[i] & LC_LEAF);
     n_zero += zero;
     return n_clusters(c) - (zero < limit ? zero : limit);
 }
@@ -195,22 +195,22 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
     if (limit < n_roots) limit = n_roots;
     const char *wrong = lc_cut_validate(c);
     CHECKF(!wrong, "%s", wrong);
-    CHECKF(r->size <= limit && n_clusters(c) + c->n_hid >= n_roots && r->size == size_of(c, limit),
+    CHECKF(r->size <= limit && n_clusters(c) + c->n_hidden >= n_roots && r->size == size_of(c, limit),
            "size %u of %u", r->size, limit);
-    CHECKF(r->rays <= n_clusters(c) + c->n_hid, "%u rays, %u clusters, %u hidden", r->rays, r->size,
-           c->n_hid);
+    CHECKF(r->rays <= n_clusters(c) + c->n_hidden, "%u rays, %u clusters, %u hidden", r->rays, r->size,
+           c->n_hidden);
     CHECK(lc_f3_finite(r->radiance) && r->radiance.x >= 0 && r->radiance.y >= 0 && r->radiance.z >= 0);
     double total = lum_of(r->radiance), left = 0,
            most = (double)c->desc.error_ratio * fmax(total, (double)c->desc.floor);
     CHECK(!r->at_limit || r->size == limit);
     double worst = 0;
     for (uint32_t i = 0; i < n_left(c); i++) {
-        double bound = (double)c->left.bound[i];
-        uint32_t link = c->left.link[i];
+        double bound = (double)c->kept.bound[i];
+        uint32_t link = c->kept.link[i];
         worst = fmax(worst, bound);
         /* 1e-5: the library sums the total in float. */
         CHECKF(r->at_limit || bound <= most * (1 + 1e-5), "bound %g left, limit %g", bound, most);
-        CHECK(bound > 0 && !(link & LC_LEAF) && !(c->left.rep[i] & LC_PENDING));
+        CHECK(bound > 0 && !(link & LC_LEAF) && !(c->kept.rep[i] & LC_PENDING));
         /* 1e-6: rounding of float products and of this sum. */
         double sum = sum_below(s, link, q, false);
         CHECKF(bound >= sum * (1 - 1e-6), "bound %g of lights that sum to %g", bound, sum);
@@ -218,10 +218,10 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
     }
     for (uint32_t i = 0; i < c->n_done; i++)
         if (!(c->done[i] & LC_LEAF)) {
-            bool hid = i >= c->n_done - c->n_hid;
-            double sum = sum_below(s, c->done[i], q, hid);
+            bool proved = i >= c->n_done - c->n_hidden;
+            double sum = sum_below(s, c->done[i], q, proved);
             CHECKF(!(sum > 0), "a cluster of bound 0, or hidden, has lights that sum to %g", sum);
-            n_hid += hid;
+            n_proved += proved;
         }
     /* Estimate and exact value of each cluster left are within 0..bound; the others are exact. */
     lc_cut_result e = exact(s, q);
@@ -261,8 +261,8 @@ TEST(cuts_partition_and_keep_their_promise)
         }
     printf("  %llu cuts at the limit, %llu within, %llu clusters left, %llu hidden, %llu of bound 0\n",
            (unsigned long long)at_limit, (unsigned long long)within, (unsigned long long)left,
-           (unsigned long long)n_hid, (unsigned long long)n_zero);
-    CHECK(at_limit > 1000 && within > 1000 && left > 10000 && n_hid > 100 && n_zero > 1000);
+           (unsigned long long)n_proved, (unsigned long long)n_zero);
+    CHECK(at_limit > 1000 && within > 1000 && left > 10000 && n_proved > 100 && n_zero > 1000);
     CHECKF(!guards_broken, "%d bytes written outside of blocks", guards_broken);
 }
 
@@ -423,9 +423,9 @@ static void clusters_mean_is_exact(uint32_t kinds, uint32_t n_reps)
             n_left_of[i] = n_left(&c);
             for (uint32_t k = 0; k < n_left(&c); k++) {
                 estimated *e = &all[i][k];
-                double y = lum_of(lc_f3_make(c.left.e[0][k], c.left.e[1][k], c.left.e[2][k]));
-                CHECK(!seed || e->link == c.left.link[k]);
-                e->link = c.left.link[k];
+                double y = lum_of(lc_f3_make(c.kept.e[0][k], c.kept.e[1][k], c.kept.e[2][k]));
+                CHECK(!seed || e->link == c.kept.link[k]);
+                e->link = c.kept.link[k];
                 e->sum += y;
                 e->sum2 += y * y;
             }
@@ -513,21 +513,21 @@ TEST(cuts_from_other_cuts)
                 other.org[0] += 0.05f;
             }
             if (i % 5 == 4) other = rnd_point();
-            from_roots.kept = &start;
+            from_roots.start_out = &start;
             lc_cut_result a = shade(&from_roots, &q, hash);
             uint32_t n = start.n_nodes + start.n_lights;
             uint32_t all = n_clusters(&from_roots);
             CHECKF(n <= all && (max_cut ? n <= max_cut / 2 : n == all), "%u of %u", n, all);
-            from_roots.kept = NULL;
+            from_roots.start_out = NULL;
             guided.start = &start;
             lc_cut_result b = shade(&guided, &other, hash + (uint64_t)(i & 4)), e = exact(&s, &other);
             check_cut(&s, &guided, &other, &b);
-            CHECK(n_clusters(&guided) + guided.n_hid >= n &&
+            CHECK(n_clusters(&guided) + guided.n_hidden >= n &&
                   b.size == size_of(&guided, max_cut ? max_cut : s.n));
             float lum = lc_luminance(b.radiance);
-            for (uint32_t k = 0; k < guided.left.n && !b.at_limit; k++)
-                CHECK(guided.left.bound[k] <= 0.02f * lum * 1.0001f);
-            if (n_clusters(&guided) + guided.n_hid == s.n) CHECK(alike(b.radiance, e.radiance));
+            for (uint32_t k = 0; k < guided.kept.n && !b.at_limit; k++)
+                CHECK(guided.kept.bound[k] <= 0.02f * lum * 1.0001f);
+            if (n_clusters(&guided) + guided.n_hidden == s.n) CHECK(alike(b.radiance, e.radiance));
             if (!max_cut && !(i % 2) && i % 5 != 4 && !(i & 4)) {
                 CHECKF(b.size == a.size && alike(a.radiance, b.radiance), "%u clusters, %u", b.size, a.size);
                 n_guided++;
@@ -606,7 +606,7 @@ TEST(validator_finds_damage)
             c.done[0] = keep;
         }
         if (n_left(&c)) {
-            uint32_t *link = &c.left.link[0], keep = *link;
+            uint32_t *link = &c.kept.link[0], keep = *link;
             *link = s.tree->data.nodes[keep].left;
             CHECK(lc_cut_validate(&c));
             *link = s.tree->root[lc_kind_of_node(s.tree, keep)];

@@ -1,7 +1,7 @@
-/* cut_check.c - what must hold of a cut that was kept. */
+/* cut_check.c - what must hold of a recorded cut. */
 #include "cut/cut.h"
 
-/* Clusters are checked by their links. */
+/* Descends from every link of the cut and counts the lights below. */
 const char *lc_cut_validate(const lc_cut *c)
 {
     const lc_light_tree *t = c->tree;
@@ -10,7 +10,7 @@ const char *lc_cut_validate(const lc_cut *c)
     uint8_t *seen = lc_alloc(c->ctx, t->n_lights, 1);
     uint32_t *stack = lc_alloc(c->ctx, room, sizeof *stack), n = 0;
     if (!seen || !stack) wrong = "out of memory";
-    for (uint32_t i = 0; i < c->left.n && !wrong; i++) stack[n++] = c->left.link[i];
+    for (uint32_t i = 0; i < c->kept.n && !wrong; i++) stack[n++] = c->kept.link[i];
     for (uint32_t i = 0; i < c->n_done && !wrong; i++) stack[n++] = c->done[i];
     while (n && !wrong) {
         uint32_t link = stack[--n];

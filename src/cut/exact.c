@@ -1,8 +1,8 @@
-/* exact.c - the exact method: every light, in batches, which are large groups of shadow rays. */
+/* exact.c - the exact method: every light, in batches, whose shadow rays are traced together. */
 #include "cut/exact.h"
 
-#define BATCH 64
-#define ASK 256 /* batches between questions whether to go on: some milliseconds */
+#define BATCH 64         /* lights */
+#define CANCEL_PERIOD 256 /* batches from one test for cancellation to the next: some milliseconds */
 
 /* Lights first .. first + n - 1, all of one kind, n <= BATCH. */
 static uint32_t shade_exactly(const lc_light_tree *t, const lc_visibility *visibility, const lc_point *p,
@@ -19,15 +19,15 @@ static uint32_t shade_exactly(const lc_light_tree *t, const lc_visibility *visib
         lit[m] = i;
         m += f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0;
     }
-    for (uint32_t i = 0; i < m && m < n; i++) /* lit[i] >= i: writes behind the reading */
+    for (uint32_t i = 0; i < m && m < n; i++) /* in place, since lit[i] >= i */
         for (int k = 3; k < 6; k++) f[k][i] = f[k][lit[i]];
     lc_phase_end(stats, LC_PHASE_ESTIMATES);
     if (m) lc_cut_hidden(visibility, p, org, m, target, lc_is_far(kind), hidden, NULL);
     lc_phase_end(stats, LC_PHASE_SHADOW);
     for (uint32_t i = 0; i < m; i++) {
         uint32_t at = lit[i];
-        /* a branch on it would be a gamble. */
-        const float *power = t->data.lights[first + at].intensity, v = hidden[i] ? 0 : 1;
+        const float *power = t->data.lights[first + at].intensity;
+        const float v = hidden[i] ? 0 : 1; /* a factor: a branch could not be predicted */
         for (int k = 0; k < 3; k++) sum[k] += (double)(v * (f[k][at] * power[k]));
     }
     return m;
@@ -43,7 +43,7 @@ void lc_exact_shade(const lc_light_tree *t, const lc_visibility *visibility, con
              first += n) {
             n = end - first < BATCH ? end - first : BATCH;
             out->rays += shade_exactly(t, visibility, p, org, (lc_light_kind)kind, first, n, stats, sum);
-            if (n == BATCH && first / BATCH % ASK == ASK - 1 && stats->go_on &&
+            if (n == BATCH && first / BATCH % CANCEL_PERIOD == CANCEL_PERIOD - 1 && stats->go_on &&
                 !stats->go_on(stats->go_on_user))
                 return;
         }

@@ -1,4 +1,4 @@
-/* exact.h - every light at a point, by the estimate and the shadow rays that cuts have. */
+/* exact.h - the exact method: every light, with the estimate and the shadow rays that cuts use. */
 #ifndef LC_EXACT_H
 #define LC_EXACT_H
 

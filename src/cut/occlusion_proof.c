@@ -1,25 +1,25 @@
-/* occlusion_proof.c - see occlusion_proof.h.
+/* occlusion_proof.c - the proof of occlusion_proof.h.
  *
- * Seen from the point, the box is a convex set B of directions. Beginning with a triangle that is before some
- * of it, walk over every edge that B may cross to the triangle behind it. If none of these edges is a
- * boundary, if all the triangles that B may touch turn the same side to the point, and all stand between the
- * point and the box, then B is hidden or wholly beside them: the triangles' projections, each counted once,
- * are a chain whose boundary stays outside of B, so that the number of times that it covers a direction is
- * the same all over B. It is at least 1 if the direction to one of the box's lights is known to pass the
- * first triangle, or if that to the box's centre passes inside of any.
+ * From the point, the box is a convex set B of directions. Begin with a triangle that covers part of B, and
+ * walk across every edge that B may cross to the triangle on its other side. If none of these edges is a
+ * boundary, all triangles that B may touch face the point with the same side, and all lie between the point
+ * and the box, then they cover B wholly or not at all: their projections, each counted once, form a chain
+ * whose boundary is outside B, so every direction of B is covered the same number of times. That number is at
+ * least 1 if the direction to one of the box's lights is known to pass through the first triangle, or if the
+ * direction to the box's centre passes through the inside of any.
  *
  * Rounding, u = 2^-24. Let a, b, c be the corners relative to the point, M their largest coordinate, D the
- * largest of the box: |c_k| + half_k, widened by 4u as in bounds_tmpl.c, so that the float vectors that
- * shadow rays take are in it. All as in shadow_tmpl.c, with whose tests the proof has to agree:
- * - Edge planes a x b have components within 4u M^2, so that n.c - |n|.half is within 60u M^2 D. Beyond 32u
- * M^2 D the sign is the one that the rays' test finds. E = 128u M^2 D: "B is inside" is above E, "outside"
- * below -E.
- * - Next to edges inside of B a ray may meet either triangle; that test is watertight, and meets one at
- * least.
- * - The triangle's plane: N is formed as the rays form it, from the edges, so it is the same, and h = a.N. A
- * ray's N.d is within 4u n1 D, n1 = |N_x| + |N_y| + |N_z|, and so is our range of it: SLACK = 16u. The ray is
- * stopped where LC_SHADOW_EPS N.d < h < (1 - LC_SHADOW_EPS) N.d. |h| itself is wanted above SLACK n1 M, so
- * that its sign is sure.
+ * largest of the box: |c_k| + half_k, widened by 4u as in bounds_tmpl.c, so that it holds the float vectors
+ * of shadow rays. Products are formed as in shadow_tmpl.c, since the proof must agree with its tests:
+ * - Edge planes a x b have components within 4u M^2, so n.c - |n|.half is within 60u M^2 D. Beyond 32u M^2 D
+ *   the sign is the one that the rays' test finds. With E = 128u M^2 D, B is inside an edge plane above E and
+ *   outside below -E.
+ * - Near an edge that B crosses, a ray may meet either triangle; the rays' test is watertight, so it meets at
+ *   least one.
+ * - The triangle's plane: N is formed from the edges exactly as for the rays, and h = a.N. A ray's N.d is
+ *   within 4u n1 D, n1 = |N_x| + |N_y| + |N_z|, and so is the range of N.d over B: SLACK = 16u. The ray is
+ *   stopped where LC_SHADOW_EPS N.d < h < (1 - LC_SHADOW_EPS) N.d. |h| must be above SLACK n1 M, so that its
+ *   sign is certain.
  */
 #include "cut/occlusion_proof.h"
 
@@ -29,10 +29,10 @@
 
 #include <string.h>
 
-#define EDGE_SLACK 0x1p-17f
-#define SLACK 0x1p-20f
-#define TINY 1e-30f      /* more than what products lose to underflow */
-#define LEAST_COS 1e-20f /* over h: rays in a triangle's plane find no distance */
+#define EDGE_SLACK 0x1p-17f /* 128u */
+#define SLACK 0x1p-20f      /* 16u */
+#define TINY 1e-30f         /* above what products lose to underflow */
+#define LEAST_COS 1e-20f    /* least N.d / h: a ray in the triangle's plane has no distance to it */
 
 void lc_occlusion_init(lc_occlusion *o, const lc_visibility *visibility, const lc_tree_data *tree)
 {
@@ -47,7 +47,7 @@ void lc_occlusion_start(lc_occlusion *o, const float org[3])
     memcpy(o->org, org, sizeof o->org);
     if (++o->point) return;
     const lc_visibility visibility = o->visibility;
-    lc_occlusion_init(o, &visibility, o->tree); /* it has come round: what is known may be as old as that */
+    lc_occlusion_init(o, &visibility, o->tree); /* the counter wrapped: old entries could match again */
     memcpy(o->org, org, sizeof o->org);
     o->point = 1;
 }
@@ -65,12 +65,13 @@ uint32_t lc_occlusion_by(lc_occlusion *o, uint32_t light, bool far)
     return found;
 }
 
-/* Where an occluder's edges and its plane stand about the point. */
+/* The edge planes of an occluder and its own plane, relative to the point. */
 typedef struct {
-    f4 n[3]; /* axis by plane: those through the point and an edge, inwards; last N, away from the point */
-    float h;                 /* 0: seen from its edge */
-    float edge_slack, slack; /* over D */
-    bool flipped;            /* wound the other way about */
+    f4 n[3]; /* x y z, each of four planes: through the point and an edge, pointing inwards; N, pointing away
+                from the point */
+    float h;                 /* a.N > 0; 0 where its sign is not certain */
+    float edge_slack, slack; /* absolute rounding slack, divided by D */
+    bool flipped;            /* N as wound points towards the point, so all planes are negated */
 } planes;
 
 static planes planes_of(const lc_occluder *t, const float org[3])
@@ -96,10 +97,10 @@ static planes planes_of(const lc_occluder *t, const float org[3])
     return p;
 }
 
-/* The box about the point. */
+/* A box of lights relative to the point, or of directions. */
 typedef struct {
     f4 c[3], half[3];
-    float most; /* D */
+    float most; /* D of the head */
 } view_box;
 
 static float larger(float a, float b) { return a > b ? a : b; }
@@ -124,7 +125,7 @@ static f4 dots(const f4 n[3], const f4 v[3])
 
 static f4 f4_abs(f4 a) { return f4_max(a, f4_sub(f4_set(0), a)); }
 
-/* Does the triangle's plane stop all rays into the box that pass inside of it? */
+/* Whether the triangle stops every ray into the box that passes through it; lo, hi: the range of N.d. */
 static bool stands_between(float h, float lo, float hi, float slack, bool far)
 {
     lo -= slack;
@@ -148,7 +149,7 @@ bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t oc
                  hi = f4_add(c, half);
         const float edge_slack = p.edge_slack * box.most + TINY;
         (*n_tests)++;
-        if (f4_lt(hi, f4_set(-edge_slack)) & 7) { /* the box is beside it */
+        if (f4_lt(hi, f4_set(-edge_slack)) & 7) { /* the box is outside one of its edges */
             if (!at) return false;
             continue;
         }

@@ -4,9 +4,9 @@
  *     pop the worst n_pop clusters above the limit -> bounds of their children -> estimates of their new
  *     representatives -> push the children; until the worst is within the limit, or the heap is full
  *
- * The kernels, the tree, the sharing of representatives and the calls for visibility are those of cut.c. What
- * differs is how many clusters there are in a kernel call and what choosing them costs. The tree has point
- * lights only.
+ * The kernels, the tree, the sharing of representatives and the calls for visibility are those of the cut.
+ * What differs is how many clusters there are in a kernel call and what choosing them costs. The tree has
+ * point lights only.
  */
 #ifndef LC_BENCH_HEAP_H
 #define LC_BENCH_HEAP_H

@@ -177,10 +177,10 @@ static lc_status describe_all(explainer *e)
 {
     const lc_cut *cut = &e->probe.cut;
     lc_explained_cluster *c = e->out->clusters;
-    uint32_t n_left = cut->left.n, n_cut = e->out->n_clusters;
+    uint32_t n_left = cut->kept.n, n_cut = e->out->n_clusters;
     for (uint32_t i = 0; i < n_cut; i++) {
-        describe(e, i < n_left ? cut->left.link[i] : cut->done[i - n_left], &c[i]);
-        c[i].hidden = i >= n_cut - cut->n_hid;
+        describe(e, i < n_left ? cut->kept.link[i] : cut->done[i - n_left], &c[i]);
+        c[i].hidden = i >= n_cut - cut->n_hidden;
         lc_status st = add_all(e, &c[i]);
         if (st) return st;
     }
@@ -331,12 +331,12 @@ static lc_status make_room(explainer *e, owner *o)
 {
     const lc_cut *cut = &e->probe.cut;
     lc_explanation *x = e->out;
-    x->n_clusters = cut->left.n + cut->n_done;
+    x->n_clusters = cut->kept.n + cut->n_done;
     x->n_splits = cut->n_history;
     x->n_rounds = cut->n_rounds;
     e->n_known = o->n = (size_t)x->n_clusters + x->n_splits;
     x->clusters = lc_alloc(o->ctx, o->n, sizeof *x->clusters);
-    x->n_start_rounds = cut->start ? cut->kept_rounds : 0;
+    x->n_start_rounds = cut->start ? cut->n_start_rounds : 0;
     x->rounds = lc_alloc(o->ctx, x->n_rounds, sizeof *x->rounds);
     e->known = lc_alloc_raw(o->ctx, o->n, sizeof *e->known);
     lc_status st = lc_grow(o->ctx, (void **)&e->stack, &e->cap_stack, 64, sizeof *e->stack);

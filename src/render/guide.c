@@ -31,9 +31,9 @@ static void set_guide(lc_guide *g, const lc_surface *s)
 void lc_guided_cut(lc_cut *c, lc_guide *g, const lc_point *p, const lc_surface *s, uint64_t hash,
                       lc_stats *stats, lc_cut_result *out)
 {
-    c->kept = g && !g->made ? &g->start : NULL;
+    c->start_out = g && !g->made ? &g->start : NULL;
     c->start = g && g->made && guides(g, s) ? &g->start : NULL;
-    if (c->kept) set_guide(g, s);
+    if (c->start_out) set_guide(g, s);
     lc_cut_shade(c, p, s->ray_org, hash, stats, out);
 }
 

@@ -97,7 +97,7 @@ void lc_job_free_workers(lc_render_job *j)
     for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) {
         if (!j->workers[i].cut.ctx) continue;
         lc_free(j->ctx, j->workers[i].tile, (size_t)LC_N_PLANES * LC_TILE * LC_TILE, sizeof(float));
-        lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.limit + 2, sizeof(uint64_t));
+        lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.max_size + 2, sizeof(uint64_t));
         lc_cut_free(&j->workers[i].cut);
     }
     lc_free(j->ctx, j->workers, j->ctx->n_threads, sizeof *j->workers);
@@ -112,7 +112,7 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
         lc_render_worker *w = &j->workers[i];
         lc_status st = lc_cut_init(&w->cut, j->ctx, j->scene->tree, &j->scene->visibility, desc, false);
         if (st) return st;
-        w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.limit + 2, sizeof *w->cut_hist);
+        w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.max_size + 2, sizeof *w->cut_hist);
         if (!w->cut_hist) return LC_ERR_MEMORY;
         w->stats.go_on = lc_job_go_on;
         w->stats.go_on_user = j;

@@ -11,7 +11,7 @@ typedef struct lc_probe {
     bool all_lights;       /* the picture makes no cuts; this one is what LC_METHOD_CUTS makes */
     lc_sight sight;        /* the first of what is to be lit is explained; where nothing is, nothing is cut */
     lc_point point;
-    lc_cut cut;            /* with keep_done */
+    lc_cut cut;            /* records its splits */
     lc_cut_result by_cut;
     lc_f3 others;          /* what else is lit gives the camera, by the picture's method */
     double mean_luminance; /* of the pre-pass, W/(m^2 sr) */

@@ -44,7 +44,7 @@ typedef struct lc_render_worker {
     lc_cut cut;
     lc_stats stats;
     lc_guide guide;
-    uint64_t *cut_hist; /* points by cut size, 0 .. cut.limit */
+    uint64_t *cut_hist; /* points by cut size, 0 .. cut.max_size */
     uint64_t cut_max;   /* of the tile */
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */

@@ -16,7 +16,7 @@ static uint32_t percentile(const uint64_t *hist, uint32_t limit, uint64_t total,
 static void cut_stats(const lc_render_job *j, lc_render_stats *out)
 {
     uint64_t *hist = j->workers[0].cut_hist;
-    uint32_t limit = j->workers[0].cut.limit;
+    uint32_t limit = j->workers[0].cut.max_size;
     uint64_t points = 0; /* but for loaded tiles */
     if (j->exact) {
         out->cut_median = out->cut_p99 = out->cut_max = out->points ? j->scene->tree->n_lights : 0;

@@ -1,0 +1,98 @@
+/* cut_data.h - the data of a cut: what a caller sets, what lc_cut_shade leaves, and the scratch between.
+ *
+ * Types only; cut.h has the calls and the data flow, cut_parts.h what the files of the cut share.
+ */
+#ifndef LC_CUT_DATA_H
+#define LC_CUT_DATA_H
+
+#include "base/stats.h"
+#include "cut/cut_list.h"
+#include "cut/occlusion_proof.h"
+#include "tree/light_tree.h"
+
+#define LC_MAX_START 2048  /* clusters and lights of a start: bounds its memory, 8 kB */
+#define LC_MAX_HIDDEN 2048 /* clusters of one cut that may be proved to be occluded */
+
+/* A cluster that was proved to be occluded. */
+typedef struct lc_hidden_cluster {
+    uint32_t link;
+    uint32_t occluder; /* the triangle where the proof began */
+} lc_hidden_cluster;
+
+/* The cut of one point, with which cuts of points near it begin in place of the roots. Nodes, lights and
+ * hidden clusters together hold every light once. */
+typedef struct lc_cut_start {
+    uint32_t n_nodes, n_lights, n_hidden;
+    uint32_t link[LC_MAX_START]; /* the nodes in rising order, then the lights */
+    lc_hidden_cluster hidden[LC_MAX_HIDDEN];
+} lc_cut_start;
+
+typedef struct lc_cut_desc {
+    float error_ratio; /* of one cluster; lowered in cuts with many occluded representatives */
+    uint32_t max_cut;  /* 0: no limit; at least the number of roots is allowed */
+    float floor;       /* the dark floor: luminance of reflected radiance, W/(m^2 sr) */
+} lc_cut_desc;
+
+/* Clusters that were split together. */
+typedef struct lc_cut_round {
+    uint32_t n_split;
+    uint32_t rays; /* traced before the round */
+    float limit;   /* each of the clusters had a bound above it */
+    double total;  /* luminance of the cut before the round, V = 1 where no ray was traced yet */
+} lc_cut_round;
+
+/* Scratch of a thread. After lc_cut_shade it holds the cut: the clusters of `kept`, and if `record` is set
+ * the links of `done`, of which the last n_hidden are those of `hidden`. */
+typedef struct lc_cut {
+    const lc_context *ctx;
+    const lc_light_tree *tree;
+    lc_visibility visibility;
+    lc_cut_desc desc;
+    uint32_t max_size; /* desc.max_cut, at least the number of roots, at most the number of lights */
+    bool record;       /* note every node of the cut and every split */
+
+    /* Between calls: where the next cut begins, and where it is saved as a start for others. */
+    const lc_cut_start *start; /* NULL: the roots */
+    lc_cut_start *start_out;   /* NULL: nowhere */
+    bool start_saved;          /* start_out is filled in, or NULL */
+    uint32_t n_start_history, n_start_rounds; /* with record: what led to the start that was saved last */
+
+    /* The slot: the representative of node i is reps[i * reps_stride]. */
+    const uint32_t *reps;
+    size_t reps_stride;
+    uint32_t slot;
+
+    lc_cut_list open;  /* bound above the limit, or not yet compared */
+    lc_cut_list split; /* to be split in this round */
+    lc_cut_list kept;  /* bound within the limit */
+    lc_cut_list leaf;  /* lights whose shadow ray is pending */
+    float *memory;     /* of the four lists */
+    float *scratch;    /* a word for each element of a list */
+
+    uint32_t *done;    /* links of lights, and of clusters that contribute 0 */
+    uint32_t n_done;   /* lights in `leaf` included; counted even where the links are not written */
+    uint32_t n_zero_bound; /* of these, clusters whose bound is 0 */
+    double done_sum[3];    /* radiance of the lights that are done */
+    uint32_t n_traced; /* the first clusters of `kept`, none of which has a pending ray */
+
+    lc_occlusion *occlusion; /* NULL: nothing is ever proved to be occluded */
+    lc_hidden_cluster *hidden;
+    uint32_t n_hidden, max_hidden; /* they do not count towards max_size */
+    bool last_room_tested; /* all clusters above the limit were tested for occlusion, to use the last of the
+                              room well; at most once a cut */
+
+    uint32_t *history;    /* with record: the nodes that were split, round after round */
+    lc_cut_round *rounds; /* with record */
+    uint32_t n_history, n_rounds;
+} lc_cut;
+
+typedef struct lc_cut_result {
+    lc_f3 radiance;
+    uint32_t size;   /* clusters and lights as max_cut counts them */
+    uint32_t rays;   /* shadow rays */
+    float max_error; /* largest bound of `kept` over the luminance of the estimate; 0 where `kept` is empty */
+    bool at_limit;   /* max_cut was met: some bound may be above the limit */
+    bool dark;       /* only the dark floor keeps every bound within the limit */
+} lc_cut_result;
+
+#endif

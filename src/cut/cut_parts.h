@@ -1,0 +1,126 @@
+/* cut_parts.h - what the files of the cut share: the scratch of one call and the calls of each part.
+ *
+ *     cut.c          memory, the loop, the result
+ *     cut_start.c    the roots; a saved start; saving one
+ *     cut_select.c   the limit, and the clusters that a round splits
+ *     cut_split.c    their children
+ *     cut_rays.c     shadow rays
+ */
+#ifndef LC_CUT_PARTS_H
+#define LC_CUT_PARTS_H
+
+#include "cut/cut_data.h"
+
+#define LC_CUT_BATCH 64 /* clusters that are split, and lights that are estimated and traced, at a time */
+
+/* One call of lc_cut_shade, and the batch it works on. A batch of splits is the parents pairs.first ..
+ * pairs.first + pairs.n - 1 of the list `split` and their children, pair by pair, in runs of one light kind.
+ */
+typedef struct lc_cut_step {
+    const lc_point *point;
+    const float *org; /* x y z, where shadow rays start */
+    lc_stats *stats;
+    lc_cut_pairs pairs; /* its arrays are the ones below */
+    _Alignas(64) uint32_t link[2 * LC_CUT_BATCH + LC_LANES]; /* of the children */
+    uint32_t rep[LC_CUT_BATCH + LC_LANES];                   /* new representatives */
+    uint32_t node[2 * LC_CUT_BATCH];                         /* the children that are no lights */
+    float fresh[2 * LC_CUT_BATCH + LC_LANES], bound[2 * LC_CUT_BATCH + LC_LANES];
+    float node_bound[2 * LC_CUT_BATCH + LC_LANES];
+    const float *power[2 * LC_CUT_BATCH];
+    uint32_t n_bounded;                    /* children that are no lights */
+    float f[6][LC_CUT_BATCH + LC_LANES]; /* of new representatives: M G, target of the shadow ray */
+} lc_cut_step;
+
+/* Puts the roots into `open`, or with a start its clusters into `kept`; after a start no ray is pending.
+ * Returns the total's luminance. */
+double lc_cut_place_roots(lc_cut *cut, lc_cut_step *step);
+double lc_cut_place_start(lc_cut *cut, lc_cut_step *step);
+/* Saves the cut as it is now to start_out. */
+void lc_cut_save_start(lc_cut *cut);
+
+/* Factor <= 1 on the error ratio. No ray may be pending. */
+double lc_cut_ratio_factor(const lc_cut *cut);
+/* Fills `split` from `open` with what the next round splits. `open` keeps the clusters above the limit for
+ * which there is no room. */
+void lc_cut_select(lc_cut *cut, float limit, lc_stats *stats);
+/* Tests whether the node is occluded by the triangle and at most max_triangles in all, and notes it in
+ * `hidden` if so. passed: a ray to one of the node's lights is known to meet the triangle. */
+bool lc_cut_prove(lc_cut *cut, uint32_t link, uint32_t occluder, bool passed, uint32_t max_triangles,
+                  lc_stats *stats);
+
+/* Replaces the clusters of `split` by their children. Returns the change of the total's luminance. */
+double lc_cut_split(lc_cut *cut, lc_cut_step *step, float limit);
+
+/* Trace the pending rays of all lists, or of `leaf` alone, whose lights are done then. Return the change of
+ * the total's luminance. */
+double lc_cut_trace(lc_cut *cut, const lc_cut_step *step);
+double lc_cut_trace_leaves(lc_cut *cut, const lc_cut_step *step);
+
+/* All clusters and lights but the hidden ones. */
+static inline uint32_t lc_cut_n_clusters(const lc_cut *c)
+{
+    return c->open.n + c->split.n + c->kept.n + c->n_done;
+}
+
+/* What max_cut limits. Clusters of bound 0 do not count, but at most max_size of them are left out, for which
+ * there is memory. */
+static inline uint32_t lc_cut_size(const lc_cut *c)
+{
+    return lc_cut_n_clusters(c) - (c->n_zero_bound < c->max_size ? c->n_zero_bound : c->max_size);
+}
+
+static inline void lc_cut_copy(lc_cut_list *to, uint32_t at, const lc_cut_list *from, uint32_t i)
+{
+    to->bound[at] = from->bound[i];
+    to->link[at] = from->link[i];
+    to->rep[at] = from->rep[i];
+    for (int k = 0; k < 3; k++) {
+        to->transfer[k][at] = from->transfer[k][i];
+        to->e[k][at] = from->e[k][i];
+    }
+}
+
+/* Returns the luminance of the estimate. */
+static inline double lc_cut_append(lc_cut_list *list, float bound, uint32_t link, uint32_t rep,
+                                   const float transfer[3], const float *power)
+{
+    uint32_t at = list->n++;
+    list->bound[at] = bound;
+    list->link[at] = link;
+    list->rep[at] = rep;
+    for (int k = 0; k < 3; k++) {
+        list->transfer[k][at] = transfer[k];
+        list->e[k][at] = transfer[k] * power[k];
+    }
+    return (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
+}
+
+/* Representative of a cluster, or the light itself. */
+static inline uint32_t lc_cut_rep_of(const lc_cut *c, uint32_t link)
+{
+    return link & LC_LEAF ? link & ~LC_LEAF : c->reps[link * c->reps_stride];
+}
+
+/* Summed intensity of a cluster or light, R G B; prefetches the rest of it. */
+static inline const float *lc_cut_power_of(const lc_tree_data *t, uint32_t link)
+{
+    if (link & LC_LEAF) {
+        const lc_light_rec *light = &t->lights[link & ~LC_LEAF];
+        __builtin_prefetch(light);
+        return light->intensity;
+    }
+    const lc_node *node = &t->nodes[link];
+    __builtin_prefetch(node);
+    return node->power;
+}
+
+/* M G and shadow ray targets of the new representatives first .. first + n - 1, all of one kind. */
+static inline void lc_cut_estimate(const lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n,
+                                   lc_light_kind kind)
+{
+    float *const out[6] = { s->f[0] + first, s->f[1] + first, s->f[2] + first,
+                            s->f[3] + first, s->f[4] + first, s->f[5] + first };
+    c->ctx->shade_kernels->estimate(&c->tree->data, 0, s->rep + first, n, kind, s->point, out);
+}
+
+#endif

@@ -1,0 +1,87 @@
+/* cut_rays.c - the shadow rays of a cut.
+ *
+ * A cluster's ray is pending while LC_PENDING is set in its `rep`; its V counts as 1 until then. Rays are
+ * traced in groups of up to LC_CUT_BATCH, those of directional lights apart. An occluded representative sets
+ * transfer and estimate to 0, and what blocked its ray is noted for proofs of occlusion.
+ */
+#include "cut/cut.h"
+#include "cut/cut_parts.h"
+
+#include "shade/point_init.h"
+
+void lc_cut_hidden(const lc_visibility *visibility, const lc_point *p, const float org[3], uint32_t n,
+                   const float *const target[3], bool far, uint8_t *hidden, uint32_t *blocker)
+{
+    const lc_f3 ng = lc_f3_load(p->ng), from = far ? lc_f3_make(0, 0, 0) : lc_f3_load(p->pos);
+    visibility->hidden(visibility->scene, org, n, target, far, hidden, blocker);
+    if (!(lc_f3_max_abs(ng) > 0)) return;
+    for (uint32_t i = 0; i < n; i++)
+        hidden[i] |= lc_f3_dot(ng, lc_f3_sub(lc_f3_make(target[0][i], target[1][i], target[2][i]), from)) < 0;
+}
+
+/* Rays of some clusters of a list. */
+typedef struct {
+    uint32_t at[LC_CUT_BATCH]; /* index in the list */
+    uint32_t n;
+    float target[3][LC_CUT_BATCH];
+} ray_group;
+
+static double trace_group(const lc_cut *c, const lc_cut_step *s, lc_cut_list *list, const ray_group *g,
+                          bool far)
+{
+    uint8_t hidden[LC_CUT_BATCH];
+    uint32_t blocker[LC_CUT_BATCH];
+    const float *const target[3] = { g->target[0], g->target[1], g->target[2] };
+    double change = 0;
+    lc_phase_end(s->stats, LC_PHASE_REFINE);
+    lc_cut_hidden(&c->visibility, s->point, s->org, g->n, target, far, hidden, c->occlusion ? blocker : NULL);
+    lc_phase_end(s->stats, LC_PHASE_SHADOW);
+    s->stats->shadow_rays += g->n;
+    for (uint32_t i = 0; i < g->n; i++) {
+        uint32_t at = g->at[i];
+        if (!hidden[i]) continue;
+        if (c->occlusion) lc_occlusion_note(c->occlusion, list->rep[at], blocker[i]);
+        change -= (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
+        for (int k = 0; k < 3; k++) list->transfer[k][at] = list->e[k][at] = 0;
+    }
+    return change;
+}
+
+/* Traces the pending rays of a list from element `first` on. */
+static double trace_list(const lc_cut *c, const lc_cut_step *s, lc_cut_list *list, uint32_t first)
+{
+    const lc_light_tree *t = c->tree;
+    double change = 0;
+    ray_group near, far;
+    for (uint32_t i = first; i < list->n;) {
+        near.n = far.n = 0;
+        for (; i < list->n && near.n < LC_CUT_BATCH && far.n < LC_CUT_BATCH; i++) {
+            uint32_t rep = list->rep[i];
+            if (!(rep & LC_PENDING)) continue;
+            rep &= ~LC_PENDING;
+            ray_group *g = lc_is_far(lc_kind_of_light(t, rep)) ? &far : &near;
+            for (int k = 0; k < 3; k++) g->target[k][g->n] = t->data.lights[rep].pos[k];
+            g->at[g->n++] = i;
+            list->rep[i] = rep;
+        }
+        if (near.n) change += trace_group(c, s, list, &near, false);
+        if (far.n) change += trace_group(c, s, list, &far, true);
+    }
+    return change;
+}
+
+double lc_cut_trace_leaves(lc_cut *c, const lc_cut_step *s)
+{
+    double change = trace_list(c, s, &c->leaf, 0);
+    for (uint32_t i = 0; i < c->leaf.n; i++)
+        for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf.e[k][i];
+    c->leaf.n = 0;
+    return change;
+}
+
+double lc_cut_trace(lc_cut *c, const lc_cut_step *s)
+{
+    double change = trace_list(c, s, &c->open, 0);
+    change += trace_list(c, s, &c->kept, c->n_traced);
+    return change + lc_cut_trace_leaves(c, s);
+}

@@ -1,0 +1,245 @@
+/* cut_start.c - how a cut begins: with the roots of the light trees, or with a start, the cut that was saved
+ * at a point near it. Any cut will do: what is above the limit in it is split.
+ *
+ * A start's nodes are bounded, estimated and traced at once and go to `kept`, where those above the limit are
+ * found afterwards; its lights are done. Clusters that were proved to be occluded at the other point are
+ * tested here first.
+ */
+#include "cut/cut.h"
+#include "cut/cut_parts.h"
+
+#include "shade/point_init.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- the roots ---- */
+
+/* Puts the root of one kind into its list. Returns its luminance. */
+static double place_root(lc_cut *c, lc_cut_step *s, lc_light_kind kind)
+{
+    const lc_light_tree *t = c->tree;
+    uint32_t link = t->root[kind];
+    bool inner = !(link & LC_LEAF), lit;
+    s->rep[0] = lc_cut_rep_of(c, link);
+    s->bound[0] = 1;
+    if (inner) c->ctx->shade_kernels->bounds(&t->data, &link, 1, kind, s->point, s->bound);
+    s->stats->bounds += inner;
+    lc_cut_estimate(c, s, 0, 1, kind);
+    lit = s->f[0][0] > 0 || s->f[1][0] > 0 || s->f[2][0] > 0;
+    c->n_zero_bound += inner && !(s->bound[0] > 0);
+    inner &= s->bound[0] > 0;
+    if (!inner) c->done[c->n_done] = link;
+    c->n_done += !inner;
+    if (!(s->bound[0] > 0)) return 0;
+    return lc_cut_append(inner ? &c->open : &c->leaf, s->bound[0], link, s->rep[0] | (lit ? LC_PENDING : 0),
+                         (const float[3]){ s->f[0][0], s->f[1][0], s->f[2][0] },
+                         lc_cut_power_of(&t->data, link));
+}
+
+double lc_cut_place_roots(lc_cut *c, lc_cut_step *s)
+{
+    double total = 0;
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        if (c->tree->n_of_kind[kind]) total += place_root(c, s, (lc_light_kind)kind);
+    return total;
+}
+
+/* ---- saving a start ---- */
+
+/* Radix sort, in as many bytes as the greatest link has; scratch: room for n more. */
+static void sort_links(uint32_t *link, uint32_t *scratch, uint32_t n)
+{
+    uint32_t all = 0, *from = link, *to = scratch;
+    for (uint32_t i = 0; i < n; i++) all |= link[i];
+    for (uint32_t shift = 0; shift < 32 && all >> shift; shift += 8) {
+        uint32_t at[257] = { 0 }, *was = from;
+        for (uint32_t i = 0; i < n; i++) at[(from[i] >> shift & 255) + 1]++;
+        for (uint32_t d = 0; d < 256; d++) at[d + 1] += at[d];
+        for (uint32_t i = 0; i < n; i++) to[at[from[i] >> shift & 255]++] = from[i];
+        from = to;
+        to = was;
+    }
+    if (from != link) memcpy(link, from, n * sizeof *link);
+}
+
+/* Nodes are saved in the order of the tree, so that rays to neighbours are traced in one group. Measured:
+ * tests/results/shadow-rays.md. */
+void lc_cut_save_start(lc_cut *c)
+{
+    const uint32_t *const link[] = { c->open.link, c->split.link, c->kept.link, c->done };
+    const uint32_t n[] = { c->open.n, c->split.n, c->kept.n, c->n_done };
+    uint32_t *lights = (uint32_t *)(void *)c->scratch;
+    lc_cut_start *out = c->start_out;
+    out->n_nodes = out->n_lights = 0;
+    out->n_hidden = c->n_hidden;
+    for (int list = 0; list < 4; list++)
+        for (uint32_t i = 0; i < n[list]; i++) {
+            uint32_t is_light = link[list][i] >> 31; /* written to both, counted in one: no branch */
+            out->link[out->n_nodes] = lights[out->n_lights] = link[list][i];
+            out->n_nodes += 1 - is_light;
+            out->n_lights += is_light;
+        }
+    memcpy(out->link + out->n_nodes, lights, out->n_lights * sizeof *lights);
+    memcpy(out->hidden, c->hidden, c->n_hidden * sizeof *c->hidden);
+    sort_links(out->link, lights, out->n_nodes);
+    c->start_saved = true;
+    c->n_start_history = c->n_history;
+    c->n_start_rounds = c->n_rounds;
+}
+
+/* ---- beginning with a start ---- */
+
+/* Sums the luminance of n estimates; four partial sums, as additions to one would wait for each other. */
+static double luminance_of(float *const e[3], uint32_t n)
+{
+    double sum[4] = { 0, 0, 0, 0 };
+    uint32_t i = 0;
+    for (; i + 4 <= n; i += 4)
+        for (uint32_t k = 0; k < 4; k++)
+            sum[k] += (double)lc_luminance(lc_f3_make(e[0][i + k], e[1][i + k], e[2][i + k]));
+    for (; i < n; i++) sum[i & 3] += (double)lc_luminance(lc_f3_make(e[0][i], e[1][i], e[2][i]));
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/* The bounds of n nodes of a start have just been written past the end of `kept`. Writes links and
+ * representatives of those above 0 beside them and moves the others to `done`. Returns the number of the
+ * former; the caller adds it to the list. */
+static uint32_t drop_zero(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint32_t n)
+{
+    uint32_t at = c->kept.n, m = 0;
+    float *bound = c->kept.bound + at, least = INFINITY;
+    for (uint32_t i = 0; i < n; i++) least = bound[i] < least ? bound[i] : least;
+    if (least > 0) { /* as in most starts */
+        memcpy(c->kept.link + at, link, n * sizeof *link);
+        memcpy(c->kept.rep + at, s->rep, n * sizeof *s->rep);
+        return n;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        c->done[c->n_done] = c->kept.link[at + m] = link[i]; /* written to both, counted in one */
+        c->kept.rep[at + m] = s->rep[m] = s->rep[i];
+        s->power[m] = s->power[i];
+        bound[m] = bound[i];
+        bool zero = !(bound[i] > 0);
+        c->n_done += zero;
+        c->n_zero_bound += zero;
+        m += !zero;
+    }
+    return m;
+}
+
+/* Traces the rays to the representatives of the last n clusters of `kept`, targets in f[3 .. 5]; occluded
+ * ones get transfer and estimate 0. lit: which of them have a transfer above 0. */
+static void trace_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *lit, uint32_t n_lit,
+                        float *const transfer[3], float *const e[3], lc_light_kind kind)
+{
+    uint32_t blocker[LC_CUT_BATCH];
+    uint8_t hidden[LC_CUT_BATCH];
+    const float *const target[3] = { s->f[3], s->f[4], s->f[5] };
+    if (n_lit)
+        lc_cut_hidden(&c->visibility, s->point, s->org, n_lit, target, lc_is_far(kind), hidden,
+                      c->occlusion ? blocker : NULL);
+    s->stats->shadow_rays += n_lit;
+    lc_phase_end(s->stats, LC_PHASE_SHADOW);
+    for (uint32_t i = 0; i < n_lit; i++) {
+        if (!hidden[i]) continue;
+        if (c->occlusion) lc_occlusion_note(c->occlusion, s->rep[lit[i]], blocker[i]);
+        for (int k = 0; k < 3; k++) transfer[k][lit[i]] = e[k][lit[i]] = 0;
+    }
+}
+
+/* Takes over up to LC_CUT_BATCH nodes of one kind and traces their rays. Returns their luminance. */
+static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)
+{
+    lc_cut_list *kept = &c->kept;
+    uint32_t at = kept->n, lit[LC_CUT_BATCH], n_lit = 0;
+    float *const out[6] = { kept->transfer[0] + at, kept->transfer[1] + at, kept->transfer[2] + at,
+                            s->f[3], s->f[4], s->f[5] };
+    float *const e[3] = { kept->e[0] + at, kept->e[1] + at, kept->e[2] + at };
+    for (uint32_t i = 0; i < n; i++) {
+        s->rep[i] = lc_cut_rep_of(c, link[i]);
+        s->power[i] = lc_cut_power_of(&c->tree->data, link[i]);
+        __builtin_prefetch(&c->tree->data.lights[s->rep[i]]);
+    }
+    lc_phase_end(s->stats, LC_PHASE_REFINE);
+    c->ctx->shade_kernels->bounds(&c->tree->data, link, n, kind, s->point, kept->bound + at);
+    s->stats->bounds += n;
+    lc_phase_end(s->stats, LC_PHASE_BOUNDS);
+    n = drop_zero(c, s, link, n);
+    c->ctx->shade_kernels->estimate(&c->tree->data, 0, s->rep, n, kind, s->point, out);
+    lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
+    for (uint32_t i = 0; i < n; i++) {
+        for (int k = 0; k < 3; k++) e[k][i] = out[k][i] * s->power[i][k];
+        lit[n_lit] = i;
+        n_lit += out[0][i] + out[1][i] + out[2][i] > 0;
+    }
+    for (uint32_t i = 0; i < n_lit && n_lit < n; i++) /* in place, since lit[i] >= i */
+        for (int k = 3; k < 6; k++) s->f[k][i] = s->f[k][lit[i]];
+    lc_phase_end(s->stats, LC_PHASE_REFINE);
+    trace_nodes(c, s, lit, n_lit, out, e, kind);
+    kept->n = at + n;
+    return luminance_of(e, n);
+}
+
+/* The same for lights, which are done. */
+static double start_lights(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)
+{
+    double total = 0;
+    for (uint32_t i = 0; i < n; i++) s->rep[i] = link[i] & ~LC_LEAF;
+    lc_cut_estimate(c, s, 0, n, kind);
+    for (uint32_t i = 0; i < n; i++) {
+        const float f[3] = { s->f[0][i], s->f[1][i], s->f[2][i] };
+        uint32_t rep = s->rep[i] | (f[0] + f[1] + f[2] > 0 ? LC_PENDING : 0);
+        c->done[c->n_done++] = link[i];
+        total += lc_cut_append(&c->leaf, 1, link[i], rep, f, lc_cut_power_of(&c->tree->data, link[i]));
+    }
+    return total + lc_cut_trace_leaves(c, s);
+}
+
+/* How many of the n links are of the kind of the first, at most LC_CUT_BATCH. */
+static uint32_t run_of_kind(const lc_light_tree *t, const uint32_t *link, uint32_t n, lc_light_kind *kind)
+{
+    uint32_t run = 0;
+    *kind = lc_kind_of_link(t, *link);
+    if (t->n_of_kind[*kind] == t->n_lights) return n < LC_CUT_BATCH ? n : LC_CUT_BATCH;
+    while (run < n && run < LC_CUT_BATCH && lc_kind_of_link(t, link[run]) == *kind) run++;
+    return run;
+}
+
+static double start_all_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint32_t n)
+{
+    lc_light_kind kind;
+    double total = 0;
+    for (uint32_t at = 0, run; at < n; at += run) {
+        run = run_of_kind(c->tree, link + at, n - at, &kind);
+        total += start_nodes(c, s, link + at, run, kind);
+    }
+    return total;
+}
+
+/* Clusters that were occluded at the start's point may be occluded at this one too. */
+static double start_hidden(lc_cut *c, lc_cut_step *s, const lc_hidden_cluster *hidden, uint32_t n)
+{
+    uint32_t *rest = (uint32_t *)(void *)c->scratch, n_rest = 0;
+    for (uint32_t i = 0; i < n; i++) __builtin_prefetch(&c->occlusion->occluders->all[hidden[i].occluder]);
+    for (uint32_t i = 0; i < n; i++) {
+        rest[n_rest] = hidden[i].link;
+        n_rest += !lc_cut_prove(c, hidden[i].link, hidden[i].occluder, false, LC_MAX_PATCH, s->stats);
+    }
+    return start_all_nodes(c, s, rest, n_rest);
+}
+
+double lc_cut_place_start(lc_cut *c, lc_cut_step *s)
+{
+    const lc_cut_start *start = c->start;
+    const uint32_t *lights = start->link + start->n_nodes;
+    lc_light_kind kind;
+    double total = start_hidden(c, s, start->hidden, start->n_hidden);
+    total += start_all_nodes(c, s, start->link, start->n_nodes);
+    for (uint32_t at = 0, run; at < start->n_lights; at += run) {
+        run = run_of_kind(c->tree, lights + at, start->n_lights - at, &kind);
+        total += start_lights(c, s, lights + at, run, kind);
+    }
+    lc_phase_end(s->stats, LC_PHASE_REFINE);
+    return total;
+}
