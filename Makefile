@@ -66,7 +66,8 @@ all: $(BIN)liblightcuts.a $(BIN)lightcuts
 help:
 	@echo "make            library build/liblightcuts.a and static binary build/lightcuts"
 	@echo "make demo       install what is missing, build, render the demo pictures to build/demo/"
-	@echo "make test       install what is missing, build, run every test"
+	@echo "make test       install what is missing, build, run every test; what needs a browser or Slurm says skipped without"
+	@echo "make test-all   the same with a browser and Slurm installed, make lint, make test-arm64: what CI runs"
 	@echo "make bench      lightcuts bench: kernels, shadow rays, trees, a frame over its own rays"
 	@echo "make accept     full-size comparison with the exact method, about 6 minutes"
 	@echo "make accept-kill  1300 random kills of renders that are gone on with"
@@ -147,10 +148,16 @@ $(BIN)tests/unit_faults: $(OUT)/tests/unit_faults.o $(OUT)/tests/support/fault_s
 
 test:
 	@$(MAKE) --no-print-directory deps
-	@sh src/deps/install.sh install browser || echo "without it the report's page is tested less"
-	@sh src/deps/install.sh install farm || echo "without them GNU parallel and Slurm are not tested"
 	@$(MAKE) --no-print-directory $(JOBS) all test-programs
 	@$(MAKE) --no-print-directory run-tests
+
+# What make test does, with a browser, GNU parallel and Slurm there, so that nothing is skipped for want of them; the source rules; and
+# another processor.
+test-all:
+	@sh src/deps/install.sh install browser farm
+	@$(MAKE) --no-print-directory test
+	@$(MAKE) --no-print-directory lint
+	@$(MAKE) --no-print-directory test-arm64
 
 test-programs: $(TESTS) $(REPLAYS) $(BIN)lightcuts
 

@@ -61,8 +61,12 @@ static const char *const names[STYLES] = { "room",
 static lc_light any_light(lc_light_kind kind)
 {
     lc_light l = { .kind = kind, .intensity = { 1, 1, 1 }, .atten = { 0, 0, 1 } };
-    l.pos = lc_f3_make((float)rnd_in(0, 10), (float)rnd_in(3, 4), (float)rnd_in(0, 10));
-    l.dir = lc_f3_normalize(lc_f3_make((float)rnd_in(-0.5, 0.5), -1, (float)rnd_in(-0.5, 0.5)));
+    /* One number a statement: the order in which arguments are evaluated is the compiler's. */
+    l.pos.z = (float)rnd_in(0, 10);
+    l.pos.y = (float)rnd_in(3, 4);
+    l.pos.x = (float)rnd_in(0, 10);
+    const float z = (float)rnd_in(-0.5, 0.5), x = (float)rnd_in(-0.5, 0.5);
+    l.dir = lc_f3_normalize(lc_f3_make(x, -1, z));
     return l;
 }
 
@@ -94,9 +98,12 @@ static lc_light one_light(style st, lc_light_kind kind, uint32_t i, uint32_t n)
     case UNEQUAL: l.intensity.y = (float)rnd(); /* fall through */
     case ONE_PLACE: l.pos = place, l.dir = lc_f3_make(0, -1, 0); break;
     case ONE_PLACE_ANY_DIRECTION: l.pos = place, l.dir = rnd_unit(); break;
-    case ONE_PLACE_NARROW:
-        l = directed(l, rnd_in(-0.005, 0.005), -1, rnd_in(-0.005, 0.005)), l.pos = place;
+    case ONE_PLACE_NARROW: {
+        const double z = rnd_in(-0.005, 0.005), x = rnd_in(-0.005, 0.005);
+        l = directed(l, x, -1, z);
+        l.pos = place;
         break;
+    }
     case ONE_PLACE_GRID: l = directed(l, column / side - 0.5, -1, row / side - 0.5), l.pos = place; break;
     case LINE:
         l = directed(l, kind == LC_LIGHT_DIRECTIONAL ? i * 0.001 : 0, -1, 0),

@@ -60,10 +60,10 @@ missing=$(echo "$missing" | tr ' ' '\n' | sort -u | tr '\n' ' ' | sed 's/^ *//; 
 as_root=
 [ "$(id -u)" = 0 ] || as_root="sudo -n"
 if [ "$mode" != install ] || ! command -v apt-get >/dev/null 2>&1 || { [ -n "$as_root" ] && ! sudo -n true 2>/dev/null; }; then
-    echo "lightcuts: missing packages: $missing   (Debian: apt-get install $missing)" >&2
+    echo "lightcuts: missing packages; as root: apt-get update && apt-get install -y --no-install-recommends $missing" >&2
     exit 1
 fi
-echo "installing: $missing"
+echo "installing: ${as_root:+$as_root }apt-get install -y --no-install-recommends $missing"
 export DEBIAN_FRONTEND=noninteractive
 log=$(mktemp)
 # shellcheck disable=SC2086
