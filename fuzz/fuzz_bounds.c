@@ -1,12 +1,9 @@
 /* fuzz_bounds.c - looks for a cluster and a point whose bound is too low. Byte 0 picks light kind and
  * material, the rest is the stream of gen_clusters.c. Aborts on a broken property. */
+#include "fuzz.h"
 #include "support/gen_clusters.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* libFuzzer reads these as coverage: a new least excess of bound over value, in octaves, is a new feature. */
 #define OCTAVES 64

@@ -3,16 +3,13 @@
  * hidden. Where a box about a hidden ray's end is proved to be hidden, rays to its corners are hidden, too.
  */
 #include "cut/occlusion_proof.h"
+#include "fuzz.h"
 #include "support/isas.h"
 #include "trace/bvh.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #define MOST 24 /* triangles */
 #define RAYS 12
@@ -29,7 +26,7 @@ static uint8_t byte(source *s)
     return *s->in++;
 }
 
-/* A grid of few places, so that much touches; some far away or tiny. */
+/* One of a grid's few places, so that triangles touch; some are far away or tiny. */
 static float coordinate(source *s)
 {
     uint8_t b = byte(s);
@@ -38,21 +35,14 @@ static float coordinate(source *s)
     return b & 2 ? v : -v;
 }
 
-static void require(bool cond, const char *what)
-{
-    if (cond) return;
-    fprintf(stderr, "%s\n", what);
-    abort();
-}
-
 static bool same(const lc_hit *a, const lc_hit *b)
 {
     return a->tri == b->tri && (a->tri == LC_NONE || (a->t == b->t && a->u == b->u && a->v == b->v));
 }
 
-/* Along its plane, as far as floats can tell (16u of |N|_1 times the ray's length, SLACK of
- * occlusion_proof.c): where the ray meets that is noise, and whether it does can be a matter of which boxes
- * were entered. */
+/* Whether the ray is parallel to the triangle's plane up to rounding (16u of |N|_1 times the ray's length,
+ * SLACK of occlusion_proof.c): where it meets the triangle is noise then, and whether it does may depend on
+ * the boxes that were entered. */
 static bool edge_on(const float *pos, const float dir[3])
 {
     double e[2][3], n[3], along = 0, size = 0, most = 0;
@@ -80,7 +70,8 @@ static bool any_edge_on(const lc_tri_block *b, const float *pos, const float dir
     return false;
 }
 
-/* A box about the end of a ray that is hidden in this block. */
+/* If a box about the end of a ray, which this block occludes, is proved to be occluded, so are its corners.
+ */
 static void check_proof(lc_occlusion *o, source *s, const float org[3], const float to[3], uint32_t block,
                         bool far)
 {
@@ -89,7 +80,7 @@ static void check_proof(lc_occlusion *o, source *s, const float org[3], const fl
     lc_node node = { .left = 0 };
     uint64_t tests = 0;
     o->tree = &tree;
-    uint32_t top = 0; /* bits: 0 for the triangle that hides the light, else any */
+    uint32_t top = 0; /* 0: the proof starts from the triangle that occludes the light, else from any */
     for (int k = 0; k < 3; k++) {
         uint32_t size = byte(s);
         top = 4 * top + size / 64;
@@ -107,24 +98,21 @@ static void check_proof(lc_occlusion *o, source *s, const float org[3], const fl
         const float *const target[3] = { &p[0], &p[1], &p[2] };
         for (int k = 0; k < 3; k++) {
             p[k] = corner >> k & 1 ? to[k] + node.half[k] : to[k] - node.half[k];
-            /* It was rounded out of the box. */
+            /* A coordinate that was rounded out of the box is replaced. */
             if (fabs((double)p[k] - (double)to[k]) > (double)node.half[k]) p[k] = to[k];
         }
         lc_isa_kernels(corner % 2 ? LC_ISA_SCALAR : lc_isa_pick(LC_ISA_BEST))
             ->trace.hidden(&bvh->data, org, 1, target, far, out, NULL);
-        require(out[0], "what was proved to be hidden is seen");
+        require(out[0], "what was proved to be occluded is visible");
     }
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static lc_context *ctx;
+    lc_context *ctx = fuzz_context();
     static lc_occlusion occlusion;
     static float pos[MOST * 9];
     static uint32_t index[MOST * 3];
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.n_threads = 1;
-    if (!ctx && lc_context_create(&desc, &ctx)) abort();
     source s = { data, size };
     size_t n = 1 + byte(&s) % MOST;
     for (size_t i = 0; i < n * 9; i++) pos[i] = coordinate(&s);

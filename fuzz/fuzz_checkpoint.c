@@ -1,15 +1,11 @@
 /* fuzz_checkpoint.c - any bytes as a checkpoint: no crash; what is accepted gives each tile once or not at
  * all, and stays valid when a tile is appended. The input's first byte chooses whether its header is put
  * right, so that records are reached. */
-#include "lightcuts.h"
+#include "fuzz.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #define HEADER 72 /* bytes, the last four their CRC; checkpoint.c */
 
@@ -23,15 +19,12 @@ static const char text[] =
 
 static void begin(void)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
     lc_render_desc render = LC_RENDER_DESC_INIT;
     lc_checkpoint *c;
     char name[] = "/tmp/fuzz-scene-XXXXXX";
-    desc.n_threads = 1;
+    ctx = fuzz_context();
     int fd = mkstemp(name);
-    if (fd < 0 || write(fd, text, sizeof text - 1) < 0 || lc_context_create(&desc, &ctx) ||
-        lc_scene_load(ctx, name, NULL, &scene))
-        abort();
+    if (fd < 0 || write(fd, text, sizeof text - 1) < 0 || lc_scene_load(ctx, name, NULL, &scene)) abort();
     close(fd);
     unlink(name);
     file = memfd_create("checkpoint", 0);

@@ -1,11 +1,9 @@
 /* fuzz_gzip.c - any bytes behind a gzip header through the reader of files: no crash, no more than it says,
  * the same bytes whatever the size of the pieces that are asked for. */
+#include "fuzz.h"
 #include "io/readfile.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #define MOST ((size_t)1 << 20) /* bytes unpacked */
 
@@ -24,11 +22,8 @@ static lc_status unpack(lc_context *ctx, const uint8_t *data, size_t size, size_
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static lc_context *ctx;
     static uint8_t out[2][MOST];
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.n_threads = 1;
-    if (!ctx && lc_context_create(&desc, &ctx)) abort();
+    lc_context *ctx = fuzz_context();
     uint8_t *copy = malloc(size + 10);
     if (!copy) abort();
     memcpy(copy, "\x1f\x8b\x08\0\0\0\0\0\0\x03", 10);

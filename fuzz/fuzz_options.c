@@ -3,13 +3,9 @@
  * second), zero bytes part the words. No word is a scene or picture that can be read, so nothing is written.
  */
 #include "cli/cli.h"
+#include "fuzz.h"
 
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #define MAX_WORDS 24
 #define MAX_TEXT 2048

@@ -1,19 +1,14 @@
 /* fuzz_ply.c - any bytes as a PLY file: no crash, and a mesh that was accepted is finite with indices in
  * range. */
+#include "fuzz.h"
 #include "pbrt/ply.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    lc_context *ctx;
-    desc.n_threads = 1;
-    if (lc_context_create(&desc, &ctx)) return 0;
+    lc_context *ctx = fuzz_context();
     char *copy = malloc(size + 1); /* the reader wants a zero behind the data */
     if (!copy) abort();
     if (size) memcpy(copy, data, size);
@@ -27,6 +22,5 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     lc_ply_free(ctx, &m);
     free(copy);
-    lc_context_destroy(ctx);
     return 0;
 }

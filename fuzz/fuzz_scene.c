@@ -1,15 +1,12 @@
 /* fuzz_scene.c - a scene of text made from the input, through parser, trees and renderer to a picture of 8 x
  * 8 pixels: no crash, and what is rendered is finite. Numbers are drawn from those that break things. An
  * input that begins with '#' is taken as text. */
+#include "fuzz.h"
 #include "pbrt/parse.h"
 #include "prepare/commit.h"
 
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #define MOST 48 /* statements */
 #define MAX_TRIS 20000
@@ -243,11 +240,6 @@ static void scene_text(text *t)
     world(t);
 }
 
-static void require(bool cond)
-{
-    if (!cond) abort();
-}
-
 static void look(lc_context *ctx, lc_scene *scene)
 {
     lc_load_desc load = LC_LOAD_DESC_INIT;
@@ -273,19 +265,16 @@ static void look(lc_context *ctx, lc_scene *scene)
         const float *p = lc_image_channel(image, name);
         bool colour = !name[1] && name[0] != 'Z'; /* distances may be infinite */
         for (uint32_t i = 0; i < size.width * size.height; i++)
-            require(colour ? isfinite(p[i]) && p[i] >= 0 : !isnan(p[i]));
+            require(colour ? isfinite(p[i]) && p[i] >= 0 : !isnan(p[i]), name);
     }
     lc_image_destroy(image);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static lc_context *ctx;
     static text t;
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    lc_context *ctx = fuzz_context();
     lc_scene *scene;
-    desc.n_threads = 1;
-    if (!ctx && lc_context_create(&desc, &ctx)) abort();
     t.in = data;
     t.left = size;
     t.len = 0;

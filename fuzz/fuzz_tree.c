@@ -1,13 +1,10 @@
 /* fuzz_tree.c - any lights through the builders of light trees: what lc_light_tree_validate checks holds.
  * Byte 0: builder and representatives; then 8 bytes a light, a byte for each number, so that equal and
  * extreme ones are common. */
+#include "fuzz.h"
 #include "tree/light_tree.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #define MOST 512
 
@@ -35,22 +32,15 @@ static lc_light make(const uint8_t *b)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static lc_context *ctx;
     static lc_light lights[MOST];
-    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
-    desc.n_threads = 1;
-    if (!ctx && lc_context_create(&desc, &ctx)) abort();
     if (size < 1) return 0;
     lc_light_tree_desc d = { .lights = lights, .diag2 = 1e4, .seed = data[0], .n_reps = 1 + data[0] % 8,
                              .builder = data[0] & 128 ? LC_BUILDER_PLOC : LC_BUILDER_EXACT };
     for (size_t at = 1; at + 8 <= size && d.n_lights < MOST; at += 8) lights[d.n_lights++] = make(data + at);
     lc_light_tree *tree;
-    if (lc_light_tree_build(ctx, &d, &tree)) abort();
+    if (lc_light_tree_build(fuzz_context(), &d, &tree)) abort();
     const char *wrong = lc_light_tree_validate(tree);
-    if (wrong) {
-        fprintf(stderr, "%s\n", wrong);
-        abort();
-    }
+    require(!wrong, wrong);
     lc_light_tree_destroy(tree);
     return 0;
 }

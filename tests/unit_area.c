@@ -128,8 +128,8 @@ TEST(small_triangles_share_lights)
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         load(spheres, numbers[i]);
         /* A two-sided triangle with an odd share of the lights gets one light less. */
-        CHECKF(scene->n_lights + 2 >= numbers[i] * 0.9 && scene->n_lights <= numbers[i] + 3, "%zu of %u",
-               scene->n_lights, numbers[i]);
+        CHECKF((double)scene->n_lights + 2 >= numbers[i] * 0.9 && scene->n_lights <= numbers[i] + 3,
+               "%zu of %u", scene->n_lights, numbers[i]);
         CHECK(scene->n_emissive_tris == scene->n_tris);
         sum_of_lights(got);
         for (int c = 0; c < 3; c++)

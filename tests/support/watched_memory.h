@@ -1,8 +1,7 @@
 /* watched_memory.h - an allocator for tests: it counts what is in use, finds bytes that were written outside
  * of a block, and runs out of memory on demand. Include it in one file of a program.
  *
- *     | 64 guard bytes | block, `size` bytes | 64 guard bytes |      guards are checked when the block is
- * freed
+ *     | 64 guard bytes | block, `size` bytes | 64 guard bytes |      checked when the block is freed
  *
  * Under ASan there are no guards: blocks have their exact size, so that ASan sees reads outside of them, too.
  */
@@ -46,8 +45,8 @@ static inline void watched_free(void *user, void *ptr, size_t size)
     (void)user;
     if (!ptr) return;
     unsigned char *p = ptr;
-    for (size_t i = 0; i < GUARD_BYTES; i++)
-        atomic_fetch_add(&guards_broken, (p - GUARD_BYTES)[i] != GUARD_VALUE || p[size + i] != GUARD_VALUE);
+    for (const unsigned char *g = p - GUARD_BYTES; g < p; g++)
+        atomic_fetch_add(&guards_broken, *g != GUARD_VALUE || g[GUARD_BYTES + size] != GUARD_VALUE);
     atomic_fetch_sub(&blocks_live, 1);
     atomic_fetch_sub(&bytes_live, size);
     free(p - GUARD_BYTES);
