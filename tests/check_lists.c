@@ -118,7 +118,7 @@ static void make_children(job *j, int style)
         j->bound[i] = rnd_bound(style, j->limit);
         j->link[i] = rnd_link(leaves);
         j->power[i] = j->link[i] & LC_LEAF ? j->lights[j->link[i] & ~LC_LEAF].intensity
-                                           : j->nodes[j->link[i]].power;
+                                           : j->nodes[j->link[i]].intensity;
     }
     for (uint32_t i = 0; i < j->n; i++) {
         bool left = rnd() < 0.5, dark = rnd() < 0.2;
@@ -282,7 +282,7 @@ TEST(place_as_one_by_one)
     if (!nodes || !lights) abort();
     for (uint32_t i = 0; i < NODES; i++)
         for (uint32_t k = 0; k < 3; k++) {
-            nodes[i].power[k] = rnd_power();
+            nodes[i].intensity[k] = rnd_power();
             lights[i].intensity[k] = rnd_power();
         }
     for (uint32_t i = 0; i < CASES; i++) {

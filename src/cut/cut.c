@@ -289,7 +289,7 @@ static const float *find_cluster(const lc_tree_data *t, uint32_t link)
     }
     const lc_node *node = &t->nodes[link];
     __builtin_prefetch(node);
-    return node->power;
+    return node->intensity;
 }
 
 static uint32_t rep_of(const lc_cut *c, uint32_t link)

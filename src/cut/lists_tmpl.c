@@ -27,11 +27,11 @@ LC_INLINE void place_children(const lc_cut_pairs *p, uint32_t first, uint32_t ex
     const vb zero = vb_set(0), half = vb_set(0.5f);
     const lc_cut_list *parent = p->parent;
     const uint32_t pair = first / 2, from = p->first + pair;
-    const float *power[VB_LANES];
+    const float *rows[VB_LANES];
     clusters x;
     vb intensity[4], own[3], parent_e[3];
-    for (uint32_t k = 0; k < VB_LANES; k++) power[k] = p->power[exist >> k & 1 ? first + k : first];
-    vb_rows(power, intensity);
+    for (uint32_t k = 0; k < VB_LANES; k++) rows[k] = p->power[exist >> k & 1 ? first + k : first];
+    vb_rows(rows, intensity);
     const vb bound = vb_loadu(p->bound + first), fresh = vb_loadu(p->fresh + first);
     x.word[0] = bound;
     x.word[1] = vb_loadu(p->link + first);

@@ -92,7 +92,7 @@ static void add(bench_heap *h, uint32_t link, uint32_t rep, const float transfer
 {
     const bool leaf = link & LC_LEAF;
     const lc_tree_data *t = &h->tree->data;
-    const float *power = leaf ? t->lights[link & ~LC_LEAF].intensity : t->nodes[link].power;
+    const float *power = leaf ? t->lights[link & ~LC_LEAF].intensity : t->nodes[link].intensity;
     heap_cluster c = { .link = link, .rep = rep };
     for (int k = 0; k < 3; k++) {
         c.transfer[k] = transfer[k];
