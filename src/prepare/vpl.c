@@ -260,8 +260,9 @@ static double median_importance(maker *m)
 static void keep(maker *m, size_t i, size_t k)
 {
     const lc_light *light = &m->slots[i * PATH_LIGHTS + k];
-    const double importance = m->importance[i * PATH_LIGHTS + k];
-    double chance = m->enough > 0 ? fmin(fmax(importance / m->enough, MIN_CHANCE), 1) : 1;
+    double chance = m->enough > 0
+                        ? fmin(fmax(m->importance[i * PATH_LIGHTS + k] / m->enough, MIN_CHANCE), 1)
+                        : 1;
     if (!(lc_unit(lc_hash4(m->seed, m->first_path + i, k, 5)) < chance)) return;
     m->made[m->n_made] = *light;
     m->made[m->n_made++].intensity = lc_f3_scale(light->intensity, (float)(1 / chance));

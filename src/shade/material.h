@@ -67,8 +67,8 @@ typedef struct lc_material {
     bool mirror;        /* perfect: kd, exponent and roughness are 0 and unused */
     bool glass;         /* a mirror that transmits what it does not reflect */
     bool thin;          /* glass: a sheet, which does not refract */
-    lc_f3 tangent;      /* Ward, GGX: the direction along which the roughness is ax, world space, unit; 0: any.
-                           Set at a hit; 0 in a scene's material. */
+    lc_f3 tangent;      /* Ward, GGX: the direction whose roughness is ax, world space, unit; 0: any;
+                           set at a hit, 0 in a scene's material */
 } lc_material;
 
 /* From a scene file's roughness to GGX's alpha. */
