@@ -1,23 +1,16 @@
-/* lobe_ggx.h - microfacets with the distribution of [Walter07], and a diffuse surface below a coat;
- * material.h has the formulas.
+/* lobe_ggx.h - microfacets by [Walter07], and a diffuse surface below a coat: see material.h.
  *
- * Bound. Up to a constant,
+ * Bound. Up to a constant, and with t <= sqrt(X^2 + Y^2) / N of slope_tmpl.c, a <= 1 the larger roughness,
  *
  *     f cos = F r^2 cos / (s(o) cos + s(i) o.n)
  *     r = |h|^2 / (X^2 + Y^2 + N^2),   |h|^2 = (ax X)^2 + (ay Y)^2 + N^2
- *
- * With t <= sqrt(X^2 + Y^2) / N of slope_tmpl.c, and a <= 1 the larger roughness,
- *
- *     r = (1 + ((ax X)^2 + (ay Y)^2) / N^2) / (1 + (X^2 + Y^2) / N^2)
+ *       = (1 + ((ax X)^2 + (ay Y)^2) / N^2) / (1 + (X^2 + Y^2) / N^2)
  *      <= min(1 + a^2 t^2, max |h|^2 / min N^2) / (1 + t^2)
  *
  * since (1 + a^2 x) / (1 + x) decreases. The first is exact where ax = ay; the second lowers the bound of a
- * lobe that is long in one direction. |h|^2 = 2 + 2 i.o, two cosines about o. With b the smaller roughness,
- *
- *     s(i)^2 >= cos^2 + b^2 (1 - cos^2)
- *
- * so this bound of s(i) increases with the cosine, and over the cosine it decreases; and |p| s(i) >= w.p with
- * w = S u, S the symmetric matrix of s, u any unit vector: that along S e. With g the greatest cos / f(d),
+ * lobe that is long in one direction. |h|^2 = 2 + 2 i.o, two cosines about o. With b the smaller roughness
+ * s(i)^2 >= cos^2 + b^2 (1 - cos^2): s(i) increases with the cosine, s(i) / cos decreases; and |p| s(i) >=
+ * w.p with w = S u, S the symmetric matrix of s, u the unit vector along S e. With g the greatest cos / f(d),
  *
  *     cos / (s(o) cos + s(i) o.n) / f(d) <= g / (s(o) c0 + s0 o.n)
  *                                    and <= 1 / (least f(d) (s(o) + q o.n))
@@ -27,20 +20,15 @@
  *
  * F decreases with the cosine c = |h| / 2: Schlick's plainly, a dielectric's up to an index of 2 + sqrt 3
  * (unit_ggx.c goes through them). A conductor's is no more than that of light polarised across the plane of
- * incidence,
+ * incidence. With w = |N|^2,
  *
- *     1 - 4 / ((w + x) / (c Re N) + 2),   x = c^2,   N^2 = x + p + i q,   p = eta^2 - k^2 - 1,   q = 2 eta k,
- *     w = |N|^2
+ *     1 - 4 / ((w + x) / (c Re N) + 2),   x = c^2,   N^2 = x + p + i q,   p = eta^2 - k^2 - 1,   q = 2 eta k
  *
- * which decreases, too, as the derivative of ln((w + x)^2 / (x (w + x + p))) by x is
- *
- *     -(p^2 + q^2) / (w x (w + x))
- *
- * A coat transmits more of steeper light: T is taken at the greatest cosine.
+ * which decreases, too, as ln((w + x)^2 / (x (w + x + p))) has the derivative -(p^2 + q^2) / (w x (w + x)) by
+ * x. A coat transmits more of steeper light: T is taken at the greatest cosine.
  * - t holds for the estimate's X, Y, N, as in slope_tmpl.c, and its squares of roughness are used. |h|^2 as
  *   the estimate adds it up: frames are perpendicular to 4u, tangents off by 5u in length and components by
- *   10u: 40u of |h|^2 and 70u; i.o as for COS_SLACK: 64u. We take 256u of both. s(i): the same frame, 40u of
- *   it; 256u.
+ *   10u: 40u of |h|^2 and 70u; i.o as for COS_SLACK: 64u. We take 256u of both. s(i): same frame, 40u; 256u.
  * - w.p: u and w within 8u, three dot products 9u each, the widening 4u, all times |S| <= 1: 64uM.
  * - T: g 2.5u, squares of sums 9u, quotients and products: below 20u of T <= 1 in estimate and bound: F is
  *   raised by 64u.
@@ -59,11 +47,8 @@ static float stretched_length(const lc_point *p, float x, float y, float z)
     return sqrtf(x * x + y * y + z * z);
 }
 
-/* The fraction of light that a smooth dielectric transmits, at a cosine c > 0. With g = eta times the cosine
- * inside:
- *
- *     (4 c g / (c + g)^2 + 4 eta^2 c g / (eta^2 c + g)^2) / 2
- */
+/* The fraction of light that a smooth dielectric transmits, at a cosine c > 0, with g = eta times the cosine
+ * inside: half of 4 c g / (c + g)^2 + 4 eta^2 c g / (eta^2 c + g)^2. */
 static float let_through(const lc_point *p, float c)
 {
     float g = sqrtf(p->eta2_minus_1 + c * c), s = c + g, t = p->eta2 * c + g;
@@ -197,10 +182,9 @@ LC_INLINE vf max_fresnel(const lc_point *p, vf c, v3 intensity)
         return dot(s, intensity) * vf_min(f, one);
     }
     vf f[3], t2, w;
-    for (int k = 0; k < 3; k++) {
-        f[k] = conductor_across(p->n2_real_minus_1[k], p->n2_imag[k], c, &t2, &w);
-        f[k] = vf_min(f[k] + CONDUCTOR_SLACK, one);
-    }
+    for (int k = 0; k < 3; k++)
+        f[k] = vf_min(conductor_across(p->n2_real_minus_1[k], p->n2_imag[k], c, &t2, &w) + CONDUCTOR_SLACK,
+                      one);
     s = (v3){ s.x * f[0], s.y * f[1], s.z * f[2] };
     return dot(s, intensity);
 }
