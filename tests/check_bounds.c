@@ -195,7 +195,7 @@ static double ward_slack(const lc_point *p, lc_f3 v)
         h[k] = (double)lc_f3_dot(lc_f3_load(axis), v) + (double)p->view[k];
     }
     s = sqrt(h[0] * h[0] + h[1] * h[1]) / h[2];
-    return exp(0x1p-24 * (2 * s * 166 * ((double)p->sharp + 2 * s) / h[2] + 32 * s * s)) - 1;
+    return exp(0x1p-24 * (2 * s * 166 * ((double)p->max_tangent_length + 2 * s) / h[2] + 32 * s * s)) - 1;
 }
 
 /* Relative error of GGX's lobe: r^2 by the slope s as above, d ln r^2 / ds < 4 s / (1 + s^2); |h|^2 256u and
@@ -209,14 +209,14 @@ static double ggx_slack(const lc_point *p, lc_f3 v)
         h[i] = (double)lc_f3_dot(lc_f3_load(axis), v) + (double)p->view[i];
         h2 += h[i] * h[i] * (double)(i < 2 ? p->square[i] : 1);
         if ((double)p->specular[i] > 0)
-            f = fmin(f, (double)p->specular[i] / ((double)p->specular[i] + (double)p->rise[i]));
+            f = fmin(f, (double)p->specular[i] / ((double)p->specular[i] + (double)p->schlick_delta[i]));
     }
     s = sqrt(h[0] * h[0] + h[1] * h[1]) / h[2];
     if (p->fresnel == LC_FRESNEL_DIELECTRIC) {
         k = ref_dielectric(sqrt((double)p->eta2), sqrt(h2) / 2);
         f = k;
     }
-    double lobe = 4 * s / (1 + s * s) * 166 * ((double)p->sharp + 2 * s) / h[2];
+    double lobe = 4 * s / (1 + s * s) * 166 * ((double)p->max_tangent_length + 2 * s) / h[2];
     h2 = fmin(h2, 1);
     return 0x1p-24 * (lobe + 512 * (4 / h2 + 1) + (5 * 512 / h2 + 128) / f);
 }
@@ -330,7 +330,7 @@ static bool same_boxes(const lc_cluster *a, const lc_cluster *b)
         same = same && a->lo[k] == b->lo[k] && a->hi[k] == b->hi[k] && a->atten[k] == b->atten[k];
         same = same && (!lc_is_aimed(a->kind) || (a->dlo[k] == b->dlo[k] && a->dhi[k] == b->dhi[k]));
         /* 15 additions in double, two orders */
-        same = same && fabs(a->power[k] - b->power[k]) <= 32 * DBL_EPSILON * a->power[k];
+        same = same && fabs(a->intensity[k] - b->intensity[k]) <= 32 * DBL_EPSILON * a->intensity[k];
     }
     return same;
 }
@@ -419,12 +419,12 @@ static void check_ggx(const lc_point *p, const ref_point *r, const lc_material *
         s += a * a * o * o;
         d += (double)p->to_view[i] * (double)p->to_view[i];
         if (i < 2) CHECK(fabs((double)p->square[i] - a * a) <= 0x1p-24 * a * a);
-        double rise = m->fresnel == LC_FRESNEL_SCHLICK ? r->specular[i] * (1 - ks[i]) / ks[i] : 0;
+        double delta = m->fresnel == LC_FRESNEL_SCHLICK ? r->specular[i] * (1 - ks[i]) / ks[i] : 0;
         if (m->fresnel == LC_FRESNEL_SCHLICK && ks[i] > 0)
-            CHECK(fabs((double)p->rise[i] - rise) <= 8 * 0x1p-24 * rise);
+            CHECK(fabs((double)p->schlick_delta[i] - delta) <= 8 * 0x1p-24 * delta);
         if (m->fresnel != LC_FRESNEL_CONDUCTOR) continue;
-        CHECK(fabs((double)p->rise[i] - n2) <= 0x1p-24 * fabs(n2));
-        CHECK(fabs((double)p->turn[i] - 2 * eta[i] * k[i]) <= 0x1p-24 * 2 * eta[i] * k[i]);
+        CHECK(fabs((double)p->n2_real_minus_1[i] - n2) <= 0x1p-24 * fabs(n2));
+        CHECK(fabs((double)p->n2_imag[i] - 2 * eta[i] * k[i]) <= 0x1p-24 * 2 * eta[i] * k[i]);
     }
     s = (double)p->masking - sqrt(s);
     CHECKF(fabs(len - 1) <= 64 * 0x1p-24 && fabs(d - 1) <= 8 * 0x1p-24 && fabs(s) <= 16 * 0x1p-24, "%g %g %g",
@@ -480,7 +480,7 @@ TEST(point_init_agrees)
             error = fmax(error, a * fabs((double)p.view[axis] - r.view[axis]));
             for (int k = 0; k < 3; k++)
                 error = fmax(error, a * fabs((double)p.tangent[axis][k] - r.tangent[axis][k]));
-            CHECK(a * (double)p.sharp >= 1 || c.mat.roughness[!axis] < c.mat.roughness[axis]);
+            CHECK(a * (double)p.max_tangent_length >= 1 || c.mat.roughness[!axis] < c.mat.roughness[axis]);
         }
         CHECKF(error <= 400 * 0x1p-24 && fabs((double)p.view[2] - r.view[2]) <= 4 * 0x1p-24, "%g", error);
     }

@@ -31,7 +31,7 @@ typedef struct job {
     list parent, open, left, leaf;
     float *bound, *fresh, *transfer[3];
     uint32_t *link, *rep;
-    const float **power;
+    const float **intensity;
 } job;
 
 static float as_float(uint32_t bits)
@@ -110,15 +110,15 @@ static void make_children(job *j, int style)
     double leaves = rnd() < 0.3 ? 0 : rnd() < 0.2 ? 1 : 0.3;
     j->bound = must(2 * j->n, sizeof *j->bound);
     j->fresh = must(2 * j->n, sizeof *j->fresh);
-    j->power = must(2 * j->n, sizeof *j->power);
+    j->intensity = must(2 * j->n, sizeof *j->intensity);
     j->link = must(2 * j->n, sizeof *j->link);
     j->rep = must(j->n, sizeof *j->rep);
     for (int k = 0; k < 3; k++) j->transfer[k] = must(j->n, sizeof *j->transfer[k]);
     for (uint32_t i = 0; i < 2 * j->n; i++) {
         j->bound[i] = rnd_bound(style, j->limit);
         j->link[i] = rnd_link(leaves);
-        j->power[i] = j->link[i] & LC_LEAF ? j->lights[j->link[i] & ~LC_LEAF].intensity
-                                           : j->nodes[j->link[i]].power;
+        j->intensity[i] = j->link[i] & LC_LEAF ? j->lights[j->link[i] & ~LC_LEAF].intensity
+                                           : j->nodes[j->link[i]].intensity;
     }
     for (uint32_t i = 0; i < j->n; i++) {
         bool left = rnd() < 0.5, dark = rnd() < 0.2;
@@ -145,7 +145,7 @@ static void make_job(job *j, uint32_t i, lc_node *nodes, lc_light_rec *lights)
 
 static void free_job(job *j)
 {
-    free(j->power);
+    free(j->intensity);
     free(j->bound);
     free(j->fresh);
     free(j->link);
@@ -170,7 +170,7 @@ static float luminance(const uint32_t e[3])
 static float ref_child(job *j, uint32_t i, uint32_t c)
 {
     uint32_t at = j->first + i, word[LC_CUT_WORDS] = { as_bits(j->bound[2 * i + c]), j->link[2 * i + c] };
-    const float *power = j->power[2 * i + c];
+    const float *intensity = j->intensity[2 * i + c];
     bool own = j->fresh[2 * i + c] > 0, lit = false;
     float bound = j->bound[2 * i + c];
     for (uint32_t k = 0; k < 3; k++) {
@@ -178,7 +178,7 @@ static float ref_child(job *j, uint32_t i, uint32_t c)
         lit |= j->transfer[k][i] > 0;
         if (!(bound > 0)) t = 0;
         word[3 + k] = as_bits(t);
-        word[6 + k] = as_bits(t * power[k]);
+        word[6 + k] = as_bits(t * intensity[k]);
     }
     word[2] = own ? j->rep[i] | (lit ? LC_PENDING : 0) : j->parent.word[2][at];
     if (bound > 0) put(word[1] & LC_LEAF ? &j->leaf : bound > j->limit ? &j->open : &j->left, word);
@@ -246,7 +246,7 @@ static double run_place(const lc_kernels *k, job *j)
                        .first = j->first,
                        .bound = j->bound,
                        .link = j->link,
-                       .power = j->power,
+                       .intensity = j->intensity,
                        .fresh = j->fresh,
                        .rep = j->rep,
                        .transfer = { j->transfer[0], j->transfer[1], j->transfer[2] },
@@ -282,7 +282,7 @@ TEST(place_as_one_by_one)
     if (!nodes || !lights) abort();
     for (uint32_t i = 0; i < NODES; i++)
         for (uint32_t k = 0; k < 3; k++) {
-            nodes[i].power[k] = rnd_power();
+            nodes[i].intensity[k] = rnd_power();
             lights[i].intensity[k] = rnd_power();
         }
     for (uint32_t i = 0; i < CASES; i++) {

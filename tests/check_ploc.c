@@ -33,7 +33,7 @@ static float ref_metric(const lc_ploc_list *l, uint32_t i, uint32_t j)
         if (s > 0.1f) turn = fminf(fmaxf((r2 - (2 - s) * (2 - s)) / (4 * s), 0), 2);
         size += l->c2 * turn * turn;
     }
-    return (rows[LC_PLOC_POWER][i] + rows[LC_PLOC_POWER][j]) * size;
+    return (rows[LC_PLOC_INTENSITY][i] + rows[LC_PLOC_INTENSITY][j]) * size;
 }
 
 /* Whether pair (i, j) comes before pair (i, best) in the order of pairs of equal metric. */
@@ -82,7 +82,7 @@ static void fill(lc_ploc_list *l, int style)
             rows[LC_PLOC_DLO + k][i] = many ? sorted(dir[k], other[k], false) : dir[k];
             rows[LC_PLOC_DHI + k][i] = many ? sorted(dir[k], other[k], true) : dir[k];
         }
-        rows[LC_PLOC_POWER][i] = style == 4   ? 0
+        rows[LC_PLOC_INTENSITY][i] = style == 4   ? 0
                                  : style == 5 ? powf(10, (float)rnd_in(-38, 30))
                                  : style      ? 0x1p80f
                                               : (float)rnd();
@@ -153,7 +153,7 @@ static double exact_metric(const lc_ploc_list *l)
         r2 += (hi - lo) * (hi - lo);
     }
     double s = sqrt(s2), cos_beta = s < 0.1 ? -1 : fmax(-1, (s2 + 4 - r2) / (4 * s));
-    return ((double)rows[LC_PLOC_POWER][0] + (double)rows[LC_PLOC_POWER][1]) *
+    return ((double)rows[LC_PLOC_INTENSITY][0] + (double)rows[LC_PLOC_INTENSITY][1]) *
            (size + (double)l->c2 * (1 - cos_beta) * (1 - cos_beta));
 }
 

@@ -34,7 +34,7 @@ static double importance(uint32_t link, lc_light_kind kind, const lc_surface *s)
     const lc_light_rec *light = &t->lights[link & ~LC_LEAF];
     const lc_node *node = &t->nodes[link];
     bool leaf = link & LC_LEAF;
-    const float *center = leaf ? light->pos : node->center, *rgb = leaf ? light->intensity : node->power;
+    const float *center = leaf ? light->pos : node->center, *rgb = leaf ? light->intensity : node->intensity;
     double power = (double)lc_luminance(lc_f3_load(rgb)), diagonal2 = 0;
     if (kind == LC_LIGHT_DIRECTIONAL) return power;
     for (int k = 0; k < 3 && !leaf; k++) diagonal2 += 4 * (double)node->half[k] * (double)node->half[k];

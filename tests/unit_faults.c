@@ -7,7 +7,7 @@
  *     unit_faults --all X    those of the commands whose names begin with X
  *     unit_faults COMMAND CLASS NTH EVER    one fault, say "compare" 0 14 0; its folder is left
  *     FAULT_SITES=FILE ...   also writes the call sites of the file operations that failed, for
- * fault_sites.sh
+ *                            fault_sites.sh
  *
  * Each run is a process forked from this one, with four places in a temporary folder:
  *

@@ -102,7 +102,7 @@ static const char *slow_check_node(const lc_light_tree *t, uint32_t id, const ui
     for (int k = 0; k < 3; k++) {
         long double sum = 0;
         for (uint32_t i = 0; i < n; i++) sum += (long double)t->data.lights[below[i]].intensity[k];
-        long double p = (long double)b->power[k];
+        long double p = (long double)b->intensity[k];
         if (p < sum * (1 - 1e-15L) || p > sum * (1 + 0x1p-22L)) return "power";
     }
     for (uint32_t s = 0; s < t->n_reps; s++) {
@@ -558,10 +558,10 @@ TEST(damaged_numbers_are_found)
             uint32_t n = lights_below(t, id, below);
             lc_light_kind kind = lc_kind_of_node(t, id);
             for (int i = 0; i < 3; i++) {
-                HURT(b->power[i] = nextafterf(b->power[i], 0));
-                HURT(b->power[i] *= 1.00001f);
-                HURT(b->power[i] = NAN);
-                HURT(b->power[i] = INFINITY);
+                HURT(b->intensity[i] = nextafterf(b->intensity[i], 0));
+                HURT(b->intensity[i] *= 1.00001f);
+                HURT(b->intensity[i] = NAN);
+                HURT(b->intensity[i] = INFINITY);
                 HURT(b->half[i] = nextafterf(b->half[i], 0));
                 HURT(b->half[i] = NAN);
                 HURT(b->center[i] = b->center[i] + b->half[i] * 0.5f + 0.001f);

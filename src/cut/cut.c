@@ -231,7 +231,7 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     s.point = p;
     s.org = org;
     s.stats = stats;
-    s.pairs = (lc_cut_pairs){ .parent = &c->split, .bound = s.bound, .link = s.link, .power = s.power,
+    s.pairs = (lc_cut_pairs){ .parent = &c->split, .bound = s.bound, .link = s.link, .intensity = s.intensity,
                               .fresh = s.fresh, .rep = s.rep, .transfer = { s.f[0], s.f[1], s.f[2] } };
     *out = (lc_cut_result){ 0 };
     reset(c);

@@ -26,7 +26,7 @@ typedef struct lc_cut_step {
     uint32_t node[2 * LC_CUT_BATCH];                         /* the children that are no lights */
     float fresh[2 * LC_CUT_BATCH + LC_LANES], bound[2 * LC_CUT_BATCH + LC_LANES];
     float node_bound[2 * LC_CUT_BATCH + LC_LANES];
-    const float *power[2 * LC_CUT_BATCH];
+    const float *intensity[2 * LC_CUT_BATCH];
     uint32_t n_bounded;                    /* children that are no lights */
     float f[6][LC_CUT_BATCH + LC_LANES]; /* of new representatives: M G, target of the shadow ray */
 } lc_cut_step;
@@ -82,7 +82,7 @@ static inline void lc_cut_copy(lc_cut_list *to, uint32_t at, const lc_cut_list *
 
 /* Returns the luminance of the estimate. */
 static inline double lc_cut_append(lc_cut_list *list, float bound, uint32_t link, uint32_t rep,
-                                   const float transfer[3], const float *power)
+                                   const float transfer[3], const float *intensity)
 {
     uint32_t at = list->n++;
     list->bound[at] = bound;
@@ -90,7 +90,7 @@ static inline double lc_cut_append(lc_cut_list *list, float bound, uint32_t link
     list->rep[at] = rep;
     for (int k = 0; k < 3; k++) {
         list->transfer[k][at] = transfer[k];
-        list->e[k][at] = transfer[k] * power[k];
+        list->e[k][at] = transfer[k] * intensity[k];
     }
     return (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
 }
@@ -102,7 +102,7 @@ static inline uint32_t lc_cut_rep_of(const lc_cut *c, uint32_t link)
 }
 
 /* Summed intensity of a cluster or light, R G B; prefetches the rest of it. */
-static inline const float *lc_cut_power_of(const lc_tree_data *t, uint32_t link)
+static inline const float *lc_cut_intensity_of(const lc_tree_data *t, uint32_t link)
 {
     if (link & LC_LEAF) {
         const lc_light_rec *light = &t->lights[link & ~LC_LEAF];
@@ -111,7 +111,7 @@ static inline const float *lc_cut_power_of(const lc_tree_data *t, uint32_t link)
     }
     const lc_node *node = &t->nodes[link];
     __builtin_prefetch(node);
-    return node->power;
+    return node->intensity;
 }
 
 /* M G and shadow ray targets of the new representatives first .. first + n - 1, all of one kind. */

@@ -16,8 +16,8 @@ static void find_children(const lc_cut *c, lc_cut_step *s)
         uint32_t rep = lc_cut_rep_of(c, node->left), right_is_new = rep == (own[i] & ~LC_PENDING);
         s->link[2 * i] = node->left;
         s->link[2 * i + 1] = node->right;
-        s->power[2 * i] = lc_cut_power_of(t, node->left);
-        s->power[2 * i + 1] = lc_cut_power_of(t, node->right);
+        s->intensity[2 * i] = lc_cut_intensity_of(t, node->left);
+        s->intensity[2 * i + 1] = lc_cut_intensity_of(t, node->right);
         s->rep[i] = right_is_new ? lc_cut_rep_of(c, node->right) : rep;
         s->fresh[2 * i] = (float)(1 - right_is_new);
         s->fresh[2 * i + 1] = (float)right_is_new;

@@ -34,7 +34,7 @@ static double place_root(lc_cut *c, lc_cut_step *s, lc_light_kind kind)
     if (!(s->bound[0] > 0)) return 0;
     return lc_cut_append(inner ? &c->open : &c->leaf, s->bound[0], link, s->rep[0] | (lit ? LC_PENDING : 0),
                          (const float[3]){ s->f[0][0], s->f[1][0], s->f[2][0] },
-                         lc_cut_power_of(&t->data, link));
+                         lc_cut_intensity_of(&t->data, link));
 }
 
 double lc_cut_place_roots(lc_cut *c, lc_cut_step *s)
@@ -118,7 +118,7 @@ static uint32_t drop_zero(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
     for (uint32_t i = 0; i < n; i++) {
         c->done[c->n_done] = c->kept.link[at + m] = link[i]; /* written to both, counted in one */
         c->kept.rep[at + m] = s->rep[m] = s->rep[i];
-        s->power[m] = s->power[i];
+        s->intensity[m] = s->intensity[i];
         bound[m] = bound[i];
         bool zero = !(bound[i] > 0);
         c->n_done += zero;
@@ -158,7 +158,7 @@ static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
     float *const e[3] = { kept->e[0] + at, kept->e[1] + at, kept->e[2] + at };
     for (uint32_t i = 0; i < n; i++) {
         s->rep[i] = lc_cut_rep_of(c, link[i]);
-        s->power[i] = lc_cut_power_of(&c->tree->data, link[i]);
+        s->intensity[i] = lc_cut_intensity_of(&c->tree->data, link[i]);
         __builtin_prefetch(&c->tree->data.lights[s->rep[i]]);
     }
     lc_phase_end(s->stats, LC_PHASE_REFINE);
@@ -169,7 +169,7 @@ static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
     c->ctx->shade_kernels->estimate(&c->tree->data, 0, s->rep, n, kind, s->point, out);
     lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
     for (uint32_t i = 0; i < n; i++) {
-        for (int k = 0; k < 3; k++) e[k][i] = out[k][i] * s->power[i][k];
+        for (int k = 0; k < 3; k++) e[k][i] = out[k][i] * s->intensity[i][k];
         lit[n_lit] = i;
         n_lit += out[0][i] + out[1][i] + out[2][i] > 0;
     }
@@ -191,7 +191,7 @@ static double start_lights(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint
         const float f[3] = { s->f[0][i], s->f[1][i], s->f[2][i] };
         uint32_t rep = s->rep[i] | (f[0] + f[1] + f[2] > 0 ? LC_PENDING : 0);
         c->done[c->n_done++] = link[i];
-        total += lc_cut_append(&c->leaf, 1, link[i], rep, f, lc_cut_power_of(&c->tree->data, link[i]));
+        total += lc_cut_append(&c->leaf, 1, link[i], rep, f, lc_cut_intensity_of(&c->tree->data, link[i]));
     }
     return total + lc_cut_trace_leaves(c, s);
 }

@@ -1,4 +1,8 @@
-/* isa.h - which instruction sets there are kernels for (isa_list.h), and the kernels of each. */
+/* isa.h - which instruction sets have kernels (isa_list.h), and the kernels of each.
+ *
+ * The room isa/ compiles the templates of shade/, tree/, trace/ and cut/ once for each set; every set gives
+ * the same bits. In goes the set that the user allows at most, out come tables of functions.
+ */
 #ifndef LC_ISA_H
 #define LC_ISA_H
 

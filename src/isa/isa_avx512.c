@@ -1,5 +1,6 @@
-/* isa_avx512.c - the kernels, compiled for this instruction set. The BVH stays at eight lanes: a node has no more. */
-#define LC_HALF_AS_WIDE lc_kernels_avx2 /* takes what is left of a list, at half the price */
+/* isa_avx512.c - the kernels, compiled for this instruction set. The BVH stays at eight lanes, as its nodes
+ * have eight children. */
+#define LC_HALF_AS_WIDE lc_kernels_avx2 /* computes the rest of a list at half the cost */
 #include "simd/vec_avx512.h"
 
 #include "isa/isa_tmpl.c"

@@ -17,7 +17,7 @@ static void set_lane(float *lane, const lc_node *node)
     for (size_t k = 0; k < 3; k++) {
         lane[(ROW_CENTER + k) * LC_LANES] = node->center[k];
         lane[(ROW_HALF + k) * LC_LANES] = node->half[k];
-        lane[(ROW_POWER + k) * LC_LANES] = node->power[k];
+        lane[(ROW_POWER + k) * LC_LANES] = node->intensity[k];
         lane[(ROW_AXIS + k) * LC_LANES] = node->axis[k];
     }
     lane[ROW_COS_CONE * LC_LANES] = node->cos_cone;

@@ -92,11 +92,11 @@ static void add(bench_heap *h, uint32_t link, uint32_t rep, const float transfer
 {
     const bool leaf = link & LC_LEAF;
     const lc_tree_data *t = &h->tree->data;
-    const float *power = leaf ? t->lights[link & ~LC_LEAF].intensity : t->nodes[link].power;
+    const float *intensity = leaf ? t->lights[link & ~LC_LEAF].intensity : t->nodes[link].intensity;
     heap_cluster c = { .link = link, .rep = rep };
     for (int k = 0; k < 3; k++) {
         c.transfer[k] = transfer[k];
-        c.e[k] = transfer[k] * power[k];
+        c.e[k] = transfer[k] * intensity[k];
         h->sum[k] += (double)c.e[k];
     }
     h->n_done += leaf;

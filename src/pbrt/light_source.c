@@ -1,9 +1,8 @@
 /* light_source.c - LightSource and AreaLightSource.
  *
- * point, distant: as pbrt. oriented is ours: "point3 position" (or "from"), "vector3 direction", "rgb I"; it
- * shines with I cos(phi) about the direction. point and oriented take "float A" "float B" "float C":
- * intensity falls as 1 / (A + B d + C d^2), by default 1 / d^2. Emission of shapes is in
- * lc_pbrt_attrs.emission.
+ * point, distant: as pbrt. oriented is our own: "point3 position" (or "from"), "vector3 direction", "rgb I";
+ * it emits I cos(phi) about the direction. point and oriented take "float A" "float B" "float C": intensity
+ * falls as 1 / (A + B d + C d^2), by default 1 / d^2. Emission of shapes is in lc_pbrt_attrs.emission.
  */
 #include "pbrt/light_source.h"
 

@@ -1,17 +1,19 @@
 /* spot_light.c - LightSource "spot", "projection" and "goniometric": lights whose intensity depends on
- * direction (spot.h).
+ * direction (light_spot.h).
  *
  * Pictures: "filename" (v4) or "mapname" (v3). v4 turns projections upside down against v3, and wants
  * goniometric maps square, by equal area, where v3's are by latitude and longitude; in both a goniometric
- * light's y and z are exchanged. A map's greatest value of each channel goes into the intensity, so that what
- * kernels look up is 0..1.
+ * light's y and z are exchanged. A map's greatest value of each channel goes into the intensity, so that
+ * kernels look up values of 0..1.
  */
 #include "pbrt/light_source.h"
 
 #include <string.h>
 
-#define MAX_KNOTS 1025u /* along a side of an octahedron: 12 MB */
-#define DROP 1e-9       /* colours below this share of the greatest are 0, as cosines are: LC_MIN_COS */
+#define MIN_KNOTS 65u    /* along a side of an octahedron */
+#define MAX_KNOTS 1025u  /* 12 MB */
+#define MIN_COLOUR 1e-9  /* of the greatest: colours below are 0, as cosines below LC_MIN_COS are */
+#define CONE_MARGIN 2e-6 /* of cosines: greater than the error of an estimate's cosine */
 
 /* ---- spot ---- */
 
@@ -22,8 +24,8 @@ static double cosine_of(double degrees)
     return cosine;
 }
 
-/* pbrt-v4's smooth step between the cosines of the cone and of where the falloff begins, for v3 too, which
- * raises the same quotient to the fourth power. */
+/* The profile is pbrt-v4's smooth step between the cosines of the cone and of the angle where the falloff
+ * begins; v3, which raises the same quotient to the fourth power, is read the same way. */
 lc_status lc_pbrt_spot_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_light light = { .kind = LC_LIGHT_SPOT, .intensity = { 1, 1, 1 } };
@@ -108,13 +110,13 @@ static void normalise(shine *l, float *texels)
         for (size_t i = 0; i < n; i++) most = fmaxf(most, texels[3 * i + c]);
         for (size_t i = 0; i < n; i++) {
             float v = most > 0 ? texels[3 * i + c] / most : 0;
-            texels[3 * i + c] = v < (float)DROP ? 0 : v < 1 ? v : 1;
+            texels[3 * i + c] = v < (float)MIN_COLOUR ? 0 : v < 1 ? v : 1;
         }
         *intensity[c] *= most;
     }
 }
 
-/* power: the light's at its intensity. */
+/* power: of the light at its present intensity, W. */
 static lc_status add(lc_pbrt *p, lc_pos where, shine *l, float *texels, double power)
 {
     lc_status st = power > 0 ? lc_pbrt_light_photometric(p, "power", 1 / power, &l->light.intensity) : LC_OK;
@@ -161,8 +163,8 @@ static double copy_picture(shine *l, const double half[2], float *texels)
     return 4 * half[0] * half[1] * sum / (w * h);
 }
 
-/* The step lies outside the widest corner, farther than an estimate's cosine is off: the frustum is the
- * map's. */
+/* The cone's step lies outside the widest corner by more than the error of an estimate's cosine, so that the
+ * map alone bounds the frustum. */
 static lc_status set_cone(lc_pbrt *p, lc_pos where, shine *l, const double half[2])
 {
     double least = 1;
@@ -173,8 +175,8 @@ static lc_status set_cone(lc_pbrt *p, lc_pos where, shine *l, const double half[
         if (st) return st;
         least = fmin(least, (double)lc_f3_dot(d, l->light.dir));
     }
-    l->light.spot.cos_total = (float)(least - 4e-6);
-    l->light.spot.cos_start = (float)(least - 2e-6);
+    l->light.spot.cos_total = (float)(least - 2 * CONE_MARGIN);
+    l->light.spot.cos_start = (float)(least - CONE_MARGIN);
     return LC_OK;
 }
 
@@ -252,7 +254,7 @@ lc_status lc_pbrt_goniometric_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (st) return finish(p, &l, st);
     uint32_t w = lc_env_width(&l.env), h = lc_env_height(&l.env), side = 2 * (w > h ? w : h) + 1;
     l.env.mapping = l.is_v4 && w == h ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG;
-    l.map.width = l.map.height = side < 65 ? 65 : side > MAX_KNOTS ? MAX_KNOTS : side;
+    l.map.width = l.map.height = side < MIN_KNOTS ? MIN_KNOTS : side > MAX_KNOTS ? MAX_KNOTS : side;
     for (int k = 0; k < 3; k++) {
         float y = l.map.to_light[1][k];
         l.map.to_light[1][k] = l.map.to_light[2][k];

@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+#define MIN_SLOTS 16 /* a power of two */
+
 static uint64_t hash_of(const char *name)
 {
     uint64_t h = strlen(name);
@@ -31,7 +33,7 @@ uint32_t lc_pbrt_map_get(const lc_pbrt_map *map, const char *name)
 lc_status lc_pbrt_map_put(lc_pbrt_map *map, lc_arena *arena, const char *name, uint32_t value)
 {
     if (2 * (map->n + 1) > map->cap) {
-        lc_pbrt_map bigger = { NULL, map->n, map->cap ? 2 * map->cap : 16 };
+        lc_pbrt_map bigger = { NULL, map->n, map->cap ? 2 * map->cap : MIN_SLOTS };
         bigger.slots = lc_alloc(arena->ctx, bigger.cap, sizeof *bigger.slots);
         if (!bigger.slots) return LC_ERR_MEMORY;
         for (size_t i = 0; i < map->cap; i++)

@@ -1,7 +1,7 @@
-/* spot_map.h - names of materials, textures, objects and coordinate systems to small numbers. Open
- * addressing. */
-#ifndef LC_PBRT_MAP_H
-#define LC_PBRT_MAP_H
+/* spot_map.h - a hash map from the names of materials, textures, objects and coordinate systems to small
+ * numbers, by open addressing: a name that finds its slot taken goes to the next free one. */
+#ifndef LC_SPOT_MAP_H
+#define LC_SPOT_MAP_H
 
 #include "base/arena.h"
 
@@ -16,7 +16,7 @@ typedef struct lc_pbrt_map {
     size_t n, cap; /* cap: 0 or a power of two, at least twice n */
 } lc_pbrt_map;
 
-/* LC_NONE when the name is not there. */
+/* The name's number, or LC_NONE where it is not in the map. */
 uint32_t lc_pbrt_map_get(const lc_pbrt_map *map, const char *name);
 /* Adds or replaces; the name is copied to the arena. */
 lc_status lc_pbrt_map_put(lc_pbrt_map *map, lc_arena *arena, const char *name, uint32_t value);

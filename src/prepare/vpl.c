@@ -1,18 +1,17 @@
 /* vpl.c - see vpl.h.
  *
- *     a light, by power -> direction -> surface -> virtual light, goes on -> surface -> virtual light, goes
- * on -> ...
+ *     a light, by power -> direction -> surface -> virtual light, goes on -> surface -> virtual light, ...
  *
  * Path i draws its first numbers from point i of a Kronecker sequence (powers of the root of x^6 = x + 1,
- * [Roberts18]), which fill light, direction and first bounce evenly, and the others from its own hash. Each
- * virtual light shines as a diffuse surface does: flux * albedo / pi along the shading normal; lobes count as
- * diffuse with what they reflect in all; what lets light through diffusely has a light on its other side too.
- * Mirrors and glass send a path on, by chance where they do both. From the second rough surface on a path
- * ends by chance, 1 - albedo. Intensities are divided by the number of paths.
+ * [Roberts18]), which fills light, direction and first bounce evenly, and the others from its own hash. Each
+ * virtual light emits as a diffuse surface does: flux * albedo / pi along the shading normal. Lobes count as
+ * diffuse with all that they reflect; a surface with diffuse transmission has a light on its other side, too.
+ * At mirrors and glass a path goes on, by chance where they both reflect and transmit. From the second rough
+ * surface on a path ends with probability 1 - albedo. Intensities are divided by the number of paths.
  *
- * Lights that give next to nothing to what the camera sees, such as those on the outside of a room, are kept
- * by chance only and then are as much stronger ([Georgiev10]): WORTH of the median of the first batch's
- * lights is enough to be kept for sure.
+ * Lights that contribute little to what the camera sees, such as those outside a room, are kept with a
+ * probability below 1 only, and scaled by its inverse ([Georgiev10]). A light is certain to be kept from
+ * SURE_IMPORTANCE times the median importance of the first batch's lights on.
  */
 #include "prepare/vpl.h"
 
@@ -29,15 +28,15 @@
 
 #include <stdlib.h>
 
-#define BATCH LC_SIZE(4096, 128) /* paths that are traced at a time, in items */
-#define ITEM 64
-#define PATH_LIGHTS 32     /* of one path at most */
-#define PATHS_A_LIGHT LC_SIZE(64, 8) /* paths at most, for each light that is wanted */
-#define PATHS_FOR_NONE (16 * BATCH) /* that leave no light at all: there is nothing to light */
-#define PATH_SURFACES 64   /* after which a path that is still among mirrors or glass ends */
-#define DIMS 5
-#define WORTH 0.5
-#define LEAST_CHANCE 0.0625
+#define BATCH LC_SIZE(4096, 128)     /* paths traced at a time, after which lights are kept or dropped */
+#define ITEM 64                      /* paths that a thread traces at a time */
+#define PATH_LIGHTS 32               /* greatest number of lights of a path */
+#define PATHS_A_LIGHT LC_SIZE(64, 8) /* greatest number of paths for each light requested */
+#define PATHS_FOR_NONE (16 * BATCH)  /* paths without any light after which none is expected */
+#define PATH_SURFACES 64             /* greatest number of surfaces of a path, for those among mirrors */
+#define DIMS 5                       /* dimensions of the Kronecker sequence */
+#define SURE_IMPORTANCE 0.5          /* of the median: importance from which a light is kept for certain */
+#define MIN_CHANCE 0.0625            /* least probability of keeping a light */
 
 typedef struct maker {
     const lc_scene *scene;
@@ -46,8 +45,8 @@ typedef struct maker {
     double *sums; /* n_lights + 1: power of the lights before */
     double centre[3], radius; /* of a ball around all triangles */
     const lc_view_grid *view;
-    double enough; /* worth of a light that is kept; 0: not known yet, or of no use */
-    double *worth, *sorted; /* of slots; scratch */
+    double enough; /* importance from which a light is kept for certain; 0: not known yet, or all have none */
+    double *importance, *sorted; /* of slots; scratch */
     lc_light *slots; /* PATH_LIGHTS a path of the batch */
     uint8_t n_stored[BATCH];
     lc_light *made;
@@ -75,7 +74,8 @@ static double draw(path *p)
     return lc_unit(lc_hash4(p->m->seed, d, 0, 0) + (p->index + 1) * step[d]);
 }
 
-/* For choices between two ways, so that mirrors don't take the numbers of the first bounce. */
+/* For choices between reflection and transmission, so that mirrors do not use up the numbers of the first
+ * bounce. */
 static double toss(const path *p, uint32_t depth)
 {
     return lc_unit(lc_hash4(p->m->seed, p->index, depth, 2));
@@ -129,7 +129,7 @@ static void emit(path *p, const lc_light **from)
     p->flux = lc_f3_mul(lc_f3_scale(lc_f3_scale(light->intensity, (float)factor), ray.weight), ray.colour);
 }
 
-/* Lights of other attenuation than 1 / d^2 light what is at distance d as if they were so much stronger. */
+/* The factor by which a light is stronger at a surface than with attenuation of 1 / d^2. */
 static float unlike_square(const lc_light *light, const lc_surface *s)
 {
     const float *a = light->atten;
@@ -144,7 +144,7 @@ static float unlike_square(const lc_light *light, const lc_surface *s)
 
 static lc_f3 at_most_1(lc_f3 a) { return lc_f3_make(fminf(a.x, 1), fminf(a.y, 1), fminf(a.z, 1)); }
 
-/* Share of light that a rough surface sends back. */
+/* The fraction of light that a rough surface reflects. */
 static lc_f3 albedo(const lc_material *m, float cos_i)
 {
     return at_most_1(lc_lobes[m->lobe].albedo(m, cos_i));
@@ -161,7 +161,7 @@ static void store(path *p, const lc_surface *s, float side, lc_f3 albedo_of_side
                                               .atten = { 0, 0, 1 } };
 }
 
-/* Leaves virtual lights at a rough surface and sends the path on; false: it ends. */
+/* Stores virtual lights at a rough surface and continues the path; false: it ends. */
 static bool scatter(path *p, const lc_surface *s, uint32_t depth)
 {
     lc_f3 back = albedo(&s->material, -lc_f3_dot(p->dir, s->n)), on = s->material.kt;
@@ -184,8 +184,8 @@ static bool scatter(path *p, const lc_surface *s, uint32_t depth)
     return true;
 }
 
-/* Mirrors and glass; false: nothing is left. */
-static bool bend(path *p, const lc_surface *s, uint32_t depth)
+/* Continues the path at a mirror or glass; false: its flux is 0. */
+static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
 {
     float org[3], cos_i = -lc_f3_dot(p->dir, s->n);
     if (!s->material.glass) {
@@ -217,7 +217,7 @@ static void trace(path *p)
     for (uint32_t depth = 1; depth < p->m->max_depth && depth <= PATH_SURFACES; depth++) {
         if (!lc_surface_hit(p->m->scene, p->org, p->dir, 0, &s)) return;
         if (depth == 1) p->flux = lc_f3_scale(p->flux, unlike_square(from, &s));
-        if (!(lc_is_specular(&s.material) ? bend(p, &s, depth) : scatter(p, &s, depth))) return;
+        if (!(lc_is_specular(&s.material) ? scatter_specular(p, &s, depth) : scatter(p, &s, depth))) return;
     }
 }
 
@@ -233,7 +233,7 @@ static void trace_item(void *user, uint32_t thread, uint64_t item)
         m->n_stored[i] = 0;
         trace(&p);
         for (uint64_t k = i * PATH_LIGHTS; k < i * PATH_LIGHTS + m->n_stored[i]; k++)
-            m->worth[k] = lc_view_grid_importance(m->view, &m->slots[k],
+            m->importance[k] = lc_view_grid_importance(m->view, &m->slots[k],
                                                   lc_hash4(m->seed, p.index, k % PATH_LIGHTS, 4));
     }
 }
@@ -244,14 +244,14 @@ static int rising(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Median of the batch's lights that give anything, 0 without any; The mean would be that of the few
- * lights next to a point. */
-static double median_worth(maker *m)
+/* Median importance of the batch's lights that have any, 0 without such lights. Not the mean: a few lights
+ * next to a visible point would decide it. */
+static double median_importance(maker *m)
 {
     size_t n = 0;
     for (size_t i = 0; i < BATCH; i++)
         for (size_t k = i * PATH_LIGHTS; k < i * PATH_LIGHTS + m->n_stored[i]; k++)
-            if (m->worth[k] > 0) m->sorted[n++] = m->worth[k];
+            if (m->importance[k] > 0) m->sorted[n++] = m->importance[k];
     qsort(m->sorted, n, sizeof *m->sorted, rising);
     return n ? m->sorted[n / 2] : 0;
 }
@@ -260,8 +260,9 @@ static double median_worth(maker *m)
 static void keep(maker *m, size_t i, size_t k)
 {
     const lc_light *light = &m->slots[i * PATH_LIGHTS + k];
-    double chance = m->enough > 0 ? fmin(fmax(m->worth[i * PATH_LIGHTS + k] / m->enough, LEAST_CHANCE), 1)
-                                  : 1;
+    double chance = m->enough > 0
+                        ? fmin(fmax(m->importance[i * PATH_LIGHTS + k] / m->enough, MIN_CHANCE), 1)
+                        : 1;
     if (!(lc_unit(lc_hash4(m->seed, m->first_path + i, k, 5)) < chance)) return;
     m->made[m->n_made] = *light;
     m->made[m->n_made++].intensity = lc_f3_scale(light->intensity, (float)(1 / chance));
@@ -292,7 +293,7 @@ static void trace_all(maker *m)
         if (!m->n_made && m->n_paths >= PATHS_FOR_NONE) return;
         m->first_path = m->n_paths;
         lc_parallel(m->scene->ctx, BATCH / ITEM, trace_item, m);
-        if (!m->first_path) m->enough = WORTH * median_worth(m);
+        if (!m->first_path) m->enough = SURE_IMPORTANCE * median_importance(m);
         for (size_t i = 0; i < BATCH && m->n_made < m->n_wanted; i++, m->n_paths++)
             for (size_t k = 0; k < m->n_stored[i]; k++) keep(m, i, k);
     }
@@ -332,17 +333,17 @@ lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, ui
     if (!n_lights || max_depth < 2 || !scene->n_lights || !scene->n_tris) return LC_OK;
     m.sums = lc_alloc(ctx, n_sums, sizeof *m.sums);
     m.slots = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
-    m.worth = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.worth);
+    m.importance = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.importance);
     m.sorted = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
     m.made = lc_alloc_raw(ctx, n_room, sizeof *m.made);
-    lc_status st = m.sums && m.slots && m.worth && m.sorted && m.made ? LC_OK : LC_ERR_MEMORY;
+    lc_status st = m.sums && m.slots && m.importance && m.sorted && m.made ? LC_OK : LC_ERR_MEMORY;
     if (!st && prepare(&m) && !(st = lc_view_grid_init(&view, scene, LC_VIEW_GRID_SIDE, max_depth))) {
         trace_all(&m);
         st = add_all(scene, &m);
     }
     lc_free(ctx, m.sums, n_sums, sizeof *m.sums);
     lc_free(ctx, m.slots, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
-    lc_free(ctx, m.worth, (size_t)BATCH * PATH_LIGHTS, sizeof *m.worth);
+    lc_free(ctx, m.importance, (size_t)BATCH * PATH_LIGHTS, sizeof *m.importance);
     lc_free(ctx, m.sorted, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
     lc_view_grid_free(&view);
     lc_free(ctx, m.made, n_room, sizeof *m.made);

@@ -115,7 +115,7 @@ static void describe(explainer *e, uint32_t link, lc_explained_cluster *c)
     uint32_t rep = lc_rep_of(t, link, e->probe.cut.slot);
     lc_light_kind kind = lc_kind_of_light(t, rep);
     const lc_light_rec *light = &t->data.lights[rep];
-    const float *power = link & LC_LEAF ? light->intensity : t->data.nodes[link].power;
+    const float *power = link & LC_LEAF ? light->intensity : t->data.nodes[link].intensity;
     *c = (lc_explained_cluster){
         .id = id_of(t, link), .parent = LC_NO_CLUSTER, .kind = (uint32_t)kind, .light = rep
     };

@@ -15,11 +15,11 @@ LC_INLINE vf emission_bound(const cluster_lanes *l, lc_light_kind kind, vf cos_p
 }
 
 LC_INLINE vf lobe_bound(cluster_lanes *l, lc_lobe lobe, const lc_point *p, const rel_box *box, const range *n,
-                        bool far, vf g, vf diffuse, v3 power)
+                        bool far, vf g, vf diffuse, v3 intensity)
 {
     switch (lobe) {
 #define LOBE(ID, name) \
-    case LC_LOBE_##ID: return name##_bound(l, p, box, n, far, g, diffuse, power);
+    case LC_LOBE_##ID: return name##_bound(l, p, box, n, far, g, diffuse, intensity);
 #include "shade/lobes.h"
 #undef LOBE
     default: return diffuse * g;
@@ -34,11 +34,11 @@ LC_INLINE vf bound(cluster_lanes *l, lc_light_kind kind, lc_lobe lobe, const lc_
     rel_box box = rel_box_make(l, far ? origin : p->pos);
     range n = range_make(&box, set3(p->n), false);
     if (!vf_any_gt(n.z1, zero)) return zero; /* behind the horizon */
-    v3 power = row(l, ROW_INTENSITY);
-    vf diffuse = dot(weights(p->diffuse), power), g;
+    v3 intensity = row(l, ROW_INTENSITY);
+    vf diffuse = dot(weights(p->diffuse), intensity), g;
     if (far) g = max_cos(&n, least_q(&n, box.d2));
     else g = max_geometry(l, p, &box, &n);
-    vf u = lobe_bound(l, lobe, p, &box, &n, far, g, diffuse, power);
+    vf u = lobe_bound(l, lobe, p, &box, &n, far, g, diffuse, intensity);
     if (lc_is_aimed(kind)) {
         vf e = emission_bound(l, kind, max_cos_phi(l, &box));
         u = vf_max(u * e, zero); /* also NaN: infinite times 0 */
@@ -49,14 +49,14 @@ LC_INLINE vf bound(cluster_lanes *l, lc_light_kind kind, lc_lobe lobe, const lc_
 LC_INLINE void bounds_of(const lc_tree_data *t, const uint32_t *index, uint32_t n, lc_light_kind kind,
                          lc_lobe lobe, const lc_point *point, float *ub)
 {
-    const lc_point p = *point; /* that ub can't alias */
+    const lc_point p = *point; /* a copy, which ub cannot alias */
     uint32_t rest[VF_LANES];
     cluster_lanes l;
     l.tree = t;
     l.atten = lc_is_attenuated(kind) ? t->node_atten : NULL;
     for (uint32_t i = 0; i < n; i += VF_LANES) {
         l.index = index + i;
-        if (n - i < VF_LANES) { /* the last one fills up */
+        if (n - i < VF_LANES) { /* the last cluster fills the lanes up */
             for (uint32_t k = 0; k < VF_LANES; k++) rest[k] = index[i + (k < n - i ? k : n - i - 1)];
             l.index = rest;
         }
@@ -82,7 +82,7 @@ static void bounds(const lc_tree_data *t, const uint32_t *index, uint32_t n, lc_
 {
 #ifdef LC_HALF_AS_WIDE
     uint32_t rest = n % VF_LANES;
-    if (rest && rest <= VF_LANES / 2) { /* at half the price, and the same bits */
+    if (rest && rest <= VF_LANES / 2) { /* half the cost, the same bits */
         n -= rest;
         LC_HALF_AS_WIDE.shade.bounds(t, index + n, rest, kind, p, ub + n);
     }

@@ -1,54 +1,58 @@
-/* box_tmpl.c - the boxes of VF_LANES clusters as a point sees them, and what bounds their cosines and
- * distances; included by isa_tmpl.c.
+/* box_tmpl.c - the boxes of VF_LANES clusters relative to a point, and bounds of their cosines and distances;
+ * included by isa_tmpl.c.
  *
- * For a cluster in the box center +- half and a point x: members are p = y - x in c +- h. Three cosines are
- * bounded the same way, about the axes n (receiver), mirror (Phong lobe) and, with p reversed, the emission
- * cone's axis a:
+ * For a cluster in the box center +- half and a point x, members are p = y - x in c +- h. Three cosines are
+ * bounded the same way: about the axes n (receiver), mirror (Phong lobe) and, with p reversed, the emission
+ * cone's axis.
  *
  *     z1   greatest z = axis.p        r  least distance of the box from the axis       D  least |p|
  *     z1 <= 0: cos <= 0, else  cos = z / |p| <= z1 / sqrt(max(r^2 + z1^2, D^2))          [Miksik07] eq. 5
  *
  * in the frame whose second axis, t, points from the axis to the box centre: r |t| = t.t - sum |t_k| h_k.
- * Receiver cosine and 1/d^2 are bounded together : with z in [z0, z1], cos / d^2 = z / |p|^3 <= z / max(z^2 +
- * r^2, D^2)^(3/2), which grows in z up to sqrt(D^2 - r^2) and then up to r / sqrt 2, and falls beyond: its
- * maximum is at z* = those two's greater one, clamped to [z0, z1]. That is never above the product of the
- * separate bounds. With q = max(z*^2 + r^2, D^2) it is sqrt(z*^2 / q) / q: z* itself is not needed. z*^2 and
- * q are taken as no less than the distance floor: the cosine is 1 below it, and too great by 1e-5 at most of
- * the scene's size over |p|.
+ *
+ * The receiver's cosine and 1/d^2 are bounded together. With z in [z0, z1],
+ *
+ *     cos / d^2 = z / |p|^3 <= z / max(z^2 + r^2, D^2)^(3/2)
+ *
+ * which grows in z up to sqrt(D^2 - r^2), then up to r / sqrt 2, and falls beyond: its maximum is at z*, the
+ * greater of those two, clamped to [z0, z1]. That is never above the product of the separate bounds. With q =
+ * max(z*^2 + r^2, D^2) it is sqrt(z*^2 / q) / q, so z* itself is not needed. z*^2 and q are taken as no less
+ * than the distance floor: the cosine is 1 below it, and too great by at most 1e-5 of the scene's size over
+ * |p|.
  *
  * Rounding, u = 2^-24, m_k = |c_k| + half_k, M = sum m_k.
  * - Subtraction: the estimate's p and our c are each within u of the exact difference, so h_k = half_k + 4u
- * m_k. From there on p means the float vector that the estimate uses.
- * - D^2: the widening takes at most 2 * 4u m_k d_k of a square d_k^2, d_k = max(|c_k| - half_k, 0) <= m_k,
- * and our own rounding 6u m_k^2: we subtract 18u M^2. What is left may be negative, which is as good as 0.
+ *   m_k. From there on p means the float vector that the estimate uses.
+ * - D^2: the widening takes at most 2 * 4u m_k d_k off a square d_k^2, d_k = max(|c_k| - half_k, 0) <= m_k,
+ *   and our own rounding 6u m_k^2: we subtract 18u M^2. The difference may be negative, which is as good as
+ *   0.
  * - Dot products of three terms are within 3u of the sum of |terms|, at most S = sum |axis_k| m_k <= (1 + 2u)
- * M; the estimate's and our two make at most 9u S, the widening of h 4u S: we add 14u M.
+ *   M; the estimate's and our two make at most 9u S, the widening of h 4u S: we add 14u M.
  * - r: t = c - (axis.c) axis is within 8u M of the exact one (an axis of length 1 +- 2u included), and its
- * direction within 8u M / |t|, which matters by at most that times the half extent along the axis: together
- * at most 8u M (|t| + extent) <= 8u M^2 of r |t|. The widening is 4u sum |t_k| m_k <= 4u M^2, our own
- * rounding 6u M^2 (t.t <= M^2, sum |t_k| h_k <= M^2 / 4): 18u M^2.
+ *   direction within 8u M / |t|, which matters by at most that times the half extent along the axis: together
+ *   at most 8u M (|t| + extent) <= 8u M^2 of r |t|. The widening is 4u sum |t_k| m_k <= 4u M^2, our own
+ *   rounding 6u M^2 (t.t <= M^2, sum |t_k| h_k <= M^2 / 4): 18u M^2.
  * - Boxes within NEAR of the point have squares near underflow: their cosines are taken as 1, and NEAR is
- * added to z1.
- * - What follows is products, quotients and roots of positive terms: below 40 operations with those of the
- *   estimate, each within u; the factor SLACK = 1 + 2^-18 = 1 + 64u covers them. The limits of
- *   light.h and point.h keep what they multiply away from denormals wherever the estimate is not 0.
+ *   added to z1.
+ * - The rest is products, quotients and roots of positive terms: below 40 operations with those of the
+ *   estimate, each within u; the factor SLACK = 1 + 2^-18 = 1 + 64u covers them. The limits of light.h and
+ *   point.h keep their operands from being denormal wherever the estimate is not 0.
  * - Cosines enter angles (emission) and powers (Phong), where relative errors grow. For angles COS_SLACK =
- * 32u is added to them first: the estimate's own cosine is within 12u. For powers the square is multiplied by
- * 1 + 32u: the errors of dot products are in z1 already, so what is left is relative: 4.5u of the estimate's
- * quotient, twice; 8u of ours (r^2 5u, q and the quotient 1u an operation); 4u of a direction of length 1 +-
- * 2u that no estimate divides by.
+ *   32u is added to them first: the estimate's own cosine is within 12u. For powers the square is multiplied
+ *   by 1 + 32u: the errors of dot products are in z1 already, so the rest is relative: 4.5u of the estimate's
+ *   quotient, twice; 8u of ours (r^2 5u, q and the quotient 1u an operation); 4u of a direction of length 1
+ *   +- 2u that no estimate divides by.
  * - The power is fmath_tmpl.c's pow01_ub: above the exact one, and so above the estimate's times 1 - 2e-10.
  */
 #include "base/vec.h"
 #include "shade/tree_data.h"
 
-static const float U = 0x1p-24f;              /* unit roundoff */
-static const float SLACK = 1 + 0x1p-18f; /* factor of what is a product, quotient or root of positive terms */
-static const float COS_SLACK = 32 * 0x1p-24f; /* of cosines that enter angles */
-static const float COS2_SLACK = 1 + 32 * 0x1p-24f;
-static const float TINY = 1e-30f;             /* squares below this may have lost bits */
-static const float NEAR =
-    1e-12f; /* scene units: the square root of LC_MIN_D2, below which 1/d^2 is flat anyway */
+static const float U = 0x1p-24f;                   /* unit roundoff */
+static const float SLACK = 1 + 0x1p-18f;           /* factor of positive products, quotients, roots */
+static const float COS_SLACK = 32 * 0x1p-24f;      /* added to cosines that enter angles */
+static const float COS2_SLACK = 1 + 32 * 0x1p-24f; /* factor of squared cosines that are raised to powers */
+static const float TINY = 1e-30f;                  /* squares below this may have lost bits */
+static const float NEAR = 1e-12f;                  /* scene units: the root of LC_MIN_D2 */
 
 typedef struct {
     vf x, y, z;
@@ -65,13 +69,13 @@ LC_INLINE v3 along(v3 a, v3 b, vf s) { return (v3){ a.x + b.x * s, a.y + b.y * s
 
 LC_INLINE v3 scale3(v3 a, vf s) { return (v3){ a.x * s, a.y * s, a.z * s }; }
 
-/* The boxes about x, and what every axis needs of them. */
+/* The boxes relative to x, and what the bounds about every axis share. */
 typedef struct {
     v3 c, half, m; /* centre; half extent without the widening; |c| + half */
     vf m_sum;
-    vf z_slack;    /* of z */
-    vf r_slack;    /* of r |t| and d2 */
-    vf d2;         /* least |p|^2, or less than 0 */
+    vf z_slack;    /* rounding of z */
+    vf r_slack;    /* rounding of r |t| and d2 */
+    vf d2;         /* no more than the least |p|^2; may be negative */
 } rel_box;
 
 /* The boxes seen along an axis. */
@@ -93,8 +97,7 @@ typedef struct {
 enum { ROW_CENTER, ROW_HALF, ROW_INTENSITY, ROW_AXIS };
 
 #ifdef VF_LOADS_AHEAD
-/* All rows that will be needed, of four nodes at a time, so that addresses stay in registers: there are
- * enough for both. */
+/* Loads all rows that are needed, of four nodes at a time, so that the addresses stay in registers. */
 LC_INLINE void load(cluster_lanes *l, int n_rows)
 {
     vd r[4][4];
@@ -149,28 +152,28 @@ LC_INLINE range range_make(const rel_box *b, v3 axis, bool reversed)
     vf zc = dot(axis, b->c), zh = dot(abs3(axis), b->half) + b->z_slack;
     v3 t = { b->c.x - axis.x * zc, b->c.y - axis.y * zc, b->c.z - axis.z * zc };
     vf tt = dot(t, t), support = dot(abs3(t), b->half) + b->r_slack;
-    vf rt = vf_max(tt - support, zero),
-       r2 = vf_max(rt * (rt / tt), zero); /* NaN where tt is 0: MAX drops it */
+    vf rt = vf_max(tt - support, zero);
+    vf r2 = vf_max(rt * (rt / tt), zero); /* vf_max drops the NaN where tt is 0 */
     return (range){ (reversed ? -zc : zc) - zh, reversed ? zh - zc : zc + zh, r2 };
 }
 
 /* Least |p|^2 at the greatest cosine, where z1 > 0. */
 LC_INLINE vf least_q(const range *a, vf d2) { return vf_max(a->r2 + a->z1 * a->z1, d2); }
 
-/* Greatest cosine about the axis for that q. */
+/* Greatest cosine about the axis, for q of least_q. */
 LC_INLINE vf max_cos(const range *a, vf q)
 {
     const vf one = vf_set(1);
     return vf_sel_gt(q, vf_set(NEAR * NEAR), vf_min(a->z1 / vf_sqrt(q), one), one);
 }
 
-/* Greatest cos phi over boxes and cones; <= 0 where all face away. The boxes are there: row 0 is read. */
+/* Greatest cos phi over boxes and cones; <= 0 where all lights face away. Row ROW_CENTER has been read. */
 LC_INLINE vf max_cos_phi(cluster_lanes *l, const rel_box *box)
 {
     const vf one = vf_set(1), zero = vf_set(0), slack = vf_set(COS_SLACK);
     vf cc = l->row[ROW_CENTER][3];
     range a = range_make(box, row(l, ROW_AXIS), true);
-    /* all behind: the largest cosine is at the largest distance */
+    /* Where all members are behind, the greatest cosine is at the greatest distance. */
     vf q = vf_sel_gt(zero, a.z1, dot(box->m, box->m), least_q(&a, box->d2));
     vf ct = max_cos(&a, q) + slack;
     vf sines = (one - ct) * (one + ct) * ((one - cc) * (one + cc)); /* squared */
@@ -180,7 +183,7 @@ LC_INLINE vf max_cos_phi(cluster_lanes *l, const rel_box *box)
     return vf_sel_gt(vf_set(NEAR), box->m_sum, one, e);
 }
 
-/* Least f(d) by least A, B, C in k. */
+/* Least f(d), from the least A, B, C of the members, which are written to k. */
 LC_INLINE vf least_f(cluster_lanes *l, const lc_point *p, const rel_box *box, vf k[4])
 {
     const float *atten[VF_LANES];
@@ -195,7 +198,7 @@ LC_INLINE vf attenuated_bound(cluster_lanes *l, const lc_point *p, const rel_box
 {
     vf k[4], f = least_f(l, p, box, k), ab = k[0] + k[1];
     vf separate = max_cos(n, least_q(n, box->d2)) / f;
-    g = vf_min(g / k[2], vf_set(FLT_MAX)); /* where the members' least A, B, C are all 0 */
+    g = vf_min(g / k[2], vf_set(FLT_MAX)); /* infinite where the least A, B, C are all 0 */
     return vf_sel_gt(ab, vf_set(0), vf_min(g, separate), g);
 }
 
@@ -210,6 +213,7 @@ LC_INLINE vf max_geometry(cluster_lanes *l, const lc_point *p, const rel_box *bo
     return l->atten ? attenuated_bound(l, p, box, n, g) : g;
 }
 
+/* Weights of R G B in the luminance of light that a reflectance f scales, with the slack. */
 LC_INLINE v3 weights(const float f[3])
 {
     return (v3){ vf_set(0.2126f * SLACK * f[0]), vf_set(0.7152f * SLACK * f[1]),

@@ -14,9 +14,9 @@ void lc_cluster_from_light(lc_cluster *c, const lc_light *light)
         lc_f3_store(c->dlo, light->dir);
         lc_f3_store(c->dhi, light->dir);
     }
-    c->power[0] = light->intensity.x;
-    c->power[1] = light->intensity.y;
-    c->power[2] = light->intensity.z;
+    c->intensity[0] = light->intensity.x;
+    c->intensity[1] = light->intensity.y;
+    c->intensity[2] = light->intensity.z;
     for (int k = 0; k < 3; k++) c->atten[k] = lc_is_attenuated(light->kind) ? light->atten[k] : k == 2;
     if (lc_light_kinds[light->kind].least) lc_light_kinds[light->kind].least(light, c->least);
 }
@@ -29,15 +29,22 @@ void lc_cluster_join(lc_cluster *out, const lc_cluster *a, const lc_cluster *b)
         c.hi[k] = max_f(a->hi[k], b->hi[k]);
         c.dlo[k] = min_f(a->dlo[k], b->dlo[k]);
         c.dhi[k] = max_f(a->dhi[k], b->dhi[k]);
-        c.power[k] = a->power[k] + b->power[k];
+        c.intensity[k] = a->intensity[k] + b->intensity[k];
         c.atten[k] = min_f(a->atten[k], b->atten[k]);
     }
     for (int k = 0; k < LC_OWN_FLOATS; k++) c.least[k] = min_f(a->least[k], b->least[k]);
     *out = c;
 }
 
-/* The sphere through the box's corners has centre C = (lo + hi) / 2 and radius R = |hi - lo| / 2; it cuts the
- * unit sphere in the cap cos(beta) = (|C|^2 + 1 - R^2) / (2 |C|). */
+/* Least |lo + hi| of a box of directions that has a cone: below it the box is too near the whole sphere for
+ * an axis to mean anything. */
+#define MIN_AXIS 0.1
+
+/* The sphere through the box's corners has centre C = (lo + hi) / 2 and radius R = |hi - lo| / 2. It cuts the
+ * unit sphere in a cap of half angle beta:
+ *
+ *     cos(beta) = (|C|^2 + 1 - R^2) / (2 |C|)
+ */
 double lc_cluster_cone(const lc_cluster *c, double axis[3])
 {
     double s2 = 0, r2 = 0;
@@ -49,7 +56,7 @@ double lc_cluster_cone(const lc_cluster *c, double axis[3])
     }
     if (!lc_is_aimed(c->kind)) return 1;
     double s = sqrt(s2);
-    if (s < 0.1) { /* too near the whole sphere for the axis to mean anything */
+    if (s < MIN_AXIS) {
         axis[0] = axis[1] = 0;
         axis[2] = 1;
         return -1;
@@ -76,7 +83,7 @@ static float round_up(double x)
 }
 
 /* Least float >= a - b in exact arithmetic. The double difference is itself rounded where exponents are far
- * apart: e is what it lacks (Knuth's two-sum). */
+ * apart: e is its error (Knuth's two-sum). */
 static float difference_up(double a, double b)
 {
     double d = a - b, z = d - a, e = (a - (d - z)) + (-b - z);
@@ -103,7 +110,7 @@ void lc_cluster_store(const lc_cluster *c, lc_node *node, lc_atten *atten)
         float center = (float)(0.5 * (lo + hi));
         node->center[k] = center;
         node->half[k] = max_f(difference_up(hi, center), difference_up(center, lo));
-        node->power[k] = round_up(c->power[k]);
+        node->intensity[k] = round_up(c->intensity[k]);
         node->axis[k] = (float)axis[k];
         if (atten) (*atten)[k] = c->atten[k];
     }

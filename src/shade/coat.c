@@ -4,11 +4,14 @@
 #include "base/fmath.h"
 #include "shade/fresnel.h"
 
-/* 1 - mean reflectance, from outside, for diffuse light, the integral in closed form; linear where the terms
- * would cancel. */
+/* Least index for which the terms of the closed form do not cancel. */
+#define MIN_INDEX 1.001
+
+/* Fraction of diffuse light from outside that a smooth surface transmits: the integral in closed form, or
+ * linear in the index where the terms would cancel. */
 static double mean_transmitted(double m)
 {
-    const double least = 1.001;
+    const double least = MIN_INDEX;
     if (m < least) return 1 - (1 - mean_transmitted(least)) * (m - 1) / (least - 1);
     double a = m * m, b = a - 1, d = a + 1, e = a * a;
     double f = 0.5 + (m - 1) * (3 * m + 1) / (6 * (m + 1) * (m + 1)) +
@@ -18,14 +21,13 @@ static double mean_transmitted(double m)
     return 1 - f;
 }
 
-/* kd / (1 - kd Fi) */
+/* kd / (1 - kd Fi): the sum over any number of reflections back and forth below the coat. */
 static float many_times(float kd, float inside) { return kd / (1 - (kd < 1 ? kd : 1) * inside); }
 
-/* Of a coat of roughness a, against a smooth one: what is sent back inwards and what passes, as material.h
- * says. */
+/* Factors of Fi and A for a coat of roughness a, as material.h gives them. */
 static float rough_inside(double eta, float a)
 {
-    float more = (float)(1.1 + 1.125 / (eta > 1.001 ? eta - 1 : 0.001)), root = sqrtf(a);
+    float more = (float)(1.1 + 1.125 / (eta > MIN_INDEX ? eta - 1 : 0.001)), root = sqrtf(a);
     return 1 / (1 + more * (a * root * sqrtf(root)));
 }
 
@@ -44,7 +46,7 @@ lc_f3 lc_coat_below(const lc_material *m)
 
 lc_f3 lc_coat_albedo(const lc_material *m, float cos_i)
 {
-    /* a shading normal may have turned too far. */
+    /* cos_i may be negative where a shading normal is bent away. */
     float in = 1 - lc_fresnel_dielectric(fminf(fmaxf(cos_i, 0), 1), m->eta.x);
     return lc_f3_scale(lc_coat_below(m), in * (float)mean_transmitted((double)m->eta.x));
 }

@@ -6,7 +6,7 @@
 
 /* kd A / (eta^2 (1 - kd Fi)): times T of both directions over pi it is the coat's diffuse part. */
 lc_f3 lc_coat_below(const lc_material *m);
-/* Share of light from a direction of cosine cos_i that comes out again after it was below. */
+/* Fraction of light from a direction of cosine cos_i that leaves again after scattering below the coat. */
 lc_f3 lc_coat_albedo(const lc_material *m, float cos_i);
 
 #endif

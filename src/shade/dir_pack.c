@@ -26,7 +26,7 @@ lc_f3 lc_dir_unpack(const uint32_t word[2])
     return word[1] & LC_DIR_FLAG ? lc_f3_make(a, w, b) : lc_f3_make(a, b, w);
 }
 
-/* With component k made anew. */
+/* Packs d without its component k, which unpacking computes. */
 static void pack_about(const float d[3], int k, uint32_t word[2])
 {
     word[0] = to_bits(d[k == 0 ? 1 : 0]) & ~(LC_DIR_FLAG | LC_DIR_SIGN);
@@ -39,10 +39,11 @@ void lc_dir_pack(lc_f3 dir, uint32_t word[2])
 {
     const float d[3] = { dir.x, dir.y, dir.z }, most = lc_f3_max_abs(dir);
     int best = fabsf(d[0]) == most ? 0 : fabsf(d[1]) == most ? 1 : 2;
-    /* What was unpacked packs as it was, also where rounding has made another component the largest. */
+    /* A direction that was unpacked packs to the same words, also where rounding made another component
+     * largest. */
     for (int i = 0; i < 3; i++) {
         int k = (best + i) % 3;
-        if (fabsf(d[k]) < 0.5f) continue; /* then another is above 1 / sqrt 2, perhaps above 1 */
+        if (fabsf(d[k]) < 0.5f) continue; /* not k: another is above 1 / sqrt 2, perhaps above 1 */
         pack_about(d, k, word);
         lc_f3 u = lc_dir_unpack(word);
         if (u.x == dir.x && u.y == dir.y && u.z == dir.z) return;

@@ -1,9 +1,11 @@
-/* estimate_tmpl.c - transfers M G of VF_LANES lights at once; included by isa_tmpl.c. Lanes that contribute
- * nothing are computed all the same and set to 0; the root of B d is not taken where B is 0 in every lane.
+/* estimate_tmpl.c - transfers M G of VF_LANES lights at once; included by isa_tmpl.c.
+ *
+ * Lanes whose light contributes nothing are computed all the same, and set to 0. The square root that B d
+ * needs is skipped where B is 0 in every lane.
  */
 #include "shade/tree_data.h"
 
-/* 1 / f, times g; d2: squared distances. */
+/* g / f(d); d2: squared distances. */
 LC_INLINE vf attenuated(const lc_tree_data *t, const float *const *light, lc_light_kind kind,
                         const lc_point *p, vf d2, vf g)
 {
@@ -40,7 +42,7 @@ LC_INLINE vf channel(vf f, vf cos_g, vf lit)
     return vf_sel_gt(lit, zero, f, zero);
 }
 
-/* kind, lobe: constants. */
+/* Emission in the direction of the point; kind: a constant. */
 LC_INLINE vf emission(const lc_tree_data *t, const float *const *light, lc_light_kind kind, vf cos_phi,
                       const vf d[3], vf tint[3])
 {
@@ -105,7 +107,7 @@ LC_INLINE void estimate_of(const lc_tree_data *t, uint32_t first, const uint32_t
                            lc_light_kind kind, lc_lobe lobe, const lc_point *p, float *const out[6])
 {
     for (uint32_t i = 0; i < n; i += VF_LANES) {
-        const float *rec[VF_LANES]; /* the last one fills up */
+        const float *rec[VF_LANES]; /* the last light fills the lanes up */
         for (uint32_t k = 0; k < VF_LANES; k++) {
             uint32_t at = i + k < n ? i + k : n - 1;
             rec[k] = t->lights[index ? index[at] : first + at].pos;

@@ -1,8 +1,18 @@
 /* light.h - a light, of any of the kinds of light_kinds.h ([Miksik07] table in 2.2.2).
  *
- * Its contribution at a point is M G V I ([Walter05] 3): material, geometry, visibility, intensity. G is the
- * kind's emission in the point's direction over f(d) = A + B d + C d^2; phi is the angle between dir and the
- * direction from the light to the point.
+ * The room shade/ knows one light and one surface point: what the light contributes there (estimate_tmpl.c),
+ * and what a cluster of lights contributes at most (bounds_tmpl.c). In go materials and lights; lc_point and
+ * the arrays of lc_tree_data are what its kernels read.
+ *
+ * A light y contributes M(x, o, y) G(x, y) V(x, y) I(y) to the radiance that leaves a point x towards the
+ * viewer o ([Walter05] eq. 1), in that order:
+ *
+ *     material     reflectance towards o of light from y, times the cosine at the receiver
+ *     geometry     the kind's emission in the direction of x, over f(d) = A + B d + C d^2 for a distance of d
+ *     visibility   1, or 0 where y is occluded
+ *     intensity    of the light; a cluster has the sum of its lights' intensities
+ *
+ * phi is the angle between lc_light.dir and the direction from the light to the point.
  */
 #ifndef LC_LIGHT_H
 #define LC_LIGHT_H
@@ -14,7 +24,7 @@ enum {
     LC_LIGHT_AIMED = 2,
     LC_LIGHT_ATTENUATED = 4,
     LC_LIGHT_OWN = 8
-}; /* see light_kinds.h */
+}; /* traits: see light_kinds.h */
 
 typedef enum lc_light_kind {
 #define KIND(ID, name, traits) LC_LIGHT_##ID,
@@ -41,32 +51,32 @@ static inline bool lc_is_attenuated(lc_light_kind kind)
     return lc_light_traits(kind) & LC_LIGHT_ATTENUATED;
 }
 
-/* What is accepted, so that no product of an estimate leaves the range of normal floats, nor one of three
- * differences of coordinates in a shadow ray's test: sums of these stay below 48 LC_MAX_COORD^3. */
-#define LC_MAX_COORD 1e12f     /* scene units, of vertices and lights */
+/* The range of accepted input. Within it no product of an estimate leaves the range of normal floats, nor
+ * does a product of three differences of coordinates in a shadow ray's test: their sums stay below 48
+ * LC_MAX_COORD^3. */
+#define LC_MAX_COORD 1e12f      /* scene units, of vertices and lights */
 #define LC_MAX_INTENSITY 1e15f
 #define LC_MIN_INTENSITY 1e-18f /* a channel below this is set to 0 */
-#define LC_MIN_ATTEN 1e-10f    /* of a coefficient that is not 0 */
+#define LC_MIN_ATTEN 1e-10f     /* of a coefficient that is not 0 */
 #define LC_MAX_ATTEN 1e4f
-/* A beside a C of 1 may be anything from LC_MIN_D2 to this: no more than d^2 may be. */
+/* Greatest A beside a C of 1, the least being LC_MIN_D2: the range of d^2. */
 #define LC_MAX_SOFTENING 1e24f
-#define LC_MIN_D2 1e-24f       /* the distance floor's own floor */
+#define LC_MIN_D2 1e-24f        /* least distance floor, scene units^2 */
 
-/* How a spot shines. Anything below -1 shines everywhere. */
+/* The profile of a spot: emission is 0 where cos phi <= cos_total, 1 where cos phi >= cos_start. With cosines
+ * below -1 it emits in all directions. */
 typedef struct lc_spot {
-    float cos_total,
-        cos_start; /* -2..1, rising: emission is 0 at and below the first, 1 from the second on */
+    float cos_total, cos_start; /* -2..1, cos_total <= cos_start */
     uint32_t map;               /* 1 + index; 0: none */
 } lc_spot;
 
 typedef struct lc_light {
     lc_f3 pos;       /* world space; unused where the kind is far */
-    lc_f3 dir;       /* unit, the way light travels; unused by point lights */
+    lc_f3 dir;       /* unit, the direction in which light travels; unused by point lights */
     lc_f3 intensity; /* >= 0 */
     union {
-        float atten[3]; /* A, B, C of kinds that are attenuated, all >= 0, one of them > 0; (0, 0, 1) =
-                           inverse square */
-        lc_spot spot;   /* of spots */
+        float atten[3]; /* kinds with LC_LIGHT_ATTENUATED: A, B, C, all >= 0, one > 0; 0, 0, 1 is 1/d^2 */
+        lc_spot spot;   /* spots */
     };
     lc_light_kind kind;
 } lc_light;

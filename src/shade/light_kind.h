@@ -1,9 +1,12 @@
 /* light_kind.h - what the home of a kind of light (light_NAME.h) provides, and the table that the rest of the
  * code asks.
  *
- * Such a home has up to three parts: types that others use; below `#ifdef LC_TABLE_PARTS`, for light_kind.c
- * alone, its functions and LC_LIGHT_INFO_NAME, its line of the table; below `#ifdef LC_KERNEL_PARTS`, for the
- * kernels, NAME_emission and NAME_emission_bound.
+ * Such a home has up to three parts:
+ *
+ *     before both                types and functions that others use
+ *     #ifdef LC_TABLE_PARTS      for light_kind.c alone: its functions, and its line of the table,
+ *                                LC_LIGHT_INFO_NAME
+ *     #ifdef LC_KERNEL_PARTS     for the kernels: NAME_emission and NAME_emission_bound
  */
 #ifndef LC_LIGHT_KIND_H
 #define LC_LIGHT_KIND_H
@@ -12,13 +15,13 @@
 
 #include <string.h>
 
-/* What clusters keep of a kind's own: the least of each over all members. */
+/* Numbers that a cluster keeps for its kind alone: the least of each over all members. */
 #define LC_OWN_FLOATS 2
-#define LC_OWN_BYTES 16 /* of a kind's own record, at most */
+#define LC_OWN_BYTES 16 /* greatest size of a kind's own record */
 
 struct lc_spot_map; /* light_spot.h */
 
-/* What an emission is drawn by. */
+/* What a random emission is drawn from. */
 typedef struct lc_emit_from {
     double u[2];              /* 0 <= u < 1 */
     double centre[3], radius; /* of a ball around the scene, world space */
@@ -28,34 +31,37 @@ typedef struct lc_emit_from {
 /* A ray that a light emits. */
 typedef struct lc_emitted {
     lc_f3 org, dir;
-    /* Factors of the intensity times NAME_flux: emission in this direction over the density of drawing it. */
+    /* Flux of the ray = intensity times flux() times weight times colour; weight and colour: emission in this
+     * direction over the probability density of drawing it. */
     float weight;
     lc_f3 colour;
 } lc_emitted;
 
 typedef struct lc_light_kind_info {
     const char *name; /* in statistics and explanations */
-    /* Flux of intensity 1, W: what a light of the kind gives to a scene in a ball of this radius. */
+    /* Flux in W that a light of intensity 1 emits into a scene in a ball of this radius. */
     double (*flux)(const lc_light *light, double radius);
     void (*emit)(const lc_light *light, const lc_emit_from *from, lc_emitted *out);
     /* With LC_LIGHT_OWN. */
-    size_t own_size;                                             /* bytes of a record */
-    const char *(*check)(const lc_light *light,
-                         size_t n_maps); /* what is wrong with the kind's own part; NULL: nothing */
+    size_t own_size; /* bytes of a record */
+    /* What is wrong with the kind's own part of a light, or NULL. */
+    const char *(*check)(const lc_light *light, size_t n_maps);
     void (*least)(const lc_light *light, float least[LC_OWN_FLOATS]);
     void (*light_own)(void *rec, const lc_light *light);
     void (*node_own)(void *rec, const float least[LC_OWN_FLOATS]);
-    const char *(*check_own)(const void *rec, const float least[LC_OWN_FLOATS],
-                             bool has_maps); /* of a tree; NULL: right */
+    /* What is wrong with a record of a tree, or NULL. */
+    const char *(*check_own)(const void *rec, const float least[LC_OWN_FLOATS], bool has_maps);
     void (*least_of_own)(const void *rec, float least[LC_OWN_FLOATS]);
 } lc_light_kind_info;
 
 extern const lc_light_kind_info lc_light_kinds[LC_LIGHT_KINDS];
 
-/* A start off the light along `way`, so that the ray does not meet what the light lies on. */
+#define LC_EMIT_OFFSET (10 * 0x1p-23f) /* of the greatest coordinate: ten of its ulps */
+
+/* The origin of a ray along `way`, off the light so that the ray does not meet the surface it lies on. */
 static inline lc_f3 lc_emit_clear(const lc_light *light, lc_f3 way)
 {
-    return lc_f3_add(light->pos, lc_f3_scale(way, 10 * 0x1p-23f * lc_f3_max_abs(light->pos)));
+    return lc_f3_add(light->pos, lc_f3_scale(way, LC_EMIT_OFFSET * lc_f3_max_abs(light->pos)));
 }
 
 #endif

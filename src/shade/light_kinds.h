@@ -1,12 +1,12 @@
-/* light_kinds.h - the kinds of light, a line each. No guard: it is included wherever something is wanted of
- * all.
+/* light_kinds.h - the kinds of light, a line each. No guard: it is included wherever something is needed for
+ * each of them.
  *
- *     KIND(ID, name, traits)    shade/light_NAME.h is its home: all that the kind is stands there
+ *     KIND(ID, name, traits)    shade/light_NAME.h is its home: all that is particular to the kind is there
  *
- *     LC_LIGHT_FAR         at infinity: what counts as its position is the unit direction towards it
- *     LC_LIGHT_AIMED       shines in directions about lc_light.dir; clusters of them have a cone
- *     LC_LIGHT_ATTENUATED  falls off by lc_light.atten; others that are not far by 1/d^2
- *     LC_LIGHT_OWN         has records of its own, a light and a node, in lc_tree_data.own
+ *     LC_LIGHT_FAR         at infinity: the unit direction towards it takes the place of its position
+ *     LC_LIGHT_AIMED       emits in directions about lc_light.dir; a cluster of them has a cone
+ *     LC_LIGHT_ATTENUATED  falls off by lc_light.atten; other lights that are not far fall off by 1/d^2
+ *     LC_LIGHT_OWN         each light and each node has a record of the kind's own in lc_tree_data.own
  */
 #ifdef KIND
 KIND(POINT, point, LC_LIGHT_ATTENUATED)

@@ -1,6 +1,5 @@
-/* light_oriented.h - lights that shine from a point by the cosine about their direction, as a small piece of
- * a diffuse surface does: G = max(cos phi, 0) / f(d), intensity in W/sr along dir.
- */
+/* light_oriented.h - lights that emit from a point by the cosine about their direction, as a small piece of a
+ * diffuse surface does: G = max(cos phi, 0) / f(d), intensity in W/sr along dir. */
 #ifndef LC_LIGHT_ORIENTED_H
 #define LC_LIGHT_ORIENTED_H
 

@@ -1,4 +1,4 @@
-/* light_point.h - lights that shine from a point in all directions: G = 1 / f(d), intensity in W/sr.
+/* light_point.h - lights that emit from a point equally in all directions: G = 1 / f(d), intensity in W/sr.
  */
 #ifndef LC_LIGHT_POINT_H
 #define LC_LIGHT_POINT_H
@@ -32,7 +32,6 @@ static void point_emit(const lc_light *light, const lc_emit_from *from, lc_emitt
 
 #ifdef LC_KERNEL_PARTS
 
-/* Shines the same in all directions in which it shines. */
 LC_INLINE vf point_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3],
                             vf tint[3])
 {

@@ -1,25 +1,29 @@
-/* light_spot.h - lights that shine into a cone about their axis, their intensity varying with direction.
+/* light_spot.h - lights that emit into a cone about their axis, with an intensity that depends on the
+ * direction.
  *
- *     t = (cos phi - cos_total) / (cos_start - cos_total) in 0..1      emission = t^2 (3 - 2 t) colour
+ *     t = (cos phi - cos_total) / (cos_start - cos_total), clamped to 0..1
+ *     emission = t^2 (3 - 2 t) colour
  *
- * phi is the angle about the light's axis; the colour is 1, or that of a map: a picture that is projected, or
+ * phi is the angle about the light's axis. The colour is 1 or that of a map: a picture that is projected, or
  * intensities by direction on an octahedron (x, y of the direction over |x| + |y| + |z|, the lower half
- * folded outwards), each 0..1, so that a bound of the cosine alone holds. Estimates of all instruction sets
- * look colours up by lc_spot_colour, one light at a time.
+ * folded outwards). Both are in 0..1, so that a bound of the profile holds for the product. The estimates of
+ * all instruction sets look colours up by lc_spot_colour, one light at a time.
  */
 #ifndef LC_LIGHT_SPOT_H
 #define LC_LIGHT_SPOT_H
 
 #include "shade/light_kind.h"
 
-/* As kernels read it: of a light, or what is no less than any member's: the least cosines. */
+/* A profile as kernels read it: of a light, or of a cluster by its lights' least cosines, whose emission is
+ * no less than that of any of them. */
 typedef struct lc_spot_rec {
-    float cos_total, inv_width; /* 1 / (cos_start - cos_total), at most LC_SPOT_MAX_INV */
+    float cos_total;
+    float inv_width; /* 1 / (cos_start - cos_total), at most LC_SPOT_MAX_INV */
     float cos_start;
     uint32_t map;
 } lc_spot_rec;
 
-#define LC_SPOT_MAX_INV 1e30f /* a step: with this any cosine above cos_total by 1e-30 is within */
+#define LC_SPOT_MAX_INV 1e30f /* of a step: emission is 1 from cos_total + 1e-30 on */
 
 typedef struct lc_spot_map {
     float to_light[3][3];   /* rows; of any common length */
@@ -45,10 +49,10 @@ static inline float lc_spot_emission(const lc_spot_rec *spot, float cos_phi)
     return t * t * (3 - (t + t));
 }
 
-/* Column x of a row of three colours a texel, and x + 1 by f. */
+/* One channel between a texel and the next of its row, by the fraction f. */
 static inline float lc_spot_mix(const float *texel, float f) { return (1 - f) * texel[0] + f * texel[3]; }
 
-/* Octahedron: c channels between four knots. */
+/* Octahedron: the colour at x, y between four knots. */
 static inline void lc_spot_knots(const lc_spot_map *m, float x, float y, float rgb[3])
 {
     uint32_t ix = (uint32_t)x, iy = (uint32_t)y;
@@ -103,8 +107,8 @@ static const char *spot_check(const lc_light *light, size_t n_maps)
     return good && spot->map <= n_maps ? NULL : "the spot light's angles are out of range";
 }
 
-/* Profiles rise with the cosine and fall with both of these: the least ones of a cluster give no less than
- * any member's. */
+/* Emission does not increase with cos_total or cos_start: the least ones of a cluster give no less than any
+ * member's. */
 static void spot_least(const lc_light *light, float least[LC_OWN_FLOATS])
 {
     least[0] = light->spot.cos_total;
@@ -145,7 +149,7 @@ static double spot_flux(const lc_light *light, double radius)
     return 2 * LC_PI * (1 - fmax((double)light->spot.cos_total, -1));
 }
 
-/* Evenly over the cone; the flux by the profile. */
+/* Directions are uniform over the cone; the weight is the profile. */
 static void spot_emit(const lc_light *light, const lc_emit_from *from, lc_emitted *out)
 {
     lc_spot_rec spot;
@@ -178,7 +182,7 @@ LC_INLINE const lc_spot_rec *spot_of(const lc_tree_data *t, const float *light)
     return (const lc_spot_rec *)own->light + (light_index(t, light) - own->first_light);
 }
 
-/* lc_spot_emission; tint: colours of maps, or left alone. d: from the point to the light. */
+/* lc_spot_emission of each lane; tint: colours of the maps, or unchanged. d: from the point to the light. */
 LC_INLINE vf spot_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3],
                            vf tint[3])
 {
@@ -208,11 +212,11 @@ LC_INLINE vf spot_emission(const lc_tree_data *t, const float *const *light, vf 
     return x * x * (3 - (x + x));
 }
 
-/* Greatest emission for a cosine of at most e. The quotient t falls in both cos_total and cos_start, so that
- * of the members' least ones, cut off at 1, is no less than any member's; the members' cosines, cut off at 1,
- * are no more than e. Ours and a member's t are differences of what is exact, and their products: within 3u
- * each of exact, twice that in the emission, which grows no faster than t^2, and 3u more of its own: 18u, for
- * which the factor is taken once more. */
+/* Greatest emission for a cosine of at most e. The quotient t decreases with cos_total and with cos_start, so
+ * t of the members' least cosines, clamped to 1, is no less than any member's; the members' cosines, clamped
+ * to 1, are at most e. Our t and a member's are products of differences of exact numbers: within 3u of exact
+ * each, twice that in the emission, which grows no faster than t^2, and 3u more of its own: 18u, which the
+ * factor SLACK covers. */
 LC_INLINE vf spot_emission_bound(const lc_tree_data *t, const uint32_t *node, vf e)
 {
     const lc_own *own = &t->own[LC_LIGHT_SPOT];

@@ -6,15 +6,21 @@
 
 static float no_less(float a, float least) { return a > least ? a : least; }
 
-/* A unit vector across n: along `wish` where that has a direction along the surface, else across the axis
- * that n is farthest from. */
+/* Squared length of a tangent's part along the surface, below which the tangent has no direction there. */
+#define MIN_TANGENT2 1e-4f
+
+/* A unit vector perpendicular to n: the part of `wish` along the surface, or where that is too short, one
+ * perpendicular to the axis that n is farthest from. */
 static lc_f3 tangent_of(lc_f3 n, lc_f3 wish)
 {
     float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
     lc_f3 t = lc_f3_sub(wish, lc_f3_scale(n, lc_f3_dot(n, wish)));
     lc_f3 axis = lc_f3_make(x <= y && x <= z, y < x && y <= z, z < x && z < y);
-    return lc_f3_normalize(lc_f3_dot(t, t) > 1e-4f ? t : lc_f3_cross(axis, n));
+    return lc_f3_normalize(lc_f3_dot(t, t) > MIN_TANGENT2 ? t : lc_f3_cross(axis, n));
 }
+
+/* Relative, far above the rounding of a tangent's length. */
+#define LENGTH_SLACK (1 + 0x1p-20f)
 
 static void init_frame(lc_point *p, lc_f3 n, lc_f3 unit, lc_f3 view, const lc_material *m)
 {
@@ -23,7 +29,7 @@ static void init_frame(lc_point *p, lc_f3 n, lc_f3 unit, lc_f3 view, const lc_ma
     lc_f3_store(p->tangent[0], tx);
     lc_f3_store(p->tangent[1], ty);
     lc_f3_store(p->view, lc_f3_make(lc_f3_dot(tx, view), lc_f3_dot(ty, view), no_less(cos_o, 0)));
-    p->sharp = (1 + 0x1p-20f) / (ax < ay ? ax : ay);
+    p->max_tangent_length = LENGTH_SLACK / (ax < ay ? ax : ay);
 }
 
 #define LC_TABLE_PARTS

@@ -1,7 +1,7 @@
 /* lobe.h - what the home of a lobe (lobe_NAME.h) provides, and the table that the rest of the code asks.
  *
- * Below `#ifdef LC_TABLE_PARTS`, for lobe.c alone, NAME_init, NAME_albedo and NAME_check; below `#ifdef
- * LC_KERNEL_PARTS`, for the kernels, NAME_value and NAME_bound.
+ *     #ifdef LC_TABLE_PARTS      for lobe.c alone: NAME_init, NAME_albedo and NAME_check
+ *     #ifdef LC_KERNEL_PARTS     for the kernels: NAME_value and NAME_bound
  */
 #ifndef LC_LOBE_H
 #define LC_LOBE_H

@@ -1,36 +1,40 @@
-/* lobe_ggx.h - microfacets with the distribution of [Walter07], and a diffuse surface below a coat;
- * material.h has the formulas.
+/* lobe_ggx.h - microfacets by [Walter07], and a diffuse surface below a coat: see material.h.
  *
- * Bound: f cos = F r^2 cos / (s(o) cos + s(i) o.n) times a constant, r = |h|^2 / (X^2 + Y^2 + N^2), |h|^2 =
- * (ax X)^2 + (ay Y)^2 + N^2. With Ward's t <= sqrt(X^2 + Y^2) / N, and a <= 1 the larger roughness,
+ * Bound. Up to a constant, and with t <= sqrt(X^2 + Y^2) / N of slope_tmpl.c, a <= 1 the larger roughness,
  *
- *     r = (1 + ((ax X)^2 + (ay Y)^2) / N^2) / (1 + (X^2 + Y^2) / N^2) <= min(1 + a^2 t^2, max |h|^2 / min
- * N^2) / (1 + t^2)
+ *     f cos = F r^2 cos / (s(o) cos + s(i) o.n)
+ *     r = |h|^2 / (X^2 + Y^2 + N^2),   |h|^2 = (ax X)^2 + (ay Y)^2 + N^2
+ *       = (1 + ((ax X)^2 + (ay Y)^2) / N^2) / (1 + (X^2 + Y^2) / N^2)
+ *      <= min(1 + a^2 t^2, max |h|^2 / min N^2) / (1 + t^2)
  *
- * since (1 + a^2 x) / (1 + x) falls. The first is exact where ax = ay; the second brings a lobe down that is
- * long one way. |h|^2 = 2 + 2 i.o, two cosines about o. s(i)^2 >= cos^2 + b^2 (1 - cos^2), b the smaller
- * roughness: s(i) grows with the cosine, s(i) / cos falls; and |p| s(i) >= w.p, w = S u, S the symmetric
- * matrix of s, u any unit vector: that along S e. So
+ * since (1 + a^2 x) / (1 + x) decreases. The first is exact where ax = ay; the second lowers the bound of a
+ * lobe that is long in one direction. |h|^2 = 2 + 2 i.o, two cosines about o. With b the smaller roughness
+ * s(i)^2 >= cos^2 + b^2 (1 - cos^2): s(i) increases with the cosine, s(i) / cos decreases; and |p| s(i) >=
+ * w.p with w = S u, S the symmetric matrix of s, u the unit vector along S e. With g the greatest cos / f(d),
  *
- *     cos / (s(o) cos + s(i) o.n) / f(d) <= g / (s(o) c0 + s0 o.n) and <= 1 / (least f(d) (s(o) + q o.n)), g:
- * greatest cos / f(d)
+ *     cos / (s(o) cos + s(i) o.n) / f(d) <= g / (s(o) c0 + s0 o.n)
+ *                                    and <= 1 / (least f(d) (s(o) + q o.n))
  *
  * with c0 the least cosine, s0 the greater of s there and min w.p / max |p|, q that of s / cos at the
- * greatest cosine and min w.p / z1. F falls with the cosine c = |h| / 2: Schlick's plainly, a dielectric's up
- * to an index of 2 + sqrt 3 (unit_ggx.c goes through them). A conductor's is no more than that of light
- * across the plane, 1 - 4 / ((w + x) / (c Re N) + 2), x = c^2, N^2 = x + p + i q, p = eta^2 - k^2 - 1, q = 2
- * eta k, w = |N|^2, which falls too: the derivative of ln((w + x)^2 / (x (w + x + p))) by x is -(p^2 + q^2) /
- * (w x (w + x)). A coat lets in more of light that is steeper: T at the greatest cosine.
- * - t holds for the estimate's X, Y, N, as above, and its squares of roughness are used. |h|^2 as the
- * estimate adds it up: frames are perpendicular to 4u, tangents off by 5u in length and components by 10u:
- * 40u of |h|^2 and 70u; i.o as for COS_SLACK: 64u. We take 256u of both. s(i): the same frame, 40u of it;
- * 256u.
+ * greatest cosine and min w.p / z1.
+ *
+ * F decreases with the cosine c = |h| / 2: Schlick's plainly, a dielectric's up to an index of 2 + sqrt 3
+ * (unit_ggx.c goes through them). A conductor's is no more than that of light polarised across the plane of
+ * incidence. With w = |N|^2,
+ *
+ *     1 - 4 / ((w + x) / (c Re N) + 2),   x = c^2,   N^2 = x + p + i q,   p = eta^2 - k^2 - 1,   q = 2 eta k
+ *
+ * which decreases, too, as ln((w + x)^2 / (x (w + x + p))) has the derivative -(p^2 + q^2) / (w x (w + x)) by
+ * x. A coat transmits more of steeper light: T is taken at the greatest cosine.
+ * - t holds for the estimate's X, Y, N, as in slope_tmpl.c, and its squares of roughness are used. |h|^2 as
+ *   the estimate adds it up: frames are perpendicular to 4u, tangents off by 5u in length and components by
+ *   10u: 40u of |h|^2 and 70u; i.o as for COS_SLACK: 64u. We take 256u of both. s(i): same frame, 40u; 256u.
  * - w.p: u and w within 8u, three dot products 9u each, the widening 4u, all times |S| <= 1: 64uM.
  * - T: g 2.5u, squares of sums 9u, quotients and products: below 20u of T <= 1 in estimate and bound: F is
- * raised by 64u.
+ *   raised by 64u.
  * - Conductors: x + p is off by 2u x where it cancels, N by the root of that at most, 3.5e-4 c; the quotient
- * of amplitudes by 2 c / |c + N|^2 times that, its square by twice as much: 1.4e-3, here and in the estimate.
- * CONDUCTOR_SLACK is 3.9e-3.
+ *   of amplitudes by 2 c / |c + N|^2 times that, its square by twice as much: 1.4e-3, here and in the
+ *   estimate. CONDUCTOR_SLACK is 3.9e-3.
  * - r^2 has 18u in the estimate and 20u here, the rest 12u: a SLACK of its own.
  */
 #ifdef LC_TABLE_PARTS
@@ -43,28 +47,29 @@ static float stretched_length(const lc_point *p, float x, float y, float z)
     return sqrtf(x * x + y * y + z * z);
 }
 
-/* Share of light that a smooth dielectric lets through, 0 < c: half of 4 c g / (c + g)^2 + 4 eta^2 c g /
- * (eta^2 c + g)^2, with g = eta times the cosine inside. */
+/* The fraction of light that a smooth dielectric transmits, at a cosine c > 0, with g = eta times the cosine
+ * inside: half of 4 c g / (c + g)^2 + 4 eta^2 c g / (eta^2 c + g)^2. */
 static float let_through(const lc_point *p, float c)
 {
-    float g = sqrtf(p->bend + c * c), s = c + g, t = p->eta2 * c + g;
+    float g = sqrtf(p->eta2_minus_1 + c * c), s = c + g, t = p->eta2 * c + g;
     float half = (1 / (s * s) + p->eta2 / (t * t)) * (c * g);
     return half + half;
 }
 
-/* What is below the coat, as it is seen from outside but for what it lets in. */
+/* The diffuse part below the coat as seen from outside, without the transmittance of the light on its way in.
+ */
 static lc_f3 below_coat(const lc_point *p, const lc_material *m)
 {
     return lc_f3_scale(lc_coat_below(m), p->view[2] > LC_MIN_COS ? let_through(p, p->view[2]) : 0);
 }
 
-/* Returns the factor of ks. What lies below a coat goes to *kd. */
+/* Returns the factor of ks. With a coat the diffuse part below it is written to *kd. */
 static float ggx_init(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, lc_f3 *kd)
 {
     const double eta[3] = { (double)m->eta.x, (double)m->eta.y, (double)m->eta.z };
     const double k[3] = { (double)m->k.x, (double)m->k.y, (double)m->k.z };
     float factor = (float)(0.5 / LC_PI) / (m->roughness[0] * m->roughness[1]);
-    /* twice: then it is across to the last digit. */
+    /* Twice, so that the result is perpendicular to within rounding. */
     if (lc_f3_dot(n, view) < 0) view = tangent_of(n, tangent_of(n, view));
     init_frame(p, n, tangent_of(n, tangent_of(n, m->tangent)), view, m);
     lc_f3_store(p->to_view, view);
@@ -73,26 +78,26 @@ static float ggx_init(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, lc
     p->fresnel = m->fresnel == LC_FRESNEL_NONE ? LC_FRESNEL_SCHLICK : m->fresnel;
     p->coat = m->coat;
     p->eta2 = (float)(eta[0] * eta[0]);
-    p->bend = (float)(eta[0] * eta[0] - 1);
-    lc_f3 rise = lc_f3_scale(lc_f3_make(no_less(1 - m->ks.x, 0), no_less(1 - m->ks.y, 0),
+    p->eta2_minus_1 = (float)(eta[0] * eta[0] - 1);
+    lc_f3 delta = lc_f3_scale(lc_f3_make(no_less(1 - m->ks.x, 0), no_less(1 - m->ks.y, 0),
                                         no_less(1 - m->ks.z, 0)),
-                             factor);
-    if (m->fresnel == LC_FRESNEL_SCHLICK && lc_f3_max(m->ks) > 0) lc_f3_store(p->rise, rise);
+                              factor);
+    if (m->fresnel == LC_FRESNEL_SCHLICK && lc_f3_max(m->ks) > 0) lc_f3_store(p->schlick_delta, delta);
     for (int i = 0; i < 3 && m->fresnel == LC_FRESNEL_CONDUCTOR; i++) {
-        p->rise[i] = (float)(eta[i] * eta[i] - k[i] * k[i] - 1);
-        p->turn[i] = (float)(2 * eta[i] * k[i]);
+        p->n2_real_minus_1[i] = (float)(eta[i] * eta[i] - k[i] * k[i] - 1);
+        p->n2_imag[i] = (float)(2 * eta[i] * k[i]);
     }
     if (m->coat) *kd = below_coat(p, m);
     return factor;
 }
 
-/* The lobe and what lies below it. */
+/* The lobe and the diffuse part below it. */
 static lc_f3 ggx_albedo(const lc_material *m, float cos_i)
 {
     return lc_f3_add(m->coat ? lc_coat_albedo(m, cos_i) : m->kd, lc_reflectance(m, cos_i, false));
 }
 
-/* Are its indices of refraction those that reflectances and bounds can do with? */
+/* Whether the indices of refraction are in the range that reflectances and bounds allow. */
 static bool ggx_check(const lc_material *m)
 {
     const float *eta = &m->eta.x, *k = &m->k.x;
@@ -109,8 +114,9 @@ static bool ggx_check(const lc_material *m)
 
 #ifdef LC_KERNEL_PARTS
 
-#define HALF_SLACK (256 * U)
-#define CONDUCTOR_SLACK 0x1p-8f
+#define HALF_SLACK (256 * U)      /* of |h|^2, absolute and relative, and of s(i)^2 */
+#define TRANSMIT_SLACK (64 * U)   /* of F of a dielectric */
+#define CONDUCTOR_SLACK 0x1p-8f   /* of F of a conductor */
 
 LC_INLINE vf stretched(const lc_point *p, vf x, vf y, vf z)
 {
@@ -126,12 +132,13 @@ LC_INLINE void ggx_fresnel(const lc_point *p, vf c, vf lobe, vf out[3])
     if (p->fresnel == LC_FRESNEL_SCHLICK) {
         vf m = one - c, m2 = m * m, w = m2 * m2 * m;
         w = vf_sel_gt(vf_set(LC_MIN_LOBE), w, vf_set(0), w);
-        for (int k = 0; k < 3; k++) out[k] = (p->specular[k] + p->rise[k] * w) * lobe;
+        for (int k = 0; k < 3; k++) out[k] = (p->specular[k] + p->schlick_delta[k] * w) * lobe;
     } else if (p->fresnel == LC_FRESNEL_DIELECTRIC) {
         vf f = vf_max(one - transmitted(p, c), vf_set(0));
         for (int k = 0; k < 3; k++) out[k] = p->specular[k] * f * lobe;
     } else {
-        for (int k = 0; k < 3; k++) out[k] = p->specular[k] * conductor(p->rise[k], p->turn[k], c) * lobe;
+        for (int k = 0; k < 3; k++)
+            out[k] = p->specular[k] * conductor(p->n2_real_minus_1[k], p->n2_imag[k], c) * lobe;
     }
 }
 
@@ -161,46 +168,47 @@ LC_INLINE void ggx_value(const lc_point *p, const vf d[3], vf cos_r, vf inv_len,
     for (int k = 0; k < 3; k++) f[k] = f[k] * coat + lobe[k];
 }
 
-/* Greatest reflectance for a cosine of at least c, times the power. */
-LC_INLINE vf max_fresnel(const lc_point *p, vf c, v3 power)
+/* Greatest reflectance for a cosine of at least c, times the intensity. */
+LC_INLINE vf max_fresnel(const lc_point *p, vf c, v3 intensity)
 {
     const vf one = vf_set(1);
     v3 s = weights(p->specular);
     if (p->fresnel == LC_FRESNEL_SCHLICK) {
         vf m = one - c, m2 = m * m, w = m2 * m2 * m;
-        return dot(s, power) + dot(weights(p->rise), power) * w;
+        return dot(s, intensity) + dot(weights(p->schlick_delta), intensity) * w;
     }
     if (p->fresnel == LC_FRESNEL_DIELECTRIC) {
-        vf f = one - transmitted(p, vf_max(c, vf_set(LC_MIN_COS))) + 64 * U;
-        return dot(s, power) * vf_min(f, one);
+        vf f = one - transmitted(p, vf_max(c, vf_set(LC_MIN_COS))) + TRANSMIT_SLACK;
+        return dot(s, intensity) * vf_min(f, one);
     }
     vf f[3], t2, w;
     for (int k = 0; k < 3; k++)
-        f[k] = vf_min(conductor_across(p->rise[k], p->turn[k], c, &t2, &w) + CONDUCTOR_SLACK, one);
+        f[k] = vf_min(conductor_across(p->n2_real_minus_1[k], p->n2_imag[k], c, &t2, &w) + CONDUCTOR_SLACK,
+                      one);
     s = (v3){ s.x * f[0], s.y * f[1], s.z * f[2] };
-    return dot(s, power);
+    return dot(s, intensity);
 }
 
 /* Least and greatest |h|^2. */
 LC_INLINE void half_range(const lc_point *p, const rel_box *box, vf far2, vf *least, vf *most)
 {
-    const vf zero = vf_set(0), two = vf_set(2), slack = vf_set(256 * U);
+    const vf zero = vf_set(0), two = vf_set(2), slack = vf_set(HALF_SLACK);
     range away = range_make(box, set3(p->to_view), true), to = { zero, -away.z0, away.r2 };
-    /* where all are behind the largest cosine is at the largest distance */
+    /* Where all members are behind, the greatest cosine is at the greatest distance. */
     vf c0 = max_cos(&away, vf_sel_gt(zero, away.z1, far2, least_q(&away, box->d2)));
     vf c1 = max_cos(&to, vf_sel_gt(zero, to.z1, far2, least_q(&to, box->d2)));
     *least = vf_max(two - slack - two * c0, zero) * (1 - HALF_SLACK);
     *most = (two + slack + two * c1) * (1 + HALF_SLACK);
 }
 
-/* Length of the least (ax w.x, ay w.y, w.z) for a cosine of c, which grows with c, from below. */
+/* A lower bound of the length of (ax w.x, ay w.y, w.z) for unit w of cosine c; it increases with c. */
 LC_INLINE vf least_stretched(const lc_point *p, vf c)
 {
     vf cc = c * c, square = vf_set(p->square[0] < p->square[1] ? p->square[0] : p->square[1]);
     return vf_sqrt((cc + square * vf_max(1 - cc, vf_set(0))) * (1 - HALF_SLACK));
 }
 
-/* Least |p| times the length of (ax i.x, ay i.y, i.z), by its tangent at the box centre. */
+/* A lower bound of |p| s(i) over the box: the linear w.p of above, which is exact at the box centre. */
 LC_INLINE vf linear_stretched(const lc_point *p, const rel_box *box)
 {
     const vf a = vf_set(p->square[0]), b = vf_set(p->square[1]);
@@ -212,8 +220,8 @@ LC_INLINE vf linear_stretched(const lc_point *p, const rel_box *box)
     return vf_max(low - box->m_sum * (64 * U), vf_set(0));
 }
 
-/* Greatest receiver cosine times 1 / f(d) and what stands below the fraction of GGX's lobe; near: least
- * receiver cosine. */
+/* Greatest cos / (s(o) cos + s(i) o.n) / f(d), the lesser of the two bounds of above; near: least receiver
+ * cosine. */
 LC_INLINE vf ggx_geometry(cluster_lanes *l, const lc_point *p, const rel_box *box, bool far_kind, vf g,
                           vf cos_r, vf near, vf z1, vf far)
 {
@@ -226,9 +234,9 @@ LC_INLINE vf ggx_geometry(cluster_lanes *l, const lc_point *p, const rel_box *bo
     return vf_min(vf_min(both, apart), vf_set(FLT_MAX / 2));
 }
 
-/* Bound of the lobe; diffuse: what bounds the rest without its coat and g. */
+/* Bound of lobe and diffuse part. diffuse: of the latter, without coat and g. */
 LC_INLINE vf ggx_bound(cluster_lanes *l, const lc_point *p, const rel_box *box, const range *n,
-                       bool far, vf g, vf diffuse, v3 power)
+                       bool far, vf g, vf diffuse, v3 intensity)
 {
     const vf one = vf_set(1), zero = vf_set(0), o_n = vf_set(p->view[2]);
     vf far2 = dot(box->m, box->m), clear, h_least, h_most, slope = least_slope(p, box, &clear);
@@ -240,10 +248,11 @@ LC_INLINE vf ggx_bound(cluster_lanes *l, const lc_point *p, const rel_box *box, 
     vf z = o_n + near, r = vf_min(one + square * t2, h_most / (z * z)) / (one + t2);
     vf lobe = r * r * SLACK * ggx_geometry(l, p, box, far, g, cos_r, near, n->z1, vf_sqrt(far2));
     if (p->coat) diffuse = diffuse * (transmitted(p, cos_r) * SLACK);
-    return diffuse * g + max_fresnel(p, 0.5f * vf_sqrt(h_least), power) * lobe;
+    return diffuse * g + max_fresnel(p, 0.5f * vf_sqrt(h_least), intensity) * lobe;
 }
 
 #undef HALF_SLACK
+#undef TRANSMIT_SLACK
 #undef CONDUCTOR_SLACK
 
 #endif

@@ -1,5 +1,8 @@
-/* lobe_phong.h - modified Phong ([Miksik07] eq. 6): ks (n + 2) / (2 pi) cos(alpha)^n, alpha between the
- * mirror direction and that to the light. Estimates and bounds are as box_tmpl.c says.
+/* lobe_phong.h - modified Phong ([Miksik07] eq. 6), alpha between the mirror direction and that to the light:
+ *
+ *     ks (n + 2) / (2 pi) cos(alpha)^n
+ *
+ * Estimates and bounds are as box_tmpl.c says.
  */
 #ifdef LC_TABLE_PARTS
 
@@ -28,7 +31,7 @@ static bool phong_check(const lc_material *m)
 
 #ifdef LC_KERNEL_PARTS
 
-/* Power of the cosine about the mirror direction. */
+/* cos(alpha)^n. */
 LC_INLINE vf phong_power(const lc_point *p, const vf d[3], vf inv_len, vf lit)
 {
     const vf zero = vf_set(0), one = vf_set(1);
@@ -42,7 +45,7 @@ LC_INLINE vf phong_power(const lc_point *p, const vf d[3], vf inv_len, vf lit)
     return vf_sel_gt(vf_set(LC_MIN_LOBE), lobe, zero, lobe);
 }
 
-/* Adds the lobe to f, R G B of what is below it, for unnormalised directions d. */
+/* Adds the lobe to f, the diffuse reflectance R G B, for directions d of any length. */
 LC_INLINE void phong_value(const lc_point *p, const vf d[3], vf cos_r, vf inv_len, vf lit, vf f[3])
 {
     vf power = phong_power(p, d, inv_len, lit);
@@ -50,7 +53,7 @@ LC_INLINE void phong_value(const lc_point *p, const vf d[3], vf cos_r, vf inv_le
     for (int k = 0; k < 3; k++) f[k] = f[k] + p->specular[k] * power;
 }
 
-/* Greatest power of the Phong lobe's cosine. */
+/* Greatest cos(alpha)^n. */
 LC_INLINE vf max_phong(const lc_point *p, const rel_box *box)
 {
     const vf one = vf_set(1), zero = vf_set(0);
@@ -62,15 +65,15 @@ LC_INLINE vf max_phong(const lc_point *p, const rel_box *box)
     return vf_sel_gt(m.z1, zero, lobe, zero);
 }
 
-/* Bound of lobe and diffuse part. diffuse: of the latter without geometry; g: greatest receiver cosine times
- * 1 / f(d). */
+/* Bound of lobe and diffuse part. diffuse: of the latter, without g; g: greatest receiver cosine times 1 /
+ * f(d). */
 LC_INLINE vf phong_bound(cluster_lanes *l, const lc_point *p, const rel_box *box, const range *n, bool far,
-                         vf g, vf diffuse, v3 power)
+                         vf g, vf diffuse, v3 intensity)
 {
     (void)l;
     (void)n;
     (void)far;
-    return (diffuse + dot(weights(p->specular), power) * max_phong(p, box)) * g;
+    return (diffuse + dot(weights(p->specular), intensity) * max_phong(p, box)) * g;
 }
 
 #endif

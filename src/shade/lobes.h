@@ -1,7 +1,7 @@
 /* lobes.h - the lobes of reflection beside the diffuse one, a line each. No guard: it is included wherever
- * something is wanted of all.
+ * something is needed for each of them.
  *
- *     LOBE(ID, name)    shade/lobe_NAME.h is its home: all that the lobe is stands there
+ *     LOBE(ID, name)    shade/lobe_NAME.h is its home: all that is particular to the lobe is there
  */
 #ifdef LOBE
 LOBE(PHONG, phong)

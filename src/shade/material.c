@@ -7,7 +7,7 @@ double lc_roughness_alpha(lc_remap remap, double roughness)
 {
     if (remap == LC_REMAP_NONE) return roughness;
     if (remap == LC_REMAP_SQRT) return sqrt(fmax(roughness, 0));
-    /* pbrt-v3, TrowbridgeReitzDistribution::RoughnessToAlpha; above 1e6 nothing changes, as alpha is clamped
+    /* pbrt-v3, TrowbridgeReitzDistribution::RoughnessToAlpha. Above 1e6 nothing changes, as alpha is clamped.
      */
     double x = lc_ln(fmin(fmax(roughness, 1e-3), 1e6));
     return 1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)));

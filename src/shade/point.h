@@ -1,7 +1,7 @@
 /* point.h - a shading point as the kernels read it, and the limits within which estimates stay.
  *
- * Distance floor. Estimate and bound use d2 = max(|y - x|^2, min_d2) wherever they divide by f(d), so a point
- * on a light gives a finite number; min_d2 is 1e-10 of the squared diagonal of the scene.
+ * Distance floor: estimate and bound divide by f(d) with d2 = max(|y - x|^2, min_d2), so that a point on a
+ * light gives a finite number; min_d2 is 1e-10 of the squared diagonal of the scene.
  */
 #ifndef LC_POINT_H
 #define LC_POINT_H
@@ -15,38 +15,41 @@
 #define LC_MIN_LOBE 1e-12f
 #define LC_MIN_TRANSFER 1e-19f
 #define LC_MAX_TRANSFER 1e20f
-#define LC_WARD_MIN_COS 0.02f /* under the root of Ward's lobe cosines are no less: see material.h */
-#define LC_TINY_PART 1e-20f /* of a complex index, where that is divided by */
+#define LC_WARD_MIN_COS 0.02f     /* least cosine under the root of Ward's lobe: see material.h */
+#define LC_TINY_PART 1e-20f       /* least real part of a conductor's N, which is a divisor */
 #define LC_MIN_REFLECTANCE 1e-10f /* diffuse and specular of lc_point below this are 0 */
-/* Squares of lengths below this count as this where a cosine is formed: no division by 0. */
+/* Least squared length that a cosine is divided by the root of. */
 #define LC_TINY_D2 1e-36f
 
-/* What estimate and bound need to know of one shading point. Filled by lc_point_init (shade.h). */
+/* What estimate and bound need to know of one shading point. Filled by lc_point_init (point_init.h). */
 typedef struct lc_point {
     float pos[3];      /* world space */
     float n[3];        /* unit shading normal, on the viewer's side */
-    float ng[3];       /* geometric normal, on that side: lights behind are hidden; 0: not known, or n.
+    float ng[3];       /* geometric normal, on that side: lights behind it are occluded; 0: not known, or n.
                           lc_point_init leaves it 0. */
     float mirror[3];   /* unit, 2 (n.o) n - o, o towards the viewer */
     float diffuse[3];  /* kd / pi */
-    float specular[3]; /* Phong: ks (n + 2) / (2 pi); Ward: ks / (4 pi ax ay sqrt(co)); GGX: ks / (2 pi ax ay)
-                        */
+    /* Phong: ks (n + 2) / (2 pi); Ward: ks / (4 pi ax ay sqrt(co)); GGX: ks / (2 pi ax ay) */
+    float specular[3];
     float exponent;
-    float min_d2;
-    lc_lobe lobe;      /* LC_LOBE_NONE where specular is 0, but below a coat */
-    /* Ward, GGX: h along these is what is squared. */
-    float tangent[2][3]; /* unit tangent over ax, bitangent over ay */
-    float view[3];       /* tangent.o, bitangent.o, n.o >= 0 */
-    float sharp;         /* no less than the tangents' lengths */
+    float min_d2;      /* distance floor, scene units^2 */
+    lc_lobe lobe;      /* LC_LOBE_NONE where specular is 0, except with a coat */
+    /* Ward, GGX: X and Y of slope_tmpl.c are the products of h with these. */
+    float tangent[2][3];      /* unit tangent over ax, unit bitangent over ay */
+    float view[3];            /* tangent.o, bitangent.o, n.o >= 0 */
+    float max_tangent_length; /* no less than the length of either tangent */
     /* GGX */
     lc_fresnel fresnel;
-    bool coat;           /* diffuse lies below it, what passes on the way out counted already */
+    bool coat;           /* the diffuse part lies below it, and includes its transmittance to the viewer */
     float to_view[3];    /* unit, world space, not below the horizon */
     float square[2];     /* ax^2, ay^2 */
     float masking;       /* length of (ax o.x, ay o.y, o.z) */
-    float rise[3];       /* Schlick: what specular grows by towards grazing; conductor: eta^2 - k^2 - 1 */
-    float turn[3];       /* conductor: 2 eta k */
-    float eta2, bend;    /* dielectric, coat: eta^2, eta^2 - 1 */
+    union {
+        float schlick_delta[3];   /* Schlick: what is added to specular at grazing incidence */
+        float n2_real_minus_1[3]; /* conductor: eta^2 - k^2 - 1, the squared index's real part less 1 */
+    };
+    float n2_imag[3];         /* conductor: 2 eta k, the squared index's imaginary part */
+    float eta2, eta2_minus_1; /* dielectric, coat: eta^2, eta^2 - 1 */
 } lc_point;
 
 #endif

@@ -1,5 +1,9 @@
-/* point_init.h - fills in what the kernels read of a shading point and of a light. Radiance towards the
- * viewer = transfer M G * intensity * visibility, per channel; M G is what the estimate kernel gives. */
+/* point_init.h - fills in what the kernels read of a shading point and of a light.
+ *
+ * In the terms of light.h, M G V I, a light contributes transfer M G times visibility V times intensity I,
+ * per channel. The estimate kernel gives M G: material and geometry, which do not depend on how strong the
+ * light is.
+ */
 #ifndef LC_POINT_INIT_H
 #define LC_POINT_INIT_H
 
@@ -9,8 +13,8 @@
 /* n and view: unit; n is flipped to the viewer's side by the caller. */
 void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_material *m, float min_d2);
 
-/* M G of one light, R G B, >= 0 and finite, by the kernels; 0 where light or receiver face away. Of kinds
- * without records of their own. atten: A, B, C, or NULL for 0, 0, 1. */
+/* Transfer M G of one light by the kernels, R G B, >= 0 and finite; 0 where light or receiver face away. Only
+ * for kinds without records of their own. atten: A, B, C, or NULL for 0, 0, 1. */
 lc_f3 lc_estimate_one(const lc_shade_kernels *kernels, const lc_point *p, lc_light_kind kind,
                       const lc_light_rec *light, const float *atten);
 

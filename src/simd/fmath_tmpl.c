@@ -1,22 +1,25 @@
-/* fmath_tmpl.c - powers of many floats; included by isa_*.c.
+/* fmath_tmpl.c - powers of many floats; included by isa_tmpl.c.
  *
- * pow01 is lc_pow01, decay is lc_decay: the operations of fmath.c in the same order, so the same bits; there
- * is the derivation.
+ * pow01 is lc_pow01 and decay is lc_decay: the operations of fmath.c in the same order, so the same bits; the
+ * derivation is there.
  *
- * pow01_ub is an upper bound of x^n, 0 < x <= 1, in float; or 0 where x^n < LC_MIN_LOBE. By the same series,
- * u = 2^-24: s within 2u (m - 1 is exact), ln m within 6u, cut after z^3 another 1.4u; ln x = e ln 2 + ln m
- * is at least half of its larger term, so within 13u, and y = n ln x, no less than -28 where it matters,
- * within 28 * 14u = 2.4e-5. r is within u of y - k ln 2 (k LN2_HIGH is exact), e^r cut after r^5
- * within 2.4e-6 + 5u. All below POW_SLACK = 1 + 2^-15. Neighbouring terms are added in pairs: a shorter chain
- * of operations. decay_ub bounds e^-y by the same exponential, y >= 0 exact.
+ * pow01_ub is an upper bound of x^n, 0 < x <= 1, in float; or 0 where x^n < LC_MIN_LOBE. It takes the same
+ * series, with u = 2^-24:
+ * - s is within 2u (m - 1 is exact), ln m within 6u; omitting the terms after z^3 adds 1.4u.
+ * - ln x = e ln 2 + ln m is at least half of its larger term, so within 13u, and y = n ln x, no less than -28
+ *   where it matters, within 28 * 14u = 2.4e-5.
+ * - r is within u of y - k ln 2 (k LN2_HIGH is exact), e^r without the terms after r^5 within 2.4e-6 + 5u.
+ *
+ * All together is below POW_SLACK = 1 + 2^-15. Neighbouring terms are added in pairs, for a shorter chain of
+ * operations. decay_ub bounds e^-y by the same exponential, y >= 0 exact.
  */
 #include "base/fmath.h"
 
-#define LN2_HIGH 0.693359375f /* ten bits */
+#define LN2_HIGH 0.693359375f /* the first ten bits of ln 2 */
 #define LN2_LOW (-2.12194440e-4f)
 #define POW_SLACK (1 + 0x1p-15f)
 #define LN_MIN_LOBE (-27.7f) /* ln LC_MIN_LOBE = -27.63 */
-#define WHOLE 0x1.8p23f      /* added and taken away again: rounds to a whole number */
+#define WHOLE 0x1.8p23f      /* added and subtracted: rounds to a whole number */
 
 /* e^y for y <= 0, from above; 0 where that is below LC_MIN_LOBE. */
 LC_INLINE vf exp_ub(vf y)

@@ -25,8 +25,8 @@ LC_INLINE bool vf_any_gt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_GT_O
 LC_INLINE vf vf_load(const float *p) { return _mm512_loadu_ps(p); }
 LC_INLINE void vf_store(float *p, vf a) { _mm512_storeu_ps(p, a); }
 
-/* There are registers for the rows of all records and their addresses at once: kernels may load first,
- * transpose then. */
+/* There are enough registers for the rows of all records and their addresses: kernels load first, then
+ * transpose. */
 #define VF_LOADS_AHEAD
 
 /* Four floats, as two doubles, of p[0], p[4], p[8] and p[12]. */
@@ -63,8 +63,8 @@ LC_INLINE vd vd_sel_gt(vd a, vd b, vd x, vd y)
     return _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_GT_OQ), y, x);
 }
 #pragma GCC diagnostic push
-#pragma GCC diagnostic ignored                                                                               \
-    "-Wsign-conversion" /* GCC 12 at -O0: its macro of this name passes a mask of 255 as a char */
+/* GCC 12 at -O0: its macro _mm512_roundscale_pd passes a mask of 255 as a char. */
+#pragma GCC diagnostic ignored "-Wsign-conversion"
 LC_INLINE vd vd_trunc(vd a) { return _mm512_roundscale_pd(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
 #pragma GCC diagnostic pop
 LC_INLINE vd vd_low(vf a) { return _mm512_cvtps_pd(_mm512_castps512_ps256(a)); }

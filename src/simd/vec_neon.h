@@ -50,7 +50,7 @@ LC_INLINE vf vf_of(vd low, vd high) { return vcvt_high_f32_f64(vcvt_f32_f64(low)
 typedef float32x4_t vb;
 typedef uint32x4_t vbu;
 
-/* A bit for each lane of a mask of all or no bits. */
+/* A bit for each lane of a mask whose lanes have all bits set or none. */
 LC_INLINE uint32_t vb_mask(uint32x4_t mask)
 {
     const uint32x4_t bit = { 1, 2, 4, 8 };

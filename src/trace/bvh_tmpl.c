@@ -1,31 +1,35 @@
-/* bvh_tmpl.c - closest and any hit on the eight-wide BVH; included by isa_tmpl.c.
+/* bvh_tmpl.c - closest hits on the eight-wide BVH, and the tests of boxes and triangles; included by
+ * isa_tmpl.c.
  *
  * Triangles: Woop, Benthin, Wald 2013, "Watertight ray/triangle intersection". The ray is sheared onto its
  * largest axis; a vertex is sheared by the same operations wherever it is used, and the sign of each edge
  * function is exact (two rounded products compare as the exact ones do or tie; ties are settled in double,
- * where they are exact), so a ray through a shared edge or vertex can't pass between its triangles.
+ * where they are exact), so a ray through a shared edge or vertex cannot pass between its triangles.
  *
- * Boxes: Ize 2013, "Robust BVH ray traversal": the far distance is widened by 1 + 2 gamma(3), here 1 + 2^-20;
- * the builder pads the boxes by what the shear may round off.
+ * Boxes: Ize 2013, "Robust BVH ray traversal". The far distance is widened by 1 + 2 gamma(3), here 1 + 2^-20;
+ * the builder pads the boxes by the rounding of the shear.
  *
  * A node has eight children, a block eight triangles: LC_BLOCK_LANES. They are tested VB_LANES at a time,
  * from lane k on.
  */
 #include "base/vec.h"
 
+/* Least size of a direction's component as a divisor: smaller ones count as this, with their sign. */
+static const float MIN_DIR = 1e-30f;
+
 typedef struct {
     int kx, ky, kz;
     float sx, sy, sz;         /* shear */
     vb vo[3], vi[3];          /* origin, inverse direction, per axis */
     vb vf[3];                 /* inverse direction for far planes: times LC_FAR_SLACK */
-    uint32_t near[3], far[3]; /* where in a node, in floats, the near and far planes of an axis stand */
+    uint32_t near[3], far[3]; /* offsets in a node, in floats, of an axis' near and far planes */
     vb vsx, vsy;
 } ray;
 
 static inline void ray_init(ray *r, const float org[3], const float dir[3])
 {
     for (int k = 0; k < 3; k++) {
-        float d = fabsf(dir[k]) < 1e-30f ? copysignf(1e-30f, dir[k]) : dir[k], inv = 1 / d;
+        float d = fabsf(dir[k]) < MIN_DIR ? copysignf(MIN_DIR, dir[k]) : dir[k], inv = 1 / d;
         uint32_t lo = 8 * (uint32_t)k, hi = 24 + lo;
         r->vo[k] = vb_set(org[k]);
         r->vi[k] = vb_set(inv);
@@ -38,7 +42,7 @@ static inline void ray_init(ray *r, const float org[3], const float dir[3])
     r->kx = r->kz == 2 ? 0 : r->kz + 1;
     r->ky = r->kx == 2 ? 0 : r->kx + 1;
     float dz = dir[r->kz];
-    if (dz == 0) dz = 1e-30f; /* a null direction hits nothing sensible, but must not divide by 0 */
+    if (dz == 0) dz = MIN_DIR; /* a null direction has no meaningful hits, but must not divide by 0 */
     r->sx = dir[r->kx] / dz;
     r->sy = dir[r->ky] / dz;
     r->sz = 1 / dz;
@@ -64,7 +68,7 @@ static inline uint32_t test_boxes(const float *f, const ray *r, float t_min, flo
     return met;
 }
 
-/* Edge functions that came out 0 once more, in double, lane by lane. */
+/* Computes edge functions that are 0 in float again in double, lane by lane. */
 static void settle_zeros(const vb x[3], const vb y[3], uint32_t lanes, vb edge[3])
 {
     _Alignas(32) float X[3][VB_LANES], Y[3][VB_LANES], e[3][VB_LANES];
@@ -111,9 +115,9 @@ static inline uint32_t edges(const lc_tri_block *b, uint32_t at, const ray *r, v
     return (pos | neg) & ~vb_eq(e[0] + e[1] + e[2], zero);
 }
 
-/* Distances to the triangles' planes, a.N / d.N with N from the edges. What Woop's test interpolates instead,
- * e.z / det, is off by 1e-4 of the farthest vertex's distance where a triangle is long and the ray starts far
- * away. */
+/* Distances to the triangles' planes, a.N / d.N with N from the edges. Woop's test interpolates e.z / det
+ * instead, which may be off by 1e-4 of the farthest vertex's distance where a triangle is long and the ray
+ * starts far away. */
 static inline vb plane_distances(const lc_tri_block *b, uint32_t at, const ray *r)
 {
     const int axis[3] = { r->kx, r->ky, r->kz };
@@ -130,13 +134,12 @@ static inline vb plane_distances(const lc_tri_block *b, uint32_t at, const ray *
     return h / along * r->sz;
 }
 
-/* Of a block's triangles: edge functions 1 and 2, distance, sum of the edge functions. */
+/* For each of a block's triangles: edge functions 1 and 2, distance, sum of the edge functions. */
 typedef struct {
     _Alignas(32) float v[8], w[8], t[8], det[8];
 } tri_hits;
 
-/* Bits of the triangles that the ray meets at t in (t_min, t_max); only their places in *hits mean anything.
- */
+/* Bits of the triangles that the ray meets at t in (t_min, t_max); only their entries of *hits are valid. */
 static inline uint32_t test_tris(const lc_tri_block *b, const ray *r, float t_min, float t_max,
                                  tri_hits *hits)
 {
@@ -193,7 +196,7 @@ static inline uint32_t push_sorted(const uint32_t child[8], uint32_t flags, uint
     return n;
 }
 
-/* Of the BVH's own triangles. */
+/* The closest hit among the BVH's own triangles. */
 LC_INLINE void closest_tri(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max,
                            lc_hit *hit)
 {
@@ -220,7 +223,7 @@ LC_INLINE void closest_tri(const lc_bvh_data *bvh, const float org[3], const flo
     }
 }
 
-/* ---- instances: rays go on in the object's space, with the same t ---- */
+/* ---- instances: rays continue in the object's space, with the same t ---- */
 
 /* A point (w = 1) or a vector (w = 0) in the object's space, rounded once. */
 static inline void to_object(const lc_instance *at, const float v[3], double w, float out[3])
@@ -229,7 +232,7 @@ static inline void to_object(const lc_instance *at, const float v[3], double w, 
     for (int k = 0; k < 3; k++, m += 4) out[k] = (float)(m[0] * x + m[1] * y + m[2] * z + m[3] * w);
 }
 
-/* The nearer of *hit and what the ray meets of an instance. */
+/* Sets *hit to the nearer of itself and the ray's closest hit on an instance. */
 static __attribute__((noinline)) void closest_in(const lc_placed *p, uint32_t i, const float org[3],
                                                  const float dir[3], lc_hit *hit)
 {

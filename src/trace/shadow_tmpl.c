@@ -1,31 +1,36 @@
 /* shadow_tmpl.c - shadow rays of one point, 64 at a time; included by isa_tmpl.c after bvh_tmpl.c.
  *
- * A stack entry is a subtree and the mask of the rays that have to go there. What depends on the origin only
+ * A stack entry is a subtree and the mask of the rays that have to visit it. What depends on the origin only
  * is computed once for all of them: the planes of a node's boxes relative to the origin, and the edge planes
- * of a block's triangles. A ray that is alone in a subtree goes through it in a loop of its own; in a large
- * tree several such rays take turns.
+ * of a block's triangles. A ray that is alone in a subtree traverses it in a loop of its own; in a large tree
+ * several such rays take turns.
  *
- * Triangles a, b, c relative to the origin; a ray along d passes inside where the volumes d.(b x c), d.(c x
- * a), d.(a x b) have one sign. That is Woop's edge functions times the direction's largest component, in
- * other arithmetic: with u = 2^-24 and M the largest coordinate of a, b, c, Woop's sheared vertices are
- * within 4uM of the exact ones, its edge functions then within 32 u M^2; cross and dot products here are
- * within 30 u M^2 max|d|. So beyond E = 64 u M^2 max|d| the sign is the sign Woop's test finds; where a
- * volume is nearer to 0 that test itself is asked. Filter and fallback give the answer of Woop's test for
- * every ray, whatever company it travels in.
+ * With triangles a, b, c relative to the origin, a ray along d passes inside where the volumes
  *
- * The distance is that to the triangle's plane, a.N / d.N with N from the edges: better than Woop's
- * interpolated one, and needs no division.
+ *     d.(b x c)     d.(c x a)     d.(a x b)
+ *
+ * have one sign. These are Woop's edge functions times the direction's largest component, in other
+ * arithmetic. With u = 2^-24 and M the largest coordinate of a, b, c, Woop's sheared vertices are within 4uM
+ * of the exact ones, its edge functions then within 32 u M^2; cross and dot products here are within 30 u M^2
+ * max|d|. So beyond E = 64 u M^2 max|d| the sign is the one that Woop's test finds; where a volume is nearer
+ * to 0, Woop's test itself decides. Filter and fallback together give the answer of Woop's test for every
+ * ray, whichever rays share its stream.
+ *
+ * The distance is that to the triangle's plane, a.N / d.N with N from the edges: more exact than Woop's
+ * interpolated one, and without a division.
  */
 #include "trace/bvh_data.h"
 
-#define STREAM 64
+#define STREAM 64             /* rays */
+#define VOLUME_SLACK 0x1p-18f /* 64 u: E over M^2 max|d| */
+
 typedef struct {
     _Alignas(32) float d[3][STREAM], inv[3][STREAM], d_max[STREAM];
-    uint32_t near[3][STREAM]; /* where the near plane of an axis stands among a node's planes; the far one is
-                                 8 behind */
+    /* Offset of an axis' near plane among the planes of stream_boxes; the far one is 8 later. */
+    uint32_t near[3][STREAM];
     const float *org;
     const lc_bvh_data *bvh;
-    uint32_t *by; /* for each ray: the block where it was stopped */
+    uint32_t *by; /* for each ray: the block that occludes it */
     vb vorg[3], vt_min, vt_max;
 } rays;
 
@@ -36,10 +41,10 @@ static const uint32_t bit_of[32] = {
     1u << 24, 1u << 25, 1u << 26, 1u << 27, 1u << 28, 1u << 29, 1u << 30, 1u << 31,
 };
 
-/* What follows from an axis of the directions of n rays; those up to a multiple of 8 are there too. */
+/* Sets what depends on one axis of the directions of n rays; d is filled up to a multiple of 8. */
 LC_INLINE void rays_axis(rays *r, const float org[3], uint32_t n, uint32_t k)
 {
-    const vb zero = vb_set(0), tiny = vb_set(1e-30f), minus_tiny = vb_set(-1e-30f);
+    const vb zero = vb_set(0), tiny = vb_set(MIN_DIR), minus_tiny = vb_set(-MIN_DIR);
     r->vorg[k] = vb_set(org[k]);
     for (uint32_t i = 0; i < n; i += VB_LANES) {
         vb d = vb_load(&r->d[k][i]);
@@ -49,7 +54,7 @@ LC_INLINE void rays_axis(rays *r, const float org[3], uint32_t n, uint32_t k)
     for (uint32_t i = 0; i < n; i++) r->near[k][i] = 24 * k + (r->inv[k][i] < 0 ? 8 : 0);
 }
 
-/* What follows from all of them. */
+/* Sets what depends on all three axes. */
 LC_INLINE void rays_ready(rays *r, const lc_bvh_data *bvh, const float org[3], uint32_t n)
 {
     r->org = org;
@@ -79,8 +84,8 @@ static inline void rays_init(rays *r, const lc_bvh_data *bvh, const float org[3]
  * then hi[3][8]. */
 static inline uint32_t stream_boxes(const float *f, const rays *r, uint64_t mask, uint64_t met[8])
 {
-    _Alignas(
-        32) float plane[3 * 24]; /* an axis: low, high, low planes, so that near and far are neighbours */
+    /* For each axis low, high and low planes again: the far ones always come right after the near ones. */
+    _Alignas(32) float plane[3 * 24];
     _Alignas(32) uint32_t bits[2][8];
     const vb slack = vb_set(LC_FAR_SLACK);
     uint32_t any = 0;
@@ -134,7 +139,7 @@ LC_INLINE vb3 cross_fused(vb3 a, vb3 b)
 
 LC_INLINE vb max_abs(vb3 a) { return vb_max(vb_max(vb_abs(a.x), vb_abs(a.y)), vb_abs(a.z)); }
 
-/* The planes of triangles: normal N from the edges, and a.N. Every path decides distances by these. */
+/* The planes of triangles: normal N from the edges, and a.N. Every code path takes distances from these. */
 typedef struct {
     vb3 n;
     vb h;
@@ -167,7 +172,7 @@ static __attribute__((noinline)) uint32_t inside(const lc_tri_block *b, uint32_t
     return edges(b, at, &r, x, y, e);
 }
 
-/* Do lanes `in`, counted from `at`, of a block that may have holes stop ray i? */
+/* Whether lanes `in`, counted from `at`, of a block that may have holes occlude ray i. */
 static __attribute__((noinline)) bool solid(const lc_tri_block *b, uint32_t at, const rays *s, uint32_t i,
                                             uint32_t in)
 {
@@ -188,15 +193,15 @@ static __attribute__((noinline)) bool solid(const lc_tri_block *b, uint32_t at, 
     return false;
 }
 
-/* Rays of `mask` that some triangle of the block from lane `at` on stops. holes: a constant, false where the
- * BVH has no alpha. */
+/* Rays of `mask` that some triangle of the block from lane `at` on occludes. holes: a constant, false where
+ * the BVH has no alpha. */
 LC_INLINE uint64_t stream_lanes(const lc_tri_block *b, uint32_t at, const rays *r, uint64_t mask, bool holes)
 {
     uint64_t stopped = 0;
     const vb3 va = corner_from(b->v[0], at, r->vorg), vb_ = corner_from(b->v[1], at, r->vorg);
     const vb3 vc = corner_from(b->v[2], at, r->vorg);
     const vb3 n0 = cross_fused(vb_, vc), n1 = cross_fused(vc, va), n2 = cross_fused(va, vb_);
-    const vb m = vb_max(vb_max(max_abs(va), max_abs(vb_)), max_abs(vc)), m2 = m * m * 0x1p-18f;
+    const vb m = vb_max(vb_max(max_abs(va), max_abs(vb_)), max_abs(vc)), m2 = m * m * VOLUME_SLACK;
     const uint32_t used = vb_eq(va.x, va.x);
     planes p = { va, vb_set(0) };
     bool have_planes = false;
@@ -225,7 +230,7 @@ LC_INLINE uint64_t stream_lanes(const lc_tri_block *b, uint32_t at, const rays *
     return stopped;
 }
 
-/* Rays of `mask` that some triangle of the block stops. */
+/* Rays of `mask` that some triangle of the block occludes. */
 LC_INLINE uint64_t stream_block(const lc_tri_block *b, const rays *r, uint64_t mask, bool holes)
 {
     uint64_t stopped = 0;
@@ -234,7 +239,8 @@ LC_INLINE uint64_t stream_block(const lc_tri_block *b, const rays *r, uint64_t m
     return stopped;
 }
 
-/* Without a branch on what it is, as that would be mispredicted. A node has four lines, a block five. */
+/* Prefetches a node or a block without a branch on which it is, as that would be mispredicted. A node has
+ * four cache lines, a block five. */
 static inline void prefetch(const lc_bvh_data *bvh, uint32_t ref)
 {
     const uintptr_t leaf = ref >> 31, nodes = (uintptr_t)bvh->nodes, blocks = (uintptr_t)bvh->blocks;
@@ -248,7 +254,7 @@ typedef struct {
     uint64_t mask;
 } visit;
 
-/* Pushes inner children, lists the leaves, and asks for all of them to be fetched. */
+/* Pushes inner children, lists the leaves, and prefetches all of them. */
 static inline void expand(const lc_bvh_data *bvh, const lc_bvh_node *node, uint32_t bits, const uint64_t *met,
                                  visit *stack, uint32_t *depth, visit leaf[8], uint32_t *n_leaves)
 {
@@ -279,7 +285,7 @@ static inline void single_init(single *s, const rays *r, uint32_t i)
     }
 }
 
-/* Bits of the children whose box the ray meets: those of stream_boxes, to the bit. */
+/* Bits of the children whose box the ray meets: exactly those that stream_boxes finds. */
 static inline uint32_t single_boxes(const lc_bvh_node *node, const rays *r, const single *s)
 {
     uint32_t met = 0;
@@ -298,8 +304,7 @@ static inline uint32_t single_boxes(const lc_bvh_node *node, const rays *r, cons
     return met;
 }
 
-/* Pushes inner children on a stack of n, lists the leaves, and asks for all of them to be fetched. Returns
- * the new n. */
+/* Pushes inner children on a stack of n, lists the leaves, and prefetches all of them. Returns the new n. */
 static inline uint32_t single_expand(const lc_bvh_data *bvh, const lc_bvh_node *node, uint32_t bits,
                                      uint32_t *stack, uint32_t n, uint32_t leaf[8], uint32_t *n_leaves)
 {
@@ -316,7 +321,7 @@ static inline uint32_t single_expand(const lc_bvh_data *bvh, const lc_bvh_node *
     return n;
 }
 
-/* One ray through a subtree: true if it is stopped. */
+/* Traces one ray through a subtree; true if it is occluded. */
 LC_INLINE bool alone(const lc_bvh_data *bvh, const rays *r, uint32_t i, uint32_t ref, bool holes)
 {
     uint32_t stack[LC_BVH_STACK], n = 0, leaf[8], n_leaves;
@@ -332,14 +337,11 @@ LC_INLINE bool alone(const lc_bvh_data *bvh, const rays *r, uint32_t i, uint32_t
     }
 }
 
-/* ---- large trees: rays that are alone take turns, so that the memory one needs is fetched while the others
- * go on ---- */
+/* ---- large trees: lone rays take turns, so that memory is prefetched for one while others go on ---- */
 
-#define LONE 8      /* rays; 4 and 16 are within 2 % */
-#define AWAIT 8     /* subtrees of a ray */
-#define LARGE                                                                                                \
-    40000 /* blocks, of a tree of 18 MB: without turns smaller ones were 8 % faster, those of 35 MB 8 to 20  \
-           * % slower (Zen 4, 32 MB shared cache) */
+#define LONE 8      /* rays that take turns */
+#define AWAIT 8     /* greatest number of subtrees that wait for one ray */
+#define LARGE 40000 /* blocks, 18 MB; below it no turns are taken. Measured: tests/results/shadow-rays.md */
 
 typedef struct {
     single s;
@@ -358,8 +360,8 @@ static inline void lones_init(lones *ls)
     for (uint32_t i = 0; i < LONE; i++) ls->active[i] = &ls->at[i];
 }
 
-/* Tests the blocks that the last step found, then one node. False: done. *alive loses the ray if it is
- * stopped. */
+/* Tests the blocks that the last step found, then one node. False: done. Removes the ray from *alive if it is
+ * occluded. */
 static inline bool step(const lc_bvh_data *bvh, const rays *r, lone *l, uint64_t *alive, bool holes)
 {
     const uint64_t bit = (uint64_t)1 << l->ray;
@@ -375,7 +377,7 @@ static inline bool step(const lc_bvh_data *bvh, const rays *r, lone *l, uint64_t
     return l->n | l->n_leaves;
 }
 
-/* A step of each; returns those of `alive` that go on. */
+/* Takes a step of each lone ray; returns `alive` without those found occluded. */
 static inline uint64_t step_all(const lc_bvh_data *bvh, const rays *r, lones *ls, uint64_t alive, bool holes)
 {
     for (uint32_t k = 0; k < ls->n;) {
@@ -389,9 +391,8 @@ static inline uint64_t step_all(const lc_bvh_data *bvh, const rays *r, lones *ls
     return alive;
 }
 
-/* Gives ray i a subtree, the last of those it has; false: there is no room until others are done. Of up to
- * AWAIT subtrees that wait and one that is opened there are no more than AWAIT + 7 LC_BVH_MAX_DEPTH on a
- * stack. */
+/* Gives ray i a subtree to visit after those it has; false: there is no room until others are done. Up to
+ * AWAIT waiting subtrees and one being visited take at most AWAIT + 7 LC_BVH_MAX_DEPTH entries of a stack. */
 static inline bool add(lones *ls, const rays *r, uint32_t i, uint32_t ref)
 {
     for (uint32_t k = 0; k < ls->n; k++) {
@@ -412,7 +413,7 @@ static inline bool add(lones *ls, const rays *r, uint32_t i, uint32_t ref)
     return true;
 }
 
-/* Mask of the n <= STREAM rays that are stopped. ls has none, before and after. */
+/* Mask of those of the n <= STREAM rays that are occluded. ls is empty before and after. */
 LC_INLINE uint64_t stream(const lc_bvh_data *bvh, const rays *r, uint32_t n, lones *ls, bool holes)
 {
     visit stack[LC_BVH_STACK], leaf[8];
@@ -446,7 +447,7 @@ LC_INLINE uint64_t stream(const lc_bvh_data *bvh, const rays *r, uint32_t n, lon
     }
 }
 
-/* The same where there may be holes. Apart, so that it takes no registers from the other. */
+/* The same where there may be holes. A function of its own, so that the other keeps its registers. */
 static __attribute__((noinline)) uint64_t stream_holes(const lc_bvh_data *bvh, const rays *r, uint32_t n,
                                                        lones *ls)
 {
@@ -455,7 +456,7 @@ static __attribute__((noinline)) uint64_t stream_holes(const lc_bvh_data *bvh, c
 
 /* ---- instances ---- */
 
-/* Rays of `mask` that an instance stops, in its object's space. */
+/* Rays of `mask` that an instance occludes, traced in its object's space. */
 static __attribute__((noinline)) uint64_t stream_in(const lc_placed *p, uint32_t instance, const rays *r,
                                                     uint64_t mask, lones *ls)
 {
@@ -474,7 +475,7 @@ static __attribute__((noinline)) uint64_t stream_in(const lc_placed *p, uint32_t
         float d[3];
         to_object(at, world, 0, d);
         for (int k = 0; k < 3; k++) {
-            /* The first of each vector fills it, since narrow stores alone would hold up the wide load. */
+            /* The first of each vector fills it: a wide load would stall on narrow stores alone. */
             if (n % VB_LANES) o.d[k][n] = d[k];
             else vb_store(&o.d[k][n], vb_set(d[k]));
         }
@@ -486,7 +487,7 @@ static __attribute__((noinline)) uint64_t stream_in(const lc_placed *p, uint32_t
     return stopped;
 }
 
-/* Rays of `alive` that instances stop. */
+/* Rays of `alive` that instances occlude. */
 static __attribute__((noinline)) uint64_t stream_placed(const lc_placed *p, const rays *r, uint64_t alive,
                                                         lones *ls)
 {
@@ -538,7 +539,7 @@ static void hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n, const
         for (uint32_t i = 0; i < m && block; i++) block[first + i] = stopped >> i & 1 ? by[i] : LC_NONE;
         if (bvh->placed) stopped |= stream_placed(bvh->placed, &r, ~stopped & ~(uint64_t)0 >> (64 - m), &ls);
         uint32_t i = 0;
-        for (; i + 8 <= m; i += 8) { /* a bit to each byte */
+        for (; i + 8 <= m; i += 8) { /* spreads eight bits over eight bytes */
             uint64_t byte = (stopped >> i & 255) * 0x0101010101010101u & 0x8040201008040201u;
             byte = (byte + 0x7f7f7f7f7f7f7f7fu) >> 7 & 0x0101010101010101u;
             for (uint32_t k = 0; k < 8; k++) hidden[first + i + k] = (uint8_t)(byte >> (8 * k));
@@ -548,6 +549,7 @@ static void hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n, const
 }
 
 #undef STREAM
+#undef VOLUME_SLACK
 #undef LONE
 #undef AWAIT
 #undef LARGE

@@ -1,27 +1,27 @@
 /* agglomerate.c - exact agglomeration by a nearest-neighbour chain ([Miksik07] 3, [Walter08]).
  *
- * Chain: A, NN(A), NN(NN(A)), ... until the last two are each other's nearest; they are merged, and what is
- * left of the chain stays valid because merging never brings two clusters closer (reducibility). Distances
- * along the chain fall strictly - a neighbour has to beat the previous element, not only equal it - so it
- * can't cycle on ties.
+ * The chain is A, NN(A), NN(NN(A)), ... until the last two are each other's nearest. These are merged, and
+ * the rest of the chain stays valid because merging never brings two clusters closer (reducibility).
+ * Distances along the chain decrease strictly - a neighbour must be nearer than the previous element, not
+ * only as near - so that it cannot cycle on ties.
  *
- * The nearest of every light, about two searches in five, is looked for in advance and in parallel; the chain
- * itself runs in one thread.
+ * The nearest neighbour of every light, about two searches in five, is found beforehand and in parallel; the
+ * chain itself runs in one thread.
  *
- * Bytes a light: cluster_kdtree.h's 170 at most, 4 for the lights' nearest, 16 for each element of the chain,
- * of which there are some dozens but on sets made for the purpose.
+ * Memory: at most 170 bytes a light for cluster_kdtree.h, 4 for the lights' nearest, 16 for each element of
+ * the chain, which has some dozens except on sets made to be hard.
  */
 #include "tree/cluster_kdtree.h"
 
 #include "base/pool.h"
 
-#define RENEW_MIN 32 /* clusters: fewer are in the cache anyway */
+#define RENEW_MIN 32     /* live clusters; a tree of fewer fits in the cache */
 #define FIRST_STEP 1024u /* slots that a thread takes at a time */
 
 typedef struct {
     lc_near_tree near;
-    uint32_t
-        *first; /* nearest of each light while there are only lights; holds for as long as that one is live */
+    /* Nearest neighbour of each light among the lights; right as long as that one is live. */
+    uint32_t *first;
     lc_neighbour *chain; /* chain[i].d is the distance between elements i and i - 1 */
     size_t cap_chain;
     uint32_t n_chain;
@@ -40,8 +40,8 @@ static void find_first(void *user, uint32_t thread, uint64_t item)
     }
 }
 
-/* Nearest of q; ties: prev, then the lowest. That of a light is known for as long as it is live: what has
- * been merged since is no nearer and of a higher id. */
+/* The cluster nearest to q; ties: prev, then the lowest id. A light's is b->first as long as that is live:
+ * clusters merged since are no nearer and have higher ids. */
 static lc_neighbour nearest(const builder *b, uint32_t q, lc_neighbour prev, double floor)
 {
     uint32_t known = q < b->n ? b->first[q] : LC_NONE;
@@ -70,7 +70,7 @@ static lc_status run_chain(builder *b, const lc_context *ctx, lc_build_pair *pai
 {
     lc_status st = LC_OK;
     uint32_t n = b->n, next = n;
-    /* Distance at which the end of the chain has just lost its nearest: there is none below. */
+    /* After a merge, the distance from the chain's end to its merged neighbour: no cluster is nearer. */
     double floor = 0;
     while (next < 2 * n - 1 && !st) {
         uint32_t n_live = 2 * n - next;

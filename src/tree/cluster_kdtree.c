@@ -4,19 +4,23 @@
 #include "base/vec4.h"
 #include "tree/kd_order.h"
 
-/* Of a lower bound, for its rounding: below 1e-6; a third, as power is R + G + B. */
+/* Factor of lower bounds, whose rounding is below 1e-6; a third, since intensity is R + G + B. */
 #define SLACK (0.99999 / 3)
-#define UNDERFLOW 3e-44     /* above what some 20 floats below the normal range are rounded by */
-#define LONG_SEARCH 512     /* nodes after which ties no longer matter */
+#define UNDERFLOW 3e-44 /* subtracted from lower bounds: more than the rounding of some 20 denormal floats */
+#define LONG_SEARCH 512 /* visited nodes after which a search may end with a tie */
 
-/* Below this the cone's formula is taken to say nothing, as in the metric's definition. */
-#define LEAST_AXIS 0.1
+/* Least |lo + hi| of a box of directions that has a cone, as in the metric's definition (cluster.c). */
+#define MIN_AXIS 0.1
+
+/* Slack of y in least_turn, relative and absolute. */
+#define TURN_FACTOR 0.999f
+#define TURN_SLACK 1e-10f
 
 typedef struct {
     f4 lo[3], hi[3], dlo[3], dhi[3], cos; /* four times the same */
-    f4 light;                             /* 1: a single light, else 0 */
+    f4 light;                             /* 1 for a single light, else 0 */
     float box[4][3];                      /* lo, hi, dlo, dhi */
-    double power, cos_cone;
+    double intensity, cos_cone;
     uint32_t slot;
 } query;
 
@@ -26,7 +30,7 @@ static query make_query(const lc_near_tree *t, uint32_t slot)
 {
     const lc_near_node *n = &t->nodes[slot / 4];
     uint32_t lane = slot % 4;
-    query q = { .slot = slot, .power = n->power[lane] };
+    query q = { .slot = slot, .intensity = n->intensity[lane] };
     for (int k = 0; k < 3; k++) {
         q.box[0][k] = n->max_lo[k][lane];
         q.box[1][k] = n->min_hi[k][lane];
@@ -55,11 +59,11 @@ static double box_cone(const double s[3], const double w[3])
         r2 += w[k] * w[k];
     }
     double len = sqrt(s2);
-    return len < LEAST_AXIS ? -1 : (s2 + 4 - r2) / (4 * len);
+    return len < MIN_AXIS ? -1 : (s2 + 4 - r2) / (4 * len);
 }
 
-/* The metric of q and the cluster in a slot. Sums and products in the order of the definition: a tie is one
- * here too. */
+/* The metric of q and the cluster in a slot. Sums and products are in the order of the definition, so that
+ * ties stay ties. */
 static double distance(const lc_near_tree *t, const query *q, uint32_t slot)
 {
     const lc_near_node *n = &t->nodes[slot / 4];
@@ -83,7 +87,7 @@ static double distance(const lc_near_tree *t, const query *q, uint32_t slot)
         if (cos_beta < -1) cos_beta = -1;
         turn = t->c2 * (1 - cos_beta) * (1 - cos_beta);
     }
-    return (q->power / 3 + n->power[lane] / 3) * (alpha2 + turn);
+    return (q->intensity / 3 + n->intensity[lane] / 3) * (alpha2 + turn);
 }
 
 double lc_near_distance(const lc_near_tree *t, uint32_t a, uint32_t b)
@@ -93,11 +97,13 @@ double lc_near_distance(const lc_near_tree *t, uint32_t a, uint32_t b)
 }
 
 /* Least 1 - cos beta that a cone of the union can have. If two of its directions, unit to e = 6e-8 each, are
- * w apart, the cone's half angle is at least half the angle between them: 1 - cos beta >= 1 - sqrt(1 - w^2 /
- * 4) >= y + y^2 / 2, y = w^2 / 8, less at most e R / (1 - R) + e^2, R <= w sqrt(3) / 2 the radius of the box
- * of directions. All sides of the box are touched by directions, so w is at least its longest side; of two
- * single lights it is its diagonal. The cut of y is above what the lengths of directions can do: y / 1000 +
- * 1e-10 >= 2e-7 w. */
+ * w apart, the cone's half angle is at least half the angle between them:
+ *
+ *     1 - cos beta >= 1 - sqrt(1 - w^2 / 4) >= y + y^2 / 2,   y = w^2 / 8
+ *
+ * less at most e R / (1 - R) + e^2, with R <= w sqrt(3) / 2 the radius of the box of directions. Directions
+ * touch all sides of the box, so w is at least its longest side; of two single lights it is its diagonal.
+ * What is subtracted from y exceeds the effect of the directions' lengths: y / 1000 + 1e-10 >= 2e-7 w. */
 static f4 least_turn(const query *q, const lc_near_node *n)
 {
     f4 sum = f4_set(0), most = f4_set(0), one = f4_set(1);
@@ -109,7 +115,7 @@ static f4 least_turn(const query *q, const lc_near_node *n)
     }
     f4 both_lights = f4_mul(q->light, f4_load(n->lights));
     f4 w2 = f4_add(most, f4_mul(both_lights, f4_sub(sum, most)));
-    f4 y = f4_max(f4_sub(f4_mul(w2, f4_set(0.999f / 8)), f4_set(1e-10f)), f4_set(0));
+    f4 y = f4_max(f4_sub(f4_mul(w2, f4_set(TURN_FACTOR / 8)), f4_set(TURN_SLACK)), f4_set(0));
     f4 by_box = f4_add(y, f4_mul(f4_mul(y, y), f4_set(0.5f)));
     return f4_max(by_box, f4_sub(one, f4_min(q->cos, f4_load(n->max_cos))));
 }
@@ -130,7 +136,7 @@ static void lower_bounds(const lc_near_tree *t, const query *q, const lc_near_no
     f4_store(s, sum);
     for (int k = 0; k < 4; k++) {
         double least = (double)s[k] - UNDERFLOW;
-        lb[k] = (q->power + n->power[k]) * SLACK * (least > 0 ? least : 0);
+        lb[k] = (q->intensity + n->intensity[k]) * SLACK * (least > 0 ? least : 0);
     }
 }
 
@@ -145,12 +151,12 @@ typedef struct {
     const lc_near_tree *t;
     query q;
     lc_neighbour best;
-    uint32_t candidate; /* that best was at first: it wins ties */
+    uint32_t candidate; /* the first value of best.id, which wins ties */
     uint32_t n_stack;
     entry stack[4 * LC_NEAR_LEVELS];
 } search;
 
-static void look_at_slots(search *s, uint32_t node)
+static void visit_slots(search *s, uint32_t node)
 {
     double lb[4];
     lower_bounds(s->t, &s->q, &s->t->nodes[node], lb);
@@ -165,14 +171,14 @@ static void look_at_slots(search *s, uint32_t node)
     }
 }
 
-/* Pushes the lanes of a node above level 0 that may hold something nearer, nearest last; not `skip`. */
+/* Pushes the lanes of a node above level 0 that may hold a nearer cluster, the nearest last; not `skip`. */
 static void push_lanes(search *s, uint32_t level, uint32_t node, uint32_t skip)
 {
     double lb[4];
     lower_bounds(s->t, &s->q, &s->t->nodes[s->t->first[level] + node], lb);
     uint32_t from = s->n_stack;
     for (uint32_t k = 0; k < 4; k++) {
-        /* equal: coincident lights must not all be looked at. */
+        /* Skip equal bounds, too, lest all of many coincident lights be visited. */
         if (!(lb[k] < s->best.d) || k == skip) continue;
         uint32_t i = s->n_stack++;
         for (; i > from && s->stack[i - 1].lb < lb[k]; i--) s->stack[i] = s->stack[i - 1];
@@ -185,14 +191,14 @@ lc_neighbour lc_near_find(const lc_near_tree *t, uint32_t q, lc_neighbour best, 
     search s = { .t = t, .best = best, .candidate = best.id };
     s.q = make_query(t, t->slot[q]);
     uint32_t own = s.q.slot / 4, n_visits = 0;
-    look_at_slots(&s, own);
+    visit_slots(&s, own);
     for (uint32_t level = 1; level <= t->top; level++, own /= 4) {
         push_lanes(&s, level, own / 4, own % 4);
         while (s.n_stack) {
             entry e = s.stack[--s.n_stack];
             if (!(e.lb < s.best.d)) continue;
             if (e.level) push_lanes(&s, e.level, e.node, 4);
-            else look_at_slots(&s, e.node);
+            else visit_slots(&s, e.node);
             if (++n_visits > LONG_SEARCH && s.best.d <= floor) return s.best;
         }
     }
@@ -209,7 +215,7 @@ static void clear_lane(lc_near_node *n, uint32_t lane)
         n->min_dhi[k][lane] = 4; /* beyond any direction */
         n->max_dlo[k][lane] = -4;
     }
-    n->power[lane] = INFINITY;
+    n->intensity[lane] = INFINITY;
     n->max_cos[lane] = -1;
     n->lights[lane] = 1;
 }
@@ -234,14 +240,15 @@ static void set(float *to, float value, bool *changed)
     }
 }
 
-/* Lane of `up` := what the node below has in common; whether that is new. */
+/* Sets a lane of `up` to the limits of the node below; returns whether they changed. */
 static bool sum_up(const lc_near_tree *t, const lc_near_node *n, lc_near_node *up, uint32_t lane)
 {
     bool changed = false;
-    double p01 = n->power[0] < n->power[1] ? n->power[0] : n->power[1];
-    double p23 = n->power[2] < n->power[3] ? n->power[2] : n->power[3], power = p01 < p23 ? p01 : p23;
-    if (up->power[lane] != power) {
-        up->power[lane] = power;
+    double p01 = n->intensity[0] < n->intensity[1] ? n->intensity[0] : n->intensity[1];
+    double p23 = n->intensity[2] < n->intensity[3] ? n->intensity[2] : n->intensity[3];
+    double intensity = p01 < p23 ? p01 : p23;
+    if (up->intensity[lane] != intensity) {
+        up->intensity[lane] = intensity;
         changed = true;
     }
     for (int k = 0; k < 3; k++) {
@@ -269,7 +276,7 @@ void lc_near_merge(lc_near_tree *t, uint32_t a, uint32_t b, uint32_t id)
 {
     uint32_t to = t->slot[a < b ? a : b], from = t->slot[a < b ? b : a], x = to % 4, y = from % 4;
     lc_near_node *n = &t->nodes[to / 4], *m = &t->nodes[from / 4];
-    n->power[x] += m->power[y];
+    n->intensity[x] += m->intensity[y];
     for (int k = 0; k < 3; k++) {
         if (m->min_hi[k][y] > n->min_hi[k][x]) n->min_hi[k][x] = m->min_hi[k][y];
         if (m->max_lo[k][y] < n->max_lo[k][x]) n->max_lo[k][x] = m->max_lo[k][y];
@@ -332,7 +339,7 @@ static lc_status alloc_slots(lc_near_tree *t, uint32_t n)
     return t->nodes && t->id && (!t->oriented || t->cos_cone) ? LC_OK : LC_ERR_MEMORY;
 }
 
-/* Fills what lies above the slots, and their lanes past the last. */
+/* Fills the levels above the slots, and the unused lanes of the last slots. */
 static void fill_above(lc_near_tree *t)
 {
     for (uint32_t i = t->n; i % 4; i++) clear_lane(&t->nodes[i / 4], i % 4);
@@ -368,7 +375,7 @@ static void set_light(lc_near_tree *t, uint32_t slot, const lc_light *l)
         n->min_hi[k][lane] = n->max_lo[k][lane] = p[k];
         n->min_dhi[k][lane] = n->max_dlo[k][lane] = d[k];
     }
-    n->power[lane] = (double)l->intensity.x + (double)l->intensity.y + (double)l->intensity.z;
+    n->intensity[lane] = (double)l->intensity.x + (double)l->intensity.y + (double)l->intensity.z;
     n->max_cos[lane] = n->lights[lane] = 1;
     if (t->oriented) t->cos_cone[slot] = 1;
 }
@@ -426,7 +433,7 @@ static void copy_slot(const lc_near_tree *from, uint32_t a, lc_near_tree *to, ui
         n->min_dhi[k][y] = m->min_dhi[k][x];
         n->max_dlo[k][y] = m->max_dlo[k][x];
     }
-    n->power[y] = m->power[x];
+    n->intensity[y] = m->intensity[x];
     n->max_cos[y] = m->max_cos[x];
     n->lights[y] = m->lights[x];
     if (to->oriented) to->cos_cone[b] = from->cos_cone[a];

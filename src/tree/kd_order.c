@@ -4,16 +4,16 @@
 #include "base/pool.h"
 #include "base/vec4.h"
 
-#define CELL 4          /* lc_near_node's lanes: their order among themselves doesn't matter */
-#define RANGE_MIN 4096u /* items a thread is started for */
-#define RANGES 16u
-/* Of w^2; the metric has 1 / 8: measured, 1/32 searches 3 % less than that, 1/2 is 40 % slower. */
+#define CELL 4          /* items in no particular order: the lanes of a lc_near_node */
+#define RANGE_MIN 4096u /* least number of items of a parallel range */
+#define RANGES 16u      /* parallel ranges */
+/* Weight of w^2, where the metric has 1 / 8; measured: tests/results/light-trees.md. */
 #define TURN_WEIGHT 0.03125f
 
 typedef struct {
     lc_near_item *items;
     uint32_t n;
-    uint32_t range; /* power of two: items of one parallel range */
+    uint32_t range; /* items of one parallel range, a power of two */
     float c;
 } sorter;
 

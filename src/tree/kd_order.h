@@ -1,6 +1,6 @@
 /* kd_order.h - kd order of points in three or six dimensions. */
-#ifndef LC_NEAR_ORDER_H
-#define LC_NEAR_ORDER_H
+#ifndef LC_KD_ORDER_H
+#define LC_KD_ORDER_H
 
 #include "base/context.h"
 
@@ -10,9 +10,9 @@ typedef struct lc_near_item {
     uint32_t id;
 } lc_near_item;
 
-/* Sorts so that each aligned run of 2^k items, k >= 2, is a cell of a kd-tree: halves at the longest side,
- * where w of directions counts as c w^2 / 32 of positions. c: scene units. The order is one for any number of
- * threads. */
+/* Sorts so that each aligned run of 2^k items, k >= 2, is a cell of a kd-tree, cut across its longest side;
+ * an extent w of directions counts as an extent c w^2 / 32 of positions. c: scene units. The order does not
+ * depend on the number of threads. */
 void lc_near_order(const lc_context *ctx, lc_near_item *items, uint32_t n, float c);
 
 #endif

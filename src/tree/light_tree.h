@@ -1,14 +1,18 @@
-/* light_tree.h - the finished tree: one per kind of light, flattened.
+/* light_tree.h - the finished light tree: one binary tree for each kind of light, flattened.
  *
- *     link        what a cluster is called: a node's id, or LC_LEAF | light
+ * The room tree/ builds it. In go the lights of a scene; a builder decides which clusters are joined
+ * (tree_build.h: agglomerate.c exactly, ploc.c fast), and tree_fill.c lays the result out as arrays.
+ *
+ *     link        the name of a cluster: a node's id, or LC_LEAF | light
  *     nodes       those of one kind in a row, kinds in rising order, in treelets of three levels, depth
- * first, so that a descent stays on the same cache lines; parents before children lights      in the order in
- * which the treelets meet them, kinds in rising order rep         representatives: slot s of a cluster is
- * slot s of one child, chosen with probability I_child / I_cluster from a hash of the cluster, so P(light) =
- * I_light / I_cluster at every cluster. A light represents itself
+ *                 first, so that a descent stays on the same cache lines; parents before children
+ *     lights      in the order in which the treelets meet them, kinds in rising order
+ *     rep         representatives: slot s of a cluster is slot s of one child, chosen with probability
+ *                 I_child / I_cluster from a hash of the cluster, so P(light) = I_light / I_cluster at every
+ *                 cluster. A light represents itself
  *
- * Bytes: 96 a light; with other attenuation than 1/d^2 32 more; of a spot 32 more; 4 more for each slot where
- * there are several.
+ * Memory: 96 bytes a light; 32 more with attenuation other than 1/d^2; 32 more for a spot; 4 more for each
+ * slot where there are several.
  */
 #ifndef LC_LIGHT_TREE_H
 #define LC_LIGHT_TREE_H
@@ -23,8 +27,9 @@ typedef struct lc_light_tree lc_light_tree;
 struct lc_light_tree {
     const lc_context *ctx;
     lc_tree_data data;
-    uint32_t *reps; /* of slots 0 .. n_reps - 1 of each node: pixels beside each other read the same line;
-                       NULL where n_reps is 1 */
+    /* Slots 0 .. n_reps - 1 of each node, so that neighbouring pixels read the same cache line; NULL where
+     * n_reps is 1. */
+    uint32_t *reps;
     uint32_t n_nodes, n_lights, n_reps;
     uint32_t n_of_kind[LC_LIGHT_KINDS];
     uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
@@ -34,8 +39,8 @@ struct lc_light_tree {
 typedef struct lc_light_tree_desc {
     const lc_light *lights;
     size_t n_lights;
-    const lc_spot_map *spot_maps; /* of spots, or NULL; they stay the caller's, who keeps them */
-    double diag2;    /* squared diagonal of the scene: c^2 of the metric for oriented lights */
+    const lc_spot_map *spot_maps; /* of spots, or NULL; owned by the caller, and must outlive the tree */
+    double diag2;    /* squared diagonal of the scene: c^2 of the metric for lights with a direction */
     uint64_t seed;   /* of representatives */
     uint32_t n_reps; /* 1..LC_MAX_REPS */
     lc_builder builder;
@@ -52,8 +57,7 @@ static inline uint32_t lc_rep_of(const lc_light_tree *t, uint32_t link, uint32_t
     return t->reps ? t->reps[(size_t)link * t->n_reps + slot] : t->data.nodes[link].rep;
 }
 
-/* The kind that the place of a node or light is of: how many kinds begin at or before it, but for the first.
- */
+/* The kind of the node or light at an index: as many kinds after the first begin at or before it. */
 static inline lc_light_kind lc_kind_at(const uint32_t first[LC_LIGHT_KINDS + 1], uint32_t at)
 {
     uint32_t kind = 0;
@@ -82,7 +86,7 @@ static inline const float *lc_light_atten(const lc_tree_data *t, uint32_t light)
     return t->light_atten ? t->light_atten[light] : NULL;
 }
 
-/* The record that a light or node has of its kind's own. */
+/* The record of a light or node that only its kind has. */
 static inline void *lc_light_own(const lc_tree_data *t, lc_light_kind kind, uint32_t light)
 {
     return (char *)t->own[kind].light + (light - t->own[kind].first_light) * lc_light_kinds[kind].own_size;

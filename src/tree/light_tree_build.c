@@ -7,7 +7,8 @@
 
 #include <string.h>
 
-/* Lights of one kind up to which the exact builder is the default: it takes 0.1 s then. */
+/* Greatest number of lights of one kind for which the exact builder is the default; measured:
+ * tests/results/light-trees.md. */
 #define AUTO_EXACT 10000
 
 /* Scene indices of the lights of one kind; *out is NULL where that is all of them. */
@@ -51,7 +52,7 @@ static uint32_t n_nodes_of(const lc_light_tree *t, int kind)
     return t->first_node[kind + 1] - t->first_node[kind];
 }
 
-/* Records of the kinds' own. */
+/* Allocates the records that only some kinds have. */
 static bool alloc_own(lc_light_tree *t)
 {
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
@@ -67,10 +68,10 @@ static bool alloc_own(lc_light_tree *t)
     return true;
 }
 
-/* Counts the lights and makes room. */
+/* Counts the lights and allocates the arrays. */
 static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
 {
-    bool other = false; /* attenuation than 1/d^2 */
+    bool other = false; /* some attenuation is not 1/d^2 */
     for (size_t i = 0; i < desc->n_lights; i++) {
         const lc_light *l = &desc->lights[i];
         t->n_of_kind[l->kind]++;

@@ -1,12 +1,14 @@
-/* light_tree_check.c - lc_light_tree_validate: what light_tree.h and layout.h promise, looked up in a
- * finished tree.
+/* light_tree_check.c - lc_light_tree_validate: verifies in a finished tree what light_tree.h and tree_data.h
+ * promise.
  *
- *     walk    roots -> lights with a stack, so any depth: every node and every light met once
- *     join    the walk backwards, children before parents: each node's own box, box of directions, sum, least
- *             attenuation and representatives from its two children's, each compared with what is stored
+ *     walk    from the roots to the lights with a stack, so at any depth: every node and every light is met
+ *             once
+ *     join    the same backwards, children before parents: each node's box, box of directions, sum, least
+ *             attenuation and representatives follow from its two children's and are compared with those
+ *             stored
  *
- * Linear in the number of lights but for cones that are narrower than the box of directions gives: those look
- * at every direction below them.
+ * Linear in the number of lights except for cones narrower than the box of directions gives: for those every
+ * direction below is compared.
  */
 #include "tree/light_tree.h"
 
@@ -18,8 +20,8 @@ typedef struct {
     float lo[3], hi[3];   /* positions; directional: towards the light */
     float dlo[3], dhi[3]; /* oriented, spot: emission directions */
     float atten[3];
-    float least[LC_OWN_FLOATS]; /* of what the kind has of its own */
-    double power[3];
+    float least[LC_OWN_FLOATS]; /* of the kind's own numbers */
+    double intensity[3];
     double len2_min, len2_max; /* oriented, spot: squared length of the directions, 1 but for rounding */
 } sums;
 
@@ -86,7 +88,7 @@ static void sums_of_light(sums *s, const lc_light_tree *t, uint32_t light)
     for (int k = 0; k < 3; k++) {
         s->lo[k] = s->hi[k] = l->pos[k];
         s->atten[k] = atten[k];
-        s->power[k] = (double)l->intensity[k];
+        s->intensity[k] = (double)l->intensity[k];
     }
     const lc_light_kind kind = lc_kind_of_light(t, light);
     if (lc_light_kinds[kind].own_size)
@@ -112,14 +114,14 @@ static void join(sums *s, const sums *a, const sums *b)
         s->dlo[k] = min_f(a->dlo[k], b->dlo[k]);
         s->dhi[k] = max_f(a->dhi[k], b->dhi[k]);
         s->atten[k] = min_f(a->atten[k], b->atten[k]);
-        s->power[k] = a->power[k] + b->power[k];
+        s->intensity[k] = a->intensity[k] + b->intensity[k];
     }
     for (int k = 0; k < LC_OWN_FLOATS; k++) s->least[k] = min_f(a->least[k], b->least[k]);
     s->len2_min = fmin(a->len2_min, b->len2_min);
     s->len2_max = fmax(a->len2_max, b->len2_max);
 }
 
-/* a - b <= half in exact arithmetic: the difference and, where it ties, what its rounding lost (Knuth's
+/* a - b <= half in exact arithmetic: the difference and, where it ties, its rounding error (Knuth's
  * two-sum). */
 static bool within(float a, float b, float half)
 {
@@ -138,15 +140,15 @@ static const char *check_box(const lc_node *b, const sums *s)
     return NULL;
 }
 
-/* Stored sums are float, rounded up from a double sum in the order of the tree, which is the order of join.
+/* A stored sum is float, rounded up from a double sum in the order of the tree, which is the order of join.
  */
-static const char *check_power(const lc_node *b, const sums *s)
+static const char *check_intensity(const lc_node *b, const sums *s)
 {
     for (int i = 0; i < 3; i++) {
-        double stored = (double)b->power[i], sum = s->power[i];
-        if (!(stored >= sum)) return "a node's power is below the sum of its lights";
+        double stored = (double)b->intensity[i], sum = s->intensity[i];
+        if (!(stored >= sum)) return "a node's intensity is below the sum of its lights";
         if (stored > sum * (1 + 0x1p-22) + (double)FLT_TRUE_MIN && sum <= (double)FLT_MAX)
-            return "a node's power is too large";
+            return "a node's intensity is too large";
     }
     return NULL;
 }
@@ -225,7 +227,7 @@ static const char *check_atten(const float *least, const sums *s)
     return NULL;
 }
 
-/* The records that lights have of their kinds' own. */
+/* The records of lights that only their kinds have. */
 static const char *check_own(const lc_light_tree *t)
 {
     for (uint32_t i = 0; i < t->n_lights; i++) {
@@ -250,7 +252,7 @@ static const char *check_node(check *c, uint32_t id, uint32_t *stack)
     sums_of(c, b->left, &left);
     sums_of(c, b->right, &right);
     join(s, &left, &right);
-    const char *wrong = check_power(b, s);
+    const char *wrong = check_intensity(b, s);
     if (!wrong) wrong = check_box(b, s);
     if (!wrong && lc_is_aimed(kind)) wrong = check_cone(c, id, stack);
     const lc_light_kind_info *info = &lc_light_kinds[kind];

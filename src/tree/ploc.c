@@ -1,18 +1,20 @@
 /* ploc.c - parallel locally-ordered clustering ([Meister18]) with the metric of light trees.
  *
- * The lights are put in the order of a space-filling curve (morton.h). In a round every cluster looks for its
- * nearest neighbour among those close by in the list; two that are each other's nearest become one, which
- * takes the place of the first. Rounds go on until one is left.
+ * The lights are put in the order of a space-filling curve (morton.h). In a round every cluster searches for
+ * its nearest neighbour among those close to it in the list; two that are each other's nearest become one,
+ * which takes the place of the first. Rounds go on until one cluster remains.
  *
- *     radius   how far a cluster looks. It grows as the list gets shorter, such that no round costs less than
- * SEARCH_LEAST pairs. ties     pairs are totally ordered (ploc_tmpl.c), so the least of any stretch is always
- * joined. rounds   after one that joined fewer than a SLOW-th of a list of more than SHORT, clusters look for
- * one round within groups of eight positions only, each of which then joins two. So n lights take at most
- * SLOW ln(n / SHORT) + SHORT rounds, and the tree is no deeper.
+ *     radius   how many positions to either side a cluster searches. It grows as the list gets shorter, so
+ *              that no round measures fewer than MIN_ROUND pairs.
+ *     ties     pairs are totally ordered (ploc_tmpl.c), so the nearest pair of any part of the list is
+ *              joined.
+ *     rounds   after one that joined fewer than 1 / SLOW of a list of more than SHORT, clusters search for
+ *              one round within groups of eight positions only, each of which then joins two. So n lights
+ *              take at most SLOW ln(n / SHORT) + SHORT rounds, and the tree is no deeper.
  *
  * Memory: a list has 13 floats (7 without emission directions) and an id a cluster; that of the lights 7 (4),
- * as boxes of one light are points. Lists of the first round and the second are made when their lengths are
- * known. At most 116 bytes a light (68), where next to nothing is joined; of usual lights 75 (45). Before
+ * as the boxes of single lights are points. The lists of the first two rounds are allocated when their
+ * lengths are known. At most 116 bytes a light (68), where almost nothing is joined; usually 75 (45). Before
  * that 28 for the order.
  */
 #include "tree/tree_build.h"
@@ -23,13 +25,15 @@
 
 #include <string.h>
 
-#define RADIUS 16
-#define SEARCH_LEAST (1u << 18)
+#define RADIUS 16             /* least search radius */
+#define MIN_ROUND (1u << 18)  /* least number of pairs that a round measures */
 #define SLOW 32
 #define SHORT 128
-#define CHUNK 2048           /* positions moved at a time */
-#define SERIAL_SEARCH 400000 /* pairs that are measured in the time it takes to start a thread */
-#define SERIAL_MOVE 20000    /* clusters moved */
+#define CHUNK 2048            /* positions moved at a time */
+#define MAX_SEARCH_ITEM 4096  /* positions searched at a time */
+#define ITEMS_A_THREAD 8      /* least number of searches that each thread gets, for balance */
+#define SERIAL_SEARCH 400000  /* pairs measured in the time that starting a thread takes */
+#define SERIAL_MOVE 20000     /* clusters moved in that time */
 
 typedef struct {
     uint32_t kept, joined;
@@ -37,10 +41,10 @@ typedef struct {
 
 typedef struct {
     lc_box box;
-    double power;
+    double intensity;
 } extent;
 
-/* A list and what it lies in. */
+/* A list and its memory. */
 typedef struct {
     lc_ploc_list view;
     uint32_t *id;      /* of clusters */
@@ -54,12 +58,12 @@ typedef struct {
     const lc_tree_kernels *kernels;
     list now, next;
     float *offset;
-    tally *tallies;           /* of each chunk; then how many come before it */
+    tally *tallies;           /* of each chunk; then of all chunks before it */
     extent *extents;          /* of each chunk of lights */
     uint32_t *order;
     lc_build_pair *pairs;
     uint32_t n_pairs, n_lists; /* lists made so far */
-    double scale, power_scale;
+    double scale, intensity_scale;
     float c2;                 /* scaled */
     uint32_t radius, search_item;
     bool grouped;
@@ -69,8 +73,8 @@ static uint32_t n_chunks(uint32_t n, uint32_t size) { return n / size + (n % siz
 
 static uint32_t chunk_size(uint32_t n, uint64_t chunk)
 {
-    uint32_t left = n - (uint32_t)chunk * CHUNK;
-    return left < CHUNK ? left : CHUNK;
+    uint32_t rest = n - (uint32_t)chunk * CHUNK;
+    return rest < CHUNK ? rest : CHUNK;
 }
 
 static void run(builder *b, uint64_t n_items, bool serial,
@@ -92,7 +96,7 @@ static lc_f3 place_of(const lc_light *l)
     return lc_is_far(l->kind) ? lc_f3_neg(l->dir) : l->pos;
 }
 
-static double power_of(const lc_light *l)
+static double intensity_of(const lc_light *l)
 {
     return ((double)l->intensity.x + (double)l->intensity.y + (double)l->intensity.z) / 3;
 }
@@ -105,14 +109,14 @@ static void measure_chunk(void *user, uint32_t thread, uint64_t chunk)
     (void)thread;
     for (uint32_t i = first; i < first + chunk_size(b->in->n, chunk); i++) {
         const lc_light *l = light_of(b, i);
-        double power = power_of(l);
+        double intensity = intensity_of(l);
         lc_box_add(&e.box, place_of(l));
-        if (power > e.power) e.power = power;
+        if (intensity > e.intensity) e.intensity = intensity;
     }
     b->extents[chunk] = e;
 }
 
-/* 2^-k such that x times it is in 1/2 .. 1; 1 for 0. */
+/* The 2^-k for which x 2^-k is in [1/2, 1); 1 for 0. */
 static double inverse_size(double x)
 {
     int k = 0;
@@ -120,15 +124,15 @@ static double inverse_size(double x)
     return ldexp(1, -k);
 }
 
-/* Powers of two, so that coordinates lose nothing. No metric is above 2^100 (3 + 4): neither edges of boxes
- * nor the weight of directions are above 1, and sums of powers not above 2^100. The floor keeps coordinates
- * finite where all are equal. */
+/* Scales are powers of two, so that coordinates stay exact. No metric is above 2^100 (3 + 4): edges of boxes
+ * and the weight of directions are at most 1, and sums of intensities at most 2^100. The least size, 2^-60 of
+ * the coordinates, keeps them finite where all are equal. */
 static void set_scales(builder *b)
 {
     extent e = b->extents[0];
     for (uint32_t c = 1; c < n_chunks(b->in->n, CHUNK); c++) {
         lc_box_join(&e.box, &b->extents[c].box);
-        if (b->extents[c].power > e.power) e.power = b->extents[c].power;
+        if (b->extents[c].intensity > e.intensity) e.intensity = b->extents[c].intensity;
     }
     const float lo[3] = { e.box.lo.x, e.box.lo.y, e.box.lo.z },
                 hi[3] = { e.box.hi.x, e.box.hi.y, e.box.hi.z };
@@ -138,7 +142,7 @@ static void set_scales(builder *b)
         size = fmax(size, 0x1p-60 * fmax(fabs((double)lo[k]), fabs((double)hi[k])));
     }
     b->scale = inverse_size(size);
-    b->power_scale = 0x1p100 * inverse_size(e.power * b->in->n);
+    b->intensity_scale = 0x1p100 * inverse_size(e.intensity * b->in->n);
     b->c2 = (float)(turn * b->scale * (turn * b->scale));
 }
 
@@ -158,7 +162,7 @@ static void load_chunk(void *user, uint32_t thread, uint64_t chunk)
             row[LC_PLOC_LO + k][i] = row[LC_PLOC_HI + k][i] = (float)((double)x[k] * b->scale);
             if (b->now.view.oriented) row[LC_PLOC_DLO + k][i] = row[LC_PLOC_DHI + k][i] = d[k];
         }
-        row[LC_PLOC_POWER][i] = (float)(power_of(l) * b->power_scale);
+        row[LC_PLOC_INTENSITY][i] = (float)(intensity_of(l) * b->intensity_scale);
         b->now.id[i] = b->order[i];
     }
 }
@@ -174,7 +178,7 @@ static void search_some(void *user, uint32_t thread, uint64_t item)
                         b->offset + first);
 }
 
-/* Whether the neighbour's neighbour is oneself. */
+/* Whether cluster i is the nearest of its nearest. */
 static bool is_mutual(const builder *b, uint32_t i)
 {
     return b->offset[i + (uint32_t)(int32_t)b->offset[i]] == -b->offset[i];
@@ -193,7 +197,7 @@ static void count_chunk(void *user, uint32_t thread, uint64_t chunk)
     b->tallies[chunk] = (tally){ n - before, behind };
 }
 
-/* Sums before each chunk; returns those of all. */
+/* Replaces each tally by the sum of those before it; returns the sum of all. */
 static tally sum_tallies(builder *b)
 {
     tally sum = { 0, 0 };
@@ -206,14 +210,14 @@ static tally sum_tallies(builder *b)
     return sum;
 }
 
-/* Clusters to + [0, n) of the next list: what left[i] and right[i], which may be one and the same, become. */
+/* Writes clusters to + [0, n) of the next list: the union of left[i] and right[i], which may be the same. */
 static void join_rows(const builder *b, const uint32_t *left, const uint32_t *right, uint32_t n, uint32_t to)
 {
     for (int k = 0; k < (b->now.view.oriented ? LC_PLOC_ROWS : LC_PLOC_DLO); k++) {
         const float *from = b->now.view.row[k];
         float *out = b->next.view.row[k] + to;
-        bool high = (k >= LC_PLOC_HI && k < LC_PLOC_POWER) || k >= LC_PLOC_DHI;
-        if (k == LC_PLOC_POWER)
+        bool high = (k >= LC_PLOC_HI && k < LC_PLOC_INTENSITY) || k >= LC_PLOC_DHI;
+        if (k == LC_PLOC_INTENSITY)
             for (uint32_t i = 0; i < n; i++)
                 out[i] = from[left[i]] + (left[i] == right[i] ? 0 : from[right[i]]);
         else if (high)
@@ -225,7 +229,7 @@ static void join_rows(const builder *b, const uint32_t *left, const uint32_t *ri
     }
 }
 
-/* Without branches: who has a partner is as good as random. */
+/* Without branches, as they would be mispredicted: which clusters have a partner is close to random. */
 static void join_chunk(void *user, uint32_t thread, uint64_t chunk)
 {
     builder *b = user;
@@ -259,7 +263,7 @@ static void free_list(builder *b, list *l)
     *l = (list){ 0 };
 }
 
-/* An empty list for n clusters, or for n lights: their boxes' rows are the same ones twice. */
+/* Allocates a list for n clusters, or for n lights: their boxes are points, so lo and hi share rows. */
 static lc_status alloc_list(builder *b, list *l, uint32_t n, bool of_lights)
 {
     const bool oriented = lc_is_aimed(b->in->kind);
@@ -271,7 +275,7 @@ static lc_status alloc_list(builder *b, list *l, uint32_t n, bool of_lights)
     l->id = lc_alloc_raw(b->ctx, l->n_ids, sizeof *l->id);
     if (!l->block || !l->id) return LC_ERR_MEMORY;
     for (size_t k = 0, at = 0; k < n_rows; k++) {
-        bool again = of_lights && ((k >= LC_PLOC_HI && k < LC_PLOC_POWER) || k >= LC_PLOC_DHI);
+        bool again = of_lights && ((k >= LC_PLOC_HI && k < LC_PLOC_INTENSITY) || k >= LC_PLOC_DHI);
         l->view.row[k] = again ? l->view.row[k - 3] : l->block + stride * at++;
         memset(l->view.row[k] + n, 0, LC_LANES * sizeof *l->block);
     }
@@ -282,7 +286,7 @@ static lc_status alloc_list(builder *b, list *l, uint32_t n, bool of_lights)
 static lc_status make_room(builder *b, uint32_t n)
 {
     b->next.view.n = n;
-    if (b->n_lists > 2) return LC_OK; /* both have held more */
+    if (b->n_lists > 2) return LC_OK; /* both lists have held more */
     free_list(b, &b->next);
     b->n_lists++;
     return alloc_list(b, &b->next, n, false);
@@ -294,10 +298,10 @@ static lc_status join_all(builder *b)
 {
     while (b->now.view.n > 1) {
         const uint32_t n = b->now.view.n, chunks = n_chunks(n, CHUNK);
-        b->radius = SEARCH_LEAST / n > RADIUS ? SEARCH_LEAST / n : RADIUS;
-        b->search_item = n / (8 * b->ctx->n_threads) / LC_PLOC_CHUNK * LC_PLOC_CHUNK;
+        b->radius = MIN_ROUND / n > RADIUS ? MIN_ROUND / n : RADIUS;
+        b->search_item = n / (ITEMS_A_THREAD * b->ctx->n_threads) / LC_PLOC_CHUNK * LC_PLOC_CHUNK;
         if (b->search_item < LC_PLOC_CHUNK) b->search_item = LC_PLOC_CHUNK;
-        if (b->search_item > 4096) b->search_item = 4096;
+        if (b->search_item > MAX_SEARCH_ITEM) b->search_item = MAX_SEARCH_ITEM;
         run(b, n_chunks(n, b->search_item), (uint64_t)n * (b->radius < n ? b->radius : n) < SERIAL_SEARCH,
             search_some);
         run(b, chunks, n < SERIAL_MOVE, count_chunk);

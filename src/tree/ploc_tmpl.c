@@ -1,20 +1,24 @@
-/* ploc_tmpl.c - nearest neighbours of clusters among those before and behind them in a list; included by
- * isa_*.c.
+/* ploc_tmpl.c - nearest neighbours of clusters among those before and after them in a list; included by
+ * isa_tmpl.c.
  *
  * Distances come in rows, one for each offset k: row[i] is that of positions i and i + k. A row serves both,
- * so each pair is measured once but for those that straddle the ends of a chunk. Rows of TILE offsets are
- * made at a time, while the clusters of one vector of positions are in registers.
+ * so each pair is measured once except those across the ends of a chunk. Rows of PLOC_TILE offsets are
+ * computed at a time, while the clusters of one vector of positions are in registers.
  */
 #include "tree/ploc_list.h"
 
 #include <string.h>
 
-#define PLOC_TILE 8
-#define PLOC_AHEAD                                                                                           \
-    (LC_PLOC_CHUNK + PLOC_TILE + VF_LANES) /* where a row's second half starts, if it has two */
+#define PLOC_TILE 8 /* offsets at a time */
+/* The start of a row's second half, if it has two. */
+#define PLOC_AHEAD (LC_PLOC_CHUNK + PLOC_TILE + VF_LANES)
 #define PLOC_ROW (PLOC_AHEAD + LC_PLOC_CHUNK + VF_LANES)
+#define PLOC_MIN_AXIS 0.1f /* cluster.c's MIN_AXIS */
 
-/* The metric of [Miksik07] eq. 3 with the box of directions' cone; 1 - cos(beta) = (r2 - (2 - s)^2) / (4 s),
+/* The metric of [Miksik07] eq. 3 with the cone of the box of directions:
+ *
+ *     1 - cos(beta) = (r2 - (2 - s)^2) / (4 s)
+ *
  * which is cluster.c's cosine without its cancellation. */
 LC_INLINE vf ploc_metric(const vf *a, const vf *b, bool oriented, vf c2)
 {
@@ -33,10 +37,10 @@ LC_INLINE vf ploc_metric(const vf *a, const vf *b, bool oriented, vf c2)
         vf s = vf_sqrt(s2), off = 2 - s;
         vf turn = (r2 - off * off) / (4 * s);
         turn = vf_min(vf_max(turn, vf_set(0)), vf_set(2));
-        turn = vf_sel_gt(s, vf_set(0.1f), turn, vf_set(2));
+        turn = vf_sel_gt(s, vf_set(PLOC_MIN_AXIS), turn, vf_set(2));
         size = size + c2 * turn * turn;
     }
-    return (a[LC_PLOC_POWER] + b[LC_PLOC_POWER]) * size;
+    return (a[LC_PLOC_INTENSITY] + b[LC_PLOC_INTENSITY]) * size;
 }
 
 LC_INLINE void ploc_load(const lc_ploc_list *l, uint32_t i, bool oriented, vf *out)
@@ -45,7 +49,7 @@ LC_INLINE void ploc_load(const lc_ploc_list *l, uint32_t i, bool oriented, vf *o
 }
 
 /* row[t][i - first]: distance of positions i and i + k + t, for i from first to end - 1, t < n_offsets. Where
- * there is no such position it means nothing. */
+ * there is no such position the value is unspecified. */
 LC_INLINE void ploc_rows(const lc_ploc_list *l, uint32_t first, uint32_t end, uint32_t k, uint32_t n_offsets,
                          bool oriented, float *row)
 {
@@ -60,9 +64,10 @@ LC_INLINE void ploc_rows(const lc_ploc_list *l, uint32_t first, uint32_t end, ui
     }
 }
 
-/* Takes offset k into account at positions first + [0, n): ahead[i] is the distance to the one k further on,
- * back[i] to the one k before. Of equal distances the least offset stays; of the two of one offset the pair
- * whose lower position is in an even run of k: with that a line of equal distances is matched perfectly. */
+/* Takes offset k into account at positions first + [0, n): ahead[i] is the distance to the cluster k
+ * positions later, back[i] to the one k positions earlier. Of equal distances the least offset wins; of the
+ * two of one offset the pair whose lower position is in an even run of k positions, which matches all
+ * clusters of a line of equal distances. */
 static inline void ploc_take(uint32_t first, uint32_t n, uint32_t k, const float *ahead, const float *back,
                              float *best, float *offset)
 {
@@ -87,7 +92,7 @@ LC_INLINE void ploc_tile(const lc_ploc_list *l, uint32_t first, uint32_t n, uint
 {
     float row[PLOC_TILE][PLOC_ROW];
     const uint32_t last = k + n_offsets - 1, end = first + n, missing = last > first ? last - first : 0;
-    const bool apart = last > LC_PLOC_CHUNK; /* what lies between the two halves is not wanted */
+    const bool apart = last > LC_PLOC_CHUNK; /* what lies between the two halves is not needed */
     const uint32_t ahead = apart ? PLOC_AHEAD : last;
     const uint32_t stop = !apart ? end : end > k ? end - k : 0;
     if (stop) ploc_rows(l, first + missing - last, stop, k, n_offsets, oriented, &row[0][missing]);
@@ -133,3 +138,4 @@ static void nearest(const lc_ploc_list *l, uint32_t first, uint32_t n, uint32_t 
 #undef PLOC_TILE
 #undef PLOC_AHEAD
 #undef PLOC_ROW
+#undef PLOC_MIN_AXIS

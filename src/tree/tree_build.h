@@ -1,8 +1,8 @@
-/* tree_build.h - what the builders of light trees share: lights of one kind in, who is joined with whom out.
+/* tree_build.h - what the builders of light trees share: lights of one kind in, the pairs to join out.
  *
- * A builder only decides the shape of the tree. Boxes, cones, sums and representatives are made from the
- * lights afterwards (light_tree.c), so a builder may work in whatever precision it likes; its result must not
- * depend on the number of threads or the instruction set.
+ * A builder only decides the shape of the tree. Boxes, cones, sums and representatives are computed from the
+ * lights afterwards (tree_fill.c), so a builder may use any precision; its result must not depend on the
+ * number of threads or the instruction set.
  */
 #ifndef LC_TREE_BUILD_H
 #define LC_TREE_BUILD_H
@@ -18,7 +18,7 @@ typedef struct lc_build_input {
     double c2; /* squared weight of directions in the metric, scene units^2; oriented lights and spots only */
 } lc_build_input;
 
-/* Cluster n + i is what joining child[0] < child[1] < n + i gave; clusters 0 .. n - 1 are the lights. */
+/* Cluster n + i is the union of child[0] < child[1] < n + i; clusters 0 .. n - 1 are the lights. */
 typedef struct lc_build_pair {
     uint32_t child[2];
 } lc_build_pair;

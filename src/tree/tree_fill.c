@@ -1,10 +1,12 @@
-/* tree_fill.c - a tree is laid out from the root down, then summed up from the leaves.
+/* tree_fill.c - lays a tree out from the root down, then sums it up from the leaves.
  *
  *     treelet     up to 7 pairs of children below a cluster, level by level: 2 + 4 + 8. Its nodes come first,
- * then all that is below its first exit, then below the second, ...; lights likewise. With the number of
- * lights below every cluster known, each exit's place is known too, and exits can be worked on apart batch
- * clusters laid out together, parents before children, with their boxes and sums jobs        the top of the
- * tree is one batch; below, every cluster of at most `limit` lights is one, by any thread
+ *                 then all that is below its first exit, then below the second, ...; lights likewise. With
+ *                 the number of lights below every cluster known, each exit's place is known too, so that
+ *                 exits are independent
+ *     batch       clusters laid out together, parents before children, with their boxes and sums
+ *     jobs        the top of the tree is one batch; below, every cluster of at most `limit` lights is one,
+ *                 filled by any thread
  *
  * The order of nodes does not depend on the limit, as each batch begins with an exit of a treelet.
  */
@@ -19,15 +21,16 @@
 #include <string.h>
 
 #define TREELET_PAIRS 7
-#define MIN_JOB 1024u
+#define JOBS 64u           /* jobs that a tree is divided into, about */
+#define MIN_JOB 1024u      /* least and greatest number of lights of a job */
 #define MAX_JOB 65536u
-#define AHEAD 16 /* entries for whose lights the memory is asked */
+#define PREFETCH_AHEAD 16  /* entries between filling one and the prefetch of its lights */
 
 /* A cluster of a batch. build: its number in the builder's output. */
 typedef struct {
     uint32_t build, id;
     uint32_t below, light; /* of an exit: first id and first light of what is below */
-    uint32_t slot[2]; /* in the batch, of its children; LC_NONE: a light, or a cluster that is not laid out */
+    uint32_t slot[2];      /* in the batch, of its children; LC_NONE: a light, or a cluster not laid out */
     bool done;             /* its children are laid out */
 } entry;
 
@@ -139,7 +142,7 @@ static lc_status place_treelet(filler *f, batch *b, uint32_t exit)
     return LC_OK;
 }
 
-/* Lays out what is below entry 0, but for exits of at most `limit` lights. */
+/* Lays out all below entry 0, except below exits of at most `limit` lights. */
 static lc_status place_all(filler *f, batch *b, uint32_t limit)
 {
     for (uint32_t i = 0; i < b->n; i++) {
@@ -152,7 +155,7 @@ static lc_status place_all(filler *f, batch *b, uint32_t limit)
 
 /* ---- up ---- */
 
-/* Writes a light and what it is as a cluster. */
+/* Writes a light, and the cluster of this light alone to s. */
 static void fill_light(const filler *f, uint32_t build, uint32_t light, sums *s)
 {
     uint32_t scene = scene_index(f, build);
@@ -168,9 +171,9 @@ static void fill_light(const filler *f, uint32_t build, uint32_t light, sums *s)
     s->hash = lc_mix(scene);
 }
 
-/* A number 0 <= u <= 1 for each slot: each is uniform, but together they are one in each n_reps-th, in an
- * order of the cluster's own. So the slots of a cluster don't choose the same child more often than they
- * should. */
+/* A number 0 <= u <= 1 for each slot, stratified: each is uniform, and of the n_reps equal parts of 0..1 each
+ * holds one, in an order of the cluster's own. So the slots of a cluster choose each child nearly as often as
+ * expected. */
 static void draw(const filler *f, uint64_t cluster, double u[LC_MAX_REPS])
 {
     uint32_t n = f->t->n_reps, order[LC_MAX_REPS];
@@ -224,7 +227,7 @@ static void fill_node(const filler *f, batch *b, uint32_t at)
     choose_reps(f, b, at, child, link);
 }
 
-/* Lights lie anywhere in the scene: asks the memory for those of an entry. */
+/* Prefetches the lights of an entry, which may be anywhere in the scene's list. */
 static void prefetch_lights(const filler *f, const entry *e)
 {
     for (int i = 0; i < 2 && e->done; i++) {
@@ -239,7 +242,7 @@ static void prefetch_lights(const filler *f, const entry *e)
 static void fill_all(const filler *f, batch *b)
 {
     for (size_t i = b->n; i-- > 0;) {
-        if (i >= AHEAD) prefetch_lights(f, &b->entries[i - AHEAD]);
+        if (i >= PREFETCH_AHEAD) prefetch_lights(f, &b->entries[i - PREFETCH_AHEAD]);
         if (b->entries[i].done) fill_node(f, b, (uint32_t)i);
     }
 }
@@ -311,7 +314,7 @@ static void count_lights(filler *f)
 
 lc_status lc_tree_fill(lc_light_tree *t, const lc_build_input *in, const lc_build_pair *pairs, uint64_t seed)
 {
-    uint32_t limit = in->n / 64 < MIN_JOB ? MIN_JOB : in->n / 64 > MAX_JOB ? MAX_JOB : in->n / 64;
+    uint32_t limit = in->n / JOBS < MIN_JOB ? MIN_JOB : in->n / JOBS > MAX_JOB ? MAX_JOB : in->n / JOBS;
     filler f = { .t = t, .in = in, .pairs = pairs, .seed = seed, .limit = limit };
     if (in->n == 1) { /* the light is the tree */
         uint32_t light = t->first_light[in->kind];

@@ -5,9 +5,9 @@
 #include "tree/light_tree.h"
 #include "tree/tree_build.h"
 
-/* Fills the part of t that is of in->kind: counts and arrays are there. Same bits for any number of threads.
- * While it works: 4 bytes a light, and some 130 + 4 n_reps for each of the at most 65536 clusters that a
- * thread has in hand. */
+/* Fills the part of t of in->kind, whose counts and arrays the caller has set up. The same bits for any
+ * number of threads. Meanwhile it takes 4 bytes a light, and some 130 + 4 n_reps for each cluster of the
+ * batches being filled, at most 65536 a thread. */
 lc_status lc_tree_fill(lc_light_tree *t, const lc_build_input *in, const lc_build_pair *pairs, uint64_t seed);
 
 #endif

@@ -576,7 +576,7 @@ static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten
             bad |= GEN_BAD_CONE;
     }
     for (int k = 0; k < 3; k++) {
-        if (!((double)b->power[k] >= power[k] * (1 - 1e-14))) bad |= GEN_BAD_BOX;
+        if (!((double)b->intensity[k] >= power[k] * (1 - 1e-14))) bad |= GEN_BAD_BOX;
     }
     return bad;
 }

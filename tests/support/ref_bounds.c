@@ -204,15 +204,15 @@ static double ggx(const lc_point *p, const double i[3], double o_n)
 /* Reflectance times the constant before the lobe. */
 static double fresnel(const lc_point *p, int channel, double c)
 {
-    double f = (double)p->specular[channel], rise = (double)p->rise[channel];
-    if (p->fresnel == LC_FRESNEL_SCHLICK) return f + rise * pow(1 - c, 5);
-    if (p->fresnel == LC_FRESNEL_DIELECTRIC) return f * ref_dielectric(sqrt(1 + (double)p->bend), c);
-    return f * conductor(1 + rise + I * (double)p->turn[channel], c);
+    double f = (double)p->specular[channel];
+    if (p->fresnel == LC_FRESNEL_SCHLICK) return f + (double)p->schlick_delta[channel] * pow(1 - c, 5);
+    if (p->fresnel == LC_FRESNEL_DIELECTRIC) return f * ref_dielectric(sqrt(1 + (double)p->eta2_minus_1), c);
+    return f * conductor(1 + (double)p->n2_real_minus_1[channel] + I * (double)p->n2_imag[channel], c);
 }
 
 static double coat_in(const lc_point *p, double cos_r)
 {
-    return p->coat ? 1 - ref_dielectric(sqrt(1 + (double)p->bend), fmin(cos_r, 1)) : 1;
+    return p->coat ? 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1), fmin(cos_r, 1)) : 1;
 }
 
 /* |h| / 2, the cosine between h and either direction. */
@@ -266,8 +266,9 @@ static void ward_range(const terms *t, double er, double *lo, double *hi)
  * its root; that moves its reflectance by 4 c / (c^2 + |N|^2) of it, s and p alike. */
 static double conductor_error(const lc_point *p, int channel, double c)
 {
-    double rise = (double)p->rise[channel], t = rise + c * c, n2 = hypot(t, (double)p->turn[channel]);
-    double e = 3 * U * (fabs(rise) + c * c);
+    double real = (double)p->n2_real_minus_1[channel], t = real + c * c;
+    double n2 = hypot(t, (double)p->n2_imag[channel]);
+    double e = 3 * U * (fabs(real) + c * c);
     return 8 * c / (c * c + n2) * fmin(e / sqrt(n2), sqrt(e)) + 64 * U;
 }
 
@@ -451,7 +452,8 @@ double ref_cone(const double lo[3], const double hi[3], double axis[3])
     return clamp((c2 + 4 - r2) / (4 * c), -1, 1);
 }
 
-/* max of cos(theta)/d^2 over the box of v, n the normal (design.md, joint receiver-distance bound) */
+/* Maximum of cos(theta) / d^2 over the box of v, n the normal: both factors are taken at one and the same
+ * point, so this is never above the product of their separate maxima. */
 static double joint_bound(const double lo[3], const double hi[3], const double n[3])
 {
     double f[3][3], rlo[3], rhi[3];

@@ -34,7 +34,8 @@ double ref_luminance(const double rgb[3]);
 /* Members of a cluster: the lights whose bit is set. */
 /* Sum of luminance(M_i G_i I_i). */
 double ref_cluster_sum(const lc_point *p, const lc_light *lights, uint32_t members);
-/* [Miksik07] eq. 4 by eqs. 5, 6 and figure 2; joint: also the receiver-distance bound of design.md. */
+/* [Miksik07] eq. 4 by eqs. 5, 6 and figure 2; joint: also with the receiver's cosine and 1 / d^2 bounded
+ * together (box_tmpl.c). */
 double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t members, bool joint);
 
 /* Upper bound of cos(angle(v, axis)) over the box lo..hi of v ([Miksik07] eq. 5); -1..1. */
