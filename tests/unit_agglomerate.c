@@ -97,7 +97,12 @@ static lc_light one_light(style st, lc_light_kind kind, uint32_t i, uint32_t n)
     case ANY_DIRECTION: l.dir = rnd_unit(); break;
     case UNEQUAL: l.intensity.y = (float)rnd(); /* fall through */
     case ONE_PLACE: l.pos = place, l.dir = lc_f3_make(0, -1, 0); break;
-    case ONE_PLACE_ANY_DIRECTION: l.pos = place, l.dir = rnd_unit(); break;
+    case ONE_PLACE_ANY_DIRECTION: /* of unequal intensity: once cones are whole spheres the metric is nothing
+                                     else */
+        l.pos = place;
+        l.dir = rnd_unit();
+        l.intensity.y = (float)rnd_in(0.5, 1);
+        break;
     case ONE_PLACE_NARROW: {
         const double z = rnd_in(-0.005, 0.005), x = rnd_in(-0.005, 0.005);
         l = directed(l, x, -1, z);
