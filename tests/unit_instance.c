@@ -121,11 +121,12 @@ TEST(as_copies)
             }
             n_hits++;
             CHECK(lc_surface_hit(a, o, d, 0, &p) && lc_surface_hit(b, o, d, 0, &q));
-            /* Coordinates up to 12 are rounded by the transform and by the test, a few times 1e-6 in all: so much the planes are apart
-             * along their normal, and along the ray as much over the cosine between them. */
+            /* Coordinates up to 12 are rounded by the transform and by the test, a few times 1e-6 in all: so
+             * much the planes are apart along their normal, and along the ray as much over the cosine between
+             * them. */
             double apart = 8e-6 / fabs((double)lc_f3_dot(q.ng, d));
-            CHECKF(fabs((double)ha.t - (double)hb.t) < apart && fabsf(ha.u - hb.u) < 1e-3f, "t %g %g, %g", (double)ha.t,
-                   (double)hb.t, apart);
+            CHECKF(fabs((double)ha.t - (double)hb.t) < apart && fabsf(ha.u - hb.u) < 1e-3f, "t %g %g, %g",
+                   (double)ha.t, (double)hb.t, apart);
             CHECK(near_f3_abs(p.pos, q.pos, apart + 2e-6) && near_f3_abs(p.ng, q.ng, 1e-5) &&
                   near_f3_abs(p.n, q.n, normals ? 0.3 : 1e-5));
         }

@@ -34,7 +34,8 @@ typedef struct lc_cut_pairs {
     uint32_t first;            /* the parents are first .. first + n - 1 of the list */
     const float *bound;        /* two for each pair; any value > 0 for a light */
     const uint32_t *link;      /* two for each pair */
-    const float *const *intensity; /* two for each pair: four readable floats, the first R G B of the intensity */
+    const float *const
+        *intensity;            /* two for each pair: four readable floats, the first R G B of the intensity */
     const float *fresh;        /* two for each pair: 1 for the child whose representative is new, 0 for the
                                   child that has its parent's */
     const uint32_t *rep;       /* one for each pair: the new representative */

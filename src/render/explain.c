@@ -9,7 +9,7 @@
  */
 #include "cut/exact.h"
 #include "render/film.h"
-#include "render/render.h"
+#include "render/probe.h"
 
 #include "shade/lobe.h"
 #include "shade/point_init.h"

@@ -1,7 +1,8 @@
 /* probe.c - one sample of a pixel on its own, with its cut kept: what explain.c asks for. */
-#include "render/render_job.h"
+#include "render/probe.h"
 
 #include "cut/exact.h"
+#include "render/render_job.h"
 #include "scene/surface.h"
 
 /* What cuts of the picture are made by; where it makes none, by those of LC_METHOD_CUTS. */

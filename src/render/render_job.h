@@ -17,7 +17,6 @@
 #include "base/sample.h"
 #include "cut/cut.h"
 #include "render/film.h"
-#include "render/render.h"
 #include "scene/sight.h"
 
 #include <stdatomic.h>

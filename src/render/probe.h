@@ -1,6 +1,6 @@
-/* render.h - a sample of a pixel on its own, with its cut kept: what explain.c asks of render.c. */
-#ifndef LC_RENDER_H
-#define LC_RENDER_H
+/* probe.h - a sample of a pixel on its own, with its cut kept: what explain.c asks of render.c. */
+#ifndef LC_PROBE_H
+#define LC_PROBE_H
 
 #include "cut/cut.h"
 #include "scene/scene.h"
