@@ -21,7 +21,7 @@ static const struct {
 /* Not another folder, nor what would make work or files without reading any. */
 static int harmless(const char *word)
 {
-    static const char *const work[] = { "bounds", "rays", "tree", "render", "cornell", "stairs",
+    static const char *const work[] = { "bounds", "rays", "tree", "render", "layout", "cornell", "stairs",
                                         "room", "grid", "cube", "bulbs", "student" };
     for (size_t i = 0; i < sizeof work / sizeof *work; i++)
         if (!strncmp(word, work[i], strlen(work[i]))) return 0;

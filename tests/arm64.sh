@@ -27,11 +27,8 @@ for program in "$bin"/tests/unit_golden "$bin"/tests/unit_* "$bin"/tests/check_*
     [ -f "$program" ] && [ -x "$program" ] && list="$list $name"
 done
 
-run_one='name=$1
-    corpus=
-    
-    timeout -k 10 1800 qemu-aarch64 "$bin/tests/$name" $corpus >"$log/$name" 2>&1 </dev/null
-    echo $? >"$log/$name.status"'
+run_one='timeout -k 10 1800 qemu-aarch64 "$bin/tests/$1" >"$log/$1" 2>&1 </dev/null
+    echo $? >"$log/$1.status"'
 export bin log
 echo "$list" | tr ' ' '\n' | grep . | xargs -n 1 -P 2 sh -c "$run_one" sh
 
@@ -43,7 +40,6 @@ done
 for name in $list; do
     status=$(cat "$log/$name.status" 2>/dev/null || echo 99)
     line=$(grep -a '^[0-9][0-9]* passed, [0-9][0-9]* failed' "$log/$name" | tail -n 1)
-    case $name in replay_*) [ "$status" = 0 ] && line='1 passed, 0 failed' || line='0 passed, 1 failed' ;; esac
     p=$(echo "$line" | sed -n 's/^\([0-9]*\) passed.*/\1/p') f=$(echo "$line" | sed -n 's/.* \([0-9]*\) failed.*/\1/p')
     s=$(echo "$line" | sed -n 's/.* \([0-9]*\) skipped$/\1/p')
     [ -n "$p" ] || { p=0 f=1; }

@@ -12,4 +12,6 @@ static double seconds_of(clockid_t clock)
 
 double lc_thread_cpu(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
+double lc_process_cpu(void) { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
+
 double lc_now(void) { return seconds_of(CLOCK_MONOTONIC); }

@@ -5,9 +5,11 @@
 
 #include "base/base.h"
 
-/* Seconds of a monotonic clock, and of processor time of the calling thread. */
+/* Seconds of a monotonic clock, and of processor time, to which other programs do not add: of the calling
+ * thread, and of all threads of the process, including those that have ended. */
 double lc_now(void);
 double lc_thread_cpu(void);
+double lc_process_cpu(void);
 
 #define LC_CLOCK_SECONDS 5e-6 /* that reading both clocks may differ by */
 

@@ -37,11 +37,6 @@ int bench_scaling(const bench_options *o);
 int bench_render(const bench_options *o);
 int bench_layout(const bench_options *o);
 
-/* Seconds of CPU time, to which other programs do not add: of the calling thread, and of all threads of the
- * process, including those that have ended. */
-double bench_cpu(void);
-double bench_process_cpu(void);
-
 /* Seconds of repeated runs, sorted in place. best: the least; spread: half the distance between the
  * quartiles. */
 typedef struct bench_summary {

@@ -6,6 +6,7 @@
  */
 #include "lab/bench.h"
 
+#include "base/stats.h"
 #include "base/rng.h"
 #include "cli/cli.h"
 #include "isa/isa.h"
@@ -145,9 +146,9 @@ static void measure(const setup *s, run_fn *run, uint32_t n_runs, const bench_is
     static double times[LC_N_ISAS][BENCH_MAX_RUNS];
     for (uint32_t k = 0; k < n_runs; k++)
         for (uint32_t i = 0; i < isas->n; i++) {
-            double t0 = bench_cpu();
+            double t0 = lc_thread_cpu();
             uint32_t n = run(s, lc_isa_kernels(isas->of[i]));
-            times[i][k] = (bench_cpu() - t0) / n * 1e9;
+            times[i][k] = (lc_thread_cpu() - t0) / n * 1e9;
         }
     for (uint32_t i = 0; i < isas->n; i++) out[i] = bench_summarize(times[i], n_runs);
 }

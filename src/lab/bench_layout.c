@@ -15,6 +15,7 @@
  */
 #include "lab/bench.h"
 
+#include "base/stats.h"
 #include "base/arena.h"
 #include "cli/cli.h"
 #include "cut/cut.h"
@@ -255,10 +256,10 @@ static double run_bounds(const job *j, int pattern, int layout)
     bench_array_bounds_fn *by_arrays = bench_array_bounds(j->ctx->isa);
     const list *l = &j->lists[pattern];
     size_t n = 0;
-    double t0 = bench_cpu();
+    double t0 = lc_thread_cpu();
     for (; n < MIN_BOUNDS; n += l->n)
         for (size_t c = 0; c < l->n_calls; c++) run_call(j, pattern, layout, by_arrays, &l->calls[c], ub);
-    return (bench_cpu() - t0) / (double)n;
+    return (lc_thread_cpu() - t0) / (double)n;
 }
 
 /* Floats >= 0 lie in the order of their bits. */
@@ -317,7 +318,7 @@ static double run_method(job *j, int m)
     lc_stats stats = { 0 };
     double size = 0, luminance = 0;
     h->n_bounds = 0;
-    double t0 = bench_cpu();
+    double t0 = lc_thread_cpu();
     for (uint32_t i = 0; i < j->view.n; i++) {
         if (m == ROUNDS) {
             lc_cut_result r;
@@ -329,7 +330,7 @@ static double run_method(job *j, int m)
             luminance += bench_heap_luminance(h);
         }
     }
-    double seconds = (bench_cpu() - t0) / n;
+    double seconds = (lc_thread_cpu() - t0) / n;
     out->size = size / n;
     out->luminance = luminance / n;
     out->bounds = (double)(m == ROUNDS ? stats.bounds : h->n_bounds) / n;

@@ -79,9 +79,9 @@ static void trace_chunk(void *user, uint32_t thread, uint64_t item)
     job *j = user;
     uint64_t first = item * CHUNK, n = j->rays.n - first < CHUNK ? j->rays.n - first : CHUNK;
     (void)thread;
-    double t0 = bench_cpu();
+    double t0 = lc_thread_cpu();
     j->hidden[item] = trace(j, j->rays.ray + 6 * first, n);
-    double s = bench_cpu() - t0;
+    double s = lc_thread_cpu() - t0;
     if (s < j->quiet[item]) j->quiet[item] = s;
 }
 
@@ -93,10 +93,10 @@ static result run_rays(job *j, lc_isa isa)
     j->kernels = &lc_isa_kernels(isa)->trace;
     for (uint64_t i = 0; i < j->n_chunks; i++) j->quiet[i] = 1e30;
     for (uint32_t k = 0; k < j->n_runs; k++) {
-        double wall0 = lc_now(), cpu0 = bench_process_cpu();
+        double wall0 = lc_now(), cpu0 = lc_process_cpu();
         lc_parallel(j->ctx, j->n_chunks, trace_chunk, j);
         wall[k] = lc_now() - wall0;
-        cpu[k] = bench_process_cpu() - cpu0;
+        cpu[k] = lc_process_cpu() - cpu0;
     }
     r.seconds.wall = bench_summarize(wall, j->n_runs);
     r.seconds.cpu = bench_summarize(cpu, j->n_runs);
@@ -113,10 +113,10 @@ static lc_status run_build(job *j, timing *out)
     double wall[BENCH_MAX_RUNS], cpu[BENCH_MAX_RUNS];
     for (uint32_t k = 0; k < j->n_runs; k++) {
         lc_bvh_destroy(j->bvh);
-        double wall0 = lc_now(), cpu0 = bench_process_cpu();
+        double wall0 = lc_now(), cpu0 = lc_process_cpu();
         lc_status st = lc_bvh_build(j->ctx, j->mesh.pos, j->mesh.index, j->mesh.n_tris, &j->bvh);
         wall[k] = lc_now() - wall0;
-        cpu[k] = bench_process_cpu() - cpu0;
+        cpu[k] = lc_process_cpu() - cpu0;
         if (st) return st;
     }
     out->wall = bench_summarize(wall, j->n_runs);

@@ -44,7 +44,7 @@ typedef struct seconds {
     double of[N_CLOCKS];
 } seconds;
 
-static seconds now(void) { return (seconds){ { lc_now(), bench_process_cpu() } }; }
+static seconds now(void) { return (seconds){ { lc_now(), lc_process_cpu() } }; }
 
 static double ratio_of(double a, double b) { return b > 0 ? a / b : 0; }
 
@@ -151,9 +151,9 @@ static lc_status measure(job *j, const bench_options *o, uint32_t n_runs)
 {
     lc_status st = LC_OK;
     for (uint32_t k = 0; k < n_runs && !st; k++) {
-        double t0 = bench_process_cpu();
+        double t0 = lc_process_cpu();
         st = render(j->ctx, o, j->scene, &j->stats);
-        j->times[CPU][RENDER][k] = bench_process_cpu() - t0;
+        j->times[CPU][RENDER][k] = lc_process_cpu() - t0;
         j->times[WALL][RENDER][k] = j->stats.seconds;
         if (!k && !st) st = record(j, o);
         if (!st) st = replay(j, k);

@@ -39,10 +39,10 @@ static lc_status render(const bench_options *o, lc_context *ctx, const lc_scene 
     memcpy(d.crop, middle, sizeof d.crop);
     for (uint32_t r = 0; r < n_runs; r++) {
         lc_image *image;
-        double t0 = bench_process_cpu();
+        double t0 = lc_process_cpu();
         lc_status st = lc_render(ctx, scene, &d, &image, stats);
         if (st) return st;
-        cpu[r] = bench_process_cpu() - t0;
+        cpu[r] = lc_process_cpu() - t0;
         times[r] = stats->seconds;
         lc_image_destroy(image);
     }

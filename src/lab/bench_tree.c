@@ -20,10 +20,10 @@ static lc_status measure(const bench_options *o, const lc_context *ctx, const be
             .lights = lights, .n_lights = n, .diag2 = 300, .n_reps = 1, .builder = builder->id
         };
         lc_light_tree *tree;
-        double wall0 = lc_now(), cpu0 = bench_process_cpu();
+        double wall0 = lc_now(), cpu0 = lc_process_cpu();
         st = lc_light_tree_build(ctx, &desc, &tree);
         wall[r] = lc_now() - wall0;
-        cpu[r] = bench_process_cpu() - cpu0;
+        cpu[r] = lc_process_cpu() - cpu0;
         if (st) break;
         bytes = (double)lc_light_tree_bytes(tree) / n;
         lc_light_tree_destroy(tree);

@@ -1,22 +1,10 @@
-/* bench_util.c - clocks, medians, random lights and the JSON around the results of `lightcuts bench`. */
+/* bench_util.c - medians, random lights and the JSON around the results of `lightcuts bench`. */
 #include "lab/bench.h"
 
 #include "base/rng.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
-
-static double seconds_of(clockid_t clock)
-{
-    struct timespec t;
-    clock_gettime(clock, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-double bench_cpu(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
-
-double bench_process_cpu(void) { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
 
 static int by_value(const void *a, const void *b)
 {

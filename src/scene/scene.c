@@ -40,7 +40,7 @@ lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
         !is_colour(m->eta, MAX_COLOUR) || !is_colour(m->k, MAX_COLOUR) ||
         !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
         return LC_ERR_ARG;
-    if (!lc_lobes[m->lobe].check(m)) return LC_ERR_ARG;
+    if (lc_lobes[m->lobe].check && !lc_lobes[m->lobe].check(m)) return LC_ERR_ARG;
     const float *rough = m->roughness;
     if (rough[0] > 0 && !(rough[0] >= LC_MIN_ROUGHNESS && rough[0] <= LC_MAX_ROUGHNESS &&
                           rough[1] >= LC_MIN_ROUGHNESS && rough[1] <= LC_MAX_ROUGHNESS))

@@ -6,7 +6,8 @@
 LC_INLINE vf emission_bound(const cluster_lanes *l, lc_light_kind kind, vf cos_phi)
 {
     switch (kind) {
-#define KIND(ID, name, traits) \
+#define KIND(ID, name, traits)
+#define AIMED_KIND(ID, name, traits) \
     case LC_LIGHT_##ID: return name##_emission_bound(l->tree, l->index, cos_phi);
 #include "shade/light_kinds.h"
 #undef KIND

@@ -47,7 +47,8 @@ LC_INLINE vf emission(const lc_tree_data *t, const float *const *light, lc_light
                       const vf d[3], vf tint[3])
 {
     switch (kind) {
-#define KIND(ID, name, traits) \
+#define KIND(ID, name, traits)
+#define AIMED_KIND(ID, name, traits) \
     case LC_LIGHT_##ID: return name##_emission(t, light, cos_phi, d, tint);
 #include "shade/light_kinds.h"
 #undef KIND

@@ -33,27 +33,3 @@ static void directional_emit(const lc_light *light, const lc_emit_from *from, lc
 #define LC_LIGHT_INFO_directional .name = "directional", .flux = directional_flux, .emit = directional_emit
 
 #endif
-
-#ifdef LC_KERNEL_PARTS
-
-/* Shines the same in all directions in which it shines. */
-LC_INLINE vf directional_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3],
-                                  vf tint[3])
-{
-    (void)t;
-    (void)light;
-    (void)d;
-    (void)tint;
-    (void)cos_phi;
-    return vf_set(1);
-}
-
-LC_INLINE vf directional_emission_bound(const lc_tree_data *t, const uint32_t *node, vf e)
-{
-    (void)t;
-    (void)node;
-    (void)e;
-    return vf_set(1);
-}
-
-#endif

@@ -29,26 +29,3 @@ static void point_emit(const lc_light *light, const lc_emit_from *from, lc_emitt
 #define LC_LIGHT_INFO_point .name = "point", .flux = point_flux, .emit = point_emit
 
 #endif
-
-#ifdef LC_KERNEL_PARTS
-
-LC_INLINE vf point_emission(const lc_tree_data *t, const float *const *light, vf cos_phi, const vf d[3],
-                            vf tint[3])
-{
-    (void)t;
-    (void)light;
-    (void)d;
-    (void)tint;
-    (void)cos_phi;
-    return vf_set(1);
-}
-
-LC_INLINE vf point_emission_bound(const lc_tree_data *t, const uint32_t *node, vf e)
-{
-    (void)t;
-    (void)node;
-    (void)e;
-    return vf_set(1);
-}
-
-#endif

@@ -32,11 +32,18 @@ static void init_frame(lc_point *p, lc_f3 n, lc_f3 unit, lc_f3 view, const lc_ma
     p->max_tangent_length = LENGTH_SLACK / (ax < ay ? ax : ay);
 }
 
+/* The albedo of a material whose lobe reflects ks whatever the direction. */
+static lc_f3 sum_albedo(const lc_material *m, float cos_i)
+{
+    (void)cos_i;
+    return lc_f3_add(m->kd, m->ks);
+}
+
 #define LC_TABLE_PARTS
 #include "shade/lobes.h"
 
 const lc_lobe_info lc_lobes[LC_LOBES] = {
-#define LOBE(ID, name) [LC_LOBE_##ID] = { #name, name##_init, name##_albedo, name##_check },
+#define LOBE(ID, name) [LC_LOBE_##ID] = { LC_LOBE_INFO_##name },
 #include "shade/lobes.h"
 #undef LOBE
 };

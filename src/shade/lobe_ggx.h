@@ -110,6 +110,8 @@ static bool ggx_check(const lc_material *m)
     return true;
 }
 
+#define LC_LOBE_INFO_ggx .name = "ggx", .init = ggx_init, .albedo = ggx_albedo, .check = ggx_check
+
 #endif
 
 #ifdef LC_KERNEL_PARTS

@@ -15,17 +15,7 @@ static float phong_init(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, 
     return (m->exponent + 2) * (float)(0.5 / LC_PI);
 }
 
-static lc_f3 phong_albedo(const lc_material *m, float cos_i)
-{
-    (void)cos_i;
-    return lc_f3_add(m->kd, m->ks);
-}
-
-static bool phong_check(const lc_material *m)
-{
-    (void)m;
-    return true;
-}
+#define LC_LOBE_INFO_phong .name = "phong", .init = phong_init, .albedo = sum_albedo
 
 #endif
 

@@ -10,17 +10,7 @@ static float ward_init(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, l
            (m->roughness[0] * m->roughness[1] * sqrtf(no_less(lc_f3_dot(n, view), LC_WARD_MIN_COS)));
 }
 
-static lc_f3 ward_albedo(const lc_material *m, float cos_i)
-{
-    (void)cos_i;
-    return lc_f3_add(m->kd, m->ks);
-}
-
-static bool ward_check(const lc_material *m)
-{
-    (void)m;
-    return true;
-}
+#define LC_LOBE_INFO_ward .name = "ward", .init = ward_init, .albedo = sum_albedo
 
 #endif
 
