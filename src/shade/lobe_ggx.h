@@ -56,8 +56,7 @@ static float let_through(const lc_point *p, float c)
     return half + half;
 }
 
-/* The diffuse part below the coat as seen from outside, without the transmittance of the light on its way in.
- */
+/* The diffuse part below the coat as seen from outside, without the transmittance on the way in. */
 static lc_f3 below_coat(const lc_point *p, const lc_material *m)
 {
     return lc_f3_scale(lc_coat_below(m), p->view[2] > LC_MIN_COS ? let_through(p, p->view[2]) : 0);
