@@ -11,6 +11,27 @@
 
 #include "simd/fmath_tmpl.c"
 
+/* Two roundings side by side, as of a vector's coordinates: what gcc 12 leaves out with
+ * -ftree-slp-vectorize, and nothing but the last digits of a few lights tells. */
+static void round_two(const double *a, double s, double *restrict o)
+{
+    float x = (float)(a[0] * s), y = (float)(a[1] * s);
+    o[0] = (double)x * s;
+    o[1] = (double)y * s;
+}
+
+TEST(the_compiler_rounds_to_float)
+{
+    volatile double in[3] = { 1.0 / 3, 2.0 / 7, 0.7 };
+    const double a[2] = { in[0], in[1] };
+    double o[2];
+    round_two(a, in[2], o);
+    for (int k = 0; k < 2; k++) {
+        volatile float rounded = (float)(in[k] * in[2]);
+        CHECKF(o[k] == (double)rounded * in[2], "%a", o[k]);
+    }
+}
+
 TEST(pow_agrees)
 {
     double worst = 0;
@@ -113,6 +134,7 @@ TEST(decay_agrees)
 
 int main(void)
 {
+    RUN(the_compiler_rounds_to_float);
     RUN(pow_agrees);
     RUN(logarithm_and_angle_agree);
     RUN(pow_ends);

@@ -75,6 +75,8 @@ static picture render(uint32_t n_threads, lc_isa isa, lc_method method, const in
     lc_load_desc ld = LC_LOAD_DESC_INIT;
     lc_render_desc rd = LC_RENDER_DESC_INIT;
     ld.area_lights = 256;
+    ld.env_lights = 200;
+    if (!strcmp(current, "bounced")) ld.indirect_lights = 1000; /* would turn bounced light on elsewhere */
     ld.n_reps = n_reps;
     rd.method = method;
     rd.aovs = LC_AOV_ALL;
