@@ -7,19 +7,28 @@
 
 /* libFuzzer reads these as coverage: a new least excess of bound over value, in octaves, is a new feature. */
 #define OCTAVES 64
+
+/* Values of byte 0. */
+#define ANY_LOBE_FROM 224
+#define SPOTS_FROM 240
+
 __attribute__((used, section("__libfuzzer_extra_counters"))) static uint8_t
     closest[LC_LIGHT_KINDS * GEN_BRDFS * OCTAVES];
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size == 0) return 0;
-    uint32_t which = data[0] % (3 * GEN_BRDFS), brdf = (which & 1) + which / 6 * 2;
+    uint32_t which = data[0] % (3 * GEN_ANY_LOBE), brdf = (which & 1) + which / 6 * 2;
     lc_light_kind kind = (lc_light_kind)((which % 6) >> 1);
-    if (data[0] >= 240) {
-        kind = LC_LIGHT_SPOT;
-        brdf = data[0] % GEN_BRDFS;
-        which = 3 * GEN_BRDFS + brdf;
+    if (data[0] >= ANY_LOBE_FROM) {
+        kind = (lc_light_kind)(data[0] % LC_LIGHT_KINDS);
+        brdf = GEN_ANY_LOBE;
     }
+    if (data[0] >= SPOTS_FROM) {
+        kind = LC_LIGHT_SPOT;
+        brdf = data[0] % GEN_ANY_LOBE;
+    }
+    which = (uint32_t)kind * GEN_BRDFS + brdf;
     gen_src s = gen_src_bytes(data + 1, size - 1);
     gen_case c;
     gen_result r;

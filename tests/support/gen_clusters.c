@@ -319,9 +319,11 @@ static void make_fresnel(gen_src *s, gen_case *c, gen_style style)
 
 static void make_rough(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
 {
-    c->mat.lobe = brdf >= GEN_GGX_ISO ? LC_LOBE_GGX : LC_LOBE_WARD;
+    c->mat.lobe = brdf == GEN_ANY_LOBE   ? (lc_lobe)gen_pick(s, LC_LOBES)
+                  : brdf >= GEN_GGX_ISO ? LC_LOBE_GGX
+                                        : LC_LOBE_WARD;
     c->mat.roughness[0] = c->mat.roughness[1] = roughness(s, style);
-    if (brdf == GEN_WARD_ANISO || brdf == GEN_GGX_ANISO) c->mat.roughness[1] = roughness(s, style);
+    if (brdf == GEN_WARD_ANISO || brdf >= GEN_GGX_ANISO) c->mat.roughness[1] = roughness(s, style);
     d3 n = from_f3(c->normal), t = style == GEN_ORDINARY ? sphere(s) : direction(s);
     uint32_t how = style == GEN_ORDINARY ? 0 : gen_pick(s, 4);
     if (how == 1) t = n;

@@ -38,9 +38,10 @@ typedef enum gen_brdf {
     GEN_WARD_ISO,
     GEN_WARD_ANISO,
     GEN_GGX_ISO,
-    GEN_GGX_ANISO
+    GEN_GGX_ANISO,
+    GEN_ANY_LOBE /* of lobes.h */
 } gen_brdf;
-#define GEN_BRDFS 6
+#define GEN_BRDFS 7
 
 typedef struct gen_case {
     uint32_t n;
