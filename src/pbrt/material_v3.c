@@ -1,6 +1,6 @@
 /* material_v3.c - the materials of pbrt v2 and v3, with v3's defaults.
  *
- *     matte        Lambert; sigma is ignored
+ *     matte        Lambert, or Oren and Nayar's with sigma > 0; their model's sigma is at most 1 rad
  *     plastic      Lambert + GGX of a dielectric with index 1.5, times Ks, as in pbrt
  *     uber         the same with a given index; what opacity leaves is transmitted. Glass or a mirror if it
  *                  is only specular
@@ -19,11 +19,18 @@ static const lc_f3 ONE = { 1, 1, 1 };
 
 lc_status lc_pbrt_matte(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
+    (void)where;
     double sigma = 0;
     lc_status st = lc_pbrt_get_albedo(p, "Kd", &look->m.kd, &look->maps.kd);
     if (!st) st = lc_pbrt_get_mean(p, "sigma", &sigma);
     if (st || !(sigma > 0)) return st;
-    return lc_pbrt_note(p, where, "matte sigma", "Oren-Nayar's sigma is ignored: plain diffuse");
+    float rad = (float)fmin(sigma * LC_PI / 180, (double)LC_MAX_ROUGHNESS);
+    lc_material *m = &look->m;
+    m->lobe = LC_LOBE_OREN_NAYAR;
+    m->roughness[0] = m->roughness[1] = fmaxf(rad, LC_MIN_ROUGHNESS);
+    m->ks = m->kd;
+    look->maps.ks = look->maps.kd;
+    return LC_OK;
 }
 
 lc_status lc_pbrt_mirror(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)

@@ -210,6 +210,15 @@ static double fresnel(const lc_point *p, int channel, double c)
     return f * conductor(1 + (double)p->n2_real_minus_1[channel] + I * (double)p->n2_imag[channel], c);
 }
 
+/* [Oren94]: max(0, cos of the azimuth between) times the sine of the greater angle and the tangent of the
+ * lesser one; i_t: component of i along the viewer's part across n. */
+static double oren_nayar(const lc_point *p, double i_t, double cos_i)
+{
+    double angle_i = acos(clamp(cos_i, 0, 1)), angle_o = asin(clamp((double)p->view[0], 0, 1));
+    double cos_phi = sin(angle_i) > 0 ? clamp(i_t / sin(angle_i), 0, 1) : 0;
+    return cos_phi * sin(fmax(angle_i, angle_o)) * tan(fmin(angle_i, angle_o));
+}
+
 static double coat_in(const lc_point *p, double cos_r)
 {
     return p->coat ? 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1), fmin(cos_r, 1)) : 1;
@@ -226,7 +235,8 @@ void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
     terms t = light_terms(p, l);
     double pm = p->lobe == LC_LOBE_PHONG  ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent)
                 : p->lobe == LC_LOBE_WARD ? ward(t.h[0], t.h[1], t.h[2], fmin(t.cos_r, 1))
-                                          : 0;
+                : p->lobe == LC_LOBE_OREN_NAYAR ? oren_nayar(p, t.i[0], t.cos_r)
+                                                : 0;
     for (int c = 0; c < 3; c++) {
         double lobe = (double)p->specular[c] * pm, c_h = half_cosine(p, t.h[0], t.h[1], t.h[2]);
         /* the cosine of o is no less, for the quotients */
@@ -322,6 +332,14 @@ static void ggx_range(const lc_point *p, const terms *t, double er, double lo[3]
     }
 }
 
+/* The same by i.t sin(o) / max(ci, co), whose errors are plain; i.t off by cos_error, six operations. */
+static void oren_nayar_range(const lc_point *p, const terms *t, double er, double *lo, double *hi)
+{
+    double et = cos_error(1), s = (double)p->view[0], co = (double)p->view[2];
+    *lo = fmax(t->i[0] - et, 0) * s / fmax(t->cos_r + er, co) * (1 - 6 * U);
+    *hi = fmax(t->i[0] + et, 0) * s / fmax(t->cos_r - er, co) * (1 + 6 * U);
+}
+
 void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], double hi[3])
 {
     terms t = light_terms(p, l);
@@ -338,6 +356,7 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
         pm_lo = t.cos_m - em > 0 ? pow(fmin(t.cos_m - em, 1), n) : 0;
         pm_hi = pow(fmax(t.cos_m + em, 0), n);
     }
+    if (p->lobe == LC_LOBE_OREN_NAYAR) oren_nayar_range(p, &t, er, &pm_lo, &pm_hi);
     /* Ward's limit is for the exponential alone */
     double least = (double)LC_MIN_LOBE * (1 + 1e-6) /
                    (p->lobe == LC_LOBE_WARD ? sqrt((double)LC_WARD_MIN_COS) : 1);
@@ -613,6 +632,12 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
     double pw = p->lobe == LC_LOBE_WARD ? ward_bound(p, &c, n, cos_r) : 0;
     for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * pw * cos_r;
     if (p->lobe == LC_LOBE_GGX && cos_r > 0) ggx_bound(p, &c, n, cos_r, gloss);
+    if (p->lobe == LC_LOBE_OREN_NAYAR) {
+        double t[3];
+        load(t, p->tangent[0]);
+        double share = fmax(ref_cos_box(c.vlo, c.vhi, t), 0) * fmin(1, cos_r / (double)p->view[2]);
+        for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * (double)p->view[0] * share;
+    }
     for (int k = 0; k < 3; k++) {
         rho[k] = ((double)p->diffuse[k] * coat_in(p, cos_r) + (double)p->specular[k] * pm) * c.power[k];
         gloss[k] *= c.power[k];
