@@ -24,7 +24,9 @@ static gen_style style = GEN_ADVERSARIAL;
 static const char *only; /* material of the table, or NULL */
 
 static const char *const kind_names[LC_LIGHT_KINDS] = { "point", "oriented", "directional", "spot" };
-static const char *const brdf_names[GEN_BRDFS] = { "lambert", "phong", "ward", "ward-an", "ggx", "ggx-an", "any" };
+static const char *const brdf_names[GEN_BRDFS] = {
+    "lambert", "phong", "ward", "ward-an", "ggx", "ggx-an", "any"
+};
 
 static void make(gen_case *c, uint64_t i, uint32_t kind, uint32_t brdf, gen_style how)
 {

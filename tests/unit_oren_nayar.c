@@ -39,7 +39,7 @@ TEST(agrees_with_the_formula)
                     direction_d(cos(angles[a]), 0.4 + azimuth, i);
                     double got = lobe_value(&p, i), want = formula(sigmas[s], angles[a], angles[b], azimuth);
                     /* rounded directions: 1e-7 of cosines as small as 0.006 */
-                    CHECKF(fabs(got - want) <= 1e-4 * want + 1e-8, "sigma %g, angles %g %g, %g: %g, not %g",
+                    CHECKF(fabs(got - want) <= 1e-4 * want + 1e-8, "%g, %g %g, %g: %g, not %g",
                            sigmas[s], angles[a], angles[b], azimuth, got, want);
                 }
 }
@@ -51,14 +51,15 @@ TEST(albedo_is_the_integral)
         for (int a = 0; a < 7; a++) {
             lc_material m = material(sigmas[s]);
             double sum = 0, got = (double)lc_lobes[m.lobe].albedo(&m, (float)cos(angles[a])).y;
-            for (int x = 0; x < n; x++) /* midpoints of the angle; the cosine of the azimuth integrates to 2 */
+            /* Midpoints of the angle. The integral of the azimuth's cosine, where positive, is 2. */
+            for (int x = 0; x < n; x++)
                 for (int k = 0; k < 2; k++) {
                     double angle = (x + 0.5) / n * LC_PI / 2;
                     double f0 = formula(sigmas[s], angle, angles[a], LC_PI),
                            f1 = formula(sigmas[s], angle, angles[a], 0);
                     sum += sin(angle) * (k ? 2 * (f1 - f0) : 2 * LC_PI * f0) * LC_PI / 2 / n;
                 }
-            CHECKF(fabs(got / sum - 1) < 1e-4, "sigma %g, angle %g: %g, not %g", sigmas[s], angles[a], got, sum);
+            CHECKF(fabs(got / sum - 1) < 1e-4, "%g, %g: %g, not %g", sigmas[s], angles[a], got, sum);
         }
 }
 

@@ -1,7 +1,8 @@
 /* lobe.h - what the home of a lobe (lobe_NAME.h) provides, and the table that the rest of the code asks.
  *
  *     #ifdef LC_TABLE_PARTS      for lobe.c alone: its functions, and its line of the table,
- * LC_LOBE_INFO_NAME #ifdef LC_KERNEL_PARTS     for the kernels: NAME_value and NAME_bound
+ *                                LC_LOBE_INFO_NAME
+ *     #ifdef LC_KERNEL_PARTS     for the kernels: NAME_value and NAME_bound
  */
 #ifndef LC_LOBE_H
 #define LC_LOBE_H
@@ -16,8 +17,8 @@ typedef struct lc_lobe_info {
     /* Fraction of the light from a direction of cosine cos_i that the material reflects, by lobe and diffuse
      * part; R G B, may exceed 1. */
     lc_f3 (*albedo)(const lc_material *m, float cos_i);
-    bool (*check)(
-        const lc_material *m); /* whether the numbers that it alone reads are in range; NULL: it reads none */
+    /* Whether the numbers that it alone reads are in range; NULL: it reads none. */
+    bool (*check)(const lc_material *m);
 } lc_lobe_info;
 
 extern const lc_lobe_info lc_lobes[LC_LOBES];

@@ -62,8 +62,9 @@ LC_INLINE vf oren_nayar_bound(cluster_lanes *l, const lc_point *p, const rel_box
 {
     const vf one = vf_set(1), zero = vf_set(0);
     range t = range_make(box, set3(p->tangent[0]), false);
-    vf lobe = vf_sel_gt(t.z1, zero, max_cos(&t, least_q(&t, box->d2)) * p->view[0] * SLACK, zero), k[4], f = one;
+    vf lobe = max_cos(&t, least_q(&t, box->d2)) * p->view[0] * SLACK, k[4], f = one;
     (void)n;
+    lobe = vf_sel_gt(t.z1, zero, lobe, zero);
     if (!far) {
         if (l->atten) f = least_f(l, p, box, k);
         else f = vf_max(box->d2, vf_set(p->min_d2));

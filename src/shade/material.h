@@ -14,6 +14,8 @@
  * LC_WARD_MIN_COS (point.h): with 0.02 no direction reflects more than ks, for any accepted roughness. At
  * small roughness ks co is reflected.
  *
+ * Oren and Nayar's: lobe_oren_nayar.h.
+ *
  * GGX ([Walter07], anisotropic and with height-correlated masking as in [Heitz14]), with h of length 1:
  *
  *     f = kd / pi + F(c) D(h) G / (4 ci co),   D = 1 / (pi ax ay ((hx/ax)^2 + (hy/ay)^2 + hz^2)^2),   c = h.o
@@ -58,7 +60,7 @@ typedef struct lc_material {
     lc_f3 kt;           /* 0..1 per channel: diffuse transmission, kt / pi; glass: the fraction transmitted of
                            what is not reflected */
     float exponent;     /* Phong: n, 0..LC_MAX_EXPONENT */
-    float roughness[2]; /* Ward, GGX: ax, ay, LC_MIN_ROUGHNESS..LC_MAX_ROUGHNESS */
+    float roughness[2]; /* Ward, GGX: ax, ay; Oren-Nayar: sigma, rad; LC_MIN_ROUGHNESS..LC_MAX_ROUGHNESS */
     lc_lobe lobe;       /* the lobe that ks scales; not LC_LOBE_NONE */
     lc_fresnel fresnel; /* GGX, mirrors, glass */
     lc_f3 eta, k;       /* index relative to outside; absorption */

@@ -551,7 +551,7 @@ static void complain(gen_result *r, uint32_t bad, uint32_t members, double bound
     r->bad |= bad;
 }
 
-/* Contract of lc_cluster_store (layout.h), in exact arithmetic but for 4e-16. */
+/* Contract of lc_cluster_store (tree_fill.c), in exact arithmetic but for 4e-16. */
 static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten atten, uint32_t members)
 {
     uint32_t bad = 0;

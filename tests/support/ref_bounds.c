@@ -149,7 +149,7 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     load_atten(atten, l);
     bool far = l->kind == LC_LIGHT_DIRECTIONAL;
     for (int k = 0; k < 3; k++) v[k] = far ? -dir[k] : y[k] - x[k];
-    double d2 = dot3(v, v), d = sqrt(fmax(d2, (double)LC_TINY_D2)); /* no shorter: layout.h */
+    double d2 = dot3(v, v), d = sqrt(fmax(d2, (double)LC_TINY_D2)); /* no shorter: point.h */
     for (int k = 0; k < 3; k++) w[k] = v[k] / d;
     terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 }, { 0 } };
     for (int k = 0; k < 2; k++) {
@@ -177,7 +177,7 @@ static double combine(const lc_point *p, int c, double cos_r, double coat, doubl
     return rho * fmax(cos_r, 0) * fmax(cos_e, 0) * inv_f;
 }
 
-/* [Walter05b]'s lobe without specular: roots of cosines as layout.h says. */
+/* [Walter05b]'s lobe without specular: roots of cosines as material.h says. */
 static double ward(double x, double y, double z, double cos_r)
 {
     return z > 0 ? exp(-(x * x + y * y) / (z * z)) / sqrt(fmax(cos_r, (double)LC_WARD_MIN_COS)) : 0;
@@ -375,7 +375,7 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
         lo[c] = combine(p, c, fmin(t.cos_r, 1) - er, in_lo, gloss_lo[c], e_lo, t.inv_f) * (1 - 18 * U) - tiny;
         hi[c] = combine(p, c, t.cos_r + er, in_hi, gloss_hi[c], e_hi, t.inv_f) * (1 + 18 * U) + tiny;
         if (lo[c] < 0 || t.inv_f < 0x1p-127) lo[c] = 0; /* f is inf in float, 1/f is 0 */
-        /* The estimate's own definition (layout.h): 0 at grazing cosines and where it is tiny, capped. */
+        /* The estimate's own definition (point.h): 0 at grazing cosines and where it is tiny, capped. */
         bool grazing = t.cos_r - er <= (double)LC_MIN_COS || e_lo <= (double)LC_MIN_COS;
         if (grazing || lo[c] < (double)LC_MIN_TRANSFER * (1 + 1e-6)) lo[c] = 0;
         lo[c] = fmin(lo[c], (double)LC_MAX_TRANSFER * (1 - 1e-6));
