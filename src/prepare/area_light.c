@@ -16,52 +16,10 @@
 #include "base/context.h"
 #include "base/rng.h"
 #include "prepare/area_map.h"
+#include "prepare/emitter.h"
 
 #define INV_GOLDEN_RATIO 0.61803398874989484820 /* generator of the rank-1 lattice */
 #define ROUNDING 1e-6 /* lights: sums that miss an integer by rounding still reach it */
-
-/* The cross product of two edges: n[] is twice the area vector, its length is returned. */
-static double cross_of(const lc_scene *s, size_t tri, double n[3])
-{
-    const float *p0 = lc_tri_vertex(s->pos, s->index, tri, 0), *p1 = lc_tri_vertex(s->pos, s->index, tri, 1);
-    const float *p2 = lc_tri_vertex(s->pos, s->index, tri, 2);
-    double a[3], b[3];
-    for (int k = 0; k < 3; k++) {
-        a[k] = (double)p1[k] - p0[k];
-        b[k] = (double)p2[k] - p0[k];
-    }
-    n[0] = a[1] * b[2] - a[2] * b[1];
-    n[1] = a[2] * b[0] - a[0] * b[2];
-    n[2] = a[0] * b[1] - a[1] * b[0];
-    return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-}
-
-/* 1 if the side that cross_of points to emits, else -1: by the normals if the mesh has them, else by its flip
- * flag. */
-static double side_of(const lc_scene *s, const lc_mesh *mesh, size_t tri, const double n[3])
-{
-    if (mesh->has_normals) {
-        double d = 0;
-        for (size_t v = 0; v < 3; v++)
-            for (size_t k = 0; k < 3; k++) d += n[k] * lc_tri_vertex(s->normal, s->index, tri, v)[k];
-        if (d != 0) return d > 0 ? 1 : -1;
-    }
-    return mesh->flip ? -1 : 1;
-}
-
-/* The emitted power of a triangle, mean of R, G and B over pi, by which lights are distributed. flux: the
- * area times the mean colour of the emission map, or white. */
-static double power_of(const lc_scene *s, size_t tri, double flux[3])
-{
-    const lc_mesh *mesh = &s->meshes[s->tri_mesh[tri]];
-    double n[3], area = 0.5 * cross_of(s, tri, n), rgb[3] = { 1, 1, 1 };
-    if (mesh->emission_map && lc_f3_max(mesh->emission) > 0) lc_area_map_mean(s, tri, rgb);
-    double l = (rgb[0] * (double)mesh->emission.x + rgb[1] * (double)mesh->emission.y +
-                rgb[2] * (double)mesh->emission.z) /
-               3;
-    for (int k = 0; k < 3; k++) flux[k] = rgb[k] * area;
-    return l * area * (mesh->two_sided ? 2 : 1);
-}
 
 /* Appends k lights like `light` at stratified points of the triangle. sign: 0 or 1, for the two sides. */
 static lc_status spread(lc_scene *s, size_t tri, uint32_t k, lc_light *light, uint64_t sign, uint64_t seed)
@@ -94,15 +52,15 @@ typedef struct group {
 /* Appends k lights for each emitting side of the group. */
 static lc_status add_lights(lc_scene *s, const group *g, uint32_t k, uint64_t seed)
 {
-    double n[3], twice = cross_of(s, g->tri, n);
+    const lc_emitter e = lc_emitter_of(s, g->tri);
     const lc_mesh *mesh = &s->meshes[s->tri_mesh[g->tri]];
-    double side = side_of(s, mesh, g->tri, n);
+    double side = e.side;
     lc_status st = LC_OK;
-    for (int i = 0; i < (mesh->two_sided ? 2 : 1) && !st; i++, side = -side) {
+    for (uint32_t i = 0; i < e.n_sides && !st; i++, side = -side) {
         lc_light light = { .kind = LC_LIGHT_ORIENTED, .atten = { 0, 0, 1 } };
-        light.dir = lc_f3_normalize_d(n[0] * side / twice, n[1] * side / twice, n[2] * side / twice);
+        light.dir = lc_emitter_normal(&e, side);
         if (mesh->emission_map && g->n == 1) {
-            light.intensity = lc_f3_scale(mesh->emission, (float)(0.5 * twice));
+            light.intensity = lc_f3_scale(mesh->emission, (float)(0.5 * e.twice));
             st = lc_area_map_lights(s, g->tri, k, &light, lc_hash4(seed, g->tri, 0, 6 + (side > 0)));
             continue;
         }
@@ -130,12 +88,13 @@ typedef struct powers {
 
 static lc_status make_lights(lc_scene *scene, const powers *p, uint32_t n_lights, uint64_t seed)
 {
-    double before = 0, flux[3];
+    double before = 0;
     group small = { .n = 0 };
     lc_status st = LC_OK;
     for (size_t t = 0; t < scene->n_tris && !st; t++) {
-        uint32_t mesh = scene->tri_mesh[t], sides = scene->meshes[mesh].two_sided ? 2 : 1;
-        double power = power_of(scene, t, flux);
+        const lc_emitter e = lc_emitter_of(scene, t);
+        uint32_t mesh = scene->tri_mesh[t], sides = e.n_sides;
+        double power = e.power;
         if (small.n && scene->tri_mesh[small.tri] != mesh) {
             st = add_lights(scene, &small, 1, seed);
             small.n = 0;
@@ -149,10 +108,10 @@ static lc_status make_lights(lc_scene *scene, const powers *p, uint32_t n_lights
         before += share;
         if (share + ROUNDING >= sides && last - first >= sides) {
             group alone = { .n = 0 };
-            join(&alone, t, power, flux, first, seed);
+            join(&alone, t, power, e.flux, first, seed);
             st = add_lights(scene, &alone, (uint32_t)(last - first) / sides, seed);
         } else {
-            join(&small, t, power, flux, first, seed);
+            join(&small, t, power, e.flux, first, seed);
             if (last - small.first >= sides) {
                 st = add_lights(scene, &small, 1, seed);
                 small.n = 0;
@@ -165,12 +124,11 @@ static lc_status make_lights(lc_scene *scene, const powers *p, uint32_t n_lights
 
 lc_status lc_area_lights_make(lc_scene *scene, uint32_t n_lights, uint64_t seed)
 {
-    double flux[3];
     if (!scene->n_meshes) return LC_OK;
     powers p = { .of_mesh = lc_alloc(scene->ctx, scene->n_meshes, sizeof *p.of_mesh) };
     if (!p.of_mesh) return LC_ERR_MEMORY;
     for (size_t i = 0; i < scene->n_meshes; i++) p.of_mesh[i] = 0;
-    for (size_t t = 0; t < scene->n_tris; t++) p.of_mesh[scene->tri_mesh[t]] += power_of(scene, t, flux);
+    for (size_t t = 0; t < scene->n_tris; t++) p.of_mesh[scene->tri_mesh[t]] += lc_emitter_of(scene, t).power;
     for (size_t i = 0; i < scene->n_meshes; i++) {
         p.total += p.of_mesh[i];
         p.n_meshes += p.of_mesh[i] > 0;
