@@ -93,7 +93,8 @@ typedef enum lc_builder { LC_BUILDER_AUTO = 0, LC_BUILDER_EXACT, LC_BUILDER_PLOC
 
 typedef struct lc_load_desc {
     size_t size;
-    uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: 1024 */
+    uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: as many
+                               as the picture needs, up to 131072 or one a triangle */
     uint64_t seed;        /* for the choice of representatives and the jitter of all lights that are made */
     uint32_t n_reps;      /* 1..32 representatives a cluster; each but the first takes 4 bytes a light; 0:
                            * 16 */

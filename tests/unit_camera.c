@@ -40,6 +40,14 @@ TEST(rays)
     check_ray(&c, 100, 50, centre, V(1, 2, 3), V(0, 0, 1));
     check_ray(&c, 0, 0, centre, V(1, 2, 3), V(-2, 1, 1));
     check_ray(&c, 200, 100, V(0.9, 0.1), V(1, 2, 3), V(2, -1, 1));
+    for (int i = 0; i < 9; i++) { /* and back */
+        const double x = i % 3 * 90 + 3, y = i / 3 * 40 + 4;
+        double px, py;
+        lc_f3 o, dir;
+        lc_camera_ray(&c, x, y, centre, &o, &dir);
+        CHECK(lc_camera_project(&c, lc_f3_scale(dir, 7), &px, &py) && fabs(px - x) + fabs(py - y) < 1e-3);
+        CHECK(!lc_camera_project(&c, lc_f3_neg(dir), &px, &py));
+    }
     d = desc_of(LC_CAMERA_ORTHOGRAPHIC);
     CHECK(lc_camera_init(&c, &d, 200, 100) && fabs(c.pixel - 0.02) < 1e-12);
     check_ray(&c, 0, 0, centre, V(-1, 3, 3), V(0, 0, 1));

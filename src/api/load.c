@@ -4,7 +4,6 @@
 #include "prepare/commit.h"
 #include "tree/light_tree.h"
 
-#define DEFAULT_AREA_LIGHTS 1024
 #define DEFAULT_REPS 16 /* bands are 6 to 9 times fainter than with 1: tests/results/representatives.md */
 #define DEFAULT_ENV_LIGHTS 5000
 #define MAX_MADE_LIGHTS (1u << 28) /* of each */
@@ -30,7 +29,6 @@ lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *d
     lc_load_desc d = LC_LOAD_DESC_INIT;
     if (!ctx || !path || (desc && desc->size != sizeof d)) return LC_ERR_ARG;
     if (desc) d = *desc;
-    if (!d.area_lights) d.area_lights = DEFAULT_AREA_LIGHTS;
     if (!d.env_lights) d.env_lights = DEFAULT_ENV_LIGHTS;
     if (!d.n_reps) d.n_reps = DEFAULT_REPS;
     if (d.builder < LC_BUILDER_AUTO || d.builder > LC_BUILDER_PLOC) return LC_ERR_ARG;

@@ -4,6 +4,7 @@
 #include "base/stats.h"
 #include "prepare/area_light.h"
 #include "prepare/env_light.h"
+#include "prepare/lamp_lights.h"
 #include "prepare/vpl.h"
 #include "scene/alpha.h"
 #include "scene/instance.h"
@@ -67,8 +68,11 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     double t1 = lc_now();
     s->seconds_bvh = t1 - t0;
     bool all_seen = !s->n_lights;
-    st = lc_area_lights_make(s, desc->area_lights, desc->seed);
+    size_t n_of_file = s->n_lights;
+    if (desc->area_lights) st = lc_area_lights_make(s, desc->area_lights, desc->seed);
+    else st = lc_lamp_lights_make(s, depth_of(s, desc), desc->seed);
     size_t n_before = s->n_lights;
+    s->n_area_lights = n_before - n_of_file;
     if (!st) st = lc_env_lights_make(s, desc->env_lights, depth_of(s, desc), desc->seed);
     s->n_env_lights = s->n_lights - n_before;
     if (!st) st = lc_scene_join_lights(s);

@@ -68,18 +68,19 @@ void lc_job_join_stats(const lc_render_job *j, lc_render_stats *out)
     phase_stats(j, out);
 }
 
-/* What the lights and their tree were made with: numbers that were asked for, or the defaults in their place.
- */
+/* What the lights and their tree were made with: numbers that were asked for, or what was taken
+ * in their place. */
 static lc_status set_load_attributes(lc_image *im, const lc_scene *scene)
 {
     static const char *const builder[] = { "auto", "exact", "ploc" };
     const lc_load_desc *l = &scene->load;
+    double area = l->area_lights ? l->area_lights : (double)scene->n_area_lights;
     uint32_t by_scene = scene->traces_paths ? LC_DEFAULT_INDIRECT : 0;
     uint32_t indirect = l->indirect_lights == LC_NO_LIGHTS ? 0
                         : l->indirect_lights               ? l->indirect_lights
                                                            : by_scene;
     lc_status st = lc_image_set_text(im, "lightcuts/builder", builder[l->builder]);
-    if (!st) st = lc_image_set_number(im, "lightcuts/areaLights", l->area_lights);
+    if (!st) st = lc_image_set_number(im, "lightcuts/areaLights", area);
     if (!st) st = lc_image_set_number(im, "lightcuts/envLights", l->env_lights);
     if (!st) st = lc_image_set_number(im, "lightcuts/indirectLights", indirect);
     return st;

@@ -150,3 +150,23 @@ void lc_camera_ray(const lc_camera *cam, double px, double py, const double lens
     *origin = lc_f3_make((float)o[0], (float)o[1], (float)o[2]);
     *dir = lc_f3_make((float)(d[0] * s), (float)(d[1] * s), (float)(d[2] * s));
 }
+
+/* a . (b x c) */
+static double triple(const double a[3], const double b[3], const double c[3])
+{
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+bool lc_camera_project(const lc_camera *cam, lc_f3 dir, double *px, double *py)
+{
+    const double d[3] = { (double)dir.x, (double)dir.y, (double)dir.z };
+    *px = 0.5 * cam->width;
+    *py = 0.5 * cam->height;
+    if (cam->kind != LC_CAMERA_PERSPECTIVE) return cam->kind != LC_CAMERA_ORTHOGRAPHIC;
+    double all = triple(cam->dir0, cam->dx, cam->dy), along = triple(d, cam->dx, cam->dy) / all;
+    if (!(along > 0)) return false;
+    *px = triple(cam->dir0, d, cam->dy) / all / along;
+    *py = triple(cam->dir0, cam->dx, d) / all / along;
+    return true;
+}

@@ -53,5 +53,9 @@ void lc_camera_set_distance(lc_camera *cam, double distance);
  * of which (0.5, 0.5) is the lens centre. *origin and the unit *dir are in world space. */
 void lc_camera_ray(const lc_camera *cam, double px, double py, const double lens[2], lc_f3 *origin,
                    lc_f3 *dir);
+/* The film point, in pixels, that shows the direction dir from the camera's origin, of any length; for a
+ * spherical camera, which shows every direction, the middle. False for what is behind the camera, and for
+ * orthographic cameras. */
+bool lc_camera_project(const lc_camera *cam, lc_f3 dir, double *px, double *py);
 
 #endif

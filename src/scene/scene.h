@@ -117,7 +117,7 @@ struct lc_scene {
     lc_camera camera;
     lc_pixel_filter filter;
     float min_d2;        /* distance floor: 1/d^2 is evaluated with d^2 >= min_d2, see shade/point.h */
-    uint64_t n_emissive_tris, n_env_lights, n_env_tried;
+    uint64_t n_emissive_tris, n_area_lights, n_env_lights, n_env_tried;
     bool follows_smooth; /* lobes narrower than LC_SMOOTH_ROUGHNESS are followed as mirrors */
     lc_indirect indirect;
     lc_bvh *bvh;

@@ -1,0 +1,192 @@
+/* unit_lamps.c - lights made from lamps where no number is asked for: their flux, that no light stands for
+ * much of what a visible point gets, a panel seen from close by against its closed form; the same lights for
+ * any number of threads. */
+#include "base/rng.h"
+#include "prepare/emitter.h"
+#include "prepare/lamp_lights.h"
+#include "support/one_scene.h"
+#include "support/pictures.h"
+
+static lc_load_desc direct = LC_LOAD_DESC_INIT;
+
+#define VIEW                                                                                             \
+    "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40 LookAt 0 2 -6  0 0 0  0 1 0 "    \
+    "Camera \"perspective\" \"float fov\" 50 Sampler \"independent\" \"integer pixelsamples\" 1 "        \
+    "WorldBegin "
+#define FLOOR                                                                                  \
+    "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5] Shape \"trianglemesh\" "              \
+    "\"point3 P\" [-3 0 -3 3 0 -3 3 0 3 -3 0 3] \"integer indices\" [0 2 1 0 3 2] "
+#define LAMP(L, at, side)                                                                                \
+    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [" L "] Translate " at " Scale " side " 1 " side \
+    " Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 0 1 0 0 1] \"integer indices\" [0 1 2 0 2 3] "  \
+    "AttributeEnd "
+
+TEST(flux_is_exact)
+{
+    double got[3];
+    CHECK(load_text(&direct, VIEW FLOOR LAMP("1 2 3", "0 1 0", "2") LAMP("5 0 0", "0 .02 0", ".1")) == LC_OK);
+    sum_of_lights(got);
+    const double want[3] = { 4 + 0.05, 8, 12 };
+    for (int c = 0; c < 3; c++) CHECKF(fabs(got[c] / want[c] - 1) < 1e-5, "%g, not %g", got[c], want[c]);
+    CHECK(scene->n_emissive_tris == 4);
+    for (size_t i = 0; i < scene->n_lights; i++) CHECK(scene->lights[i].dir.y < -0.999f);
+}
+
+/* Double precision, from the formula: what a light of the floor's reflectance gives at a point above y = 0.
+ */
+static double given(const lc_light *l, const double x[3])
+{
+    const double d[3] = { (double)l->pos.x - x[0], (double)l->pos.y - x[1], (double)l->pos.z - x[2] };
+    double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    double down = -(d[0] * (double)l->dir.x + d[1] * (double)l->dir.y + d[2] * (double)l->dir.z);
+    return d[1] > 0 && down > 0 ? d[1] * down / (d2 * d2) * (double)l->intensity.y : 0;
+}
+
+/* Points of the floor that no light hides from another; half of them next to the small lamp. */
+TEST(no_light_stands_for_much)
+{
+    CHECK(load_text(&direct, VIEW FLOOR LAMP("1 1 1", "-1 1 -1", "1") LAMP("9 9 9", ".5 .05 .5", ".05")) ==
+          LC_OK);
+    double most = 0;
+    for (uint64_t i = 0; i < 400; i++) {
+        double size = i & 1 ? 2 : 0.1, mid = i & 1 ? 0 : 0.525, sum = 0, largest = 0;
+        const double x[3] = { mid + size * (lc_unit(lc_hash2(i, 0)) - 0.5), 0,
+                              mid + size * (lc_unit(lc_hash2(i, 1)) - 0.5) };
+        for (size_t k = 0; k < scene->n_lights; k++) {
+            double f = given(&scene->lights[k], x);
+            sum += f;
+            largest = fmax(largest, f);
+        }
+        most = fmax(most, largest / sum);
+    }
+    printf("  %zu lights, greatest share %.4f\n", scene->n_lights, most);
+    CHECKF(most <= 4 * LC_LAMP_SHARE, "%g", most); /* points between those that were looked at */
+    CHECK(scene->n_lights <= LC_LAMP_LIGHTS);
+}
+
+/* What is far away, or behind, has a light for each triangle and no more. */
+TEST(lights_are_where_they_matter)
+{
+    uint32_t near = 0, far = 0;
+    CHECK(load_text(&direct, VIEW FLOOR LAMP("1 1 1", "0 .05 0", ".1") LAMP("1 1 1", "900 50 0", ".1")) ==
+          LC_OK);
+    for (size_t i = 0; i < scene->n_lights; i++) {
+        near += scene->lights[i].pos.x < 9;
+        far += scene->lights[i].pos.x > 9;
+    }
+    CHECKF(near > 500 && far == 2, "%u, %u", near, far);
+    /* nothing is seen */
+    CHECK(load_text(&direct,
+                    "Film \"rgb\" LookAt 0 9 0  0 99 0  1 0 0 Camera \"perspective\" WorldBegin " FLOOR LAMP(
+                        "1 1 1", "0 1 0", "1")) == LC_OK);
+    CHECK(scene->n_lights == 2);
+}
+
+/* Radiance of a white floor below a panel of radiance 1, at (x, z): the form factor of a parallel rectangle,
+ * four corners of [Lambert]'s contour integral. */
+static double below_panel(double x, double z, double h)
+{
+    double sum = 0;
+    for (int i = 0; i < 4; i++) {
+        double a = 0.5 + (i & 1 ? x : -x), b = 0.5 + (i & 2 ? z : -z);
+        double ra = sqrt(h * h + a * a), rb = sqrt(h * h + b * b);
+        sum += (a / ra * atan(b / ra) + b / rb * atan(a / rb)) / (2 * LC_PI);
+    }
+    return sum;
+}
+
+TEST(panel_from_close_by)
+{
+    lc_render_desc rd = LC_RENDER_DESC_INIT;
+    lc_image *image = NULL;
+    double rms = 0;
+    CHECK(load_text(&direct,
+                    "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24 "
+                    "LookAt 0 .015 0  0 0 0  0 0 1 Camera \"orthographic\" \"float screenwindow\" "
+                    "[-.3 .3 -.3 .3] PixelFilter \"box\" Sampler \"stratified\" \"integer xsamples\" 1 "
+                    "\"integer ysamples\" 1 \"bool jitter\" false WorldBegin "
+                    "Material \"diffuse\" \"rgb reflectance\" [1 1 1] Shape \"trianglemesh\" "
+                    "\"point3 P\" [-3 0 -3 3 0 -3 3 0 3 -3 0 3] \"integer indices\" [0 2 1 0 3 2] " LAMP(
+                        "1 1 1", "-.5 .03 -.5", "1")) == LC_OK);
+    rd.method = LC_METHOD_EXACT;
+    rd.spp = 1;
+    CHECK(lc_render(ctx, scene, &rd, &image, NULL) == LC_OK);
+    if (!image) return;
+    const float *g = lc_image_channel(image, "G");
+    for (int i = 0; i < 24 * 24; i++) {
+        double x = (i % 24 + 0.5) / 24 * 0.6 - 0.3, z = (i / 24 + 0.5) / 24 * 0.6 - 0.3;
+        double off = (double)g[i] / below_panel(x, z, 0.03) - 1;
+        rms += off * off / (24 * 24);
+    }
+    printf("  %zu lights, rms %.4f\n", scene->n_lights, sqrt(rms));
+    CHECKF(sqrt(rms) <= 0.005, "%g", sqrt(rms));
+    lc_image_destroy(image);
+}
+
+TEST(pictures_keep_their_sum)
+{
+    static float rgb[16 * 16 * 3];
+    double got[3];
+    for (size_t i = 0; i < 16 * 16; i++) rgb[3 * i + i % 3] = (float)(i % 16);
+    pfm_write(temp_path("lamp.pfm"), 16, 16, rgb);
+    CHECK(load_text(&direct, VIEW FLOOR "AreaLightSource \"diffuse\" \"string filename\" \"lamp.pfm\" Shape "
+                             "\"trianglemesh\" \"point3 P\" [0 1 0 1 1 0 1 1 1 0 1 1] \"point2 uv\" "
+                             "[0 0 1 0 1 1 0 1] \"integer indices\" [0 1 2 0 2 3]") == LC_OK);
+    sum_of_lights(got);
+    CHECK(scene->n_lights >= 128);
+    for (size_t c = 0; c < 3; c++) {
+        double want = 0;
+        for (size_t i = 0; i < 16 * 16; i++) want += (double)rgb[3 * i + c] / (16 * 16);
+        CHECKF(fabs(got[c] / want - 1) < 0.01, "%g, not %g", got[c], want);
+    }
+}
+
+TEST(same_lights_for_any_threads)
+{
+    static const uint32_t threads[] = { 1, 2, 7 };
+    static lc_light first[1 << 18];
+    lc_context *own = ctx;
+    size_t n = 0;
+    for (int t = 0; t < 3; t++) {
+        lc_scene_destroy(scene);
+        scene = NULL;
+        ctx = quiet_context_of(threads[t], t ? LC_ISA_BEST : LC_ISA_SCALAR);
+        CHECK(load_text(&direct, VIEW FLOOR LAMP("1 1 1", "0 .1 0", ".3") LAMP("2 1 1", "-1 1 0", "1")) ==
+              LC_OK);
+        if (!t) {
+            n = scene->n_lights;
+            memcpy(first, scene->lights, n * sizeof *first);
+        }
+        CHECK(scene->n_lights == n && !memcmp(first, scene->lights, n * sizeof *first));
+        lc_scene_destroy(scene);
+        lc_context_destroy(ctx);
+        scene = NULL;
+    }
+    ctx = own;
+}
+
+/* No area, no radiance: no light, and nothing else goes wrong. */
+TEST(nothing_emits)
+{
+    CHECK(load_text(&direct,
+                    VIEW FLOOR "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] Shape \"trianglemesh\" "
+                               "\"point3 P\" [0 1 0 1 1 0 2 1 0] \"integer indices\" [0 1 2 0 0 0] "
+                               "AreaLightSource \"diffuse\" \"rgb L\" [0 0 0] Shape \"trianglemesh\" "
+                               "\"point3 P\" [0 1 0 1 1 0 1 1 1] \"integer indices\" [0 1 2]") == LC_OK);
+    CHECK(scene->n_lights == 0);
+}
+
+int main(void)
+{
+    direct.indirect_lights = LC_NO_LIGHTS;
+    ctx = quiet_context(2);
+    RUN(flux_is_exact);
+    RUN(no_light_stands_for_much);
+    RUN(lights_are_where_they_matter);
+    RUN(panel_from_close_by);
+    RUN(pictures_keep_their_sum);
+    RUN(same_lights_for_any_threads);
+    RUN(nothing_emits);
+    one_scene_end();
+    return test_done();
+}
