@@ -23,7 +23,7 @@ static uint64_t count = 200000;
 static gen_style style = GEN_ADVERSARIAL;
 static const char *only; /* material of the table, or NULL */
 
-static const char *const kind_names[LC_LIGHT_KINDS] = { "point", "oriented", "directional", "spot" };
+static const char *const kind_names[LC_LIGHT_KINDS] = { "point", "oriented", "directional", "spot", "ball" };
 static const char *const brdf_names[GEN_BRDFS] = {
     "lambert", "phong", "ward", "ward-an", "ggx", "ggx-an", "any"
 };
@@ -232,6 +232,7 @@ static double ggx_slack(const lc_point *p, lc_f3 v)
 TEST(zero_extent_is_tight)
 {
     for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+        if (lc_is_sized((lc_light_kind)kind)) continue; /* its box is around its surface */
         double worst = 0, sum = 0, share = 0;
         uint64_t n = 0;
         for (uint64_t i = 0; i < 40000; i++) {

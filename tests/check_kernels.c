@@ -80,7 +80,7 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
     j->tree.spot_maps = j->maps;
     if (i / MOST % 2) { /* inverse square */
         j->tree.node_atten = j->tree.light_atten = NULL;
-        for (uint32_t k = 0; k < j->c.n && kind != LC_LIGHT_SPOT; k++) {
+        for (uint32_t k = 0; k < j->c.n && lc_is_attenuated(kind); k++) {
             j->c.lights[k].atten[0] = j->c.lights[k].atten[1] = 0;
             j->c.lights[k].atten[2] = 1;
         }

@@ -165,6 +165,75 @@ TEST(same_lights_for_any_threads)
     ctx = own;
 }
 
+static uint32_t n_balls(void)
+{
+    uint32_t n = 0;
+    for (size_t i = 0; i < scene->n_lights; i++) n += scene->lights[i].kind == LC_LIGHT_BALL;
+    return n;
+}
+
+/* A small sphere is one light of its power; one that fills the view of what it lights is its triangles, and
+ * so is what is no sphere: a part of one, one that shines inwards or both ways. */
+TEST(spheres_are_balls)
+{
+    static const char *const others[] = { "Shape \"sphere\" \"float zmax\" .5",
+                                          "ReverseOrientation Shape \"sphere\"",
+                                          "Scale 1 2 1 Shape \"sphere\"" };
+    const char lamp[] = "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] ";
+    CHECK(load_text(&direct,
+                    VIEW FLOOR "%s Translate 0 2 0 Shape \"sphere\" \"float radius\" .1 AttributeEnd",
+                    lamp) == LC_OK);
+    CHECK(scene->n_lights == 1 && n_balls() == 1);
+    const lc_light *l = &scene->lights[0];
+    CHECK(fabs((double)l->pos.y - 2) < 1e-6 && fabs((double)l->radius - 0.1) < 1e-6);
+    CHECKF(fabs((double)l->intensity.y / (LC_PI * 0.01 * 2) - 1) < 1e-4, "%g", (double)l->intensity.y);
+    CHECK(load_text(&direct, VIEW FLOOR "%s Translate 0 1.2 0 Shape \"sphere\" AttributeEnd", lamp) == LC_OK);
+    CHECK(scene->n_lights > 1000 && n_balls() == 0);
+    for (int i = 0; i < 3; i++) {
+        CHECK(load_text(&direct, VIEW FLOOR "%s Translate 0 90 0 %s AttributeEnd", lamp, others[i]) == LC_OK);
+        CHECKF(n_balls() == 0, "%s", others[i]);
+    }
+}
+
+/* The floor under a ball is what its closed form says, by cuts and by the exact method, and its shadow is as
+ * soft as that of the sphere: the part of the disc that a half plane leaves over. */
+TEST(balls_are_exact_and_soft)
+{
+    static const lc_method methods[] = { LC_METHOD_EXACT, LC_METHOD_CUTS };
+    for (int i = 0; i < 2; i++) {
+        lc_render_desc rd = LC_RENDER_DESC_INIT;
+        lc_image *image = NULL;
+        CHECK(load_text(&direct,
+                        "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64 "
+                        "LookAt 0 .5 0  0 0 0  0 0 1 Camera \"orthographic\" \"float screenwindow\" "
+                        "[-1 1 -1 1] WorldBegin Material \"diffuse\" \"rgb reflectance\" [1 1 1] "
+                        "Shape \"trianglemesh\" \"point3 P\" [-3 0 -3 3 0 -3 3 0 3 -3 0 3] "
+                        "\"integer indices\" [0 2 1 0 3 2] "
+                        "Shape \"trianglemesh\" \"point3 P\" [-9 1 -9 0 1 -9 0 1 9 -9 1 9] "
+                        "\"integer indices\" [0 1 2 0 2 3] AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] "
+                        "Translate 0 2 0 Shape \"sphere\" \"float radius\" .2") == LC_OK);
+        CHECK(n_balls() == 1);
+        rd.method = methods[i];
+        rd.spp = 1;
+        CHECK(lc_render(ctx, scene, &rd, &image, NULL) == LC_OK);
+        if (!image) return;
+        const float *g = lc_image_channel(image, "G");
+        double left = 0, half = 0, right = 0;
+        for (int at = 0; at < 64 * 64; at++) {
+            int x = at % 64;
+            /* columns outside the penumbra of -0.2 to 0.2, and in it */
+            double px = (x + 0.5) / 32 - 1, pz = (at / 64 + 0.5) / 32 - 1, d2 = px * px + pz * pz + 4;
+            double want = 0.04 * 2 / sqrt(d2) / d2, got = (double)g[at] / want;
+            if (x < 16) left += got / (16 * 64);
+            if (x > 47) right += got / (16 * 64);
+            if (x >= 26 && x < 38) half += got / (12 * 64);
+        }
+        printf("  left %.4f, half %.4f, right %.4f\n", left, half, right);
+        CHECK(fabs(fmax(left, right) - 1) < 1e-3 && fmin(left, right) < 1e-6 && fabs(half - 0.5) < 0.03);
+        lc_image_destroy(image);
+    }
+}
+
 /* No area, no radiance: no light, and nothing else goes wrong. */
 TEST(nothing_emits)
 {
@@ -186,6 +255,8 @@ int main(void)
     RUN(panel_from_close_by);
     RUN(pictures_keep_their_sum);
     RUN(same_lights_for_any_threads);
+    RUN(spheres_are_balls);
+    RUN(balls_are_exact_and_soft);
     RUN(nothing_emits);
     one_scene_end();
     return test_done();

@@ -60,7 +60,10 @@ static double trace_list(const lc_cut *c, const lc_cut_step *s, lc_cut_list *lis
             if (!(rep & LC_PENDING)) continue;
             rep &= ~LC_PENDING;
             ray_group *g = lc_is_far(lc_kind_of_light(t, rep)) ? &far : &near;
-            for (int k = 0; k < 3; k++) g->target[k][g->n] = t->data.lights[rep].pos[k];
+            const lc_light_rec *light = &t->data.lights[rep];
+            float to[3] = { light->pos[0], light->pos[1], light->pos[2] };
+            if (lc_is_sized(lc_kind_of_light(t, rep))) lc_ball_target(light, s->point, to);
+            for (int k = 0; k < 3; k++) g->target[k][g->n] = to[k];
             g->at[g->n++] = i;
             list->rep[i] = rep;
         }

@@ -15,6 +15,7 @@ static uint32_t shade_exactly(const lc_light_tree *t, const lc_visibility *visib
     uint8_t hidden[BATCH];
     uint32_t lit[BATCH], m = 0;
     t->ctx->shade_kernels->estimate(&t->data, first, NULL, n, kind, p, out);
+    lc_shadow_targets(t, kind, p, NULL, first, n, out + 3);
     for (uint32_t i = 0; i < n; i++) {
         lit[m] = i;
         m += f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0;

@@ -23,7 +23,8 @@ lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t 
     *view = (lc_view_grid){ .scene = scene, .side = side };
     view->points = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->points);
     view->org = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->org);
-    if (!view->points || !view->org) return LC_ERR_MEMORY;
+    view->lobe = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->lobe);
+    if (!view->points || !view->org || !view->lobe) return LC_ERR_MEMORY;
     for (uint32_t i = 0; i < side * side; i++) {
         lc_f3 org, dir;
         lc_sight sight;
@@ -33,9 +34,16 @@ lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t 
             continue;
         const lc_lit *lit = &sight.lit[0];
         lc_point_init(&view->points[view->n], lit->surface.pos, lit->surface.n, lit->view, &grey, LC_MIN_D2);
+        view->lobe[view->n] = lc_lobe_angle(&lit->surface.material);
         memcpy(view->org[view->n++], lit->surface.ray_org, sizeof view->org[0]);
     }
     return LC_OK;
+}
+
+float lc_lobe_angle(const lc_material *m)
+{
+    if (!(lc_f3_max(m->ks) > 0) || m->mirror || m->glass || m->lobe == LC_LOBE_OREN_NAYAR) return 4;
+    return m->lobe == LC_LOBE_PHONG ? 1 / sqrtf(m->exponent + 2) : fminf(m->roughness[0], m->roughness[1]);
 }
 
 void lc_view_grid_free(lc_view_grid *view)
@@ -44,6 +52,7 @@ void lc_view_grid_free(lc_view_grid *view)
     if (!n) return;
     lc_free(view->scene->ctx, view->points, n, sizeof *view->points);
     lc_free(view->scene->ctx, view->org, n, sizeof *view->org);
+    lc_free(view->scene->ctx, view->lobe, n, sizeof *view->lobe);
     *view = (lc_view_grid){ 0 };
 }
 

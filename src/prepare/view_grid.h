@@ -18,12 +18,16 @@ typedef struct lc_view_grid {
     uint32_t n, side; /* points, at most side * side: rays that leave the scene give none */
     lc_point *points; /* in the order of the picture's rows */
     float (*org)[3];  /* n: origins of their shadow rays */
+    float *lobe;      /* n: lc_lobe_angle of their surfaces */
 } lc_view_grid;
 
 /* Traces side * side camera rays over the whole film, whatever its crop. LC_ERR_MEMORY, after which it must
  * be freed, too. */
 lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t side, uint32_t max_depth);
 void lc_view_grid_free(lc_view_grid *view);
+
+/* About half the width of the narrowest lobe, rad; large for diffuse surfaces. */
+float lc_lobe_angle(const lc_material *material);
 
 /* Luminance that an inverse-square or directional light contributes to a point, shadows ignored. */
 float lc_unoccluded_luminance(const lc_shade_kernels *kernels, const lc_point *p, const lc_light *light,

@@ -97,6 +97,7 @@ static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_lig
 {
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
     e->scene->ctx->shade_kernels->estimate(&e->tree->data, 0, light, n, kind, &e->probe.point, out);
+    lc_shadow_targets(e->tree, kind, &e->probe.point, light, 0, n, out + 3);
     for (uint32_t i = 0; i < n; i++) {
         const float *const target[3] = { f[3] + i, f[4] + i, f[5] + i };
         hidden[i] = 2;

@@ -15,12 +15,13 @@ static void widen_lobe(lc_material *m)
     for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], LC_VIRTUAL_ROUGHNESS);
 }
 
-void lc_lit_point(const lc_scene *scene, const lc_lit *lit, lc_point *p)
+void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_point *p)
 {
     const lc_surface *s = &lit->surface;
     lc_material m = s->material;
     if (scene->indirect.n_lights) widen_lobe(&m);
     lc_point_init(p, s->pos, s->n, lit->view, &m, scene->min_d2);
+    p->turn = (uint32_t)((hash & 15) * 2 + (hash >> 36 & 1)); /* the pixels of a block differ */
     /* what is behind n sheds nothing anyhow */
     if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(p->ng, s->ng);
 }
@@ -60,7 +61,7 @@ static void shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit 
 {
     const lc_surface *s = &lit->surface;
     lc_point p;
-    lc_lit_point(j->scene, lit, &p);
+    lc_lit_point(j->scene, lit, hash, &p);
     w->stats.glossy += p.lobe != LC_LOBE_NONE;
     if (j->exact) {
         lc_exact_shade(j->scene->tree, &j->scene->visibility, &p, s->ray_org, &w->stats, out);

@@ -10,6 +10,10 @@ void lc_cluster_from_light(lc_cluster *c, const lc_light *light)
     *c = (lc_cluster){ .kind = light->kind };
     lc_f3_store(c->lo, p);
     lc_f3_store(c->hi, p);
+    for (int k = 0; k < 3 && lc_is_sized(light->kind); k++) { /* shadow rays end on its surface */
+        c->lo[k] -= light->radius;
+        c->hi[k] += light->radius;
+    }
     if (lc_is_aimed(light->kind)) {
         lc_f3_store(c->dlo, light->dir);
         lc_f3_store(c->dhi, light->dir);

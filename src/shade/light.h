@@ -23,7 +23,8 @@ enum {
     LC_LIGHT_FAR = 1,
     LC_LIGHT_AIMED = 2,
     LC_LIGHT_ATTENUATED = 4,
-    LC_LIGHT_OWN = 8
+    LC_LIGHT_OWN = 8,
+    LC_LIGHT_SIZED = 16
 }; /* traits: see light_kinds.h */
 
 typedef enum lc_light_kind {
@@ -46,6 +47,7 @@ static inline int lc_light_traits(lc_light_kind kind)
 
 static inline bool lc_is_far(lc_light_kind kind) { return lc_light_traits(kind) & LC_LIGHT_FAR; }
 static inline bool lc_is_aimed(lc_light_kind kind) { return lc_light_traits(kind) & LC_LIGHT_AIMED; }
+static inline bool lc_is_sized(lc_light_kind kind) { return lc_light_traits(kind) & LC_LIGHT_SIZED; }
 static inline bool lc_is_attenuated(lc_light_kind kind)
 {
     return lc_light_traits(kind) & LC_LIGHT_ATTENUATED;
@@ -77,6 +79,7 @@ typedef struct lc_light {
     union {
         float atten[3]; /* kinds with LC_LIGHT_ATTENUATED: A, B, C, all >= 0, one > 0; 0, 0, 1 is 1/d^2 */
         lc_spot spot;   /* spots */
+        float radius;   /* kinds with LC_LIGHT_SIZED, scene units, > 0 */
     };
     lc_light_kind kind;
 } lc_light;

@@ -33,6 +33,7 @@ typedef struct lc_point {
     float specular[3];
     float exponent;
     float min_d2;      /* distance floor, scene units^2 */
+    uint32_t turn;     /* which points of lights with LC_LIGHT_SIZED shadow rays go to; lc_point_init: 0 */
     lc_lobe lobe;      /* LC_LOBE_NONE where specular is 0, except with a coat */
     /* Ward, GGX: X and Y of slope_tmpl.c are the products of h with these. */
     float tangent[2][3];      /* unit tangent over ax, unit bitangent over ay */

@@ -1,6 +1,7 @@
 /* point_init.c - what estimates and bounds need to know of a shading point. */
 #include "shade/point_init.h"
 
+#include "base/rng.h"
 #include "shade/dir_pack.h"
 #include "shade/lobe.h"
 
@@ -31,6 +32,12 @@ void lc_light_rec_init(lc_light_rec *rec, const lc_light *light)
 {
     uint32_t dir[2] = { 0, 0 };
     if (lc_is_aimed(light->kind)) lc_dir_pack(light->dir, dir);
+    if (lc_is_sized(light->kind)) {
+        uint32_t pos[3];
+        memcpy(pos, &light->pos, sizeof pos);
+        memcpy(&dir[0], &light->radius, sizeof dir[0]);
+        dir[1] = (uint32_t)lc_hash4(pos[0], pos[1], pos[2], 0);
+    }
     lc_f3_store(rec->pos, lc_is_far(light->kind) ? lc_f3_neg(light->dir) : light->pos);
     lc_f3_store(rec->intensity, light->intensity);
     rec->dir_a = dir[0];

@@ -34,7 +34,8 @@ _Static_assert(sizeof(lc_node) == 64, "a cache line");
 /* One light as the estimate reads it. */
 typedef struct lc_light_rec {
     float pos[3];       /* directional: unit direction towards the light */
-    uint32_t dir_a;     /* oriented, spot: the way light travels, see dir_pack.h */
+    uint32_t dir_a;     /* oriented, spot: the way light travels, see dir_pack.h; ball: radius, a float,
+                           and a random word in dir_b */
     float intensity[3];
     uint32_t dir_b;
 } lc_light_rec;

@@ -19,6 +19,7 @@
 
 #include "base/arena.h"
 #include "shade/light_kind.h"
+#include "shade/light_target.h"
 #include "shade/tree_data.h"
 
 #define LC_MAX_REPS 32
@@ -98,5 +99,17 @@ static inline void *lc_node_own(const lc_tree_data *t, lc_light_kind kind, uint3
 
 /* Checks partition, boxes, cones, sums, links, representatives; NULL when all hold, else what does not. */
 const char *lc_light_tree_validate(const lc_light_tree *tree);
+
+/* Where shadow rays from p go, in place of the targets x, y, z that the estimate kernel gave for n lights of
+ * one kind: light[0 .. n), or first .. first + n - 1 where that is NULL. */
+static inline void lc_shadow_targets(const lc_light_tree *t, lc_light_kind kind, const lc_point *p,
+                                     const uint32_t *light, uint32_t first, uint32_t n, float *const to[3])
+{
+    for (uint32_t i = 0; i < n && lc_is_sized(kind); i++) {
+        float target[3];
+        lc_ball_target(&t->data.lights[light ? light[i] : first + i], p, target);
+        for (int k = 0; k < 3; k++) to[k][i] = target[k];
+    }
+}
 
 #endif

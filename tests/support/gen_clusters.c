@@ -449,6 +449,8 @@ void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, g
     make_material(s, c, brdf, style);
     make_light_values(s, c, &b, style);
     if (kind == LC_LIGHT_SPOT) make_spots(s, c, style);
+    for (uint32_t i = 0; i < c->n && lc_is_sized(kind); i++)
+        c->lights[i].radius = (float)(b.scale * decade(s, -9, style == GEN_ORDINARY ? -6 : 1));
     double diag = b.scale * decade(s, 0, 2);
     uint32_t floor_kind = style == GEN_ORDINARY ? 1 : gen_pick(s, 8);
     double min_d2 = floor_kind == 0 ? 1e-2 * b.scale * b.scale : 1e-10 * diag * diag;
@@ -496,7 +498,8 @@ lc_f3 gen_shade(const lc_point *p, const lc_light *l)
     lc_light_rec rec;
     lc_spot_rec spot;
     lc_light_rec_init(&rec, l);
-    if (l->kind != LC_LIGHT_SPOT) return one_transfer(p, l->kind, &rec, l->atten);
+    if (l->kind != LC_LIGHT_SPOT)
+        return one_transfer(p, l->kind, &rec, lc_is_attenuated(l->kind) ? l->atten : NULL);
     lc_spot_rec_init(&spot, l->spot.cos_total, l->spot.cos_start, 0);
     return one_spot_transfer(p, &rec, &spot, NULL);
 }
@@ -568,7 +571,7 @@ static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten
         for (int k = 0; k < 3; k++) {
             double p = l->kind == LC_LIGHT_DIRECTIONAL ? -(double)e[k] : (double)y[k];
             if (!(fabs(p - (double)b->center[k]) <= (double)b->half[k])) bad |= GEN_BAD_BOX;
-            if (l->kind <= LC_LIGHT_ORIENTED && !(atten[k] <= l->atten[k])) bad |= GEN_BAD_BOX;
+            if (lc_is_attenuated(l->kind) && !(atten[k] <= l->atten[k])) bad |= GEN_BAD_BOX;
             dot += axis[k] * (double)e[k];
             e2 += (double)e[k] * (double)e[k];
             power[k] += (double)(&l->intensity.x)[k];
@@ -660,7 +663,7 @@ void gen_case_shrink(gen_case *c, uint32_t bad)
         for (uint32_t i = 0; i < t.n; i++) {
             lc_light *l = &t.lights[i];
             if (what == 0) l->intensity = lc_f3_make(1, 1, 1);
-            if (l->kind == LC_LIGHT_SPOT && (what == 1 || what == 3 || what == 4)) continue;
+            if (!lc_is_attenuated(l->kind) && (what == 1 || what == 3 || what == 4)) continue;
             if (what == 1) {
                 l->atten[0] = l->atten[1] = 0;
                 l->atten[2] = 1;
@@ -669,7 +672,7 @@ void gen_case_shrink(gen_case *c, uint32_t bad)
             if (what == 3) l->atten[0] = 0;
             if (what == 4) l->atten[1] = 0;
             valid = valid &&
-                    (l->kind == LC_LIGHT_SPOT || l->atten[0] > 0 || l->atten[1] > 0 || l->atten[2] > 0);
+                    (!lc_is_attenuated(l->kind) || l->atten[0] > 0 || l->atten[1] > 0 || l->atten[2] > 0);
         }
         if (what == 2) t.pos = lc_f3_make(0, 0, 0);
         if (what == 5) t.mat.kd = lc_f3_make(1, 1, 1);
@@ -698,7 +701,7 @@ static void print3(const char *name, lc_f3 a)
 
 void gen_case_print(const gen_case *c)
 {
-    static const char *const kinds[] = { "point", "oriented", "directional", "spot" };
+    static const char *const kinds[] = { "point", "oriented", "directional", "spot", "ball" };
     gen_result r;
     gen_case_run(c, &r);
     printf("  case: %s, %u lights: %s (bits %u), members %x, bound %.9g, value %.9g\n",

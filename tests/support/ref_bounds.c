@@ -135,7 +135,7 @@ typedef struct terms {
 
 static void load_atten(double a[3], const lc_light *l)
 {
-    for (int k = 0; k < 3; k++) a[k] = l->kind == LC_LIGHT_SPOT ? k == 2 : (double)l->atten[k];
+    for (int k = 0; k < 3; k++) a[k] = lc_is_attenuated(l->kind) ? (double)l->atten[k] : k == 2;
 }
 
 static terms light_terms(const lc_point *p, const lc_light *l)

@@ -1,0 +1,61 @@
+/* lamp_patches.h - parts of lamps, and how much of what points of the picture get each of them gives; for
+ * lamp_lights.c, which says what it is for.
+ */
+#ifndef LC_LAMP_PATCHES_H
+#define LC_LAMP_PATCHES_H
+
+#include "prepare/view_grid.h"
+
+#define LC_PATCH_NEAR 12 /* points that a patch knows */
+
+typedef struct lc_patch {
+    uint32_t tri;
+    int8_t sign;   /* lc_emitter_normal */
+    uint8_t depth; /* it is a 4^-depth of the triangle */
+    bool ball;     /* it is the triangle's whole mesh, a sphere */
+    bool large;    /* which a ball cannot stand for */
+    uint32_t path; /* which: a digit to the base of 4 each division, after a 1, or for the other side a 2 */
+    uint32_t n_near, near[LC_PATCH_NEAR];
+    float b[3][2]; /* corners: weights of vertices 1 and 2 */
+    float share;
+} lc_patch;
+
+/* A point of the picture. */
+typedef struct lc_place {
+    lc_f3 pos, n;
+    float lobe; /* angle, rad, that a sphere must not exceed to look like a point in reflections */
+} lc_place;
+
+typedef struct lc_patches {
+    lc_scene *scene;
+    uint64_t seed;
+    lc_view_grid view;
+    uint32_t n_points, n_probes; /* those of the grid, then n_probes for each of the first patches */
+    lc_place *places;
+    float *total; /* of each point, luminance; 0: no point */
+    lc_patch *patches;
+    size_t n, cap, first; /* first: of those to be scored */
+    size_t n_blocks;
+    struct lc_patch_block *blocks; /* of all patches, while they are scored for the first time; then NULL */
+    float *sums;          /* n_threads * n_blocks */
+} lc_patches;
+
+/* ---- lamp_lights.c ---- */
+
+bool lc_patch_has_map(const lc_patches *m, const lc_patch *p);
+lc_light lc_patch_light(const lc_scene *s, const lc_patch *p, uint64_t seed);
+/* The point of a patch at weights of its corners. */
+lc_f3 lc_patch_point(const lc_scene *s, const lc_patch *p, const double weight[3]);
+
+/* ---- lamp_score.c ---- */
+
+/* Points of the picture, and room for those that rays from the patches find. LC_ERR_MEMORY. */
+lc_status lc_patch_places_find(lc_patches *m, uint32_t max_depth);
+/* What the points get in all, more points by rays from the patches, and the scores of all patches. */
+lc_status lc_patches_score_first(lc_patches *m);
+/* Scores the patches from m->first on: parts in fours, each four of one patch. */
+void lc_patches_score(lc_patches *m);
+/* The same of any patches, at the points that they know. */
+void lc_patches_score_known(lc_patches *m);
+
+#endif

@@ -1,0 +1,43 @@
+/* light_target.h - where shadow rays go to lights that have a surface: to a point of the half that faces
+ * the shading point, chosen by the cosine, which is uniform over the disc that is seen; another for each
+ * light and each lc_point.turn.
+ */
+#ifndef LC_LIGHT_TARGET_H
+#define LC_LIGHT_TARGET_H
+
+#include "shade/tree_data.h"
+
+#define LC_BALL_POINTS 32
+
+/* Unit vectors, evenly over the sphere. */
+static const float lc_ball_point[LC_BALL_POINTS][3] = {
+    { 0.2480392f, 0.0f, 0.96875f }, { -0.3117169f, 0.2855582f, 0.90625f },
+    { 0.04692457f, -0.5346812f, 0.84375f }, { 0.3797986f, 0.4953801f, 0.78125f },
+    { -0.6846404f, -0.1211032f, 0.71875f }, { 0.6366501f, -0.4049847f, 0.65625f },
+    { -0.2088905f, 0.7770622f, 0.59375f }, { -0.3904874f, -0.7518597f, 0.53125f },
+    { 0.8297315f, 0.3030166f, 0.46875f }, { -0.8446318f, 0.3486517f, 0.40625f },
+    { 0.3980173f, -0.8505399f, 0.34375f }, { 0.2872031f, 0.9156488f, 0.28125f },
+    { -0.8442566f, -0.489264f, 0.21875f }, { 0.9646798f, -0.2120821f, 0.15625f },
+    { -0.5725964f, 0.8144595f, 0.09375f }, { -0.1284479f, -0.9912238f, 0.03125f },
+    { 0.7642755f, 0.6441322f, -0.03125f }, { -0.9947456f, 0.04113585f, -0.09375f },
+    { 0.7001232f, -0.6967161f, -0.15625f }, { -0.04507273f, 0.9747394f, -0.21875f },
+    { -0.6148466f, -0.7367917f, -0.28125f }, { 0.9306748f, 0.125221f, -0.34375f },
+    { -0.7500691f, 0.5218786f, -0.40625f }, { 0.1938747f, -0.8617923f, -0.46875f },
+    { 0.4212191f, 0.7350836f, -0.53125f }, { -0.7665838f, -0.2445612f, -0.59375f },
+    { 0.6849679f, -0.3164726f, -0.65625f }, { -0.2684162f, 0.6413667f, -0.71875f },
+    { -0.2112681f, -0.5873791f, -0.78125f }, { 0.4751134f, 0.2497063f, -0.84375f },
+    { -0.408779f, 0.1077528f, -0.90625f }, { 0.134149f, -0.2086324f, -0.96875f },
+};
+
+/* Where the shadow ray from p to a ball goes: see above. */
+static inline void lc_ball_target(const lc_light_rec *light, const lc_point *p, float target[3])
+{
+    const float *u = lc_ball_point[(light->dir_b + p->turn) % LC_BALL_POINTS];
+    const lc_f3 centre = lc_f3_load(light->pos), d = lc_f3_sub(centre, lc_f3_load(p->pos));
+    float radius;
+    memcpy(&radius, &light->dir_a, sizeof radius);
+    lc_f3 n = lc_f3_normalize(lc_f3_sub(lc_f3_load(u), lc_f3_normalize(d)));
+    lc_f3_store(target, lc_f3_add(centre, lc_f3_scale(n, radius)));
+}
+
+#endif
