@@ -101,8 +101,9 @@ typedef struct lc_load_desc {
     uint64_t max_pixels;  /* larger films are reduced to about so many pixels with the same view; 0: no
                            * limit */
     uint32_t env_lights;  /* directional lights made from all environment maps together; 0: 5000 */
-    uint32_t indirect_lights; /* virtual lights, for indirect illumination; 0: 20000 if the scene's integrator
-                               * traces paths, else none; LC_NO_LIGHTS: none */
+    uint32_t indirect_lights; /* virtual lights, for indirect illumination; 0: 20000 if the integrator of a
+                               * scene's file traces paths, as pbrt's does where the file names none, else
+                               * none; LC_NO_LIGHTS: none */
     uint32_t max_depth;   /* of the paths along which virtual lights are made, see lc_render_desc; 0: the
                            * scene's */
     uint32_t spp;         /* spp lc_render will use; suppresses the sample-count note; 0: the scene's */
