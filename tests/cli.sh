@@ -71,8 +71,8 @@ END
 }
 film()
 {
-    echo "Film \"rgb\" \"integer xresolution\" [$1] \"integer yresolution\" [$2] $3"
-    echo 'Integrator "directlighting"'
+    echo "Film \"rgb\" \"integer xresolution\" [$1] \"integer yresolution\" [$2] $3" \
+        'Integrator "directlighting"'
 }
 { film 48 40 ''; world; } >s.pbrt
 

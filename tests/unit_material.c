@@ -173,8 +173,11 @@ TEST(metals)
           strstr(last_error, "'roughness' is negative"));
     CHECK(ONE4("\"conductor\" \"float roughness\" 3")->roughness[0] >= LC_MAX_ROUGHNESS && note("roughness"));
     /* Below 0.001 a surface is smooth, as in pbrt. */
-    CHECK(!ONE4("\"conductor\" \"float roughness\" .002 \"bool remaproughness\" false")->mirror &&
-          note("roughness"));
+    m = ONE4("\"conductor\" \"float roughness\" .002 \"bool remaproughness\" false");
+    CHECK(rough(m, .002, .002) && !m->mirror && scene->n_notes == 0);
+    m = ONE4("\"conductor\" \"float uroughness\" .0002 \"float vroughness\" .1 "
+             "\"bool remaproughness\" false");
+    CHECK(rough(m, (double)LC_MIN_ROUGHNESS, .1) && !m->mirror && note("roughness"));
     CHECK(ONE4("\"conductor\" \"float roughness\" .0009 \"bool remaproughness\" false")->mirror &&
           scene->n_notes == 0);
 }

@@ -18,10 +18,12 @@ KIND(POINT, point, LC_LIGHT_ATTENUATED)
 AIMED_KIND(ORIENTED, oriented, LC_LIGHT_ATTENUATED)
 KIND(DIRECTIONAL, directional, LC_LIGHT_FAR)
 AIMED_KIND(SPOT, spot, LC_LIGHT_OWN)
+AIMED_KIND(VIRTUAL, virtual, LC_LIGHT_ATTENUATED)
 #undef AIMED_KIND
 #else
 #include "shade/light_directional.h"
 #include "shade/light_oriented.h"
 #include "shade/light_point.h"
 #include "shade/light_spot.h"
+#include "shade/light_virtual.h"
 #endif

@@ -568,7 +568,7 @@ static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten
         for (int k = 0; k < 3; k++) {
             double p = l->kind == LC_LIGHT_DIRECTIONAL ? -(double)e[k] : (double)y[k];
             if (!(fabs(p - (double)b->center[k]) <= (double)b->half[k])) bad |= GEN_BAD_BOX;
-            if (l->kind <= LC_LIGHT_ORIENTED && !(atten[k] <= l->atten[k])) bad |= GEN_BAD_BOX;
+            if (lc_is_attenuated(l->kind) && !(atten[k] <= l->atten[k])) bad |= GEN_BAD_BOX;
             dot += axis[k] * (double)e[k];
             e2 += (double)e[k] * (double)e[k];
             power[k] += (double)(&l->intensity.x)[k];
