@@ -4,6 +4,7 @@
 #include "base/stats.h"
 #include "prepare/area_light.h"
 #include "prepare/env_light.h"
+#include "prepare/lamp_find.h"
 #include "prepare/vpl.h"
 #include "scene/alpha.h"
 #include "scene/instance.h"

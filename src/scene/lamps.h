@@ -26,11 +26,6 @@ typedef struct lc_lamps {
     lc_lamp lamp[LC_MAX_LAMPS];
 } lc_lamps;
 
-struct lc_scene;
-
-/* Fills scene->lamps; lights first .. end - 1 of the scene are those made from emissive surfaces. */
-void lc_lamps_find(struct lc_scene *scene, size_t first, size_t end);
-
 /* The least roughness, 0 or more, at which the lamps' lights merge at pos in a lobe about the unit direction
  * mirror. */
 float lc_lamps_roughness(const lc_lamps *lamps, lc_f3 pos, lc_f3 mirror);
