@@ -48,16 +48,13 @@ static double integral(v3 x, double radius, double alpha)
     return RADIANCE * sum * 2 * LC_PI * (1 - least) / (STEPS * STEPS);
 }
 
-static lc_image *render(double radius, double alpha, uint32_t n_indirect)
+static lc_image *render(double radius, double alpha, uint32_t n_lights, uint32_t n_indirect)
 {
     lc_load_desc load = LC_LOAD_DESC_INIT;
     lc_render_desc desc = LC_RENDER_DESC_INIT;
     lc_image *image = NULL;
-    load.area_lights = 20000;
+    load.area_lights = n_lights;
     load.indirect_lights = n_indirect;
-    desc.crop[0] = SIDE / 2;
-    desc.crop[1] = SIDE / 2 + 1;
-    desc.crop[3] = SIDE;
     lc_scene *scene = scene_from_text(
         ctx, &load,
         "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\n"
@@ -83,14 +80,14 @@ TEST(plate_under_a_ball)
     const v3 forward = unit(add((v3){ 0, 0, 0 }, -1, eye)), up = { 0, -forward.z * -1, -forward.y };
     for (size_t i = 0; i < 2 * (sizeof cases / sizeof *cases); i++) {
         double radius = cases[i / 2].radius, alpha = cases[i / 2].alpha, want[SIDE], most = 0, worst = 0;
-        lc_image *image = render(radius, alpha, i & 1 ? 1000 : LC_NO_LIGHTS);
+        lc_image *image = render(radius, alpha, 20000, i & 1 ? 1000 : LC_NO_LIGHTS);
         for (int y = 0; y < SIDE; y++) {
             v3 d = add(forward, (1 - 2 * (y + 0.5) / SIDE) * tan(LC_PI / 18), unit(up));
             want[y] = integral(add(eye, -eye.y / d.y, d), radius, alpha);
             most = fmax(most, want[y]);
         }
         for (int y = 0; y < SIDE && image; y++) {
-            double got = pixel_at(image, "G", 0, (uint32_t)y);
+            double got = pixel_at(image, "G", SIDE / 2, (uint32_t)y);
             worst = fmax(worst, fabs(got - want[y]) / (want[y] + 0.02 * most));
         }
         CHECKF(worst < 0.06, "radius %g, alpha %g, %s bounced light: off by %g", radius, alpha,
@@ -99,11 +96,23 @@ TEST(plate_under_a_ball)
     }
 }
 
+/* With so few lights each would be a dot in this lobe, many times as bright as the lamp. */
+TEST(few_lights_are_no_dots)
+{
+    lc_image *image = render(0.3, 0.005, 60, LC_NO_LIGHTS);
+    double most = 0, want = integral((v3){ 0, 0, 0 }, 0.3, 0.005);
+    for (uint32_t i = 0; i < SIDE * SIDE && image; i++)
+        most = fmax(most, pixel_at(image, "G", i % SIDE, i / SIDE));
+    CHECKF(most > 0.3 * want && most < 1.3 * want, "%g, of a lamp seen as %g", most, want);
+    lc_image_destroy(image);
+}
+
 int main(void)
 {
     ctx = quiet_context(2);
     temp_begin();
     RUN(plate_under_a_ball);
+    RUN(few_lights_are_no_dots);
     lc_context_destroy(ctx);
     temp_end();
     return test_done();
