@@ -15,7 +15,8 @@ static int file;
 static char path[64];
 static uint8_t header[HEADER];
 static const char text[] =
-    "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 17 Camera \"perspective\" WorldBegin\n";
+    "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 17 Camera \"perspective\" "
+    "Integrator \"directlighting\" WorldBegin\n";
 
 static void begin(void)
 {

@@ -102,8 +102,9 @@ typedef struct lc_load_desc {
     uint64_t max_pixels;  /* larger films are reduced to about so many pixels with the same view; 0: no
                            * limit */
     uint32_t env_lights;  /* directional lights made from all environment maps together; 0: 5000 */
-    uint32_t indirect_lights; /* virtual lights, for indirect illumination; 0: 20000 if the scene's integrator
-                               * traces paths, else none; LC_NO_LIGHTS: none */
+    uint32_t indirect_lights; /* virtual lights, for indirect illumination; 0: 20000 if the integrator of a
+                               * scene's file traces paths, as pbrt's does where the file names none, else
+                               * none; LC_NO_LIGHTS: none */
     uint32_t max_depth;   /* of the paths along which virtual lights are made, see lc_render_desc; 0: the
                            * scene's */
     uint32_t spp;         /* spp lc_render will use; suppresses the sample-count note; 0: the scene's */
@@ -133,7 +134,8 @@ typedef struct lc_feature {
     lc_support support;      /* the least of all statements */
 } lc_feature;
 
-/* The kinds of light that a scene is made into: "point", "oriented", "directional", "spot". */
+/* The kinds of light that a scene is made into: "point", "oriented", "directional", "spot",
+ * "virtual". */
 #define LC_MAX_LIGHT_KINDS 16
 LC_API uint32_t lc_light_kind_count(void);
 LC_API const char *lc_light_kind_name(uint32_t kind); /* "unknown" from the count on */
@@ -149,7 +151,7 @@ typedef struct lc_scene_info {
                                      * those of an object once */
     uint64_t n_alpha_meshes;    /* meshes with alpha */
     uint32_t max_depth;         /* of paths, pbrt's maxdepth */
-    uint64_t n_indirect_lights; /* virtual lights; counted in n_oriented, too */
+    uint64_t n_indirect_lights; /* virtual lights; counted in n_of_kind, too */
     uint64_t n_light_paths;     /* paths along which they were made */
     double indirect_loss;       /* fraction of indirect light removed by VPL clamping, 0..1 */
     uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */
@@ -388,7 +390,7 @@ LC_API void lc_checkpoint_close(lc_checkpoint *checkpoint);
 typedef struct lc_explained_cluster {
     uint32_t id, parent;      /* nodes of the light tree, from 0, lights after all clusters; a root's parent
                                * is LC_NO_CLUSTER */
-    uint32_t kind;            /* 0 point, 1 oriented, 2 directional, 3 spot */
+    uint32_t kind;            /* 0 point, 1 oriented, 2 directional, 3 spot, 4 virtual */
     uint32_t n_lights;        /* 1: a single light, which is exact */
     float lo[3], hi[3];       /* box of positions, world space; directional: of unit directions to the
                                * lights */

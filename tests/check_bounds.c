@@ -23,7 +23,9 @@ static uint64_t count = 200000;
 static gen_style style = GEN_ADVERSARIAL;
 static const char *only; /* material of the table, or NULL */
 
-static const char *const kind_names[LC_LIGHT_KINDS] = { "point", "oriented", "directional", "spot", "ball" };
+static const char *const kind_names[LC_LIGHT_KINDS] = { "point", "oriented", "directional", "spot",
+                                                         "virtual", "ball" };
+static bool is_oriented(uint32_t kind) { return kind == LC_LIGHT_ORIENTED || kind == LC_LIGHT_VIRTUAL; }
 static const char *const brdf_names[GEN_BRDFS] = {
     "lambert", "phong", "ward", "ward-an", "ggx", "ggx-an", "any"
 };
@@ -115,8 +117,8 @@ TEST(reference_holds)
             uint32_t all = (1u << c.n) - 1;
             double sum = ref_cluster_sum(&p, c.lights, all);
             double slack = sum * (p.lobe >= LC_LOBE_WARD      ? 1e-3
-                                  : kind == LC_LIGHT_ORIENTED ? 1e-6
-                                                              : 1e-9),
+                                  : is_oriented(kind)        ? 1e-6
+                                                             : 1e-9),
                    ub;
             ub = ref_cluster_bound(&p, c.lights, all, true);
             CHECKF(ub >= sum - slack, "case %llu: %.9g %.9g", (unsigned long long)i, ub, sum);
@@ -246,7 +248,7 @@ TEST(zero_extent_is_tight)
             lc_f3 v =
                 kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : lc_f3_normalize(lc_f3_sub(l->pos, c.pos));
             double cos_r = (double)lc_f3_dot(v, c.normal), cos_e = -(double)lc_f3_dot(v, l->dir);
-            if (cos_r < 0.05 || (kind == LC_LIGHT_ORIENTED && cos_e < 0.05)) continue;
+            if (cos_r < 0.05 || (is_oriented(kind) && cos_e < 0.05)) continue;
             double exact = ref_cluster_sum(&p, &c.lights[0], 1), rel = (double)bound_of(&c, &p) / exact - 1,
                    limit = 6e-5 + 1.5e-6 / cos_r + 4.5e-6 * (double)c.mat.exponent;
             if (p.lobe == LC_LOBE_GGX && p.fresnel == LC_FRESNEL_CONDUCTOR) continue;
@@ -260,7 +262,7 @@ TEST(zero_extent_is_tight)
                 if (t < 0.1) continue;
                 limit += 2 * (off + 80 * 0x1p-24) / width / t * 1.2 + 2e-5;
             }
-            if (kind == LC_LIGHT_ORIENTED)
+            if (is_oriented(kind))
                 limit += sqrt(fmax(0, 1 - cos_e * cos_e)) / cos_e * sqrt(10 * 0x1p-24);
             CHECKF(rel <= limit, "%s case %llu: %g", kind_names[kind], (unsigned long long)i, rel);
             if (rel > worst) worst = rel;

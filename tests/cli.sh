@@ -69,7 +69,11 @@ Material "diffuse" "rgb reflectance" [.5 .5 .5]
 Shape "trianglemesh" "point3 P" [-3 -3 0  3 -3 0  3 3 0  -3 3 0] "integer indices" [0 1 2 0 2 3]
 END
 }
-film() { echo "Film \"rgb\" \"integer xresolution\" [$1] \"integer yresolution\" [$2] $3"; }
+film()
+{
+    echo "Film \"rgb\" \"integer xresolution\" [$1] \"integer yresolution\" [$2] $3" \
+        'Integrator "directlighting"'
+}
 { film 48 40 ''; world; } >s.pbrt
 
 # ---- help and version ----

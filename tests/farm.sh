@@ -42,6 +42,7 @@ scene() # width height lights
     echo 'Camera "perspective" "float fov" [60]'
     echo "Film \"rgb\" \"integer xresolution\" [$1] \"integer yresolution\" [$2]"
     echo 'Sampler "independent" "integer pixelsamples" [1]'
+    echo 'Integrator "directlighting"'
     echo WorldBegin
     awk -v n="$3" 'BEGIN { for (i = 0; i < n; i++)
         printf "LightSource \"point\" \"point3 from\" [%g %g %g] \"rgb I\" [%g 1 .5]\n",

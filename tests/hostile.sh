@@ -72,6 +72,7 @@ point='LightSource "point" "point3 from"'
 head='LookAt 0 0 5  0 0 0  0 1 0
 Camera "perspective" "float fov" 40
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+Integrator "directlighting"
 WorldBegin
 LightSource "point" "point3 from" [ 0 2 3 ]
 '

@@ -31,7 +31,8 @@
     "\"float tex2\" 0\n"
 
 static const lc_load_desc few_lights = {
-    .size = sizeof few_lights, .area_lights = 64, .env_lights = 64, .n_reps = 1
+    .size = sizeof few_lights, .area_lights = 64, .env_lights = 64, .n_reps = 1,
+    .indirect_lights = LC_NO_LIGHTS
 };
 
 static bool load(const char *head, const char *body)

@@ -207,6 +207,7 @@ TEST(white_balance)
 static lc_status load(const char *text)
 {
     lc_load_desc few = LC_LOAD_DESC_INIT;
+    few.indirect_lights = LC_NO_LIGHTS;
     few.area_lights = 16;
     return load_text(&few, "%s", text);
 }

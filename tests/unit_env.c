@@ -233,6 +233,7 @@ TEST(parameters)
 static lc_scene *open_room(uint32_t n_threads, uint32_t n_lights, const char *light)
 {
     lc_load_desc desc = LC_LOAD_DESC_INIT;
+    desc.indirect_lights = LC_NO_LIGHTS;
     desc.env_lights = n_lights;
     return scene_from_text(
         quiet_context(n_threads), &desc,
@@ -281,6 +282,7 @@ TEST(lights_where_they_matter)
 static lc_status load_starved(lc_context *c)
 {
     lc_load_desc desc = LC_LOAD_DESC_INIT;
+    desc.indirect_lights = LC_NO_LIGHTS;
     desc.env_lights = 50;
     return load_file_in(c, &desc, scene_path());
 }

@@ -18,6 +18,7 @@ typedef struct {
 static void load(setup *s, const char *path, uint32_t n_reps, lc_method method, uint32_t spp)
 {
     lc_load_desc ld = LC_LOAD_DESC_INIT;
+    ld.indirect_lights = LC_NO_LIGHTS;
     *s = (setup){ .ctx = watched_context(2), .desc = LC_RENDER_DESC_INIT };
     ld.area_lights = 256;
     ld.n_reps = n_reps;

@@ -194,7 +194,7 @@ static void put_picture(const char *exr, const char *png, float step)
 
 #define HEAD "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50]\n" \
              "Film \"rgb\" \"integer xresolution\" [9] \"integer yresolution\" [7]\n" \
-             "Sampler \"zsobol\" \"integer pixelsamples\" [1]\nWorldBegin\n"
+             "Sampler \"zsobol\" \"integer pixelsamples\" [1]\nIntegrator \"directlighting\"\nWorldBegin\n"
 
 static void put_packed(const char *name, const char *text, size_t n)
 {
@@ -317,7 +317,8 @@ static void make_inputs(void)
     put_packed("more.pbrt.gz", more, sizeof more - 1);
     file_text("tiles.pbrt",
               "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50]\n"
-              "Film \"rgb\" \"integer xresolution\" [40] \"integer yresolution\" [20]\nWorldBegin\n"
+              "Film \"rgb\" \"integer xresolution\" [40] \"integer yresolution\" [20]\n"
+              "Integrator \"directlighting\"\nWorldBegin\n"
               "LightSource \"point\" \"point3 from\" [0 1 2]\nLightSource \"point\" \"point3 from\" [1 0 2]\n"
               "Shape \"plymesh\" \"string filename\" \"quad.ply\"\n");
     file_text("s.pbrt",

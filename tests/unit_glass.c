@@ -7,7 +7,9 @@
 
 static lc_context *ctx;
 
-#define LOAD(...) scene_from_text(ctx, NULL, __VA_ARGS__)
+static const lc_load_desc direct = { .size = sizeof direct, .indirect_lights = LC_NO_LIGHTS };
+
+#define LOAD(...) scene_from_text(ctx, &direct, __VA_ARGS__)
 
 /* The green of the middle pixel; destroys the scene. */
 static double green(lc_scene *scene, uint32_t max_depth, lc_render_stats *stats)

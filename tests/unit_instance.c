@@ -30,7 +30,8 @@ static void begin(const char *camera)
 }
 
 static const lc_load_desc few_lights = {
-    .size = sizeof few_lights, .area_lights = 64, .env_lights = 64, .n_reps = 1
+    .size = sizeof few_lights, .area_lights = 64, .env_lights = 64, .n_reps = 1,
+    .indirect_lights = LC_NO_LIGHTS
 };
 
 /* The scene of the file since begin. */

@@ -122,6 +122,12 @@ TEST(windows_do_not_matter)
         "A\r\nB\r\n  $x",
         "123456789012345678901234567890123456789012345678901234567890 A",
         "[[1]2]\"\"\"a\"",
+        "A [1, 2,3 ,4 , 5,]",
+        "A [\"x\", \"y\",\n# comment, with a comma\n,\"z\"]",
+        "A [1, 2] 3, 4",
+        "A [1,, 2]",
+        "A [, 1]",
+        "A 1,5",
     };
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) check_windows(texts[i], strlen(texts[i]));
     check_windows("A \"zero \0 byte\" B", 17);
@@ -132,7 +138,7 @@ TEST(random_text)
 {
     static const char *const words[] = {
         "Shape", "\"point3 P\"",          "\"a\\tb\"", "[",    "]",    "-1.25", "3",    "17e-3", "#x\n",
-        "\n",    "0.1234567890123456789", "\"\"",      "  \t", "1e39", "+.5",   "\"\\", "."
+        "\n",    "0.1234567890123456789", "\"\"",      "  \t", "1e39", "+.5",   "\"\\", ",", "."
     };
     char text[512];
     for (uint64_t seed = 0; seed < 300; seed++) {
@@ -140,7 +146,7 @@ TEST(random_text)
         for (uint64_t i = 0; n < sizeof text - 40; i++) {
             uint64_t bits = lc_hash4(seed, i, 0, 0);
             /* The words from 13 on are errors, which end a text, so they are rare. */
-            size_t k = bits % 13 + (bits >> 32 & 63 ? 0 : 4);
+            size_t k = bits % 13 + (bits >> 32 & 63 ? 0 : 5);
             n += (size_t)sprintf(text + n, "%s%s", words[k], bits >> 40 & 7 ? " " : "");
         }
         check_windows(text, n);

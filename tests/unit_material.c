@@ -45,7 +45,8 @@ static lc_f3 metal(const lc_material *m)
 static lc_surface at(double x, double y)
 {
     lc_surface s = { .t = 0 };
-    lc_load_desc desc = { .area_lights = 1, .env_lights = 1, .seed = 1, .n_reps = 1 };
+    lc_load_desc desc = { .area_lights = 1, .env_lights = 1, .seed = 1, .n_reps = 1,
+                               .indirect_lights = LC_NO_LIGHTS };
     if (!scene->bvh && lc_scene_commit(scene, &desc)) abort();
     CHECK(lc_surface_hit(scene, lc_f3_make(0, 0, 0), lc_f3_normalize_d(x, y, 2), 0, &s));
     return s;
@@ -172,8 +173,11 @@ TEST(metals)
           strstr(last_error, "'roughness' is negative"));
     CHECK(ONE4("\"conductor\" \"float roughness\" 3")->roughness[0] >= LC_MAX_ROUGHNESS && note("roughness"));
     /* Below 0.001 a surface is smooth, as in pbrt. */
-    CHECK(!ONE4("\"conductor\" \"float roughness\" .002 \"bool remaproughness\" false")->mirror &&
-          note("roughness"));
+    m = ONE4("\"conductor\" \"float roughness\" .002 \"bool remaproughness\" false");
+    CHECK(rough(m, .002, .002) && !m->mirror && scene->n_notes == 0);
+    m = ONE4("\"conductor\" \"float uroughness\" .0002 \"float vroughness\" .1 "
+             "\"bool remaproughness\" false");
+    CHECK(rough(m, (double)LC_MIN_ROUGHNESS, .1) && !m->mirror && note("roughness"));
     CHECK(ONE4("\"conductor\" \"float roughness\" .0009 \"bool remaproughness\" false")->mirror &&
           scene->n_notes == 0);
 }
@@ -320,7 +324,8 @@ TEST(bumps)
 static float brightest(const char *text)
 {
     lc_render_desc desc = LC_RENDER_DESC_INIT;
-    lc_load_desc load_desc = { .area_lights = 1, .env_lights = 1, .seed = 1, .n_reps = 1 };
+    lc_load_desc load_desc = { .area_lights = 1, .env_lights = 1, .seed = 1, .n_reps = 1,
+                               .indirect_lights = LC_NO_LIGHTS };
     lc_image *image;
     float most = 0;
     CHECK(load("Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 20\nCamera \"perspective\" "

@@ -20,8 +20,8 @@ static void write_scene(const char *path, int n, int at)
         f,
         "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\nLookAt 0 2 6 0 1 0 0 1 0\n",
         SIDE, SIDE);
-    fprintf(f, "Camera \"perspective\" \"float fov\" [50]\nWorldBegin\nMaterial \"diffuse\" \"rgb "
-               "reflectance\" [.6 .5 .4]\n");
+    fprintf(f, "Camera \"perspective\" \"float fov\" [50]\nIntegrator \"directlighting\" \nWorldBegin\n"
+               "Material \"diffuse\" \"rgb reflectance\" [.6 .5 .4]\n");
     for (int i = 0; i < n; i++) {
         double a = i * 2.399963 + at, r = sqrt((i + 0.5) / n) * 3;
         fprintf(f, "LightSource \"point\" \"rgb I\" [%g 1 1] \"point3 from\" [%g %g %g]\n", 0.5 + i % 3,

@@ -8,7 +8,9 @@
 
 static lc_context *ctx;
 
-#define LOAD(...) scene_from_text(ctx, NULL, __VA_ARGS__)
+static const lc_load_desc direct = { .size = sizeof direct, .indirect_lights = LC_NO_LIGHTS };
+
+#define LOAD(...) scene_from_text(ctx, &direct, __VA_ARGS__)
 
 typedef struct shot {
     lc_image *image;
@@ -249,10 +251,10 @@ TEST(textures_in_mirrors)
                          "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" "
                          "\"vector3 v1\" [9 0 0] \"vector3 v2\" [0 9 0]\n"
                          "Material \"diffuse\" \"texture reflectance\" \"t\"\n%s";
-    char direct[2048], mirrored[2048];
-    snprintf(direct, sizeof direct, checks, "5", WALL("60", "10"));
+    char plain[2048], mirrored[2048];
+    snprintf(plain, sizeof plain, checks, "5", WALL("60", "10"));
     snprintf(mirrored, sizeof mirrored, checks, "-1", WALL("60", "-6"));
-    shot a = shoot(LOAD(FILM CAMERA "%s", direct), LC_METHOD_EXACT, 0);
+    shot a = shoot(LOAD(FILM CAMERA "%s", plain), LC_METHOD_EXACT, 0);
     shot b = shoot(LOAD(FILM CAMERA "%s Material \"mirror\" \"rgb Kr\" [1 1 1]\n" WALL("30", "2"), mirrored),
                    LC_METHOD_EXACT, 0);
     static const double one[3] = { 1, 1, 1 };

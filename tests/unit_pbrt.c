@@ -62,6 +62,25 @@ TEST(layout_of_text)
     EXPECT_ERROR("WorldBegin Sh*pe", "s.pbrt:1:14: error: unexpected character '*'");
 }
 
+/* Commas in brackets, as old exporters write them: one behind each value. */
+TEST(commas)
+{
+    CHECK(parse_text("WorldBegin Translate [1, -2 ,3] Shape \"trianglemesh\"\n\"point3 P\" [0, 0,0 , 1,0 0\n"
+                     "0,1, 0 # x, y\n,] \"integer indices\" [0,1,2] \"string a\" [\"x,y\", \"z\"]") == LC_OK);
+    CHECK(scene->n_tris == 1 && near3_abs(vertex(0), 1, -2, 3, 0) && near3_abs(vertex(1), 2, -2, 3, 0) &&
+          near3_abs(vertex(2), 1, -1, 3, 0));
+    CHECK(note("comma") && note("comma")->count == 1);
+    CHECKF(strstr(last_warning, "s.pbrt:1:24: warning:"), "%s", last_warning);
+    CHECK(parse_text("WorldBegin " TRI) == LC_OK && !note("comma"));
+    EXPECT_ERROR("WorldBegin\nTranslate 1, 2, 3", "s.pbrt:2:11: error: not a number: '1,'");
+    EXPECT_ERROR("WorldBegin\nTranslate 1 , 2 , 3", "s.pbrt:2:13: error: unexpected character ','");
+    EXPECT_ERROR("WorldBegin\nTranslate [1,,2]", "s.pbrt:2:14: error: unexpected character ','");
+    EXPECT_ERROR("WorldBegin\nTranslate [,1 2]", "s.pbrt:2:12: error: unexpected character ','");
+    EXPECT_ERROR("WorldBegin\nTranslate [1 2 3], Shape", "s.pbrt:2:18: error: unexpected character ','");
+    EXPECT_ERROR("WorldBegin\nShape \"sphere\", \"float radius\" 1",
+                 "s.pbrt:2:15: error: unexpected character ','");
+}
+
 TEST(garbage)
 {
     EXPECT_ERROR("", "s.pbrt:1:1: error: no WorldBegin in this file");
@@ -193,6 +212,7 @@ TEST(order_of_sections)
 static void expect_shrunk(uint64_t max_pixels, uint32_t width, uint32_t height, const uint32_t crop[4])
 {
     lc_load_desc desc = LC_LOAD_DESC_INIT;
+    desc.indirect_lights = LC_NO_LIGHTS;
     desc.area_lights = desc.n_reps = 1;
     desc.max_pixels = max_pixels;
     CHECK(parse_text(
@@ -323,6 +343,29 @@ TEST(mirrors_and_depth)
     }
     EXPECT_ERROR("Integrator \"path\" \"integer maxdepth\" 1.5 WorldBegin",
                  "s.pbrt:1:19: error: parameter 'maxdepth' is not an integer");
+}
+
+/* What pbrt's versions do where the file names no integrator. */
+TEST(silent_integrator)
+{
+    static const struct { const char *text; bool paths; } cases[] = {
+        { "Film \"rgb\" WorldBegin", true },
+        { "Film \"image\" WorldBegin", true },
+        { "WorldBegin", true },
+        { "Film \"image\" VolumeIntegrator \"single\" WorldBegin", false },
+        { "Film \"image\" Renderer \"sampler\" WorldBegin", false },
+        { "Sampler \"bestcandidate\" WorldBegin", false },
+        { "Sampler \"adaptive\" WorldBegin", false },
+        { "WorldBegin Volume \"homogeneous\"", false },
+        { "Film \"rgb\" Renderer \"sampler\" WorldBegin", true },
+        { "Renderer \"sampler\" SurfaceIntegrator \"path\" WorldBegin", true },
+        { "Integrator \"directlighting\" WorldBegin", false },
+        { "Film \"rgb\" Integrator \"simplepath\" WorldBegin", true },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        CHECK(parse_text(cases[i].text) == LC_OK);
+        CHECKF(scene->traces_paths == cases[i].paths && scene->max_depth == 5, "%s", cases[i].text);
+    }
 }
 
 TEST(materials)
@@ -696,6 +739,7 @@ int main(void)
     temp_begin();
     RUN(numbers);
     RUN(layout_of_text);
+    RUN(commas);
     RUN(garbage);
     RUN(transforms);
     RUN(look_at_and_camera);
@@ -706,6 +750,7 @@ int main(void)
     RUN(film);
     RUN(ignored_politely);
     RUN(named_materials_and_textures);
+    RUN(silent_integrator);
     RUN(materials);
     RUN(mirrors_and_depth);
     RUN(point_lights);

@@ -114,7 +114,7 @@ static void print_help(void)
         "                           needs\n"
         "      --env-lights N       lights made from environment maps, default 5000\n"
         "      --indirect-lights N  virtual lights of bounced light; default 20000 where the scene's\n"
-        "                           integrator traces paths, else 0\n"
+        "                           integrator traces paths, as pbrt's does by default, else 0\n"
         "      --seed N             of sampling, of area and environment lights and of the tree's\n"
         "                           representatives, default 0\n"
         "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a\n"

@@ -239,7 +239,8 @@ void gen_header(gen *g, const gen_view *view)
         g->file,
         "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d \"string filename\" \"%s.exr\"\n",
         (int)ceil(view->width * shrink), (int)ceil(view->height * shrink), view->name);
-    fputs("Sampler \"independent\" \"integer pixelsamples\" 1\nWorldBegin\n", g->file);
+    fputs("Sampler \"independent\" \"integer pixelsamples\" 1\n", g->file);
+    fputs("Integrator \"directlighting\"\nWorldBegin\n", g->file);
 }
 
 void gen_end(gen *g) { gen_flush(g); }

@@ -121,6 +121,7 @@ lc_status lc_pbrt_sampler(lc_pbrt *p, const lc_pbrt_stmt *s)
         par = px ? px : py;
     }
     if (n < 1) return lc_pbrt_bad_param(&p->params, par, "is below 1");
+    p->v2 |= !strcmp(s->text[0], "bestcandidate") || !strcmp(s->text[0], "adaptive");
     p->opt.spp = n < LC_MAX_SPP ? (uint32_t)n : LC_MAX_SPP;
     p->opt.spp_pos = par ? par->pos : (lc_pos){ .file = NULL };
     return LC_OK;
@@ -139,6 +140,12 @@ static lc_status limit_spp(lc_pbrt *p, uint32_t *spp)
         most);
 }
 
+/* Without an Integrator pbrt v4 and v3 trace paths (volpath, path), v2 and v1 have direct light alone. */
+void lc_pbrt_usual_integrator(lc_pbrt *p)
+{
+    if (!p->has_integrator) p->scene->traces_paths = p->v4 || !p->v2;
+}
+
 /* Records whether the integrator traces paths, and their depth. The last statement applies. */
 lc_status lc_pbrt_integrator(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
@@ -147,6 +154,7 @@ lc_status lc_pbrt_integrator(lc_pbrt *p, const lc_pbrt_stmt *s)
     static const char *const tracing[] = { "path",        "volpath", "simplepath",     "simplevolpath",
                                            "bdpt",        "mlt",     "sppm",           "photonmap",
                                            "exphotonmap", "igi",     "irradiancecache" };
+    p->has_integrator = true;
     p->scene->traces_paths = false;
     for (size_t i = 0; i < sizeof tracing / sizeof *tracing; i++)
         if (!strcmp(s->text[0], tracing[i])) p->scene->traces_paths = true;

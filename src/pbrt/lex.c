@@ -131,7 +131,7 @@ lc_status lc_pbrt_lex_include(lc_pbrt_lex *lex, lc_pos where, const char *name, 
 void lc_pbrt_lex_pop(lc_pbrt_lex *lex)
 {
     lc_pbrt_source_close(&lex->stack[--lex->depth]);
-    lex->has_ahead = false;
+    lex->has_ahead = lex->in_list = false;
 }
 
 void lc_pbrt_lex_forget(lc_pbrt_lex *lex)
@@ -170,6 +170,9 @@ static const uint8_t classes[256] = {
     ['.'] = SIGN,
 };
 static bool is(char c, unsigned set) { return classes[(unsigned char)c] & set; }
+
+/* True if c ends a number or a word; between brackets a comma does, too. */
+static bool breaks(const lc_pbrt_lex *lex, char c) { return is(c, BREAK) || (c == ',' && lex->in_list); }
 
 /* Skips spaces in the window; false if a comment or a token follows. */
 static bool skip_in_window(lc_pbrt_source *s)
@@ -296,10 +299,11 @@ size_t lc_pbrt_lex_numbers(lc_pbrt_lex *lex, double *out, size_t n)
         if (skip_in_window(s)) break;
         size_t len = lc_decimal_plain(s->data + s->off, &out[i]);
         /* A number at the window's end may continue behind it. */
-        if (!len || !is(s->data[s->off + len], BREAK) || s->off + len == s->size || !fits_float(out[i]))
+        if (!len || !breaks(lex, s->data[s->off + len]) || s->off + len == s->size || !fits_float(out[i]))
             break;
         s->off += len;
     }
+    lex->after_value |= i > 0;
     return i;
 }
 
@@ -318,11 +322,11 @@ static lc_status lex_word(lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *t)
 }
 
 /* Sets t->text and t->len to the bytes up to the next break, at least one. */
-static lc_status find_end(lc_pbrt_source *s, lc_pbrt_token *t)
+static lc_status find_end(const lc_pbrt_lex *lex, lc_pbrt_source *s, lc_pbrt_token *t)
 {
     size_t len = 1;
     for (;;) {
-        while (!is(s->data[s->off + len], BREAK)) len++;
+        while (!breaks(lex, s->data[s->off + len])) len++;
         if (s->off + len < s->size || s->at_end) break;
         lc_status st = lc_pbrt_source_more(s);
         if (st) return st;
@@ -332,15 +336,29 @@ static lc_status find_end(lc_pbrt_source *s, lc_pbrt_token *t)
     return LC_OK;
 }
 
+/* Skips spaces and, behind a value of a list, one comma. */
+static lc_status skip_between(lc_pbrt_lex *lex, lc_pbrt_source *s)
+{
+    lc_status st = skip_space(s);
+    if (st || !lex->in_list || !lex->after_value || s->off >= s->size || s->data[s->off] != ',') return st;
+    if (!lex->comma.file) lex->comma = lc_pbrt_source_pos(s, s->off);
+    lex->after_value = false;
+    s->off++;
+    return skip_space(s);
+}
+
 static lc_status lex_token(lc_pbrt_lex *lex, lc_pbrt_token *t)
 {
     lc_pbrt_source *s = &lex->stack[lex->depth - 1];
-    lc_status st = skip_space(s);
+    lc_status st = skip_between(lex, s);
     if (st) return st;
     *t = (lc_pbrt_token){ .kind = LC_PBRT_END, .pos = lc_pbrt_source_pos(s, s->off), .text = "" };
-    if (s->off >= s->size) return LC_OK;
     const char *d = s->data + s->off;
-    if (*d == '[' || *d == ']') {
+    bool ended = s->off >= s->size, bracket = !ended && (*d == '[' || *d == ']');
+    lex->in_list = bracket ? *d == '[' : lex->in_list && !ended;
+    lex->after_value = lex->in_list && !bracket;
+    if (ended) return LC_OK;
+    if (bracket) {
         t->kind = *d == '[' ? LC_PBRT_OPEN : LC_PBRT_CLOSE;
         t->text = d;
         t->len = 1;
@@ -349,7 +367,7 @@ static lc_status lex_token(lc_pbrt_lex *lex, lc_pbrt_token *t)
     }
     if (*d == '"') return lex_string(lex, s, t);
     bool number = is(*d, DIGIT | SIGN);
-    if ((st = find_end(s, t))) return st;
+    if ((st = find_end(lex, s, t))) return st;
     return number ? lex_number(lex, s, t) : lex_word(lex, s, t);
 }
 

@@ -3,7 +3,8 @@
  *
  * Files are read piece by piece. The text of a string is valid until lc_pbrt_lex_forget, at the end of a
  * statement, or lc_pbrt_lex_pop of its file; the text of other tokens until the next token is read. Numbers
- * are finite and within the range of float.
+ * are finite and within the range of float. One comma may follow each value of a list in brackets, as in what
+ * some exporters write; elsewhere commas are errors.
  */
 #ifndef LC_PBRT_LEX_H
 #define LC_PBRT_LEX_H
@@ -40,7 +41,9 @@ typedef struct lc_pbrt_lex {
     bool no_files;        /* input is from memory: Include and other files are refused */
     size_t window;        /* bytes read at a time; small in tests */
     lc_pbrt_token ahead;
-    bool has_ahead;
+    bool has_ahead, in_list; /* in_list: between [ and ] */
+    bool after_value;        /* the last token was a value of a list, so that a comma may follow */
+    lc_pos comma;            /* the first comma; file is NULL while there is none */
 } lc_pbrt_lex;
 
 void lc_pbrt_lex_init(lc_pbrt_lex *lex, const lc_context *ctx, lc_arena *arena);

@@ -160,11 +160,18 @@ static lc_status ignore(lc_pbrt *p, const lc_pbrt_stmt *s)
     return LC_OK;
 }
 
+static lc_status ignore_v2(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    p->v2 = true;
+    return ignore(p, s);
+}
+
 static lc_status ignore_medium(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     bool none = !strcmp(s->name, "MediumInterface"); /* and both names are "": vacuum on both sides */
     for (uint32_t i = 0; i < s->n_text; i++) none &= !*s->text[i];
     if (none) return LC_OK;
+    p->v2 |= !strcmp(s->name, "Volume");
     p->ignored = true;
     lc_pbrt_mark_all(&p->params);
     return lc_pbrt_note(p, s->pos, "medium", "participating media are ignored");
@@ -206,8 +213,8 @@ static const struct directive {
     { "Sampler", lc_pbrt_sampler, BEFORE_WORLD, 0, 1, 0, true, false },
     { "Integrator", lc_pbrt_integrator, ANYWHERE, 0, 1, 0, true, false },
     { "SurfaceIntegrator", lc_pbrt_integrator, ANYWHERE, 0, 1, 0, true, false },
-    { "VolumeIntegrator", ignore, ANYWHERE, 0, 1, 0, true, false },
-    { "Renderer", ignore, ANYWHERE, 0, 1, 0, true, false },
+    { "VolumeIntegrator", ignore_v2, ANYWHERE, 0, 1, 0, true, false },
+    { "Renderer", ignore_v2, ANYWHERE, 0, 1, 0, true, false },
     { "PixelFilter", lc_pbrt_pixel_filter, ANYWHERE, 0, 1, 0, true, false },
     { "Accelerator", ignore, ANYWHERE, 0, 1, 0, true, false },
     { "Option", ignore, ANYWHERE, 0, 0, 0, true, false },
@@ -402,6 +409,9 @@ static lc_status parse(lc_scene *scene, const char *path, const void *data, size
         data ? lc_pbrt_lex_open_memory(&p->lex, path, data, size) : lc_pbrt_lex_open(&p->lex, path);
     if (!st) st = parse_all(p);
     if (!st) st = lc_pbrt_place_objects(p);
+    lc_pbrt_usual_integrator(p);
+    if (!st && p->lex.comma.file)
+        st = lc_pbrt_note(p, p->lex.comma, "comma", "commas between the values of lists are read as spaces");
     destroy(p);
     lc_free(scene->ctx, p, 1, sizeof *p);
     return st;

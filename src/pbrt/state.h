@@ -74,7 +74,8 @@ typedef struct lc_pbrt {
     bool ignored;          /* set by the handler: the statement has no effect */
 
     bool v4; /* the Film has a name that only pbrt v4 knows */
-    bool in_world, world_over;
+    bool v2; /* a statement or a sampler that only v1 and v2 know */
+    bool has_integrator, in_world, world_over;
     uint32_t n_unknown;    /* unknown statements */
     size_t last_directive; /* index of the statement read last */
     lc_pbrt_options opt;
@@ -153,6 +154,8 @@ lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_xform *x);
 /* apply_options.c */
 void lc_pbrt_options_init(lc_pbrt_options *opt);
 lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler, lc_pbrt_integrator;
+/* What a file without an Integrator means; called at its end. */
+void lc_pbrt_usual_integrator(lc_pbrt *p);
 /* Sets the scene's film and camera. */
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where);
 

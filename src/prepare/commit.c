@@ -4,6 +4,7 @@
 #include "base/stats.h"
 #include "prepare/area_light.h"
 #include "prepare/env_light.h"
+#include "prepare/lamp_find.h"
 #include "prepare/lamp_lights.h"
 #include "prepare/vpl.h"
 #include "scene/alpha.h"
@@ -68,14 +69,15 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     double t1 = lc_now();
     s->seconds_bvh = t1 - t0;
     bool all_seen = !s->n_lights;
-    size_t n_of_file = s->n_lights;
+    const size_t n_given = s->n_lights;
     if (desc->area_lights) st = lc_area_lights_make(s, desc->area_lights, desc->seed);
     else st = lc_lamp_lights_make(s, depth_of(s, desc), desc->seed);
-    size_t n_before = s->n_lights;
-    s->n_area_lights = n_before - n_of_file;
+    const size_t n_before = s->n_lights;
+    s->n_area_lights = n_before - n_given;
     if (!st) st = lc_env_lights_make(s, desc->env_lights, depth_of(s, desc), desc->seed);
     s->n_env_lights = s->n_lights - n_before;
     if (!st) st = lc_scene_join_lights(s);
+    if (!st) lc_lamps_find(s, n_given, n_before);
     if (!st) st = lc_vpl_make(s, n_indirect(s, desc), depth_of(s, desc), desc->seed);
     if (st) return st;
     s->follows_smooth = all_seen || s->indirect.n_lights;

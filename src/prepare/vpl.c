@@ -154,7 +154,7 @@ static void store(path *p, const lc_surface *s, float side, lc_f3 albedo_of_side
 {
     lc_f3 intensity = lc_f3_scale(lc_f3_mul(p->flux, albedo_of_side), (float)(1 / LC_PI));
     if (!(lc_f3_max(intensity) > 0) || *p->n_lights == PATH_LIGHTS) return;
-    p->lights[(*p->n_lights)++] = (lc_light){ .kind = LC_LIGHT_ORIENTED,
+    p->lights[(*p->n_lights)++] = (lc_light){ .kind = LC_LIGHT_VIRTUAL,
                                               .pos = s->pos,
                                               .dir = lc_f3_scale(s->n, side),
                                               .intensity = intensity,

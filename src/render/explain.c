@@ -96,13 +96,13 @@ static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_lig
                          float f[6][BATCH], uint8_t *hidden)
 {
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
-    e->scene->ctx->shade_kernels->estimate(&e->tree->data, 0, light, n, kind, &e->probe.point, out);
-    lc_shadow_targets(e->tree, kind, &e->probe.point, light, 0, n, out + 3);
+    e->scene->ctx->shade_kernels->estimate(&e->tree->data, 0, light, n, kind, e->probe.point, out);
+    lc_shadow_targets(e->tree, kind, e->probe.point, light, 0, n, out + 3);
     for (uint32_t i = 0; i < n; i++) {
         const float *const target[3] = { f[3] + i, f[4] + i, f[5] + i };
         hidden[i] = 2;
         if (f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0)
-            lc_cut_hidden(&e->scene->visibility, &e->probe.point, e->probe.sight.lit[0].surface.ray_org, 1,
+            lc_cut_hidden(&e->scene->visibility, e->probe.point, e->probe.sight.lit[0].surface.ray_org, 1,
                           target, lc_is_far(kind), &hidden[i], NULL);
     }
 }
@@ -121,7 +121,7 @@ static void describe(explainer *e, uint32_t link, lc_explained_cluster *c)
         .id = id_of(t, link), .parent = LC_NO_CLUSTER, .kind = (uint32_t)kind, .light = rep
     };
     if (!(link & LC_LEAF)) {
-        e->scene->ctx->shade_kernels->bounds(&t->data, &link, 1, kind, &e->probe.point, ub);
+        e->scene->ctx->shade_kernels->bounds(&t->data, &link, 1, kind, e->probe.point, ub);
         c->bound = ub[0];
     }
     set_box(t, link, c);
@@ -300,15 +300,15 @@ static void set_point(explainer *e)
     const lc_lit *lit = &p->sight.lit[0];
     lc_explanation *x = e->out;
     lc_cut_result all;
-    lc_exact_shade(e->tree, &e->scene->visibility, &p->point, lit->surface.ray_org, &e->stats, &all);
+    lc_exact_shade(e->tree, &e->scene->visibility, p->point, lit->surface.ray_org, &e->stats, &all);
     lc_f3_store(x->position, lit->surface.pos);
     lc_f3_store(x->normal, lit->surface.n);
     lc_f3_store(x->view, lit->view);
     lc_f3_store(x->kd, lit->surface.material.kd);
     lc_f3_store(x->ks, lit->surface.material.ks);
     x->exponent = lit->surface.material.exponent;
-    x->gloss = p->point.lobe == LC_LOBE_NONE ? "none" : lc_lobes[p->point.lobe].name;
-    for (int k = 0; k < 2 && p->point.lobe != LC_LOBE_NONE; k++)
+    x->gloss = p->point[0].lobe == LC_LOBE_NONE ? "none" : lc_lobes[p->point[0].lobe].name;
+    for (int k = 0; k < 2 && p->point[0].lobe != LC_LOBE_NONE; k++)
         x->roughness[k] = lit->surface.material.roughness[k];
     lc_f3_store(x->emission, p->sight.emission);
     lc_f3_store(x->radiance, p->by_cut.radiance);

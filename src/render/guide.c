@@ -42,14 +42,14 @@ void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g)
 {
     lc_f3 org, dir;
     lc_sight s;
-    lc_point p;
+    lc_point p[2];
     lc_stats stats = { 0 };
     lc_cut_result r;
     const uint64_t hash = lc_slot_hash(j, g->x, g->y, 0);
     (void)lc_sample_ray(j, g->x, g->y, 0, &org, &dir);
     if (lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) && s.n_lit) {
-        lc_lit_point(j->scene, &s.lit[0], hash, &p);
-        lc_guided_cut(c, g, &p, &s.lit[0].surface, hash, &stats, &r);
+        lc_lit_point(j->scene, &s.lit[0], hash, p);
+        lc_guided_cut(c, g, p, &s.lit[0].surface, hash, &stats, &r);
     }
     g->made = true;
 }

@@ -30,12 +30,12 @@ static void shade_others(const lc_render_job *j, lc_probe *p, lc_guide *g, uint6
     lc_stats stats = { 0 };
     for (uint32_t i = 1; i < p->sight.n_lit; i++) {
         const lc_lit *lit = &p->sight.lit[i];
-        lc_point point;
+        lc_point point[2];
         lc_cut_result r;
-        lc_lit_point(j->scene, lit, hash + i, &point);
+        lc_lit_point(j->scene, lit, hash + i, point);
         if (p->all_lights)
-            lc_exact_shade(j->scene->tree, &j->scene->visibility, &point, lit->surface.ray_org, &stats, &r);
-        else lc_guided_cut(&p->cut, g, &point, &lit->surface, hash + i, &stats, &r);
+            lc_exact_shade(j->scene->tree, &j->scene->visibility, point, lit->surface.ray_org, &stats, &r);
+        else lc_guided_cut(&p->cut, g, point, &lit->surface, hash + i, &stats, &r);
         p->others = lc_f3_add(p->others, lc_f3_mul(r.radiance, lit->weight));
     }
 }
@@ -79,8 +79,8 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     g->made = false;
     /* again: its splits are kept for the cut that begins with it. */
     if (!is_guide) lc_guide_make(&j, &p->cut, g);
-    lc_lit_point(scene, lit, hash, &p->point);
-    lc_guided_cut(&p->cut, g, &p->point, &lit->surface, hash, &stats, &p->by_cut);
+    lc_lit_point(scene, lit, hash, p->point);
+    lc_guided_cut(&p->cut, g, p->point, &lit->surface, hash, &stats, &p->by_cut);
     lc_free(ctx, g, 1, sizeof *g);
     return LC_OK;
 }

@@ -10,7 +10,7 @@ typedef struct lc_probe {
     bool hit;              /* false: the ray leaves the scene, and nothing below is set */
     bool all_lights;       /* the picture makes no cuts; this one is what LC_METHOD_CUTS makes */
     lc_sight sight;        /* the first of what is to be lit is explained; where nothing is, nothing is cut */
-    lc_point point;
+    lc_point point[2];     /* of lc_lit_point */
     lc_cut cut;            /* records its splits */
     lc_cut_result by_cut;
     lc_f3 others;          /* what else is lit gives the camera, by the picture's method */

@@ -21,6 +21,7 @@
 #include "base/stats.h"
 #include "scene/camera.h"
 #include "scene/env_map.h"
+#include "scene/lamps.h"
 #include "scene/scene_desc.h"
 #include "shade/light_spot.h"
 #include "shade/material.h"
@@ -109,7 +110,7 @@ struct lc_scene {
     lc_camera_desc camera_desc;
     lc_film_desc film;
     bool has_camera;
-    bool traces_paths;  /* the file's integrator traces paths: indirect light is on by default */
+    bool traces_paths;  /* the file's integrator, or pbrt's default, traces paths: indirect light is on */
     uint32_t max_depth; /* of paths, 1..LC_MAX_DEPTH; a camera ray may pass max_depth - 1 mirrors */
 
     /* Set by commit. */
@@ -120,6 +121,7 @@ struct lc_scene {
     uint64_t n_emissive_tris, n_area_lights, n_env_lights, n_env_tried;
     bool follows_smooth; /* lobes narrower than LC_SMOOTH_ROUGHNESS are followed as mirrors */
     lc_indirect indirect;
+    lc_lamps lamps;
     lc_bvh *bvh;
     lc_occluders *occluders;
     lc_visibility visibility; /* by the BVH */

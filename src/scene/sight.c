@@ -11,6 +11,7 @@ typedef struct ray {
     lc_f3 org, dir, weight;
     float length;   /* of the path from the camera to org */
     uint32_t depth; /* mirrors and glass surfaces on that path */
+    bool narrow;    /* it leaves a narrow lobe, in which lights stand for the lamp that it may meet */
 } ray;
 
 typedef struct trace {
@@ -56,7 +57,7 @@ void lc_glass_split(const lc_surface *s, lc_f3 dir, lc_split *split)
 
 static void send(trace *t, const ray *from, lc_f3 org, lc_f3 dir, lc_f3 weight, float length)
 {
-    t->rays[t->n_rays++] = (ray){ org, dir, weight, length, from->depth + 1 };
+    t->rays[t->n_rays++] = (ray){ org, dir, weight, length, from->depth + 1, false };
 }
 
 static void meet_mirror(trace *t, const ray *r, const lc_surface *s, float min_weight)
@@ -96,33 +97,45 @@ static void turn_over(lc_lit *lit)
     s->ng = lc_f3_neg(s->ng);
     s->front = !s->front;
     s->material = (lc_material){ .kd = s->material.kt };
+    lit->followed = false;
 }
 
-/* True if the lobe is so narrow that it is followed as a mirror. The diffuse part is illuminated as usual. */
-static bool is_smooth(const lc_scene *scene, const lc_material *m)
+/* True if the lobe is so narrow that it is followed as a mirror. */
+static bool is_narrow(const lc_scene *scene, const lc_material *m)
 {
-    bool narrow = scene->follows_smooth && fmaxf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS;
-    return m->lobe == LC_LOBE_GGX && lc_f3_max(m->ks) > 0 && (m->smooth || narrow);
+    return scene->follows_smooth && fmaxf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS;
+}
+
+/* A surface with a diffuse part or a lobe. A smooth coat is a mirror; a narrow lobe is illuminated by lights,
+ * and a mirror to whatever else there is. */
+static void meet_rough(trace *t, const ray *r, const lc_surface *s)
+{
+    lc_sight *out = t->out;
+    const lc_material *m = &s->material;
+    bool gloss = m->lobe == LC_LOBE_GGX && lc_f3_max(m->ks) > 0, smooth = gloss && m->smooth;
+    bool narrow = gloss && !smooth && is_narrow(t->scene, m);
+    uint32_t n_before = t->n_rays;
+    if (smooth || narrow) meet_mirror(t, r, s, LC_MIN_PATH_WEIGHT);
+    if (t->n_rays > n_before) t->rays[n_before].narrow = narrow;
+    if (smooth && !(lc_f3_max(m->kd) > 0)) return;
+    t->n_rough++;
+    out->lit[out->n_lit++] = (lc_lit){ *s, lc_f3_neg(r->dir), r->weight, r->depth, narrow };
+    if (smooth) out->lit[out->n_lit - 1].surface.material.ks = lc_f3_make(0, 0, 0);
+    if (!(lc_f3_max(m->kt) > 0)) return;
+    out->lit[out->n_lit] = out->lit[out->n_lit - 1];
+    turn_over(&out->lit[out->n_lit++]);
 }
 
 static void meet(trace *t, const ray *r, const lc_surface *s)
 {
     lc_sight *out = t->out;
-    out->emission = lc_f3_add(out->emission, lc_f3_mul(r->weight, s->emission));
+    if (!r->narrow) out->emission = lc_f3_add(out->emission, lc_f3_mul(r->weight, s->emission));
     if (s->material.glass) {
         meet_glass(t, r, s);
     } else if (s->material.mirror) {
         meet_mirror(t, r, s, MIN_WEIGHT);
     } else if (r->depth < t->max_depth) {
-        bool smooth = is_smooth(t->scene, &s->material);
-        if (smooth) meet_mirror(t, r, s, LC_MIN_PATH_WEIGHT);
-        if (smooth && !(lc_f3_max(s->material.kd) > 0)) return;
-        t->n_rough++;
-        out->lit[out->n_lit++] = (lc_lit){ *s, lc_f3_neg(r->dir), r->weight, r->depth };
-        if (smooth) out->lit[out->n_lit - 1].surface.material.ks = lc_f3_make(0, 0, 0);
-        if (!(lc_f3_max(s->material.kt) > 0)) return;
-        out->lit[out->n_lit] = out->lit[out->n_lit - 1];
-        turn_over(&out->lit[out->n_lit++]);
+        meet_rough(t, r, s);
     }
 }
 
@@ -142,7 +155,7 @@ bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, u
                     lc_sight *out)
 {
     trace t;
-    ray r = { org, dir, lc_f3_make(1, 1, 1), 0, 0 };
+    ray r = { org, dir, lc_f3_make(1, 1, 1), 0, 0, false };
     t.scene = scene;
     t.out = out;
     t.pixel = pixel;

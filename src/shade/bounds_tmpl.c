@@ -88,6 +88,7 @@ static void bounds(const lc_tree_data *t, const uint32_t *index, uint32_t n, lc_
         LC_HALF_AS_WIDE.shade.bounds(t, index + n, rest, kind, p, ub + n);
     }
 #endif
+    p = lc_point_for(p, kind);
     switch (kind) {
 #define KIND(ID, name, traits) \
     case LC_LIGHT_##ID: bounds_by_lobe(t, index, n, LC_LIGHT_##ID, p, ub); return;

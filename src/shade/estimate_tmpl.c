@@ -140,6 +140,7 @@ static void estimate(const lc_tree_data *t, uint32_t first, const uint32_t *inde
         LC_HALF_AS_WIDE.shade.estimate(t, first + n, index ? index + n : NULL, rest, kind, p, end);
     }
 #endif
+    p = lc_point_for(p, kind);
     switch (kind) {
 #define KIND(ID, name, traits) \
     case LC_LIGHT_##ID: estimate_by_lobe(t, first, index, n, LC_LIGHT_##ID, p, out); return;

@@ -19,6 +19,7 @@ KIND(POINT, point, LC_LIGHT_ATTENUATED)
 AIMED_KIND(ORIENTED, oriented, LC_LIGHT_ATTENUATED)
 KIND(DIRECTIONAL, directional, LC_LIGHT_FAR)
 AIMED_KIND(SPOT, spot, LC_LIGHT_OWN)
+AIMED_KIND(VIRTUAL, virtual, LC_LIGHT_ATTENUATED)
 KIND(BALL, ball, LC_LIGHT_SIZED)
 #undef AIMED_KIND
 #else
@@ -26,6 +27,7 @@ KIND(BALL, ball, LC_LIGHT_SIZED)
 #include "shade/light_oriented.h"
 #include "shade/light_point.h"
 #include "shade/light_spot.h"
+#include "shade/light_virtual.h"
 
 #include "shade/light_ball.h" /* after light_point.h, which it uses */
 #endif

@@ -105,14 +105,13 @@ typedef struct lc_material_maps {
 #define LC_MAX_MIX 16
 
 #define LC_MAX_EXPONENT 1e5f
-/* A highlight of roughness a is 2 a rad wide to 1 / e, as narrow as Phong's with an exponent of 1 / (2 a^2),
- * which is 5000 at 0.01. Below that 10^4 lights on a hemisphere show as dots. */
-#define LC_MIN_ROUGHNESS 0.01f
+/* A highlight of roughness a is 2 a rad wide to 1 / e. Below this alpha pbrt has a mirror. */
+#define LC_MIN_ROUGHNESS 0.001f
 #define LC_MAX_ROUGHNESS 1.0f
-/* In scenes with virtual lights, each of which a narrow lobe would show as a dot. Lobes have at least
- * LC_VIRTUAL_ROUGHNESS (Phong: the exponent that is as narrow). GGX below LC_SMOOTH_ROUGHNESS is a mirror,
- * which the camera ray follows; so it is in scenes where all light comes from surfaces and environments, as a
- * mirror shows those. */
+/* Virtual lights, each of which a narrow lobe would show as a dot, meet lobes of at least
+ * LC_VIRTUAL_ROUGHNESS (Phong: the exponent that is as narrow). In scenes that have them, and where all light
+ * comes from surfaces and environments, GGX below LC_SMOOTH_ROUGHNESS is a mirror instead, which the camera
+ * ray follows, to all but lamps: those it shows by their lights. */
 #define LC_VIRTUAL_ROUGHNESS 0.1f
 #define LC_VIRTUAL_EXPONENT 50.0f
 #define LC_SMOOTH_ROUGHNESS 0.05f
@@ -122,7 +121,7 @@ typedef struct lc_material_maps {
 #define LC_MAX_ETA 3.5f
 #define LC_MAX_CONDUCTOR 1e3f  /* of eta and of k */
 #define LC_MIN_CONDUCTOR 1e-6f /* of eta^2 + k^2 */
-#define LC_SMOOTH 1e-3         /* below this alpha a surface is a mirror, as in pbrt */
+#define LC_SMOOTH 1e-3 /* below this alpha a surface is a mirror, as in pbrt */
 
 /* alpha of a roughness >= 0; not clamped. */
 double lc_roughness_alpha(lc_remap remap, double roughness);

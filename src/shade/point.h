@@ -51,6 +51,15 @@ typedef struct lc_point {
     };
     float n2_imag[3];         /* conductor: 2 eta k, the squared index's imaginary part */
     float eta2, eta2_minus_1; /* dielectric, coat: eta^2, eta^2 - 1 */
+    /* The same point with another material, which the kinds of light in soft_kinds meet, a bit each. */
+    const struct lc_point *soft;
+    uint32_t soft_kinds;
 } lc_point;
+
+/* The point as lights of this kind meet it. */
+static inline const lc_point *lc_point_for(const lc_point *p, uint32_t kind)
+{
+    return p->soft_kinds >> kind & 1 ? p->soft : p;
+}
 
 #endif

@@ -12,7 +12,8 @@ static inline void farm_write_scene(const char *name, unsigned width, unsigned h
     if (!f) abort();
     fprintf(f, "LookAt 0 0 -5  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [60]\n");
     fprintf(f, "Film \"rgb\" \"integer xresolution\" [%u] \"integer yresolution\" [%u]\n", width, height);
-    fprintf(f, "Sampler \"independent\" \"integer pixelsamples\" [1]\nWorldBegin\n");
+    fprintf(f, "Sampler \"independent\" \"integer pixelsamples\" [1]\n"
+               "Integrator \"directlighting\"\nWorldBegin\n");
     for (unsigned i = 0; i < n; i++)
         fprintf(f, "LightSource \"point\" \"point3 from\" [%g %g %g] \"rgb I\" [%g 1 .5]\n",
                 (i * 37 % 101) * 0.04 - 2, (i * 53 % 97) * 0.04 - 2, -1.5 - (i * 29 % 89) * 0.02,

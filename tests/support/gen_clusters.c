@@ -701,7 +701,7 @@ static void print3(const char *name, lc_f3 a)
 
 void gen_case_print(const gen_case *c)
 {
-    static const char *const kinds[] = { "point", "oriented", "directional", "spot", "ball" };
+    static const char *const kinds[] = { "point", "oriented", "directional", "spot", "virtual", "ball" };
     gen_result r;
     gen_case_run(c, &r);
     printf("  case: %s, %u lights: %s (bits %u), members %x, bound %.9g, value %.9g\n",

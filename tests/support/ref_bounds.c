@@ -123,7 +123,7 @@ static double profile(double cos_total, double cos_start, double cos_phi)
 
 static double emission(const lc_light *l, double cos_phi)
 {
-    if (l->kind != LC_LIGHT_SPOT) return l->kind == LC_LIGHT_ORIENTED ? cos_phi : 1;
+    if (l->kind != LC_LIGHT_SPOT) return lc_is_aimed(l->kind) ? cos_phi : 1;
     return profile((double)l->spot.cos_total, (double)l->spot.cos_start, cos_phi);
 }
 

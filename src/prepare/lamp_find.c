@@ -1,0 +1,78 @@
+/* lamp_find.c - see lamp_find.h. */
+#include "prepare/lamp_find.h"
+
+#include <math.h>
+
+#define BOX_PAD 1e-5f /* of a box's size */
+
+static double area_of(const lc_scene *s, size_t tri)
+{
+    const float *p0 = lc_tri_vertex(s->pos, s->index, tri, 0), *p1 = lc_tri_vertex(s->pos, s->index, tri, 1);
+    const float *p2 = lc_tri_vertex(s->pos, s->index, tri, 2);
+    lc_f3 a = lc_f3_sub(lc_f3_load(p1), lc_f3_load(p0)), b = lc_f3_sub(lc_f3_load(p2), lc_f3_load(p0));
+    lc_f3 c = lc_f3_cross(a, b);
+    return 0.5 * sqrt((double)lc_f3_dot(c, c));
+}
+
+/* The box of a mesh, a little larger for the rounding of lights that lie on it, and its area. */
+static lc_box measure(const lc_scene *s, const lc_mesh *mesh, double *area)
+{
+    lc_box box = lc_box_empty();
+    *area = 0;
+    for (size_t i = 0; i < mesh->n_tris; i++) {
+        *area += area_of(s, mesh->first_tri + i);
+        for (size_t k = 0; k < 3; k++)
+            lc_box_add(&box, lc_f3_load(lc_tri_vertex(s->pos, s->index, mesh->first_tri + i, k)));
+    }
+    lc_f3 d = lc_f3_sub(box.hi, box.lo);
+    float pad = BOX_PAD * lc_f3_max(d);
+    box.lo = lc_f3_sub(box.lo, lc_f3_make(pad, pad, pad));
+    box.hi = lc_f3_add(box.hi, lc_f3_make(pad, pad, pad));
+    return box;
+}
+
+static size_t n_inside(const lc_scene *s, size_t first, size_t end, const lc_box *b)
+{
+    size_t n = 0;
+    for (size_t i = first; i < end; i++) {
+        lc_f3 p = s->lights[i].pos;
+        n += p.x >= b->lo.x && p.y >= b->lo.y && p.z >= b->lo.z && p.x <= b->hi.x && p.y <= b->hi.y &&
+             p.z <= b->hi.z;
+    }
+    return n;
+}
+
+/* Makes room for a lamp of this radius, in the place of the smallest where there are too many; NULL: all of
+ * those are larger. */
+static lc_lamp *place(lc_lamps *lamps, float radius)
+{
+    lc_lamp *least = &lamps->lamp[0];
+    if (lamps->n < LC_MAX_LAMPS) return &lamps->lamp[lamps->n++];
+    for (uint32_t i = 1; i < LC_MAX_LAMPS; i++)
+        if (lamps->lamp[i].radius < least->radius) least = &lamps->lamp[i];
+    return radius > least->radius ? least : NULL;
+}
+
+/* Every lamp has a light, so that the largest LC_MAX_LAMPS alone are compared with all lights. */
+void lc_lamps_find(lc_scene *s, size_t first, size_t end)
+{
+    lc_box box[LC_MAX_LAMPS];
+    double area[LC_MAX_LAMPS];
+    s->lamps.n = 0;
+    for (size_t i = 0; i < s->n_meshes && first < end; i++) {
+        double size;
+        if (!(lc_f3_max(s->meshes[i].emission) > 0)) continue;
+        lc_box b = measure(s, &s->meshes[i], &size);
+        lc_f3 half = lc_f3_scale(lc_f3_sub(b.hi, b.lo), 0.5f);
+        float radius = sqrtf(lc_f3_dot(half, half));
+        lc_lamp *lamp = place(&s->lamps, radius);
+        if (!lamp) continue;
+        *lamp = (lc_lamp){ .centre = lc_f3_add(b.lo, half), .radius = radius };
+        box[lamp - s->lamps.lamp] = b;
+        area[lamp - s->lamps.lamp] = s->meshes[i].two_sided ? 2 * size : size;
+    }
+    for (uint32_t i = 0; i < s->lamps.n; i++) {
+        size_t n = n_inside(s, first, end, &box[i]);
+        s->lamps.lamp[i].spacing = (float)sqrt(area[i] / (double)(n ? n : 1));
+    }
+}

@@ -1,0 +1,33 @@
+/* lamps.h - how finely the lights made from emissive surfaces show them, so that a narrow lobe at a point is
+ * no narrower than their spacing and shows no single lights.
+ *
+ *     lamp:  .  . | .  .        light at every `spacing`; seen from a point at distance d they are
+ *            .  . | .  .        spacing / d rad apart
+ *            <- radius ->
+ *
+ * A lobe of GGX's roughness a is about 2 a rad wide. Towards the lamp it has at least LAMP_LOBE spacing / d,
+ * which falls off with the angle between the lamp and the mirror direction: there the lobe is smoother.
+ */
+#ifndef LC_LAMPS_H
+#define LC_LAMPS_H
+
+#include "base/vec.h"
+
+#define LC_MAX_LAMPS 64 /* bounds the work of a point; of more emissive meshes the largest are taken */
+
+typedef struct lc_lamp {
+    lc_f3 centre;  /* world space */
+    float radius;  /* of a ball around the mesh */
+    float spacing; /* root of the area that a light stands for */
+} lc_lamp;
+
+typedef struct lc_lamps {
+    uint32_t n;
+    lc_lamp lamp[LC_MAX_LAMPS];
+} lc_lamps;
+
+/* The least roughness, 0 or more, at which the lamps' lights merge at pos in a lobe about the unit direction
+ * mirror. */
+float lc_lamps_roughness(const lc_lamps *lamps, lc_f3 pos, lc_f3 mirror);
+
+#endif
