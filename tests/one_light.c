@@ -96,9 +96,11 @@ static lc_f3 sample_light(const lc_lit *lit, double u)
     lc_point_init(&point, s->pos, s->n, lit->view, &s->material, scene->min_d2);
     if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(point.ng, s->ng);
     scene->ctx->shade_kernels->estimate(&t->data, 0, &link, 1, kind, &point, out);
-    lc_cut_hidden(&scene->visibility, &point, s->ray_org, 1, target, kind == LC_LIGHT_DIRECTIONAL, hidden,
-                  NULL);
+    float v[3], *const through[3] = { v, v + 1, v + 2 };
+    bool dims = lc_cut_hidden(&scene->visibility, &point, s->ray_org, 1, target,
+                              kind == LC_LIGHT_DIRECTIONAL, hidden, NULL, through);
     if (hidden[0]) return lc_f3_make(0, 0, 0);
+    for (int k = 0; k < 3 && dims; k++) f[k][0] *= v[k];
     return lc_f3_scale(lc_f3_mul(lc_f3_make(f[0][0], f[1][0], f[2][0]),
                                  lc_f3_load(t->data.lights[link].intensity)),
                        (float)(1 / p));

@@ -43,9 +43,11 @@ void lc_cut_shade(lc_cut *cut, const lc_point *point, const float ray_org[3], ui
 
 /* Sets hidden[i] to 1 for each of n targets that is occluded, or lies behind the geometric surface: a shading
  * normal may face such a light, and shadow rays ignore hits near their start, so they miss the surface
- * itself. For the arguments see visibility.h; the blocker is LC_NONE where the surface alone occludes. */
-void lc_cut_hidden(const lc_visibility *visibility, const lc_point *point, const float org[3], uint32_t n,
-                   const float *const target[3], bool far, uint8_t *hidden, uint32_t *blocker);
+ * itself. For the arguments see visibility.h; the blocker is LC_NONE where the surface alone occludes. True:
+ * through is set for targets that are not occluded; false: all of their light arrives. */
+bool lc_cut_hidden(const lc_visibility *visibility, const lc_point *point, const float org[3], uint32_t n,
+                   const float *const target[3], bool far, uint8_t *hidden, uint32_t *blocker,
+                   float *const through[3]);
 
 /* NULL when `kept` and `done` hold every light once, else what is wrong. The cut must have been recorded. */
 const char *lc_cut_validate(const lc_cut *cut);

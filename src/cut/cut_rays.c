@@ -2,21 +2,26 @@
  *
  * A cluster's ray is pending while LC_PENDING is set in its `rep`; its V counts as 1 until then. Rays are
  * traced in groups of up to LC_CUT_BATCH, those of directional lights apart. An occluded representative sets
- * transfer and estimate to 0, and what blocked its ray is noted for proofs of occlusion.
+ * transfer and estimate to 0, and what blocked its ray is noted for proofs of occlusion. Where glass dims
+ * rays, V is what it lets through, per channel.
  */
 #include "cut/cut.h"
 #include "cut/cut_parts.h"
 
 #include "shade/point_init.h"
 
-void lc_cut_hidden(const lc_visibility *visibility, const lc_point *p, const float org[3], uint32_t n,
-                   const float *const target[3], bool far, uint8_t *hidden, uint32_t *blocker)
+bool lc_cut_hidden(const lc_visibility *visibility, const lc_point *p, const float org[3], uint32_t n,
+                   const float *const target[3], bool far, uint8_t *hidden, uint32_t *blocker,
+                   float *const through[3])
 {
     const lc_f3 ng = lc_f3_load(p->ng), from = far ? lc_f3_make(0, 0, 0) : lc_f3_load(p->pos);
-    visibility->hidden(visibility->scene, org, n, target, far, hidden, blocker);
-    if (!(lc_f3_max_abs(ng) > 0)) return;
+    const bool dims = visibility->dimmed != NULL;
+    if (dims) visibility->dimmed(visibility->scene, org, n, target, far, hidden, blocker, through);
+    else visibility->hidden(visibility->scene, org, n, target, far, hidden, blocker);
+    if (!(lc_f3_max_abs(ng) > 0)) return dims;
     for (uint32_t i = 0; i < n; i++)
         hidden[i] |= lc_f3_dot(ng, lc_f3_sub(lc_f3_make(target[0][i], target[1][i], target[2][i]), from)) < 0;
+    return dims;
 }
 
 /* Rays of some clusters of a list. */
@@ -26,22 +31,37 @@ typedef struct {
     float target[3][LC_CUT_BATCH];
 } ray_group;
 
+static double luminance_at(const lc_cut_list *list, uint32_t at)
+{
+    return (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
+}
+
 static double trace_group(const lc_cut *c, const lc_cut_step *s, lc_cut_list *list, const ray_group *g,
                           bool far)
 {
     uint8_t hidden[LC_CUT_BATCH];
     uint32_t blocker[LC_CUT_BATCH];
+    float v[3][LC_CUT_BATCH], *const through[3] = { v[0], v[1], v[2] };
     const float *const target[3] = { g->target[0], g->target[1], g->target[2] };
     double change = 0;
     lc_phase_end(s->stats, LC_PHASE_REFINE);
-    lc_cut_hidden(&c->visibility, s->point, s->org, g->n, target, far, hidden, c->occlusion ? blocker : NULL);
+    const bool dims = lc_cut_hidden(&c->visibility, s->point, s->org, g->n, target, far, hidden,
+                                    c->occlusion ? blocker : NULL, through);
     lc_phase_end(s->stats, LC_PHASE_SHADOW);
     s->stats->shadow_rays += g->n;
     for (uint32_t i = 0; i < g->n; i++) {
         uint32_t at = g->at[i];
-        if (!hidden[i]) continue;
+        if (!hidden[i] && !dims) continue;
+        change -= luminance_at(list, at);
+        if (!hidden[i]) {
+            for (int k = 0; k < 3; k++) {
+                list->transfer[k][at] *= v[k][i];
+                list->e[k][at] *= v[k][i];
+            }
+            change += luminance_at(list, at);
+            continue;
+        }
         if (c->occlusion) lc_occlusion_note(c->occlusion, list->rep[at], blocker[i]);
-        change -= (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
         for (int k = 0; k < 3; k++) list->transfer[k][at] = list->e[k][at] = 0;
     }
     return change;

@@ -129,19 +129,25 @@ static uint32_t drop_zero(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
 }
 
 /* Traces the rays to the representatives of the last n clusters of `kept`, targets in f[3 .. 5]; occluded
- * ones get transfer and estimate 0. lit: which of them have a transfer above 0. */
+ * ones get transfer and estimate 0, others what glass leaves. lit: which of them have a transfer above 0. */
 static void trace_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *lit, uint32_t n_lit,
                         float *const transfer[3], float *const e[3], lc_light_kind kind)
 {
     uint32_t blocker[LC_CUT_BATCH];
     uint8_t hidden[LC_CUT_BATCH];
+    float v[3][LC_CUT_BATCH], *const through[3] = { v[0], v[1], v[2] };
+    bool dims = false;
     const float *const target[3] = { s->f[3], s->f[4], s->f[5] };
     if (n_lit)
-        lc_cut_hidden(&c->visibility, s->point, s->org, n_lit, target, lc_is_far(kind), hidden,
-                      c->occlusion ? blocker : NULL);
+        dims = lc_cut_hidden(&c->visibility, s->point, s->org, n_lit, target, lc_is_far(kind), hidden,
+                             c->occlusion ? blocker : NULL, through);
     s->stats->shadow_rays += n_lit;
     lc_phase_end(s->stats, LC_PHASE_SHADOW);
     for (uint32_t i = 0; i < n_lit; i++) {
+        for (int k = 0; k < 3 && dims && !hidden[i]; k++) {
+            transfer[k][lit[i]] *= v[k][i];
+            e[k][lit[i]] *= v[k][i];
+        }
         if (!hidden[i]) continue;
         if (c->occlusion) lc_occlusion_note(c->occlusion, s->rep[lit[i]], blocker[i]);
         for (int k = 0; k < 3; k++) transfer[k][lit[i]] = e[k][lit[i]] = 0;

@@ -14,6 +14,8 @@ static uint32_t shade_exactly(const lc_light_tree *t, const lc_visibility *visib
     const float *const target[3] = { f[3], f[4], f[5] };
     uint8_t hidden[BATCH];
     uint32_t lit[BATCH], m = 0;
+    float thr[3][BATCH], *const through[3] = { thr[0], thr[1], thr[2] };
+    bool dims = false;
     t->ctx->shade_kernels->estimate(&t->data, first, NULL, n, kind, p, out);
     lc_shadow_targets(t, kind, p, NULL, first, n, out + 3);
     for (uint32_t i = 0; i < n; i++) {
@@ -23,12 +25,13 @@ static uint32_t shade_exactly(const lc_light_tree *t, const lc_visibility *visib
     for (uint32_t i = 0; i < m && m < n; i++) /* in place, since lit[i] >= i */
         for (int k = 3; k < 6; k++) f[k][i] = f[k][lit[i]];
     lc_phase_end(stats, LC_PHASE_ESTIMATES);
-    if (m) lc_cut_hidden(visibility, p, org, m, target, lc_is_far(kind), hidden, NULL);
+    if (m) dims = lc_cut_hidden(visibility, p, org, m, target, lc_is_far(kind), hidden, NULL, through);
     lc_phase_end(stats, LC_PHASE_SHADOW);
     for (uint32_t i = 0; i < m; i++) {
         uint32_t at = lit[i];
         const float *power = t->data.lights[first + at].intensity;
         const float v = hidden[i] ? 0 : 1; /* a factor: a branch could not be predicted */
+        for (int k = 0; k < 3 && dims; k++) f[k][at] *= hidden[i] ? 0 : thr[k][i];
         for (int k = 0; k < 3; k++) sum[k] += (double)(v * (f[k][at] * power[k]));
     }
     return m;

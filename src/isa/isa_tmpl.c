@@ -31,8 +31,6 @@
 
 #define LC_KERNELS                                                                                           \
     {                                                                                                        \
-        .shade = { bounds, estimate }, .tree = { nearest }, .trace = { closest, hidden }, .cut = {           \
-            place,                                                                                           \
-            partition                                                                                        \
-        }                                                                                                    \
+        .shade = { bounds, estimate }, .tree = { nearest }, .trace = { closest, hidden, dimmed },            \
+        .cut = { place, partition }                                                                          \
     }

@@ -57,6 +57,16 @@ static void record_hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n
     if (keeps(r)) add(r, org, n, target, far, hidden);
 }
 
+static void record_dimmed(const lc_bvh_data *bvh, const float org[3], uint32_t n,
+                          const float *const target[3], bool far, uint8_t *hidden, uint32_t *block,
+                          uint64_t (*loss)[3])
+{
+    bench_record *r = current;
+    r->real->dimmed(bvh, org, n, target, far, hidden, block, loss);
+    r->n_shadow_seen += n;
+    if (keeps(r)) add(r, org, n, target, far, hidden);
+}
+
 static void record_closest(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max,
                            lc_hit *hit)
 {
@@ -79,6 +89,7 @@ lc_status bench_record_start(bench_record *r, const lc_context *ctx, lc_bvh *bvh
     r->target = lc_alloc(ctx, max_targets, 3 * sizeof(float));
     if (!r->target) return LC_ERR_MEMORY;
     r->table.hidden = record_hidden;
+    r->table.dimmed = record_dimmed;
     r->table.closest = record_closest;
     bvh->kernels = &r->table;
     current = r;

@@ -60,7 +60,8 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     lc_status st = lc_alpha_init(s);
     if (!st) st = lc_bvh_build(s->ctx, s->pos, s->index, n_world, &s->bvh);
     if (st) return st;
-    s->bvh->data.alpha = lc_alpha_of(s, 0, n_world);
+    s->bvh->data.alpha = lc_scene_alpha_of(s, 0, n_world);
+    s->bvh->has_glass = s->has_glass;
     const lc_occluders_desc occluders = { s->pos, s->index, n_world, s->alpha_bits };
     if ((st = lc_occluders_build(s->ctx, &occluders, &s->occluders))) return st;
     s->bvh->occluders = s->occluders;

@@ -91,7 +91,8 @@ static void set_box(const lc_light_tree *t, uint32_t link, lc_explained_cluster 
     }
 }
 
-/* M G of lights of one kind into f[0 .. 2]; hidden[i] where that is not 0, else 2. */
+/* M G V of lights of one kind into f[0 .. 2], V = 1 for occluded ones; hidden[i] where M G is not 0, else 2.
+ */
 static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_light_kind kind,
                          float f[6][BATCH], uint8_t *hidden)
 {
@@ -100,10 +101,13 @@ static void shade_lights(explainer *e, const uint32_t *light, uint32_t n, lc_lig
     lc_shadow_targets(e->tree, kind, e->probe.point, light, 0, n, out + 3);
     for (uint32_t i = 0; i < n; i++) {
         const float *const target[3] = { f[3] + i, f[4] + i, f[5] + i };
+        float v[3], *const through[3] = { v, v + 1, v + 2 };
         hidden[i] = 2;
-        if (f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0)
-            lc_cut_hidden(&e->scene->visibility, e->probe.point, e->probe.sight.lit[0].surface.ray_org, 1,
-                          target, lc_is_far(kind), &hidden[i], NULL);
+        if (!(f[0][i] > 0 || f[1][i] > 0 || f[2][i] > 0)) continue;
+        bool dims = lc_cut_hidden(&e->scene->visibility, e->probe.point,
+                                  e->probe.sight.lit[0].surface.ray_org, 1, target, lc_is_far(kind),
+                                  &hidden[i], NULL, through);
+        for (int k = 0; k < 3 && dims && !hidden[i]; k++) f[k][i] *= v[k];
     }
 }
 

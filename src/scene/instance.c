@@ -10,8 +10,6 @@
  */
 #include "scene/instance.h"
 
-#include "scene/alpha.h"
-
 #define PAD 0x1p-20       /* 16 u, derived above */
 #define MAX_CONDITION 1e3 /* a condition number that leaves a float's 24 bits 14 */
 #define MAX_SCALE 1e6     /* of lengths, either way: object space stays far from a float's limits */
@@ -141,7 +139,7 @@ lc_status lc_instances_build(lc_scene *s)
         if (st) return st;
         level->objects[i] = level->bvhs[i]->data;
         level->objects[i].first_tri = o->first_tri;
-        level->objects[i].alpha = lc_alpha_of(s, o->first_tri, o->n_tris);
+        level->objects[i].alpha = lc_scene_alpha_of(s, o->first_tri, o->n_tris);
     }
     if (!st) st = build_boxes(s, level);
     if (st) return st;

@@ -7,6 +7,7 @@
 #include "scene/material_eval.h"
 
 #include "base/rng.h"
+#include "shade/fresnel.h"
 
 #include <float.h>
 #include <string.h>
@@ -14,6 +15,7 @@
 #define MIN_COS 0.015625 /* limits the footprint at grazing angles: at most 64 times the area seen head-on */
 /* Bump maps: the step in u or v for finite differences where the footprint gives none; pbrt's value. */
 #define DEFAULT_BUMP_STEP 0.0005
+#define MAX_PARTS 64 /* of a mix of mixes that are tried for transmittance; those beyond count as opaque */
 #define MIN_BUMP_STEP 1e-9 /* differences over less than this are lost in rounding */
 
 typedef struct {
@@ -288,6 +290,35 @@ void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const floa
     m->kd = lc_f3_mul(m->kd, tint);
     m->ks = lc_f3_mul(m->ks, tint);
     m->kt = lc_f3_mul(m->kt, tint);
+}
+
+lc_f3 lc_textured_transmittance(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
+                                const lc_hit *hit, float cos_i)
+{
+    struct {
+        uint32_t id;
+        lc_f3 weight;
+    } part[MAX_PARTS] = { { mesh->material_id, { 1, 1, 1 } } };
+    const lc_tex_point p = lc_textured_point(scene, mesh, corner, hit->tri, hit->u, hit->v);
+    lc_f3 sum = lc_f3_make(0, 0, 0);
+    for (uint32_t i = 0, n = 1; i < n; i++) {
+        const lc_material_maps *maps = &scene->maps[part[i].id];
+        if (!maps->clear) continue;
+        if (maps->mix[0] == LC_NONE) {
+            lc_material m;
+            evaluate(scene, part[i].id, &p, &m);
+            sum = lc_f3_add(sum, lc_f3_mul(part[i].weight, lc_transmittance(&m, cos_i)));
+            continue;
+        }
+        lc_f3 share = maps->share, weight = part[i].weight;
+        set_colour(scene, maps->share_map, &p, &share);
+        const lc_f3 of[2] = { lc_f3_sub(weight, lc_f3_mul(weight, share)), lc_f3_mul(weight, share) };
+        for (int k = 0; k < 2 && n < MAX_PARTS; k++, n++) {
+            part[n].id = maps->mix[k];
+            part[n].weight = of[k];
+        }
+    }
+    return lc_f3_make(fminf(sum.x, 1), fminf(sum.y, 1), fminf(sum.z, 1));
 }
 
 lc_f3 lc_textured_emission(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],

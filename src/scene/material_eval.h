@@ -25,6 +25,11 @@ lc_tex_point lc_textured_point(const lc_scene *scene, const lc_mesh *mesh, const
 void lc_textured_material(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
                           const lc_hit *hit, lc_f3 dir, double pixel, lc_material *m, lc_f3 *n);
 
+/* The fraction of light that the material at the hit lets pass, per channel, where it is or mixes glass: the
+ * mean over what a mix may be. Bump and normal maps do not count. cos_i: as for lc_transmittance. */
+lc_f3 lc_textured_transmittance(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
+                                const lc_hit *hit, float cos_i);
+
 /* The value of the mesh's emission map at the hit, which multiplies the mesh's emission. */
 lc_f3 lc_textured_emission(const lc_scene *scene, const lc_mesh *mesh, const float *const corner[3],
                            const lc_hit *hit, lc_f3 dir, double pixel);

@@ -57,16 +57,21 @@ lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
 /* Sets the fields of *maps that follow from its other fields and from the materials it mixes. */
 static void set_derived(const lc_scene *s, uint32_t id, lc_material_maps *maps)
 {
-    const float *rough = s->materials[id].roughness;
+    const lc_material *m = &s->materials[id];
+    const float *rough = m->roughness;
     maps->textured = maps->mix[0] != LC_NONE || maps->kd != LC_NONE || maps->ks != LC_NONE ||
                      maps->kt != LC_NONE || maps->exponent != LC_NONE || maps->roughness[0] != LC_NONE ||
                      maps->roughness[1] != LC_NONE || maps->bump != LC_NONE || maps->normal != LC_NONE;
     maps->brushed = rough[0] < rough[1] || rough[0] > rough[1] || maps->roughness[0] != maps->roughness[1];
     maps->depth = 0;
+    maps->clear = maps->mix[0] == LC_NONE && m->glass && (lc_f3_max(m->kt) > 0 || maps->kt != LC_NONE);
+    maps->refracts = maps->clear && !m->thin && m->eta.x > 1;
     for (int i = 0; i < 2 && maps->mix[0] != LC_NONE; i++) {
         const lc_material_maps *part = &s->maps[maps->mix[i]];
         LC_ASSERT(maps->mix[i] < s->n_materials && maps->mix[i] != id && part->depth < LC_MAX_MIX);
         maps->brushed |= part->brushed;
+        maps->clear |= part->clear;
+        maps->refracts |= part->refracts;
         if (part->depth >= maps->depth) maps->depth = (uint8_t)(part->depth + 1);
     }
 }
@@ -161,6 +166,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
         .has_uv = m->uv != NULL,
         .textured = textured,
         .brushed = s->maps[m->material_id].brushed,
+        .clear = s->maps[m->material_id].clear,
         .flip = m->flip,
         .two_sided = m->two_sided,
         .emission = m->emission,
@@ -168,9 +174,12 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
         .alpha = m->alpha ? (uint32_t)s->n_alphas : LC_NONE,
     };
     if (m->alpha) s->alphas[s->n_alphas++] = *m->alpha;
+    s->has_glass |= s->maps[m->material_id].clear;
     s->n_verts += m->n_verts;
     s->n_tris += m->n_tris;
-    return LC_OK;
+    if (!s->maps[m->material_id].refracts) return LC_OK;
+    return lc_scene_note_at(s, where, "glass",
+                            "light passes straight through glass: what it bends (caustics) is left out");
 }
 
 lc_status lc_scene_begin_object(lc_scene *s)
@@ -206,6 +215,13 @@ lc_status lc_scene_add_instance(lc_scene *s, lc_pos where, uint32_t object, cons
     }
     s->n_instances++;
     return LC_OK;
+}
+
+const lc_alpha *lc_scene_alpha_of(const lc_scene *s, size_t first, size_t n)
+{
+    for (size_t t = first; t < first + n && s->alpha_bits; t++)
+        if (s->alpha_bits[t / 32] >> t % 32 & 1) return &s->alpha;
+    return NULL;
 }
 
 /* Makes room for one more light and sets *out to its place. */

@@ -41,6 +41,7 @@ typedef struct lc_mesh {
     uint32_t material_id;
     bool has_normals, has_uv, textured;
     bool brushed; /* the material's roughness is anisotropic, so hits need a tangent */
+    bool clear;   /* the material is or mixes glass, which shadow rays pass */
     bool flip, two_sided;
     lc_f3 emission;
     uint32_t alpha;        /* index into lc_scene.alphas; LC_NONE: opaque */
@@ -82,6 +83,7 @@ struct lc_scene {
 
     lc_mesh_alpha *alphas;
     size_t n_alphas, cap_alphas;
+    bool has_glass; /* some mesh is clear */
 
     lc_mesh *meshes;
     lc_material *materials; /* for a textured material: the means of its textures */
@@ -127,7 +129,8 @@ struct lc_scene {
     lc_visibility visibility; /* by the BVH */
     lc_level *level;      /* BVHs of instances; NULL: none */
     lc_alpha alpha;
-    uint32_t *alpha_bits; /* alpha_words: a bit per triangle, set if it may have holes; NULL: all opaque */
+    uint32_t *alpha_bits; /* alpha_words: a bit per triangle, set if it may have holes or be glass; NULL: all
+                             opaque */
     size_t alpha_words;
     lc_light_tree *tree;
     double seconds_parse, seconds_bvh, seconds_lights, seconds_tree;
@@ -172,6 +175,9 @@ lc_status lc_scene_note_at(lc_scene *scene, lc_pos where, const char *kind, cons
  * level is kept, copied. text may be NULL. */
 lc_status lc_scene_count_feature(lc_scene *scene, const char *kind, const char *name, lc_support support,
                                  const char *text);
+/* What rays pass of triangles first .. first + n - 1, for a BVH over them; NULL if they stop all rays. Set by
+ * lc_alpha_init. */
+const lc_alpha *lc_scene_alpha_of(const lc_scene *scene, size_t first, size_t n);
 /* Moves all lights into scene->lights; called by commit. */
 lc_status lc_scene_join_lights(lc_scene *scene);
 

@@ -31,10 +31,6 @@ lc_f3 lc_mirror_leave(const lc_surface *s, lc_f3 dir)
     return lc_f3_normalize(r);
 }
 
-/* Reflectance of a thin sheet whose surfaces reflect f: the sum over all inner reflections, f + (1 - f)^2 f /
- * (1 - f^2). */
-static float sheet_reflectance(float f) { return 2 * f / (1 + f); }
-
 static lc_f3 refract(const lc_surface *s, lc_f3 dir, float cos_i, float eta)
 {
     float cos_t = sqrtf(fmaxf(1 - (1 - cos_i * cos_i) / (eta * eta), 0));
@@ -48,7 +44,7 @@ void lc_glass_split(const lc_surface *s, lc_f3 dir, lc_split *split)
     const lc_material *m = &s->material;
     float cos_i = fminf(fmaxf(-lc_f3_dot(dir, s->n), 0), 1), eta = s->front ? m->eta.x : 1 / m->eta.x;
     float f = lc_fresnel_dielectric(cos_i, m->thin ? m->eta.x : eta);
-    if (m->thin) f = sheet_reflectance(f);
+    if (m->thin) f = lc_sheet_reflectance(f);
     split->reflected = lc_f3_scale(m->ks, f);
     split->through = lc_f3_scale(m->kt, 1 - f);
     split->out = m->thin ? dir : refract(s, dir, cos_i, eta);

@@ -30,15 +30,9 @@ void lc_surface_behind(const lc_surface *s, float org[3])
     for (int k = 0; k < 3; k++) org[k] = pos[k] - (s->ray_org[k] - pos[k]);
 }
 
-/* The hit triangle's vertices in world space. */
-typedef struct {
-    const float *p[3], *n[3];             /* positions; normals, set if the mesh has them */
-    float placed_p[3][3], placed_n[3][3]; /* storage for those of an instance */
-} corners;
-
 /* Transforms the corners of an instance's triangle to the world, to the same bits as pbrt/object.c does when
  * it copies an object. */
-static void place_corners(const lc_instance *at, bool has_normals, corners *c)
+static void place_corners(const lc_instance *at, bool has_normals, lc_corners *c)
 {
     double rows[9];
     lc_xform x = { { 0 } };
@@ -70,13 +64,25 @@ static float object_size(const lc_scene *scene, const lc_hit *hit, lc_f3 n)
     return (float)(size * sum);
 }
 
-static void corners_of(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, corners *c)
+void lc_hit_corners(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_corners *c)
 {
     for (size_t k = 0; k < 3; k++) {
         c->p[k] = lc_tri_vertex(scene->pos, scene->index, hit->tri, k);
         if (mesh->has_normals) c->n[k] = lc_tri_vertex(scene->normal, scene->index, hit->tri, k);
     }
     if (hit->instance != LC_NONE) place_corners(&scene->instances[hit->instance], mesh->has_normals, c);
+}
+
+bool lc_hit_normals(const lc_mesh *mesh, const lc_hit *hit, const lc_corners *c, lc_f3 *ng, lc_f3 *ns)
+{
+    const float *const *v = c->p;
+    lc_f3 p0 = lc_f3_load(v[0]), e1 = lc_f3_sub(lc_f3_load(v[1]), p0), e2 = lc_f3_sub(lc_f3_load(v[2]), p0);
+    *ng = *ns = lc_f3_normalize(lc_f3_cross(e1, e2));
+    if (!mesh->has_normals) return false;
+    lc_f3 n = lc_f3_normalize(mix(c->n, hit->u, hit->v));
+    if (!(lc_f3_dot(n, n) > 0)) return false;
+    *ns = n;
+    return true;
 }
 
 /* Evaluates the material's textures and returns the shading normal. ng is the normal by winding order, ns the
@@ -101,28 +107,21 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float len
                           lc_surface *out)
 {
     const float o[3] = { org.x, org.y, org.z }, d[3] = { dir.x, dir.y, dir.z };
-    corners c;
+    lc_corners c;
+    lc_f3 ng, ns;
     lc_hit hit;
     scene->bvh->kernels->closest(&scene->bvh->data, o, d, FLT_MAX, &hit);
     if (hit.tri == LC_NONE) return false;
     hit.t += length;
     const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[hit.tri]];
-    corners_of(scene, mesh, &hit, &c);
+    lc_hit_corners(scene, mesh, &hit, &c);
     const float *const *v = c.p;
-    lc_f3 p0 = lc_f3_load(v[0]), e1 = lc_f3_sub(lc_f3_load(v[1]), p0), e2 = lc_f3_sub(lc_f3_load(v[2]), p0);
-    lc_f3 ng = lc_f3_normalize(lc_f3_cross(e1, e2)), ns = ng;
     bool back = mesh->flip != (hit.instance != LC_NONE && scene->instances[hit.instance].mirrored);
     out->pos = mix(v, hit.u, hit.v);
-    float size = fmaxf(lc_f3_max_abs(p0),
+    if (lc_hit_normals(mesh, &hit, &c, &ng, &ns)) back = lc_f3_dot(ng, ns) < 0;
+    float size = fmaxf(lc_f3_max_abs(lc_f3_load(v[0])),
                        fmaxf(lc_f3_max_abs(lc_f3_load(v[1])), lc_f3_max_abs(lc_f3_load(v[2]))));
     if (hit.instance != LC_NONE) size += object_size(scene, &hit, ng);
-    if (mesh->has_normals) {
-        lc_f3 n = lc_f3_normalize(mix(c.n, hit.u, hit.v));
-        if (lc_f3_dot(n, n) > 0) {
-            ns = n;
-            back = lc_f3_dot(ng, n) < 0;
-        }
-    }
     out->material = scene->materials[mesh->material_id];
     if (mesh->textured) ns = textured_normal(scene, mesh, v, &hit, dir, pixel, ns, ng, &out->material);
     bool away = lc_f3_dot(ng, dir) > 0; /* the normal by winding order points away from the viewer */

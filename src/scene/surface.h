@@ -27,6 +27,16 @@ bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, l
 bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float length, double pixel,
                           lc_surface *out);
 
+/* The world-space geometry of a hit's triangle. */
+typedef struct lc_corners {
+    const float *p[3], *n[3];             /* positions; normals, set if the mesh has them */
+    float placed_p[3][3], placed_n[3][3]; /* storage for those of an instance */
+} lc_corners;
+void lc_hit_corners(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hit, lc_corners *out);
+/* Unit normals: *ng by winding order, and *ns the one interpolated between the mesh's if it has them, else
+ * *ng. Returns whether the mesh has one there. */
+bool lc_hit_normals(const lc_mesh *mesh, const lc_hit *hit, const lc_corners *corners, lc_f3 *ng, lc_f3 *ns);
+
 /* The origin of rays that leave on the other side of the surface. */
 void lc_surface_behind(const lc_surface *s, float org[3]);
 

@@ -21,6 +21,14 @@ float lc_fresnel_conductor(float cos_i, float eta, float k)
     return t3 + t4 > 0 ? (s + s * ((t3 - t4) / (t3 + t4))) / 2 : s;
 }
 
+lc_f3 lc_transmittance(const lc_material *m, float cos_i)
+{
+    if (!m->glass) return lc_f3_make(0, 0, 0);
+    float f = lc_fresnel_dielectric(cos_i, m->eta.x);
+    if (m->thin) f = lc_sheet_reflectance(f);
+    return lc_f3_scale(m->kt, 1 - f);
+}
+
 lc_f3 lc_reflectance(const lc_material *m, float cos_i, bool inside)
 {
     float c = cos_i > 0 ? cos_i < 1 ? cos_i : 1 : 0, one_c = 1 - c,

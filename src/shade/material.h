@@ -94,6 +94,7 @@ typedef struct lc_material_maps {
     /* set by lc_scene_map_material */
     uint8_t depth;          /* of mixes within mixes, at most LC_MAX_MIX */
     bool textured, brushed; /* itself or what it mixes */
+    bool clear, refracts;   /* itself or what it mixes is glass: of any kind, of a kind that bends light */
 } lc_material_maps;
 
 #define LC_NO_MAPS                                                                                           \

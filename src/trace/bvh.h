@@ -22,6 +22,7 @@ struct lc_bvh {
     lc_tri_block *blocks;
     const lc_trace_kernels *kernels; /* the context's; a benchmark may wrap them: lab/bench_record.h */
     const struct lc_occluders *occluders; /* over its triangles, or NULL; owned by the caller */
+    bool has_glass; /* shadow rays may be dimmed, by its triangles or by instances; set by the caller */
 };
 
 /* pos: vertices * 3, finite; index: n_tris * 3, in range. Neither is kept. n_tris may be 0. LC_ERR_MEMORY. */

@@ -32,12 +32,27 @@ _Static_assert(sizeof(lc_tri_block) == 5 * 64, "five cache lines");
 
 #define LC_BVH_LEAF 0x80000000u
 
-/* The alpha test: a ray continues behind a hit that is not opaque. */
+struct lc_hit;
+
+/* Triangles behind which a ray may continue: holes by alpha, and for shadow rays glass. */
 typedef struct lc_alpha {
-    const uint32_t *bits; /* a bit for each triangle of the scene, set if it may have holes */
-    bool (*opaque)(const void *user, uint32_t tri, float u, float v, bool shadow);
+    const uint32_t *bits; /* a bit for each triangle of the scene, set if it may let a ray pass */
+    bool (*opaque)(const void *user, uint32_t tri, float u, float v); /* to camera rays */
+    /* Whether a hit stops a shadow ray along dir (world space, any length). If not, loss is set to what the
+     * ray loses of R, G, B; t of the hit is unused. */
+    bool (*stops)(const void *user, const struct lc_hit *hit, const float dir[3], uint64_t loss[3]);
     const void *user;
 } lc_alpha;
+
+/* A loss is -ln of a transmittance in fixed point: integer sums do not depend on the order in which a ray
+ * meets surfaces. Unit: 2^-32. Sums stay at LC_LOSS_ALL, which is a transmittance of 0. */
+#define LC_LOSS_UNIT 0x1p-32
+#define LC_LOSS_ALL ((uint64_t)1 << 62)
+
+static inline uint64_t lc_loss_sum(uint64_t a, uint64_t b)
+{
+    return a + b < LC_LOSS_ALL ? a + b : LC_LOSS_ALL; /* both are at most 2^62 */
+}
 
 struct lc_placed;
 
@@ -47,7 +62,7 @@ typedef struct lc_bvh_data {
     const lc_tri_block *blocks;
     uint32_t n_nodes, n_blocks;
     uint32_t first_tri;             /* the scene's id of the BVH's triangle 0 */
-    const lc_alpha *alpha;          /* NULL: all triangles are opaque */
+    const lc_alpha *alpha;          /* NULL: all triangles stop all rays */
     const struct lc_placed *placed; /* the instances, for the world's BVH; or NULL */
 } lc_bvh_data;
 
@@ -95,13 +110,17 @@ typedef struct lc_trace_kernels {
     /* The nearest hit with 0 < t <= t_max. Among equal t: a triangle of the world first, then the lowest
      * instance, then the lowest triangle id. */
     void (*closest)(const lc_bvh_data *bvh, const float org[3], const float dir[3], float t_max, lc_hit *hit);
-    /* Shadow rays: hidden[i] = 1 if a triangle occludes target i, else 0. The ray is org + t (target i - org)
-     * for t in (LC_SHADOW_EPS, 1 - LC_SHADOW_EPS), or if `far` is set, and targets are directions, org + t
-     * target for t > 0. target: arrays of x, y, z. block may be NULL; for occluded targets block[i] is the
-     * block of an occluding triangle, or LC_NONE if that belongs to an instance. All instruction sets give
-     * the same results. */
+    /* Shadow rays: hidden[i] = 1 if a triangle occludes target i, else 0; glass does not. The ray is org + t
+     * (target i - org) for t in (LC_SHADOW_EPS, 1 - LC_SHADOW_EPS), or if `far` is set, and targets are
+     * directions, org + t target for t > 0. target: arrays of x, y, z. block may be NULL; for occluded
+     * targets block[i] is the block of an occluding triangle, or LC_NONE if that belongs to an instance. All
+     * instruction sets give the same results. */
     void (*hidden)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
                    bool far, uint8_t *hidden, uint32_t *block);
+    /* The same. loss[i] is also set: to the sum over the glass that the ray to target i crosses; if that is
+     * occluded, to some value. */
+    void (*dimmed)(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
+                   bool far, uint8_t *hidden, uint32_t *block, uint64_t (*loss)[3]);
 } lc_trace_kernels;
 
 #endif

@@ -115,6 +115,27 @@ static inline uint32_t edges(const lc_tri_block *b, uint32_t at, const ray *r, v
     return (pos | neg) & ~vb_eq(e[0] + e[1] + e[2], zero);
 }
 
+/* Whether a hit counts where the ray meets a triangle's edge or vertex exactly, so that it crosses adjoining
+ * triangles once: by the rule of rasterizers, an edge belongs to the triangle on one side of it. Vertices as
+ * sheared by edges(), which the triangles at an edge have in common. */
+static __attribute__((noinline)) bool owns_edges(const vb x[3], const vb y[3], const vb e[3], uint32_t lane)
+{
+    _Alignas(32) float X[3][VB_LANES], Y[3][VB_LANES], E[3][VB_LANES];
+    for (int k = 0; k < 3; k++) {
+        vb_store(X[k], x[k]);
+        vb_store(Y[k], y[k]);
+        vb_store(E[k], e[k]);
+    }
+    const bool turned = E[0][lane] + E[1][lane] + E[2][lane] < 0;
+    for (int k = 0; k < 3; k++) { /* edge k is from vertex k + 1 to k + 2 */
+        int from = turned ? (k + 2) % 3 : (k + 1) % 3, to = turned ? (k + 1) % 3 : (k + 2) % 3;
+        if (E[k][lane] < 0 || E[k][lane] > 0) continue;
+        bool level = !(Y[to][lane] < Y[from][lane] || Y[to][lane] > Y[from][lane]);
+        if (!(level ? X[to][lane] < X[from][lane] : Y[to][lane] > Y[from][lane])) return false;
+    }
+    return true;
+}
+
 /* Distances to the triangles' planes, a.N / d.N with N from the edges. Woop's test interpolates e.z / det
  * instead, which may be off by 1e-4 of the farthest vertex's distance where a triangle is long and the ray
  * starts far away. */
@@ -158,9 +179,10 @@ static inline uint32_t test_tris(const lc_tri_block *b, const ray *r, float t_mi
     return met;
 }
 
-static inline bool is_opaque(const lc_alpha *alpha, uint32_t tri, float u, float v, bool shadow)
+/* Whether no ray passes the triangle anywhere. */
+static inline bool is_solid(const lc_alpha *alpha, uint32_t tri)
 {
-    return !(alpha->bits[tri / 32] >> tri % 32 & 1) || alpha->opaque(alpha->user, tri, u, v, shadow);
+    return !(alpha->bits[tri / 32] >> tri % 32 & 1);
 }
 
 /* Keeps the nearest of the lanes in `bits`. */
@@ -172,7 +194,8 @@ static inline void keep_nearest(const lc_bvh_data *bvh, const lc_tri_block *b, c
         uint32_t tri = bvh->first_tri + b->tri[i];
         if (!(h->t[i] < hit->t || (h->t[i] == hit->t && tri < hit->tri))) continue;
         const lc_hit got = { h->t[i], h->v[i] / h->det[i], h->w[i] / h->det[i], tri, LC_NONE };
-        if (!bvh->alpha || is_opaque(bvh->alpha, tri, got.u, got.v, false)) *hit = got;
+        const lc_alpha *alpha = bvh->alpha;
+        if (!alpha || is_solid(alpha, tri) || alpha->opaque(alpha->user, tri, got.u, got.v)) *hit = got;
     }
 }
 

@@ -11,7 +11,7 @@
 
 static bool may_be_one(const lc_occluders_desc *d, size_t tri)
 {
-    return !d->has_holes || !(d->has_holes[tri / 32] >> tri % 32 & 1);
+    return !d->may_pass || !(d->may_pass[tri / 32] >> tri % 32 & 1);
 }
 
 /* Four times the squared area as the bits of a float, which have the same order as its values. */

@@ -31,7 +31,7 @@ typedef struct lc_occluders_desc {
     const float *pos;          /* vertices * 3 */
     const uint32_t *index;     /* n_tris * 3 */
     size_t n_tris;             /* triangles 0 .. n_tris - 1 of the scene: those of the world */
-    const uint32_t *has_holes; /* a bit for each triangle, 32 a word, set if it may have holes; NULL: none */
+    const uint32_t *may_pass; /* a bit for each triangle, 32 a word, set if light may pass it; NULL: none */
 } lc_occluders_desc;
 
 /* LC_ERR_MEMORY. */

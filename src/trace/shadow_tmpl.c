@@ -24,7 +24,7 @@
 #define STREAM 64             /* rays */
 #define VOLUME_SLACK 0x1p-18f /* 64 u: E over M^2 max|d| */
 
-typedef struct {
+typedef struct rays {
     _Alignas(32) float d[3][STREAM], inv[3][STREAM], d_max[STREAM];
     /* Offset of an axis' near plane among the planes of stream_boxes; the far one is 8 later. */
     uint32_t near[3][STREAM];
@@ -32,6 +32,11 @@ typedef struct {
     const lc_bvh_data *bvh;
     uint32_t *by; /* for each ray: the block that occludes it */
     vb vorg[3], vt_min, vt_max;
+    uint64_t (*loss)[3];      /* of each ray, or NULL: not wanted */
+    /* In an object's space: the instance, the same rays in the world, and which of those each ray is. */
+    uint32_t instance;        /* LC_NONE: this is the world */
+    const struct rays *world;
+    const uint8_t *of;
 } rays;
 
 static const uint32_t bit_of[32] = {
@@ -172,7 +177,13 @@ static __attribute__((noinline)) uint32_t inside(const lc_tri_block *b, uint32_t
     return edges(b, at, &r, x, y, e);
 }
 
-/* Whether lanes `in`, counted from `at`, of a block that may have holes occlude ray i. */
+/* Adds a loss to that of ray i. */
+static inline void add_loss(const rays *r, uint32_t i, const uint64_t loss[3])
+{
+    for (int k = 0; k < 3; k++) r->loss[i][k] = lc_loss_sum(r->loss[i][k], loss[k]);
+}
+
+/* Whether lanes `in`, counted from `at`, of a block through which rays may pass occlude ray i. */
 static __attribute__((noinline)) bool solid(const lc_tri_block *b, uint32_t at, const rays *s, uint32_t i,
                                             uint32_t in)
 {
@@ -186,9 +197,18 @@ static __attribute__((noinline)) bool solid(const lc_tri_block *b, uint32_t at, 
     vb det = e[0] + e[1] + e[2];
     vb_store(u, e[1] / det);
     vb_store(v, e[2] / det);
+    const vb zero = vb_set(0);
+    const uint32_t on_edge = vb_eq(e[0], zero) | vb_eq(e[1], zero) | vb_eq(e[2], zero);
+    const rays *world = s->world ? s->world : s;
+    const uint32_t at_world = s->world ? s->of[i] : i;
+    const float dir[3] = { world->d[0][at_world], world->d[1][at_world], world->d[2][at_world] };
+    const lc_alpha *alpha = s->bvh->alpha;
     for (; in; in &= in - 1) {
         uint32_t k = (uint32_t)__builtin_ctz(in);
-        if (is_opaque(s->bvh->alpha, s->bvh->first_tri + b->tri[at + k], u[k], v[k], true)) return true;
+        const lc_hit hit = { 0, u[k], v[k], s->bvh->first_tri + b->tri[at + k], s->instance };
+        uint64_t loss[3];
+        if (is_solid(alpha, hit.tri) || alpha->stops(alpha->user, &hit, dir, loss)) return true;
+        if (world->loss && (!(on_edge >> k & 1) || owns_edges(x, y, e, k))) add_loss(world, at_world, loss);
     }
     return false;
 }
@@ -466,6 +486,10 @@ static __attribute__((noinline)) uint64_t stream_in(const lc_placed *p, uint32_t
     float org[3];
     rays o;
     o.by = by;
+    o.loss = NULL;
+    o.instance = instance;
+    o.world = r;
+    o.of = of;
     to_object(at, r->org, 1, org);
     o.vt_min = r->vt_min;
     o.vt_max = r->vt_max;
@@ -523,17 +547,22 @@ static __attribute__((noinline)) uint64_t stream_placed(const lc_placed *p, cons
     return all & ~alive;
 }
 
-static void hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
-                   bool far, uint8_t *hidden, uint32_t *block)
+static void dimmed(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
+                   bool far, uint8_t *hidden, uint32_t *block, uint64_t (*loss)[3])
 {
     uint32_t by[STREAM];
     rays r;
     lones ls;
     r.by = by;
+    r.instance = LC_NONE;
+    r.world = NULL;
+    r.of = NULL;
+    for (uint32_t i = 0; i < n && loss; i++) loss[i][0] = loss[i][1] = loss[i][2] = 0;
     lones_init(&ls);
     for (uint32_t first = 0; first < n; first += STREAM) {
         uint32_t m = n - first < STREAM ? n - first : STREAM;
         const float *const t[3] = { target[0] + first, target[1] + first, target[2] + first };
+        r.loss = loss ? loss + first : NULL;
         rays_init(&r, bvh, org, m, t, far);
         uint64_t stopped = bvh->alpha ? stream_holes(bvh, &r, m, &ls) : stream(bvh, &r, m, &ls, false);
         for (uint32_t i = 0; i < m && block; i++) block[first + i] = stopped >> i & 1 ? by[i] : LC_NONE;
@@ -546,6 +575,12 @@ static void hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n, const
         }
         for (; i < m; i++) hidden[first + i] = stopped >> i & 1;
     }
+}
+
+static void hidden(const lc_bvh_data *bvh, const float org[3], uint32_t n, const float *const target[3],
+                   bool far, uint8_t *hidden, uint32_t *block)
+{
+    dimmed(bvh, org, n, target, far, hidden, block, NULL);
 }
 
 #undef STREAM

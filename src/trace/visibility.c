@@ -1,6 +1,7 @@
 /* visibility.c - the visibility interface on top of the BVH. */
 #include "trace/visibility.h"
 
+#include "base/fmath.h"
 #include "base/vec4.h"
 #include "trace/bvh.h"
 
@@ -9,6 +10,31 @@ static void hidden_by_bvh(const void *scene, const float org[3], uint32_t n, con
 {
     const lc_bvh *bvh = scene;
     bvh->kernels->hidden(&bvh->data, org, n, target, far, hidden, blocker);
+}
+
+#define BATCH 64 /* rays whose losses are on the stack */
+
+static float through_of(uint64_t loss)
+{
+    return loss < LC_LOSS_ALL ? (float)lc_exp_neg(-(double)loss * LC_LOSS_UNIT) : 0;
+}
+
+static void dimmed_by_bvh(const void *scene, const float org[3], uint32_t n, const float *const target[3],
+                          bool far, uint8_t *hidden, uint32_t *blocker, float *const through[3])
+{
+    const lc_bvh *bvh = scene;
+    uint64_t loss[BATCH][3];
+    for (uint32_t first = 0, m; first < n; first += m) {
+        const float *const to[3] = { target[0] + first, target[1] + first, target[2] + first };
+        m = n - first < BATCH ? n - first : BATCH;
+        bvh->kernels->dimmed(&bvh->data, org, m, to, far, hidden + first, blocker ? blocker + first : NULL,
+                             loss);
+        for (uint32_t i = 0; i < m; i++)
+            for (int k = 0; k < 3; k++)
+                through[k][first + i] = hidden[first + i] ? 0
+                                        : k && loss[i][k] == loss[i][k - 1] ? through[k - 1][first + i]
+                                                                            : through_of(loss[i][k]);
+    }
 }
 
 /* The triangle of a block through which a direction passes; LC_NONE if rounding leaves that open for all of
@@ -43,5 +69,9 @@ static uint32_t occluder_of(const void *scene, uint32_t blocker, const float org
 
 lc_visibility lc_bvh_visibility(const lc_bvh *bvh)
 {
-    return (lc_visibility){ hidden_by_bvh, bvh, occluder_of, bvh->occluders };
+    return (lc_visibility){ .hidden = hidden_by_bvh,
+                            .dimmed = bvh->has_glass ? dimmed_by_bvh : NULL,
+                            .scene = bvh,
+                            .occluder_of = occluder_of,
+                            .occluders = bvh->occluders };
 }

@@ -13,6 +13,10 @@ typedef struct lc_visibility {
      * for occluder_of, or to LC_NONE. Called from any thread. */
     void (*hidden)(const void *scene, const float org[3], uint32_t n, const float *const target[3], bool far,
                    uint8_t *hidden, uint32_t *blocker);
+    /* The same where glass dims shadow rays: also sets through[k][i], k = R, G, B, to the fraction of light
+     * that reaches org from target i, 0..1, 0 if it is occluded. NULL: nothing dims. */
+    void (*dimmed)(const void *scene, const float org[3], uint32_t n, const float *const target[3], bool far,
+                   uint8_t *hidden, uint32_t *blocker, float *const through[3]);
     const void *scene;
 
     /* For proofs that whole clusters are occluded (cut/occlusion_proof.h): the occluder that blocks the ray
