@@ -92,7 +92,7 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     if (st) return st;
     st = lc_job_init(&j, ctx, scene, desc);
     if (!st) st = probe_sample(&j, x, y, sample, p);
-    lc_job_free_workers(&j);
+    lc_job_free(&j);
     return st;
 }
 

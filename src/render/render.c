@@ -113,8 +113,13 @@ void lc_job_free_workers(lc_render_job *j)
         lc_cut_free(&j->workers[i].cut);
     }
     lc_free(j->ctx, j->workers, j->ctx->n_threads, sizeof *j->workers);
-    lc_free(j->ctx, j->share, 1, sizeof *j->share);
     j->workers = NULL;
+}
+
+void lc_job_free(lc_render_job *j)
+{
+    lc_job_free_workers(j);
+    lc_free(j->ctx, j->share, 1, sizeof *j->share);
     j->share = NULL;
 }
 
@@ -223,7 +228,7 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     j.mutex = st ? NULL : lc_mutex_create(ctx);
     st = j.mutex ? render_all(&j, crop, stats) : LC_ERR_MEMORY;
     lc_mutex_destroy(ctx, j.mutex);
-    lc_job_free_workers(&j);
+    lc_job_free(&j);
     if (st) lc_image_destroy(j.film.image);
     else *out = j.film.image;
     return st;

@@ -91,11 +91,12 @@ static inline uint64_t lc_job_key(const lc_render_job *j, uint64_t pixel, uint64
     return lc_hash4(j->desc->seed, pixel, sample, dimension);
 }
 
-/* Fails with LC_ERR_MEMORY; lc_job_free_workers frees what it makes, also after a failure. */
+/* Fails with LC_ERR_MEMORY; free it also after a failure. */
 lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc);
 /* Scratch for as many threads as the context has; free it also after a failure. */
 lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc);
 void lc_job_free_workers(lc_render_job *j);
+void lc_job_free(lc_render_job *j); /* with its workers */
 /* Whether a descriptor fits a scene; *crop: the pixels it asks for. */
 lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *d,
                           uint32_t crop[4]);
