@@ -15,7 +15,7 @@
 #include <string.h>
 
 #define MAX_GROUP  8   /* tiles a side */
-#define MIN_GROUPS 128 /* of a picture, where groups hold more than a tile: enough for all threads */
+#define MIN_GROUPS 64  /* of a picture, where groups hold more than a tile: enough for all threads */
 
 /* The pixels of the tiles to be rendered, and where they are kept. */
 typedef struct {
