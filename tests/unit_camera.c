@@ -149,13 +149,12 @@ static double true_filter(const lc_pixel_filter_desc *d, double r, double x)
 
 static double smooth(double x, double y) { return 1 + 0.5 * cos(1.3 * x + 0.2) * (y + 0.3) + 0.2 * x * y; }
 
-/* The weighted mean over samples is the integral of filter times function over that of the filter. */
+/* The mean over samples is the integral of filter times function over that of the filter. */
 TEST(filters)
 {
     const lc_pixel_filter_desc filters[] = {
         { LC_PIXEL_BOX, { 0.5, 0.7 }, { 0, 0 } },      { LC_PIXEL_TRIANGLE, { 2, 1 }, { 0, 0 } },
-        { LC_PIXEL_GAUSSIAN, { 1.5, 1.5 }, { 2, 0 } }, { LC_PIXEL_MITCHELL, { 2, 3 }, { 1.0 / 3, 1.0 / 3 } },
-        { LC_PIXEL_SINC, { 4, 4 }, { 3, 0 } },
+        { LC_PIXEL_GAUSSIAN, { 1.5, 1.5 }, { 2, 0 } }, { LC_PIXEL_MITCHELL, { 2, 3 }, { 1, 0 } },
     };
     for (size_t f = 0; f < sizeof filters / sizeof *filters; f++) {
         const lc_pixel_filter_desc *d = &filters[f];
@@ -165,10 +164,10 @@ TEST(filters)
         for (uint32_t i = 0; i < 1 << 18; i++) {
             double u[2], x[2];
             lc_sample_pair(5, i, u);
-            double w = lc_pixel_filter_sample(&table, u, x);
-            CHECK(fabs(w) >= 1 && fabs(w) <= 1 && fabs(x[0]) <= d->radius[0] && fabs(x[1]) <= d->radius[1]);
-            sum += w * smooth(x[0], x[1]);
-            weight += w;
+            lc_pixel_filter_sample(&table, u, x);
+            CHECK(fabs(x[0]) <= d->radius[0] && fabs(x[1]) <= d->radius[1]);
+            sum += smooth(x[0], x[1]);
+            weight++;
         }
         for (int i = 0; i < 512; i++)
             for (int j = 0; j < 512; j++) {
@@ -203,12 +202,10 @@ TEST(white_balance)
           !lc_pbrt_white_balance(1e9, m));
 }
 
-/* With few area lights: the picture below shows the emitter itself. */
 static lc_status load(const char *text)
 {
     lc_load_desc few = LC_LOAD_DESC_INIT;
     few.indirect_lights = LC_NO_LIGHTS;
-    few.area_lights = 16;
     return load_text(&few, "%s", text);
 }
 
@@ -257,39 +254,6 @@ TEST(scene_files)
     CHECK(load("Film \"rgb\" \"string sensor\" \"canon_eos_100d\" " REST) == LC_OK && scene->n_notes == 1);
 }
 
-/* A wall of constant radiance, whose edge is in the middle of the picture: away from the edge every filter,
- * with negative lobes or without, leaves pixels as they are, and the mean over the edge is right. */
-TEST(pictures)
-{
-    static const char *const filters[] = { "box", "triangle", "gaussian", "mitchell", "sinc" };
-    for (int f = 0; f < 5; f++) {
-        char text[600];
-        lc_image *image;
-        lc_render_desc d = LC_RENDER_DESC_INIT;
-        snprintf(text, sizeof text,
-                 "PixelFilter \"%s\" Film \"image\" \"integer xresolution\" 32 \"integer yresolution\" 32 "
-                 "Camera \"orthographic\" WorldBegin "
-                 "AreaLightSource \"diffuse\" \"rgb L\" [2 2 2] Shape \"trianglemesh\" \"integer indices\" "
-                 "[0 1 2 0 2 3] "
-                 "\"point P\" [-9 -9 5  -9 9 5  0 9 5  0 -9 5] ReverseOrientation",
-                 filters[f]);
-        CHECK(load(text) == LC_OK);
-        d.spp = 64;
-        CHECK(lc_render(ctx, scene, &d, &image, NULL) == LC_OK);
-        const float *red = lc_image_channel(image, "R");
-        double sum = 0;
-        for (int y = 0; y < 32; y++)
-            for (int x = 0; x < 32; x++) {
-                double v = (double)red[32 * y + x];
-                sum += v / 1024;
-                if (x < 12) CHECKF(fabs(v - 2) < 1e-6, "%s: %g", filters[f], v);
-                if (x > 19) CHECKF(fabs(v) < 1e-6, "%s: %g", filters[f], v);
-            }
-        CHECKF(fabs(sum - 1) < 0.01, "%s: mean %g", filters[f], sum);
-        lc_image_destroy(image);
-    }
-}
-
 int main(void)
 {
     ctx = quiet_context(1);
@@ -301,7 +265,6 @@ int main(void)
     RUN(filters);
     RUN(white_balance);
     RUN(scene_files);
-    RUN(pictures);
     one_scene_end();
     temp_end();
     return test_done();

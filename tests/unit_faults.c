@@ -213,7 +213,7 @@ static void make_new(void)
     file_text(
         "new.pbrt",
         "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [50] \"float lensradius\" [0.05]\n"
-        "PixelFilter \"gaussian\" \"float xradius\" [1.2] \"float yradius\" [1.2]\n"
+        "PixelFilter \"mitchell\" \"float xradius\" [1.2] \"float yradius\" [1.2]\n"
         "Film \"rgb\" \"integer xresolution\" [7] \"integer yresolution\" [5]\nSampler \"zsobol\" \"integer "
         "pixelsamples\" [1]\n"
         "Integrator \"path\" \"integer maxdepth\" [3]\nWorldBegin\n"

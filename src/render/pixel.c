@@ -116,13 +116,12 @@ void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight 
     }
 }
 
-static void add_sample(const lc_render_job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir, float weight,
+static void add_sample(const lc_render_job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir,
                        const lc_cut_result *r)
 {
     const lc_surface *s = &sight->first;
     const double *axis = j->scene->camera.axis;
     float cos_axis = (float)(axis[0] * (double)dir.x + axis[1] * (double)dir.y + axis[2] * (double)dir.z);
-    px->rgb = lc_f3_add(px->rgb, lc_f3_scale(lc_f3_add(r->radiance, sight->emission), weight));
     px->n = lc_f3_add(px->n, s->n);
     px->p = lc_f3_add(px->p, s->pos);
     px->albedo = lc_f3_add(px->albedo, lc_f3_add(s->material.kd, s->material.ks));
@@ -133,20 +132,23 @@ static void add_sample(const lc_render_job *j, lc_pixel *px, const lc_sight *sig
     px->hits++;
 }
 
-/* Camera ray of sample i of a pixel; returns its weight. One sample is of the pixel's centre and the lens's.
- */
-float lc_sample_ray(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir)
+/* Camera ray of sample i of a pixel. One sample is of the pixel's centre and the lens's. Pixels left of the
+ * film and above it, whose samples pixels of the film may share, have coordinates modulo 2^32. */
+void lc_sample_ray(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir)
 {
     uint64_t pixel = pixel_of(j, x, y);
-    double u[2], offset[2] = { 0, 0 }, lens[2] = { 0.5, 0.5 }, weight = 1;
+    double u[2], offset[2] = { 0, 0 }, lens[2] = { 0.5, 0.5 };
+    if (j->share) lc_filter_share_offset(j->share, i, offset);
     if (j->spp > 1) {
-        lc_sample_pair(lc_job_key(j, pixel, 0, LC_DIM_FILM), i, u);
-        weight = lc_pixel_filter_sample(&j->scene->filter, u, offset);
+        if (!j->share) {
+            lc_sample_pair(lc_job_key(j, pixel, 0, LC_DIM_FILM), i, u);
+            lc_pixel_filter_sample(&j->scene->filter, u, offset);
+        }
         uint64_t h = lc_job_key(j, pixel, 0, LC_DIM_LENS);
         lc_sample_pair(h, i ^ (uint32_t)(lc_mix(h) & j->lens_order), lens);
     }
-    lc_camera_ray(&j->scene->camera, x + 0.5 + offset[0], y + 0.5 + offset[1], lens, org, dir);
-    return (float)weight;
+    lc_camera_ray(&j->scene->camera, (int32_t)x + 0.5 + offset[0], (int32_t)y + 0.5 + offset[1], lens, org,
+                  dir);
 }
 
 /* Reading the clock for every sample would cost some percent where a pixel takes half a microsecond. */
@@ -158,36 +160,44 @@ static bool time_to_ask(lc_render_worker *w)
     return true;
 }
 
+bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_pixel *px,
+                      lc_f3 *rgb)
+{
+    lc_f3 org, dir;
+    lc_sight s;
+    lc_cut_result r;
+    if (time_to_ask(w) && !lc_job_go_on(j)) return false;
+    lc_phase_start(&w->stats);
+    lc_sample_ray(j, x, y, i, &org, &dir);
+    w->stats.camera_rays++;
+    lc_phase_end(&w->stats, LC_PHASE_OTHER);
+    bool hit = lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s);
+    lc_phase_end(&w->stats, LC_PHASE_CAMERA);
+    if (!hit) {
+        *rgb = lc_background(j->scene, dir);
+        lc_phase_stop(&w->stats);
+        return true;
+    }
+    w->stats.camera_rays += s.n_rays;
+    lc_shade_sight(j, w, &s, j->exact ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i),
+                   lc_slot_hash(j, x, y, i), &r);
+    *rgb = lc_f3_add(r.radiance, s.emission);
+    add_sample(j, px, &s, dir, &r);
+    lc_phase_end(&w->stats, LC_PHASE_OTHER);
+    lc_phase_stop(&w->stats);
+    /* The exact method may have stopped halfway. */
+    return !atomic_load_explicit(&j->cancelled, memory_order_relaxed);
+}
+
 /* False: cancelled, nothing stored. */
 bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y)
 {
-    lc_pixel px = { .hits = 0 };
+    lc_pixel px = { .weight = (float)j->spp };
     for (uint32_t i = 0; i < j->spp; i++) {
-        if (time_to_ask(w) && !lc_job_go_on(j)) return false;
-        lc_f3 org, dir;
-        lc_sight s;
-        lc_cut_result r;
-        lc_phase_start(&w->stats);
-        float weight = lc_sample_ray(j, x, y, i, &org, &dir);
-        px.weight += weight;
-        w->stats.camera_rays++;
-        lc_phase_end(&w->stats, LC_PHASE_OTHER);
-        bool hit = lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s);
-        lc_phase_end(&w->stats, LC_PHASE_CAMERA);
-        if (!hit) {
-            px.rgb = lc_f3_add(px.rgb, lc_f3_scale(lc_background(j->scene, dir), weight));
-            lc_phase_stop(&w->stats);
-            continue;
-        }
-        w->stats.camera_rays += s.n_rays;
-        lc_shade_sight(j, w, &s, j->exact ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i),
-                       lc_slot_hash(j, x, y, i), &r);
-        add_sample(j, &px, &s, dir, weight, &r);
-        lc_phase_end(&w->stats, LC_PHASE_OTHER);
-        lc_phase_stop(&w->stats);
+        lc_f3 rgb;
+        if (!lc_render_sample(j, w, x, y, i, &px, &rgb)) return false;
+        px.rgb = lc_f3_add(px.rgb, rgb);
     }
-    /* The exact method may have stopped halfway. */
-    if (atomic_load_explicit(&j->cancelled, memory_order_relaxed)) return false;
     if (!lc_film_store(&j->film, x, y, &px)) w->stats.nonfinite++;
     return true;
 }

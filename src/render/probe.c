@@ -40,49 +40,60 @@ static void shade_others(const lc_render_job *j, lc_probe *p, lc_guide *g, uint6
     }
 }
 
+/* Makes the cut again, with all before it that it begins with. */
+static lc_status probe_lit(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample, lc_probe *p)
+{
+    const lc_lit *lit = &p->sight.lit[0];
+    lc_stats stats = { 0 };
+    lc_guide *g = lc_alloc(j->ctx, 1, sizeof *g);
+    if (!g) return LC_ERR_MEMORY;
+    uint64_t hash = lc_slot_hash(j, x, y, sample);
+    lc_guide_of(j, &p->cut, g, x, y, sample);
+    bool is_guide = !g->made;
+    if (is_guide) lc_guide_make(j, &p->cut, g);
+    shade_others(j, p, g, hash);
+    g->made = false;
+    /* again: its splits are kept for the cut that begins with it. */
+    if (!is_guide) lc_guide_make(j, &p->cut, g);
+    lc_lit_point(j->scene, lit, hash, p->point);
+    lc_guided_cut(&p->cut, g, p->point, &lit->surface, hash, &stats, &p->by_cut);
+    lc_free(j->ctx, g, 1, sizeof *g);
+    return LC_OK;
+}
+
+static lc_status probe_sample(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample, lc_probe *p)
+{
+    const lc_scene *scene = j->scene;
+    lc_cut_desc cut;
+    lc_f3 org, dir;
+    if (x >= scene->film.width || y >= scene->film.height)
+        return lc_fail(j->ctx, LC_ERR_ARG, "pixel %u,%u is outside the film of %u x %u", x, y,
+                       scene->film.width, scene->film.height);
+    if (sample >= j->spp)
+        return lc_fail(j->ctx, LC_ERR_ARG, "sample %u: a pixel has %u, counted from 0", sample, j->spp);
+    lc_status st = probe_desc(j, p, &cut);
+    if (!st) st = lc_cut_init(&p->cut, j->ctx, scene->tree, &scene->visibility, &cut, true);
+    if (st) return st;
+    lc_sample_ray(j, x, y, sample, &org, &dir);
+    p->hit = lc_sight_trace(scene, org, dir, j->pixel, j->max_depth, &p->sight);
+    if (!p->hit) return LC_OK;
+    if (p->sight.n_lit) return probe_lit(j, x, y, sample, p);
+    p->sight.lit[0] = (lc_lit){ .surface = p->sight.first, .view = lc_f3_neg(dir), .weight = { 1, 1, 1 } };
+    return LC_OK;
+}
+
 lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x,
                           uint32_t y, uint32_t sample, lc_probe *p)
 {
     lc_render_job j;
-    lc_cut_desc cut;
-    lc_f3 org, dir;
     uint32_t crop[4];
-    lc_stats stats = { 0 };
     *p = (lc_probe){ .hit = false };
     lc_status st = lc_render_check(ctx, scene, desc, crop);
     if (st) return st;
-    lc_job_init(&j, ctx, scene, desc);
-    if (x >= scene->film.width || y >= scene->film.height)
-        return lc_fail(ctx, LC_ERR_ARG, "pixel %u,%u is outside the film of %u x %u", x, y, scene->film.width,
-                       scene->film.height);
-    if (sample >= j.spp)
-        return lc_fail(ctx, LC_ERR_ARG, "sample %u: a pixel has %u, counted from 0", sample, j.spp);
-    st = probe_desc(&j, p, &cut);
-    if (!st) st = lc_cut_init(&p->cut, ctx, scene->tree, &scene->visibility, &cut, true);
-    if (st) return st;
-    lc_sample_ray(&j, x, y, sample, &org, &dir);
-    p->hit = lc_sight_trace(scene, org, dir, j.pixel, j.max_depth, &p->sight);
-    if (!p->hit) return LC_OK;
-    const lc_lit *lit = &p->sight.lit[0];
-    if (!p->sight.n_lit) {
-        p->sight.lit[0] =
-            (lc_lit){ .surface = p->sight.first, .view = lc_f3_neg(dir), .weight = { 1, 1, 1 } };
-        return LC_OK;
-    }
-    lc_guide *g = lc_alloc(ctx, 1, sizeof *g);
-    if (!g) return LC_ERR_MEMORY;
-    uint64_t hash = lc_slot_hash(&j, x, y, sample);
-    lc_guide_of(&j, &p->cut, g, x, y, sample);
-    bool is_guide = !g->made;
-    if (is_guide) lc_guide_make(&j, &p->cut, g);
-    shade_others(&j, p, g, hash);
-    g->made = false;
-    /* again: its splits are kept for the cut that begins with it. */
-    if (!is_guide) lc_guide_make(&j, &p->cut, g);
-    lc_lit_point(scene, lit, hash, p->point);
-    lc_guided_cut(&p->cut, g, p->point, &lit->surface, hash, &stats, &p->by_cut);
-    lc_free(ctx, g, 1, sizeof *g);
-    return LC_OK;
+    st = lc_job_init(&j, ctx, scene, desc);
+    if (!st) st = probe_sample(&j, x, y, sample, p);
+    lc_job_free(&j);
+    return st;
 }
 
 void lc_probe_free(lc_probe *p)

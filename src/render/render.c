@@ -30,13 +30,27 @@ bool lc_job_go_on(void *user)
 
 static uint32_t min_u(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
-/* Takes the tile from who has it already. */
-static bool load_tile(lc_render_job *j, lc_render_worker *w, lc_tile *t)
+lc_tile lc_tile_at(const lc_render_job *j, const lc_render_worker *w, uint32_t index)
+{
+    const uint32_t *c = j->film.crop;
+    const uint32_t x0 = c[0] + index % j->tiles_x * LC_TILE, y0 = c[2] + index / j->tiles_x * LC_TILE;
+    return (lc_tile){ .index = index,
+                      .x0 = x0,
+                      .x1 = min_u(x0 + LC_TILE, c[1]),
+                      .y0 = y0,
+                      .y1 = min_u(y0 + LC_TILE, c[3]),
+                      .n_planes = j->n_planes,
+                      .pixels = w->tile };
+}
+
+bool lc_tile_take(lc_render_job *j, lc_render_worker *w, lc_tile *t)
 {
     if (!j->desc->tile_load || !j->desc->tile_load(j->desc->tile_user, t)) return false;
     lc_film_set_tile(&j->film, t);
     lc_tile_add_counts(&w->stats, &t->counts);
-    atomic_fetch_add(&j->loaded, (uint64_t)(t->x1 - t->x0) * (t->y1 - t->y0));
+    const uint64_t pixels = (uint64_t)(t->x1 - t->x0) * (t->y1 - t->y0);
+    atomic_fetch_add(&j->loaded, pixels);
+    atomic_fetch_add(&j->done, pixels);
     uint64_t old = atomic_load(&j->loaded_max);
     while (t->counts.cut_max > old &&
            !atomic_compare_exchange_weak(&j->loaded_max, &old, t->counts.cut_max)) {}
@@ -59,49 +73,54 @@ static bool render_block(lc_render_job *j, lc_render_worker *w, const lc_tile *t
     return true;
 }
 
+void lc_tile_give(const lc_render_job *j, const lc_render_worker *w, const lc_stats *before, lc_tile *t)
+{
+    if (!j->desc->tile_done) return;
+    lc_film_get_tile(&j->film, t);
+    lc_tile_counts_between(before, &w->stats, w->cut_max, &t->counts);
+    j->desc->tile_done(j->desc->tile_user, t);
+}
+
 static void render_tile(void *user, uint32_t thread, uint64_t item)
 {
     lc_render_job *j = user;
     lc_render_worker *w = &j->workers[thread];
-    const uint32_t *c = j->film.crop;
     if (!lc_job_go_on(j)) return;
     const double cpu = lc_thread_cpu();
-    uint32_t x0 = c[0] + (uint32_t)(item % j->tiles_x) * LC_TILE,
-             y0 = c[2] + (uint32_t)(item / j->tiles_x) * LC_TILE;
-    lc_tile t = { .index = (uint32_t)item,
-                  .x0 = x0,
-                  .x1 = min_u(x0 + LC_TILE, c[1]),
-                  .y0 = y0,
-                  .y1 = min_u(y0 + LC_TILE, c[3]),
-                  .n_planes = j->n_planes,
-                  .pixels = w->tile };
-    uint64_t width = t.x1 - x0;
-    if (load_tile(j, w, &t)) {
-        atomic_fetch_add(&j->done, width * (t.y1 - y0));
-        return;
-    }
+    lc_tile t = lc_tile_at(j, w, (uint32_t)item);
+    if (lc_tile_take(j, w, &t)) return;
     lc_stats before = w->stats;
     w->cut_max = 0;
-    for (uint32_t y = y0; y < t.y1; y += LC_PIXEL_BLOCK - y % LC_PIXEL_BLOCK)
-        for (uint32_t x = x0; x < t.x1; x += LC_PIXEL_BLOCK - x % LC_PIXEL_BLOCK)
+    for (uint32_t y = t.y0; y < t.y1; y += LC_PIXEL_BLOCK - y % LC_PIXEL_BLOCK)
+        for (uint32_t x = t.x0; x < t.x1; x += LC_PIXEL_BLOCK - x % LC_PIXEL_BLOCK)
             if (!render_block(j, w, &t, x, y)) return;
     w->stats.cpu_seconds += lc_thread_cpu() - cpu;
-    if (!j->desc->tile_done) return;
-    lc_film_get_tile(&j->film, &t);
-    lc_tile_counts_between(&before, &w->stats, w->cut_max, &t.counts);
-    j->desc->tile_done(j->desc->tile_user, &t);
+    lc_tile_give(j, w, &before, &t);
+}
+
+static size_t n_shared(const lc_render_job *j)
+{
+    return (size_t)j->group * j->group * LC_TILE * LC_TILE;
 }
 
 void lc_job_free_workers(lc_render_job *j)
 {
     for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) {
         if (!j->workers[i].cut.ctx) continue;
+        lc_free(j->ctx, j->workers[i].shared, n_shared(j), sizeof *j->workers[i].shared);
         lc_free(j->ctx, j->workers[i].tile, (size_t)LC_N_PLANES * LC_TILE * LC_TILE, sizeof(float));
         lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.max_size + 2, sizeof(uint64_t));
         lc_cut_free(&j->workers[i].cut);
     }
     lc_free(j->ctx, j->workers, j->ctx->n_threads, sizeof *j->workers);
     j->workers = NULL;
+}
+
+void lc_job_free(lc_render_job *j)
+{
+    lc_job_free_workers(j);
+    lc_free(j->ctx, j->share, 1, sizeof *j->share);
+    j->share = NULL;
 }
 
 lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
@@ -119,6 +138,7 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
         bool tiles = j->desc->tile_load || j->desc->tile_done;
         if (tiles && !(w->tile = lc_alloc(j->ctx, (size_t)LC_N_PLANES * LC_TILE * LC_TILE, sizeof(float))))
             return LC_ERR_MEMORY;
+        if (j->share && !(w->shared = lc_alloc(j->ctx, n_shared(j), sizeof *w->shared))) return LC_ERR_MEMORY;
     }
     return LC_OK;
 }
@@ -153,13 +173,15 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     if (st) return st;
     lc_cut_desc cut = lc_job_cut_desc(j, stats);
     if (j->exact) cut.max_cut = 1; /* no cuts are made */
+    j->tiles_x = (crop[1] - crop[0] + LC_TILE - 1) / LC_TILE;
+    j->tiles_y = (crop[3] - crop[2] + LC_TILE - 1) / LC_TILE;
+    lc_choose_group(j);
     st = lc_job_make_workers(j, &cut);
     if (!st) st = lc_film_init(&j->film, j->ctx, crop, f, j->desc->aovs);
     if (st) return st;
-    j->tiles_x = (crop[1] - crop[0] + LC_TILE - 1) / LC_TILE;
-    j->tiles_y = (crop[3] - crop[2] + LC_TILE - 1) / LC_TILE;
     j->n_planes = lc_image_n_channels(j->film.image);
-    lc_parallel(j->ctx, (uint64_t)j->tiles_x * j->tiles_y, render_tile, j);
+    if (j->share) lc_parallel(j->ctx, lc_n_groups(j), lc_render_group, j);
+    else lc_parallel(j->ctx, (uint64_t)j->tiles_x * j->tiles_y, render_tile, j);
     if (atomic_load(&j->cancelled)) return LC_ERR_CANCELLED;
     if (j->desc->progress && j->desc->progress(j->desc->progress_user, j->total, j->total))
         return LC_ERR_CANCELLED;
@@ -170,15 +192,22 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     return lc_job_set_attributes(j);
 }
 
-void lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc)
+lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc)
 {
     *j = (lc_render_job){
         .ctx = ctx, .scene = scene, .desc = desc, .spp = desc->spp ? desc->spp : scene->film.spp
     };
+    if (scene->filter.shared) {
+        j->share = lc_alloc(ctx, 1, sizeof *j->share);
+        if (!j->share) return LC_ERR_MEMORY;
+        lc_filter_share_init(j->share, &scene->film.filter, j->spp);
+        j->spp = j->share->n;
+    }
     j->max_depth = min_u(desc->max_depth ? desc->max_depth : scene->max_depth, LC_MAX_DEPTH);
     /* samples share a pixel; as in pbrt, one sees no less than an eighth of it */
     while (j->lens_order * 2 + 1 < j->spp) j->lens_order = j->lens_order * 2 + 1;
     j->pixel = scene->camera.pixel * fmax(0.125, 1 / sqrt((double)j->spp));
+    return LC_OK;
 }
 
 lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, lc_image **out,
@@ -194,12 +223,12 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     if (!stats) stats = &own;
     *stats = (lc_render_stats){ 0 };
     lc_render_job j;
-    lc_job_init(&j, ctx, scene, desc);
+    st = lc_job_init(&j, ctx, scene, desc);
     j.total = (uint64_t)(crop[1] - crop[0]) * (crop[3] - crop[2]);
-    j.mutex = lc_mutex_create(ctx);
+    j.mutex = st ? NULL : lc_mutex_create(ctx);
     st = j.mutex ? render_all(&j, crop, stats) : LC_ERR_MEMORY;
     lc_mutex_destroy(ctx, j.mutex);
-    lc_job_free_workers(&j);
+    lc_job_free(&j);
     if (st) lc_image_destroy(j.film.image);
     else *out = j.film.image;
     return st;

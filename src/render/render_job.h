@@ -3,6 +3,7 @@
  *     method.c   pre-pass for the dark floor; cuts or every light
  *     guide.c    the cut that a block's cuts begin with
  *     pixel.c    camera rays, shading points, their cuts, the pixel
+ *     share.c    pixels whose samples neighbours share
  *     render.c   tiles over threads, the film
  *     render_stats.c   counts of all threads; the attributes of the picture
  *     probe.c    one sample on its own, its cut kept
@@ -17,6 +18,7 @@
 #include "base/sample.h"
 #include "cut/cut.h"
 #include "render/film.h"
+#include "scene/filter_share.h"
 #include "scene/sight.h"
 
 #include <stdatomic.h>
@@ -38,6 +40,12 @@ typedef struct lc_guide {
     lc_cut_start start;
 } lc_guide;
 
+/* A pixel while samples are added to it, its own to the planes and those in reach to rgb. */
+typedef struct lc_shared_pixel {
+    lc_pixel px;
+    double rgb[3]; /* samples times weights that add up to 1 */
+} lc_shared_pixel;
+
 /* What a thread has for itself. */
 typedef struct lc_render_worker {
     lc_cut cut;
@@ -47,6 +55,7 @@ typedef struct lc_render_worker {
     uint64_t cut_max;   /* of the tile */
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
+    lc_shared_pixel *shared; /* of a group of tiles; NULL: no samples are shared */
 } lc_render_worker;
 
 typedef struct lc_render_job {
@@ -65,6 +74,8 @@ typedef struct lc_render_job {
     atomic_bool cancelled;
     double *prepass; /* luminance by grid cell */
     bool exact;      /* every light at every point */
+    lc_filter_share *share; /* where samples are shared; NULL: each pixel has its own */
+    uint32_t group;         /* tiles a side whose samples are shared */
     double pixel;    /* textures are filtered over: a length at distance 1 */
     uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the
                             film */
@@ -80,10 +91,12 @@ static inline uint64_t lc_job_key(const lc_render_job *j, uint64_t pixel, uint64
     return lc_hash4(j->desc->seed, pixel, sample, dimension);
 }
 
-void lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc);
+/* Fails with LC_ERR_MEMORY; free it also after a failure. */
+lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc);
 /* Scratch for as many threads as the context has; free it also after a failure. */
 lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc);
 void lc_job_free_workers(lc_render_job *j);
+void lc_job_free(lc_render_job *j); /* with its workers */
 /* Whether a descriptor fits a scene; *crop: the pixels it asks for. */
 lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *d,
                           uint32_t crop[4]);
@@ -114,14 +127,34 @@ void lc_guided_cut(lc_cut *c, lc_guide *g, const lc_point *p, const lc_surface *
 void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_point p[2]);
 /* Chooses a sample's slot of representatives. */
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
-/* Camera ray of sample i of a pixel; returns its weight. */
-float lc_sample_ray(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir);
+/* Camera ray of sample i of a pixel, which may be beyond the film: coordinates are modulo 2^32. */
+void lc_sample_ray(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir);
 /* Radiance of all that is seen, as it reaches the camera. The first surface makes the guide where that is not
  * made yet. */
 void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight *sight, lc_guide *g,
                     uint64_t hash, lc_cut_result *sum);
+/* Radiance of sample i of a pixel; px: all but rgb is added to. False: cancelled, or stopped halfway. */
+bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_pixel *px,
+                      lc_f3 *rgb);
 /* False: cancelled, nothing stored. */
 bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y);
+
+/* ---- share.c ---- */
+
+/* Sets the side of the groups; call it when the numbers of tiles are known. */
+void lc_choose_group(lc_render_job *j);
+uint64_t lc_n_groups(const lc_render_job *j);
+/* Renders a group of tiles, for lc_parallel. */
+void lc_render_group(void *job, uint32_t thread, uint64_t item);
+
+/* ---- render.c ---- */
+
+/* A tile by its number, with the worker's room for its pixels. */
+lc_tile lc_tile_at(const lc_render_job *j, const lc_render_worker *w, uint32_t index);
+/* Takes the tile from who has it already; false: nobody has. */
+bool lc_tile_take(lc_render_job *j, lc_render_worker *w, lc_tile *t);
+/* Hands out a tile that the film holds; before: the worker's statistics before it. */
+void lc_tile_give(const lc_render_job *j, const lc_render_worker *w, const lc_stats *before, lc_tile *t);
 
 /* ---- render_stats.c ---- */
 

@@ -1,4 +1,4 @@
-/* pixel_filter.c - the filters' values, tabulated as cumulative distributions and sampled by inversion. */
+/* pixel_filter.c - the filters' values and integrals; cumulative distributions, sampled by inversion. */
 #include "scene/pixel_filter.h"
 
 #include "base/fmath.h"
@@ -7,7 +7,14 @@
 #include <math.h>
 
 #define MAX_SHAPE 1e3 /* limits |shape|; pbrt's defaults are at most 3 */
-#define MAX_SUM 1e6   /* limits the sum of |f| over the cells of an axis */
+#define MAX_SUM   1e6 /* limits the sum of |f| over the cells of an axis */
+#define MIN_INTEGRAL                                                                                         \
+    1e-3 /* limits the integral of f over that of |f|: pixels would be a small difference of large numbers   \
+          */
+#define MAX_OWN_DEVIATION                                                                                    \
+    0.5 /* pixels: the standard deviation of pbrt-v4's default, up to which a pixel has its samples alone */
+#define FEATURE_STEPS 64 /* of the midpoint rule within the smallest feature of a filter */
+#define MIN_STEPS     4  /* of the midpoint rule */
 
 /* [Mitchell88] eq. 8, nonzero for -2 < x < 2. */
 static double mitchell(double x, double b, double c)
@@ -42,34 +49,57 @@ static double value(const lc_pixel_filter_desc *d, double radius, double x)
     return 1;
 }
 
-static bool init_axis(lc_pixel_filter_axis *a, const lc_pixel_filter_desc *d, double radius)
+/* Length in pixels within which f changes by its own size. */
+static double feature(const lc_pixel_filter_desc *d, double radius)
 {
-    double sum = 0;
-    a->radius = radius;
+    if (d->kind == LC_PIXEL_GAUSSIAN) return fmin(radius, 1 / sqrt(d->shape[0]));
+    if (d->kind == LC_PIXEL_SINC) return fmin(radius, fmin(1, d->shape[0]));
+    return radius;
+}
+
+double lc_pixel_filter_integral(const lc_pixel_filter_desc *d, int axis, double lo, double hi)
+{
+    double radius = d->radius[axis], sum = 0;
+    lo = fmax(lo, -radius);
+    hi = fmin(hi, radius);
+    if (!(lo < hi)) return 0;
+    int n = MIN_STEPS + (int)((hi - lo) * FEATURE_STEPS / feature(d, radius));
+    for (int i = 0; i < n; i++) sum += value(d, radius, lo + (hi - lo) * (i + 0.5) / n);
+    return sum * (hi - lo) / n;
+}
+
+static bool init_axis(lc_pixel_filter *f, const lc_pixel_filter_desc *d, int axis)
+{
+    lc_pixel_filter_axis *a = &f->axis[axis];
+    double sum = 0, x2 = 0, radius = a->radius = d->radius[axis];
     for (int i = 0; i < LC_PIXEL_FILTER_CELLS; i++) {
-        double f = value(d, radius, ((i + 0.5) * 2 / LC_PIXEL_FILTER_CELLS - 1) * radius);
+        double x = ((i + 0.5) * 2 / LC_PIXEL_FILTER_CELLS - 1) * radius, v = value(d, radius, x);
         a->cdf[i] = sum;
-        a->negative[i] = f < 0;
-        sum += fabs(f);
+        sum += fabs(v);
+        x2 += fabs(v) * x * x;
+        f->shared |= v < 0;
     }
     if (!(sum > 0 && sum < MAX_SUM)) return false;
     for (int i = 0; i < LC_PIXEL_FILTER_CELLS; i++) a->cdf[i] /= sum;
     a->cdf[LC_PIXEL_FILTER_CELLS] = 1;
-    return true;
+    f->shared |= x2 > sum * MAX_OWN_DEVIATION * MAX_OWN_DEVIATION;
+    double cell = 2 * radius / LC_PIXEL_FILTER_CELLS;
+    return lc_pixel_filter_integral(d, axis, -radius, radius) > MIN_INTEGRAL * sum * cell;
 }
 
 bool lc_pixel_filter_init(lc_pixel_filter *f, const lc_pixel_filter_desc *d)
 {
+    f->shared = false;
     for (int k = 0; k < 2; k++) {
         if (!(d->radius[k] >= LC_MIN_RADIUS && d->radius[k] <= LC_MAX_RADIUS)) return false;
         if (!(fabs(d->shape[k]) <= MAX_SHAPE)) return false;
     }
     if (d->kind == LC_PIXEL_GAUSSIAN && !(d->shape[0] > 0)) return false;
     if (d->kind == LC_PIXEL_SINC && !(d->shape[0] >= LC_MIN_RADIUS)) return false;
-    return init_axis(&f->axis[0], d, d->radius[0]) && init_axis(&f->axis[1], d, d->radius[1]);
+    return init_axis(f, d, 0) && init_axis(f, d, 1);
 }
 
-static double sample_axis(const lc_pixel_filter_axis *a, double u, double *offset)
+static double sample_axis(const lc_pixel_filter_axis *a, double u)
 {
     int lo = 0, hi = LC_PIXEL_FILTER_CELLS; /* cdf[lo] <= u < cdf[hi] */
     while (hi - lo > 1) {
@@ -78,12 +108,10 @@ static double sample_axis(const lc_pixel_filter_axis *a, double u, double *offse
         else hi = mid;
     }
     double within = (u - a->cdf[lo]) / (a->cdf[hi] - a->cdf[lo]);
-    *offset = ((lo + within) * 2 / LC_PIXEL_FILTER_CELLS - 1) * a->radius;
-    return a->negative[lo] ? -1 : 1;
+    return ((lo + within) * 2 / LC_PIXEL_FILTER_CELLS - 1) * a->radius;
 }
 
-double lc_pixel_filter_sample(const lc_pixel_filter *f, const double u[2], double offset[2])
+void lc_pixel_filter_sample(const lc_pixel_filter *f, const double u[2], double offset[2])
 {
-    double x = sample_axis(&f->axis[0], u[0], &offset[0]);
-    return x * sample_axis(&f->axis[1], u[1], &offset[1]);
+    for (int k = 0; k < 2; k++) offset[k] = sample_axis(&f->axis[k], u[k]);
 }
