@@ -18,7 +18,9 @@ static void write_tga(const char *name)
 
 #define HEAD4 "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
 #define HEAD3 "Film \"image\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
-#define CAMERA "Camera \"perspective\" \"float fov\" 90\nIntegrator \"directlighting\"\nWorldBegin\nLightSource \"distant\"\n"
+#define CAMERA                                                                   \
+    "Camera \"perspective\" \"float fov\" 90\nIntegrator \"directlighting\"\n" \
+    "WorldBegin\nLightSource \"distant\"\n"
 /* The square -1..1 at z = 1, which fills the picture; u grows to the right, as x does, and v upwards. */
 #define QUAD                                                                                                 \
     "Shape \"trianglemesh\" \"point3 P\" [-1 -1 1 1 -1 1 1 1 1 -1 1 1] \"integer indices\" [0 1 2 0 2 3] "
