@@ -4,16 +4,8 @@
 #include "prepare/emitter.h"
 
 #define MIN_TRIANGLES 40
-#define ROUND         1e-3 /* of the radius: how far vertices may be off it */
-#define MIN_AREA      0.8  /* of a sphere's: a mesh of 48 triangles has 0.83, an icosahedron 0.76 */
-
-static lc_box box_of_mesh(const lc_scene *s, const lc_mesh *mesh)
-{
-    lc_box box = lc_box_empty();
-    for (uint32_t t = mesh->first_tri; t < mesh->first_tri + mesh->n_tris; t++)
-        for (size_t v = 0; v < 3; v++) lc_box_add(&box, lc_f3_load(lc_tri_vertex(s->pos, s->index, t, v)));
-    return box;
-}
+#define ROUND 1e-3   /* of the radius: how far vertices may be off it */
+#define MIN_AREA 0.8 /* of a sphere's: a mesh of 48 triangles has 0.83, an icosahedron 0.76 */
 
 /* Whether the triangle's vertices are on the sphere and its emitting side faces outwards; adds its area. */
 static bool is_on_sphere(const lc_scene *s, uint32_t tri, const double centre[3], double radius, double *area)
@@ -39,7 +31,7 @@ bool lc_ball_find(const lc_scene *s, uint32_t id, lc_light *light)
     const lc_mesh *mesh = &s->meshes[id];
     if (mesh->n_tris < MIN_TRIANGLES || mesh->two_sided || mesh->emission_map || mesh->alpha != LC_NONE)
         return false;
-    const lc_box box = box_of_mesh(s, mesh);
+    const lc_box box = lc_mesh_box(s, mesh);
     const double centre[3] = { ((double)box.lo.x + (double)box.hi.x) / 2,
                                ((double)box.lo.y + (double)box.hi.y) / 2,
                                ((double)box.lo.z + (double)box.hi.z) / 2 };

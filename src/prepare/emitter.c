@@ -47,3 +47,17 @@ lc_emitter lc_emitter_of(const lc_scene *s, size_t tri)
     e.power = l * area * e.n_sides;
     return e;
 }
+
+double lc_tri_area(const lc_scene *s, size_t tri)
+{
+    double n[3];
+    return 0.5 * cross_of(s, tri, n);
+}
+
+lc_box lc_mesh_box(const lc_scene *s, const lc_mesh *mesh)
+{
+    lc_box box = lc_box_empty();
+    for (size_t t = mesh->first_tri; t < (size_t)mesh->first_tri + mesh->n_tris; t++)
+        for (size_t v = 0; v < 3; v++) lc_box_add(&box, lc_f3_load(lc_tri_vertex(s->pos, s->index, t, v)));
+    return box;
+}

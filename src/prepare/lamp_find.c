@@ -1,29 +1,18 @@
 /* lamp_find.c - see lamp_find.h. */
 #include "prepare/lamp_find.h"
 
+#include "prepare/emitter.h"
+
 #include <math.h>
 
 #define BOX_PAD 1e-5f /* of a box's size */
 
-static double area_of(const lc_scene *s, size_t tri)
-{
-    const float *p0 = lc_tri_vertex(s->pos, s->index, tri, 0), *p1 = lc_tri_vertex(s->pos, s->index, tri, 1);
-    const float *p2 = lc_tri_vertex(s->pos, s->index, tri, 2);
-    lc_f3 a = lc_f3_sub(lc_f3_load(p1), lc_f3_load(p0)), b = lc_f3_sub(lc_f3_load(p2), lc_f3_load(p0));
-    lc_f3 c = lc_f3_cross(a, b);
-    return 0.5 * sqrt((double)lc_f3_dot(c, c));
-}
-
 /* The box of a mesh, a little larger for the rounding of lights that lie on it, and its area. */
 static lc_box measure(const lc_scene *s, const lc_mesh *mesh, double *area)
 {
-    lc_box box = lc_box_empty();
+    lc_box box = lc_mesh_box(s, mesh);
     *area = 0;
-    for (size_t i = 0; i < mesh->n_tris; i++) {
-        *area += area_of(s, mesh->first_tri + i);
-        for (size_t k = 0; k < 3; k++)
-            lc_box_add(&box, lc_f3_load(lc_tri_vertex(s->pos, s->index, mesh->first_tri + i, k)));
-    }
+    for (size_t i = 0; i < mesh->n_tris; i++) *area += lc_tri_area(s, mesh->first_tri + i);
     lc_f3 d = lc_f3_sub(box.hi, box.lo);
     float pad = BOX_PAD * lc_f3_max(d);
     box.lo = lc_f3_sub(box.lo, lc_f3_make(pad, pad, pad));

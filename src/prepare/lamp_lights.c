@@ -15,14 +15,13 @@
 #include "base/rng.h"
 #include "prepare/area_map.h"
 #include "prepare/ball_find.h"
-#include "prepare/emitter.h"
 #include "prepare/lamp_patches.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_DEPTH 12
-#define FIRST_SHARE 0.25
+#define MAX_DEPTH 12      /* divisions of a triangle */
+#define FIRST_SHARE 0.25  /* the first step's bound */
 #define MIN_MAP_LIGHTS 64 /* of a triangle with an emission map, if lights are left */
 
 /* ---- patches and their lights ---- */
@@ -33,63 +32,71 @@ static void corner_between(const float a[2], const float b[2], float out[2])
     out[1] = (a[1] + b[1]) / 2;
 }
 
-bool lc_patch_has_map(const lc_patches *m, const lc_patch *p)
+lc_f3 lc_patch_point(const lc_patches *m, const lc_patch *p, const double weight[3])
 {
-    return m->scene->meshes[m->scene->tri_mesh[p->tri]].emission_map > 0;
-}
-
-/* The point of a patch at weights of its corners. */
-lc_f3 lc_patch_point(const lc_scene *s, const lc_patch *p, const double weight[3])
-{
+    const lc_scene *s = m->scene;
+    const uint32_t tri = lc_patch_source(m, p)->tri;
     double c[2] = { 0, 0 }, x[3];
     for (uint32_t i = 0; i < 3; i++)
         for (int k = 0; k < 2; k++) c[k] += (double)p->b[i][k] * weight[i];
     for (size_t k = 0; k < 3; k++)
-        x[k] = (1 - c[0] - c[1]) * (double)lc_tri_vertex(s->pos, s->index, p->tri, 0)[k] +
-               c[0] * (double)lc_tri_vertex(s->pos, s->index, p->tri, 1)[k] +
-               c[1] * (double)lc_tri_vertex(s->pos, s->index, p->tri, 2)[k];
+        x[k] = (1 - c[0] - c[1]) * (double)lc_tri_vertex(s->pos, s->index, tri, 0)[k] +
+               c[0] * (double)lc_tri_vertex(s->pos, s->index, tri, 1)[k] +
+               c[1] * (double)lc_tri_vertex(s->pos, s->index, tri, 2)[k];
     return lc_f3_make((float)x[0], (float)x[1], (float)x[2]);
 }
 
 /* The corner near which the light of a patch lies: at the weights 2/3, 1/6, 1/6, which at random integrate
  * polynomials of degree 2; at centroids alone, 1/d^2 would come out too low. The three parts in the corners
  * of one patch have the three corners between them, so that what is linear is exact. */
-static uint32_t corner_of(const lc_patch *p, uint64_t seed)
+static uint32_t corner_of(const lc_patches *m, const lc_patch *p)
 {
-    uint32_t part = p->path % 4, parent = p->path / 4;
-    if (p->depth && part < 3) return (uint32_t)((lc_hash4(seed, p->tri, parent, 1) % 3 + part) % 3);
-    return (uint32_t)(lc_hash4(seed, p->tri, p->path, 0) % 3);
+    const uint32_t tri = lc_patch_source(m, p)->tri, part = p->path % 4, parent = p->path / 4;
+    if (p->depth && part < 3) return (uint32_t)((lc_hash4(m->seed, tri, parent, 1) % 3 + part) % 3);
+    return (uint32_t)(lc_hash4(m->seed, tri, p->path, 0) % 3);
 }
 
-lc_light lc_patch_light(const lc_scene *s, const lc_patch *p, uint64_t seed)
+lc_light lc_patch_light(const lc_patches *m, const lc_patch *p)
 {
-    lc_light ball;
-    if (p->ball && lc_ball_find(s, s->tri_mesh[p->tri], &ball)) return ball;
-    const lc_emitter e = lc_emitter_of(s, p->tri);
+    const lc_lamp_source *source = lc_patch_source(m, p);
+    if (source->is_ball) return source->ball;
+    const lc_emitter *e = &source->emitter;
     const double part = ldexp(1, -2 * p->depth);
     double weight[3] = { 1.0 / 6, 1.0 / 6, 1.0 / 6 };
-    weight[corner_of(p, seed)] = 2.0 / 3;
-    lc_f3 flux = lc_f3_make((float)(e.flux[0] * part), (float)(e.flux[1] * part), (float)(e.flux[2] * part));
+    weight[corner_of(m, p)] = 2.0 / 3;
+    lc_f3 flux =
+        lc_f3_make((float)(e->flux[0] * part), (float)(e->flux[1] * part), (float)(e->flux[2] * part));
     return (lc_light){ .kind = LC_LIGHT_ORIENTED,
-                       .pos = lc_patch_point(s, p, weight),
-                       .dir = lc_emitter_normal(&e, p->sign),
-                       .intensity = lc_f3_mul(s->meshes[s->tri_mesh[p->tri]].emission, flux),
+                       .pos = lc_patch_point(m, p, weight),
+                       .dir = lc_emitter_normal(e, p->sign),
+                       .intensity = lc_f3_mul(lc_patch_mesh(m, p)->emission, flux),
                        .atten = { 0, 0, 1 } };
 }
 
-/* The sides of a triangle. near: what they begin to know; may be NULL. */
+/* Adds a source and room for its patches. */
+static lc_status add_source(lc_patches *m, const lc_lamp_source *source, uint32_t n_patches)
+{
+    const lc_context *ctx = m->scene->ctx;
+    lc_status st = lc_grow(ctx, (void **)&m->patches, &m->cap, m->n + n_patches, sizeof *m->patches);
+    if (!st)
+        st = lc_grow(ctx, (void **)&m->sources, &m->cap_sources, m->n_sources + 1, sizeof *m->sources);
+    if (!st) m->sources[m->n_sources++] = *source;
+    return st;
+}
+
+/* The sides of a triangle. near: a patch whose points they know to begin with; may be NULL. */
 static lc_status add_triangle(lc_patches *m, uint32_t tri, const lc_patch *near)
 {
-    const lc_emitter e = lc_emitter_of(m->scene, tri);
-    if (!(e.power > 0)) return LC_OK;
-    lc_status st =
-        lc_grow(m->scene->ctx, (void **)&m->patches, &m->cap, m->n + e.n_sides, sizeof *m->patches);
-    for (uint32_t i = 0; i < e.n_sides && !st; i++) {
+    const lc_lamp_source source = { .tri = tri, .emitter = lc_emitter_of(m->scene, tri) };
+    const lc_emitter *e = &source.emitter;
+    if (!(e->power > 0)) return LC_OK;
+    lc_status st = add_source(m, &source, e->n_sides);
+    for (uint32_t i = 0; i < e->n_sides && !st; i++) {
         lc_patch *p = &m->patches[m->n++];
-        *p = (lc_patch){ .tri = tri,
-                      .sign = (int8_t)(i ? -e.side : e.side),
-                      .path = i + 1,
-                      .b = { { 0, 0 }, { 1, 0 }, { 0, 1 } } };
+        *p = (lc_patch){ .source = (uint32_t)m->n_sources - 1,
+                         .sign = (int8_t)(i ? -e->side : e->side),
+                         .path = i + 1,
+                         .b = { { 0, 0 }, { 1, 0 }, { 0, 1 } } };
         if (!near) continue;
         p->n_near = near->n_near;
         memcpy(p->near, near->near, sizeof p->near);
@@ -103,17 +110,19 @@ static lc_status find_patches(lc_patches *m)
     lc_status st = LC_OK;
     for (size_t i = 0; i < s->n_meshes && !st; i++) {
         const lc_mesh *mesh = &s->meshes[i];
-        lc_light ball;
+        lc_lamp_source ball = { .tri = mesh->first_tri, .is_ball = true };
         if (!(lc_f3_max(mesh->emission) > 0)) continue;
-        for (uint32_t t = mesh->first_tri; t < mesh->first_tri + mesh->n_tris; t++)
-            s->n_emissive_tris += lc_emitter_of(s, t).power > 0;
-        if (lc_ball_find(s, (uint32_t)i, &ball)) {
-            st = lc_grow(s->ctx, (void **)&m->patches, &m->cap, m->n + 1, sizeof *m->patches);
-            if (!st) m->patches[m->n++] = (lc_patch){ .tri = mesh->first_tri, .ball = true };
+        if (lc_ball_find(s, (uint32_t)i, &ball.ball)) {
+            st = add_source(m, &ball, 1);
+            if (!st) m->patches[m->n++] = (lc_patch){ .source = (uint32_t)m->n_sources - 1 };
+            for (size_t t = 0; t < mesh->n_tris; t++)
+                s->n_emissive_tris += lc_tri_area(s, mesh->first_tri + t) > 0;
             continue;
         }
+        const size_t before = m->n_sources;
         for (uint32_t t = mesh->first_tri; t < mesh->first_tri + mesh->n_tris && !st; t++)
             st = add_triangle(m, t, NULL);
+        s->n_emissive_tris += m->n_sources - before;
     }
     return st;
 }
@@ -123,12 +132,11 @@ static lc_status find_patches(lc_patches *m)
 /* Replaces the spheres that a ball cannot stand for by their triangles. */
 static lc_status open_large(lc_patches *m)
 {
-    const lc_scene *s = m->scene;
     size_t n = m->n, kept = 0;
     lc_status st = LC_OK;
     for (size_t i = 0; i < n && !st; i++) {
         const lc_patch p = m->patches[i];
-        const lc_mesh *mesh = &s->meshes[s->tri_mesh[p.tri]];
+        const lc_mesh *mesh = lc_patch_mesh(m, &p);
         for (uint32_t t = mesh->first_tri; p.large && t < mesh->first_tri + mesh->n_tris && !st; t++)
             st = add_triangle(m, t, &p);
     }
@@ -141,9 +149,11 @@ static lc_status open_large(lc_patches *m)
     return st;
 }
 
+static bool has_map(const lc_patches *m, const lc_patch *p) { return lc_patch_mesh(m, p)->emission_map > 0; }
+
 static bool divisible(const lc_patches *m, const lc_patch *p, float share)
 {
-    return p->share > share && p->depth < MAX_DEPTH && !p->ball && !lc_patch_has_map(m, p);
+    return p->share > share && p->depth < MAX_DEPTH && !lc_patch_source(m, p)->is_ball && !has_map(m, p);
 }
 
 static void divide(const lc_patch *p, lc_patch parts[4])
@@ -233,27 +243,26 @@ static lc_status divide_by_steps(lc_patches *m)
 
 static lc_status add_map_lights(lc_patches *m, const lc_patch *p, size_t room)
 {
-    const lc_scene *s = m->scene;
-    const lc_emitter e = lc_emitter_of(s, p->tri);
-    lc_light light = lc_patch_light(s, p, m->seed);
+    const lc_lamp_source *source = lc_patch_source(m, p);
+    lc_light light = lc_patch_light(m, p);
     double k = fmax(ceil((double)p->share / LC_LAMP_SHARE), MIN_MAP_LIGHTS);
-    light.intensity = lc_f3_scale(s->meshes[s->tri_mesh[p->tri]].emission, (float)(0.5 * e.twice));
-    return lc_area_map_lights(m->scene, p->tri, (uint32_t)fmax(fmin(k, (double)room), 1), &light,
-                              lc_hash4(m->seed, p->tri, 0, 6 + (p->sign > 0)));
+    light.intensity = lc_f3_scale(lc_patch_mesh(m, p)->emission, (float)(0.5 * source->emitter.twice));
+    return lc_area_map_lights(m->scene, source->tri, (uint32_t)fmax(fmin(k, (double)room), 1), &light,
+                              lc_hash4(m->seed, source->tri, 0, 6 + (p->sign > 0)));
 }
 
 static lc_status add_lights(lc_patches *m)
 {
     size_t n_maps = 0;
     lc_status st = LC_OK;
-    for (size_t i = 0; i < m->n; i++) n_maps += lc_patch_has_map(m, &m->patches[i]);
+    for (size_t i = 0; i < m->n; i++) n_maps += has_map(m, &m->patches[i]);
     for (size_t i = 0; i < m->n && !st; i++) {
         const lc_patch *p = &m->patches[i];
-        if (lc_patch_has_map(m, p)) {
+        if (has_map(m, p)) {
             st = add_map_lights(m, p, LC_LAMP_LIGHTS / n_maps);
             continue;
         }
-        lc_light light = lc_patch_light(m->scene, p, m->seed);
+        lc_light light = lc_patch_light(m, p);
         st = lc_scene_add_light(m->scene, (lc_pos){ 0, 0, 0 }, &light);
     }
     return st;
@@ -272,5 +281,6 @@ lc_status lc_lamp_lights_make(lc_scene *scene, uint32_t max_depth, uint64_t seed
     lc_free(scene->ctx, m.total, m.n_points, sizeof *m.total);
     lc_view_grid_free(&m.view);
     lc_free(scene->ctx, m.patches, m.cap, sizeof *m.patches);
+    lc_free(scene->ctx, m.sources, m.cap_sources, sizeof *m.sources);
     return st;
 }

@@ -4,16 +4,26 @@
 #ifndef LC_LAMP_PATCHES_H
 #define LC_LAMP_PATCHES_H
 
+#include "prepare/emitter.h"
 #include "prepare/view_grid.h"
 
 #define LC_PATCH_NEAR 12 /* points that a patch knows */
 
+/* What patches are parts of: a triangle, or a sphere as a whole. */
+typedef struct lc_lamp_source {
+    uint32_t tri; /* of a sphere: its mesh's first */
+    bool is_ball;
+    union {
+        lc_emitter emitter;
+        lc_light ball;
+    };
+} lc_lamp_source;
+
 typedef struct lc_patch {
-    uint32_t tri;
+    uint32_t source;
     int8_t sign;   /* lc_emitter_normal */
     uint8_t depth; /* it is a 4^-depth of the triangle */
-    bool ball;     /* it is the triangle's whole mesh, a sphere */
-    bool large;    /* which a ball cannot stand for */
+    bool large;    /* a sphere that a ball cannot stand for */
     uint32_t path; /* which: a digit to the base of 4 each division, after a 1, or for the other side a 2 */
     uint32_t n_near, near[LC_PATCH_NEAR];
     float b[3][2]; /* corners: weights of vertices 1 and 2 */
@@ -33,19 +43,28 @@ typedef struct lc_patches {
     uint32_t n_points, n_probes; /* those of the grid, then n_probes for each of the first patches */
     lc_place *places;
     float *total; /* of each point, luminance; 0: no point */
+    lc_lamp_source *sources;
+    size_t n_sources, cap_sources;
     lc_patch *patches;
     size_t n, cap, first; /* first: of those to be scored */
     size_t n_blocks;
     struct lc_patch_block *blocks; /* of all patches, while they are scored for the first time; then NULL */
-    float *sums;          /* n_threads * n_blocks */
+    float *sums;                   /* n_threads * n_blocks */
 } lc_patches;
 
 /* ---- lamp_lights.c ---- */
 
-bool lc_patch_has_map(const lc_patches *m, const lc_patch *p);
-lc_light lc_patch_light(const lc_scene *s, const lc_patch *p, uint64_t seed);
-/* The point of a patch at weights of its corners. */
-lc_f3 lc_patch_point(const lc_scene *s, const lc_patch *p, const double weight[3]);
+static inline const lc_lamp_source *lc_patch_source(const lc_patches *m, const lc_patch *p)
+{
+    return &m->sources[p->source];
+}
+static inline const lc_mesh *lc_patch_mesh(const lc_patches *m, const lc_patch *p)
+{
+    return &m->scene->meshes[m->scene->tri_mesh[lc_patch_source(m, p)->tri]];
+}
+lc_light lc_patch_light(const lc_patches *m, const lc_patch *p);
+/* The point of a part of a triangle at weights of its corners. */
+lc_f3 lc_patch_point(const lc_patches *m, const lc_patch *p, const double weight[3]);
 
 /* ---- lamp_score.c ---- */
 

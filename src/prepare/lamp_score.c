@@ -40,7 +40,7 @@ typedef struct lc_patch_block {
     float mid[3][BLOCK], normal[3][BLOCK], radius[BLOCK]; /* of a ball around the patch */
     float all_round[BLOCK]; /* 1: emits in all directions; normal is 0 */
     float strength[BLOCK];  /* luminance of the intensity, times the reflectance over pi */
-    float most[BLOCK];     /* luminance of a point all around which the emitter is */
+    float most[BLOCK];      /* luminance of a point all around which the emitter is */
 } lc_patch_block;
 
 static void load_block(const lc_patches *m, size_t first, uint32_t n, lc_patch_block *b)
@@ -49,21 +49,22 @@ static void load_block(const lc_patches *m, size_t first, uint32_t n, lc_patch_b
     b->n = n;
     for (uint32_t i = 0; i < n; i++) {
         const lc_patch *p = &m->patches[first + i];
-        const lc_light light = lc_patch_light(m->scene, p, m->seed);
-        const lc_f3 mid = p->ball ? light.pos : lc_patch_point(m->scene, p, third);
-        float far = p->ball ? light.radius : 0;
-        for (int v = 0; v < 3 && !p->ball; v++) {
+        const lc_light light = lc_patch_light(m, p);
+        const bool ball = lc_patch_source(m, p)->is_ball;
+        const lc_f3 mid = ball ? light.pos : lc_patch_point(m, p, third);
+        float far = ball ? light.radius : 0;
+        for (int v = 0; v < 3 && !ball; v++) {
             const double at[3] = { v == 0, v == 1, v == 2 };
-            far = fmaxf(far, lc_f3_len(lc_f3_sub(lc_patch_point(m->scene, p, at), mid)));
+            far = fmaxf(far, lc_f3_len(lc_f3_sub(lc_patch_point(m, p, at), mid)));
         }
-        b->all_round[i] = p->ball;
+        b->all_round[i] = ball;
         for (int k = 0; k < 3; k++) {
             b->mid[k][i] = (&mid.x)[k];
-            b->normal[k][i] = p->ball ? 0 : (&light.dir.x)[k];
+            b->normal[k][i] = ball ? 0 : (&light.dir.x)[k];
         }
         b->radius[i] = far;
         b->strength[i] = lc_luminance(light.intensity) * (float)((double)GREY / LC_PI);
-        b->most[i] = lc_luminance(m->scene->meshes[m->scene->tri_mesh[p->tri]].emission) * GREY;
+        b->most[i] = lc_luminance(lc_patch_mesh(m, p)->emission) * GREY;
     }
 }
 
@@ -176,7 +177,7 @@ static void probe(void *user, uint32_t thread, uint64_t item)
 {
     lc_patches *m = user;
     const lc_patch *p = &m->patches[item];
-    const lc_light light = lc_patch_light(m->scene, p, m->seed);
+    const lc_light light = lc_patch_light(m, p);
     float f[BLOCK];
     lc_patch_block b;
     (void)thread;
@@ -239,7 +240,7 @@ static void score_everywhere(void *user, uint32_t thread, uint64_t item)
         for (uint32_t i = 0; i < b->n; i++) {
             lc_patch *p = &m->patches[first + i];
             remember(p, shares[i], k, f[i] / m->total[k]);
-            p->large |= p->ball && is_large(b, i, &m->places[k], f[i] / m->total[k]);
+            p->large |= b->all_round[i] > 0 && is_large(b, i, &m->places[k], f[i] / m->total[k]);
         }
     }
     for (uint32_t i = 0; i < b->n; i++)
@@ -302,7 +303,7 @@ lc_status lc_patch_places_find(lc_patches *m, uint32_t max_depth)
     if (!m->places || !m->total) return LC_ERR_MEMORY;
     for (uint32_t k = 0; k < m->view.n; k++)
         m->places[k] = (lc_place){ lc_f3_load(m->view.points[k].pos), lc_f3_load(m->view.points[k].n),
-                                m->view.lobe[k] };
+                                   m->view.lobe[k] };
     return LC_OK;
 }
 

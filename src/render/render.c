@@ -5,8 +5,8 @@
 #include "render/render_tile.h"
 #include "tree/light_tree.h"
 
-#define CALL_STEP                                                                                            \
-    20000000u /* nanoseconds between calls of progress: what a user sees, and how soon a signal is heard */
+/* Nanoseconds between calls of progress: what a user sees, and how soon a signal is heard. */
+#define CALL_STEP 20000000u
 
 /* False once the render is cancelled. Calls progress when it is time and no other thread does. */
 bool lc_job_go_on(void *user)
