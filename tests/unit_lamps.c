@@ -195,6 +195,17 @@ TEST(spheres_are_balls)
     }
 }
 
+/* A ball that outshines a lamp leaves it fewer lights: its own surface does not hide it. */
+TEST(balls_are_seen)
+{
+    CHECK(load_text(&direct, VIEW FLOOR LAMP("1 1 1", "-1 1 -1", "1")) == LC_OK);
+    const size_t alone = scene->n_lights;
+    CHECK(load_text(&direct, VIEW FLOOR LAMP("1 1 1", "-1 1 -1", "1") "AttributeBegin AreaLightSource "
+                             "\"diffuse\" \"rgb L\" [500 500 500] Translate 1 2 0 Shape \"sphere\" "
+                             "\"float radius\" .1 AttributeEnd") == LC_OK);
+    CHECKF(n_balls() == 1 && scene->n_lights < alone, "%zu, alone %zu", scene->n_lights, alone);
+}
+
 /* The floor under a ball is what its closed form says, by cuts and by the exact method, and its shadow is as
  * soft as that of the sphere: the part of the disc that a half plane leaves over. */
 TEST(balls_are_exact_and_soft)
@@ -256,6 +267,7 @@ int main(void)
     RUN(pictures_keep_their_sum);
     RUN(same_lights_for_any_threads);
     RUN(spheres_are_balls);
+    RUN(balls_are_seen);
     RUN(balls_are_exact_and_soft);
     RUN(nothing_emits);
     one_scene_end();

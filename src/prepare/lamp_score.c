@@ -100,6 +100,14 @@ static void contributions(const lc_patch_block *b, const lc_place *at, float rea
     }
 }
 
+/* Where shadow rays from a place to a patch go: its middle, or of a ball the nearest point. */
+static lc_f3 target_of(const lc_patch_block *b, uint32_t i, const lc_place *at)
+{
+    const lc_f3 mid = lc_f3_make(b->mid[0][i], b->mid[1][i], b->mid[2][i]);
+    const lc_f3 back = lc_f3_normalize(lc_f3_sub(at->pos, mid));
+    return lc_f3_add(mid, lc_f3_scale(back, b->all_round[i] * b->radius[i]));
+}
+
 /* What a point gets from all patches: the sum, times the fraction of it that RAYS shadow rays, by
  * contribution, find visible. */
 static void total_of_point(void *user, uint32_t thread, uint64_t item)
@@ -123,8 +131,10 @@ static void total_of_point(void *user, uint32_t thread, uint64_t item)
         double upto = before;
         for (uint32_t i = 0; i < m->blocks[k].n; i++) {
             upto += (double)f[i];
-            for (; n < RAYS && (n + 0.5) / RAYS * sum < upto; n++)
-                for (int c = 0; c < 3; c++) to[c][n] = m->blocks[k].mid[c][i];
+            for (; n < RAYS && (n + 0.5) / RAYS * sum < upto; n++) {
+                const lc_f3 end = target_of(&m->blocks[k], i, at);
+                for (int c = 0; c < 3; c++) to[c][n] = (&end.x)[c];
+            }
         }
     }
     const lc_visibility *v = &m->scene->visibility;
