@@ -135,7 +135,7 @@ typedef struct lc_feature {
 } lc_feature;
 
 /* The kinds of light that a scene is made into: "point", "oriented", "directional", "spot",
- * "virtual". */
+ * "virtual", "ball". */
 #define LC_MAX_LIGHT_KINDS 16
 LC_API uint32_t lc_light_kind_count(void);
 LC_API const char *lc_light_kind_name(uint32_t kind); /* "unknown" from the count on */

@@ -1,11 +1,12 @@
 /* commit.h - makes a complete scene ready to render.
  *
- * The room prepare/ turns everything that emits into the four kinds of light that the light tree knows. In
+ * The room prepare/ turns everything that emits into the kinds of light that the light tree knows. In
  * goes a scene as the parser leaves it; out comes the same scene with all its lights, its BVH and its light
  * tree.
  *
  *     triangles, instances -> BVH, occluders
- *     emissive triangles   -> oriented lights     (area_light.h, area_map.h)
+ *     emissive triangles   -> oriented lights     (lamp_lights.h, area_light.h, area_map.h)
+ *     emissive spheres     -> balls               (ball_find.h)
  *     environment maps     -> directional lights  (env_light.h, scored by env_importance.h)
  *     light paths          -> virtual lights      (vpl.h, scored by view_grid.h, clamped by vpl_radius.h)
  *     all lights           -> light tree
