@@ -91,6 +91,10 @@ LC_API uint32_t lc_context_threads(const lc_context *ctx);
  * threads. */
 typedef enum lc_builder { LC_BUILDER_AUTO = 0, LC_BUILDER_EXACT, LC_BUILDER_PLOC } lc_builder;
 
+/* Virtual lights: SCENE: on everything that light reaches, so that they stay where they are when the camera
+ * moves. VIEW: fewer where the camera sees little of what they shine on. */
+typedef enum lc_indirect_from { LC_INDIRECT_FROM_SCENE = 0, LC_INDIRECT_FROM_VIEW } lc_indirect_from;
+
 typedef struct lc_load_desc {
     size_t size;
     uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: as many
@@ -102,9 +106,9 @@ typedef struct lc_load_desc {
     uint64_t max_pixels;  /* larger films are reduced to about so many pixels with the same view; 0: no
                            * limit */
     uint32_t env_lights;  /* directional lights made from all environment maps together; 0: 5000 */
-    uint32_t indirect_lights; /* virtual lights, for indirect illumination; 0: 20000 if the integrator of a
-                               * scene's file traces paths, as pbrt's does where the file names none, else
-                               * none; LC_NO_LIGHTS: none */
+    uint32_t indirect_lights; /* virtual lights, for indirect illumination; 0: as many as indirect_error
+                               * takes, at most 1048576, if the integrator of a scene's file traces paths, as
+                               * pbrt's does where the file names none, else none; LC_NO_LIGHTS: none */
     uint32_t max_depth;   /* of the paths along which virtual lights are made, see lc_render_desc; 0: the
                            * scene's */
     uint32_t spp;         /* spp lc_render will use; suppresses the sample-count note; 0: the scene's */
@@ -113,9 +117,14 @@ typedef struct lc_load_desc {
      * numbers of what is not built yet are 0. */
     int (*parsed)(void *user, const lc_scene *scene);
     void *parsed_user;
+    double indirect_error; /* half of the picture's blocks of 8x8 pixels are to be within this share of what
+                            * endlessly many virtual lights would make them, and 95 % within five times as
+                            * much; 0.0001 to 1; 0: 0.01 */
+    lc_indirect_from indirect_from;
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
-#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0 }
+#define LC_LOAD_DESC_INIT                                                                                    \
+    { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE }
 
 /* One kind of thing in the scene file that was approximated or skipped. */
 typedef struct lc_note {
@@ -154,6 +163,9 @@ typedef struct lc_scene_info {
     uint64_t n_indirect_lights; /* virtual lights; counted in n_of_kind, too */
     uint64_t n_light_paths;     /* paths along which they were made */
     double indirect_loss;       /* fraction of indirect light removed by VPL clamping, 0..1 */
+    /* Half, and 95 %, of the picture's blocks of 8x8 pixels are within this share of what endlessly many
+     * virtual lights would make them; clamping not counted. */
+    double indirect_median, indirect_high;
     uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */
     uint64_t n_env_tried; /* candidate directional lights whose importance for the picture was measured */
     uint64_t n_textures;

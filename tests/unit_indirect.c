@@ -177,17 +177,20 @@ static int rising(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Attenuation A is the squared radius: an eighth of the squared distance to the eighth nearest light, found
- * in a loop over all lights; 0 where there are fewer. */
+/* Attenuation A is the squared radius: an eighth of the squared distance to the eighth nearest light that
+ * faces the same way, found in a loop over all lights; all of them where there are fewer. */
 TEST(radii)
 {
+    static const lc_f3 ways[3] = { { 0, 0, 1 }, { 0, 0.6f, 0.8f }, { 0, 0, -1 } };
     static lc_light l[700];
     static float d2[700];
     for (size_t n = 1; n <= 700; n = n * 3 / 2 + 1) {
         for (size_t i = 0; i < n; i++) {
             float u[3];
             for (size_t k = 0; k < 3; k++) u[k] = (float)lc_unit(lc_hash4(3, n, i, k));
-            l[i] = (lc_light){ .pos = { u[0], u[1] * u[1], i % 7 ? 0 : u[2] }, .atten = { 0, 0, 1 } };
+            l[i] = (lc_light){ .pos = { u[0], u[1] * u[1], i % 7 ? 0 : u[2] },
+                               .dir = ways[lc_hash4(3, n, i, 3) % 3],
+                               .atten = { 0, 0, 1 } };
         }
         if (n > 30) l[n - 1] = l[n - 2]; /* two in one place */
         CHECK(lc_vpl_radii(ctx, l, n) == LC_OK);
@@ -195,10 +198,12 @@ TEST(radii)
             size_t m = 0;
             for (size_t k = 0; k < n; k++) {
                 lc_f3 d = lc_f3_sub(l[k].pos, l[i].pos);
-                if (k != i) d2[m++] = d.x * d.x + d.y * d.y + d.z * d.z;
+                if (k != i && lc_f3_dot(l[i].dir, l[k].dir) > LC_VPL_SAME_WAY)
+                    d2[m++] = d.x * d.x + d.y * d.y + d.z * d.z;
             }
             qsort(d2, m, sizeof *d2, rising);
-            float want = m >= LC_VPL_NEIGHBOURS ? d2[LC_VPL_NEIGHBOURS - 1] / LC_VPL_NEIGHBOURS : 0;
+            if (m > LC_VPL_NEIGHBOURS) m = LC_VPL_NEIGHBOURS;
+            float want = m ? d2[m - 1] / (float)m : 0;
             CHECKF(near_rel((double)l[i].atten[0], (double)want, 1e-5), "%zu of %zu: %g, %g", i, n,
                    (double)l[i].atten[0], (double)want);
         }
@@ -210,7 +215,7 @@ TEST(defaults)
     static const struct {
         const char *integrator;
         uint32_t n, depth, want;
-    } cases[] = { { "path", 0, 0, 20000 },        { "volpath", 0, 0, 20000 }, { "path", 0, 1, 0 },
+    } cases[] = { { "path", 0, 0, 16384 },        { "volpath", 0, 0, 16384 }, { "path", 0, 1, 0 },
                   { "path", LC_NO_LIGHTS, 0, 0 }, { "path", 70, 0, 70 },      { "directlighting", 0, 0, 0 },
                   { "whitted", 0, 0, 0 },         { "whitted", 80, 0, 80 } };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -228,6 +233,123 @@ TEST(defaults)
     CHECK(flux(load(1000, 5), 0, 0) <= 0);
     scene_write("%s", HEAD "LightSource \"point\" \"rgb I\" [1 1 1]\n" GREY("0") BALL("3")); /* black */
     CHECK(flux(load(1000, 5), 0, 0) <= 0);
+}
+
+/* A room with a box in it, below one light. */
+static void write_room(const char *camera)
+{
+    scene_write("Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nSampler \"independent\" "
+                "\"integer pixelsamples\" 1\n%s Camera \"perspective\" \"float fov\" 60\nWorldBegin\n"
+                "LightSource \"point\" \"point3 from\" [0 1.2 3] \"rgb I\" [1 1 1]\n" GREY(".7") BALL("6")
+                    GREY(".5") "Translate 0 -.4 3\n" BALL(".7"),
+                camera);
+}
+
+static lc_scene *load_seed(uint32_t n_lights, uint64_t seed, double error)
+{
+    lc_load_desc ld = LC_LOAD_DESC_INIT;
+    ld.indirect_lights = n_lights;
+    ld.indirect_error = error;
+    ld.seed = seed;
+    return scene_from_file(ctx, &ld, scene_path());
+}
+
+/* Luminances of the 64 blocks of the picture by all lights. */
+static void blocks_of(lc_scene *s, double block[64])
+{
+    lc_render_desc rd = LC_RENDER_DESC_INIT;
+    lc_image *image = NULL;
+    rd.method = LC_METHOD_EXACT;
+    memset(block, 0, 64 * sizeof *block);
+    CHECK(s && lc_render(ctx, s, &rd, &image, NULL) == LC_OK);
+    for (uint32_t i = 0; image && i < 64 * 64; i++)
+        block[i / 512 * 8 + i % 64 / 8] += (double)lc_image_channel(image, "G")[i] / 64;
+    lc_image_destroy(image);
+}
+
+static int rising_double(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* What the picture says of its indirect light is how far pictures with other seeds are from their mean. Paths
+ * are spread more evenly than by chance, which the statement leaves out. */
+TEST(stated_deviation)
+{
+    enum { SEEDS = 8 };
+    static double block[SEEDS][64], off[SEEDS * 64];
+    double median = 0, high = 0, least_loss = 1, most_loss = 0;
+    write_room("");
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+        lc_scene *s = load_seed(600, seed + 1, 0);
+        blocks_of(s, block[seed]);
+        if (!s) return;
+        median += s->indirect.median / SEEDS;
+        high += s->indirect.high / SEEDS;
+        least_loss = fmin(least_loss, s->indirect.loss);
+        most_loss = fmax(most_loss, s->indirect.loss);
+        lc_scene_destroy(s);
+    }
+    for (int i = 0; i < 64; i++) {
+        double mean = 0;
+        for (int k = 0; k < SEEDS; k++) mean += block[k][i] / SEEDS;
+        for (int k = 0; k < SEEDS; k++)
+            off[k * 64 + i] = fabs(block[k][i] / mean - 1) * sqrt(SEEDS / (SEEDS - 1.0));
+    }
+    qsort(off, SEEDS * 64, sizeof *off, rising_double);
+    const double is_median = off[SEEDS * 32], is_high = off[SEEDS * 64 * 95 / 100];
+    CHECKF(median > 0.9 * is_median && median < 2 * is_median, "median: stated %g, is %g", median, is_median);
+    CHECKF(high > 0.9 * is_high && high < 2 * is_high, "high: stated %g, is %g", high, is_high);
+    CHECKF(most_loss < 2 * least_loss, "clamping loses %g to %g", least_loss, most_loss);
+}
+
+/* There are as many lights as the asked error takes, unless a number is given. */
+TEST(asked_error)
+{
+    write_room("");
+    lc_scene *few = load_seed(0, 1, 0.02), *many = load_seed(0, 1, 0.0012), *given = load_seed(500, 1, 0.02);
+    if (few && many && given) {
+        CHECKF(few->indirect.n_lights < many->indirect.n_lights, "%llu lights off by %g, %llu by %g",
+               (unsigned long long)few->indirect.n_lights, lc_indirect_deviation(&few->indirect),
+               (unsigned long long)many->indirect.n_lights, lc_indirect_deviation(&many->indirect));
+        const double off = lc_indirect_deviation(&many->indirect);
+        CHECKF(off <= 0.0012, "%g", off);
+        CHECK(lc_indirect_deviation(&given->indirect) > lc_indirect_deviation(&few->indirect));
+        CHECK(given->indirect.n_lights >= 500 && given->indirect.n_lights < 504);
+    }
+    lc_scene_destroy(few);
+    lc_scene_destroy(many);
+    lc_scene_destroy(given);
+}
+
+static bool same_lights(const lc_scene *a, const lc_scene *b)
+{
+    bool same = a && b && a->n_lights == b->n_lights;
+    for (size_t i = 0; same && i < a->n_lights; i++)
+        same = !memcmp(&a->lights[i].pos, &b->lights[i].pos, sizeof a->lights[i].pos) &&
+               !memcmp(&a->lights[i].intensity, &b->lights[i].intensity, sizeof a->lights[i].intensity);
+    return same;
+}
+
+/* Virtual lights stay where they are when the camera turns, whatever the lights of lamps and sky do; but for
+ * LC_INDIRECT_FROM_VIEW. */
+TEST(same_for_all_cameras)
+{
+    static const char *const camera[2] = { "", "Rotate 40 0 1 0\n" };
+    for (int from = LC_INDIRECT_FROM_SCENE; from <= LC_INDIRECT_FROM_VIEW; from++) {
+        lc_load_desc ld = LC_LOAD_DESC_INIT;
+        lc_scene *s[2];
+        ld.indirect_lights = 3000;
+        ld.indirect_from = from;
+        for (int k = 0; k < 2; k++) {
+            write_room(camera[k]);
+            s[k] = scene_from_file(ctx, &ld, scene_path());
+        }
+        CHECK(same_lights(s[0], s[1]) == (from == LC_INDIRECT_FROM_SCENE));
+        lc_scene_destroy(s[0]);
+        lc_scene_destroy(s[1]);
+    }
 }
 
 static lc_status load_starved(lc_context *c)
@@ -256,6 +378,9 @@ int main(void)
     RUN(same_everywhere);
     RUN(radii);
     RUN(defaults);
+    RUN(stated_deviation);
+    RUN(asked_error);
+    RUN(same_for_all_cameras);
     RUN(every_allocation_may_fail);
     one_scene_end();
     temp_end();

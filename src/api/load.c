@@ -6,6 +6,8 @@
 
 #define DEFAULT_REPS 16 /* bands are 6 to 9 times fainter than with 1: tests/results/representatives.md */
 #define DEFAULT_ENV_LIGHTS 5000
+#define DEFAULT_INDIRECT_ERROR 0.01
+#define MIN_INDIRECT_ERROR 1e-4
 #define MAX_MADE_LIGHTS (1u << 28) /* of each */
 
 /* Reads all files and says so. */
@@ -30,8 +32,13 @@ lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *d
     if (!ctx || !path || (desc && desc->size != sizeof d)) return LC_ERR_ARG;
     if (desc) d = *desc;
     if (!d.env_lights) d.env_lights = DEFAULT_ENV_LIGHTS;
+    if (!(d.indirect_error > 0 || d.indirect_error < 0)) d.indirect_error = DEFAULT_INDIRECT_ERROR;
     if (!d.n_reps) d.n_reps = DEFAULT_REPS;
     if (d.builder < LC_BUILDER_AUTO || d.builder > LC_BUILDER_PLOC) return LC_ERR_ARG;
+    if (d.indirect_from != LC_INDIRECT_FROM_SCENE && d.indirect_from != LC_INDIRECT_FROM_VIEW)
+        return LC_ERR_ARG;
+    if (!(d.indirect_error >= MIN_INDIRECT_ERROR && d.indirect_error <= 1))
+        return lc_fail(ctx, LC_ERR_ARG, "the indirect light's error must be %g to 1", MIN_INDIRECT_ERROR);
     if (d.indirect_lights != LC_NO_LIGHTS && d.indirect_lights > MAX_MADE_LIGHTS)
         return lc_fail(ctx, LC_ERR_ARG, "indirect lights must be at most %u", MAX_MADE_LIGHTS);
     if (d.n_reps > LC_MAX_REPS || d.area_lights > MAX_MADE_LIGHTS || d.env_lights > MAX_MADE_LIGHTS)

@@ -52,6 +52,7 @@ _lightcuts()
         return ;;
     render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | \
         render:--maxdepth | render:--area-lights | render:--env-lights | render:--indirect-lights | \
+        render:--indirect-error | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
         render:--print-chunks | render:--time-limit | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
@@ -59,10 +60,13 @@ _lightcuts()
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
         explain:--pixel | explain:--sample | explain:--top | \
         explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
-        explain:--representatives | explain:--area-lights | explain:--indirect-lights | \
+        explain:--representatives | explain:--area-lights | explain:--indirect-lights | explain:--indirect-error | \
         explain:--maxdepth | explain:--seed | explain:--spp | \
         bench:--representatives | bench:--pixelbounds | \
         report:--error-ratios | report:--representatives | report:--max-cut) return ;;
+    render:--indirect-from | explain:--indirect-from)
+        COMPREPLY=($(compgen -W "scene view" -- "$word"))
+        return ;;
     report:-o | report:--outdir)
         compopt -o filenames 2>/dev/null
         COMPREPLY=($(compgen -d -- "$word"))
@@ -82,7 +86,7 @@ _lightcuts()
     if [[ $word == -* ]]; then
         case $command in
         render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives
-            --builder --maxdepth --area-lights --env-lights --indirect-lights --seed --spp --pixelbounds
+            --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error --indirect-from --seed --spp --pixelbounds
             --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit --checkpoint-interval
             --keep-checkpoint --aov --nthreads --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;
@@ -91,7 +95,7 @@ _lightcuts()
         info) options='--json --help' ;;
         preview) options='--outfile --exposure --false-colour --range --help' ;;
         explain) options='--pixel --sample --top --all --json --method --error-ratio --max-cut
-            --dark-floor --representatives --builder --area-lights --indirect-lights --maxdepth --seed
+            --dark-floor --representatives --builder --area-lights --indirect-lights --indirect-error --indirect-from --maxdepth --seed
             --spp --nthreads --isa --help' ;;
         merge) options='--outfile --help' ;;
         bench) options='--mesh --rays --lights --quality --scaling --outfile --method --error-ratio

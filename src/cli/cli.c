@@ -119,6 +119,13 @@ int cli_parse_indirect(const char *text, uint32_t *out)
     return bad;
 }
 
+int cli_parse_indirect_from(const char *text, lc_indirect_from *out)
+{
+    if (strcmp(text, "scene") && strcmp(text, "view")) return -1;
+    *out = strcmp(text, "view") ? LC_INDIRECT_FROM_SCENE : LC_INDIRECT_FROM_VIEW;
+    return 0;
+}
+
 int cli_parse_single(const char *text, double lo, double hi, float *out)
 {
     double v = 0;
@@ -348,6 +355,15 @@ int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user
     complain("write", path);
     if (!in_place) unlink(temp);
     return CLI_FAILED;
+}
+
+void cli_indirect_json(FILE *f, const lc_scene_info *i)
+{
+    fprintf(f,
+            "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g, \"median\": %.6g, "
+            "\"high\": %.6g},\n",
+            (unsigned long long)i->n_indirect_lights, (unsigned long long)i->n_light_paths, i->indirect_loss,
+            i->indirect_median, i->indirect_high);
 }
 
 void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json)

@@ -15,6 +15,8 @@ enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INPUT = 3, CLI_STOPPED = 7
 /* Limits of the values of options. */
 #define CLI_MAX_THREADS 1024
 #define CLI_MAX_REPS 32            /* representatives of a cluster */
+#define CLI_INDIRECT_ERROR 0.01    /* the default */
+#define CLI_MIN_INDIRECT 1e-4
 #define CLI_MAX_LIGHTS (1u << 28)  /* made from surfaces, from environments, from bounces */
 #define CLI_MAX_SPP 65536
 #define CLI_MAX_DEPTH 1000000      /* of paths; lc_render takes what is above 1000 as 1000 */
@@ -59,6 +61,7 @@ int cli_parse_u64(const char *text, uint64_t lo, uint64_t hi, uint64_t *out);
 int cli_parse_list(const char *text, int n, double lo, double hi, double *out);
 int cli_parse_u32(const char *text, uint64_t lo, uint64_t hi, uint32_t *out); /* hi at most UINT32_MAX */
 int cli_parse_indirect(const char *text, uint32_t *out); /* a number of lights; 0 becomes LC_NO_LIGHTS */
+int cli_parse_indirect_from(const char *text, lc_indirect_from *out); /* scene, view */
 int cli_parse_single(const char *text, double lo, double hi, float *out);
 /* x0,x1,y0,y1: whole numbers from 0 to 65535. */
 int cli_parse_pixels(const char *text, int32_t out[4]);
@@ -89,6 +92,7 @@ int cli_has_extension(const char *path, const char *extension);
 const char *cli_shown(const char *text);
 /* "3 point, 0 oriented, ...", or "\"point\": 3, ..." as JSON: the lights of each kind. */
 void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json);
+void cli_indirect_json(FILE *f, const lc_scene_info *info); /* a line of an object */
 /* Prints a JSON string with its quotes; '?' replaces malformed UTF-8. */
 void cli_json_text(FILE *f, const char *text);
 /* Writes a file through fn under a temporary name and renames it to path, so that path always holds a whole

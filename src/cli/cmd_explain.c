@@ -30,6 +30,8 @@ enum {
     OPT_BUILDER,
     OPT_AREA,
     OPT_INDIRECT,
+    OPT_INDIRECT_ERROR,
+    OPT_INDIRECT_FROM,
     OPT_MAXDEPTH,
     OPT_SEED,
     OPT_SPP,
@@ -50,6 +52,8 @@ static const struct option long_options[] = {
     { "builder", 1, 0, OPT_BUILDER },
     { "area-lights", 1, 0, OPT_AREA },
     { "indirect-lights", 1, 0, OPT_INDIRECT },
+    { "indirect-error", 1, 0, OPT_INDIRECT_ERROR },
+    { "indirect-from", 1, 0, OPT_INDIRECT_FROM },
     { "maxdepth", 1, 0, OPT_MAXDEPTH },
     { "seed", 1, 0, OPT_SEED },
     { "spp", 1, 0, OPT_SPP },
@@ -76,8 +80,8 @@ static void print_help(void)
         "\n"
         "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
         "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --builder B,\n"
-        "      --area-lights N, --indirect-lights N, --maxdepth N, --seed N, --spp N, --isa I, -t,\n"
-        "      --nthreads N\n"
+        "      --area-lights N, --indirect-lights N, --indirect-error E, --indirect-from F, --maxdepth N,\n"
+        "      --seed N, --spp N, --isa I, -t, --nthreads N\n"
         "\n"
         "  -h, --help               this text\n"
         "\n"
@@ -117,6 +121,8 @@ static int set_option(options *o, int c)
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
     case OPT_INDIRECT: return cli_parse_indirect(optarg, &o->load.indirect_lights);
+    case OPT_INDIRECT_ERROR: return cli_parse_float(optarg, CLI_MIN_INDIRECT, 1, &o->load.indirect_error);
+    case OPT_INDIRECT_FROM: return cli_parse_indirect_from(optarg, &o->load.indirect_from);
     case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->render.max_depth);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->render.spp);

@@ -35,8 +35,10 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     cli_light_kinds(stdout, i, false);
     printf("\n");
     if (i->n_light_paths)
-        printf("indirect light       %llu virtual lights along %llu paths, %.2g of it lost to clamping\n",
-               (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
+        printf("indirect light       %llu virtual lights along %llu paths, +-%.2g %% a block, 95 %% of the\n"
+               "                     blocks within %.2g %%; %.2g of it lost to clamping\n",
+               (ull)i->n_indirect_lights, (ull)i->n_light_paths, 100 * i->indirect_median,
+               100 * i->indirect_high, i->indirect_loss);
     printf("emissive triangles   %llu\n", (ull)i->n_emissive_triangles);
     if (i->n_env_maps)
         printf("infinite lights      %llu, made into %llu directional, where %llu that were tried matter\n",
@@ -90,8 +92,7 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
     printf("  \"lights\": %llu,\n  \"lights_by_type\": {", (ull)i->n_lights);
     cli_light_kinds(stdout, i, true);
     printf("},\n");
-    printf("  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n",
-           (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
+    cli_indirect_json(stdout, i);
     printf("  \"emissive_triangles\": %llu,\n  \"infinite_lights\": %llu,\n  \"env_lights\": %llu,\n"
            "  \"env_tried\": %llu,\n  \"textures\": {",
            (ull)i->n_emissive_triangles, (ull)i->n_env_maps, (ull)i->n_env_lights, (ull)i->n_env_tried);

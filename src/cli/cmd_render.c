@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,6 +50,8 @@ enum {
     OPT_BUILDER,
     OPT_ENV,
     OPT_INDIRECT,
+    OPT_INDIRECT_ERROR,
+    OPT_INDIRECT_FROM,
     OPT_CHUNK,
     OPT_PRINT_CHUNKS,
     OPT_CHECKPOINT,
@@ -69,6 +72,8 @@ static const struct option long_options[] = {
     { "area-lights", 1, 0, OPT_AREA },
     { "env-lights", 1, 0, OPT_ENV },
     { "indirect-lights", 1, 0, OPT_INDIRECT },
+    { "indirect-error", 1, 0, OPT_INDIRECT_ERROR },
+    { "indirect-from", 1, 0, OPT_INDIRECT_FROM },
     { "nthreads", 1, 0, 't' },
     { "seed", 1, 0, OPT_SEED },
     { "spp", 1, 0, OPT_SPP },
@@ -113,8 +118,13 @@ static void print_help(void)
         "      --area-lights N      lights made from emissive surfaces, default: as many as the picture\n"
         "                           needs\n"
         "      --env-lights N       lights made from environment maps, default 5000\n"
-        "      --indirect-lights N  virtual lights of bounced light; default 20000 where the scene's\n"
-        "                           integrator traces paths, as pbrt's does by default, else 0\n"
+        "      --indirect-lights N  virtual lights of bounced light; default: as many as the next takes,\n"
+        "                           up to 1048576, where the scene's integrator traces paths, as pbrt's\n"
+        "                           does by default, else 0\n"
+        "      --indirect-error E   half of the blocks of 8x8 pixels are to be this near to what endlessly\n"
+        "                           many virtual lights would make them, 95 %% within 5 E; default 0.01\n"
+        "      --indirect-from F    scene (default): virtual lights stay where they are when the camera\n"
+        "                           moves; or view: fewer where the camera sees little of their light\n"
         "      --seed N             of sampling, of area and environment lights and of the tree's\n"
         "                           representatives, default 0\n"
         "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a\n"
@@ -180,6 +190,8 @@ static int set_option(options *o, int c)
     case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
     case OPT_ENV: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.env_lights);
     case OPT_INDIRECT: return cli_parse_indirect(optarg, &o->load.indirect_lights);
+    case OPT_INDIRECT_ERROR: return cli_parse_float(optarg, CLI_MIN_INDIRECT, 1, &o->load.indirect_error);
+    case OPT_INDIRECT_FROM: return cli_parse_indirect_from(optarg, &o->load.indirect_from);
     case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->render.spp);
@@ -406,11 +418,21 @@ static int step(void *user, uint64_t done, uint64_t total)
     return done < total && cli_farm_step(s->farm);
 }
 
-#define WARN_LOSS 0.1 /* share of the indirect light; interiors lose 0.01 to 0.03 */
+#define WARN_LOSS 0.1     /* share of the indirect light; interiors lose 0.01 to 0.03 */
+#define WARN_OFF 2        /* times the error of indirect light that was asked for */
+#define INDIRECT_HIGH 5.0 /* times the error that is asked of half of the blocks: of 95 % */
 
 static void warn_of_scene(const options *o, const lc_scene_info *info)
 {
     if (o->quiet) return;
+    const double asked = o->load.indirect_error > 0 ? o->load.indirect_error : CLI_INDIRECT_ERROR;
+    const double off = fmax(info->indirect_median, info->indirect_high / INDIRECT_HIGH) / asked;
+    if (off > WARN_OFF)
+        fprintf(stderr,
+                "lightcuts: warning: indirect light is off by %.2g %% in half of the blocks, by %.2g %% and "
+                "more in 5 %% of them, %.2g times what was asked: more --indirect-lights help%s\n",
+                100 * info->indirect_median, 100 * info->indirect_high, off,
+                o->load.indirect_from == LC_INDIRECT_FROM_VIEW ? "" : ", or --indirect-from view");
     if (info->indirect_loss > WARN_LOSS)
         fprintf(stderr,
                 "lightcuts: warning: clamping takes %.0f %% of the indirect light, with more "

@@ -35,8 +35,11 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     cli_light_kinds(f, i, false);
     fprintf(f, "\n");
     if (i->n_light_paths)
-        fprintf(f, "indirect light   %llu virtual lights along %llu paths, %.2g of it lost to clamping\n",
-                (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
+        fprintf(f,
+                "indirect light   %llu virtual lights along %llu paths, +-%.2g %% a block, 95 %% of the\n"
+                "                 blocks within %.2g %%; %.2g of it lost to clamping\n",
+                (ull)i->n_indirect_lights, (ull)i->n_light_paths, 100 * i->indirect_median,
+                100 * i->indirect_high, i->indirect_loss);
     if (i->n_env_maps)
         fprintf(f, "environment      %llu directional lights, where %llu that were tried matter\n",
                 (ull)i->n_env_lights, (ull)i->n_env_tried);
@@ -90,8 +93,7 @@ void cli_write_stats_json(FILE *f, void *report)
     fprintf(f, "  \"lights_by_type\": {");
     cli_light_kinds(f, i, true);
     fprintf(f, "},\n");
-    fprintf(f, "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g},\n",
-            (ull)i->n_indirect_lights, (ull)i->n_light_paths, i->indirect_loss);
+    cli_indirect_json(f, i);
     fprintf(f, "  \"environment\": {\"lights\": %llu, \"tried\": %llu},\n", (ull)i->n_env_lights,
             (ull)i->n_env_tried);
     fprintf(

@@ -159,6 +159,14 @@ void lc_area_map_mean(const lc_scene *scene, size_t tri, double rgb[3])
     for (int k = 0; k < 3; k++) rgb[k] = w.sum[k] / w.n_parts;
 }
 
+void lc_area_map_at(const lc_scene *scene, size_t tri, const double b[2], double rgb[3])
+{
+    walk w = { .n_lights = 0 };
+    const double here[3][2] = { { b[0], b[1] }, { b[0], b[1] }, { b[0], b[1] } };
+    begin(&w, scene, tri, 1);
+    look_up(&w, here, rgb);
+}
+
 lc_status lc_area_map_lights(lc_scene *scene, size_t tri, uint32_t k, const lc_light *base, uint64_t seed)
 {
     walk w = { .scene = scene, .base = base, .n_lights = k, .seed = seed };

@@ -43,10 +43,17 @@ static uint32_t depth_of(const lc_scene *s, const lc_load_desc *desc)
     return desc->max_depth ? desc->max_depth : s->max_depth;
 }
 
-static uint32_t n_indirect(const lc_scene *s, const lc_load_desc *desc)
+/* Virtual lights, if there are any. */
+static lc_status make_indirect(lc_scene *s, const lc_load_desc *desc, size_t n_given)
 {
-    uint32_t n = desc->indirect_lights;
-    return n == LC_NO_LIGHTS ? 0 : n ? n : s->traces_paths ? LC_DEFAULT_INDIRECT : 0;
+    const lc_vpl_desc vpl = { .n_lights = desc->indirect_lights,
+                              .deviation = desc->indirect_error,
+                              .max_depth = depth_of(s, desc),
+                              .from_view = desc->indirect_from == LC_INDIRECT_FROM_VIEW,
+                              .n_given = n_given,
+                              .seed = desc->seed };
+    if (desc->indirect_lights == LC_NO_LIGHTS || (!desc->indirect_lights && !s->traces_paths)) return LC_OK;
+    return lc_vpl_make(s, &vpl);
 }
 
 lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
@@ -79,18 +86,18 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     s->n_env_lights = s->n_lights - n_before;
     if (!st) st = lc_scene_join_lights(s);
     if (!st) lc_lamps_find(s, n_given, n_before);
-    if (!st) st = lc_vpl_make(s, n_indirect(s, desc), depth_of(s, desc), desc->seed);
+    s->diag2 = scene_diag2(s);
+    lc_camera_set_distance(&s->camera, sqrt(s->diag2));
+    s->min_d2 = (float)fmax(FLOOR_OF_DIAG2 * s->diag2, LC_MIN_D2);
+    if (!st) st = make_indirect(s, desc, n_given);
     if (st) return st;
     s->follows_smooth = all_seen || s->indirect.n_lights;
-    double diag2 = scene_diag2(s);
-    lc_camera_set_distance(&s->camera, sqrt(diag2));
-    s->min_d2 = (float)fmax(FLOOR_OF_DIAG2 * diag2, LC_MIN_D2);
     double t2 = lc_now();
     s->seconds_lights = t2 - t1;
     lc_light_tree_desc tree_desc = { .lights = s->lights,
                                      .n_lights = s->n_lights,
                                      .spot_maps = s->spot_maps,
-                                     .diag2 = diag2,
+                                     .diag2 = s->diag2,
                                      .seed = desc->seed,
                                      .n_reps = desc->n_reps,
                                      .builder = desc->builder };

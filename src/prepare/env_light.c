@@ -26,6 +26,7 @@ typedef struct rect {
 
 typedef struct table {
     lc_scene *scene;
+    const lc_context *ctx;
     const lc_env *env;
     uint32_t fine, w, h; /* each texel of the map is cut into fine * fine, so the table has w * h */
     double *power;       /* (w + 1) * (h + 1): the power of the texels left of x and above y */
@@ -34,8 +35,8 @@ typedef struct table {
     double *solid;       /* h: solid angle of one texel of the row */
     uint64_t seed;
     uint64_t n_made;     /* lights */
-    rect *tried;          /* while candidates are made: their rectangles; NULL: lights go to the scene */
-    lc_light *candidates; /* CANDIDATES */
+    lc_light *candidates; /* instead of lights of the scene; NULL: none are being made */
+    rect *tried;          /* rectangles of the candidates, or NULL */
     double *weights;      /* CANDIDATES */
 } table;
 
@@ -132,8 +133,8 @@ static lc_status add_light(table *t, const rect *r)
     light.intensity = lc_f3_make((float)rgb[0], (float)rgb[1], (float)rgb[2]);
     light.dir = lc_f3_normalize_d(-v[0], -v[1], -v[2]);
     uint64_t i = t->n_made++;
-    if (!t->tried) return lc_scene_add_light(t->scene, (lc_pos){ 0, 0, 0 }, &light);
-    t->tried[i] = *r;
+    if (!t->candidates) return lc_scene_add_light(t->scene, (lc_pos){ 0, 0, 0 }, &light);
+    if (t->tried) t->tried[i] = *r;
     t->candidates[i] = light;
     return LC_OK;
 }
@@ -215,7 +216,7 @@ static void sum_up(const table *t, double *sums)
  * bright parts of the sky more candidates. */
 static lc_status try_candidates(table *t, const rect *all, const lc_view_grid *view)
 {
-    const lc_context *ctx = t->scene->ctx;
+    const lc_context *ctx = t->ctx;
     t->weighted = lc_alloc(ctx, n_sums(t), sizeof *t->weighted);
     t->tried = lc_alloc_raw(ctx, CANDIDATES, sizeof *t->tried);
     t->candidates = lc_alloc_raw(ctx, CANDIDATES, sizeof *t->candidates);
@@ -233,21 +234,22 @@ static lc_status try_candidates(table *t, const rect *all, const lc_view_grid *v
     lc_free(ctx, t->weights, CANDIDATES, sizeof *t->weights);
     t->scene->n_env_tried += t->n_made;
     t->tried = NULL;
+    t->candidates = NULL;
     t->n_made = 0;
     return st;
 }
 
-/* Makes k lights for one map. */
+/* Makes k lights for one map. view: NULL, not weighted. */
 static lc_status make(table *t, uint32_t k, const lc_view_grid *view)
 {
     rect all = { { 0, 0 }, { t->w, t->h } };
-    const lc_context *ctx = t->scene->ctx;
+    const lc_context *ctx = t->ctx;
     t->power = lc_alloc(ctx, n_sums(t), sizeof *t->power);
     t->solid = lc_alloc(ctx, t->h, sizeof *t->solid);
     lc_status st = t->power && t->solid ? LC_OK : LC_ERR_MEMORY;
     if (!st && fill(t) > 0) {
         t->cut_by = t->power;
-        if (view->n && k > 1) st = try_candidates(t, &all, view);
+        if (view && view->n && k > 1) st = try_candidates(t, &all, view);
         if (!st) st = cut(t, &all, k);
     }
     lc_free(ctx, t->power, n_sums(t), sizeof *t->power);
@@ -258,10 +260,10 @@ static lc_status make(table *t, uint32_t k, const lc_view_grid *view)
 
 /* A weighted map must have enough texels to tell directions apart; a constant map, for one, has a single
  * one. */
-static void init_table(table *t, lc_scene *scene, size_t env, bool weighted, uint64_t seed)
+static void init_table(table *t, const lc_scene *scene, size_t env, bool weighted, uint64_t seed)
 {
     uint32_t w = lc_env_width(&scene->envs[env]), h = lc_env_height(&scene->envs[env]), side = w < h ? w : h;
-    *t = (table){ .scene = scene, .env = &scene->envs[env], .seed = lc_hash2(seed, env) };
+    *t = (table){ .ctx = scene->ctx, .env = &scene->envs[env], .seed = lc_hash2(seed, env) };
     t->fine = weighted ? (MIN_SIDE + side - 1) / side : 1;
     t->w = w * t->fine;
     t->h = h * t->fine;
@@ -287,6 +289,7 @@ static lc_status make_all(lc_scene *scene, uint32_t n_lights, uint64_t seed, con
     for (size_t i = 0; i < scene->n_envs && total > 0; i++) {
         table t;
         init_table(&t, scene, i, view->n > 0, seed);
+        t.scene = scene;
         /* The lights for this map; rounding the running sum keeps the total. */
         double power = env_power(t.env), first = floor(before / total * n_lights + 0.5);
         before += power;
@@ -305,5 +308,16 @@ lc_status lc_env_lights_make(lc_scene *scene, uint32_t n_lights, uint32_t max_de
     lc_status st = scored ? lc_view_grid_init(&view, scene, VIEW_SIDE, max_depth) : LC_OK;
     if (!st) st = make_all(scene, n_lights, seed, &view);
     lc_view_grid_free(&view);
+    return st;
+}
+
+lc_status lc_env_lights_by_power(const lc_scene *scene, size_t env, uint32_t n, uint64_t seed,
+                                 lc_light *lights, uint32_t *n_made)
+{
+    table t;
+    init_table(&t, scene, env, true, seed);
+    t.candidates = lights;
+    lc_status st = make(&t, n, NULL);
+    *n_made = (uint32_t)t.n_made;
     return st;
 }

@@ -38,10 +38,4 @@ float lc_unoccluded_luminance(const lc_shade_kernels *kernels, const lc_point *p
 #define LC_IMPORTANCE_POINTS 16
 double lc_view_grid_importance(const lc_view_grid *view, const lc_light *light, uint64_t hash);
 
-/* The fraction, 0..1, of the light contributed by the scene's virtual lights, from light `first` on, that
- * clamping removes: their attenuation r^2 + d^2 in place of d^2 (vpl_radius.h), shadows included. An estimate
- * by all lights near each point and a sample of the others. Distances below r / 4 count as r / 4, as a few
- * points next to a light would otherwise outweigh all others. 0 if nothing is illuminated. */
-double lc_view_grid_clamping_loss(const lc_view_grid *view, size_t first, uint64_t seed);
-
 #endif

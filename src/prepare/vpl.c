@@ -1,24 +1,31 @@
 /* vpl.c - see vpl.h.
  *
- *     a light, by power -> direction -> surface -> virtual light, goes on -> surface -> virtual light, ...
+ *     a source, by power -> place, direction -> surface -> virtual light, goes on -> surface -> ...
  *
- * Path i draws its first numbers from point i of a Kronecker sequence (powers of the root of x^6 = x + 1,
- * [Roberts18]), which fills light, direction and first bounce evenly, and the others from its own hash. Each
- * virtual light emits as a diffuse surface does: flux * albedo / pi along the shading normal. Lobes count as
- * diffuse with all that they reflect; a surface with diffuse transmission has a light on its other side, too.
- * At mirrors and glass a path goes on, by chance where they both reflect and transmit. From the second rough
- * surface on a path ends with probability 1 - albedo. Intensities are divided by the number of paths.
+ * Path i draws its first numbers from point i of a Kronecker sequence (powers of the root of x^8 = x + 1,
+ * [Roberts18]), which fills source, place, direction and first bounce evenly, and the others from its own
+ * hash. Each virtual light emits as a diffuse surface does: flux * albedo / pi along the shading normal.
+ * Lobes count as diffuse with all that they reflect; a surface with diffuse transmission has a light on its
+ * other side, too. At mirrors and glass a path goes on, by chance where they both reflect and transmit. From
+ * the second rough surface on a path ends with probability 1 - albedo. Intensities are divided by the number
+ * of paths.
  *
- * Lights that contribute little to what the camera sees, such as those outside a room, are kept with a
- * probability below 1 only, and scaled by its inverse ([Georgiev10]). A light is certain to be kept from
- * SURE_IMPORTANCE times the median importance of the first batch's lights on.
+ * The first FIRST_LIGHTS show how far the picture's blocks are from the converged one (vpl_deviation.h); as
+ * deviations fall with the root of the number of lights, they tell how many are needed. The next lot shows
+ * whether that holds.
+ *
+ * With from_view, lights that contribute little to what the camera sees, such as those outside a room, are
+ * kept with a probability below 1 only, and scaled by its inverse ([Georgiev10]). A light is certain to be
+ * kept from SURE_IMPORTANCE times the median importance of the first batch's lights on.
  */
 #include "prepare/vpl.h"
 
 #include "base/pool.h"
 #include "base/rng.h"
 #include "base/sample_dir.h"
+#include "prepare/path_start.h"
 #include "prepare/view_grid.h"
+#include "prepare/vpl_deviation.h"
 #include "prepare/vpl_radius.h"
 #include "scene/sight.h"
 #include "shade/fresnel.h"
@@ -34,7 +41,11 @@
 #define PATHS_A_LIGHT LC_SIZE(64, 8) /* greatest number of paths for each light requested */
 #define PATHS_FOR_NONE (16 * BATCH)  /* paths without any light after which none is expected */
 #define PATH_SURFACES 64             /* greatest number of surfaces of a path, for those among mirrors */
-#define DIMS 5                       /* dimensions of the Kronecker sequence */
+#define DIMS 5                       /* dimensions of the Kronecker sequence, and those of */
+#define PLACE_DIMS 2                 /* the place on a source */
+#define FIRST_LIGHTS LC_SIZE(16384, 64)
+#define MOST_LIGHTS LC_SIZE(1048576, 256)
+#define MOST_GROWTH 8.0 /* of the number of lights, after which deviations are looked at again */
 #define SURE_IMPORTANCE 0.5          /* of the median: importance from which a light is kept for certain */
 #define MIN_CHANCE 0.0625            /* least probability of keeping a light */
 
@@ -42,15 +53,15 @@ typedef struct maker {
     const lc_scene *scene;
     uint64_t seed, first_path;
     uint32_t max_depth;
-    double *sums; /* n_lights + 1: power of the lights before */
-    double centre[3], radius; /* of a ball around all triangles */
-    const lc_view_grid *view;
+    lc_path_starts starts;
+    lc_view_grid view; /* without points: all lights are kept */
     double enough; /* importance from which a light is kept for certain; 0: not known yet, or all have none */
     double *importance, *sorted; /* of slots; scratch */
     lc_light *slots; /* PATH_LIGHTS a path of the batch */
     uint8_t n_stored[BATCH];
-    lc_light *made;
-    size_t n_made, n_wanted;
+    lc_light *made; /* of all paths so far, not divided by their number */
+    uint32_t *path; /* of each light */
+    size_t n_made, cap_made, cap_path, n_wanted;
     uint64_t n_paths;
 } maker;
 
@@ -65,13 +76,20 @@ typedef struct path {
 
 /* ---- numbers ---- */
 
+/* Dimension d of the path's point of the Kronecker sequence. */
+static double of_sequence(const path *p, uint32_t d)
+{
+    static const uint64_t step[DIMS + PLACE_DIMS] = {
+        0xe95e1dd17d35800du, 0xd4bc74e13f3c782fu, 0xc1edbc5b5c68ac25u, 0xb0c8ac50f0edef5du,
+        0xa127a31c56d1cdb5u, 0x92e852c80d153db3u, 0x85eb75c3024385c3u,
+    };
+    return lc_unit(lc_hash4(p->m->seed, d, 0, 0) + (p->index + 1) * step[d]);
+}
+
 static double draw(path *p)
 {
-    static const uint64_t step[DIMS] = { 0xe19b01aa9d42c633u, 0xc6d1d6c8ed0c9631u, 0xaf36d01ef7518dbbu,
-                                         0x9a69443f36f710e7u, 0x881403b9339bd42du };
     uint32_t d = p->n_drawn++;
-    if (d >= DIMS) return lc_unit(lc_hash4(p->m->seed, p->index, d, 1));
-    return lc_unit(lc_hash4(p->m->seed, d, 0, 0) + (p->index + 1) * step[d]);
+    return d < DIMS ? of_sequence(p, d) : lc_unit(lc_hash4(p->m->seed, p->index, d, 1));
 }
 
 /* For choices between reflection and transmission, so that mirrors do not use up the numbers of the first
@@ -92,41 +110,22 @@ static lc_f3 draw_cosine(path *p, lc_f3 n)
 
 /* ---- emission ---- */
 
-static double power_of(const maker *m, const lc_light *light)
+/* Sets the light that the path starts from. */
+static void emit(path *p, lc_light *from)
 {
-    lc_f3 i = light->intensity;
-    return ((double)i.x + (double)i.y + (double)i.z) / 3 * lc_light_kinds[light->kind].flux(light, m->radius);
-}
-
-static const lc_light *pick_light(const path *p, double at)
-{
-    const double *sums = p->m->sums;
-    size_t lo = 0, hi = p->m->scene->n_lights - 1;
-    at *= sums[hi + 1];
-    while (lo < hi) {
-        size_t mid = lo + (hi - lo) / 2;
-        if (at < sums[mid + 1]) hi = mid;
-        else lo = mid + 1;
-    }
-    return &p->m->scene->lights[lo];
-}
-
-static void emit(path *p, const lc_light **from)
-{
-    const maker *m = p->m;
-    const lc_light *light = *from = pick_light(p, draw(p));
-    double power = power_of(m, light);
-    double factor = lc_light_kinds[light->kind].flux(light, m->radius) *
-                    (m->sums[m->scene->n_lights] / power);
-    lc_emit_from in = { .centre = { m->centre[0], m->centre[1], m->centre[2] },
-                        .radius = m->radius,
-                        .spot_maps = m->scene->spot_maps };
+    const lc_path_starts *starts = &p->m->starts;
+    const double at = draw(p), place[2] = { of_sequence(p, DIMS), of_sequence(p, DIMS + 1) };
+    const double chance = lc_path_start_draw(starts, at, place, from);
+    lc_emit_from in = { .centre = { starts->centre[0], starts->centre[1], starts->centre[2] },
+                        .radius = starts->radius,
+                        .spot_maps = p->m->scene->spot_maps };
     lc_emitted ray;
     for (int k = 0; k < 2; k++) in.u[k] = draw(p);
-    lc_light_kinds[light->kind].emit(light, &in, &ray);
+    lc_light_kinds[from->kind].emit(from, &in, &ray);
+    const double factor = lc_light_kinds[from->kind].flux(from, starts->radius) / chance;
     p->org = ray.org;
     p->dir = ray.dir;
-    p->flux = lc_f3_mul(lc_f3_scale(lc_f3_scale(light->intensity, (float)factor), ray.weight), ray.colour);
+    p->flux = lc_f3_mul(lc_f3_scale(lc_f3_scale(from->intensity, (float)factor), ray.weight), ray.colour);
 }
 
 /* The factor by which a light is stronger at a surface than with attenuation of 1 / d^2. */
@@ -210,13 +209,13 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
 
 static void trace(path *p)
 {
-    const lc_light *from;
+    lc_light from;
     lc_surface s;
     emit(p, &from);
     if (!(lc_f3_max(p->flux) > 0)) return;
     for (uint32_t depth = 1; depth < p->m->max_depth && depth <= PATH_SURFACES; depth++) {
         if (!lc_surface_hit(p->m->scene, p->org, p->dir, 0, &s)) return;
-        if (depth == 1) p->flux = lc_f3_scale(p->flux, unlike_square(from, &s));
+        if (depth == 1) p->flux = lc_f3_scale(p->flux, unlike_square(&from, &s));
         if (!(lc_is_specular(&s.material) ? scatter_specular(p, &s, depth) : scatter(p, &s, depth))) return;
     }
 }
@@ -232,8 +231,8 @@ static void trace_item(void *user, uint32_t thread, uint64_t item)
                    .n_lights = &m->n_stored[i] };
         m->n_stored[i] = 0;
         trace(&p);
-        for (uint64_t k = i * PATH_LIGHTS; k < i * PATH_LIGHTS + m->n_stored[i]; k++)
-            m->importance[k] = lc_view_grid_importance(m->view, &m->slots[k],
+        for (uint64_t k = i * PATH_LIGHTS; k < i * PATH_LIGHTS + m->n_stored[i] && m->view.n; k++)
+            m->importance[k] = lc_view_grid_importance(&m->view, &m->slots[k],
                                                   lc_hash4(m->seed, p.index, k % PATH_LIGHTS, 4));
     }
 }
@@ -264,88 +263,109 @@ static void keep(maker *m, size_t i, size_t k)
                         ? fmin(fmax(m->importance[i * PATH_LIGHTS + k] / m->enough, MIN_CHANCE), 1)
                         : 1;
     if (!(lc_unit(lc_hash4(m->seed, m->first_path + i, k, 5)) < chance)) return;
+    m->path[m->n_made] = (uint32_t)(m->first_path + i);
     m->made[m->n_made] = *light;
     m->made[m->n_made++].intensity = lc_f3_scale(light->intensity, (float)(1 / chance));
 }
 
 /* ---- the whole ---- */
 
-static bool prepare(maker *m)
+/* Traces paths until there are n lights, or it is clear that there will not be. Every path is completed. */
+static lc_status trace_until(maker *m, size_t n)
 {
-    const lc_scene *s = m->scene;
-    const lc_box *b = &s->bounds;
-    double lo[3] = { (double)b->lo.x, (double)b->lo.y, (double)b->lo.z },
-           hi[3] = { (double)b->hi.x, (double)b->hi.y, (double)b->hi.z };
-    double r2 = 0;
-    for (int k = 0; k < 3; k++) {
-        double half = (hi[k] - lo[k]) / 2;
-        m->centre[k] = lo[k] + half;
-        r2 += half * half;
-    }
-    m->radius = sqrt(r2);
-    for (size_t i = 0; i < s->n_lights; i++) m->sums[i + 1] = m->sums[i] + power_of(m, &s->lights[i]);
-    return m->sums[s->n_lights] > 0;
-}
-
-static void trace_all(maker *m)
-{
-    while (m->n_made < m->n_wanted && m->n_paths < (uint64_t)PATHS_A_LIGHT * m->n_wanted) {
-        if (!m->n_made && m->n_paths >= PATHS_FOR_NONE) return;
+    const lc_context *ctx = m->scene->ctx;
+    const size_t room = n + PATH_LIGHTS;
+    lc_status st = lc_grow(ctx, (void **)&m->made, &m->cap_made, room, sizeof *m->made);
+    if (!st) st = lc_grow(ctx, (void **)&m->path, &m->cap_path, room, sizeof *m->path);
+    while (!st && m->n_made < n && m->n_paths < (uint64_t)PATHS_A_LIGHT * n) {
+        if (!m->n_made && m->n_paths >= PATHS_FOR_NONE) break;
         m->first_path = m->n_paths;
-        lc_parallel(m->scene->ctx, BATCH / ITEM, trace_item, m);
-        if (!m->first_path) m->enough = SURE_IMPORTANCE * median_importance(m);
-        for (size_t i = 0; i < BATCH && m->n_made < m->n_wanted; i++, m->n_paths++)
+        lc_parallel(ctx, BATCH / ITEM, trace_item, m);
+        if (!m->first_path && m->view.n) m->enough = SURE_IMPORTANCE * median_importance(m);
+        for (size_t i = 0; i < BATCH && m->n_made < n; i++, m->n_paths++)
             for (size_t k = 0; k < m->n_stored[i]; k++) keep(m, i, k);
     }
+    return st;
 }
 
-static lc_status add_all(lc_scene *scene, maker *m)
+/* How many lights to have in place of n for the deviations that are asked for: n times a power of 2, since a
+ * number that changes whenever the camera moves a little would change all cuts. */
+static size_t needed(const lc_indirect *have, double asked, size_t n)
+{
+    const double off = lc_indirect_deviation(have) / asked;
+    double growth = 2;
+    while (growth < off * off && growth < MOST_GROWTH) growth *= 2;
+    return (size_t)fmin((double)n * growth, MOST_LIGHTS);
+}
+
+/* Makes as many lights as are asked for, by number or by deviation. */
+static lc_status make_enough(maker *m, lc_vpl_deviation *deviation, const lc_vpl_desc *desc,
+                             lc_indirect *out)
+{
+    size_t n = desc->n_lights ? desc->n_lights : FIRST_LIGHTS;
+    for (;;) {
+        lc_status st = trace_until(m, n);
+        const bool last = desc->n_lights || n >= MOST_LIGHTS || m->n_made < n;
+        if (!st) st = lc_vpl_radii(m->scene->ctx, m->made, m->n_made);
+        if (!st)
+            st = lc_vpl_deviation_find(deviation, m->made, m->path, m->n_made, m->n_paths,
+                                       last ? INFINITY : desc->deviation, out);
+        if (st || last || lc_indirect_deviation(out) <= desc->deviation) return st;
+        n = needed(out, desc->deviation, n);
+    }
+}
+
+static lc_status add_all(lc_scene *scene, const maker *m)
 {
     double each = 1 / (double)m->n_paths;
-    for (size_t i = 0; i < m->n_made; i++) {
-        lc_light *l = &m->made[i];
-        l->intensity = lc_f3_make((float)((double)l->intensity.x * each),
-                                  (float)((double)l->intensity.y * each),
-                                  (float)((double)l->intensity.z * each));
+    lc_status st = LC_OK;
+    for (size_t i = 0; i < m->n_made && !st; i++) {
+        lc_light l = m->made[i];
+        l.intensity = lc_f3_make((float)((double)l.intensity.x * each), (float)((double)l.intensity.y * each),
+                                 (float)((double)l.intensity.z * each));
+        st = lc_scene_add_light(scene, (lc_pos){ 0, 0, 0 }, &l);
     }
-    lc_status st = lc_vpl_radii(scene->ctx, m->made, m->n_made);
-    size_t before = scene->n_lights;
-    for (size_t i = 0; i < m->n_made && !st; i++)
-        st = lc_scene_add_light(scene, (lc_pos){ 0, 0, 0 }, &m->made[i]);
-    if (!st) st = lc_scene_join_lights(scene);
-    if (st) return st;
-    scene->indirect.n_lights = scene->n_lights - before;
-    scene->indirect.n_paths = m->n_paths;
-    scene->indirect.loss = lc_view_grid_clamping_loss(m->view, before, m->seed);
-    return LC_OK;
+    return st ? st : lc_scene_join_lights(scene);
 }
 
-lc_status lc_vpl_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed)
+static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
 {
-    lc_view_grid view = { 0 };
-    maker m = { .scene = scene,
-                .view = &view,
-                .seed = lc_hash2(seed, 0x76706c),
-                .max_depth = max_depth,
-                .n_wanted = n_lights };
     const lc_context *ctx = scene->ctx;
-    size_t n_sums = scene->n_lights + 1, n_room = (size_t)n_lights + PATH_LIGHTS;
-    if (!n_lights || max_depth < 2 || !scene->n_lights || !scene->n_tris) return LC_OK;
-    m.sums = lc_alloc(ctx, n_sums, sizeof *m.sums);
-    m.slots = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
-    m.importance = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.importance);
-    m.sorted = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
-    m.made = lc_alloc_raw(ctx, n_room, sizeof *m.made);
-    lc_status st = m.sums && m.slots && m.importance && m.sorted && m.made ? LC_OK : LC_ERR_MEMORY;
-    if (!st && prepare(&m) && !(st = lc_view_grid_init(&view, scene, LC_VIEW_GRID_SIDE, max_depth))) {
-        trace_all(&m);
-        st = add_all(scene, &m);
-    }
-    lc_free(ctx, m.sums, n_sums, sizeof *m.sums);
-    lc_free(ctx, m.slots, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
-    lc_free(ctx, m.importance, (size_t)BATCH * PATH_LIGHTS, sizeof *m.importance);
-    lc_free(ctx, m.sorted, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
-    lc_view_grid_free(&view);
-    lc_free(ctx, m.made, n_room, sizeof *m.made);
+    lc_vpl_deviation deviation;
+    lc_status st = LC_OK;
+    m->slots = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->slots);
+    m->importance = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->importance);
+    m->sorted = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->sorted);
+    if (!m->slots || !m->importance || !m->sorted) return LC_ERR_MEMORY;
+    if (desc->from_view) st = lc_view_grid_init(&m->view, scene, LC_VIEW_GRID_SIDE, desc->max_depth);
+    if (st) return st;
+    st = lc_vpl_deviation_init(&deviation, scene, desc->max_depth, m->seed);
+    if (!st) st = make_enough(m, &deviation, desc, &scene->indirect);
+    lc_vpl_deviation_free(&deviation);
+    if (st) return st;
+    size_t before = scene->n_lights;
+    st = add_all(scene, m);
+    scene->indirect.n_lights = scene->n_lights - before;
+    scene->indirect.n_paths = m->n_paths;
+    return st;
+}
+
+lc_status lc_vpl_make(lc_scene *scene, const lc_vpl_desc *desc)
+{
+    maker m = { .scene = scene,
+                .view = { .scene = scene },
+                .seed = lc_hash2(desc->seed, 0x76706c),
+                .max_depth = desc->max_depth };
+    const lc_context *ctx = scene->ctx;
+    if (desc->max_depth < 2 || !scene->n_lights || !scene->n_tris) return LC_OK;
+    lc_status st = lc_path_starts_init(&m.starts, scene, desc->n_given, desc->seed);
+    if (!st && m.starts.n && m.starts.sums[m.starts.n] > 0) st = make(scene, &m, desc);
+    lc_path_starts_free(&m.starts);
+    lc_view_grid_free(&m.view);
+    if (m.slots) lc_free(ctx, m.slots, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
+    if (m.importance) lc_free(ctx, m.importance, (size_t)BATCH * PATH_LIGHTS, sizeof *m.importance);
+    if (m.sorted) lc_free(ctx, m.sorted, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
+    lc_free(ctx, m.made, m.cap_made, sizeof *m.made);
+    lc_free(ctx, m.path, m.cap_path, sizeof *m.path);
     return st;
 }

@@ -25,6 +25,8 @@ typedef struct tree {
 typedef struct nearest {
     float pos[3], d2[LC_VPL_NEIGHBOURS];
     uint32_t self;
+    lc_f3 n;
+    const lc_light *lights;
 } nearest;
 
 /* ---- build ---- */
@@ -74,13 +76,14 @@ static void build(place *p, size_t n)
 
 /* ---- search ---- */
 
-/* Inserts a light into the query's list if it is near enough. */
+/* Inserts a light into the query's list if it is near enough, and on a surface that faces the same way. */
 static void meet(nearest *q, const place *p)
 {
     float x = p->pos[0] - q->pos[0], y = p->pos[1] - q->pos[1], z = p->pos[2] - q->pos[2],
           d2 = x * x + y * y + z * z;
     uint32_t k = 0;
     if (p->light == q->self || !(d2 < q->d2[0])) return;
+    if (!(lc_f3_dot(q->lights[p->light].dir, q->n) > LC_VPL_SAME_WAY)) return;
     for (; k + 1 < LC_VPL_NEIGHBOURS && q->d2[k + 1] > d2; k++) q->d2[k] = q->d2[k + 1];
     q->d2[k] = d2;
 }
@@ -109,12 +112,15 @@ static void search_item(void *user, uint32_t thread, uint64_t item)
     const tree *t = user;
     (void)thread;
     for (size_t i = item * ITEM; i < (item + 1) * ITEM && i < t->n; i++) {
-        nearest q = { .self = (uint32_t)i };
+        nearest q = { .self = (uint32_t)i, .n = t->lights[i].dir, .lights = t->lights };
         lc_light *l = &t->lights[i];
         lc_f3_store(q.pos, l->pos);
         for (int k = 0; k < LC_VPL_NEIGHBOURS; k++) q.d2[k] = INFINITY;
         search(&q, t->places, t->n);
-        float a = q.d2[0] < INFINITY ? q.d2[0] / LC_VPL_NEIGHBOURS : 0; /* too few neighbours: not clamped */
+        uint32_t k = 0;
+        while (k < LC_VPL_NEIGHBOURS && !(q.d2[k] < INFINITY)) k++;
+        const uint32_t n_found = LC_VPL_NEIGHBOURS - k;
+        const float a = n_found ? q.d2[k] / (float)n_found : 0; /* alone: not clamped */
         l->atten[0] = a < LC_MIN_D2 ? 0 : a < LC_MAX_SOFTENING ? a : LC_MAX_SOFTENING;
     }
 }

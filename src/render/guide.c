@@ -1,6 +1,7 @@
 /* guide.c - the cut that the cuts of a block of pixels begin with. */
 #include "render/render_job.h"
 
+#include "scene/lit_point.h"
 #include "scene/surface.h"
 
 /* The cuts of a block of pixels begin with the cut that was made for its middle pixel, sample 0, in place of

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* A field was added? Hash it below if it shapes the picture, then put the new size here. */
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 72,
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 88,
                "lc_render_identity: hash the new field of lc_load_desc");
 _Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 112,
                "lc_render_identity: hash the new field of lc_render_desc");
@@ -19,6 +19,8 @@ static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *sce
     lc_digest_u64(d, (uint64_t)load->builder);
     lc_digest_u64(d, load->max_pixels);
     lc_digest_u64(d, load->indirect_lights);
+    lc_digest_number(d, load->indirect_error);
+    lc_digest_u64(d, (uint64_t)load->indirect_from);
     lc_digest_u64(d, load->max_depth ? load->max_depth : scene->max_depth);
 }
 

@@ -3,6 +3,7 @@
 
 #include "cut/exact.h"
 #include "render/render_job.h"
+#include "scene/lit_point.h"
 #include "scene/surface.h"
 
 /* What cuts of the picture are made by; where it makes none, by those of LC_METHOD_CUTS. */

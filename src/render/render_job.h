@@ -122,9 +122,6 @@ void lc_guided_cut(lc_cut *c, lc_guide *g, const lc_point *p, const lc_surface *
 
 /* ---- pixel.c ---- */
 
-/* What the kernels read of a lit surface is p[0]. It may refer to p[1], with another material for the lights
- * that a narrow lobe would show as dots. hash: lc_slot_hash of the sample, plus the surface's number. */
-void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_point p[2]);
 /* Chooses a sample's slot of representatives. */
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
 /* Camera ray of sample i of a pixel, which may be beyond the film: coordinates are modulo 2^32. */

@@ -75,14 +75,15 @@ static lc_status set_load_attributes(lc_image *im, const lc_scene *scene)
     static const char *const builder[] = { "auto", "exact", "ploc" };
     const lc_load_desc *l = &scene->load;
     double area = l->area_lights ? l->area_lights : (double)scene->n_area_lights;
-    uint32_t by_scene = scene->traces_paths ? LC_DEFAULT_INDIRECT : 0;
-    uint32_t indirect = l->indirect_lights == LC_NO_LIGHTS ? 0
-                        : l->indirect_lights               ? l->indirect_lights
-                                                           : by_scene;
+    const lc_indirect *in = &scene->indirect;
+    const bool asked = l->indirect_lights && l->indirect_lights != LC_NO_LIGHTS;
+    const double indirect = asked ? l->indirect_lights : (double)in->n_lights;
     lc_status st = lc_image_set_text(im, "lightcuts/builder", builder[l->builder]);
     if (!st) st = lc_image_set_number(im, "lightcuts/areaLights", area);
     if (!st) st = lc_image_set_number(im, "lightcuts/envLights", l->env_lights);
     if (!st) st = lc_image_set_number(im, "lightcuts/indirectLights", indirect);
+    if (!st && in->n_lights) st = lc_image_set_number(im, "lightcuts/indirectMedian", in->median);
+    if (!st && in->n_lights) st = lc_image_set_number(im, "lightcuts/indirectHigh", in->high);
     return st;
 }
 

@@ -59,11 +59,21 @@ typedef struct lc_scene_note {
     uint64_t count;
 } lc_scene_note;
 
-/* Virtual lights: how many were made, along how many paths. */
+/* Virtual lights: how many were made, along how many paths; how far blocks of 8x8 pixels are from the
+ * picture with endlessly many, relative to all of their light. */
 typedef struct lc_indirect {
     uint64_t n_lights, n_paths;
-    double loss; /* fraction of their light removed by clamping, see view_grid.h */
+    double loss;         /* fraction of their light that is removed by clamping: attenuation r^2 + d^2 in
+                            place of d^2; distances below r / 4 count as r / 4, as a few points next to a
+                            light would otherwise outweigh all others */
+    double median, high; /* half, and 95 %, of the blocks are nearer than this */
 } lc_indirect;
+#define LC_INDIRECT_HIGH 5.0 /* `high` may be as many times the asked deviation, which is that of `median` */
+
+static inline double lc_indirect_deviation(const lc_indirect *in)
+{
+    return fmax(in->median, in->high / LC_INDIRECT_HIGH);
+}
 
 struct lc_scene {
     lc_context *ctx;
@@ -119,6 +129,7 @@ struct lc_scene {
     lc_box bounds;       /* world space, of the world's triangles; extended by the instances */
     lc_camera camera;
     lc_pixel_filter filter;
+    double diag2;        /* squared diagonal of the box around triangles and lights */
     float min_d2;        /* distance floor: 1/d^2 is evaluated with d^2 >= min_d2, see shade/point.h */
     uint64_t n_emissive_tris, n_area_lights, n_env_lights, n_env_tried;
     bool follows_smooth; /* lobes narrower than LC_SMOOTH_ROUGHNESS are followed as mirrors */

@@ -42,6 +42,5 @@ typedef struct lc_film_desc {
 #define LC_MAX_SPP 65536u
 #define LC_MAX_DEPTH 1000          /* limits max_depth of a path; larger values are reduced to it */
 #define LC_PBRT_DEPTH 5            /* pbrt's maxdepth for scenes that give none */
-#define LC_DEFAULT_INDIRECT 20000u /* virtual lights for a scene whose integrator traces paths */
 
 #endif

@@ -29,6 +29,8 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
         .n_indirect_lights = s->indirect.n_lights,
         .n_light_paths = s->indirect.n_paths,
         .indirect_loss = s->indirect.loss,
+        .indirect_median = s->indirect.median,
+        .indirect_high = s->indirect.high,
         .n_instances = s->n_instances,
         .n_instanced_triangles = lc_instanced_tris(s),
         .n_alpha_meshes = s->n_alphas,

@@ -1,0 +1,374 @@
+/* vpl_deviation.c - see vpl_deviation.h. */
+#include "prepare/vpl_deviation.h"
+
+#include "base/arena.h"
+#include "base/fmath.h"
+#include "base/pool.h"
+#include "base/rng.h"
+#include "cut/cut.h"
+#include "scene/lit_point.h"
+#include "shade/point_init.h"
+#include "tree/light_tree.h"
+
+#include <string.h>
+
+#define SIDE LC_SIZE(16, 4)           /* blocks a side of the picture */
+#define BLOCK 8                       /* pixels a side of a block */
+#define MOST_USED LC_SIZE(32768, 64) /* virtual lights looked at */
+#define BATCH 64                      /* lights at a time */
+#define DRAWN LC_SIZE(64, 4)          /* paths drawn for shadow rays, for each of the three sums */
+#define MIN_HARD 0.0625f              /* an unclamped light's d^2 is at least r^2 / 16, so d >= r / 4 */
+#define DARK 0.02                     /* of the mean: the least luminance that a deviation is taken of */
+#define DIRECT_ERROR 0.05f            /* of clusters */
+#define DIRECT_CUT 400
+
+/* ---- points ---- */
+
+/* Pixel k of LC_BLOCK_POINTS of a block: the centres of its quarters. */
+static void pixel_of(const lc_film_desc *film, uint32_t block, uint32_t k, double at[2])
+{
+    const double size[2] = { film->width, film->height };
+    const uint32_t cell[2] = { block % SIDE, block / SIDE }, part[2] = { k % 2, k / 2 };
+    for (int c = 0; c < 2; c++) {
+        double middle = (cell[c] + 0.5) / SIDE * size[c] + (part[c] - 0.5) * (BLOCK / 2);
+        at[c] = fmin(fmax(middle, 0.5), size[c] - 0.5);
+    }
+}
+
+typedef struct finder {
+    lc_vpl_deviation *d;
+    uint32_t max_depth;
+    lc_cut *cuts; /* of threads */
+    lc_stats *stats;
+} finder;
+
+static void find_point(finder *f, uint32_t thread, size_t i)
+{
+    lc_vpl_deviation *d = f->d;
+    const lc_scene *s = d->scene;
+    const double lens[2] = { 0.5, 0.5 };
+    double at[2];
+    lc_f3 org, dir;
+    lc_sight sight;
+    lc_point p[2];
+    lc_cut_result r;
+    const uint32_t block = (uint32_t)(i / LC_BLOCK_POINTS);
+    pixel_of(&s->film, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
+    d->weight[i] = 0;
+    lc_camera_ray(&s->camera, at[0], at[1], lens, &org, &dir);
+    if (!lc_sight_trace(s, org, dir, s->camera.pixel, f->max_depth, &sight) || !sight.n_lit) return;
+    const lc_lit *lit = &sight.lit[0];
+    lc_lit_point(s, lit, lc_hash2(d->seed, i), p);
+    lc_cut_shade(&f->cuts[thread], p, lit->surface.ray_org, lc_hash2(d->seed, i), &f->stats[thread], &r);
+    const lc_material m = lc_material_for_virtual(lit);
+    lc_point_init(&d->points[i], lit->surface.pos, lit->surface.n, lit->view, &m, s->min_d2);
+    memcpy(d->points[i].ng, p->ng, sizeof p->ng);
+    memcpy(d->org[i], lit->surface.ray_org, sizeof d->org[i]);
+    d->weight[i] = lc_luminance(lit->weight) / LC_BLOCK_POINTS;
+    d->direct[block] += (double)(d->weight[i] * lc_luminance(r.radiance));
+}
+
+static void find_block(void *user, uint32_t thread, uint64_t item)
+{
+    for (size_t k = 0; k < LC_BLOCK_POINTS; k++) find_point(user, thread, item * LC_BLOCK_POINTS + k);
+}
+
+/* Cuts for each thread, then the points. */
+static lc_status find_by_tree(finder *f, const lc_light_tree *tree)
+{
+    const lc_scene *s = f->d->scene;
+    const uint32_t n_threads = s->ctx->n_threads;
+    const lc_cut_desc desc = { .error_ratio = DIRECT_ERROR, .max_cut = DIRECT_CUT };
+    lc_status st = LC_OK;
+    f->cuts = lc_alloc(s->ctx, n_threads, sizeof *f->cuts);
+    f->stats = lc_alloc(s->ctx, n_threads, sizeof *f->stats);
+    if (!f->cuts || !f->stats) st = LC_ERR_MEMORY;
+    for (uint32_t t = 0; t < n_threads && !st; t++)
+        st = lc_cut_init(&f->cuts[t], s->ctx, tree, &s->visibility, &desc, false);
+    if (!st) lc_parallel(s->ctx, f->d->n_blocks, find_block, f);
+    for (uint32_t t = 0; t < n_threads && f->cuts; t++) lc_cut_free(&f->cuts[t]);
+    lc_free(s->ctx, f->cuts, n_threads, sizeof *f->cuts);
+    lc_free(s->ctx, f->stats, n_threads, sizeof *f->stats);
+    return st;
+}
+
+lc_status lc_vpl_deviation_init(lc_vpl_deviation *d, const lc_scene *scene, uint32_t max_depth,
+                                uint64_t seed)
+{
+    const lc_context *ctx = scene->ctx;
+    const size_t n = (size_t)SIDE * SIDE * LC_BLOCK_POINTS;
+    finder f = { .d = d, .max_depth = max_depth };
+    lc_light_tree *tree = NULL;
+    *d = (lc_vpl_deviation){ .scene = scene, .seed = seed, .n_blocks = SIDE * SIDE };
+    d->points = lc_alloc_raw(ctx, n, sizeof *d->points);
+    d->org = lc_alloc_raw(ctx, n, sizeof *d->org);
+    d->weight = lc_alloc(ctx, n, sizeof *d->weight);
+    d->direct = lc_alloc(ctx, d->n_blocks, sizeof *d->direct);
+    if (!d->points || !d->org || !d->weight || !d->direct) return LC_ERR_MEMORY;
+    const lc_light_tree_desc desc = { .lights = scene->lights,
+                                      .n_lights = scene->n_lights,
+                                      .spot_maps = scene->spot_maps,
+                                      .diag2 = scene->diag2,
+                                      .seed = seed,
+                                      .n_reps = 1,
+                                      .builder = LC_BUILDER_PLOC };
+    lc_status st = lc_light_tree_build(ctx, &desc, &tree);
+    if (!st) st = find_by_tree(&f, tree);
+    lc_light_tree_destroy(tree);
+    return st;
+}
+
+void lc_vpl_deviation_free(lc_vpl_deviation *d)
+{
+    const lc_context *ctx = d->scene->ctx;
+    const size_t n = (size_t)d->n_blocks * LC_BLOCK_POINTS;
+    lc_free(ctx, d->points, n, sizeof *d->points);
+    lc_free(ctx, d->org, n, sizeof *d->org);
+    lc_free(ctx, d->weight, n, sizeof *d->weight);
+    lc_free(ctx, d->direct, d->n_blocks, sizeof *d->direct);
+}
+
+/* ---- contributions ---- */
+
+typedef struct job {
+    const lc_vpl_deviation *d;
+    lc_tree_data data; /* the lights alone, in the order of their paths, as if of one tree */
+    float *in[3], *radius2;   /* n_lights: intensity, r^2 of clamping */
+    size_t n_lights, n_paths; /* n_paths: those that have lights */
+    uint32_t *path;           /* n_lights: which of these */
+    uint32_t *first;          /* n_paths + 1: their lights */
+    bool unclamped;           /* what clamping removes, in place of what it leaves */
+    float **scratch;          /* of threads: contributions of all paths to a block, shadows ignored */
+    double *mean, *square, *lost; /* n_blocks: sum X, sum X^2, and what clamping removes; with shadows */
+} job;
+
+/* Turns contributions into what clamping removes of them. */
+static void to_lost(const job *j, const lc_point *p, uint32_t first, uint32_t n, float to[3][BATCH],
+                    float f[BATCH])
+{
+    const float *a = j->radius2 + first, at[3] = { p->pos[0], p->pos[1], p->pos[2] };
+    for (uint32_t i = 0; i < n; i++) {
+        const float x = to[0][i] - at[0], y = to[1][i] - at[1], z = to[2][i] - at[2];
+        const float d2 = x * x + y * y + z * z, far2 = d2 > LC_MIN_D2 ? d2 : LC_MIN_D2;
+        const float least = far2 > a[i] * MIN_HARD ? far2 : a[i] * MIN_HARD;
+        f[i] *= (far2 + a[i]) / least - 1;
+    }
+}
+
+/* Lights first .. first + n - 1 at a point, n <= BATCH: luminance of each, and where shadow rays go. */
+static void at_point(const job *j, size_t point, uint32_t first, uint32_t n, float value[BATCH],
+                     float to[3][BATCH])
+{
+    _Alignas(64) float f[3][BATCH];
+    float *const out[6] = { f[0], f[1], f[2], to[0], to[1], to[2] };
+    const lc_point *p = &j->d->points[point];
+    const float *r = j->in[0] + first, *g = j->in[1] + first, *b = j->in[2] + first;
+    const float weight = j->d->weight[point];
+    j->d->scene->ctx->shade_kernels->estimate(&j->data, first, NULL, n, LC_LIGHT_VIRTUAL, p, out);
+    for (uint32_t i = 0; i < n; i++)
+        f[0][i] = weight * lc_luminance(lc_f3_make(f[0][i] * r[i], f[1][i] * g[i], f[2][i] * b[i]));
+    memcpy(value, f[0], n * sizeof *value);
+    if (j->unclamped) to_lost(j, p, first, n, to, value);
+}
+
+static void add_point(const job *j, size_t point, float *sums)
+{
+    float value[BATCH], to[3][BATCH];
+    if (!(j->d->weight[point] > 0)) return;
+    for (uint32_t first = 0, n; first < j->n_lights; first += n) {
+        n = (uint32_t)(j->n_lights - first < BATCH ? j->n_lights - first : BATCH);
+        at_point(j, point, first, n, value, to);
+        for (uint32_t i = 0; i < n; i++) sums[j->path[first + i]] += value[i];
+    }
+}
+
+/* What a path contributes to a block, shadows included. */
+static double with_shadows(const job *j, uint64_t block, uint32_t path)
+{
+    float value[BATCH], to[3][BATCH], thr[3][BATCH];
+    float *const through[3] = { thr[0], thr[1], thr[2] };
+    const float *const target[3] = { to[0], to[1], to[2] };
+    uint8_t hidden[BATCH];
+    const uint32_t first = j->first[path], n = j->first[path + 1] - first;
+    double sum = 0;
+    for (size_t p = block * LC_BLOCK_POINTS; p < (block + 1) * LC_BLOCK_POINTS; p++) {
+        if (!(j->d->weight[p] > 0)) continue;
+        at_point(j, p, first, n, value, to);
+        const bool dims = lc_cut_hidden(&j->d->scene->visibility, &j->d->points[p], j->d->org[p], n, target,
+                                        false, hidden, NULL, through);
+        for (uint32_t i = 0; i < n; i++) {
+            if (hidden[i]) continue;
+            const float t = dims ? lc_luminance(lc_f3_make(thr[0][i], thr[1][i], thr[2][i])) : 1;
+            sum += (double)(t * value[i]);
+        }
+    }
+    return sum;
+}
+
+static double power(double x, int exponent) { return exponent == 2 ? x * x : x; }
+
+/* The sum over all paths of their contributions or the squares of these, with shadows: the sum without, times
+ * the mean share that is left of DRAWN paths drawn by what they add to it. */
+static double sum_with_shadows(const job *j, uint64_t block, const float *values, int exponent)
+{
+    double sum = 0, before = 0, left = 0;
+    for (uint32_t i = 0; i < j->n_paths; i++) sum += power((double)values[i], exponent);
+    if (!(sum > 0)) return 0;
+    const double jitter = lc_unit(lc_hash4(j->d->seed, block, (uint64_t)exponent, 6 + j->unclamped));
+    for (uint32_t i = 0, k = 0; i < j->n_paths && k < DRAWN; i++) {
+        const double weight = power((double)values[i], exponent);
+        uint32_t times = 0;
+        before += weight;
+        for (; k < DRAWN && (k + jitter) / DRAWN * sum < before; k++) times++;
+        if (times && weight > 0) left += times * power(with_shadows(j, block, i), exponent) / weight;
+    }
+    return sum * left / DRAWN;
+}
+
+static void find_sums(void *user, uint32_t thread, uint64_t item)
+{
+    job *j = user;
+    float *values = j->scratch[thread];
+    memset(values, 0, j->n_paths * sizeof *values);
+    for (size_t p = item * LC_BLOCK_POINTS; p < (item + 1) * LC_BLOCK_POINTS; p++) add_point(j, p, values);
+    if (j->unclamped) {
+        j->lost[item] = sum_with_shadows(j, item, values, 1);
+        return;
+    }
+    j->mean[item] = sum_with_shadows(j, item, values, 1);
+    j->square[item] = sum_with_shadows(j, item, values, 2);
+}
+
+/* ---- percentiles ---- */
+
+/* P(|x| < t) for a normal x of deviation 1; error below 3e-7 ([Abramowitz64] 7.1.26). */
+static double within(double t)
+{
+    static const double a[5] = { 0.254829592, -0.284496736, 1.421413741, -1.453152027, 1.061405429 };
+    const double x = t * sqrt(0.5), k = 1 / (1 + 0.3275911 * x);
+    double sum = 0;
+    for (int i = 4; i >= 0; i--) sum = (sum + a[i]) * k;
+    return 1 - sum * lc_exp_neg(-x * x);
+}
+
+/* The value below which this share of |x_i| lies, for normal x_i of the given deviations. */
+static double percentile(const double *deviation, uint32_t n, double share)
+{
+    double lo = 0, hi = 0;
+    for (uint32_t i = 0; i < n; i++) hi = fmax(hi, 8 * deviation[i]);
+    for (int step = 0; step < 60; step++) {
+        const double middle = lo + (hi - lo) / 2;
+        double sum = 0;
+        for (uint32_t i = 0; i < n; i++) sum += deviation[i] > 0 ? within(middle / deviation[i]) : 1;
+        if (sum < share * n) lo = middle;
+        else hi = middle;
+    }
+    return hi;
+}
+
+static void find_percentiles(job *j, double used, double n_paths, lc_indirect *out)
+{
+    const uint32_t n = j->d->n_blocks;
+    double *off = j->square, total = 0;
+    uint32_t n_seen = 0;
+    for (uint32_t i = 0; i < n; i++) total += j->mean[i] + j->d->direct[i];
+    for (uint32_t i = 0; i < n; i++) {
+        const double variance = fmax(j->square[i] - j->mean[i] * j->mean[i] / used, 0) * used / n_paths;
+        const double light = fmax(j->mean[i] + j->d->direct[i], DARK * total / n);
+        if (!(j->mean[i] + j->d->direct[i] > 0)) continue;
+        off[n_seen++] = sqrt(variance) / light;
+    }
+    out->median = n_seen ? percentile(off, n_seen, 0.5) : 0;
+    out->high = n_seen ? percentile(off, n_seen, 0.95) : 0;
+}
+
+static void find_loss(job *j, lc_indirect *out)
+{
+    double mean = 0, lost = 0;
+    j->unclamped = true;
+    lc_parallel(j->d->scene->ctx, j->d->n_blocks, find_sums, j);
+    for (uint32_t i = 0; i < j->d->n_blocks; i++) {
+        mean += j->mean[i];
+        lost += j->lost[i];
+    }
+    out->loss = mean + lost > 0 ? lost / (mean + lost) : 0;
+}
+
+/* ---- the whole ---- */
+
+/* The lights as kernels read them, and where paths begin. */
+static void load(job *j, const lc_light *lights, const uint32_t *path, double each)
+{
+    for (size_t i = 0; i < j->n_lights; i++) {
+        lc_light light = lights[i];
+        light.intensity = lc_f3_scale(light.intensity, (float)each);
+        lc_light_rec_init(&j->data.lights[i], &light);
+        memcpy(j->data.light_atten[i], light.atten, sizeof light.atten);
+        for (int k = 0; k < 3; k++) j->in[k][i] = j->data.lights[i].intensity[k];
+        j->radius2[i] = light.atten[0];
+        if (!i || path[i] != path[i - 1]) j->first[j->n_paths++] = (uint32_t)i;
+        j->path[i] = (uint32_t)j->n_paths - 1;
+    }
+    j->first[j->n_paths] = (uint32_t)j->n_lights;
+}
+
+static lc_status make_scratch(job *j)
+{
+    const lc_context *ctx = j->d->scene->ctx;
+    j->scratch = lc_alloc(ctx, ctx->n_threads, sizeof *j->scratch);
+    for (uint32_t t = 0; t < ctx->n_threads && j->scratch; t++)
+        if (!(j->scratch[t] = lc_alloc_raw(ctx, j->n_paths, sizeof **j->scratch))) return LC_ERR_MEMORY;
+    return j->scratch ? LC_OK : LC_ERR_MEMORY;
+}
+
+static void free_job(job *j, size_t n)
+{
+    const lc_context *ctx = j->d->scene->ctx;
+    for (uint32_t t = 0; t < ctx->n_threads && j->scratch; t++)
+        lc_free(ctx, j->scratch[t], j->n_paths, sizeof **j->scratch);
+    lc_free(ctx, j->scratch, ctx->n_threads, sizeof *j->scratch);
+    lc_free(ctx, j->data.lights, n, sizeof *j->data.lights);
+    lc_free(ctx, j->data.light_atten, n, sizeof *j->data.light_atten);
+    lc_free(ctx, j->in[0], 4 * n, sizeof *j->in[0]);
+    lc_free(ctx, j->path, n, sizeof *j->path);
+    lc_free(ctx, j->first, n + 1, sizeof *j->first);
+    lc_free(ctx, j->mean, 3 * (size_t)j->d->n_blocks, sizeof *j->mean);
+}
+
+lc_status lc_vpl_deviation_find(const lc_vpl_deviation *d, const lc_light *lights, const uint32_t *path,
+                                size_t n, uint64_t n_paths, double enough, lc_indirect *out)
+{
+    const lc_context *ctx = d->scene->ctx;
+    job j = { .d = d, .n_lights = n };
+    double used = (double)n_paths;
+    if (!n) return LC_OK;
+    if (n > MOST_USED) { /* whole paths; no path has as many lights as that */
+        for (j.n_lights = MOST_USED; path[j.n_lights] == path[j.n_lights - 1];) j.n_lights--;
+        used = path[j.n_lights];
+    }
+    const size_t n_used = j.n_lights;
+    j.data.lights = lc_alloc_raw(ctx, n_used, sizeof *j.data.lights);
+    j.data.light_atten = lc_alloc(ctx, n_used, sizeof *j.data.light_atten);
+    j.in[0] = lc_alloc_raw(ctx, 4 * n_used, sizeof *j.in[0]);
+    j.path = lc_alloc_raw(ctx, n_used, sizeof *j.path);
+    j.first = lc_alloc_raw(ctx, n_used + 1, sizeof *j.first);
+    j.mean = lc_alloc(ctx, 3 * (size_t)d->n_blocks, sizeof *j.mean);
+    const bool made = j.data.lights && j.data.light_atten && j.in[0] && j.path && j.first && j.mean;
+    lc_status st = made ? LC_OK : LC_ERR_MEMORY;
+    if (made) {
+        j.in[1] = j.in[0] + n_used;
+        j.in[2] = j.in[1] + n_used;
+        j.radius2 = j.in[2] + n_used;
+        j.square = j.mean + d->n_blocks;
+        j.lost = j.square + d->n_blocks;
+        load(&j, lights, path, 1 / used);
+        st = make_scratch(&j);
+    }
+    if (!st) {
+        lc_parallel(ctx, d->n_blocks, find_sums, &j);
+        find_percentiles(&j, used, (double)n_paths, out);
+        if (lc_indirect_deviation(out) <= enough) find_loss(&j, out);
+    }
+    free_job(&j, n_used);
+    return st;
+}

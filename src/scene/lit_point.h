@@ -1,0 +1,15 @@
+/* lit_point.h - what the kernels read of a surface point that the camera sees. */
+#ifndef LC_LIT_POINT_H
+#define LC_LIT_POINT_H
+
+#include "scene/sight.h"
+#include "shade/point.h"
+
+/* What the kernels read of a lit surface is p[0]. It may refer to p[1], with another material for the lights
+ * that a narrow lobe would show as dots. hash: that of the sample's slot, plus the surface's number. */
+void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_point p[2]);
+
+/* The material that virtual lights meet. */
+lc_material lc_material_for_virtual(const lc_lit *lit);
+
+#endif
