@@ -84,7 +84,7 @@ for args in --help -h help; do
     good "$args" $args
     prints '^usage: lightcuts'
 done
-for command in render compare scene info preview explain merge bench report; do
+for command in render compare scene info preview explain merge bench report converge; do
     good "help $command" help $command
     prints "^usage: lightcuts.*$command"
     cp out help.txt
@@ -559,11 +559,16 @@ check 'info --json: channels' grep -q '"name": "R"' info_image.json
 good 'info of a scene with a mirror' info mirror.pbrt
 prints '^mirrors  *1 of them, paths of depth 2$'
 if grep -q 'material mirror' out; then no 'a mirror is not approximated' 'but listed'; else ok; fi
-prints '^indirect light  *200[0-9][0-9] virtual lights'
+prints '^indirect light  *1638[4-9] virtual lights along [0-9]* paths, +-[0-9.e-]* % a block'
 good 'indirect light in the statistics' -q mirror.pbrt -o a.exr --indirect-lights 50 --stats-file st.json
-check 'its counts' grep -q '"indirect": {"lights": 5[0-9], "paths": [0-9]*, "clamp_loss": [0-9.e-]*}' st.json
+check 'its counts' grep -q '"indirect": {"lights": 5[0-9], "paths": [0-9]*, "clamp_loss": [0-9.e-]*, "median": [0-9.e-]*, "high": [0-9.e-]*}' st.json
 good 'none of it' -q mirror.pbrt -o a.exr --indirect-lights 0 --stats-file st.json
-check 'no counts' grep -q '"indirect": {"lights": 0, "paths": 0, "clamp_loss": 0}' st.json
+check 'no counts' grep -q '"indirect": {"lights": 0, "paths": 0, "clamp_loss": 0, "median": 0, "high": 0}' st.json
+good 'a number of virtual lights, from the view' wide.pbrt -o a.exr --indirect-lights 9 --indirect-from view
+says 'warning: indirect light is off by [0-9.]* % in half of the blocks'
+check 'its deviation is in the picture' grep -aq lightcuts/indirectHigh a.exr
+for error in 0 2 nan x; do bad "--indirect-error $error" 2 'indirect-error' mirror.pbrt -o o/q.exr --indirect-error $error; done
+bad '--indirect-from banana' 2 'indirect-from' mirror.pbrt -o o/q.exr --indirect-from banana
 good '--maxdepth 1' -q mirror.pbrt -o a.exr --maxdepth 1 --stats-file st.json
 check '--maxdepth 1: no indirect light' grep -q '"indirect": {"lights": 0,' st.json
 good '--maxdepth with a mirror' mirror.pbrt -o a.exr --maxdepth 3
@@ -689,6 +694,20 @@ check 'no scene name: 2' test $rc -eq 2
 bad 'scene with no lights' 2 'lights' scene cornell --lights 0
 bad 'scene with a wrong number' 2 'lights' scene cornell --lights 1e3
 bad 'scene into a missing folder' 1 'none/s.pbrt' scene cornell -o none/s.pbrt
+
+# ---- converge ----
+
+good 'converge' converge mirror.pbrt --pixels 400 -o v.png
+prints '^cuts  *[0-9]* .* %  *[01]\.[0-9]*$'
+prints '^indirect  *163[0-9]* .* %'
+prints '^all  *[0-9]* .* %'
+check 'its picture' grep -q PNG v.png
+good 'converge --json' converge mirror.pbrt --pixels 400 --json
+check 'its parts' grep -q '"part": "seed", "lights": [0-9]*, "reference": [0-9]*, "blocks_median": ' out
+bad 'converge without a scene' 2 'one scene' converge
+bad 'converge of no such scene' 3 'none.pbrt' converge none.pbrt
+bad 'converge into a text' 2 'x.txt' converge mirror.pbrt -o x.txt
+bad 'converge of no pixels' 2 'out of range' converge mirror.pbrt --pixels 0
 
 # ---- preview ----
 

@@ -10,10 +10,10 @@ _lightcuts_isas()
 _lightcuts()
 {
     local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=render options i
-    local commands='render compare scene info preview explain merge bench report help'
+    local commands='render compare scene info preview explain merge bench report converge help'
     COMPREPLY=()
     case ${COMP_WORDS[1]-} in
-    render | compare | scene | info | preview | explain | merge | bench | report | help)
+    render | compare | scene | info | preview | explain | merge | bench | report | converge | help)
         command=${COMP_WORDS[1]} ;;
     esac
     # "--name=value" comes in three words.
@@ -47,7 +47,7 @@ _lightcuts()
         COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays all' -- "${word##*,}"))
         return ;;
     render:-t | render:--nthreads | explain:-t | explain:--nthreads | bench:-t | bench:--nthreads | \
-        report:-t | report:--nthreads)
+        report:-t | report:--nthreads | converge:-t | converge:--nthreads)
         COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
         return ;;
     render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | \
@@ -56,7 +56,7 @@ _lightcuts()
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
         render:--print-chunks | render:--time-limit | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
-        scene:--lights | scene:--seed | \
+        scene:--lights | scene:--seed | converge:--pixels | converge:--spp | converge:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
         explain:--pixel | explain:--sample | explain:--top | \
         explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
@@ -93,6 +93,7 @@ _lightcuts()
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;
         scene) options='--lights --seed --outfile --help' ;;
         info) options='--json --help' ;;
+        converge) options='--outfile --pixels --spp --seed --nthreads --json --help' ;;
         preview) options='--outfile --exposure --false-colour --range --help' ;;
         explain) options='--pixel --sample --top --all --json --method --error-ratio --max-cut
             --dark-floor --representatives --builder --area-lights --indirect-lights --indirect-error --indirect-from --maxdepth --seed

@@ -16,6 +16,7 @@ static const cli_command commands[] = {
     { "merge", cmd_merge, "the picture from parts rendered with --chunk" },
     { "bench", cmd_bench, "how fast this machine runs the parts of a render" },
     { "report", cmd_report, "one page: pictures, tables and plots against the exact method" },
+    { "converge", cmd_converge, "how far the default picture is from the converged one, part by part" },
 };
 #define N_COMMANDS (sizeof commands / sizeof *commands)
 
