@@ -184,6 +184,7 @@ TEST(radii)
     static const lc_f3 ways[3] = { { 0, 0, 1 }, { 0, 0.6f, 0.8f }, { 0, 0, -1 } };
     static lc_light l[700];
     static float d2[700];
+    lc_light_places places;
     for (size_t n = 1; n <= 700; n = n * 3 / 2 + 1) {
         for (size_t i = 0; i < n; i++) {
             float u[3];
@@ -193,12 +194,13 @@ TEST(radii)
                                .atten = { 0, 0, 1 } };
         }
         if (n > 30) l[n - 1] = l[n - 2]; /* two in one place */
-        CHECK(lc_vpl_radii(ctx, l, n) == LC_OK);
+        CHECK(lc_vpl_radii(ctx, l, n, &places) == LC_OK);
+        lc_light_places_free(&places, ctx);
         for (size_t i = 0; i < n; i++) {
             size_t m = 0;
             for (size_t k = 0; k < n; k++) {
                 lc_f3 d = lc_f3_sub(l[k].pos, l[i].pos);
-                if (k != i && lc_f3_dot(l[i].dir, l[k].dir) > LC_VPL_SAME_WAY)
+                if (k != i && lc_f3_dot(l[i].dir, l[k].dir) > LC_SAME_WAY)
                     d2[m++] = d.x * d.x + d.y * d.y + d.z * d.z;
             }
             qsort(d2, m, sizeof *d2, rising);
@@ -352,6 +354,36 @@ TEST(same_for_all_cameras)
     }
 }
 
+/* A glossy floor before a wall shows the light of the wall, not its virtual lights: the picture by few of
+ * them is nowhere much brighter than that by many. */
+TEST(no_dots_in_glossy_floors)
+{
+    static const char *const film = "Film \"rgb\" \"integer xresolution\" 48 \"integer yresolution\" 24\n"
+                                    "Sampler \"independent\" \"integer pixelsamples\" 1\n";
+    double most = 0, sum = 0;
+    lc_render_desc rd = LC_RENDER_DESC_INIT;
+    lc_image *few = NULL, *many = NULL;
+    rd.method = LC_METHOD_EXACT;
+    scene_write("%sLookAt 0 1 -3  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 35\nWorldBegin\n"
+                "LightSource \"spot\" \"point3 from\" [0 2 -2] \"point3 to\" [0 .8 0] \"rgb I\" [9 9 9]\n"
+                GREY(".5") WALL("2", "0.2") "Material \"conductor\" \"float roughness\" .1 \"bool remaproughness\" false\n"
+                                     "Shape \"trianglemesh\" \"point3 P\" [-2 0 -4  2 0 -4  2 0 .2  -2 0 .2] "
+                                     "\"integer indices\" [0 2 1 0 3 2]\n",
+                film);
+    lc_scene *a = load_seed(1000, 3, 0), *b = load_seed(60000, 4, 0);
+    CHECK(a && b && !lc_render(ctx, a, &rd, &few, NULL) && !lc_render(ctx, b, &rd, &many, NULL));
+    for (uint32_t i = 48 * 14; few && many && i < 48 * 24; i++) { /* the floor */
+        const double x = (double)lc_image_channel(few, "G")[i], y = (double)lc_image_channel(many, "G")[i];
+        sum += y / (48 * 10);
+        most = fmax(most, x - y);
+    }
+    CHECKF(sum > 0 && most < 0.3 * sum, "%g too bright, mean %g", most, sum);
+    lc_image_destroy(few);
+    lc_image_destroy(many);
+    lc_scene_destroy(a);
+    lc_scene_destroy(b);
+}
+
 static lc_status load_starved(lc_context *c)
 {
     lc_load_desc desc = LC_LOAD_DESC_INIT;
@@ -381,6 +413,7 @@ int main(void)
     RUN(stated_deviation);
     RUN(asked_error);
     RUN(same_for_all_cameras);
+    RUN(no_dots_in_glossy_floors);
     RUN(every_allocation_may_fail);
     one_scene_end();
     temp_end();

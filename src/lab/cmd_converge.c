@@ -1,7 +1,7 @@
 /* cmd_converge.c - lightcuts converge: how far the default picture is from the converged one, and for which
  * of its parts.
  *
- *     the default picture             -----------------------------------------> all: against every set grown,
+ *     the default picture             ---------------------------------------> all: against every set grown,
  *     the same lights, fine cuts      -> cuts                                    by another seed
  *     fine cuts, one set of lights grown -> lamps, sky, indirect
  *
@@ -35,9 +35,9 @@ typedef struct options {
 static const char help[] =
     "usage: lightcuts converge [options] SCENE.pbrt\n"
     "\n"
-    "Renders the scene as by default and with finer cuts, more lights and other seeds, and prints how far the\n"
-    "default picture is from the converged one: for its cuts, the lights made from lamps, those made from\n"
-    "the sky, the virtual lights of bounced light, and all together. Takes some minutes.\n"
+    "Renders the scene as by default and with finer cuts, more lights and other seeds, and prints how far\n"
+    "the default picture is from the converged one: for its cuts, the lights made from lamps, those made\n"
+    "from the sky, the virtual lights of bounced light, and all together. Takes some minutes.\n"
     "\n"
     "  -o, --outfile FILE  the difference of every pixel from the converged picture, relative to that, in\n"
     "                      false colours, white from 10 % on (.png or .exr)\n"
@@ -49,10 +49,10 @@ static const char help[] =
     "  -h, --help          print this\n"
     "\n"
     "Lights: those that the part has, and those of the picture that it is compared with. Differences are of\n"
-    "luminance, in blocks of 8x8 pixels and in pixels, relative to max(converged, 0.02 x mean): half of them\n"
-    "are below the median, 95 % below the other figure. Ratio: of means. For 'indirect' they are divided by\n"
-    "sqrt(1 - lights / reference's), as the one set is a part of the other. Clamping of virtual lights is\n"
-    "in both; what it takes is in 'lightcuts info'.\n"
+    "luminance, in blocks of 8x8 pixels and in pixels, relative to max(converged, 0.02 x mean): half of\n"
+    "them are below the median, 95 % below the other figure. Ratio: of means. For 'indirect' they are\n"
+    "divided by sqrt(1 - lights / reference's), as the one set is a part of the other. Clamping of virtual\n"
+    "lights is in both; what it takes is in 'lightcuts info'.\n"
     "\n"
     "Exit status: 0, 1 failed, 2 wrong command line, 3 the scene cannot be read.\n";
 

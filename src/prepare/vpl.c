@@ -50,7 +50,7 @@
 #define MIN_CHANCE 0.0625            /* least probability of keeping a light */
 
 typedef struct maker {
-    const lc_scene *scene;
+    lc_scene *scene;
     uint64_t seed, first_path;
     uint32_t max_depth;
     lc_path_starts starts;
@@ -306,7 +306,8 @@ static lc_status make_enough(maker *m, lc_vpl_deviation *deviation, const lc_vpl
     for (;;) {
         lc_status st = trace_until(m, n);
         const bool last = desc->n_lights || n >= MOST_LIGHTS || m->n_made < n;
-        if (!st) st = lc_vpl_radii(m->scene->ctx, m->made, m->n_made);
+        lc_light_places_free(&m->scene->virtuals, m->scene->ctx);
+        if (!st) st = lc_vpl_radii(m->scene->ctx, m->made, m->n_made, &m->scene->virtuals);
         if (!st)
             st = lc_vpl_deviation_find(deviation, m->made, m->path, m->n_made, m->n_paths,
                                        last ? INFINITY : desc->deviation, out);
@@ -345,6 +346,7 @@ static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
     if (st) return st;
     size_t before = scene->n_lights;
     st = add_all(scene, m);
+    scene->virtuals.lights = scene->lights + before;
     scene->indirect.n_lights = scene->n_lights - before;
     scene->indirect.n_paths = m->n_paths;
     return st;

@@ -60,10 +60,7 @@ static void find_point(finder *f, uint32_t thread, size_t i)
     const lc_lit *lit = &sight.lit[0];
     lc_lit_point(s, lit, lc_hash2(d->seed, i), p);
     lc_cut_shade(&f->cuts[thread], p, lit->surface.ray_org, lc_hash2(d->seed, i), &f->stats[thread], &r);
-    const lc_material m = lc_material_for_virtual(lit);
-    lc_point_init(&d->points[i], lit->surface.pos, lit->surface.n, lit->view, &m, s->min_d2);
-    memcpy(d->points[i].ng, p->ng, sizeof p->ng);
-    memcpy(d->org[i], lit->surface.ray_org, sizeof d->org[i]);
+    d->lit[i] = *lit;
     d->weight[i] = lc_luminance(lit->weight) / LC_BLOCK_POINTS;
     d->direct[block] += (double)(d->weight[i] * lc_luminance(r.radiance));
 }
@@ -101,10 +98,10 @@ lc_status lc_vpl_deviation_init(lc_vpl_deviation *d, const lc_scene *scene, uint
     lc_light_tree *tree = NULL;
     *d = (lc_vpl_deviation){ .scene = scene, .seed = seed, .n_blocks = SIDE * SIDE };
     d->points = lc_alloc_raw(ctx, n, sizeof *d->points);
-    d->org = lc_alloc_raw(ctx, n, sizeof *d->org);
+    d->lit = lc_alloc_raw(ctx, n, sizeof *d->lit);
     d->weight = lc_alloc(ctx, n, sizeof *d->weight);
     d->direct = lc_alloc(ctx, d->n_blocks, sizeof *d->direct);
-    if (!d->points || !d->org || !d->weight || !d->direct) return LC_ERR_MEMORY;
+    if (!d->points || !d->lit || !d->weight || !d->direct) return LC_ERR_MEMORY;
     const lc_light_tree_desc desc = { .lights = scene->lights,
                                       .n_lights = scene->n_lights,
                                       .spot_maps = scene->spot_maps,
@@ -123,7 +120,7 @@ void lc_vpl_deviation_free(lc_vpl_deviation *d)
     const lc_context *ctx = d->scene->ctx;
     const size_t n = (size_t)d->n_blocks * LC_BLOCK_POINTS;
     lc_free(ctx, d->points, n, sizeof *d->points);
-    lc_free(ctx, d->org, n, sizeof *d->org);
+    lc_free(ctx, d->lit, n, sizeof *d->lit);
     lc_free(ctx, d->weight, n, sizeof *d->weight);
     lc_free(ctx, d->direct, d->n_blocks, sizeof *d->direct);
 }
@@ -194,8 +191,9 @@ static double with_shadows(const job *j, uint64_t block, uint32_t path)
     for (size_t p = block * LC_BLOCK_POINTS; p < (block + 1) * LC_BLOCK_POINTS; p++) {
         if (!(j->d->weight[p] > 0)) continue;
         at_point(j, p, first, n, value, to);
-        const bool dims = lc_cut_hidden(&j->d->scene->visibility, &j->d->points[p], j->d->org[p], n, target,
-                                        false, hidden, NULL, through);
+        const bool dims = lc_cut_hidden(&j->d->scene->visibility, &j->d->points[p],
+                                        j->d->lit[p].surface.ray_org, n, target, false, hidden, NULL,
+                                        through);
         for (uint32_t i = 0; i < n; i++) {
             if (hidden[i]) continue;
             const float t = dims ? lc_luminance(lc_f3_make(thr[0][i], thr[1][i], thr[2][i])) : 1;
@@ -296,6 +294,14 @@ static void find_loss(job *j, lc_indirect *out)
 
 /* ---- the whole ---- */
 
+/* A point as the scene's virtual lights see it. */
+static void see_virtuals(void *user, uint32_t thread, uint64_t item)
+{
+    lc_vpl_deviation *d = user;
+    (void)thread;
+    if (d->weight[item] > 0) lc_lit_point_of_virtual(d->scene, &d->lit[item], &d->points[item]);
+}
+
 /* The lights as kernels read them, and where paths begin. */
 static void load(job *j, const lc_light *lights, const uint32_t *path, double each)
 {
@@ -335,7 +341,7 @@ static void free_job(job *j, size_t n)
     lc_free(ctx, j->mean, 3 * (size_t)j->d->n_blocks, sizeof *j->mean);
 }
 
-lc_status lc_vpl_deviation_find(const lc_vpl_deviation *d, const lc_light *lights, const uint32_t *path,
+lc_status lc_vpl_deviation_find(lc_vpl_deviation *d, const lc_light *lights, const uint32_t *path,
                                 size_t n, uint64_t n_paths, double enough, lc_indirect *out)
 {
     const lc_context *ctx = d->scene->ctx;
@@ -365,6 +371,7 @@ lc_status lc_vpl_deviation_find(const lc_vpl_deviation *d, const lc_light *light
         st = make_scratch(&j);
     }
     if (!st) {
+        lc_parallel(ctx, (uint64_t)d->n_blocks * LC_BLOCK_POINTS, see_virtuals, d);
         lc_parallel(ctx, d->n_blocks, find_sums, &j);
         find_percentiles(&j, used, (double)n_paths, out);
         if (lc_indirect_deviation(out) <= enough) find_loss(&j, out);

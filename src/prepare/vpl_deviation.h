@@ -2,7 +2,7 @@
 #ifndef LC_VPL_DEVIATION_H
 #define LC_VPL_DEVIATION_H
 
-#include "scene/scene.h"
+#include "scene/sight.h"
 #include "shade/tree_data.h"
 
 #define LC_BLOCK_POINTS 4 /* pixels of a block that are looked at */
@@ -11,8 +11,8 @@ typedef struct lc_vpl_deviation {
     const lc_scene *scene;
     uint64_t seed;
     uint32_t n_blocks;
-    lc_point *points; /* n_blocks * LC_BLOCK_POINTS: as virtual lights see them */
-    float (*org)[3];  /* origins of their shadow rays */
+    lc_lit *lit;      /* n_blocks * LC_BLOCK_POINTS */
+    lc_point *points; /* of these, as the latest virtual lights see them */
     float *weight;    /* luminance of the picture for theirs, over LC_BLOCK_POINTS; 0: nothing to light */
     double *direct;   /* n_blocks: luminance by the lights that the scene has already */
 } lc_vpl_deviation;
@@ -30,7 +30,7 @@ void lc_vpl_deviation_free(lc_vpl_deviation *d);
  * Path i contributes X_i to a block, so the variance of their sum is sum X_i^2 - (sum X_i)^2 / n_paths.
  * Shadow rays are traced to paths drawn by X_i and by X_i^2 without shadows. What a block is off by is taken
  * as normally distributed, and the percentiles are those of all blocks' together. LC_ERR_MEMORY. */
-lc_status lc_vpl_deviation_find(const lc_vpl_deviation *d, const lc_light *lights, const uint32_t *path,
+lc_status lc_vpl_deviation_find(lc_vpl_deviation *d, const lc_light *lights, const uint32_t *path,
                                 size_t n, uint64_t n_paths, double enough, lc_indirect *out);
 
 #endif

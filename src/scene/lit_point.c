@@ -6,10 +6,14 @@
 
 #include <string.h>
 
-static void widen_lobe(lc_material *m)
+#define LIGHTS_APART 4.0f /* roughness over the angle between virtual lights: some 60 are in the lobe */
+#define TINY 1e-30f
+
+static void widen_lobe(lc_material *m, float roughness)
 {
-    m->exponent = fminf(m->exponent, LC_VIRTUAL_EXPONENT);
-    for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], LC_VIRTUAL_ROUGHNESS);
+    const float exponent = LC_VIRTUAL_EXPONENT * LC_VIRTUAL_ROUGHNESS * LC_VIRTUAL_ROUGHNESS;
+    m->exponent = fminf(m->exponent, exponent / (roughness * roughness));
+    for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], roughness);
 }
 
 /* Widens a narrow lobe to what the lights of the lamps in its direction resolve. */
@@ -23,23 +27,45 @@ static void merge_lamps(const lc_scene *scene, const lc_lit *lit, lc_material *m
     for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], least);
 }
 
-lc_material lc_material_for_virtual(const lc_lit *lit)
+/* Radius of the surface that each virtual light around a point stands for; 0 without any. */
+static float radius_at(const lc_scene *scene, const lc_surface *at)
 {
-    lc_material m = lit->surface.material;
-    widen_lobe(&m);
-    if (lit->followed) m.ks = lc_f3_make(0, 0, 0);
-    return m;
+    lc_nearest_lights q = { .pos = at->pos, .n = at->n, .self = LC_NONE, .n_wanted = 1 };
+    if (!lc_light_places_find(&scene->virtuals, &q)) return 0;
+    return sqrtf(scene->virtuals.lights[q.light[0]].atten[0]);
 }
 
-/* That material is met by virtual lights, and with a followed lobe by the lights made from environments:
+/* Least roughness of a lobe about the mirror direction in which there are enough virtual lights that single
+ * ones do not show: those of the surface that the mirror direction meets are radius / distance apart. */
+static float virtual_roughness(const lc_scene *scene, const lc_lit *lit)
+{
+    const lc_surface *s = &lit->surface;
+    lc_f3 mirror = lc_f3_sub(lc_f3_scale(s->n, 2 * lc_f3_dot(s->n, lit->view)), lit->view);
+    lc_surface seen;
+    if (!(lc_f3_max(s->material.ks) > 0) || s->material.lobe == LC_LOBE_OREN_NAYAR || lit->followed) return 0;
+    if (!scene->virtuals.n || !(lc_f3_dot(mirror, s->ng) > 0)) return 0;
+    if (!lc_surface_hit(scene, lc_f3_load(s->ray_org), mirror, 0, &seen)) return 0;
+    if (seen.material.mirror || seen.material.glass) return 0;
+    return LIGHTS_APART * radius_at(scene, &seen) / fmaxf(seen.t, TINY);
+}
+
+void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point *p)
+{
+    const lc_surface *s = &lit->surface;
+    lc_material m = s->material;
+    widen_lobe(&m, fminf(fmaxf(virtual_roughness(scene, lit), LC_VIRTUAL_ROUGHNESS), LC_MAX_ROUGHNESS));
+    if (lit->followed) m.ks = lc_f3_make(0, 0, 0);
+    lc_point_init(p, s->pos, s->n, lit->view, &m, scene->min_d2);
+    if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(p->ng, s->ng);
+}
+
+/* A point of its own is met by virtual lights, and with a followed lobe by the lights made from environments:
  * those are seen in it as in a mirror. */
 static void soften(const lc_scene *scene, const lc_lit *lit, lc_point p[2])
 {
-    const lc_surface *s = &lit->surface;
     const bool sky = lit->followed && (scene->n_envs || scene->suns);
     if (!scene->indirect.n_lights && !sky) return;
-    const lc_material m = lc_material_for_virtual(lit);
-    lc_point_init(&p[1], s->pos, s->n, lit->view, &m, scene->min_d2);
+    lc_lit_point_of_virtual(scene, lit, &p[1]);
     p->soft = &p[1];
     p->soft_kinds = 1u << LC_LIGHT_VIRTUAL | (sky ? 1u << LC_LIGHT_DIRECTIONAL : 0);
 }

@@ -9,7 +9,7 @@
  * that a narrow lobe would show as dots. hash: that of the sample's slot, plus the surface's number. */
 void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_point p[2]);
 
-/* The material that virtual lights meet. */
-lc_material lc_material_for_virtual(const lc_lit *lit);
+/* What virtual lights meet. */
+void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point *p);
 
 #endif

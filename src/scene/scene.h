@@ -22,6 +22,7 @@
 #include "scene/camera.h"
 #include "scene/env_map.h"
 #include "scene/lamps.h"
+#include "scene/light_places.h"
 #include "scene/scene_desc.h"
 #include "shade/light_spot.h"
 #include "shade/material.h"
@@ -135,6 +136,7 @@ struct lc_scene {
     bool follows_smooth; /* lobes narrower than LC_SMOOTH_ROUGHNESS are followed as mirrors */
     lc_indirect indirect;
     lc_lamps lamps;
+    lc_light_places virtuals; /* of the virtual lights */
     lc_bvh *bvh;
     lc_occluders *occluders;
     lc_visibility visibility; /* by the BVH */
