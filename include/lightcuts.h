@@ -174,6 +174,9 @@ typedef struct lc_scene_info {
 LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);
 LC_API void lc_scene_destroy(lc_scene *scene);
 LC_API void lc_scene_get_info(const lc_scene *scene, lc_scene_info *info);
+/* 1 if the path leads to one of the files that the scene was read from, by device and inode, under whatever
+ * name; else 0. */
+LC_API int lc_scene_reads_file(const lc_scene *scene, const char *path);
 /* The number of the scene's textures of class idx, counted from 0 over all classes that exist; LC_ERR_ARG
  * beyond the last. */
 LC_API lc_status lc_scene_get_texture_class(const lc_scene *scene, uint32_t idx, const char **name,
@@ -380,6 +383,9 @@ LC_API void lc_checkpoint_attach(lc_checkpoint *checkpoint, lc_render_desc *desc
 LC_API void lc_checkpoint_get_info(lc_checkpoint *checkpoint, lc_checkpoint_info *info);
 /* Forces the data to the disk; may be called from any thread. LC_ERR_IO. */
 LC_API lc_status lc_checkpoint_sync(lc_checkpoint *checkpoint);
+/* Removes the file, if its path still leads to the one that is open; otherwise logs a warning and leaves what is
+ * there. Of a symbolic link the target is removed. LC_ERR_IO. */
+LC_API lc_status lc_checkpoint_remove(lc_checkpoint *checkpoint);
 LC_API void lc_checkpoint_close(lc_checkpoint *checkpoint);
 
 /* ---- one point explained ---- */

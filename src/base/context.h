@@ -12,7 +12,7 @@
 
 #include <stdarg.h>
 
-struct lc_digest; /* digest.h */
+struct lc_inputs; /* io/inputs.h */
 
 struct lc_context {
     lc_allocator allocator;
@@ -24,7 +24,7 @@ struct lc_context {
     const struct lc_tree_kernels *tree_kernels;   /* tree/ploc_list.h */
     const struct lc_trace_kernels *trace_kernels; /* trace/bvh_data.h */
     const struct lc_cut_kernels *cut_kernels;     /* cut/cut_list.h */
-    struct lc_digest *inputs; /* while a scene is loaded: hashes all that lc_reader_read reads; else NULL */
+    struct lc_inputs *inputs; /* while a scene is loaded: the files that it is read from; else NULL */
 };
 
 /* A position in an input file; line and column count from 1, 0 is unknown. */

@@ -1,6 +1,7 @@
 /* cmd_render.c - options -> scene -> picture -> files and statistics. */
 #include "cli/cli.h"
 #include "cli/farm.h"
+#include "cli/place.h"
 #include "cli/progress.h"
 #include "cli/stats_file.h"
 
@@ -300,6 +301,31 @@ static int check_writable(const char *path)
     return err ? CLI_FAILED : 0;
 }
 
+/* Refuses files that would be written over each other, or over what the scene is read from. */
+static int check_distinct(const options *o, const lc_scene *scene)
+{
+    struct {
+        const char *what, *path;
+    } files[MAX_OUTPUTS + 2];
+    int n = 0;
+    for (; n < o->n_outputs; n++) files[n].what = "output", files[n].path = o->outputs[n];
+    if (o->stats_file) files[n].what = "statistics", files[n++].path = o->stats_file;
+    if (o->farm.checkpoint) files[n].what = "checkpoint", files[n++].path = o->farm.checkpoint;
+    for (int i = 0; i < n; i++) {
+        if (lc_scene_reads_file(scene, files[i].path)) {
+            cli_usage_error("render", "%s '%s' is a file of the scene", files[i].what, files[i].path);
+            return CLI_USAGE;
+        }
+        for (int k = 0; k < i; k++)
+            if (cli_one_file(files[k].path, files[i].path)) {
+                cli_usage_error("render", "%s '%s' and %s '%s' are one file", files[k].what, files[k].path,
+                                files[i].what, files[i].path);
+                return CLI_USAGE;
+            }
+    }
+    return 0;
+}
+
 static int check_outputs(const options *o)
 {
     for (int i = 0; i < o->n_outputs; i++)
@@ -354,7 +380,8 @@ static int make_plan(void *user, const lc_scene *scene)
     lc_scene_info info;
     lc_scene_get_info(scene, &info);
     choose_output(o, &info);
-    p->status = set_crop(o, &info);
+    p->status = o->farm.print ? 0 : check_distinct(o, scene);
+    if (!p->status) p->status = set_crop(o, &info);
     if (!p->status) p->status = cli_farm_crop(&o->farm, p->ctx, scene, &o->render);
     if (p->status) return 1;
     if (o->farm.print) {

@@ -1,7 +1,7 @@
 /* readfile.c - checks, reads and if necessary decompresses input files. */
 #include "io/readfile.h"
 
-#include "base/digest.h"
+#include "io/inputs.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -47,7 +47,8 @@ static lc_status raw(const lc_context *ctx, void *user, char *to, size_t n, size
 static lc_status begin(const lc_context *ctx, lc_reader *r)
 {
     size_t got;
-    lc_status st = raw(ctx, r, r->head, sizeof r->head, &got);
+    lc_status st = r->fd < 0 ? LC_OK : lc_inputs_add(ctx, r->fd);
+    if (!st) st = raw(ctx, r, r->head, sizeof r->head, &got);
     if (st) return st;
     r->begun = true;
     r->n_head = (uint8_t)got;
@@ -122,8 +123,8 @@ lc_status lc_reader_read(const lc_context *ctx, lc_reader *r, char *to, size_t n
     if (st) return st;
     st = r->gunzip ? read_unpacked(ctx, r, to, n, got) : read_plain(ctx, r, to, n, got);
     r->n_read += *got;
-    if (ctx->inputs && first) lc_digest_mark(ctx->inputs);
-    if (ctx->inputs) lc_digest_add(ctx->inputs, to, *got);
+    if (ctx->inputs && first) lc_digest_mark(&ctx->inputs->digest);
+    if (ctx->inputs) lc_digest_add(&ctx->inputs->digest, to, *got);
     if (!st && r->n_read > LC_FILE_MAX) return fail(ctx, r, LC_ERR_PARSE, "larger than 8 GiB");
     return st;
 }

@@ -20,7 +20,9 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -424,6 +426,23 @@ lc_status lc_checkpoint_sync(lc_checkpoint *c)
     if (first)
         lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: cannot force the checkpoint to the disk: %s", c->path,
                strerror(err));
+    return LC_ERR_IO;
+}
+
+lc_status lc_checkpoint_remove(lc_checkpoint *c)
+{
+    char real[PATH_MAX];
+    struct stat own, there;
+    if (!c) return LC_ERR_ARG;
+    const char *path = realpath(c->path, real) ? real : c->path;
+    int err = fstat(c->fd, &own) || stat(path, &there) ? errno : 0;
+    if (!err && (own.st_dev != there.st_dev || own.st_ino != there.st_ino)) {
+        lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: is another file than the checkpoint and stays", c->path);
+        return LC_ERR_IO;
+    }
+    if (!err && unlink(path)) err = errno;
+    if (!err) return LC_OK;
+    lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: cannot remove the checkpoint: %s", c->path, strerror(err));
     return LC_ERR_IO;
 }
 

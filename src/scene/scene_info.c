@@ -69,6 +69,11 @@ lc_status lc_scene_get_texture_class(const lc_scene *s, uint32_t idx, const char
     return LC_OK;
 }
 
+int lc_scene_reads_file(const lc_scene *s, const char *path)
+{
+    return s && path && lc_inputs_have(&s->inputs, path);
+}
+
 lc_status lc_scene_get_note(const lc_scene *s, uint32_t idx, lc_note *note)
 {
     if (idx >= s->n_notes) return LC_ERR_ARG;

@@ -1,0 +1,12 @@
+/* place.h - whether two names are one file. */
+#ifndef LC_CLI_PLACE_H
+#define LC_CLI_PLACE_H
+
+#include <stdbool.h>
+
+/* Whether writing to one name changes what the other has: both are the same file by device and inode, or where
+ * neither is there, the same name in the same folder; symbolic links are followed. False for devices and
+ * pipes. */
+bool cli_one_file(const char *a, const char *b);
+
+#endif

@@ -1,0 +1,25 @@
+/* inputs.h - what is noted of the files that a scene is read from: a hash of their bytes, and which they are. */
+#ifndef LC_INPUTS_H
+#define LC_INPUTS_H
+
+#include "base/context.h"
+#include "base/digest.h"
+
+/* A file, whatever its name. */
+typedef struct lc_file_id {
+    uint64_t dev, ino;
+} lc_file_id;
+
+/* Empty if zeroed. */
+typedef struct lc_inputs {
+    lc_digest digest; /* of all bytes that lc_reader_read returned, a mark before each file */
+    lc_file_id *files;
+    size_t n_files, cap_files;
+} lc_inputs;
+
+/* The file behind a descriptor, also a device or pipe. LC_ERR_MEMORY. */
+lc_status lc_inputs_add(const lc_context *ctx, int fd);
+bool lc_inputs_have(const lc_inputs *inputs, const char *path);
+void lc_inputs_free(const lc_context *ctx, lc_inputs *inputs);
+
+#endif

@@ -1,0 +1,86 @@
+#!/bin/sh
+# files.sh - files, descriptors and signals around a render: no name is two files, closed standard streams,
+# planted links, pipes, names in scenes, the sandbox, memory limits, names on terminals and in JSON.
+#
+#     sh tests/files.sh build/lightcuts
+set -u
+. "$(dirname "$0")/support/harness.sh"
+[ $# -eq 1 ] || { echo "usage: sh tests/files.sh BINARY" >&2; exit 2; }
+begin "$1"
+export SOURCE_DATE_EPOCH=0
+patience=20 # tenths of a second that a signal may take
+sanitized && patience=100
+
+run() { timeout 60 "$L" "$@" >out 2>err </dev/null; rc=$?; }
+good() # name args...
+{
+    name=$1
+    shift
+    run "$@"
+    if [ $rc -eq 0 ]; then ok; else no "$name" "status $rc, not 0"; fi
+}
+fails() # name status regex args...
+{
+    name=$1 want=$2 regex=$3
+    shift 3
+    run "$@"
+    if [ $rc -ne "$want" ]; then no "$name" "status $rc, not $want"
+    elif ! grep -aq -e "$regex" err; then no "$name" "stderr lacks '$regex'"
+    else ok
+    fi
+}
+scene() # width height film-parameters
+{
+    cat <<END
+LookAt 0 0 -5  0 0 0  0 1 0
+Camera "perspective" "float fov" [60]
+Film "rgb" "integer xresolution" [$1] "integer yresolution" [$2] ${3:-}
+Sampler "independent" "integer pixelsamples" [1]
+Integrator "directlighting"
+WorldBegin
+LightSource "point" "point3 from" [0 0 -4] "rgb I" [5 5 5]
+LightSource "point" "point3 from" [1 2 -3] "rgb I" [5 4 3]
+Shape "trianglemesh" "point3 P" [-4 -4 0  4 -4 0  4 4 0  -4 4 0] "integer indices" [0 1 2 0 2 3]
+END
+}
+scene 40 24 >s.pbrt
+good 'a picture' -q s.pbrt -o want.exr
+
+# ---- one file, two purposes ----
+
+fails 'the checkpoint is the output' 2 "output 'x.exr' and checkpoint 'x.exr' are one file" \
+    s.pbrt --checkpoint x.exr -o x.exr
+check 'nothing is written' test ! -e x.exr
+echo old >x.exr
+ln -s x.exr link.exr
+ln x.exr hard.exr
+fails 'by another way to write it' 2 'are one file' s.pbrt --checkpoint ./x.exr -o x.exr
+fails 'by a symbolic link' 2 'are one file' s.pbrt --checkpoint link.exr -o x.exr
+fails 'by a hard link' 2 'are one file' s.pbrt --stats-file hard.exr -o x.exr
+fails 'two outputs' 2 'are one file' s.pbrt -o hard.exr -o x.exr
+fails 'statistics and checkpoint' 2 'are one file' s.pbrt --stats-file c --checkpoint c -o y.exr
+ln -s gone.exr loose.exr
+fails 'by a link to what is not there' 2 'are one file' s.pbrt --checkpoint loose.exr -o gone.exr
+mkdir sub
+{ sed '/WorldBegin/q' s.pbrt; echo 'Include "part.pbrt"'; } >main.pbrt
+sed '1,/WorldBegin/d' s.pbrt >part.pbrt
+cp want.exr map.exr
+echo 'LightSource "infinite" "string filename" "map.exr"' >>part.pbrt
+cp part.pbrt kept.pbrt
+ln -s ../part.pbrt sub/p.png
+fails 'the statistics are an included file' 2 "is a file of the scene" main.pbrt --stats-file part.pbrt -o y.exr
+fails 'the output leads to an included file' 2 "is a file of the scene" main.pbrt -o sub/p.png
+fails 'the output is a map' 2 "is a file of the scene" main.pbrt -o map.exr
+fails 'the checkpoint is the scene' 2 "is a file of the scene" main.pbrt --checkpoint main.pbrt --resume -o y.exr
+"$L" -q - --stats-file main.pbrt -o y.exr <main.pbrt >out 2>err
+check 'the statistics are standard input' grep -q 'is a file of the scene' err
+check 'nothing of the scene has changed' cmp -s part.pbrt kept.pbrt
+check 'nor the map' cmp -s map.exr want.exr
+check 'nothing is written' test ! -e y.exr -a ! -e gone.exr -a ! -e c
+check 'nor the file before' grep -qx old x.exr
+rm -f x.exr link.exr hard.exr loose.exr
+good 'one device twice' -q s.pbrt -o /dev/null -o /dev/null
+good 'names that differ' -q s.pbrt --checkpoint a.ck --stats-file a.json -o a.exr
+check 'a finished checkpoint is gone' test ! -e a.ck -a -s a.exr -a -s a.json
+
+finish
