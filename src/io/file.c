@@ -132,10 +132,10 @@ static int open_temp(const char *path, mode_t mode, char temp[PATH_MAX])
     return -1;
 }
 
-/* Makes the rename itself durable. A folder that cannot be synced is not an error. */
-static void sync_folder_of(const char *path)
+void lc_file_sync_folder(const char *path)
 {
-    char dir[PATH_MAX];
+    char dir[PATH_MAX], real[PATH_MAX];
+    if (realpath(path, real)) path = real;
     const char *slash = strrchr(path, '/');
     int n = slash ? snprintf(dir, sizeof dir, "%.*s/", (int)(slash - path), path)
                   : snprintf(dir, sizeof dir, ".");
@@ -167,7 +167,7 @@ static int replace_file(const char *path, const struct stat *old, const void *da
         (void)unlink(temp);
         return err;
     }
-    sync_folder_of(target);
+    lc_file_sync_folder(target);
     return 0;
 }
 

@@ -32,6 +32,10 @@ lc_status lc_bytes_load(const lc_context *ctx, const char *path, size_t max_len,
  * LC_ERR_IO. */
 lc_status lc_file_replace(const lc_context *ctx, const char *path, const void *data, size_t len);
 
+/* Forces the name of a new file to the disk, with its folder; of a symbolic link the target's. A folder that
+ * cannot be synced is not an error. */
+void lc_file_sync_folder(const char *path);
+
 /* True if the path exists and is a pipe, a socket or a device. */
 bool lc_file_is_special(const char *path);
 

@@ -16,6 +16,7 @@
 #include "base/arena.h"
 #include "base/pool.h"
 #include "base/stats.h"
+#include "io/file.h"
 #include "render/film.h"
 
 #include <errno.h>
@@ -32,6 +33,7 @@
 #define RECORD_MAGIC 0x454c4954u /* "TILE" */
 #define MAX_PAYLOAD (sizeof(lc_tile_counts) + sizeof(float) * LC_N_PLANES * LC_TILE * LC_TILE)
 #define LOCK_TRIES 20
+#define OPEN_TRIES 100 /* of a file that others remove while this process waits for its lock */
 #define LOCK_WAIT 100000 /* microseconds */
 #define SCAN LC_SIZE((size_t)1 << 16, 1 << 9) /* bytes looked through at once for a record after damage */
 
@@ -256,6 +258,7 @@ static lc_status begin_file(lc_checkpoint *c)
     int err = ftruncate(c->fd, 0) ? errno : 0;
     if (!err) err = write_at(c->fd, &c->head, sizeof c->head, 0);
     if (!err && fsync(c->fd)) err = errno;
+    if (!err) lc_file_sync_folder(c->path);
     c->end = sizeof c->head;
     return err ? fail_errno(c, "cannot write the checkpoint", err) : LC_OK;
 }
@@ -296,17 +299,37 @@ static bool lock_file(int fd)
     return false;
 }
 
+static bool is_same_file(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+/* Opens and locks the file, and makes it where there is none. Whoever had the lock before may have removed or
+ * replaced the file meanwhile: what is locked then has to be what the path leads to. */
+static lc_status open_locked(lc_checkpoint *c, struct stat *st)
+{
+    for (int i = 0; i < OPEN_TRIES; i++) {
+        struct stat there;
+        c->fd = open(c->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0666);
+        if (c->fd < 0) return fail_errno(c, "cannot open the checkpoint", errno);
+        if (fstat(c->fd, st)) return fail_errno(c, "cannot open the checkpoint", errno);
+        if (!S_ISREG(st->st_mode)) return fail(c, LC_ERR_IO, "the checkpoint is not a regular file");
+        if (!lock_file(c->fd)) return fail(c, LC_ERR_IO, "another process writes to this checkpoint");
+        if (fstat(c->fd, st)) return fail_errno(c, "cannot open the checkpoint", errno); /* its size now */
+        if (!stat(c->path, &there) && is_same_file(st, &there)) return LC_OK;
+        close(c->fd);
+        c->fd = -1;
+    }
+    return fail(c, LC_ERR_IO, "the checkpoint is removed or replaced again and again");
+}
+
 static lc_status open_file(lc_checkpoint *c, bool resume)
 {
     struct stat st;
     header h;
     size_t got;
-    c->fd = open(c->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0666);
-    if (c->fd < 0) return fail_errno(c, "cannot open the checkpoint", errno);
-    if (fstat(c->fd, &st)) return fail_errno(c, "cannot open the checkpoint", errno);
-    if (!S_ISREG(st.st_mode)) return fail(c, LC_ERR_IO, "the checkpoint is not a regular file");
-    if (!lock_file(c->fd)) return fail(c, LC_ERR_IO, "another process writes to this checkpoint");
-    if (fstat(c->fd, &st)) return fail_errno(c, "cannot open the checkpoint", errno); /* its size now */
+    lc_status opened = open_locked(c, &st);
+    if (opened) return opened;
     int err = read_at(c->fd, &h, sizeof h, 0, &got);
     if (err) return fail_errno(c, "cannot read the checkpoint", err);
     /* Killed before the header was whole: nothing is lost. Any other short file is not ours to write to. */
@@ -436,7 +459,7 @@ lc_status lc_checkpoint_remove(lc_checkpoint *c)
     if (!c) return LC_ERR_ARG;
     const char *path = realpath(c->path, real) ? real : c->path;
     int err = fstat(c->fd, &own) || stat(path, &there) ? errno : 0;
-    if (!err && (own.st_dev != there.st_dev || own.st_ino != there.st_ino)) {
+    if (!err && !is_same_file(&own, &there)) {
         lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: is another file than the checkpoint and stays", c->path);
         return LC_ERR_IO;
     }
