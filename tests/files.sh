@@ -83,4 +83,20 @@ good 'one device twice' -q s.pbrt -o /dev/null -o /dev/null
 good 'names that differ' -q s.pbrt --checkpoint a.ck --stats-file a.json -o a.exr
 check 'a finished checkpoint is gone' test ! -e a.ck -a -s a.exr -a -s a.json
 
+# ---- closed standard streams ----
+
+rm -f c.ck
+timeout 60 "$L" s.pbrt --checkpoint c.ck --keep-checkpoint -o a.exr --maxdepth 4 >out </dev/null 2>&-
+check 'standard error is closed' test $? -eq 0
+fails 'its checkpoint is whole' 0 'going on with c.ck: 6 of 6' s.pbrt --checkpoint c.ck --resume -o a.exr \
+    --maxdepth 4
+timeout 60 "$L" info s.pbrt 2>err </dev/null >&-
+check 'standard output is closed' test $? -eq 1
+check 'and that is said' grep -q 'cannot write to standard output' err
+timeout 60 "$L" - -q -o a.exr >out 2>err <&-
+check 'standard input is closed' test $? -eq 3
+timeout 60 "$L" -q s.pbrt --checkpoint c.ck --stats-file a.json -o a.exr <&- >&- 2>&-
+check 'all are closed' test $? -eq 0
+check 'and the picture is right' cmp -s a.exr want.exr
+
 finish
