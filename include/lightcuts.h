@@ -227,6 +227,18 @@ LC_API lc_status lc_image_read(lc_context *ctx, const char *path, lc_image **out
  * failure it is what it was before. Fails with LC_ERR_ARG, _IO, _MEMORY. */
 LC_API lc_status lc_image_write(const lc_image *image, const char *path);
 
+/* ---- other files ---- */
+
+typedef struct lc_sink lc_sink; /* bytes on their way to a file */
+/* Creates or replaces a file atomically by what `fill` puts into the sink: in a temporary file of the same
+ * folder, which is forced to the disk and renamed. An existing file keeps its mode; a symbolic link stays
+ * one. After a failure, also one that `fill` returns, an existing file is unchanged and nothing else is left.
+ * Devices and pipes are written to directly. Fails with LC_ERR_ARG, _IO, and as `fill` does. */
+LC_API lc_status lc_file_write(lc_context *ctx, const char *path,
+                               lc_status (*fill)(void *user, lc_sink *sink), void *user);
+/* Appends n bytes. LC_ERR_IO, which lc_file_write logs; what is put after it is ignored. */
+LC_API lc_status lc_sink_put(lc_sink *sink, const void *data, size_t n);
+
 /* ---- rendering ---- */
 
 typedef enum lc_method {
@@ -383,8 +395,8 @@ LC_API void lc_checkpoint_attach(lc_checkpoint *checkpoint, lc_render_desc *desc
 LC_API void lc_checkpoint_get_info(lc_checkpoint *checkpoint, lc_checkpoint_info *info);
 /* Forces the data to the disk; may be called from any thread. LC_ERR_IO. */
 LC_API lc_status lc_checkpoint_sync(lc_checkpoint *checkpoint);
-/* Removes the file, if its path still leads to the one that is open; otherwise logs a warning and leaves what is
- * there. Of a symbolic link the target is removed. LC_ERR_IO. */
+/* Removes the file, if its path still leads to the one that is open; otherwise logs a warning and leaves what
+ * is there. Of a symbolic link the target is removed. LC_ERR_IO. */
 LC_API lc_status lc_checkpoint_remove(lc_checkpoint *checkpoint);
 LC_API void lc_checkpoint_close(lc_checkpoint *checkpoint);
 

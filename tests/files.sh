@@ -99,4 +99,23 @@ timeout 60 "$L" -q s.pbrt --checkpoint c.ck --stats-file a.json -o a.exr <&- >&-
 check 'all are closed' test $? -eq 0
 check 'and the picture is right' cmp -s a.exr want.exr
 
+# ---- files that are written are new ones ----
+
+mkdir trap
+echo precious >precious
+for command in 'scene cornell --lights 4 -o trap/s.pbrt' 's.pbrt -q -o /dev/null --stats-file trap/s.json'; do
+    # shellcheck disable=SC2016
+    check "planted links are not followed: $command" sh -c 'for name in s.pbrt s.json; do
+        ln -sf ../precious "trap/$name.$$.tmp" && ln -sf ../precious "trap/.lightcuts-$$-0.tmp"; done
+        exec "$@"' - "$L" $command
+done
+check 'what they lead to is unchanged' grep -qx precious precious
+check 'the files are there' test -s trap/s.pbrt -a -s trap/s.json -a ! -L trap/s.pbrt
+chmod 640 trap/s.pbrt trap/s.json
+good 'a scene again' scene cornell --lights 5 -o trap/s.pbrt
+good 'statistics again' -q s.pbrt -o /dev/null --stats-file trap/s.json
+check 'modes stay' test "$(stat -c %a trap/s.pbrt trap/s.json | tr '\n' ' ')" = '640 640 '
+(cd trap && rm -f .*.tmp ./*.tmp)
+check 'nothing else is left' test "$(ls -A trap | tr '\n' ' ')" = 's.json s.pbrt '
+
 finish

@@ -109,6 +109,35 @@ TEST(folders_of_new_files_are_synced)
     CHECK(atomic_load(&folders_synced) == before + 1);
 }
 
+/* ---- files written piece by piece ---- */
+
+static lc_status put_pieces(void *user, lc_sink *sink)
+{
+    for (int i = 0; i < 3; i++) CHECK(lc_sink_put(sink, "abc", 3) == LC_OK);
+    return *(lc_status *)user;
+}
+
+TEST(pieces_replace_a_file_or_leave_it)
+{
+    lc_status result = LC_OK;
+    size_t n;
+    file_text(temp_path("p"), "old");
+    result = LC_ERR_CANCELLED;
+    CHECK(lc_file_write(ctx, temp_path("p"), put_pieces, &result) == LC_ERR_CANCELLED);
+    CHECK(lc_file_write(ctx, temp_path("q"), put_pieces, &result) == LC_ERR_CANCELLED && !is_there("q"));
+    char *text = file_read(temp_path("p"), &n);
+    CHECK(text && !strcmp(text, "old"));
+    free(text);
+    result = LC_OK;
+    CHECK(lc_file_write(ctx, temp_path("p"), put_pieces, &result) == LC_OK);
+    text = file_read(temp_path("p"), &n);
+    CHECK(text && !strcmp(text, "abcabcabc"));
+    free(text);
+    CHECK(lc_file_write(ctx, temp_path("none/p"), put_pieces, &result) == LC_ERR_IO);
+    CHECK(lc_file_write(NULL, "p", put_pieces, &result) == LC_ERR_ARG);
+    CHECK(lc_file_write(ctx, temp_path("p"), NULL, &result) == LC_ERR_ARG);
+}
+
 int main(void)
 {
     temp_begin();
@@ -118,6 +147,7 @@ int main(void)
     RUN(removed_only_while_it_is_the_open_file);
     RUN(locked_file_is_the_one_at_the_path);
     RUN(folders_of_new_files_are_synced);
+    RUN(pieces_replace_a_file_or_leave_it);
     lc_scene_destroy(scene);
     lc_context_destroy(ctx);
     temp_end();

@@ -3,15 +3,12 @@
 
 #include <ctype.h>
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static atomic_uint_fast64_t n_warnings;
 /* true while cli_read_kept tries a picture: its failure is no error, so it is not logged */
@@ -319,35 +316,38 @@ const char *cli_shown(const char *text)
     return copy;
 }
 
-static int complain(const char *what, const char *path)
+typedef struct {
+    void (*fn)(FILE *f, void *user);
+    void *user;
+} content;
+
+static ssize_t put(void *sink, const char *data, size_t n)
 {
-    fprintf(stderr, "lightcuts: error: cannot %s '%s': %s\n", what, cli_shown(path), strerror(errno));
-    return CLI_FAILED;
+    return lc_sink_put(sink, data, n) ? 0 : (ssize_t)n;
+}
+
+static lc_status fill(void *user, lc_sink *sink)
+{
+    const content *c = user;
+    char buffer[32768]; /* without memory of its own stdio would write byte by byte */
+    FILE *f = fopencookie(sink, "wb", (cookie_io_functions_t){ .write = put });
+    if (!f) {
+        fprintf(stderr, "lightcuts: error: out of memory\n");
+        return LC_ERR_MEMORY;
+    }
+    setvbuf(f, buffer, _IOFBF, sizeof buffer);
+    c->fn(f, c->user);
+    int bad = ferror(f);
+    return fclose(f) || bad ? LC_ERR_IO : LC_OK;
 }
 
 int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user)
 {
-    struct stat st;
-    char temp[4096], real[PATH_MAX];
-    /* a device or pipe can't be renamed over. */
-    bool there = !stat(path, &st), in_place = there && !S_ISREG(st.st_mode);
-    /* a symbolic link stays one. */
-    const char *target = there && !in_place && realpath(path, real) ? real : path;
-    int len = snprintf(temp, sizeof temp, in_place ? "%s" : "%s.%ld.tmp", target, (long)getpid());
-    if (len < 0 || (size_t)len >= sizeof temp) {
-        errno = ENAMETOOLONG;
-        return complain("write", path);
-    }
-    FILE *f = fopen(temp, "wb");
-    if (!f) return complain("write", path);
-    fn(f, user);
-    int bad = ferror(f) || fflush(f) || (!in_place && fsync(fileno(f)));
-    bad = fclose(f) || bad;
-    if (!bad && !in_place) bad = rename(temp, target);
-    if (!bad) return 0;
-    complain("write", path);
-    if (!in_place) unlink(temp);
-    return CLI_FAILED;
+    content c = { fn, user };
+    lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);
+    lc_status st = ctx ? lc_file_write(ctx, path, fill, &c) : LC_ERR_MEMORY;
+    lc_context_destroy(ctx);
+    return st ? CLI_FAILED : 0;
 }
 
 void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json)

@@ -91,8 +91,7 @@ const char *cli_shown(const char *text);
 void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json);
 /* Prints a JSON string with its quotes; '?' replaces malformed UTF-8. */
 void cli_json_text(FILE *f, const char *text);
-/* Writes a file through fn under a temporary name and renames it to path, so that path always holds a whole
- * file; writes to a device or pipe directly. On failure prints why and returns nonzero. */
+/* lc_file_write with what fn prints. On failure prints why and returns nonzero. */
 int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user);
 
 #endif

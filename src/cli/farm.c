@@ -130,8 +130,8 @@ int cli_farm_open(cli_farm *f, lc_context *ctx, const lc_scene *scene, lc_render
     f->n_before = info.n_done;
     f->share_before = (double)info.n_done / info.n_tiles;
     if (info.n_done && !quiet)
-        fprintf(stderr, "lightcuts: going on with %s: %u of %u tiles\n", cli_shown(f->checkpoint), info.n_done,
-                info.n_tiles);
+        fprintf(stderr, "lightcuts: going on with %s: %u of %u tiles\n", cli_shown(f->checkpoint),
+                info.n_done, info.n_tiles);
     return 0;
 }
 

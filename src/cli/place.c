@@ -19,7 +19,8 @@ typedef struct {
 static bool folder_of(const char *path, char out[PATH_MAX])
 {
     const char *slash = strrchr(path, '/');
-    int n = slash ? snprintf(out, PATH_MAX, "%.*s", (int)(slash - path) + 1, path) : snprintf(out, PATH_MAX, "./");
+    int n = slash ? snprintf(out, PATH_MAX, "%.*s", (int)(slash - path) + 1, path)
+                  : snprintf(out, PATH_MAX, "./");
     return n >= 0 && n < PATH_MAX;
 }
 

@@ -4,9 +4,8 @@
 
 #include <stdbool.h>
 
-/* Whether writing to one name changes what the other has: both are the same file by device and inode, or where
- * neither is there, the same name in the same folder; symbolic links are followed. False for devices and
- * pipes. */
+/* Whether both names are the same file by device and inode, or where neither is there, the same name in the
+ * same folder; symbolic links are followed. False for devices and pipes. */
 bool cli_one_file(const char *a, const char *b);
 
 #endif

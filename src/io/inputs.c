@@ -25,7 +25,8 @@ bool lc_inputs_have(const lc_inputs *in, const char *path)
     struct stat info;
     if (stat(path, &info) || !S_ISREG(info.st_mode)) return false;
     for (size_t i = 0; i < in->n_files; i++)
-        if (in->files[i].dev == (uint64_t)info.st_dev && in->files[i].ino == (uint64_t)info.st_ino) return true;
+        if (in->files[i].dev == (uint64_t)info.st_dev && in->files[i].ino == (uint64_t)info.st_ino)
+            return true;
     return false;
 }
 

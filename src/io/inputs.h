@@ -1,4 +1,5 @@
-/* inputs.h - what is noted of the files that a scene is read from: a hash of their bytes, and which they are. */
+/* inputs.h - what is noted of the files that a scene is read from: a hash of their bytes, and which they
+ * are. */
 #ifndef LC_INPUTS_H
 #define LC_INPUTS_H
 
