@@ -42,7 +42,7 @@ typedef enum lc_status {
     LC_ERR_IO = -3,          /* a file could not be opened, read, written or put in place */
     LC_ERR_PARSE = -4,       /* a file's content is wrong; the log line says file:line:column */
     LC_ERR_UNSUPPORTED = -5, /* a valid file that this version cannot read */
-    LC_ERR_CANCELLED = -6    /* a callback returned nonzero */
+    LC_ERR_CANCELLED = -6    /* a callback returned nonzero; not logged */
 } lc_status;
 
 typedef enum lc_log_level { LC_LOG_ERROR = 0, LC_LOG_WARNING = 1, LC_LOG_INFO = 2 } lc_log_level;
@@ -69,8 +69,12 @@ typedef struct lc_context_desc {
     void *log_user;
     uint32_t n_threads; /* 0: as many as the process may use */
     lc_isa isa;         /* a cap */
+    /* Asked while another process is waited for at a pipe or device, and between the lines of a picture that
+     * is written; nonzero ends the call with LC_ERR_CANCELLED. NULL: never. */
+    int (*stop)(void *user);
+    void *stop_user;
 } lc_context_desc;
-#define LC_CONTEXT_DESC_INIT { sizeof(lc_context_desc), 0, 0, 0, 0, LC_ISA_BEST }
+#define LC_CONTEXT_DESC_INIT { sizeof(lc_context_desc), 0, 0, 0, 0, LC_ISA_BEST, 0, 0 }
 
 /* desc may be NULL for the defaults. Fails with LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_context_create(const lc_context_desc *desc, lc_context **out);
@@ -220,11 +224,11 @@ LC_API lc_status lc_image_set_matrix(lc_image *image, const char *name, const fl
 
 /* Reads OpenEXR (single-part, scanline or tiled; float, half or uint channels), PNG and TGA (sRGB, converted
  * to linear RGB), PFM and Radiance HDR. The format is detected by content, whatever the name. Fails with
- * LC_ERR_ARG, _IO, _PARSE, _UNSUPPORTED, _MEMORY. */
+ * LC_ERR_ARG, _IO, _PARSE, _UNSUPPORTED, _MEMORY, _CANCELLED. */
 LC_API lc_status lc_image_read(lc_context *ctx, const char *path, lc_image **out);
 /* Writes by extension: .exr (all channels; half floats if there are only R, G and B) or .png (R, G and B,
  * sRGB, with highlights compressed by the shoulder of png_write.c). The file is replaced atomically: after a
- * failure it is what it was before. Fails with LC_ERR_ARG, _IO, _MEMORY. */
+ * failure it is what it was before. Fails with LC_ERR_ARG, _IO, _MEMORY, _CANCELLED. */
 LC_API lc_status lc_image_write(const lc_image *image, const char *path);
 
 /* ---- other files ---- */
@@ -233,10 +237,10 @@ typedef struct lc_sink lc_sink; /* bytes on their way to a file */
 /* Creates or replaces a file atomically by what `fill` puts into the sink: in a temporary file of the same
  * folder, which is forced to the disk and renamed. An existing file keeps its mode; a symbolic link stays
  * one. After a failure, also one that `fill` returns, an existing file is unchanged and nothing else is left.
- * Devices and pipes are written to directly. Fails with LC_ERR_ARG, _IO, and as `fill` does. */
+ * Devices and pipes are written to directly. Fails with LC_ERR_ARG, _IO, _CANCELLED, and as `fill` does. */
 LC_API lc_status lc_file_write(lc_context *ctx, const char *path,
                                lc_status (*fill)(void *user, lc_sink *sink), void *user);
-/* Appends n bytes. LC_ERR_IO, which lc_file_write logs; what is put after it is ignored. */
+/* Appends n bytes. LC_ERR_IO, which lc_file_write logs, _CANCELLED; what is put after it is ignored. */
 LC_API lc_status lc_sink_put(lc_sink *sink, const void *data, size_t n);
 
 /* ---- rendering ---- */

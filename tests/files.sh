@@ -118,4 +118,56 @@ check 'modes stay' test "$(stat -c %a trap/s.pbrt trap/s.json | tr '\n' ' ')" = 
 (cd trap && rm -f .*.tmp ./*.tmp)
 check 'nothing else is left' test "$(ls -A trap | tr '\n' ' ')" = 's.json s.pbrt '
 
+# ---- pipes ----
+
+ends_by() # name signal status: the program $pid ends within some time of the signal
+{
+    kill -"$2" $pid 2>/dev/null || no "$1" 'it ended before the signal'
+    waited=0
+    while kill -0 $pid 2>/dev/null && [ $waited -lt $patience ]; do
+        sleep 0.1
+        waited=$((waited + 1))
+    done
+    if [ $waited -ge $patience ]; then kill -9 $pid; fi
+    wait $pid 2>/dev/null
+    rc=$?
+    if [ $rc -eq "$3" ]; then ok; else no "$1" "status $rc after $waited tenths of a second"; fi
+}
+if mkfifo pipe.exr 2>/dev/null; then
+    for signal in INT TERM; do
+        [ $signal = INT ] && want=130 || want=143
+        "$L" s.pbrt --checkpoint p.ck --resume -o pipe.exr >out 2>err </dev/null &
+        pid=$!
+        sleep 1
+        ends_by "SIG$signal while a pipe has no reader" $signal $want
+        check 'all tiles are saved' grep -q 'p.ck holds 6 of 6 tiles, go on with --resume' err
+    done
+    rm -f p.ck
+    "$L" -q s.pbrt -o /dev/null --stats-file pipe.exr >out 2>err </dev/null &
+    pid=$!
+    sleep 1
+    ends_by 'SIGTERM while the statistics have no reader' TERM 143
+    (sleep 1; cat pipe.exr >piped.exr) &
+    good 'a reader that comes late' -q s.pbrt -o pipe.exr
+    wait $!
+    check 'gets the picture' cmp -s piped.exr want.exr
+    fails 'no reader comes' 1 'pipe.exr: error: cannot write: no process reads this pipe' s.pbrt -o pipe.exr
+    for command in 'merge -o x.exr' 'compare want.exr' 'preview -o x.png'; do
+        # shellcheck disable=SC2086
+        fails "$command: no writer comes" 3 'pipe.exr: error: no process writes to this pipe' $command pipe.exr
+    done
+    (sleep 1; cat want.exr >pipe.exr) &
+    good 'a writer that comes late' compare pipe.exr want.exr
+    wait $!
+    (cat want.exr | (head -c 300; sleep 3; cat) >pipe.exr) &
+    good 'a writer that rests' compare pipe.exr want.exr
+    wait $!
+    : >pipe.exr &
+    fails 'a writer with nothing' 3 'pipe.exr: error: ' compare pipe.exr want.exr
+    wait $!
+    rm -f pipe.exr
+else
+    skip 'pipes' 'mkfifo fails here'
+fi
+
 finish

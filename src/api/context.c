@@ -18,6 +18,8 @@ lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
     lc_context ctx = { .allocator = d.allocator ? *d.allocator : lc_allocator_libc(),
                        .log = d.log,
                        .log_user = d.log_user,
+                       .stop = d.stop,
+                       .stop_user = d.stop_user,
                        .n_threads = d.n_threads,
                        .isa = lc_isa_pick(d.isa) };
     if (!ctx.n_threads) ctx.n_threads = lc_cpu_threads();

@@ -18,6 +18,8 @@ struct lc_context {
     lc_allocator allocator;
     void (*log)(void *user, lc_log_level level, const char *text);
     void *log_user;
+    int (*stop)(void *user); /* NULL: never */
+    void *stop_user;
     uint32_t n_threads;
     lc_isa isa; /* the instruction set of the kernels below; each room declares the table that it calls */
     const struct lc_shade_kernels *shade_kernels; /* shade/tree_data.h */
@@ -26,6 +28,9 @@ struct lc_context {
     const struct lc_cut_kernels *cut_kernels;     /* cut/cut_list.h */
     struct lc_inputs *inputs; /* while a scene is loaded: the files that it is read from; else NULL */
 };
+
+/* Whether the host wants the call that is running to end with LC_ERR_CANCELLED. */
+static inline bool lc_stopped(const lc_context *ctx) { return ctx->stop && ctx->stop(ctx->stop_user); }
 
 /* A position in an input file; line and column count from 1, 0 is unknown. */
 typedef struct lc_pos {

@@ -1,6 +1,8 @@
 /* cli.c - see cli.h. */
 #include "cli/cli.h"
 
+#include "cli/progress.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -27,12 +29,19 @@ static void log_to_stderr(void *user, lc_log_level level, const char *text)
         fprintf(stderr, "lightcuts: %s\n", text);
 }
 
+static int stop(void *user)
+{
+    (void)user;
+    return cli_caught_signal() != 0;
+}
+
 lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
 {
     static int levels[3] = { -1, 0, 1 };
     lc_context_desc desc = LC_CONTEXT_DESC_INIT;
     desc.log = log_to_stderr;
     desc.log_user = &levels[(verbosity > 1 ? 1 : verbosity) + 1];
+    desc.stop = stop;
     desc.n_threads = n_threads;
     desc.isa = isa;
     lc_context *ctx = NULL;
@@ -347,6 +356,8 @@ int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user
     lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);
     lc_status st = ctx ? lc_file_write(ctx, path, fill, &c) : LC_ERR_MEMORY;
     lc_context_destroy(ctx);
+    if (st == LC_ERR_CANCELLED)
+        fprintf(stderr, "lightcuts: interrupted, '%s' is not written\n", cli_shown(path));
     return st ? CLI_FAILED : 0;
 }
 

@@ -397,15 +397,18 @@ static int make_plan(void *user, const lc_scene *scene)
     return p->status;
 }
 
-static int write_outputs(const options *o, lc_image *image, double seconds)
+static int write_outputs(options *o, lc_image *image, double seconds)
 {
     if (o->write_time && !getenv("SOURCE_DATE_EPOCH") &&
         lc_image_set_number(image, "renderTimeSeconds", seconds))
         return CLI_FAILED;
     if (o->farm.chunk && lc_chunk_mark(image, &o->farm.id, o->farm.crop, o->farm.k, o->farm.n))
         return CLI_FAILED;
-    for (int i = 0; i < o->n_outputs; i++)
-        if (lc_image_write(image, o->outputs[i])) return CLI_FAILED;
+    for (int i = 0; i < o->n_outputs; i++) {
+        lc_status st = lc_image_write(image, o->outputs[i]);
+        if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);
+        if (st) return CLI_FAILED;
+    }
     return CLI_OK;
 }
 

@@ -445,12 +445,17 @@ static void clamp_rows(const lc_image *image, uint32_t y, size_t n_lines, float 
     }
 }
 
+/* EXR_ERR_SUCCESS also when it was stopped, which sets *status. */
 static exr_result_t write_pixels(const lc_image *image, exr_context_t exr, float *rows, int32_t lines,
-                                 exr_encode_pipeline_t *p)
+                                 exr_encode_pipeline_t *p, lc_status *status)
 {
     const lc_image_desc *d = &image->desc;
     for (uint32_t y = 0; y < d->height; y += (uint32_t)lines) {
         exr_chunk_info_t info = { 0 };
+        if (lc_stopped(image->ctx)) {
+            *status = LC_ERR_CANCELLED;
+            return EXR_ERR_SUCCESS;
+        }
         exr_result_t rv = exr_write_scanline_chunk_info(exr, 0, d->y0 + (int32_t)y, &info);
         if (rv != EXR_ERR_SUCCESS) return rv;
         rv = y == 0 ? exr_encoding_initialize(exr, 0, &info, p) : exr_encoding_update(exr, 0, &info, p);
@@ -502,7 +507,7 @@ lc_status lc_exr_encode(const lc_image *image, const char *path, lc_bytes *file)
         if (!rows) to.status = LC_ERR_MEMORY;
     }
     if (rv == EXR_ERR_SUCCESS && to.status == LC_OK) {
-        rv = write_pixels(image, exr, rows, lines, &pipeline);
+        rv = write_pixels(image, exr, rows, lines, &pipeline, &to.status);
         exr_encoding_destroy(exr, &pipeline);
     }
     lc_free(ctx, rows, n_rows, image->desc.width * sizeof *rows);

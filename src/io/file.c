@@ -2,6 +2,7 @@
 #include "io/file.h"
 
 #include "base/arena.h"
+#include "io/wait.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -35,6 +36,12 @@ void lc_bytes_free(lc_bytes *bytes)
 
 /* ---- reading ---- */
 
+static lc_status fail_reading(const lc_context *ctx, const char *path, int err)
+{
+    if (err == ECANCELED) return LC_ERR_CANCELLED;
+    return lc_fail_at(ctx, LC_ERR_IO, (lc_pos){ path, 0, 0 }, "%s", lc_wait_text(err, false));
+}
+
 /* Appends up to n bytes of the file to `out`; *got is their number, 0 at the end of the file. */
 static lc_status read_some(int fd, const char *path, size_t n, lc_bytes *out, size_t *got)
 {
@@ -42,12 +49,12 @@ static lc_status read_some(int fd, const char *path, size_t n, lc_bytes *out, si
     lc_status status = lc_grow(out->ctx, &out->data, &out->cap, out->len + n, 1);
     if (status != LC_OK) return status;
     while (*got < n) {
-        ssize_t k = read(fd, (uint8_t *)out->data + out->len, n - *got);
-        if (k < 0 && errno == EINTR) continue;
-        if (k < 0) return lc_fail_at(out->ctx, LC_ERR_IO, (lc_pos){ path, 0, 0 }, "%s", strerror(errno));
+        size_t k;
+        int err = lc_wait_read(out->ctx, fd, (uint8_t *)out->data + out->len, n - *got, out->len > 0, &k);
+        if (err) return fail_reading(out->ctx, path, err);
         if (k == 0) break;
-        out->len += (size_t)k;
-        *got += (size_t)k;
+        out->len += k;
+        *got += k;
     }
     return LC_OK;
 }
@@ -80,7 +87,7 @@ lc_status lc_bytes_load(const lc_context *ctx, const char *path, size_t max_len,
                         bool (*magic)(const uint8_t *head, size_t len), lc_bytes *out)
 {
     *out = (lc_bytes){ ctx, NULL, 0, 0 };
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     if (fd < 0) return lc_fail_at(ctx, LC_ERR_IO, (lc_pos){ path, 0, 0 }, "%s", strerror(errno));
     lc_status status = read_all(fd, path, max_len, magic, out);
     close(fd);
@@ -129,6 +136,7 @@ void lc_file_sync_folder(const char *path)
 
 /* A file on its way to its name. */
 struct lc_sink {
+    const lc_context *ctx;
     const char *path;
     int fd, err;              /* err: 0 or errno of the first failure, after which nothing more is written */
     bool renamed;             /* temp becomes target; false: a device or pipe is written to */
@@ -138,16 +146,12 @@ struct lc_sink {
 lc_status lc_sink_put(lc_sink *s, const void *data, size_t n)
 {
     for (const uint8_t *p = data; n && !s->err;) {
-        ssize_t k = write(s->fd, p, n < ((size_t)1 << 30) ? n : (size_t)1 << 30);
-        if (k < 0 && errno == EINTR) continue;
-        if (k < 0) {
-            s->err = errno;
-        } else {
-            p += k;
-            n -= (size_t)k;
-        }
+        size_t k;
+        s->err = lc_wait_write(s->ctx, s->fd, p, n < ((size_t)1 << 30) ? n : (size_t)1 << 30, &k);
+        p += k;
+        n -= k;
     }
-    return s->err ? LC_ERR_IO : LC_OK;
+    return s->err == ECANCELED ? LC_ERR_CANCELLED : s->err ? LC_ERR_IO : LC_OK;
 }
 
 /* Opens the temporary file for `path`. Returns 0 or errno. */
@@ -176,8 +180,7 @@ static int open_sink(lc_sink *s)
     if (!there && errno != ENOENT) return errno;
     if (there && S_ISDIR(st.st_mode)) return EISDIR;
     if (!there || S_ISREG(st.st_mode)) return open_replacement(s, there ? &st : NULL);
-    s->fd = open(s->path, O_WRONLY | O_CLOEXEC);
-    return s->fd < 0 ? errno : 0;
+    return lc_wait_open_writer(s->ctx, s->path, S_ISFIFO(st.st_mode), &s->fd);
 }
 
 /* Removes the temporary file, unless another file has its name by now. */
@@ -206,7 +209,7 @@ static void close_sink(lc_sink *s, bool keep)
 static lc_status write_file(const lc_context *ctx, const char *path,
                             lc_status (*fill)(void *user, lc_sink *sink), void *user)
 {
-    lc_sink s = { .path = path };
+    lc_sink s = { .ctx = ctx, .path = path };
     lc_status status = LC_OK;
     s.err = open_sink(&s);
     if (!s.err) {
@@ -214,7 +217,8 @@ static lc_status write_file(const lc_context *ctx, const char *path,
         close_sink(&s, status == LC_OK);
     }
     if (!s.err) return status;
-    return lc_fail_at(ctx, LC_ERR_IO, (lc_pos){ path, 0, 0 }, "cannot write: %s", strerror(s.err));
+    if (s.err == ECANCELED) return LC_ERR_CANCELLED;
+    return lc_fail_at(ctx, LC_ERR_IO, (lc_pos){ path, 0, 0 }, "cannot write: %s", lc_wait_text(s.err, true));
 }
 
 lc_status lc_file_write(lc_context *ctx, const char *path, lc_status (*fill)(void *user, lc_sink *sink),
