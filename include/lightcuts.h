@@ -117,9 +117,13 @@ typedef struct lc_load_desc {
      * numbers of what is not built yet are 0. */
     int (*parsed)(void *user, const lc_scene *scene);
     void *parsed_user;
+    /* NULL: files are read wherever the scene's names lead. Otherwise only below the folder of the scene's
+     * file, which for "-" is the working folder, and below this folder, all symbolic links followed; a name
+     * that leads elsewhere is LC_ERR_IO. */
+    const char *sandbox;
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
-#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0 }
+#define LC_LOAD_DESC_INIT { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* One kind of thing in the scene file that was approximated or skipped. */
 typedef struct lc_note {

@@ -170,4 +170,66 @@ else
     skip 'pipes' 'mkfifo fails here'
 fi
 
+# ---- names in scenes ----
+
+mkdir -p work elsewhere
+echo old >elsewhere/v.exr
+for film in "$T/elsewhere/v.exr" ../elsewhere/v.exr; do
+    scene 8 8 "\"string filename\" \"$film\"" >work/film.pbrt
+    rm -f work/v.exr
+    (cd work && exec timeout 60 "$L" -q film.pbrt) >out 2>err </dev/null
+    check 'a film has a name, but no folder' test -s work/v.exr
+    check 'nothing is written elsewhere' grep -qx old elsewhere/v.exr
+done
+for film in elsewhere/ .. .; do
+    scene 8 8 "\"string filename\" \"$film\"" >work/film.pbrt
+    rm -f work/film.exr
+    (cd work && exec timeout 60 "$L" -q film.pbrt) >out 2>err </dev/null
+    check "a film called $film has no name" test -s work/film.exr
+done
+
+mkdir -p box/in lib away
+sed '1,/WorldBegin/d' s.pbrt >away/part.pbrt
+cp away/part.pbrt box/in/part.pbrt
+cp away/part.pbrt lib/part.pbrt
+cp want.exr away/map.exr
+ln -s ../../away/part.pbrt box/in/link.pbrt
+ln -s ../../away box/in/folder
+names() # include: a scene with it
+{
+    sed '/WorldBegin/q' s.pbrt
+    echo "Include \"$1\""
+}
+for path in in/part.pbrt "$T/lib/part.pbrt" ../lib/part.pbrt in/../in/part.pbrt; do
+    names "$path" >box/s.pbrt
+    good "in the sandbox: $path" -q --sandbox lib box/s.pbrt -o away/x.exr
+    check 'the picture is right' cmp -s away/x.exr want.exr
+done
+for path in "$T/away/part.pbrt" ../away/part.pbrt in/link.pbrt in/folder/part.pbrt in/../../away/part.pbrt; do
+    names "$path" >box/s.pbrt
+    good "without a sandbox: $path" -q box/s.pbrt -o away/x.exr
+    fails "outside of the sandbox: $path" 3 's.pbrt:7:9: error: .*is outside of the sandbox' \
+        -q --sandbox lib box/s.pbrt -o away/y.exr
+done
+names in/part.pbrt >box/s.pbrt
+for shape in 'Shape "plymesh" "string filename"' 'LightSource "infinite" "string filename"' \
+    'Texture "t" "spectrum" "imagemap" "string filename"' 'LightSource "point" "spectrum I"'; do
+    { cat box/s.pbrt; echo "$shape \"../away/map.exr\""; } >box/t.pbrt
+    fails "outside of the sandbox: $shape" 3 'is outside of the sandbox' -q --sandbox lib box/t.pbrt -o away/y.exr
+done
+check 'none of them wrote a picture' test ! -e away/y.exr
+ln -s ../box/in/part.pbrt lib/out.pbrt
+ln -s ../s.pbrt lib/scene.pbrt
+good 'a scene that is a link' -q --sandbox lib lib/scene.pbrt -o away/x.exr
+good 'all that a render writes' -q --sandbox lib box/s.pbrt -o away/x.exr -o x.png --stats-file lib/s.json \
+    --checkpoint away/c.ck --keep-checkpoint -t 2
+good 'and reads again' -q --sandbox lib box/s.pbrt -o away/x.exr --checkpoint away/c.ck --resume
+good 'a device' -q --sandbox lib box/s.pbrt -o /dev/null
+timeout 60 "$L" -q --sandbox lib - -o away/x.exr <s.pbrt >out 2>err
+check 'standard input' test $? -eq 0
+fails 'a sandbox that is not there' 2 "bad value 'none' for option --sandbox: No such file" -q --sandbox none s.pbrt -o away/y.exr
+fails 'an output folder that is not there' 1 'cannot write' -q --sandbox lib s.pbrt -o none/y.exr
+good 'how it is held' -v --sandbox lib box/s.pbrt -o away/x.exr
+check 'is said' grep -q '^lightcuts: sandbox: names are checked' err
+
 finish

@@ -13,7 +13,8 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     double t0 = lc_now();
     scene->load = *d;
     scene->ctx->inputs = &scene->inputs;
-    lc_status st = lc_pbrt_parse(scene, path);
+    lc_status st = d->sandbox ? lc_inputs_restrict(&scene->inputs, &scene->arena, path, d->sandbox) : LC_OK;
+    if (!st) st = lc_pbrt_parse(scene, path);
     scene->ctx->inputs = NULL;
     scene->input_id = lc_digest_result(&scene->inputs.digest);
     scene->seconds_parse = lc_now() - t0;

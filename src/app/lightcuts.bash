@@ -63,7 +63,7 @@ _lightcuts()
         explain:--maxdepth | explain:--seed | explain:--spp | \
         bench:--representatives | bench:--pixelbounds | \
         report:--error-ratios | report:--representatives | report:--max-cut) return ;;
-    report:-o | report:--outdir)
+    report:-o | report:--outdir | render:--sandbox)
         compopt -o filenames 2>/dev/null
         COMPREPLY=($(compgen -d -- "$word"))
         return ;;
@@ -83,7 +83,7 @@ _lightcuts()
         case $command in
         render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --seed --spp --pixelbounds
-            --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit --checkpoint-interval
+            --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit --sandbox --checkpoint-interval
             --keep-checkpoint --aov --nthreads --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;

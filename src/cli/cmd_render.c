@@ -3,6 +3,7 @@
 #include "cli/farm.h"
 #include "cli/place.h"
 #include "cli/progress.h"
+#include "cli/sandbox.h"
 #include "cli/stats_file.h"
 
 #include <errno.h>
@@ -56,7 +57,8 @@ enum {
     OPT_INTERVAL,
     OPT_RESUME,
     OPT_KEEP,
-    OPT_LIMIT
+    OPT_LIMIT,
+    OPT_SANDBOX
 };
 
 static const struct option long_options[] = {
@@ -84,6 +86,7 @@ static const struct option long_options[] = {
     { "keep-checkpoint", 0, 0, OPT_KEEP },
     { "resume", 0, 0, OPT_RESUME },
     { "time-limit", 1, 0, OPT_LIMIT },
+    { "sandbox", 1, 0, OPT_SANDBOX },
     { "stats-file", 1, 0, OPT_STATS_FILE },
     { "stats", 0, 0, OPT_STATS },
     { "write-time", 0, 0, OPT_TIME },
@@ -99,8 +102,8 @@ static void print_help(void)
     printf(
         "usage: lightcuts [render] [options] SCENE.pbrt     ('-' reads the scene from standard input)\n"
         "\n"
-        "  -o, --outfile FILE       .exr or .png; may be repeated; default: the scene's film filename, else\n"
-        "                           SCENE.exr\n"
+        "  -o, --outfile FILE       .exr or .png; may be repeated; default: the name in the scene's film,\n"
+        "                           without its folder, else SCENE.exr, in the current folder\n"
         "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts\n"
         "                           even of few lights\n"
         "      --error-ratio E      bound of every cluster against the estimate, default 0.02\n"
@@ -132,6 +135,7 @@ static void print_help(void)
         "      --time-limit T       stop after T (3600, 90s, 55m, 2h) with all saved and exit status 75\n"
         "      --checkpoint-interval T  force FILE to the disk this often, default 30s\n"
         "      --keep-checkpoint    leave FILE there\n"
+        "      --sandbox DIR        read only below the scene's folder and DIR, write only the outputs\n"
         "      --aov LIST           further channels, with commas: cut n p z albedo error rays all\n"
         "  -t, --nthreads N         default: all processors this process may use\n"
         "      --isa I              use at most %s (also: LC_ISA in the environment)\n"
@@ -194,6 +198,7 @@ static int set_option(options *o, int c)
     case OPT_RESUME: o->farm.resume = true; return 0;
     case OPT_KEEP: o->farm.keep = true; return 0;
     case OPT_LIMIT: return cli_parse_time(optarg, &o->farm.time_limit);
+    case OPT_SANDBOX: o->load.sandbox = optarg; return !*optarg;
     case OPT_AOV: return parse_aovs(optarg, &o->render.aovs);
     case OPT_STATS_FILE: o->stats_file = optarg; return !*optarg;
     case OPT_STATS: o->print_stats = true; return 0;
@@ -247,13 +252,15 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     return 0;
 }
 
-/* The default output: the film's filename, with .exr in place of an extension that is neither .exr nor .png;
- * without a filename SCENE.exr in the current folder, also of SCENE.pbrt.gz. */
+/* The default output, in the current folder: the film's filename without its folder, so that a scene does not
+ * choose what is overwritten elsewhere, with .exr in place of an extension that is neither .exr nor .png;
+ * without a filename SCENE.exr, also of SCENE.pbrt.gz. */
 static void choose_output(options *o, const lc_scene_info *info)
 {
     if (o->n_outputs) return;
-    const char *name = info->film_filename, *slash;
-    bool from_scene = !*name;
+    const char *name = info->film_filename, *slash = strrchr(name, '/');
+    if (slash) name = slash + 1;
+    bool from_scene = !*name || !strcmp(name, ".") || !strcmp(name, "..");
     if (from_scene) {
         slash = strrchr(o->scene, '/');
         name = !strcmp(o->scene, "-") ? "stdin" : slash ? slash + 1 : o->scene;
@@ -475,11 +482,38 @@ static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image *
     return st ? cli_exit_status(st) : CLI_OK;
 }
 
+static int enter_sandbox(const options *o)
+{
+    cli_sandbox s = { .scene = o->scene,
+                      .folder = o->load.sandbox,
+                      .reads_outputs = o->farm.checkpoint || o->farm.resume };
+    bool by_kernel;
+    if (access(o->load.sandbox, R_OK | X_OK)) {
+        cli_usage_error("render", "bad value '%s' for option --sandbox: %s", o->load.sandbox,
+                        strerror(errno));
+        return CLI_USAGE;
+    }
+    for (int i = 0; i < o->n_outputs; i++) s.outputs[s.n_outputs++] = o->outputs[i];
+    if (!o->n_outputs) s.outputs[s.n_outputs++] = "./";
+    if (o->stats_file) s.outputs[s.n_outputs++] = o->stats_file;
+    if (o->farm.checkpoint) s.outputs[s.n_outputs++] = o->farm.checkpoint;
+    int err = cli_sandbox_enter(&s, &by_kernel);
+    if (err)
+        fprintf(stderr, "lightcuts: error: cannot enter the sandbox '%s': %s\n", cli_shown(o->load.sandbox),
+                strerror(err));
+    if (!err && o->verbosity > 0)
+        fprintf(stderr, "lightcuts: sandbox: names are checked%s\n",
+                by_kernel ? ", and every access by Landlock" : "; this kernel has no Landlock");
+    return err ? CLI_FAILED : 0;
+}
+
 static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
 {
     cli_render_report r = { .scene = o->scene, .method = o->render.method, .seed = o->render.seed };
     plan p = { .o = o, .ctx = ctx };
     double t0 = cli_now();
+    int status = o->load.sandbox ? enter_sandbox(o) : 0;
+    if (status) return status;
     cli_catch_save_signals(o->farm.checkpoint != NULL);
     o->load.parsed = make_plan;
     o->load.parsed_user = &p;
@@ -488,7 +522,7 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
     lc_scene_get_info(*scene, &r.info);
     warn_of_scene(o, &r.info);
-    int status = render(o, ctx, *scene, image, &r.stats);
+    status = render(o, ctx, *scene, image, &r.stats);
     if (status) return status;
     if (r.stats.nonfinite)
         fprintf(stderr, "lightcuts: warning: %llu pixels were not finite and were set to 0\n",

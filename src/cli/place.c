@@ -15,8 +15,7 @@ typedef struct {
     char name[NAME_MAX + 1]; /* there: empty */
 } place;
 
-/* Copies the folder of a path, with its slash; "./" where it names none. */
-static bool folder_of(const char *path, char out[PATH_MAX])
+bool cli_folder_of(const char *path, char out[PATH_MAX])
 {
     const char *slash = strrchr(path, '/');
     int n = slash ? snprintf(out, PATH_MAX, "%.*s", (int)(slash - path) + 1, path)
@@ -32,7 +31,7 @@ static bool follow(char path[PATH_MAX])
         ssize_t n = readlink(path, to, sizeof to - 1);
         if (n < 0) return true;
         to[n] = 0;
-        if (!folder_of(path, folder)) return false;
+        if (!cli_folder_of(path, folder)) return false;
         snprintf(joined, sizeof joined, "%s%s", *to == '/' ? "" : folder, to);
         if (strlen(joined) >= PATH_MAX) return false;
         memcpy(path, joined, strlen(joined) + 1);
@@ -48,7 +47,7 @@ static bool find(const char *name, place *out)
     if (out->there) return S_ISREG(out->info.st_mode);
     if (strlen(name) >= sizeof path) return false;
     memcpy(path, name, strlen(name) + 1);
-    if (!follow(path) || !folder_of(path, folder) || stat(folder, &out->info)) return false;
+    if (!follow(path) || !cli_folder_of(path, folder) || stat(folder, &out->info)) return false;
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
     return snprintf(out->name, sizeof out->name, "%s", base) < (int)sizeof out->name;
 }

@@ -3,8 +3,10 @@
 #ifndef LC_INPUTS_H
 #define LC_INPUTS_H
 
-#include "base/context.h"
+#include "base/arena.h"
 #include "base/digest.h"
+
+#include <limits.h>
 
 /* A file, whatever its name. */
 typedef struct lc_file_id {
@@ -16,7 +18,14 @@ typedef struct lc_inputs {
     lc_digest digest; /* of all bytes that lc_reader_read returned, a mark before each file */
     lc_file_id *files;
     size_t n_files, cap_files;
+    const char *roots[2]; /* real paths of folders, outside of which nothing is read; NULL: anything is */
 } lc_inputs;
+
+/* Lets the scene read only below the folder of its file and below `folder`. `memory` holds the roots.
+ * LC_ERR_IO, _MEMORY. */
+lc_status lc_inputs_restrict(lc_inputs *inputs, lc_arena *memory, const char *scene, const char *folder);
+/* Whether a file may be read. *path is changed to one without symbolic links. */
+bool lc_inputs_allow(const lc_inputs *inputs, const char **path, char real[PATH_MAX]);
 
 /* The file behind a descriptor, also a device or pipe. LC_ERR_MEMORY. */
 lc_status lc_inputs_add(const lc_context *ctx, int fd);

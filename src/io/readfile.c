@@ -77,6 +77,10 @@ static lc_status check_file(const lc_context *ctx, lc_reader *r)
 lc_status lc_reader_open(const lc_context *ctx, lc_pos where, const char *path, lc_reader *r)
 {
     *r = (lc_reader){ .path = path, .where = where };
+    char real[PATH_MAX];
+    /* The scene's own file, which no statement names, may be a link to elsewhere. */
+    if (where.line && !lc_inputs_allow(ctx->inputs, &path, real))
+        return fail(ctx, r, LC_ERR_IO, "is outside of the sandbox");
     /* O_NONBLOCK: opening a pipe without a writer would block forever. */
     r->fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     if (r->fd < 0) return fail(ctx, r, LC_ERR_IO, strerror(errno));

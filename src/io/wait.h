@@ -8,7 +8,7 @@
 #include <sys/types.h>
 
 /* All: 0 or errno, ECANCELED when stopped.
- * Opens what is no regular file to write. ETIMEDOUT: a pipe that no process opens to read for some seconds. */
+ * Opens what is no regular file to write. ETIMEDOUT: a pipe that no process reads for some seconds. */
 int lc_wait_open_writer(const lc_context *ctx, const char *path, bool is_pipe, int *fd);
 /* write and read of a descriptor with O_NONBLOCK: at least one byte, or 0 at the end. `any`: bytes were read
  * before. ETIMEDOUT: a pipe that no process opens to write for some seconds. */
