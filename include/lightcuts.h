@@ -220,7 +220,7 @@ LC_API lc_status lc_image_add_channel(lc_image *image, const char *name, float *
 /* The value of a text attribute, owned by the image; NULL if there is none of that name. */
 LC_API const char *lc_image_get_text(const lc_image *image, const char *name);
 /* Sets an attribute, which is written to EXR files. A second value for a name replaces the first.
- * LC_ERR_MEMORY. */
+ * LC_ERR_ARG for names of the OpenEXR layout, such as "channels" or "type"; LC_ERR_MEMORY. */
 LC_API lc_status lc_image_set_text(lc_image *image, const char *name, const char *value);
 LC_API lc_status lc_image_set_number(lc_image *image, const char *name, double value);
 /* m is row-major and acts on column vectors: for "worldToCamera", p_camera = M p_world. */
@@ -303,7 +303,8 @@ typedef struct lc_render_desc {
     uint32_t max_depth;  /* pbrt's maxdepth, reduced to 1000; 0: the scene's. It limits mirrors and glass
                           * along camera rays, see scene/sight.h */
     /* For tiles finished earlier, see lc_checkpoint. Called from any thread, by several at a time. tile_load
-     * fills in pixels and counts and returns 1, or returns 0, and the tile is rendered. tile_done is given
+     * fills in pixels and counts and returns 1, or returns 0, and the tile is rendered, as it is where a pixel is
+     * not finite. Of what tile_load writes to the tile only the counts are taken. tile_done is given
      * every rendered tile once. */
     int (*tile_load)(void *user, lc_tile *tile);
     void (*tile_done)(void *user, const lc_tile *tile);
@@ -398,7 +399,8 @@ typedef struct lc_checkpoint_info {
 LC_API lc_status lc_checkpoint_open(lc_context *ctx, const char *path, const lc_scene *scene,
                                     const lc_render_desc *desc, int resume, double sync_seconds,
                                     lc_checkpoint **out);
-/* Sets tile_load, tile_done and tile_user of the descriptor that the checkpoint was opened with. */
+/* Sets tile_load, tile_done and tile_user of the descriptor that the checkpoint was opened with. If the
+ * descriptor is changed afterwards so that it gives another picture, lc_render fails with LC_ERR_ARG. */
 LC_API void lc_checkpoint_attach(lc_checkpoint *checkpoint, lc_render_desc *desc);
 LC_API void lc_checkpoint_get_info(lc_checkpoint *checkpoint, lc_checkpoint_info *info);
 /* Forces the data to the disk; may be called from any thread. LC_ERR_IO. */

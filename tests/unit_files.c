@@ -138,6 +138,133 @@ TEST(pieces_replace_a_file_or_leave_it)
     CHECK(lc_file_write(ctx, temp_path("p"), NULL, &result) == LC_ERR_ARG);
 }
 
+/* ---- what a host hands in ---- */
+
+TEST(checkpoint_of_another_render)
+{
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_checkpoint *c = open_checkpoint("t.ck", 0, LC_OK);
+    lc_checkpoint_info info;
+    lc_image *image;
+    float pixels[LC_TILE * LC_TILE * 16] = { 0 };
+    if (!c) return;
+    lc_checkpoint_attach(c, &d);
+    lc_render_desc other = d;
+    other.aovs = LC_AOV_ALL;
+    log_clear();
+    CHECK(lc_render(ctx, scene, &other, &image, NULL) == LC_ERR_ARG && !image && n_errors == 1);
+    other = d;
+    other.seed = 7;
+    CHECK(lc_render(ctx, scene, &other, &image, NULL) == LC_ERR_ARG && !image);
+    other = d;
+    memcpy(other.crop, (int32_t[4]){ 0, 17, 0, 5 }, sizeof other.crop);
+    CHECK(lc_render(ctx, scene, &other, &image, NULL) == LC_ERR_ARG && !image);
+    const lc_tile wrong[] = {
+        { .index = 1u << 30, .x1 = 16, .y1 = 16, .n_planes = 3, .pixels = pixels },
+        { .index = 6, .x1 = 16, .y0 = 32, .y1 = 48, .n_planes = 3, .pixels = pixels },
+        { .index = 0, .x1 = 16, .y1 = 16, .n_planes = 16, .pixels = pixels },
+        { .index = 0, .x1 = 64, .y1 = 16, .n_planes = 3, .pixels = pixels },
+        { .index = 1, .x1 = 16, .y1 = 16, .n_planes = 3, .pixels = pixels },
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        lc_tile t = wrong[i];
+        d.tile_done(d.tile_user, &t);
+        CHECKF(!d.tile_load(d.tile_user, &t), "tile %zu", i);
+    }
+    lc_checkpoint_get_info(c, &info);
+    CHECK(info.n_done == 0 && !info.failed);
+    CHECK(lc_render(ctx, scene, &d, &image, NULL) == LC_OK);
+    lc_image_destroy(image);
+    lc_checkpoint_get_info(c, &info);
+    CHECK(info.n_done == info.n_tiles && info.n_done == 6);
+    lc_checkpoint_close(c);
+    lc_checkpoint_attach(NULL, &d);
+    CHECK(lc_checkpoint_sync(NULL) == LC_ERR_ARG && lc_checkpoint_remove(NULL) == LC_ERR_ARG);
+}
+
+/* Fills the tile with its number, or NaN, and then writes nonsense to every field. */
+static int lie(void *user, lc_tile *t)
+{
+    const float value = *(int *)user ? NAN : (float)t->index;
+    for (uint32_t i = 0; i < t->n_planes * (t->x1 - t->x0) * (t->y1 - t->y0); i++) t->pixels[i] = value;
+    *t = (lc_tile){ .index = 1u << 30, .x0 = 5000, .x1 = 70000, .y1 = 9, .n_planes = 999,
+                    .counts = { .points = 1, .cut_max = 2 } };
+    return 1;
+}
+
+TEST(tiles_of_a_host_that_lies)
+{
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_render_stats stats;
+    lc_image *image, *want;
+    int not_finite = 0;
+    d.tile_load = lie;
+    d.tile_user = &not_finite;
+    CHECK(lc_render(ctx, scene, &d, &image, &stats) == LC_OK);
+    for (uint32_t y = 0; y < 24; y++)
+        for (uint32_t x = 0; x < 40; x++) {
+            const double index = x / LC_TILE + 3 * (y / LC_TILE);
+            CHECK(fabs(pixel_at(image, "G", x, y) - index) <= 0);
+        }
+    CHECK(stats.pixels_loaded == 40 * 24 && stats.points == 6);
+    lc_image_destroy(image);
+    not_finite = 1;
+    CHECK(lc_render(ctx, scene, &d, &image, &stats) == LC_OK && stats.pixels_loaded == 0);
+    d.tile_load = NULL;
+    CHECK(lc_render(ctx, scene, &d, &want, &stats) == LC_OK);
+    CHECK(same_planes(image, want));
+    lc_image_destroy(image);
+    lc_image_destroy(want);
+}
+
+TEST(null_arguments)
+{
+    const char *name;
+    uint64_t count;
+    lc_note note;
+    lc_feature feature;
+    lc_scene *with_note = scene_from_text(ctx, NULL, "WorldBegin\nShape \"cone\"\nShape \"nothing\"\n");
+    CHECK(with_note && !lc_scene_get_note(with_note, 0, &note) && !lc_scene_get_feature(with_note, 0, &feature));
+    CHECK(lc_scene_get_note(with_note, 0, NULL) == LC_ERR_ARG);
+    CHECK(lc_scene_get_note(NULL, 0, &note) == LC_ERR_ARG);
+    CHECK(lc_scene_get_feature(with_note, 0, NULL) == LC_ERR_ARG);
+    CHECK(lc_scene_get_feature(NULL, 0, &feature) == LC_ERR_ARG);
+    CHECK(lc_scene_get_texture_class(with_note, 0, NULL, &count) == LC_ERR_ARG);
+    CHECK(lc_scene_get_texture_class(with_note, 0, &name, NULL) == LC_ERR_ARG);
+    CHECK(lc_scene_get_texture_class(NULL, 0, &name, &count) == LC_ERR_ARG);
+    CHECK(!lc_scene_reads_file(NULL, "x") && !lc_scene_reads_file(with_note, NULL));
+    lc_scene_get_info(NULL, NULL);
+    lc_scene_destroy(with_note);
+}
+
+/* What can be set can be written, and is there when it is read. */
+TEST(attributes_are_written_or_refused)
+{
+    static const char *const names[] = {
+        "channels", "compression", "dataWindow", "displayWindow", "lineOrder", "pixelAspectRatio",
+        "screenWindowCenter", "screenWindowWidth", "name", "type", "version", "chunkCount", "tiles", "view",
+        "multiView", "owner", "chromaticities", "whiteLuminance", "envmap", "keyCode", "timeCode", "preview",
+        "wrapmodes", "framesPerSecond", "deepImageState", "worldToCamera", "samplesPerPixel", "exposure", "R"
+    };
+    const float m[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+    lc_image_desc d = LC_IMAGE_DESC_INIT;
+    d.width = d.height = 3;
+    for (size_t i = 0; i < 3 * sizeof names / sizeof *names; i++) {
+        lc_image *image, *read = NULL;
+        const char *name = names[i / 3];
+        CHECK(!lc_image_create(ctx, &d, &image) && !lc_image_add_channel(image, "R", NULL));
+        lc_status set = i % 3 == 0   ? lc_image_set_text(image, name, "text")
+                        : i % 3 == 1 ? lc_image_set_number(image, name, 2)
+                                     : lc_image_set_matrix(image, name, m);
+        CHECKF(set == LC_OK || set == LC_ERR_ARG, "%s: %s", name, lc_status_name(set));
+        CHECKF(!lc_image_write(image, temp_path("a.exr")), "%s, kind %zu: %s", name, i % 3, last_error);
+        CHECKF(!lc_image_read(ctx, temp_path("a.exr"), &read), "%s: %s", name, last_error);
+        if (!set && i % 3 == 0) CHECKF(read && lc_image_get_text(read, name), "%s is lost", name);
+        lc_image_destroy(image);
+        lc_image_destroy(read);
+    }
+}
+
 int main(void)
 {
     temp_begin();
@@ -147,6 +274,10 @@ int main(void)
     RUN(removed_only_while_it_is_the_open_file);
     RUN(locked_file_is_the_one_at_the_path);
     RUN(folders_of_new_files_are_synced);
+    RUN(checkpoint_of_another_render);
+    RUN(tiles_of_a_host_that_lies);
+    RUN(null_arguments);
+    RUN(attributes_are_written_or_refused);
     RUN(pieces_replace_a_file_or_leave_it);
     lc_scene_destroy(scene);
     lc_context_destroy(ctx);

@@ -179,17 +179,6 @@ static lc_status read_layout(reader *r, lc_image_desc *desc)
     return check_channels(r);
 }
 
-static bool is_layout_attr(const char *name)
-{
-    static const char *const names[] = {
-        "name", "type", "version", "chunkCount", "pixelAspectRatio", "screenWindowWidth"
-    };
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        if (strcmp(names[i], name) == 0) return true;
-    }
-    return false;
-}
-
 /* Copies text, number and matrix attributes to the image; other kinds are dropped. */
 static lc_status read_attrs(const reader *r)
 {
@@ -200,7 +189,7 @@ static lc_status read_attrs(const reader *r)
         const exr_attribute_t *a = NULL;
         rv = exr_get_attribute_by_index(r->exr, 0, EXR_ATTR_LIST_FILE_ORDER, i, &a);
         if (rv != EXR_ERR_SUCCESS) return fail_exr(r, rv);
-        if (!a->name || !a->name[0] || is_layout_attr(a->name)) continue;
+        if (!a->name || !a->name[0] || lc_image_is_layout(a->name, false)) continue;
         lc_status status = LC_OK;
         float m[16];
         switch (a->type) {

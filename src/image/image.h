@@ -61,4 +61,8 @@ bool lc_png_is(const uint8_t *head, size_t len);
 uint8_t lc_png_paeth(uint8_t left, uint8_t up, uint8_t corner); /* the predictor of filter 4 [PNG, 9.4] */
 lc_status lc_png_encode(const lc_image *image, const char *path, lc_bytes *file);
 
+/* Whether OpenEXR's layout needs the attribute, or would drop it: it cannot be set. as_number: of some a
+ * number can. */
+bool lc_image_is_layout(const char *name, bool as_number);
+
 #endif

@@ -13,6 +13,8 @@
  * that is not, and the tiles they held are rendered again and appended. Pixels are read where they are asked
  * for.
  */
+#include "render/checkpoint.h"
+
 #include "base/arena.h"
 #include "base/pool.h"
 #include "base/stats.h"
@@ -372,9 +374,20 @@ lc_status lc_checkpoint_open(lc_context *ctx, const char *path, const lc_scene *
 
 /* ---- while rendering ---- */
 
+/* Whether it is a tile of the picture that the checkpoint is of. */
+static bool is_tile(const lc_checkpoint *c, const lc_tile *t)
+{
+    const uint32_t *crop = c->head.crop;
+    if (t->index >= c->n_tiles || t->n_planes != c->head.n_planes) return false;
+    uint32_t x0 = crop[0] + t->index % c->tiles_x * LC_TILE, y0 = crop[2] + t->index / c->tiles_x * LC_TILE;
+    return t->x0 == x0 && t->y0 == y0 && t->x1 == x0 + min_u(LC_TILE, crop[1] - x0) &&
+           t->y1 == y0 + min_u(LC_TILE, crop[3] - y0);
+}
+
 static int load(void *user, lc_tile *t)
 {
     lc_checkpoint *c = user;
+    if (!is_tile(c, t)) return 0;
     size_t n = payload_bytes(c, t->index) - sizeof t->counts, got;
     if (!c->at[t->index]) return 0;
     if (read_at(c->fd, &t->counts, sizeof t->counts, c->at[t->index], &got) || got < sizeof t->counts)
@@ -407,6 +420,7 @@ static void done(void *user, const lc_tile *t)
         record head;
         uint8_t payload[MAX_PAYLOAD];
     } room;
+    if (!is_tile(c, t)) return;
     room.head =
         (record){ .magic = RECORD_MAGIC, .tile = t->index, .bytes = (uint32_t)payload_bytes(c, t->index) };
     memcpy(room.payload, &t->counts, sizeof t->counts);
@@ -420,8 +434,19 @@ static void done(void *user, const lc_tile *t)
     lc_checkpoint_sync(c);
 }
 
+lc_status lc_checkpoint_check(const lc_scene *scene, const lc_render_desc *desc)
+{
+    if (desc->tile_load != load && desc->tile_done != done) return LC_OK;
+    lc_checkpoint *c = desc->tile_user, now = { .ctx = c->ctx };
+    lc_status st = fill_header(&now, scene, desc);
+    if (st || !memcmp(&now.head, &c->head, sizeof now.head)) return st;
+    return lc_fail_at(c->ctx, LC_ERR_ARG, (lc_pos){ c->path, 0, 0 },
+                      "the checkpoint was opened for another render");
+}
+
 void lc_checkpoint_attach(lc_checkpoint *c, lc_render_desc *desc)
 {
+    if (!c || !desc) return;
     desc->tile_load = load;
     desc->tile_done = done;
     desc->tile_user = c;
@@ -429,6 +454,7 @@ void lc_checkpoint_attach(lc_checkpoint *c, lc_render_desc *desc)
 
 void lc_checkpoint_get_info(lc_checkpoint *c, lc_checkpoint_info *info)
 {
+    if (!c || !info) return;
     lc_mutex_lock(c->mutex);
     *info = c->info;
     lc_mutex_unlock(c->mutex);
@@ -436,6 +462,7 @@ void lc_checkpoint_get_info(lc_checkpoint *c, lc_checkpoint_info *info)
 
 lc_status lc_checkpoint_sync(lc_checkpoint *c)
 {
+    if (!c) return LC_ERR_ARG;
     lc_mutex_lock(c->mutex);
     bool dirty = c->unsynced;
     c->unsynced = false;
