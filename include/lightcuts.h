@@ -303,8 +303,8 @@ typedef struct lc_render_desc {
     uint32_t max_depth;  /* pbrt's maxdepth, reduced to 1000; 0: the scene's. It limits mirrors and glass
                           * along camera rays, see scene/sight.h */
     /* For tiles finished earlier, see lc_checkpoint. Called from any thread, by several at a time. tile_load
-     * fills in pixels and counts and returns 1, or returns 0, and the tile is rendered, as it is where a pixel is
-     * not finite. Of what tile_load writes to the tile only the counts are taken. tile_done is given
+     * fills in pixels and counts and returns 1, or returns 0, and the tile is rendered, as it is where a
+     * pixel is not finite. Of what tile_load writes to the tile only the counts are taken. tile_done is given
      * every rendered tile once. */
     int (*tile_load)(void *user, lc_tile *tile);
     void (*tile_done)(void *user, const lc_tile *tile);
@@ -363,11 +363,11 @@ LC_API lc_status lc_render_crop(lc_context *ctx, const lc_scene *scene, const lc
  * as square as possible, that cover the crop once. Their edges lie between tiles if that leaves them about
  * equal. LC_ERR_ARG. */
 LC_API lc_status lc_chunk_crop(const uint32_t crop[4], uint32_t k, uint32_t n, uint32_t chunk[4]);
-/* Sets the attributes by which lc_merge recognizes part k of n: k, n, the ids and the whole crop.
- * LC_ERR_MEMORY. */
+/* Sets the attributes by which lc_merge recognizes part k of n: k, n, the ids, the whole crop, the build of
+ * the library, and a digest of the pixels and of all attributes, so it comes last. LC_ERR_MEMORY. */
 LC_API lc_status lc_chunk_mark(lc_image *image, const lc_identity *id, const uint32_t crop[4], uint32_t k,
                                uint32_t n);
-/* 1 if the image is part k of n of that crop and has these ids, else 0. */
+/* 1 if the image is part k of n of that crop, undamaged, of these ids and of this build, else 0. */
 LC_API int lc_chunk_matches(const lc_image *image, const lc_identity *id, const uint32_t crop[4], uint32_t k,
                             uint32_t n);
 
@@ -375,8 +375,9 @@ LC_API int lc_chunk_matches(const lc_image *image, const lc_identity *id, const 
 typedef struct lc_merge lc_merge;
 LC_API lc_status lc_merge_create(lc_context *ctx, lc_merge **out);
 LC_API void lc_merge_destroy(lc_merge *merge);
-/* Reads a part. LC_ERR_PARSE if the file is not a part, is a part of a different picture than those before,
- * or was added already; otherwise fails as lc_image_read does. */
+/* Reads a part. LC_ERR_PARSE if the file is not a part, is damaged, is a part of a different picture or of
+ * another build of the library than those before, or was added already; otherwise fails as lc_image_read
+ * does. Parts that note no build, as those of older versions, are taken among themselves, with a warning. */
 LC_API lc_status lc_merge_add(lc_merge *merge, const char *path);
 /* The number of missing parts, and in text a list of them like "3,7-9", truncated to `size` bytes. */
 LC_API uint32_t lc_merge_missing(const lc_merge *merge, char *text, size_t size);

@@ -2,6 +2,7 @@
  * written piece by piece, pipes, tiles and attributes that do not fit. */
 #include "image/image.h"
 #include "io/file.h"
+#include "render/chunk.h"
 #include "support/farm_scene.h"
 #include "support/pictures.h"
 
@@ -224,7 +225,8 @@ TEST(null_arguments)
     lc_note note;
     lc_feature feature;
     lc_scene *with_note = scene_from_text(ctx, NULL, "WorldBegin\nShape \"cone\"\nShape \"nothing\"\n");
-    CHECK(with_note && !lc_scene_get_note(with_note, 0, &note) && !lc_scene_get_feature(with_note, 0, &feature));
+    CHECK(with_note && !lc_scene_get_note(with_note, 0, &note));
+    CHECK(with_note && !lc_scene_get_feature(with_note, 0, &feature));
     CHECK(lc_scene_get_note(with_note, 0, NULL) == LC_ERR_ARG);
     CHECK(lc_scene_get_note(NULL, 0, &note) == LC_ERR_ARG);
     CHECK(lc_scene_get_feature(with_note, 0, NULL) == LC_ERR_ARG);
@@ -265,6 +267,134 @@ TEST(attributes_are_written_or_refused)
     }
 }
 
+/* ---- parts of a picture ---- */
+
+/* Writes part k of 2 of a small picture. rgb: of half floats. */
+static void write_part(const char *name, uint32_t k, bool rgb, lc_image **out)
+{
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    const uint32_t whole[4] = { 0, 40, 0, 24 };
+    uint32_t part[4];
+    lc_identity id;
+    lc_image *image;
+    if (!rgb) d.aovs = LC_AOV_CUT;
+    CHECK(!lc_render_identity(ctx, scene, &d, &id) && !lc_chunk_crop(whole, k, 2, part));
+    for (int i = 0; i < 4; i++) d.crop[i] = (int32_t)part[i];
+    CHECK(!lc_render(ctx, scene, &d, &image, NULL) && !lc_image_set_number(image, "renderTimeSeconds", 0.1));
+    CHECK(!lc_chunk_mark(image, &id, whole, k, 2) && lc_chunk_matches(image, &id, whole, k, 2));
+    CHECK(!lc_image_write(image, temp_path(name)));
+    if (out) *out = image;
+    else lc_image_destroy(image);
+}
+
+/* The status of adding both parts; *whole: their picture. */
+static lc_status merge_of(const char *a, const char *b, lc_image **whole)
+{
+    lc_merge *m;
+    *whole = NULL;
+    log_clear();
+    CHECK(!lc_merge_create(ctx, &m));
+    lc_status st = lc_merge_add(m, temp_path(a));
+    if (!st) st = lc_merge_add(m, temp_path(b));
+    if (!st) st = lc_merge_finish(m, whole);
+    lc_merge_destroy(m);
+    return st;
+}
+
+static void flip_every_byte(bool rgb)
+{
+    lc_image *right, *got;
+    size_t n, refused = 0;
+    write_part("1.exr", 1, rgb, NULL);
+    write_part("2.exr", 2, rgb, NULL);
+    CHECK(merge_of("1.exr", "2.exr", &right) == LC_OK && !*last_warning);
+    uint8_t *bytes = (uint8_t *)file_read(temp_path("1.exr"), &n);
+    for (size_t i = 0; i < n; i += UNDER_TSAN ? 97 : 1) {
+        bytes[i] ^= (uint8_t)(1 << i % 8);
+        file_write(temp_path("flipped.exr"), bytes, n);
+        bytes[i] ^= (uint8_t)(1 << i % 8);
+        lc_status st = merge_of("flipped.exr", "2.exr", &got);
+        refused += st != LC_OK;
+        if (!st) CHECKF(same_planes(right, got) && !*last_warning, "byte %zu of %zu", i, n);
+        if (!st) {
+            CHECK(!lc_image_write(right, temp_path("r.exr")) && !lc_image_write(got, temp_path("g.exr")));
+            size_t a, b;
+            char *x = file_read(temp_path("r.exr"), &a), *y = file_read(temp_path("g.exr"), &b);
+            CHECKF(a == b && !memcmp(x, y, a), "byte %zu of %zu: another file", i, n);
+            free(x);
+            free(y);
+        }
+        lc_image_destroy(got);
+    }
+    CHECKF(refused > n / 10, "%zu of %zu refused", refused, n);
+    free(bytes);
+    lc_image_destroy(right);
+}
+
+TEST(flipped_bits_of_parts)
+{
+    flip_every_byte(true);
+    flip_every_byte(false);
+}
+
+/* A pixel that is changed in the file, by a program that writes it as it should be. */
+TEST(changed_pixels_and_other_builds)
+{
+    lc_image *image, *got;
+    write_part("1.exr", 1, true, &image);
+    write_part("2.exr", 2, true, NULL);
+    lc_image_channel(image, "G")[17] += 0.01f;
+    CHECK(!lc_image_write(image, temp_path("changed.exr")));
+    CHECK(merge_of("changed.exr", "2.exr", &got) == LC_ERR_PARSE && strstr(last_error, "is damaged"));
+    lc_image_channel(image, "G")[17] -= 0.01f;
+
+    char digest[24];
+    CHECK(!lc_image_set_text(image, LC_CHUNK_BUILD_ATTR, "0123456789abcdef"));
+    snprintf(digest, sizeof digest, "%016llx", (unsigned long long)lc_chunk_digest(image));
+    CHECK(!lc_image_set_text(image, LC_CHUNK_DIGEST_ATTR, digest));
+    CHECK(!lc_image_write(image, temp_path("other.exr")));
+    CHECK(merge_of("other.exr", "2.exr", &got) == LC_ERR_PARSE && strstr(last_error, "another build"));
+    CHECK(merge_of("2.exr", "other.exr", &got) == LC_ERR_PARSE && strstr(last_error, "another build"));
+
+    image->n_attrs -= 2; /* the last: build and digest */
+    CHECK(!*lc_chunk_build(image) && !lc_image_get_text(image, LC_CHUNK_DIGEST_ATTR));
+    CHECK(!lc_image_write(image, temp_path("old.exr")));
+    lc_image_destroy(image);
+    CHECK(merge_of("old.exr", "2.exr", &got) == LC_ERR_PARSE && strstr(last_error, "another build"));
+    write_part("1.exr", 2, true, &image);
+    image->n_attrs -= 2;
+    CHECK(!lc_image_write(image, temp_path("old2.exr")));
+    lc_image_destroy(image);
+    CHECK(merge_of("old.exr", "old2.exr", &got) == LC_OK && strstr(last_warning, "older version"));
+    lc_image_destroy(got);
+}
+
+/* Halves of all sizes are rounded as the writer rounds them. */
+TEST(digest_of_halves)
+{
+    const uint32_t whole[4] = { 0, 256, 0, 64 };
+    const lc_identity id = { 1, 2 };
+    lc_image_desc d = LC_IMAGE_DESC_INIT;
+    lc_image *image, *read;
+    d.width = 256;
+    d.height = 64;
+    CHECK(!lc_image_create(ctx, &d, &image));
+    for (int c = 0; c < 3; c++) {
+        float *plane;
+        CHECK(!lc_image_add_channel(image, (const char *[]){ "R", "G", "B" }[c], &plane));
+        for (int i = 0; i < 256 * 64; i++) {
+            const uint32_t bits = (uint32_t)i * 2654435761u + (uint32_t)c * 40503u;
+            const float v = (float)bits * 0x1p-32f + 1, tie = (float)(bits >> 21) * 0x1p-11f + 1;
+            plane[i] = ldexpf(i % 3 ? v : tie, i % 48 - 30) * (i % 5 ? 1.f : -1.f);
+        }
+    }
+    CHECK(!lc_chunk_mark(image, &id, whole, 1, 1) && !lc_image_write(image, temp_path("h.exr")));
+    CHECK(!lc_image_read(ctx, temp_path("h.exr"), &read));
+    CHECK(read && !same_planes(image, read) && lc_chunk_is_whole(read));
+    lc_image_destroy(image);
+    lc_image_destroy(read);
+}
+
 int main(void)
 {
     temp_begin();
@@ -278,6 +408,9 @@ int main(void)
     RUN(tiles_of_a_host_that_lies);
     RUN(null_arguments);
     RUN(attributes_are_written_or_refused);
+    RUN(flipped_bits_of_parts);
+    RUN(changed_pixels_and_other_builds);
+    RUN(digest_of_halves);
     RUN(pieces_replace_a_file_or_leave_it);
     lc_scene_destroy(scene);
     lc_context_destroy(ctx);

@@ -16,8 +16,8 @@ typedef struct cli_sandbox {
 } cli_sandbox;
 
 /* From now on this thread and those that it starts read only below the scene's folder and `folder`, write
- * only in the folders of the outputs, and neither run programs nor connect to other machines. *by_kernel is false
- * where the kernel has no Landlock: nothing has changed then. 0 or errno. */
+ * only in the folders of the outputs, and neither run programs nor connect to other machines. *by_kernel is
+ * false where the kernel has no Landlock: nothing has changed then. 0 or errno. */
 int cli_sandbox_enter(const cli_sandbox *s, bool *by_kernel);
 
 #endif

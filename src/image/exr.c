@@ -20,7 +20,6 @@
 /* Limits the bytes that one byte of a chunk gives: deflate reaches 1032, and PXR24's floats 4/3 of that. */
 #define MAX_UNPACK 2048
 #define ZLIB_NEEDS ((size_t)64 << 10) /* bytes; zlib needs 44 KiB to decompress [zlib.h] */
-#define HALF_MAX 65504.0f             /* the largest half; larger values would become infinity */
 
 /* A file that is read; OpenEXRCore's user data. */
 typedef struct source {
@@ -356,25 +355,13 @@ static void drop_message(exr_const_context_t exr, exr_result_t code, const char 
     (void)text;
 }
 
-static bool is_rgb_only(const lc_image *image)
-{
-    return image->n_channels == 3 && lc_image_channel(image, "R") && lc_image_channel(image, "G") &&
-           lc_image_channel(image, "B");
-}
-
 /* Writes numbers that other readers know by name in the type that they expect, and all others as double. */
 static exr_result_t write_number(exr_context_t exr, const lc_attr *a)
 {
-    static const char *const floats[] = {
-        "renderTimeSeconds", "pixelAspectRatio", "screenWindowWidth", "xDensity", "exposure",
-        "aperture",          "expTime",          "isoSpeed",          "focus",    "MSE"
-    };
     if (strcmp(a->name, "samplesPerPixel") == 0 && fabs(a->number) <= INT32_MAX) {
         return exr_attr_set_int(exr, 0, a->name, (int32_t)a->number);
     }
-    for (size_t i = 0; i < sizeof floats / sizeof *floats; i++) {
-        if (strcmp(a->name, floats[i]) == 0) return exr_attr_set_float(exr, 0, a->name, (float)a->number);
-    }
+    if (lc_image_writes_float(a->name)) return exr_attr_set_float(exr, 0, a->name, (float)a->number);
     return exr_attr_set_double(exr, 0, a->name, a->number);
 }
 
@@ -410,7 +397,7 @@ static exr_result_t write_layout(const lc_image *image, exr_context_t exr)
         rv = exr_initialize_required_attr(exr, 0, &display, &data, 1.0f, &centre, 1.0f,
                                           EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
     }
-    exr_pixel_type_t type = is_rgb_only(image) ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
+    exr_pixel_type_t type = lc_image_writes_half(image) ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
     for (size_t i = 0; rv == EXR_ERR_SUCCESS && i < image->n_channels; i++) {
         rv = exr_add_channel(exr, 0, image->channels[i].name, type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     }
@@ -427,8 +414,8 @@ static void clamp_rows(const lc_image *image, uint32_t y, size_t n_lines, float 
         const float *from = image->channels[c].plane + (size_t)y * image->desc.width;
         for (size_t i = 0; i < n; i++) {
             float v = from[i];
-            if (isfinite(v) && v > HALF_MAX) v = HALF_MAX;
-            if (isfinite(v) && v < -HALF_MAX) v = -HALF_MAX;
+            if (isfinite(v) && v > LC_HALF_MAX) v = LC_HALF_MAX;
+            if (isfinite(v) && v < -LC_HALF_MAX) v = -LC_HALF_MAX;
             rows[c * n + i] = v;
         }
     }
@@ -490,7 +477,7 @@ lc_status lc_exr_encode(const lc_image *image, const char *path, lc_bytes *file)
     if (rv == EXR_ERR_SUCCESS) rv = write_layout(image, exr);
     if (rv == EXR_ERR_SUCCESS) rv = exr_write_header(exr);
     if (rv == EXR_ERR_SUCCESS) rv = exr_get_scanlines_per_chunk(exr, 0, &lines);
-    size_t n_rows = is_rgb_only(image) ? (size_t)lines * 3 : 0;
+    size_t n_rows = lc_image_writes_half(image) ? (size_t)lines * 3 : 0;
     if (rv == EXR_ERR_SUCCESS && n_rows) {
         rows = lc_alloc(ctx, n_rows, image->desc.width * sizeof *rows);
         if (!rows) to.status = LC_ERR_MEMORY;
