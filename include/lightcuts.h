@@ -73,13 +73,19 @@ typedef struct lc_context_desc {
      * is written; nonzero ends the call with LC_ERR_CANCELLED. NULL: never. */
     int (*stop)(void *user);
     void *stop_user;
+    /* Bytes that may be allocated through the context at a time: a call that needs more fails with
+     * LC_ERR_MEMORY and says for what. 0: no limit. OpenEXR's own buffers and stacks are not counted. */
+    uint64_t max_memory;
 } lc_context_desc;
-#define LC_CONTEXT_DESC_INIT { sizeof(lc_context_desc), 0, 0, 0, 0, LC_ISA_BEST, 0, 0 }
+#define LC_CONTEXT_DESC_INIT { sizeof(lc_context_desc), 0, 0, 0, 0, LC_ISA_BEST, 0, 0, 0 }
 
 /* desc may be NULL for the defaults. Fails with LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_context_create(const lc_context_desc *desc, lc_context **out);
 /* Scenes, images and other handles made with the context must have been destroyed before. */
 LC_API void lc_context_destroy(lc_context *ctx);
+/* Bytes that the process can have before the machine swaps or a control group ends it; UINT64_MAX if the
+ * system does not say. */
+LC_API uint64_t lc_memory_left(void);
 LC_API const char *lc_status_name(lc_status status);
 LC_API uint32_t lc_isa_count(void); /* instruction sets with kernels in this build of the library */
 LC_API const char *lc_isa_name(lc_isa isa);  /* "best", "scalar", ...; "unknown" for any other number */

@@ -232,4 +232,17 @@ fails 'an output folder that is not there' 1 'cannot write' -q --sandbox lib s.p
 good 'how it is held' -v --sandbox lib box/s.pbrt -o away/x.exr
 check 'is said' grep -q '^lightcuts: sandbox: names are checked' err
 
+# ---- memory ----
+
+"$L" scene cube --lights 60000 -o many.pbrt
+fails 'too little memory to read' 1 'error: out of memory: reading the scene needs' -q many.pbrt --max-memory 4M -o m.exr
+check 'one message' test "$(wc -l <err)" -eq 1
+fails 'too little memory for the tree' 1 'error: out of memory: the light tree needs' -q many.pbrt --max-memory 16M -o m.exr
+check 'one message for the tree' test "$(wc -l <err)" -eq 1 -a ! -e m.exr
+good 'enough memory' -q s.pbrt --max-memory 64M -o m.exr
+check 'the same picture' cmp -s m.exr want.exr
+for value in 0 '' M -1 1.5G 99999999999T 1KB; do
+    fails "--max-memory '$value'" 2 "bad value '$value' for option --max-memory" s.pbrt --max-memory "$value" -o n.exr
+done
+
 finish

@@ -1,4 +1,5 @@
 /* load.c - public calls of scenes: checks arguments, then delegates. */
+#include "base/memory.h"
 #include "pbrt/parse.h"
 #include "prepare/commit.h"
 #include "tree/light_tree.h"
@@ -11,6 +12,7 @@
 static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
 {
     double t0 = lc_now();
+    lc_memory_step(scene->ctx, "reading the scene");
     scene->load = *d;
     scene->ctx->inputs = &scene->inputs;
     lc_status st = d->sandbox ? lc_inputs_restrict(&scene->inputs, &scene->arena, path, d->sandbox) : LC_OK;

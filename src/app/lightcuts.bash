@@ -53,7 +53,7 @@ _lightcuts()
     render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | \
         render:--maxdepth | render:--area-lights | render:--env-lights | render:--indirect-lights | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
-        render:--print-chunks | render:--time-limit | render:--checkpoint-interval | \
+        render:--print-chunks | render:--time-limit | render:--max-memory | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
         scene:--lights | scene:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
@@ -83,8 +83,8 @@ _lightcuts()
         case $command in
         render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --seed --spp --pixelbounds
-            --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit --sandbox --checkpoint-interval
-            --keep-checkpoint --aov --nthreads --isa --stats --stats-file --write-time --quiet --verbose
+            --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit --sandbox --max-memory
+            --checkpoint-interval --keep-checkpoint --aov --nthreads --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;
         scene) options='--lights --seed --outfile --help' ;;

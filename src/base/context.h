@@ -13,6 +13,7 @@
 #include <stdarg.h>
 
 struct lc_inputs; /* io/inputs.h */
+struct lc_memory; /* memory.h */
 
 struct lc_context {
     lc_allocator allocator;
@@ -20,6 +21,7 @@ struct lc_context {
     void *log_user;
     int (*stop)(void *user); /* NULL: never */
     void *stop_user;
+    struct lc_memory *memory; /* NULL: no limit */
     uint32_t n_threads;
     lc_isa isa; /* the instruction set of the kernels below; each room declares the table that it calls */
     const struct lc_shade_kernels *shade_kernels; /* shade/tree_data.h */

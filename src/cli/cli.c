@@ -35,6 +35,23 @@ static int stop(void *user)
     return cli_caught_signal() != 0;
 }
 
+static uint64_t max_memory; /* 0: what is left */
+
+int cli_parse_memory(const char *text)
+{
+    static const char units[] = "KMGT";
+    char number[32];
+    const size_t len = strlen(text);
+    const char *unit = len ? strchr(units, toupper((unsigned char)text[len - 1])) : NULL;
+    uint64_t bytes, factor = unit ? (uint64_t)1 << 10 * (unit - units + 1) : 1;
+    if (!len || len >= sizeof number) return -1;
+    memcpy(number, text, len + 1);
+    if (unit) number[len - 1] = 0;
+    if (cli_parse_u64(number, 1, UINT64_MAX / factor, &bytes)) return -1;
+    max_memory = bytes * factor;
+    return 0;
+}
+
 lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
 {
     static int levels[3] = { -1, 0, 1 };
@@ -42,6 +59,7 @@ lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
     desc.log = log_to_stderr;
     desc.log_user = &levels[(verbosity > 1 ? 1 : verbosity) + 1];
     desc.stop = stop;
+    desc.max_memory = max_memory ? max_memory : lc_memory_left();
     desc.n_threads = n_threads;
     desc.isa = isa;
     lc_context *ctx = NULL;

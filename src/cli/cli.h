@@ -52,6 +52,10 @@ int cli_exit_status(lc_status status);
 /* of a picture that cannot be read: CLI_INPUT, or CLI_FAILED for lack of memory */
 int cli_input_status(lc_status status);
 
+/* "500000000", "500M", "2G": the limit of all contexts made from now on, which by default is what the machine
+ * leaves. 0 = ok. */
+int cli_parse_memory(const char *text);
+
 /* 0 = ok; the whole text must be a finite number in the range. */
 int cli_parse_float(const char *text, double lo, double hi, double *out);
 int cli_parse_u64(const char *text, uint64_t lo, uint64_t hi, uint64_t *out);

@@ -58,7 +58,8 @@ enum {
     OPT_RESUME,
     OPT_KEEP,
     OPT_LIMIT,
-    OPT_SANDBOX
+    OPT_SANDBOX,
+    OPT_MEMORY
 };
 
 static const struct option long_options[] = {
@@ -87,6 +88,7 @@ static const struct option long_options[] = {
     { "resume", 0, 0, OPT_RESUME },
     { "time-limit", 1, 0, OPT_LIMIT },
     { "sandbox", 1, 0, OPT_SANDBOX },
+    { "max-memory", 1, 0, OPT_MEMORY },
     { "stats-file", 1, 0, OPT_STATS_FILE },
     { "stats", 0, 0, OPT_STATS },
     { "write-time", 0, 0, OPT_TIME },
@@ -136,6 +138,8 @@ static void print_help(void)
         "      --checkpoint-interval T  force FILE to the disk this often, default 30s\n"
         "      --keep-checkpoint    leave FILE there\n"
         "      --sandbox DIR        read only below the scene's folder and DIR, write only the outputs\n"
+        "      --max-memory BYTES   end when it needs more (500M, 2G), default: what the machine and its\n"
+        "                           control groups leave\n"
         "      --aov LIST           further channels, with commas: cut n p z albedo error rays all\n"
         "  -t, --nthreads N         default: all processors this process may use\n"
         "      --isa I              use at most %s (also: LC_ISA in the environment)\n"
@@ -199,6 +203,7 @@ static int set_option(options *o, int c)
     case OPT_KEEP: o->farm.keep = true; return 0;
     case OPT_LIMIT: return cli_parse_time(optarg, &o->farm.time_limit);
     case OPT_SANDBOX: o->load.sandbox = optarg; return !*optarg;
+    case OPT_MEMORY: return cli_parse_memory(optarg);
     case OPT_AOV: return parse_aovs(optarg, &o->render.aovs);
     case OPT_STATS_FILE: o->stats_file = optarg; return !*optarg;
     case OPT_STATS: o->print_stats = true; return 0;

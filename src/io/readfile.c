@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#define HEAD 4096 /* bytes by which a file is judged */
+
 static lc_status fail(const lc_context *ctx, const lc_reader *r, lc_status status, const char *why)
 {
     if (r->where.line) return lc_fail_at(ctx, status, r->where, "cannot open '%s': %s", r->path, why);
@@ -161,13 +163,28 @@ static lc_status read_all(const lc_context *ctx, lc_reader *r, lc_file *f)
     }
 }
 
-lc_status lc_file_read(const lc_context *ctx, lc_pos where, const char *path, lc_file *out)
+/* Reads the first bytes. *whole: the rest is wanted, too. */
+static lc_status read_head(const lc_context *ctx, lc_reader *r, bool (*is)(const uint8_t *head, size_t len),
+                           lc_file *f, bool *whole)
 {
+    void *data = NULL;
+    lc_status st = lc_grow(ctx, &data, &f->cap, HEAD + 2, 1);
+    f->data = data;
+    if (!st) st = lc_reader_read(ctx, r, f->data, HEAD, &f->size);
+    *whole = !st && is((const uint8_t *)f->data, f->size);
+    return st;
+}
+
+lc_status lc_file_read(const lc_context *ctx, lc_pos where, const char *path,
+                       bool (*is)(const uint8_t *head, size_t len), lc_file *out)
+{
+    bool whole = true;
     lc_reader r;
     *out = (lc_file){ 0 };
     lc_status st = lc_reader_open(ctx, where, path, &r);
     if (st) return st;
-    st = read_all(ctx, &r, out);
+    if (is) st = read_head(ctx, &r, is, out, &whole);
+    if (!st && whole) st = read_all(ctx, &r, out);
     lc_reader_close(&r);
     if (st) lc_file_free(ctx, out);
     return st;

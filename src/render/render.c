@@ -1,6 +1,7 @@
 /* render.c - lc_render: tiles over threads. */
 #include "render/render_job.h"
 
+#include "base/memory.h"
 #include "base/pool.h"
 #include "render/checkpoint.h"
 #include "render/render_tile.h"
@@ -234,6 +235,7 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     lc_status st = lc_render_check(ctx, scene, desc, crop);
     if (!st) st = lc_checkpoint_check(scene, desc);
     if (st) return st;
+    lc_memory_step(ctx, "rendering");
     if (!stats) stats = &own;
     *stats = (lc_render_stats){ 0 };
     lc_render_job j;
