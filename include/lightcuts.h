@@ -93,6 +93,14 @@ LC_API lc_isa lc_isa_find(const char *name); /* LC_ISA_UNKNOWN if this build has
 LC_API lc_isa lc_context_isa(const lc_context *ctx); /* the instruction set in use */
 LC_API uint32_t lc_context_threads(const lc_context *ctx);
 
+/* ---- text ---- */
+
+/* For names, which are not trusted: the bytes of the UTF-8 character at text and its code; 0 where there is
+ * none, as for overlong forms, surrogates and codes beyond U+10FFFF. */
+LC_API size_t lc_text_char(const char *text, uint32_t *code);
+/* 0: not for terminals: a control character, one that changes the direction of text, or one not seen. */
+LC_API int lc_text_is_shown(uint32_t code);
+
 /* ---- scene ---- */
 
 /* How light trees are built. EXACT: agglomeration that always joins the two clusters closest to each other,

@@ -245,4 +245,50 @@ for value in 0 '' M -1 1.5G 99999999999T 1KB; do
     fails "--max-memory '$value'" 2 "bad value '$value' for option --max-memory" s.pbrt --max-memory "$value" -o n.exr
 done
 
+# ---- names on terminals and in JSON ----
+
+tame() # what was said holds nothing that a terminal obeys, and is UTF-8
+{
+    if LC_ALL=C grep -aq '[[:cntrl:]]' out err; then no "$1" 'a control character'
+    elif LC_ALL=C grep -aq "$bidi" out err; then no "$1" 'a character that turns text'
+    elif has iconv && ! cat out err | iconv -f UTF-8 -t UTF-8 >/dev/null 2>&1; then no "$1" 'no UTF-8'
+    else ok
+    fi
+}
+byte() { printf "\\$(printf %03o "$1")"; }
+bytes() { for b in "$@"; do byte "$b"; done; }
+bidi=$(bytes 226 128 174) # U+202E
+wild="a$(bytes 27)[31m$(bytes 194 155)31m$bidi$(bytes 226 129 166 216 156 192 175 237 160 128 244 144 128 128 248 255)b"
+wild="$wild$(bytes 240 130 130 172 224 128 175 194)" # overlong forms, and one that is cut off
+cp s.pbrt "$wild.pbrt"
+cp want.exr "$wild.exr"
+for command in "$wild" "$wild.pbrt -o $wild/x.exr" "$wild.pbrt -v -o $wild.png --stats" \
+    "info $wild.exr" "info $wild.pbrt" \
+    "info --json $wild.exr" "info --json $wild.pbrt" "explain $wild.pbrt --pixel 3,3" \
+    "explain $wild.pbrt --pixel 3,3 --json" "compare $wild.exr want.exr" "compare $wild want.exr" \
+    "merge -o x.exr $wild.exr" "preview $wild.exr -o $wild/x.png" "preview $wild.exr -o x.png --false-colour $wild" \
+    "scene $wild" "scene cornell --lights $wild" "scene cornell --lights 3 -o $wild/x" "s.pbrt --$wild" "-$wild" \
+    "s.pbrt --method $wild" "s.pbrt --checkpoint $wild/c -o x.exr" "s.pbrt --checkpoint x.exr -o x.exr --stats-file $wild" \
+    "s.pbrt --sandbox $wild" "report $wild.pbrt -q --quick -o $wild/r" "report $wild -o r" "help $wild" \
+    "bench render $wild.pbrt --runs 1 --pixelbounds 0,4,0,4" "bench rays --mesh $wild --rays $wild" \
+    "bench render --json $wild.pbrt --runs 1 --pixelbounds 0,4,0,4"; do
+    IFS=' '
+    # shellcheck disable=SC2086
+    run $command
+    unset IFS
+    tr -d '\n' <out >flat && mv flat out
+    tr -d '\n' <err >flat && mv flat err
+    tame "names of: $(printf %s "$command" | LC_ALL=C tr -dc 'a-z -.')"
+done
+"$L" --checkpoint "$wild.ck" --keep-checkpoint -q s.pbrt -o x.exr >out 2>err
+"$L" --checkpoint "$wild.ck" --resume s.pbrt -o x.exr >out 2>err
+tr -d '\n' <err >flat && mv flat err
+tame 'going on'
+good 'JSON of a name' info --json "$wild.exr"
+python 'is JSON' -c 'import json; t = open("out", "rb").read().decode("utf-8", "strict"); json.loads(t)'
+good 'statistics of a name' -q "$wild.pbrt" -o x.exr --stats-file x.json
+python 'are JSON, and the name is itself where it is valid' -c 'import json
+t = json.load(open("x.json", encoding="utf-8"))["scene"]
+assert t.startswith("a\x1b[31m\x9b31m\u202e\u2066\u061c??") and "b" in t, ascii(t)'
+
 finish

@@ -300,31 +300,17 @@ int cli_has_extension(const char *path, const char *extension)
     return 1;
 }
 
-/* Bytes of the well-formed UTF-8 character at p that may go to a terminal. 0: the bytes are malformed or a
- * control character. */
-static size_t printable(const unsigned char *p)
-{
-    size_t n = *p < 0x80                 ? 1
-               : *p >= 0xc2 && *p < 0xe0 ? 2
-               : *p >= 0xe0 && *p < 0xf0 ? 3
-               : *p >= 0xf0 && *p < 0xf5 ? 4
-                                         : 0;
-    if (*p < 0x20 || *p == 0x7f || (*p == 0xc2 && p[1] < 0xa0)) return 0;
-    for (size_t i = 1; i < n; i++)
-        if ((p[i] & 0xc0) != 0x80) return 0;
-    return n;
-}
-
 void cli_json_text(FILE *f, const char *text)
 {
+    uint32_t code;
     fputc('"', f);
     for (size_t n; *text; text += n ? n : 1) {
-        unsigned char c = (unsigned char)*text;
-        n = printable((const unsigned char *)text);
-        if (c == '"' || c == '\\') fprintf(f, "\\%c", c);
-        else if (n) fwrite(text, 1, n, f);
-        else if (c < 0x80) fprintf(f, "\\u%04x", c);
-        else fputc('?', f);
+        n = lc_text_char(text, &code);
+        if (!n) fputc('?', f);
+        else if (code == '"' || code == '\\') fprintf(f, "\\%c", (char)code);
+        else if (lc_text_is_shown(code)) fwrite(text, 1, n, f);
+        else if (code < 0x10000) fprintf(f, "\\u%04x", (unsigned)code);
+        else fprintf(f, "\\u%04x\\u%04x", 0xd7c0u + (code >> 10), 0xdc00u + (code & 0x3ffu));
     }
     fputc('"', f);
 }
@@ -334,10 +320,11 @@ const char *cli_shown(const char *text)
     static char copies[4][1024];
     static unsigned next;
     char *copy = copies[next++ % 4];
+    uint32_t code;
     snprintf(copy, sizeof copies[0], "%s", text);
     for (char *p = copy; *p;) {
-        size_t n = printable((const unsigned char *)p);
-        if (!n) *p = '?';
+        size_t n = lc_text_char(p, &code);
+        if (!n || !lc_text_is_shown(code)) memset(p, '?', n ? n : 1);
         p += n ? n : 1;
     }
     return copy;

@@ -88,12 +88,14 @@ const char *cli_nearest(const char *text, const char *const *names);
 
 /* 1 where the path ends with the extension, in upper or lower case, and is longer than it. */
 int cli_has_extension(const char *path, const char *extension);
-/* A copy of at most 1023 bytes that is safe on a terminal: '?' replaces control characters and malformed
- * UTF-8. It is valid until the fourth call after this one. For one thread. */
+/* A copy of at most 1023 bytes that is safe on a terminal: '?' replaces malformed UTF-8, control characters
+ * and those that change the direction of text. It is valid until the fourth call after this one. For one
+ * thread. */
 const char *cli_shown(const char *text);
 /* "3 point, 0 oriented, ...", or "\"point\": 3, ..." as JSON: the lights of each kind. */
 void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json);
-/* Prints a JSON string with its quotes; '?' replaces malformed UTF-8. */
+/* Prints a JSON string with its quotes, valid UTF-8: '?' replaces what is not, and characters that a terminal
+ * would obey are escaped. */
 void cli_json_text(FILE *f, const char *text);
 /* lc_file_write with what fn prints. On failure prints why and returns nonzero. */
 int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user);

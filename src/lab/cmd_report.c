@@ -170,7 +170,7 @@ static int make_folder(const char *path)
     if (err == EEXIST && !stat(path, &st))
         err = !S_ISDIR(st.st_mode) ? ENOTDIR : access(path, W_OK | X_OK) ? errno : 0;
     if (!err) return CLI_OK;
-    fprintf(stderr, "lightcuts: error: cannot make the folder '%s': %s\n", path, strerror(err));
+    fprintf(stderr, "lightcuts: error: cannot make the folder '%s': %s\n", cli_shown(path), strerror(err));
     return CLI_FAILED;
 }
 
@@ -195,7 +195,8 @@ static int run(report *r)
     if (!status) status = cli_write_file(path, report_write_json, r);
     snprintf(path, sizeof path, "%s/index.html", o->folder);
     if (!status) status = cli_write_file(path, report_write_page, r);
-    if (!status && !o->quiet) fprintf(stderr, "lightcuts: wrote %s and report.json beside it\n", path);
+    if (!status && !o->quiet)
+        fprintf(stderr, "lightcuts: wrote %s and report.json beside it\n", cli_shown(path));
     return status;
 }
 
