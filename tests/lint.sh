@@ -116,8 +116,8 @@ rule 'simd/ in isa_*.c and simd/ only' only_in "$include_of\"simd/" 'src/(isa/is
 writers() # what opens files to write, renames or removes them, but for lc_file_write and the checkpoint
 {
     only_in '\<(O_WRONLY|O_RDWR|O_CREAT|O_TRUNC|O_APPEND)\>|\<(creat|rename|renameat|mkstemp|tmpfile|freopen|truncate|ftruncate)[ ]*\(' \
-        'src/(io/file|render/checkpoint|app/main)\.c' src/*/*.[ch] # main.c: standard streams that are closed
-    grep -nE '\<fopen[ ]*\([^"]*"[^r"]' src/*/*.[ch]
+        'src/(io/(file|wait)|render/checkpoint|app/main)\.c' src/*/*.[ch] # main.c: standard streams that are closed
+    grep -nE '\<fopen[ ]*\(.*, *"([wa]|rb?\+)' src/*/*.[ch]
 }
 rule 'files are written through lc_file_write and lc_file_replace only' writers
 leaks() # macros that a template or home defines and leaves defined
