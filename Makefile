@@ -84,7 +84,7 @@ help:
 
 # ---- dependencies ----
 
-.PHONY: all help deps deps-check demo test test-all test-arm64 bench accept accept-kill fault coverage fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
+.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill fault coverage fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP) $(if $(CROSS),$(CROSS))
 deps-check:
@@ -101,6 +101,16 @@ $(DEPS)/openexr/lib/libOpenEXRCore.a: | deps-check
 
 $(foreach isa,$(ISAS),$(eval $(OUT)/src/isa/isa_$(isa).o: ISA_FLAGS := $(call isa_flags,$(isa))))
 $(OUT)/src/image/exr.o: ISA_FLAGS := $(EXR_INC)
+
+# What a build is known by: its sources, compiler and flags. Written anew only where it changed.
+BUILD_ID := $(shell { cat $(sort $(wildcard src/*/*.[ch] include/*.h)); echo "$(FLAGS)"; $(CC) --version | head -n 1; } \
+  2>/dev/null | sha256sum | cut -c 1-16)
+$(OUT)/src/base/build.o: ISA_FLAGS := -DLC_BUILD='"$(BUILD_ID)"'
+$(OUT)/src/base/build.o: $(OUT)/build_id
+$(OUT)/build_id: FORCE
+	@mkdir -p $(@D)
+	@echo $(BUILD_ID) | cmp -s - $@ || echo $(BUILD_ID) >$@
+FORCE:
 
 $(OUT)/%.o: %.c Makefile | $(EXR_LIB) deps-check
 	@mkdir -p $(@D)

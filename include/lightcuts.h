@@ -42,7 +42,7 @@ typedef enum lc_status {
     LC_ERR_IO = -3,          /* a file could not be opened, read, written or put in place */
     LC_ERR_PARSE = -4,       /* a file's content is wrong; the log line says file:line:column */
     LC_ERR_UNSUPPORTED = -5, /* a valid file that this version cannot read */
-    LC_ERR_CANCELLED = -6    /* a callback returned nonzero */
+    LC_ERR_CANCELLED = -6    /* a callback returned nonzero; not logged */
 } lc_status;
 
 typedef enum lc_log_level { LC_LOG_ERROR = 0, LC_LOG_WARNING = 1, LC_LOG_INFO = 2 } lc_log_level;
@@ -69,19 +69,37 @@ typedef struct lc_context_desc {
     void *log_user;
     uint32_t n_threads; /* 0: as many as the process may use */
     lc_isa isa;         /* a cap */
+    /* Asked while another process is waited for at a pipe or device, and between the lines of a picture that
+     * is written; nonzero ends the call with LC_ERR_CANCELLED. NULL: never. */
+    int (*stop)(void *user);
+    void *stop_user;
+    /* Bytes that may be allocated through the context at a time: a call that needs more fails with
+     * LC_ERR_MEMORY and says for what. 0: no limit. OpenEXR's own buffers and stacks are not counted. */
+    uint64_t max_memory;
 } lc_context_desc;
-#define LC_CONTEXT_DESC_INIT { sizeof(lc_context_desc), 0, 0, 0, 0, LC_ISA_BEST }
+#define LC_CONTEXT_DESC_INIT { sizeof(lc_context_desc), 0, 0, 0, 0, LC_ISA_BEST, 0, 0, 0 }
 
 /* desc may be NULL for the defaults. Fails with LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_context_create(const lc_context_desc *desc, lc_context **out);
 /* Scenes, images and other handles made with the context must have been destroyed before. */
 LC_API void lc_context_destroy(lc_context *ctx);
+/* Bytes that the process can have before the machine swaps or a control group ends it; UINT64_MAX if the
+ * system does not say. */
+LC_API uint64_t lc_memory_left(void);
 LC_API const char *lc_status_name(lc_status status);
 LC_API uint32_t lc_isa_count(void); /* instruction sets with kernels in this build of the library */
 LC_API const char *lc_isa_name(lc_isa isa);  /* "best", "scalar", ...; "unknown" for any other number */
 LC_API lc_isa lc_isa_find(const char *name); /* LC_ISA_UNKNOWN if this build has no set of that name */
 LC_API lc_isa lc_context_isa(const lc_context *ctx); /* the instruction set in use */
 LC_API uint32_t lc_context_threads(const lc_context *ctx);
+
+/* ---- text ---- */
+
+/* For names, which are not trusted: the bytes of the UTF-8 character at text and its code; 0 where there is
+ * none, as for overlong forms, surrogates and codes beyond U+10FFFF. */
+LC_API size_t lc_text_char(const char *text, uint32_t *code);
+/* 0: not for terminals: a control character, one that changes the direction of text, or one not seen. */
+LC_API int lc_text_is_shown(uint32_t code);
 
 /* ---- scene ---- */
 
@@ -121,10 +139,14 @@ typedef struct lc_load_desc {
                             * endlessly many virtual lights would make them, and 95 % within five times as
                             * much; 0.0001 to 1; 0: 0.01 */
     lc_indirect_from indirect_from;
+    /* NULL: files are read wherever the scene's names lead. Otherwise only below the folder of the scene's
+     * file, which for "-" is the working folder, and below this folder, all symbolic links followed; a name
+     * that leads elsewhere is LC_ERR_IO. */
+    const char *sandbox;
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
 #define LC_LOAD_DESC_INIT                                                                                    \
-    { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE }
+    { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0 }
 
 /* One kind of thing in the scene file that was approximated or skipped. */
 typedef struct lc_note {
@@ -186,6 +208,9 @@ typedef struct lc_scene_info {
 LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);
 LC_API void lc_scene_destroy(lc_scene *scene);
 LC_API void lc_scene_get_info(const lc_scene *scene, lc_scene_info *info);
+/* 1 if the path leads to one of the files that the scene was read from, by device and inode, under whatever
+ * name; else 0. */
+LC_API int lc_scene_reads_file(const lc_scene *scene, const char *path);
 /* The number of the scene's textures of class idx, counted from 0 over all classes that exist; LC_ERR_ARG
  * beyond the last. */
 LC_API lc_status lc_scene_get_texture_class(const lc_scene *scene, uint32_t idx, const char **name,
@@ -221,7 +246,7 @@ LC_API lc_status lc_image_add_channel(lc_image *image, const char *name, float *
 /* The value of a text attribute, owned by the image; NULL if there is none of that name. */
 LC_API const char *lc_image_get_text(const lc_image *image, const char *name);
 /* Sets an attribute, which is written to EXR files. A second value for a name replaces the first.
- * LC_ERR_MEMORY. */
+ * LC_ERR_ARG for names of the OpenEXR layout, such as "channels" or "type"; LC_ERR_MEMORY. */
 LC_API lc_status lc_image_set_text(lc_image *image, const char *name, const char *value);
 LC_API lc_status lc_image_set_number(lc_image *image, const char *name, double value);
 /* m is row-major and acts on column vectors: for "worldToCamera", p_camera = M p_world. */
@@ -229,12 +254,24 @@ LC_API lc_status lc_image_set_matrix(lc_image *image, const char *name, const fl
 
 /* Reads OpenEXR (single-part, scanline or tiled; float, half or uint channels), PNG and TGA (sRGB, converted
  * to linear RGB), PFM and Radiance HDR. The format is detected by content, whatever the name. Fails with
- * LC_ERR_ARG, _IO, _PARSE, _UNSUPPORTED, _MEMORY. */
+ * LC_ERR_ARG, _IO, _PARSE, _UNSUPPORTED, _MEMORY, _CANCELLED. */
 LC_API lc_status lc_image_read(lc_context *ctx, const char *path, lc_image **out);
 /* Writes by extension: .exr (all channels; half floats if there are only R, G and B) or .png (R, G and B,
  * sRGB, with highlights compressed by the shoulder of png_write.c). The file is replaced atomically: after a
- * failure it is what it was before. Fails with LC_ERR_ARG, _IO, _MEMORY. */
+ * failure it is what it was before. Fails with LC_ERR_ARG, _IO, _MEMORY, _CANCELLED. */
 LC_API lc_status lc_image_write(const lc_image *image, const char *path);
+
+/* ---- other files ---- */
+
+typedef struct lc_sink lc_sink; /* bytes on their way to a file */
+/* Creates or replaces a file atomically by what `fill` puts into the sink: in a temporary file of the same
+ * folder, which is forced to the disk and renamed. An existing file keeps its mode; a symbolic link stays
+ * one. After a failure, also one that `fill` returns, an existing file is unchanged and nothing else is left.
+ * Devices and pipes are written to directly. Fails with LC_ERR_ARG, _IO, _CANCELLED, and as `fill` does. */
+LC_API lc_status lc_file_write(lc_context *ctx, const char *path,
+                               lc_status (*fill)(void *user, lc_sink *sink), void *user);
+/* Appends n bytes. LC_ERR_IO, which lc_file_write logs, _CANCELLED; what is put after it is ignored. */
+LC_API lc_status lc_sink_put(lc_sink *sink, const void *data, size_t n);
 
 /* ---- rendering ---- */
 
@@ -292,7 +329,8 @@ typedef struct lc_render_desc {
     uint32_t max_depth;  /* pbrt's maxdepth, reduced to 1000; 0: the scene's. It limits mirrors and glass
                           * along camera rays, see scene/sight.h */
     /* For tiles finished earlier, see lc_checkpoint. Called from any thread, by several at a time. tile_load
-     * fills in pixels and counts and returns 1, or returns 0, and the tile is rendered. tile_done is given
+     * fills in pixels and counts and returns 1, or returns 0, and the tile is rendered, as it is where a
+     * pixel is not finite. Of what tile_load writes to the tile only the counts are taken. tile_done is given
      * every rendered tile once. */
     int (*tile_load)(void *user, lc_tile *tile);
     void (*tile_done)(void *user, const lc_tile *tile);
@@ -351,11 +389,11 @@ LC_API lc_status lc_render_crop(lc_context *ctx, const lc_scene *scene, const lc
  * as square as possible, that cover the crop once. Their edges lie between tiles if that leaves them about
  * equal. LC_ERR_ARG. */
 LC_API lc_status lc_chunk_crop(const uint32_t crop[4], uint32_t k, uint32_t n, uint32_t chunk[4]);
-/* Sets the attributes by which lc_merge recognizes part k of n: k, n, the ids and the whole crop.
- * LC_ERR_MEMORY. */
+/* Sets the attributes by which lc_merge recognizes part k of n: k, n, the ids, the whole crop, the build of
+ * the library, and a digest of the pixels and of all attributes, so it comes last. LC_ERR_MEMORY. */
 LC_API lc_status lc_chunk_mark(lc_image *image, const lc_identity *id, const uint32_t crop[4], uint32_t k,
                                uint32_t n);
-/* 1 if the image is part k of n of that crop and has these ids, else 0. */
+/* 1 if the image is part k of n of that crop, undamaged, of these ids and of this build, else 0. */
 LC_API int lc_chunk_matches(const lc_image *image, const lc_identity *id, const uint32_t crop[4], uint32_t k,
                             uint32_t n);
 
@@ -363,8 +401,9 @@ LC_API int lc_chunk_matches(const lc_image *image, const lc_identity *id, const 
 typedef struct lc_merge lc_merge;
 LC_API lc_status lc_merge_create(lc_context *ctx, lc_merge **out);
 LC_API void lc_merge_destroy(lc_merge *merge);
-/* Reads a part. LC_ERR_PARSE if the file is not a part, is a part of a different picture than those before,
- * or was added already; otherwise fails as lc_image_read does. */
+/* Reads a part. LC_ERR_PARSE if the file is not a part, is damaged, is a part of a different picture or of
+ * another build of the library than those before, or was added already; otherwise fails as lc_image_read
+ * does. Parts that note no build, as those of older versions, are taken among themselves, with a warning. */
 LC_API lc_status lc_merge_add(lc_merge *merge, const char *path);
 /* The number of missing parts, and in text a list of them like "3,7-9", truncated to `size` bytes. */
 LC_API uint32_t lc_merge_missing(const lc_merge *merge, char *text, size_t size);
@@ -387,11 +426,15 @@ typedef struct lc_checkpoint_info {
 LC_API lc_status lc_checkpoint_open(lc_context *ctx, const char *path, const lc_scene *scene,
                                     const lc_render_desc *desc, int resume, double sync_seconds,
                                     lc_checkpoint **out);
-/* Sets tile_load, tile_done and tile_user of the descriptor that the checkpoint was opened with. */
+/* Sets tile_load, tile_done and tile_user of the descriptor that the checkpoint was opened with. If the
+ * descriptor is changed afterwards so that it gives another picture, lc_render fails with LC_ERR_ARG. */
 LC_API void lc_checkpoint_attach(lc_checkpoint *checkpoint, lc_render_desc *desc);
 LC_API void lc_checkpoint_get_info(lc_checkpoint *checkpoint, lc_checkpoint_info *info);
 /* Forces the data to the disk; may be called from any thread. LC_ERR_IO. */
 LC_API lc_status lc_checkpoint_sync(lc_checkpoint *checkpoint);
+/* Removes the file, if its path still leads to the one that is open; otherwise logs a warning and leaves what
+ * is there. Of a symbolic link the target is removed. LC_ERR_IO. */
+LC_API lc_status lc_checkpoint_remove(lc_checkpoint *checkpoint);
 LC_API void lc_checkpoint_close(lc_checkpoint *checkpoint);
 
 /* ---- one point explained ---- */

@@ -914,6 +914,18 @@ cp rep/renders/one-exact.json before
 echo '# and more' >>more.pbrt
 report 'report of a scene with a changed one'
 check 'so is what includes a changed file' test "$(cat before)" != "$(cat rep/renders/one-exact.json)"
+echo '# in a member' >leaf.pbrt
+echo 'Include "leaf.pbrt"' | gzip >packed.pbrt.gz
+echo 'Include "packed.pbrt.gz"' >>one.pbrt
+report 'report of a scene with a packed one'
+cp rep/renders/one-exact.json before
+echo '# in another' >>leaf.pbrt
+report 'report of a scene with a changed one in a packed one'
+check 'so is what a packed file includes' test "$(cat before)" != "$(cat rep/renders/one-exact.json)"
+cp rep/renders/one-exact.json before
+touch -d 2001-01-01 leaf.pbrt more.pbrt one.pbrt
+report 'report of files with another time'
+check 'time alone changes nothing' cmp before rep/renders/one-exact.json
 cp one.pbrt w/
 cp more.pbrt w/
 good 'report of two of one name' report -q one.pbrt w/one.pbrt -o rep2 --quick --error-ratios 0.1

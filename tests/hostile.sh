@@ -107,6 +107,26 @@ if mkfifo pipe 2>/dev/null; then
 else
     skip 'pipes without a writer' 'mkfifo fails here'
 fi
+# What is unpacked, subdivided and reported stays in proportion.
+head -c 100000000 /dev/zero | gzip -1 >zeros.gz
+for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do cat zeros.gz; done >bomb.gz
+for shape in 'Shape "plymesh" "string filename"' 'LightSource "infinite" "string filename"' \
+    'Texture "t" "spectrum" "imagemap" "string filename"' 'LightSource "point" "spectrum I"'; do
+    echo "$head $shape \"bomb.gz\"" >bomb.pbrt
+    refused "zeros, 2 GB of them: $shape" bomb.pbrt -o o.exr
+done
+{
+    echo "$head"
+    repeat 100 'Shape "loopsubdiv" "integer levels" 10 "point3 P" [0 0 0 1 0 0 0 1 0 0 0 1]
+"integer indices" [0 1 2 0 2 3 0 3 1 1 3 2]'
+} >levels.pbrt
+drawn 'subdivided a hundred times' levels.pbrt -o o.exr
+mkdir -p deep
+for i in 0 1 2 3 4 5 6 7 8 9; do echo "Include \"$((i + 1)).pbrt\"" >deep/$i.pbrt; done
+echo "$ball" >deep/10.pbrt
+{ echo "$head"; echo 'Include "0.pbrt"'; } >deep/s.pbrt
+run 'a report in little stack' report --quick -q deep/s.pbrt -o rep --error-ratios 0.1
+if [ $rc -eq 0 ] && [ -s rep/index.html ]; then ok; else no "$name" "status $rc"; fi
 repeat 200000 'Include "leaf.pbrt"' >many.pbrt
 echo '# nothing' >leaf.pbrt
 refused 'ever more files' many.pbrt -o o.exr

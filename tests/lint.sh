@@ -113,6 +113,13 @@ rule '<pthread.h> in pool.c only' only_in '<pthread\.h>|<threads\.h>' 'src/base/
 rule 'malloc and its like in arena.c only' only_in '\<(malloc|calloc|realloc|aligned_alloc|posix_memalign|strdup|strndup)[ ]*\(' \
     'src/base/arena\.c' $library
 rule 'simd/ in isa_*.c and simd/ only' only_in "$include_of\"simd/" 'src/(isa/isa_[a-z0-9]*\.c|simd/[a-z_0-9]*\.h)' src/*/*.[ch]
+writers() # what opens files to write, renames or removes them, but for lc_file_write and the checkpoint
+{
+    only_in '\<(O_WRONLY|O_RDWR|O_CREAT|O_TRUNC|O_APPEND)\>|\<(creat|rename|renameat|mkstemp|tmpfile|freopen|truncate|ftruncate)[ ]*\(' \
+        'src/(io/(file|wait)|render/checkpoint|app/main)\.c' src/*/*.[ch] # main.c: standard streams that are closed
+    grep -nE '\<fopen[ ]*\(.*, *"([wa]|rb?\+)' src/*/*.[ch]
+}
+rule 'files are written through lc_file_write and lc_file_replace only' writers
 leaks() # macros that a template or home defines and leaves defined
 {
     for file in src/*/*_tmpl.c src/shade/lobe_*.h; do

@@ -3,6 +3,7 @@
  * losing a record that is whole; progress; quotas of processors in control groups written here. */
 #include "base/cpu.h"
 #include "base/digest.h"
+#include "base/memory.h"
 #include "image/image.h"
 #include "render/chunk.h"
 #include "support/farm_scene.h"
@@ -461,6 +462,62 @@ TEST(quotas_of_control_groups)
     CHECK(lc_cpu_quota(temp_folder) == 4);
 }
 
+TEST(memory_that_control_groups_leave)
+{
+    const uint64_t mib = 1 << 20;
+    mkdir(temp_path("proc"), 0755);
+    mkdir(temp_path("proc/self"), 0755);
+    mkdir(temp_path("sys"), 0755);
+    mkdir(temp_path("sys/fs"), 0755);
+    mkdir(temp_path("sys/fs/cgroup"), 0755);
+    mkdir(temp_path("sys/fs/cgroup/g"), 0755);
+    mkdir(temp_path("sys/fs/cgroup/memory"), 0755);
+    unlink(temp_path("proc/self/cgroup"));
+    CHECK(lc_memory_left_below(temp_folder) == UINT64_MAX);
+    put("proc/meminfo", "MemTotal:       4194304 kB\nMemAvailable:    2097152 kB\nSwapFree: 9 kB\n");
+    CHECK(lc_memory_left_below(temp_folder) == 2048 * mib);
+    put("proc/self/cgroup", "0::/g/h\n");
+    put("sys/fs/cgroup/g/memory.max", "max\n");
+    CHECK(lc_memory_left_below(temp_folder) == 2048 * mib);
+    put("sys/fs/cgroup/g/memory.max", "1073741824\n");
+    put("sys/fs/cgroup/g/memory.current", "536870912\n");
+    put("sys/fs/cgroup/g/memory.stat", "anon 1\ninactive_file 268435456\n");
+    CHECK(lc_memory_left_below(temp_folder) == 768 * mib);
+    put("sys/fs/cgroup/g/memory.current", "9999999999\n");
+    CHECK(lc_memory_left_below(temp_folder) == 64 * mib);
+    put("proc/self/cgroup", "4:memory:/\n");
+    put("sys/fs/cgroup/memory/memory.limit_in_bytes", "9223372036854771712\n");
+    CHECK(lc_memory_left_below(temp_folder) == 2048 * mib);
+    put("sys/fs/cgroup/memory/memory.limit_in_bytes", "1073741824\n");
+    put("sys/fs/cgroup/memory/memory.usage_in_bytes", "104857600\n");
+    CHECK(lc_memory_left_below(temp_folder) == 924 * mib);
+    CHECK(lc_memory_left() > 0);
+}
+
+TEST(memory_limit_of_a_context)
+{
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    lc_context *c;
+    desc.log = log_keep;
+    desc.max_memory = 1 << 20;
+    CHECK(!lc_context_create(&desc, &c));
+    lc_memory_step(c, "a test");
+    log_clear();
+    void *half = lc_alloc_raw(c, 1 << 19, 1);
+    CHECK(half && !lc_alloc_raw(c, (1 << 19) + 1, 1) && n_errors == 1);
+    CHECK(!strcmp(last_error, "error: out of memory: a test needs 524289 bytes more, "
+                              "and 524288 of 1048576 are in use"));
+    void *rest = lc_alloc_raw(c, 1 << 19, 1);
+    CHECK(rest && !lc_alloc_raw(c, 1, 1) && !lc_alloc_raw(c, SIZE_MAX / 2, 1));
+    lc_free(c, half, 1 << 19, 1);
+    half = lc_alloc_raw(c, 1 << 19, 1);
+    CHECK(half != NULL);
+    lc_free(c, half, 1 << 19, 1);
+    lc_free(c, rest, 1 << 19, 1);
+    CHECK(!atomic_load(&c->memory->used));
+    lc_context_destroy(c);
+}
+
 int main(void)
 {
     temp_begin();
@@ -478,6 +535,8 @@ int main(void)
     RUN(no_room_for_the_checkpoint);
     RUN(progress_rises_and_ends);
     RUN(quotas_of_control_groups);
+    RUN(memory_that_control_groups_leave);
+    RUN(memory_limit_of_a_context);
     temp_end();
     return test_done();
 }

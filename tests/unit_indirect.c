@@ -366,9 +366,10 @@ TEST(no_dots_in_glossy_floors)
     rd.method = LC_METHOD_EXACT;
     scene_write("%sLookAt 0 1 -3  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 35\nWorldBegin\n"
                 "LightSource \"spot\" \"point3 from\" [0 2 -2] \"point3 to\" [0 .8 0] \"rgb I\" [9 9 9]\n"
-                GREY(".5") WALL("2", "0.2") "Material \"conductor\" \"float roughness\" .1 \"bool remaproughness\" false\n"
-                                     "Shape \"trianglemesh\" \"point3 P\" [-2 0 -4  2 0 -4  2 0 .2  -2 0 .2] "
-                                     "\"integer indices\" [0 2 1 0 3 2]\n",
+                GREY(".5") WALL("2", "0.2")
+                    "Material \"conductor\" \"float roughness\" .1 \"bool remaproughness\" false\n"
+                    "Shape \"trianglemesh\" \"point3 P\" [-2 0 -4  2 0 -4  2 0 .2  -2 0 .2] "
+                    "\"integer indices\" [0 2 1 0 3 2]\n",
                 film);
     lc_scene *a = load_seed(1000, 3, 0), *b = load_seed(60000, 4, 0);
     CHECK(a && b && !lc_render(ctx, a, &rd, &few, NULL) && !lc_render(ctx, b, &rd, &many, NULL));

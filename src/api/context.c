@@ -3,6 +3,7 @@
 
 #include "base/arena.h"
 #include "base/cpu.h"
+#include "base/memory.h"
 #include "isa/isa.h"
 
 lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
@@ -18,6 +19,8 @@ lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
     lc_context ctx = { .allocator = d.allocator ? *d.allocator : lc_allocator_libc(),
                        .log = d.log,
                        .log_user = d.log_user,
+                       .stop = d.stop,
+                       .stop_user = d.stop_user,
                        .n_threads = d.n_threads,
                        .isa = lc_isa_pick(d.isa) };
     if (!ctx.n_threads) ctx.n_threads = lc_cpu_threads();
@@ -26,9 +29,15 @@ lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
     ctx.tree_kernels = &kernels->tree;
     ctx.trace_kernels = &kernels->trace;
     ctx.cut_kernels = &kernels->cut;
-    lc_context *c = lc_alloc(&ctx, 1, sizeof *c);
-    if (!c) return LC_ERR_MEMORY;
+    lc_memory *memory = d.max_memory ? lc_alloc(&ctx, 1, sizeof *memory) : NULL;
+    lc_context *c = !d.max_memory || memory ? lc_alloc(&ctx, 1, sizeof *c) : NULL;
+    if (!c) {
+        lc_free(&ctx, memory, 1, sizeof *memory);
+        return LC_ERR_MEMORY;
+    }
+    if (memory) memory->limit = d.max_memory < SIZE_MAX ? (size_t)d.max_memory : SIZE_MAX;
     *c = ctx;
+    c->memory = memory;
     *out = c;
     return LC_OK;
 }
@@ -37,6 +46,8 @@ void lc_context_destroy(lc_context *ctx)
 {
     if (!ctx) return;
     lc_context copy = *ctx;
+    copy.memory = NULL;
+    lc_free(&copy, ctx->memory, 1, sizeof *ctx->memory);
     lc_free(&copy, ctx, 1, sizeof *ctx);
 }
 

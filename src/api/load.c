@@ -1,5 +1,5 @@
 /* load.c - public calls of scenes: checks arguments, then delegates. */
-#include "base/digest.h"
+#include "base/memory.h"
 #include "pbrt/parse.h"
 #include "prepare/commit.h"
 #include "tree/light_tree.h"
@@ -13,13 +13,14 @@
 /* Reads all files and says so. */
 static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
 {
-    lc_digest inputs = { 0 };
     double t0 = lc_now();
+    lc_memory_step(scene->ctx, "reading the scene");
     scene->load = *d;
-    scene->ctx->inputs = &inputs;
-    lc_status st = lc_pbrt_parse(scene, path);
+    scene->ctx->inputs = &scene->inputs;
+    lc_status st = d->sandbox ? lc_inputs_restrict(&scene->inputs, &scene->arena, path, d->sandbox) : LC_OK;
+    if (!st) st = lc_pbrt_parse(scene, path);
     scene->ctx->inputs = NULL;
-    scene->input_id = lc_digest_result(&inputs);
+    scene->input_id = lc_digest_result(&scene->inputs.digest);
     scene->seconds_parse = lc_now() - t0;
     return st ? st : d->parsed && d->parsed(d->parsed_user, scene) ? LC_ERR_CANCELLED : LC_OK;
 }

@@ -54,7 +54,7 @@ _lightcuts()
         render:--maxdepth | render:--area-lights | render:--env-lights | render:--indirect-lights | \
         render:--indirect-error | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
-        render:--print-chunks | render:--time-limit | render:--checkpoint-interval | \
+        render:--print-chunks | render:--time-limit | render:--max-memory | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
         scene:--lights | scene:--seed | converge:--pixels | converge:--spp | converge:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
@@ -67,7 +67,7 @@ _lightcuts()
     render:--indirect-from | explain:--indirect-from)
         COMPREPLY=($(compgen -W "scene view" -- "$word"))
         return ;;
-    report:-o | report:--outdir)
+    report:-o | report:--outdir | render:--sandbox)
         compopt -o filenames 2>/dev/null
         COMPREPLY=($(compgen -d -- "$word"))
         return ;;
@@ -86,9 +86,10 @@ _lightcuts()
     if [[ $word == -* ]]; then
         case $command in
         render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives
-            --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error --indirect-from --seed --spp --pixelbounds
-            --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit --checkpoint-interval
-            --keep-checkpoint --aov --nthreads --isa --stats --stats-file --write-time --quiet --verbose
+            --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
+            --indirect-from --seed --spp --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
+            --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --aov
+            --nthreads --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;
         scene) options='--lights --seed --outfile --help' ;;

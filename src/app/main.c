@@ -2,6 +2,7 @@
 #include "cli/cli.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <string.h>
 #include <unistd.h>
@@ -90,8 +91,18 @@ static int dispatch(int argc, char **argv)
     return cmd_render(argc, argv);
 }
 
+/* Puts /dev/null where a standard stream is closed, else the next file that is opened would get its messages.
+ * Opened the wrong way round: what reads or writes there is told, as before. */
+static void fill_standard_streams(void)
+{
+    static const int modes[] = { O_WRONLY, O_RDONLY, O_RDONLY }; /* input, output, errors */
+    for (int fd = 0; fd < 3; fd++)
+        if (fcntl(fd, F_GETFD) < 0 && errno == EBADF && open("/dev/null", modes[fd]) < 0) return;
+}
+
 int main(int argc, char **argv)
 {
+    fill_standard_streams();
     signal(SIGPIPE, SIG_IGN); /* a closed pipe or a size limit is then an error of write, which we report */
     signal(SIGXFSZ, SIG_IGN);
     int status = dispatch(argc, argv);

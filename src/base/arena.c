@@ -1,6 +1,8 @@
 /* arena.c - the only file that calls malloc. */
 #include "base/arena.h"
 
+#include "base/memory.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -52,7 +54,9 @@ static size_t bytes_of(size_t n, size_t size)
 void *lc_alloc_raw(const lc_context *ctx, size_t n, size_t size)
 {
     size_t bytes = bytes_of(n, size);
+    if (bytes != SIZE_MAX && !lc_memory_take(ctx, bytes)) return NULL;
     void *p = bytes == SIZE_MAX ? NULL : ctx->allocator.alloc(ctx->allocator.user, bytes, ALIGN);
+    if (!p && bytes != SIZE_MAX) lc_memory_give(ctx, bytes);
     if (!p) lc_fail(ctx, LC_ERR_MEMORY, "out of memory: %zu times %zu bytes", n, size);
     return p;
 }
@@ -65,7 +69,9 @@ void *lc_alloc(const lc_context *ctx, size_t n, size_t size)
 
 void lc_free(const lc_context *ctx, void *ptr, size_t n, size_t size)
 {
-    if (ptr) ctx->allocator.free(ctx->allocator.user, ptr, bytes_of(n, size));
+    if (!ptr) return;
+    ctx->allocator.free(ctx->allocator.user, ptr, bytes_of(n, size));
+    lc_memory_give(ctx, bytes_of(n, size));
 }
 
 lc_status lc_grow(const lc_context *ctx, void **ptr, size_t *cap, size_t need, size_t size)

@@ -3,7 +3,8 @@
  * The room base/ is what the others stand on. It knows nothing of scenes or light:
  *
  *     base.h  context.h  log.c            assertions; allocator, log and thread count of a host; errors
- *     arena   pool   cpu   stats          memory, parallel loops, processors, clock and counters
+ *     arena   memory   pool   cpu   stats memory and its limit, parallel loops, processors, clock, counters
+ *     text    build                       what a terminal may get; which build this is
  *     vec  vec4  xform  fmath  decimal    arithmetic whose bits are the same on every machine
  *     rng  sample  digest  morton         random numbers, sample points, hashes, space-filling order
  */

@@ -12,20 +12,27 @@
 
 #include <stdarg.h>
 
-struct lc_digest; /* digest.h */
+struct lc_inputs; /* io/inputs.h */
+struct lc_memory; /* memory.h */
 
 struct lc_context {
     lc_allocator allocator;
     void (*log)(void *user, lc_log_level level, const char *text);
     void *log_user;
+    int (*stop)(void *user); /* NULL: never */
+    void *stop_user;
+    struct lc_memory *memory; /* NULL: no limit */
     uint32_t n_threads;
     lc_isa isa; /* the instruction set of the kernels below; each room declares the table that it calls */
     const struct lc_shade_kernels *shade_kernels; /* shade/tree_data.h */
     const struct lc_tree_kernels *tree_kernels;   /* tree/ploc_list.h */
     const struct lc_trace_kernels *trace_kernels; /* trace/bvh_data.h */
     const struct lc_cut_kernels *cut_kernels;     /* cut/cut_list.h */
-    struct lc_digest *inputs; /* while a scene is loaded: hashes all that lc_reader_read reads; else NULL */
+    struct lc_inputs *inputs; /* while a scene is loaded: the files that it is read from; else NULL */
 };
+
+/* Whether the host wants the call that is running to end with LC_ERR_CANCELLED. */
+static inline bool lc_stopped(const lc_context *ctx) { return ctx->stop && ctx->stop(ctx->stop_user); }
 
 /* A position in an input file; line and column count from 1, 0 is unknown. */
 typedef struct lc_pos {

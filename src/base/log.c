@@ -1,30 +1,10 @@
 /* log.c - formats log lines and makes them safe to print. */
 #include "base/context.h"
 
+#include "base/text.h"
+
 #include <stdarg.h>
 #include <stdio.h>
-
-/* The length of the UTF-8 character at p; 0 if it is malformed or a control character. */
-static size_t printable(const unsigned char *p)
-{
-    size_t n = *p < 0x80                 ? 1
-               : *p >= 0xc2 && *p < 0xe0 ? 2
-               : *p >= 0xe0 && *p < 0xf0 ? 3
-               : *p >= 0xf0 && *p < 0xf5 ? 4
-                                         : 0;
-    if (*p < 0x20 || *p == 0x7f || (*p == 0xc2 && p[1] < 0xa0)) return 0;
-    for (size_t i = 1; i < n; i++)
-        if ((p[i] & 0xc0) != 0x80) return 0;
-    return n;
-}
-
-/* Replaces everything else: file names and scenes are not trusted and might hold a terminal's control
- * sequences. */
-static void clean(char *text)
-{
-    for (size_t n; *text; text += n ? n : 1)
-        if (!(n = printable((const unsigned char *)text))) *text = (unsigned char)*text < 0x80 ? ' ' : '?';
-}
 
 static void log_line(const lc_context *ctx, lc_log_level level, const lc_pos *pos, const char *prefix,
                      const char *fmt, va_list args)
@@ -40,7 +20,7 @@ static void log_line(const lc_context *ctx, lc_log_level level, const lc_pos *po
     int k = snprintf(text + n, 64, "%s", prefix);
     n += (size_t)k;
     vsnprintf(text + n, sizeof text - n, fmt, args);
-    clean(text);
+    lc_text_clean(text);
     ctx->log(ctx->log_user, level, text);
 }
 

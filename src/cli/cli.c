@@ -1,17 +1,16 @@
 /* cli.c - see cli.h. */
 #include "cli/cli.h"
 
+#include "cli/progress.h"
+
 #include <ctype.h>
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static atomic_uint_fast64_t n_warnings;
 /* true while cli_read_kept tries a picture: its failure is no error, so it is not logged */
@@ -30,12 +29,37 @@ static void log_to_stderr(void *user, lc_log_level level, const char *text)
         fprintf(stderr, "lightcuts: %s\n", text);
 }
 
+static int stop(void *user)
+{
+    (void)user;
+    return cli_caught_signal() != 0;
+}
+
+static uint64_t max_memory; /* 0: what is left */
+
+int cli_parse_memory(const char *text)
+{
+    static const char units[] = "KMGT";
+    char number[32];
+    const size_t len = strlen(text);
+    const char *unit = len ? strchr(units, toupper((unsigned char)text[len - 1])) : NULL;
+    uint64_t bytes, factor = unit ? (uint64_t)1 << 10 * (unit - units + 1) : 1;
+    if (!len || len >= sizeof number) return -1;
+    memcpy(number, text, len + 1);
+    if (unit) number[len - 1] = 0;
+    if (cli_parse_u64(number, 1, UINT64_MAX / factor, &bytes)) return -1;
+    max_memory = bytes * factor;
+    return 0;
+}
+
 lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
 {
     static int levels[3] = { -1, 0, 1 };
     lc_context_desc desc = LC_CONTEXT_DESC_INIT;
     desc.log = log_to_stderr;
     desc.log_user = &levels[(verbosity > 1 ? 1 : verbosity) + 1];
+    desc.stop = stop;
+    desc.max_memory = max_memory ? max_memory : lc_memory_left();
     desc.n_threads = n_threads;
     desc.isa = isa;
     lc_context *ctx = NULL;
@@ -283,31 +307,17 @@ int cli_has_extension(const char *path, const char *extension)
     return 1;
 }
 
-/* Bytes of the well-formed UTF-8 character at p that may go to a terminal. 0: the bytes are malformed or a
- * control character. */
-static size_t printable(const unsigned char *p)
-{
-    size_t n = *p < 0x80                 ? 1
-               : *p >= 0xc2 && *p < 0xe0 ? 2
-               : *p >= 0xe0 && *p < 0xf0 ? 3
-               : *p >= 0xf0 && *p < 0xf5 ? 4
-                                         : 0;
-    if (*p < 0x20 || *p == 0x7f || (*p == 0xc2 && p[1] < 0xa0)) return 0;
-    for (size_t i = 1; i < n; i++)
-        if ((p[i] & 0xc0) != 0x80) return 0;
-    return n;
-}
-
 void cli_json_text(FILE *f, const char *text)
 {
+    uint32_t code;
     fputc('"', f);
     for (size_t n; *text; text += n ? n : 1) {
-        unsigned char c = (unsigned char)*text;
-        n = printable((const unsigned char *)text);
-        if (c == '"' || c == '\\') fprintf(f, "\\%c", c);
-        else if (n) fwrite(text, 1, n, f);
-        else if (c < 0x80) fprintf(f, "\\u%04x", c);
-        else fputc('?', f);
+        n = lc_text_char(text, &code);
+        if (!n) fputc('?', f);
+        else if (code == '"' || code == '\\') fprintf(f, "\\%c", (char)code);
+        else if (lc_text_is_shown(code)) fwrite(text, 1, n, f);
+        else if (code < 0x10000) fprintf(f, "\\u%04x", (unsigned)code);
+        else fprintf(f, "\\u%04x\\u%04x", 0xd7c0u + (code >> 10), 0xdc00u + (code & 0x3ffu));
     }
     fputc('"', f);
 }
@@ -317,44 +327,50 @@ const char *cli_shown(const char *text)
     static char copies[4][1024];
     static unsigned next;
     char *copy = copies[next++ % 4];
+    uint32_t code;
     snprintf(copy, sizeof copies[0], "%s", text);
     for (char *p = copy; *p;) {
-        size_t n = printable((const unsigned char *)p);
-        if (!n) *p = '?';
+        size_t n = lc_text_char(p, &code);
+        if (!n || !lc_text_is_shown(code)) memset(p, '?', n ? n : 1);
         p += n ? n : 1;
     }
     return copy;
 }
 
-static int complain(const char *what, const char *path)
+typedef struct {
+    void (*fn)(FILE *f, void *user);
+    void *user;
+} content;
+
+static ssize_t put(void *sink, const char *data, size_t n)
 {
-    fprintf(stderr, "lightcuts: error: cannot %s '%s': %s\n", what, cli_shown(path), strerror(errno));
-    return CLI_FAILED;
+    return lc_sink_put(sink, data, n) ? 0 : (ssize_t)n;
+}
+
+static lc_status fill(void *user, lc_sink *sink)
+{
+    const content *c = user;
+    char buffer[32768]; /* without memory of its own stdio would write byte by byte */
+    FILE *f = fopencookie(sink, "wb", (cookie_io_functions_t){ .write = put });
+    if (!f) {
+        fprintf(stderr, "lightcuts: error: out of memory\n");
+        return LC_ERR_MEMORY;
+    }
+    setvbuf(f, buffer, _IOFBF, sizeof buffer);
+    c->fn(f, c->user);
+    int bad = ferror(f);
+    return fclose(f) || bad ? LC_ERR_IO : LC_OK;
 }
 
 int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user)
 {
-    struct stat st;
-    char temp[4096], real[PATH_MAX];
-    /* a device or pipe can't be renamed over. */
-    bool there = !stat(path, &st), in_place = there && !S_ISREG(st.st_mode);
-    /* a symbolic link stays one. */
-    const char *target = there && !in_place && realpath(path, real) ? real : path;
-    int len = snprintf(temp, sizeof temp, in_place ? "%s" : "%s.%ld.tmp", target, (long)getpid());
-    if (len < 0 || (size_t)len >= sizeof temp) {
-        errno = ENAMETOOLONG;
-        return complain("write", path);
-    }
-    FILE *f = fopen(temp, "wb");
-    if (!f) return complain("write", path);
-    fn(f, user);
-    int bad = ferror(f) || fflush(f) || (!in_place && fsync(fileno(f)));
-    bad = fclose(f) || bad;
-    if (!bad && !in_place) bad = rename(temp, target);
-    if (!bad) return 0;
-    complain("write", path);
-    if (!in_place) unlink(temp);
-    return CLI_FAILED;
+    content c = { fn, user };
+    lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);
+    lc_status st = ctx ? lc_file_write(ctx, path, fill, &c) : LC_ERR_MEMORY;
+    lc_context_destroy(ctx);
+    if (st == LC_ERR_CANCELLED)
+        fprintf(stderr, "lightcuts: interrupted, '%s' is not written\n", cli_shown(path));
+    return st ? CLI_FAILED : 0;
 }
 
 void cli_indirect_json(FILE *f, const lc_scene_info *i)

@@ -55,6 +55,10 @@ int cli_exit_status(lc_status status);
 /* of a picture that cannot be read: CLI_INPUT, or CLI_FAILED for lack of memory */
 int cli_input_status(lc_status status);
 
+/* "500000000", "500M", "2G": the limit of all contexts made from now on, which by default is what the machine
+ * leaves. 0 = ok. */
+int cli_parse_memory(const char *text);
+
 /* 0 = ok; the whole text must be a finite number in the range. */
 int cli_parse_float(const char *text, double lo, double hi, double *out);
 int cli_parse_u64(const char *text, uint64_t lo, uint64_t hi, uint64_t *out);
@@ -88,16 +92,17 @@ const char *cli_nearest(const char *text, const char *const *names);
 
 /* 1 where the path ends with the extension, in upper or lower case, and is longer than it. */
 int cli_has_extension(const char *path, const char *extension);
-/* A copy of at most 1023 bytes that is safe on a terminal: '?' replaces control characters and malformed
- * UTF-8. It is valid until the fourth call after this one. For one thread. */
+/* A copy of at most 1023 bytes that is safe on a terminal: '?' replaces malformed UTF-8, control characters
+ * and those that change the direction of text. It is valid until the fourth call after this one. For one
+ * thread. */
 const char *cli_shown(const char *text);
 /* "3 point, 0 oriented, ...", or "\"point\": 3, ..." as JSON: the lights of each kind. */
 void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json);
 void cli_indirect_json(FILE *f, const lc_scene_info *info); /* a line of an object */
-/* Prints a JSON string with its quotes; '?' replaces malformed UTF-8. */
+/* Prints a JSON string with its quotes, valid UTF-8: '?' replaces what is not, and characters that a terminal
+ * would obey are escaped. */
 void cli_json_text(FILE *f, const char *text);
-/* Writes a file through fn under a temporary name and renames it to path, so that path always holds a whole
- * file; writes to a device or pipe directly. On failure prints why and returns nonzero. */
+/* lc_file_write with what fn prints. On failure prints why and returns nonzero. */
 int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user);
 
 #endif

@@ -1,7 +1,9 @@
 /* cmd_render.c - options -> scene -> picture -> files and statistics. */
 #include "cli/cli.h"
 #include "cli/farm.h"
+#include "cli/place.h"
 #include "cli/progress.h"
+#include "cli/sandbox.h"
 #include "cli/stats_file.h"
 
 #include <errno.h>
@@ -58,7 +60,9 @@ enum {
     OPT_INTERVAL,
     OPT_RESUME,
     OPT_KEEP,
-    OPT_LIMIT
+    OPT_LIMIT,
+    OPT_SANDBOX,
+    OPT_MEMORY
 };
 
 static const struct option long_options[] = {
@@ -88,6 +92,8 @@ static const struct option long_options[] = {
     { "keep-checkpoint", 0, 0, OPT_KEEP },
     { "resume", 0, 0, OPT_RESUME },
     { "time-limit", 1, 0, OPT_LIMIT },
+    { "sandbox", 1, 0, OPT_SANDBOX },
+    { "max-memory", 1, 0, OPT_MEMORY },
     { "stats-file", 1, 0, OPT_STATS_FILE },
     { "stats", 0, 0, OPT_STATS },
     { "write-time", 0, 0, OPT_TIME },
@@ -103,8 +109,8 @@ static void print_help(void)
     printf(
         "usage: lightcuts [render] [options] SCENE.pbrt     ('-' reads the scene from standard input)\n"
         "\n"
-        "  -o, --outfile FILE       .exr or .png; may be repeated; default: the scene's film filename, else\n"
-        "                           SCENE.exr\n"
+        "  -o, --outfile FILE       .exr or .png; may be repeated; default: the name in the scene's film,\n"
+        "                           without its folder, else SCENE.exr, in the current folder\n"
         "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts\n"
         "                           even of few lights\n"
         "      --error-ratio E      bound of every cluster against the estimate, default 0.02\n"
@@ -141,6 +147,9 @@ static void print_help(void)
         "      --time-limit T       stop after T (3600, 90s, 55m, 2h) with all saved and exit status 75\n"
         "      --checkpoint-interval T  force FILE to the disk this often, default 30s\n"
         "      --keep-checkpoint    leave FILE there\n"
+        "      --sandbox DIR        read only below the scene's folder and DIR, write only the outputs\n"
+        "      --max-memory BYTES   end when it needs more (500M, 2G), default: what the machine and its\n"
+        "                           control groups leave\n"
         "      --aov LIST           further channels, with commas: cut n p z albedo error rays all\n"
         "  -t, --nthreads N         default: all processors this process may use\n"
         "      --isa I              use at most %s (also: LC_ISA in the environment)\n"
@@ -205,6 +214,8 @@ static int set_option(options *o, int c)
     case OPT_RESUME: o->farm.resume = true; return 0;
     case OPT_KEEP: o->farm.keep = true; return 0;
     case OPT_LIMIT: return cli_parse_time(optarg, &o->farm.time_limit);
+    case OPT_SANDBOX: o->load.sandbox = optarg; return !*optarg;
+    case OPT_MEMORY: return cli_parse_memory(optarg);
     case OPT_AOV: return parse_aovs(optarg, &o->render.aovs);
     case OPT_STATS_FILE: o->stats_file = optarg; return !*optarg;
     case OPT_STATS: o->print_stats = true; return 0;
@@ -258,13 +269,15 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     return 0;
 }
 
-/* The default output: the film's filename, with .exr in place of an extension that is neither .exr nor .png;
- * without a filename SCENE.exr in the current folder, also of SCENE.pbrt.gz. */
+/* The default output, in the current folder: the film's filename without its folder, so that a scene does not
+ * choose what is overwritten elsewhere, with .exr in place of an extension that is neither .exr nor .png;
+ * without a filename SCENE.exr, also of SCENE.pbrt.gz. */
 static void choose_output(options *o, const lc_scene_info *info)
 {
     if (o->n_outputs) return;
-    const char *name = info->film_filename, *slash;
-    bool from_scene = !*name;
+    const char *name = info->film_filename, *slash = strrchr(name, '/');
+    if (slash) name = slash + 1;
+    bool from_scene = !*name || !strcmp(name, ".") || !strcmp(name, "..");
     if (from_scene) {
         slash = strrchr(o->scene, '/');
         name = !strcmp(o->scene, "-") ? "stdin" : slash ? slash + 1 : o->scene;
@@ -310,6 +323,31 @@ static int check_writable(const char *path)
     int err = unwritable(path);
     if (err) fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", cli_shown(path), strerror(err));
     return err ? CLI_FAILED : 0;
+}
+
+/* Refuses files that would be written over each other, or over what the scene is read from. */
+static int check_distinct(const options *o, const lc_scene *scene)
+{
+    struct {
+        const char *what, *path;
+    } files[MAX_OUTPUTS + 2];
+    int n = 0;
+    for (; n < o->n_outputs; n++) files[n].what = "output", files[n].path = o->outputs[n];
+    if (o->stats_file) files[n].what = "statistics", files[n++].path = o->stats_file;
+    if (o->farm.checkpoint) files[n].what = "checkpoint", files[n++].path = o->farm.checkpoint;
+    for (int i = 0; i < n; i++) {
+        if (lc_scene_reads_file(scene, files[i].path)) {
+            cli_usage_error("render", "%s '%s' is a file of the scene", files[i].what, files[i].path);
+            return CLI_USAGE;
+        }
+        for (int k = 0; k < i; k++)
+            if (cli_one_file(files[k].path, files[i].path)) {
+                cli_usage_error("render", "%s '%s' and %s '%s' are one file", files[k].what, files[k].path,
+                                files[i].what, files[i].path);
+                return CLI_USAGE;
+            }
+    }
+    return 0;
 }
 
 static int check_outputs(const options *o)
@@ -366,7 +404,8 @@ static int make_plan(void *user, const lc_scene *scene)
     lc_scene_info info;
     lc_scene_get_info(scene, &info);
     choose_output(o, &info);
-    p->status = set_crop(o, &info);
+    p->status = o->farm.print ? 0 : check_distinct(o, scene);
+    if (!p->status) p->status = set_crop(o, &info);
     if (!p->status) p->status = cli_farm_crop(&o->farm, p->ctx, scene, &o->render);
     if (p->status) return 1;
     if (o->farm.print) {
@@ -382,15 +421,18 @@ static int make_plan(void *user, const lc_scene *scene)
     return p->status;
 }
 
-static int write_outputs(const options *o, lc_image *image, double seconds)
+static int write_outputs(options *o, lc_image *image, double seconds)
 {
     if (o->write_time && !getenv("SOURCE_DATE_EPOCH") &&
         lc_image_set_number(image, "renderTimeSeconds", seconds))
         return CLI_FAILED;
     if (o->farm.chunk && lc_chunk_mark(image, &o->farm.id, o->farm.crop, o->farm.k, o->farm.n))
         return CLI_FAILED;
-    for (int i = 0; i < o->n_outputs; i++)
-        if (lc_image_write(image, o->outputs[i])) return CLI_FAILED;
+    for (int i = 0; i < o->n_outputs; i++) {
+        lc_status st = lc_image_write(image, o->outputs[i]);
+        if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);
+        if (st) return CLI_FAILED;
+    }
     return CLI_OK;
 }
 
@@ -467,11 +509,38 @@ static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image *
     return st ? cli_exit_status(st) : CLI_OK;
 }
 
+static int enter_sandbox(const options *o)
+{
+    cli_sandbox s = { .scene = o->scene,
+                      .folder = o->load.sandbox,
+                      .reads_outputs = o->farm.checkpoint || o->farm.resume };
+    bool by_kernel;
+    if (access(o->load.sandbox, R_OK | X_OK)) {
+        cli_usage_error("render", "bad value '%s' for option --sandbox: %s", o->load.sandbox,
+                        strerror(errno));
+        return CLI_USAGE;
+    }
+    for (int i = 0; i < o->n_outputs; i++) s.outputs[s.n_outputs++] = o->outputs[i];
+    if (!o->n_outputs) s.outputs[s.n_outputs++] = "./";
+    if (o->stats_file) s.outputs[s.n_outputs++] = o->stats_file;
+    if (o->farm.checkpoint) s.outputs[s.n_outputs++] = o->farm.checkpoint;
+    int err = cli_sandbox_enter(&s, &by_kernel);
+    if (err)
+        fprintf(stderr, "lightcuts: error: cannot enter the sandbox '%s': %s\n", cli_shown(o->load.sandbox),
+                strerror(err));
+    if (!err && o->verbosity > 0)
+        fprintf(stderr, "lightcuts: sandbox: names are checked%s\n",
+                by_kernel ? ", and every access by Landlock" : "; this kernel has no Landlock");
+    return err ? CLI_FAILED : 0;
+}
+
 static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
 {
     cli_render_report r = { .scene = o->scene, .method = o->render.method, .seed = o->render.seed };
     plan p = { .o = o, .ctx = ctx };
     double t0 = cli_now();
+    int status = o->load.sandbox ? enter_sandbox(o) : 0;
+    if (status) return status;
     cli_catch_save_signals(o->farm.checkpoint != NULL);
     o->load.parsed = make_plan;
     o->load.parsed_user = &p;
@@ -480,7 +549,7 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
     lc_scene_get_info(*scene, &r.info);
     warn_of_scene(o, &r.info);
-    int status = render(o, ctx, *scene, image, &r.stats);
+    status = render(o, ctx, *scene, image, &r.stats);
     if (status) return status;
     if (r.stats.nonfinite)
         fprintf(stderr, "lightcuts: warning: %llu pixels were not finite and were set to 0\n",

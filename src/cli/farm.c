@@ -4,13 +4,10 @@
 #include "cli/cli.h"
 #include "cli/progress.h"
 
-#include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 int cli_parse_time(const char *text, double *seconds)
 {
@@ -133,8 +130,8 @@ int cli_farm_open(cli_farm *f, lc_context *ctx, const lc_scene *scene, lc_render
     f->n_before = info.n_done;
     f->share_before = (double)info.n_done / info.n_tiles;
     if (info.n_done && !quiet)
-        fprintf(stderr, "lightcuts: going on with %s: %u of %u tiles\n", f->checkpoint, info.n_done,
-                info.n_tiles);
+        fprintf(stderr, "lightcuts: going on with %s: %u of %u tiles\n", cli_shown(f->checkpoint),
+                info.n_done, info.n_tiles);
     return 0;
 }
 
@@ -161,19 +158,17 @@ int cli_farm_stopped(cli_farm *f)
     }
     lc_status st = lc_checkpoint_sync(f->file);
     lc_checkpoint_get_info(f->file, &info);
-    fprintf(stderr, "lightcuts: %s; %s holds %u of %u tiles, go on with --resume\n", why, f->checkpoint,
+    fprintf(stderr, "lightcuts: %s; %s holds %u of %u tiles, go on with --resume\n", why,
+            cli_shown(f->checkpoint),
             info.n_done, info.n_tiles);
     return f->stopped && !st && !info.failed ? CLI_STOPPED : CLI_FAILED;
 }
 
 void cli_farm_close(cli_farm *f, bool in_place)
 {
-    char real[PATH_MAX];
     if (!f->file) return;
-    /* Removed while it is still open, and so locked. Of a symbolic link the target is removed. */
-    const char *path = realpath(f->checkpoint, real) ? real : f->checkpoint;
-    if (in_place && !f->keep && unlink(path))
-        fprintf(stderr, "lightcuts: warning: cannot remove '%s': %s\n", path, strerror(errno));
+    /* Removed while it is still open, and so locked. */
+    if (in_place && !f->keep) (void)lc_checkpoint_remove(f->file);
     lc_checkpoint_close(f->file);
     f->file = NULL;
 }

@@ -1,7 +1,6 @@
 /* progress.c - see progress.h. */
 #include "cli/progress.h"
 
-#include <errno.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -17,16 +16,22 @@ static atomic_int caught, save; /* set by signal handlers, which run in any thre
 
 static void on_signal(int sig)
 {
-    int was = errno;
     atomic_store(&caught, sig);
-    signal(sig, SIG_DFL);
-    errno = was;
 }
 
+/* Without SA_RESTART, so that a signal interrupts system calls that wait. */
 void cli_catch_signals(void)
 {
-    signal(SIGINT, on_signal);
-    signal(SIGTERM, on_signal);
+    struct sigaction act = { .sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND };
+    sigaction(SIGINT, &act, NULL);
+    sigaction(SIGTERM, &act, NULL);
+}
+
+void cli_leave_signals(void)
+{
+    if (atomic_load(&caught)) return;
+    signal(SIGINT, SIG_DFL);
+    signal(SIGTERM, SIG_DFL);
 }
 
 static void on_save_signal(int sig)
@@ -35,7 +40,7 @@ static void on_save_signal(int sig)
     atomic_store(&save, 1);
 }
 
-/* Unlike signal, sigaction keeps the handler installed and restarts interrupted system calls. */
+/* The handlers stay installed, and interrupted system calls go on: these signals end nothing. */
 void cli_catch_save_signals(bool hangup)
 {
     struct sigaction act = { .sa_handler = on_save_signal, .sa_flags = SA_RESTART }, old;

@@ -30,6 +30,8 @@ double cli_now(void);
 
 /* From now on SIGINT and SIGTERM only set a flag; a second one ends the process at once. */
 void cli_catch_signals(void);
+/* From now on they end the process at once, unless one was caught: for work that looks for none. */
+void cli_leave_signals(void);
 /* The signal that was caught; 0: none. */
 int cli_caught_signal(void);
 /* Ends the process by the signal, so that the shell knows it as the cause. */

@@ -20,7 +20,6 @@
 /* Limits the bytes that one byte of a chunk gives: deflate reaches 1032, and PXR24's floats 4/3 of that. */
 #define MAX_UNPACK 2048
 #define ZLIB_NEEDS ((size_t)64 << 10) /* bytes; zlib needs 44 KiB to decompress [zlib.h] */
-#define HALF_MAX 65504.0f             /* the largest half; larger values would become infinity */
 
 /* A file that is read; OpenEXRCore's user data. */
 typedef struct source {
@@ -179,17 +178,6 @@ static lc_status read_layout(reader *r, lc_image_desc *desc)
     return check_channels(r);
 }
 
-static bool is_layout_attr(const char *name)
-{
-    static const char *const names[] = {
-        "name", "type", "version", "chunkCount", "pixelAspectRatio", "screenWindowWidth"
-    };
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        if (strcmp(names[i], name) == 0) return true;
-    }
-    return false;
-}
-
 /* Copies text, number and matrix attributes to the image; other kinds are dropped. */
 static lc_status read_attrs(const reader *r)
 {
@@ -200,7 +188,7 @@ static lc_status read_attrs(const reader *r)
         const exr_attribute_t *a = NULL;
         rv = exr_get_attribute_by_index(r->exr, 0, EXR_ATTR_LIST_FILE_ORDER, i, &a);
         if (rv != EXR_ERR_SUCCESS) return fail_exr(r, rv);
-        if (!a->name || !a->name[0] || is_layout_attr(a->name)) continue;
+        if (!a->name || !a->name[0] || lc_image_is_layout(a->name, false)) continue;
         lc_status status = LC_OK;
         float m[16];
         switch (a->type) {
@@ -367,25 +355,13 @@ static void drop_message(exr_const_context_t exr, exr_result_t code, const char 
     (void)text;
 }
 
-static bool is_rgb_only(const lc_image *image)
-{
-    return image->n_channels == 3 && lc_image_channel(image, "R") && lc_image_channel(image, "G") &&
-           lc_image_channel(image, "B");
-}
-
 /* Writes numbers that other readers know by name in the type that they expect, and all others as double. */
 static exr_result_t write_number(exr_context_t exr, const lc_attr *a)
 {
-    static const char *const floats[] = {
-        "renderTimeSeconds", "pixelAspectRatio", "screenWindowWidth", "xDensity", "exposure",
-        "aperture",          "expTime",          "isoSpeed",          "focus",    "MSE"
-    };
     if (strcmp(a->name, "samplesPerPixel") == 0 && fabs(a->number) <= INT32_MAX) {
         return exr_attr_set_int(exr, 0, a->name, (int32_t)a->number);
     }
-    for (size_t i = 0; i < sizeof floats / sizeof *floats; i++) {
-        if (strcmp(a->name, floats[i]) == 0) return exr_attr_set_float(exr, 0, a->name, (float)a->number);
-    }
+    if (lc_image_writes_float(a->name)) return exr_attr_set_float(exr, 0, a->name, (float)a->number);
     return exr_attr_set_double(exr, 0, a->name, a->number);
 }
 
@@ -421,7 +397,7 @@ static exr_result_t write_layout(const lc_image *image, exr_context_t exr)
         rv = exr_initialize_required_attr(exr, 0, &display, &data, 1.0f, &centre, 1.0f,
                                           EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
     }
-    exr_pixel_type_t type = is_rgb_only(image) ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
+    exr_pixel_type_t type = lc_image_writes_half(image) ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
     for (size_t i = 0; rv == EXR_ERR_SUCCESS && i < image->n_channels; i++) {
         rv = exr_add_channel(exr, 0, image->channels[i].name, type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     }
@@ -438,19 +414,24 @@ static void clamp_rows(const lc_image *image, uint32_t y, size_t n_lines, float 
         const float *from = image->channels[c].plane + (size_t)y * image->desc.width;
         for (size_t i = 0; i < n; i++) {
             float v = from[i];
-            if (isfinite(v) && v > HALF_MAX) v = HALF_MAX;
-            if (isfinite(v) && v < -HALF_MAX) v = -HALF_MAX;
+            if (isfinite(v) && v > LC_HALF_MAX) v = LC_HALF_MAX;
+            if (isfinite(v) && v < -LC_HALF_MAX) v = -LC_HALF_MAX;
             rows[c * n + i] = v;
         }
     }
 }
 
+/* EXR_ERR_SUCCESS also when it was stopped, which sets *status. */
 static exr_result_t write_pixels(const lc_image *image, exr_context_t exr, float *rows, int32_t lines,
-                                 exr_encode_pipeline_t *p)
+                                 exr_encode_pipeline_t *p, lc_status *status)
 {
     const lc_image_desc *d = &image->desc;
     for (uint32_t y = 0; y < d->height; y += (uint32_t)lines) {
         exr_chunk_info_t info = { 0 };
+        if (lc_stopped(image->ctx)) {
+            *status = LC_ERR_CANCELLED;
+            return EXR_ERR_SUCCESS;
+        }
         exr_result_t rv = exr_write_scanline_chunk_info(exr, 0, d->y0 + (int32_t)y, &info);
         if (rv != EXR_ERR_SUCCESS) return rv;
         rv = y == 0 ? exr_encoding_initialize(exr, 0, &info, p) : exr_encoding_update(exr, 0, &info, p);
@@ -496,13 +477,13 @@ lc_status lc_exr_encode(const lc_image *image, const char *path, lc_bytes *file)
     if (rv == EXR_ERR_SUCCESS) rv = write_layout(image, exr);
     if (rv == EXR_ERR_SUCCESS) rv = exr_write_header(exr);
     if (rv == EXR_ERR_SUCCESS) rv = exr_get_scanlines_per_chunk(exr, 0, &lines);
-    size_t n_rows = is_rgb_only(image) ? (size_t)lines * 3 : 0;
+    size_t n_rows = lc_image_writes_half(image) ? (size_t)lines * 3 : 0;
     if (rv == EXR_ERR_SUCCESS && n_rows) {
         rows = lc_alloc(ctx, n_rows, image->desc.width * sizeof *rows);
         if (!rows) to.status = LC_ERR_MEMORY;
     }
     if (rv == EXR_ERR_SUCCESS && to.status == LC_OK) {
-        rv = write_pixels(image, exr, rows, lines, &pipeline);
+        rv = write_pixels(image, exr, rows, lines, &pipeline, &to.status);
         exr_encoding_destroy(exr, &pipeline);
     }
     lc_free(ctx, rows, n_rows, image->desc.width * sizeof *rows);

@@ -2,6 +2,7 @@
  * name shows. */
 #include "image/image.h"
 
+#include "base/memory.h"
 #include "image/pixels.h"
 #include "image/srgb.h"
 
@@ -47,6 +48,7 @@ lc_status lc_image_read(lc_context *ctx, const char *path, lc_image **out)
     if (!ctx || !path) return LC_ERR_ARG;
     lc_bytes file;
     lc_raster raster = { 0 };
+    lc_memory_step(ctx, "reading a picture");
     lc_status status = lc_bytes_load(ctx, path, LC_IMAGE_MAX_FILE, lc_raster_is, &file);
     if (status != LC_OK) return status;
     if (lc_exr_is(file.data, file.len)) {
@@ -74,6 +76,7 @@ lc_status lc_image_write(const lc_image *image, const char *path)
     if (!image || !path) return LC_ERR_ARG;
     lc_bytes file = { image->ctx, NULL, 0, 0 };
     lc_status status;
+    lc_memory_step(image->ctx, "writing a picture");
     /* A device or pipe has no extension; it is written as EXR. */
     if (has_extension(path, ".png")) {
         status = lc_png_encode(image, path, &file);

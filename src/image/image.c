@@ -100,6 +100,36 @@ lc_status lc_image_add_channel(lc_image *image, const char *name, float **plane)
 
 /* ---- attributes ---- */
 
+bool lc_image_writes_float(const char *name)
+{
+    static const char *const names[] = { "renderTimeSeconds", "pixelAspectRatio", "screenWindowWidth",
+                                         "xDensity",          "exposure",         "aperture",
+                                         "expTime",           "isoSpeed",         "focus",
+                                         "MSE" };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(names[i], name) == 0) return true;
+    return false;
+}
+
+bool lc_image_writes_half(const lc_image *image)
+{
+    return image->n_channels == 3 && lc_image_channel(image, "R") && lc_image_channel(image, "G") &&
+           lc_image_channel(image, "B");
+}
+
+bool lc_image_is_layout(const char *name, bool as_number)
+{
+    static const char *const names[] = { "channels",   "compression",        "dataWindow",
+                                         "lineOrder",  "displayWindow",      "name",
+                                         "type",       "screenWindowCenter", "version",
+                                         "chunkCount", "tiles",              "pixelAspectRatio",
+                                         "screenWindowWidth" };
+    const size_t n = sizeof names / sizeof *names - (as_number ? 2 : 0);
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(names[i], name) == 0) return true;
+    return false;
+}
+
 /* Adds a copy of `attr`, or replaces the attribute of the same name. */
 static lc_status set_attr(lc_image *image, lc_attr attr)
 {
@@ -108,6 +138,9 @@ static lc_status set_attr(lc_image *image, lc_attr attr)
         return lc_fail(image->ctx, LC_ERR_ARG, "image attribute name of %zu bytes: not between 1 and %d", len,
                        LC_IMAGE_MAX_NAME);
     }
+    if (lc_image_is_layout(attr.name, attr.kind == LC_ATTR_NUMBER))
+        return lc_fail(image->ctx, LC_ERR_ARG, "image attribute %s is part of the layout of OpenEXR",
+                       attr.name);
     if (attr.text) {
         attr.text = lc_arena_text(&image->arena, attr.text, strlen(attr.text));
         if (!attr.text) return LC_ERR_MEMORY;

@@ -61,4 +61,14 @@ bool lc_png_is(const uint8_t *head, size_t len);
 uint8_t lc_png_paeth(uint8_t left, uint8_t up, uint8_t corner); /* the predictor of filter 4 [PNG, 9.4] */
 lc_status lc_png_encode(const lc_image *image, const char *path, lc_bytes *file);
 
+/* How an EXR file is written: these numbers as float, all others as int or double; pixels as half if there
+ * are only R, G and B, clamped to LC_HALF_MAX, else as float. */
+bool lc_image_writes_float(const char *name);
+bool lc_image_writes_half(const lc_image *image);
+#define LC_HALF_MAX 65504.0f /* larger values would become infinity */
+
+/* Whether OpenEXR's layout needs the attribute, or would drop it: it cannot be set. as_number: of some a
+ * number can. */
+bool lc_image_is_layout(const char *name, bool as_number);
+
 #endif

@@ -12,6 +12,7 @@
 
 #include <string.h>
 
+#define PIECE ((size_t)1 << 16) /* bytes packed at once; between them it looks whether to stop */
 #define SHOULDER 0.8 /* linear value from which on highlights are compressed; chosen */
 
 static const uint8_t signature[8] = { 0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n' };
@@ -95,13 +96,17 @@ static lc_status deflate_all(const lc_context *ctx, uint8_t *raw, size_t raw_len
     if (deflateInit(&z, 6) != Z_OK) return LC_ERR_MEMORY;
     size_t bound = deflateBound(&z, raw_len);
     lc_status status = lc_grow(ctx, &out->data, &out->cap, bound, 1);
-    if (status == LC_OK) {
-        z.next_in = raw;
-        z.avail_in = (uInt)raw_len;
-        z.next_out = out->data;
-        z.avail_out = (uInt)bound;
-        if (deflate(&z, Z_FINISH) != Z_STREAM_END) status = LC_ERR_MEMORY;
-        out->len = bound - z.avail_out;
+    z.next_in = raw;
+    z.avail_in = (uInt)raw_len;
+    z.next_out = out->data;
+    for (int rv = Z_OK; rv != Z_STREAM_END && status == LC_OK;) {
+        size_t left = bound - out->len;
+        z.avail_out = (uInt)(left < PIECE ? left : PIECE);
+        const uInt room = z.avail_out;
+        rv = deflate(&z, Z_FINISH);
+        out->len += room - z.avail_out;
+        if (rv != Z_STREAM_END && rv != Z_OK) status = LC_ERR_MEMORY;
+        else if (lc_stopped(ctx)) status = LC_ERR_CANCELLED;
     }
     deflateEnd(&z);
     return status;

@@ -2,6 +2,7 @@
 #include "io/file.h"
 
 #include "base/arena.h"
+#include "io/wait.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -35,6 +36,12 @@ void lc_bytes_free(lc_bytes *bytes)
 
 /* ---- reading ---- */
 
+static lc_status fail_reading(const lc_context *ctx, const char *path, int err)
+{
+    if (err == ECANCELED) return LC_ERR_CANCELLED;
+    return lc_fail_at(ctx, LC_ERR_IO, (lc_pos){ path, 0, 0 }, "%s", lc_wait_text(err, false));
+}
+
 /* Appends up to n bytes of the file to `out`; *got is their number, 0 at the end of the file. */
 static lc_status read_some(int fd, const char *path, size_t n, lc_bytes *out, size_t *got)
 {
@@ -42,12 +49,12 @@ static lc_status read_some(int fd, const char *path, size_t n, lc_bytes *out, si
     lc_status status = lc_grow(out->ctx, &out->data, &out->cap, out->len + n, 1);
     if (status != LC_OK) return status;
     while (*got < n) {
-        ssize_t k = read(fd, (uint8_t *)out->data + out->len, n - *got);
-        if (k < 0 && errno == EINTR) continue;
-        if (k < 0) return lc_fail_at(out->ctx, LC_ERR_IO, (lc_pos){ path, 0, 0 }, "%s", strerror(errno));
+        size_t k;
+        int err = lc_wait_read(out->ctx, fd, (uint8_t *)out->data + out->len, n - *got, out->len > 0, &k);
+        if (err) return fail_reading(out->ctx, path, err);
         if (k == 0) break;
-        out->len += (size_t)k;
-        *got += (size_t)k;
+        out->len += k;
+        *got += k;
     }
     return LC_OK;
 }
@@ -80,7 +87,7 @@ lc_status lc_bytes_load(const lc_context *ctx, const char *path, size_t max_len,
                         bool (*magic)(const uint8_t *head, size_t len), lc_bytes *out)
 {
     *out = (lc_bytes){ ctx, NULL, 0, 0 };
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     if (fd < 0) return lc_fail_at(ctx, LC_ERR_IO, (lc_pos){ path, 0, 0 }, "%s", strerror(errno));
     lc_status status = read_all(fd, path, max_len, magic, out);
     close(fd);
@@ -94,25 +101,6 @@ bool lc_file_is_special(const char *path)
 {
     struct stat st;
     return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
-}
-
-/* Writes all data and closes fd in any case. Returns 0 or errno. */
-static int write_and_close(int fd, const uint8_t *data, size_t len, bool sync)
-{
-    int err = 0;
-    while (len > 0 && !err) {
-        ssize_t k = write(fd, data, len < ((size_t)1 << 30) ? len : (size_t)1 << 30);
-        if (k < 0 && errno == EINTR) continue;
-        if (k < 0) {
-            err = errno;
-        } else {
-            data += k;
-            len -= (size_t)k;
-        }
-    }
-    if (!err && sync && fsync(fd) != 0 && errno != EINVAL && errno != ENOTSUP) err = errno;
-    if (close(fd) != 0 && !err && errno != EINTR) err = errno;
-    return err;
 }
 
 /* Creates a new file with a unique name in the folder of `path`; returns its descriptor, or -1. */
@@ -132,10 +120,10 @@ static int open_temp(const char *path, mode_t mode, char temp[PATH_MAX])
     return -1;
 }
 
-/* Makes the rename itself durable. A folder that cannot be synced is not an error. */
-static void sync_folder_of(const char *path)
+void lc_file_sync_folder(const char *path)
 {
-    char dir[PATH_MAX];
+    char dir[PATH_MAX], real[PATH_MAX];
+    if (realpath(path, real)) path = real;
     const char *slash = strrchr(path, '/');
     int n = slash ? snprintf(dir, sizeof dir, "%.*s/", (int)(slash - path), path)
                   : snprintf(dir, sizeof dir, ".");
@@ -146,46 +134,112 @@ static void sync_folder_of(const char *path)
     close(fd);
 }
 
-static int replace_file(const char *path, const struct stat *old, const void *data, size_t len)
+/* A file on its way to its name. */
+struct lc_sink {
+    const lc_context *ctx;
+    const char *path;
+    int fd, err;              /* err: 0 or errno of the first failure, after which nothing more is written */
+    bool renamed;             /* temp becomes target; false: a device or pipe is written to */
+    char temp[PATH_MAX], target[PATH_MAX];
+};
+
+lc_status lc_sink_put(lc_sink *s, const void *data, size_t n)
+{
+    for (const uint8_t *p = data; n && !s->err;) {
+        size_t k;
+        s->err = lc_wait_write(s->ctx, s->fd, p, n < ((size_t)1 << 30) ? n : (size_t)1 << 30, &k);
+        p += k;
+        n -= k;
+    }
+    return s->err == ECANCELED ? LC_ERR_CANCELLED : s->err ? LC_ERR_IO : LC_OK;
+}
+
+/* Opens the temporary file for `path`. Returns 0 or errno. */
+static int open_replacement(lc_sink *s, const struct stat *old)
 {
     // A symbolic link stays one: what it points to is replaced.
-    char real[PATH_MAX], temp[PATH_MAX];
-    const char *target = old && realpath(path, real) ? real : path;
-    size_t path_len = strlen(path);
-    if (path_len == 0) return ENOENT;
-    if (path[path_len - 1] == '/') return EISDIR;
-    const char *slash = strrchr(target, '/');
-    if (strlen(slash ? slash + 1 : target) > NAME_MAX) return ENAMETOOLONG;
-    if (old && access(target, W_OK) != 0) return errno;
-
-    int fd = open_temp(target, 0666, temp);
-    if (fd < 0) return errno;
-    if (old) (void)fchmod(fd, old->st_mode & 07777);
-    int err = write_and_close(fd, data, len, true);
-    if (!err && rename(temp, target) != 0) err = errno;
-    if (err) {
-        (void)unlink(temp);
-        return err;
-    }
-    sync_folder_of(target);
+    size_t len = strlen(s->path);
+    if (len == 0) return ENOENT;
+    if (s->path[len - 1] == '/') return EISDIR;
+    if (len >= sizeof s->target) return ENAMETOOLONG;
+    if (!old || !realpath(s->path, s->target)) memcpy(s->target, s->path, len + 1);
+    const char *slash = strrchr(s->target, '/');
+    if (strlen(slash ? slash + 1 : s->target) > NAME_MAX) return ENAMETOOLONG;
+    if (old && access(s->target, W_OK) != 0) return errno;
+    s->renamed = true;
+    s->fd = open_temp(s->target, 0666, s->temp);
+    if (s->fd < 0) return errno;
+    if (old) (void)fchmod(s->fd, old->st_mode & 07777);
     return 0;
+}
+
+static int open_sink(lc_sink *s)
+{
+    struct stat st;
+    bool there = stat(s->path, &st) == 0;
+    if (!there && errno != ENOENT) return errno;
+    if (there && S_ISDIR(st.st_mode)) return EISDIR;
+    if (!there || S_ISREG(st.st_mode)) return open_replacement(s, there ? &st : NULL);
+    return lc_wait_open_writer(s->ctx, s->path, S_ISFIFO(st.st_mode), &s->fd);
+}
+
+/* Removes the temporary file, unless another file has its name by now. */
+static void remove_temp(const lc_sink *s, const struct stat *own)
+{
+    struct stat there;
+    if (!lstat(s->temp, &there) && there.st_dev == own->st_dev && there.st_ino == own->st_ino)
+        (void)unlink(s->temp);
+}
+
+/* Puts the file in place, or removes it. */
+static void close_sink(lc_sink *s, bool keep)
+{
+    struct stat own;
+    bool known = fstat(s->fd, &own) == 0;
+    if (keep && !s->err && s->renamed && fsync(s->fd) != 0 && errno != EINVAL && errno != ENOTSUP)
+        s->err = errno;
+    if (close(s->fd) != 0 && !s->err && errno != EINTR) s->err = errno;
+    if (!s->renamed) return;
+    if (keep && !s->err && rename(s->temp, s->target) != 0) s->err = errno;
+    if (keep && !s->err) lc_file_sync_folder(s->target);
+    else if (known) remove_temp(s, &own);
+    else (void)unlink(s->temp);
+}
+
+static lc_status write_file(const lc_context *ctx, const char *path,
+                            lc_status (*fill)(void *user, lc_sink *sink), void *user)
+{
+    lc_sink s = { .ctx = ctx, .path = path };
+    lc_status status = LC_OK;
+    s.err = open_sink(&s);
+    if (!s.err) {
+        status = fill(user, &s);
+        close_sink(&s, status == LC_OK);
+    }
+    if (!s.err) return status;
+    if (s.err == ECANCELED) return LC_ERR_CANCELLED;
+    return lc_fail_at(ctx, LC_ERR_IO, (lc_pos){ path, 0, 0 }, "cannot write: %s", lc_wait_text(s.err, true));
+}
+
+lc_status lc_file_write(lc_context *ctx, const char *path, lc_status (*fill)(void *user, lc_sink *sink),
+                        void *user)
+{
+    return ctx && path && fill ? write_file(ctx, path, fill, user) : LC_ERR_ARG;
+}
+
+typedef struct {
+    const void *data;
+    size_t len;
+} block;
+
+static lc_status put_block(void *user, lc_sink *sink)
+{
+    const block *b = user;
+    return lc_sink_put(sink, b->data, b->len);
 }
 
 lc_status lc_file_replace(const lc_context *ctx, const char *path, const void *data, size_t len)
 {
-    struct stat st;
-    bool there = stat(path, &st) == 0;
-    int err;
-    if (!there && errno != ENOENT) {
-        err = errno;
-    } else if (there && S_ISDIR(st.st_mode)) {
-        err = EISDIR;
-    } else if (there && !S_ISREG(st.st_mode)) {
-        int fd = open(path, O_WRONLY | O_CLOEXEC);
-        err = fd < 0 ? errno : write_and_close(fd, data, len, false);
-    } else {
-        err = replace_file(path, there ? &st : NULL, data, len);
-    }
-    if (err) return lc_fail_at(ctx, LC_ERR_IO, (lc_pos){ path, 0, 0 }, "cannot write: %s", strerror(err));
-    return LC_OK;
+    block b = { data, len };
+    return write_file(ctx, path, put_block, &b);
 }

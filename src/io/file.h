@@ -4,7 +4,7 @@
  *
  *     path -> lc_reader (readfile.h) -> pieces of bytes, unpacked if they are gzip (gunzip.h)
  *     path -> lc_file_read, lc_bytes_load -> all bytes in memory
- *     bytes -> lc_file_replace -> temporary file -> rename -> path
+ *     bytes -> lc_file_write, lc_file_replace -> temporary file -> rename -> path
  */
 #ifndef LC_FILE_H
 #define LC_FILE_H
@@ -27,10 +27,12 @@ void lc_bytes_free(lc_bytes *bytes);
 lc_status lc_bytes_load(const lc_context *ctx, const char *path, size_t max_len,
                         bool (*magic)(const uint8_t *head, size_t len), lc_bytes *out);
 
-/* Creates or replaces a file atomically: writes a temporary file in the same folder, syncs and renames it. On
- * failure nothing is left behind and an existing file is unchanged. Devices and pipes are written directly.
- * LC_ERR_IO. */
+/* lc_file_write of lightcuts.h, of a block of bytes: all files but checkpoints are written by these two. */
 lc_status lc_file_replace(const lc_context *ctx, const char *path, const void *data, size_t len);
+
+/* Forces the name of a new file to the disk, with its folder; of a symbolic link the target's. A folder that
+ * cannot be synced is not an error. */
+void lc_file_sync_folder(const char *path);
 
 /* True if the path exists and is a pipe, a socket or a device. */
 bool lc_file_is_special(const char *path);

@@ -1,7 +1,7 @@
 /* readfile.c - checks, reads and if necessary decompresses input files. */
 #include "io/readfile.h"
 
-#include "base/digest.h"
+#include "io/inputs.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -9,6 +9,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#define HEAD 4096 /* bytes by which a file is judged */
 
 static lc_status fail(const lc_context *ctx, const lc_reader *r, lc_status status, const char *why)
 {
@@ -47,7 +49,8 @@ static lc_status raw(const lc_context *ctx, void *user, char *to, size_t n, size
 static lc_status begin(const lc_context *ctx, lc_reader *r)
 {
     size_t got;
-    lc_status st = raw(ctx, r, r->head, sizeof r->head, &got);
+    lc_status st = r->fd < 0 ? LC_OK : lc_inputs_add(ctx, r->fd);
+    if (!st) st = raw(ctx, r, r->head, sizeof r->head, &got);
     if (st) return st;
     r->begun = true;
     r->n_head = (uint8_t)got;
@@ -76,6 +79,10 @@ static lc_status check_file(const lc_context *ctx, lc_reader *r)
 lc_status lc_reader_open(const lc_context *ctx, lc_pos where, const char *path, lc_reader *r)
 {
     *r = (lc_reader){ .path = path, .where = where };
+    char real[PATH_MAX];
+    /* The scene's own file, which no statement names, may be a link to elsewhere. */
+    if (where.line && !lc_inputs_allow(ctx->inputs, &path, real))
+        return fail(ctx, r, LC_ERR_IO, "is outside of the sandbox");
     /* O_NONBLOCK: opening a pipe without a writer would block forever. */
     r->fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     if (r->fd < 0) return fail(ctx, r, LC_ERR_IO, strerror(errno));
@@ -122,8 +129,8 @@ lc_status lc_reader_read(const lc_context *ctx, lc_reader *r, char *to, size_t n
     if (st) return st;
     st = r->gunzip ? read_unpacked(ctx, r, to, n, got) : read_plain(ctx, r, to, n, got);
     r->n_read += *got;
-    if (ctx->inputs && first) lc_digest_mark(ctx->inputs);
-    if (ctx->inputs) lc_digest_add(ctx->inputs, to, *got);
+    if (ctx->inputs && first) lc_digest_mark(&ctx->inputs->digest);
+    if (ctx->inputs) lc_digest_add(&ctx->inputs->digest, to, *got);
     if (!st && r->n_read > LC_FILE_MAX) return fail(ctx, r, LC_ERR_PARSE, "larger than 8 GiB");
     return st;
 }
@@ -156,13 +163,28 @@ static lc_status read_all(const lc_context *ctx, lc_reader *r, lc_file *f)
     }
 }
 
-lc_status lc_file_read(const lc_context *ctx, lc_pos where, const char *path, lc_file *out)
+/* Reads the first bytes. *whole: the rest is wanted, too. */
+static lc_status read_head(const lc_context *ctx, lc_reader *r, bool (*is)(const uint8_t *head, size_t len),
+                           lc_file *f, bool *whole)
 {
+    void *data = NULL;
+    lc_status st = lc_grow(ctx, &data, &f->cap, HEAD + 2, 1);
+    f->data = data;
+    if (!st) st = lc_reader_read(ctx, r, f->data, HEAD, &f->size);
+    *whole = !st && is((const uint8_t *)f->data, f->size);
+    return st;
+}
+
+lc_status lc_file_read(const lc_context *ctx, lc_pos where, const char *path,
+                       bool (*is)(const uint8_t *head, size_t len), lc_file *out)
+{
+    bool whole = true;
     lc_reader r;
     *out = (lc_file){ 0 };
     lc_status st = lc_reader_open(ctx, where, path, &r);
     if (st) return st;
-    st = read_all(ctx, &r, out);
+    if (is) st = read_head(ctx, &r, is, out, &whole);
+    if (!st && whole) st = read_all(ctx, &r, out);
     lc_reader_close(&r);
     if (st) lc_file_free(ctx, out);
     return st;

@@ -46,8 +46,10 @@ typedef struct lc_file {
     size_t size, cap;
 } lc_file;
 
-/* Fails as lc_reader_open and lc_reader_read do. */
-lc_status lc_file_read(const lc_context *ctx, lc_pos where, const char *path, lc_file *out);
+/* Fails as lc_reader_open and lc_reader_read do. If `is` is not NULL and is(the first bytes) is false, the
+ * result is these bytes alone: a file that is none of a kind is neither read nor unpacked to its end. */
+lc_status lc_file_read(const lc_context *ctx, lc_pos where, const char *path,
+                       bool (*is)(const uint8_t *head, size_t len), lc_file *out);
 void lc_file_free(const lc_context *ctx, lc_file *file);
 /* False only if there certainly is no such file; any other error shows when it is opened. */
 bool lc_file_exists(const char *path);

@@ -103,10 +103,16 @@ static lc_status parse_segments(const lc_context *ctx, const char *path, bench_s
     return check_floats(ctx, path, s->ray, 6 * s->n, RAYS_HEAD);
 }
 
+/* By the two letters with which both kinds begin. */
+static bool is_bench_file(const uint8_t *head, size_t len)
+{
+    return len >= 2 && head[0] == 'L' && head[1] == 'C';
+}
+
 lc_status bench_read_mesh(const lc_context *ctx, const char *path, bench_mesh *out)
 {
     *out = (bench_mesh){ .n_verts = 0 };
-    lc_status st = lc_file_read(ctx, (lc_pos){ path, 0, 0 }, path, &out->file);
+    lc_status st = lc_file_read(ctx, (lc_pos){ path, 0, 0 }, path, is_bench_file, &out->file);
     if (!st) st = parse_mesh(ctx, path, out);
     if (st) lc_file_free(ctx, &out->file);
     return st;
@@ -115,7 +121,7 @@ lc_status bench_read_mesh(const lc_context *ctx, const char *path, bench_mesh *o
 lc_status bench_read_segments(const lc_context *ctx, const char *path, bench_segments *out)
 {
     *out = (bench_segments){ .n = 0 };
-    lc_status st = lc_file_read(ctx, (lc_pos){ path, 0, 0 }, path, &out->file);
+    lc_status st = lc_file_read(ctx, (lc_pos){ path, 0, 0 }, path, is_bench_file, &out->file);
     if (!st) st = parse_segments(ctx, path, out);
     if (st) lc_file_free(ctx, &out->file);
     return st;

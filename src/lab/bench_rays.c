@@ -128,12 +128,14 @@ static void print_build(const job *j, const timing *b)
 {
     printf("runs    %u on %u thread%s; CPU time is of all threads\n", j->n_runs, j->ctx->n_threads,
            j->ctx->n_threads == 1 ? "" : "s");
-    printf("mesh    %s: %u triangles, %u vertices\n", j->mesh_name, j->mesh.n_tris, j->mesh.n_verts);
+    printf("mesh    %s: %u triangles, %u vertices\n", cli_shown(j->mesh_name), j->mesh.n_tris,
+           j->mesh.n_verts);
     printf("build   CPU best %.3f ms, median %.3f ms; wall clock best %.3f ms, median %.3f ms, %.2f "
            "Mtriangles/s at best; %.2f MB\n",
            b->cpu.best * 1e3, b->cpu.median * 1e3, b->wall.best * 1e3, b->wall.median * 1e3,
            j->mesh.n_tris / b->wall.best * 1e-6, (double)lc_bvh_bytes(j->bvh) * 1e-6);
-    printf("rays    %s: %llu rays, at most %u of one origin at a time\n", j->rays_name, (ull)j->rays.n,
+    printf("rays    %s: %llu rays, at most %u of one origin at a time\n", cli_shown(j->rays_name),
+           (ull)j->rays.n,
            j->max_group);
 }
 

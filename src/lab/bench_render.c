@@ -185,7 +185,8 @@ static double rate(const job *j, int part, double seconds_of_part)
 
 static void print_scene(const job *j, const bench_options *o)
 {
-    printf("scene     %s: %zu triangles, %zu lights; %s", o->scene, j->scene->n_tris, j->scene->n_lights,
+    printf("scene     %s: %zu triangles, %zu lights; %s", cli_shown(o->scene), j->scene->n_tris,
+           j->scene->n_lights,
            cli_method_name(o->render.method));
     if (o->render.method != LC_METHOD_EXACT)
         printf(", error ratio %g, at most %u clusters", (double)o->render.error_ratio, o->render.max_cut);

@@ -4,6 +4,7 @@
 #include "lab/report.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -150,14 +151,26 @@ static void name_scene(report *r, uint32_t k)
         }
 }
 
+/* Forces the name of a new folder to the disk, where that can be done. */
+static void sync_parent(const char *path)
+{
+    char parent[REPORT_MAX_PATH + 4];
+    snprintf(parent, sizeof parent, "%s/..", path);
+    int fd = open(parent, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0) return;
+    (void)fsync(fd);
+    close(fd);
+}
+
 static int make_folder(const char *path)
 {
     struct stat st;
     int err = mkdir(path, 0777) ? errno : 0;
+    if (!err) sync_parent(path);
     if (err == EEXIST && !stat(path, &st))
         err = !S_ISDIR(st.st_mode) ? ENOTDIR : access(path, W_OK | X_OK) ? errno : 0;
     if (!err) return CLI_OK;
-    fprintf(stderr, "lightcuts: error: cannot make the folder '%s': %s\n", path, strerror(err));
+    fprintf(stderr, "lightcuts: error: cannot make the folder '%s': %s\n", cli_shown(path), strerror(err));
     return CLI_FAILED;
 }
 
@@ -182,7 +195,8 @@ static int run(report *r)
     if (!status) status = cli_write_file(path, report_write_json, r);
     snprintf(path, sizeof path, "%s/index.html", o->folder);
     if (!status) status = cli_write_file(path, report_write_page, r);
-    if (!status && !o->quiet) fprintf(stderr, "lightcuts: wrote %s and report.json beside it\n", path);
+    if (!status && !o->quiet)
+        fprintf(stderr, "lightcuts: wrote %s and report.json beside it\n", cli_shown(path));
     return status;
 }
 

@@ -102,7 +102,7 @@ int report_write_kept(const report *r, const report_scene *s, const report_rende
     report_kept_path(r, s, v, "exr", picture);
     report_kept_path(r, s, v, "json", figures);
     if (unlink(figures) && errno != ENOENT) {
-        fprintf(stderr, "lightcuts: error: cannot replace '%s': %s\n", figures, strerror(errno));
+        fprintf(stderr, "lightcuts: error: cannot replace '%s': %s\n", cli_shown(figures), strerror(errno));
         return CLI_FAILED;
     }
     if (lc_image_write(image, picture)) return CLI_FAILED;

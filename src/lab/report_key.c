@@ -1,22 +1,11 @@
-/* report_key.c - the key by which a kept render is known: FNV-1a over the scene's text and over size and time
- * of the files that it names in quotes, and over included text in turn. Also which scene of the seed report a
- * file is. */
+/* report_key.c - the key by which a kept render is known: a hash of the program and of the bytes of all files
+ * that the scene is read from, unpacked. Also which scene of the seed report a file is. */
 #include "lab/report.h"
 
 #include "cli/cli.h"
 
-#include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
-
-#define MAX_DEPTH 8    /* limit of files included by included files */
-#define MAX_FILES 4096 /* limit of the files that are searched for names */
-
-typedef struct search {
-    const char *root; /* path of the scene; names are relative to its folder */
-    uint64_t key;
-    uint32_t n_files;
-} search;
 
 uint64_t report_hash(uint64_t key, const void *data, size_t n)
 {
@@ -25,52 +14,10 @@ uint64_t report_hash(uint64_t key, const void *data, size_t n)
     return key;
 }
 
-static int hash_text(search *s, const char *path, int depth);
-
-static void hash_named(search *s, const char *name, int depth)
-{
-    char path[REPORT_MAX_PATH];
-    struct stat st;
-    const char *slash = strrchr(s->root, '/');
-    int folder = slash && name[0] != '/' ? (int)(slash + 1 - s->root) : 0;
-    int n = snprintf(path, sizeof path, "%.*s%s", folder, s->root, name);
-    if (n < 0 || (size_t)n >= sizeof path || stat(path, &st) || !S_ISREG(st.st_mode)) return;
-    int64_t facts[3] = { st.st_size, st.st_mtim.tv_sec, st.st_mtim.tv_nsec };
-    s->key = report_hash(s->key, facts, sizeof facts);
-    if (strstr(name, ".pbrt") && depth < MAX_DEPTH && s->n_files < MAX_FILES) hash_text(s, path, depth + 1);
-}
-
-/* Hashes the bytes, and each quoted word with a dot in it that names a file. */
-static int hash_text(search *s, const char *path, int depth)
-{
-    char buffer[65536], stdio_buffer[4096], word[1024];
-    size_t n, length = 0;
-    bool quoted = false;
-    FILE *f = fopen(path, "rb");
-    if (!f) return -1;
-    setvbuf(f, stdio_buffer, _IOFBF, sizeof stdio_buffer); /* without memory stdio reads byte by byte */
-    s->n_files++;
-    while ((n = fread(buffer, 1, sizeof buffer, f))) {
-        s->key = report_hash(s->key, buffer, n);
-        for (size_t i = 0; i < n; i++) {
-            if (buffer[i] == '"') {
-                word[length] = 0;
-                if (quoted && strchr(word, '.')) hash_named(s, word, depth);
-                quoted = !quoted;
-                length = 0;
-            } else if (quoted && length + 1 < sizeof word)
-                word[length++] = buffer[i];
-        }
-    }
-    int bad = ferror(f);
-    fclose(f);
-    return bad ? -1 : 0;
-}
-
 /* Renders of another build are made again: its times do not compare, and its pictures may differ. */
 static uint64_t hash_program(uint64_t key)
 {
-    char buffer[65536], stdio_buffer[4096];
+    char buffer[16384], stdio_buffer[4096];
     size_t n;
     FILE *f = fopen("/proc/self/exe", "rb");
     if (!f) return report_hash(key, LC_VERSION, sizeof LC_VERSION);
@@ -80,22 +27,46 @@ static uint64_t hash_program(uint64_t key)
     return key;
 }
 
+typedef struct {
+    lc_context *ctx;
+    lc_identity id;
+} reading;
+
+/* All files are read; nothing is built. */
+static int take_identity(void *user, const lc_scene *scene)
+{
+    reading *r = user;
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    (void)lc_render_identity(r->ctx, scene, &d, &r->id);
+    return 1;
+}
+
+static int read_scene(const char *path, uint64_t *id)
+{
+    reading r = { .ctx = cli_context(1, LC_ISA_BEST, -1) }; /* errors only: the survey prints the warnings */
+    lc_load_desc d = LC_LOAD_DESC_INIT;
+    lc_scene *scene;
+    if (!r.ctx) return CLI_FAILED;
+    d.parsed = take_identity;
+    d.parsed_user = &r;
+    lc_status st = lc_scene_load(r.ctx, path, &d, &scene);
+    lc_context_destroy(r.ctx);
+    *id = r.id.scene;
+    return st == LC_ERR_CANCELLED ? CLI_OK : st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
+}
+
 int report_hash_scene(const char *path, uint64_t *key)
 {
-    search s = { path, hash_program(REPORT_HASH_START), 0 };
     struct stat st;
-    int bad = stat(path, &st);
-    if (!bad && !S_ISREG(st.st_mode)) {
+    uint64_t id = 0;
+    if (!stat(path, &st) && !S_ISREG(st.st_mode)) {
         fprintf(stderr, "lightcuts: error: '%s' is no file; a report reads its scenes more than once\n",
-                path);
+                cli_shown(path));
         return CLI_INPUT;
     }
-    if (!bad) bad = hash_text(&s, path, 0);
-    *key = s.key;
-    if (!bad) return CLI_OK;
-    int err = errno;
-    fprintf(stderr, "lightcuts: error: cannot read '%s': %s\n", path, strerror(err));
-    return err == ENOMEM ? CLI_FAILED : CLI_INPUT;
+    int status = read_scene(path, &id);
+    *key = report_hash(hash_program(REPORT_HASH_START), &id, sizeof id);
+    return status;
 }
 
 /* ---- the seed report ---- */

@@ -3,6 +3,7 @@
  * sizes of the cuts. */
 #include "lab/report.h"
 
+#include "cli/cli.h"
 #include "cli/colourmap.h"
 
 #include <math.h>
@@ -112,7 +113,8 @@ static lc_status encode(const report *r, const lc_image *image, report_picture *
     char path[REPORT_MAX_PATH];
     snprintf(path, sizeof path, "%s/renders/picture.%ld.png", r->o->folder, (long)getpid());
     lc_status st = lc_image_write(image, path);
-    if (!st && (st = read_whole(path, out))) fprintf(stderr, "lightcuts: error: cannot read '%s'\n", path);
+    if (!st && (st = read_whole(path, out)))
+        fprintf(stderr, "lightcuts: error: cannot read '%s'\n", cli_shown(path));
     unlink(path);
     return st;
 }

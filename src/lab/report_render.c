@@ -63,7 +63,10 @@ static lc_status load(report *r, lc_context *ctx, const report_scene *s, uint32_
     lc_load_desc d = LC_LOAD_DESC_INIT;
     d.n_reps = n_reps;
     d.max_pixels = r->o->quick ? QUICK_PIXELS : 0;
-    return lc_scene_load(ctx, s->path, &d, scene);
+    cli_leave_signals(); /* a load looks for none, and what is rendered is kept */
+    lc_status st = lc_scene_load(ctx, s->path, &d, scene);
+    cli_catch_signals();
+    return st;
 }
 
 static int input_status(lc_status st) { return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st); }

@@ -24,7 +24,7 @@ lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipma
     if (!lc_file_exists(path))
         return lc_pbrt_note(p, where, "light image", "'%.150s': no such file; a constant takes its place",
                             path);
-    if ((st = lc_file_read(p->ctx, where, path, &file))) return st;
+    if ((st = lc_file_read(p->ctx, where, path, lc_raster_is, &file))) return st;
     lc_bytes bytes = { p->ctx, file.data, file.size, file.cap };
     if (lc_jpeg_is(bytes.data, bytes.len))
         st = lc_pbrt_note(p, where, "JPEG",

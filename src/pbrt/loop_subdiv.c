@@ -5,10 +5,11 @@
 
 #include <string.h>
 
-#define MAX_TRIS LC_SIZE(4u << 20, 256u) /* limits the triangles of a shape, and so the memory to 1 GB */
+/* Limits the triangles that levels make in the whole scene, and so the memory to 1 GB. */
+#define MAX_TRIS LC_SIZE(4u << 20, 256u)
 #define MAX_LEVELS 20                    /* limits the loop for meshes without faces */
 
-/* The number of levels requested, reduced until there are at most MAX_TRIS triangles. */
+/* The number of levels requested, reduced until the scene has at most MAX_TRIS triangles of them. */
 static lc_status get_levels(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t n_faces, uint32_t *out)
 {
     int64_t levels = 3;
@@ -19,8 +20,12 @@ static lc_status get_levels(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t n_faces,
     if (levels < 0)
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "loopsubdiv with a negative number of levels");
     *out = 0;
-    for (uint64_t n = 4 * (uint64_t)n_faces; *out < MAX_LEVELS && *out < levels && n <= MAX_TRIS; n *= 4)
+    uint64_t made = 0, left = MAX_TRIS > p->n_subdiv_tris ? MAX_TRIS - p->n_subdiv_tris : 0;
+    for (uint64_t n = 4 * (uint64_t)n_faces; *out < MAX_LEVELS && *out < levels && n <= left; n *= 4) {
         ++*out;
+        made = n;
+    }
+    p->n_subdiv_tris += made;
     if (*out < levels && n_faces)
         st = lc_pbrt_note(p, s->pos, "subdivision levels", "loopsubdiv: %u levels instead of %lld", *out,
                           (long long)levels);

@@ -411,11 +411,13 @@ lc_status lc_ply_parse(const lc_context *ctx, const char *name, const char *data
     return st;
 }
 
+static bool is_ply(const uint8_t *head, size_t len) { return len >= 3 && !memcmp(head, "ply", 3); }
+
 lc_status lc_ply_load(const lc_context *ctx, lc_pos where, const char *path, lc_ply_mesh *out)
 {
     lc_file file;
     *out = (lc_ply_mesh){ 0 };
-    lc_status st = lc_file_read(ctx, where, path, &file);
+    lc_status st = lc_file_read(ctx, where, path, is_ply, &file);
     if (st) return st;
     st = lc_ply_parse(ctx, path, file.data, file.size, out);
     lc_file_free(ctx, &file);

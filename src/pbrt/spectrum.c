@@ -163,6 +163,9 @@ static lc_status read_pairs(lc_pbrt *p, const char *path, const lc_file *file, d
     return LC_OK;
 }
 
+/* A zero byte is in no text, and ends what is read. */
+static bool is_text(const uint8_t *head, size_t len) { return !memchr(head, 0, len); }
+
 lc_status lc_pbrt_spectrum_file(lc_pbrt *p, const lc_pbrt_param *par, const char *name,
                                 double out[LC_PBRT_CIE_N], bool *there)
 {
@@ -174,7 +177,7 @@ lc_status lc_pbrt_spectrum_file(lc_pbrt *p, const lc_pbrt_param *par, const char
     if (p->lex.no_files || !*name) return LC_OK;
     lc_status st = lc_pbrt_find_file(&p->lex, par->pos, name, &path);
     if (st || !lc_file_exists(path)) return st;
-    if ((st = lc_file_read(p->ctx, par->pos, path, &file))) return st;
+    if ((st = lc_file_read(p->ctx, par->pos, path, is_text, &file))) return st;
     st = read_pairs(p, path, &file, &pairs, &cap, &n);
     if (!st) lc_pbrt_resample(pairs, n, p->v4, out);
     *there = !st;

@@ -108,6 +108,7 @@ typedef struct lc_pbrt {
     bool alpha_uv;         /* the mesh needs uv, as its alpha is a texture */
     uint64_t n_round_tris; /* triangles made so far of spheres, disks, cylinders ... */
     uint64_t n_curve_tris; /* and of curves */
+    uint64_t n_subdiv_tris; /* and by levels of subdivision */
 
     bool has_cie;
     double cie[LC_PBRT_CIE_N][3]; /* the CIE 1931 curves x, y, z, each scaled to a sum of 1 */

@@ -82,7 +82,7 @@ static lc_status load(lc_pbrt *p, lc_pos where, const char *path, lc_encoding en
     lc_file file;
     lc_raster raster = { 0 };
     lc_mipmap m;
-    lc_status st = lc_file_read(p->ctx, where, path, &file);
+    lc_status st = lc_file_read(p->ctx, where, path, lc_raster_is, &file);
     if (st) return st;
     lc_bytes bytes = { p->ctx, file.data, file.size, file.cap };
     bool jpeg = lc_jpeg_is(bytes.data, bytes.len);

@@ -1,6 +1,7 @@
 /* commit.c - the steps in order: BVH; lights from surfaces, environments and light paths; light tree. */
 #include "prepare/commit.h"
 
+#include "base/memory.h"
 #include "base/stats.h"
 #include "prepare/area_light.h"
 #include "prepare/env_light.h"
@@ -63,6 +64,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
         return lc_fail(s->ctx, LC_ERR_PARSE, "camera out of range");
     double t0 = lc_now();
+    lc_memory_step(s->ctx, "the BVH");
     size_t n_world = s->n_objects ? s->objects[0].first_tri : s->n_tris;
     lc_status st = lc_alpha_init(s);
     if (!st) st = lc_bvh_build(s->ctx, s->pos, s->index, n_world, &s->bvh);
@@ -76,6 +78,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if ((st = lc_instances_build(s))) return st;
     double t1 = lc_now();
     s->seconds_bvh = t1 - t0;
+    lc_memory_step(s->ctx, "making lights");
     bool all_seen = !s->n_lights;
     const size_t n_given = s->n_lights;
     if (desc->area_lights) st = lc_area_lights_make(s, desc->area_lights, desc->seed);
@@ -94,6 +97,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     s->follows_smooth = all_seen || s->indirect.n_lights;
     double t2 = lc_now();
     s->seconds_lights = t2 - t1;
+    lc_memory_step(s->ctx, "the light tree");
     lc_light_tree_desc tree_desc = { .lights = s->lights,
                                      .n_lights = s->n_lights,
                                      .spot_maps = s->spot_maps,

@@ -13,14 +13,19 @@
  * that is not, and the tiles they held are rendered again and appended. Pixels are read where they are asked
  * for.
  */
+#include "render/checkpoint.h"
+
 #include "base/arena.h"
 #include "base/pool.h"
 #include "base/stats.h"
+#include "io/file.h"
 #include "render/film.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -30,6 +35,7 @@
 #define RECORD_MAGIC 0x454c4954u /* "TILE" */
 #define MAX_PAYLOAD (sizeof(lc_tile_counts) + sizeof(float) * LC_N_PLANES * LC_TILE * LC_TILE)
 #define LOCK_TRIES 20
+#define OPEN_TRIES 100 /* of a file that others remove while this process waits for its lock */
 #define LOCK_WAIT 100000 /* microseconds */
 #define SCAN LC_SIZE((size_t)1 << 16, 1 << 9) /* bytes looked through at once for a record after damage */
 
@@ -254,6 +260,7 @@ static lc_status begin_file(lc_checkpoint *c)
     int err = ftruncate(c->fd, 0) ? errno : 0;
     if (!err) err = write_at(c->fd, &c->head, sizeof c->head, 0);
     if (!err && fsync(c->fd)) err = errno;
+    if (!err) lc_file_sync_folder(c->path);
     c->end = sizeof c->head;
     return err ? fail_errno(c, "cannot write the checkpoint", err) : LC_OK;
 }
@@ -294,17 +301,37 @@ static bool lock_file(int fd)
     return false;
 }
 
+static bool is_same_file(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+/* Opens and locks the file, and makes it where there is none. Whoever had the lock before may have removed or
+ * replaced the file meanwhile: what is locked then has to be what the path leads to. */
+static lc_status open_locked(lc_checkpoint *c, struct stat *st)
+{
+    for (int i = 0; i < OPEN_TRIES; i++) {
+        struct stat there;
+        c->fd = open(c->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0666);
+        if (c->fd < 0) return fail_errno(c, "cannot open the checkpoint", errno);
+        if (fstat(c->fd, st)) return fail_errno(c, "cannot open the checkpoint", errno);
+        if (!S_ISREG(st->st_mode)) return fail(c, LC_ERR_IO, "the checkpoint is not a regular file");
+        if (!lock_file(c->fd)) return fail(c, LC_ERR_IO, "another process writes to this checkpoint");
+        if (fstat(c->fd, st)) return fail_errno(c, "cannot open the checkpoint", errno); /* its size now */
+        if (!stat(c->path, &there) && is_same_file(st, &there)) return LC_OK;
+        close(c->fd);
+        c->fd = -1;
+    }
+    return fail(c, LC_ERR_IO, "the checkpoint is removed or replaced again and again");
+}
+
 static lc_status open_file(lc_checkpoint *c, bool resume)
 {
     struct stat st;
     header h;
     size_t got;
-    c->fd = open(c->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0666);
-    if (c->fd < 0) return fail_errno(c, "cannot open the checkpoint", errno);
-    if (fstat(c->fd, &st)) return fail_errno(c, "cannot open the checkpoint", errno);
-    if (!S_ISREG(st.st_mode)) return fail(c, LC_ERR_IO, "the checkpoint is not a regular file");
-    if (!lock_file(c->fd)) return fail(c, LC_ERR_IO, "another process writes to this checkpoint");
-    if (fstat(c->fd, &st)) return fail_errno(c, "cannot open the checkpoint", errno); /* its size now */
+    lc_status opened = open_locked(c, &st);
+    if (opened) return opened;
     int err = read_at(c->fd, &h, sizeof h, 0, &got);
     if (err) return fail_errno(c, "cannot read the checkpoint", err);
     /* Killed before the header was whole: nothing is lost. Any other short file is not ours to write to. */
@@ -347,9 +374,20 @@ lc_status lc_checkpoint_open(lc_context *ctx, const char *path, const lc_scene *
 
 /* ---- while rendering ---- */
 
+/* Whether it is a tile of the picture that the checkpoint is of. */
+static bool is_tile(const lc_checkpoint *c, const lc_tile *t)
+{
+    const uint32_t *crop = c->head.crop;
+    if (t->index >= c->n_tiles || t->n_planes != c->head.n_planes) return false;
+    uint32_t x0 = crop[0] + t->index % c->tiles_x * LC_TILE, y0 = crop[2] + t->index / c->tiles_x * LC_TILE;
+    return t->x0 == x0 && t->y0 == y0 && t->x1 == x0 + min_u(LC_TILE, crop[1] - x0) &&
+           t->y1 == y0 + min_u(LC_TILE, crop[3] - y0);
+}
+
 static int load(void *user, lc_tile *t)
 {
     lc_checkpoint *c = user;
+    if (!is_tile(c, t)) return 0;
     size_t n = payload_bytes(c, t->index) - sizeof t->counts, got;
     if (!c->at[t->index]) return 0;
     if (read_at(c->fd, &t->counts, sizeof t->counts, c->at[t->index], &got) || got < sizeof t->counts)
@@ -382,6 +420,7 @@ static void done(void *user, const lc_tile *t)
         record head;
         uint8_t payload[MAX_PAYLOAD];
     } room;
+    if (!is_tile(c, t)) return;
     room.head =
         (record){ .magic = RECORD_MAGIC, .tile = t->index, .bytes = (uint32_t)payload_bytes(c, t->index) };
     memcpy(room.payload, &t->counts, sizeof t->counts);
@@ -395,8 +434,19 @@ static void done(void *user, const lc_tile *t)
     lc_checkpoint_sync(c);
 }
 
+lc_status lc_checkpoint_check(const lc_scene *scene, const lc_render_desc *desc)
+{
+    if (desc->tile_load != load && desc->tile_done != done) return LC_OK;
+    lc_checkpoint *c = desc->tile_user, now = { .ctx = c->ctx };
+    lc_status st = fill_header(&now, scene, desc);
+    if (st || !memcmp(&now.head, &c->head, sizeof now.head)) return st;
+    return lc_fail_at(c->ctx, LC_ERR_ARG, (lc_pos){ c->path, 0, 0 },
+                      "the checkpoint was opened for another render");
+}
+
 void lc_checkpoint_attach(lc_checkpoint *c, lc_render_desc *desc)
 {
+    if (!c || !desc) return;
     desc->tile_load = load;
     desc->tile_done = done;
     desc->tile_user = c;
@@ -404,6 +454,7 @@ void lc_checkpoint_attach(lc_checkpoint *c, lc_render_desc *desc)
 
 void lc_checkpoint_get_info(lc_checkpoint *c, lc_checkpoint_info *info)
 {
+    if (!c || !info) return;
     lc_mutex_lock(c->mutex);
     *info = c->info;
     lc_mutex_unlock(c->mutex);
@@ -411,6 +462,7 @@ void lc_checkpoint_get_info(lc_checkpoint *c, lc_checkpoint_info *info)
 
 lc_status lc_checkpoint_sync(lc_checkpoint *c)
 {
+    if (!c) return LC_ERR_ARG;
     lc_mutex_lock(c->mutex);
     bool dirty = c->unsynced;
     c->unsynced = false;
@@ -424,6 +476,23 @@ lc_status lc_checkpoint_sync(lc_checkpoint *c)
     if (first)
         lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: cannot force the checkpoint to the disk: %s", c->path,
                strerror(err));
+    return LC_ERR_IO;
+}
+
+lc_status lc_checkpoint_remove(lc_checkpoint *c)
+{
+    char real[PATH_MAX];
+    struct stat own, there;
+    if (!c) return LC_ERR_ARG;
+    const char *path = realpath(c->path, real) ? real : c->path;
+    int err = fstat(c->fd, &own) || stat(path, &there) ? errno : 0;
+    if (!err && !is_same_file(&own, &there)) {
+        lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: is another file than the checkpoint and stays", c->path);
+        return LC_ERR_IO;
+    }
+    if (!err && unlink(path)) err = errno;
+    if (!err) return LC_OK;
+    lc_log(c->ctx, LC_LOG_WARNING, "%s: warning: cannot remove the checkpoint: %s", c->path, strerror(err));
     return LC_ERR_IO;
 }
 

@@ -9,6 +9,7 @@
  */
 #include "render/chunk.h"
 
+#include "base/build.h"
 #include "image/image.h"
 
 #include <stdio.h>
@@ -63,7 +64,24 @@ lc_status lc_chunk_mark(lc_image *image, const lc_identity *id, const uint32_t c
     if (!st) st = lc_image_set_text(image, LC_CHUNK_SCENE_ATTR, text);
     snprintf(text, sizeof text, "%016llx", (unsigned long long)id->options);
     if (!st) st = lc_image_set_text(image, LC_CHUNK_OPTIONS_ATTR, text);
+    if (!st) st = lc_image_set_text(image, LC_CHUNK_BUILD_ATTR, lc_build_id());
+    snprintf(text, sizeof text, "%016llx", (unsigned long long)lc_chunk_digest(image));
+    if (!st) st = lc_image_set_text(image, LC_CHUNK_DIGEST_ATTR, text);
     return st;
+}
+
+const char *lc_chunk_build(const lc_image *image)
+{
+    const char *build = lc_image_get_text(image, LC_CHUNK_BUILD_ATTR);
+    return build ? build : "";
+}
+
+bool lc_chunk_is_whole(const lc_image *image)
+{
+    char text[24];
+    const char *digest = lc_image_get_text(image, LC_CHUNK_DIGEST_ATTR);
+    snprintf(text, sizeof text, "%016llx", (unsigned long long)lc_chunk_digest(image));
+    return digest && !strcmp(digest, text);
 }
 
 /* n numbers in the given base with a character between; nothing else may stand there. */
@@ -108,5 +126,6 @@ int lc_chunk_matches(const lc_image *image, const lc_identity *id, const uint32_
 {
     lc_chunk c;
     return image && id && crop && lc_chunk_read(image, &c) && c.k == k && c.n == n &&
-           !memcmp(c.crop, crop, sizeof c.crop) && c.id.scene == id->scene && c.id.options == id->options;
+           !memcmp(c.crop, crop, sizeof c.crop) && c.id.scene == id->scene && c.id.options == id->options &&
+           !strcmp(lc_chunk_build(image), lc_build_id()) && lc_chunk_is_whole(image);
 }

@@ -54,11 +54,25 @@ static const char *difference(const part *a, const part *b)
     const lc_image_desc *da = &a->image->desc, *db = &b->image->desc;
     if (a->chunk.id.scene != b->chunk.id.scene) return "is of another scene";
     if (a->chunk.id.options != b->chunk.id.options) return "was rendered with other options";
+    if (strcmp(lc_chunk_build(a->image), lc_chunk_build(b->image)))
+        return "was rendered by another build of the program; render all parts by one";
     if (a->chunk.n != b->chunk.n) return "is of another number of chunks";
     if (memcmp(a->chunk.crop, b->chunk.crop, sizeof a->chunk.crop)) return "is of another crop";
     if (da->display_width != db->display_width || da->display_height != db->display_height)
         return "has another display window";
     return same_channels(a->image, b->image) ? NULL : "has other channels";
+}
+
+/* NULL, or what is wrong with a part by itself. */
+static const char *fault(const lc_merge *m, part *p, const char *path)
+{
+    if (!lc_chunk_read(p->image, &p->chunk)) return "is no chunk of a picture";
+    if (*lc_chunk_build(p->image) || lc_image_get_text(p->image, LC_CHUNK_DIGEST_ATTR))
+        return lc_chunk_is_whole(p->image) ? NULL : "is damaged: its digest is that of another picture";
+    if (!m->n)
+        lc_log(m->ctx, LC_LOG_WARNING,
+               "%s: warning: rendered by an older version, whose parts cannot be checked for damage", path);
+    return NULL;
 }
 
 static lc_status insert(lc_merge *m, const char *path, const part *p)
@@ -81,12 +95,11 @@ static lc_status insert(lc_merge *m, const char *path, const part *p)
 lc_status lc_merge_add(lc_merge *m, const char *path)
 {
     part p = { .image = NULL };
-    const char *why = NULL;
     if (!m || !path) return LC_ERR_ARG;
     lc_status st = lc_image_read(m->ctx, path, &p.image);
     if (st) return st;
-    if (!lc_chunk_read(p.image, &p.chunk)) why = "is no chunk of a picture";
-    else if (m->n) why = difference(&m->parts[0], &p);
+    const char *why = fault(m, &p, path);
+    if (!why && m->n) why = difference(&m->parts[0], &p);
     st = why ? lc_fail_at(m->ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "%s", why) : insert(m, path, &p);
     if (st) lc_image_destroy(p.image);
     return st;
@@ -134,7 +147,8 @@ static lc_status copy_attrs(const lc_merge *m, lc_image *to)
     for (size_t i = 0; i < from->n_attrs && !st; i++) {
         const lc_attr *a = &from->attrs[i];
         if (!strcmp(a->name, LC_CHUNK_ATTR) || !strcmp(a->name, LC_CHUNK_CROP_ATTR) ||
-            !strcmp(a->name, LC_CHUNK_SCENE_ATTR) || !strcmp(a->name, LC_CHUNK_OPTIONS_ATTR))
+            !strcmp(a->name, LC_CHUNK_SCENE_ATTR) || !strcmp(a->name, LC_CHUNK_OPTIONS_ATTR) ||
+            !strcmp(a->name, LC_CHUNK_BUILD_ATTR) || !strcmp(a->name, LC_CHUNK_DIGEST_ATTR))
             continue;
         if (a->kind == LC_ATTR_TEXT) st = lc_image_set_text(to, a->name, a->text);
         else if (a->kind == LC_ATTR_MATRIX) st = lc_image_set_matrix(to, a->name, a->matrix);

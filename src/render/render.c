@@ -1,7 +1,9 @@
 /* render.c - lc_render: tiles over threads. */
 #include "render/render_job.h"
 
+#include "base/memory.h"
 #include "base/pool.h"
+#include "render/checkpoint.h"
 #include "render/render_tile.h"
 #include "tree/light_tree.h"
 
@@ -43,9 +45,21 @@ lc_tile lc_tile_at(const lc_render_job *j, const lc_render_worker *w, uint32_t i
                       .pixels = w->tile };
 }
 
+/* Whether a host's tile may go to the picture and the statistics. */
+static bool is_usable(const lc_render_job *j, const lc_tile *t)
+{
+    const size_t n = (size_t)(t->x1 - t->x0) * (t->y1 - t->y0) * j->n_planes;
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(t->pixels[i])) return false;
+    return t->counts.cut_max <= UINT32_MAX;
+}
+
 bool lc_tile_take(lc_render_job *j, lc_render_worker *w, lc_tile *t)
 {
-    if (!j->desc->tile_load || !j->desc->tile_load(j->desc->tile_user, t)) return false;
+    lc_tile given = *t; /* the host fills in pixels and counts; nothing else that it does counts */
+    if (!j->desc->tile_load || !j->desc->tile_load(j->desc->tile_user, &given)) return false;
+    t->counts = given.counts;
+    if (!is_usable(j, t)) return false;
     lc_film_set_tile(&j->film, t);
     lc_tile_add_counts(&w->stats, &t->counts);
     const uint64_t pixels = (uint64_t)(t->x1 - t->x0) * (t->y1 - t->y0);
@@ -219,7 +233,9 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     *out = NULL;
     if (!ctx || !scene || !desc) return LC_ERR_ARG;
     lc_status st = lc_render_check(ctx, scene, desc, crop);
+    if (!st) st = lc_checkpoint_check(scene, desc);
     if (st) return st;
+    lc_memory_step(ctx, "rendering");
     if (!stats) stats = &own;
     *stats = (lc_render_stats){ 0 };
     lc_render_job j;

@@ -19,6 +19,7 @@
 
 #include "base/arena.h"
 #include "base/stats.h"
+#include "io/inputs.h"
 #include "scene/camera.h"
 #include "scene/env_map.h"
 #include "scene/lamps.h"
@@ -148,6 +149,7 @@ struct lc_scene {
     lc_light_tree *tree;
     double seconds_parse, seconds_bvh, seconds_lights, seconds_tree;
 
+    lc_inputs inputs;  /* the files that it was read from */
     uint64_t input_id; /* hash of the bytes of all files read */
     lc_load_desc load; /* the options of loading, defaults filled in */
 };

@@ -13,6 +13,7 @@ void lc_scene_destroy(lc_scene *s)
     lc_bvh_destroy(s->bvh);
     lc_occluders_destroy(s->occluders);
     lc_instances_free(s);
+    lc_inputs_free(ctx, &s->inputs);
     lc_free(ctx, s->alphas, s->cap_alphas, sizeof *s->alphas);
     lc_free(ctx, s->alpha_bits, s->alpha_words, sizeof *s->alpha_bits);
     lc_light_tree_destroy(s->tree);

@@ -18,6 +18,7 @@ _Static_assert((int)LC_LIGHT_KINDS <= LC_MAX_LIGHT_KINDS, "lc_scene_info counts 
 void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
 {
     static const lc_light_tree none;
+    if (!s || !info) return;
     const lc_light_tree *t = s->tree ? s->tree : &none; /* no tree while only parsed */
     *info = (lc_scene_info){
         .n_triangles = s->n_tris,
@@ -64,23 +65,28 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
 
 lc_status lc_scene_get_texture_class(const lc_scene *s, uint32_t idx, const char **name, uint64_t *count)
 {
-    if (idx >= LC_TEX_KINDS) return LC_ERR_ARG;
+    if (!s || !name || !count || idx >= LC_TEX_KINDS) return LC_ERR_ARG;
     *name = lc_tex_kind_name((lc_tex_kind)idx);
     *count = 0;
     for (size_t i = 0; i < s->textures.n; i++) *count += s->textures.items[i].kind == (lc_tex_kind)idx;
     return LC_OK;
 }
 
+int lc_scene_reads_file(const lc_scene *s, const char *path)
+{
+    return s && path && lc_inputs_have(&s->inputs, path);
+}
+
 lc_status lc_scene_get_note(const lc_scene *s, uint32_t idx, lc_note *note)
 {
-    if (idx >= s->n_notes) return LC_ERR_ARG;
+    if (!s || !note || idx >= s->n_notes) return LC_ERR_ARG;
     *note = (lc_note){ s->notes[idx].kind, s->notes[idx].text, s->notes[idx].count };
     return LC_OK;
 }
 
 lc_status lc_scene_get_feature(const lc_scene *s, uint32_t idx, lc_feature *feature)
 {
-    if (idx >= s->n_features) return LC_ERR_ARG;
+    if (!s || !feature || idx >= s->n_features) return LC_ERR_ARG;
     *feature = s->features[idx];
     return LC_OK;
 }
