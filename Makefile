@@ -58,7 +58,7 @@ CLI_SRC := $(wildcard src/cli/*.c src/lab/*.c src/app/*.c)
 LIB_SRC := $(filter-out $(NOT_ALONE) $(CLI_SRC),$(wildcard src/*/*.c))
 LIB_OBJ := $(LIB_SRC:%.c=$(OUT)/%.o)
 CLI_OBJ := $(CLI_SRC:%.c=$(OUT)/%.o)
-TEST_HELP := $(patsubst %,tests/support/%.c,ref_bounds gen_clusters one_bound)
+TEST_HELP := $(patsubst %,tests/support/%.c,ref_bounds gen_clusters gen_run one_bound)
 TESTS := $(patsubst tests/%.c,$(BIN)tests/%,$(wildcard tests/unit_*.c tests/check_*.c))
 FUZZERS := $(patsubst fuzz/%.c,%,$(wildcard fuzz/fuzz_*.c))
 REPLAYS := $(FUZZERS:%=$(BIN)tests/replay_%)
@@ -76,6 +76,7 @@ help:
 	@echo "make fuzz       build the fuzzers, replay their corpora; make fuzz-run SECONDS=n runs each for n seconds"
 	@echo "make fault      every allocation, file operation and thread start fails in turn (make test: some of them)"
 	@echo "make test-arm64 the tests on an emulated 64-bit ARM with NEON, and the golden hashes of x86"
+	@echo "make mutate     breaks one line at a time on purpose; each must be noticed by a test (some 20 minutes of two processors)"
 	@echo "make coverage   the tests, and the share of the lines of src/ that they run"
 	@echo "make san tsan   the tests under ASan and UBSan, under TSan"
 	@echo "make lint       source rules, both compilers"
@@ -84,7 +85,7 @@ help:
 
 # ---- dependencies ----
 
-.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill fault coverage fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
+.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill fault mutate coverage fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP) $(if $(CROSS),$(CROSS))
 deps-check:
@@ -202,6 +203,12 @@ fault:
 	@build/tests/unit_faults --all
 	@$(MAKE) --no-print-directory $(JOBS) CONFIG=san OPT="-O1 -DLC_DEBUG" SAN="$(SAN_FLAGS)" build/san/tests/unit_faults
 	@build/san/tests/unit_faults --all
+
+# Not on request of another target: it builds each mutation alone.
+mutate:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory $(EXR_LIB)
+	@sh tests/mutate.sh $(MUTATIONS)
 
 coverage:
 	@$(MAKE) --no-print-directory deps

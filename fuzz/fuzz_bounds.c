@@ -1,5 +1,5 @@
-/* fuzz_bounds.c - looks for a cluster and a point whose bound is too low. Byte 0 picks light kind and
- * material, the rest is the stream of gen_clusters.c. Aborts on a broken property. */
+/* fuzz_bounds.c - looks for a cluster and a point whose bound is too low. Byte 0 picks light kind, material
+ * and style, the rest is the stream of gen_clusters.c. Aborts on a broken property. */
 #include "fuzz.h"
 #include "support/gen_clusters.h"
 
@@ -9,6 +9,7 @@
 #define OCTAVES 64
 
 /* Values of byte 0. */
+#define TERMS_FROM 168 /* GEN_EXTREME_TERM: kind times GEN_BRDFS plus material */
 #define ANY_LOBE_FROM 224
 #define SPOTS_FROM 240
 
@@ -20,6 +21,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (size == 0) return 0;
     uint32_t which = data[0] % (3 * GEN_ANY_LOBE), brdf = (which & 1) + which / 6 * 2;
     lc_light_kind kind = (lc_light_kind)((which % 6) >> 1);
+    bool terms = data[0] >= TERMS_FROM && data[0] < ANY_LOBE_FROM;
+    if (terms) {
+        which = (data[0] - (uint32_t)TERMS_FROM) % (LC_LIGHT_KINDS * GEN_BRDFS);
+        kind = (lc_light_kind)(which / GEN_BRDFS);
+        brdf = which % GEN_BRDFS;
+    }
     if (data[0] >= ANY_LOBE_FROM) {
         kind = (lc_light_kind)(data[0] % LC_LIGHT_KINDS);
         brdf = GEN_ANY_LOBE;
@@ -32,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     gen_src s = gen_src_bytes(data + 1, size - 1);
     gen_case c;
     gen_result r;
-    gen_case_make(&c, &s, kind, (gen_brdf)brdf, GEN_ADVERSARIAL);
+    gen_case_make(&c, &s, kind, (gen_brdf)brdf, terms ? GEN_EXTREME_TERM : GEN_ADVERSARIAL);
     gen_case_run(&c, &r);
     if (r.bad) {
         gen_case_shrink(&c, r.bad);

@@ -1,10 +1,11 @@
 /* check_bounds.c - the promise of one_bound.h: bound >= what it bounds, for every cluster, point and
  * material.
  *
- *     check_bounds [--seed S] [--count N] [--only MATERIAL] [--extreme]
+ *     check_bounds [--seed S] [--count N] [--only MATERIAL] [--extreme | --terms]
  *
- * Without --count: all properties, 200,000 random clusters a kind and material. With it: N of them, and the
- * table only. The reference is ref_bounds.c, the cases are those of gen_clusters.c.
+ * Without --count: all properties, 200,000 random clusters a kind and material, and a tenth as many where one
+ * light dominates at an extreme of a term. With it: N of one of these (--terms: the latter), and the table
+ * only. The reference is ref_bounds.c, the cases are those of gen_clusters.c.
  */
 #include "base/rng.h"
 #include "shade/cluster.h"
@@ -72,31 +73,50 @@ static uint64_t run_line(uint32_t kind, uint32_t brdf)
         }
         seen |= r.bad;
     }
-    printf("  %-11s %-7s %10llu %11llu %5.1f%% %5.1f%% %8llu %8llu %8llu %8llu %8llu %11.8f %11.8f %9llu\n",
+    printf("  %-11s %-7s %10llu %11llu %5.1f%% %5.1f%% %8llu %8llu %8llu %8llu %8llu %8.0f %11.8f %11.8f "
+           "%9llu\n",
            kind_names[kind], brdf_names[brdf], (unsigned long long)count, (unsigned long long)nodes,
            100 * (double)live / (double)count, 100 * (double)inf / (double)count, (unsigned long long)bad[0],
            (unsigned long long)bad[1], (unsigned long long)bad[2], (unsigned long long)bad[3],
-           (unsigned long long)tiny, tightest, normal, (unsigned long long)below);
+           (unsigned long long)tiny, 1e6 * (double)all / (double)count, tightest, normal,
+           (unsigned long long)below);
     fflush(stdout);
     return all;
 }
 
 /* lit: root sum > 0. <float, <exact: violations. shade: estimate off the reference. store: box or cone. tiny:
- * how many of the bad cases have a member near underflow. tightest: least bound / float sum, of all and of
- * cases not tiny. <ref: nodes below the double sum with no allowance for the estimate's rounding, for
- * information. */
-TEST(bound_holds)
+ * how many of the bad cases have a member near underflow. per 10^6: bad cases per million, the strength of
+ * the cases against a bound that is broken on purpose. tightest: least bound / float sum, of all and of cases
+ * not tiny. <ref: nodes below the double sum with no allowance for the estimate's rounding, for information.
+ */
+static void run_table(void)
 {
-    printf("  %-11s %-7s %10s %11s %6s %6s %8s %8s %8s %8s %8s %11s %11s %9s\n", "kind", "brdf", "cases",
-           "nodes", "lit", "inf", "<float", "<exact", "shade", "store", "tiny", "tightest", "not tiny",
-           "<ref");
+    printf("  %-11s %-7s %10s %11s %6s %6s %8s %8s %8s %8s %8s %8s %11s %11s %9s\n", "kind", "brdf", "cases",
+           "nodes", "lit", "inf", "<float", "<exact", "shade", "store", "tiny", "per 10^6", "tightest",
+           "not tiny", "<ref");
+    uint64_t lines = 0, sum = 0;
     for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         for (uint32_t brdf = 0; brdf < GEN_BRDFS; brdf++) {
             if (only && strcmp(brdf_names[brdf], only)) continue;
             uint64_t bad = run_line(kind, brdf);
+            lines++;
+            sum += bad;
             CHECKF(bad == 0, "%s %s: %llu", kind_names[kind], brdf_names[brdf], (unsigned long long)bad);
         }
     }
+    printf("  bad: %llu of %llu cases, %.2f per 10^6\n", (unsigned long long)sum,
+           (unsigned long long)(lines * count), 1e6 * (double)sum / (double)(lines * count));
+}
+
+TEST(bound_holds) { run_table(); }
+
+TEST(bound_holds_where_a_term_is_extreme)
+{
+    style = GEN_EXTREME_TERM;
+    count /= 10;
+    run_table();
+    count *= 10;
+    style = GEN_ADVERSARIAL;
 }
 
 /* The reference's own bound dominates its own sum: two derivations of one paper. Cosines are good to 1e-16
@@ -524,12 +544,14 @@ int main(int argc, char **argv)
             table = true;
         } else if (!strcmp(argv[i], "--only") && more) only = argv[++i];
         else if (!strcmp(argv[i], "--extreme")) style = GEN_EXTREME;
+        else if (!strcmp(argv[i], "--terms")) style = GEN_EXTREME_TERM;
         else
-            return fprintf(stderr,
-                           "usage: check_bounds [--seed S] [--count N] [--only MATERIAL] [--extreme]\n"),
+            return fprintf(stderr, "usage: check_bounds [--seed S] [--count N] [--only MATERIAL] "
+                                   "[--extreme | --terms]\n"),
                    2;
     }
     printf("seed %llu\n", (unsigned long long)seed);
+    if (!table) RUN(bound_holds_where_a_term_is_extreme);
     RUN(bound_holds);
     if (table) return test_done();
     RUN(worked_example);

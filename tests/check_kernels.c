@@ -1,10 +1,11 @@
 /* check_kernels.c - bounds and estimates of every instruction set have the bits of the scalar kernels, for
  * any count; the scalar estimate has those of one_transfer and lies in the range that rounding allows about
- * the double reference. (The scalar bounds are checked against it in check_bounds.c, the BVH kernels are
- * compared in unit_bvh.c.) */
+ * the double reference; all end at the limits of point.h. (check_bounds.c holds the bounds of every set
+ * against the reference, unit_bvh.c compares the BVH kernels.) */
 #include "base/rng.h"
 #include "isa/isa.h"
 #include "shade/cluster.h"
+#include "shade/dir_pack.h"
 #include "shade/point_init.h"
 #include "support/gen_clusters.h"
 #include "support/one_bound.h"
@@ -182,11 +183,62 @@ TEST(scalar_estimate_equals_reference)
     }
 }
 
+/* The green part of a light's transfer is in least .. most, at a point at 0 whose normal is z, by every
+ * instruction set. */
+static void ends(const char *what, const lc_material *m, const lc_light *l, float min_d2, float least,
+                 float most)
+{
+    lc_point p;
+    lc_light_rec rec[1];
+    lc_light_rec_init(rec, l);
+    lc_point_init(&p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), lc_f3_make(0, 0, 1), m, min_d2);
+    const lc_tree_data tree = { .lights = rec };
+    for (lc_isa isa = LC_ISA_SCALAR; isa <= LC_N_ISAS; isa++) {
+        float got[6][LC_LANES];
+        float *const out[6] = { got[0], got[1], got[2], got[3], got[4], got[5] };
+        if (!lc_isa_supported(isa)) continue;
+        lc_isa_kernels(isa)->shade.estimate(&tree, 0, NULL, 1, l->kind, &p, out);
+        CHECKF(got[1][0] >= least && got[1][0] <= most, "%s, %s: %g", what, lc_isa_name(isa),
+               (double)got[1][0]);
+    }
+}
+
+/* The limits of point.h, from both sides. */
+TEST(estimates_end_where_point_h_says)
+{
+    const lc_material white = { .kd = { 1, 1, 1 } }, gloss = { .ks = { 1, 1, 1 }, .exponent = 100 };
+    lc_light l = { .dir = { 0, 0, -1 }, .intensity = { 1, 1, 1 }, .atten = { 0, 0, 1 } };
+    l.kind = LC_LIGHT_POINT;
+    l.pos = lc_f3_make(1, 0, LC_MIN_COS);
+    ends("least cosine", &white, &l, 1e-10f, 0, 0);
+    l.pos.z = nextafterf(LC_MIN_COS, 1);
+    ends("above the least cosine", &white, &l, 1e-10f, 3.1e-10f, 3.2e-10f);
+    l.pos = lc_f3_make(0, 0, 2e9f);
+    ends("least transfer", &white, &l, 1e-10f, 0, 0);
+    l.pos.z = 1.7e9f;
+    ends("above the least transfer", &white, &l, 1e-10f, LC_MIN_TRANSFER, 1.2e-19f);
+    l.pos.z = 1e-12f;
+    ends("greatest transfer", &white, &l, LC_MIN_D2, LC_MAX_TRANSFER, LC_MAX_TRANSFER);
+    l.pos.z = 0.5f;
+    ends("distance floor", &white, &l, 1, 0.3183f, 0.3184f);
+    l.pos = lc_f3_make(0.6557f, 0, 0.755f);
+    ends("least lobe", &gloss, &l, 1e-10f, 0, 0);
+    l.pos = lc_f3_make(0.6476f, 0, 0.762f);
+    ends("above the least lobe", &gloss, &l, 1e-10f, 1e-12f, 1);
+    l.kind = LC_LIGHT_ORIENTED;
+    l.pos = lc_f3_make(0, 0, 1);
+    l.dir = lc_dir_round(lc_f3_make(1, 0, -0.9e-9f));
+    ends("least cosine of emission", &white, &l, 1e-10f, 0, 0);
+    l.dir = lc_dir_round(lc_f3_make(1, 0, -1.1e-9f));
+    ends("above the least cosine of emission", &white, &l, 1e-10f, 3.2e-10f, 3.7e-10f);
+}
+
 int main(void)
 {
 #define ISA(name, rank, test, flags) RUN(name##_equals_scalar);
 #include "isa/isa_list.h"
 #undef ISA
     RUN(scalar_estimate_equals_reference);
+    RUN(estimates_end_where_point_h_says);
     return test_done();
 }

@@ -291,6 +291,55 @@ TEST(points_at_lights)
 
 /* ---- the exact value, and means equal to it ---- */
 
+/* Lights that differ in intensity alone are one light to the cut: of few of these in many copies each, a cut
+ * has as many clusters as lights that differ, and is exact. Balls are not: shadow rays to them differ. */
+TEST(equal_lights_are_one)
+{
+    for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+        setup s;
+        lc_cut c;
+        const uint32_t n = 600, differ = 5;
+        make(&s, n, 1u << kind, 0, true);
+        for (uint32_t i = differ; i < n; i++) {
+            lc_f3 intensity = s.lights[i].intensity;
+            s.lights[i] = s.lights[i % differ];
+            s.lights[i].intensity = intensity;
+        }
+        build_tree(&s, 7, 4);
+        bool one = !lc_is_sized((lc_light_kind)kind);
+        CHECK(!s.tree->alike == !one);
+        open_cut(&c, &s, 1e-3f, 0, 0);
+        for (int i = 0; i < 200; i++) {
+            point q = rnd_point();
+            lc_cut_result r = shade(&c, &q, (uint64_t)i), e = exact(&s, &q);
+            CHECKF(!one || n_clusters(&c) <= differ, "kind %u: %u clusters", kind, n_clusters(&c));
+            double want = lum_of(e.radiance);
+            CHECKF(!one || fabs(lum_of(r.radiance) - want) <= 1e-5 * want, "kind %u: %g, not %g", kind,
+                   lum_of(r.radiance), want);
+        }
+        lc_cut_free(&c);
+        unmake(&s);
+    }
+}
+
+/* One bit of any field that estimates depend on makes lights differ. */
+TEST(nearly_equal_lights_are_not_one)
+{
+    for (int field = 0; field < 4; field++) {
+        setup s;
+        make(&s, 2, 1u << (field == 3 ? LC_LIGHT_SPOT : LC_LIGHT_ORIENTED), 0, true);
+        s.lights[1] = s.lights[0];
+        lc_light *l = &s.lights[1];
+        if (field == 0) l->pos.y = nextafterf(l->pos.y, 2);
+        if (field == 1) l->dir = lc_f3_neg(l->dir);
+        if (field == 2) l->atten[1] = 0.5f;
+        if (field == 3) l->spot.cos_total = nextafterf(l->spot.cos_total, 1);
+        build_tree(&s, 7, 4);
+        CHECKF(!s.tree->alike, "field %d", field);
+        unmake(&s);
+    }
+}
+
 TEST(no_error_allowed_is_exact)
 {
     double worst = 0;
@@ -633,6 +682,8 @@ int main(void)
     RUN(no_lights_is_black);
     RUN(cuts_partition_and_keep_their_promise);
     RUN(points_at_lights);
+    RUN(equal_lights_are_one);
+    RUN(nearly_equal_lights_are_not_one);
     RUN(no_error_allowed_is_exact);
     RUN(roots_alone_are_exact_on_average);
     RUN(small_cuts_are_exact_on_average);

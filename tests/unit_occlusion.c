@@ -228,6 +228,36 @@ TEST(what_is_proved_hidden_is_hidden)
            (unsigned long long)all.tried);
 }
 
+/* Lights as close behind a wall's plane as proofs allow, seen at angles of 1e-2 to 1e-6 to that plane, where
+ * the rounding of its distance decides. */
+TEST(proofs_at_grazing_planes)
+{
+    static setup s;
+    tally t = { 0, 0, 0 };
+    for (int i = 0; i < 4000 / SLOW; i++) {
+        lc_f3 c = rnd_near(zero, 2), n = rnd_unit(), x = lc_f3_normalize(lc_f3_cross(n, rnd_unit()));
+        lc_f3 y = lc_f3_cross(n, x);
+        clear();
+        lc_f3 top = lc_f3_add(c, lc_f3_scale(x, 2)), up = lc_f3_scale(y, 3);
+        put_three(lc_f3_add(c, lc_f3_scale(x, -3)), lc_f3_add(top, up), lc_f3_sub(top, up));
+        make(&s);
+        for (int k = 0; k < 40; k++) {
+            float org[3], height = powf(10, (float)rnd_in(-6, -2)), r = 0.5f * (float)rnd_in(0.1, 1);
+            lc_f3 from = lc_f3_add(c, lc_f3_scale(rnd_unit(), 0.3f));
+            from = lc_f3_add(from, lc_f3_scale(n, height - lc_f3_dot(lc_f3_sub(from, c), n)));
+            lc_f3_store(org, from);
+            float below = height * (1 + LC_SHADOW_EPS * (float)rnd_in(0.5, 6));
+            lc_f3 along = lc_f3_normalize(lc_f3_cross(n, rnd_unit()));
+            lc_f3 light = lc_f3_add(lc_f3_add(from, lc_f3_scale(along, r)), lc_f3_scale(n, -below));
+            lc_node box = box_about(light, pow(10, rnd_in(-9, -6)));
+            try(&s, org, light, &box, false, &t);
+        }
+        unmake(&s);
+    }
+    printf("  %llu tried, %llu proved\n", (unsigned long long)t.tried, (unsigned long long)t.proved);
+    CHECK(t.proved > t.tried / 100 && t.tried > 10000 / SLOW);
+}
+
 /* Points reuse the triangle of a proof for a point close to them, from which the triangle may not cover the
  * box: a proof that starts from any triangle must be right. */
 TEST(a_proof_may_begin_at_any_triangle)
@@ -414,6 +444,7 @@ int main(void)
     RUN(a_fold_hides_one_side);
     RUN(the_largest_are_taken);
     RUN(what_is_proved_hidden_is_hidden);
+    RUN(proofs_at_grazing_planes);
     RUN(a_proof_may_begin_at_any_triangle);
     lc_context_destroy(ctx);
     return test_done();

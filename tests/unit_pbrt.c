@@ -28,6 +28,7 @@ TEST(numbers)
                  "s.pbrt:2:13: error: Translate: expected a number, found 'nan'");
     EXPECT_ERROR("WorldBegin\nTranslate 1 -inf 0", "s.pbrt:2:13: error: not a number: '-inf'");
     EXPECT_ERROR("WorldBegin\n Translate 1 2 1e39", "s.pbrt:2:16: error: number out of range: '1e39'");
+    EXPECT_ERROR("WorldBegin\n Translate 1 2 -1e39", "s.pbrt:2:16: error: number out of range: '-1e39'");
     EXPECT_ERROR("WorldBegin\nTranslate 1 2 1e999999999999",
                  "s.pbrt:2:15: error: number out of range: '1e999999999999'");
     EXPECT_ERROR("WorldBegin\nTranslate 1 2 0x10", "s.pbrt:2:15: error: not a number: '0x10'");
@@ -715,6 +716,24 @@ TEST(includes_that_double)
     expect_file_error("e0.pbrt", LC_ERR_PARSE, "e63.pbrt:1:9", "files included more than 64 deep");
 }
 
+/* One that includes 1000 times one that includes 99 times another: 100,000 in all, and one more. */
+TEST(as_many_includes_as_allowed)
+{
+    static char text[1000 * 32];
+    char *to = text;
+    for (int i = 0; i < 99; i++) to += sprintf(to, "Include \"leaf.pbrt\"\n");
+    write_file("leaf.pbrt", "");
+    write_file("branch.pbrt", text);
+    for (int more = 0; more < 2; more++) {
+        to = text + sprintf(text, more ? "Include \"leaf.pbrt\"\n" : "");
+        for (int i = 0; i < 1000; i++) to += sprintf(to, "Include \"branch.pbrt\"\n");
+        sprintf(to, "WorldBegin\n");
+        write_file("root.pbrt", text);
+        CHECKF((parse_named("root.pbrt") == LC_OK) == !more, "%s", last_error);
+    }
+    CHECKF(strstr(last_error, "more than 100000 files included"), "%s", last_error);
+}
+
 /* ---- memory ---- */
 
 static lc_status parse_starved(lc_context *c) { return parse_file_in(c, temp_path("all.pbrt")); }
@@ -766,6 +785,7 @@ int main(void)
     RUN(missing_files);
     RUN(include_errors);
     RUN(includes_that_double);
+    RUN(as_many_includes_as_allowed);
     RUN(every_allocation_may_fail);
     one_scene_end();
     temp_end();

@@ -188,6 +188,26 @@ TEST(errors_say_where)
                  "m.ply:7:11: error: a mesh needs the elements 'vertex' and 'face'");
 }
 
+/* A header of one more than the greatest number of elements or of properties is refused, one of as many is
+ * read. */
+TEST(as_many_as_allowed)
+{
+    for (int k = 0; k < 4; k++) {
+        static char text[1 << 16];
+        char *to = text + sprintf(text, ASCII_HEAD "element vertex 1\n" XYZ);
+        lc_ply_mesh m;
+        for (int i = 0; i < 1024 - 4 + (k == 1) && k < 2; i++) to += sprintf(to, "property float p\n");
+        to += sprintf(to, FACES("0"));
+        for (int i = 0; i < 64 - 2 + (k == 3) && k > 1; i++) to += sprintf(to, "element e%d 0\n", i);
+        to += sprintf(to, "end_header\n");
+        for (int i = 0; i < 1023; i++) to += sprintf(to, "0 ");
+        CHECKF((parse(text, &m) == LC_OK) == !(k & 1), "%d: %s", k, last_error);
+        const char *want = k == 1 ? "more than 1024 properties" : "more than 64 elements";
+        CHECKF(!(k & 1) || strstr(last_error, want), "%d: %s", k, last_error);
+        lc_ply_free(ctx, &m);
+    }
+}
+
 TEST(binary_vertex_not_finite)
 {
     char data[512];
@@ -233,6 +253,7 @@ int main(void)
     RUN(binary_both_orders);
     RUN(binary_cut_anywhere);
     RUN(errors_say_where);
+    RUN(as_many_as_allowed);
     RUN(binary_vertex_not_finite);
     RUN(no_faces_is_an_empty_mesh);
     RUN(missing_file);

@@ -177,6 +177,22 @@ TEST(png_colours_and_clear)
 }
 
 /* Filters 0 to 4 and both orders of the rows give the same picture. */
+/* Every bit of a chunk is covered by its checksum, and no chunk reaches beyond the file. */
+TEST(png_checksums)
+{
+    static const uint8_t rows[2 * 3] = { 0, 1, 2, 0, 3, 4 };
+    png(2, 2, 8, 0, 0, NULL, 0, NULL, 0, rows, sizeof rows);
+    for (size_t bit = 8 * 16; bit < 8 * (16 + 13 + 4); bit++) { /* IHDR's fields and its checksum */
+        uint8_t *at = (uint8_t *)file.data + bit / 8;
+        *at ^= (uint8_t)(1u << bit % 8);
+        CHECKF(!decode() && strstr(last_error, "wrong checksum"), "bit %zu: %s", bit, last_error);
+        *at ^= (uint8_t)(1u << bit % 8);
+    }
+    CHECK(decoded(2, 2, 1, LC_RASTER_U8));
+    ((uint8_t *)file.data)[file.len - 9] = 1; /* the length of IEND */
+    CHECKF(!decode() && strstr(last_error, "reaches beyond the end"), "%s", last_error);
+}
+
 TEST(png_filters_and_interlace)
 {
     uint8_t flat[5 * 6], raw[64], want[25];
@@ -297,6 +313,21 @@ TEST(hdr_old_and_new_runs)
         for (int c = 0; c < 3; c++)
             CHECK(((const float *)r.data)[3 * i + c] == value(i % 10 < 6 ? i / 10 : i % 10 - 6, c));
     damage_everywhere(22);
+    /* A run, then one that fits, or reaches one beyond the scanline; single ones that do; none. */
+    for (int k = 0; k < 4; k++) {
+        static const uint8_t tail[3][4] = { { 128 + 2, 9 }, { 128 + 3, 9 }, { 3, 1, 1, 1 } };
+        static const size_t n_tail[3] = { 2, 2, 4 };
+        start();
+        put_text("#?RGBE\n\n-Y 1 +X 10\n");
+        put("\2\2\0\x0a", 4);
+        for (int c = 0; c < 4; c++) {
+            put("\x88\7", 2); /* eight */
+            if (k == 3) put_byte(0);
+            put(tail[k % 3], n_tail[k % 3]);
+        }
+        CHECKF(!k ? decode() : !decode() && strstr(last_error, "empty or leaves the scanline"), "%d: %s", k,
+               last_error);
+    }
     start();
     put_text("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n1234");
     CHECK(!decode() && strstr(last_error, "only 32-bit_rle_rgbe"));
@@ -423,6 +454,7 @@ int main(void)
     ctx = quiet_context(1);
     RUN(png_grey_of_every_depth);
     RUN(png_colours_and_clear);
+    RUN(png_checksums);
     RUN(png_filters_and_interlace);
     RUN(pfm_both_endians);
     RUN(hdr_orientations);

@@ -114,6 +114,14 @@ static inline const float *lc_cut_intensity_of(const lc_tree_data *t, uint32_t l
     return node->intensity;
 }
 
+/* Bounds of n nodes of one kind. */
+static inline void lc_cut_bounds(const lc_cut *c, const lc_cut_step *s, const uint32_t *node, uint32_t n,
+                                 lc_light_kind kind, float *bound)
+{
+    c->ctx->shade_kernels->bounds(&c->tree->data, node, n, kind, s->point, bound);
+    lc_lower_bounds_of_alike(c->tree, node, n, bound);
+}
+
 /* M G and shadow ray targets of the new representatives first .. first + n - 1, all of one kind. */
 static inline void lc_cut_estimate(const lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n,
                                    lc_light_kind kind)

@@ -37,10 +37,10 @@ static void bound_children(const lc_cut *c, lc_cut_step *s, uint32_t first, uint
     s->stats->bounds += m;
     s->n_bounded += m;
     if (m == 2 * n) {
-        c->ctx->shade_kernels->bounds(&c->tree->data, link, m, kind, s->point, s->bound + 2 * first);
+        lc_cut_bounds(c, s, link, m, kind, s->bound + 2 * first);
         return;
     }
-    c->ctx->shade_kernels->bounds(&c->tree->data, s->node, m, kind, s->point, s->node_bound);
+    lc_cut_bounds(c, s, s->node, m, kind, s->node_bound);
     for (uint32_t i = 0, k = 0; i < 2 * n; i++) {
         bool leaf = link[i] & LC_LEAF;
         s->bound[2 * first + i] = leaf ? 1 : s->node_bound[k];

@@ -23,7 +23,7 @@ static double place_root(lc_cut *c, lc_cut_step *s, lc_light_kind kind)
     bool inner = !(link & LC_LEAF), lit;
     s->rep[0] = lc_cut_rep_of(c, link);
     s->bound[0] = 1;
-    if (inner) c->ctx->shade_kernels->bounds(&t->data, &link, 1, kind, s->point, s->bound);
+    if (inner) lc_cut_bounds(c, s, &link, 1, kind, s->bound);
     s->stats->bounds += inner;
     lc_cut_estimate(c, s, 0, 1, kind);
     lit = s->f[0][0] > 0 || s->f[1][0] > 0 || s->f[2][0] > 0;
@@ -168,7 +168,7 @@ static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
         __builtin_prefetch(&c->tree->data.lights[s->rep[i]]);
     }
     lc_phase_end(s->stats, LC_PHASE_REFINE);
-    c->ctx->shade_kernels->bounds(&c->tree->data, link, n, kind, s->point, kept->bound + at);
+    lc_cut_bounds(c, s, link, n, kind, kept->bound + at);
     s->stats->bounds += n;
     lc_phase_end(s->stats, LC_PHASE_BOUNDS);
     n = drop_zero(c, s, link, n);

@@ -126,6 +126,7 @@ static void describe(explainer *e, uint32_t link, lc_explained_cluster *c)
     };
     if (!(link & LC_LEAF)) {
         e->scene->ctx->shade_kernels->bounds(&t->data, &link, 1, kind, e->probe.point, ub);
+        lc_lower_bounds_of_alike(t, &link, 1, ub);
         c->bound = ub[0];
     }
     set_box(t, link, c);

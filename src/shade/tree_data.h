@@ -67,7 +67,7 @@ typedef struct lc_tree_data {
 /* Kernels over lights and clusters, of one instruction set. */
 typedef struct lc_shade_kernels {
     /* Writes a bound of each of the nodes index[0 .. n), all of one kind, to ub: no less than the luminance
-     * of the unoccluded contribution of all its lights. */
+     * of the estimates of all its lights together. */
     void (*bounds)(const lc_tree_data *tree, const uint32_t *index, uint32_t n, lc_light_kind kind,
                    const lc_point *point, float *ub);
     /* Writes the transfers M G (light.h) of lights index[0 .. n), or first .. first + n - 1 where index is

@@ -31,6 +31,9 @@ struct lc_light_tree {
     /* Slots 0 .. n_reps - 1 of each node, so that neighbouring pixels read the same cache line; NULL where
      * n_reps is 1. */
     uint32_t *reps;
+    /* Of each node: 1 where its lights are equal but for their intensities, so that any of them represents
+     * all exactly; NULL: there is no such node. */
+    uint8_t *alike;
     uint32_t n_nodes, n_lights, n_reps;
     uint32_t n_of_kind[LC_LIGHT_KINDS];
     uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
@@ -56,6 +59,15 @@ static inline uint32_t lc_rep_of(const lc_light_tree *t, uint32_t link, uint32_t
 {
     if (link & LC_LEAF) return link & ~LC_LEAF;
     return t->reps ? t->reps[(size_t)link * t->n_reps + slot] : t->data.nodes[link].rep;
+}
+
+/* Bounds of lights that are alike become the least above 0, as their estimate is exact: only a limit of 0
+ * splits them. */
+static inline void lc_lower_bounds_of_alike(const lc_light_tree *t, const uint32_t *node, uint32_t n,
+                                            float *bound)
+{
+    for (uint32_t i = 0; i < n && t->alike; i++)
+        if (t->alike[node[i]] && bound[i] > FLT_MIN) bound[i] = FLT_MIN;
 }
 
 /* The kind of the node or light at an index: as many kinds after the first begin at or before it. */

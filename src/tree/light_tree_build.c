@@ -98,6 +98,37 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     return t->data.node_atten && t->data.light_atten ? LC_OK : LC_ERR_MEMORY;
 }
 
+/* Whether two lights of a kind differ in their intensities at most. */
+static bool are_alike(const lc_light_tree *t, lc_light_kind kind, uint32_t a, uint32_t b)
+{
+    const lc_light_rec *x = &t->data.lights[a], *y = &t->data.lights[b];
+    const lc_atten *atten = t->data.light_atten;
+    const size_t own = lc_light_kinds[kind].own_size;
+    return !memcmp(x->pos, y->pos, sizeof x->pos) && x->dir_a == y->dir_a && x->dir_b == y->dir_b &&
+           (!atten || !memcmp(atten[a], atten[b], sizeof *atten)) &&
+           (!own || !memcmp(lc_light_own(&t->data, kind, a), lc_light_own(&t->data, kind, b), own));
+}
+
+static bool is_alike(const lc_light_tree *t, uint32_t link)
+{
+    return link & LC_LEAF || (t->alike && t->alike[link]);
+}
+
+/* Finds the clusters of lights that are alike. Children come after their parents. Shadow rays to lights with
+ * a size go to different points. */
+static lc_status mark_alike(lc_light_tree *t, lc_light_kind kind)
+{
+    for (uint32_t id = t->first_node[kind + 1]; id-- > t->first_node[kind] && !lc_is_sized(kind);) {
+        const lc_node *node = &t->data.nodes[id];
+        if (node->half[0] + node->half[1] + node->half[2] > 0) continue;
+        if (!is_alike(t, node->left) || !is_alike(t, node->right)) continue;
+        if (!are_alike(t, kind, lc_rep_of(t, node->left, 0), lc_rep_of(t, node->right, 0))) continue;
+        if (!t->alike && !(t->alike = lc_alloc(t->ctx, t->n_nodes, 1))) return LC_ERR_MEMORY;
+        t->alike[id] = 1;
+    }
+    return LC_OK;
+}
+
 lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_tree **out)
 {
     *out = NULL;
@@ -108,6 +139,7 @@ lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *d
     lc_status st = alloc_tree(t, desc);
     for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++)
         if (t->n_of_kind[kind]) st = build_kind(t, desc, (lc_light_kind)kind);
+    for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++) st = mark_alike(t, (lc_light_kind)kind);
     if (st) {
         lc_light_tree_destroy(t);
         return st;
@@ -128,6 +160,7 @@ void lc_light_tree_destroy(lc_light_tree *t)
         lc_free(t->ctx, t->data.own[kind].light, t->n_of_kind[kind], lc_light_kinds[kind].own_size);
     }
     lc_free(t->ctx, t->reps, n_all_reps(t), sizeof *t->reps);
+    lc_free(t->ctx, t->alike, t->n_nodes, 1);
     lc_free(t->ctx, t, 1, sizeof *t);
 }
 
@@ -138,5 +171,6 @@ size_t lc_light_tree_bytes(const lc_light_tree *t)
     size_t own = 0;
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
         own += ((size_t)n_nodes_of(t, kind) + t->n_of_kind[kind]) * lc_light_kinds[kind].own_size;
-    return t->n_nodes * node + n_all_reps(t) * sizeof *t->reps + t->n_lights * light + own;
+    return t->n_nodes * node + n_all_reps(t) * sizeof *t->reps + t->n_lights * light + own +
+           (t->alike ? t->n_nodes : 0);
 }

@@ -2,6 +2,7 @@
 #include "support/gen_clusters.h"
 
 #include "base/rng.h"
+#include "isa/isa.h"
 #include "shade/cluster.h"
 #include "shade/dir_pack.h"
 #include "shade/point_init.h"
@@ -193,6 +194,109 @@ static void make_pos(gen_src *s, gen_case *c, const space *b, gen_style style)
     c->pos = lc_f3_load(p);
 }
 
+/* ---- where a term of the bound has its extreme, and one light is there ---- */
+
+/* Moves the box by its size, so that neither its centre nor its corners are round numbers; some are near
+ * underflow. */
+static void move_space(gen_src *s, space *b)
+{
+    double tiny = gen_pick(s, 32) ? 1 : decade(s, -20, -12) / b->scale;
+    b->scale *= tiny;
+    for (int a = 0; a < 3; a++) {
+        double size = (double)b->hi[a] - (double)b->lo[a],
+               by = gen_pick(s, 4) ? size * gen_real(s, -2, 2) : 0;
+        b->lo[a] = (float)(((double)b->lo[a] + by) * tiny);
+        b->hi[a] = (float)(((double)b->hi[a] + by) * tiny);
+    }
+}
+
+/* Light 0 goes to a corner of the box, light 1 to the opposite one. side: of light 0, -1 or 1 an axis; 0
+ * where the box has no extent. Returns the box's size. */
+static double make_corner(gen_src *s, gen_case *c, const space *b, double side[3])
+{
+    double size = 0;
+    uint32_t flat = gen_pick(s, 4), axis = gen_pick(s, 3);
+    for (uint32_t a = 0; a < 3; a++) {
+        bool high = gen_pick(s, 2), no_extent = (flat == 1 && a == axis) || (flat == 2 && a != axis);
+        (&c->lights[0].pos.x)[a] = high ? b->hi[a] : b->lo[a];
+        for (uint32_t i = 1; i < c->n && no_extent; i++)
+            (&c->lights[i].pos.x)[a] = (&c->lights[0].pos.x)[a];
+        if (c->n > 1 && !no_extent) (&c->lights[1].pos.x)[a] = high ? b->lo[a] : b->hi[a];
+        side[a] = no_extent || c->n < 2 || !(b->hi[a] > b->lo[a]) ? 0 : high ? 1 : -1;
+        if (side[a] < 0 || side[a] > 0) size = fmax(size, (double)b->hi[a] - (double)b->lo[a]);
+    }
+    return size > 0 ? size : b->scale;
+}
+
+/* The least |p|: the point is 1e-5 to 1e-1 of the size from light 0, beyond its corner, face or edge. */
+static d3 before_corner(gen_src *s, gen_case *c, const double side[3], double size)
+{
+    d3 w = sphere(s);
+    for (int a = 0; a < 3; a++) {
+        if (side[a] < 0 || side[a] > 0) w.v[a] = gen_pick(s, 4) ? side[a] * fabs(w.v[a]) : 0;
+    }
+    w = d3_unit(w);
+    c->pos = to_f3(d3_mad(from_f3(c->lights[0].pos), size * decade(s, -5, gen_pick(s, 2) ? -1 : -3), w));
+    double by = gen_pick(s, 2) ? tilt(s) : decade(s, -1, 1);
+    return d3_mad(d3_mad((d3) { { 0, 0, 0 } }, -1, w), by, direction(s));
+}
+
+/* The least distance r from the normal's axis, at which cos / d^2 has its peak at a height of r / sqrt 2
+ * above the horizon; also at other heights. Returns the normal. */
+static d3 beside_axis(gen_src *s, gen_case *c, const double side[3], double size)
+{
+    const float *y = &c->lights[0].pos.x, *other = &c->lights[1].pos.x;
+    d3 n = direction(s), v; /* towards the centre */
+    for (int a = 0; a < 3; a++) v.v[a] = -side[a] * fabs((double)y[a] - (double)other[a]);
+    d3 t = d3_unit(d3_mad(v, -d3_dot(v, n), n));
+    double r = size * decade(s, -4, 3);
+    double z = r * (gen_pick(s, 4) ? sqrt(0.5) * (1 + tilt(s)) : decade(s, -4, 2));
+    c->pos = to_f3(d3_mad(d3_mad(from_f3(c->lights[0].pos), -r, t), -z, n));
+    return n;
+}
+
+/* The greatest height above the horizon, where that is small. Returns the normal. */
+static d3 near_horizon(gen_src *s, gen_case *c, const double side[3], double size)
+{
+    d3 n = direction(s);
+    for (int a = 0; a < 3; a++)
+        if (side[a] < 0 || side[a] > 0) n.v[a] = side[a] * fabs(n.v[a]);
+    d3 t = d3_unit(d3_cross(n, direction(s)));
+    double r = size * decade(s, -2, 5), z = r * decade(s, -8, 0);
+    c->pos = to_f3(d3_mad(d3_mad(from_f3(c->lights[0].pos), -r, t), -z, n));
+    return n;
+}
+
+/* Returns the normal. */
+static d3 make_extreme(gen_src *s, gen_case *c, const space *b)
+{
+    double side[3], size = make_corner(s, c, b, side);
+    uint32_t which = gen_pick(s, 8);
+    return which < 4   ? before_corner(s, c, side, size)
+           : which < 7 ? beside_axis(s, c, side, size)
+                       : near_horizon(s, c, side, size);
+}
+
+/* Light 0 is 1e2 to 1e9 times as bright as all others, and aimed at the point; so are the others, half of the
+ * time. */
+static void make_dominant(gen_src *s, gen_case *c)
+{
+    lc_light *l = c->lights;
+    double least = fmin(1e3 * (double)LC_MIN_INTENSITY, 1);
+    float rest = (float)(decade(s, -9, -2) / c->n);
+    if (!((double)lc_f3_max(l->intensity) > least)) l->intensity = lc_f3_make(1, 1, 1);
+    d3 to = d3_unit(d3_mad(from_f3(c->pos), -1, from_f3(l->pos)));
+    bool aimed = gen_pick(s, 4), alike = gen_pick(s, 2);
+    if (aimed && lc_is_aimed(l->kind)) l->dir = lc_dir_round(unit_f3(d3_mad(to, tilt(s), direction(s))));
+    for (uint32_t i = 1; i < c->n; i++) {
+        l[i].intensity = lc_f3_scale(l->intensity, rest);
+        for (float *in = &l[i].intensity.x; in <= &l[i].intensity.z; in++)
+            *in = *in < LC_MIN_INTENSITY ? 0 : *in;
+        memcpy(l[i].atten, l->atten, sizeof l->atten);
+        if (alike && lc_is_aimed(l->kind)) l[i].dir = l->dir;
+    }
+}
+
 static void make_directions(gen_src *s, gen_case *c, gen_style style, d3 to_point)
 {
     uint32_t how = gen_pick(s, 6), about = gen_pick(s, 5);
@@ -246,7 +350,7 @@ static d3 target(gen_src *s, const gen_case *c, uint32_t which)
     return d3_unit((d3) { { v[0], v[1], v[2] } });
 }
 
-static void make_frame_of_point(gen_src *s, gen_case *c, gen_style style)
+static void make_normal(gen_src *s, gen_case *c, gen_style style)
 {
     d3 n = style == GEN_ORDINARY ? sphere(s) : direction(s), zero = { { 0, 0, 0 } };
     uint32_t how = style == GEN_ORDINARY ? 0 : gen_pick(s, 8);
@@ -257,10 +361,13 @@ static void make_frame_of_point(gen_src *s, gen_case *c, gen_style style)
     if (how == 6) n = across(s, mid);
     if (d3_dot(n, mid) < 0 && (style == GEN_ORDINARY || gen_pick(s, 8))) n = d3_mad(zero, -1, n);
     c->normal = unit_f3(n);
+}
 
-    n = from_f3(c->normal);
+static void make_view(gen_src *s, gen_case *c)
+{
+    const d3 n = from_f3(c->normal), zero = { { 0, 0, 0 } };
     d3 o = sphere(s);
-    how = gen_pick(s, 6);
+    uint32_t how = gen_pick(s, 6);
     if (how == 1) o = n;
     if (how == 2) o = across(s, n);
     if (how >= 3) {
@@ -436,308 +543,32 @@ void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, g
     /* small clusters are the cheap ones, and find as much */
     uint32_t k = gen_pick(s, 4);
     c->n = k == 0 ? 1 : k == 1 ? 2 : k == 2 ? 1 + gen_pick(s, 5) : 1 + gen_pick(s, GEN_MAX_LIGHTS);
+    if (style == GEN_EXTREME_TERM && c->n == 1) c->n = 2;
     c->order = draw(s, 2);
     for (uint32_t i = 0; i < c->n; i++) c->lights[i].kind = kind;
     space b;
+    bool extreme = style == GEN_EXTREME_TERM && !lc_is_far(kind);
     make_space(s, &b, style);
+    if (extreme) move_space(s, &b);
     make_positions(s, c, &b);
-    make_pos(s, c, &b, style);
+    if (extreme) c->normal = unit_f3(make_extreme(s, c, &b));
+    else make_pos(s, c, &b, style);
     d3 mid;
     for (int a = 0; a < 3; a++) mid.v[a] = (double)(&c->pos.x)[a] - ((double)b.lo[a] + (double)b.hi[a]) / 2;
     if (kind != LC_LIGHT_POINT) make_directions(s, c, style, mid);
-    make_frame_of_point(s, c, style);
+    if (!extreme) make_normal(s, c, style);
+    make_view(s, c);
     make_material(s, c, brdf, style);
     make_light_values(s, c, &b, style);
+    if (extreme) make_dominant(s, c);
     if (kind == LC_LIGHT_SPOT) make_spots(s, c, style);
     for (uint32_t i = 0; i < c->n && lc_is_sized(kind); i++)
         c->lights[i].radius = (float)(b.scale * decade(s, -9, style == GEN_ORDINARY ? -6 : 1));
-    double diag = b.scale * decade(s, 0, 2);
+    double diag = b.scale * decade(s, 0, 2), to_0 = (double)lc_f3_len(lc_f3_sub(c->lights[0].pos, c->pos));
     uint32_t floor_kind = style == GEN_ORDINARY ? 1 : gen_pick(s, 8);
     double min_d2 = floor_kind == 0 ? 1e-2 * b.scale * b.scale : 1e-10 * diag * diag;
+    if (extreme && floor_kind) min_d2 = fmin(min_d2, 0.01 * to_0 * to_0);
+    for (uint32_t i = 0; i < c->n && extreme && lc_is_sized(kind); i++)
+        c->lights[i].radius = fminf(c->lights[i].radius, fmaxf((float)(1e-9 * to_0), FLT_MIN));
     c->min_d2 = fmaxf((float)min_d2, LC_MIN_D2);
-}
-
-/* ---- run ---- */
-
-typedef struct tree {
-    lc_cluster node[2 * GEN_MAX_LIGHTS - 1];
-    uint32_t members[2 * GEN_MAX_LIGHTS - 1], n;
-} tree;
-
-/* Joins in random order; the last node is the root. */
-static void build(tree *t, const gen_case *c)
-{
-    uint32_t open[GEN_MAX_LIGHTS], n_open = c->n;
-    t->n = c->n;
-    for (uint32_t i = 0; i < c->n; i++) {
-        lc_cluster_from_light(&t->node[i], &c->lights[i]);
-        t->members[i] = 1u << i;
-        open[i] = i;
-    }
-    for (uint32_t step = 0; n_open > 1; step++) {
-        uint64_t h = lc_hash2(c->order, step);
-        uint32_t i = (uint32_t)(h % n_open), j = (uint32_t)((h >> 32) % (n_open - 1));
-        if (j >= i) j++;
-        uint32_t a = open[i], b = open[j];
-        lc_cluster_join(&t->node[t->n], &t->node[a], &t->node[b]);
-        t->members[t->n] = t->members[a] | t->members[b];
-        open[i < j ? i : j] = t->n++;
-        open[i < j ? j : i] = open[--n_open];
-    }
-}
-
-typedef struct value {
-    double f, exact, least; /* luminance: float estimate, double reference, least allowed */
-    bool shade_ok, tiny;
-} value;
-
-static bool near_zero(double x) { return x > 0 && x < GEN_TINY; }
-
-lc_f3 gen_shade(const lc_point *p, const lc_light *l)
-{
-    lc_light_rec rec;
-    lc_spot_rec spot;
-    lc_light_rec_init(&rec, l);
-    if (l->kind != LC_LIGHT_SPOT)
-        return one_transfer(p, l->kind, &rec, lc_is_attenuated(l->kind) ? l->atten : NULL);
-    lc_spot_rec_init(&spot, l->spot.cos_total, l->spot.cos_start, 0);
-    return one_spot_transfer(p, &rec, &spot, NULL);
-}
-
-float gen_bound(const lc_cluster *c, const lc_node *node, const lc_atten *atten, const lc_point *p)
-{
-    lc_spot_rec spot;
-    if (c->kind != LC_LIGHT_SPOT)
-        return one_bound(node, lc_inverse_square(*atten) ? NULL : atten, c->kind, p);
-    lc_spot_rec_init(&spot, c->least[0], c->least[1], 0);
-    return one_spot_bound(node, &spot, p);
-}
-
-static value light_value(const lc_point *p, const lc_light *l)
-{
-    lc_f3 mg = gen_shade(p, l);
-    double ref[3], lo[3], hi[3], d[3];
-    ref_transfer(p, l, ref);
-    ref_transfer_range(p, l, lo, hi);
-    value v = { .shade_ok = lc_f3_finite(mg) };
-    for (int k = 0; k < 3; k++) {
-        double t = (double)(&mg.x)[k], in = (double)(&l->intensity.x)[k];
-        if (!(t >= lo[k] && t <= hi[k])) v.shade_ok = false;
-        if (near_zero(t) || near_zero(in) || near_zero(t * in) || near_zero(ref[k])) v.tiny = true;
-        d[k] = t * in;
-        ref[k] *= in;
-        lo[k] *= in;
-    }
-    d3 to = from_f3(l->pos), dir = from_f3(l->dir);
-    for (int k = 0; k < 3; k++)
-        to.v[k] = l->kind == LC_LIGHT_DIRECTIONAL ? -dir.v[k] : to.v[k] - (double)p->pos[k];
-    double len = sqrt(d3_dot(to, to));
-    if (len > 0 && len < GEN_TINY_LEN) v.tiny = true;
-    if (near_zero(d3_dot(to, from_f3(lc_f3_load(p->n))) / len) || near_zero(-d3_dot(to, dir) / len))
-        v.tiny = true;
-    /* in float, and from the float transfer in exact arithmetic: the bound covers both */
-    double in_float = (double)lc_luminance(lc_f3_mul(mg, l->intensity)), in_exact = ref_luminance(d);
-    if (in_float > (double)FLT_MAX) v.tiny = true;
-    v.f = fmax(in_float, in_exact);
-    v.exact = ref_luminance(ref);
-    v.least = ref_luminance(lo);
-    return v;
-}
-
-static void complain(gen_result *r, uint32_t bad, uint32_t members, double bound, double v)
-{
-    if (!(r->bad)) {
-        r->bad_node = members;
-        r->bad_bound = bound;
-        r->bad_value = v;
-    }
-    r->bad |= bad;
-}
-
-/* Contract of lc_cluster_store (tree_fill.c), in exact arithmetic but for 4e-16. */
-static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten atten, uint32_t members)
-{
-    uint32_t bad = 0;
-    double axis[3], len2 = 0, power[3] = { 0, 0, 0 };
-    for (int k = 0; k < 3; k++) {
-        axis[k] = (double)b->axis[k];
-        len2 += axis[k] * axis[k];
-    }
-    for (uint32_t i = 0; i < c->n; i++) {
-        if (!(members >> i & 1)) continue;
-        const lc_light *l = &c->lights[i];
-        const float *y = &l->pos.x, *e = &l->dir.x;
-        double dot = 0, e2 = 0;
-        for (int k = 0; k < 3; k++) {
-            double p = l->kind == LC_LIGHT_DIRECTIONAL ? -(double)e[k] : (double)y[k];
-            if (!(fabs(p - (double)b->center[k]) <= (double)b->half[k])) bad |= GEN_BAD_BOX;
-            if (lc_is_attenuated(l->kind) && !(atten[k] <= l->atten[k])) bad |= GEN_BAD_BOX;
-            dot += axis[k] * (double)e[k];
-            e2 += (double)e[k] * (double)e[k];
-            power[k] += (double)(&l->intensity.x)[k];
-        }
-        double cone = (double)b->cos_cone;
-        if (lc_is_aimed(l->kind) && cone > -1 && !(dot / sqrt(len2 * e2) >= cone - 4e-16))
-            bad |= GEN_BAD_CONE;
-    }
-    for (int k = 0; k < 3; k++) {
-        if (!((double)b->intensity[k] >= power[k] * (1 - 1e-14))) bad |= GEN_BAD_BOX;
-    }
-    return bad;
-}
-
-static void check_node(const gen_case *c, gen_result *r, const value *v, uint32_t members, double ub)
-{
-    double f = 0, exact = 0, least = 0;
-    for (uint32_t i = 0; i < c->n; i++) {
-        if (members >> i & 1) {
-            f += v[i].f;
-            exact += v[i].exact;
-            least += v[i].least;
-        }
-    }
-    if (!(ub >= 0)) complain(r, GEN_BAD_BOUND_NAN, members, ub, f);
-    if (!(ub >= f)) complain(r, GEN_BAD_BOUND_FLOAT, members, ub, f);
-    if (!(ub >= least)) complain(r, GEN_BAD_BOUND_EXACT, members, ub, least);
-    if (!(ub >= exact)) r->below_exact++;
-    /* a double sum beyond the range of float is inf in float */
-    if (f > 0 && ub < HUGE_VAL && ub / f < r->tightest) r->tightest = ub / f;
-    r->root_bound = ub;
-    r->root_float = f;
-    r->root_exact = exact;
-}
-
-void gen_case_run(const gen_case *c, gen_result *r)
-{
-    memset(r, 0, sizeof *r);
-    r->tightest = HUGE_VAL;
-    lc_point p;
-    lc_point_init(&p, c->pos, c->normal, c->view, &c->mat, c->min_d2);
-    value v[GEN_MAX_LIGHTS];
-    for (uint32_t i = 0; i < c->n; i++) {
-        v[i] = light_value(&p, &c->lights[i]);
-        r->tiny = r->tiny || v[i].tiny;
-        if (!v[i].shade_ok) complain(r, GEN_BAD_SHADE, 1u << i, 0, v[i].f);
-    }
-    tree t;
-    build(&t, c);
-    r->n_nodes = t.n;
-    for (uint32_t k = 0; k < t.n; k++) {
-        lc_node node = { .left = LC_NONE, .right = LC_NONE };
-        lc_atten atten;
-        lc_cluster_store(&t.node[k], &node, &atten);
-        uint32_t bad = check_stored(c, &node, atten, t.members[k]);
-        if (bad) complain(r, bad, t.members[k], 0, 0);
-        float ub = gen_bound(&t.node[k], &node, &atten, &p);
-        check_node(c, r, v, t.members[k], (double)ub);
-    }
-}
-
-/* ---- report ---- */
-
-static bool still_bad(const gen_case *c, uint32_t bad)
-{
-    gen_result r;
-    gen_case_run(c, &r);
-    return (r.bad & bad) != 0;
-}
-
-void gen_case_shrink(gen_case *c, uint32_t bad)
-{
-    bad &= ~bad + 1; /* the lowest bit */
-    for (bool again = true; again;) {
-        again = false;
-        for (uint32_t i = 0; i < c->n && c->n > 1; i++) {
-            gen_case t = *c;
-            memmove(&t.lights[i], &t.lights[i + 1], (t.n - i - 1) * sizeof t.lights[0]);
-            t.n--;
-            if (still_bad(&t, bad)) {
-                *c = t;
-                again = true;
-            }
-        }
-    }
-    for (int what = 0; what < 8; what++) {
-        gen_case t = *c;
-        bool valid = true;
-        for (uint32_t i = 0; i < t.n; i++) {
-            lc_light *l = &t.lights[i];
-            if (what == 0) l->intensity = lc_f3_make(1, 1, 1);
-            if (!lc_is_attenuated(l->kind) && (what == 1 || what == 3 || what == 4)) continue;
-            if (what == 1) {
-                l->atten[0] = l->atten[1] = 0;
-                l->atten[2] = 1;
-            }
-            if (what == 2) l->pos = lc_f3_sub(l->pos, c->pos);
-            if (what == 3) l->atten[0] = 0;
-            if (what == 4) l->atten[1] = 0;
-            valid = valid &&
-                    (!lc_is_attenuated(l->kind) || l->atten[0] > 0 || l->atten[1] > 0 || l->atten[2] > 0);
-        }
-        if (what == 2) t.pos = lc_f3_make(0, 0, 0);
-        if (what == 5) t.mat.kd = lc_f3_make(1, 1, 1);
-        if (what == 6) t.mat.kd = lc_f3_make(0, 0, 0);
-        if (what == 7 && lc_f3_max(t.mat.ks) > 0) t.mat.ks = lc_f3_make(1, 1, 1);
-        if (valid && still_bad(&t, bad)) *c = t;
-    }
-}
-
-const char *gen_bad_name(uint32_t bad)
-{
-    return bad & GEN_BAD_BOUND_NAN     ? "bound is NaN or negative"
-           : bad & GEN_BAD_BOUND_FLOAT ? "bound < float sum"
-           : bad & GEN_BAD_BOUND_EXACT ? "bound < exact sum less float error"
-           : bad & GEN_BAD_SHADE       ? "one_transfer differs from the reference"
-           : bad & GEN_BAD_CONE        ? "stored cone misses a direction"
-           : bad & GEN_BAD_BOX         ? "stored box, attenuation or power is too small"
-                                       : "nothing";
-}
-
-static void print3(const char *name, lc_f3 a)
-{
-    printf("    %-9s { %a, %a, %a }  (%.9g %.9g %.9g)\n", name, (double)a.x, (double)a.y, (double)a.z,
-           (double)a.x, (double)a.y, (double)a.z);
-}
-
-void gen_case_print(const gen_case *c)
-{
-    static const char *const kinds[] = { "point", "oriented", "directional", "spot", "virtual", "ball" };
-    gen_result r;
-    gen_case_run(c, &r);
-    printf("  case: %s, %u lights: %s (bits %u), members %x, bound %.9g, value %.9g\n",
-           kinds[c->lights[0].kind], c->n, gen_bad_name(r.bad), r.bad, r.bad_node, r.bad_bound, r.bad_value);
-    print3("pos", c->pos);
-    print3("normal", c->normal);
-    print3("view", c->view);
-    print3("kd", c->mat.kd);
-    print3("ks", c->mat.ks);
-    printf("    exponent %a (%.9g)  min_d2 %a (%.9g)  order %llu\n", (double)c->mat.exponent,
-           (double)c->mat.exponent, (double)c->min_d2, (double)c->min_d2, (unsigned long long)c->order);
-    if (c->mat.lobe == LC_LOBE_GGX) {
-        printf("    ggx, fresnel %d, coat %d\n", (int)c->mat.fresnel, c->mat.coat);
-        print3("eta", c->mat.eta);
-        print3("k", c->mat.k);
-    }
-    if (c->mat.lobe != LC_LOBE_PHONG) {
-        printf("    roughness %a %a (%.9g %.9g)\n", (double)c->mat.roughness[0], (double)c->mat.roughness[1],
-               (double)c->mat.roughness[0], (double)c->mat.roughness[1]);
-        print3("tangent", c->mat.tangent);
-    }
-    lc_point p;
-    lc_point_init(&p, c->pos, c->normal, c->view, &c->mat, c->min_d2);
-    for (uint32_t i = 0; i < c->n && i < 4; i++) {
-        const lc_light *l = &c->lights[i];
-        printf("    light %u\n", i);
-        print3("  pos", l->pos);
-        print3("  dir", l->dir);
-        print3("  intens.", l->intensity);
-        print3("  atten", lc_f3_load(l->atten));
-        lc_f3 mg = gen_shade(&p, l);
-        double ref[3], lo[3], hi[3];
-        ref_transfer(&p, l, ref);
-        ref_transfer_range(&p, l, lo, hi);
-        print3("  shade", mg);
-        printf("      reference %.9g %.9g %.9g, allowed %.9g..%.9g, %.9g..%.9g, %.9g..%.9g\n", ref[0], ref[1],
-               ref[2], lo[0], hi[0], lo[1], hi[1], lo[2], hi[2]);
-    }
 }

@@ -7,6 +7,7 @@
 #ifndef GEN_CLUSTERS_H
 #define GEN_CLUSTERS_H
 
+#include "lightcuts.h"
 #include "shade/cluster.h"
 #include "shade/material.h"
 #include "shade/tree_data.h"
@@ -28,7 +29,9 @@ typedef struct gen_src {
 typedef enum gen_style {
     GEN_ORDINARY,    /* scenes that people make: unit scale, point outside, normal facing, exponent <= 100 */
     GEN_ADVERSARIAL, /* everything that light.h accepts, at scales 1e-6..1e6 */
-    GEN_EXTREME      /* adversarial, scales 1e-12..1e12, attenuation over 20 decades, intensity over 40 */
+    GEN_EXTREME,     /* adversarial, scales 1e-12..1e12, attenuation over 20 decades, intensity over 40 */
+    GEN_EXTREME_TERM /* adversarial, and one light dominates where d^2, cos / d^2, the height above the
+                        horizon or the distance from the normal has its extreme over the box */
 } gen_style;
 
 /* Lobes beside Lambert's. */
@@ -52,12 +55,14 @@ typedef struct gen_case {
     uint64_t order; /* key of the order of joining */
 } gen_case;
 
-/* Of one case: every node of a random binary tree over the lights was bounded. */
+/* Of one case: every node of a random binary tree over the lights was bounded, and every light estimated, by
+ * the kernels of every instruction set of this machine; bounds: the least of them. */
 typedef struct gen_result {
     uint32_t n_nodes;
     uint32_t bad;      /* GEN_BAD_ bits, of any node */
     uint32_t bad_node; /* members of the first bad node */
     double bad_bound, bad_value;
+    lc_isa bad_isa;    /* whose bound it is; 0: not a bound */
     double tightest; /* least bound / value over nodes with 0 < value, finite bound; HUGE_VAL if none */
     bool tiny;       /* see GEN_TINY */
     double root_bound, root_float,

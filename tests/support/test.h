@@ -1,10 +1,12 @@
 /* test.h - the smallest test harness: TEST functions, CHECK in them, RUN in main, test_done() last.
  * Each test program ends with the line "N passed, N failed" (", N skipped" where a test could not run on this
- * machine); tests/run.sh adds them up. A CHECK outside of a test that RUN calls counts for nothing. */
+ * machine); tests/run.sh adds them up. A CHECK outside of a test that RUN calls counts for nothing.
+ * With LC_TEST_STOP in the environment the program ends with the first CHECK that fails. */
 #ifndef TEST_H
 #define TEST_H
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* 1 in a build with that sanitizer, or for an emulator (TEST_SLOWLY, tests/arm64.sh): both slow programs
@@ -37,11 +39,20 @@ static int test_absent __attribute__((unused)); /* 1: what the running test need
 
 #define TEST(name) static void name(void)
 
+static inline void test_stop(void)
+{
+    if (getenv("LC_TEST_STOP")) {
+        printf("0 passed, 1 failed\n");
+        exit(1);
+    }
+}
+
 #define CHECK(cond)                                                                                          \
     do {                                                                                                     \
         if (!(cond)) {                                                                                       \
             test_bad++;                                                                                      \
             if (test_bad <= 10) printf("  %s:%d: %s\n", __FILE__, __LINE__, #cond);                          \
+            test_stop();                                                                                     \
         }                                                                                                    \
     } while (0)
 
@@ -52,6 +63,7 @@ static int test_absent __attribute__((unused)); /* 1: what the running test need
             test_bad++;                                                                                      \
             if (test_bad <= 10)                                                                              \
                 printf("  %s:%d: %s: ", __FILE__, __LINE__, #cond), printf(__VA_ARGS__), printf("\n");       \
+            test_stop();                                                                                     \
         }                                                                                                    \
     } while (0)
 
