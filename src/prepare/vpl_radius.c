@@ -14,11 +14,11 @@ static void set_item(void *user, uint32_t thread, uint64_t item)
 {
     const job *j = user;
     (void)thread;
+    /* In the order of the tree, so that one query finds in the cache what the last one read. */
     for (size_t i = item * ITEM; i < (item + 1) * ITEM && i < j->places->n; i++) {
-        lc_light *l = &j->lights[i];
-        lc_nearest_lights q = {
-            .pos = l->pos, .n = l->dir, .self = (uint32_t)i, .n_wanted = LC_VPL_NEIGHBOURS
-        };
+        const uint32_t self = j->places->places[i].light;
+        lc_light *l = &j->lights[self];
+        lc_nearest_lights q = { .pos = l->pos, .n = l->dir, .self = self, .n_wanted = LC_VPL_NEIGHBOURS };
         const uint32_t n = lc_light_places_find(j->places, &q);
         const float a = n ? q.d2[LC_VPL_NEIGHBOURS - n] / (float)n : 0; /* alone: not clamped */
         l->atten[0] = a < LC_MIN_D2 ? 0 : a < LC_MAX_SOFTENING ? a : LC_MAX_SOFTENING;
