@@ -707,6 +707,7 @@ bad 'scene into a missing folder' 1 'none/s.pbrt' scene cornell -o none/s.pbrt
 
 good 'converge' converge mirror.pbrt --pixels 400 -o v.png
 prints '^cuts  *[0-9]* .* %  *[01]\.[0-9]*$'
+check 'one warning, not one a picture' test "$(grep -c "shape 'sphere'" err)" = 1
 prints '^indirect  *163[0-9]* .* %'
 prints '^all  *[0-9]* .* %'
 check 'its picture' grep -q PNG v.png

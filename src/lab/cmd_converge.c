@@ -241,7 +241,7 @@ static lc_status write_map(const options *o, lc_context *ctx, const picture *a, 
 
 typedef struct table {
     const options *o;
-    lc_context *ctx;
+    lc_context *ctx, *first; /* first: of the default picture, with its warnings */
     picture plain, fine, all; /* as by default; with fine cuts; with every set grown, by another seed */
     uint32_t n_rows;
     bool read; /* the scene, once */
@@ -361,7 +361,7 @@ static lc_status converge(table *t)
 {
     const variant plain = { 0 }, fine = { .fine = true };
     difference d;
-    lc_status st = make_picture(t->o, t->ctx, &plain, &t->plain);
+    lc_status st = make_picture(t->o, t->first, &plain, &t->plain);
     t->read = t->plain.info.width > 0;
     if (!st) st = make_picture(t->o, t->ctx, &fine, &t->fine);
     if (st) return st;
@@ -389,13 +389,14 @@ int cmd_converge(int argc, char **argv)
     if (done) return done - 1;
     lc_isa isa;
     if (cli_env_isa("converge", &isa)) return CLI_USAGE;
-    table t = { .o = &o, .ctx = cli_context(o.n_threads, isa, 0) };
-    if (!t.ctx) return CLI_FAILED;
-    const lc_status st = converge(&t);
+    table t = { .o = &o, .first = cli_context(o.n_threads, isa, 0) };
+    if (t.first) t.ctx = cli_context(o.n_threads, isa, -1);
+    const lc_status st = t.ctx ? converge(&t) : LC_ERR_MEMORY;
     if (st == LC_ERR_MEMORY) fprintf(stderr, "lightcuts: error: out of memory\n");
     free(t.plain.y);
     free(t.fine.y);
     free(t.all.y);
     lc_context_destroy(t.ctx);
+    lc_context_destroy(t.first);
     return st && !t.read ? cli_input_status(st) : cli_exit_status(st);
 }
