@@ -177,8 +177,8 @@ static int rising(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Attenuation A is the squared radius: an eighth of the squared distance to the eighth nearest light that
- * faces the same way, found in a loop over all lights; all of them where there are fewer. */
+/* Attenuation A is the squared radius: a quarter of an eighth of the squared distance to the eighth nearest
+ * light that faces the same way, found in a loop over all lights; all of them where there are fewer. */
 TEST(radii)
 {
     static const lc_f3 ways[3] = { { 0, 0, 1 }, { 0, 0.6f, 0.8f }, { 0, 0, -1 } };
@@ -205,7 +205,7 @@ TEST(radii)
             }
             qsort(d2, m, sizeof *d2, rising);
             if (m > LC_VPL_NEIGHBOURS) m = LC_VPL_NEIGHBOURS;
-            float want = m ? d2[m - 1] / (float)m : 0;
+            float want = m ? d2[m - 1] / (float)m * LC_VPL_DISC : 0;
             CHECKF(near_rel((double)l[i].atten[0], (double)want, 1e-5), "%zu of %zu: %g, %g", i, n,
                    (double)l[i].atten[0], (double)want);
         }

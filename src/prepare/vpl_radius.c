@@ -20,7 +20,8 @@ static void set_item(void *user, uint32_t thread, uint64_t item)
         lc_light *l = &j->lights[self];
         lc_nearest_lights q = { .pos = l->pos, .n = l->dir, .self = self, .n_wanted = LC_VPL_NEIGHBOURS };
         const uint32_t n = lc_light_places_find(j->places, &q);
-        const float a = n ? q.d2[LC_VPL_NEIGHBOURS - n] / (float)n : 0; /* alone: not clamped */
+        const float d2 = n ? q.d2[LC_VPL_NEIGHBOURS - n] / (float)n : 0; /* alone: not clamped */
+        const float a = d2 * LC_VPL_DISC;
         l->atten[0] = a < LC_MIN_D2 ? 0 : a < LC_MAX_SOFTENING ? a : LC_MAX_SOFTENING;
     }
 }

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-#define LIGHTS_APART 4.0f /* roughness over the angle between virtual lights: some 60 are in the lobe */
+#define LIGHTS_APART 8.0f /* roughness over the angle of a light's radius: some 60 lights are in the lobe */
 #define TINY 1e-30f
 
 static void widen_lobe(lc_material *m, float roughness)
@@ -27,7 +27,7 @@ static void merge_lamps(const lc_scene *scene, const lc_lit *lit, lc_material *m
     for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], least);
 }
 
-/* Radius of the surface that each virtual light around a point stands for; 0 without any. */
+/* Radius of the disc that each virtual light around a point shines as; 0 without any. */
 static float radius_at(const lc_scene *scene, const lc_surface *at)
 {
     lc_nearest_lights q = { .pos = at->pos, .n = at->n, .self = LC_NONE, .n_wanted = 1 };
@@ -36,7 +36,7 @@ static float radius_at(const lc_scene *scene, const lc_surface *at)
 }
 
 /* Least roughness of a lobe about the mirror direction in which there are enough virtual lights that single
- * ones do not show: those of the surface that the mirror direction meets are radius / distance apart. */
+ * ones do not show, of the surface that the mirror direction meets. */
 static float virtual_roughness(const lc_scene *scene, const lc_lit *lit)
 {
     const lc_surface *s = &lit->surface;
