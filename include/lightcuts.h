@@ -186,8 +186,9 @@ typedef struct lc_scene_info {
     uint64_t n_light_paths;     /* paths along which they were made */
     double indirect_loss;       /* fraction of indirect light removed by VPL clamping, 0..1 */
     /* Half, and 95 %, of the picture's blocks of 8x8 pixels are within this share of what endlessly many
-     * virtual lights would make them; clamping not counted. */
-    double indirect_median, indirect_high;
+     * virtual lights would make them; clamping not counted. indirect_off: times what was asked of the two,
+     * whichever is more. */
+    double indirect_median, indirect_high, indirect_off;
     uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */
     uint64_t n_env_tried; /* candidate directional lights whose importance for the picture was measured */
     uint64_t n_textures;

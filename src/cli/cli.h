@@ -15,8 +15,7 @@ enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INPUT = 3, CLI_STOPPED = 7
 /* Limits of the values of options. */
 #define CLI_MAX_THREADS 1024
 #define CLI_MAX_REPS 32            /* representatives of a cluster */
-#define CLI_INDIRECT_ERROR 0.01    /* the default */
-#define CLI_MIN_INDIRECT 1e-4
+#define CLI_MIN_INDIRECT 1e-4      /* --indirect-error */
 #define CLI_MAX_LIGHTS (1u << 28)  /* made from surfaces, from environments, from bounces */
 #define CLI_MAX_SPP 65536
 #define CLI_MAX_DEPTH 1000000      /* of paths; lc_render takes what is above 1000 as 1000 */

@@ -460,20 +460,17 @@ static int step(void *user, uint64_t done, uint64_t total)
     return done < total && cli_farm_step(s->farm);
 }
 
-#define WARN_LOSS 0.1     /* share of the indirect light; interiors lose 0.01 to 0.03 */
-#define WARN_OFF 2        /* times the error of indirect light that was asked for */
-#define INDIRECT_HIGH 5.0 /* times the error that is asked of half of the blocks: of 95 % */
+#define WARN_LOSS 0.1 /* share of the indirect light; interiors lose 0.01 to 0.03 */
+#define WARN_OFF 2    /* times the error of indirect light that was asked for */
 
 static void warn_of_scene(const options *o, const lc_scene_info *info)
 {
     if (o->quiet) return;
-    const double asked = o->load.indirect_error > 0 ? o->load.indirect_error : CLI_INDIRECT_ERROR;
-    const double off = fmax(info->indirect_median, info->indirect_high / INDIRECT_HIGH) / asked;
-    if (off > WARN_OFF)
+    if (info->indirect_off > WARN_OFF)
         fprintf(stderr,
                 "lightcuts: warning: indirect light is off by %.2g %% in half of the blocks, by %.2g %% and "
                 "more in 5 %% of them, %.2g times what was asked: more --indirect-lights help%s\n",
-                100 * info->indirect_median, 100 * info->indirect_high, off,
+                100 * info->indirect_median, 100 * info->indirect_high, info->indirect_off,
                 o->load.indirect_from == LC_INDIRECT_FROM_VIEW ? "" : ", or --indirect-from view");
     if (info->indirect_loss > WARN_LOSS)
         fprintf(stderr,

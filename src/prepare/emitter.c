@@ -54,6 +54,16 @@ double lc_tri_area(const lc_scene *s, size_t tri)
     return 0.5 * cross_of(s, tri, n);
 }
 
+lc_f3 lc_tri_point(const lc_scene *s, size_t tri, const double b[2])
+{
+    double x[3];
+    for (size_t k = 0; k < 3; k++)
+        x[k] = (1 - b[0] - b[1]) * (double)lc_tri_vertex(s->pos, s->index, tri, 0)[k] +
+               b[0] * (double)lc_tri_vertex(s->pos, s->index, tri, 1)[k] +
+               b[1] * (double)lc_tri_vertex(s->pos, s->index, tri, 2)[k];
+    return lc_f3_make((float)x[0], (float)x[1], (float)x[2]);
+}
+
 lc_box lc_mesh_box(const lc_scene *s, const lc_mesh *mesh)
 {
     lc_box box = lc_box_empty();

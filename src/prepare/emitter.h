@@ -13,8 +13,10 @@ typedef struct lc_emitter {
 } lc_emitter;
 
 lc_emitter lc_emitter_of(const lc_scene *scene, size_t tri);
-/* The area of a triangle, and the box of a mesh; world space. */
+/* The area of a triangle, its point at b, the weights of vertices 1 and 2, and the box of a mesh; world
+ * space. */
 double lc_tri_area(const lc_scene *scene, size_t tri);
+lc_f3 lc_tri_point(const lc_scene *scene, size_t tri, const double b[2]);
 lc_box lc_mesh_box(const lc_scene *scene, const lc_mesh *mesh);
 
 /* Unit normal of a side: sign is e->side, or for the other side -e->side. */

@@ -34,16 +34,10 @@ static void corner_between(const float a[2], const float b[2], float out[2])
 
 lc_f3 lc_patch_point(const lc_patches *m, const lc_patch *p, const double weight[3])
 {
-    const lc_scene *s = m->scene;
-    const uint32_t tri = lc_patch_source(m, p)->tri;
-    double c[2] = { 0, 0 }, x[3];
+    double c[2] = { 0, 0 };
     for (uint32_t i = 0; i < 3; i++)
         for (int k = 0; k < 2; k++) c[k] += (double)p->b[i][k] * weight[i];
-    for (size_t k = 0; k < 3; k++)
-        x[k] = (1 - c[0] - c[1]) * (double)lc_tri_vertex(s->pos, s->index, tri, 0)[k] +
-               c[0] * (double)lc_tri_vertex(s->pos, s->index, tri, 1)[k] +
-               c[1] * (double)lc_tri_vertex(s->pos, s->index, tri, 2)[k];
-    return lc_f3_make((float)x[0], (float)x[1], (float)x[2]);
+    return lc_tri_point(m->scene, lc_patch_source(m, p)->tri, c);
 }
 
 /* The corner near which the light of a patch lies: at the weights 2/3, 1/6, 1/6, which at random integrate

@@ -16,7 +16,7 @@ static double power_of(const lc_path_starts *p, const lc_light *light)
     return ((double)i.x + (double)i.y + (double)i.z) / 3 * lc_light_kinds[light->kind].flux(light, p->radius);
 }
 
-static void find_ball(lc_path_starts *p)
+static void bound_scene(lc_path_starts *p)
 {
     const lc_box *b = &p->scene->bounds;
     const double lo[3] = { (double)b->lo.x, (double)b->lo.y, (double)b->lo.z };
@@ -91,7 +91,7 @@ static double source_power(const lc_path_starts *p, const lc_path_source *source
 lc_status lc_path_starts_init(lc_path_starts *p, const lc_scene *scene, size_t n_lights, uint64_t seed)
 {
     *p = (lc_path_starts){ .scene = scene };
-    find_ball(p);
+    bound_scene(p);
     lc_status st = LC_OK;
     for (size_t i = 0; i < n_lights && !st; i++) st = add(p, LC_PATH_LIGHT, i);
     for (size_t i = 0; i < scene->n_meshes && !st; i++) st = add_mesh(p, i);
@@ -117,17 +117,13 @@ static void draw_place(const lc_scene *s, const lc_path_source *source, const do
     const lc_emitter e = lc_emitter_of(s, source->index);
     const lc_mesh *mesh = &s->meshes[s->tri_mesh[source->index]];
     const double root = sqrt(u[0]), b[2] = { root * (1 - u[1]), root * u[1] };
-    double rgb[3] = { 1, 1, 1 }, x[3];
+    double rgb[3] = { 1, 1, 1 };
     if (mesh->emission_map) lc_area_map_at(s, source->index, b, rgb);
-    for (size_t k = 0; k < 3; k++)
-        x[k] = (1 - b[0] - b[1]) * (double)lc_tri_vertex(s->pos, s->index, source->index, 0)[k] +
-               b[0] * (double)lc_tri_vertex(s->pos, s->index, source->index, 1)[k] +
-               b[1] * (double)lc_tri_vertex(s->pos, s->index, source->index, 2)[k];
     const double area = e.twice / 2;
     const lc_f3 colour = lc_f3_make((float)(rgb[0] * area), (float)(rgb[1] * area), (float)(rgb[2] * area));
     *light = (lc_light){
         .kind = LC_LIGHT_ORIENTED,
-        .pos = lc_f3_make((float)x[0], (float)x[1], (float)x[2]),
+        .pos = lc_tri_point(s, source->index, b),
         .dir = lc_emitter_normal(&e, source->what == LC_PATH_OTHER_SIDE ? -e.side : e.side),
         .intensity = lc_f3_mul(mesh->emission, colour),
         .atten = { 0, 0, 1 },

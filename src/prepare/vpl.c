@@ -45,7 +45,7 @@
 #define PLACE_DIMS 2                 /* the place on a source */
 #define FIRST_LIGHTS LC_SIZE(16384, 64)
 #define MOST_LIGHTS LC_SIZE(1048576, 256)
-#define MOST_GROWTH 8.0 /* of the number of lights, after which deviations are looked at again */
+#define MOST_GROWTH 8.0              /* of the number of lights, after which deviations are looked at again */
 #define SURE_IMPORTANCE 0.5          /* of the median: importance from which a light is kept for certain */
 #define MIN_CHANCE 0.0625            /* least probability of keeping a light */
 
@@ -61,7 +61,7 @@ typedef struct maker {
     uint8_t n_stored[BATCH];
     lc_light *made; /* of all paths so far, not divided by their number */
     uint32_t *path; /* of each light */
-    size_t n_made, cap_made, cap_path, n_wanted;
+    size_t n_made, cap_made, cap_path;
     uint64_t n_paths;
 } maker;
 

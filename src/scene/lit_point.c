@@ -16,13 +16,28 @@ static void widen_lobe(lc_material *m, float roughness)
     for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], roughness);
 }
 
+/* The direction about which the lobe lies. */
+static lc_f3 mirror_of(const lc_lit *lit)
+{
+    const lc_f3 n = lit->surface.n;
+    return lc_f3_sub(lc_f3_scale(n, 2 * lc_f3_dot(n, lit->view)), lit->view);
+}
+
+static void init_point(const lc_scene *scene, const lc_lit *lit, const lc_material *m, lc_point *p)
+{
+    const lc_surface *s = &lit->surface;
+    lc_point_init(p, s->pos, s->n, lit->view, m, scene->min_d2);
+    /* what is behind n sheds nothing anyhow */
+    if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(p->ng, s->ng);
+}
+
 /* Widens a narrow lobe to what the lights of the lamps in its direction resolve. */
 static void merge_lamps(const lc_scene *scene, const lc_lit *lit, lc_material *m)
 {
     const lc_surface *s = &lit->surface;
     if (m->lobe != LC_LOBE_GGX || !scene->lamps.n) return;
     if (!(fminf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS) || !(lc_f3_max(m->ks) > 0)) return;
-    lc_f3 mirror = lc_f3_sub(lc_f3_scale(s->n, 2 * lc_f3_dot(s->n, lit->view)), lit->view);
+    const lc_f3 mirror = mirror_of(lit);
     float least = fminf(lc_lamps_roughness(&scene->lamps, s->pos, mirror), LC_SMOOTH_ROUGHNESS);
     for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], least);
 }
@@ -40,7 +55,7 @@ static float radius_at(const lc_scene *scene, const lc_surface *at)
 static float virtual_roughness(const lc_scene *scene, const lc_lit *lit)
 {
     const lc_surface *s = &lit->surface;
-    lc_f3 mirror = lc_f3_sub(lc_f3_scale(s->n, 2 * lc_f3_dot(s->n, lit->view)), lit->view);
+    const lc_f3 mirror = mirror_of(lit);
     lc_surface seen;
     if (!(lc_f3_max(s->material.ks) > 0) || s->material.lobe == LC_LOBE_OREN_NAYAR || lit->followed) return 0;
     if (!scene->virtuals.n || !(lc_f3_dot(mirror, s->ng) > 0)) return 0;
@@ -51,12 +66,10 @@ static float virtual_roughness(const lc_scene *scene, const lc_lit *lit)
 
 void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point *p)
 {
-    const lc_surface *s = &lit->surface;
-    lc_material m = s->material;
+    lc_material m = lit->surface.material;
     widen_lobe(&m, fminf(fmaxf(virtual_roughness(scene, lit), LC_VIRTUAL_ROUGHNESS), LC_MAX_ROUGHNESS));
     if (lit->followed) m.ks = lc_f3_make(0, 0, 0);
-    lc_point_init(p, s->pos, s->n, lit->view, &m, scene->min_d2);
-    if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(p->ng, s->ng);
+    init_point(scene, lit, &m, p);
 }
 
 /* A point of its own is met by virtual lights, and with a followed lobe by the lights made from environments:
@@ -72,12 +85,9 @@ static void soften(const lc_scene *scene, const lc_lit *lit, lc_point p[2])
 
 void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_point p[2])
 {
-    const lc_surface *s = &lit->surface;
-    lc_material m = s->material;
+    lc_material m = lit->surface.material;
     merge_lamps(scene, lit, &m);
-    lc_point_init(p, s->pos, s->n, lit->view, &m, scene->min_d2);
+    init_point(scene, lit, &m, p);
     p->turn = (uint32_t)((hash & 15) * 2 + (hash >> 36 & 1)); /* the pixels of a block differ */
     soften(scene, lit, p);
-    /* what is behind n sheds nothing anyhow */
-    if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(p->ng, s->ng);
 }

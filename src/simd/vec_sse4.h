@@ -5,6 +5,7 @@
 #include "base/base.h"
 
 #include <immintrin.h>
+#include <string.h>
 
 #define LC_INLINE static inline __attribute__((always_inline))
 
@@ -50,7 +51,9 @@ LC_INLINE vb vb_fma(vb a, vb b, vb c) { return a * b + c; }
 LC_INLINE vb vb_fms(vb a, vb b, vb c) { return a * b - c; }
 LC_INLINE vb vb_twice(const void *p)
 {
-    __m128 a = _mm_castpd_ps(_mm_load_sd(p));
+    double two; /* p need not be aligned */
+    memcpy(&two, p, sizeof two);
+    __m128 a = _mm_castpd_ps(_mm_set_sd(two));
     return _mm_unpacklo_ps(a, a);
 }
 LC_INLINE vb vb_or(vb a, vb b) { return _mm_or_ps(a, b); }
