@@ -13,6 +13,7 @@ typedef struct {
     lc_isa isa;
     lc_load_desc load;
     lc_render_desc render;
+    cli_error_options given;
     bool json, has_pixel;
 } options;
 
@@ -23,7 +24,9 @@ enum {
     OPT_TOP,
     OPT_ALL,
     OPT_METHOD,
+    OPT_RATIO,
     OPT_ERROR,
+    OPT_WITHIN,
     OPT_MAX_CUT,
     OPT_FLOOR,
     OPT_REPS,
@@ -43,7 +46,9 @@ static const struct option long_options[] = {
     { "top", 1, 0, OPT_TOP },
     { "all", 0, 0, OPT_ALL },
     { "method", 1, 0, OPT_METHOD },
-    { "error-ratio", 1, 0, OPT_ERROR },
+    { "error", 1, 0, OPT_ERROR },
+    { "within", 1, 0, OPT_WITHIN },
+    { "error-ratio", 1, 0, OPT_RATIO },
     { "max-cut", 1, 0, OPT_MAX_CUT },
     { "dark-floor", 1, 0, OPT_FLOOR },
     { "representatives", 1, 0, OPT_REPS },
@@ -75,9 +80,9 @@ static void print_help(void)
         "      --json               print everything as JSON, the clusters that were split too\n"
         "\n"
         "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
-        "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --builder B,\n"
-        "      --area-lights N, --indirect-lights N, --maxdepth N, --seed N, --spp N, --isa I, -t,\n"
-        "      --nthreads N\n"
+        "      --method M, --error E, --within P, --error-ratio E, --max-cut N, --dark-floor F,\n"
+        "      --representatives N, --builder B, --area-lights N, --indirect-lights N, --maxdepth N, --seed N,\n"
+        "      --spp N, --isa I, -t, --nthreads N\n"
         "\n"
         "  -h, --help               this text\n"
         "\n"
@@ -110,9 +115,13 @@ static int set_option(options *o, int c)
     case OPT_TOP: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->top);
     case OPT_ALL: o->top = UINT32_MAX; return 0;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
-    case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
+    case OPT_ERROR: return cli_parse_error(optarg, &o->render.error);
+    case OPT_WITHIN: return cli_parse_within(optarg, &o->render.within);
+    case OPT_RATIO:
+        o->given.ratio = true;
+        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
+    case OPT_MAX_CUT: o->given.max_cut = true; return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
+    case OPT_FLOOR: o->given.floor = true; return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
@@ -158,6 +167,11 @@ static int parse_options(int argc, char **argv, options *o, int *status)
                                                   : "no --pixel x,y given");
         return -1;
     }
+    if (o->given.ratio && o->render.error > 0) {
+        cli_usage_error("explain", "give --error or --error-ratio, not both");
+        return -1;
+    }
+    cli_ask_error(&o->given, &o->render);
     o->scene = argv[optind];
     o->load.seed = o->render.seed;
     o->load.max_depth = o->render.max_depth;

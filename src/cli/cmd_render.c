@@ -24,6 +24,9 @@ typedef struct {
     lc_render_desc render;
     int32_t pixel_crop[4];
     double unit_crop[4];
+    cli_error_options given;
+    const char *calibration;
+    lc_calibration known; /* of that file */
     bool has_pixel_crop, has_unit_crop, quiet, print_stats, write_time;
     int verbosity;
     cli_farm farm;
@@ -31,7 +34,10 @@ typedef struct {
 
 enum {
     OPT_METHOD = CLI_LONG_ONLY,
+    OPT_RATIO,
     OPT_ERROR,
+    OPT_WITHIN,
+    OPT_CALIBRATION,
     OPT_MAX_CUT,
     OPT_REPS,
     OPT_MAXDEPTH,
@@ -61,7 +67,10 @@ enum {
 static const struct option long_options[] = {
     { "outfile", 1, 0, 'o' },
     { "method", 1, 0, OPT_METHOD },
-    { "error-ratio", 1, 0, OPT_ERROR },
+    { "error", 1, 0, OPT_ERROR },
+    { "within", 1, 0, OPT_WITHIN },
+    { "calibration", 1, 0, OPT_CALIBRATION },
+    { "error-ratio", 1, 0, OPT_RATIO },
     { "max-cut", 1, 0, OPT_MAX_CUT },
     { "dark-floor", 1, 0, OPT_FLOOR },
     { "representatives", 1, 0, OPT_REPS },
@@ -102,10 +111,14 @@ static void print_help(void)
         "                           SCENE.exr\n"
         "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts\n"
         "                           even of few lights\n"
-        "      --error-ratio E      bound of every cluster against the estimate, default 0.02\n"
-        "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
+        "      --error E            relative error of finished pixels that is accepted, default %g\n"
+        "      --within P           per cent of the pixels that are to be within it, 1 to 99.9, default 95\n"
+        "      --calibration FILE   take from FILE what keeps that error in this picture, or, where there is\n"
+        "                           no such file, write it: a farm pays once\n"
+        "      --error-ratio E      in place of --error: bound of every cluster against the estimate\n"
+        "      --max-cut N          clusters in a cut at most, default 0: no limit; with --error-ratio 1000\n"
         "      --dark-floor F       errors are measured against at least F times the picture's mean,\n"
-        "                           default %g\n"
+        "                           default %g; with --error-ratio %g\n"
         "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 16\n"
         "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many\n"
         "                           lights\n"
@@ -141,7 +154,7 @@ static void print_help(void)
         "  -q, --quiet              errors only\n"
         "  -v, --verbose            say more\n"
         "  -h, --help               this text\n",
-        (double)LC_DARK_FLOOR, cli_isa_names());
+        (double)CLI_ERROR, (double)LC_ASKED_DARK_FLOOR, (double)LC_DARK_FLOOR, cli_isa_names());
 }
 
 static int parse_aovs(const char *text, uint32_t *out)
@@ -171,9 +184,14 @@ static int set_option(options *o, int c)
         o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg;
         return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
-    case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
+    case OPT_ERROR: return cli_parse_error(optarg, &o->render.error);
+    case OPT_WITHIN: return cli_parse_within(optarg, &o->render.within);
+    case OPT_CALIBRATION: o->calibration = optarg; return !*optarg;
+    case OPT_RATIO:
+        o->given.ratio = true;
+        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
+    case OPT_MAX_CUT: o->given.max_cut = true; return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
+    case OPT_FLOOR: o->given.floor = true; return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->render.max_depth);
@@ -232,6 +250,11 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         cli_usage_error("render", argc == optind ? "no scene given" : "more than one scene given");
         return -1;
     }
+    if (o->given.ratio && o->render.error > 0) {
+        cli_usage_error("render", "give --error or --error-ratio, not both");
+        return -1;
+    }
+    cli_ask_error(&o->given, &o->render);
     o->scene = argv[optind];
     o->load.seed = o->render.seed;
     o->load.max_depth = o->render.max_depth;
