@@ -456,8 +456,10 @@ typedef struct lc_explanation {
                              * cut is that of LC_METHOD_CUTS */
     double mean_luminance;  /* of the pre-pass */
     double floor;           /* luminance: dark_floor times that */
-    double limit;           /* luminance: no cluster of the cut has a larger bound, except at max_cut */
-    float max_error;        /* largest bound in the cut / luminance of the cut */
+    double limit;           /* luminance: no cluster of the cut has a larger bound, except at max_cut; with z it
+                             * limits z times the root of the sum of their squares */
+    float max_error;        /* largest bound in the cut / luminance of the cut; with z: its stated half-width */
+    float z;                /* of cuts where the error of pixels is asked, else 0 */
     uint32_t rays;          /* shadow rays of the cut */
     int at_limit, dark;     /* the cut reached max_cut; the dark floor set the limit */
     uint32_t cut_size;      /* clusters that count for max_cut: not proved occluded, with a bound above 0 */

@@ -198,6 +198,31 @@ static void print_radiance(const char *name, const float v[3], const char *what)
     printf(", luminance %.6g, %s\n", lum(v), what);
 }
 
+/* What the cut is, in one sentence. Groups are clusters of more lights than one, partly in shadow where some
+ * of their lights reach the point and some do not. */
+static void print_sentence(const lc_explanation *x, const lc_scene_info *info)
+{
+    const double cut = lum(x->radiance), exact = lum(x->exact);
+    double sum2 = 0, of_partly = 0;
+    uint32_t n = 0, n_partly = 0;
+    for (uint32_t i = 0; i < x->n_clusters; i++) {
+        const lc_explained_cluster *c = &x->clusters[i];
+        const double off = lum(c->estimate) - lum_d(c->exact);
+        const bool partly = c->n_seen > 0 && c->n_seen < c->n_lights;
+        n += c->n_lights > 1;
+        n_partly += partly;
+        sum2 += off * off;
+        of_partly += partly ? off * off : 0;
+    }
+    printf("%u groups stand for %llu lights here", n, (unsigned long long)info->n_lights);
+    if (exact > 0 || x->floor > 0)
+        printf("; error %.2g %%, stated %.2g %%", 100 * fabs(cut - exact) / fmax(exact, x->floor),
+               100 * (double)x->max_error);
+    if (sum2 > 0)
+        printf("; %u of the groups are partly in shadow and make %.0f %% of it", n_partly, 100 * of_partly / sum2);
+    printf(".\n");
+}
+
 static void print_point(const options *o, const lc_explanation *x, const lc_scene_info *info)
 {
     double cut = lum(x->radiance), exact = lum(x->exact);
@@ -230,9 +255,14 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
         printf("; %u count, as %u are occluded or contribute nothing", x->cut_size,
                x->n_clusters - x->cut_size);
     printf("\n");
-    printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit,
-           (double)o->render.error_ratio, x->floor > cut ? "the dark floor" : "the luminance",
-           x->at_limit ? ", not reached within --max-cut" : "", (double)x->max_error);
+    if (x->z > 0)
+        printf("limit        %.6g = %g of %s%s, on %.4g times the root of the sum of squared bounds\n", x->limit,
+               (double)o->render.error, x->floor > cut ? "the dark floor" : "the luminance",
+               x->at_limit ? ", not reached within --max-cut" : "", (double)x->z);
+    else
+        printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit,
+               (double)o->render.error_ratio, x->floor > cut ? "the dark floor" : "the luminance",
+               x->at_limit ? ", not reached within --max-cut" : "", (double)x->max_error);
     if (x->floor > 0)
         printf("dark floor   %.6g = %g of the picture's mean %.6g\n", x->floor, (double)o->render.dark_floor,
                x->mean_luminance);
@@ -296,6 +326,7 @@ static void print_text(const options *o, const lc_explanation *x, const lc_scene
         printf("nothing is seen there: the ray leaves the scene, so there is no cut\n");
         return;
     }
+    print_sentence(x, info);
     print_point(o, x, info);
     print_rounds(x);
     for (uint32_t i = 0; i < x->n_clusters; i++) total += lum(x->clusters[i].estimate);

@@ -1,4 +1,5 @@
 /* cmd_render.c - options -> scene -> picture -> files and statistics. */
+#include "cli/calibration.h"
 #include "cli/cli.h"
 #include "cli/farm.h"
 #include "cli/progress.h"
@@ -378,6 +379,8 @@ static int make_plan(void *user, const lc_scene *scene)
     lc_scene_get_info(scene, &info);
     choose_output(o, &info);
     p->status = set_crop(o, &info);
+    if (!p->status && o->calibration)
+        p->status = cli_calibration_read(p->ctx, scene, o->calibration, &o->render, &o->known);
     if (!p->status) p->status = cli_farm_crop(&o->farm, p->ctx, scene, &o->render);
     if (p->status) return 1;
     if (o->farm.print) {
@@ -482,6 +485,8 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     lc_scene_get_info(*scene, &r.info);
     warn_of_scene(o, &r.info);
     int status = render(o, ctx, *scene, image, &r.stats);
+    if (!status && o->calibration)
+        status = cli_calibration_write(ctx, *scene, o->calibration, &o->render, &r.stats.calibration);
     if (status) return status;
     if (r.stats.nonfinite)
         fprintf(stderr, "lightcuts: warning: %llu pixels were not finite and were set to 0\n",
