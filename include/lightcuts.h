@@ -241,7 +241,8 @@ enum { /* lc_render_desc.aovs: further channels of the picture, each the mean ov
     LC_AOV_Z = 8,       /* Z: distance along the camera's axis */
     LC_AOV_ALBEDO = 16, /* Albedo.R Albedo.G Albedo.B */
     LC_AOV_ERROR = 32,  /* cut.error: largest error bound in the cut / luminance of the estimate; where the
-                         * error of pixels is asked: its stated half-width, / the larger of luminance and floor */
+                         * error of pixels is asked: its stated half-width over the larger of
+                          * luminance and floor */
     LC_AOV_RAYS = 64,   /* cut.rays: shadow rays */
     LC_AOV_ALL = 127
 };
@@ -266,7 +267,7 @@ typedef struct lc_tile {
 /* How cuts keep the error that is asked of pixels, and what pilots say of it: pixels that are the same
  * whatever is rendered of the film, whose true value is computed, too. */
 typedef struct lc_calibration {
-    float error, within;  /* what was asked, see lc_render_desc; error 0: nothing, or every light is evaluated */
+    float error, within;  /* what was asked, see lc_render_desc; error 0: nothing, or all lights are evaluated */
     float z;              /* a cut stops when z * sqrt(sum of its squared bounds) is within the error; > 0 */
     uint32_t n_pilots, n_within; /* n_within: pilots whose error is no larger than asked */
     uint64_t rays;        /* shadow rays to find z */
@@ -297,12 +298,12 @@ typedef struct lc_render_desc {
     int (*tile_load)(void *user, lc_tile *tile);
     void (*tile_done)(void *user, const lc_tile *tile);
     void *tile_user;
-    float error;         /* asked of finished pixels: relative to the pixel's luminance with every light, or to
-                          * the dark floor where that is larger; >= 0 and finite. INIT sets 0: error_ratio
+    float error;         /* asked of finished pixels: relative to the pixel's luminance with every light, or
+                          * to the dark floor where that is larger; >= 0 and finite. INIT sets 0: error_ratio
                           * limits each cluster instead */
-    float within;        /* per cent of all pixels for which that is asked, above 0 and below 100. INIT sets 95 */
-    const lc_calibration *calibration; /* that of an earlier render of the same scene, film and options, of any
-                          * crop; NULL: found by this one */
+    float within;        /* per cent of all pixels for which that is asked, above 0, below 100. INIT sets 95 */
+    const lc_calibration *calibration; /* that of an earlier render of the same scene, film and options, of
+                          * any crop; NULL: found by this one */
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
 #define LC_ASKED_DARK_FLOOR 0.02f /* advised where `error` is asked: contact shadows are not left out */
@@ -456,9 +457,9 @@ typedef struct lc_explanation {
                              * cut is that of LC_METHOD_CUTS */
     double mean_luminance;  /* of the pre-pass */
     double floor;           /* luminance: dark_floor times that */
-    double limit;           /* luminance: no cluster of the cut has a larger bound, except at max_cut; with z it
-                             * limits z times the root of the sum of their squares */
-    float max_error;        /* largest bound in the cut / luminance of the cut; with z: its stated half-width */
+    double limit;           /* luminance: no cluster of the cut has a larger bound, except at max_cut; with z
+                             * it limits z times the root of the sum of their squares */
+    float max_error;        /* largest bound in the cut / luminance of the cut; with z: the half-width */
     float z;                /* of cuts where the error of pixels is asked, else 0 */
     uint32_t rays;          /* shadow rays of the cut */
     int at_limit, dark;     /* the cut reached max_cut; the dark floor set the limit */

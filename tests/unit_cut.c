@@ -198,8 +198,8 @@ static void check_cut(const setup *s, const lc_cut *c, const point *q, const lc_
     CHECKF(r->size <= limit && n_clusters(c) + c->n_hidden >= n_roots && r->size == size_of(c, limit),
            "size %u of %u", r->size, limit);
     /* A cut whose rounds do not fit is made again. */
-    CHECKF(r->rays <= (c->worst_first ? 2 : 1) * (n_clusters(c) + c->n_hidden), "%u rays, %u clusters, %u hidden",
-           r->rays, r->size, c->n_hidden);
+    CHECKF(r->rays <= (c->worst_first ? 2 : 1) * (n_clusters(c) + c->n_hidden),
+           "%u rays, %u clusters, %u hidden", r->rays, r->size, c->n_hidden);
     CHECK(lc_f3_finite(r->radiance) && r->radiance.x >= 0 && r->radiance.y >= 0 && r->radiance.z >= 0);
     double total = lum_of(r->radiance), left = 0,
            most = (double)c->desc.error_ratio * fmax(total, (double)c->desc.floor);
@@ -594,8 +594,8 @@ static double root_of(const lc_cut *c)
     return sqrt(sum);
 }
 
-/* With z the whole cut is within its limit, and hardly finer than it need be: what splitting the worst cluster
- * again and again would have made at that limit has not many clusters fewer. */
+/* With z the whole cut is within its limit, and hardly finer than it need be: what splitting the worst
+ * cluster again and again would have made at that limit has not many clusters fewer. */
 TEST(whole_cut_keeps_its_limit)
 {
     static const float zs[] = { 0.05f, 0.3f, 2 };
@@ -655,8 +655,8 @@ TEST(more_work_is_never_worse)
                 sum += total > 0 ? root / total : 0;
                 n_short += r.at_limit;
             }
-            CHECKF(sum <= before * 1.03, "room for %u, ratio %g: %g after %g", rooms[m], (double)ratios[k], sum,
-                   before);
+            CHECKF(sum <= before * 1.03, "room for %u, ratio %g: %g after %g", rooms[m], (double)ratios[k],
+                   sum, before);
             before = sum;
             lc_cut_free(&c);
         }

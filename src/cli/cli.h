@@ -73,8 +73,8 @@ typedef struct cli_error_options {
     bool ratio, max_cut, floor;
 } cli_error_options;
 
-/* The error of pixels is asked unless --error-ratio is given; there, unless they are given, cuts have no limit
- * and the dark floor is LC_ASKED_DARK_FLOOR. */
+/* The error of pixels is asked unless --error-ratio is given; there, unless they are given, cuts have no
+ * limit and the dark floor is LC_ASKED_DARK_FLOOR. */
 void cli_ask_error(const cli_error_options *given, lc_render_desc *render);
 /* Values of --error and --within. */
 int cli_parse_error(const char *text, float *out);

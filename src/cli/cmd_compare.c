@@ -284,9 +284,10 @@ static lc_status average(lc_context *ctx, const lc_image_desc *d, uint32_t n, fl
     return status;
 }
 
-/* Measured beside stated, where the image says what error of pixels was asked: over all pixels, relative to the
- * reference or to the dark floor, of the reference's mean, where that is larger. */
-static void print_stated(const lc_image *image, const lc_image_desc *d, float *const a[3], float *const ref[3])
+/* Measured beside stated, where the image says what error of pixels was asked: over all pixels, relative to
+ * the reference or to the dark floor, of the reference's mean, where that is larger. */
+static void print_stated(const lc_image *image, const lc_image_desc *d, float *const a[3],
+                         float *const ref[3])
 {
     const double error = lc_image_get_number(image, "lightcuts/error", 0), n = (double)d->width * d->height,
                  pilots = lc_image_get_number(image, "lightcuts/pilots", 0);
@@ -302,7 +303,8 @@ static void print_stated(const lc_image *image, const lc_image_desc *d, float *c
     if (pilots > 0)
         printf(", stated %.9g +- %.3g", lc_image_get_number(image, "lightcuts/achieved", 0) / 100,
                lc_image_get_number(image, "lightcuts/achievedMargin", 0) / 100);
-    printf(", asked %g of the pixels within %g\n", lc_image_get_number(image, "lightcuts/within", 0) / 100, error);
+    printf(", asked %g of the pixels within %g\n", lc_image_get_number(image, "lightcuts/within", 0) / 100,
+           error);
 }
 
 static int compare_planes(lc_context *ctx, const options *o, const lc_image_desc *desc, float *const a[3],

@@ -81,8 +81,8 @@ static void print_help(void)
         "\n"
         "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
         "      --method M, --error E, --within P, --error-ratio E, --max-cut N, --dark-floor F,\n"
-        "      --representatives N, --builder B, --area-lights N, --indirect-lights N, --maxdepth N, --seed N,\n"
-        "      --spp N, --isa I, -t, --nthreads N\n"
+        "      --representatives N, --builder B, --area-lights N, --indirect-lights N, --maxdepth N,\n"
+        "      --seed N, --spp N, --isa I, -t, --nthreads N\n"
         "\n"
         "  -h, --help               this text\n"
         "\n"
@@ -120,8 +120,12 @@ static int set_option(options *o, int c)
     case OPT_RATIO:
         o->given.ratio = true;
         return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
-    case OPT_MAX_CUT: o->given.max_cut = true; return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: o->given.floor = true; return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
+    case OPT_MAX_CUT:
+        o->given.max_cut = true;
+        return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
+    case OPT_FLOOR:
+        o->given.floor = true;
+        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
@@ -219,7 +223,8 @@ static void print_sentence(const lc_explanation *x, const lc_scene_info *info)
         printf("; error %.2g %%, stated %.2g %%", 100 * fabs(cut - exact) / fmax(exact, x->floor),
                100 * (double)x->max_error);
     if (sum2 > 0)
-        printf("; %u of the groups are partly in shadow and make %.0f %% of it", n_partly, 100 * of_partly / sum2);
+        printf("; %u of the groups are partly in shadow and make %.0f %% of it", n_partly,
+               100 * of_partly / sum2);
     printf(".\n");
 }
 
@@ -256,8 +261,8 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
                x->n_clusters - x->cut_size);
     printf("\n");
     if (x->z > 0)
-        printf("limit        %.6g = %g of %s%s, on %.4g times the root of the sum of squared bounds\n", x->limit,
-               (double)o->render.error, x->floor > cut ? "the dark floor" : "the luminance",
+        printf("limit        %.6g = %g of %s%s, on %.4g times the root of the sum of squared bounds\n",
+               x->limit, (double)o->render.error, x->floor > cut ? "the dark floor" : "the luminance",
                x->at_limit ? ", not reached within --max-cut" : "", (double)x->z);
     else
         printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit,

@@ -160,7 +160,7 @@ static void print_statement(const lc_image *image, const set_errors *sets)
                  margin = lc_image_get_number(image, "lightcuts/achievedMargin", 0);
     if (!(error > 0)) return;
     if (lc_image_get_number(image, "lightcuts/everyLight", 0) > 0) {
-        printf("error                every light is evaluated: all pixels are those of the converged picture\n");
+        printf("error                every light is evaluated: all pixels are those of the exact method\n");
         return;
     }
     if (!(lc_image_get_number(image, "lightcuts/pilots", 0) > 0)) {

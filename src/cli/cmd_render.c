@@ -114,8 +114,8 @@ static void print_help(void)
         "                           even of few lights\n"
         "      --error E            relative error of finished pixels that is accepted, default %g\n"
         "      --within P           per cent of the pixels that are to be within it, 1 to 99.9, default 95\n"
-        "      --calibration FILE   take from FILE what keeps that error in this picture, or, where there is\n"
-        "                           no such file, write it: a farm pays once\n"
+        "      --calibration FILE   take from FILE what keeps that error in this picture; where there is no\n"
+        "                           such file, write it: a farm pays once\n"
         "      --error-ratio E      in place of --error: bound of every cluster against the estimate\n"
         "      --max-cut N          clusters in a cut at most, default 0: no limit; with --error-ratio 1000\n"
         "      --dark-floor F       errors are measured against at least F times the picture's mean,\n"
@@ -191,8 +191,12 @@ static int set_option(options *o, int c)
     case OPT_RATIO:
         o->given.ratio = true;
         return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
-    case OPT_MAX_CUT: o->given.max_cut = true; return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: o->given.floor = true; return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
+    case OPT_MAX_CUT:
+        o->given.max_cut = true;
+        return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
+    case OPT_FLOOR:
+        o->given.floor = true;
+        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->render.max_depth);

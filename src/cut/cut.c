@@ -254,7 +254,7 @@ static double refine(lc_cut *c, lc_cut_step *s, double *ratio)
         if (c->short_of_room && !each_round) return total;
         if (split) traced = false;
         if (split && !trace_each_round) continue;
-        if (!split && c->n_hidden > hidden_before) continue; /* all of the round: there is room, or a new limit */
+        if (!split && c->n_hidden > hidden_before) continue; /* all of the round are: there is a new limit */
         if (traced) return total;
         total += lc_cut_trace(c, s);
         traced = true;
@@ -275,7 +275,8 @@ static double refine_within_room(lc_cut *c, lc_cut_step *s, double *ratio)
 /* Whether the error left is above this. */
 static bool error_above(const lc_cut *c, double most)
 {
-    return c->desc.z > 0 ? (double)c->desc.z * sqrt(lc_cut_sum2(c)) > most : (double)worst_of(&c->kept) > most;
+    if (c->desc.z > 0) return (double)c->desc.z * sqrt(lc_cut_sum2(c)) > most;
+    return (double)worst_of(&c->kept) > most;
 }
 
 void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t hash, lc_stats *stats,

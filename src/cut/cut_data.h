@@ -31,8 +31,8 @@ typedef struct lc_cut_desc {
     float error_ratio; /* of one cluster; lowered in cuts with many occluded representatives */
     uint32_t max_cut;  /* 0: no limit; at least the number of roots is allowed */
     float floor;       /* the dark floor: luminance of reflected radiance, W/(m^2 sr) */
-    float z;           /* 0: error_ratio limits each cluster. Else it limits the whole cut: z times the root of
-                          the sum of its squared bounds */
+    float z;           /* 0: error_ratio limits each cluster. Else it limits the whole cut: z times the root
+                          of the sum of its squared bounds */
 } lc_cut_desc;
 
 /* Clusters that were split together. */
@@ -95,8 +95,8 @@ typedef struct lc_cut_result {
     lc_f3 radiance;
     uint32_t size;   /* clusters and lights as max_cut counts them */
     uint32_t rays;   /* shadow rays */
-    float max_error; /* largest bound of `kept` over the luminance of the estimate, 0 where `kept` is empty; with
-                        desc.z the half-width: what error_ratio limits, of the larger of estimate and floor */
+    float max_error; /* largest bound of `kept` over the luminance of the estimate, 0 where `kept` is empty;
+                        with desc.z the half-width: what error_ratio limits, of the larger of estimate and floor */
     bool at_limit;   /* max_cut was met: some bound may be above the limit */
     bool dark;       /* only the dark floor keeps every bound within the limit */
 } lc_cut_result;

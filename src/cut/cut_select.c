@@ -12,7 +12,7 @@
 #define LAST_ROOM_DIVISOR 32   /* the last of the room: at most max_size / 32 places */
 #define LAST_ROOM_TRIANGLES 12 /* of a proof made before the last of the room is used */
 #define MIN_TRIANGLES 4        /* of a proof where the bound is hardly above the limit */
-#define LEAST_SPLIT_DIVISOR 64 /* of all clusters, a round of a cut whose sum is limited splits at least this */
+#define LEAST_SPLIT_DIVISOR 64 /* where the whole cut is limited, of all clusters a round splits as many */
 #define KEPT_BY_CHILDREN 0.2   /* of the squared bounds that are split, about that is the children's again */
 #define KEPT_BY_ALL 0.05       /* of the squared limit; the rest is for children of what is above it */
 #define WORST_STEP 0.5f        /* worst first: bounds of one round are within this factor */
@@ -153,7 +153,8 @@ static void swap_open(lc_cut *c)
 }
 
 /* There is no room to split all: moves all but the clusters with the largest bounds back to `open`, which is
- * empty. Takes a quarter of the room only, since children of the worst clusters may have to be split again. */
+ * empty. Takes a quarter of the room only, since children of the worst clusters may have to be split again.
+ */
 static void split_fewer(lc_cut *c, uint32_t room)
 {
     lc_cut_list *split = &c->split;

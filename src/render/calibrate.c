@@ -78,7 +78,9 @@ static uint32_t n_within(const pilots *p, double error, double floor_lum)
 {
     uint32_t n = 0;
     for (uint32_t i = 0; i < p->n; i++)
-        n += isfinite(p->truth[i]) && fabs(p->value[i] - p->truth[i]) <= error * fmax(p->truth[i], floor_lum);
+        n += isfinite(p->truth[i]) && fabs(p->value[i] - p->truth[i]) <= error * fmax(p->truth[i], floor_lum)
+                 ? 1
+                 : 0;
     return n;
 }
 
@@ -127,7 +129,7 @@ static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
     fine.max_cut = 0;
     lc_status st = lc_job_make_workers(j, &fine);
     if (!st) shade_all(p, all ? 0 : TRUE_Z / sqrt((double)j->spp), p->truth);
-    for (uint32_t i = 0; i < p->n; i++) p->n_finite += isfinite(p->truth[i]);
+    for (uint32_t i = 0; i < p->n; i++) p->n_finite += isfinite(p->truth[i]) ? 1 : 0;
     return st;
 }
 

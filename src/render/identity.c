@@ -22,8 +22,8 @@ static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *sce
     lc_digest_u64(d, load->max_depth ? load->max_depth : scene->max_depth);
 }
 
-/* What is 0 and means the scene's is taken as that, as it gives the same picture; so does a calibration, which
- * is this picture's. */
+/* What is 0 and means the scene's is taken as that, as it gives the same picture; so does a calibration,
+ * which is this picture's. */
 static void add_render(lc_digest *d, const lc_render_desc *r, const lc_scene *scene)
 {
     lc_digest_u64(d, (uint64_t)r->method);
