@@ -267,7 +267,7 @@ typedef struct lc_tile {
 /* How cuts keep the error that is asked of pixels, and what pilots say of it: pixels that are the same
  * whatever is rendered of the film, whose true value is computed, too. */
 typedef struct lc_calibration {
-    float error, within;  /* what was asked, see lc_render_desc; error 0: nothing, or all lights are evaluated */
+    float error, within;  /* what was asked, see lc_render_desc; error 0: nothing, or every light is used */
     float z;              /* a cut stops when z * sqrt(sum of its squared bounds) is within the error; > 0 */
     uint32_t n_pilots, n_within; /* n_within: pilots whose error is no larger than asked */
     uint64_t rays;        /* shadow rays to find z */
@@ -301,7 +301,7 @@ typedef struct lc_render_desc {
     float error;         /* asked of finished pixels: relative to the pixel's luminance with every light, or
                           * to the dark floor where that is larger; >= 0 and finite. INIT sets 0: error_ratio
                           * limits each cluster instead */
-    float within;        /* per cent of all pixels for which that is asked, above 0, below 100. INIT sets 95 */
+    float within;        /* per cent of all pixels for which that is asked, above 0, below 100; INIT: 95 */
     const lc_calibration *calibration; /* that of an earlier render of the same scene, film and options, of
                           * any crop; NULL: found by this one */
 } lc_render_desc;

@@ -18,7 +18,8 @@ static void write_scene(int side, int n, double power)
     if (!f) abort();
     fprintf(f,
             "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\n"
-            "LookAt 0 3 7 0 1 0 0 1 0\nCamera \"perspective\" \"float fov\" [50]\nIntegrator \"directlighting\"\nWorldBegin\n"
+            "LookAt 0 3 7 0 1 0 0 1 0\nCamera \"perspective\" \"float fov\" [50]\nIntegrator \"directlighting\"\n"
+            "WorldBegin\n"
             "Material \"diffuse\" \"rgb reflectance\" [.6 .5 .4]\n",
             side, side);
     for (int i = 0; i < n; i++) {
@@ -32,8 +33,8 @@ static void write_scene(int side, int n, double power)
                "-9 6 -3]\n");
     for (int i = 0; i < 12; i++)
         fprintf(f,
-                "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [%g 0 1 %g 0 1 %g 1.5 1 "
-                "%g 1.5 1]\n",
+                "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [%g 0 1 %g 0 1 "
+                "%g 1.5 1 %g 1.5 1]\n",
                 i * 0.7 - 4, i * 0.7 - 3.7, i * 0.7 - 3.7, i * 0.7 - 4);
     fclose(f);
 }

@@ -50,7 +50,7 @@ _lightcuts()
         report:-t | report:--nthreads)
         COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
         return ;;
-    render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | \
+    render:--error | render:--within | render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | \
         render:--maxdepth | render:--area-lights | render:--env-lights | render:--indirect-lights | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
         render:--print-chunks | render:--time-limit | render:--checkpoint-interval | \
@@ -58,7 +58,7 @@ _lightcuts()
         scene:--lights | scene:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
         explain:--pixel | explain:--sample | explain:--top | \
-        explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
+        explain:--error | explain:--within | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
         explain:--representatives | explain:--area-lights | explain:--indirect-lights | \
         explain:--maxdepth | explain:--seed | explain:--spp | \
         bench:--representatives | bench:--pixelbounds | \
@@ -81,7 +81,8 @@ _lightcuts()
 
     if [[ $word == -* ]]; then
         case $command in
-        render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives
+        render) options='--outfile --method --error --within --calibration
+            --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --seed --spp --pixelbounds
             --cropwindow --chunk --print-chunks --checkpoint --resume --time-limit --checkpoint-interval
             --keep-checkpoint --aov --nthreads --isa --stats --stats-file --write-time --quiet --verbose
@@ -90,7 +91,8 @@ _lightcuts()
         scene) options='--lights --seed --outfile --help' ;;
         info) options='--json --help' ;;
         preview) options='--outfile --exposure --false-colour --range --help' ;;
-        explain) options='--pixel --sample --top --all --json --method --error-ratio --max-cut
+        explain) options='--pixel --sample --top --all --json --method --error --within
+            --error-ratio --max-cut
             --dark-floor --representatives --builder --area-lights --indirect-lights --maxdepth --seed
             --spp --nthreads --isa --help' ;;
         merge) options='--outfile --help' ;;

@@ -26,8 +26,8 @@ static void print_calibration(FILE *f, const lc_calibration *c)
     if (!c->n_pilots) return;
     lc_calibration_share(c, &share, &margin);
     fprintf(f,
-            "asked            error %g within %g %%: %.1f %% +- %.1f %% of %u pilots, z %.4g, %llu shadow rays "
-            "to find it\n",
+            "asked            error %g within %g %%: %.1f %% +- %.1f %% of %u pilots, z %.4g, %llu shadow "
+            "rays to find it\n",
             (double)c->error, (double)c->within, share, margin, c->n_pilots, (double)c->z, (ull)c->rays);
 }
 
