@@ -246,6 +246,8 @@ LC_API float *lc_image_channel(const lc_image *image, const char *name);
 LC_API lc_status lc_image_add_channel(lc_image *image, const char *name, float **plane);
 /* The value of a text attribute, owned by the image; NULL if there is none of that name. */
 LC_API const char *lc_image_get_text(const lc_image *image, const char *name);
+/* The value of a number attribute; `otherwise` if there is none of that name. */
+LC_API double lc_image_get_number(const lc_image *image, const char *name, double otherwise);
 /* Sets an attribute, which is written to EXR files. A second value for a name replaces the first.
  * LC_ERR_ARG for names of the OpenEXR layout, such as "channels" or "type"; LC_ERR_MEMORY. */
 LC_API lc_status lc_image_set_text(lc_image *image, const char *name, const char *value);
@@ -288,7 +290,9 @@ enum { /* lc_render_desc.aovs: further channels of the picture, each the mean ov
     LC_AOV_P = 4,       /* P.X P.Y P.Z: position, world space */
     LC_AOV_Z = 8,       /* Z: distance along the camera's axis */
     LC_AOV_ALBEDO = 16, /* Albedo.R Albedo.G Albedo.B */
-    LC_AOV_ERROR = 32,  /* cut.error: largest error bound in the cut / luminance of the estimate */
+    LC_AOV_ERROR = 32,  /* cut.error: largest error bound in the cut / luminance of the estimate; where the
+                         * error of pixels is asked: its stated half-width over the larger of
+                          * luminance and floor */
     LC_AOV_RAYS = 64,   /* cut.rays: shadow rays */
     LC_AOV_ALL = 127
 };
@@ -310,11 +314,20 @@ typedef struct lc_tile {
     lc_tile_counts counts;
 } lc_tile;
 
+/* How cuts keep the error that is asked of pixels, and what pilots say of it: pixels that are the same
+ * whatever is rendered of the film, whose true value is computed, too. */
+typedef struct lc_calibration {
+    float error, within;  /* what was asked, see lc_render_desc; error 0: nothing, or every light is used */
+    float z;              /* a cut stops when z * sqrt(sum of its squared bounds) is within the error; > 0 */
+    uint32_t n_pilots, n_within; /* n_within: pilots whose error is no larger than asked */
+    uint64_t rays;        /* shadow rays to find z */
+} lc_calibration;
+
 typedef struct lc_render_desc {
     size_t size;
     lc_method method;
     float error_ratio;   /* limit on a cluster's error bound, as a fraction of the estimate; >= 0, else
-                          * LC_ERR_ARG. 0 means 0; INIT sets 0.02 */
+                          * LC_ERR_ARG. 0 means 0; INIT sets 0.02. Not used where `error` is above 0 */
     uint32_t max_cut;    /* limits the clusters of a cut; 0: no limit. INIT sets 1000 */
     float dark_floor;    /* fraction of the picture's mean luminance; estimates below that floor are replaced
                           * by it when the error is limited, see cut/cut.h; 0: no floor. INIT sets
@@ -336,12 +349,19 @@ typedef struct lc_render_desc {
     int (*tile_load)(void *user, lc_tile *tile);
     void (*tile_done)(void *user, const lc_tile *tile);
     void *tile_user;
+    float error;         /* asked of finished pixels: relative to the pixel's luminance with every light, or
+                          * to the dark floor where that is larger; >= 0 and finite. INIT sets 0: error_ratio
+                          * limits each cluster instead */
+    float within;        /* per cent of all pixels for which that is asked, above 0, below 100; INIT: 95 */
+    const lc_calibration *calibration; /* that of an earlier render of the same scene, film and options, of
+                          * any crop; NULL: found by this one */
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
+#define LC_ASKED_DARK_FLOOR 0.02f /* advised where `error` is asked: contact shadows are not left out */
 #define LC_RENDER_DESC_INIT                                                                                  \
     {                                                                                                        \
         sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, \
-            0, 0, 0, 0, 0                                                                                    \
+            0, 0, 0, 0, 0, 0, 95, 0                                                                          \
     }
 
 typedef struct lc_render_stats {
@@ -364,6 +384,7 @@ typedef struct lc_render_stats {
     double phase_camera, phase_bounds, phase_estimates, phase_refine, phase_shadow_rays, phase_other;
     uint64_t pixels_loaded;  /* pixels of tiles from tile_load: included in the counts, but not in seconds,
                               * cut_median and cut_p99 */
+    lc_calibration calibration; /* shadow_rays do not include its rays, seconds include its time */
 } lc_render_stats;
 
 /* Renders the picture. The same scene and descriptor give the same bits for any number of threads,
@@ -382,6 +403,8 @@ typedef struct lc_identity {
 /* Fails with LC_ERR_ARG as lc_render does. */
 LC_API lc_status lc_render_identity(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc,
                                     lc_identity *id);
+/* The share of pilots within the asked error, in per cent, and half the width of its interval of 95 %. */
+LC_API void lc_calibration_share(const lc_calibration *calibration, double *share, double *margin);
 /* The crop that lc_render would render: x0, x1, y0, y1. Fails with LC_ERR_ARG as lc_render does. */
 LC_API lc_status lc_render_crop(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc,
                                 uint32_t crop[4]);
@@ -490,8 +513,10 @@ typedef struct lc_explanation {
                              * cut is that of LC_METHOD_CUTS */
     double mean_luminance;  /* of the pre-pass */
     double floor;           /* luminance: dark_floor times that */
-    double limit;           /* luminance: no cluster of the cut has a larger bound, except at max_cut */
-    float max_error;        /* largest bound in the cut / luminance of the cut */
+    double limit;           /* luminance: no cluster of the cut has a larger bound, except at max_cut; with z
+                             * it limits z times the root of the sum of their squares */
+    float max_error;        /* largest bound in the cut / luminance of the cut; with z: the half-width */
+    float z;                /* of cuts where the error of pixels is asked, else 0 */
     uint32_t rays;          /* shadow rays of the cut */
     int at_limit, dark;     /* the cut reached max_cut; the dark floor set the limit */
     uint32_t cut_size;      /* clusters that count for max_cut: not proved occluded, with a bound above 0 */

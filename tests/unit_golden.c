@@ -32,6 +32,7 @@ static char names[MAX_SCENES][256]; /* sorted, without .pbrt */
 static int n_names;
 static const char *current;
 static uint32_t n_reps = 1;
+static float asked_error; /* 0: the error ratio limits each cluster */
 static bool printing;
 
 static uint64_t fnv(uint64_t h, uint32_t byte) { return (h ^ byte) * 0x100000001b3u; }
@@ -80,6 +81,7 @@ static picture render(uint32_t n_threads, lc_isa isa, lc_method method, const in
     ld.n_reps = n_reps;
     rd.method = method;
     rd.aovs = LC_AOV_ALL;
+    rd.error = asked_error;
     for (int i = 0; crop && i < 4; i++) rd.crop[i] = crop[i];
     snprintf(path, sizeof path, FOLDER "/%s.pbrt", current);
     log_clear();
@@ -145,6 +147,15 @@ TEST(representatives)
     n_reps = 16;
     same_hash_everywhere("representatives", LC_METHOD_CUTS);
     n_reps = 1;
+}
+/* The error that is asked of pixels, z from pilots. */
+TEST(asked)
+{
+    asked_error = 0.02f;
+    n_reps = 4;
+    same_hash_everywhere("asked", LC_METHOD_CUTS);
+    n_reps = 1;
+    asked_error = 0;
 }
 TEST(default_method) { same_hash_everywhere("default", LC_METHOD_LIGHTCUTS); }
 TEST(exact) { same_hash_everywhere("exact", LC_METHOD_EXACT); }
@@ -241,6 +252,7 @@ static int print_hashes(void)
         current = names[i];
         lightcuts();
         representatives();
+        asked();
         default_method();
         exact();
     }
@@ -260,6 +272,7 @@ int main(int argc, char **argv)
         printf("%s:\n", current);
         RUN(lightcuts);
         RUN(representatives);
+        RUN(asked);
         RUN(default_method);
         if (!SLOW_MACHINE) RUN(exact);
         RUN(crop);

@@ -50,7 +50,7 @@ _lightcuts()
         report:-t | report:--nthreads | converge:-t | converge:--nthreads)
         COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
         return ;;
-    render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | \
+    render:--error | render:--within | render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | \
         render:--maxdepth | render:--area-lights | render:--env-lights | render:--indirect-lights | \
         render:--indirect-error | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
@@ -59,7 +59,7 @@ _lightcuts()
         scene:--lights | scene:--seed | converge:--pixels | converge:--spp | converge:--seed | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
         explain:--pixel | explain:--sample | explain:--top | \
-        explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
+        explain:--error | explain:--within | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
         explain:--representatives | explain:--area-lights | explain:--indirect-lights | explain:--indirect-error | \
         explain:--maxdepth | explain:--seed | explain:--spp | \
         bench:--representatives | bench:--pixelbounds | \
@@ -85,7 +85,8 @@ _lightcuts()
 
     if [[ $word == -* ]]; then
         case $command in
-        render) options='--outfile --method --error-ratio --max-cut --dark-floor --representatives
+        render) options='--outfile --method --error --within --calibration
+            --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
             --indirect-from --seed --spp --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
             --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --aov
@@ -96,8 +97,9 @@ _lightcuts()
         info) options='--json --help' ;;
         converge) options='--outfile --pixels --spp --seed --nthreads --json --help' ;;
         preview) options='--outfile --exposure --false-colour --range --help' ;;
-        explain) options='--pixel --sample --top --all --json --method --error-ratio --max-cut
-            --dark-floor --representatives --builder --area-lights --indirect-lights --indirect-error --indirect-from --maxdepth --seed
+        explain) options='--pixel --sample --top --all --json --method --error --within
+            --error-ratio --max-cut --dark-floor --representatives --builder --area-lights
+            --indirect-lights --indirect-error --indirect-from --maxdepth --seed
             --spp --nthreads --isa --help' ;;
         merge) options='--outfile --help' ;;
         bench) options='--mesh --rays --lights --quality --scaling --outfile --method --error-ratio

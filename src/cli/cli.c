@@ -196,6 +196,24 @@ int cli_parse_builder(const char *text, lc_builder *out)
     return -1;
 }
 
+void cli_ask_error(const cli_error_options *given, lc_render_desc *render)
+{
+    if (given->ratio) {
+        render->error = 0;
+        return;
+    }
+    if (!(render->error > 0)) render->error = CLI_ERROR;
+    if (!given->max_cut) render->max_cut = 0;
+    if (!given->floor) render->dark_floor = LC_ASKED_DARK_FLOOR;
+}
+
+int cli_parse_error(const char *text, float *out)
+{
+    return cli_parse_single(text, CLI_MIN_ERROR, CLI_MAX_RATIO, out);
+}
+
+int cli_parse_within(const char *text, float *out) { return cli_parse_single(text, 1, 99.9, out); }
+
 int cli_parse_isa(const char *text, lc_isa *out)
 {
     *out = lc_isa_find(text);

@@ -20,6 +20,8 @@ enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INPUT = 3, CLI_STOPPED = 7
 #define CLI_MAX_SPP 65536
 #define CLI_MAX_DEPTH 1000000      /* of paths; lc_render takes what is above 1000 as 1000 */
 #define CLI_MAX_RATIO 1e6          /* --error-ratio, --dark-floor */
+#define CLI_MIN_ERROR 1e-6         /* --error */
+#define CLI_ERROR 0.02f            /* --error, where it is not given */
 #define CLI_MAX_SIDE 65535         /* pixels */
 
 #define CLI_LONG_ONLY 256 /* values from here on stand for options that have no letter */
@@ -73,6 +75,17 @@ int cli_parse_pixels(const char *text, int32_t out[4]);
 int cli_parse_builder(const char *text, lc_builder *out);
 int cli_parse_method(const char *text, lc_method *out);
 const char *cli_method_name(lc_method m);
+/* What of the error options was given on the command line. */
+typedef struct cli_error_options {
+    bool ratio, max_cut, floor;
+} cli_error_options;
+
+/* The error of pixels is asked unless --error-ratio is given; there, unless they are given, cuts have no
+ * limit and the dark floor is LC_ASKED_DARK_FLOOR. */
+void cli_ask_error(const cli_error_options *given, lc_render_desc *render);
+/* Values of --error and --within. */
+int cli_parse_error(const char *text, float *out);
+int cli_parse_within(const char *text, float *out);
 /* One of cli_isa_names. */
 int cli_parse_isa(const char *text, lc_isa *out);
 /* The names of the instruction sets that have kernels, as a list within a sentence. For one thread. */

@@ -45,6 +45,8 @@ static const char help[] =
     "  rel_p50 rel_p95 rel_p99 rel_p999 rel_max\n"
     "              percentiles of |A - REF| / REF in luminance, over the pixels where REF > 0\n"
     "  over        share of those pixels above the --over limit\n"
+    "  within      first, of an IMAGE with an asked error: share of the pixels that keep it, measured and\n"
+    "              stated\n"
     "  nonfinite   pixels with NaN or infinity in either image; more than 0 always fails\n"
     "\n"
     "      --average N     compare means of blocks of N x N pixels, 1 to 1024 (default 1): for a noisy\n"
@@ -248,6 +250,11 @@ static bool find_planes(const lc_image *image, const char *path, float *plane[3]
     return grey != NULL;
 }
 
+static double luminance(float *const p[3], size_t i)
+{
+    return 0.2126 * (double)p[0][i] + 0.7152 * (double)p[1][i] + 0.0722 * (double)p[2][i];
+}
+
 /* Mean of the n x n pixels from (x, y) on, as far as they lie in the image. */
 static float block_mean(const float *plane, const lc_image_desc *d, uint32_t x, uint32_t y, uint32_t n)
 {
@@ -275,6 +282,29 @@ static lc_status average(lc_context *ctx, const lc_image_desc *d, uint32_t n, fl
         plane[c] = mean;
     }
     return status;
+}
+
+/* Measured beside stated, where the image says what error of pixels was asked: over all pixels, relative to
+ * the reference or to the dark floor, of the reference's mean, where that is larger. */
+static void print_stated(const lc_image *image, const lc_image_desc *d, float *const a[3],
+                         float *const ref[3])
+{
+    const double error = lc_image_get_number(image, "lightcuts/error", 0), n = (double)d->width * d->height,
+                 pilots = lc_image_get_number(image, "lightcuts/pilots", 0);
+    double mean = 0, good = 0;
+    if (!(error > 0)) return;
+    const double floor_of_mean = lc_image_get_number(image, "lightcuts/darkFloor", 0);
+    for (size_t i = 0; i < (size_t)d->width * d->height; i++) mean += luminance(ref, i) / n;
+    for (size_t i = 0; i < (size_t)d->width * d->height; i++) {
+        const double y = luminance(ref, i);
+        good += fabs(luminance(a, i) - y) <= error * fmax(y, floor_of_mean * mean);
+    }
+    printf("within %.9g measured", good / n);
+    if (pilots > 0)
+        printf(", stated %.9g +- %.3g", lc_image_get_number(image, "lightcuts/achieved", 0) / 100,
+               lc_image_get_number(image, "lightcuts/achievedMargin", 0) / 100);
+    printf(", asked %g of the pixels within %g\n", lc_image_get_number(image, "lightcuts/within", 0) / 100,
+           error);
 }
 
 static int compare_planes(lc_context *ctx, const options *o, const lc_image_desc *desc, float *const a[3],
@@ -307,7 +337,10 @@ static int compare(lc_context *ctx, const options *o, const lc_image *image, con
     }
     float *a[3], *ref[3];
     if (!find_planes(image, o->image, a) || !find_planes(reference, o->reference, ref)) return CLI_INPUT;
-    if (o->average == 1) return compare_planes(ctx, o, &da, a, ref);
+    if (o->average == 1) {
+        if (!o->json) print_stated(image, &da, a, ref);
+        return compare_planes(ctx, o, &da, a, ref);
+    }
     lc_image *small_a = NULL, *small_ref = NULL;
     int status = CLI_FAILED;
     if (average(ctx, &da, o->average, a, &small_a) == LC_OK &&

@@ -13,6 +13,7 @@ typedef struct {
     lc_isa isa;
     lc_load_desc load;
     lc_render_desc render;
+    cli_error_options given;
     bool json, has_pixel;
 } options;
 
@@ -23,7 +24,9 @@ enum {
     OPT_TOP,
     OPT_ALL,
     OPT_METHOD,
+    OPT_RATIO,
     OPT_ERROR,
+    OPT_WITHIN,
     OPT_MAX_CUT,
     OPT_FLOOR,
     OPT_REPS,
@@ -45,7 +48,9 @@ static const struct option long_options[] = {
     { "top", 1, 0, OPT_TOP },
     { "all", 0, 0, OPT_ALL },
     { "method", 1, 0, OPT_METHOD },
-    { "error-ratio", 1, 0, OPT_ERROR },
+    { "error", 1, 0, OPT_ERROR },
+    { "within", 1, 0, OPT_WITHIN },
+    { "error-ratio", 1, 0, OPT_RATIO },
     { "max-cut", 1, 0, OPT_MAX_CUT },
     { "dark-floor", 1, 0, OPT_FLOOR },
     { "representatives", 1, 0, OPT_REPS },
@@ -79,9 +84,9 @@ static void print_help(void)
         "      --json               print everything as JSON, the clusters that were split too\n"
         "\n"
         "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
-        "      --method M, --error-ratio E, --max-cut N, --dark-floor F, --representatives N, --builder B,\n"
-        "      --area-lights N, --indirect-lights N, --indirect-error E, --indirect-from F, --maxdepth N,\n"
-        "      --seed N, --spp N, --isa I, -t, --nthreads N\n"
+        "      --method M, --error E, --within P, --error-ratio E, --max-cut N, --dark-floor F,\n"
+        "      --representatives N, --builder B, --area-lights N, --indirect-lights N, --indirect-error E,\n"
+        "      --indirect-from F, --maxdepth N, --seed N, --spp N, --isa I, -t, --nthreads N\n"
         "\n"
         "  -h, --help               this text\n"
         "\n"
@@ -114,9 +119,17 @@ static int set_option(options *o, int c)
     case OPT_TOP: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->top);
     case OPT_ALL: o->top = UINT32_MAX; return 0;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
-    case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
+    case OPT_ERROR: return cli_parse_error(optarg, &o->render.error);
+    case OPT_WITHIN: return cli_parse_within(optarg, &o->render.within);
+    case OPT_RATIO:
+        o->given.ratio = true;
+        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
+    case OPT_MAX_CUT:
+        o->given.max_cut = true;
+        return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
+    case OPT_FLOOR:
+        o->given.floor = true;
+        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
@@ -164,6 +177,11 @@ static int parse_options(int argc, char **argv, options *o, int *status)
                                                   : "no --pixel x,y given");
         return -1;
     }
+    if (o->given.ratio && o->render.error > 0) {
+        cli_usage_error("explain", "give --error or --error-ratio, not both");
+        return -1;
+    }
+    cli_ask_error(&o->given, &o->render);
     o->scene = argv[optind];
     o->load.seed = o->render.seed;
     o->load.max_depth = o->render.max_depth;
@@ -188,6 +206,32 @@ static void print_radiance(const char *name, const float v[3], const char *what)
 {
     print_vector(name, v, "");
     printf(", luminance %.6g, %s\n", lum(v), what);
+}
+
+/* What the cut is, in one sentence. Groups are clusters of more lights than one, partly in shadow where some
+ * of their lights reach the point and some do not. */
+static void print_sentence(const lc_explanation *x, const lc_scene_info *info)
+{
+    const double cut = lum(x->radiance), exact = lum(x->exact);
+    double sum2 = 0, of_partly = 0;
+    uint32_t n = 0, n_partly = 0;
+    for (uint32_t i = 0; i < x->n_clusters; i++) {
+        const lc_explained_cluster *c = &x->clusters[i];
+        const double off = lum(c->estimate) - lum_d(c->exact);
+        const bool partly = c->n_seen > 0 && c->n_seen < c->n_lights;
+        n += c->n_lights > 1;
+        n_partly += partly;
+        sum2 += off * off;
+        of_partly += partly ? off * off : 0;
+    }
+    printf("%u groups stand for %llu lights here", n, (unsigned long long)info->n_lights);
+    if (exact > 0 || x->floor > 0)
+        printf("; error %.2g %%, stated %.2g %%", 100 * fabs(cut - exact) / fmax(exact, x->floor),
+               100 * (double)x->max_error);
+    if (sum2 > 0)
+        printf("; %u of the groups are partly in shadow and make %.0f %% of it", n_partly,
+               100 * of_partly / sum2);
+    printf(".\n");
 }
 
 static void print_point(const options *o, const lc_explanation *x, const lc_scene_info *info)
@@ -222,9 +266,14 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
         printf("; %u count, as %u are occluded or contribute nothing", x->cut_size,
                x->n_clusters - x->cut_size);
     printf("\n");
-    printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit,
-           (double)o->render.error_ratio, x->floor > cut ? "the dark floor" : "the luminance",
-           x->at_limit ? ", not reached within --max-cut" : "", (double)x->max_error);
+    if (x->z > 0)
+        printf("limit        %.6g = %g of %s%s, on %.4g times the root of the sum of squared bounds\n",
+               x->limit, (double)o->render.error, x->floor > cut ? "the dark floor" : "the luminance",
+               x->at_limit ? ", not reached within --max-cut" : "", (double)x->z);
+    else
+        printf("limit        %.6g = %g of %s%s; largest bound left / luminance %.6g\n", x->limit,
+               (double)o->render.error_ratio, x->floor > cut ? "the dark floor" : "the luminance",
+               x->at_limit ? ", not reached within --max-cut" : "", (double)x->max_error);
     if (x->floor > 0)
         printf("dark floor   %.6g = %g of the picture's mean %.6g\n", x->floor, (double)o->render.dark_floor,
                x->mean_luminance);
@@ -288,6 +337,7 @@ static void print_text(const options *o, const lc_explanation *x, const lc_scene
         printf("nothing is seen there: the ray leaves the scene, so there is no cut\n");
         return;
     }
+    print_sentence(x, info);
     print_point(o, x, info);
     print_rounds(x);
     for (uint32_t i = 0; i < x->n_clusters; i++) total += lum(x->clusters[i].estimate);

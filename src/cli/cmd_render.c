@@ -1,4 +1,5 @@
 /* cmd_render.c - options -> scene -> picture -> files and statistics. */
+#include "cli/calibration.h"
 #include "cli/cli.h"
 #include "cli/farm.h"
 #include "cli/place.h"
@@ -27,6 +28,9 @@ typedef struct {
     lc_render_desc render;
     int32_t pixel_crop[4];
     double unit_crop[4];
+    cli_error_options given;
+    const char *calibration;
+    lc_calibration known; /* of that file */
     bool has_pixel_crop, has_unit_crop, quiet, print_stats, write_time;
     int verbosity;
     cli_farm farm;
@@ -34,7 +38,10 @@ typedef struct {
 
 enum {
     OPT_METHOD = CLI_LONG_ONLY,
+    OPT_RATIO,
     OPT_ERROR,
+    OPT_WITHIN,
+    OPT_CALIBRATION,
     OPT_MAX_CUT,
     OPT_REPS,
     OPT_MAXDEPTH,
@@ -68,7 +75,10 @@ enum {
 static const struct option long_options[] = {
     { "outfile", 1, 0, 'o' },
     { "method", 1, 0, OPT_METHOD },
-    { "error-ratio", 1, 0, OPT_ERROR },
+    { "error", 1, 0, OPT_ERROR },
+    { "within", 1, 0, OPT_WITHIN },
+    { "calibration", 1, 0, OPT_CALIBRATION },
+    { "error-ratio", 1, 0, OPT_RATIO },
     { "max-cut", 1, 0, OPT_MAX_CUT },
     { "dark-floor", 1, 0, OPT_FLOOR },
     { "representatives", 1, 0, OPT_REPS },
@@ -113,10 +123,14 @@ static void print_help(void)
         "                           without its folder, else SCENE.exr, in the current folder\n"
         "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts\n"
         "                           even of few lights\n"
-        "      --error-ratio E      bound of every cluster against the estimate, default 0.02\n"
-        "      --max-cut N          clusters in a cut at most, default 1000; 0: no limit\n"
+        "      --error E            relative error of finished pixels that is accepted, default %g\n"
+        "      --within P           per cent of the pixels that are to be within it, 1 to 99.9, default 95\n"
+        "      --calibration FILE   take from FILE what keeps that error in this picture; where there is no\n"
+        "                           such file, write it: a farm pays once\n"
+        "      --error-ratio E      in place of --error: bound of every cluster against the estimate\n"
+        "      --max-cut N          clusters in a cut at most, default 0: no limit; with --error-ratio 1000\n"
         "      --dark-floor F       errors are measured against at least F times the picture's mean,\n"
-        "                           default %g\n"
+        "                           default %g; with --error-ratio %g\n"
         "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 16\n"
         "      --builder B          of the light tree: auto (default), exact, or ploc: faster, for many\n"
         "                           lights\n"
@@ -160,7 +174,7 @@ static void print_help(void)
         "  -q, --quiet              errors only\n"
         "  -v, --verbose            say more\n"
         "  -h, --help               this text\n",
-        (double)LC_DARK_FLOOR, cli_isa_names());
+        (double)CLI_ERROR, (double)LC_ASKED_DARK_FLOOR, (double)LC_DARK_FLOOR, cli_isa_names());
 }
 
 static int parse_aovs(const char *text, uint32_t *out)
@@ -190,9 +204,18 @@ static int set_option(options *o, int c)
         o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg;
         return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
-    case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR: return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
+    case OPT_ERROR: return cli_parse_error(optarg, &o->render.error);
+    case OPT_WITHIN: return cli_parse_within(optarg, &o->render.within);
+    case OPT_CALIBRATION: o->calibration = optarg; return !*optarg;
+    case OPT_RATIO:
+        o->given.ratio = true;
+        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
+    case OPT_MAX_CUT:
+        o->given.max_cut = true;
+        return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
+    case OPT_FLOOR:
+        o->given.floor = true;
+        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->render.max_depth);
@@ -255,6 +278,11 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         cli_usage_error("render", argc == optind ? "no scene given" : "more than one scene given");
         return -1;
     }
+    if (o->given.ratio && o->render.error > 0) {
+        cli_usage_error("render", "give --error or --error-ratio, not both");
+        return -1;
+    }
+    cli_ask_error(&o->given, &o->render);
     o->scene = argv[optind];
     o->load.seed = o->render.seed;
     o->load.max_depth = o->render.max_depth;
@@ -330,11 +358,12 @@ static int check_distinct(const options *o, const lc_scene *scene)
 {
     struct {
         const char *what, *path;
-    } files[MAX_OUTPUTS + 2];
+    } files[MAX_OUTPUTS + 3];
     int n = 0;
     for (; n < o->n_outputs; n++) files[n].what = "output", files[n].path = o->outputs[n];
     if (o->stats_file) files[n].what = "statistics", files[n++].path = o->stats_file;
     if (o->farm.checkpoint) files[n].what = "checkpoint", files[n++].path = o->farm.checkpoint;
+    if (o->calibration) files[n].what = "calibration", files[n++].path = o->calibration;
     for (int i = 0; i < n; i++) {
         if (lc_scene_reads_file(scene, files[i].path)) {
             cli_usage_error("render", "%s '%s' is a file of the scene", files[i].what, files[i].path);
@@ -406,6 +435,8 @@ static int make_plan(void *user, const lc_scene *scene)
     choose_output(o, &info);
     p->status = o->farm.print ? 0 : check_distinct(o, scene);
     if (!p->status) p->status = set_crop(o, &info);
+    if (!p->status && o->calibration)
+        p->status = cli_calibration_read(p->ctx, scene, o->calibration, &o->render, &o->known);
     if (!p->status) p->status = cli_farm_crop(&o->farm, p->ctx, scene, &o->render);
     if (p->status) return 1;
     if (o->farm.print) {
@@ -547,6 +578,8 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     lc_scene_get_info(*scene, &r.info);
     warn_of_scene(o, &r.info);
     status = render(o, ctx, *scene, image, &r.stats);
+    if (!status && o->calibration)
+        status = cli_calibration_write(ctx, *scene, o->calibration, &o->render, &r.stats.calibration);
     if (status) return status;
     if (r.stats.nonfinite)
         fprintf(stderr, "lightcuts: warning: %llu pixels were not finite and were set to 0\n",

@@ -19,6 +19,29 @@ static double setup_seconds(const lc_scene_info *i)
     return i->seconds_parse + i->seconds_bvh + i->seconds_lights + i->seconds_tree;
 }
 
+/* What was asked of pixels, and what the pilots say. */
+static void print_calibration(FILE *f, const lc_calibration *c)
+{
+    double share, margin;
+    if (!c->n_pilots) return;
+    lc_calibration_share(c, &share, &margin);
+    fprintf(f,
+            "asked            error %g within %g %%: %.1f %% +- %.1f %% of %u pilots, z %.4g, %llu shadow "
+            "rays to find it\n",
+            (double)c->error, (double)c->within, share, margin, c->n_pilots, (double)c->z, (ull)c->rays);
+}
+
+static void calibration_json(FILE *f, const lc_calibration *c)
+{
+    double share, margin;
+    lc_calibration_share(c, &share, &margin);
+    fprintf(f,
+            "  \"asked\": {\"error\": %.6g, \"within\": %.6g, \"z\": %.9g, \"pilots\": %u, "
+            "\"pilots_within\": %u, \"achieved\": %.6g, \"margin\": %.6g, \"rays\": %llu},\n",
+            (double)c->error, (double)c->within, (double)c->z, c->n_pilots, c->n_within,
+            c->n_pilots ? share : 100, c->n_pilots ? margin : 0, (ull)c->rays);
+}
+
 void cli_print_stats(FILE *f, const cli_render_report *r)
 {
     const lc_scene_info *i = &r->info;
@@ -68,6 +91,7 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     fprintf(f, "shadow rays      %llu, %.1f a point\n", (ull)s->shadow_rays,
             s->points ? (double)s->shadow_rays / (double)s->points : 0.0);
     fprintf(f, "bounds           %llu\n", (ull)s->bounds_evaluated);
+    print_calibration(f, &s->calibration);
     fprintf(f, "memory           bvh %.1f MB, light tree %.1f MB, process at most %.1f MB\n",
             (double)i->bvh_bytes * 1e-6, (double)i->tree_bytes * 1e-6, (double)peak_rss() * 1e-6);
 }
@@ -113,6 +137,7 @@ void cli_write_stats_json(FILE *f, void *report)
             "  \"cut\": {\"mean\": %.6g, \"median\": %u, \"p99\": %u, \"max\": %u, \"at_limit\": %llu, "
             "\"at_floor\": %llu},\n",
             s->cut_mean, s->cut_median, s->cut_p99, s->cut_max, (ull)s->cut_at_limit, (ull)s->points_dark);
+    calibration_json(f, &s->calibration);
     fprintf(f,
             "  \"mean_luminance\": %.9g,\n  \"shadow_rays\": %llu,\n  \"camera_rays\": %llu,\n  "
             "\"bounds_evaluated\": %llu,\n",

@@ -9,6 +9,9 @@
 /* Below this fraction of the dark floor a point is nearly dark: its errors cannot be seen, so cuts with many
  * occluded representatives keep the error ratio. Measured: tests/results/refinement.md. */
 #define NEARLY_DARK 0.25
+/* A start has a root of its sum of squared bounds this much above the limit of its own point: what is split
+ * there only is split for no other. */
+#define START_COARSER 1.4
 
 /* ---- memory ---- */
 
@@ -121,6 +124,16 @@ static float worst_of(const lc_cut_list *list)
     return fmaxf(fmaxf(worst[0], worst[1]), fmaxf(worst[2], worst[3]));
 }
 
+static void set_max_error(const lc_cut *c, lc_cut_result *out)
+{
+    float lum = lc_luminance(out->radiance), worst = worst_of(&c->kept);
+    if (c->desc.z > 0) {
+        worst = (float)((double)c->desc.z * sqrt(lc_cut_sum2(c)));
+        lum = fmaxf(lum, c->desc.floor);
+    }
+    if (worst > 0) out->max_error = lum > 0 ? worst / lum : INFINITY;
+}
+
 /* Fills in the result of a finished cut. Clusters that are in `open` still, for want of room, are kept. */
 static void finish(lc_cut *c, uint64_t rays_before, lc_stats *stats, lc_cut_result *out)
 {
@@ -131,8 +144,7 @@ static void finish(lc_cut *c, uint64_t rays_before, lc_stats *stats, lc_cut_resu
     out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
     out->size = lc_cut_size(c);
     for (uint32_t i = 0; i < c->n_hidden && c->record; i++) c->done[c->n_done++] = c->hidden[i].link;
-    float lum = lc_luminance(out->radiance), worst = worst_of(&c->kept);
-    if (worst > 0) out->max_error = lum > 0 ? worst / lum : INFINITY;
+    set_max_error(c, out);
     out->rays = (uint32_t)(stats->shadow_rays - rays_before);
     stats->cut_sum += out->size;
     stats->proved += c->n_hidden;
@@ -168,7 +180,8 @@ static void reset(lc_cut *c)
     c->n_zero_bound = 0;
     c->n_hidden = 0;
     c->n_traced = 0;
-    c->last_room_tested = false;
+    c->last_room_tested = c->worst_first = c->short_of_room = false;
+    c->factor = 1;
     c->n_history = c->start ? c->n_start_history : 0;
     c->n_rounds = c->start ? c->n_start_rounds : 0;
     for (int k = 0; k < 3; k++) c->done_sum[k] = 0;
@@ -191,36 +204,79 @@ static bool outgrows_start(const lc_cut *c)
     return lc_cut_n_clusters(c) + c->split.n > (most < LC_MAX_START ? most : LC_MAX_START);
 }
 
+/* A round: splits what lc_cut_select chose. False: there is nothing to split, or no room for a round. */
+static bool split_round(lc_cut *c, lc_cut_step *s, float limit, uint64_t rays_before, double *total)
+{
+    lc_cut_select(c, limit, s->stats);
+    if (!c->split.n) return false;
+    if (!c->start_saved && outgrows_start(c)) lc_cut_save_start(c);
+    if (c->record) record_round(c, limit, *total, s->stats->shadow_rays - rays_before);
+    *total += lc_cut_split(c, s, limit);
+    return true;
+}
+
+/* The limit on the bounds of clusters: that of each of them, or that of a round, with which clusters are
+ * split worst first until the whole cut is within its limit, or the room is used up. */
+static float limit_of(lc_cut *c, bool traced, double total, double *ratio)
+{
+    const double floor_lum = (double)c->desc.floor, of = total > floor_lum ? total : floor_lum;
+    *ratio = (double)c->desc.error_ratio;
+    if (c->desc.z > 0) {
+        const double rss = *ratio * of / (double)c->desc.z;
+        /* No cut that begins with this one is finer than it need be. */
+        if (!c->start_saved && isinf(lc_cut_rss_limit(c, START_COARSER * rss))) lc_cut_save_start(c);
+        return lc_cut_rss_limit(c, rss);
+    }
+    if (traced) c->factor = total > NEARLY_DARK * floor_lum ? lc_cut_ratio_factor(c) : 1;
+    *ratio *= c->factor;
+    float limit = round_down(*ratio * of);
+    return c->worst_first ? lc_cut_worst_limit(c, limit) : limit;
+}
+
 /* Refines the cut; see cut.h. Pending rays count as V = 1: the total is no less than it will be and the limit
  * no lower, so nothing is split without need. With proofs of occlusion, a cut that is saved as a start traces
- * its rays after every round. Returns the total's luminance; *ratio is the error ratio of the last limit. */
+ * its rays after every round. Returns the total's luminance; *ratio is the error ratio of the last limit.
+ * c->short_of_room is set where a round did not fit. */
 static double refine(lc_cut *c, lc_cut_step *s, double *ratio)
 {
-    const double floor_lum = (double)c->desc.floor;
+    const bool each_round = c->worst_first || c->desc.z > 0; /* a limit of its own */
     const uint64_t rays_before = s->stats->shadow_rays;
     const bool trace_each_round = c->occlusion && c->start_out;
-    double total = c->start ? lc_cut_place_start(c, s) : lc_cut_place_roots(c, s), factor = 1;
+    double total = c->start ? lc_cut_place_start(c, s) : lc_cut_place_roots(c, s);
     for (bool traced = c->start;;) {
-        if (traced) factor = total > NEARLY_DARK * floor_lum ? lc_cut_ratio_factor(c) : 1;
-        *ratio = factor * (double)c->desc.error_ratio;
-        float limit = round_down(*ratio * (total > floor_lum ? total : floor_lum));
-        if (traced) {
+        const float limit = limit_of(c, traced, total, ratio);
+        if (traced || each_round) {
             c->ctx->cut_kernels->partition(&c->kept, limit, &c->open, &c->kept);
-            c->n_traced = c->kept.n;
+            c->n_traced = traced ? c->kept.n : 0;
         }
-        lc_cut_select(c, limit, s->stats);
-        if (c->split.n) {
-            if (!c->start_saved && outgrows_start(c)) lc_cut_save_start(c);
-            if (c->record) record_round(c, limit, total, s->stats->shadow_rays - rays_before);
-            total += lc_cut_split(c, s, limit);
-            traced = false;
-            if (!trace_each_round) continue;
-        } else if (traced) {
-            return total;
-        }
+        const uint32_t hidden_before = c->n_hidden;
+        const bool split = split_round(c, s, limit, rays_before, &total);
+        if (c->short_of_room && !each_round) return total;
+        if (split) traced = false;
+        if (split && !trace_each_round) continue;
+        if (!split && c->n_hidden > hidden_before) continue; /* all of the round are: there is a new limit */
+        if (traced) return total;
         total += lc_cut_trace(c, s);
         traced = true;
     }
+}
+
+/* Refines it in rounds; where these run out of room, again from the roots, worst first. */
+static double refine_within_room(lc_cut *c, lc_cut_step *s, double *ratio)
+{
+    double total = refine(c, s, ratio);
+    if (!c->short_of_room || c->desc.z > 0) return total;
+    c->start = NULL;
+    reset(c);
+    c->worst_first = true;
+    return refine(c, s, ratio);
+}
+
+/* Whether the error left is above this. */
+static bool error_above(const lc_cut *c, double most)
+{
+    if (c->desc.z > 0) return (double)c->desc.z * sqrt(lc_cut_sum2(c)) > most;
+    return (double)worst_of(&c->kept) > most;
 }
 
 void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t hash, lc_stats *stats,
@@ -239,9 +295,9 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     if (!c->tree->n_lights) return;
     set_slot(c, (uint32_t)(hash % c->tree->n_reps));
     if (c->occlusion) lc_occlusion_start(c->occlusion, org);
-    double ratio, total = refine(c, &s, &ratio);
+    double ratio, total = refine_within_room(c, &s, &ratio);
     if (!c->start_saved) lc_cut_save_start(c);
     out->at_limit = c->open.n > 0;
-    out->dark = !out->at_limit && total < (double)c->desc.floor && (double)worst_of(&c->kept) > ratio * total;
+    out->dark = !out->at_limit && total < (double)c->desc.floor && error_above(c, ratio * total);
     finish(c, rays_before, stats, out);
 }

@@ -31,6 +31,8 @@ typedef struct lc_cut_desc {
     float error_ratio; /* of one cluster; lowered in cuts with many occluded representatives */
     uint32_t max_cut;  /* 0: no limit; at least the number of roots is allowed */
     float floor;       /* the dark floor: luminance of reflected radiance, W/(m^2 sr) */
+    float z;           /* 0: error_ratio limits each cluster. Else it limits the whole cut: z times the root
+                          of the sum of its squared bounds */
 } lc_cut_desc;
 
 /* Clusters that were split together. */
@@ -74,6 +76,9 @@ typedef struct lc_cut {
     uint32_t n_zero_bound; /* of these, clusters whose bound is 0 */
     double done_sum[3];    /* radiance of the lights that are done */
     uint32_t n_traced; /* the first clusters of `kept`, none of which has a pending ray */
+    bool short_of_room; /* a round did not fit */
+    bool worst_first;   /* clusters are split by falling bounds, as max_size leaves no room for all */
+    double factor;      /* on the error ratio, <= 1 */
 
     lc_occlusion *occlusion; /* NULL: nothing is ever proved to be occluded */
     lc_hidden_cluster *hidden;
@@ -90,7 +95,8 @@ typedef struct lc_cut_result {
     lc_f3 radiance;
     uint32_t size;   /* clusters and lights as max_cut counts them */
     uint32_t rays;   /* shadow rays */
-    float max_error; /* largest bound of `kept` over the luminance of the estimate; 0 where `kept` is empty */
+    float max_error; /* largest bound of `kept` over the luminance of the estimate, 0 where `kept` is empty;
+                        with desc.z the half-width: what error_ratio limits, of the larger of the two */
     bool at_limit;   /* max_cut was met: some bound may be above the limit */
     bool dark;       /* only the dark floor keeps every bound within the limit */
 } lc_cut_result;

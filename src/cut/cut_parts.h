@@ -40,6 +40,14 @@ void lc_cut_save_start(lc_cut *cut);
 
 /* Factor <= 1 on the error ratio. No ray may be pending. */
 double lc_cut_ratio_factor(const lc_cut *cut);
+/* The sum of squared bounds of all clusters. */
+double lc_cut_sum2(const lc_cut *cut);
+/* The bound above which clusters are split next so that the root of that sum falls to rss: those below it
+ * have no larger root together, so that splitting the worst cluster again and again would split all above it,
+ * too. INFINITY where the root is no larger. */
+float lc_cut_rss_limit(const lc_cut *cut, double rss);
+/* The bound above which clusters are split next where they are split worst first; at least `limit`. */
+float lc_cut_worst_limit(const lc_cut *cut, float limit);
 /* Fills `split` from `open` with what the next round splits. `open` keeps the clusters above the limit for
  * which there is no room. */
 void lc_cut_select(lc_cut *cut, float limit, lc_stats *stats);

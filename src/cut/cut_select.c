@@ -12,6 +12,11 @@
 #define LAST_ROOM_DIVISOR 32   /* the last of the room: at most max_size / 32 places */
 #define LAST_ROOM_TRIANGLES 12 /* of a proof made before the last of the room is used */
 #define MIN_TRIANGLES 4        /* of a proof where the bound is hardly above the limit */
+#define LEAST_SPLIT_DIVISOR 64 /* where the whole cut is limited, of all clusters a round splits as many */
+#define KEPT_BY_CHILDREN 0.2   /* of the squared bounds that are split, about that is the children's again */
+#define KEPT_BY_ALL 0.05       /* of the squared limit; the rest is for children of what is above it */
+#define WORST_STEP 0.5f        /* worst first: bounds of one round are within this factor */
+#define WORST_BATCH 16         /* clusters that are split together, worst first, whatever room there is */
 
 /* With an occluded representative a cluster's visible members are lost. n such errors, each with a sign of
  * its own, grow as sqrt(n), so the ratio falls as 1 / sqrt(n), n > MAX_HIDDEN_REPS. */
@@ -26,6 +31,88 @@ double lc_cut_ratio_factor(const lc_cut *c)
     }
     return n_dark > MAX_HIDDEN_REPS ? sqrt((double)MAX_HIDDEN_REPS / n_dark) : 1;
 }
+
+/* ---- which bounds are split next ---- */
+
+/* Bounds by size: 32 steps an octave, from the limit on the root down. */
+#define STEP_BITS 18 /* of a float's bits, below the five of a step */
+#define N_STEPS 512  /* 16 octaves; what is smaller counts to the last */
+
+static uint32_t bits_of(float x)
+{
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+static float of_bits(uint32_t bits)
+{
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+static float largest_bound(const lc_cut *c)
+{
+    const lc_cut_list *const lists[] = { &c->open, &c->kept };
+    float most = 0;
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = 0; i < lists[k]->n; i++) most = fmaxf(most, lists[k]->bound[i]);
+    return most;
+}
+
+double lc_cut_sum2(const lc_cut *c)
+{
+    const lc_cut_list *const lists[] = { &c->open, &c->kept };
+    double sum[8] = { 0 };
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = 0; i < lists[k]->n; i++)
+            sum[i & 7] += (double)lists[k]->bound[i] * (double)lists[k]->bound[i];
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+}
+
+/* Clusters by their bounds: step 0 has those from `top` steps up. */
+typedef struct {
+    uint32_t top, n[N_STEPS];
+    double sum2[N_STEPS];
+} steps;
+
+static void sort_into_steps(const lc_cut_list *list, steps *s)
+{
+    for (uint32_t i = 0; i < list->n; i++) {
+        const int32_t below = (int32_t)s->top - (int32_t)(bits_of(list->bound[i]) >> STEP_BITS);
+        const int32_t at = below < 0 ? 0 : below < N_STEPS ? below : N_STEPS - 1;
+        s->sum2[at] += (double)list->bound[i] * (double)list->bound[i];
+        s->n[at]++;
+    }
+}
+
+float lc_cut_rss_limit(const lc_cut *c, double rss)
+{
+    steps s = { .top = (bits_of((float)rss) >> STEP_BITS) + 1 };
+    double sum2 = 0, split = 0;
+    uint32_t n_split = 0, at = 0;
+    sort_into_steps(&c->open, &s);
+    sort_into_steps(&c->kept, &s);
+    for (uint32_t k = 0; k < N_STEPS; k++) sum2 += s.sum2[k];
+    const double excess = sum2 - rss * rss;
+    if (!(excess > 0)) return INFINITY;
+    /* Some of what is split stays as children: more is split, but never much more than the worst. */
+    const double want = excess + fmin(KEPT_BY_CHILDREN * excess, KEPT_BY_ALL * rss * rss);
+    const uint32_t n_least = (c->open.n + c->kept.n) / LEAST_SPLIT_DIVISOR;
+    while (at + 1 < N_STEPS && at < s.top && (split < want || n_split < n_least)) {
+        split += s.sum2[at];
+        n_split += s.n[at++];
+    }
+    return nextafterf(of_bits((s.top + 1 - at) << STEP_BITS), 0);
+}
+
+float lc_cut_worst_limit(const lc_cut *c, float limit)
+{
+    return fmaxf(limit, largest_bound(c) * WORST_STEP);
+}
+
+/* ---- the largest ---- */
 
 /* The n-th largest of key[0 .. count), n >= 1, by quickselect; reorders them. */
 static float nth_largest(float *key, uint32_t count, uint32_t n)
@@ -66,12 +153,15 @@ static void swap_open(lc_cut *c)
 }
 
 /* There is no room to split all: moves all but the clusters with the largest bounds back to `open`, which is
- * empty. Takes 3/4 of the room only, since children of the worst clusters may have to be split again. */
+ * empty. Takes a quarter of the room only, since children of the worst clusters may have to be split again.
+ */
 static void split_fewer(lc_cut *c, uint32_t room)
 {
     lc_cut_list *split = &c->split;
-    uint32_t n = split->n, n_take = (3 * room + 3) / 4;
+    uint32_t n = split->n, n_take = room / 4 > WORST_BATCH ? room / 4 : WORST_BATCH;
     bool unique;
+    if (n_take > room) n_take = room;
+    if (n_take > n) n_take = n;
     if (!n_take) {
         swap_open(c);
         return;
@@ -155,6 +245,14 @@ void lc_cut_select(lc_cut *c, float limit, lc_stats *stats)
         c->last_room_tested = true;
         room = c->max_size - lc_cut_size(c);
     }
-    if (c->split.n > room) split_fewer(c, room);
+    if (c->split.n > room) {
+        c->short_of_room = true;
+        if (!c->worst_first && !(c->desc.z > 0)) { /* begun again, worst first */
+            swap_open(c);
+            c->split.n = 0;
+            return;
+        }
+        split_fewer(c, room);
+    }
     if (!last_room) drop_hidden(c, limit, false, stats);
 }

@@ -170,6 +170,14 @@ const char *lc_image_get_text(const lc_image *image, const char *name)
     return NULL;
 }
 
+double lc_image_get_number(const lc_image *image, const char *name, double otherwise)
+{
+    for (size_t i = 0; i < image->n_attrs; i++)
+        if (image->attrs[i].kind == LC_ATTR_NUMBER && strcmp(image->attrs[i].name, name) == 0)
+            return image->attrs[i].number;
+    return otherwise;
+}
+
 lc_status lc_image_set_text(lc_image *image, const char *name, const char *value)
 {
     if (!image || !name || !value) return LC_ERR_ARG;

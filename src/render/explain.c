@@ -327,6 +327,7 @@ static void set_point(explainer *e)
     double ratio = (double)p->cut.desc.error_ratio, total = (double)lc_luminance(p->by_cut.radiance);
     x->limit = ratio * (total > x->floor ? total : x->floor);
     x->max_error = p->by_cut.max_error;
+    x->z = p->cut.desc.z;
     x->rays = p->by_cut.rays;
     x->cut_size = p->by_cut.size;
     x->at_limit = p->by_cut.at_limit;

@@ -7,7 +7,7 @@
 /* A field was added? Hash it below if it shapes the picture, then put the new size here. */
 _Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 96,
                "lc_render_identity: hash the new field of lc_load_desc");
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 112,
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 128,
                "lc_render_identity: hash the new field of lc_render_desc");
 
 static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *scene)
@@ -24,11 +24,13 @@ static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *sce
     lc_digest_u64(d, load->max_depth ? load->max_depth : scene->max_depth);
 }
 
-/* What is 0 and means the scene's is taken as that, as it gives the same picture. */
+/* What is 0 and means the scene's is taken as that, as it gives the same picture; so does a calibration,
+ * which is this picture's. */
 static void add_render(lc_digest *d, const lc_render_desc *r, const lc_scene *scene)
 {
     lc_digest_u64(d, (uint64_t)r->method);
-    lc_digest_number(d, (double)r->error_ratio);
+    lc_digest_number(d, (double)r->error);
+    lc_digest_number(d, (double)(r->error > 0 ? r->within : r->error_ratio));
     lc_digest_u64(d, r->max_cut);
     lc_digest_number(d, (double)r->dark_floor);
     lc_digest_u64(d, r->spp ? r->spp : scene->film.spp);

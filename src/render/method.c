@@ -24,6 +24,7 @@
 #define WORK_OF_BOUND 3     /* with its share of a split: half an estimate, a cluster placed */
 #define WORK_OF_PROOF 15    /* a triangle tested in a proof */
 #define WORK_OF_CUT 48      /* a cut, whatever its size */
+#define USUAL_Z 0.25        /* of one sample, until it is known what keeps the asked error */
 #define WORK_FOR_NO_ERROR 1.1 /* factor of work that every light is allowed, as it has no error */
 
 /* Radiance seen at a cell of a grid of side * side over the whole film; false: nothing there that is lit. */
@@ -51,7 +52,7 @@ static void prepass_cell(void *user, uint32_t thread, uint64_t item)
 static lc_status prepass(lc_render_job *j, double *mean)
 {
     const size_t n = PREPASS_SIDE * PREPASS_SIDE;
-    lc_cut_desc desc = { PREPASS_RATIO, PREPASS_MAX_CUT, 0 };
+    lc_cut_desc desc = { PREPASS_RATIO, PREPASS_MAX_CUT, 0, 0 };
     j->prepass = lc_alloc(j->ctx, n, sizeof *j->prepass);
     lc_status st = j->prepass ? lc_job_make_workers(j, &desc) : LC_ERR_MEMORY;
     *mean = 0;
@@ -107,23 +108,44 @@ static lc_status exact_pays(lc_render_job *j, const lc_cut_desc *cut, bool *pays
     return LC_OK;
 }
 
-lc_cut_desc lc_job_cut_desc(const lc_render_job *j, const lc_render_stats *stats)
+lc_cut_desc lc_job_cut_desc(const lc_render_job *j)
 {
-    return (lc_cut_desc){ j->desc->error_ratio, j->desc->max_cut,
-                          j->desc->dark_floor * (float)stats->mean_luminance };
+    const lc_render_desc *d = j->desc;
+    return (lc_cut_desc){ d->error > 0 ? d->error : d->error_ratio, d->max_cut, j->floor, j->z };
 }
 
-/* Whether cuts are made at all, and the mean luminance for their dark floor. */
-lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
+/* Finds z, or takes it from who has it, unless every light turns out to be evaluated. */
+static lc_status choose_z(lc_render_job *j, lc_calibration *c)
 {
     lc_status st = LC_OK;
-    uint32_t n = j->scene->tree->n_lights, max_cut = j->desc->max_cut;
-    stats->exact = j->exact = j->desc->method == LC_METHOD_EXACT;
+    *c = (lc_calibration){ .error = j->desc->error, .within = j->desc->within, .z = j->z };
+    if (j->desc->calibration) *c = *j->desc->calibration;
+    else st = lc_calibrate(j, c);
+    j->z = c->z;
+    if (!st && j->desc->method == LC_METHOD_LIGHTCUTS) {
+        const lc_cut_desc cut = lc_job_cut_desc(j);
+        st = exact_pays(j, &cut, &j->exact);
+    }
+    if (j->exact) *c = (lc_calibration){ .rays = c->rays };
+    return st;
+}
+
+/* Whether cuts are made at all, the mean luminance for their dark floor, and their z. */
+lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
+{
+    const lc_render_desc *d = j->desc;
+    const uint32_t n = j->scene->tree->n_lights;
+    lc_status st = LC_OK;
+    stats->exact = j->exact = d->method == LC_METHOD_EXACT;
     if (j->exact) return LC_OK;
-    bool few = j->desc->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(max_cut && max_cut < n);
-    if (!few && j->desc->dark_floor > 0 && j->desc->error_ratio > 0) st = prepass(j, &stats->mean_luminance);
-    lc_cut_desc cut = lc_job_cut_desc(j, stats);
-    if (!st && j->desc->method == LC_METHOD_LIGHTCUTS) st = exact_pays(j, &cut, &j->exact);
+    j->z = d->error > 0 ? (float)(USUAL_Z / sqrt((double)j->spp)) : 0;
+    bool few = d->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(d->max_cut && d->max_cut < n);
+    if (!few && d->dark_floor > 0 && (d->error > 0 || d->error_ratio > 0))
+        st = prepass(j, &stats->mean_luminance);
+    j->floor = d->dark_floor * (float)stats->mean_luminance;
+    const lc_cut_desc cut = lc_job_cut_desc(j);
+    if (!st && d->method == LC_METHOD_LIGHTCUTS) st = exact_pays(j, &cut, &j->exact);
+    if (!st && !j->exact && n && d->error > 0) st = choose_z(j, &stats->calibration);
     stats->exact = j->exact;
     return st;
 }

@@ -134,7 +134,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
         return true;
     }
     w->stats.camera_rays += s.n_rays;
-    lc_shade_sight(j, w, &s, j->exact ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i),
+    lc_shade_sight(j, w, &s, j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i),
                    lc_slot_hash(j, x, y, i), &r);
     *rgb = lc_f3_add(r.radiance, s.emission);
     add_sample(j, px, &s, dir, &r);

@@ -20,7 +20,7 @@ static lc_status probe_desc(lc_render_job *j, lc_probe *p, lc_cut_desc *cut)
         st = lc_choose_method(j, &stats);
         j->desc = desc;
     }
-    *cut = lc_job_cut_desc(j, &stats);
+    *cut = lc_job_cut_desc(j);
     p->mean_luminance = stats.mean_luminance;
     return st;
 }

@@ -166,6 +166,11 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
     if (!(d->error_ratio >= 0) || !isfinite(d->error_ratio) || !(d->dark_floor >= 0) ||
         !isfinite(d->dark_floor))
         return lc_fail(ctx, LC_ERR_ARG, "error ratio and dark floor must be finite and at least 0");
+    if (!(d->error >= 0) || !isfinite(d->error) || (d->error > 0 && !(d->within > 0 && d->within < 100)))
+        return lc_fail(ctx, LC_ERR_ARG,
+                       "the error must be finite and at least 0, the share within it above 0 and below 100");
+    if (d->calibration && !(d->calibration->z > 0 && isfinite(d->calibration->z)))
+        return lc_fail(ctx, LC_ERR_ARG, "a calibration's z must be finite and above 0");
     if (d->spp > LC_MAX_SPP) return lc_fail(ctx, LC_ERR_ARG, "more than %u samples per pixel", LC_MAX_SPP);
     bool scene_crop = !d->crop[0] && !d->crop[1] && !d->crop[2] && !d->crop[3];
     for (int i = 0; i < 4; i++) {
@@ -185,7 +190,7 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     lc_status st = lc_choose_method(j, stats);
     if (!st && atomic_load(&j->cancelled)) st = LC_ERR_CANCELLED;
     if (st) return st;
-    lc_cut_desc cut = lc_job_cut_desc(j, stats);
+    lc_cut_desc cut = lc_job_cut_desc(j);
     if (j->exact) cut.max_cut = 1; /* no cuts are made */
     j->tiles_x = (crop[1] - crop[0] + LC_TILE - 1) / LC_TILE;
     j->tiles_y = (crop[3] - crop[2] + LC_TILE - 1) / LC_TILE;
@@ -203,7 +208,7 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     stats->pixels = j->total;
     stats->pixels_loaded = atomic_load(&j->loaded);
     lc_job_join_stats(j, stats);
-    return lc_job_set_attributes(j);
+    return lc_job_set_attributes(j, stats);
 }
 
 lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc)

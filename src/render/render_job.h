@@ -1,6 +1,7 @@
 /* render_job.h - one call of lc_render while it runs: what its parts share.
  *
  *     method.c   pre-pass for the dark floor; cuts or every light
+ *     calibrate.c   the factor z that keeps the error asked of pixels
  *     guide.c    the cut that a block's cuts begin with
  *     pixel.c    camera rays, shading points, their cuts, the pixel
  *     share.c    pixels whose samples neighbours share
@@ -53,6 +54,7 @@ typedef struct lc_render_worker {
     lc_guide guide;
     uint64_t *cut_hist; /* points by cut size, 0 .. cut.max_size */
     uint64_t cut_max;   /* of the tile */
+    bool alone;         /* cuts begin with the roots */
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
     lc_shared_pixel *shared; /* of a group of tiles; NULL: no samples are shared */
@@ -74,6 +76,8 @@ typedef struct lc_render_job {
     atomic_bool cancelled;
     double *prepass; /* luminance by grid cell */
     bool exact;      /* every light at every point */
+    float floor;     /* luminance: the dark floor */
+    float z;         /* of cuts where the error of pixels is asked, else 0 */
     lc_filter_share *share; /* where samples are shared; NULL: each pixel has its own */
     uint32_t group;         /* tiles a side whose samples are shared */
     double pixel;    /* textures are filtered over: a length at distance 1 */
@@ -106,7 +110,13 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
 /* Sets j->exact: whether every light is evaluated at every point; and the mean luminance of the dark floor.
  */
 lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats);
-lc_cut_desc lc_job_cut_desc(const lc_render_job *j, const lc_render_stats *stats);
+lc_cut_desc lc_job_cut_desc(const lc_render_job *j);
+
+/* ---- calibrate.c ---- */
+
+/* Fills in z and what the pilots say; `error` and `within` of *c are set. Leaves z where no pilot is finite.
+ * Fails with LC_ERR_MEMORY, LC_ERR_CANCELLED. */
+lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 
 /* ---- guide.c ---- */
 
@@ -156,6 +166,6 @@ void lc_tile_give(const lc_render_job *j, const lc_render_worker *w, const lc_st
 /* ---- render_stats.c ---- */
 
 void lc_job_join_stats(const lc_render_job *j, lc_render_stats *out);
-lc_status lc_job_set_attributes(const lc_render_job *j);
+lc_status lc_job_set_attributes(const lc_render_job *j, const lc_render_stats *stats);
 
 #endif

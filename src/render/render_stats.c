@@ -3,6 +3,7 @@
 
 #include "tree/light_tree.h"
 
+#include <math.h>
 #include <stdio.h>
 
 static uint32_t percentile(const uint64_t *hist, uint32_t limit, uint64_t total, double share)
@@ -30,6 +31,14 @@ static void cut_stats(const lc_render_job *j, lc_render_stats *out)
     out->cut_max = (uint32_t)atomic_load(&j->loaded_max);
     for (uint32_t i = 0; i <= limit; i++)
         if (hist[i] && i > out->cut_max) out->cut_max = i;
+}
+
+/* Wilson's interval of 95 %: pilots are few, and often nearly all of them are within the error. */
+void lc_calibration_share(const lc_calibration *c, double *share, double *margin)
+{
+    const double n = c->n_pilots ? c->n_pilots : 1, p = c->n_within / n, q = 1.96;
+    *share = 100 * p;
+    *margin = 100 * q * sqrt(p * (1 - p) / n + q * q / (4 * n * n)) / (1 + q * q / n);
 }
 
 /* The fractions of the timed samples, of the processor time of all threads. */
@@ -87,8 +96,25 @@ static lc_status set_load_attributes(lc_image *im, const lc_scene *scene)
     return st;
 }
 
+/* What was asked of pixels, and what the pilots say of it; where every light is evaluated, nothing is off. */
+static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, const lc_render_stats *stats)
+{
+    const lc_calibration *c = &stats->calibration;
+    lc_status st = lc_image_set_number(im, "lightcuts/error", (double)d->error);
+    if (!st) st = lc_image_set_number(im, "lightcuts/within", (double)d->within);
+    if (!st) st = lc_image_set_number(im, "lightcuts/everyLight", stats->exact);
+    if (!st) st = lc_image_set_number(im, "lightcuts/pilots", c->n_pilots);
+    if (st || !c->n_pilots) return st;
+    double share, margin;
+    lc_calibration_share(c, &share, &margin);
+    st = lc_image_set_number(im, "lightcuts/achieved", share);
+    if (!st) st = lc_image_set_number(im, "lightcuts/achievedMargin", margin);
+    if (!st) st = lc_image_set_number(im, "lightcuts/z", (double)c->z);
+    return st;
+}
+
 /* The options that shape the picture, so that a file says how it was made; the manual page lists them. */
-lc_status lc_job_set_attributes(const lc_render_job *j)
+lc_status lc_job_set_attributes(const lc_render_job *j, const lc_render_stats *stats)
 {
     static const char *const method[] = { "lightcuts", "exact", "cuts" };
     lc_image *im = j->film.image;
@@ -103,7 +129,8 @@ lc_status lc_job_set_attributes(const lc_render_job *j)
     if (!st) st = lc_image_set_number(im, "lightcuts/maxDepth", j->max_depth);
     if (!st) st = set_load_attributes(im, j->scene);
     if (st || d->method == LC_METHOD_EXACT) return st;
-    st = lc_image_set_number(im, "lightcuts/errorRatio", (double)d->error_ratio);
+    st = d->error > 0 ? set_error_attributes(im, d, stats)
+                      : lc_image_set_number(im, "lightcuts/errorRatio", (double)d->error_ratio);
     if (!st) st = lc_image_set_number(im, "lightcuts/maxCut", d->max_cut);
     if (!st) st = lc_image_set_number(im, "lightcuts/darkFloor", (double)d->dark_floor);
     if (!st) st = lc_image_set_number(im, "lightcuts/representatives", j->scene->tree->n_reps);

@@ -1,0 +1,72 @@
+/* calibration.c - see calibration.h. */
+#include "cli/calibration.h"
+
+#include "cli/cli.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+typedef struct {
+    lc_identity id;
+    lc_calibration c;
+} content;
+
+static int complain(const char *path, const char *what)
+{
+    fprintf(stderr, "lightcuts: error: calibration '%s' %s\n", cli_shown(path), what);
+    return CLI_INPUT;
+}
+
+static bool parse(FILE *f, content *x)
+{
+    char end;
+    const int n = fscanf(f,
+                         "lightcuts-calibration 1 scene %16" SCNx64 " options %16" SCNx64
+                         " asked %f %f z %f pilots %9" SCNu32 " within %9" SCNu32 " %c",
+                         &x->id.scene, &x->id.options, &x->c.error, &x->c.within, &x->c.z, &x->c.n_pilots,
+                         &x->c.n_within, &end);
+    return n == 7 && x->c.z > 0 && isfinite(x->c.z) && x->c.error > 0 && isfinite(x->c.error) &&
+           x->c.within > 0 && x->c.within < 100 && x->c.n_pilots && x->c.n_within <= x->c.n_pilots;
+}
+
+int cli_calibration_read(lc_context *ctx, const lc_scene *scene, const char *path, lc_render_desc *render,
+                         lc_calibration *out)
+{
+    content x = { .c = { .z = 0 } };
+    lc_identity id;
+    FILE *f = fopen(path, "r");
+    if (!f && errno == ENOENT) return CLI_OK;
+    if (!f) return complain(path, "cannot be read");
+    const bool good = parse(f, &x);
+    fclose(f);
+    if (!good) return complain(path, "is damaged, or none");
+    lc_status st = lc_render_identity(ctx, scene, render, &id);
+    if (st) return cli_exit_status(st);
+    if (id.scene != x.id.scene || id.options != x.id.options)
+        return complain(path, "is of another scene, or of other options");
+    *out = x.c;
+    render->calibration = out;
+    return CLI_OK;
+}
+
+static void write_content(FILE *f, void *user)
+{
+    const content *x = user;
+    fprintf(f,
+            "lightcuts-calibration 1\nscene %016" PRIx64 "\noptions %016" PRIx64
+            "\nasked %.9g %.9g\nz %.9g pilots %" PRIu32 " within %" PRIu32 "\n",
+            x->id.scene, x->id.options, (double)x->c.error, (double)x->c.within, (double)x->c.z,
+            x->c.n_pilots, x->c.n_within);
+}
+
+int cli_calibration_write(lc_context *ctx, const lc_scene *scene, const char *path,
+                          const lc_render_desc *render, const lc_calibration *found)
+{
+    content x = { .c = *found };
+    if (!found->n_pilots || render->calibration) return CLI_OK;
+    lc_status st = lc_render_identity(ctx, scene, render, &x.id);
+    if (st) return cli_exit_status(st);
+    return cli_write_file(path, write_content, &x);
+}

@@ -1,0 +1,208 @@
+/* unit_asked.c - the error that is asked of finished pixels: it holds, for pixels that were no pilots; the
+ * picture is the same for every crop, number of threads and source of its calibration; scenes with hardly
+ * anything in them. */
+#include "support/logged.h"
+
+#include "lightcuts.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define SIDE 64
+#define PATH "build/unit_asked.pbrt"
+
+/* A floor and a wall behind a fence of blocks, under n lamps. */
+static void write_scene(int side, int n, double power)
+{
+    FILE *f = fopen(PATH, "w");
+    if (!f) abort();
+    fprintf(f,
+            "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\n"
+            "LookAt 0 3 7 0 1 0 0 1 0\nCamera \"perspective\" \"float fov\" [50]\nIntegrator \"directlighting\"\n"
+            "WorldBegin\n"
+            "Material \"diffuse\" \"rgb reflectance\" [.6 .5 .4]\n",
+            side, side);
+    for (int i = 0; i < n; i++) {
+        const double a = i * 2.399963, r = sqrt((i + 0.5) / n) * 4;
+        fprintf(f, "LightSource \"point\" \"rgb I\" [%g %g %g] \"point3 from\" [%g %g %g]\n",
+                power * (0.5 + i % 3), power, power, r * cos(a), 2.5 + i % 5 * 0.4, r * sin(a));
+    }
+    fprintf(f, "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 0 9 9 0 9 9 0 -9 "
+               "-9 0 -9]\n"
+               "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 0 -3 9 0 -3 9 6 -3 "
+               "-9 6 -3]\n");
+    for (int i = 0; i < 12; i++)
+        fprintf(f,
+                "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [%g 0 1 %g 0 1 "
+                "%g 1.5 1 %g 1.5 1]\n",
+                i * 0.7 - 4, i * 0.7 - 3.7, i * 0.7 - 3.7, i * 0.7 - 4);
+    fclose(f);
+}
+
+typedef struct {
+    uint32_t threads, spp;
+    lc_method method;
+    float error, within;
+    int32_t crop[4];
+    const lc_calibration *calibration;
+    uint32_t max_cut;
+} way;
+
+typedef struct {
+    float rgb[3][SIDE * SIDE];
+    lc_render_stats stats;
+    lc_status status;
+} picture;
+
+static void render(way w, picture *out)
+{
+    lc_context *ctx = quiet_context(w.threads ? w.threads : 2);
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_scene *scene = NULL;
+    lc_image *image = NULL;
+    d.method = w.method;
+    d.spp = w.spp ? w.spp : 1;
+    d.error = w.error;
+    d.within = w.within;
+    d.max_cut = w.max_cut;
+    d.dark_floor = LC_ASKED_DARK_FLOOR;
+    d.calibration = w.calibration;
+    memcpy(d.crop, w.crop, sizeof d.crop);
+    memset(out->rgb, 0, sizeof out->rgb);
+    if (lc_scene_load(ctx, PATH, NULL, &scene)) abort();
+    out->status = lc_render(ctx, scene, &d, &image, &out->stats);
+    lc_image_desc size = LC_IMAGE_DESC_INIT;
+    if (!out->status) lc_image_get_desc(image, &size);
+    for (int k = 0; k < 3 && !out->status; k++)
+        memcpy(out->rgb[k], lc_image_channel(image, (const char *[]){ "R", "G", "B" }[k]),
+               (size_t)size.width * size.height * sizeof(float));
+    lc_image_destroy(image);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+}
+
+static double luminance(const picture *p, int i)
+{
+    return 0.2126 * (double)p->rgb[0][i] + 0.7152 * (double)p->rgb[1][i] + 0.0722 * (double)p->rgb[2][i];
+}
+
+static double share_within(const picture *p, const picture *truth, double error)
+{
+    double mean = 0, n = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) mean += luminance(truth, i) / (SIDE * SIDE);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double y = luminance(truth, i);
+        n += fabs(luminance(p, i) - y) <= error * fmax(y, (double)LC_ASKED_DARK_FLOOR * mean);
+    }
+    return 100 * n / (SIDE * SIDE);
+}
+
+/* Most of the 4096 pixels are no pilots. The windows are those of the demand, for 512 pilots. */
+TEST(what_is_asked_holds)
+{
+    static const struct { float error, within; uint32_t spp; double lo, hi; } rows[] = {
+        { 0.02f, 95, 1, 93, 99 }, { 0.02f, 99, 1, 98, 100 }, { 0.02f, 80, 1, 76, 92 },
+        { 0.05f, 95, 1, 93, 99 }, { 0.02f, 95, 4, 93, 99 },
+    };
+    static picture truth, p;
+    uint64_t rays[sizeof rows / sizeof *rows];
+    write_scene(SIDE, 3000, 0.01);
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        render((way){ .method = LC_METHOD_EXACT, .spp = rows[k].spp }, &truth);
+        render((way){ .method = LC_METHOD_CUTS, .error = rows[k].error, .within = rows[k].within,
+                      .spp = rows[k].spp }, &p);
+        const lc_calibration *c = &p.stats.calibration;
+        double share = share_within(&p, &truth, (double)rows[k].error), of_pilots, margin;
+        lc_calibration_share(c, &of_pilots, &margin);
+        printf("  %g within %g %%, %u samples: %.1f %%, pilots %.1f +- %.1f, %.0f rays a point\n",
+               (double)rows[k].error, (double)rows[k].within, rows[k].spp, share, of_pilots, margin,
+               (double)p.stats.shadow_rays / (double)p.stats.points);
+        CHECKF(share >= rows[k].lo && share <= rows[k].hi, "%g %%", share);
+        CHECK(of_pilots >= (double)rows[k].within && fabs(share - of_pilots) <= 2 * margin + 1);
+        rays[k] = p.stats.shadow_rays;
+    }
+    CHECK(rays[1] > rays[0] && rays[0] > rays[2] && rays[0] > rays[3]);
+    CHECKF(rays[4] < 3 * rays[0], "4 samples: %llu rays, one %llu", (unsigned long long)rays[4],
+           (unsigned long long)rays[0]);
+}
+
+TEST(same_bytes_for_crops_threads_and_kept_calibrations)
+{
+    static picture whole, other;
+    way w = { .threads = 1, .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95 };
+    write_scene(SIDE, 500, 0.01);
+    render(w, &whole);
+    lc_calibration kept = whole.stats.calibration;
+    CHECK(kept.n_pilots > 0 && kept.z > 0 && kept.rays > 0);
+    w.threads = 3;
+    render(w, &other);
+    CHECK(!memcmp(whole.rgb, other.rgb, sizeof whole.rgb));
+    w.calibration = &kept;
+    render(w, &other);
+    CHECK(!memcmp(whole.rgb, other.rgb, sizeof whole.rgb));
+    w.calibration = NULL;
+    w.crop[0] = 33, w.crop[1] = 34, w.crop[2] = 20, w.crop[3] = 21; /* one pixel */
+    render(w, &other);
+    CHECK(other.stats.calibration.z <= kept.z && other.stats.calibration.z >= kept.z);
+    for (int k = 0; k < 3; k++)
+        CHECK(!memcmp(&other.rgb[k][0], &whole.rgb[k][20 * SIDE + 33], sizeof(float)));
+}
+
+/* By cuts that are forced one pixel may be off, and is of a small film; else few lights are all evaluated. */
+TEST(hardly_anything)
+{
+    static const struct { int side, lights; double power; } rows[] = {
+        { 1, 300, 0.01 }, { 5, 300, 0.01 }, { 20, 0, 1 }, { 20, 1, 1 }, { 20, 300, 0 }, { 20, 2, 1 },
+    };
+    static picture truth, p;
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
+        for (int m = 0; m < 2; m++) {
+            write_scene(rows[k].side, rows[k].lights, rows[k].power);
+            render((way){ .method = LC_METHOD_EXACT }, &truth);
+            const lc_method method = m ? LC_METHOD_CUTS : LC_METHOD_LIGHTCUTS;
+            render((way){ .method = method, .error = 0.02f, .within = 95 }, &p);
+            CHECK(!p.status && p.stats.nonfinite == 0);
+            for (int i = 0; i < rows[k].side * rows[k].side; i++) {
+                const double y = luminance(&p, i), want = luminance(&truth, i);
+                CHECKF(isfinite(y) && (m || fabs(y - want) <= 0.2 * want + 1e-6),
+                       "row %zu, pixel %d: %g, exact %g", k, i, y, want);
+            }
+        }
+}
+
+/* Where there is no room the picture says what it has. */
+TEST(no_room_is_said)
+{
+    static picture p;
+    double share, margin;
+    write_scene(SIDE, 3000, 0.01);
+    render((way){ .method = LC_METHOD_CUTS, .error = 0.005f, .within = 99, .max_cut = 20 }, &p);
+    lc_calibration_share(&p.stats.calibration, &share, &margin);
+    CHECKF(share + margin < 99 && p.stats.calibration.n_pilots > 0, "%g +- %g", share, margin);
+}
+
+TEST(bad_values_are_refused)
+{
+    static picture p;
+    static const float bad[][2] = { { NAN, 95 }, { INFINITY, 95 }, { -1, 95 }, { 0.02f, 0 }, { 0.02f, 100 },
+                                    { 0.02f, NAN } };
+    const lc_calibration none = { .z = 0 };
+    write_scene(4, 3, 1);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        render((way){ .error = bad[i][0], .within = bad[i][1] }, &p);
+        CHECK(p.status == LC_ERR_ARG);
+    }
+    render((way){ .error = 0.02f, .within = 95, .calibration = &none }, &p);
+    CHECK(p.status == LC_ERR_ARG);
+}
+
+int main(void)
+{
+    RUN(what_is_asked_holds);
+    RUN(same_bytes_for_crops_threads_and_kept_calibrations);
+    RUN(hardly_anything);
+    RUN(no_room_is_said);
+    RUN(bad_values_are_refused);
+    remove(PATH);
+    return test_done();
+}
