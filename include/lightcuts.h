@@ -319,7 +319,9 @@ typedef struct lc_tile {
 typedef struct lc_calibration {
     float error, within;  /* what was asked, see lc_render_desc; error 0: nothing, or every light is used */
     float z;              /* a cut stops when z * sqrt(sum of its squared bounds) is within the error; > 0 */
-    uint32_t n_pilots, n_within; /* n_within: pilots whose error is no larger than asked */
+    uint32_t n_pilots;    /* 0: nothing is known of the share */
+    float achieved;       /* the share that is within the error, by the pilots, and half the width of its */
+    float margin;         /* interval of 95 %; per cent */
     uint64_t rays;        /* shadow rays to find z */
 } lc_calibration;
 
@@ -403,8 +405,6 @@ typedef struct lc_identity {
 /* Fails with LC_ERR_ARG as lc_render does. */
 LC_API lc_status lc_render_identity(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc,
                                     lc_identity *id);
-/* The share of pilots within the asked error, in per cent, and half the width of its interval of 95 %. */
-LC_API void lc_calibration_share(const lc_calibration *calibration, double *share, double *margin);
 /* The crop that lc_render would render: x0, x1, y0, y1. Fails with LC_ERR_ARG as lc_render does. */
 LC_API lc_status lc_render_crop(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc,
                                 uint32_t crop[4]);

@@ -112,8 +112,8 @@ TEST(what_is_asked_holds)
         render((way){ .method = LC_METHOD_CUTS, .error = rows[k].error, .within = rows[k].within,
                       .spp = rows[k].spp }, &p);
         const lc_calibration *c = &p.stats.calibration;
-        double share = share_within(&p, &truth, (double)rows[k].error), of_pilots, margin;
-        lc_calibration_share(c, &of_pilots, &margin);
+        const double share = share_within(&p, &truth, (double)rows[k].error),
+                     of_pilots = (double)c->achieved, margin = (double)c->margin;
         printf("  %g within %g %%, %u samples: %.1f %%, pilots %.1f +- %.1f, %.0f rays a point\n",
                (double)rows[k].error, (double)rows[k].within, rows[k].spp, share, of_pilots, margin,
                (double)p.stats.shadow_rays / (double)p.stats.points);
@@ -174,11 +174,11 @@ TEST(hardly_anything)
 TEST(no_room_is_said)
 {
     static picture p;
-    double share, margin;
     write_scene(SIDE, 3000, 0.01);
     render((way){ .method = LC_METHOD_CUTS, .error = 0.005f, .within = 99, .max_cut = 20 }, &p);
-    lc_calibration_share(&p.stats.calibration, &share, &margin);
-    CHECKF(share + margin < 99 && p.stats.calibration.n_pilots > 0, "%g +- %g", share, margin);
+    const lc_calibration *c = &p.stats.calibration;
+    CHECKF(c->achieved + c->margin < 99 && c->n_pilots > 0, "%g +- %g", (double)c->achieved,
+           (double)c->margin);
 }
 
 TEST(bad_values_are_refused)

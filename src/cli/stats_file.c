@@ -22,24 +22,21 @@ static double setup_seconds(const lc_scene_info *i)
 /* What was asked of pixels, and what the pilots say. */
 static void print_calibration(FILE *f, const lc_calibration *c)
 {
-    double share, margin;
     if (!c->n_pilots) return;
-    lc_calibration_share(c, &share, &margin);
     fprintf(f,
             "asked            error %g within %g %%: %.1f %% +- %.1f %% of %u pilots, z %.4g, %llu shadow "
             "rays to find it\n",
-            (double)c->error, (double)c->within, share, margin, c->n_pilots, (double)c->z, (ull)c->rays);
+            (double)c->error, (double)c->within, (double)c->achieved, (double)c->margin, c->n_pilots,
+            (double)c->z, (ull)c->rays);
 }
 
 static void calibration_json(FILE *f, const lc_calibration *c)
 {
-    double share, margin;
-    lc_calibration_share(c, &share, &margin);
     fprintf(f,
             "  \"asked\": {\"error\": %.6g, \"within\": %.6g, \"z\": %.9g, \"pilots\": %u, "
-            "\"pilots_within\": %u, \"achieved\": %.6g, \"margin\": %.6g, \"rays\": %llu},\n",
-            (double)c->error, (double)c->within, (double)c->z, c->n_pilots, c->n_within,
-            c->n_pilots ? share : 100, c->n_pilots ? margin : 0, (ull)c->rays);
+            "\"achieved\": %.6g, \"margin\": %.6g, \"rays\": %llu},\n",
+            (double)c->error, (double)c->within, (double)c->z, c->n_pilots,
+            c->n_pilots ? (double)c->achieved : 100, (double)c->margin, (ull)c->rays);
 }
 
 void cli_print_stats(FILE *f, const cli_render_report *r)

@@ -5,10 +5,12 @@
  * whole film, spread evenly, with all their samples.
  *
  *     truth    every light at every point; of many lights, or samples, a much finer cut
- *     value    the pixel by cuts of a z, which begin with the roots
- *     z        the least for which the asked share of pilots, and a margin, is within the error
+ *     values   the pixel by cuts of a z, which begin with the roots, by several slots of representatives
+ *     z        where the asked share of the values, and a margin, is within the error
  *
- * The pilots are the same whatever is rendered of the film.
+ * A value's miss is its error over what is asked. The misses' quantile of that share falls with z about as 1/z,
+ * so z is found by a few steps of the secant method on their logarithms. The pilots are the same whatever is
+ * rendered of the film.
  */
 #include "render/render_job.h"
 
@@ -16,22 +18,26 @@
 #include "tree/light_tree.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #define N_PILOTS LC_SIZE(512, 64)
-#define MARGIN 0.8        /* of the share that may be off, so much is used: pilots are a sample */
+#define N_SLOTS 4         /* values of a pilot, once z is known roughly */
+#define ROUGH_STEPS 2     /* by one value of each pilot */
+#define MOST_STEPS 6
+#define AIM 0.97          /* of the error: where the quantile is to be, and the least that is good enough */
+#define GOOD_ENOUGH 0.92
 #define LEAST_Z (1 / 256.0)
-#define MOST_Z 4.0
-#define Z_STEP 1.5        /* from one z that is tried to the next, while the share is too small */
-#define Z_HALVINGS 4      /* of the last step */
+#define MOST_Z 8.0
 #define MAX_EXACT 40000.0 /* lights times samples of a pilot, all of which are evaluated */
 #define TRUE_Z 2.0        /* of the finer cuts, for one sample */
 
 typedef struct {
     lc_render_job *j;
-    uint32_t *pixel;       /* x + y * width */
-    double *truth, *value; /* luminance */
-    double *to;            /* one of these */
-    uint32_t n, n_finite;  /* n_finite: whose truth is finite */
+    uint32_t *pixel; /* x + y * width */
+    double *truth;   /* luminance; a pilot whose truth is not finite counts for nothing */
+    double *value;   /* the same by cuts, n_slots of each pilot; then its misses */
+    double *to;      /* one of these */
+    uint32_t n, n_slots, n_finite;
 } pilots;
 
 static void place_pilots(pilots *p)
@@ -50,75 +56,112 @@ static void shade_pilot(void *user, uint32_t thread, uint64_t item)
 {
     pilots *p = user;
     lc_render_job *j = p->j;
-    const uint32_t width = j->scene->film.width, x = p->pixel[item] % width, y = p->pixel[item] / width;
+    lc_render_worker *w = &j->workers[thread];
+    const uint32_t width = j->scene->film.width, at = p->pixel[item / p->n_slots];
     lc_pixel px = { .hits = 0 };
     lc_f3 rgb;
+    w->slot_shift = (uint32_t)(item % p->n_slots) * (j->spp < 16 ? j->spp : 1);
     for (uint32_t i = 0; i < j->spp; i++) {
-        if (!lc_render_sample(j, &j->workers[thread], x, y, i, &px, &rgb)) return;
+        if (!lc_render_sample(j, w, at % width, at / width, i, &px, &rgb)) return;
         px.rgb = lc_f3_add(px.rgb, rgb);
     }
     p->to[item] = (double)lc_luminance(px.rgb) / j->spp;
 }
 
-/* Shades all pilots by cuts of a z, or, with 0, by every light. */
-static void shade_all(pilots *p, double z, double *to)
+/* Shades all pilots by cuts of a z, or, with 0, by every light; by n_slots slots of representatives. */
+static void shade_all(pilots *p, double z, uint32_t n_slots, double *to)
 {
     lc_render_job *j = p->j;
     p->to = to;
+    p->n_slots = n_slots;
     j->exact = !(z > 0);
     for (uint32_t i = 0; i < j->ctx->n_threads; i++) {
         j->workers[i].cut.desc.z = (float)z;
         j->workers[i].alone = true; /* a guide for each pilot would double the work */
     }
-    lc_parallel(j->ctx, p->n, shade_pilot, p);
+    lc_parallel(j->ctx, (uint64_t)p->n * n_slots, shade_pilot, p);
     j->exact = false;
 }
 
-static uint32_t n_within(const pilots *p, double error, double floor_lum)
+/* In place of each value what it misses the truth by, in units of the asked error. */
+static void find_misses(pilots *p, double error, double floor_lum)
+{
+    for (uint32_t i = 0; i < p->n * p->n_slots; i++) {
+        const double truth = p->truth[i / p->n_slots], off = fabs(p->value[i] - truth),
+                     allowed = error * fmax(truth, floor_lum);
+        p->value[i] = off <= allowed ? allowed > 0 ? off / allowed : 0 : allowed > 0 ? off / allowed : INFINITY;
+    }
+}
+
+/* The share of values within the error, and half the width of its interval of 95 %: Wilson's, of as many
+ * values as would be independent, since those of one pilot are not. Per cent. */
+static void state_share(const pilots *p, lc_calibration *c)
+{
+    const double n = p->n_finite, q = 1.96;
+    double sum = 0, sum2 = 0;
+    for (uint32_t i = 0; i < p->n; i++) {
+        double within = 0;
+        for (uint32_t k = 0; k < p->n_slots; k++) within += p->value[i * p->n_slots + k] <= 1 ? 1 : 0;
+        within *= isfinite(p->truth[i]) ? 1.0 / p->n_slots : 0;
+        sum += within;
+        sum2 += within * within;
+    }
+    const double share = sum / n, variance = (sum2 / n - share * share) / n;
+    double m = variance > 0 ? share * (1 - share) / variance : n;
+    m = fmin(fmax(m, n), n * p->n_slots);
+    c->achieved = (float)(100 * share);
+    c->margin = (float)(100 * q * sqrt(share * (1 - share) / m + q * q / (4 * m * m)) / (1 + q * q / m));
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The miss that the asked share of the values does not exceed. The margin is one standard error of half as many
+ * values. */
+static double quantile(const pilots *p, double *sorted, double within)
 {
     uint32_t n = 0;
-    for (uint32_t i = 0; i < p->n; i++)
-        n += isfinite(p->truth[i]) && fabs(p->value[i] - p->truth[i]) <= error * fmax(p->truth[i], floor_lum)
-                 ? 1
-                 : 0;
-    return n;
+    for (uint32_t i = 0; i < p->n * p->n_slots; i++)
+        if (isfinite(p->truth[i / p->n_slots])) sorted[n++] = p->value[i];
+    qsort(sorted, n, sizeof *sorted, by_size);
+    const double off = 1 - within / 100, aim = 1 - fmax(off - sqrt(off * (1 - off) / (n / 2.0)), off / 8);
+    const double at = ceil(aim * n) - 1;
+    return sorted[at < n - 1 ? (uint32_t)fmax(at, 0) : n - 1];
 }
 
-/* The number of pilots within the error by cuts of a z. */
-static uint32_t try_z(pilots *p, const lc_cut_desc *cut, double z)
+/* Where the quantile will be AIM, by the line through the last two steps, in logarithms. */
+static double next_z(double z, double miss, double last_z, double last_miss)
 {
-    shade_all(p, z, p->value);
-    return n_within(p, (double)cut->error_ratio, (double)cut->floor);
+    double slope = -1;
+    if (last_miss > 0 && miss > 0 && isfinite(last_miss) && fabs(log(z / last_z)) > 0.05)
+        slope = fmin(fmax(log(miss / last_miss) / log(z / last_z), -2), -0.5);
+    const double change = isfinite(miss) ? pow(AIM / fmax(miss, 1e-3), -1 / slope) : 1 / MOST_Z;
+    return fmin(fmax(z / fmin(fmax(change, 1 / 8.0), 8), LEAST_Z), MOST_Z);
 }
 
-static void find_z(pilots *p, const lc_cut_desc *cut, lc_calibration *c)
+static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibration *c)
 {
-    const double off = MARGIN * (1 - (double)c->within / 100);
-    const uint32_t want = (uint32_t)ceil((1 - off) * p->n_finite);
-    double hi = (double)cut->z, lo = hi;
-    uint32_t n = try_z(p, cut, hi);
-    while (n < want && hi < MOST_Z) {
-        lo = hi;
-        hi *= Z_STEP;
-        n = try_z(p, cut, hi);
-    }
-    while (lo >= hi && hi > LEAST_Z) {
-        const uint32_t m = try_z(p, cut, lo = hi / Z_STEP);
-        if (m < want) break;
-        hi = lo;
-        n = m;
-    }
-    for (int i = 0; i < Z_HALVINGS && n >= want; i++) {
-        const double z = sqrt(lo * hi);
-        const uint32_t m = try_z(p, cut, z);
-        if (m < want) lo = z;
-        else {
-            hi = z;
-            n = m;
+    double z = (double)cut->z, miss = 0, last_z = z, last_miss = 0, found = 0, least = INFINITY;
+    for (int step = 0; step < MOST_STEPS && !atomic_load(&p->j->cancelled); step++) {
+        const uint32_t n_slots = step < ROUGH_STEPS ? 1 : N_SLOTS;
+        shade_all(p, z, n_slots, p->value);
+        find_misses(p, (double)cut->error_ratio, (double)cut->floor);
+        miss = quantile(p, sorted, (double)c->within);
+        if (n_slots == N_SLOTS && (miss <= 1 || miss < least || !(found > 0))) {
+            least = miss;
+            found = z;
+            state_share(p, c);
+            if (miss <= 1 ? miss >= GOOD_ENOUGH || z <= LEAST_Z : z >= MOST_Z) break;
         }
+        const double next = next_z(z, miss, last_z, last_miss);
+        last_z = z;
+        last_miss = miss;
+        z = next;
     }
-    c->z = (float)hi;
-    c->n_within = n;
+    c->z = (float)found;
 }
 
 static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
@@ -128,7 +171,7 @@ static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
     lc_cut_desc fine = *cut;
     fine.max_cut = 0;
     lc_status st = lc_job_make_workers(j, &fine);
-    if (!st) shade_all(p, all ? 0 : TRUE_Z / sqrt((double)j->spp), p->truth);
+    if (!st) shade_all(p, all ? 0 : TRUE_Z / sqrt((double)j->spp), 1, p->truth);
     for (uint32_t i = 0; i < p->n; i++) p->n_finite += isfinite(p->truth[i]) ? 1 : 0;
     return st;
 }
@@ -140,17 +183,17 @@ static uint64_t count_rays(const lc_render_job *j)
     return n;
 }
 
-static lc_status calibrate(pilots *p, lc_calibration *c)
+static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
 {
     lc_render_job *j = p->j;
     const lc_cut_desc cut = { j->desc->error, j->desc->max_cut, j->floor, j->z };
-    if (!p->pixel || !p->truth || !p->value) return LC_ERR_MEMORY;
+    if (!p->pixel || !p->truth || !p->value || !sorted) return LC_ERR_MEMORY;
     place_pilots(p);
     lc_status st = shade_truth(p, &cut);
     c->rays = count_rays(j);
     lc_job_free_workers(j);
     if (!st && p->n_finite) st = lc_job_make_workers(j, &cut);
-    if (!st && p->n_finite) find_z(p, &cut, c);
+    if (!st && p->n_finite) find_z(p, &cut, sorted, c);
     c->rays += count_rays(j);
     c->n_pilots = p->n_finite;
     lc_job_free_workers(j);
@@ -163,10 +206,12 @@ lc_status lc_calibrate(lc_render_job *j, lc_calibration *out)
     pilots p = { .j = j, .n = pixels < N_PILOTS ? (uint32_t)pixels : N_PILOTS };
     p.pixel = lc_alloc(j->ctx, p.n, sizeof *p.pixel);
     p.truth = lc_alloc(j->ctx, p.n, sizeof *p.truth);
-    p.value = lc_alloc(j->ctx, p.n, sizeof *p.value);
-    lc_status st = calibrate(&p, out);
+    p.value = lc_alloc(j->ctx, p.n, N_SLOTS * sizeof *p.value);
+    double *sorted = lc_alloc(j->ctx, p.n, N_SLOTS * sizeof *sorted);
+    lc_status st = calibrate(&p, sorted, out);
     lc_free(j->ctx, p.pixel, p.n, sizeof *p.pixel);
     lc_free(j->ctx, p.truth, p.n, sizeof *p.truth);
-    lc_free(j->ctx, p.value, p.n, sizeof *p.value);
+    lc_free(j->ctx, p.value, p.n, N_SLOTS * sizeof *p.value);
+    lc_free(j->ctx, sorted, p.n, N_SLOTS * sizeof *sorted);
     return st;
 }

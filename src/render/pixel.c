@@ -135,7 +135,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     }
     w->stats.camera_rays += s.n_rays;
     lc_shade_sight(j, w, &s, j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i),
-                   lc_slot_hash(j, x, y, i), &r);
+                   lc_slot_hash(j, x, y, i + w->slot_shift), &r);
     *rgb = lc_f3_add(r.radiance, s.emission);
     add_sample(j, px, &s, dir, &r);
     lc_phase_end(&w->stats, LC_PHASE_OTHER);

@@ -55,6 +55,7 @@ typedef struct lc_render_worker {
     uint64_t *cut_hist; /* points by cut size, 0 .. cut.max_size */
     uint64_t cut_max;   /* of the tile */
     bool alone;         /* cuts begin with the roots */
+    uint32_t slot_shift; /* sample i of a pixel has the slot of sample i + slot_shift */
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
     lc_shared_pixel *shared; /* of a group of tiles; NULL: no samples are shared */

@@ -33,14 +33,6 @@ static void cut_stats(const lc_render_job *j, lc_render_stats *out)
         if (hist[i] && i > out->cut_max) out->cut_max = i;
 }
 
-/* Wilson's interval of 95 %: pilots are few, and often nearly all of them are within the error. */
-void lc_calibration_share(const lc_calibration *c, double *share, double *margin)
-{
-    const double n = c->n_pilots ? c->n_pilots : 1, p = c->n_within / n, q = 1.96;
-    *share = 100 * p;
-    *margin = 100 * q * sqrt(p * (1 - p) / n + q * q / (4 * n * n)) / (1 + q * q / n);
-}
-
 /* The fractions of the timed samples, of the processor time of all threads. */
 static void phase_stats(const lc_render_job *j, lc_render_stats *out)
 {
@@ -105,10 +97,8 @@ static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, con
     if (!st) st = lc_image_set_number(im, "lightcuts/everyLight", stats->exact);
     if (!st) st = lc_image_set_number(im, "lightcuts/pilots", c->n_pilots);
     if (st || !c->n_pilots) return st;
-    double share, margin;
-    lc_calibration_share(c, &share, &margin);
-    st = lc_image_set_number(im, "lightcuts/achieved", share);
-    if (!st) st = lc_image_set_number(im, "lightcuts/achievedMargin", margin);
+    st = lc_image_set_number(im, "lightcuts/achieved", (double)c->achieved);
+    if (!st) st = lc_image_set_number(im, "lightcuts/achievedMargin", (double)c->margin);
     if (!st) st = lc_image_set_number(im, "lightcuts/z", (double)c->z);
     return st;
 }
