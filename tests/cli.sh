@@ -138,10 +138,12 @@ says 'clamping takes [0-9]* % of the indirect light'
 
 good 'a picture with its options' -q s.pbrt -o a.exr --area-lights 7 --env-lights 8 --indirect-lights 9 \
     --builder ploc
-for attribute in method seed maxDepth builder areaLights envLights indirectLights errorRatio maxCut \
-    darkFloor representatives; do
+for attribute in method seed maxDepth builder areaLights envLights indirectLights error within everyLight \
+    maxCut darkFloor representatives; do
     check "attribute $attribute" grep -aq "lightcuts/$attribute" a.exr
 done
+good 'the classic criterion' -q s.pbrt -o b.exr --error-ratio 0.02
+check 'attribute errorRatio' grep -aq lightcuts/errorRatio b.exr
 good 'other numbers of lights, the same pixels' -q s.pbrt -o b.exr --area-lights 6
 check 'the numbers of lights differ, so the files do' test -n "$(cmp a.exr b.exr 2>&1)"
 
@@ -514,6 +516,46 @@ for file in few default all-fit; do same_pixels exact $file; done
 same_pixels three three-cuts
 check 'the dark floor of cuts of few lights' \
     test "$(grep mean_luminance three.json)" = "$(grep mean_luminance three-cuts.json)"
+
+# ---- the error that is asked of pixels ----
+
+{ film 40 40 ''; world; awk 'BEGIN { for (i = 0; i < 300; i++) printf "LightSource \"point\" \"point3 from\" " \
+    "[%g %g %g] \"rgb I\" [.1 .1 .1]\n", i % 17 / 4 - 2, i % 13 / 3 - 2, -1 - i % 7 / 3 }'; } >lamps.pbrt
+run -q lamps.pbrt -o truth.exr --method exact --spp 1
+asked() # name args...: 95 of 100 pixels within 2 %, as is said
+{
+    good "$1" -q lamps.pbrt -o asked.exr --method cuts --spp 1 --stats-file asked.json "$@"
+    run compare asked.exr truth.exr
+    check "$1: measured beside stated" grep -Eq '^within (0.9[4-9]|1)[0-9.]* measured, stated [01]' out
+    run info asked.exr
+    check "$1: one sentence" grep -Eq '^error  .*% of the pixels are within [0-9.]* % of the converged' out
+}
+asked --error 0.02
+cp asked.exr first.exr
+asked --calibration asked.cal
+check 'what is asked by default' cmp asked.exr first.exr
+check 'the calibration is kept' test -s asked.cal
+cp asked.cal kept.cal
+asked --calibration asked.cal
+check 'a kept calibration: the same bytes' cmp asked.exr first.exr
+check 'a kept calibration: no pilots' cmp asked.cal kept.cal
+bad 'a calibration of other options' 3 'other options' s.pbrt -o o/p.exr --calibration kept.cal
+echo 'lightcuts-calibration 1' >kept.cal
+bad 'a damaged calibration' 3 'is damaged' lamps.pbrt -o o/p.exr --method cuts --spp 1 --calibration kept.cal
+bad 'an error of nothing' 2 "bad value '0' for option --error" s.pbrt -o o/p.exr --error 0
+bad 'an error that is none' 2 "bad value 'nan' for option --error" s.pbrt -o o/p.exr --error nan
+bad 'all pixels within' 2 "bad value '100' for option --within" s.pbrt -o o/p.exr --within 100
+bad 'two errors' 2 'not both' s.pbrt -o o/p.exr --error 0.1 --error-ratio 0.1
+good 'a time' -q lamps.pbrt -o timed.exr --method cuts --spp 1 --time 1s --stats-file timed.json
+check 'a time: its error is stated' grep -Eq '"asked": \{"error": 0.[0-9]*[1-9], ' timed.json
+run info timed.exr
+check 'a time: and in the picture' grep -Eq '^error  .*% of the pixels are within [0-9.]* % of' out
+bad 'no time' 2 "bad value '0' for option --time" s.pbrt -o o/p.exr --time 0
+bad 'a time and an error' 2 'not with --error' s.pbrt -o o/p.exr --time 1s --error 0.1
+bad 'a time for parts' 2 'not with --chunk' s.pbrt -o o/p.exr --time 1s --chunk 1/2
+bad 'a time, exactly' 2 'not with --method exact' s.pbrt -o o/p.exr --time 1s --method exact
+good 'explain a pixel' explain lamps.pbrt --method cuts --pixel 20,20
+check 'explain: a sentence first' test -n "$(sed -n '1{/groups stand for [0-9]* lights here; error/p;}' out)"
 
 # ---- info ----
 

@@ -46,6 +46,7 @@ typedef struct {
     int32_t crop[4];
     const lc_calibration *calibration;
     uint32_t max_cut;
+    double seconds;
 } way;
 
 typedef struct {
@@ -65,6 +66,7 @@ static void render(way w, picture *out)
     d.error = w.error;
     d.within = w.within;
     d.max_cut = w.max_cut;
+    d.seconds = w.seconds;
     d.dark_floor = LC_ASKED_DARK_FLOOR;
     d.calibration = w.calibration;
     memcpy(d.crop, w.crop, sizeof d.crop);
@@ -181,6 +183,25 @@ TEST(no_room_is_said)
            (double)c->margin);
 }
 
+/* Whatever error a time allows, it is said, and holds; more time allows no larger one. How long it takes is not
+ * judged here. */
+TEST(time_chooses_the_error)
+{
+    static picture truth, p;
+    static const double seconds[] = { 1e-3, 1e3 };
+    double error[2];
+    write_scene(SIDE, 1000, 0.01);
+    render((way){ .method = LC_METHOD_EXACT }, &truth);
+    for (int k = 0; k < 2; k++) {
+        render((way){ .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .seconds = seconds[k] }, &p);
+        error[k] = (double)p.stats.calibration.error;
+        const double share = share_within(&p, &truth, error[k]);
+        printf("  %g s: error %g, %.1f %% of the pixels within\n", seconds[k], error[k], share);
+        CHECKF(!p.status && share >= 93, "%g s: %g %%", seconds[k], share);
+    }
+    CHECKF(error[1] < 0.1 * error[0], "%g, %g", error[0], error[1]);
+}
+
 TEST(bad_values_are_refused)
 {
     static picture p;
@@ -194,6 +215,16 @@ TEST(bad_values_are_refused)
     }
     render((way){ .error = 0.02f, .within = 95, .calibration = &none }, &p);
     CHECK(p.status == LC_ERR_ARG);
+    static const double times[] = { -1, NAN, INFINITY };
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+        render((way){ .error = 0.02f, .within = 95, .seconds = times[i] }, &p);
+        CHECK(p.status == LC_ERR_ARG);
+    }
+    const lc_calibration some = { .error = 0.02f, .within = 95, .z = 0.3f };
+    render((way){ .error = 0.02f, .within = 95, .seconds = 1, .calibration = &some }, &p);
+    CHECK(p.status == LC_ERR_ARG);
+    render((way){ .seconds = 1 }, &p);
+    CHECK(p.status == LC_ERR_ARG);
 }
 
 int main(void)
@@ -202,6 +233,7 @@ int main(void)
     RUN(same_bytes_for_crops_threads_and_kept_calibrations);
     RUN(hardly_anything);
     RUN(no_room_is_said);
+    RUN(time_chooses_the_error);
     RUN(bad_values_are_refused);
     remove(PATH);
     return test_done();

@@ -50,7 +50,8 @@ _lightcuts()
         report:-t | report:--nthreads | converge:-t | converge:--nthreads)
         COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
         return ;;
-    render:--error | render:--within | render:--error-ratio | render:--max-cut | render:--dark-floor | render:--representatives | \
+    render:--error | render:--within | render:--time | render:--error-ratio | render:--max-cut | \
+        render:--dark-floor | render:--representatives | \
         render:--maxdepth | render:--area-lights | render:--env-lights | render:--indirect-lights | \
         render:--indirect-error | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
@@ -85,7 +86,7 @@ _lightcuts()
 
     if [[ $word == -* ]]; then
         case $command in
-        render) options='--outfile --method --error --within --calibration
+        render) options='--outfile --method --error --within --time --calibration
             --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
             --indirect-from --seed --spp --pixelbounds --cropwindow --chunk --print-chunks --checkpoint

@@ -332,12 +332,12 @@ static void print_rest(const lc_explanation *x, uint32_t from, double total)
 static void print_text(const options *o, const lc_explanation *x, const lc_scene_info *info)
 {
     double total = 0;
+    if (x->hit) print_sentence(x, info);
     printf("pixel        %u,%u sample %u of '%s'\n", o->x, o->y, o->sample, cli_shown(o->scene));
     if (!x->hit) {
         printf("nothing is seen there: the ray leaves the scene, so there is no cut\n");
         return;
     }
-    print_sentence(x, info);
     print_point(o, x, info);
     print_rounds(x);
     for (uint32_t i = 0; i < x->n_clusters; i++) total += lum(x->clusters[i].estimate);

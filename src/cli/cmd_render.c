@@ -42,6 +42,7 @@ enum {
     OPT_ERROR,
     OPT_WITHIN,
     OPT_CALIBRATION,
+    OPT_SECONDS,
     OPT_MAX_CUT,
     OPT_REPS,
     OPT_MAXDEPTH,
@@ -78,6 +79,7 @@ static const struct option long_options[] = {
     { "error", 1, 0, OPT_ERROR },
     { "within", 1, 0, OPT_WITHIN },
     { "calibration", 1, 0, OPT_CALIBRATION },
+    { "time", 1, 0, OPT_SECONDS },
     { "error-ratio", 1, 0, OPT_RATIO },
     { "max-cut", 1, 0, OPT_MAX_CUT },
     { "dark-floor", 1, 0, OPT_FLOOR },
@@ -127,6 +129,8 @@ static void print_help(void)
         "      --within P           per cent of the pixels that are to be within it, 1 to 99.9, default 95\n"
         "      --calibration FILE   take from FILE what keeps that error in this picture; where there is no\n"
         "                           such file, write it: a farm pays once\n"
+        "      --time T             the least error with which the picture is done in T (90s, 5m, 1h); it is\n"
+        "                           stated afterwards and differs from machine to machine\n"
         "      --error-ratio E      in place of --error: bound of every cluster against the estimate\n"
         "      --max-cut N          clusters in a cut at most, default 0: no limit; with --error-ratio 1000\n"
         "      --dark-floor F       errors are measured against at least F times the picture's mean,\n"
@@ -210,6 +214,7 @@ static int set_option(options *o, int c)
     case OPT_RATIO:
         o->given.ratio = true;
         return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
+    case OPT_SECONDS: return cli_parse_time(optarg, &o->render.seconds);
     case OPT_MAX_CUT:
         o->given.max_cut = true;
         return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
@@ -249,6 +254,22 @@ static int set_option(options *o, int c)
     }
 }
 
+/* Parts of a picture would choose errors of their own. */
+static int check_time(const options *o)
+{
+    const char *other = o->given.ratio          ? "--error-ratio"
+                        : o->render.error > 0   ? "--error"
+                        : o->calibration        ? "--calibration"
+                        : o->farm.chunk         ? "--chunk"
+                        : o->farm.print         ? "--print-chunks"
+                        : o->farm.checkpoint    ? "--checkpoint"
+                        : o->render.method == LC_METHOD_EXACT ? "--method exact"
+                                                : NULL;
+    if (!(o->render.seconds > 0) || !other) return 0;
+    cli_usage_error("render", "--time chooses the error of the whole picture: not with %s", other);
+    return -1;
+}
+
 /* 0: go on; otherwise *status is the exit status. */
 static int parse_options(int argc, char **argv, options *o, int *status)
 {
@@ -282,6 +303,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         cli_usage_error("render", "give --error or --error-ratio, not both");
         return -1;
     }
+    if (check_time(o)) return -1;
     cli_ask_error(&o->given, &o->render);
     o->scene = argv[optind];
     o->load.seed = o->render.seed;
@@ -531,6 +553,7 @@ static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image *
     s.line.before = o->farm.share_before;
     o->render.progress = step;
     o->render.progress_user = &s;
+    if (o->render.seconds > 0) o->render.seconds = fmax(o->render.seconds - (cli_now() - o->farm.start), 0.001);
     lc_status st = lc_render(ctx, scene, &o->render, image, stats);
     cli_progress_end(&s.line);
     if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);

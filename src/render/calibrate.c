@@ -30,6 +30,14 @@
 #define MOST_Z 8.0
 #define MAX_EXACT 40000.0 /* lights times samples of a pilot, all of which are evaluated */
 #define TRUE_Z 2.0        /* of the finer cuts, for one sample */
+#define ERRORS_TIMED 6    /* where there is a time to keep: for a z */
+#define Z_FOR_TIME 3      /* z that are found then */
+#define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
+#define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
+#define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
+#define TIMED_BLOCKS 96   /* blocks of pixels around pilots, whose time is taken */
+#define LEAST_ERROR 1e-4
+#define MOST_ERROR 1.0
 
 typedef struct {
     lc_render_job *j;
@@ -68,17 +76,26 @@ static void shade_pilot(void *user, uint32_t thread, uint64_t item)
     p->to[item] = (double)lc_luminance(px.rgb) / j->spp;
 }
 
-/* Shades all pilots by cuts of a z, or, with 0, by every light; by n_slots slots of representatives. */
-static void shade_all(pilots *p, double z, uint32_t n_slots, double *to)
+static void set_workers(const lc_render_job *j, double error, double z, bool alone)
+{
+    for (uint32_t i = 0; i < j->ctx->n_threads; i++) {
+        lc_render_worker *w = &j->workers[i];
+        w->cut.desc.error_ratio = (float)error;
+        w->cut.desc.z = (float)z;
+        w->alone = alone;
+        w->slot_shift = 0;
+    }
+}
+
+/* Shades all pilots by cuts of an error and a z, or, where that is 0, by every light; by n_slots slots of
+ * representatives. */
+static void shade_all(pilots *p, double error, double z, uint32_t n_slots, double *to)
 {
     lc_render_job *j = p->j;
     p->to = to;
     p->n_slots = n_slots;
     j->exact = !(z > 0);
-    for (uint32_t i = 0; i < j->ctx->n_threads; i++) {
-        j->workers[i].cut.desc.z = (float)z;
-        j->workers[i].alone = true; /* a guide for each pilot would double the work */
-    }
+    set_workers(j, error, z, true); /* a guide for each pilot would double the work */
     lc_parallel(j->ctx, (uint64_t)p->n * n_slots, shade_pilot, p);
     j->exact = false;
 }
@@ -147,7 +164,7 @@ static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibra
     double z = (double)cut->z, miss = 0, last_z = z, last_miss = 0, found = 0, least = INFINITY;
     for (int step = 0; step < MOST_STEPS && !atomic_load(&p->j->cancelled); step++) {
         const uint32_t n_slots = step < ROUGH_STEPS ? 1 : N_SLOTS;
-        shade_all(p, z, n_slots, p->value);
+        shade_all(p, (double)cut->error_ratio, z, n_slots, p->value);
         find_misses(p, (double)cut->error_ratio, (double)cut->floor);
         miss = quantile(p, sorted, (double)c->within);
         if (n_slots == N_SLOTS && (miss <= 1 || miss < least || !(found > 0))) {
@@ -164,6 +181,59 @@ static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibra
     c->z = (float)found;
 }
 
+static void shade_block(void *user, uint32_t thread, uint64_t item)
+{
+    const pilots *p = user;
+    lc_render_job *j = p->j;
+    const uint32_t width = j->scene->film.width, height = j->scene->film.height, at = p->pixel[item],
+                   x0 = at % width - at % width % LC_PIXEL_BLOCK,
+                   y0 = at / width - at / width % LC_PIXEL_BLOCK;
+    lc_pixel px = { .hits = 0 };
+    lc_f3 rgb;
+    for (uint32_t y = y0; y < y0 + LC_PIXEL_BLOCK && y < height; y++)
+        for (uint32_t x = x0; x < x0 + LC_PIXEL_BLOCK && x < width; x++)
+            for (uint32_t i = 0; i < j->spp; i++)
+                if (!lc_render_sample(j, &j->workers[thread], x, y, i, &px, &rgb)) return;
+}
+
+/* Seconds that a pixel takes by cuts of an error and a z, when all threads render. */
+static double time_pixel(pilots *p, double error, double z)
+{
+    lc_render_job *j = p->j;
+    const uint32_t n = p->n < TIMED_BLOCKS ? p->n : TIMED_BLOCKS;
+    set_workers(j, error, z, false);
+    const double began = lc_now();
+    lc_parallel(j->ctx, n, shade_block, p);
+    return (lc_now() - began) / (n * LC_PIXEL_BLOCK * LC_PIXEL_BLOCK);
+}
+
+/* The error whose cuts of a z use the time that is left: they take time about as its inverse. */
+static double error_for_time(pilots *p, double error, double z)
+{
+    const lc_render_job *j = p->j;
+    for (int i = 0; i < ERRORS_TIMED && !atomic_load(&j->cancelled); i++) {
+        const double need = time_pixel(p, error, z) * (double)j->total,
+                     left = fmax(USED * (j->desc->seconds - (lc_now() - j->began)), need / MOST_CHANGE),
+                     was = error;
+        error = fmin(fmax(error * fmax(need / left, 1 / MOST_CHANGE), LEAST_ERROR), MOST_ERROR);
+        if (fabs(log(error / was)) < NEAR_TIME) break;
+    }
+    return error;
+}
+
+/* Finds z for the asked error, or for the one that uses the time. */
+static void find_error(pilots *p, lc_cut_desc cut, double *sorted, lc_calibration *c)
+{
+    for (int i = 0; i < Z_FOR_TIME && p->j->desc->seconds > 0; i++) {
+        const double error = error_for_time(p, (double)c->error, (double)cut.z);
+        if (i && fabs(log(error / (double)c->error)) < NEAR_TIME) return;
+        c->error = cut.error_ratio = (float)error;
+        find_z(p, &cut, sorted, c);
+        cut.z = c->z;
+    }
+    if (!(p->j->desc->seconds > 0)) find_z(p, &cut, sorted, c);
+}
+
 static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
 {
     lc_render_job *j = p->j;
@@ -171,7 +241,7 @@ static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
     lc_cut_desc fine = *cut;
     fine.max_cut = 0;
     lc_status st = lc_job_make_workers(j, &fine);
-    if (!st) shade_all(p, all ? 0 : TRUE_Z / sqrt((double)j->spp), 1, p->truth);
+    if (!st) shade_all(p, (double)cut->error_ratio, all ? 0 : TRUE_Z / sqrt((double)j->spp), 1, p->truth);
     for (uint32_t i = 0; i < p->n; i++) p->n_finite += isfinite(p->truth[i]) ? 1 : 0;
     return st;
 }
@@ -186,14 +256,14 @@ static uint64_t count_rays(const lc_render_job *j)
 static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
 {
     lc_render_job *j = p->j;
-    const lc_cut_desc cut = { j->desc->error, j->desc->max_cut, j->floor, j->z };
+    const lc_cut_desc cut = { c->error, j->desc->max_cut, j->floor, j->z };
     if (!p->pixel || !p->truth || !p->value || !sorted) return LC_ERR_MEMORY;
     place_pilots(p);
     lc_status st = shade_truth(p, &cut);
     c->rays = count_rays(j);
     lc_job_free_workers(j);
     if (!st && p->n_finite) st = lc_job_make_workers(j, &cut);
-    if (!st && p->n_finite) find_z(p, &cut, sorted, c);
+    if (!st && p->n_finite) find_error(p, cut, sorted, c);
     c->rays += count_rays(j);
     c->n_pilots = p->n_finite;
     lc_job_free_workers(j);

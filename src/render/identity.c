@@ -7,7 +7,7 @@
 /* A field was added? Hash it below if it shapes the picture, then put the new size here. */
 _Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 96,
                "lc_render_identity: hash the new field of lc_load_desc");
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 128,
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 136,
                "lc_render_identity: hash the new field of lc_render_desc");
 
 static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *scene)
@@ -30,6 +30,7 @@ static void add_render(lc_digest *d, const lc_render_desc *r, const lc_scene *sc
 {
     lc_digest_u64(d, (uint64_t)r->method);
     lc_digest_number(d, (double)r->error);
+    if (r->seconds > 0) lc_digest_number(d, r->seconds);
     lc_digest_number(d, (double)(r->error > 0 ? r->within : r->error_ratio));
     lc_digest_u64(d, r->max_cut);
     lc_digest_number(d, (double)r->dark_floor);

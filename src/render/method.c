@@ -111,17 +111,18 @@ static lc_status exact_pays(lc_render_job *j, const lc_cut_desc *cut, bool *pays
 lc_cut_desc lc_job_cut_desc(const lc_render_job *j)
 {
     const lc_render_desc *d = j->desc;
-    return (lc_cut_desc){ d->error > 0 ? d->error : d->error_ratio, d->max_cut, j->floor, j->z };
+    return (lc_cut_desc){ j->error > 0 ? j->error : d->error_ratio, d->max_cut, j->floor, j->z };
 }
 
 /* Finds z, or takes it from who has it, unless every light turns out to be evaluated. */
 static lc_status choose_z(lc_render_job *j, lc_calibration *c)
 {
     lc_status st = LC_OK;
-    *c = (lc_calibration){ .error = j->desc->error, .within = j->desc->within, .z = j->z };
+    *c = (lc_calibration){ .error = j->error, .within = j->desc->within, .z = j->z };
     if (j->desc->calibration) *c = *j->desc->calibration;
     else st = lc_calibrate(j, c);
     j->z = c->z;
+    j->error = c->error;
     if (!st && j->desc->method == LC_METHOD_LIGHTCUTS) {
         const lc_cut_desc cut = lc_job_cut_desc(j);
         st = exact_pays(j, &cut, &j->exact);
@@ -138,6 +139,7 @@ lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
     lc_status st = LC_OK;
     stats->exact = j->exact = d->method == LC_METHOD_EXACT;
     if (j->exact) return LC_OK;
+    j->error = d->error;
     j->z = d->error > 0 ? (float)(USUAL_Z / sqrt((double)j->spp)) : 0;
     bool few = d->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(d->max_cut && d->max_cut < n);
     if (!few && d->dark_floor > 0 && (d->error > 0 || d->error_ratio > 0))

@@ -171,6 +171,9 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
                        "the error must be finite and at least 0, the share within it above 0 and below 100");
     if (d->calibration && !(d->calibration->z > 0 && isfinite(d->calibration->z)))
         return lc_fail(ctx, LC_ERR_ARG, "a calibration's z must be finite and above 0");
+    if (!(d->seconds >= 0) || !isfinite(d->seconds) || (d->seconds > 0 && (!(d->error > 0) || d->calibration)))
+        return lc_fail(ctx, LC_ERR_ARG,
+                       "seconds must be finite and at least 0, and above 0 they need an error and no calibration");
     if (d->spp > LC_MAX_SPP) return lc_fail(ctx, LC_ERR_ARG, "more than %u samples per pixel", LC_MAX_SPP);
     bool scene_crop = !d->crop[0] && !d->crop[1] && !d->crop[2] && !d->crop[3];
     for (int i = 0; i < 4; i++) {
@@ -186,7 +189,7 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
 static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_stats *stats)
 {
     const lc_film_desc *f = &j->scene->film;
-    double t0 = lc_now();
+    const double t0 = j->began = lc_now();
     lc_status st = lc_choose_method(j, stats);
     if (!st && atomic_load(&j->cancelled)) st = LC_ERR_CANCELLED;
     if (st) return st;

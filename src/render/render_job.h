@@ -79,6 +79,8 @@ typedef struct lc_render_job {
     bool exact;      /* every light at every point */
     float floor;     /* luminance: the dark floor */
     float z;         /* of cuts where the error of pixels is asked, else 0 */
+    float error;     /* asked of pixels, 0: none */
+    double began;    /* lc_now */
     lc_filter_share *share; /* where samples are shared; NULL: each pixel has its own */
     uint32_t group;         /* tiles a side whose samples are shared */
     double pixel;    /* textures are filtered over: a length at distance 1 */

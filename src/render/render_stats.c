@@ -92,7 +92,7 @@ static lc_status set_load_attributes(lc_image *im, const lc_scene *scene)
 static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, const lc_render_stats *stats)
 {
     const lc_calibration *c = &stats->calibration;
-    lc_status st = lc_image_set_number(im, "lightcuts/error", (double)d->error);
+    lc_status st = lc_image_set_number(im, "lightcuts/error", (double)(c->n_pilots ? c->error : d->error));
     if (!st) st = lc_image_set_number(im, "lightcuts/within", (double)d->within);
     if (!st) st = lc_image_set_number(im, "lightcuts/everyLight", stats->exact);
     if (!st) st = lc_image_set_number(im, "lightcuts/pilots", c->n_pilots);
