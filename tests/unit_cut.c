@@ -680,6 +680,148 @@ TEST(whole_cut_keeps_its_limit)
     unmake(&s);
 }
 
+/* ---- a strict heap ---- */
+
+/* The cluster of the largest bound is split, again and again, every ray traced at once, until the cut is within
+ * its limit or holds max_cut clusters: the order that cut.h keeps only from round to round. */
+typedef struct {
+    double bound, e; /* e: luminance of the estimate */
+    uint32_t link;
+} strict_cluster;
+
+typedef struct {
+    const setup *s;
+    const point *q;
+    uint32_t slot, n, n_done;
+    strict_cluster heap[4096];
+    double done, total, sum2; /* done: luminance of lights, of total */
+} strict_cut;
+
+static void strict_push(strict_cut *h, uint32_t link)
+{
+    const lc_light_tree *t = h->s->tree;
+    const uint32_t rep = lc_rep_of(t, link, h->slot);
+    const lc_light_rec *l = &t->data.lights[rep];
+    const bool leaf = link & LC_LEAF;
+    const float *intensity = leaf ? l->intensity : t->data.nodes[link].intensity;
+    float bound = 1;
+    if (!leaf)
+        ctx->shade_kernels->bounds(&t->data, &link, 1, lc_kind_of_node(t, link), &h->q->p, &bound);
+    if (!(bound > 0)) return;
+    const lc_f3 mg = one_transfer(&h->q->p, lc_kind_of_light(t, rep), l, lc_light_atten(&t->data, rep));
+    const double e = is_hidden(h->s, h->q, rep) ? 0 : lum_of(lc_f3_mul(mg, lc_f3_load(intensity)));
+    if (leaf) {
+        h->done += e;
+        h->n_done++;
+        return;
+    }
+    uint32_t at = h->n++;
+    for (; at && h->heap[(at - 1) / 2].bound < (double)bound; at = (at - 1) / 2)
+        h->heap[at] = h->heap[(at - 1) / 2];
+    h->heap[at] = (strict_cluster){ (double)bound, e, link };
+}
+
+static strict_cluster strict_pop(strict_cut *h)
+{
+    const strict_cluster top = h->heap[0], last = h->heap[--h->n];
+    uint32_t at = 0;
+    for (uint32_t child; (child = 2 * at + 1) < h->n; at = child) {
+        if (child + 1 < h->n && h->heap[child + 1].bound > h->heap[child].bound) child++;
+        if (!(h->heap[child].bound > last.bound)) break;
+        h->heap[at] = h->heap[child];
+    }
+    h->heap[at] = last;
+    return top;
+}
+
+static uint32_t strict_size(strict_cut *h, const setup *s, const point *q, uint32_t slot,
+                            const lc_cut_desc *d)
+{
+    h->s = s;
+    h->q = q;
+    h->slot = slot;
+    h->n = h->n_done = 0;
+    h->done = 0;
+    for (int k = 0; k < LC_LIGHT_KINDS; k++)
+        if (s->tree->n_of_kind[k]) strict_push(h, s->tree->root[k]);
+    for (;;) {
+        uint32_t n_dark = 0;
+        h->total = h->done, h->sum2 = 0; /* anew each time: bounds differ by many orders of magnitude */
+        for (uint32_t i = 0; i < h->n; i++) {
+            h->total += h->heap[i].e;
+            h->sum2 += h->heap[i].bound * h->heap[i].bound;
+            n_dark += h->heap[i].e > 0 ? 0 : 1;
+        }
+        if (!h->n || (d->max_cut && h->n + h->n_done >= d->max_cut)) break;
+        /* Each cluster's ratio is lower where many representatives are occluded; see cut_select.c. */
+        const double ratio = (double)d->error_ratio * (d->z > 0 || n_dark <= 100 ? 1 : sqrt(100.0 / n_dark)),
+                     of = fmax(h->total, (double)d->floor) * ratio,
+                     left = d->z > 0 ? (double)d->z * sqrt(h->sum2) : h->heap[0].bound;
+        if (left <= of) break;
+        const lc_node *node = &s->tree->data.nodes[strict_pop(h).link];
+        strict_push(h, node->left);
+        strict_push(h, node->right);
+    }
+    return h->n + h->n_done;
+}
+
+/* The root of the sum of the squared bounds that is left, of a cut and of the strict one, over the total. */
+static double left_of(double root, double total) { return total > 0 ? root / total : 0; }
+
+/* Cuts are hardly larger than by the strict heap, from the roots and from another's cut; with max_cut they leave
+ * hardly more. */
+TEST(hardly_larger_than_by_a_strict_heap)
+{
+    static const lc_cut_desc descs[] = {
+        { 0.05f, 0, 1e-3f, 0 },   { 0.02f, 0, 1e-3f, 0 },    { 0.02f, 0, 1e-3f, 0.1f }, { 0.02f, 0, 1e-3f, 0.3f },
+        { 0.05f, 0, 1e-3f, 0.3f }, { 0.001f, 100, 1e-3f, 0 }, { 0.001f, 400, 1e-3f, 0 }, { 0.001f, 400, 1e-3f, 0.3f },
+    };
+    static strict_cut h;
+    static lc_cut_start start;
+    setup s;
+    make(&s, 3000, 7, 12, false);
+    build_tree(&s, 3, 4);
+    for (size_t k = 0; k < sizeof descs / sizeof *descs; k++) {
+        const lc_cut_desc *d = &descs[k];
+        double size[3] = { 0 }, left[3] = { 0 }; /* strict, from the roots, from a cut near by */
+        lc_cut c;
+        lc_visibility visibility = s.visibility;
+        visibility.occluders = NULL; /* no proofs */
+        if (lc_cut_init(&c, ctx, s.tree, &visibility, d, true)) abort();
+        rng_ctr = 1u << 23;
+        for (int i = 0; i < 60; i++) {
+            point q = rnd_point(), near = q;
+            const uint64_t slot = (uint64_t)(i & 3);
+            lc_cut_result r[2];
+            near.p.pos[0] += 0.03f;
+            near.org[0] += 0.03f;
+            size[0] += strict_size(&h, &s, &q, (uint32_t)slot, d);
+            left[0] += left_of(sqrt(h.sum2), h.total);
+            for (int way = 0; way < 2; way++) {
+                c.start = NULL;
+                c.start_out = way ? &start : NULL;
+                if (way) {
+                    shade(&c, &near, slot + 1);
+                    c.start = &start;
+                    c.start_out = NULL;
+                }
+                r[way] = shade(&c, &q, slot);
+                size[1 + way] += r[way].size;
+                left[1 + way] += left_of(root_of(&c), lum_of(r[way].radiance));
+            }
+        }
+        printf("  ratio %g, z %g, max_cut %u: %.1f clusters by a strict heap, from the roots %.3f, guided %.3f times; "
+               "left %.3f, %.3f\n", (double)d->error_ratio, (double)d->z, d->max_cut, size[0] / 60, size[1] / size[0],
+               size[2] / size[0], left[1] / left[0], left[2] / left[0]);
+        CHECKF(size[1] <= 1.03 * size[0], "%g times as large", size[1] / size[0]);
+        CHECKF(size[2] <= 1.03 * size[0], "%g times as large from another's cut", size[2] / size[0]);
+        for (int way = 1; way < 3 && d->max_cut; way++)
+            CHECKF(left[way] <= 1.03 * left[0], "%g times as much left, way %d", left[way] / left[0], way);
+        lc_cut_free(&c);
+    }
+    unmake(&s);
+}
+
 /* More work never makes a cut worse: where the room is short, a smaller ratio and more room leave no larger
  * bounds. */
 TEST(more_work_is_never_worse)
@@ -773,6 +915,7 @@ int main(void)
     RUN(dark_floor_stops_refinement);
     RUN(smaller_ratio_larger_cut);
     RUN(whole_cut_keeps_its_limit);
+    RUN(hardly_larger_than_by_a_strict_heap);
     RUN(more_work_is_never_worse);
     RUN(validator_finds_damage);
     RUN(no_memory_lost_or_overrun);
