@@ -241,7 +241,7 @@ static double refine(lc_cut *c, lc_cut_step *s, double *ratio)
 {
     const bool each_round = c->worst_first || c->desc.z > 0; /* a limit of its own */
     const uint64_t rays_before = s->stats->shadow_rays;
-    const bool trace_each_round = c->occlusion && c->start_out;
+    const bool trace_each_round = c->occlusion && (c->start_out || c->worst_first);
     double total = c->start ? lc_cut_place_start(c, s) : lc_cut_place_roots(c, s);
     for (bool traced = c->start;;) {
         const float limit = limit_of(c, traced, total, ratio);
