@@ -61,13 +61,21 @@ static float largest_bound(const lc_cut *c)
     return most;
 }
 
+/* Eight sums, as additions to one would wait for each other. */
+static void sum_squares(const float *x, uint32_t n, double sum[8])
+{
+    uint32_t i = 0;
+    for (; i + 8 <= n; i += 8)
+        for (uint32_t k = 0; k < 8; k++) sum[k] += (double)x[i + k] * (double)x[i + k];
+    for (; i < n; i++) sum[i & 7] += (double)x[i] * (double)x[i];
+}
+
 double lc_cut_sum2(const lc_cut *c)
 {
     const lc_cut_list *const lists[] = { &c->open, &c->kept };
     double sum[8] = { 0 };
     for (int k = 0; k < 2; k++)
-        for (uint32_t i = 0; i < lists[k]->n; i++)
-            sum[i & 7] += (double)lists[k]->bound[i] * (double)lists[k]->bound[i];
+        sum_squares(lists[k]->bound, lists[k]->n, sum);
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
@@ -90,13 +98,12 @@ static void sort_into_steps(const lc_cut_list *list, steps *s)
 float lc_cut_rss_limit(const lc_cut *c, double rss)
 {
     steps s = { .top = (bits_of((float)rss) >> STEP_BITS) + 1 };
-    double sum2 = 0, split = 0;
+    double split = 0;
     uint32_t n_split = 0, at = 0;
+    const double excess = lc_cut_sum2(c) - rss * rss;
+    if (!(excess > 0)) return INFINITY;
     sort_into_steps(&c->open, &s);
     sort_into_steps(&c->kept, &s);
-    for (uint32_t k = 0; k < N_STEPS; k++) sum2 += s.sum2[k];
-    const double excess = sum2 - rss * rss;
-    if (!(excess > 0)) return INFINITY;
     /* Some of what is split stays as children: more is split, but never much more than the worst. */
     const double want = excess + fmin(KEPT_BY_CHILDREN * excess, KEPT_BY_ALL * rss * rss);
     const uint32_t n_least = (c->open.n + c->kept.n) / LEAST_SPLIT_DIVISOR;

@@ -24,8 +24,8 @@
 #define N_SLOTS 4         /* values of a pilot, once z is known roughly */
 #define ROUGH_STEPS 2     /* by one value of each pilot */
 #define MOST_STEPS 6
-#define AIM 0.97          /* of the error: where the quantile is to be, and the least that is good enough */
-#define GOOD_ENOUGH 0.92
+#define AIM 0.98          /* of the error: where the quantile is to be, and the least that is good enough */
+#define GOOD_ENOUGH 0.95
 #define LEAST_Z (1 / 256.0)
 #define MOST_Z 8.0
 #define MAX_EXACT 40000.0 /* lights times samples of a pilot, all of which are evaluated */
@@ -136,15 +136,15 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The miss that the asked share of the values does not exceed. The margin is one standard error of half as many
- * values. */
+/* The miss that the asked share of the values does not exceed. The margin is one standard error of as many
+ * independent values. */
 static double quantile(const pilots *p, double *sorted, double within)
 {
     uint32_t n = 0;
     for (uint32_t i = 0; i < p->n * p->n_slots; i++)
         if (isfinite(p->truth[i / p->n_slots])) sorted[n++] = p->value[i];
     qsort(sorted, n, sizeof *sorted, by_size);
-    const double off = 1 - within / 100, aim = 1 - fmax(off - sqrt(off * (1 - off) / (n / 2.0)), off / 8);
+    const double off = 1 - within / 100, aim = 1 - fmax(off - sqrt(off * (1 - off) / n), off / 8);
     const double at = ceil(aim * n) - 1;
     return sorted[at < n - 1 ? (uint32_t)fmax(at, 0) : n - 1];
 }
