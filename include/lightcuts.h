@@ -357,8 +357,8 @@ typedef struct lc_render_desc {
     float within;        /* per cent of all pixels for which that is asked, above 0, below 100; INIT: 95 */
     const lc_calibration *calibration; /* that of an earlier render of the same scene, film and options, of
                           * any crop; NULL: found by this one */
-    double seconds;      /* 0: none. Else the least error is asked with which lc_render, from its call on, takes
-                          * that long, and `error`, which must be above 0, is where its search begins. Pilots
+    double seconds;      /* 0: none. Else the least error is asked with which lc_render, from its call, takes
+                          * that long, and `error`, which must be above 0, is where its search begins. Pixels
                           * are timed, so the picture depends on the machine and its load, and the seconds are
                           * kept to about a tenth where pilots take a small part of them. What was chosen is
                           * in the calibration of the statistics. Not with `calibration` */

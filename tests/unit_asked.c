@@ -16,12 +16,13 @@ static void write_scene(int side, int n, double power)
 {
     FILE *f = fopen(PATH, "w");
     if (!f) abort();
-    fprintf(f,
-            "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\n"
-            "LookAt 0 3 7 0 1 0 0 1 0\nCamera \"perspective\" \"float fov\" [50]\nIntegrator \"directlighting\"\n"
-            "WorldBegin\n"
-            "Material \"diffuse\" \"rgb reflectance\" [.6 .5 .4]\n",
-            side, side);
+    fprintf(
+        f,
+        "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\n"
+        "LookAt 0 3 7 0 1 0 0 1 0\nCamera \"perspective\" \"float fov\" [50]\nIntegrator \"directlighting\"\n"
+        "WorldBegin\n"
+        "Material \"diffuse\" \"rgb reflectance\" [.6 .5 .4]\n",
+        side, side);
     for (int i = 0; i < n; i++) {
         const double a = i * 2.399963, r = sqrt((i + 0.5) / n) * 4;
         fprintf(f, "LightSource \"point\" \"rgb I\" [%g %g %g] \"point3 from\" [%g %g %g]\n",
@@ -102,7 +103,11 @@ static double share_within(const picture *p, const picture *truth, double error)
 /* Most of the 4096 pixels are no pilots. The windows are those of the demand, for 512 pilots. */
 TEST(what_is_asked_holds)
 {
-    static const struct { float error, within; uint32_t spp; double lo, hi; } rows[] = {
+    static const struct {
+        float error, within;
+        uint32_t spp;
+        double lo, hi;
+    } rows[] = {
         { 0.02f, 95, 1, 93, 99 }, { 0.02f, 99, 1, 98, 100 }, { 0.02f, 80, 1, 76, 92 },
         { 0.05f, 95, 1, 93, 99 }, { 0.02f, 95, 4, 93, 99 },
     };
@@ -111,11 +116,14 @@ TEST(what_is_asked_holds)
     write_scene(SIDE, 3000, 0.01);
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         render((way){ .method = LC_METHOD_EXACT, .spp = rows[k].spp }, &truth);
-        render((way){ .method = LC_METHOD_CUTS, .error = rows[k].error, .within = rows[k].within,
-                      .spp = rows[k].spp }, &p);
+        render((way){ .method = LC_METHOD_CUTS,
+                      .error = rows[k].error,
+                      .within = rows[k].within,
+                      .spp = rows[k].spp },
+               &p);
         const lc_calibration *c = &p.stats.calibration;
-        const double share = share_within(&p, &truth, (double)rows[k].error),
-                     of_pilots = (double)c->achieved, margin = (double)c->margin;
+        const double share = share_within(&p, &truth, (double)rows[k].error), of_pilots = (double)c->achieved,
+                     margin = (double)c->margin;
         printf("  %g within %g %%, %u samples: %.1f %%, pilots %.1f +- %.1f, %.0f rays a point\n",
                (double)rows[k].error, (double)rows[k].within, rows[k].spp, share, of_pilots, margin,
                (double)p.stats.shadow_rays / (double)p.stats.points);
@@ -153,7 +161,10 @@ TEST(same_bytes_for_crops_threads_and_kept_calibrations)
 /* By cuts that are forced one pixel may be off, and is of a small film; else few lights are all evaluated. */
 TEST(hardly_anything)
 {
-    static const struct { int side, lights; double power; } rows[] = {
+    static const struct {
+        int side, lights;
+        double power;
+    } rows[] = {
         { 1, 300, 0.01 }, { 5, 300, 0.01 }, { 20, 0, 1 }, { 20, 1, 1 }, { 20, 300, 0 }, { 20, 2, 1 },
     };
     static picture truth, p;
@@ -183,8 +194,8 @@ TEST(no_room_is_said)
            (double)c->margin);
 }
 
-/* Whatever error a time allows, it is said, and holds; more time allows no larger one. How long it takes is not
- * judged here. */
+/* Whatever error a time allows, it is said, and holds; more time allows no larger one. How long it takes is
+ * not judged here. */
 TEST(time_chooses_the_error)
 {
     static picture truth, p;
@@ -205,8 +216,8 @@ TEST(time_chooses_the_error)
 TEST(bad_values_are_refused)
 {
     static picture p;
-    static const float bad[][2] = { { NAN, 95 }, { INFINITY, 95 }, { -1, 95 }, { 0.02f, 0 }, { 0.02f, 100 },
-                                    { 0.02f, NAN } };
+    static const float bad[][2] = { { NAN, 95 },  { INFINITY, 95 }, { -1, 95 },
+                                    { 0.02f, 0 }, { 0.02f, 100 },   { 0.02f, NAN } };
     const lc_calibration none = { .z = 0 };
     write_scene(4, 3, 1);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {

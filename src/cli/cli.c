@@ -408,3 +408,22 @@ void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json)
         else fprintf(f, "%s%llu %s", k ? ", " : "", n, lc_light_kind_name(k));
     }
 }
+
+int cli_parse_aovs(const char *text, uint32_t *out)
+{
+    static const struct {
+        const char *name;
+        uint32_t bit;
+    } names[] = { { "cut", LC_AOV_CUT },   { "n", LC_AOV_N },           { "p", LC_AOV_P },
+                  { "z", LC_AOV_Z },       { "albedo", LC_AOV_ALBEDO }, { "error", LC_AOV_ERROR },
+                  { "rays", LC_AOV_RAYS }, { "all", LC_AOV_ALL } };
+    *out = 0;
+    for (;;) {
+        size_t len = strcspn(text, ","), i = 0, n = sizeof names / sizeof *names;
+        while (i < n && (strlen(names[i].name) != len || strncmp(names[i].name, text, len))) i++;
+        if (i == n) return -1;
+        *out |= names[i].bit;
+        if (!text[len]) return 0;
+        text += len + 1;
+    }
+}

@@ -85,6 +85,7 @@ typedef struct cli_error_options {
 void cli_ask_error(const cli_error_options *given, lc_render_desc *render);
 /* Values of --error and --within. */
 int cli_parse_error(const char *text, float *out);
+int cli_parse_aovs(const char *text, uint32_t *out); /* LC_AOV_... by names with commas */
 int cli_parse_within(const char *text, float *out);
 /* One of cli_isa_names. */
 int cli_parse_isa(const char *text, lc_isa *out);

@@ -102,8 +102,7 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
         printf("  \"bounds\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]],\n", (double)i->bounds_lo[0],
                (double)i->bounds_lo[1], (double)i->bounds_lo[2], (double)i->bounds_hi[0],
                (double)i->bounds_hi[1], (double)i->bounds_hi[2]);
-    else
-        printf("  \"bounds\": null,\n");
+    else printf("  \"bounds\": null,\n");
     printf("  \"width\": %u,\n  \"height\": %u,\n  \"crop\": [%u, %u, %u, %u],\n  \"spp\": %u,\n  "
            "\"filename\": ",
            i->width, i->height, i->crop[0], i->crop[1], i->crop[2], i->crop[3], i->spp);
@@ -148,7 +147,8 @@ static range range_of(const float *plane, size_t n)
 }
 
 /* What a picture says of its own error, in one sentence; nothing where no error of pixels was asked. Virtual
- * lights are a sample of the bounced light, so what 95 % of the blocks are off by on that account is added. */
+ * lights are a sample of the bounced light, so what 95 % of the blocks are off by on that account is added.
+ */
 static void print_statement(const lc_image *image)
 {
     const double error = lc_image_get_number(image, "lightcuts/error", 0),
@@ -164,12 +164,15 @@ static void print_statement(const lc_image *image)
     }
     if (all) printf("error                every light is evaluated (cuts 0 %%");
     else
-        printf("error                %.1f %% +- %.1f %% of the pixels are within %.3g %% of the converged picture "
-               "(cuts %.3g %%", share, margin, 100 * (error + indirect), 100 * error);
+        printf("error                %.1f %% +- %.1f %% of the pixels are within %.3g %% of the converged "
+               "picture "
+               "(cuts %.3g %%",
+               share, margin, 100 * (error + indirect), 100 * error);
     if (indirect > 0) printf(", indirect light %.2g %%", 100 * indirect);
     if (lc_image_get_number(image, "lightcuts/areaLights", 0) > 0)
         printf(", lamps: 'lightcuts converge' measures them");
-    printf(")%s\n", !all && share + margin < within ? "; more was asked, which --max-cut does not allow" : "");
+    printf(")%s\n",
+           !all && share + margin < within ? "; more was asked, which --max-cut does not allow" : "");
 }
 
 static void print_image(lc_image *image, bool json)

@@ -126,11 +126,9 @@ static void print_help(void)
         "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts\n"
         "                           even of few lights\n"
         "      --error E            relative error of finished pixels that is accepted, default %g\n"
-        "      --within P           per cent of the pixels that are to be within it, 1 to 99.9, default 95\n"
-        "      --calibration FILE   take from FILE what keeps that error in this picture; where there is no\n"
-        "                           such file, write it: a farm pays once\n"
-        "      --time T             the least error with which the picture is done in T (90s, 5m, 1h); it is\n"
-        "                           stated afterwards and differs from machine to machine\n"
+        "      --within P           per cent of the pixels to be within it, 1 to 99.9, default 95\n"
+        "      --calibration FILE   take from FILE what keeps that error; where there is none, write it\n"
+        "      --time T             the least error with which the picture is done in T (90s, 5m, 1h)\n"
         "      --error-ratio E      in place of --error: bound of every cluster against the estimate\n"
         "      --max-cut N          clusters in a cut at most, default 0: no limit; with --error-ratio 1000\n"
         "      --dark-floor F       errors are measured against at least F times the picture's mean,\n"
@@ -181,25 +179,6 @@ static void print_help(void)
         (double)CLI_ERROR, (double)LC_ASKED_DARK_FLOOR, (double)LC_DARK_FLOOR, cli_isa_names());
 }
 
-static int parse_aovs(const char *text, uint32_t *out)
-{
-    static const struct {
-        const char *name;
-        uint32_t bit;
-    } names[] = { { "cut", LC_AOV_CUT },   { "n", LC_AOV_N },           { "p", LC_AOV_P },
-                  { "z", LC_AOV_Z },       { "albedo", LC_AOV_ALBEDO }, { "error", LC_AOV_ERROR },
-                  { "rays", LC_AOV_RAYS }, { "all", LC_AOV_ALL } };
-    *out = 0;
-    for (;;) {
-        size_t len = strcspn(text, ","), i = 0, n = sizeof names / sizeof *names;
-        while (i < n && (strlen(names[i].name) != len || strncmp(names[i].name, text, len))) i++;
-        if (i == n) return -1;
-        *out |= names[i].bit;
-        if (!text[len]) return 0;
-        text += len + 1;
-    }
-}
-
 /* Nonzero: the value of option c is out of range. */
 static int set_option(options *o, int c)
 {
@@ -244,7 +223,7 @@ static int set_option(options *o, int c)
     case OPT_LIMIT: return cli_parse_time(optarg, &o->farm.time_limit);
     case OPT_SANDBOX: o->load.sandbox = optarg; return !*optarg;
     case OPT_MEMORY: return cli_parse_memory(optarg);
-    case OPT_AOV: return parse_aovs(optarg, &o->render.aovs);
+    case OPT_AOV: return cli_parse_aovs(optarg, &o->render.aovs);
     case OPT_STATS_FILE: o->stats_file = optarg; return !*optarg;
     case OPT_STATS: o->print_stats = true; return 0;
     case OPT_TIME: o->write_time = true; return 0;
@@ -349,32 +328,6 @@ static void choose_output(options *o, const lc_scene_info *info)
     o->outputs[o->n_outputs++] = o->default_output;
 }
 
-/* Why a file cannot be written: 0 or errno. A file is replaced by renaming, so its folder has to be writable;
- * a device or pipe itself. */
-static int unwritable(const char *path)
-{
-    char folder[4096], real[PATH_MAX];
-    struct stat st;
-    bool there = !stat(path, &st);
-    if (there && !S_ISREG(st.st_mode)) return S_ISDIR(st.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
-    /* Of a symbolic link the target is replaced. */
-    snprintf(folder, sizeof folder, "%s", there && realpath(path, real) ? real : path);
-    char *slash = strrchr(folder, '/');
-    if (slash) slash[slash == folder] = 0;
-    else memcpy(folder, ".", 2);
-    if (stat(folder, &st)) return errno;
-    if (!S_ISDIR(st.st_mode)) return ENOTDIR;
-    return access(folder, W_OK | X_OK) ? errno : 0;
-}
-
-/* Checks before a long render that its output can be written. */
-static int check_writable(const char *path)
-{
-    int err = unwritable(path);
-    if (err) fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", cli_shown(path), strerror(err));
-    return err ? CLI_FAILED : 0;
-}
-
 /* Refuses files that would be written over each other, or over what the scene is read from. */
 static int check_distinct(const options *o, const lc_scene *scene)
 {
@@ -404,8 +357,8 @@ static int check_distinct(const options *o, const lc_scene *scene)
 static int check_outputs(const options *o)
 {
     for (int i = 0; i < o->n_outputs; i++)
-        if (check_writable(o->outputs[i])) return CLI_FAILED;
-    return o->stats_file ? check_writable(o->stats_file) : 0;
+        if (cli_check_writable(o->outputs[i])) return CLI_FAILED;
+    return o->stats_file ? cli_check_writable(o->stats_file) : 0;
 }
 
 static int set_crop(options *o, const lc_scene_info *info)
@@ -553,7 +506,8 @@ static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image *
     s.line.before = o->farm.share_before;
     o->render.progress = step;
     o->render.progress_user = &s;
-    if (o->render.seconds > 0) o->render.seconds = fmax(o->render.seconds - (cli_now() - o->farm.start), 0.001);
+    if (o->render.seconds > 0)
+        o->render.seconds = fmax(o->render.seconds - (cli_now() - o->farm.start), 0.001);
     lc_status st = lc_render(ctx, scene, &o->render, image, stats);
     cli_progress_end(&s.line);
     if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);

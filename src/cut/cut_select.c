@@ -79,19 +79,27 @@ double lc_cut_sum2(const lc_cut *c)
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
-/* Clusters by their bounds: step 0 has those from `top` steps up. */
+/* Clusters by their bounds, in steps from `top` down. Those above are counted only: each is too large alone,
+ * and its square could be so large that the others' would be lost in a sum with it. */
 typedef struct {
-    uint32_t top, n[N_STEPS];
+    uint32_t top, n_above, n[N_STEPS];
     double sum2[N_STEPS];
+    double all[4]; /* parts of the sum over all steps, as additions to one would wait for each other */
 } steps;
 
 static void sort_into_steps(const lc_cut_list *list, steps *s)
 {
     for (uint32_t i = 0; i < list->n; i++) {
         const int32_t below = (int32_t)s->top - (int32_t)(bits_of(list->bound[i]) >> STEP_BITS);
-        const int32_t at = below < 0 ? 0 : below < N_STEPS ? below : N_STEPS - 1;
-        s->sum2[at] += (double)list->bound[i] * (double)list->bound[i];
+        const double square = (double)list->bound[i] * (double)list->bound[i];
+        if (below < 0) {
+            s->n_above++;
+            continue;
+        }
+        const int32_t at = below < N_STEPS ? below : N_STEPS - 1;
+        s->sum2[at] += square;
         s->n[at]++;
+        s->all[i & 3] += square;
     }
 }
 
@@ -99,14 +107,16 @@ float lc_cut_rss_limit(const lc_cut *c, double rss)
 {
     steps s = { .top = (bits_of((float)rss) >> STEP_BITS) + 1 };
     double split = 0;
-    uint32_t n_split = 0, at = 0;
-    const double excess = lc_cut_sum2(c) - rss * rss;
-    if (!(excess > 0)) return INFINITY;
+    uint32_t at = 0;
     sort_into_steps(&c->open, &s);
     sort_into_steps(&c->kept, &s);
+    const double excess = ((s.all[0] + s.all[1]) + (s.all[2] + s.all[3])) - rss * rss;
+    if (!(excess > 0) && !s.n_above) return INFINITY;
     /* Some of what is split stays as children: more is split, but never much more than the worst. */
-    const double want = excess + fmin(KEPT_BY_CHILDREN * excess, KEPT_BY_ALL * rss * rss);
+    const double by_all = KEPT_BY_ALL * rss * rss,
+                 want = excess + (s.n_above ? by_all : fmin(KEPT_BY_CHILDREN * excess, by_all));
     const uint32_t n_least = (c->open.n + c->kept.n) / LEAST_SPLIT_DIVISOR;
+    uint32_t n_split = s.n_above;
     while (at + 1 < N_STEPS && at < s.top && (split < want || n_split < n_least)) {
         split += s.sum2[at];
         n_split += s.n[at++];

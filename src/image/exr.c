@@ -421,11 +421,26 @@ static void clamp_rows(const lc_image *image, uint32_t y, size_t n_lines, float 
     }
 }
 
+typedef struct {
+    exr_result_t (*compress)(exr_encode_pipeline_t *);
+} own_compress;
+
+/* A reader takes a chunk that is as long as its pixels for pixels that are not compressed, but the library
+ * writes compressed ones of just that length, too: those are written plainly. */
+static exr_result_t compress_if_shorter(exr_encode_pipeline_t *p)
+{
+    const exr_result_t rv = ((const own_compress *)p->encoding_user_data)->compress(p);
+    if (rv == EXR_ERR_SUCCESS && p->compressed_bytes == p->packed_bytes)
+        memcpy(p->compressed_buffer, p->packed_buffer, p->packed_bytes);
+    return rv;
+}
+
 /* EXR_ERR_SUCCESS also when it was stopped, which sets *status. */
 static exr_result_t write_pixels(const lc_image *image, exr_context_t exr, float *rows, int32_t lines,
                                  exr_encode_pipeline_t *p, lc_status *status)
 {
     const lc_image_desc *d = &image->desc;
+    own_compress own = { NULL };
     for (uint32_t y = 0; y < d->height; y += (uint32_t)lines) {
         exr_chunk_info_t info = { 0 };
         if (lc_stopped(image->ctx)) {
@@ -451,7 +466,12 @@ static exr_result_t write_pixels(const lc_image *image, exr_context_t exr, float
             c->user_bytes_per_element = sizeof(float);
             c->user_data_type = EXR_PIXEL_FLOAT;
         }
-        if (y == 0) rv = exr_encoding_choose_default_routines(exr, 0, p);
+        if (y == 0) {
+            rv = exr_encoding_choose_default_routines(exr, 0, p);
+            own.compress = p->compress_fn;
+            p->encoding_user_data = &own;
+            if (own.compress) p->compress_fn = compress_if_shorter;
+        }
         if (rv == EXR_ERR_SUCCESS) rv = exr_encoding_run(exr, 0, p);
         if (rv != EXR_ERR_SUCCESS) return rv;
     }

@@ -8,9 +8,9 @@
  *     values   the pixel by cuts of a z, which begin with the roots, by several slots of representatives
  *     z        where the asked share of the values, and a margin, is within the error
  *
- * A value's miss is its error over what is asked. The misses' quantile of that share falls with z about as 1/z,
- * so z is found by a few steps of the secant method on their logarithms. The pilots are the same whatever is
- * rendered of the film.
+ * A value's miss is its error over what is asked. The misses' quantile of that share falls with z about as
+ * 1/z, so z is found by a few steps of the secant method on their logarithms. The pilots are the same
+ * whatever is rendered of the film.
  */
 #include "render/render_job.h"
 
@@ -106,7 +106,7 @@ static void find_misses(pilots *p, double error, double floor_lum)
     for (uint32_t i = 0; i < p->n * p->n_slots; i++) {
         const double truth = p->truth[i / p->n_slots], off = fabs(p->value[i] - truth),
                      allowed = error * fmax(truth, floor_lum);
-        p->value[i] = off <= allowed ? allowed > 0 ? off / allowed : 0 : allowed > 0 ? off / allowed : INFINITY;
+        p->value[i] = allowed > 0 ? off / allowed : off > 0 ? INFINITY : 0;
     }
 }
 

@@ -171,9 +171,10 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
                        "the error must be finite and at least 0, the share within it above 0 and below 100");
     if (d->calibration && !(d->calibration->z > 0 && isfinite(d->calibration->z)))
         return lc_fail(ctx, LC_ERR_ARG, "a calibration's z must be finite and above 0");
-    if (!(d->seconds >= 0) || !isfinite(d->seconds) || (d->seconds > 0 && (!(d->error > 0) || d->calibration)))
-        return lc_fail(ctx, LC_ERR_ARG,
-                       "seconds must be finite and at least 0, and above 0 they need an error and no calibration");
+    if (!(d->seconds >= 0) || !isfinite(d->seconds))
+        return lc_fail(ctx, LC_ERR_ARG, "seconds must be finite and at least 0");
+    if (d->seconds > 0 && (!(d->error > 0) || d->calibration))
+        return lc_fail(ctx, LC_ERR_ARG, "seconds need an error above 0 and no calibration");
     if (d->spp > LC_MAX_SPP) return lc_fail(ctx, LC_ERR_ARG, "more than %u samples per pixel", LC_MAX_SPP);
     bool scene_crop = !d->crop[0] && !d->crop[1] && !d->crop[2] && !d->crop[3];
     for (int i = 0; i < 4; i++) {
