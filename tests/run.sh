@@ -72,7 +72,7 @@ for source in fuzz/fuzz_*.c; do
     else absent "$name"
     fi
 done
-for script in cli files hostile scenes golden page farm slurm; do
+for script in deps cli files hostile scenes golden page farm slurm; do
     if [ -f "tests/$script.sh" ]; then run figures "$script.sh" sh "tests/$script.sh" "$bin/lightcuts"
     else absent "$script.sh"
     fi
