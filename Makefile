@@ -76,6 +76,7 @@ help:
 	@echo "make bench      lightcuts bench: kernels, shadow rays, trees, a frame over its own rays"
 	@echo "make accept     full-size comparison with the exact method, about 6 minutes"
 	@echo "make accept-kill  1300 random kills of renders that are gone on with"
+	@echo "make load       200 renders at once at the edges of threads, descriptors, memory and disk, clocks that jump, stops; 10 minutes"
 	@echo "make fuzz       build the fuzzers, replay their corpora; make fuzz-run SECONDS=n runs each for n seconds"
 	@echo "make fault      every allocation, file operation and thread start fails in turn (make test: some of them)"
 	@echo "make test-arm64 the tests on an emulated 64-bit ARM with NEON, and the golden hashes of x86"
@@ -88,7 +89,7 @@ help:
 
 # ---- dependencies ----
 
-.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall clean run-tests test-programs golden
+.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill load fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP) $(if $(CROSS),$(CROSS))
 deps-check:
@@ -162,6 +163,12 @@ $(BIN)tests/unit_faults: $(OUT)/tests/unit_faults.o $(OUT)/tests/support/fault_s
 	$(call say,LD $@)
 	$(Q)$(CC) $(FLAGS) $(if $(SAN),,$(LINK_STATIC)) $(FAULT_CALLS:%=-Wl,--wrap=%) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
 
+# The program with clocks that jump.
+$(BIN)tests/lightcuts_clock: $(OUT)/tests/support/clock_shim.o $(CLI_OBJ) $(BIN)liblightcuts.a
+	@mkdir -p $(@D)
+	$(call say,LD $@)
+	$(Q)$(CC) $(FLAGS) $(if $(SAN),,$(LINK_STATIC)) -Wl,--wrap=clock_gettime $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
+
 test:
 	@$(MAKE) --no-print-directory deps
 	@$(MAKE) --no-print-directory $(JOBS) all test-programs
@@ -175,7 +182,7 @@ test-all:
 	@$(MAKE) --no-print-directory lint
 	@$(MAKE) --no-print-directory test-arm64
 
-test-programs: $(TESTS) $(REPLAYS) $(BIN)lightcuts
+test-programs: $(TESTS) $(REPLAYS) $(BIN)lightcuts $(BIN)tests/lightcuts_clock
 
 run-tests: test-programs
 	@sh tests/run.sh $(BIN)
@@ -240,13 +247,14 @@ $(patsubst src/%.c,build/fuzzlib/src/%.o,$(filter-out src/pbrt/ply.c src/io/%.c 
   $(LIB_SRC) $(CLI_SRC))): COV_FLAGS := -fno-sanitize-coverage=trace-cmp
 FUZZ_LINK := -O1 -fsanitize=address,undefined,fuzzer -fno-sanitize-recover=all
 FUZZ_LIBS = $(filter-out $(EXR_LIB),$(LIBS)) # OpenEXR with sanitizers is in fuzzlib's archive
-build/fuzz/%: fuzz/%.c $(TEST_HELP) $(LIB_SRC) | deps-check
+FUZZ_DEPS := $(TEST_HELP) $(LIB_SRC) $(wildcard fuzz/*.h src/*/*.h include/*.h)
+build/fuzz/%: fuzz/%.c $(FUZZ_DEPS) | deps-check
 	@mkdir -p $(@D)
 	@$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" build/fuzzlib/liblightcuts.a
 	$(call say,LD $@)
 	$(Q)$(CLANG) $(FLAGS) $(FUZZ_LINK) -Itests $< $(TEST_HELP) build/fuzzlib/liblightcuts.a $(FUZZ_LIBS) -o $@
 
-build/fuzz/fuzz_options: fuzz/fuzz_options.c $(LIB_SRC) $(CLI_SRC) | deps-check
+build/fuzz/fuzz_options: fuzz/fuzz_options.c $(FUZZ_DEPS) $(CLI_SRC) | deps-check
 	@mkdir -p $(@D)
 	@$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" \
 	  build/fuzzlib/liblightcuts.a $(patsubst %.c,build/fuzzlib/%.o,$(CLI_SRC))
@@ -289,6 +297,11 @@ accept-kill:
 	@$(MAKE) --no-print-directory $(JOBS) all build/tests/unit_kill
 	@build/tests/unit_kill 1000
 	@sh tests/farm.sh build/lightcuts 300
+
+load:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory $(JOBS) all build/tests/lightcuts_clock
+	@sh tests/load.sh build/lightcuts 600
 
 # ---- installing ----
 

@@ -35,7 +35,7 @@ lc_isa lc_isa_find(const char *name)
     return LC_ISA_UNKNOWN;
 }
 
-/* LC_SCALAR_ONLY is of make msan: MemorySanitizer looks at lanes, too, that a masked instruction leaves out. */
+/* LC_SCALAR_ONLY is of make msan: MemorySanitizer looks at what masked instructions leave out, too. */
 bool lc_isa_supported(lc_isa isa)
 {
 #if defined(LC_SCALAR_ONLY)
