@@ -204,7 +204,8 @@ begun=$(date +%s)
 while :; do
     without_limits
     few_descriptors_or_little_memory
-    if [ "$(id -u)" -ne 0 ] || ! has setpriv || ! has prlimit; then skip 'few threads' 'no right to be another user'
+    if sanitized; then skip 'few threads' 'the sanitizer starts threads of its own'
+    elif [ "$(id -u)" -ne 0 ] || ! has setpriv || ! has prlimit; then skip 'few threads' 'no right to be another user'
     elif ! setpriv --reuid 54321 --regid 54321 --clear-groups "$T/$name" --version >/dev/null 2>&1; then
         skip 'few threads' 'another user cannot run the program here'
     else few_threads

@@ -346,7 +346,9 @@ static void put_disk(const disk *d)
     temp_end();
     if (mkdir(temp_folder, 0700)) abort();
     for (int i = 0; i < MAX_NODES; i++)
-        if (*d->names[i]) file_write(temp_path(d->names[i]), d->nodes[i].data, d->nodes[i].n);
+        if (*d->names[i])
+            file_write(temp_path(d->names[i]), d->nodes[i].n ? d->nodes[i].data : (const void *)"",
+                       d->nodes[i].n);
 }
 
 static bool is_picture(bool may_be_old)
