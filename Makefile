@@ -17,10 +17,13 @@ say = $(if $(V),,@echo "$1")
 TARGET := $(firstword $(subst -, ,$(shell $(CC) -dumpmachine 2>/dev/null)))
 CROSS := $(filter-out $(shell uname -m) amd64,$(TARGET))
 AR := $(if $(CROSS),$(CROSS)-linux-gnu-ar,ar)
-DEPS := build/deps$(if $(CROSS),/$(CROSS))
 
-# One folder for each set of flags.
+# One folder for each set of flags. What is built with sanitizers gets its libraries built with them too: OpenEXR, and with
+# MemorySanitizer, which knows only what it has built, zlib.
 CONFIG ?= $(or $(CROSS),release)
+SAN_DEPS := $(filter -fsanitize=% -fno-sanitize% -fno-omit-frame-pointer,$(SAN))
+DEPS := build/deps$(if $(CROSS),/$(CROSS))$(if $(SAN_DEPS),/$(CONFIG))
+OWN_ZLIB := $(if $(CROSS)$(findstring memory,$(SAN_DEPS)),$(DEPS)/zlib)
 OUT := build/$(if $(filter release,$(CONFIG)),obj,$(CONFIG))
 BIN := build/$(if $(filter release,$(CONFIG)),,$(CONFIG)/)
 
@@ -29,7 +32,7 @@ WARN := -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wstrict-protot
 # straight-line vectorizer, which leaves out the rounding of double to float and back (unit_fmath).
 ROUNDING := -ffp-contract=off -fno-tree-slp-vectorize -fno-math-errno -fno-trapping-math
 FLAGS := -std=c11 -D_GNU_SOURCE $(OPT) -g $(ROUNDING) -fvisibility=hidden -Iinclude -Isrc \
-  $(if $(CROSS),-I$(DEPS)/zlib) $(WARN) $(SAN) $(CFLAGS)
+  $(if $(OWN_ZLIB),-I$(OWN_ZLIB)) $(WARN) $(SAN) $(CFLAGS)
 
 ifeq ($(STATIC),1)
 EXR_GROUP := static
@@ -44,7 +47,7 @@ EXR_INC := -I/usr/include/OpenEXR -I/usr/include/Imath
 EXR_LINK := -lOpenEXRCore-3_1
 LINK_STATIC :=
 endif
-LIBS := $(EXR_LINK) $(if $(CROSS),$(DEPS)/zlib/libz.a,-lz) -lm -lpthread $(LDFLAGS)
+LIBS := $(EXR_LINK) $(if $(OWN_ZLIB),$(OWN_ZLIB)/libz.a,-lz) -lm -lpthread $(LDFLAGS)
 
 # The instruction sets that the compiler's processor can have, a word each: name:flag,flag
 ISA_LINES := $(shell $(CC) -E -P src/isa/isa_flags.h 2>/dev/null | tr -d '\n' | tr '>' '\n' | sed 's/[<"]//g; s/: */:/; s/ /,/g')
@@ -73,19 +76,20 @@ help:
 	@echo "make bench      lightcuts bench: kernels, shadow rays, trees, a frame over its own rays"
 	@echo "make accept     full-size comparison with the exact method, about 6 minutes"
 	@echo "make accept-kill  1300 random kills of renders that are gone on with"
+	@echo "make load       200 renders at once at the edges of threads, descriptors, memory and disk, clocks that jump, stops; 10 minutes"
 	@echo "make fuzz       build the fuzzers, replay their corpora; make fuzz-run SECONDS=n runs each for n seconds"
 	@echo "make fault      every allocation, file operation and thread start fails in turn (make test: some of them)"
 	@echo "make test-arm64 the tests on an emulated 64-bit ARM with NEON, and the golden hashes of x86"
 	@echo "make mutate     breaks one line at a time on purpose; each must be noticed by a test (some 20 minutes of two processors)"
 	@echo "make coverage   the tests, and the share of the lines of src/ that they run"
-	@echo "make san tsan   the tests under ASan and UBSan, under TSan"
+	@echo "make san tsan msan  the tests under ASan and UBSan, under TSan, under MSan; OpenEXR, for MSan zlib too, is built so"
 	@echo "make lint       source rules, both compilers"
 	@echo "make install    PREFIX=/usr/local DESTDIR=; make uninstall"
 	@echo "make clean      removes build/ but keeps build/deps; STATIC=0 links shared libraries"
 
 # ---- dependencies ----
 
-.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill fault mutate coverage fuzz fuzz-run san tsan lint install uninstall clean run-tests test-programs golden
+.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill load fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP) $(if $(CROSS),$(CROSS))
 deps-check:
@@ -93,15 +97,15 @@ deps-check:
 
 $(DEPS)/openexr/lib/libOpenEXRCore.a: | deps-check
 	@echo "building OpenEXR's C library (once)"
-	$(if $(CROSS),@CC="$(CC)" AR=$(AR) sh src/deps/zlib.sh $(DEPS))
-	@CC="$(CC)" AR=$(AR) $(if $(CROSS),ZLIB=$(CURDIR)/$(DEPS)/zlib) sh src/deps/openexr.sh $(DEPS)
+	$(if $(OWN_ZLIB),@CC="$(CC)" AR=$(AR) SAN="$(SAN_DEPS)" sh src/deps/zlib.sh $(DEPS))
+	@CC="$(CC)" AR=$(AR) SAN="$(SAN_DEPS)" $(if $(OWN_ZLIB),ZLIB=$(CURDIR)/$(OWN_ZLIB)) sh src/deps/openexr.sh $(DEPS)
 
 .SECONDARY:
 
 # ---- library and program ----
 
 $(foreach isa,$(ISAS),$(eval $(OUT)/src/isa/isa_$(isa).o: ISA_FLAGS := $(call isa_flags,$(isa))))
-$(OUT)/src/image/exr.o: ISA_FLAGS := $(EXR_INC)
+$(OUT)/src/image/exr.o $(OUT)/tests/unit_exr.o: ISA_FLAGS := $(EXR_INC)
 
 # What a build is known by: its sources, compiler and flags. Written anew only where it changed.
 BUILD_ID := $(shell { cat $(sort $(wildcard src/*/*.[ch] include/*.h)); echo "$(FLAGS)"; $(CC) --version | head -n 1; } \
@@ -159,6 +163,12 @@ $(BIN)tests/unit_faults: $(OUT)/tests/unit_faults.o $(OUT)/tests/support/fault_s
 	$(call say,LD $@)
 	$(Q)$(CC) $(FLAGS) $(if $(SAN),,$(LINK_STATIC)) $(FAULT_CALLS:%=-Wl,--wrap=%) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
 
+# The program with clocks that jump.
+$(BIN)tests/lightcuts_clock: $(OUT)/tests/support/clock_shim.o $(CLI_OBJ) $(BIN)liblightcuts.a
+	@mkdir -p $(@D)
+	$(call say,LD $@)
+	$(Q)$(CC) $(FLAGS) $(if $(SAN),,$(LINK_STATIC)) -Wl,--wrap=clock_gettime $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
+
 test:
 	@$(MAKE) --no-print-directory deps
 	@$(MAKE) --no-print-directory $(JOBS) all test-programs
@@ -172,7 +182,7 @@ test-all:
 	@$(MAKE) --no-print-directory lint
 	@$(MAKE) --no-print-directory test-arm64
 
-test-programs: $(TESTS) $(REPLAYS) $(BIN)lightcuts
+test-programs: $(TESTS) $(REPLAYS) $(BIN)lightcuts $(BIN)tests/lightcuts_clock
 
 run-tests: test-programs
 	@sh tests/run.sh $(BIN)
@@ -196,6 +206,13 @@ san:
 tsan:
 	@$(MAKE) --no-print-directory deps
 	@LC_TEST_SECONDS=3600 $(MAKE) --no-print-directory $(JOBS) CONFIG=tsan OPT="-O1" SAN="-fsanitize=thread" run-tests
+
+# clang's: reads of memory that was never written.
+msan:
+	@$(MAKE) --no-print-directory deps
+	@sh src/deps/install.sh install fuzz
+	@LC_TEST_SECONDS=3600 $(MAKE) --no-print-directory $(JOBS) CONFIG=msan CC=$(CLANG) OPT="-O1 -DLC_SCALAR_ONLY" \
+	  SAN="-fsanitize=memory -fno-omit-frame-pointer" run-tests
 
 fault:
 	@$(MAKE) --no-print-directory deps
@@ -225,22 +242,27 @@ lint:
 
 # The macro makes small scenes cheap: smaller blocks, coarser spheres. A call for each comparison, half of all time with UBSan's
 # checks being comparisons too, stays where it finds what a mutation lacks: in readers of binary files.
-FUZZ_FLAGS := -fsanitize=address,undefined,fuzzer-no-link -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+FUZZ_FLAGS := -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
 $(patsubst src/%.c,build/fuzzlib/src/%.o,$(filter-out src/pbrt/ply.c src/io/%.c src/image/%.c src/render/checkpoint.c src/render/merge.c, \
   $(LIB_SRC) $(CLI_SRC))): COV_FLAGS := -fno-sanitize-coverage=trace-cmp
-build/fuzz/%: fuzz/%.c $(TEST_HELP) $(LIB_SRC) | $(EXR_LIB)
+# Kernels hold all they know on the stack: to mark it at each call would be a tenth of all time.
+$(ISAS:%=build/fuzzlib/src/isa/isa_%.o): COV_FLAGS := -fno-sanitize-coverage=trace-cmp -mllvm -asan-stack=0
+FUZZ_LINK := -O1 -fsanitize=address,undefined,fuzzer -fno-sanitize-recover=all
+FUZZ_LIBS = $(filter-out $(EXR_LIB),$(LIBS)) # OpenEXR with sanitizers is in fuzzlib's archive
+FUZZ_DEPS := $(TEST_HELP) $(LIB_SRC) $(wildcard fuzz/*.h src/*/*.h include/*.h)
+build/fuzz/%: fuzz/%.c $(FUZZ_DEPS) | deps-check
 	@mkdir -p $(@D)
 	@$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" build/fuzzlib/liblightcuts.a
 	$(call say,LD $@)
-	$(Q)$(CLANG) $(FLAGS) -O1 -fsanitize=address,undefined,fuzzer -Itests $< $(TEST_HELP) build/fuzzlib/liblightcuts.a $(LIBS) -o $@
+	$(Q)$(CLANG) $(FLAGS) $(FUZZ_LINK) -Itests $< $(TEST_HELP) build/fuzzlib/liblightcuts.a $(FUZZ_LIBS) -o $@
 
-build/fuzz/fuzz_options: fuzz/fuzz_options.c $(LIB_SRC) $(CLI_SRC) | $(EXR_LIB)
+build/fuzz/fuzz_options: fuzz/fuzz_options.c $(FUZZ_DEPS) $(CLI_SRC) | deps-check
 	@mkdir -p $(@D)
 	@$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" \
 	  build/fuzzlib/liblightcuts.a $(patsubst %.c,build/fuzzlib/%.o,$(CLI_SRC))
 	$(call say,LD $@)
-	$(Q)$(CLANG) $(FLAGS) -O1 -fsanitize=address,undefined,fuzzer $< \
-	  $(patsubst %.c,build/fuzzlib/%.o,$(filter-out %/main.c,$(CLI_SRC))) build/fuzzlib/liblightcuts.a $(LIBS) -o $@
+	$(Q)$(CLANG) $(FLAGS) $(FUZZ_LINK) $< \
+	  $(patsubst %.c,build/fuzzlib/%.o,$(filter-out %/main.c,$(CLI_SRC))) build/fuzzlib/liblightcuts.a $(FUZZ_LIBS) -o $@
 
 fuzz:
 	@sh src/deps/install.sh install fuzz build $(EXR_GROUP)
@@ -277,6 +299,11 @@ accept-kill:
 	@$(MAKE) --no-print-directory $(JOBS) all build/tests/unit_kill
 	@build/tests/unit_kill 1000
 	@sh tests/farm.sh build/lightcuts 300
+
+load:
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory $(JOBS) all build/tests/lightcuts_clock
+	@sh tests/load.sh build/lightcuts 600
 
 # ---- installing ----
 

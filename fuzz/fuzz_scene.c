@@ -1,15 +1,12 @@
 /* fuzz_scene.c - a scene of text made from the input, through parser, trees and renderer to a picture of 8 x
  * 8 pixels: no crash, and what is rendered is finite. Numbers are drawn from those that break things. An
  * input that begins with '#' is taken as text. */
-#include "fuzz.h"
-#include "pbrt/parse.h"
-#include "prepare/commit.h"
+#include "fuzz_look.h"
 
 #include <stdarg.h>
 #include <string.h>
 
 #define MOST 48 /* statements */
-#define MAX_TRIS 20000
 
 typedef struct text {
     const uint8_t *in;
@@ -240,38 +237,9 @@ static void scene_text(text *t)
     world(t);
 }
 
-static void look(lc_context *ctx, lc_scene *scene)
-{
-    lc_load_desc load = LC_LOAD_DESC_INIT;
-    lc_render_desc desc = LC_RENDER_DESC_INIT;
-    lc_image *image;
-    lc_image_desc size = LC_IMAGE_DESC_INIT;
-    lc_render_stats stats;
-    load.area_lights = 16;
-    load.env_lights = 16;
-    load.n_reps = 2;
-    load.indirect_lights = 24;
-    if (scene->n_tris > MAX_TRIS || scene->n_lights > 2000 ||
-        (uint64_t)scene->film.width * scene->film.height > 64 || scene->film.spp > 2)
-        return;
-    if (scene->max_depth > 4) scene->max_depth = 4;
-    if (lc_scene_commit(scene, &load)) return;
-    desc.method = LC_METHOD_CUTS;
-    desc.aovs = LC_AOV_ALL;
-    if (lc_render(ctx, scene, &desc, &image, &stats)) return;
-    lc_image_get_desc(image, &size);
-    for (uint32_t c = 0; c < lc_image_n_channels(image); c++) {
-        const char *name = lc_image_channel_name(image, c);
-        const float *p = lc_image_channel(image, name);
-        bool colour = !name[1] && name[0] != 'Z'; /* distances may be infinite */
-        for (uint32_t i = 0; i < size.width * size.height; i++)
-            require(colour ? isfinite(p[i]) && p[i] >= 0 : !isnan(p[i]), name);
-    }
-    lc_image_destroy(image);
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
+    static const look_options options = { 20000, 2000, 2, 16, 24, 0, LC_METHOD_CUTS, LC_AOV_ALL };
     static text t;
     lc_context *ctx = fuzz_context();
     lc_scene *scene;
@@ -284,7 +252,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (lc_scene_create(ctx, &scene)) abort();
     if (lc_pbrt_parse_memory(scene, "fuzz", is_text ? (const void *)data : t.out, is_text ? size : t.len) ==
         LC_OK)
-        look(ctx, scene);
+        look(ctx, scene, &options);
     lc_scene_destroy(scene);
     return 0;
 }

@@ -68,11 +68,12 @@ done
 for source in fuzz/fuzz_*.c; do
     name=replay_$(basename "$source" .c)
     program=$bin/tests/$name
-    if [ -x "$program" ]; then run plain "$name" "$program" --damage=2000 "fuzz/corpus/${name#replay_fuzz_}"
+    [ "$name" = replay_fuzz_render ] && damage=0 || damage=2000 # there each copy is rendered
+    if [ -x "$program" ]; then run plain "$name" "$program" --damage=$damage "fuzz/corpus/${name#replay_fuzz_}"
     else absent "$name"
     fi
 done
-for script in cli files hostile scenes golden page farm slurm; do
+for script in deps cli files hostile scenes golden page farm load slurm; do
     if [ -f "tests/$script.sh" ]; then run figures "$script.sh" sh "tests/$script.sh" "$bin/lightcuts"
     else absent "$script.sh"
     fi

@@ -343,7 +343,7 @@ TEST(same_for_all_cameras)
         lc_load_desc ld = LC_LOAD_DESC_INIT;
         lc_scene *s[2];
         ld.indirect_lights = 3000;
-        ld.indirect_from = from;
+        ld.indirect_from = (lc_indirect_from)from;
         for (int k = 0; k < 2; k++) {
             write_room(camera[k]);
             s[k] = scene_from_file(ctx, &ld, scene_path());

@@ -1,5 +1,5 @@
 #!/bin/sh
-# zlib.sh - a static libz.a from Debian's own zlib source package, for a processor that is not this machine's.
+# zlib.sh - a static libz.a from Debian's own zlib source package, for another processor or with the sanitizers SAN.
 #
 #     CC=aarch64-linux-gnu-gcc AR=aarch64-linux-gnu-ar sh src/deps/zlib.sh BUILD_DEPS_DIR   ->   BUILD_DEPS_DIR/zlib/{libz.a,zlib.h,zconf.h}
 #
@@ -29,7 +29,8 @@ mkdir "$work/out" "$work/obj"
 (
     cd "$root"
     for file in *.c; do
-        $CC -O2 -fPIC -w -DHAVE_UNISTD_H -D_LARGEFILE64_SOURCE=1 -I. -c "$file" -o "$work/obj/${file%.c}.o" || exit 1
+        # shellcheck disable=SC2086
+        $CC -O2 ${SAN:-} -fPIC -w -DHAVE_UNISTD_H -D_LARGEFILE64_SOURCE=1 -I. -c "$file" -o "$work/obj/${file%.c}.o" || exit 1
     done
 ) >>"$work/log" 2>&1 || die "cannot compile zlib with $CC: $(grep -m 1 -E 'error|not found' "$work/log")"
 cp "$root/zlib.h" "$root/zconf.h" "$work/out/"

@@ -10,10 +10,10 @@
 
 #include <string.h>
 
-#define MIN_KNOTS 65u    /* along a side of an octahedron */
-#define MAX_KNOTS 1025u  /* 12 MB */
-#define MIN_COLOUR 1e-9  /* of the greatest: colours below are 0, as cosines below LC_MIN_COS are */
-#define CONE_MARGIN 2e-6 /* of cosines: greater than the error of an estimate's cosine */
+#define MIN_KNOTS LC_SIZE(65u, 9u) /* along a side of an octahedron */
+#define MAX_KNOTS 1025u            /* 12 MB */
+#define MIN_COLOUR 1e-9            /* of the greatest: colours below are 0, as cosines below LC_MIN_COS are */
+#define CONE_MARGIN 2e-6           /* of cosines: greater than the error of an estimate's cosine */
 
 /* ---- spot ---- */
 

@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-#define MAX_DEPTH 10u /* limits the pieces to 4^10, about 10^6 */
+#define MAX_DEPTH LC_SIZE(10u, 5u) /* limits the pieces to 4^10, about 10^6 */
 #define PIECES_A_LIGHT 4.0
 
 /* Points of the triangle are given by their barycentric coordinates, the weights of vertices 1 and 2. */

@@ -281,6 +281,7 @@ static lc_status go_on_with(lc_checkpoint *c, const header *h, uint64_t size)
     int err = scan_records(c, size, room);
     lc_free(c->ctx, room, 1, MAX_PAYLOAD > SCAN ? MAX_PAYLOAD : SCAN);
     judge_tail(c);
+    c->unsynced = true; /* a killed process may have left tiles that are in the file but not on the disk */
     if (!err && c->end < size && ftruncate(c->fd, (off_t)c->end)) err = errno;
     if (err) return fail_errno(c, "cannot read the checkpoint", err);
     if (c->info.damaged_bytes)
@@ -325,6 +326,13 @@ static lc_status open_locked(lc_checkpoint *c, struct stat *st)
     return fail(c, LC_ERR_IO, "the checkpoint is removed or replaced again and again");
 }
 
+static bool is_zero(const void *data, size_t n)
+{
+    for (const uint8_t *p = data; n; n--)
+        if (*p++) return false;
+    return true;
+}
+
 static lc_status open_file(lc_checkpoint *c, bool resume)
 {
     struct stat st;
@@ -334,8 +342,10 @@ static lc_status open_file(lc_checkpoint *c, bool resume)
     if (opened) return opened;
     int err = read_at(c->fd, &h, sizeof h, 0, &got);
     if (err) return fail_errno(c, "cannot read the checkpoint", err);
-    /* Killed before the header was whole: nothing is lost. Any other short file is not ours to write to. */
+    /* Killed before the header was whole, or without power before it was on the disk but for the length:
+     * nothing is lost. Any other short file is not ours to write to. */
     if (got < sizeof h && !memcmp(&h, &c->head, got)) return begin_file(c);
+    if ((uint64_t)st.st_size <= sizeof h && is_zero(&h, got)) return begin_file(c);
     if (got < sizeof h) return fail(c, LC_ERR_PARSE, "is no checkpoint");
     if (!resume)
         return fail(c, LC_ERR_ARG, "the checkpoint is there already; go on with --resume, or remove it");

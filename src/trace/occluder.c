@@ -7,7 +7,8 @@
 
 #include <string.h>
 
-#define BINS ((size_t)1 << 16) /* of the histogram of sizes: the upper half of a float's bits */
+#define BIN_SHIFT LC_SIZE(16, 22) /* the histogram of sizes has a bin for what a float's upper bits may be */
+#define BINS ((size_t)1 << (32 - BIN_SHIFT))
 
 static bool may_be_one(const lc_occluders_desc *d, size_t tri)
 {
@@ -32,11 +33,11 @@ static lc_status choose(const lc_context *ctx, const lc_occluders_desc *d, lc_oc
     uint32_t *count = lc_alloc(ctx, BINS, sizeof *count);
     if (!count) return LC_ERR_MEMORY;
     for (size_t t = 0; t < d->n_tris; t++)
-        if (may_be_one(d, t)) count[size_of(d, t) >> 16]++;
+        if (may_be_one(d, t)) count[size_of(d, t) >> BIN_SHIFT]++;
     size_t least = BINS;
     while (least > 1 && count[least - 1] <= LC_MAX_OCCLUDERS - o->n) o->n += count[--least];
     for (size_t t = 0; t < d->n_tris; t++)
-        if (may_be_one(d, t) && size_of(d, t) >> 16 >= least) o->bits[t / 64] |= (uint64_t)1 << t % 64;
+        if (may_be_one(d, t) && size_of(d, t) >> BIN_SHIFT >= least) o->bits[t / 64] |= (uint64_t)1 << t % 64;
     for (size_t w = 1; w < o->n_words; w++)
         o->rank[w] = o->rank[w - 1] + (uint32_t)__builtin_popcountll(o->bits[w - 1]);
     lc_free(ctx, count, BINS, sizeof *count);
