@@ -5,12 +5,15 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 static atomic_uint_fast64_t n_warnings;
 /* true while cli_read_kept tries a picture: its failure is no error, so it is not logged */
@@ -426,4 +429,29 @@ int cli_parse_aovs(const char *text, uint32_t *out)
         if (!text[len]) return 0;
         text += len + 1;
     }
+}
+
+/* Why a file cannot be written: 0 or errno. A file is replaced by renaming, so its folder has to be writable;
+ * a device or pipe itself. */
+static int unwritable(const char *path)
+{
+    char folder[4096], real[PATH_MAX];
+    struct stat st;
+    bool there = !stat(path, &st);
+    if (there && !S_ISREG(st.st_mode)) return S_ISDIR(st.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
+    /* Of a symbolic link the target is replaced. */
+    snprintf(folder, sizeof folder, "%s", there && realpath(path, real) ? real : path);
+    char *slash = strrchr(folder, '/');
+    if (slash) slash[slash == folder] = 0;
+    else memcpy(folder, ".", 2);
+    if (stat(folder, &st)) return errno;
+    if (!S_ISDIR(st.st_mode)) return ENOTDIR;
+    return access(folder, W_OK | X_OK) ? errno : 0;
+}
+
+int cli_check_writable(const char *path)
+{
+    int err = unwritable(path);
+    if (err) fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", cli_shown(path), strerror(err));
+    return err ? CLI_FAILED : 0;
 }

@@ -85,6 +85,8 @@ typedef struct cli_error_options {
 void cli_ask_error(const cli_error_options *given, lc_render_desc *render);
 /* Values of --error and --within. */
 int cli_parse_error(const char *text, float *out);
+/* Checks before long work that a file can be written. Returns 0, or says why not and returns CLI_FAILED. */
+int cli_check_writable(const char *path);
 int cli_parse_aovs(const char *text, uint32_t *out); /* LC_AOV_... by names with commas */
 int cli_parse_within(const char *text, float *out);
 /* One of cli_isa_names. */

@@ -1,12 +1,8 @@
 /* place.c - a file by device and inode; one that is not there yet by its folder's and its name. */
 #include "cli/place.h"
 
-#include "cli/cli.h"
-
-#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -61,29 +57,4 @@ bool cli_one_file(const char *a, const char *b)
     place x, y;
     return find(a, &x) && find(b, &y) && x.there == y.there && x.info.st_dev == y.info.st_dev &&
            x.info.st_ino == y.info.st_ino && !strcmp(x.name, y.name);
-}
-
-/* Why a file cannot be written: 0 or errno. A file is replaced by renaming, so its folder has to be writable;
- * a device or pipe itself. */
-static int unwritable(const char *path)
-{
-    char folder[4096], real[PATH_MAX];
-    struct stat st;
-    bool there = !stat(path, &st);
-    if (there && !S_ISREG(st.st_mode)) return S_ISDIR(st.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
-    /* Of a symbolic link the target is replaced. */
-    snprintf(folder, sizeof folder, "%s", there && realpath(path, real) ? real : path);
-    char *slash = strrchr(folder, '/');
-    if (slash) slash[slash == folder] = 0;
-    else memcpy(folder, ".", 2);
-    if (stat(folder, &st)) return errno;
-    if (!S_ISDIR(st.st_mode)) return ENOTDIR;
-    return access(folder, W_OK | X_OK) ? errno : 0;
-}
-
-int cli_check_writable(const char *path)
-{
-    int err = unwritable(path);
-    if (err) fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", cli_shown(path), strerror(err));
-    return err ? CLI_FAILED : 0;
 }

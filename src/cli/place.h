@@ -1,4 +1,4 @@
-/* place.h - folders of names, whether two names are one file, and whether one can be written. */
+/* place.h - folders of names, and whether two names are one file. */
 #ifndef LC_CLI_PLACE_H
 #define LC_CLI_PLACE_H
 
@@ -10,7 +10,5 @@
 bool cli_one_file(const char *a, const char *b);
 /* Copies the folder of a path, with its slash; "./" where it names none. False: too long. */
 bool cli_folder_of(const char *path, char out[PATH_MAX]);
-/* Checks before long work that a file can be written. Returns 0, or says why not and returns CLI_FAILED. */
-int cli_check_writable(const char *path);
 
 #endif
