@@ -292,7 +292,7 @@ enum { /* lc_render_desc.aovs: further channels of the picture, each the mean ov
     LC_AOV_ALBEDO = 16, /* Albedo.R Albedo.G Albedo.B */
     LC_AOV_ERROR = 32,  /* cut.error: largest error bound in the cut / luminance of the estimate; where the
                          * error of pixels is asked: its stated half-width over the larger of
-                          * luminance and floor */
+                         * luminance and floor */
     LC_AOV_RAYS = 64,   /* cut.rays: shadow rays */
     LC_AOV_ALL = 127
 };

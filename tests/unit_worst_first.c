@@ -72,9 +72,9 @@ static void strict_push(strict_cut *h, uint32_t link)
     const lc_light_rec *l = &t->data.lights[rep];
     const bool leaf = link & LC_LEAF;
     const float *intensity = leaf ? l->intensity : t->data.nodes[link].intensity;
-    float bound = 1;
-    if (!leaf) ctx->shade_kernels->bounds(&t->data, &link, 1, lc_kind_of_node(t, link), &h->q->p, &bound);
-    if (!(bound > 0)) return;
+    float bound[LC_LANES] = { 1 };
+    if (!leaf) ctx->shade_kernels->bounds(&t->data, &link, 1, lc_kind_of_node(t, link), &h->q->p, bound);
+    if (!(bound[0] > 0)) return;
     const lc_f3 mg = one_transfer(&h->q->p, lc_kind_of_light(t, rep), l, lc_light_atten(&t->data, rep));
     const double e = is_hidden(h->s, h->q, rep) ? 0 : lum_of(lc_f3_mul(mg, lc_f3_load(intensity)));
     if (leaf) {
@@ -83,9 +83,9 @@ static void strict_push(strict_cut *h, uint32_t link)
         return;
     }
     uint32_t at = h->n++;
-    for (; at && h->heap[(at - 1) / 2].bound < (double)bound; at = (at - 1) / 2)
+    for (; at && h->heap[(at - 1) / 2].bound < (double)bound[0]; at = (at - 1) / 2)
         h->heap[at] = h->heap[(at - 1) / 2];
-    h->heap[at] = (strict_cluster){ (double)bound, e, link };
+    h->heap[at] = (strict_cluster){ (double)bound[0], e, link };
 }
 
 static strict_cluster strict_pop(strict_cut *h)

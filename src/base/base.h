@@ -6,6 +6,7 @@
  *     arena   memory   pool   cpu   stats memory and its limit, parallel loops, processors, clock, counters
  *     text    build                       what a terminal may get; which build this is
  *     vec  vec4  xform  fmath  decimal    arithmetic whose bits are the same on every machine
+ *     float_bits                          a float as its bits
  *     rng  sample  digest  morton         random numbers, sample points, hashes, space-filling order
  */
 #ifndef LC_BASE_H

@@ -4,7 +4,7 @@
  *     scene 0123456789abcdef          lc_identity of the picture, whatever is rendered of it
  *     options 0123456789abcdef
  *     asked 0.02 95                   error, share in per cent
- *     z 0.25 pilots 512 within 492
+ *     z 0.25 pilots 512 achieved 95.6 margin 0.9    of the pilots, per cent
  */
 #ifndef LC_CLI_CALIBRATION_H
 #define LC_CLI_CALIBRATION_H

@@ -199,23 +199,36 @@ int cli_parse_builder(const char *text, lc_builder *out)
     return -1;
 }
 
-void cli_ask_error(const cli_error_options *given, lc_render_desc *render)
+int cli_set_error_option(int option, const char *text, cli_error_options *given, lc_render_desc *render)
+{
+    switch (option) {
+    case CLI_OPT_ERROR: return cli_parse_single(text, CLI_MIN_ERROR, CLI_MAX_RATIO, &render->error);
+    case CLI_OPT_WITHIN: return cli_parse_single(text, 1, 99.9, &render->within);
+    case CLI_OPT_RATIO:
+        given->ratio = true;
+        return cli_parse_single(text, 0, CLI_MAX_RATIO, &render->error_ratio);
+    case CLI_OPT_MAX_CUT:
+        given->max_cut = true;
+        return cli_parse_u32(text, 0, UINT32_MAX, &render->max_cut);
+    case CLI_OPT_FLOOR:
+        given->floor = true;
+        return cli_parse_single(text, 0, CLI_MAX_RATIO, &render->dark_floor);
+    default: return 0;
+    }
+}
+
+int cli_ask_error(const char *command, const cli_error_options *given, lc_render_desc *render)
 {
     if (given->ratio) {
-        render->error = 0;
-        return;
+        if (!(render->error > 0)) return 0;
+        cli_usage_error(command, "give --error or --error-ratio, not both");
+        return -1;
     }
     if (!(render->error > 0)) render->error = CLI_ERROR;
     if (!given->max_cut) render->max_cut = 0;
     if (!given->floor) render->dark_floor = LC_ASKED_DARK_FLOOR;
+    return 0;
 }
-
-int cli_parse_error(const char *text, float *out)
-{
-    return cli_parse_single(text, CLI_MIN_ERROR, CLI_MAX_RATIO, out);
-}
-
-int cli_parse_within(const char *text, float *out) { return cli_parse_single(text, 1, 99.9, out); }
 
 int cli_parse_isa(const char *text, lc_isa *out)
 {

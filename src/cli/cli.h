@@ -75,20 +75,26 @@ int cli_parse_pixels(const char *text, int32_t out[4]);
 int cli_parse_builder(const char *text, lc_builder *out);
 int cli_parse_method(const char *text, lc_method *out);
 const char *cli_method_name(lc_method m);
+/* Checks before long work that a file can be written. Returns 0, or says why not and returns CLI_FAILED. */
+int cli_check_writable(const char *path);
+int cli_parse_aovs(const char *text, uint32_t *out); /* LC_AOV_... by names with commas */
 /* What of the error options was given on the command line. */
 typedef struct cli_error_options {
     bool ratio, max_cut, floor;
 } cli_error_options;
 
-/* The error of pixels is asked unless --error-ratio is given; there, unless they are given, cuts have no
- * limit and the dark floor is LC_ASKED_DARK_FLOOR. */
-void cli_ask_error(const cli_error_options *given, lc_render_desc *render);
-/* Values of --error and --within. */
-int cli_parse_error(const char *text, float *out);
-/* Checks before long work that a file can be written. Returns 0, or says why not and returns CLI_FAILED. */
-int cli_check_writable(const char *path);
-int cli_parse_aovs(const char *text, uint32_t *out); /* LC_AOV_... by names with commas */
-int cli_parse_within(const char *text, float *out);
+/* The options that say which error is allowed, of every command that makes cuts of pixels: rows of its
+ * long_options. */
+enum { CLI_OPT_ERROR = 2 * CLI_LONG_ONLY, CLI_OPT_WITHIN, CLI_OPT_RATIO, CLI_OPT_MAX_CUT, CLI_OPT_FLOOR };
+#define CLI_ERROR_OPTIONS                                                                                    \
+    { "error", 1, 0, CLI_OPT_ERROR }, { "within", 1, 0, CLI_OPT_WITHIN },                                    \
+    { "error-ratio", 1, 0, CLI_OPT_RATIO }, { "max-cut", 1, 0, CLI_OPT_MAX_CUT },                            \
+    { "dark-floor", 1, 0, CLI_OPT_FLOOR }
+/* Takes over the value of one of them; nonzero: it is out of range. Any other option is left alone. */
+int cli_set_error_option(int option, const char *text, cli_error_options *given, lc_render_desc *render);
+/* Once all are set. The error of pixels is asked unless --error-ratio is given; there, unless they are given,
+ * cuts have no limit and the dark floor is LC_ASKED_DARK_FLOOR. Nonzero, after a message: both are given. */
+int cli_ask_error(const char *command, const cli_error_options *given, lc_render_desc *render);
 /* One of cli_isa_names. */
 int cli_parse_isa(const char *text, lc_isa *out);
 /* The names of the instruction sets that have kernels, as a list within a sentence. For one thread. */

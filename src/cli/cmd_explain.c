@@ -24,11 +24,6 @@ enum {
     OPT_TOP,
     OPT_ALL,
     OPT_METHOD,
-    OPT_RATIO,
-    OPT_ERROR,
-    OPT_WITHIN,
-    OPT_MAX_CUT,
-    OPT_FLOOR,
     OPT_REPS,
     OPT_BUILDER,
     OPT_AREA,
@@ -48,11 +43,7 @@ static const struct option long_options[] = {
     { "top", 1, 0, OPT_TOP },
     { "all", 0, 0, OPT_ALL },
     { "method", 1, 0, OPT_METHOD },
-    { "error", 1, 0, OPT_ERROR },
-    { "within", 1, 0, OPT_WITHIN },
-    { "error-ratio", 1, 0, OPT_RATIO },
-    { "max-cut", 1, 0, OPT_MAX_CUT },
-    { "dark-floor", 1, 0, OPT_FLOOR },
+    CLI_ERROR_OPTIONS,
     { "representatives", 1, 0, OPT_REPS },
     { "builder", 1, 0, OPT_BUILDER },
     { "area-lights", 1, 0, OPT_AREA },
@@ -119,17 +110,6 @@ static int set_option(options *o, int c)
     case OPT_TOP: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->top);
     case OPT_ALL: o->top = UINT32_MAX; return 0;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return cli_parse_error(optarg, &o->render.error);
-    case OPT_WITHIN: return cli_parse_within(optarg, &o->render.within);
-    case OPT_RATIO:
-        o->given.ratio = true;
-        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
-    case OPT_MAX_CUT:
-        o->given.max_cut = true;
-        return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR:
-        o->given.floor = true;
-        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
@@ -141,7 +121,7 @@ static int set_option(options *o, int c)
     case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->render.spp);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
     case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
-    default: return 0;
+    default: return cli_set_error_option(c, optarg, &o->given, &o->render);
     }
 }
 
@@ -177,11 +157,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
                                                   : "no --pixel x,y given");
         return -1;
     }
-    if (o->given.ratio && o->render.error > 0) {
-        cli_usage_error("explain", "give --error or --error-ratio, not both");
-        return -1;
-    }
-    cli_ask_error(&o->given, &o->render);
+    if (cli_ask_error("explain", &o->given, &o->render)) return -1;
     o->scene = argv[optind];
     o->load.seed = o->render.seed;
     o->load.max_depth = o->render.max_depth;

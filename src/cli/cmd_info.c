@@ -164,9 +164,8 @@ static void print_statement(const lc_image *image)
     }
     if (all) printf("error                every light is evaluated (cuts 0 %%");
     else
-        printf("error                %.1f %% +- %.1f %% of the pixels are within %.3g %% of the converged "
-               "picture "
-               "(cuts %.3g %%",
+        printf("error                %.1f %% +- %.1f %% of the pixels are within %.3g %% of the "
+               "converged picture (cuts %.3g %%",
                share, margin, 100 * (error + indirect), 100 * error);
     if (indirect > 0) printf(", indirect light %.2g %%", 100 * indirect);
     if (lc_image_get_number(image, "lightcuts/areaLights", 0) > 0)

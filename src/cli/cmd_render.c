@@ -38,12 +38,8 @@ typedef struct {
 
 enum {
     OPT_METHOD = CLI_LONG_ONLY,
-    OPT_RATIO,
-    OPT_ERROR,
-    OPT_WITHIN,
     OPT_CALIBRATION,
     OPT_SECONDS,
-    OPT_MAX_CUT,
     OPT_REPS,
     OPT_MAXDEPTH,
     OPT_AREA,
@@ -55,7 +51,6 @@ enum {
     OPT_AOV,
     OPT_STATS_FILE,
     OPT_STATS,
-    OPT_FLOOR,
     OPT_TIME,
     OPT_BUILDER,
     OPT_ENV,
@@ -76,13 +71,9 @@ enum {
 static const struct option long_options[] = {
     { "outfile", 1, 0, 'o' },
     { "method", 1, 0, OPT_METHOD },
-    { "error", 1, 0, OPT_ERROR },
-    { "within", 1, 0, OPT_WITHIN },
+    CLI_ERROR_OPTIONS,
     { "calibration", 1, 0, OPT_CALIBRATION },
     { "time", 1, 0, OPT_SECONDS },
-    { "error-ratio", 1, 0, OPT_RATIO },
-    { "max-cut", 1, 0, OPT_MAX_CUT },
-    { "dark-floor", 1, 0, OPT_FLOOR },
     { "representatives", 1, 0, OPT_REPS },
     { "maxdepth", 1, 0, OPT_MAXDEPTH },
     { "area-lights", 1, 0, OPT_AREA },
@@ -187,19 +178,8 @@ static int set_option(options *o, int c)
         o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg;
         return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
-    case OPT_ERROR: return cli_parse_error(optarg, &o->render.error);
-    case OPT_WITHIN: return cli_parse_within(optarg, &o->render.within);
     case OPT_CALIBRATION: o->calibration = optarg; return !*optarg;
-    case OPT_RATIO:
-        o->given.ratio = true;
-        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.error_ratio);
     case OPT_SECONDS: return cli_parse_time(optarg, &o->render.seconds);
-    case OPT_MAX_CUT:
-        o->given.max_cut = true;
-        return cli_parse_u32(optarg, 0, UINT32_MAX, &o->render.max_cut);
-    case OPT_FLOOR:
-        o->given.floor = true;
-        return cli_parse_single(optarg, 0, CLI_MAX_RATIO, &o->render.dark_floor);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->render.max_depth);
@@ -229,21 +209,21 @@ static int set_option(options *o, int c)
     case OPT_TIME: o->write_time = true; return 0;
     case 'q': o->quiet = true; o->verbosity = -1; return 0;
     case 'v': o->verbosity = 1; return 0;
-    default: return 0;
+    default: return cli_set_error_option(c, optarg, &o->given, &o->render);
     }
 }
 
 /* Parts of a picture would choose errors of their own. */
 static int check_time(const options *o)
 {
-    const char *other = o->given.ratio          ? "--error-ratio"
-                        : o->render.error > 0   ? "--error"
-                        : o->calibration        ? "--calibration"
-                        : o->farm.chunk         ? "--chunk"
-                        : o->farm.print         ? "--print-chunks"
-                        : o->farm.checkpoint    ? "--checkpoint"
+    const char *other = o->given.ratio                        ? "--error-ratio"
+                        : o->render.error > 0                 ? "--error"
+                        : o->calibration                      ? "--calibration"
+                        : o->farm.chunk                       ? "--chunk"
+                        : o->farm.print                       ? "--print-chunks"
+                        : o->farm.checkpoint                  ? "--checkpoint"
                         : o->render.method == LC_METHOD_EXACT ? "--method exact"
-                                                : NULL;
+                                                              : NULL;
     if (!(o->render.seconds > 0) || !other) return 0;
     cli_usage_error("render", "--time chooses the error of the whole picture: not with %s", other);
     return -1;
@@ -278,12 +258,8 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         cli_usage_error("render", argc == optind ? "no scene given" : "more than one scene given");
         return -1;
     }
-    if (o->given.ratio && o->render.error > 0) {
-        cli_usage_error("render", "give --error or --error-ratio, not both");
-        return -1;
-    }
     if (check_time(o)) return -1;
-    cli_ask_error(&o->given, &o->render);
+    if (cli_ask_error("render", &o->given, &o->render)) return -1;
     o->scene = argv[optind];
     o->load.seed = o->render.seed;
     o->load.max_depth = o->render.max_depth;

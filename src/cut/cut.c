@@ -9,8 +9,9 @@
 /* Below this fraction of the dark floor a point is nearly dark: its errors cannot be seen, so cuts with many
  * occluded representatives keep the error ratio. Measured: tests/results/refinement.md. */
 #define NEARLY_DARK 0.25
-/* A start has a root of its sum of squared bounds this much above the limit of its own point: what is split
- * there only is split for no other. */
+/* With z a start is saved while the root of the sum of its squared bounds is still this multiple of its own
+ * point's limit, so that cuts that begin with it are not finer than their own points need. Measured:
+ * tests/results/asked-error.md. */
 #define START_COARSER 1.4
 
 /* ---- memory ---- */
@@ -223,7 +224,6 @@ static float limit_of(lc_cut *c, bool traced, double total, double *ratio)
     *ratio = (double)c->desc.error_ratio;
     if (c->desc.z > 0) {
         const double rss = *ratio * of / (double)c->desc.z;
-        /* No cut that begins with this one is finer than it need be. */
         if (!c->start_saved && isinf(lc_cut_rss_limit(c, START_COARSER * rss))) lc_cut_save_start(c);
         return lc_cut_rss_limit(c, rss);
     }
@@ -234,9 +234,10 @@ static float limit_of(lc_cut *c, bool traced, double total, double *ratio)
 }
 
 /* Refines the cut; see cut.h. Pending rays count as V = 1: the total is no less than it will be and the limit
- * no lower, so nothing is split without need. With proofs of occlusion, a cut that is saved as a start traces
- * its rays after every round. Returns the total's luminance; *ratio is the error ratio of the last limit.
- * c->short_of_room is set where a round did not fit. */
+ * no lower, so nothing is split without need. With proofs of occlusion, rays are traced after every round of
+ * a cut that is saved as a start, and of one that is short of room, which large hidden clusters would fill.
+ * Returns the total's luminance; *ratio is the error ratio of the last limit. c->short_of_room is set where a
+ * round did not fit. */
 static double refine(lc_cut *c, lc_cut_step *s, double *ratio)
 {
     const bool each_round = c->worst_first || c->desc.z > 0; /* a limit of its own */

@@ -19,10 +19,12 @@
  * While the total is unchanged, every cluster above the limit must be split, in any order, so a round splits
  * them all: one call of the bounds kernel, one of the estimate kernel. Shadow rays stay pending until no
  * bound is above the limit; then they are traced together, which lowers the total and the limit. Where
- * max_cut leaves no room for all, only the clusters with the largest bounds are split.
+ * max_cut leaves no room for a round, the cut is made again from the roots, the largest bounds first.
  *
  * The guarantee: every cluster of the result has a bound of at most the limit, or is proved to be occluded,
- * unless at_limit is set. It holds per cluster, not for their sum.
+ * unless at_limit is set. It holds per cluster, not for their sum. With desc.z, z times the root of the sum
+ * of all squared bounds is at most the error ratio times max(total, floor): the limit of each round is what
+ * that leaves to the largest bound.
  *
  * floor, the dark floor, is the luminance below which a relative error cannot be seen: a fraction of the
  * picture's mean. Measured: tests/results/refinement.md.

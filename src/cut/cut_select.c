@@ -5,6 +5,8 @@
  */
 #include "cut/cut_parts.h"
 
+#include "base/float_bits.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -38,20 +40,6 @@ double lc_cut_ratio_factor(const lc_cut *c)
 #define STEP_BITS 18 /* of a float's bits, below the five of a step */
 #define N_STEPS 512  /* 16 octaves; what is smaller counts to the last */
 
-static uint32_t bits_of(float x)
-{
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
-static float of_bits(uint32_t bits)
-{
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
 static float largest_bound(const lc_cut *c)
 {
     const lc_cut_list *const lists[] = { &c->open, &c->kept };
@@ -74,8 +62,7 @@ double lc_cut_sum2(const lc_cut *c)
 {
     const lc_cut_list *const lists[] = { &c->open, &c->kept };
     double sum[8] = { 0 };
-    for (int k = 0; k < 2; k++)
-        sum_squares(lists[k]->bound, lists[k]->n, sum);
+    for (int k = 0; k < 2; k++) sum_squares(lists[k]->bound, lists[k]->n, sum);
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
@@ -90,7 +77,7 @@ typedef struct {
 static void sort_into_steps(const lc_cut_list *list, steps *s)
 {
     for (uint32_t i = 0; i < list->n; i++) {
-        const int32_t below = (int32_t)s->top - (int32_t)(bits_of(list->bound[i]) >> STEP_BITS);
+        const int32_t below = (int32_t)s->top - (int32_t)(lc_bits_of_float(list->bound[i]) >> STEP_BITS);
         const double square = (double)list->bound[i] * (double)list->bound[i];
         if (below < 0) {
             s->n_above++;
@@ -105,7 +92,7 @@ static void sort_into_steps(const lc_cut_list *list, steps *s)
 
 float lc_cut_rss_limit(const lc_cut *c, double rss)
 {
-    steps s = { .top = (bits_of((float)rss) >> STEP_BITS) + 1 };
+    steps s = { .top = (lc_bits_of_float((float)rss) >> STEP_BITS) + 1 };
     double split = 0;
     uint32_t at = 0;
     sort_into_steps(&c->open, &s);
@@ -121,7 +108,7 @@ float lc_cut_rss_limit(const lc_cut *c, double rss)
         split += s.sum2[at];
         n_split += s.n[at++];
     }
-    return nextafterf(of_bits((s.top + 1 - at) << STEP_BITS), 0);
+    return nextafterf(lc_float_of_bits((s.top + 1 - at) << STEP_BITS), 0);
 }
 
 float lc_cut_worst_limit(const lc_cut *c, float limit)

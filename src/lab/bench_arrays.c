@@ -2,15 +2,9 @@
 #include "lab/bench_arrays.h"
 
 #include "base/arena.h"
+#include "base/float_bits.h"
 
 #include <string.h>
-
-static float bits_of(uint32_t word)
-{
-    float f;
-    memcpy(&f, &word, sizeof f);
-    return f;
-}
 
 static void set_lane(float *lane, const lc_node *node)
 {
@@ -21,9 +15,9 @@ static void set_lane(float *lane, const lc_node *node)
         lane[(ROW_AXIS + k) * LC_LANES] = node->axis[k];
     }
     lane[ROW_COS_CONE * LC_LANES] = node->cos_cone;
-    lane[ROW_LEFT * LC_LANES] = bits_of(node->left);
-    lane[ROW_RIGHT * LC_LANES] = bits_of(node->right);
-    lane[ROW_REP * LC_LANES] = bits_of(node->rep);
+    lane[ROW_LEFT * LC_LANES] = lc_float_of_bits(node->left);
+    lane[ROW_RIGHT * LC_LANES] = lc_float_of_bits(node->right);
+    lane[ROW_REP * LC_LANES] = lc_float_of_bits(node->rep);
 }
 
 lc_status bench_arrays_init(const lc_context *ctx, const lc_tree_data *tree, uint32_t n_nodes,

@@ -1,27 +1,14 @@
 /* dir_pack.c - packing of unit vectors. Unpacking is done in estimate_tmpl.c too, by the same operations. */
 #include "shade/dir_pack.h"
 
-#include <string.h>
-
-static float of_bits(uint32_t bits)
-{
-    float f;
-    memcpy(&f, &bits, sizeof f);
-    return f;
-}
-
-static uint32_t to_bits(float f)
-{
-    uint32_t bits;
-    memcpy(&bits, &f, sizeof bits);
-    return bits;
-}
+#include "base/float_bits.h"
 
 lc_f3 lc_dir_unpack(const uint32_t word[2])
 {
-    float a = of_bits(word[0] & ~(LC_DIR_FLAG | LC_DIR_SIGN)), b = of_bits(word[1] & ~LC_DIR_FLAG);
+    float a = lc_float_of_bits(word[0] & ~(LC_DIR_FLAG | LC_DIR_SIGN)),
+          b = lc_float_of_bits(word[1] & ~LC_DIR_FLAG);
     float rest = 1 - a * a - b * b, w = sqrtf(rest > 0 ? rest : 0);
-    w = of_bits(to_bits(w) ^ (word[0] & LC_DIR_SIGN) << 31);
+    w = lc_float_of_bits(lc_bits_of_float(w) ^ (word[0] & LC_DIR_SIGN) << 31);
     if (word[0] & LC_DIR_FLAG) return lc_f3_make(w, a, b);
     return word[1] & LC_DIR_FLAG ? lc_f3_make(a, w, b) : lc_f3_make(a, b, w);
 }
@@ -29,8 +16,8 @@ lc_f3 lc_dir_unpack(const uint32_t word[2])
 /* Packs d without its component k, which unpacking computes. */
 static void pack_about(const float d[3], int k, uint32_t word[2])
 {
-    word[0] = to_bits(d[k == 0 ? 1 : 0]) & ~(LC_DIR_FLAG | LC_DIR_SIGN);
-    word[1] = to_bits(d[k == 2 ? 1 : 2]) & ~LC_DIR_FLAG;
+    word[0] = lc_bits_of_float(d[k == 0 ? 1 : 0]) & ~(LC_DIR_FLAG | LC_DIR_SIGN);
+    word[1] = lc_bits_of_float(d[k == 2 ? 1 : 2]) & ~LC_DIR_FLAG;
     word[0] |= (k == 0 ? LC_DIR_FLAG : 0) | (d[k] < 0 ? LC_DIR_SIGN : 0);
     word[1] |= k == 1 ? LC_DIR_FLAG : 0;
 }
