@@ -527,6 +527,8 @@ asked() # name args...: 95 of 100 pixels within 2 %, as is said
     good "$1" -q lamps.pbrt -o asked.exr --method cuts --spp 1 --stats-file asked.json "$@"
     run compare asked.exr truth.exr
     check "$1: measured beside stated" grep -Eq '^within (0.9[4-9]|1)[0-9.]* measured, stated [01]' out
+    run compare --json asked.exr truth.exr
+    check "$1: in JSON, too" grep -Eq '^[{]"within": [{]"measured": [01][0-9.]*, "stated": [01][0-9.]*, "margin": ' out
     run info asked.exr
     check "$1: one sentence" grep -Eq '^error  .*% of the pixels are within [0-9.]* % of the converged' out
 }

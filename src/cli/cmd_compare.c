@@ -168,15 +168,32 @@ static void print_lines(const metrics *m)
         print_number(m->value[k], false);
         if (k == METRIC_MAX) {
             printf(" %" PRIu32 ",%" PRIu32 " %c %.9g %.9g", m->max_x, m->max_y, "RGB"[m->max_channel],
-                   m->max_a, m->max_ref);
+                   m -> max_a, m -> max_ref);
         }
         printf("\n");
     }
 }
 
-static void print_json(const metrics *m)
+/* The share of the pixels that keep the error asked of them; error 0: none was asked. pilots 0: nothing was
+ * stated. */
+typedef struct asked_error {
+    double error, within, measured, pilots, stated, margin;
+} asked_error;
+
+static void print_asked(const asked_error *e, bool json)
+{
+    if (!(e->error > 0)) return;
+    printf(json ? "\"within\": {\"measured\": %.9g" : "within %.9g measured", e->measured);
+    if (e->pilots > 0)
+        printf(json ? ", \"stated\": %.9g, \"margin\": %.3g" : ", stated %.9g +- %.3g", e->stated, e->margin);
+    printf(json ? ", \"asked\": %g, \"error\": %g}, " : ", asked %g of the pixels within %g\n", e->within,
+           e->error);
+}
+
+static void print_json(const metrics *m, const asked_error *asked)
 {
     printf("{");
+    print_asked(asked, true);
     for (int k = 0; k < N_METRICS; k++) {
         printf("%s\"%s\": ", k ? ", " : "", metric_names[k]);
         print_number(m->value[k], true);
@@ -184,7 +201,7 @@ static void print_json(const metrics *m)
             printf(", \"max_at\": {\"x\": %" PRIu32 ", \"y\": %" PRIu32
                    ", \"channel\": \"%c\", \"image\": %.9g, "
                    "\"reference\": %.9g}",
-                   m->max_x, m->max_y, "RGB"[m->max_channel], m->max_a, m->max_ref);
+                   m->max_x, m->max_y, "RGB"[m->max_channel], m -> max_a, m -> max_ref);
         }
     }
     printf("}\n");
@@ -284,37 +301,37 @@ static lc_status average(lc_context *ctx, const lc_image_desc *d, uint32_t n, fl
     return status;
 }
 
-/* Measured beside stated, where the image says what error of pixels was asked: over all pixels, relative to
- * the reference or to the dark floor, of the reference's mean, where that is larger. */
-static void print_stated(const lc_image *image, const lc_image_desc *d, float *const a[3],
-                         float *const ref[3])
+/* Measures, where the image says what error of pixels was asked, the share that keeps it: of all pixels,
+ * relative to the reference or to the dark floor, of the reference's mean, where that is larger. */
+static asked_error measure_asked(const lc_image *image, const lc_image_desc *d, float *const a[3],
+                                 float *const ref[3])
 {
-    const double error = lc_image_get_number(image, "lightcuts/error", 0), n = (double)d->width * d->height,
-                 pilots = lc_image_get_number(image, "lightcuts/pilots", 0);
-    double mean = 0, good = 0;
-    if (!(error > 0)) return;
-    const double floor_of_mean = lc_image_get_number(image, "lightcuts/darkFloor", 0);
+    const double n = (double)d->width * d->height,
+                 floor_of_mean = lc_image_get_number(image, "lightcuts/darkFloor", 0);
+    asked_error e = { .error = lc_image_get_number(image, "lightcuts/error", 0) };
+    double mean = 0;
+    if (!(e.error > 0)) return e;
+    e.within = lc_image_get_number(image, "lightcuts/within", 0) / 100;
+    e.pilots = lc_image_get_number(image, "lightcuts/pilots", 0);
+    e.stated = lc_image_get_number(image, "lightcuts/achieved", 0) / 100;
+    e.margin = lc_image_get_number(image, "lightcuts/achievedMargin", 0) / 100;
     for (size_t i = 0; i < (size_t)d->width * d->height; i++) mean += luminance(ref, i) / n;
     for (size_t i = 0; i < (size_t)d->width * d->height; i++) {
         const double y = luminance(ref, i);
-        good += fabs(luminance(a, i) - y) <= error * fmax(y, floor_of_mean * mean);
+        e.measured += fabs(luminance(a, i) - y) <= e.error * fmax(y, floor_of_mean * mean) ? 1 / n : 0;
     }
-    printf("within %.9g measured", good / n);
-    if (pilots > 0)
-        printf(", stated %.9g +- %.3g", lc_image_get_number(image, "lightcuts/achieved", 0) / 100,
-               lc_image_get_number(image, "lightcuts/achievedMargin", 0) / 100);
-    printf(", asked %g of the pixels within %g\n", lc_image_get_number(image, "lightcuts/within", 0) / 100,
-           error);
+    return e;
 }
 
 static int compare_planes(lc_context *ctx, const options *o, const lc_image_desc *desc, float *const a[3],
-                          float *const ref[3])
+                          float *const ref[3], const asked_error *asked)
 {
     metrics m;
     if (metrics_of(ctx, desc->width, desc->height, a, ref, o->over, &m) != LC_OK) return CLI_FAILED;
     if (o->json) {
-        print_json(&m);
+        print_json(&m, asked);
     } else {
+        print_asked(asked, false);
         print_lines(&m);
     }
     if (o->outfile && write_difference(ctx, o, desc, a, ref) != LC_OK) return CLI_FAILED;
@@ -338,15 +355,16 @@ static int compare(lc_context *ctx, const options *o, const lc_image *image, con
     float *a[3], *ref[3];
     if (!find_planes(image, o->image, a) || !find_planes(reference, o->reference, ref)) return CLI_INPUT;
     if (o->average == 1) {
-        if (!o->json) print_stated(image, &da, a, ref);
-        return compare_planes(ctx, o, &da, a, ref);
+        const asked_error asked = measure_asked(image, &da, a, ref);
+        return compare_planes(ctx, o, &da, a, ref, &asked);
     }
+    const asked_error none = { .error = 0 };
     lc_image *small_a = NULL, *small_ref = NULL;
     int status = CLI_FAILED;
     if (average(ctx, &da, o->average, a, &small_a) == LC_OK &&
         average(ctx, &dr, o->average, ref, &small_ref) == LC_OK) {
         lc_image_get_desc(small_a, &da);
-        status = compare_planes(ctx, o, &da, a, ref);
+        status = compare_planes(ctx, o, &da, a, ref, &none);
     }
     lc_image_destroy(small_a);
     lc_image_destroy(small_ref);

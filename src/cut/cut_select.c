@@ -14,6 +14,7 @@
 #define LAST_ROOM_DIVISOR 32   /* the last of the room: at most max_size / 32 places */
 #define LAST_ROOM_TRIANGLES 12 /* of a proof made before the last of the room is used */
 #define MIN_TRIANGLES 4        /* of a proof where the bound is hardly above the limit */
+#define MIN_TRIANGLES_WHOLE 12 /* where the whole cut is limited, and bounds never are far above the limit */
 #define LEAST_SPLIT_DIVISOR 64 /* where the whole cut is limited, of all clusters a round splits as many */
 #define KEPT_BY_CHILDREN 0.2   /* of the squared bounds that are split, about that is the children's again */
 #define KEPT_BY_ALL 0.05       /* of the squared limit; the rest is for children of what is above it */
@@ -196,9 +197,9 @@ bool lc_cut_prove(lc_cut *c, uint32_t link, uint32_t occluder, bool passed, uint
 
 /* Triangles that a proof may test: the further the bound is above the limit, the more work it saves. The
  * quotient is no NaN, as the bound is above the limit; it may be infinite. */
-static uint32_t proof_triangles(float bound, float limit)
+static uint32_t proof_triangles(const lc_cut *c, float bound, float limit)
 {
-    float most = MIN_TRIANGLES + bound / limit;
+    float most = (c->desc.z > 0 ? MIN_TRIANGLES_WHOLE : MIN_TRIANGLES) + bound / limit;
     return most < LC_MAX_PATCH ? (uint32_t)most : LC_MAX_PATCH;
 }
 
@@ -227,7 +228,7 @@ static void drop_hidden(lc_cut *c, float limit, bool last_room, lc_stats *stats)
     split->n = 0;
     for (uint32_t i = 0; i < n; i++) {
         if (occluder[i] != LC_NONE) {
-            uint32_t most = last_room ? LAST_ROOM_TRIANGLES : proof_triangles(split->bound[i], limit);
+            uint32_t most = last_room ? LAST_ROOM_TRIANGLES : proof_triangles(c, split->bound[i], limit);
             if (lc_cut_prove(c, split->link[i], occluder[i], true, most, stats)) continue;
         }
         if (split->n < i) lc_cut_copy(split, split->n, split, i);
