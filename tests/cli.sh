@@ -517,6 +517,18 @@ same_pixels three three-cuts
 check 'the dark floor of cuts of few lights' \
     test "$(grep mean_luminance three.json)" = "$(grep mean_luminance three-cuts.json)"
 
+# A lamp's map that is stretched over the floats: its pieces are no smaller than of a map that repeats a few times.
+run -q s.pbrt -o map.png
+{ film 8 8 ''; world; printf 'AttributeBegin AreaLightSource "diffuse" "string filename" "map.png"\n'; awk 'BEGIN {
+    printf "Shape \"trianglemesh\" \"point3 P\" ["
+    for (i = 0; i < 40; i++) printf "%g 2 0 %g 2 0 %g 2 1 ", i / 99, i / 99 + .01, i / 99
+    printf "] \"point2 uv\" ["
+    for (i = 0; i < 40; i++) printf "0 0 1e30 0 0 1e30 "
+    printf "] \"integer indices\" ["
+    for (i = 0; i < 120; i++) printf "%d ", i
+    print "]"; print "AttributeEnd" }'; } >stretched.pbrt
+good "a lamp's map that is stretched" -q stretched.pbrt -o stretched.exr
+
 # ---- the error that is asked of pixels ----
 
 { film 40 40 ''; world; awk 'BEGIN { for (i = 0; i < 300; i++) printf "LightSource \"point\" \"point3 from\" " \

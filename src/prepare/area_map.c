@@ -13,6 +13,7 @@
 
 #define MAX_DEPTH LC_SIZE(10u, 5u) /* limits the pieces to 4^10, about 10^6 */
 #define PIECES_A_LIGHT 4.0
+#define MOST_SPAN 4.0 /* of a triangle, in maps: beyond it pieces are larger than texels */
 
 /* Points of the triangle are given by their barycentric coordinates, the weights of vertices 1 and 2. */
 typedef struct walk {
@@ -144,8 +145,9 @@ static uint32_t begin(walk *w, const lc_scene *scene, size_t tri, uint32_t k)
         double dv = (w->uv[v][1] - w->uv[(v + 1) % 3][1]) * w->map->levels[0].height;
         longest = fmax(longest, fmax(fabs(du), fabs(dv)));
     }
+    const double most = MOST_SPAN * fmax(w->map->levels[0].width, w->map->levels[0].height);
     while (depth < MAX_DEPTH &&
-           (longest > ldexp(1, (int)depth) || ldexp(1, 2 * (int)depth) < PIECES_A_LIGHT * k))
+           (fmin(longest, most) > ldexp(1, (int)depth) || ldexp(1, 2 * (int)depth) < PIECES_A_LIGHT * k))
         depth++;
     w->width = fmax(longest / ldexp(1, (int)depth), 1);
     w->n_parts = ldexp(1, 2 * (int)depth);
