@@ -189,6 +189,10 @@ typedef struct lc_scene_info {
      * virtual lights would make them; clamping not counted. indirect_off: times what was asked of the two,
      * whichever is more. */
     double indirect_median, indirect_high, indirect_off;
+    /* Half, and 95 %, of the points that were looked at are within this share of the light that they would
+     * get from lamps if these were divided endlessly; -1: not known, as where a number of lights was asked
+     * for, or with textured emission. */
+    double lamps_median, lamps_high;
     uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */
     uint64_t n_env_tried; /* candidate directional lights whose importance for the picture was measured */
     uint64_t n_textures;
@@ -322,6 +326,7 @@ typedef struct lc_calibration {
     uint32_t n_pilots;    /* 0: nothing is known of the share */
     float achieved;       /* the share that is within the error, by the pilots, and half the width of its */
     float margin;         /* interval of 95 %; per cent */
+    float median;         /* relative error of half of the pilots is below this, as a fraction */
     uint64_t rays;        /* shadow rays to find z */
 } lc_calibration;
 

@@ -545,6 +545,8 @@ asked() # name args...: 95 of 100 pixels within 2 %, as is said
     check "$1: one sentence" grep -Eq '^error  .*% of the pixels are within [0-9.]* % of the converged' out
 }
 asked --error 0.02
+check 'the error in the statistics' grep -Eq '"error": \{"asked": 0.02, "within": 0.95, "achieved": [01][0-9.]*, ' asked.json
+check 'and that of its parts' grep -Eq ', "cuts": [0-9.e-]*, "lamps": null, "indirect": 0\}' asked.json
 cp asked.exr first.exr
 asked --calibration asked.cal
 check 'what is asked by default' cmp asked.exr first.exr
@@ -554,7 +556,7 @@ asked --calibration asked.cal
 check 'a kept calibration: the same bytes' cmp asked.exr first.exr
 check 'a kept calibration: no pilots' cmp asked.cal kept.cal
 bad 'a calibration of other options' 3 'other options' s.pbrt -o o/p.exr --calibration kept.cal
-echo 'lightcuts-calibration 1' >kept.cal
+echo 'lightcuts-calibration 2' >kept.cal
 bad 'a damaged calibration' 3 'is damaged' lamps.pbrt -o o/p.exr --method cuts --spp 1 --calibration kept.cal
 bad 'an error of nothing' 2 "bad value '0' for option --error" s.pbrt -o o/p.exr --error 0
 bad 'an error that is none' 2 "bad value 'nan' for option --error" s.pbrt -o o/p.exr --error nan
@@ -570,6 +572,19 @@ bad 'a time for parts' 2 'not with --chunk' s.pbrt -o o/p.exr --time 1s --chunk 
 bad 'a time, exactly' 2 'not with --method exact' s.pbrt -o o/p.exr --time 1s --method exact
 good 'explain a pixel' explain lamps.pbrt --method cuts --pixel 20,20
 check 'explain: a sentence first' test -n "$(sed -n '1{/groups stand for [0-9]* lights here; error/p;}' out)"
+
+{ film 40 40 ''; world; echo 'AttributeBegin AreaLightSource "diffuse" "rgb L" [1 1 1] Shape "trianglemesh" "point3 P"' \
+    '[-1 -1 -2 1 -1 -2 0 1 -2] "integer indices" [0 1 2] AttributeEnd'; } >panel.pbrt
+good 'a lamp' -q panel.pbrt -o panel.exr --method cuts --stats-file panel.json
+check 'how far its lights are off' grep -Eq '"lamps": \{"median": [0-9.e-]*, "high": [0-9.e-]*\},' panel.json
+check 'and beside the cuts' grep -Eq '"cuts": [0-9.e-]*, "lamps": [0-9.e-]*, "indirect": 0\}' panel.json
+run info panel.exr
+check 'and in the picture' grep -Eq '^error .*\(cuts 2 %, lamps [0-9.e-]* %\)$' out
+good 'so many lights for it' -q panel.pbrt -o panel.exr --method cuts --area-lights 30
+run info panel.exr
+check 'are not judged' grep -q "^error .*lamps: 'lightcuts converge' measures them)" out
+run info panel.pbrt
+check 'a scene says it, too' grep -Eq '^emissive triangles *1; for their lights points are off by [0-9.e-]* %' out
 
 # ---- info ----
 

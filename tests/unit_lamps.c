@@ -9,16 +9,16 @@
 
 static lc_load_desc direct = LC_LOAD_DESC_INIT;
 
-#define VIEW                                                                                             \
-    "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40 LookAt 0 2 -6  0 0 0  0 1 0 "    \
-    "Camera \"perspective\" \"float fov\" 50 Sampler \"independent\" \"integer pixelsamples\" 1 "        \
+#define VIEW                                                                                                 \
+    "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40 LookAt 0 2 -6  0 0 0  0 1 0 "        \
+    "Camera \"perspective\" \"float fov\" 50 Sampler \"independent\" \"integer pixelsamples\" 1 "            \
     "WorldBegin "
-#define FLOOR                                                                                  \
-    "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5] Shape \"trianglemesh\" "              \
+#define FLOOR                                                                                                \
+    "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5] Shape \"trianglemesh\" "                            \
     "\"point3 P\" [-3 0 -3 3 0 -3 3 0 3 -3 0 3] \"integer indices\" [0 2 1 0 3 2] "
-#define LAMP(L, at, side)                                                                                \
-    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [" L "] Translate " at " Scale " side " 1 " side \
-    " Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 0 1 0 0 1] \"integer indices\" [0 1 2 0 2 3] "  \
+#define LAMP(L, at, side)                                                                                    \
+    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [" L "] Translate " at " Scale " side " 1 " side   \
+    " Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 0 1 0 0 1] \"integer indices\" [0 1 2 0 2 3] "      \
     "AttributeEnd "
 
 TEST(flux_is_exact)
@@ -95,8 +95,27 @@ static double below_panel(double x, double z, double h)
     return sum;
 }
 
+static int rising(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* What the scene says of its own lights is about what n pixels are off by. */
+static void check_lamp_error(double *off, size_t n)
+{
+    const lc_lamp_error *e = &scene->lamp_error;
+    qsort(off, n, sizeof *off, rising);
+    const double median = off[n / 2], high = off[n * 95 / 100];
+    printf("  off by %.5f, %.5f; stated %.5f, %.5f by %u points\n", median, high, e->median, e->high,
+           e->n_points);
+    CHECK(e->n_points >= 24);
+    CHECK(e->median > median / 3 && e->median < median * 3 && e->high > high / 3 && e->high < high * 3);
+}
+
 TEST(panel_from_close_by)
 {
+    static double offs[24 * 24];
     lc_render_desc rd = LC_RENDER_DESC_INIT;
     lc_image *image = NULL;
     double rms = 0;
@@ -117,9 +136,11 @@ TEST(panel_from_close_by)
         double x = (i % 24 + 0.5) / 24 * 0.6 - 0.3, z = (i / 24 + 0.5) / 24 * 0.6 - 0.3;
         double off = (double)g[i] / below_panel(x, z, 0.03) - 1;
         rms += off * off / (24 * 24);
+        offs[i] = fabs(off);
     }
     printf("  %zu lights, rms %.4f\n", scene->n_lights, sqrt(rms));
     CHECKF(sqrt(rms) <= 0.005, "%g", sqrt(rms));
+    check_lamp_error(offs, 24 * 24);
     lc_image_destroy(image);
 }
 
@@ -129,11 +150,13 @@ TEST(pictures_keep_their_sum)
     double got[3];
     for (size_t i = 0; i < 16 * 16; i++) rgb[3 * i + i % 3] = (float)(i % 16);
     pfm_write(temp_path("lamp.pfm"), 16, 16, rgb);
-    CHECK(load_text(&direct, VIEW FLOOR "AreaLightSource \"diffuse\" \"string filename\" \"lamp.pfm\" Shape "
-                             "\"trianglemesh\" \"point3 P\" [0 1 0 1 1 0 1 1 1 0 1 1] \"point2 uv\" "
-                             "[0 0 1 0 1 1 0 1] \"integer indices\" [0 1 2 0 2 3]") == LC_OK);
+    CHECK(load_text(&direct,
+                    VIEW FLOOR "AreaLightSource \"diffuse\" \"string filename\" \"lamp.pfm\" Shape "
+                               "\"trianglemesh\" \"point3 P\" [0 1 0 1 1 0 1 1 1 0 1 1] \"point2 uv\" "
+                               "[0 0 1 0 1 1 0 1] \"integer indices\" [0 1 2 0 2 3]") == LC_OK);
     sum_of_lights(got);
     CHECK(scene->n_lights >= 128);
+    CHECK(!scene->lamp_error.n_points); /* nothing is said of textured lamps */
     for (size_t c = 0; c < 3; c++) {
         double want = 0;
         for (size_t i = 0; i < 16 * 16; i++) want += (double)rgb[3 * i + c] / (16 * 16);
@@ -200,9 +223,12 @@ TEST(balls_are_seen)
 {
     CHECK(load_text(&direct, VIEW FLOOR LAMP("1 1 1", "-1 1 -1", "1")) == LC_OK);
     const size_t alone = scene->n_lights;
-    CHECK(load_text(&direct, VIEW FLOOR LAMP("1 1 1", "-1 1 -1", "1") "AttributeBegin AreaLightSource "
-                             "\"diffuse\" \"rgb L\" [500 500 500] Translate 1 2 0 Shape \"sphere\" "
-                             "\"float radius\" .1 AttributeEnd") == LC_OK);
+    CHECK(
+        load_text(&direct,
+                  VIEW FLOOR LAMP("1 1 1", "-1 1 -1",
+                                  "1") "AttributeBegin AreaLightSource "
+                                       "\"diffuse\" \"rgb L\" [500 500 500] Translate 1 2 0 Shape \"sphere\" "
+                                       "\"float radius\" .1 AttributeEnd") == LC_OK);
     CHECKF(n_balls() == 1 && scene->n_lights < alone, "%zu, alone %zu", scene->n_lights, alone);
 }
 
@@ -224,6 +250,9 @@ TEST(balls_are_exact_and_soft)
                         "\"integer indices\" [0 1 2 0 2 3] AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] "
                         "Translate 0 2 0 Shape \"sphere\" \"float radius\" .2") == LC_OK);
         CHECK(n_balls() == 1);
+        /* a tenth of the pixels is in the penumbra, where one ray tells dark from bright */
+        CHECKF(scene->lamp_error.median < 1e-6 && scene->lamp_error.high > 0.1, "%g, %g",
+               scene->lamp_error.median, scene->lamp_error.high);
         rd.method = methods[i];
         rd.spp = 1;
         CHECK(lc_render(ctx, scene, &rd, &image, NULL) == LC_OK);

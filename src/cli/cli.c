@@ -207,9 +207,7 @@ int cli_set_error_option(int option, const char *text, cli_error_options *given,
     case CLI_OPT_RATIO:
         given->ratio = true;
         return cli_parse_single(text, 0, CLI_MAX_RATIO, &render->error_ratio);
-    case CLI_OPT_MAX_CUT:
-        given->max_cut = true;
-        return cli_parse_u32(text, 0, UINT32_MAX, &render->max_cut);
+    case CLI_OPT_MAX_CUT: given->max_cut = true; return cli_parse_u32(text, 0, UINT32_MAX, &render->max_cut);
     case CLI_OPT_FLOOR:
         given->floor = true;
         return cli_parse_single(text, 0, CLI_MAX_RATIO, &render->dark_floor);
@@ -407,13 +405,15 @@ int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user
     return st ? CLI_FAILED : 0;
 }
 
-void cli_indirect_json(FILE *f, const lc_scene_info *i)
+void cli_deviations_json(FILE *f, const lc_scene_info *i)
 {
     fprintf(f,
             "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g, \"median\": %.6g, "
             "\"high\": %.6g},\n",
             (unsigned long long)i->n_indirect_lights, (unsigned long long)i->n_light_paths, i->indirect_loss,
             i->indirect_median, i->indirect_high);
+    if (i->lamps_high >= 0)
+        fprintf(f, "  \"lamps\": {\"median\": %.6g, \"high\": %.6g},\n", i->lamps_median, i->lamps_high);
 }
 
 void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json)

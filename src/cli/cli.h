@@ -119,7 +119,8 @@ int cli_has_extension(const char *path, const char *extension);
 const char *cli_shown(const char *text);
 /* "3 point, 0 oriented, ...", or "\"point\": 3, ..." as JSON: the lights of each kind. */
 void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json);
-void cli_indirect_json(FILE *f, const lc_scene_info *info); /* a line of an object */
+/* Lines of an object: how far lights are off that stand for bounces and lamps. */
+void cli_deviations_json(FILE *f, const lc_scene_info *info);
 /* Prints a JSON string with its quotes, valid UTF-8: '?' replaces what is not, and characters that a terminal
  * would obey are escaped. */
 void cli_json_text(FILE *f, const char *text);

@@ -39,7 +39,11 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
                "                     blocks within %.2g %%; %.2g of it lost to clamping\n",
                (ull)i->n_indirect_lights, (ull)i->n_light_paths, 100 * i->indirect_median,
                100 * i->indirect_high, i->indirect_loss);
-    printf("emissive triangles   %llu\n", (ull)i->n_emissive_triangles);
+    printf("emissive triangles   %llu", (ull)i->n_emissive_triangles);
+    if (i->lamps_high >= 0)
+        printf("; for their lights points are off by %.2g %%, 95 %% of them by less than %.2g %%",
+               100 * i->lamps_median, 100 * i->lamps_high);
+    printf("\n");
     if (i->n_env_maps)
         printf("infinite lights      %llu, made into %llu directional, where %llu that were tried matter\n",
                (ull)i->n_env_maps, (ull)i->n_env_lights, (ull)i->n_env_tried);
@@ -92,7 +96,7 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
     printf("  \"lights\": %llu,\n  \"lights_by_type\": {", (ull)i->n_lights);
     cli_light_kinds(stdout, i, true);
     printf("},\n");
-    cli_indirect_json(stdout, i);
+    cli_deviations_json(stdout, i);
     printf("  \"emissive_triangles\": %llu,\n  \"infinite_lights\": %llu,\n  \"env_lights\": %llu,\n"
            "  \"env_tried\": %llu,\n  \"textures\": {",
            (ull)i->n_emissive_triangles, (ull)i->n_env_maps, (ull)i->n_env_lights, (ull)i->n_env_tried);
@@ -147,15 +151,16 @@ static range range_of(const float *plane, size_t n)
 }
 
 /* What a picture says of its own error, in one sentence; nothing where no error of pixels was asked. Virtual
- * lights are a sample of the bounced light, so what 95 % of the blocks are off by on that account is added.
- */
+ * lights are a sample of the bounced light, and lights a sample of the lamps, so what 95 % of the blocks, and
+ * of the points, are off by on that account is added. */
 static void print_statement(const lc_image *image)
 {
     const double error = lc_image_get_number(image, "lightcuts/error", 0),
                  within = lc_image_get_number(image, "lightcuts/within", 0),
                  share = lc_image_get_number(image, "lightcuts/achieved", 0),
                  margin = lc_image_get_number(image, "lightcuts/achievedMargin", 0),
-                 indirect = lc_image_get_number(image, "lightcuts/indirectHigh", 0);
+                 indirect = lc_image_get_number(image, "lightcuts/indirectHigh", 0),
+                 lamps = lc_image_get_number(image, "lightcuts/lampsHigh", -1);
     const bool all = lc_image_get_number(image, "lightcuts/everyLight", 0) > 0;
     if (!(error > 0)) return;
     if (!all && !(lc_image_get_number(image, "lightcuts/pilots", 0) > 0)) {
@@ -166,9 +171,10 @@ static void print_statement(const lc_image *image)
     else
         printf("error                %.1f %% +- %.1f %% of the pixels are within %.3g %% of the "
                "converged picture (cuts %.3g %%",
-               share, margin, 100 * (error + indirect), 100 * error);
+               share, margin, 100 * (error + fmax(lamps, 0) + indirect), 100 * error);
+    if (lamps >= 0) printf(", lamps %.2g %%", 100 * lamps);
     if (indirect > 0) printf(", indirect light %.2g %%", 100 * indirect);
-    if (lc_image_get_number(image, "lightcuts/areaLights", 0) > 0)
+    if (lamps < 0 && lc_image_get_number(image, "lightcuts/areaLights", 0) > 0)
         printf(", lamps: 'lightcuts converge' measures them");
     printf(")%s\n",
            !all && share + margin < within ? "; more was asked, which --max-cut does not allow" : "");

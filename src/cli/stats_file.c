@@ -3,6 +3,7 @@
 
 #include "cli/cli.h"
 
+#include <math.h>
 #include <sys/resource.h>
 
 typedef unsigned long long ull;
@@ -30,8 +31,18 @@ static void print_calibration(FILE *f, const lc_calibration *c)
             (double)c->z, (ull)c->rays);
 }
 
-static void calibration_json(FILE *f, const lc_calibration *c)
+/* "error": the parts' own estimates of what half of the pixels, blocks or points are off by. */
+static void calibration_json(FILE *f, const lc_calibration *c, const lc_scene_info *i)
 {
+    const double share = c->n_pilots ? (double)c->achieved / 100 : 1, margin = (double)c->margin / 100;
+    fprintf(f,
+            "  \"error\": {\"asked\": %.6g, \"within\": %.6g, \"achieved\": %.6g, \"achieved_lo\": %.6g, "
+            "\"achieved_hi\": %.6g, \"pilots\": %u, \"z\": %.9g, \"cuts\": %.6g, \"lamps\": ",
+            (double)c->error, (double)c->within / 100, share, fmax(share - margin, 0),
+            fmin(share + margin, 1), c->n_pilots, (double)c->z, (double)c->median);
+    if (i->lamps_median >= 0) fprintf(f, "%.6g", i->lamps_median);
+    else fprintf(f, "null");
+    fprintf(f, ", \"indirect\": %.6g},\n", i->indirect_median);
     fprintf(f,
             "  \"asked\": {\"error\": %.6g, \"within\": %.6g, \"z\": %.9g, \"pilots\": %u, "
             "\"achieved\": %.6g, \"margin\": %.6g, \"rays\": %llu},\n",
@@ -104,9 +115,10 @@ void cli_write_stats_json(FILE *f, void *report)
             ",\n  \"method\": \"%s\",\n  \"every_light\": %s,\n  \"isa\": \"%s\",\n  \"threads\": %u,\n  "
             "\"seed\": %llu,\n",
             cli_method_name(r->method), s->exact ? "true" : "false", r->isa, r->threads, (ull)r->seed);
-    fprintf(f, "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"pixels_resumed\": %llu,\n"
-               "  \"points\": %llu,\n", i->width, i->height,
-            (ull)s->pixels, (ull)s->pixels_loaded, (ull)s->points);
+    fprintf(f,
+            "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"pixels_resumed\": %llu,\n"
+            "  \"points\": %llu,\n",
+            i->width, i->height, (ull)s->pixels, (ull)s->pixels_loaded, (ull)s->points);
     fprintf(f,
             "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": "
             "%llu,\n",
@@ -114,7 +126,7 @@ void cli_write_stats_json(FILE *f, void *report)
     fprintf(f, "  \"lights_by_type\": {");
     cli_light_kinds(f, i, true);
     fprintf(f, "},\n");
-    cli_indirect_json(f, i);
+    cli_deviations_json(f, i);
     fprintf(f, "  \"environment\": {\"lights\": %llu, \"tried\": %llu},\n", (ull)i->n_env_lights,
             (ull)i->n_env_tried);
     fprintf(
@@ -134,7 +146,7 @@ void cli_write_stats_json(FILE *f, void *report)
             "  \"cut\": {\"mean\": %.6g, \"median\": %u, \"p99\": %u, \"max\": %u, \"at_limit\": %llu, "
             "\"at_floor\": %llu},\n",
             s->cut_mean, s->cut_median, s->cut_p99, s->cut_max, (ull)s->cut_at_limit, (ull)s->points_dark);
-    calibration_json(f, &s->calibration);
+    calibration_json(f, &s->calibration, i);
     fprintf(f,
             "  \"mean_luminance\": %.9g,\n  \"shadow_rays\": %llu,\n  \"camera_rays\": %llu,\n  "
             "\"bounds_evaluated\": %llu,\n",

@@ -20,9 +20,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_DEPTH 12      /* divisions of a triangle */
-#define FIRST_SHARE 0.25  /* the first step's bound */
-#define MIN_MAP_LIGHTS 64 /* of a triangle with an emission map, if lights are left */
+#define MAX_DEPTH      12   /* divisions of a triangle */
+#define FIRST_SHARE    0.25 /* the first step's bound */
+#define MIN_MAP_LIGHTS 64   /* of a triangle with an emission map, if lights are left */
 
 /* ---- patches and their lights ---- */
 
@@ -58,8 +58,8 @@ lc_light lc_patch_light(const lc_patches *m, const lc_patch *p)
     const double part = ldexp(1, -2 * p->depth);
     double weight[3] = { 1.0 / 6, 1.0 / 6, 1.0 / 6 };
     weight[corner_of(m, p)] = 2.0 / 3;
-    lc_f3 flux =
-        lc_f3_make((float)(e->flux[0] * part), (float)(e->flux[1] * part), (float)(e->flux[2] * part));
+    lc_f3 flux = lc_f3_make((float)(e->flux[0] * part), (float)(e->flux[1] * part),
+                            (float)(e->flux[2] * part));
     return (lc_light){ .kind = LC_LIGHT_ORIENTED,
                        .pos = lc_patch_point(m, p, weight),
                        .dir = lc_emitter_normal(e, p->sign),
@@ -72,8 +72,7 @@ static lc_status add_source(lc_patches *m, const lc_lamp_source *source, uint32_
 {
     const lc_context *ctx = m->scene->ctx;
     lc_status st = lc_grow(ctx, (void **)&m->patches, &m->cap, m->n + n_patches, sizeof *m->patches);
-    if (!st)
-        st = lc_grow(ctx, (void **)&m->sources, &m->cap_sources, m->n_sources + 1, sizeof *m->sources);
+    if (!st) st = lc_grow(ctx, (void **)&m->sources, &m->cap_sources, m->n_sources + 1, sizeof *m->sources);
     if (!st) m->sources[m->n_sources++] = *source;
     return st;
 }
@@ -150,7 +149,7 @@ static bool divisible(const lc_patches *m, const lc_patch *p, float share)
     return p->share > share && p->depth < MAX_DEPTH && !lc_patch_source(m, p)->is_ball && !has_map(m, p);
 }
 
-static void divide(const lc_patch *p, lc_patch parts[4])
+void lc_patch_divide(const lc_patch *p, lc_patch parts[4])
 {
     float mid[3][2];
     for (int i = 0; i < 3; i++) corner_between(p->b[i], p->b[(i + 1) % 3], mid[i]);
@@ -204,7 +203,7 @@ static lc_status divide_all(lc_patches *m, float share, size_t *n_divided)
     if (st) return st;
     for (size_t i = 0; i < n; i++)
         if (divisible(m, &m->patches[i], share)) {
-            divide(&m->patches[i], &m->patches[m->n]);
+            lc_patch_divide(&m->patches[i], &m->patches[m->n]);
             m->n += 4;
         }
     for (size_t i = 0; i < m->n; i++)
@@ -245,11 +244,17 @@ static lc_status add_map_lights(lc_patches *m, const lc_patch *p, size_t room)
                               lc_hash4(m->seed, source->tri, 0, 6 + (p->sign > 0)));
 }
 
+static size_t count_maps(const lc_patches *m)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < m->n; i++) n += has_map(m, &m->patches[i]);
+    return n;
+}
+
 static lc_status add_lights(lc_patches *m)
 {
-    size_t n_maps = 0;
+    const size_t n_maps = count_maps(m);
     lc_status st = LC_OK;
-    for (size_t i = 0; i < m->n; i++) n_maps += has_map(m, &m->patches[i]);
     for (size_t i = 0; i < m->n && !st; i++) {
         const lc_patch *p = &m->patches[i];
         if (has_map(m, p)) {
@@ -271,6 +276,7 @@ lc_status lc_lamp_lights_make(lc_scene *scene, uint32_t max_depth, uint64_t seed
     if (!st && m.view.n) st = open_large(&m);
     if (!st && m.view.n) st = divide_by_steps(&m);
     if (!st) st = add_lights(&m);
+    if (!st && m.view.n && !count_maps(&m)) st = lc_patches_deviation(&m, &scene->lamp_error);
     lc_free(scene->ctx, m.places, m.n_points, sizeof *m.places);
     lc_free(scene->ctx, m.total, m.n_points, sizeof *m.total);
     lc_view_grid_free(&m.view);

@@ -65,6 +65,7 @@ static inline const lc_mesh *lc_patch_mesh(const lc_patches *m, const lc_patch *
 lc_light lc_patch_light(const lc_patches *m, const lc_patch *p);
 /* The point of a part of a triangle at weights of its corners. */
 lc_f3 lc_patch_point(const lc_patches *m, const lc_patch *p, const double weight[3]);
+void lc_patch_divide(const lc_patch *p, lc_patch parts[4]); /* of a triangle; their shares are 0 */
 
 /* ---- lamp_score.c ---- */
 
@@ -76,5 +77,10 @@ lc_status lc_patches_score_first(lc_patches *m);
 void lc_patches_score(lc_patches *m);
 /* The same of any patches, at the points that they know. */
 void lc_patches_score_known(lc_patches *m);
+
+/* ---- lamp_deviation.c ---- */
+
+/* How far points of the picture are off because one light stands for each patch. LC_ERR_MEMORY. */
+lc_status lc_patches_deviation(const lc_patches *m, lc_lamp_error *out);
 
 #endif

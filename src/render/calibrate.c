@@ -171,6 +171,7 @@ static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibra
             least = miss;
             found = z;
             state_share(p, c);
+            c->median = (float)((double)cut->error_ratio * sorted[p->n_finite * n_slots / 2]);
             if (miss <= 1 ? miss >= GOOD_ENOUGH || z <= LEAST_Z : z >= MOST_Z) break;
         }
         const double next = next_z(z, miss, last_z, last_miss);

@@ -85,6 +85,9 @@ static lc_status set_load_attributes(lc_image *im, const lc_scene *scene)
     if (!st) st = lc_image_set_number(im, "lightcuts/indirectLights", indirect);
     if (!st && in->n_lights) st = lc_image_set_number(im, "lightcuts/indirectMedian", in->median);
     if (!st && in->n_lights) st = lc_image_set_number(im, "lightcuts/indirectHigh", in->high);
+    const lc_lamp_error *lamps = &scene->lamp_error;
+    if (!st && lamps->n_points) st = lc_image_set_number(im, "lightcuts/lampsMedian", lamps->median);
+    if (!st && lamps->n_points) st = lc_image_set_number(im, "lightcuts/lampsHigh", lamps->high);
     return st;
 }
 

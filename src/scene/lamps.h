@@ -30,4 +30,11 @@ typedef struct lc_lamps {
  * mirror. */
 float lc_lamps_roughness(const lc_lamps *lamps, lc_f3 pos, lc_f3 mirror);
 
+/* How far points that the camera sees are off, relative to the light that they get from lamps, because lights
+ * stand for parts of them. */
+typedef struct lc_lamp_error {
+    uint32_t n_points;   /* that were looked at; 0: nothing is known */
+    double median, high; /* half, and 95 %, of the points are off by less */
+} lc_lamp_error;
+
 #endif

@@ -38,8 +38,7 @@ typedef struct lc_level lc_level; /* the BVHs of objects and instances: instance
 
 /* What the scene keeps of a mesh beside its vertices and triangles. */
 typedef struct lc_mesh {
-    uint32_t first_tri, n_tris;
-    uint32_t first_vert;
+    uint32_t first_tri, n_tris, first_vert;
     uint32_t material_id;
     bool has_normals, has_uv, textured;
     bool brushed; /* the material's roughness is anisotropic, so hits need a tangent */
@@ -136,6 +135,7 @@ struct lc_scene {
     uint64_t n_emissive_tris, n_area_lights, n_env_lights, n_env_tried;
     bool follows_smooth; /* lobes narrower than LC_SMOOTH_ROUGHNESS are followed as mirrors */
     lc_indirect indirect;
+    lc_lamp_error lamp_error;
     lc_lamps lamps;
     lc_light_places virtuals; /* of the virtual lights */
     lc_bvh *bvh;

@@ -32,8 +32,10 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
         .indirect_loss = s->indirect.loss,
         .indirect_median = s->indirect.median,
         .indirect_high = s->indirect.high,
-        .indirect_off =
-            s->indirect.n_lights ? lc_indirect_deviation(&s->indirect) / s->load.indirect_error : 0,
+        .lamps_median = s->lamp_error.n_points ? s->lamp_error.median : -1,
+        .lamps_high = s->lamp_error.n_points ? s->lamp_error.high : -1,
+        .indirect_off = s->indirect.n_lights ? lc_indirect_deviation(&s->indirect) / s->load.indirect_error
+                                             : 0,
         .n_instances = s->n_instances,
         .n_instanced_triangles = lc_instanced_tris(s),
         .n_alpha_meshes = s->n_alphas,

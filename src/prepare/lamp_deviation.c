@@ -1,0 +1,160 @@
+/* lamp_deviation.c - how far points of the picture are off because lights stand for parts of lamps.
+ *
+ * At some of the points that the camera sees, the sum over all lights is compared with that over four times
+ * as many, of the four parts of each patch, all with shadows; spheres, whose shadow rays end at one of their
+ * points, with the mean of several. The difference is about the error of the coarser sum: that of the finer
+ * one is half to a quarter of it.
+ */
+#include "prepare/lamp_patches.h"
+
+#include "base/pool.h"
+#include "shade/light_target.h"
+#include "shade/point_init.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define WORK       ((double)LC_SIZE(1 << 22, 1 << 12)) /* rays over all points, about */
+#define MIN_POINTS ((double)LC_SIZE(24, 2))
+#define MAX_POINTS 256.0
+#define PARTS      4    /* of a patch; points of a sphere */
+#define FLOOR      0.02 /* of the mean: what errors are relative to at least */
+#define BALL_STEP  11   /* between turns: one that goes round the disc, which 8, say, does not */
+#define BATCH      64   /* rays */
+
+typedef struct {
+    const lc_patches *m;
+    lc_light (*lights)[1 + PARTS]; /* of each patch; of a triangle's also those of its parts */
+    double (*sum)[2];              /* of each point: over the lights, and over those of the parts */
+    uint32_t n;
+} deviation;
+
+/* The rays of a point that are still to be traced. */
+typedef struct {
+    const lc_patches *m;
+    const lc_point *p;
+    const float *org;
+    double *sum;
+    uint32_t n;
+    float to[3][BATCH];
+    double weight[BATCH][2]; /* what is added to the sums where the ray meets nothing */
+} rays;
+
+static void trace(rays *r)
+{
+    const lc_visibility *v = &r->m->scene->visibility;
+    const float *const target[3] = { r->to[0], r->to[1], r->to[2] };
+    uint8_t hidden[BATCH];
+    if (!r->n) return;
+    v->hidden(v->scene, r->org, r->n, target, false, hidden, NULL);
+    for (uint32_t i = 0; i < r->n; i++)
+        for (int k = 0; k < 2; k++) r->sum[k] += hidden[i] ? 0 : r->weight[i][k];
+    r->n = 0;
+}
+
+static void add(rays *r, lc_f3 to, double coarse, double fine)
+{
+    if (!(coarse > 0 || fine > 0)) return;
+    r->to[0][r->n] = to.x;
+    r->to[1][r->n] = to.y;
+    r->to[2][r->n] = to.z;
+    r->weight[r->n][0] = coarse;
+    r->weight[r->n][1] = fine;
+    if (++r->n == BATCH) trace(r);
+}
+
+/* Luminance that a light gives to a white point times pi, shadows ignored; balls emit all round. */
+static double given(const lc_light *light, const lc_point *p)
+{
+    const lc_f3 d = lc_f3_sub(light->pos, lc_f3_load(p->pos));
+    const double d2 = fmax((double)lc_f3_dot(d, d), (double)p->min_d2),
+                 in = fmax((double)lc_f3_dot(d, lc_f3_load(p->n)), 0),
+                 out = light->kind == LC_LIGHT_ORIENTED ? fmax(-(double)lc_f3_dot(d, light->dir), 0)
+                                                        : sqrt(d2);
+    return (double)lc_luminance(light->intensity) * in * out / (d2 * d2);
+}
+
+static void add_ball(rays *r, const lc_light *ball, uint32_t turn)
+{
+    const double f = given(ball, r->p);
+    lc_light_rec rec;
+    lc_light_rec_init(&rec, ball);
+    for (uint32_t i = 0; i < PARTS; i++) {
+        lc_point p = *r->p;
+        float to[3];
+        p.turn = turn + i * BALL_STEP;
+        lc_ball_target(&rec, &p, to);
+        add(r, lc_f3_load(to), i ? 0 : f, f / PARTS);
+    }
+}
+
+static void make_lights(void *user, uint32_t thread, uint64_t item)
+{
+    const deviation *d = user;
+    lc_patch part[PARTS];
+    (void)thread;
+    d->lights[item][0] = lc_patch_light(d->m, &d->m->patches[item]);
+    if (d->lights[item][0].kind != LC_LIGHT_ORIENTED) return;
+    lc_patch_divide(&d->m->patches[item], part);
+    for (int i = 0; i < PARTS; i++) d->lights[item][1 + i] = lc_patch_light(d->m, &part[i]);
+}
+
+static void sum_point(void *user, uint32_t thread, uint64_t item)
+{
+    const deviation *d = user;
+    const lc_patches *m = d->m;
+    const double jitter = (double)item * 0.6180339887498949; /* or the points could be in few columns */
+    const size_t at = (size_t)(((double)item + (jitter - floor(jitter))) * m->view.n / d->n);
+    rays r = { .m = m, .p = &m->view.points[at], .org = m->view.org[at], .sum = d->sum[item] };
+    (void)thread;
+    for (size_t i = 0; i < m->n; i++) {
+        const lc_light *light = d->lights[i];
+        if (light->kind != LC_LIGHT_ORIENTED) add_ball(&r, light, (uint32_t)item);
+        else
+            for (int k = 0; k <= PARTS; k++) {
+                const double f = given(&light[k], r.p);
+                add(&r, light[k].pos, k ? 0 : f, k ? f : 0);
+            }
+    }
+    trace(&r);
+}
+
+static int rising(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Of the points, rising. */
+static void find_quantiles(const deviation *d, double *off, lc_lamp_error *out)
+{
+    double mean = 0;
+    for (uint32_t i = 0; i < d->n; i++) mean += d->sum[i][1] / d->n;
+    for (uint32_t i = 0; i < d->n; i++)
+        off[i] = mean > 0 ? fabs(d->sum[i][0] - d->sum[i][1]) / fmax(d->sum[i][1], FLOOR * mean) : 0;
+    qsort(off, d->n, sizeof *off, rising);
+    *out = (lc_lamp_error){ d->n, off[d->n / 2], off[(uint32_t)(0.95 * d->n)] };
+}
+
+lc_status lc_patches_deviation(const lc_patches *m, lc_lamp_error *out)
+{
+    const lc_context *ctx = m->scene->ctx;
+    const double points = WORK / ((double)m->n * (1 + PARTS));
+    deviation d = { .m = m, .n = (uint32_t)fmin(fmax(points, MIN_POINTS), MAX_POINTS) };
+    if (d.n > m->view.n) d.n = m->view.n;
+    *out = (lc_lamp_error){ .n_points = 0 };
+    if (!d.n || !m->n) return LC_OK;
+    d.lights = lc_alloc_raw(ctx, m->n, sizeof *d.lights);
+    d.sum = lc_alloc(ctx, d.n, sizeof *d.sum);
+    double *off = lc_alloc(ctx, d.n, sizeof *off);
+    const lc_status st = d.lights && d.sum && off ? LC_OK : LC_ERR_MEMORY;
+    if (!st) {
+        lc_parallel(ctx, m->n, make_lights, &d);
+        lc_parallel(ctx, d.n, sum_point, &d);
+        find_quantiles(&d, off, out);
+    }
+    lc_free(ctx, d.lights, m->n, sizeof *d.lights);
+    lc_free(ctx, d.sum, d.n, sizeof *d.sum);
+    lc_free(ctx, off, d.n, sizeof *off);
+    return st;
+}
