@@ -511,6 +511,32 @@ TEST(point_init_agrees)
     }
 }
 
+/* light_spot.h: a member's emission is at most 1 + 18u times that of the members' least cosines, in float. */
+TEST(spot_profiles_are_within_18u)
+{
+    double worst = 0;
+    for (uint64_t i = 0; i < 1000000; i++) {
+        gen_src s = gen_src_key(lc_hash4(seed, 6, 0, i));
+        double least = gen_real(&s, -1, 1), width = pow(10, gen_real(&s, -8, 0)), more[2];
+        for (int k = 0; k < 2; k++) more[k] = gen_pick(&s, 3) ? width * pow(10, gen_real(&s, -8, 1)) : 0;
+        float total = (float)least, start = fminf(fmaxf((float)(least + width), total), 1);
+        lc_spot_rec node, light;
+        lc_spot_rec_init(&node, total, start, 0);
+        light.cos_total = fminf((float)((double)total + more[0]), 1);
+        light.cos_start = fminf(fmaxf((float)((double)start + more[1]), light.cos_total), 1);
+        lc_spot_rec_init(&light, light.cos_total, light.cos_start, 0);
+        double t = gen_real(&s, 0, 1.01);
+        float cosine = (float)((double)light.cos_total +
+                               t * ((double)light.cos_start - (double)light.cos_total)),
+              e = lc_spot_emission(&light, cosine), most = lc_spot_emission(&node, cosine);
+        if (!(e > FLT_MIN)) continue;
+        double above = ((double)e / (double)most - 1) * 0x1p24;
+        CHECKF(above <= 18, "case %llu: %g", (unsigned long long)i, above);
+        worst = fmax(worst, above);
+    }
+    printf("  at most %.3g u above the cluster's\n", worst);
+}
+
 /* Two numbers worked out by hand. A point light of 10 W/sr two units above a white diffuser: 10 / pi / 4. An
  * oriented one that looks sideways by 60 degrees: half of it. */
 TEST(worked_example)
@@ -563,5 +589,6 @@ int main(int argc, char **argv)
     RUN(join_is_associative);
     RUN(cone_holds_every_direction);
     RUN(point_init_agrees);
+    RUN(spot_profiles_are_within_18u);
     return test_done();
 }

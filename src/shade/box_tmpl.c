@@ -34,9 +34,14 @@
  *   rounding 6u M^2 (t.t <= M^2, sum |t_k| h_k <= M^2 / 4): 18u M^2.
  * - Boxes within NEAR of the point have squares near underflow: their cosines are taken as 1, and NEAR is
  *   added to z1.
- * - The rest is products, quotients and roots of positive terms: below 40 operations with those of the
- *   estimate, each within u; the factor SLACK = 1 + 2^-18 = 1 + 64u covers them. The limits of light.h and
- *   point.h keep their operands from being denormal wherever the estimate is not 0.
+ * - The rest is products, quotients and roots of positive terms, each within u. The estimate of a diffuse
+ *   surface: |p|^2 is within 3u, so cos / d^2 within 4.5u and the 5 operations that make it, f one product,
+ *   the luminance 4: 14.5u. Its bound: r^2 and the length of n 5u, so cos / d^2 7.5u and 6u for what follows,
+ *   the weights' dot product 5u, two more products: 20.5u. Together 35u; 39u with Phong's lobe, 42u with
+ *   Ward's; powers, exponentials and GGX's quotients have slacks of their own. Attenuation adds 3u, or the
+ *   profile of a spot, which has none, 18u (light_spot.h): at most 60u, which the factor SLACK = 1 + 2^-18 =
+ *   1 + 64u covers. The limits of light.h and point.h keep operands from being denormal wherever the estimate
+ *   is not 0.
  * - Cosines enter angles (emission) and powers (Phong), where relative errors grow. For angles COS_SLACK =
  *   32u is added to them first: the estimate's own cosine is within 12u. For powers the square is multiplied
  *   by 1 + 32u: the errors of dot products are in z1 already, so the rest is relative: 4.5u of the estimate's

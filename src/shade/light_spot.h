@@ -216,7 +216,7 @@ LC_INLINE vf spot_emission(const lc_tree_data *t, const float *const *light, vf 
  * t of the members' least cosines, clamped to 1, is no less than any member's; the members' cosines, clamped
  * to 1, are at most e. Our t and a member's are products of differences of exact numbers: within 3u of exact
  * each, twice that in the emission, which grows no faster than t^2, and 3u more of its own: 18u, which the
- * factor SLACK covers. */
+ * factor SLACK of the whole bound has room for (box_tmpl.c). */
 LC_INLINE vf spot_emission_bound(const lc_tree_data *t, const uint32_t *node, vf e)
 {
     const lc_own *own = &t->own[LC_LIGHT_SPOT];
@@ -226,7 +226,7 @@ LC_INLINE vf spot_emission_bound(const lc_tree_data *t, const uint32_t *node, vf
         row[i] = &((const lc_spot_rec *)own->node)[node[i] - own->first_node].cos_total;
     vf_rows(row, 0, k);
     vf x = vf_min(vf_max((e - k[0]) * k[1], vf_set(0)), vf_set(1));
-    return x * x * (3 - (x + x)) * SLACK;
+    return x * x * (3 - (x + x));
 }
 
 #endif

@@ -30,12 +30,12 @@
  *   the estimate adds it up: frames are perpendicular to 4u, tangents off by 5u in length and components by
  *   10u: 40u of |h|^2 and 70u; i.o as for COS_SLACK: 64u. We take 256u of both. s(i): same frame, 40u; 256u.
  * - w.p: u and w within 8u, three dot products 9u each, the widening 4u, all times |S| <= 1: 64uM.
- * - T: g 2.5u, squares of sums 9u, quotients and products: below 20u of T <= 1 in estimate and bound: F is
- *   raised by 64u.
+ * - T: g 2.5u, squares of sums 9u, the rest: below 20u of T <= 1 in estimate and bound: F is raised by 64u.
  * - Conductors: x + p is off by 2u x where it cancels, N by the root of that at most, 3.5e-4 c; the quotient
  *   of amplitudes by 2 c / |c + N|^2 times that, its square by twice as much: 1.4e-3, here and in the
  *   estimate. CONDUCTOR_SLACK is 3.9e-3.
- * - r^2 has 18u in the estimate and 20u here, the rest 12u: a SLACK of its own.
+ * - r^2 has 18u in the estimate and 20u here, the rest 12u: a SLACK of its own. Schlick's (1 - c)^5 has 9u in
+ *   either; what HALF_SLACK leaves, 80u of c, is more than 400u of it.
  */
 #ifdef LC_TABLE_PARTS
 
