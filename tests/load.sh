@@ -26,6 +26,7 @@ renders=200
 sanitized && renders=40
 name=load-$$ # of the processes
 cp "$L" "$name"
+L=$T/$name # which no build replaces
 [ ! -x "$clock" ] || { mkdir clock && cp "$clock" "clock/$name"; }
 chmod 755 . "$name"
 

@@ -16,6 +16,7 @@
 #include <stdarg.h>
 #include <stdbool.h>
 #include <sys/syscall.h>
+#include <zlib.h>
 
 #define MAX_OPS 256
 #define MAX_NODES 64
@@ -299,6 +300,20 @@ static void forcing_done(void *user, const lc_tile *tile)
     if (force_each && n_done % force_each == 0) report_tiles(user);
 }
 
+/* Opening has cut off what was torn: it is not torn once more, and no tile is lost. */
+static lc_checkpoint *reopen(lc_checkpoint *c, const lc_checkpoint_info *before)
+{
+    lc_render_desc desc = LC_RENDER_DESC_INIT;
+    lc_checkpoint_info info;
+    lc_checkpoint_close(c);
+    if (lc_checkpoint_open(ctx, temp_path("c.ckpt"), scene, &desc, 1, 1e9, &c)) abort();
+    lc_checkpoint_get_info(c, &info);
+    CHECKF(!info.torn_bytes && info.damaged_bytes <= before->damaged_bytes && info.n_done == before->n_done,
+           "%llu torn bytes are there again, %u tiles of %u", (unsigned long long)info.torn_bytes, info.n_done,
+           before->n_done);
+    return c;
+}
+
 /* Opens the checkpoint, goes on with it, writes the picture and removes the checkpoint, as the program does.
  * Returns the status of the first call that failed. */
 static lc_status render(lc_checkpoint_info *info)
@@ -310,6 +325,7 @@ static lc_status render(lc_checkpoint_info *info)
     lc_status st = lc_checkpoint_open(ctx, temp_path("c.ckpt"), scene, &desc, 1, 1e9, &c);
     if (st) return st;
     lc_checkpoint_get_info(c, info);
+    if (info->torn_bytes || info->damaged_bytes) c = reopen(c, info);
     lc_checkpoint_attach(c, &desc);
     tile_done = desc.tile_done;
     desc.tile_done = forcing_done;
@@ -523,6 +539,55 @@ TEST(a_killed_render_then_a_crash)
     crash_everywhere();
 }
 
+enum { HEADER_BYTES = 72, HEAD_BYTES = 16 }; /* of a checkpoint, of a record */
+
+typedef struct {
+    uint32_t magic, tile, bytes, crc;
+} head;
+
+/* Goes on with a checkpoint of a record's head without a payload and a whole record, which is shorter than
+ * that payload: it reaches into what is appended. */
+static void go_on_after(const uint8_t *file, const head *alone, const uint8_t *record, size_t n)
+{
+    lc_checkpoint_info info;
+    FILE *f = fopen(temp_path("c.ckpt"), "wb");
+    if (!f || !fwrite(file, HEADER_BYTES, 1, f) || !fwrite(alone, HEAD_BYTES, 1, f) ||
+        !fwrite(record, n, 1, f) || fclose(f))
+        abort();
+    killed_at = 2;
+    CHECK(render(&info) == LC_OK && info.n_done == 1 && info.damaged_bytes == HEAD_BYTES);
+    killed_at = 0;
+}
+
+/* What fits as a record and is none stays none, even if the bytes that it lacks are appended. */
+TEST(what_is_appended_makes_no_record_whole)
+{
+    lc_checkpoint_info info;
+    head h, most = { .bytes = 0 }, least = { .bytes = UINT32_MAX };
+    const uint8_t *at = NULL;
+    size_t n, n_grown;
+    begin_new();
+    recording = false;
+    killed_at = UINT32_MAX; /* the checkpoint stays */
+    CHECK(render(&info) == LC_OK);
+    uint8_t *file = farm_read("c.ckpt", &n);
+    for (size_t i = HEADER_BYTES; i < n; i += HEAD_BYTES + h.bytes) {
+        memcpy(&h, file + i, sizeof h);
+        if (h.bytes > most.bytes) most = h;
+        if (h.bytes < least.bytes) at = file + i;
+        if (h.bytes < least.bytes) least = h;
+    }
+    most.crc ^= 1;
+    go_on_after(file, &most, at, HEAD_BYTES + least.bytes);
+    uint8_t *grown = farm_read("c.ckpt", &n_grown), *payload = grown + HEADER_BYTES + HEAD_BYTES;
+    CHECK(payload + most.bytes <= grown + n_grown && most.bytes > HEAD_BYTES + least.bytes);
+    most.crc = (uint32_t)crc32(crc32(0, (uint8_t *)&most.tile, 8), payload, most.bytes);
+    go_on_after(file, &most, at, HEAD_BYTES + least.bytes);
+    CHECK(render(&info) == LC_OK && info.n_done == 3 && is_picture(false));
+    free(file);
+    free(grown);
+}
+
 static void make_whole(void)
 {
     lc_render_desc desc = LC_RENDER_DESC_INIT;
@@ -545,6 +610,7 @@ int main(void)
     RUN(tiles_that_are_each_forced);
     RUN(a_second_crash);
     RUN(a_killed_render_then_a_crash);
+    RUN(what_is_appended_makes_no_record_whole);
     printf("%ld states of the disk\n", n_states);
     forget_ops();
     empty(&start);
