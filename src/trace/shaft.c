@@ -364,50 +364,52 @@ static const lc_bvh_data *bvh_of(const search *q, uint32_t ref)
     return ref & LC_SHAFT_PLACED ? &q->bvh->placed->boxes : q->bvh;
 }
 
-/* The lanes of an entry that may meet the shaft. */
-static uint32_t lanes_met(const search *q, uint32_t ref, uint32_t lanes)
+/* The lanes of an entry that may meet the shaft. A block's box is tested again for a smaller shaft, since it
+ * may prove what the triangles' planes do not. */
+static uint32_t lanes_met(const search *q, const lc_shaft_entry *e, bool again)
 {
-    const lc_bvh_data *bvh = bvh_of(q, ref);
-    const uint32_t at = ref & ~(LC_BVH_LEAF | LC_SHAFT_PLACED);
-    if (ref & LC_BVH_LEAF) {
-        q->work->blocks++;
-        return ref & LC_SHAFT_PLACED ? eight_boxes_met(&q->s, &bvh->blocks[at].v[0][0][0], lanes)
-                                     : tris_met(&q->s, q->rays, &bvh->blocks[at], lanes);
+    const lc_bvh_data *bvh = bvh_of(q, e->ref);
+    const uint32_t at = e->ref & ~(LC_BVH_LEAF | LC_SHAFT_PLACED);
+    if (!(e->ref & LC_BVH_LEAF)) {
+        q->work->nodes++;
+        return eight_boxes_met(&q->s, &bvh->nodes[at].lo[0][0], e->lanes);
     }
-    q->work->nodes++;
-    return eight_boxes_met(&q->s, &bvh->nodes[at].lo[0][0], lanes);
+    q->work->blocks++;
+    if (e->ref & LC_SHAFT_PLACED) return eight_boxes_met(&q->s, &bvh->blocks[at].v[0][0][0], e->lanes);
+    if (again && !eight_boxes_met(&q->s, &bvh->nodes[e->node].lo[0][0], 1u << e->lane)) return 0;
+    return tris_met(&q->s, q->rays, &bvh->blocks[at], e->lanes);
 }
 
-/* The lanes that hold something. */
-static uint32_t lanes_of(const search *q, uint32_t ref)
+/* Adds what of a node or block may meet the shaft. True: that is a triangle or an instance. */
+static bool add(const search *q, lc_shaft_list *list, lc_shaft_entry e, bool again)
+{
+    e.lanes = (uint8_t)lanes_met(q, &e, again);
+    if (!e.lanes) return false;
+    list->at[list->n++] = e;
+    return e.ref & LC_BVH_LEAF;
+}
+
+/* A node or block with all its lanes that hold something. */
+static lc_shaft_entry entry_of(const search *q, uint32_t ref, uint32_t node, uint32_t lane)
 {
     const lc_bvh_data *bvh = bvh_of(q, ref);
     const uint32_t at = ref & ~(LC_BVH_LEAF | LC_SHAFT_PLACED);
     const uint32_t *held = ref & LC_BVH_LEAF ? bvh->blocks[at].tri : bvh->nodes[at].child;
     uint32_t lanes = 0;
     for (uint32_t i = 0; i < LC_BLOCK_LANES; i++) lanes |= (uint32_t)(held[i] != LC_NONE) << i;
-    return lanes;
-}
-
-/* Adds what of a node or block may meet the shaft. True: that is a triangle or an instance. */
-static bool add(const search *q, lc_shaft_list *list, uint32_t ref, uint32_t lanes)
-{
-    lanes = lanes_met(q, ref, lanes);
-    if (!lanes) return false;
-    list->at[list->n++] = (lc_shaft_entry){ ref, lanes };
-    return ref & LC_BVH_LEAF;
+    return (lc_shaft_entry){ ref, node, (uint8_t)lanes, (uint8_t)lane };
 }
 
 /* Opens the node at the end of the list. */
 static bool open_last(const search *q, lc_shaft_list *list)
 {
     const lc_shaft_entry e = list->at[--list->n];
-    const uint32_t placed = e.ref & LC_SHAFT_PLACED;
-    const lc_bvh_node *node = &bvh_of(q, e.ref)->nodes[e.ref & ~LC_SHAFT_PLACED];
+    const uint32_t placed = e.ref & LC_SHAFT_PLACED, at = e.ref & ~LC_SHAFT_PLACED;
+    const lc_bvh_node *node = &bvh_of(q, e.ref)->nodes[at];
     bool stopped = false;
     for (uint32_t lanes = e.lanes; lanes; lanes &= lanes - 1) {
-        uint32_t ref = node->child[__builtin_ctz(lanes)] | placed;
-        stopped |= add(q, list, ref, lanes_of(q, ref));
+        const uint32_t lane = (uint32_t)__builtin_ctz(lanes);
+        stopped |= add(q, list, entry_of(q, node->child[lane] | placed, at, lane), false);
     }
     return stopped;
 }
@@ -426,10 +428,10 @@ bool lc_shaft_open(const lc_bvh_data *bvh, const lc_shaft_from *from, const floa
     for (uint32_t i = 0; i < from->n; i++) q.rays[i] = ray_box_of(&q.s, i);
     const uint32_t n = parent ? parent->n : 0;
     list->n = 0;
-    for (uint32_t i = 0; i < n; i++) stopped |= add(&q, list, parent->at[i].ref, parent->at[i].lanes);
-    if (!parent && bvh->n_nodes) stopped |= add(&q, list, 0, lanes_of(&q, 0));
+    for (uint32_t i = 0; i < n; i++) stopped |= add(&q, list, parent->at[i], true);
+    if (!parent && bvh->n_nodes) stopped |= add(&q, list, entry_of(&q, 0, 0, 0), false);
     if (!parent && bvh->placed && bvh->placed->boxes.n_nodes)
-        stopped |= add(&q, list, LC_SHAFT_PLACED, lanes_of(&q, LC_SHAFT_PLACED));
+        stopped |= add(&q, list, entry_of(&q, LC_SHAFT_PLACED, 0, 0), false);
     while (list->n && !stopped && opened++ < LC_SHAFT_OPENED &&
            list->n - 1 + (uint32_t)__builtin_popcount(list->at[list->n - 1].lanes) <= LC_SHAFT_LIST)
         stopped = open_last(&q, list);

@@ -29,8 +29,10 @@ typedef struct lc_shaft_from {
 } lc_shaft_from;
 
 typedef struct lc_shaft_entry {
-    uint32_t ref;   /* a node, or LC_BVH_LEAF | block; with LC_SHAFT_PLACED: of the BVH over the instances */
-    uint32_t lanes; /* a bit for each child or triangle that may meet the shaft, not 0 */
+    uint32_t ref;  /* a node, or LC_BVH_LEAF | block; with LC_SHAFT_PLACED: of the BVH over the instances */
+    uint32_t node; /* of a block: the node that has its box, in lane `lane` */
+    uint8_t lanes; /* a bit for each child or triangle that may meet the shaft, not 0 */
+    uint8_t lane;
 } lc_shaft_entry;
 #define LC_SHAFT_PLACED 0x40000000u
 
