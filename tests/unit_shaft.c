@@ -282,12 +282,407 @@ TEST(what_is_proved_visible_is_visible)
     CHECKF(rays >= 1000000 / SLOW && proved > boxes / 10, "%llu rays", (unsigned long long)rays);
 }
 
+/* ---- where proofs end ---- */
+
+/* Boxes as tight as they can be: the builder's are padded. */
+static void unpad(lc_bvh *bvh)
+{
+    for (uint32_t n = 0; n < bvh->data.n_nodes; n++)
+        for (uint32_t i = 0; i < 8; i++) {
+            const uint32_t child = bvh->nodes[n].child[i];
+            if (child == LC_NONE || !(child & LC_BVH_LEAF)) continue;
+            const lc_tri_block *b = &bvh->blocks[child & ~LC_BVH_LEAF];
+            for (int k = 0; k < 3; k++) {
+                float lo = INFINITY, hi = -INFINITY;
+                for (int v = 0; v < 3; v++)
+                    for (int t = 0; t < 8; t++) {
+                        if (b->tri[t] == LC_NONE) continue;
+                        lo = fminf(lo, b->v[v][k][t]);
+                        hi = fmaxf(hi, b->v[v][k][t]);
+                    }
+                bvh->nodes[n].lo[k][i] = lo;
+                bvh->nodes[n].hi[k][i] = hi;
+            }
+        }
+}
+
+static bool proves(const lc_bvh_data *bvh, const lc_shaft_from *from, const target_box *b, tally *t)
+{
+    lc_shaft_list list;
+    return lc_shaft_open(bvh, from, b->center, b->half, b->far, NULL, &list, &t->work);
+}
+
+/* The box a fraction of the way from one to another. */
+static target_box between(const target_box *a, const target_box *b, double s)
+{
+    target_box c = *a;
+    for (int k = 0; k < 3; k++) {
+        c.center[k] = (float)((double)a->center[k] + s * ((double)b->center[k] - (double)a->center[k]));
+        c.half[k] = (float)((double)a->half[k] + s * ((double)b->half[k] - (double)a->half[k]));
+    }
+    return c;
+}
+
+/* Moves a box that is proved towards one that is not, as far as the proof goes, and asks rays there. */
+static void to_the_border(const lc_bvh_data *bvh, const lc_shaft_from *from, const target_box *a,
+                          const target_box *b, tally *t)
+{
+    double proved = 0, not = 1;
+    t->boxes++;
+    if (!proves(bvh, from, a, t) || proves(bvh, from, b, t)) return;
+    t->proved++;
+    for (int i = 0; i < 50; i++) {
+        const double s = 0.5 * (proved + not);
+        const target_box c = between(a, b, s);
+        if (proves(bvh, from, &c, t)) proved = s;
+        else not = s;
+    }
+    const target_box c = between(a, b, proved);
+    all_free(bvh, from, &c, t);
+}
+
+/* A triangle: any, one with an edge along an axis, one in a plane of two axes, or a needle. */
+static void border_triangle(int style)
+{
+    lc_f3 p[3];
+    float x[3][3];
+    for (int i = 0; i < 3; i++) {
+        p[i] = rnd_in_box(1);
+        if (style == 3 && i == 2) p[2] = lc_f3_add(p[0], lc_f3_scale(rnd_unit(), 1e-5f));
+        lc_f3_store(x[i], p[i]);
+    }
+    const uint32_t axis = rnd_n(3), other = (axis + 1) % 3;
+    if (style == 1) x[1][axis] = x[0][axis], x[1][other] = x[0][other];
+    if (style == 2) x[1][axis] = x[2][axis] = x[0][axis];
+    put_three(lc_f3_load(x[0]), lc_f3_load(x[1]), lc_f3_load(x[2]));
+}
+
+TEST(proofs_end_before_rays_do)
+{
+    tally t = { 0 };
+    for (int i = 0; i < 60000 / SLOW; i++) {
+        clear();
+        border_triangle(i % 4);
+        if (i % 8 > 3) border_triangle(i % 3);
+        lc_bvh *bvh = build_bvh(ctx);
+        if (i % 16 > 7) unpad(bvh);
+        float org[LC_SHAFT_POINTS][3];
+        const uint32_t n = rnd() < 0.7 ? 1 : 2 + rnd_n(3);
+        const lc_f3 on = on_triangle(0, rnd(), rnd());
+        const bool close = rnd() < 0.3; /* as near to the triangle as hits do not count */
+        const lc_f3 at = close ? rnd_near(on, powf(10, (float)rnd_in(-5, -3))) : rnd_in_box(3);
+        for (uint32_t k = 0; k < n; k++) lc_f3_store(org[k], k ? rnd_near(at, 0.01f) : at);
+        lc_shaft_from from;
+        lc_shaft_from_init(&from, (const float (*)[3])org, n);
+        /* From somewhere to where rays through the triangle end, or to its far side, or by growing. */
+        target_box a, b;
+        const bool far = rnd() < 0.2;
+        const lc_f3 to = lc_f3_sub(on, at);
+        set_box(&a, far ? rnd_unit() : rnd_in_box(3), 0, far);
+        for (int k = 0; k < 3; k++) a.half[k] = rnd() < 0.2 ? 0 : powf(10, (float)rnd_in(-6, 0));
+        b = a;
+        if (far) lc_f3_store(b.center, lc_f3_normalize(close ? rnd_unit() : to));
+        else lc_f3_store(b.center, lc_f3_add(at, close ? rnd_unit() : lc_f3_scale(to, (float)rnd_in(1, 3))));
+        if (rnd() < 0.3) {
+            for (int k = 0; k < 3; k++) {
+                b.half[k] = a.half[k] + fabsf(b.center[k] - a.center[k]);
+                b.center[k] = a.center[k];
+            }
+        }
+        to_the_border(&bvh->data, &from, &a, &b, &t);
+        lc_bvh_destroy(bvh);
+    }
+    print("border", &t);
+    CHECK(t.proved > 10000 / SLOW);
+}
+
+/* Targets as close before a wall's plane, or behind that of a wall close to the points, as hits do not count.
+ */
+TEST(proofs_at_the_ends_of_rays)
+{
+    tally t = { 0 };
+    for (int i = 0; i < 60000 / SLOW; i++) {
+        const lc_f3 n = rnd_unit(), x = lc_f3_normalize(lc_f3_cross(n, rnd_unit())), y = lc_f3_cross(n, x);
+        const lc_f3 c = rnd_in_box(3);
+        float org[1][3];
+        clear();
+        put_three(lc_f3_add(c, lc_f3_scale(x, -90)), lc_f3_add(c, lc_f3_add(lc_f3_scale(x, 60), lc_f3_scale(y, 99))),
+                  lc_f3_add(c, lc_f3_sub(lc_f3_scale(x, 60), lc_f3_scale(y, 99))));
+        lc_bvh *bvh = build_bvh(ctx);
+        const bool near = i % 2;
+        const float height = near ? powf(10, (float)rnd_in(-6, -3)) : 1;
+        lc_f3_store(org[0], lc_f3_add(c, lc_f3_scale(n, height)));
+        lc_shaft_from from;
+        lc_shaft_from_init(&from, (const float (*)[3])org, 1);
+        const lc_f3 beside = lc_f3_add(c, lc_f3_add(lc_f3_scale(x, (float)rnd_in(-2, 2)),
+                                                    lc_f3_scale(y, (float)rnd_in(-2, 2))));
+        /* t is height / (height + below): around 1 - LC_SHADOW_EPS, or around LC_SHADOW_EPS. */
+        target_box a, b;
+        const float half = powf(10, (float)rnd_in(-7, -5)) * (float)(rnd() < 0.3 ? 0 : 1);
+        set_box(&a, lc_f3_add(beside, lc_f3_scale(n, near ? -2e4f * height : 0.01f)), half, false);
+        set_box(&b, lc_f3_add(beside, lc_f3_scale(n, near ? -2e3f * height : -0.01f)), half, false);
+        to_the_border(&bvh->data, &from, &a, &b, &t);
+        lc_bvh_destroy(bvh);
+    }
+    print("ends", &t);
+    CHECK(t.proved > 30000 / SLOW);
+}
+
+/* Needles along the rays' line, beyond the targets or behind the points: their normals are noise, and so is
+ * where rays meet their planes. */
+TEST(proofs_beside_noise)
+{
+    tally t = { 0 };
+    for (int i = 0; i < 100000 / SLOW; i++) {
+        const lc_f3 from_at = rnd_in_box(1), to = rnd_in_box(1), d = lc_f3_sub(to, from_at);
+        const float off = powf(10, (float)rnd_in(-8, -3)), wide = i % 3 ? off : 0.3f;
+        float org[1][3];
+        clear();
+        for (int k = 0; k < 4; k++) {
+            lc_f3 p[3];
+            const bool beyond = rnd() < 0.5;
+            const lc_f3 aside = lc_f3_scale(rnd_unit(), wide);
+            for (int v = 0; v < 3; v++) {
+                const float s = (float)(beyond ? rnd_in(1.01, 3) : rnd_in(-2, -0.01));
+                p[v] = lc_f3_add(rnd_near(lc_f3_add(from_at, lc_f3_scale(d, s)), off),
+                                 lc_f3_scale(aside, (float)rnd_in(-1, 1)));
+            }
+            put_three(p[0], p[1], p[2]);
+        }
+        lc_bvh *bvh = build_bvh(ctx);
+        lc_f3_store(org[0], rnd_near(from_at, off));
+        lc_shaft_from from;
+        lc_shaft_from_init(&from, (const float (*)[3])org, 1);
+        target_box b;
+        set_box(&b, to, off * (float)rnd_in(0, 2), false);
+        try(&bvh->data, &from, &b, &t);
+        set_box(&b, d, off * (float)rnd_in(0, 2), true);
+        try(&bvh->data, &from, &b, &t);
+        lc_bvh_destroy(bvh);
+    }
+    print("noise", &t);
+    CHECK(t.proved > 1000 / SLOW);
+}
+
+/* A box so large that the place of its near face is rounded, and the edge of a triangle beside that face. */
+TEST(proofs_beside_a_large_box)
+{
+    tally t = { 0 };
+    for (int i = 0; i < 60000 / SLOW; i++) {
+        const uint32_t axis = rnd_n(3), up = (axis + 1) % 3, along = (axis + 2) % 3;
+        const float size = powf(10, (float)rnd_in(0, 3));
+        float org[1][3], v[3][3];
+        target_box a, b;
+        lc_f3_store(org[0], rnd_in_box(1));
+        org[0][axis] = (float)rnd_in(0.2, 0.4);
+        for (int k = 0; k < 3; k++) {
+            v[k][axis] = k == 2 ? -1 : 0.3f * (float)rnd();
+            v[k][up] = (float)rnd_in(-9, 9);
+            v[k][along] = (float)rnd_in(2.8, 2.99);
+        }
+        v[1][axis] = v[0][axis];
+        v[1][along] = v[0][along];
+        v[0][up] = -30;
+        v[1][up] = 30;
+        clear();
+        put_three(lc_f3_load(v[0]), lc_f3_load(v[1]), lc_f3_load(v[2]));
+        lc_bvh *bvh = build_bvh(ctx);
+        if (i % 2) unpad(bvh);
+        set_box(&a, zero, 0, false);
+        a.center[axis] = size;
+        a.center[along] = 3;
+        a.half[axis] = size - 0.5f;
+        a.half[up] = 0.1f * (float)rnd();
+        b = a;
+        b.half[axis] = size + 0.5f;
+        lc_shaft_from from;
+        lc_shaft_from_init(&from, (const float (*)[3])org, 1);
+        to_the_border(&bvh->data, &from, &a, &b, &t);
+        lc_bvh_destroy(bvh);
+    }
+    print("large", &t);
+    CHECK(t.proved > 30000 / SLOW);
+}
+
+/* ---- known cases ---- */
+
+static bool proves_at(const lc_bvh *bvh, lc_f3 from_at, lc_f3 center, float half, bool far)
+{
+    tally t = { 0 };
+    lc_shaft_from from;
+    target_box b;
+    float org[1][3];
+    lc_f3_store(org[0], from_at);
+    lc_shaft_from_init(&from, (const float (*)[3])org, 1);
+    set_box(&b, center, half, far);
+    return try(&bvh->data, &from, &b, &t);
+}
+
+/* A square in the plane z from -r to r. */
+static void square(float z, float r)
+{
+    const uint32_t first = put_vert(lc_f3_make(-r, -r, z));
+    put_vert(lc_f3_make(r, -r, z));
+    put_vert(lc_f3_make(r, r, z));
+    put_vert(lc_f3_make(-r, r, z));
+    put_tri(first, first + 1, first + 2);
+    put_tri(first, first + 2, first + 3);
+}
+
+TEST(a_wall_stands_between_or_beside)
+{
+    clear();
+    square(0, 1);
+    lc_bvh *bvh = build_bvh(ctx);
+    const lc_f3 eye = lc_f3_make(0.1f, 0.2f, 1), down = lc_f3_make(0, 0, -1), up = lc_f3_make(0, 0, 1);
+    CHECK(!proves_at(bvh, eye, lc_f3_make(0, 0, -1), 0.1f, false));
+    CHECK(!proves_at(bvh, eye, lc_f3_make(0, 0, -1), 5, false));
+    CHECK(!proves_at(bvh, eye, lc_f3_make(1.8f, 0, -1), 0.3f, false)); /* an edge is in the shaft */
+    CHECK(proves_at(bvh, eye, lc_f3_make(3, 0, -1), 0.3f, false));
+    CHECK(proves_at(bvh, eye, lc_f3_make(0, 0, 0.5f), 0.4f, false));
+    CHECK(proves_at(bvh, eye, lc_f3_make(0, 0, 2), 1.9f, false));
+    CHECK(!proves_at(bvh, eye, lc_f3_make(0, 0, 2), 2.1f, false));
+    CHECK(proves_at(bvh, eye, up, 0.5f, true) && !proves_at(bvh, eye, down, 0.5f, true));
+    CHECK(proves_at(bvh, eye, lc_f3_make(1, 0, -0.3f), 0.1f, true));
+    /* On the wall, on either side of it and a little under it, hits do not count near the start. */
+    for (int side = -1; side < 2; side++) {
+        const lc_f3 on = lc_f3_make(0.3f, 0.2f, (float)side * 1e-6f);
+        CHECK(proves_at(bvh, on, lc_f3_make(0, 0, 1), 0.9f, false));
+        CHECK(proves_at(bvh, on, lc_f3_make(0, 0, -1), 0.9f, false));
+    }
+    CHECK(proves_at(bvh, lc_f3_make(0, 0, 1e-6f), up, 0.9f, true));
+    /* Lights on the wall, and a little behind it. */
+    CHECK(proves_at(bvh, eye, lc_f3_make(0.3f, 0.3f, 0), 0, false));
+    CHECK(proves_at(bvh, eye, lc_f3_make(0.3f, 0.3f, 0), 0.9e-4f, false));
+    CHECK(!proves_at(bvh, eye, lc_f3_make(0.3f, 0.3f, 0), 1.2e-4f, false));
+    lc_bvh_destroy(bvh);
+}
+
+/* A tree of boxes, each within its parent, from the lists of their parents. */
+TEST(lists_serve_what_is_below)
+{
+    clear();
+    cornell();
+    soup(200, 0.1);
+    lc_bvh *bvh = build_bvh(ctx);
+    tally t = { 0 };
+    uint64_t same = 0, all = 0;
+    for (int i = 0; i < 2000 / SLOW; i++) {
+        lc_shaft_from from;
+        lc_shaft_list list, whole;
+        rnd_from(&from, zero, 1);
+        target_box b;
+        set_box(&b, rnd_in_box(0.5), 0.5f, false);
+        bool clear = proves(&bvh->data, &from, &b, &t);
+        lc_shaft_open(&bvh->data, &from, b.center, b.half, false, NULL, &list, &t.work);
+        for (int depth = 0; depth < 12; depth++) {
+            for (int k = 0; k < 3; k++) {
+                b.half[k] *= 0.7f;
+                b.center[k] += (float)rnd_in(-0.4, 0.4) * b.half[k];
+            }
+            bool of_list = lc_shaft_open(&bvh->data, &from, b.center, b.half, false, &list, &list, &t.work);
+            bool of_root = lc_shaft_open(&bvh->data, &from, b.center, b.half, false, NULL, &whole, &t.work);
+            CHECK(!clear || of_list);
+            all += of_root;
+            same += of_root && of_list;
+            if (of_list) all_free(&bvh->data, &from, &b, &t);
+            clear = of_list;
+        }
+    }
+    printf("  %llu of %llu proved from lists\n", (unsigned long long)same, (unsigned long long)all);
+    CHECK(all > 3000 / SLOW && same * 100 >= all * 99);
+    lc_bvh_destroy(bvh);
+}
+
+/* ---- instances, holes, glass ---- */
+
+TEST(instances_count)
+{
+    static lc_instance at[2];
+    float pos[4][3], half = 1.001f;
+    uint32_t index[6] = { 0, 1, 0, 2, 3, 2 };
+    lc_bvh *object, *boxes, *world;
+    clear();
+    cube(2);
+    displace(true, 0);
+    object = build_bvh(ctx);
+    for (int i = 0; i < 2; i++) {
+        at[i] = (lc_instance){ .to_object = { 1, 0, 0, i ? -4 : 4, 0, 1, 0, 0, 0, 0, 1, 0 },
+                               .to_world = { 1, 0, 0, i ? 4 : -4, 0, 1, 0, 0, 0, 0, 1, 0 } };
+        for (int k = 0; k < 3; k++) {
+            pos[2 * i][k] = (k ? 0 : i ? 4 : -4) - half;
+            pos[2 * i + 1][k] = (k ? 0 : i ? 4 : -4) + half;
+        }
+    }
+    if (lc_bvh_build(ctx, pos[0], index, 2, &boxes)) abort();
+    const lc_placed placed = { boxes->data, at, &object->data };
+    clear();
+    square(-3, 10);
+    world = build_bvh(ctx);
+    world->data.placed = &placed;
+    CHECK(!proves_at(world, lc_f3_make(0, 0, 0), lc_f3_make(6, 0, 0), 0.1f, false));
+    CHECK(proves_at(world, lc_f3_make(0, 0, 0), lc_f3_make(0, 6, 0), 1, false));
+    CHECK(proves_at(world, lc_f3_make(0, 0, 0), lc_f3_make(1, 0, 0), 1, false));
+    CHECK(!proves_at(world, lc_f3_make(0, 0, 0), lc_f3_make(-1, 0, 0), 0.1f, true));
+    CHECK(proves_at(world, lc_f3_make(0, 0, 0), lc_f3_make(0, 1, 0), 0.1f, true));
+    tally t = { 0 };
+    for (int i = 0; i < 20000 / SLOW; i++) {
+        lc_shaft_from from;
+        rnd_from(&from, zero, 5);
+        target_box b = rnd_box(zero, 5);
+        try(&world->data, &from, &b, &t);
+    }
+    print("instances", &t);
+    CHECK(t.proved > 2000 / SLOW);
+    lc_bvh_destroy(world);
+    lc_bvh_destroy(boxes);
+    lc_bvh_destroy(object);
+}
+
+static bool passes(const void *user, const struct lc_hit *hit, const float dir[3], uint64_t loss[3])
+{
+    (void)user;
+    (void)hit;
+    (void)dir;
+    loss[0] = loss[1] = loss[2] = 1;
+    return false;
+}
+
+TEST(glass_is_not_proved)
+{
+    static uint32_t bits[MAX_TRIS / 32 + 1];
+    const lc_alpha alpha = { bits, NULL, passes, NULL };
+    memset(bits, 0xff, sizeof bits);
+    clear();
+    cornell();
+    lc_bvh *bvh = build_bvh(ctx);
+    bvh->data.alpha = &alpha;
+    tally t = { 0 };
+    for (int i = 0; i < 20000 / SLOW; i++) {
+        lc_shaft_from from;
+        rnd_from(&from, zero, 1);
+        target_box b = rnd_box(zero, 1);
+        try(&bvh->data, &from, &b, &t);
+    }
+    print("glass", &t);
+    CHECK(t.proved > 2000 / SLOW && !proves_at(bvh, zero, lc_f3_make(0, 5, 0), 0.1f, false));
+    lc_bvh_destroy(bvh);
+}
+
 int main(void)
 {
     ctx = quiet_context(0);
     printf("seed %llu, best %s\n", (unsigned long long)rng_key, lc_isa_name(lc_isa_pick(LC_ISA_BEST)));
     RUN(every_instruction_set_is_here);
+    RUN(a_wall_stands_between_or_beside);
+    RUN(lists_serve_what_is_below);
+    RUN(instances_count);
+    RUN(glass_is_not_proved);
     RUN(what_is_proved_visible_is_visible);
+    RUN(proofs_end_before_rays_do);
+    RUN(proofs_at_the_ends_of_rays);
+    RUN(proofs_beside_noise);
+    RUN(proofs_beside_a_large_box);
     lc_context_destroy(ctx);
     return test_done();
 }

@@ -11,9 +11,9 @@
  * Boxes. A kernel visits a box only if for some t in [0, 1] (far: t >= 0) the point o + t d is within 21u
  * |bound_k - o_k| of it along each axis k: the quotients (bound_k - o_k) / d_k are within 3u, the far ones
  * widened by 16u (LC_FAR_SLACK); components of d below 1e-30 count as that. d is within u of target - o.
- * So Q is widened by 4u for its own rounding and that of d, P and Q by 32u r_k and NEAREST, and the node's
- * box along each axis by 32u of its distance from base: 21u, 1u for subtracting base, 4u for the product with
- * a normal, 2u for widening. A plane's constant is rounded up by 4u of its terms.
+ * So P and Q are widened by 40u r_k and NEAREST, and the node's box along each axis by 40u of its distance
+ * from base: 21u, 1u for d, 1u for subtracting base, 4u for the product with a normal, 2u for widening, 2u
+ * for the plane's constant, whose error is less near P than near Q. Q is widened by 4u for its own rounding.
  *
  * Triangles with corners a, b, c relative to a point o, M their largest coordinate. A ray hits one only if
  * its line passes Woop's test and t_min v < h < t_max v, h = a.N, v = d.N (shadow_tmpl.c). There are three
@@ -42,9 +42,8 @@
 #include <math.h>
 
 #define U 0x1p-24f
-#define BOX_SLACK (32 * U)
+#define BOX_SLACK (40 * U)
 #define TARGET_SLACK (4 * U)
-#define PLANE_SLACK (4 * U)
 #define RANGE_SLACK (16 * U)
 #define EDGE_SLACK (512 * U)
 #define CORNER_SLACK (16 * U)
@@ -107,14 +106,11 @@ static void add_side(shaft *s, int i, int j, float si, float sj)
     const float a = s->far ? qi : qi - pi, b = s->far ? qj : qj - pj;
     if (!((a > 0 && b < 0) || (a < 0 && b > 0))) return;
     const float ni = fabsf(b), nj = fabsf(a);
-    float at_p = ni * pi + nj * pj, at_q = ni * qi + nj * qj;
-    float terms = ni * fabsf(pi) + nj * fabsf(pj), q_terms = ni * fabsf(qi) + nj * fabsf(qj);
-    float most = s->far ? at_p : larger(at_p, at_q);
-    if (!s->far) terms = larger(terms, q_terms);
+    const float at_p = ni * pi + nj * pj, most = s->far ? at_p : larger(at_p, ni * qi + nj * qj);
     side *d = &s->sides[s->n_sides++];
     d->ni = f4_set(si * ni);
     d->nj = f4_set(sj * nj);
-    d->most = f4_set(most + PLANE_SLACK * terms + TINY);
+    d->most = f4_set(most + TINY);
     d->n1 = f4_set(ni + nj);
     d->i = (uint32_t)(gi ? i : i + 3); /* the corner of a box that is farthest inside */
     d->j = (uint32_t)(gj ? j : j + 3);
