@@ -406,8 +406,8 @@ TEST(proofs_at_the_ends_of_rays)
         const lc_f3 c = rnd_in_box(3);
         float org[1][3];
         clear();
-        put_three(lc_f3_add(c, lc_f3_scale(x, -90)), lc_f3_add(c, lc_f3_add(lc_f3_scale(x, 60), lc_f3_scale(y, 99))),
-                  lc_f3_add(c, lc_f3_sub(lc_f3_scale(x, 60), lc_f3_scale(y, 99))));
+        const lc_f3 top = lc_f3_add(c, lc_f3_scale(x, 60)), up = lc_f3_scale(y, 99);
+        put_three(lc_f3_add(c, lc_f3_scale(x, -90)), lc_f3_add(top, up), lc_f3_sub(top, up));
         lc_bvh *bvh = build_bvh(ctx);
         const bool near = i % 2;
         const float height = near ? powf(10, (float)rnd_in(-6, -3)) : 1;
