@@ -118,7 +118,7 @@ static void check_proof(lc_occlusion *o, source *s, const float org[3], const fl
 
 /* If a box about the end of a ray is proved to be visible from the points, no ray to its corners is hidden;
  * half its size again is proved then, too, from its list or without. */
-static void check_shaft(const lc_bvh_data *bvh, const lc_shaft_from *from, const float to[3], float half[3],
+static void check_shaft(const lc_bvh_data *bvh, lc_shaft_from *from, const float to[3], float half[3],
                         bool far)
 {
     lc_shaft_list list, other;

@@ -3,7 +3,7 @@
  * cluster that is proved is asked by a ray from every point of the block.
  *
  *     build/tests/check_shaft                                   the scenes of tests/golden
- *     build/tests/check_shaft [--blocks N] [--ratio R] [--deep] scene.pbrt ...
+ *     build/tests/check_shaft [--blocks N] [--ratio R] [--deep] [--no-lists] [--times N] scene.pbrt ...
  *
  * A block is 4x4 neighbouring pixels, those of other surfaces apart. --deep: clusters below the cut, too.
  * Of the cut's clusters of two lights and more, "visible" are those whose lights all are, from all points.
@@ -28,6 +28,7 @@
 
 static lc_context *ctx;
 static uint32_t n_blocks = 20;
+static uint32_t n_times = 1; /* that each walk is taken, of which the shortest counts */
 static float ratio = 0.02f;
 static bool deep, no_lists;
 
@@ -54,7 +55,7 @@ typedef struct {
 static double now(void)
 {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -219,9 +220,16 @@ static void check_block(checker *c, visit *stack, uint32_t *out, uint32_t most)
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         const uint32_t root = c->tree->root[kind];
         if (root == LC_NONE) continue;
-        double from = now();
-        const uint32_t n = walk(c, root, stack, out, most);
-        c->t.seconds += now() - from;
+        const lc_shaft_work before = c->t.work;
+        double least = INFINITY;
+        uint32_t n = 0;
+        for (uint32_t i = 0; i < n_times; i++) { /* the machine may have other work */
+            c->t.work = before;
+            const double from = now();
+            n = walk(c, root, stack, out, most);
+            least = fmin(least, now() - from);
+        }
+        c->t.seconds += least;
         for (uint32_t i = 0; i < n; i += 2) {
             uint64_t lights = 0, dark = 0;
             const bool clear = out[i + 1] & 1, inherited = out[i + 1] & 2;
@@ -306,6 +314,7 @@ int main(int argc, char **argv)
     for (int i = 1; i < argc; i++) {
         if (!strcmp(argv[i], "--blocks") && i + 1 < argc) n_blocks = (uint32_t)strtoul(argv[++i], NULL, 0);
         else if (!strcmp(argv[i], "--ratio") && i + 1 < argc) ratio = strtof(argv[++i], NULL);
+        else if (!strcmp(argv[i], "--times") && i + 1 < argc) n_times = (uint32_t)strtoul(argv[++i], NULL, 0);
         else if (!strcmp(argv[i], "--deep")) deep = true;
         else if (!strcmp(argv[i], "--no-lists")) no_lists = true;
         else if (n_scenes < 256) list[n_scenes++] = argv[i];

@@ -69,7 +69,7 @@ static bool hidden(const lc_bvh_data *bvh, lc_isa isa, const float org[3], const
 }
 
 /* Rays from all points to corners, faces and the inside of a box are free. */
-static void all_free(const lc_bvh_data *bvh, const lc_shaft_from *from, const target_box *b, tally *t)
+static void all_free(const lc_bvh_data *bvh, lc_shaft_from *from, const target_box *b, tally *t)
 {
     float to[3][32];
     const float *const target[3] = { to[0], to[1], to[2] };
@@ -92,7 +92,7 @@ static void all_free(const lc_bvh_data *bvh, const lc_shaft_from *from, const ta
 }
 
 /* Whether n random rays into the box are all free. */
-static bool looks_free(const lc_bvh_data *bvh, const lc_shaft_from *from, const target_box *b, uint32_t n)
+static bool looks_free(const lc_bvh_data *bvh, lc_shaft_from *from, const target_box *b, uint32_t n)
 {
     for (uint32_t i = 0; i < n; i++) {
         float to[3];
@@ -103,7 +103,7 @@ static bool looks_free(const lc_bvh_data *bvh, const lc_shaft_from *from, const 
 }
 
 /* Tries to prove a box, from the root and from the list of a larger one, and checks the proof. */
-static bool try(const lc_bvh_data *bvh, const lc_shaft_from *from, const target_box *b, tally *t)
+static bool try(const lc_bvh_data *bvh, lc_shaft_from *from, const target_box *b, tally *t)
 {
     lc_shaft_list list, other;
     lc_shaft_work work = { 0 };
@@ -306,7 +306,7 @@ static void unpad(lc_bvh *bvh)
         }
 }
 
-static bool proves(const lc_bvh_data *bvh, const lc_shaft_from *from, const target_box *b, tally *t)
+static bool proves(const lc_bvh_data *bvh, lc_shaft_from *from, const target_box *b, tally *t)
 {
     lc_shaft_list list;
     return lc_shaft_open(bvh, from, b->center, b->half, b->far, NULL, &list, &t->work);
@@ -324,7 +324,7 @@ static target_box between(const target_box *a, const target_box *b, double s)
 }
 
 /* Moves a box that is proved towards one that is not, as far as the proof goes, and asks rays there. */
-static void to_the_border(const lc_bvh_data *bvh, const lc_shaft_from *from, const target_box *a,
+static void to_the_border(const lc_bvh_data *bvh, lc_shaft_from *from, const target_box *a,
                           const target_box *b, tally *t)
 {
     double proved = 0, not = 1;

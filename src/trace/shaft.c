@@ -20,7 +20,9 @@
  * proofs for a point, and each point may have another:
  * - Plane: [vmin, vmax] holds v for all targets: 16u |N|.(|center - o| + half) of slack, of which 4u are the
  *   kernel's and 9u those of the range. N and h have the kernel's bits. With h > 0 no ray hits if t_max vmax
- *   <= h or t_min vmin >= h; h < 0 is the mirror image; none hits if h = 0.
+ *   <= h or t_min vmin >= h; h < 0 is the mirror image; none hits if h = 0. For all points together h has the
+ *   range of the kernel's bits, and v = h + N.(target - a): 16u |N|.(|center - a| + half) and 16u |N|.|a|,
+ *   of which the kernel takes 4u of each for v, 4u of |N|.|a| for h, and the range 5u of the first.
  * - Edge: with h > 0, a volume d.(b x c) is below -E' for all targets. Then either another is above E = 64u
  *   M^2 max|d|, and the line misses; or N.d, their sum, is below -E' + 2E, and v, within 192u M^2 max|d| of
  *   it, is below 0. E' = 512u M^2 max|d| holds that and the 60u of the products here.
@@ -40,6 +42,7 @@
 #include "base/vec4.h"
 
 #include <math.h>
+#include <string.h>
 
 #define U 0x1p-24f
 #define BOX_SLACK (40 * U)
@@ -60,8 +63,15 @@ typedef struct {
     uint32_t i, j;
 } side;
 
+/* A point as the triangles see it. */
 typedef struct {
-    const lc_shaft_from *from;
+    f4 org[3], to[3], half[3]; /* box of the rays' directions */
+    f4 size[3];                /* |to| + half */
+    f4 most;                   /* the largest of size */
+} ray_box;
+
+typedef struct {
+    lc_shaft_from *from;
     bool far;
     f4 base[3], lo[3], hi[3]; /* of the hull, relative to base */
     side sides[MAX_PLANES];
@@ -69,6 +79,8 @@ typedef struct {
     float p[2][3], q[2][3];   /* least and greatest coordinates of P and Q */
     float center[3], half[3];
     f4 t_min, t_max;
+    ray_box rays[LC_SHAFT_POINTS]; /* of the first n_rays points; others are made when they are asked */
+    uint32_t n_rays;
 } shaft;
 
 static float larger(float a, float b) { return a > b ? a : b; }
@@ -83,6 +95,7 @@ void lc_shaft_from_init(lc_shaft_from *from, const float (*org)[3], uint32_t n)
 {
     from->n = n;
     from->reach = 0;
+    for (uint32_t i = 0; i < LC_SHAFT_KNOWN; i++) from->key[i] = LC_NONE;
     for (int k = 0; k < 3; k++) {
         float lo = org[0][k], hi = lo;
         for (uint32_t i = 0; i < n; i++) {
@@ -152,7 +165,24 @@ static bool set_boxes(shaft *s, const float center[3], const float half[3])
     return !s->far || least > LEAST_FAR;
 }
 
-static void shaft_init(shaft *s, const lc_shaft_from *from, const float center[3], const float half[3],
+static ray_box ray_box_of(const shaft *s, const float org[3])
+{
+    ray_box r;
+    float most = 0;
+    for (int k = 0; k < 3; k++) {
+        const float o = org[k], to = s->far ? s->center[k] : s->center[k] - o;
+        const float size = fabsf(to) + s->half[k];
+        r.org[k] = f4_set(o);
+        r.to[k] = f4_set(to);
+        r.half[k] = f4_set(s->half[k]);
+        r.size[k] = f4_set(size);
+        most = larger(most, size);
+    }
+    r.most = f4_set(most * (1 + 4 * U));
+    return r;
+}
+
+static void shaft_init(shaft *s, lc_shaft_from *from, const float center[3], const float half[3],
                        bool far)
 {
     s->from = from;
@@ -160,6 +190,7 @@ static void shaft_init(shaft *s, const lc_shaft_from *from, const float center[3
     s->n_sides = 0;
     s->t_min = f4_set(far ? 0 : LC_SHADOW_EPS);
     s->t_max = f4_set(far ? FLT_MAX : 1 - LC_SHADOW_EPS);
+    s->n_rays = 0;
     if (!set_boxes(s, center, half)) return;
     for (int i = 0; i < 2; i++)
         for (int j = i + 1; j < 3; j++)
@@ -201,48 +232,78 @@ static uint32_t eight_boxes_met(const shaft *s, const float *boxes, uint32_t lan
 
 /* ---- triangles ---- */
 
-/* Four triangles. */
-typedef struct {
-    f4 v[3][3];    /* [corner][axis] */
-    f4 n[3], abs_n[3];
-    f4 reach;      /* at least M from any of the points */
-    f4 s1, s2, s3; /* of the head */
-} four;
-
-static void four_init(four *t, const shaft *s, const lc_tri_block *b, int at)
+/* h of the head: the kernel's bits. */
+static f4 height(const lc_shaft_tris *t, const float org[3])
 {
-    f4 e[3], f[3], m = f4_set(0), l = f4_set(0);
+    f4 a[3], n[3];
     for (int k = 0; k < 3; k++) {
-        for (int v = 0; v < 3; v++) {
-            t->v[v][k] = f4_load(b->v[v][k] + at);
-            m = f4_max(f4_abs(f4_sub(t->v[v][k], s->base[k])), m);
+        a[k] = f4_sub(f4_load(t->v[0][k]), f4_set(org[k]));
+        n[k] = f4_load(t->n[k]);
+    }
+    return f4_dot(a, n);
+}
+
+/* Computes what does not depend on the targets. */
+static void know(lc_shaft_tris *t, const lc_shaft_from *from, const lc_tri_block *b, int at)
+{
+    f4 e[3], f[3], n[3], size[3], m = f4_set(0), l = f4_set(0);
+    for (int k = 0; k < 3; k++) {
+        f4 v[3];
+        for (int i = 0; i < 3; i++) {
+            v[i] = f4_load(b->v[i][k] + at);
+            const f4 off = f4_abs(f4_sub(v[i], f4_set(from->base[k])));
+            m = f4_max(off, m);
+            if (!i) size[k] = f4_add(off, f4_set(from->radius[k]));
+            f4_store(t->v[i][k], v[i]);
         }
-        e[k] = f4_sub(t->v[1][k], t->v[0][k]);
-        f[k] = f4_sub(t->v[2][k], t->v[0][k]);
+        e[k] = f4_sub(v[1], v[0]);
+        f[k] = f4_sub(v[2], v[0]);
         l = f4_max(f4_max(f4_abs(e[k]), f4_abs(f[k])), l);
     }
+    f4 n1 = f4_set(0), terms = f4_set(0), h_lo = f4_set(INFINITY), h_hi = f4_set(-INFINITY);
     for (int k = 0, x = 1, y = 2; k < 3; x = y, y = k++) {
-        t->n[k] = f4_sub(f4_mul(e[x], f[y]), f4_mul(e[y], f[x]));
-        t->abs_n[k] = f4_abs(t->n[k]);
+        n[k] = f4_sub(f4_mul(e[x], f[y]), f4_mul(e[y], f[x]));
+        n1 = f4_add(n1, f4_abs(n[k]));
+        terms = f4_add(terms, f4_mul(f4_abs(n[k]), size[k]));
+        f4_store(t->n[k], n[k]);
     }
-    t->reach = f4_mul(f4_add(m, f4_set(s->from->reach)), f4_set(1 + 4 * U));
+    for (uint32_t i = 0; i < from->n; i++) {
+        const f4 h = height(t, from->org[i]);
+        h_lo = f4_min(h_lo, h);
+        h_hi = f4_max(h_hi, h);
+    }
+    const f4 reach = f4_mul(f4_add(m, f4_set(from->reach)), f4_set(1 + 4 * U)), nm = f4_mul(n1, reach);
     const f4 l3 = f4_mul(f4_mul(l, l), l), tiny = f4_set(TINY);
-    const f4 nm = f4_mul(f4_add(f4_add(t->abs_n[0], t->abs_n[1]), t->abs_n[2]), t->reach);
-    t->s1 = f4_add(f4_add(f4_mul(l3, f4_set(96 * U)), f4_mul(nm, f4_set(48 * U))), tiny);
-    t->s2 = f4_add(f4_mul(f4_add(f4_mul(l3, f4_set(32)), f4_mul(nm, f4_set(16))),
-                          f4_set(1.03f * U / LC_SHADOW_EPS)),
-                   tiny);
-    t->s3 = f4_add(f4_add(f4_mul(l3, f4_set(32 * U)), f4_mul(nm, f4_set(24 * U))), tiny);
+    const f4 s1 = f4_add(f4_mul(l3, f4_set(96 * U)), f4_mul(nm, f4_set(48 * U)));
+    const f4 s2 = f4_add(f4_mul(l3, f4_set(32)), f4_mul(nm, f4_set(16)));
+    const f4 s3 = f4_add(f4_mul(l3, f4_set(32 * U)), f4_mul(nm, f4_set(24 * U)));
+    f4_store(t->h[0], h_lo);
+    f4_store(t->h[1], h_hi);
+    f4_store(t->h_slack, f4_mul(terms, f4_set(RANGE_SLACK)));
+    f4_store(t->reach, reach);
+    f4_store(t->s[0], f4_add(s1, tiny));
+    f4_store(t->s[1], f4_add(f4_mul(s2, f4_set(1.03f * U / LC_SHADOW_EPS)), tiny));
+    f4_store(t->s[2], f4_add(s3, tiny));
+}
+
+/* Triangles at .. at + 3 of a block. */
+static const lc_shaft_tris *known(lc_shaft_from *from, const lc_bvh_data *bvh, uint32_t block, int at)
+{
+    const uint32_t key = 2 * block + (at > 0), slot = key % LC_SHAFT_KNOWN;
+    lc_shaft_tris *t = &from->known[slot];
+    if (from->key[slot] != key) know(t, from, &bvh->blocks[block], at);
+    from->key[slot] = key;
+    return t;
 }
 
 /* Bits of the triangles that a plane separates from the shaft. */
-static uint32_t aside(const shaft *s, const four *t)
+static uint32_t aside(const shaft *s, const lc_shaft_tris *t)
 {
-    const f4 slack = f4_mul(t->reach, f4_set(CORNER_SLACK));
+    const f4 slack = f4_mul(f4_load(t->reach), f4_set(CORNER_SLACK));
     f4 w[3][3];
     uint32_t out = 0;
     for (int k = 0; k < 3; k++) {
-        for (int v = 0; v < 3; v++) w[v][k] = f4_sub(t->v[v][k], s->base[k]);
+        for (int v = 0; v < 3; v++) w[v][k] = f4_sub(f4_load(t->v[v][k]), s->base[k]);
         f4 lo = f4_min(f4_min(w[0][k], w[1][k]), w[2][k]), hi = f4_max(f4_max(w[0][k], w[1][k]), w[2][k]);
         out |= f4_lt(s->hi[k], f4_sub(lo, slack)) | f4_lt(f4_add(hi, slack), s->lo[k]);
     }
@@ -257,38 +318,14 @@ static uint32_t aside(const shaft *s, const four *t)
     return out;
 }
 
-/* A point as the triangles see it. */
-typedef struct {
-    f4 org[3], to[3], half[3]; /* box of the rays' directions */
-    f4 size[3];                /* |to| + half */
-    f4 most;                   /* the largest of size */
-} ray_box;
-
-static ray_box ray_box_of(const shaft *s, uint32_t i)
-{
-    ray_box r;
-    float most = 0;
-    for (int k = 0; k < 3; k++) {
-        const float o = s->from->org[i][k], to = s->far ? s->center[k] : s->center[k] - o;
-        const float size = fabsf(to) + s->half[k];
-        r.org[k] = f4_set(o);
-        r.to[k] = f4_set(to);
-        r.half[k] = f4_set(s->half[k]);
-        r.size[k] = f4_set(size);
-        most = larger(most, size);
-    }
-    r.most = f4_set(most * (1 + 4 * U));
-    return r;
-}
-
 /* Bits of the triangles that all of the point's rays miss on the outer side of one edge; h is not 0 there. */
-static uint32_t past_an_edge(const four *t, const ray_box *r, f4 h)
+static uint32_t past_an_edge(const lc_shaft_tris *t, const ray_box *r, f4 h)
 {
     f4 a[3][3];
     uint32_t above = 0, below = 0;
     for (int v = 0; v < 3; v++)
-        for (int k = 0; k < 3; k++) a[v][k] = f4_sub(t->v[v][k], r->org[k]);
-    const f4 size = f4_mul(f4_mul(t->reach, t->reach), r->most);
+        for (int k = 0; k < 3; k++) a[v][k] = f4_sub(f4_load(t->v[v][k]), r->org[k]);
+    const f4 reach = f4_load(t->reach), size = f4_mul(f4_mul(reach, reach), r->most);
     const f4 e = f4_add(f4_mul(size, f4_set(EDGE_SLACK)), f4_set(TINY));
     for (int v = 0; v < 3; v++) {
         const f4 *b = a[(v + 1) % 3], *c = a[(v + 2) % 3];
@@ -305,45 +342,92 @@ static uint32_t past_an_edge(const four *t, const ray_box *r, f4 h)
     return (f4_lt(zero, h) & below) | (f4_lt(h, zero) & above);
 }
 
-/* Bits of the triangles that no ray of the point hits; side: of those beside the shaft. */
-static uint32_t missed(const shaft *s, const four *t, const ray_box *r, uint32_t beside, uint32_t lanes)
+/* Ranges of h and v over the points and targets that are looked at, and of v - h. */
+typedef struct {
+    f4 h_lo, h_hi, v_lo, v_hi, off_lo, off_hi;
+} ranges;
+
+/* Bits of the triangles that the proofs by plane or by side hold for; beside: of those beside the shaft. */
+static uint32_t missed(const shaft *s, const lc_shaft_tris *t, const ranges *r, uint32_t beside)
 {
     const f4 zero = f4_set(0);
-    const f4 a[3] = { f4_sub(t->v[0][0], r->org[0]), f4_sub(t->v[0][1], r->org[1]),
-                      f4_sub(t->v[0][2], r->org[2]) };
-    const f4 h = f4_dot(a, t->n), mid = f4_dot(t->n, r->to), slack = f4_mul(f4_dot(t->abs_n, r->size),
-                                                                          f4_set(RANGE_SLACK));
-    const f4 half = f4_add(f4_add(f4_dot(t->abs_n, r->half), slack), f4_set(TINY));
-    const f4 lo = f4_sub(mid, half), hi = f4_add(mid, half);
-    const uint32_t pos = f4_lt(zero, h), neg = f4_lt(h, zero);
-    uint32_t free = ~(pos | neg) & f4_lt(f4_set(-1), h); /* 0, not NaN */
-    free |= pos & (~f4_lt(h, f4_mul(s->t_max, hi)) | ~f4_lt(f4_mul(s->t_min, lo), h));
-    free |= neg & (~f4_lt(f4_mul(s->t_max, lo), h) | ~f4_lt(h, f4_mul(s->t_min, hi)));
-    const f4 abs_h = f4_abs(h);
-    uint32_t far_off = f4_lt(t->s1, abs_h);
+    const uint32_t pos = f4_lt(zero, r->h_lo), neg = f4_lt(r->h_hi, zero);
+    uint32_t free = ~(f4_lt(r->h_lo, zero) | f4_lt(zero, r->h_hi)) & f4_lt(f4_set(-1), r->h_lo); /* h = 0 */
+    free |= pos & (~f4_lt(r->h_lo, f4_mul(s->t_max, r->v_hi)) | ~f4_lt(f4_mul(s->t_min, r->v_lo), r->h_hi));
+    free |= neg & (~f4_lt(f4_mul(s->t_max, r->v_lo), r->h_hi) | ~f4_lt(r->h_lo, f4_mul(s->t_min, r->v_hi)));
+    /* Whichever sign h has. */
+    free |= f4_lt(zero, r->v_lo) & ~f4_lt(f4_mul(s->t_min, r->v_lo), r->h_hi);
+    free |= f4_lt(r->v_hi, zero) & ~f4_lt(r->h_lo, f4_mul(s->t_min, r->v_hi));
+    const f4 abs_h = f4_max(r->h_lo, f4_neg(r->h_hi));
+    uint32_t far_off = f4_lt(f4_load(t->s[0]), abs_h);
     if (!s->far)
-        far_off &= f4_lt(t->s2, abs_h) | f4_lt(t->s3, f4_max(f4_sub(lo, h), f4_sub(h, hi)));
-    free |= beside & far_off;
+        far_off &= f4_lt(f4_load(t->s[1]), abs_h) |
+                   f4_lt(f4_load(t->s[2]), f4_max(r->off_lo, f4_neg(r->off_hi)));
+    return free | (beside & far_off);
+}
+
+/* Those of one point. */
+static ranges ranges_of(const f4 n[3], const ray_box *r, f4 h)
+{
+    const f4 abs_n[3] = { f4_abs(n[0]), f4_abs(n[1]), f4_abs(n[2]) };
+    const f4 mid = f4_dot(n, r->to), slack = f4_mul(f4_dot(abs_n, r->size), f4_set(RANGE_SLACK));
+    const f4 half = f4_add(f4_add(f4_dot(abs_n, r->half), slack), f4_set(TINY));
+    const f4 lo = f4_sub(mid, half), hi = f4_add(mid, half);
+    return (ranges){ h, h, lo, hi, f4_sub(lo, h), f4_sub(hi, h) };
+}
+
+/* Those of all points: v = h + N.(target - v0). */
+static ranges ranges_of_all(const shaft *s, const lc_shaft_tris *t, const f4 n[3])
+{
+    const f4 h_lo = f4_load(t->h[0]), h_hi = f4_load(t->h[1]);
+    f4 to[3], half = f4_set(TINY), terms = f4_set(0);
+    for (int k = 0; k < 3; k++) {
+        const f4 c = f4_set(s->center[k]), abs_n = f4_abs(n[k]), half_k = f4_mul(abs_n, f4_set(s->half[k]));
+        to[k] = s->far ? c : f4_sub(c, f4_load(t->v[0][k]));
+        half = f4_add(half, half_k);
+        terms = f4_add(terms, f4_add(f4_mul(abs_n, f4_abs(to[k])), half_k));
+    }
+    half = f4_add(half, f4_mul(terms, f4_set(RANGE_SLACK)));
+    if (!s->far) half = f4_add(half, f4_load(t->h_slack));
+    const f4 mid = f4_dot(n, to), lo = f4_sub(mid, half), hi = f4_add(mid, half);
+    if (s->far) return (ranges){ h_lo, h_hi, lo, hi, lo, hi };
+    return (ranges){ h_lo, h_hi, f4_add(lo, h_lo), f4_add(hi, h_hi), lo, hi };
+}
+
+/* Bits of the triangles of `lanes` that no ray of point i hits. */
+static uint32_t missed_by(shaft *s, const lc_shaft_tris *t, const f4 n[3], uint32_t i, uint32_t beside,
+                          uint32_t lanes)
+{
+    while (s->n_rays <= i) {
+        s->rays[s->n_rays] = ray_box_of(s, s->from->org[s->n_rays]);
+        s->n_rays++;
+    }
+    const ray_box *r = &s->rays[i];
+    const f4 h = height(t, s->from->org[i]);
+    const ranges range = ranges_of(n, r, h);
+    uint32_t free = missed(s, t, &range, beside);
     if (lanes & ~free) free |= past_an_edge(t, r, h);
     return free;
 }
 
-/* Bits of the triangles of `lanes` that some ray may hit. */
-static uint32_t tris_met(const shaft *s, const ray_box *rays, const lc_tri_block *b, uint32_t lanes)
+/* Bits of the triangles of `lanes` that some ray may hit. Once there is one, the rest is not looked at, and
+ * counts, too: the shaft is not clear anyhow. */
+static uint32_t tris_met(shaft *s, const lc_bvh_data *bvh, uint32_t block, uint32_t lanes)
 {
-    uint32_t met = 0;
     for (int at = 0; at < LC_BLOCK_LANES; at += 4) {
-        const uint32_t here = lanes >> at & 15;
-        uint32_t hit = 0;
-        four t;
+        uint32_t here = lanes >> at & 15;
         if (!here) continue;
-        four_init(&t, s, b, at);
-        const uint32_t beside = aside(s, &t);
-        for (uint32_t i = 0; i < s->from->n && hit != here; i++)
-            hit |= here & ~missed(s, &t, &rays[i], beside, here & ~hit);
-        met |= hit << at;
+        const lc_shaft_tris *t = known(s->from, bvh, block, at);
+        const f4 n[3] = { f4_load(t->n[0]), f4_load(t->n[1]), f4_load(t->n[2]) };
+        const ranges all = ranges_of_all(s, t, n);
+        here &= ~missed(s, t, &all, 0);
+        if (!here) continue;
+        const uint32_t beside = aside(s, t);
+        here &= ~missed(s, t, &all, beside);
+        for (uint32_t i = 0; i < s->from->n && here; i++)
+            if (here & ~missed_by(s, t, n, i, beside, here)) return lanes & (here | 15u << 4) << at;
     }
-    return met;
+    return 0;
 }
 
 /* ---- the search ---- */
@@ -351,7 +435,6 @@ static uint32_t tris_met(const shaft *s, const ray_box *rays, const lc_tri_block
 typedef struct {
     const lc_bvh_data *bvh;
     shaft s;
-    ray_box rays[LC_SHAFT_POINTS];
     lc_shaft_work *work;
 } search;
 
@@ -362,7 +445,7 @@ static const lc_bvh_data *bvh_of(const search *q, uint32_t ref)
 
 /* The lanes of an entry that may meet the shaft. A block's box is tested again for a smaller shaft, since it
  * may prove what the triangles' planes do not. */
-static uint32_t lanes_met(const search *q, const lc_shaft_entry *e, bool again)
+static uint32_t lanes_met(search *q, const lc_shaft_entry *e, bool again)
 {
     const lc_bvh_data *bvh = bvh_of(q, e->ref);
     const uint32_t at = e->ref & ~(LC_BVH_LEAF | LC_SHAFT_PLACED);
@@ -373,16 +456,36 @@ static uint32_t lanes_met(const search *q, const lc_shaft_entry *e, bool again)
     q->work->blocks++;
     if (e->ref & LC_SHAFT_PLACED) return eight_boxes_met(&q->s, &bvh->blocks[at].v[0][0][0], e->lanes);
     if (again && !eight_boxes_met(&q->s, &bvh->nodes[e->node].lo[0][0], 1u << e->lane)) return 0;
-    return tris_met(&q->s, q->rays, &bvh->blocks[at], e->lanes);
+    return tris_met(&q->s, bvh, at, e->lanes);
 }
 
-/* Adds what of a node or block may meet the shaft. True: that is a triangle or an instance. */
-static bool add(const search *q, lc_shaft_list *list, lc_shaft_entry e, bool again)
+/* Adds what of a node or block may meet the shaft. True: that is a triangle or an instance, which comes first
+ * in the list, as it may well stand in the way of smaller boxes. */
+static bool add(search *q, lc_shaft_list *list, lc_shaft_entry e, bool again)
 {
     e.lanes = (uint8_t)lanes_met(q, &e, again);
     if (!e.lanes) return false;
+    const bool stops = e.ref & LC_BVH_LEAF;
     list->at[list->n++] = e;
-    return e.ref & LC_BVH_LEAF;
+    if (stops) {
+        list->at[list->n - 1] = list->at[0];
+        list->at[0] = e;
+    }
+    return stops;
+}
+
+/* Adds those of the parent's list. As soon as one stops the search the others are taken as they are. */
+static bool add_parents(search *q, lc_shaft_list *list, const lc_shaft_list *parent)
+{
+    const uint32_t n = parent->n;
+    list->n = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (!add(q, list, parent->at[i], true)) continue;
+        memmove(list->at + list->n, parent->at + i + 1, (n - i - 1) * sizeof *list->at);
+        list->n += n - i - 1;
+        return true;
+    }
+    return false;
 }
 
 /* A node or block with all its lanes that hold something. */
@@ -397,7 +500,7 @@ static lc_shaft_entry entry_of(const search *q, uint32_t ref, uint32_t node, uin
 }
 
 /* Opens the node at the end of the list. */
-static bool open_last(const search *q, lc_shaft_list *list)
+static bool open_last(search *q, lc_shaft_list *list)
 {
     const lc_shaft_entry e = list->at[--list->n];
     const uint32_t placed = e.ref & LC_SHAFT_PLACED, at = e.ref & ~LC_SHAFT_PLACED;
@@ -410,7 +513,7 @@ static bool open_last(const search *q, lc_shaft_list *list)
     return stopped;
 }
 
-bool lc_shaft_open(const lc_bvh_data *bvh, const lc_shaft_from *from, const float center[3],
+bool lc_shaft_open(const lc_bvh_data *bvh, lc_shaft_from *from, const float center[3],
                    const float half[3], bool far, const lc_shaft_list *parent, lc_shaft_list *list,
                    lc_shaft_work *work)
 {
@@ -421,10 +524,8 @@ bool lc_shaft_open(const lc_bvh_data *bvh, const lc_shaft_from *from, const floa
     q.work = work;
     work->shafts++;
     shaft_init(&q.s, from, center, half, far);
-    for (uint32_t i = 0; i < from->n; i++) q.rays[i] = ray_box_of(&q.s, i);
-    const uint32_t n = parent ? parent->n : 0;
-    list->n = 0;
-    for (uint32_t i = 0; i < n; i++) stopped |= add(&q, list, parent->at[i], true);
+    if (parent) stopped = add_parents(&q, list, parent);
+    else list->n = 0;
     if (!parent && bvh->n_nodes) stopped |= add(&q, list, entry_of(&q, 0, 0, 0), false);
     if (!parent && bvh->placed && bvh->placed->boxes.n_nodes)
         stopped |= add(&q, list, entry_of(&q, LC_SHAFT_PLACED, 0, 0), false);

@@ -18,10 +18,23 @@
 
 #define LC_SHAFT_POINTS 16
 #define LC_SHAFT_LIST 48   /* room of a list; a full one is not opened further */
+#define LC_SHAFT_KNOWN 64  /* halves of blocks that a block of points remembers */
 #define LC_SHAFT_OPENED 64 /* nodes that one search opens at most */
 
-/* The points of a block: where its shadow rays start. */
+/* Four triangles as the points see them, kept since many shafts of a block pass the same ones. */
+typedef struct lc_shaft_tris {
+    _Alignas(16) float v[3][3][4]; /* [corner][axis] */
+    float n[3][4];                 /* N, and so on: see shaft.c */
+    float h[2][4];                 /* least and greatest h of the points */
+    float h_slack[4];
+    float reach[4];                /* at least the largest coordinate of corners from any of the points */
+    float s[3][4];
+} lc_shaft_tris;
+
+/* The points of a block: where its shadow rays start. Its searches are of one BVH, by one thread. */
 typedef struct lc_shaft_from {
+    lc_shaft_tris known[LC_SHAFT_KNOWN];
+    uint32_t key[LC_SHAFT_KNOWN];  /* what is in `known`: block and half, or LC_NONE */
     float org[LC_SHAFT_POINTS][3]; /* world space */
     float base[3], radius[3];      /* every org_k is within radius_k of base_k */
     float reach;                   /* the largest radius */
@@ -53,7 +66,7 @@ void lc_shaft_from_init(lc_shaft_from *from, const float (*org)[3], uint32_t n);
  * far: of directions towards them, of any length. parent: the list of a box that holds this one, from the
  * same points in the same BVH; NULL: the search begins with the root. list may be the parent's. True: the
  * list is empty, so no shadow ray from any of the points to any target in the box is hidden or dimmed. */
-bool lc_shaft_open(const lc_bvh_data *bvh, const lc_shaft_from *from, const float center[3],
+bool lc_shaft_open(const lc_bvh_data *bvh, lc_shaft_from *from, const float center[3],
                    const float half[3], bool far, const lc_shaft_list *parent, lc_shaft_list *list,
                    lc_shaft_work *work);
 
