@@ -3,9 +3,11 @@
  * cluster that is proved is asked by a ray from every point of the block.
  *
  *     build/tests/check_shaft                                   the scenes of tests/golden
- *     build/tests/check_shaft [--blocks N] [--ratio R] [--deep] [--no-lists] [--times N] scene.pbrt ...
+ *     build/tests/check_shaft [--blocks N] [--ratio R] [--deep] [--hints] [--indirect N] [--times N] scene ...
  *
  * A block is 4x4 neighbouring pixels, those of other surfaces apart. --deep: clusters below the cut, too.
+ * --hints: no test of a cluster one of whose representatives is hidden. --no-lists: each from the root.
+ * --times: the shortest of N walks is the time.
  * Of the cut's clusters of two lights and more, "visible" are those whose lights all are, from all points.
  */
 #include "cut/cut.h"
@@ -27,10 +29,10 @@
 #define IN_CUT 2
 
 static lc_context *ctx;
-static uint32_t n_blocks = 20;
+static uint32_t n_blocks = 20, n_indirect;
 static uint32_t n_times = 1; /* that each walk is taken, of which the shortest counts */
 static float ratio = 0.02f;
-static bool deep, no_lists;
+static bool deep, no_lists, hints;
 
 typedef struct {
     uint64_t blocks, points, clusters, visible, proved, asked, free, wrong;
@@ -145,13 +147,23 @@ static void count_below(const checker *c, uint32_t link, uint64_t *n, uint64_t *
 
 typedef struct {
     uint32_t link;
-    bool clear; /* the parent is */
+    bool clear;    /* the parent is */
+    bool has_list; /* of the nearest cluster above that was tested */
     lc_shaft_list list;
 } visit;
 
-/* Tests a cluster; at->list: the parent's list, then its own. */
-static bool is_clear(checker *c, visit *at, bool root)
+/* Whether one of the cluster's representatives is hidden from some point: a proof would fail. */
+static bool is_known_hidden(const checker *c, uint32_t link)
 {
+    for (uint32_t slot = 0; slot < c->tree->n_reps; slot++)
+        if (c->hidden[lc_rep_of(c->tree, link, slot)]) return true;
+    return false;
+}
+
+/* Tests a cluster; at->list: the list from above, then its own. */
+static bool is_clear(checker *c, visit *at)
+{
+    if (hints && is_known_hidden(c, at->link)) return false;
     float center[3], half[3];
     const lc_light_kind kind = lc_kind_of_link(c->tree, at->link);
     const lc_tree_data *t = &c->tree->data;
@@ -161,7 +173,8 @@ static bool is_clear(checker *c, visit *at, bool root)
         half[k] = leaf ? 0 : t->nodes[at->link].half[k];
         if (lc_is_sized(kind)) half[k] += c->ball * (1 + 1e-5f) + 1e-6f * fabsf(center[k]);
     }
-    const lc_shaft_list *parent = root || no_lists ? NULL : &at->list;
+    const lc_shaft_list *parent = at->has_list && !no_lists ? &at->list : NULL;
+    at->has_list = true;
     return lc_shaft_open(&c->scene->bvh->data, &c->from, center, half, lc_is_far(kind), parent, &at->list,
                          &c->t.work);
 }
@@ -171,6 +184,7 @@ static uint32_t walk(checker *c, uint32_t root, visit *stack, uint32_t *out, uin
 {
     uint32_t depth = 0, n = 0;
     stack[depth].link = root;
+    stack[depth].has_list = false;
     stack[depth++].clear = false;
     while (depth) {
         visit *at = &stack[--depth];
@@ -178,7 +192,7 @@ static uint32_t walk(checker *c, uint32_t root, visit *stack, uint32_t *out, uin
         const uint8_t mark = leaf ? 0 : c->mark[at->link];
         if (!deep && (leaf || !mark)) continue;
         const bool inherited = at->clear;
-        at->clear = inherited || is_clear(c, at, at->link == root);
+        at->clear = inherited || is_clear(c, at);
         if (n + 2 <= most && (!inherited || mark & IN_CUT)) {
             out[n++] = at->link;
             out[n++] = (at->clear ? 1u : 0) | (inherited ? 2u : 0);
@@ -251,7 +265,7 @@ static void check_scene(const char *path)
 {
     lc_scene *scene;
     lc_load_desc load = LC_LOAD_DESC_INIT;
-    if (getenv("LC_SHAFT_INDIRECT")) load.indirect_lights = (uint32_t)atoi(getenv("LC_SHAFT_INDIRECT"));
+    load.indirect_lights = n_indirect;
     lc_status st = lc_scene_load(ctx, path, &load, &scene);
     CHECKF(!st, "%s: %s", path, last_error);
     if (st) return;
@@ -312,10 +326,13 @@ int main(int argc, char **argv)
 {
     static const char *list[256];
     for (int i = 1; i < argc; i++) {
-        if (!strcmp(argv[i], "--blocks") && i + 1 < argc) n_blocks = (uint32_t)strtoul(argv[++i], NULL, 0);
-        else if (!strcmp(argv[i], "--ratio") && i + 1 < argc) ratio = strtof(argv[++i], NULL);
-        else if (!strcmp(argv[i], "--times") && i + 1 < argc) n_times = (uint32_t)strtoul(argv[++i], NULL, 0);
+        const bool more = i + 1 < argc;
+        if (!strcmp(argv[i], "--blocks") && more) n_blocks = (uint32_t)strtoul(argv[++i], NULL, 0);
+        else if (!strcmp(argv[i], "--ratio") && more) ratio = strtof(argv[++i], NULL);
+        else if (!strcmp(argv[i], "--times") && more) n_times = (uint32_t)strtoul(argv[++i], NULL, 0);
+        else if (!strcmp(argv[i], "--indirect") && more) n_indirect = (uint32_t)strtoul(argv[++i], NULL, 0);
         else if (!strcmp(argv[i], "--deep")) deep = true;
+        else if (!strcmp(argv[i], "--hints")) hints = true;
         else if (!strcmp(argv[i], "--no-lists")) no_lists = true;
         else if (n_scenes < 256) list[n_scenes++] = argv[i];
     }
