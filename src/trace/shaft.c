@@ -93,6 +93,7 @@ static f4 f4_dot(const f4 a[3], const f4 b[3])
 
 void lc_shaft_from_init(lc_shaft_from *from, const float (*org)[3], uint32_t n)
 {
+    LC_ASSERT(n && n <= LC_SHAFT_POINTS);
     from->n = n;
     from->reach = 0;
     for (uint32_t i = 0; i < LC_SHAFT_KNOWN; i++) from->key[i] = LC_NONE;

@@ -5,6 +5,9 @@
  *          .:::|:::: shaft ::::|                       (node, lanes)   children that are not opened yet
  *              '---------------'                       (block, lanes)  triangles
  *
+ * Most clusters are not visible as a whole, which a hidden ray tells at no cost: ask rays first. Targets must
+ * be in the box: those of lights with a surface are not in their cluster's.
+ *
  * An empty list is the proof. Where one box holds another, its shaft holds the other's: a child's search
  * begins with the list of its parent, and children of a box that is proved to be visible are visible.
  *
