@@ -2,8 +2,9 @@
  * walked from the roots down, and each cluster is tested for visibility from the block. Every light of a
  * cluster that is proved is asked by a ray from every point of the block.
  *
- *     build/tests/check_shaft                                   the scenes of tests/golden
- *     build/tests/check_shaft [--blocks N] [--ratio R] [--deep] [--hints] [--indirect N] [--times N] scene ...
+ *     build/tests/check_shaft                          the scenes of tests/golden
+ *     build/tests/check_shaft [OPTION ...] scene ...   --blocks N, --ratio R, --deep, --hints, --times N,
+ *                                                      --no-lists, --indirect N
  *
  * A block is 4x4 neighbouring pixels, those of other surfaces apart. --deep: clusters below the cut, too.
  * --hints: no test of a cluster one of whose representatives is hidden. --no-lists: each from the root.
