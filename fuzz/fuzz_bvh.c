@@ -1,11 +1,13 @@
 /* fuzz_bvh.c - any triangles and rays: the hierarchy is whole; every instruction set gives the same; and a
  * loop over the triangles, each in a hierarchy of its own, finds the same nearest hit, and the same segments
- * hidden. Where a box about a hidden ray's end is proved to be hidden, rays to its corners are hidden, too.
+ * hidden. Where a box about a hidden ray's end is proved to be hidden, rays to its corners are hidden, too;
+ * where one is proved to be visible from the points of the rays so far, no ray to its corners is hidden.
  */
 #include "cut/occlusion_proof.h"
 #include "fuzz.h"
 #include "support/isas.h"
 #include "trace/bvh.h"
+#include "trace/shaft.h"
 
 #include <float.h>
 #include <math.h>
@@ -70,6 +72,23 @@ static bool any_edge_on(const lc_tri_block *b, const float *pos, const float dir
     return false;
 }
 
+/* Whether a ray to a corner of the box about `to` is hidden. */
+static bool corner_hidden(const lc_bvh_data *bvh, const float org[3], const float to[3], const float half[3],
+                          int corner, bool far)
+{
+    float p[3];
+    uint8_t out[LC_LANES];
+    const float *const target[3] = { &p[0], &p[1], &p[2] };
+    for (int k = 0; k < 3; k++) {
+        p[k] = corner >> k & 1 ? to[k] + half[k] : to[k] - half[k];
+        /* A coordinate that was rounded out of the box is replaced. */
+        if (fabs((double)p[k] - (double)to[k]) > (double)half[k]) p[k] = to[k];
+    }
+    lc_isa_kernels(corner % 2 ? LC_ISA_SCALAR : lc_isa_pick(LC_ISA_BEST))
+        ->trace.hidden(bvh, org, 1, target, far, out, NULL);
+    return out[0];
+}
+
 /* If a box about the end of a ray, which this block occludes, is proved to be occluded, so are its corners.
  */
 static void check_proof(lc_occlusion *o, source *s, const float org[3], const float to[3], uint32_t block,
@@ -92,18 +111,30 @@ static void check_proof(lc_occlusion *o, source *s, const float org[3], const fl
     lc_occlusion_note(o, 0, block);
     uint32_t by = top && o->occluders->n ? top % o->occluders->n : lc_occlusion_by(o, 0, far);
     if (by == LC_NONE || !lc_occlusion_proves(o, &node, by, !top, far, LC_MAX_PATCH, &tests)) return;
-    for (int corner = 0; corner < 8; corner++) {
-        float p[3];
-        uint8_t out[LC_LANES];
-        const float *const target[3] = { &p[0], &p[1], &p[2] };
-        for (int k = 0; k < 3; k++) {
-            p[k] = corner >> k & 1 ? to[k] + node.half[k] : to[k] - node.half[k];
-            /* A coordinate that was rounded out of the box is replaced. */
-            if (fabs((double)p[k] - (double)to[k]) > (double)node.half[k]) p[k] = to[k];
-        }
-        lc_isa_kernels(corner % 2 ? LC_ISA_SCALAR : lc_isa_pick(LC_ISA_BEST))
-            ->trace.hidden(&bvh->data, org, 1, target, far, out, NULL);
-        require(out[0], "what was proved to be occluded is visible");
+    for (int corner = 0; corner < 8; corner++)
+        require(corner_hidden(&bvh->data, org, to, node.half, corner, far),
+                "what was proved to be occluded is visible");
+}
+
+/* If a box about the end of a ray is proved to be visible from the points, no ray to its corners is hidden;
+ * half its size again is proved then, too, from its list or without. */
+static void check_shaft(const lc_bvh_data *bvh, lc_shaft_from *from, const float to[3], float half[3],
+                        bool far)
+{
+    lc_shaft_list list, other;
+    lc_shaft_work work = { 0 };
+    bool proved = lc_shaft_open(bvh, from, to, half, far, NULL, &list, &work);
+    for (int times = 0; times < 3; times++) {
+        for (uint32_t i = 0; i < from->n && proved; i++)
+            for (int corner = 0; corner < 8; corner++)
+                require(!corner_hidden(bvh, from->org[i], to, half, corner, far),
+                        "what was proved to be visible is occluded");
+        for (int k = 0; k < 3; k++) half[k] *= 0.5f;
+        const bool before = proved;
+        proved = lc_shaft_open(bvh, from, to, half, far, &list, &list, &work);
+        require(proved || !before, "a smaller box is not proved");
+        require(proved || !lc_shaft_open(bvh, from, to, half, far, NULL, &other, &work),
+                "the list of a larger box proves less");
     }
 }
 
@@ -129,9 +160,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     lc_occlusion_init(&occlusion, &visibility, NULL);
     for (size_t i = 0; i < n; i++)
         if (lc_bvh_build(ctx, pos + 9 * i, index, 1, &one[i])) abort();
+    float points[RAYS][3];
     for (int r = 0; r < RAYS && s.left; r++) {
         float org[3], to[3];
-        for (int k = 0; k < 3; k++) org[k] = coordinate(&s);
+        for (int k = 0; k < 3; k++) points[r][k] = org[k] = coordinate(&s);
         for (int k = 0; k < 3; k++) to[k] = coordinate(&s);
         const float *const target[3] = { &to[0], &to[1], &to[2] };
         lc_hit best = { .tri = LC_NONE, .instance = LC_NONE }, hit;
@@ -174,6 +206,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             uint32_t block;
             lc_kernels_scalar.trace.hidden(&all->data, org, 1, target, far, out, &block);
             if (out[0]) check_proof(&occlusion, &s, org, to, block, far);
+            float half[3]; /* of bytes that are something else, too */
+            for (size_t k = 0; k < 3; k++) half[k] = (float)(data[(7 * (size_t)r + k) % size] % 64) / 16;
+            lc_shaft_from from;
+            const int first = r % 3 ? r : 0;
+            lc_shaft_from_init(&from, (const float (*)[3])(points + first), (uint32_t)(r - first + 1));
+            check_shaft(&all->data, &from, to, half, far);
         }
     }
     for (size_t i = 0; i < n; i++) lc_bvh_destroy(one[i]);
