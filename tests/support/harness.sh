@@ -55,7 +55,7 @@ check() # name command...: passes when the command succeeds
 }
 
 has() { command -v "$1" >/dev/null 2>&1; } # program
-sanitized() { grep -q -e __asan_init -e __tsan_init "$L"; }
+sanitized() { grep -q -e __asan_init -e __tsan_init -e __msan_init "$L"; }
 has_isa() # instruction set: whether this machine has it
 {
     echo 'Film "rgb" "integer xresolution" 1 "integer yresolution" 1' >"$T/isa.pbrt"

@@ -22,6 +22,14 @@
 #ifndef UNDER_TSAN
 #define UNDER_TSAN 0
 #endif
+#if defined(__has_feature)
+#if __has_feature(memory_sanitizer)
+#define UNDER_MSAN 1
+#endif
+#endif
+#ifndef UNDER_MSAN
+#define UNDER_MSAN 0
+#endif
 #if defined(__SANITIZE_ADDRESS__)
 #define UNDER_ASAN 1
 #elif defined(__has_feature)
