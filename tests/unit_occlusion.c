@@ -284,6 +284,136 @@ TEST(a_proof_may_begin_at_any_triangle)
     CHECKF(n_proved > 5000 / SLOW, "%llu proved", (unsigned long long)n_proved);
 }
 
+/* ---- from boxes of points ---- */
+
+static lc_point_box points_about(lc_f3 org, double size)
+{
+    lc_point_box b;
+    float p[3];
+    lc_f3_store(p, org);
+    for (int k = 0; k < 3; k++) {
+        b.half[k] = (float)(size * (rnd() < 0.2 ? 0 : rnd()));
+        b.center[k] = accepted((float)((double)p[k] + rnd_in(-1, 1) * (double)b.half[k]));
+    }
+    while (!lc_point_box_holds(&b, p))
+        for (int k = 0; k < 3; k++) b.half[k] = nextafterf(b.half[k] * (1 + 1e-6f), INFINITY);
+    return b;
+}
+
+/* Checks rays from corners of the box of points, from its faces and its inside. */
+static void all_hidden_from(const setup *s, const lc_point_box *from, const lc_node *box, bool far)
+{
+    const lc_node points = { .center = { from->center[0], from->center[1], from->center[2] },
+                             .half = { from->half[0], from->half[1], from->half[2] } };
+    for (int i = 0; i < 6; i++) {
+        float org[3];
+        lc_f3_store(org, place3(&points, i < 4 ? 0 : 1));
+        CHECK(lc_point_box_holds(from, org));
+        all_hidden(s, org, box, far);
+    }
+}
+
+/* Tries it from the triangle that occludes the light from one of the points, or from any. */
+static bool proves_from(setup *s, const float org[3], const lc_point_box *from, lc_f3 light,
+                        const lc_node *box, bool far)
+{
+    uint32_t block, by = rnd_n(s->occluders->n);
+    uint64_t n_tests = 0;
+    bool passed = rnd() < 0.7;
+    if (passed) {
+        s->light = (lc_light_rec){ .pos = { light.x, light.y, light.z } };
+        if (!hidden(s, LC_ISA_SCALAR, org, light, far, &block)) return false;
+        lc_occlusion_start(&s->at, org);
+        lc_occlusion_note(&s->at, 0, block);
+        by = lc_occlusion_by(&s->at, 0, far);
+        if (by == LC_NONE) return false;
+    }
+    if (!lc_occlusion_proves_from(&s->at, from, box, by, passed, far, LC_MAX_PATCH, &n_tests)) return false;
+    all_hidden_from(s, from, box, far);
+    return true;
+}
+
+TEST(what_is_proved_from_a_box_is_hidden_from_it)
+{
+    static setup s;
+    uint64_t n_proved = 0, n_one = 0;
+    for (int style = 0; style < N_MESHES; style++) {
+        lc_f3 c;
+        float r, org[3];
+        make_any(&s, style, &c, &r);
+        for (int i = 0; i < 30000 / SLOW && s.occluders->n; i++) {
+            const bool far = rnd() < 0.3;
+            const lc_f3 at = rnd_org(c, r),
+                        light = far ? rnd_unit() : rnd_near(c, rnd() < 0.9 ? 1.5f * r : 100 * r);
+            const lc_node box = box_about(light, (far ? 1 : (double)r) * pow(10, rnd_in(-6, 0)));
+            const lc_point_box from = points_about(at, (double)r * pow(10, rnd_in(-6, 0)));
+            lc_f3_store(org, at);
+            n_proved += proves_from(&s, org, &from, light, &box, far);
+            n_one += lc_f3_max_abs(lc_f3_load(from.half)) > 0.01f * r;
+        }
+        unmake(&s);
+    }
+    printf("  %llu proved\n", (unsigned long long)n_proved);
+    CHECKF(n_proved > 20000 / SLOW && n_one, "%llu proved", (unsigned long long)n_proved);
+}
+
+/* Points about the height above a wall at which lights just below it are stopped no more. */
+TEST(proofs_from_boxes_at_grazing_planes)
+{
+    static setup s;
+    uint64_t n_proved = 0;
+    for (int i = 0; i < 4000 / SLOW; i++) {
+        lc_f3 c = rnd_near(zero, 2), n = rnd_unit(), x = lc_f3_normalize(lc_f3_cross(n, rnd_unit()));
+        lc_f3 y = lc_f3_cross(n, x), top = lc_f3_add(c, lc_f3_scale(x, 2)), up = lc_f3_scale(y, 3);
+        clear();
+        put_three(lc_f3_add(c, lc_f3_scale(x, -3)), lc_f3_add(top, up), lc_f3_sub(top, up));
+        make(&s);
+        for (int k = 0; k < 40; k++) {
+            float org[3], height = powf(10, (float)rnd_in(-5, -2)), r = 0.5f * (float)rnd_in(0.1, 1);
+            lc_f3 at = lc_f3_add(c, lc_f3_scale(rnd_unit(), 0.3f));
+            at = lc_f3_add(at, lc_f3_scale(n, height - lc_f3_dot(lc_f3_sub(at, c), n)));
+            lc_f3_store(org, at);
+            float below = height * (1 + (float)pow(10, rnd_in(-4, 0)));
+            lc_f3 along = lc_f3_normalize(lc_f3_cross(n, rnd_unit()));
+            lc_f3 light = lc_f3_add(lc_f3_add(at, lc_f3_scale(along, r)), lc_f3_scale(n, -below));
+            const lc_node box = box_about(light, (double)height * pow(10, rnd_in(-6, -1)));
+            const lc_point_box from = points_about(at, (double)height * pow(10, rnd_in(-5, 0.5)));
+            n_proved += proves_from(&s, org, &from, light, &box, false);
+        }
+        unmake(&s);
+    }
+    printf("  %llu proved\n", (unsigned long long)n_proved);
+    CHECK(n_proved > 2000 / SLOW);
+}
+
+/* Light boxes and boxes of points at the silhouette of a wall, where the products of both sizes decide. */
+TEST(proofs_from_boxes_at_an_edge)
+{
+    static setup s;
+    uint64_t n_proved = 0, n_tried = 0;
+    for (int i = 0; i < 2000 / SLOW; i++) {
+        lc_f3 a = rnd_near(zero, 1), b = rnd_near(zero, 1), d = rnd_near(zero, 1);
+        clear();
+        put_three(a, b, d);
+        make(&s);
+        for (int k = 0; k < 60 && s.occluders->n; k++) {
+            float org[3], u = (float)pow(10, rnd_in(-4, 0)) * 0.3f, t = (float)rnd_in(0.2, 3);
+            lc_f3 in = lc_f3_add(lc_f3_add(lc_f3_scale(a, 0.5f - u / 2), lc_f3_scale(b, 0.5f - u / 2)),
+                                 lc_f3_scale(d, u));
+            lc_f3 at = rnd_near(in, 2), light = lc_f3_add(in, lc_f3_scale(lc_f3_sub(in, at), t));
+            lc_f3_store(org, at);
+            const double size = (double)u * pow(10, rnd_in(-1.5, 0.3));
+            const lc_node box = box_about(light, size * pow(10, rnd_in(-2, 0)));
+            const lc_point_box from = points_about(at, size * pow(10, rnd_in(-2, 0)));
+            n_tried++;
+            n_proved += proves_from(&s, org, &from, light, &box, false);
+        }
+        unmake(&s);
+    }
+    printf("  %llu of %llu proved\n", (unsigned long long)n_proved, (unsigned long long)n_tried);
+    CHECK(n_proved > n_tried / 50 && n_proved < n_tried);
+}
+
 /* ---- known cases ---- */
 
 static lc_node box_at(float x, float y, float z, float half)
@@ -344,6 +474,27 @@ TEST(a_wall_hides_what_is_behind)
             CHECK(!proves(&s, lc_f3_make(0.1f, 0.2f, 0), &behind, false)); /* in the wall's plane */
             unmake(&s);
         }
+}
+
+/* From a box of points a wall hides what it hides from each of them, and no more. */
+TEST(a_wall_hides_from_a_box)
+{
+    static setup s;
+    uint64_t n = 0;
+    for (uint32_t sides = 1; sides < 4; sides++) {
+        wall(sides, false);
+        make(&s);
+        const lc_node behind = box_at(0, 0, -1, 0.4f), far = box_at(0, 0, -1, 0.2f);
+        const lc_point_box small = { { 0.1f, 0.2f, 1 }, { 0.3f, 0.3f, 0.1f } },
+                           aside = { { 0, 0, 1 }, { 1.7f, 0.1f, 0.1f } },
+                           through = { { 0, 0, 0.5f }, { 0.1f, 0.1f, 0.6f } };
+        CHECK(lc_occlusion_proves_from(&s.at, &small, &behind, 0, false, false, LC_MAX_PATCH, &n));
+        CHECK(lc_occlusion_proves_from(&s.at, &small, &far, 0, false, true, LC_MAX_PATCH, &n));
+        CHECK(!lc_occlusion_proves_from(&s.at, &aside, &behind, 0, false, false, LC_MAX_PATCH, &n));
+        CHECK(!lc_occlusion_proves_from(&s.at, &aside, &far, 0, false, true, LC_MAX_PATCH, &n));
+        CHECK(!lc_occlusion_proves_from(&s.at, &through, &behind, 0, false, false, LC_MAX_PATCH, &n));
+        unmake(&s);
+    }
 }
 
 /* Triangles that share edges around a gap occlude nothing behind the gap; nor do they where the gap is filled
@@ -446,6 +597,10 @@ int main(void)
     RUN(what_is_proved_hidden_is_hidden);
     RUN(proofs_at_grazing_planes);
     RUN(a_proof_may_begin_at_any_triangle);
+    RUN(what_is_proved_from_a_box_is_hidden_from_it);
+    RUN(proofs_from_boxes_at_grazing_planes);
+    RUN(proofs_from_boxes_at_an_edge);
+    RUN(a_wall_hides_from_a_box);
     lc_context_destroy(ctx);
     return test_done();
 }

@@ -20,6 +20,22 @@
  *   within 4u n1 D, n1 = |N_x| + |N_y| + |N_z|, and so is the range of N.d over B: SLACK = 16u. The ray is
  *   stopped where LC_SHADOW_EPS N.d < h < (1 - LC_SHADOW_EPS) N.d. |h| must be above SLACK n1 M, so that its
  *   sign is certain.
+ *
+ * From a box of points x = o + s, |s_k| <= r_k, to all y = o + c + t, |t_k| <= half_k: pairs (x, y) are one
+ * convex set, so the walk is the same, and what is linear above has two more ranges. With a, b relative to o
+ * and e = b - a the edge test is the signed volume
+ *
+ *     V = (a - s) x (b - s) . (c + t - s) = (a x b).(c + t) - s.(a x b + e x c) - s.(e x t)
+ *
+ * as products of two s vanish; of |s.(e x t)| the most is sum |e_k| (r_i half_j + r_j half_i), i and j the
+ * other axes. For directions c + t the y do not move with x: a x b is missing from the second term. The plane
+ * is behind o + s at h - N.s, between if also N.(c + t) - h, which does not depend on s, is beyond
+ * LC_SHADOW_EPS of the largest N.d. A triangle whose plane passes between the points is seen from either
+ * side, so what is outside one edge only may be inside for some of them. Here a ray's own vectors are not
+ * those that the ranges are made of: with r = max r_k, M' = M + r and D' = D + r hold both. Terms of V are 2
+ * M^2 D, 3 r (2 M^2 + 4 M D) and 12 M r D at most, each rounded by at most 8u of itself, so with r <= M', D'
+ * the range is within 60u + 32u + 240u of M'^2 D', and E = 512u M'^2 D'; h and N.d are within 5u n1 M' and 5u
+ * n1 D' for either and 4u n1 r for the range, so SLACK is doubled.
  */
 #include "cut/occlusion_proof.h"
 
@@ -29,10 +45,14 @@
 
 #include <string.h>
 
-#define EDGE_SLACK 0x1p-17f /* 128u */
-#define SLACK 0x1p-20f      /* 16u */
-#define TINY 1e-30f         /* above what products lose to underflow */
-#define LEAST_COS 1e-20f    /* least N.d / h: a ray in the triangle's plane has no distance to it */
+#define EDGE_SLACK      0x1p-17f /* 128u */
+#define SLACK           0x1p-20f /* 16u */
+#define WIDE_EDGE_SLACK 0x1p-15f /* 512u, from a box of points */
+#define WIDE_SLACK      0x1p-19f /* 32u */
+#define TINY            1e-30f   /* above what products lose to underflow */
+/* For one point the box of points is left out. */
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+#define LEAST_COS     1e-20f /* least N.d / h: a ray in the triangle's plane has no distance to it */
 
 void lc_occlusion_init(lc_occlusion *o, const lc_visibility *visibility, const lc_tree_data *tree)
 {
@@ -69,12 +89,19 @@ uint32_t lc_occlusion_by(lc_occlusion *o, uint32_t light, bool far)
 typedef struct {
     f4 n[3]; /* x y z, each of four planes: through the point and an edge, pointing inwards; N, pointing away
                 from the point */
-    float h;                 /* a.N > 0; 0 where its sign is not certain */
-    float edge_slack, slack; /* absolute rounding slack, divided by D */
-    bool flipped;            /* N as wound points towards the point, so all planes are negated */
+    f4 e[3]; /* the edges, 0 for N; turned as n */
+    float h; /* a.N */
+    float most;  /* M of the head */
+    bool turned; /* N as wound points towards the point, so all planes are negated */
 } planes;
 
-static planes planes_of(const lc_occluder *t, const float org[3])
+/* A box of lights relative to the point, or of directions; and how far points are from the point. */
+typedef struct {
+    f4 c[3], half[3], reach[3];
+    float most, most_reach; /* D and r of the head */
+} view_box;
+
+static ALWAYS_INLINE planes planes_of(const lc_occluder *t, const float org[3], bool wide)
 {
     f4 v[3], a[3], b[3], n[3], most = f4_set(0), zero = f4_set(0);
     planes p;
@@ -87,25 +114,21 @@ static planes planes_of(const lc_occluder *t, const float org[3])
     for (int k = 0, x = 1, y = 2; k < 3; x = y, y = k++)
         n[k] = f4_with_last(f4_sub(f4_mul(a[x], b[y]), f4_mul(a[y], b[x])), v[k]);
     float h = f4_first(a[0]) * t->v[0][3] + f4_first(a[1]) * t->v[1][3] + f4_first(a[2]) * t->v[2][3];
-    float m = f4_first(f4_max(most, f4_max(f4_turn3(most), f4_turn3(f4_turn3(most)))));
-    p.flipped = h < 0;
-    for (int k = 0; k < 3; k++) p.n[k] = p.flipped ? f4_sub(zero, n[k]) : n[k];
-    h = p.flipped ? -h : h;
-    p.edge_slack = EDGE_SLACK * (m * m);
-    p.slack = SLACK * t->n1;
-    p.h = h > p.slack * m ? h : 0;
+    p.most = f4_first(f4_max(most, f4_max(f4_turn3(most), f4_turn3(f4_turn3(most)))));
+    p.turned = h < 0;
+    p.h = p.turned ? -h : h;
+    for (int k = 0; k < 3; k++) {
+        p.n[k] = p.turned ? f4_sub(zero, n[k]) : n[k];
+        if (!wide) continue;
+        const f4 e = f4_with_last(f4_sub(b[k], a[k]), zero);
+        p.e[k] = p.turned ? f4_sub(zero, e) : e;
+    }
     return p;
 }
 
-/* A box of lights relative to the point, or of directions. */
-typedef struct {
-    f4 c[3], half[3];
-    float most; /* D of the head */
-} view_box;
-
 static float larger(float a, float b) { return a > b ? a : b; }
 
-static view_box box_of(const lc_node *node, const float org[3], bool far)
+static view_box box_of(const lc_node *node, const float org[3], const float reach[3], bool far)
 {
     view_box b = { .most = 0 };
     for (int k = 0; k < 3; k++) {
@@ -113,7 +136,9 @@ static view_box box_of(const lc_node *node, const float org[3], bool far)
               half = node->half[k] + 0x1p-22f * (fabsf(c) + node->half[k]);
         b.c[k] = f4_set(c);
         b.half[k] = f4_set(half);
+        b.reach[k] = f4_set(reach[k]);
         b.most = larger(b.most, fabsf(c) + half);
+        b.most_reach = larger(b.most_reach, reach[k]);
     }
     return b;
 }
@@ -125,40 +150,71 @@ static f4 dots(const f4 n[3], const f4 v[3])
 
 static f4 f4_abs(f4 a) { return f4_max(a, f4_sub(f4_set(0), a)); }
 
-/* Whether the triangle stops every ray into the box that passes through it; lo, hi: the range of N.d. */
-static bool stands_between(float h, float lo, float hi, float slack, bool far)
+/* What the ranges of V and of N.d are wider by, from a box of points. */
+static ALWAYS_INLINE f4 width_of_points(const planes *p, const view_box *box, bool far)
 {
-    lo -= slack;
-    hi += slack;
-    if (!(lo > LEAST_COS * h) || !(h > 0)) return false;
-    return far || (lo > h * (1 + 3 * LC_SHADOW_EPS) && h > 1.01f * LC_SHADOW_EPS * hi);
+    f4 width = f4_set(0);
+    for (int k = 0, x = 1, y = 2; k < 3; x = y, y = k++) {
+        const f4 turn = f4_sub(f4_mul(p->e[x], box->c[y]), f4_mul(p->e[y], box->c[x])),
+                 side = far ? turn : f4_add(p->n[k], turn),
+                 both = f4_add(f4_mul(box->reach[x], box->half[y]), f4_mul(box->reach[y], box->half[x]));
+        width = f4_add(width, f4_add(f4_mul(f4_abs(side), box->reach[k]), f4_mul(f4_abs(p->e[k]), both)));
+    }
+    return width;
 }
 
-bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t occluder, bool passed, bool far,
-                         uint32_t most, uint64_t *n_tests)
+/* Whether the triangle stops every ray into the box that passes through it. h, at most h_most: distance of
+ * its plane; lo, hi: the range of N.d; beyond: the least N.d - h. Rounding slack included. */
+static bool stands_between(float h, float h_most, float lo, float hi, float beyond, bool far)
 {
-    const view_box box = box_of(node, o->org, far);
+    if (!(lo > LEAST_COS * h_most) || !(h > 0)) return false;
+    return far || (beyond > h_most * (3 * LC_SHADOW_EPS) && h > 1.01f * LC_SHADOW_EPS * hi);
+}
+
+/* What is known of one triangle of the walk. */
+typedef enum { OUTSIDE, FAILS, COVERS } passing;
+
+static ALWAYS_INLINE passing pass(const lc_occluder *t, const planes *p, const view_box *box, bool far,
+                                  bool wide, bool *covered, uint32_t *cross)
+{
+    const f4 abs_n[3] = { f4_abs(p->n[0]), f4_abs(p->n[1]), f4_abs(p->n[2]) };
+    const f4 c = dots(p->n, box->c), of_box = dots(abs_n, box->half);
+    const f4 width = wide ? width_of_points(p, box, far) : f4_set(0);
+    const float way = wide ? f4_last(dots(abs_n, box->reach)) : 0;
+    const f4 half = wide ? f4_add(of_box, width) : of_box, lo = f4_sub(c, half), hi = f4_add(c, half);
+    const float r = wide ? box->most_reach : 0, m = p->most + r, d = box->most + r;
+    const float edge_slack = (wide ? WIDE_EDGE_SLACK : EDGE_SLACK) * (m * m) * d + TINY;
+    const float n1_slack = (wide ? WIDE_SLACK : SLACK) * t->n1, slack = n1_slack * d + TINY,
+                h_slack = n1_slack * m;
+    const bool faces = p->h > h_slack + way; /* away from every point: else inside may be either side */
+    const uint32_t out = f4_lt(hi, f4_set(-edge_slack)) & 7, in = f4_lt(f4_set(edge_slack), lo) & 7;
+    if (out && (!wide || faces || in)) return OUTSIDE;
+    *covered |= (f4_lt(f4_set(edge_slack), c) & 7) == 7;
+    *cross = ~in & 7;
+    if (!faces) return FAILS;
+    const float least = wide ? p->h - way - h_slack : p->h, most = wide ? p->h + way + h_slack : p->h,
+                beyond = f4_last(f4_sub(c, of_box)) - slack - (wide ? p->h + h_slack : p->h);
+    return stands_between(least, most, f4_last(lo) - slack, f4_last(hi) + slack, beyond, far) ? COVERS
+                                                                                              : FAILS;
+}
+
+static ALWAYS_INLINE bool walk(const lc_occlusion *o, const float org[3], const view_box *box,
+                               uint32_t occluder, bool passed, bool far, bool wide, uint32_t most,
+                               uint64_t *n_tests)
+{
     uint32_t patch[LC_MAX_PATCH + 3], n = 1;
-    bool flipped = false, covered = passed;
+    bool turned = false, covered = passed;
     patch[0] = occluder;
     for (uint32_t at = 0; at < n; at++) {
         const lc_occluder *t = &o->occluders->all[patch[at]];
-        const planes p = planes_of(t, o->org);
-        const f4 abs_n[3] = { f4_abs(p.n[0]), f4_abs(p.n[1]), f4_abs(p.n[2]) };
-        const f4 c = dots(p.n, box.c), half = dots(abs_n, box.half), lo = f4_sub(c, half),
-                 hi = f4_add(c, half);
-        const float edge_slack = p.edge_slack * box.most + TINY;
+        const planes p = planes_of(t, org, wide);
+        uint32_t cross;
         (*n_tests)++;
-        if (f4_lt(hi, f4_set(-edge_slack)) & 7) { /* the box is outside one of its edges */
-            if (!at) return false;
-            continue;
-        }
-        if (!at) flipped = p.flipped;
-        covered |= (f4_lt(f4_set(edge_slack), c) & 7) == 7;
-        if (p.flipped != flipped ||
-            !stands_between(p.h, f4_last(lo), f4_last(hi), p.slack * box.most + TINY, far))
-            return false;
-        for (uint32_t cross = ~f4_lt(f4_set(edge_slack), lo) & 7; cross; cross &= cross - 1) {
+        const passing found = pass(t, &p, box, far, wide, &covered, &cross);
+        if (found == OUTSIDE && at) continue;
+        if (!at) turned = p.turned;
+        if (found != COVERS || p.turned != turned) return false;
+        for (; cross; cross &= cross - 1) {
             uint32_t next = t->next[__builtin_ctz(cross)], seen = at;
             if (next == LC_NONE) return false;
             while (seen < n && patch[seen] != next) seen++;
@@ -171,4 +227,18 @@ bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t oc
         if (n > most) return false;
     }
     return covered;
+}
+
+bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t occluder, bool passed, bool far,
+                         uint32_t most, uint64_t *n_tests)
+{
+    const view_box box = box_of(node, o->org, (const float[3]){ 0, 0, 0 }, far);
+    return walk(o, o->org, &box, occluder, passed, far, false, most, n_tests);
+}
+
+bool lc_occlusion_proves_from(const lc_occlusion *o, const lc_point_box *from, const lc_node *node,
+                              uint32_t occluder, bool passed, bool far, uint32_t most, uint64_t *n_tests)
+{
+    const view_box box = box_of(node, from->center, from->half, far);
+    return walk(o, from->center, &box, occluder, passed, far, true, most, n_tests);
 }

@@ -11,7 +11,9 @@
 #include "shade/tree_data.h"
 #include "trace/visibility.h"
 
-#define LC_MAX_PATCH 24         /* triangles of one proof */
+#include <math.h>
+
+#define LC_MAX_PATCH       24   /* triangles of one proof */
 #define LC_KNOWN_OCCLUDERS 1024 /* entries of the table of blocked rays */
 
 /* What blocked the shadow rays of one point; scratch of a thread. */
@@ -51,5 +53,22 @@ uint32_t lc_occlusion_by(lc_occlusion *o, uint32_t light, bool far);
  * tested to *n_tests. */
 bool lc_occlusion_proves(const lc_occlusion *o, const lc_node *node, uint32_t occluder, bool passed, bool far,
                          uint32_t most, uint64_t *n_tests);
+
+/* A box of points, world space: |x_k - center_k| <= half_k in exact arithmetic. */
+typedef struct lc_point_box {
+    float center[3], half[3];
+} lc_point_box;
+
+static inline bool lc_point_box_holds(const lc_point_box *b, const float x[3])
+{
+    bool in = true;
+    for (int k = 0; k < 3; k++) in &= fabs((double)x[k] - (double)b->center[k]) <= (double)b->half[k];
+    return in;
+}
+
+/* The same from all points of a box. passed: a ray from one of them to one of the node's lights is known to
+ * pass through the occluder. */
+bool lc_occlusion_proves_from(const lc_occlusion *o, const lc_point_box *from, const lc_node *node,
+                              uint32_t occluder, bool passed, bool far, uint32_t most, uint64_t *n_tests);
 
 #endif
