@@ -401,12 +401,13 @@ static bool alike(lc_f3 a, lc_f3 b)
     return lc_f3_max_abs(d) <= 1e-5f * lc_f3_max_abs(b);
 }
 
-/* A cut that starts from the cut of another point has the properties of every cut; one that starts from the
+/* A cut that starts from the cut of another point has the properties of every cut, of which some are that its
+ * hidden clusters are hidden, also those that were proved to be for a box of points; one that starts from the
  * point's own cut has its clusters and its value. */
 TEST(cuts_from_other_cuts)
 {
     static lc_cut_start start;
-    uint32_t n_guided = 0, n_at_limit = 0;
+    uint32_t n_guided = 0, n_at_limit = 0, n_shared = 0, n_outside = 0;
     for (uint32_t kinds = 1; kinds < 16; kinds++) {
         setup s;
         lc_cut from_roots, guided;
@@ -423,15 +424,26 @@ TEST(cuts_from_other_cuts)
                 other.org[0] += 0.05f;
             }
             if (i % 5 == 4) other = rnd_point();
+            start.has_points = i % 3 > 0;
+            for (int k = 0; k < 3; k++) {
+                start.points.half[k] = i % 3 == 1 ? 0.06f : 0.001f;
+                start.points.center[k] = q.org[k];
+            }
             from_roots.start_out = &start;
             lc_cut_result a = shade(&from_roots, &q, hash);
-            uint32_t n = start.n_nodes + start.n_lights;
+            uint32_t n = start.n_nodes + start.n_lights, n_block = start.n_block;
+            CHECK(n_block <= start.n_hidden && (start.has_points || !n_block));
             uint32_t all = n_clusters(&from_roots);
-            CHECKF(n <= all && (max_cut ? n <= max_cut / 2 : n == all), "%u of %u", n, all);
+            CHECKF(n <= all && (max_cut ? n <= max_cut / 2 : n + n_block >= all), "%u of %u", n, all);
+            CHECK(max_cut || start.has_points || n == all);
             from_roots.start_out = NULL;
             guided.start = &start;
             lc_cut_result b = shade(&guided, &other, hash + (uint64_t)(i & 4)), e = exact(&s, &other);
             check_cut(&s, &guided, &other, &b);
+            const bool inside = start.has_points && lc_point_box_holds(&start.points, other.org);
+            CHECK(guided.in_block == inside && (!inside || guided.n_hidden >= n_block));
+            n_shared += inside ? n_block : 0;
+            n_outside += inside ? 0 : n_block;
             CHECK(n_clusters(&guided) + guided.n_hidden >= n &&
                   b.size == size_of(&guided, max_cut ? max_cut : s.n));
             float lum = lc_luminance(b.radiance);
@@ -439,7 +451,7 @@ TEST(cuts_from_other_cuts)
                 CHECK(guided.kept.bound[k] <= 0.02f * lum * 1.0001f);
             if (n_clusters(&guided) + guided.n_hidden == s.n) CHECK(alike(b.radiance, e.radiance));
             if (!max_cut && !(i % 2) && i % 5 != 4 && !(i & 4)) {
-                CHECKF(b.size == a.size && alike(a.radiance, b.radiance), "%u clusters, %u", b.size, a.size);
+                CHECKF((start.has_points ? b.size <= a.size : b.size == a.size) && alike(a.radiance, b.radiance), "%u clusters, %u", b.size, a.size);
                 n_guided++;
             }
             n_at_limit += b.at_limit;
@@ -449,6 +461,7 @@ TEST(cuts_from_other_cuts)
         unmake(&s);
     }
     CHECK(n_guided > 100 && n_at_limit > 10);
+    CHECKF(n_shared > 100 && n_outside > 100, "%u, %u", n_shared, n_outside);
 }
 
 TEST(dark_floor_stops_refinement)

@@ -210,7 +210,7 @@ static bool split_round(lc_cut *c, lc_cut_step *s, float limit, uint64_t rays_be
 {
     lc_cut_select(c, limit, s->stats);
     if (!c->split.n) return false;
-    if (!c->start_saved && outgrows_start(c)) lc_cut_save_start(c);
+    if (!c->start_saved && outgrows_start(c)) lc_cut_save_start(c, s->stats);
     if (c->record) record_round(c, limit, *total, s->stats->shadow_rays - rays_before);
     *total += lc_cut_split(c, s, limit);
     return true;
@@ -218,13 +218,13 @@ static bool split_round(lc_cut *c, lc_cut_step *s, float limit, uint64_t rays_be
 
 /* The limit on the bounds of clusters: that of each of them, or that of a round, with which clusters are
  * split worst first until the whole cut is within its limit, or the room is used up. */
-static float limit_of(lc_cut *c, bool traced, double total, double *ratio)
+static float limit_of(lc_cut *c, const lc_cut_step *s, bool traced, double total, double *ratio)
 {
     const double floor_lum = (double)c->desc.floor, of = total > floor_lum ? total : floor_lum;
     *ratio = (double)c->desc.error_ratio;
     if (c->desc.z > 0) {
         const double rss = *ratio * of / (double)c->desc.z;
-        if (!c->start_saved && isinf(lc_cut_rss_limit(c, START_COARSER * rss))) lc_cut_save_start(c);
+        if (!c->start_saved && isinf(lc_cut_rss_limit(c, START_COARSER * rss))) lc_cut_save_start(c, s->stats);
         return lc_cut_rss_limit(c, rss);
     }
     if (traced) c->factor = total > NEARLY_DARK * floor_lum ? lc_cut_ratio_factor(c) : 1;
@@ -245,7 +245,7 @@ static double refine(lc_cut *c, lc_cut_step *s, double *ratio)
     const bool trace_each_round = c->occlusion && (c->start_out || c->worst_first);
     double total = c->start ? lc_cut_place_start(c, s) : lc_cut_place_roots(c, s);
     for (bool traced = c->start;;) {
-        const float limit = limit_of(c, traced, total, ratio);
+        const float limit = limit_of(c, s, traced, total, ratio);
         if (traced || each_round) {
             c->ctx->cut_kernels->partition(&c->kept, limit, &c->open, &c->kept);
             c->n_traced = traced ? c->kept.n : 0;
@@ -296,8 +296,10 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     if (!c->tree->n_lights) return;
     set_slot(c, (uint32_t)(hash % c->tree->n_reps));
     if (c->occlusion) lc_occlusion_start(c->occlusion, org);
+    c->in_block = c->occlusion && c->start && c->start->has_points &&
+                  lc_point_box_holds(&c->start->points, org);
     double ratio, total = refine_within_room(c, &s, &ratio);
-    if (!c->start_saved) lc_cut_save_start(c);
+    if (!c->start_saved) lc_cut_save_start(c, stats);
     out->at_limit = c->open.n > 0;
     out->dark = !out->at_limit && total < (double)c->desc.floor && error_above(c, ratio * total);
     finish(c, rays_before, stats, out);

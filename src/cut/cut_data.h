@@ -25,6 +25,11 @@ typedef struct lc_cut_start {
     uint32_t n_nodes, n_lights, n_hidden;
     uint32_t link[LC_MAX_START]; /* the nodes in rising order, then the lights */
     lc_hidden_cluster hidden[LC_MAX_HIDDEN];
+
+    /* Set before the cut that is saved here: where shadow rays of the points start that begin with it. */
+    bool has_points;
+    lc_point_box points;
+    uint32_t n_block; /* the first of `hidden` are proved to be occluded from all of them */
 } lc_cut_start;
 
 typedef struct lc_cut_desc {
@@ -57,6 +62,7 @@ typedef struct lc_cut {
     const lc_cut_start *start; /* NULL: the roots */
     lc_cut_start *start_out;   /* NULL: nowhere */
     bool start_saved;          /* start_out is filled in, or NULL */
+    bool in_block;             /* the point is in the start's box of points */
     uint32_t n_start_history, n_start_rounds; /* with record: what led to the start that was saved last */
 
     /* The slot: the representative of node i is reps[i * reps_stride]. */

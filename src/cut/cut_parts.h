@@ -35,8 +35,8 @@ typedef struct lc_cut_step {
  * Returns the total's luminance. */
 double lc_cut_place_roots(lc_cut *cut, lc_cut_step *step);
 double lc_cut_place_start(lc_cut *cut, lc_cut_step *step);
-/* Saves the cut as it is now to start_out. */
-void lc_cut_save_start(lc_cut *cut);
+/* Saves the cut as it is now to start_out, with what can be proved for all of its points. */
+void lc_cut_save_start(lc_cut *cut, lc_stats *stats);
 
 /* Factor <= 1 on the error ratio. No ray may be pending. */
 double lc_cut_ratio_factor(const lc_cut *cut);

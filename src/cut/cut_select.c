@@ -16,8 +16,8 @@
 #define MIN_TRIANGLES 4        /* of a proof where the bound is hardly above the limit */
 #define MIN_TRIANGLES_WHOLE 12 /* where the whole cut is limited, and bounds never are far above the limit */
 #define LEAST_SPLIT_DIVISOR 64 /* where the whole cut is limited, of all clusters a round splits as many */
-#define KEPT_BY_CHILDREN 0.2   /* of the squared bounds that are split, about that is the children's again */
-#define KEPT_BY_ALL 0.05       /* of the squared limit; the rest is for children of what is above it */
+#define KEPT_BY_CHILDREN 0.6   /* of the squared bounds that are split, about that is the children's again */
+#define KEPT_BY_ALL 0.2        /* of the squared limit; the rest is for children of what is above it */
 #define WORST_STEP 0.5f        /* worst first: bounds of one round are within this factor */
 #define WORST_BATCH 16         /* clusters that are split together, worst first, whatever room there is */
 

@@ -63,25 +63,64 @@ static void sort_links(uint32_t *link, uint32_t *scratch, uint32_t n)
     if (from != link) memcpy(link, from, n * sizeof *link);
 }
 
+/* Whether a cluster is proved to be occluded from all points of the start, by what occludes one of its lights
+ * from this one; it is noted then. */
+static bool hide_from_block(const lc_cut *c, lc_cut_start *out, uint32_t link, uint32_t occluder,
+                            lc_stats *stats)
+{
+    if (!out->has_points || occluder == LC_NONE || out->n_block + c->n_hidden >= c->max_hidden ||
+        !lc_occlusion_proves_from(c->occlusion, &out->points, &c->tree->data.nodes[link], occluder, true,
+                                  lc_is_far(lc_kind_of_node(c->tree, link)), LC_MAX_PATCH,
+                                  &stats->proof_tests))
+        return false;
+    out->hidden[out->n_block++] = (lc_hidden_cluster){ link, occluder };
+    return true;
+}
+
+/* The same of a cluster of a list whose representative is occluded. */
+static bool list_hides_from_block(const lc_cut *c, lc_cut_start *out, const lc_cut_list *list, uint32_t i,
+                                  lc_stats *stats)
+{
+    const uint32_t link = list->link[i], rep = list->rep[i];
+    if (rep & LC_PENDING || list->e[0][i] + list->e[1][i] + list->e[2][i] > 0) return false;
+    return hide_from_block(c, out, link,
+                           lc_occlusion_by(c->occlusion, rep, lc_is_far(lc_kind_of_node(c->tree, link))),
+                           stats);
+}
+
+/* Saves the hidden clusters: first those that the whole block shares, last the others, of which there are
+ * *n_rest. */
+static void save_hidden(const lc_cut *c, lc_cut_start *out, uint32_t *n_rest, lc_stats *stats)
+{
+    out->n_block = *n_rest = 0;
+    for (uint32_t i = 0; i < c->n_hidden; i++)
+        if (!hide_from_block(c, out, c->hidden[i].link, c->hidden[i].occluder, stats))
+            out->hidden[LC_MAX_HIDDEN - ++*n_rest] = c->hidden[i];
+}
+
 /* Nodes are saved in the order of the tree, so that rays to neighbours are traced in one group. Measured:
  * tests/results/shadow-rays.md. */
-void lc_cut_save_start(lc_cut *c)
+void lc_cut_save_start(lc_cut *c, lc_stats *stats)
 {
-    const uint32_t *const link[] = { c->open.link, c->split.link, c->kept.link, c->done };
-    const uint32_t n[] = { c->open.n, c->split.n, c->kept.n, c->n_done };
-    uint32_t *lights = (uint32_t *)(void *)c->scratch;
+    const lc_cut_list *const lists[] = { &c->open, &c->split, &c->kept };
+    uint32_t *lights = (uint32_t *)(void *)c->scratch, n_rest;
     lc_cut_start *out = c->start_out;
+    const bool for_block = out->has_points && c->occlusion;
     out->n_nodes = out->n_lights = 0;
-    out->n_hidden = c->n_hidden;
-    for (int list = 0; list < 4; list++)
-        for (uint32_t i = 0; i < n[list]; i++) {
-            uint32_t is_light = link[list][i] >> 31; /* written to both, counted in one: no branch */
-            out->link[out->n_nodes] = lights[out->n_lights] = link[list][i];
-            out->n_nodes += 1 - is_light;
-            out->n_lights += is_light;
-        }
+    save_hidden(c, out, &n_rest, stats);
+    for (int k = 0; k < 3; k++)
+        for (uint32_t i = 0; i < lists[k]->n; i++)
+            if (!for_block || !list_hides_from_block(c, out, lists[k], i, stats))
+                out->link[out->n_nodes++] = lists[k]->link[i];
+    for (uint32_t i = 0; i < c->n_done; i++) {
+        uint32_t is_light = c->done[i] >> 31; /* written to both, counted in one: no branch */
+        out->link[out->n_nodes] = lights[out->n_lights] = c->done[i];
+        out->n_nodes += 1 - is_light;
+        out->n_lights += is_light;
+    }
     memcpy(out->link + out->n_nodes, lights, out->n_lights * sizeof *lights);
-    memcpy(out->hidden, c->hidden, c->n_hidden * sizeof *c->hidden);
+    memmove(out->hidden + out->n_block, out->hidden + LC_MAX_HIDDEN - n_rest, n_rest * sizeof *out->hidden);
+    out->n_hidden = out->n_block + n_rest;
     sort_links(out->link, lights, out->n_nodes);
     c->start_saved = true;
     c->n_start_history = c->n_history;
@@ -159,8 +198,9 @@ static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
 {
     lc_cut_list *kept = &c->kept;
     uint32_t at = kept->n, lit[LC_CUT_BATCH], n_lit = 0;
-    float *const out[6] = { kept->transfer[0] + at, kept->transfer[1] + at, kept->transfer[2] + at,
-                            s->f[3], s->f[4], s->f[5] };
+    float *const out[6] = {
+        kept->transfer[0] + at, kept->transfer[1] + at, kept->transfer[2] + at, s->f[3], s->f[4], s->f[5]
+    };
     float *const e[3] = { kept->e[0] + at, kept->e[1] + at, kept->e[2] + at };
     for (uint32_t i = 0; i < n; i++) {
         s->rep[i] = lc_cut_rep_of(c, link[i]);
@@ -228,6 +268,12 @@ static double start_all_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, u
 static double start_hidden(lc_cut *c, lc_cut_step *s, const lc_hidden_cluster *hidden, uint32_t n)
 {
     uint32_t *rest = (uint32_t *)(void *)c->scratch, n_rest = 0;
+    if (c->in_block) { /* proved for all of its points */
+        c->n_hidden = c->start->n_block;
+        memcpy(c->hidden, hidden, c->n_hidden * sizeof *hidden);
+        hidden += c->n_hidden;
+        n -= c->n_hidden;
+    }
     for (uint32_t i = 0; i < n; i++) __builtin_prefetch(&c->occlusion->occluders->all[hidden[i].occluder]);
     for (uint32_t i = 0; i < n; i++) {
         rest[n_rest] = hidden[i].link;

@@ -14,14 +14,40 @@
 #define GUIDE_COS                                                                                            \
     0.8f /* least cosine between the normals of a guide and a point that begins with it; chosen */
 
+#define MOST_DEPTH  2       /* of the guide's distance: the farthest point of its block's plane; chosen */
+#define BLOCK_BENDS 0.0625f /* of a block's size: how far its points are from the guide's plane; chosen */
+
 static bool guides(const lc_guide *g, const lc_surface *s)
 {
     lc_f3 way = lc_f3_sub(s->pos, g->pos);
     return g->valid && lc_f3_dot(s->n, g->n) > GUIDE_COS && lc_f3_dot(way, way) <= g->reach2;
 }
 
+/* The box of points that the block shows of the guide's plane, a little more as surfaces bend: what is proved
+ * for it is proved once a block. Points out of it, seen through a lens or on another surface, have proofs of
+ * their own. */
+static void set_points(lc_guide *g, const lc_surface *s)
+{
+    const lc_f3 from = lc_f3_load(s->ray_org);
+    lc_box box = lc_box_empty();
+    lc_box_add(&box, from);
+    g->start.has_points = false;
+    for (int i = 0; i < 4; i++) {
+        const float along = lc_f3_dot(s->ng, g->corner_dir[i]),
+                    t = lc_f3_dot(s->ng, lc_f3_sub(from, g->corner_org[i])) / along;
+        if (!(t > s->t / MOST_DEPTH && t < s->t * MOST_DEPTH)) return;
+        lc_box_add(&box, lc_f3_add(g->corner_org[i], lc_f3_scale(g->corner_dir[i], t)));
+    }
+    const lc_f3 half = lc_f3_scale(lc_f3_sub(box.hi, box.lo), 0.5f);
+    const float more = lc_f3_max_abs(half) * BLOCK_BENDS + lc_f3_max_abs(from) * 0x1p-20f;
+    g->start.has_points = true;
+    lc_f3_store(g->start.points.center, lc_f3_scale(lc_f3_add(box.lo, box.hi), 0.5f));
+    lc_f3_store(g->start.points.half, lc_f3_add(half, lc_f3_make(more, more, more)));
+}
+
 static void set_guide(lc_guide *g, const lc_surface *s)
 {
+    set_points(g, s);
     g->valid = true;
     g->pos = s->pos;
     g->n = s->n;
@@ -36,6 +62,16 @@ void lc_guided_cut(lc_cut *c, lc_guide *g, const lc_point *p, const lc_surface *
     c->start = g && g->made && guides(g, s) ? &g->start : NULL;
     if (c->start_out) set_guide(g, s);
     lc_cut_shade(c, p, s->ray_org, hash, stats, out);
+}
+
+/* Corners of the pixels' samples: one sample is of the pixel's centre. */
+static void set_corners(const lc_render_job *j, lc_guide *g)
+{
+    const double lens[2] = { 0.5, 0.5 }, first = j->spp > 1 ? 0 : 0.5, size = LC_PIXEL_BLOCK - 2 * first;
+    for (int i = 0; i < 4; i++)
+        lc_camera_ray(&j->scene->camera, (int32_t)g->x - GUIDE_AT + first + (i & 1) * size,
+                      (int32_t)g->y - GUIDE_AT + first + (i >> 1) * size, lens, &g->corner_org[i],
+                      &g->corner_dir[i]);
 }
 
 /* Makes a guide apart, where its pixel is not of this tile or not the first to be asked for. */
@@ -67,6 +103,7 @@ lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x
         g->x = at_x;
         g->y = at_y;
         g->made = g->valid = false;
+        set_corners(j, g);
     }
     if (!g->made && !makes) lc_guide_make(j, c, g);
     return g;

@@ -38,6 +38,7 @@ typedef struct lc_guide {
     bool valid;    /* its camera ray met a surface to be lit: the fields below are set */
     lc_f3 pos, n;
     float reach2; /* squared distance up to which surfaces are like it */
+    lc_f3 corner_org[4], corner_dir[4]; /* camera rays of the block's corners */
     lc_cut_start start;
 } lc_guide;
 
