@@ -224,7 +224,8 @@ static float limit_of(lc_cut *c, const lc_cut_step *s, bool traced, double total
     *ratio = (double)c->desc.error_ratio;
     if (c->desc.z > 0) {
         const double rss = *ratio * of / (double)c->desc.z;
-        if (!c->start_saved && isinf(lc_cut_rss_limit(c, START_COARSER * rss))) lc_cut_save_start(c, s->stats);
+        if (!c->start_saved && isinf(lc_cut_rss_limit(c, START_COARSER * rss)))
+            lc_cut_save_start(c, s->stats);
         return lc_cut_rss_limit(c, rss);
     }
     if (traced) c->factor = total > NEARLY_DARK * floor_lum ? lc_cut_ratio_factor(c) : 1;
