@@ -70,7 +70,7 @@ static lc_status check_version(lc_gltf *g)
         (!strncmp(version, "2.", 2) && !lc_json_find(&g->json, asset, "minVersion")))
         return LC_OK;
     return lc_fail_at(g->ctx, LC_ERR_UNSUPPORTED, lc_json_pos(&g->json, asset),
-                      "glTF version %.20s is not read, version 2.0 is", version);
+                      "glTF version '%.20s' is not read, version 2.0 is", version);
 }
 
 static const struct extension {
@@ -187,11 +187,32 @@ static lc_status make_room(lc_gltf *g)
     return g->buffers && g->looks && g->images && g->n_uses_of && g->object_of ? LC_OK : LC_ERR_MEMORY;
 }
 
+/* Also of what nothing uses. */
+static lc_status check_references(lc_gltf *g)
+{
+    static const struct {
+        lc_gltf_kind from, to;
+        const char *name;
+    } kinds[] = {
+        { LC_GLTF_VIEWS, LC_GLTF_BUFFERS, "buffer" },      { LC_GLTF_ACCESSORS, LC_GLTF_VIEWS, "bufferView" },
+        { LC_GLTF_IMAGES, LC_GLTF_VIEWS, "bufferView" },   { LC_GLTF_TEXTURES, LC_GLTF_IMAGES, "source" },
+        { LC_GLTF_TEXTURES, LC_GLTF_SAMPLERS, "sampler" }, { LC_GLTF_NODES, LC_GLTF_MESHES, "mesh" },
+        { LC_GLTF_NODES, LC_GLTF_CAMERAS, "camera" }
+    };
+    lc_status st = LC_OK;
+    uint32_t idx;
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+        for (uint32_t i = 0; i < g->lists[kinds[k].from].n && !st; i++)
+            st = lc_gltf_index(g, lc_gltf_item(g, kinds[k].from, i), kinds[k].name, kinds[k].to, &idx);
+    return st;
+}
+
 static lc_status build(lc_gltf *g)
 {
     lc_status st = check_version(g);
     if (!st) st = check_required(g);
     if (!st) st = lc_gltf_make_lists(g);
+    if (!st) st = check_references(g);
     if (!st) st = count_extensions(g);
     if (!st) st = note_motion(g);
     if (!st) st = make_room(g);
@@ -209,6 +230,9 @@ static lc_status parse(lc_gltf *g, const char *data, size_t size)
     size_t len = size;
     lc_status st = LC_OK;
     g->file_size = size;
+    if (!lc_gltf_is((const uint8_t *)data, size))
+        return lc_fail_at(g->ctx, LC_ERR_PARSE, (lc_pos){ g->path, 0, 0 },
+                          "not a glTF file: it begins neither as .glb does nor as JSON");
     if (size >= 4 && !memcmp(data, "glTF", 4)) st = read_chunks(g, data, size, &json, &len);
     else if (size >= 3 && !memcmp(data, "\xef\xbb\xbf", 3)) {
         json += 3;

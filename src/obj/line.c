@@ -8,7 +8,7 @@
 void lc_obj_open_lines(const lc_context *ctx, const char *path, const char *data, size_t size,
                        lc_obj_lines *out)
 {
-    *out = (lc_obj_lines){ ctx, path, data, data + size, data, data, 1 };
+    *out = (lc_obj_lines){ ctx, path, data, data + size, data, data, 1, false };
     if (size >= 3 && !memcmp(data, "\xef\xbb\xbf", 3)) out->at += 3;
 }
 
@@ -39,7 +39,8 @@ static bool ends_word(const lc_obj_lines *l, const char *p)
 bool lc_obj_next_line(lc_obj_lines *l)
 {
     lc_obj_word rest;
-    while (lc_obj_next_word(l, &rest)) {}
+    while (l->begun && lc_obj_next_word(l, &rest)) {}
+    l->begun = true;
     for (;;) {
         skip_blanks(l);
         if (l->at >= l->end) return false;

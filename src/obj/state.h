@@ -12,6 +12,7 @@ typedef struct lc_obj_lines {
     const char *at; /* the next word is here or behind */
     const char *line_start;
     uint32_t line;
+    bool begun; /* a line has been gone to */
 } lc_obj_lines;
 
 typedef struct lc_obj_word {
