@@ -2,6 +2,7 @@
  * pbrt's format gives the same picture; what is wrong is named with its place. */
 #include "gltf/gltf.h"
 #include "api/format.h"
+#include "base/rng.h"
 #include "io/base64.h"
 #include "isa/isa.h"
 #include "shade/point_init.h"
@@ -335,6 +336,24 @@ TEST(spots_fall_off_by_the_formula_of_the_extension)
                t = fmin(fmax((cos(angle) - cos(0.7)) * s, 0), 1);
         CHECKF(near_abs(shine(l, angle), 5 * t * t, 5e-5), "%g: %g, not %g", angle, shine(l, angle),
                5 * t * t);
+    }
+}
+
+/* What the bound of a spot's profile needs: a ramp's colour is in 0..1, also for directions of any length. */
+TEST(a_ramp_never_brightens)
+{
+    for (uint64_t i = 0; i < 100000; i++) {
+        float to[3], rgb[3], length = (float)pow(10, 40 * lc_unit(lc_hash2(i, 9)) - 20);
+        lc_light light = { .kind = LC_LIGHT_SPOT, .dir = { 0.6f, 0, 0.8f } };
+        lc_spot_map ramp;
+        light.spot.cos_total = (float)(2 * lc_unit(lc_hash2(i, 7)) - 1);
+        light.spot.cos_start = i % 5 ? fminf(light.spot.cos_total + (float)lc_unit(lc_hash2(i, 8)), 1)
+                                     : light.spot.cos_total;
+        lc_spot_ramp(&light, &ramp);
+        for (uint64_t k = 0; k < 3; k++)
+            to[k] = (float)(2 * lc_unit(lc_hash2(i, k)) - 1) * (i % 50 ? length : 0);
+        lc_spot_colour(&ramp, to, rgb);
+        CHECK(rgb[0] >= 1.0f / 3 - 1e-6f && rgb[0] <= 1 && rgb[1] == rgb[0] && rgb[2] == rgb[0]);
     }
 }
 
@@ -736,6 +755,7 @@ int main(void)
     RUN(textures_are_images_times_factors);
     RUN(lights_are_of_candela_and_lux_along_minus_z);
     RUN(spots_fall_off_by_the_formula_of_the_extension);
+    RUN(a_ramp_never_brightens);
     RUN(cameras_look_along_minus_z_and_set_the_height);
     RUN(the_same_scene_in_both_formats_gives_the_same_picture);
     RUN(chunks_of_glb);

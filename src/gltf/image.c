@@ -84,6 +84,23 @@ static lc_status decode(lc_gltf *g, uint32_t object, lc_gltf_use use, double cut
     return st;
 }
 
+static lc_status find_mask(lc_gltf *g, uint32_t image, double cutoff, uint32_t *id)
+{
+    uint32_t object = lc_gltf_item(g, LC_GLTF_IMAGES, image);
+    for (uint32_t i = 0; i < g->n_masks; i++) {
+        const lc_gltf_mask *m = &g->masks[i];
+        if (m->image != image || m->cutoff < cutoff || m->cutoff > cutoff) continue;
+        *id = m->id;
+        return LC_OK;
+    }
+    if (g->n_masks == LC_GLTF_MAX_MASKS)
+        return lc_gltf_note(g, object, "masks", "more than %d masks: the others are left out",
+                            LC_GLTF_MAX_MASKS);
+    lc_status st = decode(g, object, LC_GLTF_ALPHA, cutoff, id);
+    if (!st) g->masks[g->n_masks++] = (lc_gltf_mask){ image, *id, cutoff };
+    return st;
+}
+
 lc_status lc_gltf_image(lc_gltf *g, uint32_t info, lc_gltf_use use, double cutoff, uint32_t *id)
 {
     uint32_t texture, source;
@@ -95,14 +112,14 @@ lc_status lc_gltf_image(lc_gltf *g, uint32_t info, lc_gltf_use use, double cutof
     if ((st = lc_gltf_index(g, object, "source", LC_GLTF_IMAGES, &source))) return st;
     if (source == LC_NONE)
         return lc_gltf_note(g, object, "texture", "a texture without an image is left out");
+    if (cutoff >= 0) return find_mask(g, source, cutoff, id);
     uint32_t *made = &g->images[source][use];
-    bool keep = cutoff < 0;
-    if (keep && *made) {
+    if (*made) {
         *id = *made - 1;
         return LC_OK;
     }
     st = decode(g, lc_gltf_item(g, LC_GLTF_IMAGES, source), use, cutoff, id);
-    if (!st && keep && *id != LC_NONE) *made = *id + 1;
+    if (!st && *id != LC_NONE) *made = *id + 1;
     return st;
 }
 

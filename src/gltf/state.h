@@ -69,6 +69,13 @@ typedef struct lc_gltf_use_of_mesh {
     lc_xform to_world;
 } lc_gltf_use_of_mesh;
 
+/* An image's alpha against a cutoff; each is made once, and there are LC_GLTF_MAX_MASKS at most. */
+#define LC_GLTF_MAX_MASKS 64
+typedef struct lc_gltf_mask {
+    uint32_t image, id;
+    double cutoff;
+} lc_gltf_mask;
+
 typedef struct lc_gltf {
     lc_context *ctx;
     lc_scene *scene;
@@ -82,8 +89,10 @@ typedef struct lc_gltf {
     lc_gltf_buffer *buffers;
     lc_gltf_look *looks;              /* of the materials, then the default one */
     uint32_t (*images)[LC_GLTF_USES]; /* 1 + id of each use; 0: not made */
-    uint64_t n_read;                  /* elements of accessors read so far */
-    uint64_t n_copied;                /* triangles of meshes that were copied again */
+    lc_gltf_mask masks[LC_GLTF_MAX_MASKS];
+    uint32_t n_masks;
+    uint64_t n_read;   /* elements of accessors read so far */
+    uint64_t n_copied; /* triangles of meshes that were copied again */
     lc_gltf_use_of_mesh *uses;
     size_t n_uses, cap_uses;
     uint32_t *n_uses_of, *object_of; /* by mesh */
