@@ -207,7 +207,7 @@ typedef struct lc_scene_info {
     uint64_t bvh_bytes, tree_bytes;
 } lc_scene_info;
 
-/* Reads a pbrt file ("-" is stdin), makes lights, builds the BVH and the light tree. desc may be NULL for the
+/* Reads a pbrt file ("-" is stdin), glTF or OBJ, makes lights, builds the BVH and the light tree. desc may be NULL for the
  * defaults. The scene keeps using ctx. Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY, _ARG, and
  * _CANCELLED by `parsed`. */
 LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);

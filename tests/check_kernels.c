@@ -14,8 +14,8 @@
 #include "tree/light_tree.h"
 
 #define CASES 60000
-#define MOST 40 /* nodes or lights a call */
-#define ROOM 48 /* MOST rounded up to LC_LANES */
+#define MOST  40 /* nodes or lights a call */
+#define ROOM  48 /* MOST rounded up to LC_LANES */
 #define GUARD 16
 
 typedef struct job {
@@ -26,23 +26,25 @@ typedef struct job {
     _Alignas(64) lc_light_rec rec[MOST];
     lc_atten node_atten[MOST], light_atten[MOST];
     lc_spot_rec node_spot[MOST], light_spot[MOST];
-    lc_spot_map maps[2];
+    lc_spot_map maps[3];
     lc_tree_data tree;
     uint32_t list[MOST], n; /* what is asked for */
 } job;
 
 static float guard_value(void) { return 12345.0f; }
 
-/* A picture and an octahedron of few texels, turned anyhow. */
+/* A picture and an octahedron of few texels, and a ramp, turned anyhow. */
 static void make_maps(job *j, gen_src *s)
 {
     static float texels[8 * 8 * 3];
     for (size_t i = 0; i < sizeof texels / sizeof *texels; i++)
         texels[i] = (float)(lc_hash2(i, 3) >> 40) * 0x1p-24f;
-    for (int m = 0; m < 2; m++) {
-        j->maps[m] = (lc_spot_map){
-            .projected = m, .width = m ? 8 : 5, .height = 5, .scale = { 3, 2 }, .texels = texels
-        };
+    for (int m = 0; m < 3; m++) {
+        j->maps[m] =
+            (lc_spot_map){ .projected = m == 1, .ramp = m == 2, .scale = { 3, 2 }, .texels = texels };
+        j->maps[m].width = m ? 8 : 5;
+        j->maps[m].height = 5;
+        if (m == 2) j->maps[m].scale[0] = 0.25f;
         for (int k = 0; k < 9; k++) j->maps[m].to_light[k / 3][k % 3] = (float)gen_real(s, -1, 1);
     }
 }
@@ -68,7 +70,7 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
         memcpy(j->light_atten[k], light->atten, sizeof light->atten);
         lc_spot_rec_init(&j->node_spot[k], in->least[0], in->least[1], 0);
         lc_spot_rec_init(&j->light_spot[k], light->spot.cos_total, light->spot.cos_start,
-                         i % 3 ? 0 : gen_pick(&s, 3));
+                         i % 3 ? 0 : gen_pick(&s, 4));
         j->list[k] = gen_pick(&s, MOST);
     }
     j->n = 1 + (uint32_t)(i % MOST);
@@ -143,7 +145,7 @@ static void compare(lc_isa isa)
     }
 }
 
-#define ISA(name, rank, test, flags) \
+#define ISA(name, rank, test, flags)                                                                         \
     TEST(name##_equals_scalar) { compare(LC_ISA_ID_##name); }
 #include "isa/isa_list.h"
 #undef ISA

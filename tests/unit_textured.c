@@ -1,6 +1,7 @@
 /* unit_textured.c - textures of scene files: the material where a ray meets a textured mesh, and a picture,
  * against the texels, coordinates and formulas of the statements, worked out by hand. */
 #include "scene/surface.h"
+#include "support/jpeg_file.h"
 #include "support/near.h"
 #include "support/one_scene.h"
 #include "support/watched_memory.h"
@@ -133,11 +134,16 @@ TEST(files_and_notes)
     CHECK(load(HEAD4, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\" \"float "
                       "scale\" .5\n" MATTE QUAD UV4) == LC_OK);
     CHECK(note("texture image") && rgb_is(kd_at(.5, .5, 0), .25, .25, .25) && !scene->uv);
-    write_file("j.jpg", "\xff\xd8\xff\xe0", 4);
+    static const jpeg_plan grey = { .width = 8, .height = 8, .n_parts = 1, .h = { 1 }, .v = { 1 },
+                                    .quant = { 8 }, .coefs = { { { 60 } } } };
+    static jpeg_file jpeg;
+    jpeg_write(&jpeg, &grey); /* 128 + 60 everywhere, as sRGB */
+    write_file("j.jpg", jpeg.data, jpeg.n);
     CHECK(load(HEAD4,
                "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"j.jpg\"\n" MATTE QUAD UV4) ==
           LC_OK);
-    CHECK(note("JPEG") && strstr(scene->notes[0].text, "JPEG is not read"));
+    double linear = pow((188 / 255.0 + .055) / 1.055, 2.4);
+    CHECK(!scene->n_notes && rgb_is(kd_at(.5, .5, 0), linear, linear, linear));
     write_file("cut.tga", "\0\0\2\0\0\0\0\0\0\0\0\0\2\0\2\0\30\40abc", 21);
     CHECK(load(HEAD4,
                "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"cut.tga\"\n" MATTE QUAD UV4) ==

@@ -1,6 +1,6 @@
 /* load.c - public calls of scenes: checks arguments, then delegates. */
+#include "api/format.h"
 #include "base/memory.h"
-#include "pbrt/parse.h"
 #include "prepare/commit.h"
 #include "tree/light_tree.h"
 
@@ -18,7 +18,7 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     scene->load = *d;
     scene->ctx->inputs = &scene->inputs;
     lc_status st = d->sandbox ? lc_inputs_restrict(&scene->inputs, &scene->arena, path, d->sandbox) : LC_OK;
-    if (!st) st = lc_pbrt_parse(scene, path);
+    if (!st) st = lc_format_parse(scene, path);
     scene->ctx->inputs = NULL;
     scene->input_id = lc_digest_result(&scene->inputs.digest);
     scene->seconds_parse = lc_now() - t0;

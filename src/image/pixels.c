@@ -5,11 +5,6 @@
 
 #include <string.h>
 
-bool lc_jpeg_is(const uint8_t *head, size_t len)
-{
-    return len >= 3 && head[0] == 0xff && head[1] == 0xd8 && head[2] == 0xff;
-}
-
 bool lc_raster_is(const uint8_t *head, size_t len)
 {
     return lc_exr_is(head, len) || lc_png_is(head, len) || lc_pfm_is(head, len) || lc_hdr_is(head, len) ||
@@ -88,15 +83,14 @@ lc_status lc_raster_decode(lc_context *ctx, const char *path, const lc_bytes *fi
     static const struct {
         bool (*is)(const uint8_t *head, size_t len);
         lc_raster_decoder *decode;
-    } formats[] = { { lc_exr_is, exr_decode },     { lc_png_is, lc_png_decode }, { lc_pfm_is, lc_pfm_decode },
-                    { lc_hdr_is, lc_hdr_decode },  { lc_tga_is, lc_tga_decode } };
+    } formats[] = { { lc_exr_is, exr_decode },      { lc_png_is, lc_png_decode },
+                    { lc_pfm_is, lc_pfm_decode },   { lc_hdr_is, lc_hdr_decode },
+                    { lc_jpeg_is, lc_jpeg_decode }, { lc_tga_is, lc_tga_decode } };
     *out = (lc_raster){ 0 };
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
         if (formats[i].is(file->data, file->len)) return formats[i].decode(ctx, path, file, out);
-    if (lc_jpeg_is(file->data, file->len))
-        return lc_fail_at(ctx, LC_ERR_UNSUPPORTED, (lc_pos){ path, 0, 0 },
-                          "JPEG is not read; convert it to PNG");
     return lc_fail_at(ctx, LC_ERR_PARSE, (lc_pos){ path, 0, 0 }, "%s",
-                      file->len ? "not an image of a known format: OpenEXR, PNG, PFM, Radiance HDR or TGA"
-                                : "the file is empty");
+                      file->len
+                          ? "not an image of a known format: OpenEXR, PNG, JPEG, PFM, Radiance HDR or TGA"
+                          : "the file is empty");
 }

@@ -25,16 +25,16 @@ typedef lc_status lc_raster_decoder(lc_context *ctx, const char *path, const lc_
 
 /* True if a file with these first bytes, 8 suffice, looks like an image in a supported format. */
 bool lc_raster_is(const uint8_t *head, size_t len);
-bool lc_jpeg_is(const uint8_t *head, size_t len);
 /* `path` is for messages. LC_ERR_PARSE, _UNSUPPORTED, _MEMORY; on failure *out is empty. */
 lc_raster_decoder lc_raster_decode;
 void lc_raster_free(const lc_context *ctx, lc_raster *raster);
 
-/* The decoders: png_read.c, pfm.c, hdr.c, tga.c. */
+/* The decoders: png_read.c, jpeg.c, pfm.c, hdr.c, tga.c. */
+bool lc_jpeg_is(const uint8_t *head, size_t len);
 bool lc_pfm_is(const uint8_t *head, size_t len);
 bool lc_hdr_is(const uint8_t *head, size_t len);
 bool lc_tga_is(const uint8_t *head, size_t len); /* a guess, as the format has no signature */
-lc_raster_decoder lc_png_decode, lc_pfm_decode, lc_hdr_decode, lc_tga_decode;
+lc_raster_decoder lc_png_decode, lc_jpeg_decode, lc_pfm_decode, lc_hdr_decode, lc_tga_decode;
 
 /* For decoders: allocates a raster after checking its size, also against the file's: one byte of the file
  * gives at most max_pixels_per_byte pixels. */

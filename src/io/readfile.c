@@ -196,6 +196,18 @@ void lc_file_free(const lc_context *ctx, lc_file *file)
     *file = (lc_file){ 0 };
 }
 
+size_t lc_file_peek(const char *path, uint8_t *head, size_t n)
+{
+    struct stat info;
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
+    size_t got = 0;
+    if (fd < 0) return 0;
+    if (!fstat(fd, &info) && S_ISREG(info.st_mode))
+        for (ssize_t k = 1; k > 0 && got < n; got += k > 0 ? (size_t)k : 0) k = read(fd, head + got, n - got);
+    close(fd);
+    return got;
+}
+
 bool lc_file_exists(const char *path)
 {
     struct stat info;

@@ -51,6 +51,8 @@ typedef struct lc_file {
 lc_status lc_file_read(const lc_context *ctx, lc_pos where, const char *path,
                        bool (*is)(const uint8_t *head, size_t len), lc_file *out);
 void lc_file_free(const lc_context *ctx, lc_file *file);
+/* Up to n of the first bytes of a regular file, which is not noted as read; 0 if it cannot be opened. */
+size_t lc_file_peek(const char *path, uint8_t *head, size_t n);
 /* False only if there certainly is no such file; any other error shows when it is opened. */
 bool lc_file_exists(const char *path);
 

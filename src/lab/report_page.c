@@ -1,7 +1,7 @@
 /* report_page.c - index.html: one file that loads nothing else; pictures are data URIs. */
 #include "lab/report.h"
 
-#include "lab/base64.h"
+#include "io/base64.h"
 
 #include <inttypes.h>
 
@@ -9,7 +9,7 @@ void report_put_image(FILE *f, const report_picture *p, const char *alt)
 {
     fprintf(f, "<img alt=\"%s\" width=\"%" PRIu32 "\" height=\"%" PRIu32 "\" src=\"data:image/png;base64,",
             alt, p->width, p->height);
-    base64_write(f, p->png, p->size);
+    lc_base64_write(f, p->png, p->size);
     fputs("\">", f);
 }
 

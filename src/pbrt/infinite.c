@@ -26,11 +26,8 @@ lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipma
                             path);
     if ((st = lc_file_read(p->ctx, where, path, lc_raster_is, &file))) return st;
     lc_bytes bytes = { p->ctx, file.data, file.size, file.cap };
-    if (lc_jpeg_is(bytes.data, bytes.len))
-        st = lc_pbrt_note(p, where, "JPEG",
-                          "'%.150s': JPEG is not read; a constant takes its place. Convert it to PNG", path);
-    else if (!(st = lc_raster_decode(p->ctx, path, &bytes, &raster)))
-        *there = true;
+    st = lc_raster_decode(p->ctx, path, &bytes, &raster);
+    *there = !st;
     lc_file_free(p->ctx, &file);
     if (*there) st = lc_mipmap_build(p->ctx, &raster, (lc_encoding){ LC_ENCODING_SRGB, 1 }, out);
     lc_raster_free(p->ctx, &raster);

@@ -76,7 +76,7 @@ static lc_status get_filter(lc_pbrt *p, lc_pos where, lc_filter *out)
     return lc_pbrt_note_name(p, par->pos, "texture filter", text, "trilinear takes its place");
 }
 
-/* Decodes the file into a new image of the scene; LC_NONE, after a note, if its format is not supported. */
+/* Decodes the file into a new image of the scene. */
 static lc_status load(lc_pbrt *p, lc_pos where, const char *path, lc_encoding encoding, uint32_t *id)
 {
     lc_file file;
@@ -85,13 +85,9 @@ static lc_status load(lc_pbrt *p, lc_pos where, const char *path, lc_encoding en
     lc_status st = lc_file_read(p->ctx, where, path, lc_raster_is, &file);
     if (st) return st;
     lc_bytes bytes = { p->ctx, file.data, file.size, file.cap };
-    bool jpeg = lc_jpeg_is(bytes.data, bytes.len);
-    if (jpeg)
-        st = lc_pbrt_note(p, where, "JPEG", "'%.150s': JPEG is not read; grey is used. Convert it to PNG",
-                          path);
-    else st = lc_raster_decode(p->ctx, path, &bytes, &raster);
+    st = lc_raster_decode(p->ctx, path, &bytes, &raster);
     lc_file_free(p->ctx, &file);
-    if (!st && !jpeg) {
+    if (!st) {
         st = lc_mipmap_build(p->ctx, &raster, encoding, &m);
         if (!st && (st = lc_textures_add_image(&p->scene->textures, &m, id))) lc_mipmap_free(p->ctx, &m);
     }
@@ -116,7 +112,7 @@ lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_enco
     if (!lc_file_exists(path))
         return lc_pbrt_note(p, where, "texture image", "'%.150s': no such file; grey is used", path);
     st = load(p, where, path, encoding, id);
-    if (st || *id == LC_NONE || !fits) return st;
+    if (st || !fits) return st;
     return lc_pbrt_map_put(&p->image_names, &p->arena, key, *id);
 }
 

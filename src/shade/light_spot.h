@@ -6,8 +6,9 @@
  *
  * phi is the angle about the light's axis. The colour is 1 or that of a map: a picture that is projected, or
  * intensities by direction on an octahedron (x, y of the direction over |x| + |y| + |z|, the lower half
- * folded outwards). Both are in 0..1, so that a bound of the profile holds for the product. The estimates of
- * all instruction sets look colours up by lc_spot_colour, one light at a time.
+ * folded outwards), or a ramp's: 1 / (3 - 2 t), which makes the emission t^2, that of glTF's spots. All are
+ * in 0..1, so that a bound of the profile holds for the product. The estimates of all instruction sets look
+ * colours up by lc_spot_colour, one light at a time.
  */
 #ifndef LC_LIGHT_SPOT_H
 #define LC_LIGHT_SPOT_H
@@ -26,10 +27,11 @@ typedef struct lc_spot_rec {
 #define LC_SPOT_MAX_INV 1e30f /* of a step: emission is 1 from cos_total + 1e-30 on */
 
 typedef struct lc_spot_map {
-    float to_light[3][3];   /* rows; of any common length */
-    float scale[2];         /* projected: x / z times this, from the middle, in texels */
-    uint32_t width, height; /* octahedron: of knots, the outermost on the edge */
-    bool projected;
+    float to_light[3][3];   /* rows; of any common length; ramp: the last is the axis, unit */
+    float scale[2];         /* projected: x / z times this, from the middle, in texels; ramp: cos_total and
+                             * inv_width of the light */
+    uint32_t width, height; /* octahedron: of knots, the outermost on the edge; ramp: 0 */
+    bool projected, ramp;
     float *texels;          /* width * height * 3, 0..1 */
 } lc_spot_map;
 
@@ -47,6 +49,17 @@ static inline float lc_spot_emission(const lc_spot_rec *spot, float cos_phi)
     t = t > 0 ? t : 0;
     t = t < 1 ? t : 1;
     return t * t * (3 - (t + t));
+}
+
+/* The ramp of a light whose cosines and axis are set. */
+static inline void lc_spot_ramp(const lc_light *light, lc_spot_map *map)
+{
+    lc_spot_rec rec;
+    lc_spot_rec_init(&rec, light->spot.cos_total, light->spot.cos_start, 0);
+    *map = (lc_spot_map){ .scale = { rec.cos_total, rec.inv_width }, .ramp = true };
+    map->to_light[2][0] = light->dir.x;
+    map->to_light[2][1] = light->dir.y;
+    map->to_light[2][2] = light->dir.z;
 }
 
 /* One channel between a texel and the next of its row, by the fraction f. */
@@ -73,6 +86,12 @@ static inline void lc_spot_colour(const lc_spot_map *m, const float to[3], float
     for (int k = 0; k < 3; k++)
         w[k] = m->to_light[k][0] * to[0] + m->to_light[k][1] * to[1] + m->to_light[k][2] * to[2];
     rgb[0] = rgb[1] = rgb[2] = 0;
+    if (m->ramp) {
+        float t = (w[2] / sqrtf(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) - m->scale[0]) * m->scale[1];
+        t = t > 0 ? t : 0; /* 0 for a direction of length 0, too */
+        rgb[0] = rgb[1] = rgb[2] = 1 / (3 - 2 * (t < 1 ? t : 1));
+        return;
+    }
     if (m->projected) {
         float x = w[0] / w[2] * m->scale[0] + 0.5f * (float)m->width,
               y = w[1] / w[2] * m->scale[1] + 0.5f * (float)m->height;

@@ -1,0 +1,78 @@
+/* state.h - the reader of OBJ files, shared by its parts. */
+#ifndef LC_OBJ_STATE_H
+#define LC_OBJ_STATE_H
+
+#include "scene/scene.h"
+
+/* Text by lines, of which a backslash at the end continues one, and by words. */
+typedef struct lc_obj_lines {
+    const lc_context *ctx;
+    const char *path; /* for messages */
+    const char *data, *end;
+    const char *at; /* the next word is here or behind */
+    const char *line_start;
+    uint32_t line;
+    bool begun; /* a line has been gone to */
+} lc_obj_lines;
+
+typedef struct lc_obj_word {
+    const char *text;
+    size_t len;
+    lc_pos pos;
+} lc_obj_word;
+
+/* line.c */
+void lc_obj_open_lines(const lc_context *ctx, const char *path, const char *data, size_t size,
+                       lc_obj_lines *out);
+/* Goes to the next line that has a word. False: there is none. */
+bool lc_obj_next_line(lc_obj_lines *l);
+/* The next word of the line; false: none is left. */
+bool lc_obj_next_word(lc_obj_lines *l, lc_obj_word *out);
+/* What is left of the line, without blanks around it. */
+bool lc_obj_rest(lc_obj_lines *l, lc_obj_word *out);
+bool lc_obj_word_is(const lc_obj_word *w, const char *text);
+/* A finite number of float's range. LC_ERR_PARSE. */
+lc_status lc_obj_number(const lc_obj_lines *l, const lc_obj_word *w, float *out);
+/* Up to `most` numbers of the line, at least `least`; *n is how many. */
+lc_status lc_obj_numbers(lc_obj_lines *l, uint32_t least, uint32_t most, float *out, uint32_t *n);
+
+typedef struct lc_obj_material {
+    const char *name; /* in the arena */
+    uint32_t id;
+    lc_f3 emission;
+    uint32_t emission_map;
+    bool has_alpha;
+    lc_mesh_alpha alpha;
+} lc_obj_material;
+
+typedef struct lc_obj_image {
+    const char *path; /* in the arena */
+    bool emission;    /* an emission map, else an image of textures */
+    uint32_t id;
+} lc_obj_image;
+
+typedef struct lc_obj {
+    lc_context *ctx;
+    lc_scene *scene;
+    lc_arena arena;
+    const char *path, *folder; /* folder: with its slash, or "" */
+    bool no_files;
+    float *pos, *uv, *normal;
+    size_t n_pos, n_uv, n_normal, cap_pos, cap_uv, cap_normal; /* floats */
+    uint32_t (*corners)[3];                                    /* of triangles: vertex, 1 + uv, 1 + normal */
+    size_t n_corners, cap_corners;
+    lc_obj_material *materials; /* the first is the default one */
+    size_t n_materials, cap_materials;
+    lc_obj_image *images;
+    size_t n_images, cap_images;
+    size_t material; /* in force */
+} lc_obj;
+
+lc_status lc_obj_note(lc_obj *o, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
+/* The path of a name in a file in `folder`, in the arena. NULL: no memory. */
+const char *lc_obj_join(lc_obj *o, const char *folder, const lc_obj_word *name);
+/* mtl.c: reads a library of materials. */
+lc_status lc_obj_read_mtl(lc_obj *o, const lc_obj_word *name);
+lc_status lc_obj_default_material(lc_obj *o);
+
+#endif
