@@ -207,13 +207,13 @@ static uint32_t guide_of(const lc_shade_batch *b, uint32_t first)
 static void shade_group(lc_shader *sh, const lc_shade_batch *b, uint32_t first, uint32_t end, float (*rgb)[3])
 {
     uint32_t n = 0;
-    for (uint32_t at = first; at < end && sh->starts; at += LC_HOST_BLOCK) {
+    for (uint32_t at = first; at < end && sh->starts && !sh->cancelled; at += LC_HOST_BLOCK) {
         begin(sh, b, &sh->lanes[n++], guide_of(b, at), NULL, &sh->starts[(at - first) / LC_HOST_BLOCK]);
         if (n < sh->n_lanes && end - at > LC_HOST_BLOCK) continue;
         finish(sh, n, rgb);
         n = 0;
     }
-    for (uint32_t at = first; at < end; at++) {
+    for (uint32_t at = first; at < end && !sh->cancelled; at++) {
         const uint32_t block = at - at % LC_HOST_BLOCK, guide = guide_of(b, block);
         const bool alike = sh->starts && guides(&b->points[guide], &b->points[at]);
         if (!sh->starts || at != guide)
