@@ -48,14 +48,16 @@ typedef struct lc_host_lane {
     uint32_t n_lights;
 } lc_host_lane;
 
-/* Rays on their way. */
+/* Rays on their way, those of a lane in a row. */
 typedef struct lc_host_rays {
-    uint32_t n;
+    uint32_t n, n_runs;
+    struct {
+        lc_host_lane *lane;
+        uint32_t first, n;
+    } run[LC_HOST_LANES];
     float org[3][LC_HOST_RAYS], to[3][LC_HOST_RAYS], through[3][LC_HOST_RAYS];
-    uint32_t point[LC_HOST_RAYS], light[LC_HOST_RAYS], blocker[LC_HOST_RAYS];
-    uint8_t far[LC_HOST_RAYS], hidden[LC_HOST_RAYS];
-    lc_host_lane *lane[LC_HOST_RAYS];
-    lc_cut_ray ray[LC_HOST_RAYS];
+    uint32_t point[LC_HOST_RAYS], light[LC_HOST_RAYS], blocker[LC_HOST_RAYS], at[LC_HOST_RAYS];
+    uint8_t far[LC_HOST_RAYS], hidden[LC_HOST_RAYS], list[LC_HOST_RAYS];
 } lc_host_rays;
 
 struct lc_shader {

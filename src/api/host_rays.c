@@ -10,20 +10,46 @@
 
 static float fraction(float v) { return v > 0 ? v < 1 ? v : 1 : 0; }
 
-/* A blocker is a block of the BVH, whatever the host has done to it. */
-static uint32_t blocker_of(const lc_shader *sh, uint32_t blocker)
+/* What the host has written is made safe: a blocker is a block of the BVH. */
+static void check_answers(const lc_shader *sh, lc_host_rays *r, uint32_t n)
 {
-    return sh->desc.occluders && blocker < sh->desc.occluders->bvh->data.n_blocks ? blocker : LC_NONE;
+    const uint32_t n_blocks = sh->desc.occluders ? sh->desc.occluders->bvh->data.n_blocks : 0;
+    for (uint32_t i = 0; i < n && sh->desc.occluders; i++)
+        if (r->blocker[i] >= n_blocks) r->blocker[i] = LC_NONE;
+    for (int k = 0; k < 3 && sh->desc.dims; k++)
+        for (uint32_t i = 0; i < n; i++) r->through[k][i] = fraction(r->through[k][i]);
 }
 
-/* Asks the host, and gives each cut its answers. */
+static lc_cut_rays rays_from(lc_host_rays *r, uint32_t i)
+{
+    return (lc_cut_rays){ .to = { r->to[0] + i, r->to[1] + i, r->to[2] + i },
+                          .light = r->light + i,
+                          .far = r->far + i,
+                          .list = r->list + i,
+                          .at = r->at + i };
+}
+
+/* Gives each cut its answers. */
+static void settle(const lc_shader *sh, lc_host_rays *r)
+{
+    for (uint32_t k = 0; k < r->n_runs; k++) {
+        lc_host_lane *lane = r->run[k].lane;
+        const uint32_t i = r->run[k].first;
+        const lc_cut_rays rays = rays_from(r, i);
+        float *const through[3] = { r->through[0] + i, r->through[1] + i, r->through[2] + i };
+        lc_cut_settle(&lane->cut, &rays, r->run[k].n, r->hidden + i, sh->desc.dims ? through : NULL,
+                      sh->desc.occluders ? r->blocker + i : NULL, &lane->change);
+    }
+    r->n = r->n_runs = 0;
+}
+
+/* Asks the host. */
 static void ask(lc_shader *sh)
 {
     lc_host_rays *r = sh->rays;
     const uint32_t n = r->n;
-    r->n = 0;
-    if (!n || sh->cancelled) return;
     lc_shadow_rays out = { .n = n, .far = r->far, .point = r->point, .light = r->light, .hidden = r->hidden };
+    if (!n) return;
     memset(r->hidden, 0, n);
     for (int k = 0; k < 3; k++) {
         out.org[k] = r->org[k];
@@ -33,34 +59,34 @@ static void ask(lc_shader *sh)
     }
     if (sh->desc.occluders) {
         out.blocker = r->blocker;
-        for (uint32_t i = 0; i < n; i++) r->blocker[i] = LC_NONE;
+        memset(r->blocker, 0xff, n * sizeof *r->blocker);
     }
-    sh->n_calls++;
-    sh->cancelled = sh->desc.visible(sh->desc.visible_user, &out) != 0;
-    for (uint32_t i = 0; i < n; i++) {
-        lc_host_lane *lane = r->lane[i];
-        const uint32_t by = out.blocker && r->hidden[i] ? blocker_of(sh, r->blocker[i]) : LC_NONE;
-        float left[3] = { 1, 1, 1 };
-        for (int k = 0; k < 3 && sh->desc.dims; k++) left[k] = fraction(r->through[k][i]);
-        lc_cut_settle(&lane->cut, &r->ray[i], r->hidden[i], sh->desc.dims ? left : NULL, by, &lane->change);
-    }
+    sh->n_calls += !sh->cancelled;
+    if (!sh->cancelled) sh->cancelled = sh->desc.visible(sh->desc.visible_user, &out) != 0;
+    check_answers(sh, r, n);
+    settle(sh, r);
 }
 
-static void add(lc_shader *sh, lc_host_lane *lane, const lc_cut_ray *ray)
+/* Adds rays of a lane; as many as there is room for. */
+static uint32_t add(lc_shader *sh, lc_host_lane *lane, lc_cut_cursor *next)
 {
     lc_host_rays *r = sh->rays;
-    const uint32_t i = r->n++;
-    for (int k = 0; k < 3; k++) {
-        r->org[k][i] = lane->org[k];
-        r->to[k][i] = ray->to[k];
+    const uint32_t first = r->n;
+    const lc_cut_rays rays = rays_from(r, first);
+    const uint32_t n = lc_cut_take_rays(&lane->cut, &lane->point, next, LC_HOST_RAYS - first, &rays,
+                                        &lane->change);
+    for (uint32_t i = first; i < first + n; i++) {
+        for (int k = 0; k < 3; k++) r->org[k][i] = lane->org[k];
+        r->point[i] = lane->at;
+        r->light[i] = sh->tree->given[r->light[i]];
     }
-    r->far[i] = ray->far;
-    r->point[i] = lane->at;
-    r->light[i] = sh->tree->given[ray->light];
-    r->lane[i] = lane;
-    r->ray[i] = *ray;
-    lane->stats.shadow_rays++;
-    if (r->n == LC_HOST_RAYS) ask(sh);
+    if (!n) return 0;
+    r->run[r->n_runs].lane = lane;
+    r->run[r->n_runs].first = first;
+    r->run[r->n_runs++].n = n;
+    r->n += n;
+    lane->stats.shadow_rays += n;
+    return n;
 }
 
 void lc_host_trace(lc_shader *sh, uint32_t n_lanes)
@@ -68,13 +94,8 @@ void lc_host_trace(lc_shader *sh, uint32_t n_lanes)
     for (uint32_t l = 0; l < n_lanes; l++) {
         lc_host_lane *lane = &sh->lanes[l];
         lc_cut_cursor next = { 0, 0 };
-        lc_cut_ray ray;
         lane->change = 0;
-        while (lane->waits && lc_cut_next_ray(&lane->cut, &lane->point, &next, &ray)) {
-            if (lc_cut_is_behind(&lane->point, &ray))
-                lc_cut_settle(&lane->cut, &ray, true, NULL, LC_NONE, &lane->change);
-            else add(sh, lane, &ray);
-        }
+        while (lane->waits && add(sh, lane, &next) && sh->rays->n == LC_HOST_RAYS) ask(sh);
     }
     ask(sh);
 }

@@ -78,7 +78,7 @@ lc_status lc_shader_create(const lc_tree *t, const lc_shader_desc *desc, lc_shad
         lc_shader_destroy(sh);
         return st;
     }
-    sh->rays->n = 0;
+    sh->rays->n = sh->rays->n_runs = 0;
     *out = sh;
     return LC_OK;
 }

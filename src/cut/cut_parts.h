@@ -42,28 +42,28 @@ bool lc_cut_begin(lc_cut *cut, lc_cut_step *step, uint64_t hash);
 bool lc_cut_go_on(lc_cut *cut, lc_cut_step *step, double change);
 void lc_cut_end(lc_cut *cut, lc_cut_step *step, lc_cut_result *out);
 
-/* A shadow ray of a cluster or light of a cut. */
-typedef struct lc_cut_ray {
-    lc_cut_list *list;
-    uint32_t at;    /* in the list */
-    uint32_t light; /* the representative */
-    float to[3];    /* where it goes; far: the direction */
-    bool far;
-} lc_cut_ray;
-
 #define LC_CUT_RAY_LISTS 3
+/* Shadow rays of a cut, an element of each array a ray. */
+typedef struct lc_cut_rays {
+    float *to[3];    /* where it goes; far: the direction */
+    uint32_t *light; /* the representative */
+    uint8_t *far, *list;
+    uint32_t *at;    /* in the list */
+} lc_cut_rays;
+
+/* Where the next pending ray is looked for; all 0 at first. */
 typedef struct lc_cut_cursor {
     uint32_t list, at;
-} lc_cut_cursor; /* all 0 at first */
+} lc_cut_cursor;
 
-/* Hands out the next pending ray, which no longer is; false: there are no more. */
-bool lc_cut_next_ray(lc_cut *cut, const lc_point *point, lc_cut_cursor *next, lc_cut_ray *out);
-/* Whether the ray goes behind the geometric surface, so that it need not be traced: it is occluded. */
-bool lc_cut_is_behind(const lc_point *point, const lc_cut_ray *ray);
-/* Takes the answer to a ray: occluded, by what (see visibility.h; LC_NONE), or the fractions of R G B that
- * arrive, NULL: all. Adds to *change the change of the total's luminance. */
-void lc_cut_settle(const lc_cut *cut, const lc_cut_ray *ray, bool hidden, const float *through,
-                   uint32_t blocker, double *change);
+/* Hands out pending rays, which no longer are, until there are `room` or no more; returns their number. Those
+ * that go behind the geometric surface are settled at once. */
+uint32_t lc_cut_take_rays(lc_cut *cut, const lc_point *point, lc_cut_cursor *next, uint32_t room,
+                          const lc_cut_rays *out, double *change);
+/* Takes the answers to n rays: occluded, by what (see visibility.h), or the fractions of R G B that arrive;
+ * through, blocker: or NULL. Adds to *change the change of the total's luminance. */
+void lc_cut_settle(lc_cut *cut, const lc_cut_rays *rays, uint32_t n, const uint8_t *hidden,
+                   float *const through[3], const uint32_t *blocker, double *change);
 /* Sums the lights of `leaf`, whose rays have all been settled. */
 void lc_cut_leaves_done(lc_cut *cut);
 

@@ -125,35 +125,52 @@ double lc_cut_trace(lc_cut *c, const lc_cut_step *s)
 
 /* ---- rays that someone else traces ---- */
 
-bool lc_cut_next_ray(lc_cut *c, const lc_point *p, lc_cut_cursor *next, lc_cut_ray *out)
+/* Whether a ray goes behind the geometric surface, so that it is occluded. */
+static bool is_behind(const lc_point *p, const float to[3], bool far)
+{
+    const lc_f3 from = far ? lc_f3_make(0, 0, 0) : lc_f3_load(p->pos);
+    return lc_f3_dot(lc_f3_load(p->ng), lc_f3_sub(lc_f3_load(to), from)) < 0;
+}
+
+uint32_t lc_cut_take_rays(lc_cut *c, const lc_point *p, lc_cut_cursor *next, uint32_t room,
+                          const lc_cut_rays *out, double *change)
 {
     lc_cut_list *const lists[LC_CUT_RAY_LISTS] = { &c->open, &c->kept, &c->leaf };
+    const bool has_ng = lc_f3_max_abs(lc_f3_load(p->ng)) > 0;
+    uint32_t n = 0;
     for (; next->list < LC_CUT_RAY_LISTS; next->list++, next->at = 0) {
-        const lc_cut_list *list = lists[next->list];
-        uint32_t i = next->at;
-        if (next->list == 1 && i < c->n_traced) i = c->n_traced;
-        while (i < list->n && !(list->rep[i] & LC_PENDING)) i++;
-        next->at = i + 1;
-        if (i >= list->n) continue;
-        const uint32_t rep = list->rep[i] &= ~LC_PENDING;
-        const lc_light_kind kind = lc_kind_of_light(c->tree, rep);
-        const lc_light_rec *light = &c->tree->data.lights[rep];
-        *out = (lc_cut_ray){ .list = lists[next->list], .at = i, .light = rep, .far = lc_is_far(kind) };
-        memcpy(out->to, light->pos, sizeof out->to);
-        if (lc_is_sized(kind)) lc_ball_target(light, p, out->to);
-        return true;
+        lc_cut_list *list = lists[next->list];
+        uint32_t i = next->list == 1 && next->at < c->n_traced ? c->n_traced : next->at;
+        for (; i < list->n && n < room; i++) {
+            if (!(list->rep[i] & LC_PENDING)) continue;
+            const uint32_t rep = list->rep[i] &= ~LC_PENDING;
+            const lc_light_kind kind = lc_kind_of_light(c->tree, rep);
+            const lc_light_rec *light = &c->tree->data.lights[rep];
+            float to[3] = { light->pos[0], light->pos[1], light->pos[2] };
+            if (lc_is_sized(kind)) lc_ball_target(light, p, to);
+            if (has_ng && is_behind(p, to, lc_is_far(kind))) {
+                settle(c, list, i, true, NULL, LC_NONE, change);
+                continue;
+            }
+            for (int k = 0; k < 3; k++) out->to[k][n] = to[k];
+            out->light[n] = rep;
+            out->far[n] = lc_is_far(kind);
+            out->list[n] = (uint8_t)next->list;
+            out->at[n++] = i;
+        }
+        next->at = i;
+        if (i < list->n) break;
     }
-    return false;
+    return n;
 }
 
-bool lc_cut_is_behind(const lc_point *p, const lc_cut_ray *ray)
+void lc_cut_settle(lc_cut *c, const lc_cut_rays *rays, uint32_t n, const uint8_t *hidden,
+                   float *const through[3], const uint32_t *blocker, double *change)
 {
-    const lc_f3 from = ray->far ? lc_f3_make(0, 0, 0) : lc_f3_load(p->pos);
-    return lc_f3_dot(lc_f3_load(p->ng), lc_f3_sub(lc_f3_load(ray->to), from)) < 0;
-}
-
-void lc_cut_settle(const lc_cut *c, const lc_cut_ray *ray, bool hidden, const float *through,
-                   uint32_t blocker, double *change)
-{
-    if (hidden || through) settle(c, ray->list, ray->at, hidden, through, blocker, change);
+    lc_cut_list *const lists[LC_CUT_RAY_LISTS] = { &c->open, &c->kept, &c->leaf };
+    for (uint32_t i = 0; i < n; i++) {
+        if (!hidden[i] && !through) continue;
+        const float *left = through ? (const float[3]){ through[0][i], through[1][i], through[2][i] } : NULL;
+        settle(c, lists[rays->list[i]], rays->at[i], hidden[i], left, blocker ? blocker[i] : LC_NONE, change);
+    }
 }
