@@ -5,15 +5,12 @@
  *     cc spheres.c -llightcuts -lz -lm -lpthread
  */
 #include <lightcuts.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#define SIDE      64
-#define N_LIGHTS  2000
-#define N_SPHERES 3
-#define EPS       1e-3f /* of a ray, where hits near its ends do not count */
+enum { SIDE = 64, N_LIGHTS = 2000, N_SPHERES = 3 };
+#define EPS 1e-3f /* of a ray, where hits near its ends do not count */
 
 /* x y z radius; the first is the floor */
 static const float sphere[][4] = { { 0, -1000, 0, 1000 }, { -1, 0.7f, 0, 0.7f }, { 1, 0.9f, 0.8f, 0.9f } };
@@ -40,9 +37,9 @@ static float trace(const float *org, const float *dir, float lo, float hi, int *
     return hi;
 }
 
-static int is_hidden(const float *org, const float *to)
+static int is_hidden(const float *org, float x, float y, float z)
 {
-    float dir[3] = { to[0] - org[0], to[1] - org[1], to[2] - org[2] };
+    float dir[3] = { x - org[0], y - org[1], z - org[2] };
     int which;
     return trace(org, dir, EPS, 1 - EPS, &which) < 1 - EPS;
 }
@@ -53,8 +50,7 @@ static int visible(void *user, const lc_shadow_rays *r)
     (void)user;
     for (uint32_t i = 0; i < r->n; i++) {
         float org[3] = { r->org[0][i], r->org[1][i], r->org[2][i] };
-        float to[3] = { r->to[0][i], r->to[1][i], r->to[2][i] };
-        r->hidden[i] = (uint8_t)is_hidden(org, to);
+        r->hidden[i] = (uint8_t)is_hidden(org, r->to[0][i], r->to[1][i], r->to[2][i]);
     }
     return 0;
 }
@@ -63,10 +59,10 @@ static int visible(void *user, const lc_shadow_rays *r)
 static void shade_all(const lc_shade_point *p, const float *kd, float *rgb)
 {
     for (int i = 0; i < N_LIGHTS; i++) {
-        float d[3];
-        for (int k = 0; k < 3; k++) d[k] = light[i].position[k] - p->position[k];
+        const float *to = light[i].position;
+        float d[3] = { to[0] - p->position[0], to[1] - p->position[1], to[2] - p->position[2] };
         float cosine = dot(d, p->normal) / sqrtf(dot(d, d));
-        if (cosine <= 0 || is_hidden(p->position, light[i].position)) continue;
+        if (cosine <= 0 || is_hidden(p->position, to[0], to[1], to[2])) continue;
         for (int k = 0; k < 3; k++)
             rgb[k] += kd[k] / 3.14159265f * cosine / dot(d, d) * light[i].intensity[k];
     }
@@ -110,10 +106,7 @@ int main(void)
         desc.max_cut = 0;
         if (lc_shader_create(tree, &desc, &shader) || lc_shade(shader, &batch, by_cuts, &stats)) return 1;
         double off = 0, of = 0;
-        for (uint32_t j = 0; j < 3 * n; j++) {
-            off += fabs((double)by_cuts[j / 3][j % 3] - by_all[j / 3][j % 3]);
-            of += by_all[j / 3][j % 3];
-        }
+        for (uint32_t j = 0; j < n; j++) off += fabs((double)by_cuts[j][0] - by_all[j][0]), of += by_all[j][0];
         bad |= !(off <= most[i] * of);
         printf("error ratio %g: %.2g off, %.0f of %d lights a point, %.0f rays a call\n", ask[i], off / of,
                (double)stats.cut_sum / n, N_LIGHTS, (double)stats.rays / stats.calls);
