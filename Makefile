@@ -177,7 +177,7 @@ test:
 # What make test does, with a browser, GNU parallel and Slurm there, so that nothing is skipped for want of them; the source rules; and
 # another processor.
 test-all:
-	@sh src/deps/install.sh install browser farm
+	@sh src/deps/install.sh install browser farm examples
 	@$(MAKE) --no-print-directory test
 	@$(MAKE) --no-print-directory lint
 	@$(MAKE) --no-print-directory test-arm64

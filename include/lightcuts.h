@@ -546,6 +546,190 @@ LC_API lc_status lc_explain(lc_context *ctx, const lc_scene *scene, const lc_ren
                             uint32_t y, uint32_t sample, lc_explanation **out);
 LC_API void lc_explanation_destroy(lc_explanation *explanation);
 
+/* ---- lights, trees and cuts ----
+ *
+ * For a host that has surfaces, materials and a ray tracer of its own:
+ *
+ *     lights -> lc_tree -> lc_shader -> lc_shade(points) -> radiance, and on request the cut of each point
+ *                                          |      ^
+ *                                     rays v      | hidden
+ *                                       the host's `visible`
+ *
+ * A tree is immutable and may be used by any number of shaders on any threads at once. A shader is scratch:
+ * each thread needs one of its own. lc_shade neither allocates nor starts threads, and calls `visible`, `cut`
+ * and the context's log from the calling thread only. Trees and shaders are created and destroyed by one
+ * thread at a time, as everything that takes the context. include/README.md is the guide.
+ */
+
+typedef struct lc_tree lc_tree;     /* lights, and clusters of them; immutable */
+typedef struct lc_shader lc_shader; /* what a thread shades points with */
+
+/* Kinds of light, numbered as for lc_light_kind_name. G is what the light's intensity is multiplied by at a
+ * point: d is the distance, phi the angle between `direction` and the direction from the light to the point.
+ */
+enum {
+    LC_TREE_POINT = 0,       /* G = 1 / f(d), f(d) = A + B d + C d^2 */
+    LC_TREE_ORIENTED = 1,    /* G = max(cos phi, 0) / f(d), as a small piece of a diffuse surface */
+    LC_TREE_DIRECTIONAL = 2, /* G = 1 */
+    LC_TREE_SPOT = 3,        /* G = t^2 (3 - 2 t) / d^2, t = (cos phi - cos_total) / (cos_start - cos_total),
+                              * clamped to 0..1 */
+    LC_TREE_VIRTUAL = 4,     /* as LC_TREE_ORIENTED */
+    LC_TREE_BALL = 5         /* G = 1 / d^2 from the centre; shadow rays go to points of the surface */
+};
+
+typedef struct lc_tree_light {
+    uint32_t kind;              /* LC_TREE_... */
+    float position[3];          /* world space; not used by directional lights */
+    float direction[3];         /* unit, in which light travels; not used by point lights and balls */
+    float intensity[3];         /* R G B, W/sr; directional: irradiance, W/m^2; >= 0. A light without any is
+                                 * left out */
+    float attenuation[3];       /* A, B, C of point, oriented, virtual lights, >= 0; all 0: 1/d^2 */
+    float cos_total, cos_start; /* spots: -2..1, cos_total <= cos_start */
+    float radius;               /* balls: scene units, > 0 */
+} lc_tree_light;
+
+typedef struct lc_tree_desc {
+    size_t size;
+    uint32_t n_reps;    /* 1..32 representatives a cluster; 0: 16 */
+    lc_builder builder;
+    uint64_t seed;      /* of the choice of representatives */
+    double diagonal;    /* scene units, of the box around all that is lit: distances below 1e-5 of it count
+                         * as that; at least that of the box around the lights is used */
+} lc_tree_desc;
+#define LC_TREE_DESC_INIT { sizeof(lc_tree_desc), 0, LC_BUILDER_AUTO, 0, 0 }
+
+typedef struct lc_tree_info {
+    uint32_t n_given, n_lights;             /* n_lights: without those that have no intensity */
+    uint32_t n_of_kind[LC_MAX_LIGHT_KINDS]; /* of n_lights */
+    uint64_t bytes;
+} lc_tree_info;
+
+/* Builds a tree; the lights are copied. n may be 0. desc may be NULL for the defaults. The tree keeps using
+ * ctx. Fails with LC_ERR_ARG, which names the light and what is wrong with it, and LC_ERR_MEMORY. */
+LC_API lc_status lc_tree_create(lc_context *ctx, const lc_tree_light *lights, size_t n,
+                                const lc_tree_desc *desc, lc_tree **out);
+/* Its shaders must have been destroyed before. */
+LC_API void lc_tree_destroy(lc_tree *tree);
+LC_API void lc_tree_get_info(const lc_tree *tree, lc_tree_info *info);
+
+/* Shadow rays of several points, those of a point in a row. All arrays are the library's and have n elements.
+ */
+typedef struct lc_shadow_rays {
+    uint32_t n;
+    const float *org[3];   /* x, y, z: where ray i starts, world space */
+    const float *to[3];    /* where it ends: at the light; far: the unit direction of a ray without end */
+    const uint8_t *far;    /* 1: the light is directional */
+    const uint32_t *point; /* the shading point, by its place in the batch */
+    const uint32_t *light; /* by its place in what lc_tree_create was given */
+    uint8_t *hidden;       /* to be set to 1 if the ray is occluded; 0 before the call */
+    float *through[3];     /* NULL unless `dims`. To be set to the fractions of R, G, B that arrive, 0..1; 1
+                            * before the call */
+    uint32_t *blocker;     /* NULL unless `occluders`; for lc_scene_visible alone */
+} lc_shadow_rays;
+
+/* Answers shadow rays; nonzero ends lc_shade with LC_ERR_CANCELLED. Called by the thread that called
+ * lc_shade, from each thread's shader for itself. */
+typedef int lc_visible_fn(void *user, const lc_shadow_rays *rays);
+
+/* An lc_visible_fn: what a loaded scene's triangles occlude, glass and holes included; user is the
+ * lc_scene. A host's own function may call it. */
+LC_API int lc_scene_visible(void *scene, const lc_shadow_rays *rays);
+
+/* A cluster of a cut. M and G being the host's own material (reflectance times the receiver's cosine, 1/sr)
+ * and the light's G above, of light `light`, the radiance at the point is the sum over the entries with
+ * `visible` set of weight M G. */
+typedef struct lc_cut_entry {
+    uint32_t light;    /* the representative, by its place in what lc_tree_create was given */
+    int visible;       /* 1: a shadow ray to it arrived; 0: it is occluded, or contributes nothing */
+    float weight[3];   /* R G B, W/sr: the summed intensity of the cluster, times what glass lets through */
+    float radiance[3]; /* what the entry contributes with the point's lc_shade_material */
+    float bound;       /* luminance that all lights of the cluster contribute at most; 0: a single light,
+                        * which is exact */
+} lc_cut_entry;
+
+typedef struct lc_shader_desc {
+    size_t size;
+    lc_visible_fn *visible; /* must not be NULL */
+    void *visible_user;
+    int dims;               /* nonzero: `visible` sets `through`, too */
+    /* NULL, or the scene whose answers `visible` passes on from lc_scene_visible, `blocker` included: then
+     * whole clusters may be proved to be occluded by its triangles, which saves rays. */
+    const lc_scene *occluders;
+    float error_ratio;      /* limit on each cluster's error bound, as a fraction of the point's estimate; >= 0,
+                             * 0 means 0: every light that contributes. INIT sets 0.02 */
+    float z;                /* 0; or above 0: not each bound, but z times the root of the sum of the squares
+                             * of all bounds is limited by error_ratio */
+    float floor;            /* luminance of reflected radiance: errors are relative to it where the estimate is
+                             * below; >= 0 */
+    uint32_t max_cut;       /* limits the clusters of a cut; 0: no limit. INIT sets 1000 */
+    uint64_t seed;          /* of the choice among a cluster's representatives */
+    int apart;              /* nonzero: no point depends on others; slower */
+    /* NULL, or given each point's cut: clusters, and single lights that contribute. What is left out
+     * contributes nothing. The entries are valid during the call. */
+    void (*cut)(void *user, uint32_t point, const lc_cut_entry *entries, uint32_t n);
+    void *cut_user;
+} lc_shader_desc;
+#define LC_SHADER_DESC_INIT { sizeof(lc_shader_desc), 0, 0, 0, 0, 0.02f, 0, 0, 1000, 0, 0, 0, 0 }
+
+/* Memory: about 2.4 kB for each cluster of max_cut, or with max_cut 0 for each light up to some 260 000 and
+ * 150 bytes for each beyond, of which only what cuts use is ever touched; and 1 MB. Fails with LC_ERR_ARG,
+ * _MEMORY. */
+LC_API lc_status lc_shader_create(const lc_tree *tree, const lc_shader_desc *desc, lc_shader **out);
+LC_API void lc_shader_destroy(lc_shader *shader);
+
+enum { LC_GLOSS_NONE = 0, LC_GLOSS_PHONG, LC_GLOSS_WARD, LC_GLOSS_OREN_NAYAR, LC_GLOSS_GGX };
+enum { LC_REFLECT_SCHLICK = 0, LC_REFLECT_DIELECTRIC, LC_REFLECT_CONDUCTOR, LC_REFLECT_ALL };
+
+/* How a surface reflects; formulas: src/shade/material.h. Numbers are R G B. */
+typedef struct lc_shade_material {
+    float kd[3], ks[3];  /* diffuse reflectance; factor of the lobe; >= 0 */
+    uint32_t gloss;      /* the lobe: LC_GLOSS_... */
+    float exponent;      /* Phong: 0..1e5 */
+    float roughness[2];  /* Ward, GGX: along the tangent and across, 0.001..1; Oren-Nayar: sigma, rad, twice */
+    float tangent[3];    /* Ward, GGX: world space, unit; 0: any */
+    uint32_t fresnel;    /* GGX: LC_REFLECT_... */
+    float eta[3], k[3];  /* GGX: indices of refraction, absorption */
+    int coat;            /* GGX: kd lies below a dielectric of index eta[0] */
+} lc_shade_material;
+
+typedef struct lc_shade_point {
+    float position[3];  /* world space */
+    float normal[3];    /* unit, of shading, on the viewer's side: no light from behind it */
+    float geometric[3]; /* unit, on the viewer's side: lights behind it are occluded, without a ray; 0: as
+                         * `normal` */
+    float view[3];      /* unit, towards the viewer */
+    float offset;       /* scene units: shadow rays start at position + offset geometric. 0: at the position,
+                         * for a tracer that ignores hits near the start */
+    float reach;        /* scene units: how far from here points are alike; 0: any. Of speed only */
+    uint32_t material;  /* by its place in the batch's materials */
+} lc_shade_point;
+
+typedef struct lc_shade_batch {
+    size_t size;
+    uint64_t first; /* number of points[0] in the host's numbering, a multiple of 16 */
+    uint32_t n;
+    uint32_t n_materials;
+    const lc_shade_point *points; /* blocks of 16 that lie near each other, as 4x4 pixels do by rows, are
+                                   * fastest; 256 and more at a time give `visible` the longest lists */
+    const lc_shade_material *materials;
+} lc_shade_batch;
+#define LC_SHADE_BATCH_INIT { sizeof(lc_shade_batch), 0, 0, 0, 0, 0 }
+
+typedef struct lc_shade_stats {
+    uint64_t points, rays, calls; /* calls of `visible` */
+    uint64_t cut_sum;             /* clusters and lights of all cuts */
+    uint64_t bounds_evaluated;
+    uint64_t cut_at_limit;        /* points that met max_cut with a bound above its limit */
+    uint64_t points_dark;         /* points where the floor, not the estimate, set the limit */
+} lc_shade_stats;
+
+/* Radiance towards the viewer by all lights, rgb[i] of point i, W/(m^2 sr). The same tree, shader, points and
+ * `first` give the same bits, on any thread and instruction set; a point depends on those of its block of 16
+ * and on no others, unless `apart`. stats may be NULL; it is added to. Fails with LC_ERR_ARG, before anything
+ * is shaded, and LC_ERR_CANCELLED by `visible`; rgb and stats are then undefined. */
+LC_API lc_status lc_shade(lc_shader *shader, const lc_shade_batch *batch, float (*rgb)[3],
+                          lc_shade_stats *stats);
+
 #ifdef __cplusplus
 }
 #endif

@@ -19,4 +19,15 @@ static inline void lc_sample_pair(uint64_t key, uint32_t i, double u[2])
     u[1] = y * 0x1p-32;
 }
 
+/* A permutation of 0 .. 15 for each key: rounds of what can be undone, addition, an odd factor, a shifted
+ * xor. */
+static inline uint32_t lc_permute16(uint32_t k, uint64_t key)
+{
+    for (int round = 0; round < 4; round++, key >>= 8) {
+        k = (k + (uint32_t)key) * ((uint32_t)(key >> 3) | 1) & 15;
+        k ^= k >> 2;
+    }
+    return k;
+}
+
 #endif

@@ -234,44 +234,49 @@ static float limit_of(lc_cut *c, const lc_cut_step *s, bool traced, double total
     return c->worst_first ? lc_cut_worst_limit(c, limit) : limit;
 }
 
-/* Refines the cut; see cut.h. Pending rays count as V = 1: the total is no less than it will be and the limit
- * no lower, so nothing is split without need. With proofs of occlusion, rays are traced after every round of
- * a cut that is saved as a start, and of one that is short of room, which large hidden clusters would fill.
- * Returns the total's luminance; *ratio is the error ratio of the last limit. c->short_of_room is set where a
- * round did not fit. */
-static double refine(lc_cut *c, lc_cut_step *s, double *ratio)
+/* Begins with the start, or the roots. */
+static void place(lc_cut *c, lc_cut_step *s)
+{
+    c->rays_before = s->stats->shadow_rays;
+    c->total = c->start ? lc_cut_place_start(c, s) : lc_cut_place_roots(c, s);
+    c->traced = c->start && !c->defers;
+}
+
+/* Refines the cut as far as it can be without a ray; see cut.h. Pending rays count as V = 1: the total is no
+ * less than it will be and the limit no lower, so nothing is split without need. With proofs of occlusion,
+ * rays are traced after every round of a cut that is saved as a start, and of one that is short of room,
+ * which large hidden clusters would fill. True: the pending rays have to be traced now; false: this is the
+ * cut, or where c->short_of_room is set a round did not fit. */
+static bool refine(lc_cut *c, lc_cut_step *s)
 {
     const bool each_round = c->worst_first || c->desc.z > 0; /* a limit of its own */
-    const uint64_t rays_before = s->stats->shadow_rays;
     const bool trace_each_round = c->occlusion && (c->start_out || c->worst_first);
-    double total = c->start ? lc_cut_place_start(c, s) : lc_cut_place_roots(c, s);
-    for (bool traced = c->start;;) {
-        const float limit = limit_of(c, s, traced, total, ratio);
-        if (traced || each_round) {
+    for (;;) {
+        const float limit = limit_of(c, s, c->traced, c->total, &c->ratio);
+        if (c->traced || each_round) {
             c->ctx->cut_kernels->partition(&c->kept, limit, &c->open, &c->kept);
-            c->n_traced = traced ? c->kept.n : 0;
+            c->n_traced = c->traced ? c->kept.n : 0;
         }
         const uint32_t hidden_before = c->n_hidden;
-        const bool split = split_round(c, s, limit, rays_before, &total);
-        if (c->short_of_room && !each_round) return total;
-        if (split) traced = false;
+        const bool split = split_round(c, s, limit, c->rays_before, &c->total);
+        if (c->short_of_room && !each_round) return false;
+        if (split) c->traced = false;
         if (split && !trace_each_round) continue;
         if (!split && c->n_hidden > hidden_before) continue; /* all of the round are: there is a new limit */
-        if (traced) return total;
-        total += lc_cut_trace(c, s);
-        traced = true;
+        return !c->traced;
     }
 }
 
 /* Refines it in rounds; where these run out of room, again from the roots, worst first. */
-static double refine_within_room(lc_cut *c, lc_cut_step *s, double *ratio)
+static bool refine_within_room(lc_cut *c, lc_cut_step *s)
 {
-    double total = refine(c, s, ratio);
-    if (!c->short_of_room || c->desc.z > 0) return total;
+    if (refine(c, s)) return true;
+    if (!c->short_of_room || c->desc.z > 0 || c->worst_first) return false;
     c->start = NULL;
     reset(c);
     c->worst_first = true;
-    return refine(c, s, ratio);
+    place(c, s);
+    return refine(c, s);
 }
 
 /* Whether the error left is above this. */
@@ -281,27 +286,58 @@ static bool error_above(const lc_cut *c, double most)
     return (double)worst_of(&c->kept) > most;
 }
 
+void lc_cut_set_step(lc_cut_step *s, const lc_cut *c, const lc_point *p, const float org[3], lc_stats *stats)
+{
+    s->point = p;
+    s->org = org;
+    s->stats = stats;
+    s->pairs = (lc_cut_pairs){ .parent = &c->split,
+                               .bound = s->bound,
+                               .link = s->link,
+                               .intensity = s->intensity,
+                               .fresh = s->fresh,
+                               .rep = s->rep,
+                               .transfer = { s->f[0], s->f[1], s->f[2] } };
+}
+
+bool lc_cut_begin(lc_cut *c, lc_cut_step *s, uint64_t hash)
+{
+    reset(c);
+    c->first_ray = s->stats->shadow_rays;
+    s->stats->points++;
+    c->total = c->ratio = 0;
+    if (!c->tree->n_lights) return false;
+    set_slot(c, (uint32_t)(hash % c->tree->n_reps));
+    if (c->occlusion) lc_occlusion_start(c->occlusion, s->org);
+    c->in_block = c->occlusion && c->start && c->start->has_points &&
+                  lc_point_box_holds(&c->start->points, s->org);
+    place(c, s);
+    return (c->start && c->defers) || refine_within_room(c, s);
+}
+
+bool lc_cut_go_on(lc_cut *c, lc_cut_step *s, double change)
+{
+    c->total += change;
+    c->traced = true;
+    return refine_within_room(c, s);
+}
+
+void lc_cut_end(lc_cut *c, lc_cut_step *s, lc_cut_result *out)
+{
+    *out = (lc_cut_result){ 0 };
+    if (!c->tree->n_lights) return;
+    if (!c->start_saved) lc_cut_save_start(c, s->stats);
+    out->at_limit = c->open.n > 0;
+    out->dark = !out->at_limit && c->total < (double)c->desc.floor && error_above(c, c->ratio * c->total);
+    finish(c, c->first_ray, s->stats, out);
+}
+
 void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t hash, lc_stats *stats,
                   lc_cut_result *out)
 {
-    const uint64_t rays_before = stats->shadow_rays;
     lc_cut_step s;
-    s.point = p;
-    s.org = org;
-    s.stats = stats;
-    s.pairs = (lc_cut_pairs){ .parent = &c->split, .bound = s.bound, .link = s.link, .intensity = s.intensity,
-                              .fresh = s.fresh, .rep = s.rep, .transfer = { s.f[0], s.f[1], s.f[2] } };
-    *out = (lc_cut_result){ 0 };
-    reset(c);
-    stats->points++;
-    if (!c->tree->n_lights) return;
-    set_slot(c, (uint32_t)(hash % c->tree->n_reps));
-    if (c->occlusion) lc_occlusion_start(c->occlusion, org);
-    c->in_block = c->occlusion && c->start && c->start->has_points &&
-                  lc_point_box_holds(&c->start->points, org);
-    double ratio, total = refine_within_room(c, &s, &ratio);
-    if (!c->start_saved) lc_cut_save_start(c, stats);
-    out->at_limit = c->open.n > 0;
-    out->dark = !out->at_limit && total < (double)c->desc.floor && error_above(c, ratio * total);
-    finish(c, rays_before, stats, out);
+    lc_cut_set_step(&s, c, p, org, stats);
+    for (bool wants_rays = lc_cut_begin(c, &s, hash); wants_rays;)
+        wants_rays = lc_cut_go_on(c, &s, lc_cut_trace(c, &s));
+    lc_cut_end(c, &s, out);
 }

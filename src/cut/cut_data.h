@@ -86,6 +86,13 @@ typedef struct lc_cut {
     bool worst_first;   /* clusters are split by falling bounds, as max_size leaves no room for all */
     double factor;      /* on the error ratio, <= 1 */
 
+    /* While it is refined. */
+    double total; /* luminance of all estimates, V = 1 where a ray is pending */
+    double ratio; /* the error ratio of the last limit */
+    bool traced;  /* no ray is pending */
+    bool defers;  /* set by a caller that traces the rays itself: those of a start are left pending, too */
+    uint64_t first_ray, rays_before; /* counts of rays when the cut, and its refinement, began */
+
     lc_occlusion *occlusion; /* NULL: nothing is ever proved to be occluded */
     lc_hidden_cluster *hidden;
     uint32_t n_hidden, max_hidden; /* they do not count towards max_size */

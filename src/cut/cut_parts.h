@@ -31,8 +31,46 @@ typedef struct lc_cut_step {
     float f[6][LC_CUT_BATCH + LC_LANES]; /* of new representatives: M G, target of the shadow ray */
 } lc_cut_step;
 
-/* Puts the roots into `open`, or with a start its clusters into `kept`; after a start no ray is pending.
- * Returns the total's luminance. */
+/* ---- a cut in steps, between which its pending rays are traced ---- */
+
+/* Sets what a step is for; its batch may be anyone's. */
+void lc_cut_set_step(lc_cut_step *step, const lc_cut *cut, const lc_point *point, const float org[3],
+                     lc_stats *stats);
+/* True: all pending rays have to be traced, and lc_cut_go_on be called with the change of the total's
+ * luminance; false: lc_cut_end has the result. */
+bool lc_cut_begin(lc_cut *cut, lc_cut_step *step, uint64_t hash);
+bool lc_cut_go_on(lc_cut *cut, lc_cut_step *step, double change);
+void lc_cut_end(lc_cut *cut, lc_cut_step *step, lc_cut_result *out);
+
+#define LC_CUT_RAY_LISTS 3
+/* Shadow rays of a cut, an element of each array a ray. */
+typedef struct lc_cut_rays {
+    float *to[3];    /* where it goes; far: the direction */
+    uint32_t *light; /* the representative */
+    uint8_t *far, *list;
+    uint32_t *at;    /* in the list */
+} lc_cut_rays;
+
+/* Where the next pending ray is looked for; all 0 at first. */
+typedef struct lc_cut_cursor {
+    uint32_t list, at;
+} lc_cut_cursor;
+
+/* Hands out pending rays, which no longer are, until there are `room` or no more; returns their number. Those
+ * that go behind the geometric surface are settled at once. */
+uint32_t lc_cut_take_rays(lc_cut *cut, const lc_point *point, lc_cut_cursor *next, uint32_t room,
+                          const lc_cut_rays *out, double *change);
+/* Takes the answers to n rays: occluded, by what (see visibility.h), or the fractions of R G B that arrive;
+ * through, blocker: or NULL. Adds to *change the change of the total's luminance. */
+void lc_cut_settle(lc_cut *cut, const lc_cut_rays *rays, uint32_t n, const uint8_t *hidden,
+                   float *const through[3], const uint32_t *blocker, double *change);
+/* Sums the lights of `leaf`, whose rays have all been settled. */
+void lc_cut_leaves_done(lc_cut *cut);
+
+/* ---- the parts ---- */
+
+/* Puts the roots into `open`, or with a start its clusters into `kept`; after a start no ray is pending,
+ * unless the cut defers them. Returns the total's luminance. */
 double lc_cut_place_roots(lc_cut *cut, lc_cut_step *step);
 double lc_cut_place_start(lc_cut *cut, lc_cut_step *step);
 /* Saves the cut as it is now to start_out, with what can be proved for all of its points. */

@@ -10,6 +10,8 @@
 
 #include "shade/point_init.h"
 
+#include <string.h>
+
 bool lc_cut_hidden(const lc_visibility *visibility, const lc_point *p, const float org[3], uint32_t n,
                    const float *const target[3], bool far, uint8_t *hidden, uint32_t *blocker,
                    float *const through[3])
@@ -36,6 +38,23 @@ static double luminance_at(const lc_cut_list *list, uint32_t at)
     return (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
 }
 
+/* Takes the answer to an element's ray into account; through: what glass leaves of it, or NULL. */
+static void settle(const lc_cut *c, lc_cut_list *list, uint32_t at, bool hidden, const float *through,
+                   uint32_t blocker, double *change)
+{
+    *change -= luminance_at(list, at);
+    if (!hidden) {
+        for (int k = 0; k < 3; k++) {
+            list->transfer[k][at] *= through[k];
+            list->e[k][at] *= through[k];
+        }
+        *change += luminance_at(list, at);
+        return;
+    }
+    if (c->occlusion) lc_occlusion_note(c->occlusion, list->rep[at], blocker);
+    for (int k = 0; k < 3; k++) list->transfer[k][at] = list->e[k][at] = 0;
+}
+
 static double trace_group(const lc_cut *c, const lc_cut_step *s, lc_cut_list *list, const ray_group *g,
                           bool far)
 {
@@ -50,19 +69,9 @@ static double trace_group(const lc_cut *c, const lc_cut_step *s, lc_cut_list *li
     lc_phase_end(s->stats, LC_PHASE_SHADOW);
     s->stats->shadow_rays += g->n;
     for (uint32_t i = 0; i < g->n; i++) {
-        uint32_t at = g->at[i];
         if (!hidden[i] && !dims) continue;
-        change -= luminance_at(list, at);
-        if (!hidden[i]) {
-            for (int k = 0; k < 3; k++) {
-                list->transfer[k][at] *= v[k][i];
-                list->e[k][at] *= v[k][i];
-            }
-            change += luminance_at(list, at);
-            continue;
-        }
-        if (c->occlusion) lc_occlusion_note(c->occlusion, list->rep[at], blocker[i]);
-        for (int k = 0; k < 3; k++) list->transfer[k][at] = list->e[k][at] = 0;
+        const float *left = dims ? (const float[3]){ v[0][i], v[1][i], v[2][i] } : NULL;
+        settle(c, list, g->at[i], hidden[i], left, c->occlusion ? blocker[i] : LC_NONE, &change);
     }
     return change;
 }
@@ -93,12 +102,17 @@ static double trace_list(const lc_cut *c, const lc_cut_step *s, lc_cut_list *lis
     return change;
 }
 
-double lc_cut_trace_leaves(lc_cut *c, const lc_cut_step *s)
+void lc_cut_leaves_done(lc_cut *c)
 {
-    double change = trace_list(c, s, &c->leaf, 0);
     for (uint32_t i = 0; i < c->leaf.n; i++)
         for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf.e[k][i];
     c->leaf.n = 0;
+}
+
+double lc_cut_trace_leaves(lc_cut *c, const lc_cut_step *s)
+{
+    double change = trace_list(c, s, &c->leaf, 0);
+    lc_cut_leaves_done(c);
     return change;
 }
 
@@ -107,4 +121,56 @@ double lc_cut_trace(lc_cut *c, const lc_cut_step *s)
     double change = trace_list(c, s, &c->open, 0);
     change += trace_list(c, s, &c->kept, c->n_traced);
     return change + lc_cut_trace_leaves(c, s);
+}
+
+/* ---- rays that someone else traces ---- */
+
+/* Whether a ray goes behind the geometric surface, so that it is occluded. */
+static bool is_behind(const lc_point *p, const float to[3], bool far)
+{
+    const lc_f3 from = far ? lc_f3_make(0, 0, 0) : lc_f3_load(p->pos);
+    return lc_f3_dot(lc_f3_load(p->ng), lc_f3_sub(lc_f3_load(to), from)) < 0;
+}
+
+uint32_t lc_cut_take_rays(lc_cut *c, const lc_point *p, lc_cut_cursor *next, uint32_t room,
+                          const lc_cut_rays *out, double *change)
+{
+    lc_cut_list *const lists[LC_CUT_RAY_LISTS] = { &c->open, &c->kept, &c->leaf };
+    const bool has_ng = lc_f3_max_abs(lc_f3_load(p->ng)) > 0;
+    uint32_t n = 0;
+    for (; next->list < LC_CUT_RAY_LISTS; next->list++, next->at = 0) {
+        lc_cut_list *list = lists[next->list];
+        uint32_t i = next->list == 1 && next->at < c->n_traced ? c->n_traced : next->at;
+        for (; i < list->n && n < room; i++) {
+            if (!(list->rep[i] & LC_PENDING)) continue;
+            const uint32_t rep = list->rep[i] &= ~LC_PENDING;
+            const lc_light_kind kind = lc_kind_of_light(c->tree, rep);
+            const lc_light_rec *light = &c->tree->data.lights[rep];
+            float to[3] = { light->pos[0], light->pos[1], light->pos[2] };
+            if (lc_is_sized(kind)) lc_ball_target(light, p, to);
+            if (has_ng && is_behind(p, to, lc_is_far(kind))) {
+                settle(c, list, i, true, NULL, LC_NONE, change);
+                continue;
+            }
+            for (int k = 0; k < 3; k++) out->to[k][n] = to[k];
+            out->light[n] = rep;
+            out->far[n] = lc_is_far(kind);
+            out->list[n] = (uint8_t)next->list;
+            out->at[n++] = i;
+        }
+        next->at = i;
+        if (i < list->n) break;
+    }
+    return n;
+}
+
+void lc_cut_settle(lc_cut *c, const lc_cut_rays *rays, uint32_t n, const uint8_t *hidden,
+                   float *const through[3], const uint32_t *blocker, double *change)
+{
+    lc_cut_list *const lists[LC_CUT_RAY_LISTS] = { &c->open, &c->kept, &c->leaf };
+    for (uint32_t i = 0; i < n; i++) {
+        if (!hidden[i] && !through) continue;
+        const float *left = through ? (const float[3]){ through[0][i], through[1][i], through[2][i] } : NULL;
+        settle(c, lists[rays->list[i]], rays->at[i], hidden[i], left, blocker ? blocker[i] : LC_NONE, change);
+    }
 }

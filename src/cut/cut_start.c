@@ -2,8 +2,8 @@
  * at a point near it. Any cut will do: what is above the limit in it is split.
  *
  * A start's nodes are bounded, estimated and traced at once and go to `kept`, where those above the limit are
- * found afterwards; its lights are done. Clusters that were proved to be occluded at the other point are
- * tested here first.
+ * found afterwards; its lights are done. A cut that defers its rays leaves them pending. Clusters that were
+ * proved to be occluded at the other point are tested here first.
  */
 #include "cut/cut.h"
 #include "cut/cut_parts.h"
@@ -223,7 +223,9 @@ static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
     for (uint32_t i = 0; i < n_lit && n_lit < n; i++) /* in place, since lit[i] >= i */
         for (int k = 3; k < 6; k++) s->f[k][i] = s->f[k][lit[i]];
     lc_phase_end(s->stats, LC_PHASE_REFINE);
-    trace_nodes(c, s, lit, n_lit, out, e, kind);
+    if (c->defers)
+        for (uint32_t i = 0; i < n_lit; i++) kept->rep[at + lit[i]] |= LC_PENDING;
+    else trace_nodes(c, s, lit, n_lit, out, e, kind);
     kept->n = at + n;
     return luminance_of(e, n);
 }
@@ -240,7 +242,7 @@ static double start_lights(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint
         c->done[c->n_done++] = link[i];
         total += lc_cut_append(&c->leaf, 1, link[i], rep, f, lc_cut_intensity_of(&c->tree->data, link[i]));
     }
-    return total + lc_cut_trace_leaves(c, s);
+    return c->defers ? total : total + lc_cut_trace_leaves(c, s);
 }
 
 /* How many of the n links are of the kind of the first, at most LC_CUT_BATCH. */

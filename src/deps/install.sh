@@ -1,7 +1,7 @@
 #!/bin/sh
 # install.sh - makes sure that what a build needs is there.
 #
-#     sh src/deps/install.sh check|install GROUP...      groups: build static shared test fuzz lint browser farm aarch64
+#     sh src/deps/install.sh check|install GROUP...      groups: build static shared test fuzz lint browser farm examples aarch64
 #
 # A thing is looked for by a file or command, never by package, so that it may come from anywhere. What is missing is
 # installed with apt-get when that is there and the user may (root, or sudo without a password); otherwise one line
@@ -45,6 +45,10 @@ for group in "$@"; do
         need_command qemu-user qemu-aarch64
         ;;
     browser) need_command chromium chromium ;;
+    examples)
+        need_command g++ c++
+        need_file libembree-dev /usr/include/embree3/rtcore.h
+        ;;
     farm)
         need_command parallel parallel
         need_file slurmctld /usr/sbin/slurmctld

@@ -13,8 +13,6 @@
 #include "trace/bvh.h"
 #include "tree/light_tree.h"
 
-#define FLOOR_OF_DIAG2 1e-10 /* the squared distance floor, as a fraction of the squared diagonal */
-
 /* The squared diagonal of the box around triangles and lights. */
 static double scene_diag2(const lc_scene *s)
 {
@@ -91,7 +89,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!st) lc_lamps_find(s, n_given, n_before);
     s->diag2 = scene_diag2(s);
     lc_camera_set_distance(&s->camera, sqrt(s->diag2));
-    s->min_d2 = (float)fmax(FLOOR_OF_DIAG2 * s->diag2, LC_MIN_D2);
+    s->min_d2 = (float)fmax(LC_FLOOR_OF_DIAG2 * s->diag2, LC_MIN_D2);
     if (!st) st = make_indirect(s, desc, n_given);
     if (st) return st;
     s->follows_smooth = all_seen || s->indirect.n_lights;

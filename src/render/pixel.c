@@ -14,17 +14,6 @@ static uint64_t pixel_of(const lc_render_job *j, uint32_t x, uint32_t y)
     return (uint64_t)y * j->scene->film.width + x;
 }
 
-/* A permutation of 0 .. 15 for each key: rounds of what can be undone, addition, an odd factor, a shifted
- * xor. */
-static uint32_t permute16(uint32_t k, uint64_t key)
-{
-    for (int round = 0; round < 4; round++, key >>= 8) {
-        k = (k + (uint32_t)key) * ((uint32_t)(key >> 3) | 1) & 15;
-        k ^= k >> 2;
-    }
-    return k;
-}
-
 /* Picks a pixel's slot of representatives. The pixels of a block have 16 numbers in an order of its own, so
  * with at most as many slots all are in it equally often, and the block's mean is better than that of any 16
  * choices; samples of a pixel go on from its number, which is in the lowest four bits. Measured:
@@ -34,7 +23,7 @@ uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i
     if (j->scene->tree->n_reps == 1) return 0;
     uint64_t h = lc_job_key(j, pixel_of(j, x - x % LC_PIXEL_BLOCK, y - y % LC_PIXEL_BLOCK), 0, LC_DIM_SLOT);
     return h >> 32 << 4 |
-           ((permute16(y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK, h) + 5 * i) & 15);
+           ((lc_permute16(y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK, h) + 5 * i) & 15);
 }
 
 /* Radiance of one lit surface, as it leaves it. */

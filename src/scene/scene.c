@@ -8,7 +8,6 @@
 #include <string.h>
 
 #define MAX_COUNT 0x3fffffffu /* limits triangles, vertices, lights: ids of 30 bits leave two for flags */
-#define MAX_COLOUR 1e6f       /* limits colours and indices of refraction of a material */
 #define UNIT_TOLERANCE 1e-4f  /* of the length of a unit direction; rounding gives about 1e-7 */
 
 #define GROW(scene, field, cap, need)                                                                        \
@@ -36,15 +35,7 @@ static bool is_colour(lc_f3 a, float max) { return in_range(a, max) && a.x >= 0 
 
 lc_status lc_scene_add_material(lc_scene *s, const lc_material *m, uint32_t *id)
 {
-    if (!is_colour(m->kd, MAX_COLOUR) || !is_colour(m->ks, MAX_COLOUR) || !is_colour(m->kt, MAX_COLOUR) ||
-        !is_colour(m->eta, MAX_COLOUR) || !is_colour(m->k, MAX_COLOUR) ||
-        !(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT))
-        return LC_ERR_ARG;
-    if (lc_lobes[m->lobe].check && !lc_lobes[m->lobe].check(m)) return LC_ERR_ARG;
-    const float *rough = m->roughness;
-    if (rough[0] > 0 && !(rough[0] >= LC_MIN_ROUGHNESS && rough[0] <= LC_MAX_ROUGHNESS &&
-                          rough[1] >= LC_MIN_ROUGHNESS && rough[1] <= LC_MAX_ROUGHNESS))
-        return LC_ERR_ARG;
+    if (!lc_material_in_range(m)) return LC_ERR_ARG;
     lc_status st = GROW(s, materials, cap_materials, s->n_materials + 1);
     if (!st) st = GROW(s, maps, cap_maps, s->n_materials + 1);
     if (st) return st;

@@ -47,3 +47,21 @@ const lc_lobe_info lc_lobes[LC_LOBES] = {
 #include "shade/lobes.h"
 #undef LOBE
 };
+
+#define MAX_COLOUR 1e6f /* limits colours and indices of refraction */
+
+static bool is_colour(lc_f3 a)
+{
+    return lc_f3_finite(a) && a.x >= 0 && a.y >= 0 && a.z >= 0 && lc_f3_max(a) <= MAX_COLOUR;
+}
+
+bool lc_material_in_range(const lc_material *m)
+{
+    const float *rough = m->roughness;
+    if (!is_colour(m->kd) || !is_colour(m->ks) || !is_colour(m->kt) || !is_colour(m->eta) || !is_colour(m->k))
+        return false;
+    if (!(m->exponent >= 0 && m->exponent <= LC_MAX_EXPONENT)) return false;
+    if (lc_lobes[m->lobe].check && !lc_lobes[m->lobe].check(m)) return false;
+    return !(rough[0] > 0) || (rough[0] >= LC_MIN_ROUGHNESS && rough[0] <= LC_MAX_ROUGHNESS &&
+                               rough[1] >= LC_MIN_ROUGHNESS && rough[1] <= LC_MAX_ROUGHNESS);
+}

@@ -23,4 +23,7 @@ typedef struct lc_lobe_info {
 
 extern const lc_lobe_info lc_lobes[LC_LOBES];
 
+/* Whether all numbers are in the ranges that material.h gives; of those that a lobe does not read, finite. */
+bool lc_material_in_range(const lc_material *m);
+
 #endif

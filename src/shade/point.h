@@ -1,12 +1,14 @@
 /* point.h - a shading point as the kernels read it, and the limits within which estimates stay.
  *
  * Distance floor: estimate and bound divide by f(d) with d2 = max(|y - x|^2, min_d2), so that a point on a
- * light gives a finite number; min_d2 is 1e-10 of the squared diagonal of the scene.
+ * light gives a finite number; min_d2 is LC_FLOOR_OF_DIAG2 of the squared diagonal of the scene.
  */
 #ifndef LC_POINT_H
 #define LC_POINT_H
 
 #include "shade/material.h"
+
+#define LC_FLOOR_OF_DIAG2 1e-10
 
 /* Estimates are exactly 0 where a cosine is at most LC_MIN_COS or M G of a channel is below LC_MIN_TRANSFER,
  * lobes where cos^n or e^-x is below LC_MIN_LOBE, and M G is at most LC_MAX_TRANSFER: with the limits of

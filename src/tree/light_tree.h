@@ -34,6 +34,7 @@ struct lc_light_tree {
     /* Of each node: 1 where its lights are equal but for their intensities, so that any of them represents
      * all exactly; NULL: there is no such node. */
     uint8_t *alike;
+    uint32_t *order; /* of each light its place in what the tree was built from; NULL: not kept */
     uint32_t n_nodes, n_lights, n_reps;
     uint32_t n_of_kind[LC_LIGHT_KINDS];
     uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
@@ -48,6 +49,7 @@ typedef struct lc_light_tree_desc {
     uint64_t seed;   /* of representatives */
     uint32_t n_reps; /* 1..LC_MAX_REPS */
     lc_builder builder;
+    bool keep_order; /* the tree has `order` */
 } lc_light_tree_desc;
 
 lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_tree **out);

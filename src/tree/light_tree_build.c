@@ -90,6 +90,8 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     if (!t->data.nodes || !t->data.lights) return LC_ERR_MEMORY;
     if (t->n_reps > 1 && !(t->reps = lc_alloc_raw(t->ctx, n_all_reps(t), sizeof *t->reps)))
         return LC_ERR_MEMORY;
+    if (desc->keep_order && !(t->order = lc_alloc_raw(t->ctx, t->n_lights, sizeof *t->order)))
+        return LC_ERR_MEMORY;
     t->data.spot_maps = desc->spot_maps;
     if (!alloc_own(t)) return LC_ERR_MEMORY;
     if (!other) return LC_OK;
@@ -161,6 +163,7 @@ void lc_light_tree_destroy(lc_light_tree *t)
     }
     lc_free(t->ctx, t->reps, n_all_reps(t), sizeof *t->reps);
     lc_free(t->ctx, t->alike, t->n_nodes, 1);
+    lc_free(t->ctx, t->order, t->n_lights, sizeof *t->order);
     lc_free(t->ctx, t, 1, sizeof *t);
 }
 
@@ -172,5 +175,5 @@ size_t lc_light_tree_bytes(const lc_light_tree *t)
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
         own += ((size_t)n_nodes_of(t, kind) + t->n_of_kind[kind]) * lc_light_kinds[kind].own_size;
     return t->n_nodes * node + n_all_reps(t) * sizeof *t->reps + t->n_lights * light + own +
-           (t->alike ? t->n_nodes : 0);
+           (t->alike ? t->n_nodes : 0) + (t->order ? t->n_lights * sizeof *t->order : 0);
 }
