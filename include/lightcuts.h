@@ -207,9 +207,9 @@ typedef struct lc_scene_info {
     uint64_t bvh_bytes, tree_bytes;
 } lc_scene_info;
 
-/* Reads a pbrt file ("-" is stdin), glTF or OBJ, makes lights, builds the BVH and the light tree. desc may be NULL for the
- * defaults. The scene keeps using ctx. Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY, _ARG, and
- * _CANCELLED by `parsed`. */
+/* Reads a pbrt file ("-" is stdin), glTF or OBJ, makes lights, builds the BVH and the light tree. desc may be
+ * NULL for the defaults. The scene keeps using ctx. Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY, _ARG,
+ * and _CANCELLED by `parsed`. */
 LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);
 LC_API void lc_scene_destroy(lc_scene *scene);
 LC_API void lc_scene_get_info(const lc_scene *scene, lc_scene_info *info);

@@ -674,6 +674,15 @@ TEST(accessors_beyond_their_bytes_are_refused)
                    ",'nodes':[{'mesh':0}],'accessors':[{'componentType':5126,'count':1000000,'type':'VEC3'}],"
                    "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]}") == LC_ERR_PARSE);
     CHECK(strstr(last_error, "more zeros than the file has bytes"));
+    CHECK(parse_json(
+              ASSET
+              ",'nodes':[{'mesh':0}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}],"
+              "'buffers':[{'byteLength':40,'uri':'data:;base64,"
+              "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAADAA=='}]," /* 36 zeros; 0 0 3 0 */
+              "'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,'byteLength':4}],"
+              "'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'},"
+              "{'bufferView':1,'componentType':5121,'count':3,'type':'SCALAR'}]}") == LC_ERR_PARSE);
+    CHECKF(strstr(last_error, "index 2 is 3, not one of 3 vertices"), "%s", last_error);
 }
 
 TEST(chains_of_nodes_are_no_recursion)

@@ -74,7 +74,7 @@ static const struct {
     { "<X3D", "an X3D file" },
     { "<scene", "a Mitsuba file" },
     { "<GeneralSceneDescription", "an MVR file" },
-    { "", "an XML file" },
+    { "<?xml", "an XML file" },
 };
 
 static const char *const names[][2] = { { ".stl", "an STL file" },

@@ -115,11 +115,11 @@ _lightcuts()
         return
     fi
 
-    local extensions='pbrt'
+    local extensions='pbrt|gltf|glb|obj'
     case $command in
     compare | preview) extensions='exr|png' ;;
     merge) extensions='exr' ;;
-    info) extensions='pbrt|exr|png' ;;
+    info) extensions='pbrt|gltf|glb|obj|exr|png' ;;
     scene | help) return ;;
     esac
     case $previous in
