@@ -172,7 +172,9 @@ LC_INLINE vf luminaire_emission(const lc_tree_data *t, const float *const *light
     }
     vf_rows(row, 0, zero);
     vf_rows(row, 4, ninety);
-    vf x = -dot_rows(zero, d), y = -dot_rows(ninety, d), z = cos_phi * vf_sqrt(dot_rows(d, d));
+    const vf tiny = vf_set(LC_TINY_D2); /* as in estimate_tmpl.c, so that z is the part along the axis */
+    vf x = -dot_rows(zero, d), y = -dot_rows(ninety, d), d2 = dot_rows(d, d);
+    vf z = cos_phi * vf_sqrt(vf_sel_gt(d2, tiny, d2, tiny));
     vf_store(azimuth, atan2_degrees(y, x));
     vf_store(polar, atan2_degrees(vf_sqrt(x * x + y * y), z));
     for (uint32_t i = 0; i < VF_LANES; i++)

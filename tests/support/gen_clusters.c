@@ -2,6 +2,7 @@
 #include "support/gen_clusters.h"
 
 #include "base/rng.h"
+#include "shade/profile.h"
 #include "isa/isa.h"
 #include "shade/cluster.h"
 #include "shade/dir_pack.h"
@@ -11,6 +12,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- stream ---- */
@@ -537,6 +539,57 @@ static void make_spots(gen_src *s, gen_case *c, gen_style style)
         c->lights[i].spot = alike ? one : spot_profile(s, c, &c->lights[i], style);
 }
 
+/* ---- luminaires ---- */
+
+#define PROFILES 6
+
+/* Tables of few angles: down, up, all round, a spike, a band of a part of the turn, steps next to each other. */
+static void make_profile(const lc_context *ctx, lc_profiles *all, uint32_t which)
+{
+    static const float polars[PROFILES][5] = { { 0, 20, 45, 70, 90 },    { 90, 120, 135, 160, 180 },
+                                               { 0, 60, 90, 120, 180 },  { 0, 1, 2, 3, 180 },
+                                               { 30, 60, 90, 120, 150 }, { 0, 40, 40.001f, 90, 90.5f } };
+    static const float azimuths[PROFILES][5] = { { 0, 90, 180, 270, 360 },    { 0, 1, 180, 300, 360 },
+                                                 { 5, 95, 185, 275, 365 },    { 0, 90, 180, 270, 360 },
+                                                 { -90, -40, 0, 0.01f, 90 },  { 0, 90, 180, 359, 360 } };
+    float candela[25], peak;
+    uint32_t id;
+    for (uint32_t i = 0; i < 25; i++) {
+        candela[i] = (float)(lc_hash2(i % 20, which) >> 40) * 0x1p-24f; /* the last plane is the first */
+        if (lc_hash2(i % 20, which + 99) % 3 == 0) candela[i] = 0;
+        if (which == 3) candela[i] = i % 5 == 1 ? 1000 : 1;
+        if (which == 4) candela[i] += (float)i;
+    }
+    const lc_profile_desc desc = { azimuths[which], polars[which], candela, 5, 5 };
+    if (lc_profiles_add(ctx, all, &desc, &id, &peak)) abort();
+}
+
+const lc_profiles *gen_profiles(void)
+{
+    static lc_profiles all;
+    static lc_context *ctx;
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    if (all.n) return &all;
+    desc.n_threads = 1;
+    if (lc_context_create(&desc, &ctx)) abort();
+    for (uint32_t i = 0; i < PROFILES; i++) make_profile(ctx, &all, i);
+    if (lc_profiles_finish(ctx, &all)) abort();
+    ref_set_profiles(&all);
+    return &all;
+}
+
+static void make_luminaires(gen_src *s, gen_case *c)
+{
+    bool alike = gen_pick(s, 2);
+    uint32_t one = gen_pick(s, PROFILES), mirrored = gen_pick(s, 2);
+    gen_profiles();
+    for (uint32_t i = 0; i < c->n; i++) {
+        d3 zero = across(s, from_f3(c->lights[i].dir));
+        uint32_t which = alike ? one : gen_pick(s, PROFILES);
+        c->lights[i].luminaire = lc_luminaire_make(unit_f3(zero), which, alike ? mirrored : gen_pick(s, 2));
+    }
+}
+
 void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, gen_style style)
 {
     memset(c, 0, sizeof *c);
@@ -562,6 +615,7 @@ void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, g
     make_light_values(s, c, &b, style);
     if (extreme) make_dominant(s, c);
     if (kind == LC_LIGHT_SPOT) make_spots(s, c, style);
+    if (kind == LC_LIGHT_LUMINAIRE) make_luminaires(s, c);
     for (uint32_t i = 0; i < c->n && lc_is_sized(kind); i++)
         c->lights[i].radius = (float)(b.scale * decade(s, -9, style == GEN_ORDINARY ? -6 : 1));
     double diag = b.scale * decade(s, 0, 2), to_0 = (double)lc_f3_len(lc_f3_sub(c->lights[0].pos, c->pos));
