@@ -71,6 +71,8 @@ static inline float lc_profile_value(const lc_profile *p, float azimuth, float p
 
 /* The directions of azimuth 0, of length 1 and across lc_light.dir, and a profile's number. */
 lc_luminaire lc_luminaire_make(lc_f3 zero, uint32_t profile, bool mirrored);
+/* Whether azimuth 0 is across the axis, but for rounding. */
+bool lc_luminaire_is_across(const lc_light *light);
 void lc_luminaire_rec_init(lc_luminaire_rec *rec, const lc_light *light);
 /* The same of a cluster, by the least of its lights' numbers and of these numbers below 0. */
 void lc_luminaire_rec_node(lc_luminaire_rec *rec, const float least[LC_OWN_FLOATS]);
@@ -84,6 +86,7 @@ void lc_luminaire_rec_node(lc_luminaire_rec *rec, const float least[LC_OWN_FLOAT
 static const char *luminaire_check(const lc_light *light, size_t n_maps)
 {
     bool good = (light->luminaire.profile & ~LC_PROFILE_MIRRORED) < n_maps;
+    if (!lc_luminaire_is_across(light)) return "the luminaire's azimuth 0 is not across its axis";
     return good ? NULL : "the luminaire has no table";
 }
 
@@ -172,11 +175,12 @@ LC_INLINE vf luminaire_emission(const lc_tree_data *t, const float *const *light
     }
     vf_rows(row, 0, zero);
     vf_rows(row, 4, ninety);
-    const vf tiny = vf_set(LC_TINY_D2); /* as in estimate_tmpl.c, so that z is the part along the axis */
-    vf x = -dot_rows(zero, d), y = -dot_rows(ninety, d), d2 = dot_rows(d, d);
-    vf z = cos_phi * vf_sqrt(vf_sel_gt(d2, tiny, d2, tiny));
+    /* Of length 1 as in estimate_tmpl.c, so that cos_phi is the part along the axis; no square underflows. */
+    const vf tiny = vf_set(LC_TINY_D2);
+    vf d2 = dot_rows(d, d), inv_len = -1 / vf_sqrt(vf_sel_gt(d2, tiny, d2, tiny));
+    vf x = dot_rows(zero, d) * inv_len, y = dot_rows(ninety, d) * inv_len;
     vf_store(azimuth, atan2_degrees(y, x));
-    vf_store(polar, atan2_degrees(vf_sqrt(x * x + y * y), z));
+    vf_store(polar, atan2_degrees(vf_sqrt(x * x + y * y), cos_phi));
     for (uint32_t i = 0; i < VF_LANES; i++)
         value[i] = lc_profile_value(&t->profiles->item[rec[i]->profile], azimuth[i], polar[i]);
     return vf_load(value);

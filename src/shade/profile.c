@@ -19,6 +19,11 @@ lc_luminaire lc_luminaire_make(lc_f3 zero, uint32_t profile, bool mirrored)
     return l;
 }
 
+bool lc_luminaire_is_across(const lc_light *light)
+{
+    return fabsf(lc_f3_dot(lc_dir_unpack(light->luminaire.zero), light->dir)) < ACROSS;
+}
+
 void lc_luminaire_rec_init(lc_luminaire_rec *rec, const lc_light *light)
 {
     lc_f3 zero = lc_dir_unpack(light->luminaire.zero), ninety = lc_f3_cross(zero, lc_dir_round(light->dir));

@@ -2,6 +2,7 @@
 #include "support/gen_clusters.h"
 
 #include "base/rng.h"
+#include "base/sample_dir.h"
 #include "shade/profile.h"
 #include "isa/isa.h"
 #include "shade/cluster.h"
@@ -584,9 +585,10 @@ static void make_luminaires(gen_src *s, gen_case *c)
     uint32_t one = gen_pick(s, PROFILES), mirrored = gen_pick(s, 2);
     gen_profiles();
     for (uint32_t i = 0; i < c->n; i++) {
-        d3 zero = across(s, from_f3(c->lights[i].dir));
+        double turn = gen_pick(s, 4) ? gen_real(s, -4, 4) : tilt(s);
+        lc_f3 zero = lc_sample_frame(c->lights[i].dir, cos(turn), sin(turn), 0);
         uint32_t which = alike ? one : gen_pick(s, PROFILES);
-        c->lights[i].luminaire = lc_luminaire_make(unit_f3(zero), which, alike ? mirrored : gen_pick(s, 2));
+        c->lights[i].luminaire = lc_luminaire_make(zero, which, alike ? mirrored : gen_pick(s, 2));
     }
 }
 

@@ -415,6 +415,12 @@ void gen_case_print(const gen_case *c)
         const lc_light *l = &c->lights[i];
         printf("    light %u\n", i);
         print3("  pos", l->pos);
+        if (l->kind == LC_LIGHT_LUMINAIRE) {
+            lc_luminaire_rec own;
+            lc_luminaire_rec_init(&own, l);
+            printf("      profile %u%s\n", own.profile, l->luminaire.profile >> 31 ? ", mirrored" : "");
+            print3("  zero", lc_f3_load(own.zero));
+        }
         print3("  dir", l->dir);
         print3("  intens.", l->intensity);
         print3("  atten", lc_f3_load(l->atten));
