@@ -6,6 +6,7 @@
 #include "shade/dir_pack.h"
 
 /* A bin has room on both sides for the rounding of its place and of the estimate's angles. */
+#define ACROSS 1e-6f /* greatest cosine of azimuth 0 about the axis: less than ANGLE_MARGIN */
 #define BIN_MARGIN   0.01           /* bins */
 #define ANGLE_MARGIN 2e-4           /* degrees */
 #define ROOM         (1 + 0x1p-20f) /* of a greatest value, for the rounding of interpolation */
