@@ -106,7 +106,7 @@ struct lc_scene {
     const struct lc_sun *suns; /* a list in the arena: discs shown to camera rays, see sun.h */
     lc_spot_map *spot_maps;
     size_t n_spot_maps, cap_spot_maps;
-    lc_profiles profiles; /* of luminaires */
+    lc_profiles profiles;
     lc_mipmap *emission_maps;
     size_t n_emission_maps, cap_emission_maps;
     /* Lights of the file, then those made from emissive triangles, from environment maps, from light paths.

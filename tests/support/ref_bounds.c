@@ -179,8 +179,8 @@ static void light_angles(const lc_light *l, const double to_light[3], double ang
 
 #define ANGLE_OFF 1e-4 /* degrees: of the angles that a kernel computes, see light_luminaire.h */
 
-/* Least and greatest value for angles within ANGLE_OFF: of a bilinear function at the corners of each piece, and
- * 0 where the table ends. */
+/* Least and greatest value for angles within ANGLE_OFF: of a bilinear function at the corners of each piece,
+ * and 0 where the table ends. */
 static void table_range(const lc_light *l, const double angle[2], double *lo, double *hi)
 {
     const lc_profile *p = profile_of(l);
@@ -324,8 +324,8 @@ static double emission_of(const lc_light *l, const terms *t)
 void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
 {
     terms t = light_terms(p, l);
-    double pm = p->lobe == LC_LOBE_PHONG  ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent)
-                : p->lobe == LC_LOBE_WARD ? ward(t.h[0], t.h[1], t.h[2], fmin(t.cos_r, 1))
+    double pm = p->lobe == LC_LOBE_PHONG        ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent)
+                : p->lobe == LC_LOBE_WARD       ? ward(t.h[0], t.h[1], t.h[2], fmin(t.cos_r, 1))
                 : p->lobe == LC_LOBE_OREN_NAYAR ? oren_nayar(p, t.i[0], t.cos_r)
                                                 : 0;
     for (int c = 0; c < 3; c++) {
@@ -634,11 +634,12 @@ static double emission_bound(const ref_cluster *c)
     return theta <= beta ? 1 : cos(theta - beta);
 }
 
-/* Greatest value of the members' tables in the range of polar angles that the boxes of positions and directions
- * leave. */
+/* Greatest value of the members' tables in the range of polar angles that the boxes of positions and
+ * directions leave. */
 static double luminaire_bound(const ref_cluster *c)
 {
-    double axis[3], back[3], lo[3], hi[3], cone = ref_cone(c->elo, c->ehi, axis), from = 0, to = 180, most = 0;
+    double axis[3], back[3], lo[3], hi[3], cone = ref_cone(c->elo, c->ehi, axis), from = 0, to = 180,
+                                           most = 0;
     for (int k = 0; k < 3; k++) {
         lo[k] = -c->vhi[k];
         hi[k] = -c->vlo[k];

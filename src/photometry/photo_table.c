@@ -1,4 +1,4 @@
-/* photometry.c - tables of luminaires: unfolding, integration, interpolation. */
+/* photo_table.c - tables of luminaires: unfolding, integration, interpolation. */
 #include "photometry/photometry.h"
 
 #include "base/xform.h"
