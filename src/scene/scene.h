@@ -96,7 +96,6 @@ struct lc_scene {
     lc_mesh_alpha *alphas;
     size_t n_alphas, cap_alphas;
     bool has_glass; /* some mesh is clear */
-
     lc_mesh *meshes;
     lc_material *materials; /* for a textured material: the means of its textures */
     lc_material_maps *maps; /* n_materials */
