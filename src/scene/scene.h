@@ -196,5 +196,4 @@ lc_status lc_scene_count_feature(lc_scene *scene, const char *kind, const char *
 const lc_alpha *lc_scene_alpha_of(const lc_scene *scene, size_t first, size_t n);
 /* Moves all lights into scene->lights; called by commit. */
 lc_status lc_scene_join_lights(lc_scene *scene);
-
 #endif
