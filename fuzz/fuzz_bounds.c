@@ -12,6 +12,8 @@
 #define TERMS_FROM 168 /* GEN_EXTREME_TERM: kind times GEN_BRDFS plus material */
 #define ANY_LOBE_FROM 224
 #define SPOTS_FROM 240
+#define LUMINAIRES_FROM 249
+#define OLD_KINDS 6 /* whose inputs are below LUMINAIRES_FROM */
 
 __attribute__((used, section("__libfuzzer_extra_counters"))) static uint8_t
     closest[LC_LIGHT_KINDS * GEN_BRDFS * OCTAVES];
@@ -23,18 +25,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     lc_light_kind kind = (lc_light_kind)((which % 6) >> 1);
     bool terms = data[0] >= TERMS_FROM && data[0] < ANY_LOBE_FROM;
     if (terms) {
-        which = (data[0] - (uint32_t)TERMS_FROM) % (LC_LIGHT_KINDS * GEN_BRDFS);
+        which = (data[0] - (uint32_t)TERMS_FROM) % (OLD_KINDS * GEN_BRDFS);
         kind = (lc_light_kind)(which / GEN_BRDFS);
         brdf = which % GEN_BRDFS;
     }
     if (data[0] >= ANY_LOBE_FROM) {
-        kind = (lc_light_kind)(data[0] % LC_LIGHT_KINDS);
+        kind = (lc_light_kind)(data[0] % OLD_KINDS);
         brdf = GEN_ANY_LOBE;
     }
     if (data[0] >= SPOTS_FROM) {
         kind = LC_LIGHT_SPOT;
         brdf = data[0] % GEN_ANY_LOBE;
     }
+    if (data[0] >= LUMINAIRES_FROM) kind = LC_LIGHT_LUMINAIRE;
     which = (uint32_t)kind * GEN_BRDFS + brdf;
     gen_src s = gen_src_bytes(data + 1, size - 1);
     gen_case c;

@@ -17,7 +17,7 @@ static float coordinate(uint8_t b)
 
 static lc_light make(const uint8_t *b)
 {
-    lc_light l = { .kind = (lc_light_kind)(b[0] % LC_LIGHT_KINDS), .atten = { 0, 0, 1 } };
+    lc_light l = { .kind = (lc_light_kind)(b[0] % LC_LIGHT_LUMINAIRE), .atten = { 0, 0, 1 } };
     lc_f3 d = lc_f3_make((float)b[1] - 128, (float)b[2] - 128, (float)(b[1] ^ b[2]) - 127.5f);
     l.pos = lc_f3_make(coordinate(b[3]), coordinate(b[4]), coordinate(b[5]));
     l.dir = b[0] & 64 ? lc_f3_make(0, b[1] & 1 ? 1 : -1, 0) : lc_f3_normalize(d);

@@ -25,7 +25,7 @@ static gen_style style = GEN_ADVERSARIAL;
 static const char *only; /* material of the table, or NULL */
 
 static const char *const kind_names[LC_LIGHT_KINDS] = { "point", "oriented", "directional", "spot",
-                                                         "virtual", "ball" };
+                                                         "virtual", "ball", "luminaire" };
 static bool is_oriented(uint32_t kind) { return kind == LC_LIGHT_ORIENTED || kind == LC_LIGHT_VIRTUAL; }
 static const char *const brdf_names[GEN_BRDFS] = {
     "lambert", "phong", "ward", "ward-an", "ggx", "ggx-an", "any"
@@ -255,6 +255,7 @@ TEST(zero_extent_is_tight)
 {
     for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         if (lc_is_sized((lc_light_kind)kind)) continue; /* its box is around its surface */
+        if (kind == LC_LIGHT_LUMINAIRE) continue;       /* its emission is bounded by ranges of angles */
         double worst = 0, sum = 0, share = 0;
         uint64_t n = 0;
         for (uint64_t i = 0; i < 40000; i++) {

@@ -26,6 +26,7 @@ typedef struct job {
     _Alignas(64) lc_light_rec rec[MOST];
     lc_atten node_atten[MOST], light_atten[MOST];
     lc_spot_rec node_spot[MOST], light_spot[MOST];
+    lc_luminaire_rec node_luminaire[MOST], light_luminaire[MOST];
     lc_spot_map maps[3];
     lc_tree_data tree;
     uint32_t list[MOST], n; /* what is asked for */
@@ -68,6 +69,10 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
         lc_light_rec_init(&j->rec[k], light);
         const lc_cluster *in = k & 1 ? &all : &one;
         memcpy(j->light_atten[k], light->atten, sizeof light->atten);
+        if (kind == LC_LIGHT_LUMINAIRE) {
+            lc_luminaire_rec_node(&j->node_luminaire[k], in->least);
+            lc_luminaire_rec_init(&j->light_luminaire[k], light);
+        }
         lc_spot_rec_init(&j->node_spot[k], in->least[0], in->least[1], 0);
         lc_spot_rec_init(&j->light_spot[k], light->spot.cos_total, light->spot.cos_start,
                          i % 3 ? 0 : gen_pick(&s, 4));
@@ -80,6 +85,9 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
     j->tree.light_atten = j->light_atten;
     j->tree.own[LC_LIGHT_SPOT].node = j->node_spot;
     j->tree.own[LC_LIGHT_SPOT].light = j->light_spot;
+    j->tree.own[LC_LIGHT_LUMINAIRE].node = j->node_luminaire;
+    j->tree.own[LC_LIGHT_LUMINAIRE].light = j->light_luminaire;
+    j->tree.profiles = gen_profiles();
     j->tree.spot_maps = j->maps;
     if (i / MOST % 2) { /* inverse square */
         j->tree.node_atten = j->tree.light_atten = NULL;
@@ -158,6 +166,8 @@ static bool estimate_right(const job *j, uint32_t at, float out[6][ROOM + GUARD]
     bool mapped = j->kind == LC_LIGHT_SPOT && spot->map;
     lc_f3 f = j->kind == LC_LIGHT_SPOT
                   ? one_spot_transfer(&j->point, &j->rec[at], spot, j->maps)
+              : j->kind == LC_LIGHT_LUMINAIRE
+                  ? one_luminaire_transfer(&j->point, &j->rec[at], &j->light_luminaire[at], gen_profiles())
                   : one_transfer(&j->point, j->kind, &j->rec[at], lc_light_atten(&j->tree, at));
     lc_f3 to = j->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
     const float want[6] = { f.x, f.y, f.z, to.x, to.y, to.z };

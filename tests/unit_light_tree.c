@@ -31,7 +31,7 @@ static lc_light *rnd_lights(size_t n, uint32_t kinds)
     lc_light *l = malloc(n * sizeof *l);
     for (size_t i = 0; i < n; i++) {
         uint32_t kind;
-        do kind = rnd_n(LC_LIGHT_KINDS);
+        do kind = rnd_n(LC_LIGHT_LUMINAIRE);
         while (!(kinds >> kind & 1));
         l[i] = rnd_light((lc_light_kind)kind);
     }
@@ -237,7 +237,7 @@ TEST(cones_of_every_width)
 
 TEST(coincident_lights)
 {
-    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+    for (int kind = 0; kind < LC_LIGHT_LUMINAIRE; kind++) {
         size_t n = 100000;
         lc_light *l = malloc(n * sizeof *l), one = rnd_light((lc_light_kind)kind);
         for (size_t i = 0; i < n; i++) l[i] = one;
@@ -261,7 +261,7 @@ TEST(a_million_coincident_lights)
 /* Equal lights on an exact grid: every distance ties. */
 TEST(grid_of_equal_lights)
 {
-    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+    for (int kind = 0; kind < LC_LIGHT_LUMINAIRE; kind++) {
         lc_light *l = malloc(10000 * sizeof *l);
         for (int i = 0; i < 10000; i++) {
             l[i] = (lc_light){ .kind = (lc_light_kind)kind, .intensity = { 1, 1, 1 }, .atten = { 0, 0, 1 } };
@@ -301,7 +301,7 @@ TEST(lines_and_scales)
 {
     static const size_t sizes[] = { 1500, 50000 };
     for (int style = 0; style < STYLES; style++)
-        for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        for (int kind = 0; kind < LC_LIGHT_LUMINAIRE; kind++)
             for (int k = 0; k < 2; k++) {
                 char what[32];
                 snprintf(what, sizeof what, "style %d, kind %d", style, kind);
@@ -384,7 +384,7 @@ TEST(representatives_are_as_frequent_as_bright)
 {
     static frequencies f;
     for (int b = 0; b < 2; b++)
-        for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+        for (uint32_t kind = 0; kind < LC_LIGHT_LUMINAIRE; kind++) {
             lc_light *l = rnd_lights(N_FREQ, 1u << kind);
             builder = b ? LC_BUILDER_PLOC : LC_BUILDER_EXACT;
             f = (frequencies){ .n = 0 };

@@ -117,6 +117,7 @@ static const struct {
     { "spot", lc_pbrt_spot_light },
     { "projection", lc_pbrt_projection_light },
     { "goniometric", lc_pbrt_goniometric_light },
+    { "luminaire", lc_pbrt_luminaire_light },
     { "sun", lc_pbrt_sun_light },
     { "sky", lc_pbrt_sky_light },
 };
@@ -124,7 +125,7 @@ static const struct {
 lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_pbrt_mark(&p->params, "nsamples"); /* of pbrt's own sampling */
-    lc_pbrt_mark(&p->params, "samples");
+    if (strcmp(s->text[0], "luminaire")) lc_pbrt_mark(&p->params, "samples");
     for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
         if (!strcmp(lights[i].name, s->text[0])) return lights[i].handler(p, s);
     p->ignored = true;

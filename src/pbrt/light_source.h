@@ -7,7 +7,11 @@
 /* infinite.c, spot_light.c, sky.c */
 lc_pbrt_handler lc_pbrt_infinite_light;
 lc_pbrt_handler lc_pbrt_spot_light, lc_pbrt_projection_light, lc_pbrt_goniometric_light;
+lc_pbrt_handler lc_pbrt_luminaire_light;
 lc_pbrt_handler lc_pbrt_sun_light, lc_pbrt_sky_light;
+
+/* luminaire.c: frees the tables of photometric files. */
+void lc_pbrt_free_tables(lc_pbrt *p);
 
 /* Multiplies the colour by "scale": a number, or in v3 a colour. */
 lc_status lc_pbrt_light_scale(lc_pbrt *p, lc_f3 *colour);

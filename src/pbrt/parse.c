@@ -2,6 +2,7 @@
 #include "pbrt/parse.h"
 
 #include "pbrt/attribute.h"
+#include "pbrt/light_source.h"
 #include "pbrt/make_texture.h"
 #include "pbrt/shape_handler.h"
 
@@ -381,7 +382,8 @@ static void destroy(lc_pbrt *p)
 {
     const lc_context *ctx = p->ctx;
     lc_pbrt_map *maps[] = { &p->material_names, &p->colour_textures, &p->float_textures, &p->image_names,
-                            &p->emission_names, &p->object_names,    &p->coord_names };
+                            &p->emission_names, &p->object_names,    &p->coord_names,    &p->table_names };
+    lc_pbrt_free_tables(p);
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) lc_pbrt_map_free(maps[i], ctx);
     lc_pbrt_free_defaults(p);
     lc_free(ctx, p->scopes, p->cap_scopes, sizeof *p->scopes);

@@ -8,6 +8,8 @@
  */
 #include "pbrt/light_source.h"
 
+#include "photometry/photometry.h"
+
 #include <string.h>
 
 #define MIN_KNOTS LC_SIZE(65u, 9u) /* along a side of an octahedron */
@@ -249,7 +251,10 @@ lc_status lc_pbrt_goniometric_light(lc_pbrt *p, const lc_pbrt_stmt *s)
         .env = { .scale = { 1, 1, 1 }, .to_world = lc_xform_identity(), .to_light = lc_xform_identity() }
     };
     float *texels;
-    lc_status st = get_frame(p, s->pos, &l);
+    const char *name = NULL;
+    lc_status st = lc_pbrt_get_text(&p->params, "filename", &name, NULL);
+    if (!st && name && lc_photometry_is_name(name)) return lc_pbrt_luminaire_light(p, s);
+    if (!st) st = get_frame(p, s->pos, &l);
     if (!st) st = get_picture(p, &l);
     if (st) return finish(p, &l, st);
     uint32_t w = lc_env_width(&l.env), h = lc_env_height(&l.env), side = 2 * (w > h ? w : h) + 1;

@@ -88,7 +88,9 @@ typedef struct lc_pbrt {
     size_t n_scopes, n_saved, cap_scopes, cap_saved, cap_defaults;
 
     lc_pbrt_map material_names, colour_textures, float_textures, image_names, emission_names, object_names,
-        coord_names;
+        coord_names, table_names;
+    struct lc_pbrt_table *tables; /* of luminaires, see luminaire.c */
+    size_t n_tables, cap_tables;
     lc_pbrt_material *materials;
     lc_xform *coords;
     size_t n_materials, n_coords, cap_materials, cap_coords;

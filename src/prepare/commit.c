@@ -77,6 +77,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     double t1 = lc_now();
     s->seconds_bvh = t1 - t0;
     lc_memory_step(s->ctx, "making lights");
+    if ((st = lc_profiles_finish(s->ctx, &s->profiles))) return st;
     bool all_seen = !s->n_lights;
     const size_t n_given = s->n_lights;
     if (desc->area_lights) st = lc_area_lights_make(s, desc->area_lights, desc->seed);
@@ -99,6 +100,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     lc_light_tree_desc tree_desc = { .lights = s->lights,
                                      .n_lights = s->n_lights,
                                      .spot_maps = s->spot_maps,
+                                     .profiles = &s->profiles,
                                      .diag2 = s->diag2,
                                      .seed = desc->seed,
                                      .n_reps = desc->n_reps,

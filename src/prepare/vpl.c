@@ -118,7 +118,8 @@ static void emit(path *p, lc_light *from)
     const double chance = lc_path_start_draw(starts, at, place, from);
     lc_emit_from in = { .centre = { starts->centre[0], starts->centre[1], starts->centre[2] },
                         .radius = starts->radius,
-                        .spot_maps = p->m->scene->spot_maps };
+                        .spot_maps = p->m->scene->spot_maps,
+                        .profiles = &p->m->scene->profiles };
     lc_emitted ray;
     for (int k = 0; k < 2; k++) in.u[k] = draw(p);
     lc_light_kinds[from->kind].emit(from, &in, &ray);

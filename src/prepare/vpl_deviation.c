@@ -105,6 +105,7 @@ lc_status lc_vpl_deviation_init(lc_vpl_deviation *d, const lc_scene *scene, uint
     const lc_light_tree_desc desc = { .lights = scene->lights,
                                       .n_lights = scene->n_lights,
                                       .spot_maps = scene->spot_maps,
+                                      .profiles = &scene->profiles,
                                       .diag2 = scene->diag2,
                                       .seed = seed,
                                       .n_reps = 1,

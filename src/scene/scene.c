@@ -267,7 +267,8 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
     if ((lc_is_far(light->kind) || lc_is_aimed(light->kind)) && !(fabsf(len - 1) < UNIT_TOLERANCE))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light direction is zero or not finite");
     const lc_light_kind_info *kind = &lc_light_kinds[light->kind];
-    const char *wrong = kind->check ? kind->check(light, s->n_spot_maps) : NULL;
+    size_t n_maps = light->kind == LC_LIGHT_LUMINAIRE ? s->profiles.n : s->n_spot_maps;
+    const char *wrong = kind->check ? kind->check(light, n_maps) : NULL;
     if (wrong) return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "%s", wrong);
     for (int k = 0; k < 3 && lc_is_attenuated(light->kind); k++) {
         float a = light->atten[k];

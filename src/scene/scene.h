@@ -26,6 +26,7 @@
 #include "scene/light_places.h"
 #include "scene/scene_desc.h"
 #include "shade/light_spot.h"
+#include "shade/profile.h"
 #include "shade/material.h"
 #include "trace/bvh_data.h"
 #include "trace/visibility.h"
@@ -95,7 +96,6 @@ struct lc_scene {
     lc_mesh_alpha *alphas;
     size_t n_alphas, cap_alphas;
     bool has_glass; /* some mesh is clear */
-
     lc_mesh *meshes;
     lc_material *materials; /* for a textured material: the means of its textures */
     lc_material_maps *maps; /* n_materials */
@@ -105,6 +105,7 @@ struct lc_scene {
     const struct lc_sun *suns; /* a list in the arena: discs shown to camera rays, see sun.h */
     lc_spot_map *spot_maps;
     size_t n_spot_maps, cap_spot_maps;
+    lc_profiles profiles;
     lc_mipmap *emission_maps;
     size_t n_emission_maps, cap_emission_maps;
     /* Lights of the file, then those made from emissive triangles, from environment maps, from light paths.
@@ -195,5 +196,4 @@ lc_status lc_scene_count_feature(lc_scene *scene, const char *kind, const char *
 const lc_alpha *lc_scene_alpha_of(const lc_scene *scene, size_t first, size_t n);
 /* Moves all lights into scene->lights; called by commit. */
 lc_status lc_scene_join_lights(lc_scene *scene);
-
 #endif

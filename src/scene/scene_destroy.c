@@ -31,6 +31,7 @@ void lc_scene_destroy(lc_scene *s)
     for (size_t i = 0; i < s->n_spot_maps; i++) lc_spot_map_free(ctx, &s->spot_maps[i]);
     for (size_t i = 0; i < s->n_emission_maps; i++) lc_mipmap_free(ctx, &s->emission_maps[i]);
     lc_free(ctx, s->emission_maps, s->cap_emission_maps, sizeof *s->emission_maps);
+    lc_profiles_free(ctx, &s->profiles);
     lc_free(ctx, s->spot_maps, s->cap_spot_maps, sizeof *s->spot_maps);
     lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
     for (size_t i = 0; i < s->n_light_chunks; i++)

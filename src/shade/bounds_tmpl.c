@@ -3,12 +3,14 @@
 #include "shade/tree_data.h"
 
 /* kind, lobe: constants. */
-LC_INLINE vf emission_bound(const cluster_lanes *l, lc_light_kind kind, vf cos_phi)
+LC_INLINE vf emission_bound(cluster_lanes *l, lc_light_kind kind, const rel_box *box)
 {
+    vf cos_phi = max_cos_phi(l, box, false), least = vf_set(-1);
+    if (lc_is_banded(kind)) least = 0 - max_cos_phi(l, box, true);
     switch (kind) {
 #define KIND(ID, name, traits)
 #define AIMED_KIND(ID, name, traits) \
-    case LC_LIGHT_##ID: return name##_emission_bound(l->tree, l->index, cos_phi);
+    case LC_LIGHT_##ID: return name##_emission_bound(l->tree, l->index, cos_phi, least);
 #include "shade/light_kinds.h"
 #undef KIND
     default: return cos_phi;
@@ -41,7 +43,7 @@ LC_INLINE vf bound(cluster_lanes *l, lc_light_kind kind, lc_lobe lobe, const lc_
     else g = max_geometry(l, p, &box, &n);
     vf u = lobe_bound(l, lobe, p, &box, &n, far, g, diffuse, intensity);
     if (lc_is_aimed(kind)) {
-        vf e = emission_bound(l, kind, max_cos_phi(l, &box));
+        vf e = emission_bound(l, kind, &box);
         u = vf_max(u * e, zero); /* also NaN: infinite times 0 */
     }
     return vf_sel_gt(n.z1, zero, u, zero);

@@ -172,12 +172,13 @@ LC_INLINE vf max_cos(const range *a, vf q)
     return vf_sel_gt(q, vf_set(NEAR * NEAR), vf_min(a->z1 / vf_sqrt(q), one), one);
 }
 
-/* Greatest cos phi over boxes and cones; <= 0 where all lights face away. Row ROW_CENTER has been read. */
-LC_INLINE vf max_cos_phi(cluster_lanes *l, const rel_box *box)
+/* Greatest cos phi over boxes and cones; <= 0 where all lights face away. Row ROW_CENTER has been read. back:
+ * the greatest of -cos phi, about the reversed axis. */
+LC_INLINE vf max_cos_phi(cluster_lanes *l, const rel_box *box, bool back)
 {
     const vf one = vf_set(1), zero = vf_set(0), slack = vf_set(COS_SLACK);
     vf cc = l->row[ROW_CENTER][3];
-    range a = range_make(box, row(l, ROW_AXIS), true);
+    range a = range_make(box, row(l, ROW_AXIS), !back);
     /* Where all members are behind, the greatest cosine is at the greatest distance. */
     vf q = vf_sel_gt(zero, a.z1, dot(box->m, box->m), least_q(&a, box->d2));
     vf ct = max_cos(&a, q) + slack;

@@ -24,7 +24,8 @@ enum {
     LC_LIGHT_AIMED = 2,
     LC_LIGHT_ATTENUATED = 4,
     LC_LIGHT_OWN = 8,
-    LC_LIGHT_SIZED = 16
+    LC_LIGHT_SIZED = 16,
+    LC_LIGHT_BANDED = 32
 }; /* traits: see light_kinds.h */
 
 typedef enum lc_light_kind {
@@ -47,6 +48,7 @@ static inline int lc_light_traits(lc_light_kind kind)
 
 static inline bool lc_is_far(lc_light_kind kind) { return lc_light_traits(kind) & LC_LIGHT_FAR; }
 static inline bool lc_is_aimed(lc_light_kind kind) { return lc_light_traits(kind) & LC_LIGHT_AIMED; }
+static inline bool lc_is_banded(lc_light_kind kind) { return lc_light_traits(kind) & LC_LIGHT_BANDED; }
 static inline bool lc_is_sized(lc_light_kind kind) { return lc_light_traits(kind) & LC_LIGHT_SIZED; }
 static inline bool lc_is_attenuated(lc_light_kind kind)
 {
@@ -72,6 +74,12 @@ typedef struct lc_spot {
     uint32_t map;               /* 1 + index; 0: none */
 } lc_spot;
 
+/* A photometric table and how it is turned about the light's direction; see light_luminaire.h. */
+typedef struct lc_luminaire {
+    uint32_t zero[2]; /* the direction of azimuth 0, packed (dir_pack.h) */
+    uint32_t profile; /* index, and LC_PROFILE_MIRRORED */
+} lc_luminaire;
+
 typedef struct lc_light {
     lc_f3 pos;       /* world space; unused where the kind is far */
     lc_f3 dir;       /* unit, the direction in which light travels; unused by point lights */
@@ -79,6 +87,7 @@ typedef struct lc_light {
     union {
         float atten[3]; /* kinds with LC_LIGHT_ATTENUATED: A, B, C, all >= 0, one > 0; 0, 0, 1 is 1/d^2 */
         lc_spot spot;   /* spots */
+        lc_luminaire luminaire;
         float radius;   /* kinds with LC_LIGHT_SIZED, scene units, > 0 */
     };
     lc_light_kind kind;

@@ -6,7 +6,8 @@
 #define LC_TABLE_PARTS
 #include "shade/light_kinds.h"
 
-_Static_assert(sizeof(lc_spot_rec) <= LC_OWN_BYTES, "explanations keep it");
+_Static_assert(sizeof(lc_spot_rec) <= LC_OWN_BYTES && sizeof(lc_luminaire_rec) <= LC_OWN_BYTES,
+               "explanations keep it");
 
 const lc_light_kind_info lc_light_kinds[LC_LIGHT_KINDS] = {
 #define KIND(ID, name, traits) [LC_LIGHT_##ID] = { LC_LIGHT_INFO_##name },

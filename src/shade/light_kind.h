@@ -18,15 +18,17 @@
 
 /* Numbers that a cluster keeps for its kind alone: the least of each over all members. */
 #define LC_OWN_FLOATS 2
-#define LC_OWN_BYTES 16 /* greatest size of a kind's own record */
+#define LC_OWN_BYTES 32 /* greatest size of a kind's own record */
 
 struct lc_spot_map; /* light_spot.h */
+struct lc_profiles; /* light_luminaire.h */
 
 /* What a random emission is drawn from. */
 typedef struct lc_emit_from {
     double u[2];              /* 0 <= u < 1 */
     double centre[3], radius; /* of a ball around the scene, world space */
     const struct lc_spot_map *spot_maps;
+    const struct lc_profiles *profiles;
 } lc_emit_from;
 
 /* A ray that a light emits. */
@@ -45,7 +47,7 @@ typedef struct lc_light_kind_info {
     void (*emit)(const lc_light *light, const lc_emit_from *from, lc_emitted *out);
     /* With LC_LIGHT_OWN. */
     size_t own_size; /* bytes of a record */
-    /* What is wrong with the kind's own part of a light, or NULL. */
+    /* What is wrong with the kind's own part of a light, or NULL; n_maps: of spots, or profiles. */
     const char *(*check)(const lc_light *light, size_t n_maps);
     void (*least)(const lc_light *light, float least[LC_OWN_FLOATS]);
     void (*light_own)(void *rec, const lc_light *light);

@@ -9,6 +9,7 @@
  *     LC_LIGHT_AIMED       a cluster of them has a cone, and the kernels ask the home for emissions
  *     LC_LIGHT_ATTENUATED  falls off by lc_light.atten; other lights that are not far fall off by 1/d^2
  *     LC_LIGHT_SIZED       has lc_light.radius; shadow rays go to its surface, by light_target.h
+ *     LC_LIGHT_BANDED      the bound of its emission asks for the least cosine of directions, too
  *     LC_LIGHT_OWN         each light and each node has a record of the kind's own in lc_tree_data.own
  */
 #ifdef KIND
@@ -21,9 +22,11 @@ KIND(DIRECTIONAL, directional, LC_LIGHT_FAR)
 AIMED_KIND(SPOT, spot, LC_LIGHT_OWN)
 AIMED_KIND(VIRTUAL, virtual, LC_LIGHT_ATTENUATED)
 KIND(BALL, ball, LC_LIGHT_SIZED)
+AIMED_KIND(LUMINAIRE, luminaire, LC_LIGHT_OWN | LC_LIGHT_BANDED)
 #undef AIMED_KIND
 #else
 #include "shade/light_directional.h"
+#include "shade/light_luminaire.h"
 #include "shade/light_oriented.h"
 #include "shade/light_point.h"
 #include "shade/light_spot.h"

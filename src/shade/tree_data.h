@@ -11,6 +11,7 @@
 #ifndef LC_TREE_DATA_H
 #define LC_TREE_DATA_H
 
+#include "shade/light_luminaire.h"
 #include "shade/light_spot.h"
 #include "shade/point.h"
 
@@ -62,6 +63,7 @@ typedef struct lc_tree_data {
     lc_atten *node_atten, *light_atten;
     lc_own own[LC_LIGHT_KINDS];
     const lc_spot_map *spot_maps;
+    const lc_profiles *profiles;
 } lc_tree_data;
 
 /* Kernels over lights and clusters, of one instruction set. */

@@ -45,6 +45,7 @@ typedef struct lc_light_tree_desc {
     const lc_light *lights;
     size_t n_lights;
     const lc_spot_map *spot_maps; /* of spots, or NULL; owned by the caller, and must outlive the tree */
+    const lc_profiles *profiles;  /* of luminaires, finished, likewise */
     double diag2;    /* squared diagonal of the scene: c^2 of the metric for lights with a direction */
     uint64_t seed;   /* of representatives */
     uint32_t n_reps; /* 1..LC_MAX_REPS */

@@ -93,6 +93,7 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     if (desc->keep_order && !(t->order = lc_alloc_raw(t->ctx, t->n_lights, sizeof *t->order)))
         return LC_ERR_MEMORY;
     t->data.spot_maps = desc->spot_maps;
+    t->data.profiles = desc->profiles;
     if (!alloc_own(t)) return LC_ERR_MEMORY;
     if (!other) return LC_OK;
     t->data.node_atten = lc_alloc(t->ctx, t->n_nodes, sizeof *t->data.node_atten);

@@ -227,6 +227,12 @@ static const char *check_atten(const float *least, const sums *s)
     return NULL;
 }
 
+/* Whether what the kind's records refer to is there. */
+static bool has_maps(const lc_light_tree *t, lc_light_kind kind)
+{
+    return kind == LC_LIGHT_LUMINAIRE ? t->data.profiles != NULL : t->data.spot_maps != NULL;
+}
+
 /* The records of lights that only their kinds have. */
 static const char *check_own(const lc_light_tree *t)
 {
@@ -237,7 +243,7 @@ static const char *check_own(const lc_light_tree *t)
         if (!info->own_size) continue;
         const void *own = lc_light_own(&t->data, kind, i);
         info->least_of_own(own, least);
-        const char *wrong = info->check_own(own, least, t->data.spot_maps != NULL);
+        const char *wrong = info->check_own(own, least, has_maps(t, kind));
         if (wrong) return wrong;
     }
     return NULL;
@@ -257,7 +263,7 @@ static const char *check_node(check *c, uint32_t id, uint32_t *stack)
     if (!wrong && lc_is_aimed(kind)) wrong = check_cone(c, id, stack);
     const lc_light_kind_info *info = &lc_light_kinds[kind];
     if (!wrong && info->own_size)
-        wrong = info->check_own(lc_node_own(&t->data, kind, id), s->least, t->data.spot_maps != NULL);
+        wrong = info->check_own(lc_node_own(&t->data, kind, id), s->least, has_maps(t, kind));
     if (!wrong && lc_is_attenuated(kind))
         wrong = check_atten(t->data.node_atten ? t->data.node_atten[id] : NULL, s);
     return wrong;

@@ -42,7 +42,7 @@ static inline void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, b
     s->lights = malloc((n + 1) * sizeof *s->lights);
     for (uint32_t i = 0; i < n; i++) {
         uint32_t kind;
-        do kind = rnd_n(LC_LIGHT_KINDS);
+        do kind = rnd_n(LC_LIGHT_LUMINAIRE);
         while (!(kinds >> kind & 1));
         lc_light l = {
             .kind = (lc_light_kind)kind, .pos = rnd_in_box(1), .dir = rnd_unit(), .atten = { 0, 0, 1 }

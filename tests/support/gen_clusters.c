@@ -2,6 +2,8 @@
 #include "support/gen_clusters.h"
 
 #include "base/rng.h"
+#include "base/sample_dir.h"
+#include "shade/profile.h"
 #include "isa/isa.h"
 #include "shade/cluster.h"
 #include "shade/dir_pack.h"
@@ -11,12 +13,13 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- stream ---- */
 
-gen_src gen_src_key(uint64_t key) { return (gen_src) { NULL, 0, 0, key, 0, 0, 0 }; }
-gen_src gen_src_bytes(const uint8_t *data, size_t size) { return (gen_src) { data, size, 0, 0, 0, 0, 0 }; }
+gen_src gen_src_key(uint64_t key) { return (gen_src){ NULL, 0, 0, key, 0, 0, 0 }; }
+gen_src gen_src_bytes(const uint8_t *data, size_t size) { return (gen_src){ data, size, 0, 0, 0, 0, 0 }; }
 
 static uint32_t draw(gen_src *s, unsigned bytes)
 {
@@ -54,29 +57,29 @@ static double d3_dot(d3 a, d3 b) { return a.v[0] * b.v[0] + a.v[1] * b.v[1] + a.
 
 static d3 d3_mad(d3 a, double s, d3 b)
 {
-    return (d3) { { a.v[0] + s * b.v[0], a.v[1] + s * b.v[1], a.v[2] + s * b.v[2] } };
+    return (d3){ { a.v[0] + s * b.v[0], a.v[1] + s * b.v[1], a.v[2] + s * b.v[2] } };
 }
 
 static d3 d3_unit(d3 a)
 {
     double l = sqrt(d3_dot(a, a));
-    return l > 0 ? (d3) { { a.v[0] / l, a.v[1] / l, a.v[2] / l } } : (d3) { { 0, 0, 1 } };
+    return l > 0 ? (d3){ { a.v[0] / l, a.v[1] / l, a.v[2] / l } } : (d3){ { 0, 0, 1 } };
 }
 
 static d3 d3_cross(d3 a, d3 b)
 {
     const double *p = a.v, *q = b.v;
-    return (d3) { { p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0] } };
+    return (d3){ { p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0] } };
 }
 
-static lc_f3 to_f3(d3 a) { return (lc_f3) { (float)a.v[0], (float)a.v[1], (float)a.v[2] }; }
-static d3 from_f3(lc_f3 a) { return (d3) { { (double)a.x, (double)a.y, (double)a.z } }; }
+static lc_f3 to_f3(d3 a) { return (lc_f3){ (float)a.v[0], (float)a.v[1], (float)a.v[2] }; }
+static d3 from_f3(lc_f3 a) { return (d3){ { (double)a.x, (double)a.y, (double)a.z } }; }
 static lc_f3 unit_f3(d3 a) { return to_f3(d3_unit(a)); }
 
 static d3 sphere(gen_src *s)
 {
     double z = gen_real(s, -1, 1), phi = gen_real(s, -LC_PI, LC_PI), r = sqrt(fmax(0, 1 - z * z));
-    return (d3) { { r * cos(phi), r * sin(phi), z } };
+    return (d3){ { r * cos(phi), r * sin(phi), z } };
 }
 
 /* Also axes, planes of axes and their neighbourhoods down to denormals. */
@@ -219,8 +222,7 @@ static double make_corner(gen_src *s, gen_case *c, const space *b, double side[3
     for (uint32_t a = 0; a < 3; a++) {
         bool high = gen_pick(s, 2), no_extent = (flat == 1 && a == axis) || (flat == 2 && a != axis);
         (&c->lights[0].pos.x)[a] = high ? b->hi[a] : b->lo[a];
-        for (uint32_t i = 1; i < c->n && no_extent; i++)
-            (&c->lights[i].pos.x)[a] = (&c->lights[0].pos.x)[a];
+        for (uint32_t i = 1; i < c->n && no_extent; i++) (&c->lights[i].pos.x)[a] = (&c->lights[0].pos.x)[a];
         if (c->n > 1 && !no_extent) (&c->lights[1].pos.x)[a] = high ? b->lo[a] : b->hi[a];
         side[a] = no_extent || c->n < 2 || !(b->hi[a] > b->lo[a]) ? 0 : high ? 1 : -1;
         if (side[a] < 0 || side[a] > 0) size = fmax(size, (double)b->hi[a] - (double)b->lo[a]);
@@ -238,7 +240,7 @@ static d3 before_corner(gen_src *s, gen_case *c, const double side[3], double si
     w = d3_unit(w);
     c->pos = to_f3(d3_mad(from_f3(c->lights[0].pos), size * decade(s, -5, gen_pick(s, 2) ? -1 : -3), w));
     double by = gen_pick(s, 2) ? tilt(s) : decade(s, -1, 1);
-    return d3_mad(d3_mad((d3) { { 0, 0, 0 } }, -1, w), by, direction(s));
+    return d3_mad(d3_mad((d3){ { 0, 0, 0 } }, -1, w), by, direction(s));
 }
 
 /* The least distance r from the normal's axis, at which cos / d^2 has its peak at a height of r / sqrt 2
@@ -314,7 +316,7 @@ static void make_directions(gen_src *s, gen_case *c, gen_style style, d3 to_poin
         if (how == 1) d = d3_mad(axis, spread, sphere(s));
         if (how == 2) d = style == GEN_ORDINARY ? sphere(s) : direction(s);
         if (how == 3) {
-            d = d3_mad((d3) { { 0, 0, 0 } }, i & 1 ? -1 : 1, axis);
+            d = d3_mad((d3){ { 0, 0, 0 } }, i & 1 ? -1 : 1, axis);
             d = d3_mad(d, tilt(s), direction(s));
         }
         if (how == 4) {
@@ -347,7 +349,7 @@ static d3 target(gen_src *s, const gen_case *c, uint32_t which)
         if (which == 0) v[a] = (lo[a] + hi[a]) / 2;
         if (which == 2) v[a] = gen_pick(s, 2) ? lo[a] : hi[a];
     }
-    return d3_unit((d3) { { v[0], v[1], v[2] } });
+    return d3_unit((d3){ { v[0], v[1], v[2] } });
 }
 
 static void make_normal(gen_src *s, gen_case *c, gen_style style)
@@ -426,7 +428,7 @@ static void make_fresnel(gen_src *s, gen_case *c, gen_style style)
 
 static void make_rough(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
 {
-    c->mat.lobe = brdf == GEN_ANY_LOBE   ? (lc_lobe)gen_pick(s, LC_LOBES)
+    c->mat.lobe = brdf == GEN_ANY_LOBE  ? (lc_lobe)gen_pick(s, LC_LOBES)
                   : brdf >= GEN_GGX_ISO ? LC_LOBE_GGX
                                         : LC_LOBE_WARD;
     c->mat.roughness[0] = c->mat.roughness[1] = roughness(s, style);
@@ -470,8 +472,8 @@ static void make_attenuation(gen_src *s, float atten[3], const space *b, gen_sty
 
 static void make_light_values(gen_src *s, gen_case *c, const space *b, gen_style style)
 {
-    double common =
-        style == GEN_ORDINARY || !gen_pick(s, 2) ? 1 : decade(s, -15, style == GEN_EXTREME ? 24 : 15);
+    double common = style == GEN_ORDINARY || !gen_pick(s, 2) ? 1
+                                                             : decade(s, -15, style == GEN_EXTREME ? 24 : 15);
     bool coloured = gen_pick(s, 2), own = style != GEN_ORDINARY && !gen_pick(s, 4), vary = gen_pick(s, 2);
     bool dark = style != GEN_ORDINARY && !gen_pick(s, 32);
     float atten[3];
@@ -537,6 +539,59 @@ static void make_spots(gen_src *s, gen_case *c, gen_style style)
         c->lights[i].spot = alike ? one : spot_profile(s, c, &c->lights[i], style);
 }
 
+/* ---- luminaires ---- */
+
+#define PROFILES 6
+
+/* Tables of few angles: down, up, all round, a spike, a band of a part of the turn, steps next to each other.
+ */
+static void make_profile(const lc_context *ctx, lc_profiles *all, uint32_t which)
+{
+    static const float polars[PROFILES][5] = { { 0, 20, 45, 70, 90 },    { 90, 120, 135, 160, 180 },
+                                               { 0, 60, 90, 120, 180 },  { 0, 1, 2, 3, 180 },
+                                               { 30, 60, 90, 120, 150 }, { 0, 40, 40.001f, 90, 90.5f } };
+    static const float azimuths[PROFILES][5] = { { 0, 90, 180, 270, 360 },   { 0, 1, 180, 300, 360 },
+                                                 { 5, 95, 185, 275, 365 },   { 0, 90, 180, 270, 360 },
+                                                 { -90, -40, 0, 0.01f, 90 }, { 0, 90, 180, 359, 360 } };
+    float candela[25], peak;
+    uint32_t id;
+    for (uint32_t i = 0; i < 25; i++) {
+        candela[i] = (float)(lc_hash2(i % 20, which) >> 40) * 0x1p-24f; /* the last plane is the first */
+        if (lc_hash2(i % 20, which + 99) % 3 == 0) candela[i] = 0;
+        if (which == 3) candela[i] = i % 5 == 1 ? 1000 : 1;
+        if (which == 4) candela[i] += (float)i;
+    }
+    const lc_profile_desc desc = { azimuths[which], polars[which], candela, 5, 5 };
+    if (lc_profiles_add(ctx, all, &desc, &id, &peak)) abort();
+}
+
+const lc_profiles *gen_profiles(void)
+{
+    static lc_profiles all;
+    static lc_context *ctx;
+    lc_context_desc desc = LC_CONTEXT_DESC_INIT;
+    if (all.n) return &all;
+    desc.n_threads = 1;
+    if (lc_context_create(&desc, &ctx)) abort();
+    for (uint32_t i = 0; i < PROFILES; i++) make_profile(ctx, &all, i);
+    if (lc_profiles_finish(ctx, &all)) abort();
+    ref_set_profiles(&all);
+    return &all;
+}
+
+static void make_luminaires(gen_src *s, gen_case *c)
+{
+    bool alike = gen_pick(s, 2);
+    uint32_t one = gen_pick(s, PROFILES), mirrored = gen_pick(s, 2);
+    gen_profiles();
+    for (uint32_t i = 0; i < c->n; i++) {
+        double turn = gen_pick(s, 4) ? gen_real(s, -4, 4) : tilt(s);
+        lc_f3 zero = lc_sample_frame(c->lights[i].dir, cos(turn), sin(turn), 0);
+        uint32_t which = alike ? one : gen_pick(s, PROFILES);
+        c->lights[i].luminaire = lc_luminaire_make(zero, which, alike ? mirrored : gen_pick(s, 2));
+    }
+}
+
 void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, gen_style style)
 {
     memset(c, 0, sizeof *c);
@@ -562,6 +617,7 @@ void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, g
     make_light_values(s, c, &b, style);
     if (extreme) make_dominant(s, c);
     if (kind == LC_LIGHT_SPOT) make_spots(s, c, style);
+    if (kind == LC_LIGHT_LUMINAIRE) make_luminaires(s, c);
     for (uint32_t i = 0; i < c->n && lc_is_sized(kind); i++)
         c->lights[i].radius = (float)(b.scale * decade(s, -9, style == GEN_ORDINARY ? -6 : 1));
     double diag = b.scale * decade(s, 0, 2), to_0 = (double)lc_f3_len(lc_f3_sub(c->lights[0].pos, c->pos));

@@ -79,6 +79,9 @@ enum {
     GEN_BAD_BOX = 32         /* a member's position outside the stored box, or power too small */
 };
 
+/* The tables of all luminaires that are generated. */
+const lc_profiles *gen_profiles(void);
+
 gen_src gen_src_key(uint64_t key);
 gen_src gen_src_bytes(const uint8_t *data, size_t size);
 uint32_t gen_pick(gen_src *s, uint32_t n);

@@ -49,6 +49,11 @@ lc_f3 gen_shade(const lc_point *p, const lc_light *l)
     lc_light_rec rec;
     lc_spot_rec spot;
     lc_light_rec_init(&rec, l);
+    if (l->kind == LC_LIGHT_LUMINAIRE) {
+        lc_luminaire_rec own;
+        lc_luminaire_rec_init(&own, l);
+        return one_luminaire_transfer(p, &rec, &own, gen_profiles());
+    }
     if (l->kind != LC_LIGHT_SPOT)
         return one_transfer(p, l->kind, &rec, lc_is_attenuated(l->kind) ? l->atten : NULL);
     lc_spot_rec_init(&spot, l->spot.cos_total, l->spot.cos_start, 0);
@@ -58,6 +63,11 @@ lc_f3 gen_shade(const lc_point *p, const lc_light *l)
 float gen_bound(const lc_cluster *c, const lc_node *node, const lc_atten *atten, const lc_point *p)
 {
     lc_spot_rec spot;
+    if (c->kind == LC_LIGHT_LUMINAIRE) {
+        lc_luminaire_rec own;
+        lc_luminaire_rec_node(&own, c->least);
+        return one_luminaire_bound(node, &own, gen_profiles(), p);
+    }
     if (c->kind != LC_LIGHT_SPOT)
         return one_bound(node, lc_inverse_square(*atten) ? NULL : atten, c->kind, p);
     lc_spot_rec_init(&spot, c->least[0], c->least[1], 0);
@@ -70,6 +80,7 @@ typedef struct records {
     _Alignas(64) lc_light_rec light[GEN_MAX_LIGHTS];
     lc_atten node_atten[2 * GEN_MAX_LIGHTS], light_atten[GEN_MAX_LIGHTS];
     lc_spot_rec node_spot[2 * GEN_MAX_LIGHTS], light_spot[GEN_MAX_LIGHTS];
+    lc_luminaire_rec node_luminaire[2 * GEN_MAX_LIGHTS], light_luminaire[GEN_MAX_LIGHTS];
     lc_tree_data data;
 } records;
 
@@ -79,6 +90,9 @@ static void make_records(records *r, const gen_case *c, const tree *t)
     r->data = (lc_tree_data){ .nodes = r->node, .lights = r->light };
     r->data.own[LC_LIGHT_SPOT].node = r->node_spot;
     r->data.own[LC_LIGHT_SPOT].light = r->light_spot;
+    r->data.own[LC_LIGHT_LUMINAIRE].node = r->node_luminaire;
+    r->data.own[LC_LIGHT_LUMINAIRE].light = r->light_luminaire;
+    r->data.profiles = gen_profiles();
     for (uint32_t k = 0; k < t->n; k++) {
         const lc_cluster *in = &t->node[k];
         r->node[k] = (lc_node){ .left = LC_NONE, .right = LC_NONE };
@@ -86,6 +100,7 @@ static void make_records(records *r, const gen_case *c, const tree *t)
         lc_cluster_store(in, &r->node[k], &r->node_atten[k]);
         plain = plain && lc_inverse_square(r->node_atten[k]);
         if (in->kind == LC_LIGHT_SPOT) lc_spot_rec_init(&r->node_spot[k], in->least[0], in->least[1], 0);
+        if (in->kind == LC_LIGHT_LUMINAIRE) lc_luminaire_rec_node(&r->node_luminaire[k], in->least);
     }
     for (uint32_t i = 0; i < c->n; i++) {
         const lc_light *l = &c->lights[i];
@@ -93,6 +108,7 @@ static void make_records(records *r, const gen_case *c, const tree *t)
         r->light_atten[i][3] = 0;
         for (int a = 0; a < 3; a++) r->light_atten[i][a] = lc_is_attenuated(l->kind) ? l->atten[a] : a == 2;
         plain = plain && lc_inverse_square(r->light_atten[i]);
+        if (l->kind == LC_LIGHT_LUMINAIRE) lc_luminaire_rec_init(&r->light_luminaire[i], l);
         if (l->kind == LC_LIGHT_SPOT)
             lc_spot_rec_init(&r->light_spot[i], l->spot.cos_total, l->spot.cos_start, 0);
     }
@@ -369,7 +385,8 @@ static void print3(const char *name, lc_f3 a)
 
 void gen_case_print(const gen_case *c)
 {
-    static const char *const kinds[] = { "point", "oriented", "directional", "spot", "virtual", "ball" };
+    static const char *const kinds[] = { "point", "oriented", "directional", "spot", "virtual", "ball",
+                                         "luminaire" };
     gen_result r;
     gen_case_run(c, &r);
     printf("  case: %s, %u lights: %s (bits %u), members %x, bound %.9g by %s, value %.9g\n",
@@ -398,6 +415,12 @@ void gen_case_print(const gen_case *c)
         const lc_light *l = &c->lights[i];
         printf("    light %u\n", i);
         print3("  pos", l->pos);
+        if (l->kind == LC_LIGHT_LUMINAIRE) {
+            lc_luminaire_rec own;
+            lc_luminaire_rec_init(&own, l);
+            printf("      profile %u%s\n", own.profile, l->luminaire.profile >> 31 ? ", mirrored" : "");
+            print3("  zero", lc_f3_load(own.zero));
+        }
         print3("  dir", l->dir);
         print3("  intens.", l->intensity);
         print3("  atten", lc_f3_load(l->atten));

@@ -45,3 +45,27 @@ lc_f3 one_spot_transfer(const lc_point *p, const lc_light_rec *light, const lc_s
     lc_kernels_scalar.shade.estimate(&tree, 0, NULL, 1, LC_LIGHT_SPOT, p, out);
     return lc_f3_make(to[0][0], to[1][0], to[2][0]);
 }
+
+float one_luminaire_bound(const lc_node *node, const lc_luminaire_rec *own, const lc_profiles *profiles,
+                          const lc_point *point)
+{
+    const uint32_t index = 0;
+    float ub[LC_LANES];
+    lc_node n = *node;
+    lc_luminaire_rec r = *own;
+    const lc_tree_data tree = { .nodes = &n, .own[LC_LIGHT_LUMINAIRE].node = &r, .profiles = profiles };
+    lc_kernels_scalar.shade.bounds(&tree, &index, 1, LC_LIGHT_LUMINAIRE, point, ub);
+    return ub[0];
+}
+
+lc_f3 one_luminaire_transfer(const lc_point *p, const lc_light_rec *light, const lc_luminaire_rec *own,
+                             const lc_profiles *profiles)
+{
+    float to[6][LC_LANES];
+    float *const out[6] = { to[0], to[1], to[2], to[3], to[4], to[5] };
+    lc_light_rec rec = *light;
+    lc_luminaire_rec r = *own;
+    const lc_tree_data tree = { .lights = &rec, .own[LC_LIGHT_LUMINAIRE].light = &r, .profiles = profiles };
+    lc_kernels_scalar.shade.estimate(&tree, 0, NULL, 1, LC_LIGHT_LUMINAIRE, p, out);
+    return lc_f3_make(to[0][0], to[1][0], to[2][0]);
+}

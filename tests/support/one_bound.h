@@ -15,10 +15,18 @@ float one_bound(const lc_node *node, const lc_atten *atten, lc_light_kind kind, 
 /* The same for spots. */
 float one_spot_bound(const lc_node *node, const lc_spot_rec *spot, const lc_point *point);
 
+/* The same for luminaires. */
+float one_luminaire_bound(const lc_node *node, const lc_luminaire_rec *own, const lc_profiles *profiles,
+                          const lc_point *point);
+
 /* M G of one light, R G B, without visibility. atten: A, B, C, or NULL for 0, 0, 1. */
 lc_f3 one_transfer(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten);
 /* The same of a spot; spot_maps: those of the scene, or NULL. */
 lc_f3 one_spot_transfer(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot,
                         const lc_spot_map *spot_maps);
+
+/* The same of a luminaire. */
+lc_f3 one_luminaire_transfer(const lc_point *p, const lc_light_rec *light, const lc_luminaire_rec *own,
+                             const lc_profiles *profiles);
 
 #endif

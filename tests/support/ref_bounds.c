@@ -7,6 +7,8 @@
  */
 #include "support/ref_bounds.h"
 
+#include "shade/dir_pack.h"
+
 #include <complex.h>
 #include <math.h>
 
@@ -127,10 +129,92 @@ static double emission(const lc_light *l, double cos_phi)
     return profile((double)l->spot.cos_total, (double)l->spot.cos_start, cos_phi);
 }
 
+/* ---- luminaires ---- */
+
+static const lc_profiles *profiles;
+
+void ref_set_profiles(const lc_profiles *all) { profiles = all; }
+
+static const lc_profile *profile_of(const lc_light *l)
+{
+    return &profiles->item[l->luminaire.profile & ~LC_PROFILE_MIRRORED];
+}
+
+/* The table's value at two angles in degrees. */
+static double table_at(const lc_profile *p, double azimuth, double polar)
+{
+    const float *x = p->azimuth, *y = p->polar;
+    uint32_t i = 0, j = 0;
+    while (azimuth < (double)x[0]) azimuth += 360;
+    while (azimuth >= (double)x[0] + 360) azimuth -= 360;
+    if (azimuth > (double)x[p->n_azimuth - 1] || polar < (double)y[0] || polar > (double)y[p->n_polar - 1])
+        return 0;
+    while (i + 2 < p->n_azimuth && (double)x[i + 1] <= azimuth) i++;
+    while (j + 2 < p->n_polar && (double)y[j + 1] <= polar) j++;
+    double f = (azimuth - (double)x[i]) / ((double)x[i + 1] - (double)x[i]), v[2],
+           g = (polar - (double)y[j]) / ((double)y[j + 1] - (double)y[j]);
+    for (uint32_t k = 0; k < 2; k++) {
+        const float *a = p->value + (size_t)i * p->n_polar + j + k;
+        v[k] = (double)a[0] * (1 - f) + (double)a[p->n_polar] * f;
+    }
+    return v[0] * (1 - g) + v[1] * g;
+}
+
+/* azimuth, polar: of the direction from the light. */
+static void light_angles(const lc_light *l, const double to_light[3], double angle[2])
+{
+    double zero[3], dir[3], ninety[3], away[3];
+    load_f3(zero, lc_dir_unpack(l->luminaire.zero));
+    load_f3(dir, l->dir);
+    double sign = l->luminaire.profile & LC_PROFILE_MIRRORED ? -1 : 1;
+    for (int k = 0; k < 3; k++) {
+        int a = (k + 1) % 3, b = (k + 2) % 3;
+        ninety[k] = sign * (zero[a] * dir[b] - zero[b] * dir[a]);
+        away[k] = -to_light[k];
+    }
+    double x = dot3(zero, away), y = dot3(ninety, away);
+    angle[0] = atan2(y, x) * (180 / LC_PI);
+    angle[1] = atan2(hypot(x, y), dot3(dir, away)) * (180 / LC_PI);
+}
+
+#define ANGLE_OFF 1e-4 /* degrees: of the angles that a kernel computes, see light_luminaire.h */
+
+/* Least and greatest value for angles within ANGLE_OFF: of a bilinear function at the corners of each piece,
+ * and 0 where the table ends. */
+static void table_range(const lc_light *l, const double angle[2], double *lo, double *hi)
+{
+    const lc_profile *p = profile_of(l);
+    double off = ANGLE_OFF / fmax(sin(angle[1] * LC_PI / 180), 1e-9), at[2][32];
+    uint32_t n[2] = { 0, 0 };
+    off = fmin(off, 180);
+    for (int s = -1; s <= 1; s++) {
+        at[0][n[0]++] = angle[0] + s * off;
+        at[1][n[1]++] = clamp(angle[1] + s * ANGLE_OFF, 0, 180);
+    }
+    for (uint32_t i = 0; i < p->n_azimuth; i++)
+        for (int turn = -1; turn <= 1; turn++) {
+            double a = (double)p->azimuth[i] + 360 * turn;
+            if (fabs(a - angle[0]) <= off) at[0][n[0]++] = a;
+        }
+    for (uint32_t j = 0; j < p->n_polar; j++)
+        if (fabs((double)p->polar[j] - angle[1]) <= ANGLE_OFF) at[1][n[1]++] = (double)p->polar[j];
+    *lo = HUGE_VAL;
+    *hi = 0;
+    for (uint32_t i = 0; i < n[0]; i++)
+        for (uint32_t j = 0; j < n[1]; j++) {
+            double v = table_at(p, at[0][i], at[1][j]);
+            *lo = fmin(*lo, v);
+            *hi = fmax(*hi, v);
+        }
+    *lo *= 1 - 8 * U;
+    *hi *= 1 + 8 * U;
+}
+
 /* What M G is made of: cosines at the receiver, about the mirror direction, at the light; 1/f; Ward, GGX: i
  * and h = i + o by tangents over roughness and n, and the lengths of the former two. */
 typedef struct terms {
     double cos_r, cos_m, cos_e, inv_f, i[3], h[3], sharp[2];
+    double angle[2]; /* luminaires: azimuth, polar */
 } terms;
 
 static void load_atten(double a[3], const lc_light *l)
@@ -151,7 +235,7 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     for (int k = 0; k < 3; k++) v[k] = far ? -dir[k] : y[k] - x[k];
     double d2 = dot3(v, v), d = sqrt(fmax(d2, (double)LC_TINY_D2)); /* no shorter: point.h */
     for (int k = 0; k < 3; k++) w[k] = v[k] / d;
-    terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 }, { 0 } };
+    terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 }, { 0 }, { 0 } };
     for (int k = 0; k < 2; k++) {
         double tangent[3];
         load(tangent, p->tangent[k]);
@@ -164,6 +248,7 @@ static terms light_terms(const lc_point *p, const lc_light *l)
         double len = sqrt(dot3(dir, dir));
         t.cos_e = len > 0 ? -dot3(dir, w) / len : 0;
     }
+    if (l->kind == LC_LIGHT_LUMINAIRE) light_angles(l, v, t.angle);
     if (!far) t.inv_f = 1 / falloff(atten, fmax(d2, (double)p->min_d2));
     return t;
 }
@@ -230,11 +315,17 @@ static double half_cosine(const lc_point *p, double x, double y, double z)
     return fmin(sqrt((double)p->square[0] * x * x + (double)p->square[1] * y * y + z * z) / 2, 1);
 }
 
+static double emission_of(const lc_light *l, const terms *t)
+{
+    if (l->kind == LC_LIGHT_LUMINAIRE) return table_at(profile_of(l), t->angle[0], t->angle[1]);
+    return emission(l, t->cos_e);
+}
+
 void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
 {
     terms t = light_terms(p, l);
-    double pm = p->lobe == LC_LOBE_PHONG  ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent)
-                : p->lobe == LC_LOBE_WARD ? ward(t.h[0], t.h[1], t.h[2], fmin(t.cos_r, 1))
+    double pm = p->lobe == LC_LOBE_PHONG        ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent)
+                : p->lobe == LC_LOBE_WARD       ? ward(t.h[0], t.h[1], t.h[2], fmin(t.cos_r, 1))
                 : p->lobe == LC_LOBE_OREN_NAYAR ? oren_nayar(p, t.i[0], t.cos_r)
                                                 : 0;
     for (int c = 0; c < 3; c++) {
@@ -242,7 +333,7 @@ void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
         /* the cosine of o is no less, for the quotients */
         if (p->lobe == LC_LOBE_GGX)
             lobe = t.cos_r > 0 ? fresnel(p, c, c_h) * ggx(p, t.i, fmax((double)p->view[2], 1e-12)) : 0;
-        mg[c] = combine(p, c, fmin(t.cos_r, 1), coat_in(p, t.cos_r), lobe, fmin(emission(l, t.cos_e), 1),
+        mg[c] = combine(p, c, fmin(t.cos_r, 1), coat_in(p, t.cos_r), lobe, fmin(emission_of(l, &t), 1),
                         t.inv_f);
     }
 }
@@ -349,6 +440,7 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
     double spot = l->kind == LC_LIGHT_SPOT ? 12 * U : 0;
     double e_lo = emission(l, fmin(t.cos_e, 1) - ee) * (1 - spot),
            e_hi = emission(l, t.cos_e + ee) * (1 + spot);
+    if (l->kind == LC_LIGHT_LUMINAIRE) table_range(l, t.angle, &e_lo, &e_hi);
     double n = (double)p->exponent, pm_lo = 0, pm_hi = 0, gloss_lo[3], gloss_hi[3];
     if (p->lobe == LC_LOBE_WARD) ward_range(&t, er, &pm_lo, &pm_hi);
     if (p->lobe == LC_LOBE_PHONG) {
@@ -488,6 +580,7 @@ static double joint_bound(const double lo[3], const double hi[3], const double n
 /* Boxes of the members. v: y - x, or the unit direction towards the light; e: unit emission direction. */
 typedef struct ref_cluster {
     double vlo[3], vhi[3], elo[3], ehi[3], atten[3], power[3], spot[2];
+    uint32_t profiles; /* bits */
     lc_light_kind kind;
 } ref_cluster;
 
@@ -499,6 +592,7 @@ static void gather(ref_cluster *c, const lc_point *p, const lc_light *lights, ui
         c->power[k] = 0;
     }
     c->spot[0] = c->spot[1] = 1;
+    c->profiles = 0;
     for (uint32_t i = 0; i < 32; i++) {
         if (!(members >> i & 1)) continue;
         const lc_light *l = &lights[i];
@@ -513,6 +607,7 @@ static void gather(ref_cluster *c, const lc_point *p, const lc_light *lights, ui
             c->spot[0] = fmin(c->spot[0], (double)l->spot.cos_total);
             c->spot[1] = fmin(c->spot[1], (double)l->spot.cos_start);
         }
+        if (l->kind == LC_LIGHT_LUMINAIRE) c->profiles |= 1u << (l->luminaire.profile & 31);
         for (int k = 0; k < 3; k++) {
             double v = l->kind == LC_LIGHT_DIRECTIONAL ? -dir[k] : y[k] - x[k];
             c->vlo[k] = fmin(c->vlo[k], v);
@@ -537,6 +632,34 @@ static double emission_bound(const ref_cluster *c)
     }
     double theta = acos(ref_cos_box(lo, hi, axis)), beta = acos(cos_cone);
     return theta <= beta ? 1 : cos(theta - beta);
+}
+
+/* Greatest value of the members' tables in the range of polar angles that the boxes of positions and
+ * directions leave. */
+static double luminaire_bound(const ref_cluster *c)
+{
+    double axis[3], back[3], lo[3], hi[3], cone = ref_cone(c->elo, c->ehi, axis), from = 0, to = 180,
+                                           most = 0;
+    for (int k = 0; k < 3; k++) {
+        lo[k] = -c->vhi[k];
+        hi[k] = -c->vlo[k];
+        back[k] = -axis[k];
+    }
+    if (cone > -1) {
+        from = fmax(acos(ref_cos_box(lo, hi, axis)) - acos(cone), 0) * 180 / LC_PI;
+        to = 180 - fmax(acos(ref_cos_box(lo, hi, back)) - acos(cone), 0) * 180 / LC_PI;
+    }
+    for (uint32_t id = 0; id < profiles->n; id++) {
+        const lc_profile *p = &profiles->item[id];
+        for (uint32_t i = 0; i < p->n_azimuth && c->profiles >> id & 1; i++) {
+            double azimuth = (double)p->azimuth[i];
+            most = fmax(most, fmax(table_at(p, azimuth, from), table_at(p, azimuth, to)));
+            for (uint32_t j = 0; j < p->n_polar; j++)
+                if ((double)p->polar[j] >= from && (double)p->polar[j] <= to)
+                    most = fmax(most, table_at(p, azimuth, (double)p->polar[j]));
+        }
+    }
+    return most;
 }
 
 /* Range of x / sqrt(x^2 + y^2) where x is in x0..x1 and y^2 in y0..y1. */
@@ -651,5 +774,6 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
     if (joint && c.atten[2] > 0) geometry = fmin(geometry, len_n * joint_bound(c.vlo, c.vhi, n) / c.atten[2]);
     double cos_e = lc_is_aimed(c.kind) ? emission_bound(&c) : 1;
     if (c.kind == LC_LIGHT_SPOT) cos_e = profile(c.spot[0], c.spot[1], cos_e);
+    if (c.kind == LC_LIGHT_LUMINAIRE) cos_e = luminaire_bound(&c);
     return cos_e > 0 ? (material * geometry + lobe * inv_f) * cos_e : 0;
 }

@@ -44,4 +44,7 @@ double ref_cos_box(const double lo[3], const double hi[3], const double axis[3])
  * circumsphere (facts 1.2). Returns the cosine of the half angle; -1 and any axis if it is everything. */
 double ref_cone(const double lo[3], const double hi[3], double axis[3]);
 
+/* The tables of luminaires that all of these take. */
+void ref_set_profiles(const lc_profiles *profiles);
+
 #endif
