@@ -1,4 +1,5 @@
 /* load.c - public calls of scenes: checks arguments, then delegates. */
+#include "base/desc.h"
 #include "base/memory.h"
 #include "pbrt/parse.h"
 #include "prepare/commit.h"
@@ -30,8 +31,8 @@ lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *d
     if (!out) return LC_ERR_ARG;
     *out = NULL;
     lc_load_desc d = LC_LOAD_DESC_INIT;
-    if (!ctx || !path || (desc && desc->size != sizeof d)) return LC_ERR_ARG;
-    if (desc) d = *desc;
+    if (!ctx || !path) return LC_ERR_ARG;
+    if (desc && lc_desc_take(ctx, "lc_load_desc", &d, sizeof d, desc)) return LC_ERR_ARG;
     if (!d.env_lights) d.env_lights = DEFAULT_ENV_LIGHTS;
     if (!(d.indirect_error > 0 || d.indirect_error < 0)) d.indirect_error = DEFAULT_INDIRECT_ERROR;
     if (!d.n_reps) d.n_reps = DEFAULT_REPS;
