@@ -240,6 +240,82 @@ LC_API lc_status lc_scene_get_note(const lc_scene *scene, uint32_t idx, lc_note 
  * last. */
 LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_feature *feature);
 
+/* ---- a scene by calls ---- */
+
+/* lc_build_begin, then what is in the scene, then lc_build_commit, after which the scene is as a loaded one and
+ * takes no more. Everything is copied. A call with a wrong argument is LC_ERR_ARG, names it in the log and leaves
+ * the scene as it was; so does LC_ERR_MEMORY, but for lc_build_commit, after which the scene can only be destroyed.
+ * The loader of files goes the same way, so the same scene gives the same bytes. */
+
+typedef struct lc_build_material_desc {
+    size_t size;
+    float diffuse[3];    /* reflectance, 0..1 */
+    float glossy[3];     /* of a Phong lobe, 0..1 */
+    float exponent;      /* of that lobe, 0..100000 */
+} lc_build_material_desc;
+#define LC_BUILD_MATERIAL_DESC_INIT { sizeof(lc_build_material_desc), { 0.5f, 0.5f, 0.5f }, { 0, 0, 0 }, 0 }
+
+typedef struct lc_build_mesh_desc {
+    size_t size;
+    uint32_t n_vertices, n_triangles;
+    const float *positions;  /* n_vertices * 3; world space, for meshes of an object in its space */
+    const float *normals;    /* n_vertices * 3, any length; NULL: the triangles' own */
+    const uint32_t *indices; /* n_triangles * 3 */
+    uint32_t material;       /* from lc_build_material */
+    float emission[3];       /* radiance; 0 for meshes of an object */
+    int two_sided;           /* emits on both sides, not only on that of cross(p1 - p0, p2 - p0) */
+    int flip;                /* the outer side is the other one */
+} lc_build_mesh_desc;
+#define LC_BUILD_MESH_DESC_INIT { sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0 }
+
+typedef enum lc_build_light_kind {
+    LC_BUILD_POINT,      /* the same intensity in all directions */
+    LC_BUILD_ORIENTED,   /* intensity times the cosine to its direction */
+    LC_BUILD_DIRECTIONAL /* far away; intensity is its irradiance */
+} lc_build_light_kind;
+
+typedef struct lc_build_light_desc {
+    size_t size;
+    lc_build_light_kind kind;
+    float position[3];
+    double direction[3]; /* in which light travels, any length */
+    float intensity[3];
+} lc_build_light_desc;
+#define LC_BUILD_LIGHT_DESC_INIT                                                                             \
+    { sizeof(lc_build_light_desc), LC_BUILD_POINT, { 0, 0, 0 }, { 0, 0, 1 }, { 1, 1, 1 } }
+
+/* A perspective camera; up is y, x points right. */
+typedef struct lc_build_camera_desc {
+    size_t size;
+    double from[3], at[3], up[3];
+    double fov; /* degrees, of the film's shorter side */
+} lc_build_camera_desc;
+#define LC_BUILD_CAMERA_DESC_INIT                                                                            \
+    { sizeof(lc_build_camera_desc), { 0, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, 90 }
+
+typedef struct lc_build_film_desc {
+    size_t size;
+    uint32_t width, height; /* 1..65535, the product at most 2^28 */
+    uint32_t spp;           /* 1..65536 */
+    float scale;            /* multiplies every pixel, above 0 */
+} lc_build_film_desc;
+#define LC_BUILD_FILM_DESC_INIT { sizeof(lc_build_film_desc), 1280, 720, 1, 1 }
+
+LC_API lc_status lc_build_begin(lc_context *ctx, lc_scene **out);
+LC_API lc_status lc_build_material(lc_scene *scene, const lc_build_material_desc *desc, uint32_t *id);
+LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
+/* All further meshes belong to the object, in its own space; those of the world come before. */
+LC_API lc_status lc_build_object(lc_scene *scene, uint32_t *id);
+/* Places an object, whose meshes have all been given. to_world is row-major and acts on column vectors; its last
+ * row is 0 0 0 1, it can be inverted, and its condition number is at most 1000. */
+LC_API lc_status lc_build_instance(lc_scene *scene, uint32_t object, const double to_world[16]);
+LC_API lc_status lc_build_light(lc_scene *scene, const lc_build_light_desc *desc);
+LC_API lc_status lc_build_camera(lc_scene *scene, const lc_build_camera_desc *desc);
+LC_API lc_status lc_build_film(lc_scene *scene, const lc_build_film_desc *desc);
+/* Makes lights, builds the BVH and the light tree; desc as for lc_scene_load, NULL for the defaults. Without a
+ * number of virtual lights in it there are none. LC_ERR_ARG without a camera. */
+LC_API lc_status lc_build_commit(lc_scene *scene, const lc_load_desc *desc);
+
 /* ---- images ---- */
 
 typedef struct lc_image_desc {

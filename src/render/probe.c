@@ -91,6 +91,7 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     uint32_t crop[4];
     *p = (lc_probe){ .hit = false };
     lc_status st = lc_render_take(ctx, scene, desc, &d, crop);
+    if (!st) st = lc_render_ready(ctx, scene);
     if (st) return st;
     st = lc_job_init(&j, ctx, scene, &d);
     if (!st) st = probe_sample(&j, x, y, sample, p);

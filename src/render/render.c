@@ -252,6 +252,7 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     *out = NULL;
     if (!ctx || !scene || !desc) return LC_ERR_ARG;
     lc_status st = lc_render_take(ctx, scene, desc, &d, crop);
+    if (!st) st = lc_render_ready(ctx, scene);
     if (!st) st = lc_checkpoint_check(scene, &d);
     if (!st && stats) st = lc_desc_give(ctx, "lc_render_stats", stats, &own, sizeof own);
     if (st) return st;

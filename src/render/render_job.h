@@ -121,6 +121,12 @@ lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, 
 lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc);
 void lc_job_free_workers(lc_render_job *j);
 void lc_job_free(lc_render_job *j); /* with its workers */
+/* LC_ERR_ARG for a scene that was not committed. */
+static inline lc_status lc_render_ready(const lc_context *ctx, const lc_scene *s)
+{
+    return s->tree ? LC_OK : lc_fail(ctx, LC_ERR_ARG, "the scene was not committed");
+}
+
 /* A host's descriptor over the defaults, and whether it fits the scene; *crop: the pixels it asks for. */
 lc_status lc_render_take(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc,
                          lc_render_desc *out, uint32_t crop[4]);
