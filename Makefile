@@ -89,12 +89,13 @@ help:
 	@echo "make coverage   the tests, and the share of the lines of src/ that they run"
 	@echo "make san tsan msan  the tests under ASan and UBSan, under TSan, under MSan; OpenEXR, for MSan zlib too, is built so"
 	@echo "make lint       source rules, both compilers"
+	@echo "make dist       build/lightcuts-VERSION.tar.gz, which builds without git"
 	@echo "make install    PREFIX=/usr/local DESTDIR=; make uninstall"
 	@echo "make clean      removes build/ but keeps build/deps; STATIC=0 links shared libraries"
 
 # ---- dependencies ----
 
-.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill load fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall clean run-tests test-programs golden
+.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill load fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall dist clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP) $(if $(CROSS),$(CROSS))
 deps-check:
@@ -339,6 +340,11 @@ uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc $(DESTDIR)$(PREFIX)/share/man/man1/lightcuts.1
 	rm -f $(DESTDIR)$(PREFIX)/share/man/man5/lightcuts-scene.5
 	rm -f $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
+
+# What is committed.
+dist:
+	@mkdir -p build
+	git archive --format=tar.gz --prefix=lightcuts-$(VERSION)/ -o build/lightcuts-$(VERSION).tar.gz HEAD
 
 clean:
 	@for f in build/*; do [ "$$f" = build/deps ] || rm -rf "$$f"; done

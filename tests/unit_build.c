@@ -1,0 +1,181 @@
+/* unit_build.c - scenes made by calls: pictures as from a file, every argument checked. */
+#include "support/scene_text.h"
+#include "support/test.h"
+
+#include <math.h>
+
+static lc_context *ctx;
+
+static const float quad[] = { -2, -2, 3, 2, -2, 3, 2, 2, 3, -2, 2, 3 };
+static const uint32_t faces[] = { 0, 1, 2, 0, 2, 3 };
+
+static lc_scene *begin(void)
+{
+    lc_scene *s;
+    if (lc_build_begin(ctx, &s)) abort();
+    log_clear();
+    return s;
+}
+
+static lc_build_mesh_desc quad_of(uint32_t material)
+{
+    lc_build_mesh_desc m = LC_BUILD_MESH_DESC_INIT;
+    m.n_vertices = 4;
+    m.n_triangles = 2;
+    m.positions = quad;
+    m.indices = faces;
+    m.material = material;
+    return m;
+}
+
+/* A wall, its copy by an instance, and a light. */
+static lc_scene *wall(double shift)
+{
+    lc_scene *s = begin();
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
+    lc_build_camera_desc c = LC_BUILD_CAMERA_DESC_INIT;
+    lc_build_film_desc f = LC_BUILD_FILM_DESC_INIT;
+    const double to_world[16] = { 1, 0, 0, shift, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1 };
+    uint32_t id, object;
+    CHECK(!lc_build_material(s, &m, &id));
+    lc_build_mesh_desc q = quad_of(id);
+    CHECK(!lc_build_mesh(s, &q) && !lc_build_light(s, &l) && !lc_build_camera(s, &c));
+    CHECK(!lc_build_object(s, &object) && !lc_build_mesh(s, &q));
+    CHECK(!lc_build_instance(s, object, to_world));
+    f.width = f.height = 16;
+    CHECK(!lc_build_film(s, &f));
+    return s;
+}
+
+#define SAME_TEXT                                                                                            \
+    "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\n"                                   \
+    "Sampler \"independent\" \"integer pixelsamples\" 1\nIntegrator \"directlighting\"\n"                    \
+    "LookAt 0 0 0 0 0 1 0 1 0 Camera \"perspective\" \"float fov\" 90\nWorldBegin\n"                         \
+    "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"                                                  \
+    "LightSource \"point\" \"rgb I\" [1 1 1]\n" SHAPE "ObjectBegin \"o\" " SHAPE                             \
+    "ObjectEnd\nTranslate .25 0 1 ObjectInstance \"o\"\n"
+#define SHAPE                                                                                                \
+    "Shape \"trianglemesh\" \"point3 P\" [-2 -2 3 2 -2 3 2 2 3 -2 2 3] \"integer indices\" [0 1 2 0 2 3]\n"
+
+static lc_image *render(const lc_scene *s)
+{
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_image *image = NULL;
+    CHECKF(!lc_render(ctx, s, &d, &image, NULL), "%s", last_error);
+    return image;
+}
+
+TEST(a_scene_by_calls_gives_the_bytes_of_its_file)
+{
+    lc_scene *s = wall(0.25), *t = scene_from_text(ctx, NULL, SAME_TEXT);
+    CHECK(t && !lc_build_commit(s, NULL));
+    lc_image *a = render(s), *b = render(t);
+    const char *names[] = { "R", "G", "B" };
+    for (int k = 0; k < 3 && a && b; k++) {
+        const float *p = lc_image_channel(a, names[k]), *q = lc_image_channel(b, names[k]);
+        CHECK(p[8 * 16 + 8] > 0 && !memcmp(p, q, 256 * sizeof *p));
+    }
+    lc_image_destroy(a);
+    lc_image_destroy(b);
+    lc_scene_destroy(s);
+    lc_scene_destroy(t);
+}
+
+static lc_identity id_of(double shift)
+{
+    lc_scene *s = wall(shift);
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_identity id = { 0, 0 };
+    CHECK(!lc_build_commit(s, NULL) && !lc_render_identity(ctx, s, &d, &id));
+    lc_scene_destroy(s);
+    return id;
+}
+
+TEST(the_identity_of_a_picture_is_of_what_the_calls_were_given)
+{
+    CHECK(id_of(0.25).scene == id_of(0.25).scene);
+    CHECK(id_of(0.25).scene != id_of(0.5).scene);
+}
+
+/* The call was refused with one line that names the argument. */
+#define REFUSED(call, name)                                                                                  \
+    do {                                                                                                     \
+        log_clear();                                                                                         \
+        CHECK((call) == LC_ERR_ARG);                                                                         \
+        CHECKF(strstr(last_error, name) != NULL, "%s", last_error);                                          \
+    } while (0)
+
+TEST(wrong_arguments_are_named)
+{
+    lc_scene *s = begin();
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
+    lc_build_camera_desc c = LC_BUILD_CAMERA_DESC_INIT;
+    lc_build_film_desc f = LC_BUILD_FILM_DESC_INIT;
+    double flat[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1 };
+    uint32_t id, far[3] = { 0, 1, 4 };
+    REFUSED(lc_build_commit(s, NULL), "camera");
+    REFUSED(lc_build_material(s, &m, NULL), "id");
+    m.diffuse[1] = NAN;
+    REFUSED(lc_build_material(s, &m, &id), "diffuse");
+    m.diffuse[1] = 1;
+    m.exponent = -1;
+    REFUSED(lc_build_material(s, &m, &id), "exponent");
+    m.exponent = 0;
+    lc_build_mesh_desc q = quad_of(0);
+    REFUSED(lc_build_mesh(s, &q), "material");
+    CHECK(!lc_build_material(s, &m, &id));
+    q.positions = NULL;
+    REFUSED(lc_build_mesh(s, &q), "positions");
+    q = quad_of(0);
+    q.indices = far;
+    q.n_triangles = 1;
+    REFUSED(lc_build_mesh(s, &q), "triangle 0 uses vertex 4");
+    REFUSED(lc_build_instance(s, 0, flat), "object");
+    CHECK(!lc_build_object(s, &id));
+    REFUSED(lc_build_instance(s, 0, NULL), "to_world");
+    REFUSED(lc_build_instance(s, 0, flat), "to_world");
+    q = quad_of(0);
+    q.emission[0] = 1;
+    REFUSED(lc_build_mesh(s, &q), "emission");
+    l.kind = (lc_build_light_kind)9;
+    REFUSED(lc_build_light(s, &l), "kind");
+    l.kind = LC_BUILD_ORIENTED;
+    l.direction[2] = 0;
+    REFUSED(lc_build_light(s, &l), "direction");
+    c.fov = 180;
+    REFUSED(lc_build_camera(s, &c), "fov");
+    c.at[2] = 0;
+    REFUSED(lc_build_camera(s, &c), "from, at and up");
+    f.width = 0;
+    REFUSED(lc_build_film(s, &f), "film");
+    REFUSED(lc_build_film(s, NULL), "NULL");
+    lc_scene_destroy(s);
+}
+
+TEST(a_committed_or_loaded_scene_takes_no_more_and_an_uncommitted_one_renders_not)
+{
+    lc_scene *s = wall(0), *t = scene_from_text(ctx, NULL, SAME_TEXT);
+    lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_image *image;
+    REFUSED(lc_render(ctx, s, &d, &image, NULL), "committed");
+    CHECK(!lc_build_commit(s, NULL));
+    REFUSED(lc_build_light(s, &l), "committed");
+    REFUSED(lc_build_commit(s, NULL), "committed");
+    REFUSED(lc_build_light(t, &l), "loaded");
+    lc_scene_destroy(s);
+    lc_scene_destroy(t);
+}
+
+int main(void)
+{
+    ctx = quiet_context_of(2, LC_ISA_BEST);
+    RUN(a_scene_by_calls_gives_the_bytes_of_its_file);
+    RUN(the_identity_of_a_picture_is_of_what_the_calls_were_given);
+    RUN(wrong_arguments_are_named);
+    RUN(a_committed_or_loaded_scene_takes_no_more_and_an_uncommitted_one_renders_not);
+    lc_context_destroy(ctx);
+    return test_done();
+}
