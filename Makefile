@@ -328,8 +328,10 @@ install: all
 	$(if $(SHARED),ln -sf $(SONAME).$(VERSION) $(DESTDIR)$(PREFIX)/lib/$(SONAME))
 	$(if $(SHARED),ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/liblightcuts.so)
 	install -m 644 include/lightcuts.h $(DESTDIR)$(PREFIX)/include/
-	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; \
-	  s|@PUBLIC@|$(if $(SHARED),,-lz -lm -lpthread)|; s|@PRIVATE@|$(if $(SHARED),$(EXR_LINK) -lz -lm -lpthread)|' src/app/lightcuts.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc
+	sed -e 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' \
+	  -e 's|@PUBLIC@|$(if $(SHARED),,-lz -lm -lpthread)|' \
+	  -e 's|@PRIVATE@|$(if $(SHARED),$(EXR_LINK) -lz -lm -lpthread)|' \
+	  src/app/lightcuts.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc
 	install -m 644 src/app/lightcuts.1 $(DESTDIR)$(PREFIX)/share/man/man1/
 	install -m 644 src/app/lightcuts-scene.5 $(DESTDIR)$(PREFIX)/share/man/man5/
 	install -m 644 src/app/lightcuts.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts

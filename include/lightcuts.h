@@ -7,12 +7,12 @@
  * NULL, and the reason has been logged as one line. Destroying NULL does nothing. Nothing here prints, exits
  * or reads the environment.
  *
- * Descriptors, which a call reads, and info structs, which it fills in, are made by their INIT macros, which set
- * their size: a host may have been compiled with the header of another version. Of a smaller descriptor the
- * fields that are not there have INIT's values; a larger one must be 0 beyond what the library knows, else the
- * call is LC_ERR_ARG. Of a larger info struct the rest is set to 0. The one rule for zero: where INIT sets a
- * field to 0, 0 stands for what the scene or the library chooses, as the field's comment says; where INIT sets
- * another number, 0 is a value like any other.
+ * Descriptors, which a call reads, and info structs, which it fills in, are made by their INIT macros, which
+ * set their size: a host may have been compiled with the header of another version. Of a smaller descriptor
+ * the fields that are not there have INIT's values; a larger one must be 0 beyond what the library knows,
+ * else the call is LC_ERR_ARG. Of a larger info struct the rest is set to 0. The one rule for zero: where
+ * INIT sets a field to 0, 0 stands for what the scene or the library chooses, as the field's comment says;
+ * where INIT sets another number, 0 is a value like any other.
  *
  * Units: lengths are in scene units; intensities in W/sr, irradiances in W/m^2 and radiances in W/(m^2 sr),
  * as linear RGB with Rec.709 primaries. Luminance is 0.2126 R + 0.7152 G + 0.0722 B.
@@ -123,8 +123,8 @@ typedef struct lc_load_desc {
     size_t size;
     uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: as many
                                as the picture needs, up to 131072 or one a triangle */
-    uint64_t seed;        /* of the scene: for the choice of representatives, the jitter of all lights that are
-                           * made and the samples of its pictures */
+    uint64_t seed;        /* of the scene: for the choice of representatives, the jitter of all lights that
+                           * are made and the samples of its pictures */
     uint32_t n_reps;      /* 1..32 representatives a cluster; each but the first takes 4 bytes a light; 0:
                            * 16 */
     lc_builder builder;
@@ -136,8 +136,8 @@ typedef struct lc_load_desc {
                                * pbrt's does where the file names none, else none; LC_NO_LIGHTS: none */
     uint32_t max_depth;   /* in place of the file's: of the paths along which virtual lights are made and of
                            * the scene's pictures, see lc_render_desc; 0: the file's */
-    uint32_t spp;         /* in place of the film's samples per pixel; suppresses the sample-count note; 0: the
-                           * file's */
+    uint32_t spp;         /* in place of the film's samples per pixel; suppresses the sample-count note; 0:
+                           * the file's */
     /* Called when all files have been read and nothing has been built; nonzero ends the load with
      * LC_ERR_CANCELLED. The scene is valid during the call only, for lc_scene_get_* and lc_render_identity;
      * numbers of what is not built yet are 0. */
@@ -242,10 +242,10 @@ LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_fe
 
 /* ---- a scene by calls ---- */
 
-/* lc_build_begin, then what is in the scene, then lc_build_commit, after which the scene is as a loaded one and
- * takes no more. Everything is copied. A call with a wrong argument is LC_ERR_ARG, names it in the log and leaves
- * the scene as it was; so does LC_ERR_MEMORY, but for lc_build_commit, after which the scene can only be destroyed.
- * The loader of files goes the same way, so the same scene gives the same bytes. */
+/* lc_build_begin, then what is in the scene, then lc_build_commit, after which the scene is as a loaded
+ * one and takes no more. Everything is copied. A call with a wrong argument is LC_ERR_ARG, names it in the
+ * log and leaves the scene as it was; so does LC_ERR_MEMORY, but for lc_build_commit, after which the scene
+ * can only be destroyed. The loader of files goes the same way, so the same scene gives the same bytes. */
 
 typedef struct lc_build_material_desc {
     size_t size;
@@ -306,14 +306,14 @@ LC_API lc_status lc_build_material(lc_scene *scene, const lc_build_material_desc
 LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
 /* All further meshes belong to the object, in its own space; those of the world come before. */
 LC_API lc_status lc_build_object(lc_scene *scene, uint32_t *id);
-/* Places an object, whose meshes have all been given. to_world is row-major and acts on column vectors; its last
- * row is 0 0 0 1, it can be inverted, and its condition number is at most 1000. */
+/* Places an object, whose meshes have all been given. to_world is row-major and acts on column vectors;
+ * its last row is 0 0 0 1, it can be inverted, and its condition number is at most 1000. */
 LC_API lc_status lc_build_instance(lc_scene *scene, uint32_t object, const double to_world[16]);
 LC_API lc_status lc_build_light(lc_scene *scene, const lc_build_light_desc *desc);
 LC_API lc_status lc_build_camera(lc_scene *scene, const lc_build_camera_desc *desc);
 LC_API lc_status lc_build_film(lc_scene *scene, const lc_build_film_desc *desc);
-/* Makes lights, builds the BVH and the light tree; desc as for lc_scene_load, NULL for the defaults. Without a
- * number of virtual lights in it there are none. LC_ERR_ARG without a camera. */
+/* Makes lights, builds the BVH and the light tree; desc as for lc_scene_load, NULL for the defaults.
+ * Without a number of virtual lights in it there are none. LC_ERR_ARG without a camera. */
 LC_API lc_status lc_build_commit(lc_scene *scene, const lc_load_desc *desc);
 
 /* ---- images ---- */

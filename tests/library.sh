@@ -10,10 +10,10 @@ dir=$(mktemp -d) || exit 2
 trap 'rm -rf "$dir"' EXIT
 passed=0 failed=0
 check() { # check NAME COMMAND...
-    name=$1
+    what=$1
     shift
-    if "$@" >"$dir/log" 2>&1; then passed=$((passed + 1)); echo "ok   $name"
-    else failed=$((failed + 1)); echo "FAIL $name"; sed 's/^/     /' "$dir/log"
+    if "$@" >"$dir/log" 2>&1; then passed=$((passed + 1)); echo "ok   $what"
+    else failed=$((failed + 1)); echo "FAIL $what"; sed 's/^/     /' "$dir/log"
     fi
 }
 
