@@ -3,6 +3,7 @@
 #include "support/test.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static lc_context *ctx;
 
@@ -169,6 +170,71 @@ TEST(a_committed_or_loaded_scene_takes_no_more_and_an_uncommitted_one_renders_no
     lc_scene_destroy(t);
 }
 
+/* An allocator with so many allocations left; live: bytes not given back. */
+typedef struct budget {
+    size_t left, live;
+} budget;
+
+static void *budget_alloc(void *user, size_t size, size_t align)
+{
+    budget *b = user;
+    void *p = NULL;
+    if (!b->left) return NULL;
+    b->left--;
+    if (posix_memalign(&p, align < sizeof p ? sizeof p : align, size)) return NULL;
+    b->live += size;
+    return p;
+}
+
+static void budget_free(void *user, void *ptr, size_t size)
+{
+    ((budget *)user)->live -= ptr ? size : 0;
+    free(ptr);
+}
+
+static lc_status build_all(lc_context *own)
+{
+    lc_scene *s;
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
+    lc_build_camera_desc c = LC_BUILD_CAMERA_DESC_INIT;
+    const double to_world[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1 };
+    uint32_t id, object = 0;
+    lc_build_mesh_desc q = quad_of(0);
+    lc_status st = lc_build_begin(own, &s);
+    if (st) return st;
+    st = lc_build_material(s, &m, &id);
+    if (!st) st = lc_build_mesh(s, &q);
+    if (!st) st = lc_build_light(s, &l);
+    if (!st) st = lc_build_camera(s, &c);
+    if (!st) st = lc_build_object(s, &object);
+    if (!st) st = lc_build_mesh(s, &q);
+    if (!st) st = lc_build_instance(s, object, to_world);
+    if (!st) st = lc_build_commit(s, NULL);
+    lc_scene_destroy(s);
+    return st;
+}
+
+TEST(every_allocation_may_fail_and_nothing_is_lost)
+{
+    lc_status st = LC_ERR_MEMORY;
+    size_t n = 0;
+    for (; st && n < 100000; n++) {
+        budget b = { n, 0 };
+        const lc_allocator allocator = { budget_alloc, budget_free, &b };
+        lc_context_desc d = LC_CONTEXT_DESC_INIT;
+        lc_context *own;
+        d.allocator = &allocator;
+        d.n_threads = 1;
+        st = lc_context_create(&d, &own);
+        if (!st) st = build_all(own);
+        lc_context_destroy(own);
+        CHECKF(!st || st == LC_ERR_MEMORY, "%s", lc_status_name(st));
+        CHECKF(!b.live, "%zu bytes after %zu allocations", b.live, n);
+    }
+    CHECKF(!st && n > 20, "%zu allocations", n);
+}
+
 int main(void)
 {
     ctx = quiet_context_of(2, LC_ISA_BEST);
@@ -176,6 +242,7 @@ int main(void)
     RUN(the_identity_of_a_picture_is_of_what_the_calls_were_given);
     RUN(wrong_arguments_are_named);
     RUN(a_committed_or_loaded_scene_takes_no_more_and_an_uncommitted_one_renders_not);
+    RUN(every_allocation_may_fail_and_nothing_is_lost);
     lc_context_destroy(ctx);
     return test_done();
 }
