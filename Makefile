@@ -328,7 +328,7 @@ install: all
 	$(if $(SHARED),ln -sf $(SONAME).$(VERSION) $(DESTDIR)$(PREFIX)/lib/$(SONAME))
 	$(if $(SHARED),ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/liblightcuts.so)
 	install -m 644 include/lightcuts.h $(DESTDIR)$(PREFIX)/include/
-	sed -e 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' \
+	sed -e 's|@PREFIX@|$(PREFIX)|' \
 	  -e 's|@PUBLIC@|$(if $(SHARED),,-lz -lm -lpthread)|' \
 	  -e 's|@PRIVATE@|$(if $(SHARED),$(EXR_LINK) -lz -lm -lpthread)|' \
 	  src/app/lightcuts.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc

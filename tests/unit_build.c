@@ -111,9 +111,6 @@ TEST(wrong_arguments_are_named)
 {
     lc_scene *s = begin();
     lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
-    lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
-    lc_build_camera_desc c = LC_BUILD_CAMERA_DESC_INIT;
-    lc_build_film_desc f = LC_BUILD_FILM_DESC_INIT;
     double flat[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1 };
     uint32_t id, far[3] = { 0, 1, 4 };
     REFUSED(lc_build_commit(s, NULL), "camera");
@@ -140,6 +137,15 @@ TEST(wrong_arguments_are_named)
     q = quad_of(0);
     q.emission[0] = 1;
     REFUSED(lc_build_mesh(s, &q), "emission");
+    lc_scene_destroy(s);
+}
+
+TEST(wrong_lights_cameras_and_films_are_named)
+{
+    lc_scene *s = begin();
+    lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
+    lc_build_camera_desc c = LC_BUILD_CAMERA_DESC_INIT;
+    lc_build_film_desc f = LC_BUILD_FILM_DESC_INIT;
     l.kind = (lc_build_light_kind)9;
     REFUSED(lc_build_light(s, &l), "kind");
     l.kind = LC_BUILD_ORIENTED;
@@ -241,6 +247,7 @@ int main(void)
     RUN(a_scene_by_calls_gives_the_bytes_of_its_file);
     RUN(the_identity_of_a_picture_is_of_what_the_calls_were_given);
     RUN(wrong_arguments_are_named);
+    RUN(wrong_lights_cameras_and_films_are_named);
     RUN(a_committed_or_loaded_scene_takes_no_more_and_an_uncommitted_one_renders_not);
     RUN(every_allocation_may_fail_and_nothing_is_lost);
     lc_context_destroy(ctx);

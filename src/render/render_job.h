@@ -88,8 +88,7 @@ typedef struct lc_render_job {
                             film */
 } lc_render_job;
 
-/* False once the render is cancelled. Calls progress when it is time and no other thread does. user: the job.
- */
+/* False once the render is cancelled. Calls progress when it is time and no other thread does. user: job */
 bool lc_job_go_on(void *user);
 
 /* What the descriptor asks for, or the load's, or the file's. */
