@@ -20,7 +20,7 @@ AR := $(if $(CROSS),$(CROSS)-linux-gnu-ar,ar)
 
 # One folder for each set of flags. What is built with sanitizers gets its libraries built with them too: OpenEXR, and with
 # MemorySanitizer, which knows only what it has built, zlib.
-CONFIG ?= $(or $(CROSS),release)
+CONFIG ?= $(or $(CROSS),$(if $(filter 1,$(STATIC)),release,shared))
 SAN_DEPS := $(filter -fsanitize=% -fno-sanitize% -fno-omit-frame-pointer,$(SAN))
 DEPS := build/deps$(if $(CROSS),/$(CROSS))$(if $(SAN_DEPS),/$(CONFIG))
 OWN_ZLIB := $(if $(CROSS)$(findstring memory,$(SAN_DEPS)),$(DEPS)/zlib)
@@ -32,7 +32,7 @@ WARN := -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wstrict-protot
 # straight-line vectorizer, which leaves out the rounding of double to float and back (unit_fmath).
 ROUNDING := -ffp-contract=off -fno-tree-slp-vectorize -fno-math-errno -fno-trapping-math
 FLAGS := -std=c11 -D_GNU_SOURCE $(OPT) -g $(ROUNDING) -fvisibility=hidden -Iinclude -Isrc \
-  $(if $(OWN_ZLIB),-I$(OWN_ZLIB)) $(WARN) $(SAN) $(CFLAGS)
+  $(if $(filter 1,$(STATIC)),,-fPIC) $(if $(OWN_ZLIB),-I$(OWN_ZLIB)) $(WARN) $(SAN) $(CFLAGS)
 
 ifeq ($(STATIC),1)
 EXR_GROUP := static
@@ -66,7 +66,12 @@ TESTS := $(patsubst tests/%.c,$(BIN)tests/%,$(wildcard tests/unit_*.c tests/chec
 FUZZERS := $(patsubst fuzz/%.c,%,$(wildcard fuzz/fuzz_*.c))
 REPLAYS := $(FUZZERS:%=$(BIN)tests/replay_%)
 
-all: $(BIN)liblightcuts.a $(BIN)lightcuts
+# Without STATIC the library is shared, too; its major number is that of the ABI.
+SONAME := liblightcuts.so.0
+VERSION := $(shell sed -n 's/.define LC_VERSION "\(.*\)"/\1/p' include/lightcuts.h)
+SHARED := $(if $(filter 1,$(STATIC)),,$(BIN)$(SONAME))
+
+all: $(BIN)liblightcuts.a $(SHARED) $(BIN)lightcuts
 
 help:
 	@echo "make            library build/liblightcuts.a and static binary build/lightcuts"
@@ -84,12 +89,13 @@ help:
 	@echo "make coverage   the tests, and the share of the lines of src/ that they run"
 	@echo "make san tsan msan  the tests under ASan and UBSan, under TSan, under MSan; OpenEXR, for MSan zlib too, is built so"
 	@echo "make lint       source rules, both compilers"
+	@echo "make dist       build/lightcuts-VERSION.tar.gz, which builds without git"
 	@echo "make install    PREFIX=/usr/local DESTDIR=; make uninstall"
 	@echo "make clean      removes build/ but keeps build/deps; STATIC=0 links shared libraries"
 
 # ---- dependencies ----
 
-.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill load fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall clean run-tests test-programs golden
+.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill load fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall dist clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP) $(if $(CROSS),$(CROSS))
 deps-check:
@@ -128,6 +134,11 @@ $(BIN)liblightcuts.a: $(LIB_OBJ) $(EXR_LIB)
 	$(call say,AR $@)
 	$(Q)$(AR) rcs $@ $(LIB_OBJ)
 	$(Q)$(if $(EXR_LIB),printf 'open %s\naddlib %s\nsave\nend\n' $@ $(EXR_LIB) | $(AR) -M)
+
+$(BIN)$(SONAME): $(LIB_OBJ)
+	$(call say,LD $@)
+	$(Q)$(CC) $(FLAGS) -shared -Wl,-soname,$(SONAME) -Wl,-z,defs $(LIB_OBJ) $(LIBS) -o $@
+	$(Q)ln -sf $(SONAME) $(BIN)liblightcuts.so
 
 $(BIN)lightcuts: $(CLI_OBJ) $(BIN)liblightcuts.a
 	$(call say,LD $@)
@@ -311,19 +322,31 @@ install: all
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
 	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/man/man5
 	install -d $(DESTDIR)$(PREFIX)/share/bash-completion/completions
-	install -m 755 build/lightcuts $(DESTDIR)$(PREFIX)/bin/
-	install -m 644 build/liblightcuts.a $(DESTDIR)$(PREFIX)/lib/
+	install -m 755 $(BIN)lightcuts $(DESTDIR)$(PREFIX)/bin/
+	install -m 644 $(BIN)liblightcuts.a $(DESTDIR)$(PREFIX)/lib/
+	$(if $(SHARED),install -m 644 $(SHARED) $(DESTDIR)$(PREFIX)/lib/$(SONAME).$(VERSION))
+	$(if $(SHARED),ln -sf $(SONAME).$(VERSION) $(DESTDIR)$(PREFIX)/lib/$(SONAME))
+	$(if $(SHARED),ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/liblightcuts.so)
 	install -m 644 include/lightcuts.h $(DESTDIR)$(PREFIX)/include/
-	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBS@|$(if $(EXR_LIB),,$(EXR_LINK) )-lz -lm -lpthread|' src/app/lightcuts.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc
+	sed -e 's|@PREFIX@|$(PREFIX)|' \
+	  -e 's|@PUBLIC@|$(if $(SHARED),,-lz -lm -lpthread)|' \
+	  -e 's|@PRIVATE@|$(if $(SHARED),$(EXR_LINK) -lz -lm -lpthread)|' \
+	  src/app/lightcuts.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc
 	install -m 644 src/app/lightcuts.1 $(DESTDIR)$(PREFIX)/share/man/man1/
 	install -m 644 src/app/lightcuts-scene.5 $(DESTDIR)$(PREFIX)/share/man/man5/
 	install -m 644 src/app/lightcuts.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
 
 uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/bin/lightcuts $(DESTDIR)$(PREFIX)/lib/liblightcuts.a $(DESTDIR)$(PREFIX)/include/lightcuts.h
+	rm -f $(DESTDIR)$(PREFIX)/lib/liblightcuts.so $(DESTDIR)$(PREFIX)/lib/$(SONAME) $(DESTDIR)$(PREFIX)/lib/$(SONAME).$(VERSION)
 	rm -f $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc $(DESTDIR)$(PREFIX)/share/man/man1/lightcuts.1
 	rm -f $(DESTDIR)$(PREFIX)/share/man/man5/lightcuts-scene.5
 	rm -f $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
+
+# What is committed.
+dist:
+	@mkdir -p build
+	git archive --format=tar.gz --prefix=lightcuts-$(VERSION)/ -o build/lightcuts-$(VERSION).tar.gz HEAD
 
 clean:
 	@for f in build/*; do [ "$$f" = build/deps ] || rm -rf "$$f"; done

@@ -49,7 +49,7 @@ static lc_tile tile_of(uint32_t index, float *pixels)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     lc_render_desc render = LC_RENDER_DESC_INIT;
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     lc_checkpoint *c;
     float pixels[3 * 256];
     uint32_t n = 0;

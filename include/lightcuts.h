@@ -3,10 +3,16 @@
  *
  *     lc_context -> lc_scene -> lc_render -> lc_image
  *
- * Handles are opaque. A descriptor starts with its own size, which its INIT macro sets; a zero field means
- * its default unless its comment says otherwise. The handle comes first, outputs last. On failure *out is
+ * Handles are opaque. The handle comes first, outputs last. On failure *out is
  * NULL, and the reason has been logged as one line. Destroying NULL does nothing. Nothing here prints, exits
  * or reads the environment.
+ *
+ * Descriptors, which a call reads, and info structs, which it fills in, are made by their INIT macros, which
+ * set their size: a host may have been compiled with the header of another version. Of a smaller descriptor
+ * the fields that are not there have INIT's values; a larger one must be 0 beyond what the library knows,
+ * else the call is LC_ERR_ARG. Of a larger info struct the rest is set to 0. The one rule for zero: where
+ * INIT sets a field to 0, 0 stands for what the scene or the library chooses, as the field's comment says;
+ * where INIT sets another number, 0 is a value like any other.
  *
  * Units: lengths are in scene units; intensities in W/sr, irradiances in W/m^2 and radiances in W/(m^2 sr),
  * as linear RGB with Rec.709 primaries. Luminance is 0.2126 R + 0.7152 G + 0.0722 B.
@@ -117,7 +123,8 @@ typedef struct lc_load_desc {
     size_t size;
     uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: as many
                                as the picture needs, up to 131072 or one a triangle */
-    uint64_t seed;        /* for the choice of representatives and the jitter of all lights that are made */
+    uint64_t seed;        /* of the scene: for the choice of representatives, the jitter of all lights that
+                           * are made and the samples of its pictures */
     uint32_t n_reps;      /* 1..32 representatives a cluster; each but the first takes 4 bytes a light; 0:
                            * 16 */
     lc_builder builder;
@@ -127,9 +134,10 @@ typedef struct lc_load_desc {
     uint32_t indirect_lights; /* virtual lights, for indirect illumination; 0: as many as indirect_error
                                * takes, at most 1048576, if the integrator of a scene's file traces paths, as
                                * pbrt's does where the file names none, else none; LC_NO_LIGHTS: none */
-    uint32_t max_depth;   /* of the paths along which virtual lights are made, see lc_render_desc; 0: the
-                           * scene's */
-    uint32_t spp;         /* spp lc_render will use; suppresses the sample-count note; 0: the scene's */
+    uint32_t max_depth;   /* in place of the file's: of the paths along which virtual lights are made and of
+                           * the scene's pictures, see lc_render_desc; 0: the file's */
+    uint32_t spp;         /* in place of the film's samples per pixel; suppresses the sample-count note; 0:
+                           * the file's */
     /* Called when all files have been read and nothing has been built; nonzero ends the load with
      * LC_ERR_CANCELLED. The scene is valid during the call only, for lc_scene_get_* and lc_render_identity;
      * numbers of what is not built yet are 0. */
@@ -172,6 +180,7 @@ LC_API uint32_t lc_light_kind_count(void);
 LC_API const char *lc_light_kind_name(uint32_t kind); /* "unknown" from the count on */
 
 typedef struct lc_scene_info {
+    size_t size;
     uint64_t n_triangles, n_vertices, n_meshes, n_materials;
     uint64_t n_lights;
     uint64_t n_of_kind[LC_MAX_LIGHT_KINDS]; /* 0 .. lc_light_kind_count() - 1 */
@@ -206,13 +215,18 @@ typedef struct lc_scene_info {
     double seconds_parse, seconds_bvh, seconds_lights, seconds_tree; /* wall clock of the steps of the load */
     uint64_t bvh_bytes, tree_bytes;
 } lc_scene_info;
+#define LC_SCENE_INFO_INIT                                                                                   \
+    {                                                                                                        \
+        sizeof(lc_scene_info), 0, 0, 0, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,   \
+        0, 0, { 0 }, { 0 }, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0                                           \
+    }
 
 /* Reads a pbrt file ("-" is stdin), glTF or OBJ, makes lights, builds the BVH and the light tree. desc may be
  * NULL for the defaults. The scene keeps using ctx. Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY, _ARG,
  * and _CANCELLED by `parsed`. */
 LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);
 LC_API void lc_scene_destroy(lc_scene *scene);
-LC_API void lc_scene_get_info(const lc_scene *scene, lc_scene_info *info);
+LC_API lc_status lc_scene_get_info(const lc_scene *scene, lc_scene_info *info); /* LC_ERR_ARG */
 /* 1 if the path leads to one of the files that the scene was read from, by device and inode, under whatever
  * name; else 0. */
 LC_API int lc_scene_reads_file(const lc_scene *scene, const char *path);
@@ -225,6 +239,82 @@ LC_API lc_status lc_scene_get_note(const lc_scene *scene, uint32_t idx, lc_note 
 /* Feature idx, counted from 0 in the order of the file; its text is owned by the scene. LC_ERR_ARG beyond the
  * last. */
 LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_feature *feature);
+
+/* ---- a scene by calls ---- */
+
+/* lc_build_begin, then what is in the scene, then lc_build_commit, after which the scene is as a loaded
+ * one and takes no more. Everything is copied. A call with a wrong argument is LC_ERR_ARG, names it in the
+ * log and leaves the scene as it was; so does LC_ERR_MEMORY, but for lc_build_commit, after which the scene
+ * can only be destroyed. The loader of files goes the same way, so the same scene gives the same bytes. */
+
+typedef struct lc_build_material_desc {
+    size_t size;
+    float diffuse[3];    /* reflectance, 0..1 */
+    float glossy[3];     /* of a Phong lobe, 0..1 */
+    float exponent;      /* of that lobe, 0..100000 */
+} lc_build_material_desc;
+#define LC_BUILD_MATERIAL_DESC_INIT { sizeof(lc_build_material_desc), { 0.5f, 0.5f, 0.5f }, { 0, 0, 0 }, 0 }
+
+typedef struct lc_build_mesh_desc {
+    size_t size;
+    uint32_t n_vertices, n_triangles;
+    const float *positions;  /* n_vertices * 3; world space, for meshes of an object in its space */
+    const float *normals;    /* n_vertices * 3, any length; NULL: the triangles' own */
+    const uint32_t *indices; /* n_triangles * 3 */
+    uint32_t material;       /* from lc_build_material */
+    float emission[3];       /* radiance; 0 for meshes of an object */
+    int two_sided;           /* emits on both sides, not only on that of cross(p1 - p0, p2 - p0) */
+    int flip;                /* the outer side is the other one */
+} lc_build_mesh_desc;
+#define LC_BUILD_MESH_DESC_INIT { sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0 }
+
+typedef enum lc_build_light_kind {
+    LC_BUILD_POINT,      /* the same intensity in all directions */
+    LC_BUILD_ORIENTED,   /* intensity times the cosine to its direction */
+    LC_BUILD_DIRECTIONAL /* far away; intensity is its irradiance */
+} lc_build_light_kind;
+
+typedef struct lc_build_light_desc {
+    size_t size;
+    lc_build_light_kind kind;
+    float position[3];
+    double direction[3]; /* in which light travels, any length */
+    float intensity[3];
+} lc_build_light_desc;
+#define LC_BUILD_LIGHT_DESC_INIT                                                                             \
+    { sizeof(lc_build_light_desc), LC_BUILD_POINT, { 0, 0, 0 }, { 0, 0, 1 }, { 1, 1, 1 } }
+
+/* A perspective camera; up is y, x points right. */
+typedef struct lc_build_camera_desc {
+    size_t size;
+    double from[3], at[3], up[3];
+    double fov; /* degrees, of the film's shorter side */
+} lc_build_camera_desc;
+#define LC_BUILD_CAMERA_DESC_INIT                                                                            \
+    { sizeof(lc_build_camera_desc), { 0, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, 90 }
+
+typedef struct lc_build_film_desc {
+    size_t size;
+    uint32_t width, height; /* 1..65535, the product at most 2^28 */
+    uint32_t spp;           /* 1..65536 */
+    float scale;            /* multiplies every pixel, above 0 */
+} lc_build_film_desc;
+#define LC_BUILD_FILM_DESC_INIT { sizeof(lc_build_film_desc), 1280, 720, 1, 1 }
+
+LC_API lc_status lc_build_begin(lc_context *ctx, lc_scene **out);
+LC_API lc_status lc_build_material(lc_scene *scene, const lc_build_material_desc *desc, uint32_t *id);
+LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
+/* All further meshes belong to the object, in its own space; those of the world come before. */
+LC_API lc_status lc_build_object(lc_scene *scene, uint32_t *id);
+/* Places an object, whose meshes have all been given. to_world is row-major and acts on column vectors;
+ * its last row is 0 0 0 1, it can be inverted, and its condition number is at most 1000. */
+LC_API lc_status lc_build_instance(lc_scene *scene, uint32_t object, const double to_world[16]);
+LC_API lc_status lc_build_light(lc_scene *scene, const lc_build_light_desc *desc);
+LC_API lc_status lc_build_camera(lc_scene *scene, const lc_build_camera_desc *desc);
+LC_API lc_status lc_build_film(lc_scene *scene, const lc_build_film_desc *desc);
+/* Makes lights, builds the BVH and the light tree; desc as for lc_scene_load, NULL for the defaults.
+ * Without a number of virtual lights in it there are none. LC_ERR_ARG without a camera. */
+LC_API lc_status lc_build_commit(lc_scene *scene, const lc_load_desc *desc);
 
 /* ---- images ---- */
 
@@ -239,7 +329,7 @@ typedef struct lc_image_desc {
 /* An image without channels. Fails with LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_image_create(lc_context *ctx, const lc_image_desc *desc, lc_image **out);
 LC_API void lc_image_destroy(lc_image *image);
-LC_API void lc_image_get_desc(const lc_image *image, lc_image_desc *desc);
+LC_API lc_status lc_image_get_desc(const lc_image *image, lc_image_desc *desc); /* LC_ERR_ARG */
 LC_API uint32_t lc_image_n_channels(const lc_image *image);
 LC_API const char *lc_image_channel_name(const lc_image *image, uint32_t idx); /* "R", "N.X", "cut.size" */
 /* The plane of a channel: width * height floats by rows from the top, owned by the image; NULL if there is no
@@ -340,7 +430,8 @@ typedef struct lc_render_desc {
                           * by it when the error is limited, see cut/cut.h; 0: no floor. INIT sets
                           * LC_DARK_FLOOR */
     uint32_t spp;        /* samples per pixel; 0: the scene's */
-    uint64_t seed;       /* for pixel samples and for the choice among a cluster's representatives */
+    uint64_t seed;       /* added to the scene's, for pixel samples and the choice among a cluster's
+                          * representatives: other pictures of the same lights */
     uint32_t aovs;       /* LC_AOV_... */
     int32_t crop[4];     /* pixels: x0, x1, y0, y1, half open; all 0: the scene's */
     /* done and total are pixels. Called from any thread, by one at a time, at most about 50 times a second;
@@ -377,6 +468,7 @@ typedef struct lc_render_desc {
     }
 
 typedef struct lc_render_stats {
+    size_t size;
     double seconds;          /* wall clock of rendering, the pre-pass included */
     uint64_t pixels, points; /* points: shading points, at most pixels * spp without mirrors or glass */
     uint64_t shadow_rays;
@@ -398,6 +490,11 @@ typedef struct lc_render_stats {
                               * cut_median and cut_p99 */
     lc_calibration calibration; /* shadow_rays do not include its rays, seconds include its time */
 } lc_render_stats;
+#define LC_RENDER_STATS_INIT                                                                                 \
+    {                                                                                                        \
+        sizeof(lc_render_stats), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, { 0,   \
+        0, 0, 0, 0, 0, 0, 0 }                                                                                \
+    }
 
 /* Renders the picture. The same scene and descriptor give the same bits for any number of threads,
  * instruction set and crop. stats may be NULL. Fails with LC_ERR_ARG, _MEMORY, _CANCELLED. */
@@ -448,11 +545,13 @@ LC_API lc_status lc_merge_finish(lc_merge *merge, lc_image **out);
 /* A file to which finished tiles are appended, each with a checksum. It is valid after every single write. */
 typedef struct lc_checkpoint lc_checkpoint;
 typedef struct lc_checkpoint_info {
+    size_t size;
     uint32_t n_tiles, n_done; /* tiles of the picture, and of those the ones in the file */
     uint64_t damaged_bytes;   /* in records with a wrong checksum, which are ignored */
     uint64_t torn_bytes;      /* in an incomplete last record: normal after a crash */
     int failed;               /* a write failed: the file keeps what it held, and no more is written */
 } lc_checkpoint_info;
+#define LC_CHECKPOINT_INFO_INIT { sizeof(lc_checkpoint_info), 0, 0, 0, 0, 0 }
 
 /* Opens or creates the file. LC_ERR_PARSE if it belongs to another picture; LC_ERR_ARG if resume is 0 and it
  * holds tiles; LC_ERR_IO also if another process has it open; LC_ERR_MEMORY. sync_seconds: the interval at
@@ -463,7 +562,8 @@ LC_API lc_status lc_checkpoint_open(lc_context *ctx, const char *path, const lc_
 /* Sets tile_load, tile_done and tile_user of the descriptor that the checkpoint was opened with. If the
  * descriptor is changed afterwards so that it gives another picture, lc_render fails with LC_ERR_ARG. */
 LC_API void lc_checkpoint_attach(lc_checkpoint *checkpoint, lc_render_desc *desc);
-LC_API void lc_checkpoint_get_info(lc_checkpoint *checkpoint, lc_checkpoint_info *info);
+/* LC_ERR_ARG */
+LC_API lc_status lc_checkpoint_get_info(lc_checkpoint *checkpoint, lc_checkpoint_info *info);
 /* Forces the data to the disk; may be called from any thread. LC_ERR_IO. */
 LC_API lc_status lc_checkpoint_sync(lc_checkpoint *checkpoint);
 /* Removes the file, if its path still leads to the one that is open; otherwise logs a warning and leaves what

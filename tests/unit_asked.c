@@ -72,6 +72,7 @@ static void render(way w, picture *out)
     d.calibration = w.calibration;
     memcpy(d.crop, w.crop, sizeof d.crop);
     memset(out->rgb, 0, sizeof out->rgb);
+    out->stats = (lc_render_stats)LC_RENDER_STATS_INIT;
     if (lc_scene_load(ctx, PATH, NULL, &scene)) abort();
     out->status = lc_render(ctx, scene, &d, &image, &out->stats);
     lc_image_desc size = LC_IMAGE_DESC_INIT;

@@ -182,7 +182,7 @@ static lc_status resume(const kept *k, uint64_t *loaded, lc_checkpoint_info *inf
 {
     lc_checkpoint *c;
     lc_image *image;
-    lc_render_stats stats;
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
     lc_render_desc d = k->desc;
     *loaded = 0;
     lc_status st = lc_checkpoint_open(k->ctx, temp_path("k.ckpt"), k->scene, &d, 1, 30, &c);
@@ -206,7 +206,7 @@ TEST(every_flipped_byte)
 {
     kept k = begin_kept();
     uint64_t loaded;
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     size_t refused = 0, mended = 0;
     for (size_t i = 0; i < k.n; i += i < 400 ? 1 : 13) {
         k.file[i] ^= (uint8_t)(1 << i % 8);
@@ -229,7 +229,7 @@ TEST(every_length)
 {
     kept k = begin_kept();
     uint64_t loaded, before = 0;
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     for (size_t n = 0; n <= k.n; n += n < 300 || n + 40 > k.n ? 1 : 17) {
         file_write(temp_path("k.ckpt"), k.file, n);
         lc_status st = resume(&k, &loaded, &info);
@@ -245,7 +245,7 @@ TEST(records_out_of_order_twice_and_noise_between)
 {
     kept k = begin_kept();
     uint64_t loaded;
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     static const char mark[4] = "TILE";
     uint8_t *second = memmem(k.file, k.n, mark, 4), *data = calloc(3, k.n);
     second = memmem(second + 4, k.n - (size_t)(second + 4 - k.file), mark, 4);
@@ -276,7 +276,7 @@ TEST(records_behind_noise)
 {
     kept k = begin_kept();
     uint64_t loaded;
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     const size_t window = 1 << 16, most = 1 << 23;
     const uint8_t *first = memmem(k.file, k.n, "TILE", 4);
     size_t head = (size_t)(first - k.file), rest = k.n - head;
@@ -302,7 +302,7 @@ TEST(any_set_of_records_on_the_disk)
 {
     kept k = begin_kept();
     uint64_t loaded, want;
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     size_t at[8], n = 0;
     for (uint8_t *p = k.file; n < 7 && (p = memmem(p, k.n - (size_t)(p - k.file), "TILE", 4)); p++)
         at[n++] = (size_t)(p - k.file);
@@ -364,7 +364,7 @@ TEST(no_room_for_the_checkpoint)
     kept k = begin_kept();
     struct rlimit old, tight;
     uint64_t loaded;
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     lc_checkpoint *c;
     lc_image *image = NULL;
     lc_render_desc d = k.desc;

@@ -145,7 +145,7 @@ TEST(checkpoint_of_another_render)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
     lc_checkpoint *c = open_checkpoint("t.ck", 0, LC_OK);
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     lc_image *image;
     float pixels[LC_TILE * LC_TILE * 16] = { 0 };
     if (!c) return;
@@ -196,7 +196,7 @@ static int lie(void *user, lc_tile *t)
 TEST(tiles_of_a_host_that_lies)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
-    lc_render_stats stats;
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
     lc_image *image, *want;
     int not_finite = 0;
     d.tile_load = lie;

@@ -15,7 +15,7 @@ static const lc_load_desc direct = { .size = sizeof direct, .indirect_lights = L
 static double green(lc_scene *scene, uint32_t max_depth, lc_render_stats *stats)
 {
     lc_render_desc rd = LC_RENDER_DESC_INIT;
-    lc_render_stats own;
+    lc_render_stats own = LC_RENDER_STATS_INIT;
     lc_image *image = NULL;
     rd.max_depth = max_depth;
     lc_status st = scene ? lc_render(ctx, scene, &rd, &image, stats ? stats : &own) : LC_ERR_ARG;
@@ -163,7 +163,7 @@ TEST(leaf)
     const char *leaf = HEAD "LightSource \"point\" \"point3 from\" [0 0 %d] \"rgb I\" [1 1 1]\n"
                             "Material \"diffusetransmission\" \"rgb reflectance\" [.4 .4 .4] \"rgb "
                             "transmittance\" [.1 .1 .1]\n" WALL("9", "2");
-    lc_render_stats stats;
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
     CHECK(near_abs(green(LOAD(leaf, 0), 1, &stats), 0.4 / LC_PI / 4, 1e-6) && stats.points == 18);
     CHECK(near_abs(green(LOAD(leaf, 4), 1, &stats), 0.1 / LC_PI / 4, 1e-6));
 }

@@ -181,7 +181,7 @@ TEST(proofs)
 static double mean_of(lc_method method, lc_image **out)
 {
     lc_render_desc rd = LC_RENDER_DESC_INIT;
-    lc_render_stats stats;
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
     rd.method = method;
     rd.error_ratio = 1e-6f;
     lc_image *image = NULL;

@@ -144,7 +144,7 @@ TEST(exr_windows)
 {
     static const int32_t at[4][2] = { { 5, 9 }, { -3, -20 }, { 0, 1000 }, { 70, -1 } };
     for (int i = 0; i < 4; i++) {
-        lc_image_desc desc = LC_IMAGE_DESC_INIT, got;
+        lc_image_desc desc = LC_IMAGE_DESC_INIT, got = LC_IMAGE_DESC_INIT;
         desc.width = 19;
         desc.height = 40;
         desc.x0 = at[i][0];

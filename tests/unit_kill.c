@@ -51,7 +51,7 @@ static void child(lc_context *ctx, const lc_scene *scene, lc_render_desc desc)
 static uint32_t n_done(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc)
 {
     lc_checkpoint *c;
-    lc_checkpoint_info info = { 0 };
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     lc_status st = lc_checkpoint_open(ctx, temp_path("c.ckpt"), scene, desc, 1, 1, &c);
     CHECK(st == LC_OK);
     if (st) return 0;

@@ -47,7 +47,7 @@ static void render(const char *path, uint32_t threads, lc_method method, picture
     lc_context *ctx;
     lc_scene *scene;
     lc_image *image;
-    lc_render_stats stats;
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
     cd.n_threads = threads;
     rd.method = method;
     rd.error_ratio = (float)RATIO;

@@ -21,7 +21,7 @@ typedef struct shot {
 /* Renders and destroys the scene. */
 static shot shoot(lc_scene *scene, lc_method method, uint32_t max_depth)
 {
-    shot s = { 0 };
+    shot s = { .stats = LC_RENDER_STATS_INIT };
     lc_render_desc rd = LC_RENDER_DESC_INIT;
     lc_image_desc d = LC_IMAGE_DESC_INIT;
     rd.method = method;

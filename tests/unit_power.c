@@ -287,7 +287,7 @@ static uint32_t killed_at;  /* tiles after which the process is killed; 0: it is
 
 static void report_tiles(lc_checkpoint *c)
 {
-    lc_checkpoint_info info = { 0 };
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     lc_checkpoint_get_info(c, &info);
     if (lc_checkpoint_sync(c) == LC_OK && recording) note(REPORT_TILES, -1)->at = info.n_done;
 }
@@ -304,7 +304,7 @@ static void forcing_done(void *user, const lc_tile *tile)
 static lc_checkpoint *reopen(lc_checkpoint *c, const lc_checkpoint_info *before)
 {
     lc_render_desc desc = LC_RENDER_DESC_INIT;
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     lc_checkpoint_close(c);
     if (lc_checkpoint_open(ctx, temp_path("c.ckpt"), scene, &desc, 1, 1e9, &c)) abort();
     lc_checkpoint_get_info(c, &info);
@@ -394,7 +394,7 @@ static void check_state(const disk *d, int end)
     put_disk(d);
     CHECKF(is_picture(!written), "before operation %d: no picture", end);
     if (written) return;
-    lc_checkpoint_info info = { 0 };
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     log_clear();
     lc_status st = render(&info);
     CHECKF(st == LC_OK, "before operation %d: %s", end, last_error);
@@ -480,7 +480,7 @@ static void begin_new(void)
 
 static void crash_render(uint32_t each)
 {
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     begin_new();
     force_each = each;
     CHECK(render(&info) == LC_OK && is_picture(false));
@@ -500,7 +500,7 @@ TEST(a_second_crash)
 {
     static disk d;
     for (int i = 0; i < SECOND_CRASHES && !test_bad; i++) {
-        lc_checkpoint_info info;
+        lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
         begin_new();
         force_each = 2;
         CHECK(render(&info) == LC_OK);
@@ -520,7 +520,7 @@ TEST(a_second_crash)
 /* Tiles of a killed process are in the file, but not on the disk, until the next one has forced them. */
 TEST(a_killed_render_then_a_crash)
 {
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     lc_checkpoint *c;
     lc_render_desc desc = LC_RENDER_DESC_INIT;
     begin_new();
@@ -548,7 +548,7 @@ typedef struct {
  * that payload: it reaches into what is appended. */
 static void go_on_after(const uint8_t *file, const head *alone, const uint8_t *record, size_t n)
 {
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     FILE *f = fopen(temp_path("c.ckpt"), "wb");
     if (!f || !fwrite(file, HEADER_BYTES, 1, f) || !fwrite(alone, HEAD_BYTES, 1, f) ||
         !fwrite(record, n, 1, f) || fclose(f))
@@ -561,7 +561,7 @@ static void go_on_after(const uint8_t *file, const head *alone, const uint8_t *r
 /* What fits as a record and is none stays none, even if the bytes that it lacks are appended. */
 TEST(what_is_appended_makes_no_record_whole)
 {
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     head h, most = { .bytes = 0 }, least = { .bytes = UINT32_MAX };
     const uint8_t *at = NULL;
     size_t n, n_grown;

@@ -52,7 +52,9 @@ static bool shoot(shot *s, const how *h)
     lc_load_desc ld = LC_LOAD_DESC_INIT;
     lc_render_desc rd = LC_RENDER_DESC_INIT;
     ld.indirect_lights = LC_NO_LIGHTS;
-    *s = (shot){ .ctx = quiet_context_of(h->threads ? h->threads : 1, h->isa) };
+    *s = (shot){ .ctx = quiet_context_of(h->threads ? h->threads : 1, h->isa),
+                 .desc = LC_IMAGE_DESC_INIT,
+                 .stats = LC_RENDER_STATS_INIT };
     ld.area_lights = h->area_lights;
     ld.n_reps = h->n_reps;
     rd.method = h->method;

@@ -97,7 +97,7 @@ TEST(tiles_are_forced_in_time)
     lc_context *ctx = quiet_context(1);
     lc_render_desc desc = LC_RENDER_DESC_INIT;
     lc_checkpoint *c;
-    lc_checkpoint_info info = { 0 };
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     lc_image *image;
     farm_write_scene("s.pbrt", 40, 24, 3);
     lc_scene *scene = farm_load(ctx, "s.pbrt");

@@ -123,7 +123,7 @@ TEST(files_and_notes)
                       "encoding\" \"linear\"\n"
                       "Texture \"x\" \"spectrum\" \"ptex\"\n" MATTE QUAD UV4) == LC_OK);
     CHECK(scene->textures.n == 4 && scene->textures.n_images == 2 && note("texture ptex"));
-    lc_scene_info info;
+    lc_scene_info info = LC_SCENE_INFO_INIT;
     const char *name;
     uint64_t count, n_images = 0;
     lc_scene_get_info(scene, &info);

@@ -3,6 +3,7 @@
 
 #include "base/arena.h"
 #include "base/cpu.h"
+#include "base/desc.h"
 #include "base/memory.h"
 #include "isa/isa.h"
 
@@ -11,10 +12,7 @@ lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
     if (!out) return LC_ERR_ARG;
     *out = NULL;
     lc_context_desc d = LC_CONTEXT_DESC_INIT;
-    if (desc) {
-        if (desc->size != sizeof d) return LC_ERR_ARG;
-        d = *desc;
-    }
+    if (desc && lc_desc_take(NULL, "lc_context_desc", &d, sizeof d, desc)) return LC_ERR_ARG;
     if (d.isa < LC_ISA_BEST || d.isa > LC_N_ISAS || d.n_threads > LC_MAX_THREADS) return LC_ERR_ARG;
     lc_context ctx = { .allocator = d.allocator ? *d.allocator : lc_allocator_libc(),
                        .log = d.log,

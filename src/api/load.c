@@ -1,5 +1,8 @@
 /* load.c - public calls of scenes: checks arguments, then delegates. */
+#include "api/load.h"
+
 #include "api/format.h"
+#include "base/desc.h"
 #include "base/memory.h"
 #include "prepare/commit.h"
 #include "tree/light_tree.h"
@@ -25,13 +28,10 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     return st ? st : d->parsed && d->parsed(d->parsed_user, scene) ? LC_ERR_CANCELLED : LC_OK;
 }
 
-lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out)
+lc_status lc_load_take(const lc_context *ctx, const lc_load_desc *desc, lc_load_desc *out)
 {
-    if (!out) return LC_ERR_ARG;
-    *out = NULL;
     lc_load_desc d = LC_LOAD_DESC_INIT;
-    if (!ctx || !path || (desc && desc->size != sizeof d)) return LC_ERR_ARG;
-    if (desc) d = *desc;
+    if (desc && lc_desc_take(ctx, "lc_load_desc", &d, sizeof d, desc)) return LC_ERR_ARG;
     if (!d.env_lights) d.env_lights = DEFAULT_ENV_LIGHTS;
     if (!(d.indirect_error > 0 || d.indirect_error < 0)) d.indirect_error = DEFAULT_INDIRECT_ERROR;
     if (!d.n_reps) d.n_reps = DEFAULT_REPS;
@@ -46,6 +46,16 @@ lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *d
         return lc_fail(ctx, LC_ERR_ARG,
                        "representatives must be 1 to %d, area and environment lights at most %u", LC_MAX_REPS,
                        MAX_MADE_LIGHTS);
+    *out = d;
+    return LC_OK;
+}
+
+lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out)
+{
+    if (!out) return LC_ERR_ARG;
+    *out = NULL;
+    lc_load_desc d;
+    if (!ctx || !path || lc_load_take(ctx, desc, &d)) return LC_ERR_ARG;
     lc_scene *scene;
     lc_status st = lc_scene_create(ctx, &scene);
     if (!st) st = parse(scene, path, &d);
@@ -54,6 +64,7 @@ lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *d
         lc_scene_destroy(scene);
         return st;
     }
+    scene->committed = true;
     *out = scene;
     return LC_OK;
 }

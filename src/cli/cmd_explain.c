@@ -116,9 +116,9 @@ static int set_option(options *o, int c)
     case OPT_INDIRECT: return cli_parse_indirect(optarg, &o->load.indirect_lights);
     case OPT_INDIRECT_ERROR: return cli_parse_float(optarg, CLI_MIN_INDIRECT, 1, &o->load.indirect_error);
     case OPT_INDIRECT_FROM: return cli_parse_indirect_from(optarg, &o->load.indirect_from);
-    case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->render.max_depth);
-    case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
-    case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->render.spp);
+    case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->load.max_depth);
+    case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->load.seed);
+    case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->load.spp);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
     case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
     default: return cli_set_error_option(c, optarg, &o->given, &o->render);
@@ -159,9 +159,6 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     }
     if (cli_ask_error("explain", &o->given, &o->render)) return -1;
     o->scene = argv[optind];
-    o->load.seed = o->render.seed;
-    o->load.max_depth = o->render.max_depth;
-    o->load.spp = o->render.spp;
     return 0;
 }
 
@@ -429,7 +426,7 @@ static void print_json(const options *o, const lc_explanation *x, const lc_scene
 
 static int run(const options *o, lc_context *ctx, lc_scene **scene, lc_explanation **x)
 {
-    lc_scene_info info;
+    lc_scene_info info = LC_SCENE_INFO_INIT;
     lc_status st = lc_scene_load(ctx, o->scene, &o->load, scene);
     if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
     lc_scene_get_info(*scene, &info);

@@ -223,7 +223,7 @@ static int info_image(lc_context *ctx, const char *path, bool json)
 static int info_scene(lc_context *ctx, const char *path, bool json)
 {
     lc_scene *scene;
-    lc_scene_info info;
+    lc_scene_info info = LC_SCENE_INFO_INIT;
     lc_status st = lc_scene_load(ctx, path, NULL, &scene);
     if (st) return st == LC_ERR_MEMORY ? CLI_FAILED : CLI_INPUT;
     lc_scene_get_info(scene, &info);

@@ -182,15 +182,15 @@ static int set_option(options *o, int c)
     case OPT_SECONDS: return cli_parse_time(optarg, &o->render.seconds);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
-    case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->render.max_depth);
+    case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->load.max_depth);
     case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
     case OPT_ENV: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.env_lights);
     case OPT_INDIRECT: return cli_parse_indirect(optarg, &o->load.indirect_lights);
     case OPT_INDIRECT_ERROR: return cli_parse_float(optarg, CLI_MIN_INDIRECT, 1, &o->load.indirect_error);
     case OPT_INDIRECT_FROM: return cli_parse_indirect_from(optarg, &o->load.indirect_from);
     case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
-    case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->render.seed);
-    case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->render.spp);
+    case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->load.seed);
+    case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->load.spp);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
     case OPT_PIXELS: o->has_pixel_crop = true; return cli_parse_pixels(optarg, o->pixel_crop);
     case OPT_CROP: o->has_unit_crop = true; return cli_parse_list(optarg, 4, 0, 1, o->unit_crop);
@@ -207,7 +207,10 @@ static int set_option(options *o, int c)
     case OPT_STATS_FILE: o->stats_file = optarg; return !*optarg;
     case OPT_STATS: o->print_stats = true; return 0;
     case OPT_TIME: o->write_time = true; return 0;
-    case 'q': o->quiet = true; o->verbosity = -1; return 0;
+    case 'q':
+        o->quiet = true;
+        o->verbosity = -1;
+        return 0;
     case 'v': o->verbosity = 1; return 0;
     default: return cli_set_error_option(c, optarg, &o->given, &o->render);
     }
@@ -261,13 +264,10 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     if (check_time(o)) return -1;
     if (cli_ask_error("render", &o->given, &o->render)) return -1;
     o->scene = argv[optind];
-    o->load.seed = o->render.seed;
-    o->load.max_depth = o->render.max_depth;
-    o->load.spp = o->render.spp;
     if (cli_farm_check(&o->farm)) return -1;
     for (int i = 0; i < o->n_outputs; i++)
-        if (!cli_has_extension(o->outputs[i], ".exr") && !cli_has_extension(o->outputs[i], ".png")
-            && strncmp(o->outputs[i], "/dev/", 5)) {
+        if (!cli_has_extension(o->outputs[i], ".exr") && !cli_has_extension(o->outputs[i], ".png") &&
+            strncmp(o->outputs[i], "/dev/", 5)) {
             cli_usage_error("render", "output '%s' is neither .exr nor .png", o->outputs[i]);
             return -1;
         }
@@ -381,7 +381,7 @@ static int make_plan(void *user, const lc_scene *scene)
 {
     plan *p = user;
     options *o = p->o;
-    lc_scene_info info;
+    lc_scene_info info = LC_SCENE_INFO_INIT;
     lc_scene_get_info(scene, &info);
     choose_output(o, &info);
     p->status = o->farm.print ? 0 : check_distinct(o, scene);
@@ -443,7 +443,7 @@ static int step(void *user, uint64_t done, uint64_t total)
 }
 
 #define WARN_LOSS 0.1 /* share of the indirect light; interiors lose 0.01 to 0.03 */
-#define WARN_OFF 2    /* times the error of indirect light that was asked for */
+#define WARN_OFF  2   /* times the error of indirect light that was asked for */
 
 static void warn_of_scene(const options *o, const lc_scene_info *info)
 {
@@ -464,12 +464,12 @@ static void warn_of_scene(const options *o, const lc_scene_info *info)
     if (!info->n_triangles)
         fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will %s\n",
                 info->n_env_maps ? "show its infinite light only" : "be black");
-    if (o->render.max_depth > 1 && !info->n_mirrors && !info->n_indirect_lights &&
+    if (o->load.max_depth > 1 && !info->n_mirrors && !info->n_indirect_lights &&
         o->load.indirect_lights != LC_NO_LIGHTS)
         fprintf(stderr,
                 "lightcuts: warning: --maxdepth %u: without mirrors, glass or --indirect-lights there is "
                 "only direct light\n",
-                o->render.max_depth);
+                o->load.max_depth);
 }
 
 static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image **image,
@@ -517,7 +517,11 @@ static int enter_sandbox(const options *o)
 
 static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
 {
-    cli_render_report r = { .scene = o->scene, .method = o->render.method, .seed = o->render.seed };
+    cli_render_report r = { .scene = o->scene,
+                            .method = o->render.method,
+                            .seed = o->load.seed,
+                            .info = LC_SCENE_INFO_INIT,
+                            .stats = LC_RENDER_STATS_INIT };
     plan p = { .o = o, .ctx = ctx };
     double t0 = cli_now();
     int status = o->load.sandbox ? enter_sandbox(o) : 0;

@@ -121,7 +121,7 @@ bool cli_farm_has(const cli_farm *f, lc_context *ctx, const char *path)
 
 int cli_farm_open(cli_farm *f, lc_context *ctx, const lc_scene *scene, lc_render_desc *desc, bool quiet)
 {
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     if (!f->checkpoint) return 0;
     lc_status st = lc_checkpoint_open(ctx, f->checkpoint, scene, desc, f->resume, f->interval, &f->file);
     if (st) return cli_exit_status(st);
@@ -137,7 +137,7 @@ int cli_farm_open(cli_farm *f, lc_context *ctx, const lc_scene *scene, lc_render
 
 int cli_farm_step(cli_farm *f)
 {
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     if (!f->file) return 0;
     if (cli_asked_to_save()) (void)lc_checkpoint_sync(f->file);
     if (!(f->time_limit > 0) || cli_now() - f->start < f->time_limit) return 0;
@@ -150,7 +150,7 @@ int cli_farm_step(cli_farm *f)
 
 int cli_farm_stopped(cli_farm *f)
 {
-    lc_checkpoint_info info;
+    lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     const char *why = f->stopped ? "time is over" : "interrupted";
     if (!f->file) {
         fprintf(stderr, "lightcuts: interrupted, nothing written\n");

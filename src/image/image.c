@@ -1,6 +1,8 @@
 /* image.c - creates images and their channels and attributes. */
 #include "image/image.h"
 
+#include "base/desc.h"
+
 #include <string.h>
 #include <strings.h>
 
@@ -27,8 +29,8 @@ lc_status lc_image_create(lc_context *ctx, const lc_image_desc *desc, lc_image *
 {
     if (!out) return LC_ERR_ARG;
     *out = NULL;
-    if (!ctx || !desc || desc->size != sizeof *desc) return LC_ERR_ARG;
-    lc_image_desc d = *desc;
+    lc_image_desc d = LC_IMAGE_DESC_INIT;
+    if (!ctx || !desc || lc_desc_take(ctx, "lc_image_desc", &d, sizeof d, desc)) return LC_ERR_ARG;
     lc_status status = check_desc(ctx, &d);
     if (status != LC_OK) return status;
 
@@ -50,7 +52,10 @@ void lc_image_destroy(lc_image *image)
     lc_free(image->ctx, image, 1, sizeof *image);
 }
 
-void lc_image_get_desc(const lc_image *image, lc_image_desc *desc) { *desc = image->desc; }
+lc_status lc_image_get_desc(const lc_image *image, lc_image_desc *desc)
+{
+    return lc_desc_give(image->ctx, "lc_image_desc", desc, &image->desc, sizeof *desc);
+}
 
 uint32_t lc_image_n_channels(const lc_image *image) { return (uint32_t)image->n_channels; }
 

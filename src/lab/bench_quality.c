@@ -76,7 +76,7 @@ static lc_status load(const job *j, const bench_builder *builder, uint64_t seed,
 static lc_status make_reference(job *j)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
-    lc_image_desc size;
+    lc_image_desc size = LC_IMAGE_DESC_INIT;
     lc_scene *scene;
     float *planes[3];
     d.method = LC_METHOD_EXACT;
@@ -97,9 +97,9 @@ static lc_status make_reference(job *j)
 static lc_status add_render(const job *j, const lc_scene *scene, float ratio, point *p)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
-    lc_render_stats stats;
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
     lc_image *image;
-    lc_image_desc size;
+    lc_image_desc size = LC_IMAGE_DESC_INIT;
     metrics m;
     float *a[3], *b[3];
     d.method = LC_METHOD_CUTS;
@@ -128,7 +128,7 @@ static lc_status measure(const job *j, outcome *r)
     lc_status st = LC_OK;
     for (uint32_t s = 0; s < n_seeds && !st; s++) {
         lc_scene *scene;
-        lc_scene_info info;
+        lc_scene_info info = LC_SCENE_INFO_INIT;
         if ((st = load(j, r->builder, s, 1, &scene))) return st;
         lc_scene_get_info(scene, &info);
         builds[s] = info.seconds_tree;

@@ -279,7 +279,7 @@ static lc_status run(job *j, const bench_options *o)
 
 int bench_render(const bench_options *o)
 {
-    job j = { .ctx = cli_context(o->n_threads, o->isa, 0) };
+    job j = { .ctx = cli_context(o->n_threads, o->isa, 0), .stats = LC_RENDER_STATS_INIT };
     if (!j.ctx) return CLI_FAILED;
     lc_status st = run(&j, o);
     if (j.rec.ctx) bench_record_free(&j.rec);

@@ -76,8 +76,8 @@ static lc_status one_size(const bench_options *o, lc_context *ctx, uint32_t n, s
 {
     const gen_scene *cube = gen_scenes;
     lc_scene *scene;
-    lc_scene_info info;
-    lc_render_stats stats;
+    lc_scene_info info = LC_SCENE_INFO_INIT;
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
     while (strcmp(cube->name, "cube")) cube++;
     lc_status st = bench_load(ctx, cube, n, 0, NULL, &o->load, &scene);
     if (st) return st;

@@ -134,18 +134,19 @@ static lc_status make_picture(const options *o, lc_context *ctx, const variant *
     lc_scene *scene = NULL;
     lc_image *image = NULL;
     load.max_pixels = o->pixels;
-    load.spp = render.spp = o->spp;
+    load.spp = o->spp;
     load.seed = o->seed + v->other_seed;
     load.area_lights = v->area_lights;
     load.env_lights = v->env_lights;
     load.indirect_lights = v->indirect_lights;
-    render.seed = o->seed;
+    render.seed = o->seed - load.seed; /* the samples stay the same */
     if (v->fine) {
         render.error_ratio = FINE_RATIO;
         render.max_cut = 0;
     }
     lc_status st = lc_scene_load(ctx, o->scene, &load, &scene);
-    if (!st) lc_scene_get_info(scene, &p->info);
+    p->info.size = sizeof p->info;
+    if (!st) st = lc_scene_get_info(scene, &p->info);
     if (!st) st = lc_render(ctx, scene, &render, &image, NULL);
     if (!st) st = luminance_of(image, p);
     lc_image_destroy(image);

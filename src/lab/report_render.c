@@ -76,7 +76,7 @@ static int input_status(lc_status st) { return st == LC_ERR_IO ? CLI_INPUT : cli
 static int survey(report *r, lc_context *ctx, report_scene *s, double *work, uint32_t *n_missing)
 {
     lc_scene *scene;
-    lc_scene_info info;
+    lc_scene_info info = LC_SCENE_INFO_INIT;
     uint32_t missing = 0;
     set_up_renders(r, s);
     for (uint32_t i = 0; i < r->n_renders; i++) {
@@ -102,7 +102,7 @@ static lc_status again(lc_context *ctx, const lc_scene *scene, const lc_render_d
                        lc_render_stats *stats)
 {
     lc_render_desc silent = *d;
-    lc_render_stats more;
+    lc_render_stats more = LC_RENDER_STATS_INIT;
     lc_image *image;
     silent.progress = NULL;
     lc_status st = lc_render(ctx, scene, &silent, &image, &more);
@@ -137,8 +137,8 @@ static int render_one(report *r, lc_context *ctx, const report_scene *s, report_
                       const lc_scene *scene, progress *p)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
-    lc_scene_info info;
-    lc_render_stats stats;
+    lc_scene_info info = LC_SCENE_INFO_INIT;
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
     lc_image *image = NULL;
     char what[96];
     lc_scene_get_info(scene, &info);

@@ -16,10 +16,12 @@
 #include "render/checkpoint.h"
 
 #include "base/arena.h"
+#include "base/desc.h"
 #include "base/pool.h"
 #include "base/stats.h"
 #include "io/file.h"
 #include "render/film.h"
+#include "render/render_job.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -131,18 +133,17 @@ static lc_status fill_header(lc_checkpoint *c, const lc_scene *scene, const lc_r
 {
     header *h = &c->head;
     lc_identity id;
-    lc_scene_info info;
+    lc_render_desc d;
     lc_status st = lc_render_identity(c->ctx, scene, desc, &id);
-    if (!st) st = lc_render_crop(c->ctx, scene, desc, h->crop);
+    if (!st) st = lc_render_take(c->ctx, scene, desc, &d, h->crop);
     if (st) return st;
-    lc_scene_get_info(scene, &info);
     memcpy(h->magic, magic, sizeof magic);
     h->size = sizeof *h;
-    h->n_planes = lc_film_n_planes(desc->aovs);
+    h->n_planes = lc_film_n_planes(d.aovs);
     h->tile = LC_TILE;
     h->n_counts = sizeof(lc_tile_counts) / sizeof(uint64_t);
-    h->width = info.width;
-    h->height = info.height;
+    h->width = scene->film.width;
+    h->height = scene->film.height;
     h->scene = id.scene;
     h->options = id.options;
     h->crc = crc_of(0, h, offsetof(header, crc));
@@ -456,18 +457,20 @@ lc_status lc_checkpoint_check(const lc_scene *scene, const lc_render_desc *desc)
 
 void lc_checkpoint_attach(lc_checkpoint *c, lc_render_desc *desc)
 {
-    if (!c || !desc) return;
+    const size_t needed = offsetof(lc_render_desc, tile_user) + sizeof desc->tile_user;
+    if (!c || !desc || desc->size < needed) return; /* of a header without them */
     desc->tile_load = load;
     desc->tile_done = done;
     desc->tile_user = c;
 }
 
-void lc_checkpoint_get_info(lc_checkpoint *c, lc_checkpoint_info *info)
+lc_status lc_checkpoint_get_info(lc_checkpoint *c, lc_checkpoint_info *info)
 {
-    if (!c || !info) return;
+    if (!c || !info) return LC_ERR_ARG;
     lc_mutex_lock(c->mutex);
-    *info = c->info;
+    lc_checkpoint_info now = c->info;
     lc_mutex_unlock(c->mutex);
+    return lc_desc_give(c->ctx, "lc_checkpoint_info", info, &now, sizeof now);
 }
 
 lc_status lc_checkpoint_sync(lc_checkpoint *c)

@@ -1,6 +1,6 @@
 /* identity.c - what a picture depends on, as two numbers. */
 #include "base/digest.h"
-#include "scene/scene.h"
+#include "render/render_job.h"
 
 #include <string.h>
 
@@ -34,26 +34,28 @@ static void add_render(lc_digest *d, const lc_render_desc *r, const lc_scene *sc
     lc_digest_number(d, (double)(r->error > 0 ? r->within : r->error_ratio));
     lc_digest_u64(d, r->max_cut);
     lc_digest_number(d, (double)r->dark_floor);
-    lc_digest_u64(d, r->spp ? r->spp : scene->film.spp);
-    lc_digest_u64(d, r->seed);
+    lc_digest_u64(d, lc_render_spp(scene, r));
+    lc_digest_u64(d, lc_render_seed(scene, r));
     lc_digest_u64(d, r->aovs);
-    lc_digest_u64(d, r->max_depth ? r->max_depth : scene->max_depth);
+    lc_digest_u64(d, lc_render_depth(scene, r));
 }
 
 lc_status lc_render_identity(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc,
                              lc_identity *id)
 {
     uint32_t crop[4];
+    lc_render_desc r;
     lc_digest d = { 0 };
     if (!id) return LC_ERR_ARG;
     *id = (lc_identity){ 0 };
-    lc_status st = lc_render_crop(ctx, scene, desc, crop);
+    if (!ctx || !scene || !desc) return LC_ERR_ARG;
+    lc_status st = lc_render_take(ctx, scene, desc, &r, crop);
     if (st) return st;
     lc_digest_add(&d, LC_VERSION, sizeof LC_VERSION);
     lc_digest_u64(&d, scene->film.width);
     lc_digest_u64(&d, scene->film.height);
     add_load(&d, &scene->load, scene);
-    add_render(&d, desc, scene);
+    add_render(&d, &r, scene);
     *id = (lc_identity){ scene->input_id, lc_digest_result(&d) };
     return LC_OK;
 }

@@ -11,7 +11,7 @@ static lc_status probe_desc(lc_render_job *j, lc_probe *p, lc_cut_desc *cut)
 {
     const lc_render_desc *desc = j->desc;
     lc_render_desc cuts = *desc;
-    lc_render_stats stats = { 0 };
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
     lc_status st = lc_choose_method(j, &stats);
     p->all_lights = j->exact;
     if (!st && j->exact) {
@@ -87,11 +87,13 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
                           uint32_t y, uint32_t sample, lc_probe *p)
 {
     lc_render_job j;
+    lc_render_desc d;
     uint32_t crop[4];
     *p = (lc_probe){ .hit = false };
-    lc_status st = lc_render_check(ctx, scene, desc, crop);
+    lc_status st = lc_render_take(ctx, scene, desc, &d, crop);
+    if (!st) st = lc_render_ready(ctx, scene);
     if (st) return st;
-    st = lc_job_init(&j, ctx, scene, desc);
+    st = lc_job_init(&j, ctx, scene, &d);
     if (!st) st = probe_sample(&j, x, y, sample, p);
     lc_job_free(&j);
     return st;

@@ -1,6 +1,7 @@
 /* render.c - lc_render: tiles over threads. */
 #include "render/render_job.h"
 
+#include "base/desc.h"
 #include "base/memory.h"
 #include "base/pool.h"
 #include "render/checkpoint.h"
@@ -157,11 +158,19 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
     return LC_OK;
 }
 
+lc_status lc_render_take(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc,
+                         lc_render_desc *out, uint32_t crop[4])
+{
+    *out = (lc_render_desc)LC_RENDER_DESC_INIT;
+    lc_status st = lc_desc_take(ctx, "lc_render_desc", out, sizeof *out, desc);
+    return st ? st : lc_render_check(ctx, scene, out, crop);
+}
+
 lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *d,
                             uint32_t crop[4])
 {
     const lc_film_desc *f = &scene->film;
-    if (d->size != sizeof *d || d->method < LC_METHOD_LIGHTCUTS || d->method > LC_METHOD_CUTS)
+    if (d->method < LC_METHOD_LIGHTCUTS || d->method > LC_METHOD_CUTS)
         return LC_ERR_ARG;
     if (!(d->error_ratio >= 0) || !isfinite(d->error_ratio) || !(d->dark_floor >= 0) ||
         !isfinite(d->dark_floor))
@@ -218,7 +227,7 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
 lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc)
 {
     *j = (lc_render_job){
-        .ctx = ctx, .scene = scene, .desc = desc, .spp = desc->spp ? desc->spp : scene->film.spp
+        .ctx = ctx, .scene = scene, .desc = desc, .spp = lc_render_spp(scene, desc)
     };
     if (scene->filter.shared) {
         j->share = lc_alloc(ctx, 1, sizeof *j->share);
@@ -226,7 +235,7 @@ lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, 
         lc_filter_share_init(j->share, &scene->film.filter, j->spp);
         j->spp = j->share->n;
     }
-    j->max_depth = min_u(desc->max_depth ? desc->max_depth : scene->max_depth, LC_MAX_DEPTH);
+    j->max_depth = lc_render_depth(scene, desc);
     /* samples share a pixel; as in pbrt, one sees no less than an eighth of it */
     while (j->lens_order * 2 + 1 < j->spp) j->lens_order = j->lens_order * 2 + 1;
     j->pixel = scene->camera.pixel * fmax(0.125, 1 / sqrt((double)j->spp));
@@ -236,31 +245,34 @@ lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, 
 lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, lc_image **out,
                     lc_render_stats *stats)
 {
-    lc_render_stats own;
+    lc_render_desc d;
+    lc_render_stats own = LC_RENDER_STATS_INIT;
     uint32_t crop[4];
     if (!out) return LC_ERR_ARG;
     *out = NULL;
     if (!ctx || !scene || !desc) return LC_ERR_ARG;
-    lc_status st = lc_render_check(ctx, scene, desc, crop);
-    if (!st) st = lc_checkpoint_check(scene, desc);
+    lc_status st = lc_render_take(ctx, scene, desc, &d, crop);
+    if (!st) st = lc_render_ready(ctx, scene);
+    if (!st) st = lc_checkpoint_check(scene, &d);
+    if (!st && stats) st = lc_desc_give(ctx, "lc_render_stats", stats, &own, sizeof own);
     if (st) return st;
     lc_memory_step(ctx, "rendering");
-    if (!stats) stats = &own;
-    *stats = (lc_render_stats){ 0 };
     lc_render_job j;
-    st = lc_job_init(&j, ctx, scene, desc);
+    st = lc_job_init(&j, ctx, scene, &d);
     j.total = (uint64_t)(crop[1] - crop[0]) * (crop[3] - crop[2]);
     j.mutex = st ? NULL : lc_mutex_create(ctx);
-    st = j.mutex ? render_all(&j, crop, stats) : LC_ERR_MEMORY;
+    st = j.mutex ? render_all(&j, crop, &own) : LC_ERR_MEMORY;
     lc_mutex_destroy(ctx, j.mutex);
     lc_job_free(&j);
     if (st) lc_image_destroy(j.film.image);
     else *out = j.film.image;
+    if (stats) (void)lc_desc_give(ctx, "lc_render_stats", stats, &own, sizeof own);
     return st;
 }
 
 lc_status lc_render_crop(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t crop[4])
 {
+    lc_render_desc d;
     if (!ctx || !scene || !desc || !crop) return LC_ERR_ARG;
-    return lc_render_check(ctx, scene, desc, crop);
+    return lc_render_take(ctx, scene, desc, &d, crop);
 }

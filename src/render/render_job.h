@@ -89,14 +89,30 @@ typedef struct lc_render_job {
                             film */
 } lc_render_job;
 
-/* False once the render is cancelled. Calls progress when it is time and no other thread does. user: the job.
- */
+/* False once the render is cancelled. Calls progress when it is time and no other thread does. user: job */
 bool lc_job_go_on(void *user);
+
+/* What the descriptor asks for, or the load's, or the file's. */
+static inline uint32_t lc_render_spp(const lc_scene *s, const lc_render_desc *d)
+{
+    return d->spp ? d->spp : s->load.spp ? s->load.spp : s->film.spp;
+}
+
+static inline uint32_t lc_render_depth(const lc_scene *s, const lc_render_desc *d)
+{
+    const uint32_t depth = d->max_depth ? d->max_depth : s->load.max_depth ? s->load.max_depth : s->max_depth;
+    return depth < LC_MAX_DEPTH ? depth : LC_MAX_DEPTH;
+}
+
+static inline uint64_t lc_render_seed(const lc_scene *s, const lc_render_desc *d)
+{
+    return s->load.seed + d->seed;
+}
 
 /* A key for numbers of one sample of a pixel. */
 static inline uint64_t lc_job_key(const lc_render_job *j, uint64_t pixel, uint64_t sample, uint64_t dimension)
 {
-    return lc_hash4(j->desc->seed, pixel, sample, dimension);
+    return lc_hash4(lc_render_seed(j->scene, j->desc), pixel, sample, dimension);
 }
 
 /* Fails with LC_ERR_MEMORY; free it also after a failure. */
@@ -105,6 +121,15 @@ lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, 
 lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc);
 void lc_job_free_workers(lc_render_job *j);
 void lc_job_free(lc_render_job *j); /* with its workers */
+/* LC_ERR_ARG for a scene that was not committed. */
+static inline lc_status lc_render_ready(const lc_context *ctx, const lc_scene *s)
+{
+    return s->tree ? LC_OK : lc_fail(ctx, LC_ERR_ARG, "the scene was not committed");
+}
+
+/* A host's descriptor over the defaults, and whether it fits the scene; *crop: the pixels it asks for. */
+lc_status lc_render_take(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc,
+                         lc_render_desc *out, uint32_t crop[4]);
 /* Whether a descriptor fits a scene; *crop: the pixels it asks for. */
 lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc_render_desc *d,
                           uint32_t crop[4]);

@@ -123,7 +123,7 @@ struct lc_scene {
 
     lc_camera_desc camera_desc;
     lc_film_desc film;
-    bool has_camera;
+    bool has_camera, by_calls, committed; /* by_calls: of api/build.c */
     bool traces_paths;  /* the file's integrator, or pbrt's default, traces paths: indirect light is on */
     uint32_t max_depth; /* of paths, 1..LC_MAX_DEPTH; a camera ray may pass max_depth - 1 mirrors */
 

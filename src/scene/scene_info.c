@@ -1,6 +1,7 @@
 /* scene_info.c - the public queries about a scene: counts, timings, notes, features. */
 #include "lightcuts.h"
 
+#include "base/desc.h"
 #include "scene/instance.h"
 #include "scene/scene.h"
 #include "trace/bvh.h"
@@ -15,12 +16,13 @@ const char *lc_light_kind_name(uint32_t kind)
 
 _Static_assert((int)LC_LIGHT_KINDS <= LC_MAX_LIGHT_KINDS, "lc_scene_info counts them");
 
-void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
+lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
 {
     static const lc_light_tree none;
-    if (!s || !info) return;
+    if (!s || !out) return LC_ERR_ARG;
     const lc_light_tree *t = s->tree ? s->tree : &none; /* no tree while only parsed */
-    *info = (lc_scene_info){
+    lc_scene_info full = {
+        .size = sizeof full,
         .n_triangles = s->n_tris,
         .n_vertices = s->n_verts,
         .n_meshes = s->n_meshes,
@@ -56,7 +58,7 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
         .seconds_tree = s->seconds_tree,
         .bvh_bytes = s->bvh ? lc_bvh_bytes(s->bvh) + lc_instances_bytes(s) : 0,
         .tree_bytes = s->tree ? lc_light_tree_bytes(t) : 0,
-    };
+    }, *info = &full;
     for (size_t i = 0; i < s->textures.n_images; i++)
         info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);
     for (size_t i = 0; i < s->n_materials; i++)
@@ -65,6 +67,7 @@ void lc_scene_get_info(const lc_scene *s, lc_scene_info *info)
     lc_f3_store(info->bounds_lo, s->bounds.lo);
     lc_f3_store(info->bounds_hi, s->bounds.hi);
     for (int i = 0; i < 4; i++) info->crop[i] = s->film.crop[i];
+    return lc_desc_give(s->ctx, "lc_scene_info", out, info, sizeof *info);
 }
 
 lc_status lc_scene_get_texture_class(const lc_scene *s, uint32_t idx, const char **name, uint64_t *count)
