@@ -659,8 +659,8 @@ typedef struct lc_shader_desc {
                              * >= 0, 0 means 0: every light that contributes. INIT sets 0.02 */
     float z;                /* 0; or above 0: not each bound, but z times the root of the sum of the squares
                              * of all bounds is limited by error_ratio */
-    float floor;            /* luminance of reflected radiance: errors are relative to it where the estimate is
-                             * below; >= 0 */
+    float floor;            /* luminance of reflected radiance: errors are relative to it where the estimate
+                             * is below; >= 0 */
     uint32_t max_cut;       /* limits the clusters of a cut; 0: no limit. INIT sets 1000 */
     uint64_t seed;          /* of the choice among a cluster's representatives */
     int apart;              /* nonzero: no point depends on others; slower */
