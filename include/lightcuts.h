@@ -755,12 +755,12 @@ typedef struct lc_shader_desc {
     /* NULL, or the scene whose answers `visible` passes on from lc_scene_visible, `blocker` included: then
      * whole clusters may be proved to be occluded by its triangles, which saves rays. */
     const lc_scene *occluders;
-    float error_ratio;      /* limit on each cluster's error bound, as a fraction of the point's estimate; >= 0,
-                             * 0 means 0: every light that contributes. INIT sets 0.02 */
+    float error_ratio;      /* limit on each cluster's error bound, as a fraction of the point's estimate;
+                             * >= 0, 0 means 0: every light that contributes. INIT sets 0.02 */
     float z;                /* 0; or above 0: not each bound, but z times the root of the sum of the squares
                              * of all bounds is limited by error_ratio */
-    float floor;            /* luminance of reflected radiance: errors are relative to it where the estimate is
-                             * below; >= 0 */
+    float floor;            /* luminance of reflected radiance: errors are relative to it where the estimate
+                             * is below; >= 0 */
     uint32_t max_cut;       /* limits the clusters of a cut; 0: no limit. INIT sets 1000 */
     uint64_t seed;          /* of the choice among a cluster's representatives */
     int apart;              /* nonzero: no point depends on others; slower */
@@ -785,7 +785,8 @@ typedef struct lc_shade_material {
     float kd[3], ks[3];  /* diffuse reflectance; factor of the lobe; >= 0 */
     uint32_t gloss;      /* the lobe: LC_GLOSS_... */
     float exponent;      /* Phong: 0..1e5 */
-    float roughness[2];  /* Ward, GGX: along the tangent and across, 0.001..1; Oren-Nayar: sigma, rad, twice */
+    float roughness[2];  /* Ward, GGX: along the tangent and across, 0.001..1; Oren-Nayar: sigma, rad, in
+                          * both */
     float tangent[3];    /* Ward, GGX: world space, unit; 0: any */
     uint32_t fresnel;    /* GGX: LC_REFLECT_... */
     float eta[3], k[3];  /* GGX: indices of refraction, absorption */

@@ -148,7 +148,7 @@ int main(int argc, char **argv)
 {
     static host h;
     lc_context_desc cd = LC_CONTEXT_DESC_INIT;
-    lc_context *ctx;
+    lc_context *ctx = NULL;
     cd.n_threads = 1;
     if (argc < 2 || lc_context_create(&cd, &ctx) || lc_scene_load(ctx, argv[1], NULL, &h.scene))
         fail("usage: host_speed SCENE.pbrt [ROUNDS]");

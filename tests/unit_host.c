@@ -3,6 +3,7 @@
  * allocation fails, nothing is left. The tracer is a few spheres. */
 #include "lightcuts.h"
 #include "support/logged.h"
+#include "support/scene_text.h"
 #include "support/watched_memory.h"
 
 #define RND_KEY 2323
@@ -333,8 +334,8 @@ TEST(ten_thousand_points_and_lights_are_asked_for_by_64_rays_and_more)
         lc_f3_store(many[i].position, lc_f3_add(rnd_in_box(1), lc_f3_make(0, 0.6f, 0)));
         for (int k = 0; k < 3; k++) many[i].intensity[k] = 1;
     }
-    lc_tree *t;
-    lc_shader *s;
+    lc_tree *t = NULL;
+    lc_shader *s = NULL;
     lc_shader_desc d = LC_SHADER_DESC_INIT;
     lc_shade_stats stats = { 0 };
     lc_shade_batch b = batch_of(0, UNDER_TSAN ? 512 : N);
@@ -355,7 +356,7 @@ TEST(a_host_can_stop_and_empty_inputs_are_dark)
     lc_shader_desc d = desc_of(&h, 0.05f);
     lc_shader *s;
     make(true);
-    lc_tree *t = tree_of(), *none;
+    lc_tree *t = tree_of(), *none = NULL;
     const lc_shade_batch b = batch_of(0, N_POINTS), empty = LC_SHADE_BATCH_INIT;
     CHECK(!lc_shader_create(t, &d, &s) && lc_shade(s, &b, rgb, NULL) == LC_ERR_CANCELLED && h.calls == 3);
     CHECK(!lc_shade(s, &b, rgb, NULL) && h.calls > 4 && !lc_shade(s, &empty, NULL, NULL));
@@ -370,6 +371,60 @@ TEST(a_host_can_stop_and_empty_inputs_are_dark)
     lc_tree_destroy(t);
     lc_tree_destroy(NULL);
     lc_shader_destroy(NULL);
+}
+
+/* A slab over the floor, and a wall. */
+static const char *const room =
+    "WorldBegin\nMaterial \"diffuse\"\n"
+    "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3 4 5 6 4 6 7] \"point3 P\" "
+    "[-0.6 0 -0.6  0.6 0 -0.6  0.6 0 0.6  -0.6 0 0.6  0.8 -2 -2  0.8 2 -2  0.8 2 2  0.8 -2 2]\n";
+
+typedef struct {
+    lc_scene *scene;
+    uint64_t rays, blockers;
+    int spoil; /* blockers are overwritten */
+} passing;
+
+static int pass_on(void *user, const lc_shadow_rays *r)
+{
+    passing *p = user;
+    const int stop = lc_scene_visible(p->scene, r);
+    p->rays += r->n;
+    for (uint32_t i = 0; i < r->n && r->blocker; i++) {
+        p->blockers += r->hidden[i] && r->blocker[i] != UINT32_MAX;
+        if (p->spoil) r->blocker[i] = 0xfffffff0u - i;
+    }
+    return stop;
+}
+
+TEST(a_loaded_scene_answers_rays_and_its_proofs_save_some)
+{
+    static float rgb[4][N_POINTS][3];
+    passing p = { 0 };
+    uint64_t rays[4];
+    make(true);
+    for (uint32_t i = 0; i < N_LIGHTS; i++) lights[i].position[1] = fabsf(lights[i].position[1]);
+    p.scene = scene_from_text(ctx, NULL, "%s", room);
+    lc_tree *t = tree_of();
+    lc_shader_desc d = LC_SHADER_DESC_INIT;
+    d.visible_user = &p;
+    d.visible = pass_on;
+    d.error_ratio = 0;
+    for (int i = 0; i < 4; i++) { /* without proofs, with them, with those of a host that overwrites them */
+        d.occluders = i == 1 || i == 2 ? p.scene : NULL;
+        p.spoil = i == 2;
+        if (i == 3) d.visible = lc_scene_visible, d.visible_user = p.scene;
+        rays[i] = shade_all(t, &d, N_POINTS, rgb[i]).rays;
+    }
+    CHECK(p.blockers > 0 && p.rays == rays[0] + rays[1] + rays[2] && rays[0] == rays[3]);
+    CHECKF(rays[1] < rays[0], "%g of %g rays", (double)rays[1], (double)rays[0]);
+    for (uint32_t i = 0; i < N_POINTS; i++)
+        for (int k = 0; k < 3; k++) /* a proof is of what every ray would have met: rounding of sums alone */
+            CHECK(fabsf(rgb[0][i][k] - rgb[1][i][k]) <= 1e-5f * rgb[0][i][k] &&
+                  fabsf(rgb[0][i][k] - rgb[2][i][k]) <= 1e-5f * rgb[0][i][k]);
+    CHECK(!memcmp(rgb[0], rgb[3], sizeof rgb[0]));
+    lc_tree_destroy(t);
+    lc_scene_destroy(p.scene);
 }
 
 #define BAD_LIGHT(change, message)                                                                           \
@@ -499,6 +554,7 @@ int main(void)
     RUN(eight_threads_shade_with_one_tree);
     RUN(ten_thousand_points_and_lights_are_asked_for_by_64_rays_and_more);
     RUN(a_host_can_stop_and_empty_inputs_are_dark);
+    RUN(a_loaded_scene_answers_rays_and_its_proofs_save_some);
     RUN(wrong_lights_are_named);
     RUN(wrong_shaders_and_points_are_named);
     RUN(whatever_allocation_fails_nothing_is_left);
