@@ -174,7 +174,7 @@ typedef struct lc_feature {
 } lc_feature;
 
 /* The kinds of light that a scene is made into: "point", "oriented", "directional", "spot",
- * "virtual", "ball". */
+ * "virtual", "ball", "luminaire". */
 #define LC_MAX_LIGHT_KINDS 16
 LC_API uint32_t lc_light_kind_count(void);
 LC_API const char *lc_light_kind_name(uint32_t kind); /* "unknown" from the count on */
@@ -222,8 +222,8 @@ typedef struct lc_scene_info {
     }
 
 /* Reads a pbrt file ("-" is stdin), glTF or OBJ, makes lights, builds the BVH and the light tree. desc may be
- * NULL for the defaults. The scene keeps using ctx. Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY, _ARG,
- * and _CANCELLED by `parsed`. */
+ * NULL for the defaults. The scene keeps using ctx. Fails with LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY,
+ * _ARG, and _CANCELLED by `parsed`. */
 LC_API lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out);
 LC_API void lc_scene_destroy(lc_scene *scene);
 LC_API lc_status lc_scene_get_info(const lc_scene *scene, lc_scene_info *info); /* LC_ERR_ARG */
@@ -579,7 +579,7 @@ LC_API void lc_checkpoint_close(lc_checkpoint *checkpoint);
 typedef struct lc_explained_cluster {
     uint32_t id, parent;      /* nodes of the light tree, from 0, lights after all clusters; a root's parent
                                * is LC_NO_CLUSTER */
-    uint32_t kind;            /* 0 point, 1 oriented, 2 directional, 3 spot, 4 virtual */
+    uint32_t kind;            /* of light, see lc_light_kind_name */
     uint32_t n_lights;        /* 1: a single light, which is exact */
     float lo[3], hi[3];       /* box of positions, world space; directional: of unit directions to the
                                * lights */

@@ -124,7 +124,8 @@ TEST(bound_holds_where_a_term_is_extreme)
  * directions for unit, which in float they are to 2^-24 = 6e-8, and tan(phi) multiplies that: 1e-6. Ward: the
  * reference takes tangents and n for perpendicular and o for unit, which in float they are to 2e-7; over
  * roughness 0.05 and the height of h, and times the derivative of e^-x^2, some 1e-4 / height: 1e-3; GGX's
- * falls more slowly.
+ * falls more slowly. Luminaires: near its axis 6e-8 of a cosine are 3.5e-4 of the angle by which the table is
+ * asked: 1e-4.
  */
 TEST(reference_holds)
 {
@@ -136,9 +137,10 @@ TEST(reference_holds)
             lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
             uint32_t all = (1u << c.n) - 1;
             double sum = ref_cluster_sum(&p, c.lights, all);
-            double slack = sum * (p.lobe >= LC_LOBE_WARD      ? 1e-3
-                                  : is_oriented(kind)        ? 1e-6
-                                                             : 1e-9),
+            double slack = sum * (p.lobe >= LC_LOBE_WARD       ? 1e-3
+                                  : kind == LC_LIGHT_LUMINAIRE ? 1e-4
+                                  : is_oriented(kind)          ? 1e-6
+                                                               : 1e-9),
                    ub;
             ub = ref_cluster_bound(&p, c.lights, all, true);
             CHECKF(ub >= sum - slack, "case %llu: %.9g %.9g", (unsigned long long)i, ub, sum);
@@ -203,7 +205,10 @@ TEST(as_tight_as_reference)
             /* Ward: neither bound is always the lower one, and differences stand in an exponent */
             /* near the foot of a spot's profile a rounded cosine is a large factor */
             if (brdf >= GEN_WARD_ISO || kind == LC_LIGHT_SPOT) mean = geo;
-            CHECKF(mean <= 1.05, "%s %s: %g", kind_names[kind], brdf_names[brdf], mean);
+            /* A luminaire's bound looks its greatest value up in a tree of ranges of the angle, the reference
+             * in the range itself. */
+            const double most = kind == LC_LIGHT_LUMINAIRE ? 1.15 : 1.05;
+            CHECKF(mean <= most, "%s %s: %g", kind_names[kind], brdf_names[brdf], mean);
         }
     }
 }

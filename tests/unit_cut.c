@@ -155,7 +155,7 @@ TEST(points_at_lights)
  * has as many clusters as lights that differ, and is exact. Balls are not: shadow rays to them differ. */
 TEST(equal_lights_are_one)
 {
-    for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+    for (uint32_t kind = 0; kind < LC_LIGHT_LUMINAIRE; kind++) {
         setup s;
         lc_cut c;
         const uint32_t n = 600, differ = 5;

@@ -454,7 +454,8 @@ TEST(wrong_lights_are_named)
         d.change;                                                                                            \
         EXPECT_FAILURE(lc_tree_create(ctx, lights, 2, &d, &t), LC_ERR_ARG, message);                         \
     } while (0)
-    BAD_TREE(size = 1, "error: desc.size is not that of lc_tree_desc");
+    BAD_TREE(size = 1, "error: desc: its size of 1 bytes is wrong"
+             ", or a field that is set is not known: its INIT sets the size");
     BAD_TREE(n_reps = 33, "error: desc.n_reps is 33: 1 to 32, or 0");
     BAD_TREE(builder = (lc_builder)7, "error: desc.builder is none of lc_builder");
     BAD_TREE(diagonal = NAN, "error: desc.diagonal must be 0 to 1e+13");
@@ -479,7 +480,8 @@ TEST(wrong_shaders_and_points_are_named)
         EXPECT_FAILURE(lc_shader_create(t, &d, &s), LC_ERR_ARG, message);                                    \
         CHECK(!s);                                                                                           \
     } while (0)
-    BAD_SHADER(size = 8, "error: desc.size is not that of lc_shader_desc");
+    BAD_SHADER(size = 12, "error: desc: its size of 12 bytes is wrong"
+               ", or a field that is set is not known: its INIT sets the size");
     BAD_SHADER(visible = NULL, "error: desc.visible is NULL");
     BAD_SHADER(error_ratio = -1, "error: desc.error_ratio must be finite and not negative");
     BAD_SHADER(z = NAN, "error: desc.z must be finite and not negative");
@@ -495,7 +497,8 @@ TEST(wrong_shaders_and_points_are_named)
         change;                                                                                              \
         EXPECT_FAILURE(lc_shade(s, &b, rgb, NULL), LC_ERR_ARG, message);                                     \
     } while (0)
-    BAD_BATCH(b.size = 0, "error: batch.size is not that of lc_shade_batch");
+    BAD_BATCH(b.size = 0, "error: batch: its size of 0 bytes is wrong"
+              ", or a field that is set is not known: its INIT sets the size");
     BAD_BATCH(b.first = 8, "error: batch.first is no multiple of 16");
     BAD_BATCH(b.points = NULL, "error: batch.points is NULL");
     BAD_BATCH(b.materials = NULL, "error: batch.materials is NULL");

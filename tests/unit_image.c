@@ -63,6 +63,7 @@ TEST(create_checks_arguments)
     desc.height = 3;
     desc.size = 3;
     CHECK(lc_image_create(ctx, &desc, &image) == LC_ERR_ARG);
+    desc.size = sizeof desc;
     image = make_image(4, 3);
     float *p;
     CHECK(lc_image_add_channel(image, "Z", &p) == LC_OK && p && p[11] == 0.0f);

@@ -1,6 +1,7 @@
 /* host_lights.c - a host's lights, checked by the rules of a scene's, and the tree over them. */
 #include "api/host.h"
 
+#include "base/desc.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -30,14 +31,16 @@ static lc_light light_of(const lc_tree_light *in)
     return l;
 }
 
+#define HOST_KINDS LC_LIGHT_LUMINAIRE /* the last kind: its table is a scene's, which a host has none of */
+
 /* The scene checks and copies the lights; kept[i] becomes the place of its i-th in `lights`. */
 static lc_status add_lights(lc_scene *s, const lc_tree_light *lights, size_t n, uint32_t *kept)
 {
     for (size_t i = 0; i < n; i++) {
         char name[40];
-        if (lights[i].kind >= LC_LIGHT_KINDS)
+        if (lights[i].kind >= HOST_KINDS)
             return lc_fail(s->ctx, LC_ERR_ARG, "lights[%zu].kind is %u: there are %d kinds", i,
-                           lights[i].kind, (int)LC_LIGHT_KINDS);
+                           lights[i].kind, (int)HOST_KINDS);
         const lc_light l = light_of(&lights[i]);
         const size_t before = s->n_lights;
         snprintf(name, sizeof name, "lights[%zu]", i);
@@ -79,7 +82,6 @@ static lc_status check(const lc_context *ctx, const lc_tree_light *lights, size_
 {
     if (!lights && n) return lc_fail(ctx, LC_ERR_ARG, "lights is NULL");
     if (n >= LC_LEAF / 2) return lc_fail(ctx, LC_ERR_ARG, "n: %zu lights are more than %u", n, LC_LEAF / 2);
-    if (d->size != sizeof *d) return lc_fail(ctx, LC_ERR_ARG, "desc.size is not that of lc_tree_desc");
     if (d->n_reps > LC_MAX_REPS)
         return lc_fail(ctx, LC_ERR_ARG, "desc.n_reps is %u: 1 to %d, or 0", d->n_reps, LC_MAX_REPS);
     if ((int)d->builder < 0 || d->builder > LC_BUILDER_PLOC)
@@ -96,8 +98,8 @@ lc_status lc_tree_create(lc_context *ctx, const lc_tree_light *lights, size_t n,
     if (!ctx) return LC_ERR_ARG;
     if (!out) return lc_fail(ctx, LC_ERR_ARG, "out is NULL");
     lc_tree_desc d = LC_TREE_DESC_INIT;
-    if (desc) d = *desc;
-    lc_status st = check(ctx, lights, n, &d);
+    lc_status st = desc ? lc_desc_take(ctx, "desc", &d, sizeof d, desc) : LC_OK;
+    if (!st) st = check(ctx, lights, n, &d);
     if (st) return st;
     lc_scene *scene = NULL;
     uint32_t *kept = lc_alloc_raw(ctx, n + 1, sizeof *kept);

@@ -73,8 +73,6 @@ static const char *point_fault(const lc_shade_point *p, uint32_t n_materials)
 lc_status lc_host_check_batch(const lc_tree *t, const lc_shade_batch *b)
 {
     const char *wrong;
-    if (!b) return lc_fail(t->ctx, LC_ERR_ARG, "batch is NULL");
-    if (b->size != sizeof *b) return lc_fail(t->ctx, LC_ERR_ARG, "batch.size is not that of lc_shade_batch");
     if (b->first % LC_HOST_BLOCK)
         return lc_fail(t->ctx, LC_ERR_ARG, "batch.first is no multiple of %d", LC_HOST_BLOCK);
     if (b->n && !b->points) return lc_fail(t->ctx, LC_ERR_ARG, "batch.points is NULL");

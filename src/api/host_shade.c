@@ -2,6 +2,7 @@
 #include "api/host.h"
 
 #include "base/arena.h"
+#include "base/desc.h"
 #include "base/sample.h"
 #include "cut/cut.h"
 #include "scene/scene.h"
@@ -17,8 +18,6 @@
 
 static lc_status check(const lc_tree *t, const lc_shader_desc *d)
 {
-    if (!d) return lc_fail(t->ctx, LC_ERR_ARG, "desc is NULL");
-    if (d->size != sizeof *d) return lc_fail(t->ctx, LC_ERR_ARG, "desc.size is not that of lc_shader_desc");
     if (!d->visible) return lc_fail(t->ctx, LC_ERR_ARG, "desc.visible is NULL");
     if (!(d->error_ratio >= 0 && d->error_ratio <= FLT_MAX))
         return lc_fail(t->ctx, LC_ERR_ARG, "desc.error_ratio must be finite and not negative");
@@ -58,20 +57,23 @@ lc_status lc_shader_create(const lc_tree *t, const lc_shader_desc *desc, lc_shad
     if (out) *out = NULL;
     if (!t) return LC_ERR_ARG;
     if (!out) return lc_fail(t->ctx, LC_ERR_ARG, "out is NULL");
-    lc_status st = check(t, desc);
+    if (!desc) return lc_fail(t->ctx, LC_ERR_ARG, "desc is NULL");
+    lc_shader_desc d = LC_SHADER_DESC_INIT;
+    lc_status st = lc_desc_take(t->ctx, "desc", &d, sizeof d, desc);
+    if (!st) st = check(t, &d);
     if (st) return st;
     lc_shader *sh = lc_alloc(t->ctx, 1, sizeof *sh);
     if (!sh) return LC_ERR_MEMORY;
     sh->tree = t;
-    sh->desc = *desc;
-    sh->n_entries = most_clusters(t, desc->max_cut) + 1;
+    sh->desc = d;
+    sh->n_entries = most_clusters(t, d.max_cut) + 1;
     size_t n = LANE_CLUSTERS / sh->n_entries;
     sh->n_lanes = n < 1 ? 1 : n < LC_HOST_LANES ? (uint32_t)n : LC_HOST_LANES;
     sh->lanes = lc_alloc(t->ctx, sh->n_lanes, sizeof *sh->lanes);
     sh->rays = lc_alloc_raw(t->ctx, 1, sizeof *sh->rays);
-    if (!desc->apart) sh->starts = lc_alloc_raw(t->ctx, LC_HOST_BLOCKS, sizeof *sh->starts);
-    if (desc->cut) sh->entries = lc_alloc_raw(t->ctx, sh->n_entries, sizeof *sh->entries);
-    if (!sh->lanes || !sh->rays || (!desc->apart && !sh->starts) || (desc->cut && !sh->entries))
+    if (!d.apart) sh->starts = lc_alloc_raw(t->ctx, LC_HOST_BLOCKS, sizeof *sh->starts);
+    if (d.cut) sh->entries = lc_alloc_raw(t->ctx, sh->n_entries, sizeof *sh->entries);
+    if (!sh->lanes || !sh->rays || (!d.apart && !sh->starts) || (d.cut && !sh->entries))
         st = LC_ERR_MEMORY;
     for (uint32_t i = 0; i < sh->n_lanes && !st; i++) st = init_lane(sh, &sh->lanes[i]);
     if (st) {
@@ -239,10 +241,14 @@ static void add_stats(lc_shader *sh, lc_shade_stats *out)
     out->calls += sh->n_calls;
 }
 
-lc_status lc_shade(lc_shader *sh, const lc_shade_batch *batch, float (*rgb)[3], lc_shade_stats *stats)
+lc_status lc_shade(lc_shader *sh, const lc_shade_batch *given, float (*rgb)[3], lc_shade_stats *stats)
 {
     if (!sh) return LC_ERR_ARG;
-    lc_status st = lc_host_check_batch(sh->tree, batch);
+    if (!given) return lc_fail(sh->tree->ctx, LC_ERR_ARG, "batch is NULL");
+    lc_shade_batch b = LC_SHADE_BATCH_INIT;
+    const lc_shade_batch *batch = &b;
+    lc_status st = lc_desc_take(sh->tree->ctx, "batch", &b, sizeof b, given);
+    if (!st) st = lc_host_check_batch(sh->tree, batch);
     if (st) return st;
     if (batch->n && !rgb) return lc_fail(sh->tree->ctx, LC_ERR_ARG, "rgb is NULL");
     const uint32_t group = LC_HOST_BLOCK * LC_HOST_BLOCKS;

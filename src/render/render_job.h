@@ -26,8 +26,7 @@
 
 struct lc_mutex;
 
-#define LC_PIXEL_BLOCK                                                                                       \
-    4 /* pixels a side that share a guide, and among whom the slots of representatives are dealt out */
+#define LC_PIXEL_BLOCK 4 /* pixels a side that share a guide and deal out the slots of representatives */
 
 enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT }; /* dimensions of a sample */
 
