@@ -245,7 +245,8 @@ LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_fe
 /* lc_build_begin, then what is in the scene, then lc_build_commit, after which the scene is as a loaded
  * one and takes no more. Everything is copied. A call with a wrong argument is LC_ERR_ARG, names it in the
  * log and leaves the scene as it was; so does LC_ERR_MEMORY, but for lc_build_commit, after which the scene
- * can only be destroyed. The loader of files goes the same way, so the same scene gives the same bytes. */
+ * can only be destroyed. Scenes of files are built by the same code (scene/scene.h), so the same scene gives
+ * the same bytes. There are no textures, environments, mirrors and glass by calls yet. */
 
 typedef struct lc_build_material_desc {
     size_t size;
@@ -301,8 +302,11 @@ typedef struct lc_build_film_desc {
 } lc_build_film_desc;
 #define LC_BUILD_FILM_DESC_INIT { sizeof(lc_build_film_desc), 1280, 720, 1, 1 }
 
+/* An empty scene, to be freed by lc_scene_destroy. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_build_begin(lc_context *ctx, lc_scene **out);
+/* *id: the material's number for meshes. */
 LC_API lc_status lc_build_material(lc_scene *scene, const lc_build_material_desc *desc, uint32_t *id);
+/* A mesh of the world, or of the object that was begun last. LC_ERR_ARG also for an index >= n_vertices. */
 LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
 /* All further meshes belong to the object, in its own space; those of the world come before. */
 LC_API lc_status lc_build_object(lc_scene *scene, uint32_t *id);
