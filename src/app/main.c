@@ -24,7 +24,7 @@ static const cli_command commands[] = {
 static void print_help(FILE *f)
 {
     fprintf(
-        f, "usage: lightcuts [render] [options] SCENE.pbrt\n"
+        f, "usage: lightcuts [render] [options] SCENE\n"
            "       lightcuts COMMAND [options] ...\n\n"
            "Renders scenes with very many lights by Lightcuts: a light tree, and for each shading point a "
            "cut of it\n"

@@ -62,7 +62,7 @@ static const struct option long_options[] = {
 static void print_help(void)
 {
     printf(
-        "usage: lightcuts explain [options] SCENE.pbrt --pixel x,y\n"
+        "usage: lightcuts explain [options] SCENE --pixel x,y\n"
         "\n"
         "Prints the cut that render makes for one pixel: the point, the rounds of refinement, and for each\n"
         "cluster its lights, bound and estimate beside the exact sum of its lights, those with the largest\n"

@@ -253,7 +253,7 @@ int cmd_info(int argc, char **argv)
             json = true;
         } else if (c == 'h') {
             printf(
-                "usage: lightcuts info [--json] SCENE.pbrt|IMAGE\n\n"
+                "usage: lightcuts info [--json] SCENE|IMAGE\n\n"
                 "Prints what is in a scene (counts, bounds, what was approximated or ignored) or an image\n"
                 "(.exr .png .tga .pfm .hdr).\n");
             return CLI_OK;

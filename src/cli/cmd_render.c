@@ -110,7 +110,7 @@ static const struct option long_options[] = {
 static void print_help(void)
 {
     printf(
-        "usage: lightcuts [render] [options] SCENE.pbrt     ('-' reads the scene from standard input)\n"
+        "usage: lightcuts [render] [options] SCENE     ('-' reads the scene from standard input)\n"
         "\n"
         "  -o, --outfile FILE       .exr or .png; may be repeated; default: the name in the scene's film,\n"
         "                           without its folder, else SCENE.exr, in the current folder\n"

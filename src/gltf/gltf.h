@@ -3,8 +3,10 @@
  * The room gltf/ turns glTF files into calls of the scene builder (scene/scene.h):
  *
  *     file -> chunks (parse.c) -> JSON (io/json.h) -> lists of its objects (state.h)
- *          -> nodes with their world matrices (node.c) -> meshes (mesh.c), lights (light.c), a camera
- * (camera.c) buffers, accessors (buffer.c, accessor.c)   materials, images (material.c, image.c)
+ *          -> nodes with their world matrices (node.c)
+ *          -> meshes (mesh.c), lights (light.c), a camera (camera.c)
+ *
+ *     buffers, accessors (buffer.c, accessor.c)   materials, images (material.c, image.c)
  *
  * Whatever is supported approximately or not at all becomes a note of the scene; whatever is wrong is an
  * error with file:line:column, of a .glb those of its JSON. [glTF] is the glTF 2.0 specification.

@@ -190,6 +190,15 @@ lc_status lc_file_read(const lc_context *ctx, lc_pos where, const char *path,
     return st;
 }
 
+lc_status lc_file_of_memory(const lc_context *ctx, const void *data, size_t size, lc_file *out)
+{
+    *out = (lc_file){ .data = lc_alloc_raw(ctx, size + 1, 1), .size = size, .cap = size + 1 };
+    if (!out->data) return LC_ERR_MEMORY;
+    if (size) memcpy(out->data, data, size);
+    out->data[size] = 0;
+    return LC_OK;
+}
+
 void lc_file_free(const lc_context *ctx, lc_file *file)
 {
     lc_free(ctx, file->data, file->cap, 1);

@@ -50,6 +50,8 @@ typedef struct lc_file {
  * result is these bytes alone: a file that is none of a kind is neither read nor unpacked to its end. */
 lc_status lc_file_read(const lc_context *ctx, lc_pos where, const char *path,
                        bool (*is)(const uint8_t *head, size_t len), lc_file *out);
+/* A file of a copy of these bytes. LC_ERR_MEMORY. */
+lc_status lc_file_of_memory(const lc_context *ctx, const void *data, size_t size, lc_file *out);
 void lc_file_free(const lc_context *ctx, lc_file *file);
 /* Up to n of the first bytes of a regular file, which is not noted as read; 0 if it cannot be opened. */
 size_t lc_file_peek(const char *path, uint8_t *head, size_t n);

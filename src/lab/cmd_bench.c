@@ -63,7 +63,7 @@ static const char help[] =
     "usage: lightcuts bench bounds [options]\n"
     "       lightcuts bench rays [options] [--mesh M.mesh.bin --rays R.rays.bin]\n"
     "       lightcuts bench tree [options] [--quality [SCENE...] | --scaling [-o PLOT.svg]]\n"
-    "       lightcuts bench render [options] SCENE.pbrt\n"
+    "       lightcuts bench render [options] SCENE\n"
     "       lightcuts bench layout [options]\n"
     "\n"
     "Times parts of the renderer on this machine: CPU time, the least of several runs, and medians.\n"

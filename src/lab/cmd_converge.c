@@ -33,7 +33,7 @@ typedef struct options {
 } options;
 
 static const char help[] =
-    "usage: lightcuts converge [options] SCENE.pbrt\n"
+    "usage: lightcuts converge [options] SCENE\n"
     "\n"
     "Renders the scene as by default and with finer cuts, more lights and other seeds, and prints how far\n"
     "the default picture is from the converged one: for its cuts, the lights made from lamps, those made\n"

@@ -26,7 +26,7 @@ static const struct option long_options[] = {
 };
 
 static const char help[] =
-    "usage: lightcuts report [options] SCENE.pbrt... -o DIR\n"
+    "usage: lightcuts report [options] SCENE... -o DIR\n"
     "\n"
     "Renders each scene by the exact method and by Lightcuts, at several error ratios with one and with\n"
     "many representatives, and writes DIR/index.html, one page without anything from elsewhere: the\n"

@@ -346,11 +346,10 @@ lc_status lc_obj_parse(lc_scene *scene, const char *path)
 
 lc_status lc_obj_parse_memory(lc_scene *scene, const char *name, const void *data, size_t size)
 {
-    char *copy = lc_alloc_raw(scene->ctx, size + 1, 1);
-    if (!copy) return LC_ERR_MEMORY;
-    if (size) memcpy(copy, data, size);
-    copy[size] = 0;
-    lc_status st = run(scene, name, true, copy, size);
-    lc_free(scene->ctx, copy, size + 1, 1);
+    lc_file file;
+    lc_status st = lc_file_of_memory(scene->ctx, data, size, &file);
+    if (st) return st;
+    st = run(scene, name, true, file.data, file.size);
+    lc_file_free(scene->ctx, &file);
     return st;
 }

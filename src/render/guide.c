@@ -7,15 +7,16 @@
 /* The cuts of a block of pixels begin with the cut that was made for its middle pixel, sample 0, in place of
  * the roots: splits that all of them need are made once, and what is left to split goes to the kernels in
  * large groups. Only points on a surface like that of the guide begin with it. Measured:
- * tests/results/cuts.md. */
+ * tests/results/refinement.md. */
 #define GUIDE_AT 1        /* of LC_PIXEL_BLOCK, each way: the pixel that makes a block's guide */
 #define GUIDE_REACH                                                                                          \
     0.05f /* fraction of the distance to the camera up to which a point is near a guide; chosen */
 #define GUIDE_COS                                                                                            \
     0.8f /* least cosine between the normals of a guide and a point that begins with it; chosen */
 
-#define MOST_DEPTH  2       /* of the guide's distance: the farthest point of its block's plane; chosen */
-#define BLOCK_BENDS 0.0625f /* of a block's size: how far its points are from the guide's plane; chosen */
+/* Of the box for which what occludes a block's clusters is proved; both chosen. */
+#define MOST_DEPTH  2       /* its points are within this factor of the guide's distance, or there is none */
+#define BLOCK_BENDS 0.0625f /* of its size: how far its points may be from the guide's plane */
 
 static bool guides(const lc_guide *g, const lc_surface *s)
 {
