@@ -45,7 +45,7 @@
 
 #include <string.h>
 
-#define EDGE_SLACK      0x1p-17f /* 128u */
+#define EDGE_SLACK 0x1p-17f      /* 128u */
 #define SLACK           0x1p-20f /* 16u */
 #define WIDE_EDGE_SLACK 0x1p-15f /* 512u, from a box of points */
 #define WIDE_SLACK      0x1p-19f /* 32u */
