@@ -45,14 +45,15 @@
 
 #include <string.h>
 
-#define EDGE_SLACK 0x1p-17f      /* 128u */
-#define SLACK           0x1p-20f /* 16u */
+#define EDGE_SLACK 0x1p-17f /* 128u */
+#define SLACK 0x1p-20f      /* 16u */
 #define WIDE_EDGE_SLACK 0x1p-15f /* 512u, from a box of points */
-#define WIDE_SLACK      0x1p-19f /* 32u */
-#define TINY            1e-30f   /* above what products lose to underflow */
-/* For one point the box of points is left out. */
+#define WIDE_SLACK 0x1p-19f      /* 32u */
+#define TINY 1e-30f         /* above what products lose to underflow */
+#define LEAST_COS 1e-20f    /* least N.d / h: a ray in the triangle's plane has no distance to it */
+
+/* For one point what the box of points takes is left out. */
 #define ALWAYS_INLINE inline __attribute__((always_inline))
-#define LEAST_COS     1e-20f /* least N.d / h: a ray in the triangle's plane has no distance to it */
 
 void lc_occlusion_init(lc_occlusion *o, const lc_visibility *visibility, const lc_tree_data *tree)
 {
