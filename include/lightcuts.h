@@ -119,6 +119,33 @@ typedef enum lc_builder { LC_BUILDER_AUTO = 0, LC_BUILDER_EXACT, LC_BUILDER_PLOC
  * moves. VIEW: fewer where the camera sees little of what they shine on. */
 typedef enum lc_indirect_from { LC_INDIRECT_FROM_SCENE = 0, LC_INDIRECT_FROM_VIEW } lc_indirect_from;
 
+/* What the pictures of a scene hold that is loaded with sensors: R G B of it by the lights' R G B, of which
+ * luminance is 0.2126 R + 0.7152 G + 0.0722 B. Where lights are in cd, lm and cd/m^2, as those of photometric
+ * files and of glTF are, that is lux and cd/m^2; nothing is multiplied by 683. */
+typedef enum lc_quantity {
+    LC_ILLUMINANCE = 0,         /* of a plane with the sensor's normal, on that side */
+    LC_ILLUMINANCE_CYLINDRICAL, /* mean of a cylinder's side along the normal: integral of L sin / pi */
+    LC_ILLUMINANCE_SCALAR,      /* of a sphere: the integral of L over all directions */
+    LC_LUMINANCE,               /* of the camera's pixels, without the film's exposure and white balance */
+} lc_quantity;
+
+typedef struct lc_sensor {
+    float position[3];   /* world space; off surfaces it lies on, or in their plane */
+    float normal[3];     /* unit */
+    float reach;         /* scene units: sensors of a block of 4x4 that are nearer than this, with a normal
+                          * alike, are computed together, which is faster; 0: each apart */
+} lc_sensor;
+
+/* Sensors take the camera's place: pixel (x, y) of pictures is sensor y * width + x. Lights that are made
+ * from surfaces, environments and bounces are as many as the sensors need. */
+typedef struct lc_sensors_desc {
+    size_t size;
+    lc_quantity quantity;
+    uint32_t width, height;   /* up to 65535 each; not used for LC_LUMINANCE */
+    const lc_sensor *sensors; /* width * height; NULL for LC_LUMINANCE */
+} lc_sensors_desc;
+#define LC_SENSORS_DESC_INIT { sizeof(lc_sensors_desc), LC_ILLUMINANCE, 0, 0, 0 }
+
 typedef struct lc_load_desc {
     size_t size;
     uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: as many
@@ -151,10 +178,11 @@ typedef struct lc_load_desc {
      * file, which for "-" is the working folder, and below this folder, all symbolic links followed; a name
      * that leads elsewhere is LC_ERR_IO. */
     const char *sandbox;
+    const lc_sensors_desc *sensors; /* illuminance in place of pictures; copied; NULL: the camera's */
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
 #define LC_LOAD_DESC_INIT                                                                                    \
-    { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0 }
+    { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0, 0 }
 
 /* One kind of thing in the scene file that was approximated or skipped. */
 typedef struct lc_note {

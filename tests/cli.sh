@@ -84,7 +84,7 @@ for args in --help -h help; do
     good "$args" $args
     prints '^usage: lightcuts'
 done
-for command in render compare scene info preview explain merge bench report converge; do
+for command in render compare scene info preview explain merge bench report converge lux; do
     good "help $command" help $command
     prints "^usage: lightcuts.*$command"
     cp out help.txt

@@ -8,6 +8,7 @@
 #include "base/xform.h"
 #include "prepare/commit.h"
 #include "scene/instance.h"
+#include "scene/view.h"
 
 static const lc_pos NOWHERE;
 
@@ -236,9 +237,12 @@ lc_status lc_build_commit(lc_scene *s, const lc_load_desc *desc)
     lc_status st = take(s, "lc_build_commit", NULL, 0, NULL);
     if (!st) st = lc_load_take(s->ctx, desc, &d);
     if (st) return st;
-    if (!s->has_camera) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_commit: the scene has no camera");
+    if (d.sensors && (st = lc_scene_set_sensors(s, d.sensors))) return as_arg(st);
+    if (!s->has_camera && !s->sensors)
+        return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_commit: the scene has no camera");
     fit_screen(s);
     s->load = d;
+    s->load.sensors = NULL; /* the host's, which may go */
     s->input_id = lc_digest_result(&s->inputs.digest);
     s->committed = true;
     return as_arg(lc_scene_commit(s, &d));

@@ -5,6 +5,7 @@
 #include "base/desc.h"
 #include "base/memory.h"
 #include "prepare/commit.h"
+#include "scene/view.h"
 #include "tree/light_tree.h"
 
 #define DEFAULT_REPS 16 /* bands are 6 to 9 times fainter than with 1: tests/results/representatives.md */
@@ -24,6 +25,8 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     if (!st) st = lc_format_parse(scene, path);
     scene->ctx->inputs = NULL;
     scene->input_id = lc_digest_result(&scene->inputs.digest);
+    if (!st && d->sensors) st = lc_scene_set_sensors(scene, d->sensors);
+    scene->load.sensors = NULL; /* the host's, which may go */
     scene->seconds_parse = lc_now() - t0;
     return st ? st : d->parsed && d->parsed(d->parsed_user, scene) ? LC_ERR_CANCELLED : LC_OK;
 }

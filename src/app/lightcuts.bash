@@ -10,10 +10,10 @@ _lightcuts_isas()
 _lightcuts()
 {
     local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=render options i
-    local commands='render compare scene info preview explain merge bench report converge help'
+    local commands='render compare scene info preview explain merge bench report converge lux help'
     COMPREPLY=()
     case ${COMP_WORDS[1]-} in
-    render | compare | scene | info | preview | explain | merge | bench | report | converge | help)
+    render | compare | scene | info | preview | explain | merge | bench | report | converge | lux | help)
         command=${COMP_WORDS[1]} ;;
     esac
     # "--name=value" comes in three words.
@@ -30,14 +30,15 @@ _lightcuts()
             student4 student5' -- "$word"))
         return ;;
     bench:bench) COMPREPLY=($(compgen -W 'bounds rays tree render layout' -- "$word")); return ;;
-    render:--method | explain:--method | bench:--method)
+    render:--method | lux:--method | explain:--method | bench:--method)
         COMPREPLY=($(compgen -W 'lightcuts exact cuts' -- "$word"))
         return ;;
     render:--builder | explain:--builder | bench:--builder)
         COMPREPLY=($(compgen -W 'auto exact ploc' -- "$word"))
         return ;;
+    lux:--indirect-lights) COMPREPLY=($(compgen -W auto -- "$word")); return ;;
     render:--chunk) COMPREPLY=($(compgen -W slurm -- "$word")); return ;;
-    render:--isa | explain:--isa | bench:--isa | report:--isa)
+    render:--isa | lux:--isa | explain:--isa | bench:--isa | report:--isa)
         COMPREPLY=($(compgen -W "$(_lightcuts_isas)" -- "$word"))
         return ;;
     render:--aov)
@@ -47,7 +48,8 @@ _lightcuts()
         COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays all' -- "${word##*,}"))
         return ;;
     render:-t | render:--nthreads | explain:-t | explain:--nthreads | bench:-t | bench:--nthreads | \
-        report:-t | report:--nthreads | converge:-t | converge:--nthreads)
+        report:-t | report:--nthreads | converge:-t | converge:--nthreads | \
+        lux:-t | lux:--nthreads)
         COMPREPLY=($(compgen -W "1 2 4 $(nproc 2>/dev/null)" -- "$word"))
         return ;;
     render:--error | render:--within | render:--time | render:--error-ratio | render:--max-cut | \
@@ -58,6 +60,8 @@ _lightcuts()
         render:--print-chunks | render:--time-limit | render:--max-memory | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
         scene:--lights | scene:--seed | converge:--pixels | converge:--spp | converge:--seed | \
+        lux:--grid | lux:--efficacy | lux:--error | lux:--within | lux:--dark-floor | lux:--area-lights | \
+        lux:--env-lights | lux:--indirect-error | lux:--maxdepth | lux:--seed | lux:--max-memory | \
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
         explain:--pixel | explain:--sample | explain:--top | \
         explain:--error | explain:--within | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
@@ -97,6 +101,9 @@ _lightcuts()
         scene) options='--lights --seed --outfile --help' ;;
         info) options='--json --help' ;;
         converge) options='--outfile --pixels --spp --seed --nthreads --json --help' ;;
+        lux) options='--grid --points --camera --cylindrical --scalar --outfile --json --efficacy --error
+            --within --dark-floor --method --indirect-lights --indirect-error --maxdepth --area-lights
+            --env-lights --seed --max-memory --nthreads --isa --quiet --help' ;;
         preview) options='--outfile --exposure --false-colour --range --help' ;;
         explain) options='--pixel --sample --top --all --json --method --error --within
             --error-ratio --max-cut --dark-floor --representatives --builder --area-lights
@@ -123,7 +130,9 @@ _lightcuts()
     scene | help) return ;;
     esac
     case $previous in
-    -o | --outfile) [[ $command == bench ]] && extensions=svg || extensions='exr|png' ;;
+    -o | --outfile)
+        case $command in bench) extensions=svg ;; lux) extensions='csv|png' ;; *) extensions='exr|png' ;; esac ;;
+    --points) extensions='csv' ;;
     --stats-file) extensions='json' ;;
     --checkpoint) extensions='ckpt' ;;
     --mesh) extensions='mesh\.bin' ;;

@@ -18,6 +18,7 @@ static const cli_command commands[] = {
     { "bench", cmd_bench, "how fast this machine runs the parts of a render" },
     { "report", cmd_report, "one page: pictures, tables and plots against the exact method" },
     { "converge", cmd_converge, "how far the default picture is from the converged one, part by part" },
+    { "lux", cmd_lux, "illuminance at sensors, with its error" },
 };
 #define N_COMMANDS (sizeof commands / sizeof *commands)
 

@@ -57,9 +57,9 @@ static lc_status make_indirect(lc_scene *s, const lc_load_desc *desc, size_t n_g
 
 lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
 {
-    if (!s->has_camera) return lc_fail(s->ctx, LC_ERR_PARSE, "the scene has no Camera");
-    shrink_film(&s->film, desc->max_pixels);
-    if (!lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
+    if (!s->has_camera && !s->sensors) return lc_fail(s->ctx, LC_ERR_PARSE, "the scene has no Camera");
+    if (!s->sensors) shrink_film(&s->film, desc->max_pixels);
+    if (!s->sensors && !lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
         return lc_fail(s->ctx, LC_ERR_PARSE, "camera out of range");
     double t0 = lc_now();
     lc_memory_step(s->ctx, "the BVH");

@@ -307,6 +307,7 @@ lc_status lc_patch_places_find(lc_patches *m, uint32_t max_depth)
     lc_status st = lc_view_grid_init(&m->view, m->scene, (uint32_t)side, max_depth);
     if (st || !m->view.n) return st;
     m->n_probes = (uint32_t)fmin(MAX_PROBES / (double)m->n, MAX_PATCH_PROBES);
+    if (m->scene->sensors) m->n_probes = 0; /* there is no more to be seen than they */
     m->n_points = m->view.n + (uint32_t)m->n * m->n_probes;
     m->places = lc_alloc_raw(ctx, m->n_points, sizeof *m->places);
     m->total = lc_alloc_raw(ctx, m->n_points, sizeof *m->total);

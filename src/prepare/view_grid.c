@@ -2,7 +2,8 @@
 #include "prepare/view_grid.h"
 
 #include "base/rng.h"
-#include "scene/sight.h"
+#include "scene/view.h"
+#include "shade/lobe.h"
 #include "shade/point_init.h"
 #include "trace/bvh.h"
 
@@ -20,11 +21,11 @@ lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t 
     view->lobe = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->lobe);
     if (!view->points || !view->org || !view->lobe) return LC_ERR_MEMORY;
     for (uint32_t i = 0; i < side * side; i++) {
-        lc_f3 org, dir;
+        lc_f3 dir;
         lc_sight sight;
-        lc_camera_ray(&scene->camera, (i % side + 0.5) / side * width, (i / side + 0.5) / side * height, lens,
-                      &org, &dir);
-        if (!lc_sight_trace(scene, org, dir, scene->camera.pixel, max_depth, &sight) || !sight.n_lit)
+        if (!lc_view_sight(scene, (i % side + 0.5) / side * width, (i / side + 0.5) / side * height, lens,
+                           scene->camera.pixel, max_depth, &dir, &sight) ||
+            !sight.n_lit)
             continue;
         const lc_lit *lit = &sight.lit[0];
         lc_point_init(&view->points[view->n], lit->surface.pos, lit->surface.n, lit->view, &grey, LC_MIN_D2);
@@ -36,7 +37,7 @@ lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t 
 
 float lc_lobe_angle(const lc_material *m)
 {
-    if (!(lc_f3_max(m->ks) > 0) || m->mirror || m->glass || m->lobe == LC_LOBE_OREN_NAYAR) return 4;
+    if (!(lc_f3_max(m->ks) > 0) || m->mirror || m->glass || !lc_lobe_is_narrow(m->lobe)) return 4;
     return m->lobe == LC_LOBE_PHONG ? 1 / sqrtf(m->exponent + 2) : fminf(m->roughness[0], m->roughness[1]);
 }
 

@@ -7,6 +7,7 @@
 #include "base/rng.h"
 #include "cut/cut.h"
 #include "scene/lit_point.h"
+#include "scene/view.h"
 #include "shade/point_init.h"
 #include "tree/light_tree.h"
 
@@ -48,15 +49,15 @@ static void find_point(finder *f, uint32_t thread, size_t i)
     const lc_scene *s = d->scene;
     const double lens[2] = { 0.5, 0.5 };
     double at[2];
-    lc_f3 org, dir;
+    lc_f3 dir;
     lc_sight sight;
     lc_point p[2];
     lc_cut_result r;
     const uint32_t block = (uint32_t)(i / LC_BLOCK_POINTS);
     pixel_of(&s->film, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
     d->weight[i] = 0;
-    lc_camera_ray(&s->camera, at[0], at[1], lens, &org, &dir);
-    if (!lc_sight_trace(s, org, dir, s->camera.pixel, f->max_depth, &sight) || !sight.n_lit) return;
+    if (!lc_view_sight(s, at[0], at[1], lens, s->camera.pixel, f->max_depth, &dir, &sight) || !sight.n_lit)
+        return;
     const lc_lit *lit = &sight.lit[0];
     lc_lit_point(s, lit, lc_hash2(d->seed, i), p);
     lc_cut_shade(&f->cuts[thread], p, lit->surface.ray_org, lc_hash2(d->seed, i), &f->stats[thread], &r);

@@ -70,7 +70,7 @@ static void set_corners(const lc_render_job *j, lc_guide *g)
 {
     const double lens[2] = { 0.5, 0.5 }, first = j->spp > 1 ? 0 : 0.5, size = LC_PIXEL_BLOCK - 2 * first;
     for (int i = 0; i < 4; i++)
-        lc_camera_ray(&j->scene->camera, (int32_t)g->x - GUIDE_AT + first + (i & 1) * size,
+        lc_view_ray(j->scene, (int32_t)g->x - GUIDE_AT + first + (i & 1) * size,
                       (int32_t)g->y - GUIDE_AT + first + (i >> 1) * size, lens, &g->corner_org[i],
                       &g->corner_dir[i]);
 }
@@ -78,14 +78,13 @@ static void set_corners(const lc_render_job *j, lc_guide *g)
 /* Makes a guide apart, where its pixel is not of this tile or not the first to be asked for. */
 void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g)
 {
-    lc_f3 org, dir;
+    lc_f3 dir;
     lc_sight s;
     lc_point p[2];
     lc_stats stats = { 0 };
     lc_cut_result r;
     const uint64_t hash = lc_slot_hash(j, g->x, g->y, 0);
-    (void)lc_sample_ray(j, g->x, g->y, 0, &org, &dir);
-    if (lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) && s.n_lit) {
+    if (lc_sample_sight(j, g->x, g->y, 0, &dir, &s) && s.n_lit) {
         lc_lit_point(j->scene, &s.lit[0], hash, p);
         lc_guided_cut(c, g, p, &s.lit[0].surface, hash, &stats, &r);
     }

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* A field was added? Hash it below if it shapes the picture, then put the new size here. */
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 96,
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 104,
                "lc_render_identity: hash the new field of lc_load_desc");
 _Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 136,
                "lc_render_identity: hash the new field of lc_render_desc");
@@ -21,6 +21,10 @@ static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *sce
     lc_digest_u64(d, load->indirect_lights);
     lc_digest_number(d, load->indirect_error);
     lc_digest_u64(d, (uint64_t)load->indirect_from);
+    lc_digest_u64(d, (uint64_t)scene->quantity);
+    if (scene->sensors)
+        lc_digest_add(d, scene->sensors,
+                      (size_t)scene->film.width * scene->film.height * sizeof *scene->sensors);
     lc_digest_u64(d, load->max_depth ? load->max_depth : scene->max_depth);
 }
 

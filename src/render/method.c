@@ -30,12 +30,14 @@
 /* Radiance seen at a cell of a grid of side * side over the whole film; false: nothing there that is lit. */
 static bool shade_cell(lc_render_job *j, uint32_t thread, uint64_t item, uint32_t side, lc_cut_result *r)
 {
-    lc_f3 org, dir;
+    lc_f3 dir;
     lc_sight s;
     double u = ((double)(item % side) + 0.5) / side, v = ((double)(item / side) + 0.5) / side;
     const double lens[2] = { 0.5, 0.5 };
-    lc_camera_ray(&j->scene->camera, u * j->scene->film.width, v * j->scene->film.height, lens, &org, &dir);
-    if (!lc_job_go_on(j) || !lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s) || !s.n_lit)
+    u *= j->scene->film.width;
+    v *= j->scene->film.height;
+    if (!lc_job_go_on(j) || !lc_view_sight(j->scene, u, v, lens, j->pixel, j->max_depth, &dir, &s) ||
+        !s.n_lit)
         return false;
     lc_shade_sight(j, &j->workers[thread], &s, NULL, lc_job_key(j, item, 0, LC_DIM_SLOT), r);
     return true;

@@ -76,9 +76,9 @@ static void add_sample(const lc_render_job *j, lc_pixel *px, const lc_sight *sig
     px->hits++;
 }
 
-/* Camera ray of sample i of a pixel. One sample is of the pixel's centre and the lens's. Pixels left of the
- * film and above it, whose samples pixels of the film may share, have coordinates modulo 2^32. */
-void lc_sample_ray(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir)
+/* What sample i of a pixel shows. One sample is of the pixel's centre and the lens's. Pixels left of the film
+ * and above it, whose samples pixels of the film may share, have coordinates modulo 2^32. */
+bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s)
 {
     uint64_t pixel = pixel_of(j, x, y);
     double u[2], offset[2] = { 0, 0 }, lens[2] = { 0.5, 0.5 };
@@ -91,8 +91,8 @@ void lc_sample_ray(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, l
         uint64_t h = lc_job_key(j, pixel, 0, LC_DIM_LENS);
         lc_sample_pair(h, i ^ (uint32_t)(lc_mix(h) & j->lens_order), lens);
     }
-    lc_camera_ray(&j->scene->camera, (int32_t)x + 0.5 + offset[0], (int32_t)y + 0.5 + offset[1], lens, org,
-                  dir);
+    return lc_view_sight(j->scene, (int32_t)x + 0.5 + offset[0], (int32_t)y + 0.5 + offset[1], lens, j->pixel,
+                         j->max_depth, dir, s);
 }
 
 /* Reading the clock for every sample would cost some percent where a pixel takes half a microsecond. */
@@ -107,15 +107,13 @@ static bool time_to_ask(lc_render_worker *w)
 bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_pixel *px,
                       lc_f3 *rgb)
 {
-    lc_f3 org, dir;
+    lc_f3 dir;
     lc_sight s;
     lc_cut_result r;
     if (time_to_ask(w) && !lc_job_go_on(j)) return false;
     lc_phase_start(&w->stats);
-    lc_sample_ray(j, x, y, i, &org, &dir);
     w->stats.camera_rays++;
-    lc_phase_end(&w->stats, LC_PHASE_OTHER);
-    bool hit = lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &s);
+    bool hit = lc_sample_sight(j, x, y, i, &dir, &s);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     if (!hit) {
         *rgb = lc_background(j->scene, dir);

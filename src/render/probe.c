@@ -66,7 +66,7 @@ static lc_status probe_sample(lc_render_job *j, uint32_t x, uint32_t y, uint32_t
 {
     const lc_scene *scene = j->scene;
     lc_cut_desc cut;
-    lc_f3 org, dir;
+    lc_f3 dir;
     if (x >= scene->film.width || y >= scene->film.height)
         return lc_fail(j->ctx, LC_ERR_ARG, "pixel %u,%u is outside the film of %u x %u", x, y,
                        scene->film.width, scene->film.height);
@@ -75,8 +75,7 @@ static lc_status probe_sample(lc_render_job *j, uint32_t x, uint32_t y, uint32_t
     lc_status st = probe_desc(j, p, &cut);
     if (!st) st = lc_cut_init(&p->cut, j->ctx, scene->tree, &scene->visibility, &cut, true);
     if (st) return st;
-    lc_sample_ray(j, x, y, sample, &org, &dir);
-    p->hit = lc_sight_trace(scene, org, dir, j->pixel, j->max_depth, &p->sight);
+    p->hit = lc_sample_sight(j, x, y, sample, &dir, &p->sight);
     if (!p->hit) return LC_OK;
     if (p->sight.n_lit) return probe_lit(j, x, y, sample, p);
     p->sight.lit[0] = (lc_lit){ .surface = p->sight.first, .view = lc_f3_neg(dir), .weight = { 1, 1, 1 } };

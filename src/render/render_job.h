@@ -20,7 +20,7 @@
 #include "cut/cut.h"
 #include "render/film.h"
 #include "scene/filter_share.h"
-#include "scene/sight.h"
+#include "scene/view.h"
 
 #include <stdatomic.h>
 
@@ -162,8 +162,8 @@ void lc_guided_cut(lc_cut *c, lc_guide *g, const lc_point *p, const lc_surface *
 
 /* Chooses a sample's slot of representatives. */
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
-/* Camera ray of sample i of a pixel, which may be beyond the film: coordinates are modulo 2^32. */
-void lc_sample_ray(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *org, lc_f3 *dir);
+/* What sample i of a pixel shows, if any; beyond the film coordinates are modulo 2^32. *dir: the ray's. */
+bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s);
 /* Radiance of all that is seen, as it reaches the camera. The first surface makes the guide where that is not
  * made yet. */
 void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight *sight, lc_guide *g,

@@ -69,11 +69,13 @@ static lc_box box_of(const lc_instance *at, const lc_bvh_data *object)
     return box;
 }
 
-/* Twice the largest coordinate of triangles, camera and lights: S above. */
+/* Twice the largest coordinate of triangles, camera, sensors and lights: S above. */
 static double reach(const lc_scene *s)
 {
     double most = fmax((double)lc_f3_max_abs(s->bounds.lo), (double)lc_f3_max_abs(s->bounds.hi));
     for (int k = 0; k < 3; k++) most = fmax(most, fabs(s->camera.origin[k]));
+    for (size_t i = 0; s->sensors && i < (size_t)s->film.width * s->film.height; i++)
+        most = fmax(most, (double)lc_f3_max_abs(lc_f3_load(s->sensors[i].position)));
     for (size_t i = 0; i < s->n_lights; i++)
         if (!lc_is_far(s->lights[i].kind))
             most = fmax(most, (double)lc_f3_max_abs(s->lights[i].pos));

@@ -2,6 +2,7 @@
 #include "scene/lit_point.h"
 
 #include "scene/sun.h"
+#include "shade/lobe.h"
 #include "shade/point_init.h"
 
 #include <string.h>
@@ -57,7 +58,7 @@ static float virtual_roughness(const lc_scene *scene, const lc_lit *lit)
     const lc_surface *s = &lit->surface;
     const lc_f3 mirror = mirror_of(lit);
     lc_surface seen;
-    if (!(lc_f3_max(s->material.ks) > 0) || s->material.lobe == LC_LOBE_OREN_NAYAR || lit->followed) return 0;
+    if (!(lc_f3_max(s->material.ks) > 0) || !lc_lobe_is_narrow(s->material.lobe) || lit->followed) return 0;
     if (!scene->virtuals.n || !(lc_f3_dot(mirror, s->ng) > 0)) return 0;
     if (!lc_surface_hit(scene, lc_f3_load(s->ray_org), mirror, 0, &seen)) return 0;
     if (seen.material.mirror || seen.material.glass) return 0;

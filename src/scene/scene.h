@@ -120,13 +120,13 @@ struct lc_scene {
     size_t n_notes, cap_notes, n_features, cap_features;
     uint64_t n_noted;     /* sum of the notes' counts */
     const char *noted;    /* text of the latest note */
-
     lc_camera_desc camera_desc;
     lc_film_desc film;
+    const lc_sensor *sensors; /* in place of the camera, a pixel each; NULL: none */
+    lc_quantity quantity;
     bool has_camera, by_calls, committed; /* by_calls: of api/build.c */
     bool traces_paths;  /* the file's integrator, or pbrt's default, traces paths: indirect light is on */
     uint32_t max_depth; /* of paths, 1..LC_MAX_DEPTH; a camera ray may pass max_depth - 1 mirrors */
-
     /* Set by commit. */
     lc_box bounds;       /* world space, of the world's triangles; extended by the instances */
     lc_camera camera;

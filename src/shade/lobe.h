@@ -21,6 +21,12 @@ typedef struct lc_lobe_info {
     bool (*check)(const lc_material *m);
 } lc_lobe_info;
 
+/* Whether a lobe may be narrow, about the direction of a mirror. */
+static inline bool lc_lobe_is_narrow(lc_lobe lobe)
+{
+    return lobe != LC_LOBE_OREN_NAYAR && lobe != LC_LOBE_ROUND;
+}
+
 extern const lc_lobe_info lc_lobes[LC_LOBES];
 
 /* Whether all numbers are in the ranges that material.h gives; of those that a lobe does not read, finite. */

@@ -31,7 +31,7 @@ typedef struct lc_point {
                           lc_point_init leaves it 0. */
     float mirror[3];   /* unit, 2 (n.o) n - o, o towards the viewer */
     float diffuse[3];  /* kd / pi */
-    /* Phong: ks (n + 2) / (2 pi); Ward: ks / (4 pi ax ay sqrt(co)); GGX: ks / (2 pi ax ay) */
+    /* Phong: ks (n + 2) / (2 pi); round: ks (/ pi); Ward: ks / (4 pi ax ay sqrt(co)); GGX: ks / 2 pi ax ay */
     float specular[3];
     float exponent;
     float min_d2;      /* distance floor, scene units^2 */

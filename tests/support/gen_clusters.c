@@ -426,9 +426,16 @@ static void make_fresnel(gen_src *s, gen_case *c, gen_style style)
     if (style != GEN_ORDINARY && !gen_pick(s, 8)) c->mat.fresnel = LC_FRESNEL_NONE;
 }
 
+/* The lobes of surfaces by turns; one draw in eight is the last of the list. */
+static lc_lobe any_lobe(gen_src *s)
+{
+    const uint32_t draw = gen_pick(s, 32);
+    return draw < 28 ? (lc_lobe)(draw % (LC_LOBES - 1)) : (lc_lobe)(LC_LOBES - 1);
+}
+
 static void make_rough(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
 {
-    c->mat.lobe = brdf == GEN_ANY_LOBE  ? (lc_lobe)gen_pick(s, LC_LOBES)
+    c->mat.lobe = brdf == GEN_ANY_LOBE  ? any_lobe(s)
                   : brdf >= GEN_GGX_ISO ? LC_LOBE_GGX
                                         : LC_LOBE_WARD;
     c->mat.roughness[0] = c->mat.roughness[1] = roughness(s, style);

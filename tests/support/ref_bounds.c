@@ -104,7 +104,9 @@ void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m)
         r->diffuse[k] = kd[k] / LC_PI;
         r->specular[k] = ks[k] * ((double)m->exponent + 2) / (2 * LC_PI);
     }
-    if (m->lobe != LC_LOBE_PHONG) make_rough(r, nn, o, m);
+    for (int k = 0; k < 3 && m->lobe == LC_LOBE_ROUND; k++)
+        r->specular[k] = ks[k] / (m->exponent > 0 ? LC_PI : 1);
+    if (m->lobe != LC_LOBE_PHONG && m->lobe != LC_LOBE_ROUND) make_rough(r, nn, o, m);
 }
 
 /* ---- transfer ---- */
@@ -215,6 +217,7 @@ static void table_range(const lc_light *l, const double angle[2], double *lo, do
 typedef struct terms {
     double cos_r, cos_m, cos_e, inv_f, i[3], h[3], sharp[2];
     double angle[2]; /* luminaires: azimuth, polar */
+    double sin_r;
 } terms;
 
 static void load_atten(double a[3], const lc_light *l)
@@ -235,7 +238,9 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     for (int k = 0; k < 3; k++) v[k] = far ? -dir[k] : y[k] - x[k];
     double d2 = dot3(v, v), d = sqrt(fmax(d2, (double)LC_TINY_D2)); /* no shorter: point.h */
     for (int k = 0; k < 3; k++) w[k] = v[k] / d;
-    terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 }, { 0 }, { 0 } };
+    terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 }, { 0 }, { 0 }, 0 };
+    for (int k = 0; k < 3; k++)
+        t.sin_r = hypot(t.sin_r, n[(k + 1) % 3] * w[(k + 2) % 3] - n[(k + 2) % 3] * w[(k + 1) % 3]);
     for (int k = 0; k < 2; k++) {
         double tangent[3];
         load(tangent, p->tangent[k]);
@@ -304,6 +309,12 @@ static double oren_nayar(const lc_point *p, double i_t, double cos_i)
     return cos_phi * sin(fmax(angle_i, angle_o)) * tan(fmin(angle_i, angle_o));
 }
 
+/* A sphere, or a cylinder's side, over the cosine by which `combine` multiplies. */
+static double round_lobe(const lc_point *p, double sin_r, double cos_r)
+{
+    return (p->exponent > 0 ? sin_r : 1) / fmax(cos_r, (double)LC_MIN_COS / 2);
+}
+
 static double coat_in(const lc_point *p, double cos_r)
 {
     return p->coat ? 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1), fmin(cos_r, 1)) : 1;
@@ -327,6 +338,7 @@ void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
     double pm = p->lobe == LC_LOBE_PHONG        ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent)
                 : p->lobe == LC_LOBE_WARD       ? ward(t.h[0], t.h[1], t.h[2], fmin(t.cos_r, 1))
                 : p->lobe == LC_LOBE_OREN_NAYAR ? oren_nayar(p, t.i[0], t.cos_r)
+                : p->lobe == LC_LOBE_ROUND      ? round_lobe(p, t.sin_r, fmin(t.cos_r, 1))
                                                 : 0;
     for (int c = 0; c < 3; c++) {
         double lobe = (double)p->specular[c] * pm, c_h = half_cosine(p, t.h[0], t.h[1], t.h[2]);
@@ -449,6 +461,10 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
         pm_hi = pow(fmax(t.cos_m + em, 0), n);
     }
     if (p->lobe == LC_LOBE_OREN_NAYAR) oren_nayar_range(p, &t, er, &pm_lo, &pm_hi);
+    if (p->lobe == LC_LOBE_ROUND) { /* parts of n x d are off by 4 U each; over the cosine that multiplies */
+        pm_lo = round_lobe(p, fmax(t.sin_r - 16 * U, 0), fmin(t.cos_r, 1) - er) * (1 - 4 * U);
+        pm_hi = round_lobe(p, t.sin_r + 16 * U, t.cos_r + er) * (1 + 4 * U);
+    }
     /* Ward's limit is for the exponential alone */
     double least = (double)LC_MIN_LOBE * (1 + 1e-6) /
                    (p->lobe == LC_LOBE_WARD ? sqrt((double)LC_WARD_MIN_COS) : 1);
@@ -760,6 +776,10 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
         load(t, p->tangent[0]);
         double share = fmax(ref_cos_box(c.vlo, c.vhi, t), 0) * fmin(1, cos_r / (double)p->view[2]);
         for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * (double)p->view[0] * share;
+    }
+    if (p->lobe == LC_LOBE_ROUND) {
+        double low = fmin(ref_cos_box(c.vlo, c.vhi, (double[3]){ -n[0], -n[1], -n[2] }), 0);
+        for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * sqrt(1 - (p->exponent > 0) * low * low);
     }
     for (int k = 0; k < 3; k++) {
         rho[k] = ((double)p->diffuse[k] * coat_in(p, cos_r) + (double)p->specular[k] * pm) * c.power[k];

@@ -1,0 +1,123 @@
+/* view.c - see view.h. */
+#include "scene/view.h"
+
+#include "base/desc.h"
+#include "base/memory.h"
+
+#include <math.h>
+
+#define LOOKED_FROM    20 /* times the reach: guides reach as far as a twentieth of the way to the camera */
+#define UNIT_TOLERANCE 1e-3f
+#define MAX_REACH      1e9f
+
+/* ---- taking them ---- */
+
+static const char *fault(const lc_sensor *s)
+{
+    const lc_f3 at = lc_f3_load(s->position), n = lc_f3_load(s->normal);
+    if (!lc_f3_finite(at) || !(lc_f3_max_abs(at) <= LC_MAX_COORD)) return "position is not finite or too far";
+    if (!(fabsf(lc_f3_len(n) - 1) < UNIT_TOLERANCE)) return "normal is not of length 1";
+    return s->reach >= 0 && s->reach <= MAX_REACH ? NULL : "reach is out of range";
+}
+
+static lc_status set_film(lc_scene *s, uint32_t width, uint32_t height)
+{
+    const lc_film_desc film = { .width = width,
+                                .height = height,
+                                .crop = { 0, width, 0, height },
+                                .scale = 1,
+                                .spp = 1,
+                                .filter = LC_PIXEL_FILTER_BOX };
+    return lc_scene_set_film(s, (lc_pos){ 0 }, &film);
+}
+
+static lc_status take_sensors(lc_scene *s, const lc_sensors_desc *d)
+{
+    const size_t n = (size_t)d->width * d->height;
+    const char *wrong;
+    if (!n || !d->sensors || d->width > LC_MAX_SIDE || d->height > LC_MAX_SIDE || n > LC_MAX_PIXELS)
+        return lc_fail(s->ctx, LC_ERR_ARG, "sensors: there are none, or more than %u", LC_MAX_PIXELS);
+    for (size_t i = 0; i < n; i++)
+        if ((wrong = fault(&d->sensors[i])))
+            return lc_fail(s->ctx, LC_ERR_ARG, "sensor %zu: its %s", i, wrong);
+    lc_sensor *copy = lc_arena_alloc(&s->arena, n, sizeof *copy);
+    if (!copy) return LC_ERR_MEMORY;
+    for (size_t i = 0; i < n; i++) {
+        copy[i] = d->sensors[i];
+        lc_f3_store(copy[i].normal, lc_f3_normalize(lc_f3_load(copy[i].normal)));
+    }
+    s->sensors = copy;
+    s->quantity = d->quantity;
+    return set_film(s, d->width, d->height);
+}
+
+lc_status lc_scene_set_sensors(lc_scene *s, const lc_sensors_desc *desc)
+{
+    lc_sensors_desc d = LC_SENSORS_DESC_INIT;
+    lc_status st = lc_desc_take(s->ctx, "lc_sensors_desc", &d, sizeof d, desc);
+    if (st) return st;
+    if (d.quantity < LC_ILLUMINANCE || d.quantity > LC_LUMINANCE)
+        return lc_fail(s->ctx, LC_ERR_ARG, "sensors: no such quantity");
+    if (d.quantity != LC_LUMINANCE) return take_sensors(s, &d);
+    if (d.sensors) return lc_fail(s->ctx, LC_ERR_ARG, "sensors: luminance is the camera's");
+    s->film.scale = 1;
+    for (int i = 0; i < 9; i++) s->film.white[i] = 0;
+    return LC_OK;
+}
+
+/* ---- looking at them ---- */
+
+static const lc_sensor *sensor_at(const lc_scene *s, double px, double py)
+{
+    const double x = fmin(fmax(floor(px), 0), s->film.width - 1.0),
+                 y = fmin(fmax(floor(py), 0), s->film.height - 1.0);
+    return &s->sensors[(size_t)y * s->film.width + (size_t)x];
+}
+
+static lc_f3 look_from(const lc_sensor *at, lc_f3 *dir)
+{
+    const lc_f3 n = lc_f3_load(at->normal);
+    *dir = lc_f3_neg(n);
+    return lc_f3_add(lc_f3_load(at->position), lc_f3_scale(n, LOOKED_FROM * at->reach));
+}
+
+void lc_view_ray(const lc_scene *s, double px, double py, const double lens[2], lc_f3 *org, lc_f3 *dir)
+{
+    if (s->sensors) *org = look_from(sensor_at(s, px, py), dir);
+    else lc_camera_ray(&s->camera, px, py, lens, org, dir);
+}
+
+static void see_sensor(const lc_sensor *at, lc_quantity quantity, lc_sight *out)
+{
+    const lc_f3 n = lc_f3_load(at->normal), pos = lc_f3_load(at->position);
+    const float pi = (float)LC_PI;
+    lc_material m = { .kd = { pi, pi, pi } };
+    out->n_lit = 1;
+    if (quantity != LC_ILLUMINANCE) {
+        m = (lc_material){ .ks = { 1, 1, 1 }, .lobe = LC_LOBE_ROUND };
+        m.exponent = quantity == LC_ILLUMINANCE_CYLINDRICAL;
+        out->n_lit = 2;
+    }
+    for (uint32_t i = 0; i < out->n_lit; i++) {
+        lc_lit *lit = &out->lit[i];
+        const lc_f3 side = i ? lc_f3_neg(n) : n;
+        *lit = (lc_lit){ .view = side, .weight = { 1, 1, 1 } };
+        lit->surface = (lc_surface){
+            .pos = pos, .n = side, .ng = side, .t = LOOKED_FROM * at->reach, .front = true, .material = m
+        };
+        lc_f3_store(lit->surface.ray_org, pos);
+    }
+    out->first = out->lit[0].surface;
+    out->emission = lc_f3_make(0, 0, 0);
+    out->n_rays = 0;
+}
+
+bool lc_view_sight(const lc_scene *s, double px, double py, const double lens[2], double pixel,
+                   uint32_t max_depth, lc_f3 *dir, lc_sight *out)
+{
+    lc_f3 org;
+    lc_view_ray(s, px, py, lens, &org, dir);
+    if (!s->sensors) return lc_sight_trace(s, org, *dir, pixel, max_depth, out);
+    see_sensor(sensor_at(s, px, py), s->quantity, out);
+    return true;
+}
