@@ -10,7 +10,7 @@ LC_INLINE vf emission_bound(cluster_lanes *l, lc_light_kind kind, const rel_box 
     switch (kind) {
 #define KIND(ID, name, traits)
 #define AIMED_KIND(ID, name, traits) \
-    case LC_LIGHT_##ID: return name##_emission_bound(l->tree, l->index, cos_phi, least);
+    case LC_LIGHT_##ID: return name##_emission_bound(l->tree, l->index, box, cos_phi, least);
 #include "shade/light_kinds.h"
 #undef KIND
     default: return cos_phi;

@@ -17,7 +17,7 @@
 #include <string.h>
 
 /* Numbers that a cluster keeps for its kind alone: the least of each over all members. */
-#define LC_OWN_FLOATS 2
+#define LC_OWN_FLOATS 14
 #define LC_OWN_BYTES 32 /* greatest size of a kind's own record */
 
 struct lc_spot_map; /* light_spot.h */

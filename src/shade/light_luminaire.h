@@ -4,69 +4,34 @@
  * emission is the table's value, bilinear in degrees between its angles, 0 outside of them; values are
  * 0..1, the greatest is in the light's intensity.
  *
- * A cluster has the least and the greatest number of its lights' profiles. Profiles are the leaves of a
- * binary tree of sets, by number, and each set has the greatest emission of its members for each of
- * LC_PROFILE_BINS ranges of the polar angle, whatever the azimuth. A bound is the greatest of the ranges that
- * the cluster's directions can be in (luminaire_emission_bound), of the smallest set that holds both numbers.
+ * A cluster has the least and the greatest number of its lights' profiles, and boxes of their directions of
+ * azimuth 0 and 90. Profiles are the leaves of a binary tree of sets, by number, and each set has the greatest
+ * emission of its members for each of LC_PROFILE_BINS ranges of the polar angle, in a row for all azimuths and
+ * one for each of LC_PROFILE_TURNS ranges of these and for two and four such ranges in a row. A bound is the
+ * greatest of the ranges that the cluster's directions can be in (luminaire_emission_bound), of the smallest
+ * set that holds both numbers.
  */
 #ifndef LC_LIGHT_LUMINAIRE_H
 #define LC_LIGHT_LUMINAIRE_H
 
 #include "shade/light_kind.h"
+#include "shade/profile_data.h"
 
-#define LC_PROFILE_BINS     128
-#define LC_PROFILE_LEVELS   8 /* of greatest values: of 1, 2, 4 .. 128 bins from each one on */
-#define LC_MAX_PROFILES     4096u
-#define LC_PROFILE_MIRRORED 0x80000000u /* beside a profile's number: azimuths go the other way round */
-
-typedef struct lc_profile {
-    float *azimuth, *polar;          /* degrees, rising; polar within 0..180, azimuth spans at most 360 */
-    uint16_t *in_azimuth, *in_polar; /* the interval that each whole degree after the first angle is in */
-    float *value;                    /* n_azimuth * n_polar, 0..1 */
-    uint32_t n_azimuth, n_polar;     /* 2..LC_PROFILE_MAX_ANGLES */
-} lc_profile;
-
-#define LC_PROFILE_MAX_ANGLES 20000u
-#define LC_PROFILE_DEGREES    361 /* entries of in_azimuth and in_polar */
-
-typedef struct lc_profiles {
-    lc_profile *item;
-    size_t n, cap;
-    /* Of set s, level l, bin b: most[(s * LC_PROFILE_LEVELS + l) * LC_PROFILE_BINS + b]. Set 1 has all; s is
-     * made of 2 s and 2 s + 1; profile i is n_leaves + i. */
-    float *most;
-    uint32_t n_leaves;
-} lc_profiles;
-
-/* Of a light; of a cluster, where profile is the least number, and the set's is n_leaves + profile >> shift.
- */
+/* Of a light; of a cluster, where profile is the least number, and the set's is n_leaves + profile >> shift,
+ * and no component of a light's zero and ninety is farther from these than spread / LC_SPREAD_UNIT. */
 typedef struct lc_luminaire_rec {
     float zero[3];
     uint32_t profile;
     float ninety[3];
-    uint32_t shift;
+    uint16_t shift, spread;
 } lc_luminaire_rec;
+#define LC_SPREAD_UNIT 32768
 
-static inline uint32_t lc_profile_interval(const float *angle, uint32_t n, const uint16_t *in, float x)
+/* An angle in quarter turns or nearly, 0 to 4: it rises with the azimuth and needs no arc tangent. */
+static inline float lc_quarter_turns(float x, float y)
 {
-    uint32_t i = in[(uint32_t)(x - angle[0])];
-    while (i + 2 < n && angle[i + 1] <= x) i++;
-    return i;
-}
-
-/* azimuth -180..180, polar 0..180, degrees. */
-static inline float lc_profile_value(const lc_profile *p, float azimuth, float polar)
-{
-    if (azimuth < p->azimuth[0]) azimuth += 360;
-    if (!(azimuth >= p->azimuth[0] && azimuth <= p->azimuth[p->n_azimuth - 1] && polar >= p->polar[0] &&
-          polar <= p->polar[p->n_polar - 1]))
-        return 0;
-    uint32_t i = lc_profile_interval(p->azimuth, p->n_azimuth, p->in_azimuth, azimuth),
-             j = lc_profile_interval(p->polar, p->n_polar, p->in_polar, polar);
-    const float *a = p->value + (size_t)i * p->n_polar + j, *b = a + p->n_polar;
-    float f = (azimuth - p->azimuth[i]) / (p->azimuth[i + 1] - p->azimuth[i]),
-          g = (polar - p->polar[j]) / (p->polar[j + 1] - p->polar[j]);
-    return (1 - g) * ((1 - f) * a[0] + f * b[0]) + g * ((1 - f) * a[1] + f * b[1]);
+    const float s = fabsf(x) + fabsf(y), t = s > 0 ? y / s : 0;
+    return x < 0 ? 2 - t : y < 0 ? 4 + t : t;
 }
 
 /* The directions of azimuth 0, of length 1 and across lc_light.dir, and a profile's number. */
@@ -74,7 +39,8 @@ lc_luminaire lc_luminaire_make(lc_f3 zero, uint32_t profile, bool mirrored);
 /* Whether azimuth 0 is across the axis, but for rounding. */
 bool lc_luminaire_is_across(const lc_light *light);
 void lc_luminaire_rec_init(lc_luminaire_rec *rec, const lc_light *light);
-/* The same of a cluster, by the least of its lights' numbers and of these numbers below 0. */
+/* The same of a cluster, by the least of its lights' numbers and components, and of these below 0. */
+void lc_luminaire_rec_least(const lc_luminaire_rec *rec, float least[LC_OWN_FLOATS]);
 void lc_luminaire_rec_node(lc_luminaire_rec *rec, const float least[LC_OWN_FLOATS]);
 
 #endif
@@ -92,8 +58,9 @@ static const char *luminaire_check(const lc_light *light, size_t n_maps)
 
 static void luminaire_least(const lc_light *light, float least[LC_OWN_FLOATS])
 {
-    least[0] = (float)(light->luminaire.profile & ~LC_PROFILE_MIRRORED);
-    least[1] = -least[0];
+    lc_luminaire_rec rec;
+    lc_luminaire_rec_init(&rec, light);
+    lc_luminaire_rec_least(&rec, least);
 }
 
 static void luminaire_light_own(void *rec, const lc_light *light) { lc_luminaire_rec_init(rec, light); }
@@ -111,15 +78,13 @@ static const char *luminaire_check_own(const void *own, const float least[LC_OWN
           -least[1] < (float)LC_MAX_PROFILES))
         return "a luminaire's profile is out of range";
     lc_luminaire_rec_node(&want, least);
-    if (rec->profile != want.profile || rec->shift != want.shift) return "a set of profiles is wrong";
+    if (memcmp(rec, &want, sizeof want)) return "a set of profiles, or a box of frames, is wrong";
     return has_maps ? NULL : "a luminaire has a profile that is not there";
 }
 
 static void luminaire_least_of_own(const void *own, float least[LC_OWN_FLOATS])
 {
-    const lc_luminaire_rec *rec = own;
-    least[0] = (float)rec->profile;
-    least[1] = -least[0];
+    lc_luminaire_rec_least(own, least);
 }
 
 static double luminaire_flux(const lc_light *light, double radius)
@@ -195,24 +160,70 @@ LC_INLINE vf luminaire_bin(vf c)
     return vf_max(vf_min(u, all - one), zero);
 }
 
+/* Two rows that together have all azimuths of a box of directions, by its corners of least and greatest
+ * azimuth, less than half a turn apart. A box around the axis has every azimuth. */
+LC_INLINE void luminaire_rows(float x0, float x1, float y0, float y1, uint32_t row[2])
+{
+    const uint32_t mask = LC_PROFILE_TURNS - 1;
+    float fx = x1, fy = y0, tx = x0, ty = y0; /* y0 > 0 */
+    row[0] = row[1] = 0;
+    if (x0 > 0) fx = y0 < 0 ? x0 : x1, tx = y1 > 0 ? x0 : x1, ty = y1;
+    else if (x1 < 0) fx = y1 > 0 ? x1 : x0, fy = y1, tx = y0 < 0 ? x1 : x0;
+    else if (y1 < 0) fx = x0, fy = ty = y1, tx = x1;
+    else if (!(y0 > 0)) return;
+    uint32_t a = (uint32_t)(lc_quarter_turns(fx, fy) * (LC_PROFILE_TURNS / 4)) & mask,
+             b = (uint32_t)(lc_quarter_turns(tx, ty) * (LC_PROFILE_TURNS / 4)) & mask,
+             n = ((b - a) & mask) + 1, level = n >= 4 ? 2 : n >= 2;
+    if (n > 8) return;
+    row[0] = 1 + level * LC_PROFILE_TURNS + a;
+    row[1] = 1 + level * LC_PROFILE_TURNS + ((b + 1 - (1u << level)) & mask);
+}
+
+/* Range of the parts along an axis, within `spread` of each component, of directions from the box's lights. */
+LC_INLINE void luminaire_part(const rel_box *box, const vf axis[4], vf spread, float lo[], float hi[])
+{
+    const v3 a = { axis[0], axis[1], axis[2] };
+    vf z = 0 - dot(a, box->c), h = dot(abs3(a), box->half) + (box->z_slack + spread * box->m_sum * SLACK);
+    vf_store(lo, z - h);
+    vf_store(hi, z + h);
+}
+
 /* Greatest emission for cosines of `least` to `e`. Both hold for the cosines of the exact directions. The
  * angles that an estimate computes are within 1e-4 degrees, and bins are wider than they are named by more
  * (profile.c). A value's interpolation is within 6u of exact, for which profile.c has room too. */
-LC_INLINE vf luminaire_emission_bound(const lc_tree_data *t, const uint32_t *node, vf e, vf least)
+LC_INLINE vf luminaire_emission_bound(const lc_tree_data *t, const uint32_t *node, const rel_box *box, vf e,
+                                      vf least)
 {
     const lc_own *own = &t->own[LC_LIGHT_LUMINAIRE];
     const lc_profiles *all = t->profiles;
-    float from[VF_LANES], to[VF_LANES], most[VF_LANES];
+    const size_t row_size = LC_PROFILE_LEVELS * LC_PROFILE_BINS;
+    const lc_luminaire_rec *rec[VF_LANES];
+    const float *frame[VF_LANES];
+    float from[VF_LANES], to[VF_LANES], most[VF_LANES], spread[VF_LANES], x[2][VF_LANES], y[2][VF_LANES];
+    vf axis[4];
+    for (uint32_t i = 0; i < VF_LANES; i++) {
+        rec[i] = (const lc_luminaire_rec *)own->node + (node[i] - own->first_node);
+        frame[i] = rec[i]->zero;
+        spread[i] = (float)rec[i]->spread * (1.0f / LC_SPREAD_UNIT);
+    }
     vf_store(from, luminaire_bin(e));
     vf_store(to, luminaire_bin(least));
+    if (all->n_rows > 1) {
+        vf_rows(frame, 0, axis);
+        luminaire_part(box, axis, vf_load(spread), x[0], x[1]);
+        vf_rows(frame, 4, axis);
+        luminaire_part(box, axis, vf_load(spread), y[0], y[1]);
+    }
     for (uint32_t i = 0; i < VF_LANES; i++) {
-        const lc_luminaire_rec *rec = (const lc_luminaire_rec *)own->node + (node[i] - own->first_node);
-        uint32_t a = (uint32_t)from[i], b = (uint32_t)to[i],
-                 set = (all->n_leaves + rec->profile) >> rec->shift;
+        uint32_t a = (uint32_t)from[i], b = (uint32_t)to[i], row[2] = { 0, 0 },
+                 set = (all->n_leaves + rec[i]->profile) >> rec[i]->shift;
         if (b < a) b = a;
-        uint32_t level = 31 - (uint32_t)__builtin_clz(b - a + 1);
-        const float *m = all->most + ((size_t)set * LC_PROFILE_LEVELS + level) * LC_PROFILE_BINS;
-        most[i] = m[a] > m[b + 1 - (1u << level)] ? m[a] : m[b + 1 - (1u << level)];
+        if (all->n_rows > 1) luminaire_rows(x[0][i], x[1][i], y[0][i], y[1][i], row);
+        uint32_t level = 31 - (uint32_t)__builtin_clz(b - a + 1), c = b + 1 - (1u << level);
+        const float *m = all->most + (size_t)set * all->n_rows * row_size + level * LC_PROFILE_BINS,
+                    *p = m + row[0] * row_size, *q = m + row[1] * row_size;
+        const float first = p[a] > p[c] ? p[a] : p[c], second = q[a] > q[c] ? q[a] : q[c];
+        most[i] = first > second ? first : second;
     }
     return vf_load(most);
 }

@@ -42,8 +42,10 @@ LC_INLINE vf oriented_emission(const lc_tree_data *t, const float *const *light,
     return cos_phi;
 }
 
-LC_INLINE vf oriented_emission_bound(const lc_tree_data *t, const uint32_t *node, vf e, vf least)
+LC_INLINE vf oriented_emission_bound(const lc_tree_data *t, const uint32_t *node, const rel_box *box, vf e,
+                                     vf least)
 {
+    (void)box;
     (void)t;
     (void)least;
     (void)node;

@@ -236,8 +236,10 @@ LC_INLINE vf spot_emission(const lc_tree_data *t, const float *const *light, vf 
  * to 1, are at most e. Our t and a member's are products of differences of exact numbers: within 3u of exact
  * each, twice that in the emission, which grows no faster than t^2, and 3u more of its own: 18u, which the
  * factor SLACK of the whole bound has room for (box_tmpl.c). */
-LC_INLINE vf spot_emission_bound(const lc_tree_data *t, const uint32_t *node, vf e, vf least)
+LC_INLINE vf spot_emission_bound(const lc_tree_data *t, const uint32_t *node, const rel_box *box, vf e,
+                                 vf least)
 {
+    (void)box;
     (void)least;
     const lc_own *own = &t->own[LC_LIGHT_SPOT];
     const float *row[VF_LANES];

@@ -21,9 +21,10 @@ LC_INLINE vf virtual_emission(const lc_tree_data *t, const float *const *light, 
     return oriented_emission(t, light, cos_phi, d, tint);
 }
 
-LC_INLINE vf virtual_emission_bound(const lc_tree_data *t, const uint32_t *node, vf e, vf least)
+LC_INLINE vf virtual_emission_bound(const lc_tree_data *t, const uint32_t *node, const rel_box *box, vf e,
+                                    vf least)
 {
-    return oriented_emission_bound(t, node, e, least);
+    return oriented_emission_bound(t, node, box, e, least);
 }
 
 #endif

@@ -5,6 +5,8 @@
 #include "base/fmath.h"
 #include "shade/dir_pack.h"
 
+#include <string.h>
+
 /* A bin has room on both sides for the rounding of its place and of the estimate's angles. */
 #define ACROSS 1e-6f /* greatest cosine of azimuth 0 about the axis: less than ANGLE_MARGIN */
 #define BIN_MARGIN   0.01           /* bins */
@@ -34,11 +36,30 @@ void lc_luminaire_rec_init(lc_luminaire_rec *rec, const lc_light *light)
     lc_f3_store(rec->ninety, ninety);
 }
 
+void lc_luminaire_rec_least(const lc_luminaire_rec *rec, float least[LC_OWN_FLOATS])
+{
+    const float *frame[2] = { rec->zero, rec->ninety };
+    least[0] = (float)rec->profile;
+    least[1] = -least[0];
+    for (int i = 0; i < 6; i++) {
+        least[2 + 2 * i] = frame[i / 3][i % 3];
+        least[3 + 2 * i] = -frame[i / 3][i % 3];
+    }
+}
+
 void lc_luminaire_rec_node(lc_luminaire_rec *rec, const float least[LC_OWN_FLOATS])
 {
     uint32_t lo = (uint32_t)least[0], hi = (uint32_t)-least[1];
+    double spread = 0;
     *rec = (lc_luminaire_rec){ .profile = lo };
     while (lo >> rec->shift != hi >> rec->shift) rec->shift++;
+    for (int i = 0; i < 6; i++) {
+        const double from = (double)least[2 + 2 * i], to = -(double)least[3 + 2 * i];
+        float *middle = i < 3 ? &rec->zero[i] : &rec->ninety[i - 3];
+        *middle = (float)(0.5 * (from + to));
+        spread = fmax(spread, fmax(to - (double)*middle, (double)*middle - from));
+    }
+    rec->spread = (uint16_t)fmin(ceil(spread * LC_SPREAD_UNIT), UINT16_MAX);
 }
 
 /* ---- tables ---- */
@@ -122,14 +143,31 @@ static double column_at(const lc_profile *p, const float *column, double x)
     return (double)column[lo] + f * ((double)column[hi] - (double)column[lo]);
 }
 
+/* Greatest value of each of the table's polar angles for azimuths lo to hi, less than a turn apart. */
+static void fill_column(const lc_profile *p, double lo, double hi, float *column)
+{
+    const uint32_t n = p->n_polar;
+    for (uint32_t j = 0; j < n; j++) column[j] = 0;
+    for (int turn = -2; turn <= 2; turn++) {
+        const double a = fmax(lo + 360 * turn, (double)p->azimuth[0]),
+                     b = fmin(hi + 360 * turn, (double)p->azimuth[p->n_azimuth - 1]);
+        for (uint32_t i = 0; i + 1 < p->n_azimuth && a <= b; i++) {
+            const double from = (double)p->azimuth[i], to = (double)p->azimuth[i + 1],
+                         f = (fmax(a, from) - from) / (to - from), g = (fmin(b, to) - from) / (to - from);
+            const float *v = p->value + i * (size_t)n, *w = v + n;
+            for (uint32_t j = 0; j < n && f <= g; j++) { /* else it is not in this interval */
+                const double at_f = (1 - f) * (double)v[j] + f * (double)w[j],
+                             at_g = (1 - g) * (double)v[j] + g * (double)w[j];
+                column[j] = fmaxf(column[j], (float)fmax(at_f, at_g));
+            }
+        }
+    }
+}
+
 /* The function is linear between the table's angles: its greatest value is at one of them, or at an end. */
-static void fill_bins(const lc_profile *p, float *column, float *most)
+static void fill_bins(const lc_profile *p, const float *column, float *most)
 {
     const double first = (double)p->polar[0], last = (double)p->polar[p->n_polar - 1];
-    for (uint32_t j = 0; j < p->n_polar; j++) column[j] = 0;
-    for (uint32_t i = 0; i < p->n_azimuth; i++)
-        for (uint32_t j = 0; j < p->n_polar; j++)
-            column[j] = fmaxf(column[j], p->value[(size_t)i * p->n_polar + j]);
     uint32_t j = 0;
     for (int b = 0; b < LC_PROFILE_BINS; b++) {
         double lo = fmax(angle_of(b - BIN_MARGIN) - ANGLE_MARGIN, first),
@@ -154,31 +192,70 @@ static void fill_levels(float *most)
     }
 }
 
-static size_t n_most(const lc_profiles *all)
+/* Degrees of lc_quarter_turns. */
+static double azimuth_of(double turns)
 {
-    return 2 * (size_t)all->n_leaves * LC_PROFILE_LEVELS * LC_PROFILE_BINS;
+    const double quarter = floor(turns), f = turns - quarter;
+    return 90 * quarter + lc_atan2(f, 1 - f) * (180 / LC_PI);
 }
+
+#define ROW_SIZE ((size_t)LC_PROFILE_LEVELS * LC_PROFILE_BINS)
+
+static void join_row(float *to, const float *a, const float *b)
+{
+    for (size_t k = 0; k < ROW_SIZE; k++) to[k] = fmaxf(a[k], b[k]);
+}
+
+/* A profile's rows. column: scratch. */
+static void fill_rows(const lc_profile *p, uint32_t n_rows, float *column, float *most)
+{
+    const double bins = LC_PROFILE_TURNS / 4.0;
+    for (uint32_t row = 0; row < n_rows && row <= LC_PROFILE_TURNS; row++) {
+        const double b = row - 1.0;
+        if (!row) fill_column(p, (double)p->azimuth[0], (double)p->azimuth[p->n_azimuth - 1], column);
+        else
+            fill_column(p, azimuth_of((b - BIN_MARGIN) / bins) - ANGLE_MARGIN,
+                        azimuth_of((b + 1 + BIN_MARGIN) / bins) + ANGLE_MARGIN, column);
+        fill_bins(p, column, most + row * ROW_SIZE);
+        fill_levels(most + row * ROW_SIZE);
+    }
+    for (uint32_t level = 1; level < 3 && n_rows > 1; level++)
+        for (uint32_t b = 0; b < LC_PROFILE_TURNS; b++) {
+            float *from = most + (1 + (level - 1) * LC_PROFILE_TURNS) * ROW_SIZE,
+                  *to = from + LC_PROFILE_TURNS * ROW_SIZE;
+            join_row(to + b * ROW_SIZE, from + b * ROW_SIZE, from + (b + level) % LC_PROFILE_TURNS * ROW_SIZE);
+        }
+}
+
+static bool depends_on_azimuth(const lc_profile *p)
+{
+    for (uint32_t i = 1; i < p->n_azimuth; i++)
+        if (memcmp(p->value, p->value + i * (size_t)p->n_polar, p->n_polar * sizeof *p->value)) return true;
+    return (double)p->azimuth[p->n_azimuth - 1] - (double)p->azimuth[0] < 360;
+}
+
+static size_t n_most(const lc_profiles *all) { return 2 * (size_t)all->n_leaves * all->n_rows * ROW_SIZE; }
 
 lc_status lc_profiles_finish(const lc_context *ctx, lc_profiles *all)
 {
-    const size_t set = (size_t)LC_PROFILE_LEVELS * LC_PROFILE_BINS;
     uint32_t most_polar = 0;
     if (all->most || !all->n) return LC_OK;
-    for (size_t i = 0; i < all->n; i++)
+    all->n_rows = 1;
+    for (size_t i = 0; i < all->n; i++) {
         if (all->item[i].n_polar > most_polar) most_polar = all->item[i].n_polar;
+        if (all->n <= LC_TURNED_PROFILES && depends_on_azimuth(&all->item[i])) all->n_rows = LC_PROFILE_ROWS;
+    }
     all->n_leaves = 1;
     while (all->n_leaves < all->n) all->n_leaves *= 2;
+    const size_t set = all->n_rows * ROW_SIZE;
     float *column = lc_alloc(ctx, most_polar, sizeof *column);
     all->most = lc_alloc(ctx, n_most(all), sizeof *all->most);
     bool good = column && all->most;
-    for (size_t i = 0; good && i < all->n; i++) {
-        float *to = all->most + (all->n_leaves + i) * set;
-        fill_bins(&all->item[i], column, to);
-        fill_levels(to);
-    }
+    for (size_t i = 0; good && i < all->n; i++)
+        fill_rows(&all->item[i], all->n_rows, column, all->most + (all->n_leaves + i) * set);
     for (size_t s = all->n_leaves - 1; good && s > 0; s--)
-        for (size_t k = 0; k < set; k++)
-            all->most[s * set + k] = fmaxf(all->most[2 * s * set + k], all->most[(2 * s + 1) * set + k]);
+        for (size_t k = 0; k < set; k += ROW_SIZE)
+            join_row(all->most + s * set + k, all->most + 2 * s * set + k, all->most + (2 * s + 1) * set + k);
     lc_free(ctx, column, most_polar, sizeof *column);
     return good ? LC_OK : LC_ERR_MEMORY;
 }

@@ -589,10 +589,12 @@ const lc_profiles *gen_profiles(void)
 static void make_luminaires(gen_src *s, gen_case *c)
 {
     bool alike = gen_pick(s, 2);
-    uint32_t one = gen_pick(s, PROFILES), mirrored = gen_pick(s, 2);
+    uint32_t one = gen_pick(s, PROFILES), mirrored = gen_pick(s, 2), turned = gen_pick(s, 3);
+    const double common = gen_real(s, -4, 4);
     gen_profiles();
-    for (uint32_t i = 0; i < c->n; i++) {
-        double turn = gen_pick(s, 4) ? gen_real(s, -4, 4) : tilt(s);
+    for (uint32_t i = 0; i < c->n; i++) { /* turned alike, nearly, or each its own way */
+        double turn = turned == 0 ? common : gen_pick(s, 4) ? gen_real(s, -4, 4) : tilt(s);
+        if (turned == 1) turn = common + tilt(s);
         lc_f3 zero = lc_sample_frame(c->lights[i].dir, cos(turn), sin(turn), 0);
         uint32_t which = alike ? one : gen_pick(s, PROFILES);
         c->lights[i].luminaire = lc_luminaire_make(zero, which, alike ? mirrored : gen_pick(s, 2));

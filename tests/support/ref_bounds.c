@@ -779,7 +779,7 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
     }
     if (p->lobe == LC_LOBE_ROUND) {
         double low = fmin(ref_cos_box(c.vlo, c.vhi, (double[3]){ -n[0], -n[1], -n[2] }), 0);
-        for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * sqrt(1 - (p->exponent > 0) * low * low);
+        for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * sqrt(1 - (p->exponent > 0 ? low * low : 0));
     }
     for (int k = 0; k < 3; k++) {
         rho[k] = ((double)p->diffuse[k] * coat_in(p, cos_r) + (double)p->specular[k] * pm) * c.power[k];
