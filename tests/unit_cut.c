@@ -25,8 +25,11 @@ static double sum_below(const setup *s, uint32_t top, const point *q, bool shado
         if (shadows && is_hidden(s, q, light)) continue;
         const lc_light_rec *l = &t->data.lights[light];
         lc_light_kind kind = lc_kind_of_light(t, light);
-        lc_f3 mg = kind == LC_LIGHT_SPOT ? one_spot_transfer(p, l, lc_light_own(&t->data, kind, light), NULL)
-                                         : one_transfer(p, kind, l, lc_light_atten(&t->data, light));
+        lc_f3 mg;
+        if (kind == LC_LIGHT_SPOT) mg = one_spot_transfer(p, l, lc_light_own(&t->data, kind, light), NULL);
+        else if (kind == LC_LIGHT_LUMINAIRE)
+            mg = one_luminaire_transfer(p, l, lc_light_own(&t->data, kind, light), t->data.profiles);
+        else mg = one_transfer(p, kind, l, lc_light_atten(&t->data, light));
         sum += lum_of(lc_f3_mul(mg, lc_f3_load(l->intensity)));
     }
     return sum;
@@ -98,8 +101,9 @@ TEST(cuts_partition_and_keep_their_promise)
     static const uint32_t sizes[] = { 1, 2, 3, 4, 7, 30, 250 }, max_cuts[] = { 1, 2, 3, 4, 5, 9, 40, 0 };
     static const float ratios[] = { 0, 0.02f, 0.3f };
     uint64_t at_limit = 0, within = 0, left = 0;
-    for (uint32_t kinds = 1; kinds < 8; kinds++)
+    for (uint32_t set = 0; set < LIGHT_SETS; set++)
         for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+            const uint32_t kinds = light_set(set);
             setup s;
             make(&s, sizes[i], kinds, kinds % 2 ? 20 : 0, false);
             build_tree(&s, kinds, 1 + kinds % 3);
@@ -129,7 +133,8 @@ TEST(cuts_partition_and_keep_their_promise)
 /* Points on and very near lights, where bounds are largest. */
 TEST(points_at_lights)
 {
-    for (uint32_t kinds = 1; kinds < 8; kinds++) {
+    for (uint32_t set = 0; set < LIGHT_SETS; set++) {
+        const uint32_t kinds = light_set(set);
         setup s;
         make(&s, 200, kinds, 10, false);
         build_tree(&s, 3, 1);
@@ -155,7 +160,7 @@ TEST(points_at_lights)
  * has as many clusters as lights that differ, and is exact. Balls are not: shadow rays to them differ. */
 TEST(equal_lights_are_one)
 {
-    for (uint32_t kind = 0; kind < LC_LIGHT_LUMINAIRE; kind++) {
+    for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         setup s;
         lc_cut c;
         const uint32_t n = 600, differ = 5;
@@ -204,7 +209,8 @@ TEST(no_error_allowed_is_exact)
 {
     double worst = 0;
     uint32_t lit = 0;
-    for (uint32_t kinds = 1; kinds < 8; kinds++) {
+    for (uint32_t set = 0; set < LIGHT_SETS; set++) {
+        const uint32_t kinds = light_set(set);
         setup s;
         lc_cut c;
         make(&s, 400, kinds, 20, false);

@@ -4,6 +4,7 @@
 #include "base/stats.h"
 #include "shade/dir_pack.h"
 #include "shade/point_init.h"
+#include "support/some_profiles.h"
 #include "support/test.h"
 #include "tree/light_tree.h"
 
@@ -20,6 +21,7 @@ static lc_light rnd_light(lc_light_kind kind)
     l.pos = lc_f3_make((float)rnd_in(-1, 2), (float)rnd_in(-3, 4), (float)rnd_in(5, 6));
     l.intensity = lc_f3_make((float)rnd_in(0.1, 1), (float)rnd_in(0, 2), (float)rnd_in(0, 1));
     if (kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ (float)rnd_in(-0.5, 0.5), (float)rnd_in(0.5, 1), 0 };
+    else if (kind == LC_LIGHT_LUMINAIRE) be_luminaire(&l, rnd_n(2 * N_PROFILES), rnd_in(-4, 4));
     else if (rnd() < 0.3)
         for (int k = 0; k < 3; k++) l.atten[k] = (float)rnd_in(0.1, 3);
     return l;
@@ -31,7 +33,7 @@ static lc_light *rnd_lights(size_t n, uint32_t kinds)
     lc_light *l = malloc(n * sizeof *l);
     for (size_t i = 0; i < n; i++) {
         uint32_t kind;
-        do kind = rnd_n(LC_LIGHT_LUMINAIRE);
+        do kind = rnd_n(kinds_in(kinds));
         while (!(kinds >> kind & 1));
         l[i] = rnd_light((lc_light_kind)kind);
     }
@@ -45,9 +47,13 @@ static lc_builder builder = LC_BUILDER_EXACT; /* of build */
 static lc_light_tree *build(const lc_light *lights, size_t n, uint64_t seed, uint32_t n_reps)
 {
     lc_light_tree *t;
-    lc_light_tree_desc d = {
-        .lights = lights, .n_lights = n, .diag2 = DIAG2, .seed = seed, .n_reps = n_reps, .builder = builder
-    };
+    lc_light_tree_desc d = { .lights = lights,
+                             .n_lights = n,
+                             .profiles = some_profiles(),
+                             .diag2 = DIAG2,
+                             .seed = seed,
+                             .n_reps = n_reps,
+                             .builder = builder };
     if (lc_light_tree_build(ctx, &d, &t)) abort();
     return t;
 }
@@ -162,10 +168,10 @@ static void expect_valid(const lc_light *l, size_t n, uint32_t n_reps, bool slow
 TEST(random_sets_are_valid)
 {
     static const size_t sizes[] = { 1, 2, 3, 4, 5, 8, 17, 60, 300 };
-    for (uint32_t kinds = 1; kinds < 8; kinds++)
+    for (uint32_t set = 0; set < LIGHT_SETS; set++)
         for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
             for (uint32_t rep = 0; rep < 4; rep++) {
-                lc_light *l = rnd_lights(sizes[i], kinds);
+                lc_light *l = rnd_lights(sizes[i], light_set(set));
                 expect_valid(l, sizes[i], rep == 3 ? LC_MAX_REPS : 1 + rep, true, "random");
                 free(l);
             }
@@ -237,7 +243,7 @@ TEST(cones_of_every_width)
 
 TEST(coincident_lights)
 {
-    for (int kind = 0; kind < LC_LIGHT_LUMINAIRE; kind++) {
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         size_t n = 100000;
         lc_light *l = malloc(n * sizeof *l), one = rnd_light((lc_light_kind)kind);
         for (size_t i = 0; i < n; i++) l[i] = one;
@@ -261,13 +267,14 @@ TEST(a_million_coincident_lights)
 /* Equal lights on an exact grid: every distance ties. */
 TEST(grid_of_equal_lights)
 {
-    for (int kind = 0; kind < LC_LIGHT_LUMINAIRE; kind++) {
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         lc_light *l = malloc(10000 * sizeof *l);
         for (int i = 0; i < 10000; i++) {
             l[i] = (lc_light){ .kind = (lc_light_kind)kind, .intensity = { 1, 1, 1 }, .atten = { 0, 0, 1 } };
             l[i].pos = lc_f3_make((float)(i % 100), 0, (float)(i / 100));
             l[i].dir = lc_f3_make(0, -1, 0);
             if (kind == LC_LIGHT_SPOT) l[i].spot = (lc_spot){ 0.5f, 0.75f, 0 };
+            if (kind == LC_LIGHT_LUMINAIRE) be_luminaire(&l[i], 0, 0);
             if (kind == LC_LIGHT_DIRECTIONAL)
                 l[i].dir = lc_f3_normalize(lc_f3_make((float)(i % 100) / 64, -1, (float)(i / 100) / 64));
         }
@@ -301,7 +308,7 @@ TEST(lines_and_scales)
 {
     static const size_t sizes[] = { 1500, 50000 };
     for (int style = 0; style < STYLES; style++)
-        for (int kind = 0; kind < LC_LIGHT_LUMINAIRE; kind++)
+        for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
             for (int k = 0; k < 2; k++) {
                 char what[32];
                 snprintf(what, sizeof what, "style %d, kind %d", style, kind);
@@ -384,7 +391,7 @@ TEST(representatives_are_as_frequent_as_bright)
 {
     static frequencies f;
     for (int b = 0; b < 2; b++)
-        for (uint32_t kind = 0; kind < LC_LIGHT_LUMINAIRE; kind++) {
+        for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
             lc_light *l = rnd_lights(N_FREQ, 1u << kind);
             builder = b ? LC_BUILDER_PLOC : LC_BUILDER_EXACT;
             f = (frequencies){ .n = 0 };

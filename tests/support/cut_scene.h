@@ -6,6 +6,7 @@
 #include "cut/exact.h"
 #include "shade/point_init.h"
 #include "support/one_bound.h"
+#include "support/some_profiles.h"
 #include "support/watched_memory.h"
 #include "trace/bvh.h"
 
@@ -42,7 +43,7 @@ static inline void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, b
     s->lights = malloc((n + 1) * sizeof *s->lights);
     for (uint32_t i = 0; i < n; i++) {
         uint32_t kind;
-        do kind = rnd_n(LC_LIGHT_LUMINAIRE);
+        do kind = rnd_n(kinds_in(kinds));
         while (!(kinds >> kind & 1));
         lc_light l = {
             .kind = (lc_light_kind)kind, .pos = rnd_in_box(1), .dir = rnd_unit(), .atten = { 0, 0, 1 }
@@ -51,6 +52,7 @@ static inline void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, b
         l.intensity = white ? lc_f3_make(grey, grey, grey)
                             : lc_f3_make((float)rnd(), (float)rnd(), (float)rnd());
         if (kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ (float)rnd_in(-0.5, 0.5), (float)rnd_in(0.5, 1), 0 };
+        else if (kind == LC_LIGHT_LUMINAIRE) be_luminaire(&l, rnd_n(2 * N_PROFILES), rnd_in(-4, 4));
         else if (rnd() < 0.3)
             for (int k = 0; k < 3; k++) l.atten[k] = (float)rnd_in(0.1, 1);
         s->lights[i] = l;
@@ -78,6 +80,7 @@ static inline void build_tree(setup *s, uint64_t seed, uint32_t n_reps)
 {
     lc_light_tree_desc d = { .lights = s->lights,
                              .n_lights = s->n,
+                             .profiles = some_profiles(),
                              .diag2 = DIAG2,
                              .seed = seed,
                              .n_reps = n_reps,
