@@ -378,7 +378,8 @@ static void print_json(FILE *f, const result *r)
             v->n);
     fprintf(f, "  \"min\": %.9g,\n  \"mean\": %.9g,\n  \"max\": %.9g,\n  \"uniformity\": %.6g,\n", v->min,
             v->mean, v->max, uniformity(v));
-    fprintf(f, "  \"lights\": %llu,\n", (unsigned long long)i->n_lights);
+    fprintf(f, "  \"lights\": %llu,\n  \"cut\": {\"mean\": %.6g, \"median\": %u, \"p99\": %u},\n",
+            (unsigned long long)i->n_lights, r->stats->cut_mean, r->stats->cut_median, r->stats->cut_p99);
     cli_deviations_json(f, i);
     fprintf(f,
             "  \"error\": {\"asked\": %.6g, \"within\": %.6g, \"achieved\": %.6g, \"margin\": %.6g, "
