@@ -38,7 +38,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static lc_light lights[MOST];
     if (size < 1) return 0;
-    lc_light_tree_desc d = { .lights = lights, .diag2 = 1e4, .profiles = some_profiles(), .seed = data[0], .n_reps = 1 + data[0] % 8,
+    lc_light_tree_desc d = { .lights = lights, .profiles = some_profiles(), .diag2 = 1e4, .seed = data[0],
+                             .n_reps = 1 + data[0] % 8,
                              .builder = data[0] & 128 ? LC_BUILDER_PLOC : LC_BUILDER_EXACT };
     for (size_t at = 1; at + 8 <= size && d.n_lights < MOST; at += 8) lights[d.n_lights++] = make(data + at);
     lc_light_tree *tree;

@@ -5,11 +5,11 @@
  * 0..1, the greatest is in the light's intensity.
  *
  * A cluster has the least and the greatest number of its lights' profiles, and boxes of their directions of
- * azimuth 0 and 90. Profiles are the leaves of a binary tree of sets, by number, and each set has the greatest
- * emission of its members for each of LC_PROFILE_BINS ranges of the polar angle, in a row for all azimuths and
- * one for each of LC_PROFILE_TURNS ranges of these and for two and four such ranges in a row. A bound is the
- * greatest of the ranges that the cluster's directions can be in (luminaire_emission_bound), of the smallest
- * set that holds both numbers.
+ * azimuth 0 and 90. Profiles are the leaves of a binary tree of sets, by number, and each set has the
+ * greatest emission of its members for each of LC_PROFILE_BINS ranges of the polar angle, in a row for all
+ * azimuths and one for each of LC_PROFILE_TURNS ranges of these and for two and four such ranges in a row. A
+ * bound is the greatest of the ranges that the cluster's directions can be in (luminaire_emission_bound), of
+ * the smallest set that holds both numbers.
  */
 #ifndef LC_LIGHT_LUMINAIRE_H
 #define LC_LIGHT_LUMINAIRE_H
@@ -179,7 +179,7 @@ LC_INLINE void luminaire_rows(float x0, float x1, float y0, float y1, uint32_t r
     row[1] = 1 + level * LC_PROFILE_TURNS + ((b + 1 - (1u << level)) & mask);
 }
 
-/* Range of the parts along an axis, within `spread` of each component, of directions from the box's lights. */
+/* Range of the parts along an axis, within `spread` of each component, of directions from a box's lights. */
 LC_INLINE void luminaire_part(const rel_box *box, const vf axis[4], vf spread, float lo[], float hi[])
 {
     const v3 a = { axis[0], axis[1], axis[2] };

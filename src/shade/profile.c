@@ -223,7 +223,8 @@ static void fill_rows(const lc_profile *p, uint32_t n_rows, float *column, float
         for (uint32_t b = 0; b < LC_PROFILE_TURNS; b++) {
             float *from = most + (1 + (level - 1) * LC_PROFILE_TURNS) * ROW_SIZE,
                   *to = from + LC_PROFILE_TURNS * ROW_SIZE;
-            join_row(to + b * ROW_SIZE, from + b * ROW_SIZE, from + (b + level) % LC_PROFILE_TURNS * ROW_SIZE);
+            join_row(to + b * ROW_SIZE, from + b * ROW_SIZE,
+                     from + (b + level) % LC_PROFILE_TURNS * ROW_SIZE);
         }
 }
 
@@ -234,7 +235,10 @@ static bool depends_on_azimuth(const lc_profile *p)
     return (double)p->azimuth[p->n_azimuth - 1] - (double)p->azimuth[0] < 360;
 }
 
-static size_t n_most(const lc_profiles *all) { return 2 * (size_t)all->n_leaves * all->n_rows * ROW_SIZE; }
+static size_t n_most(const lc_profiles *all)
+{
+    return 2 * (size_t)all->n_leaves * all->n_rows * ROW_SIZE;
+}
 
 lc_status lc_profiles_finish(const lc_context *ctx, lc_profiles *all)
 {
@@ -243,7 +247,8 @@ lc_status lc_profiles_finish(const lc_context *ctx, lc_profiles *all)
     all->n_rows = 1;
     for (size_t i = 0; i < all->n; i++) {
         if (all->item[i].n_polar > most_polar) most_polar = all->item[i].n_polar;
-        if (all->n <= LC_TURNED_PROFILES && depends_on_azimuth(&all->item[i])) all->n_rows = LC_PROFILE_ROWS;
+        if (all->n <= LC_TURNED_PROFILES && depends_on_azimuth(&all->item[i]))
+            all->n_rows = LC_PROFILE_ROWS;
     }
     all->n_leaves = 1;
     while (all->n_leaves < all->n) all->n_leaves *= 2;
@@ -255,7 +260,8 @@ lc_status lc_profiles_finish(const lc_context *ctx, lc_profiles *all)
         fill_rows(&all->item[i], all->n_rows, column, all->most + (all->n_leaves + i) * set);
     for (size_t s = all->n_leaves - 1; good && s > 0; s--)
         for (size_t k = 0; k < set; k += ROW_SIZE)
-            join_row(all->most + s * set + k, all->most + 2 * s * set + k, all->most + (2 * s + 1) * set + k);
+            join_row(all->most + s * set + k, all->most + 2 * s * set + k,
+                     all->most + (2 * s + 1) * set + k);
     lc_free(ctx, column, most_polar, sizeof *column);
     return good ? LC_OK : LC_ERR_MEMORY;
 }

@@ -1,5 +1,5 @@
-/* profile_data.h - photometric tables as kernels read them, and the greatest values of ranges of their angles:
- * light_luminaire.h says how these are used. */
+/* profile_data.h - photometric tables as kernels read them, and the greatest values of ranges of their
+ * angles, which light_luminaire.h uses. */
 #ifndef LC_PROFILE_DATA_H
 #define LC_PROFILE_DATA_H
 
@@ -9,7 +9,7 @@
 #define LC_PROFILE_LEVELS   8 /* of greatest values: of 1, 2, 4 .. 128 bins from each one on */
 #define LC_PROFILE_TURNS    16 /* ranges of the azimuth, four a quarter turn */
 #define LC_PROFILE_ROWS     (1 + 3 * LC_PROFILE_TURNS)
-#define LC_TURNED_PROFILES  64u /* where there are more, or none depends on the azimuth, the first row is all */
+#define LC_TURNED_PROFILES  64u /* with more, or where none depends on the azimuth, there is one row */
 #define LC_MAX_PROFILES     4096u
 #define LC_PROFILE_MIRRORED 0x80000000u /* beside a profile's number: azimuths go the other way round */
 
@@ -26,8 +26,8 @@ typedef struct lc_profile {
 typedef struct lc_profiles {
     lc_profile *item;
     size_t n, cap;
-    /* Of set s, row r, level l, bin b: most[((s * n_rows + r) * LC_PROFILE_LEVELS + l) * LC_PROFILE_BINS + b].
-     * Set 1 has all; s is made of 2 s and 2 s + 1; profile i is n_leaves + i. */
+    /* Of set s, row r, level l, bin b: most[((s * n_rows + r) * LC_PROFILE_LEVELS + l) * LC_PROFILE_BINS
+     * + b]. Set 1 has all; s is made of 2 s and 2 s + 1; profile i is n_leaves + i. */
     float *most;
     uint32_t n_leaves, n_rows;
 } lc_profiles;

@@ -104,9 +104,9 @@ void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m)
         r->diffuse[k] = kd[k] / LC_PI;
         r->specular[k] = ks[k] * ((double)m->exponent + 2) / (2 * LC_PI);
     }
-    for (int k = 0; k < 3 && m->lobe == LC_LOBE_ROUND; k++)
-        r->specular[k] = ks[k] / (m->exponent > 0 ? LC_PI : 1);
-    if (m->lobe != LC_LOBE_PHONG && m->lobe != LC_LOBE_ROUND) make_rough(r, nn, o, m);
+    if (m->lobe == LC_LOBE_ROUND)
+        for (int k = 0; k < 3; k++) r->specular[k] = ks[k] / (m->exponent > 0 ? LC_PI : 1);
+    else if (m->lobe != LC_LOBE_PHONG) make_rough(r, nn, o, m);
 }
 
 /* ---- transfer ---- */
@@ -216,8 +216,7 @@ static void table_range(const lc_light *l, const double angle[2], double *lo, do
  * and h = i + o by tangents over roughness and n, and the lengths of the former two. */
 typedef struct terms {
     double cos_r, cos_m, cos_e, inv_f, i[3], h[3], sharp[2];
-    double angle[2]; /* luminaires: azimuth, polar */
-    double sin_r;
+    double angle[2], sin_r; /* luminaires: azimuth, polar; sine at the receiver */
 } terms;
 
 static void load_atten(double a[3], const lc_light *l)
@@ -778,8 +777,9 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
         for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * (double)p->view[0] * share;
     }
     if (p->lobe == LC_LOBE_ROUND) {
-        double low = fmin(ref_cos_box(c.vlo, c.vhi, (double[3]){ -n[0], -n[1], -n[2] }), 0);
-        for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * sqrt(1 - (p->exponent > 0 ? low * low : 0));
+        const double back[3] = { -n[0], -n[1], -n[2] },
+                     low = p->exponent > 0 ? fmin(ref_cos_box(c.vlo, c.vhi, back), 0) : 0;
+        for (int k = 0; k < 3; k++) gloss[k] = (double)p->specular[k] * sqrt(1 - low * low);
     }
     for (int k = 0; k < 3; k++) {
         rho[k] = ((double)p->diffuse[k] * coat_in(p, cos_r) + (double)p->specular[k] * pm) * c.power[k];
