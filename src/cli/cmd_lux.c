@@ -303,6 +303,9 @@ static int make_sensors(const options *o, lux_table *t, lux_values *v, lc_sensor
 
 /* ---- values ---- */
 
+/* Whether nothing was left out anywhere: also where no light is. */
+static bool is_exact(const lc_render_stats *stats) { return stats->exact || !stats->calibration.n_pilots; }
+
 static int set_values(const options *o, const lc_image *image, const lc_render_stats *stats, lux_values *v)
 {
     const float *rgb[3] = { lc_image_channel(image, "R"), lc_image_channel(image, "G"),
@@ -324,12 +327,12 @@ static int set_values(const options *o, const lc_image *image, const lc_render_s
         fprintf(stderr, "lightcuts: error: out of memory\n");
         return CLI_FAILED;
     }
-    v->within = stats->exact ? 100 : (double)o->render.within;
+    v->within = is_exact(stats) ? 100 : (double)o->render.within;
     v->min = HUGE_VAL;
     v->max = -HUGE_VAL;
     for (size_t i = 0; i < v->n; i++) {
         const double y = 0.2126 * (double)rgb[0][i] + 0.7152 * (double)rgb[1][i] + 0.0722 * (double)rgb[2][i],
-                     half = !stats->exact && error[i] > 0 ? asked * fmax(y, floor_value) : 0;
+                     half = !is_exact(stats) && error[i] > 0 ? asked * fmax(y, floor_value) : 0;
         v->error[i] = y > 0 ? fmax(half / y, ROUNDING) : 1;
         v->value[i] = y * o->efficacy;
         v->min = fmin(v->min, v->value[i]);
@@ -373,7 +376,7 @@ static void print_json(FILE *f, const result *r)
     const lux_values *v = r->values;
     const lc_calibration *c = &r->stats->calibration;
     const lc_scene_info *i = r->info;
-    const bool exact = r->stats->exact;
+    const bool exact = is_exact(r->stats);
     fprintf(f, "{\n  \"quantity\": \"%s\",\n  \"unit\": \"%s\",\n  \"sensors\": %zu,\n", v->what, v->unit,
             v->n);
     fprintf(f, "  \"min\": %.9g,\n  \"mean\": %.9g,\n  \"max\": %.9g,\n  \"uniformity\": %.6g,\n", v->min,
@@ -397,7 +400,7 @@ static void print_summary(const result *r)
     const lc_calibration *c = &r->stats->calibration;
     fprintf(stderr, "lightcuts: %zu %s: min %.6g, mean %.6g, max %.6g %s, min/mean %.4f\n", v->n,
             v->is_picture ? "pixels" : "sensors", v->min, v->mean, v->max, v->unit, uniformity(v));
-    if (r->stats->exact) fprintf(stderr, "lightcuts: every light at every sensor");
+    if (is_exact(r->stats)) fprintf(stderr, "lightcuts: every light at every sensor");
     else
         fprintf(stderr, "lightcuts: %.4g %% +- %.2g %% of them are within %.3g %%, by %u pilots",
                 (double)c->achieved, (double)c->margin, 100 * (double)c->error, c->n_pilots);
@@ -427,10 +430,10 @@ static int write_outputs(lc_context *ctx, result *r)
 
 static void state_error(const options *o, const lc_render_stats *stats, lux_values *v)
 {
-    if (stats->exact) snprintf(v->error_text, sizeof v->error_text, "every light at every sensor");
+    if (is_exact(stats)) snprintf(v->error_text, sizeof v->error_text, "every light at every sensor");
     else
-        snprintf(v->error_text, sizeof v->error_text, "error %.3g %% of %.4g %% (pilots: %.4g %%)",
-                 100 * (double)o->render.error, (double)o->render.within,
+        snprintf(v->error_text, sizeof v->error_text, "%.4g %% within %.3g %% (pilots: %.4g %%)",
+                 (double)o->render.within, 100 * (double)o->render.error,
                  (double)stats->calibration.achieved);
 }
 

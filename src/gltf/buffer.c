@@ -46,7 +46,7 @@ static bool file_name(const lc_gltf *g, const char *uri, char *out, size_t size)
         if (*p == ':' || *p == '\\') return false; /* a scheme, or a path of another system */
         int high = *p == '%' ? hex(p[1]) : -1, low = high >= 0 ? hex(p[2]) : -1;
         if (low >= 0) p += 2;
-        out[n++] = low >= 0 ? (char)(high << 4 | low) : *p;
+        out[n++] = (char)(low >= 0 ? high << 4 | low : *p);
         if (!out[n - 1]) return false;
     }
     out[n] = 0;
