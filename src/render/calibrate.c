@@ -67,13 +67,9 @@ static void shade_pilot(void *user, uint32_t thread, uint64_t item)
     lc_render_worker *w = &j->workers[thread];
     const uint32_t width = j->scene->film.width, at = p->pixel[item / p->n_slots];
     lc_pixel px = { .hits = 0 };
-    lc_f3 rgb;
     w->slot_shift = (uint32_t)(item % p->n_slots) * (j->spp < 16 ? j->spp : 1);
-    for (uint32_t i = 0; i < j->spp; i++) {
-        if (!lc_render_sample(j, w, at % width, at / width, i, &px, &rgb)) return;
-        px.rgb = lc_f3_add(px.rgb, rgb);
-    }
-    p->to[item] = (double)lc_luminance(px.rgb) / j->spp;
+    if (lc_add_samples(j, w, at % width, at / width, &px))
+        p->to[item] = (double)lc_luminance(px.rgb) / j->spp;
 }
 
 static void set_workers(const lc_render_job *j, double error, double z, bool alone)
@@ -190,11 +186,9 @@ static void shade_block(void *user, uint32_t thread, uint64_t item)
                    x0 = at % width - at % width % LC_PIXEL_BLOCK,
                    y0 = at / width - at / width % LC_PIXEL_BLOCK;
     lc_pixel px = { .hits = 0 };
-    lc_f3 rgb;
     for (uint32_t y = y0; y < y0 + LC_PIXEL_BLOCK && y < height; y++)
         for (uint32_t x = x0; x < x0 + LC_PIXEL_BLOCK && x < width; x++)
-            for (uint32_t i = 0; i < j->spp; i++)
-                if (!lc_render_sample(j, &j->workers[thread], x, y, i, &px, &rgb)) return;
+            if (!lc_add_samples(j, &j->workers[thread], x, y, &px)) return;
 }
 
 /* Seconds that a pixel takes by cuts of an error and a z, when all threads render. */
@@ -241,6 +235,7 @@ static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
     const bool all = (double)j->scene->tree->n_lights * j->spp <= MAX_EXACT;
     lc_cut_desc fine = *cut;
     fine.max_cut = 0;
+    fine.max_points = 0; /* a cut for each sample */
     lc_status st = lc_job_make_workers(j, &fine);
     if (!st) shade_all(p, (double)cut->error_ratio, all ? 0 : TRUE_Z / sqrt((double)j->spp), 1, p->truth);
     for (uint32_t i = 0; i < p->n; i++) p->n_finite += isfinite(p->truth[i]) ? 1 : 0;
@@ -257,7 +252,8 @@ static uint64_t count_rays(const lc_render_job *j)
 static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
 {
     lc_render_job *j = p->j;
-    const lc_cut_desc cut = { c->error, j->desc->max_cut, j->floor, j->z };
+    lc_cut_desc cut = lc_job_cut_desc(j);
+    cut.error_ratio = c->error;
     if (!p->pixel || !p->truth || !p->value || !sorted) return LC_ERR_MEMORY;
     place_pilots(p);
     lc_status st = shade_truth(p, &cut);

@@ -52,7 +52,7 @@ static void prepass_cell(void *user, uint32_t thread, uint64_t item)
 static lc_status prepass(lc_render_job *j, double *mean)
 {
     const size_t n = PREPASS_SIDE * PREPASS_SIDE;
-    lc_cut_desc desc = { PREPASS_RATIO, PREPASS_MAX_CUT, 0, 0 };
+    lc_cut_desc desc = { .error_ratio = PREPASS_RATIO, .max_cut = PREPASS_MAX_CUT };
     j->prepass = lc_alloc(j->ctx, n, sizeof *j->prepass);
     lc_status st = j->prepass ? lc_job_make_workers(j, &desc) : LC_ERR_MEMORY;
     *mean = 0;
@@ -111,7 +111,8 @@ static lc_status exact_pays(lc_render_job *j, const lc_cut_desc *cut, bool *pays
 lc_cut_desc lc_job_cut_desc(const lc_render_job *j)
 {
     const lc_render_desc *d = j->desc;
-    return (lc_cut_desc){ j->error > 0 ? j->error : d->error_ratio, d->max_cut, j->floor, j->z };
+    return (lc_cut_desc){ j->error > 0 ? j->error : d->error_ratio, d->max_cut, j->floor, j->z,
+                          j->max_points, j->parent };
 }
 
 /* Finds z, or takes it from who has it, unless every light turns out to be evaluated. */
@@ -140,7 +141,7 @@ lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
     stats->exact = j->exact = d->method == LC_METHOD_EXACT;
     if (j->exact) return LC_OK;
     j->error = d->error;
-    j->z = d->error > 0 ? (float)(USUAL_Z / sqrt((double)j->spp)) : 0;
+    j->z = d->error > 0 ? (float)(USUAL_Z / sqrt(j->max_points ? 1 : (double)j->spp)) : 0;
     bool few = d->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(d->max_cut && d->max_cut < n);
     if (!few && d->dark_floor > 0 && (d->error > 0 || d->error_ratio > 0))
         st = prepass(j, &stats->mean_luminance);
