@@ -32,6 +32,8 @@
 #define TRUE_Z 2.0        /* of the finer cuts, for one sample */
 #define ERRORS_TIMED 6    /* where there is a time to keep: for a z */
 #define Z_FOR_TIME 3      /* z that are found then */
+#define TRIED_STEPS 3     /* by one value of each pilot, of each way that samples may have cuts */
+#define SHARED_COSTS 1.4  /* a shared cut's work takes longer: its rays have many origins */
 #define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
 #define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
 #define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
@@ -178,6 +180,33 @@ static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibra
     c->z = (float)found;
 }
 
+/* Whether cuts that the samples of a pixel share take less work than a cut for each: by what both take, at the
+ * z that each needs. Counts, no clock, so that the choice is the same everywhere. */
+static void choose_shared(pilots *p, lc_cut_desc *cut, double *sorted)
+{
+    lc_render_job *j = p->j;
+    double work[2] = { 0, 0 }, found[2];
+    for (int way = 0; way < 2; way++) {
+        double z = (double)cut->z * (way ? sqrt((double)j->spp) : 1), last_z = z, last_miss = 0;
+        j->shared = way;
+        for (int step = 0; step < TRIED_STEPS && !atomic_load(&j->cancelled); step++) {
+            const uint64_t before = lc_job_work(j);
+            shade_all(p, (double)cut->error_ratio, z, 1, p->value);
+            work[way] = (double)(lc_job_work(j) - before);
+            find_misses(p, (double)cut->error_ratio, (double)cut->floor);
+            const double miss = quantile(p, sorted, (double)j->desc->within),
+                         next = next_z(z, miss, last_z, last_miss);
+            last_z = z;
+            last_miss = miss;
+            z = next;
+        }
+        found[way] = z;
+    }
+    j->shared = work[1] * SHARED_COSTS < work[0];
+    j->pixel_work = work[1] / p->n;
+    cut->z = (float)found[j->shared];
+}
+
 static void shade_block(void *user, uint32_t thread, uint64_t item)
 {
     const pilots *p = user;
@@ -259,8 +288,11 @@ static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
     lc_status st = shade_truth(p, &cut);
     c->rays = count_rays(j);
     lc_job_free_workers(j);
+    cut.max_points = j->max_points;
     if (!st && p->n_finite) st = lc_job_make_workers(j, &cut);
+    if (!st && p->n_finite && j->max_points) choose_shared(p, &cut, sorted);
     if (!st && p->n_finite) find_error(p, cut, sorted, c);
+    c->shared = j->shared;
     c->rays += count_rays(j);
     c->n_pilots = p->n_finite;
     lc_job_free_workers(j);

@@ -71,6 +71,29 @@ static void choice_cell(void *user, uint32_t thread, uint64_t item)
     shade_cell(user, thread, item, CHOICE_SIDE, &r);
 }
 
+static void add_counts(const lc_render_job *j, lc_stats *sum)
+{
+    for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) {
+        sum->points += j->workers[i].stats.points;
+        sum->shadow_rays += j->workers[i].stats.shadow_rays;
+        sum->bounds += j->workers[i].stats.bounds;
+        sum->proof_tests += j->workers[i].stats.proof_tests;
+    }
+}
+
+static uint64_t work_of(const lc_stats *cuts)
+{
+    return WORK_OF_CUT * cuts->points + WORK_OF_BOUND * cuts->bounds + WORK_OF_CUT_RAY * cuts->shadow_rays +
+           WORK_OF_PROOF * cuts->proof_tests;
+}
+
+uint64_t lc_job_work(const lc_render_job *j)
+{
+    lc_stats sum = { 0 };
+    add_counts(j, &sum);
+    return work_of(&sum);
+}
+
 /* Counts of both methods over a grid: shading points, shadow rays, bounds. */
 static lc_status try_method(lc_render_job *j, const lc_cut_desc *cut, bool exact, lc_stats *sum)
 {
@@ -78,12 +101,7 @@ static lc_status try_method(lc_render_job *j, const lc_cut_desc *cut, bool exact
     lc_status st = lc_job_make_workers(j, cut);
     j->exact = exact;
     if (!st) lc_parallel(j->ctx, CHOICE_SIDE * CHOICE_SIDE, choice_cell, j);
-    for (uint32_t i = 0; i < j->ctx->n_threads && !st; i++) {
-        sum->points += j->workers[i].stats.points;
-        sum->shadow_rays += j->workers[i].stats.shadow_rays;
-        sum->bounds += j->workers[i].stats.bounds;
-        sum->proof_tests += j->workers[i].stats.proof_tests;
-    }
+    if (!st) add_counts(j, sum);
     j->exact = was;
     lc_job_free_workers(j);
     return st;
@@ -102,9 +120,9 @@ static lc_status exact_pays(lc_render_job *j, const lc_cut_desc *cut, bool *pays
     if (!st) st = try_method(j, cut, true, &all);
     if (st) return st;
     const uint64_t exact = all.points * n + WORK_OF_RAY * all.shadow_rays;
-    const uint64_t by_cuts = WORK_OF_CUT * cuts.points + WORK_OF_BOUND * cuts.bounds +
-                             WORK_OF_CUT_RAY * cuts.shadow_rays + WORK_OF_PROOF * cuts.proof_tests;
-    *pays = (double)exact <= WORK_FOR_NO_ERROR * (double)by_cuts;
+    double by_cuts = (double)work_of(&cuts);
+    if (j->shared) by_cuts = j->pixel_work / j->spp * CHOICE_SIDE * CHOICE_SIDE;
+    *pays = (double)exact <= WORK_FOR_NO_ERROR * by_cuts;
     return LC_OK;
 }
 
@@ -112,7 +130,7 @@ lc_cut_desc lc_job_cut_desc(const lc_render_job *j)
 {
     const lc_render_desc *d = j->desc;
     return (lc_cut_desc){ j->error > 0 ? j->error : d->error_ratio, d->max_cut, j->floor, j->z,
-                          j->max_points, j->parent };
+                          j->shared ? j->max_points : 0, j->parent };
 }
 
 /* Finds z, or takes it from who has it, unless every light turns out to be evaluated. */
@@ -124,6 +142,7 @@ static lc_status choose_z(lc_render_job *j, lc_calibration *c)
     else st = lc_calibrate(j, c);
     j->z = c->z;
     j->error = c->error;
+    j->shared = c->shared && j->max_points;
     if (!st && j->desc->method == LC_METHOD_LIGHTCUTS) {
         const lc_cut_desc cut = lc_job_cut_desc(j);
         st = exact_pays(j, &cut, &j->exact);
@@ -141,7 +160,7 @@ lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
     stats->exact = j->exact = d->method == LC_METHOD_EXACT;
     if (j->exact) return LC_OK;
     j->error = d->error;
-    j->z = d->error > 0 ? (float)(USUAL_Z / sqrt(j->max_points ? 1 : (double)j->spp)) : 0;
+    j->z = d->error > 0 ? (float)(USUAL_Z / sqrt((double)j->spp)) : 0;
     bool few = d->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(d->max_cut && d->max_cut < n);
     if (!few && d->dark_floor > 0 && (d->error > 0 || d->error_ratio > 0))
         st = prepass(j, &stats->mean_luminance);

@@ -134,7 +134,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
 
 bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
 {
-    if (w->points && !j->exact) return lc_render_samples(j, w, x, y, px);
+    if (j->shared && !j->exact) return lc_render_samples(j, w, x, y, px);
     for (uint32_t i = 0; i < j->spp; i++) {
         lc_f3 rgb;
         if (!lc_render_sample(j, w, x, y, i, px, &rgb)) return false;

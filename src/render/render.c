@@ -229,7 +229,7 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     return lc_job_set_attributes(j, stats);
 }
 
-#define GATHER_FROM 16 /* samples of a pixel: fewer are faster by cuts of their own; tests/results/pixels.md */
+#define GATHER_FROM 8 /* samples of a pixel: fewer are faster by cuts of their own; tests/results/pixels.md */
 
 /* Lets samples of a pixel share cuts, where there is room for the names of their pairs. */
 static lc_status share_cuts(lc_render_job *j)

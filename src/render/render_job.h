@@ -82,8 +82,10 @@ typedef struct lc_render_job {
     float floor;     /* luminance: the dark floor */
     float z;         /* of cuts where the error of pixels is asked, else 0 */
     float error;     /* asked of pixels, 0: none */
-    uint32_t max_points; /* of a gather cluster; 0: each sample has a cut of its own */
+    bool shared;         /* the samples of a pixel share cuts */
+    uint32_t max_points; /* of a gather cluster, where they may; else 0 */
     uint32_t *parent;    /* of each light, for these */
+    double pixel_work;   /* of a pixel whose samples share cuts, as lc_job_work counts it */
     double began;    /* lc_now */
     lc_filter_share *share; /* where samples are shared; NULL: each pixel has its own */
     uint32_t group;         /* tiles a side whose samples are shared */
@@ -143,6 +145,8 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
  */
 lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats);
 lc_cut_desc lc_job_cut_desc(const lc_render_job *j);
+/* What the cuts of all workers have cost so far, in estimates of one light. */
+uint64_t lc_job_work(const lc_render_job *j);
 
 /* ---- calibrate.c ---- */
 
