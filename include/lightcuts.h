@@ -445,6 +445,7 @@ typedef struct lc_tile {
 typedef struct lc_calibration {
     float error, within;  /* what was asked, see lc_render_desc; error 0: nothing, or every light is used */
     float z;              /* a cut stops when z * sqrt(sum of its squared bounds) is within the error; > 0 */
+    uint32_t shared;      /* 1: the samples of a pixel share cuts; 0: each has its own */
     uint32_t n_pilots;    /* 0: nothing is known of the share */
     float achieved;       /* the share that is within the error, by the pilots, and half the width of its */
     float margin;         /* interval of 95 %; per cent */
@@ -525,7 +526,7 @@ typedef struct lc_render_stats {
 #define LC_RENDER_STATS_INIT                                                                                 \
     {                                                                                                        \
         sizeof(lc_render_stats), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, { 0,   \
-        0, 0, 0, 0, 0, 0, 0 }                                                                                \
+        0, 0, 0, 0, 0, 0, 0, 0 }                                                                                \
     }
 
 /* Renders the picture. The same scene and descriptor give the same bits for any number of threads,

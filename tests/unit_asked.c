@@ -6,6 +6,7 @@
 #include "lightcuts.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #define SIDE 64
@@ -110,7 +111,7 @@ TEST(what_is_asked_holds)
         double lo, hi;
     } rows[] = {
         { 0.02f, 95, 1, 93, 99 }, { 0.02f, 99, 1, 98, 100 }, { 0.02f, 80, 1, 76, 92 },
-        { 0.05f, 95, 1, 93, 99 }, { 0.02f, 95, 4, 93, 99 },
+        { 0.05f, 95, 1, 93, 99 }, { 0.02f, 95, 4, 93, 99 }, { 0.02f, 95, 16, 93, 99 },
     };
     static picture truth, p;
     uint64_t rays[sizeof rows / sizeof *rows];
@@ -125,8 +126,8 @@ TEST(what_is_asked_holds)
         const lc_calibration *c = &p.stats.calibration;
         const double share = share_within(&p, &truth, (double)rows[k].error), of_pilots = (double)c->achieved,
                      margin = (double)c->margin;
-        printf("  %g within %g %%, %u samples: %.1f %%, pilots %.1f +- %.1f, %.0f rays a point\n",
-               (double)rows[k].error, (double)rows[k].within, rows[k].spp, share, of_pilots, margin,
+        printf("  %g within %g %%, %u samples%s: %.1f %%, pilots %.1f +- %.1f, %.0f rays a point\n",
+               (double)rows[k].error, (double)rows[k].within, rows[k].spp, c->shared ? " with one cut" : "", share, of_pilots, margin,
                (double)p.stats.shadow_rays / (double)p.stats.points);
         CHECKF(share >= rows[k].lo && share <= rows[k].hi, "%g %%", share);
         CHECK(of_pilots >= (double)rows[k].within && fabs(share - of_pilots) <= 2 * margin + 1);
@@ -137,14 +138,14 @@ TEST(what_is_asked_holds)
            (unsigned long long)rays[0]);
 }
 
-TEST(same_bytes_for_crops_threads_and_kept_calibrations)
+static void check_same_bytes(uint32_t spp, bool shared)
 {
     static picture whole, other;
-    way w = { .threads = 1, .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95 };
+    way w = { .threads = 1, .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .spp = spp };
     write_scene(SIDE, 500, 0.01);
     render(w, &whole);
     lc_calibration kept = whole.stats.calibration;
-    CHECK(kept.n_pilots > 0 && kept.z > 0 && kept.rays > 0);
+    CHECK(kept.n_pilots > 0 && kept.z > 0 && kept.rays > 0 && kept.shared == shared);
     w.threads = 3;
     render(w, &other);
     CHECK(!memcmp(whole.rgb, other.rgb, sizeof whole.rgb));
@@ -157,6 +158,12 @@ TEST(same_bytes_for_crops_threads_and_kept_calibrations)
     CHECK(other.stats.calibration.z <= kept.z && other.stats.calibration.z >= kept.z);
     for (int k = 0; k < 3; k++)
         CHECK(!memcmp(&other.rgb[k][0], &whole.rgb[k][20 * SIDE + 33], sizeof(float)));
+}
+
+TEST(same_bytes_for_crops_threads_and_kept_calibrations)
+{
+    check_same_bytes(1, false);
+    check_same_bytes(16, true); /* samples share cuts */
 }
 
 /* By cuts that are forced one pixel may be off, and is of a small film; else few lights are all evaluated. */

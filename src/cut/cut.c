@@ -1,6 +1,7 @@
 /* cut.c - memory of a cut, the loop that refines it, and its result. */
 #include "cut/cut.h"
 
+#include "base/rng.h"
 #include "cut/cut_parts.h"
 
 #include <math.h>
@@ -13,6 +14,8 @@
  * point's limit, so that cuts that begin with it are not finer than their own points need. Measured:
  * tests/results/asked-error.md. */
 #define START_COARSER 1.4
+
+#define MAX_GATHER_SIZE 65536 /* pairs of a gather cluster's cut, of fewer lights than that */
 
 /* ---- memory ---- */
 
@@ -44,7 +47,11 @@ static void set_sizes(lc_cut *c)
     const uint32_t max_cut = c->desc.max_cut;
     uint32_t n_roots = 0;
     for (int k = 0; k < LC_LIGHT_KINDS; k++) n_roots += tree->n_of_kind[k] > 0;
-    c->max_size = max_cut && max_cut < tree->n_lights ? max_cut : tree->n_lights;
+    const uint64_t pairs = (uint64_t)tree->n_lights * (c->desc.max_points ? c->desc.max_points : 1);
+    const uint32_t all = pairs <= tree->n_lights   ? tree->n_lights
+                         : pairs < MAX_GATHER_SIZE ? (uint32_t)pairs
+                         : tree->n_lights > MAX_GATHER_SIZE ? tree->n_lights : MAX_GATHER_SIZE;
+    c->max_size = max_cut && max_cut < all ? max_cut : all;
     if (c->max_size < n_roots) c->max_size = n_roots;
     /* Cuts that begin with this one may see all of its hidden clusters, which count towards max_size then. */
     uint32_t most = c->max_size < tree->n_lights ? c->max_size / 2 : LC_MAX_HIDDEN;
@@ -60,6 +67,9 @@ lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *t
     cut->visibility = *visibility;
     cut->desc = *desc;
     cut->record = record;
+    cut->part = (lc_cut_part){ 1, 1, 0 };
+    cut->light_bits = 31;
+    cut->light_mask = ~LC_PENDING;
     set_sizes(cut);
     lc_cut_list *const lists[] = { &cut->open, &cut->split, &cut->kept, &cut->leaf };
     size_t n = list_capacity(cut);
@@ -216,6 +226,14 @@ static bool split_round(lc_cut *c, lc_cut_step *s, float limit, uint64_t rays_be
     return true;
 }
 
+/* What the error of the whole cut is relative to: the pixel's luminance, or the floor. The pixel's variance
+ * is the sum over its cuts, each times its share squared; each may add as much as its share. */
+static double of_pixel(const lc_cut *c, double total)
+{
+    const double pixel = (double)c->part.own * total + c->part.rest;
+    return fmax(pixel, (double)c->desc.floor) / sqrt((double)c->part.share);
+}
+
 /* The limit on the bounds of clusters: that of each of them, or that of a round, with which clusters are
  * split worst first until the whole cut is within its limit, or the room is used up. */
 static float limit_of(lc_cut *c, const lc_cut_step *s, bool traced, double total, double *ratio)
@@ -223,7 +241,7 @@ static float limit_of(lc_cut *c, const lc_cut_step *s, bool traced, double total
     const double floor_lum = (double)c->desc.floor, of = total > floor_lum ? total : floor_lum;
     *ratio = (double)c->desc.error_ratio;
     if (c->desc.z > 0) {
-        const double rss = *ratio * of / (double)c->desc.z;
+        const double rss = *ratio * of_pixel(c, total) / (double)c->desc.z;
         if (!c->start_saved && isinf(lc_cut_rss_limit(c, START_COARSER * rss)))
             lc_cut_save_start(c, s->stats);
         return lc_cut_rss_limit(c, rss);
@@ -288,7 +306,7 @@ static bool error_above(const lc_cut *c, double most)
 
 void lc_cut_set_step(lc_cut_step *s, const lc_cut *c, const lc_point *p, const float org[3], lc_stats *stats)
 {
-    s->point = p;
+    s->point = s->bounded = p;
     s->org = org;
     s->stats = stats;
     s->pairs = (lc_cut_pairs){ .parent = &c->split,
@@ -310,7 +328,8 @@ bool lc_cut_begin(lc_cut *c, lc_cut_step *s, uint64_t hash)
     set_slot(c, (uint32_t)(hash % c->tree->n_reps));
     if (c->occlusion) lc_occlusion_start(c->occlusion, s->org);
     c->in_block = c->occlusion && c->start && c->start->has_points &&
-                  lc_point_box_holds(&c->start->points, s->org);
+                  (c->gather ? lc_point_box_has(&c->start->points, &c->gather->orgs)
+                             : lc_point_box_holds(&c->start->points, s->org));
     place(c, s);
     return (c->start && c->defers) || refine_within_room(c, s);
 }
@@ -340,4 +359,27 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     for (bool wants_rays = lc_cut_begin(c, &s, hash); wants_rays;)
         wants_rays = lc_cut_go_on(c, &s, lc_cut_trace(c, &s));
     lc_cut_end(c, &s, out);
+}
+
+void lc_cut_shade_gather(lc_cut *c, const lc_gather *g, uint64_t hash, lc_stats *stats, lc_cut_result *out)
+{
+    const bool defers = c->defers;
+    const lc_gather_point *first = lc_gather_at(g, 0);
+    lc_cut_step s;
+    lc_cut_set_step(&s, c, first->p, first->org, stats);
+    s.bounded = g->all;
+    c->gather = g;
+    c->defers = true; /* all rays of a point together */
+    c->hash = lc_mix(hash);
+    c->turn = 0;
+    c->light_bits = 0;
+    while ((uint32_t)1 << c->light_bits < c->tree->n_lights) c->light_bits++;
+    c->light_mask = ((uint32_t)1 << c->light_bits) - 1;
+    for (bool wants_rays = lc_cut_begin(c, &s, hash); wants_rays;)
+        wants_rays = lc_cut_go_on(c, &s, lc_cut_trace(c, &s));
+    lc_cut_end(c, &s, out);
+    c->gather = NULL;
+    c->defers = defers;
+    c->light_bits = 31;
+    c->light_mask = ~LC_PENDING;
 }

@@ -43,6 +43,11 @@ void lc_cut_free(lc_cut *cut);
 void lc_cut_shade(lc_cut *cut, const lc_point *point, const float ray_org[3], uint64_t hash, lc_stats *stats,
                   lc_cut_result *out);
 
+/* The same for a gather cluster: the mean of its points' radiances. With desc.z only; the cut is not recorded
+ * and not saved as a start. */
+void lc_cut_shade_gather(lc_cut *cut, const lc_gather *gather, uint64_t hash, lc_stats *stats,
+                         lc_cut_result *out);
+
 /* Sets hidden[i] to 1 for each of n targets that is occluded, or lies behind the geometric surface: a shading
  * normal may face such a light, and shadow rays ignore hits near their start, so they miss the surface
  * itself. For the arguments see visibility.h; the blocker is LC_NONE where the surface alone occludes. True:

@@ -7,6 +7,7 @@
 
 #include "base/stats.h"
 #include "cut/cut_list.h"
+#include "cut/gather.h"
 #include "cut/occlusion_proof.h"
 #include "tree/light_tree.h"
 
@@ -38,7 +39,17 @@ typedef struct lc_cut_desc {
     float floor;       /* the dark floor: luminance of reflected radiance, W/(m^2 sr) */
     float z;           /* 0: error_ratio limits each cluster. Else it limits the whole cut: z times the root
                           of the sum of its squared bounds */
+    uint32_t max_points; /* of a gather cluster; 0: there are none */
+    const uint32_t *parent; /* of each light, its node; for gather clusters alone */
 } lc_cut_desc;
+
+/* What a cut is of the pixel whose error is asked for, where other points have other cuts. The pixel's
+ * radiance is taken as own times the cut's plus rest. */
+typedef struct lc_cut_part {
+    float share; /* of the pixel's samples */
+    float own;   /* the same and that of samples whose cuts are still to be made */
+    double rest; /* luminance of the others */
+} lc_cut_part;
 
 /* Clusters that were split together. */
 typedef struct lc_cut_round {
@@ -62,6 +73,7 @@ typedef struct lc_cut {
     const lc_cut_start *start; /* NULL: the roots */
     lc_cut_start *start_out;   /* NULL: nowhere */
     bool start_saved;          /* start_out is filled in, or NULL */
+    lc_cut_part part;          /* with desc.z; 1, 1, 0: all of the pixel */
     bool in_block;             /* the point is in the start's box of points */
     uint32_t n_start_history, n_start_rounds; /* with record: what led to the start that was saved last */
 
@@ -69,6 +81,12 @@ typedef struct lc_cut {
     const uint32_t *reps;
     size_t reps_stride;
     uint32_t slot;
+
+    /* The gather cluster whose cut it is, NULL: one point. See cut_gather.c for the names of its pairs. */
+    const lc_gather *gather;
+    uint32_t light_bits, light_mask; /* of a representative's word: the light */
+    uint32_t turn;                   /* runs of new representatives so far, each of another point */
+    uint64_t hash;
 
     lc_cut_list open;  /* bound above the limit, or not yet compared */
     lc_cut_list split; /* to be split in this round */

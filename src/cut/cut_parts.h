@@ -5,11 +5,16 @@
  *     cut_select.c   the limit, and the clusters that a round splits
  *     cut_split.c    their children
  *     cut_rays.c     shadow rays
+ *     cut_gather.c   what is different where a gather cluster takes the place of a point
  */
 #ifndef LC_CUT_PARTS_H
 #define LC_CUT_PARTS_H
 
 #include "cut/cut_data.h"
+
+/* A light and a range of a gather cluster's points: LC_PAIR | level << light_bits | light; which range of the
+ * level it is its representative's point tells. As a link it is no node and no light. */
+#define LC_PAIR 0x40000000u
 
 #define LC_CUT_BATCH 64 /* clusters that are split, and lights that are estimated and traced, at a time */
 
@@ -17,7 +22,8 @@
  * pairs.first + pairs.n - 1 of the list `split` and their children, pair by pair, in runs of one light kind.
  */
 typedef struct lc_cut_step {
-    const lc_point *point;
+    const lc_point *point;   /* of a gather cluster, the one that is estimated now */
+    const lc_point *bounded; /* what bounds are for */
     const float *org; /* x y z, where shadow rays start */
     lc_stats *stats;
     lc_cut_pairs pairs; /* its arrays are the ones below */
@@ -29,6 +35,8 @@ typedef struct lc_cut_step {
     const float *intensity[2 * LC_CUT_BATCH];
     uint32_t n_bounded;                    /* children that are no lights */
     float f[6][LC_CUT_BATCH + LC_LANES]; /* of new representatives: M G, target of the shadow ray */
+    uint32_t at[LC_CUT_BATCH];           /* of a gather cluster: their points */
+    float part[2 * LC_CUT_BATCH][4];     /* intensities of pairs */
 } lc_cut_step;
 
 /* ---- a cut in steps, between which its pending rays are traced ---- */
@@ -67,6 +75,34 @@ void lc_cut_settle(lc_cut *cut, const lc_cut_rays *rays, uint32_t n, const uint8
 /* Sums the lights of `leaf`, whose rays have all been settled. */
 void lc_cut_leaves_done(lc_cut *cut);
 
+/* ---- gather clusters ---- */
+
+/* Deals new representatives first .. first + n - 1 of a batch out to points. */
+void lc_cut_deal(lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n);
+void lc_cut_use_point(const lc_cut *cut, lc_cut_step *step, uint32_t at);
+/* The point of a representative's word. */
+static inline uint32_t lc_cut_point_of(const lc_cut *c, uint32_t rep)
+{
+    return (rep & ~LC_PENDING) >> c->light_bits;
+}
+/* These stand in for those of a point: the children of a batch; their bounds; estimates of its new
+ * representatives; what pending rays of a list change. */
+void lc_cut_gather_children(lc_cut *cut, lc_cut_step *step);
+void lc_cut_gather_bounds(const lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n,
+                          lc_light_kind kind);
+void lc_cut_gather_estimates(const lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n,
+                             lc_light_kind kind);
+double lc_cut_gather_trace(lc_cut *cut, lc_cut_step *step);
+/* Gives the leaves from `first` on, which are exact, their points' own reflectances. Returns the change of the
+ * total's luminance. */
+double lc_cut_gather_own(const lc_cut *cut, uint32_t first);
+/* Whether the light of a pair is occluded from all points by the occluder of a ray from one of them. */
+bool lc_cut_gather_proves(const lc_cut *cut, uint32_t link, uint32_t occluder, lc_stats *stats);
+/* Places lights of a start, or a root that is one. Return their luminance. */
+double lc_cut_gather_lights(lc_cut *cut, lc_cut_step *step, const uint32_t *link, uint32_t n,
+                            lc_light_kind kind);
+double lc_cut_gather_root(lc_cut *cut, lc_cut_step *step, uint32_t link, lc_light_kind kind);
+
 /* ---- the parts ---- */
 
 /* Puts the roots into `open`, or with a start its clusters into `kept`; after a start no ray is pending,
@@ -99,8 +135,8 @@ double lc_cut_split(lc_cut *cut, lc_cut_step *step, float limit);
 
 /* Trace the pending rays of all lists, or of `leaf` alone, whose lights are done then. Return the change of
  * the total's luminance. */
-double lc_cut_trace(lc_cut *cut, const lc_cut_step *step);
-double lc_cut_trace_leaves(lc_cut *cut, const lc_cut_step *step);
+double lc_cut_trace(lc_cut *cut, lc_cut_step *step);
+double lc_cut_trace_leaves(lc_cut *cut, lc_cut_step *step);
 
 /* All clusters and lights but the hidden ones. */
 static inline uint32_t lc_cut_n_clusters(const lc_cut *c)
@@ -141,6 +177,14 @@ static inline double lc_cut_append(lc_cut_list *list, float bound, uint32_t link
     return (double)lc_luminance(lc_f3_make(list->e[0][at], list->e[1][at], list->e[2][at]));
 }
 
+static inline bool lc_cut_is_node(uint32_t link) { return !(link & (LC_LEAF | LC_PAIR)); }
+
+static inline lc_light_kind lc_cut_kind_of(const lc_cut *c, uint32_t link)
+{
+    return lc_cut_is_node(link) ? lc_kind_of_node(c->tree, link)
+                                : lc_kind_of_light(c->tree, link & c->light_mask);
+}
+
 /* Representative of a cluster, or the light itself. */
 static inline uint32_t lc_cut_rep_of(const lc_cut *c, uint32_t link)
 {
@@ -164,8 +208,8 @@ static inline const float *lc_cut_intensity_of(const lc_tree_data *t, uint32_t l
 static inline void lc_cut_bounds(const lc_cut *c, const lc_cut_step *s, const uint32_t *node, uint32_t n,
                                  lc_light_kind kind, float *bound)
 {
-    c->ctx->shade_kernels->bounds(&c->tree->data, node, n, kind, s->point, bound);
-    lc_lower_bounds_of_alike(c->tree, node, n, bound);
+    c->ctx->shade_kernels->bounds(&c->tree->data, node, n, kind, s->bounded, bound);
+    if (!c->gather) lc_lower_bounds_of_alike(c->tree, node, n, bound);
 }
 
 /* M G and shadow ray targets of the new representatives first .. first + n - 1, all of one kind. */

@@ -29,6 +29,7 @@ bool lc_cut_hidden(const lc_visibility *visibility, const lc_point *p, const flo
 /* Rays of some clusters of a list. */
 typedef struct {
     uint32_t at[LC_CUT_BATCH]; /* index in the list */
+    lc_cut_list *list[LC_CUT_BATCH];
     uint32_t n;
     float target[3][LC_CUT_BATCH];
 } ray_group;
@@ -51,12 +52,11 @@ static void settle(const lc_cut *c, lc_cut_list *list, uint32_t at, bool hidden,
         *change += luminance_at(list, at);
         return;
     }
-    if (c->occlusion) lc_occlusion_note(c->occlusion, list->rep[at], blocker);
+    if (c->occlusion) lc_occlusion_note(c->occlusion, list->rep[at] & c->light_mask, blocker);
     for (int k = 0; k < 3; k++) list->transfer[k][at] = list->e[k][at] = 0;
 }
 
-static double trace_group(const lc_cut *c, const lc_cut_step *s, lc_cut_list *list, const ray_group *g,
-                          bool far)
+static double trace_group(const lc_cut *c, const lc_cut_step *s, const ray_group *g, bool far)
 {
     uint8_t hidden[LC_CUT_BATCH];
     uint32_t blocker[LC_CUT_BATCH];
@@ -71,13 +71,75 @@ static double trace_group(const lc_cut *c, const lc_cut_step *s, lc_cut_list *li
     for (uint32_t i = 0; i < g->n; i++) {
         if (!hidden[i] && !dims) continue;
         const float *left = dims ? (const float[3]){ v[0][i], v[1][i], v[2][i] } : NULL;
-        settle(c, list, g->at[i], hidden[i], left, c->occlusion ? blocker[i] : LC_NONE, &change);
+        settle(c, g->list[i], g->at[i], hidden[i], left, c->occlusion ? blocker[i] : LC_NONE, &change);
     }
     return change;
 }
 
+/* Adds the pending ray of an element to a group. */
+static void add_ray(const lc_cut *c, const lc_cut_step *s, lc_cut_list *list, uint32_t i, ray_group *g)
+{
+    const uint32_t rep = list->rep[i] & c->light_mask;
+    const lc_light_rec *light = &c->tree->data.lights[rep];
+    float to[3] = { light->pos[0], light->pos[1], light->pos[2] };
+    if (lc_is_sized(lc_kind_of_light(c->tree, rep))) lc_ball_target(light, s->point, to);
+    for (int k = 0; k < 3; k++) g->target[k][g->n] = to[k];
+    g->list[g->n] = list;
+    g->at[g->n++] = i;
+    list->rep[i] &= ~LC_PENDING;
+}
+
+static bool has_far(const lc_light_tree *t)
+{
+    bool far = false;
+    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        far |= t->n_of_kind[kind] && lc_is_far((lc_light_kind)kind);
+    return far;
+}
+
+/* Counts the pending rays of a list by their keys, point and whether they go far; or with `order` writes their
+ * places there, `in_list` added, each at the end of its key's so far. */
+static void sort_rays(const lc_cut *c, const lc_cut_list *list, uint32_t first, uint32_t in_list, bool all_near,
+                      uint32_t *end, uint32_t *order)
+{
+    for (uint32_t i = first; i < list->n; i++) {
+        const uint32_t rep = list->rep[i];
+        if (!(rep & LC_PENDING)) continue;
+        const uint32_t key = 2 * lc_cut_point_of(c, rep) +
+                             (!all_near && lc_is_far(lc_kind_of_light(c->tree, rep & c->light_mask)));
+        if (order) order[end[key]++] = i | in_list;
+        else end[key + 1]++;
+    }
+}
+
+#define IN_LIST_BITS 30 /* of a place: the element; above, its list */
+
+/* The rays of each point together, of all lists. */
+double lc_cut_gather_trace(lc_cut *c, lc_cut_step *s)
+{
+    lc_cut_list *const lists[] = { &c->open, &c->kept, &c->leaf };
+    uint32_t end[2 * LC_GATHER_MOST + 1] = { 0 }, *order = (uint32_t *)(void *)c->scratch;
+    const bool all_near = !has_far(c->tree);
+    double change = 0;
+    for (uint32_t k = 0; k < 3; k++) sort_rays(c, lists[k], k == 1 ? c->n_traced : 0, 0, all_near, end, NULL);
+    for (uint32_t k = 0; k < 2 * c->gather->n; k++) end[k + 1] += end[k];
+    for (uint32_t k = 0; k < 3; k++)
+        sort_rays(c, lists[k], k == 1 ? c->n_traced : 0, k << IN_LIST_BITS, all_near, end, order);
+    for (uint32_t key = 0, i = 0; key < 2 * c->gather->n; key++) {
+        lc_cut_use_point(c, s, key / 2);
+        while (i < end[key]) {
+            ray_group g = { .n = 0 };
+            for (; i < end[key] && g.n < LC_CUT_BATCH; i++)
+                add_ray(c, s, lists[order[i] >> IN_LIST_BITS], order[i] & ((1u << IN_LIST_BITS) - 1), &g);
+            change += trace_group(c, s, &g, key & 1);
+        }
+    }
+    lc_cut_leaves_done(c);
+    return change;
+}
+
 /* Traces the pending rays of a list from element `first` on. */
-static double trace_list(const lc_cut *c, const lc_cut_step *s, lc_cut_list *list, uint32_t first)
+static double trace_list(const lc_cut *c, lc_cut_step *s, lc_cut_list *list, uint32_t first)
 {
     const lc_light_tree *t = c->tree;
     double change = 0;
@@ -85,19 +147,12 @@ static double trace_list(const lc_cut *c, const lc_cut_step *s, lc_cut_list *lis
     for (uint32_t i = first; i < list->n;) {
         near.n = far.n = 0;
         for (; i < list->n && near.n < LC_CUT_BATCH && far.n < LC_CUT_BATCH; i++) {
-            uint32_t rep = list->rep[i];
+            const uint32_t rep = list->rep[i];
             if (!(rep & LC_PENDING)) continue;
-            rep &= ~LC_PENDING;
-            ray_group *g = lc_is_far(lc_kind_of_light(t, rep)) ? &far : &near;
-            const lc_light_rec *light = &t->data.lights[rep];
-            float to[3] = { light->pos[0], light->pos[1], light->pos[2] };
-            if (lc_is_sized(lc_kind_of_light(t, rep))) lc_ball_target(light, s->point, to);
-            for (int k = 0; k < 3; k++) g->target[k][g->n] = to[k];
-            g->at[g->n++] = i;
-            list->rep[i] = rep;
+            add_ray(c, s, list, i, lc_is_far(lc_kind_of_light(t, rep & ~LC_PENDING)) ? &far : &near);
         }
-        if (near.n) change += trace_group(c, s, list, &near, false);
-        if (far.n) change += trace_group(c, s, list, &far, true);
+        if (near.n) change += trace_group(c, s, &near, false);
+        if (far.n) change += trace_group(c, s, &far, true);
     }
     return change;
 }
@@ -109,15 +164,16 @@ void lc_cut_leaves_done(lc_cut *c)
     c->leaf.n = 0;
 }
 
-double lc_cut_trace_leaves(lc_cut *c, const lc_cut_step *s)
+double lc_cut_trace_leaves(lc_cut *c, lc_cut_step *s)
 {
     double change = trace_list(c, s, &c->leaf, 0);
     lc_cut_leaves_done(c);
     return change;
 }
 
-double lc_cut_trace(lc_cut *c, const lc_cut_step *s)
+double lc_cut_trace(lc_cut *c, lc_cut_step *s)
 {
+    if (c->gather) return lc_cut_gather_trace(c, s);
     double change = trace_list(c, s, &c->open, 0);
     change += trace_list(c, s, &c->kept, c->n_traced);
     return change + lc_cut_trace_leaves(c, s);

@@ -186,10 +186,14 @@ static void split_fewer(lc_cut *c, uint32_t room)
 bool lc_cut_prove(lc_cut *c, uint32_t link, uint32_t occluder, bool passed, uint32_t max_triangles,
                   lc_stats *stats)
 {
+    if (!lc_cut_is_node(link)) return lc_cut_gather_proves(c, link, occluder, stats);
     if (c->n_hidden == c->max_hidden) return false;
-    bool far = lc_is_far(lc_kind_of_node(c->tree, link));
-    if (!lc_occlusion_proves(c->occlusion, &c->tree->data.nodes[link], occluder, passed, far, max_triangles,
-                             &stats->proof_tests))
+    const bool far = lc_is_far(lc_kind_of_node(c->tree, link));
+    const lc_node *node = &c->tree->data.nodes[link];
+    if (!(c->gather ? lc_occlusion_proves_from(c->occlusion, &c->gather->orgs, node, occluder, passed, far,
+                                               max_triangles, &stats->proof_tests)
+                    : lc_occlusion_proves(c->occlusion, node, occluder, passed, far, max_triangles,
+                                          &stats->proof_tests)))
         return false;
     c->hidden[c->n_hidden++] = (lc_hidden_cluster){ link, occluder };
     return true;
@@ -211,8 +215,11 @@ static void find_occluders(const lc_cut *c, uint32_t *occluder)
     for (uint32_t i = 0; i < split->n; i++) {
         occluder[i] = LC_NONE;
         if (split->transfer[0][i] + split->transfer[1][i] + split->transfer[2][i] > 0) continue;
-        occluder[i] = lc_occlusion_by(c->occlusion, split->rep[i],
-                                      lc_is_far(lc_kind_of_node(c->tree, split->link[i])));
+        if (c->gather)
+            memcpy(c->occlusion->org, lc_gather_at(c->gather, lc_cut_point_of(c, split->rep[i]))->org,
+                   sizeof c->occlusion->org);
+        occluder[i] = lc_occlusion_by(c->occlusion, split->rep[i] & c->light_mask,
+                                      lc_is_far(lc_cut_kind_of(c, split->link[i])));
         if (occluder[i] != LC_NONE) __builtin_prefetch(&c->occlusion->occluders->all[occluder[i]]);
     }
 }

@@ -55,7 +55,7 @@ static uint32_t run_length(const lc_cut *c, const lc_cut_step *s, uint32_t i, lc
     const uint32_t *parent = c->split.link + s->pairs.first;
     uint32_t run = 1;
     if (t->n_of_kind[kind] == t->n_lights) return s->pairs.n - i;
-    while (i + run < s->pairs.n && lc_kind_of_node(t, parent[i + run]) == kind) run++;
+    while (i + run < s->pairs.n && lc_cut_kind_of(c, parent[i + run]) == kind) run++;
     return run;
 }
 
@@ -77,21 +77,25 @@ double lc_cut_split(lc_cut *c, lc_cut_step *s, float limit)
     c->split.n = 0;
     s->pairs.limit = limit;
     for (uint32_t at = 0; at < n; at += s->pairs.n) {
-        uint32_t run, n_before = c->open.n + c->kept.n;
+        uint32_t run, n_before = c->open.n + c->kept.n, n_leaves = c->leaf.n;
         s->pairs.first = at;
         s->pairs.n = n - at < LC_CUT_BATCH ? n - at : LC_CUT_BATCH;
         s->n_bounded = 0;
-        find_children(c, s);
+        if (c->gather) lc_cut_gather_children(c, s);
+        else find_children(c, s);
         lc_phase_end(s->stats, LC_PHASE_REFINE);
         for (uint32_t i = 0; i < s->pairs.n; i += run) {
-            lc_light_kind kind = lc_kind_of_node(c->tree, c->split.link[at + i]);
+            lc_light_kind kind = lc_cut_kind_of(c, c->split.link[at + i]);
             run = run_length(c, s, i, kind);
-            bound_children(c, s, i, run, kind);
+            if (c->gather) lc_cut_gather_bounds(c, s, i, run, kind);
+            else bound_children(c, s, i, run, kind);
             lc_phase_end(s->stats, LC_PHASE_BOUNDS);
-            lc_cut_estimate(c, s, i, run, kind);
+            if (c->gather) lc_cut_gather_estimates(c, s, i, run, kind);
+            else lc_cut_estimate(c, s, i, run, kind);
             lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
         }
         change += c->ctx->cut_kernels->place(&s->pairs, &c->open, &c->kept, &c->leaf);
+        if (c->gather) change += lc_cut_gather_own(c, n_leaves);
         count_done(c, s, c->open.n + c->kept.n - n_before);
         lc_phase_end(s->stats, LC_PHASE_REFINE);
     }

@@ -21,18 +21,25 @@ static double place_root(lc_cut *c, lc_cut_step *s, lc_light_kind kind)
     const lc_light_tree *t = c->tree;
     uint32_t link = t->root[kind];
     bool inner = !(link & LC_LEAF), lit;
+    if (c->gather && !inner) return lc_cut_gather_root(c, s, link, kind);
     s->rep[0] = lc_cut_rep_of(c, link);
     s->bound[0] = 1;
     if (inner) lc_cut_bounds(c, s, &link, 1, kind, s->bound);
     s->stats->bounds += inner;
-    lc_cut_estimate(c, s, 0, 1, kind);
+    if (c->gather) {
+        lc_cut_deal(c, s, 0, 1);
+        lc_cut_gather_estimates(c, s, 0, 1, kind);
+    } else {
+        lc_cut_estimate(c, s, 0, 1, kind);
+    }
     lit = s->f[0][0] > 0 || s->f[1][0] > 0 || s->f[2][0] > 0;
     c->n_zero_bound += inner && !(s->bound[0] > 0);
     inner &= s->bound[0] > 0;
     if (!inner) c->done[c->n_done] = link;
     c->n_done += !inner;
     if (!(s->bound[0] > 0)) return 0;
-    return lc_cut_append(inner ? &c->open : &c->leaf, s->bound[0], link, s->rep[0] | (lit ? LC_PENDING : 0),
+    return lc_cut_append(inner ? &c->open : &c->leaf, s->bound[0], link,
+                         s->rep[0] | (lit ? LC_PENDING : 0),
                          (const float[3]){ s->f[0][0], s->f[1][0], s->f[2][0] },
                          lc_cut_intensity_of(&t->data, link));
 }
@@ -212,7 +219,14 @@ static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
     s->stats->bounds += n;
     lc_phase_end(s->stats, LC_PHASE_BOUNDS);
     n = drop_zero(c, s, link, n);
-    c->ctx->shade_kernels->estimate(&c->tree->data, 0, s->rep, n, kind, s->point, out);
+    if (c->gather) {
+        lc_cut_deal(c, s, 0, n);
+        lc_cut_gather_estimates(c, s, 0, n, kind);
+        for (int k = 0; k < 3; k++) memcpy(out[k], s->f[k], n * sizeof(float));
+        memcpy(kept->rep + at, s->rep, n * sizeof *s->rep);
+    } else {
+        c->ctx->shade_kernels->estimate(&c->tree->data, 0, s->rep, n, kind, s->point, out);
+    }
     lc_shadow_targets(c->tree, kind, s->point, s->rep, 0, n, out + 3);
     lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
     for (uint32_t i = 0; i < n; i++) {
@@ -234,6 +248,7 @@ static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
 static double start_lights(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)
 {
     double total = 0;
+    if (c->gather) return lc_cut_gather_lights(c, s, link, n, kind);
     for (uint32_t i = 0; i < n; i++) s->rep[i] = link[i] & ~LC_LEAF;
     lc_cut_estimate(c, s, 0, n, kind);
     for (uint32_t i = 0; i < n; i++) {

@@ -66,6 +66,16 @@ static inline bool lc_point_box_holds(const lc_point_box *b, const float x[3])
     return in;
 }
 
+/* Whether it holds another box. */
+static inline bool lc_point_box_has(const lc_point_box *b, const lc_point_box *other)
+{
+    bool in = true;
+    for (int k = 0; k < 3; k++)
+        in &= fabs((double)other->center[k] - (double)b->center[k]) + (double)other->half[k] <=
+              (double)b->half[k] * (1 - 0x1p-40);
+    return in;
+}
+
 /* The same from all points of a box. passed: a ray from one of them to one of the node's lights is known to
  * pass through the occluder. */
 bool lc_occlusion_proves_from(const lc_occlusion *o, const lc_point_box *from, const lc_node *node,

@@ -32,6 +32,8 @@
 #define TRUE_Z 2.0        /* of the finer cuts, for one sample */
 #define ERRORS_TIMED 6    /* where there is a time to keep: for a z */
 #define Z_FOR_TIME 3      /* z that are found then */
+#define TRIED_STEPS 3     /* by one value of each pilot, of each way that samples may have cuts */
+#define SHARED_COSTS 1.4  /* a shared cut's work takes longer: its rays have many origins */
 #define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
 #define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
 #define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
@@ -67,13 +69,9 @@ static void shade_pilot(void *user, uint32_t thread, uint64_t item)
     lc_render_worker *w = &j->workers[thread];
     const uint32_t width = j->scene->film.width, at = p->pixel[item / p->n_slots];
     lc_pixel px = { .hits = 0 };
-    lc_f3 rgb;
     w->slot_shift = (uint32_t)(item % p->n_slots) * (j->spp < 16 ? j->spp : 1);
-    for (uint32_t i = 0; i < j->spp; i++) {
-        if (!lc_render_sample(j, w, at % width, at / width, i, &px, &rgb)) return;
-        px.rgb = lc_f3_add(px.rgb, rgb);
-    }
-    p->to[item] = (double)lc_luminance(px.rgb) / j->spp;
+    if (lc_add_samples(j, w, at % width, at / width, &px))
+        p->to[item] = (double)lc_luminance(px.rgb) / j->spp;
 }
 
 static void set_workers(const lc_render_job *j, double error, double z, bool alone)
@@ -182,6 +180,33 @@ static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibra
     c->z = (float)found;
 }
 
+/* Whether cuts that the samples of a pixel share take less work than a cut for each: by what both take, at the
+ * z that each needs. Counts, no clock, so that the choice is the same everywhere. */
+static void choose_shared(pilots *p, lc_cut_desc *cut, double *sorted)
+{
+    lc_render_job *j = p->j;
+    double work[2] = { 0, 0 }, found[2];
+    for (int way = 0; way < 2; way++) {
+        double z = (double)cut->z * (way ? sqrt((double)j->spp) : 1), last_z = z, last_miss = 0;
+        j->shared = way;
+        for (int step = 0; step < TRIED_STEPS && !atomic_load(&j->cancelled); step++) {
+            const uint64_t before = lc_job_work(j);
+            shade_all(p, (double)cut->error_ratio, z, 1, p->value);
+            work[way] = (double)(lc_job_work(j) - before);
+            find_misses(p, (double)cut->error_ratio, (double)cut->floor);
+            const double miss = quantile(p, sorted, (double)j->desc->within),
+                         next = next_z(z, miss, last_z, last_miss);
+            last_z = z;
+            last_miss = miss;
+            z = next;
+        }
+        found[way] = z;
+    }
+    j->shared = work[1] * SHARED_COSTS < work[0];
+    j->pixel_work = work[1] / p->n;
+    cut->z = (float)found[j->shared];
+}
+
 static void shade_block(void *user, uint32_t thread, uint64_t item)
 {
     const pilots *p = user;
@@ -190,11 +215,9 @@ static void shade_block(void *user, uint32_t thread, uint64_t item)
                    x0 = at % width - at % width % LC_PIXEL_BLOCK,
                    y0 = at / width - at / width % LC_PIXEL_BLOCK;
     lc_pixel px = { .hits = 0 };
-    lc_f3 rgb;
     for (uint32_t y = y0; y < y0 + LC_PIXEL_BLOCK && y < height; y++)
         for (uint32_t x = x0; x < x0 + LC_PIXEL_BLOCK && x < width; x++)
-            for (uint32_t i = 0; i < j->spp; i++)
-                if (!lc_render_sample(j, &j->workers[thread], x, y, i, &px, &rgb)) return;
+            if (!lc_add_samples(j, &j->workers[thread], x, y, &px)) return;
 }
 
 /* Seconds that a pixel takes by cuts of an error and a z, when all threads render. */
@@ -241,6 +264,7 @@ static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
     const bool all = (double)j->scene->tree->n_lights * j->spp <= MAX_EXACT;
     lc_cut_desc fine = *cut;
     fine.max_cut = 0;
+    fine.max_points = 0; /* a cut for each sample */
     lc_status st = lc_job_make_workers(j, &fine);
     if (!st) shade_all(p, (double)cut->error_ratio, all ? 0 : TRUE_Z / sqrt((double)j->spp), 1, p->truth);
     for (uint32_t i = 0; i < p->n; i++) p->n_finite += isfinite(p->truth[i]) ? 1 : 0;
@@ -257,14 +281,18 @@ static uint64_t count_rays(const lc_render_job *j)
 static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
 {
     lc_render_job *j = p->j;
-    const lc_cut_desc cut = { c->error, j->desc->max_cut, j->floor, j->z };
+    lc_cut_desc cut = lc_job_cut_desc(j);
+    cut.error_ratio = c->error;
     if (!p->pixel || !p->truth || !p->value || !sorted) return LC_ERR_MEMORY;
     place_pilots(p);
     lc_status st = shade_truth(p, &cut);
     c->rays = count_rays(j);
     lc_job_free_workers(j);
+    cut.max_points = j->max_points;
     if (!st && p->n_finite) st = lc_job_make_workers(j, &cut);
+    if (!st && p->n_finite && j->max_points) choose_shared(p, &cut, sorted);
     if (!st && p->n_finite) find_error(p, cut, sorted, c);
+    c->shared = j->shared;
     c->rays += count_rays(j);
     c->n_pilots = p->n_finite;
     lc_job_free_workers(j);

@@ -18,10 +18,11 @@
 #define MOST_DEPTH  2       /* its points are within this factor of the guide's distance, or there is none */
 #define BLOCK_BENDS 0.0625f /* of its size: how far its points may be from the guide's plane */
 
-static bool guides(const lc_guide *g, const lc_surface *s)
+const lc_cut_start *lc_guide_start(const lc_guide *g, lc_f3 pos, lc_f3 n)
 {
-    lc_f3 way = lc_f3_sub(s->pos, g->pos);
-    return g->valid && lc_f3_dot(s->n, g->n) > GUIDE_COS && lc_f3_dot(way, way) <= g->reach2;
+    if (!g || !g->made || !g->valid) return NULL;
+    const lc_f3 way = lc_f3_sub(pos, g->pos);
+    return lc_f3_dot(n, g->n) > GUIDE_COS && lc_f3_dot(way, way) <= g->reach2 ? &g->start : NULL;
 }
 
 /* The box of points that the block shows of the guide's plane, a little more as surfaces bend: what is proved
@@ -60,7 +61,7 @@ void lc_guided_cut(lc_cut *c, lc_guide *g, const lc_point *p, const lc_surface *
                       lc_stats *stats, lc_cut_result *out)
 {
     c->start_out = g && !g->made ? &g->start : NULL;
-    c->start = g && g->made && guides(g, s) ? &g->start : NULL;
+    c->start = lc_guide_start(g, s->pos, s->n);
     if (c->start_out) set_guide(g, s);
     lc_cut_shade(c, p, s->ray_org, hash, stats, out);
 }

@@ -54,7 +54,7 @@ static void prepass_cell(void *user, uint32_t thread, uint64_t item)
 static lc_status prepass(lc_render_job *j, double *mean)
 {
     const size_t n = PREPASS_SIDE * PREPASS_SIDE;
-    lc_cut_desc desc = { PREPASS_RATIO, PREPASS_MAX_CUT, 0, 0 };
+    lc_cut_desc desc = { .error_ratio = PREPASS_RATIO, .max_cut = PREPASS_MAX_CUT };
     j->prepass = lc_alloc(j->ctx, n, sizeof *j->prepass);
     lc_status st = j->prepass ? lc_job_make_workers(j, &desc) : LC_ERR_MEMORY;
     *mean = 0;
@@ -73,6 +73,29 @@ static void choice_cell(void *user, uint32_t thread, uint64_t item)
     shade_cell(user, thread, item, CHOICE_SIDE, &r);
 }
 
+static void add_counts(const lc_render_job *j, lc_stats *sum)
+{
+    for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) {
+        sum->points += j->workers[i].stats.points;
+        sum->shadow_rays += j->workers[i].stats.shadow_rays;
+        sum->bounds += j->workers[i].stats.bounds;
+        sum->proof_tests += j->workers[i].stats.proof_tests;
+    }
+}
+
+static uint64_t work_of(const lc_stats *cuts)
+{
+    return WORK_OF_CUT * cuts->points + WORK_OF_BOUND * cuts->bounds + WORK_OF_CUT_RAY * cuts->shadow_rays +
+           WORK_OF_PROOF * cuts->proof_tests;
+}
+
+uint64_t lc_job_work(const lc_render_job *j)
+{
+    lc_stats sum = { 0 };
+    add_counts(j, &sum);
+    return work_of(&sum);
+}
+
 /* Counts of both methods over a grid: shading points, shadow rays, bounds. */
 static lc_status try_method(lc_render_job *j, const lc_cut_desc *cut, bool exact, lc_stats *sum)
 {
@@ -80,12 +103,7 @@ static lc_status try_method(lc_render_job *j, const lc_cut_desc *cut, bool exact
     lc_status st = lc_job_make_workers(j, cut);
     j->exact = exact;
     if (!st) lc_parallel(j->ctx, CHOICE_SIDE * CHOICE_SIDE, choice_cell, j);
-    for (uint32_t i = 0; i < j->ctx->n_threads && !st; i++) {
-        sum->points += j->workers[i].stats.points;
-        sum->shadow_rays += j->workers[i].stats.shadow_rays;
-        sum->bounds += j->workers[i].stats.bounds;
-        sum->proof_tests += j->workers[i].stats.proof_tests;
-    }
+    if (!st) add_counts(j, sum);
     j->exact = was;
     lc_job_free_workers(j);
     return st;
@@ -104,16 +122,17 @@ static lc_status exact_pays(lc_render_job *j, const lc_cut_desc *cut, bool *pays
     if (!st) st = try_method(j, cut, true, &all);
     if (st) return st;
     const uint64_t exact = all.points * n + WORK_OF_RAY * all.shadow_rays;
-    const uint64_t by_cuts = WORK_OF_CUT * cuts.points + WORK_OF_BOUND * cuts.bounds +
-                             WORK_OF_CUT_RAY * cuts.shadow_rays + WORK_OF_PROOF * cuts.proof_tests;
-    *pays = (double)exact <= WORK_FOR_NO_ERROR * (double)by_cuts;
+    double by_cuts = (double)work_of(&cuts);
+    if (j->shared) by_cuts = j->pixel_work / j->spp * CHOICE_SIDE * CHOICE_SIDE;
+    *pays = (double)exact <= WORK_FOR_NO_ERROR * by_cuts;
     return LC_OK;
 }
 
 lc_cut_desc lc_job_cut_desc(const lc_render_job *j)
 {
     const lc_render_desc *d = j->desc;
-    return (lc_cut_desc){ j->error > 0 ? j->error : d->error_ratio, d->max_cut, j->floor, j->z };
+    return (lc_cut_desc){ j->error > 0 ? j->error : d->error_ratio, d->max_cut, j->floor, j->z,
+                          j->shared ? j->max_points : 0, j->parent };
 }
 
 /* Finds z, or takes it from who has it, unless every light turns out to be evaluated. */
@@ -125,6 +144,7 @@ static lc_status choose_z(lc_render_job *j, lc_calibration *c)
     else st = lc_calibrate(j, c);
     j->z = c->z;
     j->error = c->error;
+    j->shared = c->shared && j->max_points;
     if (!st && j->desc->method == LC_METHOD_LIGHTCUTS) {
         const lc_cut_desc cut = lc_job_cut_desc(j);
         st = exact_pays(j, &cut, &j->exact);

@@ -60,8 +60,7 @@ void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight 
     }
 }
 
-static void add_sample(const lc_render_job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir,
-                       const lc_cut_result *r)
+void lc_add_to_planes(const lc_render_job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir)
 {
     const lc_surface *s = &sight->first;
     const double *axis = j->scene->camera.axis;
@@ -70,9 +69,6 @@ static void add_sample(const lc_render_job *j, lc_pixel *px, const lc_sight *sig
     px->p = lc_f3_add(px->p, s->pos);
     px->albedo = lc_f3_add(px->albedo, lc_f3_add(s->material.kd, s->material.ks));
     px->z += s->t * cos_axis;
-    px->cut += (float)r->size;
-    px->rays += (float)r->rays;
-    px->error += r->max_error;
     px->hits++;
 }
 
@@ -96,7 +92,7 @@ bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i,
 }
 
 /* Reading the clock for every sample would cost some percent where a pixel takes half a microsecond. */
-static bool time_to_ask(lc_render_worker *w)
+bool lc_time_to_ask(lc_render_worker *w)
 {
     uint64_t work = w->stats.camera_rays + w->stats.shadow_rays + w->stats.cut_sum;
     if (work - w->asked < ASK_STEP) return false;
@@ -110,7 +106,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     lc_f3 dir;
     lc_sight s;
     lc_cut_result r;
-    if (time_to_ask(w) && !lc_job_go_on(j)) return false;
+    if (lc_time_to_ask(w) && !lc_job_go_on(j)) return false;
     lc_phase_start(&w->stats);
     w->stats.camera_rays++;
     bool hit = lc_sample_sight(j, x, y, i, &dir, &s);
@@ -124,22 +120,32 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     lc_shade_sight(j, w, &s, j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i),
                    lc_slot_hash(j, x, y, i + w->slot_shift), &r);
     *rgb = lc_f3_add(r.radiance, s.emission);
-    add_sample(j, px, &s, dir, &r);
+    lc_add_to_planes(j, px, &s, dir);
+    px->cut += (float)r.size;
+    px->rays += (float)r.rays;
+    px->error += r.max_error;
     lc_phase_end(&w->stats, LC_PHASE_OTHER);
     lc_phase_stop(&w->stats);
     /* The exact method may have stopped halfway. */
     return !atomic_load_explicit(&j->cancelled, memory_order_relaxed);
 }
 
+bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
+{
+    if (j->shared && !j->exact) return lc_render_samples(j, w, x, y, px);
+    for (uint32_t i = 0; i < j->spp; i++) {
+        lc_f3 rgb;
+        if (!lc_render_sample(j, w, x, y, i, px, &rgb)) return false;
+        px->rgb = lc_f3_add(px->rgb, rgb);
+    }
+    return true;
+}
+
 /* False: cancelled, nothing stored. */
 bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y)
 {
     lc_pixel px = { .weight = (float)j->spp };
-    for (uint32_t i = 0; i < j->spp; i++) {
-        lc_f3 rgb;
-        if (!lc_render_sample(j, w, x, y, i, &px, &rgb)) return false;
-        px.rgb = lc_f3_add(px.rgb, rgb);
-    }
+    if (!lc_add_samples(j, w, x, y, &px)) return false;
     if (!lc_film_store(&j->film, x, y, &px)) w->stats.nonfinite++;
     return true;
 }

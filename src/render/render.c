@@ -124,6 +124,7 @@ void lc_job_free_workers(lc_render_job *j)
         if (!j->workers[i].cut.ctx) continue;
         lc_free(j->ctx, j->workers[i].shared, n_shared(j), sizeof *j->workers[i].shared);
         lc_free(j->ctx, j->workers[i].tile, (size_t)LC_N_PLANES * LC_TILE * LC_TILE, sizeof(float));
+        lc_pixel_points_free(j->ctx, j->workers[i].points);
         lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.max_size + 2, sizeof(uint64_t));
         lc_cut_free(&j->workers[i].cut);
     }
@@ -135,7 +136,9 @@ void lc_job_free(lc_render_job *j)
 {
     lc_job_free_workers(j);
     lc_free(j->ctx, j->share, 1, sizeof *j->share);
+    lc_free(j->ctx, j->parent, j->scene->tree->n_lights, sizeof *j->parent);
     j->share = NULL;
+    j->parent = NULL;
 }
 
 lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
@@ -148,6 +151,8 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
         if (st) return st;
         w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.max_size + 2, sizeof *w->cut_hist);
         if (!w->cut_hist) return LC_ERR_MEMORY;
+        if (desc->max_points && !(w->points = lc_pixel_points_create(j->ctx, 2 * desc->max_points)))
+            return LC_ERR_MEMORY;
         w->stats.go_on = lc_job_go_on;
         w->stats.go_on_user = j;
         bool tiles = j->desc->tile_load || j->desc->tile_done;
@@ -224,6 +229,25 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     return lc_job_set_attributes(j, stats);
 }
 
+#define GATHER_FROM 8 /* samples of a pixel: fewer are faster by cuts of their own; tests/results/pixels.md */
+
+/* Lets samples of a pixel share cuts, where there is room for the names of their pairs. */
+static lc_status share_cuts(lc_render_job *j)
+{
+    const lc_light_tree *t = j->scene->tree;
+    const uint32_t most = lc_gather_capacity(t->n_lights);
+    if (most < 2 || !t->n_lights) return LC_OK;
+    j->parent = lc_alloc(j->ctx, t->n_lights, sizeof *j->parent);
+    if (!j->parent) return LC_ERR_MEMORY;
+    j->max_points = j->spp < most ? j->spp : most;
+    for (uint32_t i = 0; i < t->n_nodes; i++) {
+        const uint32_t child[2] = { t->data.nodes[i].left, t->data.nodes[i].right };
+        for (int k = 0; k < 2; k++)
+            if (child[k] & LC_LEAF) j->parent[child[k] & ~LC_LEAF] = i;
+    }
+    return LC_OK;
+}
+
 lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc)
 {
     *j = (lc_render_job){
@@ -234,6 +258,10 @@ lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, 
         if (!j->share) return LC_ERR_MEMORY;
         lc_filter_share_init(j->share, &scene->film.filter, j->spp);
         j->spp = j->share->n;
+    }
+    if (j->spp >= GATHER_FROM && !j->share && desc->error > 0) {
+        lc_status st = share_cuts(j);
+        if (st) return st;
     }
     j->max_depth = lc_render_depth(scene, desc);
     /* samples share a pixel; as in pbrt, one sees no less than an eighth of it */

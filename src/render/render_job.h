@@ -48,8 +48,10 @@ typedef struct lc_shared_pixel {
 } lc_shared_pixel;
 
 /* What a thread has for itself. */
+typedef struct lc_pixel_points lc_pixel_points; /* of samples.c */
 typedef struct lc_render_worker {
     lc_cut cut;
+    lc_pixel_points *points; /* NULL: each sample has a cut of its own */
     lc_stats stats;
     lc_guide guide;
     uint64_t *cut_hist; /* points by cut size, 0 .. cut.max_size */
@@ -80,6 +82,10 @@ typedef struct lc_render_job {
     float floor;     /* luminance: the dark floor */
     float z;         /* of cuts where the error of pixels is asked, else 0 */
     float error;     /* asked of pixels, 0: none */
+    bool shared;         /* the samples of a pixel share cuts */
+    uint32_t max_points; /* of a gather cluster, where they may; else 0 */
+    uint32_t *parent;    /* of each light, for these */
+    double pixel_work;   /* of a pixel whose samples share cuts, as lc_job_work counts it */
     double began;    /* lc_now */
     lc_filter_share *share; /* where samples are shared; NULL: each pixel has its own */
     uint32_t group;         /* tiles a side whose samples are shared */
@@ -139,6 +145,8 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
  */
 lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats);
 lc_cut_desc lc_job_cut_desc(const lc_render_job *j);
+/* What the cuts of all workers have cost so far, in estimates of one light. */
+uint64_t lc_job_work(const lc_render_job *j);
 
 /* ---- calibrate.c ---- */
 
@@ -153,6 +161,8 @@ lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x, uint32_t y,
                       uint32_t sample);
 void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g);
+/* What the cut of a point may begin with; NULL: the roots. */
+const lc_cut_start *lc_guide_start(const lc_guide *g, lc_f3 pos, lc_f3 n);
 uint32_t lc_guide_pixel(uint32_t at); /* coordinate of the pixel that makes the guide of a pixel at `at` */
 /* A cut that makes a guide, or begins with one that is made; or neither, where g is NULL. */
 void lc_guided_cut(lc_cut *c, lc_guide *g, const lc_point *p, const lc_surface *s, uint64_t hash,
@@ -171,6 +181,14 @@ void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight 
 /* Radiance of sample i of a pixel; px: all but rgb is added to. False: cancelled, or stopped halfway. */
 bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_pixel *px,
                       lc_f3 *rgb);
+/* Adds all samples of a pixel; false: cancelled. lc_add_to_planes: what does not depend on cuts. */
+bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px);
+void lc_add_to_planes(const lc_render_job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir);
+bool lc_time_to_ask(lc_render_worker *w);
+/* ---- samples.c ---- */
+bool lc_render_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px);
+lc_pixel_points *lc_pixel_points_create(const lc_context *ctx, uint32_t most);
+void lc_pixel_points_free(const lc_context *ctx, lc_pixel_points *p);
 /* False: cancelled, nothing stored. */
 bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y);
 

@@ -103,6 +103,7 @@ static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, con
     st = lc_image_set_number(im, "lightcuts/achieved", (double)c->achieved);
     if (!st) st = lc_image_set_number(im, "lightcuts/achievedMargin", (double)c->margin);
     if (!st) st = lc_image_set_number(im, "lightcuts/z", (double)c->z);
+    if (!st) st = lc_image_set_number(im, "lightcuts/sharedCuts", c->shared);
     return st;
 }
 

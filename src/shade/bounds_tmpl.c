@@ -34,8 +34,10 @@ LC_INLINE vf bound(cluster_lanes *l, lc_light_kind kind, lc_lobe lobe, const lc_
     static const float origin[3] = { 0, 0, 0 };
     const vf zero = vf_set(0);
     const bool far = lc_is_far(kind);
-    rel_box box = rel_box_make(l, far ? origin : p->pos);
+    const bool wide = lobe == LC_LOBE_NONE; /* it may be a box of points */
+    rel_box box = rel_box_make(l, far ? origin : p->pos, wide && !far ? p->half : NULL);
     range n = range_make(&box, set3(p->n), false);
+    if (wide && p->cone[1] > 0) n = range_of_cone(&n, &box, p->cone);
     if (!vf_any_gt(n.z1, zero)) return zero; /* behind the horizon */
     v3 intensity = row(l, ROW_INTENSITY);
     vf diffuse = dot(weights(p->diffuse), intensity), g;

@@ -134,11 +134,13 @@ LC_INLINE vf least(vf c, vf half, vf *m)
     return vf_max(a - half, vf_set(0));
 }
 
-LC_INLINE rel_box rel_box_make(cluster_lanes *l, const float x[3])
+/* half: of the box of points about x; NULL: x alone. */
+LC_INLINE rel_box rel_box_make(cluster_lanes *l, const float x[3], const float *half)
 {
     rel_box r;
     v3 center = row(l, ROW_CENTER), d;
     r.half = row(l, ROW_HALF);
+    if (half) r.half = (v3){ r.half.x + half[0], r.half.y + half[1], r.half.z + half[2] };
     r.c = (v3){ center.x - x[0], center.y - x[1], center.z - x[2] };
     d.x = least(r.c.x, r.half.x, &r.m.x);
     d.y = least(r.c.y, r.half.y, &r.m.y);
@@ -160,6 +162,20 @@ LC_INLINE range range_make(const rel_box *b, v3 axis, bool reversed)
     vf rt = vf_max(tt - support, zero);
     vf r2 = vf_max(rt * (rt / tt), zero); /* vf_max drops the NaN where tt is 0 */
     return (range){ (reversed ? -zc : zc) - zh, reversed ? zh - zc : zc + zh, r2 };
+}
+
+/* The range about every axis of a cone at once: those of the cone's own axis are `a`. See the head. */
+LC_INLINE range range_of_cone(const range *a, const rel_box *b, const float cone[2])
+{
+    const vf zero = vf_set(0), slack = b->m_sum * (16 * U);
+    const float cosine = cone[0], sine = cone[1];
+    vf m2 = dot(b->m, b->m) * (1 + 8 * U), m = vf_sqrt(m2) + slack;
+    vf near = vf_max(vf_max(a->z0, 0 - a->z1), zero), t = vf_sqrt(vf_max(m2 - near * near, zero)) + slack;
+    vf r = vf_sqrt(a->r2), lean = t * sine + slack, ahead = vf_max(a->z1, zero);
+    vf z1 = a->z1 * cosine + lean, inside = vf_sqrt(ahead * ahead + t * t) + slack;
+    z1 = vf_sel_gt(r * cosine, ahead * sine + slack, z1, vf_max(z1, inside));
+    r = vf_max(r * cosine - (ahead * sine + slack), zero);
+    return (range){ a->z0 * cosine - lean, vf_min(z1, m), r * r };
 }
 
 /* Least |p|^2 at the greatest cosine, where z1 > 0. */

@@ -134,7 +134,7 @@ static inline lc_cut_result exact(const setup *s, const point *q)
 
 static inline void open_cut(lc_cut *c, const setup *s, float ratio, uint32_t max_cut, float floor_lum)
 {
-    lc_cut_desc d = { ratio, max_cut, floor_lum, 0 };
+    lc_cut_desc d = { .error_ratio = ratio, .max_cut = max_cut, .floor = floor_lum };
     if (lc_cut_init(c, ctx, s->tree, &s->visibility, &d, true)) abort();
 }
 

@@ -1,0 +1,236 @@
+/* cut_gather.c - what is different in a cut whose receiver is a gather cluster (gather.h).
+ *
+ * Clusters of lights are paired with all points. Where a cluster's child is a light, it is paired with all
+ * points still: its link is LC_PAIR with level 0, and it stays among the clusters with a bound. Splitting it
+ * halves its range of points. With one point left the pair is exact, a light like any other in a cut.
+ *
+ *     representative   LC_PENDING | point << light_bits | light
+ *     bound            of a cluster: by the kernel for the box of all points
+ *                      of a child that is a light: the parent's times the share of the intensity
+ *                      of a range: the whole range's times the share of the points
+ *
+ * New representatives are dealt out to points, PER_POINT to each, neighbours to different ones, since what is
+ * near in the tree is hidden from a point together. So rays and estimates still come in groups of one origin.
+ */
+#include "cut/cut_parts.h"
+
+#include "base/rng.h"
+
+#define UP (1 + 0x1p-20f) /* above the rounding of a few products */
+#define OF_PAIR 0.2f     /* chosen; see above */
+#define PER_POINT 8      /* new representatives of a batch for each of its points */
+#define GOLDEN 0x9e3779b9u
+
+void lc_cut_use_point(const lc_cut *c, lc_cut_step *s, uint32_t at)
+{
+    const lc_gather_point *point = lc_gather_at(c->gather, at);
+    s->point = point->p;
+    s->org = point->org;
+}
+
+static uint32_t next_point(lc_cut *c)
+{
+    const uint32_t u = (uint32_t)(c->hash >> 32) + GOLDEN * c->turn++;
+    return (uint32_t)((uint64_t)u * c->gather->n >> 32);
+}
+
+void lc_cut_deal(lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n)
+{
+    const uint32_t n_points = (n + PER_POINT - 1) / PER_POINT;
+    for (uint32_t i = 0; i < n; i++) s->at[first + i] = i < n_points ? next_point(c) : s->at[first + i - n_points];
+}
+
+/* A light's intensity times a share of the points. */
+static const float *part_of(lc_cut_step *s, uint32_t child, const float *intensity, uint32_t points, uint32_t all)
+{
+    const float share = (float)points / (float)all;
+    for (int k = 0; k < 3; k++) s->part[child][k] = intensity[k] * share;
+    return s->part[child];
+}
+
+/* A light and a range of the points, as a child: exact where the range is one point. */
+static uint32_t pair_link(const lc_cut *c, uint32_t light, uint32_t level, uint32_t points)
+{
+    return points > 1 ? LC_PAIR | level << c->light_bits | light : LC_LEAF | light;
+}
+
+/* Halves the range of points of a batch's i-th parent. */
+static void halve(const lc_cut *c, lc_cut_step *s, uint32_t i, uint32_t link, uint32_t own)
+{
+    const uint32_t n = c->gather->n, light = link & c->light_mask,
+                   level = ((link & ~LC_PAIR) >> c->light_bits) + 1, point = lc_cut_point_of(c, own);
+    uint32_t lo, hi, half_lo, half_hi;
+    lc_gather_range(n, level - 1, point, &lo, &hi);
+    lc_gather_range(n, level, point, &half_lo, &half_hi);
+    const uint32_t points = half_hi - half_lo, rest = hi - lo - points,
+                   from = half_lo == lo ? half_hi : lo;
+    const float *intensity = lc_cut_intensity_of(&c->tree->data, LC_LEAF | light);
+    s->link[2 * i] = pair_link(c, light, level, points);
+    s->link[2 * i + 1] = pair_link(c, light, level, rest);
+    s->intensity[2 * i] = part_of(s, 2 * i, intensity, points, n);
+    s->intensity[2 * i + 1] = part_of(s, 2 * i + 1, intensity, rest, n);
+    s->fresh[2 * i] = 0;
+    s->fresh[2 * i + 1] = 1;
+    s->rep[i] = light;
+    s->at[i] = from + (uint32_t)((lc_hash4(c->hash, light, level, point) >> 32) * rest >> 32);
+}
+
+void lc_cut_gather_children(lc_cut *c, lc_cut_step *s)
+{
+    const lc_tree_data *t = &c->tree->data;
+    const uint32_t *parent = c->split.link + s->pairs.first, *own = c->split.rep + s->pairs.first;
+    lc_cut_deal(c, s, 0, s->pairs.n);
+    for (uint32_t i = 0; i < s->pairs.n; i++) {
+        if (!lc_cut_is_node(parent[i])) {
+            halve(c, s, i, parent[i], own[i]);
+            continue;
+        }
+        const lc_node *node = &t->nodes[parent[i]];
+        const uint32_t rep = lc_cut_rep_of(c, node->left), right_is_new = rep == (own[i] & c->light_mask),
+                       child[2] = { node->left, node->right };
+        for (uint32_t k = 0; k < 2; k++) {
+            const uint32_t light = child[k] & ~LC_LEAF;
+            s->link[2 * i + k] = child[k] & LC_LEAF ? pair_link(c, light, 0, c->gather->n) : child[k];
+            s->intensity[2 * i + k] = lc_cut_intensity_of(t, child[k]);
+        }
+        s->rep[i] = right_is_new ? lc_cut_rep_of(c, node->right) : rep;
+        s->fresh[2 * i] = (float)(1 - right_is_new);
+        s->fresh[2 * i + 1] = (float)right_is_new;
+        __builtin_prefetch(&t->lights[s->rep[i]]);
+    }
+}
+
+/* The greatest share of a channel that a light has in its cluster. */
+static float share_of(const float *light, const float *cluster)
+{
+    float most = 0;
+    for (int k = 0; k < 3; k++)
+        if (light[k] > 0) most = fmaxf(most, light[k] / cluster[k]);
+    return most;
+}
+
+void lc_cut_gather_bounds(const lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n, lc_light_kind kind)
+{
+    const uint32_t *link = s->link + 2 * first, at = s->pairs.first;
+    uint32_t m = 0;
+    for (uint32_t i = 0; i < 2 * n; i++) {
+        s->node[m] = link[i];
+        m += lc_cut_is_node(link[i]);
+        s->n_bounded += !(link[i] & LC_LEAF);
+    }
+    s->stats->bounds += m;
+    lc_cut_bounds(c, s, s->node, m, kind, s->node_bound);
+    for (uint32_t i = 2 * first, k = 0; i < 2 * (first + n); i++) {
+        const uint32_t own = s->link[i], parent = c->split.link[at + i / 2];
+        const float above = c->split.bound[at + i / 2];
+        if (own & LC_LEAF) {
+            s->bound[i] = 1;
+        } else if (!(own & LC_PAIR)) {
+            s->bound[i] = s->node_bound[k++];
+        } else if (lc_cut_is_node(parent)) {
+            s->bound[i] = above * share_of(s->intensity[i], c->tree->data.nodes[parent].intensity) * UP * OF_PAIR;
+        } else {
+            const float *other = s->intensity[i ^ 1];
+            const float both = s->intensity[i][0] + s->intensity[i][1] + s->intensity[i][2];
+            s->bound[i] = above * (both / (both + other[0] + other[1] + other[2])) * UP;
+        }
+    }
+}
+
+/* Those of one point at a time, which are scattered over the batch. */
+void lc_cut_gather_estimates(const lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n, lc_light_kind kind)
+{
+    uint32_t rep[LC_CUT_BATCH + LC_LANES], from[LC_CUT_BATCH];
+    float f[3][LC_CUT_BATCH + LC_LANES], to[3][LC_CUT_BATCH + LC_LANES];
+    float *const out[6] = { f[0], f[1], f[2], to[0], to[1], to[2] };
+    uint64_t left = n < 64 ? ((uint64_t)1 << n) - 1 : ~(uint64_t)0;
+    while (left) {
+        const uint32_t at = s->at[first + (uint32_t)__builtin_ctzll(left)];
+        uint32_t m = 0;
+        for (uint64_t rest = left; rest; rest &= rest - 1) {
+            const uint32_t i = (uint32_t)__builtin_ctzll(rest);
+            if (s->at[first + i] != at) continue;
+            rep[m] = s->rep[first + i];
+            from[m++] = first + i;
+            left &= ~((uint64_t)1 << i);
+        }
+        lc_cut_use_point(c, s, at);
+        c->ctx->shade_kernels->estimate(&c->tree->data, 0, rep, m, kind, s->point, out);
+        for (uint32_t i = 0; i < m; i++)
+            for (int k = 0; k < 3; k++) s->f[k][from[i]] = f[k][i];
+    }
+    for (uint32_t i = first; i < first + n; i++) s->rep[i] |= s->at[i] << c->light_bits;
+}
+
+double lc_cut_gather_own(const lc_cut *c, uint32_t first)
+{
+    const lc_cut_list *leaf = &c->leaf;
+    double change = 0;
+    for (uint32_t i = first; i < leaf->n && c->gather->uneven; i++) {
+        const float *scale = lc_gather_at(c->gather, lc_cut_point_of(c, leaf->rep[i]))->scale;
+        change -= (double)lc_luminance(lc_f3_make(leaf->e[0][i], leaf->e[1][i], leaf->e[2][i]));
+        for (int k = 0; k < 3; k++) {
+            leaf->transfer[k][i] *= scale[k];
+            leaf->e[k][i] *= scale[k];
+        }
+        change += (double)lc_luminance(lc_f3_make(leaf->e[0][i], leaf->e[1][i], leaf->e[2][i]));
+    }
+    return change;
+}
+
+/* Appends one light, all points of whose range are represented by one. */
+static double add_light(lc_cut_list *list, float bound, uint32_t link, uint32_t rep,
+                        const float transfer[3], const float *intensity)
+{
+    const bool lit = transfer[0] + transfer[1] + transfer[2] > 0;
+    return lc_cut_append(list, bound, link, rep | (lit ? LC_PENDING : 0), transfer, intensity);
+}
+
+double lc_cut_gather_root(lc_cut *c, lc_cut_step *s, uint32_t link, lc_light_kind kind)
+{
+    const uint32_t n = c->gather->n, light = link & ~LC_LEAF, before = c->leaf.n;
+    double total = 0;
+    for (uint32_t at = 0; at < n; at++) {
+        lc_cut_use_point(c, s, at);
+        s->rep[0] = light;
+        lc_cut_estimate(c, s, 0, 1, kind);
+        c->done[c->n_done++] = link;
+        total += add_light(&c->leaf, 1, link, at << c->light_bits | light,
+                           (const float[3]){ s->f[0][0], s->f[1][0], s->f[2][0] },
+                           part_of(s, 0, lc_cut_intensity_of(&c->tree->data, link), 1, n));
+    }
+    return total + lc_cut_gather_own(c, before);
+}
+
+double lc_cut_gather_lights(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)
+{
+    double total = 0;
+    for (uint32_t i = 0; i < n; i++) s->node[i] = c->desc.parent[link[i] & ~LC_LEAF];
+    lc_cut_bounds(c, s, s->node, n, kind, s->node_bound);
+    s->stats->bounds += n;
+    for (uint32_t i = 0; i < n; i++) s->rep[i] = link[i] & ~LC_LEAF;
+    lc_cut_deal(c, s, 0, n);
+    lc_cut_gather_estimates(c, s, 0, n, kind);
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t light = link[i] & ~LC_LEAF;
+        const float *intensity = lc_cut_intensity_of(&c->tree->data, LC_LEAF | light),
+                    bound = s->node_bound[i] * share_of(intensity, c->tree->data.nodes[s->node[i]].intensity) *
+                            UP * OF_PAIR;
+        if (bound > 0)
+            total += add_light(&c->kept, bound, pair_link(c, light, 0, c->gather->n), s->rep[i],
+                               (const float[3]){ s->f[0][i], s->f[1][i], s->f[2][i] }, intensity);
+        else c->done[c->n_done++] = LC_LEAF | light;
+        c->n_zero_bound += bound > 0 ? 0 : 1;
+    }
+    return total;
+}
+
+bool lc_cut_gather_proves(const lc_cut *c, uint32_t link, uint32_t occluder, lc_stats *stats)
+{
+    const uint32_t light = link & c->light_mask;
+    const float *pos = c->tree->data.lights[light].pos;
+    const lc_node at = { .center = { pos[0], pos[1], pos[2] } };
+    return lc_occlusion_proves_from(c->occlusion, &c->gather->orgs, &at, occluder, true,
+                                    lc_is_far(lc_kind_of_light(c->tree, light)), LC_MAX_PATCH,
+                                    &stats->proof_tests);
+}

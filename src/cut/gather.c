@@ -1,0 +1,160 @@
+/* gather.c - makes gather clusters; see gather.h. */
+#include "cut/gather.h"
+
+#include "base/vec.h"
+
+#include <string.h>
+
+#define LEVEL_BITS 4 /* of a name: halvings of at most LC_GATHER_MOST points */
+#define NORMAL_SPREAD 0.5f /* of the box's diagonal: how far apart opposite normals count as */
+#define CONE_SLACK 0x1p-20f /* of a cosine of two unit vectors, each off by some 2u */
+
+uint32_t lc_gather_capacity(uint32_t n_lights)
+{
+    uint32_t bits = 0, most = LC_GATHER_MOST;
+    while (bits < 31 && (uint32_t)1 << bits < n_lights) bits++;
+    if (bits + LEVEL_BITS > 30) return 1;
+    while (most > 1 && most > (uint32_t)1 << (31 - bits)) most /= 2;
+    return most;
+}
+
+/* ---- the order ---- */
+
+/* Six numbers by which a point is near others: its place, and its normal on the scale of the box. */
+static float coordinate(const lc_gather_point *a, int axis, float of_normals)
+{
+    return axis < 3 ? a->p[0].pos[axis] : a->p[0].n[axis - 3] * of_normals;
+}
+
+static int widest_axis(const lc_gather_point *point, const uint16_t *at, uint32_t n, float of_normals)
+{
+    int best = 0;
+    float most = -1;
+    for (int axis = 0; axis < 6; axis++) {
+        float lo = INFINITY, hi = -INFINITY;
+        for (uint32_t i = 0; i < n; i++) {
+            const float x = coordinate(&point[at[i]], axis, of_normals);
+            lo = fminf(lo, x);
+            hi = fmaxf(hi, x);
+        }
+        if (hi - lo > most) {
+            most = hi - lo;
+            best = axis;
+        }
+    }
+    return best;
+}
+
+static void sort_along(const lc_gather_point *point, uint16_t *at, uint32_t n, int axis, float of_normals)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        const uint16_t own = at[i];
+        const float x = coordinate(&point[own], axis, of_normals);
+        uint32_t k = i;
+        for (; k && coordinate(&point[at[k - 1]], axis, of_normals) > x; k--) at[k] = at[k - 1];
+        at[k] = own;
+    }
+}
+
+/* Orders points so that the halves of every range are apart along its widest axis. */
+static void order(const lc_gather_point *point, uint16_t *at, uint32_t n, float of_normals)
+{
+    uint32_t first[10], last[10], depth = 1;
+    first[0] = 0;
+    last[0] = n;
+    while (depth) {
+        const uint32_t lo = first[--depth], hi = last[depth], mid = (lo + hi) / 2;
+        if (hi - lo < 3) continue;
+        sort_along(point, at + lo, hi - lo, widest_axis(point, at + lo, hi - lo, of_normals), of_normals);
+        first[depth] = lo;
+        last[depth++] = mid;
+        first[depth] = mid;
+        last[depth++] = hi;
+    }
+}
+
+/* ---- what bounds are for ---- */
+
+/* A box about n places, rounded outward. */
+static void box_of(const float lo[3], const float hi[3], float center[3], float half[3])
+{
+    for (int k = 0; k < 3; k++) {
+        const float c = 0.5f * lo[k] + 0.5f * hi[k];
+        const double most = fmax((double)hi[k] - (double)c, (double)c - (double)lo[k]);
+        center[k] = c;
+        half[k] = most > 0 ? nextafterf((float)most, INFINITY) : 0;
+    }
+}
+
+static void set_boxes(lc_gather *g)
+{
+    float lo[2][3], hi[2][3];
+    for (int k = 0; k < 3; k++) lo[0][k] = lo[1][k] = INFINITY, hi[0][k] = hi[1][k] = -INFINITY;
+    for (uint32_t i = 0; i < g->n; i++) {
+        const float *const x[2] = { g->point[i].p[0].pos, g->point[i].org };
+        for (int b = 0; b < 2; b++)
+            for (int k = 0; k < 3; k++) {
+                lo[b][k] = fminf(lo[b][k], x[b][k]);
+                hi[b][k] = fmaxf(hi[b][k], x[b][k]);
+            }
+    }
+    box_of(lo[0], hi[0], g->all[0].pos, g->all[0].half);
+    box_of(lo[1], hi[1], g->orgs.center, g->orgs.half);
+}
+
+/* The cone about the mean of the normals that holds all of them. */
+static void set_cone(lc_gather *g)
+{
+    lc_f3 sum = lc_f3_make(0, 0, 0);
+    float least = 1;
+    bool same = true;
+    for (uint32_t i = 0; i < g->n; i++) {
+        sum = lc_f3_add(sum, lc_f3_load(g->point[i].p[0].n));
+        same &= !memcmp(g->point[i].p[0].n, g->point[0].p[0].n, sizeof g->point[0].p[0].n);
+    }
+    if (same) return;
+    const lc_f3 axis = lc_f3_normalize(sum);
+    for (uint32_t i = 0; i < g->n; i++) least = fminf(least, lc_f3_dot(axis, lc_f3_load(g->point[i].p[0].n)));
+    const double cosine = (double)fmaxf(least - CONE_SLACK, 0);
+    lc_f3_store(g->all[0].n, axis);
+    g->all[0].cone[0] = (float)cosine;
+    g->all[0].cone[1] = nextafterf((float)sqrt(1 - cosine * cosine), INFINITY);
+}
+
+/* The largest reflectances are for bounds, the mean ones for estimates. */
+static void set_reflectances(lc_gather *g)
+{
+    g->uneven = false;
+    for (int k = 0; k < 3; k++) {
+        float most = 0;
+        double sum = 0;
+        for (uint32_t i = 0; i < g->n; i++) {
+            most = fmaxf(most, g->point[i].p[0].diffuse[k]);
+            sum += (double)g->point[i].p[0].diffuse[k];
+        }
+        const float mean = (float)(sum / g->n);
+        for (uint32_t i = 0; i < g->n; i++) {
+            lc_gather_point *a = &g->point[i];
+            a->scale[k] = mean > 0 ? a->p[0].diffuse[k] / mean : 1;
+            g->uneven |= a->scale[k] < 1 || a->scale[k] > 1;
+            a->p[0].diffuse[k] = a->p[1].diffuse[k] = mean < LC_MIN_REFLECTANCE ? 0 : mean;
+        }
+        g->all[0].diffuse[k] = most;
+    }
+}
+
+void lc_gather_make(lc_gather *g, lc_gather_point *point, uint32_t n)
+{
+    g->n = n;
+    g->point = point;
+    g->all[0] = point[0].p[0];
+    for (uint32_t i = 0; i < n; i++) g->at[i] = (uint16_t)i;
+    set_boxes(g);
+    set_cone(g);
+    set_reflectances(g);
+    g->all[1] = g->all[0];
+    g->all[1].soft = NULL;
+    if (g->all[0].soft) g->all[0].soft = &g->all[1];
+    const float *half = g->all[0].half;
+    order(point, g->at, n, NORMAL_SPREAD * 2 * fmaxf(half[0], fmaxf(half[1], half[2])));
+}

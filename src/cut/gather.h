@@ -1,0 +1,70 @@
+/* gather.h - gather clusters: shading points that share one cut ([Walter06] Multidimensional Lightcuts).
+ *
+ * The points are samples of a pixel on surfaces alike. What the pixel wants is the mean of their radiances, a
+ * sum over all pairs of a point and a light. A cut over these pairs has clusters of lights, each paired with
+ * all points, and pairs of one light with a range of the points, halved until the range is one point:
+ *
+ *     lights of a cluster x all points -> its two children x all points -> ...
+ *     one light x points 0..n-1        -> the same x 0..n/2-1, x n/2..n-1 -> ... -> one light x one point: exact
+ *
+ * The bound of a pair is that of its lights for the box of all points, their normal cone and their largest
+ * reflectances. Its estimate is that of one light and one point, each drawn with the probability of its share:
+ * lights by slots as ever, points in turn.
+ *
+ * The points' reflectances in estimates are the mean of the cluster, so that a texture adds no noise: the mean
+ * of products is taken as the product of means, but where a pair is exact.
+ */
+#ifndef LC_GATHER_H
+#define LC_GATHER_H
+
+#include "cut/occlusion_proof.h"
+
+#define LC_GATHER_MOST 256 /* points of a gather cluster */
+
+/* A point of a gather cluster. */
+typedef struct lc_gather_point {
+    lc_point p[2];   /* p[0].soft is p[1] or NULL */
+    float org[3];    /* where shadow rays start */
+    float scale[3];  /* its own reflectance over the mean's */
+} lc_gather_point;
+
+typedef struct lc_gather {
+    uint32_t n;
+    lc_gather_point *point;      /* in any order */
+    uint16_t at[LC_GATHER_MOST]; /* their indices in the order of the ranges */
+    bool uneven;        /* some scale is not 1 */
+    lc_point all[2];    /* what bounds are for; all[0].soft is all[1] or NULL */
+    lc_point_box orgs;  /* holds all org */
+} lc_gather;
+
+/* Whether a point may be in a gather cluster: it has no lobe. */
+static inline bool lc_may_gather(const lc_point *p)
+{
+    return p->lobe == LC_LOBE_NONE && (!p->soft || p->soft->lobe == LC_LOBE_NONE);
+}
+
+/* Most points of a gather cluster with this many lights: names of pairs are words of 31 bits. 1: none. */
+uint32_t lc_gather_capacity(uint32_t n_lights);
+
+/* Makes a gather cluster of n points, 1 .. LC_GATHER_MOST, with p and org set, all of them lc_may_gather,
+ * with normals within a right angle, and alike but for place, normal and reflectance. Orders them, so that
+ * ranges are compact, and makes their reflectances equal. */
+void lc_gather_make(lc_gather *g, lc_gather_point *point, uint32_t n);
+
+static inline const lc_gather_point *lc_gather_at(const lc_gather *g, uint32_t i)
+{
+    return &g->point[g->at[i]];
+}
+
+/* The range of points after `level` halvings that holds a point. */
+static inline void lc_gather_range(uint32_t n, uint32_t level, uint32_t point, uint32_t *lo, uint32_t *hi)
+{
+    *lo = 0;
+    *hi = n;
+    for (; level; level--) {
+        const uint32_t mid = (*lo + *hi) / 2;
+        *(point < mid ? hi : lo) = mid;
+    }
+}
+
+#endif

@@ -1,0 +1,219 @@
+/* samples.c - a pixel whose samples share cuts: points on surfaces alike are a gather cluster (cut/gather.h)
+ * with one cut; others have cuts of their own.
+ *
+ *     camera rays -> lit points -> gather clusters, the largest first -> a cut each -> the pixel
+ *
+ * The error that is asked for is the pixel's, so the less of the pixel a cut is, the rougher it may be.
+ */
+#include "render/render_job.h"
+
+#include "scene/lit_point.h"
+#include "scene/sun.h"
+
+#include <math.h>
+
+/* Of a point and the first one of its gather cluster; both chosen. */
+#define LEAST_COS 0.9f  /* between their normals */
+#define REACH     0.1f  /* of the distance to the camera: how far they are apart at most */
+#define START_FROM 0.25f /* of the pixel: a smaller part is done before it is as fine as its block's start */
+
+/* What a lit point has beside what its gather cluster needs. */
+typedef struct {
+    lc_f3 weight; /* of its radiance; 1 where its reflectances have it */
+    lc_f3 place, n;
+    float reach2;
+    uint64_t hash;
+    uint32_t group, material;
+} lit_sample;
+
+struct lc_pixel_points {
+    uint32_t capacity, n, n_groups;
+    lc_gather_point *point, *chosen; /* all of them; those of one group */
+    lit_sample *lit;
+    uint32_t *first, *size; /* of each group: its first point, how many it has; 0: shaded */
+    lc_gather gather;
+};
+
+/* A pixel while its groups are shaded. */
+typedef struct {
+    lc_render_job *j;
+    lc_render_worker *w;
+    lc_guide *guide;
+    uint32_t samples_left;      /* whose points are not known yet */
+    double luminance, error2;   /* of what is done: times the number of samples, squared */
+    lc_f3 sum;
+    uint32_t clusters, rays;
+} pixel_sum;
+
+static void free_points(const lc_context *ctx, lc_pixel_points *p)
+{
+    lc_free(ctx, p->point, p->capacity, sizeof *p->point);
+    lc_free(ctx, p->chosen, p->capacity, sizeof *p->chosen);
+    lc_free(ctx, p->lit, p->capacity, sizeof *p->lit);
+    lc_free(ctx, p->first, p->capacity, sizeof *p->first);
+    lc_free(ctx, p->size, p->capacity, sizeof *p->size);
+}
+
+lc_pixel_points *lc_pixel_points_create(const lc_context *ctx, uint32_t most)
+{
+    lc_pixel_points *p = lc_alloc(ctx, 1, sizeof *p);
+    if (!p) return NULL;
+    p->capacity = most + LC_MAX_LIT;
+    p->point = lc_alloc_raw(ctx, p->capacity, sizeof *p->point);
+    p->chosen = lc_alloc_raw(ctx, p->capacity, sizeof *p->chosen);
+    p->lit = lc_alloc_raw(ctx, p->capacity, sizeof *p->lit);
+    p->first = lc_alloc_raw(ctx, p->capacity, sizeof *p->first);
+    p->size = lc_alloc_raw(ctx, p->capacity, sizeof *p->size);
+    if (p->point && p->chosen && p->lit && p->first && p->size) return p;
+    lc_pixel_points_free(ctx, p);
+    return NULL;
+}
+
+void lc_pixel_points_free(const lc_context *ctx, lc_pixel_points *p)
+{
+    if (p) free_points(ctx, p);
+    lc_free(ctx, p, 1, sizeof *p);
+}
+
+/* ---- gather clusters ---- */
+
+static bool are_alike(const lc_gather_point *a, const lit_sample *la, const lc_gather_point *b,
+                      const lit_sample *lb)
+{
+    const lc_f3 way = lc_f3_sub(la->place, lb->place);
+    return lc_f3_dot(way, way) <= la->reach2 && lc_f3_dot(la->n, lb->n) > LEAST_COS && lc_may_gather(&a->p[0]) &&
+           lc_may_gather(&b->p[0]) && la->material == lb->material && a->p[0].soft_kinds == b->p[0].soft_kinds;
+}
+
+/* Adds a lit point to the group whose first point it is like, or makes one. */
+static void add_point(pixel_sum *s, const lc_lit *lit, uint64_t hash, uint32_t most)
+{
+    lc_pixel_points *p = s->w->points;
+    lc_gather_point *a = &p->point[p->n];
+    lit_sample *l = &p->lit[p->n];
+    lc_lit_point(s->j->scene, lit, hash, a->p);
+    for (int k = 0; k < 3; k++) a->org[k] = lit->surface.ray_org[k];
+    *l = (lit_sample){ .weight = lit->weight, .place = lit->surface.pos, .n = lit->surface.n, .hash = hash,
+                       .material = lit->surface.material_id };
+    l->reach2 = REACH * REACH * lit->surface.t * lit->surface.t;
+    if (lc_may_gather(&a->p[0])) {
+        lc_f3_store(a->p[0].diffuse, lc_f3_mul(lc_f3_load(a->p[0].diffuse), lit->weight));
+        lc_f3_store(a->p[1].diffuse, lc_f3_load(a->p[0].diffuse));
+        l->weight = lc_f3_make(1, 1, 1);
+    }
+    for (l->group = 0; l->group < p->n_groups; l->group++) {
+        const uint32_t first = p->first[l->group];
+        if (p->size[l->group] < most && are_alike(&p->point[first], &p->lit[first], a, l)) break;
+    }
+    if (l->group == p->n_groups) {
+        p->first[p->n_groups] = p->n;
+        p->size[p->n_groups++] = 0;
+    }
+    p->size[l->group]++;
+    p->n++;
+}
+
+static void shade_group(pixel_sum *s, uint32_t group, uint32_t points_left)
+{
+    const lc_render_job *j = s->j;
+    lc_pixel_points *p = s->w->points;
+    lc_cut *cut = &s->w->cut;
+    const uint32_t first = p->first[group], n = p->size[group];
+    const lit_sample *l = &p->lit[first];
+    const float spp = (float)j->spp;
+    lc_cut_result r;
+    uint32_t m = 0;
+    cut->part.share = (float)n / spp;
+    cut->part.own = (float)(points_left + s->samples_left) / spp;
+    cut->part.rest = s->luminance / (double)j->spp;
+    cut->start = cut->part.share > START_FROM ? lc_guide_start(s->guide, l->place, l->n) : NULL;
+    cut->start_out = NULL;
+    for (uint32_t i = first; m < n; i++) {
+        if (p->lit[i].group != group) continue;
+        p->chosen[m] = p->point[i];
+        if (p->chosen[m].p[0].soft) p->chosen[m].p[0].soft = &p->chosen[m].p[1];
+        m++;
+    }
+    if (n > 1) {
+        lc_gather_make(&p->gather, p->chosen, n);
+        lc_cut_shade_gather(cut, &p->gather, l->hash, &s->w->stats, &r);
+    } else {
+        lc_cut_shade(cut, p->chosen[0].p, p->chosen[0].org, l->hash, &s->w->stats, &r);
+    }
+    cut->part = (lc_cut_part){ 1, 1, 0 };
+    s->w->stats.glossy += p->chosen[0].p[0].lobe != LC_LOBE_NONE;
+    s->w->cut_hist[r.size]++;
+    if (r.size > s->w->cut_max) s->w->cut_max = r.size;
+    const double error = (double)r.max_error *
+                         fmax((double)lc_luminance(r.radiance), (double)cut->desc.floor) * (double)n *
+                         (double)lc_luminance(l->weight);
+    if (r.max_error > 0) s->error2 += error * error;
+    r.radiance = lc_f3_scale(lc_f3_mul(r.radiance, l->weight), (float)n);
+    s->sum = lc_f3_add(s->sum, r.radiance);
+    s->luminance += (double)lc_luminance(r.radiance);
+    s->clusters += r.size;
+    s->rays += r.rays;
+}
+
+/* Shades all groups, the largest first, so that what the others are is best known where it matters. */
+static void shade_groups(pixel_sum *s)
+{
+    lc_pixel_points *p = s->w->points;
+    uint32_t left = p->n;
+    while (left) {
+        uint32_t best = 0;
+        for (uint32_t g = 1; g < p->n_groups; g++)
+            if (p->size[g] > p->size[best]) best = g;
+        shade_group(s, best, left);
+        left -= p->size[best];
+        p->size[best] = 0;
+    }
+    p->n = p->n_groups = 0;
+}
+
+/* Traces the camera ray of a sample. False: cancelled. */
+static bool add_camera_ray(pixel_sum *s, uint32_t x, uint32_t y, uint32_t i, lc_pixel *px)
+{
+    lc_render_job *j = s->j;
+    lc_render_worker *w = s->w;
+    lc_f3 org, dir;
+    lc_sight sight;
+    if (lc_time_to_ask(w) && !lc_job_go_on(j)) return false;
+    lc_sample_ray(j, x, y, i, &org, &dir);
+    w->stats.camera_rays++;
+    lc_phase_end(&w->stats, LC_PHASE_OTHER);
+    const bool hit = lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &sight);
+    lc_phase_end(&w->stats, LC_PHASE_CAMERA);
+    const lc_f3 emitted = hit ? sight.emission : lc_background(j->scene, dir);
+    s->sum = lc_f3_add(s->sum, emitted);
+    s->luminance += (double)lc_luminance(emitted);
+    s->samples_left--;
+    if (!hit) return true;
+    w->stats.camera_rays += sight.n_rays;
+    lc_add_to_planes(j, px, &sight, dir);
+    for (uint32_t k = 0; k < sight.n_lit; k++)
+        add_point(s, &sight.lit[k], lc_slot_hash(j, x, y, i + w->slot_shift) + k, j->max_points);
+    lc_phase_end(&w->stats, LC_PHASE_OTHER);
+    return true;
+}
+
+bool lc_render_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
+{
+    pixel_sum s = { .j = j, .w = w, .samples_left = j->spp };
+    lc_phase_start(&w->stats);
+    for (uint32_t i = 0; i < j->spp; i++) {
+        if (!add_camera_ray(&s, x, y, i, px)) return false;
+        if (w->points->n + LC_MAX_LIT <= w->points->capacity && i + 1 < j->spp) continue;
+        if (!w->points->n) continue;
+        if (!s.guide && !w->alone) s.guide = lc_guide_of(j, &w->cut, &w->guide, x, y, 1);
+        shade_groups(&s);
+    }
+    const double luminance = fmax(s.luminance / j->spp, (double)w->cut.desc.floor);
+    px->rgb = lc_f3_add(px->rgb, s.sum);
+    px->cut += (float)s.clusters * (float)px->hits;
+    px->rays += (float)s.rays * (float)px->hits;
+    if (s.error2 > 0) px->error += (float)(sqrt(s.error2) / j->spp / luminance) * (float)px->hits;
+    lc_phase_end(&w->stats, LC_PHASE_OTHER);
+    lc_phase_stop(&w->stats);
+    return true;
+}
