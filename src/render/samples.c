@@ -176,13 +176,11 @@ static bool add_camera_ray(pixel_sum *s, uint32_t x, uint32_t y, uint32_t i, lc_
 {
     lc_render_job *j = s->j;
     lc_render_worker *w = s->w;
-    lc_f3 org, dir;
+    lc_f3 dir;
     lc_sight sight;
     if (lc_time_to_ask(w) && !lc_job_go_on(j)) return false;
-    lc_sample_ray(j, x, y, i, &org, &dir);
     w->stats.camera_rays++;
-    lc_phase_end(&w->stats, LC_PHASE_OTHER);
-    const bool hit = lc_sight_trace(j->scene, org, dir, j->pixel, j->max_depth, &sight);
+    const bool hit = lc_sample_sight(j, x, y, i, &dir, &sight);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     const lc_f3 emitted = hit ? sight.emission : lc_background(j->scene, dir);
     s->sum = lc_f3_add(s->sum, emitted);
