@@ -33,7 +33,8 @@ typedef struct {
 
 static lc_f3 near_normal(gen_src *s, lc_f3 n, double angle)
 {
-    const lc_f3 any = lc_f3_make((float)gen_real(s, -1, 1), (float)gen_real(s, -1, 1), (float)gen_real(s, -1, 1));
+    const float x = (float)gen_real(s, -1, 1), y = (float)gen_real(s, -1, 1), z = (float)gen_real(s, -1, 1);
+    const lc_f3 any = lc_f3_make(x, y, z);
     const lc_f3 side = lc_f3_sub(any, lc_f3_scale(n, lc_f3_dot(n, any)));
     const float len = sqrtf(lc_f3_dot(side, side));
     if (!(len > 1e-3f)) return n;
@@ -140,14 +141,15 @@ static void run(uint32_t kind, gen_style style, tally *t)
 TEST(bound_holds_for_every_point)
 {
     static const gen_style all[] = { GEN_ORDINARY, GEN_ADVERSARIAL, GEN_EXTREME_TERM };
-    printf("  %-11s %-11s %9s %9s %9s %10s %9s\n", "kind", "style", "cases", "lit", "bad", "tightest", "geo mean");
+    printf("  %-11s %-11s %9s %9s %9s %10s %9s\n", "kind", "style", "cases", "lit", "bad", "tightest",
+           "geo mean");
     for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++)
         for (uint32_t k = 0; k < 3; k++) {
             tally t = { .tightest = HUGE_VAL };
             run(kind, all[k], &t);
-            printf("  %-11s %-11s %9llu %9llu %9llu %10.7f %9.3f\n", lc_light_kinds[kind].name, styles[all[k]],
-                   (unsigned long long)count, (unsigned long long)t.lit, (unsigned long long)t.bad, t.tightest,
-                   exp(t.loose / (double)t.lit));
+            printf("  %-11s %-11s %9llu %9llu %9llu %10.7f %9.3f\n", lc_light_kinds[kind].name,
+                   styles[all[k]], (unsigned long long)count, (unsigned long long)t.lit,
+                   (unsigned long long)t.bad, t.tightest, exp(t.loose / (double)t.lit));
             CHECKF(!t.bad, "%s %s: %llu bounds are too low", lc_light_kinds[kind].name, styles[all[k]],
                    (unsigned long long)t.bad);
         }

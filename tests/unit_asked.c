@@ -127,7 +127,8 @@ TEST(what_is_asked_holds)
         const double share = share_within(&p, &truth, (double)rows[k].error), of_pilots = (double)c->achieved,
                      margin = (double)c->margin;
         printf("  %g within %g %%, %u samples%s: %.1f %%, pilots %.1f +- %.1f, %.0f rays a point\n",
-               (double)rows[k].error, (double)rows[k].within, rows[k].spp, c->shared ? " with one cut" : "", share, of_pilots, margin,
+               (double)rows[k].error, (double)rows[k].within, rows[k].spp,
+               c->shared ? " with one cut" : "", share, of_pilots, margin,
                (double)p.stats.shadow_rays / (double)p.stats.points);
         CHECKF(share >= rows[k].lo && share <= rows[k].hi, "%g %%", share);
         CHECK(of_pilots >= (double)rows[k].within && fabs(share - of_pilots) <= 2 * margin + 1);

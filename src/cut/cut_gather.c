@@ -6,13 +6,15 @@
  *
  *     representative   LC_PENDING | point << light_bits | light
  *     bound            of a cluster: by the kernel for the box of all points
- *                      of a child that is a light: the parent's times the share of the intensity
+ *                      of a child that is a light: the parent's times the share of the intensity, times
+ *                      OF_PAIR, as points this near mostly see a light, or none does; no bound, but z is
+ *                      found with it
  *                      of a range: the whole range's times the share of the points
  *
  * New representatives are dealt out to points, PER_POINT to each, neighbours to different ones, since what is
  * near in the tree is hidden from a point together. So rays and estimates still come in groups of one origin.
  */
-#include "cut/cut_parts.h"
+#include "cut/cut_gather.h"
 
 #include "base/rng.h"
 
@@ -37,11 +39,13 @@ static uint32_t next_point(lc_cut *c)
 void lc_cut_deal(lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n)
 {
     const uint32_t n_points = (n + PER_POINT - 1) / PER_POINT;
-    for (uint32_t i = 0; i < n; i++) s->at[first + i] = i < n_points ? next_point(c) : s->at[first + i - n_points];
+    for (uint32_t i = first; i < first + n; i++)
+        s->at[i] = i < first + n_points ? next_point(c) : s->at[i - n_points];
 }
 
 /* A light's intensity times a share of the points. */
-static const float *part_of(lc_cut_step *s, uint32_t child, const float *intensity, uint32_t points, uint32_t all)
+static const float *part_of(lc_cut_step *s, uint32_t child, const float *intensity, uint32_t points,
+                            uint32_t all)
 {
     const float share = (float)points / (float)all;
     for (int k = 0; k < 3; k++) s->part[child][k] = intensity[k] * share;
@@ -128,7 +132,8 @@ void lc_cut_gather_bounds(const lc_cut *c, lc_cut_step *s, uint32_t first, uint3
         } else if (!(own & LC_PAIR)) {
             s->bound[i] = s->node_bound[k++];
         } else if (lc_cut_is_node(parent)) {
-            s->bound[i] = above * share_of(s->intensity[i], c->tree->data.nodes[parent].intensity) * UP * OF_PAIR;
+            s->bound[i] = above * OF_PAIR *
+                          share_of(s->intensity[i], c->tree->data.nodes[parent].intensity) * UP;
         } else {
             const float *other = s->intensity[i ^ 1];
             const float both = s->intensity[i][0] + s->intensity[i][1] + s->intensity[i][2];
@@ -214,8 +219,8 @@ double lc_cut_gather_lights(lc_cut *c, lc_cut_step *s, const uint32_t *link, uin
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t light = link[i] & ~LC_LEAF;
         const float *intensity = lc_cut_intensity_of(&c->tree->data, LC_LEAF | light),
-                    bound = s->node_bound[i] * share_of(intensity, c->tree->data.nodes[s->node[i]].intensity) *
-                            UP * OF_PAIR;
+                    share = share_of(intensity, c->tree->data.nodes[s->node[i]].intensity),
+                    bound = s->node_bound[i] * share * UP * OF_PAIR;
         if (bound > 0)
             total += add_light(&c->kept, bound, pair_link(c, light, 0, c->gather->n), s->rep[i],
                                (const float[3]){ s->f[0][i], s->f[1][i], s->f[2][i] }, intensity);

@@ -75,34 +75,6 @@ void lc_cut_settle(lc_cut *cut, const lc_cut_rays *rays, uint32_t n, const uint8
 /* Sums the lights of `leaf`, whose rays have all been settled. */
 void lc_cut_leaves_done(lc_cut *cut);
 
-/* ---- gather clusters ---- */
-
-/* Deals new representatives first .. first + n - 1 of a batch out to points. */
-void lc_cut_deal(lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n);
-void lc_cut_use_point(const lc_cut *cut, lc_cut_step *step, uint32_t at);
-/* The point of a representative's word. */
-static inline uint32_t lc_cut_point_of(const lc_cut *c, uint32_t rep)
-{
-    return (rep & ~LC_PENDING) >> c->light_bits;
-}
-/* These stand in for those of a point: the children of a batch; their bounds; estimates of its new
- * representatives; what pending rays of a list change. */
-void lc_cut_gather_children(lc_cut *cut, lc_cut_step *step);
-void lc_cut_gather_bounds(const lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n,
-                          lc_light_kind kind);
-void lc_cut_gather_estimates(const lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n,
-                             lc_light_kind kind);
-double lc_cut_gather_trace(lc_cut *cut, lc_cut_step *step);
-/* Gives the leaves from `first` on, which are exact, their points' own reflectances. Returns the change of the
- * total's luminance. */
-double lc_cut_gather_own(const lc_cut *cut, uint32_t first);
-/* Whether the light of a pair is occluded from all points by the occluder of a ray from one of them. */
-bool lc_cut_gather_proves(const lc_cut *cut, uint32_t link, uint32_t occluder, lc_stats *stats);
-/* Places lights of a start, or a root that is one. Return their luminance. */
-double lc_cut_gather_lights(lc_cut *cut, lc_cut_step *step, const uint32_t *link, uint32_t n,
-                            lc_light_kind kind);
-double lc_cut_gather_root(lc_cut *cut, lc_cut_step *step, uint32_t link, lc_light_kind kind);
-
 /* ---- the parts ---- */
 
 /* Puts the roots into `open`, or with a start its clusters into `kept`; after a start no ray is pending,

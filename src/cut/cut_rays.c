@@ -6,7 +6,7 @@
  * rays, V is what it lets through, per channel.
  */
 #include "cut/cut.h"
-#include "cut/cut_parts.h"
+#include "cut/cut_gather.h"
 
 #include "shade/point_init.h"
 
@@ -97,10 +97,10 @@ static bool has_far(const lc_light_tree *t)
     return far;
 }
 
-/* Counts the pending rays of a list by their keys, point and whether they go far; or with `order` writes their
- * places there, `in_list` added, each at the end of its key's so far. */
-static void sort_rays(const lc_cut *c, const lc_cut_list *list, uint32_t first, uint32_t in_list, bool all_near,
-                      uint32_t *end, uint32_t *order)
+/* Counts the pending rays of a list by their keys, point and whether they go far; or with `order` writes
+ * their places there, `in_list` added, each at the end of its key's so far. */
+static void sort_rays(const lc_cut *c, const lc_cut_list *list, uint32_t first, uint32_t in_list,
+                      bool all_near, uint32_t *end, uint32_t *order)
 {
     for (uint32_t i = first; i < list->n; i++) {
         const uint32_t rep = list->rep[i];

@@ -3,7 +3,7 @@
  *
  * The key of the choice is the bound. Measured: tests/results/refinement.md, bounds.md, occlusion-proofs.md.
  */
-#include "cut/cut_parts.h"
+#include "cut/cut_gather.h"
 
 #include "base/float_bits.h"
 

@@ -4,7 +4,7 @@
  * its summed intensity is new. The other child costs one estimate and, unless that is 0, one shadow ray. A
  * child whose bound is 0 contributes exactly 0 and is done; so is a light, which is exact.
  */
-#include "cut/cut_parts.h"
+#include "cut/cut_gather.h"
 
 /* Finds the children of the batch and their new representatives. */
 static void find_children(const lc_cut *c, lc_cut_step *s)

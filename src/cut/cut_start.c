@@ -6,7 +6,7 @@
  * proved to be occluded at the other point are tested here first.
  */
 #include "cut/cut.h"
-#include "cut/cut_parts.h"
+#include "cut/cut_gather.h"
 
 #include "shade/point_init.h"
 

@@ -5,14 +5,15 @@
  * all points, and pairs of one light with a range of the points, halved until the range is one point:
  *
  *     lights of a cluster x all points -> its two children x all points -> ...
- *     one light x points 0..n-1        -> the same x 0..n/2-1, x n/2..n-1 -> ... -> one light x one point: exact
+ *     one light x points 0..n-1 -> the same x 0..n/2-1, x n/2..n-1 -> ... -> one light x one point: exact
  *
  * The bound of a pair is that of its lights for the box of all points, their normal cone and their largest
- * reflectances. Its estimate is that of one light and one point, each drawn with the probability of its share:
- * lights by slots as ever, points in turn.
+ * reflectances. Its estimate is that of one light and one point, each drawn with the probability of its
+ * share: lights by slots as ever, points in turn.
  *
- * The points' reflectances in estimates are the mean of the cluster, so that a texture adds no noise: the mean
- * of products is taken as the product of means, but where a pair is exact.
+ * Estimates use the mean of the points' reflectances, so that a texture adds no noise: the mean of products
+ * is taken as the product of means, but where a pair is exact. Points of one material only are joined, since
+ * what is of another material is often in another light, too.
  */
 #ifndef LC_GATHER_H
 #define LC_GATHER_H

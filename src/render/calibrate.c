@@ -180,8 +180,8 @@ static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibra
     c->z = (float)found;
 }
 
-/* Whether cuts that the samples of a pixel share take less work than a cut for each: by what both take, at the
- * z that each needs. Counts, no clock, so that the choice is the same everywhere. */
+/* Whether cuts that the samples of a pixel share take less work than a cut for each: by what both take, at
+ * the z that each needs. Counts, no clock, so that the choice is the same everywhere. */
 static void choose_shared(pilots *p, lc_cut_desc *cut, double *sorted)
 {
     lc_render_job *j = p->j;

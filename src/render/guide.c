@@ -1,5 +1,5 @@
 /* guide.c - the cut that the cuts of a block of pixels begin with. */
-#include "render/render_job.h"
+#include "render/guide.h"
 
 #include "scene/lit_point.h"
 #include "scene/surface.h"
@@ -77,7 +77,7 @@ static void set_corners(const lc_render_job *j, lc_guide *g)
 }
 
 /* Makes a guide apart, where its pixel is not of this tile or not the first to be asked for. */
-void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g)
+void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g, lc_stats *work)
 {
     lc_f3 dir;
     lc_sight s;
@@ -89,6 +89,11 @@ void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g)
         lc_lit_point(j->scene, &s.lit[0], hash, p);
         lc_guided_cut(c, g, p, &s.lit[0].surface, hash, &stats, &r);
     }
+    if (work) {
+        work->shadow_rays += stats.shadow_rays;
+        work->bounds += stats.bounds;
+        work->proof_tests += stats.proof_tests;
+    }
     g->made = true;
 }
 
@@ -96,7 +101,8 @@ uint32_t lc_guide_pixel(uint32_t at) { return at - at % LC_PIXEL_BLOCK + GUIDE_A
 
 /* Makes g the guide of a pixel; sample 0 of the pixel that makes it does so itself, whatever was made before.
  */
-lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x, uint32_t y, uint32_t sample)
+lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x, uint32_t y, uint32_t sample,
+                      lc_stats *work)
 {
     const uint32_t at_x = lc_guide_pixel(x), at_y = lc_guide_pixel(y);
     const bool makes = x == at_x && y == at_y && !sample;
@@ -106,6 +112,6 @@ lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x
         g->made = g->valid = false;
         set_corners(j, g);
     }
-    if (!g->made && !makes) lc_guide_make(j, c, g);
+    if (!g->made && !makes) lc_guide_make(j, c, g, work);
     return g;
 }

@@ -2,6 +2,8 @@
 #include "render/render_job.h"
 
 #include "cut/exact.h"
+#include "render/guide.h"
+#include "render/samples.h"
 #include "scene/lit_point.h"
 #include "scene/sun.h"
 
@@ -117,7 +119,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
         return true;
     }
     w->stats.camera_rays += s.n_rays;
-    lc_shade_sight(j, w, &s, j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i),
+    lc_shade_sight(j, w, &s, j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i, NULL),
                    lc_slot_hash(j, x, y, i + w->slot_shift), &r);
     *rgb = lc_f3_add(r.radiance, s.emission);
     lc_add_to_planes(j, px, &s, dir);
@@ -132,7 +134,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
 
 bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
 {
-    if (j->shared && !j->exact) return lc_render_samples(j, w, x, y, px);
+    if (j->shared && !j->exact) return lc_add_shared_samples(j, w, x, y, px);
     for (uint32_t i = 0; i < j->spp; i++) {
         lc_f3 rgb;
         if (!lc_render_sample(j, w, x, y, i, px, &rgb)) return false;

@@ -2,6 +2,7 @@
 #include "render/probe.h"
 
 #include "cut/exact.h"
+#include "render/guide.h"
 #include "render/render_job.h"
 #include "scene/lit_point.h"
 #include "scene/surface.h"
@@ -49,13 +50,13 @@ static lc_status probe_lit(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sa
     lc_guide *g = lc_alloc(j->ctx, 1, sizeof *g);
     if (!g) return LC_ERR_MEMORY;
     uint64_t hash = lc_slot_hash(j, x, y, sample);
-    lc_guide_of(j, &p->cut, g, x, y, sample);
+    lc_guide_of(j, &p->cut, g, x, y, sample, NULL);
     bool is_guide = !g->made;
-    if (is_guide) lc_guide_make(j, &p->cut, g);
+    if (is_guide) lc_guide_make(j, &p->cut, g, NULL);
     shade_others(j, p, g, hash);
     g->made = false;
     /* again: its splits are kept for the cut that begins with it. */
-    if (!is_guide) lc_guide_make(j, &p->cut, g);
+    if (!is_guide) lc_guide_make(j, &p->cut, g, NULL);
     lc_lit_point(j->scene, lit, hash, p->point);
     lc_guided_cut(&p->cut, g, p->point, &lit->surface, hash, &stats, &p->by_cut);
     lc_free(j->ctx, g, 1, sizeof *g);

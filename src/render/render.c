@@ -6,6 +6,7 @@
 #include "base/pool.h"
 #include "render/checkpoint.h"
 #include "render/render_tile.h"
+#include "render/samples.h"
 #include "tree/light_tree.h"
 
 /* Nanoseconds between calls of progress: what a user sees, and how soon a signal is heard. */

@@ -154,20 +154,6 @@ uint64_t lc_job_work(const lc_render_job *j);
  * Fails with LC_ERR_MEMORY, LC_ERR_CANCELLED. */
 lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 
-/* ---- guide.c ---- */
-
-/* Makes g the guide of a pixel; sample 0 of the pixel that makes it does so itself, whatever was made before.
- */
-lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x, uint32_t y,
-                      uint32_t sample);
-void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g);
-/* What the cut of a point may begin with; NULL: the roots. */
-const lc_cut_start *lc_guide_start(const lc_guide *g, lc_f3 pos, lc_f3 n);
-uint32_t lc_guide_pixel(uint32_t at); /* coordinate of the pixel that makes the guide of a pixel at `at` */
-/* A cut that makes a guide, or begins with one that is made; or neither, where g is NULL. */
-void lc_guided_cut(lc_cut *c, lc_guide *g, const lc_point *p, const lc_surface *s, uint64_t hash,
-                   lc_stats *stats, lc_cut_result *out);
-
 /* ---- pixel.c ---- */
 
 /* Chooses a sample's slot of representatives. */
@@ -185,10 +171,6 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
 bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px);
 void lc_add_to_planes(const lc_render_job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir);
 bool lc_time_to_ask(lc_render_worker *w);
-/* ---- samples.c ---- */
-bool lc_render_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px);
-lc_pixel_points *lc_pixel_points_create(const lc_context *ctx, uint32_t most);
-void lc_pixel_points_free(const lc_context *ctx, lc_pixel_points *p);
 /* False: cancelled, nothing stored. */
 bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y);
 

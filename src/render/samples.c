@@ -5,8 +5,9 @@
  *
  * The error that is asked for is the pixel's, so the less of the pixel a cut is, the rougher it may be.
  */
-#include "render/render_job.h"
+#include "render/samples.h"
 
+#include "render/guide.h"
 #include "scene/lit_point.h"
 #include "scene/sun.h"
 
@@ -81,8 +82,9 @@ static bool are_alike(const lc_gather_point *a, const lit_sample *la, const lc_g
                       const lit_sample *lb)
 {
     const lc_f3 way = lc_f3_sub(la->place, lb->place);
-    return lc_f3_dot(way, way) <= la->reach2 && lc_f3_dot(la->n, lb->n) > LEAST_COS && lc_may_gather(&a->p[0]) &&
-           lc_may_gather(&b->p[0]) && la->material == lb->material && a->p[0].soft_kinds == b->p[0].soft_kinds;
+    return lc_may_gather(&a->p[0]) && lc_may_gather(&b->p[0]) && la->material == lb->material &&
+           a->p[0].soft_kinds == b->p[0].soft_kinds && lc_f3_dot(way, way) <= la->reach2 &&
+           lc_f3_dot(la->n, lb->n) > LEAST_COS;
 }
 
 /* Adds a lit point to the group whose first point it is like, or makes one. */
@@ -195,7 +197,7 @@ static bool add_camera_ray(pixel_sum *s, uint32_t x, uint32_t y, uint32_t i, lc_
     return true;
 }
 
-bool lc_render_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
+bool lc_add_shared_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
 {
     pixel_sum s = { .j = j, .w = w, .samples_left = j->spp };
     lc_phase_start(&w->stats);
@@ -203,7 +205,7 @@ bool lc_render_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32
         if (!add_camera_ray(&s, x, y, i, px)) return false;
         if (w->points->n + LC_MAX_LIT <= w->points->capacity && i + 1 < j->spp) continue;
         if (!w->points->n) continue;
-        if (!s.guide && !w->alone) s.guide = lc_guide_of(j, &w->cut, &w->guide, x, y, 1);
+        if (!s.guide && !w->alone) s.guide = lc_guide_of(j, &w->cut, &w->guide, x, y, 1, &w->stats);
         shade_groups(&s);
     }
     const double luminance = fmax(s.luminance / j->spp, (double)w->cut.desc.floor);

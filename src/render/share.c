@@ -10,7 +10,7 @@
  *     |   +-------+-------+   |
  *     +-----------------------+
  */
-#include "render/render_job.h"
+#include "render/guide.h"
 
 #include <string.h>
 

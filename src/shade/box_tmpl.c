@@ -20,6 +20,17 @@
  * than the distance floor: the cosine is 1 below it, and too great by at most 1e-5 of the scene's size over
  * |p|.
  *
+ * For a gather cluster, points in a box x +- g, half is the sum of both boxes' half extents: members' p are in
+ * c +- h all the same. Its normals lie within an angle C of n. For a normal at the angle C from n, a p with
+ * the height z along n and the distance l from n has its height in z cos C +- l sin C, or up to |p| where p
+ * may lie inside the cone, l cos C <= z sin C; and where that height is positive, its distance is no less than
+ * l cos C - max(z, 0) sin C. With T the greatest l, at most sqrt(M'^2 - min z^2), M' the greatest |p|,
+ *
+ *     z0' = z0 cos C - T sin C      z1' = min(z1 cos C + T sin C, M'), inside min(sqrt(z1^2 + T^2), M')
+ *     r'  = max(r cos C - max(z1, 0) sin C, 0)
+ *
+ * take the place of z0, z1, r. These are six operations on terms of at most M, so 16uM is added to each.
+ *
  * Rounding, u = 2^-24, m_k = |c_k| + half_k, M = sum m_k.
  * - Subtraction: the estimate's p and our c are each within u of the exact difference, so h_k = half_k + 4u
  *   m_k. From there on p means the float vector that the estimate uses.

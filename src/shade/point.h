@@ -53,10 +53,10 @@ typedef struct lc_point {
     };
     float n2_imag[3];         /* conductor: 2 eta k, the squared index's imaginary part */
     float eta2, eta2_minus_1; /* dielectric, coat: eta^2, eta^2 - 1 */
-    /* A box of points that share a normal cone, a gather cluster (gather.h), in place of one point: pos is its
+    /* A box of points with a normal cone, a gather cluster (cut/gather.h), in place of one point: pos is its
      * centre, n the cone's axis. All 0 for a point. No lobe has bounds for it. */
     float half[3]; /* |x_k - pos_k| <= half_k for every point, in exact arithmetic */
-    float cone[2]; /* cosine and sine of the normal cone's half angle, the latter rounded up; sine 0: one normal */
+    float cone[2]; /* cosine and sine of the cone's half angle, the latter rounded up; sine 0: one normal */
     /* The same point with another material, which the kinds of light in soft_kinds meet, a bit each. */
     const struct lc_point *soft;
     uint32_t soft_kinds;
