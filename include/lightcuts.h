@@ -17,7 +17,8 @@
  * Units: lengths are in scene units; intensities in W/sr, irradiances in W/m^2 and radiances in W/(m^2 sr),
  * as linear RGB with Rec.709 primaries. Luminance is 0.2126 R + 0.7152 G + 0.0722 B.
  *
- * Threads: a context may be used by one thread at a time. A loaded scene is immutable and may be shared.
+ * Threads: a context may be used by one thread at a time. A loaded scene may be shared: nothing changes it
+ * but lc_scene_update.
  */
 #ifndef LIGHTCUTS_H
 #define LIGHTCUTS_H
@@ -38,7 +39,7 @@ extern "C" {
 #define LC_VERSION "0.1.0"
 
 typedef struct lc_context lc_context; /* allocator, log, threads, instruction set */
-typedef struct lc_scene lc_scene;     /* immutable once loaded */
+typedef struct lc_scene lc_scene;     /* immutable once loaded, but for lc_scene_update */
 typedef struct lc_image lc_image;     /* float planes with names, a data window and text attributes */
 
 typedef enum lc_status {
@@ -212,13 +213,22 @@ typedef struct lc_scene_info {
     uint32_t spp;
     const char *film_filename;        /* as written in the scene, or ""; owned by the scene */
     uint32_t n_notes;
-    double seconds_parse, seconds_bvh, seconds_lights, seconds_tree; /* wall clock of the steps of the load */
+    double seconds_parse, seconds_bvh, seconds_lights, seconds_tree; /* wall clock of the steps of the load,
+                                                                      * and of all updates */
     uint64_t bvh_bytes, tree_bytes;
+    uint64_t n_given_lights, n_given_instances, n_given_meshes; /* that lc_scene_set_light, _instance and
+                                                                 * _emission number */
+    /* How often each was built, by the load or commit and all updates: */
+    uint32_t built_bvhs;     /* BVHs over triangles: of the world and of each object */
+    uint32_t built_tops;     /* the BVH over the instances */
+    uint32_t built_lights;   /* lights from emissive triangles and environments, all together */
+    uint32_t built_indirect; /* virtual lights, all together */
+    uint32_t built_trees;    /* the light tree */
 } lc_scene_info;
 #define LC_SCENE_INFO_INIT                                                                                   \
     {                                                                                                        \
         sizeof(lc_scene_info), 0, 0, 0, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,   \
-        0, 0, { 0 }, { 0 }, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0                                           \
+        0, 0, { 0 }, { 0 }, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0                   \
     }
 
 /* Reads a pbrt file ("-" is stdin), glTF or OBJ, makes lights, builds the BVH and the light tree. desc may be
@@ -319,6 +329,60 @@ LC_API lc_status lc_build_film(lc_scene *scene, const lc_build_film_desc *desc);
 /* Makes lights, builds the BVH and the light tree; desc as for lc_scene_load, NULL for the defaults.
  * Without a number of virtual lights in it there are none. LC_ERR_ARG without a camera. */
 LC_API lc_status lc_build_commit(lc_scene *scene, const lc_load_desc *desc);
+
+/* ---- a scene that changes ---- */
+
+/* Cameras, lights and instances of a committed or loaded scene, set again:
+ *
+ *     lc_scene_set_camera, _light, ... -> lc_scene_update -> lc_render -> set -> update -> render ...
+ *
+ * What is set waits until lc_scene_update, which builds only what follows from it. Then the scene gives the
+ * same bytes as one that was committed with that camera, those lights and instances to begin with.
+ *
+ *     changed      built by the update
+ *     camera       lights made from emissive triangles (unless lc_load_desc.area_lights gives their number)
+ *                  and from environments, and virtual lights, as these are chosen for the view; where there
+ *                  are any of them, the light tree. Else nothing
+ *     lights       the light tree; virtual lights
+ *     an instance  the BVH over the instances; and as for the camera. The light tree also where the diagonal
+ *                  of the scene has changed and lights have a direction
+ *     emission     lights made from emissive triangles and from environments, virtual lights, the light tree
+ *
+ * BVHs of triangles are never built again. lc_scene_info counts what was built.
+ *
+ * Numbers count the calls lc_build_light, lc_build_instance and lc_build_mesh from 0; of a scene from a
+ * file, its lights with an intensity, meshes, and instances in the order of the file; but those of small
+ * objects, and the only one of an object, are meshes of the world.
+ *
+ * Threads: one thread at a time may set; meanwhile others may render and use the scene, each with a context
+ * of its own, as nothing that is set is seen before the update. lc_scene_update needs the scene for itself:
+ * no other call may use it until it returns, and no lc_render and lc_shade of it may be on its way. */
+
+/* Replaces the camera, whatever the file's was; the film stays. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_set_camera(lc_scene *scene, const lc_build_camera_desc *desc);
+/* Replaces a light, also by one of another kind. One of intensity 0 keeps its number. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_set_light(lc_scene *scene, uint32_t light, const lc_build_light_desc *desc);
+/* Multiplies a light's intensity, as it was set last, by factor R G B, each >= 0: to dim one of any kind that
+ * a file has. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_dim_light(lc_scene *scene, uint32_t light, const float factor[3]);
+/* Moves an instance; to_world as for lc_build_instance. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_set_instance(lc_scene *scene, uint32_t instance, const double to_world[16]);
+/* Radiance of a mesh, R G B >= 0; 0: it does not emit. LC_ERR_ARG also for meshes of objects; _MEMORY. */
+LC_API lc_status lc_scene_set_emission(lc_scene *scene, uint32_t mesh, const float emission[3]);
+
+typedef struct lc_update_desc {
+    size_t size;
+    /* Nonzero: where only the view is another, by the camera or by instances, the lights made from emissive
+     * triangles and environments stay, and when the camera alone moves virtual lights too: nothing is built
+     * for a camera, and what is left of the error does not swim from frame to frame. They were chosen for the
+     * view at which they were made, so that lc_scene_info's lamps_median and indirect_median are of that. */
+    int keep_lights;
+} lc_update_desc;
+#define LC_UPDATE_DESC_INIT { sizeof(lc_update_desc), 0 }
+
+/* Puts what was set since the last update into the scene. desc may be NULL for the defaults. Fails with
+ * LC_ERR_ARG and LC_ERR_MEMORY; the scene then is as before, and what was set still waits. */
+LC_API lc_status lc_scene_update(lc_scene *scene, const lc_update_desc *desc);
 
 /* ---- images ---- */
 

@@ -1,0 +1,26 @@
+/* build.h - what the calls that build a scene and those that change it share: their arguments, checked and as
+ * the scene keeps them. */
+#ifndef LC_API_BUILD_H
+#define LC_API_BUILD_H
+
+#include "scene/scene.h"
+
+static const lc_pos LC_BY_CALL; /* no place in a file */
+
+/* What is wrong with a number in a file is wrong with an argument here. */
+static inline lc_status lc_as_arg(lc_status st) { return st == LC_ERR_PARSE ? LC_ERR_ARG : st; }
+
+/* Each LC_ERR_ARG after a line that begins with the name of the call. */
+lc_status lc_arg_light(const lc_scene *scene, const char *call, const lc_build_light_desc *desc,
+                       lc_light *out);
+/* The screen window is -1..1 along the film's shorter side, or that of the scene's perspective camera. */
+lc_status lc_arg_camera(const lc_scene *scene, const char *call, const lc_build_camera_desc *desc,
+                        lc_camera_desc *out);
+/* -1..1 along the film's shorter side. */
+void lc_fit_screen(const lc_film_desc *film, double screen[4]);
+lc_status lc_arg_to_world(const lc_scene *scene, const char *call, const double to_world[16], lc_xform *out);
+
+/* The hash of all that the scene is made of now. */
+uint64_t lc_build_id(const lc_scene *scene);
+
+#endif
