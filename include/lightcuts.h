@@ -256,15 +256,67 @@ LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_fe
  * one and takes no more. Everything is copied. A call with a wrong argument is LC_ERR_ARG, names it in the
  * log and leaves the scene as it was; so does LC_ERR_MEMORY, but for lc_build_commit, after which the scene
  * can only be destroyed. Scenes of files are built by the same code (scene/scene.h), so the same scene gives
- * the same bytes. There are no textures, environments, mirrors and glass by calls yet. */
+ * the same bytes. */
 
+typedef enum lc_build_texels {
+    LC_BUILD_SRGB8,   /* bytes, 0..255, sRGB */
+    LC_BUILD_LINEAR8, /* bytes, 0..255, linear, as of normals and roughness */
+    LC_BUILD_FLOATS   /* floats, linear */
+} lc_build_texels;
+typedef enum lc_build_wrap { LC_BUILD_REPEAT, LC_BUILD_CLAMP, LC_BUILD_BLACK } lc_build_wrap;
+typedef enum lc_build_filter { LC_BUILD_NEAREST, LC_BUILD_BILINEAR, LC_BUILD_TRILINEAR } lc_build_filter;
+#define LC_NO_TEXTURE 0xffffffffu
+
+typedef struct lc_build_texture_desc {
+    size_t size;
+    uint32_t width, height; /* 1..65535, the product at most 2^28 */
+    uint32_t n_channels;    /* 1: a number; 3: R G B */
+    lc_build_texels kind;
+    const void *texels;     /* rows from the top; (u, v) = (0, 0) is the lower left corner of the picture */
+    double repeat[2];       /* how often it fits into u and v of 0..1, not 0 */
+    double offset[2];       /* added to u and v after that */
+    lc_build_wrap wrap;     /* beyond the picture */
+    lc_build_filter filter; /* all use a pyramid of smaller copies where the picture is far away */
+    float scale;            /* multiplies the values, >= 0 */
+} lc_build_texture_desc;
+#define LC_BUILD_TEXTURE_DESC_INIT                                                                           \
+    {                                                                                                        \
+        sizeof(lc_build_texture_desc), 0, 0, 3, LC_BUILD_SRGB8, 0, { 1, 1 }, { 0, 0 }, LC_BUILD_REPEAT,      \
+            LC_BUILD_BILINEAR, 1                                                                             \
+    }
+
+typedef enum lc_build_specular {
+    LC_BUILD_ROUGH,     /* diffuse, and the lobe */
+    LC_BUILD_MIRROR,    /* reflects `glossy` by `fresnel` in one direction */
+    LC_BUILD_GLASS,     /* `glossy` of what Fresnel's equations reflect, `transmitted` of the rest */
+    LC_BUILD_THIN_GLASS /* the same of a sheet, which does not refract */
+} lc_build_specular;
+
+/* What a mirror or glass does not use is ignored. */
 typedef struct lc_build_material_desc {
     size_t size;
     float diffuse[3];    /* reflectance, 0..1 */
-    float glossy[3];     /* of a Phong lobe, 0..1 */
-    float exponent;      /* of that lobe, 0..100000 */
+    float glossy[3];     /* factor of the lobe, of a mirror or glass, 0..1 */
+    float exponent;      /* of a Phong lobe, 0..100000 */
+    lc_build_specular specular;
+    uint32_t gloss;      /* the lobe: LC_GLOSS_... as of lc_shade_material; but by INIT Phong's */
+    float roughness[2];  /* of the lobes other than Phong's, as of lc_shade_material */
+    uint32_t fresnel;    /* of GGX and mirrors: LC_REFLECT_... */
+    float eta[3], k[3];  /* indices of refraction, absorption; glass: eta, 1..3.5 */
+    int coat;            /* GGX: `diffuse` lies below a dielectric of index eta[0] */
+    float transmitted[3]; /* diffuse transmission, 0..1; of glass, see above */
+    /* From lc_build_texture, in place of the value above; LC_NO_TEXTURE: none. Of roughness, one channel, for
+     * both directions. */
+    uint32_t diffuse_texture, glossy_texture, transmitted_texture, roughness_texture;
+    uint32_t bump_texture;   /* one channel: height above the surface, scene units */
+    uint32_t normal_texture; /* (1 + n) / 2 in the frame of u, v and the normal */
 } lc_build_material_desc;
-#define LC_BUILD_MATERIAL_DESC_INIT { sizeof(lc_build_material_desc), { 0.5f, 0.5f, 0.5f }, { 0, 0, 0 }, 0 }
+#define LC_BUILD_MATERIAL_DESC_INIT                                                                          \
+    {                                                                                                        \
+        sizeof(lc_build_material_desc), { 0.5f, 0.5f, 0.5f }, { 0, 0, 0 }, 0, LC_BUILD_ROUGH, 1,             \
+            { 0.1f, 0.1f }, 0, { 1.5f, 1.5f, 1.5f }, { 0, 0, 0 }, 0, { 0, 0, 0 }, LC_NO_TEXTURE,             \
+            LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE                        \
+    }
 
 typedef struct lc_build_mesh_desc {
     size_t size;
@@ -276,24 +328,63 @@ typedef struct lc_build_mesh_desc {
     float emission[3];       /* radiance; 0 for meshes of an object */
     int two_sided;           /* emits on both sides, not only on that of cross(p1 - p0, p2 - p0) */
     int flip;                /* the outer side is the other one */
+    const float *uv;         /* n_vertices * 2; NULL: (0, 0) (1, 0) (1, 1) on each triangle */
+    uint32_t alpha_texture;  /* one channel, in place of alpha; LC_NO_TEXTURE */
+    float alpha;             /* the fraction of rays that the mesh stops, 0..1 */
 } lc_build_mesh_desc;
-#define LC_BUILD_MESH_DESC_INIT { sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0 }
+#define LC_BUILD_MESH_DESC_INIT                                                                              \
+    { sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0, 0, LC_NO_TEXTURE, 1 }
 
 typedef enum lc_build_light_kind {
     LC_BUILD_POINT,      /* the same intensity in all directions */
     LC_BUILD_ORIENTED,   /* intensity times the cosine to its direction */
-    LC_BUILD_DIRECTIONAL /* far away; intensity is its irradiance */
+    LC_BUILD_DIRECTIONAL, /* far away; intensity is its irradiance */
+    LC_BUILD_SPOT,        /* a cone */
+    LC_BUILD_LUMINAIRE    /* a photometric table: candela are taken as W/sr, times the intensity */
 } lc_build_light_kind;
 
 typedef struct lc_build_light_desc {
     size_t size;
     lc_build_light_kind kind;
     float position[3];
-    double direction[3]; /* in which light travels, any length */
+    double direction[3]; /* in which light travels, any length; of luminaires gamma 0, "down" */
     float intensity[3];
+    double cone, delta;  /* spots, degrees from the direction: no light from `cone` on, 0..180; all of it
+                          * up to cone - delta, 0..cone */
+    uint32_t luminaire;  /* from lc_build_luminaire */
+    double across[3];    /* luminaires: towards C 0; its part across the direction counts */
+    double lumens;       /* luminaires: what the table's integral is made to be; 0: as the file has it */
 } lc_build_light_desc;
 #define LC_BUILD_LIGHT_DESC_INIT                                                                             \
-    { sizeof(lc_build_light_desc), LC_BUILD_POINT, { 0, 0, 0 }, { 0, 0, 1 }, { 1, 1, 1 } }
+    {                                                                                                        \
+        sizeof(lc_build_light_desc), LC_BUILD_POINT, { 0, 0, 0 }, { 0, 0, 1 }, { 1, 1, 1 }, 30, 5, 0,        \
+            { 1, 0, 0 }, 0                                                                                   \
+    }
+
+typedef struct lc_build_luminaire_desc {
+    size_t size;
+    const char *text; /* of an IES LM-63 or EULUMDAT file; TILT in a file of its own cannot be had */
+    uint64_t length;  /* bytes, at most 2^24 */
+    int eulumdat;     /* 0: LM-63 */
+} lc_build_luminaire_desc;
+#define LC_BUILD_LUMINAIRE_DESC_INIT { sizeof(lc_build_luminaire_desc), 0, 0, 0 }
+
+/* Light from all directions, far away. */
+typedef struct lc_build_environment_desc {
+    size_t size;
+    uint32_t width, height; /* as of lc_build_texture_desc */
+    lc_build_texels kind;
+    const void *texels;     /* R G B, rows from the top; NULL: white, width and height are unused */
+    int equal_area;         /* 0: latitude and longitude: rows from +z, columns from +x to +y. Else pbrt-v4's
+                             * square: +z in the middle, -z in the corners; width == height */
+    float scale[3];         /* radiance of a texel of 1, R G B; the greatest texel times this at most 1e13 */
+    double to_world[16];    /* turns the directions above, as lc_build_instance's */
+} lc_build_environment_desc;
+#define LC_BUILD_ENVIRONMENT_DESC_INIT                                                                       \
+    {                                                                                                        \
+        sizeof(lc_build_environment_desc), 0, 0, LC_BUILD_FLOATS, 0, 0, { 1, 1, 1 },                         \
+        { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }                                                   \
+    }
 
 /* A perspective camera; up is y, x points right. */
 typedef struct lc_build_camera_desc {
@@ -323,6 +414,12 @@ LC_API lc_status lc_build_object(lc_scene *scene, uint32_t *id);
 /* Places an object, whose meshes have all been given. to_world is row-major and acts on column vectors;
  * its last row is 0 0 0 1, it can be inverted, and its condition number is at most 1000. */
 LC_API lc_status lc_build_instance(lc_scene *scene, uint32_t object, const double to_world[16]);
+/* *id: the texture's number for materials and meshes. */
+LC_API lc_status lc_build_texture(lc_scene *scene, const lc_build_texture_desc *desc, uint32_t *id);
+/* *id: for lc_build_light_desc.luminaire. LC_ERR_ARG after a line that says what is wrong, and where in
+ * the text; LC_ERR_UNSUPPORTED: more than 4096. */
+LC_API lc_status lc_build_luminaire(lc_scene *scene, const lc_build_luminaire_desc *desc, uint32_t *id);
+LC_API lc_status lc_build_environment(lc_scene *scene, const lc_build_environment_desc *desc);
 LC_API lc_status lc_build_light(lc_scene *scene, const lc_build_light_desc *desc);
 LC_API lc_status lc_build_camera(lc_scene *scene, const lc_build_camera_desc *desc);
 LC_API lc_status lc_build_film(lc_scene *scene, const lc_build_film_desc *desc);

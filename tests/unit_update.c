@@ -476,5 +476,6 @@ int main(void)
     RUN(an_update_without_memory_leaves_the_scene_as_it_was);
     RUN(others_may_render_while_one_thread_sets);
     lc_context_destroy(ctx);
+    temp_end();
     return test_done();
 }

@@ -8,11 +8,7 @@
 #include "base/memory.h"
 #include "prepare/commit.h"
 
-/* The kinds of call, in the digest. */
-enum { MATERIAL = 1, MESH, OBJECT };
-
-/* Takes a descriptor of a scene that can still be added to. */
-static lc_status take(const lc_scene *s, const char *name, void *to, size_t size, const void *desc)
+lc_status lc_build_take(const lc_scene *s, const char *name, void *to, size_t size, const void *desc)
 {
     if (!s) return LC_ERR_ARG;
     if (!s->by_calls || s->committed)
@@ -35,7 +31,7 @@ static lc_status number_of(lc_scene *s, uint32_t **list, size_t *n, size_t *cap)
     return st;
 }
 
-static void begin(lc_scene *s, int call)
+void lc_build_mark(lc_scene *s, int call)
 {
     lc_digest_mark(&s->inputs.digest);
     lc_digest_u64(&s->inputs.digest, (uint64_t)call);
@@ -54,35 +50,16 @@ lc_status lc_build_begin(lc_context *ctx, lc_scene **out)
     return LC_OK;
 }
 
-lc_status lc_build_material(lc_scene *s, const lc_build_material_desc *desc, uint32_t *id)
-{
-    lc_build_material_desc d = LC_BUILD_MATERIAL_DESC_INIT;
-    lc_status st = take(s, "lc_build_material_desc", &d, sizeof d, desc);
-    if (st) return st;
-    if (!id) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_material: id is NULL");
-    for (int k = 0; k < 3; k++)
-        if (!(d.diffuse[k] >= 0 && d.diffuse[k] <= 1 && d.glossy[k] >= 0 && d.glossy[k] <= 1))
-            return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_material: diffuse and glossy must be 0 to 1");
-    if (!(d.exponent >= 0 && d.exponent <= LC_MAX_EXPONENT))
-        return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_material: exponent must be 0 to %g",
-                       (double)LC_MAX_EXPONENT);
-    const lc_material m = {
-        .kd = lc_f3_load(d.diffuse), .ks = lc_f3_load(d.glossy), .exponent = d.exponent, .lobe = LC_LOBE_PHONG
-    };
-    if ((st = lc_scene_add_material(s, &m, id))) return st;
-    begin(s, MATERIAL);
-    add_floats(s, d.diffuse, 3);
-    add_floats(s, d.glossy, 3);
-    add_floats(s, &d.exponent, 1);
-    return LC_OK;
-}
-
 static lc_status check_mesh(const lc_scene *s, const lc_build_mesh_desc *d)
 {
     const char *wrong = NULL;
     if (d->n_vertices && !d->positions) wrong = "positions are NULL";
     if (d->n_triangles && !d->indices) wrong = "indices are NULL";
     if (d->material >= s->n_materials) wrong = "material is not one of the scene's";
+    if (!(d->alpha >= 0 && d->alpha <= 1)) wrong = "alpha must be 0 to 1";
+    if (lc_build_check_texture(s, d->alpha_texture, true)) wrong = "alpha_texture is not one of one channel";
+    for (size_t i = 0; d->uv && i < (size_t)d->n_vertices * 2; i++)
+        if (!isfinite(d->uv[i])) wrong = "uv is not finite";
     if (s->n_instances) wrong = "the meshes of all objects come before the instances";
     for (int k = 0; k < 3; k++)
         if (s->n_objects && (d->emission[k] < 0 || d->emission[k] > 0))
@@ -93,13 +70,18 @@ static lc_status check_mesh(const lc_scene *s, const lc_build_mesh_desc *d)
 lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
 {
     lc_build_mesh_desc d = LC_BUILD_MESH_DESC_INIT;
-    lc_status st = take(s, "lc_build_mesh_desc", &d, sizeof d, desc);
+    lc_status st = lc_build_take(s, "lc_build_mesh_desc", &d, sizeof d, desc);
     if (!st) st = check_mesh(s, &d);
     if (st) return st;
+    const bool holes = d.alpha_texture != LC_NO_TEXTURE || d.alpha < 1;
+    const double alpha = (double)d.alpha;
+    const lc_mesh_alpha hole = { { d.alpha_texture, { alpha, alpha, alpha } }, { LC_NONE, { 1, 1, 1 } } };
     const lc_mesh_desc m = { .n_verts = d.n_vertices,
                              .n_tris = d.n_triangles,
                              .pos = d.positions,
                              .normal = d.normals,
+                             .uv = d.uv,
+                             .alpha = holes ? &hole : NULL,
                              .index = d.indices,
                              .material_id = d.material,
                              .flip = d.flip,
@@ -113,11 +95,15 @@ lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
         return st;
     }
     if (s->n_meshes > before) g->meshes[g->n_meshes - 1] = (uint32_t)before;
-    begin(s, MESH);
+    lc_build_mark(s, LC_CALL_MESH);
     lc_digest_u64(&s->inputs.digest, d.n_vertices);
     lc_digest_u64(&s->inputs.digest, d.n_triangles);
     lc_digest_u64(&s->inputs.digest, d.material);
-    lc_digest_u64(&s->inputs.digest, (d.normals ? 4u : 0) + (d.flip ? 2u : 0) + (d.two_sided ? 1u : 0));
+    lc_digest_u64(&s->inputs.digest,
+                  (d.uv ? 8u : 0) + (d.normals ? 4u : 0) + (d.flip ? 2u : 0) + (d.two_sided ? 1u : 0));
+    lc_digest_u64(&s->inputs.digest, d.alpha_texture);
+    add_floats(s, &d.alpha, 1);
+    if (d.uv) add_floats(s, d.uv, (size_t)d.n_vertices * 2);
     add_floats(s, d.positions, (size_t)d.n_vertices * 3);
     if (d.normals) add_floats(s, d.normals, (size_t)d.n_vertices * 3);
     lc_digest_add(&s->inputs.digest, d.indices, (size_t)d.n_triangles * 3 * sizeof *d.indices);
@@ -126,21 +112,21 @@ lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
 
 lc_status lc_build_object(lc_scene *s, uint32_t *id)
 {
-    lc_status st = take(s, "lc_build_object", NULL, 0, NULL);
+    lc_status st = lc_build_take(s, "lc_build_object", NULL, 0, NULL);
     if (st) return st;
     if (!id) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_object: id is NULL");
     if (s->n_instances)
         return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_object: all objects come before the instances");
     if ((st = lc_scene_begin_object(s))) return st;
     *id = (uint32_t)s->n_objects - 1;
-    begin(s, OBJECT);
+    lc_build_mark(s, LC_CALL_OBJECT);
     return LC_OK;
 }
 
 lc_status lc_build_instance(lc_scene *s, uint32_t object, const double to_world[16])
 {
     lc_xform x;
-    lc_status st = take(s, "lc_build_instance", NULL, 0, NULL);
+    lc_status st = lc_build_take(s, "lc_build_instance", NULL, 0, NULL);
     if (st) return st;
     if (object >= s->n_objects)
         return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_instance: object %u of %zu", object, s->n_objects);
@@ -156,7 +142,7 @@ lc_status lc_build_instance(lc_scene *s, uint32_t object, const double to_world[
 lc_status lc_build_light(lc_scene *s, const lc_build_light_desc *desc)
 {
     lc_light light;
-    lc_status st = take(s, "lc_build_light", NULL, 0, NULL);
+    lc_status st = lc_build_take(s, "lc_build_light", NULL, 0, NULL);
     if (!st) st = lc_arg_light(s, "lc_build_light", desc, &light);
     lc_given *g = st ? NULL : &s->given;
     if (!st) st = lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
@@ -167,7 +153,7 @@ lc_status lc_build_light(lc_scene *s, const lc_build_light_desc *desc)
 lc_status lc_build_camera(lc_scene *s, const lc_build_camera_desc *desc)
 {
     lc_camera_desc camera;
-    lc_status st = take(s, "lc_build_camera", NULL, 0, NULL);
+    lc_status st = lc_build_take(s, "lc_build_camera", NULL, 0, NULL);
     if (!st) st = lc_arg_camera(s, "lc_build_camera", desc, &camera);
     return st ? st : lc_as_arg(lc_scene_add_camera(s, LC_BY_CALL, &camera));
 }
@@ -175,7 +161,7 @@ lc_status lc_build_camera(lc_scene *s, const lc_build_camera_desc *desc)
 lc_status lc_build_film(lc_scene *s, const lc_build_film_desc *desc)
 {
     lc_build_film_desc d = LC_BUILD_FILM_DESC_INIT;
-    lc_status st = take(s, "lc_build_film_desc", &d, sizeof d, desc);
+    lc_status st = lc_build_take(s, "lc_build_film_desc", &d, sizeof d, desc);
     if (st) return st;
     lc_film_desc film = { .width = d.width,
                           .height = d.height,
@@ -189,7 +175,7 @@ lc_status lc_build_film(lc_scene *s, const lc_build_film_desc *desc)
 lc_status lc_build_commit(lc_scene *s, const lc_load_desc *desc)
 {
     lc_load_desc d;
-    lc_status st = take(s, "lc_build_commit", NULL, 0, NULL);
+    lc_status st = lc_build_take(s, "lc_build_commit", NULL, 0, NULL);
     if (!st) st = lc_load_take(s->ctx, desc, &d);
     if (st) return st;
     if (!s->has_camera) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_commit: the scene has no camera");

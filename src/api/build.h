@@ -10,6 +10,23 @@ static const lc_pos LC_BY_CALL; /* no place in a file */
 /* What is wrong with a number in a file is wrong with an argument here. */
 static inline lc_status lc_as_arg(lc_status st) { return st == LC_ERR_PARSE ? LC_ERR_ARG : st; }
 
+/* The kinds of call, in the digest of what is built. */
+enum {
+    LC_CALL_MATERIAL = 1,
+    LC_CALL_MESH,
+    LC_CALL_OBJECT,
+    LC_CALL_TEXTURE,
+    LC_CALL_ENVIRONMENT,
+    LC_CALL_LUMINAIRE
+};
+
+/* Takes a descriptor of a scene that can still be added to; to: NULL, no descriptor. */
+lc_status lc_build_take(const lc_scene *scene, const char *name, void *to, size_t size, const void *desc);
+/* What is wrong with a texture's number, or NULL; LC_NO_TEXTURE is right. number: one channel is needed. */
+const char *lc_build_check_texture(const lc_scene *scene, uint32_t id, bool number);
+/* Begins a call's part of the digest. */
+void lc_build_mark(lc_scene *scene, int call);
+
 /* Each LC_ERR_ARG after a line that begins with the name of the call. */
 lc_status lc_arg_light(const lc_scene *scene, const char *call, const lc_build_light_desc *desc,
                        lc_light *out);

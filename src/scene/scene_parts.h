@@ -7,6 +7,7 @@
 #ifndef LC_SCENE_PARTS_H
 #define LC_SCENE_PARTS_H
 
+#include "photometry/photometry.h"
 #include "scene/camera.h"
 #include "shade/light.h"
 #include "trace/bvh_data.h"
@@ -44,13 +45,21 @@ typedef struct lc_indirect {
                             light would otherwise outweigh all others */
     double median, high; /* half, and 95 %, of the blocks are nearer than this */
 } lc_indirect;
-#define LC_INDIRECT_HIGH 5.0 /* `high` may be as many times the asked deviation, which is that of `median`   \
-                              */
+#define LC_INDIRECT_HIGH                                                                                     \
+    5.0 /* `high` may be as many times the asked deviation, which is that of `median`                        \
+         */
 
 static inline double lc_indirect_deviation(const lc_indirect *in)
 {
     return fmax(in->median, in->high / LC_INDIRECT_HIGH);
 }
+
+/* A luminaire that a host gave. */
+typedef struct lc_fixture {
+    lc_photometry file;
+    uint32_t profile;
+    float peak; /* cd */
+} lc_fixture;
 
 /* A host's numbers are those of its calls, counted from 0. For scenes of files the arrays of numbers are
  * NULL: the scene's own numbers serve; and so are the lights until one is set. */
@@ -58,7 +67,8 @@ typedef struct lc_given {
     lc_light *lights; /* as they were set last, those without intensity too */
     size_t n_lights, cap_lights;
     uint32_t *meshes, *instances; /* of each call the scene's number; LC_NONE: it was empty and left out */
-    size_t n_meshes, cap_meshes, n_instances, cap_instances;
+    lc_fixture *fixtures;
+    size_t n_meshes, cap_meshes, n_instances, cap_instances, n_fixtures, cap_fixtures;
 } lc_given;
 
 typedef enum lc_change_kind { LC_CHANGE_CAMERA, LC_CHANGE_INSTANCE, LC_CHANGE_EMISSION } lc_change_kind;
