@@ -1,7 +1,7 @@
 /* build.c - public calls that make a scene: check every argument, then call the scene builder as parsers do.
  *
  * What each call was given goes into the scene's digest, as the bytes of files do: equal ids of pictures mean
- * equal scenes. What can be set again goes into it by lc_build_id. */
+ * equal scenes. What can be set again goes into it by lc_given_id. */
 #include "api/build.h"
 #include "api/load.h"
 #include "base/desc.h"
@@ -182,6 +182,6 @@ lc_status lc_build_commit(lc_scene *s, const lc_load_desc *desc)
     lc_fit_screen(&s->film, s->camera_desc.screen);
     s->committed = true;
     if ((st = lc_as_arg(lc_scene_commit(s, &d)))) return st;
-    s->input_id = lc_build_id(s);
+    s->input_id = lc_given_id(s);
     return LC_OK;
 }

@@ -142,7 +142,7 @@ static void add_light(lc_digest *d, const lc_light *light)
     lc_digest_add(d, light->atten, sizeof light->atten);
 }
 
-uint64_t lc_build_id(const lc_scene *s)
+uint64_t lc_given_id(const lc_scene *s)
 {
     lc_digest d = s->inputs.digest;
     add_camera(&d, &s->camera_desc);

@@ -113,6 +113,6 @@ lc_status lc_scene_update(lc_scene *s, const lc_update_desc *desc)
     if (!st && desc) st = lc_desc_take(s->ctx, "lc_update_desc", &d, sizeof d, desc);
     if (st || (!s->changes.n && !s->changes.lights)) return st;
     if ((st = lc_as_arg(lc_scene_apply(s, d.keep_lights)))) return st;
-    s->input_id = lc_build_id(s);
+    s->input_id = lc_given_id(s);
     return LC_OK;
 }
