@@ -1,7 +1,8 @@
-/* fuzz_build.c - any sequence of calls that build a scene, with any numbers: no crash, a refused call changes
- * nothing that the next ones rely on, what is committed renders. */
+/* fuzz_build.c - any sequence of calls that build a scene, then of calls that change it, with any numbers: no
+ * crash, a refused call changes nothing that the next ones rely on, what is committed or updated renders. */
 #include "fuzz.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #define MAX_CALLS 64
@@ -43,7 +44,7 @@ static void doubles(input *in, double *to, int n)
 
 static lc_status mesh(input *in, lc_scene *s)
 {
-    float positions[8 * 3], normals[8 * 3];
+    float positions[8 * 3], normals[8 * 3], uv[8 * 2];
     uint32_t indices[8 * 3];
     lc_build_mesh_desc d = LC_BUILD_MESH_DESC_INIT;
     const uint8_t flags = byte(in);
@@ -59,6 +60,12 @@ static lc_status mesh(input *in, lc_scene *s)
     d.flip = flags & 8;
     d.two_sided = flags & 16;
     if (flags & 32) numbers(in, d.emission, 3);
+    if (flags & 64) {
+        numbers(in, uv, 16);
+        d.uv = uv;
+        d.alpha_texture = byte(in) % 8 ? LC_NO_TEXTURE : byte(in) % 4;
+        d.alpha = number(in);
+    }
     return lc_build_mesh(s, &d);
 }
 
@@ -69,27 +76,96 @@ static lc_status material(input *in, lc_scene *s)
     numbers(in, d.diffuse, 3);
     numbers(in, d.glossy, 3);
     d.exponent = number(in);
+    if (byte(in) % 2) return lc_build_material(s, &d, &id);
+    d.specular = (lc_build_specular)(byte(in) % 5);
+    d.gloss = byte(in) % 6;
+    d.fresnel = byte(in) % 5;
+    d.coat = byte(in) % 2;
+    numbers(in, d.roughness, 2);
+    numbers(in, d.eta, 3);
+    numbers(in, d.k, 3);
+    numbers(in, d.transmitted, 3);
+    uint32_t *const textures[] = { &d.diffuse_texture,   &d.glossy_texture, &d.transmitted_texture,
+                                   &d.roughness_texture, &d.bump_texture,   &d.normal_texture };
+    for (int i = 0; i < 6; i++) *textures[i] = byte(in) % 4 ? LC_NO_TEXTURE : byte(in) % 4;
     return lc_build_material(s, &d, &id);
 }
 
-static lc_status light(input *in, lc_scene *s)
+static lc_status texture(input *in, lc_scene *s)
+{
+    lc_build_texture_desc d = LC_BUILD_TEXTURE_DESC_INIT;
+    float texels[4 * 4 * 3];
+    uint32_t id;
+    d.width = byte(in) % 5;
+    d.height = byte(in) % 5;
+    d.n_channels = byte(in) % 2 ? 1 : byte(in) % 5;
+    d.kind = (lc_build_texels)(byte(in) % 4);
+    d.wrap = (lc_build_wrap)(byte(in) % 4);
+    d.filter = (lc_build_filter)(byte(in) % 4);
+    d.scale = number(in);
+    numbers(in, texels, 48);
+    if (byte(in) % 2) doubles(in, d.repeat, 2);
+    if (byte(in) % 2) doubles(in, d.offset, 2);
+    d.texels = texels;
+    return lc_build_texture(s, &d, &id);
+}
+
+static lc_status environment(input *in, lc_scene *s)
+{
+    lc_build_environment_desc d = LC_BUILD_ENVIRONMENT_DESC_INIT;
+    float texels[4 * 4 * 3];
+    d.width = byte(in) % 5;
+    d.height = byte(in) % 5;
+    d.kind = (lc_build_texels)(byte(in) % 4);
+    d.equal_area = byte(in) % 2;
+    numbers(in, d.scale, 3);
+    if (byte(in) % 2) doubles(in, d.to_world, 12);
+    numbers(in, texels, 48);
+    d.texels = byte(in) % 4 ? texels : NULL;
+    return lc_build_environment(s, &d);
+}
+
+/* A small table whose numbers are the input's. */
+static lc_status luminaire(input *in, lc_scene *s)
+{
+    lc_build_luminaire_desc d = LC_BUILD_LUMINAIRE_DESC_INIT;
+    char text[400];
+    uint32_t id;
+    int n = snprintf(
+        text, sizeof text,
+        "IESNA:LM-63-2002\nTILT=NONE\n1 1000 %u 3 2 1 2 0 0 0\n1 1 100\n0 %u 180\n0 %u\n%u %u %u\n%u 9 0\n",
+        byte(in), byte(in), byte(in), byte(in), byte(in), byte(in), byte(in));
+    if (byte(in) % 2) text[byte(in) % n] = (char)byte(in);
+    d.text = text;
+    d.length = byte(in) % 4 ? (uint64_t)n : byte(in);
+    d.eulumdat = byte(in) % 8 == 0;
+    return lc_build_luminaire(s, &d, &id);
+}
+
+static lc_build_light_desc light(input *in)
 {
     lc_build_light_desc d = LC_BUILD_LIGHT_DESC_INIT;
-    d.kind = (lc_build_light_kind)(byte(in) % 4);
+    d.kind = (lc_build_light_kind)(byte(in) % 6);
     numbers(in, d.position, 3);
     doubles(in, d.direction, 3);
     numbers(in, d.intensity, 3);
-    return lc_build_light(s, &d);
+    if (d.kind < LC_BUILD_SPOT) return d;
+    d.cone = 40 * (double)number(in);
+    d.delta = 20 * (double)number(in);
+    d.luminaire = byte(in) % 3;
+    doubles(in, d.across, 3);
+    d.lumens = (double)number(in);
+    return d;
 }
 
-static lc_status camera(input *in, lc_scene *s)
+static lc_build_camera_desc camera(input *in)
 {
     lc_build_camera_desc d = LC_BUILD_CAMERA_DESC_INIT;
     doubles(in, d.from, 3);
     doubles(in, d.at, 3);
     doubles(in, d.up, 3);
     d.fov = 20 * (double)number(in);
-    return lc_build_camera(s, &d);
+    return d;
 }
 
 static lc_status call(input *in, lc_scene *s)
@@ -97,11 +173,16 @@ static lc_status call(input *in, lc_scene *s)
     lc_build_film_desc film = LC_BUILD_FILM_DESC_INIT;
     double to_world[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
     uint32_t id;
-    switch (byte(in) % 8) {
+    lc_build_light_desc l;
+    lc_build_camera_desc c;
+    switch (byte(in) % 11) {
     case 0: return material(in, s);
     case 1: return mesh(in, s);
-    case 2: return light(in, s);
-    case 3: return camera(in, s);
+    case 2: l = light(in); return lc_build_light(s, &l);
+    case 3: c = camera(in); return lc_build_camera(s, &c);
+    case 8: return texture(in, s);
+    case 9: return environment(in, s);
+    case 10: return luminaire(in, s);
     case 4: return lc_build_object(s, &id);
     case 5:
         id = byte(in) % 4;
@@ -116,25 +197,61 @@ static lc_status call(input *in, lc_scene *s)
     }
 }
 
+/* Sets something of a committed scene. */
+static lc_status change(input *in, lc_scene *s)
+{
+    double to_world[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+    float rgb[3];
+    lc_build_light_desc l;
+    lc_build_camera_desc c;
+    lc_update_desc u = LC_UPDATE_DESC_INIT;
+    const uint8_t kind = byte(in) % 6, at = byte(in) % 4;
+    switch (kind) {
+    case 0: c = camera(in); return lc_scene_set_camera(s, &c);
+    case 1: l = light(in); return lc_scene_set_light(s, at, &l);
+    case 2: doubles(in, to_world, 12); return lc_scene_set_instance(s, at, to_world);
+    case 3: numbers(in, rgb, 3); return lc_scene_dim_light(s, at, rgb);
+    case 4: numbers(in, rgb, 3); return lc_scene_set_emission(s, at, rgb);
+    default: u.keep_lights = at % 2; return lc_scene_update(s, &u);
+    }
+}
+
+static void render(const lc_scene *scene)
+{
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_image *image;
+    require(!lc_render(fuzz_context(), scene, &d, &image, NULL), "does not render");
+    lc_image_destroy(image);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     input in = { data, size };
     lc_scene *scene;
     lc_image *image = NULL;
     lc_build_film_desc film = LC_BUILD_FILM_DESC_INIT;
-    lc_render_desc render = LC_RENDER_DESC_INIT;
+    lc_render_desc desc = LC_RENDER_DESC_INIT;
+    lc_load_desc load = LC_LOAD_DESC_INIT;
     if (lc_build_begin(fuzz_context(), &scene)) abort();
     film.width = film.height = 4;
+    load.env_lights = 20;
     require(!lc_build_film(scene, &film), "a film is refused");
-    for (int i = 0; i < MAX_CALLS && in.size; i++) {
+    const uint8_t changes = byte(&in) % 8;
+    for (int i = 0; i < MAX_CALLS && in.size > 16u * changes; i++) {
         const lc_status st = call(&in, scene);
         require(!st || st == LC_ERR_ARG, "a call fails otherwise than by its arguments");
     }
-    require(lc_render(fuzz_context(), scene, &render, &image, NULL) == LC_ERR_ARG, "renders uncommitted");
-    lc_status st = lc_build_commit(scene, NULL);
+    require(lc_render(fuzz_context(), scene, &desc, &image, NULL) == LC_ERR_ARG, "renders uncommitted");
+    require(lc_scene_update(scene, NULL) == LC_ERR_ARG, "updates what is not committed");
+    lc_status st = lc_build_commit(scene, &load);
     require(!st || st == LC_ERR_ARG, "the commit fails otherwise than by its arguments");
-    if (!st) require(!lc_render(fuzz_context(), scene, &render, &image, NULL), "does not render");
-    lc_image_destroy(image);
+    if (!st) render(scene);
+    for (int i = 0; i < MAX_CALLS && in.size && !st; i++) {
+        const lc_status changed = change(&in, scene);
+        require(!changed || changed == LC_ERR_ARG, "a change fails otherwise than by its arguments");
+    }
+    if (!st) require(!lc_scene_update(scene, NULL), "an update of what was accepted fails");
+    if (!st) render(scene);
     lc_scene_destroy(scene);
     return 0;
 }

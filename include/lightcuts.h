@@ -17,7 +17,8 @@
  * Units: lengths are in scene units; intensities in W/sr, irradiances in W/m^2 and radiances in W/(m^2 sr),
  * as linear RGB with Rec.709 primaries. Luminance is 0.2126 R + 0.7152 G + 0.0722 B.
  *
- * Threads: a context may be used by one thread at a time. A loaded scene is immutable and may be shared.
+ * Threads: a context may be used by one thread at a time. A loaded scene may be shared: nothing changes it
+ * but lc_scene_update.
  */
 #ifndef LIGHTCUTS_H
 #define LIGHTCUTS_H
@@ -38,7 +39,7 @@ extern "C" {
 #define LC_VERSION "0.1.0"
 
 typedef struct lc_context lc_context; /* allocator, log, threads, instruction set */
-typedef struct lc_scene lc_scene;     /* immutable once loaded */
+typedef struct lc_scene lc_scene;     /* immutable once loaded, but for lc_scene_update */
 typedef struct lc_image lc_image;     /* float planes with names, a data window and text attributes */
 
 typedef enum lc_status {
@@ -240,13 +241,22 @@ typedef struct lc_scene_info {
     uint32_t spp;
     const char *film_filename;        /* as written in the scene, or ""; owned by the scene */
     uint32_t n_notes;
-    double seconds_parse, seconds_bvh, seconds_lights, seconds_tree; /* wall clock of the steps of the load */
+    double seconds_parse, seconds_bvh, seconds_lights, seconds_tree; /* wall clock of the steps of the load,
+                                                                      * and of all updates */
     uint64_t bvh_bytes, tree_bytes;
+    uint64_t n_given_lights, n_given_instances, n_given_meshes; /* that lc_scene_set_light, _instance and
+                                                                 * _emission number */
+    /* How often each was built, by the load or commit and all updates: */
+    uint32_t built_bvhs;     /* BVHs over triangles: of the world and of each object */
+    uint32_t built_tops;     /* the BVH over the instances */
+    uint32_t built_lights;   /* lights from emissive triangles and environments, all together */
+    uint32_t built_indirect; /* virtual lights, all together */
+    uint32_t built_trees;    /* the light tree */
 } lc_scene_info;
 #define LC_SCENE_INFO_INIT                                                                                   \
     {                                                                                                        \
         sizeof(lc_scene_info), 0, 0, 0, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,   \
-        0, 0, { 0 }, { 0 }, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0                                           \
+        0, 0, { 0 }, { 0 }, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0                   \
     }
 
 /* Reads a pbrt file ("-" is stdin), glTF or OBJ, makes lights, builds the BVH and the light tree. desc may be
@@ -274,15 +284,67 @@ LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_fe
  * one and takes no more. Everything is copied. A call with a wrong argument is LC_ERR_ARG, names it in the
  * log and leaves the scene as it was; so does LC_ERR_MEMORY, but for lc_build_commit, after which the scene
  * can only be destroyed. Scenes of files are built by the same code (scene/scene.h), so the same scene gives
- * the same bytes. There are no textures, environments, mirrors and glass by calls yet. */
+ * the same bytes. */
 
+typedef enum lc_build_texels {
+    LC_BUILD_SRGB8,   /* bytes, 0..255, sRGB */
+    LC_BUILD_LINEAR8, /* bytes, 0..255, linear, as of normals and roughness */
+    LC_BUILD_FLOATS   /* floats, linear */
+} lc_build_texels;
+typedef enum lc_build_wrap { LC_BUILD_REPEAT, LC_BUILD_CLAMP, LC_BUILD_BLACK } lc_build_wrap;
+typedef enum lc_build_filter { LC_BUILD_NEAREST, LC_BUILD_BILINEAR, LC_BUILD_TRILINEAR } lc_build_filter;
+#define LC_NO_TEXTURE 0xffffffffu
+
+typedef struct lc_build_texture_desc {
+    size_t size;
+    uint32_t width, height; /* 1..65535, the product at most 2^28 */
+    uint32_t n_channels;    /* 1: a number; 3: R G B */
+    lc_build_texels kind;
+    const void *texels;     /* rows from the top; (u, v) = (0, 0) is the lower left corner of the picture */
+    double repeat[2];       /* how often it fits into u and v of 0..1, not 0 */
+    double offset[2];       /* added to u and v after that */
+    lc_build_wrap wrap;     /* beyond the picture */
+    lc_build_filter filter; /* all use a pyramid of smaller copies where the picture is far away */
+    float scale;            /* multiplies the values, >= 0 */
+} lc_build_texture_desc;
+#define LC_BUILD_TEXTURE_DESC_INIT                                                                           \
+    {                                                                                                        \
+        sizeof(lc_build_texture_desc), 0, 0, 3, LC_BUILD_SRGB8, 0, { 1, 1 }, { 0, 0 }, LC_BUILD_REPEAT,      \
+            LC_BUILD_BILINEAR, 1                                                                             \
+    }
+
+typedef enum lc_build_specular {
+    LC_BUILD_ROUGH,     /* diffuse, and the lobe */
+    LC_BUILD_MIRROR,    /* reflects `glossy` by `fresnel` in one direction */
+    LC_BUILD_GLASS,     /* `glossy` of what Fresnel's equations reflect, `transmitted` of the rest */
+    LC_BUILD_THIN_GLASS /* the same of a sheet, which does not refract */
+} lc_build_specular;
+
+/* What a mirror or glass does not use is ignored. */
 typedef struct lc_build_material_desc {
     size_t size;
     float diffuse[3];    /* reflectance, 0..1 */
-    float glossy[3];     /* of a Phong lobe, 0..1 */
-    float exponent;      /* of that lobe, 0..100000 */
+    float glossy[3];     /* factor of the lobe, of a mirror or glass, 0..1 */
+    float exponent;      /* of a Phong lobe, 0..100000 */
+    lc_build_specular specular;
+    uint32_t gloss;      /* the lobe: LC_GLOSS_... as of lc_shade_material; but by INIT Phong's */
+    float roughness[2];  /* of the lobes other than Phong's, as of lc_shade_material */
+    uint32_t fresnel;    /* of GGX and mirrors: LC_REFLECT_... */
+    float eta[3], k[3];  /* indices of refraction, absorption; glass: eta, 1..3.5 */
+    int coat;            /* GGX: `diffuse` lies below a dielectric of index eta[0] */
+    float transmitted[3]; /* diffuse transmission, 0..1; of glass, see above */
+    /* From lc_build_texture, in place of the value above; LC_NO_TEXTURE: none. Of roughness, one channel, for
+     * both directions. */
+    uint32_t diffuse_texture, glossy_texture, transmitted_texture, roughness_texture;
+    uint32_t bump_texture;   /* one channel: height above the surface, scene units */
+    uint32_t normal_texture; /* (1 + n) / 2 in the frame of u, v and the normal */
 } lc_build_material_desc;
-#define LC_BUILD_MATERIAL_DESC_INIT { sizeof(lc_build_material_desc), { 0.5f, 0.5f, 0.5f }, { 0, 0, 0 }, 0 }
+#define LC_BUILD_MATERIAL_DESC_INIT                                                                          \
+    {                                                                                                        \
+        sizeof(lc_build_material_desc), { 0.5f, 0.5f, 0.5f }, { 0, 0, 0 }, 0, LC_BUILD_ROUGH, 1,             \
+            { 0.1f, 0.1f }, 0, { 1.5f, 1.5f, 1.5f }, { 0, 0, 0 }, 0, { 0, 0, 0 }, LC_NO_TEXTURE,             \
+            LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE                        \
+    }
 
 typedef struct lc_build_mesh_desc {
     size_t size;
@@ -294,24 +356,63 @@ typedef struct lc_build_mesh_desc {
     float emission[3];       /* radiance; 0 for meshes of an object */
     int two_sided;           /* emits on both sides, not only on that of cross(p1 - p0, p2 - p0) */
     int flip;                /* the outer side is the other one */
+    const float *uv;         /* n_vertices * 2; NULL: (0, 0) (1, 0) (1, 1) on each triangle */
+    uint32_t alpha_texture;  /* one channel, in place of alpha; LC_NO_TEXTURE */
+    float alpha;             /* the fraction of rays that the mesh stops, 0..1 */
 } lc_build_mesh_desc;
-#define LC_BUILD_MESH_DESC_INIT { sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0 }
+#define LC_BUILD_MESH_DESC_INIT                                                                              \
+    { sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0, 0, LC_NO_TEXTURE, 1 }
 
 typedef enum lc_build_light_kind {
     LC_BUILD_POINT,      /* the same intensity in all directions */
     LC_BUILD_ORIENTED,   /* intensity times the cosine to its direction */
-    LC_BUILD_DIRECTIONAL /* far away; intensity is its irradiance */
+    LC_BUILD_DIRECTIONAL, /* far away; intensity is its irradiance */
+    LC_BUILD_SPOT,        /* a cone */
+    LC_BUILD_LUMINAIRE    /* a photometric table: candela are taken as W/sr, times the intensity */
 } lc_build_light_kind;
 
 typedef struct lc_build_light_desc {
     size_t size;
     lc_build_light_kind kind;
     float position[3];
-    double direction[3]; /* in which light travels, any length */
+    double direction[3]; /* in which light travels, any length; of luminaires gamma 0, "down" */
     float intensity[3];
+    double cone, delta;  /* spots, degrees from the direction: no light from `cone` on, 0..180; all of it
+                          * up to cone - delta, 0..cone */
+    uint32_t luminaire;  /* from lc_build_luminaire */
+    double across[3];    /* luminaires: towards C 0; its part across the direction counts */
+    double lumens;       /* luminaires: what the table's integral is made to be; 0: as the file has it */
 } lc_build_light_desc;
 #define LC_BUILD_LIGHT_DESC_INIT                                                                             \
-    { sizeof(lc_build_light_desc), LC_BUILD_POINT, { 0, 0, 0 }, { 0, 0, 1 }, { 1, 1, 1 } }
+    {                                                                                                        \
+        sizeof(lc_build_light_desc), LC_BUILD_POINT, { 0, 0, 0 }, { 0, 0, 1 }, { 1, 1, 1 }, 30, 5, 0,        \
+            { 1, 0, 0 }, 0                                                                                   \
+    }
+
+typedef struct lc_build_luminaire_desc {
+    size_t size;
+    const char *text; /* of an IES LM-63 or EULUMDAT file; TILT in a file of its own cannot be had */
+    uint64_t length;  /* bytes, at most 2^24 */
+    int eulumdat;     /* 0: LM-63 */
+} lc_build_luminaire_desc;
+#define LC_BUILD_LUMINAIRE_DESC_INIT { sizeof(lc_build_luminaire_desc), 0, 0, 0 }
+
+/* Light from all directions, far away. */
+typedef struct lc_build_environment_desc {
+    size_t size;
+    uint32_t width, height; /* as of lc_build_texture_desc */
+    lc_build_texels kind;
+    const void *texels;     /* R G B, rows from the top; NULL: white, width and height are unused */
+    int equal_area;         /* 0: latitude and longitude: rows from +z, columns from +x to +y. Else pbrt-v4's
+                             * square: +z in the middle, -z in the corners; width == height */
+    float scale[3];         /* radiance of a texel of 1, R G B; the greatest texel times this at most 1e13 */
+    double to_world[16];    /* turns the directions above, as lc_build_instance's */
+} lc_build_environment_desc;
+#define LC_BUILD_ENVIRONMENT_DESC_INIT                                                                       \
+    {                                                                                                        \
+        sizeof(lc_build_environment_desc), 0, 0, LC_BUILD_FLOATS, 0, 0, { 1, 1, 1 },                         \
+        { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }                                                   \
+    }
 
 /* A perspective camera; up is y, x points right. */
 typedef struct lc_build_camera_desc {
@@ -341,12 +442,72 @@ LC_API lc_status lc_build_object(lc_scene *scene, uint32_t *id);
 /* Places an object, whose meshes have all been given. to_world is row-major and acts on column vectors;
  * its last row is 0 0 0 1, it can be inverted, and its condition number is at most 1000. */
 LC_API lc_status lc_build_instance(lc_scene *scene, uint32_t object, const double to_world[16]);
+/* *id: the texture's number for materials and meshes. */
+LC_API lc_status lc_build_texture(lc_scene *scene, const lc_build_texture_desc *desc, uint32_t *id);
+/* *id: for lc_build_light_desc.luminaire. LC_ERR_ARG after a line that says what is wrong, and where in
+ * the text; LC_ERR_UNSUPPORTED: more than 4096. */
+LC_API lc_status lc_build_luminaire(lc_scene *scene, const lc_build_luminaire_desc *desc, uint32_t *id);
+LC_API lc_status lc_build_environment(lc_scene *scene, const lc_build_environment_desc *desc);
 LC_API lc_status lc_build_light(lc_scene *scene, const lc_build_light_desc *desc);
 LC_API lc_status lc_build_camera(lc_scene *scene, const lc_build_camera_desc *desc);
 LC_API lc_status lc_build_film(lc_scene *scene, const lc_build_film_desc *desc);
 /* Makes lights, builds the BVH and the light tree; desc as for lc_scene_load, NULL for the defaults.
  * Without a number of virtual lights in it there are none. LC_ERR_ARG without a camera. */
 LC_API lc_status lc_build_commit(lc_scene *scene, const lc_load_desc *desc);
+
+/* ---- a scene that changes ---- */
+
+/* Cameras, lights and instances of a committed or loaded scene, set again:
+ *
+ *     lc_scene_set_camera, _light, ... -> lc_scene_update -> lc_render -> set -> update -> render ...
+ *
+ * What is set waits until lc_scene_update, which builds only what follows from it. Then the scene gives the
+ * same bytes as one that was committed with that camera, those lights and instances to begin with.
+ *
+ *     changed      built by the update
+ *     camera       lights made from emissive triangles (unless lc_load_desc.area_lights gives their number)
+ *                  and from environments, and virtual lights, as these are chosen for the view; where there
+ *                  are any of them, the light tree. Else nothing
+ *     lights       the light tree; virtual lights
+ *     an instance  the BVH over the instances; and as for the camera. The light tree also where the diagonal
+ *                  of the scene has changed and lights have a direction
+ *     emission     lights made from emissive triangles and from environments, virtual lights, the light tree
+ *
+ * BVHs of triangles are never built again. lc_scene_info counts what was built.
+ *
+ * Numbers count the calls lc_build_light, lc_build_instance and lc_build_mesh from 0; of a scene from a
+ * file, its lights with an intensity, meshes, and instances in the order of the file; but those of small
+ * objects, and the only one of an object, are meshes of the world.
+ *
+ * Threads: one thread at a time may set; meanwhile others may render and use the scene, each with a context
+ * of its own, as nothing that is set is seen before the update. lc_scene_update needs the scene for itself:
+ * no other call may use it until it returns, and no lc_render and lc_shade of it may be on its way. */
+
+/* Replaces the camera, whatever the file's was; the film stays. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_set_camera(lc_scene *scene, const lc_build_camera_desc *desc);
+/* Replaces a light, also by one of another kind. One of intensity 0 keeps its number. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_set_light(lc_scene *scene, uint32_t light, const lc_build_light_desc *desc);
+/* Multiplies a light's intensity, as it was set last, by factor R G B, each >= 0: to dim one of any kind that
+ * a file has. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_dim_light(lc_scene *scene, uint32_t light, const float factor[3]);
+/* Moves an instance; to_world as for lc_build_instance. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_set_instance(lc_scene *scene, uint32_t instance, const double to_world[16]);
+/* Radiance of a mesh, R G B >= 0; 0: it does not emit. LC_ERR_ARG also for meshes of objects; _MEMORY. */
+LC_API lc_status lc_scene_set_emission(lc_scene *scene, uint32_t mesh, const float emission[3]);
+
+typedef struct lc_update_desc {
+    size_t size;
+    /* Nonzero: where only the view is another, by the camera or by instances, the lights made from emissive
+     * triangles and environments stay, and when the camera alone moves virtual lights too: nothing is built
+     * for a camera, and what is left of the error does not swim from frame to frame. They were chosen for the
+     * view at which they were made, so that lc_scene_info's lamps_median and indirect_median are of that. */
+    int keep_lights;
+} lc_update_desc;
+#define LC_UPDATE_DESC_INIT { sizeof(lc_update_desc), 0 }
+
+/* Puts what was set since the last update into the scene. desc may be NULL for the defaults. Fails with
+ * LC_ERR_ARG and LC_ERR_MEMORY; the scene then is as before, and what was set still waits. */
+LC_API lc_status lc_scene_update(lc_scene *scene, const lc_update_desc *desc);
 
 /* ---- images ---- */
 

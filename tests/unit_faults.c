@@ -359,6 +359,61 @@ static void count_errors(void *user, lc_log_level level, const char *text)
         if (st) failed = 1;                                                                                  \
     } while (0)
 
+/* The same of a call that gives nothing. */
+#define STEP(call)                                                                                           \
+    do {                                                                                                     \
+        n_errors = 0;                                                                                        \
+        lc_status st = (call);                                                                               \
+        if (!st != !n_errors) fprintf(stderr, "%s: %d messages\n", #call, n_errors), exit(99);               \
+        if (st) failed = 1;                                                                                  \
+    } while (0)
+
+/* A scene by calls, which is then changed; the first call that fails is the last. */
+static int call_builder(lc_context *ctx)
+{
+    static const float at[] = { -2, -2, 3, 2, -2, 3, 2, 2, 3, -2, 2, 3 }, texels[] = { .5f, .5f, .5f };
+    static const uint32_t faces[] = { 0, 1, 2, 0, 2, 3 };
+    const float dim[3] = { .5f, .5f, .5f };
+    const double to_world[16] = { 1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1 };
+    lc_build_texture_desc texture = LC_BUILD_TEXTURE_DESC_INIT;
+    lc_build_material_desc material = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_mesh_desc mesh = LC_BUILD_MESH_DESC_INIT;
+    lc_build_environment_desc sky = LC_BUILD_ENVIRONMENT_DESC_INIT;
+    lc_build_light_desc light = LC_BUILD_LIGHT_DESC_INIT;
+    lc_build_camera_desc camera = LC_BUILD_CAMERA_DESC_INIT;
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    lc_scene *scene = NULL;
+    uint32_t object = 0;
+    int failed = 0;
+    load.env_lights = 12;
+    texture.width = texture.height = 1;
+    texture.kind = LC_BUILD_FLOATS;
+    texture.texels = texels;
+    mesh.n_vertices = 4;
+    mesh.n_triangles = 2;
+    mesh.positions = at;
+    mesh.indices = faces;
+    CALL(lc_build_begin(ctx, &scene), scene);
+    if (!failed) STEP(lc_build_texture(scene, &texture, &material.diffuse_texture));
+    if (!failed) STEP(lc_build_material(scene, &material, &mesh.material));
+    if (!failed) STEP(lc_build_mesh(scene, &mesh));
+    if (!failed) STEP(lc_build_object(scene, &object));
+    if (!failed) STEP(lc_build_mesh(scene, &mesh));
+    if (!failed) STEP(lc_build_instance(scene, object, to_world));
+    if (!failed) STEP(lc_build_environment(scene, &sky));
+    if (!failed) STEP(lc_build_light(scene, &light));
+    if (!failed) STEP(lc_build_camera(scene, &camera));
+    if (!failed) STEP(lc_build_commit(scene, &load));
+    camera.from[0] = .5;
+    if (!failed) STEP(lc_scene_set_camera(scene, &camera));
+    if (!failed) STEP(lc_scene_dim_light(scene, 0, dim));
+    if (!failed) STEP(lc_scene_set_instance(scene, 0, to_world));
+    if (!failed) STEP(lc_scene_set_emission(scene, 0, dim));
+    if (!failed) STEP(lc_scene_update(scene, NULL));
+    lc_scene_destroy(scene);
+    return failed;
+}
+
 static int call_library(void)
 {
     int failed = 0;
@@ -395,6 +450,7 @@ static int call_library(void)
     lc_image_destroy(image);
     lc_image_destroy(read);
     lc_scene_destroy(scene);
+    failed |= call_builder(ctx);
     lc_context_destroy(ctx);
     return failed;
 }

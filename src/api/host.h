@@ -74,6 +74,11 @@ struct lc_shader {
     bool cancelled;
 };
 
+/* gloss must be in range. Without a lobe it is Phong's with a reflectance of 0. */
+lc_material lc_arg_material_of(const lc_shade_material *in);
+/* What is wrong with a material, with its field, or NULL. */
+const char *lc_arg_material_fault(const lc_shade_material *in);
+
 /* LC_OK, or LC_ERR_ARG after a line that names what is wrong. */
 lc_status lc_host_check_batch(const lc_tree *tree, const lc_shade_batch *batch);
 /* Sets point and org of a lane. turn: see lc_point. */

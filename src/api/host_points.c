@@ -26,8 +26,7 @@ _Static_assert(LC_REFLECT_SCHLICK == (int)LC_FRESNEL_SCHLICK &&
                    LC_REFLECT_ALL == (int)LC_FRESNEL_NONE,
                "numbers of lightcuts.h");
 
-/* gloss must be in range. Without a lobe it is Phong's with a reflectance of 0. */
-static lc_material material_of(const lc_shade_material *in)
+lc_material lc_arg_material_of(const lc_shade_material *in)
 {
     static const lc_lobe lobes[] = { LC_LOBE_PHONG, LC_LOBE_PHONG, LC_LOBE_WARD, LC_LOBE_OREN_NAYAR,
                                      LC_LOBE_GGX };
@@ -46,12 +45,11 @@ static lc_material material_of(const lc_shade_material *in)
     return m;
 }
 
-/* What is wrong with a material, or NULL. */
-static const char *material_fault(const lc_shade_material *in)
+const char *lc_arg_material_fault(const lc_shade_material *in)
 {
     if (in->gloss > LC_GLOSS_GGX) return ".gloss is none of LC_GLOSS_";
     if (in->gloss == LC_GLOSS_GGX && in->fresnel > LC_REFLECT_ALL) return ".fresnel is none of LC_REFLECT_";
-    const lc_material m = material_of(in);
+    const lc_material m = lc_arg_material_of(in);
     if (in->gloss >= LC_GLOSS_WARD && !(m.roughness[0] > 0 && m.roughness[1] > 0))
         return ".roughness is out of range";
     if ((m.lobe == LC_LOBE_WARD || m.lobe == LC_LOBE_GGX) && !is_zero(in->tangent) && !is_unit(in->tangent))
@@ -78,7 +76,7 @@ lc_status lc_host_check_batch(const lc_tree *t, const lc_shade_batch *b)
     if (b->n && !b->points) return lc_fail(t->ctx, LC_ERR_ARG, "batch.points is NULL");
     if (b->n && !b->materials) return lc_fail(t->ctx, LC_ERR_ARG, "batch.materials is NULL");
     for (uint32_t i = 0; i < b->n_materials && b->materials; i++)
-        if ((wrong = material_fault(&b->materials[i])))
+        if ((wrong = lc_arg_material_fault(&b->materials[i])))
             return lc_fail(t->ctx, LC_ERR_ARG, "batch.materials[%u]%s", i, wrong);
     for (uint32_t i = 0; i < b->n; i++)
         if ((wrong = point_fault(&b->points[i], b->n_materials)))
@@ -89,7 +87,7 @@ lc_status lc_host_check_batch(const lc_tree *t, const lc_shade_batch *b)
 void lc_host_set_point(lc_host_lane *lane, const lc_tree *t, const lc_shade_batch *b, uint32_t turn)
 {
     const lc_shade_point *in = &b->points[lane->at];
-    const lc_material m = material_of(&b->materials[in->material]);
+    const lc_material m = lc_arg_material_of(&b->materials[in->material]);
     const lc_f3 pos = lc_f3_load(in->position), n = lc_f3_load(in->normal);
     const lc_f3 ng = is_zero(in->geometric) ? n : lc_f3_load(in->geometric);
     lc_point_init(&lane->point, pos, n, lc_f3_load(in->view), &m, t->min_d2);

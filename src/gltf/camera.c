@@ -75,7 +75,7 @@ lc_status lc_gltf_camera(lc_gltf *g, uint32_t camera, const lc_xform *to_world)
         return lc_gltf_fail(g, object, "the camera's matrix is singular");
     desc.focal_distance = 1e6;
     g->has_camera = true;
-    st = lc_scene_set_camera(g->scene, lc_json_pos(&g->json, object), &desc);
+    st = lc_scene_add_camera(g->scene, lc_json_pos(&g->json, object), &desc);
     return st ? st : lc_scene_count_feature(g->scene, "camera", type, LC_SUPPORT_YES, NULL);
 }
 

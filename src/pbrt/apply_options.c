@@ -295,5 +295,5 @@ lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
         o->screen[3] = y;
     }
     memcpy(camera.screen, o->screen, sizeof camera.screen);
-    return lc_scene_set_camera(p->scene, o->has_camera ? o->camera_pos : where, &camera);
+    return lc_scene_add_camera(p->scene, o->has_camera ? o->camera_pos : where, &camera);
 }

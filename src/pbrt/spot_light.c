@@ -19,13 +19,6 @@
 
 /* ---- spot ---- */
 
-static double cosine_of(double degrees)
-{
-    double sine, cosine;
-    lc_sincos_deg(degrees, &sine, &cosine);
-    return cosine;
-}
-
 /* The profile is pbrt-v4's smooth step between the cosines of the cone and of the angle where the falloff
  * begins; v3, which raises the same quotient to the fourth power, is read the same way. */
 lc_status lc_pbrt_spot_light(lc_pbrt *p, const lc_pbrt_stmt *s)
@@ -43,7 +36,8 @@ lc_status lc_pbrt_spot_light(lc_pbrt *p, const lc_pbrt_stmt *s)
         return lc_pbrt_bad_param(&p->params, par, "is not 0 to 180 degrees");
     if (!st) st = lc_pbrt_get_float(&p->params, "conedeltaangle", &delta, &par);
     if (!st && !(fabs(delta) <= 180)) return lc_pbrt_bad_param(&p->params, par, "is not 0 to 180 degrees");
-    double cos_total = cosine_of(cone), cos_start = fmax(cosine_of(cone - delta), cos_total);
+    double cos_total, cos_start;
+    lc_spot_cosines(cone, delta, &cos_total, &cos_start);
     light.spot.cos_total = (float)cos_total;
     light.spot.cos_start = (float)cos_start;
     if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);

@@ -10,14 +10,17 @@
  *     environment maps     -> directional lights  (env_light.h, scored by env_importance.h)
  *     light paths          -> virtual lights      (vpl.h, scored by view_grid.h, clamped by vpl_radius.h)
  *     all lights           -> light tree
+ *
+ * lighting.h has all but the first line; update.h does again what follows from what was set again.
  */
 #ifndef LC_COMMIT_H
 #define LC_COMMIT_H
 
 #include "scene/scene.h"
 
-/* desc must have its defaults filled in. Must be called once; afterwards the scene is read-only and may be
- * shared by threads. LC_ERR_PARSE without a camera or if it is out of range; LC_ERR_MEMORY. */
+/* desc must have its defaults filled in. Must be called once; afterwards the scene is read-only, but
+ * for update.h, and may be shared by threads. LC_ERR_PARSE without a camera or if it is out of range;
+ * LC_ERR_MEMORY. */
 lc_status lc_scene_commit(lc_scene *scene, const lc_load_desc *desc);
 
 #endif

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/pool.h"
 #include "render/checkpoint.h"
+#include "render/guide.h"
 #include "render/render_tile.h"
 #include "render/samples.h"
 #include "tree/light_tree.h"

@@ -12,11 +12,13 @@
 
 #define PAD 0x1p-20       /* 16 u, derived above */
 #define MAX_CONDITION 1e3 /* a condition number that leaves a float's 24 bits 14 */
+#define ROOM 4            /* times the scene's own extent, within which cameras and lights may move */
 #define MAX_SCALE 1e6     /* of lengths, either way: object space stays far from a float's limits */
 
 struct lc_level {
     lc_placed data;
-    lc_bvh *boxes;        /* over the instances' boxes */
+    lc_top top;
+    lc_box world;         /* of the world's own triangles */
     lc_bvh **bvhs;        /* n_objects: one per object */
     lc_bvh_data *objects; /* n_objects: what the kernels read of them */
     size_t n_objects;
@@ -69,17 +71,22 @@ static lc_box box_of(const lc_instance *at, const lc_bvh_data *object)
     return box;
 }
 
-/* Twice the largest coordinate of triangles, camera, sensors and lights: S above. */
-static double reach(const lc_scene *s)
+/* At least twice the largest coordinate of triangles, camera, sensors and lights: S above. Cameras and lights count by
+ * powers of 2, and only far away, so that boxes stay as they are when those move. */
+static double reach(const lc_scene *s, const lc_box *bounds)
 {
-    double most = fmax((double)lc_f3_max_abs(s->bounds.lo), (double)lc_f3_max_abs(s->bounds.hi));
+    const double near = fmax((double)lc_f3_max_abs(bounds->lo), (double)lc_f3_max_abs(bounds->hi));
+    double most = 0;
+    int exponent;
     for (int k = 0; k < 3; k++) most = fmax(most, fabs(s->camera.origin[k]));
     for (size_t i = 0; s->sensors && i < (size_t)s->film.width * s->film.height; i++)
         most = fmax(most, (double)lc_f3_max_abs(lc_f3_load(s->sensors[i].position)));
     for (size_t i = 0; i < s->n_lights; i++)
         if (!lc_is_far(s->lights[i].kind))
             most = fmax(most, (double)lc_f3_max_abs(s->lights[i].pos));
-    return 2 * most;
+    if (most <= ROOM * near) return 2 * ROOM * near;
+    frexp(most, &exponent);
+    return ldexp(2, exponent);
 }
 
 /* Writes the padded box to pos[0 .. 2] (lo) and pos[3 .. 5] (hi). s is S above. */
@@ -99,29 +106,55 @@ static void pad_box(const lc_instance *at, const lc_box *box, double s, float *p
     }
 }
 
-/* Builds a BVH over the instances' boxes, each passed as a degenerate triangle of its two corners. */
-static lc_status build_boxes(lc_scene *s, lc_level *level)
+/* Builds a BVH over boxes, each passed as a degenerate triangle of its two corners. */
+static lc_status build_boxes(const lc_scene *s, const lc_box *boxes, double far, lc_bvh **out)
 {
     const size_t n = s->n_instances;
-    lc_box *boxes = lc_alloc_raw(s->ctx, n, sizeof *boxes);
     float *pos = lc_alloc_raw(s->ctx, 6 * n, sizeof *pos);
     uint32_t *index = lc_alloc_raw(s->ctx, 3 * n, sizeof *index);
-    lc_status st = boxes && pos && index ? LC_OK : LC_ERR_MEMORY;
-    for (size_t i = 0; i < n && !st; i++) {
-        boxes[i] = box_of(&s->instances[i], &level->objects[s->instances[i].object]);
-        lc_box_join(&s->bounds, &boxes[i]);
-    }
-    double far = st ? 0 : reach(s);
+    lc_status st = pos && index ? LC_OK : LC_ERR_MEMORY;
     for (size_t i = 0; i < n && !st; i++) {
         pad_box(&s->instances[i], &boxes[i], far, pos + 6 * i);
         index[3 * i] = index[3 * i + 2] = 2 * (uint32_t)i;
         index[3 * i + 1] = 2 * (uint32_t)i + 1;
     }
-    if (!st) st = lc_bvh_build(s->ctx, pos, index, n, &level->boxes);
-    lc_free(s->ctx, boxes, n, sizeof *boxes);
+    if (!st) st = lc_bvh_build(s->ctx, pos, index, n, out);
     lc_free(s->ctx, pos, 6 * n, sizeof *pos);
     lc_free(s->ctx, index, 3 * n, sizeof *index);
     return st;
+}
+
+lc_status lc_top_build(lc_scene *s, bool moved, lc_top *top)
+{
+    lc_level *level = s->level;
+    const size_t n = s->n_instances;
+    *top = (lc_top){ .boxes = NULL };
+    if (!level) return LC_OK;
+    const double far = moved ? 0 : reach(s, &s->bounds);
+    if (!moved && !(far < level->top.reach || far > level->top.reach)) return LC_OK;
+    lc_box *boxes = lc_alloc_raw(s->ctx, n, sizeof *boxes);
+    if (!boxes) return LC_ERR_MEMORY;
+    top->bounds = level->world;
+    for (size_t i = 0; i < n; i++) {
+        boxes[i] = box_of(&s->instances[i], &level->objects[s->instances[i].object]);
+        lc_box_join(&top->bounds, &boxes[i]);
+    }
+    top->reach = reach(s, &top->bounds);
+    lc_status st = build_boxes(s, boxes, top->reach, &top->boxes);
+    if (!st) s->built.tops++;
+    lc_free(s->ctx, boxes, n, sizeof *boxes);
+    return st;
+}
+
+void lc_top_exchange(lc_scene *s, lc_top *top)
+{
+    lc_level *level = s->level;
+    if (!top->boxes) return;
+    const lc_top old = level->top;
+    level->top = *top;
+    *top = old;
+    s->bounds = level->top.bounds;
+    if (level->top.boxes) level->data.boxes = level->top.boxes->data;
 }
 
 /* ---- build and destroy ---- */
@@ -139,13 +172,17 @@ lc_status lc_instances_build(lc_scene *s)
         const lc_object *o = &s->objects[i];
         st = lc_bvh_build(s->ctx, s->pos, s->index + 3 * (size_t)o->first_tri, o->n_tris, &level->bvhs[i]);
         if (st) return st;
+        s->built.bvhs++;
         level->objects[i] = level->bvhs[i]->data;
         level->objects[i].first_tri = o->first_tri;
         level->objects[i].alpha = lc_scene_alpha_of(s, o->first_tri, o->n_tris);
     }
-    if (!st) st = build_boxes(s, level);
+    lc_top top;
+    level->world = s->bounds;
+    if (!st) st = lc_top_build(s, true, &top);
     if (st) return st;
-    level->data = (lc_placed){ level->boxes->data, s->instances, level->objects };
+    lc_top_exchange(s, &top);
+    level->data = (lc_placed){ level->top.boxes->data, s->instances, level->objects };
     s->bvh->data.placed = &level->data;
     return LC_OK;
 }
@@ -157,7 +194,7 @@ void lc_instances_free(lc_scene *s)
     lc_free(s->ctx, s->objects, s->cap_objects, sizeof *s->objects);
     if (!level) return;
     for (size_t i = 0; i < level->n_objects && level->bvhs; i++) lc_bvh_destroy(level->bvhs[i]);
-    lc_bvh_destroy(level->boxes);
+    lc_bvh_destroy(level->top.boxes);
     lc_free(s->ctx, level->bvhs, level->n_objects, sizeof *level->bvhs);
     lc_free(s->ctx, level->objects, level->n_objects, sizeof *level->objects);
     lc_free(s->ctx, level, 1, sizeof *level);
@@ -169,7 +206,7 @@ size_t lc_instances_bytes(const lc_scene *s)
     size_t sum = s->cap_instances * sizeof *s->instances;
     if (!level) return sum;
     for (size_t i = 0; i < level->n_objects; i++) sum += lc_bvh_bytes(level->bvhs[i]);
-    return sum + lc_bvh_bytes(level->boxes);
+    return sum + lc_bvh_bytes(level->top.boxes);
 }
 
 uint64_t lc_instanced_tris(const lc_scene *s)

@@ -20,6 +20,18 @@ bool lc_instance_fits(const lc_xform *to_world);
  * built, and extends scene->bounds by the instances. LC_ERR_MEMORY. */
 lc_status lc_instances_build(lc_scene *scene);
 void lc_instances_free(lc_scene *scene);
+
+/* The BVH over the instances, and what it was built for. */
+typedef struct lc_top {
+    lc_bvh *boxes;
+    lc_box bounds; /* of the world's triangles and the instances */
+    double reach;  /* of rays, world space */
+} lc_top;
+
+/* Builds it anew for where instances, camera and lights are now; LC_ERR_MEMORY. The scene keeps its own until
+ * they are exchanged. moved: instances have moved. Otherwise *top is empty if the scene's own serves. */
+lc_status lc_top_build(lc_scene *scene, bool moved, lc_top *top);
+void lc_top_exchange(lc_scene *scene, lc_top *top);
 /* Bytes of the BVHs and of the instances. */
 size_t lc_instances_bytes(const lc_scene *scene);
 /* The number of triangles that the instances would have as copies. */

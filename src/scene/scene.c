@@ -181,16 +181,11 @@ lc_status lc_scene_begin_object(lc_scene *s)
     return st;
 }
 
-lc_status lc_scene_add_instance(lc_scene *s, lc_pos where, uint32_t object, const lc_xform *to_world)
+lc_status lc_scene_make_instance(const lc_scene *s, lc_pos where, uint32_t object, const lc_xform *to_world,
+                                 lc_instance *at)
 {
     lc_xform inverse;
     const lc_object *o = &s->objects[object];
-    if (!o->n_tris) return LC_OK;
-    if (s->n_instances >= MAX_COUNT)
-        return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u instances", MAX_COUNT);
-    lc_status st = GROW(s, instances, cap_instances, s->n_instances + 1);
-    if (st) return st;
-    lc_instance *at = &s->instances[s->n_instances];
     *at = (lc_instance){ .object = object, .mirrored = lc_xform_det3(to_world) < 0 };
     if (!lc_xform_invert(to_world, &inverse)) return LC_ERR_ARG;
     memcpy(at->to_world, to_world->m, sizeof at->to_world);
@@ -204,8 +199,18 @@ lc_status lc_scene_add_instance(lc_scene *s, lc_pos where, uint32_t object, cons
             return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "an instance is beyond %g units",
                               (double)LC_MAX_COORD);
     }
-    s->n_instances++;
     return LC_OK;
+}
+
+lc_status lc_scene_add_instance(lc_scene *s, lc_pos where, uint32_t object, const lc_xform *to_world)
+{
+    if (!s->objects[object].n_tris) return LC_OK;
+    if (s->n_instances >= MAX_COUNT)
+        return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u instances", MAX_COUNT);
+    lc_status st = GROW(s, instances, cap_instances, s->n_instances + 1);
+    if (!st) st = lc_scene_make_instance(s, where, object, to_world, &s->instances[s->n_instances]);
+    if (!st) s->n_instances++;
+    return st;
 }
 
 const lc_alpha *lc_scene_alpha_of(const lc_scene *s, size_t first, size_t n)
@@ -236,6 +241,13 @@ static lc_status next_light(lc_scene *s, lc_light **out)
     return LC_OK;
 }
 
+void lc_scene_drop_light_chunks(lc_scene *s)
+{
+    for (size_t i = 0; i < s->n_light_chunks; i++)
+        lc_free(s->ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
+    s->n_light_chunks = 0;
+}
+
 lc_status lc_scene_join_lights(lc_scene *s)
 {
     if (!s->n_light_chunks) return LC_OK;
@@ -255,7 +267,7 @@ lc_status lc_scene_join_lights(lc_scene *s)
     return LC_OK;
 }
 
-lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
+lc_status lc_scene_check_light(const lc_scene *s, lc_pos where, const lc_light *light, lc_light *out)
 {
     if (!is_colour(light->intensity, LC_MAX_INTENSITY))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "light intensity is negative, not finite or above %g",
@@ -281,19 +293,33 @@ lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
     }
     if (lc_is_attenuated(light->kind) && !(sum > 0))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients are all 0");
+    const lc_f3 i = light->intensity;
+    *out = *light;
+    out->intensity = lc_f3_make(i.x < LC_MIN_INTENSITY ? 0 : i.x, i.y < LC_MIN_INTENSITY ? 0 : i.y,
+                                i.z < LC_MIN_INTENSITY ? 0 : i.z);
+    return LC_OK;
+}
+
+lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
+{
+    lc_light kept, *to;
+    lc_status st = lc_scene_check_light(s, where, light, &kept);
+    if (st) return st;
     if (s->n_lights >= MAX_COUNT)
         return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u lights", MAX_COUNT);
-    lc_f3 i = light->intensity;
-    i = lc_f3_make(i.x < LC_MIN_INTENSITY ? 0 : i.x, i.y < LC_MIN_INTENSITY ? 0 : i.y,
-                   i.z < LC_MIN_INTENSITY ? 0 : i.z);
-    if (!(lc_f3_max(i) > 0)) return LC_OK; /* contributes nothing */
-    lc_light *to;
-    lc_status st = next_light(s, &to);
-    if (st) return st;
-    *to = *light;
-    to->intensity = i;
+    if (!(lc_f3_max(kept.intensity) > 0)) return LC_OK; /* contributes nothing */
+    if ((st = next_light(s, &to))) return st;
+    *to = kept;
     s->n_lights++;
     return LC_OK;
+}
+
+lc_status lc_scene_add_given_lights(lc_scene *s)
+{
+    lc_status st = LC_OK;
+    for (size_t i = 0; i < s->given.n_lights && !st; i++)
+        st = lc_scene_add_light(s, (lc_pos){ 0, 0, 0 }, &s->given.lights[i]);
+    return st;
 }
 
 lc_status lc_scene_add_env(lc_scene *s, lc_pos where, const lc_env *env)
@@ -337,7 +363,7 @@ lc_f3 lc_scene_background(const lc_scene *s, lc_f3 dir)
     return sum;
 }
 
-lc_status lc_scene_set_camera(lc_scene *s, lc_pos where, const lc_camera_desc *camera)
+lc_status lc_scene_add_camera(lc_scene *s, lc_pos where, const lc_camera_desc *camera)
 {
     lc_camera test;
     if (!lc_camera_init(&test, camera, 1, 1))

@@ -4,7 +4,7 @@
  * textures, lights, environment maps, a camera and a film; out come surface points with evaluated materials
  * (surface.h, sight.h) and camera rays (camera.h).
  *
- *     lc_scene_create -> add_material, add_mesh, add_light, set_camera ... -> prepare/commit.h -> rendering
+ *     lc_scene_create -> add_material, add_mesh, add_light, add_camera ... -> prepare/commit.h -> rendering
  *
  *     lc_scene: triangles -> meshes -> materials -> textures      objects <- instances
  *               lights, environment maps, suns                    camera, film
@@ -25,6 +25,7 @@
 #include "scene/lamps.h"
 #include "scene/light_places.h"
 #include "scene/scene_desc.h"
+#include "scene/scene_parts.h"
 #include "shade/light_spot.h"
 #include "shade/profile.h"
 #include "shade/material.h"
@@ -36,46 +37,6 @@ typedef struct lc_light_tree lc_light_tree;
 typedef struct lc_level lc_level; /* the BVHs of objects and instances: instance.c */
 
 #define LC_LIGHT_CHUNK ((size_t)1 << 20) /* lights: 52 MB, large enough that free returns it to the system */
-
-/* What the scene keeps of a mesh beside its vertices and triangles. */
-typedef struct lc_mesh {
-    uint32_t first_tri, n_tris, first_vert;
-    uint32_t material_id;
-    bool has_normals, has_uv, textured;
-    bool brushed; /* the material's roughness is anisotropic, so hits need a tangent */
-    bool clear;   /* the material is or mixes glass, which shadow rays pass */
-    bool flip, two_sided;
-    lc_f3 emission;
-    uint32_t alpha;        /* index into lc_scene.alphas; LC_NONE: opaque */
-    uint32_t emission_map; /* 1 + index into lc_scene.emission_maps; 0: none */
-} lc_mesh;
-
-/* An object for instancing: consecutive triangles in a space of their own. */
-typedef struct lc_object {
-    uint32_t first_tri, n_tris;
-    lc_box box; /* object space */
-} lc_object;
-
-typedef struct lc_scene_note {
-    char *kind, *text; /* in the scene's arena */
-    uint64_t count;
-} lc_scene_note;
-
-/* Virtual lights: how many were made, along how many paths; how far blocks of 8x8 pixels are from the
- * picture with endlessly many, relative to all of their light. */
-typedef struct lc_indirect {
-    uint64_t n_lights, n_paths;
-    double loss;         /* fraction of their light that is removed by clamping: attenuation r^2 + d^2 in
-                            place of d^2; distances below r / 4 count as r / 4, as a few points next to a
-                            light would otherwise outweigh all others */
-    double median, high; /* half, and 95 %, of the blocks are nearer than this */
-} lc_indirect;
-#define LC_INDIRECT_HIGH 5.0 /* `high` may be as many times the asked deviation, which is that of `median` */
-
-static inline double lc_indirect_deviation(const lc_indirect *in)
-{
-    return fmax(in->median, in->high / LC_INDIRECT_HIGH);
-}
 
 struct lc_scene {
     lc_context *ctx;
@@ -108,12 +69,15 @@ struct lc_scene {
     lc_profiles profiles;
     lc_mipmap *emission_maps;
     size_t n_emission_maps, cap_emission_maps;
-    /* Lights of the file, then those made from emissive triangles, from environment maps, from light paths.
-     * Until commit joins them, lights beyond cap_lights are in chunks of LC_LIGHT_CHUNK: an array that
-     * doubles would need three times the memory while it is copied. */
+    /* n_given lights of the file or of calls that have intensity, then those made from emissive triangles,
+     * from environment maps, from light paths. Until commit joins them, lights beyond cap_lights are in
+     * chunks of LC_LIGHT_CHUNK: an array that doubles would need three times the memory while it is copied.
+     */
     lc_light *lights, **light_chunks;
     size_t n_meshes, cap_meshes, n_materials, cap_materials, cap_maps, n_lights, cap_lights, n_light_chunks,
-        cap_light_chunks;
+        cap_light_chunks, n_given;
+    lc_given given;
+    lc_changes changes;
 
     lc_scene_note *notes;
     lc_feature *features; /* their text is in the arena */
@@ -149,9 +113,10 @@ struct lc_scene {
     size_t alpha_words;
     lc_light_tree *tree;
     double seconds_parse, seconds_bvh, seconds_lights, seconds_tree;
+    lc_built built;
 
-    lc_inputs inputs;  /* the files that it was read from */
-    uint64_t input_id; /* hash of the bytes of all files read */
+    lc_inputs inputs;  /* the files that it was read from; of calls, the digest of what cannot be set again */
+    uint64_t input_id; /* hash of all that the scene was made of */
     lc_load_desc load; /* the options of loading, defaults filled in */
 };
 
@@ -169,9 +134,17 @@ lc_status lc_scene_add_mesh(lc_scene *scene, lc_pos where, const lc_mesh_desc *m
 /* Starts a new object, to which all further meshes belong, in its own space. They must not emit, and all
  * meshes of the world must have been added. */
 lc_status lc_scene_begin_object(lc_scene *scene);
-/* Places an object whose meshes have all been added. to_world must satisfy lc_instance_fits. */
+/* Places an object whose meshes have all been added; an empty one is left out. to_world must satisfy
+ * lc_instance_fits. */
 lc_status lc_scene_add_instance(lc_scene *scene, lc_pos where, uint32_t object, const lc_xform *to_world);
+/* The same of an object with triangles, into *out. */
+lc_status lc_scene_make_instance(const lc_scene *scene, lc_pos where, uint32_t object,
+                                 const lc_xform *to_world, lc_instance *out);
 lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
+/* Checks a light as lc_scene_add_light does; *out is how it is kept. One without intensity is not added. */
+lc_status lc_scene_check_light(const lc_scene *scene, lc_pos where, const lc_light *light, lc_light *out);
+/* Keeps the lights of calls, with their numbers, as the scene's. */
+lc_status lc_scene_add_given_lights(lc_scene *scene);
 /* The scene takes ownership of the map, on success only. */
 lc_status lc_scene_add_env(lc_scene *scene, lc_pos where, const lc_env *env);
 /* The scene takes ownership of the map, on success only. *id is for lc_mesh_desc.emission_map. */
@@ -181,7 +154,7 @@ lc_status lc_scene_add_spot_map(lc_scene *scene, const lc_spot_map *map, uint32_
 void lc_spot_map_free(const lc_context *ctx, lc_spot_map *map);
 /* Radiance of the environment maps from world direction dir; lc_background in sun.h adds the suns. */
 lc_f3 lc_scene_background(const lc_scene *scene, lc_f3 dir);
-lc_status lc_scene_set_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);
+lc_status lc_scene_add_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);
 lc_status lc_scene_set_film(lc_scene *scene, lc_pos where, const lc_film_desc *film);
 /* Records that something was approximated or skipped. The first of each kind is logged as a warning, all are
  * counted. */
@@ -196,4 +169,5 @@ lc_status lc_scene_count_feature(lc_scene *scene, const char *kind, const char *
 const lc_alpha *lc_scene_alpha_of(const lc_scene *scene, size_t first, size_t n);
 /* Moves all lights into scene->lights; called by commit. */
 lc_status lc_scene_join_lights(lc_scene *scene);
+void lc_scene_drop_light_chunks(lc_scene *scene); /* before they are joined, on failure */
 #endif

@@ -34,9 +34,14 @@ void lc_scene_destroy(lc_scene *s)
     lc_profiles_free(ctx, &s->profiles);
     lc_free(ctx, s->spot_maps, s->cap_spot_maps, sizeof *s->spot_maps);
     lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
-    for (size_t i = 0; i < s->n_light_chunks; i++)
-        lc_free(ctx, s->light_chunks[i], LC_LIGHT_CHUNK, sizeof *s->lights);
+    lc_scene_drop_light_chunks(s);
     lc_free(ctx, s->light_chunks, s->cap_light_chunks, sizeof *s->light_chunks);
+    lc_free(ctx, s->given.lights, s->given.cap_lights, sizeof *s->given.lights);
+    for (size_t i = 0; i < s->given.n_fixtures; i++) lc_photometry_free(&s->given.fixtures[i].file);
+    lc_free(ctx, s->given.fixtures, s->given.cap_fixtures, sizeof *s->given.fixtures);
+    lc_free(ctx, s->given.meshes, s->given.cap_meshes, sizeof *s->given.meshes);
+    lc_free(ctx, s->given.instances, s->given.cap_instances, sizeof *s->given.instances);
+    lc_free(ctx, s->changes.list, s->changes.cap, sizeof *s->changes.list);
     lc_free(ctx, s->notes, s->cap_notes, sizeof *s->notes);
     lc_free(ctx, s->features, s->cap_features, sizeof *s->features);
     lc_arena_free(&s->arena);

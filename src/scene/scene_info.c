@@ -58,6 +58,14 @@ lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
         .seconds_tree = s->seconds_tree,
         .bvh_bytes = s->bvh ? lc_bvh_bytes(s->bvh) + lc_instances_bytes(s) : 0,
         .tree_bytes = s->tree ? lc_light_tree_bytes(t) : 0,
+        .n_given_lights = s->by_calls || s->given.n_lights ? s->given.n_lights : s->n_given,
+        .n_given_instances = s->by_calls ? s->given.n_instances : s->n_instances,
+        .n_given_meshes = s->by_calls ? s->given.n_meshes : s->n_meshes,
+        .built_bvhs = s->built.bvhs,
+        .built_tops = s->built.tops,
+        .built_lights = s->built.lights,
+        .built_indirect = s->built.indirect,
+        .built_trees = s->built.trees,
     }, *info = &full;
     for (size_t i = 0; i < s->textures.n_images; i++)
         info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);

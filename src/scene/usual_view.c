@@ -68,7 +68,7 @@ lc_status lc_scene_usual_camera(lc_scene *s, lc_pos where)
     wide = wide < 1 ? 1 : wide;
     const double screen[4] = { -wide, wide, -tall, tall };
     memcpy(camera.screen, screen, sizeof screen);
-    return lc_scene_set_camera(s, where, &camera);
+    return lc_scene_add_camera(s, where, &camera);
 }
 
 lc_status lc_scene_check_lit(lc_scene *s, lc_pos where)

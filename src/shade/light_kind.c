@@ -14,3 +14,11 @@ const lc_light_kind_info lc_light_kinds[LC_LIGHT_KINDS] = {
 #include "shade/light_kinds.h"
 #undef KIND
 };
+
+void lc_spot_cosines(double cone, double delta, double *cos_total, double *cos_start)
+{
+    double sine;
+    lc_sincos_deg(cone, &sine, cos_total);
+    lc_sincos_deg(cone - delta, &sine, cos_start);
+    *cos_start = fmax(*cos_start, *cos_total);
+}

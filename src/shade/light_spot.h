@@ -35,6 +35,10 @@ typedef struct lc_spot_map {
     float *texels;          /* width * height * 3, 0..1 */
 } lc_spot_map;
 
+/* The cosines of where a cone ends, `cone` degrees from the axis, and of where it is full, `delta` degrees
+ * before. */
+void lc_spot_cosines(double cone, double delta, double *cos_total, double *cos_start);
+
 static inline void lc_spot_rec_init(lc_spot_rec *rec, float cos_total, float cos_start, uint32_t map)
 {
     double width = (double)cos_start - (double)cos_total;

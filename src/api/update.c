@@ -1,0 +1,120 @@
+/* update.c - public calls that set something again in a committed scene. */
+#include "prepare/update.h"
+
+#include "api/build.h"
+#include "base/desc.h"
+
+/* A scene that can be changed. */
+static lc_status check(const lc_scene *s, const char *call)
+{
+    if (!s) return LC_ERR_ARG;
+    if (s->tree) return LC_OK;
+    return lc_fail(s->ctx, LC_ERR_ARG, "%s: the scene was not committed", call);
+}
+
+/* The scene's number of what a host calls number `at` of n; LC_NONE: it is left out. */
+static lc_status find(const lc_scene *s, const char *call, const char *what, const uint32_t *numbers,
+                      size_t n, uint32_t *at)
+{
+    if (*at >= n) return lc_fail(s->ctx, LC_ERR_ARG, "%s: %s %u of %zu", call, what, *at, n);
+    if (numbers) *at = numbers[*at];
+    return LC_OK;
+}
+
+/* Lights of files are kept apart from the first time that one is set. */
+static lc_status find_light(lc_scene *s, const char *call, uint32_t at)
+{
+    lc_given *g = &s->given;
+    const size_t n = s->by_calls || g->n_lights ? g->n_lights : s->n_given;
+    if (at >= n) return lc_fail(s->ctx, LC_ERR_ARG, "%s: light %u of %zu", call, at, n);
+    if (g->n_lights) return LC_OK;
+    const lc_status st = lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, n, sizeof *g->lights);
+    if (st) return st;
+    memcpy(g->lights, s->lights, n * sizeof *g->lights);
+    g->n_lights = n;
+    return LC_OK;
+}
+
+lc_status lc_scene_set_camera(lc_scene *s, const lc_build_camera_desc *desc)
+{
+    lc_change c = { .kind = LC_CHANGE_CAMERA };
+    lc_status st = check(s, "lc_scene_set_camera");
+    if (!st && s->sensors)
+        st = lc_fail(s->ctx, LC_ERR_ARG, "lc_scene_set_camera: the scene has sensors in place of a camera");
+    if (!st) st = lc_arg_camera(s, "lc_scene_set_camera", desc, &c.camera);
+    return st ? st : lc_scene_change(s, &c);
+}
+
+lc_status lc_scene_set_light(lc_scene *s, uint32_t light, const lc_build_light_desc *desc)
+{
+    lc_light set;
+    lc_status st = check(s, "lc_scene_set_light");
+    if (!st) st = lc_arg_light(s, "lc_scene_set_light", desc, &set);
+    if (!st) st = find_light(s, "lc_scene_set_light", light);
+    if (st) return st;
+    s->given.lights[light] = set;
+    s->changes.lights = true;
+    return LC_OK;
+}
+
+lc_status lc_scene_dim_light(lc_scene *s, uint32_t light, const float factor[3])
+{
+    static const char call[] = "lc_scene_dim_light";
+    lc_status st = check(s, call);
+    if (!st) st = find_light(s, call, light);
+    if (st) return st;
+    for (int k = 0; k < 3; k++)
+        if (!factor || !(factor[k] >= 0 && isfinite(factor[k])))
+            return lc_fail(s->ctx, LC_ERR_ARG, "%s: factor is NULL, negative or not finite", call);
+    lc_light *l = &s->given.lights[light], dim = *l;
+    dim.intensity = lc_f3_mul(l->intensity, lc_f3_load(factor));
+    if ((st = lc_as_arg(lc_scene_check_light(s, LC_BY_CALL, &dim, l)))) return st;
+    s->changes.lights = true;
+    return LC_OK;
+}
+
+lc_status lc_scene_set_instance(lc_scene *s, uint32_t instance, const double to_world[16])
+{
+    static const char call[] = "lc_scene_set_instance";
+    lc_change c = { .kind = LC_CHANGE_INSTANCE, .at = instance };
+    lc_xform x;
+    lc_status st = check(s, call);
+    if (st) return st;
+    const lc_given *g = &s->given;
+    st = find(s, call, "instance", g->instances, s->by_calls ? g->n_instances : s->n_instances, &c.at);
+    if (!st) st = lc_arg_to_world(s, call, to_world, &x);
+    if (st || c.at == LC_NONE) return st;
+    st = lc_as_arg(lc_scene_make_instance(s, LC_BY_CALL, s->instances[c.at].object, &x, &c.instance));
+    return st ? st : lc_scene_change(s, &c);
+}
+
+lc_status lc_scene_set_emission(lc_scene *s, uint32_t mesh, const float emission[3])
+{
+    static const char call[] = "lc_scene_set_emission";
+    lc_change c = { .kind = LC_CHANGE_EMISSION, .at = mesh };
+    lc_status st = check(s, call);
+    if (st) return st;
+    const lc_given *g = &s->given;
+    st = find(s, call, "mesh", g->meshes, s->by_calls ? g->n_meshes : s->n_meshes, &c.at);
+    if (st) return st;
+    for (int k = 0; k < 3; k++)
+        if (!emission || !(emission[k] >= 0 && emission[k] <= LC_MAX_INTENSITY))
+            return lc_fail(s->ctx, LC_ERR_ARG, "%s: emission is NULL, negative, not finite or above %g", call,
+                           (double)LC_MAX_INTENSITY);
+    c.emission = lc_f3_load(emission);
+    if (c.at == LC_NONE) return LC_OK;
+    if (s->n_objects && s->meshes[c.at].first_tri >= s->objects[0].first_tri && lc_f3_max(c.emission) > 0)
+        return lc_fail(s->ctx, LC_ERR_ARG, "%s: emission: a mesh of an object must not emit", call);
+    return lc_scene_change(s, &c);
+}
+
+lc_status lc_scene_update(lc_scene *s, const lc_update_desc *desc)
+{
+    lc_update_desc d = LC_UPDATE_DESC_INIT;
+    lc_status st = check(s, "lc_scene_update");
+    if (!st && desc) st = lc_desc_take(s->ctx, "lc_update_desc", &d, sizeof d, desc);
+    if (st || (!s->changes.n && !s->changes.lights)) return st;
+    if ((st = lc_as_arg(lc_scene_apply(s, d.keep_lights)))) return st;
+    s->input_id = lc_given_id(s);
+    return LC_OK;
+}

@@ -1,0 +1,98 @@
+/* scene_parts.h - the parts that a scene is made of: meshes, objects, notes; what its virtual lights are
+ * like; and what of a committed scene may be set again.
+ *
+ *     lc_given     lights as they were given, and by which numbers a host knows lights, meshes, instances
+ *     lc_changes   what was set since the last update, prepare/update.h
+ */
+#ifndef LC_SCENE_PARTS_H
+#define LC_SCENE_PARTS_H
+
+#include "photometry/photometry.h"
+#include "scene/camera.h"
+#include "shade/light.h"
+#include "trace/bvh_data.h"
+
+/* What the scene keeps of a mesh beside its vertices and triangles. */
+typedef struct lc_mesh {
+    uint32_t first_tri, n_tris, first_vert;
+    uint32_t material_id;
+    bool has_normals, has_uv, textured;
+    bool brushed; /* the material's roughness is anisotropic, so hits need a tangent */
+    bool clear;   /* the material is or mixes glass, which shadow rays pass */
+    bool flip, two_sided;
+    lc_f3 emission;
+    uint32_t alpha;        /* index into lc_scene.alphas; LC_NONE: opaque */
+    uint32_t emission_map; /* 1 + index into lc_scene.emission_maps; 0: none */
+} lc_mesh;
+
+/* An object for instancing: consecutive triangles in a space of their own. */
+typedef struct lc_object {
+    uint32_t first_tri, n_tris;
+    lc_box box; /* object space */
+} lc_object;
+
+typedef struct lc_scene_note {
+    char *kind, *text; /* in the scene's arena */
+    uint64_t count;
+} lc_scene_note;
+
+/* Virtual lights: how many were made, along how many paths; how far blocks of 8x8 pixels are from the
+ * picture with endlessly many, relative to all of their light. */
+typedef struct lc_indirect {
+    uint64_t n_lights, n_paths;
+    double loss;         /* fraction of their light that is removed by clamping: attenuation r^2 + d^2 in
+                            place of d^2; distances below r / 4 count as r / 4, as a few points next to a
+                            light would otherwise outweigh all others */
+    double median, high; /* half, and 95 %, of the blocks are nearer than this */
+} lc_indirect;
+#define LC_INDIRECT_HIGH                                                                                     \
+    5.0 /* `high` may be as many times the asked deviation, which is that of `median`                        \
+         */
+
+static inline double lc_indirect_deviation(const lc_indirect *in)
+{
+    return fmax(in->median, in->high / LC_INDIRECT_HIGH);
+}
+
+/* A luminaire that a host gave. */
+typedef struct lc_fixture {
+    lc_photometry file;
+    uint32_t profile;
+    float peak; /* cd */
+} lc_fixture;
+
+/* A host's numbers are those of its calls, counted from 0. For scenes of files the arrays of numbers are
+ * NULL: the scene's own numbers serve; and so are the lights until one is set. */
+typedef struct lc_given {
+    lc_light *lights; /* as they were set last, those without intensity too */
+    size_t n_lights, cap_lights;
+    uint32_t *meshes, *instances; /* of each call the scene's number; LC_NONE: it was empty and left out */
+    lc_fixture *fixtures;
+    size_t n_meshes, cap_meshes, n_instances, cap_instances, n_fixtures, cap_fixtures;
+} lc_given;
+
+typedef enum lc_change_kind { LC_CHANGE_CAMERA, LC_CHANGE_INSTANCE, LC_CHANGE_EMISSION } lc_change_kind;
+
+/* A value that waits for its place in the scene, by the scene's own number. */
+typedef struct lc_change {
+    lc_change_kind kind;
+    uint32_t at;
+    union {
+        lc_camera_desc camera;
+        lc_instance instance;
+        lc_f3 emission;
+    };
+} lc_change;
+
+typedef struct lc_changes {
+    lc_change *list;
+    size_t n, cap;
+    bool lights; /* lc_given.lights are not the scene's any more */
+} lc_changes;
+
+/* How often each was built since the scene was begun. */
+typedef struct lc_built {
+    uint32_t bvhs, tops, lights, indirect, trees;
+} lc_built;
+
+#endif
