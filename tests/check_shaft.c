@@ -282,7 +282,7 @@ static void check_scene(const char *path)
         memcpy(&radius, &c.tree->data.lights[i].dir_a, sizeof radius);
         c.ball = fmaxf(c.ball, radius);
     }
-    const lc_cut_desc cut = { ratio, 1000, 0, 0 };
+    const lc_cut_desc cut = { .error_ratio = ratio, .max_cut = 1000 };
     if (lc_cut_init(&c.cut, ctx, c.tree, &scene->visibility, &cut, true)) abort();
     visit *stack = malloc(MAX_DEPTH * sizeof *stack);
     uint32_t *out = malloc(most * sizeof *out);

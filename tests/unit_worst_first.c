@@ -24,7 +24,7 @@ TEST(whole_cut_keeps_its_limit)
     build_tree(&s, 1, 4);
     for (int k = 0; k < 3; k++) {
         lc_cut c;
-        lc_cut_desc d = { 0.02f, 0, 1e-3f, zs[k] };
+        lc_cut_desc d = { .error_ratio = 0.02f, .floor = 1e-3f, .z = zs[k] };
         if (lc_cut_init(&c, ctx, s.tree, &s.visibility, &d, true)) abort();
         rng_ctr = 1u << 21;
         for (int i = 0; i < 60; i++) {
@@ -140,9 +140,14 @@ static double left_of(double root, double total) { return total > 0 ? root / tot
 TEST(hardly_larger_than_by_a_strict_heap)
 {
     static const lc_cut_desc descs[] = {
-        { 0.05f, 0, 1e-3f, 0 },    { 0.02f, 0, 1e-3f, 0 },       { 0.02f, 0, 1e-3f, 0.1f },
-        { 0.02f, 0, 1e-3f, 0.3f }, { 0.05f, 0, 1e-3f, 0.3f },    { 0.001f, 100, 1e-3f, 0 },
-        { 0.001f, 400, 1e-3f, 0 }, { 0.001f, 400, 1e-3f, 0.3f },
+        { 0.05f, 0, 1e-3f, 0, 0, NULL },
+        { 0.02f, 0, 1e-3f, 0, 0, NULL },
+        { 0.02f, 0, 1e-3f, 0.1f, 0, NULL },
+        { 0.02f, 0, 1e-3f, 0.3f, 0, NULL },
+        { 0.05f, 0, 1e-3f, 0.3f, 0, NULL },
+        { 0.001f, 100, 1e-3f, 0, 0, NULL },
+        { 0.001f, 400, 1e-3f, 0, 0, NULL },
+        { 0.001f, 400, 1e-3f, 0.3f, 0, NULL },
     };
     static strict_cut h;
     static lc_cut_start start;
