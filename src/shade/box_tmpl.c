@@ -126,6 +126,23 @@ LC_INLINE v3 row(cluster_lanes *l, int k)
 }
 #endif
 
+/* The clusters index[0 .. n), of which there are at least one; the last one fills the lanes up. room: what
+ * may have to hold their indices. */
+LC_INLINE cluster_lanes lanes_make(const lc_tree_data *t, lc_light_kind kind, const uint32_t *index, uint32_t n,
+                                   uint32_t room[VF_LANES])
+{
+    cluster_lanes l;
+    l.tree = t;
+    l.atten = lc_is_attenuated(kind) ? t->node_atten : NULL;
+    l.index = index;
+    if (n < VF_LANES) {
+        for (uint32_t k = 0; k < VF_LANES; k++) room[k] = index[k < n ? k : n - 1];
+        l.index = room;
+    }
+    load(&l, lc_is_aimed(kind) ? 4 : 3);
+    return l;
+}
+
 /* m = |c| + half; returns the least |p_k|, not widened. */
 LC_INLINE vf least(vf c, vf half, vf *m)
 {

@@ -249,4 +249,11 @@ LC_INLINE vf spot_emission_bound(const lc_tree_data *t, const uint32_t *node, vf
     return x * x * (3 - (x + x));
 }
 
+/* A node keeps the widest profile of its lights, not the narrowest. */
+LC_INLINE vf spot_emission_least(vf e)
+{
+    (void)e;
+    return vf_set(0);
+}
+
 #endif
