@@ -677,7 +677,8 @@ TEST(both_builds_give_the_same_answers)
             CHECKF(h == hidden(fast, org, to, false), "style %d, segment %d", style, i);
             n_hidden += h;
         }
-        CHECKF(style == 0 || style == 4 || (n_hidden > 0 && n_hidden < 4000), "style %d: %u", style, n_hidden);
+        CHECKF(style == 0 || style == 4 || (n_hidden > 0 && n_hidden < 4000), "style %d: %u", style,
+               n_hidden);
         lc_bvh_destroy(best);
         lc_bvh_destroy(fast);
     }

@@ -119,7 +119,8 @@ TEST(coarse_order_is_by_upper_bits)
     static uint64_t code[MOST];
     const lc_box box = { { 0, 0, 0 }, { 1, 1, 1 } };
     fill(MOST, 0);
-    for (uint32_t i = 0; i < MOST / 2; i++) points[i] = lc_f3_make(points[i].x * 1e-3f, 0.25f, (float)rnd_n(2));
+    for (uint32_t i = 0; i < MOST / 2; i++)
+        points[i] = lc_f3_make(points[i].x * 1e-3f, 0.25f, (float)rnd_n(2));
     for (uint32_t t = 1; t < 9; t += 7) {
         lc_context ctx = { .allocator = lc_allocator_libc(), .n_threads = t };
         CHECK(lc_morton_coarse(&ctx, MOST, &box, place, points, order, code) == LC_OK);

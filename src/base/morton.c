@@ -278,8 +278,10 @@ lc_status lc_morton_coarse(const lc_context *ctx, uint32_t n, const lc_box *box,
                            uint64_t *code)
 {
     const uint32_t n_chunks = (n + CHUNK - 1) / CHUNK;
-    sorter s = { .ctx = ctx, .place = place, .user = user, .index = { order }, .code = { code }, .part = { 0, n },
-                 .box = *box };
+    sorter s = { .ctx = ctx, .place = place, .user = user, .box = *box };
+    s.part = (run){ 0, n };
+    s.index[0] = order;
+    s.code[0] = code;
     for (uint32_t i = 0; i < n; i++) {
         order[i] = i;
         code[i] = 0;

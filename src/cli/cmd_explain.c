@@ -33,7 +33,8 @@ enum {
     OPT_MAXDEPTH,
     OPT_SEED,
     OPT_SPP,
-    OPT_BVH, OPT_ISA
+    OPT_BVH,
+    OPT_ISA
 };
 
 static const struct option long_options[] = {

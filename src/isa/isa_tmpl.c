@@ -33,6 +33,6 @@
 
 #define LC_KERNELS                                                                                           \
     {                                                                                                        \
-        .shade = { bounds, lower_bounds, estimate }, .tree = { nearest }, .trace = { closest, hidden, dimmed },            \
-        .cut = { place, partition }                                                                          \
+        .shade = { bounds, lower_bounds, estimate }, .tree = { nearest },                                    \
+        .trace = { closest, hidden, dimmed }, .cut = { place, partition }                                    \
     }

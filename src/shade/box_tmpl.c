@@ -128,8 +128,8 @@ LC_INLINE v3 row(cluster_lanes *l, int k)
 
 /* The clusters index[0 .. n), of which there are at least one; the last one fills the lanes up. room: what
  * may have to hold their indices. */
-LC_INLINE cluster_lanes lanes_make(const lc_tree_data *t, lc_light_kind kind, const uint32_t *index, uint32_t n,
-                                   uint32_t room[VF_LANES])
+LC_INLINE cluster_lanes lanes_make(const lc_tree_data *t, lc_light_kind kind, const uint32_t *index,
+                                   uint32_t n, uint32_t room[VF_LANES])
 {
     cluster_lanes l;
     l.tree = t;

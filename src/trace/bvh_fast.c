@@ -44,7 +44,8 @@ static lc_status sort_refs(lc_bvh_builder *b)
 /* The number of refs of a range of at least two that go left. */
 static uint32_t count_left(const lc_bvh_builder *b, const lc_bvh_range *r)
 {
-    const uint64_t *code = b->codes + r->first, differ = (code[0] ^ code[r->count - 1]) >> LC_MORTON_FINE << LC_MORTON_FINE;
+    const uint64_t *code = b->codes + r->first;
+    const uint64_t differ = (code[0] ^ code[r->count - 1]) >> LC_MORTON_FINE << LC_MORTON_FINE;
     if (!differ || r->depth >= MAX_CODE_DEPTH) return r->count / 2;
     const uint64_t bit = (uint64_t)1 << (63 - __builtin_clzll(differ));
     uint32_t clear = 0, set = r->count - 1; /* refs of which the bit is known */
