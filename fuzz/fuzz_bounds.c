@@ -16,7 +16,7 @@
 #define OLD_KINDS 6 /* whose inputs are below LUMINAIRES_FROM */
 
 __attribute__((used, section("__libfuzzer_extra_counters"))) static uint8_t
-    closest[LC_LIGHT_KINDS * GEN_BRDFS * OCTAVES];
+    closest[2][LC_LIGHT_KINDS * GEN_BRDFS * OCTAVES]; /* upper bounds, lower ones */
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
@@ -53,7 +53,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (r.tightest < 0x1p30) {
         /* 2^30 above .. 2^-33 above: one octave a counter */
         double octave = 30 - log2(fmax(r.tightest - 1, 0x1p-33));
-        closest[which * OCTAVES + (uint32_t)fmin(fmax(octave, 0), OCTAVES - 1)] = 1;
+        closest[0][which * OCTAVES + (uint32_t)fmin(fmax(octave, 0), OCTAVES - 1)] = 1;
+    }
+    if (r.closest_lower > 0) {
+        double octave = -log2(fmax(1 - r.closest_lower, 0x1p-33));
+        closest[1][which * OCTAVES + (uint32_t)fmin(fmax(octave, 0), OCTAVES - 1)] = 1;
     }
     return 0;
 }

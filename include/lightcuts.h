@@ -69,6 +69,12 @@ typedef struct lc_allocator {
     void *user;
 } lc_allocator;
 
+typedef enum lc_bvh_mode {
+    LC_BVH_BEST, /* for the fastest rays */
+    LC_BVH_FAST, /* built in a fraction of the time, for previews and many frames; rays are slower */
+    LC_BVH_MODES
+} lc_bvh_mode;
+
 typedef struct lc_context_desc {
     size_t size;
     const lc_allocator *allocator; /* copied; NULL: the C library's */
@@ -83,8 +89,11 @@ typedef struct lc_context_desc {
     /* Bytes that may be allocated through the context at a time: a call that needs more fails with
      * LC_ERR_MEMORY and says for what. 0: no limit. OpenEXR's own buffers and stacks are not counted. */
     uint64_t max_memory;
+    /* How the hierarchies over triangles are built: it changes times, and by what a proof of occlusion starts
+     * from, no picture by more than the error that is asked for. */
+    lc_bvh_mode bvh;
 } lc_context_desc;
-#define LC_CONTEXT_DESC_INIT { sizeof(lc_context_desc), 0, 0, 0, 0, LC_ISA_BEST, 0, 0, 0 }
+#define LC_CONTEXT_DESC_INIT { sizeof(lc_context_desc), 0, 0, 0, 0, LC_ISA_BEST, 0, 0, 0, LC_BVH_BEST }
 
 /* desc may be NULL for the defaults. Fails with LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_context_create(const lc_context_desc *desc, lc_context **out);
@@ -687,7 +696,7 @@ typedef struct lc_render_stats {
 #define LC_RENDER_STATS_INIT                                                                                 \
     {                                                                                                        \
         sizeof(lc_render_stats), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, { 0,   \
-        0, 0, 0, 0, 0, 0, 0, 0 }                                                                                \
+        0, 0, 0, 0, 0, 0, 0, 0 }                                                                             \
     }
 
 /* Renders the picture. The same scene and descriptor give the same bits for any number of threads,

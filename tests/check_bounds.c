@@ -47,10 +47,10 @@ static void show(const gen_case *c, uint32_t bad)
 /* One line of the table; returns the number of bad cases. */
 static uint64_t run_line(uint32_t kind, uint32_t brdf)
 {
-    static const uint32_t columns[4] = { GEN_BAD_BOUND_FLOAT | GEN_BAD_BOUND_NAN, GEN_BAD_BOUND_EXACT,
-                                         GEN_BAD_SHADE, GEN_BAD_CONE | GEN_BAD_BOX };
-    uint64_t bad[4] = { 0 }, all = 0, nodes = 0, live = 0, inf = 0, below = 0, tiny = 0;
-    double tightest = HUGE_VAL, normal = HUGE_VAL;
+    static const uint32_t columns[5] = { GEN_BAD_BOUND_FLOAT | GEN_BAD_BOUND_NAN, GEN_BAD_BOUND_EXACT,
+                                         GEN_BAD_SHADE, GEN_BAD_CONE | GEN_BAD_BOX, GEN_BAD_LOWER };
+    uint64_t bad[5] = { 0 }, all = 0, nodes = 0, live = 0, inf = 0, below = 0, tiny = 0;
+    double tightest = HUGE_VAL, normal = HUGE_VAL, closest = 0;
     uint32_t seen = 0;
     for (uint64_t i = 0; i < count; i++) {
         gen_case c;
@@ -61,24 +61,26 @@ static uint64_t run_line(uint32_t kind, uint32_t brdf)
         below += r.below_exact;
         live += r.root_float > 0;
         inf += r.root_bound > (double)FLT_MAX;
+        if (r.closest_lower > closest) closest = r.closest_lower;
         if (r.tightest < tightest) tightest = r.tightest;
         if (!r.tiny && r.tightest < normal) normal = r.tightest;
         if (!r.bad) continue;
         all++;
         tiny += r.tiny;
-        for (int k = 0; k < 4; k++) bad[k] += (r.bad & columns[k]) != 0;
+        for (int k = 0; k < 5; k++) bad[k] += (r.bad & columns[k]) != 0;
         if (r.bad & ~seen) {
             printf("  case %llu\n", (unsigned long long)i);
             show(&c, r.bad & ~seen);
         }
         seen |= r.bad;
     }
-    printf("  %-11s %-7s %10llu %11llu %5.1f%% %5.1f%% %8llu %8llu %8llu %8llu %8llu %8.0f %11.8f %11.8f "
-           "%9llu\n",
+    printf("  %-11s %-7s %10llu %11llu %5.1f%% %5.1f%% %8llu %8llu %8llu %8llu %8llu %8llu %8.0f %11.8f "
+           "%11.8f %10.8f %9llu\n",
            kind_names[kind], brdf_names[brdf], (unsigned long long)count, (unsigned long long)nodes,
            100 * (double)live / (double)count, 100 * (double)inf / (double)count, (unsigned long long)bad[0],
            (unsigned long long)bad[1], (unsigned long long)bad[2], (unsigned long long)bad[3],
-           (unsigned long long)tiny, 1e6 * (double)all / (double)count, tightest, normal,
+           (unsigned long long)bad[4], (unsigned long long)tiny, 1e6 * (double)all / (double)count, tightest,
+           normal, closest,
            (unsigned long long)below);
     fflush(stdout);
     return all;
@@ -87,13 +89,14 @@ static uint64_t run_line(uint32_t kind, uint32_t brdf)
 /* lit: root sum > 0. <float, <exact: violations. shade: estimate off the reference. store: box or cone. tiny:
  * how many of the bad cases have a member near underflow. per 10^6: bad cases per million, the strength of
  * the cases against a bound that is broken on purpose. tightest: least bound / float sum, of all and of cases
- * not tiny. <ref: nodes below the double sum with no allowance for the estimate's rounding, for information.
+ * not tiny. >low: lower bounds above the float sum; lower: the greatest quotient of the two. <ref: nodes
+ * below the double sum with no allowance for the estimate's rounding, for information.
  */
 static void run_table(void)
 {
-    printf("  %-11s %-7s %10s %11s %6s %6s %8s %8s %8s %8s %8s %8s %11s %11s %9s\n", "kind", "brdf", "cases",
-           "nodes", "lit", "inf", "<float", "<exact", "shade", "store", "tiny", "per 10^6", "tightest",
-           "not tiny", "<ref");
+    printf("  %-11s %-7s %10s %11s %6s %6s %8s %8s %8s %8s %8s %8s %8s %11s %11s %10s %9s\n", "kind", "brdf",
+           "cases", "nodes", "lit", "inf", "<float", "<exact", "shade", "store", ">low", "tiny", "per 10^6",
+           "tightest", "not tiny", "lower", "<ref");
     uint64_t lines = 0, sum = 0;
     for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         for (uint32_t brdf = 0; brdf < GEN_BRDFS; brdf++) {
@@ -209,6 +212,49 @@ TEST(as_tight_as_reference)
              * in the range itself. */
             const double most = kind == LC_LIGHT_LUMINAIRE ? 1.15 : 1.05;
             CHECKF(mean <= most, "%s %s: %g", kind_names[kind], brdf_names[brdf], mean);
+        }
+    }
+}
+
+/* The same from below. The reference's bound is below its sum: cosines are good to 1e-16, directions to 6e-8.
+ * It takes distances from an axis at the box's corners, the kernel those of the whole offset's length. */
+TEST(lower_bounds_are_as_tight_as_reference)
+{
+    printf("  %-11s %-7s %9s %9s %9s | %9s %9s\n", "kind", "brdf", "lb/ref", "lb/diffuse", "lb/sum", "lb>0",
+           "ref>0");
+    for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++) {
+        for (uint32_t brdf = 0; brdf < GEN_BRDFS; brdf++) {
+            double of_ref = 0, of_diffuse = 0, of_sum = 0;
+            uint64_t n = 0, n_lb = 0, n_ref = 0;
+            for (uint64_t i = 0; i < 20000; i++) {
+                gen_case c;
+                gen_result r;
+                make(&c, i, kind, brdf, GEN_ORDINARY);
+                gen_case_run(&c, &r);
+                lc_point p;
+                lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
+                uint32_t all = (1u << c.n) - 1;
+                double ref = ref_cluster_lower(&p, c.lights, all), sum = ref_cluster_sum(&p, c.lights, all);
+                CHECKF(ref <= sum * (1 + 1e-6) + 1e-12, "case %llu: %.9g %.9g", (unsigned long long)i, ref,
+                       sum);
+                n_lb += r.root_lower > 0;
+                n_ref += ref > 0;
+                if (!(ref > 0)) continue;
+                for (int k = 0; k < 3; k++) p.specular[k] = p.schlick_delta[k] = 0;
+                double diffuse = ref_cluster_sum(&p, c.lights, all);
+                of_ref += r.root_lower / ref;
+                of_diffuse += r.root_lower / diffuse;
+                of_sum += r.root_lower / sum;
+                n++;
+            }
+            if (!n) continue;
+            double dn = (double)n;
+            printf("  %-11s %-7s %9.4f %9.4f %9.4f | %9llu %9llu\n", kind_names[kind], brdf_names[brdf],
+                   of_ref / dn, of_diffuse / dn, of_sum / dn, (unsigned long long)n_lb,
+                   (unsigned long long)n_ref);
+            CHECKF(of_ref / dn >= 0.98, "%s %s: %g", kind_names[kind], brdf_names[brdf], of_ref / dn);
+            CHECKF(n_lb <= n_ref && (double)n_lb >= 0.95 * (double)n_ref, "%s %s", kind_names[kind],
+                   brdf_names[brdf]);
         }
     }
 }
@@ -589,6 +635,7 @@ int main(int argc, char **argv)
     RUN(worked_example);
     RUN(reference_holds);
     RUN(as_tight_as_reference);
+    RUN(lower_bounds_are_as_tight_as_reference);
     RUN(zero_extent_is_tight);
     RUN(inverse_square_needs_no_attenuation);
     RUN(directions_pack);

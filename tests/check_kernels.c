@@ -119,6 +119,11 @@ static void compare_bounds(lc_isa isa, const job *j, uint64_t i)
     lc_kernels_scalar.shade.bounds(&j->tree, j->list, j->n, j->kind, &j->point, want);
     lc_isa_kernels(isa)->shade.bounds(&j->tree, j->list, j->n, j->kind, &j->point, got);
     CHECKF(same(want, got, j->n), "%s, case %llu", lc_isa_name(isa), (unsigned long long)i);
+    clear(want);
+    clear(got);
+    lc_kernels_scalar.shade.lower_bounds(&j->tree, j->list, j->n, j->kind, &j->point, want);
+    lc_isa_kernels(isa)->shade.lower_bounds(&j->tree, j->list, j->n, j->kind, &j->point, got);
+    CHECKF(same(want, got, j->n), "%s, case %llu, from below", lc_isa_name(isa), (unsigned long long)i);
 }
 
 static void run_estimate(const lc_kernels *k, const job *j, const uint32_t *index, float out[6][ROOM + GUARD])

@@ -242,6 +242,7 @@ done <<'END'
 --spp 0
 --spp 65537
 --isa mmx
+--bvh slow
 --pixelbounds 1,2,3
 --pixelbounds 1,2,3,4,5
 --pixelbounds -1,2,3,4

@@ -319,6 +319,7 @@ TEST(same_bytes_for_any_number_of_threads)
         lc_bvh *first = NULL;
         for (int i = 0; i < 4; i++) {
             lc_context *c = quiet_context(threads[i]);
+            c->bvh = ctx->bvh;
             lc_bvh *b = build_bvh(c);
             b->ctx = ctx;
             lc_context_destroy(c);
@@ -649,6 +650,56 @@ TEST(boxes_lose_no_hit)
     }
 }
 
+/* However the hierarchy was built, rays hit the same triangles at the same distances, and the same segments
+ * are occluded. */
+TEST(both_builds_give_the_same_answers)
+{
+    for (int style = 0; style < 5; style++) {
+        const double far = style == 4 ? 1e15 : 0;
+        uint32_t n_hidden = 0;
+        thread_mesh(style);
+        ctx->bvh = LC_BVH_BEST;
+        lc_bvh *best = build_bvh(ctx);
+        ctx->bvh = LC_BVH_FAST;
+        lc_bvh *fast = build_bvh(ctx);
+        ctx->bvh = LC_BVH_BEST;
+        CHECK(style == 0 || !same_bytes(best, fast));
+        for (int i = 0; i < 4000; i++) {
+            float org[3], to[3], dir[3];
+            for (int k = 0; k < 3; k++) {
+                org[k] = (float)(far + rnd_in(-2, 2) * fmax(far * 1e-7, 1));
+                to[k] = (float)(far + rnd_in(-2, 2) * fmax(far * 1e-7, 1));
+                dir[k] = to[k] - org[k];
+            }
+            lc_hit a = closest(best, org, dir, FLT_MAX), b = closest(fast, org, dir, FLT_MAX);
+            uint8_t h = hidden(best, org, to, false);
+            CHECKF(!memcmp(&a, &b, sizeof a), "style %d, ray %d", style, i);
+            CHECKF(h == hidden(fast, org, to, false), "style %d, segment %d", style, i);
+            n_hidden += h;
+        }
+        CHECKF(style == 0 || style == 4 || (n_hidden > 0 && n_hidden < 4000), "style %d: %u", style,
+               n_hidden);
+        lc_bvh_destroy(best);
+        lc_bvh_destroy(fast);
+    }
+}
+
+static void run_fast(void)
+{
+    ctx->bvh = LC_BVH_FAST;
+    RUN(no_triangles);
+    RUN(random_soup);
+    RUN(cornell_box);
+    RUN(big_coordinates);
+    RUN(degenerate_triangles);
+    RUN(only_degenerate_triangles);
+    RUN(identical_triangles);
+    RUN(same_bytes_for_any_number_of_threads);
+    RUN(equal_distances_give_the_lowest_id);
+    RUN(triangles_on_a_line);
+    RUN(boxes_lose_no_hit);
+}
+
 int main(void)
 {
     ctx = quiet_context(0);
@@ -671,6 +722,8 @@ int main(void)
     RUN(boxes_lose_no_hit);
     RUN(watertight_from_afar);
     RUN(closed_meshes_are_watertight);
+    RUN(both_builds_give_the_same_answers);
+    run_fast();
     lc_context_destroy(ctx);
     return test_done();
 }

@@ -113,6 +113,26 @@ TEST(coincident_points_by_index)
     for (uint32_t i = 0; i < MOST; i++) CHECK(order[i] == (i == MOST - 1 ? 5 : i < 5 ? i : i + 1));
 }
 
+TEST(coarse_order_is_by_upper_bits)
+{
+    static uint32_t order[MOST];
+    static uint64_t code[MOST];
+    const lc_box box = { { 0, 0, 0 }, { 1, 1, 1 } };
+    fill(MOST, 0);
+    for (uint32_t i = 0; i < MOST / 2; i++)
+        points[i] = lc_f3_make(points[i].x * 1e-3f, 0.25f, (float)rnd_n(2));
+    for (uint32_t t = 1; t < 9; t += 7) {
+        lc_context ctx = { .allocator = lc_allocator_libc(), .n_threads = t };
+        CHECK(lc_morton_coarse(&ctx, MOST, &box, place, points, order, code) == LC_OK);
+        for (uint32_t i = 0; i < MOST; i++) {
+            const lc_f3 p = points[order[i]];
+            CHECK(code[i] == code_of((const double[3]){ (double)p.x, (double)p.y, (double)p.z }));
+            uint64_t before = i ? code[i - 1] >> LC_MORTON_FINE : 0, now = code[i] >> LC_MORTON_FINE;
+            CHECK(i == 0 || now > before || (now == before && order[i] > order[i - 1]));
+        }
+    }
+}
+
 int main(void)
 {
     RUN(order_of_codes);
@@ -120,5 +140,6 @@ int main(void)
     RUN(far_points_change_nothing);
     RUN(many_scales);
     RUN(coincident_points_by_index);
+    RUN(coarse_order_is_by_upper_bits);
     return test_done();
 }

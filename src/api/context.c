@@ -13,13 +13,15 @@ lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
     *out = NULL;
     lc_context_desc d = LC_CONTEXT_DESC_INIT;
     if (desc && lc_desc_take(NULL, "lc_context_desc", &d, sizeof d, desc)) return LC_ERR_ARG;
-    if (d.isa < LC_ISA_BEST || d.isa > LC_N_ISAS || d.n_threads > LC_MAX_THREADS) return LC_ERR_ARG;
+    if (d.isa < LC_ISA_BEST || d.isa > LC_N_ISAS || d.n_threads > LC_MAX_THREADS ||
+        d.bvh < LC_BVH_BEST || d.bvh >= LC_BVH_MODES) return LC_ERR_ARG;
     lc_context ctx = { .allocator = d.allocator ? *d.allocator : lc_allocator_libc(),
                        .log = d.log,
                        .log_user = d.log_user,
                        .stop = d.stop,
                        .stop_user = d.stop_user,
                        .n_threads = d.n_threads,
+                       .bvh = d.bvh,
                        .isa = lc_isa_pick(d.isa) };
     if (!ctx.n_threads) ctx.n_threads = lc_cpu_threads();
     const lc_kernels *kernels = lc_isa_kernels(ctx.isa);

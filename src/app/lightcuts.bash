@@ -37,6 +37,7 @@ _lightcuts()
         COMPREPLY=($(compgen -W 'auto exact ploc' -- "$word"))
         return ;;
     lux:--indirect-lights) COMPREPLY=($(compgen -W auto -- "$word")); return ;;
+    render:--bvh | explain:--bvh | bench:--bvh) COMPREPLY=($(compgen -W 'best fast' -- "$word")); return ;;
     render:--chunk) COMPREPLY=($(compgen -W slurm -- "$word")); return ;;
     render:--isa | lux:--isa | explain:--isa | bench:--isa | report:--isa)
         COMPREPLY=($(compgen -W "$(_lightcuts_isas)" -- "$word"))
@@ -95,7 +96,7 @@ _lightcuts()
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
             --indirect-from --seed --spp --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
             --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --aov
-            --nthreads --isa --stats --stats-file --write-time --quiet --verbose
+            --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;
         scene) options='--lights --seed --outfile --help' ;;
@@ -108,10 +109,10 @@ _lightcuts()
         explain) options='--pixel --sample --top --all --json --method --error --within
             --error-ratio --max-cut --dark-floor --representatives --builder --area-lights
             --indirect-lights --indirect-error --indirect-from --maxdepth --seed
-            --spp --nthreads --isa --help' ;;
+            --spp --nthreads --bvh --isa --help' ;;
         merge) options='--outfile --help' ;;
         bench) options='--mesh --rays --lights --quality --scaling --outfile --method --error-ratio
-            --max-cut --dark-floor --representatives --builder --pixelbounds --nthreads --isa --runs
+            --max-cut --dark-floor --representatives --builder --pixelbounds --nthreads --bvh --isa --runs
             --json --help' ;;
         report) options='--outdir --quick --error-ratios --representatives --max-cut --nthreads --isa
             --quiet --help' ;;

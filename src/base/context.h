@@ -23,6 +23,7 @@ struct lc_context {
     void *stop_user;
     struct lc_memory *memory; /* NULL: no limit */
     uint32_t n_threads;
+    lc_bvh_mode bvh;
     lc_isa isa; /* the instruction set of the kernels below; each room declares the table that it calls */
     const struct lc_shade_kernels *shade_kernels; /* shade/tree_data.h */
     const struct lc_tree_kernels *tree_kernels;   /* tree/ploc_list.h */

@@ -69,16 +69,19 @@ static uint64_t cell(double x, double lo, double scale)
     return at < CELLS - 1 ? (uint64_t)at : (uint64_t)CELLS - 1;
 }
 
+static uint64_t code_of(const lc_box *box, double scale, lc_f3 p)
+{
+    return spread(cell((double)p.x, (double)box->lo.x, scale)) << 2 |
+           spread(cell((double)p.y, (double)box->lo.y, scale)) << 1 |
+           spread(cell((double)p.z, (double)box->lo.z, scale));
+}
+
 /* Computes the codes of a run. The box must have a side > 0. */
 static void make_codes(const sorter *s, run r, const lc_box *box)
 {
     const double scale = CELLS / side_of(box);
-    for (uint32_t i = r.first; i < r.first + r.n; i++) {
-        lc_f3 p = s->place(s->user, s->index[0][i]);
-        s->code[0][i] = spread(cell((double)p.x, (double)box->lo.x, scale)) << 2 |
-                        spread(cell((double)p.y, (double)box->lo.y, scale)) << 1 |
-                        spread(cell((double)p.z, (double)box->lo.z, scale));
-    }
+    for (uint32_t i = r.first; i < r.first + r.n; i++)
+        s->code[0][i] = code_of(box, scale, s->place(s->user, s->index[0][i]));
 }
 
 /* ---- a run for one thread ---- */
@@ -183,6 +186,18 @@ static bool place_digits(const sorter *s, uint32_t n_chunks)
     return true;
 }
 
+/* Sorts the points of part by all digits of their codes from bit `shift` on. */
+static void sort_digits(sorter *s, uint32_t n_chunks, uint32_t shift)
+{
+    for (s->from = 0, s->shift = shift; s->shift < 63; s->shift += DIGIT_BITS) {
+        lc_parallel(s->ctx, n_chunks, count_digits, s);
+        if (!place_digits(s, n_chunks)) continue;
+        lc_parallel(s->ctx, n_chunks, move_chunk, s);
+        s->from = !s->from;
+    }
+    if (s->from) copy_back(s, s->part);
+}
+
 static void sort_long_run(sorter *s, run *r)
 {
     const uint32_t n_chunks = (r->n + CHUNK - 1) / CHUNK;
@@ -195,13 +210,7 @@ static void sort_long_run(sorter *s, run *r)
         return;
     }
     lc_parallel(s->ctx, n_chunks, code_chunk, s);
-    for (s->from = s->shift = 0; s->shift < 63; s->shift += DIGIT_BITS) {
-        lc_parallel(s->ctx, n_chunks, count_digits, s);
-        if (!place_digits(s, n_chunks)) continue;
-        lc_parallel(s->ctx, n_chunks, move_chunk, s);
-        s->from = !s->from;
-    }
-    if (s->from) copy_back(s, *r);
+    sort_digits(s, n_chunks, 0);
 }
 
 /* ---- levels ---- */
@@ -261,5 +270,33 @@ lc_status lc_morton_order(const lc_context *ctx, uint32_t n, lc_f3 (*place)(cons
     lc_free(ctx, s.boxes, n_chunks, sizeof *s.boxes);
     lc_free(ctx, s.runs, s.cap_runs, sizeof *s.runs);
     lc_free(ctx, s.next, s.cap_next, sizeof *s.next);
+    return st;
+}
+
+lc_status lc_morton_coarse(const lc_context *ctx, uint32_t n, const lc_box *box,
+                           lc_f3 (*place)(const void *user, uint32_t i), const void *user, uint32_t *order,
+                           uint64_t *code)
+{
+    const uint32_t n_chunks = (n + CHUNK - 1) / CHUNK;
+    sorter s = { .ctx = ctx, .place = place, .user = user, .box = *box };
+    s.part = (run){ 0, n };
+    s.index[0] = order;
+    s.code[0] = code;
+    for (uint32_t i = 0; i < n; i++) {
+        order[i] = i;
+        code[i] = 0;
+    }
+    if (!(side_of(box) > 0)) return LC_OK;
+    s.code[1] = lc_alloc_raw(ctx, n, sizeof *code);
+    s.index[1] = lc_alloc_raw(ctx, n, sizeof *order);
+    s.count = lc_alloc_raw(ctx, n_chunks, sizeof *s.count);
+    lc_status st = s.code[1] && s.index[1] && s.count ? LC_OK : LC_ERR_MEMORY;
+    if (!st) {
+        lc_parallel(ctx, n_chunks, code_chunk, &s);
+        sort_digits(&s, n_chunks, LC_MORTON_FINE);
+    }
+    lc_free(ctx, s.code[1], n, sizeof *code);
+    lc_free(ctx, s.index[1], n, sizeof *order);
+    lc_free(ctx, s.count, n_chunks, sizeof *s.count);
     return st;
 }

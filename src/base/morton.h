@@ -14,4 +14,12 @@
 lc_status lc_morton_order(const lc_context *ctx, uint32_t n, lc_f3 (*place)(const void *user, uint32_t i),
                           const void *user, uint32_t *order);
 
+/* The same in a fraction of the time, by the codes' upper bits only: points that differ in the LC_MORTON_FINE
+ * lowest bits alone are ordered by index. box: around all points. code[i]: of the i-th point, with all its
+ * bits. */
+#define LC_MORTON_FINE 30
+lc_status lc_morton_coarse(const lc_context *ctx, uint32_t n, const lc_box *box,
+                           lc_f3 (*place)(const void *user, uint32_t i), const void *user, uint32_t *order,
+                           uint64_t *code);
+
 #endif

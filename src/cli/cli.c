@@ -39,6 +39,7 @@ static int stop(void *user)
 }
 
 static uint64_t max_memory; /* 0: what is left */
+static lc_bvh_mode bvh_mode;
 
 int cli_parse_memory(const char *text)
 {
@@ -55,6 +56,12 @@ int cli_parse_memory(const char *text)
     return 0;
 }
 
+int cli_parse_bvh(const char *text)
+{
+    bvh_mode = strcmp(text, "fast") ? LC_BVH_BEST : LC_BVH_FAST;
+    return bvh_mode == LC_BVH_BEST && strcmp(text, "best");
+}
+
 lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
 {
     static int levels[3] = { -1, 0, 1 };
@@ -65,6 +72,7 @@ lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity)
     desc.max_memory = max_memory ? max_memory : lc_memory_left();
     desc.n_threads = n_threads;
     desc.isa = isa;
+    desc.bvh = bvh_mode;
     lc_context *ctx = NULL;
     lc_status st = lc_context_create(&desc, &ctx);
     /* A lack of memory was logged by the call itself. */

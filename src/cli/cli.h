@@ -60,6 +60,8 @@ int cli_input_status(lc_status status);
 /* "500000000", "500M", "2G": the limit of all contexts made from now on, which by default is what the machine
  * leaves. 0 = ok. */
 int cli_parse_memory(const char *text);
+/* "best" or "fast": how all contexts made from now on build hierarchies over triangles. 0 = ok. */
+int cli_parse_bvh(const char *text);
 
 /* 0 = ok; the whole text must be a finite number in the range. */
 int cli_parse_float(const char *text, double lo, double hi, double *out);

@@ -33,6 +33,7 @@ enum {
     OPT_MAXDEPTH,
     OPT_SEED,
     OPT_SPP,
+    OPT_BVH,
     OPT_ISA
 };
 
@@ -53,6 +54,7 @@ static const struct option long_options[] = {
     { "maxdepth", 1, 0, OPT_MAXDEPTH },
     { "seed", 1, 0, OPT_SEED },
     { "spp", 1, 0, OPT_SPP },
+    { "bvh", 1, 0, OPT_BVH },
     { "isa", 1, 0, OPT_ISA },
     { "nthreads", 1, 0, 't' },
     { "help", 0, 0, 'h' },
@@ -77,7 +79,7 @@ static void print_help(void)
         "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
         "      --method M, --error E, --within P, --error-ratio E, --max-cut N, --dark-floor F,\n"
         "      --representatives N, --builder B, --area-lights N, --indirect-lights N, --indirect-error E,\n"
-        "      --indirect-from F, --maxdepth N, --seed N, --spp N, --isa I, -t, --nthreads N\n"
+        "      --indirect-from F, --maxdepth N, --seed N, --spp N, --bvh B, --isa I, -t, --nthreads N\n"
         "\n"
         "  -h, --help               this text\n"
         "\n"
@@ -119,6 +121,7 @@ static int set_option(options *o, int c)
     case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->load.max_depth);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->load.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->load.spp);
+    case OPT_BVH: return cli_parse_bvh(optarg);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
     case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
     default: return cli_set_error_option(c, optarg, &o->given, &o->render);

@@ -46,6 +46,7 @@ enum {
     OPT_SEED,
     OPT_SPP,
     OPT_ISA,
+    OPT_BVH,
     OPT_PIXELS,
     OPT_CROP,
     OPT_AOV,
@@ -84,6 +85,7 @@ static const struct option long_options[] = {
     { "nthreads", 1, 0, 't' },
     { "seed", 1, 0, OPT_SEED },
     { "spp", 1, 0, OPT_SPP },
+    { "bvh", 1, 0, OPT_BVH },
     { "isa", 1, 0, OPT_ISA },
     { "pixelbounds", 1, 0, OPT_PIXELS },
     { "cropwindow", 1, 0, OPT_CROP },
@@ -159,11 +161,11 @@ static void print_help(void)
         "                           control groups leave\n"
         "      --aov LIST           further channels, with commas: cut n p z albedo error rays all\n"
         "  -t, --nthreads N         default: all processors this process may use\n"
+        "      --bvh best|fast      hierarchies over triangles; fast: built in less time, slower rays\n"
         "      --isa I              use at most %s (also: LC_ISA in the environment)\n"
         "      --stats              print statistics\n"
         "      --stats-file F.json  write statistics\n"
-        "      --write-time         put renderTimeSeconds into the EXR, which else holds nothing that\n"
-        "                           varies\n"
+        "      --write-time         put renderTimeSeconds into the EXR: nothing else in it varies\n"
         "  -q, --quiet              errors only\n"
         "  -v, --verbose            say more\n"
         "  -h, --help               this text\n",
@@ -191,6 +193,7 @@ static int set_option(options *o, int c)
     case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->load.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->load.spp);
+    case OPT_BVH: return cli_parse_bvh(optarg);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
     case OPT_PIXELS: o->has_pixel_crop = true; return cli_parse_pixels(optarg, o->pixel_crop);
     case OPT_CROP: o->has_unit_crop = true; return cli_parse_list(optarg, 4, 0, 1, o->unit_crop);

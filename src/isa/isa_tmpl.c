@@ -19,6 +19,8 @@
 
 #include "shade/bounds_tmpl.c"
 
+#include "shade/lower_tmpl.c"
+
 #include "shade/estimate_tmpl.c"
 
 #include "tree/ploc_tmpl.c"
@@ -31,6 +33,6 @@
 
 #define LC_KERNELS                                                                                           \
     {                                                                                                        \
-        .shade = { bounds, estimate }, .tree = { nearest }, .trace = { closest, hidden, dimmed },            \
-        .cut = { place, partition }                                                                          \
+        .shade = { bounds, lower_bounds, estimate }, .tree = { nearest },                                    \
+        .trace = { closest, hidden, dimmed }, .cut = { place, partition }                                    \
     }

@@ -9,6 +9,7 @@ enum {
     OPT_MESH = CLI_LONG_ONLY,
     OPT_RAYS,
     OPT_ISA,
+    OPT_BVH,
     OPT_LIGHTS,
     OPT_RUNS,
     OPT_JSON,
@@ -52,6 +53,7 @@ static const struct {
     { { "representatives", 1, 0, OPT_REPS }, RENDER },
     { { "pixelbounds", 1, 0, OPT_PIXELS }, RENDER },
     { { "nthreads", 1, 0, 't' }, RAYS | TREE | RENDER },
+    { { "bvh", 1, 0, OPT_BVH }, RAYS | RENDER },
     { { "isa", 1, 0, OPT_ISA }, BOUNDS | RAYS | RENDER | LAYOUT },
     { { "runs", 1, 0, OPT_RUNS }, ALL },
     { { "json", 0, 0, OPT_JSON }, ALL },
@@ -87,6 +89,7 @@ static const char help[] =
     "      --json           print one JSON object: version, bench, threads, results\n"
     "      --isa I          bounds, rays, render, layout: use only %s\n"
     "                       (LC_ISA in the environment: the best one allowed)\n"
+    "      --bvh B          rays, render: as of `lightcuts render`\n"
     "  -t, --nthreads N     rays, tree, render: default all processors this process may use\n"
     "      --mesh FILE      rays: the mesh\n"
     "      --rays FILE      rays: the segments, in groups of one origin\n"
@@ -109,6 +112,7 @@ static int set_option(bench_options *o, int c)
     switch (c) {
     case OPT_MESH: o->mesh = optarg; return !*optarg;
     case OPT_RAYS: o->rays = optarg; return !*optarg;
+    case OPT_BVH: return cli_parse_bvh(optarg);
     case OPT_ISA: o->one_isa = true; return cli_parse_isa(optarg, &o->isa);
     case OPT_LIGHTS: return cli_parse_u32(optarg, 2, 20000000, &o->n_lights);
     case OPT_RUNS: return cli_parse_u32(optarg, 1, BENCH_MAX_RUNS, &o->n_runs);

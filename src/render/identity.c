@@ -59,6 +59,7 @@ lc_status lc_render_identity(lc_context *ctx, const lc_scene *scene, const lc_re
     lc_digest_u64(&d, scene->film.width);
     lc_digest_u64(&d, scene->film.height);
     add_load(&d, &scene->load, scene);
+    if (ctx->bvh != LC_BVH_BEST) lc_digest_u64(&d, (uint64_t)ctx->bvh);
     add_render(&d, &r, scene);
     *id = (lc_identity){ scene->input_id, lc_digest_result(&d) };
     return LC_OK;

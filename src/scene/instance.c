@@ -71,8 +71,8 @@ static lc_box box_of(const lc_instance *at, const lc_bvh_data *object)
     return box;
 }
 
-/* At least twice the largest coordinate of triangles, camera, sensors and lights: S above. Cameras and lights count by
- * powers of 2, and only far away, so that boxes stay as they are when those move. */
+/* At least twice the largest coordinate of triangles, camera, sensors and lights: S above. Cameras and lights
+ * count by powers of 2, and only far away, so that boxes stay as they are when those move. */
 static double reach(const lc_scene *s, const lc_box *bounds)
 {
     const double near = fmax((double)lc_f3_max_abs(bounds->lo), (double)lc_f3_max_abs(bounds->hi));

@@ -55,17 +55,9 @@ LC_INLINE void bounds_of(const lc_tree_data *t, const uint32_t *index, uint32_t 
                          lc_lobe lobe, const lc_point *point, float *ub)
 {
     const lc_point p = *point; /* a copy, which ub cannot alias */
-    uint32_t rest[VF_LANES];
-    cluster_lanes l;
-    l.tree = t;
-    l.atten = lc_is_attenuated(kind) ? t->node_atten : NULL;
     for (uint32_t i = 0; i < n; i += VF_LANES) {
-        l.index = index + i;
-        if (n - i < VF_LANES) { /* the last cluster fills the lanes up */
-            for (uint32_t k = 0; k < VF_LANES; k++) rest[k] = index[i + (k < n - i ? k : n - i - 1)];
-            l.index = rest;
-        }
-        load(&l, lc_is_aimed(kind) ? 4 : 3);
+        uint32_t room[VF_LANES];
+        cluster_lanes l = lanes_make(t, kind, index + i, n - i, room);
         vf_store(ub + i, bound(&l, kind, lobe, &p));
     }
 }

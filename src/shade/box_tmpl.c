@@ -20,11 +20,11 @@
  * than the distance floor: the cosine is 1 below it, and too great by at most 1e-5 of the scene's size over
  * |p|.
  *
- * For a gather cluster, points in a box x +- g, half is the sum of both boxes' half extents: members' p are in
- * c +- h all the same. Its normals lie within an angle C of n. For a normal at the angle C from n, a p with
- * the height z along n and the distance l from n has its height in z cos C +- l sin C, or up to |p| where p
- * may lie inside the cone, l cos C <= z sin C; and where that height is positive, its distance is no less than
- * l cos C - max(z, 0) sin C. With T the greatest l, at most sqrt(M'^2 - min z^2), M' the greatest |p|,
+ * For a gather cluster, points in a box x +- g, half is the sum of both boxes' half extents: members' p are
+ * in c +- h all the same. Its normals lie within an angle C of n. For a normal at the angle C from n, a p
+ * with the height z along n and the distance l from n has its height in z cos C +- l sin C, or up to |p|
+ * where p may lie inside the cone, l cos C <= z sin C; and where that height is positive, its distance is no
+ * less than l cos C - max(z, 0) sin C. With T the greatest l, at most sqrt(M'^2 - min z^2), M' the greatest |p|,
  *
  *     z0' = z0 cos C - T sin C      z1' = min(z1 cos C + T sin C, M'), inside min(sqrt(z1^2 + T^2), M')
  *     r'  = max(r cos C - max(z1, 0) sin C, 0)
@@ -136,6 +136,23 @@ LC_INLINE v3 row(cluster_lanes *l, int k)
     return (v3){ l->row[k][0], l->row[k][1], l->row[k][2] };
 }
 #endif
+
+/* The clusters index[0 .. n), of which there are at least one; the last one fills the lanes up. room: what
+ * may have to hold their indices. */
+LC_INLINE cluster_lanes lanes_make(const lc_tree_data *t, lc_light_kind kind, const uint32_t *index,
+                                   uint32_t n, uint32_t room[VF_LANES])
+{
+    cluster_lanes l;
+    l.tree = t;
+    l.atten = lc_is_attenuated(kind) ? t->node_atten : NULL;
+    l.index = index;
+    if (n < VF_LANES) {
+        for (uint32_t k = 0; k < VF_LANES; k++) room[k] = index[k < n ? k : n - 1];
+        l.index = room;
+    }
+    load(&l, lc_is_aimed(kind) ? 4 : 3);
+    return l;
+}
 
 /* m = |c| + half; returns the least |p_k|, not widened. */
 LC_INLINE vf least(vf c, vf half, vf *m)

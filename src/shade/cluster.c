@@ -21,7 +21,8 @@ void lc_cluster_from_light(lc_cluster *c, const lc_light *light)
     c->intensity[0] = light->intensity.x;
     c->intensity[1] = light->intensity.y;
     c->intensity[2] = light->intensity.z;
-    for (int k = 0; k < 3; k++) c->atten[k] = lc_is_attenuated(light->kind) ? light->atten[k] : k == 2;
+    for (int k = 0; k < 3; k++)
+        c->atten[k] = c->atten_most[k] = lc_is_attenuated(light->kind) ? light->atten[k] : k == 2;
     if (lc_light_kinds[light->kind].least) lc_light_kinds[light->kind].least(light, c->least);
 }
 
@@ -35,6 +36,7 @@ void lc_cluster_join(lc_cluster *out, const lc_cluster *a, const lc_cluster *b)
         c.dhi[k] = max_f(a->dhi[k], b->dhi[k]);
         c.intensity[k] = a->intensity[k] + b->intensity[k];
         c.atten[k] = min_f(a->atten[k], b->atten[k]);
+        c.atten_most[k] = max_f(a->atten_most[k], b->atten_most[k]);
     }
     for (int k = 0; k < LC_OWN_FLOATS; k++) c.least[k] = min_f(a->least[k], b->least[k]);
     *out = c;
@@ -106,6 +108,15 @@ static double cone_slack(const lc_cluster *c)
     return 4.8e-7 * (1 + 2 / sqrt(s2));
 }
 
+/* The least quotient of a least coefficient and the greatest one. */
+static float atten_ratio(const lc_cluster *c)
+{
+    double ratio = 1;
+    for (int k = 0; k < 3; k++)
+        if (c->atten_most[k] > 0) ratio = fmin(ratio, (double)c->atten[k] / (double)c->atten_most[k]);
+    return (float)ratio;
+}
+
 void lc_cluster_store(const lc_cluster *c, lc_node *node, lc_atten *atten)
 {
     double axis[3], cos_cone = lc_cluster_cone(c, axis);
@@ -118,6 +129,7 @@ void lc_cluster_store(const lc_cluster *c, lc_node *node, lc_atten *atten)
         node->axis[k] = (float)axis[k];
         if (atten) (*atten)[k] = c->atten[k];
     }
+    if (atten) (*atten)[3] = atten_ratio(c);
     bool one_direction = c->dlo[0] == c->dhi[0] && c->dlo[1] == c->dhi[1] && c->dlo[2] == c->dhi[2];
     for (int k = 0; k < 3 && one_direction; k++) node->axis[k] = c->dlo[k]; /* exact: no slack */
     if (one_direction) cos_cone = 1;

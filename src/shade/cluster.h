@@ -15,7 +15,7 @@ typedef struct lc_cluster {
     float lo[3], hi[3];   /* positions; directional: unit directions towards the light */
     float dlo[3], dhi[3]; /* oriented, spot: emission directions */
     double intensity[3];  /* sum over the lights, R G B */
-    float atten[3];
+    float atten[3], atten_most[3]; /* least and greatest A, B, C of f(d) */
     float least[LC_OWN_FLOATS]; /* of the kind's own numbers, see light_kind.h */
     lc_light_kind kind;
 } lc_cluster;

@@ -6,8 +6,8 @@
  *     before both                types and functions that others use
  *     #ifdef LC_TABLE_PARTS      for light_kind.c alone: its functions, and its line of the table,
  *                                LC_LIGHT_INFO_NAME
- *     #ifdef LC_KERNEL_PARTS     for the kernels, where the kind is aimed: NAME_emission and
- *                                NAME_emission_bound
+ *     #ifdef LC_KERNEL_PARTS     for the kernels, where the kind is aimed: NAME_emission,
+ *                                NAME_emission_bound and NAME_emission_least
  */
 #ifndef LC_LIGHT_KIND_H
 #define LC_LIGHT_KIND_H

@@ -228,4 +228,11 @@ LC_INLINE vf luminaire_emission_bound(const lc_tree_data *t, const uint32_t *nod
     return vf_load(most);
 }
 
+/* A node keeps the greatest values of its lights' tables, not the least. */
+LC_INLINE vf luminaire_emission_least(vf e)
+{
+    (void)e;
+    return vf_set(0);
+}
+
 #endif

@@ -52,4 +52,6 @@ LC_INLINE vf oriented_emission_bound(const lc_tree_data *t, const uint32_t *node
     return e;
 }
 
+LC_INLINE vf oriented_emission_least(vf e) { return e; }
+
 #endif

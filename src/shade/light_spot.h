@@ -1,5 +1,4 @@
-/* light_spot.h - lights that emit into a cone about their axis, with an intensity that depends on the
- * direction.
+/* light_spot.h - lights that emit into a cone about their axis, by an intensity that varies in it.
  *
  *     t = (cos phi - cos_total) / (cos_start - cos_total), clamped to 0..1
  *     emission = t^2 (3 - 2 t) colour
@@ -254,5 +253,7 @@ LC_INLINE vf spot_emission_bound(const lc_tree_data *t, const uint32_t *node, co
     vf x = vf_min(vf_max((e - k[0]) * k[1], vf_set(0)), vf_set(1));
     return x * x * (3 - (x + x));
 }
+
+LC_INLINE vf spot_emission_least(vf e) { return (void)e, vf_set(0); } /* nodes keep the widest profile */
 
 #endif

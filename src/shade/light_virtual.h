@@ -27,4 +27,6 @@ LC_INLINE vf virtual_emission_bound(const lc_tree_data *t, const uint32_t *node,
     return oriented_emission_bound(t, node, box, e, least);
 }
 
+LC_INLINE vf virtual_emission_least(vf e) { return oriented_emission_least(e); }
+
 #endif

@@ -45,7 +45,8 @@ _Static_assert(sizeof(lc_light_rec) == 32, "half a cache line");
 #define LC_DIR_FLAG 0x40000000u
 #define LC_DIR_SIGN 1u
 
-/* A, B, C of f(d) and an unused word: those of a light, or the least ones of a cluster's lights. */
+/* A, B, C of f(d): those of a light, and an unused word; or the least ones of a cluster's lights, and a
+ * factor such that f(d) by the least ones is no less than it times f(d) by any light's. */
 typedef float lc_atten[4];
 
 /* Records that only one kind of light has (LC_LIGHT_OWN), one for each of its nodes and lights; NULL: none.
@@ -72,6 +73,10 @@ typedef struct lc_shade_kernels {
      * of the estimates of all its lights together. */
     void (*bounds)(const lc_tree_data *tree, const uint32_t *index, uint32_t n, lc_light_kind kind,
                    const lc_point *point, float *ub);
+    /* The same from below, to lb: no more than the luminance of the estimates of all its lights together. It
+     * is finite; 0 for spots and luminaires. */
+    void (*lower_bounds)(const lc_tree_data *tree, const uint32_t *index, uint32_t n, lc_light_kind kind,
+                         const lc_point *point, float *lb);
     /* Writes the transfers M G (light.h) of lights index[0 .. n), or first .. first + n - 1 where index is
      * NULL, all of one kind: R G B to out[0 .. 2], the target of the shadow ray (position, or direction
      * towards the light) to out[3 .. 5]. */

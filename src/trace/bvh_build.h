@@ -2,6 +2,7 @@
  *
  *     triangles -> refs -> binary tree -> better tree -> plan -> eight-wide nodes and blocks of triangles
  *          bvh_split.c   bvh_build.c   bvh_reinsert.c  bvh_collapse.c
+ *                        or bvh_fast.c, which is not made better
  *
  * Every parallel step is divided by the number of triangles, never by the number of threads, and every piece
  * writes to its own part of the arrays, so the result is the same bytes for any number of threads.
@@ -64,6 +65,7 @@ typedef struct lc_bvh_builder {
     size_t n_tris;
     uint32_t task_max;   /* limits the refs of a subtree that one thread builds */
     lc_bvh_ref *refs[2]; /* n_tris each; a split moves a range from one array to the other */
+    uint64_t *codes;     /* n_tris, of the refs in order: the tree is built by bvh_fast.c; else NULL */
     uint32_t *order;     /* n_tris: triangle ids in the order of the leaves */
     lc_bin_node *nodes;  /* 2 n_tris, of which few are used */
     uint32_t *parents;   /* n_tris: the parent of nodes 2 i and 2 i + 1 */
@@ -114,6 +116,16 @@ void lc_bvh_partition(const lc_bvh_binning *by, const lc_bvh_split *split, const
                       uint32_t count, lc_bvh_ref **left, lc_bvh_ref **right);
 f4_box lc_bvh_box_of(const lc_bvh_ref *refs, uint32_t count);
 f4_box lc_bvh_centroids_of(const lc_bvh_ref *refs, uint32_t count);
+
+/* ---- bvh_fast.c ---- */
+
+/* Sorts the refs by their codes, to the second array, and splits ranges down to task_max refs; the boxes of
+ * the upper nodes are left to lc_bvh_join_children. LC_ERR_MEMORY. */
+lc_status lc_bvh_fast_top(lc_bvh_builder *b);
+/* Makes the nodes of a range, stored from 2 first + 2 on; returns the end of them. */
+uint32_t lc_bvh_fast_subtree(const lc_bvh_builder *b, const lc_bvh_range *root);
+/* Sets the box of a node to that around its children. */
+void lc_bvh_join_children(const lc_bvh_builder *b, lc_bin_node *node);
 
 /* ---- bvh_reinsert.c ---- */
 

@@ -56,7 +56,8 @@ typedef struct gen_case {
 } gen_case;
 
 /* Of one case: every node of a random binary tree over the lights was bounded, and every light estimated, by
- * the kernels of every instruction set of this machine; bounds: the least of them. */
+ * the kernels of every instruction set of this machine; bounds: the least of them;
+ * lower bounds: the greatest. */
 typedef struct gen_result {
     uint32_t n_nodes;
     uint32_t bad;      /* GEN_BAD_ bits, of any node */
@@ -65,7 +66,8 @@ typedef struct gen_result {
     lc_isa bad_isa;    /* whose bound it is; 0: not a bound */
     double tightest; /* least bound / value over nodes with 0 < value, finite bound; HUGE_VAL if none */
     bool tiny;       /* see GEN_TINY */
-    double root_bound, root_float,
+    double closest_lower; /* greatest lower bound / value over nodes with value > 0; 0 if none */
+    double root_lower, root_bound, root_float,
         root_exact;       /* of all lights: bound; sum by one_transfer; sum by ref_transfer */
     uint32_t below_exact; /* nodes with bound < sum of ref_transfer with no allowance: not a violation */
 } gen_result;
@@ -76,7 +78,8 @@ enum {
     GEN_BAD_BOUND_EXACT = 4, /* bound < sum of the least that ref_transfer_range allows */
     GEN_BAD_SHADE = 8,       /* one_transfer outside ref_transfer_range, not finite or negative */
     GEN_BAD_CONE = 16,       /* a member's direction outside the stored cone */
-    GEN_BAD_BOX = 32         /* a member's position outside the stored box, or power too small */
+    GEN_BAD_BOX = 32,        /* a member's position outside the stored box, or power too small */
+    GEN_BAD_LOWER = 64       /* lower bound > sum of luminance(one_transfer * intensity), NaN or negative */
 };
 
 /* The tables of all luminaires that are generated. */

@@ -39,6 +39,7 @@ static void build(tree *t, const gen_case *c)
 
 typedef struct value {
     double f, exact, least; /* luminance: float estimate, double reference, least allowed */
+    double low;             /* of the least float estimate */
     bool shade_ok, tiny;
 } value;
 
@@ -117,11 +118,11 @@ static void make_records(records *r, const gen_case *c, const tree *t)
     r->data.light_atten = r->light_atten;
 }
 
-/* What the kernels of every instruction set say: the range of each estimate, the least of each bound; NaN if
- * one says so. */
+/* What the kernels of every instruction set say: the range of each estimate, the least of each bound, the
+ * greatest of each lower bound; NaN if one says so. */
 typedef struct answers {
     float lo[GEN_MAX_LIGHTS][3], hi[GEN_MAX_LIGHTS][3];
-    float bound[2 * GEN_MAX_LIGHTS];
+    float bound[2 * GEN_MAX_LIGHTS], lower[2 * GEN_MAX_LIGHTS];
     lc_isa isa[2 * GEN_MAX_LIGHTS]; /* of the least bound */
 } answers;
 
@@ -145,11 +146,13 @@ static void ask_estimates(answers *a, const records *r, const lc_point *p, const
 static void ask_bounds(answers *a, const records *r, const lc_point *p, const gen_case *c, uint32_t n,
                        lc_isa isa)
 {
-    float ub[ROOM];
+    float ub[ROOM], lb[ROOM];
     uint32_t index[2 * GEN_MAX_LIGHTS];
     for (uint32_t k = 0; k < n; k++) index[k] = k;
     lc_isa_kernels(isa)->shade.bounds(&r->data, index, n, c->lights[0].kind, p, ub);
+    lc_isa_kernels(isa)->shade.lower_bounds(&r->data, index, n, c->lights[0].kind, p, lb);
     for (uint32_t k = 0; k < n; k++) {
+        if (isa == LC_ISA_SCALAR || !(lb[k] <= a->lower[k])) a->lower[k] = lb[k];
         if (isa != LC_ISA_SCALAR && (isnan(a->bound[k]) || ub[k] >= a->bound[k])) continue;
         a->bound[k] = ub[k];
         a->isa[k] = isa;
@@ -198,6 +201,8 @@ static value light_value(const lc_point *p, const lc_light *l, const float least
     if (in_float > (double)FLT_MAX) v.tiny = true;
     v.f = fmax(in_float, in_exact);
     v.exact = ref_luminance(ref);
+    for (int k = 0; k < 3; k++) d[k] = (double)least[k] * (double)(&l->intensity.x)[k];
+    v.low = fmin((double)lc_luminance(lc_f3_mul(lc_f3_load(least), l->intensity)), ref_luminance(d));
     v.least = ref_luminance(lo);
     return v;
 }
@@ -269,6 +274,16 @@ static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten
     return bad;
 }
 
+static void check_lower(const gen_case *c, gen_result *r, const value *v, uint32_t members, double lb)
+{
+    double low = 0;
+    for (uint32_t i = 0; i < c->n; i++)
+        if (members >> i & 1) low += v[i].low;
+    if (!(lb >= 0 && lb <= low)) complain(r, GEN_BAD_LOWER, members, lb, low);
+    r->root_lower = lb;
+    if (low > 0 && lb / low > r->closest_lower) r->closest_lower = lb / low;
+}
+
 static void check_node(const gen_case *c, gen_result *r, const value *v, uint32_t members, double ub)
 {
     double f = 0, exact = 0, least = 0;
@@ -313,6 +328,7 @@ void gen_case_run(const gen_case *c, gen_result *r)
         uint32_t bad = check_stored(c, &rec.node[k], rec.node_atten[k], t.members[k]), before = r->bad;
         if (bad) complain(r, bad, t.members[k], 0, 0);
         check_node(c, r, v, t.members[k], (double)a.bound[k]);
+        check_lower(c, r, v, t.members[k], (double)a.lower[k]);
         if (!before && r->bad) r->bad_isa = a.isa[k];
     }
 }
@@ -371,6 +387,7 @@ const char *gen_bad_name(uint32_t bad)
     return bad & GEN_BAD_BOUND_NAN     ? "bound is NaN or negative"
            : bad & GEN_BAD_BOUND_FLOAT ? "bound < float sum"
            : bad & GEN_BAD_BOUND_EXACT ? "bound < exact sum less float error"
+           : bad & GEN_BAD_LOWER       ? "lower bound > float sum, or NaN"
            : bad & GEN_BAD_SHADE       ? "one_transfer differs from the reference"
            : bad & GEN_BAD_CONE        ? "stored cone misses a direction"
            : bad & GEN_BAD_BOX         ? "stored box, attenuation or power is too small"

@@ -38,6 +38,10 @@ double ref_cluster_sum(const lc_point *p, const lc_light *lights, uint32_t membe
  * together (box_tmpl.c). */
 double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t members, bool joint);
 
+/* Sum of the least that each member's diffuse part can be: every cosine, distance and coefficient at its
+ * worst corner of the boxes and cones; 0 for spots and luminaires. ref_lower.c */
+double ref_cluster_lower(const lc_point *p, const lc_light *lights, uint32_t members);
+
 /* Upper bound of cos(angle(v, axis)) over the box lo..hi of v ([Miksik07] eq. 5); -1..1. */
 double ref_cos_box(const double lo[3], const double hi[3], const double axis[3]);
 /* Cone of all unit vectors inside a box of directions: intersection of the unit sphere with the box's
