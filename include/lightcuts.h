@@ -581,7 +581,8 @@ typedef enum lc_method {
 } lc_method;
 
 enum { /* lc_render_desc.aovs: further channels of the picture, each the mean over a pixel's samples */
-    LC_AOV_CUT = 1,     /* cut.size: lights evaluated at the shading points */
+    LC_AOV_CUT = 1,     /* cut.size: lights evaluated at the shading points; where a pixel's samples share
+                         * cuts, of all its cuts together, as cut.rays */
     LC_AOV_N = 2,       /* N.X N.Y N.Z: unit shading normal, world space, towards the viewer */
     LC_AOV_P = 4,       /* P.X P.Y P.Z: position, world space */
     LC_AOV_Z = 8,       /* Z: distance along the camera's axis */

@@ -29,7 +29,8 @@ static bool parse(FILE *f, content *x)
                          &x->id.scene, &x->id.options, &x->c.error, &x->c.within, &x->c.z, &x->c.shared,
                          &x->c.n_pilots, &x->c.achieved, &x->c.margin, &x->c.median, &end);
     return n == 10 && x->c.shared <= 1 && x->c.z > 0 && isfinite(x->c.z) && x->c.error > 0 &&
-           isfinite(x->c.error) && x->c.within > 0 && x->c.within < 100 && x->c.n_pilots && x->c.achieved >= 0 &&
+           isfinite(x->c.error) &&
+           x->c.within > 0 && x->c.within < 100 && x->c.n_pilots && x->c.achieved >= 0 &&
            x->c.achieved <= 100 && x->c.margin >= 0 && x->c.margin <= 100 && x->c.median >= 0 &&
            isfinite(x->c.median);
 }

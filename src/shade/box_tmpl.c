@@ -24,7 +24,8 @@
  * in c +- h all the same. Its normals lie within an angle C of n. For a normal at the angle C from n, a p
  * with the height z along n and the distance l from n has its height in z cos C +- l sin C, or up to |p|
  * where p may lie inside the cone, l cos C <= z sin C; and where that height is positive, its distance is no
- * less than l cos C - max(z, 0) sin C. With T the greatest l, at most sqrt(M'^2 - min z^2), M' the greatest |p|,
+ * less than l cos C - max(z, 0) sin C. With T the greatest l, at most sqrt(M'^2 - min z^2),
+ * M' the greatest |p|,
  *
  *     z0' = z0 cos C - T sin C      z1' = min(z1 cos C + T sin C, M'), inside min(sqrt(z1^2 + T^2), M')
  *     r'  = max(r cos C - max(z1, 0) sin C, 0)
