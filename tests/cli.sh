@@ -218,9 +218,11 @@ bad 'value where none belongs' 2 "'--stats=3' takes no value" --stats=3 s.pbrt -
 bad 'unknown command' 2 "did you mean 'render'" rendr
 bad 'no scene' 2 'no scene' -o o/p.exr
 bad 'two scenes' 2 'more than one scene' s.pbrt named.pbrt -o o/p.exr
+bad 'a bad value names the good ones' 2 "option --method: lightcuts, exact or cuts$" s.pbrt --method fast -o o/p.exr
+bad 'no threads' 2 "bad value '0' for option -t: 1 or more" s.pbrt -o o/p.exr -t 0
 bad 'neither .exr nor .png' 2 "'o/p.jpg'" s.pbrt -o o/p.jpg
 while read -r option value; do
-    bad "$option $value" 2 "bad value '$value' for option $option$" "$option" "$value" s.pbrt -o o/p.exr
+    bad "$option $value" 2 "bad value '$value' for option $option\\(: .*\\)*$" "$option" "$value" s.pbrt -o o/p.exr
 done <<'END'
 --method fast
 --error-ratio -1
@@ -253,6 +255,9 @@ done <<'END'
 -t -1
 -t 1025
 END
+good 'statistics to standard output' -q s.pbrt -o c.exr --stats-file -
+prints '"method": "lightcuts"'
+check 'no file of that name' test ! -e -
 bad 'empty value' 2 "bad value '' for option --stats-file" --stats-file '' s.pbrt -o o/p.exr
 bad 'crop outside the film' 2 'outside the film of 48 x 40' --pixelbounds 0,49,0,40 s.pbrt -o o/p.exr
 bad 'empty crop' 2 'crop is empty' --pixelbounds 4,4,0,4 s.pbrt -o o/p.exr

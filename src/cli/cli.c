@@ -273,6 +273,37 @@ void cli_usage_error(const char *command, const char *fmt, ...)
     fprintf(stderr, "lightcuts %s: %s\ntry 'lightcuts %s --help'\n", command, cli_shown(text), command);
 }
 
+/* What options take that take words, or numbers of a range that is not plain. */
+static const char *good_values(const char *option)
+{
+    static const struct {
+        const char *option, *values;
+    } good[] = { { "method", "lightcuts, exact or cuts" },
+                 { "builder", "auto, exact or ploc" },
+                 { "bvh", "best or fast" },
+                 { "indirect-from", "scene or view" },
+                 { "aov", "cut, n, p, z, albedo, error, rays, with commas between, or all" },
+                 { "nthreads", "1 or more" },
+                 { "spp", "1 or more" },
+                 { "within", "per cent, 1 to 99.9" },
+                 { "pixelbounds", "x0,x1,y0,y1" },
+                 { "cropwindow", "x0,x1,y0,y1" } };
+    if (!strcmp(option, "isa")) return cli_isa_names();
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++)
+        if (!strcmp(option, good[i].option)) return good[i].values;
+    return NULL;
+}
+
+void cli_bad_value(const char *command, int option, const char *name, const char *value)
+{
+    const char *good = good_values(option == 't' ? "nthreads" : option < CLI_LONG_ONLY ? "" : name);
+    char own[64];
+    if (option < CLI_LONG_ONLY) snprintf(own, sizeof own, "-%c", option);
+    else snprintf(own, sizeof own, "--%s", name);
+    cli_usage_error(command, "bad value '%s' for option %s%s%s", value, own, good ? ": " : "",
+                    good ? good : "");
+}
+
 #define MAX_NAME 63 /* letters of names that are compared */
 
 /* Levenshtein distance; SIZE_MAX where a name is too long to be meant. */

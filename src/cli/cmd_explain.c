@@ -123,7 +123,7 @@ static int set_option(options *o, int c)
     case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->load.spp);
     case OPT_BVH: return cli_parse_bvh(optarg);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
-    case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
+    case 't': return cli_parse_u32(optarg, 1, CLI_MAX_THREADS, &o->n_threads);
     default: return cli_set_error_option(c, optarg, &o->given, &o->render);
     }
 }
@@ -147,10 +147,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
             return -1;
         }
         if (set_option(o, c)) {
-            if (c < CLI_LONG_ONLY) cli_usage_error("explain", "bad value '%s' for option -%c", optarg, c);
-            else
-                cli_usage_error("explain", "bad value '%s' for option --%s", optarg,
-                                long_options[index].name);
+            cli_bad_value("explain", c, long_options[index].name, optarg);
             return -1;
         }
     }

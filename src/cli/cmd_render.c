@@ -164,7 +164,7 @@ static void print_help(void)
         "      --bvh best|fast      hierarchies over triangles; fast: built in less time, slower rays\n"
         "      --isa I              use at most %s (also: LC_ISA in the environment)\n"
         "      --stats              print statistics\n"
-        "      --stats-file F.json  write statistics\n"
+        "      --stats-file F.json  write statistics; -: to standard output\n"
         "      --write-time         put renderTimeSeconds into the EXR: nothing else in it varies\n"
         "  -q, --quiet              errors only\n"
         "  -v, --verbose            say more\n"
@@ -190,7 +190,7 @@ static int set_option(options *o, int c)
     case OPT_INDIRECT: return cli_parse_indirect(optarg, &o->load.indirect_lights);
     case OPT_INDIRECT_ERROR: return cli_parse_float(optarg, CLI_MIN_INDIRECT, 1, &o->load.indirect_error);
     case OPT_INDIRECT_FROM: return cli_parse_indirect_from(optarg, &o->load.indirect_from);
-    case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
+    case 't': return cli_parse_u32(optarg, 1, CLI_MAX_THREADS, &o->n_threads);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->load.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->load.spp);
     case OPT_BVH: return cli_parse_bvh(optarg);
@@ -254,9 +254,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
             return -1;
         }
         if (set_option(o, c)) {
-            if (c < CLI_LONG_ONLY) cli_usage_error("render", "bad value '%s' for option -%c", optarg, c);
-            else
-                cli_usage_error("render", "bad value '%s' for option --%s", optarg, long_options[index].name);
+            cli_bad_value("render", c, long_options[index].name, optarg);
             return -1;
         }
     }
@@ -307,6 +305,12 @@ static void choose_output(options *o, const lc_scene_info *info)
     o->outputs[o->n_outputs++] = o->default_output;
 }
 
+/* The file of the statistics, if they go to one. */
+static const char *stats_path(const options *o)
+{
+    return o->stats_file && strcmp(o->stats_file, "-") ? o->stats_file : NULL;
+}
+
 /* Refuses files that would be written over each other, or over what the scene is read from. */
 static int check_distinct(const options *o, const lc_scene *scene)
 {
@@ -315,7 +319,7 @@ static int check_distinct(const options *o, const lc_scene *scene)
     } files[MAX_OUTPUTS + 3];
     int n = 0;
     for (; n < o->n_outputs; n++) files[n].what = "output", files[n].path = o->outputs[n];
-    if (o->stats_file) files[n].what = "statistics", files[n++].path = o->stats_file;
+    if (stats_path(o)) files[n].what = "statistics", files[n++].path = o->stats_file;
     if (o->farm.checkpoint) files[n].what = "checkpoint", files[n++].path = o->farm.checkpoint;
     if (o->calibration) files[n].what = "calibration", files[n++].path = o->calibration;
     for (int i = 0; i < n; i++) {
@@ -337,7 +341,7 @@ static int check_outputs(const options *o)
 {
     for (int i = 0; i < o->n_outputs; i++)
         if (cli_check_writable(o->outputs[i])) return CLI_FAILED;
-    return o->stats_file ? cli_check_writable(o->stats_file) : 0;
+    return stats_path(o) ? cli_check_writable(o->stats_file) : 0;
 }
 
 static int set_crop(options *o, const lc_scene_info *info)
@@ -430,7 +434,10 @@ static int report(const options *o, cli_render_report *r)
                 (unsigned long long)r->info.n_lights);
     }
     if (o->print_stats) cli_print_stats(stdout, r);
-    return o->stats_file ? cli_write_file(o->stats_file, cli_write_stats_json, r) : CLI_OK;
+    if (!o->stats_file) return CLI_OK;
+    if (strcmp(o->stats_file, "-")) return cli_write_file(o->stats_file, cli_write_stats_json, r);
+    cli_write_stats_json(stdout, r);
+    return CLI_OK;
 }
 
 typedef struct {
@@ -506,7 +513,7 @@ static int enter_sandbox(const options *o)
     }
     for (int i = 0; i < o->n_outputs; i++) s.outputs[s.n_outputs++] = o->outputs[i];
     if (!o->n_outputs) s.outputs[s.n_outputs++] = "./";
-    if (o->stats_file) s.outputs[s.n_outputs++] = o->stats_file;
+    if (stats_path(o)) s.outputs[s.n_outputs++] = o->stats_file;
     if (o->farm.checkpoint) s.outputs[s.n_outputs++] = o->farm.checkpoint;
     int err = cli_sandbox_enter(&s, &by_kernel);
     if (err)

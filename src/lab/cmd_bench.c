@@ -127,7 +127,7 @@ static int set_option(bench_options *o, int c)
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_PIXELS: return cli_parse_pixels(optarg, o->render.crop);
-    case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
+    case 't': return cli_parse_u32(optarg, 1, CLI_MAX_THREADS, &o->n_threads);
     default: return 0;
     }
 }

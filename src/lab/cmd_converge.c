@@ -75,7 +75,7 @@ static int parse_options(int argc, char **argv, options *o)
             o->outfile = optarg;
             bad = !cli_has_extension(optarg, ".exr") && !cli_has_extension(optarg, ".png");
             break;
-        case 't': bad = cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads); break;
+        case 't': bad = cli_parse_u32(optarg, 1, CLI_MAX_THREADS, &o->n_threads); break;
         case 'h': fputs(help, stdout); return CLI_OK + 1;
         case OPT_PIXELS: bad = cli_parse_u64(optarg, 1, 1u << 28, &o->pixels); break;
         case OPT_SPP: bad = cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->spp); break;

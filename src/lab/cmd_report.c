@@ -72,7 +72,7 @@ static int set_option(report_options *o, int c)
     case OPT_RATIOS: return parse_ratios(optarg, o);
     case OPT_REPS: return cli_parse_u32(optarg, 2, CLI_MAX_REPS, &o->n_reps);
     case OPT_MAX_CUT: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->max_cut);
-    case 't': return cli_parse_u32(optarg, 0, CLI_MAX_THREADS, &o->n_threads);
+    case 't': return cli_parse_u32(optarg, 1, CLI_MAX_THREADS, &o->n_threads);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
     case 'q': o->quiet = true; return 0;
     default: return 0;
