@@ -102,6 +102,24 @@ TEST(materials_of_mtl)
     CHECK(!parse_both("mtllib gone.mtl\n" SQUARE "f 1 2 3\n", "") && note("mtllib") && scene->n_tris == 1);
 }
 
+/* Of many materials the last one of a name counts, and a name of none is the default one. */
+TEST(materials_are_found_by_name)
+{
+    static char obj[40000], mtl[40000];
+    size_t n = (size_t)snprintf(obj, sizeof obj, "mtllib s.mtl\n" SQUARE), m = 0;
+    for (int i = 0; i < 600; i++)
+        m += (size_t)snprintf(mtl + m, sizeof mtl - m, "newmtl name%d\nKd %g 0 0\n", i % 400, (i + 1) / 1000.);
+    for (int i = 0; i < 401; i += 25)
+        n += (size_t)snprintf(obj + n, sizeof obj - n, "usemtl name%d\nf 1 2 3\n", i);
+    CHECK(!parse_both(obj, mtl) && scene->n_meshes == 17);
+    for (uint32_t i = 0; i < 16; i++) {
+        const double last = (i * 25 < 200 ? i * 25 + 401 : i * 25 + 1) / 1000.;
+        CHECK(near_abs((double)scene->materials[scene->meshes[i].material_id].kd.x, last, 1e-6));
+    }
+    CHECK(note("unknown material"));
+    CHECK(near_abs((double)scene->materials[scene->meshes[16].material_id].kd.x, 0.5, 1e-6));
+}
+
 TEST(images_of_maps)
 {
     static jpeg_plan plan = { .width = 8, .height = 8, .n_parts = 1, .h = { 1 }, .v = { 1 } };
@@ -200,6 +218,7 @@ int main(void)
     RUN(corners_with_normals_and_coordinates);
     RUN(polygons_are_filled_from_a_corner_that_sees_all_of_them);
     RUN(materials_of_mtl);
+    RUN(materials_are_found_by_name);
     RUN(images_of_maps);
     RUN(what_is_wrong_is_named_with_its_place);
     RUN(the_camera_that_is_set_sees_the_scene);

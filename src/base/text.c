@@ -1,9 +1,10 @@
 /* text.c - UTF-8 [Unicode 15, table 3-7] without the characters that a terminal obeys. */
 #include "base/text.h"
 
+#include "base/rng.h"
 #include "lightcuts.h"
 
-#include <stdint.h>
+
 
 /* Controls; what changes the direction of text; separators of lines; tags, which are not seen. */
 int lc_text_is_shown(uint32_t c)
@@ -43,4 +44,11 @@ void lc_text_clean(char *text)
             for (size_t i = 0; i < bytes; i++) text[i] = (unsigned char)text[i] < 0x80 ? ' ' : '?';
         text += bytes;
     }
+}
+
+uint64_t lc_text_hash(const char *text, size_t len)
+{
+    uint64_t h = 0;
+    for (size_t i = 0; i < len; i++) h = lc_hash2(h, (uint64_t)(unsigned char)text[i]);
+    return h;
 }

@@ -2,7 +2,7 @@
 #include "io/json.h"
 
 #include "base/decimal.h"
-#include "base/rng.h"
+#include "base/text.h"
 
 #include <float.h>
 #include <string.h>
@@ -211,13 +211,6 @@ static lc_status doubled(const lc_json *j, uint32_t value)
                       lc_json_name(j, value));
 }
 
-static uint64_t hash_text(const char *text)
-{
-    uint64_t h = 0;
-    for (; *text; text++) h = lc_hash2(h, (uint64_t)(unsigned char)*text);
-    return h;
-}
-
 /* The members of an object that is complete but for its `next`. */
 static lc_status check_names(const lc_json *j, uint32_t object)
 {
@@ -234,9 +227,10 @@ static lc_status check_names(const lc_json *j, uint32_t object)
     uint32_t *table = lc_alloc(j->ctx, size, sizeof *table); /* the values' indices; 0: none */
     if (!table) return LC_ERR_MEMORY;
     for (uint32_t a = object + 1; a < j->n && !st; a = j->values[a].next) {
-        size_t at = (size_t)hash_text(lc_json_name(j, a)) & (size - 1);
+        const char *name = lc_json_name(j, a);
+        size_t at = (size_t)lc_text_hash(name, strlen(name)) & (size - 1);
         for (; table[at] && !st; at = (at + 1) & (size - 1))
-            if (!strcmp(lc_json_name(j, a), lc_json_name(j, table[at]))) st = doubled(j, a);
+            if (!strcmp(name, lc_json_name(j, table[at]))) st = doubled(j, a);
         table[at] = a;
     }
     lc_free(j->ctx, table, size, sizeof *table);

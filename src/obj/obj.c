@@ -240,6 +240,34 @@ static lc_status read_face(lc_obj *o, lc_obj_lines *l, lc_pos where)
     return st;
 }
 
+static size_t name_at(const lc_obj *o, const char *text, size_t len)
+{
+    const lc_obj_word name = { .text = text, .len = len };
+    size_t at = (size_t)lc_text_hash(text, len) & (o->n_by_name - 1);
+    while (o->by_name[at] && !lc_obj_word_is(&name, o->materials[o->by_name[at]].name))
+        at = (at + 1) & (o->n_by_name - 1);
+    return at;
+}
+
+/* Makes the table again where materials have come; the last of a name counts. */
+static lc_status name_materials(lc_obj *o)
+{
+    size_t size = 64;
+    if (o->n_named == o->n_materials) return LC_OK;
+    while (size < 2 * o->n_materials) size *= 2;
+    uint32_t *table = lc_alloc(o->ctx, size, sizeof *table);
+    if (!table) return LC_ERR_MEMORY;
+    lc_free(o->ctx, o->by_name, o->n_by_name, sizeof *o->by_name);
+    o->by_name = table;
+    o->n_by_name = size;
+    for (size_t i = 1; i < o->n_materials; i++) {
+        const char *name = o->materials[i].name;
+        table[name_at(o, name, strlen(name))] = (uint32_t)i;
+    }
+    o->n_named = o->n_materials;
+    return LC_OK;
+}
+
 static lc_status use_material(lc_obj *o, lc_obj_lines *l, lc_pos where)
 {
     lc_obj_word name;
@@ -247,8 +275,8 @@ static lc_status use_material(lc_obj *o, lc_obj_lines *l, lc_pos where)
     if (st) return st;
     o->material = 0;
     if (!lc_obj_rest(l, &name)) return LC_OK;
-    for (size_t i = 1; i < o->n_materials; i++)
-        if (lc_obj_word_is(&name, o->materials[i].name)) o->material = i;
+    if ((st = name_materials(o))) return st;
+    o->material = o->by_name[name_at(o, name.text, name.len)];
     if (o->material) return LC_OK;
     return lc_obj_note(o, name.pos, "unknown material", "'%.*s': no such material; grey diffuse is used",
                        name.len < 60 ? (int)name.len : 60, name.text);
@@ -328,6 +356,7 @@ static lc_status run(lc_scene *scene, const char *path, bool no_files, const cha
     lc_free(o.ctx, o.uv, o.cap_uv, sizeof *o.uv);
     lc_free(o.ctx, o.normal, o.cap_normal, sizeof *o.normal);
     lc_free(o.ctx, o.corners, o.cap_corners, sizeof *o.corners);
+    lc_free(o.ctx, o.by_name, o.n_by_name, sizeof *o.by_name);
     lc_free(o.ctx, o.materials, o.cap_materials, sizeof *o.materials);
     lc_free(o.ctx, o.images, o.cap_images, sizeof *o.images);
     lc_arena_free(&o.arena);

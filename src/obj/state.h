@@ -66,6 +66,8 @@ typedef struct lc_obj {
     lc_obj_image *images;
     size_t n_images, cap_images;
     size_t material; /* in force */
+    uint32_t *by_name; /* a table of materials by name, n_by_name entries, a power of two; 0: free */
+    size_t n_by_name, n_named; /* n_named: materials that it holds */
 } lc_obj;
 
 lc_status lc_obj_note(lc_obj *o, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
