@@ -108,7 +108,8 @@ TEST(materials_are_found_by_name)
     static char obj[40000], mtl[40000];
     size_t n = (size_t)snprintf(obj, sizeof obj, "mtllib s.mtl\n" SQUARE), m = 0;
     for (int i = 0; i < 600; i++)
-        m += (size_t)snprintf(mtl + m, sizeof mtl - m, "newmtl name%d\nKd %g 0 0\n", i % 400, (i + 1) / 1000.);
+        m += (size_t)snprintf(mtl + m, sizeof mtl - m, "newmtl name%d\nKd %g 0 0\n", i % 400,
+                              (i + 1) / 1000.);
     for (int i = 0; i < 401; i += 25)
         n += (size_t)snprintf(obj + n, sizeof obj - n, "usemtl name%d\nf 1 2 3\n", i);
     CHECK(!parse_both(obj, mtl) && scene->n_meshes == 17);

@@ -108,7 +108,8 @@ int cli_env_isa(const char *command, lc_isa *out);
 
 /* Prints "lightcuts COMMAND: text" to stderr, and where to find help. */
 void cli_usage_error(const char *command, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
-/* That an option's value is none, with those that are good where they are words; option: as of getopt_long. */
+/* That an option's value is none, with those that are good where they are words; option: as of getopt_long.
+ */
 void cli_bad_value(const char *command, int option, const char *name, const char *value);
 /* After getopt_long returned '?' or ':' (opterr must be 0): prints what is wrong and which option may have
  * been meant. */
