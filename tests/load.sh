@@ -156,12 +156,14 @@ without_limits()
     crowd 'without limits' many
     [ "$refused" -eq 0 ] || no 'without limits' "$refused were refused"
 }
-few_descriptors_or_little_memory() # from too little to begin with to enough
+few_descriptors_or_little_memory() # from too little to begin with to enough; below `room` there is no program
 {
+    room=4000
+    sanitized || until (ulimit -v $room; exec "$T/$name" --version) >/dev/null 2>&1; do room=$((room + 100)); done
     limited()
     {
         if [ $((i / 2 % 2)) -eq 0 ] || sanitized; then ulimit -n $((3 + i / 4 % 8)) # sanitizers map terabytes
-        else ulimit -v $((4000 + i * 250))
+        else ulimit -v $((room + i * 250))
         fi
         exec "$T/$name" "$@"
     }
