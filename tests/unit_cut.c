@@ -177,8 +177,10 @@ TEST(equal_lights_are_one)
         for (int i = 0; i < 200; i++) {
             point q = rnd_point();
             lc_cut_result r = shade(&c, &q, (uint64_t)i), e = exact(&s, &q);
-            CHECKF(!one || n_clusters(&c) <= differ, "kind %u: %u clusters", kind, n_clusters(&c));
             double want = lum_of(e.radiance);
+            /* where nothing arrives the limit is 0, which splits all that has a bound */
+            CHECKF(!one || n_clusters(&c) <= differ || !(want > 0), "kind %u: %u clusters, %g", kind,
+                   n_clusters(&c), want);
             CHECKF(!one || fabs(lum_of(r.radiance) - want) <= 1e-5 * want, "kind %u: %g, not %g", kind,
                    lum_of(r.radiance), want);
         }
