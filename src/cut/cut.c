@@ -19,12 +19,13 @@
 
 /* ---- memory ---- */
 
-/* Elements of a list: max_size, one more, and what kernels write past the end, in cache lines of 16. Their
- * number is one above a multiple of eight, so that the arrays do not compete for the same sets of the cache.
- */
+/* Elements of a list: max_size, one more, what kernels write past the end, and all points' pairs with lights
+ * that are roots, each of which max_size counts as one; in cache lines of 16. Their number is one above a
+ * multiple of eight, so that the arrays do not compete for the same sets of the cache. */
 static size_t list_capacity(const lc_cut *c)
 {
-    return ((((size_t)c->max_size + 1 + LC_CUT_SPARE + 15) / 16 | 7) + 2) * 16;
+    const size_t n = (size_t)c->max_size + 1 + LC_CUT_SPARE + (size_t)LC_LIGHT_KINDS * c->desc.max_points;
+    return (((n + 15) / 16 | 7) + 2) * 16;
 }
 
 /* All links of a cut: those that max_size limits, as many of bound 0, and the hidden ones. */
@@ -47,10 +48,9 @@ static void set_sizes(lc_cut *c)
     const uint32_t max_cut = c->desc.max_cut;
     uint32_t n_roots = 0;
     for (int k = 0; k < LC_LIGHT_KINDS; k++) n_roots += tree->n_of_kind[k] > 0;
-    const uint64_t pairs = (uint64_t)tree->n_lights * (c->desc.max_points ? c->desc.max_points : 1);
-    const uint32_t all = pairs <= tree->n_lights   ? tree->n_lights
-                         : pairs < MAX_GATHER_SIZE ? (uint32_t)pairs
-                         : tree->n_lights > MAX_GATHER_SIZE ? tree->n_lights : MAX_GATHER_SIZE;
+    uint64_t pairs = (uint64_t)tree->n_lights * c->desc.max_points;
+    if (pairs > MAX_GATHER_SIZE) pairs = MAX_GATHER_SIZE;
+    const uint32_t all = pairs > tree->n_lights ? (uint32_t)pairs : tree->n_lights;
     c->max_size = max_cut && max_cut < all ? max_cut : all;
     if (c->max_size < n_roots) c->max_size = n_roots;
     /* Cuts that begin with this one may see all of its hidden clusters, which count towards max_size then. */

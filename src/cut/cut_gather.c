@@ -195,11 +195,11 @@ double lc_cut_gather_root(lc_cut *c, lc_cut_step *s, uint32_t link, lc_light_kin
 {
     const uint32_t n = c->gather->n, light = link & ~LC_LEAF, before = c->leaf.n;
     double total = 0;
+    c->done[c->n_done++] = link;
     for (uint32_t at = 0; at < n; at++) {
         lc_cut_use_point(c, s, at);
         s->rep[0] = light;
         lc_cut_estimate(c, s, 0, 1, kind);
-        c->done[c->n_done++] = link;
         total += add_light(&c->leaf, 1, link, at << c->light_bits | light,
                            (const float[3]){ s->f[0][0], s->f[1][0], s->f[2][0] },
                            part_of(s, 0, lc_cut_intensity_of(&c->tree->data, link), 1, n));
@@ -210,6 +210,7 @@ double lc_cut_gather_root(lc_cut *c, lc_cut_step *s, uint32_t link, lc_light_kin
 double lc_cut_gather_lights(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)
 {
     double total = 0;
+    if (*link == c->tree->root[kind]) return lc_cut_gather_root(c, s, *link, kind); /* it has no parent */
     for (uint32_t i = 0; i < n; i++) s->node[i] = c->desc.parent[link[i] & ~LC_LEAF];
     lc_cut_bounds(c, s, s->node, n, kind, s->node_bound);
     s->stats->bounds += n;

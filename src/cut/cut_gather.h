@@ -25,7 +25,7 @@ double lc_cut_gather_trace(lc_cut *cut, lc_cut_step *step);
 double lc_cut_gather_own(const lc_cut *cut, uint32_t first);
 /* Whether the light of a pair is occluded from all points by the occluder of a ray from one of them. */
 bool lc_cut_gather_proves(const lc_cut *cut, uint32_t link, uint32_t occluder, lc_stats *stats);
-/* Places lights of a start, or a root that is one. Return their luminance. */
+/* Places lights of a start, all of one kind, or a root that is one. Return their luminance. */
 double lc_cut_gather_lights(lc_cut *cut, lc_cut_step *step, const uint32_t *link, uint32_t n,
                             lc_light_kind kind);
 double lc_cut_gather_root(lc_cut *cut, lc_cut_step *step, uint32_t link, lc_light_kind kind);

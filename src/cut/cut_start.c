@@ -227,7 +227,7 @@ static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
     } else {
         c->ctx->shade_kernels->estimate(&c->tree->data, 0, s->rep, n, kind, s->point, out);
     }
-    lc_shadow_targets(c->tree, kind, s->point, s->rep, 0, n, out + 3);
+    if (!c->defers) lc_shadow_targets(c->tree, kind, s->point, s->rep, 0, n, out + 3);
     lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
     for (uint32_t i = 0; i < n; i++) {
         for (int k = 0; k < 3; k++) e[k][i] = out[k][i] * s->intensity[i][k];

@@ -7,8 +7,8 @@
  *     lights of a cluster x all points -> its two children x all points -> ...
  *     one light x points 0..n-1 -> the same x 0..n/2-1, x n/2..n-1 -> ... -> one light x one point: exact
  *
- * The bound of a pair is that of its lights for the box of all points, their normal cone and their largest
- * reflectances. Its estimate is that of one light and one point, each drawn with the probability of its
+ * The bound of a cluster's pair is that of its lights for the box of all points, their normal cone and their
+ * largest reflectances; what stands for it where there is one light is in cut_gather.c. A pair's estimate is that of one light and one point, each drawn with the probability of its
  * share: lights by slots as ever, points in turn.
  *
  * Estimates use the mean of the points' reflectances, so that a texture adds no noise: the mean of products

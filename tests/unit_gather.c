@@ -1,0 +1,231 @@
+/* unit_gather.c - cuts of gather clusters: without an error they are the mean of the points' exact values, and
+ * with one they are near it, whatever they begin with and however little room there is. */
+#include "support/cut_scene.h"
+
+#define MOST 256
+
+typedef struct {
+    lc_gather gather;
+    lc_gather_point point[MOST];
+    lc_point own[MOST]; /* with their own reflectances */
+    uint32_t n;
+} cluster;
+
+static uint32_t parent[1000];
+
+static void find_parents(const setup *s)
+{
+    memset(parent, 0xff, sizeof parent);
+    for (uint32_t i = 0; i < s->tree->n_nodes; i++) {
+        const uint32_t child[2] = { s->tree->data.nodes[i].left, s->tree->data.nodes[i].right };
+        for (int k = 0; k < 2; k++)
+            if (child[k] & LC_LEAF) parent[child[k] & ~LC_LEAF] = i;
+    }
+}
+
+/* n points of a bent patch; textured: each has a reflectance of its own. */
+static void make_cluster(cluster *x, uint32_t n, double size, bool textured)
+{
+    const lc_f3 at = rnd_in_box(1.1), normal = rnd_unit(), view = normal;
+    x->n = n;
+    for (uint32_t i = 0; i < n; i++) {
+        lc_material m = { .kd = { 0.6f, 0.5f, 0.4f } };
+        if (textured) m.kd = lc_f3_make((float)rnd(), (float)rnd(), (float)rnd());
+        const lc_f3 pos = lc_f3_add(at, rnd_in_box(size)),
+                    bent = lc_f3_normalize(lc_f3_add(normal, rnd_in_box(0.1)));
+        lc_gather_point *p = &x->point[i];
+        lc_point_init(p->p, pos, i % 3 ? bent : normal, view, &m, (float)(1e-10 * DIAG2));
+        p->p[1] = p->p[0];
+        lc_f3_store(p->org, pos);
+        x->own[i] = p->p[0];
+    }
+    lc_gather_make(&x->gather, x->point, n);
+}
+
+static lc_f3 mean_exact(const setup *s, const cluster *x)
+{
+    double sum[3] = { 0, 0, 0 };
+    for (uint32_t i = 0; i < x->n; i++) {
+        point q = { .p = x->own[i] };
+        lc_f3_store(q.org, lc_f3_load(q.p.pos));
+        const lc_f3 e = exact(s, &q).radiance;
+        sum[0] += (double)e.x / x->n, sum[1] += (double)e.y / x->n, sum[2] += (double)e.z / x->n;
+    }
+    return lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
+}
+
+static void open_gather(lc_cut *c, const setup *s, float error, uint32_t max_cut, float floor_lum)
+{
+    const lc_cut_desc d = { .error_ratio = error, .max_cut = max_cut, .floor = floor_lum, .z = 1,
+                            .max_points = MOST, .parent = parent };
+    if (lc_cut_init(c, ctx, s->tree, &s->visibility, &d, false)) abort();
+}
+
+static lc_cut_result shade_cluster(lc_cut *c, const cluster *x, uint64_t hash)
+{
+    lc_stats stats = { 0 };
+    lc_cut_result r;
+    lc_cut_shade_gather(c, &x->gather, hash, &stats, &r);
+    CHECK(stats.points == 1 && stats.shadow_rays == r.rays && stats.cut_sum == r.size && !c->gather);
+    return r;
+}
+
+/* Sets the start that cuts of the cluster begin with: that of its first point. */
+static void save_start(lc_cut *c, const cluster *x, lc_cut_start *start)
+{
+    lc_stats stats = { 0 };
+    lc_cut_result r;
+    start->has_points = false;
+    c->start = NULL;
+    c->start_out = start;
+    lc_cut_shade(c, &x->own[0], x->point[0].org, 3, &stats, &r);
+    c->start_out = NULL;
+}
+
+/* Each kind of light alone and some together, one light and many; points that are near and far apart, with
+ * reflectances of their own; cuts from the roots and from a start. The error asked for is 1e-7, sums are of
+ * some hundred floats: 2e-4. */
+TEST(no_error_is_the_mean_of_exact_values)
+{
+    static cluster x;
+    static lc_cut_start start;
+    for (uint32_t kinds = 1; kinds < 1u << LC_LIGHT_KINDS; kinds = kinds * 2 + (kinds & 1 && kinds > 1)) {
+        for (int way = 0; way < 4; way++) {
+            setup s;
+            lc_cut c;
+            make(&s, way & 1 ? 24 : 1, kinds, 12, true);
+            build_tree(&s, kinds, 4);
+            find_parents(&s);
+            open_gather(&c, &s, 1e-7f, 0, 0);
+            for (int i = 0; i < 8; i++) {
+                make_cluster(&x, 2 + rnd_n(30), i & 1 ? 0.3 : 0.01, i & 2);
+                if (way & 2) save_start(&c, &x, &start);
+                c.start = way & 2 ? &start : NULL;
+                const lc_f3 want = mean_exact(&s, &x), got = shade_cluster(&c, &x, (uint64_t)i).radiance;
+                CHECKF(lc_f3_max_abs(lc_f3_sub(got, want)) <= 2e-4f * lc_f3_max_abs(want),
+                       "kinds %u, way %d: %g, not %g", kinds, way, (double)got.y, (double)want.y);
+            }
+            lc_cut_free(&c);
+            unmake(&s);
+        }
+    }
+}
+
+/* One directional light beside point lights: it has no parent in the tree. */
+TEST(a_light_that_is_a_root)
+{
+    static cluster x;
+    static lc_cut_start start;
+    for (uint32_t kind = 0; kind < LC_LIGHT_KINDS; kind++)
+        for (int i = 0; i < 4; i++) {
+            setup s;
+            lc_cut c;
+            const uint32_t other = kind == LC_LIGHT_POINT ? LC_LIGHT_ORIENTED : LC_LIGHT_POINT;
+            make(&s, 40, 1u << other, 6, true);
+            setup one;
+            make(&one, 1, 1u << kind, 0, true);
+            s.lights[7] = one.lights[0];
+            unmake(&one);
+            build_tree(&s, 5, 4);
+            find_parents(&s);
+            open_gather(&c, &s, 1e-7f, i & 1 ? 0 : 10000, 0);
+            make_cluster(&x, 16, 0.05, true);
+            if (i & 2) save_start(&c, &x, &start);
+            c.start = i & 2 ? &start : NULL;
+            const lc_f3 want = mean_exact(&s, &x), got = shade_cluster(&c, &x, 9).radiance;
+            CHECKF(lc_f3_max_abs(lc_f3_sub(got, want)) <= 2e-4f * lc_f3_max_abs(want), "kind %u: %g, not %g",
+                   kind, (double)got.y, (double)want.y);
+            lc_cut_free(&c);
+            unmake(&s);
+        }
+}
+
+/* As many points as there may be, and room for hardly a cut: nothing is written where there is no room, which
+ * a sanitizer sees, and the size stays within it. */
+TEST(little_room)
+{
+    static cluster x;
+    static lc_cut_start start;
+    for (uint32_t max_cut = 1; max_cut < 300; max_cut += max_cut)
+        for (int way = 0; way < 4; way++) {
+            setup s;
+            lc_cut c;
+            make(&s, way & 1 ? 200 : 1, way & 1 ? 7 : 1, 6, true);
+            build_tree(&s, 5, 4);
+            find_parents(&s);
+            open_gather(&c, &s, 1e-7f, max_cut, 0);
+            make_cluster(&x, MOST, 0.1, true);
+            if (way & 2) save_start(&c, &x, &start);
+            c.start = way & 2 ? &start : NULL;
+            const lc_cut_result r = shade_cluster(&c, &x, 9);
+            CHECKF(r.size <= c.max_size && (max_cut < 3 || c.max_size <= max_cut), "%u of %u", r.size, max_cut);
+            lc_cut_free(&c);
+            unmake(&s);
+        }
+}
+
+/* Over trees, slots and the order of points the mean of the roots' estimates is the exact value, within five
+ * standard errors of the trees' means. Finer cuts stop by what was estimated, which has no mean of its own. */
+TEST(roots_are_exact_on_average)
+{
+    static cluster x;
+    for (uint32_t kinds = 1; kinds < 8; kinds++) {
+        setup s;
+        double sum = 0, sum2 = 0, want = 0;
+        const int n_trees = 1000, n_each = 16;
+        make(&s, 60, kinds, 12, true);
+        make_cluster(&x, 16, 0.1, false);
+        for (int t = 0; t < n_trees; t++) {
+            lc_cut c;
+            double mean = 0;
+            build_tree(&s, lc_hash2(11, (uint64_t)t), n_each);
+            find_parents(&s);
+            if (!t) want = lum_of(mean_exact(&s, &x));
+            open_gather(&c, &s, 1, 0, 1e9f);
+            for (int i = 0; i < n_each; i++) {
+                const uint64_t hash = (uint64_t)i | lc_hash2(7, (uint64_t)t) << 32;
+                mean += lum_of(shade_cluster(&c, &x, hash).radiance) / n_each;
+            }
+            sum += mean / n_trees;
+            sum2 += mean * mean / n_trees;
+            lc_cut_free(&c);
+        }
+        const double off = sqrt(fmax(sum2 - sum * sum, 0) / n_trees);
+        printf("  kinds %u: %g, exact %g, standard error %g\n", kinds, sum, want, off);
+        CHECKF(fabs(sum - want) <= 5 * off, "kinds %u: %g, exact %g", kinds, sum, want);
+        unmake(&s);
+    }
+}
+
+/* Every level's ranges hold every point once. */
+TEST(ranges_are_a_partition)
+{
+    for (uint32_t n = 1; n <= MOST; n += n < 40 ? 1 : 27)
+        for (uint32_t level = 0; level <= 8; level++) {
+            uint32_t end = 0;
+            for (uint32_t at = 0, lo, hi; at < n; at = hi) {
+                for (uint32_t k = 0; k < level; k++) {
+                    lc_gather_range(n, k, at, &lo, &hi);
+                    if (hi - lo == 1) break;
+                }
+                if (!level || hi - lo > 1) lc_gather_range(n, level, at, &lo, &hi);
+                CHECK(lo == end && hi > lo && hi <= n);
+                end = hi;
+            }
+            CHECK(end == n);
+        }
+    CHECK(lc_gather_capacity(1000) == 256 && lc_gather_capacity(1u << 25) == 64 &&
+          lc_gather_capacity(1u << 27) == 1);
+}
+
+int main(void)
+{
+    ctx = watched_context(0);
+    RUN(ranges_are_a_partition);
+    RUN(no_error_is_the_mean_of_exact_values);
+    RUN(a_light_that_is_a_root);
+    RUN(little_room);
+    RUN(roots_are_exact_on_average);
+    lc_context_destroy(ctx);
+    return test_done();
+}
