@@ -1,5 +1,5 @@
-/* unit_gather.c - cuts of gather clusters: without an error they are the mean of the points' exact values, and
- * with one they are near it, whatever they begin with and however little room there is. */
+/* unit_gather.c - cuts of gather clusters: without an error they are the mean of the points' exact values,
+ * whatever they begin with; roots are on average; and there may be little room. */
 #include "support/cut_scene.h"
 
 #define MOST 256
@@ -158,14 +158,15 @@ TEST(little_room)
             if (way & 2) save_start(&c, &x, &start);
             c.start = way & 2 ? &start : NULL;
             const lc_cut_result r = shade_cluster(&c, &x, 9);
-            CHECKF(r.size <= c.max_size && (max_cut < 3 || c.max_size <= max_cut), "%u of %u", r.size, max_cut);
+            CHECKF(r.size <= c.max_size && (max_cut < 3 || c.max_size <= max_cut), "%u of %u", r.size,
+                   max_cut);
             lc_cut_free(&c);
             unmake(&s);
         }
 }
 
 /* Over trees, slots and the order of points the mean of the roots' estimates is the exact value, within five
- * standard errors of the trees' means. Finer cuts stop by what was estimated, which has no mean of its own. */
+ * standard errors of the trees' means. Finer cuts stop by what was estimated, which is no longer so. */
 TEST(roots_are_exact_on_average)
 {
     static cluster x;

@@ -7,9 +7,10 @@
  *     lights of a cluster x all points -> its two children x all points -> ...
  *     one light x points 0..n-1 -> the same x 0..n/2-1, x n/2..n-1 -> ... -> one light x one point: exact
  *
- * The bound of a cluster's pair is that of its lights for the box of all points, their normal cone and their
- * largest reflectances; what stands for it where there is one light is in cut_gather.c. A pair's estimate is that of one light and one point, each drawn with the probability of its
- * share: lights by slots as ever, points in turn.
+ * The bound of a cluster's pair is that of its lights for the box of all points, their normal cone and
+ * their largest reflectances; cut_gather.c says what stands for it where there is one light. The estimate of
+ * a pair is that of one light and one point, each drawn with the probability of its share: lights by slots as
+ * ever, points in turn.
  *
  * Estimates use the mean of the points' reflectances, so that a texture adds no noise: the mean of products
  * is taken as the product of means, but where a pair is exact. Points of one material only are joined, since
