@@ -19,7 +19,8 @@ trap 'exit 143' TERM
 # they ask of floating point the golden pictures ask, too: LC_TEST_ALL=1 runs them all the same.
 left_out='unit_faults unit_kill unit_farm'
 slow='unit_light_tree unit_env unit_indirect unit_explain unit_occlusion unit_ploc unit_mirror unit_watertight unit_radiometry check_bounds'
-slow="$slow unit_shaft check_shaft check_gather unit_update unit_filter unit_glass_shadow unit_lamps unit_narrow unit_asked unit_worst_first"
+slow="$slow unit_shaft check_shaft check_gather unit_update unit_filter unit_glass_shadow unit_lamps unit_narrow"
+slow="$slow unit_asked unit_worst_first"
 [ -z "${LC_TEST_ALL:-}" ] || slow=
 list=
 for program in "$bin"/tests/unit_golden "$bin"/tests/unit_* "$bin"/tests/check_*; do

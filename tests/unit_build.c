@@ -99,14 +99,6 @@ TEST(the_identity_of_a_picture_is_of_what_the_calls_were_given)
     CHECK(id_of(0.25).scene != id_of(0.5).scene);
 }
 
-/* The call was refused with one line that names the argument. */
-#define REFUSED(call, name)                                                                                  \
-    do {                                                                                                     \
-        log_clear();                                                                                         \
-        CHECK((call) == LC_ERR_ARG);                                                                         \
-        CHECKF(strstr(last_error, name) != NULL, "%s", last_error);                                          \
-    } while (0)
-
 TEST(wrong_arguments_are_named)
 {
     lc_scene *s = begin();

@@ -386,13 +386,6 @@ TEST(each_look_by_calls_has_the_bytes_of_its_file)
     lc_image_destroy(before);
 }
 
-#define REFUSED(call, name)                                                                                  \
-    do {                                                                                                     \
-        log_clear();                                                                                         \
-        CHECK((call) == LC_ERR_ARG);                                                                         \
-        CHECKF(strstr(last_error, name) != NULL && n_errors == 1, "%s", last_error);                         \
-    } while (0)
-
 /* Sets a field of a fresh descriptor to a wrong value: the call names it. */
 #define WRONG(call, desc, set, name)                                                                         \
     do {                                                                                                     \

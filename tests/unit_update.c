@@ -327,13 +327,6 @@ TEST(a_scene_of_a_file_can_be_changed_too)
     lc_scene_destroy(t);
 }
 
-#define REFUSED(call, name)                                                                                  \
-    do {                                                                                                     \
-        log_clear();                                                                                         \
-        CHECK((call) == LC_ERR_ARG);                                                                         \
-        CHECKF(strstr(last_error, name) != NULL, "%s", last_error);                                          \
-    } while (0)
-
 TEST(wrong_arguments_are_named_and_change_nothing)
 {
     const lc_load_desc load = load_of(1);

@@ -294,7 +294,8 @@ static const char *good_values(const char *option)
     return NULL;
 }
 
-void cli_bad_value(const char *command, int option, const char *name, const char *value)
+/* That an option's value is none, with those that are good where they are words. */
+static void bad_value(const char *command, int option, const char *name, const char *value)
 {
     const char *good = good_values(option == 't' ? "nthreads" : option < CLI_LONG_ONLY ? "" : name);
     char own[64];
@@ -506,4 +507,28 @@ int cli_check_writable(const char *path)
     int err = unwritable(path);
     if (err) fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", cli_shown(path), strerror(err));
     return err ? CLI_FAILED : 0;
+}
+
+int cli_read_options(const cli_option_set *set, int argc, char **argv, void *user, int *status)
+{
+    int c, index = -1;
+    *status = CLI_USAGE;
+    optind = 1;
+    opterr = 0;
+    while ((c = getopt_long(argc, argv, set->letters, set->options, &index)) != -1) {
+        if (c == 'h') {
+            set->help();
+            *status = CLI_OK;
+            return -1;
+        }
+        if (c == '?' || c == ':') {
+            cli_bad_option(set->command, c, argv, set->options);
+            return -1;
+        }
+        if (set->set(user, c)) {
+            bad_value(set->command, c, c < CLI_LONG_ONLY ? "" : set->options[index].name, optarg);
+            return -1;
+        }
+    }
+    return 0;
 }

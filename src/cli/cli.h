@@ -108,12 +108,19 @@ int cli_env_isa(const char *command, lc_isa *out);
 
 /* Prints "lightcuts COMMAND: text" to stderr, and where to find help. */
 void cli_usage_error(const char *command, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
-/* That an option's value is none, with those that are good where they are words; option: as of getopt_long.
- */
-void cli_bad_value(const char *command, int option, const char *name, const char *value);
 /* After getopt_long returned '?' or ':' (opterr must be 0): prints what is wrong and which option may have
  * been meant. */
 void cli_bad_option(const char *command, int result, char **argv, const struct option *options);
+/* A command's options. set: takes the value of an option, which is optarg; nonzero: it is none. */
+typedef struct cli_option_set {
+    const char *command, *letters; /* letters: as for getopt_long, with a colon first */
+    const struct option *options;
+    int (*set)(void *user, int option);
+    void (*help)(void);
+} cli_option_set;
+/* Reads them; says what is wrong with which, and what would be right. 0: argv[optind] is the first argument
+ * beside them; otherwise *status is the exit status. */
+int cli_read_options(const cli_option_set *set, int argc, char **argv, void *user, int *status);
 /* The name nearest to the text; NULL where none is near enough. The list of names ends with NULL. */
 const char *cli_nearest(const char *text, const char *const *names);
 

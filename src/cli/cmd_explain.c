@@ -103,8 +103,9 @@ static int parse_pixel(options *o, const char *text)
 }
 
 /* Nonzero: the value of option c is out of range. */
-static int set_option(options *o, int c)
+static int set_option(void *user, int c)
 {
+    options *o = user;
     switch (c) {
     case OPT_PIXEL: return parse_pixel(o, optarg);
     case OPT_SAMPLE: return cli_parse_u32(optarg, 0, CLI_MAX_SPP - 1, &o->sample);
@@ -131,26 +132,10 @@ static int set_option(options *o, int c)
 /* 0: go on; otherwise *status is the exit status. */
 static int parse_options(int argc, char **argv, options *o, int *status)
 {
-    int c, index = -1;
+    static const cli_option_set set = { "explain", ":t:h", long_options, set_option, print_help };
     *status = CLI_USAGE;
-    if (cli_env_isa("explain", &o->isa)) return -1;
-    optind = 1;
-    opterr = 0;
-    while ((c = getopt_long(argc, argv, ":t:h", long_options, &index)) != -1) {
-        if (c == 'h') {
-            print_help();
-            *status = CLI_OK;
-            return -1;
-        }
-        if (c == '?' || c == ':') {
-            cli_bad_option("explain", c, argv, long_options);
-            return -1;
-        }
-        if (set_option(o, c)) {
-            cli_bad_value("explain", c, long_options[index].name, optarg);
-            return -1;
-        }
-    }
+    if (cli_env_isa("explain", &o->isa) || cli_read_options(&set, argc, argv, o, status)) return -1;
+    *status = CLI_USAGE;
     if (argc - optind != 1 || !o->has_pixel) {
         cli_usage_error("explain", argc == optind ? "no scene given"
                                    : o->has_pixel ? "more than one scene given"

@@ -150,8 +150,9 @@ static int parse_indirect(options *o, const char *text)
 }
 
 /* Nonzero: the value of option c is out of range. */
-static int set_option(options *o, int c)
+static int set_option(void *user, int c)
 {
+    options *o = user;
     switch (c) {
     case 'o':
         o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg;
@@ -211,26 +212,10 @@ static int check_options(options *o)
 /* 0: go on; otherwise *status is the exit status. */
 static int parse_options(int argc, char **argv, options *o, int *status)
 {
-    int c, index = -1;
+    static const cli_option_set set = { "lux", ":o:t:qh", long_options, set_option, print_help };
     *status = CLI_USAGE;
-    if (cli_env_isa("lux", &o->isa)) return -1;
-    optind = 1;
-    opterr = 0;
-    while ((c = getopt_long(argc, argv, ":o:t:qh", long_options, &index)) != -1) {
-        if (c == 'h') {
-            print_help();
-            *status = CLI_OK;
-            return -1;
-        }
-        if (c == '?' || c == ':') {
-            cli_bad_option("lux", c, argv, long_options);
-            return -1;
-        }
-        if (set_option(o, c)) {
-            cli_bad_value("lux", c, long_options[index].name, optarg);
-            return -1;
-        }
-    }
+    if (cli_env_isa("lux", &o->isa) || cli_read_options(&set, argc, argv, o, status)) return -1;
+    *status = CLI_USAGE;
     if (argc - optind != 1) {
         cli_usage_error("lux", argc == optind ? "no scene given" : "more than one scene given");
         return -1;

@@ -107,8 +107,11 @@ static const char help[] =
     "Exit status: 0 done, 1 failed at run time, 2 wrong command line, 3 wrong scene or file.\n";
 
 /* Nonzero: the value is out of range. */
-static int set_option(bench_options *o, int c)
+static void print_help(void) { printf(help, cli_isa_names()); }
+
+static int set_option(void *user, int c)
 {
+    bench_options *o = user;
     switch (c) {
     case OPT_MESH: o->mesh = optarg; return !*optarg;
     case OPT_RAYS: o->rays = optarg; return !*optarg;
@@ -196,31 +199,13 @@ static int check_arguments(bench_options *o, int which, int n, char **args)
 static int parse_options(int argc, char **argv, int which, bench_options *o)
 {
     struct option table[N_OPTIONS + 1];
-    int n = 0, c, index = -1, bit = benches[which].bit;
+    int n = 0, status, bit = benches[which].bit;
     for (size_t i = 0; i < N_OPTIONS; i++)
         if (all_options[i].benches & bit) table[n++] = all_options[i].option;
     table[n] = (struct option){ 0 };
-    optind = 1;
-    opterr = 0;
-    while ((c = getopt_long(argc, argv,
-                            bit & (BOUNDS | LAYOUT) ? ":h"
-                            : bit == TREE ? ":t:o:h"
-                                          : ":t:h",
-                            table, &index)) != -1) {
-        if (c == 'h') {
-            printf(help, cli_isa_names());
-            return -1;
-        }
-        if (c == '?' || c == ':') {
-            cli_bad_option("bench", c, argv, table);
-            return CLI_USAGE;
-        }
-        if (set_option(o, c)) {
-            if (c < CLI_LONG_ONLY) cli_usage_error("bench", "bad value '%s' for option -%c", optarg, c);
-            else cli_usage_error("bench", "bad value '%s' for option --%s", optarg, table[index].name);
-            return CLI_USAGE;
-        }
-    }
+    const char *letters = bit & (BOUNDS | LAYOUT) ? ":h" : bit == TREE ? ":t:o:h" : ":t:h";
+    const cli_option_set set = { "bench", letters, table, set_option, print_help };
+    if (cli_read_options(&set, argc, argv, o, &status)) return status == CLI_OK ? -1 : status;
     return check_arguments(o, which, argc - optind, argv + optind);
 }
 
@@ -228,7 +213,7 @@ int cmd_bench(int argc, char **argv)
 {
     bench_options o = { .load = LC_LOAD_DESC_INIT, .render = LC_RENDER_DESC_INIT };
     if (argc > 1 && (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h"))) {
-        printf(help, cli_isa_names());
+        print_help();
         return CLI_OK;
     }
     if (argc < 2) {

@@ -64,8 +64,11 @@ static int parse_ratios(const char *text, report_options *o)
 }
 
 /* Nonzero: the value of option c is out of range. */
-static int set_option(report_options *o, int c)
+static void print_help(void) { printf(help, cli_isa_names()); }
+
+static int set_option(void *user, int c)
 {
+    report_options *o = user;
     switch (c) {
     case 'o': o->folder = optarg; return !*optarg || strlen(optarg) > REPORT_MAX_PATH - 256;
     case OPT_QUICK: o->quick = true; return 0;
@@ -105,28 +108,10 @@ static int take_scenes(report_options *o, int argc, char **argv)
 /* 0: go on; otherwise *status is the exit status. */
 static int parse_options(int argc, char **argv, report_options *o, int *status)
 {
-    int c, index = -1;
+    static const cli_option_set set = { "report", ":o:t:qh", long_options, set_option, print_help };
     *status = CLI_USAGE;
-    if (cli_env_isa("report", &o->isa)) return -1;
-    optind = 1;
-    opterr = 0;
-    while ((c = getopt_long(argc, argv, ":o:t:qh", long_options, &index)) != -1) {
-        if (c == 'h') {
-            printf(help, cli_isa_names());
-            *status = CLI_OK;
-            return -1;
-        }
-        if (c == '?' || c == ':') {
-            cli_bad_option("report", c, argv, long_options);
-            return -1;
-        }
-        if (set_option(o, c)) {
-            if (c < CLI_LONG_ONLY) cli_usage_error("report", "bad value '%s' for option -%c", optarg, c);
-            else
-                cli_usage_error("report", "bad value '%s' for option --%s", optarg, long_options[index].name);
-            return -1;
-        }
-    }
+    if (cli_env_isa("report", &o->isa) || cli_read_options(&set, argc, argv, o, status)) return -1;
+    *status = CLI_USAGE;
     return take_scenes(o, argc, argv);
 }
 

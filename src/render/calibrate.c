@@ -157,14 +157,20 @@ static double next_z(double z, double miss, double last_z, double last_miss)
     return fmin(fmax(z / fmin(fmax(change, 1 / 8.0), 8), LEAST_Z), MOST_Z);
 }
 
+/* Cuts of a z: sets their misses, and returns the one that the asked share does not exceed. */
+static double try_z(pilots *p, const lc_cut_desc *cut, double z, uint32_t n_slots, double *sorted)
+{
+    shade_all(p, (double)cut->error_ratio, z, n_slots, p->value);
+    find_misses(p, (double)cut->error_ratio, (double)cut->floor);
+    return quantile(p, sorted, (double)p->j->desc->within);
+}
+
 static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibration *c)
 {
     double z = (double)cut->z, miss = 0, last_z = z, last_miss = 0, found = 0, least = INFINITY;
     for (int step = 0; step < MOST_STEPS && !atomic_load(&p->j->cancelled); step++) {
         const uint32_t n_slots = step < ROUGH_STEPS ? 1 : N_SLOTS;
-        shade_all(p, (double)cut->error_ratio, z, n_slots, p->value);
-        find_misses(p, (double)cut->error_ratio, (double)cut->floor);
-        miss = quantile(p, sorted, (double)c->within);
+        miss = try_z(p, cut, z, n_slots, sorted);
         if (n_slots == N_SLOTS && (miss <= 1 || miss < least || !(found > 0))) {
             least = miss;
             found = z;
@@ -191,11 +197,8 @@ static void choose_shared(pilots *p, lc_cut_desc *cut, double *sorted)
         j->shared = way;
         for (int step = 0; step < TRIED_STEPS && !atomic_load(&j->cancelled); step++) {
             const uint64_t before = lc_job_work(j);
-            shade_all(p, (double)cut->error_ratio, z, 1, p->value);
+            const double miss = try_z(p, cut, z, 1, sorted), next = next_z(z, miss, last_z, last_miss);
             work[way] = (double)(lc_job_work(j) - before);
-            find_misses(p, (double)cut->error_ratio, (double)cut->floor);
-            const double miss = quantile(p, sorted, (double)j->desc->within),
-                         next = next_z(z, miss, last_z, last_miss);
             last_z = z;
             last_miss = miss;
             z = next;

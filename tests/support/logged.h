@@ -51,4 +51,12 @@ static inline void expect_failure(lc_status got, lc_status want, const char *mes
     CHECKF(n_errors == 1, "line %d: %d errors", line, n_errors);
 }
 
+/* The call was refused with one line that names the argument. */
+#define REFUSED(call, name)                                                                                  \
+    do {                                                                                                     \
+        log_clear();                                                                                         \
+        CHECK((call) == LC_ERR_ARG);                                                                         \
+        CHECKF(strstr(last_error, name) != NULL, "%s", last_error);                                          \
+    } while (0)
+
 #endif
