@@ -34,21 +34,22 @@ LC_INLINE vf bound(cluster_lanes *l, lc_light_kind kind, lc_lobe lobe, const lc_
     static const float origin[3] = { 0, 0, 0 };
     const vf zero = vf_set(0);
     const bool far = lc_is_far(kind);
-    const bool wide = lobe == LC_LOBE_NONE; /* it may be a box of points */
+    const bool wide = lobe == LC_LOBE_NONE;    /* it may be a box of points */
+    const bool volume = lobe == LC_LOBE_PHASE; /* which has no horizon */
     rel_box box = rel_box_make(l, far ? origin : p->pos, wide && !far ? p->half : NULL);
     range n = range_make(&box, set3(p->n), false);
     if (wide && p->cone[1] > 0) n = range_of_cone(&n, &box, p->cone);
-    if (!vf_any_gt(n.z1, zero)) return zero; /* behind the horizon */
+    if (!volume && !vf_any_gt(n.z1, zero)) return zero; /* behind the horizon */
     v3 intensity = row(l, ROW_INTENSITY);
-    vf diffuse = dot(weights(p->diffuse), intensity), g;
+    vf diffuse = dot(weights(p->diffuse), intensity), g = zero;
     if (far) g = max_cos(&n, least_q(&n, box.d2));
-    else g = max_geometry(l, p, &box, &n);
+    else if (!volume) g = max_geometry(l, p, &box, &n);
     vf u = lobe_bound(l, lobe, p, &box, &n, far, g, diffuse, intensity);
     if (lc_is_aimed(kind)) {
         vf e = emission_bound(l, kind, &box);
         u = vf_max(u * e, zero); /* also NaN: infinite times 0 */
     }
-    return vf_sel_gt(n.z1, zero, u, zero);
+    return volume ? u : vf_sel_gt(n.z1, zero, u, zero);
 }
 
 LC_INLINE void bounds_of(const lc_tree_data *t, const uint32_t *index, uint32_t n, lc_light_kind kind,

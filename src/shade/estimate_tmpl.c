@@ -73,18 +73,21 @@ LC_INLINE void shade(const lc_tree_data *t, const float *const *light, lc_light_
 {
     const vf zero = vf_set(0), one = vf_set(1), min_cos = vf_set(LC_MIN_COS), tiny = vf_set(LC_TINY_D2);
     vf n[3], d[3], y[4], tint[3] = { one, one, one }, inv_len = one, g = one, cos_r, lit;
+    const bool volume = lobe == LC_LOBE_PHASE; /* all round are lit, and no cosine counts */
     set_row(n, p->n);
     vf_rows(light, 0, y);
     if (lc_is_far(kind)) {
         for (int k = 0; k < 3; k++) d[k] = y[k];
         cos_r = dot_rows(n, d);
         lit = vf_sel_gt(cos_r, min_cos, one, zero);
+        if (volume) lit = one;
     } else {
         for (int k = 0; k < 3; k++) d[k] = y[k] - p->pos[k];
         vf nd = dot_rows(n, d), d2 = dot_rows(d, d);
         inv_len = one / vf_sqrt(vf_sel_gt(d2, tiny, d2, tiny));
         cos_r = nd * inv_len;
         lit = vf_sel_gt(cos_r, min_cos, one, zero); /* then nd > 0 */
+        if (volume) lit = vf_sel_gt(d2, tiny, one, zero);
         if (lc_is_aimed(kind)) {
             vf dir[3], row[4];
             vf_rows(light, offsetof(lc_light_rec, intensity) / sizeof(float), row);
@@ -95,7 +98,8 @@ LC_INLINE void shade(const lc_tree_data *t, const float *const *light, lc_light_
         }
         g = attenuated(t, light, kind, p, d2, g);
     }
-    vf cos_g = cos_r * g, f[3];
+    vf cos_g = g, f[3];
+    if (!volume) cos_g = cos_r * g;
     set_row(f, p->diffuse);
     add_lobe(p, lobe, d, cos_r, inv_len, lit, f);
     for (int k = 0; k < 3; k++) {

@@ -24,7 +24,7 @@ typedef struct lc_lobe_info {
 /* Whether a lobe may be narrow, about the direction of a mirror. */
 static inline bool lc_lobe_is_narrow(lc_lobe lobe)
 {
-    return lobe != LC_LOBE_OREN_NAYAR && lobe != LC_LOBE_ROUND;
+    return lobe != LC_LOBE_OREN_NAYAR && lobe != LC_LOBE_ROUND && lobe != LC_LOBE_PHASE;
 }
 
 extern const lc_lobe_info lc_lobes[LC_LOBES];

@@ -9,9 +9,11 @@ LOBE(WARD, ward)
 LOBE(GGX, ggx)
 LOBE(OREN_NAYAR, oren_nayar)
 LOBE(ROUND, round)
+LOBE(PHASE, phase)
 #else
 #include "shade/lobe_ggx.h"
 #include "shade/lobe_oren_nayar.h"
+#include "shade/lobe_phase.h"
 #include "shade/lobe_phong.h"
 #include "shade/lobe_round.h"
 #include "shade/lobe_ward.h"

@@ -14,7 +14,8 @@
  * LC_WARD_MIN_COS (point.h): with 0.02 no direction reflects more than ks, for any accepted roughness. At
  * small roughness ks co is reflected.
  *
- * Oren and Nayar's: lobe_oren_nayar.h. Receivers of illuminance that are no plane: lobe_round.h.
+ * Oren and Nayar's: lobe_oren_nayar.h. Receivers of illuminance that are no plane: lobe_round.h. Points of media:
+ * lobe_phase.h.
  *
  * GGX ([Walter07], anisotropic and with height-correlated masking as in [Heitz14]), with h of length 1:
  *
@@ -59,7 +60,7 @@ typedef struct lc_material {
     lc_f3 ks;           /* 0..1 per channel */
     lc_f3 kt;           /* 0..1 per channel: diffuse transmission, kt / pi; glass: the fraction transmitted of
                            what is not reflected */
-    float exponent;     /* Phong: n, 0..LC_MAX_EXPONENT */
+    float exponent;     /* Phong: n, 0..LC_MAX_EXPONENT; phase: g, -LC_MAX_PHASE..LC_MAX_PHASE */
     float roughness[2]; /* Ward, GGX: ax, ay; Oren-Nayar: sigma, rad; LC_MIN_ROUGHNESS..LC_MAX_ROUGHNESS */
     lc_lobe lobe;       /* the lobe that ks scales; not LC_LOBE_NONE */
     lc_fresnel fresnel; /* GGX, mirrors, glass */
@@ -106,6 +107,7 @@ typedef struct lc_material_maps {
 #define LC_MAX_MIX 16
 
 #define LC_MAX_EXPONENT 1e5f
+#define LC_MAX_PHASE 0.99f
 /* A highlight of roughness a is 2 a rad wide to 1 / e. Below this alpha pbrt has a mirror. */
 #define LC_MIN_ROUGHNESS 0.001f
 #define LC_MAX_ROUGHNESS 1.0f

@@ -426,11 +426,11 @@ static void make_fresnel(gen_src *s, gen_case *c, gen_style style)
     if (style != GEN_ORDINARY && !gen_pick(s, 8)) c->mat.fresnel = LC_FRESNEL_NONE;
 }
 
-/* The lobes of surfaces by turns; one draw in eight is the last of the list. */
+/* The lobes of surfaces by turns; one draw in eight is one of the last two of the list, which have none. */
 static lc_lobe any_lobe(gen_src *s)
 {
     const uint32_t draw = gen_pick(s, 32);
-    return draw < 28 ? (lc_lobe)(draw % (LC_LOBES - 1)) : (lc_lobe)(LC_LOBES - 1);
+    return (lc_lobe)(draw < 28 ? draw % (LC_LOBES - 2) : LC_LOBES - 2 + draw % 2);
 }
 
 static void make_rough(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
@@ -446,6 +446,11 @@ static void make_rough(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)
     if (how == 2) t = across(s, n);
     if (how < 3) c->mat.tangent = unit_f3(t);
     if (c->mat.lobe == LC_LOBE_GGX) make_fresnel(s, c, style);
+    if (c->mat.lobe == LC_LOBE_PHASE) {
+        const uint32_t g = gen_pick(s, 4);
+        c->mat.exponent = g ? (float)gen_real(s, -0.99, 0.99) : 0;
+        if (g == 1) c->mat.exponent = copysignf(LC_MAX_PHASE, c->mat.exponent);
+    }
 }
 
 static void make_material(gen_src *s, gen_case *c, gen_brdf brdf, gen_style style)

@@ -8,6 +8,7 @@
 #include "support/ref_bounds.h"
 
 #include "shade/dir_pack.h"
+#include "support/ref_receivers.h"
 
 #include <complex.h>
 #include <math.h>
@@ -104,7 +105,12 @@ void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m)
         r->diffuse[k] = kd[k] / LC_PI;
         r->specular[k] = ks[k] * ((double)m->exponent + 2) / (2 * LC_PI);
     }
-    if (m->lobe == LC_LOBE_ROUND)
+    if (m->lobe == LC_LOBE_PHASE)
+        for (int k = 0; k < 3; k++) {
+            r->diffuse[k] = 0;
+            r->specular[k] = ks[k] * (1 - (double)m->exponent * (double)m->exponent) / (4 * LC_PI);
+        }
+    else if (m->lobe == LC_LOBE_ROUND)
         for (int k = 0; k < 3; k++) r->specular[k] = ks[k] / (m->exponent > 0 ? LC_PI : 1);
     else if (m->lobe != LC_LOBE_PHONG) make_rough(r, nn, o, m);
 }
@@ -257,15 +263,6 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     return t;
 }
 
-/* Diffuse part, of which a coat lets in `coat`, and lobe, times the receiver cosine times G ([Miksik07] eq.
- * 6). cos^0 = 1. */
-static double combine(const lc_point *p, int c, double cos_r, double coat, double lobe, double cos_e,
-                      double inv_f)
-{
-    double rho = (double)p->diffuse[c] * coat + lobe;
-    return rho * fmax(cos_r, 0) * fmax(cos_e, 0) * inv_f;
-}
-
 /* [Walter05b]'s lobe without specular: roots of cosines as material.h says. */
 static double ward(double x, double y, double z, double cos_r)
 {
@@ -299,21 +296,6 @@ static double fresnel(const lc_point *p, int channel, double c)
     return f * conductor(1 + (double)p->n2_real_minus_1[channel] + I * (double)p->n2_imag[channel], c);
 }
 
-/* [Oren94]: max(0, cos of the azimuth between) times the sine of the greater angle and the tangent of the
- * lesser one; i_t: component of i along the viewer's part across n. */
-static double oren_nayar(const lc_point *p, double i_t, double cos_i)
-{
-    double angle_i = acos(clamp(cos_i, 0, 1)), angle_o = asin(clamp((double)p->view[0], 0, 1));
-    double cos_phi = sin(angle_i) > 0 ? clamp(i_t / sin(angle_i), 0, 1) : 0;
-    return cos_phi * sin(fmax(angle_i, angle_o)) * tan(fmin(angle_i, angle_o));
-}
-
-/* A sphere, or a cylinder's side, over the cosine by which `combine` multiplies. */
-static double round_lobe(const lc_point *p, double sin_r, double cos_r)
-{
-    return (p->exponent > 0 ? sin_r : 1) / fmax(cos_r, (double)LC_MIN_COS / 2);
-}
-
 static double coat_in(const lc_point *p, double cos_r)
 {
     return p->coat ? 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1), fmin(cos_r, 1)) : 1;
@@ -334,6 +316,10 @@ static double emission_of(const lc_light *l, const terms *t)
 void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
 {
     terms t = light_terms(p, l);
+    if (p->lobe == LC_LOBE_PHASE) {
+        ref_phase_transfer(p, t.cos_r, emission_of(l, &t) * t.inv_f, mg);
+        return;
+    }
     double pm = p->lobe == LC_LOBE_PHONG        ? pow(clamp(t.cos_m, 0, 1), (double)p->exponent)
                 : p->lobe == LC_LOBE_WARD       ? ward(t.h[0], t.h[1], t.h[2], fmin(t.cos_r, 1))
                 : p->lobe == LC_LOBE_OREN_NAYAR ? oren_nayar(p, t.i[0], t.cos_r)
@@ -452,6 +438,10 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
     double e_lo = emission(l, fmin(t.cos_e, 1) - ee) * (1 - spot),
            e_hi = emission(l, t.cos_e + ee) * (1 + spot);
     if (l->kind == LC_LIGHT_LUMINAIRE) table_range(l, t.angle, &e_lo, &e_hi);
+    if (p->lobe == LC_LOBE_PHASE) {
+        ref_phase_range(p, t.cos_r, er, (const double[2]){ ref_apart(p, l) ? e_lo : 0, e_hi }, t.inv_f, lo, hi);
+        return;
+    }
     double n = (double)p->exponent, pm_lo = 0, pm_hi = 0, gloss_lo[3], gloss_hi[3];
     if (p->lobe == LC_LOBE_WARD) ward_range(&t, er, &pm_lo, &pm_hi);
     if (p->lobe == LC_LOBE_PHONG) {
@@ -784,6 +774,12 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
     for (int k = 0; k < 3; k++) {
         rho[k] = ((double)p->diffuse[k] * coat_in(p, cos_r) + (double)p->specular[k] * pm) * c.power[k];
         gloss[k] *= c.power[k];
+    }
+    if (p->lobe == LC_LOBE_PHASE) { /* no horizon */
+        const double way = p->view[2] > 0 ? -1 : 1, to[3] = { way * n[0], way * n[1], way * n[2] };
+        ref_phase_transfer(p, way * ref_cos_box(c.vlo, c.vhi, to), 1, gloss);
+        for (int k = 0; k < 3; k++) gloss[k] *= c.power[k];
+        cos_r = 1;
     }
     double material = ref_luminance(rho), lobe = ref_luminance(gloss);
     if (material + lobe <= 0 || cos_r <= 0) return 0;
