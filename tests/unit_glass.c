@@ -113,12 +113,13 @@ TEST(refraction_and_total_reflection)
         "Material \"dielectric\" \"float eta\" 1.5\n" WALL("90", "2") "ReverseOrientation\n" WALL("90", "3");
     lc_scene *scene = floor_below(slab);
     static lc_sight s;
+    const lc_sight_desc how = { 0, 9, 1, 0.5 };
     lc_f3 dir = lc_f3_normalize_d(1, 0, 1);
     if (scene) {
         /* The path advances by `shift` along x in the slab of thickness 1, and by 1 for each unit of z
          * outside of it. */
         double sine = sqrt(0.5) / 1.5, shift = sine / sqrt(1 - sine * sine);
-        CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, 0, 9, &s) && s.n_lit > 2);
+        CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, &how, &s) && s.n_lit > 2);
         CHECKF(s.lit[0].n_mirrors == 2 && near_abs((double)s.lit[0].surface.pos.x, 5 + shift, 1e-3),
                "%u %g %g %g", s.lit[0].n_mirrors, (double)s.lit[0].surface.pos.x,
                (double)s.lit[0].surface.pos.z, 5 + shift);
@@ -126,8 +127,8 @@ TEST(refraction_and_total_reflection)
         CHECK(near_abs((double)s.lit[0].weight.x, (1 - f) * (1 - f), 1e-5) &&
               near_abs((double)s.lit[1].weight.x, f, 1e-5));
         /* From inside the slab, at an angle beyond the critical one of 41.8 degrees, and at one below it. */
-        CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 2.5f), dir, 0, 9, &s) && s.n_lit == 0 && s.n_rays == 9);
-        CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 2.5f), lc_f3_normalize_d(0.5, 0, 1), 0, 9, &s) &&
+        CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 2.5f), dir, &how, &s) && s.n_lit == 0 && s.n_rays == 9);
+        CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 2.5f), lc_f3_normalize_d(0.5, 0, 1), &how, &s) &&
               s.lit[0].n_mirrors == 1);
         CHECK(s.lit[0].weight.x > 2 && s.n_lit > 1);
     }

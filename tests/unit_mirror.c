@@ -227,8 +227,9 @@ TEST(never_below_the_surface)
                  lean, lean, lean, lean);
         for (int x = -3; x <= 3 && scene; x++) {
             lc_sight s;
+            const lc_sight_desc how = { 0, 5, 1, 0.5 };
             lc_f3 dir = lc_f3_normalize_d(0.4 * x, 0.1, 1);
-            CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, 0, 5, &s) && s.first.material.mirror &&
+            CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, &how, &s) && s.first.material.mirror &&
                   s.n_lit);
             CHECK(s.lit[0].n_mirrors == 1 &&
                   s.lit[0].view.z >= 0); /* views point back along the ray, to +z */

@@ -237,6 +237,7 @@ lc_status lc_pbrt_camera(lc_pbrt *p, const lc_pbrt_stmt *s)
     o->camera_pos = s->pos;
     o->has_camera = true;
     o->world_to_camera = p->ctm;
+    p->scene->media.around = p->attrs.sides.outside;
     lc_xform inverse;
     if (!lc_xform_invert(&p->ctm, &inverse))
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the camera's transform is singular");

@@ -21,7 +21,7 @@ static const struct kind {
     { "MediumInterface", "medium", true, NULL },
     { "MakeNamedMedium", "medium", true, NULL },
     { "Volume", "medium", true, NULL },
-    { "VolumeIntegrator", "medium", true, "participating media are ignored" },
+    { "VolumeIntegrator", "medium", true, "light is scattered once, by points along each ray" },
     { "Film", "film", false, NULL },
     { "Camera", "camera", false, NULL },
     { "PixelFilter", "filter", false, NULL },

@@ -4,6 +4,7 @@
 #include "pbrt/attribute.h"
 #include "pbrt/light_source.h"
 #include "pbrt/make_texture.h"
+#include "pbrt/medium.h"
 #include "pbrt/shape_handler.h"
 
 #include <stdio.h>
@@ -167,17 +168,6 @@ static lc_status ignore_v2(lc_pbrt *p, const lc_pbrt_stmt *s)
     return ignore(p, s);
 }
 
-static lc_status ignore_medium(lc_pbrt *p, const lc_pbrt_stmt *s)
-{
-    bool none = !strcmp(s->name, "MediumInterface"); /* and both names are "": vacuum on both sides */
-    for (uint32_t i = 0; i < s->n_text; i++) none &= !*s->text[i];
-    if (none) return LC_OK;
-    p->v2 |= !strcmp(s->name, "Volume");
-    p->ignored = true;
-    lc_pbrt_mark_all(&p->params);
-    return lc_pbrt_note(p, s->pos, "medium", "participating media are ignored");
-}
-
 typedef enum place { ANYWHERE, BEFORE_WORLD, IN_WORLD } place;
 
 /* The table of statements. After the name come n_num numbers, n_text strings, of which the last n_optional
@@ -221,9 +211,9 @@ static const struct directive {
     { "Option", ignore, ANYWHERE, 0, 0, 0, true, false },
     { "ColorSpace", lc_pbrt_colour_space, ANYWHERE, 0, 1, 0, false, false },
     { "Attribute", lc_pbrt_attribute, ANYWHERE, 0, 1, 0, true, false },
-    { "MediumInterface", ignore_medium, ANYWHERE, 0, 2, 1, true, false },
-    { "MakeNamedMedium", ignore_medium, ANYWHERE, 0, 1, 0, true, false },
-    { "Volume", ignore_medium, ANYWHERE, 0, 1, 0, true, false },
+    { "MediumInterface", lc_pbrt_medium_interface, ANYWHERE, 0, 2, 1, true, false },
+    { "MakeNamedMedium", lc_pbrt_make_named_medium, ANYWHERE, 0, 1, 0, true, false },
+    { "Volume", lc_pbrt_volume, ANYWHERE, 0, 1, 0, true, false },
     { "Material", lc_pbrt_do_material, IN_WORLD, 0, 1, 0, true, false },
     { "MakeNamedMaterial", lc_pbrt_make_named_material, IN_WORLD, 0, 1, 0, true, false },
     { "NamedMaterial", lc_pbrt_named_material, IN_WORLD, 0, 1, 0, true, false },
@@ -375,6 +365,7 @@ static void init(lc_pbrt *p, lc_scene *scene)
     lc_pbrt_params_init(&p->params, p->ctx);
     lc_pbrt_options_init(&p->opt);
     p->attrs.material_id = p->default_material = p->black_material = LC_NONE;
+    p->attrs.sides = (lc_boundary){ LC_NONE, LC_NONE };
     p->ctm = lc_xform_identity();
 }
 
@@ -382,7 +373,8 @@ static void destroy(lc_pbrt *p)
 {
     const lc_context *ctx = p->ctx;
     lc_pbrt_map *maps[] = { &p->material_names, &p->colour_textures, &p->float_textures, &p->image_names,
-                            &p->emission_names, &p->object_names,    &p->coord_names,    &p->table_names };
+                            &p->emission_names, &p->object_names,    &p->coord_names,    &p->table_names,
+                            &p->medium_names };
     lc_pbrt_free_tables(p);
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) lc_pbrt_map_free(maps[i], ctx);
     lc_pbrt_free_defaults(p);

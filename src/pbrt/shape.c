@@ -8,6 +8,7 @@
 #include "pbrt/shape_handler.h"
 
 #include "pbrt/make_texture.h"
+#include "pbrt/medium.h"
 #include "pbrt/ply.h"
 #include "pbrt/round.h"
 
@@ -264,7 +265,8 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
         lc_pbrt_mark_all(&p->params);
         return lc_pbrt_note_name(p, s->pos, "shape", s->text[0], "the shape is skipped");
     }
-    if (p->attrs.invisible && !emits) {
+    const bool bounds = p->attrs.sides.inside != p->attrs.sides.outside;
+    if (p->attrs.invisible && !emits && !bounds) {
         lc_pbrt_mark_all(&p->params);
         return LC_OK;
     }
@@ -282,10 +284,14 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     if ((st = shapes[i].handler(p, s, &mesh, &area_ratio)) || !mesh.n_tris) return st;
     if (shapes[i].round) st = note_round(p, s, segments);
     if (!st) st = to_world(p, s->pos, &mesh);
-    if (!st) st = lc_pbrt_current_material(p, &mesh.material_id);
+    mesh.flip = p->attrs.reverse != lc_pbrt_mirrored(p);
+    if (!st && p->attrs.invisible) st = lc_pbrt_bound_media(p, s->pos, &mesh);
+    if (st || (p->attrs.invisible && !emits)) return st;
+    st = lc_pbrt_current_material(p, &mesh.material_id);
+    if (!st && !p->attrs.invisible && p->scene->maps[mesh.material_id].clear)
+        st = lc_pbrt_bound_media(p, s->pos, &mesh);
     if (st) return st;
     mesh.alpha = holes;
-    mesh.flip = p->attrs.reverse != lc_pbrt_mirrored(p);
     mesh.emission = lc_f3_scale(p->attrs.emission, (float)area_ratio);
     mesh.emission_map = p->attrs.emission_map;
     if (p->attrs.power > 0) scale_to_power(p, &mesh, shapes[i].name, shapes[i].round, area_ratio);

@@ -23,6 +23,7 @@ typedef struct lc_pbrt_attrs {
     bool invisible; /* interface material: shapes are skipped unless they emit */
     bool reverse;   /* ReverseOrientation */
     bool end_only;  /* ActiveTransform EndTime: transforms are ignored */
+    lc_boundary sides; /* of the shapes that follow */
     uint8_t space;  /* colour space of rgb values, see space.c; 0: sRGB */
     uint32_t n_defaults, n_default_values; /* by Attribute statements, see attribute.c */
 } lc_pbrt_attrs;
@@ -88,7 +89,7 @@ typedef struct lc_pbrt {
     size_t n_scopes, n_saved, cap_scopes, cap_saved, cap_defaults;
 
     lc_pbrt_map material_names, colour_textures, float_textures, image_names, emission_names, object_names,
-        coord_names, table_names;
+        coord_names, table_names, medium_names;
     struct lc_pbrt_table *tables; /* of luminaires, see luminaire.c */
     size_t n_tables, cap_tables;
     lc_pbrt_material *materials;

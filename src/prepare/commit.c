@@ -53,6 +53,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!st && s->n_instances) st = lc_scene_join_lights(s); /* for the instances' boxes */
     if (!st) st = build_world(s);
     if (!st) st = lc_instances_build(s);
+    if (!st) st = lc_media_commit(s);
     s->seconds_bvh = lc_now() - t0;
     if (!st) st = lc_profiles_finish(s->ctx, &s->profiles);
     return st ? st : lc_lighting_make(s, NULL);

@@ -216,6 +216,8 @@ static void trace(path *p)
     if (!(lc_f3_max(p->flux) > 0)) return;
     for (uint32_t depth = 1; depth < p->m->max_depth && depth <= PATH_SURFACES; depth++) {
         if (!lc_surface_hit(p->m->scene, p->org, p->dir, 0, &s)) return;
+        if (p->m->scene->media.present)
+            p->flux = lc_f3_mul(p->flux, lc_media_through(p->m->scene, p->org, p->dir, (double)s.t));
         if (depth == 1) p->flux = lc_f3_scale(p->flux, unlike_square(&from, &s));
         if (!(lc_is_specular(&s.material) ? scatter_specular(p, &s, depth) : scatter(p, &s, depth))) return;
     }

@@ -48,6 +48,7 @@ static void find_point(finder *f, uint32_t thread, size_t i)
     lc_vpl_deviation *d = f->d;
     const lc_scene *s = d->scene;
     const double lens[2] = { 0.5, 0.5 };
+    const lc_sight_desc how = { s->camera.pixel, f->max_depth, 1, 0.5 };
     double at[2];
     lc_f3 dir;
     lc_sight sight;
@@ -56,7 +57,7 @@ static void find_point(finder *f, uint32_t thread, size_t i)
     const uint32_t block = (uint32_t)(i / LC_BLOCK_POINTS);
     pixel_of(&s->film, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
     d->weight[i] = 0;
-    if (!lc_view_sight(s, at[0], at[1], lens, s->camera.pixel, f->max_depth, &dir, &sight) || !sight.n_lit)
+    if (!lc_view_sight(s, at[0], at[1], lens, &how, &dir, &sight) || !sight.n_lit)
         return;
     const lc_lit *lit = &sight.lit[0];
     lc_lit_point(s, lit, lc_hash2(d->seed, i), p);

@@ -36,7 +36,7 @@ static bool shade_cell(lc_render_job *j, uint32_t thread, uint64_t item, uint32_
     const double lens[2] = { 0.5, 0.5 };
     u *= j->scene->film.width;
     v *= j->scene->film.height;
-    if (!lc_job_go_on(j) || !lc_view_sight(j->scene, u, v, lens, j->pixel, j->max_depth, &dir, &s) ||
+    if (!lc_job_go_on(j) || !lc_view_sight(j->scene, u, v, lens, &j->how, &dir, &s) ||
         !s.n_lit)
         return false;
     lc_shade_sight(j, &j->workers[thread], &s, NULL, lc_job_key(j, item, 0, LC_DIM_SLOT), r);

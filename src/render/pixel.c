@@ -7,6 +7,7 @@
 #include "scene/lit_point.h"
 #include "scene/sun.h"
 
+#include <math.h>
 #include <string.h>
 
 #define ASK_STEP 1000 /* rays and lights between looks at the clock: 10 us and more */
@@ -65,6 +66,7 @@ void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight 
 void lc_add_to_planes(const lc_render_job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir)
 {
     const lc_surface *s = &sight->first;
+    if (!sight->is_hit) return;
     const double *axis = j->scene->camera.axis;
     float cos_axis = (float)(axis[0] * (double)dir.x + axis[1] * (double)dir.y + axis[2] * (double)dir.z);
     px->n = lc_f3_add(px->n, s->n);
@@ -74,12 +76,24 @@ void lc_add_to_planes(const lc_render_job *j, lc_pixel *px, const lc_sight *sigh
     px->hits++;
 }
 
+/* Where the points of media are in their parts of a ray: the 16 pixels of a block differ by a sixteenth each,
+ * the samples of a pixel by the golden ratio. */
+static double medium_offset(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i)
+{
+    const uint64_t h = lc_job_key(j, pixel_of(j, x - x % LC_PIXEL_BLOCK, y - y % LC_PIXEL_BLOCK), 0, LC_DIM_MEDIUM);
+    const uint32_t of_block = lc_permute16(y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK, h);
+    const double u = (of_block + lc_unit(lc_job_key(j, pixel_of(j, x, y), 0, LC_DIM_MEDIUM))) / 16 +
+                     i * 0.6180339887498949;
+    return u - floor(u);
+}
+
 /* What sample i of a pixel shows. One sample is of the pixel's centre and the lens's. Pixels left of the film
  * and above it, whose samples pixels of the film may share, have coordinates modulo 2^32. */
 bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s)
 {
     uint64_t pixel = pixel_of(j, x, y);
     double u[2], offset[2] = { 0, 0 }, lens[2] = { 0.5, 0.5 };
+    lc_sight_desc how = j->how;
     if (j->share) lc_filter_share_offset(j->share, i, offset);
     if (j->spp > 1) {
         if (!j->share) {
@@ -89,8 +103,9 @@ bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i,
         uint64_t h = lc_job_key(j, pixel, 0, LC_DIM_LENS);
         lc_sample_pair(h, i ^ (uint32_t)(lc_mix(h) & j->lens_order), lens);
     }
-    return lc_view_sight(j->scene, (int32_t)x + 0.5 + offset[0], (int32_t)y + 0.5 + offset[1], lens, j->pixel,
-                         j->max_depth, dir, s);
+    if (j->scene->media.present) how.offset = medium_offset(j, x, y, i);
+    return lc_view_sight(j->scene, (int32_t)x + 0.5 + offset[0], (int32_t)y + 0.5 + offset[1], lens, &how,
+                         dir, s);
 }
 
 /* Reading the clock for every sample would cost some percent where a pixel takes half a microsecond. */

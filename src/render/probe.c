@@ -77,8 +77,9 @@ static lc_status probe_sample(lc_render_job *j, uint32_t x, uint32_t y, uint32_t
     if (!st) st = lc_cut_init(&p->cut, j->ctx, scene->tree, &scene->visibility, &cut, true);
     if (st) return st;
     p->hit = lc_sample_sight(j, x, y, sample, &dir, &p->sight);
+    if (p->hit && p->sight.n_lit) return probe_lit(j, x, y, sample, p);
+    p->hit &= p->sight.is_hit;
     if (!p->hit) return LC_OK;
-    if (p->sight.n_lit) return probe_lit(j, x, y, sample, p);
     p->sight.lit[0] = (lc_lit){ .surface = p->sight.first, .view = lc_f3_neg(dir), .weight = { 1, 1, 1 } };
     return LC_OK;
 }

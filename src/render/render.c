@@ -153,7 +153,8 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
         if (st) return st;
         w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.max_size + 2, sizeof *w->cut_hist);
         if (!w->cut_hist) return LC_ERR_MEMORY;
-        if (desc->max_points && !(w->points = lc_pixel_points_create(j->ctx, 2 * desc->max_points)))
+        const uint32_t in_media = j->scene->media.present ? j->spp * j->how.n_points : 0;
+        if (desc->max_points && !(w->points = lc_pixel_points_create(j->ctx, 2 * desc->max_points + in_media)))
             return LC_ERR_MEMORY;
         w->stats.go_on = lc_job_go_on;
         w->stats.go_on_user = j;
@@ -241,7 +242,7 @@ static lc_status share_cuts(lc_render_job *j)
     if (most < 2 || !t->n_lights) return LC_OK;
     j->parent = lc_alloc(j->ctx, t->n_lights, sizeof *j->parent);
     if (!j->parent) return LC_ERR_MEMORY;
-    j->max_points = j->spp < most ? j->spp : most;
+    j->max_points = j->spp < 2 ? 2 : j->spp < most ? j->spp : most;
     for (uint32_t i = 0; i < t->n_nodes; i++) {
         const uint32_t child[2] = { t->data.nodes[i].left, t->data.nodes[i].right };
         for (int k = 0; k < 2; k++)
@@ -261,14 +262,16 @@ lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, 
         lc_filter_share_init(j->share, &scene->film.filter, j->spp);
         j->spp = j->share->n;
     }
-    if (j->spp >= GATHER_FROM && !j->share && desc->error > 0) {
+    if ((j->spp >= GATHER_FROM || scene->media.present) && !j->share && desc->error > 0) {
         lc_status st = share_cuts(j);
         if (st) return st;
     }
-    j->max_depth = lc_render_depth(scene, desc);
     /* samples share a pixel; as in pbrt, one sees no less than an eighth of it */
     while (j->lens_order * 2 + 1 < j->spp) j->lens_order = j->lens_order * 2 + 1;
-    j->pixel = scene->camera.pixel * fmax(0.125, 1 / sqrt((double)j->spp));
+    j->how = (lc_sight_desc){ .pixel = scene->camera.pixel * fmax(0.125, 1 / sqrt((double)j->spp)),
+                              .max_depth = lc_render_depth(scene, desc),
+                              .n_points = (LC_MEDIUM_POINTS + j->spp - 1) / j->spp,
+                              .offset = 0.5 };
     return LC_OK;
 }
 

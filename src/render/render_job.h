@@ -28,7 +28,7 @@ struct lc_mutex;
 
 #define LC_PIXEL_BLOCK 4 /* pixels a side that share a guide and deal out the slots of representatives */
 
-enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT }; /* dimensions of a sample */
+enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM }; /* dimensions of a sample */
 
 /* The guide of a block of pixels; see guide.c. */
 typedef struct lc_guide {
@@ -68,7 +68,7 @@ typedef struct lc_render_job {
     const lc_scene *scene;
     const lc_render_desc *desc;
     lc_film film;
-    uint32_t spp, max_depth, tiles_x, tiles_y;
+    uint32_t spp, tiles_x, tiles_y;
     lc_render_worker *workers;
     struct lc_mutex *mutex;         /* of the progress callback */
     atomic_uint_fast64_t done, loaded;  /* pixels; loaded: of done, those given by tile_load */
@@ -89,7 +89,7 @@ typedef struct lc_render_job {
     double began;    /* lc_now */
     lc_filter_share *share; /* where samples are shared; NULL: each pixel has its own */
     uint32_t group;         /* tiles a side whose samples are shared */
-    double pixel;    /* textures are filtered over: a length at distance 1 */
+    lc_sight_desc how; /* camera rays are followed; offset: of the pixel's centre */
     uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the
                             film */
 } lc_render_job;

@@ -120,7 +120,7 @@ lc_status lc_job_set_attributes(const lc_render_job *j, const lc_render_stats *s
     if (!st) st = lc_image_set_number(im, "samplesPerPixel", j->spp);
     if (!st) st = lc_image_set_text(im, "lightcuts/method", method[d->method]);
     if (!st) st = lc_image_set_text(im, "lightcuts/seed", seed);
-    if (!st) st = lc_image_set_number(im, "lightcuts/maxDepth", j->max_depth);
+    if (!st) st = lc_image_set_number(im, "lightcuts/maxDepth", j->how.max_depth);
     if (!st) st = set_load_attributes(im, j->scene);
     if (st || d->method == LC_METHOD_EXACT) return st;
     st = d->error > 0 ? set_error_attributes(im, d, stats)

@@ -16,6 +16,7 @@
 /* Of a point and the first one of its gather cluster; both chosen. */
 #define LEAST_COS 0.9f  /* between their normals */
 #define REACH     0.1f  /* of the distance to the camera: how far they are apart at most */
+#define LEAST_MASS 1e-6f
 #define START_FROM 0.25f /* of the pixel: a smaller part is done before it is as fine as its block's start */
 
 /* What a lit point has beside what its gather cluster needs. */
@@ -25,6 +26,8 @@ typedef struct {
     float reach2;
     uint64_t hash;
     uint32_t group, material;
+    float mass;  /* of the pixel, whose samples have 1 each: in media its weight, else 1 */
+    bool folded; /* its reflectances have its weight */
 } lit_sample;
 
 struct lc_pixel_points {
@@ -41,6 +44,7 @@ typedef struct {
     lc_render_worker *w;
     lc_guide *guide;
     uint32_t samples_left;      /* whose points are not known yet */
+    double mass_left;           /* of points that are known and not shaded */
     double luminance, error2;   /* of what is done: times the number of samples, squared */
     lc_f3 sum;
     uint32_t clusters, rays;
@@ -96,14 +100,22 @@ static void add_point(pixel_sum *s, const lc_lit *lit, uint64_t hash, uint32_t m
     lc_lit_point(s->j->scene, lit, hash, a->p);
     for (int k = 0; k < 3; k++) a->org[k] = lit->surface.ray_org[k];
     *l = (lit_sample){ .weight = lit->weight, .place = lit->surface.pos, .n = lit->surface.n, .hash = hash,
-                       .material = lit->surface.material_id };
+                       .material = lit->surface.material_id, .mass = 1 };
+    if (s->j->scene->media.present) l->mass = fmaxf(lc_luminance(lit->weight), LEAST_MASS);
     l->reach2 = REACH * REACH * lit->surface.t * lit->surface.t;
     if (lc_may_gather(&a->p[0])) {
         lc_f3_store(a->p[0].diffuse, lc_f3_mul(lc_f3_load(a->p[0].diffuse), lit->weight));
         lc_f3_store(a->p[1].diffuse, lc_f3_load(a->p[0].diffuse));
-        l->weight = lc_f3_make(1, 1, 1);
+        l->folded = true;
     }
-    for (l->group = 0; l->group < p->n_groups; l->group++) {
+    if (a->p[0].lobe == LC_LOBE_PHASE) {
+        for (int i = 0; i < (a->p[0].soft ? 2 : 1); i++)
+            lc_f3_store(a->p[i].specular, lc_f3_mul(lc_f3_load(a->p[i].specular), lit->weight));
+        l->folded = true;
+    }
+    if (l->folded) l->weight = lc_f3_make(1, 1, 1);
+    s->mass_left += (double)l->mass;
+    for (l->group = lc_may_gather(&a->p[0]) ? 0 : p->n_groups; l->group < p->n_groups; l->group++) {
         const uint32_t first = p->first[l->group];
         if (p->size[l->group] < most && are_alike(&p->point[first], &p->lit[first], a, l)) break;
     }
@@ -115,20 +127,32 @@ static void add_point(pixel_sum *s, const lc_lit *lit, uint64_t hash, uint32_t m
     p->n++;
 }
 
-static void shade_group(pixel_sum *s, uint32_t group, uint32_t points_left)
+static double mass_of(const lc_pixel_points *p, uint32_t group)
+{
+    double sum = 0;
+    for (uint32_t i = p->first[group], n = 0; n < p->size[group]; i++)
+        if (p->lit[i].group == group) {
+            sum += (double)p->lit[i].mass;
+            n++;
+        }
+    return sum;
+}
+
+static void shade_group(pixel_sum *s, uint32_t group)
 {
     const lc_render_job *j = s->j;
     lc_pixel_points *p = s->w->points;
     lc_cut *cut = &s->w->cut;
     const uint32_t first = p->first[group], n = p->size[group];
     const lit_sample *l = &p->lit[first];
-    const float spp = (float)j->spp;
+    const double spp = (double)j->spp, mass = mass_of(p, group);
     lc_cut_result r;
     uint32_t m = 0;
-    cut->part.share = (float)n / spp;
-    cut->part.own = (float)(points_left + s->samples_left) / spp;
-    cut->part.rest = s->luminance / (double)j->spp;
-    cut->start = cut->part.share > START_FROM ? lc_guide_start(s->guide, l->place, l->n) : NULL;
+    cut->part.share = (float)(l->folded ? n * (n / mass) / spp : mass / spp);
+    cut->part.own = (float)((l->folded ? n / mass : 1) * (s->mass_left + s->samples_left) / spp);
+    cut->part.rest = s->luminance / spp;
+    s->mass_left -= mass;
+    cut->start = mass > (double)START_FROM * spp ? lc_guide_start(s->guide, l->place, l->n) : NULL;
     cut->start_out = NULL;
     for (uint32_t i = first; m < n; i++) {
         if (p->lit[i].group != group) continue;
@@ -162,11 +186,11 @@ static void shade_groups(pixel_sum *s)
 {
     lc_pixel_points *p = s->w->points;
     uint32_t left = p->n;
-    while (left) {
+    while (left) { /* points */
         uint32_t best = 0;
         for (uint32_t g = 1; g < p->n_groups; g++)
             if (p->size[g] > p->size[best]) best = g;
-        shade_group(s, best, left);
+        shade_group(s, best);
         left -= p->size[best];
         p->size[best] = 0;
     }

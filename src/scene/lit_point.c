@@ -68,7 +68,8 @@ static float virtual_roughness(const lc_scene *scene, const lc_lit *lit)
 void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point *p)
 {
     lc_material m = lit->surface.material;
-    widen_lobe(&m, fminf(fmaxf(virtual_roughness(scene, lit), LC_VIRTUAL_ROUGHNESS), LC_MAX_ROUGHNESS));
+    if (m.lobe != LC_LOBE_PHASE)
+        widen_lobe(&m, fminf(fmaxf(virtual_roughness(scene, lit), LC_VIRTUAL_ROUGHNESS), LC_MAX_ROUGHNESS));
     if (lit->followed) m.ks = lc_f3_make(0, 0, 0);
     init_point(scene, lit, &m, p);
 }

@@ -22,6 +22,7 @@ lc_status lc_scene_create(lc_context *ctx, lc_scene **out)
     lc_arena_init(&s->arena, ctx);
     s->textures.ctx = ctx;
     s->bounds = lc_box_empty();
+    s->media.around = s->media.beyond = LC_NONE;
     s->max_depth = LC_PBRT_DEPTH;
     s->film =
         (lc_film_desc){ .width = 1280, .height = 720, .crop = { 0, 1280, 0, 720 }, .scale = 1, .spp = 1 };

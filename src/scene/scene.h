@@ -24,6 +24,7 @@
 #include "scene/env_map.h"
 #include "scene/lamps.h"
 #include "scene/light_places.h"
+#include "scene/media.h"
 #include "scene/scene_desc.h"
 #include "scene/scene_parts.h"
 #include "shade/light_spot.h"
@@ -105,7 +106,8 @@ struct lc_scene {
     lc_light_places virtuals; /* of the virtual lights */
     lc_bvh *bvh;
     lc_occluders *occluders;
-    lc_visibility visibility; /* by the BVH */
+    lc_media media;
+    lc_visibility visibility; /* by the BVH and media */
     lc_level *level;      /* BVHs of instances; NULL: none */
     lc_alpha alpha;
     uint32_t *alpha_bits; /* alpha_words: a bit per triangle, set if it may have holes or be glass; NULL: all

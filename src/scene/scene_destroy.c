@@ -26,6 +26,7 @@ void lc_scene_destroy(lc_scene *s)
     lc_free(ctx, s->materials, s->cap_materials, sizeof *s->materials);
     lc_free(ctx, s->maps, s->cap_maps, sizeof *s->maps);
     lc_textures_free(&s->textures);
+    lc_media_free(s);
     for (size_t i = 0; i < s->n_envs; i++) lc_mipmap_free(ctx, &s->envs[i].map);
     lc_free(ctx, s->envs, s->cap_envs, sizeof *s->envs);
     for (size_t i = 0; i < s->n_spot_maps; i++) lc_spot_map_free(ctx, &s->spot_maps[i]);

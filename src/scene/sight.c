@@ -17,8 +17,8 @@ typedef struct ray {
 typedef struct trace {
     const lc_scene *scene;
     lc_sight *out;
-    double pixel;
-    uint32_t max_depth, n_splits, n_rough, n_rays;
+    const lc_sight_desc *how;
+    uint32_t max_depth, n_splits, n_rough, n_rays, n_in_media;
     ray rays[LC_MAX_SPLITS + LC_MAX_ROUGH + 1];
 } trace;
 
@@ -147,26 +147,58 @@ static ray take_strongest(trace *t)
     return r;
 }
 
-bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, uint32_t max_depth,
-                    lc_sight *out)
+/* A point of a medium: its n is the direction to the viewer. */
+static void light_medium(trace *t, const ray *r, const lc_medium_point *p)
+{
+    const lc_f3 to_viewer = lc_f3_neg(r->dir), pos = lc_f3_add(r->org, lc_f3_scale(r->dir, p->t));
+    lc_lit *lit = &t->out->lit[t->out->n_lit++];
+    *lit = (lc_lit){ .view = to_viewer, .weight = lc_f3_mul(r->weight, p->weight), .n_mirrors = r->depth };
+    lit->surface = (lc_surface){ .pos = pos, .n = to_viewer, .ng = to_viewer, .t = r->length + p->t,
+                                 .front = true, .material_id = LC_NONE };
+    lit->surface.material = (lc_material){ .ks = { 1, 1, 1 }, .exponent = p->g, .lobe = LC_LOBE_PHASE };
+    lc_f3_store(lit->surface.ray_org, pos);
+    t->n_in_media++;
+}
+
+/* Follows a ray to its end: a surface, NULL if it leaves the scene. */
+static void follow(trace *t, ray *r, const lc_surface *s)
+{
+    const lc_scene *scene = t->scene;
+    lc_medium_point points[LC_MEDIUM_POINTS];
+    const ray before = *r;
+    uint32_t n = 0;
+    if (scene->media.present) {
+        const uint32_t want = r->depth ? (t->how->n_points + 3) / 4 : t->how->n_points;
+        const double length = s ? (double)(s->t - r->length) : LC_BEYOND;
+        const bool lit = r->depth < t->max_depth && t->n_in_media + want <= LC_MAX_IN_MEDIA;
+        lc_f3 through;
+        n = lc_media_draw(scene, r->org, r->dir, length, t->how->offset, lit ? want : 0, points, &through);
+        r->weight = lc_f3_mul(r->weight, through);
+    }
+    if (s) meet(t, r, s);
+    else t->out->emission = lc_f3_add(t->out->emission, lc_f3_mul(r->weight, lc_background(scene, r->dir)));
+    for (uint32_t i = 0; i < n; i++) light_medium(t, &before, &points[i]);
+}
+
+bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, const lc_sight_desc *how, lc_sight *out)
 {
     trace t;
     ray r = { org, dir, lc_f3_make(1, 1, 1), 0, 0, false };
     t.scene = scene;
     t.out = out;
-    t.pixel = pixel;
-    t.max_depth = max_depth;
-    t.n_splits = t.n_rough = t.n_rays = 0;
+    t.how = how;
+    t.max_depth = how->max_depth;
+    t.n_splits = t.n_rough = t.n_rays = t.n_in_media = 0;
     out->n_rays = out->n_lit = 0;
     out->emission = lc_f3_make(0, 0, 0);
-    if (!lc_surface_hit(scene, org, dir, pixel, &out->first)) return false;
-    meet(&t, &r, &out->first);
+    out->is_hit = lc_surface_hit(scene, org, dir, how->pixel, &out->first);
+    if (!out->is_hit && !scene->media.present) return false;
+    follow(&t, &r, out->is_hit ? &out->first : NULL);
     while (t.n_rays && t.n_rough < LC_MAX_ROUGH) {
         lc_surface s;
         r = take_strongest(&t);
         out->n_rays++;
-        if (lc_surface_hit_after(scene, r.org, r.dir, r.length, pixel, &s)) meet(&t, &r, &s);
-        else out->emission = lc_f3_add(out->emission, lc_f3_mul(r.weight, lc_background(scene, r.dir)));
+        follow(&t, &r, lc_surface_hit_after(scene, r.org, r.dir, r.length, how->pixel, &s) ? &s : NULL);
     }
     return true;
 }

@@ -14,6 +14,9 @@
  * likewise. Depth counts as in pbrt: the surface after k mirrors or glass surfaces is illuminated if k <
  * max_depth, and shows its own emission if k <= max_depth. A ray that leaves the scene shows the background.
  * A surface with diffuse transmission is illuminated on both sides and so appears twice in the list.
+ *
+ * In media (scene/media.h) a ray's weight falls with what it crosses, and points on it are entries, too, behind
+ * the surface that it hits; without room for them, behind many mirrors, a ray's media are dark.
  */
 #ifndef LC_SIGHT_H
 #define LC_SIGHT_H
@@ -21,7 +24,8 @@
 #include "scene/surface.h"
 
 #define LC_MAX_ROUGH 8                /* rough surfaces shown by one camera ray */
-#define LC_MAX_LIT (2 * LC_MAX_ROUGH) /* entries of the list: both sides of each */
+#define LC_MAX_IN_MEDIA 32            /* points of media */
+#define LC_MAX_LIT (2 * LC_MAX_ROUGH + LC_MAX_IN_MEDIA) /* entries of the list: both sides of surfaces */
 #define LC_MAX_SPLITS 31              /* bounds the stack of rays that are still to be traced */
 #define LC_MIN_PATH_WEIGHT 1e-3f      /* a contribution below this is dropped beyond glass and narrow lobes */
 
@@ -35,17 +39,24 @@ typedef struct lc_lit {
 } lc_lit;
 
 typedef struct lc_sight {
-    lc_surface first;       /* the first hit of the camera ray, specular or not */
+    bool is_hit;            /* the camera ray hits a surface */
+    lc_surface first;       /* that surface, specular or not */
     lc_f3 emission;         /* radiance emitted by all surfaces met and by the background, weighted */
     uint32_t n_rays;        /* rays traced, the camera ray not counted */
     uint32_t n_lit;
     lc_lit lit[LC_MAX_LIT]; /* by falling weight */
 } lc_sight;
 
-/* Traces a camera ray. False if it leaves the scene. Arguments as for lc_surface_hit; max_depth:
- * 1..LC_MAX_DEPTH. */
-bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, uint32_t max_depth,
-                    lc_sight *out);
+/* How a camera ray is followed. */
+typedef struct lc_sight_desc {
+    double pixel;       /* as for lc_surface_hit */
+    uint32_t max_depth; /* 1..LC_MAX_DEPTH */
+    uint32_t n_points;  /* of media, 1..LC_MEDIUM_POINTS; a quarter of them behind mirrors and glass */
+    double offset;      /* 0..1: as for lc_media_draw */
+} lc_sight_desc;
+
+/* Traces a camera ray. False if it leaves the scene and there are no media: what is seen is the background. */
+bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, const lc_sight_desc *how, lc_sight *out);
 
 /* The direction in which a mirror reflects a ray with direction dir; both unit, world space. */
 lc_f3 lc_mirror_leave(const lc_surface *s, lc_f3 dir);

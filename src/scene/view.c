@@ -108,16 +108,17 @@ static void see_sensor(const lc_sensor *at, lc_quantity quantity, lc_sight *out)
         lc_f3_store(lit->surface.ray_org, pos);
     }
     out->first = out->lit[0].surface;
+    out->is_hit = true;
     out->emission = lc_f3_make(0, 0, 0);
     out->n_rays = 0;
 }
 
-bool lc_view_sight(const lc_scene *s, double px, double py, const double lens[2], double pixel,
-                   uint32_t max_depth, lc_f3 *dir, lc_sight *out)
+bool lc_view_sight(const lc_scene *s, double px, double py, const double lens[2], const lc_sight_desc *how,
+                   lc_f3 *dir, lc_sight *out)
 {
     lc_f3 org;
     lc_view_ray(s, px, py, lens, &org, dir);
-    if (!s->sensors) return lc_sight_trace(s, org, *dir, pixel, max_depth, out);
+    if (!s->sensors) return lc_sight_trace(s, org, *dir, how, out);
     see_sensor(sensor_at(s, px, py), s->quantity, out);
     return true;
 }

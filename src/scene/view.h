@@ -16,7 +16,7 @@ lc_status lc_scene_set_sensors(lc_scene *scene, const lc_sensors_desc *desc);
 void lc_view_ray(const lc_scene *scene, double px, double py, const double lens[2], lc_f3 *org, lc_f3 *dir);
 /* What is seen, as by lc_sight_trace; *dir: the ray's direction. False if nothing is, which a sensor never
  * is. */
-bool lc_view_sight(const lc_scene *scene, double px, double py, const double lens[2], double pixel,
-                   uint32_t max_depth, lc_f3 *dir, lc_sight *out);
+bool lc_view_sight(const lc_scene *scene, double px, double py, const double lens[2],
+                   const lc_sight_desc *how, lc_f3 *dir, lc_sight *out);
 
 #endif
