@@ -93,7 +93,7 @@ typedef struct span {
 typedef struct walk {
     const lc_media *media;
     lc_f3 org, dir;
-    double at, end;
+    double at, end, from; /* from: the next boundary is looked for behind this */
     uint32_t n, medium; /* spans so far; behind the last boundary, if it met one */
 } walk;
 
@@ -103,7 +103,7 @@ static bool next_boundary(const walk *w, double *t, uint32_t *before, uint32_t *
     const lc_media *m = w->media;
     const float dir[3] = { w->dir.x, w->dir.y, w->dir.z };
     float org[3];
-    lc_f3_store(org, lc_f3_add(w->org, lc_f3_scale(w->dir, (float)w->at)));
+    lc_f3_store(org, lc_f3_add(w->org, lc_f3_scale(w->dir, (float)w->from)));
     lc_hit hit;
     m->bvh->kernels->closest(&m->bvh->data, org, dir, FLT_MAX, &hit);
     if (hit.tri == LC_NONE) return false;
@@ -112,7 +112,7 @@ static bool next_boundary(const walk *w, double *t, uint32_t *before, uint32_t *
                                                    lc_f3_sub(lc_f3_load(p + 6), a));
     const bool enters = lc_f3_dot(n, w->dir) < 0;
     const lc_boundary sides = m->sides[hit.tri];
-    *t = w->at + (double)hit.t;
+    *t = w->from + (double)hit.t;
     *before = enters ? sides.outside : sides.inside;
     *behind = enters ? sides.inside : sides.outside;
     return true;
@@ -126,15 +126,12 @@ static bool next_span(walk *w, span *out)
     *out = (span){ w->at, w->end, w->n ? w->medium : w->media->beyond };
     w->at = w->end;
     if (!w->media->bvh || w->n++ == MOST_SPANS) return true;
-    w->at = out->t0;
-    if (!next_boundary(w, &t, &before, &behind)) {
-        w->at = w->end;
-        return true;
-    }
+    if (!next_boundary(w, &t, &before, &behind)) return true;
     out->medium = before;
     w->medium = behind;
-    if (t < w->end) out->t1 = t;
-    w->at = t + CLEAR * (fmax((double)lc_f3_max_abs(w->org), t) + 1e-30);
+    if (!(t < w->end)) return true;
+    out->t1 = w->at = t;
+    w->from = t + CLEAR * fmax((double)lc_f3_max_abs(w->org), t);
     return true;
 }
 
