@@ -591,7 +591,11 @@ enum { /* lc_render_desc.aovs: further channels of the picture, each the mean ov
                          * error of pixels is asked: its stated half-width over the larger of
                          * luminance and floor */
     LC_AOV_RAYS = 64,   /* cut.rays: shadow rays */
-    LC_AOV_ALL = 127
+    LC_AOV_ALL = 127,   /* all but the next, which takes cuts of its own: two to four times as long */
+    LC_AOV_INTERVAL = 128 /* cut.lower cut.upper: between what the luminance of the pixel is if every light
+                           * is evaluated at the same points, proved; cut.estimate: an unbiased estimate of
+                           * it, by other lights than the picture's; cut.halfwidth: with a probability of 95 %
+                           * and more it is off by no more than this. Luminance of R G B in the picture */
 };
 
 /* Sums over the shading points of a tile; named as in lc_render_stats. */
@@ -841,6 +845,9 @@ typedef struct lc_explanation {
     uint32_t n_start_rounds; /* so many of the rounds, the first, were made for the first pixel of the 4x4
                               * block, whose cut this one started from: their limits, totals and rays are that
                               * pixel's; 0: this cut started from the roots */
+    double lower, upper;     /* luminance that `exact` is proved to have, by what is proved of the clusters */
+    double estimate;         /* of it, by lights drawn anew from the same clusters; with a probability of */
+    double half_width;       /* 95 % and more it is off by no more than this */
 } lc_explanation;
 
 /* Makes the cut that lc_render makes for one sample, counted from 0, of a pixel of the film, and evaluates

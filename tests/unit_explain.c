@@ -104,6 +104,15 @@ static void check_cluster(const setup *s, const lc_explanation *x, const lc_expl
     CHECK((c->parent == LC_NO_CLUSTER) == (c->made == 0) && c->made <= x->n_rounds);
 }
 
+/* The exact value is within what is proved of it. */
+static void check_interval(const lc_explanation *x)
+{
+    const double exact[3] = { (double)x->exact[0], (double)x->exact[1], (double)x->exact[2] };
+    CHECKF(x->lower <= lum(exact) && lum(exact) <= x->upper, "%g .. %g, exact %g", x->lower, x->upper,
+           lum(exact));
+    CHECK(x->lower <= x->estimate && x->estimate <= x->upper && x->half_width >= 0);
+}
+
 /* The clusters that were split, in order: each had a bound above the limit of its round, its parent was split
  * before, and it has two children with its lights. */
 static void check_splits(const lc_explanation *x)
@@ -162,6 +171,7 @@ static void check_all(const setup *s, const lc_explanation *x)
     check_partition(s, x);
     for (uint32_t i = 0; i < x->n_clusters + x->n_splits; i++) check_cluster(s, x, &x->clusters[i]);
     check_splits(x);
+    check_interval(x);
     check_sums(s, x);
 }
 

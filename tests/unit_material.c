@@ -553,7 +553,7 @@ TEST(features)
     CHECK(feature("light", "point", 1, LC_SUPPORT_YES, "") &&
           feature("light", "nova", 1, LC_SUPPORT_IGNORED, "skipped"));
     CHECK(feature("area light", "diffuse", 1, LC_SUPPORT_YES, "") &&
-          feature("medium", "MediumInterface", 1, LC_SUPPORT_IGNORED, "media"));
+          feature("medium", "MediumInterface", 1, LC_SUPPORT_APPROXIMATED, "no such medium"));
     CHECK(lc_scene_get_feature(scene, (uint32_t)scene->n_features, &f) == LC_ERR_ARG);
 }
 

@@ -233,7 +233,7 @@ TEST(nothing_that_was_set_is_seen_before_the_update)
 {
     const lc_load_desc load = load_of(2);
     const stage other = stepped(ALL, first.lamp);
-    lc_scene *s, *t;
+    lc_scene *s = NULL, *t = NULL;
     CHECK(!build(ctx, &first, &load, &s) && !build(ctx, &first, &load, &t) && !set(s, &first, &other));
     compare(s, t, true, "before the update");
     CHECK(!lc_scene_update(s, NULL));

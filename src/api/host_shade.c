@@ -161,6 +161,7 @@ static void begin(lc_shader *sh, const lc_shade_batch *b, lc_host_lane *lane, ui
     lane->worst_first = false;
     lane->cut.start = start;
     lane->cut.start_out = save;
+    if (save) save->has_points = false; /* of the host's points no box is known */
     lc_host_set_point(lane, sh->tree, b, (uint32_t)((hash & 15) * 2 + (hash >> 36 & 1)));
     lc_cut_set_step(&sh->step, &lane->cut, &lane->point, lane->org, &lane->stats);
     lane->waits = lc_cut_begin(&lane->cut, &sh->step, hash);

@@ -46,7 +46,7 @@ _lightcuts()
         # A list with commas: complete its last part.
         local head=
         [[ $word == *,* ]] && head=${word%,*},
-        COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays all' -- "${word##*,}"))
+        COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays interval all' -- "${word##*,}"))
         return ;;
     render:-t | render:--nthreads | explain:-t | explain:--nthreads | bench:-t | bench:--nthreads | \
         report:-t | report:--nthreads | converge:-t | converge:--nthreads | \

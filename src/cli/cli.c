@@ -282,7 +282,7 @@ static const char *good_values(const char *option)
                  { "builder", "auto, exact or ploc" },
                  { "bvh", "best or fast" },
                  { "indirect-from", "scene or view" },
-                 { "aov", "cut, n, p, z, albedo, error, rays, with commas between, or all" },
+                 { "aov", "cut, n, p, z, albedo, error, rays, interval, with commas between, or all" },
                  { "nthreads", "1 or more" },
                  { "spp", "1 or more" },
                  { "within", "per cent, 1 to 99.9" },
@@ -472,7 +472,7 @@ int cli_parse_aovs(const char *text, uint32_t *out)
         uint32_t bit;
     } names[] = { { "cut", LC_AOV_CUT },   { "n", LC_AOV_N },           { "p", LC_AOV_P },
                   { "z", LC_AOV_Z },       { "albedo", LC_AOV_ALBEDO }, { "error", LC_AOV_ERROR },
-                  { "rays", LC_AOV_RAYS }, { "all", LC_AOV_ALL } };
+                  { "rays", LC_AOV_RAYS }, { "interval", LC_AOV_INTERVAL }, { "all", LC_AOV_ALL } };
     *out = 0;
     for (;;) {
         size_t len = strcspn(text, ","), i = 0, n = sizeof names / sizeof *names;

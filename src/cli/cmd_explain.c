@@ -237,6 +237,15 @@ static void print_point(const options *o, const lc_explanation *x, const lc_scen
                x->mean_luminance);
 }
 
+/* Two sentences: what is proved, and what holds nearly always. */
+static void print_interval(const lc_explanation *x)
+{
+    printf("proved       By what is proved of its clusters, the luminance by all lights is between %.6g and "
+           "%.6g.\n", x->lower, x->upper);
+    printf("likely       By one more light from each cluster it is %.6g, off by at most %.6g with 95 %% "
+           "certainty.\n", x->estimate, x->half_width);
+}
+
 static void print_rounds(const lc_explanation *x)
 {
     printf("\nround   splits        limit        total  rays before\n");
@@ -297,6 +306,7 @@ static void print_text(const options *o, const lc_explanation *x, const lc_scene
         return;
     }
     print_point(o, x, info);
+    print_interval(x);
     print_rounds(x);
     for (uint32_t i = 0; i < x->n_clusters; i++) total += lum(x->clusters[i].estimate);
     printf("\n%8s %12s %12s %12s %12s %8s %8s %-8s %9s %-4s %5s  %s\n", "share", "estimate", "exact", "error",
@@ -382,6 +392,10 @@ static void json_point(const lc_explanation *x)
     json_float("floor", x->floor, ",\n  ");
     json_float("limit", x->limit, ",\n  ");
     json_float("max_error", (double)x->max_error, ",\n  ");
+    json_float("lower", x->lower, ",\n  ");
+    json_float("upper", x->upper, ",\n  ");
+    json_float("drawn_estimate", x->estimate, ",\n  ");
+    json_float("half_width", x->half_width, ",\n  ");
     printf("\"cut_size\": %u,\n  \"shadow_rays\": %u,\n  \"at_limit\": %s,\n  \"dark\": %s", x->cut_size,
            x->rays, x->at_limit ? "true" : "false", x->dark ? "true" : "false");
 }

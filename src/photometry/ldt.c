@@ -149,7 +149,7 @@ static lc_status read_angles(ldt *f, const char *what, double most, uint32_t n, 
     for (uint32_t i = 0; i < n; i++) {
         lc_status st = number(f, what, NAN, &a[i]);
         if (st) return st;
-        if (!(a[i] >= 0 && a[i] <= most) || (i && !((float)a[i] > (float)a[i - 1])))
+        if (!(a[i] >= 0 && a[i] <= most) || (i && !(a[i] >= a[i - 1] + LC_PHOTO_STEP)))
             return lc_photo_fail(&f->text, "the angle before this line is out of range or does not rise");
     }
     return LC_OK;

@@ -86,7 +86,7 @@ lc_status lc_photo_angles(lc_photo_text *t, lc_arena *arena, const char *what, d
         lc_status st = lc_photo_number(t, what, &a[i]);
         if (st) return st;
         if (!(a[i] >= least && a[i] <= most)) return lc_photo_fail(t, "the angle is out of range");
-        if (i && !((float)a[i] > (float)a[i - 1])) return lc_photo_fail(t, "angles don't rise");
+        if (i && !(a[i] >= a[i - 1] + LC_PHOTO_STEP)) return lc_photo_fail(t, "angles don't rise");
     }
     return LC_OK;
 }

@@ -21,7 +21,8 @@ bool lc_photo_line(lc_photo_text *t, const char **line, size_t *len);
 lc_status lc_photo_number(lc_photo_text *t, const char *what, double *out);
 /* The same, whole and in least..most. */
 lc_status lc_photo_count(lc_photo_text *t, const char *what, double least, double most, uint32_t *out);
-/* n numbers that rise, in least..most; they live in the arena. */
+#define LC_PHOTO_STEP 1e-3 /* degrees: the least from one angle to the next */
+/* n angles that rise, in least..most; they live in the arena. */
 lc_status lc_photo_angles(lc_photo_text *t, lc_arena *arena, const char *what, double least, double most,
                           uint32_t n, double **out);
 

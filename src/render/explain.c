@@ -11,8 +11,10 @@
 #include "render/film.h"
 #include "render/probe.h"
 
+#include "base/rng.h"
 #include "shade/lobe.h"
 #include "shade/point_init.h"
+#include "trace/bvh.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -299,6 +301,19 @@ static lc_status name_lights(explainer *e)
 
 /* ---- the whole ---- */
 
+static void set_interval(explainer *e, uint64_t key)
+{
+    const double weight[3] = { 0.2126, 0.7152, 0.0722 };
+    lc_interval x;
+    lc_cut_interval(&e->probe.cut, e->probe.point, e->probe.sight.lit[0].surface.ray_org,
+                    &e->scene->bvh->data, weight, key, &e->stats, &x);
+    lc_interval_round(&x, 1);
+    e->out->lower = x.lower;
+    e->out->upper = x.upper;
+    e->out->estimate = x.estimate;
+    e->out->half_width = lc_interval_half_width(&x);
+}
+
 static void set_point(explainer *e)
 {
     const lc_probe *p = &e->probe;
@@ -350,10 +365,11 @@ static lc_status make_room(explainer *e, owner *o)
     return x->clusters && x->rounds && e->known ? st : LC_ERR_MEMORY;
 }
 
-static lc_status explain_hit(explainer *e, owner *o)
+static lc_status explain_hit(explainer *e, owner *o, uint64_t key)
 {
     lc_status st = make_room(e, o);
     if (st) return st;
+    set_interval(e, key);
     set_point(e);
     for (uint32_t i = 0; i < e->out->n_rounds; i++) {
         const lc_cut_round *r = &e->probe.cut.rounds[i];
@@ -380,7 +396,7 @@ lc_status lc_explain(lc_context *ctx, const lc_scene *scene, const lc_render_des
     o->out.all_lights = e.probe.all_lights;
     o->out.mean_luminance = e.probe.mean_luminance;
     o->out.floor = (double)e.probe.cut.desc.floor;
-    if (!st && e.probe.hit) st = explain_hit(&e, o);
+    if (!st && e.probe.hit) st = explain_hit(&e, o, lc_hash4(desc->seed, x, y, sample));
     lc_free(ctx, e.known, e.n_known, sizeof *e.known);
     lc_free(ctx, e.stack, e.cap_stack, sizeof *e.stack);
     lc_probe_free(&e.probe);

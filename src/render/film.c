@@ -12,6 +12,8 @@ static const struct {
     { "P.X", LC_AOV_P }, { "P.Y", LC_AOV_P }, { "P.Z", LC_AOV_P },
     { "Albedo.R", LC_AOV_ALBEDO }, { "Albedo.G", LC_AOV_ALBEDO }, { "Albedo.B", LC_AOV_ALBEDO },
     { "Z", LC_AOV_Z }, { "cut.size", LC_AOV_CUT }, { "cut.rays", LC_AOV_RAYS }, { "cut.error", LC_AOV_ERROR },
+    { "cut.lower", LC_AOV_INTERVAL }, { "cut.upper", LC_AOV_INTERVAL },
+    { "cut.estimate", LC_AOV_INTERVAL }, { "cut.halfwidth", LC_AOV_INTERVAL },
 };
 
 uint32_t lc_film_n_planes(uint32_t aovs)
@@ -65,6 +67,37 @@ lc_f3 lc_film_expose(const lc_film_desc *desc, lc_f3 c)
     return lc_f3_scale(c, desc->scale);
 }
 
+void lc_film_weights(const lc_film_desc *desc, lc_f3 factor, double weight[3])
+{
+    const double lum[3] = { 0.2126, 0.7152, 0.0722 },
+                 by[3] = { (double)factor.x, (double)factor.y, (double)factor.z };
+    const float *m = desc->white;
+    for (int k = 0; k < 3; k++) {
+        weight[k] = lum[k];
+        if (m[0] > 0)
+            weight[k] = lum[0] * (double)m[k] + lum[1] * (double)m[3 + k] + lum[2] * (double)m[6 + k];
+        weight[k] *= (double)desc->scale * by[k];
+    }
+}
+
+static float round_up(double x)
+{
+    const float f = (float)fmin(x, (double)FLT_MAX);
+    return (double)f < x ? fminf(nextafterf(f, INFINITY), FLT_MAX) : f;
+}
+
+/* Ends of intervals are rounded outwards. */
+static void store_interval(lc_film *film, size_t at, const lc_interval *sum, float weight)
+{
+    lc_interval x = { 0 };
+    if (!film->plane[LC_PLANE_LOWER]) return;
+    if (weight > 0) lc_interval_add(&x, sum, 1 / (double)weight);
+    store(film, LC_PLANE_LOWER, at, -round_up(-x.lower));
+    store(film, LC_PLANE_UPPER, at, round_up(x.upper));
+    store(film, LC_PLANE_ESTIMATE, at, (float)x.estimate);
+    store(film, LC_PLANE_HALFWIDTH, at, round_up(lc_interval_half_width(&x)));
+}
+
 bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *px)
 {
     size_t at = (size_t)(y - film->crop[2]) * (film->crop[1] - film->crop[0]) + (x - film->crop[0]);
@@ -80,6 +113,7 @@ bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *px)
     store(film, LC_PLANE_CUT, at, px->cut * hits);
     store(film, LC_PLANE_RAYS, at, px->rays * hits);
     store(film, LC_PLANE_ERROR, at, px->error * hits);
+    store_interval(film, at, &px->interval, px->weight);
     return finite;
 }
 

@@ -2,6 +2,7 @@
 #ifndef LC_FILM_H
 #define LC_FILM_H
 
+#include "cut/interval.h"
 #include "scene/scene.h"
 
 /* Sums over the samples of one pixel. */
@@ -11,10 +12,12 @@ typedef struct lc_pixel {
     float z, cut, rays, error;
     float weight;            /* of all samples */
     uint32_t hits;
+    lc_interval interval;    /* all samples, each times its weight; luminance of the picture */
 } lc_pixel;
 
 enum { LC_PLANE_RGB = 0, LC_PLANE_N = 3, LC_PLANE_P = 6, LC_PLANE_ALBEDO = 9, LC_PLANE_Z = 12, LC_PLANE_CUT,
-       LC_PLANE_RAYS, LC_PLANE_ERROR, LC_N_PLANES };
+       LC_PLANE_RAYS, LC_PLANE_ERROR, LC_PLANE_LOWER, LC_PLANE_UPPER, LC_PLANE_ESTIMATE,
+       LC_PLANE_HALFWIDTH, LC_N_PLANES };
 
 typedef struct lc_film {
     lc_image *image;
@@ -31,6 +34,8 @@ lc_status lc_film_init(lc_film *film, lc_context *ctx, const uint32_t crop[4], c
 bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *pixel);
 /* Radiance to what the picture holds. */
 lc_f3 lc_film_expose(const lc_film_desc *desc, lc_f3 radiance);
+/* What R G B of a radiance add to the luminance in the picture, multiplied by `factor` on their way. */
+void lc_film_weights(const lc_film_desc *desc, lc_f3 factor, double weight[3]);
 /* The planes of a tile from and to tile->pixels. */
 void lc_film_get_tile(const lc_film *film, lc_tile *tile);
 void lc_film_set_tile(lc_film *film, const lc_tile *tile);

@@ -3,6 +3,7 @@
 
 #include "cut/exact.h"
 #include "render/guide.h"
+#include "render/interval.h"
 #include "render/samples.h"
 #include "scene/lit_point.h"
 #include "scene/sun.h"
@@ -147,13 +148,29 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     return !atomic_load_explicit(&j->cancelled, memory_order_relaxed);
 }
 
+/* Nothing where no intervals are asked for. */
+static bool add_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_f3 rgb,
+                         lc_pixel *px)
+{
+    lc_interval part;
+    if (!w->interval) return true;
+    if (!lc_sample_interval(j, w, x, y, i, rgb, &part)) return false;
+    lc_interval_add(&px->interval, &part, 1);
+    return true;
+}
+
 bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
 {
-    if (j->shared && !j->exact) return lc_add_shared_samples(j, w, x, y, px);
+    if (j->shared && !j->exact) {
+        for (uint32_t i = 0; i < j->spp; i++)
+            if (!add_interval(j, w, x, y, i, px->rgb, px)) return false;
+        return lc_add_shared_samples(j, w, x, y, px);
+    }
     for (uint32_t i = 0; i < j->spp; i++) {
         lc_f3 rgb;
         if (!lc_render_sample(j, w, x, y, i, px, &rgb)) return false;
         px->rgb = lc_f3_add(px->rgb, rgb);
+        if (!add_interval(j, w, x, y, i, rgb, px)) return false;
     }
     return true;
 }

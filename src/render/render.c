@@ -6,6 +6,7 @@
 #include "base/pool.h"
 #include "render/checkpoint.h"
 #include "render/guide.h"
+#include "render/interval.h"
 #include "render/render_tile.h"
 #include "render/samples.h"
 #include "tree/light_tree.h"
@@ -127,6 +128,7 @@ void lc_job_free_workers(lc_render_job *j)
         lc_free(j->ctx, j->workers[i].shared, n_shared(j), sizeof *j->workers[i].shared);
         lc_free(j->ctx, j->workers[i].tile, (size_t)LC_N_PLANES * LC_TILE * LC_TILE, sizeof(float));
         lc_pixel_points_free(j->ctx, j->workers[i].points);
+        lc_interval_free_room(j->ctx, &j->workers[i]);
         lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.max_size + 2, sizeof(uint64_t));
         lc_cut_free(&j->workers[i].cut);
     }
@@ -217,6 +219,7 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     j->tiles_y = (crop[3] - crop[2] + LC_TILE - 1) / LC_TILE;
     lc_choose_group(j);
     st = lc_job_make_workers(j, &cut);
+    if (!st && j->desc->aovs & LC_AOV_INTERVAL) st = lc_interval_make_rooms(j, &cut);
     if (!st) st = lc_film_init(&j->film, j->ctx, crop, f, j->desc->aovs);
     if (st) return st;
     j->n_planes = lc_image_n_channels(j->film.image);

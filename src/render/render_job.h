@@ -5,7 +5,7 @@
  *     guide.c    the cut that a block's cuts begin with
  *     pixel.c    camera rays, shading points, their cuts, the pixel
  *     share.c    pixels whose samples neighbours share
- *     render.c   tiles over threads, the film
+ *     render.c   tiles over threads, the film; interval.c: the AOV
  *     render_stats.c   counts of all threads; the attributes of the picture
  *     probe.c    one sample on its own, its cut kept
  *
@@ -28,7 +28,7 @@ struct lc_mutex;
 
 #define LC_PIXEL_BLOCK 4 /* pixels a side that share a guide and deal out the slots of representatives */
 
-enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM }; /* dimensions of a sample */
+enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL }; /* the last + its lit point */
 
 /* The guide of a block of pixels; see guide.c. */
 typedef struct lc_guide {
@@ -52,6 +52,7 @@ typedef struct lc_pixel_points lc_pixel_points; /* of samples.c */
 typedef struct lc_render_worker {
     lc_cut cut;
     lc_pixel_points *points; /* NULL: each sample has a cut of its own */
+    struct lc_interval_room *interval; /* NULL: nobody asks for intervals */
     lc_stats stats;
     lc_guide guide;
     uint64_t *cut_hist; /* points by cut size, 0 .. cut.max_size */
@@ -90,14 +91,13 @@ typedef struct lc_render_job {
     lc_filter_share *share; /* where samples are shared; NULL: each pixel has its own */
     uint32_t group;         /* tiles a side whose samples are shared */
     lc_sight_desc how; /* camera rays are followed; offset: of the pixel's centre */
-    uint32_t lens_order; /* 2^k - 1 below spp: points of the lens are taken in another order than those of the
-                            film */
+    uint32_t lens_order; /* 2^k - 1 below spp: the lens's points have another order than the film's */
 } lc_render_job;
 
 /* False once the render is cancelled. Calls progress when it is time and no other thread does. user: job */
 bool lc_job_go_on(void *user);
 
-/* What the descriptor asks for, or the load's, or the file's. */
+/* The descriptor's, or the load's, or the file's. */
 static inline uint32_t lc_render_spp(const lc_scene *s, const lc_render_desc *d)
 {
     return d->spp ? d->spp : s->load.spp ? s->load.spp : s->film.spp;

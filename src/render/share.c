@@ -11,6 +11,7 @@
  *     +-----------------------+
  */
 #include "render/guide.h"
+#include "render/interval.h"
 
 #include <string.h>
 
@@ -61,6 +62,7 @@ static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, i
 {
     const bool own = x >= t->x0 && x < t->x1 && y >= t->y0 && y < t->y1;
     lc_pixel other = { .hits = 0 };
+    lc_interval part;
     lc_f3 rgb;
     uint32_t strip[2];
     int64_t to_x[2], to_y[2];
@@ -76,13 +78,16 @@ static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, i
         w->stats.nonfinite += own;
         return true;
     }
+    if (w->interval && !lc_sample_interval(j, w, (uint32_t)x, (uint32_t)y, i, rgb, &part)) return false;
     for (int64_t v = to_y[0]; v < to_y[1]; v++)
         for (int64_t u = to_x[0]; u < to_x[1]; u++) {
             const double weight = lc_share_weight(ax, strip[0], u - x) * lc_share_weight(ay, strip[1], v - y);
-            double *sum = pixel_at(t, u, v)->rgb;
+            lc_shared_pixel *to = pixel_at(t, u, v);
+            double *sum = to->rgb;
             sum[0] += weight * (double)rgb.x;
             sum[1] += weight * (double)rgb.y;
             sum[2] += weight * (double)rgb.z;
+            if (w->interval) lc_interval_add(&to->px.interval, &part, weight);
         }
     return true;
 }

@@ -1,0 +1,83 @@
+/* interval.c - the intervals of a pixel's samples.
+ *
+ *     sample -> what it shows -> a cut for each lit point -> interval in luminance of the picture
+ *
+ * Their cuts are made beside those of the picture, which does not change, and count in none of its
+ * statistics. Each sample has cuts of its own, that begin with the roots, by the slots of the picture's.
+ */
+#include "render/interval.h"
+
+#include "cut/exact.h"
+#include "scene/lit_point.h"
+#include "scene/sun.h"
+#include "trace/bvh.h"
+
+struct lc_interval_room {
+    lc_cut cut;
+    lc_stats stats;
+};
+
+lc_status lc_interval_make_rooms(lc_render_job *j, const lc_cut_desc *desc)
+{
+    lc_cut_desc own = *desc;
+    own.max_points = 0;
+    for (uint32_t i = 0; i < j->ctx->n_threads; i++) {
+        lc_render_worker *w = &j->workers[i];
+        w->interval = lc_alloc(j->ctx, 1, sizeof *w->interval);
+        if (!w->interval) return LC_ERR_MEMORY;
+        w->interval->stats.go_on = lc_job_go_on;
+        w->interval->stats.go_on_user = j;
+        lc_status st =
+            lc_cut_init(&w->interval->cut, j->ctx, j->scene->tree, &j->scene->visibility, &own, false);
+        if (st) return st;
+        /* The error that is asked for is the pixel's: a sample's cut may be the rougher. */
+        if (j->shared) w->interval->cut.part.share = 1 / (float)j->spp;
+    }
+    return LC_OK;
+}
+
+void lc_interval_free_room(const lc_context *ctx, lc_render_worker *w)
+{
+    if (w->interval && w->interval->cut.ctx) lc_cut_free(&w->interval->cut);
+    lc_free(ctx, w->interval, 1, sizeof *w->interval);
+    w->interval = NULL;
+}
+
+/* Adds what a surface shows. */
+static void add_lit(const lc_render_job *j, struct lc_interval_room *room, const lc_lit *lit, uint64_t hash,
+                    uint64_t key, lc_interval *sum)
+{
+    lc_point point[2];
+    lc_cut_result r;
+    lc_interval part;
+    double weight[3];
+    lc_film_weights(&j->scene->film, lit->weight, weight);
+    lc_lit_point(j->scene, lit, hash, point);
+    lc_cut_shade(&room->cut, point, lit->surface.ray_org, hash, &room->stats, &r);
+    /* what media take of a light that is seen is not bounded from below */
+    const lc_bvh_data *bvh = j->scene->media.present ? NULL : &j->scene->bvh->data;
+    lc_cut_interval(&room->cut, point, lit->surface.ray_org, bvh, weight, key, &room->stats, &part);
+    lc_interval_add(sum, &part, 1);
+}
+
+bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_f3 rgb,
+                        lc_interval *out)
+{
+    const uint64_t pixel = (uint64_t)y * j->scene->film.width + x, hash = lc_slot_hash(j, x, y, i);
+    double weight[3];
+    lc_f3 dir;
+    lc_sight s;
+    lc_film_weights(&j->scene->film, lc_f3_make(1, 1, 1), weight);
+    if (j->exact) {
+        *out = lc_interval_of(rgb, weight);
+    } else if (!lc_sample_sight(j, x, y, i, &dir, &s)) {
+        *out = lc_interval_of(lc_background(j->scene, dir), weight);
+    } else {
+        if (!lc_job_go_on(j)) return false;
+        *out = lc_interval_of(s.emission, weight);
+        for (uint32_t k = 0; k < s.n_lit; k++)
+            add_lit(j, w->interval, &s.lit[k], hash + k, lc_job_key(j, pixel, i, LC_DIM_INTERVAL + k), out);
+    }
+    lc_interval_round(out, j->spp);
+    return true;
+}
