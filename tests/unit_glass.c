@@ -140,13 +140,14 @@ TEST(many_sheets)
 {
     char more[4096] = "Material \"thindielectric\" \"float eta\" 1.8\n";
     static lc_sight s;
+    const lc_sight_desc how = { 0, LC_MAX_DEPTH, 1, 0.5 };
     for (int i = 0; i < 20; i++) {
         size_t len = strlen(more);
         snprintf(more + len, sizeof more - len, "Translate 0 0 .1 " WALL("9", "1"));
     }
     lc_scene *scene = floor_below(more);
     if (scene) {
-        CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), 0, LC_MAX_DEPTH, &s));
+        CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), &how, &s));
         CHECKF(s.n_lit == LC_MAX_ROUGH, "%u", s.n_lit);
         float sum = 0;
         for (uint32_t i = 0; i < s.n_lit; i++) {
