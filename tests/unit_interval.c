@@ -15,8 +15,8 @@
 #include "support/rnd.h"
 
 #define OUTSIDE_MOST 0.05
-/* The sum of all pixels, over the root of the sum of squared half-widths h: what is drawn from a range of r has a
- * standard deviation of at most r / 2, and h^2 is 0.5 ln(40) r^2, so that four of them are 4 / (2 * 1.358). */
+/* The sum of all pixels, over the root of the sum of squared half-widths h: what is drawn from a range of r
+ * has a standard deviation of at most r / 2, and h^2 is 0.5 ln(40) r^2; four of them: 4 / (2 * 1.358). */
 #define SUM_OFF_MOST 1.47
 /* Relative: the picture's luminance is of floats that were summed and rounded, by 24 bits. */
 #define READ_OFF 1e-6

@@ -1,5 +1,6 @@
-/* unit_media.c - participating media: the phase function, transmittances, in-scattered light against integrals
- * in doubles; which medium is where; the error that is asked; the readers of media; the same bytes. */
+/* unit_media.c - participating media: the phase function, transmittances, in-scattered light against
+ * integrals in doubles; which medium is where; the error that is asked; the readers of media; the same bytes.
+ */
 #include "support/isas.h"
 #include "support/near.h"
 #include "support/one_scene.h"
@@ -12,16 +13,21 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const lc_load_desc direct = { .size = sizeof direct, .area_lights = 64, .env_lights = 64, .n_reps = 16,
-                                     .indirect_lights = LC_NO_LIGHTS };
+static const lc_load_desc direct = {
+    .size = sizeof direct, .area_lights = 64, .env_lights = 64, .n_reps = 16, .indirect_lights = LC_NO_LIGHTS
+};
 
 #define SIDE 8
-#define HEAD                                                                                              \
-    "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nSampler \"independent\" \"integer " \
+#define HEAD                                                                                                 \
+    "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nSampler \"independent\" \"integer "   \
     "pixelsamples\" 1\nIntegrator \"volpath\"\n"
 #define CAMERA "Camera \"perspective\" \"float fov\" 1\n"
-#define FOG "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .05 .1] \"rgb sigma_s\" [.1 .2 .05] \"float g\" .4\n"
-#define QUAD(z) "Shape \"trianglemesh\" \"point3 P\" [-9 -9 " z " 9 -9 " z " 9 9 " z " -9 9 " z "] \"integer indices\" [0 1 2 0 2 3]\n"
+#define FOG                                                                                                  \
+    "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .05 .1] \"rgb sigma_s\" "  \
+    "[.1 .2 .05] \"float g\" .4\n"
+#define QUAD(z)                                                                                              \
+    "Shape \"trianglemesh\" \"point3 P\" [-9 -9 " z " 9 -9 " z " 9 9 " z " -9 9 " z                          \
+    "] \"integer indices\" [0 1 2 0 2 3]\n"
 
 static lc_image *render(uint32_t spp, lc_method method)
 {
@@ -41,14 +47,18 @@ static void mean_of(uint32_t spp, double rgb[3])
     lc_image *p = render(spp, LC_METHOD_EXACT);
     for (int k = 0; k < 3; k++) {
         rgb[k] = 0;
-        for (uint32_t i = 0; i < SIDE * SIDE; i++) rgb[k] += pixel_at(p, names[k], i % SIDE, i / SIDE) / (SIDE * SIDE);
+        for (uint32_t i = 0; i < SIDE * SIDE; i++)
+            rgb[k] += pixel_at(p, names[k], i % SIDE, i / SIDE) / (SIDE * SIDE);
     }
     lc_image_destroy(p);
 }
 
 /* ---- the phase function ---- */
 
-static double phase(double g, double c) { return (1 - g * g) / (4 * LC_PI) / pow(1 + g * g + 2 * g * c, 1.5); }
+static double phase(double g, double c)
+{
+    return (1 - g * g) / (4 * LC_PI) / pow(1 + g * g + 2 * g * c, 1.5);
+}
 
 TEST(phase_function_is_henyey_greenstein)
 {
@@ -65,7 +75,9 @@ TEST(phase_function_is_henyey_greenstein)
                 const double c = -1 + (k + 0.5) / 1000, s = sqrt(1 - c * c);
                 const lc_f3 side = lc_f3_normalize(lc_f3_cross(view, lc_f3_make(0.3f, 0.5f, -0.8f))),
                             to = lc_f3_add(lc_f3_scale(view, (float)c), lc_f3_scale(side, (float)s));
-                lc_light light = { .kind = LC_LIGHT_POINT, .pos = lc_f3_scale(to, 2), .intensity = { 1, 1, 1 },
+                lc_light light = { .kind = LC_LIGHT_POINT,
+                                   .pos = lc_f3_scale(to, 2),
+                                   .intensity = { 1, 1, 1 },
                                    .atten = { 0, 0, 1 } };
                 lc_light_rec rec;
                 lc_light_rec_init(&rec, &light);
@@ -97,7 +109,7 @@ static double through(double x0, double y0, double z0, double x1, double y1, dou
 TEST(fog_everywhere)
 {
     CHECK(load_text(&direct, HEAD FOG "MediumInterface \"\" \"fog\"\n" CAMERA "WorldBegin\n"
-                    "LightSource \"point\" \"point3 from\" [0 1 2]\n") == LC_OK);
+                                      "LightSource \"point\" \"point3 from\" [0 1 2]\n") == LC_OK);
     CHECK(scene->media.present && scene->media.beyond == 0 && !scene->media.bvh);
     for (int i = 0; i < 100; i++) {
         const double a[3] = { rnd_in(-5, 5), rnd_in(-5, 5), rnd_in(-5, 5) },
@@ -109,9 +121,9 @@ TEST(fog_everywhere)
     }
 }
 
-#define BOX(lo, hi)                                                                                           \
-    "Shape \"trianglemesh\" \"point3 P\" [" lo " " lo " " lo " " hi " " lo " " lo " " lo " " hi " " lo " " hi \
-    " " hi " " lo " " lo " " lo " " hi " " hi " " lo " " hi " " lo " " hi " " hi " " hi " " hi " " hi         \
+#define BOX(lo, hi)                                                                                          \
+    "Shape \"trianglemesh\" \"point3 P\" [" lo " " lo " " lo " " hi " " lo " " lo " " lo " " hi " " lo       \
+    " " hi " " hi " " lo " " lo " " lo " " hi " " hi " " lo " " hi " " lo " " hi " " hi " " hi " " hi " " hi \
     "] \"integer indices\" [0 2 1 1 2 3 4 5 6 5 7 6 0 1 4 1 5 4 2 6 3 3 6 7 0 4 2 2 4 6 1 3 5 3 7 5]\n"
 
 /* Spans of a box of fog with a box of vacuum, or another medium, in it, from many places to many places, by
@@ -124,8 +136,7 @@ static double in_box(const double a[3], const double b[3], double lo, double hi)
         t0 = fmax(t0, fmin(x, y));
         t1 = fmin(t1, fmax(x, y));
     }
-    return fmax(t1 - t0, 0) *
-           sqrt(pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2) + pow(a[2] - b[2], 2));
+    return fmax(t1 - t0, 0) * sqrt(pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2) + pow(a[2] - b[2], 2));
 }
 
 static void check_boxes(const char *where, double outer, double inner, double around)
@@ -140,33 +151,47 @@ static void check_boxes(const char *where, double outer, double inner, double ar
     }
 }
 
-#define THICK "MakeNamedMedium \"thick\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [0 0 0]\n"
+#define THICK                                                                                                \
+    "MakeNamedMedium \"thick\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [0 "  \
+    "0 0]\n"
 
 TEST(media_in_boxes)
 {
-#define WORLD(sides, inner) HEAD FOG THICK "%s" CAMERA "WorldBegin\nMediumInterface \"\" \"\"\nLightSource \"point\"\n"   \
-        "Material \"interface\"\nAttributeBegin MediumInterface " sides "\n" BOX("-2", "2") "AttributeEnd\n"              \
-        "AttributeBegin MediumInterface " inner "\n" BOX("-1", "1") "AttributeEnd\n"
+#define WORLD(sides, inner)                                                                                  \
+    HEAD FOG THICK "%s" CAMERA "WorldBegin\nMediumInterface \"\" \"\"\nLightSource \"point\"\n"              \
+                   "Material \"interface\"\nAttributeBegin MediumInterface " sides                           \
+                   "\n" BOX("-2", "2") "AttributeEnd\n"                                                      \
+                                       "AttributeBegin MediumInterface " inner                               \
+                                       "\n" BOX("-1", "1") "AttributeEnd\n"
     CHECK(load_text(&direct, WORLD("\"fog\" \"\"", "\"\" \"fog\""), "LookAt 0 0 -8 0 0 0 0 1 0\n") == LC_OK);
     check_boxes("a shell of fog", 0.25, 0, 0);
-    CHECK(load_text(&direct, WORLD("\"fog\" \"\"", "\"thick\" \"fog\""), "LookAt 0 0 -1.5 0 0 0 0 1 0\nMediumInterface \"\" \"fog\"\n") == LC_OK);
+    CHECK(load_text(&direct, WORLD("\"fog\" \"\"", "\"thick\" \"fog\""),
+                    "LookAt 0 0 -1.5 0 0 0 0 1 0\nMediumInterface \"\" \"fog\"\n") == LC_OK);
     check_boxes("camera between", 0.25, 1, 0);
-    CHECK(load_text(&direct, WORLD("\"thick\" \"fog\"", "\"\" \"thick\""), "LookAt 0 0 -8 0 0 0 0 1 0\nMediumInterface \"\" \"fog\"\n") == LC_OK);
+    CHECK(load_text(&direct, WORLD("\"thick\" \"fog\"", "\"\" \"thick\""),
+                    "LookAt 0 0 -8 0 0 0 0 1 0\nMediumInterface \"\" \"fog\"\n") == LC_OK);
     check_boxes("fog around", 1, 0, 0.25);
-    CHECK(load_text(&direct, WORLD("\"thick\" \"fog\"", "\"\" \"thick\""), "MediumInterface \"\" \"\"\n") == LC_OK);
+    CHECK(load_text(&direct, WORLD("\"thick\" \"fog\"", "\"\" \"thick\""), "MediumInterface \"\" \"\"\n") ==
+          LC_OK);
     check_boxes("camera inside", 1, 0, 0.25);
     /* the winding of boundaries does not matter where they say which side is out */
-    CHECK(load_text(&direct, HEAD FOG THICK CAMERA "WorldBegin\nLightSource \"point\"\nMaterial \"interface\"\n"
-                    "AttributeBegin ReverseOrientation MediumInterface \"\" \"fog\"\n" BOX("-2", "2") "AttributeEnd\n"
-                    "AttributeBegin Scale -1 1 1 MediumInterface \"thick\" \"fog\"\n" BOX("-1", "1") "AttributeEnd\n") == LC_OK);
+    CHECK(load_text(&direct, HEAD FOG THICK CAMERA
+                    "WorldBegin\nLightSource \"point\"\nMaterial \"interface\"\n"
+                    "AttributeBegin ReverseOrientation MediumInterface \"\" \"fog\"\n" BOX(
+                        "-2", "2") "AttributeEnd\n"
+                                   "AttributeBegin Scale -1 1 1 MediumInterface \"thick\" \"fog\"\n" BOX(
+                                       "-1", "1") "AttributeEnd\n") == LC_OK);
     check_boxes("turned", 0.25, 1, 0);
 }
 
 /* Glass bounds media, too, and shadow rays pass both. */
 TEST(a_glass_of_wine)
 {
-    CHECK(load_text(&direct, HEAD THICK CAMERA "WorldBegin\nLightSource \"point\" \"point3 from\" [0 0 5] \"rgb I\" [9 9 9]\n"
-                    "Material \"dielectric\" \"float eta\" 1.0\nMediumInterface \"thick\" \"\"\n" BOX("-1", "1")) == LC_OK);
+    CHECK(load_text(&direct, HEAD THICK CAMERA
+                    "WorldBegin\nLightSource \"point\" \"point3 from\" [0 0 5] \"rgb I\" [9 9 9]\n"
+                    "Material \"dielectric\" \"float eta\" 1.0\nMediumInterface \"thick\" \"\"\n" BOX("-1",
+                                                                                                      "1")) ==
+          LC_OK);
     CHECK(scene->media.bvh && scene->visibility.dimmed);
     const float org[3] = { 0.2f, 0.1f, -4 }, to[3] = { 0, 0, 5 };
     const float *const target[3] = { to, to + 1, to + 2 };
@@ -181,9 +206,12 @@ TEST(a_glass_of_wine)
 
 TEST(grids)
 {
-    CHECK(load_text(&direct, HEAD "Translate 1 2 3 Scale 2 2 2\nMakeNamedMedium \"g\" \"string type\" \"uniformgrid\" \"integer nx\" 4 "
-                    "\"integer ny\" 1 \"integer nz\" 1 \"float density\" [1 2 3 4] \"rgb sigma_a\" [.5 .5 .5] \"rgb sigma_s\" [.5 .5 .5]\n"
-                    "Identity\nMediumInterface \"\" \"g\"\n" CAMERA "WorldBegin\nLightSource \"point\"\n") == LC_OK);
+    CHECK(load_text(&direct, HEAD "Translate 1 2 3 Scale 2 2 2\nMakeNamedMedium \"g\" \"string type\" "
+                                  "\"uniformgrid\" \"integer nx\" 4 "
+                                  "\"integer ny\" 1 \"integer nz\" 1 \"float density\" [1 2 3 4] \"rgb "
+                                  "sigma_a\" [.5 .5 .5] \"rgb sigma_s\" [.5 .5 .5]\n"
+                                  "Identity\nMediumInterface \"\" \"g\"\n" CAMERA
+                                  "WorldBegin\nLightSource \"point\"\n") == LC_OK);
     /* along x through the middle: trilinear, falling to 0 from the outermost centres, which are the sixteenth
      * of 8 from the ends: half a cell at each is half as much at the face */
     double tau = 0;
@@ -206,8 +234,9 @@ TEST(light_in_fog)
 {
     const double sigma_t[3] = { 0.12, 0.25, 0.15 }, sigma_s[3] = { 0.1, 0.2, 0.05 };
     double want[3] = { 0, 0, 0 }, is[3];
-    CHECK(load_text(&direct, HEAD FOG "MediumInterface \"\" \"fog\"\n" CAMERA "WorldBegin\n"
-                    "LightSource \"point\" \"point3 from\" [1 2 6] \"rgb I\" [7 8 9]\n") == LC_OK);
+    CHECK(load_text(&direct,
+                    HEAD FOG "MediumInterface \"\" \"fog\"\n" CAMERA "WorldBegin\n"
+                             "LightSource \"point\" \"point3 from\" [1 2 6] \"rgb I\" [7 8 9]\n") == LC_OK);
     for (int i = 0; i < 400000; i++) {
         const double z = (i + 0.5) / 4000, d = sqrt(5 + (z - 6) * (z - 6)), c = -(6 - z) / d;
         for (int k = 0; k < 3; k++)
@@ -221,9 +250,13 @@ TEST(light_in_fog)
 TEST(fog_before_a_wall)
 {
     double want = 0, is[3];
-    CHECK(load_text(&direct, HEAD FOG CAMERA "WorldBegin\nLightSource \"point\" \"point3 from\" [0 0 0] \"rgb I\" [5 5 5]\n"
-                    "Material \"diffuse\" \"rgb reflectance\" [.8 .8 .8]\n" QUAD("8")
-                    "Material \"interface\" MediumInterface \"fog\" \"\"\nTranslate 0 0 4\n" BOX("-2", "2")) == LC_OK);
+    CHECK(load_text(
+              &direct, HEAD FOG CAMERA
+              "WorldBegin\nLightSource \"point\" \"point3 from\" [0 0 0] \"rgb I\" [5 5 5]\n"
+              "Material \"diffuse\" \"rgb reflectance\" [.8 .8 .8]\n" QUAD(
+                  "8") "Material \"interface\" MediumInterface \"fog\" \"\"\nTranslate 0 0 4\n" BOX("-2",
+                                                                                                    "2")) ==
+          LC_OK);
     for (int i = 0; i < 100000; i++) {
         const double in = (i + 0.5) / 100000 * 4, z = in + 2;
         want += 0.2 * phase(0.4, 1) * 5 / (z * z) * exp(-0.25 * 2 * in) * 4 / 100000;
@@ -237,11 +270,15 @@ TEST(fog_before_a_wall)
 TEST(sky_behind_fog)
 {
     double is[3];
-    CHECK(load_text(&direct, HEAD THICK CAMERA "WorldBegin\nLightSource \"infinite\" \"rgb L\" [2 2 2]\n"
-                    "Material \"interface\" MediumInterface \"thick\" \"\"\nTranslate 0 0 4\n" BOX("-0.5", "0.5")) == LC_OK);
+    CHECK(load_text(&direct, HEAD THICK CAMERA
+                    "WorldBegin\nLightSource \"infinite\" \"rgb L\" [2 2 2]\n"
+                    "Material \"interface\" MediumInterface \"thick\" \"\"\nTranslate 0 0 4\n" BOX("-0.5",
+                                                                                                   "0.5")) ==
+          LC_OK);
     mean_of(1, is);
     CHECKF(near_rel(is[0], 2 * exp(-1), 1e-4), "%g", is[0]);
-    CHECK(load_text(&direct, HEAD THICK "MediumInterface \"\" \"thick\"\n" CAMERA "WorldBegin\nLightSource \"infinite\" \"rgb L\" [2 2 2]\n") == LC_OK);
+    CHECK(load_text(&direct, HEAD THICK "MediumInterface \"\" \"thick\"\n" CAMERA
+                                        "WorldBegin\nLightSource \"infinite\" \"rgb L\" [2 2 2]\n") == LC_OK);
     mean_of(1, is);
     CHECKF(near_abs(is[0], 0, 1e-6), "%g", is[0]);
 }
@@ -253,17 +290,25 @@ TEST(sky_behind_fog)
 static void load_stage(int n)
 {
     char *text = malloc((size_t)n * 200 + 4000);
-    size_t at = (size_t)sprintf(text, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\n", STAGE_SIDE, STAGE_SIDE);
-    at += (size_t)sprintf(text + at, "MakeNamedMedium \"haze\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.005 .005 .005] "
-        "\"rgb sigma_s\" [.05 .05 .05] \"float g\" .2\nIntegrator \"volpath\" \"integer maxdepth\" 1\nLookAt 0 2 -14 0 2.5 0 0 1 0\n"
-        "MediumInterface \"\" \"haze\"\nCamera \"perspective\" \"float fov\" 50\nWorldBegin\n"
-        "Shape \"trianglemesh\" \"point3 P\" [-12 0 -12 12 0 -12 12 0 12 -12 0 12] \"integer indices\" [0 1 2 0 2 3]\n"
-        "Shape \"trianglemesh\" \"point3 P\" [-2 0 0 2 0 0 2 3 1 -2 3 1] \"integer indices\" [0 1 2 0 2 3]\n");
+    size_t at = (size_t)sprintf(text, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\n",
+                                STAGE_SIDE, STAGE_SIDE);
+    at += (size_t)
+        sprintf(text + at,
+                "MakeNamedMedium \"haze\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.005 .005 .005] "
+                "\"rgb sigma_s\" [.05 .05 .05] \"float g\" .2\nIntegrator \"volpath\" \"integer maxdepth\" "
+                "1\nLookAt 0 2 -14 0 2.5 0 0 1 0\n"
+                "MediumInterface \"\" \"haze\"\nCamera \"perspective\" \"float fov\" 50\nWorldBegin\n"
+                "Shape \"trianglemesh\" \"point3 P\" [-12 0 -12 12 0 -12 12 0 12 -12 0 12] \"integer "
+                "indices\" [0 1 2 0 2 3]\n"
+                "Shape \"trianglemesh\" \"point3 P\" [-2 0 0 2 0 0 2 3 1 -2 3 1] \"integer indices\" [0 1 2 "
+                "0 2 3]\n");
     for (int i = 0; i < n; i++) {
         const double x = rnd_in(-9, 9), z = rnd_in(-4, 5);
-        at += (size_t)sprintf(text + at, "LightSource \"spot\" \"point3 from\" [%.3f 6.5 %.3f] \"point3 to\" [%.3f 0 %.3f] "
-                              "\"rgb I\" [%.3f %.3f %.3f] \"float coneangle\" %.2f \"float conedeltaangle\" 2\n",
-                              x, z, x + rnd_in(-2, 2), z + rnd_in(-2, 2), rnd(), rnd(), rnd(), rnd_in(5, 14));
+        at += (size_t)
+            sprintf(text + at,
+                    "LightSource \"spot\" \"point3 from\" [%.3f 6.5 %.3f] \"point3 to\" [%.3f 0 %.3f] "
+                    "\"rgb I\" [%.3f %.3f %.3f] \"float coneangle\" %.2f \"float conedeltaangle\" 2\n",
+                    x, z, x + rnd_in(-2, 2), z + rnd_in(-2, 2), rnd(), rnd(), rnd(), rnd_in(5, 14));
     }
     CHECK(load_text(&direct, "%s", text) == LC_OK);
     free(text);
@@ -306,7 +351,8 @@ TEST(the_asked_error_holds)
 
 TEST(the_same_bytes)
 {
-    lc_image *first = NULL;
+    static const char *const names[3] = { "R", "G", "B" };
+    static float first[3][STAGE_SIDE * STAGE_SIDE];
     load_stage(300);
     EACH_ISA(isa)
     {
@@ -315,27 +361,30 @@ TEST(the_same_bytes)
         lc_image *p = NULL;
         lc_render_desc r = LC_RENDER_DESC_INIT;
         r.error = 0.02f;
-        CHECK(lc_scene_load(own, scene_path(), &direct, &s) == LC_OK && lc_render(own, s, &r, &p, NULL) == LC_OK);
+        CHECK(lc_scene_load(own, scene_path(), &direct, &s) == LC_OK &&
+              lc_render(own, s, &r, &p, NULL) == LC_OK);
         lc_scene_destroy(s);
-        if (first) CHECKF(same_planes(first, p), "%s", lc_isa_name(isa));
-        else first = p;
-        if (p != first) lc_image_destroy(p);
+        for (int k = 0; k < 3 && p; k++) {
+            if (isa == LC_ISA_SCALAR) memcpy(first[k], lc_image_channel(p, names[k]), sizeof first[k]);
+            CHECKF(!memcmp(first[k], lc_image_channel(p, names[k]), sizeof first[k]), "%s", lc_isa_name(isa));
+        }
+        lc_image_destroy(p);
         lc_context_destroy(own);
     }
-    lc_image_destroy(first);
 }
 
 /* ---- reading ---- */
 
 static bool refused(const char *medium, const char *why)
 {
-    if (parse_format("%s%sWorldBegin\n", HEAD, medium) == LC_ERR_PARSE && strstr(last_error, why)) return true;
+    if (parse_format("%s%sWorldBegin\n", HEAD, medium) == LC_ERR_PARSE && strstr(last_error, why))
+        return true;
     printf("  '%s' gives '%s'\n", medium, last_error);
     return false;
 }
 
 #define NAMED "MakeNamedMedium \"m\" \"string type\" "
-#define GRID NAMED "\"uniformgrid\" "
+#define GRID  NAMED "\"uniformgrid\" "
 
 TEST(malformed_media)
 {
@@ -349,7 +398,8 @@ TEST(malformed_media)
     CHECK(refused(GRID "\"integer nx\" 70000 \"integer ny\" 70000 \"float density\" [1]\n", "ny = 70000"));
     CHECK(refused(GRID "\"integer nx\" 2 \"float density\" [1 2 3]\n", "as many values"));
     CHECK(refused(GRID "\"float density\" [-1]\n", "negative or out of range"));
-    CHECK(refused(GRID "\"float density\" [1] \"point3 p0\" [0 0 0] \"point3 p1\" [1 0 1]\n", "box is empty"));
+    CHECK(
+        refused(GRID "\"float density\" [1] \"point3 p0\" [0 0 0] \"point3 p1\" [1 0 1]\n", "box is empty"));
 }
 
 TEST(names_of_media)
@@ -358,12 +408,14 @@ TEST(names_of_media)
     CHECK(note("unknown medium none") && scene->media.around == 0);
     CHECK(parse_text(HEAD NAMED "\"cloud\"\nMediumInterface \"m\"\n" CAMERA "WorldBegin\n") == LC_OK);
     CHECK(note("medium cloud") && !note("unknown medium m") && scene->media.around == LC_NONE);
-    CHECK(parse_text(HEAD FOG "MediumInterface \"fog\"\n" CAMERA "WorldBegin\nMaterial \"none\"\n" QUAD("1")) == LC_OK);
+    CHECK(parse_text(HEAD FOG "MediumInterface \"fog\"\n" CAMERA
+                              "WorldBegin\nMaterial \"none\"\n" QUAD("1")) == LC_OK);
     CHECK(scene->media.around == 0 && scene->media.n_tris == 0); /* one name is both sides */
     CHECK(parse_text(HEAD CAMERA "WorldBegin\nVolume \"homogeneous\" \"color sigma_s\" [1 1 1]\n") == LC_OK);
     CHECK(scene->media.n == 1 && scene->media.n_tris == 12);
-    CHECK(parse_text(HEAD FOG CAMERA "WorldBegin\nMediumInterface \"fog\" \"\"\nObjectBegin \"o\"\nMaterial \"none\"\n" QUAD("1")
-                     "ObjectEnd\n") == LC_OK);
+    CHECK(parse_text(HEAD FOG CAMERA
+                     "WorldBegin\nMediumInterface \"fog\" \"\"\nObjectBegin \"o\"\nMaterial \"none\"\n" QUAD(
+                         "1") "ObjectEnd\n") == LC_OK);
     CHECK(note("medium in object") && scene->media.n_tris == 0);
 }
 

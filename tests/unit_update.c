@@ -335,7 +335,7 @@ TEST(wrong_arguments_are_named_and_change_nothing)
     lc_update_desc u = LC_UPDATE_DESC_INIT;
     double m[16];
     const float less[3] = { 1, 1, -1 }, much[3] = { 1e20f, 1, 1 }, one[3] = { 1, 1, 1 };
-    lc_scene *s, *t;
+    lc_scene *s = NULL, *t = NULL;
     CHECK(!lc_build_begin(ctx, &s));
     REFUSED(lc_scene_update(s, NULL), "not committed");
     REFUSED(lc_scene_set_camera(s, &c), "not committed");

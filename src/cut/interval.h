@@ -13,8 +13,8 @@
  * Truth is what the exact method sums, float by float. It is measured by weights of R G B: those of
  * luminance, times whatever the radiance is multiplied by on its way to the picture.
  *
- * Rounding. Bounds hold for the float estimates (shade/box_tmpl.c, lower_tmpl.c), so what is left are sums and
- * products of what is not negative: at most 64 roundings, and one for each further sample of a pixel.
+ * Rounding. Bounds hold for the float estimates (shade/box_tmpl.c, lower_tmpl.c), so what is left are sums
+ * and products of what is not negative: at most 64 roundings, and one for each further sample of a pixel.
  */
 #ifndef LC_INTERVAL_H
 #define LC_INTERVAL_H

@@ -1,18 +1,22 @@
 /* medium.c - MakeNamedMedium, MediumInterface, Volume: participating media and where they are. */
 #include "pbrt/medium.h"
 
+#include "scene/media.h"
+
 #include <string.h>
 
 #define LEFT_OUT (LC_NONE - 1) /* number of a medium that is not made */
 
 /* pbrt's defaults, of media without coefficients: of milk's skin in 1/mm. */
-static const lc_f3 usual_absorption = { 0.0011f, 0.0024f, 0.014f }, usual_scattering = { 2.55f, 3.21f, 3.77f };
+static const lc_f3 usual_absorption = { 0.0011f, 0.0024f, 0.014f },
+                   usual_scattering = { 2.55f, 3.21f, 3.77f };
 
 static lc_status get_sigma(lc_pbrt *p, const char *name, lc_f3 *out)
 {
     const lc_pbrt_param *par;
     lc_status st = lc_pbrt_get_colour(p, name, LC_PBRT_FOR_ALBEDO, out, &par);
-    if (!st && (out->x < 0 || out->y < 0 || out->z < 0)) return lc_pbrt_bad_param(&p->params, par, "is negative");
+    if (!st && (out->x < 0 || out->y < 0 || out->z < 0))
+        return lc_pbrt_bad_param(&p->params, par, "is negative");
     return st;
 }
 
@@ -78,7 +82,8 @@ static lc_status get_grid(lc_pbrt *p, lc_pos where, lc_medium *m)
     if (!st) st = set_place(p, where, p0, p1, g->from_world);
     if (st) return st;
     if (!par) return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "a medium with a grid needs its density");
-    if (par->n != cells) return lc_pbrt_bad_param(&p->params, par, "has not as many values as the grid has cells");
+    if (par->n != cells)
+        return lc_pbrt_bad_param(&p->params, par, "has not as many values as the grid has cells");
     float *density = lc_arena_alloc(&p->scene->arena, cells, sizeof *density);
     if (!density) return LC_ERR_MEMORY;
     const double *v = lc_pbrt_numbers(&p->params, par);
@@ -99,16 +104,18 @@ static lc_status note_emission(lc_pbrt *p, lc_pos where)
     for (size_t i = 0; i < sizeof names / sizeof *names && !st; i++) {
         const lc_pbrt_param *par = lc_pbrt_find(&p->params, names[i], LC_PBRT_ANY);
         if (par && strcmp(names[i], "Lescale"))
-            st = lc_pbrt_note(p, where, "medium", strcmp(names[i], "preset")
-                                                      ? "what a medium emits is left out"
-                                                      : "presets of media are not known: pbrt's default is");
+            st = lc_pbrt_note(p, where, "medium",
+                              strcmp(names[i], "preset")
+                                  ? "what a medium emits is left out"
+                                  : "presets of media are not known: pbrt's default is");
     }
     return st;
 }
 
 static lc_status read_medium(lc_pbrt *p, const lc_pbrt_stmt *s, const char *type, lc_medium *m, bool *known)
 {
-    const bool grid = !strcmp(type, "uniformgrid") || !strcmp(type, "heterogeneous") || !strcmp(type, "volumegrid");
+    const bool grid = !strcmp(type, "uniformgrid") || !strcmp(type, "heterogeneous") ||
+                      !strcmp(type, "volumegrid");
     *known = grid || !strcmp(type, "homogeneous");
     if (!*known) {
         p->ignored = true;
@@ -189,7 +196,8 @@ lc_status lc_pbrt_volume(lc_pbrt *p, const lc_pbrt_stmt *s)
                 return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the volume is not finite or too far away");
     }
     const bool turned = ((p1[0] < p0[0]) != (p1[1] < p0[1])) != (p1[2] < p0[2]);
-    const lc_mesh_desc box = { .n_verts = 8, .n_tris = 12, .pos = corner, .index = index,
-                               .flip = turned != lc_pbrt_mirrored(p) };
+    const lc_mesh_desc box = {
+        .n_verts = 8, .n_tris = 12, .pos = corner, .index = index, .flip = turned != lc_pbrt_mirrored(p)
+    };
     return lc_scene_add_boundary(p->scene, s->pos, &box, (lc_boundary){ id, LC_NONE });
 }

@@ -6,6 +6,7 @@
 #include "prepare/lighting.h"
 #include "scene/alpha.h"
 #include "scene/instance.h"
+#include "scene/media.h"
 #include "trace/bvh.h"
 
 /* Reduces the film to about max_pixels with the same view. The crop is rounded outwards to whole pixels. */

@@ -27,6 +27,7 @@
 #include "prepare/view_grid.h"
 #include "prepare/vpl_deviation.h"
 #include "prepare/vpl_radius.h"
+#include "scene/media.h"
 #include "scene/sight.h"
 #include "shade/fresnel.h"
 #include "shade/light_kind.h"

@@ -81,7 +81,8 @@ void lc_add_to_planes(const lc_render_job *j, lc_pixel *px, const lc_sight *sigh
  * the samples of a pixel by the golden ratio. */
 static double medium_offset(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i)
 {
-    const uint64_t h = lc_job_key(j, pixel_of(j, x - x % LC_PIXEL_BLOCK, y - y % LC_PIXEL_BLOCK), 0, LC_DIM_MEDIUM);
+    const uint64_t block = pixel_of(j, x - x % LC_PIXEL_BLOCK, y - y % LC_PIXEL_BLOCK),
+                   h = lc_job_key(j, block, 0, LC_DIM_MEDIUM);
     const uint32_t of_block = lc_permute16(y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK, h);
     const double u = (of_block + lc_unit(lc_job_key(j, pixel_of(j, x, y), 0, LC_DIM_MEDIUM))) / 16 +
                      i * 0.6180339887498949;

@@ -155,9 +155,9 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
         if (st) return st;
         w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.max_size + 2, sizeof *w->cut_hist);
         if (!w->cut_hist) return LC_ERR_MEMORY;
-        const uint32_t in_media = j->scene->media.present ? j->spp * j->how.n_points : 0;
-        if (desc->max_points && !(w->points = lc_pixel_points_create(j->ctx, 2 * desc->max_points + in_media)))
-            return LC_ERR_MEMORY;
+        const uint32_t in_media = j->scene->media.present ? j->spp * j->how.n_points : 0,
+                       most = 2 * desc->max_points + in_media;
+        if (desc->max_points && !(w->points = lc_pixel_points_create(j->ctx, most))) return LC_ERR_MEMORY;
         w->stats.go_on = lc_job_go_on;
         w->stats.go_on_user = j;
         bool tiles = j->desc->tile_load || j->desc->tile_done;

@@ -4,17 +4,16 @@
 
 #include "base/fmath.h"
 #include "base/memory.h"
-#include "scene/scene.h"
 #include "trace/bvh.h"
 
 #include <math.h>
 #include <string.h>
 
 #define MOST_SPANS   64
-#define MOST_STEPS   320   /* of a ray; each span that is still to come has one */
+#define MOST_STEPS   320 /* of a ray; each span that is still to come has one */
 #define STEPS_A_CELL 2.0
-#define CLEAR        4e-6  /* of the coordinates' size: how far behind a boundary the next is looked for */
-#define THIN         1e-5  /* optical thickness below which all places of a step are as likely */
+#define CLEAR        4e-6 /* of the coordinates' size: how far behind a boundary the next is looked for */
+#define THIN         1e-5 /* optical thickness below which all places of a step are as likely */
 
 /* ---- building ---- */
 
@@ -94,7 +93,7 @@ typedef struct walk {
     const lc_media *media;
     lc_f3 org, dir;
     double at, end, from; /* from: the next boundary is looked for behind this */
-    uint32_t n, medium; /* spans so far; behind the last boundary, if it met one */
+    uint32_t n, medium;   /* spans so far; behind the last boundary, if it met one */
 } walk;
 
 /* The first boundary from a place on; false: there is none. *before, *behind: the media on its sides. */
@@ -108,8 +107,8 @@ static bool next_boundary(const walk *w, double *t, uint32_t *before, uint32_t *
     m->bvh->kernels->closest(&m->bvh->data, org, dir, FLT_MAX, &hit);
     if (hit.tri == LC_NONE) return false;
     const float *p = m->pos + 9 * (size_t)hit.tri;
-    const lc_f3 a = lc_f3_load(p), n = lc_f3_cross(lc_f3_sub(lc_f3_load(p + 3), a),
-                                                   lc_f3_sub(lc_f3_load(p + 6), a));
+    const lc_f3 a = lc_f3_load(p),
+                n = lc_f3_cross(lc_f3_sub(lc_f3_load(p + 3), a), lc_f3_sub(lc_f3_load(p + 6), a));
     const bool enters = lc_f3_dot(n, w->dir) < 0;
     const lc_boundary sides = m->sides[hit.tri];
     *t = w->from + (double)hit.t;
@@ -183,7 +182,8 @@ static double density_at(const lc_medium_grid *g, const double p[3])
 }
 
 /* Where a ray is in the grid, in the grid's space: a + t b, for t0 < t < t1. */
-static bool clip_to_grid(const lc_medium_grid *g, const walk *w, double a[3], double b[3], double *t0, double *t1)
+static bool clip_to_grid(const lc_medium_grid *g, const walk *w, double a[3], double b[3], double *t0,
+                         double *t1)
 {
     const double o[3] = { (double)w->org.x, (double)w->org.y, (double)w->org.z },
                  d[3] = { (double)w->dir.x, (double)w->dir.y, (double)w->dir.z };
@@ -321,9 +321,10 @@ uint32_t lc_media_draw(const lc_scene *scene, lc_f3 org, lc_f3 dir, double lengt
         double density, d = place_in(at, fmin(u / chance[i], 1), &density);
         thickness(at, d, tau);
         const double factor = at->density / (n * (chance[i] / all) * density);
-        out[k++] = (lc_medium_point){ lc_f3_scale(lc_f3_mul(lc_f3_mul(t[i], through_of(tau)),
-                                                            at->medium->scattering), (float)factor),
-                                      (float)(at->t0 + d), at->medium->g };
+        out[k++] = (lc_medium_point){
+            lc_f3_scale(lc_f3_mul(lc_f3_mul(t[i], through_of(tau)), at->medium->scattering), (float)factor),
+            (float)(at->t0 + d), at->medium->g
+        };
     }
     return n;
 }
@@ -398,4 +399,3 @@ lc_status lc_media_commit(lc_scene *s)
     while (next_span(&w, &at)) m->beyond = at.medium;
     return LC_OK;
 }
-

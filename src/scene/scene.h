@@ -24,7 +24,7 @@
 #include "scene/env_map.h"
 #include "scene/lamps.h"
 #include "scene/light_places.h"
-#include "scene/media.h"
+#include "scene/media_data.h"
 #include "scene/scene_desc.h"
 #include "scene/scene_parts.h"
 #include "shade/light_spot.h"

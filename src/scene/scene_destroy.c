@@ -2,6 +2,7 @@
 #include "scene/scene.h"
 
 #include "scene/instance.h"
+#include "scene/media.h"
 #include "trace/bvh.h"
 #include "tree/light_tree.h"
 

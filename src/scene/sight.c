@@ -1,6 +1,7 @@
 /* sight.c - follows a camera ray through mirrors and glass, the ray of largest weight first. */
 #include "scene/sight.h"
 
+#include "scene/media.h"
 #include "scene/sun.h"
 #include "shade/fresnel.h"
 

@@ -15,8 +15,8 @@
  * max_depth, and shows its own emission if k <= max_depth. A ray that leaves the scene shows the background.
  * A surface with diffuse transmission is illuminated on both sides and so appears twice in the list.
  *
- * In media (scene/media.h) a ray's weight falls with what it crosses, and points on it are entries, too, behind
- * the surface that it hits; without room for them, behind many mirrors, a ray's media are dark.
+ * In media (scene/media.h) a ray's weight falls with what it crosses, and points on it are entries, too,
+ * behind the surface that it hits; without room for them, behind many mirrors, a ray's media are dark.
  */
 #ifndef LC_SIGHT_H
 #define LC_SIGHT_H
@@ -55,7 +55,8 @@ typedef struct lc_sight_desc {
     double offset;      /* 0..1: as for lc_media_draw */
 } lc_sight_desc;
 
-/* Traces a camera ray. False if it leaves the scene and there are no media: what is seen is the background. */
+/* Traces a camera ray. False if it leaves the scene and there are no media: what is seen is the background.
+ */
 bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, const lc_sight_desc *how, lc_sight *out);
 
 /* The direction in which a mirror reflects a ray with direction dir; both unit, world space. */

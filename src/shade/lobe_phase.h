@@ -1,5 +1,5 @@
-/* lobe_phase.h - points of a participating medium: Henyey and Greenstein's phase function ([Henyey41]). With c
- * the cosine between the directions to the viewer and to the light, and g the mean cosine of scattering,
+/* lobe_phase.h - points of a participating medium: Henyey and Greenstein's phase function ([Henyey41]). With
+ * c the cosine between the directions to the viewer and to the light, and g the mean cosine of scattering,
  * lc_material.exponent, -LC_MAX_PHASE .. LC_MAX_PHASE, above 0 forward:
  *
  *     ks (1 - g^2) / (4 pi) / D^(3/2),   D = 1 + g^2 + 2 g c = (1 - |g|)^2 + 2 |g| x,   x = 1 + c sign(g)
@@ -36,8 +36,8 @@ LC_INLINE void phase_value(const lc_point *p, const vf d[3], vf cos_v, vf inv_le
     for (int k = 0; k < 3; k++) f[k] = f[k] + p->specular[k] * value;
 }
 
-/* It grows with the cosine about -n sign(g). D is no more than the estimate's: its rounding is relative, 3u in
- * both, and the cosine's is in COS_SLACK; so the lobe is within 8u of exact, in both. */
+/* It grows with the cosine about -n sign(g). D is no more than the estimate's: its rounding is relative, 3u
+ * in both, and the cosine's is in COS_SLACK; so the lobe is within 8u of exact, in both. */
 LC_INLINE vf phase_bound(cluster_lanes *l, const lc_point *p, const rel_box *box, const range *n, bool far,
                          vf g, vf diffuse, v3 intensity)
 {

@@ -14,8 +14,8 @@
  * LC_WARD_MIN_COS (point.h): with 0.02 no direction reflects more than ks, for any accepted roughness. At
  * small roughness ks co is reflected.
  *
- * Oren and Nayar's: lobe_oren_nayar.h. Receivers of illuminance that are no plane: lobe_round.h. Points of media:
- * lobe_phase.h.
+ * Oren and Nayar's: lobe_oren_nayar.h. Receivers of illuminance that are no plane: lobe_round.h. Points of
+ * media: lobe_phase.h.
  *
  * GGX ([Walter07], anisotropic and with height-correlated masking as in [Heitz14]), with h of length 1:
  *

@@ -439,7 +439,8 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
            e_hi = emission(l, t.cos_e + ee) * (1 + spot);
     if (l->kind == LC_LIGHT_LUMINAIRE) table_range(l, t.angle, &e_lo, &e_hi);
     if (p->lobe == LC_LOBE_PHASE) {
-        ref_phase_range(p, t.cos_r, er, (const double[2]){ ref_apart(p, l) ? e_lo : 0, e_hi }, t.inv_f, lo, hi);
+        const double e[2] = { ref_apart(p, l) ? e_lo : 0, e_hi };
+        ref_phase_range(p, t.cos_r, er, e, t.inv_f, lo, hi);
         return;
     }
     double n = (double)p->exponent, pm_lo = 0, pm_hi = 0, gloss_lo[3], gloss_hi[3];

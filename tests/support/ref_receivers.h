@@ -1,4 +1,5 @@
-/* ref_receivers.h - references in double precision of receivers and lobes that are a formula of few cosines. */
+/* ref_receivers.h - references in double precision of receivers and lobes that are a formula of few cosines.
+ */
 #ifndef REF_RECEIVERS_H
 #define REF_RECEIVERS_H
 
@@ -27,7 +28,7 @@ static inline double round_lobe(const lc_point *p, double sin_r, double cos_r)
 /* Diffuse part, of which a coat lets in `coat`, and lobe, times the receiver cosine times G ([Miksik07] eq.
  * 6). cos^0 = 1. */
 static inline double combine(const lc_point *p, int c, double cos_r, double coat, double lobe, double cos_e,
-                      double inv_f)
+                             double inv_f)
 {
     double rho = (double)p->diffuse[c] * coat + lobe;
     return rho * fmax(cos_r, 0) * fmax(cos_e, 0) * inv_f;
