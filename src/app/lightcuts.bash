@@ -58,6 +58,7 @@ _lightcuts()
         render:--maxdepth | render:--area-lights | render:--env-lights | render:--indirect-lights | \
         render:--indirect-error | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
+        render:--resolution | render:--exposure | \
         render:--print-chunks | render:--time-limit | render:--max-memory | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
         scene:--lights | scene:--seed | converge:--pixels | converge:--spp | converge:--seed | \
@@ -94,7 +95,7 @@ _lightcuts()
         render) options='--outfile --method --error --within --time --calibration
             --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
-            --indirect-from --seed --spp --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
+            --indirect-from --seed --spp --resolution --exposure --tone --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
             --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --aov
             --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;
@@ -105,7 +106,7 @@ _lightcuts()
         lux) options='--grid --points --camera --cylindrical --scalar --outfile --json --efficacy --error
             --within --dark-floor --method --indirect-lights --indirect-error --maxdepth --area-lights
             --env-lights --seed --max-memory --nthreads --isa --quiet --help' ;;
-        preview) options='--outfile --exposure --false-colour --range --help' ;;
+        preview) options='--outfile --exposure --tone --false-colour --range --help' ;;
         explain) options='--pixel --sample --top --all --json --method --error --within
             --error-ratio --max-cut --dark-floor --representatives --builder --area-lights
             --indirect-lights --indirect-error --indirect-from --maxdepth --seed

@@ -180,6 +180,18 @@ int cli_parse_pixels(const char *text, int32_t out[4])
     return 0;
 }
 
+int cli_parse_resolution(const char *text, uint32_t out[2])
+{
+    const char *x = strchr(text, 'x');
+    char width[12];
+    if (!x || (size_t)(x - text) >= sizeof width) return -1;
+    memcpy(width, text, (size_t)(x - text));
+    width[x - text] = 0;
+    if (cli_parse_u32(width, 1, CLI_MAX_SIDE, &out[0])) return -1;
+    if (cli_parse_u32(x + 1, 1, CLI_MAX_SIDE, &out[1])) return -1;
+    return (uint64_t)out[0] * out[1] > CLI_MAX_PIXELS ? -1 : 0;
+}
+
 int cli_parse_method(const char *text, lc_method *out)
 {
     for (int m = LC_METHOD_LIGHTCUTS; m <= LC_METHOD_CUTS; m++)
@@ -279,6 +291,9 @@ static const char *good_values(const char *option)
     static const struct {
         const char *option, *values;
     } good[] = { { "method", "lightcuts, exact or cuts" },
+                 { "resolution", "WIDTHxHEIGHT in pixels, such as 960x540" },
+                 { "exposure", "stops from -100 to 100, or auto" },
+                 { "tone", "shoulder, plain or filmic" },
                  { "builder", "auto, exact or ploc" },
                  { "bvh", "best or fast" },
                  { "indirect-from", "scene or view" },

@@ -23,6 +23,7 @@ enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INPUT = 3, CLI_STOPPED = 7
 #define CLI_MIN_ERROR 1e-6         /* --error */
 #define CLI_ERROR 0.02f            /* --error, where it is not given */
 #define CLI_MAX_SIDE 65535         /* pixels */
+#define CLI_MAX_PIXELS (1u << 28)
 
 #define CLI_LONG_ONLY 256 /* values from here on stand for options that have no letter */
 
@@ -73,6 +74,8 @@ int cli_parse_indirect(const char *text, uint32_t *out); /* a number of lights; 
 int cli_parse_indirect_from(const char *text, lc_indirect_from *out); /* scene, view */
 int cli_parse_single(const char *text, double lo, double hi, float *out);
 /* x0,x1,y0,y1: whole numbers from 0 to 65535. */
+/* WIDTHxHEIGHT. */
+int cli_parse_resolution(const char *text, uint32_t out[2]);
 int cli_parse_pixels(const char *text, int32_t out[4]);
 /* By their names: auto, exact, ploc; lightcuts, exact, cuts. */
 int cli_parse_builder(const char *text, lc_builder *out);

@@ -1,6 +1,7 @@
 /* cmd_preview.c - lightcuts preview: an image as a PNG to look at, or one channel in false colours. */
 #include "cli/cli.h"
 #include "cli/colourmap.h"
+#include "cli/tone.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -8,17 +9,18 @@
 
 typedef struct options {
     const char *image, *outfile, *channel;
-    double exposure, lo, hi;
+    double lo, hi;
+    cli_tone tone;
     bool has_range;
 } options;
 
 static const char help[] =
     "usage: lightcuts preview [options] IMAGE.exr -o IMAGE.png\n"
     "\n"
-    "Writes an image (.exr or .png) as an 8-bit sRGB PNG. Values from 0.8 up roll off towards white.\n"
+    "Writes an image (.exr or .png) as an 8-bit sRGB PNG.\n"
     "\n"
     "  -o, --outfile FILE       the PNG to write\n"
-    "      --exposure STOPS     brighten by 2^STOPS first (default 0)\n"
+    CLI_TONE_HELP
     "      --false-colour NAME  show the channel NAME (cut.size, Z, ...), dark violet is low, yellow high;\n"
     "                           the range goes to stderr, NaN is grey\n"
     "      --range LO,HI        range of the false colours (default: of the finite values)\n"
@@ -44,8 +46,8 @@ static int parse_range(const char *text, options *o)
 /* 0: go on; else the exit status + 1. */
 static int parse_options(int argc, char **argv, options *o)
 {
-    enum { OPT_EXPOSURE = CLI_LONG_ONLY, OPT_CHANNEL, OPT_RANGE };
-    static const struct option table[] = { { "exposure", required_argument, NULL, OPT_EXPOSURE },
+    enum { OPT_CHANNEL = CLI_LONG_ONLY, OPT_RANGE };
+    static const struct option table[] = { CLI_TONE_OPTIONS,
                                            { "false-colour", required_argument, NULL, OPT_CHANNEL },
                                            { "range", required_argument, NULL, OPT_RANGE },
                                            { "outfile", required_argument, NULL, 'o' },
@@ -60,9 +62,14 @@ static int parse_options(int argc, char **argv, options *o)
         case 'h': fputs(help, stdout); return CLI_OK + 1;
         case OPT_CHANNEL: o->channel = optarg; break;
         case OPT_RANGE: bad = parse_range(optarg, o); break;
-        case OPT_EXPOSURE:
-            bad = cli_parse_float(optarg, -100, 100, &o->exposure);
-            if (bad) cli_usage_error("preview", "--exposure %s: want a number from -100 to 100", optarg);
+        case CLI_OPT_EXPOSURE:
+            bad = cli_set_tone(c, optarg, &o->tone);
+            if (bad)
+                cli_usage_error("preview", "--exposure %s: want a number from -100 to 100, or auto", optarg);
+            break;
+        case CLI_OPT_TONE:
+            bad = cli_set_tone(c, optarg, &o->tone);
+            if (bad) cli_usage_error("preview", "--tone %s: want shoulder, plain or filmic", optarg);
             break;
         default: cli_bad_option("preview", c, argv, table); return CLI_USAGE + 1;
         }
@@ -121,11 +128,10 @@ static int false_colour(const options *o, const lc_image *image, size_t n, float
     return 0;
 }
 
-static int expose(const options *o, const lc_image *image, size_t n, float *const out[3])
+static int take_colours(const options *o, const lc_image *image, size_t n, float *const out[3])
 {
     static const char *const names[3] = { "R", "G", "B" };
     const float *grey = lc_image_channel(image, "Y"), *plane[3];
-    float scale = (float)exp2(o->exposure);
     for (int c = 0; c < 3; c++) {
         plane[c] = lc_image_channel(image, names[c]);
         if (!plane[c]) plane[c] = grey;
@@ -135,7 +141,7 @@ static int expose(const options *o, const lc_image *image, size_t n, float *cons
         }
     }
     for (size_t i = 0; i < n; i++) {
-        for (int c = 0; c < 3; c++) out[c][i] = plane[c][i] * scale;
+        for (int c = 0; c < 3; c++) out[c][i] = plane[c][i];
     }
     return 0;
 }
@@ -152,8 +158,10 @@ static int preview(lc_context *ctx, const options *o, const lc_image *image)
     for (int c = 0; status == LC_OK && c < 3; c++) status = lc_image_add_channel(shown, names[c], &out[c]);
     int code = CLI_FAILED;
     if (status == LC_OK) {
-        code = o->channel ? false_colour(o, image, n, out) : expose(o, image, n, out);
-        if (code == 0) code = cli_exit_status(lc_image_write(shown, o->outfile));
+        code = o->channel ? false_colour(o, image, n, out) : take_colours(o, image, n, out);
+        if (code == 0)
+            code = cli_exit_status(o->channel ? lc_image_write(shown, o->outfile)
+                                              : cli_write_png(ctx, shown, o->outfile, &o->tone, true));
     }
     lc_image_destroy(shown);
     return code;

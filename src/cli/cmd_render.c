@@ -6,6 +6,7 @@
 #include "cli/progress.h"
 #include "cli/sandbox.h"
 #include "cli/stats_file.h"
+#include "cli/tone.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -34,6 +35,7 @@ typedef struct {
     bool has_pixel_crop, has_unit_crop, quiet, print_stats, write_time;
     int verbosity;
     cli_farm farm;
+    cli_tone tone;
 } options;
 
 enum {
@@ -66,12 +68,15 @@ enum {
     OPT_KEEP,
     OPT_LIMIT,
     OPT_SANDBOX,
-    OPT_MEMORY
+    OPT_MEMORY,
+    OPT_RESOLUTION
 };
 
 static const struct option long_options[] = {
     { "outfile", 1, 0, 'o' },
     { "method", 1, 0, OPT_METHOD },
+    { "resolution", 1, 0, OPT_RESOLUTION },
+    CLI_TONE_OPTIONS,
     CLI_ERROR_OPTIONS,
     { "calibration", 1, 0, OPT_CALIBRATION },
     { "time", 1, 0, OPT_SECONDS },
@@ -143,15 +148,14 @@ static void print_help(void)
         "                           representatives, default 0\n"
         "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a\n"
         "                           lens 16\n"
+        "      --resolution WxH     of the film in place of the scene's; the view stays\n" CLI_TONE_HELP
         "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
         "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n"
-        "      --chunk K/N|slurm    render part K of N; 'lightcuts merge' puts them together. slurm: of an\n"
-        "                           array job's variables\n"
+        "      --chunk K/N|slurm    render part K of N, or that of an array job; see 'lightcuts merge'\n"
         "      --print-chunks N     list the parts, render nothing\n"
         "      --checkpoint FILE    append finished tiles to FILE, which goes away when the picture is in\n"
         "                           place\n"
-        "      --resume             go on with FILE if it is there; with --chunk: nothing to do when the\n"
-        "                           part is there\n"
+        "      --resume             go on with FILE if it is there, or with the part of --chunk\n"
         "      --time-limit T       stop after T (3600, 90s, 55m, 2h) with all saved and exit status 75\n"
         "      --checkpoint-interval T  force FILE to the disk this often, default 30s\n"
         "      --keep-checkpoint    leave FILE there\n"
@@ -216,6 +220,9 @@ static int set_option(void *user, int c)
         o->verbosity = -1;
         return 0;
     case 'v': o->verbosity = 1; return 0;
+    case OPT_RESOLUTION: return cli_parse_resolution(optarg, o->load.resolution);
+    case CLI_OPT_EXPOSURE:
+    case CLI_OPT_TONE: return cli_set_tone(c, optarg, &o->tone);
     default: return cli_set_error_option(c, optarg, &o->given, &o->render);
     }
 }
@@ -395,7 +402,7 @@ static int make_plan(void *user, const lc_scene *scene)
     return p->status;
 }
 
-static int write_outputs(options *o, lc_image *image, double seconds)
+static int write_outputs(options *o, lc_context *ctx, lc_image *image, double seconds)
 {
     if (o->write_time && !getenv("SOURCE_DATE_EPOCH") &&
         lc_image_set_number(image, "renderTimeSeconds", seconds))
@@ -403,7 +410,9 @@ static int write_outputs(options *o, lc_image *image, double seconds)
     if (o->farm.chunk && lc_chunk_mark(image, &o->farm.id, o->farm.crop, o->farm.k, o->farm.n))
         return CLI_FAILED;
     for (int i = 0; i < o->n_outputs; i++) {
-        lc_status st = lc_image_write(image, o->outputs[i]);
+        const bool png = cli_has_extension(o->outputs[i], ".png");
+        lc_status st = png ? cli_write_png(ctx, image, o->outputs[i], &o->tone, !o->quiet)
+                           : lc_image_write(image, o->outputs[i]);
         if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);
         if (st) return CLI_FAILED;
     }
@@ -537,7 +546,7 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
         fprintf(stderr, "lightcuts: warning: %llu pixels were not finite and were set to 0\n",
                 (unsigned long long)r.stats.nonfinite);
     double t1 = cli_now();
-    status = write_outputs(o, *image, r.stats.seconds);
+    status = write_outputs(o, ctx, *image, r.stats.seconds);
     if (status) return status;
     cli_farm_close(&o->farm, true);
     r.isa = lc_isa_name(lc_context_isa(ctx));

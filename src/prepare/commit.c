@@ -9,18 +9,26 @@
 #include "scene/media.h"
 #include "trace/bvh.h"
 
-/* Reduces the film to about max_pixels with the same view. The crop is rounded outwards to whole pixels. */
+/* Makes the film one of this size. The crop is rounded outwards to whole pixels. */
+static void resize_film(lc_film_desc *f, const uint32_t to[2])
+{
+    uint32_t *side[2] = { &f->width, &f->height };
+    for (int i = 0; i < 2; i++) {
+        const double scale = (double)to[i] / *side[i];
+        f->crop[2 * i] = (uint32_t)floor(f->crop[2 * i] * scale);
+        f->crop[2 * i + 1] = (uint32_t)fmin(ceil(f->crop[2 * i + 1] * scale), to[i]);
+        *side[i] = to[i];
+    }
+}
+
+/* Reduces the film to about max_pixels with the same view. */
 static void shrink_film(lc_film_desc *f, uint64_t max_pixels)
 {
     double all = (double)f->width * f->height, factor = sqrt((double)max_pixels / all);
     if (!max_pixels || factor >= 1) return;
-    uint32_t *side[2] = { &f->width, &f->height };
-    for (int i = 0; i < 2; i++) {
-        double size = fmax(floor(*side[i] * factor), 1), scale = size / *side[i];
-        f->crop[2 * i] = (uint32_t)floor(f->crop[2 * i] * scale);
-        f->crop[2 * i + 1] = (uint32_t)fmin(ceil(f->crop[2 * i + 1] * scale), size);
-        *side[i] = (uint32_t)size;
-    }
+    const uint32_t to[2] = { (uint32_t)fmax(floor(f->width * factor), 1),
+                             (uint32_t)fmax(floor(f->height * factor), 1) };
+    resize_film(f, to);
 }
 
 /* The BVH of the world's own triangles, and what shadow rays and proofs read beside it. */
@@ -45,6 +53,11 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!s->has_camera && !s->sensors) return lc_fail(s->ctx, LC_ERR_PARSE, "the scene has no Camera");
     s->load = *desc;
     s->load.sensors = NULL; /* the host's, which may go */
+    const uint32_t *size = desc->resolution;
+    if (size[0] > LC_MAX_SIDE || size[1] > LC_MAX_SIDE || (uint64_t)size[0] * size[1] > LC_MAX_PIXELS ||
+        !size[0] != !size[1])
+        return lc_fail(s->ctx, LC_ERR_ARG, "resolution: %u x %u is none of a film", size[0], size[1]);
+    if (!s->sensors && size[0]) resize_film(&s->film, size);
     if (!s->sensors) shrink_film(&s->film, desc->max_pixels);
     if (!s->sensors && !lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
         return lc_fail(s->ctx, LC_ERR_PARSE, "camera out of range");
