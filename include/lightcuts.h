@@ -191,11 +191,11 @@ typedef struct lc_load_desc {
     const lc_sensors_desc *sensors; /* illuminance in place of pictures; copied; NULL: the camera's */
     uint32_t resolution[2]; /* width and height of the film in place of the file's: its crop is scaled along,
                              * and where the camera has no aspect ratio of its own, the shorter side keeps
-                             * its angle of view; 0: the file's; up to LC_MAX_SIDE and LC_MAX_PIXELS */
+                             * its angle of view; 0: the file's; up to 65535 each and 2^28 pixels */
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
 #define LC_LOAD_DESC_INIT                                                                                    \
-    { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0, 0,    \
+    { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0, 0,  \
       { 0, 0 } }
 
 /* One kind of thing in the scene file that was approximated or skipped. */
