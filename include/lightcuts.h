@@ -595,7 +595,7 @@ enum { /* lc_render_desc.aovs: further channels of the picture, each the mean ov
                          * error of pixels is asked: its stated half-width over the larger of
                          * luminance and floor */
     LC_AOV_RAYS = 64,   /* cut.rays: shadow rays */
-    LC_AOV_ALL = 127,   /* all but the next, which takes cuts of its own: two to four times as long */
+    LC_AOV_ALL = 127,   /* all but the next, which takes cuts of its own: some five to ten times as long */
     LC_AOV_INTERVAL = 128 /* cut.lower cut.upper: between what the luminance of the pixel is if every light
                            * is evaluated at the same points, proved; cut.estimate: an unbiased estimate of
                            * it, by other lights than the picture's; cut.halfwidth: with a probability of 95 %
