@@ -49,6 +49,10 @@ lc_status lc_load_take(const lc_context *ctx, const lc_load_desc *desc, lc_load_
         return lc_fail(ctx, LC_ERR_ARG,
                        "representatives must be 1 to %d, area and environment lights at most %u", LC_MAX_REPS,
                        MAX_MADE_LIGHTS);
+    const uint32_t *size = d.resolution;
+    if (size[0] > LC_MAX_SIDE || size[1] > LC_MAX_SIDE || (uint64_t)size[0] * size[1] > LC_MAX_PIXELS ||
+        !size[0] != !size[1])
+        return lc_fail(ctx, LC_ERR_ARG, "resolution: no film has %u x %u pixels", size[0], size[1]);
     *out = d;
     return LC_OK;
 }

@@ -1,11 +1,12 @@
 /* colourmap.c - maps of a few sRGB colours of evenly rising lightness, interpolated linearly. */
 #include "cli/colourmap.h"
 
+#include "cli/tone.h"
+
 #include <math.h>
 
 #define N_STOPS 5
-#define SHOULDER 0.8  /* from here on lc_image_write compresses the highlights of a PNG */
-#define MAX_COMPRESSED 0.995 /* the compressed highlights reach 1 only at infinity */
+#define MAX_SHOWN 0.995 /* of colours; what is shown as 1 is far above the others */
 
 static const double stops[2][N_STOPS][3] = {
     { { 0.19, 0.05, 0.32 },
@@ -24,9 +25,7 @@ static const double stops[2][N_STOPS][3] = {
 static float to_linear(double c)
 {
     double v = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-    if (v > MAX_COMPRESSED) v = MAX_COMPRESSED;
-    if (v > SHOULDER) v = SHOULDER + (1 - SHOULDER) * ((1 - SHOULDER) / (1 - v) - 1);
-    return (float)v;
+    return (float)cli_shown_as(fmin(v, MAX_SHOWN));
 }
 
 void colourmap_rgb(colourmap_kind kind, double v, float rgb[3])

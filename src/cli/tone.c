@@ -2,13 +2,11 @@
  * makes them of. */
 #include "cli/tone.h"
 
-#include "cli/cli.h"
-
 #include <math.h>
 #include <string.h>
 
 #define SHOULDER 0.8    /* from here on lc_image_write compresses */
-#define WHITE    1e6    /* what it shows as white */
+#define WHITE    1e6    /* what it shows as 1, which it reaches at infinity */
 #define GREY     0.18   /* that the mean is exposed to */
 #define BLACK    0.0021 /* luminance below which sRGB is at most 7 of 255 */
 #define MOST     0.9    /* of the pixels, that are black; half as many white ones are too many */
@@ -21,7 +19,6 @@ int cli_set_tone(int c, const char *value, cli_tone *tone)
         tone->automatic = !strcmp(value, "auto");
         return !tone->automatic && cli_parse_float(value, -100, 100, &tone->exposure);
     }
-    if (c != CLI_OPT_TONE) return -1;
     for (size_t i = 0; i < sizeof curves / sizeof *curves; i++)
         if (!strcmp(value, curves[i])) {
             tone->curve = (cli_tone_curve)i;
@@ -40,8 +37,7 @@ static double curve(cli_tone_curve kind, double v)
     return fmin(v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14), 1);
 }
 
-/* What lc_image_write shows as v, 0..1. */
-static double uncompressed(double v)
+double cli_shown_as(double v)
 {
     if (v <= SHOULDER) return v;
     return fmin(SHOULDER + (1 - SHOULDER) * ((1 - SHOULDER) / fmax(1 - v, 1e-12) - 1), WHITE);
@@ -100,15 +96,16 @@ lc_status cli_write_png(lc_context *ctx, const lc_image *image, const char *path
     lc_image_get_desc(image, &desc);
     const size_t n = (size_t)desc.width * desc.height;
     const double stops = tone->automatic ? stops_for(plane, n) : tone->exposure, scale = exp2(stops);
-    lc_status st = lc_image_create(ctx, &desc, &shown);
-    for (int c = 0; c < 3 && !st; c++) {
+    const bool as_it_is = tone->curve == CLI_TONE_SHOULDER && !(scale < 1) && !(scale > 1);
+    lc_status st = as_it_is ? LC_OK : lc_image_create(ctx, &desc, &shown);
+    for (int c = 0; c < 3 && !st && shown; c++) {
         if ((st = lc_image_add_channel(shown, names[c], &out))) break;
         for (size_t i = 0; i < n; i++) {
             const double v = (double)plane[c][i] * scale;
-            out[i] = (float)(tone->curve == CLI_TONE_SHOULDER ? v : uncompressed(curve(tone->curve, v)));
+            out[i] = (float)(tone->curve == CLI_TONE_SHOULDER ? v : cli_shown_as(curve(tone->curve, v)));
         }
     }
-    if (!st) st = lc_image_write(shown, path);
+    if (!st) st = lc_image_write(shown ? shown : image, path);
     if (!st && hint) hint_at(plane, n, stops, path);
     lc_image_destroy(shown);
     return st;

@@ -2,9 +2,8 @@
 #ifndef CLI_TONE_H
 #define CLI_TONE_H
 
-#include "lightcuts.h"
+#include "cli/cli.h"
 
-#include <getopt.h>
 #include <stdbool.h>
 
 typedef enum cli_tone_curve {
@@ -19,15 +18,18 @@ typedef struct cli_tone {
     cli_tone_curve curve;
 } cli_tone;
 
-enum { CLI_OPT_EXPOSURE = 900, CLI_OPT_TONE }; /* of getopt_long */
+enum { CLI_OPT_EXPOSURE = 3 * CLI_LONG_ONLY, CLI_OPT_TONE };
 #define CLI_TONE_OPTIONS                                                                                     \
     { "exposure", 1, 0, CLI_OPT_EXPOSURE }, { "tone", 1, 0, CLI_OPT_TONE }
 #define CLI_TONE_HELP                                                                                        \
     "      --exposure EV|auto   of PNGs: brighten by 2^EV first, -100 to 100, default 0\n"                   \
     "      --tone CURVE         of PNGs: shoulder (default), plain, or filmic\n"
 
-/* Sets an option of these; 0: done, 1: the value is bad, -1: the option is of someone else. */
+/* Sets the option c, one of these; nonzero: the value is bad. */
 int cli_set_tone(int c, const char *value, cli_tone *tone);
+
+/* The linear value that a PNG of lc_image_write, which compresses highlights, shows as linear v, 0..1. */
+double cli_shown_as(double v);
 
 /* Writes R, G and B as a PNG, exposed and curved; hint: says on standard error where most of it is black or
  * white, with the exposure that would help. */

@@ -33,7 +33,6 @@ typedef struct {
     lc_cut *cut;
     const lc_point *point;
     const float *org;
-    const lc_bvh_data *bvh;
     const double *weight;
     double least, most; /* of weights over those of luminance: what luminance between bounds is at least */
     uint64_t key;
@@ -111,8 +110,9 @@ static bool is_visible(work *w, uint32_t link, bool far)
     const lc_node *node = &w->cut->tree->data.nodes[link];
     lc_shaft_list list;
     lc_shaft_work tests = { 0 };
-    return w->bvh && side_of(w, node, far) > 0 &&
-           lc_shaft_open(w->bvh, &w->from, node->center, node->half, far, NULL, &list, &tests);
+    const lc_bvh_data *bvh = w->cut->visibility.all;
+    return bvh && side_of(w, node, far) > 0 &&
+           lc_shaft_open(bvh, &w->from, node->center, node->half, far, NULL, &list, &tests);
 }
 
 /* Of a cluster that is visible: its lower bound. */
@@ -233,10 +233,10 @@ static void add_cluster(work *w, uint32_t i)
     add_range(w, link, kind, low, (double)kept->bound[i]);
 }
 
-void lc_cut_interval(lc_cut *cut, const lc_point *p, const float org[3], const lc_bvh_data *bvh,
-                     const double weight[3], uint64_t key, lc_stats *stats, lc_interval *out)
+void lc_cut_interval(lc_cut *cut, const lc_point *p, const float org[3], const double weight[3], uint64_t key,
+                     lc_stats *stats, lc_interval *out)
 {
-    work w = { .cut = cut, .point = p, .org = org, .bvh = bvh, .weight = weight, .key = key,
+    work w = { .cut = cut, .point = p, .org = org, .weight = weight, .key = key,
                .stats = stats, .out = out, .least = INFINITY, .most = -INFINITY };
     *out = (lc_interval){ 0 };
     for (int k = 0; k < 3; k++) {

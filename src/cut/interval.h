@@ -20,17 +20,15 @@
 #define LC_INTERVAL_H
 
 #include "cut/cut.h"
-#include "trace/bvh_data.h"
 
 typedef struct lc_interval {
     double lower, upper; /* proved */
     double estimate, range2;
 } lc_interval;
 
-/* Of one point, whose cut lc_cut_shade has just made, and weights of R G B. bvh: that of the cut's
- * visibility, or NULL: nothing is proved to be visible; key: of the random lights. */
-void lc_cut_interval(lc_cut *cut, const lc_point *point, const float ray_org[3], const lc_bvh_data *bvh,
-                     const double weight[3], uint64_t key, lc_stats *stats, lc_interval *out);
+/* Of one point, whose cut lc_cut_shade has just made, and weights of R G B. key: of the random lights. */
+void lc_cut_interval(lc_cut *cut, const lc_point *point, const float ray_org[3], const double weight[3],
+                     uint64_t key, lc_stats *stats, lc_interval *out);
 
 /* That of a known radiance. */
 lc_interval lc_interval_of(lc_f3 radiance, const double weight[3]);

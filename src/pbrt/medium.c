@@ -7,7 +7,7 @@
 
 #define LEFT_OUT (LC_NONE - 1) /* number of a medium that is not made */
 
-/* pbrt's defaults, of media without coefficients: of milk's skin in 1/mm. */
+/* pbrt's defaults, of media without coefficients: whole milk, in 1/mm. */
 static const lc_f3 usual_absorption = { 0.0011f, 0.0024f, 0.014f },
                    usual_scattering = { 2.55f, 3.21f, 3.77f };
 
@@ -97,7 +97,7 @@ static lc_status get_grid(lc_pbrt *p, lc_pos where, lc_medium *m)
     return LC_OK;
 }
 
-static lc_status note_emission(lc_pbrt *p, lc_pos where)
+static lc_status note_left_out(lc_pbrt *p, lc_pos where)
 {
     static const char *const names[] = { "Le", "Lescale", "temperature", "temperaturescale", "preset" };
     lc_status st = LC_OK;
@@ -107,7 +107,7 @@ static lc_status note_emission(lc_pbrt *p, lc_pos where)
             st = lc_pbrt_note(p, where, "medium",
                               strcmp(names[i], "preset")
                                   ? "what a medium emits is left out"
-                                  : "presets of media are not known: pbrt's default is");
+                                  : "presets of media are not known: pbrt's default takes their place");
     }
     return st;
 }
@@ -124,7 +124,7 @@ static lc_status read_medium(lc_pbrt *p, const lc_pbrt_stmt *s, const char *type
     }
     lc_status st = get_coefficients(p, m);
     if (!st && grid) st = get_grid(p, s->pos, m);
-    return st ? st : note_emission(p, s->pos);
+    return st ? st : note_left_out(p, s->pos);
 }
 
 lc_status lc_pbrt_make_named_medium(lc_pbrt *p, const lc_pbrt_stmt *s)

@@ -53,11 +53,7 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!s->has_camera && !s->sensors) return lc_fail(s->ctx, LC_ERR_PARSE, "the scene has no Camera");
     s->load = *desc;
     s->load.sensors = NULL; /* the host's, which may go */
-    const uint32_t *size = desc->resolution;
-    if (size[0] > LC_MAX_SIDE || size[1] > LC_MAX_SIDE || (uint64_t)size[0] * size[1] > LC_MAX_PIXELS ||
-        !size[0] != !size[1])
-        return lc_fail(s->ctx, LC_ERR_ARG, "resolution: %u x %u is none of a film", size[0], size[1]);
-    if (!s->sensors && size[0]) resize_film(&s->film, size);
+    if (!s->sensors && desc->resolution[0]) resize_film(&s->film, desc->resolution);
     if (!s->sensors) shrink_film(&s->film, desc->max_pixels);
     if (!s->sensors && !lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
         return lc_fail(s->ctx, LC_ERR_PARSE, "camera out of range");

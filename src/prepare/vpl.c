@@ -219,6 +219,7 @@ static void trace(path *p)
         if (!lc_surface_hit(p->m->scene, p->org, p->dir, 0, &s)) return;
         if (p->m->scene->media.present)
             p->flux = lc_f3_mul(p->flux, lc_media_through(p->m->scene, p->org, p->dir, (double)s.t));
+        if (!(lc_f3_max(p->flux) > 0)) return;
         if (depth == 1) p->flux = lc_f3_scale(p->flux, unlike_square(&from, &s));
         if (!(lc_is_specular(&s.material) ? scatter_specular(p, &s, depth) : scatter(p, &s, depth))) return;
     }

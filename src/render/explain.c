@@ -305,8 +305,8 @@ static void set_interval(explainer *e, uint64_t key)
 {
     const double weight[3] = { 0.2126, 0.7152, 0.0722 };
     lc_interval x;
-    lc_cut_interval(&e->probe.cut, e->probe.point, e->probe.sight.lit[0].surface.ray_org,
-                    &e->scene->bvh->data, weight, key, &e->stats, &x);
+    lc_cut_interval(&e->probe.cut, e->probe.point, e->probe.sight.lit[0].surface.ray_org, weight, key,
+                    &e->stats, &x);
     lc_interval_round(&x, 1);
     e->out->lower = x.lower;
     e->out->upper = x.upper;

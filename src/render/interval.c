@@ -54,9 +54,7 @@ static void add_lit(const lc_render_job *j, struct lc_interval_room *room, const
     lc_film_weights(&j->scene->film, lit->weight, weight);
     lc_lit_point(j->scene, lit, hash, point);
     lc_cut_shade(&room->cut, point, lit->surface.ray_org, hash, &room->stats, &r);
-    /* what media take of a light that is seen is not bounded from below */
-    const lc_bvh_data *bvh = j->scene->media.present ? NULL : &j->scene->bvh->data;
-    lc_cut_interval(&room->cut, point, lit->surface.ray_org, bvh, weight, key, &room->stats, &part);
+    lc_cut_interval(&room->cut, point, lit->surface.ray_org, weight, key, &room->stats, &part);
     lc_interval_add(sum, &part, 1);
 }
 

@@ -311,6 +311,7 @@ uint32_t lc_media_draw(const lc_scene *scene, lc_f3 org, lc_f3 dir, double lengt
     const double all = weigh(&s, chance, t);
     *through = t[s.n];
     if (!(all > 0)) return 0;
+    while (!(chance[s.n - 1] > 0)) s.n--; /* rounding must not lead there */
     for (uint32_t i = 0, k = 0; k < n && i < s.n;) {
         const double u = (k + offset) / n * all - before;
         if (!(u < chance[i]) && i + 1 < s.n) {
@@ -388,13 +389,15 @@ lc_status lc_media_commit(lc_scene *s)
     s->visibility.dimmed = dimmed;
     s->visibility.occluder_of = m->solid.occluder_of ? occluder_of : NULL;
     s->visibility.scene = s;
+    s->visibility.all = NULL; /* media dim rays, too */
     lc_status st = m->n_tris ? lc_bvh_build(s->ctx, m->pos, m->index, m->n_tris, &m->bvh) : LC_OK;
     if (st || !m->bvh) return st;
-    /* From the camera outwards: what lies behind the last boundary. */
+    /* From the camera, or a sensor, outwards: what lies behind the last boundary. */
     const double lens[2] = { 0.5, 0.5 };
     walk w = { .media = m, .end = LC_BEYOND };
     span at;
-    lc_camera_ray(&s->camera, 0.5 * s->film.width, 0.5 * s->film.height, lens, &w.org, &w.dir);
+    if (s->sensors) w.org = lc_f3_load(s->sensors->position);
+    else lc_camera_ray(&s->camera, 0.5 * s->film.width, 0.5 * s->film.height, lens, &w.org, &w.dir);
     w.dir = lc_f3_normalize_d(0.267261, 0.534522, 0.801784); /* along no axis */
     while (next_span(&w, &at)) m->beyond = at.medium;
     return LC_OK;

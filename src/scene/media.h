@@ -3,10 +3,10 @@
  * (shade/lobe_phase.h). As it is single scattering, virtual lights included, light that is scattered twice is
  * left out.
  *
- *     transmittance of a length     exp(-(sigma_a + sigma_s) length), times the density where there is a grid
- *     in-scattered radiance         integral over t of T(t) sigma_s times the radiance that the lights make
- *                                   at t, as of a surface; its points are drawn in proportion to T(t)
- * sigma_t, one in each of n parts of equal probability        [Pharr23] 14.1, 14.2
+ *     transmittance T    exp(-(sigma_a + sigma_s) length), times the density where there is a grid
+ *     radiance           the integral over t of T(t) sigma_s times what the lights make at t, as of a
+ *                        surface. Its points are drawn in proportion to what is scattered at t, one in each
+ *                        of n parts of equal probability; [Pharr23] 14.1, 14.2
  *
  * Which medium is where is told by boundaries alone: triangles with a medium on either side. The medium
  * before the first boundary that a ray meets is that on this side of it; where it meets none, the one beyond
@@ -24,15 +24,13 @@
 lc_status lc_scene_add_medium(lc_scene *scene, lc_pos where, const lc_medium *medium, uint32_t *id);
 /* A mesh of the world whose sides are in different media; the same sides twice are no boundary. */
 lc_status lc_scene_add_boundary(lc_scene *scene, lc_pos where, const lc_mesh_desc *mesh, lc_boundary sides);
-/* Once the camera and the surfaces' visibility are known: from then on shadow rays are dimmed by media, too.
- */
+/* Once camera and visibility of the surfaces are known: from then on media dim shadow rays, too. */
 lc_status lc_media_commit(lc_scene *scene);
 void lc_media_free(lc_scene *scene);
 
 /* A point of a medium that is to be lit. */
 typedef struct lc_medium_point {
-    lc_f3 weight; /* of the radiance that the phase function alone makes of it, as it reaches the ray's origin
-                   */
+    lc_f3 weight; /* of its radiance by the phase function alone, on arrival at the ray's origin */
     float t, g;   /* at org + t dir */
 } lc_medium_point;
 

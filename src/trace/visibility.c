@@ -73,5 +73,6 @@ lc_visibility lc_bvh_visibility(const lc_bvh *bvh)
                             .dimmed = bvh->has_glass ? dimmed_by_bvh : NULL,
                             .scene = bvh,
                             .occluder_of = occluder_of,
-                            .occluders = bvh->occluders };
+                            .occluders = bvh->occluders,
+                            .all = &bvh->data };
 }

@@ -5,6 +5,7 @@
 #ifndef LC_VISIBILITY_H
 #define LC_VISIBILITY_H
 
+#include "trace/bvh_data.h"
 #include "trace/occluder.h"
 
 typedef struct lc_visibility {
@@ -23,6 +24,9 @@ typedef struct lc_visibility {
      * from org along dir, or LC_NONE. NULL, with occluders NULL: nothing is ever proved. */
     uint32_t (*occluder_of)(const void *scene, uint32_t blocker, const float org[3], const float dir[3]);
     const lc_occluders *occluders;
+    /* For proofs that whole clusters are visible (cut/interval.h): holds all that may stop or dim a shadow
+     * ray. NULL: nothing is ever proved. */
+    const lc_bvh_data *all;
 } lc_visibility;
 
 struct lc_bvh;
