@@ -13,6 +13,8 @@
  * all boundaries. So nothing has to be remembered from one ray to the next. Boundaries that are visible end
  * rays as all surfaces do; the others, and glass, are what matters here.
  *
+ * The error that is asked of pixels is of the light at these points, not of where they are.
+ *
  * Bounds of clusters take the transmittance as 1, which it never exceeds.
  */
 #ifndef LC_MEDIA_H
