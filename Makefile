@@ -3,6 +3,7 @@
 CC ?= cc
 CLANG ?= clang
 PREFIX ?= /usr/local
+LIBDIR ?= $(PREFIX)/lib
 STATIC ?= 1
 SECONDS ?= 60
 JOBS ?= -j$(shell nproc 2>/dev/null || echo 1)
@@ -90,12 +91,13 @@ help:
 	@echo "make san tsan msan  the tests under ASan and UBSan, under TSan, under MSan; OpenEXR, for MSan zlib too, is built so"
 	@echo "make lint       source rules, both compilers"
 	@echo "make dist       build/lightcuts-VERSION.tar.gz, which builds without git"
-	@echo "make install    PREFIX=/usr/local DESTDIR=; make uninstall"
+	@echo "make deb        Debian packages in build/deb: lightcuts, liblightcuts0, liblightcuts-dev"
+	@echo "make install    PREFIX=/usr/local DESTDIR= LIBDIR=PREFIX/lib; make uninstall"
 	@echo "make clean      removes build/ but keeps build/deps; STATIC=0 links shared libraries"
 
 # ---- dependencies ----
 
-.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill load fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall dist clean run-tests test-programs golden
+.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill load fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall dist deb clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP) $(if $(CROSS),$(CROSS))
 deps-check:
@@ -319,27 +321,27 @@ load:
 # ---- installing ----
 
 install: all
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(LIBDIR)/pkgconfig $(DESTDIR)$(PREFIX)/include
 	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/man/man5
 	install -d $(DESTDIR)$(PREFIX)/share/bash-completion/completions
 	install -m 755 $(BIN)lightcuts $(DESTDIR)$(PREFIX)/bin/
-	install -m 644 $(BIN)liblightcuts.a $(DESTDIR)$(PREFIX)/lib/
-	$(if $(SHARED),install -m 644 $(SHARED) $(DESTDIR)$(PREFIX)/lib/$(SONAME).$(VERSION))
-	$(if $(SHARED),ln -sf $(SONAME).$(VERSION) $(DESTDIR)$(PREFIX)/lib/$(SONAME))
-	$(if $(SHARED),ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/liblightcuts.so)
+	install -m 644 $(BIN)liblightcuts.a $(DESTDIR)$(LIBDIR)/
+	$(if $(SHARED),install -m 644 $(SHARED) $(DESTDIR)$(LIBDIR)/$(SONAME).$(VERSION))
+	$(if $(SHARED),ln -sf $(SONAME).$(VERSION) $(DESTDIR)$(LIBDIR)/$(SONAME))
+	$(if $(SHARED),ln -sf $(SONAME) $(DESTDIR)$(LIBDIR)/liblightcuts.so)
 	install -m 644 include/lightcuts.h $(DESTDIR)$(PREFIX)/include/
-	sed -e 's|@PREFIX@|$(PREFIX)|' \
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' \
 	  -e 's|@PUBLIC@|$(if $(SHARED),,-lz -lm -lpthread)|' \
 	  -e 's|@PRIVATE@|$(if $(SHARED),$(EXR_LINK) -lz -lm -lpthread)|' \
-	  src/app/lightcuts.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc
+	  src/app/lightcuts.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/lightcuts.pc
 	install -m 644 src/app/lightcuts.1 $(DESTDIR)$(PREFIX)/share/man/man1/
 	install -m 644 src/app/lightcuts-scene.5 $(DESTDIR)$(PREFIX)/share/man/man5/
 	install -m 644 src/app/lightcuts.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
 
 uninstall:
-	rm -f $(DESTDIR)$(PREFIX)/bin/lightcuts $(DESTDIR)$(PREFIX)/lib/liblightcuts.a $(DESTDIR)$(PREFIX)/include/lightcuts.h
-	rm -f $(DESTDIR)$(PREFIX)/lib/liblightcuts.so $(DESTDIR)$(PREFIX)/lib/$(SONAME) $(DESTDIR)$(PREFIX)/lib/$(SONAME).$(VERSION)
-	rm -f $(DESTDIR)$(PREFIX)/lib/pkgconfig/lightcuts.pc $(DESTDIR)$(PREFIX)/share/man/man1/lightcuts.1
+	rm -f $(DESTDIR)$(PREFIX)/bin/lightcuts $(DESTDIR)$(LIBDIR)/liblightcuts.a $(DESTDIR)$(PREFIX)/include/lightcuts.h
+	rm -f $(DESTDIR)$(LIBDIR)/liblightcuts.so $(DESTDIR)$(LIBDIR)/$(SONAME) $(DESTDIR)$(LIBDIR)/$(SONAME).$(VERSION)
+	rm -f $(DESTDIR)$(LIBDIR)/pkgconfig/lightcuts.pc $(DESTDIR)$(PREFIX)/share/man/man1/lightcuts.1
 	rm -f $(DESTDIR)$(PREFIX)/share/man/man5/lightcuts-scene.5
 	rm -f $(DESTDIR)$(PREFIX)/share/bash-completion/completions/lightcuts
 
@@ -347,6 +349,10 @@ uninstall:
 dist:
 	@mkdir -p build
 	git archive --format=tar.gz --prefix=lightcuts-$(VERSION)/ -o build/lightcuts-$(VERSION).tar.gz HEAD
+
+deb: dist
+	@sh src/deps/install.sh install shared deb
+	@sh src/deb/build.sh build/lightcuts-$(VERSION).tar.gz build/deb
 
 clean:
 	@for f in build/*; do [ "$$f" = build/deps ] || rm -rf "$$f"; done

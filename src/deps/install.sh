@@ -1,7 +1,7 @@
 #!/bin/sh
 # install.sh - makes sure that what a build needs is there.
 #
-#     sh src/deps/install.sh check|install GROUP...      groups: build static shared test fuzz lint browser farm examples aarch64
+#     sh src/deps/install.sh check|install GROUP...      groups: build static shared test fuzz lint browser farm examples deb root aarch64
 #
 # A thing is looked for by a file or command, never by package, so that it may come from anywhere. What is missing is
 # installed with apt-get when that is there and the user may (root, or sudo without a password); otherwise one line
@@ -43,6 +43,15 @@ for group in "$@"; do
         need_command gcc-aarch64-linux-gnu aarch64-linux-gnu-gcc
         need_file libc6-dev-arm64-cross /usr/aarch64-linux-gnu/include/stdio.h
         need_command qemu-user qemu-aarch64
+        ;;
+    deb)
+        need_command dpkg-dev dpkg-buildpackage
+        need_command debhelper dh
+        need_command fakeroot fakeroot
+        ;;
+    root)
+        need_command lintian lintian
+        need_command debootstrap debootstrap
         ;;
     browser) need_command chromium chromium ;;
     examples)
