@@ -78,7 +78,7 @@ help:
 	@echo "make            library build/liblightcuts.a and static binary build/lightcuts"
 	@echo "make demo       install what is missing, build, render the demo pictures to build/demo/"
 	@echo "make test       install what is missing, build, run every test; what needs a browser or Slurm says skipped without"
-	@echo "make test-all   the same with a browser and Slurm installed, make lint, make test-arm64: what CI runs"
+	@echo "make test-all   the same with a browser and Slurm installed, make lint, make test-deb, make test-arm64: what CI runs"
 	@echo "make bench      lightcuts bench: kernels, shadow rays, trees, a frame over its own rays"
 	@echo "make accept     full-size comparison with the exact method, about 6 minutes"
 	@echo "make accept-kill  1300 random kills of renders that are gone on with"
@@ -97,7 +97,7 @@ help:
 
 # ---- dependencies ----
 
-.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 bench accept accept-kill load fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall dist deb clean run-tests test-programs golden
+.PHONY: FORCE all help deps deps-check demo test test-all test-arm64 test-deb bench accept accept-kill load fault mutate coverage fuzz fuzz-run san tsan msan lint install uninstall dist deb clean run-tests test-programs golden
 deps:
 	@sh src/deps/install.sh install build $(EXR_GROUP) $(if $(CROSS),$(CROSS))
 deps-check:
@@ -193,6 +193,7 @@ test-all:
 	@sh src/deps/install.sh install browser farm examples
 	@$(MAKE) --no-print-directory test
 	@$(MAKE) --no-print-directory lint
+	@$(MAKE) --no-print-directory test-deb
 	@$(MAKE) --no-print-directory test-arm64
 
 test-programs: $(TESTS) $(REPLAYS) $(BIN)lightcuts $(BIN)tests/lightcuts_clock
@@ -206,6 +207,12 @@ test-arm64:
 	@sh src/deps/install.sh install aarch64
 	@$(MAKE) --no-print-directory $(JOBS) CC=aarch64-linux-gnu-gcc all test-programs
 	@sh tests/arm64.sh build/aarch64
+
+# Packages, in a fresh root if one can be made.
+test-deb: all
+	@sh src/deps/install.sh install shared deb root
+	@$(MAKE) --no-print-directory deb
+	@sh tests/deb.sh build/lightcuts build/deb
 
 golden: build/tests/unit_golden
 	build/tests/unit_golden --print > build/hashes.txt
