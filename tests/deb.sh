@@ -19,8 +19,8 @@ mkdir -p build
 [ ! -d "$build/deps" ] || cp -a "$build/deps" build/
 check 'the tarball builds' make -j2
 "$L" scene cornell --lights 400 -o "$T/c.pbrt" || exit 2
-"$L" -q "$T/c.pbrt" --maxresolution 64 -o "$T/here.png"
-check 'its program renders' build/lightcuts -q "$T/c.pbrt" --maxresolution 64 -o "$T/there.png"
+"$L" -q "$T/c.pbrt" --resolution 64x64 -o "$T/here.png"
+check 'its program renders' build/lightcuts -q "$T/c.pbrt" --resolution 64x64 -o "$T/there.png"
 check 'and the same bytes' cmp "$T/here.png" "$T/there.png"
 cd "$T" || exit 2
 rm -rf lightcuts-*
@@ -53,7 +53,7 @@ else
     ready=$passed
     check 'the program is installed' in_root 'apt-get -q -y --no-install-recommends install /tmp/liblightcuts0_*.deb /tmp/lightcuts_*.deb'
     cp c.pbrt root/tmp/
-    check 'it renders' in_root 'cd /tmp && lightcuts -q c.pbrt --maxresolution 64 -o there.png'
+    check 'it renders' in_root 'cd /tmp && lightcuts -q c.pbrt --resolution 64x64 -o there.png'
     check 'and the same bytes' cmp here.png root/tmp/there.png
     check 'its manual page is there' in_root 'test -f /usr/share/man/man1/lightcuts.1.gz'
     check 'the library is installed' in_root 'apt-get -q -y --no-install-recommends install /tmp/liblightcuts-dev_*.deb gcc libc6-dev pkg-config'

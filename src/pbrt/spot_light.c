@@ -9,13 +9,12 @@
 #include "pbrt/light_source.h"
 
 #include "photometry/photometry.h"
+#include "scene/spot_picture.h"
 
 #include <string.h>
 
 #define MIN_KNOTS LC_SIZE(65u, 9u) /* along a side of an octahedron */
 #define MAX_KNOTS 1025u            /* 12 MB */
-#define MIN_COLOUR 1e-9            /* of the greatest: colours below are 0, as cosines below LC_MIN_COS are */
-#define CONE_MARGIN 2e-6           /* of cosines: greater than the error of an estimate's cosine */
 
 /* ---- spot ---- */
 
@@ -89,34 +88,11 @@ static lc_status get_frame(lc_pbrt *p, lc_pos where, shine *l)
     return st;
 }
 
-static lc_status alloc_texels(lc_pbrt *p, lc_spot_map *m, float **texels)
-{
-    *texels = lc_alloc_raw(p->ctx, (size_t)m->width * m->height * 3, sizeof **texels);
-    m->texels = *texels;
-    return *texels ? LC_OK : LC_ERR_MEMORY;
-}
-
-/* Moves the greatest values into the intensity. */
-static void normalise(shine *l, float *texels)
-{
-    size_t n = (size_t)l->map.width * l->map.height;
-    float *intensity[3] = { &l->light.intensity.x, &l->light.intensity.y, &l->light.intensity.z };
-    for (size_t c = 0; c < 3; c++) {
-        float most = 0;
-        for (size_t i = 0; i < n; i++) most = fmaxf(most, texels[3 * i + c]);
-        for (size_t i = 0; i < n; i++) {
-            float v = most > 0 ? texels[3 * i + c] / most : 0;
-            texels[3 * i + c] = v < (float)MIN_COLOUR ? 0 : v < 1 ? v : 1;
-        }
-        *intensity[c] *= most;
-    }
-}
-
 /* power: of the light at its present intensity, W. */
-static lc_status add(lc_pbrt *p, lc_pos where, shine *l, float *texels, double power)
+static lc_status add(lc_pbrt *p, lc_pos where, shine *l, double power)
 {
     lc_status st = power > 0 ? lc_pbrt_light_photometric(p, "power", 1 / power, &l->light.intensity) : LC_OK;
-    normalise(l, texels);
+    lc_spot_normalise(&l->map, &l->light.intensity);
     if (!st) st = lc_scene_add_spot_map(p->scene, &l->map, &l->light.spot.map);
     if (st) return st;
     l->map.texels = NULL;
@@ -132,35 +108,6 @@ static lc_status finish(lc_pbrt *p, shine *l, lc_status st)
 
 /* ---- projection ---- */
 
-/* Half the picture's sides, one of them 1, times the tangent of half the field of view. */
-static void half_sides(const lc_spot_map *m, double fov, double half[2])
-{
-    double sine, cosine, aspect = (double)m->width / m->height;
-    lc_sincos_deg(fov / 2, &sine, &cosine);
-    half[0] = fmax(aspect, 1) * sine / cosine;
-    half[1] = fmax(1 / aspect, 1) * sine / cosine;
-}
-
-/* Copies the picture. Returns its luminance times solid angle; pbrt-v4's sum over texels. */
-static double copy_picture(shine *l, const double half[2], float *texels)
-{
-    double sum = 0, rgb[3], w = l->map.width, h = l->map.height;
-    for (uint32_t y = 0; y < l->map.height; y++)
-        for (uint32_t x = 0; x < l->map.width; x++) {
-            lc_mipmap_texel(&l->env.map, x, y, rgb);
-            for (int c = 0; c < 3; c++) {
-                rgb[c] = fmin(fmax(rgb[c], 0), (double)LC_MAX_INTENSITY);
-                texels[((size_t)y * l->map.width + x) * 3 + (size_t)c] = (float)rgb[c];
-            }
-            double px = half[0] * (2 * (x + 0.5) / w - 1), py = half[1] * (2 * (y + 0.5) / h - 1),
-                   d2 = 1 + px * px + py * py;
-            sum += (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]) / (d2 * sqrt(d2));
-        }
-    return 4 * half[0] * half[1] * sum / (w * h);
-}
-
-/* The cone's step lies outside the widest corner by more than the error of an estimate's cosine, so that the
- * map alone bounds the frustum. */
 static lc_status set_cone(lc_pbrt *p, lc_pos where, shine *l, const double half[2])
 {
     double least = 1;
@@ -171,16 +118,14 @@ static lc_status set_cone(lc_pbrt *p, lc_pos where, shine *l, const double half[
         if (st) return st;
         least = fmin(least, (double)lc_f3_dot(d, l->light.dir));
     }
-    l->light.spot.cos_total = (float)(least - 2 * CONE_MARGIN);
-    l->light.spot.cos_start = (float)(least - CONE_MARGIN);
+    lc_spot_set_frustum(&l->light, least);
     return LC_OK;
 }
 
 lc_status lc_pbrt_projection_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     shine l = { 0 };
-    float *texels;
-    double half[2], fov;
+    double half[2], fov, power;
     const lc_pbrt_param *par = NULL;
     lc_status st = get_frame(p, s->pos, &l);
     if (!st) st = get_picture(p, &l);
@@ -190,16 +135,10 @@ lc_status lc_pbrt_projection_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (!st && !(fov > 0 && fov < 180))
         st = lc_pbrt_bad_param(&p->params, par, "is not between 0 and 180 degrees");
     if (st) return finish(p, &l, st);
-    l.map.projected = true;
-    l.map.width = lc_env_width(&l.env);
-    l.map.height = lc_env_height(&l.env);
-    half_sides(&l.map, fov, half);
-    l.map.scale[0] = (float)(l.map.width / (2 * half[0]));
-    l.map.scale[1] = (float)(l.map.height / (2 * half[1]));
     for (int k = 0; k < 3 && l.is_v4; k++) l.map.to_light[1][k] = -l.map.to_light[1][k];
-    st = set_cone(p, s->pos, &l, half);
-    if (!st) st = alloc_texels(p, &l.map, &texels);
-    if (!st) st = add(p, s->pos, &l, texels, copy_picture(&l, half, texels));
+    st = lc_spot_project(p->ctx, &l.env.map, fov, &l.map, half, &power);
+    if (!st) st = set_cone(p, s->pos, &l, half);
+    if (!st) st = add(p, s->pos, &l, power);
     return finish(p, &l, st);
 }
 
@@ -214,11 +153,11 @@ static lc_f3 octahedron(double x, double y)
     return lc_f3_normalize_d(x, y, z);
 }
 
-static void fill_octahedron(shine *l, float *texels)
+static void fill_octahedron(shine *l)
 {
     for (uint32_t y = 0; y < l->map.height; y++)
         for (uint32_t x = 0; x < l->map.width; x++) {
-            float *to = texels + ((size_t)y * l->map.width + x) * 3;
+            float *to = l->map.texels + ((size_t)y * l->map.width + x) * 3;
             lc_f3 v = lc_env_radiance(&l->env, octahedron(2.0 * x / (l->map.width - 1) - 1,
                                                           2.0 * y / (l->map.height - 1) - 1));
             lc_f3_store(to, v);
@@ -244,7 +183,6 @@ lc_status lc_pbrt_goniometric_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     shine l = {
         .env = { .scale = { 1, 1, 1 }, .to_world = lc_xform_identity(), .to_light = lc_xform_identity() }
     };
-    float *texels;
     const char *name = NULL;
     lc_status st = lc_pbrt_get_text(&p->params, "filename", &name, NULL);
     if (!st && name && lc_photometry_is_name(name)) return lc_pbrt_luminaire_light(p, s);
@@ -253,7 +191,8 @@ lc_status lc_pbrt_goniometric_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (st) return finish(p, &l, st);
     uint32_t w = lc_env_width(&l.env), h = lc_env_height(&l.env), side = 2 * (w > h ? w : h) + 1;
     l.env.mapping = l.is_v4 && w == h ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG;
-    l.map.width = l.map.height = side < MIN_KNOTS ? MIN_KNOTS : side > MAX_KNOTS ? MAX_KNOTS : side;
+    side = side < MIN_KNOTS ? MIN_KNOTS : side > MAX_KNOTS ? MAX_KNOTS : side;
+    l.map.width = l.map.height = side;
     for (int k = 0; k < 3; k++) {
         float y = l.map.to_light[1][k];
         l.map.to_light[1][k] = l.map.to_light[2][k];
@@ -261,8 +200,8 @@ lc_status lc_pbrt_goniometric_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     }
     l.light.spot.cos_total = -2; /* every direction */
     l.light.spot.cos_start = -1.5f;
-    st = alloc_texels(p, &l.map, &texels);
-    if (st) return finish(p, &l, st);
-    fill_octahedron(&l, texels);
-    return finish(p, &l, add(p, s->pos, &l, texels, power_of(&l.env)));
+    l.map.texels = lc_alloc_raw(p->ctx, (size_t)side * side * 3, sizeof *l.map.texels);
+    if (!l.map.texels) return finish(p, &l, LC_ERR_MEMORY);
+    fill_octahedron(&l);
+    return finish(p, &l, add(p, s->pos, &l, power_of(&l.env)));
 }
