@@ -116,7 +116,7 @@ static void shade(lc_shader *shader)
     static lc_shade_material materials[3];
     static float rgb[MOST][3];
     lc_shade_batch b = LC_SHADE_BATCH_INIT;
-    lc_shade_stats stats = { 0 };
+    lc_shade_stats stats = LC_SHADE_STATS_INIT;
     b.n = byte() % (MOST + 1);
     b.first = byte() % 32 ? 16u * byte() : byte();
     b.points = points;

@@ -65,6 +65,10 @@ static lc_status mesh(input *in, lc_scene *s)
         d.uv = uv;
         d.alpha_texture = byte(in) % 8 ? LC_NO_TEXTURE : byte(in) % 4;
         d.alpha = number(in);
+        if (d.alpha > 1) {
+            d.alpha = 1;
+            d.emission_texture = byte(in) % 4;
+        }
     }
     return lc_build_mesh(s, &d);
 }
@@ -89,6 +93,17 @@ static lc_status material(input *in, lc_scene *s)
                                    &d.roughness_texture, &d.bump_texture,   &d.normal_texture };
     for (int i = 0; i < 6; i++) *textures[i] = byte(in) % 4 ? LC_NO_TEXTURE : byte(in) % 4;
     return lc_build_material(s, &d, &id);
+}
+
+static lc_status mix(input *in, lc_scene *s)
+{
+    lc_build_mix_desc d = LC_BUILD_MIX_DESC_INIT;
+    uint32_t id;
+    d.materials[0] = byte(in) % 8;
+    d.materials[1] = byte(in) % 8;
+    numbers(in, d.share, 3);
+    if (byte(in) % 4 == 0) d.share_texture = byte(in) % 4;
+    return lc_build_mix(s, &d, &id);
 }
 
 static lc_status texture(input *in, lc_scene *s)
@@ -145,7 +160,7 @@ static lc_status luminaire(input *in, lc_scene *s)
 static lc_build_light_desc light(input *in)
 {
     lc_build_light_desc d = LC_BUILD_LIGHT_DESC_INIT;
-    d.kind = (lc_build_light_kind)(byte(in) % 6);
+    d.kind = (lc_build_light_kind)(byte(in) % 7);
     numbers(in, d.position, 3);
     doubles(in, d.direction, 3);
     numbers(in, d.intensity, 3);
@@ -155,6 +170,9 @@ static lc_build_light_desc light(input *in)
     d.luminaire = byte(in) % 3;
     doubles(in, d.across, 3);
     d.lumens = (double)number(in);
+    if (d.kind < LC_BUILD_PROJECTOR) return d;
+    d.picture = byte(in) % 4;
+    d.fov = 40 * (double)number(in);
     return d;
 }
 
@@ -165,6 +183,13 @@ static lc_build_camera_desc camera(input *in)
     doubles(in, d.at, 3);
     doubles(in, d.up, 3);
     d.fov = 20 * (double)number(in);
+    if (d.fov > 0 && d.fov < 180) return d;
+    d.fov = 90;
+    d.kind = (lc_build_camera_kind)(byte(in) % 5);
+    d.width = (double)number(in);
+    d.lens_radius = (double)number(in);
+    d.focal_distance = (double)number(in);
+    d.mirrored = byte(in) % 2;
     return d;
 }
 
@@ -175,7 +200,7 @@ static lc_status call(input *in, lc_scene *s)
     uint32_t id;
     lc_build_light_desc l;
     lc_build_camera_desc c;
-    switch (byte(in) % 11) {
+    switch (byte(in) % 12) {
     case 0: return material(in, s);
     case 1: return mesh(in, s);
     case 2: l = light(in); return lc_build_light(s, &l);
@@ -183,6 +208,7 @@ static lc_status call(input *in, lc_scene *s)
     case 8: return texture(in, s);
     case 9: return environment(in, s);
     case 10: return luminaire(in, s);
+    case 11: return mix(in, s);
     case 4: return lc_build_object(s, &id);
     case 5:
         id = byte(in) % 4;
@@ -192,9 +218,16 @@ static lc_status call(input *in, lc_scene *s)
         film.width = byte(in) % 9;
         film.height = byte(in) % 9;
         film.scale = number(in);
-        return lc_build_film(s, &film);
+        if (film.height == 7) film.height = 4;
+        else break;
+        for (int i = 0; i < 4; i++) film.crop[i] = byte(in) % 9;
+        film.filter = (lc_build_pixel_filter)(byte(in) % 6);
+        doubles(in, film.radius, 2);
+        doubles(in, film.shape, 2);
+        break;
     default: return lc_build_material(s, NULL, &id);
     }
+    return lc_build_film(s, &film);
 }
 
 /* Sets something of a committed scene. */

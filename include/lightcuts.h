@@ -200,20 +200,24 @@ typedef struct lc_load_desc {
 
 /* One kind of thing in the scene file that was approximated or skipped. */
 typedef struct lc_note {
+    size_t size;
     const char *kind; /* "shape cone" */
     const char *text; /* the warning as logged, with file:line:column of the first occurrence */
     uint64_t count;   /* occurrences */
 } lc_note;
+#define LC_NOTE_INIT { sizeof(lc_note), 0, 0, 0 }
 
 typedef enum lc_support { LC_SUPPORT_YES, LC_SUPPORT_APPROXIMATED, LC_SUPPORT_IGNORED } lc_support;
 
 /* One feature of the file format that the scene uses. */
 typedef struct lc_feature {
+    size_t size;
     const char *kind, *name; /* "material", "coateddiffuse" */
     const char *text;        /* how the first statement with that support is approximated; or "" */
     uint64_t count;          /* statements */
     lc_support support;      /* the least of all statements */
 } lc_feature;
+#define LC_FEATURE_INIT { sizeof(lc_feature), 0, 0, 0, 0, LC_SUPPORT_YES }
 
 /* The kinds of light that a scene is made into: "point", "oriented", "directional", "spot",
  * "virtual", "ball", "luminaire". */
@@ -359,6 +363,15 @@ typedef struct lc_build_material_desc {
             LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE                        \
     }
 
+/* What light meets is one of two materials, by chance; mixes may be mixed, 16 deep. */
+typedef struct lc_build_mix_desc {
+    size_t size;
+    uint32_t materials[2];  /* from lc_build_material or lc_build_mix */
+    float share[3];         /* of the second, R G B, 0..1 */
+    uint32_t share_texture; /* in place of it; LC_NO_TEXTURE: none */
+} lc_build_mix_desc;
+#define LC_BUILD_MIX_DESC_INIT { sizeof(lc_build_mix_desc), { 0, 0 }, { 0.5f, 0.5f, 0.5f }, LC_NO_TEXTURE }
+
 typedef struct lc_build_mesh_desc {
     size_t size;
     uint32_t n_vertices, n_triangles;
@@ -372,34 +385,44 @@ typedef struct lc_build_mesh_desc {
     const float *uv;         /* n_vertices * 2; NULL: (0, 0) (1, 0) (1, 1) on each triangle */
     uint32_t alpha_texture;  /* one channel, in place of alpha; LC_NO_TEXTURE */
     float alpha;             /* the fraction of rays that the mesh stops, 0..1 */
+    uint32_t emission_texture; /* multiplies emission, three channels, over u and v: repeat 1, offset 0; or
+                                * LC_NO_TEXTURE */
 } lc_build_mesh_desc;
 #define LC_BUILD_MESH_DESC_INIT                                                                              \
-    { sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0, 0, LC_NO_TEXTURE, 1 }
+    {                                                                                                        \
+        sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0, 0, LC_NO_TEXTURE, 1, LC_NO_TEXTURE  \
+    }
 
 typedef enum lc_build_light_kind {
     LC_BUILD_POINT,      /* the same intensity in all directions */
     LC_BUILD_ORIENTED,   /* intensity times the cosine to its direction */
     LC_BUILD_DIRECTIONAL, /* far away; intensity is its irradiance */
     LC_BUILD_SPOT,        /* a cone */
-    LC_BUILD_LUMINAIRE    /* a photometric table: candela are taken as W/sr, times the intensity */
+    LC_BUILD_LUMINAIRE,   /* a photometric table: candela are taken as W/sr, times the intensity */
+    LC_BUILD_PROJECTOR    /* projects a texture: a texel of 1 is the intensity */
 } lc_build_light_kind;
 
 typedef struct lc_build_light_desc {
     size_t size;
     lc_build_light_kind kind;
     float position[3];
-    double direction[3]; /* in which light travels, any length; of luminaires gamma 0, "down" */
+    double direction[3]; /* in which light travels, any length; of luminaires gamma 0, "down"; of projectors
+                          * to the middle of the picture */
     float intensity[3];
     double cone, delta;  /* spots, degrees from the direction: no light from `cone` on, 0..180; all of it
                           * up to cone - delta, 0..cone */
     uint32_t luminaire;  /* from lc_build_luminaire */
-    double across[3];    /* luminaires: towards C 0; its part across the direction counts */
+    double across[3];    /* luminaires: towards C 0, projectors: towards the right side of the picture as one
+                          * sees it who stands behind; its part across the direction counts */
     double lumens;       /* luminaires: what the table's integral is made to be; 0: as the file has it */
+    uint32_t picture;    /* projectors: from lc_build_texture, three channels; its repeat and offset are not
+                          * used. lc_scene_set_light cannot set a projector: it can be dimmed */
+    double fov;          /* projectors: degrees, of the picture's shorter side, above 0 and below 180 */
 } lc_build_light_desc;
 #define LC_BUILD_LIGHT_DESC_INIT                                                                             \
     {                                                                                                        \
         sizeof(lc_build_light_desc), LC_BUILD_POINT, { 0, 0, 0 }, { 0, 0, 1 }, { 1, 1, 1 }, 30, 5, 0,        \
-            { 1, 0, 0 }, 0                                                                                   \
+            { 1, 0, 0 }, 0, LC_NO_TEXTURE, 90                                                                \
     }
 
 typedef struct lc_build_luminaire_desc {
@@ -427,27 +450,57 @@ typedef struct lc_build_environment_desc {
         { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }                                                   \
     }
 
-/* A perspective camera; up is y, x points right. */
+typedef enum lc_build_camera_kind {
+    LC_BUILD_PERSPECTIVE,
+    LC_BUILD_ORTHOGRAPHIC,
+    LC_BUILD_PANORAMA,  /* the whole sphere: by latitude, `up` at the top; by longitude, from the left edge on
+                         * towards the right, ahead, the left and behind */
+    LC_BUILD_EQUAL_AREA /* the whole sphere on pbrt-v4's square, `up` in the middle */
+} lc_build_camera_kind;
+
+/* Looks from `from` to `at`; up is y, x points right. */
 typedef struct lc_build_camera_desc {
     size_t size;
     double from[3], at[3], up[3];
-    double fov; /* degrees, of the film's shorter side */
+    double fov;            /* perspective: degrees, of the film's shorter side */
+    lc_build_camera_kind kind;
+    double width;          /* orthographic: scene units along the film's shorter side, above 0 */
+    double lens_radius;    /* scene units, >= 0; 0: a pinhole. Not for the whole sphere */
+    double focal_distance; /* scene units along the axis, above 0 */
+    int mirrored;          /* nonzero: left and right are exchanged */
 } lc_build_camera_desc;
 #define LC_BUILD_CAMERA_DESC_INIT                                                                            \
-    { sizeof(lc_build_camera_desc), { 0, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, 90 }
+    {                                                                                                        \
+        sizeof(lc_build_camera_desc), { 0, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, 90, LC_BUILD_PERSPECTIVE, 2, 0, \
+            1e6, 0                                                                                           \
+    }
+
+typedef enum lc_build_pixel_filter {
+    LC_BUILD_BOX,
+    LC_BUILD_TRIANGLE,
+    LC_BUILD_GAUSSIAN, /* e^(-a x^2) - e^(-a r^2) */
+    LC_BUILD_MITCHELL,
+    LC_BUILD_SINC      /* windowed by Lanczos's */
+} lc_build_pixel_filter;
 
 typedef struct lc_build_film_desc {
     size_t size;
     uint32_t width, height; /* 1..65535, the product at most 2^28 */
     uint32_t spp;           /* 1..65536 */
     float scale;            /* multiplies every pixel, above 0 */
+    uint32_t crop[4];       /* pixels: x0, x1, y0, y1, half open; all 0: the whole film */
+    lc_build_pixel_filter filter;
+    double radius[2];       /* of the filter, pixels, 0.001..64; 0: pbrt-v4's, which is 0.5, 2, 1.5, 2, 4 */
+    double shape[2];        /* gaussian: a; mitchell: B and C; sinc: tau; both 0: 2; 1/3 and 1/3; 3 */
 } lc_build_film_desc;
-#define LC_BUILD_FILM_DESC_INIT { sizeof(lc_build_film_desc), 1280, 720, 1, 1 }
+#define LC_BUILD_FILM_DESC_INIT                                                                              \
+    { sizeof(lc_build_film_desc), 1280, 720, 1, 1, { 0, 0, 0, 0 }, LC_BUILD_BOX, { 0, 0 }, { 0, 0 } }
 
 /* An empty scene, to be freed by lc_scene_destroy. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_build_begin(lc_context *ctx, lc_scene **out);
 /* *id: the material's number for meshes. */
 LC_API lc_status lc_build_material(lc_scene *scene, const lc_build_material_desc *desc, uint32_t *id);
+LC_API lc_status lc_build_mix(lc_scene *scene, const lc_build_mix_desc *desc, uint32_t *id);
 /* A mesh of the world, or of the object that was begun last. LC_ERR_ARG also for an index >= n_vertices. */
 LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
 /* All further meshes belong to the object, in its own space; those of the world come before. */
@@ -622,6 +675,7 @@ typedef struct lc_tile {
 /* How cuts keep the error that is asked of pixels, and what pilots say of it: pixels that are the same
  * whatever is rendered of the film, whose true value is computed, too. */
 typedef struct lc_calibration {
+    size_t size;          /* set by lc_render in its statistics; by INIT in what it is given */
     float error, within;  /* what was asked, see lc_render_desc; error 0: nothing, or every light is used */
     float z;              /* a cut stops when z * sqrt(sum of its squared bounds) is within the error; > 0 */
     uint32_t shared;      /* 1: the samples of a pixel share cuts; 0: each has its own */
@@ -631,6 +685,7 @@ typedef struct lc_calibration {
     float median;         /* relative error of half of the pilots is below this, as a fraction */
     uint64_t rays;        /* shadow rays to find z */
 } lc_calibration;
+#define LC_CALIBRATION_INIT { sizeof(lc_calibration), 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 typedef struct lc_render_desc {
     size_t size;
@@ -700,12 +755,13 @@ typedef struct lc_render_stats {
     double phase_camera, phase_bounds, phase_estimates, phase_refine, phase_shadow_rays, phase_other;
     uint64_t pixels_loaded;  /* pixels of tiles from tile_load: included in the counts, but not in seconds,
                               * cut_median and cut_p99 */
-    lc_calibration calibration; /* shadow_rays do not include its rays, seconds include its time */
+    lc_calibration calibration; /* shadow_rays do not include its rays, seconds include its time. Stays the
+                                 * last field, so that it can grow */
 } lc_render_stats;
 #define LC_RENDER_STATS_INIT                                                                                 \
     {                                                                                                        \
         sizeof(lc_render_stats), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, { 0,   \
-        0, 0, 0, 0, 0, 0, 0, 0 }                                                                             \
+        0, 0, 0, 0, 0, 0, 0, 0, 0 }                                                                          \
     }
 
 /* Renders the picture. The same scene and descriptor give the same bits for any number of threads,
@@ -715,7 +771,8 @@ LC_API lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_rend
 
 /* ---- parts of a picture, and pictures in parts ---- */
 
-/* Hashes of all that a picture depends on except its crop: equal ids mean equal pixels. */
+/* Hashes of all that a picture depends on except its crop: equal ids mean equal pixels. Two numbers that are
+ * kept in files: it will not grow, nor will what lc_tile and lc_shadow_rays hold, which the library makes. */
 typedef struct lc_identity {
     uint64_t scene;   /* of the bytes of all files that were read */
     uint64_t options; /* of the load and render descriptors and the version of the library */
@@ -914,10 +971,12 @@ typedef struct lc_tree_desc {
 #define LC_TREE_DESC_INIT { sizeof(lc_tree_desc), 0, LC_BUILDER_AUTO, 0, 0 }
 
 typedef struct lc_tree_info {
+    size_t size;
     uint32_t n_given, n_lights;             /* n_lights: without those that have no intensity */
     uint32_t n_of_kind[LC_MAX_LIGHT_KINDS]; /* of n_lights */
     uint64_t bytes;
 } lc_tree_info;
+#define LC_TREE_INFO_INIT { sizeof(lc_tree_info), 0, 0, { 0 }, 0 }
 
 /* Builds a tree; the lights are copied. n may be 0. desc may be NULL for the defaults. The tree keeps using
  * ctx. Fails with LC_ERR_ARG, which names the light and what is wrong with it, and LC_ERR_MEMORY. */
@@ -925,7 +984,7 @@ LC_API lc_status lc_tree_create(lc_context *ctx, const lc_tree_light *lights, si
                                 const lc_tree_desc *desc, lc_tree **out);
 /* Its shaders must have been destroyed before. */
 LC_API void lc_tree_destroy(lc_tree *tree);
-LC_API void lc_tree_get_info(const lc_tree *tree, lc_tree_info *info);
+LC_API lc_status lc_tree_get_info(const lc_tree *tree, lc_tree_info *info); /* LC_ERR_ARG */
 
 /* Shadow rays of several points, those of a point in a row. All arrays are the library's and have n elements.
  */
@@ -1032,12 +1091,14 @@ typedef struct lc_shade_batch {
 #define LC_SHADE_BATCH_INIT { sizeof(lc_shade_batch), 0, 0, 0, 0, 0 }
 
 typedef struct lc_shade_stats {
+    size_t size;
     uint64_t points, rays, calls; /* calls of `visible` */
     uint64_t cut_sum;             /* clusters and lights of all cuts */
     uint64_t bounds_evaluated;
     uint64_t cut_at_limit;        /* points that met max_cut with a bound above its limit */
     uint64_t points_dark;         /* points where the floor, not the estimate, set the limit */
 } lc_shade_stats;
+#define LC_SHADE_STATS_INIT { sizeof(lc_shade_stats), 0, 0, 0, 0, 0, 0, 0 }
 
 /* Radiance towards the viewer by all lights, rgb[i] of point i, W/(m^2 sr). The same tree, shader, points and
  * `first` give the same bits, on any thread and instruction set; a point depends on those of its block of 16

@@ -171,7 +171,7 @@ int main(int argc, char **argv)
         sd.occluders = h.scene;
         sd.floor = (float)by_render.mean_luminance * LC_DARK_FLOOR;
         if (lc_shader_create(tree, &sd, &h.shader)) fail("lc_shader_create");
-        h.stats = (lc_shade_stats){ 0 };
+        h.stats = (lc_shade_stats)LC_SHADE_STATS_INIT;
         h.first = 0;
         const double t = lc_thread_cpu();
         frame(&h, rgb);

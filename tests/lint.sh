@@ -54,7 +54,8 @@ library=$(for room in $rooms; do case $room in cli | lab | app) ;; *) echo "src/
 all_rooms()
 {
     for dir in src/*/; do
-        echo "$rooms" | grep -qx "$(basename "$dir")" || case $dir in src/deps/ | src/deb/) ;; *) false ;; esac || echo "$dir is not in src/README.md"
+        case $dir in src/deps/ | src/deb/) continue ;; esac
+        echo "$rooms" | grep -qx "$(basename "$dir")" || echo "$dir is not in src/README.md"
     done
 }
 # "file included" for each include of our own under src/

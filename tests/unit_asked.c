@@ -227,7 +227,7 @@ TEST(bad_values_are_refused)
     static picture p;
     static const float bad[][2] = { { NAN, 95 },  { INFINITY, 95 }, { -1, 95 },
                                     { 0.02f, 0 }, { 0.02f, 100 },   { 0.02f, NAN } };
-    const lc_calibration none = { .z = 0 };
+    const lc_calibration none = LC_CALIBRATION_INIT;
     write_scene(4, 3, 1);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         render((way){ .error = bad[i][0], .within = bad[i][1] }, &p);
@@ -240,7 +240,7 @@ TEST(bad_values_are_refused)
         render((way){ .error = 0.02f, .within = 95, .seconds = times[i] }, &p);
         CHECK(p.status == LC_ERR_ARG);
     }
-    const lc_calibration some = { .error = 0.02f, .within = 95, .z = 0.3f };
+    const lc_calibration some = { .size = sizeof some, .error = 0.02f, .within = 95, .z = 0.3f };
     render((way){ .error = 0.02f, .within = 95, .seconds = 1, .calibration = &some }, &p);
     CHECK(p.status == LC_ERR_ARG);
     render((way){ .seconds = 1 }, &p);

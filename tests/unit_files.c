@@ -222,8 +222,8 @@ TEST(null_arguments)
 {
     const char *name;
     uint64_t count;
-    lc_note note;
-    lc_feature feature;
+    lc_note note = LC_NOTE_INIT;
+    lc_feature feature = LC_FEATURE_INIT;
     lc_scene *with_note = scene_from_text(ctx, NULL, "WorldBegin\nShape \"cone\"\nShape \"nothing\"\n");
     CHECK(with_note && !lc_scene_get_note(with_note, 0, &note));
     CHECK(with_note && !lc_scene_get_feature(with_note, 0, &feature));

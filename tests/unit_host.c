@@ -150,7 +150,7 @@ static lc_shader_desc desc_of(host *h, float ratio)
 static lc_shade_stats shade_all(const lc_tree *t, const lc_shader_desc *d, uint32_t step, float (*rgb)[3])
 {
     lc_shader *s;
-    lc_shade_stats stats = { 0 };
+    lc_shade_stats stats = LC_SHADE_STATS_INIT;
     if (lc_shader_create(t, d, &s)) abort();
     for (uint32_t at = 0; at < N_POINTS; at += step) {
         const lc_shade_batch b = batch_of(at, N_POINTS - at < step ? N_POINTS - at : step);
@@ -337,7 +337,7 @@ TEST(ten_thousand_points_and_lights_are_asked_for_by_64_rays_and_more)
     lc_tree *t = NULL;
     lc_shader *s = NULL;
     lc_shader_desc d = LC_SHADER_DESC_INIT;
-    lc_shade_stats stats = { 0 };
+    lc_shade_stats stats = LC_SHADE_STATS_INIT;
     lc_shade_batch b = batch_of(0, UNDER_TSAN ? 512 : N);
     b.points = here;
     d.visible = count_only;
@@ -364,7 +364,7 @@ TEST(a_host_can_stop_and_empty_inputs_are_dark)
     CHECK(!lc_tree_create(ctx, NULL, 0, NULL, &none) && !lc_shader_create(none, &d, &s));
     CHECK(!lc_shade(s, &b, rgb, NULL) && !(rgb[7][0] > 0) && !(rgb[7][0] < 0));
     lc_shader_destroy(s);
-    lc_tree_info info;
+    lc_tree_info info = LC_TREE_INFO_INIT;
     lc_tree_get_info(t, &info);
     CHECK(info.n_given == N_LIGHTS && info.n_lights == N_LIGHTS - 57 && info.n_of_kind[LC_TREE_BALL] > 50);
     lc_tree_destroy(none);

@@ -237,8 +237,60 @@ static lc_status bright_luminaire(lc_scene *s, lc_build_material_desc *m, lc_bui
     return luminaire_at(s, 5000);
 }
 
+/* The mix takes the place of the material that `build` makes. */
+static lc_status mixed_by(lc_scene *s, lc_build_mix_desc *d, lc_build_mesh_desc *q)
+{
+    lc_build_material_desc m[2] = { LC_BUILD_MATERIAL_DESC_INIT, LC_BUILD_MATERIAL_DESC_INIT };
+    set3(m[0].diffuse, .9f, .1f, .2f);
+    set3(m[1].diffuse, .1f, .2f, .9f);
+    q->uv = uv;
+    lc_status st = lc_build_material(s, &m[0], &d->materials[0]);
+    if (!st) st = lc_build_material(s, &m[1], &d->materials[1]);
+    return st ? st : lc_build_mix(s, d, &q->material);
+}
+
+static lc_status mix(lc_scene *s, lc_build_material_desc *m, lc_build_mesh_desc *q)
+{
+    (void)m;
+    lc_build_mix_desc d = LC_BUILD_MIX_DESC_INIT;
+    set3(d.share, .3f, .3f, .3f);
+    return mixed_by(s, &d, q);
+}
+
+static lc_status mix_by_picture(lc_scene *s, lc_build_material_desc *m, lc_build_mesh_desc *q)
+{
+    (void)m;
+    lc_build_mix_desc d = LC_BUILD_MIX_DESC_INIT;
+    const lc_status st = texture(s, grey, 2, 2, 1, &d.share_texture);
+    return st ? st : mixed_by(s, &d, q);
+}
+
+static lc_status glowing_picture(lc_scene *s, lc_build_material_desc *m, lc_build_mesh_desc *q)
+{
+    (void)m;
+    q->uv = uv;
+    set3(q->emission, 2, 3, 4);
+    return texture(s, picture, 3, 2, 3, &q->emission_texture);
+}
+
+static lc_status projector(lc_scene *s, lc_build_material_desc *m, lc_build_mesh_desc *q)
+{
+    (void)m;
+    (void)q;
+    lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
+    l.kind = LC_BUILD_PROJECTOR;
+    l.position[0] = .25f;
+    l.fov = 60;
+    set3(l.intensity, 9, 8, 7);
+    const lc_status st = texture(s, picture, 3, 2, 3, &l.picture);
+    return st ? st : lc_build_light(s, &l);
+}
+
 #define MAP(type, file, more)                                                                                \
     "Texture \"t\" \"" type "\" \"imagemap\" \"string filename\" \"" file "\" " more "\n"
+#define PARTS                                                                                                \
+    "MakeNamedMaterial \"x\" \"string type\" \"diffuse\" \"rgb reflectance\" [.9 .1 .2]\n"                   \
+    "MakeNamedMaterial \"y\" \"string type\" \"diffuse\" \"rgb reflectance\" [.1 .2 .9]\n"
 static const look looks[] = {
     { "diffuse picture", MAP("spectrum", "p.pfm", ""), "\"diffuse\" \"texture reflectance\" \"t\"", "",
       diffuse_picture },
@@ -285,6 +337,17 @@ static const look looks[] = {
       "4.5] "
       "\"float lumens\" 5000\n",
       "\"diffuse\"", "", bright_luminaire },
+    { "mix", PARTS, "\"mix\" \"string materials\" [\"x\" \"y\"] \"float amount\" .3", "", mix },
+    { "mix by a picture", MAP("float", "g.pfm", "") PARTS,
+      "\"mix\" \"string materials\" [\"x\" \"y\"] \"texture amount\" \"t\"", "", mix_by_picture },
+    { "emission by a picture",
+      "AreaLightSource \"diffuse\" \"string filename\" \"p.pfm\" \"rgb L\" [2 3 4]\n", "\"diffuse\"", "",
+      glowing_picture },
+    { "projector",
+      "AttributeBegin Translate .25 0 0 LightSource \"projection\" \"string filename\" \"p.pfm\" \"float "
+      "fov\" 60 "
+      "\"rgb I\" [9 8 7] AttributeEnd\n",
+      "\"diffuse\"", "", projector },
 };
 #define N_LOOKS (sizeof looks / sizeof *looks)
 
@@ -321,7 +384,7 @@ static lc_status build(lc_context *c, add_fn *add, lc_scene **out)
     if (!st) st = lc_build_light(s, &l);
     if (!st) st = add(s, &m, &wall);
     if (!st) st = lc_build_material(s, &m, &b);
-    if (!st) st = add_quad(s, &wall, b, wall_at);
+    if (!st) st = add_quad(s, &wall, wall.material ? wall.material : b, wall_at);
     if (!st) st = lc_build_camera(s, &camera);
     if (!st) st = lc_build_film(s, &film);
     return st ? st : lc_build_commit(s, &load);
@@ -335,12 +398,20 @@ static lc_image *render(const lc_scene *s)
     return image;
 }
 
+static size_t pixels(const lc_image *im)
+{
+    lc_image_desc d = LC_IMAGE_DESC_INIT;
+    CHECK(!lc_image_get_desc(im, &d));
+    return (size_t)d.width * d.height;
+}
+
 static bool same(const lc_image *a, const lc_image *b)
 {
     static const char *const names[] = { "R", "G", "B" };
-    bool alike = a && b;
+    bool alike = a && b && pixels(a) == pixels(b);
     for (int k = 0; k < 3 && alike; k++)
-        alike = !memcmp(lc_image_channel(a, names[k]), lc_image_channel(b, names[k]), 256 * sizeof(float));
+        alike = !memcmp(lc_image_channel(a, names[k]), lc_image_channel(b, names[k]),
+                        pixels(a) * sizeof(float));
     return alike;
 }
 
@@ -384,6 +455,95 @@ TEST(each_look_by_calls_has_the_bytes_of_its_file)
         lc_scene_destroy(t);
     }
     lc_image_destroy(before);
+}
+
+/* A camera and a film, and the same in a file. */
+typedef struct view {
+    const char *name, *text;
+    lc_build_camera_desc camera;
+    lc_build_film_desc film;
+} view;
+
+#define FILM(more) "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16 " more "\n"
+#define LOOK       "LookAt .5 0 0 0 0 1 0 1 0 "
+#define CAMERA_OF(kind, fov, width, lens, focus, mirrored)                                                   \
+    {                                                                                                        \
+        sizeof(lc_build_camera_desc), { .5, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, fov, kind, width, lens, focus, \
+            mirrored                                                                                         \
+    }
+#define PLAIN CAMERA_OF(LC_BUILD_PERSPECTIVE, 90, 2, 0, 1, 0)
+#define FILM_OF(...)                                                                                         \
+    {                                                                                                        \
+        .size = sizeof(lc_build_film_desc), .width = 16, .height = 16, .spp = 4, .scale = 1, __VA_ARGS__     \
+    }
+static const view views[] = {
+    { "orthographic", FILM("") LOOK "Camera \"orthographic\" \"float screenwindow\" [-1.5 1.5 -1.5 1.5]\n",
+      CAMERA_OF(LC_BUILD_ORTHOGRAPHIC, 90, 3, 0, 1, 0), FILM_OF() },
+    { "lens",
+      FILM("") LOOK
+      "Camera \"perspective\" \"float fov\" 50 \"float lensradius\" .2 \"float focaldistance\" 2\n",
+      CAMERA_OF(LC_BUILD_PERSPECTIVE, 50, 2, .2, 2, 0), FILM_OF() },
+    { "panorama", FILM("") LOOK "Camera \"spherical\" \"string mapping\" \"equirectangular\"\n",
+      CAMERA_OF(LC_BUILD_PANORAMA, 90, 2, 0, 1, 0), FILM_OF() },
+    { "equal area", FILM("") LOOK "Camera \"spherical\" \"string mapping\" \"equalarea\"\n",
+      CAMERA_OF(LC_BUILD_EQUAL_AREA, 90, 2, 0, 1, 0), FILM_OF() },
+    { "mirrored", FILM("") "Scale -1 1 1 " LOOK "Camera \"perspective\" \"float fov\" 60\n",
+      CAMERA_OF(LC_BUILD_PERSPECTIVE, 60, 2, 0, 1, 1), FILM_OF() },
+    { "crop", FILM("\"integer pixelbounds\" [2 9 3 15]") LOOK "Camera \"perspective\"\n", PLAIN,
+      FILM_OF(.crop = { 2, 9, 3, 15 }) },
+    { "gaussian", FILM("") LOOK "Camera \"perspective\"\nPixelFilter \"gaussian\"\n", PLAIN,
+      FILM_OF(.filter = LC_BUILD_GAUSSIAN) },
+    { "mitchell",
+      FILM("") LOOK
+      "Camera \"perspective\"\nPixelFilter \"mitchell\" \"float B\" .2 \"float C\" .4 \"float xradius\" 3\n",
+      PLAIN, FILM_OF(.filter = LC_BUILD_MITCHELL, .radius = { 3, 0 }, .shape = { .2, .4 }) },
+    { "sinc", FILM("") LOOK "Camera \"perspective\"\nPixelFilter \"sinc\"\n", PLAIN,
+      FILM_OF(.filter = LC_BUILD_SINC) },
+};
+
+static lc_scene *view_by_calls(const view *v)
+{
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_mesh_desc wall = LC_BUILD_MESH_DESC_INIT;
+    lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
+    lc_scene *s;
+    uint32_t id;
+    if (lc_build_begin(ctx, &s)) return NULL;
+    wall.uv = uv;
+    set3(l.position, -.5f, 1, 0);
+    lc_status st = texture(s, picture, 3, 2, 3, &m.diffuse_texture);
+    if (!st) st = lc_build_material(s, &m, &id);
+    if (!st) st = add_quad(s, &wall, id, wall_at);
+    if (!st) st = lc_build_light(s, &l);
+    if (!st) st = lc_build_camera(s, &v->camera); /* before the film: the screen window follows it */
+    if (!st) st = lc_build_film(s, &v->film);
+    if (!st) st = lc_build_commit(s, NULL);
+    CHECKF(!st, "%s: %s", v->name, last_error);
+    return s;
+}
+
+TEST(each_camera_and_film_by_calls_has_the_bytes_of_its_file)
+{
+    char text[2000];
+    pfm_write(temp_path("p.pfm"), 3, 2, picture);
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
+        snprintf(text, sizeof text,
+                 "%sSampler \"independent\" \"integer pixelsamples\" 4\nIntegrator \"directlighting\"\n%s"
+                 "WorldBegin\n" MAP("spectrum", "p.pfm",
+                                    "") "Material \"diffuse\" \"texture reflectance\" \"t\"\n"
+                                        "LightSource \"point\" \"rgb I\" [1 1 1] \"point3 from\" [-.5 1 0]\n"
+                                        "Shape \"trianglemesh\" \"point3 P\" [-2 -2 3 2 -2 3 2 2 3 -2 2 3] "
+                                        "\"integer indices\" [0 1 2 0 2 "
+                                        "3] \"point2 uv\" [0 0 1 0 1 1 0 1]\n",
+                 views[i].text, strstr(views[i].text, "PixelFilter") ? "" : "PixelFilter \"box\"\n");
+        lc_scene *s = view_by_calls(&views[i]), *t = scene_from_text(ctx, NULL, text);
+        lc_image *a = render(s), *b = t ? render(t) : NULL;
+        CHECKF(same(a, b), "%s", views[i].name);
+        lc_image_destroy(a);
+        lc_image_destroy(b);
+        lc_scene_destroy(s);
+        lc_scene_destroy(t);
+    }
 }
 
 /* Sets a field of a fresh descriptor to a wrong value: the call names it. */
@@ -481,6 +641,44 @@ TEST(wrong_lights_and_environments_are_named)
     WRONG(lc_build_light(s, &l_used), l, cone = 0, "cone");
     WRONG(lc_build_light(s, &l_used), l, delta = 31, "delta");
     WRONG(lc_build_light(s, &l_used), l, direction[2] = 0, "direction");
+    l.kind = LC_BUILD_PROJECTOR;
+    REFUSED(lc_build_light(s, &l), "picture");
+    CHECK(!texture(s, picture, 3, 2, 3, &l.picture));
+    WRONG(lc_build_light(s, &l_used), l, fov = 180, "fov");
+    WRONG(lc_build_light(s, &l_used), l, across[0] = 0, "across");
+    CHECK(!lc_build_light(s, &l));
+    lc_scene_destroy(s);
+}
+
+TEST(wrong_mixes_cameras_and_films_are_named)
+{
+    lc_scene *s;
+    uint32_t id, one;
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_mix_desc d = LC_BUILD_MIX_DESC_INIT, d_used;
+    lc_build_camera_desc c = LC_BUILD_CAMERA_DESC_INIT, c_used;
+    lc_build_film_desc f = LC_BUILD_FILM_DESC_INIT, f_used;
+    lc_build_mesh_desc q = LC_BUILD_MESH_DESC_INIT, q_used;
+    CHECK(!lc_build_begin(ctx, &s) && !texture(s, grey, 2, 2, 1, &one));
+    REFUSED(lc_build_mix(s, &d, &id), "materials");
+    CHECK(!lc_build_material(s, &m, &id));
+    WRONG(lc_build_mix(s, &d_used, &id), d, share[2] = 2, "share");
+    WRONG(lc_build_mix(s, &d_used, &id), d, share_texture = 7, "share_texture");
+    WRONG(lc_build_mix(s, &d_used, NULL), d, share[0] = 0, "id");
+    for (int i = 0; i < 16; i++) CHECK(!lc_build_mix(s, &d, &d.materials[0]));
+    REFUSED(lc_build_mix(s, &d, &id), "16 deep");
+    WRONG(lc_build_camera(s, &c_used), c, kind = (lc_build_camera_kind)4, "kind");
+    c.kind = LC_BUILD_ORTHOGRAPHIC;
+    WRONG(lc_build_camera(s, &c_used), c, width = 0, "width");
+    WRONG(lc_build_camera(s, &c_used), c, lens_radius = -1, "lens_radius");
+    WRONG(lc_build_camera(s, &c_used), c, focal_distance = NAN, "focal_distance");
+    WRONG(lc_build_film(s, &f_used), f, filter = (lc_build_pixel_filter)5, "filter");
+    WRONG(lc_build_film(s, &f_used), f, radius[1] = 100, "film");
+    WRONG(lc_build_film(s, &f_used), f, crop[1] = 5000, "film");
+    q.n_vertices = 4;
+    q.positions = wall_at;
+    WRONG(lc_build_mesh(s, &q_used), q, emission_texture = one, "emission_texture");
+    WRONG(lc_build_mesh(s, &q_used), q, emission_texture = 9, "emission_texture");
     lc_scene_destroy(s);
 }
 
@@ -511,7 +709,9 @@ int main(void)
     temp_begin();
     ctx = quiet_context_of(2, LC_ISA_BEST);
     RUN(each_look_by_calls_has_the_bytes_of_its_file);
+    RUN(each_camera_and_film_by_calls_has_the_bytes_of_its_file);
     RUN(wrong_textures_and_materials_are_named);
+    RUN(wrong_mixes_cameras_and_films_are_named);
     RUN(wrong_lights_and_environments_are_named);
     RUN(every_allocation_may_fail);
     lc_context_destroy(ctx);

@@ -520,7 +520,7 @@ TEST(illuminants)
 
 static bool feature(const char *kind, const char *name, uint64_t count, lc_support support, const char *text)
 {
-    lc_feature f;
+    lc_feature f = LC_FEATURE_INIT;
     for (uint32_t i = 0; !lc_scene_get_feature(scene, i, &f); i++)
         if (!strcmp(f.kind, kind) && !strcmp(f.name, name))
             return f.count == count && f.support == support && strstr(f.text, text);
@@ -529,7 +529,7 @@ static bool feature(const char *kind, const char *name, uint64_t count, lc_suppo
 
 TEST(features)
 {
-    lc_feature f;
+    lc_feature f = LC_FEATURE_INIT;
     CHECK(
         load("PixelFilter \"mitchell\" Film \"rgb\" \"float foo\" 1 Option \"bool x\" true Camera "
              "\"perspective\"\n",

@@ -7,6 +7,7 @@
 #include "base/desc.h"
 #include "base/memory.h"
 #include "prepare/commit.h"
+#include "scene/spot_picture.h"
 #include "scene/view.h"
 
 lc_status lc_build_take(const lc_scene *s, const char *name, void *to, size_t size, const void *desc)
@@ -61,6 +62,8 @@ static lc_status check_mesh(const lc_scene *s, const lc_build_mesh_desc *d)
     if (lc_build_check_texture(s, d->alpha_texture, true)) wrong = "alpha_texture is not one of one channel";
     for (size_t i = 0; d->uv && i < (size_t)d->n_vertices * 2; i++)
         if (!isfinite(d->uv[i])) wrong = "uv is not finite";
+    if (lc_build_check_texture(s, d->emission_texture, false))
+        wrong = "emission_texture is not one of the scene's";
     if (s->n_instances) wrong = "the meshes of all objects come before the instances";
     for (int k = 0; k < 3; k++)
         if (s->n_objects && (d->emission[k] < 0 || d->emission[k] > 0))
@@ -77,17 +80,20 @@ lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
     const bool holes = d.alpha_texture != LC_NO_TEXTURE || d.alpha < 1;
     const double alpha = (double)d.alpha;
     const lc_mesh_alpha hole = { { d.alpha_texture, { alpha, alpha, alpha } }, { LC_NONE, { 1, 1, 1 } } };
-    const lc_mesh_desc m = { .n_verts = d.n_vertices,
-                             .n_tris = d.n_triangles,
-                             .pos = d.positions,
-                             .normal = d.normals,
-                             .uv = d.uv,
-                             .alpha = holes ? &hole : NULL,
-                             .index = d.indices,
-                             .material_id = d.material,
-                             .flip = d.flip,
-                             .emission = lc_f3_load(d.emission),
-                             .two_sided = d.two_sided };
+    lc_mesh_desc m = { .n_verts = d.n_vertices,
+                       .n_tris = d.n_triangles,
+                       .pos = d.positions,
+                       .normal = d.normals,
+                       .uv = d.uv,
+                       .alpha = holes ? &hole : NULL,
+                       .index = d.indices,
+                       .material_id = d.material,
+                       .flip = d.flip,
+                       .emission = lc_f3_load(d.emission),
+                       .two_sided = d.two_sided };
+    if (d.emission_texture != LC_NO_TEXTURE &&
+        (st = lc_build_emission_map(s, d.emission_texture, &m.emission_map)))
+        return st;
     lc_given *g = &s->given;
     const size_t before = s->n_meshes;
     if ((st = number_of(s, &g->meshes, &g->n_meshes, &g->cap_meshes))) return st;
@@ -102,7 +108,7 @@ lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
     lc_digest_u64(&s->inputs.digest, d.material);
     lc_digest_u64(&s->inputs.digest,
                   (d.uv ? 8u : 0) + (d.normals ? 4u : 0) + (d.flip ? 2u : 0) + (d.two_sided ? 1u : 0));
-    lc_digest_u64(&s->inputs.digest, d.alpha_texture);
+    lc_digest_u64(&s->inputs.digest, (uint64_t)d.alpha_texture << 32 | d.emission_texture);
     add_floats(s, &d.alpha, 1);
     if (d.uv) add_floats(s, d.uv, (size_t)d.n_vertices * 2);
     add_floats(s, d.positions, (size_t)d.n_vertices * 3);
@@ -140,11 +146,47 @@ lc_status lc_build_instance(lc_scene *s, uint32_t object, const double to_world[
     return st;
 }
 
+/* Gives a checked projector its map. */
+static lc_status make_projector(lc_scene *s, const lc_build_light_desc *d, lc_light *light)
+{
+    lc_mipmap picture;
+    lc_spot_map map = { .projected = true };
+    double x[3], half[2], power;
+    const float z[3] = { light->dir.x, light->dir.y, light->dir.z };
+    lc_arg_across(d, light->dir, x);
+    for (int k = 0; k < 3; k++) { /* y, towards the lower side of the picture, is x cross z */
+        const int a = (k + 1) % 3, b = (k + 2) % 3;
+        map.to_light[0][k] = (float)x[k];
+        map.to_light[1][k] = (float)(x[a] * (double)z[b] - x[b] * (double)z[a]);
+        map.to_light[2][k] = z[k];
+    }
+    lc_status st = lc_build_picture_of(s, d->picture, &picture);
+    if (st) return st;
+    st = lc_spot_project(s->ctx, &picture, d->fov, &map, half, &power);
+    if (!st) {
+        lc_spot_set_frustum(light, 1 / sqrt(1 + half[0] * half[0] + half[1] * half[1]));
+        lc_spot_normalise(&map, &light->intensity);
+        st = lc_scene_add_spot_map(s, &map, &light->spot.map);
+        if (!st && (st = lc_as_arg(lc_scene_check_light(s, LC_BY_CALL, light, light)))) s->n_spot_maps--;
+    }
+    if (st) lc_spot_map_free(s->ctx, &map);
+    lc_mipmap_free(s->ctx, &picture);
+    if (st) return st;
+    lc_build_mark(s, LC_CALL_PROJECTOR);
+    lc_digest_u64(&s->inputs.digest, d->picture);
+    lc_digest_number(&s->inputs.digest, d->fov);
+    lc_digest_add(&s->inputs.digest, map.to_light, sizeof map.to_light);
+    return LC_OK;
+}
+
 lc_status lc_build_light(lc_scene *s, const lc_build_light_desc *desc)
 {
     lc_light light;
+    lc_build_light_desc d = LC_BUILD_LIGHT_DESC_INIT;
     lc_status st = lc_build_take(s, "lc_build_light", NULL, 0, NULL);
     if (!st) st = lc_arg_light(s, "lc_build_light", desc, &light);
+    if (!st) st = lc_desc_take(s->ctx, "lc_build_light_desc", &d, sizeof d, desc);
+    if (!st && d.kind == LC_BUILD_PROJECTOR) st = make_projector(s, &d, &light);
     lc_given *g = st ? NULL : &s->given;
     if (!st) st = lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
     if (!st) g->lights[g->n_lights++] = light;
@@ -161,15 +203,27 @@ lc_status lc_build_camera(lc_scene *s, const lc_build_camera_desc *desc)
 
 lc_status lc_build_film(lc_scene *s, const lc_build_film_desc *desc)
 {
+    static const double radius[] = { 0.5, 2, 1.5, 2, 4 }, shape[] = { 0, 0, 2, 1.0 / 3, 3 };
     lc_build_film_desc d = LC_BUILD_FILM_DESC_INIT;
     lc_status st = lc_build_take(s, "lc_build_film_desc", &d, sizeof d, desc);
     if (st) return st;
+    if ((unsigned)d.filter > LC_BUILD_SINC)
+        return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_film: filter is none of lc_build_pixel_filter");
     lc_film_desc film = { .width = d.width,
                           .height = d.height,
                           .crop = { 0, d.width, 0, d.height },
                           .scale = d.scale,
                           .spp = d.spp,
-                          .filter = LC_PIXEL_FILTER_BOX };
+                          .filter = { .kind = (lc_pixel_filter_kind)d.filter } };
+    for (int i = 0; i < 4 && (d.crop[0] || d.crop[1] || d.crop[2] || d.crop[3]); i++)
+        film.crop[i] = d.crop[i];
+    const bool usual = fabs(d.shape[0]) + fabs(d.shape[1]) <= 0;
+    for (int i = 0; i < 2; i++) {
+        film.filter.radius[i] = fabs(d.radius[i]) > 0 ? d.radius[i] : radius[d.filter];
+        film.filter.shape[i] = !usual                                    ? d.shape[i]
+                               : i == 0 || d.filter == LC_BUILD_MITCHELL ? shape[d.filter]
+                                                                         : 0;
+    }
     return lc_as_arg(lc_scene_set_film(s, LC_BY_CALL, &film));
 }
 
@@ -182,7 +236,10 @@ lc_status lc_build_commit(lc_scene *s, const lc_load_desc *desc)
     if (d.sensors && (st = lc_scene_set_sensors(s, d.sensors))) return lc_as_arg(st);
     if (!s->has_camera && !s->sensors)
         return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_commit: the scene has no camera");
-    lc_fit_screen(&s->film, s->camera_desc.screen);
+    double *screen = s->camera_desc.screen;
+    const double side = fmin(screen[1], screen[3]); /* the film may have come after the camera */
+    lc_fit_screen(&s->film, screen);
+    for (int i = 0; i < 4; i++) screen[i] *= side;
     s->committed = true;
     if ((st = lc_as_arg(lc_scene_commit(s, &d)))) return st;
     s->input_id = lc_given_id(s);

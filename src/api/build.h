@@ -17,11 +17,17 @@ enum {
     LC_CALL_OBJECT,
     LC_CALL_TEXTURE,
     LC_CALL_ENVIRONMENT,
-    LC_CALL_LUMINAIRE
+    LC_CALL_LUMINAIRE,
+    LC_CALL_MIX,
+    LC_CALL_PROJECTOR
 };
 
 /* Takes a descriptor of a scene that can still be added to; to: NULL, no descriptor. */
 lc_status lc_build_take(const lc_scene *scene, const char *name, void *to, size_t size, const void *desc);
+/* *id: of an emission map of the texture's picture, made once. LC_ERR_ARG, _MEMORY. */
+lc_status lc_build_emission_map(lc_scene *scene, uint32_t texture, uint32_t *id);
+/* A copy of the picture of a texture of three channels. LC_ERR_MEMORY. */
+lc_status lc_build_picture_of(const lc_scene *scene, uint32_t texture, lc_mipmap *out);
 /* What is wrong with a texture's number, or NULL; LC_NO_TEXTURE is right. number: one channel is needed. */
 const char *lc_build_check_texture(const lc_scene *scene, uint32_t id, bool number);
 /* Begins a call's part of the digest. */
@@ -30,6 +36,9 @@ void lc_build_mark(lc_scene *scene, int call);
 /* Each LC_ERR_ARG after a line that begins with the name of the call. */
 lc_status lc_arg_light(const lc_scene *scene, const char *call, const lc_build_light_desc *desc,
                        lc_light *out);
+/* What is across the direction of a light of which that matters: x, unit, by desc->across. NULL, or what is
+ * wrong. */
+const char *lc_arg_across(const lc_build_light_desc *desc, lc_f3 dir, double x[3]);
 /* The screen window is -1..1 along the film's shorter side, or that of the scene's perspective camera. */
 lc_status lc_arg_camera(const lc_scene *scene, const char *call, const lc_build_camera_desc *desc,
                         lc_camera_desc *out);

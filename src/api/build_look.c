@@ -268,7 +268,70 @@ lc_status lc_build_material(lc_scene *s, const lc_build_material_desc *desc, uin
     return LC_OK;
 }
 
+lc_status lc_build_mix(lc_scene *s, const lc_build_mix_desc *desc, uint32_t *id)
+{
+    static const char call[] = "lc_build_mix";
+    lc_build_mix_desc d = LC_BUILD_MIX_DESC_INIT;
+    lc_status st = lc_build_take(s, "lc_build_mix_desc", &d, sizeof d, desc);
+    if (st) return st;
+    if (!id) return bad(s, call, "id is NULL");
+    if (d.materials[0] >= s->n_materials || d.materials[1] >= s->n_materials)
+        return bad(s, call, "materials are not the scene's");
+    if (!is_fraction(d.share)) return bad(s, call, "share must be 0 to 1");
+    const char *wrong = lc_build_check_texture(s, d.share_texture, false);
+    if (wrong) return lc_fail(s->ctx, LC_ERR_ARG, "%s: share_texture %s", call, wrong);
+    if (s->maps[d.materials[0]].depth >= LC_MAX_MIX || s->maps[d.materials[1]].depth >= LC_MAX_MIX)
+        return bad(s, call, "materials are mixes of mixes more than 16 deep");
+    lc_material_maps maps = LC_NO_MAPS;
+    maps.mix[0] = d.materials[0];
+    maps.mix[1] = d.materials[1];
+    maps.share = lc_f3_load(d.share);
+    set_tint(s, d.share_texture, &maps.share, &maps.share_map);
+    const lc_f3 part = maps.share;
+    const lc_material m = s->materials[d.materials[(double)part.x + (double)part.y + (double)part.z >= 1.5]];
+    if ((st = lc_scene_add_material(s, &m, id))) return st;
+    lc_scene_map_material(s, *id, &maps);
+    lc_build_mark(s, LC_CALL_MIX);
+    lc_digest_add(&s->inputs.digest, d.materials, sizeof d.materials);
+    lc_digest_add(&s->inputs.digest, d.share, sizeof d.share);
+    lc_digest_u64(&s->inputs.digest, d.share_texture);
+    return LC_OK;
+}
+
 /* ---- what emits ---- */
+
+lc_status lc_build_picture_of(const lc_scene *s, uint32_t texture, lc_mipmap *out)
+{
+    return lc_mipmap_copy(s->ctx, &s->textures.images[s->textures.items[texture].image], out);
+}
+
+lc_status lc_build_emission_map(lc_scene *s, uint32_t texture, uint32_t *id)
+{
+    static const char call[] = "lc_build_mesh";
+    lc_given *g = &s->given;
+    const lc_texture *t = &s->textures.items[texture];
+    for (size_t i = 0; i < g->n_emission_maps; i++)
+        if (g->emission_maps[i][0] == texture) {
+            *id = g->emission_maps[i][1];
+            return LC_OK;
+        }
+    if (t->is_float) return bad(s, call, "emission_texture must have three channels");
+    if (fabs(t->map.su - 1) + fabs(t->map.sv - 1) + fabs(t->map.du) + fabs(t->map.dv) + fabs(t->scale - 1) >
+        0)
+        return bad(s, call, "emission_texture must have repeat 1, offset 0 and scale 1");
+    lc_mipmap map;
+    lc_status st = lc_grow(s->ctx, (void **)&g->emission_maps, &g->cap_emission_maps, g->n_emission_maps + 1,
+                           sizeof *g->emission_maps);
+    if (!st) st = lc_build_picture_of(s, texture, &map);
+    if (st) return st;
+    if ((st = lc_scene_add_emission_map(s, &map, id))) {
+        lc_mipmap_free(s->ctx, &map);
+        return st;
+    }
+    g->emission_maps[g->n_emission_maps][0] = texture;
+    g->emission_maps[g->n_emission_maps++][1] = *id;
+    return LC_OK;
+}
 
 lc_status lc_build_environment(lc_scene *s, const lc_build_environment_desc *desc)
 {

@@ -127,10 +127,12 @@ void lc_tree_destroy(lc_tree *t)
     lc_free(t->ctx, t, 1, sizeof *t);
 }
 
-void lc_tree_get_info(const lc_tree *t, lc_tree_info *info)
+lc_status lc_tree_get_info(const lc_tree *t, lc_tree_info *info)
 {
-    *info = (lc_tree_info){ .n_given = (uint32_t)t->n_given,
-                            .n_lights = t->tree->n_lights,
-                            .bytes = lc_light_tree_bytes(t->tree) };
-    memcpy(info->n_of_kind, t->tree->n_of_kind, sizeof t->tree->n_of_kind);
+    if (!t || !info) return LC_ERR_ARG;
+    lc_tree_info i = { .n_given = (uint32_t)t->n_given,
+                       .n_lights = t->tree->n_lights,
+                       .bytes = lc_light_tree_bytes(t->tree) };
+    memcpy(i.n_of_kind, t->tree->n_of_kind, sizeof t->tree->n_of_kind);
+    return lc_desc_give(t->ctx, "lc_tree_info", info, &i, sizeof i);
 }

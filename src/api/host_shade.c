@@ -228,8 +228,10 @@ static void shade_group(lc_shader *sh, const lc_shade_batch *b, uint32_t first, 
     }
 }
 
-static void add_stats(lc_shader *sh, lc_shade_stats *out)
+static lc_status add_stats(lc_shader *sh, lc_shade_stats *given)
 {
+    lc_shade_stats sum = LC_SHADE_STATS_INIT, *out = &sum;
+    memcpy(out, given, given->size < sizeof sum ? given->size : sizeof sum);
     for (uint32_t i = 0; i < sh->n_lanes; i++) {
         lc_stats *s = &sh->lanes[i].stats;
         out->points += s->points;
@@ -240,6 +242,7 @@ static void add_stats(lc_shader *sh, lc_shade_stats *out)
         out->points_dark += s->dark;
     }
     out->calls += sh->n_calls;
+    return lc_desc_give(sh->tree->ctx, "lc_shade_stats", given, out, sizeof *out);
 }
 
 lc_status lc_shade(lc_shader *sh, const lc_shade_batch *given, float (*rgb)[3], lc_shade_stats *stats)
@@ -252,6 +255,8 @@ lc_status lc_shade(lc_shader *sh, const lc_shade_batch *given, float (*rgb)[3], 
     if (!st) st = lc_host_check_batch(sh->tree, batch);
     if (st) return st;
     if (batch->n && !rgb) return lc_fail(sh->tree->ctx, LC_ERR_ARG, "rgb is NULL");
+    if (stats && !lc_desc_size_fits(stats->size))
+        return lc_fail(sh->tree->ctx, LC_ERR_ARG, "lc_shade_stats: its size is wrong: its INIT sets it");
     const uint32_t group = LC_HOST_BLOCK * LC_HOST_BLOCKS;
     for (uint32_t i = 0; i < sh->n_lanes; i++) sh->lanes[i].stats = (lc_stats){ 0 };
     sh->n_calls = 0;
@@ -260,6 +265,6 @@ lc_status lc_shade(lc_shader *sh, const lc_shade_batch *given, float (*rgb)[3], 
         n = batch->n - at < group ? batch->n - at : group;
         shade_group(sh, batch, at, at + n, rgb);
     }
-    if (stats) add_stats(sh, stats);
-    return sh->cancelled ? LC_ERR_CANCELLED : LC_OK;
+    if (stats) st = add_stats(sh, stats);
+    return sh->cancelled ? LC_ERR_CANCELLED : st;
 }

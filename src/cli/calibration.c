@@ -38,7 +38,7 @@ static bool parse(FILE *f, content *x)
 int cli_calibration_read(lc_context *ctx, const lc_scene *scene, const char *path, lc_render_desc *render,
                          lc_calibration *out)
 {
-    content x = { .c = { .z = 0 } };
+    content x = { .c = LC_CALIBRATION_INIT };
     lc_identity id;
     FILE *f = fopen(path, "r");
     if (!f && errno == ENOENT) return CLI_OK;

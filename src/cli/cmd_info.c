@@ -62,7 +62,7 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
            (ull)i->tree_bytes);
     printf("approximated or ignored: %u kind%s\n", i->n_notes, i->n_notes == 1 ? "" : "s");
     for (uint32_t k = 0; k < i->n_notes; k++) {
-        lc_note note;
+        lc_note note = LC_NOTE_INIT;
         if (!lc_scene_get_note(scene, k, &note))
             printf("  %6llu  %-24s %s\n", (ull)note.count, cli_shown(note.kind), cli_shown(note.text));
     }
@@ -72,7 +72,7 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
 static void features_json(const lc_scene *scene)
 {
     static const char *const names[] = { "yes", "approximated", "ignored" };
-    lc_feature f;
+    lc_feature f = LC_FEATURE_INIT;
     printf("\"features\": [");
     for (uint32_t k = 0; !lc_scene_get_feature(scene, k, &f); k++) {
         printf("%s\n    {\"kind\": ", k ? "," : "");
@@ -116,7 +116,7 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
     printf("  \"bvh_bytes\": %llu,\n  \"tree_bytes\": %llu,\n  \"notes\": [", (ull)i->bvh_bytes,
            (ull)i->tree_bytes);
     for (uint32_t k = 0; k < i->n_notes; k++) {
-        lc_note note;
+        lc_note note = LC_NOTE_INIT;
         if (lc_scene_get_note(scene, k, &note)) continue;
         printf("%s\n    {\"kind\": ", k ? "," : "");
         cli_json_text(stdout, note.kind);

@@ -7,6 +7,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 /* ---- building ---- */
 
@@ -137,6 +138,16 @@ lc_status lc_mipmap_build(const lc_context *ctx, const lc_raster *r, lc_encoding
     lc_free(ctx, columns, n_columns, sizeof *columns);
     if (st) lc_mipmap_free(ctx, m);
     return st;
+}
+
+lc_status lc_mipmap_copy(const lc_context *ctx, const lc_mipmap *m, lc_mipmap *out)
+{
+    const size_t size = m->n_channels * (m->is_codes ? sizeof(uint8_t) : sizeof(float));
+    *out = *m;
+    out->texels = lc_alloc_raw(ctx, m->n_texels, size);
+    if (!out->texels) return LC_ERR_MEMORY;
+    memcpy(out->texels, m->texels, m->n_texels * size);
+    return LC_OK;
 }
 
 void lc_mipmap_free(const lc_context *ctx, lc_mipmap *m)

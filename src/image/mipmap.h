@@ -39,6 +39,7 @@ typedef struct lc_mipmap {
 /* Copies the raster. Floats that are not finite become 0. LC_ERR_MEMORY. */
 lc_status lc_mipmap_build(const lc_context *ctx, const lc_raster *raster, lc_encoding encoding,
                           lc_mipmap *out);
+lc_status lc_mipmap_copy(const lc_context *ctx, const lc_mipmap *m, lc_mipmap *out); /* LC_ERR_MEMORY */
 void lc_mipmap_free(const lc_context *ctx, lc_mipmap *m);
 size_t lc_mipmap_bytes(const lc_mipmap *m);
 

@@ -1,6 +1,7 @@
 /* method.c - cuts or every light, and the pre-pass for the dark floor. */
 #include "render/render_job.h"
 
+#include "base/desc.h"
 #include "base/pool.h"
 #include "scene/instance.h"
 
@@ -138,9 +139,10 @@ lc_cut_desc lc_job_cut_desc(const lc_render_job *j)
 /* Finds z, or takes it from who has it, unless every light turns out to be evaluated. */
 static lc_status choose_z(lc_render_job *j, lc_calibration *c)
 {
-    lc_status st = LC_OK;
-    *c = (lc_calibration){ .error = j->error, .within = j->desc->within, .z = j->z };
-    if (j->desc->calibration) *c = *j->desc->calibration;
+    lc_status st;
+    *c = (lc_calibration){ .size = sizeof *c, .error = j->error, .within = j->desc->within, .z = j->z };
+    if (j->desc->calibration)
+        st = lc_desc_take(j->ctx, "lc_calibration", c, sizeof *c, j->desc->calibration);
     else st = lc_calibrate(j, c);
     j->z = c->z;
     j->error = c->error;
@@ -149,7 +151,7 @@ static lc_status choose_z(lc_render_job *j, lc_calibration *c)
         const lc_cut_desc cut = lc_job_cut_desc(j);
         st = exact_pays(j, &cut, &j->exact);
     }
-    if (j->exact) *c = (lc_calibration){ .rays = c->rays };
+    if (j->exact) *c = (lc_calibration){ .size = sizeof *c, .rays = c->rays };
     return st;
 }
 

@@ -188,7 +188,11 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
     if (!(d->error >= 0) || !isfinite(d->error) || (d->error > 0 && !(d->within > 0 && d->within < 100)))
         return lc_fail(ctx, LC_ERR_ARG,
                        "the error must be finite and at least 0, the share within it above 0 and below 100");
-    if (d->calibration && !(d->calibration->z > 0 && isfinite(d->calibration->z)))
+    lc_calibration c = LC_CALIBRATION_INIT;
+    const lc_status st = d->calibration ? lc_desc_take(ctx, "lc_calibration", &c, sizeof c, d->calibration)
+                                        : LC_OK;
+    if (st) return st;
+    if (d->calibration && !(c.z > 0 && isfinite(c.z)))
         return lc_fail(ctx, LC_ERR_ARG, "a calibration's z must be finite and above 0");
     if (!(d->seconds >= 0) || !isfinite(d->seconds))
         return lc_fail(ctx, LC_ERR_ARG, "seconds must be finite and at least 0");

@@ -435,8 +435,9 @@ static lc_status find_feature(lc_scene *s, const char *kind, const char *name, l
     }
     lc_status st = GROW(s, features, cap_features, s->n_features + 1);
     if (st) return st;
-    lc_feature f = { lc_arena_text(&s->arena, kind, strlen(kind)),
-                     lc_arena_text(&s->arena, name, strlen(name)), "", 0, LC_SUPPORT_YES };
+    lc_feature f = { .kind = lc_arena_text(&s->arena, kind, strlen(kind)),
+                     .name = lc_arena_text(&s->arena, name, strlen(name)),
+                     .text = "" };
     if (!f.kind || !f.name) return LC_ERR_MEMORY;
     *out = &s->features[s->n_features];
     s->features[s->n_features++] = f;

@@ -95,13 +95,14 @@ int lc_scene_reads_file(const lc_scene *s, const char *path)
 lc_status lc_scene_get_note(const lc_scene *s, uint32_t idx, lc_note *note)
 {
     if (!s || !note || idx >= s->n_notes) return LC_ERR_ARG;
-    *note = (lc_note){ s->notes[idx].kind, s->notes[idx].text, s->notes[idx].count };
-    return LC_OK;
+    const lc_note n = { .kind = s->notes[idx].kind,
+                        .text = s->notes[idx].text,
+                        .count = s->notes[idx].count };
+    return lc_desc_give(s->ctx, "lc_note", note, &n, sizeof n);
 }
 
 lc_status lc_scene_get_feature(const lc_scene *s, uint32_t idx, lc_feature *feature)
 {
     if (!s || !feature || idx >= s->n_features) return LC_ERR_ARG;
-    *feature = s->features[idx];
-    return LC_OK;
+    return lc_desc_give(s->ctx, "lc_feature", feature, &s->features[idx], sizeof *s->features);
 }

@@ -68,7 +68,9 @@ typedef struct lc_given {
     size_t n_lights, cap_lights;
     uint32_t *meshes, *instances; /* of each call the scene's number; LC_NONE: it was empty and left out */
     lc_fixture *fixtures;
-    size_t n_meshes, cap_meshes, n_instances, cap_instances, n_fixtures, cap_fixtures;
+    uint32_t (*emission_maps)[2]; /* a texture and the emission map that was made of it */
+    size_t n_meshes, cap_meshes, n_instances, cap_instances, n_fixtures, cap_fixtures, n_emission_maps,
+        cap_emission_maps;
 } lc_given;
 
 typedef enum lc_change_kind { LC_CHANGE_CAMERA, LC_CHANGE_INSTANCE, LC_CHANGE_EMISSION } lc_change_kind;

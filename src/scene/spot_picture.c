@@ -1,7 +1,7 @@
 /* spot_picture.c - see spot_picture.h. */
 #include "scene/spot_picture.h"
 
-#include "base/memory.h"
+#include "base/arena.h"
 #include "base/xform.h"
 
 #define MIN_COLOUR  1e-9 /* of the greatest: colours below are 0, as cosines below LC_MIN_COS are */

@@ -100,7 +100,7 @@ int main(void)
         lc_shader *shader = NULL;
         lc_shader_desc desc = LC_SHADER_DESC_INIT;
         lc_shade_batch batch = { sizeof batch, 0, n, 1, point, &grey };
-        lc_shade_stats stats = { 0, 0, 0, 0, 0, 0, 0 };
+        lc_shade_stats stats = LC_SHADE_STATS_INIT;
         desc.visible = visible;
         desc.error_ratio = ask[i];
         desc.max_cut = 0;
