@@ -3,9 +3,9 @@
  *
  *     lc_context -> lc_scene -> lc_render -> lc_image
  *
- * Handles are opaque. The handle comes first, outputs last. On failure *out is
- * NULL, and the reason has been logged as one line. Destroying NULL does nothing. Nothing here prints, exits
- * or reads the environment.
+ * Handles are opaque. The handle comes first, outputs last. On failure *out is NULL (but for
+ * lc_render_desc.partial), and the reason has been logged as one line. Destroying NULL does nothing. Nothing
+ * here prints, exits or reads the environment.
  *
  * Descriptors, which a call reads, and info structs, which it fills in, are made by their INIT macros, which
  * set their size: a host may have been compiled with the header of another version. Of a smaller descriptor
@@ -648,11 +648,13 @@ enum { /* lc_render_desc.aovs: further channels of the picture, each the mean ov
                          * error of pixels is asked: its stated half-width over the larger of
                          * luminance and floor */
     LC_AOV_RAYS = 64,   /* cut.rays: shadow rays */
-    LC_AOV_ALL = 127,   /* all but the next, which takes cuts of its own: some five to ten times as long */
-    LC_AOV_INTERVAL = 128 /* cut.lower cut.upper: between what the luminance of the pixel is if every light
+    LC_AOV_ALL = 127,   /* all but the next two, the first of which takes cuts of its own: some five to ten
+                         * times as long */
+    LC_AOV_INTERVAL = 128, /* cut.lower cut.upper: between what the luminance of the pixel is if every light
                            * is evaluated at the same points, proved; cut.estimate: an unbiased estimate of
                            * it, by other lights than the picture's; cut.halfwidth: with a probability of 95 %
                            * and more it is off by no more than this. Luminance of R G B in the picture */
+    LC_AOV_ALPHA = 256    /* A: the share of the samples that meet a surface, weighted as R G B are */
 };
 
 /* Sums over the shading points of a tile; named as in lc_render_stats. */
@@ -725,13 +727,16 @@ typedef struct lc_render_desc {
                           * are timed, so the picture depends on the machine and its load, and the seconds are
                           * kept to about a tenth where pilots take a small part of them. What was chosen is
                           * in the calibration of the statistics. Not with `calibration` */
+    int partial;         /* nonzero: where `progress` ends it, lc_render fails with LC_ERR_CANCELLED all the
+                          * same, but once pixels are finished *out is the picture with these, others being
+                          * 0; its number "lightcuts/finished" is their share */
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
 #define LC_ASKED_DARK_FLOOR 0.02f /* advised where `error` is asked: contact shadows are not left out */
 #define LC_RENDER_DESC_INIT                                                                                  \
     {                                                                                                        \
         sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, \
-            0, 0, 0, 0, 0, 0, 95, 0, 0                                                                       \
+            0, 0, 0, 0, 0, 0, 95, 0, 0, 0                                                                    \
     }
 
 typedef struct lc_render_stats {

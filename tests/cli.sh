@@ -436,7 +436,55 @@ for signal in INT TERM; do
     wait $pid 2>/dev/null
     rc=$?
     bad_after "SIG$signal" $want 'interrupted, nothing written'
+    check "SIG$signal: how to keep work is said" grep -q -e '--checkpoint' err
 done
+
+rm -f part.exr
+"$L" --method exact long.pbrt --spp 64 -t 2 -o part.exr --write-partial --aov n >out 2>err </dev/null &
+pid=$!
+sleep $settle
+kill -INT $pid 2>/dev/null || no '--write-partial' 'the render ended before the signal'
+wait $pid 2>/dev/null
+rc=$?
+check '--write-partial: ended by the signal' test $rc -eq 130
+check '--write-partial says how much' grep -q 'part.exr has .* % of its pixels' err
+"$L" info part.exr >parts 2>&1
+share=$(sed -n 's/^finished *\([0-9.]*\) % of the pixels.*/\1/p' parts)
+check '--write-partial: info says its share' awk "BEGIN { exit !(${share:-0} > 0 && ${share:-0} < 100) }"
+bad '--write-partial and --chunk' 2 'write-partial' s.pbrt --chunk 1/2 --write-partial
+
+# ---- channels: the manual page, the help, completion and the program agree ----
+
+sed -n '/^\.BR \\-\\-aov/,/^\.TP/p' "$here/../src/app/lightcuts.1" |
+    awk '/^\.B [a-z]+$/ { name = $2 } /^\(/ { gsub(/[(),;.]*$/, ""); gsub(/[(,]/, " "); $1 = $1; print name, $0 }' >aovs
+check 'the manual page has channels' test "$(wc -l <aovs)" -ge 8
+while read -r aov channels; do
+    run s.pbrt -o aov.exr --aov "$aov"
+    "$L" info aov.exr | sed -n 's/^  \([^ ]*\) *min .*/\1/p' | grep -vx '[RGB]' | sort >got
+    echo "$channels" | tr ' ' '\n' | sort >wanted
+    check "--aov $aov has the channels of the manual page" cmp wanted got
+done <aovs
+{ cut -d ' ' -f 1 aovs && echo all; } | sort >names
+run s.pbrt --aov nonsense
+sed -n 's/.*--aov: \(.*\), with commas.*/\1, all/p' err | tr -d ' ' | tr ',' '\n' | sort >got
+check 'a bad --aov lists the names of the manual page' cmp names got
+sed -n "s/.*-W '\(cut n p [a-z ]*\)'.*/\1/p" "$here/../src/app/lightcuts.bash" | tr ' ' '\n' | sort >got
+check 'completion has them' cmp names got
+"$L" render --help | sed -n '/--aov LIST/,/--nthreads/p' >got
+while read -r aov; do check "the help has --aov $aov" grep -qw -e "$aov" got; done <names
+
+# ---- standard output ----
+
+"$L" -q s.pbrt -o here.exr
+"$L" s.pbrt -o - 2>err | cat >there.exr
+check '-o - writes to a pipe' cmp here.exr there.exr
+echo before >there.exr
+"$L" -q s.pbrt -o - >>there.exr
+{ echo before; cat here.exr; } >wanted.exr
+check '-o - adds to a file that the shell opened' cmp wanted.exr there.exr
+bad '-o - with --stats' 2 'only one thing' s.pbrt -o - --stats
+bad '-o - with statistics' 2 'only one thing' s.pbrt -o - --stats-file -
+"$L" merge -o - here.exr >out 2>err && no 'merge -o -' 'it takes a picture that is no part'
 
 # ---- progress ----
 

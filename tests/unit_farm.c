@@ -426,6 +426,49 @@ TEST(progress_rises_and_ends)
     }
 }
 
+static int stop_after_a_third(void *user, uint64_t done, uint64_t total)
+{
+    (void)user;
+    return done * 3 >= total;
+}
+
+TEST(what_is_finished_of_a_cancelled_render_is_kept_on_request)
+{
+    static const char *const names[] = { "R", "G", "B" };
+    lc_context *ctx = quiet_context(2);
+    farm_write_scene("p.pbrt", 300, 200, 400);
+    lc_scene *scene = farm_load(ctx, "p.pbrt");
+    lc_image *whole, *part;
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
+    d.method = LC_METHOD_EXACT;
+    CHECK(lc_render(ctx, scene, &d, &whole, NULL) == LC_OK);
+    CHECK(lc_image_get_number(whole, "lightcuts/finished", -1) < 0);
+    d.progress = stop_after_a_third;
+    CHECK(lc_render(ctx, scene, &d, &part, NULL) == LC_ERR_CANCELLED && !part);
+    d.partial = 1;
+    CHECK(lc_render(ctx, scene, &d, &part, &stats) == LC_ERR_CANCELLED && part);
+    const double share = part ? lc_image_get_number(part, "lightcuts/finished", 0) : 0;
+    CHECKF(share >= 1.0 / 3 && share < 1 && stats.pixels == (uint64_t)(share * 60000 + 0.5), "%g", share);
+    size_t same = 0, black = 0, other = 0;
+    for (size_t i = 0; part && i < 60000; i++) {
+        bool is_same = true, is_black = true;
+        for (int k = 0; k < 3; k++) {
+            const float v = lc_image_channel(part, names[k])[i], w = lc_image_channel(whole, names[k])[i];
+            is_same = is_same && !memcmp(&v, &w, sizeof v);
+            is_black = is_black && !(v > 0);
+        }
+        same += is_same && !is_black;
+        black += is_black;
+        other += !is_same && !is_black;
+    }
+    CHECKF(!other && black && same > 10000, "%zu as whole, %zu black, %zu other", same, black, other);
+    lc_image_destroy(whole);
+    lc_image_destroy(part);
+    lc_scene_destroy(scene);
+    lc_context_destroy(ctx);
+}
+
 /* ---- processors ---- */
 
 static void put(const char *name, const char *text) { file_text(temp_path(name), text); }
@@ -534,6 +577,7 @@ int main(void)
     RUN(foreign_checkpoints);
     RUN(no_room_for_the_checkpoint);
     RUN(progress_rises_and_ends);
+    RUN(what_is_finished_of_a_cancelled_render_is_kept_on_request);
     RUN(quotas_of_control_groups);
     RUN(memory_that_control_groups_leave);
     RUN(memory_limit_of_a_context);

@@ -46,7 +46,7 @@ _lightcuts()
         # A list with commas: complete its last part.
         local head=
         [[ $word == *,* ]] && head=${word%,*},
-        COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays interval all' -- "${word##*,}"))
+        COMPREPLY=($(compgen -P "$head" -W 'cut n p z albedo error rays interval alpha all' -- "${word##*,}"))
         return ;;
     render:-t | render:--nthreads | explain:-t | explain:--nthreads | bench:-t | bench:--nthreads | \
         report:-t | report:--nthreads | converge:-t | converge:--nthreads | \
@@ -96,7 +96,7 @@ _lightcuts()
             --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
             --indirect-from --seed --spp --resolution --exposure --tone --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
-            --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --aov
+            --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --aov
             --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;

@@ -297,7 +297,7 @@ static const char *good_values(const char *option)
                  { "builder", "auto, exact or ploc" },
                  { "bvh", "best or fast" },
                  { "indirect-from", "scene or view" },
-                 { "aov", "cut, n, p, z, albedo, error, rays, interval, with commas between, or all" },
+                 { "aov", "cut, n, p, z, albedo, error, rays, interval, alpha, with commas between, or all" },
                  { "nthreads", "1 or more" },
                  { "spp", "1 or more" },
                  { "within", "per cent, 1 to 99.9" },
@@ -485,9 +485,11 @@ int cli_parse_aovs(const char *text, uint32_t *out)
     static const struct {
         const char *name;
         uint32_t bit;
-    } names[] = { { "cut", LC_AOV_CUT },   { "n", LC_AOV_N },           { "p", LC_AOV_P },
-                  { "z", LC_AOV_Z },       { "albedo", LC_AOV_ALBEDO }, { "error", LC_AOV_ERROR },
-                  { "rays", LC_AOV_RAYS }, { "interval", LC_AOV_INTERVAL }, { "all", LC_AOV_ALL } };
+    } names[] = { { "cut", LC_AOV_CUT },       { "n", LC_AOV_N },
+                  { "p", LC_AOV_P },           { "z", LC_AOV_Z },
+                  { "albedo", LC_AOV_ALBEDO }, { "error", LC_AOV_ERROR },
+                  { "rays", LC_AOV_RAYS },     { "interval", LC_AOV_INTERVAL },
+                  { "alpha", LC_AOV_ALPHA },   { "all", LC_AOV_ALL } };
     *out = 0;
     for (;;) {
         size_t len = strcspn(text, ","), i = 0, n = sizeof names / sizeof *names;
@@ -522,6 +524,18 @@ int cli_check_writable(const char *path)
     int err = unwritable(path);
     if (err) fprintf(stderr, "lightcuts: error: cannot write '%s': %s\n", cli_shown(path), strerror(err));
     return err ? CLI_FAILED : 0;
+}
+
+const char *cli_output_name(const char *text) { return strcmp(text, "-") ? text : "/dev/stdout"; }
+
+int cli_is_stdout(const char *path) { return !strcmp(path, "/dev/stdout"); }
+
+int cli_check_picture_name(const char *command, const char *path)
+{
+    if (cli_has_extension(path, ".exr") || cli_has_extension(path, ".png") || !strncmp(path, "/dev/", 5))
+        return 0;
+    cli_usage_error(command, "output '%s' is neither .exr nor .png", path);
+    return -1;
 }
 
 int cli_read_options(const cli_option_set *set, int argc, char **argv, void *user, int *status)

@@ -73,9 +73,9 @@ int cli_parse_u32(const char *text, uint64_t lo, uint64_t hi, uint32_t *out); /*
 int cli_parse_indirect(const char *text, uint32_t *out); /* a number of lights; 0 becomes LC_NO_LIGHTS */
 int cli_parse_indirect_from(const char *text, lc_indirect_from *out); /* scene, view */
 int cli_parse_single(const char *text, double lo, double hi, float *out);
-/* x0,x1,y0,y1: whole numbers from 0 to 65535. */
 /* WIDTHxHEIGHT. */
 int cli_parse_resolution(const char *text, uint32_t out[2]);
+/* x0,x1,y0,y1: whole numbers from 0 to 65535. */
 int cli_parse_pixels(const char *text, int32_t out[4]);
 /* By their names: auto, exact, ploc; lightcuts, exact, cuts. */
 int cli_parse_builder(const char *text, lc_builder *out);
@@ -129,6 +129,12 @@ const char *cli_nearest(const char *text, const char *const *names);
 
 /* 1 where the path ends with the extension, in upper or lower case, and is longer than it. */
 int cli_has_extension(const char *path, const char *extension);
+/* The file that -o names: "-" is standard output. */
+const char *cli_output_name(const char *text);
+int cli_is_stdout(const char *path);
+/* 0, or after a usage error -1: a picture's file is .exr or .png, or one of /dev, which gets EXR. */
+int cli_check_picture_name(const char *command, const char *path);
+void cli_render_help(void);
 /* A copy of at most 1023 bytes that is safe on a terminal: '?' replaces malformed UTF-8, control characters
  * and those that change the direction of text. It is valid until the fourth call after this one. For one
  * thread. */

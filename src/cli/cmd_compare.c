@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MAX_FAILS 64
@@ -21,7 +22,7 @@ typedef struct options {
     const char *image, *reference, *outfile;
     double over, scale;
     uint32_t average;
-    bool json, heat;
+    bool json, heat, scale_given;
     fail_rule fails[MAX_FAILS];
     int n_fails;
 } options;
@@ -56,7 +57,8 @@ static const char help[] =
     "                      mean_ratio: further than V from 1. Repeatable\n"
     "  -o, --outfile FILE  write the absolute difference as an image (.png or .exr)\n"
     "      --scale N       times N (default 1)\n"
-    "      --map heat      its luminance in false colours, black 0 to white 1, instead\n"
+    "      --map heat      its luminance in false colours instead, from black, 0, to white, which is\n"
+    "                      where 1 %% of the pixels are beyond, or 1 with --scale; it is printed\n"
     "      --json          print one JSON object instead of lines\n"
     "  -h, --help          print this\n"
     "\n"
@@ -130,7 +132,10 @@ static int parse_options(int argc, char **argv, options *o)
         case OPT_JSON: o->json = true; break;
         case OPT_AVERAGE: bad = parse_average(optarg, &o->average); break;
         case OPT_OVER: bad = parse_number("over", optarg, &o->over); break;
-        case OPT_SCALE: bad = parse_number("scale", optarg, &o->scale); break;
+        case OPT_SCALE:
+            bad = parse_number("scale", optarg, &o->scale);
+            o->scale_given = true;
+            break;
         case OPT_FAIL: bad = parse_fail(optarg, o); break;
         case OPT_MAP:
             o->heat = strcmp(optarg, "heat") == 0;
@@ -207,6 +212,40 @@ static void print_json(const metrics *m, const asked_error *asked)
     printf("}\n");
 }
 
+static int by_value(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+static double difference(float *const a[3], float *const ref[3], size_t i)
+{
+    static const double weight[3] = { 0.2126, 0.7152, 0.0722 };
+    double sum = 0;
+    for (int c = 0; c < 3; c++) sum += weight[c] * fabs((double)a[c][i] - (double)ref[c][i]);
+    return sum;
+}
+
+/* The difference that 1 % of the pixels exceed, or where it is 0 the greatest one; says so. 0: no memory, or
+ * no difference. */
+static double white_of(const options *o, float *const a[3], float *const ref[3], size_t n)
+{
+    float *sorted = malloc((n ? n : 1) * sizeof *sorted);
+    size_t finite = 0;
+    if (!sorted) return 0;
+    for (size_t i = 0; i < n; i++) {
+        const float d = (float)difference(a, ref, i);
+        if (isfinite(d)) sorted[finite++] = d;
+    }
+    qsort(sorted, finite, sizeof *sorted, by_value);
+    double white = finite ? (double)sorted[finite - 1 - finite / 100] : 0;
+    if (finite && !(white > 0)) white = (double)sorted[finite - 1];
+    free(sorted);
+    if (white > 0)
+        fprintf(stderr, "lightcuts: %s: white is a difference of %.3g\n", cli_shown(o->outfile), white);
+    return white;
+}
+
 static lc_status write_difference(lc_context *ctx, const options *o, const lc_image_desc *desc,
                                   float *const a[3], float *const ref[3])
 {
@@ -216,11 +255,13 @@ static lc_status write_difference(lc_context *ctx, const options *o, const lc_im
     lc_status status = lc_image_create(ctx, desc, &image);
     for (int c = 0; status == LC_OK && c < 3; c++) status = lc_image_add_channel(image, names[c], &out[c]);
     size_t n = (size_t)desc->width * desc->height;
+    const double white = o->heat && !o->scale_given ? white_of(o, a, ref, n) : 0;
     for (size_t i = 0; status == LC_OK && i < n; i++) {
         double d[3];
         for (int c = 0; c < 3; c++) d[c] = fabs((double)a[c][i] - (double)ref[c][i]) * o->scale;
         float rgb[3] = { (float)d[0], (float)d[1], (float)d[2] };
-        if (o->heat) colourmap_rgb(COLOURMAP_HEAT, 0.2126 * d[0] + 0.7152 * d[1] + 0.0722 * d[2], rgb);
+        if (o->heat)
+            colourmap_rgb(COLOURMAP_HEAT, difference(a, ref, i) * (white > 0 ? 1 / white : o->scale), rgb);
         for (int c = 0; c < 3; c++) out[c][i] = rgb[c];
     }
     if (status == LC_OK) status = lc_image_write(image, o->outfile);

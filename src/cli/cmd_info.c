@@ -185,12 +185,15 @@ static void print_image(lc_image *image, bool json)
     lc_image_desc d = LC_IMAGE_DESC_INIT;
     lc_image_get_desc(image, &d);
     size_t n = (size_t)d.width * d.height;
+    const double finished = lc_image_get_number(image, "lightcuts/finished", 1);
+    if (!json && finished < 1)
+        printf("finished             %.1f %% of the pixels; the others are 0\n", 100 * finished);
     if (!json) print_statement(image);
     if (json)
         printf(
             "{\n  \"width\": %u,\n  \"height\": %u,\n  \"x0\": %d,\n  \"y0\": %d,\n  \"display_width\": %u,\n"
-            "  \"display_height\": %u,\n  \"channels\": [",
-            d.width, d.height, d.x0, d.y0, d.display_width, d.display_height);
+            "  \"display_height\": %u,\n  \"finished\": %.9g,\n  \"channels\": [",
+            d.width, d.height, d.x0, d.y0, d.display_width, d.display_height, finished);
     else
         printf("image                %u x %u at (%d, %d) of %u x %u\n", d.width, d.height, d.x0, d.y0,
                d.display_width, d.display_height);

@@ -60,7 +60,7 @@ int cmd_merge(int argc, char **argv)
     optind = 1;
     opterr = 0;
     while ((c = getopt_long(argc, argv, ":o:h", long_options, NULL)) != -1) {
-        if (c == 'o') out = optarg;
+        if (c == 'o') out = cli_output_name(optarg);
         if (c == 'h') {
             print_help();
             return CLI_OK;
@@ -74,10 +74,7 @@ int cmd_merge(int argc, char **argv)
         cli_usage_error("merge", out ? "no parts given" : "no -o FILE given");
         return CLI_USAGE;
     }
-    if (!cli_has_extension(out, ".exr") && !cli_has_extension(out, ".png") && strncmp(out, "/dev/", 5)) {
-        cli_usage_error("merge", "output '%s' is neither .exr nor .png", out);
-        return CLI_USAGE;
-    }
+    if (cli_check_picture_name("merge", out)) return CLI_USAGE;
     lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);
     if (!ctx) return CLI_FAILED;
     int status = run(ctx, argv + optind, argc - optind, out);

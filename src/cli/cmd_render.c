@@ -69,13 +69,15 @@ enum {
     OPT_LIMIT,
     OPT_SANDBOX,
     OPT_MEMORY,
-    OPT_RESOLUTION
+    OPT_RESOLUTION,
+    OPT_PARTIAL
 };
 
 static const struct option long_options[] = {
     { "outfile", 1, 0, 'o' },
     { "method", 1, 0, OPT_METHOD },
     { "resolution", 1, 0, OPT_RESOLUTION },
+    { "write-partial", 0, 0, OPT_PARTIAL },
     CLI_TONE_OPTIONS,
     CLI_ERROR_OPTIONS,
     { "calibration", 1, 0, OPT_CALIBRATION },
@@ -114,75 +116,13 @@ static const struct option long_options[] = {
     { 0, 0, 0, 0 },
 };
 
-static void print_help(void)
-{
-    printf(
-        "usage: lightcuts [render] [options] SCENE     ('-' reads the scene from standard input)\n"
-        "\n"
-        "  -o, --outfile FILE       .exr or .png; may be repeated; default: the name in the scene's film,\n"
-        "                           without its folder, else SCENE.exr, in the current folder\n"
-        "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts\n"
-        "                           even of few lights\n"
-        "      --error E            relative error of finished pixels that is accepted, default %g\n"
-        "      --within P           per cent of the pixels to be within it, 1 to 99.9, default 95\n"
-        "      --calibration FILE   take from FILE what keeps that error; where there is none, write it\n"
-        "      --time T             the least error with which the picture is done in T (90s, 5m, 1h)\n"
-        "      --error-ratio E      in place of --error: bound of every cluster against the estimate\n"
-        "      --max-cut N          clusters in a cut at most, default 0: no limit; with --error-ratio 1000\n"
-        "      --dark-floor F       errors are measured against at least F times the picture's mean,\n"
-        "                           default %g; with --error-ratio %g\n"
-        "      --representatives N  lights kept per cluster to choose from per pixel, 1 to 32, default 16\n"
-        "      --builder B          of the light tree: auto (default), exact, or ploc, faster\n"
-        "      --maxdepth N         bounces, default the scene's; 1: direct light only\n"
-        "      --area-lights N      lights made from emissive surfaces, default: as many as the picture\n"
-        "                           needs\n"
-        "      --env-lights N       lights made from environment maps, default 5000\n"
-        "      --indirect-lights N  virtual lights of bounced light; default: as many as the next takes,\n"
-        "                           up to 1048576, where the scene's integrator traces paths, as pbrt's\n"
-        "                           does by default, else 0\n"
-        "      --indirect-error E   half of the blocks of 8x8 pixels are to be this near to what endlessly\n"
-        "                           many virtual lights would make them, 95 %% within 5 E; default 0.01\n"
-        "      --indirect-from F    scene (default): virtual lights stay where they are when the camera\n"
-        "                           moves; or view: fewer where the camera sees little of their light\n"
-        "      --seed N             of sampling, of area and environment lights and of the tree's\n"
-        "                           representatives, default 0\n"
-        "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a\n"
-        "                           lens 16\n"
-        "      --resolution WxH     of the film in place of the scene's; the view stays\n" CLI_TONE_HELP
-        "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
-        "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n"
-        "      --chunk K/N|slurm    render part K of N, or that of an array job; see 'lightcuts merge'\n"
-        "      --print-chunks N     list the parts, render nothing\n"
-        "      --checkpoint FILE    append finished tiles to FILE, which goes away when the picture is in\n"
-        "                           place\n"
-        "      --resume             go on with FILE if it is there, or with the part of --chunk\n"
-        "      --time-limit T       stop after T (3600, 90s, 55m, 2h) with all saved and exit status 75\n"
-        "      --checkpoint-interval T  force FILE to the disk this often, default 30s\n"
-        "      --keep-checkpoint    leave FILE there\n"
-        "      --sandbox DIR        read only below the scene's folder and DIR, write only the outputs\n"
-        "      --max-memory BYTES   end when it needs more (500M, 2G), default: what the machine and its\n"
-        "                           control groups leave\n"
-        "      --aov LIST           further channels, with commas: cut n p z albedo error rays all,\n"
-        "                           and interval: what the luminance of pixels is proved to be between\n"
-        "  -t, --nthreads N         default: all processors this process may use\n"
-        "      --bvh best|fast      hierarchies over triangles; fast: built in less time, slower rays\n"
-        "      --isa I              use at most %s (also: LC_ISA in the environment)\n"
-        "      --stats              print statistics\n"
-        "      --stats-file F.json  write statistics; -: to standard output\n"
-        "      --write-time         put renderTimeSeconds into the EXR: nothing else in it varies\n"
-        "  -q, --quiet              errors only\n"
-        "  -v, --verbose            say more\n"
-        "  -h, --help               this text\n",
-        (double)CLI_ERROR, (double)LC_ASKED_DARK_FLOOR, (double)LC_DARK_FLOOR, cli_isa_names());
-}
-
 /* Nonzero: the value of option c is out of range. */
 static int set_option(void *user, int c)
 {
     options *o = user;
     switch (c) {
     case 'o':
-        o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg;
+        o->outputs[o->n_outputs % MAX_OUTPUTS] = cli_output_name(optarg);
         return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
     case OPT_CALIBRATION: o->calibration = optarg; return !*optarg;
@@ -207,6 +147,7 @@ static int set_option(void *user, int c)
     case OPT_CHECKPOINT: o->farm.checkpoint = optarg; return !*optarg;
     case OPT_INTERVAL: return cli_parse_time(optarg, &o->farm.interval);
     case OPT_RESUME: o->farm.resume = true; return 0;
+    case OPT_PARTIAL: o->render.partial = 1; return 0;
     case OPT_KEEP: o->farm.keep = true; return 0;
     case OPT_LIMIT: return cli_parse_time(optarg, &o->farm.time_limit);
     case OPT_SANDBOX: o->load.sandbox = optarg; return !*optarg;
@@ -243,10 +184,26 @@ static int check_time(const options *o)
     return -1;
 }
 
+/* What goes to standard output, and what of a part of a picture may be written. */
+static int check_streams(const options *o)
+{
+    int n = (o->stats_file && !strcmp(o->stats_file, "-")) + o->print_stats;
+    bool picture = false;
+    for (int i = 0; i < o->n_outputs; i++) picture |= cli_is_stdout(o->outputs[i]);
+    for (int i = 0; i < o->n_outputs; i++) n += cli_is_stdout(o->outputs[i]);
+    if (picture && n > 1) cli_usage_error("render", "only one thing can go to standard output");
+    else if (picture && isatty(STDOUT_FILENO))
+        cli_usage_error("render", "-o -: standard output is a terminal");
+    else if (o->render.partial && o->farm.chunk)
+        cli_usage_error("render", "--write-partial: a part of --chunk is whole or not there");
+    else return 0;
+    return -1;
+}
+
 /* 0: go on; otherwise *status is the exit status. */
 static int parse_options(int argc, char **argv, options *o, int *status)
 {
-    static const cli_option_set set = { "render", ":o:t:qvh", long_options, set_option, print_help };
+    static const cli_option_set set = { "render", ":o:t:qvh", long_options, set_option, cli_render_help };
     *status = CLI_USAGE;
     if (cli_env_isa("render", &o->isa) || cli_read_options(&set, argc, argv, o, status)) return -1;
     *status = CLI_USAGE;
@@ -254,16 +211,12 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         cli_usage_error("render", argc == optind ? "no scene given" : "more than one scene given");
         return -1;
     }
-    if (check_time(o)) return -1;
+    if (check_time(o) || check_streams(o)) return -1;
     if (cli_ask_error("render", &o->given, &o->render)) return -1;
     o->scene = argv[optind];
     if (cli_farm_check(&o->farm)) return -1;
     for (int i = 0; i < o->n_outputs; i++)
-        if (!cli_has_extension(o->outputs[i], ".exr") && !cli_has_extension(o->outputs[i], ".png") &&
-            strncmp(o->outputs[i], "/dev/", 5)) {
-            cli_usage_error("render", "output '%s' is neither .exr nor .png", o->outputs[i]);
-            return -1;
-        }
+        if (cli_check_picture_name("render", o->outputs[i])) return -1;
     return 0;
 }
 
@@ -476,6 +429,18 @@ static void warn_of_scene(const options *o, const lc_scene_info *info)
                 o->load.max_depth);
 }
 
+/* After a signal, or when time is over. */
+static int write_partial(options *o, lc_context *ctx, lc_image *image)
+{
+    const int sig = cli_forget_signal(), status = write_outputs(o, ctx, image, 0);
+    if (!status)
+        fprintf(stderr, "lightcuts: %s has %.1f %% of its pixels\n", cli_shown(o->outputs[0]),
+                100 * lc_image_get_number(image, "lightcuts/finished", 0));
+    cli_remember_signal(sig);
+    const int stopped = o->farm.file ? cli_farm_stopped(&o->farm) : CLI_FAILED;
+    return status ? status : stopped;
+}
+
 static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image **image,
                   lc_render_stats *stats)
 {
@@ -490,6 +455,7 @@ static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image *
         o->render.seconds = fmax(o->render.seconds - (cli_now() - o->farm.start), 0.001);
     lc_status st = lc_render(ctx, scene, &o->render, image, stats);
     cli_progress_end(&s.line);
+    if (st == LC_ERR_CANCELLED && *image) return write_partial(o, ctx, *image);
     if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);
     return st ? cli_exit_status(st) : CLI_OK;
 }
@@ -505,7 +471,8 @@ static int enter_sandbox(const options *o)
                         strerror(errno));
         return CLI_USAGE;
     }
-    for (int i = 0; i < o->n_outputs; i++) s.outputs[s.n_outputs++] = o->outputs[i];
+    for (int i = 0; i < o->n_outputs; i++)
+        if (!cli_is_stdout(o->outputs[i])) s.outputs[s.n_outputs++] = o->outputs[i];
     if (!o->n_outputs) s.outputs[s.n_outputs++] = "./";
     if (stats_path(o)) s.outputs[s.n_outputs++] = o->stats_file;
     if (o->farm.checkpoint) s.outputs[s.n_outputs++] = o->farm.checkpoint;

@@ -153,7 +153,9 @@ int cli_farm_stopped(cli_farm *f)
     lc_checkpoint_info info = LC_CHECKPOINT_INFO_INIT;
     const char *why = f->stopped ? "time is over" : "interrupted";
     if (!f->file) {
-        fprintf(stderr, "lightcuts: interrupted, nothing written\n");
+        fprintf(stderr,
+                "lightcuts: interrupted, nothing written; --checkpoint FILE keeps what is finished, to go "
+                "on with; --write-partial writes it\n");
         return CLI_FAILED;
     }
     lc_status st = lc_checkpoint_sync(f->file);

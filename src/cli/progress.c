@@ -55,6 +55,9 @@ bool cli_asked_to_save(void)
 
 int cli_caught_signal(void) { return atomic_load(&caught); }
 
+int cli_forget_signal(void) { return atomic_exchange(&caught, 0); }
+void cli_remember_signal(int sig) { atomic_store(&caught, sig); }
+
 void cli_die_by_signal(int sig)
 {
     signal(sig, SIG_DFL);

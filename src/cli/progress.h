@@ -34,6 +34,10 @@ void cli_catch_signals(void);
 void cli_leave_signals(void);
 /* The signal that was caught; 0: none. */
 int cli_caught_signal(void);
+/* So that files can be written after a signal: forgets it and returns it, 0: none; and has it caught again.
+ */
+int cli_forget_signal(void);
+void cli_remember_signal(int sig);
 /* Ends the process by the signal, so that the shell knows it as the cause. */
 void cli_die_by_signal(int sig);
 

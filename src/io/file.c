@@ -97,10 +97,13 @@ lc_status lc_bytes_load(const lc_context *ctx, const char *path, size_t max_len,
 
 /* ---- writing ---- */
 
+/* The process's own, which is written to as it is, whatever it leads to. */
+static bool is_stdout(const char *path) { return !strcmp(path, "/dev/stdout"); }
+
 bool lc_file_is_special(const char *path)
 {
     struct stat st;
-    return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+    return is_stdout(path) || (stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode));
 }
 
 /* Creates a new file with a unique name in the folder of `path`; returns its descriptor, or -1. */
@@ -176,6 +179,10 @@ static int open_replacement(lc_sink *s, const struct stat *old)
 static int open_sink(lc_sink *s)
 {
     struct stat st;
+    if (is_stdout(s->path)) {
+        s->fd = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+        return s->fd < 0 ? errno : 0;
+    }
     bool there = stat(s->path, &st) == 0;
     if (!there && errno != ENOENT) return errno;
     if (there && S_ISDIR(st.st_mode)) return EISDIR;

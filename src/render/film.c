@@ -7,13 +7,27 @@ static const struct {
     const char *name;
     uint32_t aov; /* 0: always */
 } planes[LC_N_PLANES] = {
-    { "R", 0 }, { "G", 0 }, { "B", 0 },
-    { "N.X", LC_AOV_N }, { "N.Y", LC_AOV_N }, { "N.Z", LC_AOV_N },
-    { "P.X", LC_AOV_P }, { "P.Y", LC_AOV_P }, { "P.Z", LC_AOV_P },
-    { "Albedo.R", LC_AOV_ALBEDO }, { "Albedo.G", LC_AOV_ALBEDO }, { "Albedo.B", LC_AOV_ALBEDO },
-    { "Z", LC_AOV_Z }, { "cut.size", LC_AOV_CUT }, { "cut.rays", LC_AOV_RAYS }, { "cut.error", LC_AOV_ERROR },
-    { "cut.lower", LC_AOV_INTERVAL }, { "cut.upper", LC_AOV_INTERVAL },
-    { "cut.estimate", LC_AOV_INTERVAL }, { "cut.halfwidth", LC_AOV_INTERVAL },
+    { "R", 0 },
+    { "G", 0 },
+    { "B", 0 },
+    { "N.X", LC_AOV_N },
+    { "N.Y", LC_AOV_N },
+    { "N.Z", LC_AOV_N },
+    { "P.X", LC_AOV_P },
+    { "P.Y", LC_AOV_P },
+    { "P.Z", LC_AOV_P },
+    { "Albedo.R", LC_AOV_ALBEDO },
+    { "Albedo.G", LC_AOV_ALBEDO },
+    { "Albedo.B", LC_AOV_ALBEDO },
+    { "Z", LC_AOV_Z },
+    { "cut.size", LC_AOV_CUT },
+    { "cut.rays", LC_AOV_RAYS },
+    { "cut.error", LC_AOV_ERROR },
+    { "cut.lower", LC_AOV_INTERVAL },
+    { "cut.upper", LC_AOV_INTERVAL },
+    { "cut.estimate", LC_AOV_INTERVAL },
+    { "cut.halfwidth", LC_AOV_INTERVAL },
+    { "A", LC_AOV_ALPHA },
 };
 
 uint32_t lc_film_n_planes(uint32_t aovs)
@@ -113,6 +127,7 @@ bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *px)
     store(film, LC_PLANE_CUT, at, px->cut * hits);
     store(film, LC_PLANE_RAYS, at, px->rays * hits);
     store(film, LC_PLANE_ERROR, at, px->error * hits);
+    store(film, LC_PLANE_ALPHA, at, px->weight > 0 ? px->cover / px->weight : 0);
     store_interval(film, at, &px->interval, px->weight);
     return finite;
 }

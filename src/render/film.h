@@ -12,12 +12,26 @@ typedef struct lc_pixel {
     float z, cut, rays, error;
     float weight;            /* of all samples */
     uint32_t hits;
+    float cover;             /* samples that hit something, each times its weight */
     lc_interval interval;    /* all samples, each times its weight; luminance of the picture */
 } lc_pixel;
 
-enum { LC_PLANE_RGB = 0, LC_PLANE_N = 3, LC_PLANE_P = 6, LC_PLANE_ALBEDO = 9, LC_PLANE_Z = 12, LC_PLANE_CUT,
-       LC_PLANE_RAYS, LC_PLANE_ERROR, LC_PLANE_LOWER, LC_PLANE_UPPER, LC_PLANE_ESTIMATE,
-       LC_PLANE_HALFWIDTH, LC_N_PLANES };
+enum {
+    LC_PLANE_RGB = 0,
+    LC_PLANE_N = 3,
+    LC_PLANE_P = 6,
+    LC_PLANE_ALBEDO = 9,
+    LC_PLANE_Z = 12,
+    LC_PLANE_CUT,
+    LC_PLANE_RAYS,
+    LC_PLANE_ERROR,
+    LC_PLANE_LOWER,
+    LC_PLANE_UPPER,
+    LC_PLANE_ESTIMATE,
+    LC_PLANE_HALFWIDTH,
+    LC_PLANE_ALPHA,
+    LC_N_PLANES
+};
 
 typedef struct lc_film {
     lc_image *image;

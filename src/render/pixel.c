@@ -75,6 +75,7 @@ void lc_add_to_planes(const lc_render_job *j, lc_pixel *px, const lc_sight *sigh
     px->albedo = lc_f3_add(px->albedo, lc_f3_add(s->material.kd, s->material.ks));
     px->z += s->t * cos_axis;
     px->hits++;
+    px->cover += 1;
 }
 
 /* Where the points of media are in their parts of a ray: the 16 pixels of a block differ by a sixteenth each,

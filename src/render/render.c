@@ -241,6 +241,17 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
 
 #define GATHER_FROM 8 /* samples of a pixel: fewer are faster by cuts of their own; tests/results/pixels.md */
 
+/* What a picture is that was not finished. */
+static lc_status keep_partial(lc_render_job *j, lc_render_stats *stats)
+{
+    const uint64_t done = atomic_load(&j->done);
+    stats->pixels = done;
+    lc_job_join_stats(j, stats);
+    const lc_status st = lc_job_set_attributes(j, stats);
+    return st ? st
+              : lc_image_set_number(j->film.image, "lightcuts/finished", (double)done / (double)j->total);
+}
+
 /* Lets samples of a pixel share cuts, where there is room for the names of their pairs. */
 static lc_status share_cuts(lc_render_job *j)
 {
@@ -303,8 +314,10 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     j.mutex = st ? NULL : lc_mutex_create(ctx);
     st = j.mutex ? render_all(&j, crop, &own) : LC_ERR_MEMORY;
     lc_mutex_destroy(ctx, j.mutex);
+    const bool kept = st == LC_ERR_CANCELLED && d.partial && j.film.image && atomic_load(&j.done) &&
+                      !keep_partial(&j, &own);
     lc_job_free(&j);
-    if (st) lc_image_destroy(j.film.image);
+    if (st && !kept) lc_image_destroy(j.film.image);
     else *out = j.film.image;
     if (stats) (void)lc_desc_give(ctx, "lc_render_stats", stats, &own, sizeof own);
     return st;

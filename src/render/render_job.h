@@ -44,7 +44,7 @@ typedef struct lc_guide {
 /* A pixel while samples are added to it, its own to the planes and those in reach to rgb. */
 typedef struct lc_shared_pixel {
     lc_pixel px;
-    double rgb[3]; /* samples times weights that add up to 1 */
+    double rgb[3], cover; /* samples times weights that add up to 1 */
 } lc_shared_pixel;
 
 /* What a thread has for itself. */

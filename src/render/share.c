@@ -68,11 +68,12 @@ static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, i
     int64_t to_x[2], to_y[2];
     lc_filter_share_strips(j->share, i, strip);
     const lc_share_axis *ax = &j->share->axis[0], *ay = &j->share->axis[1];
+    lc_pixel *planes = own ? &pixel_at(t, x, y)->px : &other;
+    const uint32_t hits = planes->hits;
     const bool reaches = in_reach(ax, strip[0], x, t->x0, t->x1, to_x) &&
                          in_reach(ay, strip[1], y, t->y0, t->y1, to_y);
     if (!own && !reaches) return true;
-    if (!lc_render_sample(j, w, (uint32_t)x, (uint32_t)y, i, own ? &pixel_at(t, x, y)->px : &other, &rgb))
-        return false;
+    if (!lc_render_sample(j, w, (uint32_t)x, (uint32_t)y, i, planes, &rgb)) return false;
     if (!reaches) return true;
     if (!lc_f3_finite(rgb)) { /* left out: it would be in all pixels around */
         w->stats.nonfinite += own;
@@ -87,6 +88,7 @@ static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, i
             sum[0] += weight * (double)rgb.x;
             sum[1] += weight * (double)rgb.y;
             sum[2] += weight * (double)rgb.z;
+            if (planes->hits > hits) to->cover += weight;
             if (w->interval) lc_interval_add(&to->px.interval, &part, weight);
         }
     return true;
@@ -128,6 +130,7 @@ static void store_tile(lc_render_job *j, lc_render_worker *w, const target *t, c
         for (uint32_t x = tile->x0; x < tile->x1; x++) {
             lc_shared_pixel *s = pixel_at(t, x, y);
             s->px.weight = 1;
+            s->px.cover = (float)s->cover;
             s->px.rgb = lc_f3_make((float)s->rgb[0], (float)s->rgb[1], (float)s->rgb[2]);
             if (!lc_film_store(&j->film, x, y, &s->px)) w->stats.nonfinite++;
         }
