@@ -17,6 +17,7 @@ void lc_digest_add(lc_digest *d, const void *data, size_t n)
     const uint8_t *p = data;
     size_t held = d->n % 8;
     uint64_t word;
+    if (!n) return; /* data may be NULL */
     d->n += n;
     if (held) {
         size_t take = n < 8 - held ? n : 8 - held;

@@ -226,13 +226,16 @@ static double difference(float *const a[3], float *const ref[3], size_t i)
     return sum;
 }
 
-/* The difference that 1 % of the pixels exceed, or where it is 0 the greatest one; says so. 0: no memory, or
- * no difference. */
+/* The difference that 1 % of the pixels exceed, or where it is 0 the greatest one; says so. 0: no
+ * difference; below 0: no memory, after a message. */
 static double white_of(const options *o, float *const a[3], float *const ref[3], size_t n)
 {
     float *sorted = malloc((n ? n : 1) * sizeof *sorted);
     size_t finite = 0;
-    if (!sorted) return 0;
+    if (!sorted) {
+        fprintf(stderr, "lightcuts: error: not enough memory for the false colours\n");
+        return -1;
+    }
     for (size_t i = 0; i < n; i++) {
         const float d = (float)difference(a, ref, i);
         if (isfinite(d)) sorted[finite++] = d;
@@ -255,7 +258,8 @@ static lc_status write_difference(lc_context *ctx, const options *o, const lc_im
     lc_status status = lc_image_create(ctx, desc, &image);
     for (int c = 0; status == LC_OK && c < 3; c++) status = lc_image_add_channel(image, names[c], &out[c]);
     size_t n = (size_t)desc->width * desc->height;
-    const double white = o->heat && !o->scale_given ? white_of(o, a, ref, n) : 0;
+    const double white = o->heat && !o->scale_given && !status ? white_of(o, a, ref, n) : 0;
+    if (white < 0) status = LC_ERR_MEMORY;
     for (size_t i = 0; status == LC_OK && i < n; i++) {
         double d[3];
         for (int c = 0; c < 3; c++) d[c] = fabs((double)a[c][i] - (double)ref[c][i]) * o->scale;
