@@ -1008,6 +1008,14 @@ report() { good "$1" report one.pbrt -o rep --error-ratios 0.5,0.02 --representa
 report 'report'
 silent
 says 'wrote rep/index.html'
+check 'the table of 2007 is not for a scene of another kind' test "$(grep -c 'id="table1"' rep/index.html)" -eq 0
+for lights in 9000 100; do
+    "$L" scene cornell --lights $lights -o cornell.pbrt
+    run report cornell.pbrt --quick -o rep-$lights --error-ratios 0.5
+    grep -c 'id="table1"' rep-$lights/index.html >has-$lights
+done
+check 'the table of 2007 is for the Cornell box with about as many lights' test "$(cat has-9000)" -eq 1
+check 'and not for one with a hundredth of them' test "$(cat has-100)" -eq 0
 check 'report: what is written' test "$(ls rep | tr '\n' ' ')" = 'index.html renders report.json '
 check 'report: five renders' test "$(ls rep/renders/*.exr rep/renders/*.json | wc -l)" -eq 10
 check 'report: nothing else' test "$(ls -A rep/renders | wc -l)" -eq 10

@@ -113,8 +113,8 @@ typedef struct report {
 int report_hash_scene(const char *path, uint64_t *key);
 uint64_t report_hash(uint64_t key, const void *data, size_t n);
 #define REPORT_HASH_START 0xcbf29ce484222325u
-/* The entry of the seed report for a scene: by the comment that `lightcuts scene` writes, else by the name of
- * the file; NULL: none. */
+/* The entry of the seed report for a scene that is like one of its own, by the comment that `lightcuts scene`
+ * writes: the name, and about as many lights; NULL: none. */
 const report_seed *report_find_seed(const char *path);
 
 /* Where a render is kept: DIR/renders/SCENE-exact.exr and .json, DIR/renders/SCENE-0.02-r16.exr ... */

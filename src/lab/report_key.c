@@ -82,26 +82,21 @@ const report_seed_row report_appendix[REPORT_N_SEED_ROWS] = {
     { 0.1, 153, 45.5 }, { 0.05, 234, 29.7 }, { 0.02, 451, 15.4 }, { 0.01, 801, 8.7 },
 };
 
-/* "# lightcuts scene NAME " at the start of the file. */
-static bool comment_names(const char *path, const char *name)
-{
-    char line[128] = "", want[64];
-    FILE *f = fopen(path, "rb");
-    if (!f) return false;
-    snprintf(want, sizeof want, "# lightcuts scene %s ", name);
-    bool found = fgets(line, sizeof line, f) && !strncmp(line, want, strlen(want));
-    fclose(f);
-    return found;
-}
+#define ALIKE 1.25 /* the numbers of lights differ by no greater factor */
 
+/* "# lightcuts scene NAME --lights N " at the start of the file. A name alone says nothing. */
 const report_seed *report_find_seed(const char *path)
 {
-    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
-    for (size_t i = 0; i < sizeof seeds / sizeof *seeds; i++) {
-        size_t n = strlen(seeds[i].name);
-        if ((!strncmp(base, seeds[i].name, n) && !strcmp(base + n, ".pbrt")) ||
-            comment_names(path, seeds[i].name))
+    char line[128] = "", name[32];
+    unsigned lights;
+    FILE *f = fopen(path, "rb");
+    if (!f) return NULL;
+    const bool found = fgets(line, sizeof line, f) &&
+                       sscanf(line, "# lightcuts scene %31s --lights %9u", name, &lights) == 2;
+    fclose(f);
+    for (size_t i = 0; found && i < sizeof seeds / sizeof *seeds; i++)
+        if (!strcmp(name, seeds[i].name) && lights <= seeds[i].lights * ALIKE &&
+            lights >= seeds[i].lights / ALIKE)
             return &seeds[i];
-    }
     return NULL;
 }
