@@ -4,6 +4,7 @@
 #include "base/cpu.h"
 #include "base/digest.h"
 #include "base/memory.h"
+#include "base/sample.h"
 #include "image/image.h"
 #include "render/chunk.h"
 #include "support/farm_scene.h"
@@ -426,6 +427,30 @@ TEST(progress_rises_and_ends)
     }
 }
 
+/* Any n tiles that are done first lie evenly in rows and columns, so that they cost as much as any others. */
+TEST(tiles_are_rendered_all_over_the_picture)
+{
+    static uint8_t met[5000];
+    for (uint64_t n = 1; n < 5000; n += n < 100 ? 1 : 37) {
+        memset(met, 0, sizeof met);
+        for (uint64_t i = 0; i < n; i++) met[lc_spread(i, n)]++;
+        for (uint64_t i = 0; i < n; i++) CHECKF(met[i] == 1, "%d of %d", (int)i, (int)n);
+    }
+    const uint32_t across = 50, down = 38, n = across * down; /* 800x600 */
+    for (uint32_t part = n / 20; part < n; part += n / 20) {
+        uint32_t rows[5] = { 0 }, columns[5] = { 0 };
+        for (uint32_t i = 0; i < part; i++) {
+            const uint32_t at = (uint32_t)lc_spread(i, n);
+            rows[at / across * 5 / down]++;
+            columns[at % across * 5 / across]++;
+        }
+        for (int k = 0; k < 5; k++) {
+            CHECKF(fabs(rows[k] / (double)part - 0.2) < 0.06, "%u of %u in rows %d", rows[k], part, k);
+            CHECKF(fabs(columns[k] / (double)part - 0.2) < 0.06, "%u of %u in columns %d", columns[k], part, k);
+        }
+    }
+}
+
 static int stop_after_a_third(void *user, uint64_t done, uint64_t total)
 {
     (void)user;
@@ -577,6 +602,7 @@ int main(void)
     RUN(foreign_checkpoints);
     RUN(no_room_for_the_checkpoint);
     RUN(progress_rises_and_ends);
+    RUN(tiles_are_rendered_all_over_the_picture);
     RUN(what_is_finished_of_a_cancelled_render_is_kept_on_request);
     RUN(quotas_of_control_groups);
     RUN(memory_that_control_groups_leave);

@@ -30,4 +30,20 @@ static inline uint32_t lc_permute16(uint32_t k, uint64_t key)
     return k;
 }
 
+/* A permutation of 0 .. n - 1, n up to 2^32, whose first values lie evenly among all: multiples of the number
+ * next to the golden ratio of n that has no divisor with n in common. */
+static inline uint64_t lc_spread(uint64_t i, uint64_t n)
+{
+    uint64_t step = (uint64_t)((double)n * 0.6180339887498949);
+    for (;; step++) {
+        uint64_t a = n, b = step;
+        while (b) {
+            const uint64_t rest = a % b;
+            a = b;
+            b = rest;
+        }
+        if (a == 1) return i * step % n;
+    }
+}
+
 #endif

@@ -94,10 +94,12 @@ int cli_progress_step(void *user, uint64_t done, uint64_t total)
     double t = cli_now(), share = total ? (double)done / (double)total : 1;
     char left[32];
     if (atomic_load(&caught)) return 1;
+    const bool begun = share > p->before; /* what comes first, as calibration, is not done again */
+    if (!begun) p->start = t;
     if (p->quiet || t - p->last < (p->terminal ? TERMINAL_STEP : PLAIN_STEP)) return 0;
     p->last = t;
-    format_time(left, sizeof left,
-                share > p->before ? (t - p->start) * (1 - share) / (share - p->before) : 0);
+    if (begun) format_time(left, sizeof left, (t - p->start) * (1 - share) / (share - p->before));
+    else snprintf(left, sizeof left, "?");
     if (p->terminal) {
         fprintf(stderr, "\r%s%s %5.1f %%%s  %s left   ", p->colour ? "\033[1m" : "", p->what, 100 * share,
                 p->colour ? "\033[0m" : "", left);

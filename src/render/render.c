@@ -4,6 +4,7 @@
 #include "base/desc.h"
 #include "base/memory.h"
 #include "base/pool.h"
+#include "base/sample.h"
 #include "render/checkpoint.h"
 #include "render/guide.h"
 #include "render/interval.h"
@@ -99,13 +100,15 @@ void lc_tile_give(const lc_render_job *j, const lc_render_worker *w, const lc_st
     j->desc->tile_done(j->desc->tile_user, t);
 }
 
+/* Tiles are rendered all over the picture from the beginning, so that those that are done tell how long the
+ * others take. */
 static void render_tile(void *user, uint32_t thread, uint64_t item)
 {
     lc_render_job *j = user;
     lc_render_worker *w = &j->workers[thread];
     if (!lc_job_go_on(j)) return;
     const double cpu = lc_thread_cpu();
-    lc_tile t = lc_tile_at(j, w, (uint32_t)item);
+    lc_tile t = lc_tile_at(j, w, (uint32_t)lc_spread(item, (uint64_t)j->tiles_x * j->tiles_y));
     if (lc_tile_take(j, w, &t)) return;
     lc_stats before = w->stats;
     w->cut_max = 0;

@@ -167,7 +167,7 @@ void lc_render_group(void *job, uint32_t thread, uint64_t item)
     target t;
     if (!lc_job_go_on(j)) return;
     const double cpu = lc_thread_cpu();
-    const uint32_t n = tiles_left(j, w, item, tiles, &t);
+    const uint32_t n = tiles_left(j, w, lc_spread(item, lc_n_groups(j)), tiles, &t);
     if (!n) return;
     lc_stats before = w->stats;
     w->cut_max = 0;
