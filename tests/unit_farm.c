@@ -446,7 +446,8 @@ TEST(tiles_are_rendered_all_over_the_picture)
         }
         for (int k = 0; k < 5; k++) {
             CHECKF(fabs(rows[k] / (double)part - 0.2) < 0.06, "%u of %u in rows %d", rows[k], part, k);
-            CHECKF(fabs(columns[k] / (double)part - 0.2) < 0.06, "%u of %u in columns %d", columns[k], part, k);
+            CHECKF(fabs(columns[k] / (double)part - 0.2) < 0.06, "%u of %u in columns %d", columns[k], part,
+                   k);
         }
     }
 }
