@@ -84,4 +84,15 @@ done
 bad 'a curve' "bad value 'aces' for option --tone: shoulder, plain or filmic" flat.pbrt --tone aces -o no.png
 bad 'a curve of preview' 'want shoulder, plain or filmic' preview a.exr --tone aces -o no.png
 
+
+# ---- --resolution and parts of pictures ----
+
+"$L" scene cornell --lights 300 -o parts.pbrt
+"$L" -q parts.pbrt --resolution 48x64 -o whole.exr
+for k in 1 2; do "$L" -q parts.pbrt --resolution 48x64 --chunk $k/2 -o part$k.exr; done
+check '--resolution: parts are merged' "$L" merge part1.exr part2.exr -o merged.exr
+check '--resolution: into the same picture' "$L" compare whole.exr merged.exr --fail max=0
+check '--resolution with --checkpoint' "$L" -q parts.pbrt --resolution 48x64 -o kept.exr --checkpoint parts.ck
+check '--resolution with --checkpoint: the same picture' cmp whole.exr kept.exr
+check '--resolution with --pixelbounds in it' "$L" -q parts.pbrt --resolution 48x64 -o crop.exr --pixelbounds 40,48,60,64
 finish

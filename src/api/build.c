@@ -236,6 +236,7 @@ lc_status lc_build_commit(lc_scene *s, const lc_load_desc *desc)
     if (d.sensors && (st = lc_scene_set_sensors(s, d.sensors))) return lc_as_arg(st);
     if (!s->has_camera && !s->sensors)
         return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_commit: the scene has no camera");
+    lc_scene_size_film(s, &d);
     double *screen = s->camera_desc.screen;
     const double side = fmin(screen[1], screen[3]); /* the film may have come after the camera */
     lc_fit_screen(&s->film, screen);

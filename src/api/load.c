@@ -27,6 +27,7 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     scene->input_id = lc_digest_result(&scene->inputs.digest);
     if (!st && d->sensors) st = lc_scene_set_sensors(scene, d->sensors);
     scene->load.sensors = NULL; /* the host's, which may go */
+    if (!st) lc_scene_size_film(scene, d);
     scene->seconds_parse = lc_now() - t0;
     return st ? st : d->parsed && d->parsed(d->parsed_user, scene) ? LC_ERR_CANCELLED : LC_OK;
 }

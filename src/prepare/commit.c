@@ -31,6 +31,13 @@ static void shrink_film(lc_film_desc *f, uint64_t max_pixels)
     resize_film(f, to);
 }
 
+void lc_scene_size_film(lc_scene *s, const lc_load_desc *desc)
+{
+    if (s->sensors) return;
+    if (desc->resolution[0]) resize_film(&s->film, desc->resolution);
+    shrink_film(&s->film, desc->max_pixels);
+}
+
 /* The BVH of the world's own triangles, and what shadow rays and proofs read beside it. */
 static lc_status build_world(lc_scene *s)
 {
@@ -53,8 +60,6 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     if (!s->has_camera && !s->sensors) return lc_fail(s->ctx, LC_ERR_PARSE, "the scene has no Camera");
     s->load = *desc;
     s->load.sensors = NULL; /* the host's, which may go */
-    if (!s->sensors && desc->resolution[0]) resize_film(&s->film, desc->resolution);
-    if (!s->sensors) shrink_film(&s->film, desc->max_pixels);
     if (!s->sensors && !lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
         return lc_fail(s->ctx, LC_ERR_PARSE, "camera out of range");
     const double t0 = lc_now();

@@ -18,6 +18,8 @@
 
 #include "scene/scene.h"
 
+/* Makes the film as large as the options of loading ask, once it and the sensors are known. */
+void lc_scene_size_film(lc_scene *scene, const lc_load_desc *desc);
 /* desc must have its defaults filled in. Must be called once; afterwards the scene is read-only, but
  * for update.h, and may be shared by threads. LC_ERR_PARSE without a camera or if it is out of range;
  * LC_ERR_MEMORY. */
