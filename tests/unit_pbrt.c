@@ -220,6 +220,7 @@ static void expect_shrunk(uint64_t max_pixels, uint32_t width, uint32_t height, 
               "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 32 \"float cropwindow\" [.25 "
               ".5 0 .1]\n"
               "Camera \"perspective\" WorldBegin") == LC_OK);
+    lc_scene_size_film(scene, &desc);
     CHECK(lc_scene_commit(scene, &desc) == LC_OK);
     CHECKF(scene->film.width == width && scene->film.height == height, "%u x %u", scene->film.width,
            scene->film.height);

@@ -61,7 +61,7 @@ has_isa() # instruction set: whether this machine has it
     echo 'Film "rgb" "integer xresolution" 1 "integer yresolution" 1' >"$T/isa.pbrt"
     echo 'Camera "perspective" WorldBegin' >>"$T/isa.pbrt"
     "$L" -q "$T/isa.pbrt" -o /dev/null --isa "$1" --stats-file "$T/isa.json" >/dev/null 2>&1
-    grep -q "\"isa\": \"$1\"" "$T/isa.json"
+    grep -qs "\"isa\": \"$1\"" "$T/isa.json"
     found=$?
     rm -f "$T/isa.pbrt" "$T/isa.json"
     return $found
