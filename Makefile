@@ -78,7 +78,7 @@ help:
 	@echo "make            library build/liblightcuts.a and static binary build/lightcuts"
 	@echo "make demo       install what is missing, build, render the demo pictures to build/demo/"
 	@echo "make test       install what is missing, build, run every test; what needs a browser or Slurm says skipped without"
-	@echo "make test-all   the same with a browser and Slurm installed, make lint, make test-deb, make test-arm64: what CI runs"
+	@echo "make test-all   the same with a browser and Slurm installed, make lint, make test-arm64, which is what CI runs, and make test-deb"
 	@echo "make bench      lightcuts bench: kernels, shadow rays, trees, a frame over its own rays"
 	@echo "make accept     full-size comparison with the exact method, about 6 minutes"
 	@echo "make accept-kill  1300 random kills of renders that are gone on with"
