@@ -158,7 +158,7 @@ int main(int argc, char **argv)
     float(*rgb)[3] = calloc(n, sizeof *rgb);
     lc_tree *tree = tree_of(ctx, h.scene);
     double least[2] = { 1e30, 1e30 }, off = 0;
-    lc_render_stats by_render = { 0 };
+    lc_render_stats by_render = LC_RENDER_STATS_INIT;
     for (int i = 0; i < rounds; i++) {
         lc_render_desc rd = LC_RENDER_DESC_INIT;
         lc_image *image;
