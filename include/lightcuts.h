@@ -385,8 +385,8 @@ typedef struct lc_build_mesh_desc {
     const float *uv;         /* n_vertices * 2; NULL: (0, 0) (1, 0) (1, 1) on each triangle */
     uint32_t alpha_texture;  /* one channel, in place of alpha; LC_NO_TEXTURE */
     float alpha;             /* the fraction of rays that the mesh stops, 0..1 */
-    uint32_t emission_texture; /* multiplies emission, three channels, over u and v: repeat 1, offset 0; or
-                                * LC_NO_TEXTURE */
+    uint32_t emission_texture; /* multiplies emission, three channels, over u and v: repeat 1, offset 0,
+                                * scale 1; or LC_NO_TEXTURE */
 } lc_build_mesh_desc;
 #define LC_BUILD_MESH_DESC_INIT                                                                              \
     {                                                                                                        \
@@ -415,8 +415,8 @@ typedef struct lc_build_light_desc {
     double across[3];    /* luminaires: towards C 0, projectors: towards the right side of the picture as one
                           * sees it who stands behind; its part across the direction counts */
     double lumens;       /* luminaires: what the table's integral is made to be; 0: as the file has it */
-    uint32_t picture;    /* projectors: from lc_build_texture, three channels; its repeat and offset are not
-                          * used. lc_scene_set_light cannot set a projector: it can be dimmed */
+    uint32_t picture;    /* projectors: from lc_build_texture, three channels; its repeat, offset and scale
+                          * are not used. lc_scene_set_light cannot set a projector: it can be dimmed */
     double fov;          /* projectors: degrees, of the picture's shorter side, above 0 and below 180 */
 } lc_build_light_desc;
 #define LC_BUILD_LIGHT_DESC_INIT                                                                             \

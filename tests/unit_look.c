@@ -525,6 +525,7 @@ static lc_scene *view_by_calls(const view *v)
 TEST(each_camera_and_film_by_calls_has_the_bytes_of_its_file)
 {
     char text[2000];
+    uint64_t before = 0;
     pfm_write(temp_path("p.pfm"), 3, 2, picture);
     for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
         snprintf(text, sizeof text,
@@ -538,7 +539,11 @@ TEST(each_camera_and_film_by_calls_has_the_bytes_of_its_file)
                  views[i].text, strstr(views[i].text, "PixelFilter") ? "" : "PixelFilter \"box\"\n");
         lc_scene *s = view_by_calls(&views[i]), *t = scene_from_text(ctx, NULL, text);
         lc_image *a = render(s), *b = t ? render(t) : NULL;
+        lc_render_desc d = LC_RENDER_DESC_INIT;
+        lc_identity id = { 0, 0 };
         CHECKF(same(a, b), "%s", views[i].name);
+        CHECKF(!lc_render_identity(ctx, s, &d, &id) && id.scene != before, "%s: identity", views[i].name);
+        before = id.scene;
         lc_image_destroy(a);
         lc_image_destroy(b);
         lc_scene_destroy(s);
@@ -674,6 +679,8 @@ TEST(wrong_mixes_cameras_and_films_are_named)
     WRONG(lc_build_camera(s, &c_used), c, focal_distance = NAN, "focal_distance");
     WRONG(lc_build_film(s, &f_used), f, filter = (lc_build_pixel_filter)5, "filter");
     WRONG(lc_build_film(s, &f_used), f, radius[1] = 100, "film");
+    WRONG(lc_build_film(s, &f_used), f, radius[0] = (double)NAN, "film");
+    WRONG(lc_build_film(s, &f_used), f, shape[1] = (double)NAN, "film");
     WRONG(lc_build_film(s, &f_used), f, crop[1] = 5000, "film");
     q.n_vertices = 4;
     q.positions = wall_at;

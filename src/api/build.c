@@ -149,7 +149,6 @@ lc_status lc_build_instance(lc_scene *s, uint32_t object, const double to_world[
 /* Gives a checked projector its map. */
 static lc_status make_projector(lc_scene *s, const lc_build_light_desc *d, lc_light *light)
 {
-    lc_mipmap picture;
     lc_spot_map map = { .projected = true };
     double x[3], half[2], power;
     const float z[3] = { light->dir.x, light->dir.y, light->dir.z };
@@ -160,9 +159,7 @@ static lc_status make_projector(lc_scene *s, const lc_build_light_desc *d, lc_li
         map.to_light[1][k] = (float)(x[a] * (double)z[b] - x[b] * (double)z[a]);
         map.to_light[2][k] = z[k];
     }
-    lc_status st = lc_build_picture_of(s, d->picture, &picture);
-    if (st) return st;
-    st = lc_spot_project(s->ctx, &picture, d->fov, &map, half, &power);
+    lc_status st = lc_spot_project(s->ctx, lc_build_picture_of(s, d->picture), d->fov, &map, half, &power);
     if (!st) {
         lc_spot_set_frustum(light, 1 / sqrt(1 + half[0] * half[0] + half[1] * half[1]));
         lc_spot_normalise(&map, &light->intensity);
@@ -170,7 +167,6 @@ static lc_status make_projector(lc_scene *s, const lc_build_light_desc *d, lc_li
         if (!st && (st = lc_as_arg(lc_scene_check_light(s, LC_BY_CALL, light, light)))) s->n_spot_maps--;
     }
     if (st) lc_spot_map_free(s->ctx, &map);
-    lc_mipmap_free(s->ctx, &picture);
     if (st) return st;
     lc_build_mark(s, LC_CALL_PROJECTOR);
     lc_digest_u64(&s->inputs.digest, d->picture);
@@ -219,7 +215,7 @@ lc_status lc_build_film(lc_scene *s, const lc_build_film_desc *desc)
         film.crop[i] = d.crop[i];
     const bool usual = fabs(d.shape[0]) + fabs(d.shape[1]) <= 0;
     for (int i = 0; i < 2; i++) {
-        film.filter.radius[i] = fabs(d.radius[i]) > 0 ? d.radius[i] : radius[d.filter];
+        film.filter.radius[i] = fabs(d.radius[i]) <= 0 ? radius[d.filter] : d.radius[i];
         film.filter.shape[i] = !usual                                    ? d.shape[i]
                                : i == 0 || d.filter == LC_BUILD_MITCHELL ? shape[d.filter]
                                                                          : 0;

@@ -26,8 +26,8 @@ enum {
 lc_status lc_build_take(const lc_scene *scene, const char *name, void *to, size_t size, const void *desc);
 /* *id: of an emission map of the texture's picture, made once. LC_ERR_ARG, _MEMORY. */
 lc_status lc_build_emission_map(lc_scene *scene, uint32_t texture, uint32_t *id);
-/* A copy of the picture of a texture of three channels. LC_ERR_MEMORY. */
-lc_status lc_build_picture_of(const lc_scene *scene, uint32_t texture, lc_mipmap *out);
+/* The picture of a texture. */
+const lc_mipmap *lc_build_picture_of(const lc_scene *scene, uint32_t texture);
 /* What is wrong with a texture's number, or NULL; LC_NO_TEXTURE is right. number: one channel is needed. */
 const char *lc_build_check_texture(const lc_scene *scene, uint32_t id, bool number);
 /* Begins a call's part of the digest. */
@@ -36,8 +36,8 @@ void lc_build_mark(lc_scene *scene, int call);
 /* Each LC_ERR_ARG after a line that begins with the name of the call. */
 lc_status lc_arg_light(const lc_scene *scene, const char *call, const lc_build_light_desc *desc,
                        lc_light *out);
-/* What is across the direction of a light of which that matters: x, unit, by desc->across. NULL, or what is
- * wrong. */
+/* x: the part of desc->across that is perpendicular to the light's direction, unit. Returns what is wrong, or
+ * NULL. */
 const char *lc_arg_across(const lc_build_light_desc *desc, lc_f3 dir, double x[3]);
 /* The screen window is -1..1 along the film's shorter side, or that of the scene's perspective camera. */
 lc_status lc_arg_camera(const lc_scene *scene, const char *call, const lc_build_camera_desc *desc,

@@ -195,6 +195,9 @@ uint64_t lc_given_id(const lc_scene *s)
     lc_digest_u64(&d, s->film.height);
     lc_digest_u64(&d, s->film.spp);
     lc_digest_number(&d, (double)s->film.scale);
+    lc_digest_u64(&d, (uint64_t)s->film.filter.kind);
+    lc_digest_add(&d, s->film.filter.radius, sizeof s->film.filter.radius);
+    lc_digest_add(&d, s->film.filter.shape, sizeof s->film.filter.shape);
     lc_digest_mark(&d);
     for (size_t i = 0; i < s->given.n_lights; i++) add_light(&d, &s->given.lights[i]);
     lc_digest_mark(&d);

@@ -300,9 +300,9 @@ lc_status lc_build_mix(lc_scene *s, const lc_build_mix_desc *desc, uint32_t *id)
 
 /* ---- what emits ---- */
 
-lc_status lc_build_picture_of(const lc_scene *s, uint32_t texture, lc_mipmap *out)
+const lc_mipmap *lc_build_picture_of(const lc_scene *s, uint32_t texture)
 {
-    return lc_mipmap_copy(s->ctx, &s->textures.images[s->textures.items[texture].image], out);
+    return &s->textures.images[s->textures.items[texture].image];
 }
 
 lc_status lc_build_emission_map(lc_scene *s, uint32_t texture, uint32_t *id)
@@ -322,7 +322,7 @@ lc_status lc_build_emission_map(lc_scene *s, uint32_t texture, uint32_t *id)
     lc_mipmap map;
     lc_status st = lc_grow(s->ctx, (void **)&g->emission_maps, &g->cap_emission_maps, g->n_emission_maps + 1,
                            sizeof *g->emission_maps);
-    if (!st) st = lc_build_picture_of(s, texture, &map);
+    if (!st) st = lc_mipmap_copy(s->ctx, lc_build_picture_of(s, texture), &map);
     if (st) return st;
     if ((st = lc_scene_add_emission_map(s, &map, id))) {
         lc_mipmap_free(s->ctx, &map);

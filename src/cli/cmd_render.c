@@ -187,12 +187,12 @@ static int check_time(const options *o)
 /* What goes to standard output, and what of a part of a picture may be written. */
 static int check_streams(const options *o)
 {
-    int n = (o->stats_file && !strcmp(o->stats_file, "-")) + o->print_stats;
-    bool picture = false;
-    for (int i = 0; i < o->n_outputs; i++) picture |= cli_is_stdout(o->outputs[i]);
-    for (int i = 0; i < o->n_outputs; i++) n += cli_is_stdout(o->outputs[i]);
-    if (picture && n > 1) cli_usage_error("render", "only one thing can go to standard output");
-    else if (picture && isatty(STDOUT_FILENO))
+    const int texts = (o->stats_file && !strcmp(o->stats_file, "-")) + o->print_stats;
+    int pictures = 0;
+    for (int i = 0; i < o->n_outputs; i++) pictures += cli_is_stdout(o->outputs[i]);
+    if (pictures && pictures + texts > 1)
+        cli_usage_error("render", "only one thing can go to standard output");
+    else if (pictures && isatty(STDOUT_FILENO))
         cli_usage_error("render", "-o -: standard output is a terminal");
     else if (o->render.partial && o->farm.chunk)
         cli_usage_error("render", "--write-partial: a part of --chunk is whole or not there");
