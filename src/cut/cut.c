@@ -40,6 +40,7 @@ static void lay_out(lc_cut_list *list, float *memory, size_t n)
         list->transfer[k] = memory + (3 + k) * n;
         list->e[k] = memory + (6 + k) * n;
     }
+    list->weight = memory + 9 * n;
 }
 
 static void set_sizes(lc_cut *c)
@@ -76,12 +77,14 @@ lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *t
     /* Not set to 0: without max_cut the lists have room for every light, and few pages are ever touched. */
     cut->memory = lc_alloc_raw(ctx, n, 4 * LC_CUT_WORDS * sizeof *cut->memory);
     cut->scratch = lc_alloc_raw(ctx, n, sizeof *cut->scratch);
+    cut->weight = lc_alloc_raw(ctx, LC_MAX_START, sizeof *cut->weight);
+    cut->row = LC_NONE;
     cut->done = lc_alloc_raw(ctx, link_capacity(cut), sizeof *cut->done);
     cut->hidden = lc_alloc_raw(ctx, LC_MAX_HIDDEN, sizeof *cut->hidden);
     cut->occlusion = visibility->occluders ? lc_alloc_raw(ctx, 1, sizeof *cut->occlusion) : NULL;
     cut->history = record ? lc_alloc_raw(ctx, link_capacity(cut), sizeof *cut->history) : NULL;
     cut->rounds = record ? lc_alloc_raw(ctx, link_capacity(cut), sizeof *cut->rounds) : NULL;
-    if (!cut->memory || !cut->scratch || !cut->done || !cut->hidden ||
+    if (!cut->memory || !cut->scratch || !cut->weight || !cut->done || !cut->hidden ||
         (record && (!cut->history || !cut->rounds)) || (visibility->occluders && !cut->occlusion)) {
         lc_cut_free(cut);
         return LC_ERR_MEMORY;
@@ -96,6 +99,7 @@ void lc_cut_free(lc_cut *cut)
     size_t n = list_capacity(cut);
     lc_free(cut->ctx, cut->memory, n, 4 * LC_CUT_WORDS * sizeof *cut->memory);
     lc_free(cut->ctx, cut->scratch, n, sizeof *cut->scratch);
+    lc_free(cut->ctx, cut->weight, LC_MAX_START, sizeof *cut->weight);
     lc_free(cut->ctx, cut->done, link_capacity(cut), sizeof *cut->done);
     lc_free(cut->ctx, cut->hidden, LC_MAX_HIDDEN, sizeof *cut->hidden);
     lc_free(cut->ctx, cut->occlusion, 1, sizeof *cut->occlusion);
@@ -103,6 +107,7 @@ void lc_cut_free(lc_cut *cut)
     lc_free(cut->ctx, cut->rounds, link_capacity(cut), sizeof *cut->rounds);
     cut->memory = NULL;
     cut->scratch = NULL;
+    cut->weight = NULL;
     cut->done = NULL;
     cut->hidden = NULL;
     cut->occlusion = NULL;
@@ -156,7 +161,7 @@ static void finish(lc_cut *c, uint64_t rays_before, lc_stats *stats, lc_cut_resu
     out->size = lc_cut_size(c);
     for (uint32_t i = 0; i < c->n_hidden && c->record; i++) c->done[c->n_done++] = c->hidden[i].link;
     set_max_error(c, out);
-    out->rays = (uint32_t)(stats->shadow_rays - rays_before);
+    out->rays = (uint32_t)(stats->shadow_rays - rays_before) + c->rays_given;
     stats->cut_sum += out->size;
     stats->proved += c->n_hidden;
     stats->at_limit += out->at_limit;
@@ -193,6 +198,7 @@ static void reset(lc_cut *c)
     c->n_traced = 0;
     c->last_room_tested = c->worst_first = c->short_of_room = false;
     c->factor = 1;
+    c->rays_given = 0;
     c->n_history = c->start ? c->n_start_history : 0;
     c->n_rounds = c->start ? c->n_start_rounds : 0;
     for (int k = 0; k < 3; k++) c->done_sum[k] = 0;
@@ -271,6 +277,7 @@ static bool refine(lc_cut *c, lc_cut_step *s)
     const bool trace_each_round = c->occlusion && (c->start_out || c->worst_first);
     for (;;) {
         const float limit = limit_of(c, s, c->traced, c->total, &c->ratio);
+        if (c->start_only && c->start_saved) return false;
         if (c->traced || each_round) {
             c->ctx->cut_kernels->partition(&c->kept, limit, &c->open, &c->kept);
             c->n_traced = c->traced ? c->kept.n : 0;
@@ -278,6 +285,7 @@ static bool refine(lc_cut *c, lc_cut_step *s)
         const uint32_t hidden_before = c->n_hidden;
         const bool split = split_round(c, s, limit, c->rays_before, &c->total);
         if (c->short_of_room && !each_round) return false;
+        if (c->start_only && c->start_saved) return false;
         if (split) c->traced = false;
         if (split && !trace_each_round) continue;
         if (!split && c->n_hidden > hidden_before) continue; /* all of the round are: there is a new limit */
@@ -359,6 +367,24 @@ void lc_cut_shade(lc_cut *c, const lc_point *p, const float org[3], uint64_t has
     for (bool wants_rays = lc_cut_begin(c, &s, hash); wants_rays;)
         wants_rays = lc_cut_go_on(c, &s, lc_cut_trace(c, &s));
     lc_cut_end(c, &s, out);
+}
+
+void lc_cut_survey(lc_cut *c, const lc_point *p, const float org[3], uint64_t hash, const lc_cut_start *start,
+                   lc_evidence_row *row, lc_stats *stats)
+{
+    lc_cut_step s;
+    const uint64_t before = stats->shadow_rays;
+    lc_cut_set_step(&s, c, p, org, stats);
+    c->start = NULL;
+    c->start_out = NULL;
+    reset(c);
+    set_slot(c, (uint32_t)(hash % c->tree->n_reps));
+    if (c->occlusion) lc_occlusion_start(c->occlusion, org);
+    lc_cut_start_nodes(c, &s, start->link, NULL, start->n_nodes);
+    row->slot = c->slot;
+    row->n_rays = (uint32_t)(stats->shadow_rays - before);
+    lc_evidence_keep(c, start, row);
+    lc_phase_end(stats, LC_PHASE_REFINE);
 }
 
 void lc_cut_shade_gather(lc_cut *c, const lc_gather *g, uint64_t hash, lc_stats *stats, lc_cut_result *out)

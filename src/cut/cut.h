@@ -32,7 +32,7 @@
 #ifndef LC_CUT_H
 #define LC_CUT_H
 
-#include "cut/cut_data.h"
+#include "cut/evidence.h"
 
 /* record: note every node of the cut and every split, for lc_cut_validate and render/explain.c. */
 lc_status lc_cut_init(lc_cut *cut, const lc_context *ctx, const lc_light_tree *tree,
@@ -42,6 +42,10 @@ void lc_cut_free(lc_cut *cut);
 /* ray_org: where shadow rays start, the point moved off its surface. hash selects the slot. */
 void lc_cut_shade(lc_cut *cut, const lc_point *point, const float ray_org[3], uint64_t hash, lc_stats *stats,
                   lc_cut_result *out);
+
+/* What a point finds at the nodes of a start, for the evidence of its block; counts rays and bounds, no point. */
+void lc_cut_survey(lc_cut *cut, const lc_point *point, const float ray_org[3], uint64_t hash,
+                   const lc_cut_start *start, lc_evidence_row *row, lc_stats *stats);
 
 /* The same for a gather cluster: the mean of its points' radiances. With desc.z only; the cut is not recorded
  * and not saved as a start. */

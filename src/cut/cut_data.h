@@ -31,6 +31,7 @@ typedef struct lc_cut_start {
     bool has_points;
     lc_point_box points;
     uint32_t n_block; /* the first of `hidden` are proved to be occluded from all of them */
+    const struct lc_evidence *evidence; /* of its nodes, see evidence.h; NULL: none */
 } lc_cut_start;
 
 typedef struct lc_cut_desc {
@@ -73,6 +74,8 @@ typedef struct lc_cut {
     const lc_cut_start *start; /* NULL: the roots */
     lc_cut_start *start_out;   /* NULL: nowhere */
     bool start_saved;          /* start_out is filled in, or NULL */
+    bool start_only;           /* the cut ends where it is saved */
+    uint32_t row;              /* of the start's evidence: this point's; LC_NONE: none */
     lc_cut_part part;          /* with desc.z; 1, 1, 0: all of the pixel */
     bool in_block;             /* the point is in the start's box of points */
     uint32_t n_start_history, n_start_rounds; /* with record: what led to the start that was saved last */
@@ -94,6 +97,7 @@ typedef struct lc_cut {
     lc_cut_list leaf;  /* lights whose shadow ray is pending */
     float *memory;     /* of the four lists */
     float *scratch;    /* a word for each element of a list */
+    float *weight;     /* LC_MAX_START: of the start's nodes, by its evidence */
 
     uint32_t *done;    /* links of lights, and of clusters that contribute 0 */
     uint32_t n_done;   /* lights in `leaf` included; counted even where the links are not written */
@@ -109,6 +113,7 @@ typedef struct lc_cut {
     double ratio; /* the error ratio of the last limit */
     bool traced;  /* no ray is pending */
     bool defers;  /* set by a caller that traces the rays itself: those of a start are left pending, too */
+    uint32_t rays_given; /* of its row of the start's evidence, which were counted when they were traced */
     uint64_t first_ray, rays_before; /* counts of rays when the cut, and its refinement, began */
 
     lc_occlusion *occlusion; /* NULL: nothing is ever proved to be occluded */

@@ -126,7 +126,7 @@ void lc_cut_gather_bounds(const lc_cut *c, lc_cut_step *s, uint32_t first, uint3
     lc_cut_bounds(c, s, s->node, m, kind, s->node_bound);
     for (uint32_t i = 2 * first, k = 0; i < 2 * (first + n); i++) {
         const uint32_t own = s->link[i], parent = c->split.link[at + i / 2];
-        const float above = c->split.bound[at + i / 2];
+        const float above = c->split.bound[at + i / 2] / c->split.weight[at + i / 2];
         if (own & LC_LEAF) {
             s->bound[i] = 1;
         } else if (!(own & LC_PAIR)) {

@@ -21,18 +21,19 @@ typedef struct lc_cut_list {
     uint32_t *rep;      /* representative's index; with LC_PENDING while its shadow ray is not yet traced */
     float *transfer[3]; /* M G V of the representative, R G B; V = 1 while the ray is pending */
     float *e[3];        /* the estimate, R G B: transfer times summed intensity */
+    float *weight;      /* by which the bound was multiplied, see evidence.h; mostly 1 */
 } lc_cut_list;
 
 #define LC_PENDING 0x80000000u
 #define LC_CUT_SPARE 16
-#define LC_CUT_WORDS 9 /* of an element: bound, link, rep, transfer, e */
+#define LC_CUT_WORDS 10 /* of an element: bound, link, rep, transfer, e, weight */
 
 /* The children of n clusters of a list, a pair for each. */
 typedef struct lc_cut_pairs {
     uint32_t n;
     const lc_cut_list *parent;
     uint32_t first;            /* the parents are first .. first + n - 1 of the list */
-    const float *bound;        /* two for each pair; any value > 0 for a light */
+    const float *bound;        /* two for each pair, without weight; any value > 0 for a light */
     const uint32_t *link;      /* two for each pair */
     const float *const
         *intensity;            /* two for each pair: four readable floats, the first R G B of the intensity */

@@ -81,6 +81,9 @@ void lc_cut_leaves_done(lc_cut *cut);
  * unless the cut defers them. Returns the total's luminance. */
 double lc_cut_place_roots(lc_cut *cut, lc_cut_step *step);
 double lc_cut_place_start(lc_cut *cut, lc_cut_step *step);
+/* Bounds, estimates and traces n nodes, in runs of a kind, and appends them to `kept`; weight: of their
+ * bounds, NULL: 1. Returns their luminance. */
+double lc_cut_start_nodes(lc_cut *cut, lc_cut_step *step, const uint32_t *link, const float *weight, uint32_t n);
 /* Saves the cut as it is now to start_out, with what can be proved for all of its points. */
 void lc_cut_save_start(lc_cut *cut, lc_stats *stats);
 
@@ -128,6 +131,7 @@ static inline void lc_cut_copy(lc_cut_list *to, uint32_t at, const lc_cut_list *
     to->bound[at] = from->bound[i];
     to->link[at] = from->link[i];
     to->rep[at] = from->rep[i];
+    to->weight[at] = from->weight[i];
     for (int k = 0; k < 3; k++) {
         to->transfer[k][at] = from->transfer[k][i];
         to->e[k][at] = from->e[k][i];
@@ -142,6 +146,7 @@ static inline double lc_cut_append(lc_cut_list *list, float bound, uint32_t link
     list->bound[at] = bound;
     list->link[at] = link;
     list->rep[at] = rep;
+    list->weight[at] = 1;
     for (int k = 0; k < 3; k++) {
         list->transfer[k][at] = transfer[k];
         list->e[k][at] = transfer[k] * intensity[k];

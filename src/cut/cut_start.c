@@ -7,6 +7,7 @@
  */
 #include "cut/cut.h"
 #include "cut/cut_gather.h"
+#include "cut/evidence.h"
 
 #include "shade/point_init.h"
 
@@ -99,10 +100,15 @@ static bool list_hides_from_block(const lc_cut *c, lc_cut_start *out, const lc_c
  * *n_rest. */
 static void save_hidden(const lc_cut *c, lc_cut_start *out, uint32_t *n_rest, lc_stats *stats)
 {
+    /* With evidence the others are nodes: where all points find them hidden they are not split. */
+    uint32_t room = c->start_only ? LC_MAX_START - lc_cut_n_clusters(c) : 0;
     out->n_block = *n_rest = 0;
-    for (uint32_t i = 0; i < c->n_hidden; i++)
-        if (!hide_from_block(c, out, c->hidden[i].link, c->hidden[i].occluder, stats))
-            out->hidden[LC_MAX_HIDDEN - ++*n_rest] = c->hidden[i];
+    for (uint32_t i = 0; i < c->n_hidden; i++) {
+        if (hide_from_block(c, out, c->hidden[i].link, c->hidden[i].occluder, stats)) continue;
+        if (room) out->link[out->n_nodes++] = c->hidden[i].link;
+        else out->hidden[LC_MAX_HIDDEN - ++*n_rest] = c->hidden[i];
+        room -= room > 0;
+    }
 }
 
 /* Nodes are saved in the order of the tree, so that rays to neighbours are traced in one group. Measured:
@@ -113,8 +119,9 @@ void lc_cut_save_start(lc_cut *c, lc_stats *stats)
     uint32_t *lights = (uint32_t *)(void *)c->scratch, n_rest;
     lc_cut_start *out = c->start_out;
     const bool for_block = out->has_points && c->occlusion;
+    out->evidence = NULL;
     out->n_nodes = out->n_lights = 0;
-    save_hidden(c, out, &n_rest, stats);
+    save_hidden(c, out, &n_rest, stats); /* may add nodes */
     for (int k = 0; k < 3; k++)
         for (uint32_t i = 0; i < lists[k]->n; i++)
             if (!for_block || !list_hides_from_block(c, out, lists[k], i, stats))
@@ -166,6 +173,7 @@ static uint32_t drop_zero(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
         c->kept.rep[at + m] = s->rep[m] = s->rep[i];
         s->intensity[m] = s->intensity[i];
         bound[m] = bound[i];
+        c->kept.weight[at + m] = c->kept.weight[at + i];
         bool zero = !(bound[i] > 0);
         c->n_done += zero;
         c->n_zero_bound += zero;
@@ -200,8 +208,17 @@ static void trace_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *lit, uint32_t
     }
 }
 
+/* Multiplies the bounds that have just been written past the end of `kept`; weight: NULL, by 1. */
+static void weigh_bounds(const lc_cut_list *kept, const float *weight, uint32_t n)
+{
+    float *bound = kept->bound + kept->n, *to = kept->weight + kept->n;
+    for (uint32_t i = 0; i < n; i++) to[i] = weight ? weight[i] : 1;
+    for (uint32_t i = 0; i < n && weight; i++) bound[i] *= weight[i];
+}
+
 /* Takes over up to LC_CUT_BATCH nodes of one kind and traces their rays. Returns their luminance. */
-static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)
+static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, const float *weight, uint32_t n,
+                          lc_light_kind kind)
 {
     lc_cut_list *kept = &c->kept;
     uint32_t at = kept->n, lit[LC_CUT_BATCH], n_lit = 0;
@@ -217,6 +234,7 @@ static double start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint3
     lc_phase_end(s->stats, LC_PHASE_REFINE);
     lc_cut_bounds(c, s, link, n, kind, kept->bound + at);
     s->stats->bounds += n;
+    weigh_bounds(kept, weight, n);
     lc_phase_end(s->stats, LC_PHASE_BOUNDS);
     n = drop_zero(c, s, link, n);
     if (c->gather) {
@@ -270,13 +288,13 @@ static uint32_t run_of_kind(const lc_light_tree *t, const uint32_t *link, uint32
     return run;
 }
 
-static double start_all_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint32_t n)
+double lc_cut_start_nodes(lc_cut *c, lc_cut_step *s, const uint32_t *link, const float *weight, uint32_t n)
 {
     lc_light_kind kind;
     double total = 0;
     for (uint32_t at = 0, run; at < n; at += run) {
         run = run_of_kind(c->tree, link + at, n - at, &kind);
-        total += start_nodes(c, s, link + at, run, kind);
+        total += start_nodes(c, s, link + at, weight ? weight + at : NULL, run, kind);
     }
     return total;
 }
@@ -296,7 +314,50 @@ static double start_hidden(lc_cut *c, lc_cut_step *s, const lc_hidden_cluster *h
         rest[n_rest] = hidden[i].link;
         n_rest += !lc_cut_prove(c, hidden[i].link, hidden[i].occluder, false, LC_MAX_PATCH, s->stats);
     }
-    return start_all_nodes(c, s, rest, n_rest);
+    return lc_cut_start_nodes(c, s, rest, NULL, n_rest);
+}
+
+/* Takes over what the point itself found at the nodes of the start. */
+static double take_row(lc_cut *c, const lc_evidence_row *row)
+{
+    lc_cut_list *kept = &c->kept;
+    const uint32_t at = kept->n, n = row->n;
+    for (uint32_t i = 0, k = 0; n < c->start->n_nodes && i < c->start->n_nodes; i++) {
+        if (k < n && row->node[k] == i) {
+            k++;
+            continue;
+        }
+        c->done[c->n_done++] = c->start->link[i];
+        c->n_zero_bound++;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        const float weight = c->weight[row->node[i]];
+        kept->weight[at + i] = weight;
+        kept->bound[at + i] = row->bound[i] * weight;
+        kept->link[at + i] = c->start->link[row->node[i]];
+        if (row->blocker[i] != LC_NONE) lc_occlusion_note(c->occlusion, row->rep[i], row->blocker[i]);
+    }
+    memcpy(kept->rep + at, row->rep, n * sizeof *row->rep);
+    for (int k = 0; k < 3; k++) {
+        memcpy(kept->transfer[k] + at, row->transfer[k], n * sizeof(float));
+        memcpy(kept->e[k] + at, row->e[k], n * sizeof(float));
+    }
+    float *const e[3] = { kept->e[0] + at, kept->e[1] + at, kept->e[2] + at };
+    kept->n = at + n;
+    c->rays_given = row->n_rays;
+    return luminance_of(e, n);
+}
+
+/* The nodes of a start, with what its evidence says of them. */
+static double place_nodes(lc_cut *c, lc_cut_step *s)
+{
+    const lc_cut_start *start = c->start;
+    const lc_evidence *evidence = start->evidence;
+    if (!evidence) return lc_cut_start_nodes(c, s, start->link, NULL, start->n_nodes);
+    lc_evidence_weigh(evidence, start->n_nodes, c->slot, c->weight);
+    if (c->row != LC_NONE && evidence->row[c->row].slot == c->slot && !c->gather)
+        return take_row(c, &evidence->row[c->row]);
+    return lc_cut_start_nodes(c, s, start->link, c->weight, start->n_nodes);
 }
 
 double lc_cut_place_start(lc_cut *c, lc_cut_step *s)
@@ -305,7 +366,7 @@ double lc_cut_place_start(lc_cut *c, lc_cut_step *s)
     const uint32_t *lights = start->link + start->n_nodes;
     lc_light_kind kind;
     double total = start_hidden(c, s, start->hidden, start->n_hidden);
-    total += start_all_nodes(c, s, start->link, start->n_nodes);
+    total += place_nodes(c, s);
     for (uint32_t at = 0, run; at < start->n_lights; at += run) {
         run = run_of_kind(c->tree, lights + at, start->n_lights - at, &kind);
         total += start_lights(c, s, lights + at, run, kind);

@@ -14,6 +14,7 @@ LC_INLINE void append(lc_cut_list *list, const clusters *x, uint32_t mask)
     vb_keep(list->rep + at, x->word[2], mask);
     for (int k = 0; k < 3; k++) vb_keep(list->transfer[k] + at, x->word[3 + k], mask);
     for (int k = 0; k < 3; k++) vb_keep(list->e[k] + at, x->word[6 + k], mask);
+    vb_keep(list->weight + at, x->word[9], mask);
     list->n = at + (uint32_t)__builtin_popcount(mask);
 }
 
@@ -32,8 +33,10 @@ LC_INLINE void place_children(const lc_cut_pairs *p, uint32_t first, uint32_t ex
     vb intensity[4], own[3], parent_e[3];
     for (uint32_t k = 0; k < VB_LANES; k++) rows[k] = p->intensity[exist >> k & 1 ? first + k : first];
     vb_rows(rows, intensity);
-    const vb bound = vb_loadu(p->bound + first), fresh = vb_loadu(p->fresh + first);
+    const vb weight = vb_twice(parent->weight + from), fresh = vb_loadu(p->fresh + first),
+             bound = vb_loadu(p->bound + first) * weight;
     x.word[0] = bound;
+    x.word[9] = weight;
     x.word[1] = vb_loadu(p->link + first);
     for (int k = 0; k < 3; k++) {
         own[k] = vb_twice(p->transfer[k] + pair);
@@ -94,6 +97,7 @@ static void partition(lc_cut_list *from, float limit, lc_cut_list *above, lc_cut
         x.word[2] = vb_loadu(from->rep + i);
         for (int k = 0; k < 3; k++) x.word[3 + k] = vb_loadu(from->transfer[k] + i);
         for (int k = 0; k < 3; k++) x.word[6 + k] = vb_loadu(from->e[k] + i);
+        x.word[9] = vb_loadu(from->weight + i);
         if (more) append(above, &x, more);
         if (exist & ~more) append(rest, &x, exist & ~more);
     }

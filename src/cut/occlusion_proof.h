@@ -43,6 +43,13 @@ static inline void lc_occlusion_note(lc_occlusion *o, uint32_t light, uint32_t b
     o->hidden[i].point = o->point;
 }
 
+/* What was noted for a light; LC_NONE where nothing was. */
+static inline uint32_t lc_occlusion_noted(const lc_occlusion *o, uint32_t light)
+{
+    uint32_t i = light % LC_KNOWN_OCCLUDERS;
+    return o->hidden[i].light == light && o->hidden[i].point == o->point ? o->hidden[i].by : LC_NONE;
+}
+
 /* The occluder that stopped the ray to a light; LC_NONE where that is not known. far: the light is
  * directional. */
 uint32_t lc_occlusion_by(lc_occlusion *o, uint32_t light, bool far);

@@ -48,6 +48,7 @@ typedef struct {
     double *value;   /* the same by cuts, n_slots of each pilot; then its misses */
     double *to;      /* one of these */
     uint32_t n, n_slots, n_finite;
+    bool by_itself; /* no guides: the truth */
 } pilots;
 
 static void place_pilots(pilots *p)
@@ -62,25 +63,30 @@ static void place_pilots(pilots *p)
     }
 }
 
+/* A pilot's slots one after the other, as they have one guide. */
 static void shade_pilot(void *user, uint32_t thread, uint64_t item)
 {
     pilots *p = user;
     lc_render_job *j = p->j;
     lc_render_worker *w = &j->workers[thread];
-    const uint32_t width = j->scene->film.width, at = p->pixel[item / p->n_slots];
-    lc_pixel px = { .hits = 0 };
-    w->slot_shift = (uint32_t)(item % p->n_slots) * (j->spp < 16 ? j->spp : 1);
-    if (lc_add_samples(j, w, at % width, at / width, &px))
-        p->to[item] = (double)lc_luminance(px.rgb) / j->spp;
+    const uint32_t width = j->scene->film.width, at = p->pixel[item];
+    for (uint32_t k = 0; k < p->n_slots; k++) {
+        lc_pixel px = { .hits = 0 };
+        w->slot_shift = k * (j->spp < 16 ? j->spp : 1);
+        if (lc_add_samples(j, w, at % width, at / width, &px))
+            p->to[item * p->n_slots + k] = (double)lc_luminance(px.rgb) / j->spp;
+    }
 }
 
-static void set_workers(const lc_render_job *j, double error, double z, bool alone)
+static void set_workers(const lc_render_job *j, double error, double z, bool alone, bool pilot)
 {
     for (uint32_t i = 0; i < j->ctx->n_threads; i++) {
         lc_render_worker *w = &j->workers[i];
         w->cut.desc.error_ratio = (float)error;
         w->cut.desc.z = (float)z;
         w->alone = alone;
+        w->pilot = pilot;
+        w->guide.made = false;
         w->slot_shift = 0;
     }
 }
@@ -93,8 +99,10 @@ static void shade_all(pilots *p, double error, double z, uint32_t n_slots, doubl
     p->to = to;
     p->n_slots = n_slots;
     j->exact = !(z > 0);
-    set_workers(j, error, z, true); /* a guide for each pilot would double the work */
-    lc_parallel(j->ctx, (uint64_t)p->n * n_slots, shade_pilot, p);
+    /* Where cuts take no evidence of their block, a guide for each pilot would double the work. */
+    const bool alone = p->by_itself || !lc_cut_takes_evidence(&j->workers->cut);
+    set_workers(j, error, z, alone, true);
+    lc_parallel(j->ctx, p->n, shade_pilot, p);
     j->exact = false;
 }
 
@@ -228,7 +236,7 @@ static double time_pixel(pilots *p, double error, double z)
 {
     lc_render_job *j = p->j;
     const uint32_t n = p->n < TIMED_BLOCKS ? p->n : TIMED_BLOCKS;
-    set_workers(j, error, z, false);
+    set_workers(j, error, z, false, false);
     const double began = lc_now();
     lc_parallel(j->ctx, n, shade_block, p);
     return (lc_now() - began) / (n * LC_PIXEL_BLOCK * LC_PIXEL_BLOCK);
@@ -269,7 +277,9 @@ static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
     fine.max_cut = 0;
     fine.max_points = 0; /* a cut for each sample */
     lc_status st = lc_job_make_workers(j, &fine);
+    p->by_itself = true;
     if (!st) shade_all(p, (double)cut->error_ratio, all ? 0 : TRUE_Z / sqrt((double)j->spp), 1, p->truth);
+    p->by_itself = false;
     for (uint32_t i = 0; i < p->n; i++) p->n_finite += isfinite(p->truth[i]) ? 1 : 0;
     return st;
 }
@@ -277,7 +287,7 @@ static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
 static uint64_t count_rays(const lc_render_job *j)
 {
     uint64_t n = 0;
-    for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) n += j->workers[i].stats.shadow_rays;
+    for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) n += j->workers[i].stats.shadow_rays + j->workers[i].apart.shadow_rays;
     return n;
 }
 

@@ -76,25 +76,60 @@ static void set_corners(const lc_render_job *j, lc_guide *g)
                       &g->corner_dir[i]);
 }
 
-/* Makes a guide apart, where its pixel is not of this tile or not the first to be asked for. */
+uint32_t lc_guide_row(const lc_guide *g, uint32_t x, uint32_t y)
+{
+    return g && g->valid && g->evidence
+               ? g->row[y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK] : LC_NONE;
+}
+
+/* What the pixels of the block find at the start of its guide. */
+static void survey_block(const lc_render_job *j, lc_cut *c, lc_guide *g, lc_stats *stats)
+{
+    lc_evidence *ev = g->evidence;
+    ev->n_rows = 0;
+    for (uint32_t k = 0; k < LC_PIXEL_BLOCK * LC_PIXEL_BLOCK; k++) {
+        const uint32_t x = g->x - GUIDE_AT + k % LC_PIXEL_BLOCK, y = g->y - GUIDE_AT + k / LC_PIXEL_BLOCK;
+        lc_f3 dir;
+        lc_sight s;
+        lc_point p[2];
+        g->row[k] = LC_NONE;
+        if (x >= j->scene->film.width || y >= j->scene->film.height) continue;
+        if (!lc_sample_sight(j, x, y, 0, &dir, &s) || !s.n_lit) continue;
+        const lc_surface *surface = &s.lit[0].surface;
+        const uint64_t hash = lc_slot_hash(j, x, y, 0);
+        if (!lc_guide_start(g, surface->pos, surface->n)) continue;
+        lc_lit_point(j->scene, &s.lit[0], hash, p);
+        lc_phase_end(stats, LC_PHASE_CAMERA);
+        g->row[k] = ev->n_rows;
+        lc_cut_survey(c, p, surface->ray_org, hash, &g->start, &ev->row[ev->n_rows++], stats);
+    }
+    g->start.evidence = ev;
+}
+
+/* Makes a guide apart, where its pixel is not of this tile or not the first to be asked for, or where its
+ * block's pixels are surveyed. */
 void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g, lc_stats *work)
 {
     lc_f3 dir;
     lc_sight s;
     lc_point p[2];
-    lc_stats stats = { 0 };
+    lc_stats of_none = { 0 }, *stats = work ? work : &of_none;
+    const lc_stats was = *stats;
     lc_cut_result r;
     const uint64_t hash = lc_slot_hash(j, g->x, g->y, 0);
+    c->start_only = g->evidence;
     if (lc_sample_sight(j, g->x, g->y, 0, &dir, &s) && s.n_lit) {
         lc_lit_point(j->scene, &s.lit[0], hash, p);
-        lc_guided_cut(c, g, p, &s.lit[0].surface, hash, &stats, &r);
+        lc_guided_cut(c, g, p, &s.lit[0].surface, hash, stats, &r);
     }
-    if (work) {
-        work->shadow_rays += stats.shadow_rays;
-        work->bounds += stats.bounds;
-        work->proof_tests += stats.proof_tests;
-    }
+    c->start_only = false;
     g->made = true;
+    if (g->valid && g->evidence) survey_block(j, c, g, stats);
+    stats->points = was.points; /* which are those of pixels alone */
+    stats->cut_sum = was.cut_sum;
+    stats->at_limit = was.at_limit;
+    stats->dark = was.dark;
+    stats->proved = was.proved;
 }
 
 uint32_t lc_guide_pixel(uint32_t at) { return at - at % LC_PIXEL_BLOCK + GUIDE_AT; }
@@ -105,7 +140,7 @@ lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x
                       lc_stats *work)
 {
     const uint32_t at_x = lc_guide_pixel(x), at_y = lc_guide_pixel(y);
-    const bool makes = x == at_x && y == at_y && !sample;
+    const bool makes = x == at_x && y == at_y && !sample && !g->evidence;
     if (!g->made || g->x != at_x || g->y != at_y || makes) {
         g->x = at_x;
         g->y = at_y;

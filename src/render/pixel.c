@@ -56,6 +56,7 @@ void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight 
     for (uint32_t i = 0; i < sight->n_lit; i++) {
         lc_cut_result r;
         shade_lit(j, w, &sight->lit[i], g, hash + i, &r);
+        w->cut.row = LC_NONE;
         if (g) g->made = true;
         sum->radiance = lc_f3_add(sum->radiance, lc_f3_mul(r.radiance, sight->lit[i].weight));
         sum->size += r.size;
@@ -137,8 +138,9 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
         return true;
     }
     w->stats.camera_rays += s.n_rays;
-    lc_shade_sight(j, w, &s, j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i, NULL),
-                   lc_slot_hash(j, x, y, i + w->slot_shift), &r);
+    lc_guide *g = j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i, lc_guide_work(w));
+    w->cut.row = i + w->slot_shift ? LC_NONE : lc_guide_row(g, x, y);
+    lc_shade_sight(j, w, &s, g, lc_slot_hash(j, x, y, i + w->slot_shift), &r);
     *rgb = lc_f3_add(r.radiance, s.emission);
     lc_add_to_planes(j, px, &s, dir);
     px->cut += (float)r.size;

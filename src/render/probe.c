@@ -49,6 +49,10 @@ static lc_status probe_lit(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sa
     lc_stats stats = { 0 };
     lc_guide *g = lc_alloc(j->ctx, 1, sizeof *g);
     if (!g) return LC_ERR_MEMORY;
+    if (lc_cut_takes_evidence(&p->cut) && !(g->evidence = lc_alloc_raw(j->ctx, 1, sizeof *g->evidence))) {
+        lc_free(j->ctx, g, 1, sizeof *g);
+        return LC_ERR_MEMORY;
+    }
     uint64_t hash = lc_slot_hash(j, x, y, sample);
     lc_guide_of(j, &p->cut, g, x, y, sample, NULL);
     bool is_guide = !g->made;
@@ -58,7 +62,9 @@ static lc_status probe_lit(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sa
     /* again: its splits are kept for the cut that begins with it. */
     if (!is_guide) lc_guide_make(j, &p->cut, g, NULL);
     lc_lit_point(j->scene, lit, hash, p->point);
+    p->cut.row = sample ? LC_NONE : lc_guide_row(g, x, y);
     lc_guided_cut(&p->cut, g, p->point, &lit->surface, hash, &stats, &p->by_cut);
+    lc_free(j->ctx, g->evidence, 1, sizeof *g->evidence);
     lc_free(j->ctx, g, 1, sizeof *g);
     return LC_OK;
 }

@@ -130,6 +130,7 @@ void lc_job_free_workers(lc_render_job *j)
         if (!j->workers[i].cut.ctx) continue;
         lc_free(j->ctx, j->workers[i].shared, n_shared(j), sizeof *j->workers[i].shared);
         lc_free(j->ctx, j->workers[i].tile, (size_t)LC_N_PLANES * LC_TILE * LC_TILE, sizeof(float));
+        lc_free(j->ctx, j->workers[i].guide.evidence, 1, sizeof *j->workers[i].guide.evidence);
         lc_pixel_points_free(j->ctx, j->workers[i].points);
         lc_interval_free_room(j->ctx, &j->workers[i]);
         lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.max_size + 2, sizeof(uint64_t));
@@ -161,6 +162,9 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
         const uint32_t in_media = j->scene->media.present ? j->spp * j->how.n_points : 0,
                        most = 2 * desc->max_points + in_media;
         if (desc->max_points && !(w->points = lc_pixel_points_create(j->ctx, most))) return LC_ERR_MEMORY;
+        if (lc_cut_takes_evidence(&w->cut) &&
+            !(w->guide.evidence = lc_alloc_raw(j->ctx, 1, sizeof *w->guide.evidence)))
+            return LC_ERR_MEMORY;
         w->stats.go_on = lc_job_go_on;
         w->stats.go_on_user = j;
         bool tiles = j->desc->tile_load || j->desc->tile_done;

@@ -38,6 +38,8 @@ typedef struct lc_guide {
     lc_f3 pos, n;
     float reach2; /* squared distance up to which surfaces are like it */
     lc_f3 corner_org[4], corner_dir[4]; /* camera rays of the block's corners */
+    lc_evidence *evidence; /* what the block's pixels find at the start, sample 0 of each; NULL: not asked for */
+    uint32_t row[LC_PIXEL_BLOCK * LC_PIXEL_BLOCK]; /* of each pixel; LC_NONE: it is not on a surface alike */
     lc_cut_start start;
 } lc_guide;
 
@@ -58,6 +60,8 @@ typedef struct lc_render_worker {
     uint64_t *cut_hist; /* points by cut size, 0 .. cut.max_size */
     uint64_t cut_max;   /* of the tile */
     bool alone;         /* cuts begin with the roots */
+    lc_stats apart;     /* work of the guides of pilots */
+    bool pilot;         /* guides are made for single pixels */
     uint32_t slot_shift; /* sample i of a pixel has the slot of sample i + slot_shift */
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
