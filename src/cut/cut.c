@@ -248,7 +248,8 @@ static float limit_of(lc_cut *c, const lc_cut_step *s, bool traced, double total
     *ratio = (double)c->desc.error_ratio;
     if (c->desc.z > 0) {
         const double rss = *ratio * of_pixel(c, total) / (double)c->desc.z;
-        if (!c->start_saved && isinf(lc_cut_rss_limit(c, START_COARSER * rss)))
+        const double coarser = c->start_only ? 1 : START_COARSER;
+        if (!c->start_saved && isinf(lc_cut_rss_limit(c, coarser * rss)))
             lc_cut_save_start(c, s->stats);
         return lc_cut_rss_limit(c, rss);
     }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#define PRIOR 1.0f      /* rows that the bound itself counts for */
+#define PRIOR 2.0f      /* rows that the bound itself counts for */
 #define VARIANCE 0.01f  /* of x, at which the weight is 1; z makes up for it */
 #define RUN 64          /* nodes at a time */
 #define UP_TO_BOUND 1.001f /* of estimates over bounds, with more than their rounding */
@@ -47,8 +47,8 @@ static void weigh_run(const lc_evidence *ev, uint32_t first, uint32_t n, uint32_
     }
     const float inv = m ? 1 / (float)m : 0, total = m ? PRIOR + (float)(m - 1) : PRIOR;
     for (uint32_t i = 0; i < n; i++) {
-        const float s2 = fmaxf(sum2[i] - sum[i] * sum[i] * inv, 0);
-        weight[i] = sqrtf((PRIOR + s2 * (1 / VARIANCE)) / total);
+        const float s2 = sum2[i] - sum[i] * sum[i] * inv;
+        weight[i] = sqrtf((PRIOR + (s2 > 0 ? s2 : 0) * (1 / VARIANCE)) / total);
     }
 }
 
