@@ -94,7 +94,8 @@ static void fill(list *l, uint32_t n, int style, float limit, double leaves)
         l->word[0][i] = as_bits(rnd_bound(style, limit));
         l->word[1][i] = rnd_link(leaves);
         l->word[2][i] = rnd_rep();
-        for (uint32_t w = 3; w < LC_CUT_WORDS; w++) l->word[w][i] = as_bits(rnd_transfer());
+        for (uint32_t w = 3; w < 9; w++) l->word[w][i] = as_bits(rnd_transfer());
+        l->word[9][i] = as_bits(rnd() < 0.3 ? 1 : powf(10, (float)rnd_in(-1, 1)));
     }
 }
 
@@ -169,10 +170,12 @@ static float luminance(const uint32_t e[3])
 /* Puts child c of pair i into its list; returns its luminance. */
 static float ref_child(job *j, uint32_t i, uint32_t c)
 {
-    uint32_t at = j->first + i, word[LC_CUT_WORDS] = { as_bits(j->bound[2 * i + c]), j->link[2 * i + c] };
+    const uint32_t at = j->first + i;
+    const float weight = as_float(j->parent.word[9][at]), bound = j->bound[2 * i + c] * weight;
+    uint32_t word[LC_CUT_WORDS] = { as_bits(bound), j->link[2 * i + c] };
     const float *intensity = j->intensity[2 * i + c];
     bool own = j->fresh[2 * i + c] > 0, lit = false;
-    float bound = j->bound[2 * i + c];
+    word[9] = as_bits(weight);
     for (uint32_t k = 0; k < 3; k++) {
         float t = own ? j->transfer[k][i] : as_float(j->parent.word[3 + k][at]);
         lit |= j->transfer[k][i] > 0;
@@ -218,6 +221,7 @@ static lc_cut_list view(list *l)
 {
     lc_cut_list v = { .n = l->n, .link = l->word[1], .rep = l->word[2] };
     v.bound = (float *)(void *)l->word[0];
+    v.weight = (float *)(void *)l->word[9];
     for (uint32_t k = 0; k < 3; k++) {
         v.transfer[k] = (float *)(void *)l->word[3 + k];
         v.e[k] = (float *)(void *)l->word[6 + k];
