@@ -43,12 +43,6 @@ typedef struct lc_evidence {
     lc_evidence_row row[LC_EVIDENCE_ROWS];
 } lc_evidence;
 
-/* Whether evidence is of use to a cut: its whole error is limited, and there is more than one slot. */
-static inline bool lc_cut_takes_evidence(const lc_cut *c)
-{
-    return c->desc.z > 0 && c->tree->n_reps > 1;
-}
-
 /* Takes over what lc_cut_start_nodes put into `kept`. */
 void lc_evidence_keep(lc_cut *cut, const lc_cut_start *start, lc_evidence_row *row);
 /* Weights of the first n nodes of a start for a point of a slot, > 0. */

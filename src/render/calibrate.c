@@ -22,7 +22,7 @@
 
 #define N_PILOTS LC_SIZE(512, 64)
 #define N_SLOTS 4         /* values of a pilot, once z is known roughly */
-#define ROUGH_STEPS 2     /* by one value of each pilot */
+#define ROUGH_STEPS 2     /* by one value of each pilot; with evidence, which the values share, 1 */
 #define MOST_STEPS 6
 #define AIM 0.98          /* of the error: where the quantile is to be, and the least that is good enough */
 #define GOOD_ENOUGH 0.95
@@ -34,6 +34,7 @@
 #define Z_FOR_TIME 3      /* z that are found then */
 #define TRIED_STEPS 3     /* by one value of each pilot, of each way that samples may have cuts */
 #define SHARED_COSTS 1.4  /* a shared cut's work takes longer: its rays have many origins */
+#define SHARED_COSTS_WEIGHED 1.0 /* with evidence, where small cuts have more to do beside what is counted */
 #define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
 #define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
 #define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
@@ -100,8 +101,7 @@ static void shade_all(pilots *p, double error, double z, uint32_t n_slots, doubl
     p->n_slots = n_slots;
     j->exact = !(z > 0);
     /* Where cuts take no evidence of their block, a guide for each pilot would double the work. */
-    const bool alone = p->by_itself || !lc_cut_takes_evidence(&j->workers->cut);
-    set_workers(j, error, z, alone, true);
+    set_workers(j, error, z, p->by_itself || !j->evidence, true);
     lc_parallel(j->ctx, p->n, shade_pilot, p);
     j->exact = false;
 }
@@ -177,7 +177,7 @@ static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibra
 {
     double z = (double)cut->z, miss = 0, last_z = z, last_miss = 0, found = 0, least = INFINITY;
     for (int step = 0; step < MOST_STEPS && !atomic_load(&p->j->cancelled); step++) {
-        const uint32_t n_slots = step < ROUGH_STEPS ? 1 : N_SLOTS;
+        const uint32_t n_slots = step < (p->j->evidence ? ROUGH_STEPS - 1 : ROUGH_STEPS) ? 1 : N_SLOTS;
         miss = try_z(p, cut, z, n_slots, sorted);
         if (n_slots == N_SLOTS && (miss <= 1 || miss < least || !(found > 0))) {
             least = miss;
@@ -213,7 +213,7 @@ static void choose_shared(pilots *p, lc_cut_desc *cut, double *sorted)
         }
         found[way] = z;
     }
-    j->shared = work[1] * SHARED_COSTS < work[0];
+    j->shared = work[1] * (j->evidence ? SHARED_COSTS_WEIGHED : SHARED_COSTS) < work[0];
     j->pixel_work = work[1] / p->n;
     cut->z = (float)found[j->shared];
 }

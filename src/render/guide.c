@@ -93,6 +93,8 @@ static void survey_block(const lc_render_job *j, lc_cut *c, lc_guide *g, lc_stat
         lc_sight s;
         lc_point p[2];
         g->row[k] = LC_NONE;
+        /* A pixel whose samples share a cut has no use for its row: half of the rows tell as much. */
+        if (j->shared && (k + k / LC_PIXEL_BLOCK) % 2) continue;
         if (x >= j->scene->film.width || y >= j->scene->film.height) continue;
         if (!lc_sample_sight(j, x, y, 0, &dir, &s) || !s.n_lit) continue;
         const lc_surface *surface = &s.lit[0].surface;

@@ -26,6 +26,9 @@
 #define WORK_OF_PROOF 15    /* a triangle tested in a proof */
 #define WORK_OF_CUT 48      /* a cut, whatever its size */
 #define USUAL_Z 0.25        /* of one sample, until it is known what keeps the asked error */
+#define USUAL_Z_WEIGHED 0.2 /* the same, of weighted bounds */
+#define EVIDENCE_FROM 65536 /* pixels of the film: with fewer, to survey the blocks of the pilots takes more than
+                               it saves; tests/results/asked-error.md */
 #define WORK_FOR_NO_ERROR 1.1 /* factor of work that every light is allowed, as it has no error */
 
 /* Radiance seen at a cell of a grid of side * side over the whole film; false: nothing there that is lit. */
@@ -164,7 +167,11 @@ lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
     stats->exact = j->exact = d->method == LC_METHOD_EXACT;
     if (j->exact) return LC_OK;
     j->error = d->error;
-    j->z = d->error > 0 ? (float)(USUAL_Z / sqrt((double)j->spp)) : 0;
+    const lc_film_desc *film = &j->scene->film;
+    j->evidence = d->error > 0 && j->scene->tree->n_reps > 1 &&
+                  (uint64_t)film->width * film->height >= EVIDENCE_FROM;
+    const double z = j->evidence ? USUAL_Z_WEIGHED : USUAL_Z;
+    j->z = d->error > 0 ? (float)(z / sqrt((double)j->spp)) : 0;
     bool few = d->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(d->max_cut && d->max_cut < n);
     if (!few && d->dark_floor > 0 && (d->error > 0 || d->error_ratio > 0))
         st = prepass(j, &stats->mean_luminance);

@@ -49,7 +49,7 @@ static lc_status probe_lit(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sa
     lc_stats stats = { 0 };
     lc_guide *g = lc_alloc(j->ctx, 1, sizeof *g);
     if (!g) return LC_ERR_MEMORY;
-    if (lc_cut_takes_evidence(&p->cut) && !(g->evidence = lc_alloc_raw(j->ctx, 1, sizeof *g->evidence))) {
+    if (j->evidence && !(g->evidence = lc_alloc_raw(j->ctx, 1, sizeof *g->evidence))) {
         lc_free(j->ctx, g, 1, sizeof *g);
         return LC_ERR_MEMORY;
     }

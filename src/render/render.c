@@ -162,8 +162,7 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
         const uint32_t in_media = j->scene->media.present ? j->spp * j->how.n_points : 0,
                        most = 2 * desc->max_points + in_media;
         if (desc->max_points && !(w->points = lc_pixel_points_create(j->ctx, most))) return LC_ERR_MEMORY;
-        if (lc_cut_takes_evidence(&w->cut) &&
-            !(w->guide.evidence = lc_alloc_raw(j->ctx, 1, sizeof *w->guide.evidence)))
+        if (j->evidence && !(w->guide.evidence = lc_alloc_raw(j->ctx, 1, sizeof *w->guide.evidence)))
             return LC_ERR_MEMORY;
         w->stats.go_on = lc_job_go_on;
         w->stats.go_on_user = j;

@@ -87,6 +87,7 @@ typedef struct lc_render_job {
     float floor;     /* luminance: the dark floor */
     float z;         /* of cuts where the error of pixels is asked, else 0 */
     float error;     /* asked of pixels, 0: none */
+    bool evidence;   /* the pixels of a block take evidence of each other, see cut/evidence.h */
     bool shared;         /* the samples of a pixel share cuts */
     uint32_t max_points; /* of a gather cluster, where they may; else 0 */
     uint32_t *parent;    /* of each light, for these */
