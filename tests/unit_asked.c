@@ -1,6 +1,7 @@
 /* unit_asked.c - the error that is asked of finished pixels: it holds, for pixels that were no pilots; the
  * picture is the same for every crop, number of threads and source of its calibration; scenes with hardly
  * anything in them. */
+#include "support/fence_scene.h"
 #include "support/logged.h"
 
 #include "lightcuts.h"
@@ -11,35 +12,6 @@
 
 #define SIDE 64
 #define PATH "build/unit_asked.pbrt"
-
-/* A floor and a wall behind a fence of blocks, under n lamps. */
-static void write_scene(int side, int n, double power)
-{
-    FILE *f = fopen(PATH, "w");
-    if (!f) abort();
-    fprintf(
-        f,
-        "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\n"
-        "LookAt 0 3 7 0 1 0 0 1 0\nCamera \"perspective\" \"float fov\" [50]\nIntegrator \"directlighting\"\n"
-        "WorldBegin\n"
-        "Material \"diffuse\" \"rgb reflectance\" [.6 .5 .4]\n",
-        side, side);
-    for (int i = 0; i < n; i++) {
-        const double a = i * 2.399963, r = sqrt((i + 0.5) / n) * 4;
-        fprintf(f, "LightSource \"point\" \"rgb I\" [%g %g %g] \"point3 from\" [%g %g %g]\n",
-                power * (0.5 + i % 3), power, power, r * cos(a), 2.5 + i % 5 * 0.4, r * sin(a));
-    }
-    fprintf(f, "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 0 9 9 0 9 9 0 -9 "
-               "-9 0 -9]\n"
-               "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 0 -3 9 0 -3 9 6 -3 "
-               "-9 6 -3]\n");
-    for (int i = 0; i < 12; i++)
-        fprintf(f,
-                "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [%g 0 1 %g 0 1 "
-                "%g 1.5 1 %g 1.5 1]\n",
-                i * 0.7 - 4, i * 0.7 - 3.7, i * 0.7 - 3.7, i * 0.7 - 4);
-    fclose(f);
-}
 
 typedef struct {
     uint32_t threads, spp;
@@ -115,7 +87,7 @@ TEST(what_is_asked_holds)
     };
     static picture truth, p;
     uint64_t rays[sizeof rows / sizeof *rows];
-    write_scene(SIDE, 3000, 0.01);
+    write_fence(PATH, SIDE, 3000, 0.01);
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         render((way){ .method = LC_METHOD_EXACT, .spp = rows[k].spp }, &truth);
         render((way){ .method = LC_METHOD_CUTS,
@@ -143,7 +115,7 @@ static void check_same_bytes(uint32_t spp, bool shared)
 {
     static picture whole, other;
     way w = { .threads = 1, .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .spp = spp };
-    write_scene(SIDE, 500, 0.01);
+    write_fence(PATH, SIDE, 500, 0.01);
     render(w, &whole);
     lc_calibration kept = whole.stats.calibration;
     CHECK(kept.n_pilots > 0 && kept.z > 0 && kept.rays > 0 && kept.shared == shared);
@@ -179,7 +151,7 @@ TEST(hardly_anything)
     static picture truth, p;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
         for (int m = 0; m < 2; m++) {
-            write_scene(rows[k].side, rows[k].lights, rows[k].power);
+            write_fence(PATH, rows[k].side, rows[k].lights, rows[k].power);
             render((way){ .method = LC_METHOD_EXACT }, &truth);
             const lc_method method = m ? LC_METHOD_CUTS : LC_METHOD_LIGHTCUTS;
             render((way){ .method = method, .error = 0.02f, .within = 95 }, &p);
@@ -196,7 +168,7 @@ TEST(hardly_anything)
 TEST(no_room_is_said)
 {
     static picture p;
-    write_scene(SIDE, 3000, 0.01);
+    write_fence(PATH, SIDE, 3000, 0.01);
     render((way){ .method = LC_METHOD_CUTS, .error = 0.005f, .within = 99, .max_cut = 20 }, &p);
     const lc_calibration *c = &p.stats.calibration;
     CHECKF(c->achieved + c->margin < 99 && c->n_pilots > 0, "%g +- %g", (double)c->achieved,
@@ -210,7 +182,7 @@ TEST(time_chooses_the_error)
     static picture truth, p;
     static const double seconds[] = { 1e-3, 1e3 };
     double error[2];
-    write_scene(SIDE, 1000, 0.01);
+    write_fence(PATH, SIDE, 1000, 0.01);
     render((way){ .method = LC_METHOD_EXACT }, &truth);
     for (int k = 0; k < 2; k++) {
         render((way){ .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .seconds = seconds[k] }, &p);
@@ -228,7 +200,7 @@ TEST(bad_values_are_refused)
     static const float bad[][2] = { { NAN, 95 },  { INFINITY, 95 }, { -1, 95 },
                                     { 0.02f, 0 }, { 0.02f, 100 },   { 0.02f, NAN } };
     const lc_calibration none = LC_CALIBRATION_INIT;
-    write_scene(4, 3, 1);
+    write_fence(PATH, 4, 3, 1);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         render((way){ .error = bad[i][0], .within = bad[i][1] }, &p);
         CHECK(p.status == LC_ERR_ARG);
