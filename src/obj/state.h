@@ -2,7 +2,9 @@
 #ifndef LC_OBJ_STATE_H
 #define LC_OBJ_STATE_H
 
-#include "scene/scene.h"
+#include "base/arena.h"
+#include "base/vec.h"
+#include "build/reader.h"
 
 /* Text by lines, of which a backslash at the end continues one, and by words. */
 typedef struct lc_obj_lines {
@@ -39,16 +41,14 @@ lc_status lc_obj_numbers(lc_obj_lines *l, uint32_t least, uint32_t most, float *
 typedef struct lc_obj_material {
     const char *name; /* in the arena */
     uint32_t id;
-    lc_f3 emission;
-    uint32_t emission_map;
-    bool has_alpha;
-    lc_mesh_alpha alpha;
+    float emission[3];
+    uint32_t emission_picture;
+    float alpha;
 } lc_obj_material;
 
 typedef struct lc_obj_image {
     const char *path; /* in the arena */
-    bool emission;    /* an emission map, else an image of textures */
-    uint32_t id;
+    uint32_t picture;
 } lc_obj_image;
 
 typedef struct lc_obj {

@@ -233,7 +233,7 @@ static void put_segment(lc_pbrt *p, const spline *c, size_t segment, tube *o)
 }
 
 static lc_status put_all(lc_pbrt *p, const spline *c, const struct level *level, size_t most,
-                         lc_mesh_desc *mesh)
+                         lc_pbrt_mesh *mesh)
 {
     tube o = { .sides = c->normals ? 2 : level->sides,
                .steps = level->steps,
@@ -251,7 +251,7 @@ static lc_status put_all(lc_pbrt *p, const spline *c, const struct level *level,
     if (!st) st = lc_pbrt_uv_room(p, n_verts, &o.uv);
     for (size_t i = 0; i < c->n_segments && !st; i++) put_segment(p, c, i, &o);
     if (st) return st;
-    *mesh = (lc_mesh_desc){ .n_verts = (uint32_t)o.n_verts,
+    *mesh = (lc_pbrt_mesh){ .n_verts = (uint32_t)o.n_verts,
                             .n_tris = (uint32_t)o.n_tris,
                             .pos = p->pos,
                             .normal = p->normal,
@@ -317,7 +317,7 @@ static lc_status get_width(lc_pbrt *p, spline *c)
     return st;
 }
 
-lc_status lc_pbrt_curve(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_curve(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     spline c = { .n_segments = 0 };
     size_t level = 0, n = 0;

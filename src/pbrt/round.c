@@ -84,7 +84,7 @@ static double area_of(const lc_pbrt *p, uint32_t n_tris)
     return sum;
 }
 
-void lc_pbrt_finish_round(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint32_t n_tris, bool normals,
+void lc_pbrt_finish_round(lc_pbrt *p, lc_pbrt_mesh *mesh, uint32_t n_verts, uint32_t n_tris, bool normals,
                           double exact, double *area_ratio)
 {
     mesh->n_verts = n_verts;
@@ -133,7 +133,7 @@ static double latitude(double z, double radius)
     return lc_atan2(c, sqrt((1 - c) * (1 + c)));
 }
 
-lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     double radius = 1, z[66];
     lc_status st = lc_pbrt_get_float(&p->params, "radius", &radius, NULL);
@@ -171,7 +171,7 @@ lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, 
     return LC_OK;
 }
 
-lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     double height = 0, radius = 1, inner = 0;
     lc_status st = lc_pbrt_get_float(&p->params, "height", &height, NULL);

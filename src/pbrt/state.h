@@ -12,12 +12,32 @@
 #include "pbrt/option.h"
 #include "pbrt/param.h"
 #include "pbrt/spot_map.h"
-#include "scene/scene.h"
+#include "scene/media_data.h"
+
+/* The fraction of rays that a shape stops: alpha for camera rays, alpha * shadow for shadow rays. */
+typedef struct lc_pbrt_alpha {
+    lc_build_value alpha, shadow;
+} lc_pbrt_alpha;
+
+/* A mesh in the making; its arrays are the parser's. */
+typedef struct lc_pbrt_mesh {
+    uint32_t n_verts, n_tris;
+    const float *pos;           /* n_verts * 3 */
+    const float *uv;            /* n_verts * 2; NULL: (0,0) (1,0) (1,1) on each triangle */
+    const float *normal;        /* n_verts * 3; NULL: the triangles' own */
+    const uint32_t *index;      /* n_tris * 3 */
+    uint32_t material_id;
+    bool flip;                  /* ReverseOrientation xor a mirroring transform */
+    lc_f3 emission;             /* W/(m^2 sr); 0: does not emit */
+    bool two_sided;
+    const lc_pbrt_alpha *alpha; /* NULL: opaque */
+    uint32_t emission_map;      /* as in lc_pbrt_attrs */
+} lc_pbrt_mesh;
 
 typedef struct lc_pbrt_attrs {
     uint32_t material_id;  /* LC_NONE: pbrt's default */
     lc_f3 emission;        /* of the shapes that follow, W/(m^2 sr) */
-    uint32_t emission_map; /* as in lc_mesh_desc */
+    uint32_t emission_map; /* 1 + a picture of the scene; 0: none */
     double power;          /* v4: the power, W, to which each shape's emission is scaled; 0: not scaled */
     bool two_sided;
     bool invisible; /* interface material: shapes are skipped unless they emit */
@@ -42,7 +62,7 @@ typedef struct lc_pbrt_scope {
 } lc_pbrt_scope;
 
 typedef struct lc_pbrt_material {
-    uint32_t id;
+    uint32_t id, depth; /* depth: of mixes within it */
     bool invisible;
 } lc_pbrt_material;
 
@@ -98,7 +118,7 @@ typedef struct lc_pbrt {
     uint32_t default_material, black_material;
 
     lc_pbrt_object *objects;
-    lc_mesh_desc *object_meshes; /* in object space; their arrays are in the arena */
+    lc_pbrt_mesh *object_meshes; /* in object space; their arrays are in the arena */
     size_t n_objects, n_object_meshes, cap_objects, cap_object_meshes;
     bool in_object; /* the last object is being recorded */
     lc_pbrt_place *places;
@@ -130,12 +150,11 @@ typedef struct lc_pbrt_stmt {
 typedef lc_status lc_pbrt_handler(lc_pbrt *p, const lc_pbrt_stmt *s);
 
 /* parse.c */
-#define LC_PBRT_MAX_KINDS 500 /* limits the kinds of notes and of features, which hostile files could
-                               * multiply */
 /* Replaces control characters. */
 void lc_pbrt_printable(char *text);
-/* lc_scene_note_at with names from the file: control characters are replaced and the number of kinds is
- * limited. */
+/* Sets the place of the calls that follow. */
+static inline lc_status lc_pbrt_at(const lc_pbrt *p, lc_pos where) { return lc_build_at_pos(p->scene, where); }
+/* lc_build_note at a place: control characters are replaced. */
 lc_status lc_pbrt_note(lc_pbrt *p, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
 /* The same with the kind "what name", such as "shape cone". */
 lc_status lc_pbrt_note_name(lc_pbrt *p, lc_pos where, const char *what, const char *name, const char *text);
@@ -144,7 +163,7 @@ lc_status lc_pbrt_close_scope(lc_pbrt *p, lc_pos where, lc_pbrt_scope_kind kind)
 /* True if the current matrix inverts orientation. */
 bool lc_pbrt_mirrored(const lc_pbrt *p);
 
-/* feature.c: counts a statement that was handled. n_noted: scene->n_noted before it. */
+/* feature.c: counts a statement that was handled. n_noted: of lc_build_noted before it. */
 lc_status lc_pbrt_count_feature(lc_pbrt *p, const char *directive, uint64_t n_noted);
 
 /* transform.c */
@@ -159,7 +178,7 @@ lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_xform *x);
 void lc_pbrt_options_init(lc_pbrt_options *opt);
 lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler, lc_pbrt_integrator;
 /* What a file without an Integrator means; called at its end. */
-void lc_pbrt_usual_integrator(lc_pbrt *p);
+lc_status lc_pbrt_usual_integrator(lc_pbrt *p);
 /* Sets the scene's film and camera. */
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where);
 
@@ -179,8 +198,10 @@ lc_pbrt_handler lc_pbrt_light, lc_pbrt_area_light;
 lc_pbrt_handler lc_pbrt_object_begin, lc_pbrt_object_end, lc_pbrt_object_instance;
 /* Adds all objects and instances to the scene; called at the end of the file. */
 lc_status lc_pbrt_place_objects(lc_pbrt *p);
+/* A mesh as the scene's calls take it. */
+lc_build_mesh_desc lc_pbrt_mesh_desc(const lc_pbrt_mesh *mesh);
 /* Passes a finished mesh to the scene, or to the object being recorded. */
-lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh);
+lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh);
 
 /* white.c: the matrix, by rows, that adapts linear Rec.709 from daylight of this temperature to Rec.709's
  * white; false outside of 4000..25000 K. */

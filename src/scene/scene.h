@@ -89,7 +89,11 @@ struct lc_scene {
     lc_film_desc film;
     const lc_sensor *sensors; /* in place of the camera, a pixel each; NULL: none */
     lc_quantity quantity;
-    bool has_camera, by_calls, committed; /* by_calls: of api/build.c */
+    bool has_camera, by_calls, committed; /* by_calls: lc_build_begin made it */
+    bool own_screen;    /* the camera's screen window was given, not made for the film */
+    lc_pos at;          /* that build/ is called for; its file is at_file, or NULL */
+    char *at_file;
+    size_t cap_at_file;
     bool traces_paths;  /* the file's integrator, or pbrt's default, traces paths: indirect light is on */
     uint32_t max_depth; /* of paths, 1..LC_MAX_DEPTH; a camera ray may pass max_depth - 1 mirrors */
     /* Set by commit. */
