@@ -303,9 +303,8 @@ LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_fe
  * can only be destroyed. The library's own readers of files make scenes by these calls and nothing else
  * (src/build/), so the same scene gives the same bytes, and a reader of another format can be as good.
  *
- * A reader says by lc_build_at what place of its file the next calls are for: then a number that is out of
- * range is LC_ERR_PARSE after a line that begins with that place, as is a note. What only the reader can
- * have got wrong, as a number that no call gave, stays LC_ERR_ARG. */
+ * A reader says by lc_build_at what place of its file the next calls are for. Then what is wrong with a
+ * descriptor is LC_ERR_PARSE in place of LC_ERR_ARG, and lines of the log begin with that place. */
 
 typedef enum lc_build_texels {
     LC_BUILD_SRGB8,   /* bytes, 0..255, sRGB */
@@ -334,7 +333,7 @@ typedef struct lc_build_picture_desc {
 
 /* A number or colour, or the texture in its place. */
 typedef struct lc_build_value {
-    uint32_t id;     /* from lc_build_texture or lc_build_pattern; LC_NO_TEXTURE: value is the same everywhere */
+    uint32_t id;     /* from lc_build_texture or lc_build_pattern; LC_NO_TEXTURE: value, everywhere */
     double value[3]; /* a number has three equal ones */
 } lc_build_value;
 
@@ -344,7 +343,7 @@ typedef enum lc_build_pattern_kind {
     LC_PATTERN_MIX,       /* (1 - in[2]) in[0] + in[2] in[1] */
     LC_PATTERN_DIRECTION, /* w in[0] + (1 - w) in[1], w = |normal . v1| */
     LC_PATTERN_PICTURE,
-    LC_PATTERN_CHECKER,   /* in[0] where floor(s) + floor(t) is even (of p's coordinates, if solid), else in[1] */
+    LC_PATTERN_CHECKER,   /* in[0] where floor(s) + floor(t) is even (of p, if solid), else in[1] */
     LC_PATTERN_DOTS,      /* in[0] inside the dots, in[1] outside */
     LC_PATTERN_BILERP,    /* in[2 k + l] at (s, t) = (k, l), bilinear between */
     LC_PATTERN_UV,        /* the fractional parts of (s, t), and 0 */
@@ -444,13 +443,13 @@ typedef struct lc_build_material_desc {
     uint32_t bump_texture;   /* one channel: height above the surface, scene units */
     uint32_t normal_texture; /* (1 + n) / 2 in the frame of u, v and the normal */
     uint32_t exponent_texture;  /* one channel */
-    uint32_t roughness_texture_v; /* of roughness[1], of which roughness_texture is then [0]'s; LC_SAME_TEXTURE:
-                                   * that one */
+    uint32_t roughness_texture_v; /* of roughness[1], where roughness_texture is of [0] alone;
+                                   * LC_SAME_TEXTURE: of both */
     lc_build_remap remap;    /* of the two */
-    int metal;               /* conductors: eta is 1, and k such that glossy_texture is what is reflected along the
-                              * normal; the lobe's factor is `glossy` alone */
-    int smooth;              /* GGX: the surface is smooth; where all light comes from surfaces and environments
-                              * the lobe is followed as a mirror, else it has `roughness` */
+    int metal;               /* conductors: eta is 1, and k such that glossy_texture is what is reflected
+                              * along the normal; the lobe's factor is `glossy` alone */
+    int smooth;              /* GGX: the surface is smooth; where all light comes from surfaces and
+                              * environments the lobe is followed as a mirror, else it has `roughness` */
 } lc_build_material_desc;
 #define LC_BUILD_MATERIAL_DESC_INIT                                                                          \
     {                                                                                                        \
@@ -517,7 +516,7 @@ typedef enum lc_build_light_kind {
     LC_BUILD_SPOT,        /* a cone */
     LC_BUILD_LUMINAIRE,   /* a photometric table: candela are taken as W/sr, times the intensity */
     LC_BUILD_PROJECTOR,   /* projects a texture: a texel of 1 is the intensity */
-    LC_BUILD_GONIOMETRIC  /* shines into all directions by a picture of them, `map`: a texel of 1 is the intensity */
+    LC_BUILD_GONIOMETRIC  /* shines by `map`, a picture of all directions: a texel of 1 is the intensity */
 } lc_build_light_kind;
 
 /* How a spot's light falls from all of it to none, along the cosine. */
@@ -544,15 +543,18 @@ typedef struct lc_build_light_desc {
     double fov;          /* projectors: degrees, of the picture's shorter side, above 0 and below 180 */
     float attenuation[3];  /* points, oriented lights: A, B, C of intensity / (A + B d + C d^2) */
     lc_build_falloff falloff; /* of spots */
-    uint32_t map;          /* projectors, in place of `picture`, and goniometric lights: from lc_build_picture */
-    int equal_area;        /* goniometric: the map's, as of lc_build_environment_desc; its +z is the light's y */
+    uint32_t map;          /* projectors, in place of `picture`, and goniometric lights: from
+                            * lc_build_picture */
+    int equal_area;        /* goniometric: the map's, as of lc_build_environment_desc; its +z is the light's
+                            * y */
     int grey;              /* goniometric: the mean of the map's R, G and B for each of them */
-    double power;          /* projectors, goniometric lights: W that all of it is made to emit; 0: as it is */
+    double power;          /* projectors, goniometric lights: W that all of it emits; 0: as it is */
     double parts;          /* luminaires: this is one of so many equal lights that share its light, >= 1 */
-    double frame[9];       /* luminaires, projectors, goniometric lights: rows of the linear map from the light's
-                            * space to the world's, in place of direction and across, which may be any that can be
-                            * inverted. Luminaires: gamma 0 is -z, C 0 is +x, C 90 is +y; projectors: +z is towards
-                            * the picture, +x its right, +y its lower side. All 0: none */
+    double frame[9];       /* luminaires, projectors, goniometric lights: rows of the linear map from the
+                            * light's space to the world's, in place of direction and across; any that can
+                            * be inverted. Luminaires: gamma 0 is -z, C 0 is +x, C 90 is +y; projectors: +z
+                            * is towards the picture, +x its right, +y its lower side. All 0: direction and
+                            * across; of goniometric lights the world's axes */
 } lc_build_light_desc;
 #define LC_BUILD_LIGHT_DESC_INIT                                                                             \
     {                                                                                                        \
@@ -581,14 +583,14 @@ typedef struct lc_build_luminaire_desc {
      *
      *     direction = cos(polar) axis + sin(polar) (cos(azimuth) zero + sin(azimuth) zero x axis)
      */
-    uint32_t n_azimuth, n_polar;  /* 2..4096 */
+    uint32_t n_azimuth, n_polar;  /* 2..16385 */
     const float *azimuth, *polar; /* degrees, rising; -360..720 and 0..180 */
     const float *candela;         /* n_azimuth * n_polar, polar fastest, >= 0 */
     double axis[3], zero[3];
-    double lumens;                /* the integral of the table, for lc_build_light_desc.lumens; 0: not known */
+    double lumens;                /* the table's integral, for lc_build_light_desc.lumens; 0: not known */
     uint32_t n_tilt;              /* at most 4096; 0: none */
-    const double *tilt_angle, *tilt_factor; /* factors by the angle between gamma 0 and straight down, degrees,
-                                             * rising */
+    const double *tilt_angle, *tilt_factor; /* factors by the angle between gamma 0 and straight down,
+                                             * degrees, rising */
 } lc_build_luminaire_desc;
 #define LC_BUILD_LUMINAIRE_DESC_INIT                                                                         \
     { sizeof(lc_build_luminaire_desc), 0, 0, 0, 0, 0, 0, 0, 0, { 0, 0, -1 }, { 1, 0, 0 }, 0, 0, 0, 0 }
@@ -602,10 +604,10 @@ typedef struct lc_build_environment_desc {
     int equal_area;         /* 0: latitude and longitude: rows from +z, columns from +x to +y. Else pbrt-v4's
                              * square: +z in the middle, -z in the corners; width == height */
     float scale[3];         /* radiance of a texel of 1, R G B; the greatest texel times this at most 1e13 */
-    double to_world[16];    /* turns the directions above; row-major, acts on column vectors, can be inverted */
+    double to_world[16];    /* turns the directions above; row-major, on column vectors; can be inverted */
     uint32_t picture;       /* from lc_build_picture, in place of texels; LC_NO_PICTURE: none */
-    double illuminance;     /* the luminance's irradiance by the half above of a surface with the normal +z, which the
-                             * scale is multiplied to make; 0: as it is */
+    double illuminance;     /* what the scale is multiplied to make: the irradiance, of luminance, of a
+                             * surface with the normal +z by the half above; 0: as it is */
 } lc_build_environment_desc;
 #define LC_BUILD_ENVIRONMENT_DESC_INIT                                                                       \
     {                                                                                                        \
@@ -632,10 +634,11 @@ typedef struct lc_build_camera_desc {
     double focal_distance; /* scene units along the axis, above 0 */
     int mirrored;          /* nonzero: left and right are exchanged */
     uint32_t medium;       /* that the camera is in, from lc_build_medium; LC_NO_MEDIUM */
-    double world_to_camera[16]; /* in place of from, at, up and mirrored: row-major, acts on column vectors, can be
-                                 * inverted; the camera looks along +z, y is up, x points right. All 0: none */
-    double screen[4];      /* in place of width: what is seen, x0, x1, y0, y1, at a distance of 1 if fov is 90, of an
-                            * orthographic camera in scene units. All 0: -1..1 along the film's shorter side */
+    double world_to_camera[16]; /* in place of from, at, up and mirrored: row-major, on column vectors; the
+                                 * camera looks along +z, y is up, x points right. All 0: none */
+    double screen[4];      /* in place of width: what is seen, x0, x1, y0, y1, at a distance of 1 if fov is
+                            * 90, of an orthographic camera in scene units. All 0: -1..1 along the film's
+                            * shorter side */
 } lc_build_camera_desc;
 #define LC_BUILD_CAMERA_DESC_INIT                                                                            \
     {                                                                                                        \
@@ -679,8 +682,8 @@ enum {
 
 /* An empty scene, to be freed by lc_scene_destroy. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_build_begin(lc_context *ctx, lc_scene **out);
-/* The place that the next calls are for; lines and columns from 1, 0: none. The name is copied. NULL: no place
- * any more. LC_ERR_MEMORY. */
+/* The place that the next calls are for; lines and columns from 1, 0: none. The name is copied. NULL: no
+ * place any more. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_build_at(lc_scene *scene, const char *file, uint32_t line, uint32_t column);
 /* Records that something was approximated or left out. The first of each kind is logged as a warning with the
  * place, all are counted: lc_scene_get_note. Control characters are replaced; beyond 500 kinds the kind is
@@ -689,8 +692,8 @@ LC_API lc_status lc_build_note(lc_scene *scene, const char *kind, const char *te
 /* How many notes there are, those of the other calls too, and the text of the latest, owned by the scene; ""
  * without. */
 LC_API uint64_t lc_build_noted(const lc_scene *scene, const char **text);
-/* Counts a use of a feature of the file's format: lc_scene_get_feature. text: how it is approximated, or NULL.
- * Beyond 500 features the name is "other". LC_ERR_ARG, _MEMORY. */
+/* Counts a use of a feature of the file's format: lc_scene_get_feature. text: how it is approximated, or
+ * NULL. Beyond 500 features the name is "other". LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_build_feature(lc_scene *scene, const char *kind, const char *name, lc_support support,
                                   const char *text);
 /* What stands for lc_load_desc.indirect_lights and max_depth of 0: whether paths are traced, which a scene by
@@ -700,8 +703,8 @@ LC_API lc_status lc_build_paths(lc_scene *scene, int traced, uint32_t max_depth)
 LC_API lc_status lc_build_picture(lc_scene *scene, const lc_build_picture_desc *desc, uint32_t *id);
 /* The mean of a picture, linear. */
 LC_API lc_status lc_build_picture_mean(const lc_scene *scene, uint32_t picture, double mean[3]);
-/* *id: the texture's number. Where textures of textures are more than 64 deep or 1024 in all, one that is their
- * mean takes the place, which is noted. */
+/* *id: the texture's number. Where textures of textures are more than 64 deep or 1024 in all, one that is
+ * their mean takes the place, which is noted. */
 LC_API lc_status lc_build_pattern(lc_scene *scene, const lc_build_pattern_desc *desc, uint32_t *id);
 /* A texture as an input of others: its number and its approximate mean; of a constant the value alone. */
 LC_API lc_status lc_build_texture_value(const lc_scene *scene, uint32_t texture, lc_build_value *out);
@@ -714,8 +717,9 @@ LC_API uint32_t lc_build_traits(const lc_scene *scene, uint32_t material);
 LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
 /* *id: the medium's number. LC_ERR_UNSUPPORTED: more than 1024. */
 LC_API lc_status lc_build_medium(lc_scene *scene, const lc_build_medium_desc *desc, uint32_t *id);
-/* Triangles of the world that light passes, of whose sides the inner is in one medium and the outer in another;
- * LC_NO_MEDIUM: in none. Glass is a mesh besides. Of desc vertices, triangles, normals and flip count. */
+/* Triangles of the world that light passes, of whose sides the inner is in one medium and the outer in
+ * another; LC_NO_MEDIUM: in none. Glass is a mesh besides. Of desc vertices, triangles, normals and flip
+ * count. */
 LC_API lc_status lc_build_boundary(lc_scene *scene, const lc_build_mesh_desc *desc, uint32_t inside,
                                    uint32_t outside);
 /* All further meshes belong to the object, in its own space; those of the world come before. */

@@ -469,7 +469,10 @@ typedef struct view {
 #define CAMERA_OF(kind, fov, width, lens, focus, mirrored)                                                   \
     {                                                                                                        \
         sizeof(lc_build_camera_desc), { .5, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, fov, kind, width, lens, focus, \
-            mirrored, LC_NO_MEDIUM, { 0 }, { 0 }                                                             \
+            mirrored, LC_NO_MEDIUM, { 0 },                                                                   \
+        {                                                                                                    \
+            0                                                                                                \
+        }                                                                                                    \
     }
 #define PLAIN CAMERA_OF(LC_BUILD_PERSPECTIVE, 90, 2, 0, 1, 0)
 #define FILM_OF(...)                                                                                         \

@@ -18,7 +18,8 @@ static const char *point_fault(const lc_shade_point *p, uint32_t n_materials)
 {
     if (!is_place(p->position)) return ".position is not finite or too far";
     if (!lc_arg_is_unit(p->normal)) return ".normal is not of length 1";
-    if (!lc_arg_is_zero(p->geometric) && !lc_arg_is_unit(p->geometric)) return ".geometric is neither 0 nor of length 1";
+    if (!lc_arg_is_zero(p->geometric) && !lc_arg_is_unit(p->geometric))
+        return ".geometric is neither 0 nor of length 1";
     if (!lc_arg_is_unit(p->view)) return ".view is not of length 1";
     if (!(fabsf(p->offset) <= MAX_OFFSET)) return ".offset is out of range";
     if (!(p->reach >= 0)) return ".reach is negative";

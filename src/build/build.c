@@ -12,10 +12,10 @@
 
 #include <stdio.h>
 
-#define MAX_KINDS 500 /* limits the kinds of notes and of features, which hostile files could multiply */
-#define MAX_KIND  96  /* bytes of their names */
+#define MAX_KINDS 500  /* limits the kinds of notes and of features, which hostile files could multiply */
+#define MAX_KIND  96   /* bytes of their names */
 #define MAX_WHITE 1e6f /* of a white balance */
-#define MAX_NOTE  500 /* bytes of a note */
+#define MAX_NOTE  500  /* bytes of a note */
 
 lc_status lc_build_take(const lc_scene *s, const char *name, void *to, size_t size, const void *desc)
 {
@@ -307,7 +307,8 @@ lc_status lc_build_film(lc_scene *s, const lc_build_film_desc *desc)
     const bool usual = !d.own_shape && lc_arg_is_none(d.shape, 2);
     memcpy(film.white, d.white, sizeof film.white);
     for (int i = 0; i < 9; i++)
-        if (!(fabsf(d.white[i]) <= MAX_WHITE)) return lc_build_wrong(s, "lc_build_film", "white is out of range");
+        if (!(fabsf(d.white[i]) <= MAX_WHITE))
+            return lc_build_wrong(s, "lc_build_film", "white is out of range");
     for (int i = 0; i < 2; i++) {
         film.filter.radius[i] = fabs(d.radius[i]) <= 0 ? radius[d.filter] : d.radius[i];
         film.filter.shape[i] = !usual                                    ? d.shape[i]

@@ -64,8 +64,8 @@ const char *lc_build_texels_fault(const lc_build_texels_desc *p);
 lc_status lc_build_make_map(const lc_scene *scene, const lc_build_texels_desc *p, lc_mipmap *out);
 void lc_build_add_texels(lc_scene *scene, const lc_build_texels_desc *p);
 
-/* A picture for textures, emission and environments: where it is from now on, by number; what else uses it has
- * a copy. LC_ERR_MEMORY. */
+/* A picture for textures, emission and environments: where it is from now on, by number; what else uses it
+ * has a copy. LC_ERR_MEMORY. */
 lc_status lc_picture_as_image(lc_scene *scene, uint32_t picture, uint32_t *image);
 lc_status lc_picture_as_emission(lc_scene *scene, uint32_t picture, uint32_t *map);
 /* *map is for the next environment; lc_picture_keep once the scene has it. */

@@ -90,9 +90,9 @@ static const char *turn_fixture(const lc_fixture *f, const lc_build_light_desc *
     const lc_f3 a = light->dir;
     double along = (double)zero.x * (double)a.x + (double)zero.y * (double)a.y + (double)zero.z * (double)a.z;
     if (!(fabs(along) < 1 - 1e-6)) return "the light's transform is singular";
-    const lc_f3 across =
-        lc_f3_normalize_d((double)zero.x - along * (double)a.x, (double)zero.y - along * (double)a.y,
-                          (double)zero.z - along * (double)a.z);
+    const lc_f3 across = lc_f3_normalize_d((double)zero.x - along * (double)a.x,
+                                           (double)zero.y - along * (double)a.y,
+                                           (double)zero.z - along * (double)a.z);
     light->luminaire = lc_luminaire_make(across, f->profile, lc_xform_det3(frame) < 0);
     const double z = -(double)down.z, r = sqrt(fmax((1 - z) * (1 + z), 0));
     scale_fixture(f, d, lc_photometry_tilt(&f->file, lc_atan2(r, z) * (180 / LC_PI)), light);
@@ -133,7 +133,8 @@ static const char *check_projector(const lc_scene *s, const lc_build_light_desc 
     double x[3];
     const bool shines = d->kind == LC_BUILD_GONIOMETRIC;
     if (s->committed)
-        return shines ? "a goniometric light cannot be set, but dimmed" : "a projector cannot be set, but dimmed";
+        return shines ? "a goniometric light cannot be set, but dimmed"
+                      : "a projector cannot be set, but dimmed";
     if (!(d->power >= 0 && d->power <= (double)LC_MAX_INTENSITY)) return "power must be 0 to 1e15";
     if ((shines || d->map != LC_NO_PICTURE) && d->map >= s->given.n_pictures)
         return "map is not one of the scene's pictures";

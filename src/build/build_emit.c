@@ -10,9 +10,9 @@
 #define MAX_TEXT       ((uint64_t)1 << 24) /* bytes of a photometric file */
 #define MAX_ANGLES     16385u              /* of a table: those of a file, unfolded */
 #define MAX_SUN_LIGHTS 100000u
-#define MIN_KNOTS      LC_SIZE(65u, 9u)    /* along a side of an octahedron */
-#define MAX_KNOTS      1025u               /* 12 MB */
-#define GOLDEN_ANGLE   137.50776405003785  /* degrees */
+#define MIN_KNOTS      LC_SIZE(65u, 9u)   /* along a side of an octahedron */
+#define MAX_KNOTS      1025u              /* 12 MB */
+#define GOLDEN_ANGLE   137.50776405003785 /* degrees */
 
 /* ---- lights with pictures ---- */
 

@@ -9,7 +9,7 @@
 
 #define MAX_MIRROR_ETA 1000.0f /* of mirrors and glass, whose directions need no bounds */
 #define MIN_MIRROR_ETA 0.01f
-#define UNIT_TOLERANCE 1e-3f   /* of the length of a unit vector: that of a host's own rounding */
+#define UNIT_TOLERANCE 1e-3f /* of the length of a unit vector: that of a host's own rounding */
 
 static lc_status bad(const lc_scene *s, const char *call, const char *what)
 {
@@ -254,7 +254,8 @@ const char *lc_arg_material_fault(const lc_shade_material *in)
     const lc_material m = lc_arg_material_of(in);
     if (in->gloss >= LC_GLOSS_WARD && !(m.roughness[0] > 0 && m.roughness[1] > 0))
         return ".roughness is out of range";
-    if ((m.lobe == LC_LOBE_WARD || m.lobe == LC_LOBE_GGX) && !lc_arg_is_zero(in->tangent) && !lc_arg_is_unit(in->tangent))
+    if ((m.lobe == LC_LOBE_WARD || m.lobe == LC_LOBE_GGX) && !lc_arg_is_zero(in->tangent) &&
+        !lc_arg_is_unit(in->tangent))
         return ".tangent is neither 0 nor of length 1";
     return lc_material_in_range(&m) ? NULL : " has a number out of range";
 }
@@ -486,6 +487,8 @@ lc_status lc_build_emission_map(lc_scene *s, uint32_t texture, uint32_t *id)
             return LC_OK;
         }
     if (t->is_float) return bad(s, call, "emission_texture must have three channels");
+    if (t->kind != LC_TEX_IMAGE || t->map.kind != LC_MAP_UV || t->invert)
+        return bad(s, call, "emission_texture must be a picture over u and v");
     if (fabs(t->map.su - 1) + fabs(t->map.sv - 1) + fabs(t->map.du) + fabs(t->map.dv) + fabs(t->scale - 1) >
         0)
         return bad(s, call, "emission_texture must have repeat 1, offset 0 and scale 1");

@@ -7,7 +7,8 @@ static const char *grid_fault(const lc_build_medium_desc *d)
 {
     size_t cells = 1;
     for (int k = 0; k < 3; k++) {
-        if (!d->n[k] || d->n[k] > LC_MAX_GRID / cells) return "n: at least 1 cell each way, at most 2^28 in all";
+        if (!d->n[k] || d->n[k] > LC_MAX_GRID / cells)
+            return "n: at least 1 cell each way, at most 2^28 in all";
         cells *= d->n[k];
     }
     for (size_t i = 0; i < cells; i++)
@@ -71,7 +72,9 @@ lc_status lc_build_medium(lc_scene *s, const lc_build_medium_desc *desc, uint32_
     lc_status st = lc_build_take(s, "lc_build_medium_desc", &d, sizeof d, desc);
     if (st) return st;
     if (!id) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_medium: id is NULL");
-    lc_medium m = { .absorption = lc_f3_load(d.absorption), .scattering = lc_f3_load(d.scattering), .g = d.g };
+    lc_medium m = { .absorption = lc_f3_load(d.absorption),
+                    .scattering = lc_f3_load(d.scattering),
+                    .g = d.g };
     if (d.densities && (st = make_grid(s, &d, &m))) return st;
     st = lc_build_status(s, lc_scene_add_medium(s, s->at, &m, id));
     if (!st) digest_medium(s, &d, &m);
@@ -86,7 +89,8 @@ static const char *boundary_fault(const lc_scene *s, const lc_build_mesh_desc *d
     if (d->n_vertices && !d->positions) return "positions are NULL";
     if (d->n_triangles && !d->indices) return "indices are NULL";
     for (size_t i = 0; i < (size_t)d->n_vertices * 3; i++)
-        if (!(fabsf(d->positions[i]) <= LC_MAX_COORD)) return "positions: a vertex is not finite or too far away";
+        if (!(fabsf(d->positions[i]) <= LC_MAX_COORD))
+            return "positions: a vertex is not finite or too far away";
     for (size_t i = 0; i < (size_t)d->n_triangles * 3; i++)
         if (d->indices[i] >= d->n_vertices) return "indices: a triangle uses a vertex that there is not";
     return NULL;

@@ -77,7 +77,8 @@ lc_status lc_build_picture(lc_scene *s, const lc_build_picture_desc *desc, uint3
     return LC_OK;
 }
 
-lc_status lc_build_raster(lc_scene *s, const lc_raster *r, lc_build_texels kind, float gamma, uint32_t *picture)
+lc_status lc_build_raster(lc_scene *s, const lc_raster *r, lc_build_texels kind, float gamma,
+                          uint32_t *picture)
 {
     lc_build_picture_desc d = LC_BUILD_PICTURE_DESC_INIT;
     d.width = r->width;

@@ -1,4 +1,5 @@
-/* reader.h - what readers of files, which make scenes by the calls of lightcuts.h alone, see of a scene besides.
+/* reader.h - what readers of files, which make scenes by the calls of lightcuts.h alone, see of a scene
+ * besides.
  */
 #ifndef LC_READER_H
 #define LC_READER_H

@@ -13,11 +13,11 @@
 
 #include <string.h>
 
-#define VALUE(v)    ((lc_build_value){ LC_NO_TEXTURE, { v, v, v } })
-#define SMOOTH      1e-3 /* alpha below which a surface is a mirror */
-#define MIN_ALPHA   1e-3
-#define MIN_IOR     1.0
-#define MAX_IOR     3.5
+#define VALUE(v)  ((lc_build_value){ LC_NO_TEXTURE, { v, v, v } })
+#define SMOOTH    1e-3 /* alpha below which a surface is a mirror */
+#define MIN_ALPHA 1e-3
+#define MIN_IOR   1.0
+#define MAX_IOR   3.5
 
 /* What is read of a material. */
 typedef struct reading {
@@ -81,8 +81,8 @@ static lc_status read_extensions(lc_gltf *g, reading *r)
         st = lc_gltf_note(g, through, "transmission texture",
                           "textures of KHR_materials_transmission are ignored");
     if (!st && (r->ior < MIN_IOR || r->ior > MAX_IOR))
-        st = lc_gltf_note(g, ior, "ior", "an index of refraction of %g is clamped to %g..%g", r->ior,
-                          MIN_IOR, MAX_IOR);
+        st = lc_gltf_note(g, ior, "ior", "an index of refraction of %g is clamped to %g..%g", r->ior, MIN_IOR,
+                          MAX_IOR);
     r->ior = clamp(r->ior, MIN_IOR, MAX_IOR);
     return st;
 }
@@ -96,8 +96,8 @@ static lc_status add(lc_gltf *g, const lc_build_pattern_desc *t, lc_build_value 
     return st ? st : lc_build_texture_value(g->scene, id, out);
 }
 
-static lc_build_pattern_desc pattern(lc_build_pattern_kind kind, const lc_build_value *a, const lc_build_value *b,
-                                     const lc_build_value *c)
+static lc_build_pattern_desc pattern(lc_build_pattern_kind kind, const lc_build_value *a,
+                                     const lc_build_value *b, const lc_build_value *c)
 {
     lc_build_pattern_desc t = LC_BUILD_PATTERN_DESC_INIT;
     t.kind = kind;
@@ -131,7 +131,8 @@ static lc_status blend(lc_gltf *g, const lc_build_value *a, const lc_build_value
     out->id = LC_NO_TEXTURE;
     if (w->id == LC_NO_TEXTURE && !(w->value[0] > 0)) *out = t.in[0];
     else if (w->id == LC_NO_TEXTURE && !(w->value[0] < 1)) *out = t.in[1];
-    else if (t.in[0].id != LC_NO_TEXTURE || t.in[1].id != LC_NO_TEXTURE || w->id != LC_NO_TEXTURE) return add(g, &t, out);
+    else if (t.in[0].id != LC_NO_TEXTURE || t.in[1].id != LC_NO_TEXTURE || w->id != LC_NO_TEXTURE)
+        return add(g, &t, out);
     return LC_OK;
 }
 
@@ -147,8 +148,7 @@ static lc_status set_roughness(lc_gltf *g, const reading *r, lc_build_material_d
 {
     double alpha = r->roughness * r->roughness;
     if (r->roughness_map.id != LC_NO_TEXTURE) {
-        lc_build_pattern_desc t =
-            pattern(LC_PATTERN_SCALE, &r->roughness_map, &r->roughness_map, &VALUE(1));
+        lc_build_pattern_desc t = pattern(LC_PATTERN_SCALE, &r->roughness_map, &r->roughness_map, &VALUE(1));
         lc_build_value squared;
         t.n_channels = 1;
         lc_status st = add(g, &t, &squared);
@@ -163,7 +163,8 @@ static lc_status set_roughness(lc_gltf *g, const reading *r, lc_build_material_d
 }
 
 /* The opaque part: Lambert and a lobe. */
-static lc_status make_opaque(lc_gltf *g, const reading *r, const lc_build_value *base, lc_build_material_desc *m)
+static lc_status make_opaque(lc_gltf *g, const reading *r, const lc_build_value *base,
+                             lc_build_material_desc *m)
 {
     double f0 = (r->ior - 1) / (r->ior + 1) * ((r->ior - 1) / (r->ior + 1));
     lc_build_value metal = r->metallic_map.id != LC_NO_TEXTURE ? r->metallic_map : VALUE(r->metallic);

@@ -55,12 +55,7 @@ typedef struct lc_gltf_look {
 } lc_gltf_look;
 
 /* What an image is read as. */
-typedef enum lc_gltf_use {
-    LC_GLTF_SRGB,
-    LC_GLTF_LINEAR,
-    LC_GLTF_ALPHA,
-    LC_GLTF_USES
-} lc_gltf_use;
+typedef enum lc_gltf_use { LC_GLTF_SRGB, LC_GLTF_LINEAR, LC_GLTF_ALPHA, LC_GLTF_USES } lc_gltf_use;
 
 /* A mesh of a node. */
 typedef struct lc_gltf_use_of_mesh {

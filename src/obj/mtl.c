@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-#define VALUE(v) ((lc_build_value){ LC_NO_TEXTURE, { v, v, v } })
+#define VALUE(v)     ((lc_build_value){ LC_NO_TEXTURE, { v, v, v } })
 #define MAX_EXPONENT 1e5f
 
 /* What is read of a material; made when the next one begins. */

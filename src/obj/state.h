@@ -65,8 +65,8 @@ typedef struct lc_obj {
     size_t n_materials, cap_materials;
     lc_obj_image *images;
     size_t n_images, cap_images;
-    size_t material; /* in force */
-    uint32_t *by_name; /* a table of materials by name, n_by_name entries, a power of two; 0: free */
+    size_t material;           /* in force */
+    uint32_t *by_name;         /* a table of materials by name, n_by_name entries, a power of two; 0: free */
     size_t n_by_name, n_named; /* n_named: materials that it holds */
 } lc_obj;
 

@@ -12,8 +12,9 @@
 
 #define MAX_SIDE LC_SIZE(16, 4) /* limits n */
 #define MAX_TRIS (8u << 20)     /* limits the triangles of a shape: its patches then get fewer cells */
-#define MAX_OFF 1e-3            /* limits the distance from the patch, as a fraction of its diagonal;
-                                 * chosen */
+#define MAX_OFF                                                                                              \
+    1e-3 /* limits the distance from the patch, as a fraction of its diagonal;                               \
+          * chosen */
 
 typedef struct patch {
     double p[4][3], n[4][3], uv[4][2];
@@ -127,7 +128,8 @@ static lc_status cut(lc_pbrt *p, const lc_pbrt_stmt *s, const patches *all, lc_p
     uint32_t id, most = MAX_SIDE;
     lc_status st = lc_pbrt_current_material(p, &id);
     if (st) return st;
-    const bool textured = (lc_build_traits(p->scene, id) & LC_TRAIT_TEXTURED) != 0; /* o.uv may be set without */
+    const bool textured = (lc_build_traits(p->scene, id) & LC_TRAIT_TEXTURED) !=
+                          0; /* o.uv may be set without */
     for (size_t i = 0; i < all->n; i++) {
         fetch(all, i, &q);
         counts[side_of(&q, textured)]++;

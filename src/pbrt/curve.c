@@ -18,12 +18,13 @@
 #include <string.h>
 
 #define MAX_SIDES 8
-#define MIN_SINE 1e-6 /* of the angle between two unit vectors: below, their cross product has no direction */
-#define OFF 0.02 /* limits the deviation of a step, as a fraction of the curve's width; chosen */
+#define MIN_SINE  1e-6 /* of the angle between two unit vectors: below, their cross product has no direction \
+                        */
+#define OFF  0.02      /* limits the deviation of a step, as a fraction of the curve's width; chosen */
 #define FULL LC_SIZE((uint64_t)1 << 18, 1 << 9) /* triangles at the finest level */
 
 static const struct level {
-    uint64_t up_to; /* the level applies until so many triangles of curves have been made */
+    uint64_t up_to;        /* the level applies until so many triangles of curves have been made */
     uint32_t sides, steps; /* 2 sides: a strip */
 } levels[] = { { FULL, MAX_SIDES, 16 }, { 4 * FULL, 4, 8 }, { 8 * FULL, 3, 4 }, { 24 * FULL, 2, 2 } };
 #define N_LEVELS (sizeof levels / sizeof *levels)
@@ -36,9 +37,9 @@ typedef struct spline {
 } spline;
 
 typedef struct tube {
-    uint32_t sides, steps, row; /* row: vertices of a ring */
+    uint32_t sides, steps, row;                               /* row: vertices of a ring */
     double swell, cosine[MAX_SIDES + 1], sine[MAX_SIDES + 1]; /* swell: factor by which the tube is thicker */
-    double x[3], y[3], tangent[3]; /* the orthonormal frame of the last ring */
+    double x[3], y[3], tangent[3];                            /* the orthonormal frame of the last ring */
     bool uv;
     size_t n_verts, n_tris;
 } tube;

@@ -6,8 +6,8 @@
 #include <string.h>
 
 /* Limits the triangles that levels make in the whole scene, and so the memory to 1 GB. */
-#define MAX_TRIS LC_SIZE(4u << 20, 256u)
-#define MAX_LEVELS 20                    /* limits the loop for meshes without faces */
+#define MAX_TRIS   LC_SIZE(4u << 20, 256u)
+#define MAX_LEVELS 20 /* limits the loop for meshes without faces */
 
 /* The number of levels requested, reduced until the scene has at most MAX_TRIS triangles of them. */
 static lc_status get_levels(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t n_faces, uint32_t *out)

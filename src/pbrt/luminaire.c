@@ -31,10 +31,7 @@ typedef struct fixture {
     uint32_t samples;
 } fixture;
 
-void lc_pbrt_free_tables(lc_pbrt *p)
-{
-    lc_free(p->ctx, p->tables, p->cap_tables, sizeof *p->tables);
-}
+void lc_pbrt_free_tables(lc_pbrt *p) { lc_free(p->ctx, p->tables, p->cap_tables, sizeof *p->tables); }
 
 static lc_status read_table(lc_pbrt *p, lc_pos where, const char *path)
 {

@@ -16,7 +16,8 @@ static lc_status invisible(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 
 static const char diffuse_instead[] = "a diffuse material takes its place";
 
-static const struct class {
+static const struct class
+{
     const char *name;
     lc_pbrt_reader *read;
     const char *note; /* how the class is approximated; NULL: exact, except for what its reader notes */
@@ -275,10 +276,9 @@ static lc_status get_normal_map(lc_pbrt *p, uint32_t *id)
 static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_material *out)
 {
     const struct class *class = class_of(name);
-    lc_pbrt_look look = { .m = { .kd = { 0.5f, 0.5f, 0.5f } },
-                          .maps = LC_NO_MAPS,
-                          .opacity = LC_PBRT_VALUE(1),
-                          .same = LC_NONE };
+    lc_pbrt_look look = {
+        .m = { .kd = { 0.5f, 0.5f, 0.5f } }, .maps = LC_NO_MAPS, .opacity = LC_PBRT_VALUE(1), .same = LC_NONE
+    };
     lc_status st = class->read(p, where, &look);
     if (!st) st = get_bump(p, "bumpmap", &look.maps.bump);
     if (!st) st = get_bump(p, "displacement", &look.maps.bump);

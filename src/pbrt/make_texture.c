@@ -12,7 +12,10 @@
 
 #include <string.h>
 
-#define NO_INPUT(v) { LC_NO_TEXTURE, { v, v, v } }
+#define NO_INPUT(v)                                                                                          \
+    {                                                                                                        \
+        LC_NO_TEXTURE, { v, v, v }                                                                           \
+    }
 
 /* ---- inputs ---- */
 
@@ -82,14 +85,19 @@ static lc_status affine(lc_pbrt *p, lc_pos where, bool inverse, lc_build_pattern
 }
 
 /* The mapping of a solid texture. */
-static lc_status map_3d(lc_pbrt *p, lc_pos where, lc_build_pattern_desc *t) { return affine(p, where, p->v4, t); }
+static lc_status map_3d(lc_pbrt *p, lc_pos where, lc_build_pattern_desc *t)
+{
+    return affine(p, where, p->v4, t);
+}
 
 static lc_status map_2d(lc_pbrt *p, lc_pos where, lc_build_pattern_desc *t)
 {
     static const struct {
         const char *name;
         lc_build_mapping kind;
-    } kinds[] = { { "uv", LC_MAPPING_UV }, { "planar", LC_MAPPING_PLANAR }, { "spherical", LC_MAPPING_SPHERICAL },
+    } kinds[] = { { "uv", LC_MAPPING_UV },
+                  { "planar", LC_MAPPING_PLANAR },
+                  { "spherical", LC_MAPPING_SPHERICAL },
                   { "cylindrical", LC_MAPPING_CYLINDRICAL } };
     const char *name = "uv";
     const lc_pbrt_param *par;
@@ -229,7 +237,7 @@ static lc_status marble(lc_pbrt *p, lc_pos where, lc_build_pattern_desc *t)
 static lc_status wood(lc_pbrt *p, lc_pos where, lc_build_pattern_desc *t)
 {
     static const lc_build_value early = { LC_NO_TEXTURE, { 0.50, 0.29, 0.13 } },
-                              late = { LC_NO_TEXTURE, { 0.25, 0.12, 0.045 } };
+                                late = { LC_NO_TEXTURE, { 0.25, 0.12, 0.045 } };
     t->in[0] = is_number(t) ? (lc_build_value)NO_INPUT(0) : early;
     t->in[1] = is_number(t) ? (lc_build_value)NO_INPUT(1) : late;
     t->scale = 8;

@@ -15,7 +15,8 @@ lc_status lc_pbrt_get_input(lc_pbrt *p, const char *name, bool is_float, lc_buil
 /* texture_image.c */
 
 /* The picture of a file, loaded once for each encoding; LC_NO_PICTURE, after a note, if it cannot be read. */
-lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding, uint32_t *picture);
+lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding,
+                             uint32_t *picture);
 /* Reads an imagemap's parameters into *t. *there is false, after a note, if there is no image. */
 lc_status lc_pbrt_get_image(lc_pbrt *p, lc_pos where, lc_build_pattern_desc *t, bool *there);
 

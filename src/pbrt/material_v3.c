@@ -146,7 +146,8 @@ lc_status lc_pbrt_glass(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 
 lc_status lc_pbrt_translucent(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    lc_build_value kd = LC_PBRT_VALUE(0.25), ks = kd, reflect = LC_PBRT_VALUE(0.5), transmit = reflect, kt = kd;
+    lc_build_value kd = LC_PBRT_VALUE(0.25), ks = kd, reflect = LC_PBRT_VALUE(0.5), transmit = reflect,
+                   kt = kd;
     lc_status st = lc_pbrt_get_tint(p, "Kd", &kd);
     if (!st) st = lc_pbrt_get_tint(p, "Ks", &ks);
     if (!st) st = lc_pbrt_get_tint(p, "reflect", &reflect);

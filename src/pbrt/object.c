@@ -4,8 +4,8 @@
  * matrix in force. As in pbrt, shapes of objects do not emit.
  *
  * Instances of small objects are copied to the world at once. The others are handled at the end of the file:
- * an object's only instance, and instances whose matrix does not satisfy lc_build_instance_fits, are copied, too;
- * all others share the object's triangles.
+ * an object's only instance, and instances whose matrix does not satisfy lc_build_instance_fits, are copied,
+ * too; all others share the object's triangles.
  */
 #include "pbrt/shape_handler.h"
 
@@ -13,8 +13,8 @@
 
 /* Limits on copies. A triangle takes about 150 bytes, its part of the BVH included, so copies of small
  * objects take at most 150 MB and all copies 1.2 GB. */
-#define SMALL_TRIS 256             /* triangles of a small object */
-#define MAX_SMALL_TRIS (1u << 20)  /* triangles in copies of small objects */
+#define SMALL_TRIS      256        /* triangles of a small object */
+#define MAX_SMALL_TRIS  (1u << 20) /* triangles in copies of small objects */
 #define MAX_COPIED_TRIS (8u << 20) /* triangles in all copies */
 
 lc_status lc_pbrt_object_begin(lc_pbrt *p, const lc_pbrt_stmt *s)
@@ -90,8 +90,8 @@ lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
     if (!m.pos || !m.index || (mesh->normal && !m.normal) || (mesh->uv && !m.uv) || (mesh->alpha && !m.alpha))
         return LC_ERR_MEMORY;
     void *meshes = p->object_meshes;
-    lc_status st =
-        lc_grow(p->ctx, &meshes, &p->cap_object_meshes, p->n_object_meshes + 1, sizeof *p->object_meshes);
+    lc_status st = lc_grow(p->ctx, &meshes, &p->cap_object_meshes, p->n_object_meshes + 1,
+                           sizeof *p->object_meshes);
     p->object_meshes = meshes;
     if (!st && lc_f3_max(m.emission) > 0)
         st = lc_pbrt_note(p, where, "area light in object", "a shape of an object does not emit");

@@ -9,9 +9,9 @@
 typedef struct curve curve;
 struct curve {
     void (*at)(const curve *c, double t, double p[3], double d[3]); /* point and derivative */
-    double a[3], b[3];   /* start and end */
-    double steepness;    /* paraboloid: z = steepness r^2 */
-    uint32_t steps;      /* one more ring than steps is made */
+    double a[3], b[3];                                              /* start and end */
+    double steepness;                                               /* paraboloid: z = steepness r^2 */
+    uint32_t steps;                                                 /* one more ring than steps is made */
 };
 
 static void on_line(const curve *c, double t, double p[3], double d[3])

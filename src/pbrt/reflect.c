@@ -195,10 +195,11 @@ lc_status lc_pbrt_get_metal(lc_pbrt *p, const char *eta_name, const char *k_name
     if (!st) st = get_constants(p, k_name, "metal-Cu-k", k_s, k, &k_rgb);
     if (st) return st;
     if (!eta_rgb && !k_rgb) project(p, eta_s, k_s, outside, eta, k);
-    else for (int c = 0; c < 3; c++) {
-        eta[c] /= outside;
-        k[c] /= outside;
-    }
+    else
+        for (int c = 0; c < 3; c++) {
+            eta[c] /= outside;
+            k[c] /= outside;
+        }
     m->eta = lc_f3_make((float)eta[0], (float)eta[1], (float)eta[2]);
     m->k = lc_f3_make((float)k[0], (float)k[1], (float)k[2]);
     m->fresnel = LC_FRESNEL_CONDUCTOR;

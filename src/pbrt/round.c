@@ -10,8 +10,9 @@
 
 #include "base/fmath.h"
 
-#define FULL LC_SIZE((uint64_t)1 << 18, 0) /* triangles at the finest level; none in fuzzers, which need
-                                            * speed */
+#define FULL                                                                                                 \
+    LC_SIZE((uint64_t)1 << 18, 0) /* triangles at the finest level; none in fuzzers, which need              \
+                                   * speed */
 
 #define MIN_STEP 1e-3 /* least distance of a ring from a sphere's edge, as a fraction of a step */
 
@@ -153,8 +154,9 @@ lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, 
     if ((st = lc_pbrt_uv_room(p, (size_t)n_rings * row, &uv))) return st;
     if (uv) mesh->uv = p->uv;
     for (uint32_t i = 0; i < n_rings && uv; i++)
-        lc_pbrt_ring_uv(p, (size_t)i * row, around.n, (latitude(z[i], radius) - latitude(zmin, radius)) /
-                                                 (latitude(zmax, radius) - latitude(zmin, radius)));
+        lc_pbrt_ring_uv(p, (size_t)i * row, around.n,
+                        (latitude(z[i], radius) - latitude(zmin, radius)) /
+                            (latitude(zmax, radius) - latitude(zmin, radius)));
     for (uint32_t j = 0; j < row; j++) {
         double sine, cosine;
         lc_sincos_deg(around.degrees * j / around.n, &sine, &cosine);

@@ -18,8 +18,8 @@
 
 #include <string.h>
 
-#define SKY_W 512u
-#define SKY_H 256u
+#define SKY_W          512u
+#define SKY_H          256u
 #define MAX_SUN_LIGHTS 100000
 
 lc_status lc_pbrt_sun_light(lc_pbrt *p, const lc_pbrt_stmt *s)

@@ -9,30 +9,11 @@
 #define LC_PBRT_STATE_H
 
 #include "base/xform.h"
+#include "pbrt/mesh.h"
 #include "pbrt/option.h"
 #include "pbrt/param.h"
 #include "pbrt/spot_map.h"
 #include "scene/media_data.h"
-
-/* The fraction of rays that a shape stops: alpha for camera rays, alpha * shadow for shadow rays. */
-typedef struct lc_pbrt_alpha {
-    lc_build_value alpha, shadow;
-} lc_pbrt_alpha;
-
-/* A mesh in the making; its arrays are the parser's. */
-typedef struct lc_pbrt_mesh {
-    uint32_t n_verts, n_tris;
-    const float *pos;           /* n_verts * 3 */
-    const float *uv;            /* n_verts * 2; NULL: (0,0) (1,0) (1,1) on each triangle */
-    const float *normal;        /* n_verts * 3; NULL: the triangles' own */
-    const uint32_t *index;      /* n_tris * 3 */
-    uint32_t material_id;
-    bool flip;                  /* ReverseOrientation xor a mirroring transform */
-    lc_f3 emission;             /* W/(m^2 sr); 0: does not emit */
-    bool two_sided;
-    const lc_pbrt_alpha *alpha; /* NULL: opaque */
-    uint32_t emission_map;      /* as in lc_pbrt_attrs */
-} lc_pbrt_mesh;
 
 typedef struct lc_pbrt_attrs {
     uint32_t material_id;  /* LC_NONE: pbrt's default */
@@ -40,11 +21,11 @@ typedef struct lc_pbrt_attrs {
     uint32_t emission_map; /* 1 + a picture of the scene; 0: none */
     double power;          /* v4: the power, W, to which each shape's emission is scaled; 0: not scaled */
     bool two_sided;
-    bool invisible; /* interface material: shapes are skipped unless they emit */
-    bool reverse;   /* ReverseOrientation */
-    bool end_only;  /* ActiveTransform EndTime: transforms are ignored */
-    lc_boundary sides; /* of the shapes that follow */
-    uint8_t space;  /* colour space of rgb values, see space.c; 0: sRGB */
+    bool invisible;                        /* interface material: shapes are skipped unless they emit */
+    bool reverse;                          /* ReverseOrientation */
+    bool end_only;                         /* ActiveTransform EndTime: transforms are ignored */
+    lc_boundary sides;                     /* of the shapes that follow */
+    uint8_t space;                         /* colour space of rgb values, see space.c; 0: sRGB */
     uint32_t n_defaults, n_default_values; /* by Attribute statements, see attribute.c */
 } lc_pbrt_attrs;
 
@@ -83,7 +64,7 @@ typedef struct lc_pbrt_place {
 
 /* Spectra are sampled at these wavelengths, 360 to 830 nm. */
 #define LC_PBRT_CIE_FIRST 360 /* nm */
-#define LC_PBRT_CIE_N 471     /* samples, one nanometre apart */
+#define LC_PBRT_CIE_N     471 /* samples, one nanometre apart */
 
 typedef struct lc_pbrt {
     lc_context *ctx;
@@ -128,9 +109,9 @@ typedef struct lc_pbrt {
     float *pos, *normal, *uv; /* of the mesh being made */
     uint32_t *index;
     size_t cap_pos, cap_normal, cap_uv, cap_index;
-    bool alpha_uv;         /* the mesh needs uv, as its alpha is a texture */
-    uint64_t n_round_tris; /* triangles made so far of spheres, disks, cylinders ... */
-    uint64_t n_curve_tris; /* and of curves */
+    bool alpha_uv;          /* the mesh needs uv, as its alpha is a texture */
+    uint64_t n_round_tris;  /* triangles made so far of spheres, disks, cylinders ... */
+    uint64_t n_curve_tris;  /* and of curves */
     uint64_t n_subdiv_tris; /* and by levels of subdivision */
 
     bool has_cie;
@@ -153,7 +134,10 @@ typedef lc_status lc_pbrt_handler(lc_pbrt *p, const lc_pbrt_stmt *s);
 /* Replaces control characters. */
 void lc_pbrt_printable(char *text);
 /* Sets the place of the calls that follow. */
-static inline lc_status lc_pbrt_at(const lc_pbrt *p, lc_pos where) { return lc_build_at_pos(p->scene, where); }
+static inline lc_status lc_pbrt_at(const lc_pbrt *p, lc_pos where)
+{
+    return lc_build_at_pos(p->scene, where);
+}
 /* lc_build_note at a place: control characters are replaced. */
 lc_status lc_pbrt_note(lc_pbrt *p, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
 /* The same with the kind "what name", such as "shape cone". */
@@ -198,8 +182,6 @@ lc_pbrt_handler lc_pbrt_light, lc_pbrt_area_light;
 lc_pbrt_handler lc_pbrt_object_begin, lc_pbrt_object_end, lc_pbrt_object_instance;
 /* Adds all objects and instances to the scene; called at the end of the file. */
 lc_status lc_pbrt_place_objects(lc_pbrt *p);
-/* A mesh as the scene's calls take it. */
-lc_build_mesh_desc lc_pbrt_mesh_desc(const lc_pbrt_mesh *mesh);
 /* Passes a finished mesh to the scene, or to the object being recorded. */
 lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh);
 

@@ -89,13 +89,14 @@ static lc_status load(lc_pbrt *p, lc_pos where, const char *path, lc_encoding en
     lc_file_free(p->ctx, &file);
     if (!st) st = lc_pbrt_at(p, where);
     if (!st)
-        st = lc_build_raster(p->scene, &raster, kind,
-                             encoding.kind == LC_ENCODING_GAMMA ? encoding.gamma : 0, picture);
+        st = lc_build_raster(p->scene, &raster, kind, encoding.kind == LC_ENCODING_GAMMA ? encoding.gamma : 0,
+                             picture);
     lc_raster_free(p->ctx, &raster);
     return st;
 }
 
-lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding, uint32_t *picture)
+lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_encoding encoding,
+                             uint32_t *picture)
 {
     char key[4352];
     const char *path;

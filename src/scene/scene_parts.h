@@ -64,8 +64,9 @@ typedef struct lc_fixture {
 
 /* A picture that a host or reader gave: here until a texture, a mesh or an environment takes it. */
 typedef struct lc_given_picture {
-    lc_mipmap map;                 /* without texels: it was taken */
-    uint32_t image, emission, env; /* what took it or a copy, by the scene's number; LC_NONE, of emission 0: none */
+    lc_mipmap map; /* without texels: it was taken */
+    uint32_t image, emission, env; /* what took it or a copy, by the scene's number; 0 of emission, else
+                                    * LC_NONE: nothing */
 } lc_given_picture;
 
 /* A host's numbers are those of its calls, counted from 0. For scenes of files the arrays of numbers are
