@@ -542,7 +542,7 @@ typedef struct lc_build_light_desc {
                           * are not used. lc_scene_set_light cannot set a projector: it can be dimmed */
     double fov;          /* projectors: degrees, of the picture's shorter side, above 0 and below 180 */
     float attenuation[3];  /* points, oriented lights: A, B, C of intensity / (A + B d + C d^2) */
-    lc_build_falloff falloff; /* of spots */
+    lc_build_falloff falloff; /* of spots; lc_scene_set_light sets only smooth ones */
     uint32_t map;          /* projectors, in place of `picture`, and goniometric lights: from
                             * lc_build_picture */
     int equal_area;        /* goniometric: the map's, as of lc_build_environment_desc; its +z is the light's
@@ -633,7 +633,8 @@ typedef struct lc_build_camera_desc {
     double lens_radius;    /* scene units, >= 0; 0: a pinhole. Not for the whole sphere */
     double focal_distance; /* scene units along the axis, above 0 */
     int mirrored;          /* nonzero: left and right are exchanged */
-    uint32_t medium;       /* that the camera is in, from lc_build_medium; LC_NO_MEDIUM */
+    uint32_t medium;       /* that the camera is in, from lc_build_medium; LC_NO_MEDIUM. lc_scene_set_camera
+                            * does not change it */
     double world_to_camera[16]; /* in place of from, at, up and mirrored: row-major, on column vectors; the
                                  * camera looks along +z, y is up, x points right. All 0: none */
     double screen[4];      /* in place of width: what is seen, x0, x1, y0, y1, at a distance of 1 if fov is

@@ -561,6 +561,13 @@ TEST(an_object_may_follow_the_instances_of_another)
     CHECK(!lc_build_object(s, &b) && !lc_build_mesh(s, &x.wall) && !lc_build_instance(s, b, unit));
     CHECK(!lc_build_instance(s, a, unit) && !lc_build_commit(s, NULL));
     lc_image_destroy(render(s));
+    lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
+    l.kind = LC_BUILD_SPOT;
+    CHECK(!lc_scene_set_light(s, 0, &l));
+    l.falloff = LC_FALLOFF_SQUARED;
+    REFUSED(lc_scene_set_light(s, 0, &l), "falloff");
+    l.kind = LC_BUILD_GONIOMETRIC;
+    REFUSED(lc_scene_set_light(s, 0, &l), "goniometric");
     lc_scene_destroy(s);
 }
 
@@ -571,7 +578,8 @@ TEST(the_usual_camera_sees_the_scene)
     float most = 0;
     lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
     l.position[2] = 9; /* that camera is on the other side of the wall */
-    CHECK(!build(ctx, soft, &s) && !lc_build_light(s, &l) && !lc_build_usual_camera(s) && !lc_build_commit(s, NULL));
+    CHECK(!build(ctx, soft, &s) && !lc_build_light(s, &l) && !lc_build_usual_camera(s) &&
+          !lc_build_commit(s, NULL));
     image = render(s);
     const float *g = image ? lc_image_channel(image, "G") : NULL;
     for (int i = 0; g && i < 256; i++) most = fmaxf(most, g[i]);

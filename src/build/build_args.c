@@ -176,7 +176,9 @@ lc_status lc_arg_light(const lc_scene *s, const char *call, const lc_build_light
     lc_light light = { .kind = kinds[d.kind], .intensity = lc_f3_load(d.intensity) };
     if (d.kind != LC_BUILD_DIRECTIONAL) light.pos = lc_f3_load(d.position);
     if (!aim(&d, &light)) return lc_build_wrong(s, call, "direction is 0 or not finite");
-    if (d.kind == LC_BUILD_SPOT) wrong = set_cone(&d, &light);
+    if (d.kind == LC_BUILD_SPOT && d.falloff && s->committed)
+        wrong = "falloff: a spot with another than the smooth one cannot be set, but dimmed";
+    else if (d.kind == LC_BUILD_SPOT) wrong = set_cone(&d, &light);
     else if (d.kind == LC_BUILD_LUMINAIRE) wrong = set_fixture(s, &d, &light);
     else if (d.kind >= LC_BUILD_PROJECTOR) wrong = check_projector(s, &d, &light);
     else if (d.kind == LC_BUILD_DIRECTIONAL) light.atten[0] = 1;

@@ -1,4 +1,4 @@
-/* scene.h - the scene builder that parsers call, and the committed scene that rendering reads.
+/* scene.h - the scene builder that build/ calls, and the committed scene that rendering reads.
  *
  * The room scene/ holds what a scene is made of and what a ray meets in it: in go meshes, materials,
  * textures, lights, environment maps, a camera and a film; out come surface points with evaluated materials
