@@ -106,6 +106,14 @@ uint64_t lc_build_noted(const lc_scene *s, const char **text)
     return s ? s->n_noted : 0;
 }
 
+/* A short name of ASCII, as almost all are: files may have many statements. */
+static bool is_plain(const char *name)
+{
+    size_t n = 0;
+    while (n < MAX_KIND && name[n] >= ' ' && name[n] < 127) n++;
+    return n < MAX_KIND && !name[n];
+}
+
 lc_status lc_build_feature(lc_scene *s, const char *kind, const char *name, lc_support support,
                            const char *text)
 {
@@ -115,7 +123,9 @@ lc_status lc_build_feature(lc_scene *s, const char *kind, const char *name, lc_s
     if (!kind || !name) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_feature: kind or name is NULL");
     if ((unsigned)support > LC_SUPPORT_IGNORED)
         return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_feature: support is none of lc_support");
-    snprintf(clean, sizeof clean, "%s", s->n_features < MAX_KINDS ? name : "other");
+    if (s->n_features >= MAX_KINDS) name = "other";
+    if (is_plain(name)) return lc_scene_count_feature(s, kind, name, support, text);
+    snprintf(clean, sizeof clean, "%s", name);
     lc_text_clean(clean);
     return lc_scene_count_feature(s, kind, clean, support, text);
 }

@@ -81,7 +81,7 @@ const lc_mipmap *lc_build_picture_of(const lc_scene *scene, uint32_t texture);
 const char *lc_build_check_texture(const lc_scene *scene, uint32_t id, bool number);
 /* Begins a call's part of the digest. False: the scene is read from files, whose bytes it has instead. */
 bool lc_build_mark(lc_scene *scene, int call);
-/* Keeps a light, made and checked but for its range. */
+/* Keeps a light that lc_scene_check_light gave. */
 lc_status lc_build_keep_light(lc_scene *scene, const lc_light *light);
 
 /* gloss must be in range. Without a lobe it is Phong's with a reflectance of 0. */
@@ -94,6 +94,9 @@ bool lc_arg_is_zero(const float v[3]);
 /* Each LC_ERR_ARG after a line that begins with the name of the call. */
 lc_status lc_arg_light(const lc_scene *scene, const char *call, const lc_build_light_desc *desc,
                        lc_light *out);
+/* The same of a descriptor of this library's size. */
+lc_status lc_arg_light_of(const lc_scene *scene, const char *call, const lc_build_light_desc *desc,
+                          lc_light *out);
 /* The map from the light's space to the world's. False: it is none, and the identity. */
 bool lc_arg_frame(const lc_build_light_desc *desc, lc_xform *out);
 /* The unit direction of v under a frame; false if there is none. */

@@ -154,35 +154,40 @@ static const char *check_projector(const lc_scene *s, const lc_build_light_desc 
 static bool aim(const lc_build_light_desc *d, lc_light *light)
 {
     static const double ahead[3] = { 0, 0, 1 };
-    lc_xform frame = lc_xform_identity();
-    const bool framed = d->kind >= LC_BUILD_LUMINAIRE && lc_arg_frame(d, &frame);
+    lc_xform frame;
     if (d->kind == LC_BUILD_POINT) return true;
-    if (framed || d->kind == LC_BUILD_GONIOMETRIC) return lc_arg_turned(&frame, ahead, &light->dir);
+    if (d->kind < LC_BUILD_LUMINAIRE) return unit(d->direction, &light->dir);
+    if (lc_arg_frame(d, &frame) || d->kind == LC_BUILD_GONIOMETRIC)
+        return lc_arg_turned(&frame, ahead, &light->dir);
     return unit(d->direction, &light->dir);
 }
 
 lc_status lc_arg_light(const lc_scene *s, const char *call, const lc_build_light_desc *desc, lc_light *out)
 {
     lc_build_light_desc d = LC_BUILD_LIGHT_DESC_INIT;
-    const char *wrong = NULL;
     if (!desc) return lc_fail(s->ctx, LC_ERR_ARG, "%s: desc is NULL", call);
     const lc_status st = lc_desc_take(s->ctx, "lc_build_light_desc", &d, sizeof d, desc);
-    if (st) return st;
+    return st ? st : lc_arg_light_of(s, call, &d, out);
+}
+
+lc_status lc_arg_light_of(const lc_scene *s, const char *call, const lc_build_light_desc *d, lc_light *out)
+{
+    const char *wrong = NULL;
     static const lc_light_kind kinds[] = { LC_LIGHT_POINT, LC_LIGHT_ORIENTED,  LC_LIGHT_DIRECTIONAL,
                                            LC_LIGHT_SPOT,  LC_LIGHT_LUMINAIRE, LC_LIGHT_SPOT,
                                            LC_LIGHT_SPOT };
-    if ((unsigned)d.kind >= sizeof kinds / sizeof *kinds)
-        return lc_fail(s->ctx, LC_ERR_ARG, "%s: kind %d", call, (int)d.kind);
-    lc_light light = { .kind = kinds[d.kind], .intensity = lc_f3_load(d.intensity) };
-    if (d.kind != LC_BUILD_DIRECTIONAL) light.pos = lc_f3_load(d.position);
-    if (!aim(&d, &light)) return lc_build_wrong(s, call, "direction is 0 or not finite");
-    if (d.kind == LC_BUILD_SPOT && d.falloff && s->committed)
+    if ((unsigned)d->kind >= sizeof kinds / sizeof *kinds)
+        return lc_fail(s->ctx, LC_ERR_ARG, "%s: kind %d", call, (int)d->kind);
+    lc_light light = { .kind = kinds[d->kind], .intensity = lc_f3_load(d->intensity) };
+    if (d->kind != LC_BUILD_DIRECTIONAL) light.pos = lc_f3_load(d->position);
+    if (!aim(d, &light)) return lc_build_wrong(s, call, "direction is 0 or not finite");
+    if (d->kind == LC_BUILD_SPOT && d->falloff && s->committed)
         wrong = "falloff: a spot with another than the smooth one cannot be set, but dimmed";
-    else if (d.kind == LC_BUILD_SPOT) wrong = set_cone(&d, &light);
-    else if (d.kind == LC_BUILD_LUMINAIRE) wrong = set_fixture(s, &d, &light);
-    else if (d.kind >= LC_BUILD_PROJECTOR) wrong = check_projector(s, &d, &light);
-    else if (d.kind == LC_BUILD_DIRECTIONAL) light.atten[0] = 1;
-    else memcpy(light.atten, d.attenuation, sizeof light.atten);
+    else if (d->kind == LC_BUILD_SPOT) wrong = set_cone(d, &light);
+    else if (d->kind == LC_BUILD_LUMINAIRE) wrong = set_fixture(s, d, &light);
+    else if (d->kind >= LC_BUILD_PROJECTOR) wrong = check_projector(s, d, &light);
+    else if (d->kind == LC_BUILD_DIRECTIONAL) light.atten[0] = 1;
+    else memcpy(light.atten, d->attenuation, sizeof light.atten);
     if (wrong) return lc_build_wrong(s, call, wrong);
     return lc_build_status(s, lc_scene_check_light(s, s->at, &light, out));
 }

@@ -171,7 +171,7 @@ static lc_status make_ramp(lc_scene *s, lc_light *light)
 lc_status lc_build_keep_light(lc_scene *s, const lc_light *light)
 {
     lc_given *g = &s->given;
-    if (!s->by_calls) return lc_scene_add_light(s, s->at, light);
+    if (!s->by_calls) return lc_scene_put_light(s, s->at, light);
     lc_status st = lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
     if (!st) g->lights[g->n_lights++] = *light;
     return st;
@@ -182,10 +182,14 @@ lc_status lc_build_light(lc_scene *s, const lc_build_light_desc *desc)
     lc_light light;
     lc_build_light_desc d = LC_BUILD_LIGHT_DESC_INIT;
     lc_status st = lc_build_take(s, "lc_build_light", NULL, 0, NULL);
-    if (!st) st = lc_arg_light(s, "lc_build_light", desc, &light);
-    if (!st) st = lc_desc_take(s->ctx, "lc_build_light_desc", &d, sizeof d, desc);
-    if (!st && d.kind >= LC_BUILD_PROJECTOR) st = make_map(s, &d, &light);
-    if (!st && d.kind == LC_BUILD_SPOT && d.falloff == LC_FALLOFF_SQUARED) st = make_ramp(s, &light);
+    if (st) return st;
+    if (!desc || desc->size != sizeof *desc) { /* many lights come with the size known here: no copy */
+        if ((st = lc_build_take(s, "lc_build_light_desc", &d, sizeof d, desc))) return st;
+        desc = &d;
+    }
+    st = lc_arg_light_of(s, "lc_build_light", desc, &light);
+    if (!st && desc->kind >= LC_BUILD_PROJECTOR) st = make_map(s, desc, &light);
+    if (!st && desc->kind == LC_BUILD_SPOT && desc->falloff == LC_FALLOFF_SQUARED) st = make_ramp(s, &light);
     return st ? st : lc_build_keep_light(s, &light);
 }
 

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define MAX_NAME 90 /* bytes of a feature's name */
+
 static const struct kind {
     const char *directive, *name;
     bool by_directive;  /* the feature has the directive's name, else that of the class */
@@ -47,7 +49,13 @@ lc_status lc_pbrt_count_feature(lc_pbrt *p, const char *directive, uint64_t n_no
     lc_support support = p->ignored                 ? LC_SUPPORT_IGNORED
                          : noted || kinds[i].remark ? LC_SUPPORT_APPROXIMATED
                                                     : LC_SUPPORT_YES;
-    snprintf(name, sizeof name, "%.90s", kinds[i].by_directive ? directive : p->owner);
-    lc_pbrt_printable(name);
-    return lc_build_feature(p->scene, kinds[i].name, name, support, noted ? text : kinds[i].remark);
+    const char *own = kinds[i].by_directive ? directive : p->owner;
+    size_t len = 0;
+    while (len < MAX_NAME && own[len] >= ' ' && own[len] < 127) len++;
+    if (own[len]) { /* almost no name is so long or not ASCII */
+        snprintf(name, sizeof name, "%.*s", MAX_NAME, own);
+        lc_pbrt_printable(name);
+        own = name;
+    }
+    return lc_build_feature(p->scene, kinds[i].name, own, support, noted ? text : kinds[i].remark);
 }

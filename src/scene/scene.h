@@ -147,6 +147,8 @@ lc_status lc_scene_add_instance(lc_scene *scene, lc_pos where, uint32_t object, 
 lc_status lc_scene_make_instance(const lc_scene *scene, lc_pos where, uint32_t object,
                                  const lc_xform *to_world, lc_instance *out);
 lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
+/* The same of a light that lc_scene_check_light gave. */
+lc_status lc_scene_put_light(lc_scene *scene, lc_pos where, const lc_light *checked);
 /* Checks a light as lc_scene_add_light does; *out is how it is kept. One without intensity is not added. */
 lc_status lc_scene_check_light(const lc_scene *scene, lc_pos where, const lc_light *light, lc_light *out);
 /* Keeps the lights of calls, with their numbers, as the scene's. */
