@@ -300,17 +300,97 @@ LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_fe
 /* lc_build_begin, then what is in the scene, then lc_build_commit, after which the scene is as a loaded
  * one and takes no more. Everything is copied. A call with a wrong argument is LC_ERR_ARG, names it in the
  * log and leaves the scene as it was; so does LC_ERR_MEMORY, but for lc_build_commit, after which the scene
- * can only be destroyed. Scenes of files are built by the same code (scene/scene.h), so the same scene gives
- * the same bytes. */
+ * can only be destroyed. The library's own readers of files make scenes by these calls and nothing else
+ * (src/build/), so the same scene gives the same bytes, and a reader of another format can be as good.
+ *
+ * A reader says by lc_build_at what place of its file the next calls are for. Then what is wrong with a
+ * descriptor is LC_ERR_PARSE in place of LC_ERR_ARG, and lines of the log begin with that place. */
 
 typedef enum lc_build_texels {
     LC_BUILD_SRGB8,   /* bytes, 0..255, sRGB */
     LC_BUILD_LINEAR8, /* bytes, 0..255, linear, as of normals and roughness */
-    LC_BUILD_FLOATS   /* floats, linear */
+    LC_BUILD_FLOATS,  /* floats, linear */
+    LC_BUILD_SRGB16,  /* uint16_t, 0..65535, sRGB */
+    LC_BUILD_LINEAR16 /* uint16_t, linear */
 } lc_build_texels;
 typedef enum lc_build_wrap { LC_BUILD_REPEAT, LC_BUILD_CLAMP, LC_BUILD_BLACK } lc_build_wrap;
 typedef enum lc_build_filter { LC_BUILD_NEAREST, LC_BUILD_BILINEAR, LC_BUILD_TRILINEAR } lc_build_filter;
 #define LC_NO_TEXTURE 0xffffffffu
+#define LC_NO_PICTURE 0xffffffffu
+#define LC_NO_MEDIUM 0xffffffffu
+
+/* Of which patterns, environments, lights and emitting meshes are made. It is copied once, whatever uses it
+ * first; each further kind of use takes a copy. One that nothing uses is dropped by the commit. */
+typedef struct lc_build_picture_desc {
+    size_t size;
+    uint32_t width, height; /* 1..65535, the product at most 2^28 */
+    uint32_t n_channels;    /* 1: grey; 2: grey, alpha; 3: R G B; 4: R G B, alpha. Alpha is not used */
+    lc_build_texels kind;   /* floats that are not finite count as 0 */
+    const void *texels;     /* rows from the top */
+    float gamma;            /* of integers: the power of 0..1 that is linear, 0.001..1000; 0: as kind says */
+} lc_build_picture_desc;
+#define LC_BUILD_PICTURE_DESC_INIT { sizeof(lc_build_picture_desc), 0, 0, 3, LC_BUILD_SRGB8, 0, 0 }
+
+/* A number or colour, or the texture in its place. */
+typedef struct lc_build_value {
+    uint32_t id;     /* from lc_build_texture or lc_build_pattern; LC_NO_TEXTURE: value, everywhere */
+    double value[3]; /* a number has three equal ones */
+} lc_build_value;
+
+typedef enum lc_build_pattern_kind {
+    LC_PATTERN_CONSTANT,  /* in[0] */
+    LC_PATTERN_SCALE,     /* in[0] in[1] in[2] */
+    LC_PATTERN_MIX,       /* (1 - in[2]) in[0] + in[2] in[1] */
+    LC_PATTERN_DIRECTION, /* w in[0] + (1 - w) in[1], w = |normal . v1| */
+    LC_PATTERN_PICTURE,
+    LC_PATTERN_CHECKER,   /* in[0] where floor(s) + floor(t) is even (of p, if solid), else in[1] */
+    LC_PATTERN_DOTS,      /* in[0] inside the dots, in[1] outside */
+    LC_PATTERN_BILERP,    /* in[2 k + l] at (s, t) = (k, l), bilinear between */
+    LC_PATTERN_UV,        /* the fractional parts of (s, t), and 0 */
+    LC_PATTERN_FBM,       /* this and the next four: noise of p */
+    LC_PATTERN_WRINKLED,
+    LC_PATTERN_WINDY,
+    LC_PATTERN_MARBLE,
+    LC_PATTERN_WOOD       /* rings about z: in[0] early wood to in[1] late wood */
+} lc_build_pattern_kind;
+
+/* Where a pattern's (s, t) are; to_texture gives p. */
+typedef enum lc_build_mapping {
+    LC_MAPPING_UV,         /* repeat[0] u + offset[0], repeat[1] v + offset[1] */
+    LC_MAPPING_PLANAR,     /* v1 . p + offset[0], v2 . p + offset[1] */
+    LC_MAPPING_SPHERICAL,  /* angle from the z axis / pi, angle about the z axis / 2 pi */
+    LC_MAPPING_CYLINDRICAL /* angle about the z axis / 2 pi, z */
+} lc_build_mapping;
+
+/* A texture that is computed, of others or of a picture. Numbers are finite. */
+typedef struct lc_build_pattern_desc {
+    size_t size;
+    lc_build_pattern_kind kind;
+    uint32_t n_channels;    /* 1: a number; 3: R G B */
+    lc_build_value in[4];   /* as kind says */
+    uint32_t picture;       /* from lc_build_picture, for LC_PATTERN_PICTURE */
+    lc_build_wrap wrap;
+    lc_build_filter filter;
+    int invert;             /* pictures: 1 - value */
+    double grey[3];         /* pictures with n_channels 1: weights of R, G, B */
+    double scale;           /* pictures: factor of the value; marble: of p; wood: rings a unit of length */
+    int solid, sharp;       /* checker: in three dimensions; not filtered */
+    int octaves;            /* of noise, 0..32 */
+    lc_build_mapping mapping;
+    double roughness;       /* of noise: from one octave to the next the amplitude's factor */
+    double variation;       /* marble, wood: amplitude of the noise that distorts them */
+    double repeat[2], offset[2];
+    double v1[3], v2[3];    /* of the planar mapping; v1: of LC_PATTERN_DIRECTION, unit, world space */
+    double to_texture[12];  /* rows of the affine map from world space to that of p */
+} lc_build_pattern_desc;
+#define LC_NO_VALUE { LC_NO_TEXTURE, { 0, 0, 0 } }
+#define LC_BUILD_PATTERN_DESC_INIT                                                                           \
+    {                                                                                                        \
+        sizeof(lc_build_pattern_desc), LC_PATTERN_CONSTANT, 3,                                               \
+            { LC_NO_VALUE, LC_NO_VALUE, LC_NO_VALUE, LC_NO_VALUE }, LC_NO_PICTURE, LC_BUILD_REPEAT,          \
+            LC_BUILD_BILINEAR, 0, { 1.0 / 3, 1.0 / 3, 1.0 / 3 }, 1, 0, 0, 8, LC_MAPPING_UV, 0.5, 0,          \
+            { 1, 1 }, { 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0 }             \
+    }
 
 typedef struct lc_build_texture_desc {
     size_t size;
@@ -337,6 +417,12 @@ typedef enum lc_build_specular {
     LC_BUILD_THIN_GLASS /* the same of a sheet, which does not refract */
 } lc_build_specular;
 
+#define LC_SAME_TEXTURE 0xfffffffeu
+
+/* How numbers of roughness_texture become roughness: as they are, their square root, or pbrt-v3's polynomial
+ * of their logarithm. */
+typedef enum lc_build_remap { LC_REMAP_AS_IS, LC_REMAP_ROOT, LC_REMAP_LOG } lc_build_remap;
+
 /* What a mirror or glass does not use is ignored. */
 typedef struct lc_build_material_desc {
     size_t size;
@@ -347,7 +433,8 @@ typedef struct lc_build_material_desc {
     uint32_t gloss;      /* the lobe: LC_GLOSS_... as of lc_shade_material; but by INIT Phong's */
     float roughness[2];  /* of the lobes other than Phong's, as of lc_shade_material */
     uint32_t fresnel;    /* of GGX and mirrors: LC_REFLECT_... */
-    float eta[3], k[3];  /* indices of refraction, absorption; glass: eta, 1..3.5 */
+    float eta[3], k[3];  /* indices of refraction, absorption; dielectrics: eta, 1..3.5, of mirrors and glass
+                          * 0.01..1000 */
     int coat;            /* GGX: `diffuse` lies below a dielectric of index eta[0] */
     float transmitted[3]; /* diffuse transmission, 0..1; of glass, see above */
     /* From lc_build_texture, in place of the value above; LC_NO_TEXTURE: none. Of roughness, one channel, for
@@ -355,12 +442,21 @@ typedef struct lc_build_material_desc {
     uint32_t diffuse_texture, glossy_texture, transmitted_texture, roughness_texture;
     uint32_t bump_texture;   /* one channel: height above the surface, scene units */
     uint32_t normal_texture; /* (1 + n) / 2 in the frame of u, v and the normal */
+    uint32_t exponent_texture;  /* one channel */
+    uint32_t roughness_texture_v; /* of roughness[1], where roughness_texture is of [0] alone;
+                                   * LC_SAME_TEXTURE: of both */
+    lc_build_remap remap;    /* of the two */
+    int metal;               /* conductors: eta is 1, and k such that glossy_texture is what is reflected
+                              * along the normal; the lobe's factor is `glossy` alone */
+    int smooth;              /* GGX: the surface is smooth; where all light comes from surfaces and
+                              * environments the lobe is followed as a mirror, else it has `roughness` */
 } lc_build_material_desc;
 #define LC_BUILD_MATERIAL_DESC_INIT                                                                          \
     {                                                                                                        \
         sizeof(lc_build_material_desc), { 0.5f, 0.5f, 0.5f }, { 0, 0, 0 }, 0, LC_BUILD_ROUGH, 1,             \
             { 0.1f, 0.1f }, 0, { 1.5f, 1.5f, 1.5f }, { 0, 0, 0 }, 0, { 0, 0, 0 }, LC_NO_TEXTURE,             \
-            LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE                        \
+            LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE,        \
+            LC_SAME_TEXTURE, LC_REMAP_AS_IS, 0, 0                                                            \
     }
 
 /* What light meets is one of two materials, by chance; mixes may be mixed, 16 deep. */
@@ -387,10 +483,30 @@ typedef struct lc_build_mesh_desc {
     float alpha;             /* the fraction of rays that the mesh stops, 0..1 */
     uint32_t emission_texture; /* multiplies emission, three channels, over u and v: repeat 1, offset 0,
                                 * scale 1; or LC_NO_TEXTURE */
+    uint32_t emission_picture; /* from lc_build_picture, in place of emission_texture; LC_NO_PICTURE */
+    uint32_t shadow_texture;   /* these two: of shadow rays, times alpha */
+    float shadow_alpha;
 } lc_build_mesh_desc;
 #define LC_BUILD_MESH_DESC_INIT                                                                              \
     {                                                                                                        \
-        sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0, 0, LC_NO_TEXTURE, 1, LC_NO_TEXTURE  \
+        sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0, 0, LC_NO_TEXTURE, 1, LC_NO_TEXTURE, \
+            LC_NO_PICTURE, LC_NO_TEXTURE, 1                                                                  \
+    }
+
+/* What fog, smoke and haze do to light: absorb it, and scatter it once. */
+typedef struct lc_build_medium_desc {
+    size_t size;
+    float absorption[3], scattering[3]; /* 1 / scene unit, R G B, at density 1, 0..1e9 */
+    float g;                /* mean cosine of scattering, -0.99..0.99 */
+    uint32_t n[3];          /* cells of the densities along x, y, z, at most 2^28 in all */
+    const float *densities; /* 0..1e9, x fastest; 0 outside of the box. NULL: 1 everywhere */
+    double lo[3], hi[3];    /* two corners of their box */
+    double to_world[16];    /* of that box; row-major, acts on column vectors, can be inverted */
+} lc_build_medium_desc;
+#define LC_BUILD_MEDIUM_DESC_INIT                                                                            \
+    {                                                                                                        \
+        sizeof(lc_build_medium_desc), { 0, 0, 0 }, { 0, 0, 0 }, 0, { 0, 0, 0 }, 0, { 0, 0, 0 }, { 1, 1, 1 }, \
+        { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }                                                   \
     }
 
 typedef enum lc_build_light_kind {
@@ -399,8 +515,15 @@ typedef enum lc_build_light_kind {
     LC_BUILD_DIRECTIONAL, /* far away; intensity is its irradiance */
     LC_BUILD_SPOT,        /* a cone */
     LC_BUILD_LUMINAIRE,   /* a photometric table: candela are taken as W/sr, times the intensity */
-    LC_BUILD_PROJECTOR    /* projects a texture: a texel of 1 is the intensity */
+    LC_BUILD_PROJECTOR,   /* projects a texture: a texel of 1 is the intensity */
+    LC_BUILD_GONIOMETRIC  /* shines by `map`, a picture of all directions: a texel of 1 is the intensity */
 } lc_build_light_kind;
+
+/* How a spot's light falls from all of it to none, along the cosine. */
+typedef enum lc_build_falloff {
+    LC_FALLOFF_SMOOTH, /* pbrt's: a smooth step */
+    LC_FALLOFF_SQUARED /* glTF's: a ramp's square */
+} lc_build_falloff;
 
 typedef struct lc_build_light_desc {
     size_t size;
@@ -418,20 +541,59 @@ typedef struct lc_build_light_desc {
     uint32_t picture;    /* projectors: from lc_build_texture, three channels; its repeat, offset and scale
                           * are not used. lc_scene_set_light cannot set a projector: it can be dimmed */
     double fov;          /* projectors: degrees, of the picture's shorter side, above 0 and below 180 */
+    float attenuation[3];  /* points, oriented lights: A, B, C of intensity / (A + B d + C d^2) */
+    lc_build_falloff falloff; /* of spots; lc_scene_set_light sets only smooth ones */
+    uint32_t map;          /* projectors, in place of `picture`, and goniometric lights: from
+                            * lc_build_picture */
+    int equal_area;        /* goniometric: the map's, as of lc_build_environment_desc; its +z is the light's
+                            * y */
+    int grey;              /* goniometric: the mean of the map's R, G and B for each of them */
+    double power;          /* projectors, goniometric lights: W that all of it emits; 0: as it is */
+    double parts;          /* luminaires: this is one of so many equal lights that share its light, >= 1 */
+    double frame[9];       /* luminaires, projectors, goniometric lights: rows of the linear map from the
+                            * light's space to the world's, in place of direction and across; any that can
+                            * be inverted. Luminaires: gamma 0 is -z, C 0 is +x, C 90 is +y; projectors: +z
+                            * is towards the picture, +x its right, +y its lower side. All 0: direction and
+                            * across; of goniometric lights the world's axes */
 } lc_build_light_desc;
 #define LC_BUILD_LIGHT_DESC_INIT                                                                             \
     {                                                                                                        \
         sizeof(lc_build_light_desc), LC_BUILD_POINT, { 0, 0, 0 }, { 0, 0, 1 }, { 1, 1, 1 }, 30, 5, 0,        \
-            { 1, 0, 0 }, 0, LC_NO_TEXTURE, 90                                                                \
+            { 1, 0, 0 }, 0, LC_NO_TEXTURE, 90, { 0, 0, 1 }, LC_FALLOFF_SMOOTH, LC_NO_PICTURE, 0, 0, 0, 1,    \
+            { 0 }                                                                                            \
     }
+
+/* A disc in the sky, which camera rays show, and the directional lights that shine for it. */
+typedef struct lc_build_sun_desc {
+    size_t size;
+    double direction[3];  /* towards the disc's centre, any length */
+    float irradiance[3];  /* of a surface across it, R G B, >= 0 */
+    uint32_t n_lights;    /* of equal parts of the disc, 1..100000; each counts as a call of lc_build_light */
+    double angle;         /* the disc's diameter, degrees, 0..90; 0: one light and no disc */
+} lc_build_sun_desc;
+#define LC_BUILD_SUN_DESC_INIT { sizeof(lc_build_sun_desc), { 0, 0, 1 }, { 1, 1, 1 }, 64, 0.53 }
 
 typedef struct lc_build_luminaire_desc {
     size_t size;
     const char *text; /* of an IES LM-63 or EULUMDAT file; TILT in a file of its own cannot be had */
     uint64_t length;  /* bytes, at most 2^24 */
     int eulumdat;     /* 0: LM-63 */
+    /* Without text, the table that such a file holds: of the angles azimuth and polar about `axis`, from the
+     * direction `zero`, both unit and at right angles, in the luminaire's space:
+     *
+     *     direction = cos(polar) axis + sin(polar) (cos(azimuth) zero + sin(azimuth) zero x axis)
+     */
+    uint32_t n_azimuth, n_polar;  /* 2..16385 */
+    const float *azimuth, *polar; /* degrees, rising; -360..720 and 0..180 */
+    const float *candela;         /* n_azimuth * n_polar, polar fastest, >= 0 */
+    double axis[3], zero[3];
+    double lumens;                /* the table's integral, for lc_build_light_desc.lumens; 0: not known */
+    uint32_t n_tilt;              /* at most 4096; 0: none */
+    const double *tilt_angle, *tilt_factor; /* factors by the angle between gamma 0 and straight down,
+                                             * degrees, rising */
 } lc_build_luminaire_desc;
-#define LC_BUILD_LUMINAIRE_DESC_INIT { sizeof(lc_build_luminaire_desc), 0, 0, 0 }
+#define LC_BUILD_LUMINAIRE_DESC_INIT                                                                         \
+    { sizeof(lc_build_luminaire_desc), 0, 0, 0, 0, 0, 0, 0, 0, { 0, 0, -1 }, { 1, 0, 0 }, 0, 0, 0, 0 }
 
 /* Light from all directions, far away. */
 typedef struct lc_build_environment_desc {
@@ -442,12 +604,15 @@ typedef struct lc_build_environment_desc {
     int equal_area;         /* 0: latitude and longitude: rows from +z, columns from +x to +y. Else pbrt-v4's
                              * square: +z in the middle, -z in the corners; width == height */
     float scale[3];         /* radiance of a texel of 1, R G B; the greatest texel times this at most 1e13 */
-    double to_world[16];    /* turns the directions above, as lc_build_instance's */
+    double to_world[16];    /* turns the directions above; row-major, on column vectors; can be inverted */
+    uint32_t picture;       /* from lc_build_picture, in place of texels; LC_NO_PICTURE: none */
+    double illuminance;     /* what the scale is multiplied to make: the irradiance, of luminance, of a
+                             * surface with the normal +z by the half above; 0: as it is */
 } lc_build_environment_desc;
 #define LC_BUILD_ENVIRONMENT_DESC_INIT                                                                       \
     {                                                                                                        \
         sizeof(lc_build_environment_desc), 0, 0, LC_BUILD_FLOATS, 0, 0, { 1, 1, 1 },                         \
-        { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }                                                   \
+            { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }, LC_NO_PICTURE, 0                             \
     }
 
 typedef enum lc_build_camera_kind {
@@ -468,11 +633,18 @@ typedef struct lc_build_camera_desc {
     double lens_radius;    /* scene units, >= 0; 0: a pinhole. Not for the whole sphere */
     double focal_distance; /* scene units along the axis, above 0 */
     int mirrored;          /* nonzero: left and right are exchanged */
+    uint32_t medium;       /* that the camera is in, from lc_build_medium; LC_NO_MEDIUM. lc_scene_set_camera
+                            * does not change it */
+    double world_to_camera[16]; /* in place of from, at, up and mirrored: row-major, on column vectors; the
+                                 * camera looks along +z, y is up, x points right. All 0: none */
+    double screen[4];      /* in place of width: what is seen, x0, x1, y0, y1, at a distance of 1 if fov is
+                            * 90, of an orthographic camera in scene units. All 0: -1..1 along the film's
+                            * shorter side */
 } lc_build_camera_desc;
 #define LC_BUILD_CAMERA_DESC_INIT                                                                            \
     {                                                                                                        \
         sizeof(lc_build_camera_desc), { 0, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, 90, LC_BUILD_PERSPECTIVE, 2, 0, \
-            1e6, 0                                                                                           \
+            1e6, 0, LC_NO_MEDIUM, { 0 }, { 0 }                                                               \
     }
 
 typedef enum lc_build_pixel_filter {
@@ -492,22 +664,72 @@ typedef struct lc_build_film_desc {
     lc_build_pixel_filter filter;
     double radius[2];       /* of the filter, pixels, 0.001..64; 0: pbrt-v4's, which is 0.5, 2, 1.5, 2, 4 */
     double shape[2];        /* gaussian: a; mitchell: B and C; sinc: tau; both 0: 2; 1/3 and 1/3; 3 */
+    const char *filename;   /* for lc_scene_info; NULL: none */
+    float white[9];         /* white balance: a matrix by rows, on R G B before scale; all 0: none */
+    int own_shape;          /* nonzero: a shape of 0 and 0 is one like any other */
 } lc_build_film_desc;
 #define LC_BUILD_FILM_DESC_INIT                                                                              \
-    { sizeof(lc_build_film_desc), 1280, 720, 1, 1, { 0, 0, 0, 0 }, LC_BUILD_BOX, { 0, 0 }, { 0, 0 } }
+    {                                                                                                        \
+        sizeof(lc_build_film_desc), 1280, 720, 1, 1, { 0, 0, 0, 0 }, LC_BUILD_BOX, { 0, 0 }, { 0, 0 }, 0,    \
+            { 0 }, 0                                                                                         \
+    }
+
+/* What lc_build_traits says of a material. */
+enum {
+    LC_TRAIT_UV = 1,       /* its meshes need texture coordinates */
+    LC_TRAIT_TEXTURED = 2, /* by a texture of its own or of what it mixes */
+    LC_TRAIT_CLEAR = 4     /* it is or mixes glass, which light passes */
+};
 
 /* An empty scene, to be freed by lc_scene_destroy. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_build_begin(lc_context *ctx, lc_scene **out);
+/* The place that the next calls are for; lines and columns from 1, 0: none. The name is copied. NULL: no
+ * place any more. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_build_at(lc_scene *scene, const char *file, uint32_t line, uint32_t column);
+/* Records that something was approximated or left out. The first of each kind is logged as a warning with the
+ * place, all are counted: lc_scene_get_note. Control characters are replaced; beyond 500 kinds the kind is
+ * "other". LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_build_note(lc_scene *scene, const char *kind, const char *text);
+/* How many notes there are, those of the other calls too, and the text of the latest, owned by the scene; ""
+ * without. */
+LC_API uint64_t lc_build_noted(const lc_scene *scene, const char **text);
+/* Counts a use of a feature of the file's format: lc_scene_get_feature. text: how it is approximated, or
+ * NULL. Beyond 500 features the name is "other". LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_build_feature(lc_scene *scene, const char *kind, const char *name, lc_support support,
+                                  const char *text);
+/* What stands for lc_load_desc.indirect_lights and max_depth of 0: whether paths are traced, which a scene by
+ * calls does not unless told so, and their depth, 1..1000. */
+LC_API lc_status lc_build_paths(lc_scene *scene, int traced, uint32_t max_depth);
+/* *id: the picture's number. */
+LC_API lc_status lc_build_picture(lc_scene *scene, const lc_build_picture_desc *desc, uint32_t *id);
+/* The mean of a picture, linear. */
+LC_API lc_status lc_build_picture_mean(const lc_scene *scene, uint32_t picture, double mean[3]);
+/* *id: the texture's number. Where textures of textures are more than 64 deep or 1024 in all, one that is
+ * their mean takes the place, which is noted. */
+LC_API lc_status lc_build_pattern(lc_scene *scene, const lc_build_pattern_desc *desc, uint32_t *id);
+/* A texture as an input of others: its number and its approximate mean; of a constant the value alone. */
+LC_API lc_status lc_build_texture_value(const lc_scene *scene, uint32_t texture, lc_build_value *out);
 /* *id: the material's number for meshes. */
 LC_API lc_status lc_build_material(lc_scene *scene, const lc_build_material_desc *desc, uint32_t *id);
 LC_API lc_status lc_build_mix(lc_scene *scene, const lc_build_mix_desc *desc, uint32_t *id);
+/* LC_TRAIT_... of a material, 0 of what is none. */
+LC_API uint32_t lc_build_traits(const lc_scene *scene, uint32_t material);
 /* A mesh of the world, or of the object that was begun last. LC_ERR_ARG also for an index >= n_vertices. */
 LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
+/* *id: the medium's number. LC_ERR_UNSUPPORTED: more than 1024. */
+LC_API lc_status lc_build_medium(lc_scene *scene, const lc_build_medium_desc *desc, uint32_t *id);
+/* Triangles of the world that light passes, of whose sides the inner is in one medium and the outer in
+ * another; LC_NO_MEDIUM: in none. Glass is a mesh besides. Of desc vertices, triangles, normals and flip
+ * count. */
+LC_API lc_status lc_build_boundary(lc_scene *scene, const lc_build_mesh_desc *desc, uint32_t inside,
+                                   uint32_t outside);
 /* All further meshes belong to the object, in its own space; those of the world come before. */
 LC_API lc_status lc_build_object(lc_scene *scene, uint32_t *id);
 /* Places an object, whose meshes have all been given. to_world is row-major and acts on column vectors;
  * its last row is 0 0 0 1, it can be inverted, and its condition number is at most 1000. */
 LC_API lc_status lc_build_instance(lc_scene *scene, uint32_t object, const double to_world[16]);
+/* 1 if lc_build_instance takes this matrix, else 0: the meshes themselves must then be transformed. */
+LC_API int lc_build_instance_fits(const double to_world[16]);
 /* *id: the texture's number for materials and meshes. */
 LC_API lc_status lc_build_texture(lc_scene *scene, const lc_build_texture_desc *desc, uint32_t *id);
 /* *id: for lc_build_light_desc.luminaire. LC_ERR_ARG after a line that says what is wrong, and where in
@@ -515,7 +737,12 @@ LC_API lc_status lc_build_texture(lc_scene *scene, const lc_build_texture_desc *
 LC_API lc_status lc_build_luminaire(lc_scene *scene, const lc_build_luminaire_desc *desc, uint32_t *id);
 LC_API lc_status lc_build_environment(lc_scene *scene, const lc_build_environment_desc *desc);
 LC_API lc_status lc_build_light(lc_scene *scene, const lc_build_light_desc *desc);
+LC_API lc_status lc_build_sun(lc_scene *scene, const lc_build_sun_desc *desc);
+/* 1 if something shines: a light, an environment, a mesh that emits. */
+LC_API int lc_build_is_lit(const lc_scene *scene);
 LC_API lc_status lc_build_camera(lc_scene *scene, const lc_build_camera_desc *desc);
+/* A camera that sees all meshes and instances so far, from the front, right and above, y being up. */
+LC_API lc_status lc_build_usual_camera(lc_scene *scene);
 LC_API lc_status lc_build_film(lc_scene *scene, const lc_build_film_desc *desc);
 /* Makes lights, builds the BVH and the light tree; desc as for lc_scene_load, NULL for the defaults.
  * Without a number of virtual lights in it there are none. LC_ERR_ARG without a camera. */

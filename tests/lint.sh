@@ -80,6 +80,13 @@ own_room_only()
     own_includes | awk '$1 ~ /^src\/(cli|app)\// && $2 !~ /^(cli|lab)\// { print $1 ": " $2 }
                         $1 ~ /^src\/cli\// && $2 ~ /^lab\// { print $1 ": " $2 }'
 }
+# Readers of files make scenes by the calls of lightcuts.h: of the rooms that know scenes they see types and mathematics only.
+readers()
+{
+    data='scene/(camera|env_map|media_data|noise|pixel_filter)|shade/(light|light_spot|material)|trace/half_edge|build/reader'
+    own_includes | grep -E '^src/(pbrt|gltf|obj)/' | grep -E ' (scene|shade|tree|trace|cut|isa|prepare|build)/' |
+        grep -vE " ($data)\.h$"
+}
 only_in() # regex allowed-file-regex files...
 {
     regex=$1 allowed=$2
@@ -106,6 +113,7 @@ rule 'every folder of src/ is a room of src/README.md' all_rooms
 rule 'a room includes only itself and rooms above it, by names written from src' upward
 rule 'no file includes itself by way of others' circles
 rule 'cli/ and app/ include lightcuts.h and the rooms of the program only' own_room_only
+rule 'pbrt/, gltf/ and obj/ make scenes by lightcuts.h and build/reader.h only' readers
 rule '<immintrin.h> and its like in simd/ and vec4.h only' \
     only_in '<[a-z]*intrin\.h>|<arm_neon\.h>' 'src/(simd/[a-z_0-9]*|base/vec4)\.h' src/*/*.[ch]
 rule 'OpenEXR in exr.c only' only_in "$include_of[<\"](openexr|ImfC|Imath)" 'src/image/exr\.c' src/*/*.[ch]

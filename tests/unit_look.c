@@ -469,7 +469,10 @@ typedef struct view {
 #define CAMERA_OF(kind, fov, width, lens, focus, mirrored)                                                   \
     {                                                                                                        \
         sizeof(lc_build_camera_desc), { .5, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, fov, kind, width, lens, focus, \
-            mirrored                                                                                         \
+            mirrored, LC_NO_MEDIUM, { 0 },                                                                   \
+        {                                                                                                    \
+            0                                                                                                \
+        }                                                                                                    \
     }
 #define PLAIN CAMERA_OF(LC_BUILD_PERSPECTIVE, 90, 2, 0, 1, 0)
 #define FILM_OF(...)                                                                                         \
@@ -576,7 +579,7 @@ TEST(wrong_textures_and_materials_are_named)
     WRONG(lc_build_texture(s, &t_used, &id), t, width = 0, "width");
     WRONG(lc_build_texture(s, &t_used, &id), t, height = 70000, "height");
     WRONG(lc_build_texture(s, &t_used, &id), t, n_channels = 2, "n_channels");
-    WRONG(lc_build_texture(s, &t_used, &id), t, kind = (lc_build_texels)3, "kind");
+    WRONG(lc_build_texture(s, &t_used, &id), t, kind = (lc_build_texels)5, "kind");
     WRONG(lc_build_texture(s, &t_used, &id), t, texels = NULL, "texels");
     WRONG(lc_build_texture(s, &t_used, &id), t, texels = bad, "texels");
     WRONG(lc_build_texture(s, &t_used, &id), t, repeat[1] = 0, "repeat");
@@ -599,7 +602,7 @@ TEST(wrong_textures_and_materials_are_named)
     m.fresnel = LC_REFLECT_CONDUCTOR;
     WRONG(lc_build_material(s, &m_used, &id), m, k[1] = -1, "eta and k");
     m.specular = LC_BUILD_GLASS;
-    WRONG(lc_build_material(s, &m_used, &id), m, eta[0] = .5f, "eta");
+    WRONG(lc_build_material(s, &m_used, &id), m, eta[0] = .001f, "eta");
     m.specular = LC_BUILD_MIRROR;
     WRONG(lc_build_material(s, &m_used, &id), m, eta[2] = NAN, "eta");
     CHECK(!lc_build_material(s, &m, &id) && id == 0);

@@ -17,6 +17,7 @@
 #ifndef LC_HOST_H
 #define LC_HOST_H
 
+#include "build/build.h"
 #include "cut/cut_parts.h"
 #include "lightcuts.h"
 
@@ -73,11 +74,6 @@ struct lc_shader {
     uint64_t n_calls;
     bool cancelled;
 };
-
-/* gloss must be in range. Without a lobe it is Phong's with a reflectance of 0. */
-lc_material lc_arg_material_of(const lc_shade_material *in);
-/* What is wrong with a material, with its field, or NULL. */
-const char *lc_arg_material_fault(const lc_shade_material *in);
 
 /* LC_OK, or LC_ERR_ARG after a line that names what is wrong. */
 lc_status lc_host_check_batch(const lc_tree *tree, const lc_shade_batch *batch);

@@ -1,18 +1,12 @@
 /* host_points.c - a host's points and materials: checked, and as the kernels read them. */
 #include "api/host.h"
 
-#include "shade/lobe.h"
 #include "shade/point_init.h"
 
 #include <math.h>
 #include <string.h>
 
-#define UNIT_TOLERANCE 1e-3f /* of the length of a unit vector: that of a host's own rounding */
-#define MAX_OFFSET     1e9f  /* scene units */
-
-static bool is_unit(const float v[3]) { return fabsf(lc_f3_len(lc_f3_load(v)) - 1) < UNIT_TOLERANCE; }
-
-static bool is_zero(const float v[3]) { return fabsf(v[0]) + fabsf(v[1]) + fabsf(v[2]) <= 0; }
+#define MAX_OFFSET 1e9f /* scene units */
 
 static bool is_place(const float v[3])
 {
@@ -20,49 +14,13 @@ static bool is_place(const float v[3])
     return lc_f3_finite(p) && lc_f3_max_abs(p) <= LC_MAX_COORD;
 }
 
-_Static_assert(LC_REFLECT_SCHLICK == (int)LC_FRESNEL_SCHLICK &&
-                   LC_REFLECT_DIELECTRIC == (int)LC_FRESNEL_DIELECTRIC &&
-                   LC_REFLECT_CONDUCTOR == (int)LC_FRESNEL_CONDUCTOR &&
-                   LC_REFLECT_ALL == (int)LC_FRESNEL_NONE,
-               "numbers of lightcuts.h");
-
-lc_material lc_arg_material_of(const lc_shade_material *in)
-{
-    static const lc_lobe lobes[] = { LC_LOBE_PHONG, LC_LOBE_PHONG, LC_LOBE_WARD, LC_LOBE_OREN_NAYAR,
-                                     LC_LOBE_GGX };
-    const bool narrow = in->gloss == LC_GLOSS_WARD || in->gloss == LC_GLOSS_GGX;
-    lc_material m = { .kd = lc_f3_load(in->kd), .lobe = lobes[in->gloss] };
-    if (in->gloss == LC_GLOSS_NONE) return m;
-    m.ks = lc_f3_load(in->ks);
-    if (in->gloss == LC_GLOSS_PHONG) m.exponent = in->exponent;
-    else memcpy(m.roughness, in->roughness, sizeof m.roughness);
-    if (narrow) m.tangent = lc_f3_load(in->tangent);
-    if (in->gloss != LC_GLOSS_GGX) return m;
-    m.fresnel = (lc_fresnel)in->fresnel;
-    m.coat = in->coat != 0;
-    m.eta = lc_f3_load(in->eta);
-    m.k = lc_f3_load(in->k);
-    return m;
-}
-
-const char *lc_arg_material_fault(const lc_shade_material *in)
-{
-    if (in->gloss > LC_GLOSS_GGX) return ".gloss is none of LC_GLOSS_";
-    if (in->gloss == LC_GLOSS_GGX && in->fresnel > LC_REFLECT_ALL) return ".fresnel is none of LC_REFLECT_";
-    const lc_material m = lc_arg_material_of(in);
-    if (in->gloss >= LC_GLOSS_WARD && !(m.roughness[0] > 0 && m.roughness[1] > 0))
-        return ".roughness is out of range";
-    if ((m.lobe == LC_LOBE_WARD || m.lobe == LC_LOBE_GGX) && !is_zero(in->tangent) && !is_unit(in->tangent))
-        return ".tangent is neither 0 nor of length 1";
-    return lc_material_in_range(&m) ? NULL : " has a number out of range";
-}
-
 static const char *point_fault(const lc_shade_point *p, uint32_t n_materials)
 {
     if (!is_place(p->position)) return ".position is not finite or too far";
-    if (!is_unit(p->normal)) return ".normal is not of length 1";
-    if (!is_zero(p->geometric) && !is_unit(p->geometric)) return ".geometric is neither 0 nor of length 1";
-    if (!is_unit(p->view)) return ".view is not of length 1";
+    if (!lc_arg_is_unit(p->normal)) return ".normal is not of length 1";
+    if (!lc_arg_is_zero(p->geometric) && !lc_arg_is_unit(p->geometric))
+        return ".geometric is neither 0 nor of length 1";
+    if (!lc_arg_is_unit(p->view)) return ".view is not of length 1";
     if (!(fabsf(p->offset) <= MAX_OFFSET)) return ".offset is out of range";
     if (!(p->reach >= 0)) return ".reach is negative";
     return p->material < n_materials ? NULL : ".material is beyond n_materials";
@@ -89,7 +47,7 @@ void lc_host_set_point(lc_host_lane *lane, const lc_tree *t, const lc_shade_batc
     const lc_shade_point *in = &b->points[lane->at];
     const lc_material m = lc_arg_material_of(&b->materials[in->material]);
     const lc_f3 pos = lc_f3_load(in->position), n = lc_f3_load(in->normal);
-    const lc_f3 ng = is_zero(in->geometric) ? n : lc_f3_load(in->geometric);
+    const lc_f3 ng = lc_arg_is_zero(in->geometric) ? n : lc_f3_load(in->geometric);
     lc_point_init(&lane->point, pos, n, lc_f3_load(in->view), &m, t->min_d2);
     /* What is behind the shading normal contributes nothing anyhow. */
     if (memcmp(&n, &ng, sizeof n)) lc_f3_store(lane->point.ng, ng);

@@ -4,6 +4,7 @@
 #include "api/format.h"
 #include "base/desc.h"
 #include "base/memory.h"
+#include "build/build.h"
 #include "prepare/commit.h"
 #include "scene/view.h"
 #include "tree/light_tree.h"
@@ -23,6 +24,7 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     scene->ctx->inputs = &scene->inputs;
     lc_status st = d->sandbox ? lc_inputs_restrict(&scene->inputs, &scene->arena, path, d->sandbox) : LC_OK;
     if (!st) st = lc_format_parse(scene, path);
+    lc_build_end(scene);
     scene->ctx->inputs = NULL;
     scene->input_id = lc_digest_result(&scene->inputs.digest);
     if (!st && d->sensors) st = lc_scene_set_sensors(scene, d->sensors);

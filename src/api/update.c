@@ -1,8 +1,8 @@
 /* update.c - public calls that set something again in a committed scene. */
 #include "prepare/update.h"
 
-#include "api/build.h"
 #include "base/desc.h"
+#include "build/build.h"
 
 /* A scene that can be changed. */
 static lc_status check(const lc_scene *s, const char *call)

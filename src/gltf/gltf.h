@@ -1,6 +1,6 @@
 /* gltf.h - reads glTF 2.0 scenes, .gltf and .glb.
  *
- * The room gltf/ turns glTF files into calls of the scene builder (scene/scene.h):
+ * The room gltf/ turns glTF files into calls of lightcuts.h that build a scene (build/):
  *
  *     file -> chunks (parse.c) -> JSON (io/json.h) -> lists of its objects (state.h)
  *          -> nodes with their world matrices (node.c)
@@ -14,7 +14,7 @@
 #ifndef LC_GLTF_H
 #define LC_GLTF_H
 
-#include "scene/scene.h"
+#include "build/reader.h"
 
 /* Whether a file with these first bytes is one: the signature of .glb, or JSON. */
 bool lc_gltf_is(const uint8_t *head, size_t len);

@@ -47,20 +47,6 @@ static lc_status open_image(lc_gltf *g, uint32_t object, lc_gltf_buffer *out)
     return st;
 }
 
-static lc_status add_image(lc_gltf *g, lc_gltf_use use, const lc_raster *r, uint32_t *id)
-{
-    const lc_encoding encoding = { use == LC_GLTF_SRGB || use == LC_GLTF_EMISSION ? LC_ENCODING_SRGB
-                                                                                  : LC_ENCODING_LINEAR,
-                                   1 };
-    lc_mipmap m;
-    lc_status st = lc_mipmap_build(g->ctx, r, encoding, &m);
-    if (st) return st;
-    st = use == LC_GLTF_EMISSION ? lc_scene_add_emission_map(g->scene, &m, id)
-                                 : lc_textures_add_image(&g->scene->textures, &m, id);
-    if (st) lc_mipmap_free(g->ctx, &m);
-    return st;
-}
-
 static lc_status decode(lc_gltf *g, uint32_t object, lc_gltf_use use, double cutoff, uint32_t *id)
 {
     lc_gltf_buffer file;
@@ -76,7 +62,9 @@ static lc_status decode(lc_gltf *g, uint32_t object, lc_gltf_use use, double cut
         st = lc_gltf_note(g, object, "image", "an image is neither PNG nor JPEG; grey takes its place");
     else if (!(st = lc_raster_decode(g->ctx, g->path, &bytes, &r))) {
         if (use == LC_GLTF_ALPHA) st = alpha_of(g, &r, cutoff, &alpha);
-        if (!st) st = add_image(g, use, use == LC_GLTF_ALPHA ? &alpha : &r, id);
+        if (!st)
+            st = lc_build_raster(g->scene, use == LC_GLTF_ALPHA ? &alpha : &r,
+                                 use == LC_GLTF_SRGB ? LC_BUILD_SRGB8 : LC_BUILD_LINEAR8, 0, id);
     }
     lc_raster_free(g->ctx, &r);
     lc_raster_free(g->ctx, &alpha);
@@ -125,13 +113,13 @@ lc_status lc_gltf_image(lc_gltf *g, uint32_t info, lc_gltf_use use, double cutof
 
 /* ---- samplers ---- */
 
-static lc_status get_wrap(lc_gltf *g, uint32_t sampler, lc_wrap *out)
+static lc_status get_wrap(lc_gltf *g, uint32_t sampler, lc_build_wrap *out)
 {
     uint64_t s = 10497, t = 10497;
     lc_status st = lc_gltf_size(g, sampler, "wrapS", &s, NULL);
     if (!st) st = lc_gltf_size(g, sampler, "wrapT", &t, NULL);
     if (st) return st;
-    *out = s == 33071 ? LC_WRAP_CLAMP : LC_WRAP_REPEAT;
+    *out = s == 33071 ? LC_BUILD_CLAMP : LC_BUILD_REPEAT;
     if (s == 33648 || t == 33648)
         return lc_gltf_note(g, sampler, "texture wrap",
                             "a texture that is mirrored where it repeats is repeated");
@@ -139,12 +127,10 @@ static lc_status get_wrap(lc_gltf *g, uint32_t sampler, lc_wrap *out)
     return LC_OK;
 }
 
-static lc_status get_sampler(lc_gltf *g, uint32_t info, lc_texture *t)
+static lc_status get_sampler(lc_gltf *g, uint32_t info, lc_build_pattern_desc *t)
 {
     uint32_t texture, sampler;
     uint64_t mag = 0, min = 0;
-    t->wrap = LC_WRAP_REPEAT;
-    t->filter = LC_FILTER_BILINEAR;
     lc_status st = lc_gltf_index(g, info, "index", LC_GLTF_TEXTURES, &texture);
     if (!st && texture == LC_NONE) return LC_OK;
     if (!st)
@@ -154,8 +140,8 @@ static lc_status get_sampler(lc_gltf *g, uint32_t info, lc_texture *t)
     uint32_t object = lc_gltf_item(g, LC_GLTF_SAMPLERS, sampler);
     if (!st) st = lc_gltf_size(g, object, "magFilter", &mag, NULL);
     if (!st) st = lc_gltf_size(g, object, "minFilter", &min, NULL);
-    if (min == 9987) t->filter = LC_FILTER_TRILINEAR;
-    if (mag == 9728) t->filter = LC_FILTER_POINT;
+    if (min == 9987) t->filter = LC_BUILD_TRILINEAR;
+    if (mag == 9728) t->filter = LC_BUILD_NEAREST;
     return st ? st : get_wrap(g, object, &t->wrap);
 }
 
@@ -199,19 +185,19 @@ lc_status lc_gltf_place_texture(lc_gltf *g, lc_gltf_look *look, uint32_t info)
 /* ---- textures ---- */
 
 lc_status lc_gltf_texture(lc_gltf *g, lc_gltf_look *look, uint32_t info, lc_gltf_use use, int channel,
-                          double scale, double cutoff, lc_tex_input *out)
+                          double scale, double cutoff, lc_build_value *out)
 {
-    lc_texture t = { .kind = LC_TEX_IMAGE, .is_float = channel >= 0, .scale = scale };
-    bool too_deep;
-    out->id = LC_NONE;
-    t.map = (lc_tex_map){ .kind = LC_MAP_UV, .su = 1, .sv = 1, .stretch = 1 };
-    for (int i = 0; i < 4; i++) t.in[i] = (lc_tex_input){ LC_NONE, { 0, 0, 0 } };
+    lc_build_pattern_desc t = LC_BUILD_PATTERN_DESC_INIT;
+    uint32_t id;
+    out->id = LC_NO_TEXTURE;
+    t.kind = LC_PATTERN_PICTURE;
+    t.n_channels = channel >= 0 ? 1 : 3;
+    t.scale = scale;
     for (int i = 0; i < 3; i++) t.grey[i] = use == LC_GLTF_ALPHA ? 1.0 / 3 : i == channel;
-    lc_status st = lc_gltf_image(g, info, use, cutoff, &t.image);
-    if (st || t.image == LC_NONE) return st;
+    lc_status st = lc_gltf_image(g, info, use, cutoff, &t.picture);
+    if (st || t.picture == LC_NO_PICTURE) return st;
     st = get_sampler(g, info, &t);
     if (!st) st = lc_gltf_place_texture(g, look, info);
-    if (!st) st = lc_textures_add(&g->scene->textures, &t, &out->id, &too_deep);
-    if (!st) memcpy(out->value, g->scene->textures.items[out->id].mean, sizeof out->value);
-    return st;
+    if (!st) st = lc_build_pattern(g->scene, &t, &id);
+    return st ? st : lc_build_texture_value(g->scene, id, out);
 }

@@ -13,13 +13,17 @@
 
 #include <string.h>
 
-#define VALUE(v) ((lc_tex_input){ LC_NONE, { v, v, v } })
+#define VALUE(v)  ((lc_build_value){ LC_NO_TEXTURE, { v, v, v } })
+#define SMOOTH    1e-3 /* alpha below which a surface is a mirror */
+#define MIN_ALPHA 1e-3
+#define MIN_IOR   1.0
+#define MAX_IOR   3.5
 
 /* What is read of a material. */
 typedef struct reading {
     uint32_t object, pbr;
     double base[4], metallic, roughness, ior, specular[3], transmission;
-    lc_tex_input base_map, metallic_map, roughness_map; /* id LC_NONE: none */
+    lc_build_value base_map, metallic_map, roughness_map; /* id LC_NONE: none */
     bool thick;
 } reading;
 
@@ -76,85 +80,96 @@ static lc_status read_extensions(lc_gltf *g, reading *r)
     if (!st && lc_json_find(&g->json, through, "transmissionTexture") != LC_NONE)
         st = lc_gltf_note(g, through, "transmission texture",
                           "textures of KHR_materials_transmission are ignored");
-    if (!st && (r->ior < (double)LC_MIN_ETA || r->ior > (double)LC_MAX_ETA))
-        st = lc_gltf_note(g, ior, "ior", "an index of refraction of %g is clamped to %g..%g", r->ior,
-                          (double)LC_MIN_ETA, (double)LC_MAX_ETA);
-    r->ior = clamp(r->ior, (double)LC_MIN_ETA, (double)LC_MAX_ETA);
+    if (!st && (r->ior < MIN_IOR || r->ior > MAX_IOR))
+        st = lc_gltf_note(g, ior, "ior", "an index of refraction of %g is clamped to %g..%g", r->ior, MIN_IOR,
+                          MAX_IOR);
+    r->ior = clamp(r->ior, MIN_IOR, MAX_IOR);
     return st;
 }
 
 /* ---- textures of textures ---- */
 
-static lc_status add(lc_gltf *g, const lc_texture *t, lc_tex_input *out)
+static lc_status add(lc_gltf *g, const lc_build_pattern_desc *t, lc_build_value *out)
 {
-    bool too_deep;
-    lc_status st = lc_textures_add(&g->scene->textures, t, &out->id, &too_deep);
-    if (!st) memcpy(out->value, g->scene->textures.items[out->id].mean, sizeof out->value);
-    return st;
+    uint32_t id;
+    lc_status st = lc_build_pattern(g->scene, t, &id);
+    return st ? st : lc_build_texture_value(g->scene, id, out);
+}
+
+static lc_build_pattern_desc pattern(lc_build_pattern_kind kind, const lc_build_value *a,
+                                     const lc_build_value *b, const lc_build_value *c)
+{
+    lc_build_pattern_desc t = LC_BUILD_PATTERN_DESC_INIT;
+    t.kind = kind;
+    t.in[0] = *a;
+    t.in[1] = *b;
+    t.in[2] = *c;
+    return t;
 }
 
 /* *out = a b */
-static lc_status product(lc_gltf *g, const lc_tex_input *a, const lc_tex_input *b, lc_tex_input *out)
+static lc_status product(lc_gltf *g, const lc_build_value *a, const lc_build_value *b, lc_build_value *out)
 {
-    lc_texture t = { .kind = LC_TEX_SCALE, .scale = 1, .in = { *a, *b, VALUE(1), VALUE(0) } };
-    bool one = b->id == LC_NONE;
+    lc_build_pattern_desc t = pattern(LC_PATTERN_SCALE, a, b, &VALUE(1));
+    bool one = b->id == LC_NO_TEXTURE;
     for (int k = 0; k < 3; k++) one &= !(b->value[k] < 1 || b->value[k] > 1);
     if (one) {
         *out = t.in[0];
         return LC_OK;
     }
     for (int k = 0; k < 3; k++) out->value[k] = t.in[0].value[k] * t.in[1].value[k];
-    out->id = LC_NONE;
-    return t.in[0].id == LC_NONE && t.in[1].id == LC_NONE ? LC_OK : add(g, &t, out);
+    out->id = LC_NO_TEXTURE;
+    return t.in[0].id == LC_NO_TEXTURE && t.in[1].id == LC_NO_TEXTURE ? LC_OK : add(g, &t, out);
 }
 
 /* *out = (1 - w) a + w b */
-static lc_status blend(lc_gltf *g, const lc_tex_input *a, const lc_tex_input *b, const lc_tex_input *w,
-                       lc_tex_input *out)
+static lc_status blend(lc_gltf *g, const lc_build_value *a, const lc_build_value *b, const lc_build_value *w,
+                       lc_build_value *out)
 {
-    lc_texture t = { .kind = LC_TEX_MIX, .scale = 1, .in = { *a, *b, *w, VALUE(0) } };
+    lc_build_pattern_desc t = pattern(LC_PATTERN_MIX, a, b, w);
     for (int k = 0; k < 3; k++) out->value[k] = (1 - w->value[k]) * a->value[k] + w->value[k] * b->value[k];
-    out->id = LC_NONE;
-    if (w->id == LC_NONE && !(w->value[0] > 0)) *out = t.in[0];
-    else if (w->id == LC_NONE && !(w->value[0] < 1)) *out = t.in[1];
-    else if (t.in[0].id != LC_NONE || t.in[1].id != LC_NONE || w->id != LC_NONE) return add(g, &t, out);
+    out->id = LC_NO_TEXTURE;
+    if (w->id == LC_NO_TEXTURE && !(w->value[0] > 0)) *out = t.in[0];
+    else if (w->id == LC_NO_TEXTURE && !(w->value[0] < 1)) *out = t.in[1];
+    else if (t.in[0].id != LC_NO_TEXTURE || t.in[1].id != LC_NO_TEXTURE || w->id != LC_NO_TEXTURE)
+        return add(g, &t, out);
     return LC_OK;
 }
 
-static void set_tint(const lc_tex_input *in, lc_f3 *value, uint32_t *map)
+static void set_tint(const lc_build_value *in, float value[3], uint32_t *map)
 {
-    *value = lc_f3_make((float)clamp(in->value[0], 0, 1), (float)clamp(in->value[1], 0, 1),
-                        (float)clamp(in->value[2], 0, 1));
+    for (int k = 0; k < 3; k++) value[k] = (float)clamp(in->value[k], 0, 1);
     *map = in->id;
 }
 
 /* ---- making ---- */
 
-static lc_status set_roughness(lc_gltf *g, const reading *r, lc_material *m, lc_material_maps *maps)
+static lc_status set_roughness(lc_gltf *g, const reading *r, lc_build_material_desc *m)
 {
     double alpha = r->roughness * r->roughness;
-    if (r->roughness_map.id != LC_NONE) {
-        lc_tex_input squared;
-        lc_status st = product(g, &r->roughness_map, &r->roughness_map, &squared);
+    if (r->roughness_map.id != LC_NO_TEXTURE) {
+        lc_build_pattern_desc t = pattern(LC_PATTERN_SCALE, &r->roughness_map, &r->roughness_map, &VALUE(1));
+        lc_build_value squared;
+        t.n_channels = 1;
+        lc_status st = add(g, &t, &squared);
         if (st) return st;
         alpha = squared.value[0];
-        maps->roughness[0] = maps->roughness[1] = squared.id;
-    } else if (alpha < LC_SMOOTH) {
-        m->smooth = true;
+        m->roughness_texture = squared.id;
+    } else if (alpha < SMOOTH) {
+        m->smooth = 1;
     }
-    m->roughness[0] = m->roughness[1] = (float)clamp(alpha, (double)LC_MIN_ROUGHNESS,
-                                                     (double)LC_MAX_ROUGHNESS);
+    m->roughness[0] = m->roughness[1] = (float)clamp(alpha, MIN_ALPHA, 1);
     return LC_OK;
 }
 
 /* The opaque part: Lambert and a lobe. */
-static lc_status make_opaque(lc_gltf *g, const reading *r, const lc_tex_input *base, lc_material *m,
-                             lc_material_maps *maps)
+static lc_status make_opaque(lc_gltf *g, const reading *r, const lc_build_value *base,
+                             lc_build_material_desc *m)
 {
     double f0 = (r->ior - 1) / (r->ior + 1) * ((r->ior - 1) / (r->ior + 1));
-    lc_tex_input metal = r->metallic_map.id != LC_NONE ? r->metallic_map : VALUE(r->metallic);
-    lc_tex_input rest = VALUE(0), none = VALUE(0), shine = VALUE(0), kd, ks;
-    bool dielectric = metal.id == LC_NONE && !(r->metallic > 0), matte = dielectric;
+    lc_build_value metal = r->metallic_map.id != LC_NO_TEXTURE ? r->metallic_map : VALUE(r->metallic);
+    lc_build_value rest = VALUE(0), none = VALUE(0), shine = VALUE(0), kd, ks;
+    bool dielectric = metal.id == LC_NO_TEXTURE && !(r->metallic > 0), matte = dielectric;
     for (int k = 0; k < 3; k++) {
         shine.value[k] = f0 * r->specular[k];
         rest.value[k] = 1 - shine.value[k];
@@ -164,49 +179,38 @@ static lc_status make_opaque(lc_gltf *g, const reading *r, const lc_tex_input *b
     if (!st) st = blend(g, &kd, &none, &metal, &kd);
     if (!st) st = blend(g, &shine, base, &metal, &ks);
     if (st) return st;
-    set_tint(&kd, &m->kd, &maps->kd);
+    set_tint(&kd, m->diffuse, &m->diffuse_texture);
     if (matte) return LC_OK;
     if (dielectric)
         for (int k = 0; k < 3; k++) ks.value[k] = r->specular[k];
-    m->lobe = LC_LOBE_GGX;
-    m->fresnel = dielectric ? LC_FRESNEL_DIELECTRIC : LC_FRESNEL_SCHLICK;
-    m->eta = lc_f3_make((float)r->ior, (float)r->ior, (float)r->ior);
-    set_tint(&ks, &m->ks, &maps->ks);
-    st = set_roughness(g, r, m, maps);
-    if (m->smooth && metal.id == LC_NONE && !(r->metallic < 1)) {
-        m->mirror = true;
-        m->smooth = false;
-        m->lobe = LC_LOBE_PHONG;
-        m->kd = lc_f3_make(0, 0, 0);
-        m->roughness[0] = m->roughness[1] = 0;
-    }
+    m->gloss = LC_GLOSS_GGX;
+    m->fresnel = dielectric ? LC_REFLECT_DIELECTRIC : LC_REFLECT_SCHLICK;
+    m->eta[0] = m->eta[1] = m->eta[2] = (float)r->ior;
+    set_tint(&ks, m->glossy, &m->glossy_texture);
+    st = set_roughness(g, r, m);
+    if (m->smooth && metal.id == LC_NO_TEXTURE && !(r->metallic < 1)) m->specular = LC_BUILD_MIRROR;
     return st;
 }
 
 /* Glass, mixed with the opaque part by the fraction that is transmitted. */
-static lc_status make_glass(lc_gltf *g, const reading *r, const lc_tex_input *base, uint32_t *id)
+static lc_status make_glass(lc_gltf *g, const reading *r, const lc_build_value *base, uint32_t *id)
 {
-    lc_material m = { .ks = { 1, 1, 1 }, .fresnel = LC_FRESNEL_DIELECTRIC };
-    lc_material_maps maps = LC_NO_MAPS, mix = LC_NO_MAPS;
-    uint32_t opaque = *id, clear;
-    m.mirror = m.glass = true;
-    m.thin = !r->thick;
-    m.eta = lc_f3_make((float)r->ior, (float)r->ior, (float)r->ior);
-    set_tint(base, &m.kt, &maps.kt);
-    lc_status st = lc_scene_add_material(g->scene, &m, &clear);
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_mix_desc mix = LC_BUILD_MIX_DESC_INIT;
+    m.specular = r->thick ? LC_BUILD_GLASS : LC_BUILD_THIN_GLASS;
+    m.glossy[0] = m.glossy[1] = m.glossy[2] = 1;
+    m.eta[0] = m.eta[1] = m.eta[2] = (float)r->ior;
+    set_tint(base, m.transmitted, &m.transmitted_texture);
+    mix.materials[0] = *id;
+    lc_status st = lc_build_material(g->scene, &m, &mix.materials[1]);
     if (st) return st;
-    lc_scene_map_material(g->scene, clear, &maps);
     float share = (float)(r->transmission * (1 - r->metallic));
     if (!(share < 1)) {
-        *id = clear;
+        *id = mix.materials[1];
         return LC_OK;
     }
-    if ((st = lc_scene_add_material(g->scene, &g->scene->materials[opaque], id))) return st;
-    mix.mix[0] = opaque;
-    mix.mix[1] = clear;
-    mix.share = lc_f3_make(share, share, share);
-    lc_scene_map_material(g->scene, *id, &mix);
-    return LC_OK;
+    mix.share[0] = mix.share[1] = mix.share[2] = share;
+    return lc_build_mix(g->scene, &mix, id);
 }
 
 static lc_status read_alpha(lc_gltf *g, lc_gltf_look *look, const reading *r)
@@ -221,17 +225,16 @@ static lc_status read_alpha(lc_gltf *g, lc_gltf_look *look, const reading *r)
     bool mask = !strcmp(mode, "MASK");
     if (!mask && strcmp(mode, "BLEND"))
         return lc_gltf_note(g, r->object, "alphaMode", "'%.40s' is no alphaMode", mode);
-    lc_tex_input a = VALUE(mask ? (r->base[3] >= cutoff ? 1 : 0) : r->base[3]);
+    lc_build_value a = VALUE(mask ? (r->base[3] >= cutoff ? 1 : 0) : r->base[3]);
     if (info != LC_NONE) {
         /* the image's alpha times the factor, against the cutoff */
         double limit = mask ? (r->base[3] > 0 ? cutoff / r->base[3] : 2) : -1;
-        lc_tex_input map = { LC_NONE, { 0, 0, 0 } };
+        lc_build_value map = VALUE(0);
         st = lc_gltf_texture(g, look, info, LC_GLTF_ALPHA, 0, mask ? 1 : r->base[3], limit, &map);
         if (st) return st;
-        if (map.id != LC_NONE) a = map;
+        if (map.id != LC_NO_TEXTURE) a = map;
     }
-    look->has_alpha = a.id != LC_NONE || a.value[0] < 1;
-    look->alpha = (lc_mesh_alpha){ a, VALUE(1) };
+    look->alpha = a;
     return LC_OK;
 }
 
@@ -247,21 +250,21 @@ static lc_status read_emission(lc_gltf *g, lc_gltf_look *look, uint32_t object)
     look->emission = lc_f3_make((float)factor[0], (float)factor[1], (float)factor[2]);
     if (!(lc_f3_max(look->emission) > 0) || info == LC_NONE) return LC_OK;
     uint32_t id;
-    st = lc_gltf_image(g, info, LC_GLTF_EMISSION, -1, &id);
-    if (!st && id != LC_NONE) look->emission_map = id;
+    st = lc_gltf_image(g, info, LC_GLTF_SRGB, -1, &id);
+    if (!st) look->emission_picture = id;
     return st ? st : lc_gltf_place_texture(g, look, info);
 }
 
-static lc_status read_normal(lc_gltf *g, lc_gltf_look *look, uint32_t object, lc_material_maps *maps)
+static lc_status read_normal(lc_gltf *g, lc_gltf_look *look, uint32_t object, lc_build_material_desc *m)
 {
     uint32_t info;
     double scale = 1;
-    lc_tex_input map;
+    lc_build_value map;
     lc_status st = find_info(g, object, "normalTexture", &info);
     if (st || info == LC_NONE) return st;
     st = lc_gltf_texture(g, look, info, LC_GLTF_LINEAR, -1, 1, -1, &map);
     if (!st) st = lc_gltf_number(g, info, "scale", -1e30, 1e30, &scale);
-    if (!st) maps->normal = map.id;
+    if (!st) m->normal_texture = map.id;
     if (!st && (scale < 1 || scale > 1))
         st = lc_gltf_note(g, info, "normal scale", "the scale of a normal map is ignored");
     return st;
@@ -270,15 +273,16 @@ static lc_status read_normal(lc_gltf *g, lc_gltf_look *look, uint32_t object, lc
 static lc_status make(lc_gltf *g, uint32_t object, lc_gltf_look *look)
 {
     reading r = { .object = object, .base = { 1, 1, 1, 1 }, .metallic = 1, .roughness = 1, .ior = 1.5 };
-    lc_material m = { .kd = { 0, 0, 0 } };
-    lc_material_maps maps = LC_NO_MAPS;
-    lc_tex_input factor, base;
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_value factor, base;
+    look->alpha = VALUE(1);
+    look->emission_picture = LC_NO_PICTURE;
     r.base_map = r.metallic_map = r.roughness_map = VALUE(1);
     lc_status st = lc_gltf_member(g, object, "pbrMetallicRoughness", LC_JSON_OBJECT, &r.pbr);
     if (!st) st = read_base(g, look, &r);
     if (!st) st = read_metal(g, look, &r);
     if (!st) st = read_extensions(g, &r);
-    factor = (lc_tex_input){ LC_NONE, { r.base[0], r.base[1], r.base[2] } };
+    factor = (lc_build_value){ LC_NO_TEXTURE, { r.base[0], r.base[1], r.base[2] } };
     if (!st) st = product(g, &r.base_map, &factor, &base);
     if (!st) st = lc_gltf_bool(g, object, "doubleSided", &look->two_sided);
     if (!st) st = read_alpha(g, look, &r);
@@ -288,10 +292,9 @@ static lc_status make(lc_gltf *g, uint32_t object, lc_gltf_look *look)
         r.metallic_map = VALUE(0);
         memset(r.specular, 0, sizeof r.specular);
     }
-    if (!st) st = make_opaque(g, &r, &base, &m, &maps);
-    if (!st) st = read_normal(g, look, object, &maps);
-    if (!st) st = lc_scene_add_material(g->scene, &m, &look->id);
-    if (!st) lc_scene_map_material(g->scene, look->id, &maps);
+    if (!st) st = make_opaque(g, &r, &base, &m);
+    if (!st) st = read_normal(g, look, object, &m);
+    if (!st) st = lc_build_material(g->scene, &m, &look->id);
     if (!st && r.transmission > 0 && r.metallic < 1) st = make_glass(g, &r, &base, &look->id);
     look->made = !st;
     return st;
@@ -305,7 +308,7 @@ lc_status lc_gltf_material(lc_gltf *g, uint32_t idx, const lc_gltf_look **out)
     if (look->made) return LC_OK;
     lc_status st = make(g, idx == LC_NONE ? LC_NONE : lc_gltf_item(g, LC_GLTF_MATERIALS, idx), look);
     return st ? st
-              : lc_scene_count_feature(
+              : lc_build_feature(
                     g->scene, "material", "metallic-roughness", LC_SUPPORT_APPROXIMATED,
                     "Lambert below GGX, the former times what the latter lets pass along the normal");
 }

@@ -150,21 +150,28 @@ static void move(part *p, const lc_xform *x)
 static lc_status add_part(lc_gltf *g, uint32_t primitive, const lc_gltf_look *look, const lc_xform *to_world,
                           part *p)
 {
-    lc_mesh_desc m = {
-        .n_verts = p->n_verts, .n_tris = p->n_tris, .pos = p->pos, .uv = p->uv, .normal = p->normal
-    };
-    m.index = p->tris;
-    m.material_id = look->id;
-    m.emission = look->emission;
+    lc_build_mesh_desc m = LC_BUILD_MESH_DESC_INIT;
+    m.n_vertices = p->n_verts;
+    m.n_triangles = p->n_tris;
+    m.positions = p->pos;
+    m.uv = p->uv;
+    m.normals = p->normal;
+    m.indices = p->tris;
+    m.material = look->id;
     m.two_sided = look->two_sided;
-    m.alpha = look->has_alpha ? &look->alpha : NULL;
-    if (lc_f3_max(m.emission) > 0) m.emission_map = look->emission_map;
+    m.alpha_texture = look->alpha.id;
+    m.alpha = (float)fmin(fmax(look->alpha.value[0], 0), 1);
+    lc_f3_store(m.emission, look->emission);
+    if (lc_f3_max(look->emission) > 0) m.emission_picture = look->emission_picture;
+    for (size_t i = 0; i < p->n_uv; i++)
+        if (!isfinite(p->uv[i])) p->uv[i] = 0;
     if (to_world) {
         move(p, to_world);
         m.flip = lc_xform_det3(to_world) < 0;
     }
-    lc_status st = lc_scene_add_mesh(g->scene, lc_json_pos(&g->json, primitive), &m);
-    return st ? st : lc_scene_count_feature(g->scene, "shape", "triangles", LC_SUPPORT_YES, NULL);
+    lc_status st = lc_gltf_at(g, primitive);
+    if (!st) st = lc_build_mesh(g->scene, &m);
+    return st ? st : lc_build_feature(g->scene, "shape", "triangles", LC_SUPPORT_YES, NULL);
 }
 
 static lc_status get_mode(lc_gltf *g, uint32_t primitive, uint64_t *mode)

@@ -1,10 +1,8 @@
 /* node.c - the scene's nodes with their world matrices, without recursion, and where their meshes go.
  *
  * A mesh of several nodes becomes an object with instances, unless it is small, emits, or its matrix does not
- * satisfy lc_instance_fits: then its triangles are copied. */
+ * satisfy lc_build_instance_fits: then its triangles are copied. */
 #include "gltf/state.h"
-
-#include "scene/instance.h"
 
 #include <string.h>
 
@@ -277,13 +275,13 @@ static lc_status place_instance(lc_gltf *g, const lc_gltf_use_of_mesh *u)
 {
     lc_status st = LC_OK;
     if (!g->object_of[u->mesh]) {
-        st = lc_scene_begin_object(g->scene);
-        if (!st) g->object_of[u->mesh] = (uint32_t)g->scene->n_objects;
+        uint32_t id;
+        st = lc_build_object(g->scene, &id);
+        if (!st) g->object_of[u->mesh] = id + 1;
         if (!st) st = lc_gltf_add_mesh(g, u->mesh, NULL);
     }
-    return st ? st
-              : lc_scene_add_instance(g->scene, lc_json_pos(&g->json, u->node), g->object_of[u->mesh] - 1,
-                                      &u->to_world);
+    if (!st) st = lc_gltf_at(g, u->node);
+    return st ? st : lc_build_instance(g->scene, g->object_of[u->mesh] - 1, u->to_world.m);
 }
 
 /* Copies first, as the world's meshes must precede those of objects. */
@@ -301,7 +299,7 @@ lc_status lc_gltf_place_meshes(lc_gltf *g)
         if (!weighed[u->mesh]) st = lc_gltf_weigh_mesh(g, u->mesh, &n_tris[u->mesh], &emits[u->mesh]);
         weighed[u->mesh] = true;
         u->shared = g->n_uses_of[u->mesh] > 1 && n_tris[u->mesh] > SMALL_TRIS && !emits[u->mesh] &&
-                    lc_instance_fits(&u->to_world);
+                    lc_build_instance_fits(u->to_world.m);
         if (!st && !u->shared) st = place_copy(g, u, n_tris[u->mesh], !copied[u->mesh]);
         copied[u->mesh] = true;
     }

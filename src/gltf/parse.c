@@ -4,12 +4,9 @@
 
 #include "gltf/state.h"
 #include "io/readfile.h"
-#include "scene/usual_view.h"
 
 #include <stdio.h>
 #include <string.h>
-
-#define MAX_FEATURES 500 /* limits the extensions that are listed */
 
 bool lc_gltf_is(const uint8_t *head, size_t len)
 {
@@ -152,9 +149,8 @@ static lc_status count_extensions(lc_gltf *g)
             st = lc_gltf_note(g, at, kind, "the extension '%.60s' is ignored", name);
             name = "other";
         }
-        if (!st && g->scene->n_features < MAX_FEATURES)
-            st = lc_scene_count_feature(g->scene, "extension", e ? e->name : name, support,
-                                        e ? e->text : NULL);
+        if (!st)
+            st = lc_build_feature(g->scene, "extension", e ? e->name : name, support, e ? e->text : NULL);
     }
     return st;
 }
@@ -209,6 +205,7 @@ static lc_status check_references(lc_gltf *g)
 
 static lc_status build(lc_gltf *g)
 {
+    const lc_build_film_desc film = lc_build_usual_film();
     lc_status st = check_version(g);
     if (!st) st = check_required(g);
     if (!st) st = lc_gltf_make_lists(g);
@@ -216,12 +213,14 @@ static lc_status build(lc_gltf *g)
     if (!st) st = count_extensions(g);
     if (!st) st = note_motion(g);
     if (!st) st = make_room(g);
-    if (!st) st = lc_scene_usual_film(g->scene, (lc_pos){ g->path, 0, 0 });
+    if (!st) st = lc_build_at(g->scene, g->path, 0, 0);
+    if (!st) st = lc_build_film(g->scene, &film);
+    if (!st) st = lc_build_paths(g->scene, 1, LC_USUAL_DEPTH);
     if (!st) st = lc_gltf_walk(g);
     if (!st) st = lc_gltf_place_meshes(g);
     if (!st && !g->has_camera) st = lc_gltf_usual_camera(g);
-    if (!st) st = lc_scene_check_lit(g->scene, (lc_pos){ g->path, 0, 0 });
-    return st;
+    if (!st) st = lc_build_at(g->scene, g->path, 0, 0);
+    return st || lc_build_is_lit(g->scene) ? st : lc_build_note(g->scene, "no lights", LC_UNLIT);
 }
 
 static lc_status parse(lc_gltf *g, const char *data, size_t size)
@@ -237,8 +236,10 @@ static lc_status parse(lc_gltf *g, const char *data, size_t size)
     else if (size >= 3 && !memcmp(data, "\xef\xbb\xbf", 3)) {
         json += 3;
         len -= 3;
-        st = lc_scene_note_at(g->scene, (lc_pos){ g->path, 1, 1 }, "byte order mark",
-                              "the file begins with a byte order mark, which glTF forbids");
+        st = lc_build_at(g->scene, g->path, 1, 1);
+        if (!st)
+            st = lc_build_note(g->scene, "byte order mark",
+                               "the file begins with a byte order mark, which glTF forbids");
     }
     if (!st) st = lc_json_parse(g->ctx, g->path, json, len, &g->json);
     return st ? st : build(g);
@@ -256,11 +257,10 @@ static void destroy(lc_gltf *g)
 static lc_status run(lc_scene *scene, const char *path, bool no_files, const char *data, size_t size)
 {
     const char *slash = strrchr(path, '/');
-    lc_gltf g = { .ctx = scene->ctx, .scene = scene, .no_files = no_files };
-    lc_arena_init(&g.arena, scene->ctx);
-    g.path = lc_arena_text(&scene->arena, path, strlen(path));
+    lc_gltf g = { .ctx = lc_build_context(scene), .scene = scene, .path = path, .no_files = no_files };
+    lc_arena_init(&g.arena, g.ctx);
     g.folder = lc_arena_text(&g.arena, path, slash ? (size_t)(slash - path) + 1 : 0);
-    lc_status st = g.path && g.folder ? parse(&g, data, size) : LC_ERR_MEMORY;
+    lc_status st = g.folder ? parse(&g, data, size) : LC_ERR_MEMORY;
     destroy(&g);
     return st;
 }
@@ -268,19 +268,19 @@ static lc_status run(lc_scene *scene, const char *path, bool no_files, const cha
 lc_status lc_gltf_parse(lc_scene *scene, const char *path)
 {
     lc_file file;
-    lc_status st = lc_file_read(scene->ctx, (lc_pos){ path, 0, 0 }, path, NULL, &file);
+    lc_status st = lc_file_read(lc_build_context(scene), (lc_pos){ path, 0, 0 }, path, NULL, &file);
     if (st) return st;
     st = run(scene, path, false, file.data, file.size);
-    lc_file_free(scene->ctx, &file);
+    lc_file_free(lc_build_context(scene), &file);
     return st;
 }
 
 lc_status lc_gltf_parse_memory(lc_scene *scene, const char *name, const void *data, size_t size)
 {
     lc_file file;
-    lc_status st = lc_file_of_memory(scene->ctx, data, size, &file);
+    lc_status st = lc_file_of_memory(lc_build_context(scene), data, size, &file);
     if (st) return st;
     st = run(scene, name, true, file.data, file.size);
-    lc_file_free(scene->ctx, &file);
+    lc_file_free(lc_build_context(scene), &file);
     return st;
 }

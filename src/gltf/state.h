@@ -3,9 +3,10 @@
 #ifndef LC_GLTF_STATE_H
 #define LC_GLTF_STATE_H
 
+#include "base/arena.h"
 #include "base/xform.h"
+#include "build/reader.h"
 #include "io/json.h"
-#include "scene/scene.h"
 
 typedef enum lc_gltf_kind {
     LC_GLTF_BUFFERS,
@@ -46,21 +47,15 @@ typedef struct lc_gltf_look {
     bool made;
     uint32_t id;
     lc_f3 emission;
-    uint32_t emission_map;
-    bool two_sided, has_alpha;
-    lc_mesh_alpha alpha;
+    uint32_t emission_picture; /* LC_NO_PICTURE: none */
+    bool two_sided;
+    lc_build_value alpha;
     bool placed;         /* some texture gave `place` */
     lc_gltf_place place; /* of the first texture, taken for all */
 } lc_gltf_look;
 
 /* What an image is read as. */
-typedef enum lc_gltf_use {
-    LC_GLTF_SRGB,
-    LC_GLTF_LINEAR,
-    LC_GLTF_ALPHA,
-    LC_GLTF_EMISSION,
-    LC_GLTF_USES
-} lc_gltf_use;
+typedef enum lc_gltf_use { LC_GLTF_SRGB, LC_GLTF_LINEAR, LC_GLTF_ALPHA, LC_GLTF_USES } lc_gltf_use;
 
 /* A mesh of a node. */
 typedef struct lc_gltf_use_of_mesh {
@@ -104,6 +99,8 @@ typedef struct lc_gltf {
 
 lc_status lc_gltf_fail(const lc_gltf *g, uint32_t value, const char *fmt, ...) LC_PRINTF(3, 4);
 lc_status lc_gltf_note(lc_gltf *g, uint32_t value, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
+/* Sets the place of the calls that follow. */
+lc_status lc_gltf_at(const lc_gltf *g, uint32_t value);
 /* Fills the lists. LC_ERR_PARSE if one is no array of objects. */
 lc_status lc_gltf_make_lists(lc_gltf *g);
 /* *out keeps its value if the member is absent. */
@@ -156,12 +153,12 @@ lc_status lc_gltf_indices(lc_gltf *g, const lc_gltf_accessor *a, uint32_t limit,
 
 /* ---- image.c ---- */
 
-/* The scene's image, or emission map, of a textureInfo; LC_NONE, after a note: it is not there. cutoff: for
+/* The scene's picture of a textureInfo; LC_NONE, after a note: it is not there. cutoff: for
  * LC_GLTF_ALPHA, in 0..1; negative: none. */
 lc_status lc_gltf_image(lc_gltf *g, uint32_t info, lc_gltf_use use, double cutoff, uint32_t *id);
 /* A texture of the scene for a textureInfo; a number is `channel` of the image times scale. LC_NONE: none. */
 lc_status lc_gltf_texture(lc_gltf *g, lc_gltf_look *look, uint32_t info, lc_gltf_use use, int channel,
-                          double scale, double cutoff, lc_tex_input *out);
+                          double scale, double cutoff, lc_build_value *out);
 /* Notes where a textureInfo's coordinates are; the first of a material is taken for all. */
 lc_status lc_gltf_place_texture(lc_gltf *g, lc_gltf_look *look, uint32_t info);
 

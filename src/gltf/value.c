@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAX_NOTES 500 /* limits the kinds of notes, which hostile files could multiply */
-
 lc_status lc_gltf_fail(const lc_gltf *g, uint32_t value, const char *fmt, ...)
 {
     char text[400];
@@ -21,16 +19,18 @@ lc_status lc_gltf_fail(const lc_gltf *g, uint32_t value, const char *fmt, ...)
 
 lc_status lc_gltf_note(lc_gltf *g, uint32_t value, const char *kind, const char *fmt, ...)
 {
-    char text[400], name[96];
-    lc_pos pos = lc_json_pos(&g->json, value);
+    char text[400];
     va_list args;
     va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    snprintf(name, sizeof name, "%s", g->scene->n_notes < MAX_NOTES ? kind : "other");
-    lc_text_clean(text);
-    lc_text_clean(name);
-    return lc_scene_note_at(g->scene, pos, name, "%s", text);
+    lc_status st = lc_gltf_at(g, value);
+    return st ? st : lc_build_note(g->scene, kind, text);
+}
+
+lc_status lc_gltf_at(const lc_gltf *g, uint32_t value)
+{
+    return lc_build_at_pos(g->scene, lc_json_pos(&g->json, value));
 }
 
 static lc_status expected(const lc_gltf *g, uint32_t value, const char *what)

@@ -12,7 +12,8 @@
 
 #include <string.h>
 
-#define VALUE(v) ((lc_tex_input){ LC_NONE, { v, v, v } })
+#define VALUE(v)     ((lc_build_value){ LC_NO_TEXTURE, { v, v, v } })
+#define MAX_EXPONENT 1e5f
 
 /* What is read of a material; made when the next one begins. */
 typedef struct reading {
@@ -20,66 +21,66 @@ typedef struct reading {
     lc_pos pos;
     const char *name;
     float kd[3], ks[3], ke[3], shininess, opacity, illum;
-    uint32_t kd_map; /* an image; LC_NONE: none */
-    uint32_t ke_map; /* an emission map; 0: none */
+    uint32_t kd_map, ke_map; /* pictures; LC_NO_PICTURE: none */
 } reading;
 
 static void begin(reading *r)
 {
-    *r = (reading){ .kd = { 0.5f, 0.5f, 0.5f }, .opacity = 1, .illum = 2, .kd_map = LC_NONE };
+    *r = (reading){ .kd = { 0.5f, 0.5f, 0.5f }, .opacity = 1, .illum = 2, .kd_map = LC_NO_PICTURE };
+    r->ke_map = LC_NO_PICTURE;
 }
 
 /* ---- making ---- */
 
 static float in_unit(float v) { return v < 0 ? 0 : v > 1 ? 1 : v; }
 
-static lc_status add_texture(lc_obj *o, const reading *r, lc_tex_input *out)
+/* Makes a texture, and gives its value as an input. */
+static lc_status add_pattern(lc_obj *o, const lc_build_pattern_desc *d, lc_build_value *out)
 {
-    lc_texture t = { .kind = LC_TEX_IMAGE, .scale = 1, .image = r->kd_map, .filter = LC_FILTER_BILINEAR };
-    bool too_deep;
-    t.map = (lc_tex_map){ .kind = LC_MAP_UV, .su = 1, .sv = 1, .stretch = 1 };
-    for (int i = 0; i < 4; i++) t.in[i] = VALUE(0);
-    lc_status st = lc_textures_add(&o->scene->textures, &t, &out->id, &too_deep);
-    if (st) return st;
-    memcpy(out->value, o->scene->textures.items[out->id].mean, sizeof out->value);
-    lc_texture product = { .kind = LC_TEX_SCALE, .scale = 1, .in = { *out, VALUE(1), VALUE(1), VALUE(0) } };
+    uint32_t id;
+    lc_status st = lc_build_pattern(o->scene, d, &id);
+    return st ? st : lc_build_texture_value(o->scene, id, out);
+}
+
+static lc_status add_texture(lc_obj *o, const reading *r, lc_build_value *out)
+{
+    lc_build_pattern_desc t = LC_BUILD_PATTERN_DESC_INIT, product = LC_BUILD_PATTERN_DESC_INIT;
+    t.kind = LC_PATTERN_PICTURE;
+    t.picture = r->kd_map;
+    lc_status st = add_pattern(o, &t, out);
+    if (st || !(r->kd[0] < 1 || r->kd[1] < 1 || r->kd[2] < 1)) return st;
+    product.kind = LC_PATTERN_SCALE;
+    product.in[0] = *out;
+    product.in[1] = product.in[2] = VALUE(1);
     for (int k = 0; k < 3; k++) product.in[1].value[k] = (double)in_unit(r->kd[k]);
-    if (!(r->kd[0] < 1 || r->kd[1] < 1 || r->kd[2] < 1)) return LC_OK;
-    st = lc_textures_add(&o->scene->textures, &product, &out->id, &too_deep);
-    if (!st) memcpy(out->value, o->scene->textures.items[out->id].mean, sizeof out->value);
-    return st;
+    return add_pattern(o, &product, out);
 }
 
 static lc_status add_material(lc_obj *o, const reading *r)
 {
-    lc_material m = { .lobe = LC_LOBE_PHONG };
-    lc_material_maps maps = LC_NO_MAPS;
-    lc_obj_material made = { .name = r->name, .emission_map = r->ke_map };
-    float kd[3], ks[3];
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_obj_material made = { .name = r->name, .emission_picture = r->ke_map, .alpha = in_unit(r->opacity) };
     lc_status st = LC_OK;
-    for (int k = 0; k < 3; k++) kd[k] = in_unit(r->kd[k]);
-    if (r->kd_map != LC_NONE) {
-        lc_tex_input in = VALUE(0);
+    for (int k = 0; k < 3; k++) m.diffuse[k] = in_unit(r->kd[k]);
+    if (r->kd_map != LC_NO_PICTURE) {
+        lc_build_value in = VALUE(0);
         st = add_texture(o, r, &in);
-        maps.kd = in.id;
-        for (int k = 0; k < 3; k++) kd[k] = in_unit((float)in.value[k]);
+        m.diffuse_texture = in.id;
+        for (int k = 0; k < 3; k++) m.diffuse[k] = in_unit((float)in.value[k]);
     }
-    for (int k = 0; k < 3; k++) ks[k] = r->illum < 2 ? 0 : fminf(in_unit(r->ks[k]), 1 - kd[k]);
-    m.kd = lc_f3_load(kd);
-    m.ks = lc_f3_load(ks);
-    m.exponent = fminf(fmaxf(r->shininess, 0), LC_MAX_EXPONENT);
-    made.emission = lc_f3_make(fmaxf(r->ke[0], 0), fmaxf(r->ke[1], 0), fmaxf(r->ke[2], 0));
-    made.has_alpha = r->opacity < 1;
-    made.alpha = (lc_mesh_alpha){ VALUE((double)in_unit(r->opacity)), VALUE(1) };
-    if (!st) st = lc_scene_add_material(o->scene, &m, &made.id);
-    if (!st) lc_scene_map_material(o->scene, made.id, &maps);
+    for (int k = 0; k < 3; k++) {
+        m.glossy[k] = r->illum < 2 ? 0 : fminf(in_unit(r->ks[k]), 1 - m.diffuse[k]);
+        made.emission[k] = fmaxf(r->ke[k], 0);
+    }
+    m.exponent = fminf(fmaxf(r->shininess, 0), MAX_EXPONENT);
+    if (!st) st = lc_build_material(o->scene, &m, &made.id);
     void *materials = o->materials;
     if (!st) st = lc_grow(o->ctx, &materials, &o->cap_materials, o->n_materials + 1, sizeof *o->materials);
     o->materials = materials;
     if (st) return st;
     o->materials[o->n_materials++] = made;
-    return lc_scene_count_feature(o->scene, "material", "MTL", LC_SUPPORT_APPROXIMATED,
-                                  "Lambert and Phong's lobe of Kd, Ks and Ns");
+    return lc_build_feature(o->scene, "material", "MTL", LC_SUPPORT_APPROXIMATED,
+                            "Lambert and Phong's lobe of Kd, Ks and Ns");
 }
 
 lc_status lc_obj_default_material(lc_obj *o)
@@ -99,24 +100,16 @@ static lc_status finish(lc_obj *o, reading *r)
 
 /* ---- images ---- */
 
-static lc_status load_image(lc_obj *o, lc_pos where, const char *path, bool emission, uint32_t *id)
+static lc_status load_image(lc_obj *o, lc_pos where, const char *path, uint32_t *picture)
 {
     lc_file file;
     lc_raster raster = { 0 };
-    lc_mipmap m;
     lc_status st = lc_file_read(o->ctx, where, path, lc_raster_is, &file);
     if (st) return st;
     const lc_bytes bytes = { o->ctx, file.data, file.size, file.cap };
     st = lc_raster_decode(o->ctx, path, &bytes, &raster);
     lc_file_free(o->ctx, &file);
-    if (!st) {
-        st = lc_mipmap_build(o->ctx, &raster, (lc_encoding){ LC_ENCODING_SRGB, 1 }, &m);
-        if (!st) {
-            st = emission ? lc_scene_add_emission_map(o->scene, &m, id)
-                          : lc_textures_add_image(&o->scene->textures, &m, id);
-            if (st) lc_mipmap_free(o->ctx, &m);
-        }
-    }
+    if (!st) st = lc_build_raster(o->scene, &raster, LC_BUILD_SRGB8, 0, picture);
     lc_raster_free(o->ctx, &raster);
     return st;
 }
@@ -146,8 +139,8 @@ static lc_status skip_options(lc_obj *o, lc_obj_lines *l)
     }
 }
 
-/* The image of a map statement; each is read once. *id keeps its value if there is none. */
-static lc_status read_map(lc_obj *o, lc_obj_lines *l, const char *folder, bool emission, uint32_t *id)
+/* The picture of a map statement; each is read once. *picture keeps its value if there is none. */
+static lc_status read_map(lc_obj *o, lc_obj_lines *l, const char *folder, uint32_t *picture)
 {
     lc_obj_word name;
     lc_status st = skip_options(o, l);
@@ -155,17 +148,17 @@ static lc_status read_map(lc_obj *o, lc_obj_lines *l, const char *folder, bool e
     const char *path = lc_obj_join(o, folder, &name);
     if (!path) return LC_ERR_MEMORY;
     for (size_t i = 0; i < o->n_images; i++)
-        if (o->images[i].emission == emission && !strcmp(o->images[i].path, path)) {
-            *id = o->images[i].id;
+        if (!strcmp(o->images[i].path, path)) {
+            *picture = o->images[i].picture;
             return LC_OK;
         }
     if (!lc_file_exists(path))
         return lc_obj_note(o, name.pos, "texture image", "'%.150s': no such file; it is left out", path);
-    if ((st = load_image(o, name.pos, path, emission, id))) return st;
+    if ((st = load_image(o, name.pos, path, picture))) return st;
     void *images = o->images;
     st = lc_grow(o->ctx, &images, &o->cap_images, o->n_images + 1, sizeof *o->images);
     o->images = images;
-    if (!st) o->images[o->n_images++] = (lc_obj_image){ path, emission, *id };
+    if (!st) o->images[o->n_images++] = (lc_obj_image){ path, *picture };
     return st;
 }
 
@@ -216,12 +209,12 @@ static lc_status statement(lc_obj *o, lc_obj_lines *l, const lc_obj_word *w, con
         return st;
     }
     if (lc_obj_word_is(w, "map_Kd")) {
-        lc_status st = read_map(o, l, folder, false, &r->kd_map);
+        lc_status st = read_map(o, l, folder, &r->kd_map);
         return st;
     }
     if (lc_obj_word_is(w, "map_Ke")) {
-        lc_status st = read_map(o, l, folder, true, &r->ke_map);
-        for (int k = 0; k < 3 && !r->emits; k++) r->ke[k] = r->ke_map ? 1 : 0;
+        lc_status st = read_map(o, l, folder, &r->ke_map);
+        for (int k = 0; k < 3 && !r->emits; k++) r->ke[k] = r->ke_map != LC_NO_PICTURE ? 1 : 0;
         return st;
     }
     for (size_t i = 0; i < sizeof silent / sizeof *silent; i++)

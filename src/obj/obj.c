@@ -6,12 +6,10 @@
 #include "base/text.h"
 #include "io/readfile.h"
 #include "obj/state.h"
-#include "scene/usual_view.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#define MAX_NOTES   500   /* limits the kinds of notes */
 #define MAX_CORNERS 1000u /* of a face */
 #define MAX_UNKNOWN 100   /* unknown statements after which the file is taken not to be OBJ */
 
@@ -22,8 +20,8 @@ lc_status lc_obj_note(lc_obj *o, lc_pos where, const char *kind, const char *fmt
     va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    lc_text_clean(text);
-    return lc_scene_note_at(o->scene, where, o->scene->n_notes < MAX_NOTES ? kind : "other", "%s", text);
+    lc_status st = lc_build_at_pos(o->scene, where);
+    return st ? st : lc_build_note(o->scene, kind, text);
 }
 
 const char *lc_obj_join(lc_obj *o, const char *folder, const lc_obj_word *name)
@@ -101,17 +99,20 @@ static lc_status flush(lc_obj *o, lc_pos where)
         normals |= o->corners[i][2] > 0;
     }
     const lc_obj_material *m = &o->materials[o->material];
-    lc_mesh_desc mesh = {
-        .n_verts = b.n_verts, .n_tris = (uint32_t)(b.n / 3), .pos = b.pos, .index = b.index
-    };
+    lc_build_mesh_desc mesh = LC_BUILD_MESH_DESC_INIT;
+    mesh.n_vertices = b.n_verts;
+    mesh.n_triangles = (uint32_t)(b.n / 3);
+    mesh.positions = b.pos;
+    mesh.indices = b.index;
     mesh.uv = uv ? b.uv : NULL;
-    mesh.normal = normals ? b.normal : NULL;
-    mesh.material_id = m->id;
-    mesh.emission = m->emission;
-    mesh.emission_map = lc_f3_max(m->emission) > 0 ? m->emission_map : 0;
-    mesh.alpha = m->has_alpha ? &m->alpha : NULL;
-    if (!st) st = lc_scene_add_mesh(o->scene, where, &mesh);
-    if (!st) st = lc_scene_count_feature(o->scene, "shape", "faces", LC_SUPPORT_YES, NULL);
+    mesh.normals = normals ? b.normal : NULL;
+    mesh.material = m->id;
+    memcpy(mesh.emission, m->emission, sizeof mesh.emission);
+    if (lc_f3_max(lc_f3_load(m->emission)) > 0) mesh.emission_picture = m->emission_picture;
+    mesh.alpha = m->alpha;
+    if (!st) st = lc_build_at_pos(o->scene, where);
+    if (!st) st = lc_build_mesh(o->scene, &mesh);
+    if (!st) st = lc_build_feature(o->scene, "shape", "faces", LC_SUPPORT_YES, NULL);
     free_build(o, &b);
     o->n_corners = 0;
     return st;
@@ -340,18 +341,22 @@ bool lc_obj_is(const uint8_t *head, size_t len)
 static lc_status run(lc_scene *scene, const char *path, bool no_files, const char *data, size_t size)
 {
     const char *slash = strrchr(path, '/');
-    lc_obj o = { .ctx = scene->ctx, .scene = scene, .no_files = no_files };
+    lc_obj o = { .ctx = lc_build_context(scene), .scene = scene, .no_files = no_files };
+    const lc_build_film_desc film = lc_build_usual_film();
     lc_obj_lines l;
     lc_pos where = { path, 0, 0 };
     lc_arena_init(&o.arena, o.ctx);
     o.path = path;
     o.folder = lc_arena_text(&o.arena, path, slash ? (size_t)(slash - path) + 1 : 0);
     lc_obj_open_lines(o.ctx, path, data, size, &l);
-    lc_status st = o.folder ? lc_scene_usual_film(scene, where) : LC_ERR_MEMORY;
+    lc_status st = o.folder ? lc_build_at_pos(scene, where) : LC_ERR_MEMORY;
+    if (!st) st = lc_build_film(scene, &film);
+    if (!st) st = lc_build_paths(scene, 1, LC_USUAL_DEPTH);
     if (!st) st = lc_obj_default_material(&o);
     if (!st) st = parse_lines(&o, &l);
-    if (!st) st = lc_scene_usual_camera(scene, where);
-    if (!st) st = lc_scene_check_lit(scene, where);
+    if (!st) st = lc_build_at_pos(scene, where);
+    if (!st) st = lc_build_usual_camera(scene);
+    if (!st && !lc_build_is_lit(scene)) st = lc_build_note(scene, "no lights", LC_UNLIT);
     lc_free(o.ctx, o.pos, o.cap_pos, sizeof *o.pos);
     lc_free(o.ctx, o.uv, o.cap_uv, sizeof *o.uv);
     lc_free(o.ctx, o.normal, o.cap_normal, sizeof *o.normal);
@@ -366,19 +371,19 @@ static lc_status run(lc_scene *scene, const char *path, bool no_files, const cha
 lc_status lc_obj_parse(lc_scene *scene, const char *path)
 {
     lc_file file;
-    lc_status st = lc_file_read(scene->ctx, (lc_pos){ path, 0, 0 }, path, NULL, &file);
+    lc_status st = lc_file_read(lc_build_context(scene), (lc_pos){ path, 0, 0 }, path, NULL, &file);
     if (st) return st;
     st = run(scene, path, false, file.data, file.size);
-    lc_file_free(scene->ctx, &file);
+    lc_file_free(lc_build_context(scene), &file);
     return st;
 }
 
 lc_status lc_obj_parse_memory(lc_scene *scene, const char *name, const void *data, size_t size)
 {
     lc_file file;
-    lc_status st = lc_file_of_memory(scene->ctx, data, size, &file);
+    lc_status st = lc_file_of_memory(lc_build_context(scene), data, size, &file);
     if (st) return st;
     st = run(scene, name, true, file.data, file.size);
-    lc_file_free(scene->ctx, &file);
+    lc_file_free(lc_build_context(scene), &file);
     return st;
 }

@@ -8,7 +8,7 @@
 #ifndef LC_OBJ_H
 #define LC_OBJ_H
 
-#include "scene/scene.h"
+#include "build/reader.h"
 
 /* Whether the first bytes are a statement of OBJ, behind comments and empty lines. */
 bool lc_obj_is(const uint8_t *head, size_t len);

@@ -2,7 +2,9 @@
 #ifndef LC_OBJ_STATE_H
 #define LC_OBJ_STATE_H
 
-#include "scene/scene.h"
+#include "base/arena.h"
+#include "base/vec.h"
+#include "build/reader.h"
 
 /* Text by lines, of which a backslash at the end continues one, and by words. */
 typedef struct lc_obj_lines {
@@ -39,16 +41,14 @@ lc_status lc_obj_numbers(lc_obj_lines *l, uint32_t least, uint32_t most, float *
 typedef struct lc_obj_material {
     const char *name; /* in the arena */
     uint32_t id;
-    lc_f3 emission;
-    uint32_t emission_map;
-    bool has_alpha;
-    lc_mesh_alpha alpha;
+    float emission[3];
+    uint32_t emission_picture;
+    float alpha;
 } lc_obj_material;
 
 typedef struct lc_obj_image {
     const char *path; /* in the arena */
-    bool emission;    /* an emission map, else an image of textures */
-    uint32_t id;
+    uint32_t picture;
 } lc_obj_image;
 
 typedef struct lc_obj {
@@ -65,8 +65,8 @@ typedef struct lc_obj {
     size_t n_materials, cap_materials;
     lc_obj_image *images;
     size_t n_images, cap_images;
-    size_t material; /* in force */
-    uint32_t *by_name; /* a table of materials by name, n_by_name entries, a power of two; 0: free */
+    size_t material;           /* in force */
+    uint32_t *by_name;         /* a table of materials by name, n_by_name entries, a power of two; 0: free */
     size_t n_by_name, n_named; /* n_named: materials that it holds */
 } lc_obj;
 

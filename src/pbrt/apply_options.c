@@ -11,6 +11,8 @@
 
 /* Limit the scene's own samples per pixel. Lightcuts leave no noise of light sampling to average, so samples
  * serve antialiasing only; a lens needs more. */
+#define MAX_SPP      65536u /* of lc_build_film_desc */
+#define MAX_DEPTH    1000   /* of lc_build_paths */
 #define MAX_FILE_SPP 4
 #define MAX_LENS_SPP 16
 
@@ -24,6 +26,7 @@ void lc_pbrt_options_init(lc_pbrt_options *opt)
     opt->focal_distance = 1e6;
     opt->world_to_camera = lc_xform_identity();
     opt->fov = 90;
+    opt->medium = LC_NO_MEDIUM;
 }
 
 static lc_status get_side(lc_pbrt *p, const char *name, int64_t *side)
@@ -122,7 +125,7 @@ lc_status lc_pbrt_sampler(lc_pbrt *p, const lc_pbrt_stmt *s)
     }
     if (n < 1) return lc_pbrt_bad_param(&p->params, par, "is below 1");
     p->v2 |= !strcmp(s->text[0], "bestcandidate") || !strcmp(s->text[0], "adaptive");
-    p->opt.spp = n < LC_MAX_SPP ? (uint32_t)n : LC_MAX_SPP;
+    p->opt.spp = n < MAX_SPP ? (uint32_t)n : MAX_SPP;
     p->opt.spp_pos = par ? par->pos : (lc_pos){ .file = NULL };
     return LC_OK;
 }
@@ -133,7 +136,7 @@ static lc_status limit_spp(lc_pbrt *p, uint32_t *spp)
     if (*spp <= most) return LC_OK;
     uint32_t n = *spp;
     *spp = most;
-    if (!p->opt.spp_pos.file || p->scene->load.spp) return LC_OK;
+    if (!p->opt.spp_pos.file || lc_build_asked(p->scene)->spp) return LC_OK;
     return lc_pbrt_note(
         p, p->opt.spp_pos, "sampler pixelsamples",
         "%u samples per pixel: %u are taken, for here they serve antialiasing only; --spp overrides", n,
@@ -141,28 +144,28 @@ static lc_status limit_spp(lc_pbrt *p, uint32_t *spp)
 }
 
 /* Without an Integrator pbrt v4 and v3 trace paths (volpath, path), v2 and v1 have direct light alone. */
-void lc_pbrt_usual_integrator(lc_pbrt *p)
+lc_status lc_pbrt_usual_integrator(lc_pbrt *p)
 {
-    if (!p->has_integrator) p->scene->traces_paths = p->v4 || !p->v2;
+    return p->has_integrator ? LC_OK : lc_build_paths(p->scene, p->v4 || !p->v2, LC_USUAL_DEPTH);
 }
 
 /* Records whether the integrator traces paths, and their depth. The last statement applies. */
 lc_status lc_pbrt_integrator(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     const lc_pbrt_param *par;
-    int64_t depth = LC_PBRT_DEPTH;
+    int64_t depth = LC_USUAL_DEPTH;
+    bool traces = false;
     static const char *const tracing[] = { "path",        "volpath", "simplepath",     "simplevolpath",
                                            "bdpt",        "mlt",     "sppm",           "photonmap",
                                            "exphotonmap", "igi",     "irradiancecache" };
     p->has_integrator = true;
-    p->scene->traces_paths = false;
     for (size_t i = 0; i < sizeof tracing / sizeof *tracing; i++)
-        if (!strcmp(s->text[0], tracing[i])) p->scene->traces_paths = true;
+        if (!strcmp(s->text[0], tracing[i])) traces = true;
     lc_status st = lc_pbrt_get_int(&p->params, "maxdepth", &depth, &par);
     if (st) return st;
     lc_pbrt_mark_all(&p->params);
-    p->scene->max_depth = depth < 1 ? 1 : depth < LC_MAX_DEPTH ? (uint32_t)depth : LC_MAX_DEPTH;
-    if (depth >= 1 || p->scene->load.max_depth) return LC_OK;
+    st = lc_build_paths(p->scene, traces, depth < 1 ? 1 : depth < MAX_DEPTH ? (uint32_t)depth : MAX_DEPTH);
+    if (st || depth >= 1 || lc_build_asked(p->scene)->max_depth) return st;
     return lc_pbrt_note(p, par->pos, "maxdepth", "a maxdepth below 1 is taken as 1: direct light");
 }
 
@@ -237,7 +240,7 @@ lc_status lc_pbrt_camera(lc_pbrt *p, const lc_pbrt_stmt *s)
     o->camera_pos = s->pos;
     o->has_camera = true;
     o->world_to_camera = p->ctm;
-    p->scene->media.around = p->attrs.sides.outside;
+    o->medium = p->attrs.sides.outside;
     lc_xform inverse;
     if (!lc_xform_invert(&p->ctm, &inverse))
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the camera's transform is singular");
@@ -261,7 +264,7 @@ static void crop_axis(const lc_pbrt_options *o, int64_t size, int axis, uint32_t
     if (o->bounds[2 * axis] > lo) lo = o->bounds[2 * axis];
     if (o->bounds[2 * axis + 1] < hi) hi = o->bounds[2 * axis + 1];
     out[0] = (uint32_t)(lo < size ? lo : size);
-    out[1] = (uint32_t)(hi > 0 ? hi : 0); /* lc_scene_set_film rejects lo >= hi */
+    out[1] = (uint32_t)(hi > 0 ? hi : 0);
 }
 
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
@@ -271,21 +274,34 @@ lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
         o->width = 1280;
         o->height = 720;
     }
-    lc_film_desc film = { .filename = o->filename, .spp = o->spp };
+    lc_build_film_desc film = LC_BUILD_FILM_DESC_INIT;
+    lc_pixel_filter_desc filter;
+    film.filename = o->filename;
+    film.spp = o->spp;
     memcpy(film.white, o->white, sizeof film.white);
-    lc_pbrt_filter_desc(p, &film.filter);
+    lc_pbrt_filter_desc(p, &filter);
+    film.filter = (lc_build_pixel_filter)filter.kind;
+    memcpy(film.radius, filter.radius, sizeof film.radius);
+    memcpy(film.shape, filter.shape, sizeof film.shape);
+    film.own_shape = 1;
     film.width = (uint32_t)o->width;
     film.height = (uint32_t)o->height;
     crop_axis(o, o->width, 0, film.crop);
     crop_axis(o, o->height, 1, film.crop + 2);
+    if (film.crop[0] >= film.crop[1]) film.crop[0] = film.width; /* empty, and not all 0 */
     double scale = o->scale * (p->v4 ? o->iso / 100 * o->shutter : 1);
     film.scale = scale <= (double)FLT_MAX ? (float)scale : INFINITY;
     lc_status st = limit_spp(p, &film.spp);
-    if (!st) st = lc_scene_set_film(p->scene, o->film_pos.file ? o->film_pos : where, &film);
+    if (!st) st = lc_pbrt_at(p, o->film_pos.file ? o->film_pos : where);
+    if (!st) st = lc_build_film(p->scene, &film);
     if (st) return st;
 
-    lc_camera_desc camera = { .kind = o->camera, .fov_degrees = o->fov, .lens_radius = o->lens_radius };
+    lc_build_camera_desc camera = LC_BUILD_CAMERA_DESC_INIT;
+    camera.kind = (lc_build_camera_kind)o->camera;
+    camera.fov = o->fov;
+    camera.lens_radius = o->lens_radius;
     camera.focal_distance = o->focal_distance;
+    camera.medium = o->medium;
     memcpy(camera.world_to_camera, o->world_to_camera.m, sizeof camera.world_to_camera);
     double aspect = o->aspect > 0 ? o->aspect : (double)o->width / (double)o->height;
     double x = aspect > 1 ? aspect : 1, y = aspect > 1 ? 1 : 1 / aspect;
@@ -296,5 +312,9 @@ lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
         o->screen[3] = y;
     }
     memcpy(camera.screen, o->screen, sizeof camera.screen);
-    return lc_scene_add_camera(p->scene, o->has_camera ? o->camera_pos : where, &camera);
+    st = lc_pbrt_at(p, o->has_camera ? o->camera_pos : where);
+    return st ? st : lc_build_camera(p->scene, &camera);
 }
+
+_Static_assert((int)LC_BUILD_PANORAMA == (int)LC_CAMERA_LATLONG && (int)LC_BUILD_SINC == (int)LC_PIXEL_SINC,
+               "numbers of lightcuts.h");

@@ -12,8 +12,9 @@
 
 #define MAX_SIDE LC_SIZE(16, 4) /* limits n */
 #define MAX_TRIS (8u << 20)     /* limits the triangles of a shape: its patches then get fewer cells */
-#define MAX_OFF 1e-3            /* limits the distance from the patch, as a fraction of its diagonal;
-                                 * chosen */
+#define MAX_OFF                                                                                              \
+    1e-3 /* limits the distance from the patch, as a fraction of its diagonal;                               \
+          * chosen */
 
 typedef struct patch {
     double p[4][3], n[4][3], uv[4][2];
@@ -119,7 +120,7 @@ static void put_patch(lc_pbrt *p, const patch *q, uint32_t side, output *o)
         }
 }
 
-static lc_status cut(lc_pbrt *p, const lc_pbrt_stmt *s, const patches *all, lc_mesh_desc *mesh)
+static lc_status cut(lc_pbrt *p, const lc_pbrt_stmt *s, const patches *all, lc_pbrt_mesh *mesh)
 {
     size_t counts[MAX_SIDE + 1] = { 0 };
     output o = { .given = all->normal != NULL };
@@ -127,7 +128,8 @@ static lc_status cut(lc_pbrt *p, const lc_pbrt_stmt *s, const patches *all, lc_m
     uint32_t id, most = MAX_SIDE;
     lc_status st = lc_pbrt_current_material(p, &id);
     if (st) return st;
-    const bool textured = lc_scene_is_textured(p->scene, id); /* o.uv may be set without */
+    const bool textured = (lc_build_traits(p->scene, id) & LC_TRAIT_TEXTURED) !=
+                          0; /* o.uv may be set without */
     for (size_t i = 0; i < all->n; i++) {
         fetch(all, i, &q);
         counts[side_of(&q, textured)]++;
@@ -154,7 +156,7 @@ static lc_status cut(lc_pbrt *p, const lc_pbrt_stmt *s, const patches *all, lc_m
         uint32_t side = side_of(&q, textured);
         put_patch(p, &q, side < most ? side : most, &o);
     }
-    *mesh = (lc_mesh_desc){ .n_verts = (uint32_t)o.n_verts,
+    *mesh = (lc_pbrt_mesh){ .n_verts = (uint32_t)o.n_verts,
                             .n_tris = (uint32_t)o.n_tris,
                             .pos = p->pos,
                             .normal = o.normals ? p->normal : NULL,
@@ -163,7 +165,7 @@ static lc_status cut(lc_pbrt *p, const lc_pbrt_stmt *s, const patches *all, lc_m
     return LC_OK;
 }
 
-lc_status lc_pbrt_bilinear_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_bilinear_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     const lc_pbrt_param *pos = lc_pbrt_find(&p->params, "P", LC_PBRT_TRIPLE);
     const lc_pbrt_param *normal = lc_pbrt_find(&p->params, "N", LC_PBRT_TRIPLE);

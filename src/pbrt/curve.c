@@ -18,12 +18,13 @@
 #include <string.h>
 
 #define MAX_SIDES 8
-#define MIN_SINE 1e-6 /* of the angle between two unit vectors: below, their cross product has no direction */
-#define OFF 0.02 /* limits the deviation of a step, as a fraction of the curve's width; chosen */
+#define MIN_SINE  1e-6 /* of the angle between two unit vectors: below, their cross product has no direction \
+                        */
+#define OFF  0.02      /* limits the deviation of a step, as a fraction of the curve's width; chosen */
 #define FULL LC_SIZE((uint64_t)1 << 18, 1 << 9) /* triangles at the finest level */
 
 static const struct level {
-    uint64_t up_to; /* the level applies until so many triangles of curves have been made */
+    uint64_t up_to;        /* the level applies until so many triangles of curves have been made */
     uint32_t sides, steps; /* 2 sides: a strip */
 } levels[] = { { FULL, MAX_SIDES, 16 }, { 4 * FULL, 4, 8 }, { 8 * FULL, 3, 4 }, { 24 * FULL, 2, 2 } };
 #define N_LEVELS (sizeof levels / sizeof *levels)
@@ -36,9 +37,9 @@ typedef struct spline {
 } spline;
 
 typedef struct tube {
-    uint32_t sides, steps, row; /* row: vertices of a ring */
+    uint32_t sides, steps, row;                               /* row: vertices of a ring */
     double swell, cosine[MAX_SIDES + 1], sine[MAX_SIDES + 1]; /* swell: factor by which the tube is thicker */
-    double x[3], y[3], tangent[3]; /* the orthonormal frame of the last ring */
+    double x[3], y[3], tangent[3];                            /* the orthonormal frame of the last ring */
     bool uv;
     size_t n_verts, n_tris;
 } tube;
@@ -233,7 +234,7 @@ static void put_segment(lc_pbrt *p, const spline *c, size_t segment, tube *o)
 }
 
 static lc_status put_all(lc_pbrt *p, const spline *c, const struct level *level, size_t most,
-                         lc_mesh_desc *mesh)
+                         lc_pbrt_mesh *mesh)
 {
     tube o = { .sides = c->normals ? 2 : level->sides,
                .steps = level->steps,
@@ -251,7 +252,7 @@ static lc_status put_all(lc_pbrt *p, const spline *c, const struct level *level,
     if (!st) st = lc_pbrt_uv_room(p, n_verts, &o.uv);
     for (size_t i = 0; i < c->n_segments && !st; i++) put_segment(p, c, i, &o);
     if (st) return st;
-    *mesh = (lc_mesh_desc){ .n_verts = (uint32_t)o.n_verts,
+    *mesh = (lc_pbrt_mesh){ .n_verts = (uint32_t)o.n_verts,
                             .n_tris = (uint32_t)o.n_tris,
                             .pos = p->pos,
                             .normal = p->normal,
@@ -317,7 +318,7 @@ static lc_status get_width(lc_pbrt *p, spline *c)
     return st;
 }
 
-lc_status lc_pbrt_curve(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_curve(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     spline c = { .n_segments = 0 };
     size_t level = 0, n = 0;

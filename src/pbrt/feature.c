@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define MAX_NAME 90 /* bytes of a feature's name */
+
 static const struct kind {
     const char *directive, *name;
     bool by_directive;  /* the feature has the directive's name, else that of the class */
@@ -38,18 +40,22 @@ static const struct kind {
 
 lc_status lc_pbrt_count_feature(lc_pbrt *p, const char *directive, uint64_t n_noted)
 {
-    lc_scene *scene = p->scene;
     char name[96];
+    const char *text;
     size_t i = 0, n = sizeof kinds / sizeof *kinds;
     while (i < n && strcmp(kinds[i].directive, directive)) i++;
     if (i == n) return LC_OK;
-    bool noted = scene->n_noted > n_noted;
+    bool noted = lc_build_noted(p->scene, &text) > n_noted;
     lc_support support = p->ignored                 ? LC_SUPPORT_IGNORED
                          : noted || kinds[i].remark ? LC_SUPPORT_APPROXIMATED
                                                     : LC_SUPPORT_YES;
-    bool full = scene->n_features >= LC_PBRT_MAX_KINDS;
-    snprintf(name, sizeof name, "%.90s", full ? "other" : kinds[i].by_directive ? directive : p->owner);
-    lc_pbrt_printable(name);
-    return lc_scene_count_feature(scene, kinds[i].name, name, support,
-                                  noted ? scene->noted : kinds[i].remark);
+    const char *own = kinds[i].by_directive ? directive : p->owner;
+    size_t len = 0;
+    while (len < MAX_NAME && own[len] >= ' ' && own[len] < 127) len++;
+    if (own[len]) { /* almost no name is so long or not ASCII */
+        snprintf(name, sizeof name, "%.*s", MAX_NAME, own);
+        lc_pbrt_printable(name);
+        own = name;
+    }
+    return lc_build_feature(p->scene, kinds[i].name, own, support, noted ? text : kinds[i].remark);
 }

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* Integer images are decoded as sRGB. */
-lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap *out, bool *there)
+lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_picture *out, bool *there)
 {
     const char *path;
     lc_file file;
@@ -29,70 +29,64 @@ lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipma
     st = lc_raster_decode(p->ctx, path, &bytes, &raster);
     *there = !st;
     lc_file_free(p->ctx, &file);
-    if (*there) st = lc_mipmap_build(p->ctx, &raster, (lc_encoding){ LC_ENCODING_SRGB, 1 }, out);
+    out->width = raster.width;
+    out->height = raster.height;
+    if (*there) st = lc_pbrt_at(p, where);
+    if (*there && !st) st = lc_build_raster(p->scene, &raster, LC_BUILD_SRGB8, 0, &out->id);
     lc_raster_free(p->ctx, &raster);
     return st;
 }
 
-lc_status lc_pbrt_constant_map(lc_pbrt *p, lc_mipmap *out)
+lc_status lc_pbrt_constant_map(lc_pbrt *p, lc_pbrt_picture *out)
 {
     float white[3] = { 1, 1, 1 };
     const lc_raster raster = { 1, 1, 3, LC_RASTER_F32, white };
-    return lc_mipmap_build(p->ctx, &raster, (lc_encoding){ LC_ENCODING_LINEAR, 1 }, out);
+    out->width = out->height = 1;
+    return lc_build_raster(p->scene, &raster, LC_BUILD_LINEAR8, 0, &out->id);
 }
 
-static lc_status get_map(lc_pbrt *p, lc_env *env, bool *is_image)
+static lc_status get_map(lc_pbrt *p, lc_build_environment_desc *env, bool *is_image)
 {
     const char *v4 = NULL, *v3 = NULL;
     const lc_pbrt_param *v4_par, *v3_par;
+    lc_pbrt_picture map;
     lc_status st = lc_pbrt_get_text(&p->params, "filename", &v4, &v4_par);
     if (!st) st = lc_pbrt_get_text(&p->params, "mapname", &v3, &v3_par);
     *is_image = false;
-    if (!st && v4 && *v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, &env->map, is_image);
-    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, &env->map, is_image);
-    env->mapping = LC_ENV_EQUAL_AREA;
-    if (*is_image && (!(v4 && *v4) || lc_env_width(env) != lc_env_height(env))) env->mapping = LC_ENV_LATLONG;
-    return st || *is_image ? st : lc_pbrt_constant_map(p, &env->map);
+    if (!st && v4 && *v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, &map, is_image);
+    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, &map, is_image);
+    if (!st && !*is_image) st = lc_pbrt_constant_map(p, &map);
+    if (st) return st;
+    env->picture = map.id;
+    env->equal_area = !*is_image || (v4 && *v4 && map.width == map.height);
+    return LC_OK;
 }
 
-/* The illuminance of a surface by the upper half of the map. It includes pbrt-v4's factor of 1/2: pbrt takes
- * texels for half as large as they are. */
-static double upper_illuminance(const lc_env *env)
-{
-    double sum = 0, rgb[3], w[3];
-    for (uint32_t y = 0; y < lc_env_height(env); y++) {
-        double solid = lc_env_solid_angle(env, y);
-        for (uint32_t x = 0; x < lc_env_width(env); x++) {
-            lc_env_direction(env, x + 0.5, y + 0.5, w);
-            if (!(w[2] > 0)) continue;
-            lc_env_texel(env, x, y, rgb);
-            sum += (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]) * w[2] * solid;
-        }
-    }
-    return 0.5 * sum;
-}
-
-static lc_status apply_illuminance(lc_pbrt *p, lc_env *env, bool is_image)
+/* pbrt-v4 takes texels for half as large as they are. */
+static lc_status apply_illuminance(lc_pbrt *p, lc_build_environment_desc *env, bool is_image, lc_f3 *scale)
 {
     double wanted = 0;
     lc_status st = lc_pbrt_get_float(&p->params, "illuminance", &wanted, NULL);
     if (st || !(wanted > 0)) return st;
-    double has = is_image ? upper_illuminance(env) : LC_PI;
-    if (has > 0) env->scale = lc_f3_scale(env->scale, (float)(wanted / has));
+    if (is_image) env->illuminance = 2 * wanted;
+    else *scale = lc_f3_scale(*scale, (float)(wanted / LC_PI));
     return LC_OK;
 }
 
 lc_status lc_pbrt_infinite_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    lc_env env = { .scale = { 1, 1, 1 }, .to_world = p->ctm };
+    lc_build_environment_desc env = LC_BUILD_ENVIRONMENT_DESC_INIT;
+    lc_f3 scale = lc_f3_make(1, 1, 1);
+    lc_xform inverse;
     bool is_image = false;
-    if (!lc_xform_invert(&p->ctm, &env.to_light))
+    if (!lc_xform_invert(&p->ctm, &inverse))
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the light's transform is singular");
-    lc_status st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &env.scale, NULL);
-    if (!st) st = lc_pbrt_light_scale(p, &env.scale);
+    memcpy(env.to_world, p->ctm.m, sizeof env.to_world);
+    lc_status st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &scale, NULL);
+    if (!st) st = lc_pbrt_light_scale(p, &scale);
     if (!st) st = get_map(p, &env, &is_image);
-    if (!st) st = apply_illuminance(p, &env, is_image);
-    if (!st) st = lc_scene_add_env(p->scene, s->pos, &env);
-    if (st) lc_mipmap_free(p->ctx, &env.map);
-    return st;
+    if (!st) st = apply_illuminance(p, &env, is_image, &scale);
+    lc_f3_store(env.scale, scale);
+    if (!st) st = lc_pbrt_at(p, s->pos);
+    return st ? st : lc_build_environment(p->scene, &env);
 }

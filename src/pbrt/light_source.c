@@ -6,6 +6,8 @@
  */
 #include "pbrt/light_source.h"
 
+#include "shade/light.h"
+
 #include <string.h>
 
 lc_status lc_pbrt_light_scale(lc_pbrt *p, lc_f3 *colour)
@@ -45,65 +47,71 @@ static lc_status get_attenuation(lc_pbrt *p, lc_pos where, float atten[3])
     return LC_OK;
 }
 
-lc_status lc_pbrt_light_position(lc_pbrt *p, const char *name, const char *alias, lc_f3 *out)
+lc_status lc_pbrt_light_position(lc_pbrt *p, const char *name, const char *alias, float out[3])
 {
     double v[3] = { 0, 0, 0 };
-    float world[3];
     lc_status st = alias ? lc_pbrt_get_triple(&p->params, alias, v, NULL) : LC_OK;
     if (!st) st = lc_pbrt_get_triple(&p->params, name, v, NULL);
-    lc_xform_point(&p->ctm, v, world);
-    *out = lc_f3_load(world);
+    lc_xform_point(&p->ctm, v, out);
     return st;
 }
 
-lc_status lc_pbrt_light_direction(lc_pbrt *p, lc_pos where, const double v[3], lc_f3 *out)
+lc_status lc_pbrt_light_direction(lc_pbrt *p, lc_pos where, const double v[3], double out[3])
 {
-    double w[3], max;
-    lc_xform_vector(&p->ctm, v, w);
-    max = fmax(fabs(w[0]), fmax(fabs(w[1]), fabs(w[2])));
-    if (!(max > 0 && max <= DBL_MAX))
-        return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the light's direction is zero or out of range");
-    /* Not by way of floats: gcc 12 at -O2 leaves out the roundings of a double -> float -> double. */
-    *out = lc_f3_normalize_d(w[0] / max, w[1] / max, w[2] / max);
-    return LC_OK;
+    lc_xform_vector(&p->ctm, v, out);
+    double max = fmax(fabs(out[0]), fmax(fabs(out[1]), fabs(out[2])));
+    if (max > 0 && max <= DBL_MAX) return LC_OK;
+    return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the light's direction is zero or out of range");
+}
+
+lc_status lc_pbrt_add_light(lc_pbrt *p, lc_pos where, lc_f3 intensity, lc_build_light_desc *light)
+{
+    lc_status st = lc_pbrt_at(p, where);
+    lc_f3_store(light->intensity, intensity);
+    return st ? st : lc_build_light(p->scene, light);
 }
 
 static lc_status point_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    lc_light light = { .kind = LC_LIGHT_POINT, .intensity = { 1, 1, 1 } };
-    lc_status st = lc_pbrt_light_position(p, "from", NULL, &light.pos);
-    if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
-    if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
-    if (!st) st = lc_pbrt_light_photometric(p, "power", 1 / (4 * LC_PI), &light.intensity);
-    if (!st) st = get_attenuation(p, s->pos, light.atten);
-    return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
+    lc_build_light_desc light = LC_BUILD_LIGHT_DESC_INIT;
+    lc_f3 i = lc_f3_make(1, 1, 1);
+    lc_status st = lc_pbrt_light_position(p, "from", NULL, light.position);
+    if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &i, NULL);
+    if (!st) st = lc_pbrt_light_scale(p, &i);
+    if (!st) st = lc_pbrt_light_photometric(p, "power", 1 / (4 * LC_PI), &i);
+    if (!st) st = get_attenuation(p, s->pos, light.attenuation);
+    return st ? st : lc_pbrt_add_light(p, s->pos, i, &light);
 }
 
 static lc_status oriented_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    lc_light light = { .kind = LC_LIGHT_ORIENTED, .intensity = { 1, 1, 1 } };
+    lc_build_light_desc light = LC_BUILD_LIGHT_DESC_INIT;
+    lc_f3 i = lc_f3_make(1, 1, 1);
     double dir[3] = { 0, 0, 1 };
-    lc_status st = lc_pbrt_light_position(p, "position", "from", &light.pos);
+    light.kind = LC_BUILD_ORIENTED;
+    lc_status st = lc_pbrt_light_position(p, "position", "from", light.position);
     if (!st) st = lc_pbrt_get_triple(&p->params, "direction", dir, NULL);
-    if (!st) st = lc_pbrt_light_direction(p, s->pos, dir, &light.dir);
-    if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
-    if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
-    if (!st) st = get_attenuation(p, s->pos, light.atten);
-    return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
+    if (!st) st = lc_pbrt_light_direction(p, s->pos, dir, light.direction);
+    if (!st) st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &i, NULL);
+    if (!st) st = lc_pbrt_light_scale(p, &i);
+    if (!st) st = get_attenuation(p, s->pos, light.attenuation);
+    return st ? st : lc_pbrt_add_light(p, s->pos, i, &light);
 }
 
 static lc_status distant_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    lc_light light = { .kind = LC_LIGHT_DIRECTIONAL, .intensity = { 1, 1, 1 }, .atten = { 1, 0, 0 } };
+    lc_build_light_desc light = LC_BUILD_LIGHT_DESC_INIT;
+    lc_f3 e = lc_f3_make(1, 1, 1);
     double from[3] = { 0, 0, 0 }, to[3] = { 0, 0, 1 };
+    light.kind = LC_BUILD_DIRECTIONAL;
     lc_status st = lc_pbrt_get_triple(&p->params, "from", from, NULL);
     if (!st) st = lc_pbrt_get_triple(&p->params, "to", to, NULL);
     double dir[3] = { to[0] - from[0], to[1] - from[1], to[2] - from[2] };
-    if (!st) st = lc_pbrt_light_direction(p, s->pos, dir, &light.dir);
-    if (!st) st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &light.intensity, NULL);
-    if (!st) st = lc_pbrt_light_scale(p, &light.intensity);
-    if (!st) st = lc_pbrt_light_photometric(p, "illuminance", 1, &light.intensity);
-    return st ? st : lc_scene_add_light(p->scene, s->pos, &light);
+    if (!st) st = lc_pbrt_light_direction(p, s->pos, dir, light.direction);
+    if (!st) st = lc_pbrt_get_colour(p, "L", LC_PBRT_FOR_LIGHT, &e, NULL);
+    if (!st) st = lc_pbrt_light_scale(p, &e);
+    if (!st) st = lc_pbrt_light_photometric(p, "illuminance", 1, &e);
+    return st ? st : lc_pbrt_add_light(p, s->pos, e, &light);
 }
 
 static const struct {
@@ -138,7 +146,7 @@ static lc_status area_picture(lc_pbrt *p, uint32_t *map)
 {
     const char *name = NULL;
     const lc_pbrt_param *par;
-    lc_mipmap picture;
+    lc_pbrt_picture picture;
     bool there;
     lc_status st = lc_pbrt_get_text(&p->params, "filename", &name, &par);
     if (st || !name || !*name) return st;
@@ -149,9 +157,8 @@ static lc_status area_picture(lc_pbrt *p, uint32_t *map)
     }
     st = lc_pbrt_light_map(p, par->pos, name, &picture, &there);
     if (st || !there) return st;
-    st = lc_scene_add_emission_map(p->scene, &picture, map);
-    if (st) lc_mipmap_free(p->ctx, &picture);
-    return st ? st : lc_pbrt_map_put(&p->emission_names, &p->arena, name, *map);
+    *map = picture.id + 1;
+    return lc_pbrt_map_put(&p->emission_names, &p->arena, name, *map);
 }
 
 lc_status lc_pbrt_area_light(lc_pbrt *p, const lc_pbrt_stmt *s)

@@ -19,13 +19,20 @@ lc_status lc_pbrt_light_scale(lc_pbrt *p, lc_f3 *colour);
  * 0. */
 lc_status lc_pbrt_light_photometric(lc_pbrt *p, const char *name, double factor, lc_f3 *colour);
 /* A position parameter, under either name, transformed to world space by the current matrix. */
-lc_status lc_pbrt_light_position(lc_pbrt *p, const char *name, const char *alias, lc_f3 *out);
-/* A direction transformed to world space by the current matrix, normalized. */
-lc_status lc_pbrt_light_direction(lc_pbrt *p, lc_pos where, const double v[3], lc_f3 *out);
+lc_status lc_pbrt_light_position(lc_pbrt *p, const char *name, const char *alias, float out[3]);
+/* A direction transformed to world space by the current matrix, of any length. */
+lc_status lc_pbrt_light_direction(lc_pbrt *p, lc_pos where, const double v[3], double out[3]);
+/* Adds a light of this intensity to the scene. */
+lc_status lc_pbrt_add_light(lc_pbrt *p, lc_pos where, lc_f3 intensity, lc_build_light_desc *light);
+
+/* A picture of the scene. */
+typedef struct lc_pbrt_picture {
+    uint32_t id, width, height;
+} lc_pbrt_picture;
 
 /* infinite.c: decodes the image of a light. *there is false, after a note, if it cannot be read. */
-lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap *out, bool *there);
-/* A map of one white texel. */
-lc_status lc_pbrt_constant_map(lc_pbrt *p, lc_mipmap *out);
+lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_picture *out, bool *there);
+/* A picture of one white texel. */
+lc_status lc_pbrt_constant_map(lc_pbrt *p, lc_pbrt_picture *out);
 
 #endif

@@ -6,8 +6,8 @@
 #include <string.h>
 
 /* Limits the triangles that levels make in the whole scene, and so the memory to 1 GB. */
-#define MAX_TRIS LC_SIZE(4u << 20, 256u)
-#define MAX_LEVELS 20                    /* limits the loop for meshes without faces */
+#define MAX_TRIS   LC_SIZE(4u << 20, 256u)
+#define MAX_LEVELS 20 /* limits the loop for meshes without faces */
 
 /* The number of levels requested, reduced until the scene has at most MAX_TRIS triangles of them. */
 static lc_status get_levels(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t n_faces, uint32_t *out)
@@ -32,7 +32,7 @@ static lc_status get_levels(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t n_faces,
     return st;
 }
 
-static lc_status subdivide(lc_pbrt *p, lc_arena *arena, uint32_t levels, lc_subdiv *m, lc_mesh_desc *mesh)
+static lc_status subdivide(lc_pbrt *p, lc_arena *arena, uint32_t levels, lc_subdiv *m, lc_pbrt_mesh *mesh)
 {
     lc_status st = LC_OK;
     for (uint32_t i = 0; i < levels && !st; i++) {
@@ -54,13 +54,13 @@ static lc_status subdivide(lc_pbrt *p, lc_arena *arena, uint32_t levels, lc_subd
         }
     }
     memcpy(p->index, m->corner, 3 * (size_t)m->n_faces * sizeof *p->index);
-    *mesh = (lc_mesh_desc){
+    *mesh = (lc_pbrt_mesh){
         .n_verts = m->n_verts, .n_tris = m->n_faces, .pos = p->pos, .normal = p->normal, .index = p->index
     };
     return LC_OK;
 }
 
-lc_status lc_pbrt_loop_subdiv(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_loop_subdiv(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     const lc_pbrt_param *pos = lc_pbrt_find(&p->params, "P", LC_PBRT_TRIPLE);
     const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);

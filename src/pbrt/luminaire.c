@@ -11,28 +11,27 @@
 #include "base/fmath.h"
 #include "photometry/photometry.h"
 
+#include <string.h>
+
 #define MAX_SAMPLES  4096
 #define GOLDEN_ANGLE 137.50776405003785 /* degrees */
 
 /* A file that was read, and what the scene made of it. */
 struct lc_pbrt_table {
-    lc_photometry file;
-    uint32_t profile;
-    float peak; /* cd */
+    uint32_t id;
+    double opening[2]; /* as in lc_photometry */
+    bool round;
 };
 typedef struct lc_pbrt_table table;
 
 typedef struct fixture {
     const table *table;
-    lc_light light;
+    lc_build_light_desc light;
+    lc_f3 intensity;
     uint32_t samples;
 } fixture;
 
-void lc_pbrt_free_tables(lc_pbrt *p)
-{
-    for (size_t i = 0; i < p->n_tables; i++) lc_photometry_free(&p->tables[i].file);
-    lc_free(p->ctx, p->tables, p->cap_tables, sizeof *p->tables);
-}
+void lc_pbrt_free_tables(lc_pbrt *p) { lc_free(p->ctx, p->tables, p->cap_tables, sizeof *p->tables); }
 
 static lc_status read_table(lc_pbrt *p, lc_pos where, const char *path)
 {
@@ -41,12 +40,25 @@ static lc_status read_table(lc_pbrt *p, lc_pos where, const char *path)
     p->tables = items;
     if (st) return st;
     table *t = &p->tables[p->n_tables];
-    if ((st = lc_photometry_read(p->ctx, where, path, &t->file))) return st;
-    const uint32_t at = (uint32_t)p->n_tables++;
-    const lc_photometry *f = &t->file;
-    const lc_profile_desc desc = { f->azimuth, f->polar, f->candela, f->n_azimuth, f->n_polar };
-    st = lc_profiles_add(p->ctx, &p->scene->profiles, &desc, &t->profile, &t->peak);
-    return st ? st : lc_pbrt_map_put(&p->table_names, &p->arena, path, at);
+    lc_photometry f;
+    lc_build_luminaire_desc d = LC_BUILD_LUMINAIRE_DESC_INIT;
+    if ((st = lc_photometry_read(p->ctx, where, path, &f))) return st;
+    d.n_azimuth = f.n_azimuth;
+    d.n_polar = f.n_polar;
+    d.azimuth = f.azimuth;
+    d.polar = f.polar;
+    d.candela = f.candela;
+    memcpy(d.axis, f.axis, sizeof d.axis);
+    memcpy(d.zero, f.zero, sizeof d.zero);
+    d.lumens = f.lumens;
+    d.n_tilt = f.n_tilt;
+    d.tilt_angle = f.tilt_angle;
+    d.tilt_factor = f.tilt_factor;
+    *t = (table){ .opening = { f.opening[0], f.opening[1] }, .round = f.round };
+    st = lc_pbrt_at(p, where);
+    if (!st) st = lc_build_luminaire(p->scene, &d, &t->id);
+    lc_photometry_free(&f);
+    return st ? st : lc_pbrt_map_put(&p->table_names, &p->arena, path, (uint32_t)p->n_tables++);
 }
 
 /* Each file is read once. */
@@ -63,50 +75,22 @@ static lc_status get_table(lc_pbrt *p, lc_pos where, fixture *f)
     return st;
 }
 
-/* World direction of the axis, and that of azimuth 0 made to be across it. */
-static lc_status set_frame(lc_pbrt *p, lc_pos where, fixture *f)
+static lc_status set_intensity(lc_pbrt *p, fixture *f)
 {
-    lc_f3 zero, across;
-    lc_status st = lc_pbrt_light_position(p, "from", NULL, &f->light.pos);
-    if (!st) st = lc_pbrt_light_direction(p, where, f->table->file.axis, &f->light.dir);
-    if (!st) st = lc_pbrt_light_direction(p, where, f->table->file.zero, &zero);
-    if (st) return st;
-    const lc_f3 d = f->light.dir;
-    double along = (double)zero.x * (double)d.x + (double)zero.y * (double)d.y + (double)zero.z * (double)d.z;
-    if (!(fabs(along) < 1 - 1e-6))
-        return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the light's transform is singular");
-    across = lc_f3_normalize_d((double)zero.x - along * (double)d.x, (double)zero.y - along * (double)d.y,
-                               (double)zero.z - along * (double)d.z);
-    f->light.luminaire = lc_luminaire_make(across, f->table->profile, lc_pbrt_mirrored(p));
-    return LC_OK;
-}
-
-static lc_status set_intensity(lc_pbrt *p, lc_pos where, fixture *f)
-{
-    static const double down[3] = { 0, 0, -1 };
-    double lumens = 0, factor = 1;
     const lc_pbrt_param *par;
-    lc_f3 axis;
-    f->light.intensity = lc_f3_make(1, 1, 1);
-    lc_status st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &f->light.intensity, NULL);
-    if (!st) st = lc_pbrt_light_scale(p, &f->light.intensity);
-    if (!st) st = lc_pbrt_get_float(&p->params, "lumens", &lumens, &par);
-    if (!st && lumens < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
-    if (!st) st = lc_pbrt_light_direction(p, where, down, &axis);
-    if (st) return st;
-    if (lumens > 0 && f->table->file.lumens > 0) factor = lumens / f->table->file.lumens;
-    double z = -(double)axis.z, r = sqrt(fmax((1 - z) * (1 + z), 0));
-    factor *= lc_photometry_tilt(&f->table->file, lc_atan2(r, z) * (180 / LC_PI));
-    f->light.intensity = lc_f3_scale(f->light.intensity,
-                                     (float)(factor * (double)f->table->peak / f->samples));
-    return LC_OK;
+    f->intensity = lc_f3_make(1, 1, 1);
+    lc_status st = lc_pbrt_get_colour(p, "I", LC_PBRT_FOR_LIGHT, &f->intensity, NULL);
+    if (!st) st = lc_pbrt_light_scale(p, &f->intensity);
+    if (!st) st = lc_pbrt_get_float(&p->params, "lumens", &f->light.lumens, &par);
+    if (!st && f->light.lumens < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
+    return st;
 }
 
 /* Place i of n on the opening, -0.5..0.5: on a grid of about the opening's shape, or a spiral on a disc. */
 static void place(const fixture *f, uint32_t columns, uint32_t i, double out[2])
 {
     uint32_t n = f->samples;
-    if (f->table->file.round) {
+    if (f->table->round) {
         double r = 0.5 * sqrt((i + 0.5) / n), sine, cosine;
         lc_sincos_deg(GOLDEN_ANGLE * i, &sine, &cosine);
         out[0] = r * cosine;
@@ -121,26 +105,24 @@ static void place(const fixture *f, uint32_t columns, uint32_t i, double out[2])
 
 static lc_status add_lights(lc_pbrt *p, lc_pos where, fixture *f)
 {
-    const double *size = f->table->file.opening, n = f->samples;
+    const double *size = f->table->opening, n = f->samples;
     double aspect = size[1] > 0 ? size[0] / size[1] : n,
            columns = fmin(fmax(floor(sqrt(n * aspect) + 0.5), 1), n);
     double from[3] = { 0, 0, 0 };
     lc_status st = lc_pbrt_get_triple(&p->params, "from", from, NULL);
     for (uint32_t i = 0; i < f->samples && !st; i++) {
         double at[2], own[3];
-        float world[3];
         place(f, (uint32_t)columns, i, at);
         for (int k = 0; k < 3; k++) own[k] = from[k] + (k < 2 && n > 1 ? at[k] * size[k] : 0);
-        lc_xform_point(&p->ctm, own, world);
-        f->light.pos = lc_f3_load(world);
-        st = lc_scene_add_light(p->scene, where, &f->light);
+        lc_xform_point(&p->ctm, own, f->light.position);
+        st = lc_pbrt_add_light(p, where, f->intensity, &f->light);
     }
     return st;
 }
 
 lc_status lc_pbrt_luminaire_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    fixture f = { .light = { .kind = LC_LIGHT_LUMINAIRE } };
+    fixture f = { .light = LC_BUILD_LIGHT_DESC_INIT };
     const lc_pbrt_param *par;
     int64_t samples = 1;
     lc_status st = lc_pbrt_get_int(&p->params, "samples", &samples, &par);
@@ -148,7 +130,11 @@ lc_status lc_pbrt_luminaire_light(lc_pbrt *p, const lc_pbrt_stmt *s)
         return lc_pbrt_bad_param(&p->params, par, "is not 1 to 4096");
     f.samples = (uint32_t)samples;
     if (!st) st = get_table(p, s->pos, &f);
-    if (!st) st = set_frame(p, s->pos, &f);
-    if (!st) st = set_intensity(p, s->pos, &f);
-    return st ? st : add_lights(p, s->pos, &f);
+    if (!st) st = set_intensity(p, &f);
+    if (st) return st;
+    f.light.kind = LC_BUILD_LUMINAIRE;
+    f.light.luminaire = f.table->id;
+    f.light.parts = f.samples;
+    for (int k = 0; k < 9; k++) f.light.frame[k] = p->ctm.m[k / 3 * 4 + k % 3];
+    return add_lights(p, s->pos, &f);
 }

@@ -16,7 +16,8 @@ static lc_status invisible(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 
 static const char diffuse_instead[] = "a diffuse material takes its place";
 
-static const struct class {
+static const struct class
+{
     const char *name;
     lc_pbrt_reader *read;
     const char *note; /* how the class is approximated; NULL: exact, except for what its reader notes */
@@ -84,53 +85,126 @@ static void limit_index(lc_material *m)
     }
 }
 
-static lc_status add_look(lc_pbrt *p, lc_pbrt_look *look, uint32_t *id)
+/* Of mirrors, whose indices bound nothing, those that make no sense. */
+static void limit_mirror(lc_material *m)
 {
+    float *eta[3] = { &m->eta.x, &m->eta.y, &m->eta.z }, *k[3] = { &m->k.x, &m->k.y, &m->k.z };
+    if (!m->mirror || m->glass || m->fresnel != LC_FRESNEL_CONDUCTOR) return;
+    for (int c = 0; c < 3; c++) {
+        *eta[c] = within(*eta[c], 0, LC_MAX_CONDUCTOR);
+        *k[c] = within(*k[c], 0, LC_MAX_CONDUCTOR);
+        if (*eta[c] * *eta[c] + *k[c] * *k[c] < LC_MIN_CONDUCTOR) *eta[c] = MIN_CONDUCTOR_ETA;
+    }
+}
+
+static lc_build_material_desc desc_of(const lc_pbrt_look *look)
+{
+    static const uint32_t gloss[] = { [LC_LOBE_PHONG] = LC_GLOSS_PHONG,
+                                      [LC_LOBE_WARD] = LC_GLOSS_WARD,
+                                      [LC_LOBE_OREN_NAYAR] = LC_GLOSS_OREN_NAYAR,
+                                      [LC_LOBE_GGX] = LC_GLOSS_GGX };
+    const lc_material *m = &look->m;
+    const lc_material_maps *maps = &look->maps;
+    const bool metal = m->fresnel == LC_FRESNEL_CONDUCTOR;
+    lc_build_material_desc d = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_f3_store(d.diffuse, m->kd);
+    lc_f3_store(d.glossy, m->ks);
+    lc_f3_store(d.transmitted, m->kt);
+    d.exponent = m->exponent;
+    d.specular = !m->mirror  ? LC_BUILD_ROUGH
+                 : !m->glass ? LC_BUILD_MIRROR
+                 : m->thin   ? LC_BUILD_THIN_GLASS
+                             : LC_BUILD_GLASS;
+    d.gloss = gloss[m->lobe];
+    memcpy(d.roughness, m->roughness, sizeof d.roughness);
+    d.fresnel = (uint32_t)m->fresnel;
+    lc_f3_store(d.eta, metal ? m->eta : lc_f3_make(m->eta.x, m->eta.x, m->eta.x));
+    lc_f3_store(d.k, m->k);
+    d.coat = m->coat;
+    d.smooth = m->smooth;
+    d.metal = maps->metal;
+    d.remap = (lc_build_remap)maps->remap;
+    d.diffuse_texture = maps->kd;
+    d.glossy_texture = maps->ks;
+    d.transmitted_texture = maps->kt;
+    d.exponent_texture = maps->exponent;
+    d.roughness_texture = maps->roughness[0];
+    d.roughness_texture_v = maps->roughness[1];
+    d.bump_texture = maps->bump;
+    d.normal_texture = maps->normal;
+    return d;
+}
+
+static lc_status add_mix(lc_pbrt *p, const lc_pbrt_look *look, uint32_t *id)
+{
+    lc_build_mix_desc d = LC_BUILD_MIX_DESC_INIT;
+    lc_f3 share;
+    memcpy(d.materials, look->maps.mix, sizeof d.materials);
+    lc_pbrt_set_tint(&look->share, &share, &d.share_texture);
+    lc_f3_store(d.share, share);
+    return lc_build_mix(p->scene, &d, id);
+}
+
+static lc_status add_look(lc_pbrt *p, lc_pos where, lc_pbrt_look *look, uint32_t *id)
+{
+    lc_status st = lc_pbrt_at(p, where);
+    if (st) return st;
+    *id = look->same;
+    if (look->same != LC_NONE) return LC_OK;
+    if (look->maps.mix[0] != LC_NONE) return add_mix(p, look, id);
     limit_index(&look->m);
-    lc_status st = lc_scene_add_material(p->scene, &look->m, id);
-    if (!st) lc_scene_map_material(p->scene, *id, &look->maps);
-    return st;
+    limit_mirror(&look->m);
+    const lc_build_material_desc d = desc_of(look);
+    return lc_build_material(p->scene, &d, id);
 }
 
 /* Adds a material that transmits everything unchanged. */
 static lc_status add_clear(lc_pbrt *p, uint32_t *id)
 {
-    lc_material m = { .kt = { 1, 1, 1 }, .eta = { 1, 1, 1 }, .fresnel = LC_FRESNEL_DIELECTRIC };
-    m.mirror = m.glass = m.thin = true;
-    return lc_scene_add_material(p->scene, &m, id);
+    lc_build_material_desc d = LC_BUILD_MATERIAL_DESC_INIT;
+    d.specular = LC_BUILD_THIN_GLASS;
+    for (int k = 0; k < 3; k++) d.transmitted[k] = d.eta[k] = 1;
+    return lc_build_material(p->scene, &d, id);
+}
+
+static lc_status add_grey(lc_pbrt *p, float kd, uint32_t *id)
+{
+    lc_build_material_desc d = LC_BUILD_MATERIAL_DESC_INIT;
+    for (int k = 0; k < 3; k++) d.diffuse[k] = kd;
+    return lc_build_material(p->scene, &d, id);
 }
 
 /* The id of a material for a mix: an earlier one by name. */
-static lc_status get_part(lc_pbrt *p, lc_pos where, const char *name, uint32_t *id)
+static lc_status get_part(lc_pbrt *p, lc_pos where, const char *name, uint32_t *id, uint32_t *depth)
 {
     uint32_t at = name ? lc_pbrt_map_get(&p->material_names, name) : LC_NONE;
-    lc_material grey = { .kd = { 0.5f, 0.5f, 0.5f } };
+    *depth = 0;
     if (at != LC_NONE) {
         *id = p->materials[at].id;
-        return p->materials[at].invisible ? add_clear(p, id) : LC_OK;
+        if (p->materials[at].invisible) return add_clear(p, id);
+        *depth = p->materials[at].depth;
+        return LC_OK;
     }
     lc_status st = lc_pbrt_note_name(p, where, "unknown material", name ? name : "",
                                      "no such material; grey diffuse is used");
-    return st ? st : lc_scene_add_material(p->scene, &grey, id);
+    return st ? st : add_grey(p, 0.5f, id);
 }
 
-/* Makes the look a mix of two materials of the scene; share is the weight of the second. */
-static lc_status be_mix(lc_pbrt *p, lc_pos where, uint32_t first, uint32_t second, const lc_tex_input *share,
-                        lc_pbrt_look *look)
+/* Makes the look a mix of two materials of the scene, with so many mixes within them; share is the weight of
+ * the second. */
+static lc_status be_mix(lc_pbrt *p, lc_pos where, const uint32_t parts[2], uint32_t depth,
+                        const lc_build_value *share, lc_pbrt_look *look)
 {
-    const lc_scene *s = p->scene;
     double mean = (share->value[0] + share->value[1] + share->value[2]) / 3;
-    uint32_t main = mean < 0.5 ? first : second;
-    look->m = s->materials[main];
-    look->maps = s->maps[main];
-    if (s->maps[first].depth >= LC_MAX_MIX || s->maps[second].depth >= LC_MAX_MIX)
-        return lc_pbrt_note(p, where, "mix depth",
-                            "mixes of mixes beyond %d deep: one of the two takes their place", LC_MAX_MIX);
     look->maps = (lc_material_maps)LC_NO_MAPS;
-    look->maps.mix[0] = first;
-    look->maps.mix[1] = second;
-    lc_pbrt_set_tint(share, &look->maps.share, &look->maps.share_map);
-    return LC_OK;
+    look->share = *share;
+    memcpy(look->maps.mix, parts, sizeof look->maps.mix);
+    look->depth = depth + 1;
+    if (depth < LC_MAX_MIX) return LC_OK;
+    look->same = parts[mean < 0.5 ? 0 : 1];
+    look->depth = depth;
+    return lc_pbrt_note(p, where, "mix depth",
+                        "mixes of mixes beyond %d deep: one of the two takes their place", LC_MAX_MIX);
 }
 
 static bool is_float_param(lc_pbrt *p, const char *name)
@@ -145,8 +219,8 @@ lc_status lc_pbrt_mix(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
     const char *names[2] = { NULL, NULL };
     const lc_pbrt_param *both = lc_pbrt_find(&p->params, "materials", LC_PBRT_TEXT), *par;
-    lc_tex_input share = LC_PBRT_VALUE(0.5), given;
-    uint32_t id[2];
+    lc_build_value share = LC_PBRT_VALUE(0.5), given;
+    uint32_t id[2], depth[2];
     bool is_float = is_float_param(p, "amount");
     lc_status st = LC_OK;
     if (both && both->n != 2) return lc_pbrt_bad_param(&p->params, both, "needs the names of two materials");
@@ -156,19 +230,19 @@ lc_status lc_pbrt_mix(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     if (!st && !is_float) st = lc_pbrt_get_tint(p, "amount", &share);
     if (!st && is_float) st = lc_pbrt_get_input(p, "amount", true, &given, &par);
     if (!st && is_float) share = given;
-    for (int i = 0; i < 2 && !st; i++) st = get_part(p, where, names[i], &id[i]);
-    return st ? st : be_mix(p, where, id[0], id[1], &share, look);
+    for (int i = 0; i < 2 && !st; i++) st = get_part(p, where, names[i], &id[i], &depth[i]);
+    return st ? st : be_mix(p, where, id, depth[0] > depth[1] ? depth[0] : depth[1], &share, look);
 }
 
 /* Makes a look that is not opaque a mix with a material that transmits everything. */
 static lc_status apply_opacity(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
     const double *v = look->opacity.value;
-    uint32_t opaque, clear;
+    uint32_t parts[2]; /* clear, opaque */
     if (look->opacity.id == LC_NONE && v[0] >= 1 && v[1] >= 1 && v[2] >= 1) return LC_OK;
-    lc_status st = add_look(p, look, &opaque);
-    if (!st) st = add_clear(p, &clear);
-    return st ? st : be_mix(p, where, clear, opaque, &look->opacity, look);
+    lc_status st = add_look(p, where, look, &parts[1]);
+    if (!st) st = add_clear(p, &parts[0]);
+    return st ? st : be_mix(p, where, parts, look->depth, &look->opacity, look);
 }
 
 /* ---- statements ---- */
@@ -177,7 +251,7 @@ static lc_status apply_opacity(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 static lc_status get_bump(lc_pbrt *p, const char *name, uint32_t *id)
 {
     const lc_pbrt_param *par;
-    lc_tex_input in;
+    lc_build_value in;
     lc_status st = lc_pbrt_get_input(p, name, true, &in, &par);
     if (!st && par) *id = in.id;
     return st;
@@ -189,28 +263,22 @@ static lc_status get_normal_map(lc_pbrt *p, uint32_t *id)
     const lc_encoding linear = { .kind = LC_ENCODING_LINEAR };
     const char *name = NULL;
     const lc_pbrt_param *par;
-    lc_texture t = { .kind = LC_TEX_IMAGE,
-                     .image = LC_NONE,
-                     .wrap = LC_WRAP_REPEAT,
-                     .filter = LC_FILTER_BILINEAR,
-                     .scale = 1 };
-    bool too_deep;
+    lc_build_pattern_desc t = LC_BUILD_PATTERN_DESC_INIT;
     lc_status st = lc_pbrt_get_text(&p->params, "normalmap", &name, &par);
     if (st || !name) return st;
-    for (int i = 0; i < 4; i++) t.in[i] = LC_PBRT_VALUE(0);
-    t.map = (lc_tex_map){ .kind = LC_MAP_UV, .su = 1, .sv = 1, .stretch = 1 };
-    st = lc_pbrt_find_image(p, par->pos, name, linear, &t.image);
-    if (st || t.image == LC_NONE) return st;
-    return lc_textures_add(&p->scene->textures, &t, id, &too_deep);
+    t.kind = LC_PATTERN_PICTURE;
+    st = lc_pbrt_find_image(p, par->pos, name, linear, &t.picture);
+    if (st || t.picture == LC_NO_PICTURE) return st;
+    return lc_build_pattern(p->scene, &t, id);
 }
 
 /* Adds a material of the class `name` with the statement's parameters to the scene. */
 static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_material *out)
 {
     const struct class *class = class_of(name);
-    lc_pbrt_look look = { .m = { .kd = { 0.5f, 0.5f, 0.5f } },
-                          .maps = LC_NO_MAPS,
-                          .opacity = LC_PBRT_VALUE(1) };
+    lc_pbrt_look look = {
+        .m = { .kd = { 0.5f, 0.5f, 0.5f } }, .maps = LC_NO_MAPS, .opacity = LC_PBRT_VALUE(1), .same = LC_NONE
+    };
     lc_status st = class->read(p, where, &look);
     if (!st) st = get_bump(p, "bumpmap", &look.maps.bump);
     if (!st) st = get_bump(p, "displacement", &look.maps.bump);
@@ -219,7 +287,9 @@ static lc_status add_material(lc_pbrt *p, lc_pos where, const char *name, lc_pbr
     if (!st && class->note) st = lc_pbrt_note_name(p, where, "material", name, class->note);
     p->owner = name;
     out->invisible = look.invisible;
-    return st ? st : add_look(p, &look, &out->id);
+    if (!st) st = add_look(p, where, &look, &out->id);
+    out->depth = look.depth;
+    return st;
 }
 
 static void use(lc_pbrt *p, const lc_pbrt_material *m)
@@ -273,9 +343,7 @@ lc_status lc_pbrt_current_material(lc_pbrt *p, uint32_t *id)
     uint32_t *shared = black ? &p->black_material : &p->default_material;
     *id = p->attrs.material_id;
     if (!black && *id != LC_NONE) return LC_OK;
-    lc_material m = { .kd = lc_f3_make(0.5f, 0.5f, 0.5f) };
-    if (black) m.kd = lc_f3_make(0, 0, 0);
-    lc_status st = *shared == LC_NONE ? lc_scene_add_material(p->scene, &m, shared) : LC_OK;
+    lc_status st = *shared == LC_NONE ? add_grey(p, black ? 0 : 0.5f, shared) : LC_OK;
     *id = *shared;
     return st;
 }

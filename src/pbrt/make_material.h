@@ -1,6 +1,6 @@
 /* make_material.h - how pbrt's materials are converted, and the parameters that they share.
  *
- *     parameters -> reader of the class -> lc_pbrt_look -> make_material.c -> material of the scene
+ *     parameters -> reader of the class -> lc_pbrt_look -> make_material.c -> lc_build_material, lc_build_mix
  *
  * Colours and numbers are inputs: a value, or a texture with its mean as the value.
  */
@@ -8,12 +8,16 @@
 #define LC_PBRT_MAKE_MATERIAL_H
 
 #include "pbrt/make_texture.h"
+#include "shade/material.h"
 
 /* A material as its class describes it. */
 typedef struct lc_pbrt_look {
     lc_material m;
     lc_material_maps maps;
-    lc_tex_input opacity; /* below 1, the rest of the light passes straight through */
+    lc_build_value opacity; /* below 1, the rest of the light passes straight through */
+    lc_build_value share;   /* of mixes */
+    uint32_t depth;         /* of mixes within it */
+    uint32_t same;          /* the look is this material of the scene; LC_NONE: one of its own */
     bool invisible;
 } lc_pbrt_look;
 
@@ -34,18 +38,18 @@ lc_pbrt_reader lc_pbrt_mix;
 /* ---- reflect.c ---- */
 
 /* An input that is a constant. */
-#define LC_PBRT_VALUE(v) ((lc_tex_input){ LC_NONE, { v, v, v } })
+#define LC_PBRT_VALUE(v) ((lc_build_value){ LC_NONE, { v, v, v } })
 
 /* A reflectance parameter, clamped to 0..1. *in keeps its value if the parameter is absent. */
-lc_status lc_pbrt_get_tint(lc_pbrt *p, const char *name, lc_tex_input *in);
+lc_status lc_pbrt_get_tint(lc_pbrt *p, const char *name, lc_build_value *in);
 /* *out = a b; out may be a or b. */
-lc_status lc_pbrt_product(lc_pbrt *p, lc_pos where, const lc_tex_input *a, const lc_tex_input *b,
-                          lc_tex_input *out);
+lc_status lc_pbrt_product(lc_pbrt *p, lc_pos where, const lc_build_value *a, const lc_build_value *b,
+                          lc_build_value *out);
 /* Sets a material's reflectance, and the texture of it, from an input. */
-void lc_pbrt_set_tint(const lc_tex_input *in, lc_f3 *value, uint32_t *map);
+void lc_pbrt_set_tint(const lc_build_value *in, lc_f3 *value, uint32_t *map);
 /* lc_pbrt_get_tint followed by lc_pbrt_set_tint. */
 lc_status lc_pbrt_get_albedo(lc_pbrt *p, const char *name, lc_f3 *value, uint32_t *map);
-bool lc_pbrt_is_black(const lc_tex_input *in);
+bool lc_pbrt_is_black(const lc_build_value *in);
 
 /* A number parameter; for a texture its mean, with a note. *out keeps its value if the parameter is
  * absent. */

@@ -9,7 +9,7 @@ lc_status lc_pbrt_phong(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
     const lc_pbrt_param *par;
     lc_material *m = &look->m;
-    lc_tex_input in;
+    lc_build_value in;
     (void)where;
     lc_status st = lc_pbrt_get_albedo(p, "Kd", &m->kd, &look->maps.kd);
     if (!st) st = lc_pbrt_get_albedo(p, "Ks", &m->ks, &look->maps.ks);
@@ -31,7 +31,7 @@ lc_status lc_pbrt_phong(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 static lc_status get_roughness(lc_pbrt *p, const char *name, float *value, uint32_t *map)
 {
     const lc_pbrt_param *par;
-    lc_tex_input in;
+    lc_build_value in;
     lc_status st = lc_pbrt_get_input(p, name, true, &in, &par);
     if (st || !par) return st;
     if (in.value[0] < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");

@@ -55,7 +55,7 @@ static lc_status get_eta(lc_pbrt *p, lc_material *m)
 }
 
 /* Sets a diffuse part and the lobe of a dielectric. */
-static lc_status glossy(lc_pbrt *p, lc_pbrt_look *look, const lc_tex_input *kd, const lc_tex_input *ks)
+static lc_status glossy(lc_pbrt *p, lc_pbrt_look *look, const lc_build_value *kd, const lc_build_value *ks)
 {
     lc_pbrt_be_glossy(&look->m, ONE);
     lc_pbrt_set_tint(kd, &look->m.kd, &look->maps.kd);
@@ -65,7 +65,7 @@ static lc_status glossy(lc_pbrt *p, lc_pbrt_look *look, const lc_tex_input *kd, 
 
 lc_status lc_pbrt_plastic(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    lc_tex_input kd = LC_PBRT_VALUE(0.25), ks = kd;
+    lc_build_value kd = LC_PBRT_VALUE(0.25), ks = kd;
     (void)where;
     lc_status st = lc_pbrt_get_tint(p, "Kd", &kd);
     if (!st) st = lc_pbrt_get_tint(p, "Ks", &ks);
@@ -74,7 +74,7 @@ lc_status lc_pbrt_plastic(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 }
 
 /* Makes the look perfectly specular: reflection by kr, transmission by kt. */
-static void specular(lc_pbrt_look *look, const lc_tex_input *kr, const lc_tex_input *kt)
+static void specular(lc_pbrt_look *look, const lc_build_value *kr, const lc_build_value *kt)
 {
     lc_material *m = &look->m;
     lc_pbrt_be_mirror(m);
@@ -86,7 +86,7 @@ static void specular(lc_pbrt_look *look, const lc_tex_input *kr, const lc_tex_in
 
 lc_status lc_pbrt_uber(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    lc_tex_input kd = LC_PBRT_VALUE(0.25), ks = kd, kr = LC_PBRT_VALUE(0), kt = kr;
+    lc_build_value kd = LC_PBRT_VALUE(0.25), ks = kd, kr = LC_PBRT_VALUE(0), kt = kr;
     lc_status st = lc_pbrt_get_tint(p, "Kd", &kd);
     if (!st) st = lc_pbrt_get_tint(p, "Ks", &ks);
     if (!st) st = lc_pbrt_get_tint(p, "Kr", &kr);
@@ -106,10 +106,10 @@ lc_status lc_pbrt_uber(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 
 lc_status lc_pbrt_substrate(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    lc_tex_input kd = LC_PBRT_VALUE(0.5), ks = kd;
+    lc_build_value kd = LC_PBRT_VALUE(0.5), ks = kd;
     lc_status st = lc_pbrt_get_tint(p, "Kd", &kd);
     if (!st) st = lc_pbrt_get_tint(p, "Ks", &ks);
-    lc_tex_input rest = { LC_NONE, { 1 - ks.value[0], 1 - ks.value[1], 1 - ks.value[2] } };
+    lc_build_value rest = { LC_NONE, { 1 - ks.value[0], 1 - ks.value[1], 1 - ks.value[2] } };
     if (!st) st = lc_pbrt_product(p, where, &kd, &rest, &kd);
     if (!st) st = glossy(p, look, &kd, &ks);
     look->m.fresnel = LC_FRESNEL_SCHLICK;
@@ -130,7 +130,7 @@ lc_status lc_pbrt_metal(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 
 lc_status lc_pbrt_glass(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    lc_tex_input kr = LC_PBRT_VALUE(1), kt = kr;
+    lc_build_value kr = LC_PBRT_VALUE(1), kt = kr;
     double u = 0, v = 0;
     lc_status st = lc_pbrt_get_tint(p, "Kr", &kr);
     if (!st) st = lc_pbrt_get_tint(p, "Kt", &kt);
@@ -146,7 +146,8 @@ lc_status lc_pbrt_glass(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 
 lc_status lc_pbrt_translucent(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    lc_tex_input kd = LC_PBRT_VALUE(0.25), ks = kd, reflect = LC_PBRT_VALUE(0.5), transmit = reflect, kt = kd;
+    lc_build_value kd = LC_PBRT_VALUE(0.25), ks = kd, reflect = LC_PBRT_VALUE(0.5), transmit = reflect,
+                   kt = kd;
     lc_status st = lc_pbrt_get_tint(p, "Kd", &kd);
     if (!st) st = lc_pbrt_get_tint(p, "Ks", &ks);
     if (!st) st = lc_pbrt_get_tint(p, "reflect", &reflect);
@@ -165,7 +166,7 @@ lc_status lc_pbrt_translucent(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 
 lc_status lc_pbrt_disney(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    lc_tex_input colour = LC_PBRT_VALUE(0.5), kd, ks;
+    lc_build_value colour = LC_PBRT_VALUE(0.5), kd, ks;
     double metallic = 0, index = 1.5, roughness = 0.5;
     lc_status st = lc_pbrt_get_tint(p, "color", &colour);
     if (!st) st = lc_pbrt_get_mean(p, "metallic", &metallic);

@@ -23,7 +23,7 @@ lc_status lc_pbrt_diffuse(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 static lc_status layers(lc_pbrt *p, lc_pos where)
 {
     static const char *const silent[] = { "g", "maxdepth", "nsamples", "thickness", "interface.thickness" };
-    lc_tex_input albedo = LC_PBRT_VALUE(0);
+    lc_build_value albedo = LC_PBRT_VALUE(0);
     for (size_t i = 0; i < sizeof silent / sizeof *silent; i++) lc_pbrt_mark(&p->params, silent[i]);
     lc_status st = lc_pbrt_get_tint(p, "albedo", &albedo);
     if (st || lc_pbrt_is_black(&albedo)) return st;
@@ -46,7 +46,7 @@ lc_status lc_pbrt_coated_diffuse(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 }
 
 /* A conductor with eta = 1 and the k that reflects the given colour at normal incidence, as in pbrt. */
-static lc_status reflectance_metal(lc_pbrt *p, lc_pbrt_look *look, const lc_tex_input *share)
+static lc_status reflectance_metal(lc_pbrt *p, lc_pbrt_look *look, const lc_build_value *share)
 {
     double eta[3] = { 1, 1, 1 }, k[3];
     (void)p;
@@ -62,7 +62,7 @@ static lc_status reflectance_metal(lc_pbrt *p, lc_pbrt_look *look, const lc_tex_
 lc_status lc_pbrt_conductor(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
     bool smooth = false;
-    lc_tex_input share = LC_PBRT_VALUE(1);
+    lc_build_value share = LC_PBRT_VALUE(1);
     (void)where;
     lc_pbrt_be_glossy(&look->m, ONE);
     look->m.kd = NONE;
@@ -94,7 +94,7 @@ lc_status lc_pbrt_coated_conductor(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
     double index = 1.5;
     bool smooth = false, smooth_coat = false;
-    lc_tex_input share = LC_PBRT_VALUE(1);
+    lc_build_value share = LC_PBRT_VALUE(1);
     lc_pbrt_look coat = *look;
     lc_pbrt_be_glossy(&look->m, ONE);
     look->m.kd = NONE;
@@ -146,7 +146,7 @@ lc_status lc_pbrt_thin_dielectric(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 
 lc_status lc_pbrt_diffuse_transmission(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    lc_tex_input kd = LC_PBRT_VALUE(0.25), kt = kd;
+    lc_build_value kd = LC_PBRT_VALUE(0.25), kt = kd;
     double scale = 1;
     lc_status st = lc_pbrt_get_tint(p, "reflectance", &kd);
     if (!st) st = lc_pbrt_get_tint(p, "transmittance", &kt);

@@ -1,7 +1,8 @@
 /* medium.c - MakeNamedMedium, MediumInterface, Volume: participating media and where they are. */
 #include "pbrt/medium.h"
 
-#include "scene/media.h"
+#include "shade/light.h"
+#include "shade/material.h"
 
 #include <string.h>
 
@@ -10,6 +11,14 @@
 /* pbrt's defaults, of media without coefficients: whole milk, in 1/mm. */
 static const lc_f3 usual_absorption = { 0.0011f, 0.0024f, 0.014f },
                    usual_scattering = { 2.55f, 3.21f, 3.77f };
+
+/* A medium in the making. */
+typedef struct reading {
+    lc_f3 absorption, scattering;
+    lc_build_medium_desc desc;
+    float *densities; /* n_cells */
+    size_t n_cells;
+} reading;
 
 static lc_status get_sigma(lc_pbrt *p, const char *name, lc_f3 *out)
 {
@@ -20,7 +29,7 @@ static lc_status get_sigma(lc_pbrt *p, const char *name, lc_f3 *out)
     return st;
 }
 
-static lc_status get_coefficients(lc_pbrt *p, lc_medium *m)
+static lc_status get_coefficients(lc_pbrt *p, reading *m)
 {
     const lc_pbrt_param *par;
     double g = 0, scale = 1;
@@ -32,7 +41,7 @@ static lc_status get_coefficients(lc_pbrt *p, lc_medium *m)
     if (!st && !(fabs(g) <= 1)) return lc_pbrt_bad_param(&p->params, par, "is not within -1 .. 1");
     m->absorption = lc_f3_scale(m->absorption, (float)scale);
     m->scattering = lc_f3_scale(m->scattering, (float)scale);
-    m->g = (float)fmin(fmax(g, -(double)LC_MAX_PHASE), (double)LC_MAX_PHASE);
+    m->desc.g = (float)fmin(fmax(g, -(double)LC_MAX_PHASE), (double)LC_MAX_PHASE);
     return st;
 }
 
@@ -55,45 +64,29 @@ static lc_status get_cells(lc_pbrt *p, lc_pos where, uint32_t n[3], size_t *cell
     return LC_OK;
 }
 
-/* From world space to 0..1 along each axis of the box p0 .. p1 of the medium's own space. */
-static lc_status set_place(lc_pbrt *p, lc_pos where, const double p0[3], const double p1[3], double rows[12])
+static lc_status get_grid(lc_pbrt *p, lc_pos where, reading *m)
 {
-    lc_xform inverse;
-    bool flat = false;
-    for (int k = 0; k < 3; k++) flat |= !(p1[k] - p0[k] > 1e-30) && !(p0[k] - p1[k] > 1e-30);
-    if (flat || !lc_xform_invert(&p->ctm, &inverse))
-        return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the medium's box is empty or its transform singular");
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 4; k++)
-            rows[4 * i + k] = (inverse.m[4 * i + k] - (k == 3 ? p0[i] : 0)) / (p1[i] - p0[i]);
-    return LC_OK;
-}
-
-static lc_status get_grid(lc_pbrt *p, lc_pos where, lc_medium *m)
-{
-    double p0[3] = { 0, 0, 0 }, p1[3] = { 1, 1, 1 };
     size_t cells;
+    lc_build_medium_desc *d = &m->desc;
     const lc_pbrt_param *par = lc_pbrt_find(&p->params, "density", LC_PBRT_FLOAT | LC_PBRT_INT);
-    lc_medium_grid *g = lc_arena_alloc(&p->scene->arena, 1, sizeof *g);
-    if (!g) return LC_ERR_MEMORY;
-    lc_status st = get_cells(p, where, g->n, &cells);
-    if (!st) st = lc_pbrt_get_triple(&p->params, "p0", p0, NULL);
-    if (!st) st = lc_pbrt_get_triple(&p->params, "p1", p1, NULL);
-    if (!st) st = set_place(p, where, p0, p1, g->from_world);
+    lc_status st = get_cells(p, where, d->n, &cells);
+    if (!st) st = lc_pbrt_get_triple(&p->params, "p0", d->lo, NULL);
+    if (!st) st = lc_pbrt_get_triple(&p->params, "p1", d->hi, NULL);
     if (st) return st;
+    memcpy(d->to_world, p->ctm.m, sizeof d->to_world);
     if (!par) return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "a medium with a grid needs its density");
     if (par->n != cells)
         return lc_pbrt_bad_param(&p->params, par, "has not as many values as the grid has cells");
-    float *density = lc_arena_alloc(&p->scene->arena, cells, sizeof *density);
-    if (!density) return LC_ERR_MEMORY;
+    m->densities = lc_alloc_raw(p->ctx, cells, sizeof *m->densities);
+    if (!m->densities) return LC_ERR_MEMORY;
+    m->n_cells = cells;
     const double *v = lc_pbrt_numbers(&p->params, par);
     for (size_t i = 0; i < cells; i++) {
         if (!(v[i] >= 0 && v[i] <= (double)LC_MAX_SIGMA))
             return lc_pbrt_bad_param(&p->params, par, "has a value that is negative or out of range");
-        density[i] = (float)v[i];
+        m->densities[i] = (float)v[i];
     }
-    g->density = density;
-    m->grid = g;
+    d->densities = m->densities;
     return LC_OK;
 }
 
@@ -112,7 +105,7 @@ static lc_status note_left_out(lc_pbrt *p, lc_pos where)
     return st;
 }
 
-static lc_status read_medium(lc_pbrt *p, const lc_pbrt_stmt *s, const char *type, lc_medium *m, bool *known)
+static lc_status read_medium(lc_pbrt *p, const lc_pbrt_stmt *s, const char *type, reading *m, bool *known)
 {
     const bool grid = !strcmp(type, "uniformgrid") || !strcmp(type, "heterogeneous") ||
                       !strcmp(type, "volumegrid");
@@ -127,19 +120,30 @@ static lc_status read_medium(lc_pbrt *p, const lc_pbrt_stmt *s, const char *type
     return st ? st : note_left_out(p, s->pos);
 }
 
+/* Adds what was read, if it is known; ends the reading. */
+static lc_status add_medium(lc_pbrt *p, lc_pos where, reading *m, lc_status st, bool known, uint32_t *id)
+{
+    lc_f3_store(m->desc.absorption, m->absorption);
+    lc_f3_store(m->desc.scattering, m->scattering);
+    if (!st && known) st = lc_pbrt_at(p, where);
+    if (!st && known) st = lc_build_medium(p->scene, &m->desc, id);
+    lc_free(p->ctx, m->densities, m->n_cells, sizeof *m->densities);
+    return st;
+}
+
 lc_status lc_pbrt_make_named_medium(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    lc_medium m = { .absorption = usual_absorption, .scattering = usual_scattering };
+    reading m = { usual_absorption, usual_scattering, LC_BUILD_MEDIUM_DESC_INIT, NULL, 0 };
     const char *type = NULL;
     uint32_t id = LEFT_OUT;
-    bool known;
+    bool known = false;
     lc_status st = lc_pbrt_get_text(&p->params, "type", &type, NULL);
     if (!st && !type)
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "MakeNamedMedium '%.80s' has no type", s->text[0]);
     const bool grid = !st && strcmp(type, "homogeneous") != 0;
     if (grid && p->v4) m.absorption = m.scattering = lc_f3_make(1, 1, 1);
     if (!st) st = read_medium(p, s, type, &m, &known);
-    if (!st && known) st = lc_scene_add_medium(p->scene, s->pos, &m, &id);
+    st = add_medium(p, s->pos, &m, st, known, &id);
     return st ? st : lc_pbrt_map_put(&p->medium_names, &p->arena, s->text[0], id);
 }
 
@@ -163,13 +167,15 @@ lc_status lc_pbrt_medium_interface(lc_pbrt *p, const lc_pbrt_stmt *s)
     return st ? st : medium_of(p, s->text_pos[last], s->text[last], &sides->outside);
 }
 
-lc_status lc_pbrt_bound_media(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
+lc_status lc_pbrt_bound_media(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
 {
     const lc_boundary sides = p->attrs.sides;
     if (sides.inside == sides.outside) return LC_OK;
     if (p->in_object)
         return lc_pbrt_note(p, where, "medium in object", "media that shapes of objects bound are left out");
-    return lc_scene_add_boundary(p->scene, where, mesh, sides);
+    const lc_build_mesh_desc d = lc_pbrt_mesh_desc(mesh);
+    lc_status st = lc_pbrt_at(p, where);
+    return st ? st : lc_build_boundary(p->scene, &d, sides.inside, sides.outside);
 }
 
 /* v1, v2: a medium in a box. */
@@ -179,15 +185,15 @@ lc_status lc_pbrt_volume(lc_pbrt *p, const lc_pbrt_stmt *s)
                                         2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
     double p0[3] = { 0, 0, 0 }, p1[3] = { 1, 1, 1 };
     float corner[24];
-    lc_medium m = { .g = 0 };
-    uint32_t id;
-    bool known;
+    reading m = { .desc = LC_BUILD_MEDIUM_DESC_INIT };
+    uint32_t id = LC_NO_MEDIUM;
+    bool known = false;
     p->v2 = true;
     lc_status st = lc_pbrt_get_triple(&p->params, "p0", p0, NULL);
     if (!st) st = lc_pbrt_get_triple(&p->params, "p1", p1, NULL);
     if (!st) st = read_medium(p, s, s->text[0], &m, &known);
+    st = add_medium(p, s->pos, &m, st, known, &id);
     if (st || !known) return st;
-    if ((st = lc_scene_add_medium(p->scene, s->pos, &m, &id))) return st;
     for (int i = 0; i < 8; i++) {
         const double v[3] = { i & 1 ? p1[0] : p0[0], i & 2 ? p1[1] : p0[1], i & 4 ? p1[2] : p0[2] };
         lc_xform_point(&p->ctm, v, corner + (size_t)i * 3);
@@ -196,8 +202,9 @@ lc_status lc_pbrt_volume(lc_pbrt *p, const lc_pbrt_stmt *s)
                 return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the volume is not finite or too far away");
     }
     const bool turned = ((p1[0] < p0[0]) != (p1[1] < p0[1])) != (p1[2] < p0[2]);
-    const lc_mesh_desc box = {
+    const lc_pbrt_mesh box = {
         .n_verts = 8, .n_tris = 12, .pos = corner, .index = index, .flip = turned != lc_pbrt_mirrored(p)
     };
-    return lc_scene_add_boundary(p->scene, s->pos, &box, (lc_boundary){ id, LC_NONE });
+    const lc_build_mesh_desc d = lc_pbrt_mesh_desc(&box);
+    return lc_build_boundary(p->scene, &d, id, LC_NO_MEDIUM);
 }

@@ -6,6 +6,6 @@
 
 lc_pbrt_handler lc_pbrt_make_named_medium, lc_pbrt_medium_interface, lc_pbrt_volume;
 /* A shape that rays pass bounds the media in force. */
-lc_status lc_pbrt_bound_media(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh);
+lc_status lc_pbrt_bound_media(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh);
 
 #endif

@@ -4,19 +4,17 @@
  * matrix in force. As in pbrt, shapes of objects do not emit.
  *
  * Instances of small objects are copied to the world at once. The others are handled at the end of the file:
- * an object's only instance, and instances whose matrix does not satisfy lc_instance_fits, are copied, too;
- * all others share the object's triangles.
+ * an object's only instance, and instances whose matrix does not satisfy lc_build_instance_fits, are copied,
+ * too; all others share the object's triangles.
  */
 #include "pbrt/shape_handler.h"
-
-#include "scene/instance.h"
 
 #include <string.h>
 
 /* Limits on copies. A triangle takes about 150 bytes, its part of the BVH included, so copies of small
  * objects take at most 150 MB and all copies 1.2 GB. */
-#define SMALL_TRIS 256             /* triangles of a small object */
-#define MAX_SMALL_TRIS (1u << 20)  /* triangles in copies of small objects */
+#define SMALL_TRIS      256        /* triangles of a small object */
+#define MAX_SMALL_TRIS  (1u << 20) /* triangles in copies of small objects */
 #define MAX_COPIED_TRIS (8u << 20) /* triangles in all copies */
 
 lc_status lc_pbrt_object_begin(lc_pbrt *p, const lc_pbrt_stmt *s)
@@ -49,10 +47,41 @@ static const void *keep(lc_pbrt *p, const void *data, size_t n, size_t size)
     return copy;
 }
 
-lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
+static float fraction(double v) { return (float)fmin(fmax(v, 0), 1); }
+
+lc_build_mesh_desc lc_pbrt_mesh_desc(const lc_pbrt_mesh *m)
 {
-    if (!p->in_object) return lc_scene_add_mesh(p->scene, where, mesh);
-    lc_mesh_desc m = *mesh;
+    lc_build_mesh_desc d = LC_BUILD_MESH_DESC_INIT;
+    d.n_vertices = m->n_verts;
+    d.n_triangles = m->n_tris;
+    d.positions = m->pos;
+    d.normals = m->normal;
+    d.uv = m->uv;
+    d.indices = m->index;
+    d.material = m->material_id;
+    lc_f3_store(d.emission, m->emission);
+    d.two_sided = m->two_sided;
+    d.flip = m->flip;
+    if (m->emission_map) d.emission_picture = m->emission_map - 1;
+    if (!m->alpha) return d;
+    d.alpha_texture = m->alpha->alpha.id;
+    d.alpha = fraction(m->alpha->alpha.value[0]);
+    d.shadow_texture = m->alpha->shadow.id;
+    d.shadow_alpha = fraction(m->alpha->shadow.value[0]);
+    return d;
+}
+
+static lc_status add_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
+{
+    const lc_build_mesh_desc d = lc_pbrt_mesh_desc(mesh);
+    lc_status st = lc_pbrt_at(p, where);
+    return st ? st : lc_build_mesh(p->scene, &d);
+}
+
+lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
+{
+    if (!p->in_object) return add_mesh(p, where, mesh);
+    lc_pbrt_mesh m = *mesh;
     m.pos = keep(p, mesh->pos, (size_t)m.n_verts * 3, sizeof *m.pos);
     m.index = keep(p, mesh->index, (size_t)m.n_tris * 3, sizeof *m.index);
     if (m.normal) m.normal = keep(p, mesh->normal, (size_t)m.n_verts * 3, sizeof *m.normal);
@@ -61,8 +90,8 @@ lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
     if (!m.pos || !m.index || (mesh->normal && !m.normal) || (mesh->uv && !m.uv) || (mesh->alpha && !m.alpha))
         return LC_ERR_MEMORY;
     void *meshes = p->object_meshes;
-    lc_status st =
-        lc_grow(p->ctx, &meshes, &p->cap_object_meshes, p->n_object_meshes + 1, sizeof *p->object_meshes);
+    lc_status st = lc_grow(p->ctx, &meshes, &p->cap_object_meshes, p->n_object_meshes + 1,
+                           sizeof *p->object_meshes);
     p->object_meshes = meshes;
     if (!st && lc_f3_max(m.emission) > 0)
         st = lc_pbrt_note(p, where, "area light in object", "a shape of an object does not emit");
@@ -74,10 +103,10 @@ lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
     return LC_OK;
 }
 
-static lc_status copy_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh, const lc_xform *x,
+static lc_status copy_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh, const lc_xform *x,
                            const double normal_rows[9])
 {
-    lc_mesh_desc m = *mesh;
+    lc_pbrt_mesh m = *mesh;
     lc_status st = lc_pbrt_mesh_room(p, m.n_verts, 0, m.normal != NULL);
     if (st) return st;
     for (size_t i = 0; i < (size_t)m.n_verts * 3; i += 3) {
@@ -88,7 +117,7 @@ static lc_status copy_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh, c
     m.pos = p->pos;
     if (m.normal) m.normal = p->normal;
     m.flip = m.flip != (lc_xform_det3(x) < 0);
-    return lc_scene_add_mesh(p->scene, where, &m);
+    return add_mesh(p, where, &m);
 }
 
 static lc_status copy_object(lc_pbrt *p, lc_pos where, const lc_pbrt_object *o, const lc_xform *x)
@@ -125,7 +154,7 @@ lc_status lc_pbrt_object_instance(lc_pbrt *p, const lc_pbrt_stmt *s)
 
 static bool is_shared(const lc_pbrt *p, const lc_pbrt_place *place)
 {
-    return p->objects[place->object].n_places > 1 && lc_instance_fits(&place->to_world);
+    return p->objects[place->object].n_places > 1 && lc_build_instance_fits(place->to_world.m);
 }
 
 static lc_status copy_place(lc_pbrt *p, const lc_pbrt_place *place)
@@ -144,10 +173,8 @@ static lc_status copy_place(lc_pbrt *p, const lc_pbrt_place *place)
 
 static lc_status add_object(lc_pbrt *p, lc_pos where, lc_pbrt_object *o)
 {
-    lc_status st = lc_scene_begin_object(p->scene);
-    o->id = (uint32_t)p->scene->n_objects - 1;
-    for (size_t i = 0; i < o->n && !st; i++)
-        st = lc_scene_add_mesh(p->scene, where, &p->object_meshes[o->first + i]);
+    lc_status st = lc_build_object(p->scene, &o->id);
+    for (size_t i = 0; i < o->n && !st; i++) st = add_mesh(p, where, &p->object_meshes[o->first + i]);
     return st;
 }
 
@@ -164,7 +191,8 @@ lc_status lc_pbrt_place_objects(lc_pbrt *p)
         lc_pbrt_object *o = &p->objects[place->object];
         if (!place->shared) continue;
         if (o->id == LC_NONE) st = add_object(p, place->pos, o);
-        if (!st) st = lc_scene_add_instance(p->scene, place->pos, o->id, &place->to_world);
+        if (!st) st = lc_pbrt_at(p, place->pos);
+        if (!st) st = lc_build_instance(p->scene, o->id, place->to_world.m);
     }
     return st;
 }

@@ -3,7 +3,9 @@
 #define LC_PBRT_OPTION_H
 
 #include "base/xform.h"
-#include "scene/scene.h"
+#include "build/reader.h"
+#include "scene/camera.h"
+#include "scene/pixel_filter.h"
 
 /* A PixelFilter statement; fields that it does not give are 0 and mean pbrt's default. */
 typedef struct lc_pbrt_filter {
@@ -21,12 +23,13 @@ typedef struct lc_pbrt_options {
     double scale;      /* factor of every pixel */
     double iso;        /* of v4's sensor */
     double shutter;    /* seconds that it is open; used in v4 only */
-    float white[9];    /* as in lc_film_desc */
+    float white[9];    /* as in lc_build_film_desc */
     const char *filename;
     uint32_t spp;
     lc_pos spp_pos;
     lc_pbrt_filter filter;
     lc_camera_kind camera;
+    uint32_t medium; /* that it is in */
     double lens_radius, focal_distance;
     lc_xform world_to_camera;
     double fov, aspect; /* degrees; width / height of the picture, 0: of the film */

@@ -27,10 +27,11 @@ lc_status lc_pbrt_note(lc_pbrt *p, lc_pos where, const char *kind, const char *f
     va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    snprintf(name, sizeof name, "%s", p->scene->n_notes < LC_PBRT_MAX_KINDS ? kind : "other");
+    snprintf(name, sizeof name, "%s", kind);
     lc_pbrt_printable(text);
     lc_pbrt_printable(name);
-    return lc_scene_note_at(p->scene, where, name, "%s", text);
+    lc_status st = lc_pbrt_at(p, where);
+    return st ? st : lc_build_note(p->scene, name, text);
 }
 
 lc_status lc_pbrt_note_name(lc_pbrt *p, lc_pos where, const char *what, const char *name, const char *text)
@@ -282,7 +283,7 @@ static lc_status run(lc_pbrt *p, const struct directive *d, lc_pos pos)
         return lc_fail_at(p->ctx, LC_ERR_PARSE, pos, "%s after WorldBegin", d->name);
     if (d->where == IN_WORLD && !p->in_world)
         return lc_fail_at(p->ctx, LC_ERR_PARSE, pos, "%s before WorldBegin", d->name);
-    uint64_t n_noted = p->scene->n_noted;
+    uint64_t n_noted = lc_build_noted(p->scene, NULL);
     p->params.n = 0;
     p->ignored = false;
     lc_status st = d->n_num ? read_numbers(p, &s, d->n_num) : LC_OK;
@@ -358,7 +359,7 @@ static lc_status parse_all(lc_pbrt *p)
 static void init(lc_pbrt *p, lc_scene *scene)
 {
     memset(p, 0, sizeof *p);
-    p->ctx = scene->ctx;
+    p->ctx = lc_build_context(scene);
     p->scene = scene;
     lc_arena_init(&p->arena, p->ctx);
     lc_pbrt_lex_init(&p->lex, p->ctx, &p->arena);
@@ -396,18 +397,19 @@ static void destroy(lc_pbrt *p)
 
 static lc_status parse(lc_scene *scene, const char *path, const void *data, size_t size)
 {
-    lc_pbrt *p = lc_alloc(scene->ctx, 1, sizeof *p);
+    lc_context *ctx = lc_build_context(scene);
+    lc_pbrt *p = lc_alloc(ctx, 1, sizeof *p);
     if (!p) return LC_ERR_MEMORY;
     init(p, scene);
     lc_status st =
         data ? lc_pbrt_lex_open_memory(&p->lex, path, data, size) : lc_pbrt_lex_open(&p->lex, path);
     if (!st) st = parse_all(p);
     if (!st) st = lc_pbrt_place_objects(p);
-    lc_pbrt_usual_integrator(p);
+    if (!st) st = lc_pbrt_usual_integrator(p);
     if (!st && p->lex.comma.file)
         st = lc_pbrt_note(p, p->lex.comma, "comma", "commas between the values of lists are read as spaces");
     destroy(p);
-    lc_free(scene->ctx, p, 1, sizeof *p);
+    lc_free(ctx, p, 1, sizeof *p);
     return st;
 }
 

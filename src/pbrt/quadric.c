@@ -9,9 +9,9 @@
 typedef struct curve curve;
 struct curve {
     void (*at)(const curve *c, double t, double p[3], double d[3]); /* point and derivative */
-    double a[3], b[3];   /* start and end */
-    double steepness;    /* paraboloid: z = steepness r^2 */
-    uint32_t steps;      /* one more ring than steps is made */
+    double a[3], b[3];                                              /* start and end */
+    double steepness;                                               /* paraboloid: z = steepness r^2 */
+    uint32_t steps;                                                 /* one more ring than steps is made */
 };
 
 static void on_line(const curve *c, double t, double p[3], double d[3])
@@ -78,7 +78,7 @@ static void put_ring(lc_pbrt *p, const curve *c, uint32_t ring, const lc_pbrt_sw
 }
 
 static lc_status sweep_curve(lc_pbrt *p, const lc_pbrt_stmt *s, const curve *c, uint32_t segments,
-                             lc_mesh_desc *mesh, double *area_ratio)
+                             lc_pbrt_mesh *mesh, double *area_ratio)
 {
     lc_pbrt_sweep around;
     lc_status st = lc_pbrt_get_sweep(p, segments, &around);
@@ -101,7 +101,7 @@ static lc_status sweep_curve(lc_pbrt *p, const lc_pbrt_stmt *s, const curve *c, 
     return LC_OK;
 }
 
-lc_status lc_pbrt_cylinder(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_cylinder(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     double radius = 1, z0 = -1, z1 = 1;
     lc_status st = lc_pbrt_get_float(&p->params, "radius", &radius, NULL);
@@ -112,7 +112,7 @@ lc_status lc_pbrt_cylinder(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh
     return sweep_curve(p, s, &c, lc_pbrt_segments(p), mesh, area_ratio);
 }
 
-lc_status lc_pbrt_cone(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_cone(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     double radius = 1, height = 1;
     lc_status st = lc_pbrt_get_float(&p->params, "radius", &radius, NULL);
@@ -124,7 +124,7 @@ lc_status lc_pbrt_cone(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, do
     return sweep_curve(p, s, &c, segments, mesh, area_ratio);
 }
 
-lc_status lc_pbrt_paraboloid(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_paraboloid(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     double radius = 1, z0 = 0, z1 = 1;
     lc_status st = lc_pbrt_get_float(&p->params, "radius", &radius, NULL);
@@ -142,7 +142,7 @@ lc_status lc_pbrt_paraboloid(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *me
     return sweep_curve(p, s, &c, segments, mesh, area_ratio);
 }
 
-lc_status lc_pbrt_hyperboloid(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_hyperboloid(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     uint32_t segments = lc_pbrt_segments(p);
     curve c = { on_line, { 0, 0, 0 }, { 1, 1, 1 }, 0, segments / 4 };

@@ -12,10 +12,10 @@ static double clamp(double v, double least, double most) { return fmin(fmax(v, l
 
 /* ---- colours and numbers ---- */
 
-lc_status lc_pbrt_get_tint(lc_pbrt *p, const char *name, lc_tex_input *in)
+lc_status lc_pbrt_get_tint(lc_pbrt *p, const char *name, lc_build_value *in)
 {
     const lc_pbrt_param *par;
-    lc_tex_input given;
+    lc_build_value given;
     bool clamped = false;
     lc_status st = lc_pbrt_get_input(p, name, false, &given, &par);
     if (st || !par) return st;
@@ -28,25 +28,22 @@ lc_status lc_pbrt_get_tint(lc_pbrt *p, const char *name, lc_tex_input *in)
                    : LC_OK;
 }
 
-lc_status lc_pbrt_product(lc_pbrt *p, lc_pos where, const lc_tex_input *a, const lc_tex_input *b,
-                          lc_tex_input *out)
+lc_status lc_pbrt_product(lc_pbrt *p, lc_pos where, const lc_build_value *a, const lc_build_value *b,
+                          lc_build_value *out)
 {
-    lc_texture t = { .kind = LC_TEX_SCALE, .scale = 1, .in = { *a, *b, LC_PBRT_VALUE(1), LC_PBRT_VALUE(0) } };
-    uint32_t id = LC_NONE;
-    bool too_deep = false;
+    lc_build_pattern_desc t = LC_BUILD_PATTERN_DESC_INIT;
+    t.kind = LC_PATTERN_SCALE;
+    t.in[0] = *a;
+    t.in[1] = *b;
+    t.in[2] = LC_PBRT_VALUE(1);
     for (int k = 0; k < 3; k++) out->value[k] = t.in[0].value[k] * t.in[1].value[k];
     out->id = LC_NONE;
     if (t.in[0].id == LC_NONE && t.in[1].id == LC_NONE) return LC_OK;
-    lc_status st = lc_textures_add(&p->scene->textures, &t, &id, &too_deep);
-    if (!st && too_deep)
-        st = lc_pbrt_note(p, where, "texture depth",
-                          "textures of textures beyond %d deep or %u in all: the mean takes their place",
-                          LC_TEX_MAX_DEPTH, LC_TEX_MAX_COST);
-    if (!st) out->id = id;
-    return st;
+    lc_status st = lc_pbrt_at(p, where);
+    return st ? st : lc_build_pattern(p->scene, &t, &out->id);
 }
 
-void lc_pbrt_set_tint(const lc_tex_input *in, lc_f3 *value, uint32_t *map)
+void lc_pbrt_set_tint(const lc_build_value *in, lc_f3 *value, uint32_t *map)
 {
     *value = lc_f3_make((float)clamp(in->value[0], 0, 1), (float)clamp(in->value[1], 0, 1),
                         (float)clamp(in->value[2], 0, 1));
@@ -55,13 +52,13 @@ void lc_pbrt_set_tint(const lc_tex_input *in, lc_f3 *value, uint32_t *map)
 
 lc_status lc_pbrt_get_albedo(lc_pbrt *p, const char *name, lc_f3 *value, uint32_t *map)
 {
-    lc_tex_input in = { *map, { (double)value->x, (double)value->y, (double)value->z } };
+    lc_build_value in = { *map, { (double)value->x, (double)value->y, (double)value->z } };
     lc_status st = lc_pbrt_get_tint(p, name, &in);
     lc_pbrt_set_tint(&in, value, map);
     return st;
 }
 
-bool lc_pbrt_is_black(const lc_tex_input *in)
+bool lc_pbrt_is_black(const lc_build_value *in)
 {
     return in->id == LC_NONE && !(in->value[0] > 0 || in->value[1] > 0 || in->value[2] > 0);
 }
@@ -69,7 +66,7 @@ bool lc_pbrt_is_black(const lc_tex_input *in)
 lc_status lc_pbrt_get_mean(lc_pbrt *p, const char *name, double *out)
 {
     const lc_pbrt_param *par;
-    lc_tex_input in;
+    lc_build_value in;
     lc_status st = lc_pbrt_get_input(p, name, true, &in, &par);
     if (st || !par) return st;
     *out = in.value[0];
@@ -79,11 +76,11 @@ lc_status lc_pbrt_get_mean(lc_pbrt *p, const char *name, double *out)
 
 /* ---- roughness ---- */
 
-static lc_status get_axis(lc_pbrt *p, const char *prefix, const char *name, lc_tex_input *in)
+static lc_status get_axis(lc_pbrt *p, const char *prefix, const char *name, lc_build_value *in)
 {
     char full[64];
     const lc_pbrt_param *par;
-    lc_tex_input given;
+    lc_build_value given;
     snprintf(full, sizeof full, "%s%s", prefix, name);
     lc_status st = lc_pbrt_get_input(p, full, true, &given, &par);
     if (!st && par) *in = given;
@@ -96,7 +93,7 @@ lc_status lc_pbrt_get_alpha(lc_pbrt *p, const char *prefix, double usual, lc_pbr
     char name[64];
     bool remap = true;
     double outside = -1;
-    lc_tex_input in[2] = { LC_PBRT_VALUE(usual), LC_PBRT_VALUE(0) };
+    lc_build_value in[2] = { LC_PBRT_VALUE(usual), LC_PBRT_VALUE(0) };
     lc_status st = get_axis(p, prefix, "roughness", &in[0]);
     in[1] = in[0];
     if (!st) st = get_axis(p, prefix, "uroughness", &in[0]);
@@ -198,10 +195,11 @@ lc_status lc_pbrt_get_metal(lc_pbrt *p, const char *eta_name, const char *k_name
     if (!st) st = get_constants(p, k_name, "metal-Cu-k", k_s, k, &k_rgb);
     if (st) return st;
     if (!eta_rgb && !k_rgb) project(p, eta_s, k_s, outside, eta, k);
-    else for (int c = 0; c < 3; c++) {
-        eta[c] /= outside;
-        k[c] /= outside;
-    }
+    else
+        for (int c = 0; c < 3; c++) {
+            eta[c] /= outside;
+            k[c] /= outside;
+        }
     m->eta = lc_f3_make((float)eta[0], (float)eta[1], (float)eta[2]);
     m->k = lc_f3_make((float)k[0], (float)k[1], (float)k[2]);
     m->fresnel = LC_FRESNEL_CONDUCTOR;

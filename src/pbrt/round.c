@@ -10,8 +10,9 @@
 
 #include "base/fmath.h"
 
-#define FULL LC_SIZE((uint64_t)1 << 18, 0) /* triangles at the finest level; none in fuzzers, which need
-                                            * speed */
+#define FULL                                                                                                 \
+    LC_SIZE((uint64_t)1 << 18, 0) /* triangles at the finest level; none in fuzzers, which need              \
+                                   * speed */
 
 #define MIN_STEP 1e-3 /* least distance of a ring from a sphere's edge, as a fraction of a step */
 
@@ -84,7 +85,7 @@ static double area_of(const lc_pbrt *p, uint32_t n_tris)
     return sum;
 }
 
-void lc_pbrt_finish_round(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint32_t n_tris, bool normals,
+void lc_pbrt_finish_round(lc_pbrt *p, lc_pbrt_mesh *mesh, uint32_t n_verts, uint32_t n_tris, bool normals,
                           double exact, double *area_ratio)
 {
     mesh->n_verts = n_verts;
@@ -133,7 +134,7 @@ static double latitude(double z, double radius)
     return lc_atan2(c, sqrt((1 - c) * (1 + c)));
 }
 
-lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     double radius = 1, z[66];
     lc_status st = lc_pbrt_get_float(&p->params, "radius", &radius, NULL);
@@ -153,8 +154,9 @@ lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, 
     if ((st = lc_pbrt_uv_room(p, (size_t)n_rings * row, &uv))) return st;
     if (uv) mesh->uv = p->uv;
     for (uint32_t i = 0; i < n_rings && uv; i++)
-        lc_pbrt_ring_uv(p, (size_t)i * row, around.n, (latitude(z[i], radius) - latitude(zmin, radius)) /
-                                                 (latitude(zmax, radius) - latitude(zmin, radius)));
+        lc_pbrt_ring_uv(p, (size_t)i * row, around.n,
+                        (latitude(z[i], radius) - latitude(zmin, radius)) /
+                            (latitude(zmax, radius) - latitude(zmin, radius)));
     for (uint32_t j = 0; j < row; j++) {
         double sine, cosine;
         lc_sincos_deg(around.degrees * j / around.n, &sine, &cosine);
@@ -171,7 +173,7 @@ lc_status lc_pbrt_sphere(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, 
     return LC_OK;
 }
 
-lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+lc_status lc_pbrt_disk(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     double height = 0, radius = 1, inner = 0;
     lc_status st = lc_pbrt_get_float(&p->params, "height", &height, NULL);

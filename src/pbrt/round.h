@@ -23,7 +23,7 @@ uint32_t lc_pbrt_join_rings(lc_pbrt *p, uint32_t n_rings, uint32_t around, bool 
  * constant. */
 void lc_pbrt_ring_uv(lc_pbrt *p, size_t first, uint32_t around, double v);
 /* Sets *mesh and *area_ratio from the shape's exact area, and counts the triangles. */
-void lc_pbrt_finish_round(lc_pbrt *p, lc_mesh_desc *mesh, uint32_t n_verts, uint32_t n_tris, bool normals,
+void lc_pbrt_finish_round(lc_pbrt *p, lc_pbrt_mesh *mesh, uint32_t n_verts, uint32_t n_tris, bool normals,
                           double exact, double *area_ratio);
 /* Notes that the shape has no area and is skipped. */
 lc_status lc_pbrt_no_area(lc_pbrt *p, const lc_pbrt_stmt *s);

@@ -33,14 +33,14 @@ lc_status lc_pbrt_uv_room(lc_pbrt *p, size_t n_verts, bool *wanted)
     uint32_t id;
     lc_status st = lc_pbrt_current_material(p, &id);
     if (st) return st;
-    *wanted = p->alpha_uv || p->attrs.emission_map || lc_scene_wants_uv(p->scene, id);
+    *wanted = p->alpha_uv || p->attrs.emission_map || (lc_build_traits(p->scene, id) & LC_TRAIT_UV);
     if (*wanted) st = lc_grow(p->ctx, &uv, &p->cap_uv, n_verts * 2, sizeof *p->uv);
     p->uv = uv;
     return st;
 }
 
 /* Copies v4's "point2 uv" or v3's "float uv" or "float st", if they are needed. */
-static lc_status copy_uv(lc_pbrt *p, uint32_t n_verts, lc_mesh_desc *mesh)
+static lc_status copy_uv(lc_pbrt *p, uint32_t n_verts, lc_pbrt_mesh *mesh)
 {
     const unsigned types = LC_PBRT_FLOAT | LC_PBRT_INT | LC_PBRT_PAIR;
     const lc_pbrt_param *uv = lc_pbrt_find(&p->params, "uv", types),
@@ -73,7 +73,7 @@ lc_status lc_pbrt_copy_indices(lc_pbrt *p, const lc_pbrt_param *par, uint32_t gr
     return LC_OK;
 }
 
-static lc_status triangle_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+static lc_status triangle_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     static const char *const silent[] = { "S", "faceIndices" };
     const lc_pbrt_param *pos = lc_pbrt_find(&p->params, "P", LC_PBRT_TRIPLE);
@@ -105,7 +105,7 @@ static lc_status triangle_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *
     return LC_OK;
 }
 
-static lc_status ply_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh, double *area_ratio)
+static lc_status ply_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh, double *area_ratio)
 {
     const char *name = NULL, *path;
     const lc_pbrt_param *par;
@@ -164,7 +164,7 @@ static const struct {
 };
 
 /* Transforms p->pos and p->normal to world space. */
-static lc_status to_world(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
+static lc_status to_world(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
 {
     double rows[9], sign = p->attrs.reverse ? -1 : 1;
     for (size_t i = 0; i < (size_t)mesh->n_verts * 3; i += 3) {
@@ -188,18 +188,18 @@ static lc_status to_world(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh)
     return LC_OK;
 }
 
-static lc_status get_alpha(lc_pbrt *p, const char *name, lc_tex_input *in)
+static lc_status get_alpha(lc_pbrt *p, const char *name, lc_build_value *in)
 {
     const lc_pbrt_param *par;
-    lc_tex_input given;
+    lc_build_value given;
     lc_status st = lc_pbrt_get_input(p, name, true, &given, &par);
-    *in = (lc_tex_input){ LC_NONE, { 1, 1, 1 } };
+    *in = (lc_build_value){ LC_NONE, { 1, 1, 1 } };
     if (!st && par) *in = given;
     return st;
 }
 
 /* Reads alpha and shadowalpha to *out; *alpha = out, or NULL if the shape is opaque. */
-static lc_status mesh_alpha(lc_pbrt *p, lc_pos where, lc_mesh_alpha *out, const lc_mesh_alpha **alpha)
+static lc_status mesh_alpha(lc_pbrt *p, lc_pos where, lc_pbrt_alpha *out, const lc_pbrt_alpha **alpha)
 {
     lc_status st = get_alpha(p, "alpha", &out->alpha);
     if (!st) st = get_alpha(p, "shadowalpha", &out->shadow);
@@ -214,7 +214,7 @@ static lc_status mesh_alpha(lc_pbrt *p, lc_pos where, lc_mesh_alpha *out, const 
 }
 
 /* True if alpha is 0 everywhere, so that no ray hits the shape. */
-static bool is_absent(const lc_mesh_alpha *a)
+static bool is_absent(const lc_pbrt_alpha *a)
 {
     return a && a->alpha.id == LC_NONE && !(a->alpha.value[0] > 0);
 }
@@ -222,7 +222,7 @@ static bool is_absent(const lc_mesh_alpha *a)
 /* v4: scales the emission to the power given for each shape. pbrt counts each triangle or patch of a mesh as
  * a shape, and a round shape as one. The mean of an emission map is that of all its texels, shown or not, as
  * in pbrt. */
-static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, bool round, double area_ratio)
+static void scale_to_power(lc_pbrt *p, lc_pbrt_mesh *mesh, const char *name, bool round, double area_ratio)
 {
     const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);
     double area = 0, mean[3] = { 1, 1, 1 }, n = round ? 1 : mesh->n_tris;
@@ -238,7 +238,7 @@ static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, boo
         double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
         area += 0.5 * sqrt(x * x + y * y + z * z);
     }
-    if (p->attrs.emission_map) lc_mipmap_mean(&p->scene->emission_maps[p->attrs.emission_map - 1], mean);
+    if (p->attrs.emission_map) (void)lc_build_picture_mean(p->scene, p->attrs.emission_map - 1, mean);
     double luminance = 0.2126 * mean[0] + 0.7152 * mean[1] + 0.0722 * mean[2];
     double all = LC_PI * area * area_ratio * luminance * (p->attrs.two_sided ? 2 : 1);
     if (all > 0) mesh->emission = lc_f3_scale(mesh->emission, (float)fmin(p->attrs.power * n / all, 1e30));
@@ -270,9 +270,9 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
         lc_pbrt_mark_all(&p->params);
         return LC_OK;
     }
-    lc_mesh_desc mesh = { 0 };
-    lc_mesh_alpha alpha;
-    const lc_mesh_alpha *holes;
+    lc_pbrt_mesh mesh = { 0 };
+    lc_pbrt_alpha alpha;
+    const lc_pbrt_alpha *holes;
     double area_ratio = 1;
     uint32_t segments = lc_pbrt_segments(p);
     lc_status st = mesh_alpha(p, s->pos, &alpha, &holes);
@@ -288,7 +288,7 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (!st && p->attrs.invisible) st = lc_pbrt_bound_media(p, s->pos, &mesh);
     if (st || (p->attrs.invisible && !emits)) return st;
     st = lc_pbrt_current_material(p, &mesh.material_id);
-    if (!st && !p->attrs.invisible && p->scene->maps[mesh.material_id].clear)
+    if (!st && !p->attrs.invisible && (lc_build_traits(p->scene, mesh.material_id) & LC_TRAIT_CLEAR))
         st = lc_pbrt_bound_media(p, s->pos, &mesh);
     if (st) return st;
     mesh.alpha = holes;
@@ -296,5 +296,7 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     mesh.emission_map = p->attrs.emission_map;
     if (p->attrs.power > 0) scale_to_power(p, &mesh, shapes[i].name, shapes[i].round, area_ratio);
     mesh.two_sided = p->attrs.two_sided;
+    for (size_t k = 0; mesh.uv && k < (size_t)mesh.n_verts * 2; k++)
+        if (!isfinite(p->uv[k])) p->uv[k] = 0;
     return lc_pbrt_emit_mesh(p, s->pos, &mesh);
 }

@@ -9,7 +9,7 @@ lc_pbrt_handler lc_pbrt_shape;
 /* Makes positions and normals in object space in p->pos, p->normal and p->index, and describes them in *mesh,
  * which has no triangles if the shape has no area. *area_ratio is 1 on entry and is set to the true area over
  * that of the triangles. In round.c, quadric.c, loop_subdiv.c, bilinear.c, curve.c. */
-typedef lc_status lc_pbrt_shape_handler(lc_pbrt *p, const lc_pbrt_stmt *s, lc_mesh_desc *mesh,
+typedef lc_status lc_pbrt_shape_handler(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh,
                                         double *area_ratio);
 lc_pbrt_shape_handler lc_pbrt_sphere, lc_pbrt_disk, lc_pbrt_cylinder, lc_pbrt_cone, lc_pbrt_paraboloid,
     lc_pbrt_hyperboloid, lc_pbrt_loop_subdiv, lc_pbrt_bilinear_mesh, lc_pbrt_curve;

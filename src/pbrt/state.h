@@ -9,22 +9,23 @@
 #define LC_PBRT_STATE_H
 
 #include "base/xform.h"
+#include "pbrt/mesh.h"
 #include "pbrt/option.h"
 #include "pbrt/param.h"
 #include "pbrt/spot_map.h"
-#include "scene/scene.h"
+#include "scene/media_data.h"
 
 typedef struct lc_pbrt_attrs {
     uint32_t material_id;  /* LC_NONE: pbrt's default */
     lc_f3 emission;        /* of the shapes that follow, W/(m^2 sr) */
-    uint32_t emission_map; /* as in lc_mesh_desc */
+    uint32_t emission_map; /* 1 + a picture of the scene; 0: none */
     double power;          /* v4: the power, W, to which each shape's emission is scaled; 0: not scaled */
     bool two_sided;
-    bool invisible; /* interface material: shapes are skipped unless they emit */
-    bool reverse;   /* ReverseOrientation */
-    bool end_only;  /* ActiveTransform EndTime: transforms are ignored */
-    lc_boundary sides; /* of the shapes that follow */
-    uint8_t space;  /* colour space of rgb values, see space.c; 0: sRGB */
+    bool invisible;                        /* interface material: shapes are skipped unless they emit */
+    bool reverse;                          /* ReverseOrientation */
+    bool end_only;                         /* ActiveTransform EndTime: transforms are ignored */
+    lc_boundary sides;                     /* of the shapes that follow */
+    uint8_t space;                         /* colour space of rgb values, see space.c; 0: sRGB */
     uint32_t n_defaults, n_default_values; /* by Attribute statements, see attribute.c */
 } lc_pbrt_attrs;
 
@@ -42,7 +43,7 @@ typedef struct lc_pbrt_scope {
 } lc_pbrt_scope;
 
 typedef struct lc_pbrt_material {
-    uint32_t id;
+    uint32_t id, depth; /* depth: of mixes within it */
     bool invisible;
 } lc_pbrt_material;
 
@@ -63,7 +64,7 @@ typedef struct lc_pbrt_place {
 
 /* Spectra are sampled at these wavelengths, 360 to 830 nm. */
 #define LC_PBRT_CIE_FIRST 360 /* nm */
-#define LC_PBRT_CIE_N 471     /* samples, one nanometre apart */
+#define LC_PBRT_CIE_N     471 /* samples, one nanometre apart */
 
 typedef struct lc_pbrt {
     lc_context *ctx;
@@ -98,7 +99,7 @@ typedef struct lc_pbrt {
     uint32_t default_material, black_material;
 
     lc_pbrt_object *objects;
-    lc_mesh_desc *object_meshes; /* in object space; their arrays are in the arena */
+    lc_pbrt_mesh *object_meshes; /* in object space; their arrays are in the arena */
     size_t n_objects, n_object_meshes, cap_objects, cap_object_meshes;
     bool in_object; /* the last object is being recorded */
     lc_pbrt_place *places;
@@ -108,9 +109,9 @@ typedef struct lc_pbrt {
     float *pos, *normal, *uv; /* of the mesh being made */
     uint32_t *index;
     size_t cap_pos, cap_normal, cap_uv, cap_index;
-    bool alpha_uv;         /* the mesh needs uv, as its alpha is a texture */
-    uint64_t n_round_tris; /* triangles made so far of spheres, disks, cylinders ... */
-    uint64_t n_curve_tris; /* and of curves */
+    bool alpha_uv;          /* the mesh needs uv, as its alpha is a texture */
+    uint64_t n_round_tris;  /* triangles made so far of spheres, disks, cylinders ... */
+    uint64_t n_curve_tris;  /* and of curves */
     uint64_t n_subdiv_tris; /* and by levels of subdivision */
 
     bool has_cie;
@@ -130,12 +131,14 @@ typedef struct lc_pbrt_stmt {
 typedef lc_status lc_pbrt_handler(lc_pbrt *p, const lc_pbrt_stmt *s);
 
 /* parse.c */
-#define LC_PBRT_MAX_KINDS 500 /* limits the kinds of notes and of features, which hostile files could
-                               * multiply */
 /* Replaces control characters. */
 void lc_pbrt_printable(char *text);
-/* lc_scene_note_at with names from the file: control characters are replaced and the number of kinds is
- * limited. */
+/* Sets the place of the calls that follow. */
+static inline lc_status lc_pbrt_at(const lc_pbrt *p, lc_pos where)
+{
+    return lc_build_at_pos(p->scene, where);
+}
+/* lc_build_note at a place: control characters are replaced. */
 lc_status lc_pbrt_note(lc_pbrt *p, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
 /* The same with the kind "what name", such as "shape cone". */
 lc_status lc_pbrt_note_name(lc_pbrt *p, lc_pos where, const char *what, const char *name, const char *text);
@@ -144,7 +147,7 @@ lc_status lc_pbrt_close_scope(lc_pbrt *p, lc_pos where, lc_pbrt_scope_kind kind)
 /* True if the current matrix inverts orientation. */
 bool lc_pbrt_mirrored(const lc_pbrt *p);
 
-/* feature.c: counts a statement that was handled. n_noted: scene->n_noted before it. */
+/* feature.c: counts a statement that was handled. n_noted: of lc_build_noted before it. */
 lc_status lc_pbrt_count_feature(lc_pbrt *p, const char *directive, uint64_t n_noted);
 
 /* transform.c */
@@ -159,7 +162,7 @@ lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_xform *x);
 void lc_pbrt_options_init(lc_pbrt_options *opt);
 lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler, lc_pbrt_integrator;
 /* What a file without an Integrator means; called at its end. */
-void lc_pbrt_usual_integrator(lc_pbrt *p);
+lc_status lc_pbrt_usual_integrator(lc_pbrt *p);
 /* Sets the scene's film and camera. */
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where);
 
@@ -180,7 +183,7 @@ lc_pbrt_handler lc_pbrt_object_begin, lc_pbrt_object_end, lc_pbrt_object_instanc
 /* Adds all objects and instances to the scene; called at the end of the file. */
 lc_status lc_pbrt_place_objects(lc_pbrt *p);
 /* Passes a finished mesh to the scene, or to the object being recorded. */
-lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_mesh_desc *mesh);
+lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh);
 
 /* white.c: the matrix, by rows, that adapts linear Rec.709 from daylight of this temperature to Rec.709's
  * white; false outside of 4000..25000 K. */

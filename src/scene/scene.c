@@ -303,14 +303,20 @@ lc_status lc_scene_check_light(const lc_scene *s, lc_pos where, const lc_light *
 
 lc_status lc_scene_add_light(lc_scene *s, lc_pos where, const lc_light *light)
 {
-    lc_light kept, *to;
+    lc_light kept;
     lc_status st = lc_scene_check_light(s, where, light, &kept);
-    if (st) return st;
+    return st ? st : lc_scene_put_light(s, where, &kept);
+}
+
+lc_status lc_scene_put_light(lc_scene *s, lc_pos where, const lc_light *checked)
+{
+    lc_light *to;
     if (s->n_lights >= MAX_COUNT)
         return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u lights", MAX_COUNT);
-    if (!(lc_f3_max(kept.intensity) > 0)) return LC_OK; /* contributes nothing */
-    if ((st = next_light(s, &to))) return st;
-    *to = kept;
+    if (!(lc_f3_max(checked->intensity) > 0)) return LC_OK; /* contributes nothing */
+    lc_status st = next_light(s, &to);
+    if (st) return st;
+    *to = *checked;
     s->n_lights++;
     return LC_OK;
 }

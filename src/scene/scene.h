@@ -1,4 +1,4 @@
-/* scene.h - the scene builder that parsers call, and the committed scene that rendering reads.
+/* scene.h - the scene builder that build/ calls, and the committed scene that rendering reads.
  *
  * The room scene/ holds what a scene is made of and what a ray meets in it: in go meshes, materials,
  * textures, lights, environment maps, a camera and a film; out come surface points with evaluated materials
@@ -89,7 +89,11 @@ struct lc_scene {
     lc_film_desc film;
     const lc_sensor *sensors; /* in place of the camera, a pixel each; NULL: none */
     lc_quantity quantity;
-    bool has_camera, by_calls, committed; /* by_calls: of api/build.c */
+    bool has_camera, by_calls, committed; /* by_calls: lc_build_begin made it */
+    bool own_screen;    /* the camera's screen window was given, not made for the film */
+    lc_pos at;          /* that build/ is called for; its file is at_file, or NULL */
+    char *at_file;
+    size_t cap_at_file;
     bool traces_paths;  /* the file's integrator, or pbrt's default, traces paths: indirect light is on */
     uint32_t max_depth; /* of paths, 1..LC_MAX_DEPTH; a camera ray may pass max_depth - 1 mirrors */
     /* Set by commit. */
@@ -143,6 +147,8 @@ lc_status lc_scene_add_instance(lc_scene *scene, lc_pos where, uint32_t object, 
 lc_status lc_scene_make_instance(const lc_scene *scene, lc_pos where, uint32_t object,
                                  const lc_xform *to_world, lc_instance *out);
 lc_status lc_scene_add_light(lc_scene *scene, lc_pos where, const lc_light *light);
+/* The same of a light that lc_scene_check_light gave. */
+lc_status lc_scene_put_light(lc_scene *scene, lc_pos where, const lc_light *checked);
 /* Checks a light as lc_scene_add_light does; *out is how it is kept. One without intensity is not added. */
 lc_status lc_scene_check_light(const lc_scene *scene, lc_pos where, const lc_light *light, lc_light *out);
 /* Keeps the lights of calls, with their numbers, as the scene's. */

@@ -42,6 +42,9 @@ void lc_scene_destroy(lc_scene *s)
     for (size_t i = 0; i < s->given.n_fixtures; i++) lc_photometry_free(&s->given.fixtures[i].file);
     lc_free(ctx, s->given.fixtures, s->given.cap_fixtures, sizeof *s->given.fixtures);
     lc_free(ctx, s->given.emission_maps, s->given.cap_emission_maps, sizeof *s->given.emission_maps);
+    for (size_t i = 0; i < s->given.n_pictures; i++) lc_mipmap_free(ctx, &s->given.pictures[i].map);
+    lc_free(ctx, s->given.pictures, s->given.cap_pictures, sizeof *s->given.pictures);
+    lc_free(ctx, s->at_file, s->cap_at_file, 1);
     lc_free(ctx, s->given.meshes, s->given.cap_meshes, sizeof *s->given.meshes);
     lc_free(ctx, s->given.instances, s->given.cap_instances, sizeof *s->given.instances);
     lc_free(ctx, s->changes.list, s->changes.cap, sizeof *s->changes.list);

@@ -7,6 +7,7 @@
 #ifndef LC_SCENE_PARTS_H
 #define LC_SCENE_PARTS_H
 
+#include "image/mipmap.h"
 #include "photometry/photometry.h"
 #include "scene/camera.h"
 #include "shade/light.h"
@@ -61,6 +62,13 @@ typedef struct lc_fixture {
     float peak; /* cd */
 } lc_fixture;
 
+/* A picture that a host or reader gave: here until a texture, a mesh or an environment takes it. */
+typedef struct lc_given_picture {
+    lc_mipmap map; /* without texels: it was taken */
+    uint32_t image, emission, env; /* what took it or a copy, by the scene's number; 0 of emission, else
+                                    * LC_NONE: nothing */
+} lc_given_picture;
+
 /* A host's numbers are those of its calls, counted from 0. For scenes of files the arrays of numbers are
  * NULL: the scene's own numbers serve; and so are the lights until one is set. */
 typedef struct lc_given {
@@ -69,8 +77,10 @@ typedef struct lc_given {
     uint32_t *meshes, *instances; /* of each call the scene's number; LC_NONE: it was empty and left out */
     lc_fixture *fixtures;
     uint32_t (*emission_maps)[2]; /* a texture and the emission map that was made of it */
+    lc_given_picture *pictures;
+    bool placed; /* the object begun last has an instance */
     size_t n_meshes, cap_meshes, n_instances, cap_instances, n_fixtures, cap_fixtures, n_emission_maps,
-        cap_emission_maps;
+        cap_emission_maps, n_pictures, cap_pictures;
 } lc_given;
 
 typedef enum lc_change_kind { LC_CHANGE_CAMERA, LC_CHANGE_INSTANCE, LC_CHANGE_EMISSION } lc_change_kind;

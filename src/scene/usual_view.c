@@ -5,28 +5,8 @@
 
 #include <string.h>
 
-#define WIDTH    800  /* pixels */
-#define SAMPLES  4    /* per pixel, as of pbrt files */
 #define FOV      40.0 /* degrees along the shorter side */
 #define DISTANCE 3    /* radii of the scene's ball from its middle; 1 / sin(FOV / 2) is 2.92 */
-
-lc_status lc_scene_usual_film(lc_scene *s, lc_pos where)
-{
-    lc_film_desc film = { .width = WIDTH, .height = WIDTH * 9 / 16, .scale = 1, .spp = SAMPLES };
-    film.crop[1] = film.width;
-    film.crop[3] = film.height;
-    film.filter = (lc_pixel_filter_desc){ .kind = LC_PIXEL_GAUSSIAN, .radius = { 1.5, 1.5 }, .shape = { 2 } };
-    s->traces_paths = true;
-    return lc_scene_set_film(s, where, &film);
-}
-
-lc_status lc_scene_set_aspect(lc_scene *s, lc_pos where, double aspect)
-{
-    lc_film_desc film = s->film;
-    film.height = (uint32_t)fmin(fmax(floor(film.width / aspect + 0.5), 1), LC_MAX_SIDE);
-    film.crop[3] = film.height;
-    return lc_scene_set_film(s, where, &film);
-}
 
 static lc_box bounds_of(const lc_scene *s)
 {
@@ -69,12 +49,4 @@ lc_status lc_scene_usual_camera(lc_scene *s, lc_pos where)
     const double screen[4] = { -wide, wide, -tall, tall };
     memcpy(camera.screen, screen, sizeof screen);
     return lc_scene_add_camera(s, where, &camera);
-}
-
-lc_status lc_scene_check_lit(lc_scene *s, lc_pos where)
-{
-    bool lit = s->n_lights || s->n_envs || s->suns;
-    for (size_t i = 0; i < s->n_meshes && !lit; i++) lit = lc_f3_max(s->meshes[i].emission) > 0;
-    return lit ? LC_OK
-               : lc_scene_note_at(s, where, "no lights", "the scene has no lights: its picture is black");
 }
