@@ -262,7 +262,8 @@ static void print_row(table *t, const char *part, uint64_t lights, uint64_t refe
                (unsigned long long)reference, d->median, d->high, d->pixels, d->pixels_high, d->ratio);
     } else {
         if (!t->n_rows)
-            printf("part         lights    reference   blocks: median   95 %%  pixels: median   95 %%    ratio\n");
+            printf("part         lights    reference   blocks: median   95 %%  pixels: median   95 %%  "
+                   "  ratio\n");
         printf("%-9s %9llu %12llu %12.2f %% %7.2f %% %12.2f %% %7.2f %% %8.4f\n", part,
                (unsigned long long)lights, (unsigned long long)reference, 100 * d->median, 100 * d->high,
                100 * d->pixels, 100 * d->pixels_high, d->ratio);

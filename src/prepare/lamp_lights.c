@@ -243,8 +243,8 @@ static lc_status divide_by_steps(lc_patches *m, int which, size_t most)
     return LC_OK;
 }
 
-/* First what much of the picture sees: where lamps are many, there are more spots of a few pixels next to them
- * than there is room for. */
+/* First what much of the picture sees: where lamps are many, there are more spots of a few pixels next to
+ * them than there is room for. */
 static lc_status divide(lc_patches *m)
 {
     const size_t n = m->n;
