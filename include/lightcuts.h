@@ -159,7 +159,7 @@ typedef struct lc_sensors_desc {
 typedef struct lc_load_desc {
     size_t size;
     uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: as many
-                               as the picture needs, up to 131072 or one a triangle */
+                               as the picture needs, up to 131072 and one a side of a triangle */
     uint64_t seed;        /* of the scene: for the choice of representatives, the jitter of all lights that
                            * are made and the samples of its pictures */
     uint32_t n_reps;      /* 1..32 representatives a cluster; each but the first takes 4 bytes a light; 0:

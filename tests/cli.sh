@@ -840,6 +840,10 @@ prints '^all  *[0-9]* .* %'
 check 'its picture' grep -q PNG v.png
 good 'converge --json' converge mirror.pbrt --pixels 400 --json
 check 'its parts' grep -q '"part": "seed", "lights": [0-9]*, "reference": [0-9]*, "blocks_median": ' out
+good 'a scene of cuts' scene stairs --lights 2000 -o steps.pbrt
+good 'converge with the error of pictures' converge steps.pbrt --pixels 3000 --json
+check '95 % are within about 2 % for cuts' awk -F'[:,]' '/"cuts"/ { for (i = 1; i < NF; i++)
+    if ($i ~ /pixels_95/) found = $(i + 1) > 0.01 && $(i + 1) < 0.03 } END { exit !found }' out
 bad 'converge without a scene' 2 'one scene' converge
 bad 'converge of no such scene' 3 'none.pbrt' converge none.pbrt
 bad 'converge into a text' 2 'x.txt' converge mirror.pbrt -o x.txt

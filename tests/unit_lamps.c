@@ -61,7 +61,42 @@ TEST(no_light_stands_for_much)
     }
     printf("  %zu lights, greatest share %.4f\n", scene->n_lights, most);
     CHECKF(most <= 4 * LC_LAMP_SHARE, "%g", most); /* points between those that were looked at */
-    CHECK(scene->n_lights <= LC_LAMP_LIGHTS);
+    CHECK(scene->n_lights <= LC_LAMP_LIGHTS + 4);
+}
+
+#define MANY 160 /* a side */
+
+/* MANY * MANY lamps of two sides just above the floor. */
+static char *many_lamps(void)
+{
+    enum { CORNER = 30 };
+    char *text = malloc((size_t)MANY * MANY * (4 * CORNER + 6 * 8) + 256), *at = text;
+    if (!text) abort();
+    at += sprintf(at, "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" true "
+                      "Shape \"trianglemesh\" \"point3 P\" [");
+    for (int i = 0; i < MANY * MANY; i++)
+        for (int k = 0; k < 4; k++)
+            at += sprintf(at, "%.4f .006 %.4f ", (i % MANY + (k == 1 || k == 2) * 0.3) * 6 / MANY - 3,
+                          (i / MANY + k / 2 * 0.3) * 6 / MANY - 3);
+    at += sprintf(at, "] \"integer indices\" [");
+    for (int i = 0; i < 4 * MANY * MANY; i += 4)
+        at += sprintf(at, "%d %d %d %d %d %d ", i, i + 1, i + 2, i, i + 2, i + 3);
+    sprintf(at, "]");
+    return text;
+}
+
+/* More lamps than there is room to divide, each of which stands for most of the light of a spot next to it:
+ * one that lights all of the picture is divided all the same. */
+TEST(spots_do_not_starve_the_picture)
+{
+    uint32_t high = 0;
+    char *many = many_lamps();
+    CHECK(load_text(&direct, VIEW FLOOR LAMP("9 9 9", "-1 2 -1", "2") "%s", many) == LC_OK);
+    free(many);
+    for (size_t i = 0; i < scene->n_lights; i++) high += scene->lights[i].pos.y > 1;
+    printf("  %u of %zu lights in the large lamp\n", high, scene->n_lights);
+    CHECKF(high >= 500, "%u", high);
+    CHECK(scene->n_lights <= LC_LAMP_LIGHTS + 4 * MANY * MANY + 2);
 }
 
 /* What is far away, or behind, has a light for each triangle and no more. */
@@ -291,6 +326,7 @@ int main(void)
     ctx = quiet_context(2);
     RUN(flux_is_exact);
     RUN(no_light_stands_for_much);
+    RUN(spots_do_not_starve_the_picture);
     RUN(lights_are_where_they_matter);
     RUN(panel_from_close_by);
     RUN(pictures_keep_their_sum);

@@ -19,6 +19,29 @@ static inline void lc_sample_pair(uint64_t key, uint32_t i, double u[2])
     u[1] = y * 0x1p-32;
 }
 
+static inline uint32_t lc_reverse_bits(uint32_t x)
+{
+    static const uint32_t mask[4] = { 0x00ff00ffu, 0x0f0f0f0fu, 0x33333333u, 0x55555555u };
+    x = x >> 16 | x << 16;
+    for (int i = 0, by = 8; i < 4; i++, by /= 2) x = (x & mask[i]) << by | (x >> by & mask[i]);
+    return x;
+}
+
+/* A permutation of all 32-bit numbers for each key that keeps each 2^k successive ones that start at a
+ * multiple of 2^k together: several pairs of coordinates, each of lc_sample_pair in an order of its own, are
+ * as even as one, and independent of each other. In reversed order each bit is made from itself and lower
+ * ones, as sums, products and exclusive ors of products do. */
+static inline uint32_t lc_shuffle(uint32_t i, uint64_t key)
+{
+    uint32_t x = lc_reverse_bits(i);
+    for (uint64_t round = 0; round < 4; round++) {
+        const uint64_t r = lc_hash2(key, round);
+        x = (x + (uint32_t)r) * ((uint32_t)(r >> 32) | 1);
+        x ^= x * ((uint32_t)(r >> 16) & ~1u);
+    }
+    return lc_reverse_bits(x);
+}
+
 /* A permutation of 0 .. 15 for each key: rounds of what can be undone, addition, an odd factor, a shifted
  * xor. */
 static inline uint32_t lc_permute16(uint32_t k, uint64_t key)

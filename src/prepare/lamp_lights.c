@@ -8,7 +8,8 @@
  * contribute, shadows estimated by a few rays. A patch knows the points where its share is greatest, and its
  * parts are scored there alone once there are many. A grid of points would miss the small bright places next
  * to lamps, so rays from the lamps add those that the camera sees. The bound on the shares falls by steps, so
- * that where the lights run out all patches have nearly the same greatest share.
+ * that where the lights run out all patches have nearly the same greatest share; that at points of the grid
+ * comes first.
  */
 #include "prepare/lamp_lights.h"
 
@@ -92,7 +93,9 @@ static lc_status add_triangle(lc_patches *m, uint32_t tri, const lc_patch *near)
                          .b = { { 0, 0 }, { 1, 0 }, { 0, 1 } } };
         if (!near) continue;
         p->n_near = near->n_near;
+        p->n_grid = near->n_grid;
         memcpy(p->near, near->near, sizeof p->near);
+        memcpy(p->grid, near->grid, sizeof p->grid);
     }
     return st;
 }
@@ -144,9 +147,17 @@ static lc_status open_large(lc_patches *m)
 
 static bool has_map(const lc_patches *m, const lc_patch *p) { return lc_patch_mesh(m, p)->emission_map > 0; }
 
-static bool divisible(const lc_patches *m, const lc_patch *p, float share)
+/* Patches are divided while their share of this kind is above `least` and there are less than `most`. */
+typedef struct bound {
+    int which;
+    float least;
+    size_t most;
+} bound;
+
+static bool divisible(const lc_patches *m, const lc_patch *p, const bound *b)
 {
-    return p->share > share && p->depth < MAX_DEPTH && !lc_patch_source(m, p)->is_ball && !has_map(m, p);
+    return p->share[b->which] > b->least && p->depth < MAX_DEPTH && !lc_patch_source(m, p)->is_ball &&
+           !has_map(m, p);
 }
 
 void lc_patch_divide(const lc_patch *p, lc_patch parts[4])
@@ -157,7 +168,7 @@ void lc_patch_divide(const lc_patch *p, lc_patch parts[4])
         parts[k] = *p;
         parts[k].depth++;
         parts[k].path = p->path * 4 + (uint32_t)k;
-        parts[k].share = 0;
+        for (int i = 0; i < LC_SHARES; i++) parts[k].share[i] = 0;
         for (int i = 0; i < 3; i++) /* the corner k, or the middle */
             memcpy(parts[k].b[i],
                    k == 3             ? mid[i]
@@ -174,62 +185,71 @@ static int falling(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-/* Raises the share so that no more patches are above it than may be divided. */
-static lc_status raise_share(const lc_patches *m, float *share, size_t may)
+/* Raises the bound so that no more patches are above it than there is room to divide. */
+static lc_status raise_bound(const lc_patches *m, bound *b)
 {
+    const size_t may = m->n < b->most ? (b->most - m->n) / 3 : 0;
     size_t n = 0;
-    for (size_t i = 0; i < m->n; i++) n += divisible(m, &m->patches[i], *share);
+    for (size_t i = 0; i < m->n; i++) n += divisible(m, &m->patches[i], b);
     if (n <= may) return LC_OK;
     float *shares = lc_alloc_raw(m->scene->ctx, n, sizeof *shares);
     if (!shares) return LC_ERR_MEMORY;
     size_t at = 0;
     for (size_t i = 0; i < m->n; i++)
-        if (divisible(m, &m->patches[i], *share)) shares[at++] = m->patches[i].share;
+        if (divisible(m, &m->patches[i], b)) shares[at++] = m->patches[i].share[b->which];
     qsort(shares, n, sizeof *shares, falling);
-    *share = shares[may];
+    b->least = shares[may];
     lc_free(m->scene->ctx, shares, n, sizeof *shares);
     return LC_OK;
 }
 
-/* Replaces the patches above the share by their parts, which go to the end, and scores these. */
-static lc_status divide_all(lc_patches *m, float share, size_t *n_divided)
+/* Replaces the patches above the bound by their parts, which go to the end, and scores these. */
+static lc_status divide_all(lc_patches *m, const bound *b, size_t *n_divided)
 {
     size_t n = m->n, kept = 0;
     *n_divided = 0;
-    for (size_t i = 0; i < n; i++) *n_divided += divisible(m, &m->patches[i], share);
+    for (size_t i = 0; i < n; i++) *n_divided += divisible(m, &m->patches[i], b);
     if (!*n_divided) return LC_OK;
     lc_status st = lc_grow(m->scene->ctx, (void **)&m->patches, &m->cap, n + 4 * *n_divided,
                            sizeof *m->patches);
     if (st) return st;
     for (size_t i = 0; i < n; i++)
-        if (divisible(m, &m->patches[i], share)) {
+        if (divisible(m, &m->patches[i], b)) {
             lc_patch_divide(&m->patches[i], &m->patches[m->n]);
             m->n += 4;
         }
     for (size_t i = 0; i < m->n; i++)
-        if (i >= n || !divisible(m, &m->patches[i], share)) m->patches[kept++] = m->patches[i];
+        if (i >= n || !divisible(m, &m->patches[i], b)) m->patches[kept++] = m->patches[i];
     m->n = kept;
     m->first = kept - 4 * *n_divided;
     lc_patches_score(m);
     return LC_OK;
 }
 
-static lc_status divide_by_steps(lc_patches *m)
+static lc_status divide_by_steps(lc_patches *m, int which, size_t most)
 {
     bool full = false;
     for (float step = FIRST_SHARE; !full; step = fmaxf(step / 2, (float)LC_LAMP_SHARE)) {
         size_t n_divided = 1;
         while (n_divided && !full) {
-            size_t room = m->n < LC_LAMP_LIGHTS ? LC_LAMP_LIGHTS - m->n : 0;
-            float share = step;
-            lc_status st = raise_share(m, &share, room / 3);
-            full = share > step;
-            if (!st) st = divide_all(m, share, &n_divided);
+            bound b = { which, step, most };
+            lc_status st = raise_bound(m, &b);
+            full = b.least > step;
+            if (!st) st = divide_all(m, &b, &n_divided);
             if (st) return st;
         }
         if (step <= (float)LC_LAMP_SHARE) break;
     }
     return LC_OK;
+}
+
+/* First what much of the picture sees: where lamps are many, there are more spots of a few pixels next to
+ * them than there is room for. */
+static lc_status divide(lc_patches *m)
+{
+    const size_t n = m->n;
+    lc_status st = divide_by_steps(m, LC_SHARE_GRID, n + LC_LAMP_LIGHTS / 2);
+    return st ? st : divide_by_steps(m, LC_SHARE_ALL, n + LC_LAMP_LIGHTS);
 }
 
 /* ---- the whole ---- */
@@ -238,7 +258,7 @@ static lc_status add_map_lights(lc_patches *m, const lc_patch *p, size_t room)
 {
     const lc_lamp_source *source = lc_patch_source(m, p);
     lc_light light = lc_patch_light(m, p);
-    double k = fmax(ceil((double)p->share / LC_LAMP_SHARE), MIN_MAP_LIGHTS);
+    double k = fmax(ceil((double)p->share[LC_SHARE_ALL] / LC_LAMP_SHARE), MIN_MAP_LIGHTS);
     light.intensity = lc_f3_scale(lc_patch_mesh(m, p)->emission, (float)(0.5 * source->emitter.twice));
     return lc_area_map_lights(m->scene, source->tri, (uint32_t)fmax(fmin(k, (double)room), 1), &light,
                               lc_hash4(m->seed, source->tri, 0, 6 + (p->sign > 0)));
@@ -274,7 +294,7 @@ lc_status lc_lamp_lights_make(lc_scene *scene, uint32_t max_depth, uint64_t seed
     if (!st && m.n) st = lc_patch_places_find(&m, max_depth);
     if (!st && m.view.n) st = lc_patches_score_first(&m);
     if (!st && m.view.n) st = open_large(&m);
-    if (!st && m.view.n) st = divide_by_steps(&m);
+    if (!st && m.view.n) st = divide(&m);
     if (!st) st = add_lights(&m);
     if (!st && m.view.n && !count_maps(&m)) st = lc_patches_deviation(&m, &scene->lamp_error);
     lc_free(scene->ctx, m.places, m.n_points, sizeof *m.places);

@@ -6,7 +6,7 @@
 
 /* Of the light of a visible point: lights that stand for more are divided. */
 #define LC_LAMP_SHARE 0.002
-/* Lights of lamps are no more than this, but for one of each emitting side of a triangle. */
+/* Lights of lamps are no more than this beside one of each emitting side of a triangle. */
 #define LC_LAMP_LIGHTS ((size_t)1 << 17)
 
 /* Appends a ball for each sphere that is small from where it is seen, and oriented lights for other emitters:

@@ -7,7 +7,8 @@
 #include "prepare/emitter.h"
 #include "prepare/view_grid.h"
 
-#define LC_PATCH_NEAR 12 /* points that a patch knows */
+#define LC_PATCH_NEAR 12 /* points that a patch knows: those of its greatest shares ... */
+#define LC_PATCH_GRID 4  /* ... and of its greatest shares on the grid of the picture */
 
 /* What patches are parts of: a triangle, or a sphere as a whole. */
 typedef struct lc_lamp_source {
@@ -19,6 +20,10 @@ typedef struct lc_lamp_source {
     };
 } lc_lamp_source;
 
+/* The greatest share of a patch at points of the grid, each of which stands for as much of the picture, and at
+ * all points: those that rays from patches find may be in a spot of a few pixels. */
+enum { LC_SHARE_GRID, LC_SHARE_ALL, LC_SHARES };
+
 typedef struct lc_patch {
     uint32_t source;
     int8_t sign;   /* lc_emitter_normal */
@@ -26,8 +31,9 @@ typedef struct lc_patch {
     bool large;    /* a sphere that a ball cannot stand for */
     uint32_t path; /* which: a digit to the base of 4 each division, after a 1, or for the other side a 2 */
     uint32_t n_near, near[LC_PATCH_NEAR];
+    uint32_t n_grid, grid[LC_PATCH_GRID];
     float b[3][2]; /* corners: weights of vertices 1 and 2 */
-    float share;
+    float share[LC_SHARES];
 } lc_patch;
 
 /* A point of the picture. */

@@ -209,19 +209,19 @@ static void probe(void *user, uint32_t thread, uint64_t item)
     }
 }
 
-/* Remembers a point where the share is among the greatest. */
-static void remember(lc_patch *p, float shares[LC_PATCH_NEAR], uint32_t point, float share)
+/* Remembers a point where the share is among the `most` greatest. */
+static void remember(uint32_t *points, float *shares, uint32_t *n, uint32_t most, uint32_t point, float share)
 {
-    uint32_t i = p->n_near;
-    if (!(share > 0) || (i == LC_PATCH_NEAR && share <= shares[LC_PATCH_NEAR - 1])) return;
-    if (i == LC_PATCH_NEAR) i--;
-    else p->n_near++;
+    uint32_t i = *n;
+    if (!(share > 0) || (i == most && share <= shares[most - 1])) return;
+    if (i == most) i--;
+    else ++*n;
     for (; i > 0 && shares[i - 1] < share; i--) {
         shares[i] = shares[i - 1];
-        p->near[i] = p->near[i - 1];
+        points[i] = points[i - 1];
     }
     shares[i] = share;
-    p->near[i] = point;
+    points[i] = point;
 }
 
 /* Whether a ball shows at a place that it is none. */
@@ -237,11 +237,11 @@ static void score_everywhere(void *user, uint32_t thread, uint64_t item)
 {
     lc_patches *m = user;
     size_t first = m->first + item * BLOCK;
-    float f[BLOCK], shares[BLOCK][LC_PATCH_NEAR];
+    float f[BLOCK], near[BLOCK][LC_PATCH_NEAR], grid[BLOCK][LC_PATCH_GRID];
     lc_patch_block own;
     (void)thread;
     const lc_patch_block *b = get_block(m, first, in_block(m, first), &own);
-    for (uint32_t i = 0; i < b->n; i++) m->patches[first + i].n_near = 0;
+    for (uint32_t i = 0; i < b->n; i++) m->patches[first + i].n_near = m->patches[first + i].n_grid = 0;
     for (uint32_t k = 0; k < m->n_points; k++) {
         if (m->blocks && k == m->view.n) k += (uint32_t)first * m->n_probes; /* the patches' own probes */
         if (m->blocks && k == m->view.n + ((uint32_t)first + b->n) * m->n_probes) break;
@@ -249,27 +249,39 @@ static void score_everywhere(void *user, uint32_t thread, uint64_t item)
         contributions(b, &m->places[k], 1, f);
         for (uint32_t i = 0; i < b->n; i++) {
             lc_patch *p = &m->patches[first + i];
-            remember(p, shares[i], k, f[i] / m->total[k]);
+            remember(p->near, near[i], &p->n_near, LC_PATCH_NEAR, k, f[i] / m->total[k]);
+            if (k < m->view.n) remember(p->grid, grid[i], &p->n_grid, LC_PATCH_GRID, k, f[i] / m->total[k]);
             p->large |= b->all_round[i] > 0 && is_large(b, i, &m->places[k], f[i] / m->total[k]);
         }
     }
-    for (uint32_t i = 0; i < b->n; i++)
-        m->patches[first + i].share = m->patches[first + i].n_near ? shares[i][0] : 0;
+    for (uint32_t i = 0; i < b->n; i++) {
+        lc_patch *p = &m->patches[first + i];
+        p->share[LC_SHARE_ALL] = p->n_near ? near[i][0] : 0;
+        p->share[LC_SHARE_GRID] = p->n_grid ? grid[i][0] : 0;
+    }
 }
 
-/* The parts of one patch, at the points that it knew. */
+/* Scores n patches, all of which know the same points, at these. */
+static void score_at_known(lc_patches *m, lc_patch *p, uint32_t n)
+{
+    float f[BLOCK];
+    lc_patch_block b;
+    load_block(m, (size_t)(p - m->patches), n, &b);
+    for (uint32_t k = 0; k < p->n_near + p->n_grid; k++) {
+        const uint32_t at = k < p->n_near ? p->near[k] : p->grid[k - p->n_near];
+        contributions(&b, &m->places[at], 1, f);
+        for (uint32_t i = 0; i < n; i++)
+            for (int which = at < m->view.n ? LC_SHARE_GRID : LC_SHARE_ALL; which < LC_SHARES; which++)
+                p[i].share[which] = fmaxf(p[i].share[which], f[i] / m->total[at]);
+    }
+}
+
+/* The parts of one patch. */
 static void score_nearby(void *user, uint32_t thread, uint64_t item)
 {
     lc_patches *m = user;
-    lc_patch *p = &m->patches[m->first + 4 * item];
-    float f[BLOCK];
-    lc_patch_block b;
     (void)thread;
-    load_block(m, m->first + 4 * item, 4, &b);
-    for (uint32_t k = 0; k < p->n_near; k++) {
-        contributions(&b, &m->places[p->near[k]], 1, f);
-        for (uint32_t i = 0; i < 4; i++) p[i].share = fmaxf(p[i].share, f[i] / m->total[p->near[k]]);
-    }
+    score_at_known(m, &m->patches[m->first + 4 * item], 4);
 }
 
 void lc_patches_score(lc_patches *m)
@@ -282,15 +294,8 @@ void lc_patches_score(lc_patches *m)
 static void score_known(void *user, uint32_t thread, uint64_t item)
 {
     lc_patches *m = user;
-    lc_patch *p = &m->patches[m->first + item];
-    float f[BLOCK];
-    lc_patch_block b;
     (void)thread;
-    load_block(m, m->first + item, 1, &b);
-    for (uint32_t k = 0; k < p->n_near; k++) {
-        contributions(&b, &m->places[p->near[k]], 1, f);
-        p->share = fmaxf(p->share, f[0] / m->total[p->near[k]]);
-    }
+    score_at_known(m, &m->patches[m->first + item], 1);
 }
 
 void lc_patches_score_known(lc_patches *m)

@@ -2,9 +2,10 @@
  *
  *     a source, by power -> place, direction -> surface -> virtual light, goes on -> surface -> ...
  *
- * Path i draws its first numbers from point i of a Kronecker sequence (powers of the root of x^8 = x + 1,
- * [Roberts18]), which fills source, place, direction and first bounce evenly, and the others from its own
- * hash. Each virtual light emits as a diffuse surface does: flux * albedo / pi along the shading normal.
+ * Path i draws its source, and the pairs of numbers for its place on that, its direction and its first
+ * bounce, from (0,2)-sequences, each in an order of its own, so that none makes a pattern with another
+ * ([Kollig02]), and all other numbers from its own hash. Each virtual light emits as a diffuse surface does:
+ * flux * albedo / pi along the shading normal.
  * Lobes count as diffuse with all that they reflect; a surface with diffuse transmission has a light on its
  * other side, too. At mirrors and glass a path goes on, by chance where they both reflect and transmit. From
  * the second rough surface on a path ends with probability 1 - albedo. Intensities are divided by the number
@@ -22,6 +23,7 @@
 
 #include "base/pool.h"
 #include "base/rng.h"
+#include "base/sample.h"
 #include "base/sample_dir.h"
 #include "prepare/path_start.h"
 #include "prepare/view_grid.h"
@@ -42,8 +44,9 @@
 #define PATHS_A_LIGHT LC_SIZE(64, 8) /* greatest number of paths for each light requested */
 #define PATHS_FOR_NONE (16 * BATCH)  /* paths without any light after which none is expected */
 #define PATH_SURFACES 64             /* greatest number of surfaces of a path, for those among mirrors */
-#define DIMS 5                       /* dimensions of the Kronecker sequence, and those of */
-#define PLACE_DIMS 2                 /* the place on a source */
+#define PAIRS 4                      /* of numbers from sequences: one is left out, then follow */
+#define DRAWN 5                      /* the source, the direction and the first bounce, drawn in turn, and */
+#define PLACE 6                      /* the place on the source */
 #define FIRST_LIGHTS LC_SIZE(16384, 64)
 #define MOST_LIGHTS LC_SIZE(1048576, 256)
 #define MOST_GROWTH 8.0              /* of the number of lights, after which deviations are looked at again */
@@ -69,6 +72,7 @@ typedef struct maker {
 typedef struct path {
     const maker *m;
     uint64_t index;
+    double numbers[2 * PAIRS]; /* of sequences */
     uint32_t n_drawn, n_rough;
     lc_f3 org, dir, flux; /* W, of all paths */
     lc_light *lights;
@@ -77,20 +81,18 @@ typedef struct path {
 
 /* ---- numbers ---- */
 
-/* Dimension d of the path's point of the Kronecker sequence. */
-static double of_sequence(const path *p, uint32_t d)
+static void start_numbers(path *p)
 {
-    static const uint64_t step[DIMS + PLACE_DIMS] = {
-        0xe95e1dd17d35800du, 0xd4bc74e13f3c782fu, 0xc1edbc5b5c68ac25u, 0xb0c8ac50f0edef5du,
-        0xa127a31c56d1cdb5u, 0x92e852c80d153db3u, 0x85eb75c3024385c3u,
-    };
-    return lc_unit(lc_hash4(p->m->seed, d, 0, 0) + (p->index + 1) * step[d]);
+    for (uint32_t k = 0; k < PAIRS; k++) {
+        const uint32_t at = lc_shuffle((uint32_t)p->index, lc_hash4(p->m->seed, k, 0, 7));
+        lc_sample_pair(lc_hash4(p->m->seed, k, 0, 0), at, p->numbers + 2 * k);
+    }
 }
 
 static double draw(path *p)
 {
     uint32_t d = p->n_drawn++;
-    return d < DIMS ? of_sequence(p, d) : lc_unit(lc_hash4(p->m->seed, p->index, d, 1));
+    return d < DRAWN ? p->numbers[1 + d] : lc_unit(lc_hash4(p->m->seed, p->index, d, 1));
 }
 
 /* For choices between reflection and transmission, so that mirrors do not use up the numbers of the first
@@ -115,8 +117,8 @@ static lc_f3 draw_cosine(path *p, lc_f3 n)
 static void emit(path *p, lc_light *from)
 {
     const lc_path_starts *starts = &p->m->starts;
-    const double at = draw(p), place[2] = { of_sequence(p, DIMS), of_sequence(p, DIMS + 1) };
-    const double chance = lc_path_start_draw(starts, at, place, from);
+    const double at = draw(p);
+    const double chance = lc_path_start_draw(starts, at, p->numbers + PLACE, from);
     lc_emit_from in = { .centre = { starts->centre[0], starts->centre[1], starts->centre[2] },
                         .radius = starts->radius,
                         .spot_maps = p->m->scene->spot_maps,
@@ -235,6 +237,7 @@ static void trace_item(void *user, uint32_t thread, uint64_t item)
                    .lights = m->slots + i * PATH_LIGHTS,
                    .n_lights = &m->n_stored[i] };
         m->n_stored[i] = 0;
+        start_numbers(&p);
         trace(&p);
         for (uint64_t k = i * PATH_LIGHTS; k < i * PATH_LIGHTS + m->n_stored[i] && m->view.n; k++)
             m->importance[k] = lc_view_grid_importance(&m->view, &m->slots[k],

@@ -25,13 +25,16 @@
 
 /* ---- points ---- */
 
-/* Pixel k of LC_BLOCK_POINTS of a block: the centres of its quarters. */
-static void pixel_of(const lc_film_desc *film, uint32_t block, uint32_t k, double at[2])
+/* Place k of LC_BLOCK_POINTS of a block: anywhere in one of its quarters, since at the middle of all of them
+ * a row of blocks along an edge would miss it, or meet it all. */
+static void place_of(const lc_vpl_deviation *d, uint32_t block, uint32_t k, double at[2])
 {
+    const lc_film_desc *film = &d->scene->film;
     const double size[2] = { film->width, film->height };
     const uint32_t cell[2] = { block % SIDE, block / SIDE }, part[2] = { k % 2, k / 2 };
-    for (int c = 0; c < 2; c++) {
-        double middle = (cell[c] + 0.5) / SIDE * size[c] + (part[c] - 0.5) * (BLOCK / 2);
+    for (uint32_t c = 0; c < 2; c++) {
+        const double in_quarter = lc_unit(lc_hash4(d->seed, block, k, 8 + c)) - 0.5;
+        double middle = (cell[c] + 0.5) / SIDE * size[c] + (part[c] - 0.5 + in_quarter) * (BLOCK / 2);
         at[c] = fmin(fmax(middle, 0.5), size[c] - 0.5);
     }
 }
@@ -55,7 +58,7 @@ static void find_point(finder *f, uint32_t thread, size_t i)
     lc_point p[2];
     lc_cut_result r;
     const uint32_t block = (uint32_t)(i / LC_BLOCK_POINTS);
-    pixel_of(&s->film, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
+    place_of(d, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
     d->weight[i] = 0;
     if (!lc_view_sight(s, at[0], at[1], lens, &how, &dir, &sight) || !sight.n_lit)
         return;
