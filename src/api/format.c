@@ -3,6 +3,7 @@
 
 #include "gltf/gltf.h"
 #include "image/pixels.h"
+#include "io/inputs.h"
 #include "io/readfile.h"
 #include "obj/obj.h"
 #include "pbrt/parse.h"
@@ -100,6 +101,7 @@ const char *lc_format_foreign(const char *path, const uint8_t *head, size_t len)
 lc_status lc_format_parse(lc_scene *scene, const char *path)
 {
     uint8_t head[HEAD] = { 0 };
+    if (strcmp(path, "-")) lc_inputs_ask(scene->ctx, path);
     size_t len = strcmp(path, "-") ? lc_file_peek(path, head, sizeof head) : 0;
     if (lc_gltf_is(head, len)) return lc_gltf_parse(scene, path);
     const char *foreign = len ? lc_format_foreign(path, head, len) : NULL;

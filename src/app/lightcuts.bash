@@ -96,7 +96,8 @@ _lightcuts()
             --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
             --indirect-from --seed --spp --resolution --exposure --tone --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
-            --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --aov
+            --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --watch
+            --display-server --aov
             --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;

@@ -296,6 +296,8 @@ static const char *good_values(const char *option)
                  { "tone", "shoulder, plain or filmic" },
                  { "builder", "auto, exact or ploc" },
                  { "bvh", "best or fast" },
+                 { "display-server", "ADDRESS:PORT, such as localhost:14158, 127.0.0.1:14158 or [::1]:14158; "
+                                     "names other than localhost are not looked up" },
                  { "indirect-from", "scene or view" },
                  { "aov", "cut, n, p, z, albedo, error, rays, interval, alpha, with commas between, or all" },
                  { "nthreads", "1 or more" },

@@ -7,6 +7,12 @@
 #include <string.h>
 #include <sys/stat.h>
 
+void lc_inputs_ask(const lc_context *ctx, const char *path)
+{
+    const lc_inputs *in = ctx->inputs;
+    if (in && in->reads) in->reads(in->reads_user, path);
+}
+
 lc_status lc_inputs_add(const lc_context *ctx, int fd)
 {
     struct stat info;

@@ -159,7 +159,7 @@ static lc_status read_map(lc_obj *o, lc_obj_lines *l, const char *folder, bool e
             *id = o->images[i].id;
             return LC_OK;
         }
-    if (!lc_file_exists(path))
+    if (!lc_file_exists(o->ctx, path))
         return lc_obj_note(o, name.pos, "texture image", "'%.150s': no such file; it is left out", path);
     if ((st = load_image(o, name.pos, path, emission, id))) return st;
     void *images = o->images;
@@ -240,7 +240,7 @@ lc_status lc_obj_read_mtl(lc_obj *o, const lc_obj_word *name)
         return lc_obj_note(o, name->pos, "mtllib", "this scene may not open files; its materials are grey");
     const char *path = lc_obj_join(o, o->folder, name);
     if (!path) return LC_ERR_MEMORY;
-    if (!lc_file_exists(path))
+    if (!lc_file_exists(o->ctx, path))
         return lc_obj_note(o, name->pos, "mtllib", "'%.150s': no such file; its materials are grey", path);
     lc_status st = lc_file_read(o->ctx, name->pos, path, NULL, &file);
     if (st) return st;
