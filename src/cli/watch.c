@@ -153,7 +153,7 @@ int cli_watch_loop(cli_watch *w, int (*once)(void *user, bool again), void *user
 {
     int status;
     for (bool again = false;; again = true) {
-        cli_leave_signals(); /* while a scene is loaded nothing looks for them */
+        if (again) cli_leave_signals(); /* while a scene is loaded nothing looks for them */
         status = once(user, again);
         if (cli_caught_signal()) break;
         if (!again && (status == CLI_USAGE || status == CLI_FAILED || !w->n || !w->files[0].seen.there)) break;
