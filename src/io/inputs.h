@@ -29,6 +29,8 @@ lc_status lc_inputs_restrict(lc_inputs *inputs, lc_arena *memory, const char *sc
 /* Whether a file may be read. *path is changed to one without symbolic links. */
 bool lc_inputs_allow(const lc_inputs *inputs, const char **path, char real[PATH_MAX]);
 
+/* The file that a path leads to; zeros: none. */
+lc_file_id lc_file_id_of(const char *path);
 /* Tells the host that a file is asked for, whether it is there or not. */
 void lc_inputs_ask(const lc_context *ctx, const char *path);
 /* The file behind a descriptor, also a device or pipe. LC_ERR_MEMORY. */
