@@ -480,6 +480,11 @@ static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image *
     warn_of_display(o, NULL);
     if (st == LC_ERR_CANCELLED && o->files && o->files->changed && !cli_caught_signal()) return CLI_STOPPED;
     if (st == LC_ERR_CANCELLED && *image) return write_partial(o, ctx, *image);
+    if (st == LC_ERR_CANCELLED && !o->farm.file && (o->render.partial || o->watch)) {
+        fprintf(stderr, "lightcuts: interrupted%s, nothing written\n",
+                o->render.partial ? " before a pixel was finished" : "");
+        return CLI_FAILED;
+    }
     if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);
     return st ? cli_exit_status(st) : CLI_OK;
 }
