@@ -38,6 +38,7 @@ _lightcuts()
         return ;;
     lux:--indirect-lights) COMPREPLY=($(compgen -W auto -- "$word")); return ;;
     render:--bvh | explain:--bvh | bench:--bvh) COMPREPLY=($(compgen -W 'best fast' -- "$word")); return ;;
+    render:--display-server) COMPREPLY=($(compgen -W localhost:14158 -- "$word")); return ;;
     render:--chunk) COMPREPLY=($(compgen -W slurm -- "$word")); return ;;
     render:--isa | lux:--isa | explain:--isa | bench:--isa | report:--isa)
         COMPREPLY=($(compgen -W "$(_lightcuts_isas)" -- "$word"))

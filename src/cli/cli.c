@@ -19,9 +19,12 @@ static atomic_uint_fast64_t n_warnings;
 /* true while cli_read_kept tries a picture: its failure is no error, so it is not logged */
 static atomic_bool tries_kept;
 
+static atomic_flag said_memory = ATOMIC_FLAG_INIT;
+
+void cli_log_anew(void) { atomic_flag_clear(&said_memory); }
+
 static void log_to_stderr(void *user, lc_log_level level, const char *text)
 {
-    static atomic_flag said_memory = ATOMIC_FLAG_INIT;
     int verbosity = user ? *(int *)user : 0;
     if (level == LC_LOG_ERROR && atomic_load(&tries_kept)) return;
     bool memory = level == LC_LOG_ERROR && strstr(text, "error: out of memory");

@@ -584,7 +584,8 @@ int cmd_render(int argc, char **argv)
     o.farm.start = cli_now();
     if (parse_options(argc, argv, &o, &status)) return status;
     job j = { .given = &o, .ctx = cli_context(o.n_threads, o.isa, o.verbosity) };
-    if (o.server.n && j.ctx) o.display = cli_display_open(&o.server);
+    if (o.server.n && j.ctx && !(o.display = cli_display_open(&o.server)))
+        fprintf(stderr, "lightcuts: warning: out of memory: the picture is not shown\n");
     if (!j.ctx) status = CLI_FAILED;
     else status = o.watch ? cli_watch_loop(&j.files, once, &j, o.quiet) : once(&j, false);
     cli_display_close(o.display);

@@ -165,6 +165,7 @@ int cli_watch_loop(cli_watch *w, int (*once)(void *user, bool again), void *user
         if (!wait_for_change(w)) break;
         if (!quiet) fprintf(stderr, "lightcuts: '%s' has changed\n", cli_shown(w->changed));
         forget(w);
+        cli_log_anew();
     }
     forget(w);
     return status;
