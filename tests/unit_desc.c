@@ -167,11 +167,12 @@ TEST(a_host_is_told_of_every_file)
     lc_scene_destroy(s);
     CHECKF(strstr(asked, "<a.obj>") && strstr(asked, "<a.mtl>") && strstr(asked, "<gone.jpg>"), "%s", asked);
     *asked = 0;
-    file_text(temp_path("a.gltf"), "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":"
-                                   "\"gone.bin\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":4}],"
-                                   "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":1,\"type\":"
-                                   "\"SCALAR\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
-                                   "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0}");
+    file_text(temp_path("a.gltf"),
+              "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":\"gone.bin\"}],"
+              "\"bufferViews\":[{\"buffer\":0,\"byteLength\":4}],\"accessors\":[{\"bufferView\":0,"
+              "\"componentType\":5126,\"count\":1,\"type\":\"SCALAR\"}],\"meshes\":[{\"primitives\":[{"
+              "\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],"
+              "\"scene\":0}");
     (void)lc_scene_load(ctx, temp_path("a.gltf"), &l, &s);
     lc_scene_destroy(s);
     CHECKF(strstr(asked, "<a.gltf>") && strstr(asked, "<gone.bin>"), "%s", asked);

@@ -1,7 +1,8 @@
 /* unit_display.c - --display-server against a fake viewer: every byte of every packet, and the picture that
  * they make; viewers that are slow, go away or are not there.
  *
- *     unit_display --serve PORT_FILE PICTURE.exr    waits for one connection, writes what was shown at its end
+ *     unit_display --serve PORT_FILE PICTURE.exr    waits for one connection, writes what was shown at its
+ * end
  */
 #include "cli/cli.c"
 #include "cli/display.c"
@@ -21,26 +22,60 @@ static cli_server server_at(const char *host, uint16_t port)
 
 TEST(addresses)
 {
-    static const char *const good[] = { "127.0.0.1:14158", "0.0.0.0:1", "[::1]:65535", "[fe80::1:2]:80",
-                                        "[::ffff:1.2.3.4]:9", "255.255.255.255:65535" };
-    static const char *const bad[] = {
-        "", ":", "::", ":14158", "localhost", "localhost:", "localhost:0", "localhost:65536", "localhost:-1",
-        "localhost:+1", "localhost: 1", "localhost:1 ", "localhost:0x10", "localhost:1:2", "LOCALHOST:1",
-        "localhost:99999999999999999999", "example.org:80", "127.0.0.1", "127.0.0.1:", "127.1:80",
-        "127.0.0.1.1:80", "256.0.0.1:80", "0x7f.0.0.1:80", "1.2.3.4 :5", " 1.2.3.4:5", "::1:80", "[::1]", "[::1]80",
-        "[::1:80", "::1]:80", "[]:80", "[[::1]]:80", "[1.2.3.4]:80", "[::1%lo]:80", "[12345::]:80", "\x80:80",
-        "%n%s%n:80", "[0000:0000:0000:0000:0000:0000:0000:0000:0000:0000:0000:0000]:80",
-        "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa:1",
-        "-1:80", "1:80"
-    };
+    static const char *const good[] = { "127.0.0.1:14158", "0.0.0.0:1",          "[::1]:65535",
+                                        "[fe80::1:2]:80",  "[::ffff:1.2.3.4]:9", "255.255.255.255:65535" };
+    static const char *const bad[] = { "",
+                                       ":",
+                                       "::",
+                                       ":14158",
+                                       "localhost",
+                                       "localhost:",
+                                       "localhost:0",
+                                       "localhost:65536",
+                                       "localhost:-1",
+                                       "localhost:+1",
+                                       "localhost: 1",
+                                       "localhost:1 ",
+                                       "localhost:0x10",
+                                       "localhost:1:2",
+                                       "LOCALHOST:1",
+                                       "localhost:99999999999999999999",
+                                       "example.org:80",
+                                       "127.0.0.1",
+                                       "127.0.0.1:",
+                                       "127.1:80",
+                                       "127.0.0.1.1:80",
+                                       "256.0.0.1:80",
+                                       "0x7f.0.0.1:80",
+                                       "1.2.3.4 :5",
+                                       " 1.2.3.4:5",
+                                       "::1:80",
+                                       "[::1]",
+                                       "[::1]80",
+                                       "[::1:80",
+                                       "::1]:80",
+                                       "[]:80",
+                                       "[[::1]]:80",
+                                       "[1.2.3.4]:80",
+                                       "[::1%lo]:80",
+                                       "[12345::]:80",
+                                       "\x80:80",
+                                       "%n%s%n:80",
+                                       "[0000:0000:0000:0000:0000:0000:0000:0000:0000:0000:0000:0000]:80",
+                                       "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
+                                       "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa:1",
+                                       "-1:80",
+                                       "1:80" };
     cli_server s;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++)
         CHECKF(!cli_parse_server(good[i], &s) && s.n == 1 && s.text == good[i], "'%s'", good[i]);
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) CHECKF(cli_parse_server(bad[i], &s), "'%s'", bad[i]);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        CHECKF(cli_parse_server(bad[i], &s), "'%s'", bad[i]);
     CHECK(!cli_parse_server("localhost:258", &s) && s.n == 2);
     const struct sockaddr_in *v4 = (const struct sockaddr_in *)&s.address[0];
     const struct sockaddr_in6 *v6 = (const struct sockaddr_in6 *)&s.address[1];
-    CHECK(v4->sin_family == AF_INET && v4->sin_port == htons(258) && v4->sin_addr.s_addr == htonl(0x7f000001));
+    CHECK(v4->sin_family == AF_INET && v4->sin_port == htons(258) &&
+          v4->sin_addr.s_addr == htonl(0x7f000001));
     CHECK(v6->sin6_family == AF_INET6 && v6->sin6_port == htons(258) && IN6_IS_ADDR_LOOPBACK(&v6->sin6_addr));
 }
 
@@ -64,6 +99,10 @@ static lc_image *show(cli_display *d, lc_context *ctx, const lc_scene *scene, lc
     desc->progress_user = d;
     cli_display_begin(d, "out/p\x80q.exr", crop, desc);
     CHECK(lc_render(ctx, scene, desc, &image, NULL) == LC_OK && image);
+    /* All tiles have come while they were rendered or loaded, not only at the end. */
+    for (int c = 0; c < 3 && image; c++)
+        CHECK(!memcmp(d->plane[c], lc_image_channel(image, channel_names[c]),
+                      (size_t)d->width * d->height * sizeof(float)));
     cli_display_end(d, image);
     return image;
 }
@@ -159,7 +198,10 @@ TEST(with_a_checkpoint)
 
 /* ---- tiles without a render ---- */
 
-static float value_at(uint32_t channel, uint32_t x, uint32_t y) { return (float)(x + 4096 * y) + 0.25f * (float)channel; }
+static float value_at(uint32_t channel, uint32_t x, uint32_t y)
+{
+    return (float)(x + 4096 * y) + 0.25f * (float)channel;
+}
 
 /* Gives the tiles of a picture, and every so many of them a step. Returns the seconds of the longest step. */
 static double give(const lc_render_desc *desc, cli_display *d, uint32_t side, uint32_t often)
@@ -169,7 +211,9 @@ static double give(const lc_render_desc *desc, cli_display *d, uint32_t side, ui
     uint32_t n = 0;
     for (uint32_t y = 0; y < side; y += LC_TILE)
         for (uint32_t x = 0; x < side; x += LC_TILE, n++) {
-            lc_tile t = { .x0 = x, .x1 = x + LC_TILE, .y0 = y, .y1 = y + LC_TILE, .n_planes = 3, .pixels = pixels };
+            lc_tile t = {
+                .x0 = x, .x1 = x + LC_TILE, .y0 = y, .y1 = y + LC_TILE, .n_planes = 3, .pixels = pixels
+            };
             for (uint32_t i = 0; i < 3 * LC_TILE * LC_TILE; i++)
                 pixels[i] = value_at(i / (LC_TILE * LC_TILE), x + i % LC_TILE, y + i / LC_TILE % LC_TILE);
             desc->tile_done(desc->tile_user, &t);
@@ -294,6 +338,31 @@ TEST(reader_that_goes_away)
     tev_free(&s);
 }
 
+/* Hangs up when it has read all there was, which is where a write raises SIGPIPE. */
+TEST(reader_that_ends)
+{
+    char title[32];
+    const int n = snprintf(title, sizeof title, "s (%ld)", (long)getpid());
+    tev_server s = { .family = AF_INET,
+                     .closes_at = 4 + 2 + (size_t)n + 1 + 12 + 6 }; /* the packet that creates */
+    const uint32_t crop[4] = { 0, 256, 0, 256 };
+    if (!tev_start(&s)) abort();
+    const cli_server at = server_at("127.0.0.1", s.port);
+    cli_display *d = cli_display_open(&at);
+    lc_render_desc desc = LC_RENDER_DESC_INIT;
+    cli_display_begin(d, "s", crop, &desc);
+    cli_display_step(d);
+    tev_stop(&s);
+    for (int i = 0; i < 1000 && d->fd >= 0; i++) {
+        (void)give(&desc, d, 256, 1);
+        usleep(1000);
+    }
+    CHECK(d->fd < 0 && cli_display_warning(d));
+    cli_display_end(d, NULL);
+    cli_display_close(d);
+    tev_free(&s);
+}
+
 /* A port of this machine at which nobody listens. */
 static uint16_t free_port(void)
 {
@@ -388,6 +457,7 @@ int main(int argc, char **argv)
     RUN(slow_reader);
     RUN(reader_that_never_reads);
     RUN(reader_that_goes_away);
+    RUN(reader_that_ends);
     RUN(no_server);
     RUN(server_at_the_other_address);
     temp_end();

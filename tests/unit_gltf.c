@@ -741,7 +741,8 @@ TEST(other_formats_are_named)
                  temp_path(files[i].name), files[i].what);
         EXPECT_FAILURE(st, LC_ERR_UNSUPPORTED, message);
     }
-    CHECK(load_named("any.name", "a\0b", 3) == LC_ERR_UNSUPPORTED && strstr(last_error, "this is not text; "));
+    CHECK(load_named("any.name", "a\0b", 3) == LC_ERR_UNSUPPORTED &&
+          strstr(last_error, "this is not text; "));
     CHECK(load_named("a.pbrt", "a\0b", 3) == LC_ERR_PARSE && strstr(last_error, "a.pbrt:1:"));
     CHECK(!load_named("any.name", "\n {\"asset\":{\"version\":\"2.0\"}}", 29));
     CHECK(!load_named("any.name", "# c\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 36) && scene->n_tris == 1);

@@ -82,8 +82,8 @@ TEST(polygons_are_filled_from_a_corner_that_sees_all_of_them)
         note("polygon"));
 }
 
-/* A polygon that winds round its middle twice is covered from no corner, which shows only half-way round each of
- * them: the triangles that are looked at are limited. */
+/* A polygon that winds round its middle twice is covered from no corner, which shows only half-way round each
+ * of them: the triangles that are looked at are limited. */
 TEST(work_for_polygons_is_limited)
 {
     enum { N = 999 };
@@ -159,7 +159,8 @@ TEST(libraries_and_images_are_read_once)
         m += (size_t)snprintf(mtl + m, sizeof mtl - m, "newmtl m%d\nmap_Kd %s%s\n", i, i % 3 ? "./" : "",
                               i % 2 ? "./once.jpg" : "once.jpg");
     for (int i = 0; i < 400; i++)
-        n += (size_t)snprintf(obj + n, sizeof obj - n, "mtllib %ss.mtl\nusemtl m%d\n", i % 2 ? "./" : "", i % 300);
+        n += (size_t)snprintf(obj + n, sizeof obj - n, "mtllib %ss.mtl\nusemtl m%d\n", i % 2 ? "./" : "",
+                              i % 300);
     snprintf(obj + n, sizeof obj - n, SQUARE "f 1 2 3\n");
     CHECK(!parse_both(obj, mtl));
     CHECKF(scene->n_materials == 301 && scene->textures.n_images == 1, "%zu materials, %zu images",

@@ -85,7 +85,22 @@ check 'a file that comes' seen 7 'watching'
 check 'its picture as well' same
 echo 'Shape "plymesh" "string filename" "late.ply"' >>wall.pbrt
 check 'a mesh that is not there yet' seen 8 'watching'
-printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n-1 -1 -1\n1 -1 -1\n0 1 -1\n3 0 1 2\n' >late.ply
+cat >late.tmp <<'END'
+ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+element face 1
+property list uchar int vertex_indices
+end_header
+-1 -1 -1
+1 -1 -1
+0 1 -1
+3 0 1 2
+END
+mv late.tmp late.ply
 check 'comes' seen 9 'watching'
 check 'and is in the picture' same
 touch -d '2001-02-03' unrelated.txt

@@ -323,7 +323,7 @@ static const char *good_values(const char *option)
                  { "max-memory", "bytes, such as 500M or 2G" },
                  { "within", "per cent, 1 to 99.9" },
                  { "pixel", "x,y" },
-                 { "grid", "x0,y0,z0:ux,uy,uz:vx,vy,vz:nx,ny, a corner, two sides and two numbers of points" },
+                 { "grid", "x0,y0,z0:ux,uy,uz:vx,vy,vz:nx,ny: a corner, two sides, numbers of points" },
                  { "pixelbounds", "x0,x1,y0,y1" },
                  { "cropwindow", "x0,x1,y0,y1" } };
     if (!strcmp(option, "isa")) return cli_isa_names();

@@ -13,16 +13,16 @@
 #include <string.h>
 #include <unistd.h>
 
-#define N_CHANNELS 3
-#define MAX_SIDE 8             /* tiles of an update's side: pbrt-v4's 128 pixels */
-#define MAX_PIXELS (1u << 26)  /* of a picture that is shown */
-#define MAX_TITLE 240          /* bytes, with the zero */
-#define MAX_HEADER (MAX_TITLE + 32)
-#define MAX_PACKET (MAX_HEADER + sizeof(float) * MAX_SIDE * MAX_SIDE * LC_TILE * LC_TILE)
-#define FIRST_WAIT 100         /* milliseconds: a server on this machine answers at once */
-#define END_STEP 20            /* milliseconds */
-#define END_SECONDS 5.0        /* for the rest of a picture at most, */
-#define END_IDLE 2.0           /* and while the server takes nothing */
+#define N_CHANNELS  3
+#define MAX_SIDE    8          /* tiles of an update's side: pbrt-v4's 128 pixels */
+#define MAX_PIXELS  (1u << 26) /* of a picture that is shown */
+#define MAX_TITLE   240        /* bytes, with the zero */
+#define MAX_HEADER  (MAX_TITLE + 32)
+#define MAX_PACKET  (MAX_HEADER + sizeof(float) * MAX_SIDE * MAX_SIDE * LC_TILE * LC_TILE)
+#define FIRST_WAIT  100 /* milliseconds: a server on this machine answers at once */
+#define END_STEP    20  /* milliseconds */
+#define END_SECONDS 5.0 /* for the rest of a picture at most, */
+#define END_IDLE    2.0 /* and while the server takes nothing */
 
 static const char channel_names[N_CHANNELS][2] = { "R", "G", "B" };
 
@@ -38,15 +38,15 @@ struct cli_display {
     char title[MAX_TITLE];
     uint32_t x0, y0, width, height, tiles_x, tiles_y;
     float *plane[N_CHANNELS];
-    atomic_uchar *marks;      /* of a tile: 1: finished and not sent */
+    atomic_uchar *marks; /* of a tile: 1: finished and not sent */
     atomic_uint_fast64_t n_marks;
-    bool announced, create;   /* announced: once at least; create: to be sent next */
+    bool announced, create; /* announced: once at least; create: to be sent next */
     /* The packet that is sent. */
     uint8_t packet[MAX_PACKET];
     size_t length, sent;
-    uint32_t cursor;          /* the tile at which the search for marks goes on */
-    uint32_t rect[4];         /* x, y, width, height of the update */
-    int channel;              /* of the update, the next one; N_CHANNELS: no update is open */
+    uint32_t cursor;  /* the tile at which the search for marks goes on */
+    uint32_t rect[4]; /* x, y, width, height of the update */
+    int channel;      /* of the update, the next one; N_CHANNELS: no update is open */
     /* What the descriptor had. */
     int (*load)(void *user, lc_tile *tile);
     void (*done)(void *user, const lc_tile *tile);
@@ -116,8 +116,8 @@ static void try_addresses(cli_display *d)
         const struct sockaddr_storage *a = &d->server.address[d->address];
         d->fd = socket(a->ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
         if (d->fd >= 0) {
-            const socklen_t size =
-                a->ss_family == AF_INET ? sizeof(struct sockaddr_in) : sizeof(struct sockaddr_in6);
+            const socklen_t size = a->ss_family == AF_INET ? sizeof(struct sockaddr_in)
+                                                           : sizeof(struct sockaddr_in6);
             d->connecting = true;
             if (!connect(d->fd, (const struct sockaddr *)a, size) || errno == EINPROGRESS) return;
         }

@@ -10,10 +10,10 @@
 #include <sys/stat.h>
 #include <time.h>
 
-#define STEP 0.2     /* seconds between looks, */
-#define LOOK_SHARE 50 /* or so many times as long as a look takes */
-#define CALM 0.3     /* seconds without a change after which a scene counts as written, */
-#define MAX_CALM 5.0 /* or after so many seconds of changes */
+#define STEP       0.2 /* seconds between looks, */
+#define LOOK_SHARE 50  /* or so many times as long as a look takes */
+#define CALM       0.3 /* seconds without a change after which a scene counts as written, */
+#define MAX_CALM   5.0 /* or after so many seconds of changes */
 
 typedef struct {
     bool there;
@@ -156,7 +156,8 @@ int cli_watch_loop(cli_watch *w, int (*once)(void *user, bool again), void *user
         if (again) cli_leave_signals(); /* while a scene is loaded nothing looks for them */
         status = once(user, again);
         if (cli_caught_signal()) break;
-        if (!again && (status == CLI_USAGE || status == CLI_FAILED || !w->n || !w->files[0].seen.there)) break;
+        if (!again && (status == CLI_USAGE || status == CLI_FAILED || !w->n || !w->files[0].seen.there))
+            break;
         if (w->short_of_memory)
             fprintf(stderr, "lightcuts: warning: out of memory: not all files of the scene are watched\n");
         if (!quiet && !w->changed)

@@ -10,10 +10,10 @@
 typedef struct cli_watch {
     struct cli_watched *files;
     size_t n, cap;
-    uint32_t *table;     /* 1 + number of a file by its name, size entries, a power of two; 0: free */
+    uint32_t *table; /* 1 + number of a file by its name, size entries, a power of two; 0: free */
     size_t size;
-    double next;         /* cli_now from which on the files are looked at again */
-    const char *changed; /* the first file that was seen to differ; NULL: none */
+    double next;          /* cli_now from which on the files are looked at again */
+    const char *changed;  /* the first file that was seen to differ; NULL: none */
     bool short_of_memory; /* files are missing here */
 } cli_watch;
 

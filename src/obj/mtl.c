@@ -153,7 +153,8 @@ static bool same_file(const lc_file_id *a, const lc_file_id *b)
     return a->ino && a->dev == b->dev && a->ino == b->ino;
 }
 
-/* The image of a map statement; each is read once, under whatever names. *id keeps its value if there is none. */
+/* The image of a map statement; each is read once, under whatever names. *id keeps its value if
+ * there is none. */
 static lc_status read_map(lc_obj *o, lc_obj_lines *l, const char *folder, bool emission, uint32_t *id)
 {
     lc_obj_word name;

@@ -77,9 +77,9 @@ typedef struct lc_obj {
 lc_status lc_obj_note(lc_obj *o, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
 /* The path of a name in a file in `folder`, in the arena. NULL: no memory. */
 const char *lc_obj_join(lc_obj *o, const char *folder, const lc_obj_word *name);
-/* polygon.c: the corner from which a fan covers the polygon: one whose triangles all turn the same way. n: there
- * is none, or it was not found among the first *left triangles that were looked at, which are taken off. The
- * first corner is looked at in any case. */
+/* polygon.c: the corner from which a fan covers the polygon: one whose triangles all turn the same way. n:
+ * there is none, or it was not found among the first *left triangles that were looked at, which are taken
+ * off. The first corner is looked at in any case. */
 uint32_t lc_obj_fan_from(const float *pos, uint32_t (*corners)[3], uint32_t n, uint64_t *left);
 /* mtl.c: reads a library of materials. */
 lc_status lc_obj_read_mtl(lc_obj *o, const lc_obj_word *name);

@@ -19,10 +19,10 @@
 
 typedef struct tev_server {
     /* To be set before it is started. */
-    int family;        /* AF_INET or AF_INET6 */
-    bool holds;        /* reads nothing until `go` is set */
-    size_t closes_at;  /* bytes after which it hangs up; 0: never */
-    int connections;   /* that it takes; 0: one */
+    int family;       /* AF_INET or AF_INET6 */
+    bool holds;       /* reads nothing until `go` is set */
+    size_t closes_at; /* bytes after which it hangs up; 0: never */
+    int connections;  /* that it takes; 0: one */
     /* Set by the server. */
     int listener;
     uint16_t port;
@@ -152,7 +152,8 @@ static inline void tev_update(tev_picture *p, bool show, const char *title, cons
     CHECK(name && *name && strchr("RGB", *name) && !name[1]);
     CHECK(end - at > 16 && p->plane[0]);
     if (!name || end - at <= 16 || !p->plane[0]) return;
-    const uint32_t x = tev_number(at), y = tev_number(at + 4), w = tev_number(at + 8), h = tev_number(at + 12);
+    const uint32_t x = tev_number(at), y = tev_number(at + 4), w = tev_number(at + 8),
+                   h = tev_number(at + 12);
     const bool inside = w && h && w <= 128 && h <= 128 && x < p->width && y < p->height &&
                         w <= p->width - x && h <= p->height - y;
     CHECKF(inside, "%u %u %u %u", x, y, w, h);
