@@ -239,6 +239,17 @@ static lc_image *square(lc_context *ctx, uint32_t side)
     return image;
 }
 
+/* Starts a viewer and begins to show it a square picture. */
+static cli_display *begin_square(tev_server *s, uint32_t side, lc_render_desc *desc)
+{
+    const uint32_t crop[4] = { 0, side, 0, side };
+    if (!tev_start(s)) abort();
+    const cli_server at = server_at("127.0.0.1", s->port);
+    cli_display *d = cli_display_open(&at);
+    cli_display_begin(d, "s", crop, desc);
+    return d;
+}
+
 #define SIDE 1536u /* 28 MB of floats: more than sockets hold */
 
 /* Reads nothing during the render: steps do not wait for it. Then it reads on, and gets the whole picture. */
@@ -246,14 +257,10 @@ TEST(slow_reader)
 {
     tev_server s = { .family = AF_INET, .holds = true };
     tev_picture p = { 0 };
-    const uint32_t crop[4] = { 0, SIDE, 0, SIDE };
     lc_context *ctx = quiet_context(1);
     lc_image *image = square(ctx, SIDE);
-    if (!tev_start(&s)) abort();
-    const cli_server at = server_at("127.0.0.1", s.port);
-    cli_display *d = cli_display_open(&at);
     lc_render_desc desc = LC_RENDER_DESC_INIT;
-    cli_display_begin(d, "s", crop, &desc);
+    cli_display *d = begin_square(&s, SIDE, &desc);
     (void)give(&desc, d, SIDE, 64);
     const uint64_t kept = atomic_load(&d->n_marks);
     CHECKF(kept > 1000, "%llu tiles wait", (unsigned long long)kept);
@@ -282,14 +289,10 @@ TEST(reader_that_never_reads)
 {
     tev_server s = { .family = AF_INET, .holds = true };
     tev_picture p = { 0 };
-    const uint32_t crop[4] = { 0, SIDE, 0, SIDE };
     lc_context *ctx = quiet_context(1);
     lc_image *image = square(ctx, SIDE);
-    if (!tev_start(&s)) abort();
-    const cli_server at = server_at("127.0.0.1", s.port);
-    cli_display *d = cli_display_open(&at);
     lc_render_desc desc = LC_RENDER_DESC_INIT;
-    cli_display_begin(d, "s", crop, &desc);
+    cli_display *d = begin_square(&s, SIDE, &desc);
     (void)give(&desc, d, SIDE, 64);
     const double t0 = cli_now();
     cli_display_end(d, image);
@@ -345,12 +348,8 @@ TEST(reader_that_ends)
     const int n = snprintf(title, sizeof title, "s (%ld)", (long)getpid());
     tev_server s = { .family = AF_INET,
                      .closes_at = 4 + 2 + (size_t)n + 1 + 12 + 6 }; /* the packet that creates */
-    const uint32_t crop[4] = { 0, 256, 0, 256 };
-    if (!tev_start(&s)) abort();
-    const cli_server at = server_at("127.0.0.1", s.port);
-    cli_display *d = cli_display_open(&at);
     lc_render_desc desc = LC_RENDER_DESC_INIT;
-    cli_display_begin(d, "s", crop, &desc);
+    cli_display *d = begin_square(&s, 256, &desc);
     cli_display_step(d);
     tev_stop(&s);
     for (int i = 0; i < 1000 && d->fd >= 0; i++) {
