@@ -62,8 +62,7 @@ TEST(addresses)
                                        "\x80:80",
                                        "%n%s%n:80",
                                        "[0000:0000:0000:0000:0000:0000:0000:0000:0000:0000:0000:0000]:80",
-                                       "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
-                                       "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa:1",
+                                       "a.name.that.is.much.longer.than.any.address.in.numbers.can.be:1",
                                        "-1:80",
                                        "1:80" };
     cli_server s;
