@@ -18,15 +18,17 @@ static const struct {
                  { "preview", cmd_preview }, { "explain", cmd_explain }, { "scene", cmd_scene },
                  { "bench", cmd_bench } };
 
-/* Not another folder, nor what would make work or files without reading any, nor --sandbox, also cut short,
- * which a process cannot leave: what is found after that could not be written. */
+/* Not another folder, nor what would make work or files without reading any, nor, also cut short, --sandbox,
+ * which a process cannot leave: what is found after that could not be written; --watch, which does not end;
+ * --display-server, which would write to whoever listens. */
 static int harmless(const char *word)
 {
     static const char *const work[] = { "bounds", "rays", "tree", "render", "layout", "cornell", "stairs",
                                         "room", "grid", "cube", "bulbs", "student" };
     for (size_t i = 0; i < sizeof work / sizeof *work; i++)
         if (!strncmp(word, work[i], strlen(work[i]))) return 0;
-    return strncmp(word, "--sa", 4) != 0 && !strchr(word, '/') && strcmp(word, "-") != 0;
+    return strncmp(word, "--sa", 4) != 0 && strncmp(word, "--wa", 4) != 0 && strncmp(word, "--di", 4) != 0 &&
+           !strchr(word, '/') && strcmp(word, "-") != 0;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

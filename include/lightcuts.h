@@ -192,11 +192,16 @@ typedef struct lc_load_desc {
     uint32_t resolution[2]; /* width and height of the film in place of the file's: its crop is scaled along,
                              * and where the camera has no aspect ratio of its own, the shorter side keeps
                              * its angle of view; 0: the file's; up to 65535 each and 2^28 pixels */
+    /* Given the name of each file before it is opened or looked for, also where there is none of that name:
+     * for a host that watches what the scene is made of, also after a load that failed. A name may come
+     * several times; it is valid during the call. Called by the thread that loads. */
+    void (*reads)(void *user, const char *path);
+    void *reads_user;
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
 #define LC_LOAD_DESC_INIT                                                                                    \
     { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0, 0,  \
-      { 0, 0 } }
+      { 0, 0 }, 0, 0 }
 
 /* One kind of thing in the scene file that was approximated or skipped. */
 typedef struct lc_note {

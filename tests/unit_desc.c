@@ -121,8 +121,66 @@ TEST(a_render_takes_over_what_the_load_was_given)
     scene = keep;
 }
 
+/* ---- files that a scene asks for ---- */
+
+static char asked[4096]; /* names, each in < > */
+
+static void ask(void *user, const char *path)
+{
+    const char *name = strrchr(path, '/');
+    const size_t n = strlen(asked);
+    CHECK(user == &asked);
+    snprintf(asked + n, sizeof asked - n, "<%s>", name ? name + 1 : path);
+}
+
+static bool asks(const lc_load_desc *l, lc_status want, const char *text)
+{
+    lc_scene *s;
+    *asked = 0;
+    file_text(temp_path("asked.pbrt"), text);
+    const lc_status st = lc_scene_load(ctx, temp_path("asked.pbrt"), l, &s);
+    CHECKF(st == want, "%s: %s", lc_status_name(st), last_error);
+    lc_scene_destroy(s);
+    return strstr(asked, "<asked.pbrt>") == asked;
+}
+
+/* Also of those that are not there, and where the load fails. */
+TEST(a_host_is_told_of_every_file)
+{
+    lc_load_desc l = LC_LOAD_DESC_INIT;
+    l.reads = ask;
+    l.reads_user = &asked;
+    file_text(temp_path("part.pbrt"), "LightSource \"point\"");
+    CHECK(asks(&l, LC_OK,
+               "WorldBegin Include \"part.pbrt\" Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" "
+               "\"gone.png\" Shape \"plymesh\" \"string filename\" \"gone.ply\" Shape \"sphere\""));
+    CHECKF(strstr(asked, "<part.pbrt>") && strstr(asked, "<gone.png>") && strstr(asked, "<gone.ply>"), "%s",
+           asked);
+    CHECK(asks(&l, LC_ERR_PARSE, "WorldBegin Include \"part.pbrt\" Shape \"trianglemesh\" ["));
+    CHECK(strstr(asked, "<part.pbrt>"));
+    CHECK(asks(&l, LC_ERR_UNSUPPORTED, "#usda 1.0"));
+    *asked = 0;
+    file_text(temp_path("a.mtl"), "newmtl a\nmap_Kd gone.jpg\n");
+    file_text(temp_path("a.obj"), "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    lc_scene *s;
+    CHECK(lc_scene_load(ctx, temp_path("a.obj"), &l, &s) == LC_OK);
+    lc_scene_destroy(s);
+    CHECKF(strstr(asked, "<a.obj>") && strstr(asked, "<a.mtl>") && strstr(asked, "<gone.jpg>"), "%s", asked);
+    *asked = 0;
+    file_text(temp_path("a.gltf"),
+              "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":\"gone.bin\"}],"
+              "\"bufferViews\":[{\"buffer\":0,\"byteLength\":4}],\"accessors\":[{\"bufferView\":0,"
+              "\"componentType\":5126,\"count\":1,\"type\":\"SCALAR\"}],\"meshes\":[{\"primitives\":[{"
+              "\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],"
+              "\"scene\":0}");
+    (void)lc_scene_load(ctx, temp_path("a.gltf"), &l, &s);
+    lc_scene_destroy(s);
+    CHECKF(strstr(asked, "<a.gltf>") && strstr(asked, "<gone.bin>"), "%s", asked);
+}
+
 int main(void)
 {
+    temp_begin();
     ctx = quiet_context_of(1, LC_ISA_BEST);
     scene = scene_from_text(ctx, NULL, "%s", TEXT);
     if (!scene) abort();
@@ -131,7 +189,9 @@ int main(void)
     RUN(a_size_that_was_not_set_is_refused);
     RUN(an_info_struct_is_filled_as_far_as_it_goes);
     RUN(a_render_takes_over_what_the_load_was_given);
+    RUN(a_host_is_told_of_every_file);
     lc_scene_destroy(scene);
     lc_context_destroy(ctx);
+    temp_end();
     return test_done();
 }

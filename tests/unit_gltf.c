@@ -726,6 +726,13 @@ TEST(other_formats_are_named)
         { "a.abc", "Ogawa\xff", "an Alembic file" },
         { "a.wrl", "#VRML V2.0", "a VRML file" },
         { "a.png", "\x89PNG\r\n\x1a\n", "a picture" },
+        { "a.ifc", "ISO-10303-21;\n", "an IFC file" },
+        { "a.step", "ISO-10303-21;\n", "a STEP file" },
+        { "old.blend", "\x1f\x8b\x08", "a Blender file" },
+        { "any.name", "3D Geometry File Format ", "a Rhino file" },
+        { "a.pov", "camera {}", "a POV-Ray file" },
+        { "a.svg", "<svg xmlns=\"x\">", "a picture" },
+        { "utf16.pbrt", "\xff\xfeW", "text in UTF-16, not in UTF-8" },
     };
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         char message[700];
@@ -734,6 +741,9 @@ TEST(other_formats_are_named)
                  temp_path(files[i].name), files[i].what);
         EXPECT_FAILURE(st, LC_ERR_UNSUPPORTED, message);
     }
+    CHECK(load_named("any.name", "a\0b", 3) == LC_ERR_UNSUPPORTED &&
+          strstr(last_error, "this is not text; "));
+    CHECK(load_named("a.pbrt", "a\0b", 3) == LC_ERR_PARSE && strstr(last_error, "a.pbrt:1:"));
     CHECK(!load_named("any.name", "\n {\"asset\":{\"version\":\"2.0\"}}", 29));
     CHECK(!load_named("any.name", "# c\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 36) && scene->n_tris == 1);
     CHECK(load_named("a.glb", "nothing", 7) == LC_ERR_PARSE && strstr(last_error, "not a glTF file"));

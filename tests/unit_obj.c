@@ -1,6 +1,7 @@
 /* unit_obj.c - Wavefront OBJ and MTL: faces, indices, materials, images; what is wrong is named with its
  * place. */
 #include "obj/obj.h"
+#include "obj/state.h"
 #include "support/jpeg_file.h"
 #include "support/near.h"
 #include "support/one_scene.h"
@@ -81,6 +82,29 @@ TEST(polygons_are_filled_from_a_corner_that_sees_all_of_them)
         note("polygon"));
 }
 
+/* A polygon that winds round its middle twice is covered from no corner, which shows only half-way round each
+ * of them: the triangles that are looked at are limited. */
+TEST(work_for_polygons_is_limited)
+{
+    enum { N = 999 };
+    static float pos[3 * N];
+    static uint32_t corners[N][3];
+    for (uint32_t i = 0; i < N; i++) {
+        pos[3 * i] = (float)cos(4 * LC_PI * i / N);
+        pos[3 * i + 1] = (float)sin(4 * LC_PI * i / N);
+        corners[i][0] = i;
+    }
+    const uint64_t many = (uint64_t)1 << 40;
+    uint64_t left = many;
+    CHECK(lc_obj_fan_from(pos, corners, N, &left) == N);
+    CHECKF(many - left > N * N / 4, "%llu looked at", (unsigned long long)(many - left));
+    left = 64 * N;
+    CHECK(lc_obj_fan_from(pos, corners, N, &left) == N && left == 0);
+    left = 0; /* the first corner is looked at all the same */
+    CHECK(lc_obj_fan_from(pos, corners, N, &left) == N);
+    CHECK(lc_obj_fan_from(pos, corners, N / 2, &left) == 0 && left == 0);
+}
+
 TEST(materials_of_mtl)
 {
     CHECK(!parse_both("mtllib s.mtl\n" SQUARE
@@ -119,6 +143,43 @@ TEST(materials_are_found_by_name)
     }
     CHECK(note("unknown material"));
     CHECK(near_abs((double)scene->materials[scene->meshes[16].material_id].kd.x, 0.5, 1e-6));
+}
+
+/* However often and under whatever names a library and an image are asked for, they are read once. */
+TEST(libraries_and_images_are_read_once)
+{
+    static char obj[20000], mtl[40000];
+    static jpeg_plan plan = { .width = 8, .height = 8, .n_parts = 1, .h = { 1 }, .v = { 1 } };
+    static jpeg_file file;
+    size_t n = 0, m = 0;
+    for (int i = 0; i < 64; i++) plan.quant[i] = 8;
+    jpeg_write(&file, &plan);
+    file_write(temp_path("once.jpg"), file.data, file.n);
+    for (int i = 0; i < 300; i++)
+        m += (size_t)snprintf(mtl + m, sizeof mtl - m, "newmtl m%d\nmap_Kd %s%s\n", i, i % 3 ? "./" : "",
+                              i % 2 ? "./once.jpg" : "once.jpg");
+    for (int i = 0; i < 400; i++)
+        n += (size_t)snprintf(obj + n, sizeof obj - n, "mtllib %ss.mtl\nusemtl m%d\n", i % 2 ? "./" : "",
+                              i % 300);
+    snprintf(obj + n, sizeof obj - n, SQUARE "f 1 2 3\n");
+    CHECK(!parse_both(obj, mtl));
+    CHECKF(scene->n_materials == 301 && scene->textures.n_images == 1, "%zu materials, %zu images",
+           scene->n_materials, scene->textures.n_images);
+}
+
+TEST(more_libraries_than_there_are_in_use)
+{
+    static char obj[40000];
+    size_t n = 0;
+    for (int i = 0; i < 1001; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "lib%d.mtl", i);
+        file_text(temp_path(name), "");
+        n += (size_t)snprintf(obj + n, sizeof obj - n, "mtllib lib%d.mtl\n", i);
+    }
+    snprintf(obj + n, sizeof obj - n, SQUARE "f 1 2 3\n");
+    CHECK(parse_both(obj, "") == LC_ERR_UNSUPPORTED && strstr(last_error, "s.obj:1001:8: ") &&
+          strstr(last_error, "1000 libraries"));
 }
 
 TEST(images_of_maps)
@@ -218,8 +279,11 @@ int main(void)
     RUN(faces_by_positive_and_negative_indices);
     RUN(corners_with_normals_and_coordinates);
     RUN(polygons_are_filled_from_a_corner_that_sees_all_of_them);
+    RUN(work_for_polygons_is_limited);
     RUN(materials_of_mtl);
     RUN(materials_are_found_by_name);
+    RUN(libraries_and_images_are_read_once);
+    RUN(more_libraries_than_there_are_in_use);
     RUN(images_of_maps);
     RUN(what_is_wrong_is_named_with_its_place);
     RUN(the_camera_that_is_set_sees_the_scene);

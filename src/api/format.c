@@ -3,6 +3,7 @@
 
 #include "gltf/gltf.h"
 #include "image/pixels.h"
+#include "io/inputs.h"
 #include "io/readfile.h"
 #include "obj/obj.h"
 #include "pbrt/parse.h"
@@ -64,7 +65,12 @@ static const struct {
     { SIGN("#VRML"), NULL, "a VRML file" },
     { SIGN("LXOB"), NULL, "a LightWave or Modo file" },
     { SIGN("IESNA"), NULL, "an IES photometric file" },
+    { SIGN("ISO-10303-21"), ".ifc", "an IFC file" },
+    { SIGN("ISO-10303-21"), NULL, "a STEP file" },
+    { SIGN("3D Geometry File Format"), NULL, "a Rhino file" },
     { SIGN("%PDF"), NULL, "a PDF file" },
+    { SIGN("\xff\xfe"), NULL, "text in UTF-16, not in UTF-8" },
+    { SIGN("\xfe\xff"), NULL, "text in UTF-16, not in UTF-8" },
 };
 
 static const struct {
@@ -74,12 +80,36 @@ static const struct {
     { "<X3D", "an X3D file" },
     { "<scene", "a Mitsuba file" },
     { "<GeneralSceneDescription", "an MVR file" },
+    { "<svg", "a picture" },
     { "<?xml", "an XML file" },
 };
 
 static const char *const names[][2] = { { ".stl", "an STL file" },
+                                        { ".blend", "a Blender file" },
+                                        { ".fbx", "an FBX file" },
+                                        { ".max", "a 3ds Max file" },
+                                        { ".ma", "a Maya file" },
+                                        { ".c4d", "a Cinema 4D file" },
+                                        { ".skp", "a SketchUp file" },
+                                        { ".3dm", "a Rhino file" },
+                                        { ".rvt", "a Revit file" },
+                                        { ".ifc", "an IFC file" },
+                                        { ".dwg", "a DWG file" },
+                                        { ".dxf", "a DXF file" },
+                                        { ".pov", "a POV-Ray file" },
+                                        { ".vrscene", "a V-Ray file" },
+                                        { ".ass", "an Arnold file" },
+                                        { ".rib", "a RenderMan file" },
+                                        { ".rad", "a Radiance file" },
                                         { ".3ds", "a 3DS file" },
                                         { ".ldt", "an EULUMDAT file" } };
+
+/* By its name a scene, whose reader says what is wrong with it. */
+static bool is_named_scene(const char *path)
+{
+    return has_extension(path, ".pbrt") || has_extension(path, ".glb") || has_extension(path, ".gltf") ||
+           has_extension(path, ".obj");
+}
 
 const char *lc_format_foreign(const char *path, const uint8_t *head, size_t len)
 {
@@ -91,15 +121,17 @@ const char *lc_format_foreign(const char *path, const uint8_t *head, size_t len)
     while (at < len && (head[at] == ' ' || head[at] == '\t' || head[at] == '\r' || head[at] == '\n')) at++;
     for (size_t i = 0; at < len && head[at] == '<' && i < sizeof xml / sizeof *xml; i++)
         if (contains(head, len, xml[i].root)) return xml[i].what;
-    if (begins(head, len, SIGN("\x1f\x8b"))) return NULL; /* gzip: pbrt */
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (has_extension(path, names[i][0])) return names[i][1];
-    return len >= 8 && !lc_tga_is(head, len) && lc_raster_is(head, len) ? "a picture" : NULL;
+    if (begins(head, len, SIGN("\x1f\x8b"))) return NULL; /* gzip: pbrt */
+    if (len >= 8 && !lc_tga_is(head, len) && lc_raster_is(head, len)) return "a picture";
+    return memchr(head, 0, len) && !is_named_scene(path) ? "not text" : NULL;
 }
 
 lc_status lc_format_parse(lc_scene *scene, const char *path)
 {
     uint8_t head[HEAD] = { 0 };
+    if (strcmp(path, "-")) lc_inputs_ask(scene->ctx, path);
     size_t len = strcmp(path, "-") ? lc_file_peek(path, head, sizeof head) : 0;
     if (lc_gltf_is(head, len)) return lc_gltf_parse(scene, path);
     const char *foreign = len ? lc_format_foreign(path, head, len) : NULL;

@@ -21,6 +21,8 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     double t0 = lc_now();
     lc_memory_step(scene->ctx, "reading the scene");
     scene->load = *d;
+    scene->inputs.reads = d->reads;
+    scene->inputs.reads_user = d->reads_user;
     scene->ctx->inputs = &scene->inputs;
     lc_status st = d->sandbox ? lc_inputs_restrict(&scene->inputs, &scene->arena, path, d->sandbox) : LC_OK;
     if (!st) st = lc_format_parse(scene, path);

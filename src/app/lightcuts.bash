@@ -38,6 +38,7 @@ _lightcuts()
         return ;;
     lux:--indirect-lights) COMPREPLY=($(compgen -W auto -- "$word")); return ;;
     render:--bvh | explain:--bvh | bench:--bvh) COMPREPLY=($(compgen -W 'best fast' -- "$word")); return ;;
+    render:--display-server) COMPREPLY=($(compgen -W localhost:14158 -- "$word")); return ;;
     render:--chunk) COMPREPLY=($(compgen -W slurm -- "$word")); return ;;
     render:--isa | lux:--isa | explain:--isa | bench:--isa | report:--isa)
         COMPREPLY=($(compgen -W "$(_lightcuts_isas)" -- "$word"))
@@ -96,7 +97,8 @@ _lightcuts()
             --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
             --indirect-from --seed --spp --resolution --exposure --tone --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
-            --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --aov
+            --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --watch
+            --display-server --aov
             --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;

@@ -19,9 +19,12 @@ static atomic_uint_fast64_t n_warnings;
 /* true while cli_read_kept tries a picture: its failure is no error, so it is not logged */
 static atomic_bool tries_kept;
 
+static atomic_flag said_memory = ATOMIC_FLAG_INIT;
+
+void cli_log_anew(void) { atomic_flag_clear(&said_memory); }
+
 static void log_to_stderr(void *user, lc_log_level level, const char *text)
 {
-    static atomic_flag said_memory = ATOMIC_FLAG_INIT;
     int verbosity = user ? *(int *)user : 0;
     if (level == LC_LOG_ERROR && atomic_load(&tries_kept)) return;
     bool memory = level == LC_LOG_ERROR && strstr(text, "error: out of memory");
@@ -296,11 +299,31 @@ static const char *good_values(const char *option)
                  { "tone", "shoulder, plain or filmic" },
                  { "builder", "auto, exact or ploc" },
                  { "bvh", "best or fast" },
+                 { "display-server", "ADDRESS:PORT, such as localhost:14158, 127.0.0.1:14158 or [::1]:14158; "
+                                     "names other than localhost are not looked up" },
                  { "indirect-from", "scene or view" },
                  { "aov", "cut, n, p, z, albedo, error, rays, interval, alpha, with commas between, or all" },
                  { "nthreads", "1 or more" },
                  { "spp", "1 or more" },
+                 { "area-lights", "1 or more" },
+                 { "env-lights", "1 or more" },
+                 { "maxdepth", "1 or more" },
+                 { "print-chunks", "1 or more" },
+                 { "indirect-lights", "0 or more" },
+                 { "seed", "0 or more" },
+                 { "max-cut", "0 or more; 0: no limit" },
+                 { "error-ratio", "0 or more, such as 0.02" },
+                 { "dark-floor", "0 or more, such as 0.02" },
+                 { "error", "above 0, such as 0.02" },
+                 { "indirect-error", "0.0001 to 1" },
+                 { "representatives", "1 to 32" },
+                 { "time", "a time, such as 90s, 5m or 1h" },
+                 { "time-limit", "a time, such as 90s, 55m or 2h" },
+                 { "checkpoint-interval", "a time, such as 30s or 5m" },
+                 { "max-memory", "bytes, such as 500M or 2G" },
                  { "within", "per cent, 1 to 99.9" },
+                 { "pixel", "x,y" },
+                 { "grid", "x0,y0,z0:ux,uy,uz:vx,vy,vz:nx,ny: a corner, two sides, numbers of points" },
                  { "pixelbounds", "x0,x1,y0,y1" },
                  { "cropwindow", "x0,x1,y0,y1" } };
     if (!strcmp(option, "isa")) return cli_isa_names();

@@ -51,6 +51,8 @@ lc_context *cli_context(uint32_t n_threads, lc_isa isa, int verbosity);
 /* Reads a picture that an earlier run left. False where it cannot be read: a note says that it is rendered
  * again, which is no error. */
 bool cli_read_kept(lc_context *ctx, const char *path, lc_image **out);
+/* A lack of memory is logged once; from now on once more. */
+void cli_log_anew(void);
 /* Warnings logged so far by any context of this process. */
 uint64_t cli_warnings(void);
 

@@ -308,7 +308,7 @@ static bool find_planes(const lc_image *image, const char *path, float *plane[3]
     }
     if (found) return true;
     for (int c = 0; c < 3; c++) plane[c] = grey;
-    if (!grey) fprintf(stderr, "%s: error: no channels R, G and B\n", cli_shown(path));
+    if (!grey) fprintf(stderr, "lightcuts: %s: error: no channels R, G and B\n", cli_shown(path));
     return grey != NULL;
 }
 

@@ -110,7 +110,8 @@ static int false_colour(const options *o, const lc_image *image, size_t n, float
 {
     const float *plane = lc_image_channel(image, o->channel);
     if (!plane) {
-        fprintf(stderr, "%s: error: no channel %s; it has", cli_shown(o->image), cli_shown(o->channel));
+        fprintf(stderr, "lightcuts: %s: error: no channel %s; it has", cli_shown(o->image),
+                cli_shown(o->channel));
         for (uint32_t i = 0; i < lc_image_n_channels(image); i++)
             fprintf(stderr, " %s", cli_shown(lc_image_channel_name(image, i)));
         fprintf(stderr, "\n");
@@ -136,7 +137,8 @@ static int take_colours(const options *o, const lc_image *image, size_t n, float
         plane[c] = lc_image_channel(image, names[c]);
         if (!plane[c]) plane[c] = grey;
         if (!plane[c]) {
-            fprintf(stderr, "%s: error: no channels R, G and B; try --false-colour\n", cli_shown(o->image));
+            fprintf(stderr, "lightcuts: %s: error: no channels R, G and B; try --false-colour\n",
+                    cli_shown(o->image));
             return CLI_INPUT;
         }
     }

@@ -1,12 +1,15 @@
 /* cmd_render.c - options -> scene -> picture -> files and statistics. */
 #include "cli/calibration.h"
 #include "cli/cli.h"
+#include "cli/display.h"
 #include "cli/farm.h"
 #include "cli/place.h"
 #include "cli/progress.h"
 #include "cli/sandbox.h"
 #include "cli/stats_file.h"
 #include "cli/tone.h"
+#include "cli/warn.h"
+#include "cli/watch.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -36,6 +39,10 @@ typedef struct {
     int verbosity;
     cli_farm farm;
     cli_tone tone;
+    cli_server server;    /* n 0: none */
+    cli_display *display; /* NULL: none */
+    bool watch;
+    cli_watch *files;     /* NULL: they are not watched */
 } options;
 
 enum {
@@ -70,7 +77,9 @@ enum {
     OPT_SANDBOX,
     OPT_MEMORY,
     OPT_RESOLUTION,
-    OPT_PARTIAL
+    OPT_PARTIAL,
+    OPT_WATCH,
+    OPT_SERVER
 };
 
 static const struct option long_options[] = {
@@ -78,6 +87,8 @@ static const struct option long_options[] = {
     { "method", 1, 0, OPT_METHOD },
     { "resolution", 1, 0, OPT_RESOLUTION },
     { "write-partial", 0, 0, OPT_PARTIAL },
+    { "watch", 0, 0, OPT_WATCH },
+    { "display-server", 1, 0, OPT_SERVER },
     CLI_TONE_OPTIONS,
     CLI_ERROR_OPTIONS,
     { "calibration", 1, 0, OPT_CALIBRATION },
@@ -148,6 +159,8 @@ static int set_option(void *user, int c)
     case OPT_INTERVAL: return cli_parse_time(optarg, &o->farm.interval);
     case OPT_RESUME: o->farm.resume = true; return 0;
     case OPT_PARTIAL: o->render.partial = 1; return 0;
+    case OPT_WATCH: o->watch = true; return 0;
+    case OPT_SERVER: return cli_parse_server(optarg, &o->server);
     case OPT_KEEP: o->farm.keep = true; return 0;
     case OPT_LIMIT: return cli_parse_time(optarg, &o->farm.time_limit);
     case OPT_SANDBOX: o->load.sandbox = optarg; return !*optarg;
@@ -200,6 +213,22 @@ static int check_streams(const options *o)
     return -1;
 }
 
+/* What is kept of a picture is of the scene as it was. */
+static int check_watch(const options *o)
+{
+    const char *other = o->farm.chunk             ? "--chunk"
+                        : o->farm.print           ? "--print-chunks"
+                        : o->farm.checkpoint      ? "--checkpoint"
+                        : o->calibration          ? "--calibration"
+                        : !strcmp(o->scene, "-")  ? "a scene from standard input"
+                                                  : NULL;
+    for (int i = 0; i < o->n_outputs && !other; i++)
+        if (cli_is_stdout(o->outputs[i])) other = "a picture to standard output";
+    if (!o->watch || !other) return 0;
+    cli_usage_error("render", "--watch renders a scene each time that it changes: not with %s", other);
+    return -1;
+}
+
 /* 0: go on; otherwise *status is the exit status. */
 static int parse_options(int argc, char **argv, options *o, int *status)
 {
@@ -214,7 +243,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     if (check_time(o) || check_streams(o)) return -1;
     if (cli_ask_error("render", &o->given, &o->render)) return -1;
     o->scene = argv[optind];
-    if (cli_farm_check(&o->farm)) return -1;
+    if (cli_farm_check(&o->farm) || check_watch(o)) return -1;
     for (int i = 0; i < o->n_outputs; i++)
         if (cli_check_picture_name("render", o->outputs[i])) return -1;
     return 0;
@@ -389,44 +418,27 @@ static int report(const options *o, cli_render_report *r)
 
 typedef struct {
     cli_progress line;
-    cli_farm *farm;
+    options *o;
 } steps;
+
+static void warn_of_display(const options *o, cli_progress *line)
+{
+    const char *text = cli_display_warning(o->display);
+    if (!text || o->quiet) return;
+    if (line) cli_progress_end(line);
+    fprintf(stderr, "lightcuts: warning: %s\n", text);
+}
 
 static int step(void *user, uint64_t done, uint64_t total)
 {
     steps *s = user;
+    const options *o = s->o;
+    if (o->display) {
+        cli_display_step(o->display);
+        warn_of_display(o, &s->line);
+    }
     if (cli_progress_step(&s->line, done, total)) return 1;
-    return done < total && cli_farm_step(s->farm);
-}
-
-#define WARN_LOSS 0.1 /* share of the indirect light; interiors lose 0.01 to 0.03 */
-#define WARN_OFF  2   /* times the error of indirect light that was asked for */
-
-static void warn_of_scene(const options *o, const lc_scene_info *info)
-{
-    if (o->quiet) return;
-    if (info->indirect_off > WARN_OFF)
-        fprintf(stderr,
-                "lightcuts: warning: indirect light is off by %.2g %% in half of the blocks, by %.2g %% and "
-                "more in 5 %% of them, %.2g times what was asked: more --indirect-lights help%s\n",
-                100 * info->indirect_median, 100 * info->indirect_high, info->indirect_off,
-                o->load.indirect_from == LC_INDIRECT_FROM_VIEW ? "" : ", or --indirect-from view");
-    if (info->indirect_loss > WARN_LOSS)
-        fprintf(stderr,
-                "lightcuts: warning: clamping takes %.0f %% of the indirect light, with more "
-                "--indirect-lights less\n",
-                100 * info->indirect_loss);
-    if (!info->n_lights)
-        fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
-    if (!info->n_triangles)
-        fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will %s\n",
-                info->n_env_maps ? "show its infinite light only" : "be black");
-    if (o->load.max_depth > 1 && !info->n_mirrors && !info->n_indirect_lights &&
-        o->load.indirect_lights != LC_NO_LIGHTS)
-        fprintf(stderr,
-                "lightcuts: warning: --maxdepth %u: without mirrors, glass or --indirect-lights there is "
-                "only direct light\n",
-                o->load.max_depth);
+    return done < total && ((o->files && cli_watch_changed(o->files)) || cli_farm_step(&s->o->farm));
 }
 
 /* After a signal, or when time is over. */
@@ -441,21 +453,38 @@ static int write_partial(options *o, lc_context *ctx, lc_image *image)
     return status ? status : stopped;
 }
 
+static void begin_display(options *o, lc_context *ctx, const lc_scene *scene)
+{
+    uint32_t crop[4];
+    if (!o->display || lc_render_crop(ctx, scene, &o->render, crop)) return;
+    cli_display_begin(o->display, o->outputs[0], crop, &o->render);
+    warn_of_display(o, NULL);
+}
+
 static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image **image,
                   lc_render_stats *stats)
 {
-    steps s = { .farm = &o->farm };
+    steps s = { .o = o };
     /* not earlier: while loading nothing checks for signals, and there is nothing to save */
     cli_catch_signals();
     cli_progress_start(&s.line, "rendering", o->quiet);
     s.line.before = o->farm.share_before;
     o->render.progress = step;
     o->render.progress_user = &s;
+    begin_display(o, ctx, scene);
     if (o->render.seconds > 0)
         o->render.seconds = fmax(o->render.seconds - (cli_now() - o->farm.start), 0.001);
     lc_status st = lc_render(ctx, scene, &o->render, image, stats);
     cli_progress_end(&s.line);
+    if (o->display) cli_display_end(o->display, *image);
+    warn_of_display(o, NULL);
+    if (st == LC_ERR_CANCELLED && o->files && o->files->changed && !cli_caught_signal()) return CLI_STOPPED;
     if (st == LC_ERR_CANCELLED && *image) return write_partial(o, ctx, *image);
+    if (st == LC_ERR_CANCELLED && !o->farm.file && (o->render.partial || o->watch)) {
+        fprintf(stderr, "lightcuts: interrupted%s, nothing written\n",
+                o->render.partial ? " before a pixel was finished" : "");
+        return CLI_FAILED;
+    }
     if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);
     return st ? cli_exit_status(st) : CLI_OK;
 }
@@ -486,7 +515,8 @@ static int enter_sandbox(const options *o)
     return err ? CLI_FAILED : 0;
 }
 
-static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
+/* again: not the first picture of --watch. */
+static int run(options *o, lc_context *ctx, bool again, lc_scene **scene, lc_image **image)
 {
     cli_render_report r = { .scene = o->scene,
                             .method = o->render.method,
@@ -495,16 +525,18 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
                             .stats = LC_RENDER_STATS_INIT };
     plan p = { .o = o, .ctx = ctx };
     double t0 = cli_now();
-    int status = o->load.sandbox ? enter_sandbox(o) : 0;
+    int status = o->load.sandbox && !again ? enter_sandbox(o) : 0;
     if (status) return status;
     cli_catch_save_signals(o->farm.checkpoint != NULL);
     o->load.parsed = make_plan;
     o->load.parsed_user = &p;
+    o->load.reads = o->files ? cli_watch_note : NULL;
+    o->load.reads_user = o->files;
     lc_status st = lc_scene_load(ctx, o->scene, &o->load, scene);
     if (st == LC_ERR_CANCELLED) return p.status;
     if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
     lc_scene_get_info(*scene, &r.info);
-    warn_of_scene(o, &r.info);
+    if (!o->quiet) cli_warn_of_scene(&o->load, &r.info);
     status = render(o, ctx, *scene, image, &r.stats);
     if (!status && o->calibration)
         status = cli_calibration_write(ctx, *scene, o->calibration, &o->render, &r.stats.calibration);
@@ -523,20 +555,41 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     return report(o, &r);
 }
 
+typedef struct {
+    const options *given;
+    lc_context *ctx;
+    cli_watch files;
+} job;
+
+/* One picture, from the options as they were given. */
+static int once(void *user, bool again)
+{
+    job *j = user;
+    options o = *j->given;
+    lc_scene *scene = NULL;
+    lc_image *image = NULL;
+    if (again) o.farm.start = cli_now();
+    if (o.watch) o.files = &j->files;
+    const int status = run(&o, j->ctx, again, &scene, &image);
+    cli_farm_close(&o.farm, false);
+    lc_image_destroy(image);
+    lc_scene_destroy(scene);
+    return status;
+}
+
 int cmd_render(int argc, char **argv)
 {
     options o = { .load = LC_LOAD_DESC_INIT, .render = LC_RENDER_DESC_INIT, .farm = CLI_FARM_INIT };
     int status;
     o.farm.start = cli_now();
     if (parse_options(argc, argv, &o, &status)) return status;
-    lc_context *ctx = cli_context(o.n_threads, o.isa, o.verbosity);
-    lc_scene *scene = NULL;
-    lc_image *image = NULL;
-    status = ctx ? run(&o, ctx, &scene, &image) : CLI_FAILED;
-    cli_farm_close(&o.farm, false);
-    lc_image_destroy(image);
-    lc_scene_destroy(scene);
-    lc_context_destroy(ctx);
+    job j = { .given = &o, .ctx = cli_context(o.n_threads, o.isa, o.verbosity) };
+    if (o.server.n && j.ctx && !(o.display = cli_display_open(&o.server)))
+        fprintf(stderr, "lightcuts: warning: out of memory: the picture is not shown\n");
+    if (!j.ctx) status = CLI_FAILED;
+    else status = o.watch ? cli_watch_loop(&j.files, once, &j, o.quiet) : once(&j, false);
+    cli_display_close(o.display);
+    lc_context_destroy(j.ctx);
     if (cli_caught_signal()) cli_die_by_signal(cli_caught_signal());
     return status;
 }

@@ -7,6 +7,19 @@
 #include <string.h>
 #include <sys/stat.h>
 
+lc_file_id lc_file_id_of(const char *path)
+{
+    struct stat info;
+    if (stat(path, &info)) return (lc_file_id){ 0 };
+    return (lc_file_id){ (uint64_t)info.st_dev, (uint64_t)info.st_ino };
+}
+
+void lc_inputs_ask(const lc_context *ctx, const char *path)
+{
+    const lc_inputs *in = ctx->inputs;
+    if (in && in->reads) in->reads(in->reads_user, path);
+}
+
 lc_status lc_inputs_add(const lc_context *ctx, int fd)
 {
     struct stat info;

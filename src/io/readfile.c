@@ -80,6 +80,7 @@ lc_status lc_reader_open(const lc_context *ctx, lc_pos where, const char *path, 
 {
     *r = (lc_reader){ .path = path, .where = where };
     char real[PATH_MAX];
+    lc_inputs_ask(ctx, path);
     /* The scene's own file, which no statement names, may be a link to elsewhere. */
     if (where.line && !lc_inputs_allow(ctx->inputs, &path, real))
         return fail(ctx, r, LC_ERR_IO, "is outside of the sandbox");
@@ -217,8 +218,9 @@ size_t lc_file_peek(const char *path, uint8_t *head, size_t n)
     return got;
 }
 
-bool lc_file_exists(const char *path)
+bool lc_file_exists(const lc_context *ctx, const char *path)
 {
     struct stat info;
+    lc_inputs_ask(ctx, path);
     return stat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR && errno != ENAMETOOLONG);
 }

@@ -56,6 +56,6 @@ void lc_file_free(const lc_context *ctx, lc_file *file);
 /* Up to n of the first bytes of a regular file, which is not noted as read; 0 if it cannot be opened. */
 size_t lc_file_peek(const char *path, uint8_t *head, size_t n);
 /* False only if there certainly is no such file; any other error shows when it is opened. */
-bool lc_file_exists(const char *path);
+bool lc_file_exists(const lc_context *ctx, const char *path);
 
 #endif

@@ -12,6 +12,8 @@
 
 #include <string.h>
 
+#define MAX_LIBRARIES 1000 /* of a file: each is compared with those before */
+
 #define VALUE(v)     ((lc_build_value){ LC_NO_TEXTURE, { v, v, v } })
 #define MAX_EXPONENT 1e5f
 
@@ -139,7 +141,13 @@ static lc_status skip_options(lc_obj *o, lc_obj_lines *l)
     }
 }
 
-/* The picture of a map statement; each is read once. *picture keeps its value if there is none. */
+static bool same_file(const lc_file_id *a, const lc_file_id *b)
+{
+    return a->ino && a->dev == b->dev && a->ino == b->ino;
+}
+
+/* The picture of a map statement; each is read once, under whatever names. *picture keeps its value if there
+ * is none. */
 static lc_status read_map(lc_obj *o, lc_obj_lines *l, const char *folder, uint32_t *picture)
 {
     lc_obj_word name;
@@ -147,18 +155,19 @@ static lc_status read_map(lc_obj *o, lc_obj_lines *l, const char *folder, uint32
     if (st || !lc_obj_rest(l, &name)) return st;
     const char *path = lc_obj_join(o, folder, &name);
     if (!path) return LC_ERR_MEMORY;
+    const lc_file_id file = lc_file_id_of(path);
     for (size_t i = 0; i < o->n_images; i++)
-        if (!strcmp(o->images[i].path, path)) {
+        if (same_file(&o->images[i].file, &file)) {
             *picture = o->images[i].picture;
             return LC_OK;
         }
-    if (!lc_file_exists(path))
+    if (!lc_file_exists(o->ctx, path))
         return lc_obj_note(o, name.pos, "texture image", "'%.150s': no such file; it is left out", path);
     if ((st = load_image(o, name.pos, path, picture))) return st;
     void *images = o->images;
     st = lc_grow(o->ctx, &images, &o->cap_images, o->n_images + 1, sizeof *o->images);
     o->images = images;
-    if (!st) o->images[o->n_images++] = (lc_obj_image){ path, *picture };
+    if (!st) o->images[o->n_images++] = (lc_obj_image){ file, *picture };
     return st;
 }
 
@@ -223,6 +232,23 @@ static lc_status statement(lc_obj *o, lc_obj_lines *l, const lc_obj_word *w, con
                        w->text);
 }
 
+/* Notes that a library is read. *again: it was before, and its materials are known. */
+static lc_status note_library(lc_obj *o, lc_pos where, const char *path, bool *again)
+{
+    const lc_file_id file = lc_file_id_of(path);
+    *again = false;
+    for (size_t i = 0; i < o->n_libraries && !*again; i++) *again = same_file(&o->libraries[i], &file);
+    if (*again) return LC_OK;
+    if (o->n_libraries == MAX_LIBRARIES)
+        return lc_fail_at(o->ctx, LC_ERR_UNSUPPORTED, where, "more than %d libraries of materials",
+                          MAX_LIBRARIES);
+    void *libraries = o->libraries;
+    lc_status st = lc_grow(o->ctx, &libraries, &o->cap_libraries, o->n_libraries + 1, sizeof *o->libraries);
+    o->libraries = libraries;
+    if (!st) o->libraries[o->n_libraries++] = file;
+    return st;
+}
+
 lc_status lc_obj_read_mtl(lc_obj *o, const lc_obj_word *name)
 {
     lc_file file;
@@ -233,10 +259,12 @@ lc_status lc_obj_read_mtl(lc_obj *o, const lc_obj_word *name)
         return lc_obj_note(o, name->pos, "mtllib", "this scene may not open files; its materials are grey");
     const char *path = lc_obj_join(o, o->folder, name);
     if (!path) return LC_ERR_MEMORY;
-    if (!lc_file_exists(path))
+    if (!lc_file_exists(o->ctx, path))
         return lc_obj_note(o, name->pos, "mtllib", "'%.150s': no such file; its materials are grey", path);
-    lc_status st = lc_file_read(o->ctx, name->pos, path, NULL, &file);
-    if (st) return st;
+    bool again;
+    lc_status st = note_library(o, name->pos, path, &again);
+    if (!st && !again) st = lc_file_read(o->ctx, name->pos, path, NULL, &file);
+    if (st || again) return st;
     const char *slash = strrchr(path, '/');
     const char *folder = lc_arena_text(&o->arena, path, slash ? (size_t)(slash - path) + 1 : 0);
     lc_obj_open_lines(o->ctx, path, file.data, file.size, &l);

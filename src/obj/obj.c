@@ -11,6 +11,10 @@
 #include <string.h>
 
 #define MAX_CORNERS 1000u /* of a face */
+/* Triangles that are looked at to find a corner that sees the whole of a polygon: so many of a file, and for
+ * each corner of its faces. A hostile face would need half the square of its corners. */
+#define FIRST_TESTS 1000000u
+#define TESTS_PER_CORNER 64u
 #define MAX_UNKNOWN 100   /* unknown statements after which the file is taken not to be OBJ */
 
 lc_status lc_obj_note(lc_obj *o, lc_pos where, const char *kind, const char *fmt, ...)
@@ -185,38 +189,6 @@ static lc_status add_triangle(lc_obj *o, const uint32_t a[3], const uint32_t b[3
     return LC_OK;
 }
 
-/* Twice the area vector of a triangle of vertices. */
-static void area_of(const lc_obj *o, uint32_t a, uint32_t b, uint32_t c, double out[3])
-{
-    double e[3], f[3];
-    for (size_t k = 0; k < 3; k++) {
-        double from = (double)o->pos[3 * (size_t)a + k];
-        e[k] = (double)o->pos[3 * (size_t)b + k] - from;
-        f[k] = (double)o->pos[3 * (size_t)c + k] - from;
-    }
-    for (int k = 0; k < 3; k++) out[k] = e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3];
-}
-
-/* The corner from which a fan covers the polygon: one whose triangles all turn the same way; n if there is
- * none. */
-static uint32_t fan_from(const lc_obj *o, uint32_t (*corners)[3], uint32_t n)
-{
-    double whole[3] = { 0, 0, 0 }, t[3];
-    for (uint32_t i = 2; i < n; i++) {
-        area_of(o, corners[0][0], corners[i - 1][0], corners[i][0], t);
-        for (int k = 0; k < 3; k++) whole[k] += t[k];
-    }
-    for (uint32_t from = 0; from < n; from++) {
-        bool good = true;
-        for (uint32_t i = 1; i + 1 < n && good; i++) {
-            area_of(o, corners[from][0], corners[(from + i) % n][0], corners[(from + i + 1) % n][0], t);
-            good = t[0] * whole[0] + t[1] * whole[1] + t[2] * whole[2] >= 0;
-        }
-        if (good) return from;
-    }
-    return n;
-}
-
 static lc_status read_face(lc_obj *o, lc_obj_lines *l, lc_pos where)
 {
     uint32_t corners[MAX_CORNERS][3], n = 0, from;
@@ -230,11 +202,13 @@ static lc_status read_face(lc_obj *o, lc_obj_lines *l, lc_pos where)
     }
     if (n < 3) return lc_obj_note(o, where, "face", "a face of fewer than three corners is left out");
     lc_status st = LC_OK;
-    from = n == 3 ? 0 : fan_from(o, corners, n);
+    o->fan_left += TESTS_PER_CORNER * n;
+    from = n == 3 ? 0 : lc_obj_fan_from(o->pos, corners, n, &o->fan_left);
     if (from == n) {
         from = 0;
         st = lc_obj_note(o, where, "polygon",
-                         "a polygon that is not star-shaped about a corner is not filled rightly");
+                         "a polygon that is not star-shaped about a corner, or with many corners was not "
+                         "found to be, is not filled rightly");
     }
     for (uint32_t i = 1; i + 1 < n && !st; i++)
         st = add_triangle(o, corners[from], corners[(from + i) % n], corners[(from + i + 1) % n]);
@@ -250,22 +224,23 @@ static size_t name_at(const lc_obj *o, const char *text, size_t len)
     return at;
 }
 
-/* Makes the table again where materials have come; the last of a name counts. */
+/* Puts the materials that have come into the table; the last of a name counts. */
 static lc_status name_materials(lc_obj *o)
 {
-    size_t size = 64;
-    if (o->n_named == o->n_materials) return LC_OK;
+    size_t size = o->n_by_name ? o->n_by_name : 64;
     while (size < 2 * o->n_materials) size *= 2;
-    uint32_t *table = lc_alloc(o->ctx, size, sizeof *table);
-    if (!table) return LC_ERR_MEMORY;
-    lc_free(o->ctx, o->by_name, o->n_by_name, sizeof *o->by_name);
-    o->by_name = table;
-    o->n_by_name = size;
-    for (size_t i = 1; i < o->n_materials; i++) {
-        const char *name = o->materials[i].name;
-        table[name_at(o, name, strlen(name))] = (uint32_t)i;
+    if (size > o->n_by_name) {
+        uint32_t *table = lc_alloc(o->ctx, size, sizeof *table);
+        if (!table) return LC_ERR_MEMORY;
+        lc_free(o->ctx, o->by_name, o->n_by_name, sizeof *o->by_name);
+        o->by_name = table;
+        o->n_by_name = size;
+        o->n_named = 1; /* the default one has no name */
     }
-    o->n_named = o->n_materials;
+    for (; o->n_named < o->n_materials; o->n_named++) {
+        const char *name = o->materials[o->n_named].name;
+        o->by_name[name_at(o, name, strlen(name))] = (uint32_t)o->n_named;
+    }
     return LC_OK;
 }
 
@@ -341,7 +316,7 @@ bool lc_obj_is(const uint8_t *head, size_t len)
 static lc_status run(lc_scene *scene, const char *path, bool no_files, const char *data, size_t size)
 {
     const char *slash = strrchr(path, '/');
-    lc_obj o = { .ctx = lc_build_context(scene), .scene = scene, .no_files = no_files };
+    lc_obj o = { .ctx = lc_build_context(scene), .scene = scene, .no_files = no_files, .fan_left = FIRST_TESTS };
     const lc_build_film_desc film = lc_build_usual_film();
     lc_obj_lines l;
     lc_pos where = { path, 0, 0 };
@@ -364,6 +339,7 @@ static lc_status run(lc_scene *scene, const char *path, bool no_files, const cha
     lc_free(o.ctx, o.by_name, o.n_by_name, sizeof *o.by_name);
     lc_free(o.ctx, o.materials, o.cap_materials, sizeof *o.materials);
     lc_free(o.ctx, o.images, o.cap_images, sizeof *o.images);
+    lc_free(o.ctx, o.libraries, o.cap_libraries, sizeof *o.libraries);
     lc_arena_free(&o.arena);
     return st;
 }

@@ -5,6 +5,7 @@
 #include "base/arena.h"
 #include "base/vec.h"
 #include "build/reader.h"
+#include "io/inputs.h"
 
 /* Text by lines, of which a backslash at the end continues one, and by words. */
 typedef struct lc_obj_lines {
@@ -47,7 +48,7 @@ typedef struct lc_obj_material {
 } lc_obj_material;
 
 typedef struct lc_obj_image {
-    const char *path; /* in the arena */
+    lc_file_id file;
     uint32_t picture;
 } lc_obj_image;
 
@@ -65,6 +66,9 @@ typedef struct lc_obj {
     size_t n_materials, cap_materials;
     lc_obj_image *images;
     size_t n_images, cap_images;
+    lc_file_id *libraries; /* of materials, that were read */
+    size_t n_libraries, cap_libraries;
+    uint64_t fan_left;         /* triangles that may be looked at yet by lc_obj_fan_from */
     size_t material;           /* in force */
     uint32_t *by_name;         /* a table of materials by name, n_by_name entries, a power of two; 0: free */
     size_t n_by_name, n_named; /* n_named: materials that it holds */
@@ -73,6 +77,10 @@ typedef struct lc_obj {
 lc_status lc_obj_note(lc_obj *o, lc_pos where, const char *kind, const char *fmt, ...) LC_PRINTF(4, 5);
 /* The path of a name in a file in `folder`, in the arena. NULL: no memory. */
 const char *lc_obj_join(lc_obj *o, const char *folder, const lc_obj_word *name);
+/* polygon.c: the corner from which a fan covers the polygon: one whose triangles all turn the same way. n:
+ * there is none, or it was not found among the first *left triangles that were looked at, which are taken
+ * off. The first corner is looked at in any case. */
+uint32_t lc_obj_fan_from(const float *pos, uint32_t (*corners)[3], uint32_t n, uint64_t *left);
 /* mtl.c: reads a library of materials. */
 lc_status lc_obj_read_mtl(lc_obj *o, const lc_obj_word *name);
 lc_status lc_obj_default_material(lc_obj *o);

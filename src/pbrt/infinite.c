@@ -21,7 +21,7 @@ lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_
                             "'%.150s': this scene may not open files; a constant takes its place", name);
     lc_status st = lc_pbrt_find_file(&p->lex, where, name, &path);
     if (st) return st;
-    if (!lc_file_exists(path))
+    if (!lc_file_exists(p->ctx, path))
         return lc_pbrt_note(p, where, "light image", "'%.150s': no such file; a constant takes its place",
                             path);
     if ((st = lc_file_read(p->ctx, where, path, lc_raster_is, &file))) return st;

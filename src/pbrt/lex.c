@@ -43,13 +43,13 @@ static lc_status find(lc_pbrt_lex *lex, lc_pos where, const char *name, const ch
     bool absolute = name[0] == '/';
     *path = join(lex, lex->main_dir, absolute ? 0 : strlen(lex->main_dir), name, suffix);
     if (!*path) return LC_ERR_MEMORY;
-    *found = lc_file_exists(*path);
+    *found = lc_file_exists(lex->ctx, *path);
     size_t n = dir_len(where.file);
     if (*found || absolute || (n == strlen(lex->main_dir) && !strncmp(lex->main_dir, where.file, n)))
         return LC_OK;
     const char *other = join(lex, where.file, n, name, suffix);
     if (!other) return LC_ERR_MEMORY;
-    *found = lc_file_exists(other);
+    *found = lc_file_exists(lex->ctx, other);
     if (*found) *path = other;
     return LC_OK;
 }
@@ -106,7 +106,7 @@ lc_status lc_pbrt_lex_include(lc_pbrt_lex *lex, lc_pos where, const char *name, 
     *lost = NULL;
     lc_status st = lc_pbrt_find_file(lex, where, name, &path);
     if (st) return st;
-    if (!lc_file_exists(path)) {
+    if (!lc_file_exists(lex->ctx, path)) {
         st = find(lex, where, name, ".pbrt", &other, &found);
         if (st || !found) *lost = path;
         if (st || !found) return st;

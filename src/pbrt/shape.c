@@ -115,7 +115,7 @@ static lc_status ply_mesh(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_mesh *mesh,
     if (!name) return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "plymesh without \"string filename\"");
     if ((st = lc_pbrt_find_file(&p->lex, par->pos, name, &path))) return st;
     lc_ply_mesh ply;
-    if (!lc_file_exists(path)) {
+    if (!lc_file_exists(p->ctx, path)) {
         lc_pbrt_mark_all(&p->params);
         return lc_pbrt_note(p, par->pos, "missing mesh", "'%.150s': no such file; the shape is left out",
                             path);

@@ -176,7 +176,7 @@ lc_status lc_pbrt_spectrum_file(lc_pbrt *p, const lc_pbrt_param *par, const char
     *there = false;
     if (p->lex.no_files || !*name) return LC_OK;
     lc_status st = lc_pbrt_find_file(&p->lex, par->pos, name, &path);
-    if (st || !lc_file_exists(path)) return st;
+    if (st || !lc_file_exists(p->ctx, path)) return st;
     if ((st = lc_file_read(p->ctx, par->pos, path, is_text, &file))) return st;
     st = read_pairs(p, path, &file, &pairs, &cap, &n);
     if (!st) lc_pbrt_resample(pairs, n, p->v4, out);

@@ -110,7 +110,7 @@ lc_status lc_pbrt_find_image(lc_pbrt *p, lc_pos where, const char *name, lc_enco
     bool fits = n > 0 && (size_t)n < sizeof key;
     if (fits) *picture = lc_pbrt_map_get(&p->image_names, key);
     if (*picture != LC_NO_PICTURE) return LC_OK;
-    if (!lc_file_exists(path))
+    if (!lc_file_exists(p->ctx, path))
         return lc_pbrt_note(p, where, "texture image", "'%.150s': no such file; grey is used", path);
     st = load(p, where, path, encoding, picture);
     if (st || !fits) return st;

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* A field was added? Hash it below if it shapes the picture, then put the new size here. */
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 112,
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 128,
                "lc_render_identity: hash the new field of lc_load_desc");
 _Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 144,
                "lc_render_identity: hash the new field of lc_render_desc");

@@ -1,0 +1,33 @@
+/* warn.c - see warn.h. */
+#include "cli/warn.h"
+
+#include <stdio.h>
+
+#define WARN_LOSS 0.1 /* share of the indirect light; interiors lose 0.01 to 0.03 */
+#define WARN_OFF  2   /* times the error of indirect light that was asked for */
+
+void cli_warn_of_scene(const lc_load_desc *load, const lc_scene_info *info)
+{
+    if (info->indirect_off > WARN_OFF)
+        fprintf(stderr,
+                "lightcuts: warning: indirect light is off by %.2g %% in half of the blocks, by %.2g %% and "
+                "more in 5 %% of them, %.2g times what was asked: more --indirect-lights help%s\n",
+                100 * info->indirect_median, 100 * info->indirect_high, info->indirect_off,
+                load->indirect_from == LC_INDIRECT_FROM_VIEW ? "" : ", or --indirect-from view");
+    if (info->indirect_loss > WARN_LOSS)
+        fprintf(stderr,
+                "lightcuts: warning: clamping takes %.0f %% of the indirect light, with more "
+                "--indirect-lights less\n",
+                100 * info->indirect_loss);
+    if (!info->n_lights)
+        fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
+    if (!info->n_triangles)
+        fprintf(stderr, "lightcuts: warning: the scene has no triangles, the picture will %s\n",
+                info->n_env_maps ? "show its infinite light only" : "be black");
+    if (load->max_depth > 1 && !info->n_mirrors && !info->n_indirect_lights &&
+        load->indirect_lights != LC_NO_LIGHTS)
+        fprintf(stderr,
+                "lightcuts: warning: --maxdepth %u: without mirrors, glass or --indirect-lights there is "
+                "only direct light\n",
+                load->max_depth);
+}
