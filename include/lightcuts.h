@@ -192,11 +192,30 @@ typedef struct lc_load_desc {
     uint32_t resolution[2]; /* width and height of the film in place of the file's: its crop is scaled along,
                              * and where the camera has no aspect ratio of its own, the shorter side keeps
                              * its angle of view; 0: the file's; up to 65535 each and 2^28 pixels */
+    /* Groups of lights of a scene's file, "NAME=PATTERN" each: lights go to the first whose pattern, of
+     * characters, * and ?, matches one of their names, which are those of light, node, mesh, material, group
+     * in the file and kind, "area" for emissive surfaces and "env" for environments; else to the group that
+     * the file gives them, else to "other". Pictures have a plane triple for each group, see lc_light_group.
+     * At most 256, and 63 names; LC_ERR_ARG for a name that is none, and by lc_build_commit. */
+    const char *const *groups;
+    uint32_t n_groups;
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
 #define LC_LOAD_DESC_INIT                                                                                    \
     { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0, 0,  \
-      { 0, 0 } }
+      { 0, 0 }, 0, 0 }
+
+/* A group of lights. Clusters of lights never hold lights of two groups, and with groups pictures have beside
+ * R, G and B planes NAME.R, NAME.G and NAME.B of each: what its lights contribute, directly, by bounces and
+ * where they are seen. All groups' planes add up to the picture but for rounding, so a picture of dimmed
+ * lights is a sum with factors. Each plane's error is at most that of the picture. */
+typedef struct lc_light_group {
+    size_t size;
+    const char *name;  /* owned by the scene; number 0 is "other", which has what no group takes */
+    uint64_t n_lights; /* those that were made of surfaces, environments and bounces included */
+    uint64_t n_indirect_lights; /* of these, virtual lights */
+} lc_light_group;
+#define LC_LIGHT_GROUP_INIT { sizeof(lc_light_group), 0, 0, 0 }
 
 /* One kind of thing in the scene file that was approximated or skipped. */
 typedef struct lc_note {
@@ -294,6 +313,9 @@ LC_API lc_status lc_scene_get_note(const lc_scene *scene, uint32_t idx, lc_note 
 /* Feature idx, counted from 0 in the order of the file; its text is owned by the scene. LC_ERR_ARG beyond the
  * last. */
 LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_feature *feature);
+/* Group idx, counted from 0; LC_ERR_ARG beyond the last. A scene has none, or "other" and at least one
+ * more. */
+LC_API lc_status lc_scene_get_group(const lc_scene *scene, uint32_t idx, lc_light_group *group);
 
 /* ---- a scene by calls ---- */
 
@@ -387,10 +409,13 @@ typedef struct lc_build_mesh_desc {
     float alpha;             /* the fraction of rays that the mesh stops, 0..1 */
     uint32_t emission_texture; /* multiplies emission, three channels, over u and v: repeat 1, offset 0,
                                 * scale 1; or LC_NO_TEXTURE */
+    const char *group;       /* of lights, to which its emission belongs, see lc_light_group: letters, digits,
+                              * _ and -, at most 28; copied; NULL: "other" */
 } lc_build_mesh_desc;
 #define LC_BUILD_MESH_DESC_INIT                                                                              \
     {                                                                                                        \
-        sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0, 0, LC_NO_TEXTURE, 1, LC_NO_TEXTURE  \
+        sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0, 0, LC_NO_TEXTURE, 1, LC_NO_TEXTURE, \
+            0                                                                                                \
     }
 
 typedef enum lc_build_light_kind {
@@ -418,11 +443,12 @@ typedef struct lc_build_light_desc {
     uint32_t picture;    /* projectors: from lc_build_texture, three channels; its repeat, offset and scale
                           * are not used. lc_scene_set_light cannot set a projector: it can be dimmed */
     double fov;          /* projectors: degrees, of the picture's shorter side, above 0 and below 180 */
+    const char *group;   /* as lc_build_mesh_desc's; lc_scene_set_light: one of the scene's, NULL: it stays */
 } lc_build_light_desc;
 #define LC_BUILD_LIGHT_DESC_INIT                                                                             \
     {                                                                                                        \
         sizeof(lc_build_light_desc), LC_BUILD_POINT, { 0, 0, 0 }, { 0, 0, 1 }, { 1, 1, 1 }, 30, 5, 0,        \
-            { 1, 0, 0 }, 0, LC_NO_TEXTURE, 90                                                                \
+            { 1, 0, 0 }, 0, LC_NO_TEXTURE, 90, 0                                                             \
     }
 
 typedef struct lc_build_luminaire_desc {
@@ -443,11 +469,12 @@ typedef struct lc_build_environment_desc {
                              * square: +z in the middle, -z in the corners; width == height */
     float scale[3];         /* radiance of a texel of 1, R G B; the greatest texel times this at most 1e13 */
     double to_world[16];    /* turns the directions above, as lc_build_instance's */
+    const char *group;      /* as lc_build_mesh_desc's */
 } lc_build_environment_desc;
 #define LC_BUILD_ENVIRONMENT_DESC_INIT                                                                       \
     {                                                                                                        \
         sizeof(lc_build_environment_desc), 0, 0, LC_BUILD_FLOATS, 0, 0, { 1, 1, 1 },                         \
-        { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }                                                   \
+        { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }, 0                                                \
     }
 
 typedef enum lc_build_camera_kind {

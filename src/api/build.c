@@ -33,6 +33,12 @@ static lc_status number_of(lc_scene *s, uint32_t **list, size_t *n, size_t *cap)
     return st;
 }
 
+void lc_build_mark_group(lc_scene *s)
+{
+    if (s->groups.now) lc_build_mark(s, LC_CALL_GROUP);
+    if (s->groups.now) lc_digest_u64(&s->inputs.digest, s->groups.now);
+}
+
 void lc_build_mark(lc_scene *s, int call)
 {
     lc_digest_mark(&s->inputs.digest);
@@ -71,11 +77,22 @@ static lc_status check_mesh(const lc_scene *s, const lc_build_mesh_desc *d)
     return wrong ? lc_fail(s->ctx, LC_ERR_ARG, "lc_build_mesh: %s", wrong) : LC_OK;
 }
 
+lc_status lc_build_begin_group(lc_scene *s, const char *call, const char *name)
+{
+    const char *fault = name && *name ? lc_group_name_fault(name) : NULL;
+    if (fault) return lc_fail(s->ctx, LC_ERR_ARG, "%s: group %s", call, fault);
+    s->groups.now = 0;
+    if (!name) return LC_OK;
+    const lc_status st = lc_group_named(s, LC_BY_CALL, name, &s->groups.now);
+    return st == LC_ERR_UNSUPPORTED ? LC_ERR_ARG : st;
+}
+
 lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
 {
     lc_build_mesh_desc d = LC_BUILD_MESH_DESC_INIT;
     lc_status st = lc_build_take(s, "lc_build_mesh_desc", &d, sizeof d, desc);
     if (!st) st = check_mesh(s, &d);
+    if (!st) st = lc_build_begin_group(s, "lc_build_mesh", d.group);
     if (st) return st;
     const bool holes = d.alpha_texture != LC_NO_TEXTURE || d.alpha < 1;
     const double alpha = (double)d.alpha;
@@ -114,6 +131,7 @@ lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
     add_floats(s, d.positions, (size_t)d.n_vertices * 3);
     if (d.normals) add_floats(s, d.normals, (size_t)d.n_vertices * 3);
     lc_digest_add(&s->inputs.digest, d.indices, (size_t)d.n_triangles * 3 * sizeof *d.indices);
+    lc_build_mark_group(s);
     return LC_OK;
 }
 
@@ -182,11 +200,14 @@ lc_status lc_build_light(lc_scene *s, const lc_build_light_desc *desc)
     lc_status st = lc_build_take(s, "lc_build_light", NULL, 0, NULL);
     if (!st) st = lc_arg_light(s, "lc_build_light", desc, &light);
     if (!st) st = lc_desc_take(s->ctx, "lc_build_light_desc", &d, sizeof d, desc);
+    if (!st) st = lc_build_begin_group(s, "lc_build_light", d.group);
     if (!st && d.kind == LC_BUILD_PROJECTOR) st = make_projector(s, &d, &light);
     lc_given *g = st ? NULL : &s->given;
     if (!st) st = lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
-    if (!st) g->lights[g->n_lights++] = light;
-    return st;
+    if (st) return st;
+    light.group = s->groups.now;
+    g->lights[g->n_lights++] = light;
+    return LC_OK;
 }
 
 lc_status lc_build_camera(lc_scene *s, const lc_build_camera_desc *desc)
@@ -228,6 +249,9 @@ lc_status lc_build_commit(lc_scene *s, const lc_load_desc *desc)
     lc_load_desc d;
     lc_status st = lc_build_take(s, "lc_build_commit", NULL, 0, NULL);
     if (!st) st = lc_load_take(s->ctx, desc, &d);
+    if (!st && d.n_groups)
+        st = lc_fail(s->ctx, LC_ERR_ARG,
+                     "lc_build_commit: patterns of groups are for files; lc_build_... have a group");
     if (st) return st;
     if (d.sensors && (st = lc_scene_set_sensors(s, d.sensors))) return lc_as_arg(st);
     if (!s->has_camera && !s->sensors)

@@ -19,7 +19,8 @@ enum {
     LC_CALL_ENVIRONMENT,
     LC_CALL_LUMINAIRE,
     LC_CALL_MIX,
-    LC_CALL_PROJECTOR
+    LC_CALL_PROJECTOR,
+    LC_CALL_GROUP
 };
 
 /* Takes a descriptor of a scene that can still be added to; to: NULL, no descriptor. */
@@ -32,6 +33,10 @@ const lc_mipmap *lc_build_picture_of(const lc_scene *scene, uint32_t texture);
 const char *lc_build_check_texture(const lc_scene *scene, uint32_t id, bool number);
 /* Begins a call's part of the digest. */
 void lc_build_mark(lc_scene *scene, int call);
+/* Sets the group of lights of what the call adds; name: or NULL. LC_ERR_ARG, _MEMORY. The second adds it to
+ * the digest, where there is one. */
+lc_status lc_build_begin_group(lc_scene *scene, const char *call, const char *name);
+void lc_build_mark_group(lc_scene *scene);
 
 /* Each LC_ERR_ARG after a line that begins with the name of the call. */
 lc_status lc_arg_light(const lc_scene *scene, const char *call, const lc_build_light_desc *desc,

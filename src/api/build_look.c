@@ -355,6 +355,7 @@ lc_status lc_build_environment(lc_scene *s, const lc_build_environment_desc *des
     lc_env env = { .mapping = square ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG, .scale = lc_f3_load(d.scale) };
     if ((st = lc_arg_to_world(s, call, d.to_world, &env.to_world))) return st;
     if (!lc_xform_invert(&env.to_world, &env.to_light)) return bad(s, call, "to_world is singular");
+    if ((st = lc_build_begin_group(s, call, d.group))) return st;
     if ((st = make_map(s, &p, &env.map))) return st;
     if ((st = lc_as_arg(lc_scene_add_env(s, LC_BY_CALL, &env)))) {
         lc_mipmap_free(s->ctx, &env.map);
@@ -365,6 +366,7 @@ lc_status lc_build_environment(lc_scene *s, const lc_build_environment_desc *des
     lc_digest_add(&s->inputs.digest, d.scale, sizeof d.scale);
     lc_digest_add(&s->inputs.digest, d.to_world, sizeof d.to_world);
     lc_digest_u64(&s->inputs.digest, square);
+    lc_build_mark_group(s);
     return LC_OK;
 }
 

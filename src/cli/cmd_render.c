@@ -2,6 +2,7 @@
 #include "cli/calibration.h"
 #include "cli/cli.h"
 #include "cli/farm.h"
+#include "cli/light_groups.h"
 #include "cli/place.h"
 #include "cli/progress.h"
 #include "cli/sandbox.h"
@@ -36,6 +37,7 @@ typedef struct {
     int verbosity;
     cli_farm farm;
     cli_tone tone;
+    cli_groups groups;
 } options;
 
 enum {
@@ -79,6 +81,7 @@ static const struct option long_options[] = {
     { "resolution", 1, 0, OPT_RESOLUTION },
     { "write-partial", 0, 0, OPT_PARTIAL },
     CLI_TONE_OPTIONS,
+    CLI_GROUP_OPTION,
     CLI_ERROR_OPTIONS,
     { "calibration", 1, 0, OPT_CALIBRATION },
     { "time", 1, 0, OPT_SECONDS },
@@ -161,6 +164,7 @@ static int set_option(void *user, int c)
         o->verbosity = -1;
         return 0;
     case 'v': o->verbosity = 1; return 0;
+    case CLI_OPT_GROUP: return cli_add_group(&o->groups, optarg, &o->load);
     case OPT_RESOLUTION: return cli_parse_resolution(optarg, o->load.resolution);
     case CLI_OPT_EXPOSURE:
     case CLI_OPT_TONE: return cli_set_tone(c, optarg, &o->tone);
@@ -504,6 +508,7 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     if (st == LC_ERR_CANCELLED) return p.status;
     if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
     lc_scene_get_info(*scene, &r.info);
+    r.loaded = *scene;
     warn_of_scene(o, &r.info);
     status = render(o, ctx, *scene, image, &r.stats);
     if (!status && o->calibration)

@@ -161,7 +161,16 @@ void lc_cut_leaves_done(lc_cut *c)
 {
     for (uint32_t i = 0; i < c->leaf.n; i++)
         for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf.e[k][i];
+    if (c->of_group) lc_cut_add_to_groups(c, &c->leaf);
     c->leaf.n = 0;
+}
+
+void lc_cut_add_to_groups(const lc_cut *c, const lc_cut_list *list)
+{
+    for (uint32_t i = 0; i < list->n; i++) {
+        double *sum = c->of_group[c->tree->group[list->rep[i] & c->light_mask]];
+        for (int k = 0; k < 3; k++) sum[k] += (double)list->e[k][i];
+    }
 }
 
 double lc_cut_trace_leaves(lc_cut *c, lc_cut_step *s)

@@ -87,6 +87,8 @@ lc_status lc_gltf_light(lc_gltf *g, uint32_t node, uint32_t extension, const lc_
         return lc_gltf_note(g, object, "light type", "a light of the type '%.40s' is left out",
                             type ? type : "");
     }
+    const char *const names[3] = { lc_gltf_name(g, object), lc_gltf_name(g, node), type };
+    if (!st) st = lc_group_choose(g->scene, 0, names, 3);
     if (!st) st = lc_scene_add_light(g->scene, lc_json_pos(&g->json, object), &light);
     g->n_lights++;
     return st ? st : lc_scene_count_feature(g->scene, "light", type, LC_SUPPORT_YES, NULL);

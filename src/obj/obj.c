@@ -110,6 +110,8 @@ static lc_status flush(lc_obj *o, lc_pos where)
     mesh.emission = m->emission;
     mesh.emission_map = lc_f3_max(m->emission) > 0 ? m->emission_map : 0;
     mesh.alpha = m->has_alpha ? &m->alpha : NULL;
+    const char *const names[2] = { m->name, "area" };
+    if (!st && lc_f3_max(m->emission) > 0) st = lc_group_choose(o->scene, 0, names, 2);
     if (!st) st = lc_scene_add_mesh(o->scene, where, &mesh);
     if (!st) st = lc_scene_count_feature(o->scene, "shape", "faces", LC_SUPPORT_YES, NULL);
     free_build(o, &b);

@@ -20,6 +20,9 @@ typedef struct lc_pbrt_attrs {
     uint32_t emission_map; /* as in lc_mesh_desc */
     double power;          /* v4: the power, W, to which each shape's emission is scaled; 0: not scaled */
     bool two_sided;
+    bool area_has_group;   /* area_group is in place of `group`, for the shapes that emit */
+    uint32_t group, area_group; /* of lights, see scene/groups.h */
+    const char *material_name;  /* of NamedMaterial, where patterns of groups are asked for, or NULL */
     bool invisible; /* interface material: shapes are skipped unless they emit */
     bool reverse;   /* ReverseOrientation */
     bool end_only;  /* ActiveTransform EndTime: transforms are ignored */

@@ -8,6 +8,7 @@
  *     render.c   tiles over threads, the film; interval.c: the AOV
  *     render_stats.c   counts of all threads; the attributes of the picture
  *     probe.c    one sample on its own, its cut kept
+ *     group_sums.c   what each group of lights contributes
  *
  * Every pixel depends on scene, descriptor and its own coordinates only. Sample positions and representative
  * slots come from (seed, pixel, sample, dimension); the pre-pass looks at a fixed grid over the whole film
@@ -62,6 +63,7 @@ typedef struct lc_render_worker {
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
     lc_shared_pixel *shared; /* of a group of tiles; NULL: no samples are shared */
+    struct lc_group_sums *groups; /* NULL: nobody asks for groups of lights */
 } lc_render_worker;
 
 typedef struct lc_render_job {
@@ -160,6 +162,9 @@ lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
 /* What sample i of a pixel shows, if any; beyond the film coordinates are modulo 2^32. *dir: the ray's. */
 bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s);
+/* The same; of_group: as of lc_sight_desc. */
+bool lc_sample_sight_groups(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *of_group,
+                            lc_f3 *dir, lc_sight *s);
 /* Radiance of all that is seen, as it reaches the camera. The first surface makes the guide where that is not
  * made yet. */
 void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight *sight, lc_guide *g,
