@@ -177,24 +177,43 @@ static void mix(const groups *g, size_t n, float *const out[3])
         }
 }
 
+/* The groups with their factors, so that the file can be mixed on, and keeps floats. */
+static lc_status keep_groups(lc_image *mixed, const groups *g, size_t n)
+{
+    char channel[MAX_LAYER + 3];
+    lc_status st = LC_OK;
+    for (uint32_t j = 0; j < g->n; j++)
+        for (int k = 0; k < 3 && !st; k++) {
+            float *plane;
+            snprintf(channel, sizeof channel, "%s.%c", g->items[j].name, "RGB"[k]);
+            st = lc_image_add_channel(mixed, channel, &plane);
+            for (size_t i = 0; i < n && !st; i++)
+                if (g->items[j].factor[k] > 0)
+                    plane[i] = (float)(g->items[j].factor[k] * (double)g->items[j].plane[k][i]);
+        }
+    return st;
+}
+
 static int write_mix(lc_context *ctx, const options *o, const lc_image *image, const groups *g)
 {
     static const char *const names[3] = { "R", "G", "B" };
     lc_image_desc desc = LC_IMAGE_DESC_INIT;
     float *out[3], *alpha = NULL;
     const float *own_alpha = lc_image_channel(image, "A");
+    const char *group_names = lc_image_get_text(image, "lightcuts/groups");
+    const bool png = cli_has_extension(o->outfile, ".png");
     lc_image *mixed = NULL;
     lc_image_get_desc(image, &desc);
     const size_t n = (size_t)desc.width * desc.height;
     lc_status st = lc_image_create(ctx, &desc, &mixed);
     for (int k = 0; !st && k < 3; k++) st = lc_image_add_channel(mixed, names[k], &out[k]);
     if (!st && own_alpha) st = lc_image_add_channel(mixed, "A", &alpha);
-    if (!st) {
-        mix(g, n, out);
-        if (alpha) memcpy(alpha, own_alpha, n * sizeof *alpha);
-        const bool png = cli_has_extension(o->outfile, ".png");
+    if (!st) mix(g, n, out);
+    if (alpha) memcpy(alpha, own_alpha, n * sizeof *alpha);
+    if (!st && !png) st = keep_groups(mixed, g, n);
+    if (!st && !png && group_names) st = lc_image_set_text(mixed, "lightcuts/groups", group_names);
+    if (!st)
         st = png ? cli_write_png(ctx, mixed, o->outfile, &o->tone, true) : lc_image_write(mixed, o->outfile);
-    }
     lc_image_destroy(mixed);
     return st ? CLI_FAILED : CLI_OK;
 }
