@@ -18,7 +18,7 @@ void cli_print_groups(FILE *f, const lc_scene *scene, const char *before)
 {
     lc_light_group g = LC_LIGHT_GROUP_INIT;
     for (uint32_t i = 0; !lc_scene_get_group(scene, i, &g); i++) {
-        fprintf(f, "%s%s: %llu lights", before, g.name, (ull)g.n_lights);
+        fprintf(f, "%s%s: %llu light%s", before, g.name, (ull)g.n_lights, g.n_lights == 1 ? "" : "s");
         if (g.n_indirect_lights) fprintf(f, ", %llu of them virtual", (ull)g.n_indirect_lights);
         fprintf(f, "\n");
     }
