@@ -24,7 +24,8 @@
  * multiple of eight, so that the arrays do not compete for the same sets of the cache. */
 static size_t list_capacity(const lc_cut *c)
 {
-    const size_t roots = c->tree->n_roots > LC_LIGHT_KINDS ? c->tree->n_roots : LC_LIGHT_KINDS;
+    const uint32_t n_roots = c->tree ? c->tree->n_roots : 0; /* freed, it may never have been made */
+    const size_t roots = n_roots > LC_LIGHT_KINDS ? n_roots : LC_LIGHT_KINDS;
     const size_t n = (size_t)c->max_size + 1 + LC_CUT_SPARE + roots * c->desc.max_points;
     return (((n + 15) / 16 | 7) + 2) * 16;
 }
