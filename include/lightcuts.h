@@ -208,7 +208,8 @@ typedef struct lc_load_desc {
 /* A group of lights. Clusters of lights never hold lights of two groups, and with groups pictures have beside
  * R, G and B planes NAME.R, NAME.G and NAME.B of each: what its lights contribute, directly, by bounces and
  * where they are seen. All groups' planes add up to the picture but for rounding, so a picture of dimmed
- * lights is a sum with factors. Each plane's error is at most that of the picture. */
+ * lights is a sum with factors. The error that is asked is the picture's: planes are off by no more, measured
+ * by the picture's luminance, not by their own. */
 typedef struct lc_light_group {
     size_t size;
     const char *name;  /* owned by the scene; number 0 is "other", which has what no group takes */
