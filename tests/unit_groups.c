@@ -496,6 +496,11 @@ TEST(wrong_groups_by_calls)
     CHECK(lc_build_mesh(s, &q) == LC_ERR_ARG && strstr(last_error, "lc_build_mesh: group"));
     CHECK(lc_build_environment(s, &e) == LC_ERR_ARG && strstr(last_error, "lc_build_environment: group"));
     CHECK(s->groups.n == 4);
+    const uint32_t beyond[] = { 0, 1, 4 };
+    q.group = "new"; /* of a call that fails: no group */
+    q.indices = beyond;
+    q.n_triangles = 1;
+    CHECK(lc_build_mesh(s, &q) == LC_ERR_ARG && s->groups.n == 4);
     load.groups = asked;
     load.n_groups = 1;
     CHECK(lc_build_commit(s, &load) == LC_ERR_ARG && strstr(last_error, "patterns"));

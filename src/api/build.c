@@ -87,12 +87,33 @@ lc_status lc_build_begin_group(lc_scene *s, const char *call, const char *name)
     return st == LC_ERR_UNSUPPORTED ? LC_ERR_ARG : st;
 }
 
+lc_status lc_build_end_group(lc_scene *s, uint32_t had, lc_status st)
+{
+    if (st) s->groups.n = had;
+    return st;
+}
+
+/* Adds a mesh to the scene, and its number to those of calls. */
+static lc_status add_mesh(lc_scene *s, const lc_build_mesh_desc *d, lc_mesh_desc *m)
+{
+    lc_given *g = &s->given;
+    const size_t before = s->n_meshes;
+    lc_status st = LC_OK;
+    if (d->emission_texture != LC_NO_TEXTURE)
+        st = lc_build_emission_map(s, d->emission_texture, &m->emission_map);
+    if (!st) st = lc_build_begin_group(s, "lc_build_mesh", d->group);
+    if (!st) st = number_of(s, &g->meshes, &g->n_meshes, &g->cap_meshes);
+    if (st) return st;
+    if ((st = lc_as_arg(lc_scene_add_mesh(s, LC_BY_CALL, m)))) g->n_meshes--;
+    else if (s->n_meshes > before) g->meshes[g->n_meshes - 1] = (uint32_t)before;
+    return st;
+}
+
 lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
 {
     lc_build_mesh_desc d = LC_BUILD_MESH_DESC_INIT;
     lc_status st = lc_build_take(s, "lc_build_mesh_desc", &d, sizeof d, desc);
     if (!st) st = check_mesh(s, &d);
-    if (!st) st = lc_build_begin_group(s, "lc_build_mesh", d.group);
     if (st) return st;
     const bool holes = d.alpha_texture != LC_NO_TEXTURE || d.alpha < 1;
     const double alpha = (double)d.alpha;
@@ -108,17 +129,8 @@ lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
                        .flip = d.flip,
                        .emission = lc_f3_load(d.emission),
                        .two_sided = d.two_sided };
-    if (d.emission_texture != LC_NO_TEXTURE &&
-        (st = lc_build_emission_map(s, d.emission_texture, &m.emission_map)))
-        return st;
-    lc_given *g = &s->given;
-    const size_t before = s->n_meshes;
-    if ((st = number_of(s, &g->meshes, &g->n_meshes, &g->cap_meshes))) return st;
-    if ((st = lc_as_arg(lc_scene_add_mesh(s, LC_BY_CALL, &m)))) {
-        g->n_meshes--;
-        return st;
-    }
-    if (s->n_meshes > before) g->meshes[g->n_meshes - 1] = (uint32_t)before;
+    const uint32_t had = s->groups.n;
+    if ((st = lc_build_end_group(s, had, add_mesh(s, &d, &m)))) return st;
     lc_build_mark(s, LC_CALL_MESH);
     lc_digest_u64(&s->inputs.digest, d.n_vertices);
     lc_digest_u64(&s->inputs.digest, d.n_triangles);
@@ -200,11 +212,13 @@ lc_status lc_build_light(lc_scene *s, const lc_build_light_desc *desc)
     lc_status st = lc_build_take(s, "lc_build_light", NULL, 0, NULL);
     if (!st) st = lc_arg_light(s, "lc_build_light", desc, &light);
     if (!st) st = lc_desc_take(s->ctx, "lc_build_light_desc", &d, sizeof d, desc);
-    if (!st) st = lc_build_begin_group(s, "lc_build_light", d.group);
-    if (!st && d.kind == LC_BUILD_PROJECTOR) st = make_projector(s, &d, &light);
-    lc_given *g = st ? NULL : &s->given;
-    if (!st) st = lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
     if (st) return st;
+    const uint32_t had = s->groups.n;
+    st = lc_build_begin_group(s, "lc_build_light", d.group);
+    if (!st && d.kind == LC_BUILD_PROJECTOR) st = make_projector(s, &d, &light);
+    lc_given *g = &s->given;
+    if (!st) st = lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
+    if (st) return lc_build_end_group(s, had, st);
     light.group = s->groups.now;
     g->lights[g->n_lights++] = light;
     return LC_OK;

@@ -36,6 +36,8 @@ void lc_build_mark(lc_scene *scene, int call);
 /* Sets the group of lights of what the call adds; name: or NULL. LC_ERR_ARG, _MEMORY. The second adds it to
  * the digest, where there is one. */
 lc_status lc_build_begin_group(lc_scene *scene, const char *call, const char *name);
+/* Passes a call's status on; a call that has failed leaves no new group behind. had: groups.n before it. */
+lc_status lc_build_end_group(lc_scene *scene, uint32_t had, lc_status st);
 void lc_build_mark_group(lc_scene *scene);
 
 /* Each LC_ERR_ARG after a line that begins with the name of the call. */

@@ -355,11 +355,13 @@ lc_status lc_build_environment(lc_scene *s, const lc_build_environment_desc *des
     lc_env env = { .mapping = square ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG, .scale = lc_f3_load(d.scale) };
     if ((st = lc_arg_to_world(s, call, d.to_world, &env.to_world))) return st;
     if (!lc_xform_invert(&env.to_world, &env.to_light)) return bad(s, call, "to_world is singular");
-    if ((st = lc_build_begin_group(s, call, d.group))) return st;
+    const uint32_t had = s->groups.n;
     if ((st = make_map(s, &p, &env.map))) return st;
-    if ((st = lc_as_arg(lc_scene_add_env(s, LC_BY_CALL, &env)))) {
+    st = lc_build_begin_group(s, call, d.group);
+    if (!st) st = lc_as_arg(lc_scene_add_env(s, LC_BY_CALL, &env));
+    if (st) {
         lc_mipmap_free(s->ctx, &env.map);
-        return st;
+        return lc_build_end_group(s, had, st);
     }
     lc_build_mark(s, LC_CALL_ENVIRONMENT);
     add_picture(s, &p);
