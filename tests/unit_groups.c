@@ -7,6 +7,7 @@
 #include "support/one_scene.h"
 #include "support/pictures.h"
 
+#include "scene/group_names.h"
 #include "tree/light_tree.h"
 
 #include <math.h>

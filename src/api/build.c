@@ -7,6 +7,7 @@
 #include "base/desc.h"
 #include "base/memory.h"
 #include "prepare/commit.h"
+#include "scene/group_names.h"
 #include "scene/spot_picture.h"
 #include "scene/view.h"
 

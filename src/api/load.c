@@ -5,6 +5,7 @@
 #include "base/desc.h"
 #include "base/memory.h"
 #include "prepare/commit.h"
+#include "scene/group_names.h"
 #include "scene/view.h"
 #include "tree/light_tree.h"
 

@@ -3,6 +3,7 @@
 
 #include "api/build.h"
 #include "base/desc.h"
+#include "scene/group_names.h"
 
 /* A scene that can be changed. */
 static lc_status check(const lc_scene *s, const char *call)

@@ -3,6 +3,8 @@
  * taken of. The range, beyond which a light may be left out, is not applied. */
 #include "gltf/state.h"
 
+#include "scene/group_names.h"
+
 #include <string.h>
 
 static lc_status set_cone(lc_gltf *g, uint32_t object, lc_light *light, lc_spot_map *ramp)

@@ -1,6 +1,8 @@
 /* mesh.c - meshes: triangles, strips and fans of the primitives, in world space or in that of an object. */
 #include "gltf/state.h"
 
+#include "scene/group_names.h"
+
 #include <stdio.h>
 #include <string.h>
 

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "io/readfile.h"
 #include "obj/state.h"
+#include "scene/group_names.h"
 #include "scene/usual_view.h"
 
 #include <stdio.h>

@@ -2,6 +2,8 @@
  * lights, which takes precedence. pbrt has neither; other renderers' files have one or the other. */
 #include "pbrt/light_group.h"
 
+#include "scene/group_names.h"
+
 #include <string.h>
 
 lc_status lc_pbrt_light_group(lc_pbrt *p, const lc_pbrt_stmt *s)

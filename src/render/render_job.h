@@ -25,8 +25,6 @@
 
 #include <stdatomic.h>
 
-struct lc_mutex;
-
 #define LC_PIXEL_BLOCK 4 /* pixels a side that share a guide and deal out the slots of representatives */
 
 enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL }; /* the last + its lit point */
@@ -162,9 +160,6 @@ lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
 /* What sample i of a pixel shows, if any; beyond the film coordinates are modulo 2^32. *dir: the ray's. */
 bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s);
-/* The same; of_group: as of lc_sight_desc. */
-bool lc_sample_sight_groups(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *of_group,
-                            lc_f3 *dir, lc_sight *s);
 /* Radiance of all that is seen, as it reaches the camera. The first surface makes the guide where that is not
  * made yet. */
 void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight *sight, lc_guide *g,

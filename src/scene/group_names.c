@@ -1,7 +1,5 @@
-/* groups.c - see groups.h. */
-#include "scene/groups.h"
-
-#include "scene/scene.h"
+/* group_names.c - see group_names.h. */
+#include "scene/group_names.h"
 
 #include <stdio.h>
 #include <string.h>
