@@ -35,7 +35,8 @@ static const char room[] =
     "Material \"conductor\" \"rgb reflectance\" [.8 .8 .8] \"float roughness\" 0\n"
     "Shape \"trianglemesh\" \"point3 P\" [-3 2 0 3 2 0 3 2 3 -3 2 3] \"integer indices\" [0 1 2 0 2 3]\n"
     "Material \"dielectric\"\n"
-    "Shape \"trianglemesh\" \"point3 P\" [-.9 -1.5 0 .3 -1.5 0 .3 -1.5 2 -.9 -1.5 2] \"integer indices\" [0 1 2 0 2 3]\n";
+    "Shape \"trianglemesh\" \"point3 P\" [-.9 -1.5 0 .3 -1.5 0 .3 -1.5 2 -.9 -1.5 2] "
+    "\"integer indices\" [0 1 2 0 2 3]\n";
 
 #define FOG                                                                                                  \
     "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] \"rgb sigma_s\" " \
@@ -192,7 +193,8 @@ static void write_floor(const double factor[3])
     size_t at = 0;
     for (uint32_t i = 0; i < 600; i++)
         at += (size_t)snprintf(text + at, sizeof text - at,
-                               "LightSource \"point\" \"point3 from\" [%.4f %.4f %.4f] \"rgb I\" [%.6g %.6g %.6g] "
+                               "LightSource \"point\" \"point3 from\" [%.4f %.4f %.4f] "
+                               "\"rgb I\" [%.6g %.6g %.6g] "
                                "\"string lightgroup\" \"g%u\"\n",
                                -2.5 + 5.0 * ((i * 37) % 600) / 600, -2.5 + 5.0 * ((i * 101) % 600) / 600,
                                1.5 + i % 5 * 0.1, 0.02 * factor[i % 3], 0.03 * factor[i % 3],
@@ -201,8 +203,10 @@ static void write_floor(const double factor[3])
                 "Sampler \"independent\" \"integer pixelsamples\" 1\nIntegrator \"directlighting\"\n"
                 "LookAt 0 -4 3  0 0 0  0 0 1 Camera \"perspective\" \"float fov\" 60\nWorldBegin\n%s"
                 "Material \"diffuse\" \"rgb reflectance\" [.5 .7 .2]\n"
-                "Shape \"trianglemesh\" \"point3 P\" [-9 -9 0 9 -9 0 9 9 0 -9 9 0] \"integer indices\" [0 1 2 0 2 3]\n"
-                "Shape \"trianglemesh\" \"point3 P\" [-1 0 .5 1 0 .5 1 1 .8 -1 1 .8] \"integer indices\" [0 1 2 0 2 3]\n",
+                "Shape \"trianglemesh\" \"point3 P\" [-9 -9 0 9 -9 0 9 9 0 -9 9 0] "
+                "\"integer indices\" [0 1 2 0 2 3]\n"
+                "Shape \"trianglemesh\" \"point3 P\" [-1 0 .5 1 0 .5 1 1 .8 -1 1 .8] "
+                "\"integer indices\" [0 1 2 0 2 3]\n",
                 text);
 }
 
@@ -281,7 +285,8 @@ TEST(without_groups_nothing_changes)
     file_write(scene_path(), text, n);
     free(text);
     lc_light_group g = LC_LIGHT_GROUP_INIT;
-    CHECKF(load_file(NULL, scene_path()) == LC_OK && !scene->groups.n && !scene->tree->group, "%s", last_error);
+    CHECKF(load_file(NULL, scene_path()) == LC_OK && !scene->groups.n && !scene->tree->group, "%s",
+           last_error);
     CHECK(lc_scene_get_group(scene, 0, &g) == LC_ERR_ARG);
     d.method = LC_METHOD_CUTS;
     lc_image *p = render(&d);

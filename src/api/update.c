@@ -55,8 +55,8 @@ static lc_status find_group(const lc_scene *s, const lc_build_light_desc *desc, 
     *group = had;
     if (st || !d.group) return st;
     *group = lc_group_find(s, d.group);
-    return *group != LC_NONE ? LC_OK
-                             : lc_fail(s->ctx, LC_ERR_ARG, "lc_scene_set_light: group is none of the scene's");
+    if (*group != LC_NONE) return LC_OK;
+    return lc_fail(s->ctx, LC_ERR_ARG, "lc_scene_set_light: group is none of the scene's");
 }
 
 lc_status lc_scene_set_light(lc_scene *s, uint32_t light, const lc_build_light_desc *desc)

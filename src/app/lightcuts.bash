@@ -97,7 +97,8 @@ _lightcuts()
         render) options='--outfile --method --error --within --time --calibration
             --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
-            --indirect-from --seed --spp --group --resolution --exposure --tone --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
+            --indirect-from --seed --spp --group
+            --resolution --exposure --tone --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
             --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --aov
             --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;

@@ -38,7 +38,7 @@ static void print_picture_options(void)
         "                           representatives, default 0\n"
         "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a\n"
         "                           lens 16\n"
-        "      --group NAME=PATTERN a plane triple of the EXR, NAME.R ..., for lights of which a name matches:\n"
+        "      --group NAME=PATTERN planes NAME.R, .G, .B of the EXR for lights of which a name matches:\n"
         "                           of light, node, material, kind, area, env; * and ?; may be repeated;\n"
         "                           the others are in the group other; see 'lightcuts relight'\n"
         "      --resolution WxH     of the film in place of the scene's; the view stays\n" CLI_TONE_HELP
