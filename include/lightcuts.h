@@ -197,11 +197,31 @@ typedef struct lc_load_desc {
      * several times; it is valid during the call. Called by the thread that loads. */
     void (*reads)(void *user, const char *path);
     void *reads_user;
+    /* Groups of lights of a scene's file, "NAME=PATTERN" each: lights go to the first whose pattern, of
+     * characters, * and ?, matches one of their names, which are those of light, node, mesh, material, group
+     * in the file and kind, "area" for emissive surfaces and "env" for environments; else to the group that
+     * the file gives them, else to "other". Pictures have a plane triple for each group, see lc_light_group.
+     * At most 256, and 63 names; LC_ERR_ARG for a name that is none, and by lc_build_commit. */
+    const char *const *groups;
+    uint32_t n_groups;
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
 #define LC_LOAD_DESC_INIT                                                                                    \
     { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0, 0,  \
-      { 0, 0 }, 0, 0 }
+      { 0, 0 }, 0, 0, 0, 0 }
+
+/* A group of lights. Clusters of lights never hold lights of two groups, and with groups pictures have beside
+ * R, G and B planes NAME.R, NAME.G and NAME.B of each: what its lights contribute, directly, by bounces and
+ * where they are seen. All groups' planes add up to the picture but for rounding, so a picture of dimmed
+ * lights is a sum with factors. The error that is asked is the picture's: planes are off by no more, measured
+ * by the picture's luminance, not by their own. */
+typedef struct lc_light_group {
+    size_t size;
+    const char *name;  /* owned by the scene; number 0 is "other", which has what no group takes */
+    uint64_t n_lights; /* those that were made of surfaces, environments and bounces included */
+    uint64_t n_indirect_lights; /* of these, virtual lights */
+} lc_light_group;
+#define LC_LIGHT_GROUP_INIT { sizeof(lc_light_group), 0, 0, 0 }
 
 /* One kind of thing in the scene file that was approximated or skipped. */
 typedef struct lc_note {
@@ -299,6 +319,9 @@ LC_API lc_status lc_scene_get_note(const lc_scene *scene, uint32_t idx, lc_note 
 /* Feature idx, counted from 0 in the order of the file; its text is owned by the scene. LC_ERR_ARG beyond the
  * last. */
 LC_API lc_status lc_scene_get_feature(const lc_scene *scene, uint32_t idx, lc_feature *feature);
+/* Group idx, counted from 0; LC_ERR_ARG beyond the last. A scene has none, or "other" and at least one
+ * more. */
+LC_API lc_status lc_scene_get_group(const lc_scene *scene, uint32_t idx, lc_light_group *group);
 
 /* ---- a scene by calls ---- */
 
@@ -491,11 +514,13 @@ typedef struct lc_build_mesh_desc {
     uint32_t emission_picture; /* from lc_build_picture, in place of emission_texture; LC_NO_PICTURE */
     uint32_t shadow_texture;   /* these two: of shadow rays, times alpha */
     float shadow_alpha;
+    const char *group;       /* of lights, to which its emission belongs, see lc_light_group: letters, digits,
+                              * _ and -, at most 28; copied; NULL: "other" */
 } lc_build_mesh_desc;
 #define LC_BUILD_MESH_DESC_INIT                                                                              \
     {                                                                                                        \
         sizeof(lc_build_mesh_desc), 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, 0, 0, 0, LC_NO_TEXTURE, 1, LC_NO_TEXTURE, \
-            LC_NO_PICTURE, LC_NO_TEXTURE, 1                                                                  \
+            LC_NO_PICTURE, LC_NO_TEXTURE, 1, 0                                                               \
     }
 
 /* What fog, smoke and haze do to light: absorb it, and scatter it once. */
@@ -560,12 +585,13 @@ typedef struct lc_build_light_desc {
                             * be inverted. Luminaires: gamma 0 is -z, C 0 is +x, C 90 is +y; projectors: +z
                             * is towards the picture, +x its right, +y its lower side. All 0: direction and
                             * across; of goniometric lights the world's axes */
+    const char *group;   /* as lc_build_mesh_desc's; lc_scene_set_light: one of the scene's, NULL: it stays */
 } lc_build_light_desc;
 #define LC_BUILD_LIGHT_DESC_INIT                                                                             \
     {                                                                                                        \
         sizeof(lc_build_light_desc), LC_BUILD_POINT, { 0, 0, 0 }, { 0, 0, 1 }, { 1, 1, 1 }, 30, 5, 0,        \
             { 1, 0, 0 }, 0, LC_NO_TEXTURE, 90, { 0, 0, 1 }, LC_FALLOFF_SMOOTH, LC_NO_PICTURE, 0, 0, 0, 1,    \
-            { 0 }                                                                                            \
+            { 0 }, 0                                                                                         \
     }
 
 /* A disc in the sky, which camera rays show, and the directional lights that shine for it. */
@@ -613,11 +639,12 @@ typedef struct lc_build_environment_desc {
     uint32_t picture;       /* from lc_build_picture, in place of texels; LC_NO_PICTURE: none */
     double illuminance;     /* what the scale is multiplied to make: the irradiance, of luminance, of a
                              * surface with the normal +z by the half above; 0: as it is */
+    const char *group;      /* as lc_build_mesh_desc's */
 } lc_build_environment_desc;
 #define LC_BUILD_ENVIRONMENT_DESC_INIT                                                                       \
     {                                                                                                        \
         sizeof(lc_build_environment_desc), 0, 0, LC_BUILD_FLOATS, 0, 0, { 1, 1, 1 },                         \
-            { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }, LC_NO_PICTURE, 0                             \
+            { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }, LC_NO_PICTURE, 0, 0                          \
     }
 
 typedef enum lc_build_camera_kind {
@@ -719,6 +746,12 @@ LC_API lc_status lc_build_material(lc_scene *scene, const lc_build_material_desc
 LC_API lc_status lc_build_mix(lc_scene *scene, const lc_build_mix_desc *desc, uint32_t *id);
 /* LC_TRAIT_... of a material, 0 of what is none. */
 LC_API uint32_t lc_build_traits(const lc_scene *scene, uint32_t material);
+/* Chooses the group of lights of what later calls add whose descriptors name none, also of suns: of a scene
+ * that a reader of files makes, the group of the first pattern of lc_load_desc.groups that matches one of
+ * n_names names, each of which may be NULL; else `group`, NULL: "other". The name of a group as of
+ * lc_build_mesh_desc. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_build_group(lc_scene *scene, const char *group, const char *const *names,
+                                uint32_t n_names);
 /* A mesh of the world, or of the object that was begun last. LC_ERR_ARG also for an index >= n_vertices. */
 LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
 /* *id: the medium's number. LC_ERR_UNSUPPORTED: more than 1024. */

@@ -209,7 +209,7 @@ versions()
 options() # each option of --help is in the manual page and in the completion
 {
     sed 's/\\-/-/g' src/app/lightcuts.1 >"$T/page"
-    for command in render compare scene info preview merge bench report converge lux; do
+    for command in render compare scene info preview merge bench report converge lux relight; do
         build/lightcuts $command --help | grep -oE -e '--[a-z][a-z-]+' | sort -u | while read -r option; do
             [ "$option" = --help ] || grep -q -e "$option" "$T/page" || echo "src/app/lightcuts.1: $command lacks $option"
             grep -q -e "$option" src/app/lightcuts.bash || echo "src/app/lightcuts.bash: $command lacks $option"

@@ -9,6 +9,9 @@ lc_status lc_build_commit(lc_scene *s, const lc_load_desc *desc)
     lc_load_desc d;
     lc_status st = lc_build_take(s, "lc_build_commit", NULL, 0, NULL);
     if (!st) st = lc_load_take(s->ctx, desc, &d);
+    if (!st && d.n_groups)
+        st = lc_fail(s->ctx, LC_ERR_ARG,
+                     "lc_build_commit: patterns of groups are for files; lc_build_group chooses groups");
     if (st) return st;
     if (d.sensors && (st = lc_scene_set_sensors(s, d.sensors))) return lc_as_arg(st);
     if (!s->has_camera && !s->sensors)

@@ -3,6 +3,7 @@
 
 #include "base/desc.h"
 #include "build/build.h"
+#include "scene/group_names.h"
 
 /* A scene that can be changed. */
 static lc_status check(const lc_scene *s, const char *call)
@@ -45,12 +46,26 @@ lc_status lc_scene_set_camera(lc_scene *s, const lc_build_camera_desc *desc)
     return st ? st : lc_scene_change(s, &c);
 }
 
+/* The group of a light that is set; had: that of the light before. */
+static lc_status find_group(const lc_scene *s, const lc_build_light_desc *desc, uint32_t had,
+                            uint32_t *group)
+{
+    lc_build_light_desc d = LC_BUILD_LIGHT_DESC_INIT;
+    const lc_status st = lc_desc_take(s->ctx, "lc_build_light_desc", &d, sizeof d, desc);
+    *group = had;
+    if (st || !d.group) return st;
+    *group = lc_group_find(s, d.group);
+    if (*group != LC_NONE) return LC_OK;
+    return lc_fail(s->ctx, LC_ERR_ARG, "lc_scene_set_light: group is none of the scene's");
+}
+
 lc_status lc_scene_set_light(lc_scene *s, uint32_t light, const lc_build_light_desc *desc)
 {
     lc_light set;
     lc_status st = check(s, "lc_scene_set_light");
     if (!st) st = lc_arg_light(s, "lc_scene_set_light", desc, &set);
     if (!st) st = find_light(s, "lc_scene_set_light", light);
+    if (!st) st = find_group(s, desc, s->given.lights[light].group, &set.group);
     if (st) return st;
     s->given.lights[light] = set;
     s->changes.lights = true;

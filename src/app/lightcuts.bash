@@ -10,10 +10,11 @@ _lightcuts_isas()
 _lightcuts()
 {
     local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=render options i
-    local commands='render compare scene info preview explain merge bench report converge lux help'
+    local commands='render compare scene info preview explain merge bench report converge lux relight help'
     COMPREPLY=()
     case ${COMP_WORDS[1]-} in
-    render | compare | scene | info | preview | explain | merge | bench | report | converge | lux | help)
+    render | compare | scene | info | preview | explain | merge | bench | report | converge | lux | relight | \
+        help)
         command=${COMP_WORDS[1]} ;;
     esac
     # "--name=value" comes in three words.
@@ -60,6 +61,7 @@ _lightcuts()
         render:--indirect-error | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
         render:--resolution | render:--exposure | \
+        render:--group | explain:--group | info:--group | relight:--exposure | \
         render:--print-chunks | render:--time-limit | render:--max-memory | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
         scene:--lights | scene:--seed | converge:--pixels | converge:--spp | converge:--seed | \
@@ -96,20 +98,21 @@ _lightcuts()
         render) options='--outfile --method --error --within --time --calibration
             --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
-            --indirect-from --seed --spp --resolution --exposure --tone --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
+            --indirect-from --seed --spp --group --resolution --exposure --tone --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
             --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --watch
             --display-server --aov
             --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;
         compare) options='--average --over --fail --outfile --scale --map --json --help' ;;
         scene) options='--lights --seed --outfile --help' ;;
-        info) options='--json --help' ;;
+        info) options='--json --group --help' ;;
         converge) options='--outfile --pixels --spp --seed --nthreads --json --help' ;;
         lux) options='--grid --points --camera --cylindrical --scalar --outfile --json --efficacy --error
             --within --dark-floor --method --indirect-lights --indirect-error --maxdepth --area-lights
             --env-lights --seed --max-memory --nthreads --isa --quiet --help' ;;
         preview) options='--outfile --exposure --tone --false-colour --range --help' ;;
-        explain) options='--pixel --sample --top --all --json --method --error --within
+        relight) options='--outfile --exposure --tone --help' ;;
+        explain) options='--pixel --sample --top --all --json --group --method --error --within
             --error-ratio --max-cut --dark-floor --representatives --builder --area-lights
             --indirect-lights --indirect-error --indirect-from --maxdepth --seed
             --spp --nthreads --bvh --isa --help' ;;
@@ -129,7 +132,7 @@ _lightcuts()
     local extensions='pbrt|gltf|glb|obj'
     case $command in
     compare | preview) extensions='exr|png' ;;
-    merge) extensions='exr' ;;
+    merge | relight) extensions='exr' ;;
     info) extensions='pbrt|gltf|glb|obj|exr|png' ;;
     scene | help) return ;;
     esac

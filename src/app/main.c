@@ -19,6 +19,7 @@ static const cli_command commands[] = {
     { "report", cmd_report, "one page: pictures, tables and plots against the exact method" },
     { "converge", cmd_converge, "how far the default picture is from the converged one, part by part" },
     { "lux", cmd_lux, "illuminance at sensors, with its error" },
+    { "relight", cmd_relight, "light groups of a picture dimmed or coloured, without rendering" },
 };
 #define N_COMMANDS (sizeof commands / sizeof *commands)
 

@@ -200,6 +200,7 @@ static void digest_mesh(lc_scene *s, const lc_build_mesh_desc *d)
     add_floats(s, d->positions, (size_t)d->n_vertices * 3);
     if (d->normals) add_floats(s, d->normals, (size_t)d->n_vertices * 3);
     lc_digest_add(&s->inputs.digest, d->indices, (size_t)d->n_triangles * 3 * sizeof *d->indices);
+    lc_build_mark_group(s);
 }
 
 lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
@@ -228,9 +229,11 @@ lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
         st = lc_picture_as_emission(s, d.emission_picture, &m.emission_map);
     else if (d.emission_texture != LC_NO_TEXTURE)
         st = lc_build_emission_map(s, d.emission_texture, &m.emission_map);
+    const uint32_t had = s->groups.n;
+    if (!st) st = lc_build_begin_group(s, "lc_build_mesh", d.group);
     if (!st) st = s->by_calls ? number_mesh(s, &m) : lc_scene_add_mesh(s, s->at, &m);
     if (!st) digest_mesh(s, &d);
-    return st;
+    return lc_build_end_group(s, had, st);
 }
 
 lc_status lc_build_object(lc_scene *s, uint32_t *id)

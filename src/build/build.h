@@ -44,7 +44,8 @@ enum {
     LC_CALL_BOUNDARY,
     LC_CALL_SUN,
     LC_CALL_GONIOMETRIC,
-    LC_CALL_PATHS
+    LC_CALL_PATHS,
+    LC_CALL_GROUP
 };
 
 /* Takes a descriptor of a scene that can still be added to; to: NULL, no descriptor. */
@@ -81,6 +82,12 @@ const lc_mipmap *lc_build_picture_of(const lc_scene *scene, uint32_t texture);
 const char *lc_build_check_texture(const lc_scene *scene, uint32_t id, bool number);
 /* Begins a call's part of the digest. False: the scene is read from files, whose bytes it has instead. */
 bool lc_build_mark(lc_scene *scene, int call);
+/* Sets the group of lights of what the call adds; name: or NULL, the one that lc_build_group chose. The second
+ * adds it to the digest, where there is one. */
+lc_status lc_build_begin_group(lc_scene *scene, const char *call, const char *name);
+/* Passes a call's status on; a call that has failed leaves no new group behind. had: groups.n before it. */
+lc_status lc_build_end_group(lc_scene *scene, uint32_t had, lc_status st);
+void lc_build_mark_group(lc_scene *scene);
 /* Keeps a light that lc_scene_check_light gave. */
 lc_status lc_build_keep_light(lc_scene *scene, const lc_light *light);
 

@@ -187,10 +187,14 @@ lc_status lc_build_light(lc_scene *s, const lc_build_light_desc *desc)
         if ((st = lc_build_take(s, "lc_build_light_desc", &d, sizeof d, desc))) return st;
         desc = &d;
     }
+    const uint32_t had = s->groups.n;
     st = lc_arg_light_of(s, "lc_build_light", desc, &light);
+    if (!st) st = lc_build_begin_group(s, "lc_build_light", desc->group);
     if (!st && desc->kind >= LC_BUILD_PROJECTOR) st = make_map(s, desc, &light);
     if (!st && desc->kind == LC_BUILD_SPOT && desc->falloff == LC_FALLOFF_SQUARED) st = make_ramp(s, &light);
-    return st ? st : lc_build_keep_light(s, &light);
+    light.group = s->groups.now;
+    if (!st) st = lc_build_keep_light(s, &light);
+    return lc_build_end_group(s, had, st);
 }
 
 int lc_build_is_lit(const lc_scene *s)
@@ -232,6 +236,7 @@ static lc_status add_sun_lights(lc_scene *s, lc_f3 to_sun, lc_f3 e, double angle
                                       -((double)to_sun.z + a * (double)x.z + b * (double)y.z));
         lc_light kept;
         lc_status st = lc_build_status(s, lc_scene_check_light(s, s->at, &light, &kept));
+        kept.group = s->groups.now;
         if (!st) st = lc_build_keep_light(s, &kept);
         if (st) return st;
     }
@@ -256,6 +261,7 @@ lc_status lc_build_sun(lc_scene *s, const lc_build_sun_desc *desc)
         return lc_build_wrong(s, call, "n_lights must be 1 to 100000");
     const lc_f3 e = lc_f3_load(d.irradiance);
     const size_t before = s->given.n_lights;
+    if ((st = lc_build_begin_group(s, call, NULL))) return st;
     st = add_sun_lights(s, dir, e, d.angle, d.angle > 0 ? d.n_lights : 1);
     if (!st && d.angle > 0) st = lc_scene_add_sun(s, dir, e, d.angle);
     if (st && s->by_calls) s->given.n_lights = before;
@@ -263,6 +269,7 @@ lc_status lc_build_sun(lc_scene *s, const lc_build_sun_desc *desc)
     lc_digest_add(&s->inputs.digest, &dir, sizeof dir);
     lc_digest_add(&s->inputs.digest, d.irradiance, sizeof d.irradiance);
     lc_digest_number(&s->inputs.digest, d.angle);
+    lc_build_mark_group(s);
     return LC_OK;
 }
 
@@ -304,6 +311,7 @@ static void digest_environment(lc_scene *s, const lc_build_environment_desc *d, 
     lc_digest_add(&s->inputs.digest, d->to_world, sizeof d->to_world);
     lc_digest_number(&s->inputs.digest, d->illuminance);
     lc_digest_u64(&s->inputs.digest, square);
+    lc_build_mark_group(s);
 }
 
 static lc_status environment_of_picture(lc_scene *s, const lc_build_environment_desc *d)
@@ -323,9 +331,12 @@ static lc_status environment_of_picture(lc_scene *s, const lc_build_environment_
     if (!st) st = lc_picture_for_environment(s, d->picture, &env.map, &copied);
     if (st) return st;
     scale_environment(d, &env);
-    if ((st = lc_build_status(s, lc_scene_add_env(s, s->at, &env)))) {
+    const uint32_t had = s->groups.n;
+    st = lc_build_begin_group(s, call, d->group);
+    if (!st) st = lc_build_status(s, lc_scene_add_env(s, s->at, &env));
+    if (st) {
         if (copied) lc_mipmap_free(s->ctx, &env.map);
-        return st;
+        return lc_build_end_group(s, had, st);
     }
     if (!copied) lc_picture_keep(s, d->picture);
     if (lc_build_mark(s, LC_CALL_ENVIRONMENT)) lc_digest_u64(&s->inputs.digest, d->picture);
@@ -358,9 +369,12 @@ lc_status lc_build_environment(lc_scene *s, const lc_build_environment_desc *des
     if ((st = turn_environment(s, &d, &env))) return st;
     if ((st = lc_build_make_map(s, &p, &env.map))) return st;
     scale_environment(&d, &env);
-    if ((st = lc_build_status(s, lc_scene_add_env(s, s->at, &env)))) {
+    const uint32_t had = s->groups.n;
+    st = lc_build_begin_group(s, call, d.group);
+    if (!st) st = lc_build_status(s, lc_scene_add_env(s, s->at, &env));
+    if (st) {
         lc_mipmap_free(s->ctx, &env.map);
-        return st;
+        return lc_build_end_group(s, had, st);
     }
     if (lc_build_mark(s, LC_CALL_ENVIRONMENT)) lc_build_add_texels(s, &p);
     digest_environment(s, &d, square);

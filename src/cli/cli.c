@@ -294,6 +294,7 @@ static const char *good_values(const char *option)
     static const struct {
         const char *option, *values;
     } good[] = { { "method", "lightcuts, exact or cuts" },
+                 { "group", "NAME=PATTERN, such as key=Lamp*" },
                  { "resolution", "WIDTHxHEIGHT in pixels, such as 960x540" },
                  { "exposure", "stops from -100 to 100, or auto" },
                  { "tone", "shoulder, plain or filmic" },

@@ -44,6 +44,7 @@ int cmd_bench(int argc, char **argv);
 int cmd_report(int argc, char **argv);
 int cmd_converge(int argc, char **argv);
 int cmd_lux(int argc, char **argv);
+int cmd_relight(int argc, char **argv);
 
 /* Logs to stderr. verbosity: -1 errors only, 0 warnings too, 1 everything. NULL: out of memory, which was
  * logged. */

@@ -1,5 +1,6 @@
 /* cmd_explain.c - the cut of one pixel as text, the largest shares first, or as JSON. */
 #include "cli/cli.h"
+#include "cli/light_groups.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -15,6 +16,7 @@ typedef struct {
     lc_render_desc render;
     cli_error_options given;
     bool json, has_pixel;
+    cli_groups groups;
 } options;
 
 enum {
@@ -39,6 +41,7 @@ enum {
 
 static const struct option long_options[] = {
     { "pixel", 1, 0, OPT_PIXEL },
+    CLI_GROUP_OPTION,
     { "sample", 1, 0, OPT_SAMPLE },
     { "json", 0, 0, OPT_JSON },
     { "top", 1, 0, OPT_TOP },
@@ -79,7 +82,8 @@ static void print_help(void)
         "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
         "      --method M, --error E, --within P, --error-ratio E, --max-cut N, --dark-floor F,\n"
         "      --representatives N, --builder B, --area-lights N, --indirect-lights N, --indirect-error E,\n"
-        "      --indirect-from F, --maxdepth N, --seed N, --spp N, --bvh B, --isa I, -t, --nthreads N\n"
+        "      --indirect-from F, --maxdepth N, --seed N, --spp N, --bvh B, --isa I, -t, --nthreads N,\n"
+        "      --group NAME=PATTERN\n"
         "\n"
         "  -h, --help               this text\n"
         "\n"
@@ -112,6 +116,7 @@ static int set_option(void *user, int c)
     case OPT_JSON: o->json = true; return 0;
     case OPT_TOP: return cli_parse_u32(optarg, 0, UINT32_MAX, &o->top);
     case OPT_ALL: o->top = UINT32_MAX; return 0;
+    case CLI_OPT_GROUP: return cli_add_group(&o->groups, optarg, &o->load);
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);

@@ -1,5 +1,6 @@
 /* cmd_info.c - counts, bounds and approximations of a scene; size, channels and their ranges of an image. */
 #include "cli/cli.h"
+#include "cli/light_groups.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -34,6 +35,7 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     printf("lights               %llu: ", (ull)i->n_lights);
     cli_light_kinds(stdout, i, false);
     printf("\n");
+    cli_print_groups(stdout, scene, "light group          ");
     if (i->n_light_paths)
         printf("indirect light       %llu virtual lights along %llu paths, +-%.2g %% a block, 95 %% of the\n"
                "                     blocks within %.2g %%; %.2g of it lost to clamping\n",
@@ -96,6 +98,7 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
     printf("  \"lights\": %llu,\n  \"lights_by_type\": {", (ull)i->n_lights);
     cli_light_kinds(stdout, i, true);
     printf("},\n");
+    cli_groups_json(stdout, scene);
     cli_deviations_json(stdout, i);
     printf("  \"emissive_triangles\": %llu,\n  \"infinite_lights\": %llu,\n  \"env_lights\": %llu,\n"
            "  \"env_tried\": %llu,\n  \"textures\": {",
@@ -223,12 +226,12 @@ static int info_image(lc_context *ctx, const char *path, bool json)
     return CLI_OK;
 }
 
-static int info_scene(lc_context *ctx, const char *path, bool json)
+static int info_scene(lc_context *ctx, const char *path, const lc_load_desc *load, bool json)
 {
     lc_scene *scene;
     lc_scene_info info = LC_SCENE_INFO_INIT;
-    lc_status st = lc_scene_load(ctx, path, NULL, &scene);
-    if (st) return st == LC_ERR_MEMORY ? CLI_FAILED : CLI_INPUT;
+    lc_status st = lc_scene_load(ctx, path, load, &scene);
+    if (st) return st == LC_ERR_MEMORY ? CLI_FAILED : st == LC_ERR_ARG ? CLI_USAGE : CLI_INPUT;
     lc_scene_get_info(scene, &info);
     if (json) scene_json(scene, &info);
     else scene_text(scene, &info);
@@ -246,7 +249,11 @@ static bool is_image(const char *path)
 
 int cmd_info(int argc, char **argv)
 {
-    static const struct option options[] = { { "json", 0, 0, 'j' }, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 } };
+    static const struct option options[] = {
+        { "json", 0, 0, 'j' }, CLI_GROUP_OPTION, { "help", 0, 0, 'h' }, { 0, 0, 0, 0 }
+    };
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    cli_groups groups;
     bool json = false;
     int c;
     optind = 1;
@@ -254,11 +261,16 @@ int cmd_info(int argc, char **argv)
     while ((c = getopt_long(argc, argv, ":h", options, NULL)) != -1) {
         if (c == 'j') {
             json = true;
+        } else if (c == CLI_OPT_GROUP) {
+            if (cli_add_group(&groups, optarg, &load)) {
+                cli_usage_error("info", "bad value '%s' for option --group: NAME=PATTERN", optarg);
+                return CLI_USAGE;
+            }
         } else if (c == 'h') {
             printf(
-                "usage: lightcuts info [--json] SCENE|IMAGE\n\n"
+                "usage: lightcuts info [--json] [--group NAME=PATTERN]... SCENE|IMAGE\n\n"
                 "Prints what is in a scene (counts, bounds, what was approximated or ignored) or an image\n"
-                "(.exr .png .tga .pfm .hdr).\n");
+                "(.exr .png .tga .pfm .hdr). --group: light groups, as of render.\n");
             return CLI_OK;
         } else {
             cli_bad_option("info", c, argv, options);
@@ -272,7 +284,7 @@ int cmd_info(int argc, char **argv)
     lc_context *ctx = cli_context(0, LC_ISA_BEST, -1);
     if (!ctx) return CLI_FAILED;
     const char *path = argv[optind];
-    int status = is_image(path) ? info_image(ctx, path, json) : info_scene(ctx, path, json);
+    int status = is_image(path) ? info_image(ctx, path, json) : info_scene(ctx, path, &load, json);
     lc_context_destroy(ctx);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "cli/cli.h"
 #include "cli/display.h"
 #include "cli/farm.h"
+#include "cli/light_groups.h"
 #include "cli/place.h"
 #include "cli/progress.h"
 #include "cli/sandbox.h"
@@ -43,6 +44,7 @@ typedef struct {
     cli_display *display; /* NULL: none */
     bool watch;
     cli_watch *files;     /* NULL: they are not watched */
+    cli_groups groups;
 } options;
 
 enum {
@@ -90,6 +92,7 @@ static const struct option long_options[] = {
     { "watch", 0, 0, OPT_WATCH },
     { "display-server", 1, 0, OPT_SERVER },
     CLI_TONE_OPTIONS,
+    CLI_GROUP_OPTION,
     CLI_ERROR_OPTIONS,
     { "calibration", 1, 0, OPT_CALIBRATION },
     { "time", 1, 0, OPT_SECONDS },
@@ -174,6 +177,7 @@ static int set_option(void *user, int c)
         o->verbosity = -1;
         return 0;
     case 'v': o->verbosity = 1; return 0;
+    case CLI_OPT_GROUP: return cli_add_group(&o->groups, optarg, &o->load);
     case OPT_RESOLUTION: return cli_parse_resolution(optarg, o->load.resolution);
     case CLI_OPT_EXPOSURE:
     case CLI_OPT_TONE: return cli_set_tone(c, optarg, &o->tone);
@@ -536,6 +540,7 @@ static int run(options *o, lc_context *ctx, bool again, lc_scene **scene, lc_ima
     if (st == LC_ERR_CANCELLED) return p.status;
     if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
     lc_scene_get_info(*scene, &r.info);
+    r.loaded = *scene;
     if (!o->quiet) cli_warn_of_scene(&o->load, &r.info);
     status = render(o, ctx, *scene, image, &r.stats);
     if (!status && o->calibration)

@@ -38,6 +38,9 @@ static void print_picture_options(void)
         "                           representatives, default 0\n"
         "      --spp N              samples per pixel, default the scene's, which counts up to 4, with a\n"
         "                           lens 16\n"
+        "      --group NAME=PATTERN planes NAME.R, .G, .B of the EXR for lights of which a name matches:\n"
+        "                           of light, node, material, kind, area, env; * and ?; may be repeated;\n"
+        "                           the others are in the group other; see 'lightcuts relight'\n"
         "      --resolution WxH     of the film in place of the scene's; the view stays\n" CLI_TONE_HELP
         "      --pixelbounds x0,x1,y0,y1   render these pixels only, half open\n"
         "      --cropwindow x0,x1,y0,y1    the same as shares of the film, 0 to 1\n",

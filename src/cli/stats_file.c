@@ -2,6 +2,7 @@
 #include "cli/stats_file.h"
 
 #include "cli/cli.h"
+#include "cli/light_groups.h"
 
 #include <math.h>
 #include <sys/resource.h>
@@ -65,6 +66,7 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     fprintf(f, "lights           %llu: ", (ull)i->n_lights);
     cli_light_kinds(f, i, false);
     fprintf(f, "\n");
+    cli_print_groups(f, r->loaded, "light group      ");
     if (i->n_light_paths)
         fprintf(f,
                 "indirect light   %llu virtual lights along %llu paths, +-%.2g %% a block, 95 %% of the\n"
@@ -126,6 +128,7 @@ void cli_write_stats_json(FILE *f, void *report)
     fprintf(f, "  \"lights_by_type\": {");
     cli_light_kinds(f, i, true);
     fprintf(f, "},\n");
+    cli_groups_json(f, r->loaded);
     cli_deviations_json(f, i);
     fprintf(f, "  \"environment\": {\"lights\": %llu, \"tried\": %llu},\n", (ull)i->n_env_lights,
             (ull)i->n_env_tried);

@@ -8,6 +8,7 @@
 
 typedef struct cli_render_report {
     const char *scene, *isa;
+    const lc_scene *loaded;
     lc_method method;
     uint64_t seed;
     uint32_t threads;

@@ -24,7 +24,9 @@
  * multiple of eight, so that the arrays do not compete for the same sets of the cache. */
 static size_t list_capacity(const lc_cut *c)
 {
-    const size_t n = (size_t)c->max_size + 1 + LC_CUT_SPARE + (size_t)LC_LIGHT_KINDS * c->desc.max_points;
+    const uint32_t n_roots = c->tree ? c->tree->n_roots : 0; /* freed, it may never have been made */
+    const size_t roots = n_roots > LC_LIGHT_KINDS ? n_roots : LC_LIGHT_KINDS;
+    const size_t n = (size_t)c->max_size + 1 + LC_CUT_SPARE + roots * c->desc.max_points;
     return (((n + 15) / 16 | 7) + 2) * 16;
 }
 
@@ -47,8 +49,7 @@ static void set_sizes(lc_cut *c)
 {
     const lc_light_tree *tree = c->tree;
     const uint32_t max_cut = c->desc.max_cut;
-    uint32_t n_roots = 0;
-    for (int k = 0; k < LC_LIGHT_KINDS; k++) n_roots += tree->n_of_kind[k] > 0;
+    const uint32_t n_roots = tree->n_roots;
     uint64_t pairs = (uint64_t)tree->n_lights * c->desc.max_points;
     if (pairs > MAX_GATHER_SIZE) pairs = MAX_GATHER_SIZE;
     const uint32_t all = pairs > tree->n_lights ? (uint32_t)pairs : tree->n_lights;
@@ -157,6 +158,7 @@ static void finish(lc_cut *c, uint64_t rays_before, lc_stats *stats, lc_cut_resu
     for (uint32_t i = 0; i < c->open.n; i++) lc_cut_copy(&c->kept, c->kept.n++, &c->open, i);
     c->open.n = 0;
     for (int k = 0; k < 3; k++) sum[k] += sum_of(c->kept.e[k], c->kept.n);
+    if (c->of_group) lc_cut_add_to_groups(c, &c->kept);
     out->radiance = lc_f3_make((float)sum[0], (float)sum[1], (float)sum[2]);
     out->size = lc_cut_size(c);
     for (uint32_t i = 0; i < c->n_hidden && c->record; i++) c->done[c->n_done++] = c->hidden[i].link;
@@ -202,6 +204,7 @@ static void reset(lc_cut *c)
     c->n_history = c->start ? c->n_start_history : 0;
     c->n_rounds = c->start ? c->n_start_rounds : 0;
     for (int k = 0; k < 3; k++) c->done_sum[k] = 0;
+    if (c->of_group) memset(c->of_group, 0, c->tree->n_groups * sizeof *c->of_group);
     c->start_saved = !c->start_out;
 }
 

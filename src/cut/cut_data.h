@@ -103,6 +103,9 @@ typedef struct lc_cut {
     uint32_t n_done;   /* lights in `leaf` included; counted even where the links are not written */
     uint32_t n_zero_bound; /* of these, clusters whose bound is 0 */
     double done_sum[3];    /* radiance of the lights that are done */
+    /* NULL, or where the radiance of each of the tree's groups is summed, R G B. A caller's; set it between
+     * calls. */
+    double (*of_group)[3];
     uint32_t n_traced; /* the first clusters of `kept`, none of which has a pending ray */
     bool short_of_room; /* a round did not fit */
     bool worst_first;   /* clusters are split by falling bounds, as max_size leaves no room for all */

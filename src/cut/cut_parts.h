@@ -75,6 +75,9 @@ void lc_cut_settle(lc_cut *cut, const lc_cut_rays *rays, uint32_t n, const uint8
 /* Sums the lights of `leaf`, whose rays have all been settled. */
 void lc_cut_leaves_done(lc_cut *cut);
 
+/* Adds a list's estimates to the sums of their groups. No ray of it may be pending. */
+void lc_cut_add_to_groups(const lc_cut *cut, const lc_cut_list *list);
+
 /* ---- the parts ---- */
 
 /* Puts the roots into `open`, or with a start its clusters into `kept`; after a start no ray is pending,

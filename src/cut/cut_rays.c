@@ -161,7 +161,23 @@ void lc_cut_leaves_done(lc_cut *c)
 {
     for (uint32_t i = 0; i < c->leaf.n; i++)
         for (int k = 0; k < 3; k++) c->done_sum[k] += (double)c->leaf.e[k][i];
+    if (c->of_group) lc_cut_add_to_groups(c, &c->leaf);
     c->leaf.n = 0;
+}
+
+/* Two partial sums of each group, as additions to one would wait for each other. */
+void lc_cut_add_to_groups(const lc_cut *c, const lc_cut_list *list)
+{
+    const uint32_t n_groups = c->tree->n_groups;
+    double odd[LC_MAX_GROUPS][3];
+    memset(odd, 0, n_groups * sizeof *odd);
+    for (uint32_t i = 0; i < list->n; i++) {
+        const uint32_t g = c->tree->group[list->rep[i] & c->light_mask];
+        double *sum = i & 1 ? odd[g] : c->of_group[g];
+        for (int k = 0; k < 3; k++) sum[k] += (double)list->e[k][i];
+    }
+    for (uint32_t g = 0; g < n_groups; g++)
+        for (int k = 0; k < 3; k++) c->of_group[g][k] += odd[g][k];
 }
 
 double lc_cut_trace_leaves(lc_cut *c, lc_cut_step *s)

@@ -16,11 +16,11 @@
 
 /* ---- the roots ---- */
 
-/* Puts the root of one kind into its list. Returns its luminance. */
-static double place_root(lc_cut *c, lc_cut_step *s, lc_light_kind kind)
+/* Puts a root into its list. Returns its luminance. */
+static double place_root(lc_cut *c, lc_cut_step *s, uint32_t link)
 {
     const lc_light_tree *t = c->tree;
-    uint32_t link = t->root[kind];
+    const lc_light_kind kind = lc_kind_of_link(t, link);
     bool inner = !(link & LC_LEAF), lit;
     if (c->gather && !inner) return lc_cut_gather_root(c, s, link, kind);
     s->rep[0] = lc_cut_rep_of(c, link);
@@ -48,8 +48,7 @@ static double place_root(lc_cut *c, lc_cut_step *s, lc_light_kind kind)
 double lc_cut_place_roots(lc_cut *c, lc_cut_step *s)
 {
     double total = 0;
-    for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
-        if (c->tree->n_of_kind[kind]) total += place_root(c, s, (lc_light_kind)kind);
+    for (uint32_t i = 0; i < c->tree->n_roots; i++) total += place_root(c, s, c->tree->roots[i]);
     return total;
 }
 

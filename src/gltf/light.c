@@ -76,7 +76,9 @@ lc_status lc_gltf_light(lc_gltf *g, uint32_t node, uint32_t extension, const lc_
         return lc_gltf_note(g, object, "light type", "a light of the type '%.40s' is left out",
                             type ? type : "");
     }
+    const char *const names[3] = { lc_gltf_name(g, object), lc_gltf_name(g, node), type };
     if (!st) st = lc_gltf_at(g, object);
+    if (!st) st = lc_build_group(g->scene, NULL, names, 3);
     if (!st) st = lc_build_light(g->scene, &light);
     g->n_lights++;
     return st ? st : lc_build_feature(g->scene, "light", type, LC_SUPPORT_YES, NULL);

@@ -1,6 +1,7 @@
 /* mesh.c - meshes: triangles, strips and fans of the primitives, in world space or in that of an object. */
 #include "gltf/state.h"
 
+
 #include <stdio.h>
 #include <string.h>
 
@@ -147,6 +148,19 @@ static void move(part *p, const lc_xform *x)
     }
 }
 
+/* The group of lights of a mesh that emits, by the names of its node, itself and its material. */
+static lc_status choose_group(lc_gltf *g, uint32_t primitive, uint32_t mesh, const lc_gltf_look *look)
+{
+    uint32_t material = LC_NONE;
+    lc_status st = lc_gltf_index(g, primitive, "material", LC_GLTF_MATERIALS, &material);
+    if (st || !(lc_f3_max(look->emission) > 0)) return st;
+    const char *const names[4] = {
+        lc_gltf_name(g, g->node), lc_gltf_name(g, lc_gltf_item(g, LC_GLTF_MESHES, mesh)),
+        material == LC_NONE ? NULL : lc_gltf_name(g, lc_gltf_item(g, LC_GLTF_MATERIALS, material)), "area"
+    };
+    return lc_build_group(g->scene, NULL, names, 4);
+}
+
 static lc_status add_part(lc_gltf *g, uint32_t primitive, const lc_gltf_look *look, const lc_xform *to_world,
                           part *p)
 {
@@ -196,7 +210,7 @@ static lc_status check_compressed(lc_gltf *g, uint32_t primitive)
                       "for example with 'gltf-pipeline -i IN -o OUT'");
 }
 
-static lc_status add_primitive(lc_gltf *g, uint32_t primitive, const lc_xform *to_world)
+static lc_status add_primitive(lc_gltf *g, uint32_t mesh, uint32_t primitive, const lc_xform *to_world)
 {
     uint64_t mode;
     uint32_t material;
@@ -213,6 +227,7 @@ static lc_status add_primitive(lc_gltf *g, uint32_t primitive, const lc_xform *t
         st = read_index(g, primitive, &p);
         if (!st) st = make_triangles(g, mode, &p);
         if (!st) st = drop_unused(g, &p);
+        if (!st) st = choose_group(g, primitive, mesh, look);
         if (!st) st = add_part(g, primitive, look, to_world, &p);
     }
     free_part(g, &p);
@@ -238,7 +253,7 @@ lc_status lc_gltf_add_mesh(lc_gltf *g, uint32_t mesh, const lc_xform *to_world)
     lc_status st = primitives_of(g, mesh, &list);
     const lc_json_value *v = g->json.values;
     for (uint32_t at = list + 1; !st && at < v[list].next; at = v[at].next)
-        st = add_primitive(g, at, to_world);
+        st = add_primitive(g, mesh, at, to_world);
     return st;
 }
 

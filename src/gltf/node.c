@@ -268,12 +268,14 @@ static lc_status place_copy(lc_gltf *g, const lc_gltf_use_of_mesh *u, uint64_t n
                             "triangles they are left out",
                             (unsigned long long)MAX_COPIED);
     if (!first) g->n_copied += n_tris;
+    g->node = u->node;
     return lc_gltf_add_mesh(g, u->mesh, &u->to_world);
 }
 
 static lc_status place_instance(lc_gltf *g, const lc_gltf_use_of_mesh *u)
 {
     lc_status st = LC_OK;
+    g->node = LC_NONE;
     if (!g->object_of[u->mesh]) {
         uint32_t id;
         st = lc_build_object(g->scene, &id);

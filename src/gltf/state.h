@@ -93,6 +93,7 @@ typedef struct lc_gltf {
     uint32_t *n_uses_of, *object_of; /* by mesh */
     bool has_camera;
     size_t n_lights;
+    uint32_t node; /* whose mesh is being added; LC_NONE: an object's */
 } lc_gltf;
 
 /* ---- value.c: members of JSON objects, checked ---- */
@@ -112,6 +113,8 @@ lc_status lc_gltf_size(const lc_gltf *g, uint32_t object, const char *name, uint
 lc_status lc_gltf_bool(const lc_gltf *g, uint32_t object, const char *name, bool *out);
 /* NULL if absent. */
 lc_status lc_gltf_text(const lc_gltf *g, uint32_t object, const char *name, const char **out);
+/* The name of an object; NULL if it has none, or object is LC_NONE. */
+const char *lc_gltf_name(const lc_gltf *g, uint32_t object);
 /* An index into a list; LC_NONE if absent. */
 lc_status lc_gltf_index(const lc_gltf *g, uint32_t object, const char *name, lc_gltf_kind kind,
                         uint32_t *out);

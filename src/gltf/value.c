@@ -166,3 +166,10 @@ lc_status lc_gltf_index(const lc_gltf *g, uint32_t object, const char *name, lc_
     *out = LC_NONE;
     return at == LC_NONE ? LC_OK : lc_gltf_check_index(g, at, kind, out);
 }
+
+const char *lc_gltf_name(const lc_gltf *g, uint32_t object)
+{
+    const uint32_t value = object == LC_NONE ? LC_NONE : lc_json_find(&g->json, object, "name");
+    if (value == LC_NONE || g->json.values[value].kind != LC_JSON_TEXT) return NULL;
+    return lc_json_text(&g->json, value);
+}

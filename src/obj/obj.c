@@ -112,9 +112,12 @@ static lc_status flush(lc_obj *o, lc_pos where)
     mesh.normals = normals ? b.normal : NULL;
     mesh.material = m->id;
     memcpy(mesh.emission, m->emission, sizeof mesh.emission);
-    if (lc_f3_max(lc_f3_load(m->emission)) > 0) mesh.emission_picture = m->emission_picture;
+    const bool emits = lc_f3_max(lc_f3_load(m->emission)) > 0;
+    if (emits) mesh.emission_picture = m->emission_picture;
     mesh.alpha = m->alpha;
+    const char *const names[2] = { m->name, "area" };
     if (!st) st = lc_build_at_pos(o->scene, where);
+    if (!st && emits) st = lc_build_group(o->scene, NULL, names, 2);
     if (!st) st = lc_build_mesh(o->scene, &mesh);
     if (!st) st = lc_build_feature(o->scene, "shape", "faces", LC_SUPPORT_YES, NULL);
     free_build(o, &b);

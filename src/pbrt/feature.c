@@ -35,6 +35,7 @@ static const struct kind {
     { "ColorSpace", "directive", true, NULL },
     { "Attribute", "directive", true, NULL },
     { "ActiveTransform", "directive", true, NULL },
+    { "LightGroup", "directive", true, NULL },
     { "TransformTimes", "directive", true, "what moves stands still" },
 };
 

@@ -6,6 +6,7 @@
  */
 #include "pbrt/light_source.h"
 
+#include "pbrt/light_group.h"
 #include "shade/light.h"
 
 #include <string.h>
@@ -134,6 +135,8 @@ lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_pbrt_mark(&p->params, "nsamples"); /* of pbrt's own sampling */
     if (strcmp(s->text[0], "luminaire")) lc_pbrt_mark(&p->params, "samples");
+    const lc_status st = lc_pbrt_group_light(p, s->text[0]);
+    if (st) return st;
     for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
         if (!strcmp(lights[i].name, s->text[0])) return lights[i].handler(p, s);
     p->ignored = true;
@@ -179,6 +182,8 @@ lc_status lc_pbrt_area_light(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (!st) st = lc_pbrt_get_bool(&p->params, "twosided", &two_sided);
     if (!st) st = lc_pbrt_get_float(&p->params, "power", &power, NULL);
     if (!st) st = area_picture(p, &map);
+    p->attrs.area_group = NULL;
+    if (!st) st = lc_pbrt_get_group(p, &p->attrs.area_group);
     if (st) return st;
     if (!(lc_f3_max(emission) <= LC_MAX_INTENSITY))
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the light's radiance is out of range");

@@ -303,6 +303,7 @@ lc_status lc_pbrt_do_material(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_pbrt_material m;
     lc_status st = add_material(p, s->pos, s->text[0], &m);
     if (!st) use(p, &m);
+    p->attrs.material_name = NULL;
     return st;
 }
 
@@ -327,6 +328,10 @@ lc_status lc_pbrt_make_named_material(lc_pbrt *p, const lc_pbrt_stmt *s)
 lc_status lc_pbrt_named_material(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     uint32_t id = lc_pbrt_map_get(&p->material_names, s->text[0]);
+    p->attrs.material_name = NULL;
+    if (lc_build_asked(p->scene)->n_groups &&
+        !(p->attrs.material_name = lc_arena_text(&p->arena, s->text[0], strlen(s->text[0]))))
+        return LC_ERR_MEMORY;
     if (id != LC_NONE) {
         use(p, &p->materials[id]);
         return LC_OK;

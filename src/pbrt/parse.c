@@ -2,6 +2,7 @@
 #include "pbrt/parse.h"
 
 #include "pbrt/attribute.h"
+#include "pbrt/light_group.h"
 #include "pbrt/light_source.h"
 #include "pbrt/make_texture.h"
 #include "pbrt/medium.h"
@@ -222,6 +223,7 @@ static const struct directive {
     { "Shape", lc_pbrt_shape, IN_WORLD, 0, 1, 0, true, false },
     { "LightSource", lc_pbrt_light, IN_WORLD, 0, 1, 0, true, false },
     { "AreaLightSource", lc_pbrt_area_light, IN_WORLD, 0, 1, 0, true, false },
+    { "LightGroup", lc_pbrt_light_group, IN_WORLD, 0, 1, 0, false, false },
     { "ObjectBegin", lc_pbrt_object_begin, IN_WORLD, 0, 1, 0, false, false },
     { "ObjectEnd", lc_pbrt_object_end, IN_WORLD, 0, 0, 0, false, false },
     { "ObjectInstance", lc_pbrt_object_instance, IN_WORLD, 0, 1, 0, false, false },

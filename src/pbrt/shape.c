@@ -7,6 +7,7 @@
  */
 #include "pbrt/shape_handler.h"
 
+#include "pbrt/light_group.h"
 #include "pbrt/make_texture.h"
 #include "pbrt/medium.h"
 #include "pbrt/ply.h"
@@ -276,6 +277,7 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     double area_ratio = 1;
     uint32_t segments = lc_pbrt_segments(p);
     lc_status st = mesh_alpha(p, s->pos, &alpha, &holes);
+    if (!st) st = lc_pbrt_group_shape(p, s->text[0]);
     if (st) return st;
     if (is_absent(holes) && !emits) {
         lc_pbrt_mark_all(&p->params);

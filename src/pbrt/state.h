@@ -21,6 +21,9 @@ typedef struct lc_pbrt_attrs {
     uint32_t emission_map; /* 1 + a picture of the scene; 0: none */
     double power;          /* v4: the power, W, to which each shape's emission is scaled; 0: not scaled */
     bool two_sided;
+    const char *group;      /* of lights, of LightGroup; NULL: none */
+    const char *area_group; /* in place of it, for the shapes that emit; NULL: none */
+    const char *material_name;             /* of NamedMaterial, where patterns of groups are asked for, or NULL */
     bool invisible;                        /* interface material: shapes are skipped unless they emit */
     bool reverse;                          /* ReverseOrientation */
     bool end_only;                         /* ActiveTransform EndTime: transforms are ignored */

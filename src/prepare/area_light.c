@@ -59,6 +59,7 @@ static lc_status add_lights(lc_scene *s, const group *g, uint32_t k, uint64_t se
     for (uint32_t i = 0; i < e.n_sides && !st; i++, side = -side) {
         lc_light light = { .kind = LC_LIGHT_ORIENTED, .atten = { 0, 0, 1 } };
         light.dir = lc_emitter_normal(&e, side);
+        light.group = mesh->group;
         if (mesh->emission_map && g->n == 1) {
             light.intensity = lc_f3_scale(mesh->emission, (float)(0.5 * e.twice));
             st = lc_area_map_lights(s, g->tri, k, &light, lc_hash4(seed, g->tri, 0, 6 + (side > 0)));

@@ -44,6 +44,7 @@ bool lc_ball_find(const lc_scene *s, uint32_t id, lc_light *light)
     *light = (lc_light){ .kind = LC_LIGHT_BALL,
                          .pos = lc_f3_make((float)centre[0], (float)centre[1], (float)centre[2]),
                          .intensity = lc_f3_scale(mesh->emission, (float)(area / 4)),
-                         .radius = (float)radius };
+                         .radius = (float)radius,
+                         .group = mesh->group };
     return light->radius > 0;
 }

@@ -59,7 +59,9 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
 {
     if (!s->has_camera && !s->sensors) return lc_fail(s->ctx, LC_ERR_PARSE, "the scene has no Camera");
     s->load = *desc;
+    s->groups.now = 0;
     s->load.sensors = NULL; /* the host's, which may go */
+    s->load.groups = NULL;
     if (!s->sensors && !lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
         return lc_fail(s->ctx, LC_ERR_PARSE, "camera out of range");
     const double t0 = lc_now();

@@ -124,7 +124,7 @@ static void pick(const table *t, const rect *r, double p[2])
 
 static lc_status add_light(table *t, const rect *r)
 {
-    lc_light light = { .kind = LC_LIGHT_DIRECTIONAL, .atten = { 1, 0, 0 } };
+    lc_light light = { .kind = LC_LIGHT_DIRECTIONAL, .atten = { 1, 0, 0 }, .group = t->env->group };
     double rgb[3], p[2], w[3], v[3];
     irradiance(t, r, rgb);
     pick(t, r, p);

@@ -65,7 +65,8 @@ lc_light lc_patch_light(const lc_patches *m, const lc_patch *p)
                        .pos = lc_patch_point(m, p, weight),
                        .dir = lc_emitter_normal(e, p->sign),
                        .intensity = lc_f3_mul(lc_patch_mesh(m, p)->emission, flux),
-                       .atten = { 0, 0, 1 } };
+                       .atten = { 0, 0, 1 },
+                       .group = lc_patch_mesh(m, p)->group };
 }
 
 /* Adds a source and room for its patches. */

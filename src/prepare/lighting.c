@@ -143,7 +143,8 @@ lc_status lc_lighting_build_tree(lc_scene *s, lc_light_tree **tree)
                                       .diag2 = s->diag2,
                                       .seed = s->load.seed,
                                       .n_reps = s->load.n_reps,
-                                      .builder = s->load.builder };
+                                      .builder = s->load.builder,
+                                      .n_groups = s->groups.n };
     const lc_status st = lc_light_tree_build(s->ctx, &desc, tree);
     s->seconds_tree += lc_now() - t0;
     if (!st) s->built.trees++;

@@ -127,6 +127,7 @@ static void draw_place(const lc_scene *s, const lc_path_source *source, const do
         .dir = lc_emitter_normal(&e, source->what == LC_PATH_OTHER_SIDE ? -e.side : e.side),
         .intensity = lc_f3_mul(mesh->emission, colour),
         .atten = { 0, 0, 1 },
+        .group = mesh->group,
     };
 }
 

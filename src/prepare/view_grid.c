@@ -14,7 +14,7 @@ static const lc_material grey = { .kd = { 0.5f, 0.5f, 0.5f } };
 lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t side, uint32_t max_depth)
 {
     const double lens[2] = { 0.5, 0.5 };
-    const lc_sight_desc how = { scene->camera.pixel, max_depth, 1, 0.5 };
+    const lc_sight_desc how = { scene->camera.pixel, max_depth, 1, 0.5, NULL };
     const double width = scene->film.width, height = scene->film.height;
     *view = (lc_view_grid){ .scene = scene, .side = side };
     view->points = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->points);

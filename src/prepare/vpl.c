@@ -74,6 +74,7 @@ typedef struct path {
     uint64_t index;
     double numbers[2 * PAIRS]; /* of sequences */
     uint32_t n_drawn, n_rough;
+    uint32_t group; /* of the light that it starts from */
     lc_f3 org, dir, flux; /* W, of all paths */
     lc_light *lights;
     uint8_t *n_lights;
@@ -161,7 +162,8 @@ static void store(path *p, const lc_surface *s, float side, lc_f3 albedo_of_side
                                               .pos = s->pos,
                                               .dir = lc_f3_scale(s->n, side),
                                               .intensity = intensity,
-                                              .atten = { 0, 0, 1 } };
+                                              .atten = { 0, 0, 1 },
+                                              .group = p->group };
 }
 
 /* Stores virtual lights at a rough surface and continues the path; false: it ends. */
@@ -216,6 +218,7 @@ static void trace(path *p)
     lc_light from;
     lc_surface s;
     emit(p, &from);
+    p->group = from.group;
     if (!(lc_f3_max(p->flux) > 0)) return;
     for (uint32_t depth = 1; depth < p->m->max_depth && depth <= PATH_SURFACES; depth++) {
         if (!lc_surface_hit(p->m->scene, p->org, p->dir, 0, &s)) return;

@@ -51,7 +51,7 @@ static void find_point(finder *f, uint32_t thread, size_t i)
     lc_vpl_deviation *d = f->d;
     const lc_scene *s = d->scene;
     const double lens[2] = { 0.5, 0.5 };
-    const lc_sight_desc how = { s->camera.pixel, f->max_depth, 1, 0.5 };
+    const lc_sight_desc how = { s->camera.pixel, f->max_depth, 1, 0.5, NULL };
     double at[2];
     lc_f3 dir;
     lc_sight sight;

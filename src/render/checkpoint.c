@@ -35,7 +35,7 @@
 #include <zlib.h>
 
 #define RECORD_MAGIC 0x454c4954u /* "TILE" */
-#define MAX_PAYLOAD (sizeof(lc_tile_counts) + sizeof(float) * LC_N_PLANES * LC_TILE * LC_TILE)
+#define MAX_PAYLOAD (sizeof(lc_tile_counts) + sizeof(float) * LC_MOST_PLANES * LC_TILE * LC_TILE)
 #define LOCK_TRIES 20
 #define OPEN_TRIES 100 /* of a file that others remove while this process waits for its lock */
 #define LOCK_WAIT 100000 /* microseconds */
@@ -139,7 +139,7 @@ static lc_status fill_header(lc_checkpoint *c, const lc_scene *scene, const lc_r
     if (st) return st;
     memcpy(h->magic, magic, sizeof magic);
     h->size = sizeof *h;
-    h->n_planes = lc_film_n_planes(d.aovs);
+    h->n_planes = lc_film_n_planes(d.aovs, &scene->groups);
     h->tile = LC_TILE;
     h->n_counts = sizeof(lc_tile_counts) / sizeof(uint64_t);
     h->width = scene->film.width;

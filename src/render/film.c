@@ -1,6 +1,7 @@
 /* film.c - planes by name; every pixel is written once, by the thread that rendered it. */
 #include "render/film.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static const struct {
@@ -30,18 +31,30 @@ static const struct {
     { "A", LC_AOV_ALPHA },
 };
 
-uint32_t lc_film_n_planes(uint32_t aovs)
+uint32_t lc_film_n_planes(uint32_t aovs, const lc_groups *groups)
 {
-    uint32_t n = 0;
+    uint32_t n = 3 * groups->n;
     for (int i = 0; i < LC_N_PLANES; i++) n += !planes[i].aov || (aovs & planes[i].aov);
     return n;
 }
 
+/* NAME.R, NAME.G, NAME.B */
+static lc_status add_group(lc_film *film, const char *name, float **plane)
+{
+    char channel[LC_GROUP_NAME + 3];
+    lc_status st = LC_OK;
+    for (int k = 0; k < 3 && !st; k++) {
+        snprintf(channel, sizeof channel, "%s.%c", name, "RGB"[k]);
+        st = lc_image_add_channel(film->image, channel, &plane[k]);
+    }
+    return st;
+}
+
 lc_status lc_film_init(lc_film *film, lc_context *ctx, const uint32_t crop[4], const lc_film_desc *film_desc,
-                       uint32_t aovs)
+                       uint32_t aovs, const lc_groups *groups)
 {
     lc_image_desc desc = LC_IMAGE_DESC_INIT;
-    *film = (lc_film){ .desc = film_desc };
+    *film = (lc_film){ .desc = film_desc, .n_groups = groups->n };
     for (int i = 0; i < 4; i++) film->crop[i] = crop[i];
     desc.width = crop[1] - crop[0];
     desc.height = crop[3] - crop[2];
@@ -53,6 +66,8 @@ lc_status lc_film_init(lc_film *film, lc_context *ctx, const uint32_t crop[4], c
     for (int i = 0; i < LC_N_PLANES && !st; i++)
         if (!planes[i].aov || (aovs & planes[i].aov))
             st = lc_image_add_channel(film->image, planes[i].name, &film->plane[i]);
+    for (uint32_t g = 0; g < groups->n && !st; g++)
+        st = add_group(film, groups->name[g], &film->plane[LC_N_PLANES + 3 * g]);
     if (st) {
         lc_image_destroy(film->image);
         film->image = NULL;
@@ -120,6 +135,11 @@ bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *px)
                                px->weight > 0 ? lc_f3_scale(px->rgb, 1 / px->weight) : lc_f3_make(0, 0, 0));
     bool finite = lc_f3_finite(rgb);
     store3(film, LC_PLANE_RGB, at, finite ? rgb : lc_f3_make(0, 0, 0));
+    for (uint32_t g = 0; g < film->n_groups && px->of_group; g++)
+        store3(film, (int)(LC_N_PLANES + 3 * g), at,
+               finite && px->weight > 0
+                   ? lc_film_expose(film->desc, lc_f3_scale(px->of_group[g], 1 / px->weight))
+                   : lc_f3_make(0, 0, 0));
     store3(film, LC_PLANE_N, at, lc_f3_scale(px->n, hits));
     store3(film, LC_PLANE_P, at, lc_f3_scale(px->p, hits));
     store3(film, LC_PLANE_ALBEDO, at, lc_f3_scale(px->albedo, hits));
@@ -136,7 +156,8 @@ static void copy_tile(const lc_film *film, const lc_tile *t, bool to_film)
 {
     size_t width = film->crop[1] - film->crop[0], n = t->x1 - t->x0;
     float *at = t->pixels;
-    for (int i = 0; i < LC_N_PLANES; i++)
+    const uint32_t n_planes = LC_N_PLANES + 3 * film->n_groups;
+    for (uint32_t i = 0; i < n_planes; i++)
         for (uint32_t y = t->y0; film->plane[i] && y < t->y1; y++, at += n) {
             float *row = film->plane[i] + (y - film->crop[2]) * width + (t->x0 - film->crop[0]);
             if (to_film) memcpy(row, at, n * sizeof *row);

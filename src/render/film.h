@@ -14,6 +14,7 @@ typedef struct lc_pixel {
     uint32_t hits;
     float cover;             /* samples that hit something, each times its weight */
     lc_interval interval;    /* all samples, each times its weight; luminance of the picture */
+    lc_f3 *of_group;         /* rgb of each group of lights; NULL where the film has none */
 } lc_pixel;
 
 enum {
@@ -30,20 +31,23 @@ enum {
     LC_PLANE_ESTIMATE,
     LC_PLANE_HALFWIDTH,
     LC_PLANE_ALPHA,
-    LC_N_PLANES
+    LC_N_PLANES, /* from here on those of groups of lights, three each */
+    LC_MOST_PLANES = LC_N_PLANES + 3 * LC_MAX_GROUPS
 };
 
 typedef struct lc_film {
     lc_image *image;
-    float *plane[LC_N_PLANES]; /* NULL: not asked for */
+    float *plane[LC_MOST_PLANES]; /* NULL: not asked for */
+    uint32_t n_groups;
     uint32_t crop[4];          /* x0, x1, y0, y1 of the film that the image holds */
     const lc_film_desc *desc;
 } lc_film;
 
-uint32_t lc_film_n_planes(uint32_t aovs);
-/* Makes the image: data window crop in a display window of the film's size, R G B and the planes of aovs. */
+uint32_t lc_film_n_planes(uint32_t aovs, const lc_groups *groups);
+/* Makes the image: data window crop in a display window of the film's size, R G B, the planes of aovs and of
+ * groups of lights. */
 lc_status lc_film_init(lc_film *film, lc_context *ctx, const uint32_t crop[4], const lc_film_desc *desc,
-                       uint32_t aovs);
+                       uint32_t aovs, const lc_groups *groups);
 /* Stores pixel (x, y) of the film. Returns false when it was not finite and 0 was stored. */
 bool lc_film_store(lc_film *film, uint32_t x, uint32_t y, const lc_pixel *pixel);
 /* Radiance to what the picture holds. */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* A field was added? Hash it below if it shapes the picture, then put the new size here. */
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 128,
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 144,
                "lc_render_identity: hash the new field of lc_load_desc");
 _Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 144,
                "lc_render_identity: hash the new field of lc_render_desc");
@@ -26,6 +26,13 @@ static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *sce
         lc_digest_add(d, scene->sensors,
                       (size_t)scene->film.width * scene->film.height * sizeof *scene->sensors);
     lc_digest_u64(d, load->max_depth ? load->max_depth : scene->max_depth);
+    for (uint32_t i = 0; i < scene->groups.n_patterns; i++) {
+        const lc_group_pattern *p = &scene->groups.patterns[i];
+        const char *name = scene->groups.name[p->group];
+        lc_digest_mark(d);
+        lc_digest_add(d, name, strlen(name) + 1);
+        lc_digest_add(d, p->text, strlen(p->text) + 1);
+    }
 }
 
 /* What is 0 and means the scene's is taken as that, as it gives the same picture; so does a calibration,

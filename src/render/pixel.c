@@ -2,6 +2,7 @@
 #include "render/render_job.h"
 
 #include "cut/exact.h"
+#include "render/group_sums.h"
 #include "render/guide.h"
 #include "render/interval.h"
 #include "render/samples.h"
@@ -39,7 +40,8 @@ static void shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit 
     lc_lit_point(j->scene, lit, hash, point);
     w->stats.glossy += p->lobe != LC_LOBE_NONE;
     if (j->exact) {
-        lc_exact_shade(j->scene->tree, &j->scene->visibility, p, s->ray_org, &w->stats, out);
+        lc_exact_shade_groups(j->scene->tree, &j->scene->visibility, p, s->ray_org,
+                              w->groups ? w->groups->cut : NULL, &w->stats, out);
     } else {
         lc_guided_cut(&w->cut, g, p, s, hash, &w->stats, out);
         w->cut_hist[out->size]++;
@@ -59,6 +61,7 @@ void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight 
         w->cut.row = LC_NONE;
         if (g) g->made = true;
         sum->radiance = lc_f3_add(sum->radiance, lc_f3_mul(r.radiance, sight->lit[i].weight));
+        lc_groups_add_cut(w->groups, sight->lit[i].weight);
         sum->size += r.size;
         sum->rays += r.rays;
         sum->max_error = r.max_error > sum->max_error ? r.max_error : sum->max_error;
@@ -95,9 +98,16 @@ static double medium_offset(const lc_render_job *j, uint32_t x, uint32_t y, uint
  * and above it, whose samples pixels of the film may share, have coordinates modulo 2^32. */
 bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s)
 {
+    return lc_sample_sight_groups(j, x, y, i, NULL, dir, s);
+}
+
+bool lc_sample_sight_groups(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *of_group,
+                            lc_f3 *dir, lc_sight *s)
+{
     uint64_t pixel = pixel_of(j, x, y);
     double u[2], offset[2] = { 0, 0 }, lens[2] = { 0.5, 0.5 };
     lc_sight_desc how = j->how;
+    how.of_group = of_group;
     if (j->share) lc_filter_share_offset(j->share, i, offset);
     if (j->spp > 1) {
         if (!j->share) {
@@ -130,10 +140,12 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     if (lc_time_to_ask(w) && !lc_job_go_on(j)) return false;
     lc_phase_start(&w->stats);
     w->stats.camera_rays++;
-    bool hit = lc_sample_sight(j, x, y, i, &dir, &s);
+    lc_f3 *of_group = lc_groups_begin_sample(w->groups);
+    bool hit = lc_sample_sight_groups(j, x, y, i, of_group, &dir, &s);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     if (!hit) {
         *rgb = lc_background(j->scene, dir);
+        if (of_group) lc_background_of_groups(j->scene, dir, lc_f3_make(1, 1, 1), of_group);
         lc_phase_stop(&w->stats);
         return true;
     }
@@ -174,6 +186,7 @@ bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t 
         lc_f3 rgb;
         if (!lc_render_sample(j, w, x, y, i, px, &rgb)) return false;
         px->rgb = lc_f3_add(px->rgb, rgb);
+        lc_groups_end_sample(w->groups);
         if (!add_interval(j, w, x, y, i, rgb, px)) return false;
     }
     return true;
@@ -182,7 +195,7 @@ bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t 
 /* False: cancelled, nothing stored. */
 bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y)
 {
-    lc_pixel px = { .weight = (float)j->spp };
+    lc_pixel px = { .weight = (float)j->spp, .of_group = lc_groups_begin_pixel(w->groups) };
     if (!lc_add_samples(j, w, x, y, &px)) return false;
     if (!lc_film_store(&j->film, x, y, &px)) w->stats.nonfinite++;
     return true;

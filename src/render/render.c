@@ -6,6 +6,7 @@
 #include "base/pool.h"
 #include "base/sample.h"
 #include "render/checkpoint.h"
+#include "render/group_sums.h"
 #include "render/guide.h"
 #include "render/interval.h"
 #include "render/render_tile.h"
@@ -124,15 +125,22 @@ static size_t n_shared(const lc_render_job *j)
     return (size_t)j->group * j->group * LC_TILE * LC_TILE;
 }
 
+/* Floats of all planes of a tile. */
+static size_t n_tile(const lc_render_job *j)
+{
+    return ((size_t)LC_N_PLANES + 3 * j->scene->groups.n) * LC_TILE * LC_TILE;
+}
+
 void lc_job_free_workers(lc_render_job *j)
 {
     for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) {
         if (!j->workers[i].cut.ctx) continue;
         lc_free(j->ctx, j->workers[i].shared, n_shared(j), sizeof *j->workers[i].shared);
-        lc_free(j->ctx, j->workers[i].tile, (size_t)LC_N_PLANES * LC_TILE * LC_TILE, sizeof(float));
+        lc_free(j->ctx, j->workers[i].tile, n_tile(j), sizeof(float));
         lc_free(j->ctx, j->workers[i].guide.evidence, 1, sizeof *j->workers[i].guide.evidence);
         lc_pixel_points_free(j->ctx, j->workers[i].points);
         lc_interval_free_room(j->ctx, &j->workers[i]);
+        lc_groups_free_room(j->ctx, &j->workers[i]);
         lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.max_size + 2, sizeof(uint64_t));
         lc_cut_free(&j->workers[i].cut);
     }
@@ -167,7 +175,7 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
         w->stats.go_on = lc_job_go_on;
         w->stats.go_on_user = j;
         bool tiles = j->desc->tile_load || j->desc->tile_done;
-        if (tiles && !(w->tile = lc_alloc(j->ctx, (size_t)LC_N_PLANES * LC_TILE * LC_TILE, sizeof(float))))
+        if (tiles && !(w->tile = lc_alloc(j->ctx, n_tile(j), sizeof(float))))
             return LC_ERR_MEMORY;
         if (j->share && !(w->shared = lc_alloc(j->ctx, n_shared(j), sizeof *w->shared))) return LC_ERR_MEMORY;
     }
@@ -230,7 +238,8 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     lc_choose_group(j);
     st = lc_job_make_workers(j, &cut);
     if (!st && j->desc->aovs & LC_AOV_INTERVAL) st = lc_interval_make_rooms(j, &cut);
-    if (!st) st = lc_film_init(&j->film, j->ctx, crop, f, j->desc->aovs);
+    if (!st) st = lc_groups_make_rooms(j, n_shared(j));
+    if (!st) st = lc_film_init(&j->film, j->ctx, crop, f, j->desc->aovs, &j->scene->groups);
     if (st) return st;
     j->n_planes = lc_image_n_channels(j->film.image);
     if (j->share) lc_parallel(j->ctx, lc_n_groups(j), lc_render_group, j);

@@ -8,6 +8,7 @@
  *     render.c   tiles over threads, the film; interval.c: the AOV
  *     render_stats.c   counts of all threads; the attributes of the picture
  *     probe.c    one sample on its own, its cut kept
+ *     group_sums.c   what each group of lights contributes
  *
  * Every pixel depends on scene, descriptor and its own coordinates only. Sample positions and representative
  * slots come from (seed, pixel, sample, dimension); the pre-pass looks at a fixed grid over the whole film
@@ -23,8 +24,6 @@
 #include "scene/view.h"
 
 #include <stdatomic.h>
-
-struct lc_mutex;
 
 #define LC_PIXEL_BLOCK 4 /* pixels a side that share a guide and deal out the slots of representatives */
 
@@ -66,6 +65,7 @@ typedef struct lc_render_worker {
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
     lc_shared_pixel *shared; /* of a group of tiles; NULL: no samples are shared */
+    struct lc_group_sums *groups; /* NULL: nobody asks for groups of lights */
 } lc_render_worker;
 
 typedef struct lc_render_job {

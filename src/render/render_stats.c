@@ -107,6 +107,16 @@ static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, con
     return st;
 }
 
+/* The names of groups of lights with spaces between, so that a reader knows which layers they are. */
+static lc_status set_groups(lc_image *im, const lc_groups *groups)
+{
+    char text[LC_MAX_GROUPS * (LC_GROUP_NAME + 1) + 1] = "";
+    size_t at = 0;
+    for (uint32_t g = 0; g < groups->n; g++)
+        at += (size_t)snprintf(text + at, sizeof text - at, "%s%s", g ? " " : "", groups->name[g]);
+    return groups->n ? lc_image_set_text(im, "lightcuts/groups", text) : LC_OK;
+}
+
 /* The options that shape the picture, so that a file says how it was made; the manual page lists them. */
 lc_status lc_job_set_attributes(const lc_render_job *j, const lc_render_stats *stats)
 {
@@ -122,6 +132,7 @@ lc_status lc_job_set_attributes(const lc_render_job *j, const lc_render_stats *s
     if (!st) st = lc_image_set_text(im, "lightcuts/seed", seed);
     if (!st) st = lc_image_set_number(im, "lightcuts/maxDepth", j->how.max_depth);
     if (!st) st = set_load_attributes(im, j->scene);
+    if (!st) st = set_groups(im, &j->scene->groups);
     if (st || d->method == LC_METHOD_EXACT) return st;
     st = d->error > 0 ? set_error_attributes(im, d, stats)
                       : lc_image_set_number(im, "lightcuts/errorRatio", (double)d->error_ratio);

@@ -7,6 +7,7 @@
  */
 #include "render/samples.h"
 
+#include "render/group_sums.h"
 #include "render/guide.h"
 #include "scene/lit_point.h"
 #include "scene/sun.h"
@@ -174,6 +175,9 @@ static void shade_group(pixel_sum *s, uint32_t group)
                          fmax((double)lc_luminance(r.radiance), (double)cut->desc.floor) * (double)n *
                          (double)lc_luminance(l->weight);
     if (r.max_error > 0) s->error2 += error * error;
+    lc_groups_begin_sample(s->w->groups);
+    lc_groups_add_cut(s->w->groups, lc_f3_scale(l->weight, (float)n));
+    lc_groups_end_sample(s->w->groups);
     r.radiance = lc_f3_scale(lc_f3_mul(r.radiance, l->weight), (float)n);
     s->sum = lc_f3_add(s->sum, r.radiance);
     s->luminance += (double)lc_luminance(r.radiance);
@@ -206,9 +210,12 @@ static bool add_camera_ray(pixel_sum *s, uint32_t x, uint32_t y, uint32_t i, lc_
     lc_sight sight;
     if (lc_time_to_ask(w) && !lc_job_go_on(j)) return false;
     w->stats.camera_rays++;
-    const bool hit = lc_sample_sight(j, x, y, i, &dir, &sight);
+    lc_f3 *of_group = lc_groups_begin_sample(w->groups);
+    const bool hit = lc_sample_sight_groups(j, x, y, i, of_group, &dir, &sight);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     const lc_f3 emitted = hit ? sight.emission : lc_background(j->scene, dir);
+    if (!hit && of_group) lc_background_of_groups(j->scene, dir, lc_f3_make(1, 1, 1), of_group);
+    lc_groups_end_sample(w->groups);
     s->sum = lc_f3_add(s->sum, emitted);
     s->luminance += (double)lc_luminance(emitted);
     s->samples_left--;

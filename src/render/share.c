@@ -10,6 +10,7 @@
  *     |   +-------+-------+   |
  *     +-----------------------+
  */
+#include "render/group_sums.h"
 #include "render/guide.h"
 #include "render/interval.h"
 
@@ -89,6 +90,7 @@ static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, i
             sum[1] += weight * (double)rgb.y;
             sum[2] += weight * (double)rgb.z;
             if (planes->hits > hits) to->cover += weight;
+            lc_groups_share(w->groups, (size_t)(to - t->pixels), weight);
             if (w->interval) lc_interval_add(&to->px.interval, &part, weight);
         }
     return true;
@@ -130,6 +132,7 @@ static void store_tile(lc_render_job *j, lc_render_worker *w, const target *t, c
         for (uint32_t x = tile->x0; x < tile->x1; x++) {
             lc_shared_pixel *s = pixel_at(t, x, y);
             s->px.weight = 1;
+            s->px.of_group = lc_groups_of_shared(w->groups, (size_t)(s - t->pixels));
             s->px.cover = (float)s->cover;
             s->px.rgb = lc_f3_make((float)s->rgb[0], (float)s->rgb[1], (float)s->rgb[2]);
             if (!lc_film_store(&j->film, x, y, &s->px)) w->stats.nonfinite++;
@@ -172,6 +175,8 @@ void lc_render_group(void *job, uint32_t thread, uint64_t item)
     lc_stats before = w->stats;
     w->cut_max = 0;
     memset(w->shared, 0, (size_t)((t.x1 - t.x0) * (t.y1 - t.y0)) * sizeof *w->shared);
+    if (w->groups)
+        memset(w->groups->shared, 0, w->groups->n_shared * sizeof *w->groups->shared);
     if (!add_all(j, w, &t)) return;
     w->stats.cpu_seconds += lc_thread_cpu() - cpu;
     for (uint32_t i = 0; i < n; i++) {

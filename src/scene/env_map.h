@@ -21,6 +21,7 @@ typedef struct lc_env {
     lc_mipmap map;
     lc_f3 scale;                 /* radiance = scale * texel, W/(m^2 sr); negative values count as 0 */
     lc_xform to_world, to_light; /* of directions: light space to world space, and its inverse */
+    uint32_t group;
 } lc_env;
 
 static inline uint32_t lc_env_width(const lc_env *e) { return e->map.levels[0].width; }

@@ -164,6 +164,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
         .emission = m->emission,
         .emission_map = m->emission_map,
         .alpha = m->alpha ? (uint32_t)s->n_alphas : LC_NONE,
+        .group = s->groups.now,
     };
     if (m->alpha) s->alphas[s->n_alphas++] = *m->alpha;
     s->has_glass |= s->maps[m->material_id].clear;
@@ -317,6 +318,7 @@ lc_status lc_scene_put_light(lc_scene *s, lc_pos where, const lc_light *checked)
     lc_status st = next_light(s, &to);
     if (st) return st;
     *to = *checked;
+    if (!to->group) to->group = s->groups.now;
     s->n_lights++;
     return LC_OK;
 }
@@ -335,8 +337,10 @@ lc_status lc_scene_add_env(lc_scene *s, lc_pos where, const lc_env *env)
         !lc_xform_finite(&env->to_light))
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "the light's radiance or transform is out of range");
     lc_status st = GROW(s, envs, cap_envs, s->n_envs + 1);
-    if (!st) s->envs[s->n_envs++] = *env;
-    return st;
+    if (st) return st;
+    s->envs[s->n_envs] = *env;
+    s->envs[s->n_envs++].group = s->groups.now;
+    return LC_OK;
 }
 
 lc_status lc_scene_add_emission_map(lc_scene *s, const lc_mipmap *map, uint32_t *id)

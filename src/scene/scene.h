@@ -22,6 +22,7 @@
 #include "io/inputs.h"
 #include "scene/camera.h"
 #include "scene/env_map.h"
+#include "scene/groups.h"
 #include "scene/lamps.h"
 #include "scene/light_places.h"
 #include "scene/media_data.h"
@@ -37,7 +38,7 @@ typedef struct lc_bvh lc_bvh;
 typedef struct lc_light_tree lc_light_tree;
 typedef struct lc_level lc_level; /* the BVHs of objects and instances: instance.c */
 
-#define LC_LIGHT_CHUNK ((size_t)1 << 20) /* lights: 52 MB, large enough that free returns it to the system */
+#define LC_LIGHT_CHUNK ((size_t)1 << 20) /* lights: 56 MB, large enough that free returns it to the system */
 
 struct lc_scene {
     lc_context *ctx;
@@ -79,6 +80,7 @@ struct lc_scene {
         cap_light_chunks, n_given;
     lc_given given;
     lc_changes changes;
+    lc_groups groups;
 
     lc_scene_note *notes;
     lc_feature *features; /* their text is in the arena */

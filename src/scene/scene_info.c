@@ -106,3 +106,15 @@ lc_status lc_scene_get_feature(const lc_scene *s, uint32_t idx, lc_feature *feat
     if (!s || !feature || idx >= s->n_features) return LC_ERR_ARG;
     return lc_desc_give(s->ctx, "lc_feature", feature, &s->features[idx], sizeof *s->features);
 }
+
+lc_status lc_scene_get_group(const lc_scene *s, uint32_t idx, lc_light_group *group)
+{
+    if (!s || !group || idx >= s->groups.n) return LC_ERR_ARG;
+    lc_light_group g = { .name = s->groups.name[idx] };
+    for (size_t i = 0; i < s->n_lights && s->tree; i++) {
+        const bool own = s->lights[i].group == idx;
+        g.n_lights += own;
+        g.n_indirect_lights += own && s->lights[i].kind == LC_LIGHT_VIRTUAL;
+    }
+    return lc_desc_give(s->ctx, "lc_light_group", group, &g, sizeof g);
+}

@@ -24,6 +24,7 @@ typedef struct lc_mesh {
     lc_f3 emission;
     uint32_t alpha;        /* index into lc_scene.alphas; LC_NONE: opaque */
     uint32_t emission_map; /* 1 + index into lc_scene.emission_maps; 0: none */
+    uint32_t group;        /* of its emission */
 } lc_mesh;
 
 /* An object for instancing: consecutive triangles in a space of their own. */

@@ -127,6 +127,10 @@ static void meet(trace *t, const ray *r, const lc_surface *s)
 {
     lc_sight *out = t->out;
     if (!r->narrow) out->emission = lc_f3_add(out->emission, lc_f3_mul(r->weight, s->emission));
+    if (!r->narrow && t->how->of_group) {
+        lc_f3 *sum = &t->how->of_group[s->group];
+        *sum = lc_f3_add(*sum, lc_f3_mul(r->weight, s->emission));
+    }
     if (s->material.glass) {
         meet_glass(t, r, s);
     } else if (s->material.mirror) {
@@ -178,6 +182,7 @@ static void follow(trace *t, ray *r, const lc_surface *s)
     }
     if (s) meet(t, r, s);
     else t->out->emission = lc_f3_add(t->out->emission, lc_f3_mul(r->weight, lc_background(scene, r->dir)));
+    if (!s && t->how->of_group) lc_background_of_groups(scene, r->dir, r->weight, t->how->of_group);
     for (uint32_t i = 0; i < n; i++) light_medium(t, &before, &points[i]);
 }
 

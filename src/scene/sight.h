@@ -53,6 +53,7 @@ typedef struct lc_sight_desc {
     uint32_t max_depth; /* 1..LC_MAX_DEPTH */
     uint32_t n_points;  /* of media, 1..LC_MEDIUM_POINTS; a quarter of them behind mirrors and glass */
     double offset;      /* 0..1: as for lc_media_draw */
+    lc_f3 *of_group;    /* NULL, or where what is emitted is added to the sums of the groups of lights */
 } lc_sight_desc;
 
 /* Traces a camera ray. False if it leaves the scene and there are no media: what is seen is the background.

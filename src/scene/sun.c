@@ -18,6 +18,7 @@ lc_status lc_scene_add_sun(lc_scene *scene, lc_f3 dir, lc_f3 irradiance, double 
     sun->radiance.x = (float)((double)irradiance.x / area);
     sun->radiance.y = (float)((double)irradiance.y / area);
     sun->radiance.z = (float)((double)irradiance.z / area);
+    sun->group = scene->groups.now;
     sun->chord2 = 4 * half_sine * half_sine;
     scene->suns = sun;
     return LC_OK;
@@ -38,4 +39,15 @@ lc_f3 lc_background(const lc_scene *scene, lc_f3 dir)
     for (const lc_sun *sun = scene->suns; sun; sun = sun->next)
         if (is_inside(sun, dir)) sum = lc_f3_add(sum, sun->radiance);
     return sum;
+}
+
+void lc_background_of_groups(const lc_scene *scene, lc_f3 dir, lc_f3 weight, lc_f3 *of_group)
+{
+    for (size_t i = 0; i < scene->n_envs; i++) {
+        lc_f3 *sum = &of_group[scene->envs[i].group];
+        *sum = lc_f3_add(*sum, lc_f3_mul(weight, lc_env_radiance(&scene->envs[i], dir)));
+    }
+    for (const lc_sun *sun = scene->suns; sun; sun = sun->next)
+        if (is_inside(sun, dir))
+            of_group[sun->group] = lc_f3_add(of_group[sun->group], lc_f3_mul(weight, sun->radiance));
 }

@@ -9,6 +9,7 @@ typedef struct lc_sun {
     const struct lc_sun *next;
     lc_f3 dir;      /* unit, towards the disc's centre, world space */
     lc_f3 radiance; /* W/(m^2 sr) */
+    uint32_t group;
     double chord2;  /* squared distance between dir and a unit vector towards the disc's edge */
 } lc_sun;
 
@@ -17,5 +18,7 @@ typedef struct lc_sun {
 lc_status lc_scene_add_sun(lc_scene *scene, lc_f3 dir, lc_f3 irradiance, double angle);
 /* Radiance that arrives from world direction dir where no surface is: environment maps and suns. */
 lc_f3 lc_background(const lc_scene *scene, lc_f3 dir);
+/* Adds it times a weight to the sums of the groups of lights. */
+void lc_background_of_groups(const lc_scene *scene, lc_f3 dir, lc_f3 weight, lc_f3 *of_group);
 
 #endif

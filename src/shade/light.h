@@ -66,6 +66,7 @@ static inline bool lc_is_attenuated(lc_light_kind kind)
 /* Greatest A beside a C of 1, the least being LC_MIN_D2: the range of d^2. */
 #define LC_MAX_SOFTENING 1e24f
 #define LC_MIN_D2 1e-24f        /* least distance floor, scene units^2 */
+#define LC_MAX_GROUPS 64        /* of lights, those of no group included: scene/groups.h */
 
 /* The profile of a spot: emission is 0 where cos phi <= cos_total, 1 where cos phi >= cos_start. With cosines
  * below -1 it emits in all directions. */
@@ -91,6 +92,7 @@ typedef struct lc_light {
         float radius;   /* kinds with LC_LIGHT_SIZED, scene units, > 0 */
     };
     lc_light_kind kind;
+    uint32_t group; /* below LC_MAX_GROUPS; 0: of none */
 } lc_light;
 
 #endif

@@ -10,9 +10,12 @@
  *     rep         representatives: slot s of a cluster is slot s of one child, chosen with probability
  *                 I_child / I_cluster from a hash of the cluster, so P(light) = I_light / I_cluster at every
  *                 cluster. A light represents itself
+ *     groups      with groups of lights a kind has a tree for each, whose roots a chain of nodes joins to the
+ *                 kind's root. Cuts begin below the chain, so that no cluster of theirs holds lights of two
+ *                 groups
  *
  * Memory: 96 bytes a light; 32 more with attenuation other than 1/d^2; 32 more for a spot; 4 more for each
- * slot where there are several.
+ * slot where there are several; one more with groups.
  */
 #ifndef LC_LIGHT_TREE_H
 #define LC_LIGHT_TREE_H
@@ -39,6 +42,9 @@ struct lc_light_tree {
     uint32_t n_of_kind[LC_LIGHT_KINDS];
     uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
     uint32_t root[LC_LIGHT_KINDS];                   /* link; LC_NONE: no light of that kind */
+    uint32_t *roots, n_roots; /* links with which cuts begin, of each kind and group, kinds in rising order */
+    uint8_t *group;           /* of each light; NULL: there are no groups. Read where a cut is summed alone */
+    uint32_t n_groups;
 };
 
 typedef struct lc_light_tree_desc {
@@ -51,6 +57,7 @@ typedef struct lc_light_tree_desc {
     uint32_t n_reps; /* 1..LC_MAX_REPS */
     lc_builder builder;
     bool keep_order; /* the tree has `order` */
+    uint32_t n_groups; /* 0: lc_light.group does not matter */
 } lc_light_tree_desc;
 
 lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_tree **out);

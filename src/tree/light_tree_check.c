@@ -299,6 +299,33 @@ static const char *check_counts(const lc_light_tree *t)
     return t->n_lights == lights && t->n_nodes == nodes ? NULL : "lights or nodes are miscounted";
 }
 
+/* The roots of cuts have each light below them once, and one group each. */
+static const char *check_roots(check *c, uint32_t *stack)
+{
+    const lc_light_tree *t = c->t;
+    uint32_t n_below = 0;
+    memset(c->light_seen, 0, t->n_lights);
+    for (uint32_t r = 0; r < t->n_roots; r++) {
+        uint32_t n = 0, link = t->roots[r], group = LC_NONE;
+        for (bool more = true; more; more = n > 0, link = more ? stack[--n] : 0) {
+            const uint32_t at = link & ~LC_LEAF;
+            if (at >= (link & LC_LEAF ? t->n_lights : t->n_nodes)) return "a root is out of range";
+            if (!(link & LC_LEAF)) {
+                if (n + 2 > t->n_nodes + 1) return "a root is below another";
+                stack[n++] = t->data.nodes[at].left;
+                stack[n++] = t->data.nodes[at].right;
+                continue;
+            }
+            const uint32_t own = t->group ? t->group[at] : 0;
+            if (c->light_seen[at]++) return "a light is below two roots";
+            if (own != (group == LC_NONE ? own : group)) return "a root has lights of two groups";
+            group = own;
+            n_below++;
+        }
+    }
+    return n_below == t->n_lights ? NULL : "a light is below no root";
+}
+
 const char *lc_light_tree_validate(const lc_light_tree *t)
 {
     const char *wrong = check_counts(t);
@@ -315,6 +342,7 @@ const char *lc_light_tree_validate(const lc_light_tree *t)
     if (!wrong) wrong = walk(&c, stack);
     for (uint32_t i = c.n_order; i-- > 0 && !wrong;) wrong = check_node(&c, c.order[i], stack);
     for (uint32_t id = 0; id < t->n_nodes && !wrong; id++) wrong = check_reps(t, id);
+    if (!wrong) wrong = check_roots(&c, stack);
     lc_free(t->ctx, stack, room, sizeof *stack);
     lc_free(t->ctx, c.sums, n, sizeof *c.sums);
     lc_free(t->ctx, c.light_seen, t->n_lights, 1);

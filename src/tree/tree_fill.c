@@ -163,6 +163,7 @@ static void fill_light(const filler *f, uint32_t build, uint32_t light, sums *s)
     lc_light_rec *rec = &f->t->data.lights[light];
     lc_light_rec_init(rec, &l);
     if (f->t->order) f->t->order[light] = scene;
+    if (f->t->group) f->t->group[light] = (uint8_t)l.group;
     if (lc_is_aimed(l.kind)) l.dir = lc_dir_unpack((const uint32_t[2]){ rec->dir_a, rec->dir_b });
     lc_tree_data *d = &f->t->data;
     const lc_light_kind_info *kind = &lc_light_kinds[l.kind];
