@@ -294,6 +294,28 @@ TEST(without_groups_nothing_changes)
     lc_image_destroy(p);
 }
 
+TEST(a_tree_with_wrong_groups_is_found_out)
+{
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    load.indirect_lights = 100;
+    CHECK(load_room(&load, "", "", 40) == LC_OK);
+    lc_light_tree *t = scene->tree;
+    const uint32_t light = t->first_light[LC_LIGHT_POINT], first = t->roots[0];
+    CHECK(!lc_light_tree_validate(t));
+    t->group[light] ^= 1;
+    CHECK(lc_light_tree_validate(t));
+    t->group[light] ^= 1;
+    t->n_roots--;
+    CHECK(lc_light_tree_validate(t));
+    t->n_roots++;
+    t->roots[0] = t->roots[1];
+    CHECK(lc_light_tree_validate(t));
+    t->roots[0] = t->n_nodes;
+    CHECK(lc_light_tree_validate(t));
+    t->roots[0] = first;
+    CHECK(!lc_light_tree_validate(t));
+}
+
 /* ---- names ---- */
 
 TEST(patterns)
@@ -524,6 +546,7 @@ int main(void)
     RUN(a_group_is_a_render_of_its_lights_alone);
     RUN(mixes_are_pictures_of_dimmed_lights);
     RUN(without_groups_nothing_changes);
+    RUN(a_tree_with_wrong_groups_is_found_out);
     RUN(patterns);
     RUN(names_that_are_none);
     RUN(patterns_choose);
