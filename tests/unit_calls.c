@@ -501,7 +501,7 @@ TEST(traits_values_and_what_shines_are_told)
     lc_build_pattern_desc d = LC_BUILD_PATTERN_DESC_INIT;
     lc_build_value v;
     double mean[3];
-    uint32_t plain, map, glass, id;
+    uint32_t plain = 0, map = 0, glass = 0, id = 0;
     const double shear[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }, flat[16] = { 1 };
     CHECK(!lc_build_begin(ctx, &s) && !lc_build_is_lit(s));
     CHECK(lc_build_instance_fits(shear) && !lc_build_instance_fits(flat) && !lc_build_instance_fits(NULL));
