@@ -94,7 +94,8 @@ TEST(spots_do_not_starve_the_picture)
     CHECK(load_text(&direct, VIEW FLOOR LAMP("9 9 9", "-1 2 -1", "2") "%s", many) == LC_OK);
     free(many);
     for (size_t i = 0; i < scene->n_lights; i++) high += scene->lights[i].pos.y > 1;
-    printf("  %u of %zu lights in the large lamp\n", high, scene->n_lights);
+    printf("  %u of %zu lights in the large lamp; stated %.5f, %.5f by %u points\n", high, scene->n_lights,
+           scene->lamp_error.median, scene->lamp_error.high, scene->lamp_error.n_points);
     CHECKF(high >= 500, "%u", high);
     CHECK(scene->n_lights <= LC_LAMP_LIGHTS + 4 * MANY * MANY + 2);
 }
