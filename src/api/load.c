@@ -1,6 +1,7 @@
 /* load.c - public calls of scenes: checks arguments, then delegates. */
 #include "api/load.h"
 
+#include "api/build.h"
 #include "api/format.h"
 #include "base/desc.h"
 #include "base/memory.h"
@@ -20,6 +21,7 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     double t0 = lc_now();
     lc_memory_step(scene->ctx, "reading the scene");
     scene->load = *d;
+    scene->frame = d->frame ? d->frame : 1;
     scene->ctx->inputs = &scene->inputs;
     lc_status st = d->sandbox ? lc_inputs_restrict(&scene->inputs, &scene->arena, path, d->sandbox) : LC_OK;
     if (!st) st = lc_format_parse(scene, path);
@@ -28,6 +30,7 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     if (!st && d->sensors) st = lc_scene_set_sensors(scene, d->sensors);
     scene->load.sensors = NULL; /* the host's, which may go */
     if (!st) lc_scene_size_film(scene, d);
+    if (!st && scene->n_sequences) scene->input_id = lc_given_id(scene);
     scene->seconds_parse = lc_now() - t0;
     return st ? st : d->parsed && d->parsed(d->parsed_user, scene) ? LC_ERR_CANCELLED : LC_OK;
 }

@@ -300,6 +300,8 @@ static const char *good_values(const char *option)
                  { "aov", "cut, n, p, z, albedo, error, rays, interval, alpha, with commas between, or all" },
                  { "nthreads", "1 or more" },
                  { "spp", "1 or more" },
+                 { "frames", "A-B, A-BxSTEP or one frame, from 1" },
+                 { "frame", "1 or more" },
                  { "within", "per cent, 1 to 99.9" },
                  { "pixelbounds", "x0,x1,y0,y1" },
                  { "cropwindow", "x0,x1,y0,y1" } };

@@ -6,31 +6,44 @@
 #include "pbrt/light_source.h"
 
 #include "io/readfile.h"
+#include "scene/sequence.h"
 
 #include <string.h>
 
-/* Integer images are decoded as sRGB. */
-lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap *out, bool *there)
+#define MAX_NAME 4096
+
+/* A name with a number, where no file has the very name: the picture of the scene's frame. *there stays false
+ * for other names. */
+static lc_status read_sequence(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_picture what,
+                               lc_mipmap *out, bool *there)
+{
+    char one[MAX_NAME];
+    const char *path;
+    const size_t n = lc_frame_name(name, p->scene->frame, one, sizeof one);
+    if (!n || n >= sizeof one || what == LC_PBRT_STILL) return LC_OK;
+    lc_status st = lc_pbrt_find_file(&p->lex, where, one, &path);
+    if (!st) st = lc_scene_add_sequence(p->scene, where, path, name, what == LC_PBRT_OF_SKY, out);
+    *there = !st;
+    return st;
+}
+
+lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_picture what, lc_mipmap *out,
+                            bool *there)
 {
     const char *path;
-    lc_file file;
-    lc_raster raster = { 0 };
     *there = false;
     if (p->lex.no_files)
         return lc_pbrt_note(p, where, "light image",
                             "'%.150s': this scene may not open files; a constant takes its place", name);
     lc_status st = lc_pbrt_find_file(&p->lex, where, name, &path);
     if (st) return st;
+    if (!lc_file_exists(path) && ((st = read_sequence(p, where, name, what, out, there)) || *there))
+        return st;
     if (!lc_file_exists(path))
         return lc_pbrt_note(p, where, "light image", "'%.150s': no such file; a constant takes its place",
                             path);
-    if ((st = lc_file_read(p->ctx, where, path, lc_raster_is, &file))) return st;
-    lc_bytes bytes = { p->ctx, file.data, file.size, file.cap };
-    st = lc_raster_decode(p->ctx, path, &bytes, &raster);
+    st = lc_picture_read(p->ctx, where, path, out);
     *there = !st;
-    lc_file_free(p->ctx, &file);
-    if (*there) st = lc_mipmap_build(p->ctx, &raster, (lc_encoding){ LC_ENCODING_SRGB, 1 }, out);
-    lc_raster_free(p->ctx, &raster);
     return st;
 }
 
@@ -48,8 +61,8 @@ static lc_status get_map(lc_pbrt *p, lc_env *env, bool *is_image)
     lc_status st = lc_pbrt_get_text(&p->params, "filename", &v4, &v4_par);
     if (!st) st = lc_pbrt_get_text(&p->params, "mapname", &v3, &v3_par);
     *is_image = false;
-    if (!st && v4 && *v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, &env->map, is_image);
-    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, &env->map, is_image);
+    if (!st && v4 && *v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, LC_PBRT_OF_SKY, &env->map, is_image);
+    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, LC_PBRT_OF_SKY, &env->map, is_image);
     env->mapping = LC_ENV_EQUAL_AREA;
     if (*is_image && (!(v4 && *v4) || lc_env_width(env) != lc_env_height(env))) env->mapping = LC_ENV_LATLONG;
     return st || *is_image ? st : lc_pbrt_constant_map(p, &env->map);
@@ -77,7 +90,10 @@ static lc_status apply_illuminance(lc_pbrt *p, lc_env *env, bool is_image)
     double wanted = 0;
     lc_status st = lc_pbrt_get_float(&p->params, "illuminance", &wanted, NULL);
     if (st || !(wanted > 0)) return st;
-    double has = is_image ? upper_illuminance(env) : LC_PI;
+    /* A sequence counts as white, or the illuminance would be another in each frame. */
+    const lc_sequence *last = p->scene->sequences + p->scene->n_sequences;
+    const bool varies = p->scene->n_sequences && last[-1].is_env && last[-1].map == p->scene->n_envs;
+    double has = is_image && !varies ? upper_illuminance(env) : LC_PI;
     if (has > 0) env->scale = lc_f3_scale(env->scale, (float)(wanted / has));
     return LC_OK;
 }

@@ -147,7 +147,7 @@ static lc_status area_picture(lc_pbrt *p, uint32_t *map)
         *map = known;
         return LC_OK;
     }
-    st = lc_pbrt_light_map(p, par->pos, name, &picture, &there);
+    st = lc_pbrt_light_map(p, par->pos, name, LC_PBRT_OF_AREA, &picture, &there);
     if (st || !there) return st;
     st = lc_scene_add_emission_map(p->scene, &picture, map);
     if (st) lc_mipmap_free(p->ctx, &picture);

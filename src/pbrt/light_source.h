@@ -23,8 +23,11 @@ lc_status lc_pbrt_light_position(lc_pbrt *p, const char *name, const char *alias
 /* A direction transformed to world space by the current matrix, normalized. */
 lc_status lc_pbrt_light_direction(lc_pbrt *p, lc_pos where, const double v[3], lc_f3 *out);
 
-/* infinite.c: decodes the image of a light. *there is false, after a note, if it cannot be read. */
-lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_mipmap *out, bool *there);
+/* infinite.c: decodes the image of a light, whose name may have the number of a frame unless it stands STILL.
+ * *there is false, after a note, if it cannot be read. */
+typedef enum lc_pbrt_picture { LC_PBRT_STILL, LC_PBRT_OF_AREA, LC_PBRT_OF_SKY } lc_pbrt_picture;
+lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_picture what, lc_mipmap *out,
+                            bool *there);
 /* A map of one white texel. */
 lc_status lc_pbrt_constant_map(lc_pbrt *p, lc_mipmap *out);
 

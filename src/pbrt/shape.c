@@ -11,6 +11,7 @@
 #include "pbrt/medium.h"
 #include "pbrt/ply.h"
 #include "pbrt/round.h"
+#include "scene/sequence.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -221,7 +222,7 @@ static bool is_absent(const lc_mesh_alpha *a)
 
 /* v4: scales the emission to the power given for each shape. pbrt counts each triangle or patch of a mesh as
  * a shape, and a round shape as one. The mean of an emission map is that of all its texels, shown or not, as
- * in pbrt. */
+ * in pbrt; a sequence of pictures counts as white, or the power would be another in each frame. */
 static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, bool round, double area_ratio)
 {
     const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);
@@ -238,7 +239,8 @@ static void scale_to_power(lc_pbrt *p, lc_mesh_desc *mesh, const char *name, boo
         double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
         area += 0.5 * sqrt(x * x + y * y + z * z);
     }
-    if (p->attrs.emission_map) lc_mipmap_mean(&p->scene->emission_maps[p->attrs.emission_map - 1], mean);
+    if (p->attrs.emission_map && !lc_scene_is_sequence(p->scene, p->attrs.emission_map))
+        lc_mipmap_mean(&p->scene->emission_maps[p->attrs.emission_map - 1], mean);
     double luminance = 0.2126 * mean[0] + 0.7152 * mean[1] + 0.0722 * mean[2];
     double all = LC_PI * area * area_ratio * luminance * (p->attrs.two_sided ? 2 : 1);
     if (all > 0) mesh->emission = lc_f3_scale(mesh->emission, (float)fmin(p->attrs.power * n / all, 1e30));

@@ -64,8 +64,8 @@ static lc_status get_picture(lc_pbrt *p, shine *l)
     lc_status st = lc_pbrt_get_text(&p->params, "filename", &v4, &v4_par);
     if (!st) st = lc_pbrt_get_text(&p->params, "mapname", &v3, &v3_par);
     l->is_v4 = v4 && *v4;
-    if (!st && l->is_v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, &l->env.map, &there);
-    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, &l->env.map, &there);
+    if (!st && l->is_v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, LC_PBRT_STILL, &l->env.map, &there);
+    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, LC_PBRT_STILL, &l->env.map, &there);
     if (!st && !there) st = lc_pbrt_constant_map(p, &l->env.map);
     return st;
 }

@@ -8,6 +8,7 @@
 #include "prepare/lamp_find.h"
 #include "prepare/lamp_lights.h"
 #include "prepare/vpl.h"
+#include "scene/view.h"
 #include "tree/light_tree.h"
 
 #define SWAP(type, field)                                                                                    \
@@ -82,6 +83,7 @@ void lc_lighting_set_diag2(lc_scene *s, double diag2)
     s->diag2 = diag2;
     s->min_d2 = (float)fmax(LC_FLOOR_OF_DIAG2 * diag2, LC_MIN_D2);
     lc_camera_set_distance(&s->camera, sqrt(diag2));
+    for (uint32_t i = 0; i < s->n_views; i++) lc_camera_set_distance(&s->views[i], sqrt(diag2));
 }
 
 /* Lights of lamps and environments. */
@@ -155,6 +157,7 @@ lc_status lc_lighting_make(lc_scene *s, const lc_lighting *kept)
     const double t0 = lc_now();
     lc_memory_step(s->ctx, "making lights");
     s->n_given = s->n_lights;
+    lc_views_init(s);
     lc_status st = kept ? keep_made(s, kept) : make_of_surfaces(s);
     lc_lighting_set_diag2(s, lc_lighting_diag2(s));
     if (!st) st = make_indirect(s);

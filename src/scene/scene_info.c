@@ -66,6 +66,8 @@ lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
         .built_lights = s->built.lights,
         .built_indirect = s->built.indirect,
         .built_trees = s->built.trees,
+        .built_images = (uint32_t)(s->textures.n_images + s->n_emission_maps) + s->built.images,
+        .n_sequences = (uint32_t)s->n_sequences,
     }, *info = &full;
     for (size_t i = 0; i < s->textures.n_images; i++)
         info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);
