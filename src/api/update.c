@@ -209,8 +209,9 @@ lc_status lc_scene_update(lc_scene *s, const lc_update_desc *desc)
     lc_update_desc d = LC_UPDATE_DESC_INIT;
     lc_status st = check(s, "lc_scene_update");
     if (!st && desc) st = lc_desc_take(s->ctx, "lc_update_desc", &d, sizeof d, desc);
+    if (st) return st;
     const bool waits = s->changes.n || s->changes.lights || s->changes.pictures, was_stale = is_stale(s);
-    if (st || (!waits && (d.keep_lights || !was_stale))) return st;
+    if (!waits && (d.keep_lights || !was_stale)) return LC_OK;
     const uint64_t before = s->input_id;
     const uint32_t trees = s->built.trees;
     if ((st = lc_as_arg(lc_scene_apply(s, d.keep_lights)))) return st;

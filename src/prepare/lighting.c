@@ -72,7 +72,7 @@ bool lc_lighting_is_indirect(const lc_scene *s)
 double lc_lighting_diag2(const lc_scene *s)
 {
     lc_box box = s->bounds;
-    for (size_t i = 0; i < s->n_lights; i++)
+    for (size_t i = 0; i < s->n_lights - s->indirect.n_lights; i++)
         if (!lc_is_far(s->lights[i].kind)) lc_box_add(&box, s->lights[i].pos);
     double x = (double)box.hi.x - box.lo.x, y = (double)box.hi.y - box.lo.y, z = (double)box.hi.z - box.lo.z;
     return x >= 0 ? x * x + y * y + z * z : 0;
