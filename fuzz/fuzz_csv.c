@@ -1,6 +1,6 @@
-/* fuzz_csv.c - any bytes as a table: of sensors where the first byte is odd, of key frames where it is even. No
- * crash, and what was accepted is sensors with unit normals, or frames that rise and give values between those
- * of their neighbours. */
+/* fuzz_csv.c - any bytes as a table: of sensors where the first byte is odd, of key frames where it is even.
+ * No crash, and what was accepted is sensors with unit normals, or frames that rise and give values between
+ * those of their neighbours. */
 #include "cli/lux.h"
 #include "cli/track.h"
 #include "fuzz.h"

@@ -579,8 +579,8 @@ LC_API lc_status lc_build_commit(lc_scene *scene, const lc_load_desc *desc);
 /* Replaces the camera, whatever the file's was, its lens and kind included; the film stays, and between
  * perspective cameras the screen window. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_scene_set_camera(lc_scene *scene, const lc_build_camera_desc *desc);
-/* Moves the camera that the file, or lc_scene_set_camera, gave the scene, and sets its angle of view, of which
- * 0 is that camera's own; all else of it stays. Moves do not add up: the last one counts.
+/* Moves the camera that the file, or lc_scene_set_camera, gave the scene, and sets its angle of view, of
+ * which 0 is that camera's own; all else of it stays. Moves do not add up: the last one counts.
  * LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_scene_move_camera(lc_scene *scene, const lc_camera_place *place);
 /* Where the camera is: of a scene that is changed, as of the last update; `at` is a unit ahead of `from`, and
@@ -672,9 +672,9 @@ typedef struct lc_sink lc_sink; /* bytes on their way to a file */
  * Devices and pipes are written to directly. Fails with LC_ERR_ARG, _IO, _CANCELLED, and as `fill` does. */
 LC_API lc_status lc_file_write(lc_context *ctx, const char *path,
                                lc_status (*fill)(void *user, lc_sink *sink), void *user);
-/* The name of a frame's file: the number takes the place of the one "%d" in the pattern, or "%0Nd", which fills
- * it up with zeros to N digits, 1 to 9. Returns its length, whatever of it fits into the size; 0: the pattern
- * has no such place, or another '%'. */
+/* The name of a frame's file: the number takes the place of the one "%d" in the pattern, or "%0Nd", which
+ * fills it up with zeros to N digits, 1 to 9. Returns its length, whatever of it fits into the size; 0: the
+ * pattern has no such place, or another '%'. */
 LC_API size_t lc_frame_name(const char *pattern, uint32_t frame, char *out, size_t size);
 /* Appends n bytes. LC_ERR_IO, which lc_file_write logs, _CANCELLED; what is put after it is ignored. */
 LC_API lc_status lc_sink_put(lc_sink *sink, const void *data, size_t n);

@@ -208,8 +208,8 @@ good 'a seed a frame' flat.pbrt $grainy --frames 1-2 --track slow.csv -o seeded.
 good 'a camera that rests' flat.pbrt $grainy --frames 1-2 -o still.%d.exr
 check 'fixed: the grain stays' same still.1.exr still.2.exr
 # shellcheck disable=SC2086
-good 'a camera that rests, a seed a frame' flat.pbrt $grainy --frames 1-2 -o noise.%d.exr --seed-per-frame
-check 'a seed a frame: it does not' test "$(same noise.1.exr noise.2.exr; echo $?)" -ne 0
+good 'a camera that rests, a seed a frame' flat.pbrt $grainy --frames 1-2 -o hiss.%d.exr --seed-per-frame
+check 'a seed a frame: it does not' test "$(same hiss.1.exr hiss.2.exr; echo $?)" -ne 0
 # shellcheck disable=SC2086
 good 'a seed a frame, alone' flat.pbrt $grainy --frames 2-2 --track slow.csv -o lone.%d.exr --seed-per-frame
 check 'a seed a frame: the same bytes' cmp lone.2.exr seeded.2.exr

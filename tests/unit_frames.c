@@ -1,5 +1,5 @@
-/* unit_frames.c - what frames in a row rest on: pictures that do not depend on those before, lights made for a
- * set of views, dimming and moving that do not add up, cameras that keep what they have, pictures that are
+/* unit_frames.c - what frames in a row rest on: pictures that do not depend on those before, lights made for
+ * a set of views, dimming and moving that do not add up, cameras that keep what they have, pictures that are
  * sequences. */
 #include "support/scene_text.h"
 #include "support/test.h"
@@ -22,9 +22,9 @@ static lc_context *ctx;
            "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [4 4 4] \"bool twosided\" true\n"           \
            "Shape \"trianglemesh\" \"point3 P\" [-1 3 2 1 3 2 1 3 4 -1 3 4] \"integer indices\" "            \
            "[0 1 2 0 2 3]\nAttributeEnd\n"
-#define CAMERA(at) "LookAt " at " 0 0 3 0 1 0\nCamera \"perspective\" \"float fov\" 60\n"
+#define CAMERA(at)   "LookAt " at " 0 0 3 0 1 0\nCamera \"perspective\" \"float fov\" 60\n"
 #define POINT(at, i) "LightSource \"point\" \"rgb I\" [" i "] \"point3 from\" [" at "]\n"
-#define SKY "LightSource \"infinite\" \"rgb L\" [.2 .3 .4]\n"
+#define SKY          "LightSource \"infinite\" \"rgb L\" [.2 .3 .4]\n"
 
 static lc_load_desc few(void)
 {
@@ -122,7 +122,8 @@ TEST(dimming_a_mesh_is_of_its_own_emission)
     CHECK(s && t && info_of(s).n_given_meshes == 3);
     for (int i = 0; i < 2; i++) CHECK(!lc_scene_dim_emission(s, 2, quarter) && !lc_scene_update(s, NULL));
     CHECK(!lc_scene_set_emission(t, 2, one) && !lc_scene_update(t, NULL) && alike(s, t, &same_id) && same_id);
-    CHECK(!lc_scene_dim_emission(t, 2, two) && !lc_scene_dim_emission(t, 2, one) && !lc_scene_update(t, NULL));
+    CHECK(!lc_scene_dim_emission(t, 2, two) && !lc_scene_dim_emission(t, 2, one) &&
+          !lc_scene_update(t, NULL));
     CHECK(alike(s, t, &same_id) && same_id);
     lc_scene_destroy(s);
     lc_scene_destroy(t);
@@ -133,7 +134,8 @@ static const char *const cameras[] = {
     "LookAt 0 1 -5 0 0 3 0 1 0\nCamera \"perspective\" \"float fov\" 60\n",
     "Scale -1 1 1 LookAt 0 1 -5 0 0 3 0 1 0\nCamera \"perspective\" \"float fov\" 40 \"float lensradius\" .3 "
     "\"float focaldistance\" 6\n",
-    "Scale 2 3 1 LookAt 0 1 -5 0 0 3 0 1 0\nCamera \"perspective\" \"float fov\" 60 \"float screenwindow\" [-1 "
+    "Scale 2 3 1 LookAt 0 1 -5 0 0 3 0 1 0\nCamera \"perspective\" \"float fov\" 60 \"float screenwindow\" "
+    "[-1 "
     ".5 -.7 .7]\n",
     "LookAt 0 1 -5 0 0 3 0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-4 4 -3 3]\n",
 };
@@ -141,7 +143,8 @@ static const char *const moved[] = {
     "LookAt 1 2 -4 0 0 3 0 1 0\nCamera \"perspective\" \"float fov\" 60\n",
     "Scale -1 1 1 LookAt 1 2 -4 0 0 3 0 1 0\nCamera \"perspective\" \"float fov\" 40 \"float lensradius\" .3 "
     "\"float focaldistance\" 6\n",
-    "Scale 2 3 1 LookAt 1 2 -4 0 0 3 0 1 0\nCamera \"perspective\" \"float fov\" 60 \"float screenwindow\" [-1 "
+    "Scale 2 3 1 LookAt 1 2 -4 0 0 3 0 1 0\nCamera \"perspective\" \"float fov\" 60 \"float screenwindow\" "
+    "[-1 "
     ".5 -.7 .7]\n",
     "LookAt 1 2 -4 0 0 3 0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-4 4 -3 3]\n",
 };
@@ -228,7 +231,8 @@ TEST(lights_of_views_stay_whichever_frames_came_before)
         lc_load_desc d = few();
         if (way) d.indirect_lights = 0;
         if (way == 2) d.indirect_from = LC_INDIRECT_FROM_VIEW;
-        lc_scene *s = with_views(d, CAMERA("0 1 -5"), places, 3), *t = with_views(d, CAMERA("0 1 -5"), places, 3);
+        lc_scene *s = with_views(d, CAMERA("0 1 -5"), places, 3),
+                 *t = with_views(d, CAMERA("0 1 -5"), places, 3);
         lc_scene *u = with_views(d, CAMERA("0 1 -5"), places, 2);
         const lc_scene_info a = info_of(s);
         for (int i = 0; i < 3; i++) CHECK(!lc_scene_move_camera(s, &places[i]) && !lc_scene_update(s, NULL));
@@ -242,7 +246,8 @@ TEST(lights_of_views_stay_whichever_frames_came_before)
         CHECKF(!same_id, "other views are another picture");
         CHECK(!lc_scene_dim_light(s, 1, half) && !lc_scene_update(s, NULL));
         CHECK(!lc_scene_move_camera(s, &places[0]) && !lc_scene_update(s, NULL));
-        CHECK(!lc_scene_dim_light(t, 1, half) && !lc_scene_move_camera(t, &places[0]) && !lc_scene_update(t, NULL));
+        CHECK(!lc_scene_dim_light(t, 1, half) && !lc_scene_move_camera(t, &places[0]) &&
+              !lc_scene_update(t, NULL));
         CHECK(alike(s, t, &same_id) && same_id && info_of(t).built_lights == 1);
         lc_scene_destroy(s);
         lc_scene_destroy(t);
@@ -266,6 +271,53 @@ TEST(lights_of_one_view_are_those_of_a_camera_there)
         lc_scene_destroy(s);
         lc_scene_destroy(t);
     }
+}
+
+/* From above, half a unit a pixel: the farthest that the second picture is from the first one moved by a
+ * pixel, over the mean. */
+static double off_moved(bool for_both)
+{
+    lc_load_desc d = few();
+    lc_views_desc views = LC_VIEWS_DESC_INIT;
+    lc_camera_place places[2] = { LC_CAMERA_PLACE_INIT, LC_CAMERA_PLACE_INIT };
+    lc_render_desc r = LC_RENDER_DESC_INIT;
+    lc_image *image[2];
+    double most = 0, sum = 0;
+    for (int i = 0; i < 2; i++) {
+        places[i].from[0] = places[i].at[0] = 0.5 * i;
+        places[i].from[1] = 4;
+        places[i].at[1] = places[i].at[2] = 0;
+        places[i].up[1] = 0;
+        places[i].up[2] = 1;
+    }
+    views.places = places;
+    views.n = for_both ? 2 : 0;
+    d.views = &views;
+    d.indirect_from = LC_INDIRECT_FROM_VIEW;
+    r.method = LC_METHOD_EXACT;
+    lc_scene *s = scene_from_text(
+        ctx, &d,
+        ROOM("LookAt 0 4 0 0 0 0 0 0 1 Camera \"orthographic\" \"float screenwindow\" [-6 6 -4 4]\n"
+             "PixelFilter \"box\"\n",
+             POINT("0 3 0", "8 8 8"), SKY));
+    for (int i = 0; i < 2; i++) {
+        CHECK(!lc_scene_move_camera(s, &places[i]) && !lc_scene_update(s, NULL));
+        CHECK(!lc_render(ctx, s, &r, &image[i], NULL));
+    }
+    const float *a = lc_image_channel(image[0], "G"), *b = lc_image_channel(image[1], "G");
+    for (int i = 0; i < 24 * 16; i++) sum += (double)a[i];
+    for (int y = 0; y < 16; y++)
+        for (int x = 1; x < 24; x++)
+            most = fmax(most, fabs((double)a[24 * y + x] - (double)b[24 * y + x - 1]));
+    for (int i = 0; i < 2; i++) lc_image_destroy(image[i]);
+    lc_scene_destroy(s);
+    return most / sum * 24 * 16;
+}
+
+TEST(the_light_s_error_moves_with_the_picture)
+{
+    const double both = off_moved(true), each = off_moved(false);
+    CHECKF(both < 1e-5 && each > 1e-3, "%g, for each frame's own view %g", both, each);
 }
 
 /* ---- pictures that are sequences ---- */
@@ -292,7 +344,7 @@ static void write_picture(const char *name, float r, float g)
     "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 12\nSampler \"zsobol\" "                \
     "\"integer pixelsamples\" 1\nIntegrator \"path\" \"integer maxdepth\" 3\nWorldBegin\n" sky               \
     "Shape \"trianglemesh\" \"point3 P\" [-9 -1 -9 9 -1 -9 9 -1 9 -9 -1 9] \"integer indices\" "             \
-    "[0 2 1 0 3 2]\nAreaLightSource \"diffuse\" \"string filename\" \"" name "\" " more "\n"                  \
+    "[0 2 1 0 3 2]\nAreaLightSource \"diffuse\" \"string filename\" \"" name "\" " more "\n"                 \
     "Shape \"trianglemesh\" \"point3 P\" [-2 0 4 2 0 4 2 3 4 -2 3 4] \"point2 uv\" [0 0 1 0 1 1 0 1] "       \
     "\"integer indices\" [0 1 2 0 2 3]\n"
 #define SKY_OF(name) "LightSource \"infinite\" \"string filename\" \"" name "\"\n"
@@ -372,12 +424,23 @@ TEST(names_of_frames)
 {
     static const struct {
         const char *pattern, *want;
-    } names[] = { { "f.%04d.exr", "f.0042.exr" }, { "%d", "42" },          { "a%01d", "a42" },
-                  { "f.exr", NULL },              { "%d%d", NULL },        { "%4d", NULL },
-                  { "%s", NULL },                 { "100%.%d", NULL },     { "%", NULL },
-                  { "%0d", NULL },                { "%d%", NULL },         { "%09d.exr", "000000042.exr" },
-                  { "%010d", NULL },              { "%0", NULL },          { "", NULL },
-                  { "%n", NULL },                 { "%ld", NULL } };
+    } names[] = { { "f.%04d.exr", "f.0042.exr" },
+                  { "%d", "42" },
+                  { "a%01d", "a42" },
+                  { "f.exr", NULL },
+                  { "%d%d", NULL },
+                  { "%4d", NULL },
+                  { "%s", NULL },
+                  { "100%.%d", NULL },
+                  { "%", NULL },
+                  { "%0d", NULL },
+                  { "%d%", NULL },
+                  { "%09d.exr", "000000042.exr" },
+                  { "%010d", NULL },
+                  { "%0", NULL },
+                  { "", NULL },
+                  { "%n", NULL },
+                  { "%ld", NULL } };
     char out[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const size_t n = lc_frame_name(names[i].pattern, 42, out, sizeof out);
@@ -460,6 +523,7 @@ int main(void)
     RUN(lights_kept_for_another_view_are_made_again_when_they_need_not_stay);
     RUN(lights_of_views_stay_whichever_frames_came_before);
     RUN(lights_of_one_view_are_those_of_a_camera_there);
+    RUN(the_light_s_error_moves_with_the_picture);
     RUN(a_frame_of_a_sequence_is_the_scene_with_its_picture);
     RUN(power_and_wrong_names_of_sequences);
     RUN(names_of_frames);

@@ -152,6 +152,14 @@ lc_status lc_scene_set_instance(lc_scene *s, uint32_t instance, const double to_
     return st ? st : lc_scene_change(s, &c);
 }
 
+/* The scene's number of a mesh. */
+static lc_status find_mesh(const lc_scene *s, const char *call, uint32_t *at)
+{
+    const lc_given *g = &s->given;
+    const lc_status st = check(s, call);
+    return st ? st : find(s, call, "mesh", g->meshes, s->by_calls ? g->n_meshes : s->n_meshes, at);
+}
+
 /* Exchanges the emission of mesh c->at, once it is the scene's number. */
 static lc_status change_emission(lc_scene *s, const char *call, const lc_change *c)
 {
@@ -164,10 +172,7 @@ lc_status lc_scene_set_emission(lc_scene *s, uint32_t mesh, const float emission
 {
     static const char call[] = "lc_scene_set_emission";
     lc_change c = { .kind = LC_CHANGE_EMISSION, .at = mesh };
-    lc_status st = check(s, call);
-    if (st) return st;
-    const lc_given *g = &s->given;
-    st = find(s, call, "mesh", g->meshes, s->by_calls ? g->n_meshes : s->n_meshes, &c.at);
+    lc_status st = find_mesh(s, call, &c.at);
     if (st) return st;
     for (int k = 0; k < 3; k++)
         if (!emission || !(emission[k] >= 0 && emission[k] <= LC_MAX_INTENSITY))
@@ -183,10 +188,7 @@ lc_status lc_scene_dim_emission(lc_scene *s, uint32_t mesh, const float factor[3
 {
     static const char call[] = "lc_scene_dim_emission";
     lc_change c = { .kind = LC_CHANGE_EMISSION, .at = mesh };
-    lc_status st = check(s, call);
-    if (st) return st;
-    const lc_given *g = &s->given;
-    st = find(s, call, "mesh", g->meshes, s->by_calls ? g->n_meshes : s->n_meshes, &c.at);
+    lc_status st = find_mesh(s, call, &c.at);
     if (!st) st = check_factor(s, call, factor);
     if (st || c.at == LC_NONE) return st;
     c.emission = lc_f3_mul(s->meshes[c.at].own_emission, lc_f3_load(factor));

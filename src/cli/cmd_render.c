@@ -477,7 +477,8 @@ static int make_frames(options *o, lc_context *ctx, lc_scene **scene, lc_image *
         if (!status && cli_caught_signal() && i + f->step <= f->last) status = stopped(o);
     }
     if (status && f->n_done)
-        fprintf(stderr, "lightcuts: frame %u is not written; those before it, %u, are\n", f->frame, f->n_done);
+        fprintf(stderr, "lightcuts: frame %u is not written; those before it, %u, are\n", f->frame,
+                f->n_done);
     if (!status && o->print_stats) cli_frames_print(stdout, f, *scene);
     return status;
 }
@@ -492,13 +493,14 @@ static int run(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
     if (o->frames.many) return make_frames(o, ctx, scene, image);
     status = load(o, ctx, scene);
     if (status) return status == NOTHING_TO_DO ? 0 : status;
-    return o->frames.given ? make_frame(o, ctx, *scene, image, t0)
-                           : make_picture(o, ctx, *scene, image, t0);
+    return o->frames.given ? make_frame(o, ctx, *scene, image, t0) : make_picture(o, ctx, *scene, image, t0);
 }
 
 int cmd_render(int argc, char **argv)
 {
-    options o = { .load = LC_LOAD_DESC_INIT, .render = LC_RENDER_DESC_INIT, .farm = CLI_FARM_INIT,
+    options o = { .load = LC_LOAD_DESC_INIT,
+                  .render = LC_RENDER_DESC_INIT,
+                  .farm = CLI_FARM_INIT,
                   .frames = { .views = LC_VIEWS_DESC_INIT } };
     int status;
     o.farm.start = cli_now();

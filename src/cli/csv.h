@@ -1,5 +1,5 @@
-/* csv.h - reads tables: columns separated by commas, named by the first line. Lines may end in CR LF, a column
- * may be quoted, blank lines are skipped.
+/* csv.h - reads tables: columns separated by commas, named by the first line. Lines may end in CR LF, a
+ * column may be quoted, blank lines are skipped.
  *
  *     cli_csv_open -> cli_csv_next -> cli_csv_cell, cell by cell -> cli_csv_next ... -> cli_csv_close
  *
@@ -15,16 +15,16 @@
 typedef struct cli_csv {
     const char *path;
     FILE *f;
-    char *line;   /* without its end */
+    char *line;    /* without its end */
     size_t number; /* of the line, from 1 */
-    int status;   /* the exit status after an error */
-    bool quiet;   /* nothing is said */
+    int status;    /* the exit status after an error */
+    bool quiet;    /* nothing is said */
 } cli_csv;
 
 typedef struct cli_cell {
     const char *text; /* in the line, without the blanks and quotes around it */
     size_t len;
-    size_t column;    /* of the line, from 1 */
+    size_t column; /* of the line, from 1 */
 } cli_cell;
 
 /* 0, or the exit status after an error. Close it in either case. */

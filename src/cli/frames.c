@@ -87,8 +87,9 @@ void cli_frames_print(FILE *out, const cli_frames *f, const lc_scene *scene)
 {
     lc_scene_info i = LC_SCENE_INFO_INIT;
     lc_scene_get_info(scene, &i);
-    fprintf(out, "frames           %u in %.2f s; built of the last scene: %u BVHs, %u over instances, lights %u "
-                 "times,\n                 virtual lights %u, light trees %u; %u pictures read\n",
+    fprintf(out,
+            "frames           %u in %.2f s; built of the last scene: %u BVHs, %u over instances, lights %u "
+            "times,\n                 virtual lights %u, light trees %u; %u pictures read\n",
             f->n_done, cli_now() - f->start, i.built_bvhs, i.built_tops, i.built_lights, i.built_indirect,
             i.built_trees, i.built_images);
 }

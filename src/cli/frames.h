@@ -13,21 +13,21 @@
 #define CLI_MAX_NAME 4096 /* bytes of a frame's names, with the zero */
 
 typedef struct cli_frames {
-    bool given, many;          /* --frame or --frames; --frames */
+    bool given, many; /* --frame or --frames; --frames */
     uint32_t first, last, step;
-    const char *path;          /* of the track; NULL: none */
+    const char *path; /* of the track; NULL: none */
     bool seed_per_frame;
     cli_track track;
     lc_camera_place places[CLI_TRACK_VIEWS];
-    lc_views_desc views;       /* of the load: what of the track lights are made for */
-    uint32_t frame, n_done;    /* the frame at work; those written, or there already */
+    lc_views_desc views;    /* of the load: what of the track lights are made for */
+    uint32_t frame, n_done; /* the frame at work; those written, or there already */
     double start;
 } cli_frames;
 
 /* "7", "1-100", "1-100x5", "1-100:5"; 0 = ok. Frames are 1 or more. */
 int cli_frames_parse(const char *text, cli_frames *f);
-/* The name of a file in frame f->frame: that of a pattern, or as it is where it has no '%'. must: it has to have
- * a place for the number. 0, or after a usage error that begins with `what` -1. */
+/* The name of a file in frame f->frame: that of a pattern, or as it is where it has no '%'. must: it has to
+ * have a place for the number. 0, or after a usage error that begins with `what` -1. */
 int cli_frames_name(const cli_frames *f, const char *what, const char *name, bool must,
                     char out[CLI_MAX_NAME]);
 /* Whether the scene has a file for each frame. */

@@ -1,15 +1,14 @@
-/* render_checks.c - the names of a render's files, and what is said of a scene before it: render_options.h. */
+/* render_checks.c - the names of a render's files, and what is said of a scene before it. */
 #include "cli/place.h"
 #include "cli/render_options.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Sets the names of the frame at work; those of --frames must have its number. Nonzero after a usage error. */
 int cli_render_name_frame(cli_render_options *o)
 {
     const cli_frames *f = &o->frames;
-    char (*name)[CLI_MAX_NAME] = o->names;
+    char(*name)[CLI_MAX_NAME] = o->names;
     int bad = 0;
     for (int i = 0; i < o->n_outputs && !bad; i++) {
         bad = cli_frames_name(f, "output", o->patterns.outputs[i], f->many, *name);
@@ -30,21 +29,21 @@ int cli_render_name_frame(cli_render_options *o)
 /* Frames are whole pictures, and their scene is set again after it was read. */
 int cli_render_check_frames(cli_render_options *o)
 {
-    const char *other = o->farm.chunk             ? "--chunk"
-                        : o->farm.print           ? "--print-chunks"
-                        : o->farm.checkpoint      ? "--checkpoint"
-                        : o->calibration          ? "--calibration"
-                        : o->farm.time_limit > 0  ? "--time-limit"
-                        : o->render.seconds > 0   ? "--time"
-                                                  : NULL;
+    const char *other = o->farm.chunk            ? "--chunk"
+                        : o->farm.print          ? "--print-chunks"
+                        : o->farm.checkpoint     ? "--checkpoint"
+                        : o->calibration         ? "--calibration"
+                        : o->farm.time_limit > 0 ? "--time-limit"
+                        : o->render.seconds > 0  ? "--time"
+                                                 : NULL;
     if (!o->frames.given) {
         if (!o->frames.path && !o->frames.seed_per_frame) return 0;
-        cli_usage_error("render", "%s needs --frames or --frame", o->frames.path ? "--track" : "--seed-per-frame");
+        cli_usage_error("render", "%s needs --frames or --frame",
+                        o->frames.path ? "--track" : "--seed-per-frame");
         return -1;
     }
     if (other && (o->frames.many || o->frames.path))
-        cli_usage_error("render", "--frames and --track: not with %s; a farm renders other frames on each machine",
-                        other);
+        cli_usage_error("render", "--frames and --track: not with %s", other);
     else if (o->frames.many && !o->n_outputs)
         cli_usage_error("render", "--frames needs -o, with a place for the number: -o frame.%%04d.exr");
     else {
@@ -155,4 +154,3 @@ void cli_render_warn(const cli_render_options *o, const lc_scene_info *info)
                 "only direct light\n",
                 o->load.max_depth);
 }
-

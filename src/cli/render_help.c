@@ -48,9 +48,9 @@ void cli_render_help(void)
 {
     print_picture_options();
     printf(
-        "      --frames A-B[xSTEP]  frames in a row, or one: %%04d in -o, --stats-file, the scene's name and\n"
-        "                           pictures of lights is the frame's number; --resume leaves out those\n"
-        "                           that are there\n"
+        "      --frames A-B[xSTEP]  frames in a row, or one: %%04d in -o, --stats-file, the scene's name\n"
+        "                           and pictures of lights is the frame's number; --resume leaves out\n"
+        "                           those that are there\n"
         "      --track FILE.csv     camera and lights of the frames, by key frames\n"
         "      --frame N            one frame, whose names need no number; default: pictures of frame 1\n"
         "      --seed-per-frame     other grain in each frame; without it the grain stays\n"

@@ -33,9 +33,11 @@ typedef struct cli_render_options {
     cli_tone tone;
 } cli_render_options;
 
-/* Sets the names of the frame at work; those of --frames must have its number. Nonzero after a usage error. */
+/* Sets the names of the frame at work; those of --frames must have its number. Nonzero after a usage
+ * error. */
 int cli_render_name_frame(cli_render_options *o);
-/* Whether the options of frames fit with the others, and the names of the first. Nonzero after a usage error. */
+/* Whether the options of frames fit with the others, and the names of the first. Nonzero after a usage
+ * error. */
 int cli_render_check_frames(cli_render_options *o);
 /* Adds the default output, where none was given. */
 void cli_render_choose_output(cli_render_options *o, const lc_scene_info *info);

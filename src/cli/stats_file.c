@@ -100,11 +100,11 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
             s->points ? (double)s->shadow_rays / (double)s->points : 0.0);
     fprintf(f, "bounds           %llu\n", (ull)s->bounds_evaluated);
     print_calibration(f, &s->calibration);
-    fprintf(f,
-            "built            %u BVHs, %u over instances, lights %u times, virtual lights %u, light trees %u; "
-            "%u pictures read\n",
-            i->built_bvhs, i->built_tops, i->built_lights, i->built_indirect, i->built_trees,
-            i->built_images);
+    fprintf(
+        f,
+        "built            %u BVHs, %u over instances, lights %u times, virtual lights %u, light trees %u; "
+        "%u pictures read\n",
+        i->built_bvhs, i->built_tops, i->built_lights, i->built_indirect, i->built_trees, i->built_images);
     fprintf(f, "memory           bvh %.1f MB, light tree %.1f MB, process at most %.1f MB\n",
             (double)i->bvh_bytes * 1e-6, (double)i->tree_bytes * 1e-6, (double)peak_rss() * 1e-6);
 }

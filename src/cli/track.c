@@ -92,7 +92,8 @@ static int check_header(cli_csv *csv, const cli_track *t)
     if (!find(t, CLI_TRACK_FRAME, 0, 0)) return cli_csv_fail(csv, 1, "no column 'frame'");
     for (size_t i = 0; i < t->n_columns; i++) {
         const cli_track_column *c = &t->columns[i];
-        if (c->what != CLI_TRACK_LOOK && c->what != CLI_TRACK_UP && c->what != CLI_TRACK_LIGHT_PLACE) continue;
+        if (c->what != CLI_TRACK_LOOK && c->what != CLI_TRACK_UP && c->what != CLI_TRACK_LIGHT_PLACE)
+            continue;
         for (int axis = 0; axis < 3; axis++)
             if (!find(t, c->what, axis, c->first))
                 return cli_csv_fail(csv, c->at, "a place or direction needs its columns x, y and z");
@@ -113,8 +114,8 @@ static int read_header(cli_csv *csv, cli_track *t)
         memcpy(name, cell.text, fits ? cell.len : 0);
         name[fits ? cell.len : 0] = 0;
         if (!parse_name(name, &c))
-            return cli_csv_fail(csv, cell.column, "unknown column '%.*s': %s", (int)(cell.len % 64), cell.text,
-                                wanted);
+            return cli_csv_fail(csv, cell.column, "unknown column '%.*s': %s",
+                                (int)(fits ? cell.len : sizeof name), cell.text, wanted);
         for (size_t i = 0; i < t->n_columns; i++)
             if (same_column(&t->columns[i], &c))
                 return cli_csv_fail(csv, cell.column, "a column of that name is there already");

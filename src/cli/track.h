@@ -22,8 +22,14 @@
 #define CLI_TRACK_VIEWS 32 /* moments of the track that lights are made for, at most */
 
 typedef enum cli_track_what {
-    CLI_TRACK_FRAME, CLI_TRACK_EYE, CLI_TRACK_LOOK, CLI_TRACK_UP, CLI_TRACK_FOV, CLI_TRACK_LIGHT_SCALE,
-    CLI_TRACK_LIGHT_PLACE, CLI_TRACK_MESH_SCALE
+    CLI_TRACK_FRAME,
+    CLI_TRACK_EYE,
+    CLI_TRACK_LOOK,
+    CLI_TRACK_UP,
+    CLI_TRACK_FOV,
+    CLI_TRACK_LIGHT_SCALE,
+    CLI_TRACK_LIGHT_PLACE,
+    CLI_TRACK_MESH_SCALE
 } cli_track_what;
 
 typedef struct cli_track_column {
@@ -51,8 +57,8 @@ double cli_track_value(const cli_track *t, size_t column, double frame);
 bool cli_track_has_camera(const cli_track *t);
 /* The camera of a frame. False, after an error, if it looks nowhere. */
 bool cli_track_place(const cli_track *t, double frame, lc_camera_place *out);
-/* Whole frames of the track, evenly spaced from its first to its last, that lights are made for: their number,
- * at most CLI_TRACK_VIEWS. They are the same whatever frames are rendered. */
+/* Whole frames of the track, evenly spaced from its first to its last, that lights are made for: their
+ * number, at most CLI_TRACK_VIEWS. They are the same whatever frames are rendered. */
 uint32_t cli_track_moments(const cli_track *t, double frames[CLI_TRACK_VIEWS]);
 /* Sets what the track has for a frame; the update is the caller's. 0, or the exit status after an error. */
 int cli_track_set(const cli_track *t, lc_scene *scene, double frame);

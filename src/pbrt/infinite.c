@@ -62,7 +62,8 @@ static lc_status get_map(lc_pbrt *p, lc_env *env, bool *is_image)
     if (!st) st = lc_pbrt_get_text(&p->params, "mapname", &v3, &v3_par);
     *is_image = false;
     if (!st && v4 && *v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, LC_PBRT_OF_SKY, &env->map, is_image);
-    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, LC_PBRT_OF_SKY, &env->map, is_image);
+    else if (!st && v3 && *v3)
+        st = lc_pbrt_light_map(p, v3_par->pos, v3, LC_PBRT_OF_SKY, &env->map, is_image);
     env->mapping = LC_ENV_EQUAL_AREA;
     if (*is_image && (!(v4 && *v4) || lc_env_width(env) != lc_env_height(env))) env->mapping = LC_ENV_LATLONG;
     return st || *is_image ? st : lc_pbrt_constant_map(p, &env->map);

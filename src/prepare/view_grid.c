@@ -20,8 +20,8 @@ static void add_view(lc_view_grid *view, const lc_camera *camera, uint32_t side,
     for (uint32_t i = 0; i < side * side; i++) {
         lc_f3 dir;
         lc_sight sight;
-        if (!lc_view_sight_by(scene, camera, (i % side + 0.5) / side * width, (i / side + 0.5) / side * height,
-                              lens, &how, &dir, &sight) ||
+        if (!lc_view_sight_by(scene, camera, (i % side + 0.5) / side * width,
+                              (i / side + 0.5) / side * height, lens, &how, &dir, &sight) ||
             !sight.n_lit)
             continue;
         const lc_lit *lit = &sight.lit[0];

@@ -15,7 +15,7 @@
 
 typedef struct lc_view_grid {
     const lc_scene *scene;
-    uint32_t n;       /* points, at most `room`: rays that leave the scene give none */
+    uint32_t n; /* points, at most `room`: rays that leave the scene give none */
     size_t room;
     lc_point *points; /* in the order of the picture's rows, one view after another */
     float (*org)[3];  /* n: origins of their shadow rays */

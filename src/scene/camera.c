@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-#define WHOLE 1e-9 /* of a mirroring's entries, which LookAt and its inverse leave so far from -1, 0, 1 */
+#define WHOLE      1e-9 /* of a mirroring's entries, which rounding leaves so far from -1, 0, 1 */
 #define MAX_LENGTH 1e12 /* limits lens radius and focal distance, as LC_MAX_COORD does coordinates */
 
 /* Inverts an affine row-major 4x4 matrix, whose last row must be 0 0 0 w; false when it is singular. */

@@ -22,8 +22,8 @@ typedef struct lc_mesh {
     bool clear;   /* the material is or mixes glass, which shadow rays pass */
     bool flip, two_sided;
     lc_f3 emission, own_emission; /* own: before it is dimmed */
-    uint32_t alpha;        /* index into lc_scene.alphas; LC_NONE: opaque */
-    uint32_t emission_map; /* 1 + index into lc_scene.emission_maps; 0: none */
+    uint32_t alpha;               /* index into lc_scene.alphas; LC_NONE: opaque */
+    uint32_t emission_map;        /* 1 + index into lc_scene.emission_maps; 0: none */
 } lc_mesh;
 
 /* An object for instancing: consecutive triangles in a space of their own. */
@@ -77,12 +77,12 @@ typedef struct lc_given {
 
 /* A picture whose file is another in each frame. */
 typedef struct lc_sequence {
-    const char *name;    /* of its files, with "%d" or "%0Nd" in place of the number after `folder` bytes */
+    const char *name; /* of its files, with "%d" or "%0Nd" in place of the number after `folder` bytes */
     size_t folder;
     bool is_env;
-    uint32_t map;        /* of lc_scene.emission_maps, or of lc_scene.envs */
-    uint64_t digest;     /* of the file's bytes */
-    lc_mipmap next;      /* waits for the update; without texels: none does */
+    uint32_t map;    /* of lc_scene.emission_maps, or of lc_scene.envs */
+    uint64_t digest; /* of the file's bytes */
+    lc_mipmap next;  /* waits for the update; without texels: none does */
     uint64_t next_digest;
 } lc_sequence;
 
@@ -102,8 +102,8 @@ typedef struct lc_change {
 typedef struct lc_changes {
     lc_change *list;
     size_t n, cap;
-    bool lights; /* lc_given.lights are not the scene's any more */
-    bool pictures;  /* lc_sequence.next wait, of this */
+    bool lights;   /* lc_given.lights are not the scene's any more */
+    bool pictures; /* lc_sequence.next wait, of this */
     uint32_t frame;
 } lc_changes;
 

@@ -14,9 +14,9 @@
 /* The picture of a file. Integer images are decoded as sRGB. LC_ERR_IO, _PARSE, _UNSUPPORTED, _MEMORY. */
 lc_status lc_picture_read(lc_context *ctx, lc_pos where, const char *path, lc_mipmap *out);
 
-/* Reads the picture of the scene's frame, which the caller adds to the scene next: as its next environment, or
- * else its next emission map. path: of the frame's file, which ends with what lc_frame_name makes of the name.
- * As lc_picture_read does. */
+/* Reads the picture of the scene's frame, which the caller adds to the scene next: as its next environment,
+ * or else its next emission map. path: of the frame's file, which ends with what lc_frame_name makes of the
+ * name. As lc_picture_read does. */
 lc_status lc_scene_add_sequence(lc_scene *scene, lc_pos where, const char *path, const char *name,
                                 bool is_env, lc_mipmap *out);
 /* Whether an emission map's picture is one of several; id as of lc_scene_add_emission_map. */

@@ -90,8 +90,7 @@ lc_status lc_scene_set_views(lc_scene *s, const lc_views_desc *desc)
     lc_views_desc d = LC_VIEWS_DESC_INIT;
     lc_status st = lc_desc_take(s->ctx, "lc_views_desc", &d, sizeof d, desc);
     if (st || !d.n) return st;
-    if (s->sensors || !s->has_camera)
-        return lc_fail(s->ctx, LC_ERR_ARG, "views: the scene has no camera");
+    if (s->sensors || !s->has_camera) return lc_fail(s->ctx, LC_ERR_ARG, "views: the scene has no camera");
     if (d.n > LC_MAX_VIEWS || !d.places)
         return lc_fail(s->ctx, LC_ERR_ARG, "views: there are none, or more than %d", LC_MAX_VIEWS);
     s->view_descs = lc_arena_alloc(&s->arena, d.n, sizeof *s->view_descs);
