@@ -73,7 +73,7 @@ for source in fuzz/fuzz_*.c; do
     else absent "$name"
     fi
 done
-for script in deps cli lux tone watch groups interval files hostile scenes golden examples library page farm load slurm; do
+for script in deps cli frames lux tone watch groups interval files hostile scenes golden examples library page farm load slurm; do
     if [ -f "tests/$script.sh" ]; then run figures "$script.sh" sh "tests/$script.sh" "$bin/lightcuts"
     else absent "$script.sh"
     fi

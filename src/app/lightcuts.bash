@@ -59,7 +59,7 @@ _lightcuts()
         render:--maxdepth | render:--area-lights | render:--env-lights | render:--indirect-lights | \
         render:--indirect-error | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
-        render:--resolution | render:--exposure | \
+        render:--resolution | render:--exposure | render:--frames | render:--frame | \
         render:--print-chunks | render:--time-limit | render:--max-memory | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
         scene:--lights | scene:--seed | converge:--pixels | converge:--spp | converge:--seed | \
@@ -96,7 +96,8 @@ _lightcuts()
         render) options='--outfile --method --error --within --time --calibration
             --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
-            --indirect-from --seed --spp --resolution --exposure --tone --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
+            --indirect-from --seed --spp --resolution --exposure --tone --pixelbounds --cropwindow
+            --frames --track --frame --seed-per-frame --chunk --print-chunks --checkpoint
             --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --watch
             --display-server --aov
             --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose

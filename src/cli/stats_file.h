@@ -10,7 +10,7 @@ typedef struct cli_render_report {
     const char *scene, *isa;
     lc_method method;
     uint64_t seed;
-    uint32_t threads;
+    uint32_t threads, frame; /* frame: 0: none */
     lc_scene_info info;
     lc_render_stats stats;
     double seconds_write, seconds_total;

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* A field was added? Hash it below if it shapes the picture, then put the new size here. */
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 128,
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 144,
                "lc_render_identity: hash the new field of lc_load_desc");
 _Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 144,
                "lc_render_identity: hash the new field of lc_render_desc");
@@ -26,6 +26,10 @@ static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *sce
         lc_digest_add(d, scene->sensors,
                       (size_t)scene->film.width * scene->film.height * sizeof *scene->sensors);
     lc_digest_u64(d, load->max_depth ? load->max_depth : scene->max_depth);
+    for (uint32_t i = 0; i < scene->n_views; i++) {
+        lc_digest_add(d, scene->view_descs[i].world_to_camera, sizeof scene->view_descs[i].world_to_camera);
+        lc_digest_number(d, scene->view_descs[i].fov_degrees);
+    }
 }
 
 /* What is 0 and means the scene's is taken as that, as it gives the same picture; so does a calibration,
