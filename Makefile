@@ -161,7 +161,7 @@ $(BIN)tests/%: $(OUT)/tests/%.o $(HELP_OBJ) $(BIN)liblightcuts.a
 	$(Q)$(CC) $(FLAGS) $(if $(CROSS),-static) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
 
 # Without the program's main().
-$(BIN)tests/replay_fuzz_options: $(filter-out %/main.o,$(CLI_OBJ))
+$(BIN)tests/replay_fuzz_options $(BIN)tests/replay_fuzz_csv: $(filter-out %/main.o,$(CLI_OBJ))
 $(BIN)tests/replay_%: $(OUT)/fuzz/%.o $(OUT)/fuzz/driver.o $(HELP_OBJ) $(BIN)liblightcuts.a
 	@mkdir -p $(@D)
 	$(call say,LD $@)
@@ -276,7 +276,7 @@ build/fuzz/%: fuzz/%.c $(FUZZ_DEPS) | deps-check
 	$(call say,LD $@)
 	$(Q)$(CLANG) $(FLAGS) $(FUZZ_LINK) -Itests $< $(TEST_HELP) build/fuzzlib/liblightcuts.a $(FUZZ_LIBS) -o $@
 
-build/fuzz/fuzz_options: fuzz/fuzz_options.c $(FUZZ_DEPS) $(CLI_SRC) | deps-check
+build/fuzz/fuzz_options build/fuzz/fuzz_csv: build/fuzz/%: fuzz/%.c $(FUZZ_DEPS) $(CLI_SRC) | deps-check
 	@mkdir -p $(@D)
 	@$(MAKE) --no-print-directory CONFIG=fuzzlib CC=$(CLANG) OPT=-O1 SAN="$(FUZZ_FLAGS)" \
 	  build/fuzzlib/liblightcuts.a $(patsubst %.c,build/fuzzlib/%.o,$(CLI_SRC))

@@ -156,6 +156,24 @@ typedef struct lc_sensors_desc {
 } lc_sensors_desc;
 #define LC_SENSORS_DESC_INIT { sizeof(lc_sensors_desc), LC_ILLUMINANCE, 0, 0, 0 }
 
+/* Where a camera is and how wide it looks; all else that a camera has, as a lens, a screen window or a
+ * mirrored image, is not part of it. */
+typedef struct lc_camera_place {
+    size_t size;
+    double from[3], at[3], up[3]; /* it looks from `from` to `at`; `up` is y */
+    double fov;                   /* perspective: degrees, of the film's shorter side; 0: its own */
+} lc_camera_place;
+#define LC_CAMERA_PLACE_INIT { sizeof(lc_camera_place), { 0, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, 0 }
+
+/* Places of the scene's camera for which lights are made, all of them together. */
+typedef struct lc_views_desc {
+    size_t size;
+    const lc_camera_place *places;
+    uint32_t n; /* up to LC_MAX_VIEWS; 0: the camera's own place */
+} lc_views_desc;
+#define LC_MAX_VIEWS 256
+#define LC_VIEWS_DESC_INIT { sizeof(lc_views_desc), 0, 0 }
+
 typedef struct lc_load_desc {
     size_t size;
     uint32_t area_lights; /* oriented lights made from all emissive triangles together; 0: as many
@@ -203,12 +221,18 @@ typedef struct lc_load_desc {
      * the file gives them, else to "other". Pictures have a plane triple for each group, see lc_light_group.
      * At most 256, and 63 names; LC_ERR_ARG for a name that is none, and by lc_build_commit. */
     const char *const *groups;
+    /* NULL: lights made from emissive triangles, environments and bounces are chosen for what the camera
+     * sees, wherever it is set later. Otherwise for what it sees from these places: then they depend on them
+     * alone, stay when the camera moves, and a picture does not depend on those before it. Copied when
+     * `parsed` has returned, which may fill it in. Not with sensors. */
+    const lc_views_desc *views;
     uint32_t n_groups;
+    uint32_t frame; /* of files: the number in the names of pictures that are sequences; 0: 1 */
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
 #define LC_LOAD_DESC_INIT                                                                                    \
     { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0, 0,  \
-      { 0, 0 }, 0, 0, 0, 0 }
+      { 0, 0 }, 0, 0, 0, 0, 0, 0 }
 
 /* A group of lights. Clusters of lights never hold lights of two groups, and with groups pictures have beside
  * R, G and B planes NAME.R, NAME.G and NAME.B of each: what its lights contribute, directly, by bounces and
@@ -294,11 +318,13 @@ typedef struct lc_scene_info {
     uint32_t built_lights;   /* lights from emissive triangles and environments, all together */
     uint32_t built_indirect; /* virtual lights, all together */
     uint32_t built_trees;    /* the light tree */
+    uint32_t built_images;   /* pictures of textures and lights that were read from files */
+    uint32_t n_sequences;    /* of those, pictures that are sequences, by the number of a frame */
 } lc_scene_info;
 #define LC_SCENE_INFO_INIT                                                                                   \
     {                                                                                                        \
         sizeof(lc_scene_info), 0, 0, 0, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,   \
-        0, 0, { 0 }, { 0 }, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0                   \
+        0, 0, { 0 }, { 0 }, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0             \
     }
 
 /* Reads a pbrt file ("-" is stdin), glTF or OBJ, makes lights, builds the BVH and the light tree. desc may be
@@ -638,7 +664,8 @@ typedef struct lc_build_environment_desc {
     double to_world[16];    /* turns the directions above; row-major, on column vectors; can be inverted */
     uint32_t picture;       /* from lc_build_picture, in place of texels; LC_NO_PICTURE: none */
     double illuminance;     /* what the scale is multiplied to make: the irradiance, of luminance, of a
-                             * surface with the normal +z by the half above; 0: as it is */
+                             * surface with the normal +z by the half above; 0: as it is. A
+                             * sequence counts as white */
     const char *group;      /* as lc_build_mesh_desc's */
 } lc_build_environment_desc;
 #define LC_BUILD_ENVIRONMENT_DESC_INIT                                                                       \
@@ -734,7 +761,14 @@ LC_API lc_status lc_build_feature(lc_scene *scene, const char *kind, const char 
 LC_API lc_status lc_build_paths(lc_scene *scene, int traced, uint32_t max_depth);
 /* *id: the picture's number. */
 LC_API lc_status lc_build_picture(lc_scene *scene, const lc_build_picture_desc *desc, uint32_t *id);
-/* The mean of a picture, linear. */
+/* A picture whose file is another in each frame, for emission and environments: the name has a place for the
+ * number (lc_frame_name), folder stands before it as it is, NULL: nothing does. The file of the scene's frame
+ * is read: lc_load_desc.frame, of a scene by calls 1; lc_scene_set_frame reads those of others. *id: the
+ * picture's number; size: width and height, or NULL. LC_ERR_IO and _PARSE, with the file's name; LC_ERR_ARG,
+ * _MEMORY. */
+LC_API lc_status lc_build_sequence(lc_scene *scene, const char *folder, const char *name, uint32_t *id,
+                                   uint32_t size[2]);
+/* The mean of a picture, linear; of a sequence 1, as it is another in each frame. */
 LC_API lc_status lc_build_picture_mean(const lc_scene *scene, uint32_t picture, double mean[3]);
 /* *id: the texture's number. Where textures of textures are more than 64 deep or 1024 in all, one that is
  * their mean takes the place, which is noted. */
@@ -798,11 +832,12 @@ LC_API lc_status lc_build_commit(lc_scene *scene, const lc_load_desc *desc);
  *     changed      built by the update
  *     camera       lights made from emissive triangles (unless lc_load_desc.area_lights gives their number)
  *                  and from environments, and virtual lights, as these are chosen for the view; where there
- *                  are any of them, the light tree. Else nothing
+ *                  are any of them, the light tree. Else, and with lc_load_desc.views, nothing
  *     lights       the light tree; virtual lights
  *     an instance  the BVH over the instances; and as for the camera. The light tree also where the diagonal
  *                  of the scene has changed and lights have a direction
  *     emission     lights made from emissive triangles and from environments, virtual lights, the light tree
+ *     a frame      pictures that are sequences are read; then as for emission
  *
  * BVHs of triangles are never built again. lc_scene_info counts what was built.
  *
@@ -814,24 +849,43 @@ LC_API lc_status lc_build_commit(lc_scene *scene, const lc_load_desc *desc);
  * of its own, as nothing that is set is seen before the update. lc_scene_update needs the scene for itself:
  * no other call may use it until it returns, and no lc_render and lc_shade of it may be on its way. */
 
-/* Replaces the camera, whatever the file's was; the film stays. LC_ERR_ARG, _MEMORY. */
+/* Replaces the camera, whatever the file's was, its lens and kind included; the film stays, and between
+ * perspective cameras the screen window. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_scene_set_camera(lc_scene *scene, const lc_build_camera_desc *desc);
+/* Moves the camera that the file, or lc_scene_set_camera, gave the scene, and sets its angle of view, of
+ * which 0 is that camera's own; all else of it stays. Moves do not add up: the last one counts.
+ * LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_move_camera(lc_scene *scene, const lc_camera_place *place);
+/* Where the camera is: of a scene that is changed, as of the last update; `at` is a unit ahead of `from`, and
+ * fov 0 where the kind has none. Also within lc_load_desc.parsed. LC_ERR_ARG, also without a camera. */
+LC_API lc_status lc_scene_get_camera(const lc_scene *scene, lc_camera_place *place);
 /* Replaces a light, also by one of another kind. One of intensity 0 keeps its number. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_scene_set_light(lc_scene *scene, uint32_t light, const lc_build_light_desc *desc);
-/* Multiplies a light's intensity, as it was set last, by factor R G B, each >= 0: to dim one of any kind that
- * a file has. LC_ERR_ARG, _MEMORY. */
+/* Dims a light of any kind: its intensity is what the file, or lc_scene_set_light, gave it, times factor R G
+ * B, each >= 0. Factors of several calls do not add up: the last one counts. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_scene_dim_light(lc_scene *scene, uint32_t light, const float factor[3]);
+/* Moves a light of any kind that has a place, which is what is set; all else of it stays. LC_ERR_ARG, also
+ * for lights that are far away; _MEMORY. */
+LC_API lc_status lc_scene_move_light(lc_scene *scene, uint32_t light, const float position[3]);
 /* Moves an instance; to_world as for lc_build_instance. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_scene_set_instance(lc_scene *scene, uint32_t instance, const double to_world[16]);
 /* Radiance of a mesh, R G B >= 0; 0: it does not emit. LC_ERR_ARG also for meshes of objects; _MEMORY. */
 LC_API lc_status lc_scene_set_emission(lc_scene *scene, uint32_t mesh, const float emission[3]);
+/* Dims a mesh as lc_scene_dim_light dims lights: the factor is of what the file or lc_scene_set_emission gave
+ * it, and the last one counts. LC_ERR_ARG also for meshes of objects; _MEMORY. */
+LC_API lc_status lc_scene_dim_emission(lc_scene *scene, uint32_t mesh, const float factor[3]);
+/* Reads, of pictures that are sequences, those of this frame, 1 or more. A scene of no sequences stays as it
+ * is. LC_ERR_IO and _PARSE, with the file's name: nothing was set; LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_set_frame(lc_scene *scene, uint32_t frame);
 
 typedef struct lc_update_desc {
     size_t size;
     /* Nonzero: where only the view is another, by the camera or by instances, the lights made from emissive
      * triangles and environments stay, and when the camera alone moves virtual lights too: nothing is built
      * for a camera, and what is left of the error does not swim from frame to frame. They were chosen for the
-     * view at which they were made, so that lc_scene_info's lamps_median and indirect_median are of that. */
+     * view at which they were made, so that lc_scene_info's lamps_median and indirect_median are of that, and
+     * pictures depend on which view that was: with lc_load_desc.views they do not. The next update without it
+     * makes them for the view that is then. */
     int keep_lights;
 } lc_update_desc;
 #define LC_UPDATE_DESC_INIT { sizeof(lc_update_desc), 0 }
@@ -891,6 +945,10 @@ typedef struct lc_sink lc_sink; /* bytes on their way to a file */
  * Devices and pipes are written to directly. Fails with LC_ERR_ARG, _IO, _CANCELLED, and as `fill` does. */
 LC_API lc_status lc_file_write(lc_context *ctx, const char *path,
                                lc_status (*fill)(void *user, lc_sink *sink), void *user);
+/* The name of a frame's file: the number takes the place of the one "%d" in the pattern, or "%0Nd", which
+ * fills it up with zeros to N digits, 1 to 9. Returns its length, whatever of it fits into the size; 0: the
+ * pattern has no such place, or another '%'. */
+LC_API size_t lc_frame_name(const char *pattern, uint32_t frame, char *out, size_t size);
 /* Appends n bytes. LC_ERR_IO, which lc_file_write logs, _CANCELLED; what is put after it is ignored. */
 LC_API lc_status lc_sink_put(lc_sink *sink, const void *data, size_t n);
 

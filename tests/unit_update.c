@@ -282,7 +282,7 @@ TEST(an_update_builds_only_what_follows)
                "%s, %s: %u %u %u %u", ways[costs[i].way].name, step_names[costs[i].step],
                b.built_tops - a.built_tops, b.built_lights - a.built_lights,
                b.built_indirect - a.built_indirect, b.built_trees - a.built_trees);
-        CHECK(!lc_scene_update(s, NULL) && info_of(s).built_trees == b.built_trees);
+        CHECK(!lc_scene_update(s, &d) && info_of(s).built_trees == b.built_trees);
         CHECK(!costs[i].keep || costs[i].trees || !costs[i].step || b.n_lights == a.n_lights);
         lc_scene_destroy(s);
     }

@@ -24,6 +24,7 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     scene->load = *d;
     scene->inputs.reads = d->reads;
     scene->inputs.reads_user = d->reads_user;
+    scene->frame = d->frame ? d->frame : 1;
     scene->ctx->inputs = &scene->inputs;
     lc_status st = lc_groups_ask(scene, d->groups, d->n_groups);
     if (!st && d->sandbox) st = lc_inputs_restrict(&scene->inputs, &scene->arena, path, d->sandbox);
@@ -31,11 +32,13 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     if (!st) lc_groups_warn(scene);
     lc_build_end(scene);
     scene->ctx->inputs = NULL;
+    scene->inputs.reads = NULL;
     scene->input_id = lc_digest_result(&scene->inputs.digest);
     if (!st && d->sensors) st = lc_scene_set_sensors(scene, d->sensors);
     scene->load.sensors = NULL; /* the host's, which may go */
     scene->load.groups = NULL;
     if (!st) lc_scene_size_film(scene, d);
+    if (!st && scene->n_sequences) scene->input_id = lc_given_id(scene);
     scene->seconds_parse = lc_now() - t0;
     return st ? st : d->parsed && d->parsed(d->parsed_user, scene) ? LC_ERR_CANCELLED : LC_OK;
 }

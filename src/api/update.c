@@ -2,8 +2,11 @@
 #include "prepare/update.h"
 
 #include "base/desc.h"
+#include "base/rng.h"
 #include "build/build.h"
 #include "scene/group_names.h"
+#include "scene/sequence.h"
+#include "scene/view.h"
 
 /* A scene that can be changed. */
 static lc_status check(const lc_scene *s, const char *call)
@@ -36,6 +39,51 @@ static lc_status find_light(lc_scene *s, const char *call, uint32_t at)
     return LC_OK;
 }
 
+/* The same, before a light is dimmed or moved: what it was until then is kept. */
+static lc_status find_own(lc_scene *s, const char *call, uint32_t at)
+{
+    lc_given *g = &s->given;
+    lc_status st = find_light(s, call, at);
+    if (st || g->n_own) return st;
+    st = lc_grow(s->ctx, (void **)&g->own, &g->cap_own, g->n_lights, sizeof *g->own);
+    if (st) return st;
+    memcpy(g->own, g->lights, g->n_lights * sizeof *g->own);
+    g->n_own = g->n_lights;
+    return LC_OK;
+}
+
+static lc_status check_factor(const lc_scene *s, const char *call, const float factor[3])
+{
+    for (int k = 0; k < 3; k++)
+        if (!factor || !(factor[k] >= 0 && isfinite(factor[k])))
+            return lc_fail(s->ctx, LC_ERR_ARG, "%s: factor is NULL, negative or not finite", call);
+    return LC_OK;
+}
+
+lc_status lc_scene_move_camera(lc_scene *s, const lc_camera_place *place)
+{
+    static const char call[] = "lc_scene_move_camera";
+    lc_change c = { .kind = LC_CHANGE_CAMERA };
+    lc_camera_place p = LC_CAMERA_PLACE_INIT;
+    lc_status st = check(s, call);
+    if (!st && s->sensors)
+        st = lc_fail(s->ctx, LC_ERR_ARG, "%s: the scene has sensors in place of a camera", call);
+    if (!st && !place) st = lc_fail(s->ctx, LC_ERR_ARG, "%s: place is NULL", call);
+    if (!st) st = lc_desc_take(s->ctx, "lc_camera_place", &p, sizeof p, place);
+    if (st) return st;
+    st = lc_scene_place_camera(s, call, &s->own_camera, &p, &c.camera);
+    return st ? st : lc_scene_change(s, &c);
+}
+
+lc_status lc_scene_get_camera(const lc_scene *s, lc_camera_place *place)
+{
+    lc_camera_place p = LC_CAMERA_PLACE_INIT;
+    if (!s || !place) return LC_ERR_ARG;
+    if (s->sensors || !s->has_camera || !lc_camera_get_place(&s->camera_desc, &p))
+        return lc_fail(s->ctx, LC_ERR_ARG, "lc_scene_get_camera: the scene has no camera");
+    return lc_desc_give(s->ctx, "lc_camera_place", place, &p, sizeof p);
+}
+
 lc_status lc_scene_set_camera(lc_scene *s, const lc_build_camera_desc *desc)
 {
     lc_change c = { .kind = LC_CHANGE_CAMERA };
@@ -43,7 +91,9 @@ lc_status lc_scene_set_camera(lc_scene *s, const lc_build_camera_desc *desc)
     if (!st && s->sensors)
         st = lc_fail(s->ctx, LC_ERR_ARG, "lc_scene_set_camera: the scene has sensors in place of a camera");
     if (!st) st = lc_arg_camera(s, "lc_scene_set_camera", desc, &c.camera);
-    return st ? st : lc_scene_change(s, &c);
+    if (!st) st = lc_scene_change(s, &c);
+    if (!st) s->own_camera = c.camera;
+    return st;
 }
 
 /* The group of a light that is set; had: that of the light before. */
@@ -68,6 +118,7 @@ lc_status lc_scene_set_light(lc_scene *s, uint32_t light, const lc_build_light_d
     if (!st) st = find_group(s, desc, s->given.lights[light].group, &set.group);
     if (st) return st;
     s->given.lights[light] = set;
+    if (s->given.n_own) s->given.own[light] = set;
     s->changes.lights = true;
     return LC_OK;
 }
@@ -76,14 +127,27 @@ lc_status lc_scene_dim_light(lc_scene *s, uint32_t light, const float factor[3])
 {
     static const char call[] = "lc_scene_dim_light";
     lc_status st = check(s, call);
-    if (!st) st = find_light(s, call, light);
+    if (!st) st = find_own(s, call, light);
+    if (!st) st = check_factor(s, call, factor);
     if (st) return st;
-    for (int k = 0; k < 3; k++)
-        if (!factor || !(factor[k] >= 0 && isfinite(factor[k])))
-            return lc_fail(s->ctx, LC_ERR_ARG, "%s: factor is NULL, negative or not finite", call);
     lc_light *l = &s->given.lights[light], dim = *l;
-    dim.intensity = lc_f3_mul(l->intensity, lc_f3_load(factor));
+    dim.intensity = lc_f3_mul(s->given.own[light].intensity, lc_f3_load(factor));
     if ((st = lc_as_arg(lc_scene_check_light(s, LC_BY_CALL, &dim, l)))) return st;
+    s->changes.lights = true;
+    return LC_OK;
+}
+
+lc_status lc_scene_move_light(lc_scene *s, uint32_t light, const float position[3])
+{
+    static const char call[] = "lc_scene_move_light";
+    lc_status st = check(s, call);
+    if (!st) st = find_own(s, call, light);
+    if (!st && !position) st = lc_fail(s->ctx, LC_ERR_ARG, "%s: position is NULL", call);
+    if (st) return st;
+    lc_light *l = &s->given.lights[light], moved = *l;
+    if (lc_is_far(l->kind)) return lc_fail(s->ctx, LC_ERR_ARG, "%s: light %u is far away", call, light);
+    moved.pos = lc_f3_load(position);
+    if ((st = lc_as_arg(lc_scene_check_light(s, LC_BY_CALL, &moved, l)))) return st;
     s->changes.lights = true;
     return LC_OK;
 }
@@ -103,14 +167,27 @@ lc_status lc_scene_set_instance(lc_scene *s, uint32_t instance, const double to_
     return st ? st : lc_scene_change(s, &c);
 }
 
+/* The scene's number of a mesh. */
+static lc_status find_mesh(const lc_scene *s, const char *call, uint32_t *at)
+{
+    const lc_given *g = &s->given;
+    const lc_status st = check(s, call);
+    return st ? st : find(s, call, "mesh", g->meshes, s->by_calls ? g->n_meshes : s->n_meshes, at);
+}
+
+/* Exchanges the emission of mesh c->at, once it is the scene's number. */
+static lc_status change_emission(lc_scene *s, const char *call, const lc_change *c)
+{
+    if (s->n_objects && s->meshes[c->at].first_tri >= s->objects[0].first_tri && lc_f3_max(c->emission) > 0)
+        return lc_fail(s->ctx, LC_ERR_ARG, "%s: emission: a mesh of an object must not emit", call);
+    return lc_scene_change(s, c);
+}
+
 lc_status lc_scene_set_emission(lc_scene *s, uint32_t mesh, const float emission[3])
 {
     static const char call[] = "lc_scene_set_emission";
     lc_change c = { .kind = LC_CHANGE_EMISSION, .at = mesh };
-    lc_status st = check(s, call);
-    if (st) return st;
-    const lc_given *g = &s->given;
-    st = find(s, call, "mesh", g->meshes, s->by_calls ? g->n_meshes : s->n_meshes, &c.at);
+    lc_status st = find_mesh(s, call, &c.at);
     if (st) return st;
     for (int k = 0; k < 3; k++)
         if (!emission || !(emission[k] >= 0 && emission[k] <= LC_MAX_INTENSITY))
@@ -118,18 +195,45 @@ lc_status lc_scene_set_emission(lc_scene *s, uint32_t mesh, const float emission
                            (double)LC_MAX_INTENSITY);
     c.emission = lc_f3_load(emission);
     if (c.at == LC_NONE) return LC_OK;
-    if (s->n_objects && s->meshes[c.at].first_tri >= s->objects[0].first_tri && lc_f3_max(c.emission) > 0)
-        return lc_fail(s->ctx, LC_ERR_ARG, "%s: emission: a mesh of an object must not emit", call);
-    return lc_scene_change(s, &c);
+    if (!(st = change_emission(s, call, &c))) s->meshes[c.at].own_emission = c.emission;
+    return st;
 }
+
+lc_status lc_scene_dim_emission(lc_scene *s, uint32_t mesh, const float factor[3])
+{
+    static const char call[] = "lc_scene_dim_emission";
+    lc_change c = { .kind = LC_CHANGE_EMISSION, .at = mesh };
+    lc_status st = find_mesh(s, call, &c.at);
+    if (!st) st = check_factor(s, call, factor);
+    if (st || c.at == LC_NONE) return st;
+    c.emission = lc_f3_mul(s->meshes[c.at].own_emission, lc_f3_load(factor));
+    if (!(lc_f3_max(c.emission) <= LC_MAX_INTENSITY))
+        return lc_fail(s->ctx, LC_ERR_ARG, "%s: the emission is above %g", call, (double)LC_MAX_INTENSITY);
+    return change_emission(s, call, &c);
+}
+
+lc_status lc_scene_set_frame(lc_scene *s, uint32_t frame)
+{
+    lc_status st = check(s, "lc_scene_set_frame");
+    if (!st && !frame) st = lc_fail(s->ctx, LC_ERR_ARG, "lc_scene_set_frame: frames are 1 or more");
+    return st ? st : lc_scene_read_frame(s, frame);
+}
+
+static bool is_stale(const lc_scene *s) { return s->stale.made || s->stale.indirect; }
 
 lc_status lc_scene_update(lc_scene *s, const lc_update_desc *desc)
 {
     lc_update_desc d = LC_UPDATE_DESC_INIT;
     lc_status st = check(s, "lc_scene_update");
     if (!st && desc) st = lc_desc_take(s->ctx, "lc_update_desc", &d, sizeof d, desc);
-    if (st || (!s->changes.n && !s->changes.lights)) return st;
+    if (st) return st;
+    const bool waits = s->changes.n || s->changes.lights || s->changes.pictures, was_stale = is_stale(s);
+    if (!waits && (d.keep_lights || !was_stale)) return LC_OK;
+    const uint64_t before = s->input_id;
+    const uint32_t trees = s->built.trees;
     if ((st = lc_as_arg(lc_scene_apply(s, d.keep_lights)))) return st;
+    if (is_stale(s) && !was_stale) s->made_id = before;
+    else if (s->built.trees != trees) s->made_id = lc_hash2(s->made_id, before);
     s->input_id = lc_given_id(s);
     return LC_OK;
 }

@@ -60,7 +60,7 @@ _lightcuts()
         render:--maxdepth | render:--area-lights | render:--env-lights | render:--indirect-lights | \
         render:--indirect-error | \
         render:--seed | render:--spp | render:--pixelbounds | render:--cropwindow | \
-        render:--resolution | render:--exposure | \
+        render:--resolution | render:--exposure | render:--frames | render:--frame | \
         render:--group | explain:--group | info:--group | relight:--exposure | \
         render:--print-chunks | render:--time-limit | render:--max-memory | render:--checkpoint-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
@@ -98,7 +98,8 @@ _lightcuts()
         render) options='--outfile --method --error --within --time --calibration
             --error-ratio --max-cut --dark-floor --representatives
             --builder --maxdepth --area-lights --env-lights --indirect-lights --indirect-error
-            --indirect-from --seed --spp --group --resolution --exposure --tone --pixelbounds --cropwindow --chunk --print-chunks --checkpoint
+            --indirect-from --seed --spp --group --resolution --exposure --tone --pixelbounds --cropwindow
+            --frames --track --frame --seed-per-frame --chunk --print-chunks --checkpoint
             --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --watch
             --display-server --aov
             --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose

@@ -45,7 +45,8 @@ enum {
     LC_CALL_SUN,
     LC_CALL_GONIOMETRIC,
     LC_CALL_PATHS,
-    LC_CALL_GROUP
+    LC_CALL_GROUP,
+    LC_CALL_SEQUENCE
 };
 
 /* Takes a descriptor of a scene that can still be added to; to: NULL, no descriptor. */
@@ -69,9 +70,13 @@ void lc_build_add_texels(lc_scene *scene, const lc_build_texels_desc *p);
  * has a copy. LC_ERR_MEMORY. */
 lc_status lc_picture_as_image(lc_scene *scene, uint32_t picture, uint32_t *image);
 lc_status lc_picture_as_emission(lc_scene *scene, uint32_t picture, uint32_t *map);
-/* *map is for the next environment; lc_picture_keep once the scene has it. */
+/* *map is for the next environment, then lc_picture_keep or lc_picture_leave: the scene has it or could not
+ * take it. */
 lc_status lc_picture_for_environment(lc_scene *scene, uint32_t picture, lc_mipmap *map, bool *copied);
-void lc_picture_keep(lc_scene *scene, uint32_t picture);
+void lc_picture_keep(lc_scene *scene, uint32_t picture, bool copied);
+void lc_picture_leave(lc_scene *scene, uint32_t picture, lc_mipmap *map, bool copied);
+/* Whether there is a picture that is the same in all frames. */
+bool lc_picture_is_still(const lc_scene *scene, uint32_t picture);
 /* The picture, wherever it is. */
 const lc_mipmap *lc_picture_map(const lc_scene *scene, uint32_t picture);
 /* Drops what only the calls needed, pictures that nothing uses and the place. */

@@ -136,7 +136,7 @@ static const char *check_projector(const lc_scene *s, const lc_build_light_desc 
         return shines ? "a goniometric light cannot be set, but dimmed"
                       : "a projector cannot be set, but dimmed";
     if (!(d->power >= 0 && d->power <= (double)LC_MAX_INTENSITY)) return "power must be 0 to 1e15";
-    if ((shines || d->map != LC_NO_PICTURE) && d->map >= s->given.n_pictures)
+    if ((shines || d->map != LC_NO_PICTURE) && !lc_picture_is_still(s, d->map))
         return "map is not one of the scene's pictures";
     lc_xform frame, back;
     const bool framed = lc_arg_frame(d, &frame);
@@ -313,5 +313,7 @@ uint64_t lc_given_id(const lc_scene *s)
     lc_digest_mark(&d);
     for (size_t i = 0; i < s->n_meshes; i++)
         lc_digest_add(&d, &s->meshes[i].emission, sizeof s->meshes[i].emission);
+    for (size_t i = 0; i < s->n_sequences; i++) lc_digest_u64(&d, s->sequences[i].digest);
+    if (s->stale.made || s->stale.indirect) lc_digest_u64(&d, s->made_id);
     return lc_digest_result(&d);
 }

@@ -298,9 +298,10 @@ static double upper_illuminance(const lc_env *env)
     return sum;
 }
 
-static void scale_environment(const lc_build_environment_desc *d, lc_env *env)
+/* varies: it counts as white, or the scale would be another in each frame. */
+static void scale_environment(const lc_build_environment_desc *d, lc_env *env, bool varies)
 {
-    const double has = d->illuminance > 0 ? upper_illuminance(env) : 0;
+    const double has = !(d->illuminance > 0) ? 0 : varies ? LC_PI : upper_illuminance(env);
     if (has > 0) env->scale = lc_f3_scale(env->scale, (float)(d->illuminance / has));
 }
 
@@ -330,15 +331,15 @@ static lc_status environment_of_picture(lc_scene *s, const lc_build_environment_
     lc_status st = turn_environment(s, d, &env);
     if (!st) st = lc_picture_for_environment(s, d->picture, &env.map, &copied);
     if (st) return st;
-    scale_environment(d, &env);
+    scale_environment(d, &env, !lc_picture_is_still(s, d->picture));
     const uint32_t had = s->groups.n;
     st = lc_build_begin_group(s, call, d->group);
     if (!st) st = lc_build_status(s, lc_scene_add_env(s, s->at, &env));
     if (st) {
-        if (copied) lc_mipmap_free(s->ctx, &env.map);
+        lc_picture_leave(s, d->picture, &env.map, copied);
         return lc_build_end_group(s, had, st);
     }
-    if (!copied) lc_picture_keep(s, d->picture);
+    lc_picture_keep(s, d->picture, copied);
     if (lc_build_mark(s, LC_CALL_ENVIRONMENT)) lc_digest_u64(&s->inputs.digest, d->picture);
     digest_environment(s, d, d->equal_area != 0);
     return LC_OK;
@@ -368,7 +369,7 @@ lc_status lc_build_environment(lc_scene *s, const lc_build_environment_desc *des
     lc_env env = { .mapping = square ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG, .scale = lc_f3_load(d.scale) };
     if ((st = turn_environment(s, &d, &env))) return st;
     if ((st = lc_build_make_map(s, &p, &env.map))) return st;
-    scale_environment(&d, &env);
+    scale_environment(&d, &env, false);
     const uint32_t had = s->groups.n;
     st = lc_build_begin_group(s, call, d.group);
     if (!st) st = lc_build_status(s, lc_scene_add_env(s, s->at, &env));

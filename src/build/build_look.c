@@ -103,7 +103,7 @@ static const char *pattern_fault(const lc_scene *s, const lc_build_pattern_desc 
             return "in: a texture is not one of the scene's";
         if (!are_finite(d->in[i].value, 3)) return "in: a value is not finite";
     }
-    if (d->kind == LC_PATTERN_PICTURE && d->picture >= s->given.n_pictures)
+    if (d->kind == LC_PATTERN_PICTURE && !lc_picture_is_still(s, d->picture))
         return "picture is not one of the scene's";
     if ((unsigned)d->wrap > LC_BUILD_BLACK) return "wrap is none of lc_build_wrap";
     if ((unsigned)d->filter > LC_BUILD_TRILINEAR) return "filter is none of lc_build_filter";

@@ -2,6 +2,9 @@
 #include "base/desc.h"
 #include "build/build.h"
 #include "build/reader.h"
+#include "scene/sequence.h"
+
+#include <string.h>
 
 #define MIN_GAMMA 1e-3f
 #define MAX_GAMMA 1e3f
@@ -77,6 +80,36 @@ lc_status lc_build_picture(lc_scene *s, const lc_build_picture_desc *desc, uint3
     return LC_OK;
 }
 
+lc_status lc_build_sequence(lc_scene *s, const char *folder, const char *name, uint32_t *id, uint32_t size[2])
+{
+    static const char call[] = "lc_build_sequence";
+    lc_sequence q;
+    lc_status st = lc_build_take(s, call, NULL, 0, NULL);
+    if (st) return st;
+    if (!id) return lc_fail(s->ctx, LC_ERR_ARG, "%s: id is NULL", call);
+    if (!lc_frame_name(name, 1, NULL, 0))
+        return lc_build_wrong(s, call, "name has no place for the number of a frame");
+    lc_given *g = &s->given;
+    lc_sequence *kept = lc_arena_alloc(&s->arena, 1, sizeof *kept);
+    if (!kept) return LC_ERR_MEMORY;
+    st = lc_grow(s->ctx, (void **)&g->pictures, &g->cap_pictures, g->n_pictures + 1, sizeof *g->pictures);
+    if (st) return st;
+    lc_given_picture *made = &g->pictures[g->n_pictures];
+    *made = (lc_given_picture){ .image = LC_NONE, .emission = 0, .env = LC_NONE, .sequence = kept };
+    st = lc_scene_read_sequence(s, s->at, folder ? folder : "", name, &q, &made->map);
+    if (st) return st;
+    *kept = q;
+    *id = (uint32_t)g->n_pictures++;
+    if (size) size[0] = made->map.levels[0].width, size[1] = made->map.levels[0].height;
+    if (lc_build_mark(s, LC_CALL_SEQUENCE)) lc_digest_add(&s->inputs.digest, q.name, strlen(q.name));
+    return LC_OK;
+}
+
+bool lc_picture_is_still(const lc_scene *s, uint32_t picture)
+{
+    return picture < s->given.n_pictures && !s->given.pictures[picture].sequence;
+}
+
 lc_status lc_build_raster(lc_scene *s, const lc_raster *r, lc_build_texels kind, float gamma,
                           uint32_t *picture)
 {
@@ -106,22 +139,29 @@ lc_status lc_build_picture_mean(const lc_scene *s, uint32_t picture, double mean
     if (!mean) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_picture_mean: mean is NULL");
     if (picture >= s->given.n_pictures)
         return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_picture_mean: picture is not one of the scene's");
-    lc_mipmap_mean(lc_picture_map(s, picture), mean);
+    if (lc_picture_is_still(s, picture)) lc_mipmap_mean(lc_picture_map(s, picture), mean);
+    else mean[0] = mean[1] = mean[2] = 1;
     return LC_OK;
 }
 
-/* The map to be given away, or a copy of it where something has it already. */
-static lc_status take_map(const lc_scene *s, uint32_t picture, lc_mipmap *map, bool *copied)
+/* The map to be given away, or a copy of it where something has it already. What a sequence's becomes, which
+ * is the next of its kind, is noted. */
+static lc_status take_map(lc_scene *s, uint32_t picture, bool is_env, lc_mipmap *map, bool *copied)
 {
     const lc_given_picture *p = &s->given.pictures[picture];
     *map = p->map;
     *copied = !p->map.texels;
-    return *copied ? lc_mipmap_copy(s->ctx, lc_picture_map(s, picture), map) : LC_OK;
+    lc_status st = *copied ? lc_mipmap_copy(s->ctx, lc_picture_map(s, picture), map) : LC_OK;
+    if (st || !p->sequence) return st;
+    st = lc_scene_add_sequence(s, p->sequence, is_env, (uint32_t)(is_env ? s->n_envs : s->n_emission_maps));
+    if (st && *copied) lc_mipmap_free(s->ctx, map);
+    return st;
 }
 
 /* The map was given away, or could not be. */
-static void end_take(const lc_scene *s, lc_given_picture *p, lc_mipmap *map, bool copied, lc_status st)
+static void end_take(lc_scene *s, lc_given_picture *p, lc_mipmap *map, bool copied, lc_status st)
 {
+    if (st && p->sequence) s->n_sequences--;
     if (st && copied) lc_mipmap_free(s->ctx, map);
     if (!st && !copied) p->map = (lc_mipmap){ .texels = NULL };
 }
@@ -133,7 +173,7 @@ lc_status lc_picture_as_image(lc_scene *s, uint32_t picture, uint32_t *image)
     bool copied;
     *image = p->image;
     if (p->image != LC_NONE) return LC_OK;
-    lc_status st = take_map(s, picture, &map, &copied);
+    lc_status st = take_map(s, picture, false, &map, &copied);
     if (st) return st;
     st = lc_textures_add_image(&s->textures, &map, image);
     end_take(s, p, &map, copied, st);
@@ -148,7 +188,7 @@ lc_status lc_picture_as_emission(lc_scene *s, uint32_t picture, uint32_t *emissi
     bool copied;
     *emission = p->emission;
     if (p->emission) return LC_OK;
-    lc_status st = take_map(s, picture, &map, &copied);
+    lc_status st = take_map(s, picture, false, &map, &copied);
     if (st) return st;
     st = lc_scene_add_emission_map(s, &map, emission);
     end_take(s, p, &map, copied, st);
@@ -158,14 +198,20 @@ lc_status lc_picture_as_emission(lc_scene *s, uint32_t picture, uint32_t *emissi
 
 lc_status lc_picture_for_environment(lc_scene *s, uint32_t picture, lc_mipmap *map, bool *copied)
 {
-    return take_map(s, picture, map, copied);
+    return take_map(s, picture, true, map, copied);
 }
 
-void lc_picture_keep(lc_scene *s, uint32_t picture)
+void lc_picture_keep(lc_scene *s, uint32_t picture, bool copied)
 {
     lc_given_picture *p = &s->given.pictures[picture];
+    if (copied) return;
     p->map = (lc_mipmap){ .texels = NULL };
     p->env = (uint32_t)s->n_envs - 1;
+}
+
+void lc_picture_leave(lc_scene *s, uint32_t picture, lc_mipmap *map, bool copied)
+{
+    end_take(s, &s->given.pictures[picture], map, copied, LC_ERR_MEMORY);
 }
 
 void lc_build_end(lc_scene *s)

@@ -322,6 +322,8 @@ static const char *good_values(const char *option)
                  { "time-limit", "a time, such as 90s, 55m or 2h" },
                  { "checkpoint-interval", "a time, such as 30s or 5m" },
                  { "max-memory", "bytes, such as 500M or 2G" },
+                 { "frames", "A-B, A-BxSTEP or one frame, from 1" },
+                 { "frame", "1 or more" },
                  { "within", "per cent, 1 to 99.9" },
                  { "pixel", "x,y" },
                  { "grid", "x0,y0,z0:ux,uy,uz:vx,vy,vz:nx,ny: a corner, two sides, numbers of points" },

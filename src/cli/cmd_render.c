@@ -1,14 +1,10 @@
 /* cmd_render.c - options -> scene -> picture -> files and statistics. */
 #include "cli/calibration.h"
-#include "cli/cli.h"
 #include "cli/display.h"
-#include "cli/farm.h"
-#include "cli/light_groups.h"
-#include "cli/place.h"
 #include "cli/progress.h"
+#include "cli/render_options.h"
 #include "cli/sandbox.h"
 #include "cli/stats_file.h"
-#include "cli/tone.h"
 #include "cli/warn.h"
 #include "cli/watch.h"
 
@@ -21,31 +17,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define MAX_OUTPUTS 16
+typedef cli_render_options options;
 
-typedef struct {
-    const char *scene, *outputs[MAX_OUTPUTS], *stats_file;
-    char default_output[4096];
-    int n_outputs;
-    uint32_t n_threads;
-    lc_isa isa;
-    lc_load_desc load;
-    lc_render_desc render;
-    int32_t pixel_crop[4];
-    double unit_crop[4];
-    cli_error_options given;
-    const char *calibration;
-    lc_calibration known; /* of that file */
-    bool has_pixel_crop, has_unit_crop, quiet, print_stats, write_time;
-    int verbosity;
-    cli_farm farm;
-    cli_tone tone;
-    cli_server server;    /* n 0: none */
-    cli_display *display; /* NULL: none */
-    bool watch;
-    cli_watch *files;     /* NULL: they are not watched */
-    cli_groups groups;
-} options;
+#define NOTHING_TO_DO (-1) /* of load: the plan has done all */
 
 enum {
     OPT_METHOD = CLI_LONG_ONLY,
@@ -81,7 +55,11 @@ enum {
     OPT_RESOLUTION,
     OPT_PARTIAL,
     OPT_WATCH,
-    OPT_SERVER
+    OPT_SERVER,
+    OPT_FRAMES,
+    OPT_FRAME,
+    OPT_TRACK,
+    OPT_FRAME_SEED
 };
 
 static const struct option long_options[] = {
@@ -91,6 +69,10 @@ static const struct option long_options[] = {
     { "write-partial", 0, 0, OPT_PARTIAL },
     { "watch", 0, 0, OPT_WATCH },
     { "display-server", 1, 0, OPT_SERVER },
+    { "frames", 1, 0, OPT_FRAMES },
+    { "frame", 1, 0, OPT_FRAME },
+    { "track", 1, 0, OPT_TRACK },
+    { "seed-per-frame", 0, 0, OPT_FRAME_SEED },
     CLI_TONE_OPTIONS,
     CLI_GROUP_OPTION,
     CLI_ERROR_OPTIONS,
@@ -136,8 +118,8 @@ static int set_option(void *user, int c)
     options *o = user;
     switch (c) {
     case 'o':
-        o->outputs[o->n_outputs % MAX_OUTPUTS] = cli_output_name(optarg);
-        return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
+        o->outputs[o->n_outputs % CLI_MAX_OUTPUTS] = cli_output_name(optarg);
+        return ++o->n_outputs > CLI_MAX_OUTPUTS || !*optarg;
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
     case OPT_CALIBRATION: o->calibration = optarg; return !*optarg;
     case OPT_SECONDS: return cli_parse_time(optarg, &o->render.seconds);
@@ -165,6 +147,12 @@ static int set_option(void *user, int c)
     case OPT_WATCH: o->watch = true; return 0;
     case OPT_SERVER: return cli_parse_server(optarg, &o->server);
     case OPT_KEEP: o->farm.keep = true; return 0;
+    case OPT_FRAMES: o->frames.given = o->frames.many = true; return cli_frames_parse(optarg, &o->frames);
+    case OPT_FRAME:
+        o->frames.given = true;
+        return cli_frames_parse(optarg, &o->frames) || o->frames.first != o->frames.last;
+    case OPT_TRACK: o->frames.path = optarg; return !*optarg;
+    case OPT_FRAME_SEED: o->frames.seed_per_frame = true; return 0;
     case OPT_LIMIT: return cli_parse_time(optarg, &o->farm.time_limit);
     case OPT_SANDBOX: o->load.sandbox = optarg; return !*optarg;
     case OPT_MEMORY: return cli_parse_memory(optarg);
@@ -224,6 +212,8 @@ static int check_watch(const options *o)
                         : o->farm.print           ? "--print-chunks"
                         : o->farm.checkpoint      ? "--checkpoint"
                         : o->calibration          ? "--calibration"
+                        : o->frames.many          ? "--frames"
+                        : o->frames.path          ? "--track"
                         : !strcmp(o->scene, "-")  ? "a scene from standard input"
                                                   : NULL;
     for (int i = 0; i < o->n_outputs && !other; i++)
@@ -247,79 +237,11 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     if (check_time(o) || check_streams(o)) return -1;
     if (cli_ask_error("render", &o->given, &o->render)) return -1;
     o->scene = argv[optind];
-    if (cli_farm_check(&o->farm) || check_watch(o)) return -1;
+    if (cli_render_check_frames(o) || (!o->frames.many && cli_farm_check(&o->farm)) || check_watch(o))
+        return -1;
     for (int i = 0; i < o->n_outputs; i++)
         if (cli_check_picture_name("render", o->outputs[i])) return -1;
     return 0;
-}
-
-/* The default output, in the current folder: the film's filename without its folder, so that a scene does not
- * choose what is overwritten elsewhere, with .exr in place of an extension that is neither .exr nor .png;
- * without a filename SCENE.exr, also of SCENE.pbrt.gz. */
-static void choose_output(options *o, const lc_scene_info *info)
-{
-    if (o->n_outputs) return;
-    const char *name = info->film_filename, *slash = strrchr(name, '/');
-    if (slash) name = slash + 1;
-    bool from_scene = !*name || !strcmp(name, ".") || !strcmp(name, "..");
-    if (from_scene) {
-        slash = strrchr(o->scene, '/');
-        name = !strcmp(o->scene, "-") ? "stdin" : slash ? slash + 1 : o->scene;
-    }
-    snprintf(o->default_output, sizeof o->default_output - 40, "%s", name);
-    size_t len = strlen(o->default_output);
-    if (from_scene && cli_has_extension(name, ".gz") && len > 3) o->default_output[len - 3] = 0;
-    char *dot = strrchr(o->default_output, '.');
-    if (from_scene || (!cli_has_extension(name, ".exr") && !cli_has_extension(name, ".png"))) {
-        if (dot && dot != o->default_output && !strchr(dot, '/')) *dot = 0;
-        strcat(o->default_output, ".exr");
-    }
-    if (o->farm.chunk) { /* every chunk has a file of its own */
-        char *end = o->default_output + strlen(o->default_output) - 4, extension[8];
-        snprintf(extension, sizeof extension, "%s", end);
-        snprintf(end, sizeof o->default_output - (size_t)(end - o->default_output), "-%u-of-%u%s", o->farm.k,
-                 o->farm.n, extension);
-    }
-    o->outputs[o->n_outputs++] = o->default_output;
-}
-
-/* The file of the statistics, if they go to one. */
-static const char *stats_path(const options *o)
-{
-    return o->stats_file && strcmp(o->stats_file, "-") ? o->stats_file : NULL;
-}
-
-/* Refuses files that would be written over each other, or over what the scene is read from. */
-static int check_distinct(const options *o, const lc_scene *scene)
-{
-    struct {
-        const char *what, *path;
-    } files[MAX_OUTPUTS + 3];
-    int n = 0;
-    for (; n < o->n_outputs; n++) files[n].what = "output", files[n].path = o->outputs[n];
-    if (stats_path(o)) files[n].what = "statistics", files[n++].path = o->stats_file;
-    if (o->farm.checkpoint) files[n].what = "checkpoint", files[n++].path = o->farm.checkpoint;
-    if (o->calibration) files[n].what = "calibration", files[n++].path = o->calibration;
-    for (int i = 0; i < n; i++) {
-        if (lc_scene_reads_file(scene, files[i].path)) {
-            cli_usage_error("render", "%s '%s' is a file of the scene", files[i].what, files[i].path);
-            return CLI_USAGE;
-        }
-        for (int k = 0; k < i; k++)
-            if (cli_one_file(files[k].path, files[i].path)) {
-                cli_usage_error("render", "%s '%s' and %s '%s' are one file", files[k].what, files[k].path,
-                                files[i].what, files[i].path);
-                return CLI_USAGE;
-            }
-    }
-    return 0;
-}
-
-static int check_outputs(const options *o)
-{
-    for (int i = 0; i < o->n_outputs; i++)
-        if (cli_check_writable(o->outputs[i])) return CLI_FAILED;
-    return stats_path(o) ? cli_check_writable(o->stats_file) : 0;
 }
 
 static int set_crop(options *o, const lc_scene_info *info)
@@ -344,7 +266,7 @@ static int set_crop(options *o, const lc_scene_info *info)
 static bool already_done(const options *o, lc_context *ctx)
 {
     bool told = false;
-    if (!o->farm.chunk || !o->farm.resume) return false;
+    if ((!o->farm.chunk && !o->frames.many) || !o->farm.resume) return false;
     for (int i = 0; i < o->n_outputs; i++) {
         bool png = cli_has_extension(o->outputs[i], ".png");
         if (png ? access(o->outputs[i], R_OK) != 0 : !cli_farm_has(&o->farm, ctx, o->outputs[i]))
@@ -368,9 +290,10 @@ static int make_plan(void *user, const lc_scene *scene)
     options *o = p->o;
     lc_scene_info info = LC_SCENE_INFO_INIT;
     lc_scene_get_info(scene, &info);
-    choose_output(o, &info);
-    p->status = o->farm.print ? 0 : check_distinct(o, scene);
+    cli_render_choose_output(o, &info);
+    p->status = o->farm.print ? 0 : cli_render_check_distinct(o, scene);
     if (!p->status) p->status = set_crop(o, &info);
+    if (!p->status && o->frames.given) p->status = cli_frames_views(&o->frames, scene);
     if (!p->status && o->calibration)
         p->status = cli_calibration_read(p->ctx, scene, o->calibration, &o->render, &o->known);
     if (!p->status) p->status = cli_farm_crop(&o->farm, p->ctx, scene, &o->render);
@@ -379,27 +302,37 @@ static int make_plan(void *user, const lc_scene *scene)
         p->status = cli_farm_print(&o->farm);
         return 1;
     }
-    if (already_done(o, p->ctx)) {
+    if (!o->frames.many && already_done(o, p->ctx)) {
         if (!o->quiet) fprintf(stderr, "lightcuts: chunk %u of %u: already done\n", o->farm.k, o->farm.n);
         return 1;
     }
-    p->status = check_outputs(o);
+    p->status = cli_render_check_outputs(o);
     if (!p->status) p->status = cli_farm_open(&o->farm, p->ctx, scene, &o->render, o->quiet);
     return p->status;
 }
 
-static int write_outputs(options *o, lc_context *ctx, lc_image *image, double seconds)
+/* After a render that was cancelled. */
+static int stopped(options *o)
+{
+    if (!o->frames.many) return cli_farm_stopped(&o->farm);
+    fprintf(stderr, "lightcuts: interrupted in frame %u; go on with --resume\n", o->frames.frame);
+    return CLI_FAILED;
+}
+
+/* whole: all pixels are there; each frame is then marked as a picture in one part, which --resume knows. */
+static int write_outputs(options *o, lc_context *ctx, lc_image *image, double seconds, bool whole)
 {
     if (o->write_time && !getenv("SOURCE_DATE_EPOCH") &&
         lc_image_set_number(image, "renderTimeSeconds", seconds))
         return CLI_FAILED;
-    if (o->farm.chunk && lc_chunk_mark(image, &o->farm.id, o->farm.crop, o->farm.k, o->farm.n))
+    if ((o->farm.chunk || (o->frames.many && whole)) &&
+        lc_chunk_mark(image, &o->farm.id, o->farm.crop, o->farm.k, o->farm.n))
         return CLI_FAILED;
     for (int i = 0; i < o->n_outputs; i++) {
         const bool png = cli_has_extension(o->outputs[i], ".png");
         lc_status st = png ? cli_write_png(ctx, image, o->outputs[i], &o->tone, !o->quiet)
                            : lc_image_write(image, o->outputs[i]);
-        if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);
+        if (st == LC_ERR_CANCELLED) return stopped(o);
         if (st) return CLI_FAILED;
     }
     return CLI_OK;
@@ -448,20 +381,20 @@ static int step(void *user, uint64_t done, uint64_t total)
 /* After a signal, or when time is over. */
 static int write_partial(options *o, lc_context *ctx, lc_image *image)
 {
-    const int sig = cli_forget_signal(), status = write_outputs(o, ctx, image, 0);
+    const int sig = cli_forget_signal(), status = write_outputs(o, ctx, image, 0, false);
     if (!status)
         fprintf(stderr, "lightcuts: %s has %.1f %% of its pixels\n", cli_shown(o->outputs[0]),
                 100 * lc_image_get_number(image, "lightcuts/finished", 0));
     cli_remember_signal(sig);
-    const int stopped = o->farm.file ? cli_farm_stopped(&o->farm) : CLI_FAILED;
-    return status ? status : stopped;
+    const int ended = o->farm.file ? cli_farm_stopped(&o->farm) : CLI_FAILED;
+    return status ? status : ended;
 }
 
-static void begin_display(options *o, lc_context *ctx, const lc_scene *scene)
+static void begin_display(options *o, lc_context *ctx, const lc_scene *scene, lc_render_desc *desc)
 {
     uint32_t crop[4];
-    if (!o->display || lc_render_crop(ctx, scene, &o->render, crop)) return;
-    cli_display_begin(o->display, o->outputs[0], crop, &o->render);
+    if (!o->display || lc_render_crop(ctx, scene, desc, crop)) return;
+    cli_display_begin(o->display, o->outputs[0], crop, desc);
     warn_of_display(o, NULL);
 }
 
@@ -469,16 +402,19 @@ static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image *
                   lc_render_stats *stats)
 {
     steps s = { .o = o };
+    char what[40] = "rendering";
     /* not earlier: while loading nothing checks for signals, and there is nothing to save */
     cli_catch_signals();
-    cli_progress_start(&s.line, "rendering", o->quiet);
+    if (o->frames.many) snprintf(what, sizeof what, "rendering frame %u", o->frames.frame);
+    cli_progress_start(&s.line, what, o->quiet);
     s.line.before = o->farm.share_before;
     o->render.progress = step;
     o->render.progress_user = &s;
-    begin_display(o, ctx, scene);
     if (o->render.seconds > 0)
         o->render.seconds = fmax(o->render.seconds - (cli_now() - o->farm.start), 0.001);
-    lc_status st = lc_render(ctx, scene, &o->render, image, stats);
+    lc_render_desc desc = o->render; /* what the display takes of it is of this picture */
+    begin_display(o, ctx, scene, &desc);
+    lc_status st = lc_render(ctx, scene, &desc, image, stats);
     cli_progress_end(&s.line);
     if (o->display) cli_display_end(o->display, *image);
     warn_of_display(o, NULL);
@@ -489,7 +425,7 @@ static int render(options *o, lc_context *ctx, const lc_scene *scene, lc_image *
                 o->render.partial ? " before a pixel was finished" : "");
         return CLI_FAILED;
     }
-    if (st == LC_ERR_CANCELLED) return cli_farm_stopped(&o->farm);
+    if (st == LC_ERR_CANCELLED) return stopped(o);
     return st ? cli_exit_status(st) : CLI_OK;
 }
 
@@ -507,7 +443,7 @@ static int enter_sandbox(const options *o)
     for (int i = 0; i < o->n_outputs; i++)
         if (!cli_is_stdout(o->outputs[i])) s.outputs[s.n_outputs++] = o->outputs[i];
     if (!o->n_outputs) s.outputs[s.n_outputs++] = "./";
-    if (stats_path(o)) s.outputs[s.n_outputs++] = o->stats_file;
+    if (cli_render_stats_path(o)) s.outputs[s.n_outputs++] = o->stats_file;
     if (o->farm.checkpoint) s.outputs[s.n_outputs++] = o->farm.checkpoint;
     int err = cli_sandbox_enter(&s, &by_kernel);
     if (err)
@@ -519,38 +455,46 @@ static int enter_sandbox(const options *o)
     return err ? CLI_FAILED : 0;
 }
 
-/* again: not the first picture of --watch. */
-static int run(options *o, lc_context *ctx, bool again, lc_scene **scene, lc_image **image)
+/* Reads the scene and makes all that pictures have in common. */
+static int load(options *o, lc_context *ctx, lc_scene **scene)
+{
+    lc_scene_info info = LC_SCENE_INFO_INIT;
+    plan p = { .o = o, .ctx = ctx };
+    o->load.parsed = make_plan;
+    o->load.parsed_user = &p;
+    o->load.frame = o->frames.frame;
+    o->load.views = &o->frames.views;
+    o->load.reads = o->files ? cli_watch_note : NULL;
+    o->load.reads_user = o->files;
+    lc_status st = lc_scene_load(ctx, o->scene, &o->load, scene);
+    if (st == LC_ERR_CANCELLED) return p.status ? p.status : NOTHING_TO_DO;
+    if (st == LC_ERR_ARG && o->frames.path) return CLI_INPUT; /* the track's cameras */
+    if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
+    lc_scene_get_info(*scene, &info);
+    if (!o->quiet) cli_warn_of_scene(&o->load, &info);
+    return 0;
+}
+
+/* A picture of a scene that is ready, and its files. */
+static int make_picture(options *o, lc_context *ctx, const lc_scene *scene, lc_image **image, double t0)
 {
     cli_render_report r = { .scene = o->scene,
                             .method = o->render.method,
                             .seed = o->load.seed,
+                            .frame = o->frames.given ? o->frames.frame : 0,
                             .info = LC_SCENE_INFO_INIT,
                             .stats = LC_RENDER_STATS_INIT };
-    plan p = { .o = o, .ctx = ctx };
-    double t0 = cli_now();
-    int status = o->load.sandbox && !again ? enter_sandbox(o) : 0;
-    if (status) return status;
-    cli_catch_save_signals(o->farm.checkpoint != NULL);
-    o->load.parsed = make_plan;
-    o->load.parsed_user = &p;
-    o->load.reads = o->files ? cli_watch_note : NULL;
-    o->load.reads_user = o->files;
-    lc_status st = lc_scene_load(ctx, o->scene, &o->load, scene);
-    if (st == LC_ERR_CANCELLED) return p.status;
-    if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
-    lc_scene_get_info(*scene, &r.info);
-    r.loaded = *scene;
-    if (!o->quiet) cli_warn_of_scene(&o->load, &r.info);
-    status = render(o, ctx, *scene, image, &r.stats);
+    lc_scene_get_info(scene, &r.info);
+    r.loaded = scene;
+    int status = render(o, ctx, scene, image, &r.stats);
     if (!status && o->calibration)
-        status = cli_calibration_write(ctx, *scene, o->calibration, &o->render, &r.stats.calibration);
+        status = cli_calibration_write(ctx, scene, o->calibration, &o->render, &r.stats.calibration);
     if (status) return status;
     if (r.stats.nonfinite)
         fprintf(stderr, "lightcuts: warning: %llu pixels were not finite and were set to 0\n",
                 (unsigned long long)r.stats.nonfinite);
     double t1 = cli_now();
-    status = write_outputs(o, ctx, *image, r.stats.seconds);
+    status = write_outputs(o, ctx, *image, r.stats.seconds, true);
     if (status) return status;
     cli_farm_close(&o->farm, true);
     r.isa = lc_isa_name(lc_context_isa(ctx));
@@ -558,6 +502,63 @@ static int run(options *o, lc_context *ctx, bool again, lc_scene **scene, lc_ima
     r.seconds_write = cli_now() - t1;
     r.seconds_total = cli_now() - t0;
     return report(o, &r);
+}
+
+/* The frame at work; one that is there is left as it is, if asked. */
+static int make_frame(options *o, lc_context *ctx, lc_scene *scene, lc_image **image, double t0)
+{
+    int status = cli_frames_set(&o->frames, scene);
+    if (!status && o->frames.many) {
+        o->farm.k = o->farm.n = 1;
+        status = cli_render_check_distinct(o, scene);
+        if (!status) status = cli_render_check_outputs(o);
+        if (!status) status = cli_farm_crop(&o->farm, ctx, scene, &o->render);
+        if (!status && already_done(o, ctx)) {
+            if (!o->quiet) fprintf(stderr, "lightcuts: frame %u: already done\n", o->frames.frame);
+            return 0;
+        }
+    }
+    return status ? status : make_picture(o, ctx, scene, image, t0);
+}
+
+static int make_frames(options *o, lc_context *ctx, lc_scene **scene, lc_image **image)
+{
+    cli_frames *f = &o->frames;
+    int status = 0;
+    for (uint64_t i = f->first; i <= f->last && !status; i += f->step) {
+        const double t0 = cli_now();
+        f->frame = (uint32_t)i;
+        if (cli_render_name_frame(o)) return CLI_USAGE;
+        if (*scene && cli_frames_has_scenes(f, o->patterns.scene)) {
+            lc_scene_destroy(*scene);
+            *scene = NULL;
+        }
+        if (!*scene) status = load(o, ctx, scene);
+        if (!status) status = make_frame(o, ctx, *scene, image, t0);
+        lc_image_destroy(*image);
+        *image = NULL;
+        if (!status) f->n_done++;
+        if (!status && cli_caught_signal() && i + f->step <= f->last) status = stopped(o);
+    }
+    if (status && f->n_done)
+        fprintf(stderr, "lightcuts: frame %u is not written; those before it, %u, are\n", f->frame,
+                f->n_done);
+    if (!status && o->print_stats) cli_frames_print(stdout, f, *scene);
+    return status;
+}
+
+/* again: not the first picture of --watch. */
+static int run(options *o, lc_context *ctx, bool again, lc_scene **scene, lc_image **image)
+{
+    const double t0 = cli_now();
+    int status = cli_frames_begin(&o->frames); /* the track may be outside of the sandbox */
+    if (!status && o->load.sandbox && !again) status = enter_sandbox(o);
+    if (status) return status;
+    cli_catch_save_signals(o->farm.checkpoint != NULL);
+    if (o->frames.many) return make_frames(o, ctx, scene, image);
+    status = load(o, ctx, scene);
+    if (status) return status == NOTHING_TO_DO ? 0 : status;
+    return o->frames.given ? make_frame(o, ctx, *scene, image, t0) : make_picture(o, ctx, *scene, image, t0);
 }
 
 typedef struct {
@@ -577,6 +578,7 @@ static int once(void *user, bool again)
     if (o.watch) o.files = &j->files;
     const int status = run(&o, j->ctx, again, &scene, &image);
     cli_farm_close(&o.farm, false);
+    cli_frames_end(&o.frames);
     lc_image_destroy(image);
     lc_scene_destroy(scene);
     return status;
@@ -584,7 +586,10 @@ static int once(void *user, bool again)
 
 int cmd_render(int argc, char **argv)
 {
-    options o = { .load = LC_LOAD_DESC_INIT, .render = LC_RENDER_DESC_INIT, .farm = CLI_FARM_INIT };
+    options o = { .load = LC_LOAD_DESC_INIT,
+                  .render = LC_RENDER_DESC_INIT,
+                  .farm = CLI_FARM_INIT,
+                  .frames = { .views = LC_VIEWS_DESC_INIT } };
     int status;
     o.farm.start = cli_now();
     if (parse_options(argc, argv, &o, &status)) return status;

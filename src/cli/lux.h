@@ -7,7 +7,7 @@
 #ifndef LC_CLI_LUX_H
 #define LC_CLI_LUX_H
 
-#include "cli/cli.h"
+#include "cli/csv.h"
 
 typedef struct lux_table {
     size_t n, cap;
@@ -32,6 +32,8 @@ typedef struct lux_values {
 /* Reads a table with the columns x y z nx ny nz, in any order among others; 0, or the exit status after an
  * error with the file's line and column. Free it in either case. */
 int lux_table_read(const char *path, lux_table *out);
+/* The same of an open table. */
+int lux_table_take(cli_csv *csv, lux_table *out);
 void lux_table_free(lux_table *t);
 /* Whether there is room for n sensors; false after an error. */
 bool lux_table_reserve(lux_table *t, size_t n);

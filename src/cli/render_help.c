@@ -51,6 +51,12 @@ void cli_render_help(void)
 {
     print_picture_options();
     printf(
+        "      --frames A-B[xSTEP]  frames in a row, or one: %%04d in -o, --stats-file, the scene's name\n"
+        "                           and pictures of lights is the frame's number; --resume leaves out\n"
+        "                           those that are there\n"
+        "      --track FILE.csv     camera and lights of the frames, by key frames\n"
+        "      --frame N            one frame, whose names need no number; default: pictures of frame 1\n"
+        "      --seed-per-frame     other grain in each frame; without it the grain stays\n"
         "      --chunk K/N|slurm    render part K of N, or that of an array job; see 'lightcuts merge'\n"
         "      --print-chunks N     list the parts, render nothing\n"
         "      --checkpoint FILE    append finished tiles to FILE, which goes away when the picture is in\n"

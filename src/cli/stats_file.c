@@ -102,6 +102,11 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
             s->points ? (double)s->shadow_rays / (double)s->points : 0.0);
     fprintf(f, "bounds           %llu\n", (ull)s->bounds_evaluated);
     print_calibration(f, &s->calibration);
+    fprintf(
+        f,
+        "built            %u BVHs, %u over instances, lights %u times, virtual lights %u, light trees %u; "
+        "%u pictures read\n",
+        i->built_bvhs, i->built_tops, i->built_lights, i->built_indirect, i->built_trees, i->built_images);
     fprintf(f, "memory           bvh %.1f MB, light tree %.1f MB, process at most %.1f MB\n",
             (double)i->bvh_bytes * 1e-6, (double)i->tree_bytes * 1e-6, (double)peak_rss() * 1e-6);
 }
@@ -130,6 +135,12 @@ void cli_write_stats_json(FILE *f, void *report)
     fprintf(f, "},\n");
     cli_groups_json(f, r->loaded);
     cli_deviations_json(f, i);
+    if (r->frame) fprintf(f, "  \"frame\": %u,\n", r->frame);
+    fprintf(f,
+            "  \"built\": {\"bvhs\": %u, \"tops\": %u, \"lights\": %u, \"indirect\": %u, \"trees\": %u, "
+            "\"pictures\": %u},\n",
+            i->built_bvhs, i->built_tops, i->built_lights, i->built_indirect, i->built_trees,
+            i->built_images);
     fprintf(f, "  \"environment\": {\"lights\": %llu, \"tried\": %llu},\n", (ull)i->n_env_lights,
             (ull)i->n_env_tried);
     fprintf(

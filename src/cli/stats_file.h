@@ -11,7 +11,7 @@ typedef struct cli_render_report {
     const lc_scene *loaded;
     lc_method method;
     uint64_t seed;
-    uint32_t threads;
+    uint32_t threads, frame; /* frame: 0: none */
     lc_scene_info info;
     lc_render_stats stats;
     double seconds_write, seconds_total;

@@ -158,7 +158,7 @@ static lc_status area_picture(lc_pbrt *p, uint32_t *map)
         *map = known;
         return LC_OK;
     }
-    st = lc_pbrt_light_map(p, par->pos, name, &picture, &there);
+    st = lc_pbrt_light_map(p, par->pos, name, false, &picture, &there);
     if (st || !there) return st;
     *map = picture.id + 1;
     return lc_pbrt_map_put(&p->emission_names, &p->arena, name, *map);

@@ -28,10 +28,13 @@ lc_status lc_pbrt_add_light(lc_pbrt *p, lc_pos where, lc_f3 intensity, lc_build_
 /* A picture of the scene. */
 typedef struct lc_pbrt_picture {
     uint32_t id, width, height;
+    bool varies; /* another in each frame */
 } lc_pbrt_picture;
 
-/* infinite.c: decodes the image of a light. *there is false, after a note, if it cannot be read. */
-lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, lc_pbrt_picture *out, bool *there);
+/* infinite.c: decodes the image of a light, whose name may have the number of a frame unless it stands still.
+ * *there is false, after a note, if it cannot be read. */
+lc_status lc_pbrt_light_map(lc_pbrt *p, lc_pos where, const char *name, bool still, lc_pbrt_picture *out,
+                            bool *there);
 /* A picture of one white texel. */
 lc_status lc_pbrt_constant_map(lc_pbrt *p, lc_pbrt_picture *out);
 

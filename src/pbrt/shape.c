@@ -222,7 +222,7 @@ static bool is_absent(const lc_pbrt_alpha *a)
 
 /* v4: scales the emission to the power given for each shape. pbrt counts each triangle or patch of a mesh as
  * a shape, and a round shape as one. The mean of an emission map is that of all its texels, shown or not, as
- * in pbrt. */
+ * in pbrt; a sequence of pictures counts as white, or the power would be another in each frame. */
 static void scale_to_power(lc_pbrt *p, lc_pbrt_mesh *mesh, const char *name, bool round, double area_ratio)
 {
     const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);

@@ -64,8 +64,8 @@ static lc_status get_picture(lc_pbrt *p, lc_pbrt_picture *out, bool *is_v4)
     lc_status st = lc_pbrt_get_text(&p->params, "filename", &v4, &v4_par);
     if (!st) st = lc_pbrt_get_text(&p->params, "mapname", &v3, &v3_par);
     *is_v4 = v4 && *v4;
-    if (!st && *is_v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, out, &there);
-    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, out, &there);
+    if (!st && *is_v4) st = lc_pbrt_light_map(p, v4_par->pos, v4, true, out, &there);
+    else if (!st && v3 && *v3) st = lc_pbrt_light_map(p, v3_par->pos, v3, true, out, &there);
     return st || there ? st : lc_pbrt_constant_map(p, out);
 }
 

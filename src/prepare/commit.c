@@ -7,6 +7,7 @@
 #include "scene/alpha.h"
 #include "scene/instance.h"
 #include "scene/media.h"
+#include "scene/view.h"
 #include "trace/bvh.h"
 
 /* Makes the film one of this size. The crop is rounded outwards to whole pixels. */
@@ -62,6 +63,12 @@ lc_status lc_scene_commit(lc_scene *s, const lc_load_desc *desc)
     s->groups.now = 0;
     s->load.sensors = NULL; /* the host's, which may go */
     s->load.groups = NULL;
+    s->load.views = NULL;
+    s->own_camera = s->camera_desc;
+    if (desc->views) {
+        const lc_status st = lc_scene_set_views(s, desc->views);
+        if (st) return st;
+    }
     if (!s->sensors && !lc_camera_init(&s->camera, &s->camera_desc, s->film.width, s->film.height))
         return lc_fail(s->ctx, LC_ERR_PARSE, "camera out of range");
     const double t0 = lc_now();

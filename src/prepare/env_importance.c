@@ -4,20 +4,21 @@
 
 #include "base/pool.h"
 #include "base/rng.h"
+#include "scene/view.h"
 #include "shade/point_init.h"
 #include "trace/bvh.h"
 
 #include <stdlib.h>
 
 #define BLOCK 64                /* lights whose shadow rays are traced together from a point */
-#define POINTS LC_SIZE(256, 16) /* points of the view that a block's lights are scored at */
+#define POINTS LC_SIZE(256, 16) /* points of a view that a block's lights are scored at */
 #define GROUP 8                 /* neighbouring directions over which importance is smoothed */
 #define FULL_WEIGHT 0.5         /* fraction of the median importance from which on the weight is 1 */
 
 typedef struct job {
     const lc_view_grid *view;
     const lc_light *lights;
-    uint32_t n;
+    uint32_t n, points; /* points: at which each is scored */
     uint64_t seed;
     double *importance; /* n */
 } job;
@@ -52,9 +53,9 @@ static void try_block(void *user, uint32_t thread, uint64_t item)
     uint32_t first = (uint32_t)item * BLOCK, n = j->n - first < BLOCK ? j->n - first : BLOCK,
              all = j->view->n;
     (void)thread;
-    for (uint32_t k = 0; k < POINTS; k++) {
-        uint32_t from = (uint32_t)((uint64_t)all * k / POINTS),
-                 to = (uint32_t)((uint64_t)all * (k + 1) / POINTS);
+    for (uint32_t k = 0; k < j->points; k++) {
+        uint32_t from = (uint32_t)((uint64_t)all * k / j->points),
+                 to = (uint32_t)((uint64_t)all * (k + 1) / j->points);
         if (to > from) try_point(j, first, n, from + (uint32_t)(lc_hash4(j->seed, item, k, 6) % (to - from)));
     }
 }
@@ -93,6 +94,7 @@ lc_status lc_env_importance(const lc_view_grid *view, const lc_light *lights, ui
     const lc_context *ctx = view->scene->ctx;
     double *sorted = lc_alloc_raw(ctx, n, sizeof *sorted);
     job j = { .view = view, .lights = lights, .n = n, .seed = seed, .importance = weights };
+    j.points = (uint32_t)(POINTS * sqrt(lc_view_count(view->scene)));
     if (!sorted) return LC_ERR_MEMORY;
     for (uint32_t i = 0; i < n; i++) weights[i] = 0;
     lc_parallel(ctx, (n + BLOCK - 1) / BLOCK, try_block, &j);

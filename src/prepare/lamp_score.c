@@ -8,7 +8,7 @@
 #include "base/pool.h"
 #include "base/rng.h"
 #include "prepare/lamp_lights.h"
-#include "scene/surface.h"
+#include "scene/view.h"
 #include "shade/light_kind.h"
 
 #define BLOCK 64                                 /* patches scored together */
@@ -152,10 +152,9 @@ static void raise_dark(lc_patches *m)
     for (uint32_t k = 0; k < m->view.n; k++) m->total[k] = fmaxf(m->total[k], least);
 }
 
-/* Whether the camera sees a point on the side of the surface that its normal points to. */
-static bool is_seen(const lc_scene *s, const lc_surface *at)
+/* Whether a camera sees a point on the side of the surface that its normal points to. */
+static bool is_seen_by(const lc_scene *s, const lc_camera *c, const lc_surface *at)
 {
-    const lc_camera *c = &s->camera;
     const float *o = at->ray_org;
     const lc_f3 eye = lc_f3_make((float)c->origin[0], (float)c->origin[1], (float)c->origin[2]);
     const lc_f3 way = lc_f3_sub(lc_f3_load(o), eye);
@@ -166,6 +165,13 @@ static bool is_seen(const lc_scene *s, const lc_surface *at)
     if (!(px >= 0 && px < c->width && py >= 0 && py < c->height)) return false;
     s->visibility.hidden(s->visibility.scene, o, 1, target, false, &hidden, NULL);
     return !hidden;
+}
+
+static bool is_seen(const lc_scene *s, const lc_surface *at)
+{
+    bool seen = false;
+    for (uint32_t i = 0; i < lc_view_count(s) && !seen; i++) seen = is_seen_by(s, lc_view_camera(s, i), at);
+    return seen;
 }
 
 static float total_nearest(const lc_patches *m, lc_f3 pos)

@@ -8,6 +8,7 @@
 #include "prepare/lamp_find.h"
 #include "prepare/lamp_lights.h"
 #include "prepare/vpl.h"
+#include "scene/view.h"
 #include "tree/light_tree.h"
 
 #define SWAP(type, field)                                                                                    \
@@ -71,7 +72,7 @@ bool lc_lighting_is_indirect(const lc_scene *s)
 double lc_lighting_diag2(const lc_scene *s)
 {
     lc_box box = s->bounds;
-    for (size_t i = 0; i < s->n_lights; i++)
+    for (size_t i = 0; i < s->n_lights - s->indirect.n_lights; i++)
         if (!lc_is_far(s->lights[i].kind)) lc_box_add(&box, s->lights[i].pos);
     double x = (double)box.hi.x - box.lo.x, y = (double)box.hi.y - box.lo.y, z = (double)box.hi.z - box.lo.z;
     return x >= 0 ? x * x + y * y + z * z : 0;
@@ -82,6 +83,7 @@ void lc_lighting_set_diag2(lc_scene *s, double diag2)
     s->diag2 = diag2;
     s->min_d2 = (float)fmax(LC_FLOOR_OF_DIAG2 * diag2, LC_MIN_D2);
     lc_camera_set_distance(&s->camera, sqrt(diag2));
+    for (uint32_t i = 0; i < s->n_views; i++) lc_camera_set_distance(&s->views[i], sqrt(diag2));
 }
 
 /* Lights of lamps and environments. */
@@ -156,6 +158,7 @@ lc_status lc_lighting_make(lc_scene *s, const lc_lighting *kept)
     const double t0 = lc_now();
     lc_memory_step(s->ctx, "making lights");
     s->n_given = s->n_lights;
+    lc_views_init(s);
     lc_status st = kept ? keep_made(s, kept) : make_of_surfaces(s);
     lc_lighting_set_diag2(s, lc_lighting_diag2(s));
     if (!st) st = make_indirect(s);

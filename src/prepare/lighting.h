@@ -32,7 +32,8 @@ void lc_lighting_free(const lc_context *ctx, lc_lighting *lighting);
  * the lighting whose lights made of lamps and environments still serve. LC_ERR_MEMORY. */
 lc_status lc_lighting_make(lc_scene *scene, const lc_lighting *kept);
 
-/* The squared diagonal of the box around triangles and lights. */
+/* The squared diagonal of the box around triangles and lights, but for virtual ones, which are on triangles
+ * and by rounding beside them: it is the same whether these are made already or not. */
 double lc_lighting_diag2(const lc_scene *scene);
 /* Sets what follows from it, in the camera too. */
 void lc_lighting_set_diag2(lc_scene *scene, double diag2);

@@ -5,6 +5,7 @@
 #include "base/stats.h"
 #include "prepare/lighting.h"
 #include "scene/instance.h"
+#include "scene/sequence.h"
 #include "tree/light_tree.h"
 
 lc_status lc_scene_change(lc_scene *s, const lc_change *change)
@@ -78,15 +79,20 @@ static lc_status keep_lights(lc_scene *s, lc_lighting *old)
 typedef struct plan {
     bool moved, lights, made; /* instances have moved; there are other lights; those of lamps and environments
                                * are to be made */
+    lc_stale stale;           /* what is stale afterwards */
 } plan;
 
 static plan plan_of(const lc_scene *s, bool keep)
 {
-    const bool camera = has(s, LC_CHANGE_CAMERA), moved = has(s, LC_CHANGE_INSTANCE);
-    const bool emission = has(s, LC_CHANGE_EMISSION), view = camera && !keep;
+    const bool camera = has(s, LC_CHANGE_CAMERA) && !s->n_views, moved = has(s, LC_CHANGE_INSTANCE);
+    const bool sees = lc_lighting_sees(s), indirect = lc_lighting_is_indirect(s);
+    const bool of_view = sees && (camera || moved || s->stale.made);
+    const bool of_paths = indirect && (camera || s->stale.made || s->stale.indirect);
     plan p = { .moved = moved };
-    p.made = emission || ((view || (moved && !keep)) && lc_lighting_sees(s));
-    p.lights = p.made || s->changes.lights || ((view || moved) && lc_lighting_is_indirect(s));
+    p.made = has(s, LC_CHANGE_EMISSION) || s->changes.pictures || (of_view && !keep);
+    p.lights = p.made || s->changes.lights || (moved && indirect) || (of_paths && !keep);
+    p.stale.made = of_view && !p.made;
+    p.stale.indirect = of_paths && !p.lights;
     return p;
 }
 
@@ -127,16 +133,20 @@ lc_status lc_scene_apply(lc_scene *s, bool keep)
     const lc_camera camera = s->camera;
     const double diag2 = s->diag2;
     for (size_t i = 0; i < c->n; i++) exchange(s, &c->list[i]);
+    lc_sequences_exchange(s);
     const plan p = plan_of(s, keep);
     const lc_status st = remake(s, &p, &old, &top);
     if (st) {
         undo(s, &p, &old, &top);
         for (size_t i = c->n; i-- > 0;) exchange(s, &c->list[i]);
+        lc_sequences_exchange(s);
         lc_lighting_set_diag2(s, diag2);
         s->camera = camera;
     } else {
         c->n = 0;
         c->lights = false;
+        lc_sequences_drop(s);
+        s->stale = p.stale;
     }
     lc_lighting_free(s->ctx, &old);
     lc_bvh_destroy(top.boxes);

@@ -11,21 +11,17 @@
 
 static const lc_material grey = { .kd = { 0.5f, 0.5f, 0.5f } };
 
-lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t side, uint32_t max_depth)
+static void add_view(lc_view_grid *view, const lc_camera *camera, uint32_t side, uint32_t max_depth)
 {
+    const lc_scene *scene = view->scene;
     const double lens[2] = { 0.5, 0.5 };
-    const lc_sight_desc how = { scene->camera.pixel, max_depth, 1, 0.5, NULL };
+    const lc_sight_desc how = { camera->pixel, max_depth, 1, 0.5, NULL };
     const double width = scene->film.width, height = scene->film.height;
-    *view = (lc_view_grid){ .scene = scene, .side = side };
-    view->points = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->points);
-    view->org = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->org);
-    view->lobe = lc_alloc_raw(scene->ctx, (size_t)side * side, sizeof *view->lobe);
-    if (!view->points || !view->org || !view->lobe) return LC_ERR_MEMORY;
     for (uint32_t i = 0; i < side * side; i++) {
         lc_f3 dir;
         lc_sight sight;
-        if (!lc_view_sight(scene, (i % side + 0.5) / side * width, (i / side + 0.5) / side * height, lens,
-                           &how, &dir, &sight) ||
+        if (!lc_view_sight_by(scene, camera, (i % side + 0.5) / side * width,
+                              (i / side + 0.5) / side * height, lens, &how, &dir, &sight) ||
             !sight.n_lit)
             continue;
         const lc_lit *lit = &sight.lit[0];
@@ -33,6 +29,18 @@ lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t 
         view->lobe[view->n] = lc_lobe_angle(&lit->surface.material);
         memcpy(view->org[view->n++], lit->surface.ray_org, sizeof view->org[0]);
     }
+}
+
+lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t side, uint32_t max_depth)
+{
+    const uint32_t n_views = lc_view_count(scene), each = lc_view_side(scene, side);
+    const size_t room = (size_t)each * each * n_views;
+    *view = (lc_view_grid){ .scene = scene, .room = room };
+    view->points = lc_alloc_raw(scene->ctx, room, sizeof *view->points);
+    view->org = lc_alloc_raw(scene->ctx, room, sizeof *view->org);
+    view->lobe = lc_alloc_raw(scene->ctx, room, sizeof *view->lobe);
+    if (!view->points || !view->org || !view->lobe) return LC_ERR_MEMORY;
+    for (uint32_t i = 0; i < n_views; i++) add_view(view, lc_view_camera(scene, i), each, max_depth);
     return LC_OK;
 }
 
@@ -44,7 +52,7 @@ float lc_lobe_angle(const lc_material *m)
 
 void lc_view_grid_free(lc_view_grid *view)
 {
-    size_t n = (size_t)view->side * view->side;
+    const size_t n = view->room;
     if (!n) return;
     lc_free(view->scene->ctx, view->points, n, sizeof *view->points);
     lc_free(view->scene->ctx, view->org, n, sizeof *view->org);

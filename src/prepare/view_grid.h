@@ -15,13 +15,15 @@
 
 typedef struct lc_view_grid {
     const lc_scene *scene;
-    uint32_t n, side; /* points, at most side * side: rays that leave the scene give none */
-    lc_point *points; /* in the order of the picture's rows */
+    uint32_t n; /* points, at most `room`: rays that leave the scene give none */
+    size_t room;
+    lc_point *points; /* in the order of the picture's rows, one view after another */
     float (*org)[3];  /* n: origins of their shadow rays */
     float *lobe;      /* n: lc_lobe_angle of their surfaces */
 } lc_view_grid;
 
-/* Traces side * side camera rays over the whole film, whatever its crop. LC_ERR_MEMORY, after which it must
+/* Traces side * side camera rays over the whole film, whatever its crop, or of several views
+ * lc_view_side(side) squared of each. LC_ERR_MEMORY, after which it must
  * be freed, too. */
 lc_status lc_view_grid_init(lc_view_grid *view, const lc_scene *scene, uint32_t side, uint32_t max_depth);
 void lc_view_grid_free(lc_view_grid *view);

@@ -13,7 +13,7 @@
 
 #include <string.h>
 
-#define SIDE LC_SIZE(16, 4)           /* blocks a side of the picture */
+#define SIDE LC_SIZE(16, 4)           /* blocks a side of the picture; see lc_view_side */
 #define BLOCK 8                       /* pixels a side of a block */
 #define MOST_USED LC_SIZE(32768, 64) /* virtual lights looked at */
 #define BATCH 64                      /* lights at a time */
@@ -25,16 +25,18 @@
 
 /* ---- points ---- */
 
-/* Place k of LC_BLOCK_POINTS of a block: anywhere in one of its quarters, since at the middle of all of them
- * a row of blocks along an edge would miss it, or meet it all. */
-static void place_of(const lc_vpl_deviation *d, uint32_t block, uint32_t k, double at[2])
+/* Place k of LC_BLOCK_POINTS of a block of a picture of side * side of them: anywhere in one of its quarters,
+ * since at the middle of all of them a row of blocks along an edge would miss it, or meet it all. index: of
+ * the block among those of all pictures. */
+static void place_of(const lc_vpl_deviation *d, uint32_t side, uint32_t index, uint32_t k, double at[2])
 {
     const lc_film_desc *film = &d->scene->film;
     const double size[2] = { film->width, film->height };
-    const uint32_t cell[2] = { block % SIDE, block / SIDE }, part[2] = { k % 2, k / 2 };
+    const uint32_t block = index % (side * side), cell[2] = { block % side, block / side };
+    const uint32_t part[2] = { k % 2, k / 2 };
     for (uint32_t c = 0; c < 2; c++) {
-        const double in_quarter = lc_unit(lc_hash4(d->seed, block, k, 8 + c)) - 0.5;
-        double middle = (cell[c] + 0.5) / SIDE * size[c] + (part[c] - 0.5 + in_quarter) * (BLOCK / 2);
+        const double in_quarter = lc_unit(lc_hash4(d->seed, index, k, 8 + c)) - 0.5;
+        double middle = (cell[c] + 0.5) / side * size[c] + (part[c] - 0.5 + in_quarter) * (BLOCK / 2);
         at[c] = fmin(fmax(middle, 0.5), size[c] - 0.5);
     }
 }
@@ -51,17 +53,18 @@ static void find_point(finder *f, uint32_t thread, size_t i)
     lc_vpl_deviation *d = f->d;
     const lc_scene *s = d->scene;
     const double lens[2] = { 0.5, 0.5 };
-    const lc_sight_desc how = { s->camera.pixel, f->max_depth, 1, 0.5, NULL };
+    const uint32_t side = lc_view_side(s, SIDE), a_view = side * side;
     double at[2];
     lc_f3 dir;
     lc_sight sight;
     lc_point p[2];
     lc_cut_result r;
     const uint32_t block = (uint32_t)(i / LC_BLOCK_POINTS);
-    place_of(d, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
+    const lc_camera *camera = lc_view_camera(s, block / a_view);
+    const lc_sight_desc how = { camera->pixel, f->max_depth, 1, 0.5, NULL };
+    place_of(d, side, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
     d->weight[i] = 0;
-    if (!lc_view_sight(s, at[0], at[1], lens, &how, &dir, &sight) || !sight.n_lit)
-        return;
+    if (!lc_view_sight_by(s, camera, at[0], at[1], lens, &how, &dir, &sight) || !sight.n_lit) return;
     const lc_lit *lit = &sight.lit[0];
     lc_lit_point(s, lit, lc_hash2(d->seed, i), p);
     lc_cut_shade(&f->cuts[thread], p, lit->surface.ray_org, lc_hash2(d->seed, i), &f->stats[thread], &r);
@@ -98,10 +101,11 @@ lc_status lc_vpl_deviation_init(lc_vpl_deviation *d, const lc_scene *scene, uint
                                 uint64_t seed)
 {
     const lc_context *ctx = scene->ctx;
-    const size_t n = (size_t)SIDE * SIDE * LC_BLOCK_POINTS;
+    const uint32_t side = lc_view_side(scene, SIDE), n_blocks = side * side * lc_view_count(scene);
+    const size_t n = (size_t)n_blocks * LC_BLOCK_POINTS;
     finder f = { .d = d, .max_depth = max_depth };
     lc_light_tree *tree = NULL;
-    *d = (lc_vpl_deviation){ .scene = scene, .seed = seed, .n_blocks = SIDE * SIDE };
+    *d = (lc_vpl_deviation){ .scene = scene, .seed = seed, .n_blocks = n_blocks };
     d->points = lc_alloc_raw(ctx, n, sizeof *d->points);
     d->lit = lc_alloc_raw(ctx, n, sizeof *d->lit);
     d->weight = lc_alloc(ctx, n, sizeof *d->weight);

@@ -2,8 +2,12 @@
  * double. */
 #include "scene/camera.h"
 
+#include "base/xform.h"
 #include "scene/env_map.h"
 
+#include <string.h>
+
+#define WHOLE      1e-9 /* of a mirroring's entries, which rounding leaves so far from -1, 0, 1 */
 #define MAX_LENGTH 1e12 /* limits lens radius and focal distance, as LC_MAX_COORD does coordinates */
 
 /* Inverts an affine row-major 4x4 matrix, whose last row must be 0 0 0 w; false when it is singular. */
@@ -80,6 +84,53 @@ bool lc_camera_init(lc_camera *cam, const lc_camera_desc *desc, uint32_t width, 
     if (round) cam->pixel = LC_PI / height;
     cam->focal = round || !(desc->lens_radius > 0) ? 0 : desc->focal_distance;
     for (int i = 0; i < 16; i++) cam->world_to_camera[i] = (float)desc->world_to_camera[i];
+    return true;
+}
+
+bool lc_camera_get_place(const lc_camera_desc *desc, lc_camera_place *place)
+{
+    double inv[16], z[3], y[3];
+    if (!invert_affine(desc->world_to_camera, inv)) return false;
+    for (int i = 0; i < 3; i++) {
+        y[i] = inv[4 * i + 1];
+        z[i] = inv[4 * i + 2];
+    }
+    for (int i = 0; i < 3; i++) {
+        place->from[i] = inv[4 * i + 3];
+        place->at[i] = place->from[i] + z[i] / length(z);
+        place->up[i] = y[i] / length(y);
+    }
+    place->fov = desc->kind == LC_CAMERA_PERSPECTIVE ? desc->fov_degrees : 0;
+    return true;
+}
+
+static bool look(const lc_camera_place *place, lc_xform *out)
+{
+    double v[9];
+    memcpy(v, place->from, sizeof place->from);
+    memcpy(v + 3, place->at, sizeof place->at);
+    memcpy(v + 6, place->up, sizeof place->up);
+    return lc_xform_look_at(v, out) && lc_xform_finite(out);
+}
+
+/* The matrix is A L, L being the place's LookAt: with another L it is the moved one. */
+bool lc_camera_move(const lc_camera_desc *desc, const lc_camera_place *place, lc_camera_desc *out)
+{
+    lc_camera_place old;
+    lc_xform was, back, a, to;
+    *out = *desc;
+    if (place->fov > 0 && desc->kind == LC_CAMERA_PERSPECTIVE) out->fov_degrees = place->fov;
+    if (!lc_camera_get_place(desc, &old) || !look(&old, &was) || !lc_xform_invert(&was, &back)) return false;
+    memcpy(a.m, desc->world_to_camera, sizeof a.m);
+    a = lc_xform_mul(&a, &back);
+    for (int i = 0; i < 16; i++) {
+        const double whole = floor(a.m[i] + 0.5);
+        if (i % 4 == 3 && i < 12) a.m[i] = 0; /* both map `from` to 0 */
+        else if (fabs(a.m[i] - whole) < WHOLE) a.m[i] = whole;
+    }
+    if (!look(place, &to)) return false;
+    to = lc_xform_mul(&a, &to);
+    memcpy(out->world_to_camera, to.m, sizeof to.m);
     return true;
 }
 

@@ -11,6 +11,7 @@
 #define LC_CAMERA_H
 
 #include "base/vec.h"
+#include "lightcuts.h"
 
 typedef enum lc_camera_kind {
     LC_CAMERA_PERSPECTIVE,
@@ -46,6 +47,12 @@ typedef struct lc_camera {
 /* width, height: pixels of the whole film. Returns false when the matrix is singular or a number is out of
  * range. */
 bool lc_camera_init(lc_camera *cam, const lc_camera_desc *desc, uint32_t width, uint32_t height);
+/* The place, with `at` a unit ahead; false where the matrix is singular. */
+bool lc_camera_get_place(const lc_camera_desc *desc, lc_camera_place *place);
+/* The camera at another place: what its matrix does beside that, as mirroring and scaling, stays. A place
+ * that lc_camera_get_place gave leaves the camera as it is, to rounding. False if from, at and up give no
+ * direction. */
+bool lc_camera_move(const lc_camera_desc *desc, const lc_camera_place *place, lc_camera_desc *out);
 /* An orthographic camera's pixels have the same footprint at every distance, which `pixel` cannot express:
  * textures are filtered as if every surface were at this distance. Does nothing to other cameras. */
 void lc_camera_set_distance(lc_camera *cam, double distance);

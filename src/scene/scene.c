@@ -162,6 +162,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
         .flip = m->flip,
         .two_sided = m->two_sided,
         .emission = m->emission,
+        .own_emission = m->emission,
         .emission_map = m->emission_map,
         .alpha = m->alpha ? (uint32_t)s->n_alphas : LC_NONE,
         .group = s->groups.now,

@@ -71,6 +71,9 @@ struct lc_scene {
     lc_profiles profiles;
     lc_mipmap *emission_maps;
     size_t n_emission_maps, cap_emission_maps;
+    lc_sequence *sequences;
+    size_t n_sequences, cap_sequences;
+    uint32_t frame; /* of the sequences' pictures */
     /* n_given lights of the file or of calls that have intensity, then those made from emissive triangles,
      * from environment maps, from light paths. Until commit joins them, lights beyond cap_lights are in
      * chunks of LC_LIGHT_CHUNK: an array that doubles would need three times the memory while it is copied.
@@ -87,7 +90,13 @@ struct lc_scene {
     size_t n_notes, cap_notes, n_features, cap_features;
     uint64_t n_noted;     /* sum of the notes' counts */
     const char *noted;    /* text of the latest note */
-    lc_camera_desc camera_desc;
+    lc_camera_desc camera_desc, own_camera; /* own: before it is moved */
+    /* Cameras that lights are made for in place of the scene's own; in the arena. */
+    lc_camera_desc *view_descs;
+    lc_camera *views;
+    uint32_t n_views;
+    lc_stale stale;
+    uint64_t made_id; /* where something is stale: what it depends on */
     lc_film_desc film;
     const lc_sensor *sensors; /* in place of the camera, a pixel each; NULL: none */
     lc_quantity quantity;

@@ -3,6 +3,7 @@
 
 #include "scene/instance.h"
 #include "scene/media.h"
+#include "scene/sequence.h"
 #include "trace/bvh.h"
 #include "tree/light_tree.h"
 
@@ -33,12 +34,14 @@ void lc_scene_destroy(lc_scene *s)
     for (size_t i = 0; i < s->n_spot_maps; i++) lc_spot_map_free(ctx, &s->spot_maps[i]);
     for (size_t i = 0; i < s->n_emission_maps; i++) lc_mipmap_free(ctx, &s->emission_maps[i]);
     lc_free(ctx, s->emission_maps, s->cap_emission_maps, sizeof *s->emission_maps);
+    lc_sequences_free(s);
     lc_profiles_free(ctx, &s->profiles);
     lc_free(ctx, s->spot_maps, s->cap_spot_maps, sizeof *s->spot_maps);
     lc_free(ctx, s->lights, s->cap_lights, sizeof *s->lights);
     lc_scene_drop_light_chunks(s);
     lc_free(ctx, s->light_chunks, s->cap_light_chunks, sizeof *s->light_chunks);
     lc_free(ctx, s->given.lights, s->given.cap_lights, sizeof *s->given.lights);
+    lc_free(ctx, s->given.own, s->given.cap_own, sizeof *s->given.own);
     for (size_t i = 0; i < s->given.n_fixtures; i++) lc_photometry_free(&s->given.fixtures[i].file);
     lc_free(ctx, s->given.fixtures, s->given.cap_fixtures, sizeof *s->given.fixtures);
     lc_free(ctx, s->given.emission_maps, s->given.cap_emission_maps, sizeof *s->given.emission_maps);

@@ -16,6 +16,15 @@ const char *lc_light_kind_name(uint32_t kind)
 
 _Static_assert((int)LC_LIGHT_KINDS <= LC_MAX_LIGHT_KINDS, "lc_scene_info counts them");
 
+/* What is not at hand. */
+static void count(const lc_scene *s, lc_scene_info *info)
+{
+    for (size_t i = 0; i < s->textures.n_images; i++)
+        info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);
+    for (size_t i = 0; i < s->n_materials; i++)
+        info->n_mirrors += s->materials[i].mirror || s->materials[i].glass;
+}
+
 lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
 {
     static const lc_light_tree none;
@@ -66,11 +75,10 @@ lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
         .built_lights = s->built.lights,
         .built_indirect = s->built.indirect,
         .built_trees = s->built.trees,
+        .built_images = (uint32_t)(s->textures.n_images + s->n_emission_maps) + s->built.images,
+        .n_sequences = (uint32_t)s->n_sequences,
     }, *info = &full;
-    for (size_t i = 0; i < s->textures.n_images; i++)
-        info->image_bytes += lc_mipmap_bytes(&s->textures.images[i]);
-    for (size_t i = 0; i < s->n_materials; i++)
-        info->n_mirrors += s->materials[i].mirror || s->materials[i].glass;
+    count(s, info);
     for (int k = 0; k < LC_LIGHT_KINDS; k++) info->n_of_kind[k] = t->n_of_kind[k];
     lc_f3_store(info->bounds_lo, s->bounds.lo);
     lc_f3_store(info->bounds_hi, s->bounds.hi);

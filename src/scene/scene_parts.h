@@ -21,10 +21,10 @@ typedef struct lc_mesh {
     bool brushed; /* the material's roughness is anisotropic, so hits need a tangent */
     bool clear;   /* the material is or mixes glass, which shadow rays pass */
     bool flip, two_sided;
-    lc_f3 emission;
-    uint32_t alpha;        /* index into lc_scene.alphas; LC_NONE: opaque */
-    uint32_t emission_map; /* 1 + index into lc_scene.emission_maps; 0: none */
-    uint32_t group;        /* of its emission */
+    lc_f3 emission, own_emission; /* own: before it is dimmed */
+    uint32_t alpha;               /* index into lc_scene.alphas; LC_NONE: opaque */
+    uint32_t emission_map;        /* 1 + index into lc_scene.emission_maps; 0: none */
+    uint32_t group;               /* of its emission */
 } lc_mesh;
 
 /* An object for instancing: consecutive triangles in a space of their own. */
@@ -68,13 +68,15 @@ typedef struct lc_given_picture {
     lc_mipmap map; /* without texels: it was taken */
     uint32_t image, emission, env; /* what took it or a copy, by the scene's number; 0 of emission, else
                                     * LC_NONE: nothing */
+    const struct lc_sequence *sequence; /* whose uses are of this; NULL: it is one picture */
 } lc_given_picture;
 
 /* A host's numbers are those of its calls, counted from 0. For scenes of files the arrays of numbers are
  * NULL: the scene's own numbers serve; and so are the lights until one is set. */
 typedef struct lc_given {
     lc_light *lights; /* as they were set last, those without intensity too */
-    size_t n_lights, cap_lights;
+    lc_light *own;    /* the same before they are dimmed and moved; none until the first is */
+    size_t n_lights, cap_lights, n_own, cap_own;
     uint32_t *meshes, *instances; /* of each call the scene's number; LC_NONE: it was empty and left out */
     lc_fixture *fixtures;
     uint32_t (*emission_maps)[2]; /* a texture and the emission map that was made of it */
@@ -83,6 +85,17 @@ typedef struct lc_given {
     size_t n_meshes, cap_meshes, n_instances, cap_instances, n_fixtures, cap_fixtures, n_emission_maps,
         cap_emission_maps, n_pictures, cap_pictures;
 } lc_given;
+
+/* A picture whose file is another in each frame. */
+typedef struct lc_sequence {
+    const char *name; /* of its files, with "%d" or "%0Nd" in place of the number after `folder` bytes */
+    size_t folder;
+    bool is_env;
+    uint32_t map;    /* of lc_scene.emission_maps, or of lc_scene.envs */
+    uint64_t digest; /* of the file's bytes */
+    lc_mipmap next;  /* waits for the update; without texels: none does */
+    uint64_t next_digest;
+} lc_sequence;
 
 typedef enum lc_change_kind { LC_CHANGE_CAMERA, LC_CHANGE_INSTANCE, LC_CHANGE_EMISSION } lc_change_kind;
 
@@ -100,12 +113,20 @@ typedef struct lc_change {
 typedef struct lc_changes {
     lc_change *list;
     size_t n, cap;
-    bool lights; /* lc_given.lights are not the scene's any more */
+    bool lights;   /* lc_given.lights are not the scene's any more */
+    bool pictures; /* lc_sequence.next wait, of this */
+    uint32_t frame;
 } lc_changes;
+
+/* Lights that were kept by an update, though they were made for another view: of lamps and environments; the
+ * number of virtual lights. */
+typedef struct lc_stale {
+    bool made, indirect;
+} lc_stale;
 
 /* How often each was built since the scene was begun. */
 typedef struct lc_built {
-    uint32_t bvhs, tops, lights, indirect, trees;
+    uint32_t bvhs, tops, lights, indirect, trees, images;
 } lc_built;
 
 #endif

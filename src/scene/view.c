@@ -65,6 +65,65 @@ lc_status lc_scene_set_sensors(lc_scene *s, const lc_sensors_desc *desc)
     return LC_OK;
 }
 
+/* ---- views ---- */
+
+uint32_t lc_view_count(const lc_scene *s) { return s->n_views ? s->n_views : 1; }
+
+const lc_camera *lc_view_camera(const lc_scene *s, uint32_t i)
+{
+    return s->n_views ? &s->views[i] : &s->camera;
+}
+
+uint32_t lc_view_side(const lc_scene *s, uint32_t side)
+{
+    return s->n_views > 1 ? (uint32_t)ceil(side / sqrt(sqrt(s->n_views))) : side;
+}
+
+void lc_views_init(lc_scene *s)
+{
+    for (uint32_t i = 0; i < s->n_views; i++)
+        (void)lc_camera_init(&s->views[i], &s->view_descs[i], s->film.width, s->film.height);
+}
+
+lc_status lc_scene_set_views(lc_scene *s, const lc_views_desc *desc)
+{
+    lc_views_desc d = LC_VIEWS_DESC_INIT;
+    lc_status st = lc_desc_take(s->ctx, "lc_views_desc", &d, sizeof d, desc);
+    if (st || !d.n) return st;
+    if (s->sensors || !s->has_camera) return lc_fail(s->ctx, LC_ERR_ARG, "views: the scene has no camera");
+    if (d.n > LC_MAX_VIEWS || !d.places)
+        return lc_fail(s->ctx, LC_ERR_ARG, "views: there are none, or more than %d", LC_MAX_VIEWS);
+    s->view_descs = lc_arena_alloc(&s->arena, d.n, sizeof *s->view_descs);
+    s->views = lc_arena_alloc(&s->arena, d.n, sizeof *s->views);
+    if (!s->view_descs || !s->views) return LC_ERR_MEMORY;
+    const char *at = (const char *)d.places; /* their size is the host's */
+    for (uint32_t i = 0; i < d.n && !st; i++) {
+        lc_camera_place place = LC_CAMERA_PLACE_INIT;
+        size_t size;
+        memcpy(&size, at, sizeof size);
+        if ((st = lc_desc_take(s->ctx, "lc_camera_place", &place, sizeof place, at))) return st;
+        st = lc_scene_place_camera(s, "views", &s->camera_desc, &place, &s->view_descs[i]);
+        at += size;
+    }
+    if (!st) s->n_views = d.n;
+    return st;
+}
+
+lc_status lc_scene_place_camera(const lc_scene *s, const char *call, const lc_camera_desc *from,
+                                const lc_camera_place *place, lc_camera_desc *out)
+{
+    lc_camera test;
+    if (!(place->fov >= 0 && place->fov < 180))
+        return lc_fail(s->ctx, LC_ERR_ARG, "%s: fov must be above 0 and below 180, or 0", call);
+    if (place->fov > 0 && from->kind != LC_CAMERA_PERSPECTIVE)
+        return lc_fail(s->ctx, LC_ERR_ARG, "%s: fov: the camera has none", call);
+    if (!lc_camera_move(from, place, out))
+        return lc_fail(s->ctx, LC_ERR_ARG, "%s: from, at and up give no direction", call);
+    if (!lc_camera_init(&test, out, s->film.width, s->film.height))
+        return lc_fail(s->ctx, LC_ERR_ARG, "%s: from, at, up or fov is out of range", call);
+    return LC_OK;
+}
+
 /* ---- looking at them ---- */
 
 static const lc_sensor *sensor_at(const lc_scene *s, double px, double py)
@@ -111,6 +170,15 @@ static void see_sensor(const lc_sensor *at, lc_quantity quantity, lc_sight *out)
     out->is_hit = true;
     out->emission = lc_f3_make(0, 0, 0);
     out->n_rays = 0;
+}
+
+bool lc_view_sight_by(const lc_scene *s, const lc_camera *camera, double px, double py, const double lens[2],
+                      const lc_sight_desc *how, lc_f3 *dir, lc_sight *out)
+{
+    lc_f3 org;
+    if (s->sensors) return lc_view_sight(s, px, py, lens, how, dir, out);
+    lc_camera_ray(camera, px, py, lens, &org, dir);
+    return lc_sight_trace(s, org, *dir, how, out);
 }
 
 bool lc_view_sight(const lc_scene *s, double px, double py, const double lens[2], const lc_sight_desc *how,
