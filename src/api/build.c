@@ -3,6 +3,7 @@
  * What each call was given goes into the scene's digest, as the bytes of files do: equal ids of pictures mean
  * equal scenes. What can be set again goes into it by lc_given_id. */
 #include "api/build.h"
+#include "api/given_id.h"
 #include "api/load.h"
 #include "base/desc.h"
 #include "base/memory.h"

@@ -46,7 +46,4 @@ lc_status lc_arg_camera(const lc_scene *scene, const char *call, const lc_build_
 void lc_fit_screen(const lc_film_desc *film, double screen[4]);
 lc_status lc_arg_to_world(const lc_scene *scene, const char *call, const double to_world[16], lc_xform *out);
 
-/* The hash of all that the scene is made of now. */
-uint64_t lc_given_id(const lc_scene *scene);
-
 #endif

@@ -1,8 +1,8 @@
 /* load.c - public calls of scenes: checks arguments, then delegates. */
 #include "api/load.h"
 
-#include "api/build.h"
 #include "api/format.h"
+#include "api/given_id.h"
 #include "base/desc.h"
 #include "base/memory.h"
 #include "prepare/commit.h"

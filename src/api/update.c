@@ -2,6 +2,7 @@
 #include "prepare/update.h"
 
 #include "api/build.h"
+#include "api/given_id.h"
 #include "base/desc.h"
 #include "base/rng.h"
 #include "scene/sequence.h"
