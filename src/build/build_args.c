@@ -283,7 +283,6 @@ static void add_light(lc_digest *d, const lc_light *light)
     lc_digest_add(d, &light->intensity, sizeof light->intensity);
     lc_digest_add(d, light->atten, sizeof light->atten);
     if (light->group) lc_digest_u64(d, light->group);
-    if (light->group) lc_digest_u64(d, light->group);
 }
 
 uint64_t lc_given_id(const lc_scene *s)
@@ -300,8 +299,6 @@ uint64_t lc_given_id(const lc_scene *s)
     lc_digest_add(&d, s->film.filter.radius, sizeof s->film.filter.radius);
     lc_digest_add(&d, s->film.filter.shape, sizeof s->film.filter.shape);
     lc_digest_mark(&d);
-    for (uint32_t i = 0; i < s->groups.n; i++)
-        lc_digest_add(&d, s->groups.name[i], strlen(s->groups.name[i]) + 1);
     for (uint32_t i = 0; i < s->groups.n; i++)
         lc_digest_add(&d, s->groups.name[i], strlen(s->groups.name[i]) + 1);
     for (size_t i = 0; i < s->given.n_lights; i++) add_light(&d, &s->given.lights[i]);
