@@ -112,7 +112,7 @@ check 'nothing is left over' test -z "$(find . -name '*.tmp*' -o -name '.*.exr*'
 
 # ---- a change during a render ----
 
-scene s.pbrt 8000 65536
+scene s.pbrt 64000 65536
 wall .5 >wall.pbrt
 start s.pbrt -o w.exr --watch -t 1
 sleep 2
@@ -122,7 +122,7 @@ check 'is ended by a change' seen 1 "'s.pbrt' has changed"
 check 'and followed by the new scene' seen 1 'wrote w.exr'
 check 'nothing was said of interruption' test "$(grep -c interrupted log)" -eq 0
 check 'the new picture' same
-scene s.pbrt 8000 65536
+scene s.pbrt 64000 65536
 check 'a long render again' seen 2 'has changed'
 sleep 2
 check 'which has begun' test "$(grep -c wrote log)" -eq 1
