@@ -1,5 +1,5 @@
-/* unit_evidence.c - weights of bounds by what other pixels of a block found (cut/evidence.h): their formula; no
- * point counts what its own slot found; large films keep the error that is asked with fewer rays, with the
+/* unit_evidence.c - weights of bounds by what other pixels of a block found (cut/evidence.h): their formula;
+ * no point counts what its own slot found; large films keep the error that is asked with fewer rays, with the
  * same bytes for crops, threads and instruction sets; explanations are of the picture's own cuts. */
 #include "support/fence_scene.h"
 #include "support/logged.h"
@@ -131,9 +131,10 @@ static void check_share(uint32_t spp, const int32_t crop[4])
         const double y = luminance(&truth, i);
         within += fabs(luminance(&p, i) - y) <= 0.02 * fmax(y, (double)LC_ASKED_DARK_FLOOR * mean) ? 1 : 0;
     }
-    printf("  %u samples: %.1f %% of %zu pixels, pilots %.1f, %.0f rays a point\n", spp, 100 * within / (double)n, n,
+    within *= 100 / (double)n;
+    printf("  %u samples: %.1f %% of %zu pixels, pilots %.1f, %.0f rays a point\n", spp, within, n,
            (double)p.stats.calibration.achieved, (double)p.stats.shadow_rays / (double)p.stats.points);
-    CHECKF(100 * within / (double)n >= 93 && 100 * within / (double)n <= 99, "%g %%", 100 * within / (double)n);
+    CHECKF(within >= 93 && within <= 99, "%g %%", within);
 }
 
 TEST(what_is_asked_holds)

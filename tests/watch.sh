@@ -160,6 +160,8 @@ refused 'a part' s.pbrt --chunk 1/2
 refused 'the list of parts' s.pbrt --print-chunks 2
 refused 'a checkpoint' s.pbrt --checkpoint c.ckpt
 refused 'a calibration' s.pbrt --calibration c.txt
+refused 'frames in a row' s.pbrt --frames 1-2 -o n.%d.exr
+refused 'a track' s.pbrt --frame 1 --track c.csv -o n.exr
 refused 'standard input' - -o n.exr
 refused 'standard output' s.pbrt -o -
 run none.pbrt -o n.exr --watch
@@ -203,6 +205,18 @@ if [ -x "$viewer" ]; then
     check 'which is the picture' "$L" compare shown.exr view.exr --fail mae=0.001
     run s.pbrt -o other.exr --aov n
     check 'a viewer changes no byte' cmp -s view.exr other.exr
+    rm -f port
+    "$viewer" --serve port shown.exr >served 2>&1 &
+    pid=$!
+    tries=0
+    until [ -s port ] || [ $tries -ge 600 ]; do tries=$((tries + 1)); sleep .1; done
+    run s.pbrt --frames 1-2 -o view.%d.exr --display-server "localhost:$(cat port)"
+    check 'frames are shown: status' test $rc -eq 0
+    wait $pid
+    pid=
+    check 'each of them' grep -q '^2 created' served
+    run s.pbrt --frames 1-2 -o other.%d.exr
+    check 'and no byte is another' cmp -s view.2.exr other.2.exr
     run s.pbrt -o n.exr --display-server "localhost:$(cat port)"
     check 'no viewer: status' test $rc -eq 0
     check 'no viewer: one warning' test "$(grep -c 'warning: display server localhost:.*refused' err)" -eq 1

@@ -51,8 +51,8 @@ static inline uint64_t lc_ticks(void)
 }
 
 /* Starts timing a sample. Only one sample in sixteen is timed, as reading the clock a hundred times a point
- * takes a few percent of the time; another one of each sixteen, since a block's first pixel also makes what the
- * block shares. */
+ * takes a few percent of the time; another one of each sixteen, since a block's first pixel
+ * also makes what the block shares. */
 static inline void lc_phase_start(lc_stats *s)
 {
     s->timed = (s->camera_rays & 15) == (s->camera_rays >> 4 & 15);

@@ -87,11 +87,11 @@ const lc_mipmap *lc_build_picture_of(const lc_scene *scene, uint32_t texture);
 const char *lc_build_check_texture(const lc_scene *scene, uint32_t id, bool number);
 /* Begins a call's part of the digest. False: the scene is read from files, whose bytes it has instead. */
 bool lc_build_mark(lc_scene *scene, int call);
-/* Sets the group of lights of what the call adds; name: or NULL, the one that lc_build_group chose. The second
- * adds it to the digest, where there is one. */
+/* Sets the group of lights of what the call adds; name: NULL, the one that lc_build_group chose. */
 lc_status lc_build_begin_group(lc_scene *scene, const char *call, const char *name);
 /* Passes a call's status on; a call that has failed leaves no new group behind. had: groups.n before it. */
 lc_status lc_build_end_group(lc_scene *scene, uint32_t had, lc_status st);
+/* Adds it to the digest, where there is one. */
 void lc_build_mark_group(lc_scene *scene);
 /* Keeps a light that lc_scene_check_light gave. */
 lc_status lc_build_keep_light(lc_scene *scene, const lc_light *light);

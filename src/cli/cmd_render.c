@@ -205,24 +205,6 @@ static int check_streams(const options *o)
     return -1;
 }
 
-/* What is kept of a picture is of the scene as it was. */
-static int check_watch(const options *o)
-{
-    const char *other = o->farm.chunk             ? "--chunk"
-                        : o->farm.print           ? "--print-chunks"
-                        : o->farm.checkpoint      ? "--checkpoint"
-                        : o->calibration          ? "--calibration"
-                        : o->frames.many          ? "--frames"
-                        : o->frames.path          ? "--track"
-                        : !strcmp(o->scene, "-")  ? "a scene from standard input"
-                                                  : NULL;
-    for (int i = 0; i < o->n_outputs && !other; i++)
-        if (cli_is_stdout(o->outputs[i])) other = "a picture to standard output";
-    if (!o->watch || !other) return 0;
-    cli_usage_error("render", "--watch renders a scene each time that it changes: not with %s", other);
-    return -1;
-}
-
 /* 0: go on; otherwise *status is the exit status. */
 static int parse_options(int argc, char **argv, options *o, int *status)
 {
@@ -237,7 +219,8 @@ static int parse_options(int argc, char **argv, options *o, int *status)
     if (check_time(o) || check_streams(o)) return -1;
     if (cli_ask_error("render", &o->given, &o->render)) return -1;
     o->scene = argv[optind];
-    if (cli_render_check_frames(o) || (!o->frames.many && cli_farm_check(&o->farm)) || check_watch(o))
+    if (cli_render_check_frames(o) || (!o->frames.many && cli_farm_check(&o->farm)) ||
+        cli_render_check_watch(o))
         return -1;
     for (int i = 0; i < o->n_outputs; i++)
         if (cli_check_picture_name("render", o->outputs[i])) return -1;

@@ -26,6 +26,24 @@ int cli_render_name_frame(cli_render_options *o)
     return bad;
 }
 
+/* What is kept of a picture is of the scene as it was. */
+int cli_render_check_watch(const cli_render_options *o)
+{
+    const char *other = o->farm.chunk             ? "--chunk"
+                        : o->farm.print           ? "--print-chunks"
+                        : o->farm.checkpoint      ? "--checkpoint"
+                        : o->calibration          ? "--calibration"
+                        : o->frames.many          ? "--frames"
+                        : o->frames.path          ? "--track"
+                        : !strcmp(o->scene, "-")  ? "a scene from standard input"
+                                                  : NULL;
+    for (int i = 0; i < o->n_outputs && !other; i++)
+        if (cli_is_stdout(o->outputs[i])) other = "a picture to standard output";
+    if (!o->watch || !other) return 0;
+    cli_usage_error("render", "--watch renders a scene each time that it changes: not with %s", other);
+    return -1;
+}
+
 /* Frames are whole pictures, and their scene is set again after it was read. */
 int cli_render_check_frames(cli_render_options *o)
 {

@@ -47,6 +47,8 @@ int cli_render_name_frame(cli_render_options *o);
 /* Whether the options of frames fit with the others, and the names of the first. Nonzero after a usage
  * error. */
 int cli_render_check_frames(cli_render_options *o);
+/* Whether --watch fits with the others. Nonzero after a usage error. */
+int cli_render_check_watch(const cli_render_options *o);
 /* Adds the default output, where none was given. */
 void cli_render_choose_output(cli_render_options *o, const lc_scene_info *info);
 /* The file of the statistics, if they go to one. */

@@ -43,7 +43,7 @@ void lc_cut_free(lc_cut *cut);
 void lc_cut_shade(lc_cut *cut, const lc_point *point, const float ray_org[3], uint64_t hash, lc_stats *stats,
                   lc_cut_result *out);
 
-/* What a point finds at the nodes of a start, for the evidence of its block; counts rays and bounds, no point. */
+/* What a point finds at the nodes of a start, for the evidence of its block; counts no point. */
 void lc_cut_survey(lc_cut *cut, const lc_point *point, const float ray_org[3], uint64_t hash,
                    const lc_cut_start *start, lc_evidence_row *row, lc_stats *stats);
 

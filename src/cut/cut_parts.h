@@ -1,12 +1,5 @@
-/* cut_parts.h - what the files of the cut share: the scratch of one call and the calls of each part.
- *
- *     cut.c          memory, the loop, the result
- *     cut_start.c    the roots; a saved start; saving one
- *     cut_select.c   the limit, and the clusters that a round splits
- *     cut_split.c    their children
- *     cut_rays.c     shadow rays
- *     cut_gather.c   what is different where a gather cluster takes the place of a point
- */
+/* cut_parts.h - what the files of the cut share: the scratch of one call and the calls of each part. Which
+ * file holds what: README.md. */
 #ifndef LC_CUT_PARTS_H
 #define LC_CUT_PARTS_H
 
@@ -84,9 +77,9 @@ void lc_cut_add_to_groups(const lc_cut *cut, const lc_cut_list *list);
  * unless the cut defers them. Returns the total's luminance. */
 double lc_cut_place_roots(lc_cut *cut, lc_cut_step *step);
 double lc_cut_place_start(lc_cut *cut, lc_cut_step *step);
-/* Bounds, estimates and traces n nodes, in runs of a kind, and appends them to `kept`; weight: of their
- * bounds, NULL: 1. Returns their luminance. */
-double lc_cut_start_nodes(lc_cut *cut, lc_cut_step *step, const uint32_t *link, const float *weight, uint32_t n);
+/* Bounds, estimates and traces n nodes and appends them to `kept`; weight: of bounds, NULL: 1. */
+double lc_cut_start_nodes(lc_cut *cut, lc_cut_step *step, const uint32_t *link, const float *weight,
+                          uint32_t n);
 /* Saves the cut as it is now to start_out, with what can be proved for all of its points. */
 void lc_cut_save_start(lc_cut *cut, lc_stats *stats);
 

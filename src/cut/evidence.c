@@ -18,7 +18,8 @@ void lc_evidence_keep(lc_cut *c, const lc_cut_start *start, lc_evidence_row *row
         row->ratio[i] = 0;
         if (n == kept->n || kept->link[n] != start->link[i]) continue;
         const float e = lc_luminance(lc_f3_make(kept->e[0][n], kept->e[1][n], kept->e[2][n]));
-        if (e <= UP_TO_BOUND * kept->bound[n]) row->ratio[i] = e / kept->bound[n]; /* else its lights are alike */
+        if (e <= UP_TO_BOUND * kept->bound[n]) /* else its lights are alike */
+            row->ratio[i] = e / kept->bound[n];
         row->blocker[n] = c->occlusion && !(e > 0) ? lc_occlusion_noted(c->occlusion, kept->rep[n]) : LC_NONE;
         row->node[n++] = i;
     }

@@ -5,7 +5,7 @@
  * one. Where all of them agree, wholly visible or wholly hidden, the cluster needs no splitting; what they
  * disagree on is in a penumbra. So a cluster's bound is multiplied by a weight,
  *
- *     x_j = estimate / bound of row j             w^2 = (PRIOR + sum (x_j - mean)^2 / VARIANCE) / (PRIOR + n - 1)
+ *     x_j = estimate / bound of row j,   w^2 = (PRIOR + sum (x_j - mean)^2 / VARIANCE) / (PRIOR + n - 1)
  *
  * the deviation over the bound, drawn to 1 while rows are few. Its children inherit the weight.
  *
@@ -35,7 +35,7 @@ typedef struct lc_evidence_row {
     float bound[LC_MAX_START];
     uint32_t rep[LC_MAX_START];
     float transfer[3][LC_MAX_START], e[3][LC_MAX_START];
-    uint32_t blocker[LC_MAX_START]; /* what stopped the ray, as lc_occlusion_note takes it; LC_NONE: nothing */
+    uint32_t blocker[LC_MAX_START]; /* what stopped the ray, for lc_occlusion_note; LC_NONE: nothing */
 } lc_evidence_row;
 
 typedef struct lc_evidence {

@@ -319,7 +319,9 @@ bool lc_obj_is(const uint8_t *head, size_t len)
 static lc_status run(lc_scene *scene, const char *path, bool no_files, const char *data, size_t size)
 {
     const char *slash = strrchr(path, '/');
-    lc_obj o = { .ctx = lc_build_context(scene), .scene = scene, .no_files = no_files, .fan_left = FIRST_TESTS };
+    lc_obj o = {
+        .ctx = lc_build_context(scene), .scene = scene, .no_files = no_files, .fan_left = FIRST_TESTS
+    };
     const lc_build_film_desc film = lc_build_usual_film();
     lc_obj_lines l;
     lc_pos where = { path, 0, 0 };

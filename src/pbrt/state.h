@@ -21,9 +21,8 @@ typedef struct lc_pbrt_attrs {
     uint32_t emission_map; /* 1 + a picture of the scene; 0: none */
     double power;          /* v4: the power, W, to which each shape's emission is scaled; 0: not scaled */
     bool two_sided;
-    const char *group;      /* of lights, of LightGroup; NULL: none */
-    const char *area_group; /* in place of it, for the shapes that emit; NULL: none */
-    const char *material_name;             /* of NamedMaterial, where patterns of groups are asked for, or NULL */
+    const char *group, *area_group; /* of lights; area_group: in place of it where shapes emit; or NULL */
+    const char *material_name;      /* of NamedMaterial, where groups have patterns, or NULL */
     bool invisible;                        /* interface material: shapes are skipped unless they emit */
     bool reverse;                          /* ReverseOrientation */
     bool end_only;                         /* ActiveTransform EndTime: transforms are ignored */
@@ -33,9 +32,7 @@ typedef struct lc_pbrt_attrs {
 } lc_pbrt_attrs;
 
 typedef enum lc_pbrt_scope_kind {
-    LC_PBRT_IN_ATTRIBUTE,
-    LC_PBRT_IN_TRANSFORM,
-    LC_PBRT_IN_OBJECT
+    LC_PBRT_IN_ATTRIBUTE, LC_PBRT_IN_TRANSFORM, LC_PBRT_IN_OBJECT
 } lc_pbrt_scope_kind;
 
 typedef struct lc_pbrt_scope {

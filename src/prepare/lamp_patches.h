@@ -20,8 +20,8 @@ typedef struct lc_lamp_source {
     };
 } lc_lamp_source;
 
-/* The greatest share of a patch at points of the grid, each of which stands for as much of the picture, and at
- * all points: those that rays from patches find may be in a spot of a few pixels. */
+/* The greatest share of a patch at points of the grid, each of which stands for as much of the picture, and
+ * at all points: those that rays from patches find may be in a spot of a few pixels. */
 enum { LC_SHARE_GRID, LC_SHARE_ALL, LC_SHARES };
 
 typedef struct lc_patch {

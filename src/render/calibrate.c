@@ -287,7 +287,8 @@ static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
 static uint64_t count_rays(const lc_render_job *j)
 {
     uint64_t n = 0;
-    for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) n += j->workers[i].stats.shadow_rays + j->workers[i].apart.shadow_rays;
+    for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++)
+        n += j->workers[i].stats.shadow_rays + j->workers[i].apart.shadow_rays;
     return n;
 }
 

@@ -27,8 +27,8 @@
 #define WORK_OF_CUT 48      /* a cut, whatever its size */
 #define USUAL_Z 0.25        /* of one sample, until it is known what keeps the asked error */
 #define USUAL_Z_WEIGHED 0.2 /* the same, of weighted bounds */
-#define EVIDENCE_FROM 65536 /* pixels of the film: with fewer, to survey the blocks of the pilots takes more than
-                               it saves; tests/results/asked-error.md */
+#define EVIDENCE_FROM 65536 /* pixels of the film: with fewer, to survey the blocks of the pilots takes more
+                               than it saves; tests/results/asked-error.md */
 #define WORK_FOR_NO_ERROR 1.1 /* factor of work that every light is allowed, as it has no error */
 
 /* Radiance seen at a cell of a grid of side * side over the whole film; false: nothing there that is lit. */

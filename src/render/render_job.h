@@ -31,18 +31,17 @@ enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL }; 
 
 /* The guide of a block of pixels; see guide.c. */
 typedef struct lc_guide {
-    uint32_t x, y; /* the pixel that makes it */
-    bool made;     /* whether that was done */
-    bool valid;    /* its camera ray met a surface to be lit: the fields below are set */
+    uint32_t x, y;    /* the pixel that makes it */
+    bool made, valid; /* that was done; its camera ray met a surface to be lit: the fields below are set */
     lc_f3 pos, n;
     float reach2; /* squared distance up to which surfaces are like it */
     lc_f3 corner_org[4], corner_dir[4]; /* camera rays of the block's corners */
-    lc_evidence *evidence; /* what the block's pixels find at the start, sample 0 of each; NULL: not asked for */
-    uint32_t row[LC_PIXEL_BLOCK * LC_PIXEL_BLOCK]; /* of each pixel; LC_NONE: it is not on a surface alike */
+    lc_evidence *evidence; /* what sample 0 of each of its pixels finds at the start; NULL: not asked for */
+    uint32_t row[LC_PIXEL_BLOCK * LC_PIXEL_BLOCK]; /* of each pixel; LC_NONE: its surface is not alike */
     lc_cut_start start;
 } lc_guide;
 
-/* A pixel while samples are added to it, its own to the planes and those in reach to rgb. */
+/* A pixel while samples are added: its own to the planes, those in reach to rgb. */
 typedef struct lc_shared_pixel {
     lc_pixel px;
     double rgb[3], cover; /* samples times weights that add up to 1 */
@@ -56,11 +55,9 @@ typedef struct lc_render_worker {
     struct lc_interval_room *interval; /* NULL: nobody asks for intervals */
     lc_stats stats;
     lc_guide guide;
-    uint64_t *cut_hist; /* points by cut size, 0 .. cut.max_size */
-    uint64_t cut_max;   /* of the tile */
-    bool alone;         /* cuts begin with the roots */
+    uint64_t *cut_hist, cut_max; /* points by cut size, 0 .. cut.max_size; of the tile */
+    bool alone, pilot;  /* cuts begin with the roots; guides are made for single pixels */
     lc_stats apart;     /* work of the guides of pilots */
-    bool pilot;         /* guides are made for single pixels */
     uint32_t slot_shift; /* sample i of a pixel has the slot of sample i + slot_shift */
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
@@ -87,8 +84,7 @@ typedef struct lc_render_job {
     float floor;     /* luminance: the dark floor */
     float z;         /* of cuts where the error of pixels is asked, else 0 */
     float error;     /* asked of pixels, 0: none */
-    bool evidence;   /* the pixels of a block take evidence of each other, see cut/evidence.h */
-    bool shared;         /* the samples of a pixel share cuts */
+    bool evidence, shared; /* blocks take evidence, see cut/evidence.h; samples of a pixel share cuts */
     uint32_t max_points; /* of a gather cluster, where they may; else 0 */
     uint32_t *parent;    /* of each light, for these */
     double pixel_work;   /* of a pixel whose samples share cuts, as lc_job_work counts it */

@@ -236,7 +236,8 @@ bool lc_add_shared_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, ui
         if (!add_camera_ray(&s, x, y, i, px)) return false;
         if (w->points->n + LC_MAX_LIT <= w->points->capacity && i + 1 < j->spp) continue;
         if (!w->points->n) continue;
-        if (!s.guide && !w->alone) s.guide = lc_guide_of(j, &w->cut, &w->guide, x, y, 1, w->pilot ? &w->apart : &w->stats);
+        if (!s.guide && !w->alone)
+            s.guide = lc_guide_of(j, &w->cut, &w->guide, x, y, 1, w->pilot ? &w->apart : &w->stats);
         shade_groups(&s);
     }
     const double luminance = fmax(s.luminance / j->spp, (double)w->cut.desc.floor);
