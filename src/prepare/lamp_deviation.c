@@ -5,8 +5,8 @@
  * points, with the mean of several. The difference is about the error of the coarser sum: that of the finer
  * one is half to a quarter of it.
  *
- * Of very many patches one in `step` is looked at; their differences, taken as independent, add up to the root
- * of step times as much.
+ * Of very many patches one in `step` is looked at; their differences, taken as independent, add up to the
+ * root of step times as much.
  */
 #include "prepare/lamp_patches.h"
 

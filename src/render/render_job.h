@@ -47,8 +47,7 @@ typedef struct lc_shared_pixel {
     double rgb[3], cover; /* samples times weights that add up to 1 */
 } lc_shared_pixel;
 
-/* What a thread has for itself. */
-typedef struct lc_pixel_points lc_pixel_points; /* of samples.c */
+typedef struct lc_pixel_points lc_pixel_points; /* of samples.c; below: what a thread has for itself */
 typedef struct lc_render_worker {
     lc_cut cut;
     lc_pixel_points *points; /* NULL: each sample has a cut of its own */
