@@ -420,6 +420,66 @@ TEST(power_and_wrong_names_of_sequences)
     lc_scene_destroy(sky);
 }
 
+/* A scene by calls whose wall and two skies are one sequence. */
+static lc_scene *calls_of(const char *name)
+{
+    static const float corners[] = { -2, 0, 4, 2, 0, 4, 2, 3, 4, -2, 3, 4 }, uv[] = { 0, 0, 1, 0, 1, 1, 0, 1 };
+    static const uint32_t quad[] = { 0, 1, 2, 0, 2, 3 };
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_mesh_desc q = LC_BUILD_MESH_DESC_INIT;
+    lc_build_environment_desc e = LC_BUILD_ENVIRONMENT_DESC_INIT;
+    lc_build_camera_desc c = LC_BUILD_CAMERA_DESC_INIT;
+    lc_build_film_desc f = LC_BUILD_FILM_DESC_INIT;
+    const lc_load_desc d = few();
+    uint32_t id, size[2];
+    double mean[3];
+    lc_scene *s;
+    f.width = 16;
+    f.height = 12;
+    c.from[2] = -5;
+    q.positions = corners;
+    q.uv = uv;
+    q.indices = quad;
+    q.n_vertices = 4;
+    q.n_triangles = 2;
+    for (int k = 0; k < 3; k++) q.emission[k] = 1;
+    CHECK(!lc_build_begin(ctx, &s) && !lc_build_film(s, &f) && !lc_build_camera(s, &c));
+    CHECK(!lc_build_material(s, &m, &q.material));
+    CHECK(!lc_build_sequence(s, temp_path(""), name, &id, size) && size[0] == 4 && size[1] == 2);
+    CHECK(!lc_build_picture_mean(s, id, mean) && mean[0] >= 1 && mean[0] <= 1);
+    q.emission_picture = e.picture = id;
+    e.illuminance = 1;
+    CHECK(!lc_build_mesh(s, &q) && !lc_build_environment(s, &e) && !lc_build_environment(s, &e));
+    CHECK(!lc_build_commit(s, &d) && info_of(s).n_sequences == 3);
+    return s;
+}
+
+TEST(a_sequence_by_calls_may_be_used_for_all_at_once)
+{
+    bool same_id;
+    uint32_t id;
+    lc_scene *s;
+    lc_build_pattern_desc p = LC_BUILD_PATTERN_DESC_INIT;
+    write_picture("wall.01.pfm", 1, 3);
+    write_picture("wall.02.pfm", 2, 2);
+    write_picture("then.1.pfm", 2, 2);
+    lc_scene *row = calls_of("wall.%02d.pfm"), *then = calls_of("then.%d.pfm");
+    CHECK(!alike(row, then, &same_id) && !same_id);
+    CHECK(!lc_scene_set_frame(row, 2) && !lc_scene_update(row, NULL) && alike(row, then, &same_id));
+    lc_scene_destroy(row);
+    lc_scene_destroy(then);
+    CHECK(!lc_build_begin(ctx, &s));
+    REFUSED(lc_build_sequence(s, NULL, "wall.pfm", &id, NULL), "name");
+    REFUSED(lc_build_sequence(s, NULL, NULL, &id, NULL), "name");
+    REFUSED(lc_build_sequence(s, NULL, "%d", NULL, NULL), "id");
+    CHECK(lc_build_sequence(s, temp_path(""), "none.%d.pfm", &id, NULL) == LC_ERR_IO);
+    CHECK(!lc_build_sequence(s, temp_path(""), "wall.%02d.pfm", &id, NULL) && id == 0);
+    p.kind = LC_PATTERN_PICTURE;
+    p.picture = id;
+    REFUSED(lc_build_pattern(s, &p, &id), "picture");
+    lc_scene_destroy(s);
+}
+
 TEST(names_of_frames)
 {
     static const struct {
@@ -526,6 +586,7 @@ int main(void)
     RUN(the_light_s_error_moves_with_the_picture);
     RUN(a_frame_of_a_sequence_is_the_scene_with_its_picture);
     RUN(power_and_wrong_names_of_sequences);
+    RUN(a_sequence_by_calls_may_be_used_for_all_at_once);
     RUN(names_of_frames);
     RUN(wrong_arguments_are_named);
     RUN(a_frame_without_memory_leaves_the_scene_as_it_was);

@@ -9,12 +9,9 @@
 #include "cli/watch.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 typedef cli_render_options options;
