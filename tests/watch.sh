@@ -16,7 +16,7 @@ wall() # grey
     echo "Material \"diffuse\" \"rgb reflectance\" [$1 $1 $1]"
     echo 'Shape "trianglemesh" "point3 P" [-4 -4 0 4 -4 0 4 4 0 -4 4 0] "integer indices" [0 1 2 0 2 3]'
 }
-scene() # file width
+scene() # file width spp
 {
     cat >"$1" <<END
 LookAt 0 0 -5  0 0 0  0 1 0  Camera "perspective" "float fov" 60
@@ -27,7 +27,7 @@ LightSource "point" "point3 from" [0 1 -3] "rgb I" [9 8 7]
 Include "wall.pbrt"
 END
 }
-scene s.pbrt 32
+scene s.pbrt 32 1
 wall .5 >wall.pbrt
 
 # Waits until a line of the file "log" was written so often; at most a minute.
@@ -54,9 +54,7 @@ stop() # signal: sets rc
     pid=
     cp log err
 }
-more= # options of these renders
-# shellcheck disable=SC2086
-same() { "$L" -q s.pbrt $more -o plain.exr && cmp -s w.exr plain.exr; } # as a render of what the scene is now
+same() { "$L" -q s.pbrt -o plain.exr && cmp -s w.exr plain.exr; } # as a render of what the scene is now
 
 # ---- what is rendered again ----
 
@@ -67,7 +65,7 @@ wall .25 >wall.pbrt
 check 'an included file: seen' seen 1 "'wall.pbrt' has changed"
 check 'an included file: rendered' seen 2 'watching'
 check 'an included file: its picture' same
-scene new.pbrt 40 && mv new.pbrt s.pbrt
+scene new.pbrt 40 1 && mv new.pbrt s.pbrt
 check 'a file put in place by renaming' seen 3 'watching'
 check 'its picture' same
 sed 's/9 8 7/7 8 9/' s.pbrt >new.pbrt && cat new.pbrt >s.pbrt
@@ -114,27 +112,24 @@ check 'nothing is left over' test -z "$(find . -name '*.tmp*' -o -name '.*.exr*'
 
 # ---- a change during a render ----
 
-scene s.pbrt 8000
+scene s.pbrt 64000 65536
 wall .5 >wall.pbrt
-more='--spp 4096'
-# shellcheck disable=SC2086
-start s.pbrt $more -o w.exr --watch -t 1
+start s.pbrt -o w.exr --watch -t 1
 sleep 2
 check 'a long render: begun' test "$(grep -c wrote log)" -eq 0
-scene s.pbrt 32
+scene s.pbrt 32 1
 check 'is ended by a change' seen 1 "'s.pbrt' has changed"
 check 'and followed by the new scene' seen 1 'wrote w.exr'
 check 'nothing was said of interruption' test "$(grep -c interrupted log)" -eq 0
 check 'the new picture' same
-scene s.pbrt 8000
+scene s.pbrt 64000 65536
 check 'a long render again' seen 2 'has changed'
 sleep 2
 check 'which has begun' test "$(grep -c wrote log)" -eq 1
 stop INT
-more=
 check 'Ctrl-C while it renders: 130' test $rc -eq 130
 check 'the last picture stays' test -s w.exr
-scene s.pbrt 32
+scene s.pbrt 32 1
 start s.pbrt -o w.exr --watch -q
 sleep 1
 wall .3 >wall.pbrt
@@ -188,7 +183,7 @@ stop INT
 # ---- a viewer ----
 
 if [ -x "$viewer" ]; then
-    scene s.pbrt 100
+    scene s.pbrt 100 1
     rm -f port
     "$viewer" --serve port shown.exr >served 2>&1 &
     pid=$!
