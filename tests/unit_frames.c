@@ -423,7 +423,8 @@ TEST(power_and_wrong_names_of_sequences)
 /* A scene by calls whose wall and two skies are one sequence. */
 static lc_scene *calls_of(const char *name)
 {
-    static const float corners[] = { -2, 0, 4, 2, 0, 4, 2, 3, 4, -2, 3, 4 }, uv[] = { 0, 0, 1, 0, 1, 1, 0, 1 };
+    static const float corners[] = { -2, 0, 4, 2, 0, 4, 2, 3, 4, -2, 3, 4 };
+    static const float uv[] = { 0, 0, 1, 0, 1, 1, 0, 1 };
     static const uint32_t quad[] = { 0, 1, 2, 0, 2, 3 };
     lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
     lc_build_mesh_desc q = LC_BUILD_MESH_DESC_INIT;
