@@ -551,7 +551,8 @@ typedef struct {
 static int once(void *user, bool again)
 {
     job *j = user;
-    options o = *j->given;
+    static options o; /* not on the stack: it has many names */
+    o = *j->given;
     lc_scene *scene = NULL;
     lc_image *image = NULL;
     if (again) o.farm.start = cli_now();
@@ -566,10 +567,12 @@ static int once(void *user, bool again)
 
 int cmd_render(int argc, char **argv)
 {
-    options o = { .load = LC_LOAD_DESC_INIT,
-                  .render = LC_RENDER_DESC_INIT,
-                  .farm = CLI_FARM_INIT,
-                  .frames = { .views = LC_VIEWS_DESC_INIT } };
+    static const options none = { .load = LC_LOAD_DESC_INIT,
+                                  .render = LC_RENDER_DESC_INIT,
+                                  .farm = CLI_FARM_INIT,
+                                  .frames = { .views = LC_VIEWS_DESC_INIT } };
+    static options o;
+    o = none;
     int status;
     o.farm.start = cli_now();
     if (parse_options(argc, argv, &o, &status)) return status;
