@@ -102,8 +102,17 @@ static void fill_standard_streams(void)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF && open("/dev/null", modes[fd]) < 0) return;
 }
 
+/* Lets the stack grow while there is room: where memory is limited, it could not later, which ends a program
+ * without a message. */
+static void __attribute__((noinline)) grow_stack(void)
+{
+    volatile char room[192 * 1024];
+    for (size_t i = 0; i < sizeof room; i += 4096) room[i] = 0;
+}
+
 int main(int argc, char **argv)
 {
+    grow_stack();
     fill_standard_streams();
     signal(SIGPIPE, SIG_IGN); /* a closed pipe or a size limit is then an error of write, which we report */
     signal(SIGXFSZ, SIG_IGN);
