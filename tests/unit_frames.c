@@ -308,7 +308,8 @@ static double off_moved(bool for_both)
     for (int i = 0; i < 24 * 16; i++) sum += (double)a[i];
     for (int y = 0; y < 16; y++)
         for (int x = 1; x < 24; x++)
-            most = fmax(most, fabs((double)a[24 * y + x] - (double)b[24 * y + x - 1]));
+            if (fabs((double)a[24 * y + x] - (double)b[24 * y + x - 1]) > most)
+                most = fabs((double)a[24 * y + x] - (double)b[24 * y + x - 1]);
     for (int i = 0; i < 2; i++) lc_image_destroy(image[i]);
     lc_scene_destroy(s);
     return most / sum * 24 * 16;
