@@ -1,5 +1,6 @@
 /* unit_gather.c - cuts of gather clusters: without an error they are the mean of the points' exact values,
  * whatever they begin with; roots are on average; and there may be little room. */
+#include "cut/cut_parts.h"
 #include "support/cut_scene.h"
 
 #define MOST 256
@@ -23,13 +24,20 @@ static void find_parents(const setup *s)
     }
 }
 
+static lc_lobe lobe = LC_LOBE_NONE; /* of all points */
+
 /* n points of a bent patch; textured: each has a reflectance of its own. */
 static void make_cluster(cluster *x, uint32_t n, double size, bool textured)
 {
-    const lc_f3 at = rnd_in_box(1.1), normal = rnd_unit(), view = normal;
+    const lc_f3 at = rnd_in_box(1.1), normal = rnd_unit(),
+                view = lc_f3_normalize(lc_f3_add(normal, rnd_in_box(0.3)));
     x->n = n;
     for (uint32_t i = 0; i < n; i++) {
-        lc_material m = { .kd = { 0.6f, 0.5f, 0.4f } };
+        lc_material m = { .kd = { 0.6f, 0.5f, 0.4f }, .exponent = 20, .roughness = { 0.3f, 0.2f } };
+        if (lobe != LC_LOBE_NONE) {
+            m.lobe = lobe;
+            m.ks = lc_f3_make(0.3f, 0.4f, 0.5f);
+        }
         if (textured) m.kd = lc_f3_make((float)rnd(), (float)rnd(), (float)rnd());
         const lc_f3 pos = lc_f3_add(at, rnd_in_box(size)),
                     bent = lc_f3_normalize(lc_f3_add(normal, rnd_in_box(0.1)));
@@ -109,6 +117,87 @@ TEST(no_error_is_the_mean_of_exact_values)
             unmake(&s);
         }
     }
+}
+
+/* The same of points with lobes, which keep their own reflectances; their soft lobes are for virtual lights. */
+TEST(no_error_with_lobes)
+{
+    static const lc_lobe lobes[] = { LC_LOBE_PHONG, LC_LOBE_WARD, LC_LOBE_GGX, LC_LOBE_OREN_NAYAR };
+    static cluster x;
+    for (uint32_t k = 0; k < 4; k++)
+        for (uint32_t kinds = 1; kinds < 1u << LC_LIGHT_KINDS; kinds = kinds * 2 + (kinds & 1 && kinds > 1)) {
+            setup s;
+            lc_cut c;
+            lobe = lobes[k];
+            make(&s, 24, kinds, 12, true);
+            build_tree(&s, kinds, 4);
+            find_parents(&s);
+            open_gather(&c, &s, 1e-7f, 0, 0);
+            for (int i = 0; i < 8; i++) {
+                make_cluster(&x, 2 + rnd_n(30), i & 1 ? 0.3 : 0.01, i & 2);
+                CHECK(x.gather.lobed && !x.gather.uneven);
+                const lc_f3 want = mean_exact(&s, &x), got = shade_cluster(&c, &x, (uint64_t)i).radiance;
+                CHECKF(lc_f3_max_abs(lc_f3_sub(got, want)) <= 2e-4f * lc_f3_max_abs(want),
+                       "lobe %u, kinds %u: %g, not %g", k, kinds, (double)got.y, (double)want.y);
+            }
+            lc_cut_free(&c);
+            unmake(&s);
+        }
+    lobe = LC_LOBE_NONE;
+}
+
+/* The mean over a cluster's points of what a node's lights give, unoccluded; luminance. */
+static double mean_of_node(const setup *s, const cluster *x, uint32_t node)
+{
+    const lc_tree_data *t = &s->tree->data;
+    uint32_t left[64], n = 1;
+    double sum = 0;
+    left[0] = node;
+    while (n) {
+        const uint32_t link = left[--n], light = link & ~LC_LEAF;
+        float f[6][LC_LANES], *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
+        if (!(link & LC_LEAF)) {
+            left[n++] = t->nodes[link].left;
+            left[n++] = t->nodes[link].right;
+            continue;
+        }
+        const float *power = t->lights[light].intensity;
+        for (uint32_t i = 0; i < x->n; i++) {
+            ctx->shade_kernels->estimate(t, 0, &light, 1, lc_kind_of_light(s->tree, light), x->point[i].p,
+                                         out);
+            sum += lum_of(lc_f3_make(f[0][0] * power[0], f[1][0] * power[1], f[2][0] * power[2])) / x->n;
+        }
+    }
+    return sum;
+}
+
+/* Of points with lobes, of which there are no more than have their bounds asked, none is below what a node's
+ * lights give; of more, none is 0 where they give anything. */
+TEST(bounds_with_lobes)
+{
+    static cluster x;
+    for (int way = 0; way < 64; way++) {
+        setup s;
+        lc_cut c;
+        lobe = way & 1 ? LC_LOBE_PHONG : LC_LOBE_GGX;
+        make(&s, 40, 1u << way % LC_LIGHT_KINDS, 0, true);
+        build_tree(&s, 7, 4);
+        find_parents(&s);
+        open_gather(&c, &s, 0.1f, 0, 0);
+        make_cluster(&x, way & 2 ? 2 + rnd_n(3) : 20, 0.3, false);
+        c.gather = &x.gather;
+        for (uint32_t node = 0; node < s.tree->n_nodes; node++) {
+            float bound[LC_LANES];
+            lc_cut_lobed_bounds(&c, &node, 1, lc_kind_of_node(s.tree, node), bound);
+            const double gives = mean_of_node(&s, &x, node);
+            CHECKF(x.n > 4 ? bound[0] > 0 || !(gives > 0) : (double)bound[0] >= gives * (1 - 1e-5),
+                   "%u points, node %u: %g, gives %g", x.n, node, (double)bound[0], gives);
+        }
+        c.gather = NULL;
+        lc_cut_free(&c);
+        unmake(&s);
+    }
+    lobe = LC_LOBE_NONE;
 }
 
 /* One directional light beside point lights: it has no parent in the tree. */
@@ -224,6 +313,8 @@ int main(void)
     ctx = watched_context(0);
     RUN(ranges_are_a_partition);
     RUN(no_error_is_the_mean_of_exact_values);
+    RUN(no_error_with_lobes);
+    RUN(bounds_with_lobes);
     RUN(a_light_that_is_a_root);
     RUN(little_room);
     RUN(roots_are_exact_on_average);

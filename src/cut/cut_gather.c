@@ -5,7 +5,8 @@
  * halves its range of points. With one point left the pair is exact, a light like any other in a cut.
  *
  *     representative   LC_PENDING | point << light_bits | light
- *     bound            of a cluster: by the kernel for the box of all points
+ *     bound            of a cluster: by the kernel for the box of all points; of points with a lobe, the mean
+ *                      of some points' bounds
  *                      of a child that is a light: the parent's times the share of the intensity, times
  *                      OF_PAIR, as points this near mostly see a light, or none does; no bound, but z is
  *                      found with it
@@ -21,6 +22,7 @@
 #define UP (1 + 0x1p-20f) /* above the rounding of a few products */
 #define OF_PAIR 0.2f     /* chosen; see above */
 #define PER_POINT 8      /* new representatives of a batch for each of its points */
+#define BOUND_POINTS 4   /* of a gather cluster with lobes, spread over the order of its points */
 #define GOLDEN 0x9e3779b9u
 
 void lc_cut_use_point(const lc_cut *c, lc_cut_step *s, uint32_t at)
@@ -140,6 +142,32 @@ void lc_cut_gather_bounds(const lc_cut *c, lc_cut_step *s, uint32_t first, uint3
             s->bound[i] = above * (both / (both + other[0] + other[1] + other[2])) * UP;
         }
     }
+}
+
+/* Adds the bounds of one of the points, times a factor. */
+static void add_bounds(const lc_cut *c, uint32_t at, const uint32_t *node, uint32_t n, lc_light_kind kind,
+                       float factor, float *sum)
+{
+    float bound[2 * LC_CUT_BATCH + LC_LANES];
+    c->ctx->shade_kernels->bounds(&c->tree->data, node, n, kind, lc_gather_at(c->gather, at)->p, bound);
+    for (uint32_t i = 0; i < n; i++) sum[i] += bound[i] * factor;
+}
+
+void lc_cut_lobed_bounds(const lc_cut *c, const uint32_t *node, uint32_t n, lc_light_kind kind, float *bound)
+{
+    const uint32_t all = c->gather->n, some = all < BOUND_POINTS ? all : BOUND_POINTS;
+    uint32_t dark[2 * LC_CUT_BATCH], at[2 * LC_CUT_BATCH], n_dark = 0;
+    float sum[2 * LC_CUT_BATCH] = { 0 };
+    for (uint32_t i = 0; i < n; i++) bound[i] = 0;
+    for (uint32_t k = 0; k < some; k++)
+        add_bounds(c, (2 * k + 1) * all / (2 * some), node, n, kind, 1 / (float)some, bound);
+    for (uint32_t i = 0; i < n && some < all; i++) {
+        dark[n_dark] = node[i];
+        at[n_dark] = i;
+        n_dark += bound[i] > 0 ? 0 : 1;
+    }
+    for (uint32_t k = 0; k < all && n_dark; k++) add_bounds(c, k, dark, n_dark, kind, 1 / (float)all, sum);
+    for (uint32_t i = 0; i < n_dark; i++) bound[at[i]] = sum[i];
 }
 
 /* Those of one point at a time, which are scattered over the batch. */

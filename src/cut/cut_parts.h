@@ -177,11 +177,18 @@ static inline const float *lc_cut_intensity_of(const lc_tree_data *t, uint32_t l
     return node->intensity;
 }
 
+/* Bounds of n nodes of one kind for a gather cluster whose points have a lobe: the mean of those of some of its
+ * points, or of all where these have 0. No bounds of each pair, but z is found with them. n: at most twice
+ * LC_CUT_BATCH. */
+void lc_cut_lobed_bounds(const lc_cut *cut, const uint32_t *node, uint32_t n, lc_light_kind kind,
+                         float *bound);
+
 /* Bounds of n nodes of one kind. */
 static inline void lc_cut_bounds(const lc_cut *c, const lc_cut_step *s, const uint32_t *node, uint32_t n,
                                  lc_light_kind kind, float *bound)
 {
-    c->ctx->shade_kernels->bounds(&c->tree->data, node, n, kind, s->bounded, bound);
+    if (c->gather && c->gather->lobed) lc_cut_lobed_bounds(c, node, n, kind, bound);
+    else c->ctx->shade_kernels->bounds(&c->tree->data, node, n, kind, s->bounded, bound);
     if (!c->gather) lc_lower_bounds_of_alike(c->tree, node, n, bound);
 }
 

@@ -124,7 +124,6 @@ static void set_cone(lc_gather *g)
 /* The largest reflectances are for bounds, the mean ones for estimates. */
 static void set_reflectances(lc_gather *g)
 {
-    g->uneven = false;
     for (int k = 0; k < 3; k++) {
         float most = 0;
         double sum = 0;
@@ -149,9 +148,11 @@ void lc_gather_make(lc_gather *g, lc_gather_point *point, uint32_t n)
     g->point = point;
     g->all[0] = point[0].p[0];
     for (uint32_t i = 0; i < n; i++) g->at[i] = (uint16_t)i;
+    g->lobed = lc_has_lobe(&point[0].p[0]);
+    g->uneven = false;
     set_boxes(g);
     set_cone(g);
-    set_reflectances(g);
+    if (!g->lobed) set_reflectances(g);
     g->all[1] = g->all[0];
     g->all[1].soft = NULL;
     if (g->all[0].soft) g->all[0].soft = &g->all[1];

@@ -15,6 +15,9 @@
  * Estimates use the mean of the points' reflectances, so that a texture adds no noise: the mean of products
  * is taken as the product of means, but where a pair is exact. Points of one material only are joined, since
  * what is of another material is often in another light, too.
+ *
+ * Points with a lobe, each with its own view and mirror direction, keep their own reflectances, and the box has
+ * no bound of its own: it is the mean of the bounds of a few of its points (lc_cut_lobed_bounds).
  */
 #ifndef LC_GATHER_H
 #define LC_GATHER_H
@@ -35,14 +38,18 @@ typedef struct lc_gather {
     lc_gather_point *point;      /* in any order */
     uint16_t at[LC_GATHER_MOST]; /* their indices in the order of the ranges */
     bool uneven;        /* some scale is not 1 */
-    lc_point all[2];    /* what bounds are for; all[0].soft is all[1] or NULL */
+    bool lobed;         /* the points have a lobe */
+    lc_point all[2];    /* else what bounds are for; all[0].soft is all[1] or NULL */
     lc_point_box orgs;  /* holds all org */
 } lc_gather;
 
-/* Whether a point may be in a gather cluster: it has no lobe. */
-static inline bool lc_may_gather(const lc_point *p)
+/* Whether a point may be in a gather cluster: it is on a surface. */
+static inline bool lc_may_gather(const lc_point *p) { return p->lobe != LC_LOBE_PHASE; }
+
+/* Whether some kind of light meets a lobe there. */
+static inline bool lc_has_lobe(const lc_point *p)
 {
-    return p->lobe == LC_LOBE_NONE && (!p->soft || p->soft->lobe == LC_LOBE_NONE);
+    return p->lobe != LC_LOBE_NONE || (p->soft && p->soft->lobe != LC_LOBE_NONE);
 }
 
 /* Most points of a gather cluster with this many lights: names of pairs are words of 31 bits. 1: none. */

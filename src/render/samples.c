@@ -13,9 +13,11 @@
 #include "scene/sun.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Of a point and the first one of its gather cluster; both chosen. */
 #define LEAST_COS 0.9f  /* between their normals */
+#define LEAST_COS_LOBED 0.98f /* where they have a lobe */
 #define REACH     0.1f  /* of the distance to the camera: how far they are apart at most */
 #define LEAST_MASS 1e-6f
 #define START_FROM 0.25f /* of the pixel: a smaller part is done before it is as fine as its block's start */
@@ -83,13 +85,21 @@ void lc_pixel_points_free(const lc_context *ctx, lc_pixel_points *p)
 
 /* ---- gather clusters ---- */
 
+static bool have_lobes_alike(const lc_gather_point *a, const lc_gather_point *b)
+{
+    const lc_lobe soft_a = a->p[0].soft ? a->p[1].lobe : LC_LOBE_NONE,
+                  soft_b = b->p[0].soft ? b->p[1].lobe : LC_LOBE_NONE;
+    return a->p[0].lobe == b->p[0].lobe && soft_a == soft_b && a->p[0].soft_kinds == b->p[0].soft_kinds;
+}
+
 static bool are_alike(const lc_gather_point *a, const lit_sample *la, const lc_gather_point *b,
                       const lit_sample *lb)
 {
     const lc_f3 way = lc_f3_sub(la->place, lb->place);
+    const float least_cos = lc_has_lobe(&a->p[0]) ? LEAST_COS_LOBED : LEAST_COS;
     return lc_may_gather(&a->p[0]) && lc_may_gather(&b->p[0]) && la->material == lb->material &&
-           a->p[0].soft_kinds == b->p[0].soft_kinds && lc_f3_dot(way, way) <= la->reach2 &&
-           lc_f3_dot(la->n, lb->n) > LEAST_COS;
+           have_lobes_alike(a, b) && !memcmp(&la->weight, &lb->weight, sizeof la->weight) &&
+           lc_f3_dot(way, way) <= la->reach2 && lc_f3_dot(la->n, lb->n) > least_cos;
 }
 
 /* Adds a lit point to the group whose first point it is like, or makes one. */
@@ -104,7 +114,7 @@ static void add_point(pixel_sum *s, const lc_lit *lit, uint64_t hash, uint32_t m
                        .material = lit->surface.material_id, .mass = 1 };
     if (s->j->scene->media.present) l->mass = fmaxf(lc_luminance(lit->weight), LEAST_MASS);
     l->reach2 = REACH * REACH * lit->surface.t * lit->surface.t;
-    if (lc_may_gather(&a->p[0])) {
+    if (!lc_has_lobe(&a->p[0])) {
         lc_f3_store(a->p[0].diffuse, lc_f3_mul(lc_f3_load(a->p[0].diffuse), lit->weight));
         lc_f3_store(a->p[1].diffuse, lc_f3_load(a->p[0].diffuse));
         l->folded = true;
