@@ -516,7 +516,7 @@ TEST(each_camera_and_film_by_calls_has_the_bytes_of_its_file)
                                         "\"integer indices\" [0 1 2 0 2 "
                                         "3] \"point2 uv\" [0 0 1 0 1 1 0 1]\n",
                  views[i].text, strstr(views[i].text, "PixelFilter") ? "" : "PixelFilter \"box\"\n");
-        lc_scene *s = view_by_calls(&views[i]), *t = scene_from_text(ctx, NULL, text);
+        lc_scene *s = view_by_calls(&views[i]), *t = scene_from_text(ctx, NULL, "%s", text);
         lc_image *a = rendered(ctx, s), *b = t ? rendered(ctx, t) : NULL;
         lc_render_desc d = LC_RENDER_DESC_INIT;
         lc_identity id = { 0, 0 };

@@ -30,7 +30,7 @@ static lc_build_mesh_desc wall(uint32_t material)
 static lc_scene *small_scene(void)
 {
     lc_scene *s;
-    uint32_t id;
+    uint32_t id = 0;
     const lc_build_material_desc material = LC_BUILD_MATERIAL_DESC_INIT;
     const lc_build_light_desc light = LC_BUILD_LIGHT_DESC_INIT;
     const lc_build_camera_desc camera = LC_BUILD_CAMERA_DESC_INIT;
