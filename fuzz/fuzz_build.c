@@ -2,10 +2,16 @@
  * crash, a refused call changes nothing that the next ones rely on, what is committed or updated renders. */
 #include "fuzz.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
-#define MAX_CALLS 64
+#define MAX_CALLS   64
+#define FRAMES      2 /* of sequences, which have a file each */
+#define FRAME_FD    900
+#define FRAME_NAMES "/proc/self/fd/90%d"
 
 typedef struct input {
     const uint8_t *data;
@@ -353,6 +359,45 @@ static lc_status note(input *in, lc_scene *s)
     return st;
 }
 
+/* The pictures of frames 1 and 2, of 2 x 1 pixels, in memory; there are no others. */
+static void make_frames(void)
+{
+    static const char head[] = "PF\n2 1\n-1\n";
+    static bool made;
+    for (int i = 1; i <= FRAMES && !made; i++) {
+        const float texels[6] = { (float)i, 1, 0.5f, 0, (float)i, 2 };
+        const int fd = memfd_create("frame", 0);
+        if (fd < 0 || write(fd, head, sizeof head - 1) < 0 || write(fd, texels, sizeof texels) < 0 ||
+            dup2(fd, FRAME_FD + i) < 0)
+            abort();
+        close(fd);
+    }
+    made = true;
+}
+
+static lc_status sequence(input *in, lc_scene *s)
+{
+    static const char *const names[] = { FRAME_NAMES, "90%d", "90%02d", "90", "%d%d", "", NULL, "none/%d" };
+    const uint8_t flags = byte(in);
+    uint32_t id, size[2];
+    double mean[3];
+    make_frames();
+    const lc_status st = lc_build_sequence(s, flags & 8 ? "/proc/self/fd/" : NULL, names[flags % 8], &id,
+                                           flags & 16 ? size : NULL);
+    require(st || !(flags & 16) || (size[0] == 2 && size[1] == 1), "a sequence has the size of no frame");
+    require(st || !lc_build_picture_mean(s, id, mean), "a sequence has no mean");
+    return st == LC_ERR_IO ? LC_OK : st;
+}
+
+static lc_status group(input *in, lc_scene *s)
+{
+    static const char *const groups[] = { NULL, "a", "b", "other", "no group", "" };
+    const char name[2] = { (char)byte(in), 0 };
+    const char *const names[3] = { name, NULL, "a" };
+    const uint8_t flags = byte(in);
+    return lc_build_group(s, groups[flags % 6], flags & 64 ? NULL : names, flags / 64);
+}
+
 /* Calls of readers. With a place, arguments are wrong as a file is. */
 static lc_status more(input *in, lc_scene *s)
 {
@@ -371,7 +416,8 @@ static lc_status more(input *in, lc_scene *s)
     case 11: return lc_build_usual_camera(s);
     case 12: return lc_build_at(s, byte(in) % 2 ? "f" : NULL, byte(in), byte(in));
     case 13: (void)lc_build_is_lit(s); return lc_build_traits(s, byte(in)) > 7 ? LC_ERR_IO : LC_OK;
-    default: return lc_build_material(s, NULL, NULL);
+    case 14: return sequence(in, s);
+    default: return group(in, s);
     }
 }
 
@@ -419,14 +465,23 @@ static lc_status change(input *in, lc_scene *s)
     float rgb[3];
     lc_build_light_desc l;
     lc_build_camera_desc c;
+    lc_camera_place p = LC_CAMERA_PLACE_INIT;
+    lc_status st;
     lc_update_desc u = LC_UPDATE_DESC_INIT;
-    const uint8_t kind = byte(in) % 6, at = byte(in) % 4;
+    const uint8_t kind = byte(in) % 10, at = byte(in) % 4;
     switch (kind) {
     case 0: c = camera(in); return lc_scene_set_camera(s, &c);
     case 1: l = light(in); return lc_scene_set_light(s, at, &l);
     case 2: doubles(in, to_world, 12); return lc_scene_set_instance(s, at, to_world);
     case 3: numbers(in, rgb, 3); return lc_scene_dim_light(s, at, rgb);
     case 4: numbers(in, rgb, 3); return lc_scene_set_emission(s, at, rgb);
+    case 5: numbers(in, rgb, 3); return lc_scene_dim_emission(s, at, rgb);
+    case 6: numbers(in, rgb, 3); return lc_scene_move_light(s, at, rgb);
+    case 7:
+        doubles(in, p.from, 3);
+        doubles(in, p.at, 3);
+        return lc_scene_move_camera(s, &p);
+    case 8: st = lc_scene_set_frame(s, at); return st == LC_ERR_IO ? LC_OK : st;
     default: u.keep_lights = at % 2; return lc_scene_update(s, &u);
     }
 }

@@ -4,8 +4,9 @@
  *     lc_context -> lc_scene -> lc_render -> lc_image
  *
  * Handles are opaque. The handle comes first, outputs last. On failure *out is NULL (but for
- * lc_render_desc.partial), and the reason has been logged as one line. Destroying NULL does nothing. Nothing
- * here prints, exits or reads the environment.
+ * lc_render_desc.partial), and the reason has been logged as one line, unless the handle was NULL, whose
+ * context has the log, or an lc_scene_get_... was asked beyond the last. A handle that was destroyed must not
+ * be used again. Destroying NULL does nothing. Nothing here prints, exits or reads the environment.
  *
  * Descriptors, which a call reads, and info structs, which it fills in, are made by their INIT macros, which
  * set their size: a host may have been compiled with the header of another version. Of a smaller descriptor
@@ -541,7 +542,7 @@ typedef struct lc_build_mesh_desc {
     uint32_t shadow_texture;   /* these two: of shadow rays, times alpha */
     float shadow_alpha;
     const char *group;       /* of lights, to which its emission belongs, see lc_light_group: letters, digits,
-                              * _ and -, at most 28; copied; NULL: "other" */
+                              * _ and -, at most 28; copied; "": "other"; NULL: what lc_build_group chose */
 } lc_build_mesh_desc;
 #define LC_BUILD_MESH_DESC_INIT                                                                              \
     {                                                                                                        \
@@ -782,8 +783,8 @@ LC_API lc_status lc_build_mix(lc_scene *scene, const lc_build_mix_desc *desc, ui
 LC_API uint32_t lc_build_traits(const lc_scene *scene, uint32_t material);
 /* Chooses the group of lights of what later calls add whose descriptors name none, also of suns: of a scene
  * that a reader of files makes, the group of the first pattern of lc_load_desc.groups that matches one of
- * n_names names, each of which may be NULL; else `group`, NULL: "other". The name of a group as of
- * lc_build_mesh_desc. LC_ERR_ARG, _MEMORY. */
+ * n_names names, each of which may be NULL; else `group`, NULL: "other". Until the first call it is "other".
+ * The name of a group as of lc_build_mesh_desc. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_build_group(lc_scene *scene, const char *group, const char *const *names,
                                 uint32_t n_names);
 /* A mesh of the world, or of the object that was begun last. LC_ERR_ARG also for an index >= n_vertices. */
@@ -1333,8 +1334,8 @@ typedef struct lc_shadow_rays {
  * lc_shade, from each thread's shader for itself. */
 typedef int lc_visible_fn(void *user, const lc_shadow_rays *rays);
 
-/* An lc_visible_fn: what a loaded scene's triangles occlude, glass and holes included; user is the
- * lc_scene. A host's own function may call it. */
+/* An lc_visible_fn: what a loaded or committed scene's triangles occlude, glass and holes included; user is
+ * the lc_scene; nonzero if it is none. A host's own function may call it. */
 LC_API int lc_scene_visible(void *scene, const lc_shadow_rays *rays);
 
 /* A cluster of a cut. M and G being the host's own material (reflectance times the receiver's cosine, 1/sr)
@@ -1352,7 +1353,7 @@ typedef struct lc_cut_entry {
 typedef struct lc_shader_desc {
     size_t size;
     lc_visible_fn *visible; /* must not be NULL */
-    void *visible_user;
+    void *visible_user;     /* of lc_scene_visible a committed scene */
     int dims;               /* nonzero: `visible` sets `through`, too */
     /* NULL, or the scene whose answers `visible` passes on from lc_scene_visible, `blocker` included: then
      * whole clusters may be proved to be occluded by its triangles, which saves rays. */

@@ -1,6 +1,7 @@
 /* unit_calls.c - what readers of files need of the calls that build a scene: media, patterns, pictures, suns,
  * lights by frames, cameras by matrices have the bytes of their file; notes, features and places; every
  * argument checked; memory that ends anywhere. */
+#include "support/rendered.h"
 #include "support/scene_text.h"
 #include "support/test.h"
 #include "support/watched_memory.h"
@@ -414,23 +415,6 @@ static lc_scene *from_file(size_t i)
         cases[i].world, cases[i].shape);
 }
 
-static lc_image *render(const lc_scene *s)
-{
-    lc_render_desc d = LC_RENDER_DESC_INIT;
-    lc_image *image = NULL;
-    CHECKF(!lc_render(ctx, s, &d, &image, NULL), "%s", last_error);
-    return image;
-}
-
-static bool same(const lc_image *a, const lc_image *b)
-{
-    static const char *const names[] = { "R", "G", "B" };
-    bool alike = a && b;
-    for (int k = 0; k < 3 && alike; k++)
-        alike = !memcmp(lc_image_channel(a, names[k]), lc_image_channel(b, names[k]), 256 * sizeof(float));
-    return alike;
-}
-
 TEST(each_scene_by_calls_has_the_bytes_of_its_file)
 {
     lc_load_desc load = LC_LOAD_DESC_INIT;
@@ -444,9 +428,9 @@ TEST(each_scene_by_calls_has_the_bytes_of_its_file)
         lc_scene *s, *t = from_file(i);
         CHECKF(!build(ctx, cases[i].add, &s) && !lc_build_commit(s, &load), "%s: %s", cases[i].name,
                last_error);
-        lc_image *a = render(s), *b = t ? render(t) : NULL;
-        CHECKF(same(a, b), "%s", cases[i].name);
-        CHECKF(!same(a, before), "%s is as the one before", cases[i].name);
+        lc_image *a = rendered(ctx, s), *b = t ? rendered(ctx, t) : NULL;
+        CHECKF(same_planes(a, b), "%s", cases[i].name);
+        CHECKF(!same_planes(a, before), "%s is as the one before", cases[i].name);
         lc_image_destroy(before);
         before = a;
         lc_image_destroy(b);
@@ -544,7 +528,7 @@ TEST(a_picture_may_be_used_for_all_at_once)
     CHECK(!lc_build_environment(s, &e) && !lc_build_environment(s, &e) && !lc_build_light(s, &l));
     CHECK(!lc_build_pattern(s, &d, &x.m.diffuse_texture) && !lc_build_material(s, &x.m, &x.wall.material));
     CHECK(!lc_build_mesh(s, &x.wall) && !lc_build_commit(s, &load));
-    lc_image_destroy(render(s));
+    lc_image_destroy(rendered(ctx, s));
     lc_scene_destroy(s);
 }
 
@@ -560,7 +544,7 @@ TEST(an_object_may_follow_the_instances_of_another)
     CHECK(lc_build_mesh(s, &x.wall) == LC_ERR_ARG && strstr(last_error, "instances"));
     CHECK(!lc_build_object(s, &b) && !lc_build_mesh(s, &x.wall) && !lc_build_instance(s, b, unit));
     CHECK(!lc_build_instance(s, a, unit) && !lc_build_commit(s, NULL));
-    lc_image_destroy(render(s));
+    lc_image_destroy(rendered(ctx, s));
     lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
     l.kind = LC_BUILD_SPOT;
     CHECK(!lc_scene_set_light(s, 0, &l));
@@ -580,7 +564,7 @@ TEST(the_usual_camera_sees_the_scene)
     l.position[2] = 9; /* that camera is on the other side of the wall */
     CHECK(!build(ctx, soft, &s) && !lc_build_light(s, &l) && !lc_build_usual_camera(s) &&
           !lc_build_commit(s, NULL));
-    image = render(s);
+    image = rendered(ctx, s);
     const float *g = image ? lc_image_channel(image, "G") : NULL;
     for (int i = 0; g && i < 256; i++) most = fmaxf(most, g[i]);
     CHECK(most > 0 && lc_build_usual_camera(s) == LC_ERR_ARG);
@@ -589,14 +573,6 @@ TEST(the_usual_camera_sees_the_scene)
 }
 
 /* ---- wrong arguments ---- */
-
-/* Sets a field of a fresh descriptor to a wrong value: the call names it. */
-#define WRONG(call, desc, set, name)                                                                         \
-    do {                                                                                                     \
-        desc##_used = desc;                                                                                  \
-        desc##_used.set;                                                                                     \
-        REFUSED(call, name);                                                                                 \
-    } while (0)
 
 TEST(wrong_pictures_patterns_and_materials_are_named)
 {

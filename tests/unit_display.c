@@ -251,63 +251,77 @@ static cli_display *begin_square(tev_server *s, uint32_t side, lc_render_desc *d
 
 #define SIDE 1536u /* 28 MB of floats: more than sockets hold */
 
+/* A viewer that does not read, to which a whole picture was given. */
+typedef struct held {
+    tev_server server;
+    tev_picture picture;
+    lc_context *ctx;
+    lc_image *image;
+    cli_display *display;
+} held;
+
+static void begin_held(held *h)
+{
+    lc_render_desc desc = LC_RENDER_DESC_INIT;
+    *h = (held){ .server = { .family = AF_INET, .holds = true }, .ctx = quiet_context(1) };
+    h->image = square(h->ctx, SIDE);
+    h->display = begin_square(&h->server, SIDE, &desc);
+    (void)give(&desc, h->display, SIDE, 64);
+}
+
+static void drop_held(held *h)
+{
+    tev_drop(&h->picture);
+    tev_free(&h->server);
+    lc_image_destroy(h->image);
+    lc_context_destroy(h->ctx);
+}
+
 /* Reads nothing during the render: steps do not wait for it. Then it reads on, and gets the whole picture. */
 TEST(slow_reader)
 {
-    tev_server s = { .family = AF_INET, .holds = true };
-    tev_picture p = { 0 };
-    lc_context *ctx = quiet_context(1);
-    lc_image *image = square(ctx, SIDE);
-    lc_render_desc desc = LC_RENDER_DESC_INIT;
-    cli_display *d = begin_square(&s, SIDE, &desc);
-    (void)give(&desc, d, SIDE, 64);
+    held h;
+    begin_held(&h);
+    cli_display *d = h.display;
     const uint64_t kept = atomic_load(&d->n_marks);
     CHECKF(kept > 1000, "%llu tiles wait", (unsigned long long)kept);
     CHECK(pump(d) && d->fd >= 0 && !cli_display_warning(d)); /* at once: it would block */
-    atomic_store(&s.go, true);
+    atomic_store(&h.server.go, true);
     while (pump(d)) { /* however slow the machine is */
         struct pollfd ready = { d->fd, POLLOUT, 0 };
         (void)poll(&ready, 1, 1000);
     }
-    cli_display_end(d, image);
+    cli_display_end(d, h.image);
     CHECK(!cli_display_warning(d));
     cli_display_close(d);
-    tev_stop(&s);
-    CHECK(!tev_read(s.data[0], s.n[0], &p));
-    check_same(&p, image);
+    tev_stop(&h.server);
+    CHECK(!tev_read(h.server.data[0], h.server.n[0], &h.picture));
+    check_same(&h.picture, h.image);
     /* What waited went in larger updates. */
-    CHECKF(p.n_updates < 3 * (SIDE / LC_TILE) * (SIDE / LC_TILE) / 4, "%u updates", p.n_updates);
-    tev_drop(&p);
-    tev_free(&s);
-    lc_image_destroy(image);
-    lc_context_destroy(ctx);
+    CHECKF(h.picture.n_updates < 3 * (SIDE / LC_TILE) * (SIDE / LC_TILE) / 4, "%u updates",
+           h.picture.n_updates);
+    drop_held(&h);
 }
 
 /* Never reads: the end waits for a bounded time, with one warning. */
 TEST(reader_that_never_reads)
 {
-    tev_server s = { .family = AF_INET, .holds = true };
-    tev_picture p = { 0 };
-    lc_context *ctx = quiet_context(1);
-    lc_image *image = square(ctx, SIDE);
-    lc_render_desc desc = LC_RENDER_DESC_INIT;
-    cli_display *d = begin_square(&s, SIDE, &desc);
-    (void)give(&desc, d, SIDE, 64);
+    held h;
+    begin_held(&h);
+    cli_display *d = h.display;
     const double t0 = cli_now();
-    cli_display_end(d, image);
+    cli_display_end(d, h.image);
     CHECKF(cli_now() - t0 < END_SECONDS + 10, "%g s", cli_now() - t0); /* 10: a busy machine */
     const char *text = cli_display_warning(d);
     CHECKF(text && strstr(text, "too slow"), "%s", text ? text : "no warning");
     CHECK(d->fd < 0 && !cli_display_warning(d));
-    atomic_store(&s.go, true);
+    atomic_store(&h.server.go, true);
     cli_display_close(d);
-    tev_stop(&s);
-    (void)tev_read(s.data[0], s.n[0], &p); /* the last packet is cut off; those before are whole */
-    CHECK(p.n_created == 1 && p.n_updates > 0);
-    tev_drop(&p);
-    tev_free(&s);
-    lc_image_destroy(image);
-    lc_context_destroy(ctx);
+    tev_stop(&h.server);
+    (void)tev_read(h.server.data[0], h.server.n[0],
+                   &h.picture); /* the last packet is cut off; those before are whole */
+    CHECK(h.picture.n_created == 1 && h.picture.n_updates > 0);
+    drop_held(&h);
 }
 
 /* Hangs up in the middle: one warning and no signal; the next picture connects again. */

@@ -1,5 +1,6 @@
 /* unit_look.c - textures, materials, environments, spots and luminaires by calls: the bytes of the same scene
  * from a file, every argument checked. */
+#include "support/rendered.h"
 #include "support/scene_text.h"
 #include "support/test.h"
 #include "support/watched_memory.h"
@@ -390,31 +391,6 @@ static lc_status build(lc_context *c, add_fn *add, lc_scene **out)
     return st ? st : lc_build_commit(s, &load);
 }
 
-static lc_image *render(const lc_scene *s)
-{
-    lc_render_desc d = LC_RENDER_DESC_INIT;
-    lc_image *image = NULL;
-    CHECKF(!lc_render(ctx, s, &d, &image, NULL), "%s", last_error);
-    return image;
-}
-
-static size_t pixels(const lc_image *im)
-{
-    lc_image_desc d = LC_IMAGE_DESC_INIT;
-    CHECK(!lc_image_get_desc(im, &d));
-    return (size_t)d.width * d.height;
-}
-
-static bool same(const lc_image *a, const lc_image *b)
-{
-    static const char *const names[] = { "R", "G", "B" };
-    bool alike = a && b && pixels(a) == pixels(b);
-    for (int k = 0; k < 3 && alike; k++)
-        alike = !memcmp(lc_image_channel(a, names[k]), lc_image_channel(b, names[k]),
-                        pixels(a) * sizeof(float));
-    return alike;
-}
-
 static lc_scene *from_file(const look *k)
 {
     lc_load_desc load = LC_LOAD_DESC_INIT;
@@ -445,9 +421,9 @@ TEST(each_look_by_calls_has_the_bytes_of_its_file)
     for (size_t i = 0; i < N_LOOKS; i++) {
         lc_scene *s, *t = from_file(&looks[i]);
         CHECKF(!build(ctx, looks[i].add, &s), "%s: %s", looks[i].name, last_error);
-        lc_image *a = render(s), *b = t ? render(t) : NULL;
-        CHECKF(same(a, b), "%s", looks[i].name);
-        CHECKF(!same(a, before), "%s is as the one before", looks[i].name);
+        lc_image *a = rendered(ctx, s), *b = t ? rendered(ctx, t) : NULL;
+        CHECKF(same_planes(a, b), "%s", looks[i].name);
+        CHECKF(!same_planes(a, before), "%s is as the one before", looks[i].name);
         lc_image_destroy(before);
         before = a;
         lc_image_destroy(b);
@@ -540,11 +516,11 @@ TEST(each_camera_and_film_by_calls_has_the_bytes_of_its_file)
                                         "\"integer indices\" [0 1 2 0 2 "
                                         "3] \"point2 uv\" [0 0 1 0 1 1 0 1]\n",
                  views[i].text, strstr(views[i].text, "PixelFilter") ? "" : "PixelFilter \"box\"\n");
-        lc_scene *s = view_by_calls(&views[i]), *t = scene_from_text(ctx, NULL, text);
-        lc_image *a = render(s), *b = t ? render(t) : NULL;
+        lc_scene *s = view_by_calls(&views[i]), *t = scene_from_text(ctx, NULL, "%s", text);
+        lc_image *a = rendered(ctx, s), *b = t ? rendered(ctx, t) : NULL;
         lc_render_desc d = LC_RENDER_DESC_INIT;
         lc_identity id = { 0, 0 };
-        CHECKF(same(a, b), "%s", views[i].name);
+        CHECKF(same_planes(a, b), "%s", views[i].name);
         CHECKF(!lc_render_identity(ctx, s, &d, &id) && id.scene != before, "%s: identity", views[i].name);
         before = id.scene;
         lc_image_destroy(a);
@@ -553,14 +529,6 @@ TEST(each_camera_and_film_by_calls_has_the_bytes_of_its_file)
         lc_scene_destroy(t);
     }
 }
-
-/* Sets a field of a fresh descriptor to a wrong value: the call names it. */
-#define WRONG(call, desc, set, name)                                                                         \
-    do {                                                                                                     \
-        desc##_used = desc;                                                                                  \
-        desc##_used.set;                                                                                     \
-        REFUSED(call, name);                                                                                 \
-    } while (0)
 
 TEST(wrong_textures_and_materials_are_named)
 {

@@ -1,5 +1,6 @@
 /* unit_update.c - cameras, lights, instances and emission set again: the bytes of a scene begun so, nothing
  * built that does not follow from what was set, everything as before when memory runs out. */
+#include "support/rendered.h"
 #include "support/scene_text.h"
 #include "support/test.h"
 #include "support/watched_memory.h"
@@ -127,44 +128,12 @@ static lc_status set(lc_scene *s, const stage *old, const stage *g)
     return st;
 }
 
-static lc_image *render_in(lc_context *c, const lc_scene *s)
-{
-    lc_render_desc d = LC_RENDER_DESC_INIT;
-    lc_image *image = NULL;
-    CHECKF(!lc_render(c, s, &d, &image, NULL), "%s", last_error);
-    return image;
-}
-
-static bool same_picture(const lc_image *a, const lc_image *b)
-{
-    static const char *const names[] = { "R", "G", "B" };
-    lc_image_desc d = LC_IMAGE_DESC_INIT;
-    if (!a || !b || lc_image_get_desc(a, &d)) return false;
-    for (int k = 0; k < 3; k++)
-        if (memcmp(lc_image_channel(a, names[k]), lc_image_channel(b, names[k]),
-                   (size_t)d.width * d.height * sizeof(float)))
-            return false;
-    return true;
-}
-
 /* The two scenes give the same bytes and have the same identity; or, if asked, neither. */
-static void compare(const lc_scene *a, const lc_scene *b, bool alike, const char *what)
+static void compare(const lc_scene *a, const lc_scene *b, bool same, const char *what)
 {
-    lc_render_desc d = LC_RENDER_DESC_INIT;
-    lc_identity p, q;
-    lc_image *x = render_in(ctx, a), *y = render_in(ctx, b);
-    CHECK(!lc_render_identity(ctx, a, &d, &p) && !lc_render_identity(ctx, b, &d, &q));
-    CHECKF(same_picture(x, y) == alike, "%s", what);
-    CHECKF((p.scene == q.scene) == alike, "%s", what);
-    lc_image_destroy(x);
-    lc_image_destroy(y);
-}
-
-static lc_scene_info info_of(const lc_scene *s)
-{
-    lc_scene_info i = LC_SCENE_INFO_INIT;
-    CHECK(!lc_scene_get_info(s, &i));
-    return i;
+    bool same_id;
+    CHECKF(alike(ctx, a, b, &same_id) == same, "%s", what);
+    CHECKF(same_id == same, "%s", what);
 }
 
 /* How lights are made. */
@@ -293,7 +262,7 @@ TEST(an_update_builds_only_what_follows)
     "\"integer pixelsamples\" 1\nIntegrator \"directlighting\"\nLookAt " eye " 0 0 3 0 1 0 "                 \
     "Camera \"perspective\" \"float fov\" 60\nWorldBegin\n" light sky                                        \
     "Shape \"trianglemesh\" \"point3 P\" [-9 -1 -9 9 -1 -9 9 -1 9 -9 -1 9] \"integer indices\" "             \
-    "[0 1 2 0 2 3]\nObjectBegin \"o\" Shape \"sphere\" \"float radius\" .6\nObjectEnd\n"                    \
+    "[0 1 2 0 2 3]\nObjectBegin \"o\" Shape \"sphere\" \"float radius\" .6\nObjectEnd\n"                     \
     "Translate " move " 0 0 ObjectInstance \"o\"\nTranslate 2 0 1 ObjectInstance \"o\"\n"
 #define SKY          "LightSource \"infinite\" \"rgb L\" [.2 .3 .4]\n"
 #define POINT(at, i) "LightSource \"point\" \"rgb I\" [" i "] \"point3 from\" [" at "]\n"
@@ -319,8 +288,8 @@ TEST(a_scene_of_a_file_can_be_changed_too)
     CHECK(!lc_scene_set_camera(s, &c) && !lc_scene_set_light(s, 0, &l) && !lc_scene_dim_light(s, 1, half));
     CHECK(!lc_scene_set_instance(s, 0, to_world));
     CHECK(!lc_scene_set_instance(s, 1, beside) && !lc_scene_update(s, NULL));
-    lc_image *a = render_in(ctx, s), *b = render_in(ctx, t);
-    CHECK(same_picture(a, b) && info_of(s).built_bvhs == 2 && info_of(s).built_lights == 2);
+    lc_image *a = rendered(ctx, s), *b = rendered(ctx, t);
+    CHECK(same_planes(a, b) && info_of(s).built_bvhs == 2 && info_of(s).built_lights == 2);
     lc_image_destroy(a);
     lc_image_destroy(b);
     lc_scene_destroy(s);
@@ -378,7 +347,7 @@ static lc_image *of(const stage *g, size_t way)
     const lc_load_desc load = load_of(way);
     lc_scene *s;
     CHECK(!build(ctx, g, &load, &s));
-    lc_image *image = render_in(ctx, s);
+    lc_image *image = rendered(ctx, s);
     lc_scene_destroy(s);
     return image;
 }
@@ -402,8 +371,8 @@ static void starve_updates(size_t way, int step)
         if (!st) st = lc_scene_update(s, NULL);
         allocations_left = -1;
         CHECKF(!st || st == LC_ERR_MEMORY, "%s", lc_status_name(st));
-        lc_image *image = render_in(own, s);
-        CHECKF(same_picture(image, st ? before : after), "%s after %ld allocations", ways[way].name, n);
+        lc_image *image = rendered(own, s);
+        CHECKF(same_planes(image, st ? before : after), "%s after %ld allocations", ways[way].name, n);
         lc_image_destroy(image);
     }
     CHECKF(!st && n > 3, "%ld allocations", n);
@@ -435,7 +404,7 @@ static void *render_on(void *user)
     lc_render_desc d = LC_RENDER_DESC_INIT;
     for (int i = 0; i < 5; i++) {
         lc_image *image;
-        r->bad += lc_render(own, r->scene, &d, &image, NULL) || !same_picture(image, r->want);
+        r->bad += lc_render(own, r->scene, &d, &image, NULL) || !same_planes(image, r->want);
         lc_image_destroy(image);
     }
     lc_context_destroy(own);
@@ -449,7 +418,7 @@ TEST(others_may_render_while_one_thread_sets)
     lc_scene *s;
     pthread_t thread;
     CHECK(!build(ctx, &first, &load, &s));
-    renders r = { s, render_in(ctx, s), 0 };
+    renders r = { s, rendered(ctx, s), 0 };
     CHECK(!pthread_create(&thread, NULL, render_on, &r));
     for (int i = 0; i < 200; i++) CHECK(!set(s, i % 2 ? &other : &first, i % 2 ? &first : &other));
     CHECK(!pthread_join(thread, NULL) && !r.bad);

@@ -7,14 +7,25 @@
 #include "base/memory.h"
 #include "isa/isa.h"
 
+static const char *fault(const lc_context_desc *d)
+{
+    if (d->allocator && (!d->allocator->alloc || !d->allocator->free))
+        return "allocator has no alloc or free";
+    if (d->isa < LC_ISA_BEST || d->isa > LC_N_ISAS) return "isa is none of this build";
+    if (d->n_threads > LC_MAX_THREADS) return "n_threads is too large";
+    return d->bvh < LC_BVH_BEST || d->bvh >= LC_BVH_MODES ? "bvh is none of lc_bvh_mode" : NULL;
+}
+
 lc_status lc_context_create(const lc_context_desc *desc, lc_context **out)
 {
     if (!out) return LC_ERR_ARG;
     *out = NULL;
     lc_context_desc d = LC_CONTEXT_DESC_INIT;
     if (desc && lc_desc_take(NULL, "lc_context_desc", &d, sizeof d, desc)) return LC_ERR_ARG;
-    if (d.isa < LC_ISA_BEST || d.isa > LC_N_ISAS || d.n_threads > LC_MAX_THREADS ||
-        d.bvh < LC_BVH_BEST || d.bvh >= LC_BVH_MODES) return LC_ERR_ARG;
+    const char *wrong = fault(&d);
+    if (wrong)
+        return lc_fail(&(lc_context){ .log = d.log, .log_user = d.log_user }, LC_ERR_ARG,
+                       "lc_context_create: %s", wrong);
     lc_context ctx = { .allocator = d.allocator ? *d.allocator : lc_allocator_libc(),
                        .log = d.log,
                        .log_user = d.log_user,

@@ -115,6 +115,7 @@ static uint32_t run_from(const lc_shadow_rays *r, uint32_t i)
 int lc_scene_visible(void *user, const lc_shadow_rays *r)
 {
     const lc_scene *scene = user;
+    if (!scene || !scene->tree) return 1; /* none, or not committed: lc_shade is cancelled */
     const lc_visibility *v = &scene->visibility;
     for (uint32_t i = 0, n; i < r->n; i += n) {
         const float org[3] = { r->org[0][i], r->org[1][i], r->org[2][i] };

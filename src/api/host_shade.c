@@ -18,7 +18,12 @@
 
 static lc_status check(const lc_tree *t, const lc_shader_desc *d)
 {
+    const lc_scene *traced = d->visible == lc_scene_visible ? d->visible_user : NULL;
     if (!d->visible) return lc_fail(t->ctx, LC_ERR_ARG, "desc.visible is NULL");
+    if (d->visible == lc_scene_visible && !(traced && traced->tree))
+        return lc_fail(t->ctx, LC_ERR_ARG, "desc.visible_user is no committed scene");
+    if (d->occluders && !d->occluders->tree)
+        return lc_fail(t->ctx, LC_ERR_ARG, "desc.occluders was not committed");
     if (!(d->error_ratio >= 0 && d->error_ratio <= FLT_MAX))
         return lc_fail(t->ctx, LC_ERR_ARG, "desc.error_ratio must be finite and not negative");
     if (!(d->z >= 0 && d->z <= FLT_MAX))

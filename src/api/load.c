@@ -48,11 +48,12 @@ lc_status lc_load_take(const lc_context *ctx, const lc_load_desc *desc, lc_load_
     lc_load_desc d = LC_LOAD_DESC_INIT;
     if (desc && lc_desc_take(ctx, "lc_load_desc", &d, sizeof d, desc)) return LC_ERR_ARG;
     if (!d.env_lights) d.env_lights = DEFAULT_ENV_LIGHTS;
-    if (!(d.indirect_error > 0 || d.indirect_error < 0)) d.indirect_error = DEFAULT_INDIRECT_ERROR;
+    if (d.indirect_error >= 0 && d.indirect_error <= 0) d.indirect_error = DEFAULT_INDIRECT_ERROR;
     if (!d.n_reps) d.n_reps = DEFAULT_REPS;
-    if (d.builder < LC_BUILDER_AUTO || d.builder > LC_BUILDER_PLOC) return LC_ERR_ARG;
+    if (d.builder < LC_BUILDER_AUTO || d.builder > LC_BUILDER_PLOC)
+        return lc_fail(ctx, LC_ERR_ARG, "builder is none of lc_builder");
     if (d.indirect_from != LC_INDIRECT_FROM_SCENE && d.indirect_from != LC_INDIRECT_FROM_VIEW)
-        return LC_ERR_ARG;
+        return lc_fail(ctx, LC_ERR_ARG, "indirect_from is none of lc_indirect_from");
     if (!(d.indirect_error >= MIN_INDIRECT_ERROR && d.indirect_error <= 1))
         return lc_fail(ctx, LC_ERR_ARG, "the indirect light's error must be %g to 1", MIN_INDIRECT_ERROR);
     if (d.indirect_lights != LC_NO_LIGHTS && d.indirect_lights > MAX_MADE_LIGHTS)
@@ -71,12 +72,14 @@ lc_status lc_load_take(const lc_context *ctx, const lc_load_desc *desc, lc_load_
 
 lc_status lc_scene_load(lc_context *ctx, const char *path, const lc_load_desc *desc, lc_scene **out)
 {
-    if (!out) return LC_ERR_ARG;
-    *out = NULL;
+    if (out) *out = NULL;
     lc_load_desc d;
-    if (!ctx || !path || lc_load_take(ctx, desc, &d)) return LC_ERR_ARG;
     lc_scene *scene;
-    lc_status st = lc_scene_create(ctx, &scene);
+    if (!ctx) return LC_ERR_ARG;
+    if (!path || !out) return lc_fail(ctx, LC_ERR_ARG, "lc_scene_load: path or out is NULL");
+    lc_status st = lc_load_take(ctx, desc, &d);
+    if (st) return st;
+    st = lc_scene_create(ctx, &scene);
     if (!st) st = parse(scene, path, &d);
     if (!st) st = lc_scene_commit(scene, &d);
     if (st) {

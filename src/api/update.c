@@ -78,7 +78,8 @@ lc_status lc_scene_move_camera(lc_scene *s, const lc_camera_place *place)
 lc_status lc_scene_get_camera(const lc_scene *s, lc_camera_place *place)
 {
     lc_camera_place p = LC_CAMERA_PLACE_INIT;
-    if (!s || !place) return LC_ERR_ARG;
+    if (!s) return LC_ERR_ARG;
+    if (!place) return lc_fail(s->ctx, LC_ERR_ARG, "lc_scene_get_camera: place is NULL");
     if (s->sensors || !s->has_camera || !lc_camera_get_place(&s->camera_desc, &p))
         return lc_fail(s->ctx, LC_ERR_ARG, "lc_scene_get_camera: the scene has no camera");
     return lc_desc_give(s->ctx, "lc_camera_place", place, &p, sizeof p);

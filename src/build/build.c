@@ -60,9 +60,9 @@ const lc_load_desc *lc_build_asked(const lc_scene *s) { return &s->load; }
 
 lc_status lc_build_begin(lc_context *ctx, lc_scene **out)
 {
-    if (!out) return LC_ERR_ARG;
-    *out = NULL;
+    if (out) *out = NULL;
     if (!ctx) return LC_ERR_ARG;
+    if (!out) return lc_fail(ctx, LC_ERR_ARG, "lc_build_begin: out is NULL");
     lc_scene *s;
     lc_status st = lc_scene_create(ctx, &s);
     if (st) return st;

@@ -6,7 +6,7 @@
 #include "scene/spot_picture.h"
 #include "scene/sun.h"
 
-#define MAX_TEXEL      1e13f               /* of an environment, radiance */
+#define MAX_TEXEL      1e13                /* of an environment, radiance */
 #define MAX_TEXT       ((uint64_t)1 << 24) /* bytes of a photometric file */
 #define MAX_ANGLES     16385u              /* of a table: those of a file, unfolded */
 #define MAX_SUN_LIGHTS 100000u
@@ -168,12 +168,19 @@ static lc_status make_ramp(lc_scene *s, lc_light *light)
 
 /* ---- lights ---- */
 
-lc_status lc_build_keep_light(lc_scene *s, const lc_light *light)
+/* Room for one more, after which lc_build_keep_light cannot fail for a host. */
+static lc_status make_room(lc_scene *s)
 {
     lc_given *g = &s->given;
+    if (!s->by_calls) return LC_OK;
+    return lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
+}
+
+lc_status lc_build_keep_light(lc_scene *s, const lc_light *light)
+{
     if (!s->by_calls) return lc_scene_put_light(s, s->at, light);
-    lc_status st = lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
-    if (!st) g->lights[g->n_lights++] = *light;
+    const lc_status st = make_room(s);
+    if (!st) s->given.lights[s->given.n_lights++] = *light;
     return st;
 }
 
@@ -190,6 +197,7 @@ lc_status lc_build_light(lc_scene *s, const lc_build_light_desc *desc)
     const uint32_t had = s->groups.n;
     st = lc_arg_light_of(s, "lc_build_light", desc, &light);
     if (!st) st = lc_build_begin_group(s, "lc_build_light", desc->group);
+    if (!st) st = make_room(s);
     if (!st && desc->kind >= LC_BUILD_PROJECTOR) st = make_map(s, desc, &light);
     if (!st && desc->kind == LC_BUILD_SPOT && desc->falloff == LC_FALLOFF_SQUARED) st = make_ramp(s, &light);
     light.group = s->groups.now;
@@ -298,11 +306,26 @@ static double upper_illuminance(const lc_env *env)
     return sum;
 }
 
-/* varies: it counts as white, or the scale would be another in each frame. */
-static void scale_environment(const lc_build_environment_desc *d, lc_env *env, bool varies)
+static double greatest_texel(const lc_env *env)
 {
-    const double has = !(d->illuminance > 0) ? 0 : varies ? LC_PI : upper_illuminance(env);
+    double most = 0, rgb[3];
+    if (env->map.is_codes) return (double)lc_f3_max(env->scale);
+    for (uint32_t y = 0; y < lc_env_height(env); y++)
+        for (uint32_t x = 0; x < lc_env_width(env); x++) {
+            lc_env_texel(env, x, y, rgb);
+            most = fmax(most, fmax(rgb[0], fmax(rgb[1], rgb[2])));
+        }
+    return most;
+}
+
+/* white: it is, or counts as that: where it varies the scale would be another in each frame. */
+static lc_status scale_environment(const lc_scene *s, const lc_build_environment_desc *d, lc_env *env,
+                                   bool white)
+{
+    const double has = !(d->illuminance > 0) ? 0 : white ? LC_PI : upper_illuminance(env);
     if (has > 0) env->scale = lc_f3_scale(env->scale, (float)(d->illuminance / has));
+    if (greatest_texel(env) <= MAX_TEXEL) return LC_OK;
+    return lc_build_wrong(s, "lc_build_environment", "scale or illuminance gives a radiance above 1e13");
 }
 
 static void digest_environment(lc_scene *s, const lc_build_environment_desc *d, bool square)
@@ -331,9 +354,9 @@ static lc_status environment_of_picture(lc_scene *s, const lc_build_environment_
     lc_status st = turn_environment(s, d, &env);
     if (!st) st = lc_picture_for_environment(s, d->picture, &env.map, &copied);
     if (st) return st;
-    scale_environment(d, &env, !lc_picture_is_still(s, d->picture));
     const uint32_t had = s->groups.n;
-    st = lc_build_begin_group(s, call, d->group);
+    st = scale_environment(s, d, &env, !lc_picture_is_still(s, d->picture));
+    if (!st) st = lc_build_begin_group(s, call, d->group);
     if (!st) st = lc_build_status(s, lc_scene_add_env(s, s->at, &env));
     if (st) {
         lc_picture_leave(s, d->picture, &env.map, copied);
@@ -358,20 +381,17 @@ lc_status lc_build_environment(lc_scene *s, const lc_build_environment_desc *des
     const bool square = !d.texels || d.equal_area;
     const char *wrong = lc_build_texels_fault(&p);
     if (!wrong && square && p.width != p.height) wrong = "width and height must be equal with equal_area";
-    float most = p.kind == LC_BUILD_FLOATS ? 0 : 1;
-    for (size_t i = 0; !wrong && p.kind == LC_BUILD_FLOATS && i < (size_t)p.width * p.height * 3; i++)
-        most = fmaxf(most, ((const float *)p.texels)[i]);
     for (int k = 0; k < 3; k++)
-        if (!(d.scale[k] >= 0 && d.scale[k] * most <= MAX_TEXEL && d.scale[k] <= LC_MAX_INTENSITY))
-            wrong = "scale is negative or not finite, or gives a radiance above 1e13";
+        if (!(d.scale[k] >= 0 && d.scale[k] <= LC_MAX_INTENSITY))
+            wrong = "scale is negative, not finite or above 1e15";
     if (!(d.illuminance >= 0 && isfinite(d.illuminance))) wrong = "illuminance is negative or not finite";
     if (wrong) return lc_build_wrong(s, call, wrong);
     lc_env env = { .mapping = square ? LC_ENV_EQUAL_AREA : LC_ENV_LATLONG, .scale = lc_f3_load(d.scale) };
     if ((st = turn_environment(s, &d, &env))) return st;
     if ((st = lc_build_make_map(s, &p, &env.map))) return st;
-    scale_environment(&d, &env, false);
     const uint32_t had = s->groups.n;
-    st = lc_build_begin_group(s, call, d.group);
+    st = scale_environment(s, &d, &env, !d.texels);
+    if (!st) st = lc_build_begin_group(s, call, d.group);
     if (!st) st = lc_build_status(s, lc_scene_add_env(s, s->at, &env));
     if (st) {
         lc_mipmap_free(s->ctx, &env.map);

@@ -30,10 +30,10 @@ lc_status lc_build_group(lc_scene *s, const char *group, const char *const *name
     lc_status st = lc_build_take(s, "lc_build_group", NULL, 0, NULL);
     if (st) return st;
     if (n_names && !names) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_group: names is NULL");
+    const uint32_t had = s->groups.n, chosen = s->groups.chosen;
     s->groups.chosen = 0;
-    if (!group && !s->groups.n_patterns) return LC_OK;
     st = lc_build_begin_group(s, "lc_build_group", group);
     if (!st) st = lc_group_choose(s, s->groups.now, names, n_names);
-    if (!st) s->groups.chosen = s->groups.now;
-    return st;
+    s->groups.chosen = st ? chosen : s->groups.now;
+    return lc_build_end_group(s, had, st);
 }

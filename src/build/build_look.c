@@ -187,11 +187,14 @@ lc_status lc_build_pattern(lc_scene *s, const lc_build_pattern_desc *desc, uint3
     lc_texture t = pattern_of(&d);
     if (d.kind == LC_PATTERN_PICTURE) st = lc_picture_as_image(s, d.picture, &t.image);
     if (!st) st = lc_textures_add(&s->textures, &t, id, &too_deep);
+    if (!st && too_deep) {
+        st = lc_scene_note_at(s, s->at, "texture depth",
+                              "textures of textures beyond %d deep or %u in all: the mean takes their place",
+                              LC_TEX_MAX_DEPTH, LC_TEX_MAX_COST);
+        if (st) s->textures.n--;
+    }
     if (!st) digest_pattern(s, &d);
-    if (st || !too_deep) return st;
-    return lc_scene_note_at(s, s->at, "texture depth",
-                            "textures of textures beyond %d deep or %u in all: the mean takes their place",
-                            LC_TEX_MAX_DEPTH, LC_TEX_MAX_COST);
+    return st;
 }
 
 lc_status lc_build_texture_value(const lc_scene *s, uint32_t texture, lc_build_value *out)

@@ -43,9 +43,10 @@ static lc_status image_of_raster(lc_context *ctx, const lc_raster *r, lc_image *
 
 lc_status lc_image_read(lc_context *ctx, const char *path, lc_image **out)
 {
-    if (!out) return LC_ERR_ARG;
+    if (!out) return ctx ? lc_fail(ctx, LC_ERR_ARG, "lc_image_read: out is NULL") : LC_ERR_ARG;
     *out = NULL;
-    if (!ctx || !path) return LC_ERR_ARG;
+    if (!ctx) return LC_ERR_ARG;
+    if (!path) return lc_fail(ctx, LC_ERR_ARG, "lc_image_read: path is NULL");
     lc_bytes file;
     lc_raster raster = { 0 };
     lc_memory_step(ctx, "reading a picture");

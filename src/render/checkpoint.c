@@ -361,9 +361,12 @@ static void set_next_sync(lc_checkpoint *c)
 lc_status lc_checkpoint_open(lc_context *ctx, const char *path, const lc_scene *scene,
                              const lc_render_desc *desc, int resume, double sync_seconds, lc_checkpoint **out)
 {
-    if (!out) return LC_ERR_ARG;
-    *out = NULL;
-    if (!ctx || !path || !scene || !desc || !(sync_seconds >= 0 && sync_seconds <= 1e9)) return LC_ERR_ARG;
+    if (out) *out = NULL;
+    if (!ctx) return LC_ERR_ARG;
+    if (!path || !scene || !desc || !out)
+        return lc_fail(ctx, LC_ERR_ARG, "lc_checkpoint_open: path, scene, desc or out is NULL");
+    if (!(sync_seconds >= 0 && sync_seconds <= 1e9))
+        return lc_fail(ctx, LC_ERR_ARG, "lc_checkpoint_open: sync_seconds must be 0 to 1e9");
     lc_checkpoint *c = lc_alloc(ctx, 1, sizeof *c);
     if (!c) return LC_ERR_MEMORY;
     *c = (lc_checkpoint){ .ctx = ctx, .fd = -1, .interval = sync_seconds, .path_bytes = strlen(path) + 1 };

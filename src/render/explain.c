@@ -384,9 +384,9 @@ static lc_status explain_hit(explainer *e, owner *o, uint64_t key)
 lc_status lc_explain(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x,
                      uint32_t y, uint32_t sample, lc_explanation **out)
 {
-    if (!out) return LC_ERR_ARG;
-    *out = NULL;
-    if (!ctx || !scene || !desc) return LC_ERR_ARG;
+    if (out) *out = NULL;
+    if (!ctx) return LC_ERR_ARG;
+    if (!scene || !desc || !out) return lc_fail(ctx, LC_ERR_ARG, "lc_explain: scene, desc or out is NULL");
     owner *o = lc_alloc(ctx, 1, sizeof *o);
     if (!o) return LC_ERR_MEMORY;
     o->ctx = ctx;

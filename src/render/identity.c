@@ -61,9 +61,10 @@ lc_status lc_render_identity(lc_context *ctx, const lc_scene *scene, const lc_re
     uint32_t crop[4];
     lc_render_desc r;
     lc_digest d = { 0 };
-    if (!id) return LC_ERR_ARG;
-    *id = (lc_identity){ 0 };
-    if (!ctx || !scene || !desc) return LC_ERR_ARG;
+    if (id) *id = (lc_identity){ 0 };
+    if (!ctx) return LC_ERR_ARG;
+    if (!scene || !desc || !id)
+        return lc_fail(ctx, LC_ERR_ARG, "lc_render_identity: scene, desc or id is NULL");
     lc_status st = lc_render_take(ctx, scene, desc, &r, crop);
     if (st) return st;
     lc_digest_add(&d, LC_VERSION, sizeof LC_VERSION);

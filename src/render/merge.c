@@ -22,9 +22,9 @@ struct lc_merge {
 
 lc_status lc_merge_create(lc_context *ctx, lc_merge **out)
 {
-    if (!out) return LC_ERR_ARG;
-    *out = NULL;
+    if (out) *out = NULL;
     if (!ctx) return LC_ERR_ARG;
+    if (!out) return lc_fail(ctx, LC_ERR_ARG, "lc_merge_create: out is NULL");
     lc_merge *m = lc_alloc(ctx, 1, sizeof *m);
     if (!m) return LC_ERR_MEMORY;
     m->ctx = ctx;
@@ -95,7 +95,8 @@ static lc_status insert(lc_merge *m, const char *path, const part *p)
 lc_status lc_merge_add(lc_merge *m, const char *path)
 {
     part p = { .image = NULL };
-    if (!m || !path) return LC_ERR_ARG;
+    if (!m) return LC_ERR_ARG;
+    if (!path) return lc_fail(m->ctx, LC_ERR_ARG, "lc_merge_add: path is NULL");
     lc_status st = lc_image_read(m->ctx, path, &p.image);
     if (st) return st;
     const char *why = fault(m, &p, path);
@@ -160,9 +161,11 @@ static lc_status copy_attrs(const lc_merge *m, lc_image *to)
 lc_status lc_merge_finish(lc_merge *m, lc_image **out)
 {
     char text[8];
-    if (!out) return LC_ERR_ARG;
-    *out = NULL;
-    if (!m || !m->n || lc_merge_missing(m, text, sizeof text)) return LC_ERR_ARG;
+    if (out) *out = NULL;
+    if (!m) return LC_ERR_ARG;
+    if (!out) return lc_fail(m->ctx, LC_ERR_ARG, "lc_merge_finish: out is NULL");
+    if (!m->n || lc_merge_missing(m, text, sizeof text))
+        return lc_fail(m->ctx, LC_ERR_ARG, "lc_merge_finish: parts are missing");
     const lc_image *first = m->parts[0].image;
     const uint32_t *crop = m->parts[0].chunk.crop;
     lc_image_desc d = first->desc;

@@ -195,7 +195,7 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
 {
     const lc_film_desc *f = &scene->film;
     if (d->method < LC_METHOD_LIGHTCUTS || d->method > LC_METHOD_CUTS)
-        return LC_ERR_ARG;
+        return lc_fail(ctx, LC_ERR_ARG, "method is none of lc_method");
     if (!(d->error_ratio >= 0) || !isfinite(d->error_ratio) || !(d->dark_floor >= 0) ||
         !isfinite(d->dark_floor))
         return lc_fail(ctx, LC_ERR_ARG, "error ratio and dark floor must be finite and at least 0");
@@ -314,9 +314,9 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     lc_render_desc d;
     lc_render_stats own = LC_RENDER_STATS_INIT;
     uint32_t crop[4];
-    if (!out) return LC_ERR_ARG;
-    *out = NULL;
-    if (!ctx || !scene || !desc) return LC_ERR_ARG;
+    if (out) *out = NULL;
+    if (!ctx) return LC_ERR_ARG;
+    if (!scene || !desc || !out) return lc_fail(ctx, LC_ERR_ARG, "lc_render: scene, desc or out is NULL");
     lc_status st = lc_render_take(ctx, scene, desc, &d, crop);
     if (!st) st = lc_render_ready(ctx, scene);
     if (!st) st = lc_checkpoint_check(scene, &d);
@@ -341,6 +341,8 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
 lc_status lc_render_crop(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t crop[4])
 {
     lc_render_desc d;
-    if (!ctx || !scene || !desc || !crop) return LC_ERR_ARG;
+    if (!ctx) return LC_ERR_ARG;
+    if (!scene || !desc || !crop)
+        return lc_fail(ctx, LC_ERR_ARG, "lc_render_crop: scene, desc or crop is NULL");
     return lc_render_take(ctx, scene, desc, &d, crop);
 }

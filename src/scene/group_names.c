@@ -68,8 +68,8 @@ lc_status lc_group_named(lc_scene *s, lc_pos where, const char *name, uint32_t *
     if (fault)
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "the name '%s' of a light group %s", shown(name, safe),
                           fault);
-    if (!g->n) g->name[g->n++] = LC_GROUP_OTHER;
     if (!*name) return LC_OK;
+    if (!g->n) g->name[g->n++] = LC_GROUP_OTHER;
     if ((*group = lc_group_find(s, name)) != LC_NONE) return LC_OK;
     *group = 0;
     if (g->n == LC_MAX_GROUPS)

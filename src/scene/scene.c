@@ -134,6 +134,9 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
     if (m->n_verts > MAX_COUNT - s->n_verts || m->n_tris > MAX_COUNT - s->n_tris)
         return lc_fail_at(s->ctx, LC_ERR_UNSUPPORTED, where, "more than %u triangles or vertices", MAX_COUNT);
     st = grow_mesh(s, m);
+    if (!st && s->maps[m->material_id].refracts)
+        st = lc_scene_note_at(s, where, "glass",
+                              "light passes straight through glass: what it bends (caustics) is left out");
     if (st) return st;
     memcpy(s->pos + s->n_verts * 3, m->pos, (size_t)m->n_verts * 3 * sizeof(float));
     if (m->normal)
@@ -171,9 +174,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
     s->has_glass |= s->maps[m->material_id].clear;
     s->n_verts += m->n_verts;
     s->n_tris += m->n_tris;
-    if (!s->maps[m->material_id].refracts) return LC_OK;
-    return lc_scene_note_at(s, where, "glass",
-                            "light passes straight through glass: what it bends (caustics) is left out");
+    return LC_OK;
 }
 
 lc_status lc_scene_begin_object(lc_scene *s)
@@ -410,9 +411,9 @@ lc_status lc_scene_set_film(lc_scene *s, lc_pos where, const lc_film_desc *f)
 
 lc_status lc_scene_note_at(lc_scene *s, lc_pos where, const char *kind, const char *fmt, ...)
 {
-    s->n_noted++;
     for (size_t i = 0; i < s->n_notes; i++)
         if (!strcmp(s->notes[i].kind, kind)) {
+            s->n_noted++;
             s->notes[i].count++;
             s->noted = s->notes[i].text;
             return LC_OK;
@@ -431,6 +432,7 @@ lc_status lc_scene_note_at(lc_scene *s, lc_pos where, const char *kind, const ch
     lc_scene_note note = { lc_arena_text(&s->arena, kind, strlen(kind)),
                            lc_arena_text(&s->arena, text, strlen(text)), 1 };
     if (!note.kind || !note.text) return LC_ERR_MEMORY;
+    s->n_noted++;
     s->notes[s->n_notes++] = note;
     s->noted = note.text;
     return LC_OK;
@@ -461,12 +463,14 @@ lc_status lc_scene_count_feature(lc_scene *s, const char *kind, const char *name
     lc_feature *f;
     lc_status st = find_feature(s, kind, name, &f);
     if (st) return st;
+    const char *copy = "";
+    if (support > f->support && text && !(copy = lc_arena_text(&s->arena, text, strlen(text)))) {
+        if (!f->count) s->n_features--;
+        return LC_ERR_MEMORY;
+    }
     f->count++;
     if (support <= f->support) return LC_OK;
     f->support = support;
-    if (text && !(f->text = lc_arena_text(&s->arena, text, strlen(text)))) {
-        f->text = "";
-        st = LC_ERR_MEMORY;
-    }
-    return st;
+    if (text) f->text = copy;
+    return LC_OK;
 }

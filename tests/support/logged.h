@@ -59,4 +59,12 @@ static inline void expect_failure(lc_status got, lc_status want, const char *mes
         CHECKF(strstr(last_error, name) != NULL, "%s", last_error);                                          \
     } while (0)
 
+/* Sets a field of a fresh descriptor to a wrong value: the call names it. */
+#define WRONG(call, desc, set, name)                                                                         \
+    do {                                                                                                     \
+        desc##_used = desc;                                                                                  \
+        desc##_used.set;                                                                                     \
+        REFUSED(call, name);                                                                                 \
+    } while (0)
+
 #endif
