@@ -171,8 +171,9 @@ static lc_status make_ramp(lc_scene *s, lc_light *light)
 lc_status lc_build_keep_light(lc_scene *s, const lc_light *light)
 {
     lc_given *g = &s->given;
-    if (!s->by_calls) return lc_scene_put_light(s, s->at, light);
-    lc_status st = lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
+    lc_status st = lc_names_begin(s, LC_NAMED_LIGHT, s->by_calls ? g->n_lights : s->n_lights);
+    if (st || !s->by_calls) return st ? st : lc_scene_put_light(s, s->at, light);
+    st = lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
     if (!st) g->lights[g->n_lights++] = *light;
     return st;
 }
