@@ -239,11 +239,12 @@ typedef struct lc_load_desc {
     { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0, 0,  \
       { 0, 0 }, 0, 0, 0, 0, 0, 0, 0, 0 }
 
-/* A group of lights. Clusters of lights never hold lights of two groups, and with groups pictures have beside
- * R, G and B planes NAME.R, NAME.G and NAME.B of each: what its lights contribute, directly, by bounces and
- * where they are seen. All groups' planes add up to the picture but for rounding, so a picture of dimmed
- * lights is a sum with factors. The error that is asked is the picture's: planes are off by no more, measured
- * by the picture's luminance, not by their own. */
+/* A group of lights. With groups pictures have beside R, G and B planes NAME.R, NAME.G and NAME.B of each:
+ * what its lights contribute, directly, by bounces and where they are seen. R, G and B are the same as without
+ * groups, and all groups' planes add up to them but for rounding, so a picture of dimmed lights is a sum with
+ * factors. What a cluster of lights of several groups contributes is divided by their shares of its
+ * intensity. The error that is asked is the picture's: planes are off by no more, measured by the picture's
+ * luminance, not by their own. */
 typedef struct lc_light_group {
     size_t size;
     const char *name;  /* owned by the scene; number 0 is "other", which has what no group takes */
