@@ -1,5 +1,5 @@
-/* unit_names.c - lights, meshes and instances by name: which are found, and that what is moved or turned is the
- * scene that was written so. */
+/* unit_names.c - lights, meshes and instances by name: which are found, and that what is moved or turned is
+ * the scene that was written so. */
 #include "support/scene_text.h"
 #include "support/test.h"
 #include "support/watched_memory.h"
@@ -10,18 +10,19 @@
 static lc_context *ctx;
 
 #define CAMERA                                                                                               \
-    "LookAt 0 1 -5 0 0 3 0 1 0 Camera \"perspective\" \"float fov\" 60\n"                                     \
-    "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16\n"                                    \
+    "LookAt 0 1 -5 0 0 3 0 1 0 Camera \"perspective\" \"float fov\" 60\n"                                    \
+    "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16\n"                                   \
     "Sampler \"zsobol\" \"integer pixelsamples\" 1 Integrator \"path\" \"integer maxdepth\" 1 WorldBegin\n"
 #define FLOOR                                                                                                \
-    "Shape \"trianglemesh\" \"point3 P\" [-9 -1 -9 9 -1 -9 9 -1 9 -9 -1 9] \"integer indices\" [0 2 1 0 3 2]\n"
+    "Shape \"trianglemesh\" \"point3 P\" [-9 -1 -9 9 -1 -9 9 -1 9 -9 -1 9] \"integer indices\" [0 2 1 0 3 "  \
+    "2]\n"
 #define LAMP                                                                                                 \
-    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [4 4 4] \"bool twosided\" true\n"                   \
-    "Shape \"trianglemesh\" \"point3 P\" [-1 3 2 1 3 2 1 3 4 -1 3 4] \"integer indices\" [0 1 2 0 2 3]\n"      \
+    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [4 4 4] \"bool twosided\" true\n"                  \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 3 2 1 3 2 1 3 4 -1 3 4] \"integer indices\" [0 1 2 0 2 3]\n"    \
     "AttributeEnd\n"
 #define POINT(at, i) "LightSource \"point\" \"rgb I\" [" i "] \"point3 from\" [" at "]\n"
 #define CHAIR                                                                                                \
-    "ObjectBegin \"chair\" Shape \"trianglemesh\" \"point3 P\" [-1 -1 0 1 -1 0 1 2 0 -1 2 0] "                 \
+    "ObjectBegin \"chair\" Shape \"trianglemesh\" \"point3 P\" [-1 -1 0 1 -1 0 1 2 0 -1 2 0] "               \
     "\"integer indices\" [0 1 2 0 2 3] ObjectEnd\n"
 #define PLACED(matrix) "AttributeBegin " matrix " ObjectInstance \"chair\" AttributeEnd\n"
 
@@ -60,7 +61,8 @@ static const char *found(const lc_scene *s, lc_named what, const char *pattern)
         n += (size_t)snprintf(list + n, sizeof list - n, "%s%u", n ? " " : "", at);
     return list;
 }
-#define FINDS(what, pattern, want) CHECKF(!strcmp(found(s, what, pattern), want), "%s", found(s, what, pattern))
+#define FINDS(what, pattern, want)                                                                           \
+    CHECKF(!strcmp(found(s, what, pattern), want), "%s", found(s, what, pattern))
 
 TEST(names_of_a_pbrt_scene)
 {
@@ -68,12 +70,14 @@ TEST(names_of_a_pbrt_scene)
     lc_load_desc d = usual();
     d.groups = groups;
     d.n_groups = 1;
-    lc_scene *s = scene_from_text(
-        ctx, &d,
-        CAMERA FLOOR "LightGroup \"key\"\n" POINT("0 3 0", "8 8 8") POINT("0 2 0", "0 0 0") POINT("1 3 0", "8 8 8")
-            "LightGroup \"\"\n" POINT("2 3 0", "1 1 1") "LightSource \"spot\" \"rgb I\" [1 1 1]\n" LAMP CHAIR
-                "ObjectBegin \"table\" " FLOOR "ObjectEnd\n" PLACED("Translate 0 0 2") PLACED("Translate 0 0 1")
-                    "ObjectInstance \"table\"\n");
+    lc_scene *s =
+        scene_from_text(ctx, &d,
+                        CAMERA FLOOR "LightGroup \"key\"\n" POINT("0 3 0", "8 8 8") POINT("0 2 0", "0 0 0")
+                            POINT("1 3 0", "8 8 8") "LightGroup \"\"\n" POINT(
+                                "2 3 0", "1 1 1") "LightSource \"spot\" \"rgb I\" [1 1 1]\n" LAMP CHAIR
+                                                  "ObjectBegin \"table\" " FLOOR
+                                                  "ObjectEnd\n" PLACED("Translate 0 0 2")
+                                                      PLACED("Translate 0 0 1") "ObjectInstance \"table\"\n");
     CHECKF(s, "%s", last_error);
     FINDS(LC_NAMED_LIGHT, "key", "0 1"); /* the black one has no number */
     FINDS(LC_NAMED_LIGHT, "point", "0 1 2");
@@ -96,10 +100,13 @@ TEST(what_is_moved_is_the_scene_written_so)
     const lc_load_desc d = usual();
     const float by[3] = { 1, -1, .5f }, none[3] = { 0, 0, 0 };
     const double shift[3] = { .5, 0, -1 }, turn[3] = { 0, 90, 0 }, rest[3] = { 0, 0, 0 };
-    lc_scene *s = scene_from_text(ctx, &d, CAMERA FLOOR POINT("0 3 0", "8 8 8") CHAIR PLACED("Translate 0 0 2"));
-    lc_scene *t = scene_from_text(
-        ctx, &d, CAMERA FLOOR POINT("1 2 .5", "8 8 8") CHAIR PLACED("Translate .5 0 1 Rotate 90 0 1 0"));
-    lc_scene *u = scene_from_text(ctx, &d, CAMERA FLOOR POINT("0 3 0", "8 8 8") CHAIR PLACED("Translate 0 0 2"));
+    lc_scene *s = scene_from_text(ctx, &d,
+                                  CAMERA FLOOR POINT("0 3 0", "8 8 8") CHAIR PLACED("Translate 0 0 2"));
+    lc_scene *t = scene_from_text(ctx, &d,
+                                  CAMERA FLOOR POINT("1 2 .5", "8 8 8")
+                                      CHAIR PLACED("Translate .5 0 1 Rotate 90 0 1 0"));
+    lc_scene *u = scene_from_text(ctx, &d,
+                                  CAMERA FLOOR POINT("0 3 0", "8 8 8") CHAIR PLACED("Translate 0 0 2"));
     for (int i = 0; i < 2; i++) /* moves do not add up */
         CHECK(!lc_scene_shift_light(s, 0, by) && !lc_scene_move_instance(s, 0, shift, turn) &&
               !lc_scene_update(s, NULL));
@@ -120,14 +127,17 @@ TEST(what_is_moved_is_the_scene_written_so)
 }
 
 #define BUFFER                                                                                               \
-    "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:;base64,AACAvwAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAEAAAAAA\"}],"          \
-    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"  \
+    "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:;base64,"                                                \
+    "AACAvwAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAEAAAAAA\"}],"                                                  \
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":" \
+    "5126,"                                                                                                  \
     "\"count\":3,\"type\":\"VEC3\",\"min\":[-1,0,0],\"max\":[1,2,0]}],"
 
 TEST(names_of_a_gltf_scene)
 {
     static const char text[] =
-        "{\"asset\":{\"version\":\"2.0\"}," BUFFER "\"meshes\":[{\"name\":\"Sail\",\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+        "{\"asset\":{\"version\":\"2.0\"}," BUFFER
+        "\"meshes\":[{\"name\":\"Sail\",\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
         "\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
         "{\"type\":\"point\",\"name\":\"bulb\"},{\"type\":\"spot\"}]}},"
         "\"nodes\":[{\"name\":\"Ship\",\"children\":[1,2],\"translation\":[0,0,-2]},"
@@ -188,7 +198,8 @@ TEST(names_of_calls)
     CHECK(!lc_build_names(s, many, 20) && !lc_build_light(s, &l));
     CHECK(lc_build_names(s, NULL, 1) == LC_ERR_ARG && strstr(last_error, "names is NULL"));
     CHECK(!lc_build_object(s, &object) && !lc_build_mesh(s, &q));
-    CHECK(!lc_build_instance(s, object, at) && !lc_build_names(s, boat, 1) && !lc_build_instance(s, object, at));
+    CHECK(!lc_build_instance(s, object, at) && !lc_build_names(s, boat, 1) &&
+          !lc_build_instance(s, object, at));
     CHECK(lc_scene_find(s, LC_NAMED_LIGHT, "*", &at_0) == LC_ERR_ARG); /* not committed */
     CHECKF(!lc_build_commit(s, NULL), "%s", last_error);
     FINDS(LC_NAMED_LIGHT, "lamp", "1 2");
@@ -209,8 +220,10 @@ TEST(wrong_arguments_are_named)
     const float one[3] = { 1, 1, 1 }, nan3[3] = { NAN, 0, 0 };
     const double zero[3] = { 0, 0, 0 }, bad[3] = { NAN, 0, 0 }, far[3] = { 0, 1e7, 0 };
     uint32_t at = 0;
-    lc_scene *none, *s = scene_from_text(ctx, &d, CAMERA FLOOR POINT("0 3 0", "8 8 8") "LightSource \"distant\"\n" CHAIR
-                                             PLACED("Translate 0 0 2"));
+    lc_scene *none,
+        *s = scene_from_text(ctx, &d,
+                             CAMERA FLOOR POINT("0 3 0", "8 8 8") "LightSource \"distant\"\n" CHAIR PLACED(
+                                 "Translate 0 0 2"));
     REFUSED(lc_scene_shift_light(s, 1, one), "far away");
     REFUSED(lc_scene_shift_light(s, 0, nan3), "light");
     REFUSED(lc_scene_shift_light(s, 0, NULL), "offset");
@@ -220,7 +233,8 @@ TEST(wrong_arguments_are_named)
     REFUSED(lc_scene_move_instance(s, 0, zero, NULL), "turn");
     REFUSED(lc_scene_move_instance(s, 0, bad, zero), "out of range");
     REFUSED(lc_scene_move_instance(s, 0, zero, far), "out of range");
-    CHECK(lc_scene_find(s, (lc_named)3, "*", &at) == LC_ERR_ARG && lc_scene_find(NULL, 0, "*", &at) == LC_ERR_ARG);
+    CHECK(lc_scene_find(s, (lc_named)3, "*", &at) == LC_ERR_ARG &&
+          lc_scene_find(NULL, 0, "*", &at) == LC_ERR_ARG);
     CHECK(lc_scene_find(s, LC_NAMED_LIGHT, NULL, &at) == LC_ERR_ARG);
     CHECK(lc_scene_find(s, LC_NAMED_LIGHT, "*", NULL) == LC_ERR_ARG);
     at = 5;
@@ -239,8 +253,10 @@ TEST(a_move_without_memory_leaves_the_scene_as_it_was)
     lc_context *own = watched_context(1);
     lc_status st = LC_ERR_MEMORY;
     long n = 0;
-    lc_scene *s = scene_from_text(own, &d, CAMERA FLOOR POINT("0 3 0", "8 8 8") CHAIR PLACED("Translate 0 0 2"));
-    lc_scene *t = scene_from_text(ctx, &d, CAMERA FLOOR POINT("0 3 0", "8 8 8") CHAIR PLACED("Translate .5 0 1"));
+    lc_scene *s = scene_from_text(own, &d,
+                                  CAMERA FLOOR POINT("0 3 0", "8 8 8") CHAIR PLACED("Translate 0 0 2"));
+    lc_scene *t = scene_from_text(ctx, &d,
+                                  CAMERA FLOOR POINT("0 3 0", "8 8 8") CHAIR PLACED("Translate .5 0 1"));
     for (; st && n < 10000; n += 1 + n / 16) {
         allocations_left = n;
         st = lc_scene_move_instance(s, 0, shift, rest);

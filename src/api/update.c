@@ -106,8 +106,7 @@ lc_status lc_scene_set_camera(lc_scene *s, const lc_build_camera_desc *desc)
 }
 
 /* The group of a light that is set; had: that of the light before. */
-static lc_status find_group(const lc_scene *s, const lc_build_light_desc *desc, uint32_t had,
-                            uint32_t *group)
+static lc_status find_group(const lc_scene *s, const lc_build_light_desc *desc, uint32_t had, uint32_t *group)
 {
     lc_build_light_desc d = LC_BUILD_LIGHT_DESC_INIT;
     const lc_status st = lc_desc_take(s->ctx, "lc_build_light_desc", &d, sizeof d, desc);
@@ -178,7 +177,8 @@ static lc_status keep_places(lc_scene *s)
 {
     lc_given *g = &s->given;
     if (g->n_places == s->n_instances) return LC_OK;
-    const lc_status st = lc_grow(s->ctx, (void **)&g->places, &g->cap_places, s->n_instances, sizeof *g->places);
+    const lc_status st = lc_grow(s->ctx, (void **)&g->places, &g->cap_places, s->n_instances,
+                                 sizeof *g->places);
     if (st) return st;
     for (size_t i = 0; i < s->n_instances; i++) g->places[i] = place_of(&s->instances[i]);
     for (size_t i = 0; i < s->changes.n; i++) {
@@ -199,8 +199,8 @@ static lc_status find_instance(const lc_scene *s, const char *call, uint32_t *at
 static lc_status change_instance(lc_scene *s, uint32_t at, const lc_xform *x)
 {
     lc_change c = { .kind = LC_CHANGE_INSTANCE, .at = at };
-    const lc_status st =
-        lc_as_arg(lc_scene_make_instance(s, LC_BY_CALL, s->instances[at].object, x, &c.instance));
+    const lc_status st = lc_as_arg(
+        lc_scene_make_instance(s, LC_BY_CALL, s->instances[at].object, x, &c.instance));
     return st ? st : lc_scene_change(s, &c);
 }
 

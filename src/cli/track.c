@@ -15,11 +15,12 @@
 #define MAX_FOV     179.9
 #define MIN_SINE2   1e-12 /* between the view and up */
 
-#define MAX_TURN    1e6 /* degrees */
-#define MAX_NAME    512
+#define MAX_TURN 1e6 /* degrees */
+#define MAX_NAME 512
 
-static const char wanted[] = "want frame, eye.x, look.x, up.x, fov, light.N.scale, light.N.x, light.N.dx, mesh.N.scale, "
-                             "group.NAME.scale, instance.N.dx, instance.N.rx; N: a number, N-M, * or a name";
+static const char wanted[] =
+    "want frame, eye.x, look.x, up.x, fov, light.N.scale, light.N.x, light.N.dx, mesh.N.scale, "
+    "group.NAME.scale, instance.N.dx, instance.N.rx; N: a number, N-M, * or a name";
 
 /* ---- the header ---- */
 

@@ -86,8 +86,8 @@ static lc_status set_column(job *j, const lc_scene_info *info)
     lc_status st = set_named(j, what, &n);
     if (!st && group) st = set_named(j, LC_NAMED_MESH, &n);
     if (st || n) return st;
-    fprintf(stderr, "%s:%zu:%zu: error: no %s%s matches '%s'", cli_shown(j->track->path), j->track->header, c->at,
-            kinds[what], group ? " or mesh that emits" : "", cli_shown(c->name));
+    fprintf(stderr, "%s:%zu:%zu: error: no %s%s matches '%s'", cli_shown(j->track->path), j->track->header,
+            c->at, kinds[what], group ? " or mesh that emits" : "", cli_shown(c->name));
     list_names(j->scene, what);
     if (group) list_names(j->scene, LC_NAMED_MESH);
     fprintf(stderr, "\n");

@@ -175,7 +175,8 @@ void lc_cut_add_to_groups(const lc_cut *c, const lc_cut_list *list)
     for (uint32_t i = 0; i < list->n; i++) {
         double(*const sums)[3] = i & 1 ? odd : c->of_group;
         const uint32_t link = list->link[i];
-        const uint32_t g = lc_cut_is_node(link) ? t->node_group[link] : t->group[list->rep[i] & c->light_mask];
+        const uint32_t g = lc_cut_is_node(link) ? t->node_group[link]
+                                                : t->group[list->rep[i] & c->light_mask];
         if (g < LC_MAX_GROUPS) {
             for (int k = 0; k < 3; k++) sums[g][k] += (double)list->e[k][i];
             continue;

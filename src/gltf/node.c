@@ -65,9 +65,8 @@ static lc_status use_mesh(lc_gltf *g, uint32_t node, uint32_t mesh, const lc_xfo
     lc_status st = lc_grow(g->ctx, &uses, &g->cap_uses, g->n_uses + 1, sizeof *g->uses);
     g->uses = uses;
     if (st) return st;
-    g->uses[g->n_uses++] = (lc_gltf_use_of_mesh){
-        .mesh = mesh, .node = node, .index = g->index, .to_world = *to_world
-    };
+    g->uses[g->n_uses++] =
+        (lc_gltf_use_of_mesh){ .mesh = mesh, .node = node, .index = g->index, .to_world = *to_world };
     g->n_uses_of[mesh]++;
     return LC_OK;
 }

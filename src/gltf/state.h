@@ -60,7 +60,7 @@ typedef enum lc_gltf_use { LC_GLTF_SRGB, LC_GLTF_LINEAR, LC_GLTF_ALPHA, LC_GLTF_
 /* A mesh of a node. */
 typedef struct lc_gltf_use_of_mesh {
     uint32_t mesh, node, index; /* index: of the node in the file's list */
-    bool shared; /* an instance of the scene; else its triangles are copied */
+    bool shared;                /* an instance of the scene; else its triangles are copied */
     lc_xform to_world;
 } lc_gltf_use_of_mesh;
 
@@ -93,7 +93,7 @@ typedef struct lc_gltf {
     uint32_t *n_uses_of, *object_of; /* by mesh */
     bool has_camera;
     size_t n_lights;
-    uint32_t node; /* whose mesh is being added; LC_NONE: an object's */
+    uint32_t node;           /* whose mesh is being added; LC_NONE: an object's */
     uint32_t index;          /* of the node that is visited, in the file's list */
     const uint32_t *parents; /* by node: 1 + the node above; 0: none */
 } lc_gltf;

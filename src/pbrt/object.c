@@ -149,14 +149,16 @@ lc_status lc_pbrt_object_instance(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_status st = lc_grow(p->ctx, &places, &p->cap_places, p->n_places + 1, sizeof *p->places);
     p->places = places;
     if (st) return st;
-    p->places[p->n_places++] = (lc_pbrt_place){ .object = id, .moves = moves, .pos = s->pos, .to_world = p->ctm };
+    p->places[p->n_places++] =
+        (lc_pbrt_place){ .object = id, .moves = moves, .pos = s->pos, .to_world = p->ctm };
     o->n_places++;
     return LC_OK;
 }
 
 static bool is_shared(const lc_pbrt *p, const lc_pbrt_place *place)
 {
-    return (place->moves || p->objects[place->object].n_places > 1) && lc_build_instance_fits(place->to_world.m);
+    return (place->moves || p->objects[place->object].n_places > 1) &&
+           lc_build_instance_fits(place->to_world.m);
 }
 
 static lc_status copy_place(lc_pbrt *p, const lc_pbrt_place *place)

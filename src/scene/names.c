@@ -38,8 +38,7 @@ lc_status lc_names_choose(lc_scene *s, const char *const *names, uint32_t n)
         s->names.now = NULL;
         return LC_OK;
     }
-    lc_name_set *set =
-        lc_arena_alloc(&s->arena, 1, offsetof(lc_name_set, name) + there * sizeof *set->name);
+    lc_name_set *set = lc_arena_alloc(&s->arena, 1, offsetof(lc_name_set, name) + there * sizeof *set->name);
     if (!set) return LC_ERR_MEMORY;
     set->n = there;
     for (uint32_t i = 0; k < there; i++)
@@ -57,8 +56,8 @@ lc_status lc_names_begin(lc_scene *s, lc_named what, size_t at)
         return LC_OK;
     }
     void *runs = s->names.of[what].runs;
-    const lc_status st =
-        lc_grow(s->ctx, &runs, &s->names.of[what].cap, s->names.of[what].n + 1, sizeof *last);
+    const lc_status st = lc_grow(s->ctx, &runs, &s->names.of[what].cap, s->names.of[what].n + 1,
+                                 sizeof *last);
     s->names.of[what].runs = runs;
     if (!st) s->names.of[what].runs[s->names.of[what].n++] = (lc_name_run){ (uint32_t)at, s->names.now };
     return st;

@@ -13,7 +13,7 @@
 #include "lightcuts.h"
 
 #define LC_NAMED_KINDS 3
-#define LC_MAX_NAMES 16 /* of one thing; further ones are left out */
+#define LC_MAX_NAMES   16 /* of one thing; further ones are left out */
 
 typedef struct lc_name_set {
     uint32_t n;

@@ -38,10 +38,10 @@ static void add_link(const lc_light_tree *t, sums *s, uint32_t link)
 /* Appends the shares of a cluster of several groups. */
 static lc_status append(lc_light_tree *t, const sums *s, uint32_t id)
 {
-    const lc_status st =
-        t->n_shares > UINT32_MAX - 2 * LC_MAX_GROUPS
-            ? LC_ERR_MEMORY
-            : lc_grow(t->ctx, (void **)&t->shares, &t->cap_shares, t->n_shares + LC_MAX_GROUPS, sizeof *t->shares);
+    const lc_status st = t->n_shares > UINT32_MAX - 2 * LC_MAX_GROUPS
+                             ? LC_ERR_MEMORY
+                             : lc_grow(t->ctx, (void **)&t->shares, &t->cap_shares,
+                                       t->n_shares + LC_MAX_GROUPS, sizeof *t->shares);
     if (st) return st;
     t->node_group[id] = LC_MAX_GROUPS + (uint32_t)t->n_shares;
     for (uint32_t g = 0; g < t->n_groups; g++) {

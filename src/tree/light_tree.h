@@ -47,10 +47,11 @@ struct lc_light_tree {
     uint32_t n_nodes, n_lights, n_reps;
     uint32_t n_of_kind[LC_LIGHT_KINDS];
     uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
-    uint32_t root[LC_LIGHT_KINDS];                   /* link; LC_NONE: no light of that kind */
+    uint32_t root[LC_LIGHT_KINDS];           /* link; LC_NONE: no light of that kind */
     uint32_t roots[LC_LIGHT_KINDS], n_roots; /* links with which cuts begin: of each kind that has lights */
     uint8_t *group; /* of each light; NULL: there are no groups. These are read where a cut is summed alone */
-    uint32_t *node_group; /* of each node its only group, or LC_MAX_GROUPS + where in `shares` its groups begin */
+    uint32_t
+        *node_group; /* of each node its only group, or LC_MAX_GROUPS + where in `shares` its groups begin */
     lc_group_share *shares;
     size_t n_shares, cap_shares;
     uint32_t n_groups;
@@ -65,7 +66,7 @@ typedef struct lc_light_tree_desc {
     uint64_t seed;   /* of representatives */
     uint32_t n_reps; /* 1..LC_MAX_REPS */
     lc_builder builder;
-    bool keep_order; /* the tree has `order` */
+    bool keep_order;   /* the tree has `order` */
     uint32_t n_groups; /* 0: lc_light.group does not matter */
 } lc_light_tree_desc;
 

@@ -31,7 +31,8 @@ static lc_status build_kind(lc_light_tree *t, const lc_light_tree_desc *desc, lc
     lc_status st = index_of_kind(t->ctx, desc, kind, n, &index);
     if (st) return st;
     const lc_build_input in = { desc->lights, index, n, kind, lc_is_aimed(kind) ? desc->diag2 : 0 };
-    const bool exact = desc->builder == LC_BUILDER_EXACT || (desc->builder == LC_BUILDER_AUTO && n <= AUTO_EXACT);
+    const bool exact = desc->builder == LC_BUILDER_EXACT ||
+                       (desc->builder == LC_BUILDER_AUTO && n <= AUTO_EXACT);
     lc_build_pair *pairs = lc_alloc_raw(t->ctx, n, sizeof *pairs);
     st = pairs ? LC_OK : LC_ERR_MEMORY;
     if (!st && n > 1) st = (exact ? lc_agglomerate : lc_ploc)(t->ctx, &in, pairs);

@@ -30,7 +30,7 @@ typedef struct {
     uint32_t *order; /* nodes, parents before children */
     uint32_t n_order;
     uint8_t *node_seen, *light_seen;
-    sums *sums;    /* by node */
+    sums *sums; /* by node */
 } check;
 
 static float min_f(float a, float b) { return b < a ? b : a; }
@@ -329,7 +329,8 @@ static void add_of_group(const lc_light_tree *t, uint32_t link, uint32_t group, 
     const uint32_t at = link & ~LC_LEAF, own = link & LC_LEAF ? t->group[at] : t->node_group[at];
     const float *intensity = link & LC_LEAF ? t->data.lights[at].intensity : t->data.nodes[at].intensity;
     const lc_group_share *share = own < LC_MAX_GROUPS ? NULL : &t->shares[own - LC_MAX_GROUPS];
-    while (share && (share->group & ~LC_LAST_SHARE) != group) share = share->group & LC_LAST_SHARE ? NULL : share + 1;
+    while (share && (share->group & ~LC_LAST_SHARE) != group)
+        share = share->group & LC_LAST_SHARE ? NULL : share + 1;
     for (int k = 0; k < 3 && (share || own == group); k++)
         sum[k] += (double)intensity[k] * (share ? (double)share->part[k] : 1);
 }
@@ -350,7 +351,8 @@ static const char *check_groups(const lc_light_tree *t)
             add_of_group(t, node->left, g, below);
             add_of_group(t, node->right, g, below);
             for (int k = 0; k < 3; k++)
-                if (!(fabs(sum[k] - below[k]) <= 1e-5 * (double)node->intensity[k])) return "a share is wrong";
+                if (!(fabs(sum[k] - below[k]) <= 1e-5 * (double)node->intensity[k]))
+                    return "a share is wrong";
         }
     }
     return NULL;
