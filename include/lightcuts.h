@@ -229,17 +229,23 @@ typedef struct lc_load_desc {
     const lc_views_desc *views;
     uint32_t n_groups;
     uint32_t frame; /* of files: the number in the names of pictures that are sequences; 0: 1 */
+    /* Of files: patterns, as of groups, of what lc_scene_set_instance and lc_scene_move_instance are to move:
+     * objects and nodes, or nodes above them, with such a name are instances also where copies of their
+     * triangles would be made, unless they emit. Valid during the call. At most 4096. */
+    const char *const *movable;
+    uint32_t n_movable;
 } lc_load_desc;
 #define LC_NO_LIGHTS 0xffffffffu
 #define LC_LOAD_DESC_INIT                                                                                    \
     { sizeof(lc_load_desc), 0, 0, 0, LC_BUILDER_AUTO, 0, 0, 0, 0, 0, 0, 0, 0, LC_INDIRECT_FROM_SCENE, 0, 0,  \
-      { 0, 0 }, 0, 0, 0, 0, 0, 0 }
+      { 0, 0 }, 0, 0, 0, 0, 0, 0, 0, 0 }
 
-/* A group of lights. Clusters of lights never hold lights of two groups, and with groups pictures have beside
- * R, G and B planes NAME.R, NAME.G and NAME.B of each: what its lights contribute, directly, by bounces and
- * where they are seen. All groups' planes add up to the picture but for rounding, so a picture of dimmed
- * lights is a sum with factors. The error that is asked is the picture's: planes are off by no more, measured
- * by the picture's luminance, not by their own. */
+/* A group of lights. With groups pictures have beside R, G and B planes NAME.R, NAME.G and NAME.B of each:
+ * what its lights contribute, directly, by bounces and where they are seen. R, G and B are the same as without
+ * groups, and all groups' planes add up to them but for rounding, so a picture of dimmed lights is a sum with
+ * factors. What a cluster of lights of several groups contributes is divided by their shares of its
+ * intensity. The error that is asked is the picture's: planes are off by no more, measured by the picture's
+ * luminance, not by their own. */
 typedef struct lc_light_group {
     size_t size;
     const char *name;  /* owned by the scene; number 0 is "other", which has what no group takes */
@@ -787,6 +793,9 @@ LC_API uint32_t lc_build_traits(const lc_scene *scene, uint32_t material);
  * The name of a group as of lc_build_mesh_desc. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_build_group(lc_scene *scene, const char *group, const char *const *names,
                                 uint32_t n_names);
+/* Chooses what lights, meshes and instances that later calls add are called, for lc_scene_find; names may be
+ * NULL, and those beyond 16 are left out. lc_build_group chooses its names, too. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_build_names(lc_scene *scene, const char *const *names, uint32_t n_names);
 /* A mesh of the world, or of the object that was begun last. LC_ERR_ARG also for an index >= n_vertices. */
 LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
 /* *id: the medium's number. LC_ERR_UNSUPPORTED: more than 1024. */
@@ -870,6 +879,14 @@ LC_API lc_status lc_scene_dim_light(lc_scene *scene, uint32_t light, const float
 LC_API lc_status lc_scene_move_light(lc_scene *scene, uint32_t light, const float position[3]);
 /* Moves an instance; to_world as for lc_build_instance. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_scene_set_instance(lc_scene *scene, uint32_t instance, const double to_world[16]);
+/* Moves a light that has a place by an offset, world space, from where the file, or lc_scene_set_light, put
+ * it. Of this and lc_scene_move_light the last call counts. LC_ERR_ARG as there; _MEMORY. */
+LC_API lc_status lc_scene_shift_light(lc_scene *scene, uint32_t light, const float offset[3]);
+/* Moves an instance from where the file, or lc_scene_set_instance, put it: turned about its own origin, then
+ * shifted. `turn` is degrees about x, then y, then z, axes of the world; `offset` is in world space. Moves do
+ * not add up: the last one counts. LC_ERR_ARG, _MEMORY. */
+LC_API lc_status lc_scene_move_instance(lc_scene *scene, uint32_t instance, const double offset[3],
+                                        const double turn[3]);
 /* Radiance of a mesh, R G B >= 0; 0: it does not emit. LC_ERR_ARG also for meshes of objects; _MEMORY. */
 LC_API lc_status lc_scene_set_emission(lc_scene *scene, uint32_t mesh, const float emission[3]);
 /* Dims a mesh as lc_scene_dim_light dims lights: the factor is of what the file or lc_scene_set_emission gave
@@ -878,6 +895,17 @@ LC_API lc_status lc_scene_dim_emission(lc_scene *scene, uint32_t mesh, const flo
 /* Reads, of pictures that are sequences, those of this frame, 1 or more. A scene of no sequences stays as it
  * is. LC_ERR_IO and _PARSE, with the file's name: nothing was set; LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_scene_set_frame(lc_scene *scene, uint32_t frame);
+
+/* What has names: lights, meshes that emit, instances, by the numbers above. Names are those of --group's
+ * patterns: of light, node, mesh, material, group and kind; of an instance those of its object, mesh, node and
+ * the nodes above it. */
+typedef enum lc_named { LC_NAMED_LIGHT = 0, LC_NAMED_MESH, LC_NAMED_INSTANCE } lc_named;
+/* From number *at on the first of which a name, or that of its group of lights, matches a pattern of
+ * characters, * and ?; LC_NO_THING: there is none. LC_ERR_ARG. */
+LC_API lc_status lc_scene_find(const lc_scene *scene, lc_named what, const char *pattern, uint32_t *at);
+#define LC_NO_THING 0xffffffffu
+/* Its name idx, counted from 0, owned by the scene; NULL beyond the last. */
+LC_API const char *lc_scene_get_name(const lc_scene *scene, lc_named what, uint32_t at, uint32_t idx);
 
 typedef struct lc_update_desc {
     size_t size;

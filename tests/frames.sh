@@ -113,6 +113,36 @@ printf 'frame,mesh.*.scale,mesh.2.scale,light.0-1.scale,light.1.x,light.1.y,ligh
 good 'meshes, ranges, places' room.pbrt $few --frames 1-2 --track all.csv -o n.%d.exr
 check 'the later column counts' test "$("$L" compare n.1.exr n.2.exr --fail max=0 >/dev/null 2>&1; echo $?)" -ne 0
 
+# ---- by name ----
+
+{
+    scene '0 1 -5' '8 8 8' | sed 's/^LightSource.*8 8 8.*/LightGroup "key"\n&\nLightGroup ""/'
+    echo 'ObjectBegin "chair"'
+    echo 'Shape "trianglemesh" "point3 P" [-1 0 0 1 0 0 1 2 0 -1 2 0] "integer indices" [0 1 2 0 2 3] ObjectEnd'
+    echo 'Translate 0 0 1 ObjectInstance "chair"'
+} >named.pbrt
+sed 's/\[8 8 8\] "point3 from" \[0 3 0\]/[4 4 4] "point3 from" [1 3 0]/; s/Translate 0 0 1/Translate 1 0 1 Rotate 40 0 1 0/' \
+    named.pbrt >then.pbrt
+printf 'frame,light.key.scale,light.key.dx,instance.ch*r.dx,instance.ch*r.ry\n1,1,0,0,0\n5,0,2,2,80\n' >names.csv
+printf 'frame,instance.chair.dz\n1,0\n' >rest.csv
+direct='--env-lights 50 --maxdepth 1 --area-lights 20 -q'
+# shellcheck disable=SC2086
+good 'by name' named.pbrt $direct --frames 1-5 --track names.csv -o y.%d.exr --stats
+check 'an instance that moves: triangles stay' grep -q '^built  *2 BVHs, 5 over instances, ' out
+# shellcheck disable=SC2086
+good 'the scene written so' then.pbrt $direct --frame 3 --track rest.csv -o y.exr
+check 'frame 3 is it' same y.exr y.3.exr
+# shellcheck disable=SC2086
+good 'frame 5 alone' named.pbrt $direct --frames 5 --track names.csv -o z.%d.exr
+check 'the same bytes by name' cmp y.5.exr z.5.exr
+printf 'frame,group.area.scale,group.key.scale\n1,0,0\n' >dark.csv
+printf 'frame,mesh.*.scale,light.0.scale\n1,0,0\n' >dark2.csv
+# shellcheck disable=SC2086
+good 'a group' named.pbrt $direct --frame 1 --track dark.csv -o x1.exr
+# shellcheck disable=SC2086
+good 'the same by numbers' named.pbrt $direct --frame 1 --track dark2.csv -o x2.exr
+check 'a group is its lights and meshes' same x1.exr x2.exr
+
 # ---- going on ----
 
 touch -d '2001-01-01' f.001.exr f.002.exr
@@ -257,6 +287,13 @@ table 'a long line' '^w.csv:2:5: error: more columns' 'frame,eye.x\n1,2,3\n'
 table 'frames that fall' '^w.csv:3:1: error: frames must rise' 'frame,eye.x\n2,1\n1,2\n'
 table 'a light that is not there' '^w.csv:1:7: error: light 2: the scene has 2' 'frame,light.2.scale\n1,1\n'
 table 'a mesh that is not there' '^w.csv:1:7: error: mesh 7: the scene has 3' 'frame,mesh.7.scale\n1,1\n'
+table 'a name that is not there' "^w.csv:1:7: error: no light matches 'K\*'; light names are point" 'frame,light.K*.scale\n1,1\n'
+table 'no such group' "no light or mesh that emits matches 'K'; .* names are" 'frame,group.K.scale\n1,1\n'
+table 'no such instance' "no instance matches 'K'; no instance has a name" 'frame,instance.K.dx\n1,1\n'
+table 'a far turn' 'want a number from' 'frame,instance.K.rx\n1,1e9\n'
+for column in mesh.a.x instance.a.scale instance.a.x light.a.rx light..scale light.scale group.a.x lamp.a.scale light.a.; do
+    table "a column $column" "^w.csv:1:7: error: unknown column '$column'" "frame,$column\n1,1\n"
+done
 table 'no direction' '^w.csv: error: frame 1: the camera looks nowhere' 'frame,look.x,look.y,look.z\n1,0,1,-5\n'
 table 'up along the view' 'looks nowhere' 'frame,up.x,up.y,up.z\n1,0,0,1\n'
 sed 's/perspective" "float fov" 60/orthographic"/' room.pbrt >flat2.pbrt

@@ -289,9 +289,15 @@ TEST(without_groups_nothing_changes)
            last_error);
     CHECK(lc_scene_get_group(scene, 0, &g) == LC_ERR_ARG);
     d.method = LC_METHOD_CUTS;
-    lc_image *p = render(&d);
+    d.error = 0.02f;
+    d.max_cut = 0;
+    d.dark_floor = LC_ASKED_DARK_FLOOR;
+    lc_image *p = render(&d), *with = render_floor(all, LC_METHOD_CUTS, 0.02f);
     CHECK(p && lc_image_n_channels(p) == 3 && !lc_image_get_text(p, "lightcuts/groups"));
+    for (uint32_t i = 0; i < W * H && p && with; i++) /* nor the picture with them */
+        for (int k = 0; k < 3; k++) CHECK(fabs(picture_at(p, k, i) - picture_at(with, k, i)) <= 0);
     lc_image_destroy(p);
+    lc_image_destroy(with);
 }
 
 TEST(a_tree_with_wrong_groups_is_found_out)
@@ -301,15 +307,29 @@ TEST(a_tree_with_wrong_groups_is_found_out)
     CHECK(load_room(&load, "", "", 40) == LC_OK);
     lc_light_tree *t = scene->tree;
     const uint32_t light = t->first_light[LC_LIGHT_POINT], first = t->roots[0];
-    CHECK(!lc_light_tree_validate(t));
+    uint32_t *own = &t->node_group[t->root[LC_LIGHT_POINT]];
+    CHECK(!lc_light_tree_validate(t) && *own >= LC_MAX_GROUPS && t->n_shares > 4);
     t->group[light] ^= 1;
     CHECK(lc_light_tree_validate(t));
-    t->group[light] ^= 1;
+    t->group[light] = (uint8_t)t->n_groups;
+    CHECK(lc_light_tree_validate(t));
+    CHECK(load_room(&load, "", "", 40) == LC_OK);
+    t = scene->tree;
+    own = &t->node_group[t->root[LC_LIGHT_POINT]];
+    lc_group_share *share = &t->shares[*own - LC_MAX_GROUPS];
+    const lc_group_share was = *share;
+    const uint32_t had = *own;
+    for (int k = 0; k < 3; k++) share->part[k] += 0.01f;
+    CHECK(lc_light_tree_validate(t));
+    *share = was;
+    *own = was.group & ~LC_LAST_SHARE;
+    CHECK(lc_light_tree_validate(t));
+    *own = LC_MAX_GROUPS + (uint32_t)t->n_shares;
+    CHECK(lc_light_tree_validate(t));
+    *own = had;
     t->n_roots--;
     CHECK(lc_light_tree_validate(t));
     t->n_roots++;
-    t->roots[0] = t->roots[1];
-    CHECK(lc_light_tree_validate(t));
     t->roots[0] = t->n_nodes;
     CHECK(lc_light_tree_validate(t));
     t->roots[0] = first;

@@ -14,6 +14,7 @@
 #define DEFAULT_ENV_LIGHTS 5000
 #define DEFAULT_INDIRECT_ERROR 0.01
 #define MIN_INDIRECT_ERROR 1e-4
+#define MAX_MOVABLE 4096
 #define MAX_MADE_LIGHTS (1u << 28) /* of each */
 
 /* Reads all files and says so. */
@@ -37,6 +38,7 @@ static lc_status parse(lc_scene *scene, const char *path, const lc_load_desc *d)
     if (!st && d->sensors) st = lc_scene_set_sensors(scene, d->sensors);
     scene->load.sensors = NULL; /* the host's, which may go */
     scene->load.groups = NULL;
+    scene->load.n_movable = 0;
     if (!st) lc_scene_size_film(scene, d);
     if (!st && scene->n_sequences) scene->input_id = lc_given_id(scene);
     scene->seconds_parse = lc_now() - t0;
@@ -62,6 +64,9 @@ lc_status lc_load_take(const lc_context *ctx, const lc_load_desc *desc, lc_load_
         return lc_fail(ctx, LC_ERR_ARG,
                        "representatives must be 1 to %d, area and environment lights at most %u", LC_MAX_REPS,
                        MAX_MADE_LIGHTS);
+    for (uint32_t i = 0; i < d.n_movable; i++)
+        if (d.n_movable > MAX_MOVABLE || !d.movable || !d.movable[i])
+            return lc_fail(ctx, LC_ERR_ARG, "movable: patterns are NULL or more than %d", MAX_MOVABLE);
     const uint32_t *size = d.resolution;
     if (size[0] > LC_MAX_SIDE || size[1] > LC_MAX_SIDE || (uint64_t)size[0] * size[1] > LC_MAX_PIXELS ||
         !size[0] != !size[1])

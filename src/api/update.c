@@ -8,6 +8,15 @@
 #include "scene/sequence.h"
 #include "scene/view.h"
 
+#define MAX_TURN 1e6 /* degrees */
+
+static lc_xform place_of(const lc_instance *i)
+{
+    lc_xform x = lc_xform_identity();
+    memcpy(x.m, i->to_world, sizeof i->to_world);
+    return x;
+}
+
 /* A scene that can be changed. */
 static lc_status check(const lc_scene *s, const char *call)
 {
@@ -98,8 +107,7 @@ lc_status lc_scene_set_camera(lc_scene *s, const lc_build_camera_desc *desc)
 }
 
 /* The group of a light that is set; had: that of the light before. */
-static lc_status find_group(const lc_scene *s, const lc_build_light_desc *desc, uint32_t had,
-                            uint32_t *group)
+static lc_status find_group(const lc_scene *s, const lc_build_light_desc *desc, uint32_t had, uint32_t *group)
 {
     lc_build_light_desc d = LC_BUILD_LIGHT_DESC_INIT;
     const lc_status st = lc_desc_take(s->ctx, "lc_build_light_desc", &d, sizeof d, desc);
@@ -153,19 +161,83 @@ lc_status lc_scene_move_light(lc_scene *s, uint32_t light, const float position[
     return LC_OK;
 }
 
+lc_status lc_scene_shift_light(lc_scene *s, uint32_t light, const float offset[3])
+{
+    static const char call[] = "lc_scene_shift_light";
+    float to[3];
+    lc_status st = check(s, call);
+    if (!st) st = find_own(s, call, light);
+    if (!st && !offset) st = lc_fail(s->ctx, LC_ERR_ARG, "%s: offset is NULL", call);
+    if (st) return st;
+    lc_f3_store(to, lc_f3_add(s->given.own[light].pos, lc_f3_load(offset)));
+    return lc_scene_move_light(s, light, to);
+}
+
+/* Keeps where all instances are before the first is moved, those that wait included. */
+static lc_status keep_places(lc_scene *s)
+{
+    lc_given *g = &s->given;
+    if (g->n_places == s->n_instances) return LC_OK;
+    const lc_status st = lc_grow(s->ctx, (void **)&g->places, &g->cap_places, s->n_instances,
+                                 sizeof *g->places);
+    if (st) return st;
+    for (size_t i = 0; i < s->n_instances; i++) g->places[i] = place_of(&s->instances[i]);
+    for (size_t i = 0; i < s->changes.n; i++) {
+        const lc_change *c = &s->changes.list[i];
+        if (c->kind == LC_CHANGE_INSTANCE) g->places[c->at] = place_of(&c->instance);
+    }
+    g->n_places = s->n_instances;
+    return LC_OK;
+}
+
+/* The scene's number of an instance; LC_NONE: it was empty and left out. */
+static lc_status find_instance(const lc_scene *s, const char *call, uint32_t *at)
+{
+    const lc_given *g = &s->given;
+    return find(s, call, "instance", g->instances, s->by_calls ? g->n_instances : s->n_instances, at);
+}
+
+static lc_status change_instance(lc_scene *s, uint32_t at, const lc_xform *x)
+{
+    lc_change c = { .kind = LC_CHANGE_INSTANCE, .at = at };
+    const lc_status st = lc_as_arg(
+        lc_scene_make_instance(s, LC_BY_CALL, s->instances[at].object, x, &c.instance));
+    return st ? st : lc_scene_change(s, &c);
+}
+
+lc_status lc_scene_move_instance(lc_scene *s, uint32_t instance, const double offset[3], const double turn[3])
+{
+    static const char call[] = "lc_scene_move_instance";
+    static const double axes[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+    lc_status st = check(s, call);
+    if (!st) st = find_instance(s, call, &instance);
+    if (!st && (!offset || !turn)) st = lc_fail(s->ctx, LC_ERR_ARG, "%s: offset or turn is NULL", call);
+    for (int k = 0; k < 3 && !st; k++)
+        if (!isfinite(offset[k]) || !(fabs(turn[k]) <= MAX_TURN))
+            st = lc_fail(s->ctx, LC_ERR_ARG, "%s: offset or turn is out of range", call);
+    if (st || instance == LC_NONE) return st;
+    if ((st = keep_places(s))) return st;
+    lc_xform x = s->given.places[instance];
+    const double origin[3] = { x.m[3], x.m[7], x.m[11] };
+    x.m[3] = x.m[7] = x.m[11] = 0;
+    for (int k = 0; k < 3; k++) {
+        lc_xform rotate;
+        if (fabs(turn[k]) > 0 && lc_xform_rotate(turn[k], axes[k], &rotate)) x = lc_xform_mul(&rotate, &x);
+    }
+    for (int k = 0; k < 3; k++) x.m[4 * k + 3] = origin[k] + offset[k];
+    return change_instance(s, instance, &x);
+}
+
 lc_status lc_scene_set_instance(lc_scene *s, uint32_t instance, const double to_world[16])
 {
     static const char call[] = "lc_scene_set_instance";
-    lc_change c = { .kind = LC_CHANGE_INSTANCE, .at = instance };
     lc_xform x;
     lc_status st = check(s, call);
-    if (st) return st;
-    const lc_given *g = &s->given;
-    st = find(s, call, "instance", g->instances, s->by_calls ? g->n_instances : s->n_instances, &c.at);
+    if (!st) st = find_instance(s, call, &instance);
     if (!st) st = lc_arg_to_world(s, call, to_world, &x);
-    if (st || c.at == LC_NONE) return st;
-    st = lc_as_arg(lc_scene_make_instance(s, LC_BY_CALL, s->instances[c.at].object, &x, &c.instance));
-    return st ? st : lc_scene_change(s, &c);
+    if (st || instance == LC_NONE) return st;
+    if (!(st = change_instance(s, instance, &x)) && s->given.n_places) s->given.places[instance] = x;
+    return st;
 }
 
 /* The scene's number of a mesh. */

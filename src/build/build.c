@@ -231,6 +231,7 @@ lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
         st = lc_build_emission_map(s, d.emission_texture, &m.emission_map);
     const uint32_t had = s->groups.n;
     if (!st) st = lc_build_begin_group(s, "lc_build_mesh", d.group);
+    if (!st) st = lc_names_begin(s, LC_NAMED_MESH, s->by_calls ? s->given.n_meshes : s->n_meshes);
     if (!st) st = s->by_calls ? number_mesh(s, &m) : lc_scene_add_mesh(s, s->at, &m);
     if (!st) digest_mesh(s, &d);
     return lc_build_end_group(s, had, st);
@@ -258,6 +259,7 @@ lc_status lc_build_instance(lc_scene *s, uint32_t object, const double to_world[
     if ((st = lc_arg_to_world(s, "lc_build_instance", to_world, &x))) return st;
     lc_given *g = &s->given;
     const size_t before = s->n_instances;
+    if ((st = lc_names_begin(s, LC_NAMED_INSTANCE, s->by_calls ? g->n_instances : before))) return st;
     if (s->by_calls && (st = number_of(s, &g->instances, &g->n_instances, &g->cap_instances))) return st;
     if ((st = lc_build_status(s, lc_scene_add_instance(s, s->at, object, &x)))) {
         g->n_instances -= s->by_calls;

@@ -172,16 +172,18 @@ static lc_status make_ramp(lc_scene *s, lc_light *light)
 static lc_status make_room(lc_scene *s)
 {
     lc_given *g = &s->given;
-    if (!s->by_calls) return LC_OK;
+    const lc_status st = lc_names_begin(s, LC_NAMED_LIGHT, s->by_calls ? g->n_lights : s->n_lights);
+    if (st || !s->by_calls) return st;
     return lc_grow(s->ctx, (void **)&g->lights, &g->cap_lights, g->n_lights + 1, sizeof *g->lights);
 }
 
 lc_status lc_build_keep_light(lc_scene *s, const lc_light *light)
 {
-    if (!s->by_calls) return lc_scene_put_light(s, s->at, light);
     const lc_status st = make_room(s);
-    if (!st) s->given.lights[s->given.n_lights++] = *light;
-    return st;
+    if (st) return st;
+    if (!s->by_calls) return lc_scene_put_light(s, s->at, light);
+    s->given.lights[s->given.n_lights++] = *light;
+    return LC_OK;
 }
 
 lc_status lc_build_light(lc_scene *s, const lc_build_light_desc *desc)

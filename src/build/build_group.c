@@ -1,5 +1,6 @@
 /* build_group.c - public calls: the groups of lights of what is built. */
 #include "build/build.h"
+#include "build/reader.h"
 
 #include "scene/group_names.h"
 
@@ -34,6 +35,23 @@ lc_status lc_build_group(lc_scene *s, const char *group, const char *const *name
     s->groups.chosen = 0;
     st = lc_build_begin_group(s, "lc_build_group", group);
     if (!st) st = lc_group_choose(s, s->groups.now, names, n_names);
+    if (!st) st = lc_names_choose(s, names, n_names);
     s->groups.chosen = st ? chosen : s->groups.now;
     return lc_build_end_group(s, had, st);
+}
+
+lc_status lc_build_names(lc_scene *s, const char *const *names, uint32_t n_names)
+{
+    lc_status st = lc_build_take(s, "lc_build_names", NULL, 0, NULL);
+    if (st) return st;
+    if (n_names && !names) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_names: names is NULL");
+    return lc_names_choose(s, names, n_names);
+}
+
+bool lc_build_is_movable(const lc_scene *s, const char *const *names, uint32_t n_names)
+{
+    for (uint32_t i = 0; i < s->load.n_movable; i++)
+        for (uint32_t k = 0; k < n_names; k++)
+            if (names[k] && lc_glob(s->load.movable[i], names[k])) return true;
+    return false;
 }

@@ -12,6 +12,9 @@ lc_context *lc_build_context(const lc_scene *scene);
 /* What the load was asked for, by which some notes are not needed. */
 const lc_load_desc *lc_build_asked(const lc_scene *scene);
 
+/* Whether the load was asked to keep an instance with one of these names, which may be NULL, an instance. */
+bool lc_build_is_movable(const lc_scene *scene, const char *const *names, uint32_t n_names);
+
 static inline lc_status lc_build_at_pos(lc_scene *scene, lc_pos at)
 {
     return lc_build_at(scene, at.file, at.line, at.column);

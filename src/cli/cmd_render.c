@@ -444,6 +444,8 @@ static int load(options *o, lc_context *ctx, lc_scene **scene)
     o->load.parsed_user = &p;
     o->load.frame = o->frames.frame;
     o->load.views = &o->frames.views;
+    o->load.movable = o->frames.track.movable;
+    o->load.n_movable = o->frames.track.n_movable;
     o->load.reads = o->files ? cli_watch_note : NULL;
     o->load.reads_user = o->files;
     lc_status st = lc_scene_load(ctx, o->scene, &o->load, scene);

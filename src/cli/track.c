@@ -15,24 +15,29 @@
 #define MAX_FOV     179.9
 #define MIN_SINE2   1e-12 /* between the view and up */
 
-static const char wanted[] = "want frame, eye.x, look.x, up.x, fov, light.N.scale, light.N.x, mesh.N.scale";
+#define MAX_TURN 1e6 /* degrees */
+#define MAX_NAME 512
+
+static const char wanted[] =
+    "want frame, eye.x, look.x, up.x, fov, light.N.scale, light.N.x, light.N.dx, mesh.N.scale, "
+    "group.NAME.scale, instance.N.dx, instance.N.rx; N: a number, N-M, * or a name";
 
 /* ---- the header ---- */
 
-/* N, N-M or *, up to a point. The rest of the name, or NULL. */
-static const char *parse_range(const char *text, cli_track_column *c)
+/* N, N-M or *. False: it is none of them, but a name. */
+static bool parse_range(const char *text, cli_track_column *c)
 {
     uint32_t *const ends[2] = { &c->first, &c->last };
     c->first = 0;
     c->last = UINT32_MAX;
-    if (*text == '*') return text[1] == '.' ? text + 2 : NULL;
+    if (!strcmp(text, "*")) return true;
     for (int i = 0; i < 2; i++) {
         char number[12];
         const size_t len = strspn(text, "0123456789");
-        if (!len || len >= sizeof number) return NULL;
+        if (!len || len >= sizeof number) return false;
         memcpy(number, text, len);
         number[len] = 0;
-        if (cli_parse_u32(number, 0, UINT32_MAX - 1, ends[i])) return NULL;
+        if (cli_parse_u32(number, 0, UINT32_MAX - 1, ends[i])) return false;
         text += len;
         if (!i && *text == '-') {
             text++;
@@ -41,7 +46,7 @@ static const char *parse_range(const char *text, cli_track_column *c)
         if (!i) c->last = c->first;
         break;
     }
-    return *text == '.' && c->first <= c->last ? text + 1 : NULL;
+    return !*text && c->first <= c->last;
 }
 
 static bool is_axis(const char *text, int *axis)
@@ -50,13 +55,53 @@ static bool is_axis(const char *text, int *axis)
     return *axis >= 0 && *axis < 3 && !text[1];
 }
 
-static bool parse_name(const char *name, cli_track_column *c)
+/* What is set of light, mesh, group or instance. */
+static bool parse_property(const char *thing, const char *text, cli_track_column *c)
+{
+    const bool light = !strcmp(thing, "light"), instance = !strcmp(thing, "instance");
+    const bool shift = *text == 'd' && is_axis(text + 1, &c->axis);
+    if (!strcmp(text, "scale")) {
+        c->what = light                     ? CLI_TRACK_LIGHT_SCALE
+                  : !strcmp(thing, "group") ? CLI_TRACK_GROUP_SCALE
+                                            : CLI_TRACK_MESH_SCALE;
+        c->axis = 0;
+        return !instance;
+    }
+    c->what = instance ? CLI_TRACK_INSTANCE : shift ? CLI_TRACK_LIGHT_SHIFT : CLI_TRACK_LIGHT_PLACE;
+    if (shift) return light || instance;
+    if (instance && *text == 'r' && is_axis(text + 1, &c->axis)) {
+        c->axis += 3;
+        return true;
+    }
+    return light && is_axis(text, &c->axis);
+}
+
+/* THING.WHICH.PROPERTY; names may have dots of their own. */
+static bool parse_thing(char *name, cli_track_column *c)
+{
+    static const char *const things[] = { "light", "mesh", "group", "instance" };
+    char *which = strchr(name, '.'), *property = strrchr(name, '.');
+    if (!which || which == property || which + 1 == property) return false;
+    *which++ = *property++ = 0;
+    for (size_t i = 0; i < sizeof things / sizeof *things; i++) {
+        if (strcmp(name, things[i])) continue;
+        if (!parse_property(name, property, c)) return false;
+        const bool numbers = c->what != CLI_TRACK_GROUP_SCALE && parse_range(which, c);
+        if (numbers) return c->what != CLI_TRACK_LIGHT_PLACE || c->first == c->last;
+        c->first = c->last = 0;
+        c->name = which;
+        return true;
+    }
+    return false;
+}
+
+/* c->name then is a part of `name`. */
+static bool parse_name(char *name, cli_track_column *c)
 {
     static const struct {
         const char *prefix;
         cli_track_what what;
     } of_camera[] = { { "eye.", CLI_TRACK_EYE }, { "look.", CLI_TRACK_LOOK }, { "up.", CLI_TRACK_UP } };
-    const bool light = !strncmp(name, "light.", 6);
     c->what = !strcmp(name, "fov") ? CLI_TRACK_FOV : CLI_TRACK_FRAME;
     if (c->what == CLI_TRACK_FOV || !strcmp(name, "frame")) return true;
     for (size_t i = 0; i < 3; i++) {
@@ -64,38 +109,39 @@ static bool parse_name(const char *name, cli_track_column *c)
         c->what = of_camera[i].what;
         if (!strncmp(name, of_camera[i].prefix, n)) return is_axis(name + n, &c->axis);
     }
-    if (!light && strncmp(name, "mesh.", 5)) return false;
-    const char *rest = parse_range(name + (light ? 6 : 5), c);
-    c->what = light ? CLI_TRACK_LIGHT_SCALE : CLI_TRACK_MESH_SCALE;
-    if (rest && !strcmp(rest, "scale")) return true;
-    c->what = CLI_TRACK_LIGHT_PLACE;
-    return rest && light && c->first == c->last && is_axis(rest, &c->axis);
+    return parse_thing(name, c);
 }
 
-static bool same_column(const cli_track_column *a, const cli_track_column *b)
+/* Whether two columns are about the same lights, meshes or instances. */
+static bool same_things(const cli_track_column *a, const cli_track_column *b)
 {
-    return a->what == b->what && a->axis == b->axis && a->first == b->first && a->last == b->last;
+    if (a->what != b->what || !a->name != !b->name) return false;
+    return a->name ? !strcmp(a->name, b->name) : a->first == b->first && a->last == b->last;
 }
 
-static const cli_track_column *find(const cli_track *t, cli_track_what what, int axis, uint32_t first)
+size_t cli_track_find(const cli_track *t, const cli_track_column *of, int axis)
 {
-    for (size_t i = 0; i < t->n_columns; i++) {
-        const cli_track_column *c = &t->columns[i];
-        if (c->what == what && c->axis == axis && c->first == first) return c;
-    }
-    return NULL;
+    size_t i = 0;
+    while (i < t->n_columns && (t->columns[i].axis != axis || !same_things(&t->columns[i], of))) i++;
+    return i;
+}
+
+static bool has_column(const cli_track *t, cli_track_what what)
+{
+    const cli_track_column c = { .what = what };
+    return cli_track_find(t, &c, 0) < t->n_columns;
 }
 
 /* Places and directions need all their axes, but for the eye's. */
 static int check_header(cli_csv *csv, const cli_track *t)
 {
-    if (!find(t, CLI_TRACK_FRAME, 0, 0)) return cli_csv_fail(csv, 1, "no column 'frame'");
+    if (!has_column(t, CLI_TRACK_FRAME)) return cli_csv_fail(csv, 1, "no column 'frame'");
     for (size_t i = 0; i < t->n_columns; i++) {
         const cli_track_column *c = &t->columns[i];
         if (c->what != CLI_TRACK_LOOK && c->what != CLI_TRACK_UP && c->what != CLI_TRACK_LIGHT_PLACE)
             continue;
         for (int axis = 0; axis < 3; axis++)
-            if (!find(t, c->what, axis, c->first))
+            if (cli_track_find(t, c, axis) == t->n_columns)
                 return cli_csv_fail(csv, c->at, "a place or direction needs its columns x, y and z");
     }
     return 0;
@@ -103,7 +149,7 @@ static int check_header(cli_csv *csv, const cli_track *t)
 
 static int read_header(cli_csv *csv, cli_track *t)
 {
-    char name[64];
+    char name[MAX_NAME];
     cli_cell cell;
     t->header = csv->number;
     if (!(t->columns = calloc(MAX_COLUMNS, sizeof *t->columns))) return cli_csv_no_memory(csv);
@@ -116,13 +162,22 @@ static int read_header(cli_csv *csv, cli_track *t)
         if (!parse_name(name, &c))
             return cli_csv_fail(csv, cell.column, "unknown column '%.*s': %s",
                                 (int)(fits ? cell.len : sizeof name), cell.text, wanted);
-        for (size_t i = 0; i < t->n_columns; i++)
-            if (same_column(&t->columns[i], &c))
-                return cli_csv_fail(csv, cell.column, "a column of that name is there already");
+        if (cli_track_find(t, &c, c.axis) < t->n_columns)
+            return cli_csv_fail(csv, cell.column, "a column of that name is there already");
         if (t->n_columns == MAX_COLUMNS) return cli_csv_fail(csv, cell.column, "too many columns");
+        if (c.name && !(c.name = strdup(c.name))) return cli_csv_no_memory(csv);
         t->columns[t->n_columns++] = c;
     }
     return check_header(csv, t);
+}
+
+static int list_movable(cli_csv *csv, cli_track *t)
+{
+    if (!(t->movable = calloc(t->n_columns, sizeof *t->movable))) return cli_csv_no_memory(csv);
+    for (size_t i = 0; i < t->n_columns; i++)
+        if (t->columns[i].what == CLI_TRACK_INSTANCE && t->columns[i].name)
+            t->movable[t->n_movable++] = t->columns[i].name;
+    return 0;
 }
 
 /* ---- rows ---- */
@@ -141,12 +196,15 @@ static int add_row(cli_csv *csv, cli_track *t)
     return 0;
 }
 
-static int read_cell(cli_csv *csv, cli_track_what what, const cli_cell *cell, double *out)
+static int read_cell(cli_csv *csv, const cli_track_column *c, const cli_cell *cell, double *out)
 {
-    switch (what) {
+    if (c->what == CLI_TRACK_INSTANCE && c->axis >= 3)
+        return cli_csv_number(csv, cell, -MAX_TURN, MAX_TURN, out);
+    switch (c->what) {
     case CLI_TRACK_FRAME: return cli_csv_number(csv, cell, -MAX_FRAME, MAX_FRAME, out);
     case CLI_TRACK_FOV: return cli_csv_number(csv, cell, MIN_FOV, MAX_FOV, out);
     case CLI_TRACK_LIGHT_SCALE:
+    case CLI_TRACK_GROUP_SCALE:
     case CLI_TRACK_MESH_SCALE: return cli_csv_number(csv, cell, 0, MAX_SCALE, out);
     default: return cli_csv_number(csv, cell, -MAX_COORD, MAX_COORD, out);
     }
@@ -160,7 +218,7 @@ static int read_row(cli_csv *csv, cli_track *t)
     for (const char *at = csv->line; at; column++) {
         at = cli_csv_cell(csv, at, &cell);
         if (column == t->n_columns) return cli_csv_fail(csv, cell.column, "more columns than the header has");
-        if (read_cell(csv, t->columns[column].what, &cell, &row[column])) return CLI_INPUT;
+        if (read_cell(csv, &t->columns[column], &cell, &row[column])) return CLI_INPUT;
         if (t->columns[column].what != CLI_TRACK_FRAME) continue;
         frame_at = cell.column;
         t->frames[t->n_rows] = row[column];
@@ -179,6 +237,7 @@ int cli_track_take(cli_csv *csv, cli_track *t)
     *t = (cli_track){ .path = csv->path, .own = LC_CAMERA_PLACE_INIT };
     if (!cli_csv_next(csv)) return csv->status ? csv->status : cli_csv_fail(csv, 1, "the file is empty");
     if ((status = read_header(csv, t))) return status;
+    if ((status = list_movable(csv, t))) return status;
     while (cli_csv_next(csv))
         if ((status = add_row(csv, t)) || (status = read_row(csv, t))) return status;
     return csv->status || t->n_rows ? csv->status : cli_csv_fail(csv, 1, "the table has no key frames");
@@ -196,6 +255,8 @@ int cli_track_read(const char *path, cli_track *t)
 
 void cli_track_free(cli_track *t)
 {
+    for (size_t i = 0; i < t->n_columns; i++) free(t->columns[i].name);
+    free(t->movable);
     free(t->columns);
     free(t->frames);
     free(t->values);
@@ -246,7 +307,7 @@ static bool looks(const lc_camera_place *p)
 bool cli_track_place(const cli_track *t, double frame, lc_camera_place *out)
 {
     const lc_camera_place *own = &t->own;
-    const bool has_look = find(t, CLI_TRACK_LOOK, 0, 0) != NULL;
+    const bool has_look = has_column(t, CLI_TRACK_LOOK);
     *out = *own;
     for (size_t i = 0; i < t->n_columns; i++) {
         const cli_track_column *c = &t->columns[i];
@@ -272,57 +333,4 @@ uint32_t cli_track_moments(const cli_track *t, double frames[CLI_TRACK_VIEWS])
     for (uint32_t i = 0; i < (uint32_t)n; i++)
         frames[i] = n > 1 ? floor(first + (last - first) * i / (n - 1) + 0.5) : first;
     return (uint32_t)n;
-}
-
-/* Whether the lights or meshes of a column are there; n: how many there are. */
-static bool is_there(const cli_track *t, const cli_track_column *c, uint64_t n)
-{
-    const char *what = c->what == CLI_TRACK_MESH_SCALE ? "mesh" : "light";
-    if (c->last == UINT32_MAX || c->last < n) return true;
-    fprintf(stderr, "%s:%zu:%zu: error: %s %u: the scene has %llu, numbered from 0\n", cli_shown(t->path),
-            t->header, c->at, what, c->last, (unsigned long long)n);
-    return false;
-}
-
-static lc_status set_column(const cli_track *t, size_t i, lc_scene *scene, const lc_scene_info *info,
-                            double frame)
-{
-    const cli_track_column *c = &t->columns[i];
-    const bool mesh = c->what == CLI_TRACK_MESH_SCALE;
-    const float v = (float)cli_track_value(t, i, frame), factor[3] = { v, v, v };
-    const uint64_t n = mesh ? info->n_given_meshes : info->n_given_lights;
-    lc_status st = LC_OK;
-    if (!is_there(t, c, n)) return LC_ERR_PARSE;
-    for (uint64_t k = c->first; k <= c->last && k < n && !st; k++)
-        st = mesh ? lc_scene_dim_emission(scene, (uint32_t)k, factor)
-                  : lc_scene_dim_light(scene, (uint32_t)k, factor);
-    return st;
-}
-
-static lc_status set_place(const cli_track *t, const cli_track_column *c, lc_scene *scene,
-                           const lc_scene_info *info, double frame)
-{
-    float to[3];
-    if (!is_there(t, c, info->n_given_lights)) return LC_ERR_PARSE;
-    for (int axis = 0; axis < 3; axis++)
-        to[axis] = (float)cli_track_value(t, (size_t)(find(t, c->what, axis, c->first) - t->columns), frame);
-    return lc_scene_move_light(scene, c->first, to);
-}
-
-int cli_track_set(const cli_track *t, lc_scene *scene, double frame)
-{
-    lc_scene_info info = LC_SCENE_INFO_INIT;
-    lc_camera_place place;
-    lc_status st = lc_scene_get_info(scene, &info);
-    if (!st && cli_track_has_camera(t))
-        st = cli_track_place(t, frame, &place) ? lc_scene_move_camera(scene, &place) : LC_ERR_PARSE;
-    for (size_t i = 0; i < t->n_columns && !st; i++) {
-        const cli_track_column *c = &t->columns[i];
-        if (c->what == CLI_TRACK_LIGHT_SCALE || c->what == CLI_TRACK_MESH_SCALE)
-            st = set_column(t, i, scene, &info, frame);
-        else if (c->what == CLI_TRACK_LIGHT_PLACE && !c->axis) st = set_place(t, c, scene, &info, frame);
-    }
-    if (st == LC_ERR_MEMORY) return CLI_FAILED;
-    if (st == LC_ERR_ARG) fprintf(stderr, "%s: error: frame %g\n", cli_shown(t->path), frame);
-    return st ? CLI_INPUT : 0;
 }

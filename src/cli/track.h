@@ -8,9 +8,14 @@
  *     look.x look.y look.z  what it looks at, all three; without them the direction stays the scene's
  *     up.x up.y up.z        all three
  *     fov                   degrees
- *     light.N.scale         a factor on light N of the scene, from 0; N-M: several; *: all
+ *     light.N.scale         a factor on light N of the scene, from 0; N-M: several; *: all; or a name: all
+ *                           lights of which a name, or that of their group, matches this pattern
  *     light.N.x  .y  .z     its place, all three
- *     mesh.N.scale          a factor on the emission of mesh N; N-M; *
+ *     light.N.dx .dy .dz    or how far it is from its place in the scene
+ *     mesh.N.scale          a factor on the emission of mesh N; N-M; *; a name
+ *     group.NAME.scale      lights and meshes
+ *     instance.N.dx .dy .dz how far an instance is from its place in the scene; N-M; *; a name
+ *     instance.N.rx .ry .rz degrees about its own origin and the axes of the world, x first
  *
  * Of two columns for one light the later one counts.
  */
@@ -29,13 +34,17 @@ typedef enum cli_track_what {
     CLI_TRACK_FOV,
     CLI_TRACK_LIGHT_SCALE,
     CLI_TRACK_LIGHT_PLACE,
-    CLI_TRACK_MESH_SCALE
+    CLI_TRACK_LIGHT_SHIFT,
+    CLI_TRACK_MESH_SCALE,
+    CLI_TRACK_GROUP_SCALE,
+    CLI_TRACK_INSTANCE
 } cli_track_what;
 
 typedef struct cli_track_column {
     cli_track_what what;
-    int axis;
-    uint32_t first, last; /* lights or meshes; last UINT32_MAX: all */
+    int axis;             /* of CLI_TRACK_INSTANCE 3 to 5: about x, y, z */
+    uint32_t first, last; /* lights, meshes, instances; last UINT32_MAX: all */
+    char *name;           /* or a pattern of their names; NULL: numbers */
     size_t at;            /* of the header line, from 1 */
 } cli_track_column;
 
@@ -45,6 +54,8 @@ typedef struct cli_track {
     cli_track_column *columns;
     double *frames, *values; /* n_rows, rising; n_rows * n_columns */
     lc_camera_place own;     /* the scene's camera, once there is one */
+    const char **movable;    /* n_movable: patterns of instances, owned by the columns */
+    uint32_t n_movable;
 } cli_track;
 
 /* 0, or the exit status after an error with the file's line and column. Free it in either case. */
@@ -53,6 +64,9 @@ int cli_track_read(const char *path, cli_track *out);
 int cli_track_take(cli_csv *csv, cli_track *out);
 void cli_track_free(cli_track *t);
 
+/* The number of the column that has the same of the same things for another axis; t->n_columns: there is none.
+ */
+size_t cli_track_find(const cli_track *t, const cli_track_column *of, int axis);
 double cli_track_value(const cli_track *t, size_t column, double frame);
 bool cli_track_has_camera(const cli_track *t);
 /* The camera of a frame. False, after an error, if it looks nowhere. */

@@ -165,18 +165,29 @@ void lc_cut_leaves_done(lc_cut *c)
     c->leaf.n = 0;
 }
 
-/* Two partial sums of each group, as additions to one would wait for each other. */
+/* Two partial sums of each group, as additions to one would wait for each other. A cluster of several groups
+ * gives each its share of the intensity. */
 void lc_cut_add_to_groups(const lc_cut *c, const lc_cut_list *list)
 {
-    const uint32_t n_groups = c->tree->n_groups;
+    const lc_light_tree *t = c->tree;
     double odd[LC_MAX_GROUPS][3];
-    memset(odd, 0, n_groups * sizeof *odd);
+    memset(odd, 0, t->n_groups * sizeof *odd);
     for (uint32_t i = 0; i < list->n; i++) {
-        const uint32_t g = c->tree->group[list->rep[i] & c->light_mask];
-        double *sum = i & 1 ? odd[g] : c->of_group[g];
-        for (int k = 0; k < 3; k++) sum[k] += (double)list->e[k][i];
+        double(*const sums)[3] = i & 1 ? odd : c->of_group;
+        const uint32_t link = list->link[i];
+        const uint32_t g = lc_cut_is_node(link) ? t->node_group[link]
+                                                : t->group[list->rep[i] & c->light_mask];
+        if (g < LC_MAX_GROUPS) {
+            for (int k = 0; k < 3; k++) sums[g][k] += (double)list->e[k][i];
+            continue;
+        }
+        const lc_group_share *share = &t->shares[g - LC_MAX_GROUPS];
+        do
+            for (int k = 0; k < 3; k++)
+                sums[share->group & ~LC_LAST_SHARE][k] += (double)list->e[k][i] * (double)share->part[k];
+        while (!(share++->group & LC_LAST_SHARE));
     }
-    for (uint32_t g = 0; g < n_groups; g++)
+    for (uint32_t g = 0; g < t->n_groups; g++)
         for (int k = 0; k < 3; k++) c->of_group[g][k] += odd[g][k];
 }
 

@@ -53,6 +53,13 @@ static lc_status get_direction(lc_gltf *g, uint32_t node, const lc_xform *x, dou
     return most > 0 ? LC_OK : lc_gltf_fail(g, node, "the light's direction is zero");
 }
 
+/* For what looks for lights by name, the nodes above count, too. */
+static lc_status name_light(lc_gltf *g, const char *const own[3])
+{
+    const char *names[LC_GLTF_NAMES] = { own[0], own[2] };
+    return lc_build_names(g->scene, names, lc_gltf_names_above(g, g->index, names, 2));
+}
+
 lc_status lc_gltf_light(lc_gltf *g, uint32_t node, uint32_t extension, const lc_xform *to_world)
 {
     const double zero[3] = { 0, 0, 0 };
@@ -79,6 +86,7 @@ lc_status lc_gltf_light(lc_gltf *g, uint32_t node, uint32_t extension, const lc_
     const char *const names[3] = { lc_gltf_name(g, object), lc_gltf_name(g, node), type };
     if (!st) st = lc_gltf_at(g, object);
     if (!st) st = lc_build_group(g->scene, NULL, names, 3);
+    if (!st) st = name_light(g, names);
     if (!st) st = lc_build_light(g->scene, &light);
     g->n_lights++;
     return st ? st : lc_build_feature(g->scene, "light", type, LC_SUPPORT_YES, NULL);

@@ -65,7 +65,8 @@ static lc_status use_mesh(lc_gltf *g, uint32_t node, uint32_t mesh, const lc_xfo
     lc_status st = lc_grow(g->ctx, &uses, &g->cap_uses, g->n_uses + 1, sizeof *g->uses);
     g->uses = uses;
     if (st) return st;
-    g->uses[g->n_uses++] = (lc_gltf_use_of_mesh){ .mesh = mesh, .node = node, .to_world = *to_world };
+    g->uses[g->n_uses++] =
+        (lc_gltf_use_of_mesh){ .mesh = mesh, .node = node, .index = g->index, .to_world = *to_world };
     g->n_uses_of[mesh]++;
     return LC_OK;
 }
@@ -240,6 +241,7 @@ static lc_status walk_all(lc_gltf *g, walk *w)
         uint32_t object = lc_gltf_item(g, LC_GLTF_NODES, s.node), list;
         /* Without cycles and second parents only a root that is named twice is visited twice. */
         if (++w->n_visited > w->n_nodes) return lc_gltf_fail(g, object, "the scene names a node twice");
+        g->index = s.node;
         st = visit(g, object, &s.to_world);
         if (!st) st = lc_gltf_member(g, object, "children", LC_JSON_ARRAY, &list);
         if (!st && list != LC_NONE) st = push_all(g, w, list, &s.to_world);
@@ -250,7 +252,7 @@ static lc_status walk_all(lc_gltf *g, walk *w)
 lc_status lc_gltf_walk(lc_gltf *g)
 {
     walk w = { .n_nodes = g->lists[LC_GLTF_NODES].n };
-    w.parent = lc_arena_alloc(&g->arena, w.n_nodes, sizeof *w.parent);
+    g->parents = w.parent = lc_arena_alloc(&g->arena, w.n_nodes, sizeof *w.parent);
     lc_status st = w.parent ? walk_all(g, &w) : LC_ERR_MEMORY;
     lc_free(g->ctx, w.stack, w.cap, sizeof *w.stack);
     if (!st && !g->n_lights && g->lists[LC_GLTF_LIGHTS].n)
@@ -258,7 +260,31 @@ lc_status lc_gltf_walk(lc_gltf *g)
     return st;
 }
 
+uint32_t lc_gltf_names_above(const lc_gltf *g, uint32_t node, const char *names[LC_GLTF_NAMES], uint32_t n)
+{
+    for (uint32_t at = node + 1; at && n < LC_GLTF_NAMES; at = g->parents[at - 1])
+        names[n++] = lc_gltf_name(g, lc_gltf_item(g, LC_GLTF_NODES, at - 1));
+    return n;
+}
+
 /* ---- placing ---- */
+
+/* The names of a mesh and of the nodes that place it. */
+static uint32_t names_of(const lc_gltf *g, const lc_gltf_use_of_mesh *u, const char *names[LC_GLTF_NAMES])
+{
+    names[0] = lc_gltf_name(g, lc_gltf_item(g, LC_GLTF_MESHES, u->mesh));
+    return lc_gltf_names_above(g, u->index, names, 1);
+}
+
+/* Whether a use of a mesh is an instance, not a copy. */
+static bool is_shared(const lc_gltf *g, const lc_gltf_use_of_mesh *u, uint64_t n_tris, bool emits)
+{
+    const char *names[LC_GLTF_NAMES];
+    if (emits || !lc_build_instance_fits(u->to_world.m)) return false;
+    if (g->n_uses_of[u->mesh] > 1 && n_tris > SMALL_TRIS) return true;
+    return lc_build_asked(g->scene)->n_movable && n_tris &&
+           lc_build_is_movable(g->scene, names, names_of(g, u, names));
+}
 
 static lc_status place_copy(lc_gltf *g, const lc_gltf_use_of_mesh *u, uint64_t n_tris, bool first)
 {
@@ -282,6 +308,8 @@ static lc_status place_instance(lc_gltf *g, const lc_gltf_use_of_mesh *u)
         if (!st) g->object_of[u->mesh] = id + 1;
         if (!st) st = lc_gltf_add_mesh(g, u->mesh, NULL);
     }
+    const char *names[LC_GLTF_NAMES];
+    if (!st) st = lc_build_names(g->scene, names, names_of(g, u, names));
     if (!st) st = lc_gltf_at(g, u->node);
     return st ? st : lc_build_instance(g->scene, g->object_of[u->mesh] - 1, u->to_world.m);
 }
@@ -300,8 +328,7 @@ lc_status lc_gltf_place_meshes(lc_gltf *g)
         lc_gltf_use_of_mesh *u = &g->uses[i];
         if (!weighed[u->mesh]) st = lc_gltf_weigh_mesh(g, u->mesh, &n_tris[u->mesh], &emits[u->mesh]);
         weighed[u->mesh] = true;
-        u->shared = g->n_uses_of[u->mesh] > 1 && n_tris[u->mesh] > SMALL_TRIS && !emits[u->mesh] &&
-                    lc_build_instance_fits(u->to_world.m);
+        u->shared = !st && is_shared(g, u, n_tris[u->mesh], emits[u->mesh]);
         if (!st && !u->shared) st = place_copy(g, u, n_tris[u->mesh], !copied[u->mesh]);
         copied[u->mesh] = true;
     }

@@ -59,8 +59,8 @@ typedef enum lc_gltf_use { LC_GLTF_SRGB, LC_GLTF_LINEAR, LC_GLTF_ALPHA, LC_GLTF_
 
 /* A mesh of a node. */
 typedef struct lc_gltf_use_of_mesh {
-    uint32_t mesh, node;
-    bool shared; /* an instance of the scene; else its triangles are copied */
+    uint32_t mesh, node, index; /* index: of the node in the file's list */
+    bool shared;                /* an instance of the scene; else its triangles are copied */
     lc_xform to_world;
 } lc_gltf_use_of_mesh;
 
@@ -93,7 +93,9 @@ typedef struct lc_gltf {
     uint32_t *n_uses_of, *object_of; /* by mesh */
     bool has_camera;
     size_t n_lights;
-    uint32_t node; /* whose mesh is being added; LC_NONE: an object's */
+    uint32_t node;           /* whose mesh is being added; LC_NONE: an object's */
+    uint32_t index;          /* of the node that is visited, in the file's list */
+    const uint32_t *parents; /* by node: 1 + the node above; 0: none */
 } lc_gltf;
 
 /* ---- value.c: members of JSON objects, checked ---- */
@@ -174,6 +176,9 @@ lc_status lc_gltf_add_mesh(lc_gltf *g, uint32_t mesh, const lc_xform *to_world);
 /* Triangles of a mesh, by its accessors' counts, and whether some of them emit. */
 lc_status lc_gltf_weigh_mesh(lc_gltf *g, uint32_t mesh, uint64_t *n_tris, bool *emits);
 lc_status lc_gltf_walk(lc_gltf *g);
+#define LC_GLTF_NAMES 16
+/* Fills in the names of a node and those above it, from names[n] on, and returns how many names there are. */
+uint32_t lc_gltf_names_above(const lc_gltf *g, uint32_t node, const char *names[LC_GLTF_NAMES], uint32_t n);
 lc_status lc_gltf_place_meshes(lc_gltf *g);
 lc_status lc_gltf_light(lc_gltf *g, uint32_t node, uint32_t extension, const lc_xform *to_world);
 lc_status lc_gltf_camera(lc_gltf *g, uint32_t camera, const lc_xform *to_world);

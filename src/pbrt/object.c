@@ -5,7 +5,7 @@
  *
  * Instances of small objects are copied to the world at once. The others are handled at the end of the file:
  * an object's only instance, and instances whose matrix does not satisfy lc_build_instance_fits, are copied,
- * too; all others share the object's triangles.
+ * too; all others share the object's triangles, as do those that are to be movable.
  */
 #include "pbrt/shape_handler.h"
 
@@ -25,8 +25,9 @@ lc_status lc_pbrt_object_begin(lc_pbrt *p, const lc_pbrt_stmt *s)
     p->objects = objects;
     if (!st) st = lc_pbrt_open_scope(p, s->pos, LC_PBRT_IN_OBJECT);
     if (!st) st = lc_pbrt_map_put(&p->object_names, &p->arena, s->text[0], (uint32_t)p->n_objects);
-    if (st) return st;
-    p->objects[p->n_objects++] = (lc_pbrt_object){ .first = p->n_object_meshes, .id = LC_NONE };
+    const char *name = st ? NULL : lc_arena_text(&p->arena, s->text[0], strlen(s->text[0]));
+    if (!name) return st ? st : LC_ERR_MEMORY;
+    p->objects[p->n_objects++] = (lc_pbrt_object){ .name = name, .first = p->n_object_meshes, .id = LC_NONE };
     p->in_object = true;
     return LC_OK;
 }
@@ -139,7 +140,8 @@ lc_status lc_pbrt_object_instance(lc_pbrt *p, const lc_pbrt_stmt *s)
                                  "no such object; nothing is placed");
     lc_pbrt_object *o = &p->objects[id];
     if (!o->n_tris) return LC_OK;
-    if (o->n_tris <= SMALL_TRIS && o->n_tris <= MAX_SMALL_TRIS - p->n_copied_tris) {
+    const bool moves = lc_build_is_movable(p->scene, &s->text[0], 1);
+    if (!moves && o->n_tris <= SMALL_TRIS && o->n_tris <= MAX_SMALL_TRIS - p->n_copied_tris) {
         p->n_copied_tris += o->n_tris;
         return copy_object(p, s->pos, o, &p->ctm);
     }
@@ -147,14 +149,16 @@ lc_status lc_pbrt_object_instance(lc_pbrt *p, const lc_pbrt_stmt *s)
     lc_status st = lc_grow(p->ctx, &places, &p->cap_places, p->n_places + 1, sizeof *p->places);
     p->places = places;
     if (st) return st;
-    p->places[p->n_places++] = (lc_pbrt_place){ .object = id, .pos = s->pos, .to_world = p->ctm };
+    p->places[p->n_places++] =
+        (lc_pbrt_place){ .object = id, .moves = moves, .pos = s->pos, .to_world = p->ctm };
     o->n_places++;
     return LC_OK;
 }
 
 static bool is_shared(const lc_pbrt *p, const lc_pbrt_place *place)
 {
-    return p->objects[place->object].n_places > 1 && lc_build_instance_fits(place->to_world.m);
+    return (place->moves || p->objects[place->object].n_places > 1) &&
+           lc_build_instance_fits(place->to_world.m);
 }
 
 static lc_status copy_place(lc_pbrt *p, const lc_pbrt_place *place)
@@ -192,6 +196,7 @@ lc_status lc_pbrt_place_objects(lc_pbrt *p)
         if (!place->shared) continue;
         if (o->id == LC_NONE) st = add_object(p, place->pos, o);
         if (!st) st = lc_pbrt_at(p, place->pos);
+        if (!st) st = lc_build_names(p->scene, &o->name, 1);
         if (!st) st = lc_build_instance(p->scene, o->id, place->to_world.m);
     }
     return st;

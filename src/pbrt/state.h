@@ -48,6 +48,7 @@ typedef struct lc_pbrt_material {
 } lc_pbrt_material;
 
 typedef struct lc_pbrt_object {
+    const char *name;
     size_t first, n; /* its meshes in object_meshes */
     uint64_t n_tris;
     size_t n_places;
@@ -58,6 +59,7 @@ typedef struct lc_pbrt_object {
 typedef struct lc_pbrt_place {
     uint32_t object;
     bool shared; /* an instance of the scene; else the triangles are copied */
+    bool moves;  /* it is to be an instance, though it is the only one or small */
     lc_pos pos;
     lc_xform to_world;
 } lc_pbrt_place;

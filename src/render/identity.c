@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* A field was added? Hash it below if it shapes the picture, then put the new size here. */
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 152,
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 168,
                "lc_render_identity: hash the new field of lc_load_desc");
 _Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 144,
                "lc_render_identity: hash the new field of lc_render_desc");
@@ -32,6 +32,11 @@ static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *sce
         lc_digest_mark(d);
         lc_digest_add(d, name, strlen(name) + 1);
         lc_digest_add(d, p->text, strlen(p->text) + 1);
+    }
+    for (uint32_t i = 0; i < load->n_movable;
+         i++) { /* instances in place of copies are rounded differently */
+        lc_digest_mark(d);
+        lc_digest_add(d, load->movable[i], strlen(load->movable[i]) + 1);
     }
     for (uint32_t i = 0; i < scene->n_views; i++) {
         lc_digest_add(d, scene->view_descs[i].world_to_camera, sizeof scene->view_descs[i].world_to_camera);

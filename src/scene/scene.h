@@ -23,6 +23,7 @@
 #include "scene/camera.h"
 #include "scene/env_map.h"
 #include "scene/groups.h"
+#include "scene/names.h"
 #include "scene/lamps.h"
 #include "scene/light_places.h"
 #include "scene/media_data.h"
@@ -84,6 +85,7 @@ struct lc_scene {
     lc_given given;
     lc_changes changes;
     lc_groups groups;
+    lc_names names;
 
     lc_scene_note *notes;
     lc_feature *features; /* their text is in the arena */

@@ -50,6 +50,8 @@ void lc_scene_destroy(lc_scene *s)
     lc_free(ctx, s->at_file, s->cap_at_file, 1);
     lc_free(ctx, s->given.meshes, s->given.cap_meshes, sizeof *s->given.meshes);
     lc_free(ctx, s->given.instances, s->given.cap_instances, sizeof *s->given.instances);
+    lc_free(ctx, s->given.places, s->given.cap_places, sizeof *s->given.places);
+    lc_names_free(s);
     lc_free(ctx, s->changes.list, s->changes.cap, sizeof *s->changes.list);
     lc_free(ctx, s->notes, s->cap_notes, sizeof *s->notes);
     lc_free(ctx, s->features, s->cap_features, sizeof *s->features);

@@ -81,6 +81,8 @@ typedef struct lc_given {
     lc_fixture *fixtures;
     uint32_t (*emission_maps)[2]; /* a texture and the emission map that was made of it */
     lc_given_picture *pictures;
+    lc_xform *places; /* of the scene's instances before they are moved; none until the first is */
+    size_t n_places, cap_places;
     bool placed; /* the object begun last has an instance */
     size_t n_meshes, cap_meshes, n_instances, cap_instances, n_fixtures, cap_fixtures, n_emission_maps,
         cap_emission_maps, n_pictures, cap_pictures;

@@ -10,12 +10,10 @@
  *     rep         representatives: slot s of a cluster is slot s of one child, chosen with probability
  *                 I_child / I_cluster from a hash of the cluster, so P(light) = I_light / I_cluster at every
  *                 cluster. A light represents itself
- *     groups      with groups of lights a kind has a tree for each, whose roots a chain of nodes joins to the
- *                 kind's root. Cuts begin below the chain, so that no cluster of theirs holds lights of two
- *                 groups
+ *     groups      of lights: clusters hold lights of several, each with its share of the intensity
  *
  * Memory: 96 bytes a light; 32 more with attenuation other than 1/d^2; 32 more for a spot; 4 more for each
- * slot where there are several; one more with groups.
+ * slot where there are several; with groups five more, and 16 for each group of a cluster of several.
  */
 #ifndef LC_LIGHT_TREE_H
 #define LC_LIGHT_TREE_H
@@ -26,6 +24,14 @@
 #include "shade/tree_data.h"
 
 #define LC_MAX_REPS 32
+
+#define LC_LAST_SHARE 0x80000000u
+
+/* A group of a cluster of several, which are in a row by rising number. */
+typedef struct lc_group_share {
+    uint32_t group; /* with LC_LAST_SHARE: the cluster's last */
+    float part[3];  /* of the cluster's intensity, R G B; those of all groups add up to 1 */
+} lc_group_share;
 
 typedef struct lc_light_tree lc_light_tree;
 struct lc_light_tree {
@@ -41,9 +47,13 @@ struct lc_light_tree {
     uint32_t n_nodes, n_lights, n_reps;
     uint32_t n_of_kind[LC_LIGHT_KINDS];
     uint32_t first_node[LC_LIGHT_KINDS + 1], first_light[LC_LIGHT_KINDS + 1]; /* of each kind */
-    uint32_t root[LC_LIGHT_KINDS];                   /* link; LC_NONE: no light of that kind */
-    uint32_t *roots, n_roots; /* links with which cuts begin, of each kind and group, kinds in rising order */
-    uint8_t *group;           /* of each light; NULL: there are no groups. Read where a cut is summed alone */
+    uint32_t root[LC_LIGHT_KINDS];           /* link; LC_NONE: no light of that kind */
+    uint32_t roots[LC_LIGHT_KINDS], n_roots; /* links with which cuts begin: of each kind that has lights */
+    uint8_t *group; /* of each light; NULL: there are no groups. These are read where a cut is summed alone */
+    uint32_t
+        *node_group; /* of each node its only group, or LC_MAX_GROUPS + where in `shares` its groups begin */
+    lc_group_share *shares;
+    size_t n_shares, cap_shares;
     uint32_t n_groups;
 };
 
@@ -56,7 +66,7 @@ typedef struct lc_light_tree_desc {
     uint64_t seed;   /* of representatives */
     uint32_t n_reps; /* 1..LC_MAX_REPS */
     lc_builder builder;
-    bool keep_order; /* the tree has `order` */
+    bool keep_order;   /* the tree has `order` */
     uint32_t n_groups; /* 0: lc_light.group does not matter */
 } lc_light_tree_desc;
 

@@ -11,102 +11,35 @@
  * tests/results/light-trees.md. */
 #define AUTO_EXACT 10000
 
-/* The trees of one kind of light: lights first[g] .. first[g + 1] - 1 of those of the kind are of group g. */
-typedef struct {
-    lc_build_input in;
-    uint32_t *index, n_groups, first[LC_MAX_GROUPS + 1];
-} kind_trees;
-
-/* Scene indices of the lights of one kind, group by group; index is NULL where that is all lights as they
- * are. */
-static lc_status index_of_kind(const lc_context *ctx, const lc_light_tree_desc *desc, uint32_t n,
-                               kind_trees *k)
+/* Scene indices of the lights of one kind; NULL where that is all lights as they are. */
+static lc_status index_of_kind(const lc_context *ctx, const lc_light_tree_desc *desc, lc_light_kind kind,
+                               uint32_t n, uint32_t **index)
 {
-    const lc_light_kind kind = k->in.kind;
-    uint32_t at[LC_MAX_GROUPS] = { 0 };
-    k->n_groups = desc->n_groups ? desc->n_groups : 1;
-    k->first[0] = 0;
-    k->first[1] = n;
-    if (n == desc->n_lights && k->n_groups == 1) return LC_OK;
-    k->index = lc_alloc_raw(ctx, n, sizeof *k->index);
-    if (!k->index) return LC_ERR_MEMORY;
-    for (size_t i = 0; i < desc->n_lights && desc->n_groups; i++)
-        if (desc->lights[i].kind == kind) at[desc->lights[i].group]++;
-    for (uint32_t g = 0; g < desc->n_groups; g++) {
-        k->first[g + 1] = k->first[g] + at[g];
-        at[g] = k->first[g];
-    }
+    uint32_t at = 0;
+    *index = NULL;
+    if (n == desc->n_lights) return LC_OK;
+    if (!(*index = lc_alloc_raw(ctx, n, sizeof **index))) return LC_ERR_MEMORY;
     for (size_t i = 0; i < desc->n_lights; i++)
-        if (desc->lights[i].kind == kind)
-            k->index[at[desc->n_groups ? desc->lights[i].group : 0]++] = (uint32_t)i;
-    k->in.index = k->index;
+        if (desc->lights[i].kind == kind) (*index)[at++] = (uint32_t)i;
     return LC_OK;
-}
-
-/* Joins the lights of each group, then their trees to one: a chain, of which *second says for each group but
- * the first whether it is the second child. */
-static lc_status join_kind(const lc_light_tree *t, const kind_trees *k, bool exact, lc_build_pair *pairs,
-                           bool second[LC_MAX_GROUPS])
-{
-    const uint32_t n = k->in.n;
-    uint32_t made = 0, root[LC_MAX_GROUPS], chain = LC_NONE;
-    lc_status st = LC_OK;
-    for (uint32_t g = 0; g < k->n_groups && !st; g++) {
-        const uint32_t from = k->first[g], m = k->first[g + 1] - from;
-        lc_build_input in = k->in;
-        lc_build_pair *own = pairs + made;
-        in.n = m;
-        if (in.index) in.index += from;
-        if (m > 1) st = (exact ? lc_agglomerate : lc_ploc)(t->ctx, &in, own);
-        for (uint32_t i = 0; i + 1 < m && k->n_groups > 1; i++)
-            for (int c = 0; c < 2; c++) own[i].child[c] += own[i].child[c] < m ? from : n + made - m;
-        made += m > 1 ? m - 1 : 0;
-        root[g] = m > 1 ? n + made - 1 : from;
-    }
-    for (uint32_t g = 0; g < k->n_groups && !st; g++) {
-        if (k->first[g] == k->first[g + 1]) continue;
-        if (chain == LC_NONE) {
-            chain = root[g];
-            continue;
-        }
-        second[g] = root[g] > chain;
-        pairs[made] = (lc_build_pair){ { second[g] ? chain : root[g], second[g] ? root[g] : chain } };
-        chain = n + made++;
-    }
-    return st;
-}
-
-/* Finds the roots of the groups along the chain. */
-static void add_roots(lc_light_tree *t, const kind_trees *k, const bool second[LC_MAX_GROUPS])
-{
-    uint32_t link = t->root[k->in.kind], root[LC_MAX_GROUPS], left = k->in.n;
-    for (uint32_t g = k->n_groups; g-- > 0 && left;) {
-        const uint32_t m = k->first[g + 1] - k->first[g];
-        root[g] = link;
-        left -= m;
-        if (!m || !left) continue;
-        const lc_node *node = &t->data.nodes[link];
-        root[g] = second[g] ? node->right : node->left;
-        link = second[g] ? node->left : node->right;
-    }
-    for (uint32_t g = 0; g < k->n_groups; g++)
-        if (k->first[g + 1] > k->first[g]) t->roots[t->n_roots++] = root[g];
 }
 
 static lc_status build_kind(lc_light_tree *t, const lc_light_tree_desc *desc, lc_light_kind kind)
 {
     const uint32_t n = t->n_of_kind[kind];
-    kind_trees k = { .in = { desc->lights, NULL, n, kind, lc_is_aimed(kind) ? desc->diag2 : 0 } };
-    bool second[LC_MAX_GROUPS] = { false };
-    lc_status st = index_of_kind(t->ctx, desc, n, &k);
+    uint32_t *index;
+    lc_status st = index_of_kind(t->ctx, desc, kind, n, &index);
     if (st) return st;
-    bool exact = desc->builder == LC_BUILDER_EXACT || (desc->builder == LC_BUILDER_AUTO && n <= AUTO_EXACT);
+    const lc_build_input in = { desc->lights, index, n, kind, lc_is_aimed(kind) ? desc->diag2 : 0 };
+    const bool exact = desc->builder == LC_BUILDER_EXACT ||
+                       (desc->builder == LC_BUILDER_AUTO && n <= AUTO_EXACT);
     lc_build_pair *pairs = lc_alloc_raw(t->ctx, n, sizeof *pairs);
-    st = pairs ? join_kind(t, &k, exact, pairs, second) : LC_ERR_MEMORY;
-    if (!st) st = lc_tree_fill(t, &k.in, pairs, desc->seed);
-    if (!st) add_roots(t, &k, second);
+    st = pairs ? LC_OK : LC_ERR_MEMORY;
+    if (!st && n > 1) st = (exact ? lc_agglomerate : lc_ploc)(t->ctx, &in, pairs);
+    if (!st) st = lc_tree_fill(t, &in, pairs, desc->seed);
+    if (!st) t->roots[t->n_roots++] = t->root[kind];
     lc_free(t->ctx, pairs, n, sizeof *pairs);
-    if (k.index) lc_free(t->ctx, k.index, n, sizeof *k.index);
+    if (index) lc_free(t->ctx, index, n, sizeof *index);
     return st;
 }
 
@@ -136,11 +69,6 @@ static bool alloc_own(lc_light_tree *t)
     return true;
 }
 
-static size_t n_root_room(const lc_light_tree *t)
-{
-    return (size_t)LC_LIGHT_KINDS * (t->n_groups ? t->n_groups : 1);
-}
-
 /* Counts the lights and allocates the arrays. */
 static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
 {
@@ -161,7 +89,6 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     t->data.nodes = lc_alloc_raw(t->ctx, t->n_nodes, sizeof *t->data.nodes);
     t->data.lights = lc_alloc_raw(t->ctx, t->n_lights, sizeof *t->data.lights);
     if (!t->data.nodes || !t->data.lights) return LC_ERR_MEMORY;
-    if (!(t->roots = lc_alloc(t->ctx, n_root_room(t), sizeof *t->roots))) return LC_ERR_MEMORY;
     if (t->n_groups && !(t->group = lc_alloc(t->ctx, t->n_lights, 1))) return LC_ERR_MEMORY;
     if (t->n_reps > 1 && !(t->reps = lc_alloc_raw(t->ctx, n_all_reps(t), sizeof *t->reps)))
         return LC_ERR_MEMORY;
@@ -219,6 +146,7 @@ lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *d
     for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++)
         if (t->n_of_kind[kind]) st = build_kind(t, desc, (lc_light_kind)kind);
     for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++) st = mark_alike(t, (lc_light_kind)kind);
+    if (!st) st = lc_tree_share_groups(t);
     if (st) {
         lc_light_tree_destroy(t);
         return st;
@@ -240,8 +168,9 @@ void lc_light_tree_destroy(lc_light_tree *t)
     }
     lc_free(t->ctx, t->reps, n_all_reps(t), sizeof *t->reps);
     lc_free(t->ctx, t->alike, t->n_nodes, 1);
-    lc_free(t->ctx, t->roots, n_root_room(t), sizeof *t->roots);
     lc_free(t->ctx, t->group, t->n_lights, 1);
+    lc_free(t->ctx, t->node_group, t->n_nodes, sizeof *t->node_group);
+    lc_free(t->ctx, t->shares, t->cap_shares, sizeof *t->shares);
     lc_free(t->ctx, t->order, t->n_lights, sizeof *t->order);
     lc_free(t->ctx, t, 1, sizeof *t);
 }
@@ -255,5 +184,6 @@ size_t lc_light_tree_bytes(const lc_light_tree *t)
         own += ((size_t)n_nodes_of(t, kind) + t->n_of_kind[kind]) * lc_light_kinds[kind].own_size;
     return t->n_nodes * node + n_all_reps(t) * sizeof *t->reps + t->n_lights * light + own +
            (t->alike ? t->n_nodes : 0) + (t->order ? t->n_lights * sizeof *t->order : 0) +
-           (t->group ? t->n_lights : 0);
+           (t->group ? t->n_lights : 0) + (t->node_group ? t->n_nodes * sizeof *t->node_group : 0) +
+           t->cap_shares * sizeof *t->shares;
 }

@@ -30,7 +30,7 @@ typedef struct {
     uint32_t *order; /* nodes, parents before children */
     uint32_t n_order;
     uint8_t *node_seen, *light_seen;
-    sums *sums;    /* by node */
+    sums *sums; /* by node */
 } check;
 
 static float min_f(float a, float b) { return b < a ? b : a; }
@@ -299,14 +299,14 @@ static const char *check_counts(const lc_light_tree *t)
     return t->n_lights == lights && t->n_nodes == nodes ? NULL : "lights or nodes are miscounted";
 }
 
-/* The roots of cuts have each light below them once, and one group each. */
+/* The roots of cuts have each light below them once. */
 static const char *check_roots(check *c, uint32_t *stack)
 {
     const lc_light_tree *t = c->t;
     uint32_t n_below = 0;
     memset(c->light_seen, 0, t->n_lights);
     for (uint32_t r = 0; r < t->n_roots; r++) {
-        uint32_t n = 0, link = t->roots[r], group = LC_NONE;
+        uint32_t n = 0, link = t->roots[r];
         for (bool more = true; more; more = n > 0, link = more ? stack[--n] : 0) {
             const uint32_t at = link & ~LC_LEAF;
             if (at >= (link & LC_LEAF ? t->n_lights : t->n_nodes)) return "a root is out of range";
@@ -316,14 +316,46 @@ static const char *check_roots(check *c, uint32_t *stack)
                 stack[n++] = t->data.nodes[at].right;
                 continue;
             }
-            const uint32_t own = t->group ? t->group[at] : 0;
             if (c->light_seen[at]++) return "a light is below two roots";
-            if (own != (group == LC_NONE ? own : group)) return "a root has lights of two groups";
-            group = own;
             n_below++;
         }
     }
     return n_below == t->n_lights ? NULL : "a light is below no root";
+}
+
+/* The intensity of a group below a link. */
+static void add_of_group(const lc_light_tree *t, uint32_t link, uint32_t group, double sum[3])
+{
+    const uint32_t at = link & ~LC_LEAF, own = link & LC_LEAF ? t->group[at] : t->node_group[at];
+    const float *intensity = link & LC_LEAF ? t->data.lights[at].intensity : t->data.nodes[at].intensity;
+    const lc_group_share *share = own < LC_MAX_GROUPS ? NULL : &t->shares[own - LC_MAX_GROUPS];
+    while (share && (share->group & ~LC_LAST_SHARE) != group)
+        share = share->group & LC_LAST_SHARE ? NULL : share + 1;
+    for (int k = 0; k < 3 && (share || own == group); k++)
+        sum[k] += (double)intensity[k] * (share ? (double)share->part[k] : 1);
+}
+
+/* Of each node and group the share is what its children have of it. */
+static const char *check_groups(const lc_light_tree *t)
+{
+    for (uint32_t i = 0; i < t->n_lights && t->group; i++)
+        if (t->group[i] >= t->n_groups) return "a light is in no group";
+    for (uint32_t id = 0; id < t->n_nodes && t->group; id++) {
+        const lc_node *node = &t->data.nodes[id];
+        const uint32_t own = t->node_group[id];
+        if (own < LC_MAX_GROUPS ? own >= t->n_groups : own - LC_MAX_GROUPS >= t->n_shares)
+            return "a node is in no group";
+        for (uint32_t g = 0; g < t->n_groups; g++) {
+            double sum[3] = { 0, 0, 0 }, below[3] = { 0, 0, 0 };
+            add_of_group(t, id, g, sum);
+            add_of_group(t, node->left, g, below);
+            add_of_group(t, node->right, g, below);
+            for (int k = 0; k < 3; k++)
+                if (!(fabs(sum[k] - below[k]) <= 1e-5 * (double)node->intensity[k]))
+                    return "a share is wrong";
+        }
+    }
+    return NULL;
 }
 
 const char *lc_light_tree_validate(const lc_light_tree *t)
@@ -343,6 +375,7 @@ const char *lc_light_tree_validate(const lc_light_tree *t)
     for (uint32_t i = c.n_order; i-- > 0 && !wrong;) wrong = check_node(&c, c.order[i], stack);
     for (uint32_t id = 0; id < t->n_nodes && !wrong; id++) wrong = check_reps(t, id);
     if (!wrong) wrong = check_roots(&c, stack);
+    if (!wrong) wrong = check_groups(t);
     lc_free(t->ctx, stack, room, sizeof *stack);
     lc_free(t->ctx, c.sums, n, sizeof *c.sums);
     lc_free(t->ctx, c.light_seen, t->n_lights, 1);

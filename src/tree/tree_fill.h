@@ -10,4 +10,7 @@
  * batches being filled, at most 65536 a thread. */
 lc_status lc_tree_fill(lc_light_tree *t, const lc_build_input *in, const lc_build_pair *pairs, uint64_t seed);
 
+/* After all kinds were filled: the groups of each node and their shares. LC_ERR_MEMORY. */
+lc_status lc_tree_share_groups(lc_light_tree *tree);
+
 #endif
