@@ -33,8 +33,8 @@ static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *sce
         lc_digest_add(d, name, strlen(name) + 1);
         lc_digest_add(d, p->text, strlen(p->text) + 1);
     }
-    for (uint32_t i = 0; i < load->n_movable;
-         i++) { /* instances in place of copies are rounded differently */
+    /* instances in place of copies are rounded differently */
+    for (uint32_t i = 0; i < load->n_movable; i++) {
         lc_digest_mark(d);
         lc_digest_add(d, load->movable[i], strlen(load->movable[i]) + 1);
     }

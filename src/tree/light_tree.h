@@ -50,8 +50,7 @@ struct lc_light_tree {
     uint32_t root[LC_LIGHT_KINDS];           /* link; LC_NONE: no light of that kind */
     uint32_t roots[LC_LIGHT_KINDS], n_roots; /* links with which cuts begin: of each kind that has lights */
     uint8_t *group; /* of each light; NULL: there are no groups. These are read where a cut is summed alone */
-    uint32_t
-        *node_group; /* of each node its only group, or LC_MAX_GROUPS + where in `shares` its groups begin */
+    uint32_t *node_group; /* of each node its only group, or LC_MAX_GROUPS + where in `shares` they begin */
     lc_group_share *shares;
     size_t n_shares, cap_shares;
     uint32_t n_groups;
