@@ -111,7 +111,7 @@ static float share_of(const float *light, const float *cluster)
 {
     float most = 0;
     for (int k = 0; k < 3; k++)
-        if (light[k] > 0) most = fmaxf(most, light[k] / cluster[k]);
+        if (light[k] > 0 && light[k] / cluster[k] > most) most = light[k] / cluster[k];
     return most;
 }
 

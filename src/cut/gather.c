@@ -21,37 +21,32 @@ uint32_t lc_gather_capacity(uint32_t n_lights)
 /* ---- the order ---- */
 
 /* Six numbers by which a point is near others: its place, and its normal on the scale of the box. */
-static float coordinate(const lc_gather_point *a, int axis, float of_normals)
-{
-    return axis < 3 ? a->p[0].pos[axis] : a->p[0].n[axis - 3] * of_normals;
-}
+typedef float place_and_normal[6];
 
-static int widest_axis(const lc_gather_point *point, const uint16_t *at, uint32_t n, float of_normals)
+static float less(float a, float b) { return a < b ? a : b; }
+static float more(float a, float b) { return a > b ? a : b; }
+
+static int widest_axis(const place_and_normal *x, const uint16_t *at, uint32_t n)
 {
+    place_and_normal lo, hi;
     int best = 0;
-    float most = -1;
-    for (int axis = 0; axis < 6; axis++) {
-        float lo = INFINITY, hi = -INFINITY;
-        for (uint32_t i = 0; i < n; i++) {
-            const float x = coordinate(&point[at[i]], axis, of_normals);
-            lo = fminf(lo, x);
-            hi = fmaxf(hi, x);
+    for (int axis = 0; axis < 6; axis++) lo[axis] = hi[axis] = x[at[0]][axis];
+    for (uint32_t i = 1; i < n; i++)
+        for (int axis = 0; axis < 6; axis++) {
+            lo[axis] = less(x[at[i]][axis], lo[axis]);
+            hi[axis] = more(x[at[i]][axis], hi[axis]);
         }
-        if (hi - lo > most) {
-            most = hi - lo;
-            best = axis;
-        }
-    }
+    for (int axis = 1; axis < 6; axis++)
+        if (hi[axis] - lo[axis] > hi[best] - lo[best]) best = axis;
     return best;
 }
 
-static void sort_along(const lc_gather_point *point, uint16_t *at, uint32_t n, int axis, float of_normals)
+static void sort_along(const place_and_normal *x, uint16_t *at, uint32_t n, int axis)
 {
     for (uint32_t i = 1; i < n; i++) {
         const uint16_t own = at[i];
-        const float x = coordinate(&point[own], axis, of_normals);
         uint32_t k = i;
-        for (; k && coordinate(&point[at[k - 1]], axis, of_normals) > x; k--) at[k] = at[k - 1];
+        for (; k && x[at[k - 1]][axis] > x[own][axis]; k--) at[k] = at[k - 1];
         at[k] = own;
     }
 }
@@ -59,13 +54,19 @@ static void sort_along(const lc_gather_point *point, uint16_t *at, uint32_t n, i
 /* Orders points so that the halves of every range are apart along its widest axis. */
 static void order(const lc_gather_point *point, uint16_t *at, uint32_t n, float of_normals)
 {
+    place_and_normal x[LC_GATHER_MOST];
     uint32_t first[10], last[10], depth = 1;
+    for (uint32_t i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++) {
+            x[i][k] = point[i].p[0].pos[k];
+            x[i][3 + k] = point[i].p[0].n[k] * of_normals;
+        }
     first[0] = 0;
     last[0] = n;
     while (depth) {
         const uint32_t lo = first[--depth], hi = last[depth], mid = (lo + hi) / 2;
         if (hi - lo < 3) continue;
-        sort_along(point, at + lo, hi - lo, widest_axis(point, at + lo, hi - lo, of_normals), of_normals);
+        sort_along(x, at + lo, hi - lo, widest_axis(x, at + lo, hi - lo));
         first[depth] = lo;
         last[depth++] = mid;
         first[depth] = mid;
@@ -94,8 +95,8 @@ static void set_boxes(lc_gather *g)
         const float *const x[2] = { g->point[i].p[0].pos, g->point[i].org };
         for (int b = 0; b < 2; b++)
             for (int k = 0; k < 3; k++) {
-                lo[b][k] = fminf(lo[b][k], x[b][k]);
-                hi[b][k] = fmaxf(hi[b][k], x[b][k]);
+                lo[b][k] = less(x[b][k], lo[b][k]);
+                hi[b][k] = more(x[b][k], hi[b][k]);
             }
     }
     box_of(lo[0], hi[0], g->all[0].pos, g->all[0].half);
@@ -114,7 +115,7 @@ static void set_cone(lc_gather *g)
     }
     if (same) return;
     const lc_f3 axis = lc_f3_normalize(sum);
-    for (uint32_t i = 0; i < g->n; i++) least = fminf(least, lc_f3_dot(axis, lc_f3_load(g->point[i].p[0].n)));
+    for (uint32_t i = 0; i < g->n; i++) least = less(least, lc_f3_dot(axis, lc_f3_load(g->point[i].p[0].n)));
     const double cosine = (double)fmaxf(least - CONE_SLACK, 0);
     lc_f3_store(g->all[0].n, axis);
     g->all[0].cone[0] = (float)cosine;
@@ -128,7 +129,7 @@ static void set_reflectances(lc_gather *g)
         float most = 0;
         double sum = 0;
         for (uint32_t i = 0; i < g->n; i++) {
-            most = fmaxf(most, g->point[i].p[0].diffuse[k]);
+            most = more(most, g->point[i].p[0].diffuse[k]);
             sum += (double)g->point[i].p[0].diffuse[k];
         }
         const float mean = (float)(sum / g->n);
