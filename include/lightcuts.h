@@ -241,7 +241,7 @@ typedef struct lc_load_desc {
       { 0, 0 }, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* A group of lights. With groups pictures have beside R, G and B planes NAME.R, NAME.G and NAME.B of each:
- * what its lights contribute, directly, by bounces and where they are seen. R, G and B are the same as without
+ * what its lights contribute, directly, by bounces and where they are seen. R, G and B are those without
  * groups, and all groups' planes add up to them but for rounding, so a picture of dimmed lights is a sum with
  * factors. What a cluster of lights of several groups contributes is divided by their shares of its
  * intensity. The error that is asked is the picture's: planes are off by no more, measured by the picture's
@@ -897,8 +897,8 @@ LC_API lc_status lc_scene_dim_emission(lc_scene *scene, uint32_t mesh, const flo
 LC_API lc_status lc_scene_set_frame(lc_scene *scene, uint32_t frame);
 
 /* What has names: lights, meshes that emit, instances, by the numbers above. Names are those of --group's
- * patterns: of light, node, mesh, material, group and kind; of an instance those of its object, mesh, node and
- * the nodes above it. */
+ * patterns: of light, node, mesh, material, group and kind; of an instance those of its object, mesh, node
+ * and the nodes above it. */
 typedef enum lc_named { LC_NAMED_LIGHT = 0, LC_NAMED_MESH, LC_NAMED_INSTANCE } lc_named;
 /* From number *at on the first of which a name, or that of its group of lights, matches a pattern of
  * characters, * and ?; LC_NO_THING: there is none. LC_ERR_ARG. */

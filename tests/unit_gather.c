@@ -119,7 +119,7 @@ TEST(no_error_is_the_mean_of_exact_values)
     }
 }
 
-/* The same of points with lobes, which keep their own reflectances; their soft lobes are for virtual lights. */
+/* The same of points with lobes, which keep their own reflectances. */
 TEST(no_error_with_lobes)
 {
     static const lc_lobe lobes[] = { LC_LOBE_PHONG, LC_LOBE_WARD, LC_LOBE_GGX, LC_LOBE_OREN_NAYAR };

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "build/reader.h"
 #include "scene/instance.h"
+#include "scene/named.h"
 #include "scene/usual_view.h"
 
 #include <stdio.h>

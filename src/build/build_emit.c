@@ -3,6 +3,7 @@
 #include "base/desc.h"
 #include "base/rng.h"
 #include "build/build.h"
+#include "scene/named.h"
 #include "scene/spot_picture.h"
 #include "scene/sun.h"
 

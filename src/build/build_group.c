@@ -3,6 +3,7 @@
 #include "build/reader.h"
 
 #include "scene/group_names.h"
+#include "scene/named.h"
 
 void lc_build_mark_group(lc_scene *s)
 {

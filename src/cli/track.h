@@ -64,8 +64,7 @@ int cli_track_read(const char *path, cli_track *out);
 int cli_track_take(cli_csv *csv, cli_track *out);
 void cli_track_free(cli_track *t);
 
-/* The number of the column that has the same of the same things for another axis; t->n_columns: there is none.
- */
+/* The number of the column that has the same of the same things for another axis; t->n_columns: none has. */
 size_t cli_track_find(const cli_track *t, const cli_track_column *of, int axis);
 double cli_track_value(const cli_track *t, size_t column, double frame);
 bool cli_track_has_camera(const cli_track *t);

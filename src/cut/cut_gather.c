@@ -153,6 +153,8 @@ static void add_bounds(const lc_cut *c, uint32_t at, const uint32_t *node, uint3
     for (uint32_t i = 0; i < n; i++) sum[i] += bound[i] * factor;
 }
 
+/* The mean over some of the points, or over all where these have 0. No bound of each pair, but z is found
+ * with it. */
 void lc_cut_lobed_bounds(const lc_cut *c, const uint32_t *node, uint32_t n, lc_light_kind kind, float *bound)
 {
     const uint32_t all = c->gather->n, some = all < BOUND_POINTS ? all : BOUND_POINTS;

@@ -177,13 +177,8 @@ static inline const float *lc_cut_intensity_of(const lc_tree_data *t, uint32_t l
     return node->intensity;
 }
 
-/* Bounds of n nodes of one kind for a gather cluster whose points have a lobe: the mean of those of some of its
- * points, or of all where these have 0. No bounds of each pair, but z is found with them. n: at most twice
- * LC_CUT_BATCH. */
-void lc_cut_lobed_bounds(const lc_cut *cut, const uint32_t *node, uint32_t n, lc_light_kind kind,
-                         float *bound);
-
-/* Bounds of n nodes of one kind. */
+/* Bounds of n nodes of one kind, at most twice LC_CUT_BATCH; the first: of points with a lobe. */
+void lc_cut_lobed_bounds(const lc_cut *c, const uint32_t *node, uint32_t n, lc_light_kind kind, float *bound);
 static inline void lc_cut_bounds(const lc_cut *c, const lc_cut_step *s, const uint32_t *node, uint32_t n,
                                  lc_light_kind kind, float *bound)
 {

@@ -16,8 +16,8 @@
  * is taken as the product of means, but where a pair is exact. Points of one material only are joined, since
  * what is of another material is often in another light, too.
  *
- * Points with a lobe, each with its own view and mirror direction, keep their own reflectances, and the box has
- * no bound of its own: it is the mean of the bounds of a few of its points (lc_cut_lobed_bounds).
+ * Points with a lobe, each with its own view and mirror direction, keep their own reflectances, and what
+ * stands for the box's bound is the mean of the bounds of a few of its points (lc_cut_lobed_bounds).
  */
 #ifndef LC_GATHER_H
 #define LC_GATHER_H

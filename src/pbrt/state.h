@@ -58,8 +58,7 @@ typedef struct lc_pbrt_object {
 /* An ObjectInstance that is handled at the end of the file. */
 typedef struct lc_pbrt_place {
     uint32_t object;
-    bool shared; /* an instance of the scene; else the triangles are copied */
-    bool moves;  /* it is to be an instance, though it is the only one or small */
+    bool shared, moves; /* an instance, not copied triangles; it must be one, though it is alone or small */
     lc_pos pos;
     lc_xform to_world;
 } lc_pbrt_place;

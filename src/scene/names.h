@@ -1,4 +1,4 @@
-/* names.h - what lights, meshes and instances are called, by which patterns find them.
+/* names.h - what lights, meshes and instances are called, by which patterns find them; named.h has the calls.
  *
  *     lc_build_names, lc_build_group -> names.now -> runs of what is added next: from number `first` on they
  *                                                    have the names of `set`
@@ -32,15 +32,5 @@ typedef struct lc_names {
         size_t n, cap;
     } of[LC_NAMED_KINDS];
 } lc_names;
-
-struct lc_scene;
-
-/* The names of what is added next; those that are NULL or empty are left out. LC_ERR_MEMORY. */
-lc_status lc_names_choose(struct lc_scene *scene, const char *const *names, uint32_t n);
-/* Before number `at` of a kind is added; if it is not, that number may come again. LC_ERR_MEMORY. */
-lc_status lc_names_begin(struct lc_scene *scene, lc_named what, size_t at);
-/* NULL: it has none. */
-const lc_name_set *lc_names_of(const struct lc_scene *scene, lc_named what, size_t at);
-void lc_names_free(struct lc_scene *scene);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "scene/instance.h"
 #include "scene/media.h"
+#include "scene/named.h"
 #include "scene/sequence.h"
 #include "trace/bvh.h"
 #include "tree/light_tree.h"

@@ -7,6 +7,7 @@
 #ifndef LC_SCENE_PARTS_H
 #define LC_SCENE_PARTS_H
 
+#include "base/xform.h"
 #include "image/mipmap.h"
 #include "photometry/photometry.h"
 #include "scene/camera.h"

@@ -1,5 +1,5 @@
-/* names.c - see names.h; and the public calls that find things by their names. */
-#include "scene/names.h"
+/* named.c - see named.h; and the public calls that find things by their names. */
+#include "scene/named.h"
 
 #include "base/memory.h"
 #include "scene/group_names.h"
