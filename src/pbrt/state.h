@@ -192,8 +192,7 @@ bool lc_pbrt_white_balance(double kelvin, float rows[9]);
 
 /* colour.c */
 typedef enum lc_pbrt_colour_use { LC_PBRT_FOR_ALBEDO, LC_PBRT_FOR_LIGHT } lc_pbrt_colour_use;
-/* A colour parameter as linear Rec.709. *out keeps its value if the parameter is absent; *found is then
- * NULL. */
+/* A colour parameter as linear Rec.709. Absent: *out keeps its value, and *found is NULL. */
 lc_status lc_pbrt_get_colour(lc_pbrt *p, const char *name, lc_pbrt_colour_use use, lc_f3 *out,
                              const lc_pbrt_param **found);
 
