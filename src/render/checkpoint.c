@@ -63,8 +63,9 @@ struct lc_checkpoint {
     uint32_t n_tiles, tiles_x;
     uint64_t
         *at; /* where a tile's payload is; 0: not there. Set by open, then by tile_done under the mutex */
+    uint8_t *room;             /* for a record of the first tile, the largest */
     uint64_t end;              /* of the file */
-    lc_mutex *mutex;           /* of end, at, info and unsynced */
+    lc_mutex *mutex;           /* of room, end, at, info and unsynced */
     lc_checkpoint_info info;
     bool unsynced;
     double interval;
@@ -128,6 +129,8 @@ static size_t payload_bytes(const lc_checkpoint *c, uint32_t tile)
 {
     return sizeof(lc_tile_counts) + tile_pixels(c, tile) * c->head.n_planes * sizeof(float);
 }
+
+static size_t room_bytes(const lc_checkpoint *c) { return sizeof(record) + payload_bytes(c, 0); }
 
 static lc_status fill_header(lc_checkpoint *c, const lc_scene *scene, const lc_render_desc *desc)
 {
@@ -375,6 +378,7 @@ lc_status lc_checkpoint_open(lc_context *ctx, const char *path, const lc_scene *
     lc_status st = c->path && c->mutex ? fill_header(c, scene, desc) : LC_ERR_MEMORY;
     if (c->path) memcpy(c->path, path, c->path_bytes);
     if (!st && !(c->at = lc_alloc(ctx, c->n_tiles, sizeof *c->at))) st = LC_ERR_MEMORY;
+    if (!st && !(c->room = lc_alloc_raw(ctx, room_bytes(c), 1))) st = LC_ERR_MEMORY;
     if (!st) st = open_file(c, resume);
     if (st) {
         lc_checkpoint_close(c);
@@ -430,18 +434,15 @@ static void append(lc_checkpoint *c, const void *data, size_t n, uint32_t tile)
 static void done(void *user, const lc_tile *t)
 {
     lc_checkpoint *c = user;
-    struct {
-        record head;
-        uint8_t payload[MAX_PAYLOAD];
-    } room;
     if (!is_tile(c, t)) return;
-    room.head =
-        (record){ .magic = RECORD_MAGIC, .tile = t->index, .bytes = (uint32_t)payload_bytes(c, t->index) };
-    memcpy(room.payload, &t->counts, sizeof t->counts);
-    memcpy(room.payload + sizeof t->counts, t->pixels, room.head.bytes - sizeof t->counts);
-    room.head.crc = record_crc(&room.head, room.payload);
+    record head = { .magic = RECORD_MAGIC, .tile = t->index, .bytes = (uint32_t)payload_bytes(c, t->index) };
     lc_mutex_lock(c->mutex);
-    append(c, &room, sizeof room.head + room.head.bytes, t->index);
+    uint8_t *payload = c->room + sizeof head;
+    memcpy(payload, &t->counts, sizeof t->counts);
+    memcpy(payload + sizeof t->counts, t->pixels, head.bytes - sizeof t->counts);
+    head.crc = record_crc(&head, payload);
+    memcpy(c->room, &head, sizeof head);
+    append(c, c->room, sizeof head + head.bytes, t->index);
     lc_mutex_unlock(c->mutex);
     if ((uint64_t)(lc_now() * 1e9) < atomic_load(&c->next_sync)) return;
     set_next_sync(c);
@@ -519,6 +520,7 @@ void lc_checkpoint_close(lc_checkpoint *c)
     if (c->fd >= 0) close(c->fd);
     lc_mutex_destroy(c->ctx, c->mutex);
     lc_free(c->ctx, c->at, c->n_tiles, sizeof *c->at);
+    if (c->room) lc_free(c->ctx, c->room, room_bytes(c), 1);
     lc_free(c->ctx, c->path, c->path_bytes, 1);
     lc_free(c->ctx, c, 1, sizeof *c);
 }
