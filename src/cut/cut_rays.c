@@ -107,8 +107,10 @@ static void sort_rays(const lc_cut *c, const lc_cut_list *list, uint32_t first, 
         if (!(rep & LC_PENDING)) continue;
         const uint32_t key = 2 * lc_cut_point_of(c, rep) +
                              (!all_near && lc_is_far(lc_kind_of_light(c->tree, rep & c->light_mask)));
-        if (order) order[end[key]++] = i | in_list;
-        else end[key + 1]++;
+        if (order) {
+            order[end[key]++] = i | in_list;
+            __builtin_prefetch(&c->tree->data.lights[rep & c->light_mask]);
+        } else end[key + 1]++;
     }
 }
 
@@ -118,9 +120,11 @@ static void sort_rays(const lc_cut *c, const lc_cut_list *list, uint32_t first, 
 double lc_cut_gather_trace(lc_cut *c, lc_cut_step *s)
 {
     lc_cut_list *const lists[] = { &c->open, &c->kept, &c->leaf };
-    uint32_t end[2 * LC_GATHER_MOST + 1] = { 0 }, *order = (uint32_t *)(void *)c->scratch;
+    uint32_t end[2 * LC_GATHER_MOST + 1], *order = (uint32_t *)(void *)c->scratch;
     const bool all_near = !has_far(c->tree);
     double change = 0;
+    ray_group g;
+    memset(end, 0, (2 * c->gather->n + 1) * sizeof *end);
     for (uint32_t k = 0; k < 3; k++) sort_rays(c, lists[k], k == 1 ? c->n_traced : 0, 0, all_near, end, NULL);
     for (uint32_t k = 0; k < 2 * c->gather->n; k++) end[k + 1] += end[k];
     for (uint32_t k = 0; k < 3; k++)
@@ -128,8 +132,7 @@ double lc_cut_gather_trace(lc_cut *c, lc_cut_step *s)
     for (uint32_t key = 0, i = 0; key < 2 * c->gather->n; key++) {
         lc_cut_use_point(c, s, key / 2);
         while (i < end[key]) {
-            ray_group g = { .n = 0 };
-            for (; i < end[key] && g.n < LC_CUT_BATCH; i++)
+            for (g.n = 0; i < end[key] && g.n < LC_CUT_BATCH; i++)
                 add_ray(c, s, lists[order[i] >> IN_LIST_BITS], order[i] & ((1u << IN_LIST_BITS) - 1), &g);
             change += trace_group(c, s, &g, key & 1);
         }
