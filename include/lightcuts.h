@@ -794,7 +794,8 @@ LC_API uint32_t lc_build_traits(const lc_scene *scene, uint32_t material);
 LC_API lc_status lc_build_group(lc_scene *scene, const char *group, const char *const *names,
                                 uint32_t n_names);
 /* Chooses what lights, meshes, instances and environments that later calls add are called, for lc_scene_find;
- * names may be NULL, and those beyond 16 are left out. lc_build_group chooses its names, too. LC_ERR_ARG, _MEMORY. */
+ * names may be NULL, and those beyond 16 are left out. lc_build_group chooses its names, too. LC_ERR_ARG,
+ * _MEMORY. */
 LC_API lc_status lc_build_names(lc_scene *scene, const char *const *names, uint32_t n_names);
 /* A mesh of the world, or of the object that was begun last. LC_ERR_ARG also for an index >= n_vertices. */
 LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
@@ -894,9 +895,9 @@ LC_API lc_status lc_scene_set_emission(lc_scene *scene, uint32_t mesh, const flo
 /* Dims a mesh as lc_scene_dim_light dims lights: the factor is of what the file or lc_scene_set_emission gave
  * it, and the last one counts. LC_ERR_ARG also for meshes of objects; _MEMORY. */
 LC_API lc_status lc_scene_dim_emission(lc_scene *scene, uint32_t mesh, const float factor[3]);
-/* Dims an environment: its radiance is what the file or lc_build_environment gave it, times factor R G B, each
- * >= 0; the last call counts, and 0 switches it off. Pictures that it gets by lc_scene_set_frame are dimmed
- * alike. Suns are none: lc_scene_dim_light dims the lights of one, while the disc that is seen stays.
+/* Dims an environment: its radiance is what the file or lc_build_environment gave it, times factor R G B,
+ * each >= 0; the last call counts, and 0 switches it off. Pictures that it gets by lc_scene_set_frame are
+ * dimmed alike. Suns are none: lc_scene_dim_light dims the lights of one, while the disc that is seen stays.
  * LC_ERR_ARG also for a radiance above 1e13; _MEMORY. */
 LC_API lc_status lc_scene_dim_environment(lc_scene *scene, uint32_t environment, const float factor[3]);
 /* Reads, of pictures that are sequences, those of this frame, 1 or more. A scene of no sequences stays as it
@@ -904,8 +905,8 @@ LC_API lc_status lc_scene_dim_environment(lc_scene *scene, uint32_t environment,
 LC_API lc_status lc_scene_set_frame(lc_scene *scene, uint32_t frame);
 
 /* What has names: lights, meshes that emit, instances, environments, by the numbers above. Names are those of
- * --group's patterns: of light, node, mesh, material, group and kind; of an instance those of its object, mesh,
- * node and the nodes above it. */
+ * --group's patterns: of light, node, mesh, material, group and kind; of an instance those of its object,
+ * mesh, node and the nodes above it. */
 typedef enum lc_named {
     LC_NAMED_LIGHT = 0,
     LC_NAMED_MESH,

@@ -1,6 +1,6 @@
-/* unit_environment.c - environments that are dimmed in a committed scene: the bytes of the scene whose file says
- * so, 0 and back, which one and of which name, nothing built that does not follow, what is refused, everything
- * as before when memory runs out. */
+/* unit_environment.c - environments that are dimmed in a committed scene: the bytes of the scene whose file
+ * says so, 0 and back, which one and of which name, nothing built that does not follow, what is refused,
+ * everything as before when memory runs out. */
 #include "support/rendered.h"
 #include "support/scene_text.h"
 #include "support/test.h"
@@ -64,13 +64,21 @@ static const struct {
     { "brighter", CONSTANT(".2 .3 .4"), CONSTANT(".4 .6 .8"), { 2, 2, 2 }, 0 },
     { "a map", MAP("sky1.pfm", "1") POINT, MAP("sky1.pfm", ".25") POINT, { .25f, .25f, .25f }, 0 },
     { "a clear sky and a sun", SUN CLEAR("1"), SUN CLEAR(".5"), { .5f, .5f, .5f }, 0 },
-    { "the second", MAP("sky1.pfm", "1") CONSTANT(".2 .3 .4"), MAP("sky1.pfm", "1") CONSTANT(".1 .15 .2"),
-      { .5f, .5f, .5f }, 1 },
-    { "the first", MAP("sky1.pfm", "1") CONSTANT(".2 .3 .4"), MAP("sky1.pfm", ".5") CONSTANT(".2 .3 .4"),
-      { .5f, .5f, .5f }, 0 },
-    { "one of a group", "LightGroup \"a\"" MAP("sky1.pfm", "1") "LightGroup \"b\"" CONSTANT(".2 .3 .4"),
+    { "the second",
+      MAP("sky1.pfm", "1") CONSTANT(".2 .3 .4"),
+      MAP("sky1.pfm", "1") CONSTANT(".1 .15 .2"),
+      { .5f, .5f, .5f },
+      1 },
+    { "the first",
+      MAP("sky1.pfm", "1") CONSTANT(".2 .3 .4"),
+      MAP("sky1.pfm", ".5") CONSTANT(".2 .3 .4"),
+      { .5f, .5f, .5f },
+      0 },
+    { "one of a group",
+      "LightGroup \"a\"" MAP("sky1.pfm", "1") "LightGroup \"b\"" CONSTANT(".2 .3 .4"),
       "LightGroup \"a\"" MAP("sky1.pfm", ".5") "LightGroup \"b\"" CONSTANT(".2 .3 .4"),
-      { .5f, .5f, .5f }, 0 },
+      { .5f, .5f, .5f },
+      0 },
     { "switched off", POINT CONSTANT(".2 .3 .4"), POINT CONSTANT("0 0 0"), { 0, 0, 0 }, 0 },
     { "all is off", CONSTANT(".2 .3 .4"), CONSTANT("0 0 0"), { 0, 0, 0 }, 0 },
     { "one of two is off", CONSTANT("1 1 1") CLEAR("1"), CONSTANT("1 1 1") CLEAR("0"), { 0, 0, 0 }, 1 },
@@ -231,7 +239,8 @@ TEST(environments_have_names)
                                   "LightGroup \"\"\n" CLEAR("1") CONSTANT("0 0 0"));
     CHECKF(s && info_of(s).n_env_maps == 3, "%s", last_error);
     CHECK(!strcmp(found(s, "*"), "0 1 2 ") && !strcmp(found(s, "infinite"), "0 2 "));
-    CHECK(!strcmp(found(s, "day"), "0 ") && !strcmp(found(s, "d?sk"), "1 ") && !strcmp(found(s, "env"), "0 1 2 "));
+    CHECK(!strcmp(found(s, "day"), "0 ") && !strcmp(found(s, "d?sk"), "1 ") &&
+          !strcmp(found(s, "env"), "0 1 2 "));
     CHECK(!*found(s, "point") && !*found(s, "sun"));
     CHECK(!strcmp(lc_scene_get_name(s, LC_NAMED_ENVIRONMENT, 0, 0), "day"));
     CHECK(!strcmp(lc_scene_get_name(s, LC_NAMED_ENVIRONMENT, 1, 0), "sky"));
@@ -273,8 +282,8 @@ TEST(wrong_arguments_are_named_and_change_nothing)
     lc_scene_destroy(t);
 }
 
-/* Each allocation of the call and the update fails in turn; the picture, in which the sky is seen, then is the
- * one before. */
+/* Allocations of the call and the update fail in turn; the picture, in which the sky is seen, then is the one
+ * before. */
 TEST(dimming_without_memory_leaves_the_scene_as_it_was)
 {
     lc_context *own = watched_context(1);

@@ -1,4 +1,5 @@
-/* names.h - what lights, meshes, instances, environments are called, by which patterns find them; named.h has the calls.
+/* names.h - what lights, meshes, instances, environments are called, by which patterns find them; named.h has
+ * the calls.
  *
  *     lc_build_names, lc_build_group -> names.now -> runs of what is added next: from number `first` on they
  *                                                    have the names of `set`
