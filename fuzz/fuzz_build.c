@@ -468,14 +468,16 @@ static lc_status change(input *in, lc_scene *s)
     lc_camera_place p = LC_CAMERA_PLACE_INIT;
     lc_status st;
     lc_update_desc u = LC_UPDATE_DESC_INIT;
-    const uint8_t kind = byte(in) % 10, at = byte(in) % 4;
+    const uint8_t drawn = byte(in), kind = drawn % 10, at = byte(in) % 4;
     switch (kind) {
     case 0: c = camera(in); return lc_scene_set_camera(s, &c);
     case 1: l = light(in); return lc_scene_set_light(s, at, &l);
     case 2: doubles(in, to_world, 12); return lc_scene_set_instance(s, at, to_world);
     case 3: numbers(in, rgb, 3); return lc_scene_dim_light(s, at, rgb);
     case 4: numbers(in, rgb, 3); return lc_scene_set_emission(s, at, rgb);
-    case 5: numbers(in, rgb, 3); return lc_scene_dim_emission(s, at, rgb);
+    case 5:
+        numbers(in, rgb, 3);
+        return drawn < 128 ? lc_scene_dim_emission(s, at, rgb) : lc_scene_dim_environment(s, at, rgb);
     case 6: numbers(in, rgb, 3); return lc_scene_move_light(s, at, rgb);
     case 7:
         doubles(in, p.from, 3);

@@ -793,8 +793,9 @@ LC_API uint32_t lc_build_traits(const lc_scene *scene, uint32_t material);
  * The name of a group as of lc_build_mesh_desc. LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_build_group(lc_scene *scene, const char *group, const char *const *names,
                                 uint32_t n_names);
-/* Chooses what lights, meshes and instances that later calls add are called, for lc_scene_find; names may be
- * NULL, and those beyond 16 are left out. lc_build_group chooses its names, too. LC_ERR_ARG, _MEMORY. */
+/* Chooses what lights, meshes, instances and environments that later calls add are called, for lc_scene_find;
+ * names may be NULL, and those beyond 16 are left out. lc_build_group chooses its names, too. LC_ERR_ARG,
+ * _MEMORY. */
 LC_API lc_status lc_build_names(lc_scene *scene, const char *const *names, uint32_t n_names);
 /* A mesh of the world, or of the object that was begun last. LC_ERR_ARG also for an index >= n_vertices. */
 LC_API lc_status lc_build_mesh(lc_scene *scene, const lc_build_mesh_desc *desc);
@@ -847,13 +848,15 @@ LC_API lc_status lc_build_commit(lc_scene *scene, const lc_load_desc *desc);
  *     an instance  the BVH over the instances; and as for the camera. The light tree also where the diagonal
  *                  of the scene has changed and lights have a direction
  *     emission     lights made from emissive triangles and from environments, virtual lights, the light tree
+ *     environment  the same
  *     a frame      pictures that are sequences are read; then as for emission
  *
  * BVHs of triangles are never built again. lc_scene_info counts what was built.
  *
  * Numbers count the calls lc_build_light, lc_build_instance and lc_build_mesh from 0; of a scene from a
  * file, its lights with an intensity, meshes, and instances in the order of the file; but those of small
- * objects, and the only one of an object, are meshes of the world.
+ * objects, and the only one of an object, are meshes of the world. Environments, lc_scene_info.n_env_maps of
+ * them, count lc_build_environment, or the infinite lights of the file, those without radiance too.
  *
  * Threads: one thread at a time may set; meanwhile others may render and use the scene, each with a context
  * of its own, as nothing that is set is seen before the update. lc_scene_update needs the scene for itself:
@@ -892,14 +895,24 @@ LC_API lc_status lc_scene_set_emission(lc_scene *scene, uint32_t mesh, const flo
 /* Dims a mesh as lc_scene_dim_light dims lights: the factor is of what the file or lc_scene_set_emission gave
  * it, and the last one counts. LC_ERR_ARG also for meshes of objects; _MEMORY. */
 LC_API lc_status lc_scene_dim_emission(lc_scene *scene, uint32_t mesh, const float factor[3]);
+/* Dims an environment: its radiance is what the file or lc_build_environment gave it, times factor R G B,
+ * each >= 0; the last call counts, and 0 switches it off. Pictures that it gets by lc_scene_set_frame are
+ * dimmed alike. Suns are none: lc_scene_dim_light dims the lights of one, while the disc that is seen stays.
+ * LC_ERR_ARG also for a radiance above 1e13; _MEMORY. */
+LC_API lc_status lc_scene_dim_environment(lc_scene *scene, uint32_t environment, const float factor[3]);
 /* Reads, of pictures that are sequences, those of this frame, 1 or more. A scene of no sequences stays as it
  * is. LC_ERR_IO and _PARSE, with the file's name: nothing was set; LC_ERR_ARG, _MEMORY. */
 LC_API lc_status lc_scene_set_frame(lc_scene *scene, uint32_t frame);
 
-/* What has names: lights, meshes that emit, instances, by the numbers above. Names are those of --group's
- * patterns: of light, node, mesh, material, group and kind; of an instance those of its object, mesh, node
- * and the nodes above it. */
-typedef enum lc_named { LC_NAMED_LIGHT = 0, LC_NAMED_MESH, LC_NAMED_INSTANCE } lc_named;
+/* What has names: lights, meshes that emit, instances, environments, by the numbers above. Names are those of
+ * --group's patterns: of light, node, mesh, material, group and kind; of an instance those of its object,
+ * mesh, node and the nodes above it. */
+typedef enum lc_named {
+    LC_NAMED_LIGHT = 0,
+    LC_NAMED_MESH,
+    LC_NAMED_INSTANCE,
+    LC_NAMED_ENVIRONMENT
+} lc_named;
 /* From number *at on the first of which a name, or that of its group of lights, matches a pattern of
  * characters, * and ?; LC_NO_THING: there is none. LC_ERR_ARG. */
 LC_API lc_status lc_scene_find(const lc_scene *scene, lc_named what, const char *pattern, uint32_t *at);

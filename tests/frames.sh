@@ -113,6 +113,25 @@ printf 'frame,mesh.*.scale,mesh.2.scale,light.0-1.scale,light.1.x,light.1.y,ligh
 good 'meshes, ranges, places' room.pbrt $few --frames 1-2 --track all.csv -o n.%d.exr
 check 'the later column counts' test "$("$L" compare n.1.exr n.2.exr --fail max=0 >/dev/null 2>&1; echo $?)" -ne 0
 
+sed 's/^LightSource "infinite".*/LightSource "infinite" "rgb L" [.1 .15 .2]/' room.pbrt >dusk.pbrt
+printf 'frame,environment.0.scale\n1,1\n3,0\n' >dusk.csv
+# shellcheck disable=SC2086
+good 'dimming the sky' room.pbrt $few --frames 1-3 --track dusk.csv -o dusk.%d.exr --stats
+check 'dimming the sky: its lights are made a frame' test "$(built)" = \
+    '1 BVHs, 0 over instances, lights 4 times, virtual lights 4, light trees 4; 0 pictures read'
+# shellcheck disable=SC2086
+good 'the scene at dusk' dusk.pbrt $few -o dusk.exr
+check 'the sky of frame 2 is it' same dusk.2.exr dusk.exr
+check 'the sky of frame 1 is the scene as it is' same dusk.1.exr room.exr
+printf 'frame,environment.*.scale,group.env.scale\n1,1,0.25\n2,1,0.5\n' >env.csv
+# shellcheck disable=SC2086
+good 'an environment of a group' room.pbrt $few --frames 1-2 --track env.csv -o env.%d.exr
+check 'a group has its environments' same env.2.exr dusk.exr
+printf 'frame,environment.inf*.scale\n1,0.5\n' >env.csv
+# shellcheck disable=SC2086
+good 'an environment by name' room.pbrt $few --frame 7 --track env.csv -o inf.exr
+check 'is it too' same inf.exr dusk.exr
+
 # ---- by name ----
 
 {
@@ -288,10 +307,17 @@ table 'frames that fall' '^w.csv:3:1: error: frames must rise' 'frame,eye.x\n2,1
 table 'a light that is not there' '^w.csv:1:7: error: light 2: the scene has 2' 'frame,light.2.scale\n1,1\n'
 table 'a mesh that is not there' '^w.csv:1:7: error: mesh 7: the scene has 3' 'frame,mesh.7.scale\n1,1\n'
 table 'a name that is not there' "^w.csv:1:7: error: no light matches 'K\*'; light names are point" 'frame,light.K*.scale\n1,1\n'
-table 'no such group' "no light or mesh that emits matches 'K'; .* names are" 'frame,group.K.scale\n1,1\n'
+table 'an environment that is not there' '^w.csv:1:7: error: environment 1: the scene has 1' \
+    'frame,environment.0-1.scale\n1,1\n'
+table 'no environment of that name' "^w.csv:1:7: error: no environment matches 'K'; environment names are infinite, env$" \
+    'frame,environment.K.scale\n1,1\n'
+table 'a sky less than dark' '^w.csv:2:3: error: want a number from 0' 'frame,environment.0.scale\n1,-1\n'
+table 'a sky too bright' 'lc_scene_dim_environment: the radiance is above 1e+13' 'frame,environment.0.scale\n1,1e15\n'
+table 'no such group' "no light, mesh that emits or environment matches 'K'; .* names are" 'frame,group.K.scale\n1,1\n'
 table 'no such instance' "no instance matches 'K'; no instance has a name" 'frame,instance.K.dx\n1,1\n'
 table 'a far turn' 'want a number from' 'frame,instance.K.rx\n1,1e9\n'
-for column in mesh.a.x instance.a.scale instance.a.x light.a.rx light..scale light.scale group.a.x lamp.a.scale light.a.; do
+for column in mesh.a.x instance.a.scale instance.a.x light.a.rx light..scale light.scale group.a.x lamp.a.scale light.a. \
+    environment.0.x environment.0.dx environment.scale; do
     table "a column $column" "^w.csv:1:7: error: unknown column '$column'" "frame,$column\n1,1\n"
 done
 table 'no direction' '^w.csv: error: frame 1: the camera looks nowhere' 'frame,look.x,look.y,look.z\n1,0,1,-5\n'

@@ -233,7 +233,7 @@ TEST(wrong_arguments_are_named)
     REFUSED(lc_scene_move_instance(s, 0, zero, NULL), "turn");
     REFUSED(lc_scene_move_instance(s, 0, bad, zero), "out of range");
     REFUSED(lc_scene_move_instance(s, 0, zero, far), "out of range");
-    CHECK(lc_scene_find(s, (lc_named)3, "*", &at) == LC_ERR_ARG &&
+    CHECK(lc_scene_find(s, (lc_named)4, "*", &at) == LC_ERR_ARG &&
           lc_scene_find(NULL, 0, "*", &at) == LC_ERR_ARG);
     CHECK(lc_scene_find(s, LC_NAMED_LIGHT, NULL, &at) == LC_ERR_ARG);
     CHECK(lc_scene_find(s, LC_NAMED_LIGHT, "*", NULL) == LC_ERR_ARG);

@@ -285,6 +285,22 @@ lc_status lc_scene_dim_emission(lc_scene *s, uint32_t mesh, const float factor[3
     return change_emission(s, call, &c);
 }
 
+lc_status lc_scene_dim_environment(lc_scene *s, uint32_t environment, const float factor[3])
+{
+    static const char call[] = "lc_scene_dim_environment";
+    lc_change c = { .kind = LC_CHANGE_ENVIRONMENT, .at = environment };
+    lc_status st = check(s, call);
+    if (!st) st = find(s, call, "environment", NULL, s->n_envs, &c.at);
+    if (!st) st = check_factor(s, call, factor);
+    if (st) return st;
+    lc_env env = s->envs[c.at];
+    env.scale = c.scale = lc_f3_mul(env.own_scale, lc_f3_load(factor));
+    const bool brighter = lc_f3_max(lc_f3_load(factor)) > 1;
+    if (!(lc_f3_max(c.scale) <= LC_MAX_INTENSITY) || (brighter && lc_env_peak(&env) > LC_MAX_ENV_RADIANCE))
+        return lc_fail(s->ctx, LC_ERR_ARG, "%s: the radiance is above %g", call, LC_MAX_ENV_RADIANCE);
+    return lc_scene_change(s, &c);
+}
+
 lc_status lc_scene_set_frame(lc_scene *s, uint32_t frame)
 {
     lc_status st = check(s, "lc_scene_set_frame");

@@ -310,6 +310,7 @@ uint64_t lc_given_id(const lc_scene *s)
     lc_digest_mark(&d);
     for (size_t i = 0; i < s->n_meshes; i++)
         lc_digest_add(&d, &s->meshes[i].emission, sizeof s->meshes[i].emission);
+    for (size_t i = 0; i < s->n_envs; i++) lc_digest_add(&d, &s->envs[i].scale, sizeof s->envs[i].scale);
     for (size_t i = 0; i < s->n_sequences; i++) lc_digest_u64(&d, s->sequences[i].digest);
     if (s->stale.made || s->stale.indirect) lc_digest_u64(&d, s->made_id);
     return lc_digest_result(&d);

@@ -7,7 +7,6 @@
 #include "scene/spot_picture.h"
 #include "scene/sun.h"
 
-#define MAX_TEXEL      1e13                /* of an environment, radiance */
 #define MAX_TEXT       ((uint64_t)1 << 24) /* bytes of a photometric file */
 #define MAX_ANGLES     16385u              /* of a table: those of a file, unfolded */
 #define MAX_SUN_LIGHTS 100000u
@@ -309,36 +308,31 @@ static double upper_illuminance(const lc_env *env)
     return sum;
 }
 
-static double greatest_texel(const lc_env *env)
-{
-    double most = 0, rgb[3];
-    if (env->map.is_codes) return (double)lc_f3_max(env->scale);
-    for (uint32_t y = 0; y < lc_env_height(env); y++)
-        for (uint32_t x = 0; x < lc_env_width(env); x++) {
-            lc_env_texel(env, x, y, rgb);
-            most = fmax(most, fmax(rgb[0], fmax(rgb[1], rgb[2])));
-        }
-    return most;
-}
-
 /* white: it is, or counts as that: where it varies the scale would be another in each frame. */
 static lc_status scale_environment(const lc_scene *s, const lc_build_environment_desc *d, lc_env *env,
                                    bool white)
 {
     const double has = !(d->illuminance > 0) ? 0 : white ? LC_PI : upper_illuminance(env);
     if (has > 0) env->scale = lc_f3_scale(env->scale, (float)(d->illuminance / has));
-    if (greatest_texel(env) <= MAX_TEXEL) return LC_OK;
+    if (lc_env_peak(env) <= LC_MAX_ENV_RADIANCE) return LC_OK;
     return lc_build_wrong(s, "lc_build_environment", "scale or illuminance gives a radiance above 1e13");
 }
 
+/* But for its scale, which can be set again: lc_given_id adds what became of it. */
 static void digest_environment(lc_scene *s, const lc_build_environment_desc *d, bool square)
 {
     if (!s->by_calls) return;
-    lc_digest_add(&s->inputs.digest, d->scale, sizeof d->scale);
     lc_digest_add(&s->inputs.digest, d->to_world, sizeof d->to_world);
-    lc_digest_number(&s->inputs.digest, d->illuminance);
     lc_digest_u64(&s->inputs.digest, square);
     lc_build_mark_group(s);
+}
+
+static lc_status add_environment(lc_scene *s, const char *call, const lc_build_environment_desc *d,
+                                 const lc_env *env)
+{
+    lc_status st = lc_build_begin_group(s, call, d->group);
+    if (!st) st = lc_names_begin(s, LC_NAMED_ENVIRONMENT, s->n_envs);
+    return st ? st : lc_build_status(s, lc_scene_add_env(s, s->at, env));
 }
 
 static lc_status environment_of_picture(lc_scene *s, const lc_build_environment_desc *d)
@@ -359,8 +353,7 @@ static lc_status environment_of_picture(lc_scene *s, const lc_build_environment_
     if (st) return st;
     const uint32_t had = s->groups.n;
     st = scale_environment(s, d, &env, !lc_picture_is_still(s, d->picture));
-    if (!st) st = lc_build_begin_group(s, call, d->group);
-    if (!st) st = lc_build_status(s, lc_scene_add_env(s, s->at, &env));
+    if (!st) st = add_environment(s, call, d, &env);
     if (st) {
         lc_picture_leave(s, d->picture, &env.map, copied);
         return lc_build_end_group(s, had, st);
@@ -394,8 +387,7 @@ lc_status lc_build_environment(lc_scene *s, const lc_build_environment_desc *des
     if ((st = lc_build_make_map(s, &p, &env.map))) return st;
     const uint32_t had = s->groups.n;
     st = scale_environment(s, &d, &env, !d.texels);
-    if (!st) st = lc_build_begin_group(s, call, d.group);
-    if (!st) st = lc_build_status(s, lc_scene_add_env(s, s->at, &env));
+    if (!st) st = add_environment(s, call, &d, &env);
     if (st) {
         lc_mipmap_free(s->ctx, &env.map);
         return lc_build_end_group(s, had, st);

@@ -20,7 +20,7 @@
 
 static const char wanted[] =
     "want frame, eye.x, look.x, up.x, fov, light.N.scale, light.N.x, light.N.dx, mesh.N.scale, "
-    "group.NAME.scale, instance.N.dx, instance.N.rx; N: a number, N-M, * or a name";
+    "environment.N.scale, group.NAME.scale, instance.N.dx, instance.N.rx; N: a number, N-M, * or a name";
 
 /* ---- the header ---- */
 
@@ -55,15 +55,23 @@ static bool is_axis(const char *text, int *axis)
     return *axis >= 0 && *axis < 3 && !text[1];
 }
 
-/* What is set of light, mesh, group or instance. */
-static bool parse_property(const char *thing, const char *text, cli_track_column *c)
+/* What has columns of its own, and what its scale sets; CLI_TRACK_INSTANCE: it has none. */
+static const struct {
+    const char *name;
+    cli_track_what scale;
+} things[] = { { "light", CLI_TRACK_LIGHT_SCALE },
+               { "mesh", CLI_TRACK_MESH_SCALE },
+               { "environment", CLI_TRACK_ENVIRONMENT_SCALE },
+               { "group", CLI_TRACK_GROUP_SCALE },
+               { "instance", CLI_TRACK_INSTANCE } };
+
+/* What is set of a thing. */
+static bool parse_property(cli_track_what scale, const char *text, cli_track_column *c)
 {
-    const bool light = !strcmp(thing, "light"), instance = !strcmp(thing, "instance");
+    const bool light = scale == CLI_TRACK_LIGHT_SCALE, instance = scale == CLI_TRACK_INSTANCE;
     const bool shift = *text == 'd' && is_axis(text + 1, &c->axis);
     if (!strcmp(text, "scale")) {
-        c->what = light                     ? CLI_TRACK_LIGHT_SCALE
-                  : !strcmp(thing, "group") ? CLI_TRACK_GROUP_SCALE
-                                            : CLI_TRACK_MESH_SCALE;
+        c->what = scale;
         c->axis = 0;
         return !instance;
     }
@@ -79,13 +87,12 @@ static bool parse_property(const char *thing, const char *text, cli_track_column
 /* THING.WHICH.PROPERTY; names may have dots of their own. */
 static bool parse_thing(char *name, cli_track_column *c)
 {
-    static const char *const things[] = { "light", "mesh", "group", "instance" };
     char *which = strchr(name, '.'), *property = strrchr(name, '.');
     if (!which || which == property || which + 1 == property) return false;
     *which++ = *property++ = 0;
     for (size_t i = 0; i < sizeof things / sizeof *things; i++) {
-        if (strcmp(name, things[i])) continue;
-        if (!parse_property(name, property, c)) return false;
+        if (strcmp(name, things[i].name)) continue;
+        if (!parse_property(things[i].scale, property, c)) return false;
         const bool numbers = c->what != CLI_TRACK_GROUP_SCALE && parse_range(which, c);
         if (numbers) return c->what != CLI_TRACK_LIGHT_PLACE || c->first == c->last;
         c->first = c->last = 0;
@@ -112,7 +119,7 @@ static bool parse_name(char *name, cli_track_column *c)
     return parse_thing(name, c);
 }
 
-/* Whether two columns are about the same lights, meshes or instances. */
+/* Whether two columns are about the same lights, meshes, environments or instances. */
 static bool same_things(const cli_track_column *a, const cli_track_column *b)
 {
     if (a->what != b->what || !a->name != !b->name) return false;
@@ -204,6 +211,7 @@ static int read_cell(cli_csv *csv, const cli_track_column *c, const cli_cell *ce
     case CLI_TRACK_FRAME: return cli_csv_number(csv, cell, -MAX_FRAME, MAX_FRAME, out);
     case CLI_TRACK_FOV: return cli_csv_number(csv, cell, MIN_FOV, MAX_FOV, out);
     case CLI_TRACK_LIGHT_SCALE:
+    case CLI_TRACK_ENVIRONMENT_SCALE:
     case CLI_TRACK_GROUP_SCALE:
     case CLI_TRACK_MESH_SCALE: return cli_csv_number(csv, cell, 0, MAX_SCALE, out);
     default: return cli_csv_number(csv, cell, -MAX_COORD, MAX_COORD, out);

@@ -13,7 +13,8 @@
  *     light.N.x  .y  .z     its place, all three
  *     light.N.dx .dy .dz    or how far it is from its place in the scene
  *     mesh.N.scale          a factor on the emission of mesh N; N-M; *; a name
- *     group.NAME.scale      lights and meshes
+ *     environment.N.scale   on infinite light N of the scene, from 0; N-M; *; a name
+ *     group.NAME.scale      lights, meshes and environments
  *     instance.N.dx .dy .dz how far an instance is from its place in the scene; N-M; *; a name
  *     instance.N.rx .ry .rz degrees about its own origin and the axes of the world, x first
  *
@@ -36,6 +37,7 @@ typedef enum cli_track_what {
     CLI_TRACK_LIGHT_PLACE,
     CLI_TRACK_LIGHT_SHIFT,
     CLI_TRACK_MESH_SCALE,
+    CLI_TRACK_ENVIRONMENT_SCALE,
     CLI_TRACK_GROUP_SCALE,
     CLI_TRACK_INSTANCE
 } cli_track_what;
@@ -43,7 +45,7 @@ typedef enum cli_track_what {
 typedef struct cli_track_column {
     cli_track_what what;
     int axis;             /* of CLI_TRACK_INSTANCE 3 to 5: about x, y, z */
-    uint32_t first, last; /* lights, meshes, instances; last UINT32_MAX: all */
+    uint32_t first, last; /* lights, meshes, ...; last UINT32_MAX: all */
     char *name;           /* or a pattern of their names; NULL: numbers */
     size_t at;            /* of the header line, from 1 */
 } cli_track_column;

@@ -5,7 +5,7 @@
 
 #define MAX_LISTED 12 /* names in a message */
 
-static const char *const kinds[] = { "light", "mesh", "instance" };
+static const char *const kinds[] = { "light", "mesh", "instance", "environment" }; /* of lc_named */
 
 typedef struct {
     const cli_track *track;
@@ -23,10 +23,11 @@ static lc_status set_one(const job *j, lc_named what, uint32_t at)
     case CLI_TRACK_LIGHT_PLACE: return lc_scene_move_light(j->scene, at, f);
     case CLI_TRACK_LIGHT_SHIFT: return lc_scene_shift_light(j->scene, at, f);
     case CLI_TRACK_INSTANCE: return lc_scene_move_instance(j->scene, at, v, v + 3);
-    default:
-        return what == LC_NAMED_MESH ? lc_scene_dim_emission(j->scene, at, factor)
-                                     : lc_scene_dim_light(j->scene, at, factor);
+    default: break;
     }
+    return what == LC_NAMED_MESH          ? lc_scene_dim_emission(j->scene, at, factor)
+           : what == LC_NAMED_ENVIRONMENT ? lc_scene_dim_environment(j->scene, at, factor)
+                                          : lc_scene_dim_light(j->scene, at, factor);
 }
 
 static lc_status set_numbers(const job *j, lc_named what, uint64_t n)
@@ -73,23 +74,34 @@ static void list_names(const lc_scene *scene, lc_named what)
     fprintf(stderr, "%s", n == MAX_LISTED ? ", ..." : "");
 }
 
+/* What a column is about; of a group, the first of its kinds. */
+static lc_named kind_of(cli_track_what what)
+{
+    switch (what) {
+    case CLI_TRACK_MESH_SCALE: return LC_NAMED_MESH;
+    case CLI_TRACK_ENVIRONMENT_SCALE: return LC_NAMED_ENVIRONMENT;
+    case CLI_TRACK_INSTANCE: return LC_NAMED_INSTANCE;
+    default: return LC_NAMED_LIGHT;
+    }
+}
+
 static lc_status set_column(job *j, const lc_scene_info *info)
 {
+    static const lc_named others[] = { LC_NAMED_MESH, LC_NAMED_ENVIRONMENT };
     const cli_track_column *c = j->column;
-    const uint64_t counts[] = { info->n_given_lights, info->n_given_meshes, info->n_given_instances };
-    const bool group = c->what == CLI_TRACK_GROUP_SCALE;
-    const lc_named what = c->what == CLI_TRACK_MESH_SCALE ? LC_NAMED_MESH
-                          : c->what == CLI_TRACK_INSTANCE ? LC_NAMED_INSTANCE
-                                                          : LC_NAMED_LIGHT;
+    const uint64_t counts[] = { info->n_given_lights, info->n_given_meshes, info->n_given_instances,
+                                info->n_env_maps };
+    const lc_named what = kind_of(c->what);
+    const size_t n_others = c->what == CLI_TRACK_GROUP_SCALE ? sizeof others / sizeof *others : 0;
     uint64_t n = 0;
     if (!c->name) return set_numbers(j, what, counts[what]);
     lc_status st = set_named(j, what, &n);
-    if (!st && group) st = set_named(j, LC_NAMED_MESH, &n);
+    for (size_t i = 0; i < n_others && !st; i++) st = set_named(j, others[i], &n);
     if (st || n) return st;
     fprintf(stderr, "%s:%zu:%zu: error: no %s%s matches '%s'", cli_shown(j->track->path), j->track->header,
-            c->at, kinds[what], group ? " or mesh that emits" : "", cli_shown(c->name));
+            c->at, kinds[what], n_others ? ", mesh that emits or environment" : "", cli_shown(c->name));
     list_names(j->scene, what);
-    if (group) list_names(j->scene, LC_NAMED_MESH);
+    for (size_t i = 0; i < n_others; i++) list_names(j->scene, others[i]);
     fprintf(stderr, "\n");
     return LC_ERR_PARSE;
 }

@@ -33,6 +33,10 @@ static void exchange(lc_scene *s, lc_change *c)
         had.emission = s->meshes[c->at].emission;
         s->meshes[c->at].emission = c->emission;
         break;
+    case LC_CHANGE_ENVIRONMENT:
+        had.scale = s->envs[c->at].scale;
+        s->envs[c->at].scale = c->scale;
+        break;
     }
     *c = had;
 }
@@ -89,7 +93,8 @@ static plan plan_of(const lc_scene *s, bool keep)
     const bool of_view = sees && (camera || moved || s->stale.made);
     const bool of_paths = indirect && (camera || s->stale.made || s->stale.indirect);
     plan p = { .moved = moved };
-    p.made = has(s, LC_CHANGE_EMISSION) || s->changes.pictures || (of_view && !keep);
+    p.made = has(s, LC_CHANGE_EMISSION) || has(s, LC_CHANGE_ENVIRONMENT) || s->changes.pictures ||
+             (of_view && !keep);
     p.lights = p.made || s->changes.lights || (moved && indirect) || (of_paths && !keep);
     p.stale.made = of_view && !p.made;
     p.stale.indirect = of_paths && !p.lights;

@@ -7,6 +7,7 @@
  *     light        |          yes                         if any
  *     instance     | yes      (2)         if any (1)      if any
  *     emission     |          yes         yes             if any
+ *     environment  |          yes         yes             if any
  *     frame        |          yes         yes             if any      pictures that are sequences
  *
  * With views (lc_load_desc) cameras count for nothing: lights are made for these.

@@ -11,6 +11,18 @@ void lc_env_texel(const lc_env *env, uint32_t x, uint32_t y, double rgb[3])
     rgb[2] = fmax(rgb[2] * (double)env->scale.z, 0);
 }
 
+double lc_env_peak(const lc_env *env)
+{
+    double most = 0, rgb[3];
+    if (env->map.is_codes) return (double)lc_f3_max(env->scale);
+    for (uint32_t y = 0; y < lc_env_height(env); y++)
+        for (uint32_t x = 0; x < lc_env_width(env); x++) {
+            lc_env_texel(env, x, y, rgb);
+            most = fmax(most, fmax(rgb[0], fmax(rgb[1], rgb[2])));
+        }
+    return most;
+}
+
 /* z of the directions at height y of a latitude-longitude map. */
 static double line_z(const lc_env *env, double y)
 {

@@ -14,12 +14,15 @@
 #include "base/xform.h"
 #include "image/mipmap.h"
 
+#define LC_MAX_ENV_RADIANCE 1e13 /* of a texel: lights made of the whole sky stay below LC_MAX_INTENSITY */
+
 typedef enum lc_env_mapping { LC_ENV_LATLONG, LC_ENV_EQUAL_AREA } lc_env_mapping;
 
 typedef struct lc_env {
     lc_env_mapping mapping;
     lc_mipmap map;
     lc_f3 scale;                 /* radiance = scale * texel, W/(m^2 sr); negative values count as 0 */
+    lc_f3 own_scale;             /* before it is dimmed; lc_scene_add_env sets it */
     lc_xform to_world, to_light; /* of directions: light space to world space, and its inverse */
     uint32_t group;
 } lc_env;
@@ -29,6 +32,8 @@ static inline uint32_t lc_env_height(const lc_env *e) { return e->map.levels[0].
 
 /* Radiance of a texel, >= 0. */
 void lc_env_texel(const lc_env *env, uint32_t x, uint32_t y, double rgb[3]);
+/* The greatest radiance of a texel; of codes, what the greatest of them would have. */
+double lc_env_peak(const lc_env *env);
 /* Solid angle of one texel of row y, sr; all texels sum to 4 pi. */
 double lc_env_solid_angle(const lc_env *env, uint32_t y);
 /* The unit direction of map point (x, y), 0 <= x <= width, 0 <= y <= height. */

@@ -87,9 +87,10 @@ static uint64_t count_of(const lc_scene *s, lc_named what)
 {
     lc_scene_info info = LC_SCENE_INFO_INIT;
     if (lc_scene_get_info(s, &info)) return 0;
-    return what == LC_NAMED_LIGHT  ? info.n_given_lights
-           : what == LC_NAMED_MESH ? info.n_given_meshes
-                                   : info.n_given_instances;
+    return what == LC_NAMED_LIGHT      ? info.n_given_lights
+           : what == LC_NAMED_MESH     ? info.n_given_meshes
+           : what == LC_NAMED_INSTANCE ? info.n_given_instances
+                                       : info.n_env_maps;
 }
 
 /* Its group; LC_NONE: it has none, or is a mesh that does not emit, which *dark says. */
@@ -97,6 +98,7 @@ static uint32_t group_of(const lc_scene *s, lc_named what, size_t at, bool *dark
 {
     *dark = false;
     if (what == LC_NAMED_INSTANCE) return LC_NONE;
+    if (what == LC_NAMED_ENVIRONMENT) return s->envs[at].group;
     if (what == LC_NAMED_LIGHT) return s->given.n_lights ? s->given.lights[at].group : s->lights[at].group;
     if (s->by_calls) at = s->given.meshes[at];
     *dark = at == LC_NONE || !(lc_f3_max(s->meshes[at].own_emission) > 0);

@@ -1,4 +1,5 @@
-/* names.h - what lights, meshes and instances are called, by which patterns find them; named.h has the calls.
+/* names.h - what lights, meshes, instances, environments are called, by which patterns find them; named.h has
+ * the calls.
  *
  *     lc_build_names, lc_build_group -> names.now -> runs of what is added next: from number `first` on they
  *                                                    have the names of `set`
@@ -12,7 +13,7 @@
 #include "base/base.h"
 #include "lightcuts.h"
 
-#define LC_NAMED_KINDS 3
+#define LC_NAMED_KINDS 4
 #define LC_MAX_NAMES   16 /* of one thing; further ones are left out */
 
 typedef struct lc_name_set {

@@ -341,6 +341,7 @@ lc_status lc_scene_add_env(lc_scene *s, lc_pos where, const lc_env *env)
     lc_status st = GROW(s, envs, cap_envs, s->n_envs + 1);
     if (st) return st;
     s->envs[s->n_envs] = *env;
+    s->envs[s->n_envs].own_scale = env->scale;
     s->envs[s->n_envs++].group = s->groups.now;
     return LC_OK;
 }

@@ -100,7 +100,12 @@ typedef struct lc_sequence {
     uint64_t next_digest;
 } lc_sequence;
 
-typedef enum lc_change_kind { LC_CHANGE_CAMERA, LC_CHANGE_INSTANCE, LC_CHANGE_EMISSION } lc_change_kind;
+typedef enum lc_change_kind {
+    LC_CHANGE_CAMERA,
+    LC_CHANGE_INSTANCE,
+    LC_CHANGE_EMISSION,
+    LC_CHANGE_ENVIRONMENT
+} lc_change_kind;
 
 /* A value that waits for its place in the scene, by the scene's own number. */
 typedef struct lc_change {
@@ -110,6 +115,7 @@ typedef struct lc_change {
         lc_camera_desc camera;
         lc_instance instance;
         lc_f3 emission;
+        lc_f3 scale; /* of an environment */
     };
 } lc_change;
 
