@@ -821,6 +821,11 @@ bad 'compare: different size' 3 'small.exr\|size' compare old.exr small.exr
 bad 'compare: missing image' 3 'none.exr' compare old.exr none.exr
 bad 'compare: one image' 2 '' compare old.exr
 bad 'compare: unknown limit' 2 'mea' compare old.exr ref.exr --fail mea=1
+cp old.exr mine.exr
+bad 'compare: the output is an image' 2 'an image that is compared' compare mine.exr other.exr -o mine.exr
+bad 'compare: the output is the reference' 2 'an image that is compared' compare other.exr mine.exr -o ./mine.exr
+check 'compare keeps its images' cmp old.exr mine.exr
+bad 'compare: the output is no picture' 2 'neither .exr nor .png' compare mine.exr other.exr -o o/q.txt
 bad 'compare: unknown option' 2 'unknown option' compare old.exr ref.exr --banana
 
 # ---- scene ----
@@ -866,6 +871,8 @@ run -q s.pbrt -o cut.exr --aov cut
 good 'preview of a channel' preview cut.exr --false-colour cut.size -o v.png
 good 'preview brighter' preview cut.exr --exposure=1.5 -o v.png
 bad 'preview without output' 2 '' preview old.exr
+bad 'preview over its image' 2 'is the image itself' preview mine.exr -o mine.exr
+check 'preview keeps its image' cmp old.exr mine.exr
 bad 'preview of no such channel' 3 'banana' preview old.exr --false-colour banana -o o/q.png
 bad 'preview of a missing image' 3 'none.exr' preview none.exr -o o/q.png
 bad 'preview into a missing folder' 1 'none/v.png' preview old.exr -o none/v.png
