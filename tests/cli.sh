@@ -219,7 +219,13 @@ bad 'unknown command' 2 "did you mean 'render'" rendr
 bad 'no scene' 2 'no scene' -o o/p.exr
 bad 'two scenes' 2 'more than one scene' s.pbrt named.pbrt -o o/p.exr
 bad 'a bad value names the good ones' 2 "option --method: lightcuts, exact or cuts$" s.pbrt --method fast -o o/p.exr
-bad 'no threads' 2 "bad value '0' for option -t: 1 or more" s.pbrt -o o/p.exr -t 0
+bad 'no threads' 2 "bad value '0' for option -t: 1 to 1024" s.pbrt -o o/p.exr -t 0
+bad 'too many threads' 2 "bad value '1025' for option -t: 1 to 1024" s.pbrt -o o/p.exr -t 1025
+bad 'too many samples' 2 "bad value '65537' for option --spp: 1 to 65536" s.pbrt -o o/p.exr --spp 65537
+bad 'too large a film' 2 "option --resolution: .*a side up to 65535, 2^28 in all" s.pbrt -o o/p.exr --resolution 65535x65535
+bad 'converge by no threads' 2 "bad value '0' for option -t: 1 to 1024" converge s.pbrt -t 0
+bad 'converge by no pixels' 2 "bad value '0' for option --pixels: 1 to" converge s.pbrt --pixels 0
+bad 'converge to no picture' 2 "'o/p.jpg' is neither .exr nor .png" converge s.pbrt -o o/p.jpg
 bad 'neither .exr nor .png' 2 "'o/p.jpg'" s.pbrt -o o/p.jpg
 while read -r option value; do
     bad "$option $value" 2 "bad value '$value' for option $option\\(: .*\\)*$" "$option" "$value" s.pbrt -o o/p.exr
