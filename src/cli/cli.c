@@ -88,7 +88,9 @@ bool cli_read_kept(lc_context *ctx, const char *path, lc_image **out)
     atomic_store(&tries_kept, true);
     lc_status st = lc_image_read(ctx, path, out);
     atomic_store(&tries_kept, false);
-    if (st) fprintf(stderr, "lightcuts: '%s' is rendered again: %s\n", cli_shown(path), lc_status_name(st));
+    if (st)
+        fprintf(stderr, "lightcuts: '%s' is rendered again: %s\n", cli_shown(path),
+                st == LC_ERR_PARSE ? "it is damaged, or no picture" : lc_status_name(st));
     return !st;
 }
 
