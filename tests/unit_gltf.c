@@ -744,7 +744,8 @@ TEST(other_formats_are_named)
           strstr(last_error, "this is an IES photometric file; lightcuts reads pbrt, glTF and OBJ; "
                              "a scene has it as LightSource \"luminaire\""));
     CHECK(load_named("a.ply", "ply\nformat ascii 1.0\n", 21) == LC_ERR_UNSUPPORTED &&
-          strstr(last_error, "this is a PLY file; lightcuts reads pbrt, glTF and OBJ; a scene has it as Shape"));
+          strstr(last_error, "this is a PLY file; lightcuts reads pbrt, glTF and OBJ; a scene has it as "
+                             "Shape \"plymesh\""));
     CHECK(load_named("any.name", "a\0b", 3) == LC_ERR_UNSUPPORTED &&
           strstr(last_error, "this is not text; "));
     CHECK(load_named("a.pbrt", "a\0b", 3) == LC_ERR_PARSE && strstr(last_error, "a.pbrt:1:"));
