@@ -151,5 +151,5 @@ void cli_render_warn_channels(const cli_render_options *o)
     for (int i = 0; i < o->n_outputs; i++)
         if (!cli_has_extension(o->outputs[i], ".png")) return;
     if (what)
-        fprintf(stderr, "lightcuts: warning: %s are in no PNG, and no EXR is written: use -o FILE.exr\n", what);
+        fprintf(stderr, "lightcuts: warning: %s are in no PNG: write -o FILE.exr as well\n", what);
 }
