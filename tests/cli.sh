@@ -867,7 +867,7 @@ check '95 % are within about 2 % for cuts' awk -F'[:,]' '/"cuts"/ { for (i = 1; 
 bad 'converge without a scene' 2 'one scene' converge
 bad 'converge of no such scene' 3 'none.pbrt' converge none.pbrt
 bad 'converge into a text' 2 'x.txt' converge mirror.pbrt -o x.txt
-bad 'converge of no pixels' 2 'bad value '0' for option --pixels' converge mirror.pbrt --pixels 0
+bad 'converge of no pixels' 2 "bad value '0' for option --pixels" converge mirror.pbrt --pixels 0
 
 # ---- preview ----
 
