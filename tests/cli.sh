@@ -219,7 +219,13 @@ bad 'unknown command' 2 "did you mean 'render'" rendr
 bad 'no scene' 2 'no scene' -o o/p.exr
 bad 'two scenes' 2 'more than one scene' s.pbrt named.pbrt -o o/p.exr
 bad 'a bad value names the good ones' 2 "option --method: lightcuts, exact or cuts$" s.pbrt --method fast -o o/p.exr
-bad 'no threads' 2 "bad value '0' for option -t: 1 or more" s.pbrt -o o/p.exr -t 0
+bad 'no threads' 2 "bad value '0' for option -t: 1 to 1024" s.pbrt -o o/p.exr -t 0
+bad 'too many threads' 2 "bad value '1025' for option -t: 1 to 1024" s.pbrt -o o/p.exr -t 1025
+bad 'too many samples' 2 "bad value '65537' for option --spp: 1 to 65536" s.pbrt -o o/p.exr --spp 65537
+bad 'too large a film' 2 "option --resolution: .*a side up to 65535, 2^28 in all" s.pbrt -o o/p.exr --resolution 65535x65535
+bad 'converge by no threads' 2 "bad value '0' for option -t: 1 to 1024" converge s.pbrt -t 0
+bad 'converge by no pixels' 2 "bad value '0' for option --pixels: 1 to" converge s.pbrt --pixels 0
+bad 'converge to no picture' 2 "'o/p.jpg' is neither .exr nor .png" converge s.pbrt -o o/p.jpg
 bad 'neither .exr nor .png' 2 "'o/p.jpg'" s.pbrt -o o/p.jpg
 while read -r option value; do
     bad "$option $value" 2 "bad value '$value' for option $option\\(: .*\\)*$" "$option" "$value" s.pbrt -o o/p.exr
@@ -821,6 +827,11 @@ bad 'compare: different size' 3 'small.exr\|size' compare old.exr small.exr
 bad 'compare: missing image' 3 'none.exr' compare old.exr none.exr
 bad 'compare: one image' 2 '' compare old.exr
 bad 'compare: unknown limit' 2 'mea' compare old.exr ref.exr --fail mea=1
+cp old.exr mine.exr
+bad 'compare: the output is an image' 2 'an image that is compared' compare mine.exr other.exr -o mine.exr
+bad 'compare: the output is the reference' 2 'an image that is compared' compare other.exr mine.exr -o ./mine.exr
+check 'compare keeps its images' cmp old.exr mine.exr
+bad 'compare: the output is no picture' 2 'neither .exr nor .png' compare mine.exr other.exr -o o/q.txt
 bad 'compare: unknown option' 2 'unknown option' compare old.exr ref.exr --banana
 
 # ---- scene ----
@@ -856,7 +867,7 @@ check '95 % are within about 2 % for cuts' awk -F'[:,]' '/"cuts"/ { for (i = 1; 
 bad 'converge without a scene' 2 'one scene' converge
 bad 'converge of no such scene' 3 'none.pbrt' converge none.pbrt
 bad 'converge into a text' 2 'x.txt' converge mirror.pbrt -o x.txt
-bad 'converge of no pixels' 2 'out of range' converge mirror.pbrt --pixels 0
+bad 'converge of no pixels' 2 "bad value '0' for option --pixels" converge mirror.pbrt --pixels 0
 
 # ---- preview ----
 
@@ -866,6 +877,8 @@ run -q s.pbrt -o cut.exr --aov cut
 good 'preview of a channel' preview cut.exr --false-colour cut.size -o v.png
 good 'preview brighter' preview cut.exr --exposure=1.5 -o v.png
 bad 'preview without output' 2 '' preview old.exr
+bad 'preview over its image' 2 'is the image itself' preview mine.exr -o mine.exr
+check 'preview keeps its image' cmp old.exr mine.exr
 bad 'preview of no such channel' 3 'banana' preview old.exr --false-colour banana -o o/q.png
 bad 'preview of a missing image' 3 'none.exr' preview none.exr -o o/q.png
 bad 'preview into a missing folder' 1 'none/v.png' preview old.exr -o none/v.png

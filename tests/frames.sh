@@ -172,6 +172,10 @@ good '--resume' room.pbrt $few --frames 1-5 --track cam.csv -o f.%03d.exr -o f.%
 check 'what is there stays' test "$(find . -name 'f.00[12].exr' ! -newermt 2002-01-01 | wc -l)" -eq 2
 check 'what is missing comes' cmp f.004.exr g.004.exr
 printf 'frame,eye.x,eye.y,eye.z\n1,0,1,-5\n5,3,1,-5\n' >other.csv
+echo junk >f.004.exr
+# shellcheck disable=SC2086
+good 'a damaged frame' room.pbrt $few --frames 1-5 --track cam.csv -o f.%03d.exr --resume
+check 'is said to be damaged' grep -q "'f.004.exr' is rendered again: it is damaged, or no picture" err
 # shellcheck disable=SC2086
 good 'another track' room.pbrt $few --frames 1-2 --track other.csv -o f.%03d.exr --resume
 check 'renders again' test -z "$(find . -name 'f.00[12].exr' ! -newermt 2002-01-01)"

@@ -72,6 +72,13 @@ good 'explain' explain s.pbrt --group sky=env --pixel 5,5 --indirect-lights 500
 good 'a pattern of no light' s.pbrt $quick --group x=nobody* -o c.exr
 check 'says so, with names' grep -q "no light matches 'nobody\*' of the group x; lights are named .*key.*spot" err
 
+good 'groups and only a PNG' s.pbrt --group 'sky=env' -o only.png
+check 'says that they are lost' grep -q 'the light groups of --group are in no PNG' err
+good 'channels and only a PNG' s.pbrt --aov n -o only.png
+check 'says that they are lost' grep -q 'the channels of --aov are in no PNG' err
+good 'groups, a PNG and an EXR' s.pbrt --group 'sky=env' --aov n -o only.png -o only.exr
+check 'nothing is lost' test "$(grep -c 'in no PNG' err)" -eq 0
+
 # ---- parts ----
 good 'chunk 1' s.pbrt $quick --group sky=env --chunk 1/2 -o c1.exr
 good 'chunk 2' s.pbrt $quick --group sky=env --chunk 2/2 -o c2.exr

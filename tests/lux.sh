@@ -62,6 +62,15 @@ good 'cylindrical' one.pbrt --grid=2.5,-0.5,0:1,0,0:0,1,0:1,1 --cylindrical
 check '(800 - 400 45 / 60) sin 45 / pi / 18' near "$(cell out 1 7)" 6.2524 1e-4
 good 'scalar' one.pbrt --grid=2.5,-0.5,0:1,0,0:0,1,0:1,1 --scalar
 check '500 / 18' near "$(cell out 1 7)" 27.77778 1e-5
+echo 'WorldBegin LightSource "point" "rgb I" [100 100 100] "point3 from" [5 0 3]' >level.pbrt
+printf 'x,y,z,nx,ny,nz\n0,0,3,0,0,1\n0,0,3,0,1,0\n5,-5,3,0.6,0,-0.8\n0,0,3,-1,0,0\n' >level.csv
+good 'a light at the height of a sphere' level.pbrt --points level.csv --scalar
+check '100 / 25, whatever the normal' awk -F, 'NR > 1 { d = $7 - 4; if (d * d > 1e-9) bad = 1 }
+    END { exit bad }' out
+good 'a light at the height of a cylinder' level.pbrt --points level.csv --cylindrical
+check '4 / pi upright' near "$(cell out 1 7)" 1.273239545 1e-5
+check '4 / pi on its side' near "$(cell out 2 7)" 1.273239545 1e-5
+check 'nothing along the axis' near "$(awk -F, 'NR == 5 { print 1 + $7 }' out)" 1 1e-5
 good 'efficacy' one.pbrt --grid=2.5,-0.5,0:1,0,0:0,1,0:1,1 --scalar --efficacy 10 -q
 check 'multiplies' near "$(cell out 1 7)" 277.7778 1e-5
 check 'quiet' test ! -s err
@@ -77,6 +86,13 @@ check 'keeps its columns' test "$(head -n 2 t.csv | sed 's/88\.8888[0-9]*/V/')" 
 A,2,0,0,0,0,0,"one, two",V,1e-05,100'
 check 'and its order' test "$(tail -n 1 t.csv | cut -c 1-18)" = 'B,0,3,0,0,-5,0,,19'
 check 'nothing on stdout' test ! -s out
+"$L" lux one.pbrt --points - -o - <p.csv >t2.csv 2>err
+check 'from a pipe, to one' cmp t.csv t2.csv
+good 'a table to standard output beside a file' one.pbrt --points p.csv -o t.csv -o -
+check 'the same' cmp t.csv out
+echo WorldBegin >dark.pbrt
+good 'no lights' dark.pbrt --points p.csv
+check 'says so' grep -q 'warning: the scene has no lights: all values are 0' err
 { printf '\357\273\277x,y,z,nx,ny,nz\n'; for i in 1 2 3; do echo "$i,0,0,0,0,1"; done; } >bom.csv
 good 'a mark in front' one.pbrt --points bom.csv -o map.png
 check 'dots' grep -q PNG map.png
@@ -133,7 +149,12 @@ bad 'another format' 2 'neither .csv nor .png' one.pbrt --grid $grid -o no.exr
 bad 'one file twice' 2 'are one file' one.pbrt --grid $grid -o no.csv -o ./no.csv
 bad 'the table itself' 2 'is the table of points' one.pbrt --points p.csv -o p.csv
 bad 'a folder that is not there' 1 'none/x.csv' one.pbrt --grid $grid -o none/x.csv
-bad 'the camera as a cylinder' 2 'not with --cylindrical' one.pbrt --camera --cylindrical -o no.csv
+bad 'the camera as a cylinder' 2 'want one of --camera, --cylindrical' one.pbrt --camera --cylindrical -o no.csv
+bad 'a cylinder and a sphere' 2 'want one of .*--scalar at most' one.pbrt --grid $grid --cylindrical --scalar -o no.csv
+bad 'two tables to standard output' 2 'only one thing' one.pbrt --grid $grid -o - -o -
+bad 'a table and JSON there' 2 'only one thing' one.pbrt --grid $grid -o - --json
+bad 'all from standard input' 2 'both come from standard input' - --points - -o no.csv
+bad 'a large grid' 2 '1 to 65535 and 2^24 in all' one.pbrt --grid 0,0,0:1,0,0:0,1,0:65536,1 -o no.csv
 bad 'no such table' 3 'none.csv' one.pbrt --points none.csv -o no.csv
 table() # name regex text: a table that is refused
 {

@@ -721,7 +721,6 @@ TEST(other_formats_are_named)
         { "a.xml", "\xef\xbb\xbf<scene version=\"0.6.0\">", "a Mitsuba file" },
         { "a.stl", "solid cube\nfacet", "an STL file" },
         { "b.stl", "binary STL", "an STL file" },
-        { "a.ply", "ply\nformat ascii 1.0\n", "a PLY file" },
         { "a.3ds", "MM\1\2\3\4\5\6\7", "a 3DS file" },
         { "a.abc", "Ogawa\xff", "an Alembic file" },
         { "a.wrl", "#VRML V2.0", "a VRML file" },
@@ -741,6 +740,12 @@ TEST(other_formats_are_named)
                  temp_path(files[i].name), files[i].what);
         EXPECT_FAILURE(st, LC_ERR_UNSUPPORTED, message);
     }
+    CHECK(load_named("a.ies", "Free label line one\nTILT=NONE\n", 30) == LC_ERR_UNSUPPORTED &&
+          strstr(last_error, "this is an IES photometric file; lightcuts reads pbrt, glTF and OBJ; "
+                             "a scene has it as LightSource \"luminaire\""));
+    CHECK(load_named("a.ply", "ply\nformat ascii 1.0\n", 21) == LC_ERR_UNSUPPORTED &&
+          strstr(last_error, "this is a PLY file; lightcuts reads pbrt, glTF and OBJ; a scene has it as "
+                             "Shape \"plymesh\""));
     CHECK(load_named("any.name", "a\0b", 3) == LC_ERR_UNSUPPORTED &&
           strstr(last_error, "this is not text; "));
     CHECK(load_named("a.pbrt", "a\0b", 3) == LC_ERR_PARSE && strstr(last_error, "a.pbrt:1:"));

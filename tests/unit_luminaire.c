@@ -165,6 +165,7 @@ TEST(scale_colour_and_lumens)
     CHECK(!parse_light("Rotate 30 1 0 0", "\"float lumens\" [500] \"float scale\" [3]"));
     l = light_at(0);
     CHECK(near_abs((double)l.intensity.y * table.lumens / 100, 1500, 3e-3));
+    CHECK(!parse_light("", "\"float lumens\" [0]") && !scene->n_lights);
 }
 
 /* Of n points on the opening: all within it, their mean its middle, their mean squares those of the area. */

@@ -102,6 +102,7 @@ static const char *const names[][2] = { { ".stl", "an STL file" },
                                         { ".rib", "a RenderMan file" },
                                         { ".rad", "a Radiance file" },
                                         { ".3ds", "a 3DS file" },
+                                        { ".ies", "an IES photometric file" },
                                         { ".ldt", "an EULUMDAT file" } };
 
 /* By its name a scene, whose reader says what is wrong with it. */
@@ -128,6 +129,15 @@ const char *lc_format_foreign(const char *path, const uint8_t *head, size_t len)
     return memchr(head, 0, len) && !is_named_scene(path) ? "not text" : NULL;
 }
 
+/* What to do with a file that a scene can name. */
+static const char *advice(const char *foreign)
+{
+    return strstr(foreign, "IES") || strstr(foreign, "EULUMDAT")
+               ? "; a scene has it as LightSource \"luminaire\" \"string filename\""
+           : strstr(foreign, "PLY") ? "; a scene has it as Shape \"plymesh\" \"string filename\""
+                                    : "";
+}
+
 lc_status lc_format_parse(lc_scene *scene, const char *path)
 {
     uint8_t head[HEAD] = { 0 };
@@ -137,7 +147,7 @@ lc_status lc_format_parse(lc_scene *scene, const char *path)
     const char *foreign = len ? lc_format_foreign(path, head, len) : NULL;
     if (foreign)
         return lc_fail_at(scene->ctx, LC_ERR_UNSUPPORTED, (lc_pos){ path, 0, 0 },
-                          "this is %s; lightcuts reads pbrt, glTF and OBJ", foreign);
+                          "this is %s; lightcuts reads pbrt, glTF and OBJ%s", foreign, advice(foreign));
     if (lc_obj_is(head, len)) return lc_obj_parse(scene, path);
     if (has_extension(path, ".glb") || has_extension(path, ".gltf") || has_extension(path, ".glb.gz") ||
         has_extension(path, ".gltf.gz"))

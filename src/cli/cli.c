@@ -88,7 +88,9 @@ bool cli_read_kept(lc_context *ctx, const char *path, lc_image **out)
     atomic_store(&tries_kept, true);
     lc_status st = lc_image_read(ctx, path, out);
     atomic_store(&tries_kept, false);
-    if (st) fprintf(stderr, "lightcuts: '%s' is rendered again: %s\n", cli_shown(path), lc_status_name(st));
+    if (st)
+        fprintf(stderr, "lightcuts: '%s' is rendered again: %s\n", cli_shown(path),
+                st == LC_ERR_PARSE ? "it is damaged, or no picture" : lc_status_name(st));
     return !st;
 }
 
@@ -295,7 +297,7 @@ static const char *good_values(const char *option)
         const char *option, *values;
     } good[] = { { "method", "lightcuts, exact or cuts" },
                  { "group", "NAME=PATTERN, such as key=Lamp*" },
-                 { "resolution", "WIDTHxHEIGHT in pixels, such as 960x540" },
+                 { "resolution", "WIDTHxHEIGHT in pixels, such as 960x540; a side up to 65535, 2^28 in all" },
                  { "exposure", "stops from -100 to 100, or auto" },
                  { "tone", "shoulder, plain or filmic" },
                  { "builder", "auto, exact or ploc" },
@@ -304,11 +306,12 @@ static const char *good_values(const char *option)
                                      "names other than localhost are not looked up" },
                  { "indirect-from", "scene or view" },
                  { "aov", "cut, n, p, z, albedo, error, rays, interval, alpha, with commas between, or all" },
-                 { "nthreads", "1 or more" },
-                 { "spp", "1 or more" },
-                 { "area-lights", "1 or more" },
-                 { "env-lights", "1 or more" },
-                 { "maxdepth", "1 or more" },
+                 { "nthreads", "1 to 1024" },
+                 { "spp", "1 to 65536" },
+                 { "pixels", "1 to 268435456" },
+                 { "area-lights", "1 to 268435456" },
+                 { "env-lights", "1 to 268435456" },
+                 { "maxdepth", "1 to 1000000" },
                  { "print-chunks", "1 or more" },
                  { "indirect-lights", "0 or more" },
                  { "seed", "0 or more" },
@@ -322,13 +325,15 @@ static const char *good_values(const char *option)
                  { "time-limit", "a time, such as 90s, 55m or 2h" },
                  { "checkpoint-interval", "a time, such as 30s or 5m" },
                  { "max-memory", "bytes, such as 500M or 2G" },
-                 { "frames", "A-B, A-BxSTEP or one frame, from 1" },
+                 { "frames", "A-B, A-BxSTEP or one frame, 1 to 99999999" },
                  { "frame", "1 or more" },
                  { "within", "per cent, 1 to 99.9" },
                  { "pixel", "x,y" },
-                 { "grid", "x0,y0,z0:ux,uy,uz:vx,vy,vz:nx,ny: a corner, two sides, numbers of points" },
-                 { "pixelbounds", "x0,x1,y0,y1" },
-                 { "cropwindow", "x0,x1,y0,y1" } };
+                 { "grid", "x0,y0,z0:ux,uy,uz:vx,vy,vz:nx,ny: a corner, two sides, numbers of points, "
+                           "1 to 65535 and 2^24 in all" },
+                 { "efficacy", "lm/W, 1e-6 to 1e6" },
+                 { "pixelbounds", "x0,x1,y0,y1, whole pixels" },
+                 { "cropwindow", "x0,x1,y0,y1, shares of the film from 0 to 1" } };
     if (!strcmp(option, "isa")) return cli_isa_names();
     for (size_t i = 0; i < sizeof good / sizeof *good; i++)
         if (!strcmp(option, good[i].option)) return good[i].values;

@@ -2,6 +2,7 @@
 #include "cli/cli.h"
 #include "cli/colourmap.h"
 #include "cli/metrics.h"
+#include "cli/place.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -152,6 +153,12 @@ static int parse_options(int argc, char **argv, options *o)
     }
     o->image = argv[optind];
     o->reference = argv[optind + 1];
+    if (!o->outfile) return 0;
+    if (cli_check_picture_name("compare", o->outfile)) return CLI_USAGE + 1;
+    if (cli_one_file(o->image, o->outfile) || cli_one_file(o->reference, o->outfile)) {
+        cli_usage_error("compare", "the output '%s' is an image that is compared", o->outfile);
+        return CLI_USAGE + 1;
+    }
     return 0;
 }
 

@@ -20,7 +20,7 @@ typedef struct options {
     double grid[9]; /* corner, edges */
     uint32_t nx, ny, n_threads;
     double efficacy;
-    bool camera, json, quiet;
+    bool camera, json, quiet, cylindrical, scalar, to_stdout;
     lc_isa isa;
     lc_load_desc load;
     lc_render_desc render;
@@ -84,13 +84,15 @@ static void print_help(void)
         "      --grid O:U:V:NX,NY   corner x,y,z, two edges as vectors x,y,z, numbers of sensors along "
         "them,\n"
         "                           which are at the centres of the cells; normal U x V\n"
-        "      --points P.csv       sensors by columns x,y,z,nx,ny,nz; further columns are kept\n"
+        "      --points P.csv       sensors by columns x,y,z,nx,ny,nz; further columns are kept; -: from\n"
+        "                           standard input\n"
         "      --camera             in place of sensors the luminance of the scene's picture, cd/m^2\n"
         "      --cylindrical        of the side of a small cylinder along the normal\n"
-        "      --scalar             of a small sphere: from all directions alike\n"
+        "      --scalar             of a small sphere, over its cross-section: from all directions\n"
+        "                           alike; its surface's mean is a quarter of that\n"
         "  -o, --outfile FILE       .csv: a line for each sensor, in their order: lux, error and within;\n"
         "                           .png: false colours, isolines and a legend; repeatable; default: the\n"
-        "                           table to standard output\n"
+        "                           table to standard output, as by -\n"
         "      --json               least, mean and greatest value, uniformity and error as JSON to\n"
         "                           standard output, in place of the table\n"
         "      --efficacy K         multiply all values by K, lm/W, for scenes in W, default 1: 'power' is\n"
@@ -155,13 +157,13 @@ static int set_option(void *user, int c)
     options *o = user;
     switch (c) {
     case 'o':
-        o->outputs[o->n_outputs % MAX_OUTPUTS] = optarg;
+        o->outputs[o->n_outputs % MAX_OUTPUTS] = cli_output_name(optarg);
         return ++o->n_outputs > MAX_OUTPUTS || !*optarg;
     case OPT_GRID: return parse_grid(o, optarg);
     case OPT_POINTS: o->points = optarg; return !*optarg;
     case OPT_CAMERA: o->camera = true; return 0;
-    case OPT_CYLINDRICAL: o->quantity = LC_ILLUMINANCE_CYLINDRICAL; return 0;
-    case OPT_SCALAR: o->quantity = LC_ILLUMINANCE_SCALAR; return 0;
+    case OPT_CYLINDRICAL: o->cylindrical = true; return 0;
+    case OPT_SCALAR: o->scalar = true; return 0;
     case OPT_EFFICACY: return cli_parse_float(optarg, 1e-6, 1e6, &o->efficacy);
     case OPT_METHOD: return cli_parse_method(optarg, &o->render.method);
     case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
@@ -185,13 +187,25 @@ static int check_options(options *o)
     const int sources = (o->grid_text != NULL) + (o->points != NULL) + o->camera;
     const char *wrong = NULL;
     if (sources != 1) wrong = "want one of --grid, --points and --camera";
-    else if (o->camera && o->quantity != LC_ILLUMINANCE)
-        wrong = "--camera is not with --cylindrical or --scalar";
+    else if (o->camera + o->cylindrical + o->scalar > 1)
+        wrong = "want one of --camera, --cylindrical and --scalar at most";
+    else if (o->points && !strcmp(o->points, "-") && !strcmp(o->scene, "-"))
+        wrong = "scene and points cannot both come from standard input";
     if (wrong) {
         cli_usage_error("lux", "%s", wrong);
         return -1;
     }
+    if (o->cylindrical) o->quantity = LC_ILLUMINANCE_CYLINDRICAL;
+    if (o->scalar) o->quantity = LC_ILLUMINANCE_SCALAR;
     for (int i = 0; i < o->n_outputs; i++) {
+        if (cli_is_stdout(o->outputs[i])) {
+            if (!o->json && !o->to_stdout) {
+                o->to_stdout = true;
+                continue;
+            }
+            cli_usage_error("lux", "only one thing can go to standard output");
+            return -1;
+        }
         if (!cli_has_extension(o->outputs[i], ".csv") && !cli_has_extension(o->outputs[i], ".png")) {
             cli_usage_error("lux", "output '%s' is neither .csv nor .png", o->outputs[i]);
             return -1;
@@ -401,13 +415,14 @@ static int write_outputs(lc_context *ctx, result *r)
     int status = 0;
     for (int i = 0; i < r->o->n_outputs && !status; i++) {
         const char *path = r->o->outputs[i];
+        if (cli_is_stdout(path)) continue;
         const bool png = cli_has_extension(path, ".png");
         table |= !png;
         status = png ? lux_map_write(ctx, path, r->table, r->values) : cli_write_file(path, write_csv, r);
     }
     if (status) return status;
     if (r->o->json) print_json(stdout, r);
-    else if (!table) lux_csv_write(stdout, r->table, r->values);
+    else if (!table || r->o->to_stdout) lux_csv_write(stdout, r->table, r->values);
     if (!r->o->quiet) print_summary(r);
     return CLI_OK;
 }
@@ -430,6 +445,8 @@ static int measure(options *o, lc_context *ctx, const lc_scene *scene, lux_table
     lc_image *image = NULL;
     cli_progress line;
     lc_scene_get_info(scene, &info);
+    if (!info.n_lights && !o->quiet)
+        fprintf(stderr, "lightcuts: warning: the scene has no lights: all values are 0\n");
     for (int i = 0; i < o->n_outputs; i++)
         if (lc_scene_reads_file(scene, o->outputs[i])) {
             cli_usage_error("lux", "output '%s' is a file of the scene", o->outputs[i]);

@@ -1,6 +1,7 @@
 /* cmd_preview.c - lightcuts preview: an image as a PNG to look at, or one channel in false colours. */
 #include "cli/cli.h"
 #include "cli/colourmap.h"
+#include "cli/place.h"
 #include "cli/tone.h"
 
 #include <math.h>
@@ -88,6 +89,10 @@ static int parse_options(int argc, char **argv, options *o)
         return CLI_USAGE + 1;
     }
     o->image = argv[optind];
+    if (cli_one_file(o->image, o->outfile)) {
+        cli_usage_error("preview", "the output '%s' is the image itself", o->outfile);
+        return CLI_USAGE + 1;
+    }
     return 0;
 }
 

@@ -453,7 +453,10 @@ static int load(options *o, lc_context *ctx, lc_scene **scene)
     if (st == LC_ERR_ARG && o->frames.path) return CLI_INPUT; /* the track's cameras */
     if (st) return st == LC_ERR_IO ? CLI_INPUT : cli_exit_status(st);
     lc_scene_get_info(*scene, &info);
-    if (!o->quiet) cli_warn_of_scene(&o->load, &info);
+    if (!o->quiet) {
+        cli_warn_of_scene(&o->load, &info);
+        cli_render_warn_channels(o);
+    }
     return 0;
 }
 

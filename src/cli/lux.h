@@ -30,7 +30,7 @@ typedef struct lux_values {
 } lux_values;
 
 /* Reads a table with the columns x y z nx ny nz, in any order among others; 0, or the exit status after an
- * error with the file's line and column. Free it in either case. */
+ * error with the file's line and column; "-": from standard input. Free it in either case. */
 int lux_table_read(const char *path, lux_table *out);
 /* The same of an open table. */
 int lux_table_take(cli_csv *csv, lux_table *out);

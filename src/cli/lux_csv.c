@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define MAX_POINTS ((size_t)1 << 24)
 #define MAX_COORD  1e12
@@ -110,7 +111,8 @@ int lux_table_take(cli_csv *csv, lux_table *out)
 int lux_table_read(const char *path, lux_table *out)
 {
     cli_csv csv;
-    int status = cli_csv_open(&csv, path);
+    const int fd = strcmp(path, "-") ? -1 : dup(STDIN_FILENO);
+    int status = fd < 0 ? cli_csv_open(&csv, path) : cli_csv_take(&csv, "<stdin>", fdopen(fd, "r"));
     if (!status) status = lux_table_take(&csv, out);
     cli_csv_close(&csv);
     return status;

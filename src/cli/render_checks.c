@@ -142,3 +142,14 @@ int cli_render_check_outputs(const cli_render_options *o)
         if (cli_check_writable(o->outputs[i])) return CLI_FAILED;
     return cli_render_stats_path(o) ? cli_check_writable(o->stats_file) : 0;
 }
+
+void cli_render_warn_channels(const cli_render_options *o)
+{
+    const char *what = o->load.n_groups ? "the light groups of --group"
+                       : o->render.aovs ? "the channels of --aov"
+                                        : NULL;
+    for (int i = 0; i < o->n_outputs; i++)
+        if (!cli_has_extension(o->outputs[i], ".png")) return;
+    if (what)
+        fprintf(stderr, "lightcuts: warning: %s are in no PNG: write -o FILE.exr as well\n", what);
+}

@@ -6,7 +6,7 @@
 static void print_picture_options(void)
 {
     printf(
-        "usage: lightcuts [render] [options] SCENE     ('-' reads the scene from standard input)\n"
+        "usage: lightcuts [render] [options] SCENE     ('-' reads one of pbrt from standard input)\n"
         "\n"
         "  -o, --outfile FILE       .exr or .png; may be repeated; default: the name in the scene's film,\n"
         "                           without its folder, else SCENE.exr, in the current folder; -: EXR to\n"

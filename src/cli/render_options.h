@@ -58,4 +58,6 @@ const char *cli_render_stats_path(const cli_render_options *o);
 int cli_render_check_distinct(const cli_render_options *o, const lc_scene *scene);
 /* Whether all files can be written. 0, or the exit status. */
 int cli_render_check_outputs(const cli_render_options *o);
+/* Says that channels or groups were asked for and no file has them. */
+void cli_render_warn_channels(const cli_render_options *o);
 #endif

@@ -57,44 +57,42 @@ static const char help[] =
     "\n"
     "Exit status: 0, 1 failed, 2 wrong command line, 3 the scene cannot be read.\n";
 
-/* 0: go on; else the exit status + 1. */
-static int parse_options(int argc, char **argv, options *o)
+enum { OPT_PIXELS = CLI_LONG_ONLY, OPT_SPP, OPT_SEED, OPT_JSON };
+
+/* Nonzero: the value of option c is out of range. */
+static int set_option(void *user, int c)
 {
-    enum { OPT_PIXELS = CLI_LONG_ONLY, OPT_SPP, OPT_SEED, OPT_JSON };
+    options *o = user;
+    switch (c) {
+    case 'o': o->outfile = optarg; return !*optarg;
+    case 't': return cli_parse_u32(optarg, 1, CLI_MAX_THREADS, &o->n_threads);
+    case OPT_PIXELS: return cli_parse_u64(optarg, 1, 1u << 28, &o->pixels);
+    case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->spp);
+    case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX - 1, &o->seed);
+    default: o->json = true; return 0;
+    }
+}
+
+static void print_help(void) { fputs(help, stdout); }
+
+/* 0: go on; otherwise *status is the exit status. */
+static int parse_options(int argc, char **argv, options *o, int *status)
+{
     static const struct option table[] = {
         { "pixels", required_argument, NULL, OPT_PIXELS }, { "spp", required_argument, NULL, OPT_SPP },
         { "seed", required_argument, NULL, OPT_SEED },     { "json", no_argument, NULL, OPT_JSON },
         { "nthreads", required_argument, NULL, 't' },      { "outfile", required_argument, NULL, 'o' },
         { "help", no_argument, NULL, 'h' },                { NULL, 0, NULL, 0 }
     };
-    optind = 0;
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, ":o:t:h", table, NULL)) != -1;) {
-        int bad = 0;
-        switch (c) {
-        case 'o':
-            o->outfile = optarg;
-            bad = !cli_has_extension(optarg, ".exr") && !cli_has_extension(optarg, ".png");
-            break;
-        case 't': bad = cli_parse_u32(optarg, 1, CLI_MAX_THREADS, &o->n_threads); break;
-        case 'h': fputs(help, stdout); return CLI_OK + 1;
-        case OPT_PIXELS: bad = cli_parse_u64(optarg, 1, 1u << 28, &o->pixels); break;
-        case OPT_SPP: bad = cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->spp); break;
-        case OPT_SEED: bad = cli_parse_u64(optarg, 0, UINT64_MAX - 1, &o->seed); break;
-        case OPT_JSON: o->json = true; break;
-        default: cli_bad_option("converge", c, argv, table); return CLI_USAGE + 1;
-        }
-        if (bad) {
-            cli_usage_error("converge", "%s: out of range", optarg);
-            return CLI_USAGE + 1;
-        }
-    }
+    static const cli_option_set set = { "converge", ":o:t:h", table, set_option, print_help };
+    if (cli_read_options(&set, argc, argv, o, status)) return -1;
+    *status = CLI_USAGE;
     if (argc - optind != 1) {
         cli_usage_error("converge", "want one scene, got %d", argc - optind);
-        return CLI_USAGE + 1;
+        return -1;
     }
     o->scene = argv[optind];
-    return 0;
+    return o->outfile ? cli_check_picture_name("converge", o->outfile) : 0;
 }
 
 /* ---- pictures ---- */
@@ -393,9 +391,9 @@ static lc_status converge(table *t)
 int cmd_converge(int argc, char **argv)
 {
     options o = { .pixels = DEFAULT_PIXELS, .spp = 1 };
-    int done = parse_options(argc, argv, &o);
-    if (done) return done - 1;
     lc_isa isa;
+    int status;
+    if (parse_options(argc, argv, &o, &status)) return status;
     if (cli_env_isa("converge", &isa)) return CLI_USAGE;
     table t = { .o = &o, .first = cli_context(o.n_threads, isa, 0) };
     if (t.first) t.ctx = cli_context(o.n_threads, isa, -1);

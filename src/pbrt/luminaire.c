@@ -83,6 +83,7 @@ static lc_status set_intensity(lc_pbrt *p, fixture *f)
     if (!st) st = lc_pbrt_light_scale(p, &f->intensity);
     if (!st) st = lc_pbrt_get_float(&p->params, "lumens", &f->light.lumens, &par);
     if (!st && f->light.lumens < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
+    if (!st && par && f->light.lumens <= 0) f->intensity = lc_f3_make(0, 0, 0); /* a light that is off */
     return st;
 }
 

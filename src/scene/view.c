@@ -146,9 +146,18 @@ void lc_view_ray(const lc_scene *s, double px, double py, const double lens[2], 
     else lc_camera_ray(&s->camera, px, py, lens, org, dir);
 }
 
+/* What divides a sphere or cylinder in halves, a little off the normal and odd: lights at the very height of
+ * upright sensors, which are in the plane across the normal, are on one side of it. */
+static lc_f3 dividing(lc_f3 n)
+{
+    const lc_f3 odd = lc_f3_make(0.81732f, 0.54391f, 0.19073f);
+    return lc_f3_normalize(lc_f3_add(n, lc_f3_scale(odd, 0x1p-22f)));
+}
+
 static void see_sensor(const lc_sensor *at, lc_quantity quantity, lc_sight *out)
 {
-    const lc_f3 n = lc_f3_load(at->normal), pos = lc_f3_load(at->position);
+    const lc_f3 pos = lc_f3_load(at->position);
+    lc_f3 n = lc_f3_load(at->normal);
     const float pi = (float)LC_PI;
     lc_material m = { .kd = { pi, pi, pi } };
     out->n_lit = 1;
@@ -156,6 +165,7 @@ static void see_sensor(const lc_sensor *at, lc_quantity quantity, lc_sight *out)
         m = (lc_material){ .ks = { 1, 1, 1 }, .lobe = LC_LOBE_ROUND };
         m.exponent = quantity == LC_ILLUMINANCE_CYLINDRICAL;
         out->n_lit = 2;
+        n = dividing(n);
     }
     for (uint32_t i = 0; i < out->n_lit; i++) {
         lc_lit *lit = &out->lit[i];

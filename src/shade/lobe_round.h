@@ -5,7 +5,8 @@
  *     cylinder   ks sin / pi    cylindrical illuminance, of the side of a cylinder along the normal
  *
  * lc_material.exponent is 0 for the sphere, above 0 for the cylinder. The lobe is that over the receiver's
- * cosine, by which all lobes are multiplied. A light in the plane between the halves is in neither.
+ * cosine, by which all lobes are multiplied. A light in the plane between the halves is in neither, which is
+ * why that plane is not quite across the normal (scene/view.c).
  */
 #ifdef LC_TABLE_PARTS
 
