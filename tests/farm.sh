@@ -91,6 +91,7 @@ expect 'a part that is not there' 3 'gone.exr' merge -o none.exr t-1.exr gone.ex
 head -c $(($(wc -c <t-1.exr) / 2)) t-1.exr >x.exr
 expect 'half a part' 3 'x.exr' merge -o none.exr x.exr t-2.exr
 expect 'merge without output' 2 'no -o' merge t-1.exr
+expect 'merge onto a part' 2 "'./t-1.exr' is one of the parts" merge -o ./t-1.exr t-1.exr t-2.exr
 expect 'merge without parts' 2 'no parts' merge -o none.exr
 check 'none of them wrote a picture' test ! -e none.exr
 for value in 0/4 5/4 4 /4 4/ 1/0 -1/4 1.5/4 x/y 1/4x 99999999999/4 sge; do

@@ -1,5 +1,6 @@
 /* cmd_merge.c - parts rendered with --chunk -> the picture. */
 #include "cli/cli.h"
+#include "cli/place.h"
 
 #include <string.h>
 
@@ -75,6 +76,11 @@ int cmd_merge(int argc, char **argv)
         return CLI_USAGE;
     }
     if (cli_check_picture_name("merge", out)) return CLI_USAGE;
+    for (int i = optind; i < argc; i++)
+        if (cli_one_file(argv[i], out)) {
+            cli_usage_error("merge", "the output '%s' is one of the parts", out);
+            return CLI_USAGE;
+        }
     lc_context *ctx = cli_context(1, LC_ISA_BEST, 0);
     if (!ctx) return CLI_FAILED;
     int status = run(ctx, argv + optind, argc - optind, out);
