@@ -1,10 +1,10 @@
 /* unit_environment.c - environments that are dimmed in a committed scene: the bytes of the scene whose file
  * says so, 0 and back, which one and of which name, nothing built that does not follow, what is refused,
  * everything as before when memory runs out. */
+#include "support/poor_update.h"
 #include "support/rendered.h"
 #include "support/scene_text.h"
 #include "support/test.h"
-#include "support/watched_memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -282,32 +282,23 @@ TEST(wrong_arguments_are_named_and_change_nothing)
     lc_scene_destroy(t);
 }
 
-/* Allocations of the call and the update fail in turn; the picture, in which the sky is seen, then is the one
- * before. */
+static lc_status dim_by_half(lc_scene *s, const void *user)
+{
+    (void)user;
+    return lc_scene_dim_environment(s, 0, half);
+}
+
 TEST(dimming_without_memory_leaves_the_scene_as_it_was)
 {
     lc_context *own = watched_context(1);
     lc_scene *s = scene_of(own, MAP("sky1.pfm", "1")), *t = scene_of(ctx, MAP("sky1.pfm", ".5"));
     lc_image *before = rendered(own, s), *after = rendered(ctx, t);
-    lc_status st = LC_ERR_MEMORY;
-    long n = 0;
-    for (; st && n < 100000; n += 1 + n / 16) {
-        allocations_left = n;
-        st = lc_scene_dim_environment(s, 0, half);
-        if (!st) st = lc_scene_update(s, NULL);
-        allocations_left = -1;
-        CHECKF(!st || st == LC_ERR_MEMORY, "%s", lc_status_name(st));
-        lc_image *image = rendered(own, s);
-        CHECKF(same_planes(image, st ? before : after), "after %ld allocations", n);
-        lc_image_destroy(image);
-    }
-    CHECKF(!st && n > 20, "%ld allocations", n);
+    update_without_memory(own, s, dim_by_half, NULL, before, after, 20);
     lc_image_destroy(before);
     lc_image_destroy(after);
     lc_scene_destroy(s);
     lc_scene_destroy(t);
-    lc_context_destroy(own);
-    CHECKF(!blocks_live && !guards_broken, "%ld blocks", (long)blocks_live);
+    end_watched(own);
 }
 
 int main(void)

@@ -1,9 +1,9 @@
 /* unit_update.c - cameras, lights, instances and emission set again: the bytes of a scene begun so, nothing
  * built that does not follow from what was set, everything as before when memory runs out. */
+#include "support/poor_update.h"
 #include "support/rendered.h"
 #include "support/scene_text.h"
 #include "support/test.h"
-#include "support/watched_memory.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -352,6 +352,13 @@ static lc_image *of(const stage *g, size_t way)
     return image;
 }
 
+/* user: the stages from and to. */
+static lc_status set_stage(lc_scene *s, const void *user)
+{
+    const stage *const *ends = user;
+    return set(s, ends[0], ends[1]);
+}
+
 /* Ways 0 and 3: the light tree is replaced alone, or with all that is made. */
 static void starve_updates(size_t way, int step)
 {
@@ -363,22 +370,9 @@ static void starve_updates(size_t way, int step)
     lc_context *own = watched_context(1);
     lc_scene *s;
     CHECK(!build(own, &start, &load, &s));
-    lc_status st = LC_ERR_MEMORY;
-    long n = 0;
-    for (; st && n < 100000; n += 1 + n / 32) {
-        allocations_left = n;
-        st = set(s, &start, &next);
-        if (!st) st = lc_scene_update(s, NULL);
-        allocations_left = -1;
-        CHECKF(!st || st == LC_ERR_MEMORY, "%s", lc_status_name(st));
-        lc_image *image = rendered(own, s);
-        CHECKF(same_planes(image, st ? before : after), "%s after %ld allocations", ways[way].name, n);
-        lc_image_destroy(image);
-    }
-    CHECKF(!st && n > 3, "%ld allocations", n);
+    update_without_memory(own, s, set_stage, (const stage *const[2]){ &start, &next }, before, after, 3);
     lc_scene_destroy(s);
-    lc_context_destroy(own);
-    CHECKF(!blocks_live && !guards_broken, "%ld blocks", (long)blocks_live);
+    end_watched(own);
     lc_image_destroy(before);
     lc_image_destroy(after);
 }
