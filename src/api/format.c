@@ -129,13 +129,17 @@ const char *lc_format_foreign(const char *path, const uint8_t *head, size_t len)
     return memchr(head, 0, len) && !is_named_scene(path) ? "not text" : NULL;
 }
 
-/* What to do with a file that a scene can name. */
+/* How a scene has a file that is no scene, or nothing. */
 static const char *advice(const char *foreign)
 {
-    return strstr(foreign, "IES") || strstr(foreign, "EULUMDAT")
-               ? "; a scene has it as LightSource \"luminaire\" \"string filename\""
-           : strstr(foreign, "PLY") ? "; a scene has it as Shape \"plymesh\" \"string filename\""
-                                    : "";
+    static const struct {
+        const char *what, *how;
+    } parts[] = { { "an IES photometric file", "LightSource \"luminaire\"" },
+                  { "an EULUMDAT file", "LightSource \"luminaire\"" },
+                  { "a PLY file", "Shape \"plymesh\"" } };
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        if (!strcmp(foreign, parts[i].what)) return parts[i].how;
+    return NULL;
 }
 
 lc_status lc_format_parse(lc_scene *scene, const char *path)
@@ -145,9 +149,13 @@ lc_status lc_format_parse(lc_scene *scene, const char *path)
     size_t len = strcmp(path, "-") ? lc_file_peek(path, head, sizeof head) : 0;
     if (lc_gltf_is(head, len)) return lc_gltf_parse(scene, path);
     const char *foreign = len ? lc_format_foreign(path, head, len) : NULL;
-    if (foreign)
+    if (foreign) {
+        const char *how = advice(foreign);
         return lc_fail_at(scene->ctx, LC_ERR_UNSUPPORTED, (lc_pos){ path, 0, 0 },
-                          "this is %s; lightcuts reads pbrt, glTF and OBJ%s", foreign, advice(foreign));
+                          "this is %s; lightcuts reads pbrt, glTF and OBJ%s%s%s", foreign,
+                          how ? "; a scene has it as " : "", how ? how : "",
+                          how ? " \"string filename\"" : "");
+    }
     if (lc_obj_is(head, len)) return lc_obj_parse(scene, path);
     if (has_extension(path, ".glb") || has_extension(path, ".gltf") || has_extension(path, ".glb.gz") ||
         has_extension(path, ".gltf.gz"))

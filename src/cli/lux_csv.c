@@ -111,8 +111,8 @@ int lux_table_take(cli_csv *csv, lux_table *out)
 int lux_table_read(const char *path, lux_table *out)
 {
     cli_csv csv;
-    const int fd = strcmp(path, "-") ? -1 : dup(STDIN_FILENO);
-    int status = fd < 0 ? cli_csv_open(&csv, path) : cli_csv_take(&csv, "<stdin>", fdopen(fd, "r"));
+    int status = strcmp(path, "-") ? cli_csv_open(&csv, path)
+                                   : cli_csv_take(&csv, "<stdin>", fdopen(dup(STDIN_FILENO), "r"));
     if (!status) status = lux_table_take(&csv, out);
     cli_csv_close(&csv);
     return status;
