@@ -5,8 +5,8 @@
 #include "support/rendered.h"
 #include "support/watched_memory.h"
 
-/* Changes a scene of a watched context by `change` and lc_scene_update, where all allocations fail, then where
- * some succeed before the others fail, more from time to time, until both succeed, after more than `least`.
+/* Changes a scene of a watched context by `change` and lc_scene_update: first all allocations fail, then some
+ * succeed before the others fail, more from time to time, until both calls succeed, after more than `least`.
  * Until then the picture must be `before`, in the end `after`. */
 static inline void update_without_memory(lc_context *own, lc_scene *s,
                                          lc_status (*change)(lc_scene *s, const void *user), const void *user,
