@@ -139,7 +139,7 @@ says 'clamping takes [0-9]* % of the indirect light'
 good 'a picture with its options' -q s.pbrt -o a.exr --area-lights 7 --env-lights 8 --indirect-lights 9 \
     --builder ploc
 for attribute in method seed maxDepth builder areaLights envLights indirectLights error within everyLight \
-    maxCut darkFloor representatives; do
+    maxCut darkFloor darkLuminance representatives; do
     check "attribute $attribute" grep -aq "lightcuts/$attribute" a.exr
 done
 good 'the classic criterion' -q s.pbrt -o b.exr --error-ratio 0.02

@@ -354,23 +354,25 @@ static lc_status average(lc_context *ctx, const lc_image_desc *d, uint32_t n, fl
 }
 
 /* Measures, where the image says what error of pixels was asked, the share that keeps it: of all pixels,
- * relative to the reference or to the dark floor, of the reference's mean, where that is larger. */
+ * relative to the reference or to the luminance of the dark floor where that is larger. A picture of every
+ * light had none: the floor is of the reference's mean. */
 static asked_error measure_asked(const lc_image *image, const lc_image_desc *d, float *const a[3],
                                  float *const ref[3])
 {
     const double n = (double)d->width * d->height,
                  floor_of_mean = lc_image_get_number(image, "lightcuts/darkFloor", 0);
     asked_error e = { .error = lc_image_get_number(image, "lightcuts/error", 0) };
-    double mean = 0;
+    double dark = lc_image_get_number(image, "lightcuts/darkLuminance", 0), mean = 0;
     if (!(e.error > 0)) return e;
     e.within = lc_image_get_number(image, "lightcuts/within", 0) / 100;
     e.pilots = lc_image_get_number(image, "lightcuts/pilots", 0);
     e.stated = lc_image_get_number(image, "lightcuts/achieved", 0) / 100;
     e.margin = lc_image_get_number(image, "lightcuts/achievedMargin", 0) / 100;
     for (size_t i = 0; i < (size_t)d->width * d->height; i++) mean += luminance(ref, i) / n;
+    if (!(dark > 0)) dark = floor_of_mean * mean;
     for (size_t i = 0; i < (size_t)d->width * d->height; i++) {
         const double y = luminance(ref, i);
-        e.measured += fabs(luminance(a, i) - y) <= e.error * fmax(y, floor_of_mean * mean) ? 1 / n : 0;
+        e.measured += fabs(luminance(a, i) - y) <= e.error * fmax(y, dark) ? 1 / n : 0;
     }
     return e;
 }

@@ -138,6 +138,7 @@ lc_status lc_job_set_attributes(const lc_render_job *j, const lc_render_stats *s
                       : lc_image_set_number(im, "lightcuts/errorRatio", (double)d->error_ratio);
     if (!st) st = lc_image_set_number(im, "lightcuts/maxCut", d->max_cut);
     if (!st) st = lc_image_set_number(im, "lightcuts/darkFloor", (double)d->dark_floor);
+    if (!st) st = lc_image_set_number(im, "lightcuts/darkLuminance", (double)j->floor);
     if (!st) st = lc_image_set_number(im, "lightcuts/representatives", j->scene->tree->n_reps);
     return st;
 }
