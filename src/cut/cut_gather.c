@@ -19,11 +19,14 @@
 
 #include "base/rng.h"
 
+#include <string.h>
+
 #define UP (1 + 0x1p-20f) /* above the rounding of a few products */
 #define OF_PAIR 0.2f     /* chosen; see above */
 #define PER_POINT 8      /* new representatives of a batch for each of its points */
 #define BOUND_POINTS 4   /* of a gather cluster with lobes, spread over the order of its points */
 #define GOLDEN 0x9e3779b9u
+#define END_OF_CHAIN 255 /* no place in a batch */
 
 void lc_cut_use_point(const lc_cut *c, lc_cut_step *s, uint32_t at)
 {
@@ -172,27 +175,30 @@ void lc_cut_lobed_bounds(const lc_cut *c, const uint32_t *node, uint32_t n, lc_l
     for (uint32_t i = 0; i < n_dark; i++) bound[at[i]] = sum[i];
 }
 
-/* Those of one point at a time, which are scattered over the batch. */
+/* Those of one point at a time, which are scattered over the batch: chains of what is of one point. */
 void lc_cut_gather_estimates(const lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n, lc_light_kind kind)
 {
     uint32_t rep[LC_CUT_BATCH + LC_LANES], from[LC_CUT_BATCH];
     float f[3][LC_CUT_BATCH + LC_LANES], to[3][LC_CUT_BATCH + LC_LANES];
     float *const out[6] = { f[0], f[1], f[2], to[0], to[1], to[2] };
-    uint64_t left = n < 64 ? ((uint64_t)1 << n) - 1 : ~(uint64_t)0;
-    while (left) {
-        const uint32_t at = s->at[first + (uint32_t)__builtin_ctzll(left)];
+    uint8_t next[LC_CUT_BATCH], begin[LC_GATHER_MOST];
+    memset(begin, END_OF_CHAIN, c->gather->n);
+    for (uint32_t i = n; i-- > 0;) {
+        next[i] = begin[s->at[first + i]];
+        begin[s->at[first + i]] = (uint8_t)i;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t at = s->at[first + i];
         uint32_t m = 0;
-        for (uint64_t rest = left; rest; rest &= rest - 1) {
-            const uint32_t i = (uint32_t)__builtin_ctzll(rest);
-            if (s->at[first + i] != at) continue;
-            rep[m] = s->rep[first + i];
-            from[m++] = first + i;
-            left &= ~((uint64_t)1 << i);
+        if (begin[at] != i) continue;
+        for (uint32_t k = i; k != END_OF_CHAIN; k = next[k]) {
+            rep[m] = s->rep[first + k];
+            from[m++] = first + k;
         }
         lc_cut_use_point(c, s, at);
         c->ctx->shade_kernels->estimate(&c->tree->data, 0, rep, m, kind, s->point, out);
-        for (uint32_t i = 0; i < m; i++)
-            for (int k = 0; k < 3; k++) s->f[k][from[i]] = f[k][i];
+        for (uint32_t j = 0; j < m; j++)
+            for (int k = 0; k < 3; k++) s->f[k][from[j]] = f[k][j];
     }
     for (uint32_t i = first; i < first + n; i++) s->rep[i] |= s->at[i] << c->light_bits;
 }

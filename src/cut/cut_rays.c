@@ -97,43 +97,55 @@ static bool has_far(const lc_light_tree *t)
     return far;
 }
 
-/* Counts the pending rays of a list by their keys, point and whether they go far; or with `order` writes
- * their places there, `in_list` added, each at the end of its key's so far. */
-static void sort_rays(const lc_cut *c, const lc_cut_list *list, uint32_t first, uint32_t in_list,
-                      bool all_near, uint32_t *end, uint32_t *order)
+#define IN_LIST_BITS 30 /* of a place: the element; above, its list */
+#define IN_LIST ((1u << IN_LIST_BITS) - 1)
+
+/* Appends the places of a list's pending rays to those of others, `in_list` added. Returns their number. */
+static uint32_t find_pending(const lc_cut_list *list, uint32_t first, uint32_t in_list, uint32_t *place,
+                             uint32_t n)
 {
     for (uint32_t i = first; i < list->n; i++) {
-        const uint32_t rep = list->rep[i];
-        if (!(rep & LC_PENDING)) continue;
-        const uint32_t key = 2 * lc_cut_point_of(c, rep) +
-                             (!all_near && lc_is_far(lc_kind_of_light(c->tree, rep & c->light_mask)));
-        if (order) {
-            order[end[key]++] = i | in_list;
-            __builtin_prefetch(&c->tree->data.lights[rep & c->light_mask]);
-        } else end[key + 1]++;
+        place[n] = i | in_list;
+        n += list->rep[i] >> 31; /* LC_PENDING */
     }
+    return n;
 }
 
-#define IN_LIST_BITS 30 /* of a place: the element; above, its list */
+/* The places of all pending rays by their keys, point and whether they go far, which are counted in `end`:
+ * key k's are order[end[k - 1]] to order[end[k]]. `split` is empty between rounds, so its memory is free. */
+static const uint32_t *sort_rays(const lc_cut *c, uint32_t n_keys, uint32_t *end)
+{
+    const lc_cut_list *const lists[] = { &c->open, &c->kept, &c->leaf };
+    uint32_t *place = c->split.link, *key = c->split.rep, *order = (uint32_t *)(void *)c->scratch, n = 0;
+    const bool all_near = !has_far(c->tree);
+    for (uint32_t k = 0; k < 3; k++)
+        n = find_pending(lists[k], k == 1 ? c->n_traced : 0, k << IN_LIST_BITS, place, n);
+    memset(end, 0, (n_keys + 1) * sizeof *end);
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t rep = lists[place[i] >> IN_LIST_BITS]->rep[place[i] & IN_LIST],
+                       light = rep & c->light_mask;
+        key[i] = 2 * lc_cut_point_of(c, rep) + (!all_near && lc_is_far(lc_kind_of_light(c->tree, light)));
+        end[key[i] + 1]++;
+        __builtin_prefetch(&c->tree->data.lights[light]);
+    }
+    for (uint32_t k = 0; k < n_keys; k++) end[k + 1] += end[k];
+    for (uint32_t i = 0; i < n; i++) order[end[key[i]]++] = place[i];
+    return order;
+}
 
 /* The rays of each point together, of all lists. */
 double lc_cut_gather_trace(lc_cut *c, lc_cut_step *s)
 {
     lc_cut_list *const lists[] = { &c->open, &c->kept, &c->leaf };
-    uint32_t end[2 * LC_GATHER_MOST + 1], *order = (uint32_t *)(void *)c->scratch;
-    const bool all_near = !has_far(c->tree);
+    uint32_t end[2 * LC_GATHER_MOST + 1];
+    const uint32_t n_keys = 2 * c->gather->n, *order = sort_rays(c, n_keys, end);
     double change = 0;
     ray_group g;
-    memset(end, 0, (2 * c->gather->n + 1) * sizeof *end);
-    for (uint32_t k = 0; k < 3; k++) sort_rays(c, lists[k], k == 1 ? c->n_traced : 0, 0, all_near, end, NULL);
-    for (uint32_t k = 0; k < 2 * c->gather->n; k++) end[k + 1] += end[k];
-    for (uint32_t k = 0; k < 3; k++)
-        sort_rays(c, lists[k], k == 1 ? c->n_traced : 0, k << IN_LIST_BITS, all_near, end, order);
-    for (uint32_t key = 0, i = 0; key < 2 * c->gather->n; key++) {
+    for (uint32_t key = 0, i = 0; key < n_keys; key++) {
         lc_cut_use_point(c, s, key / 2);
         while (i < end[key]) {
             for (g.n = 0; i < end[key] && g.n < LC_CUT_BATCH; i++)
-                add_ray(c, s, lists[order[i] >> IN_LIST_BITS], order[i] & ((1u << IN_LIST_BITS) - 1), &g);
+                add_ray(c, s, lists[order[i] >> IN_LIST_BITS], order[i] & IN_LIST, &g);
             change += trace_group(c, s, &g, key & 1);
         }
     }

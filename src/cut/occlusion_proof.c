@@ -99,6 +99,7 @@ typedef struct {
 /* A box of lights relative to the point, or of directions; and how far points are from the point. */
 typedef struct {
     f4 c[3], half[3], reach[3];
+    f4 both[3]; /* reach and half extent of the two other axes, each times the other's */
     float most, most_reach; /* D and r of the head */
 } view_box;
 
@@ -141,6 +142,8 @@ static view_box box_of(const lc_node *node, const float org[3], const float reac
         b.most = larger(b.most, fabsf(c) + half);
         b.most_reach = larger(b.most_reach, reach[k]);
     }
+    for (int k = 0, x = 1, y = 2; k < 3; x = y, y = k++)
+        b.both[k] = f4_add(f4_mul(b.reach[x], b.half[y]), f4_mul(b.reach[y], b.half[x]));
     return b;
 }
 
@@ -157,9 +160,9 @@ static ALWAYS_INLINE f4 width_of_points(const planes *p, const view_box *box, bo
     f4 width = f4_set(0);
     for (int k = 0, x = 1, y = 2; k < 3; x = y, y = k++) {
         const f4 turn = f4_sub(f4_mul(p->e[x], box->c[y]), f4_mul(p->e[y], box->c[x])),
-                 side = far ? turn : f4_add(p->n[k], turn),
-                 both = f4_add(f4_mul(box->reach[x], box->half[y]), f4_mul(box->reach[y], box->half[x]));
-        width = f4_add(width, f4_add(f4_mul(f4_abs(side), box->reach[k]), f4_mul(f4_abs(p->e[k]), both)));
+                 side = far ? turn : f4_add(p->n[k], turn);
+        width = f4_add(width, f4_add(f4_mul(f4_abs(side), box->reach[k]),
+                                     f4_mul(f4_abs(p->e[k]), box->both[k])));
     }
     return width;
 }
