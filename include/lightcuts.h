@@ -811,6 +811,12 @@ LC_API lc_status lc_build_object(lc_scene *scene, uint32_t *id);
 /* Places an object, whose meshes have all been given. to_world is row-major and acts on column vectors;
  * its last row is 0 0 0 1, it can be inverted, and its condition number is at most 1000. */
 LC_API lc_status lc_build_instance(lc_scene *scene, uint32_t object, const double to_world[16]);
+/* The same for an object that moves while the shutter is open, from one matrix to the other: as in pbrt its
+ * translation and its stretch change evenly, and it turns about one axis. A pixel's samples see it at moments
+ * of their own; lights, and a picture of one sample a pixel, see it in the middle of that time. An instance
+ * that is set or moved afterwards stands still. LC_ERR_ARG also where there is no way between the two. */
+LC_API lc_status lc_build_moving_instance(lc_scene *scene, uint32_t object, const double from[16],
+                                          const double to[16]);
 /* 1 if lc_build_instance takes this matrix, else 0: the meshes themselves must then be transformed. */
 LC_API int lc_build_instance_fits(const double to_world[16]);
 /* *id: the texture's number for materials and meshes. */
@@ -824,6 +830,10 @@ LC_API lc_status lc_build_sun(lc_scene *scene, const lc_build_sun_desc *desc);
 /* 1 if something shines: a light, an environment, a mesh that emits. */
 LC_API int lc_build_is_lit(const lc_scene *scene);
 LC_API lc_status lc_build_camera(lc_scene *scene, const lc_build_camera_desc *desc);
+/* The camera, which has been given, moves while the shutter is open to where this matrix has it: row-major, on
+ * column vectors, as lc_build_camera_desc.world_to_camera. As with instances, what has no moment sees it in
+ * the middle, and a camera that is set afterwards stands still. LC_ERR_ARG: there is no way to it. */
+LC_API lc_status lc_build_camera_motion(lc_scene *scene, const double world_to_camera[16]);
 /* A camera that sees all meshes and instances so far, from the front, right and above, y being up. */
 LC_API lc_status lc_build_usual_camera(lc_scene *scene);
 LC_API lc_status lc_build_film(lc_scene *scene, const lc_build_film_desc *desc);

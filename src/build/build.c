@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "build/reader.h"
 #include "scene/instance.h"
+#include "scene/motion.h"
 #include "scene/named.h"
 #include "scene/usual_view.h"
 
@@ -250,25 +251,41 @@ lc_status lc_build_object(lc_scene *s, uint32_t *id)
     return LC_OK;
 }
 
-lc_status lc_build_instance(lc_scene *s, uint32_t object, const double to_world[16])
+/* to: NULL where it does not move. */
+static lc_status place(lc_scene *s, const char *call, uint32_t object, const double *from, const double *to)
 {
-    lc_xform x;
-    lc_status st = lc_build_take(s, "lc_build_instance", NULL, 0, NULL);
+    lc_xform x, end;
+    lc_status st = lc_build_take(s, call, NULL, 0, NULL);
     if (st) return st;
     if (object >= s->n_objects)
-        return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_instance: object %u of %zu", object, s->n_objects);
-    if ((st = lc_arg_to_world(s, "lc_build_instance", to_world, &x))) return st;
+        return lc_fail(s->ctx, LC_ERR_ARG, "%s: object %u of %zu", call, object, s->n_objects);
+    if ((st = lc_arg_to_world(s, call, from, &x))) return st;
+    if (to && (st = lc_arg_to_world(s, call, to, &end))) return st;
     lc_given *g = &s->given;
     const size_t before = s->n_instances;
     if ((st = lc_names_begin(s, LC_NAMED_INSTANCE, s->by_calls ? g->n_instances : before))) return st;
     if (s->by_calls && (st = number_of(s, &g->instances, &g->n_instances, &g->cap_instances))) return st;
-    if ((st = lc_build_status(s, lc_scene_add_instance(s, s->at, object, &x)))) {
+    st = lc_scene_add_instance(s, s->at, object, &x);
+    if (!st && to && s->n_instances > before && (st = lc_scene_add_motion(s, s->at, &x, &end)))
+        s->n_instances = before;
+    if ((st = lc_build_status(s, st))) {
         g->n_instances -= s->by_calls;
         return st;
     }
     if (s->n_instances > before && s->by_calls) g->instances[g->n_instances - 1] = (uint32_t)before;
     if (object + 1 == s->n_objects) g->placed = true;
     return LC_OK;
+}
+
+lc_status lc_build_instance(lc_scene *s, uint32_t object, const double to_world[16])
+{
+    return place(s, "lc_build_instance", object, to_world, NULL);
+}
+
+lc_status lc_build_moving_instance(lc_scene *s, uint32_t object, const double from[16], const double to[16])
+{
+    if (s && !to) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_moving_instance: to is NULL");
+    return place(s, "lc_build_moving_instance", object, from, to);
 }
 
 int lc_build_instance_fits(const double to_world[16])
@@ -292,6 +309,19 @@ lc_status lc_build_camera(lc_scene *s, const lc_build_camera_desc *desc)
     if (st) return st;
     s->own_screen = !lc_arg_is_none(d.screen, 4);
     s->media.around = d.medium;
+    return LC_OK;
+}
+
+lc_status lc_build_camera_motion(lc_scene *s, const double world_to_camera[16])
+{
+    lc_xform to;
+    lc_status st = lc_build_take(s, "lc_build_camera_motion", NULL, 0, NULL);
+    if (st) return st;
+    if (!s->has_camera || !world_to_camera)
+        return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_camera_motion: there is no camera, or no matrix");
+    memcpy(to.m, world_to_camera, sizeof to.m);
+    if (!lc_xform_finite(&to) || lc_scene_move_view(s, &to))
+        return lc_build_wrong(s, "lc_build_camera_motion", "there is no way to this matrix");
     return LC_OK;
 }
 

@@ -5,6 +5,7 @@
 #include "base/fmath.h"
 #include "base/xform.h"
 #include "scene/instance.h"
+#include "scene/motion.h"
 
 #define MIN_RAMP 0.001 /* of cosines, as the extension of glTF has it */
 
@@ -307,6 +308,11 @@ uint64_t lc_given_id(const lc_scene *s)
         lc_digest_u64(&d, s->instances[i].object);
         lc_digest_add(&d, s->instances[i].to_world, sizeof s->instances[i].to_world);
     }
+    for (size_t i = 0; i < s->n_moving; i++) {
+        lc_digest_add(&d, s->moving[i].from.m, sizeof s->moving[i].from.m);
+        lc_digest_add(&d, s->moving[i].to.m, sizeof s->moving[i].to.m);
+    }
+    if (s->view_moves) lc_digest_add(&d, s->view_ends, sizeof s->view_ends);
     lc_digest_mark(&d);
     for (size_t i = 0; i < s->n_meshes; i++)
         lc_digest_add(&d, &s->meshes[i].emission, sizeof s->meshes[i].emission);

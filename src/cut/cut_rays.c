@@ -18,8 +18,9 @@ bool lc_cut_hidden(const lc_visibility *visibility, const lc_point *p, const flo
 {
     const lc_f3 ng = lc_f3_load(p->ng), from = far ? lc_f3_make(0, 0, 0) : lc_f3_load(p->pos);
     const bool dims = visibility->dimmed != NULL;
-    if (dims) visibility->dimmed(visibility->scene, org, n, target, far, hidden, blocker, through);
-    else visibility->hidden(visibility->scene, org, n, target, far, hidden, blocker);
+    const void *scene = visibility->moments ? visibility->moments[p->moment] : visibility->scene;
+    if (dims) visibility->dimmed(scene, org, n, target, far, hidden, blocker, through);
+    else visibility->hidden(scene, org, n, target, far, hidden, blocker);
     if (!(lc_f3_max_abs(ng) > 0)) return dims;
     for (uint32_t i = 0; i < n; i++)
         hidden[i] |= lc_f3_dot(ng, lc_f3_sub(lc_f3_make(target[0][i], target[1][i], target[2][i]), from)) < 0;

@@ -21,7 +21,7 @@ void lc_pbrt_options_init(lc_pbrt_options *opt)
     *opt = (lc_pbrt_options){ .crop = { 0, 1, 0, 1 }, .bounds = { 0, INT32_MAX, 0, INT32_MAX } };
     opt->scale = 1;
     opt->iso = 100;
-    opt->shutter = 1;
+    opt->shutter = opt->close = opt->motion[1] = 1;
     opt->spp = 16; /* pbrt's default */
     opt->focal_distance = 1e6;
     opt->world_to_camera = lc_xform_identity();
@@ -130,13 +130,16 @@ lc_status lc_pbrt_sampler(lc_pbrt *p, const lc_pbrt_stmt *s)
     return LC_OK;
 }
 
-static lc_status limit_spp(lc_pbrt *p, uint32_t *spp)
+lc_status lc_pbrt_limit_spp(lc_pbrt *p)
 {
-    const uint32_t most = p->opt.lens_radius > 0 ? MAX_LENS_SPP : MAX_FILE_SPP;
-    if (*spp <= most) return LC_OK;
-    uint32_t n = *spp;
-    *spp = most;
-    if (!p->opt.spp_pos.file || lc_build_asked(p->scene)->spp) return LC_OK;
+    lc_build_film_desc *film = &p->opt.film;
+    const bool blurs = p->opt.lens_radius > 0 || p->opt.moves;
+    const uint32_t most = blurs ? MAX_LENS_SPP : MAX_FILE_SPP, n = film->spp;
+    if (n <= most) return LC_OK;
+    film->spp = most;
+    lc_status st = lc_pbrt_at(p, p->opt.film_pos);
+    if (!st) st = lc_build_film(p->scene, film);
+    if (st || !p->opt.spp_pos.file || lc_build_asked(p->scene)->spp) return st;
     return lc_pbrt_note(
         p, p->opt.spp_pos, "sampler pixelsamples",
         "%u samples per pixel: %u are taken, for here they serve antialiasing only; --spp overrides", n,
@@ -240,9 +243,10 @@ lc_status lc_pbrt_camera(lc_pbrt *p, const lc_pbrt_stmt *s)
     o->camera_pos = s->pos;
     o->has_camera = true;
     o->world_to_camera = p->ctm;
+    o->world_to_camera_end = p->ctm_end;
     o->medium = p->attrs.sides.outside;
-    lc_xform inverse;
-    if (!lc_xform_invert(&p->ctm, &inverse))
+    lc_pbrt_ctm inverse;
+    if (!lc_xform_invert(&p->ctm, &inverse.start) || !lc_xform_invert(&p->ctm_end, &inverse.end))
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "the camera's transform is singular");
     lc_status st = lc_pbrt_name_coords(p, "camera", &inverse);
     if (!st) st = get_kind(p, s);
@@ -253,6 +257,8 @@ lc_status lc_pbrt_camera(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (!st) st = lc_pbrt_get_float(&p->params, "shutteropen", &open, NULL);
     if (!st) st = lc_pbrt_get_float(&p->params, "shutterclose", &close, NULL);
     o->shutter = close > open ? close - open : 1;
+    o->open = open;
+    o->close = close;
     return st;
 }
 
@@ -265,6 +271,17 @@ static void crop_axis(const lc_pbrt_options *o, int64_t size, int axis, uint32_t
     if (o->bounds[2 * axis + 1] < hi) hi = o->bounds[2 * axis + 1];
     out[0] = (uint32_t)(lo < size ? lo : size);
     out[1] = (uint32_t)(hi > 0 ? hi : 0);
+}
+
+/* World to camera when the shutter opens and closes. */
+static lc_pbrt_ctm view_at_shutter(lc_pbrt_options *o)
+{
+    lc_pbrt_ctm world, shutter = { o->world_to_camera, o->world_to_camera };
+    o->moves = lc_xform_invert(&o->world_to_camera, &world.start) &&
+               lc_xform_invert(&o->world_to_camera_end, &world.end) &&
+               lc_pbrt_shutter(o, &world, &shutter) && lc_xform_invert(&shutter.start, &world.start) &&
+               lc_xform_invert(&shutter.end, &world.end);
+    return o->moves ? world : (lc_pbrt_ctm){ o->world_to_camera, o->world_to_camera };
 }
 
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
@@ -289,10 +306,12 @@ lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
     crop_axis(o, o->width, 0, film.crop);
     crop_axis(o, o->height, 1, film.crop + 2);
     if (film.crop[0] >= film.crop[1]) film.crop[0] = film.width; /* empty, and not all 0 */
+    const lc_pbrt_ctm shutter = view_at_shutter(o);
     double scale = o->scale * (p->v4 ? o->iso / 100 * o->shutter : 1);
     film.scale = scale <= (double)FLT_MAX ? (float)scale : INFINITY;
-    lc_status st = limit_spp(p, &film.spp);
-    if (!st) st = lc_pbrt_at(p, o->film_pos.file ? o->film_pos : where);
+    if (!o->film_pos.file) o->film_pos = where;
+    lc_status st = lc_pbrt_at(p, o->film_pos);
+    o->film = film;
     if (!st) st = lc_build_film(p->scene, &film);
     if (st) return st;
 
@@ -302,7 +321,7 @@ lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
     camera.lens_radius = o->lens_radius;
     camera.focal_distance = o->focal_distance;
     camera.medium = o->medium;
-    memcpy(camera.world_to_camera, o->world_to_camera.m, sizeof camera.world_to_camera);
+    memcpy(camera.world_to_camera, shutter.start.m, sizeof camera.world_to_camera);
     double aspect = o->aspect > 0 ? o->aspect : (double)o->width / (double)o->height;
     double x = aspect > 1 ? aspect : 1, y = aspect > 1 ? 1 : 1 / aspect;
     if (!o->has_screen) {
@@ -313,7 +332,8 @@ lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where)
     }
     memcpy(camera.screen, o->screen, sizeof camera.screen);
     st = lc_pbrt_at(p, o->has_camera ? o->camera_pos : where);
-    return st ? st : lc_build_camera(p->scene, &camera);
+    if (!st) st = lc_build_camera(p->scene, &camera);
+    return st || !o->moves ? st : lc_build_camera_motion(p->scene, shutter.end.m);
 }
 
 _Static_assert((int)LC_BUILD_PANORAMA == (int)LC_CAMERA_LATLONG && (int)LC_BUILD_SINC == (int)LC_PIXEL_SINC,

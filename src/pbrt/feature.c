@@ -36,7 +36,7 @@ static const struct kind {
     { "Attribute", "directive", true, NULL },
     { "ActiveTransform", "directive", true, NULL },
     { "LightGroup", "directive", true, NULL },
-    { "TransformTimes", "directive", true, "what moves stands still" },
+    { "TransformTimes", "directive", true, NULL },
 };
 
 lc_status lc_pbrt_count_feature(lc_pbrt *p, const char *directive, uint64_t n_noted)

@@ -1,11 +1,12 @@
-/* object.c - ObjectBegin, ObjectEnd, ObjectInstance.
+/* object.c - ObjectBegin, ObjectEnd, ObjectInstance, and shapes that move.
  *
  * An object keeps its meshes, transformed by the matrices inside ObjectBegin. An instance places them by the
  * matrix in force. As in pbrt, shapes of objects do not emit.
  *
  * Instances of small objects are copied to the world at once. The others are handled at the end of the file:
  * an object's only instance, and instances whose matrix does not satisfy lc_build_instance_fits, are copied,
- * too; all others share the object's triangles, as do those that are to be movable.
+ * too; all others share the object's triangles, as do those that are to be movable. A shape that moves is the
+ * only shape of an object with one instance.
  */
 #include "pbrt/shape_handler.h"
 
@@ -17,17 +18,25 @@
 #define MAX_SMALL_TRIS  (1u << 20) /* triangles in copies of small objects */
 #define MAX_COPIED_TRIS (8u << 20) /* triangles in all copies */
 
+/* name: kept, or NULL. */
+static lc_status next_object(lc_pbrt *p, const char *name)
+{
+    void *objects = p->objects;
+    const lc_status st = lc_grow(p->ctx, &objects, &p->cap_objects, p->n_objects + 1, sizeof *p->objects);
+    p->objects = objects;
+    if (st) return st;
+    p->objects[p->n_objects++] = (lc_pbrt_object){ .name = name, .first = p->n_object_meshes, .id = LC_NONE };
+    return LC_OK;
+}
+
 lc_status lc_pbrt_object_begin(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     if (p->in_object) return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "ObjectBegin inside ObjectBegin");
-    void *objects = p->objects;
-    lc_status st = lc_grow(p->ctx, &objects, &p->cap_objects, p->n_objects + 1, sizeof *p->objects);
-    p->objects = objects;
-    if (!st) st = lc_pbrt_open_scope(p, s->pos, LC_PBRT_IN_OBJECT);
+    lc_status st = lc_pbrt_open_scope(p, s->pos, LC_PBRT_IN_OBJECT);
     if (!st) st = lc_pbrt_map_put(&p->object_names, &p->arena, s->text[0], (uint32_t)p->n_objects);
     const char *name = st ? NULL : lc_arena_text(&p->arena, s->text[0], strlen(s->text[0]));
     if (!name) return st ? st : LC_ERR_MEMORY;
-    p->objects[p->n_objects++] = (lc_pbrt_object){ .name = name, .first = p->n_object_meshes, .id = LC_NONE };
+    if ((st = next_object(p, name))) return st;
     p->in_object = true;
     return LC_OK;
 }
@@ -79,9 +88,9 @@ static lc_status add_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
     return st ? st : lc_build_mesh(p->scene, &d);
 }
 
-lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
+/* Adds a mesh to the last object. */
+static lc_status keep_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
 {
-    if (!p->in_object) return add_mesh(p, where, mesh);
     lc_pbrt_mesh m = *mesh;
     m.pos = keep(p, mesh->pos, (size_t)m.n_verts * 3, sizeof *m.pos);
     m.index = keep(p, mesh->index, (size_t)m.n_tris * 3, sizeof *m.index);
@@ -102,6 +111,11 @@ lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
     p->objects[p->n_objects - 1].n++;
     p->objects[p->n_objects - 1].n_tris += m.n_tris;
     return LC_OK;
+}
+
+lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
+{
+    return p->in_object ? keep_mesh(p, where, mesh) : add_mesh(p, where, mesh);
 }
 
 static lc_status copy_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh, const lc_xform *x,
@@ -131,6 +145,24 @@ static lc_status copy_object(lc_pbrt *p, lc_pos where, const lc_pbrt_object *o, 
     return st;
 }
 
+static bool is_moving(const lc_pbrt_place *place)
+{
+    return memcmp(&place->to_world.start, &place->to_world.end, sizeof place->to_world.start);
+}
+
+static lc_status add_place(lc_pbrt *p, lc_pos where, uint32_t object, bool moves, const lc_pbrt_ctm *to_world)
+{
+    void *places = p->places;
+    const lc_status st = lc_grow(p->ctx, &places, &p->cap_places, p->n_places + 1, sizeof *p->places);
+    p->places = places;
+    if (st) return st;
+    p->places[p->n_places++] =
+        (lc_pbrt_place){ .object = object, .moves = moves, .pos = where, .to_world = *to_world };
+    p->objects[object].n_places++;
+    p->opt.moves |= is_moving(&p->places[p->n_places - 1]);
+    return LC_OK;
+}
+
 lc_status lc_pbrt_object_instance(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     if (p->in_object) return lc_fail_at(p->ctx, LC_ERR_PARSE, s->pos, "ObjectInstance inside ObjectBegin");
@@ -138,27 +170,28 @@ lc_status lc_pbrt_object_instance(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (id == LC_NONE)
         return lc_pbrt_note_name(p, s->text_pos[0], "unknown object", s->text[0],
                                  "no such object; nothing is placed");
-    lc_pbrt_object *o = &p->objects[id];
+    const lc_pbrt_object *o = &p->objects[id];
+    lc_pbrt_ctm to_world;
     if (!o->n_tris) return LC_OK;
-    const bool moves = lc_build_is_movable(p->scene, &s->text[0], 1);
+    const bool moves = lc_pbrt_moves(p, &to_world) || lc_build_is_movable(p->scene, &s->text[0], 1);
     if (!moves && o->n_tris <= SMALL_TRIS && o->n_tris <= MAX_SMALL_TRIS - p->n_copied_tris) {
         p->n_copied_tris += o->n_tris;
         return copy_object(p, s->pos, o, &p->ctm);
     }
-    void *places = p->places;
-    lc_status st = lc_grow(p->ctx, &places, &p->cap_places, p->n_places + 1, sizeof *p->places);
-    p->places = places;
-    if (st) return st;
-    p->places[p->n_places++] =
-        (lc_pbrt_place){ .object = id, .moves = moves, .pos = s->pos, .to_world = p->ctm };
-    o->n_places++;
-    return LC_OK;
+    return add_place(p, s->pos, id, moves, &to_world);
+}
+
+lc_status lc_pbrt_emit_moving(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh, const lc_pbrt_ctm *to_world)
+{
+    lc_status st = next_object(p, NULL);
+    if (!st) st = keep_mesh(p, where, mesh);
+    return st ? st : add_place(p, where, (uint32_t)p->n_objects - 1, true, to_world);
 }
 
 static bool is_shared(const lc_pbrt *p, const lc_pbrt_place *place)
 {
     return (place->moves || p->objects[place->object].n_places > 1) &&
-           lc_build_instance_fits(place->to_world.m);
+           lc_build_instance_fits(place->to_world.start.m) && lc_build_instance_fits(place->to_world.end.m);
 }
 
 static lc_status copy_place(lc_pbrt *p, const lc_pbrt_place *place)
@@ -172,7 +205,10 @@ static lc_status copy_place(lc_pbrt *p, const lc_pbrt_place *place)
                 MAX_COPIED_TRIS);
         p->n_copied_tris += o->n_tris;
     }
-    return copy_object(p, place->pos, o, &place->to_world);
+    const lc_status st =
+        is_moving(place) ? lc_pbrt_note(p, place->pos, "motion", "by a singular or extreme matrix; it stands still")
+                         : LC_OK;
+    return st ? st : copy_object(p, place->pos, o, &place->to_world.start);
 }
 
 static lc_status add_object(lc_pbrt *p, lc_pos where, lc_pbrt_object *o)
@@ -196,8 +232,11 @@ lc_status lc_pbrt_place_objects(lc_pbrt *p)
         if (!place->shared) continue;
         if (o->id == LC_NONE) st = add_object(p, place->pos, o);
         if (!st) st = lc_pbrt_at(p, place->pos);
-        if (!st) st = lc_build_names(p->scene, &o->name, 1);
-        if (!st) st = lc_build_instance(p->scene, o->id, place->to_world.m);
+        if (!st && o->name) st = lc_build_names(p->scene, &o->name, 1);
+        if (st) return st;
+        const lc_pbrt_ctm *to = &place->to_world;
+        st = is_moving(place) ? lc_build_moving_instance(p->scene, o->id, to->start.m, to->end.m)
+                              : lc_build_instance(p->scene, o->id, to->start.m);
     }
     return st;
 }

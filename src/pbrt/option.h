@@ -23,15 +23,18 @@ typedef struct lc_pbrt_options {
     double scale;      /* factor of every pixel */
     double iso;        /* of v4's sensor */
     double shutter;    /* seconds that it is open; used in v4 only */
+    double open, close, motion[2]; /* when the shutter does, and when transforms begin and end to move */
+    bool moves;                    /* the camera, to world_to_camera_end */
     float white[9];    /* as in lc_build_film_desc */
     const char *filename;
+    lc_build_film_desc film; /* as it was given to the scene */
     uint32_t spp;
     lc_pos spp_pos;
     lc_pbrt_filter filter;
     lc_camera_kind camera;
     uint32_t medium; /* that it is in */
     double lens_radius, focal_distance;
-    lc_xform world_to_camera;
+    lc_xform world_to_camera, world_to_camera_end;
     double fov, aspect; /* degrees; width / height of the picture, 0: of the film */
     double screen[4];
     bool has_screen;

@@ -77,10 +77,14 @@ lc_status lc_pbrt_close_scope(lc_pbrt *p, lc_pos where, lc_pbrt_scope_kind kind)
     if (top->kind != kind)
         return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "%s, but the %s of line %u is still open", ends[kind],
                           scope_names[top->kind], top->opened.line);
-    if (top->saved_ctm) p->ctm = p->saved[--p->n_saved];
-    bool end_only = top->attrs.end_only;
+    if (top->saved_ctm) {
+        const lc_pbrt_ctm *saved = &p->saved[--p->n_saved];
+        p->ctm = saved->start;
+        p->ctm_end = saved->end;
+    }
+    const uint32_t inactive = top->attrs.inactive;
     if (kind != LC_PBRT_IN_TRANSFORM) p->attrs = top->attrs;
-    p->attrs.end_only = end_only;
+    p->attrs.inactive = inactive;
     p->n_scopes--;
     return LC_OK;
 }
@@ -122,8 +126,8 @@ static lc_status world_begin(lc_pbrt *p, const lc_pbrt_stmt *s)
     p->in_world = true;
     lc_status st = lc_pbrt_apply_options(p, s->pos);
     if (st) return st;
-    p->attrs.end_only = false;
-    lc_xform x = lc_xform_identity();
+    p->attrs.inactive = 0;
+    const lc_pbrt_ctm x = { lc_xform_identity(), lc_xform_identity() };
     st = lc_pbrt_set_ctm(p, s->pos, &x);
     return st ? st : lc_pbrt_name_coords(p, "world", &x);
 }
@@ -190,7 +194,7 @@ static const struct directive {
     { "ConcatTransform", lc_pbrt_concat, ANYWHERE, 16, 0, 0, false, false },
     { "CoordinateSystem", lc_pbrt_coord_system, ANYWHERE, 0, 1, 0, false, false },
     { "CoordSysTransform", lc_pbrt_coord_sys_transform, ANYWHERE, 0, 1, 0, false, false },
-    { "TransformTimes", ignore, ANYWHERE, 2, 0, 0, false, false },
+    { "TransformTimes", lc_pbrt_transform_times, ANYWHERE, 2, 0, 0, false, false },
     { "ActiveTransform", lc_pbrt_active_transform, ANYWHERE, 0, 1, 0, false, true },
     { "ReverseOrientation", reverse_orientation, ANYWHERE, 0, 0, 0, false, false },
     { "AttributeBegin", attribute_begin, ANYWHERE, 0, 0, 0, false, false },
@@ -369,7 +373,7 @@ static void init(lc_pbrt *p, lc_scene *scene)
     lc_pbrt_options_init(&p->opt);
     p->attrs.material_id = p->default_material = p->black_material = LC_NONE;
     p->attrs.sides = (lc_boundary){ LC_NONE, LC_NONE };
-    p->ctm = lc_xform_identity();
+    p->ctm = p->ctm_end = lc_xform_identity();
 }
 
 static void destroy(lc_pbrt *p)
@@ -407,6 +411,7 @@ static lc_status parse(lc_scene *scene, const char *path, const void *data, size
         data ? lc_pbrt_lex_open_memory(&p->lex, path, data, size) : lc_pbrt_lex_open(&p->lex, path);
     if (!st) st = parse_all(p);
     if (!st) st = lc_pbrt_place_objects(p);
+    if (!st) st = lc_pbrt_limit_spp(p);
     if (!st) st = lc_pbrt_usual_integrator(p);
     if (!st && p->lex.comma.file)
         st = lc_pbrt_note(p, p->lex.comma, "comma", "commas between the values of lists are read as spaces");

@@ -164,19 +164,19 @@ static const struct {
     { "curve", lc_pbrt_curve, false },
 };
 
-/* Transforms p->pos and p->normal to world space. */
-static lc_status to_world(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
+/* Transforms p->pos and p->normal. */
+static lc_status transform(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh, const lc_xform *x)
 {
     double rows[9], sign = p->attrs.reverse ? -1 : 1;
     for (size_t i = 0; i < (size_t)mesh->n_verts * 3; i += 3) {
         double v[3] = { (double)p->pos[i], (double)p->pos[i + 1], (double)p->pos[i + 2] };
-        lc_xform_point(&p->ctm, v, p->pos + i);
+        lc_xform_point(x, v, p->pos + i);
         if (!lc_f3_finite(lc_f3_load(p->pos + i)))
             return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "vertex %zu is out of range after the transform",
                               i / 3);
     }
     if (!mesh->normal) return LC_OK;
-    lc_xform_normal_rows(&p->ctm, rows);
+    lc_xform_normal_rows(x, rows);
     for (size_t i = 0; i < (size_t)mesh->n_verts * 3; i += 3) {
         double v[3] = { (double)p->normal[i], (double)p->normal[i + 1], (double)p->normal[i + 2] };
         double w[3], max = 0;
@@ -285,8 +285,12 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     }
     if ((st = shapes[i].handler(p, s, &mesh, &area_ratio)) || !mesh.n_tris) return st;
     if (shapes[i].round) st = note_round(p, s, segments);
-    if (!st) st = to_world(p, s->pos, &mesh);
-    mesh.flip = p->attrs.reverse != lc_pbrt_mirrored(p);
+    lc_pbrt_ctm shutter;
+    const lc_xform own = lc_xform_identity();
+    const bool moves = !p->in_object && !emits && !bounds && lc_pbrt_moves(p, &shutter);
+    if (!st && !moves) st = lc_pbrt_stands_still(p, s->pos, emits ? "area lights" : "shapes in objects, media");
+    if (!st) st = transform(p, s->pos, &mesh, moves ? &own : &p->ctm);
+    mesh.flip = p->attrs.reverse != (!moves && lc_pbrt_mirrored(p));
     if (!st && p->attrs.invisible) st = lc_pbrt_bound_media(p, s->pos, &mesh);
     if (st || (p->attrs.invisible && !emits)) return st;
     st = lc_pbrt_current_material(p, &mesh.material_id);
@@ -300,5 +304,5 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     mesh.two_sided = p->attrs.two_sided;
     for (size_t k = 0; mesh.uv && k < (size_t)mesh.n_verts * 2; k++)
         if (!isfinite(p->uv[k])) p->uv[k] = 0;
-    return lc_pbrt_emit_mesh(p, s->pos, &mesh);
+    return moves ? lc_pbrt_emit_moving(p, s->pos, &mesh, &shutter) : lc_pbrt_emit_mesh(p, s->pos, &mesh);
 }

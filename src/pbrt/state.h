@@ -25,11 +25,20 @@ typedef struct lc_pbrt_attrs {
     const char *material_name;      /* of NamedMaterial, where groups have patterns, or NULL */
     bool invisible;                        /* interface material: shapes are skipped unless they emit */
     bool reverse;                          /* ReverseOrientation */
-    bool end_only;                         /* ActiveTransform EndTime: transforms are ignored */
+    uint32_t inactive;                     /* LC_PBRT_AT_START, _AT_END: what transforms leave as it is */
     lc_boundary sides;                     /* of the shapes that follow */
     uint8_t space;                         /* colour space of rgb values, see space.c; 0: sRGB */
     uint32_t n_defaults, n_default_values; /* by Attribute statements, see attribute.c */
 } lc_pbrt_attrs;
+
+/* The two times that statements of transforms change the matrix of. */
+#define LC_PBRT_AT_START 1u
+#define LC_PBRT_AT_END   2u
+
+/* Where things are when the motion begins and ends. */
+typedef struct lc_pbrt_ctm {
+    lc_xform start, end;
+} lc_pbrt_ctm;
 
 typedef enum lc_pbrt_scope_kind {
     LC_PBRT_IN_ATTRIBUTE, LC_PBRT_IN_TRANSFORM, LC_PBRT_IN_OBJECT
@@ -60,7 +69,7 @@ typedef struct lc_pbrt_place {
     uint32_t object;
     bool shared, moves; /* an instance, not copied triangles; it must be one, though it is alone or small */
     lc_pos pos;
-    lc_xform to_world;
+    lc_pbrt_ctm to_world;
 } lc_pbrt_place;
 
 /* Spectra are sampled at these wavelengths, 360 to 830 nm. */
@@ -84,9 +93,9 @@ typedef struct lc_pbrt {
     lc_pbrt_options opt;
 
     lc_pbrt_attrs attrs;
-    lc_xform ctm;
+    lc_xform ctm, ctm_end; /* ctm: at the start, for what stands still */
     lc_pbrt_scope *scopes;
-    lc_xform *saved;
+    lc_pbrt_ctm *saved;
     struct lc_pbrt_default *defaults; /* the first attrs.n_defaults are in force */
     size_t n_scopes, n_saved, cap_scopes, cap_saved, cap_defaults;
 
@@ -95,7 +104,7 @@ typedef struct lc_pbrt {
     struct lc_pbrt_table *tables; /* of luminaires, see luminaire.c */
     size_t n_tables, cap_tables;
     lc_pbrt_material *materials;
-    lc_xform *coords;
+    lc_pbrt_ctm *coords;
     size_t n_materials, n_coords, cap_materials, cap_coords;
     uint32_t default_material, black_material;
 
@@ -155,9 +164,16 @@ lc_status lc_pbrt_count_feature(lc_pbrt *p, const char *directive, uint64_t n_no
 lc_pbrt_handler lc_pbrt_identity, lc_pbrt_translate, lc_pbrt_scale, lc_pbrt_rotate, lc_pbrt_look_at,
     lc_pbrt_transform, lc_pbrt_concat, lc_pbrt_coord_system, lc_pbrt_coord_sys_transform,
     lc_pbrt_active_transform;
-/* Replaces the current matrix. */
-lc_status lc_pbrt_set_ctm(lc_pbrt *p, lc_pos where, const lc_xform *x);
-lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_xform *x);
+/* Replaces the current matrices, of the times that are active. */
+lc_status lc_pbrt_set_ctm(lc_pbrt *p, lc_pos where, const lc_pbrt_ctm *x);
+lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_pbrt_ctm *x);
+lc_pbrt_handler lc_pbrt_transform_times;
+/* Whether the current matrix, or a given one, changes while the shutter is open; *shutter: what it is when
+ * that opens and closes, if it does not change what it is at the start. */
+bool lc_pbrt_moves(const lc_pbrt *p, lc_pbrt_ctm *shutter);
+bool lc_pbrt_shutter(const lc_pbrt_options *o, const lc_pbrt_ctm *motion, lc_pbrt_ctm *shutter);
+/* Notes once that something of a kind does not move, if it were to. */
+lc_status lc_pbrt_stands_still(lc_pbrt *p, lc_pos where, const char *what);
 
 /* apply_options.c */
 void lc_pbrt_options_init(lc_pbrt_options *opt);
@@ -166,6 +182,9 @@ lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler, lc_pbrt_integrato
 lc_status lc_pbrt_usual_integrator(lc_pbrt *p);
 /* Sets the scene's film and camera. */
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where);
+/* Lowers the film's samples to what they are for here; called at the file's end, when it is known whether
+ * something moves. */
+lc_status lc_pbrt_limit_spp(lc_pbrt *p);
 
 /* filter.c */
 lc_pbrt_handler lc_pbrt_pixel_filter;
@@ -185,6 +204,8 @@ lc_pbrt_handler lc_pbrt_object_begin, lc_pbrt_object_end, lc_pbrt_object_instanc
 lc_status lc_pbrt_place_objects(lc_pbrt *p);
 /* Passes a finished mesh to the scene, or to the object being recorded. */
 lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh);
+/* The same of one in object space that moves; to_world: when the shutter opens and closes. */
+lc_status lc_pbrt_emit_moving(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh, const lc_pbrt_ctm *to_world);
 
 /* white.c: the matrix, by rows, that adapts linear Rec.709 from daylight of this temperature to Rec.709's
  * white; false outside of 4000..25000 K. */

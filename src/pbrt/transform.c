@@ -1,36 +1,47 @@
 /* transform.c - statements that change the current transformation matrix. */
 #include "pbrt/state.h"
 
+#include "base/motion.h"
+
 #include <string.h>
 
-/* The innermost scope saves the matrix if it has not done so yet. */
-lc_status lc_pbrt_set_ctm(lc_pbrt *p, lc_pos where, const lc_xform *x)
+static lc_pbrt_ctm both(const lc_xform *x) { return (lc_pbrt_ctm){ *x, *x }; }
+
+/* The innermost scope saves the matrices if it has not done so yet. */
+lc_status lc_pbrt_set_ctm(lc_pbrt *p, lc_pos where, const lc_pbrt_ctm *x)
 {
-    if (!lc_xform_finite(x)) return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the transform is out of range");
-    if (p->attrs.end_only) return LC_OK;
+    if (!lc_xform_finite(&x->start) || !lc_xform_finite(&x->end))
+        return lc_fail_at(p->ctx, LC_ERR_PARSE, where, "the transform is out of range");
     lc_pbrt_scope *top = p->n_scopes ? &p->scopes[p->n_scopes - 1] : NULL;
     if (top && !top->saved_ctm) {
         void *saved = p->saved;
         lc_status st = lc_grow(p->ctx, &saved, &p->cap_saved, p->n_saved + 1, sizeof *p->saved);
         p->saved = saved;
         if (st) return st;
-        p->saved[p->n_saved++] = p->ctm;
+        p->saved[p->n_saved++] = (lc_pbrt_ctm){ p->ctm, p->ctm_end };
         top->saved_ctm = true;
     }
-    p->ctm = *x;
+    if (!(p->attrs.inactive & LC_PBRT_AT_START)) p->ctm = x->start;
+    if (!(p->attrs.inactive & LC_PBRT_AT_END)) p->ctm_end = x->end;
     return LC_OK;
 }
 
 static lc_status concat(lc_pbrt *p, lc_pos where, const lc_xform *x)
 {
-    lc_xform joined = lc_xform_mul(&p->ctm, x);
+    const lc_pbrt_ctm joined = { lc_xform_mul(&p->ctm, x), lc_xform_mul(&p->ctm_end, x) };
     return lc_pbrt_set_ctm(p, where, &joined);
+}
+
+static lc_status set(lc_pbrt *p, lc_pos where, const lc_xform *x)
+{
+    const lc_pbrt_ctm times = both(x);
+    return lc_pbrt_set_ctm(p, where, &times);
 }
 
 lc_status lc_pbrt_identity(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_xform x = lc_xform_identity();
-    return lc_pbrt_set_ctm(p, s->pos, &x);
+    return set(p, s->pos, &x);
 }
 
 lc_status lc_pbrt_translate(lc_pbrt *p, const lc_pbrt_stmt *s)
@@ -74,7 +85,7 @@ static lc_xform by_columns(const double v[16])
 lc_status lc_pbrt_transform(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_xform x = by_columns(s->num);
-    return lc_pbrt_set_ctm(p, s->pos, &x);
+    return set(p, s->pos, &x);
 }
 
 lc_status lc_pbrt_concat(lc_pbrt *p, const lc_pbrt_stmt *s)
@@ -83,7 +94,7 @@ lc_status lc_pbrt_concat(lc_pbrt *p, const lc_pbrt_stmt *s)
     return concat(p, s->pos, &x);
 }
 
-lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_xform *x)
+lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_pbrt_ctm *x)
 {
     uint32_t id = lc_pbrt_map_get(&p->coord_names, name);
     if (id == LC_NONE) {
@@ -100,7 +111,8 @@ lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_xform *x)
 
 lc_status lc_pbrt_coord_system(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
-    return lc_pbrt_name_coords(p, s->text[0], &p->ctm);
+    const lc_pbrt_ctm now = { p->ctm, p->ctm_end };
+    return lc_pbrt_name_coords(p, s->text[0], &now);
 }
 
 lc_status lc_pbrt_coord_sys_transform(lc_pbrt *p, const lc_pbrt_stmt *s)
@@ -109,18 +121,56 @@ lc_status lc_pbrt_coord_sys_transform(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (id == LC_NONE)
         return lc_pbrt_note_name(p, s->text_pos[0], "unknown coordinate system", s->text[0],
                                  "CoordSysTransform is skipped");
-    lc_xform x = p->coords[id];
+    const lc_pbrt_ctm x = p->coords[id];
     return lc_pbrt_set_ctm(p, s->pos, &x);
 }
 
 lc_status lc_pbrt_active_transform(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     const char *which = s->text[0];
-    bool end = !strcmp(which, "EndTime");
-    if (!end && strcmp(which, "StartTime") && strcmp(which, "All"))
+    const bool end = !strcmp(which, "EndTime"), start = !strcmp(which, "StartTime");
+    if (!end && !start && strcmp(which, "All"))
         return lc_fail_at(p->ctx, LC_ERR_PARSE, s->text_pos[0], "expected StartTime, EndTime or All");
-    p->attrs.end_only = end;
-    return end ? lc_pbrt_note(p, s->pos, "ActiveTransform",
-                              "motion is ignored; things stand where they start")
-               : LC_OK;
+    p->attrs.inactive = end ? LC_PBRT_AT_START : start ? LC_PBRT_AT_END : 0;
+    return LC_OK;
+}
+
+lc_status lc_pbrt_transform_times(lc_pbrt *p, const lc_pbrt_stmt *s)
+{
+    p->opt.motion[0] = s->num[0];
+    p->opt.motion[1] = s->num[1];
+    if (s->num[0] < s->num[1]) return LC_OK;
+    return lc_pbrt_note(p, s->pos, "TransformTimes", "the end is not after the start; nothing moves");
+}
+
+/* ---- motion ---- */
+
+/* When the shutter opens or closes, as a share of the time of the motion, outside of which things stand
+ * still. */
+static double share_of(const lc_pbrt_options *o, double time)
+{
+    const double from = o->motion[0], to = o->motion[1];
+    return from < to ? fmin(fmax((time - from) / (to - from), 0), 1) : 0;
+}
+
+bool lc_pbrt_shutter(const lc_pbrt_options *o, const lc_pbrt_ctm *motion, lc_pbrt_ctm *shutter)
+{
+    const double open = share_of(o, o->open), close = share_of(o, fmax(o->open, o->close));
+    *shutter = (lc_pbrt_ctm){ motion->start, motion->start };
+    return memcmp(&motion->start, &motion->end, sizeof motion->start) && open < close &&
+           lc_xform_between(&motion->start, &motion->end, open, &shutter->start) &&
+           lc_xform_between(&motion->start, &motion->end, close, &shutter->end);
+}
+
+bool lc_pbrt_moves(const lc_pbrt *p, lc_pbrt_ctm *shutter)
+{
+    const lc_pbrt_ctm now = { p->ctm, p->ctm_end };
+    return lc_pbrt_shutter(&p->opt, &now, shutter);
+}
+
+lc_status lc_pbrt_stands_still(lc_pbrt *p, lc_pos where, const char *what)
+{
+    lc_pbrt_ctm shutter;
+    if (!lc_pbrt_moves(p, &shutter)) return LC_OK;
+    return lc_pbrt_note_name(p, where, "motion of", what, "it stands where it is at the start");
 }

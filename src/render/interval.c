@@ -28,7 +28,7 @@ lc_status lc_interval_make_rooms(lc_render_job *j, const lc_cut_desc *desc)
         w->interval->stats.go_on = lc_job_go_on;
         w->interval->stats.go_on_user = j;
         lc_status st =
-            lc_cut_init(&w->interval->cut, j->ctx, j->scene->tree, &j->scene->visibility, &own, false);
+            lc_cut_init(&w->interval->cut, j->ctx, j->scene->tree, &j->visibility, &own, false);
         if (st) return st;
         /* The error that is asked for is the pixel's: a sample's cut may be the rougher. */
         if (j->shared) w->interval->cut.part.share = 1 / (float)j->spp;

@@ -40,7 +40,7 @@ static void shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit 
     lc_lit_point(j->scene, lit, hash, point);
     w->stats.glossy += p->lobe != LC_LOBE_NONE;
     if (j->exact) {
-        lc_exact_shade_groups(j->scene->tree, &j->scene->visibility, p, s->ray_org,
+        lc_exact_shade_groups(j->scene->tree, &j->visibility, p, s->ray_org,
                               w->groups ? w->groups->cut : NULL, &w->stats, out);
     } else {
         lc_guided_cut(&w->cut, g, p, s, hash, &w->stats, out);
@@ -94,6 +94,17 @@ static double medium_offset(const lc_render_job *j, uint32_t x, uint32_t y, uint
     return u - floor(u);
 }
 
+/* The scene at the moment of a sample of a pixel: as many as a pixel has, one of each part of the time, in an
+ * order of their own. */
+static const lc_scene *scene_at(const lc_render_job *j, uint64_t pixel, uint32_t i)
+{
+    double u[2];
+    if (!j->moments.n) return j->scene;
+    const uint64_t key = lc_job_key(j, pixel, 0, LC_DIM_TIME);
+    lc_sample_pair(key, lc_shuffle(i, lc_mix(key)), u);
+    return lc_moments_at(&j->moments, (uint32_t)(u[0] * j->moments.n));
+}
+
 /* What sample i of a pixel shows. One sample is of the pixel's centre and the lens's. Pixels left of the film
  * and above it, whose samples pixels of the film may share, have coordinates modulo 2^32. */
 bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s)
@@ -118,8 +129,8 @@ bool lc_sample_sight_groups(const lc_render_job *j, uint32_t x, uint32_t y, uint
         lc_sample_pair(h, i ^ (uint32_t)(lc_mix(h) & j->lens_order), lens);
     }
     if (j->scene->media.present) how.offset = medium_offset(j, x, y, i);
-    return lc_view_sight(j->scene, (int32_t)x + 0.5 + offset[0], (int32_t)y + 0.5 + offset[1], lens, &how,
-                         dir, s);
+    return lc_view_sight(scene_at(j, pixel, i), (int32_t)x + 0.5 + offset[0], (int32_t)y + 0.5 + offset[1],
+                         lens, &how, dir, s);
 }
 
 /* Reading the clock for every sample would cost some percent where a pixel takes half a microsecond. */

@@ -36,7 +36,7 @@ static void shade_others(const lc_render_job *j, lc_probe *p, lc_guide *g, uint6
         lc_cut_result r;
         lc_lit_point(j->scene, lit, hash + i, point);
         if (p->all_lights)
-            lc_exact_shade(j->scene->tree, &j->scene->visibility, point, lit->surface.ray_org, &stats, &r);
+            lc_exact_shade(j->scene->tree, &j->visibility, point, lit->surface.ray_org, &stats, &r);
         else lc_guided_cut(&p->cut, g, point, &lit->surface, hash + i, &stats, &r);
         p->others = lc_f3_add(p->others, lc_f3_mul(r.radiance, lit->weight));
     }

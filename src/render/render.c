@@ -151,6 +151,7 @@ void lc_job_free_workers(lc_render_job *j)
 void lc_job_free(lc_render_job *j)
 {
     lc_job_free_workers(j);
+    lc_moments_free(&j->moments);
     lc_free(j->ctx, j->share, 1, sizeof *j->share);
     lc_free(j->ctx, j->parent, j->scene->tree->n_lights, sizeof *j->parent);
     j->share = NULL;
@@ -163,7 +164,7 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
     if (!j->workers) return LC_ERR_MEMORY;
     for (uint32_t i = 0; i < j->ctx->n_threads; i++) {
         lc_render_worker *w = &j->workers[i];
-        lc_status st = lc_cut_init(&w->cut, j->ctx, j->scene->tree, &j->scene->visibility, desc, false);
+        lc_status st = lc_cut_init(&w->cut, j->ctx, j->scene->tree, &j->visibility, desc, false);
         if (st) return st;
         w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.max_size + 2, sizeof *w->cut_hist);
         if (!w->cut_hist) return LC_ERR_MEMORY;
@@ -287,7 +288,8 @@ static lc_status share_cuts(lc_render_job *j)
 lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc)
 {
     *j = (lc_render_job){
-        .ctx = ctx, .scene = scene, .desc = desc, .spp = lc_render_spp(scene, desc)
+        .ctx = ctx, .scene = scene, .desc = desc, .spp = lc_render_spp(scene, desc),
+        .moments = { .ctx = ctx }, .visibility = scene->visibility
     };
     if (scene->filter.shared) {
         j->share = lc_alloc(ctx, 1, sizeof *j->share);
@@ -325,6 +327,8 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     lc_memory_step(ctx, "rendering");
     lc_render_job j;
     st = lc_job_init(&j, ctx, scene, &d);
+    if (!st) st = lc_moments_make(&j.moments, scene, j.spp);
+    if (!st) j.visibility = lc_moments_visibility(&j.moments, scene);
     j.total = (uint64_t)(crop[1] - crop[0]) * (crop[3] - crop[2]);
     j.mutex = st ? NULL : lc_mutex_create(ctx);
     st = j.mutex ? render_all(&j, crop, &own) : LC_ERR_MEMORY;

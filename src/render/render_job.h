@@ -21,13 +21,15 @@
 #include "cut/cut.h"
 #include "render/film.h"
 #include "scene/filter_share.h"
+#include "scene/motion.h"
 #include "scene/view.h"
 
 #include <stdatomic.h>
 
 #define LC_PIXEL_BLOCK 4 /* pixels a side that share a guide and deal out the slots of representatives */
 
-enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL }; /* the last + its lit point */
+/* INTERVAL: + the lit point */
+enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL, LC_DIM_TIME = 1000 };
 
 /* The guide of a block of pixels; see guide.c. */
 typedef struct lc_guide {
@@ -91,6 +93,8 @@ typedef struct lc_render_job {
     lc_filter_share *share; /* where samples are shared; NULL: each pixel has its own */
     uint32_t group;         /* tiles a side whose samples are shared */
     lc_sight_desc how; /* camera rays are followed; offset: of the pixel's centre */
+    lc_moments moments; /* of what moves; none for explain, which shows the middle of the time */
+    lc_visibility visibility; /* the scene's, of these */
     uint32_t lens_order; /* 2^k - 1 below spp: the lens's points have another order than the film's */
 } lc_render_job;
 

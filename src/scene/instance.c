@@ -157,6 +157,13 @@ void lc_top_exchange(lc_scene *s, lc_top *top)
     if (level->top.boxes) level->data.boxes = level->top.boxes->data;
 }
 
+lc_status lc_instances_place(lc_scene *copy, lc_top *top, lc_placed *placed)
+{
+    const lc_status st = lc_top_build(copy, true, top);
+    if (!st) *placed = (lc_placed){ top->boxes->data, copy->instances, copy->level->objects };
+    return st;
+}
+
 /* ---- build and destroy ---- */
 
 lc_status lc_instances_build(lc_scene *s)

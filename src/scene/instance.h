@@ -32,6 +32,9 @@ typedef struct lc_top {
  * they are exchanged. moved: instances have moved. Otherwise *top is empty if the scene's own serves. */
 lc_status lc_top_build(lc_scene *scene, bool moved, lc_top *top);
 void lc_top_exchange(lc_scene *scene, lc_top *top);
+/* The BVH over the instances of a copy of a committed scene, which has instances of its own, and what the
+ * kernels read of them. LC_ERR_MEMORY. */
+lc_status lc_instances_place(lc_scene *copy, lc_top *top, lc_placed *placed);
 /* Bytes of the BVHs and of the instances. */
 size_t lc_instances_bytes(const lc_scene *scene);
 /* The number of triangles that the instances would have as copies. */

@@ -28,6 +28,7 @@ static void init_point(const lc_scene *scene, const lc_lit *lit, const lc_materi
 {
     const lc_surface *s = &lit->surface;
     lc_point_init(p, s->pos, s->n, lit->view, m, scene->min_d2);
+    p->moment = s->moment;
     /* what is behind n sheds nothing anyhow */
     if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(p->ng, s->ng);
 }

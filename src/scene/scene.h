@@ -56,6 +56,12 @@ struct lc_scene {
     lc_object *objects;
     lc_instance *instances;
     size_t n_objects, cap_objects, n_instances, cap_instances;
+    struct lc_moving *moving; /* motion.h */
+    size_t n_moving, cap_moving;
+    lc_xform view_ends[2], moving_view; /* camera to world when the shutter opens and closes; world to camera
+                                           halfway */
+    bool view_moves;
+    uint32_t moment; /* of lc_moments, which this is; else 0 */
 
     lc_mesh_alpha *alphas;
     size_t n_alphas, cap_alphas;

@@ -1,4 +1,5 @@
 /* scene_destroy.c - frees a scene and everything it owns. */
+#include "scene/motion.h"
 #include "scene/scene.h"
 
 #include "scene/instance.h"
@@ -52,6 +53,7 @@ void lc_scene_destroy(lc_scene *s)
     lc_free(ctx, s->given.meshes, s->given.cap_meshes, sizeof *s->given.meshes);
     lc_free(ctx, s->given.instances, s->given.cap_instances, sizeof *s->given.instances);
     lc_free(ctx, s->given.places, s->given.cap_places, sizeof *s->given.places);
+    lc_free(ctx, s->moving, s->cap_moving, sizeof *s->moving);
     lc_names_free(s);
     lc_free(ctx, s->changes.list, s->changes.cap, sizeof *s->changes.list);
     lc_free(ctx, s->notes, s->cap_notes, sizeof *s->notes);

@@ -159,7 +159,8 @@ static void light_medium(trace *t, const ray *r, const lc_medium_point *p)
     lc_lit *lit = &t->out->lit[t->out->n_lit++];
     *lit = (lc_lit){ .view = to_viewer, .weight = lc_f3_mul(r->weight, p->weight), .n_mirrors = r->depth };
     lit->surface = (lc_surface){ .pos = pos, .n = to_viewer, .ng = to_viewer, .t = r->length + p->t,
-                                 .front = true, .material_id = LC_NONE };
+                                 .front = true, .material_id = LC_NONE,
+                                 .moment = t->scene->moment };
     lit->surface.material = (lc_material){ .ks = { 1, 1, 1 }, .exponent = p->g, .lobe = LC_LOBE_PHASE };
     lc_f3_store(lit->surface.ray_org, pos);
     t->n_in_media++;

@@ -123,6 +123,7 @@ bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float len
                        fmaxf(lc_f3_max_abs(lc_f3_load(v[1])), lc_f3_max_abs(lc_f3_load(v[2]))));
     if (hit.instance != LC_NONE) size += object_size(scene, &hit, ng);
     out->material_id = mesh->material_id;
+    out->moment = scene->moment;
     out->group = mesh->group;
     out->material = scene->materials[mesh->material_id];
     if (mesh->textured) ns = textured_normal(scene, mesh, v, &hit, dir, pixel, ns, ng, &out->material);

@@ -18,6 +18,7 @@ typedef struct lc_surface {
     lc_f3 emission;       /* radiance towards the viewer, W/(m^2 sr) */
     uint32_t group;       /* of lights, that of the emission */
     uint32_t material_id; /* of the scene */
+    uint32_t moment;      /* of that scene */
     lc_material material; /* that one, textures evaluated */
 } lc_surface;
 

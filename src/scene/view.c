@@ -154,7 +154,7 @@ static lc_f3 dividing(lc_f3 n)
     return lc_f3_normalize(lc_f3_add(n, lc_f3_scale(odd, 0x1p-22f)));
 }
 
-static void see_sensor(const lc_sensor *at, lc_quantity quantity, lc_sight *out)
+static void see_sensor(const lc_sensor *at, lc_quantity quantity, uint32_t moment, lc_sight *out)
 {
     const lc_f3 pos = lc_f3_load(at->position);
     lc_f3 n = lc_f3_load(at->normal);
@@ -172,7 +172,8 @@ static void see_sensor(const lc_sensor *at, lc_quantity quantity, lc_sight *out)
         const lc_f3 side = i ? lc_f3_neg(n) : n;
         *lit = (lc_lit){ .view = side, .weight = { 1, 1, 1 } };
         lit->surface = (lc_surface){
-            .pos = pos, .n = side, .ng = side, .t = LOOKED_FROM * at->reach, .front = true, .material = m
+            .pos = pos, .n = side, .ng = side, .t = LOOKED_FROM * at->reach, .front = true, .material = m,
+            .moment = moment
         };
         lc_f3_store(lit->surface.ray_org, pos);
     }
@@ -197,6 +198,6 @@ bool lc_view_sight(const lc_scene *s, double px, double py, const double lens[2]
     lc_f3 org;
     lc_view_ray(s, px, py, lens, &org, dir);
     if (!s->sensors) return lc_sight_trace(s, org, *dir, how, out);
-    see_sensor(sensor_at(s, px, py), s->quantity, out);
+    see_sensor(sensor_at(s, px, py), s->quantity, s->moment, out);
     return true;
 }

@@ -60,6 +60,7 @@ typedef struct lc_point {
     /* The same point with another material, which the kinds of light in soft_kinds meet, a bit each. */
     const struct lc_point *soft;
     uint32_t soft_kinds;
+    uint32_t moment; /* when it is seen, where things move; lc_point_init: 0 */
 } lc_point;
 
 /* The point as lights of this kind meet it. */

@@ -19,6 +19,7 @@ typedef struct lc_visibility {
     void (*dimmed)(const void *scene, const float org[3], uint32_t n, const float *const target[3], bool far,
                    uint8_t *hidden, uint32_t *blocker, float *const through[3]);
     const void *scene;
+    const void *const *moments; /* in place of scene for points of each moment (scene/motion.h), or NULL */
 
     /* For proofs that whole clusters are occluded (cut/occlusion_proof.h): the occluder that blocks the ray
      * from org along dir, or LC_NONE. NULL, with occluders NULL: nothing is ever proved. */

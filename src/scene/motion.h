@@ -1,0 +1,48 @@
+/* motion.h - what moves while the shutter is open: instances and the camera. Lights stand still.
+ *
+ * The scene itself is as in the middle of that time. A picture is made of the scene at some hundred moments,
+ * evenly over it: copies of lc_scene which share all but the camera, the instances and the BVH over these.
+ *
+ *     lc_scene -> moment 0: instances, BVH over them, camera
+ *              -> moment 1: ...
+ *
+ * A sample of a pixel is of one moment, by which its camera ray is traced, and its shadow rays, too:
+ * lc_surface.moment, lc_point.moment.
+ */
+#ifndef LC_MOTION_PARTS_H
+#define LC_MOTION_PARTS_H
+
+#include "base/xform.h"
+#include "scene/scene.h"
+
+/* An instance that moves. It does not where it has been set or moved since it was given. */
+typedef struct lc_moving {
+    uint32_t instance;
+    lc_xform from, to, middle; /* object to world when the shutter opens, closes, and halfway */
+} lc_moving;
+
+/* The instance added last moves. LC_ERR_ARG: there is nothing between the two; LC_ERR_MEMORY. */
+lc_status lc_scene_add_motion(lc_scene *scene, lc_pos where, const lc_xform *from, const lc_xform *to);
+/* The camera moves from where it is, world to camera. LC_ERR_ARG. */
+lc_status lc_scene_move_view(lc_scene *scene, const lc_xform *to);
+
+/* Nothing moves: n is 0. */
+typedef struct lc_moments {
+    const lc_context *ctx;
+    uint32_t n;
+    bool has_instances;
+    size_t n_instances; /* of each moment, where instances move */
+    struct lc_moment *at;
+    lc_instance *instances;
+    const void **scenes; /* lc_visibility.moments */
+} lc_moments;
+
+/* The moments of a committed scene for pictures of some samples a pixel; one sees the middle. LC_ERR_MEMORY.
+ * lc_moments_free also after a failure. The scene must outlive them. */
+lc_status lc_moments_make(lc_moments *m, const lc_scene *scene, uint32_t spp);
+void lc_moments_free(lc_moments *m);
+const lc_scene *lc_moments_at(const lc_moments *m, uint32_t i);
+/* The visibility of cuts over points of all moments. */
+lc_visibility lc_moments_visibility(const lc_moments *m, const lc_scene *scene);
+
+#endif
