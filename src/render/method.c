@@ -43,7 +43,8 @@ static bool shade_cell(lc_render_job *j, uint32_t thread, uint64_t item, uint32_
     if (!lc_job_go_on(j) || !lc_view_sight(j->scene, u, v, lens, &j->how, &dir, &s) ||
         !s.n_lit)
         return false;
-    lc_shade_sight(j, &j->workers[thread], &s, NULL, lc_job_key(j, item, 0, LC_DIM_SLOT), r);
+    const uint64_t hash = lc_job_key(j, item, 0, LC_DIM_SLOT);
+    lc_shade_sight(j, &j->workers[thread], &s, NULL, hash, hash, r);
     return true;
 }
 

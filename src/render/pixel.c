@@ -31,13 +31,14 @@ uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i
            ((lc_permute16(y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK, h) + 5 * i) & 15);
 }
 
-/* Radiance of one lit surface, as it leaves it. */
+/* Radiance of one lit surface, as it leaves it. of_point: the same as hash, but that it is the sample's own
+ * where the slot is another's: what is seen of round lights is the same by every slot. */
 static void shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, lc_guide *g,
-                      uint64_t hash, lc_cut_result *out)
+                      uint64_t hash, uint64_t of_point, lc_cut_result *out)
 {
     const lc_surface *s = &lit->surface;
     lc_point point[2], *p = point;
-    lc_lit_point(j->scene, lit, hash, point);
+    lc_lit_point(j->scene, lit, of_point, point);
     w->stats.glossy += p->lobe != LC_LOBE_NONE;
     if (j->exact) {
         lc_exact_shade_groups(j->scene->tree, &j->visibility, p, s->ray_org,
@@ -52,12 +53,12 @@ static void shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit 
 /* Radiance of all that is seen, as it reaches the camera; fills what the statistics and planes want. The
  * first surface makes the guide where that is not made yet. */
 void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight *sight, lc_guide *g,
-                    uint64_t hash, lc_cut_result *sum)
+                    uint64_t hash, uint64_t of_point, lc_cut_result *sum)
 {
     *sum = (lc_cut_result){ .size = 0 };
     for (uint32_t i = 0; i < sight->n_lit; i++) {
         lc_cut_result r;
-        shade_lit(j, w, &sight->lit[i], g, hash + i, &r);
+        shade_lit(j, w, &sight->lit[i], g, hash + i, of_point + i, &r);
         w->cut.row = LC_NONE;
         if (g) g->made = true;
         sum->radiance = lc_f3_add(sum->radiance, lc_f3_mul(r.radiance, sight->lit[i].weight));
@@ -163,7 +164,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     w->stats.camera_rays += s.n_rays;
     lc_guide *g = j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i, lc_guide_work(w));
     w->cut.row = i + w->slot_shift ? LC_NONE : lc_guide_row(g, x, y);
-    lc_shade_sight(j, w, &s, g, lc_slot_hash(j, x, y, i + w->slot_shift), &r);
+    lc_shade_sight(j, w, &s, g, lc_slot_hash(j, x, y, i + w->slot_shift), lc_slot_hash(j, x, y, i), &r);
     *rgb = lc_f3_add(r.radiance, s.emission);
     lc_add_to_planes(j, px, &s, dir);
     px->cut += (float)r.size;

@@ -165,9 +165,9 @@ uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t s
 /* What sample i of a pixel shows, if any; beyond the film coordinates are modulo 2^32. *dir: the ray's. */
 bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s);
 /* Radiance of all that is seen, as it reaches the camera. The first surface makes the guide where that is not
- * made yet. */
+ * made yet. hash: of the slot; of_point: of the sample, by which round lights have points. */
 void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight *sight, lc_guide *g,
-                    uint64_t hash, lc_cut_result *sum);
+                    uint64_t hash, uint64_t of_point, lc_cut_result *sum);
 /* Radiance of sample i of a pixel; px: all but rgb is added to. False: cancelled, or stopped halfway. */
 bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_pixel *px,
                       lc_f3 *rgb);

@@ -102,13 +102,14 @@ static bool are_alike(const lc_gather_point *a, const lit_sample *la, const lc_g
            lc_f3_dot(way, way) <= la->reach2 && lc_f3_dot(la->n, lb->n) > least_cos;
 }
 
-/* Adds a lit point to the group whose first point it is like, or makes one. */
-static void add_point(pixel_sum *s, const lc_lit *lit, uint64_t hash, uint32_t most)
+/* Adds a lit point to the group whose first point it is like, or makes one. hash, of_point: as of
+ * lc_shade_sight. */
+static void add_point(pixel_sum *s, const lc_lit *lit, uint64_t hash, uint64_t of_point, uint32_t most)
 {
     lc_pixel_points *p = s->w->points;
     lc_gather_point *a = &p->point[p->n];
     lit_sample *l = &p->lit[p->n];
-    lc_lit_point(s->j->scene, lit, hash, a->p);
+    lc_lit_point(s->j->scene, lit, of_point, a->p);
     for (int k = 0; k < 3; k++) a->org[k] = lit->surface.ray_org[k];
     *l = (lit_sample){ .weight = lit->weight, .place = lit->surface.pos, .n = lit->surface.n, .hash = hash,
                        .material = lit->surface.material_id, .mass = 1 };
@@ -233,7 +234,8 @@ static bool add_camera_ray(pixel_sum *s, uint32_t x, uint32_t y, uint32_t i, lc_
     w->stats.camera_rays += sight.n_rays;
     lc_add_to_planes(j, px, &sight, dir);
     for (uint32_t k = 0; k < sight.n_lit; k++)
-        add_point(s, &sight.lit[k], lc_slot_hash(j, x, y, i + w->slot_shift) + k, j->max_points);
+        add_point(s, &sight.lit[k], lc_slot_hash(j, x, y, i + w->slot_shift) + k,
+                  lc_slot_hash(j, x, y, i) + k, j->max_points);
     lc_phase_end(&w->stats, LC_PHASE_OTHER);
     return true;
 }
