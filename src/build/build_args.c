@@ -309,10 +309,11 @@ uint64_t lc_given_id(const lc_scene *s)
         lc_digest_add(&d, s->instances[i].to_world, sizeof s->instances[i].to_world);
     }
     for (size_t i = 0; i < s->n_moving; i++) {
+        if (!s->instances[s->moving[i].instance].moves) continue;
         lc_digest_add(&d, s->moving[i].from.m, sizeof s->moving[i].from.m);
         lc_digest_add(&d, s->moving[i].to.m, sizeof s->moving[i].to.m);
     }
-    if (s->view_moves) lc_digest_add(&d, s->view_ends, sizeof s->view_ends);
+    if (s->camera_desc.moves) lc_digest_add(&d, s->view_ends, sizeof s->view_ends);
     lc_digest_mark(&d);
     for (size_t i = 0; i < s->n_meshes; i++)
         lc_digest_add(&d, &s->meshes[i].emission, sizeof s->meshes[i].emission);

@@ -256,6 +256,22 @@ static lc_status note_round(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t segments
                         "from here on round shapes have fewer triangles, as they are many");
 }
 
+/* Whether a shape moves; lamps, boundaries of media and shapes of objects do not, which is noted. */
+static lc_status does_move(lc_pbrt *p, lc_pos where, bool emits, bool bounds, lc_pbrt_ctm *shutter, bool *moves)
+{
+    uint32_t material;
+    lc_status st = LC_OK;
+    *moves = lc_pbrt_moves(p, shutter);
+    if (!*moves) return LC_OK;
+    if (bounds && !p->attrs.invisible) {
+        st = lc_pbrt_current_material(p, &material);
+        bounds = !st && lc_build_traits(p->scene, material) & LC_TRAIT_CLEAR;
+    }
+    *moves = !emits && !bounds && !p->in_object;
+    if (st || *moves) return st;
+    return lc_pbrt_stands_still(p, where, emits ? "an area light" : bounds ? "a medium" : "a shape of an object");
+}
+
 lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     size_t i = 0, n = sizeof shapes / sizeof *shapes;
@@ -287,8 +303,8 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (shapes[i].round) st = note_round(p, s, segments);
     lc_pbrt_ctm shutter;
     const lc_xform own = lc_xform_identity();
-    const bool moves = !p->in_object && !emits && !bounds && lc_pbrt_moves(p, &shutter);
-    if (!st && !moves) st = lc_pbrt_stands_still(p, s->pos, emits ? "area lights" : "shapes in objects, media");
+    bool moves = false;
+    if (!st) st = does_move(p, s->pos, emits, bounds, &shutter, &moves);
     if (!st) st = transform(p, s->pos, &mesh, moves ? &own : &p->ctm);
     mesh.flip = p->attrs.reverse != (!moves && lc_pbrt_mirrored(p));
     if (!st && p->attrs.invisible) st = lc_pbrt_bound_media(p, s->pos, &mesh);

@@ -119,6 +119,7 @@ bool lc_camera_move(const lc_camera_desc *desc, const lc_camera_place *place, lc
     lc_camera_place old;
     lc_xform was, back, a, to;
     *out = *desc;
+    out->moves = false;
     if (place->fov > 0 && desc->kind == LC_CAMERA_PERSPECTIVE) out->fov_degrees = place->fov;
     if (!lc_camera_get_place(desc, &old) || !look(&old, &was) || !lc_xform_invert(&was, &back)) return false;
     memcpy(a.m, desc->world_to_camera, sizeof a.m);

@@ -27,6 +27,7 @@ typedef struct lc_camera_desc {
     double screen[4];           /* xmin, xmax, ymin, ymax of the screen window, pbrt's defaults applied */
     double lens_radius;         /* camera-space units; 0: a pinhole */
     double focal_distance;      /* camera-space units along the axis, > 0 */
+    bool moves;                 /* while the shutter is open: scene/motion.h */
 } lc_camera_desc;
 
 typedef struct lc_camera {

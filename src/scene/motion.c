@@ -22,19 +22,21 @@ struct lc_moment {
 
 lc_status lc_scene_add_motion(lc_scene *s, lc_pos where, const lc_xform *from, const lc_xform *to)
 {
-    lc_moving m = { .instance = (uint32_t)s->n_instances - 1, .from = *from, .to = *to };
+    const lc_moving m = { .instance = (uint32_t)s->n_instances - 1, .from = *from, .to = *to };
+    lc_xform middle;
     lc_instance test;
     void *list = s->moving;
     lc_instance *at = &s->instances[m.instance];
-    if (!lc_xform_between(from, to, 0.5, &m.middle) || !lc_instance_fits(&m.middle))
+    if (!lc_xform_between(from, to, 0.5, &middle) || !lc_instance_fits(&middle))
         return lc_fail_at(s->ctx, LC_ERR_ARG, where, "there is no way from one transform to the other");
     lc_status st = lc_scene_make_instance(s, where, at->object, to, &test);
-    if (!st) st = lc_scene_make_instance(s, where, at->object, &m.middle, &test);
+    if (!st) st = lc_scene_make_instance(s, where, at->object, &middle, &test);
     if (!st) st = lc_grow(s->ctx, &list, &s->cap_moving, s->n_moving + 1, sizeof m);
     if (st) return st;
     s->moving = list;
     s->moving[s->n_moving++] = m;
     *at = test;
+    at->moves = true;
     return LC_OK;
 }
 
@@ -48,22 +50,11 @@ lc_status lc_scene_move_view(lc_scene *s, const lc_xform *to)
     s->view_ends[0] = inverse[0];
     s->view_ends[1] = inverse[1];
     memcpy(s->camera_desc.world_to_camera, from.m, sizeof from.m);
-    s->moving_view = from;
-    s->view_moves = true;
+    s->camera_desc.moves = true;
     return LC_OK;
 }
 
-/* Whether an instance still is where its motion has it. */
-static bool still_moves(const lc_scene *s, const lc_moving *m)
-{
-    return !memcmp(s->instances[m->instance].to_world, m->middle.m, sizeof s->instances->to_world);
-}
-
-static bool view_moves(const lc_scene *s)
-{
-    return s->view_moves && !s->sensors &&
-           !memcmp(s->camera_desc.world_to_camera, s->moving_view.m, sizeof s->moving_view.m);
-}
+static bool view_moves(const lc_scene *s) { return s->camera_desc.moves && !s->sensors; }
 
 /* ---- moments ---- */
 
@@ -89,7 +80,7 @@ static lc_status place_instances(lc_moments *m, struct lc_moment *at, lc_instanc
         const lc_moving *moving = &s->moving[i];
         lc_instance *to = &instances[moving->instance];
         lc_xform x, inverse;
-        if (!still_moves(s, moving) || !lc_xform_between(&moving->from, &moving->to, time, &x) ||
+        if (!to->moves || !lc_xform_between(&moving->from, &moving->to, time, &x) ||
             !lc_xform_invert(&x, &inverse))
             continue;
         memcpy(to->to_world, x.m, sizeof to->to_world);
@@ -123,7 +114,7 @@ static lc_status make_moment(lc_moments *m, const lc_scene *scene, uint32_t i)
 lc_status lc_moments_make(lc_moments *m, const lc_scene *s, uint32_t spp)
 {
     *m = (lc_moments){ .ctx = s->ctx };
-    for (size_t i = 0; i < s->n_moving; i++) m->has_instances |= still_moves(s, &s->moving[i]);
+    for (size_t i = 0; i < s->n_moving; i++) m->has_instances |= s->instances[s->moving[i].instance].moves;
     if (spp < 2 || (!m->has_instances && !view_moves(s))) return LC_OK;
     m->n_instances = m->has_instances ? s->n_instances : 0;
     const size_t fit = m->n_instances ? MOST_PLACES / m->n_instances : MOST_MOMENTS;

@@ -15,10 +15,10 @@
 #include "base/xform.h"
 #include "scene/scene.h"
 
-/* An instance that moves. It does not where it has been set or moved since it was given. */
+/* An instance that moves while its lc_instance.moves is set, which it is not once it is set or moved again. */
 typedef struct lc_moving {
     uint32_t instance;
-    lc_xform from, to, middle; /* object to world when the shutter opens, closes, and halfway */
+    lc_xform from, to; /* object to world when the shutter opens and closes */
 } lc_moving;
 
 /* The instance added last moves. LC_ERR_ARG: there is nothing between the two; LC_ERR_MEMORY. */

@@ -58,9 +58,7 @@ struct lc_scene {
     size_t n_objects, cap_objects, n_instances, cap_instances;
     struct lc_moving *moving; /* motion.h */
     size_t n_moving, cap_moving;
-    lc_xform view_ends[2], moving_view; /* camera to world when the shutter opens and closes; world to camera
-                                           halfway */
-    bool view_moves;
+    lc_xform view_ends[2]; /* where camera_desc.moves: camera to world when the shutter opens and closes */
     uint32_t moment; /* of lc_moments, which this is; else 0 */
 
     lc_mesh_alpha *alphas;

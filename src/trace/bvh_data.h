@@ -71,6 +71,7 @@ typedef struct lc_instance {
     double to_object[12]; /* world to object space */
     uint32_t object;
     bool mirrored;        /* the map inverts orientation */
+    bool moves;           /* while the shutter is open: scene/motion.h */
     double to_world[12];  /* last, because shadow rays do not read it */
 } lc_instance;
 
