@@ -122,7 +122,10 @@ TEST(transforms)
     CHECK(note("unknown coordinate system nowhere"));
     CHECK(parse_text("TransformTimes 0 1 WorldBegin ActiveTransform EndTime Translate 9 9 9 ActiveTransform "
                      "All " TRI) == LC_OK);
-    CHECK(near3_abs(vertex(0), 0, 0, 0, 0) && note("ActiveTransform"));
+    CHECK(near3_abs(vertex(0), 0, 0, 0, 0) && scene->n_moving == 1); /* in its own space */
+    CHECK(parse_text("TransformTimes 0 1 WorldBegin ActiveTransform EndTime Translate 9 9 9 ActiveTransform "
+                     "All LightSource \"point\" " TRI) == LC_OK);
+    CHECK(note("motion of a light"));
     EXPECT_ERROR("WorldBegin\nRotate 1 0 0 0", "s.pbrt:2:1: error: Rotate about a zero axis");
     EXPECT_ERROR("LookAt 1 2 3 1 2 3 0 1 0 WorldBegin",
                  "s.pbrt:1:1: error: LookAt: eye and target coincide, or up is along the view");

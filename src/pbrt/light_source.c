@@ -135,7 +135,8 @@ lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
     lc_pbrt_mark(&p->params, "nsamples"); /* of pbrt's own sampling */
     if (strcmp(s->text[0], "luminaire")) lc_pbrt_mark(&p->params, "samples");
-    const lc_status st = lc_pbrt_group_light(p, s->text[0]);
+    lc_status st = lc_pbrt_group_light(p, s->text[0]);
+    if (!st) st = lc_pbrt_stands_still(p, s->pos, "a light");
     if (st) return st;
     for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
         if (!strcmp(lights[i].name, s->text[0])) return lights[i].handler(p, s);
