@@ -443,6 +443,13 @@ TEST(hostile_motion_is_refused)
     s = scene_of(EYE ORTHO, "ActiveTransform EndTime Scale 1 0 1 ActiveTransform All\n" CARD);
     check_ramp("a shape that is flattened stands still", s, 0, 0.001);
     lc_scene_destroy(s);
+    s = scene_of("ActiveTransform EndTime Scale 1 -1 1 ActiveTransform All\n" EYE ORTHO,
+                 "ActiveTransform EndTime Scale 1 -1 1 ActiveTransform All\n" CARD);
+    check_ramp("there is no way to a mirror image", s, 0, 0.001);
+    lc_scene_destroy(s);
+    s = scene_of(EYE ORTHO, "ActiveTransform EndTime Scale 1 1e-4 1 ActiveTransform All\n" CARD);
+    check_ramp("a shape whose transform becomes extreme stands still", s, 0, 0.001);
+    lc_scene_destroy(s);
 }
 
 static lc_status render_in(lc_context *c)

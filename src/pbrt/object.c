@@ -10,6 +10,8 @@
  */
 #include "pbrt/shape_handler.h"
 
+#include "base/motion.h"
+
 #include <string.h>
 
 /* Limits on copies. A triangle takes about 150 bytes, its part of the BVH included, so copies of small
@@ -173,7 +175,10 @@ lc_status lc_pbrt_object_instance(lc_pbrt *p, const lc_pbrt_stmt *s)
     const lc_pbrt_object *o = &p->objects[id];
     lc_pbrt_ctm to_world;
     if (!o->n_tris) return LC_OK;
-    const bool moves = lc_pbrt_moves(p, &to_world) || lc_build_is_movable(p->scene, &s->text[0], 1);
+    bool moves;
+    const lc_status st = lc_pbrt_motion(p, s->pos, &to_world, &moves);
+    if (st) return st;
+    moves |= lc_build_is_movable(p->scene, &s->text[0], 1);
     if (!moves && o->n_tris <= SMALL_TRIS && o->n_tris <= MAX_SMALL_TRIS - p->n_copied_tris) {
         p->n_copied_tris += o->n_tris;
         return copy_object(p, s->pos, o, &p->ctm);
@@ -190,8 +195,11 @@ lc_status lc_pbrt_emit_moving(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh
 
 static bool is_shared(const lc_pbrt *p, const lc_pbrt_place *place)
 {
-    return (place->moves || p->objects[place->object].n_places > 1) &&
-           lc_build_instance_fits(place->to_world.start.m) && lc_build_instance_fits(place->to_world.end.m);
+    const lc_xform *start = &place->to_world.start, *end = &place->to_world.end;
+    lc_xform middle;
+    return (place->moves || p->objects[place->object].n_places > 1) && lc_build_instance_fits(start->m) &&
+           lc_build_instance_fits(end->m) && lc_xform_between(start, end, 0.5, &middle) &&
+           lc_build_instance_fits(middle.m);
 }
 
 static lc_status copy_place(lc_pbrt *p, const lc_pbrt_place *place)

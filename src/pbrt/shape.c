@@ -260,9 +260,8 @@ static lc_status note_round(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t segments
 static lc_status does_move(lc_pbrt *p, lc_pos where, bool emits, bool bounds, lc_pbrt_ctm *shutter, bool *moves)
 {
     uint32_t material;
-    lc_status st = LC_OK;
-    *moves = lc_pbrt_moves(p, shutter);
-    if (!*moves) return LC_OK;
+    lc_status st = lc_pbrt_motion(p, where, shutter, moves);
+    if (st || !*moves) return st;
     if (bounds && !p->attrs.invisible) {
         st = lc_pbrt_current_material(p, &material);
         bounds = !st && lc_build_traits(p->scene, material) & LC_TRAIT_CLEAR;

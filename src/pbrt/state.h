@@ -168,10 +168,11 @@ lc_pbrt_handler lc_pbrt_identity, lc_pbrt_translate, lc_pbrt_scale, lc_pbrt_rota
 lc_status lc_pbrt_set_ctm(lc_pbrt *p, lc_pos where, const lc_pbrt_ctm *x);
 lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_pbrt_ctm *x);
 lc_pbrt_handler lc_pbrt_transform_times;
-/* Whether the current matrix, or a given one, changes while the shutter is open; *shutter: what it is when
- * that opens and closes, if it does not change what it is at the start. */
-bool lc_pbrt_moves(const lc_pbrt *p, lc_pbrt_ctm *shutter);
+/* Whether a matrix changes while the shutter is open; *shutter: what it is when that opens and closes, if it
+ * does not change what it is at the start. */
 bool lc_pbrt_shutter(const lc_pbrt_options *o, const lc_pbrt_ctm *motion, lc_pbrt_ctm *shutter);
+/* The same of the current matrix; noted where it cannot change as it should. */
+lc_status lc_pbrt_motion(lc_pbrt *p, lc_pos where, lc_pbrt_ctm *shutter, bool *moves);
 /* Notes once that something of a kind does not move, if it were to. */
 lc_status lc_pbrt_stands_still(lc_pbrt *p, lc_pos where, const char *what);
 

@@ -153,24 +153,43 @@ static double share_of(const lc_pbrt_options *o, double time)
     return from < to ? fmin(fmax((time - from) / (to - from), 0), 1) : 0;
 }
 
-bool lc_pbrt_shutter(const lc_pbrt_options *o, const lc_pbrt_ctm *motion, lc_pbrt_ctm *shutter)
+/* Whether there is a way from one to the other, all along which the transform can be inverted. */
+static bool between(const lc_xform *a, const lc_xform *b, double t, lc_xform *out)
 {
-    const double open = share_of(o, o->open), close = share_of(o, fmax(o->open, o->close));
-    *shutter = (lc_pbrt_ctm){ motion->start, motion->start };
-    return memcmp(&motion->start, &motion->end, sizeof motion->start) && open < close &&
-           lc_xform_between(&motion->start, &motion->end, open, &shutter->start) &&
-           lc_xform_between(&motion->start, &motion->end, close, &shutter->end);
+    lc_xform inverse;
+    return lc_xform_between(a, b, t, out) && lc_xform_invert(out, &inverse);
 }
 
-bool lc_pbrt_moves(const lc_pbrt *p, lc_pbrt_ctm *shutter)
+static bool would_move(const lc_pbrt_options *o, const lc_pbrt_ctm *motion)
+{
+    return share_of(o, o->open) < share_of(o, o->close) &&
+           memcmp(&motion->start, &motion->end, sizeof motion->start);
+}
+
+bool lc_pbrt_shutter(const lc_pbrt_options *o, const lc_pbrt_ctm *motion, lc_pbrt_ctm *shutter)
+{
+    lc_xform middle;
+    *shutter = (lc_pbrt_ctm){ motion->start, motion->start };
+    if (would_move(o, motion) &&
+        between(&motion->start, &motion->end, share_of(o, o->open), &shutter->start) &&
+        between(&motion->start, &motion->end, share_of(o, o->close), &shutter->end) &&
+        between(&shutter->start, &shutter->end, 0.5, &middle))
+        return true;
+    *shutter = (lc_pbrt_ctm){ motion->start, motion->start };
+    return false;
+}
+
+lc_status lc_pbrt_motion(lc_pbrt *p, lc_pos where, lc_pbrt_ctm *shutter, bool *moves)
 {
     const lc_pbrt_ctm now = { p->ctm, p->ctm_end };
-    return lc_pbrt_shutter(&p->opt, &now, shutter);
+    *moves = lc_pbrt_shutter(&p->opt, &now, shutter);
+    if (*moves || !would_move(&p->opt, &now)) return LC_OK;
+    return lc_pbrt_note(p, where, "motion", "there is no way from one transform to the other; nothing moves");
 }
 
 lc_status lc_pbrt_stands_still(lc_pbrt *p, lc_pos where, const char *what)
 {
-    lc_pbrt_ctm shutter;
-    if (!lc_pbrt_moves(p, &shutter)) return LC_OK;
+    const lc_pbrt_ctm now = { p->ctm, p->ctm_end };
+    if (!would_move(&p->opt, &now)) return LC_OK;
     return lc_pbrt_note_name(p, where, "motion of", what, "it stands where it is at the start");
 }
