@@ -327,11 +327,13 @@ typedef struct lc_scene_info {
     uint32_t built_trees;    /* the light tree */
     uint32_t built_images;   /* pictures of textures and lights that were read from files */
     uint32_t n_sequences;    /* of those, pictures that are sequences, by the number of a frame */
+    uint32_t n_moving;       /* instances that move while the shutter is open */
+    int camera_moves;        /* nonzero: so does the camera */
 } lc_scene_info;
 #define LC_SCENE_INFO_INIT                                                                                   \
     {                                                                                                        \
         sizeof(lc_scene_info), 0, 0, 0, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,   \
-        0, 0, { 0 }, { 0 }, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0             \
+        0, 0, { 0 }, { 0 }, 0, 0, { 0 }, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0       \
     }
 
 /* Reads a pbrt file ("-" is stdin), glTF or OBJ, makes lights, builds the BVH and the light tree. desc may be

@@ -215,6 +215,8 @@ TEST(calls_make_the_same_motion)
     lc_scene *s = card_by_calls(1, 5, false), *t = card_by_calls(1, 4, false), *u = card_by_calls(1, 5, true);
     check_ramp("an instance", s, 1, 5);
     check_ramp("a camera", u, 1, 5);
+    CHECK(info_of(s).n_moving == 1 && !info_of(s).camera_moves);
+    CHECK(info_of(u).n_moving == 0 && info_of(u).camera_moves);
     CHECK(!alike(ctx, s, t, &same_id) && !same_id && !alike(ctx, t, u, &same_id) && !same_id);
     lc_scene_destroy(t);
     t = card_by_calls(1, 5, false);
@@ -230,7 +232,7 @@ TEST(what_is_set_again_stands_still)
     const lc_xform middle = lc_xform_translate((const double[3]){ 3, 0, 0 });
     lc_scene *s = card_by_calls(1, 5, false), *still = card_by_calls(3, 3, false);
     CHECK(!lc_scene_set_instance(s, 0, middle.m) && !lc_scene_update(s, NULL));
-    CHECK(alike(ctx, s, still, &same_id));
+    CHECK(alike(ctx, s, still, &same_id) && same_id && !info_of(s).n_moving);
     lc_scene_destroy(s);
     s = card_by_calls(1, 5, true);
     lc_camera_place place = LC_CAMERA_PLACE_INIT;

@@ -29,6 +29,8 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     if (i->n_instances)
         printf("instances            %llu, %llu triangles instanced\n", (ull)i->n_instances,
                (ull)i->n_instanced_triangles);
+    if (i->n_moving || i->camera_moves)
+        printf("moving               %u instances%s\n", i->n_moving, i->camera_moves ? " and the camera" : "");
     if (i->n_alpha_meshes) printf("meshes with alpha    %llu\n", (ull)i->n_alpha_meshes);
     if (i->n_mirrors)
         printf("mirrors              %llu of them, paths of depth %u\n", (ull)i->n_mirrors, i->max_depth);
@@ -94,6 +96,8 @@ static void scene_json(const lc_scene *scene, const lc_scene_info *i)
            (ull)i->n_triangles, (ull)i->n_vertices, (ull)i->n_meshes, (ull)i->n_materials);
     printf("  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"alpha_meshes\": %llu,\n",
            (ull)i->n_instances, (ull)i->n_instanced_triangles, (ull)i->n_alpha_meshes);
+    printf("  \"moving_instances\": %u,\n  \"camera_moves\": %s,\n", i->n_moving,
+           i->camera_moves ? "true" : "false");
     printf("  \"mirrors\": %llu,\n  \"max_depth\": %u,\n", (ull)i->n_mirrors, i->max_depth);
     printf("  \"lights\": %llu,\n  \"lights_by_type\": {", (ull)i->n_lights);
     cli_light_kinds(stdout, i, true);

@@ -27,6 +27,7 @@ lc_status lc_scene_add_motion(lc_scene *s, lc_pos where, const lc_xform *from, c
     lc_instance test;
     void *list = s->moving;
     lc_instance *at = &s->instances[m.instance];
+    if (!memcmp(from, to, sizeof *from)) return LC_OK;
     if (!lc_xform_between(from, to, 0.5, &middle) || !lc_instance_fits(&middle))
         return lc_fail_at(s->ctx, LC_ERR_ARG, where, "there is no way from one transform to the other");
     lc_status st = lc_scene_make_instance(s, where, at->object, to, &test);
@@ -44,6 +45,7 @@ lc_status lc_scene_move_view(lc_scene *s, const lc_xform *to)
 {
     lc_xform from, middle, inverse[2];
     memcpy(from.m, s->camera_desc.world_to_camera, sizeof from.m);
+    if (!memcmp(&from, to, sizeof from)) return LC_OK;
     if (!lc_xform_invert(&from, &inverse[0]) || !lc_xform_invert(to, &inverse[1]) ||
         !lc_xform_between(&inverse[0], &inverse[1], 0.5, &middle) || !lc_xform_invert(&middle, &from))
         return LC_ERR_ARG;
@@ -52,6 +54,13 @@ lc_status lc_scene_move_view(lc_scene *s, const lc_xform *to)
     memcpy(s->camera_desc.world_to_camera, from.m, sizeof from.m);
     s->camera_desc.moves = true;
     return LC_OK;
+}
+
+uint32_t lc_scene_n_moving(const lc_scene *s)
+{
+    uint32_t n = 0;
+    for (size_t i = 0; i < s->n_moving; i++) n += s->instances[s->moving[i].instance].moves;
+    return n;
 }
 
 static bool view_moves(const lc_scene *s) { return s->camera_desc.moves && !s->sensors; }
@@ -114,7 +123,7 @@ static lc_status make_moment(lc_moments *m, const lc_scene *scene, uint32_t i)
 lc_status lc_moments_make(lc_moments *m, const lc_scene *s, uint32_t spp)
 {
     *m = (lc_moments){ .ctx = s->ctx };
-    for (size_t i = 0; i < s->n_moving; i++) m->has_instances |= s->instances[s->moving[i].instance].moves;
+    m->has_instances = lc_scene_n_moving(s) > 0;
     if (spp < 2 || (!m->has_instances && !view_moves(s))) return LC_OK;
     m->n_instances = m->has_instances ? s->n_instances : 0;
     const size_t fit = m->n_instances ? MOST_PLACES / m->n_instances : MOST_MOMENTS;

@@ -26,6 +26,9 @@ lc_status lc_scene_add_motion(lc_scene *scene, lc_pos where, const lc_xform *fro
 /* The camera moves from where it is, world to camera. LC_ERR_ARG. */
 lc_status lc_scene_move_view(lc_scene *scene, const lc_xform *to);
 
+/* How many instances do. */
+uint32_t lc_scene_n_moving(const lc_scene *scene);
+
 /* Nothing moves: n is 0. */
 typedef struct lc_moments {
     const lc_context *ctx;

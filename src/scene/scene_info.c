@@ -3,6 +3,7 @@
 
 #include "base/desc.h"
 #include "scene/instance.h"
+#include "scene/motion.h"
 #include "scene/scene.h"
 #include "trace/bvh.h"
 #include "tree/light_tree.h"
@@ -77,6 +78,8 @@ lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
         .built_trees = s->built.trees,
         .built_images = (uint32_t)(s->textures.n_images + s->n_emission_maps) + s->built.images,
         .n_sequences = (uint32_t)s->n_sequences,
+        .n_moving = lc_scene_n_moving(s),
+        .camera_moves = s->camera_desc.moves,
     }, *info = &full;
     count(s, info);
     for (int k = 0; k < LC_LIGHT_KINDS; k++) info->n_of_kind[k] = t->n_of_kind[k];
