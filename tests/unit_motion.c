@@ -279,7 +279,8 @@ static lc_scene *slab(const char *where, uint32_t spp)
         "AttributeBegin\nTranslate 0 7 0\nAreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\n"
         "Shape \"sphere\" \"float radius\" .7\nAttributeEnd\n"
         "Shape \"trianglemesh\" \"point3 P\" [-9 -1 -9 9 -1 -9 9 -1 9 -9 -1 9] \"integer indices\" "
-        "[0 2 1 0 3 2]\n%sShape \"trianglemesh\" \"point3 P\" [-2 0 -1 2 0 -1 2 .5 1 -2 .5 1] \"integer indices\" "
+        "[0 2 1 0 3 2]\n%sShape \"trianglemesh\" \"point3 P\" [-2 0 -1 2 0 -1 2 .5 1 -2 .5 1] "
+        "\"integer indices\" "
         "[0 2 1 0 3 2]\n",
         SIDE, SIDE, where);
 }
@@ -360,7 +361,8 @@ TEST(cuts_keep_the_error_that_is_asked)
                 const double want = pixel_at(all, "G", x, y);
                 within += fabs(pixel_at(cuts, "G", x, y) - want) <= 0.02 * want;
             }
-        CHECKF(within >= 0.93 * SIDE * SIDE, "%u samples: %u of %u pixels within 2 %%", spp, within, SIDE * SIDE);
+        CHECKF(within >= 0.93 * SIDE * SIDE, "%u samples: %u of %u pixels within 2 %%", spp, within,
+               SIDE * SIDE);
         lc_image_destroy(cuts);
         lc_image_destroy(all);
         lc_scene_destroy(s);
@@ -395,7 +397,8 @@ TEST(threads_and_crops_give_the_same_bytes)
 TEST(haze_and_glass_move_along)
 {
     lc_scene *s = scene_of("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" "
-                           "[.001 .001 .001] \"rgb sigma_s\" [0 0 0]\nMediumInterface \"\" \"fog\"\n" EYE ORTHO,
+                           "[.001 .001 .001] \"rgb sigma_s\" [0 0 0]\n"
+                           "MediumInterface \"\" \"fog\"\n" EYE ORTHO,
                            MOVES("4") CARD);
     lc_image *image = rendered(ctx, s);
     for (uint32_t x = 0; x < WIDTH; x++) {

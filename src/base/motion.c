@@ -60,7 +60,8 @@ static quaternion quaternion_of(const lc_xform *r)
         q.v[2] = (m[4] - m[1]) / (2 * s);
         return q;
     }
-    const int i = m[5] > m[0] ? (m[10] > m[5] ? 2 : 1) : m[10] > m[0] ? 2 : 0, j = (i + 1) % 3, k = (j + 1) % 3;
+    const int larger = m[5] > m[0] ? 1 : 0, i = m[10] > m[5 * larger] ? 2 : larger, j = (i + 1) % 3,
+              k = 3 - i - j;
     const double s = sqrt(fmax(m[5 * i] - m[5 * j] - m[5 * k] + 1, 1e-300));
     q.w = (m[4 * k + j] - m[4 * j + k]) / (2 * s);
     q.v[i] = s / 2;

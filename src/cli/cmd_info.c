@@ -30,7 +30,8 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
         printf("instances            %llu, %llu triangles instanced\n", (ull)i->n_instances,
                (ull)i->n_instanced_triangles);
     if (i->n_moving || i->camera_moves)
-        printf("moving               %u instances%s\n", i->n_moving, i->camera_moves ? " and the camera" : "");
+        printf("moving               %u instances%s\n", i->n_moving,
+               i->camera_moves ? " and the camera" : "");
     if (i->n_alpha_meshes) printf("meshes with alpha    %llu\n", (ull)i->n_alpha_meshes);
     if (i->n_mirrors)
         printf("mirrors              %llu of them, paths of depth %u\n", (ull)i->n_mirrors, i->max_depth);

@@ -214,8 +214,8 @@ static lc_status copy_place(lc_pbrt *p, const lc_pbrt_place *place)
         p->n_copied_tris += o->n_tris;
     }
     const lc_status st =
-        is_moving(place) ? lc_pbrt_note(p, place->pos, "motion", "by a singular or extreme matrix; it stands still")
-                         : LC_OK;
+        !is_moving(place) ? LC_OK
+                          : lc_pbrt_note(p, place->pos, "motion", "by an extreme matrix; it stands still");
     return st ? st : copy_object(p, place->pos, o, &place->to_world.start);
 }
 

@@ -257,7 +257,8 @@ static lc_status note_round(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t segments
 }
 
 /* Whether a shape moves; lamps, boundaries of media and shapes of objects do not, which is noted. */
-static lc_status does_move(lc_pbrt *p, lc_pos where, bool emits, bool bounds, lc_pbrt_ctm *shutter, bool *moves)
+static lc_status does_move(lc_pbrt *p, lc_pos where, bool emits, bool bounds, lc_pbrt_ctm *shutter,
+                           bool *moves)
 {
     uint32_t material;
     lc_status st = lc_pbrt_motion(p, where, shutter, moves);
@@ -268,7 +269,8 @@ static lc_status does_move(lc_pbrt *p, lc_pos where, bool emits, bool bounds, lc
     }
     *moves = !emits && !bounds && !p->in_object;
     if (st || *moves) return st;
-    return lc_pbrt_stands_still(p, where, emits ? "an area light" : bounds ? "a medium" : "a shape of an object");
+    return lc_pbrt_stands_still(p, where,
+                                emits ? "an area light" : bounds ? "a medium" : "a shape of an object");
 }
 
 lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)

@@ -10,6 +10,7 @@
 
 #include "base/xform.h"
 #include "pbrt/mesh.h"
+#include "pbrt/motion.h"
 #include "pbrt/option.h"
 #include "pbrt/param.h"
 #include "pbrt/spot_map.h"
@@ -30,15 +31,6 @@ typedef struct lc_pbrt_attrs {
     uint8_t space;                         /* colour space of rgb values, see space.c; 0: sRGB */
     uint32_t n_defaults, n_default_values; /* by Attribute statements, see attribute.c */
 } lc_pbrt_attrs;
-
-/* The two times that statements of transforms change the matrix of. */
-#define LC_PBRT_AT_START 1u
-#define LC_PBRT_AT_END   2u
-
-/* Where things are when the motion begins and ends. */
-typedef struct lc_pbrt_ctm {
-    lc_xform start, end;
-} lc_pbrt_ctm;
 
 typedef enum lc_pbrt_scope_kind {
     LC_PBRT_IN_ATTRIBUTE, LC_PBRT_IN_TRANSFORM, LC_PBRT_IN_OBJECT
@@ -163,18 +155,7 @@ lc_status lc_pbrt_count_feature(lc_pbrt *p, const char *directive, uint64_t n_no
 /* transform.c */
 lc_pbrt_handler lc_pbrt_identity, lc_pbrt_translate, lc_pbrt_scale, lc_pbrt_rotate, lc_pbrt_look_at,
     lc_pbrt_transform, lc_pbrt_concat, lc_pbrt_coord_system, lc_pbrt_coord_sys_transform,
-    lc_pbrt_active_transform;
-/* Replaces the current matrices, of the times that are active. */
-lc_status lc_pbrt_set_ctm(lc_pbrt *p, lc_pos where, const lc_pbrt_ctm *x);
-lc_status lc_pbrt_name_coords(lc_pbrt *p, const char *name, const lc_pbrt_ctm *x);
-lc_pbrt_handler lc_pbrt_transform_times;
-/* Whether a matrix changes while the shutter is open; *shutter: what it is when that opens and closes, if it
- * does not change what it is at the start. */
-bool lc_pbrt_shutter(const lc_pbrt_options *o, const lc_pbrt_ctm *motion, lc_pbrt_ctm *shutter);
-/* The same of the current matrix; noted where it cannot change as it should. */
-lc_status lc_pbrt_motion(lc_pbrt *p, lc_pos where, lc_pbrt_ctm *shutter, bool *moves);
-/* Notes once that something of a kind does not move, if it were to. */
-lc_status lc_pbrt_stands_still(lc_pbrt *p, lc_pos where, const char *what);
+    lc_pbrt_active_transform, lc_pbrt_transform_times;
 
 /* apply_options.c */
 void lc_pbrt_options_init(lc_pbrt_options *opt);
@@ -183,8 +164,7 @@ lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler, lc_pbrt_integrato
 lc_status lc_pbrt_usual_integrator(lc_pbrt *p);
 /* Sets the scene's film and camera. */
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where);
-/* Lowers the film's samples to what they are for here; called at the file's end, when it is known whether
- * something moves. */
+/* Lowers the film's samples to what they are for here; called at the end, when all that moves is known. */
 lc_status lc_pbrt_limit_spp(lc_pbrt *p);
 
 /* filter.c */
@@ -205,8 +185,6 @@ lc_pbrt_handler lc_pbrt_object_begin, lc_pbrt_object_end, lc_pbrt_object_instanc
 lc_status lc_pbrt_place_objects(lc_pbrt *p);
 /* Passes a finished mesh to the scene, or to the object being recorded. */
 lc_status lc_pbrt_emit_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh);
-/* The same of one in object space that moves; to_world: when the shutter opens and closes. */
-lc_status lc_pbrt_emit_moving(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh, const lc_pbrt_ctm *to_world);
 
 /* white.c: the matrix, by rows, that adapts linear Rec.709 from daylight of this temperature to Rec.709's
  * white; false outside of 4000..25000 K. */

@@ -17,6 +17,12 @@ typedef struct lc_pixel {
     lc_f3 *of_group;         /* rgb of each group of lights; NULL where the film has none */
 } lc_pixel;
 
+/* A pixel while samples are added: its own to the planes, those in reach to rgb. */
+typedef struct lc_shared_pixel {
+    lc_pixel px;
+    double rgb[3], cover; /* samples times weights that add up to 1 */
+} lc_shared_pixel;
+
 enum {
     LC_PLANE_RGB = 0,
     LC_PLANE_N = 3,

@@ -43,12 +43,6 @@ typedef struct lc_guide {
     lc_cut_start start;
 } lc_guide;
 
-/* A pixel while samples are added: its own to the planes, those in reach to rgb. */
-typedef struct lc_shared_pixel {
-    lc_pixel px;
-    double rgb[3], cover; /* samples times weights that add up to 1 */
-} lc_shared_pixel;
-
 typedef struct lc_pixel_points lc_pixel_points; /* of samples.c; below: what a thread has for itself */
 typedef struct lc_render_worker {
     lc_cut cut;

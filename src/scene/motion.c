@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-#define MOST_MOMENTS 256        /* finer steps than a pixel of 8 bits can show */
+#define MOST_MOMENTS 256        /* finer steps than a pixel of 8 bits can show; a power of 2 */
 #define MOST_PLACES (1u << 20)  /* instances of all moments; fewer moments where there are more */
 #define LEAST_MOMENTS 16
 
@@ -73,7 +73,8 @@ static void place_view(lc_scene *s, double time)
     lc_camera_desc desc = s->camera_desc;
     lc_camera camera;
     lc_xform at, back;
-    if (!lc_xform_between(&s->view_ends[0], &s->view_ends[1], time, &at) || !lc_xform_invert(&at, &back)) return;
+    if (!lc_xform_between(&s->view_ends[0], &s->view_ends[1], time, &at) || !lc_xform_invert(&at, &back))
+        return;
     memcpy(desc.world_to_camera, back.m, sizeof back.m);
     if (!lc_camera_init(&camera, &desc, s->film.width, s->film.height)) return;
     camera.pixel = s->camera.pixel;
@@ -126,8 +127,8 @@ lc_status lc_moments_make(lc_moments *m, const lc_scene *s, uint32_t spp)
     m->has_instances = lc_scene_n_moving(s) > 0;
     if (spp < 2 || (!m->has_instances && !view_moves(s))) return LC_OK;
     m->n_instances = m->has_instances ? s->n_instances : 0;
-    const size_t fit = m->n_instances ? MOST_PLACES / m->n_instances : MOST_MOMENTS;
-    const uint32_t n = fit < LEAST_MOMENTS ? LEAST_MOMENTS : fit < MOST_MOMENTS ? (uint32_t)fit : MOST_MOMENTS;
+    uint32_t n = MOST_MOMENTS;
+    while (n > LEAST_MOMENTS && n * m->n_instances > MOST_PLACES) n /= 2;
     m->at = lc_alloc(s->ctx, n, sizeof *m->at);
     m->scenes = lc_alloc(s->ctx, n, sizeof *m->scenes);
     m->instances = lc_alloc_raw(s->ctx, n * m->n_instances, sizeof *m->instances);

@@ -15,7 +15,7 @@
 #include "base/xform.h"
 #include "scene/scene.h"
 
-/* An instance that moves while its lc_instance.moves is set, which it is not once it is set or moved again. */
+/* An instance that moves while its lc_instance.moves is set: until it is set or moved again. */
 typedef struct lc_moving {
     uint32_t instance;
     lc_xform from, to; /* object to world when the shutter opens and closes */
