@@ -206,11 +206,32 @@ TEST(power_is_of_each_shape)
     CHECKF(fabs(luminous() - 100) < 0.2, "%g", luminous());
 }
 
+/* How often a load noted something of a kind. */
+static uint64_t noted(const char *kind) { return note(kind) ? note(kind)->count : 0; }
+
+TEST(lamps_that_give_no_light_are_named)
+{
+    static const float black[2][2][3];
+    pfm_write(temp_path("black.pfm"), 2, 2, black[0][0]);
+    load("AreaLightSource \"diffuse\" " QUAD, 10);
+    CHECK(!noted("area light without area") && !noted("black area light") && scene->n_lights);
+    load("AreaLightSource \"diffuse\" \"rgb L\" [0 0 0] " QUAD, 10); /* as it is meant */
+    CHECK(!noted("area light without area") && !noted("black area light") && !scene->n_lights);
+    load("AreaLightSource \"diffuse\" \"string filename\" \"black.pfm\" " QUAD QUAD, 10);
+    CHECK(!noted("area light without area") && noted("black area light") == 2 && !scene->n_lights);
+    load("AreaLightSource \"diffuse\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 1 0 2 2 0 5 5 0] "
+         "\"integer indices\" [0 1 2 1 2 3 3 3 3]", 10);
+    CHECK(noted("area light without area") == 1 && !noted("black area light") && !scene->n_lights);
+    load("AreaLightSource \"diffuse\" \"string filename\" \"a.pfm\" " QUAD, 10);
+    CHECK(!noted("area light without area") && !noted("black area light") && scene->n_lights);
+}
+
 int main(void)
 {
     ctx = quiet_context(0);
     temp_begin();
     write_picture();
+    RUN(lamps_that_give_no_light_are_named);
     RUN(pictures_keep_their_power);
     RUN(lights_lie_where_the_picture_is_bright);
     RUN(small_triangles_share_lights);

@@ -220,14 +220,9 @@ static bool is_absent(const lc_pbrt_alpha *a)
     return a && a->alpha.id == LC_NONE && !(a->alpha.value[0] > 0);
 }
 
-/* v4: scales the emission to the power given for each shape. pbrt counts each triangle or patch of a mesh as
- * a shape, and a round shape as one. The mean of an emission map is that of all its texels, shown or not, as
- * in pbrt; a sequence of pictures counts as white, or the power would be another in each frame. */
-static void scale_to_power(lc_pbrt *p, lc_pbrt_mesh *mesh, const char *name, bool round, double area_ratio)
+static double area_of(const lc_pbrt_mesh *mesh)
 {
-    const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);
-    double area = 0, mean[3] = { 1, 1, 1 }, n = round ? 1 : mesh->n_tris;
-    if (!strcmp(name, "bilinearmesh")) n = index ? floor((double)index->n / 4) : 1;
+    double area = 0;
     for (size_t t = 0; t < mesh->n_tris; t++) {
         const float *v[3];
         for (size_t k = 0; k < 3; k++) v[k] = mesh->pos + 3 * (size_t)mesh->index[3 * t + k];
@@ -239,10 +234,36 @@ static void scale_to_power(lc_pbrt *p, lc_pbrt_mesh *mesh, const char *name, boo
         double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
         area += 0.5 * sqrt(x * x + y * y + z * z);
     }
+    return area;
+}
+
+/* The mean luminance of an emission map, or 1. */
+static double map_luminance(const lc_pbrt *p)
+{
+    double mean[3] = { 1, 1, 1 };
     if (p->attrs.emission_map) (void)lc_build_picture_mean(p->scene, p->attrs.emission_map - 1, mean);
-    double luminance = 0.2126 * mean[0] + 0.7152 * mean[1] + 0.0722 * mean[2];
-    double all = LC_PI * area * area_ratio * luminance * (p->attrs.two_sided ? 2 : 1);
+    return 0.2126 * mean[0] + 0.7152 * mean[1] + 0.0722 * mean[2];
+}
+
+/* v4: scales the emission to the power given for each shape. pbrt counts each triangle or patch of a mesh as
+ * a shape, and a round shape as one. The mean of an emission map is that of all its texels, shown or not, as
+ * in pbrt; a sequence of pictures counts as white, or the power would be another in each frame. */
+static void scale_to_power(lc_pbrt *p, lc_pbrt_mesh *mesh, const char *name, bool round, double area_ratio)
+{
+    const lc_pbrt_param *index = lc_pbrt_find(&p->params, "indices", LC_PBRT_INT | LC_PBRT_FLOAT);
+    double n = round ? 1 : mesh->n_tris;
+    if (!strcmp(name, "bilinearmesh")) n = index ? floor((double)index->n / 4) : 1;
+    double all = LC_PI * area_of(mesh) * area_ratio * map_luminance(p) * (p->attrs.two_sided ? 2 : 1);
     if (all > 0) mesh->emission = lc_f3_scale(mesh->emission, (float)fmin(p->attrs.power * n / all, 1e30));
+}
+
+/* Notes an area light from which no light comes. */
+static lc_status note_dark(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
+{
+    if (!(area_of(mesh) > 0))
+        return lc_pbrt_note(p, where, "area light without area", "the shape has no area and gives no light");
+    if (map_luminance(p) > 0) return LC_OK;
+    return lc_pbrt_note(p, where, "black area light", "the picture is black; the shape gives no light");
 }
 
 /* Notes that a round shape is made of triangles; segments: of a full turn. */
@@ -319,6 +340,7 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     mesh.emission_map = p->attrs.emission_map;
     if (p->attrs.power > 0) scale_to_power(p, &mesh, shapes[i].name, shapes[i].round, area_ratio);
     mesh.two_sided = p->attrs.two_sided;
+    if (emits && (st = note_dark(p, s->pos, &mesh))) return st;
     for (size_t k = 0; mesh.uv && k < (size_t)mesh.n_verts * 2; k++)
         if (!isfinite(p->uv[k])) p->uv[k] = 0;
     return moves ? lc_pbrt_emit_moving(p, s->pos, &mesh, &shutter) : lc_pbrt_emit_mesh(p, s->pos, &mesh);
