@@ -833,8 +833,9 @@ LC_API lc_status lc_build_sun(lc_scene *scene, const lc_build_sun_desc *desc);
 LC_API int lc_build_is_lit(const lc_scene *scene);
 LC_API lc_status lc_build_camera(lc_scene *scene, const lc_build_camera_desc *desc);
 /* The camera, which has been given, moves while the shutter is open to where this matrix has it: row-major,
- * on column vectors, as lc_build_camera_desc.world_to_camera. As with instances, what has no moment sees it
- * in the middle, and a camera that is set afterwards stands still. LC_ERR_ARG: there is no way to it. */
+ * on column vectors, as lc_build_camera_desc.world_to_camera. A picture of one sample a pixel, and what is
+ * made for what the camera sees, have it in the middle of that time; a camera that is set afterwards stands
+ * still. LC_ERR_ARG: there is no way to it. */
 LC_API lc_status lc_build_camera_motion(lc_scene *scene, const double world_to_camera[16]);
 /* A camera that sees all meshes and instances so far, from the front, right and above, y being up. */
 LC_API lc_status lc_build_usual_camera(lc_scene *scene);

@@ -8,7 +8,7 @@
 
 #define MAX_STEPS 64     /* each but the first few doubles the digits */
 #define CONVERGED 1e-14
-#define ALIKE (1 - 1e-9) /* cosine of half an angle below which rotations are mixed evenly */
+#define ALIKE (1 - 1e-9) /* cosine of half the angle between rotations: above, they are mixed evenly */
 
 typedef struct {
     double w, v[3];

@@ -10,11 +10,11 @@
 #include <string.h>
 
 /* Limit the scene's own samples per pixel. Lightcuts leave no noise of light sampling to average, so samples
- * serve antialiasing only; a lens needs more. */
+ * serve antialiasing only; a lens and motion need more. */
 #define MAX_SPP      65536u /* of lc_build_film_desc */
 #define MAX_DEPTH    1000   /* of lc_build_paths */
 #define MAX_FILE_SPP 4
-#define MAX_LENS_SPP 16
+#define MAX_BLUR_SPP 16
 
 void lc_pbrt_options_init(lc_pbrt_options *opt)
 {
@@ -134,7 +134,7 @@ lc_status lc_pbrt_limit_spp(lc_pbrt *p)
 {
     lc_build_film_desc *film = &p->opt.film;
     const bool blurs = p->opt.lens_radius > 0 || p->opt.moves;
-    const uint32_t most = blurs ? MAX_LENS_SPP : MAX_FILE_SPP, n = film->spp;
+    const uint32_t most = blurs ? MAX_BLUR_SPP : MAX_FILE_SPP, n = film->spp;
     if (n <= most) return LC_OK;
     film->spp = most;
     lc_status st = lc_pbrt_at(p, p->opt.film_pos);
@@ -142,7 +142,7 @@ lc_status lc_pbrt_limit_spp(lc_pbrt *p)
     if (st || !p->opt.spp_pos.file || lc_build_asked(p->scene)->spp) return st;
     return lc_pbrt_note(
         p, p->opt.spp_pos, "sampler pixelsamples",
-        "%u samples per pixel: %u are taken, for here they serve antialiasing only; --spp overrides", n,
+        "%u samples per pixel: %u are taken, as here they do not sample lights; --spp overrides", n,
         most);
 }
 

@@ -153,7 +153,7 @@ static double share_of(const lc_pbrt_options *o, double time)
     return from < to ? fmin(fmax((time - from) / (to - from), 0), 1) : 0;
 }
 
-/* Whether there is a way from one to the other, all along which the transform can be inverted. */
+/* The transform at t of the way from one to the other; false if there is none or it cannot be inverted. */
 static bool between(const lc_xform *a, const lc_xform *b, double t, lc_xform *out)
 {
     lc_xform inverse;

@@ -9,7 +9,7 @@
 
 #define MOST_MOMENTS 256        /* finer steps than a pixel of 8 bits can show; a power of 2 */
 #define MOST_PLACES (1u << 20)  /* instances of all moments; fewer moments where there are more */
-#define LEAST_MOMENTS 16
+#define LEAST_MOMENTS 16        /* however many instances there are; chosen */
 
 struct lc_moment {
     lc_scene scene;

@@ -9,8 +9,8 @@
  * A sample of a pixel is of one moment, by which its camera ray is traced, and its shadow rays, too:
  * lc_surface.moment, lc_point.moment.
  */
-#ifndef LC_MOTION_PARTS_H
-#define LC_MOTION_PARTS_H
+#ifndef LC_SCENE_MOTION_H
+#define LC_SCENE_MOTION_H
 
 #include "base/xform.h"
 #include "scene/scene.h"
@@ -21,7 +21,8 @@ typedef struct lc_moving {
     lc_xform from, to; /* object to world when the shutter opens and closes */
 } lc_moving;
 
-/* The instance added last moves. LC_ERR_ARG: there is nothing between the two; LC_ERR_MEMORY. */
+/* The instance added last moves, unless both are the same. LC_ERR_ARG: no transform halfway fits an instance;
+ * LC_ERR_MEMORY. */
 lc_status lc_scene_add_motion(lc_scene *scene, lc_pos where, const lc_xform *from, const lc_xform *to);
 /* The camera moves from where it is, world to camera. LC_ERR_ARG. */
 lc_status lc_scene_move_view(lc_scene *scene, const lc_xform *to);
@@ -40,8 +41,8 @@ typedef struct lc_moments {
     const void **scenes; /* lc_visibility.moments */
 } lc_moments;
 
-/* The moments of a committed scene for pictures of some samples a pixel; one sees the middle. LC_ERR_MEMORY.
- * lc_moments_free also after a failure. The scene must outlive them. */
+/* The moments of a committed scene for pictures of spp samples a pixel: none for one, which shows the middle
+ * of the time. LC_ERR_MEMORY. lc_moments_free also after a failure. The scene must outlive them. */
 lc_status lc_moments_make(lc_moments *m, const lc_scene *scene, uint32_t spp);
 void lc_moments_free(lc_moments *m);
 const lc_scene *lc_moments_at(const lc_moments *m, uint32_t i);
