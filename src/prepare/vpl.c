@@ -318,7 +318,7 @@ static lc_status make_enough(maker *m, lc_vpl_deviation *deviation, const lc_vpl
         lc_status st = trace_until(m, n);
         const bool last = desc->n_lights || n >= MOST_LIGHTS || m->n_made < n;
         lc_light_places_free(&m->scene->virtuals, m->scene->ctx);
-        if (!st) st = lc_vpl_radii(m->scene->ctx, m->made, m->n_made, &m->scene->virtuals);
+        if (!st) st = lc_vpl_radii(m->scene->ctx, m->made, m->path, m->n_made, &m->scene->virtuals);
         if (!st)
             st = lc_vpl_deviation_find(deviation, m->made, m->path, m->n_made, m->n_paths,
                                        last ? INFINITY : desc->deviation, out);

@@ -65,6 +65,15 @@ static void meet(lc_nearest_lights *q, const place *p)
     uint32_t k = 0;
     if (p->light == q->self || !(d2 < q->d2[0])) return;
     if (!(lc_f3_dot(q->lights[p->light].dir, q->n) > LC_SAME_WAY)) return;
+    if (q->path) {
+        const uint32_t path = q->path[p->light];
+        if (path == q->path[q->self]) return;
+        for (uint32_t i = 0; i < q->n_wanted; i++) {
+            if (!(q->d2[i] < INFINITY) || q->path[q->light[i]] != path) continue;
+            if (q->d2[i] <= d2) return;
+            k = i; /* whose place is free then */
+        }
+    }
     for (; k + 1 < q->n_wanted && q->d2[k + 1] > d2; k++) {
         q->d2[k] = q->d2[k + 1];
         q->light[k] = q->light[k + 1];

@@ -5,6 +5,8 @@
 #include "base/context.h"
 #include "shade/light.h"
 
+#include <math.h>
+
 #define LC_SAME_WAY 0.5f /* cosine between directions */
 #define LC_MAX_NEAREST 8
 
@@ -17,7 +19,27 @@ typedef struct lc_light_places {
     const lc_light *lights;
     lc_light_place *places; /* n */
     size_t n;
+    float sparse; /* of virtual lights: see below */
 } lc_light_places;
+
+/* The disc as which a virtual light shines, of the surface that it stands for, its share: prepare/vpl_radius.h.
+ */
+#define LC_VPL_DISC 0.25f
+#define LC_VPL_MOST_DISC 4.0f
+/* The part of a share that is the disc: more of those above places->sparse. */
+static inline float lc_virtual_disc(const lc_light_places *places, float share)
+{
+    const float more = share > places->sparse ? share / places->sparse : 1;
+    return more < LC_VPL_MOST_DISC / LC_VPL_DISC ? LC_VPL_DISC * more : LC_VPL_MOST_DISC;
+}
+
+/* The share of a disc, both over pi: the inverse. */
+static inline float lc_virtual_share(const lc_light_places *places, float disc)
+{
+    if (!(disc > LC_VPL_DISC * places->sparse)) return disc / LC_VPL_DISC;
+    const float grown = sqrtf(disc * (places->sparse / LC_VPL_DISC)), most = disc / LC_VPL_MOST_DISC;
+    return grown > most ? grown : most;
+}
 
 /* The lights must outlive the places; at most 2^30. LC_ERR_MEMORY. */
 lc_status lc_light_places_init(lc_light_places *places, const lc_context *ctx, const lc_light *lights,
@@ -28,6 +50,7 @@ typedef struct lc_nearest_lights {
     lc_f3 pos, n;      /* n: unit */
     uint32_t self;     /* a light that does not count, or LC_NONE */
     uint32_t n_wanted; /* 1..LC_MAX_NEAREST */
+    const uint32_t *path; /* of each light: of each path the nearest counts, and none of that of `self` */
     /* Found: squared distances and numbers, the farthest first; from n_wanted - n on where there are n. */
     float d2[LC_MAX_NEAREST];
     uint32_t light[LC_MAX_NEAREST];

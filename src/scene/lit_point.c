@@ -44,12 +44,14 @@ static void merge_lamps(const lc_scene *scene, const lc_lit *lit, lc_material *m
     for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], least);
 }
 
-/* Radius of the disc that each virtual light around a point shines as; 0 without any. */
+/* What the distances of the virtual lights around a point make of a lobe: the radius of the usual part of their
+ * shares; 0 without any. */
 static float radius_at(const lc_scene *scene, const lc_surface *at)
 {
     lc_nearest_lights q = { .pos = at->pos, .n = at->n, .self = LC_NONE, .n_wanted = 1 };
     if (!lc_light_places_find(&scene->virtuals, &q)) return 0;
-    return sqrtf(scene->virtuals.lights[q.light[0]].atten[0]);
+    const float disc = scene->virtuals.lights[q.light[0]].atten[0];
+    return sqrtf(lc_virtual_share(&scene->virtuals, disc) * LC_VPL_DISC);
 }
 
 /* Least roughness of a lobe about the mirror direction in which there are enough virtual lights that single
