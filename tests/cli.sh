@@ -110,7 +110,7 @@ check 'no arguments: 2 and usage on stderr' test $rc -eq 2 -a ! -s out -a -s err
     world | grep -v Sampler
 } >notes.pbrt
 name='notes of a render' && run notes.pbrt -o a.exr
-says '64 samples per pixel: 4 are taken'
+says '64 samples per pixel: 16 are taken'
 says 'maxdepth below 1'
 run notes.pbrt -o a.exr --spp 2 --maxdepth 2 --indirect-lights 0
 check 'nothing is said of what was asked for' test $rc -eq 0 -a "$(wc -l <err)" -eq 1

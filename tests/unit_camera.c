@@ -243,7 +243,7 @@ TEST(scene_files)
     CHECK(load(V3 "Camera \"environment\" WorldBegin") == LC_OK &&
           scene->camera.kind == LC_CAMERA_LATLONG);
     CHECK(load(V3 "Camera \"perspective\" \"float lensradius\" -1 WorldBegin") == LC_ERR_PARSE);
-    CHECK(load("Sampler \"halton\" \"integer pixelsamples\" 64 " V3 REST) == LC_OK && scene->film.spp == 4 &&
+    CHECK(load("Sampler \"halton\" \"integer pixelsamples\" 64 " V3 REST) == LC_OK && scene->film.spp == 16 &&
           scene->n_notes == 1);
     CHECK(load(V3 "Sampler \"halton\" \"integer pixelsamples\" 64 Camera \"perspective\" \"float "
                   "lensradius\" 1 WorldBegin") == LC_OK &&

@@ -242,7 +242,7 @@ TEST(max_pixels)
 TEST(film)
 {
     CHECK(parse_text("WorldBegin") == LC_OK && scene->film.width == 1280 && scene->film.height == 720 &&
-          scene->film.spp == 4);
+          scene->film.spp == 16);
     CHECK(parse_text("Film \"image\" \"integer xresolution\" [64] \"integer yresolution\" [32] \"float "
                      "cropwindow\" [.25 .5 0 .1] "
                      "\"float scale\" 2 \"string filename\" [\"x.exr\"] Sampler \"random\" \"integer "
@@ -257,7 +257,7 @@ TEST(film)
     CHECK(scene->film.crop[0] == 10 && scene->film.crop[1] == 20 && scene->film.crop[2] == 0 &&
           scene->film.crop[3] == 720);
     CHECK(parse_text("Sampler \"halton\" \"integer pixelsamples\" [64] WorldBegin") == LC_OK);
-    CHECK(scene->film.spp == 4 && note("sampler pixelsamples"));
+    CHECK(scene->film.spp == 16 && note("sampler pixelsamples"));
     CHECK(parse_text("Sampler \"stratified\" \"integer xsamples\" 1 \"integer ysamples\" 2 WorldBegin") ==
           LC_OK);
     CHECK(scene->film.spp == 2);

@@ -27,13 +27,13 @@ lc_status lc_build_raster(lc_scene *scene, const lc_raster *raster, lc_build_tex
 #define LC_USUAL_DEPTH 5 /* of paths, where a file states none, as pbrt's maxdepth */
 #define LC_UNLIT       "the scene has no lights: its picture is black"
 
-/* The film of files that state none: 800 x 450 pixels, 4 samples each, pbrt-v4's filter. */
+/* The film of files that state none: 800 x 450 pixels, 16 samples each, pbrt-v4's filter. */
 static inline lc_build_film_desc lc_build_usual_film(void)
 {
     lc_build_film_desc film = LC_BUILD_FILM_DESC_INIT;
     film.width = 800;
     film.height = 450;
-    film.spp = 4;
+    film.spp = 16;
     film.filter = LC_BUILD_GAUSSIAN;
     return film;
 }

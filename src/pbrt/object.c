@@ -161,7 +161,6 @@ static lc_status add_place(lc_pbrt *p, lc_pos where, uint32_t object, bool moves
     p->places[p->n_places++] =
         (lc_pbrt_place){ .object = object, .moves = moves, .pos = where, .to_world = *to_world };
     p->objects[object].n_places++;
-    p->opt.moves |= is_moving(&p->places[p->n_places - 1]);
     return LC_OK;
 }
 

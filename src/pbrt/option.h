@@ -27,7 +27,6 @@ typedef struct lc_pbrt_options {
     bool moves;                    /* the camera, to world_to_camera_end */
     float white[9];    /* as in lc_build_film_desc */
     const char *filename;
-    lc_build_film_desc film; /* as it was given to the scene */
     uint32_t spp;
     lc_pos spp_pos;
     lc_pbrt_filter filter;

@@ -411,7 +411,6 @@ static lc_status parse(lc_scene *scene, const char *path, const void *data, size
         data ? lc_pbrt_lex_open_memory(&p->lex, path, data, size) : lc_pbrt_lex_open(&p->lex, path);
     if (!st) st = parse_all(p);
     if (!st) st = lc_pbrt_place_objects(p);
-    if (!st) st = lc_pbrt_limit_spp(p);
     if (!st) st = lc_pbrt_usual_integrator(p);
     if (!st && p->lex.comma.file)
         st = lc_pbrt_note(p, p->lex.comma, "comma", "commas between the values of lists are read as spaces");

@@ -164,8 +164,6 @@ lc_pbrt_handler lc_pbrt_film, lc_pbrt_camera, lc_pbrt_sampler, lc_pbrt_integrato
 lc_status lc_pbrt_usual_integrator(lc_pbrt *p);
 /* Sets the scene's film and camera. */
 lc_status lc_pbrt_apply_options(lc_pbrt *p, lc_pos where);
-/* Lowers the film's samples to what they are for here; called at the end, when all that moves is known. */
-lc_status lc_pbrt_limit_spp(lc_pbrt *p);
 
 /* filter.c */
 lc_pbrt_handler lc_pbrt_pixel_filter;
