@@ -177,8 +177,8 @@ static int rising(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Squared distances to the nearest light of each other path that faces the same way, by rising distance, found
- * in a loop over all lights; their number. */
+/* Squared distances to the nearest light of each other path that faces the same way, by rising distance,
+ * found in a loop over all lights; their number. */
 static size_t distances(const lc_light *l, const uint32_t *path, size_t n, size_t i, float *d2)
 {
     size_t m = 0;
@@ -228,8 +228,8 @@ TEST(radii)
             const float part = over > 1 ? fminf(LC_VPL_DISC * over, LC_VPL_MOST_DISC) : LC_VPL_DISC;
             n_more += over > 1 && part < LC_VPL_MOST_DISC;
             n_most += part >= LC_VPL_MOST_DISC;
-            CHECKF(near_rel((double)l[i].atten[0], (double)(share[i] * part), 1e-5), "%zu of %zu: %g, %g", i, n,
-                   (double)l[i].atten[0], (double)(share[i] * part));
+            const double is = (double)l[i].atten[0], want = (double)(share[i] * part);
+            CHECKF(near_rel(is, want, 1e-5), "%zu of %zu: %g, %g", i, n, is, want);
         }
     }
     CHECKF(n_more > 20 && n_most > 5, "%zu, %zu", n_more, n_most);

@@ -10,9 +10,10 @@
  * LC_VPL_NEIGHBOURS other paths, of radius d, cuts an area of pi d^2 from the surface, so that is pi d^2 /
  * LC_VPL_NEIGHBOURS. One path leaves several lights in a narrow gap, which say nothing about each other.
  *
- * The disc has LC_VPL_DISC of the share: with all of it corners would be darker, with less there would be dots
- * in them. Where lights are sparse, little light arrives, and a single one near a surface would be seen as a
- * spark: from LC_VPL_SPARSE times the median share on the part grows with the share, up to LC_VPL_MOST_DISC.
+ * The disc has LC_VPL_DISC of the share: with all of it corners would be darker, with less there would be
+ * dots in them. Where lights are sparse, little light arrives, and a single one near a surface would be seen
+ * as a spark: from LC_VPL_SPARSE times the median share on the part grows with the share, up to
+ * LC_VPL_MOST_DISC.
  * Measured: tests/results/virtual-lights.md.
  *
  * Lights that face another way are on other surfaces and do not count. Where there are fewer others, all of

@@ -22,8 +22,7 @@ typedef struct lc_light_places {
     float sparse; /* of virtual lights: see below */
 } lc_light_places;
 
-/* The disc as which a virtual light shines, of the surface that it stands for, its share: prepare/vpl_radius.h.
- */
+/* The disc as which a virtual light shines, of its share of the surface: prepare/vpl_radius.h. */
 #define LC_VPL_DISC 0.25f
 #define LC_VPL_MOST_DISC 4.0f
 /* The part of a share that is the disc: more of those above places->sparse. */

@@ -44,8 +44,8 @@ static void merge_lamps(const lc_scene *scene, const lc_lit *lit, lc_material *m
     for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], least);
 }
 
-/* What the distances of the virtual lights around a point make of a lobe: the radius of the usual part of their
- * shares; 0 without any. */
+/* How far apart the virtual lights around a point are: the radius of the usual part of their shares; 0
+ * without any. */
 static float radius_at(const lc_scene *scene, const lc_surface *at)
 {
     lc_nearest_lights q = { .pos = at->pos, .n = at->n, .self = LC_NONE, .n_wanted = 1 };
