@@ -180,6 +180,44 @@ TEST(panel_from_close_by)
     lc_image_destroy(image);
 }
 
+/* A rough ceiling of 2 side * side emissive triangles, in view as the floor is. */
+static lc_status load_ceiling(uint32_t side)
+{
+    static const char begin[] = VIEW FLOOR "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] Shape "
+                                           "\"trianglemesh\" \"point3 P\" [";
+    const size_t room = sizeof begin + 40 * (size_t)(side + 1) * (side + 1) + 48 * (size_t)side * side;
+    char *text = malloc(room), *to = text;
+    if (!text) return LC_ERR_MEMORY;
+    to += sprintf(to, "%s", begin);
+    for (uint32_t z = 0; z <= side; z++)
+        for (uint32_t x = 0; x <= side; x++)
+            to += sprintf(to, "%.5f %.5f %.5f ", 4.0 * x / side - 2, 1 + 0.2 * lc_unit(lc_hash2(x, z)),
+                          4.0 * z / side - 2);
+    to += sprintf(to, "] \"integer indices\" [");
+    for (uint32_t z = 0; z < side; z++)
+        for (uint32_t x = 0; x < side; x++) {
+            const uint32_t a = z * (side + 1) + x, b = a + side + 1;
+            to += sprintf(to, "%u %u %u %u %u %u ", a, a + 1, b, a + 1, b + 1, b);
+        }
+    sprintf(to, "]");
+    const lc_status st = load_text(&direct, text);
+    free(text);
+    return st;
+}
+
+/* Of more than 2^18 patches a few are looked at, and the same is said of them as of a few less: where one of
+ * each four in a row is always the same part of a patch, 5 times less was said. */
+TEST(very_many_lamps)
+{
+    CHECK(load_ceiling(240) == LC_OK && scene->n_lights < 1 << 18);
+    const lc_lamp_error all = scene->lamp_error;
+    CHECK(load_ceiling(270) == LC_OK && scene->n_lights > 1 << 18);
+    const lc_lamp_error few = scene->lamp_error;
+    printf("  all: %g, %g; a few: %g, %g\n", all.median, all.high, few.median, few.high);
+    CHECKF(few.median < 3 * all.median && few.median > all.median / 3, "%g, %g", all.median, few.median);
+    CHECKF(few.high < 3 * all.high && few.high > all.high / 3, "%g, %g", all.high, few.high);
+}
+
 TEST(pictures_keep_their_sum)
 {
     static float rgb[16 * 16 * 3];
@@ -330,6 +368,7 @@ int main(void)
     RUN(spots_do_not_starve_the_picture);
     RUN(lights_are_where_they_matter);
     RUN(panel_from_close_by);
+    RUN(very_many_lamps);
     RUN(pictures_keep_their_sum);
     RUN(same_lights_for_any_threads);
     RUN(spheres_are_balls);

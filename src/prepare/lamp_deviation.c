@@ -5,12 +5,16 @@
  * points, with the mean of several. The difference is about the error of the coarser sum: that of the finer
  * one is half to a quarter of it.
  *
- * Of very many patches one in `step` is looked at; their differences, taken as independent, add up to the
- * root of step times as much.
+ * Of very many patches one in `step` is looked at. With s the sum of their differences d at a point, and s2
+ * that of d^2, all together are off by about sqrt(f) s over their sum, where f is between 1, if all d are
+ * alike, and 1 / step, if they are independent: s^2 = s2 on average tells that,
+ *
+ *     f = 1 - (1 - 1 / step) s2 / s^2, both summed over all points
  */
 #include "prepare/lamp_patches.h"
 
 #include "base/pool.h"
+#include "base/rng.h"
 #include "shade/light_target.h"
 #include "shade/point_init.h"
 
@@ -30,9 +34,10 @@
 typedef struct {
     const lc_patches *m;
     lc_light (*lights)[1 + PARTS]; /* of each patch; of a triangle's also those of its parts */
-    double (*sum)[2];              /* of each point: over the lights, and over those of the parts */
+    /* Of each point: over the lights, over those of the parts, and of the squared differences of patches. */
+    double (*sum)[3];
     uint32_t n;
-    size_t step, n_used; /* patches 0, step, 2 step, ... */
+    size_t step, n_used; /* one of each `step` patches */
 } deviation;
 
 /* The rays of a point that are still to be traced. */
@@ -44,7 +49,16 @@ typedef struct {
     uint32_t n;
     float to[3][BATCH];
     double weight[BATCH][2]; /* what is added to the sums where the ray meets nothing */
+    size_t patch, of[BATCH]; /* the one that is being added; those of the rays, in rising order */
+    double difference;       /* of the one that was traced last, so far */
+    size_t last;
 } rays;
+
+static void end_patch(rays *r)
+{
+    r->sum[2] += r->difference * r->difference;
+    r->difference = 0;
+}
 
 static void trace(rays *r)
 {
@@ -53,8 +67,12 @@ static void trace(rays *r)
     uint8_t hidden[BATCH];
     if (!r->n) return;
     v->hidden(v->scene, r->org, r->n, target, false, hidden, NULL);
-    for (uint32_t i = 0; i < r->n; i++)
-        for (int k = 0; k < 2; k++) r->sum[k] += hidden[i] ? 0 : r->weight[i][k];
+    for (uint32_t i = 0; i < r->n; i++) {
+        if (r->of[i] != r->last) end_patch(r);
+        r->last = r->of[i];
+        for (int k = 0; k < 2 && !hidden[i]; k++) r->sum[k] += r->weight[i][k];
+        if (!hidden[i]) r->difference += r->weight[i][0] - r->weight[i][1];
+    }
     r->n = 0;
 }
 
@@ -66,6 +84,7 @@ static void add(rays *r, lc_f3 to, double coarse, double fine)
     r->to[2][r->n] = to.z;
     r->weight[r->n][0] = coarse;
     r->weight[r->n][1] = fine;
+    r->of[r->n] = r->patch;
     if (++r->n == BATCH) trace(r);
 }
 
@@ -99,7 +118,9 @@ static void make_lights(void *user, uint32_t thread, uint64_t item)
     const deviation *d = user;
     lc_patch part[PARTS];
     (void)thread;
-    const lc_patch *patch = &d->m->patches[item * d->step];
+    /* One of each `step` in a row: every fourth would be the same part of each patch that was divided. */
+    const size_t first = item * d->step, left = d->m->n - first, n = left < d->step ? left : d->step;
+    const lc_patch *patch = &d->m->patches[first + lc_hash2(d->m->seed, item) % n];
     d->lights[item][0] = lc_patch_light(d->m, patch);
     if (d->lights[item][0].kind != LC_LIGHT_ORIENTED) return;
     lc_patch_divide(patch, part);
@@ -116,6 +137,7 @@ static void sum_point(void *user, uint32_t thread, uint64_t item)
     (void)thread;
     for (size_t i = 0; i < d->n_used; i++) {
         const lc_light *light = d->lights[i];
+        r.patch = i;
         if (light->kind != LC_LIGHT_ORIENTED) add_ball(&r, light, (uint32_t)item);
         else
             for (int k = 0; k <= PARTS; k++) {
@@ -124,6 +146,20 @@ static void sum_point(void *user, uint32_t thread, uint64_t item)
             }
     }
     trace(&r);
+    end_patch(&r);
+}
+
+/* The root of f. */
+static double of_all(const deviation *d)
+{
+    double s2 = 0, squares = 0;
+    for (uint32_t i = 0; i < d->n && d->step > 1; i++) {
+        const double of2 = d->sum[i][1] * d->sum[i][1], off = d->sum[i][0] - d->sum[i][1];
+        s2 += of2 > 0 ? off * off / of2 : 0;
+        squares += of2 > 0 ? d->sum[i][2] / of2 : 0;
+    }
+    const double f = s2 > 0 ? 1 - (1 - 1 / (double)d->step) * squares / s2 : 1;
+    return sqrt(fmax(f, 1 / (double)d->step));
 }
 
 static int rising(const void *a, const void *b)
@@ -135,11 +171,12 @@ static int rising(const void *a, const void *b)
 /* Of the points, rising. */
 static void find_quantiles(const deviation *d, double *off, lc_lamp_error *out)
 {
+    const double all = of_all(d);
     double mean = 0;
     for (uint32_t i = 0; i < d->n; i++) mean += d->sum[i][1] / d->n;
     for (uint32_t i = 0; i < d->n; i++)
         off[i] = mean > 0 ? fabs(d->sum[i][0] - d->sum[i][1]) / fmax(d->sum[i][1], FLOOR * mean) : 0;
-    for (uint32_t i = 0; i < d->n && d->step > 1; i++) off[i] /= sqrt((double)d->step);
+    for (uint32_t i = 0; i < d->n; i++) off[i] *= all;
     qsort(off, d->n, sizeof *off, rising);
     *out = (lc_lamp_error){ d->n, off[d->n / 2], off[(uint32_t)(0.95 * d->n)] };
 }
