@@ -749,6 +749,9 @@ prints '^cut  *[0-9]* clusters of 600 lights, '
 prints '^ *share  *estimate '
 prints ' the other [0-9]*; '
 check 'explain: 20 clusters and the rest' test "$(grep -c '%  ' out)" -eq 21
+good 'explain --resolution' explain cube.pbrt --resolution 40x30 --pixel 39,29 --method cuts
+prints '^cut  *[0-9]* clusters of 600 lights, '
+bad 'explain: beyond the film of --resolution' 2 'pixel' explain cube.pbrt --resolution 40x30 --pixel 40,29
 good 'explain --top' explain --top 3 cube.pbrt --pixel=204,200 --method cuts
 check 'explain --top: as many' test "$(grep -c '%  ' out)" -eq 4
 good 'explain --all' explain --all cube.pbrt --pixel 204,200 --method cuts

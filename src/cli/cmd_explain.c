@@ -35,6 +35,7 @@ enum {
     OPT_MAXDEPTH,
     OPT_SEED,
     OPT_SPP,
+    OPT_RESOLUTION,
     OPT_BVH,
     OPT_ISA
 };
@@ -57,6 +58,7 @@ static const struct option long_options[] = {
     { "maxdepth", 1, 0, OPT_MAXDEPTH },
     { "seed", 1, 0, OPT_SEED },
     { "spp", 1, 0, OPT_SPP },
+    { "resolution", 1, 0, OPT_RESOLUTION },
     { "bvh", 1, 0, OPT_BVH },
     { "isa", 1, 0, OPT_ISA },
     { "nthreads", 1, 0, 't' },
@@ -83,7 +85,7 @@ static void print_help(void)
         "      --method M, --error E, --within P, --error-ratio E, --max-cut N, --dark-floor F,\n"
         "      --representatives N, --builder B, --area-lights N, --indirect-lights N, --indirect-error E,\n"
         "      --indirect-from F, --maxdepth N, --seed N, --spp N, --bvh B, --isa I, -t, --nthreads N,\n"
-        "      --group NAME=PATTERN\n"
+        "      --resolution WxH, --group NAME=PATTERN\n"
         "\n"
         "  -h, --help               this text\n"
         "\n"
@@ -127,6 +129,7 @@ static int set_option(void *user, int c)
     case OPT_MAXDEPTH: return cli_parse_u32(optarg, 1, CLI_MAX_DEPTH, &o->load.max_depth);
     case OPT_SEED: return cli_parse_u64(optarg, 0, UINT64_MAX, &o->load.seed);
     case OPT_SPP: return cli_parse_u32(optarg, 1, CLI_MAX_SPP, &o->load.spp);
+    case OPT_RESOLUTION: return cli_parse_resolution(optarg, o->load.resolution);
     case OPT_BVH: return cli_parse_bvh(optarg);
     case OPT_ISA: return cli_parse_isa(optarg, &o->isa);
     case 't': return cli_parse_u32(optarg, 1, CLI_MAX_THREADS, &o->n_threads);
