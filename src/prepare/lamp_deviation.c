@@ -149,7 +149,7 @@ static void sum_point(void *user, uint32_t thread, uint64_t item)
     end_patch(&r);
 }
 
-/* The root of f. */
+/* The root of f: by this the relative differences of the patches looked at become those of all. */
 static double of_all(const deviation *d)
 {
     double s2 = 0, squares = 0;

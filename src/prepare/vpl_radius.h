@@ -13,8 +13,7 @@
  * The disc has LC_VPL_DISC of the share: with all of it corners would be darker, with less there would be
  * dots in them. Where lights are sparse, little light arrives, and a single one near a surface would be seen
  * as a spark: from LC_VPL_SPARSE times the median share on the part grows with the share, up to
- * LC_VPL_MOST_DISC.
- * Measured: tests/results/virtual-lights.md.
+ * LC_VPL_MOST_DISC. Measured: tests/results/virtual-lights.md.
  *
  * Lights that face another way are on other surfaces and do not count. Where there are fewer others, all of
  * them count; without any A is 0. path: of each light, in rising order. places: what finds the lights, to be

@@ -19,20 +19,21 @@ typedef struct lc_light_places {
     const lc_light *lights;
     lc_light_place *places; /* n */
     size_t n;
-    float sparse; /* of virtual lights: see below */
+    float sparse; /* share over pi, above which virtual lights are sparse */
 } lc_light_places;
 
-/* The disc as which a virtual light shines, of its share of the surface: prepare/vpl_radius.h. */
+/* A virtual light shines as a disc, whose area is a part of its share, the surface that it stands for
+ * (prepare/vpl_radius.h): usually LC_VPL_DISC of it; of sparse lights more, up to LC_VPL_MOST_DISC. */
 #define LC_VPL_DISC 0.25f
 #define LC_VPL_MOST_DISC 4.0f
-/* The part of a share that is the disc: more of those above places->sparse. */
+/* That part, of a share over pi. */
 static inline float lc_virtual_disc(const lc_light_places *places, float share)
 {
     const float more = share > places->sparse ? share / places->sparse : 1;
     return more < LC_VPL_MOST_DISC / LC_VPL_DISC ? LC_VPL_DISC * more : LC_VPL_MOST_DISC;
 }
 
-/* The share of a disc, both over pi: the inverse. */
+/* The inverse: the share of a disc, both over pi. */
 static inline float lc_virtual_share(const lc_light_places *places, float disc)
 {
     if (!(disc > LC_VPL_DISC * places->sparse)) return disc / LC_VPL_DISC;
