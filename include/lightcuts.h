@@ -1064,8 +1064,9 @@ typedef struct lc_calibration {
     float margin;         /* interval of 95 %; per cent */
     float median;         /* relative error of half of the pilots is below this, as a fraction */
     uint64_t rays;        /* shadow rays to find z */
+    uint32_t evidence;    /* 1: bounds are weighted by what the pixels of a block find; 0: they are not */
 } lc_calibration;
-#define LC_CALIBRATION_INIT { sizeof(lc_calibration), 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+#define LC_CALIBRATION_INIT { sizeof(lc_calibration), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 typedef struct lc_render_desc {
     size_t size;
@@ -1144,7 +1145,7 @@ typedef struct lc_render_stats {
 #define LC_RENDER_STATS_INIT                                                                                 \
     {                                                                                                        \
         sizeof(lc_render_stats), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, { 0,   \
-        0, 0, 0, 0, 0, 0, 0, 0, 0 }                                                                          \
+        0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }                                                                       \
     }
 
 /* Renders the picture. The same scene and descriptor give the same bits for any number of threads,

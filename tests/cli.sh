@@ -625,7 +625,7 @@ asked --calibration asked.cal
 check 'a kept calibration: the same bytes' cmp asked.exr first.exr
 check 'a kept calibration: no pilots' cmp asked.cal kept.cal
 bad 'a calibration of other options' 3 'other options' s.pbrt -o o/p.exr --calibration kept.cal
-echo 'lightcuts-calibration 3' >kept.cal
+echo 'lightcuts-calibration 4' >kept.cal
 bad 'a damaged calibration' 3 'is damaged' lamps.pbrt -o o/p.exr --method cuts --spp 1 --calibration kept.cal
 bad 'an error of nothing' 2 "bad value '0' for option --error" s.pbrt -o o/p.exr --error 0
 bad 'an error that is none' 2 "bad value 'nan' for option --error" s.pbrt -o o/p.exr --error nan

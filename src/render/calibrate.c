@@ -22,7 +22,7 @@
 
 #define N_PILOTS LC_SIZE(512, 64)
 #define N_SLOTS 4         /* values of a pilot, once z is known roughly */
-#define ROUGH_STEPS 2     /* by one value of each pilot; with evidence, which the values share, 1 */
+#define ROUGH_STEPS 2     /* by one value of each pilot */
 #define MOST_STEPS 6
 #define AIM 0.98          /* of the error: where the quantile is to be, and the least that is good enough */
 #define GOOD_ENOUGH 0.95
@@ -32,9 +32,13 @@
 #define TRUE_Z 2.0        /* of the finer cuts, for one sample */
 #define ERRORS_TIMED 6    /* where there is a time to keep: for a z */
 #define Z_FOR_TIME 3      /* z that are found then */
-#define TRIED_STEPS 3     /* by one value of each pilot, of each way that samples may have cuts */
-#define SHARED_COSTS 1.4  /* a shared cut's work takes longer: its rays have many origins */
-#define SHARED_COSTS_WEIGHED 1.0 /* with evidence, where small cuts have more to do beside what is counted */
+#define TRIED_STEPS 3     /* by one value of each pilot, of each way to make cuts */
+#define Z_OF_EVIDENCE 0.7  /* of the z without, as a guess */
+/* What work takes more time than with cuts of samples' own, without evidence: rays of shared cuts have many
+ * origins, and rows of evidence are read again and again. Measured: tests/results/pixels.md. */
+#define SHARED_COSTS 1.25
+#define EVIDENCE_COSTS 1.22
+#define SHARED_EVIDENCE_COSTS 1.19
 #define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
 #define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
 #define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
@@ -49,6 +53,9 @@ typedef struct {
     double *value;   /* the same by cuts, n_slots of each pilot; then its misses */
     double *to;      /* one of these */
     uint32_t n, n_slots, n_finite;
+    uint64_t rays;  /* of workers that are no more */
+    bool tried;     /* the ways: z is known roughly */
+    bool guided;    /* cuts begin as those of a picture, though they take no evidence */
     bool by_itself; /* no guides: the truth */
 } pilots;
 
@@ -101,7 +108,7 @@ static void shade_all(pilots *p, double error, double z, uint32_t n_slots, doubl
     p->n_slots = n_slots;
     j->exact = !(z > 0);
     /* Where cuts take no evidence of their block, a guide for each pilot would double the work. */
-    set_workers(j, error, z, p->by_itself || !j->evidence, true);
+    set_workers(j, error, z, p->by_itself || !(j->evidence || p->guided), true);
     lc_parallel(j->ctx, p->n, shade_pilot, p);
     j->exact = false;
 }
@@ -177,7 +184,7 @@ static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibra
 {
     double z = (double)cut->z, miss = 0, last_z = z, last_miss = 0, found = 0, least = INFINITY;
     for (int step = 0; step < MOST_STEPS && !atomic_load(&p->j->cancelled); step++) {
-        const uint32_t n_slots = step < (p->j->evidence ? ROUGH_STEPS - 1 : ROUGH_STEPS) ? 1 : N_SLOTS;
+        const uint32_t n_slots = step < ROUGH_STEPS && !p->tried ? 1 : N_SLOTS;
         miss = try_z(p, cut, z, n_slots, sorted);
         if (n_slots == N_SLOTS && (miss <= 1 || miss < least || !(found > 0))) {
             least = miss;
@@ -194,28 +201,33 @@ static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibra
     c->z = (float)found;
 }
 
-/* Whether cuts that the samples of a pixel share take less work than a cut for each: by what both take, at
- * the z that each needs. Counts, no clock, so that the choice is the same everywhere. */
-static void choose_shared(pilots *p, lc_cut_desc *cut, double *sorted)
+/* What one way to make cuts costs: the z that keeps the error, and work of all pilots at it. */
+typedef struct {
+    double z, work;
+    bool shared, evidence;
+} way_cost;
+
+/* Cuts with evidence or without, for each sample or shared: steps by one value of each pilot, and a last one
+ * by several, if asked. Counts, no clock, so that what is chosen by them is the same everywhere. */
+static way_cost try_way(pilots *p, const lc_cut_desc *cut, double z, int n_steps, bool fine, double *sorted)
 {
-    lc_render_job *j = p->j;
-    double work[2] = { 0, 0 }, found[2];
-    for (int way = 0; way < 2; way++) {
-        double z = (double)cut->z * (way ? sqrt((double)j->spp) : 1), last_z = z, last_miss = 0;
-        j->shared = way;
-        for (int step = 0; step < TRIED_STEPS && !atomic_load(&j->cancelled); step++) {
-            const uint64_t before = lc_job_work(j);
-            const double miss = try_z(p, cut, z, 1, sorted), next = next_z(z, miss, last_z, last_miss);
-            work[way] = (double)(lc_job_work(j) - before);
-            last_z = z;
-            last_miss = miss;
-            z = next;
+    const lc_render_job *j = p->j;
+    way_cost c = { .z = z };
+    double last_z = z, last_miss = 0, work_z = z;
+    for (int step = 0; step < n_steps + fine && !atomic_load(&j->cancelled); step++) {
+        const double before = lc_job_work(j),
+                     miss = try_z(p, cut, c.z, step < n_steps ? 1 : N_SLOTS, sorted),
+                     next = next_z(c.z, miss, last_z, last_miss);
+        if (step < n_steps) { /* of several values, only the first has its row of evidence */
+            c.work = lc_job_work(j) - before;
+            work_z = c.z;
         }
-        found[way] = z;
+        last_z = c.z;
+        last_miss = miss;
+        c.z = next;
     }
-    j->shared = work[1] * (j->evidence ? SHARED_COSTS_WEIGHED : SHARED_COSTS) < work[0];
-    j->pixel_work = work[1] / p->n;
-    cut->z = (float)found[j->shared];
+    c.work *= c.z / work_z; /* about as the inverse of the error */
+    return c;
 }
 
 static void shade_block(void *user, uint32_t thread, uint64_t item)
@@ -292,6 +304,55 @@ static uint64_t count_rays(const lc_render_job *j)
     return n;
 }
 
+/* Others, which have what the way at hand needs. */
+static lc_status make_workers(pilots *p, const lc_cut_desc *cut)
+{
+    p->rays += count_rays(p->j);
+    lc_job_free_workers(p->j);
+    return lc_job_make_workers(p->j, cut);
+}
+
+/* Tries a way and keeps it where it takes less time than the best so far, by its work. */
+static lc_status keep_better(pilots *p, const lc_cut_desc *cut, double z, bool shared, bool evidence,
+                             double *sorted, way_cost *best)
+{
+    static const double costs[2][2] = { { 1, EVIDENCE_COSTS }, { SHARED_COSTS, SHARED_EVIDENCE_COSTS } };
+    lc_render_job *j = p->j;
+    const bool fine = shared || !j->max_points; /* else it is seldom the best, and dear */
+    const int n_steps = evidence ? 1 : fine ? ROUGH_STEPS : TRIED_STEPS;
+    j->shared = shared;
+    j->evidence = evidence;
+    lc_status st = make_workers(p, cut);
+    if (st) return st;
+    way_cost c = try_way(p, cut, z, n_steps, fine, sorted);
+    if (shared && !evidence) j->pixel_work = c.work / p->n;
+    c.work *= costs[shared][evidence];
+    c.shared = shared;
+    c.evidence = evidence;
+    if (!(best->z > 0) || c.work < best->work) *best = c;
+    return st;
+}
+
+/* Whether the samples of a pixel share cuts, and whether blocks take evidence. */
+static lc_status choose_way(pilots *p, lc_cut_desc *cut, double *sorted)
+{
+    lc_render_job *j = p->j;
+    const bool evidence = j->evidence, may_share = j->max_points;
+    way_cost best = { .z = 0 };
+    p->guided = evidence;
+    lc_status st = keep_better(p, cut, (double)cut->z, false, false, sorted, &best);
+    if (!st && may_share) st = keep_better(p, cut, best.z * sqrt((double)j->spp), true, false, sorted, &best);
+    if (!st && evidence) {
+        const double from = may_share && !best.shared ? sqrt((double)j->spp) : 1;
+        st = keep_better(p, cut, from * Z_OF_EVIDENCE * best.z, may_share, true, sorted, &best);
+    }
+    p->guided = false;
+    j->shared = best.shared;
+    j->evidence = best.evidence;
+    cut->z = (float)best.z;
+    return st ? st : make_workers(p, cut);
+}
+
 static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
 {
     lc_render_job *j = p->j;
@@ -300,14 +361,13 @@ static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
     if (!p->pixel || !p->truth || !p->value || !sorted) return LC_ERR_MEMORY;
     place_pilots(p);
     lc_status st = shade_truth(p, &cut);
-    c->rays = count_rays(j);
-    lc_job_free_workers(j);
     cut.max_points = j->max_points;
-    if (!st && p->n_finite) st = lc_job_make_workers(j, &cut);
-    if (!st && p->n_finite && j->max_points) choose_shared(p, &cut, sorted);
+    p->tried = j->evidence || j->max_points;
+    if (!st && p->n_finite) st = p->tried ? choose_way(p, &cut, sorted) : make_workers(p, &cut);
     if (!st && p->n_finite) find_error(p, cut, sorted, c);
     c->shared = j->shared;
-    c->rays += count_rays(j);
+    c->evidence = j->evidence;
+    c->rays = p->rays + count_rays(j);
     c->n_pilots = p->n_finite;
     lc_job_free_workers(j);
     return !st && atomic_load(&j->cancelled) ? LC_ERR_CANCELLED : st;

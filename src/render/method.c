@@ -26,7 +26,6 @@
 #define WORK_OF_PROOF 15    /* a triangle tested in a proof */
 #define WORK_OF_CUT 48      /* a cut, whatever its size */
 #define USUAL_Z 0.25        /* of one sample, until it is known what keeps the asked error */
-#define USUAL_Z_WEIGHED 0.2 /* the same, of weighted bounds */
 #define EVIDENCE_FROM 65536 /* pixels of the film: with fewer, to survey the blocks of the pilots takes more
                                than it saves; tests/results/asked-error.md */
 #define WORK_FOR_NO_ERROR 1.1 /* factor of work that every light is allowed, as it has no error */
@@ -78,27 +77,28 @@ static void choice_cell(void *user, uint32_t thread, uint64_t item)
     shade_cell(user, thread, item, CHOICE_SIDE, &r);
 }
 
-static void add_counts(const lc_render_job *j, lc_stats *sum)
+static void add_counts(const lc_stats *of, lc_stats *sum)
 {
+    sum->points += of->points;
+    sum->shadow_rays += of->shadow_rays;
+    sum->bounds += of->bounds;
+    sum->proof_tests += of->proof_tests;
+}
+
+static double work_of(const lc_stats *cuts)
+{
+    return (double)(WORK_OF_CUT * cuts->points + WORK_OF_BOUND * cuts->bounds +
+                    WORK_OF_CUT_RAY * cuts->shadow_rays + WORK_OF_PROOF * cuts->proof_tests);
+}
+
+double lc_job_work(const lc_render_job *j)
+{
+    lc_stats pixels = { 0 }, guides = { 0 };
     for (uint32_t i = 0; i < j->ctx->n_threads && j->workers; i++) {
-        sum->points += j->workers[i].stats.points;
-        sum->shadow_rays += j->workers[i].stats.shadow_rays;
-        sum->bounds += j->workers[i].stats.bounds;
-        sum->proof_tests += j->workers[i].stats.proof_tests;
+        add_counts(&j->workers[i].stats, &pixels);
+        add_counts(&j->workers[i].apart, &guides);
     }
-}
-
-static uint64_t work_of(const lc_stats *cuts)
-{
-    return WORK_OF_CUT * cuts->points + WORK_OF_BOUND * cuts->bounds + WORK_OF_CUT_RAY * cuts->shadow_rays +
-           WORK_OF_PROOF * cuts->proof_tests;
-}
-
-uint64_t lc_job_work(const lc_render_job *j)
-{
-    lc_stats sum = { 0 };
-    add_counts(j, &sum);
-    return work_of(&sum);
+    return work_of(&pixels) + (j->evidence ? work_of(&guides) / (LC_PIXEL_BLOCK * LC_PIXEL_BLOCK) : 0);
 }
 
 /* Counts of both methods over a grid: shading points, shadow rays, bounds. */
@@ -108,7 +108,7 @@ static lc_status try_method(lc_render_job *j, const lc_cut_desc *cut, bool exact
     lc_status st = lc_job_make_workers(j, cut);
     j->exact = exact;
     if (!st) lc_parallel(j->ctx, CHOICE_SIDE * CHOICE_SIDE, choice_cell, j);
-    if (!st) add_counts(j, sum);
+    for (uint32_t i = 0; i < j->ctx->n_threads && !st; i++) add_counts(&j->workers[i].stats, sum);
     j->exact = was;
     lc_job_free_workers(j);
     return st;
@@ -127,7 +127,7 @@ static lc_status exact_pays(lc_render_job *j, const lc_cut_desc *cut, bool *pays
     if (!st) st = try_method(j, cut, true, &all);
     if (st) return st;
     const uint64_t exact = all.points * n + WORK_OF_RAY * all.shadow_rays;
-    double by_cuts = (double)work_of(&cuts);
+    double by_cuts = work_of(&cuts);
     if (j->shared) by_cuts = j->pixel_work / j->spp * CHOICE_SIDE * CHOICE_SIDE;
     *pays = (double)exact <= WORK_FOR_NO_ERROR * by_cuts;
     return LC_OK;
@@ -151,6 +151,7 @@ static lc_status choose_z(lc_render_job *j, lc_calibration *c)
     j->z = c->z;
     j->error = c->error;
     j->shared = c->shared && j->max_points;
+    j->evidence = c->evidence;
     if (!st && j->desc->method == LC_METHOD_LIGHTCUTS) {
         const lc_cut_desc cut = lc_job_cut_desc(j);
         st = exact_pays(j, &cut, &j->exact);
@@ -171,8 +172,7 @@ lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
     const lc_film_desc *film = &j->scene->film;
     j->evidence = d->error > 0 && j->scene->tree->n_reps > 1 &&
                   (uint64_t)film->width * film->height >= EVIDENCE_FROM;
-    const double z = j->evidence ? USUAL_Z_WEIGHED : USUAL_Z;
-    j->z = d->error > 0 ? (float)(z / sqrt((double)j->spp)) : 0;
+    j->z = d->error > 0 ? (float)(USUAL_Z / sqrt((double)j->spp)) : 0;
     bool few = d->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(d->max_cut && d->max_cut < n);
     if (!few && d->dark_floor > 0 && (d->error > 0 || d->error_ratio > 0))
         st = prepass(j, &stats->mean_luminance);

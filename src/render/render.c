@@ -207,6 +207,8 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
     const lc_status st = d->calibration ? lc_desc_take(ctx, "lc_calibration", &c, sizeof c, d->calibration)
                                         : LC_OK;
     if (st) return st;
+    if (d->calibration && d->calibration->size < sizeof c)
+        return lc_fail(ctx, LC_ERR_ARG, "a calibration must say whether it was found with evidence");
     if (d->calibration && !(c.z > 0 && isfinite(c.z)))
         return lc_fail(ctx, LC_ERR_ARG, "a calibration's z must be finite and above 0");
     if (!(d->seconds >= 0) || !isfinite(d->seconds))

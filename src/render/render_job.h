@@ -143,8 +143,9 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
  */
 lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats);
 lc_cut_desc lc_job_cut_desc(const lc_render_job *j);
-/* What the cuts of all workers have cost so far, in estimates of one light. */
-uint64_t lc_job_work(const lc_render_job *j);
+/* What the cuts of all workers have cost so far, in estimates of one light; of the guides of pilots a pixel's
+ * share where they take evidence, as else a pixel of the block makes its guide. */
+double lc_job_work(const lc_render_job *j);
 
 /* ---- calibrate.c ---- */
 

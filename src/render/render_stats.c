@@ -104,6 +104,7 @@ static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, con
     if (!st) st = lc_image_set_number(im, "lightcuts/achievedMargin", (double)c->margin);
     if (!st) st = lc_image_set_number(im, "lightcuts/z", (double)c->z);
     if (!st) st = lc_image_set_number(im, "lightcuts/sharedCuts", c->shared);
+    if (!st) st = lc_image_set_number(im, "lightcuts/evidence", c->evidence);
     return st;
 }
 
