@@ -8,6 +8,8 @@
  *     values   the pixel by cuts of a z, which begin with the roots, by several slots of representatives
  *     z        where the asked share of the values, and a margin, is within the error
  *
+ *     way      a cut for each sample, or shared by a pixel's; with evidence of the block, or without
+ *
  * A value's miss is its error over what is asked. The misses' quantile of that share falls with z about as
  * 1/z, so z is found by a few steps of the secant method on their logarithms. The pilots are the same
  * whatever is rendered of the film.
