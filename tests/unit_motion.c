@@ -412,6 +412,45 @@ TEST(haze_and_glass_move_along)
     lc_scene_destroy(s);
 }
 
+/* ---- lights ---- */
+
+/* What a light that goes from x = a to b, `height` above a plane, gives to the plane at x, y from its way,
+ * averaged over its time: the integral of height / d^3. */
+static double lit_along(double x, double y, double height, double a, double b)
+{
+    const double c2 = y * y + height * height;
+    return height / (c2 * (b - a)) *
+           ((b - x) / sqrt((b - x) * (b - x) + c2) - (a - x) / sqrt((a - x) * (a - x) + c2));
+}
+
+static void check_light(const char *light, double scale)
+{
+    const double height = 1.5, a = -3, b = 2;
+    lc_load_desc d = LC_LOAD_DESC_INIT;
+    d.spp = SPP;
+    lc_scene *s = scene_from_text(
+        ctx, &d, EYE ORTHO FILM "WorldBegin\n" WHITE
+        "Shape \"trianglemesh\" \"point3 P\" [-90 -90 0 90 -90 0 90 90 0 -90 90 0] \"integer indices\" "
+        "[0 1 2 0 2 3]\nTranslate -3 0 -1.5\n" MOVES("5") "%s\n", light);
+    CHECK(info_of(s).n_lights == 64);
+    lc_image *image = exactly(s);
+    for (uint32_t x = 0; x < WIDTH; x++) {
+        const double at = -8 + (x + 0.5) / 4, want = scale * lit_along(at, 0.125, height, a, b),
+                     got = pixel_at(image, "G", x, 1) * acos(-1);
+        CHECKF(fabs(got - want) < 0.006 * want, "%s, pixel %u: %g, not %g", light, x, got, want);
+    }
+    lc_image_destroy(image);
+    lc_scene_destroy(s);
+}
+
+TEST(a_light_that_moves_is_spread_along_its_way)
+{
+    check_light("LightSource \"point\" \"rgb I\" [3 3 3]", 3);
+    check_light("LightSource \"point\" \"rgb I\" [1 1 1] \"float scale\" 2", 2);
+    check_light("LightSource \"spot\" \"rgb I\" [1 1 1] \"float coneangle\" 180 \"float conedeltaangle\" 0",
+                1);
+}
+
 /* ---- what stands still ---- */
 
 TEST(what_stands_still_is_said)
@@ -491,6 +530,7 @@ int main(void)
     RUN(cuts_keep_the_error_that_is_asked);
     RUN(threads_and_crops_give_the_same_bytes);
     RUN(haze_and_glass_move_along);
+    RUN(a_light_that_moves_is_spread_along_its_way);
     RUN(what_stands_still_is_said);
     RUN(hostile_motion_is_refused);
     RUN(memory_may_end_anywhere);

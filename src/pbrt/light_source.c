@@ -6,6 +6,7 @@
  */
 #include "pbrt/light_source.h"
 
+#include "base/motion.h"
 #include "pbrt/light_group.h"
 #include "shade/light.h"
 
@@ -20,7 +21,7 @@ lc_status lc_pbrt_light_scale(lc_pbrt *p, lc_f3 *colour)
     if (!st) st = lc_pbrt_get_colour(p, "scale", LC_PBRT_FOR_LIGHT, &c, &colour_par);
     if (st) return st;
     if (k < 0) return lc_pbrt_bad_param(&p->params, par, "is negative");
-    *colour = lc_f3_scale(lc_f3_mul(*colour, c), (float)k);
+    *colour = lc_f3_scale(lc_f3_mul(*colour, c), (float)k * p->light_share);
     return LC_OK;
 }
 
@@ -118,28 +119,52 @@ static lc_status distant_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 static const struct {
     const char *name;
     lc_pbrt_handler *handler;
+    bool moves; /* not skies, nor those that have a picture for each light */
 } lights[] = {
-    { "point", point_light },
-    { "oriented", oriented_light },
-    { "distant", distant_light },
-    { "infinite", lc_pbrt_infinite_light },
-    { "spot", lc_pbrt_spot_light },
-    { "projection", lc_pbrt_projection_light },
-    { "goniometric", lc_pbrt_goniometric_light },
-    { "luminaire", lc_pbrt_luminaire_light },
-    { "sun", lc_pbrt_sun_light },
-    { "sky", lc_pbrt_sky_light },
+    { "point", point_light, true },
+    { "oriented", oriented_light, true },
+    { "distant", distant_light, true },
+    { "infinite", lc_pbrt_infinite_light, false },
+    { "spot", lc_pbrt_spot_light, true },
+    { "projection", lc_pbrt_projection_light, false },
+    { "goniometric", lc_pbrt_goniometric_light, false },
+    { "luminaire", lc_pbrt_luminaire_light, true },
+    { "sun", lc_pbrt_sun_light, false },
+    { "sky", lc_pbrt_sky_light, false },
 };
+
+/* A light that moves is as many lights along its way, each of its share of the light: what it gives while the
+ * shutter is open, but where what it lights moves, too. */
+#define PLACES 64
+
+static lc_status along_its_way(lc_pbrt *p, const lc_pbrt_stmt *s, lc_pbrt_handler *handler,
+                               const lc_pbrt_ctm *way)
+{
+    const lc_xform start = p->ctm;
+    lc_status st = lc_pbrt_note_name(p, s->pos, "motion of", "a light", "it is 64 lights along its way");
+    p->light_share = 1.0f / PLACES;
+    for (uint32_t i = 0; i < PLACES && !st; i++)
+        if (lc_xform_between(&way->start, &way->end, (i + 0.5) / PLACES, &p->ctm)) st = handler(p, s);
+    p->light_share = 1;
+    p->ctm = start;
+    return st;
+}
 
 lc_status lc_pbrt_light(lc_pbrt *p, const lc_pbrt_stmt *s)
 {
+    size_t i = 0, n = sizeof lights / sizeof *lights;
+    lc_pbrt_ctm way;
+    bool moves = false;
     lc_pbrt_mark(&p->params, "nsamples"); /* of pbrt's own sampling */
     if (strcmp(s->text[0], "luminaire")) lc_pbrt_mark(&p->params, "samples");
+    while (i < n && strcmp(lights[i].name, s->text[0])) i++;
     lc_status st = lc_pbrt_group_light(p, s->text[0]);
-    if (!st) st = lc_pbrt_stands_still(p, s->pos, "a light");
+    if (!st && i < n)
+        st = lights[i].moves ? lc_pbrt_motion(p, s->pos, &way, &moves)
+                             : lc_pbrt_stands_still(p, s->pos, "a light");
     if (st) return st;
-    for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
-        if (!strcmp(lights[i].name, s->text[0])) return lights[i].handler(p, s);
+    if (moves) return along_its_way(p, s, lights[i].handler, &way);
+    if (i < n) return lights[i].handler(p, s);
     p->ignored = true;
     lc_pbrt_mark_all(&p->params);
     return lc_pbrt_note_name(p, s->pos, "light", s->text[0], "the light is skipped");

@@ -374,6 +374,7 @@ static void init(lc_pbrt *p, lc_scene *scene)
     p->attrs.material_id = p->default_material = p->black_material = LC_NONE;
     p->attrs.sides = (lc_boundary){ LC_NONE, LC_NONE };
     p->ctm = p->ctm_end = lc_xform_identity();
+    p->light_share = 1;
 }
 
 static void destroy(lc_pbrt *p)

@@ -86,6 +86,7 @@ typedef struct lc_pbrt {
 
     lc_pbrt_attrs attrs;
     lc_xform ctm, ctm_end; /* ctm: at the start, for what stands still */
+    float light_share;     /* of a light that moves: what it gives from one of its places; else 1 */
     lc_pbrt_scope *scopes;
     lc_pbrt_ctm *saved;
     struct lc_pbrt_default *defaults; /* the first attrs.n_defaults are in force */

@@ -7,7 +7,6 @@
  *     truth    every light at every point; of many lights, or samples, a much finer cut
  *     values   the pixel by cuts of a z, which begin with the roots, by several slots of representatives
  *     z        where the asked share of the values, and a margin, is within the error
- *
  *     way      a cut for each sample, or shared by a pixel's; with evidence of the block, or without
  *
  * A value's miss is its error over what is asked. The misses' quantile of that share falls with z about as
@@ -34,6 +33,7 @@
 #define TRUE_Z 2.0        /* of the finer cuts, for one sample */
 #define ERRORS_TIMED 6    /* where there is a time to keep: for a z */
 #define Z_FOR_TIME 3      /* z that are found then */
+#define ROUGH_PILOTS 128
 #define TRIED_STEPS 3     /* by one value of each pilot, of each way to make cuts */
 #define Z_OF_EVIDENCE 0.7  /* of the z without, as a guess */
 /* What work takes more time than with cuts of samples' own, without evidence: rays of shared cuts have many
@@ -203,7 +203,7 @@ static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibra
     c->z = (float)found;
 }
 
-/* What one way to make cuts costs: the z that keeps the error, and work of all pilots at it. */
+/* What one way to make cuts costs: the z that keeps the error, and work at it, of a pixel. */
 typedef struct {
     double z, work;
     bool shared, evidence;
@@ -320,14 +320,18 @@ static lc_status keep_better(pilots *p, const lc_cut_desc *cut, double z, bool s
 {
     static const double costs[2][2] = { { 1, EVIDENCE_COSTS }, { SHARED_COSTS, SHARED_EVIDENCE_COSTS } };
     lc_render_job *j = p->j;
-    const bool fine = shared || !j->max_points; /* else it is seldom the best, and dear */
+    const bool fine = shared || !j->max_points; /* else it is seldom the best, and dear: by few pilots */
     const int n_steps = evidence ? 1 : fine ? ROUGH_STEPS : TRIED_STEPS;
     j->shared = shared;
     j->evidence = evidence;
     lc_status st = make_workers(p, cut);
     if (st) return st;
+    const uint32_t n = p->n;
+    if (!fine) p->n = n < ROUGH_PILOTS ? n : ROUGH_PILOTS;
     way_cost c = try_way(p, cut, z, n_steps, fine, sorted);
-    if (shared && !evidence) j->pixel_work = c.work / p->n;
+    c.work /= p->n;
+    p->n = n;
+    if (shared && !evidence) j->pixel_work = c.work;
     c.work *= costs[shared][evidence];
     c.shared = shared;
     c.evidence = evidence;
