@@ -1109,13 +1109,25 @@ typedef struct lc_render_desc {
     int partial;         /* nonzero: where `progress` ends it, lc_render fails with LC_ERR_CANCELLED all the
                           * same, but once pixels are finished *out is the picture with these, others being
                           * 0; its number "lightcuts/finished" is their share */
+    uint32_t pass, n_passes; /* n_passes 0: all samples. Else only sample `pass`, counted from 0, of the
+                          * n_passes that each pixel has in place of `spp`, by a cut of its own: place on the
+                          * film and on the lens, time and choice of representatives are that sample's, and the
+                          * mean of all passes is the picture with n_passes samples. LC_ERR_ARG where
+                          * `error` is above 0, and with more than 64 passes, or a filter narrower than a
+                          * pixel, where pixels share samples as by filters with negative values */
+    uint32_t coarse;     /* 0 or 1: every pixel is shaded. 2, 4, 8: one pixel of each block of so many a side,
+                          * and those between are interpolated, surface by surface, where the light on those
+                          * around agrees; the rest is shaded, too. One sample a pixel, or a pass, by the pixel
+                          * filter's middle where pixels share samples. cut.size and the like are 0 where
+                          * nothing was shaded. LC_ERR_ARG for other numbers, where `error` is above 0, with
+                          * LC_AOV_INTERVAL, tile_load, groups of lights and sensors */
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
 #define LC_ASKED_DARK_FLOOR 0.02f /* advised where `error` is asked: contact shadows are not left out */
 #define LC_RENDER_DESC_INIT                                                                                  \
     {                                                                                                        \
         sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, \
-            0, 0, 0, 0, 0, 0, 95, 0, 0, 0                                                                    \
+            0, 0, 0, 0, 0, 0, 95, 0, 0, 0, 0, 0, 0                                                           \
     }
 
 typedef struct lc_render_stats {

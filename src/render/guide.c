@@ -4,8 +4,8 @@
 #include "scene/lit_point.h"
 #include "scene/surface.h"
 
-/* The cuts of a block of pixels begin with the cut that was made for its middle pixel, sample 0, in place of
- * the roots: splits that all of them need are made once, and what is left to split goes to the kernels in
+/* The cuts of a block of pixels begin with the cut that was made for its middle pixel, the first sample, in
+ * place of the roots: splits that all of them need are made once, and what is left to split goes to the kernels in
  * large groups. Only points on a surface like that of the guide begin with it. Measured:
  * tests/results/refinement.md. */
 #define GUIDE_AT 1        /* of LC_PIXEL_BLOCK, each way: the pixel that makes a block's guide */
@@ -96,9 +96,9 @@ static void survey_block(const lc_render_job *j, lc_cut *c, lc_guide *g, lc_stat
         /* A pixel whose samples share a cut has no use for its row: half of the rows tell as much. */
         if (j->shared && (k + k / LC_PIXEL_BLOCK) % 2) continue;
         if (x >= j->scene->film.width || y >= j->scene->film.height) continue;
-        if (!lc_sample_sight(j, x, y, 0, &dir, &s) || !s.n_lit) continue;
+        if (!lc_sample_sight(j, x, y, j->first, &dir, &s) || !s.n_lit) continue;
         const lc_surface *surface = &s.lit[0].surface;
-        const uint64_t hash = lc_slot_hash(j, x, y, 0);
+        const uint64_t hash = lc_slot_hash(j, x, y, j->first);
         if (!lc_guide_start(g, surface->pos, surface->n)) continue;
         lc_lit_point(j->scene, &s.lit[0], hash, p);
         lc_phase_end(stats, LC_PHASE_CAMERA);
@@ -118,9 +118,9 @@ void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g, lc_stats *wor
     lc_stats of_none = { 0 }, *stats = work ? work : &of_none;
     const lc_stats was = *stats;
     lc_cut_result r;
-    const uint64_t hash = lc_slot_hash(j, g->x, g->y, 0);
+    const uint64_t hash = lc_slot_hash(j, g->x, g->y, j->first);
     c->start_only = g->evidence;
-    if (lc_sample_sight(j, g->x, g->y, 0, &dir, &s) && s.n_lit) {
+    if (lc_sample_sight(j, g->x, g->y, j->first, &dir, &s) && s.n_lit) {
         lc_lit_point(j->scene, &s.lit[0], hash, p);
         lc_guided_cut(c, g, p, &s.lit[0].surface, hash, stats, &r);
     }
@@ -136,13 +136,13 @@ void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g, lc_stats *wor
 
 uint32_t lc_guide_pixel(uint32_t at) { return at - at % LC_PIXEL_BLOCK + GUIDE_AT; }
 
-/* Makes g the guide of a pixel; sample 0 of the pixel that makes it does so itself, whatever was made before.
- */
+/* Makes g the guide of a pixel; the first sample of the pixel that makes it does so itself, whatever was made
+ * before. */
 lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x, uint32_t y, uint32_t sample,
                       lc_stats *work)
 {
     const uint32_t at_x = lc_guide_pixel(x), at_y = lc_guide_pixel(y);
-    const bool makes = x == at_x && y == at_y && !sample && !g->evidence;
+    const bool makes = x == at_x && y == at_y && sample == j->first && !g->evidence;
     if (!g->made || g->x != at_x || g->y != at_y || makes) {
         g->x = at_x;
         g->y = at_y;

@@ -10,7 +10,8 @@ static inline lc_stats *lc_guide_work(lc_render_worker *w)
     return w->pilot ? &w->apart : w->guide.evidence ? &w->stats : NULL;
 }
 
-/* Makes g the guide of a pixel; sample 0 of the pixel that makes it does so itself, whatever was made before.
+/* Makes g the guide of a pixel; the first sample of the pixel that makes it does so itself, whatever was made
+ * before.
  * Rays and bounds of a guide that is made apart are added to work, or to nothing where that is NULL. */
 lc_guide *lc_guide_of(const lc_render_job *j, lc_cut *c, lc_guide *g, uint32_t x, uint32_t y,
                       uint32_t sample, lc_stats *work);

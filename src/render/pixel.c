@@ -5,6 +5,7 @@
 #include "render/group_sums.h"
 #include "render/guide.h"
 #include "render/interval.h"
+#include "render/reconstruct.h"
 #include "render/samples.h"
 #include "scene/lit_point.h"
 #include "scene/sun.h"
@@ -33,8 +34,8 @@ uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i
 
 /* Radiance of one lit surface, as it leaves it. of_point: the same as hash, but that it is the sample's own
  * where the slot is another's: what is seen of round lights is the same by every slot. */
-static void shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, lc_guide *g,
-                      uint64_t hash, uint64_t of_point, lc_cut_result *out)
+void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, lc_guide *g, uint64_t hash,
+                  uint64_t of_point, lc_cut_result *out)
 {
     const lc_surface *s = &lit->surface;
     lc_point point[2], *p = point;
@@ -58,7 +59,7 @@ void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight 
     *sum = (lc_cut_result){ .size = 0 };
     for (uint32_t i = 0; i < sight->n_lit; i++) {
         lc_cut_result r;
-        shade_lit(j, w, &sight->lit[i], g, hash + i, of_point + i, &r);
+        lc_shade_lit(j, w, &sight->lit[i], g, hash + i, of_point + i, &r);
         w->cut.row = LC_NONE;
         if (g) g->made = true;
         sum->radiance = lc_f3_add(sum->radiance, lc_f3_mul(r.radiance, sight->lit[i].weight));
@@ -190,11 +191,11 @@ static bool add_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint
 bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
 {
     if (j->shared && !j->exact) {
-        for (uint32_t i = 0; i < j->spp; i++)
+        for (uint32_t i = j->first; i < j->end; i++)
             if (!add_interval(j, w, x, y, i, px->rgb, px)) return false;
         return lc_add_shared_samples(j, w, x, y, px);
     }
-    for (uint32_t i = 0; i < j->spp; i++) {
+    for (uint32_t i = j->first; i < j->end; i++) {
         lc_f3 rgb;
         if (!lc_render_sample(j, w, x, y, i, px, &rgb)) return false;
         px->rgb = lc_f3_add(px->rgb, rgb);
@@ -207,7 +208,8 @@ bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t 
 /* False: cancelled, nothing stored. */
 bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y)
 {
-    lc_pixel px = { .weight = (float)j->spp, .of_group = lc_groups_begin_pixel(w->groups) };
+    if (j->coarse) return lc_coarse_pixel(j, w, x, y);
+    lc_pixel px = { .weight = (float)(j->end - j->first), .of_group = lc_groups_begin_pixel(w->groups) };
     if (!lc_add_samples(j, w, x, y, &px)) return false;
     if (!lc_film_store(&j->film, x, y, &px)) w->stats.nonfinite++;
     return true;

@@ -99,6 +99,8 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     *p = (lc_probe){ .hit = false };
     lc_status st = lc_render_take(ctx, scene, desc, &d, crop);
     if (!st) st = lc_render_ready(ctx, scene);
+    if (!st && (d.n_passes || d.coarse > 1))
+        st = lc_fail(ctx, LC_ERR_ARG, "a sample is explained of a whole picture: no passes, not coarse");
     if (st) return st;
     st = lc_job_init(&j, ctx, scene, &d);
     if (!st) st = probe_sample(&j, x, y, sample, p);

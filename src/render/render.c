@@ -9,6 +9,7 @@
 #include "render/group_sums.h"
 #include "render/guide.h"
 #include "render/interval.h"
+#include "render/reconstruct.h"
 #include "render/render_tile.h"
 #include "render/samples.h"
 #include "tree/light_tree.h"
@@ -151,6 +152,7 @@ void lc_job_free_workers(lc_render_job *j)
 void lc_job_free(lc_render_job *j)
 {
     lc_job_free_workers(j);
+    lc_coarse_free(j);
     lc_moments_free(&j->moments);
     lc_free(j->ctx, j->share, 1, sizeof *j->share);
     lc_free(j->ctx, j->parent, j->scene->tree->n_lights, sizeof *j->parent);
@@ -215,7 +217,13 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
         return lc_fail(ctx, LC_ERR_ARG, "seconds must be finite and at least 0");
     if (d->seconds > 0 && (!(d->error > 0) || d->calibration))
         return lc_fail(ctx, LC_ERR_ARG, "seconds need an error above 0 and no calibration");
-    if (d->spp > LC_MAX_SPP) return lc_fail(ctx, LC_ERR_ARG, "more than %u samples per pixel", LC_MAX_SPP);
+    if (d->spp > LC_MAX_SPP || d->n_passes > LC_MAX_SPP) return lc_fail(ctx, LC_ERR_ARG, "more than %u samples per pixel", LC_MAX_SPP);
+    if (d->pass && d->pass >= d->n_passes)
+        return lc_fail(ctx, LC_ERR_ARG, "pass %u of %u: passes count from 0", d->pass, d->n_passes);
+    if ((d->n_passes || d->coarse > 1) && d->error > 0)
+        return lc_fail(ctx, LC_ERR_ARG, "passes and coarse pictures are made by error_ratio: error must be 0");
+    const lc_status coarse = lc_coarse_check(ctx, scene, d);
+    if (coarse) return coarse;
     bool scene_crop = !d->crop[0] && !d->crop[1] && !d->crop[2] && !d->crop[3];
     for (int i = 0; i < 4; i++) {
         if (d->crop[i] < 0)
@@ -241,10 +249,15 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     lc_choose_group(j);
     st = lc_job_make_workers(j, &cut);
     if (!st && j->desc->aovs & LC_AOV_INTERVAL) st = lc_interval_make_rooms(j, &cut);
+    if (!st && j->desc->coarse > 1) st = lc_coarse_init(j, crop);
     if (!st) st = lc_groups_make_rooms(j, n_shared(j));
     if (!st) st = lc_film_init(&j->film, j->ctx, crop, f, j->desc->aovs, &j->scene->groups);
     if (st) return st;
     j->n_planes = lc_image_n_channels(j->film.image);
+    if (j->coarse) {
+        lc_parallel(j->ctx, lc_coarse_n_strips(j), lc_coarse_strip, j);
+        lc_parallel(j->ctx, lc_coarse_n_rows(j), lc_coarse_smooth, j);
+    }
     if (j->share) lc_parallel(j->ctx, lc_n_groups(j), lc_render_group, j);
     else lc_parallel(j->ctx, (uint64_t)j->tiles_x * j->tiles_y, render_tile, j);
     if (atomic_load(&j->cancelled)) return LC_ERR_CANCELLED;
@@ -293,12 +306,17 @@ lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, 
         .ctx = ctx, .scene = scene, .desc = desc, .spp = lc_render_spp(scene, desc),
         .moments = { .ctx = ctx }, .visibility = scene->visibility
     };
-    if (scene->filter.shared) {
+    if (scene->filter.shared && !(desc->coarse > 1)) {
         j->share = lc_alloc(ctx, 1, sizeof *j->share);
         if (!j->share) return LC_ERR_MEMORY;
         lc_filter_share_init(j->share, &scene->film.filter, j->spp);
+        if (desc->n_passes && (!j->share->lattice || j->share->n != desc->n_passes))
+            return lc_fail(ctx, LC_ERR_ARG, "no %u passes with this pixel filter, whose samples make a grid",
+                           desc->n_passes);
         j->spp = j->share->n;
     }
+    j->first = desc->n_passes ? desc->pass : 0;
+    j->end = desc->n_passes ? desc->pass + 1 : j->spp;
     if ((j->spp >= GATHER_FROM || scene->media.present) && !j->share && desc->error > 0) {
         lc_status st = share_cuts(j);
         if (st) return st;

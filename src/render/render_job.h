@@ -5,6 +5,7 @@
  *     guide.c    the cut that a block's cuts begin with
  *     pixel.c    camera rays, shading points, their cuts, the pixel
  *     share.c    pixels whose samples neighbours share
+ *     reconstruct.c  pixels that are interpolated between others
  *     render.c   tiles over threads, the film; interval.c: the AOV
  *     render_stats.c   counts of all threads; the attributes of the picture
  *     probe.c    one sample on its own, its cut kept
@@ -66,6 +67,8 @@ typedef struct lc_render_job {
     const lc_render_desc *desc;
     lc_film film;
     uint32_t spp, tiles_x, tiles_y;
+    uint32_t first, end; /* of the spp samples of a pixel those that are rendered: all, or a pass */
+    struct lc_coarse *coarse; /* NULL: every pixel is shaded */
     lc_render_worker *workers;
     struct lc_mutex *mutex;         /* of the progress callback */
     atomic_uint_fast64_t done, loaded;  /* pixels; loaded: of done, those given by tile_load */
@@ -98,6 +101,8 @@ bool lc_job_go_on(void *user);
 /* The descriptor's, or the load's, or the file's. */
 static inline uint32_t lc_render_spp(const lc_scene *s, const lc_render_desc *d)
 {
+    if (d->n_passes) return d->n_passes;
+    if (d->coarse > 1) return 1;
     return d->spp ? d->spp : s->load.spp ? s->load.spp : s->film.spp;
 }
 
@@ -159,6 +164,9 @@ lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
 /* What sample i of a pixel shows, if any; beyond the film coordinates are modulo 2^32. *dir: the ray's. */
 bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s);
+/* Radiance of one lit surface, as it leaves it. */
+void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, lc_guide *g, uint64_t hash,
+                  uint64_t of_point, lc_cut_result *out);
 /* Radiance of all that is seen, as it reaches the camera. The first surface makes the guide where that is not
  * made yet. hash: of the slot; of_point: of the sample, by which round lights have points. */
 void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight *sight, lc_guide *g,

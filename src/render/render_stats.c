@@ -128,7 +128,7 @@ lc_status lc_job_set_attributes(const lc_render_job *j, const lc_render_stats *s
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)d->seed);
     lc_status st = lc_image_set_text(im, "software", "lightcuts " LC_VERSION);
     if (!st) st = lc_image_set_matrix(im, "worldToCamera", j->scene->camera.world_to_camera);
-    if (!st) st = lc_image_set_number(im, "samplesPerPixel", j->spp);
+    if (!st) st = lc_image_set_number(im, "samplesPerPixel", j->end - j->first);
     if (!st) st = lc_image_set_text(im, "lightcuts/method", method[d->method]);
     if (!st) st = lc_image_set_text(im, "lightcuts/seed", seed);
     if (!st) st = lc_image_set_number(im, "lightcuts/maxDepth", j->how.max_depth);

@@ -69,6 +69,7 @@ static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, i
     int64_t to_x[2], to_y[2];
     lc_filter_share_strips(j->share, i, strip);
     const lc_share_axis *ax = &j->share->axis[0], *ay = &j->share->axis[1];
+    const double of_all = (double)j->spp / (double)(j->end - j->first); /* the mean of passes is the picture */
     lc_pixel *planes = own ? &pixel_at(t, x, y)->px : &other;
     const uint32_t hits = planes->hits;
     const bool reaches = in_reach(ax, strip[0], x, t->x0, t->x1, to_x) &&
@@ -83,7 +84,8 @@ static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, i
     if (w->interval && !lc_sample_interval(j, w, (uint32_t)x, (uint32_t)y, i, rgb, &part)) return false;
     for (int64_t v = to_y[0]; v < to_y[1]; v++)
         for (int64_t u = to_x[0]; u < to_x[1]; u++) {
-            const double weight = lc_share_weight(ax, strip[0], u - x) * lc_share_weight(ay, strip[1], v - y);
+            const double weight = lc_share_weight(ax, strip[0], u - x) *
+                                  lc_share_weight(ay, strip[1], v - y) * of_all;
             lc_shared_pixel *to = pixel_at(t, u, v);
             double *sum = to->rgb;
             sum[0] += weight * (double)rgb.x;
@@ -98,7 +100,7 @@ static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, i
 
 static bool add_pixel(lc_render_job *j, lc_render_worker *w, const target *t, int64_t x, int64_t y)
 {
-    for (uint32_t i = 0; i < j->share->n; i++)
+    for (uint32_t i = j->first; i < j->end; i++)
         if (!add_sample(j, w, t, x, y, i)) return false;
     return true;
 }
