@@ -1,6 +1,7 @@
 /* cmd_render.c - options -> scene -> picture -> files and statistics. */
 #include "cli/calibration.h"
 #include "cli/display.h"
+#include "cli/preview_passes.h"
 #include "cli/progress.h"
 #include "cli/render_options.h"
 #include "cli/sandbox.h"
@@ -51,6 +52,8 @@ enum {
     OPT_MEMORY,
     OPT_RESOLUTION,
     OPT_PARTIAL,
+    OPT_PREVIEW,
+    OPT_PREVIEW_INTERVAL,
     OPT_WATCH,
     OPT_SERVER,
     OPT_FRAMES,
@@ -64,6 +67,8 @@ static const struct option long_options[] = {
     { "method", 1, 0, OPT_METHOD },
     { "resolution", 1, 0, OPT_RESOLUTION },
     { "write-partial", 0, 0, OPT_PARTIAL },
+    { "preview", 0, 0, OPT_PREVIEW },
+    { "preview-interval", 1, 0, OPT_PREVIEW_INTERVAL },
     { "watch", 0, 0, OPT_WATCH },
     { "display-server", 1, 0, OPT_SERVER },
     { "frames", 1, 0, OPT_FRAMES },
@@ -141,6 +146,8 @@ static int set_option(void *user, int c)
     case OPT_INTERVAL: return cli_parse_time(optarg, &o->farm.interval);
     case OPT_RESUME: o->farm.resume = true; return 0;
     case OPT_PARTIAL: o->render.partial = 1; return 0;
+    case OPT_PREVIEW: o->preview = true; return 0;
+    case OPT_PREVIEW_INTERVAL: return cli_parse_time(optarg, &o->preview_interval);
     case OPT_WATCH: o->watch = true; return 0;
     case OPT_SERVER: return cli_parse_server(optarg, &o->server);
     case OPT_KEEP: o->farm.keep = true; return 0;
@@ -170,38 +177,6 @@ static int set_option(void *user, int c)
     }
 }
 
-/* Parts of a picture would choose errors of their own. */
-static int check_time(const options *o)
-{
-    const char *other = o->given.ratio                        ? "--error-ratio"
-                        : o->render.error > 0                 ? "--error"
-                        : o->calibration                      ? "--calibration"
-                        : o->farm.chunk                       ? "--chunk"
-                        : o->farm.print                       ? "--print-chunks"
-                        : o->farm.checkpoint                  ? "--checkpoint"
-                        : o->render.method == LC_METHOD_EXACT ? "--method exact"
-                                                              : NULL;
-    if (!(o->render.seconds > 0) || !other) return 0;
-    cli_usage_error("render", "--time chooses the error of the whole picture: not with %s", other);
-    return -1;
-}
-
-/* What goes to standard output, and what of a part of a picture may be written. */
-static int check_streams(const options *o)
-{
-    const int texts = (o->stats_file && !strcmp(o->stats_file, "-")) + o->print_stats;
-    int pictures = 0;
-    for (int i = 0; i < o->n_outputs; i++) pictures += cli_is_stdout(o->outputs[i]);
-    if (pictures && pictures + texts > 1)
-        cli_usage_error("render", "only one thing can go to standard output");
-    else if (pictures && isatty(STDOUT_FILENO))
-        cli_usage_error("render", "-o -: standard output is a terminal");
-    else if (o->render.partial && o->farm.chunk)
-        cli_usage_error("render", "--write-partial: a part of --chunk is whole or not there");
-    else return 0;
-    return -1;
-}
-
 /* 0: go on; otherwise *status is the exit status. */
 static int parse_options(int argc, char **argv, options *o, int *status)
 {
@@ -213,7 +188,7 @@ static int parse_options(int argc, char **argv, options *o, int *status)
         cli_usage_error("render", argc == optind ? "no scene given" : "more than one scene given");
         return -1;
     }
-    if (check_time(o) || check_streams(o)) return -1;
+    if (cli_render_check_time(o) || cli_render_check_streams(o) || cli_preview_check(o)) return -1;
     if (cli_ask_error("render", &o->given, &o->render)) return -1;
     o->scene = argv[optind];
     if (cli_render_check_frames(o) || (!o->frames.many && cli_farm_check(&o->farm)) ||
@@ -471,6 +446,7 @@ static int make_picture(options *o, lc_context *ctx, const lc_scene *scene, lc_i
                             .stats = LC_RENDER_STATS_INIT };
     lc_scene_get_info(scene, &r.info);
     r.loaded = scene;
+    if (o->preview) return cli_preview_render(o, ctx, scene, write_outputs);
     int status = render(o, ctx, scene, image, &r.stats);
     if (!status && o->calibration)
         status = cli_calibration_write(ctx, scene, o->calibration, &o->render, &r.stats.calibration);

@@ -410,14 +410,20 @@ static void compare(cli_display *d, lc_image *image)
     }
 }
 
-void cli_display_end(cli_display *d, lc_image *image)
+void cli_display_show(cli_display *d, lc_image *image)
 {
-    const double begin = cli_now();
-    double moved = begin;
     lc_image_desc desc = LC_IMAGE_DESC_INIT;
     if (d->marks && image && !lc_image_get_desc(image, &desc) && desc.width == d->width &&
         desc.height == d->height)
         compare(d, image);
+    (void)pump(d);
+}
+
+void cli_display_end(cli_display *d, lc_image *image)
+{
+    const double begin = cli_now();
+    double moved = begin;
+    cli_display_show(d, image);
     for (bool more = true; more && !cli_caught_signal();) {
         const uint64_t left = atomic_load(&d->n_marks);
         const size_t sent = d->sent;

@@ -42,6 +42,8 @@ void cli_display_close(cli_display *d);
 void cli_display_begin(cli_display *d, const char *title, const uint32_t crop[4], lc_render_desc *render);
 /* For the callback of progress: sends what has been finished and what the server takes. */
 void cli_display_step(cli_display *d);
+/* Between renders: what of the picture is another than what was shown, and what of it the server takes. */
+void cli_display_show(cli_display *d, lc_image *image);
 /* After lc_render: the rest, for a few seconds at most. image: what all of the picture is, NULL: it was not
  * finished. */
 void cli_display_end(cli_display *d, lc_image *image);

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 int cli_render_name_frame(cli_render_options *o)
 {
@@ -24,6 +25,38 @@ int cli_render_name_frame(cli_render_options *o)
     }
     if (f->seed_per_frame) o->render.seed = f->frame;
     return bad;
+}
+
+/* Parts of a picture would choose errors of their own. */
+int cli_render_check_time(const cli_render_options *o)
+{
+    const char *other = o->given.ratio                        ? "--error-ratio"
+                        : o->render.error > 0                 ? "--error"
+                        : o->calibration                      ? "--calibration"
+                        : o->farm.chunk                       ? "--chunk"
+                        : o->farm.print                       ? "--print-chunks"
+                        : o->farm.checkpoint                  ? "--checkpoint"
+                        : o->render.method == LC_METHOD_EXACT ? "--method exact"
+                                                              : NULL;
+    if (!(o->render.seconds > 0) || !other || o->preview) return 0;
+    cli_usage_error("render", "--time chooses the error of the whole picture: not with %s", other);
+    return -1;
+}
+
+/* What goes to standard output, and what of a part of a picture may be written. */
+int cli_render_check_streams(const cli_render_options *o)
+{
+    const int texts = (o->stats_file && !strcmp(o->stats_file, "-")) + o->print_stats;
+    int pictures = 0;
+    for (int i = 0; i < o->n_outputs; i++) pictures += cli_is_stdout(o->outputs[i]);
+    if (pictures && pictures + texts > 1)
+        cli_usage_error("render", "only one thing can go to standard output");
+    else if (pictures && isatty(STDOUT_FILENO))
+        cli_usage_error("render", "-o -: standard output is a terminal");
+    else if (o->render.partial && o->farm.chunk)
+        cli_usage_error("render", "--write-partial: a part of --chunk is whole or not there");
+    else return 0;
+    return -1;
 }
 
 /* What is kept of a picture is of the scene as it was. */

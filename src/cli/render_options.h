@@ -36,6 +36,8 @@ typedef struct cli_render_options {
     cli_tone tone;
     cli_server server;    /* n 0: none */
     cli_display *display; /* NULL: none */
+    bool preview;
+    double preview_interval; /* seconds; 0: not given */
     bool watch;
     cli_watch *files; /* NULL: they are not watched */
     cli_groups groups;
@@ -49,6 +51,9 @@ int cli_render_name_frame(cli_render_options *o);
 int cli_render_check_frames(cli_render_options *o);
 /* Whether --watch fits with the others. Nonzero after a usage error. */
 int cli_render_check_watch(const cli_render_options *o);
+/* Whether --time fits with the others, and what goes to standard output. Nonzero after a usage error. */
+int cli_render_check_time(const cli_render_options *o);
+int cli_render_check_streams(const cli_render_options *o);
 /* Adds the default output, where none was given. */
 void cli_render_choose_output(cli_render_options *o, const lc_scene_info *info);
 /* The file of the statistics, if they go to one. */
