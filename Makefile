@@ -113,7 +113,7 @@ $(DEPS)/openexr/lib/libOpenEXRCore.a: | deps-check
 # ---- library and program ----
 
 $(foreach isa,$(ISAS),$(eval $(OUT)/src/isa/isa_$(isa).o: ISA_FLAGS := $(call isa_flags,$(isa))))
-$(OUT)/src/image/exr.o $(OUT)/tests/unit_exr.o: ISA_FLAGS := $(EXR_INC)
+$(OUT)/src/image/exr.o $(OUT)/src/image/exr_write.o $(OUT)/tests/unit_exr.o: ISA_FLAGS := $(EXR_INC)
 
 # What a build is known by: its sources, compiler and flags. Written anew only where it changed.
 BUILD_ID := $(shell { cat $(sort $(wildcard src/*/*.[ch] include/*.h)); echo "$(FLAGS)"; $(CC) --version | head -n 1; } \

@@ -1109,18 +1109,18 @@ typedef struct lc_render_desc {
     int partial;         /* nonzero: where `progress` ends it, lc_render fails with LC_ERR_CANCELLED all the
                           * same, but once pixels are finished *out is the picture with these, others being
                           * 0; its number "lightcuts/finished" is their share */
-    uint32_t pass, n_passes; /* n_passes 0: all samples. Else only sample `pass`, counted from 0, of the
-                          * n_passes that each pixel has in place of `spp`, by a cut of its own: place on the
-                          * film and on the lens, time and choice of representatives are that sample's, and the
-                          * mean of all passes is the picture with n_passes samples. LC_ERR_ARG where
-                          * `error` is above 0, and with more than 64 passes, or a filter narrower than a
-                          * pixel, where pixels share samples as by filters with negative values */
-    uint32_t coarse;     /* 0 or 1: every pixel is shaded. 2, 4, 8: one pixel of each block of so many a side,
-                          * and those between are interpolated, surface by surface, where the light on those
-                          * around agrees; the rest is shaded, too. One sample a pixel, or a pass, by the pixel
-                          * filter's middle where pixels share samples. cut.size and the like are 0 where
-                          * nothing was shaded. LC_ERR_ARG for other numbers, where `error` is above 0, with
-                          * LC_AOV_INTERVAL, tile_load, groups of lights and sensors */
+    uint32_t pass, n_passes; /* n_passes 0: all samples. Else only sample `pass`, counted from 0, of n_passes
+                          * that each pixel has in place of `spp`: place on film and lens, time and choice of
+                          * representatives are that sample's, its cut is its own, and the mean of all passes
+                          * is the picture of n_passes samples. LC_ERR_ARG for pass >= n_passes, for an `error`
+                          * above 0, and where neighbouring pixels share samples, as by filters with negative
+                          * values, for more than 64 passes and for filters narrower than a pixel */
+    uint32_t coarse;     /* 0 or 1: every pixel is shaded. 2, 4, 8: one pixel of each block of so many a side;
+                          * those between are interpolated where the surfaces around are like theirs and lit
+                          * alike, else shaded, too. It has one sample a pixel, in its middle, or that of
+                          * `pass`, which neighbours do not share. Channels of cuts are 0 where nothing was
+                          * shaded. LC_ERR_ARG for other numbers, where `error` is above 0, with tile_load,
+                          * LC_AOV_INTERVAL, groups of lights or sensors */
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
 #define LC_ASKED_DARK_FLOOR 0.02f /* advised where `error` is asked: contact shadows are not left out */

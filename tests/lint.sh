@@ -116,7 +116,7 @@ rule 'cli/ and app/ include lightcuts.h and the rooms of the program only' own_r
 rule 'pbrt/, gltf/ and obj/ make scenes by lightcuts.h and build/reader.h only' readers
 rule '<immintrin.h> and its like in simd/ and vec4.h only' \
     only_in '<[a-z]*intrin\.h>|<arm_neon\.h>' 'src/(simd/[a-z_0-9]*|base/vec4)\.h' src/*/*.[ch]
-rule 'OpenEXR in exr.c only' only_in "$include_of[<\"](openexr|ImfC|Imath)" 'src/image/exr\.c' src/*/*.[ch]
+rule 'OpenEXR in exr.c and exr_write.c only' only_in "$include_of[<\"](openexr|ImfC|Imath)" 'src/image/exr(_write)?\.c' src/*/*.[ch]
 rule '<pthread.h> in pool.c only' only_in '<pthread\.h>|<threads\.h>' 'src/base/pool\.c' src/*/*.[ch]
 # shellcheck disable=SC2086
 rule 'malloc and its like in arena.c only' only_in '\<(malloc|calloc|realloc|aligned_alloc|posix_memalign|strdup|strndup)[ ]*\(' \

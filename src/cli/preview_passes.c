@@ -312,7 +312,8 @@ int cli_preview_render(cli_render_options *o, lc_context *ctx, const lc_scene *s
         fprintf(stderr, "lightcuts: warning: %llu pixels of passes were not finite and were set to 0\n",
                 (unsigned long long)w.nonfinite);
     if (!status && !o->quiet)
-        fprintf(stderr, "lightcuts: wrote %s in %.2f s\n", cli_shown(o->outputs[0]), cli_now() - o->farm.start);
+        fprintf(stderr, "lightcuts: wrote %s in %.2f s\n", cli_shown(o->outputs[0]),
+                cli_now() - o->farm.start);
     free_mean(&w.mean);
     lc_image_destroy(w.image);
     return status;

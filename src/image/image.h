@@ -4,7 +4,7 @@
  *
  *     file -> raster of codes or floats (pixels.h) -> planes of an lc_image
  *                                                  -> mipmap of a texture (mipmap.h)
- *     lc_image -> EXR (exr.c), PNG (png_write.c) -> file
+ *     lc_image -> EXR (exr_write.c), PNG (png_write.c) -> file
  *
  * An image:
  *

@@ -5,8 +5,8 @@
 #include "scene/surface.h"
 
 /* The cuts of a block of pixels begin with the cut that was made for its middle pixel, the first sample, in
- * place of the roots: splits that all of them need are made once, and what is left to split goes to the kernels in
- * large groups. Only points on a surface like that of the guide begin with it. Measured:
+ * place of the roots: splits that all of them need are made once, and what is left to split goes to the
+ * kernels in large groups. Only points on a surface like that of the guide begin with it. Measured:
  * tests/results/refinement.md. */
 #define GUIDE_AT 1        /* of LC_PIXEL_BLOCK, each way: the pixel that makes a block's guide */
 #define GUIDE_REACH                                                                                          \

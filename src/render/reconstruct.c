@@ -16,7 +16,7 @@
 #define MOST_SINE       0.25f /* of the way from one to the other against their planes: likewise, falling */
 #define LEAST_WEIGHT    0.01f /* of all four, below which a pixel is shaded */
 #define LEAST_ALBEDO    0.05f /* of the pixel's, that those around must have for it to be lit by them */
-#define MOST_APART      1.8f  /* the most and the least of those around may differ by this much of their mean */
+#define MOST_APART      1.8f  /* of their mean: how far the most and the least of those around may differ */
 
 /* A surface of a shaded pixel. */
 typedef struct {
@@ -50,11 +50,12 @@ lc_status lc_coarse_check(const lc_context *ctx, const lc_scene *scene, const lc
     const uint32_t c = d->coarse;
     if (c <= 1) return LC_OK;
     if (c > LC_MAX_COARSE || c & (c - 1))
-        return lc_fail(ctx, LC_ERR_ARG, "coarse must be 0, 1 or another power of two up to %d", LC_MAX_COARSE);
+        return lc_fail(ctx, LC_ERR_ARG, "coarse must be 0 or a power of two up to %d", LC_MAX_COARSE);
     if (d->aovs & LC_AOV_INTERVAL)
         return lc_fail(ctx, LC_ERR_ARG, "coarse pictures prove no intervals of pixels");
     if (d->tile_load) return lc_fail(ctx, LC_ERR_ARG, "tiles of coarse pictures cannot be loaded");
-    if (scene->groups.n) return lc_fail(ctx, LC_ERR_ARG, "coarse pictures have no planes of groups of lights");
+    if (scene->groups.n)
+        return lc_fail(ctx, LC_ERR_ARG, "coarse pictures have no planes of groups of lights");
     if (scene->sensors) return lc_fail(ctx, LC_ERR_ARG, "coarse pictures are of cameras, not of sensors");
     return LC_OK;
 }
@@ -309,7 +310,8 @@ static bool finish(const lc_render_job *j, const blend *b, lc_f3 *rgb)
 }
 
 /* A tent over those up to `far` beyond the four; at the film's edges what is there. */
-static void add_around(const struct lc_coarse *c, blend *b, const uint32_t i[2], const float u[2], uint32_t far)
+static void add_around(const struct lc_coarse *c, blend *b, const uint32_t i[2], const float u[2],
+                       uint32_t far)
 {
     const float width = (float)(1 + far);
     for (uint32_t y = i[1] < far ? 0 : i[1] - far; y <= i[1] + 1 + far && y <= c->last[1]; y++)

@@ -5,13 +5,15 @@
  *     . . . . . . . .       .  its camera ray is traced, so edges, textures, emission and the background
  *     . . p . . . . .          are as they are in any picture
  *     . . . . . . . .
- *     + . . . + . . .       p = emission + sum over its surfaces of weight * albedo * (sum w L / sum w albedo)
+ *     + . . . + . . .       p = emission + sum over surfaces of weight * albedo * (sum w L / sum w albedo)
  *
- * L is what a shaded pixel's surface reflects; w is bilinear, times how alike the surfaces are. A ratio of
- * sums, so that a black surface among white ones says nothing of the light ([Kopf07] with the albedo divided
- * out).
+ * L is what a shaded pixel's surface reflects; w is bilinear, times how alike the surfaces are ([Kopf07] with
+ * the albedo divided out, as a ratio of sums: a black surface among white ones says nothing of the light).
+ * Where none of the four is alike the twelve around them are asked. Few pixels are shaded, by rough cuts, and
+ * each by another slot of representatives: so L is first smoothed, by neighbours that are alike.
  *
- *     lc_coarse_strip: all shaded pixels, by strips of the film  ->  lc_coarse_pixel: every pixel, by tiles
+ *     lc_coarse_strip: shaded pixels, by strips of the film -> lc_coarse_smooth, by rows of these
+ *                                                           -> lc_coarse_pixel: every pixel, by tiles
  */
 #ifndef LC_RECONSTRUCT_H
 #define LC_RECONSTRUCT_H

@@ -12,6 +12,7 @@
 #include "render/reconstruct.h"
 #include "render/render_tile.h"
 #include "render/samples.h"
+#include "render/share.h"
 #include "tree/light_tree.h"
 
 /* Nanoseconds between calls of progress: what a user sees, and how soon a signal is heard. */
@@ -217,11 +218,12 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
         return lc_fail(ctx, LC_ERR_ARG, "seconds must be finite and at least 0");
     if (d->seconds > 0 && (!(d->error > 0) || d->calibration))
         return lc_fail(ctx, LC_ERR_ARG, "seconds need an error above 0 and no calibration");
-    if (d->spp > LC_MAX_SPP || d->n_passes > LC_MAX_SPP) return lc_fail(ctx, LC_ERR_ARG, "more than %u samples per pixel", LC_MAX_SPP);
+    if (d->spp > LC_MAX_SPP || d->n_passes > LC_MAX_SPP)
+        return lc_fail(ctx, LC_ERR_ARG, "more than %u samples per pixel", LC_MAX_SPP);
     if (d->pass && d->pass >= d->n_passes)
         return lc_fail(ctx, LC_ERR_ARG, "pass %u of %u: passes count from 0", d->pass, d->n_passes);
     if ((d->n_passes || d->coarse > 1) && d->error > 0)
-        return lc_fail(ctx, LC_ERR_ARG, "passes and coarse pictures are made by error_ratio: error must be 0");
+        return lc_fail(ctx, LC_ERR_ARG, "of passes and coarse pictures no error of pixels can be asked");
     const lc_status coarse = lc_coarse_check(ctx, scene, d);
     if (coarse) return coarse;
     bool scene_crop = !d->crop[0] && !d->crop[1] && !d->crop[2] && !d->crop[3];

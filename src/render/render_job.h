@@ -181,14 +181,6 @@ bool lc_time_to_ask(lc_render_worker *w);
 /* False: cancelled, nothing stored. */
 bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y);
 
-/* ---- share.c ---- */
-
-/* Sets the side of the groups; call it when the numbers of tiles are known. */
-void lc_choose_group(lc_render_job *j);
-uint64_t lc_n_groups(const lc_render_job *j);
-/* Renders a group of tiles, for lc_parallel. */
-void lc_render_group(void *job, uint32_t thread, uint64_t item);
-
 /* ---- render.c ---- */
 
 /* A tile by its number, with the worker's room for its pixels. */

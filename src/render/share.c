@@ -10,6 +10,8 @@
  *     |   +-------+-------+   |
  *     +-----------------------+
  */
+#include "render/share.h"
+
 #include "render/group_sums.h"
 #include "render/guide.h"
 #include "render/interval.h"
@@ -69,7 +71,7 @@ static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, i
     int64_t to_x[2], to_y[2];
     lc_filter_share_strips(j->share, i, strip);
     const lc_share_axis *ax = &j->share->axis[0], *ay = &j->share->axis[1];
-    const double of_all = (double)j->spp / (double)(j->end - j->first); /* the mean of passes is the picture */
+    const double of_all = (double)j->spp / (double)(j->end - j->first); /* passes have their mean */
     lc_pixel *planes = own ? &pixel_at(t, x, y)->px : &other;
     const uint32_t hits = planes->hits;
     const bool reaches = in_reach(ax, strip[0], x, t->x0, t->x1, to_x) &&
