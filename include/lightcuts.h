@@ -1112,7 +1112,7 @@ typedef struct lc_render_desc {
     uint32_t pass, n_passes; /* n_passes 0: all samples. Else only sample `pass`, counted from 0, of n_passes
                           * that each pixel has in place of `spp`: place on film and lens, time and choice of
                           * representatives are that sample's, its cut is its own, and the mean of all passes
-                          * is the picture of n_passes samples. LC_ERR_ARG for pass >= n_passes, for an `error`
+                          * is the picture of n_passes samples. LC_ERR_ARG for pass >= n_passes, with `error`
                           * above 0, and where neighbouring pixels share samples, as by filters with negative
                           * values, for more than 64 passes and for filters narrower than a pixel */
     uint32_t coarse;     /* 0 or 1: every pixel is shaded. 2, 4, 8: one pixel of each block of so many a side;

@@ -353,7 +353,7 @@ lc_status lc_render(lc_context *ctx, const lc_scene *scene, const lc_render_desc
     if (!st) j.visibility = lc_moments_visibility(&j.moments, scene);
     j.total = (uint64_t)(crop[1] - crop[0]) * (crop[3] - crop[2]);
     j.mutex = st ? NULL : lc_mutex_create(ctx);
-    st = j.mutex ? render_all(&j, crop, &own) : LC_ERR_MEMORY;
+    if (!st) st = j.mutex ? render_all(&j, crop, &own) : LC_ERR_MEMORY;
     lc_mutex_destroy(ctx, j.mutex);
     const bool kept = st == LC_ERR_CANCELLED && d.partial && j.film.image && atomic_load(&j.done) &&
                       !keep_partial(&j, &own);

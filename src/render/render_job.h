@@ -123,7 +123,7 @@ static inline uint64_t lc_job_key(const lc_render_job *j, uint64_t pixel, uint64
     return lc_hash4(lc_render_seed(j->scene, j->desc), pixel, sample, dimension);
 }
 
-/* Fails with LC_ERR_MEMORY; free it also after a failure. */
+/* Fails with LC_ERR_MEMORY, and LC_ERR_ARG for passes that a filter does not have; free it also then. */
 lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc);
 /* Scratch for as many threads as the context has; free it also after a failure. */
 lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc);
