@@ -87,7 +87,7 @@ for source in tests/unit_*.c tests/check_*.c fuzz/fuzz_*.c; do
     else together="$together $name"
     fi
 done
-for script in deps cli frames lux tone watch groups interval files hostile scenes golden examples library page farm load slurm; do
+for script in deps cli frames lux tone watch preview groups interval files hostile scenes golden examples library page farm load slurm; do
     if [ -f "tests/$script.sh" ]; then after="$after $script.sh"; else absent "$script.sh"; fi
 done
 printf '%s\n' $together | xargs -n 1 -P "$jobs" sh -c "$one" sh

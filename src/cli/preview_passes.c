@@ -215,9 +215,10 @@ static int put_mean(work *w)
     take_mean(&w->mean, w->image);
     measure(&w->mean, lc_image_get_number(w->image, "lightcuts/darkLuminance", 0));
     if (describe(&w->mean, w->image)) return CLI_FAILED;
+    const int status = write_files(w);
     cli_progress_end(&w->line);
-    if (!w->o->quiet) say(&w->mean);
-    return write_files(w);
+    if (!status && !w->o->quiet) say(&w->mean);
+    return status;
 }
 
 /* A pass, and what follows from it; *status: of files. */
