@@ -13,16 +13,16 @@ static const char *const names[3] = { "R", "G", "B" };
 
 /* What text is between the camera and the world. */
 #define VIEW                                                                                                 \
-    "Film \"rgb\" \"integer xresolution\" 50 \"integer yresolution\" 50\nIntegrator \"directlighting\"\n"     \
+    "Film \"rgb\" \"integer xresolution\" 50 \"integer yresolution\" 50\nIntegrator \"directlighting\"\n"    \
     "LookAt 0 0 -5  0 0 0  0 1 0\n"
 #define PINHOLE "Camera \"perspective\" \"float fov\" 40\n"
 #define WALL                                                                                                 \
-    "Shape \"trianglemesh\" \"point3 P\" [-9 -9 0 9 -9 0 9 9 0 -9 9 0] \"integer indices\" [0 1 2 0 2 3]\n"   \
+    "Shape \"trianglemesh\" \"point3 P\" [-9 -9 0 9 -9 0 9 9 0 -9 9 0] \"integer indices\" [0 1 2 0 2 3]\n"  \
     " \"point2 uv\" [0 0 1 0 1 1 0 1]\n"
 /* A box with a ball under a grid of lamps. */
 #define LAMPS                                                                                                \
-    "Material \"diffuse\" \"rgb reflectance\" [.7 .5 .3]\n" WALL                                              \
-    "AttributeBegin Rotate 60 1 0 0 Translate 0 0 1 " WALL "AttributeEnd\n"                                   \
+    "Material \"diffuse\" \"rgb reflectance\" [.7 .5 .3]\n" WALL                                             \
+    "AttributeBegin Rotate 60 1 0 0 Translate 0 0 1 " WALL "AttributeEnd\n"                                  \
     "AttributeBegin Translate 0.3 0 -1 Shape \"sphere\" \"float radius\" 0.8 AttributeEnd\n"
 
 static lc_scene *lamps(const char *view)

@@ -63,6 +63,7 @@ _lightcuts()
         render:--resolution | render:--exposure | render:--frames | render:--frame | \
         render:--group | explain:--group | info:--group | relight:--exposure | \
         render:--print-chunks | render:--time-limit | render:--max-memory | render:--checkpoint-interval | \
+        render:--preview-interval | \
         compare:--average | compare:--over | compare:--scale | preview:--exposure | preview:--range | \
         scene:--lights | scene:--seed | converge:--pixels | converge:--spp | converge:--seed | \
         lux:--grid | lux:--efficacy | lux:--error | lux:--within | lux:--dark-floor | lux:--area-lights | \
@@ -101,6 +102,7 @@ _lightcuts()
             --indirect-from --seed --spp --group --resolution --exposure --tone --pixelbounds --cropwindow
             --frames --track --frame --seed-per-frame --chunk --print-chunks --checkpoint
             --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --watch
+            --preview --preview-interval
             --display-server --aov
             --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;

@@ -324,6 +324,7 @@ static const char *good_values(const char *option)
                  { "time", "a time, such as 90s, 5m or 1h" },
                  { "time-limit", "a time, such as 90s, 55m or 2h" },
                  { "checkpoint-interval", "a time, such as 30s or 5m" },
+                 { "preview-interval", "a time, such as 2s or 1m" },
                  { "max-memory", "bytes, such as 500M or 2G" },
                  { "frames", "A-B, A-BxSTEP or one frame, 1 to 99999999" },
                  { "frame", "1 or more" },

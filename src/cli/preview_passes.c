@@ -11,7 +11,7 @@
 /* Measured, tests/results/preview.md. */
 #define FIRST_SIDE  4    /* pixels a side of the coarse picture's blocks */
 #define FIRST_RATIO 0.4f /* its error ratio */
-#define PASS_RATIO  0.2f /* that of the passes: the least error for their time */
+#define PASS_RATIO  0.1f /* that of the passes */
 #define MIN_PASSES  64   /* a power of two, by which samples are even; as many as a lattice of samples that
                           * pixels share has. The deviation is then an eighth of a pass's */
 #define INTERVAL    2.0  /* seconds between files */
