@@ -3,6 +3,7 @@
 #include "support/pictures.h"
 #include "support/scene_text.h"
 #include "support/test.h"
+#include "support/watched_memory.h"
 
 #include <math.h>
 
@@ -341,6 +342,27 @@ TEST(what_makes_no_sense_is_refused)
     lc_scene_destroy(scene);
 }
 
+static lc_status render_coarse(lc_context *c)
+{
+    lc_scene *scene;
+    lc_image *image = NULL;
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    d.coarse = 4;
+    d.method = LC_METHOD_CUTS;
+    lc_status st = lc_scene_load(c, scene_path(), NULL, &scene);
+    if (!st) st = lc_render(c, scene, &d, &image, NULL);
+    CHECK(!st == (image != NULL));
+    lc_image_destroy(image);
+    lc_scene_destroy(scene);
+    return st;
+}
+
+TEST(memory_may_end_anywhere)
+{
+    lc_scene_destroy(lamps(PINHOLE));
+    starve(render_coarse, 60);
+}
+
 int main(void)
 {
     temp_begin();
@@ -354,6 +376,7 @@ int main(void)
     RUN(emission_and_what_is_behind_all_are_exact);
     RUN(bytes_do_not_depend_on_threads_instruction_sets_and_crops);
     RUN(what_makes_no_sense_is_refused);
+    RUN(memory_may_end_anywhere);
     lc_context_destroy(ctx);
     temp_end();
     return test_done();
