@@ -1119,8 +1119,9 @@ typedef struct lc_render_desc {
                           * those between are interpolated where the surfaces around are like theirs and lit
                           * alike, else shaded, too. It has one sample a pixel, in its middle, or that of
                           * `pass`, which neighbours do not share. Channels of cuts are 0 where nothing was
-                          * shaded. LC_ERR_ARG for other numbers, where `error` is above 0, with tile_load,
-                          * LC_AOV_INTERVAL, groups of lights or sensors */
+                          * shaded; its files are written fast rather than small. LC_ERR_ARG for other
+                          * numbers, with `error` above 0, tile_load, LC_AOV_INTERVAL, groups of lights and
+                          * sensors */
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
 #define LC_ASKED_DARK_FLOOR 0.02f /* advised where `error` is asked: contact shadows are not left out */

@@ -278,6 +278,7 @@ lc_status lc_exr_encode(const lc_image *image, const char *path, lc_bytes *file)
 
     exr_result_t rv = exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &init);
     if (rv == EXR_ERR_SUCCESS) rv = write_layout(image, exr);
+    if (rv == EXR_ERR_SUCCESS && image->draft) rv = exr_set_zip_compression_level(exr, 0, LC_DRAFT_LEVEL);
     if (rv == EXR_ERR_SUCCESS) rv = exr_write_header(exr);
     if (rv == EXR_ERR_SUCCESS) rv = exr_get_scanlines_per_chunk(exr, 0, &lines);
     if (rv == EXR_ERR_SUCCESS && to.status == LC_OK) {

@@ -49,7 +49,10 @@ struct lc_image {
     size_t n_channels, cap_channels;
     lc_attr *attrs;
     size_t n_attrs, cap_attrs;
+    bool draft; /* its EXR and PNG files are compressed fast rather than well */
 };
+
+#define LC_DRAFT_LEVEL 1 /* of zlib, for drafts: a third of the time, a tenth more bytes */
 
 /* Codecs between images and the bytes of files: exr.c, png_write.c. `path` is for messages. _is tells by the
  * first bytes whether a file has the format. LC_ERR_PARSE, _UNSUPPORTED, _MEMORY, and LC_ERR_ARG from

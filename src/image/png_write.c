@@ -13,6 +13,7 @@
 #include <string.h>
 
 #define PIECE ((size_t)1 << 16) /* bytes packed at once; between them it looks whether to stop */
+#define USUAL_LEVEL 6 /* of zlib */
 #define SHOULDER 0.8 /* linear value from which on highlights are compressed; chosen */
 
 static const uint8_t signature[8] = { 0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n' };
@@ -90,10 +91,10 @@ static void filter_rows(const lc_image *image, uint8_t *raw, uint8_t *rows)
     }
 }
 
-static lc_status deflate_all(const lc_context *ctx, uint8_t *raw, size_t raw_len, lc_bytes *out)
+static lc_status deflate_all(const lc_context *ctx, uint8_t *raw, size_t raw_len, int level, lc_bytes *out)
 {
     z_stream z = lc_zlib_stream(ctx);
-    if (deflateInit(&z, 6) != Z_OK) return LC_ERR_MEMORY;
+    if (deflateInit(&z, level) != Z_OK) return LC_ERR_MEMORY;
     size_t bound = deflateBound(&z, raw_len);
     lc_status status = lc_grow(ctx, &out->data, &out->cap, bound, 1);
     z.next_in = raw;
@@ -125,7 +126,7 @@ lc_status lc_png_encode(const lc_image *image, const char *path, lc_bytes *file)
     lc_status status = raw && rows ? LC_OK : LC_ERR_MEMORY;
     if (status == LC_OK) {
         filter_rows(image, raw, rows);
-        status = deflate_all(ctx, raw, raw_len, &packed);
+        status = deflate_all(ctx, raw, raw_len, image->draft ? LC_DRAFT_LEVEL : USUAL_LEVEL, &packed);
     }
     lc_free(ctx, raw, raw_len, 1);
     lc_free(ctx, rows, row_len, 2);

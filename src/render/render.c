@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/pool.h"
 #include "base/sample.h"
+#include "image/image.h"
 #include "render/checkpoint.h"
 #include "render/group_sums.h"
 #include "render/guide.h"
@@ -256,6 +257,7 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     if (!st) st = lc_film_init(&j->film, j->ctx, crop, f, j->desc->aovs, &j->scene->groups);
     if (st) return st;
     j->n_planes = lc_image_n_channels(j->film.image);
+    j->film.image->draft = j->coarse != NULL;
     if (j->coarse) {
         lc_parallel(j->ctx, lc_coarse_n_strips(j), lc_coarse_strip, j);
         lc_parallel(j->ctx, lc_coarse_n_rows(j), lc_coarse_smooth, j);
