@@ -182,30 +182,55 @@ static double try_z(pilots *p, const lc_cut_desc *cut, double z, uint32_t n_slot
     return quantile(p, sorted, (double)p->j->desc->within);
 }
 
-static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, lc_calibration *c)
+/* The search for z: what is tried next, what was tried last, and the best that several values of each pilot
+ * have shown. */
+typedef struct {
+    double z, last_z, last_miss, least;
+    lc_calibration found; /* its z 0: nothing yet */
+    bool done;
+} search;
+
+static search search_from(double z) { return (search){ .z = z, .last_z = z, .least = INFINITY }; }
+
+/* Whether a smaller z would save the film less than one more step takes. */
+static bool is_near(const pilots *p, double miss)
 {
-    double z = (double)cut->z, miss = 0, last_z = z, last_miss = 0, found = 0, least = INFINITY;
-    for (int step = 0; step < MOST_STEPS && !atomic_load(&p->j->cancelled); step++) {
-        const uint32_t n_slots = step < ROUGH_STEPS && !p->tried ? 1 : N_SLOTS;
-        miss = try_z(p, cut, z, n_slots, sorted);
-        if (n_slots == N_SLOTS && (miss <= 1 || miss < least || !(found > 0))) {
-            least = miss;
-            found = z;
-            state_share(p, c);
-            c->median = (float)((double)cut->error_ratio * sorted[p->n_finite * n_slots / 2]);
-            if (miss <= 1 ? miss >= GOOD_ENOUGH || z <= LEAST_Z : z >= MOST_Z) break;
-        }
-        const double next = next_z(z, miss, last_z, last_miss);
-        last_z = z;
-        last_miss = miss;
-        z = next;
-    }
-    c->z = (float)found;
+    const lc_film_desc *film = &p->j->scene->film;
+    const double pixels = (double)film->width * film->height;
+    return miss >= GOOD_ENOUGH || (AIM - miss) * pixels < (double)p->n * N_SLOTS;
 }
 
-/* What one way to make cuts costs: the z that keeps the error, and work at it, of a pixel. */
+/* By one value of each pilot, or by all slots. */
+static void take_step(pilots *p, const lc_cut_desc *cut, uint32_t n_slots, double *sorted, search *s)
+{
+    const double z = s->z, miss = try_z(p, cut, z, n_slots, sorted);
+    if (n_slots == N_SLOTS && (miss <= 1 || miss < s->least || !(s->found.z > 0))) {
+        s->least = miss;
+        s->found.z = (float)z;
+        state_share(p, &s->found);
+        s->found.median = (float)((double)cut->error_ratio * sorted[p->n_finite * n_slots / 2]);
+        s->done = miss <= 1 ? is_near(p, miss) || z <= LEAST_Z : z >= MOST_Z;
+    }
+    s->z = next_z(z, miss, s->last_z, s->last_miss);
+    s->last_z = z;
+    s->last_miss = miss;
+}
+
+/* Goes on with a search, or begins one. */
+static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, search *s, lc_calibration *c)
+{
+    for (int step = 0; step < MOST_STEPS && !s->done && !atomic_load(&p->j->cancelled); step++)
+        take_step(p, cut, step < ROUGH_STEPS && !p->tried ? 1 : N_SLOTS, sorted, s);
+    c->z = s->found.z;
+    c->achieved = s->found.achieved;
+    c->margin = s->found.margin;
+    c->median = s->found.median;
+}
+
+/* What one way to make cuts costs: its search, and work of a pixel at the z that keeps the error. */
 typedef struct {
-    double z, work;
+    search s;
+    double work;
     bool shared, evidence;
 } way_cost;
 
@@ -214,21 +239,16 @@ typedef struct {
 static way_cost try_way(pilots *p, const lc_cut_desc *cut, double z, int n_steps, bool fine, double *sorted)
 {
     const lc_render_job *j = p->j;
-    way_cost c = { .z = z };
-    double last_z = z, last_miss = 0, work_z = z;
-    for (int step = 0; step < n_steps + fine && !atomic_load(&j->cancelled); step++) {
-        const double before = lc_job_work(j),
-                     miss = try_z(p, cut, c.z, step < n_steps ? 1 : N_SLOTS, sorted),
-                     next = next_z(c.z, miss, last_z, last_miss);
-        if (step < n_steps) { /* of several values, only the first has its row of evidence */
-            c.work = lc_job_work(j) - before;
-            work_z = c.z;
-        }
-        last_z = c.z;
-        last_miss = miss;
-        c.z = next;
+    way_cost c = { .s = search_from(z) };
+    double work_z = z;
+    for (int step = 0; step < n_steps && !atomic_load(&j->cancelled); step++) {
+        const double before = lc_job_work(j);
+        work_z = c.s.z;
+        take_step(p, cut, 1, sorted, &c.s);
+        c.work = lc_job_work(j) - before; /* of several values, only the first has its row of evidence */
     }
-    c.work *= c.z / work_z; /* about as the inverse of the error */
+    if (fine && !atomic_load(&j->cancelled)) take_step(p, cut, N_SLOTS, sorted, &c.s);
+    c.work *= c.s.z / work_z / p->n; /* about as the inverse of the error */
     return c;
 }
 
@@ -271,16 +291,17 @@ static double error_for_time(pilots *p, double error, double z)
 }
 
 /* Finds z for the asked error, or for the one that uses the time. */
-static void find_error(pilots *p, lc_cut_desc cut, double *sorted, lc_calibration *c)
+static void find_error(pilots *p, lc_cut_desc cut, double *sorted, search *s, lc_calibration *c)
 {
     for (int i = 0; i < Z_FOR_TIME && p->j->desc->seconds > 0; i++) {
         const double error = error_for_time(p, (double)c->error, (double)cut.z);
         if (i && fabs(log(error / (double)c->error)) < NEAR_TIME) return;
         c->error = cut.error_ratio = (float)error;
-        find_z(p, &cut, sorted, c);
+        *s = search_from((double)cut.z);
+        find_z(p, &cut, sorted, s, c);
         cut.z = c->z;
     }
-    if (!(p->j->desc->seconds > 0)) find_z(p, &cut, sorted, c);
+    if (!(p->j->desc->seconds > 0)) find_z(p, &cut, sorted, s, c);
 }
 
 static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
@@ -329,33 +350,33 @@ static lc_status keep_better(pilots *p, const lc_cut_desc *cut, double z, bool s
     const uint32_t n = p->n;
     if (!fine) p->n = n < ROUGH_PILOTS ? n : ROUGH_PILOTS;
     way_cost c = try_way(p, cut, z, n_steps, fine, sorted);
-    c.work /= p->n;
     p->n = n;
     if (shared && !evidence) j->pixel_work = c.work;
     c.work *= costs[shared][evidence];
     c.shared = shared;
     c.evidence = evidence;
-    if (!(best->z > 0) || c.work < best->work) *best = c;
+    if (!(best->s.z > 0) || c.work < best->work) *best = c;
     return st;
 }
 
-/* Whether the samples of a pixel share cuts, and whether blocks take evidence. */
-static lc_status choose_way(pilots *p, lc_cut_desc *cut, double *sorted)
+/* Whether the samples of a pixel share cuts, and whether blocks take evidence; *s: the search so far. */
+static lc_status choose_way(pilots *p, lc_cut_desc *cut, double *sorted, search *s)
 {
     lc_render_job *j = p->j;
     const bool evidence = j->evidence, may_share = j->max_points;
-    way_cost best = { .z = 0 };
+    way_cost best = { .work = 0 };
     p->guided = evidence;
     lc_status st = keep_better(p, cut, (double)cut->z, false, false, sorted, &best);
-    if (!st && may_share) st = keep_better(p, cut, best.z * sqrt((double)j->spp), true, false, sorted, &best);
+    if (!st && may_share)
+        st = keep_better(p, cut, best.s.z * sqrt((double)j->spp), true, false, sorted, &best);
     if (!st && evidence) {
         const double from = may_share && !best.shared ? sqrt((double)j->spp) : 1;
-        st = keep_better(p, cut, from * Z_OF_EVIDENCE * best.z, may_share, true, sorted, &best);
+        st = keep_better(p, cut, from * Z_OF_EVIDENCE * best.s.z, may_share, true, sorted, &best);
     }
     p->guided = false;
     j->shared = best.shared;
     j->evidence = best.evidence;
-    cut->z = (float)best.z;
+    *s = best.s;
     return st ? st : make_workers(p, cut);
 }
 
@@ -363,14 +384,18 @@ static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
 {
     lc_render_job *j = p->j;
     lc_cut_desc cut = lc_job_cut_desc(j);
+    search s = search_from((double)cut.z);
     cut.error_ratio = c->error;
     if (!p->pixel || !p->truth || !p->value || !sorted) return LC_ERR_MEMORY;
     place_pilots(p);
     lc_status st = shade_truth(p, &cut);
     cut.max_points = j->max_points;
     p->tried = j->evidence || j->max_points;
-    if (!st && p->n_finite) st = p->tried ? choose_way(p, &cut, sorted) : make_workers(p, &cut);
-    if (!st && p->n_finite) find_error(p, cut, sorted, c);
+    if (!st && p->n_finite) st = p->tried ? choose_way(p, &cut, sorted, &s) : make_workers(p, &cut);
+    if (!st && p->n_finite) {
+        cut.z = (float)s.z;
+        find_error(p, cut, sorted, &s, c);
+    }
     c->shared = j->shared;
     c->evidence = j->evidence;
     c->rays = p->rays + count_rays(j);
