@@ -68,6 +68,7 @@ check 'their mean is near the picture' "$L" compare a.exr exact.exr --fail rel_p
 check 'which one is not' test "$("$L" compare one.exr exact.exr | awk '$1 == "rel_p50" { print ($2 > 0.03) }')" -eq 1
 "$L" room.pbrt --resolution 16x12 --preview -o c.exr 2>err
 check '64 of them, if nothing is said' says 'pass 64 of 64'
+check 'info says so' test -n "$("$L" info c.exr | grep '^passes *64: half of the pixels +- ')"
 "$L" room.pbrt --resolution 16x12 --preview --spp 3 --group 'key=point' -o g.exr 2>err
 check 'with groups of lights' says 'pass 3 of 3'
 check 'which are in the file' grep -qa 'key.R' g.exr

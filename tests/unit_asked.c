@@ -7,6 +7,7 @@
 #include "lightcuts.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdbool.h>
 #include <stdlib.h>
 
@@ -216,6 +217,12 @@ TEST(bad_values_are_refused)
     render((way){ .error = 0.02f, .within = 95, .seconds = 1, .calibration = &some }, &p);
     CHECK(p.status == LC_ERR_ARG);
     render((way){ .seconds = 1 }, &p);
+    CHECK(p.status == LC_ERR_ARG);
+    /* of a header before it said whether it was found with evidence */
+    const lc_calibration old = {
+        .size = offsetof(lc_calibration, evidence), .error = 0.02f, .within = 95, .z = 0.3f
+    };
+    render((way){ .error = 0.02f, .within = 95, .calibration = &old }, &p);
     CHECK(p.status == LC_ERR_ARG);
 }
 

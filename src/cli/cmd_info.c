@@ -188,6 +188,19 @@ static void print_statement(const lc_image *image)
            !all && share + margin < within ? "; more was asked, which --max-cut does not allow" : "");
 }
 
+/* What a picture by passes says of itself. */
+static void print_passes(const lc_image *image)
+{
+    const double n = lc_image_get_number(image, "lightcuts/passes", 0);
+    if (!(n > 0)) return;
+    printf("passes               %.0f", n);
+    if (n > 1)
+        printf(": half of the pixels +- %.2g %%, 95 %% within %.2g %%",
+               100 * lc_image_get_number(image, "lightcuts/passesMedian", 0),
+               100 * lc_image_get_number(image, "lightcuts/passesHigh", 0));
+    printf("\n");
+}
+
 static void print_image(lc_image *image, bool json)
 {
     lc_image_desc d = LC_IMAGE_DESC_INIT;
@@ -197,6 +210,7 @@ static void print_image(lc_image *image, bool json)
     if (!json && finished < 1)
         printf("finished             %.1f %% of the pixels; the others are 0\n", 100 * finished);
     if (!json) print_statement(image);
+    if (!json) print_passes(image);
     if (json)
         printf(
             "{\n  \"width\": %u,\n  \"height\": %u,\n  \"x0\": %d,\n  \"y0\": %d,\n  \"display_width\": %u,\n"
