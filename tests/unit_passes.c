@@ -56,8 +56,11 @@ static double difference(const lc_image *a, const lc_image *b)
         double mean = 0;
         for (int i = 0; i < SIDE * SIDE; i++) mean += (double)y[i] / (SIDE * SIDE);
         CHECK(mean > 0);
-        for (int i = 0; i < SIDE * SIDE; i++)
-            worst = fmax(worst, fabs((double)x[i] - (double)y[i]) / fmax((double)y[i], mean));
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            const double base = (double)y[i] > mean ? (double)y[i] : mean,
+                         off = fabs((double)x[i] - (double)y[i]) / base;
+            if (!(off <= worst)) worst = off;
+        }
     }
     return a && b ? worst : INFINITY;
 }
