@@ -179,7 +179,7 @@ static lc_scene *card_by_calls(double from, double to, bool camera)
     lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
     lc_build_mesh_desc q = LC_BUILD_MESH_DESC_INIT;
     lc_build_light_desc l = LC_BUILD_LIGHT_DESC_INIT;
-    uint32_t object;
+    uint32_t object = 0;
     lc_scene *s;
     f.width = WIDTH;
     f.height = HEIGHT;
@@ -468,7 +468,7 @@ TEST(hostile_motion_is_refused)
 {
     const lc_xform a = lc_xform_identity(), flat = lc_xform_scale((const double[3]){ 1, 0, 1 });
     lc_xform bad = a;
-    uint32_t object;
+    uint32_t object = 0;
     lc_scene *s;
     bad.m[3] = NAN;
     CHECK(lc_build_moving_instance(NULL, 0, a.m, a.m) == LC_ERR_ARG);
