@@ -21,7 +21,7 @@ static lc_image *wall(const char *filter, uint32_t spp, float **alpha)
              "fov\" 90\nWorldBegin\nMaterial \"diffuse\"\nLightSource \"point\"\nShape \"trianglemesh\" "
              "\"point3 P\" [%.9g -9 1 %.9g -9 1 %.9g 9 1 %.9g 9 1] \"integer indices\" [0 1 2 0 2 3]\n",
              SIDE, SIDE, spp, filter, -edge, edge, edge, -edge);
-    lc_scene *s = scene_from_text(ctx, NULL, text);
+    lc_scene *s = scene_from_text(ctx, NULL, "%s", text);
     d.aovs = LC_AOV_ALPHA;
     d.spp = spp;
     CHECKF(s && !lc_render(ctx, s, &d, &image, NULL), "%s", last_error);

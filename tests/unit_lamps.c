@@ -200,7 +200,7 @@ static lc_status load_ceiling(uint32_t side)
             to += sprintf(to, "%u %u %u %u %u %u ", a, a + 1, b, a + 1, b + 1, b);
         }
     sprintf(to, "]");
-    const lc_status st = load_text(&direct, text);
+    const lc_status st = load_text(&direct, "%s", text);
     free(text);
     return st;
 }
