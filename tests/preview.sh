@@ -4,36 +4,9 @@
 #     sh tests/preview.sh build/lightcuts
 set -u
 . "$(dirname "$0")/support/harness.sh"
+. "$(dirname "$0")/support/background.sh"
 [ $# -eq 1 ] || { echo "usage: sh tests/preview.sh BINARY" >&2; exit 2; }
 begin "$1"
-pid=
-at_end() { [ -z "$pid" ] || kill -9 "$pid" 2>/dev/null; }
-
-# Waits until a line of the file "log" was written so often, or until there is a file; at most a minute.
-waited() # command...
-{
-    tries=0
-    until "$@"; do
-        tries=$((tries + 1))
-        [ $tries -lt 600 ] || return 1
-        sleep .1
-    done
-}
-lines() { [ "$(grep -c -e "$2" log)" -ge "$1" ]; } # times regex
-start() # args...: in the background, with messages in "log"
-{
-    : >log
-    "$L" "$@" >out 2>log </dev/null &
-    pid=$!
-}
-stop() # signal: sets rc
-{
-    kill -"$1" $pid 2>/dev/null
-    wait $pid
-    rc=$?
-    pid=
-    cp log err
-}
 says() { grep -q -e "$1" err; } # regex
 number() # file name: of an EXR's attribute, a double
 {

@@ -5,11 +5,10 @@
 #     sh tests/watch.sh build/lightcuts
 set -u
 . "$(dirname "$0")/support/harness.sh"
+. "$(dirname "$0")/support/background.sh"
 [ $# -eq 1 ] || { echo "usage: sh tests/watch.sh BINARY" >&2; exit 2; }
 begin "$1"
 viewer=$(dirname "$L")/tests/unit_display
-pid=
-at_end() { [ -z "$pid" ] || kill -9 "$pid" 2>/dev/null; }
 
 wall() # grey
 {
@@ -30,61 +29,37 @@ END
 scene s.pbrt 32 1
 wall .5 >wall.pbrt
 
-# Waits until a line of the file "log" was written so often; at most a minute.
-seen() # times regex
-{
-    tries=0
-    until [ "$(grep -c -e "$2" log)" -ge "$1" ]; do
-        tries=$((tries + 1))
-        [ $tries -lt 600 ] || return 1
-        sleep .1
-    done
-}
-start() # args...: in the background, with messages in "log"
-{
-    : >log
-    "$L" "$@" >out 2>log </dev/null &
-    pid=$!
-}
-stop() # signal: sets rc
-{
-    kill -"$1" $pid 2>/dev/null
-    wait $pid
-    rc=$?
-    pid=
-    cp log err
-}
 same() { "$L" -q s.pbrt -o plain.exr && cmp -s w.exr plain.exr; } # as a render of what the scene is now
 
 # ---- what is rendered again ----
 
 start s.pbrt -o w.exr --watch
-check 'watching' seen 1 'watching 2 files; Ctrl-C ends'
+check 'watching' waited lines 1 'watching 2 files; Ctrl-C ends'
 check 'the first picture' same
 wall .25 >wall.pbrt
-check 'an included file: seen' seen 1 "'wall.pbrt' has changed"
-check 'an included file: rendered' seen 2 'watching'
+check 'an included file: seen' waited lines 1 "'wall.pbrt' has changed"
+check 'an included file: rendered' waited lines 2 'watching'
 check 'an included file: its picture' same
 scene new.pbrt 40 1 && mv new.pbrt s.pbrt
-check 'a file put in place by renaming' seen 3 'watching'
+check 'a file put in place by renaming' waited lines 3 'watching'
 check 'its picture' same
 sed 's/9 8 7/7 8 9/' s.pbrt >new.pbrt && cat new.pbrt >s.pbrt
-check 'a change of the same length' seen 4 'watching'
+check 'a change of the same length' waited lines 4 'watching'
 check 'its picture, too' same
 cp w.exr before.exr
 printf 'Shape "trianglemesh" "point3 P" [0 0' >>wall.pbrt
-check 'half a scene: says where' seen 1 'wall.pbrt:3:.*error'
-check 'half a scene: goes on' seen 5 'watching'
+check 'half a scene: says where' waited lines 1 'wall.pbrt:3:.*error'
+check 'half a scene: goes on' waited lines 5 'watching'
 check 'half a scene: the picture stays' cmp -s w.exr before.exr
 rm wall.pbrt
-check 'a file that goes' seen 2 'wall.pbrt.*has changed'
-check 'without it: says so' seen 1 'wall.pbrt.*No such file\|cannot open.*wall.pbrt\|wall.pbrt.*no such file'
-check 'without it: goes on' seen 6 'watching'
+check 'a file that goes' waited lines 2 'wall.pbrt.*has changed'
+check 'without it: says so' waited lines 1 'wall.pbrt.*No such file\|cannot open.*wall.pbrt\|wall.pbrt.*no such file'
+check 'without it: goes on' waited lines 6 'watching'
 wall .75 >wall.pbrt
-check 'a file that comes' seen 7 'watching'
+check 'a file that comes' waited lines 7 'watching'
 check 'its picture as well' same
 echo 'Shape "plymesh" "string filename" "late.ply"' >>wall.pbrt
-check 'a mesh that is not there yet' seen 8 'watching'
+check 'a mesh that is not there yet' waited lines 8 'watching'
 cat >late.tmp <<'END'
 ply
 format ascii 1.0
@@ -101,7 +76,7 @@ end_header
 3 0 1 2
 END
 mv late.tmp late.ply
-check 'comes' seen 9 'watching'
+check 'comes' waited lines 9 'watching'
 check 'and is in the picture' same
 touch -d '2001-02-03' unrelated.txt
 sleep 1
@@ -118,13 +93,13 @@ start s.pbrt --spp 4096 -o w.exr --watch -t 1
 sleep 2
 check 'a long render: begun' test "$(grep -c wrote log)" -eq 0
 scene s.pbrt 32 1
-check 'is ended by a change' seen 1 "'s.pbrt' has changed"
-check 'and followed by the new scene' seen 1 'wrote w.exr'
+check 'is ended by a change' waited lines 1 "'s.pbrt' has changed"
+check 'and followed by the new scene' waited lines 1 'wrote w.exr'
 check 'nothing was said of interruption' test "$(grep -c interrupted log)" -eq 0
 "$L" -q s.pbrt --spp 4096 -o plain.exr
 check 'the new picture' cmp -s w.exr plain.exr
 scene s.pbrt 64000 65536
-check 'a long render again' seen 2 'has changed'
+check 'a long render again' waited lines 2 'has changed'
 sleep 2
 check 'which has begun' test "$(grep -c wrote log)" -eq 1
 stop INT
@@ -168,17 +143,17 @@ run s.pbrt -o wall.pbrt.exr --pixelbounds 90,99,0,9 --watch
 check 'an empty crop: ends' test $rc -eq 2
 printf 'WorldBegin Shape "' >bad.pbrt
 start bad.pbrt -o w.exr --watch
-check 'a first scene with an error is waited for' seen 1 'watching'
+check 'a first scene with an error is waited for' waited lines 1 'watching'
 cat s.pbrt >bad.pbrt
-check 'until it is mended' seen 1 'wrote'
+check 'until it is mended' waited lines 1 'wrote'
 stop INT
 check 'the status of Ctrl-C after an error' test $rc -eq 130
 mkdir in
 cp s.pbrt wall.pbrt in/
 start in/s.pbrt -o w.exr --watch --sandbox in
-check 'in a sandbox' seen 1 'watching'
+check 'in a sandbox' waited lines 1 'watching'
 (cd in && wall .1 >wall.pbrt)
-check 'in a sandbox: again' seen 2 'wrote'
+check 'in a sandbox: again' waited lines 2 'wrote'
 stop INT
 
 # ---- a viewer ----

@@ -33,9 +33,9 @@
 #define TRUE_Z 2.0        /* of the finer cuts, for one sample */
 #define ERRORS_TIMED 6    /* where there is a time to keep: for a z */
 #define Z_FOR_TIME 3      /* z that are found then */
-#define ROUGH_PILOTS 128
-#define TRIED_STEPS 3     /* by one value of each pilot, of each way to make cuts */
-#define Z_OF_EVIDENCE 0.7  /* of the z without, as a guess */
+#define ROUGH_PILOTS 128  /* that try a way which is seldom the best */
+#define TRIED_STEPS 3     /* by one value of each of these */
+#define Z_OF_EVIDENCE 0.7 /* of the z without, as a guess */
 /* What work takes more time than with cuts of samples' own, without evidence: rays of shared cuts have many
  * origins, and rows of evidence are read again and again. Measured: tests/results/pixels.md. */
 #define SHARED_COSTS 1.25
