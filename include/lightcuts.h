@@ -1065,8 +1065,9 @@ typedef struct lc_calibration {
     float median;         /* relative error of half of the pilots is below this, as a fraction */
     uint64_t rays;        /* shadow rays to find z */
     uint32_t evidence;    /* 1: bounds are weighted by what the pixels of a block find; 0: they are not */
+    uint32_t interpolated; /* 1: pixels between others that are lit alike are interpolated; 0: none is */
 } lc_calibration;
-#define LC_CALIBRATION_INIT { sizeof(lc_calibration), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+#define LC_CALIBRATION_INIT { sizeof(lc_calibration), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 typedef struct lc_render_desc {
     size_t size;
@@ -1122,13 +1123,17 @@ typedef struct lc_render_desc {
                           * shaded; its files are written fast rather than small. LC_ERR_ARG for other
                           * numbers, with `error` above 0, tile_load, LC_AOV_INTERVAL, groups of lights and
                           * sensors */
+    int every_pixel;     /* nonzero: every pixel is shaded. 0: where `error` is asked, pixels between others
+                          * of one surface whose light agrees may be interpolated, if the pilots find them as
+                          * near to their true value as is asked; their channels of cuts are 0. Not of films
+                          * below 65536 pixels, with `seconds`, media, sensors, filters wider than pixels */
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
 #define LC_ASKED_DARK_FLOOR 0.02f /* advised where `error` is asked: contact shadows are not left out */
 #define LC_RENDER_DESC_INIT                                                                                  \
     {                                                                                                        \
         sizeof(lc_render_desc), LC_METHOD_LIGHTCUTS, 0.02f, 1000, LC_DARK_FLOOR, 0, 0, 0, { 0, 0, 0, 0 }, 0, \
-            0, 0, 0, 0, 0, 0, 95, 0, 0, 0, 0, 0, 0                                                           \
+            0, 0, 0, 0, 0, 0, 95, 0, 0, 0, 0, 0, 0, 0                                                        \
     }
 
 typedef struct lc_render_stats {
@@ -1152,13 +1157,14 @@ typedef struct lc_render_stats {
     double phase_camera, phase_bounds, phase_estimates, phase_refine, phase_shadow_rays, phase_other;
     uint64_t pixels_loaded;  /* pixels of tiles from tile_load: included in the counts, but not in seconds,
                               * cut_median and cut_p99 */
+    uint64_t pixels_interpolated; /* of those that this call rendered */
     lc_calibration calibration; /* shadow_rays do not include its rays, seconds include its time. Stays the
                                  * last field, so that it can grow */
 } lc_render_stats;
 #define LC_RENDER_STATS_INIT                                                                                 \
     {                                                                                                        \
-        sizeof(lc_render_stats), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, { 0,   \
-        0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }                                                                       \
+        sizeof(lc_render_stats), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,     \
+        { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }                                                               \
     }
 
 /* Renders the picture. The same scene and descriptor give the same bits for any number of threads,

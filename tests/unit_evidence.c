@@ -88,6 +88,7 @@ static lc_render_desc desc_of(way w)
     d.spp = w.spp ? w.spp : 1;
     d.error = w.method == LC_METHOD_EXACT ? 0 : 0.02f;
     d.within = 95;
+    d.every_pixel = 1;
     d.dark_floor = LC_ASKED_DARK_FLOOR;
     d.calibration = w.calibration;
     memcpy(d.crop, w.crop, sizeof d.crop);

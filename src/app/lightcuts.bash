@@ -102,7 +102,7 @@ _lightcuts()
             --indirect-from --seed --spp --group --resolution --exposure --tone --pixelbounds --cropwindow
             --frames --track --frame --seed-per-frame --chunk --print-chunks --checkpoint
             --resume --time-limit --sandbox --max-memory --checkpoint-interval --keep-checkpoint --write-partial --watch
-            --preview --preview-interval
+            --every-pixel --preview --preview-interval
             --display-server --aov
             --nthreads --bvh --isa --stats --stats-file --write-time --quiet --verbose
             --help' ;;

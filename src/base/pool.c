@@ -6,6 +6,7 @@
 #include "base/cpu.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 
 typedef struct {
@@ -19,6 +20,8 @@ typedef struct {
     loop *loop;
     uint32_t thread;
 } worker;
+
+void lc_pool_yield(void) { (void)sched_yield(); }
 
 static void *work(void *arg)
 {

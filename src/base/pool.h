@@ -10,6 +10,8 @@
 void lc_parallel(const lc_context *ctx, uint64_t n_items,
                  void (*fn)(void *user, uint32_t thread, uint64_t item), void *user);
 
+void lc_pool_yield(void); /* lets another thread run */
+
 typedef struct lc_mutex lc_mutex;
 lc_mutex *lc_mutex_create(const lc_context *ctx); /* NULL on failure, which is logged */
 void lc_mutex_destroy(const lc_context *ctx, lc_mutex *mutex);

@@ -29,6 +29,7 @@ typedef struct lc_stats {
     uint64_t cut_sum; /* sum of the cuts' sizes */
     uint64_t glossy;  /* points with a lobe beside the diffuse one */
     uint64_t proved;  /* clusters proved to be occluded */
+    uint64_t interpolated; /* pixels */
     uint64_t proof_tests; /* triangles tested in proofs */
     uint64_t ticks[LC_PHASES];            /* of the samples that were timed and not interrupted */
     uint64_t sample[LC_PHASES], last_tick; /* of the sample that is being timed */

@@ -51,7 +51,7 @@ enum {
     OPT_SANDBOX,
     OPT_MEMORY,
     OPT_RESOLUTION,
-    OPT_PARTIAL,
+    OPT_PARTIAL, OPT_EVERY_PIXEL,
     OPT_PREVIEW,
     OPT_PREVIEW_INTERVAL,
     OPT_WATCH,
@@ -67,6 +67,7 @@ static const struct option long_options[] = {
     { "method", 1, 0, OPT_METHOD },
     { "resolution", 1, 0, OPT_RESOLUTION },
     { "write-partial", 0, 0, OPT_PARTIAL },
+    { "every-pixel", 0, 0, OPT_EVERY_PIXEL },
     { "preview", 0, 0, OPT_PREVIEW },
     { "preview-interval", 1, 0, OPT_PREVIEW_INTERVAL },
     { "watch", 0, 0, OPT_WATCH },
@@ -146,6 +147,7 @@ static int set_option(void *user, int c)
     case OPT_INTERVAL: return cli_parse_time(optarg, &o->farm.interval);
     case OPT_RESUME: o->farm.resume = true; return 0;
     case OPT_PARTIAL: o->render.partial = 1; return 0;
+    case OPT_EVERY_PIXEL: o->render.every_pixel = 1; return 0;
     case OPT_PREVIEW: o->preview = true; return 0;
     case OPT_PREVIEW_INTERVAL: return cli_parse_time(optarg, &o->preview_interval);
     case OPT_WATCH: o->watch = true; return 0;

@@ -93,7 +93,8 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
             "other %.3f: %.3f of processor time\n",
             s->phase_camera, s->phase_bounds, s->phase_estimates, s->phase_refine, s->phase_shadow_rays,
             s->phase_other, s->cpu_seconds);
-    fprintf(f, "shading points   %llu on %llu pixels\n", (ull)s->points, (ull)s->pixels);
+    fprintf(f, "shading points   %llu on %llu pixels, of which %llu are interpolated\n", (ull)s->points,
+            (ull)s->pixels, (ull)s->pixels_interpolated);
     fprintf(f,
             "cut              mean %.1f, median %u, 99 %% %u, max %u; %llu points at the limit, %llu at the "
             "dark floor\n",
@@ -124,8 +125,9 @@ void cli_write_stats_json(FILE *f, void *report)
             cli_method_name(r->method), s->exact ? "true" : "false", r->isa, r->threads, (ull)r->seed);
     fprintf(f,
             "  \"width\": %u,\n  \"height\": %u,\n  \"pixels\": %llu,\n  \"pixels_resumed\": %llu,\n"
-            "  \"points\": %llu,\n",
-            i->width, i->height, (ull)s->pixels, (ull)s->pixels_loaded, (ull)s->points);
+            "  \"pixels_interpolated\": %llu,\n  \"points\": %llu,\n",
+            i->width, i->height, (ull)s->pixels, (ull)s->pixels_loaded, (ull)s->pixels_interpolated,
+            (ull)s->points);
     fprintf(f,
             "  \"triangles\": %llu,\n  \"instances\": %llu,\n  \"instanced_triangles\": %llu,\n  \"lights\": "
             "%llu,\n",

@@ -8,12 +8,13 @@
  *     values   the pixel by cuts of a z, which begin with the roots, by several slots of representatives
  *     z        where the asked share of the values, and a margin, is within the error
  *     way      a cut for each sample, or shared by a pixel's; with evidence of the block, or without
+ *     between  whether pixels are interpolated: how many can be, and how near they are
  *
  * A value's miss is its error over what is asked. The misses' quantile of that share falls with z about as
  * 1/z, so z is found by a few steps of the secant method on their logarithms. The pilots are the same
  * whatever is rendered of the film.
  */
-#include "render/render_job.h"
+#include "render/interpolate.h"
 
 #include "base/pool.h"
 #include "tree/light_tree.h"
@@ -22,7 +23,8 @@
 #include <stdlib.h>
 
 #define N_PILOTS LC_SIZE(512, 64)
-#define N_SLOTS 4         /* values of a pilot, once z is known roughly */
+#define N_SLOTS 4         /* values of a pilot, once z is known roughly; */
+#define N_BETWEEN 2       /* with the knots that interpolated ones need */
 #define ROUGH_STEPS 2     /* by one value of each pilot */
 #define MOST_STEPS 6
 #define AIM 0.98          /* of the error: where the quantile is to be, and the least that is good enough */
@@ -41,6 +43,10 @@
 #define SHARED_COSTS 1.25
 #define EVIDENCE_COSTS 1.22
 #define SHARED_EVIDENCE_COSTS 1.19
+#define MOST_SAVED 0.8    /* of the work of interpolated pixels: the rest is that of knots */
+#define BETWEEN_STEPS 4   /* of a search with them; */
+#define KNOTS_COST 5      /* times the work of pilots without */
+#define MOST_MISSED 1.5   /* times the share that may miss the error: of interpolated ones, as z is a guess */
 #define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
 #define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
 #define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
@@ -59,6 +65,10 @@ typedef struct {
     bool tried;     /* the ways: z is known roughly */
     bool guided;    /* cuts begin as those of a picture, though they take no evidence */
     bool by_itself; /* no guides: the truth */
+    uint32_t most_slots;
+    bool *between;  /* the pilot is looked at as one that may be interpolated */
+    bool looks;     /* for the first time */
+    bool only_these;
 } pilots;
 
 static void place_pilots(pilots *p)
@@ -80,11 +90,17 @@ static void shade_pilot(void *user, uint32_t thread, uint64_t item)
     lc_render_job *j = p->j;
     lc_render_worker *w = &j->workers[thread];
     const uint32_t width = j->scene->film.width, at = p->pixel[item];
+    if (p->only_these && !p->between[item]) return;
     for (uint32_t k = 0; k < p->n_slots; k++) {
         lc_pixel px = { .hits = 0 };
         w->slot_shift = k * (j->spp < 16 ? j->spp : 1);
-        if (lc_add_samples(j, w, at % width, at / width, &px))
-            p->to[item * p->n_slots + k] = (double)lc_luminance(px.rgb) / j->spp;
+        bool between;
+        lc_block_light_forget(w);
+        if (!(p->between[item] ? lc_add_pixel(j, w, at % width, at / width, &px, &between)
+                               : lc_add_samples(j, w, at % width, at / width, &px)))
+            return;
+        p->to[item * p->n_slots + k] = (double)lc_luminance(px.rgb) / j->spp;
+        if (p->looks) p->between[item] = between;
     }
 }
 
@@ -165,11 +181,11 @@ static double quantile(const pilots *p, double *sorted, double within)
 }
 
 /* Where the quantile will be AIM, by the line through the last two steps, in logarithms. */
-static double next_z(double z, double miss, double last_z, double last_miss)
+static double next_z(double z, double miss, double last_z, double last_miss, double flattest)
 {
     double slope = -1;
     if (last_miss > 0 && miss > 0 && isfinite(last_miss) && fabs(log(z / last_z)) > 0.05)
-        slope = fmin(fmax(log(miss / last_miss) / log(z / last_z), -2), -0.5);
+        slope = fmin(fmax(log(miss / last_miss) / log(z / last_z), -2), flattest);
     const double change = isfinite(miss) ? pow(AIM / fmax(miss, 1e-3), -1 / slope) : 1 / MOST_Z;
     return fmin(fmax(z / fmin(fmax(change, 1 / 8.0), 8), LEAST_Z), MOST_Z);
 }
@@ -197,21 +213,22 @@ static bool is_near(const pilots *p, double miss)
 {
     const lc_film_desc *film = &p->j->scene->film;
     const double pixels = (double)film->width * film->height;
-    return miss >= GOOD_ENOUGH || (AIM - miss) * pixels < (double)p->n * N_SLOTS;
+    const double step = (double)p->n * p->most_slots * (p->j->interpolated ? KNOTS_COST : 1);
+    return miss >= GOOD_ENOUGH || (AIM - miss) * pixels < step;
 }
 
 /* By one value of each pilot, or by all slots. */
 static void take_step(pilots *p, const lc_cut_desc *cut, uint32_t n_slots, double *sorted, search *s)
 {
     const double z = s->z, miss = try_z(p, cut, z, n_slots, sorted);
-    if (n_slots == N_SLOTS && (miss <= 1 || miss < s->least || !(s->found.z > 0))) {
+    if (n_slots == p->most_slots && (miss <= 1 || miss < s->least || !(s->found.z > 0))) {
         s->least = miss;
         s->found.z = (float)z;
         state_share(p, &s->found);
         s->found.median = (float)((double)cut->error_ratio * sorted[p->n_finite * n_slots / 2]);
         s->done = miss <= 1 ? is_near(p, miss) || z <= LEAST_Z : z >= MOST_Z;
     }
-    s->z = next_z(z, miss, s->last_z, s->last_miss);
+    s->z = next_z(z, miss, s->last_z, s->last_miss, p->j->interpolated ? -1 : -0.5);
     s->last_z = z;
     s->last_miss = miss;
 }
@@ -219,8 +236,9 @@ static void take_step(pilots *p, const lc_cut_desc *cut, uint32_t n_slots, doubl
 /* Goes on with a search, or begins one. */
 static void find_z(pilots *p, const lc_cut_desc *cut, double *sorted, search *s, lc_calibration *c)
 {
-    for (int step = 0; step < MOST_STEPS && !s->done && !atomic_load(&p->j->cancelled); step++)
-        take_step(p, cut, step < ROUGH_STEPS && !p->tried ? 1 : N_SLOTS, sorted, s);
+    const int most = p->j->interpolated ? BETWEEN_STEPS : MOST_STEPS;
+    for (int step = 0; step < most && !s->done && !atomic_load(&p->j->cancelled); step++)
+        take_step(p, cut, step < ROUGH_STEPS && !p->tried ? 1 : p->most_slots, sorted, s);
     c->z = s->found.z;
     c->achieved = s->found.achieved;
     c->margin = s->found.margin;
@@ -247,7 +265,8 @@ static way_cost try_way(pilots *p, const lc_cut_desc *cut, double z, int n_steps
         take_step(p, cut, 1, sorted, &c.s);
         c.work = lc_job_work(j) - before; /* of several values, only the first has its row of evidence */
     }
-    if (fine && !atomic_load(&j->cancelled)) take_step(p, cut, N_SLOTS, sorted, &c.s);
+    if (fine && !lc_may_interpolate(j) && !atomic_load(&j->cancelled))
+        take_step(p, cut, p->most_slots, sorted, &c.s);
     c.work *= c.s.z / work_z / p->n; /* about as the inverse of the error */
     return c;
 }
@@ -380,24 +399,57 @@ static lc_status choose_way(pilots *p, lc_cut_desc *cut, double *sorted, search 
     return st ? st : make_workers(p, cut);
 }
 
+/* Pixels between others are interpolated where as many of these are within the error as is asked of all, more
+ * or less, as the z is a guess, and where that saves more than its search takes. That goes on with them. */
+static void try_interpolation(pilots *p, const lc_cut_desc *cut, double *sorted, search *s)
+{
+    lc_render_job *j = p->j;
+    const double pixels = (double)j->scene->film.width * j->scene->film.height;
+    search with = search_from(s->z);
+    uint32_t n = 0, within = 0;
+    const double before = lc_job_work(j);
+    j->interpolated = p->looks = true;
+    for (uint32_t i = 0; i < p->n; i++) p->between[i] = true;
+    take_step(p, cut, 1, sorted, &with);
+    p->looks = false;
+    const double looked = lc_job_work(j) - before;
+    for (uint32_t i = 0; i < p->n; i++) {
+        if (!p->between[i] || !isfinite(p->truth[i])) continue;
+        n++;
+        within += p->value[i] <= 1;
+    }
+    j->interpolated = false;
+    if (!n || 1 - (double)within / n > MOST_MISSED * (1 - (double)j->desc->within / 100)) return;
+    p->only_these = true;
+    shade_all(p, (double)cut->error_ratio, s->z, 1, p->value);
+    p->only_these = false;
+    const double shaded = lc_job_work(j) - before - looked;
+    j->interpolated = MOST_SAVED * shaded / p->n * pixels > BETWEEN_STEPS * N_BETWEEN * looked;
+    if (!j->interpolated) return;
+    p->most_slots = N_BETWEEN;
+    *s = with;
+}
+
 static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
 {
     lc_render_job *j = p->j;
     lc_cut_desc cut = lc_job_cut_desc(j);
     search s = search_from((double)cut.z);
     cut.error_ratio = c->error;
-    if (!p->pixel || !p->truth || !p->value || !sorted) return LC_ERR_MEMORY;
+    if (!p->pixel || !p->truth || !p->value || !p->between || !sorted) return LC_ERR_MEMORY;
     place_pilots(p);
     lc_status st = shade_truth(p, &cut);
     cut.max_points = j->max_points;
     p->tried = j->evidence || j->max_points;
     if (!st && p->n_finite) st = p->tried ? choose_way(p, &cut, sorted, &s) : make_workers(p, &cut);
     if (!st && p->n_finite) {
+        if (lc_may_interpolate(j)) try_interpolation(p, &cut, sorted, &s);
         cut.z = (float)s.z;
         find_error(p, cut, sorted, &s, c);
     }
     c->shared = j->shared;
     c->evidence = j->evidence;
+    c->interpolated = j->interpolated;
     c->rays = p->rays + count_rays(j);
     c->n_pilots = p->n_finite;
     lc_job_free_workers(j);
@@ -407,15 +459,17 @@ static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
 lc_status lc_calibrate(lc_render_job *j, lc_calibration *out)
 {
     const uint64_t pixels = (uint64_t)j->scene->film.width * j->scene->film.height;
-    pilots p = { .j = j, .n = pixels < N_PILOTS ? (uint32_t)pixels : N_PILOTS };
+    pilots p = { .j = j, .n = pixels < N_PILOTS ? (uint32_t)pixels : N_PILOTS, .most_slots = N_SLOTS };
     p.pixel = lc_alloc(j->ctx, p.n, sizeof *p.pixel);
     p.truth = lc_alloc(j->ctx, p.n, sizeof *p.truth);
     p.value = lc_alloc(j->ctx, p.n, N_SLOTS * sizeof *p.value);
+    p.between = lc_alloc(j->ctx, p.n, sizeof *p.between);
     double *sorted = lc_alloc(j->ctx, p.n, N_SLOTS * sizeof *sorted);
     lc_status st = calibrate(&p, sorted, out);
     lc_free(j->ctx, p.pixel, p.n, sizeof *p.pixel);
     lc_free(j->ctx, p.truth, p.n, sizeof *p.truth);
     lc_free(j->ctx, p.value, p.n, N_SLOTS * sizeof *p.value);
+    lc_free(j->ctx, p.between, p.n, sizeof *p.between);
     lc_free(j->ctx, sorted, p.n, N_SLOTS * sizeof *sorted);
     return st;
 }

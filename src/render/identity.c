@@ -7,7 +7,7 @@
 /* A field was added? Hash it below if it shapes the picture, then put the new size here. */
 _Static_assert(sizeof(void *) != 8 || sizeof(lc_load_desc) == 168,
                "lc_render_identity: hash the new field of lc_load_desc");
-_Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 152,
+_Static_assert(sizeof(void *) != 8 || sizeof(lc_render_desc) == 160,
                "lc_render_identity: hash the new field of lc_render_desc");
 
 static void add_load(lc_digest *d, const lc_load_desc *load, const lc_scene *scene)
@@ -60,6 +60,7 @@ static void add_render(lc_digest *d, const lc_render_desc *r, const lc_scene *sc
     lc_digest_u64(d, lc_render_depth(scene, r));
     if (r->n_passes) lc_digest_u64(d, (uint64_t)r->pass << 32 | r->n_passes);
     if (r->coarse > 1) lc_digest_u64(d, r->coarse);
+    if (r->every_pixel) lc_digest_mark(d);
 }
 
 lc_status lc_render_identity(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc,

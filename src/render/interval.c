@@ -79,3 +79,13 @@ bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
     lc_interval_round(out, j->spp);
     return true;
 }
+
+bool lc_add_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_f3 rgb,
+                     lc_pixel *px)
+{
+    lc_interval part;
+    if (!w->interval) return true;
+    if (!lc_sample_interval(j, w, x, y, i, rgb, &part)) return false;
+    lc_interval_add(&px->interval, &part, 1);
+    return true;
+}

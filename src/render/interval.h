@@ -14,5 +14,8 @@ void lc_interval_free_room(const lc_context *ctx, lc_render_worker *w);
  * *out is not set. */
 bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_f3 rgb,
                         lc_interval *out);
+/* Adds that of sample i to a pixel, if any is asked for. False: cancelled. */
+bool lc_add_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_f3 rgb,
+                     lc_pixel *px);
 
 #endif

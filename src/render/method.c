@@ -1,5 +1,5 @@
 /* method.c - cuts or every light, and the pre-pass for the dark floor. */
-#include "render/render_job.h"
+#include "render/interpolate.h"
 
 #include "base/desc.h"
 #include "base/pool.h"
@@ -152,6 +152,7 @@ static lc_status choose_z(lc_render_job *j, lc_calibration *c)
     j->error = c->error;
     j->shared = c->shared && j->max_points;
     j->evidence = c->evidence;
+    j->interpolated = c->interpolated && lc_may_interpolate(j);
     if (!st && j->desc->method == LC_METHOD_LIGHTCUTS) {
         const lc_cut_desc cut = lc_job_cut_desc(j);
         st = exact_pays(j, &cut, &j->exact);

@@ -4,6 +4,7 @@
 #include "cut/exact.h"
 #include "render/group_sums.h"
 #include "render/guide.h"
+#include "render/interpolate.h"
 #include "render/interval.h"
 #include "render/reconstruct.h"
 #include "render/samples.h"
@@ -177,22 +178,11 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     return !atomic_load_explicit(&j->cancelled, memory_order_relaxed);
 }
 
-/* Nothing where no intervals are asked for. */
-static bool add_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_f3 rgb,
-                         lc_pixel *px)
-{
-    lc_interval part;
-    if (!w->interval) return true;
-    if (!lc_sample_interval(j, w, x, y, i, rgb, &part)) return false;
-    lc_interval_add(&px->interval, &part, 1);
-    return true;
-}
-
 bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
 {
     if (j->shared && !j->exact) {
         for (uint32_t i = j->first; i < j->end; i++)
-            if (!add_interval(j, w, x, y, i, px->rgb, px)) return false;
+            if (!lc_add_interval(j, w, x, y, i, px->rgb, px)) return false;
         return lc_add_shared_samples(j, w, x, y, px);
     }
     for (uint32_t i = j->first; i < j->end; i++) {
@@ -200,7 +190,7 @@ bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t 
         if (!lc_render_sample(j, w, x, y, i, px, &rgb)) return false;
         px->rgb = lc_f3_add(px->rgb, rgb);
         lc_groups_end_sample(w->groups);
-        if (!add_interval(j, w, x, y, i, rgb, px)) return false;
+        if (!lc_add_interval(j, w, x, y, i, rgb, px)) return false;
     }
     return true;
 }
@@ -209,6 +199,7 @@ bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t 
 bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y)
 {
     if (j->coarse) return lc_coarse_pixel(j, w, x, y);
+    if (j->interpolated) return lc_interpolated_pixel(j, w, x, y);
     lc_pixel px = { .weight = (float)(j->end - j->first), .of_group = lc_groups_begin_pixel(w->groups) };
     if (!lc_add_samples(j, w, x, y, &px)) return false;
     if (!lc_film_store(&j->film, x, y, &px)) w->stats.nonfinite++;

@@ -2,6 +2,7 @@
 #include "render/reconstruct.h"
 
 #include "render/guide.h"
+#include "render/likeness.h"
 #include "scene/sun.h"
 
 #include <math.h>
@@ -10,21 +11,10 @@
 #define FAR      1 /* around the four that are asked where these show other surfaces */
 #define MAX_KEYS 2 /* surfaces of a pixel that are looked at; others, seen in glass, are taken as they come */
 
-/* When surfaces are alike: all chosen by eye and by the error of pictures, tests/results/preview.md. */
-#define LEAST_COS       0.9f  /* between normals: from here to 1 the weight rises from 0 to 1 */
-#define LEAST_COS_LOBED 0.98f /* where they have a lobe */
-#define MOST_SINE       0.25f /* of the way from one to the other against their planes: likewise, falling */
+/* All chosen by eye and by the error of pictures, tests/results/preview.md. */
 #define LEAST_WEIGHT    0.01f /* of all four, below which a pixel is shaded */
 #define LEAST_ALBEDO    0.05f /* of the pixel's, that those around must have for it to be lit by them */
 #define MOST_APART      1.8f  /* of their mean: how far the most and the least of those around may differ */
-
-/* A surface of a shaded pixel. */
-typedef struct {
-    lc_f3 pos, n, ng;
-    lc_f3 albedo;
-    uint32_t material, n_mirrors;
-    bool lobed;
-} key;
 
 /* What it reflects, times weights; and its albedo, times the same. */
 typedef struct {
@@ -33,7 +23,7 @@ typedef struct {
 
 struct lc_coarse_point {
     uint32_t n;   /* keys */
-    key keys[MAX_KEYS];
+    lc_face keys[MAX_KEYS];
     light own[MAX_KEYS], smooth[MAX_KEYS]; /* by itself; with those around it that are alike */
     lc_f3 rest;   /* what all others reflect, as it reaches the camera */
 };
@@ -99,8 +89,6 @@ void lc_coarse_free(lc_render_job *j)
 
 /* ---- shaded pixels ---- */
 
-static bool is_lobed(const lc_material *m) { return lc_f3_max(m->ks) > 0 || m->coat; }
-
 /* Which entries of the list are keys: surfaces, not points of media. Returns how many. */
 static uint32_t find_keys(const lc_sight *s, uint32_t which[MAX_KEYS])
 {
@@ -108,18 +96,6 @@ static uint32_t find_keys(const lc_sight *s, uint32_t which[MAX_KEYS])
     for (uint32_t i = 0; i < s->n_lit && n < MAX_KEYS; i++)
         if (s->lit[i].surface.material.lobe != LC_LOBE_PHASE) which[n++] = i;
     return n;
-}
-
-static void set_key(key *k, const lc_lit *lit)
-{
-    const lc_surface *s = &lit->surface;
-    *k = (key){ .pos = s->pos,
-                .n = s->n,
-                .ng = s->ng,
-                .albedo = lc_f3_add(s->material.kd, s->material.ks),
-                .material = s->material_id,
-                .n_mirrors = lit->n_mirrors,
-                .lobed = is_lobed(&s->material) };
 }
 
 /* Guides of blocks pay where several of their pixels are shaded. */
@@ -152,7 +128,7 @@ static void shade_point(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
             if (g) g->made = true;
             if (!lc_f3_finite(r.radiance)) r.radiance = lc_f3_make(0, 0, 0);
             if (k < to->n && which[k] == i) {
-                set_key(&to->keys[k], &s.lit[i]);
+                lc_face_set(&to->keys[k], &s.lit[i]);
                 to->own[k] = (light){ r.radiance, to->keys[k].albedo };
                 k++;
             } else {
@@ -199,22 +175,6 @@ void lc_coarse_strip(void *job, uint32_t thread, uint64_t item)
 
 /* ---- pixels between them ---- */
 
-/* 0: they are not alike, up to 1. */
-static float likeness(const key *a, const key *b)
-{
-    if (a->n_mirrors != b->n_mirrors || a->lobed != b->lobed || (a->lobed && a->material != b->material))
-        return 0;
-    const float least = a->lobed ? LEAST_COS_LOBED : LEAST_COS,
-                turned = (lc_f3_dot(a->n, b->n) - least) / (1 - least);
-    if (!(turned > 0)) return 0;
-    const lc_f3 way = lc_f3_sub(b->pos, a->pos);
-    const float length2 = lc_f3_dot(way, way),
-                off = fmaxf(fabsf(lc_f3_dot(way, a->ng)), fabsf(lc_f3_dot(way, b->ng)));
-    if (!(length2 > 0)) return fminf(turned, 1);
-    const float sine = off / sqrtf(length2);
-    return sine < MOST_SINE ? fminf(turned, 1) * (1 - sine / MOST_SINE) : 0;
-}
-
 static void add_light(light *sum, const light *l, float w)
 {
     sum->radiance = lc_f3_add(sum->radiance, lc_f3_scale(l->radiance, w));
@@ -231,7 +191,7 @@ static void smooth_point(struct lc_coarse *c, uint32_t x, uint32_t y)
                 const struct lc_coarse_point *q = &c->points[(size_t)v * c->n[0] + u];
                 if (k >= q->n) continue;
                 const float w = (u == x ? 2.f : 1.f) * (v == y ? 2.f : 1.f);
-                add_light(&p->smooth[k], &q->own[k], w * likeness(&p->keys[k], &q->keys[k]));
+                add_light(&p->smooth[k], &q->own[k], w * lc_likeness(&p->keys[k], &q->keys[k]));
             }
     }
 }
@@ -248,7 +208,7 @@ uint64_t lc_coarse_n_rows(const lc_render_job *j) { return j->coarse->n[1]; }
 /* A pixel that is to be interpolated. */
 typedef struct {
     uint32_t n;
-    key keys[MAX_KEYS];
+    lc_face keys[MAX_KEYS];
     lc_f3 weight[MAX_KEYS];
     float total;                             /* of the weights of those around */
     light light[MAX_KEYS]; /* sums */
@@ -257,7 +217,7 @@ typedef struct {
 } blend;
 
 /* What a surface would reflect that is lit as another. */
-static float luminance_by(const key *to, const light *from)
+static float luminance_by(const lc_face *to, const light *from)
 {
     const float albedo = lc_luminance(from->albedo);
     return albedo > 0 ? lc_luminance(from->radiance) / albedo * lc_luminance(to->albedo) : -1;
@@ -267,7 +227,7 @@ static void add_point(blend *b, const struct lc_coarse_point *p, float w)
 {
     float sum = 0;
     if (p->n != b->n || !(w > 0)) return;
-    for (uint32_t k = 0; k < b->n; k++) w *= likeness(&b->keys[k], &p->keys[k]);
+    for (uint32_t k = 0; k < b->n; k++) w *= lc_likeness(&b->keys[k], &p->keys[k]);
     if (!(w > 0)) return;
     b->total += w;
     b->rest = lc_f3_add(b->rest, lc_f3_scale(p->rest, w));
@@ -332,7 +292,7 @@ static bool interpolate(const lc_render_job *j, uint32_t x, uint32_t y, const lc
     float u[2];
     blend b = { .n = find_keys(s, which), .least = INFINITY, .most = 0 };
     for (uint32_t k = 0; k < b.n; k++) {
-        set_key(&b.keys[k], &s->lit[which[k]]);
+        lc_face_set(&b.keys[k], &s->lit[which[k]]);
         b.weight[k] = s->lit[which[k]].weight;
     }
     for (int k = 0; k < 2; k++) {

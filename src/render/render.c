@@ -9,6 +9,7 @@
 #include "render/checkpoint.h"
 #include "render/group_sums.h"
 #include "render/guide.h"
+#include "render/interpolate.h"
 #include "render/interval.h"
 #include "render/reconstruct.h"
 #include "render/render_tile.h"
@@ -144,6 +145,7 @@ void lc_job_free_workers(lc_render_job *j)
         lc_pixel_points_free(j->ctx, j->workers[i].points);
         lc_interval_free_room(j->ctx, &j->workers[i]);
         lc_groups_free_room(j->ctx, &j->workers[i]);
+        lc_block_light_free(j, &j->workers[i]);
         lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.max_size + 2, sizeof(uint64_t));
         lc_cut_free(&j->workers[i].cut);
     }
@@ -155,6 +157,7 @@ void lc_job_free(lc_render_job *j)
 {
     lc_job_free_workers(j);
     lc_coarse_free(j);
+    lc_knots_free(j);
     lc_moments_free(&j->moments);
     lc_free(j->ctx, j->share, 1, sizeof *j->share);
     lc_free(j->ctx, j->parent, j->scene->tree->n_lights, sizeof *j->parent);
@@ -177,6 +180,7 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
         if (desc->max_points && !(w->points = lc_pixel_points_create(j->ctx, most))) return LC_ERR_MEMORY;
         if (j->evidence && !(w->guide.evidence = lc_alloc_raw(j->ctx, 1, sizeof *w->guide.evidence)))
             return LC_ERR_MEMORY;
+        if (lc_may_interpolate(j) && (st = lc_block_light_init(j, w))) return st;
         w->stats.go_on = lc_job_go_on;
         w->stats.go_on_user = j;
         bool tiles = j->desc->tile_load || j->desc->tile_done;
@@ -253,6 +257,7 @@ static lc_status render_all(lc_render_job *j, const uint32_t crop[4], lc_render_
     st = lc_job_make_workers(j, &cut);
     if (!st && j->desc->aovs & LC_AOV_INTERVAL) st = lc_interval_make_rooms(j, &cut);
     if (!st && j->desc->coarse > 1) st = lc_coarse_init(j, crop);
+    if (!st && j->interpolated) st = lc_knots_init(j, crop);
     if (!st) st = lc_groups_make_rooms(j, n_shared(j));
     if (!st) st = lc_film_init(&j->film, j->ctx, crop, f, j->desc->aovs, &j->scene->groups);
     if (st) return st;

@@ -5,10 +5,9 @@
  *     guide.c    the cut that a block's cuts begin with
  *     pixel.c    camera rays, shading points, their cuts, the pixel
  *     share.c    pixels whose samples neighbours share
- *     reconstruct.c  pixels that are interpolated between others
+ *     interpolate.c  pixels between others that are lit alike; reconstruct.c: coarse pictures
  *     render.c   tiles over threads, the film; interval.c: the AOV
- *     render_stats.c   counts of all threads; the attributes of the picture
- *     probe.c    one sample on its own, its cut kept
+ *     render_stats.c   counts of all threads; attributes; probe.c: a sample on its own, its cut kept
  *     group_sums.c   what each group of lights contributes
  *
  * Every pixel depends on scene, descriptor and its own coordinates only. Sample positions and representative
@@ -24,7 +23,6 @@
 #include "scene/filter_share.h"
 #include "scene/motion.h"
 #include "scene/view.h"
-
 #include <stdatomic.h>
 
 #define LC_PIXEL_BLOCK 4 /* pixels a side that share a guide and deal out the slots of representatives */
@@ -59,6 +57,7 @@ typedef struct lc_render_worker {
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
     lc_shared_pixel *shared; /* of a group of tiles; NULL: no samples are shared */
     struct lc_group_sums *groups; /* NULL: nobody asks for groups of lights */
+    struct lc_block_light *block; /* that it looks at; NULL: no pixels are interpolated */
 } lc_render_worker;
 
 typedef struct lc_render_job {
@@ -83,6 +82,8 @@ typedef struct lc_render_job {
     float z;         /* of cuts where the error of pixels is asked, else 0 */
     float error;     /* asked of pixels, 0: none */
     bool evidence, shared; /* blocks take evidence, see cut/evidence.h; samples of a pixel share cuts */
+    bool interpolated; /* pixels are, between those of */
+    struct lc_knots *knots;
     uint32_t max_points; /* of a gather cluster, where they may; else 0 */
     uint32_t *parent;    /* of each light, for these */
     double pixel_work;   /* of a pixel whose samples share cuts, as lc_job_work counts it */

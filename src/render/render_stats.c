@@ -62,6 +62,7 @@ void lc_job_join_stats(const lc_render_job *j, lc_render_stats *out)
         out->cut_at_limit += s->at_limit;
         out->points_dark += s->dark;
         out->nonfinite += s->nonfinite;
+        out->pixels_interpolated += s->interpolated;
         cut_sum += s->cut_sum;
     }
     out->cut_mean = out->points ? (double)cut_sum / (double)out->points : 0;
@@ -105,6 +106,7 @@ static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, con
     if (!st) st = lc_image_set_number(im, "lightcuts/z", (double)c->z);
     if (!st) st = lc_image_set_number(im, "lightcuts/sharedCuts", c->shared);
     if (!st) st = lc_image_set_number(im, "lightcuts/evidence", c->evidence);
+    if (!st) st = lc_image_set_number(im, "lightcuts/interpolated", c->interpolated);
     return st;
 }
 
