@@ -430,6 +430,7 @@ bool lc_add_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y,
         return make_knot(j, w, x, y, px, &k);
     }
     if (!find_light(j, w, x - x % SIDE, y - y % SIDE)) return false;
+    px->of_group = lc_groups_begin_pixel(w->groups); /* the knots' sums were there */
     *between = b->agrees && interpolate(j, w, x, y, px);
     if (*between) {
         for (uint32_t i = j->first; i < j->end; i++)
