@@ -1,0 +1,549 @@
+/* unit_interpolate.c - pixels between others that are lit alike (render/interpolate.h): what is asked holds
+ * with them, and takes fewer rays; the same bytes for threads, instruction sets, crops, loaded tiles and kept
+ * calibrations; no channel changes others; spots and textures are not lost; where it cannot be, it is not.
+ *
+ * The room has a lamp that casts soft shadows of boxes upon checks, and small lights under its ceiling. */
+#include "support/isas.h"
+#include "support/one_scene.h"
+#include "support/pictures.h"
+
+#include <math.h>
+
+#define SIDE 320    /* pixels of the film; below 65536 of them none is interpolated */
+#define N_LAMP 500  /* lights of the lamp */
+#define N_BULBS 20
+#define N_SPOTS 40
+#define PIXEL 0.01  /* scene units, of the floor as seen from straight above */
+#define ERROR 0.02f /* what is asked */
+
+static const int32_t middle[4] = { 96, 224, 96, 224 }, small[4] = { 128, 192, 176, 240 },
+                     larger[4] = { 32, 112, 48, 96 }, across[4] = { 37, 101, 53, 90 };
+
+/* ---- scenes ---- */
+
+#define QUAD "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
+#define BULB "LightSource \"point\" \"point3 from\" [%.4f %.4f %.4f] \"rgb I\" [%.7g %.7g %.7g]\n"
+
+/* A film, what is before the world, what is in it before the lamp, before the bulbs. */
+typedef struct {
+    int width, height;
+    const char *before, *medium, *lamp, *bulbs;
+} room;
+
+static const room plain = { SIDE, SIDE, "", "", "", "" };
+
+static lc_status load_room(room r)
+{
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    char bulbs[N_BULBS * 128];
+    size_t at = 0;
+    load.area_lights = N_LAMP;
+    for (int i = 0; i < N_BULBS; i++)
+        at += (size_t)snprintf(bulbs + at, sizeof bulbs - at, BULB, -0.9 + 0.45 * (i % 5), 1.7,
+                               -0.9 + 0.5 * (i / 5), 0.01, 0.008 + 0.002 * (i % 3), 0.01);
+    return load_text(&load,
+                     "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\n"
+                     "LookAt 0 1 3.6 0 .9 0 0 1 0\n%s\nCamera \"perspective\" \"float fov\" [36]\n"
+                     "Integrator \"%s\"\nWorldBegin\n%s\n%s\n"
+                     "Texture \"checks\" \"spectrum\" \"checkerboard\" \"float uscale\" 8 \"float vscale\" 8 "
+                     "\"rgb tex1\" [.7 .6 .2] \"rgb tex2\" [.2 .3 .6]\n"
+                     "AttributeBegin Material \"diffuse\" \"texture reflectance\" \"checks\"\n" QUAD
+                     "\"point3 P\" [-1 0 1 1 0 1 1 0 -1 -1 0 -1] \"point2 uv\" [0 0 1 0 1 1 0 1]\n"
+                     "AttributeEnd Material \"diffuse\" \"rgb reflectance\" [.6 .5 .4]\n" QUAD
+                     "\"point3 P\" [-1 2 1 1 2 1 1 2 -1 -1 2 -1]\n" QUAD
+                     "\"point3 P\" [-1 0 -1 1 0 -1 1 2 -1 -1 2 -1]\n" QUAD
+                     "\"point3 P\" [-1 0 1 -1 0 -1 -1 2 -1 -1 2 1]\n" QUAD
+                     "\"point3 P\" [1 0 1 1 0 -1 1 2 -1 1 2 1]\n" QUAD
+                     "\"point3 P\" [-.6 .5 .4 -.1 .5 .4 -.1 .5 -.2 -.6 .5 -.2]\n" QUAD
+                     "\"point3 P\" [-.6 0 .4 -.1 0 .4 -.1 .5 .4 -.6 .5 .4]\n" QUAD
+                     "\"point3 P\" [.2 .8 -.2 .7 .8 -.3 .7 .8 -.7 .2 .8 -.6]\n" QUAD
+                     "\"point3 P\" [.2 0 -.2 .7 0 -.3 .7 .8 -.3 .2 .8 -.2]\n"
+                     "%s AttributeBegin %s AreaLightSource \"diffuse\" \"rgb L\" [9 9 8]\n" QUAD
+                     "\"point3 P\" [-.4 1.98 -.3 .4 1.98 -.3 .4 1.98 .3 -.4 1.98 .3] AttributeEnd\n",
+                     r.width, r.height, r.before, *r.medium ? "volpath" : "directlighting", r.medium,
+                     r.bulbs, bulbs, r.lamp);
+}
+
+/* A floor seen from straight above, one unit of whose lamp's light is about 1 of irradiance, and what else is
+ * there. */
+static lc_status load_floor(const char *lamp, const char *more)
+{
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    load.area_lights = N_LAMP;
+    return load_text(&load,
+                     "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\n"
+                     "LookAt 0 0 1  0 0 0  0 1 0\n"
+                     "Camera \"orthographic\" \"float screenwindow\" [-1.6 1.6 -1.6 1.6]\n"
+                     "Integrator \"directlighting\"\nWorldBegin\n%s\n"
+                     "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n" QUAD
+                     "\"point3 P\" [-9 -9 0 9 -9 0 9 9 0 -9 9 0]\n%s",
+                     SIDE, SIDE, lamp, more);
+}
+
+/* ---- pictures ---- */
+
+typedef struct {
+    lc_image *image;
+    lc_render_stats stats;
+    int32_t crop[4];
+} picture;
+
+static lc_render_desc desc_of(const int32_t crop[4], uint32_t spp)
+{
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    d.method = LC_METHOD_CUTS;
+    d.spp = spp;
+    d.error = ERROR;
+    d.max_cut = 0;
+    d.dark_floor = LC_ASKED_DARK_FLOOR;
+    if (crop) memcpy(d.crop, crop, sizeof d.crop);
+    return d;
+}
+
+static picture render_in(lc_context *c, const lc_scene *s, const lc_render_desc *d)
+{
+    picture p = { .stats = LC_RENDER_STATS_INIT };
+    memcpy(p.crop, d->crop, sizeof p.crop);
+    if (!p.crop[1]) p.crop[1] = p.crop[3] = SIDE;
+    CHECKF(s && lc_render(c, s, d, &p.image, &p.stats) == LC_OK, "%s", last_error);
+    if (!p.image) abort();
+    return p;
+}
+
+static picture render(const lc_render_desc *d) { return render_in(ctx, scene, d); }
+
+static picture render_exact(const int32_t crop[4], uint32_t spp)
+{
+    lc_render_desc d = desc_of(crop, spp);
+    d.method = LC_METHOD_EXACT;
+    d.error = 0;
+    return render(&d);
+}
+
+static uint32_t width_of(const picture *p) { return (uint32_t)(p->crop[1] - p->crop[0]); }
+static uint32_t height_of(const picture *p) { return (uint32_t)(p->crop[3] - p->crop[2]); }
+static uint32_t pixels_of(const picture *p) { return width_of(p) * height_of(p); }
+
+static double value(const picture *p, const char *channel, uint32_t i)
+{
+    return pixel_at(p->image, channel, i % width_of(p), i / width_of(p));
+}
+
+static double luminance(const picture *p, uint32_t i)
+{
+    return 0.2126 * value(p, "R", i) + 0.7152 * value(p, "G", i) + 0.0722 * value(p, "B", i);
+}
+
+/* All channels of the first, where both have the pixel, are the second's. */
+static bool same_where_both(const picture *a, const picture *b)
+{
+    for (uint32_t c = 0; c < lc_image_n_channels(a->image); c++) {
+        const char *name = lc_image_channel_name(a->image, c);
+        const float *of_a = lc_image_channel(a->image, name), *of_b = lc_image_channel(b->image, name);
+        for (int32_t y = a->crop[2]; y < a->crop[3] && of_b; y++)
+            for (int32_t x = a->crop[0]; x < a->crop[1]; x++) {
+                if (x < b->crop[0] || x >= b->crop[1] || y < b->crop[2] || y >= b->crop[3]) continue;
+                const float *pa = of_a + (y - a->crop[2]) * (a->crop[1] - a->crop[0]) + x - a->crop[0],
+                            *pb = of_b + (y - b->crop[2]) * (b->crop[1] - b->crop[0]) + x - b->crop[0];
+                if (!memcmp(pa, pb, sizeof *pa)) continue;
+                printf("  %s of pixel %d,%d: %.9g and %.9g\n", name, x, y, (double)*pa, (double)*pb);
+                return false;
+            }
+        if (!of_b) return false;
+    }
+    return true;
+}
+
+/* What was found for a number of samples of the plain room. */
+static lc_calibration found[2];
+
+/* ---- what is asked ---- */
+
+static void check_share(const int32_t crop[4], uint32_t spp, lc_calibration *keep)
+{
+    lc_render_desc d = desc_of(crop, spp);
+    picture p = render(&d), truth = render_exact(crop, spp);
+    d.every_pixel = 1;
+    picture every = render(&d);
+    const uint32_t n = pixels_of(&p);
+    double mean = 0, within = 0;
+    *keep = p.stats.calibration;
+    for (uint32_t i = 0; i < n; i++) mean += luminance(&truth, i) / n;
+    for (uint32_t i = 0; i < n; i++) {
+        const double y = luminance(&truth, i);
+        within += fabs(luminance(&p, i) - y) <= (double)ERROR * fmax(y, 0.02 * mean) ? 100.0 / n : 0;
+    }
+    const double between = 100 * (double)p.stats.pixels_interpolated / n;
+    printf("  %u samples: %.1f %% within, pilots %.1f; %.1f %% interpolated; %.0f rays a pixel, %.0f of "
+           "every pixel\n",
+           spp, within, (double)p.stats.calibration.achieved, between, (double)p.stats.shadow_rays / n,
+           (double)every.stats.shadow_rays / n);
+    CHECKF(within >= 93, "%g %%", within);
+    CHECK(p.stats.calibration.interpolated == 1 && !every.stats.calibration.interpolated);
+    CHECKF(between >= 20 && between <= 95 && !every.stats.pixels_interpolated, "%g %%", between);
+    CHECK(p.stats.shadow_rays < every.stats.shadow_rays);
+    lc_image_destroy(p.image);
+    lc_image_destroy(truth.image);
+    lc_image_destroy(every.image);
+}
+
+TEST(what_is_asked_holds_with_fewer_rays)
+{
+    CHECKF(load_room(plain) == LC_OK, "%s", last_error);
+    check_share(middle, 1, &found[0]);
+    check_share(small, 16, &found[1]);
+}
+
+/* ---- the same bytes ---- */
+
+typedef struct {
+    float *tile[256];
+    size_t size[256];
+    uint32_t given;
+} kept;
+
+static void keep_tile(void *user, const lc_tile *t)
+{
+    kept *k = user;
+    const size_t n = (size_t)t->n_planes * (t->x1 - t->x0) * (t->y1 - t->y0) * sizeof *t->pixels;
+    if (t->index >= 256) abort();
+    k->tile[t->index] = malloc(n);
+    k->size[t->index] = n;
+    if (!k->tile[t->index]) abort();
+    memcpy(k->tile[t->index], t->pixels, n);
+}
+
+static int give_every_second(void *user, lc_tile *t)
+{
+    kept *k = user;
+    if (t->index % 2 || !k->tile[t->index]) return 0;
+    memcpy(t->pixels, k->tile[t->index], k->size[t->index]);
+    k->given++; /* by one thread */
+    return 1;
+}
+
+static int give_none(void *user, lc_tile *t)
+{
+    (void)user;
+    (void)t;
+    return 0;
+}
+
+static void check_same_bytes(uint32_t spp, const lc_calibration *c)
+{
+    lc_render_desc d = desc_of(larger, spp);
+    kept tiles = { .given = 0 };
+    d.aovs = LC_AOV_ALL;
+    d.calibration = c;
+    d.tile_user = &tiles;
+    d.tile_done = keep_tile;
+    picture first = render(&d);
+    CHECK(first.stats.pixels_interpolated > pixels_of(&first) / 5);
+    d.tile_done = NULL;
+    for (uint32_t i = 0; i < 2; i++) { /* calibrated by itself once, where a sample is one */
+        lc_context *other = quiet_context_of(i ? 3 : 1, i ? LC_ISA_BEST : LC_ISA_SCALAR);
+        lc_scene *s = NULL;
+        lc_load_desc load = LC_LOAD_DESC_INIT;
+        load.area_lights = N_LAMP;
+        CHECK(!lc_scene_load(other, scene_path(), &load, &s));
+        d.calibration = spp == 1 ? NULL : c;
+        picture p = render_in(other, s, &d);
+        CHECKF(same_where_both(&first, &p), "%u samples, context %u", spp, i);
+        CHECK(p.stats.pixels_interpolated == first.stats.pixels_interpolated);
+        lc_image_destroy(p.image);
+        d.calibration = c;
+        for (uint32_t k = 0; k < 2; k++) { /* no tile, then every second */
+            d.tile_load = k ? give_every_second : give_none;
+            if (k && i) continue;
+            p = render_in(other, s, &d);
+            CHECKF(same_where_both(&first, &p), "%u samples, context %u, tiles %u", spp, i, k);
+            CHECK(p.stats.pixels_loaded ? k : !k);
+            lc_image_destroy(p.image);
+        }
+        d.tile_load = NULL;
+        memcpy(d.crop, across, sizeof d.crop);
+        p = render_in(other, s, &d);
+        CHECKF(same_where_both(&p, &first), "%u samples, context %u, crop", spp, i);
+        lc_image_destroy(p.image);
+        memcpy(d.crop, larger, sizeof d.crop);
+        lc_scene_destroy(s);
+        lc_context_destroy(other);
+    }
+    CHECK(tiles.given > 2);
+    for (int i = 0; i < 256; i++) free(tiles.tile[i]);
+    lc_image_destroy(first.image);
+}
+
+TEST(same_bytes_for_threads_instruction_sets_crops_tiles_and_kept_calibrations)
+{
+    CHECKF(load_room(plain) == LC_OK, "%s", last_error);
+    check_same_bytes(1, &found[0]);
+    check_same_bytes(16, &found[1]);
+}
+
+/* The last block's knots lie beyond the film, whose side is no multiple of a block's. */
+TEST(edges_of_the_film)
+{
+    static const int32_t corner[4] = { 290, 319, 280, 317 };
+    const room odd = { 319, 317, "", "", "", "" };
+    CHECKF(load_room(odd) == LC_OK, "%s", last_error);
+    lc_render_desc d = desc_of(corner, 1);
+    d.calibration = &found[0];
+    picture p = render(&d), truth = render_exact(corner, 1);
+    const uint32_t w = width_of(&p), n = pixels_of(&p);
+    uint32_t outer = 0, within = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (i % w < w - 3 && i / w < height_of(&p) - 1) continue; /* of blocks that the edge cuts */
+        outer++;
+        within += fabs(luminance(&p, i) - luminance(&truth, i)) <= 1.5 * (double)ERROR * luminance(&truth, i);
+    }
+    printf("  %u of %u pixels at the edge within 3 %%\n", within, outer);
+    CHECK(p.stats.pixels_interpolated > n / 5 && within >= 0.95 * outer);
+    lc_image_destroy(p.image);
+    lc_image_destroy(truth.image);
+}
+
+/* ---- channels ---- */
+
+TEST(channels_do_not_change_the_picture)
+{
+    CHECKF(load_room(plain) == LC_OK, "%s", last_error);
+    for (uint32_t k = 0; k < 2; k++) {
+        static const int32_t part[4] = { 130, 162, 200, 232 };
+        lc_render_desc d = desc_of(part, k ? 16 : 1);
+        d.calibration = &found[k];
+        picture p = render(&d), truth = render_exact(part, d.spp);
+        d.aovs = LC_AOV_ALL | LC_AOV_INTERVAL | LC_AOV_ALPHA;
+        picture with = render(&d);
+        uint32_t without_cut = 0, hold = 0;
+        CHECK(same_where_both(&p, &with) && p.stats.pixels_interpolated == with.stats.pixels_interpolated);
+        for (uint32_t i = 0; i < pixels_of(&p); i++) {
+            const double y = luminance(&truth, i), room_for = 1e-5 * y;
+            without_cut += value(&with, "cut.size", i) <= 0 && value(&with, "Albedo.G", i) > 0;
+            hold += value(&with, "cut.lower", i) <= y + room_for &&
+                    value(&with, "cut.upper", i) >= y - room_for;
+            CHECK(value(&with, "Albedo.G", i) > 0 && value(&with, "A", i) >= 1 && value(&with, "Z", i) > 0);
+        }
+        CHECKF(without_cut == with.stats.pixels_interpolated, "%u pixels without a cut, %u interpolated",
+               without_cut, (uint32_t)with.stats.pixels_interpolated);
+        CHECKF(hold == pixels_of(&p), "%u of %u intervals hold", hold, pixels_of(&p));
+        lc_image_destroy(p.image);
+        lc_image_destroy(truth.image);
+        lc_image_destroy(with.image);
+    }
+}
+
+TEST(planes_that_do_not_depend_on_light_are_those_of_every_pixel)
+{
+    static const char *const names[] = { "N.X", "N.Y", "N.Z", "P.X", "P.Y", "P.Z", "Z", "Albedo.R",
+                                         "Albedo.G", "Albedo.B" };
+    CHECKF(load_room(plain) == LC_OK, "%s", last_error);
+    lc_render_desc d = desc_of(across, 1);
+    d.calibration = &found[0];
+    d.aovs = LC_AOV_ALL;
+    picture p = render(&d);
+    d.every_pixel = 1;
+    picture every = render(&d);
+    for (size_t c = 0; c < sizeof names / sizeof *names; c++)
+        CHECKF(!memcmp(lc_image_channel(p.image, names[c]), lc_image_channel(every.image, names[c]),
+                       pixels_of(&p) * sizeof(float)), "%s", names[c]);
+    lc_image_destroy(p.image);
+    lc_image_destroy(every.image);
+}
+
+TEST(groups_of_lights_add_up_and_do_not_change_the_picture)
+{
+    room r = plain;
+    r.lamp = "LightGroup \"lamp\"";
+    r.bulbs = "LightGroup \"bulbs\"";
+    for (uint32_t k = 0; k < 2; k++) {
+        lc_render_desc d = desc_of(across, k ? 16 : 1);
+        d.calibration = &found[k];
+        CHECKF(load_room(plain) == LC_OK, "%s", last_error);
+        picture p = render(&d);
+        CHECKF(load_room(r) == LC_OK && scene->groups.n == 3, "%s", last_error);
+        picture with = render(&d);
+        CHECK(same_where_both(&p, &with) && with.stats.pixels_interpolated > pixels_of(&p) / 5);
+        d.tile_load = give_none; /* knots keep their groups apart from the film */
+        picture tiles = render(&d);
+        CHECK(same_where_both(&with, &tiles));
+        for (uint32_t i = 0; i < pixels_of(&p); i++)
+            for (int c = 0; c < 3; c++) {
+                const char rgb[2] = { "RGB"[c], 0 };
+                static const char *const groups[] = { "other", "lamp", "bulbs" };
+                double sum = 0, of[3];
+                for (int g = 0; g < 3; g++) {
+                    char name[16];
+                    snprintf(name, sizeof name, "%s.%s", groups[g], rgb);
+                    sum += of[g] = value(&with, name, i);
+                }
+                CHECKF(fabs(sum - value(&p, rgb, i)) <= 1e-5 * value(&p, rgb, i), "pixel %u: %g for %g", i,
+                       sum, value(&p, rgb, i));
+                CHECK(of[1] > 0 && of[2] > 0);
+            }
+        lc_image_destroy(p.image);
+        lc_image_destroy(with.image);
+        lc_image_destroy(tiles.image);
+    }
+}
+
+/* ---- what may be between knots ---- */
+
+#define LAMP_ABOVE                                                                                           \
+    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n" QUAD                                    \
+    "\"point3 P\" [-1 -1 2 -1 1 2 1 1 2 1 -1 2] AttributeEnd\n"
+
+/* Lights at a height of half a pixel to two, each of which doubles the light below it. */
+TEST(no_spots_are_lost)
+{
+    static const int32_t part[4] = { 112, 208, 112, 208 };
+    char spots[N_SPOTS * 128];
+    size_t at = 0;
+    for (int i = 0; i < N_SPOTS; i++) {
+        const double height = PIXEL * (0.5 + 1.5 * (i % 4) / 3), power = 0.8 * height * height;
+        at += (size_t)snprintf(spots + at, sizeof spots - at, BULB,
+                               (i % 7 - 3) * 0.12 + 0.0137 * (i % 5), (i / 7 - 2.5) * 0.13 + 0.0091 * (i % 4),
+                               height, power, power, power);
+    }
+    CHECKF(load_floor(LAMP_ABOVE, spots) == LC_OK, "%s", last_error);
+    lc_render_desc d = desc_of(part, 1);
+    picture p = render(&d), truth = render_exact(part, 1);
+    double most = 0, brightest = 0, dimmest = INFINITY;
+    for (uint32_t i = 0; i < pixels_of(&p); i++) {
+        const double y = luminance(&truth, i), off = fabs(luminance(&p, i) / y - 1);
+        if (off > most) most = off;
+        if (y > brightest) brightest = y;
+        if (y < dimmest) dimmest = y;
+    }
+    printf("  most %.1f %% off; spots of %.2f times the least; %.1f %% interpolated\n", 100 * most,
+           brightest / dimmest, 100.0 * (double)p.stats.pixels_interpolated / pixels_of(&p));
+    CHECK(brightest > 1.7 * dimmest);
+    CHECK(p.stats.calibration.interpolated && p.stats.pixels_interpolated > pixels_of(&p) / 5);
+    CHECKF(most <= 0.25, "%g", most);
+    lc_image_destroy(p.image);
+    lc_image_destroy(truth.image);
+}
+
+/* Across an edge of the checks the light is nearly the same, and so radiances have the ratio of the albedos,
+ * as they have in the exact picture. */
+TEST(textures_stay)
+{
+    static const int32_t part[4] = { 64, 256, 230, 310 };
+    CHECKF(load_room(plain) == LC_OK, "%s", last_error);
+    lc_render_desc d = desc_of(part, 1);
+    d.calibration = &found[0];
+    d.aovs = LC_AOV_CUT | LC_AOV_ALBEDO | LC_AOV_N;
+    picture p = render(&d), truth = render_exact(part, 1);
+    uint32_t n = 0, kept_them = 0;
+    for (uint32_t i = 1; i < pixels_of(&p); i++) {
+        const double a = value(&p, "Albedo.B", i - 1), b = value(&p, "Albedo.B", i);
+        if (i % width_of(&p) == 0 || value(&p, "cut.size", i) > 0 || value(&p, "cut.size", i - 1) > 0 ||
+            fmax(a, b) < 1.5 * fmin(a, b) || value(&p, "N.Y", i) < 0.9 || value(&p, "N.Y", i - 1) < 0.9)
+            continue;
+        const double got = value(&p, "B", i) / value(&p, "B", i - 1),
+                     want = value(&truth, "B", i) / value(&truth, "B", i - 1);
+        n++;
+        kept_them += fabs(got / want - 1) <= 0.03;
+        CHECKF(fabs(got / want - 1) <= 0.15, "pixel %u: %g for %g", i, got, want);
+    }
+    printf("  %u of %u edges between interpolated pixels have the ratio of albedos\n", kept_them, n);
+    CHECK(n > 100 && kept_them >= 0.95 * n);
+    lc_image_destroy(p.image);
+    lc_image_destroy(truth.image);
+}
+
+/* Walls of 0.8 pixels on the floor, seen edge on, whose shadows fill most of every second pixel. All knots are
+ * between them: they agree, and only the pilots tell that those between are not like them. */
+TEST(not_where_pilots_miss)
+{
+    static char text[1 << 16];
+    size_t at = 0;
+    for (int i = 0; i < SIDE / 2; i++) {
+        const double x = PIXEL * (2 * i + 1 - SIDE / 2);
+        at += (size_t)snprintf(text + at, sizeof text - at, QUAD "\"point3 P\" [%.4f -2 0 %.4f 2 0 %.4f 2 .008 "
+                               "%.4f -2 .008]\n", x, x, x, x);
+    }
+    CHECKF(load_floor("AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [90 90 90] \"bool twosided\" true\n"
+                      QUAD "\"point3 P\" [-8 -1 8 -8 1 8 -7.5 1 8.5 -7.5 -1 8.5] AttributeEnd\n", text) ==
+           LC_OK, "%s", last_error);
+    static const int32_t part[4] = { 96, 128, 96, 128 };
+    lc_render_desc d = desc_of(part, 1);
+    picture p = render(&d), truth = render_exact(part, 1);
+    uint32_t within = 0, dark = 0;
+    for (uint32_t i = 0; i < pixels_of(&p); i++) {
+        const double y = luminance(&truth, i);
+        within += fabs(luminance(&p, i) - y) <= 2 * (double)ERROR * y;
+        dark += y <= 0;
+    }
+    printf("  %u of %u pixels within 4 %%, %u in shadow\n", within, pixels_of(&p), dark);
+    CHECK(dark > pixels_of(&p) / 4 && dark < pixels_of(&p) * 5 / 8);
+    CHECK(!p.stats.calibration.interpolated && !p.stats.pixels_interpolated);
+    CHECK(within >= 0.9 * pixels_of(&p));
+    lc_image_destroy(p.image);
+    lc_image_destroy(truth.image);
+}
+
+/* ---- where it cannot be ---- */
+
+static void check_none(const char *what, const lc_render_desc *d)
+{
+    picture p = render(d);
+    CHECKF(!p.stats.pixels_interpolated && !p.stats.calibration.interpolated, "%s", what);
+    lc_image_destroy(p.image);
+}
+
+TEST(not_where_it_cannot_be)
+{
+    static const int32_t part[4] = { 100, 116, 100, 116 };
+    lc_render_desc d = desc_of(part, 1);
+    room r = plain;
+    CHECKF(load_room(plain) == LC_OK, "%s", last_error);
+    d.seconds = 0.2;
+    check_none("seconds", &d);
+    d.seconds = 0;
+    d.every_pixel = 1;
+    d.calibration = &found[0]; /* says that they are */
+    picture p = render(&d);
+    CHECK(!p.stats.pixels_interpolated);
+    lc_image_destroy(p.image);
+    d = desc_of(part, 1);
+    d.error = 0;
+    check_none("no error of pixels", &d);
+    d.method = LC_METHOD_EXACT;
+    d.error = ERROR;
+    check_none("every light", &d);
+    d.method = LC_METHOD_CUTS;
+    r.width = 255;
+    r.height = 256;
+    CHECKF(load_room(r) == LC_OK, "%s", last_error);
+    check_none("a small film", &d);
+    r = plain;
+    r.before = "PixelFilter \"mitchell\""; /* neighbours share samples */
+    CHECKF(load_room(r) == LC_OK, "%s", last_error);
+    check_none("a filter with negative values", &d);
+    r.before = "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] "
+               "\"rgb sigma_s\" [.06 .06 .06]\nMediumInterface \"\" \"fog\"";
+    r.medium = "MediumInterface \"fog\" \"fog\"";
+    CHECKF(load_room(r) == LC_OK && scene->media.present, "%s", last_error);
+    check_none("fog", &d);
+}
+
+int main(void)
+{
+    ctx = quiet_context(2);
+    temp_begin();
+    RUN(what_is_asked_holds_with_fewer_rays);
+    RUN(same_bytes_for_threads_instruction_sets_crops_tiles_and_kept_calibrations);
+    RUN(edges_of_the_film);
+    RUN(channels_do_not_change_the_picture);
+    RUN(planes_that_do_not_depend_on_light_are_those_of_every_pixel);
+    RUN(groups_of_lights_add_up_and_do_not_change_the_picture);
+    RUN(no_spots_are_lost);
+    RUN(textures_stay);
+    RUN(not_where_pilots_miss);
+    RUN(not_where_it_cannot_be);
+    RUN(every_instruction_set_is_here);
+    one_scene_end();
+    temp_end();
+    return test_done();
+}
