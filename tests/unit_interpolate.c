@@ -9,12 +9,12 @@
 
 #include <math.h>
 
-#define SIDE 320    /* pixels of the film; below 65536 of them none is interpolated */
-#define N_LAMP 500  /* lights of the lamp */
+#define SIDE    320 /* pixels of the film; below 65536 of them none is interpolated */
+#define N_LAMP  500 /* lights of the lamp */
 #define N_BULBS 20
 #define N_SPOTS 40
-#define PIXEL 0.01  /* scene units, of the floor as seen from straight above */
-#define ERROR 0.02f /* what is asked */
+#define PIXEL   0.01  /* scene units, of the floor as seen from straight above */
+#define ERROR   0.02f /* what is asked */
 
 static const int32_t middle[4] = { 96, 224, 96, 224 }, small[4] = { 128, 192, 176, 240 },
                      larger[4] = { 32, 112, 48, 96 }, across[4] = { 37, 101, 53, 90 };
@@ -60,8 +60,8 @@ static lc_status load_room(room r)
                      "\"point3 P\" [.2 0 -.2 .7 0 -.3 .7 .8 -.3 .2 .8 -.2]\n"
                      "%s AttributeBegin %s AreaLightSource \"diffuse\" \"rgb L\" [9 9 8]\n" QUAD
                      "\"point3 P\" [-.4 1.98 -.3 .4 1.98 -.3 .4 1.98 .3 -.4 1.98 .3] AttributeEnd\n",
-                     r.width, r.height, r.before, *r.medium ? "volpath" : "directlighting", r.medium,
-                     r.bulbs, bulbs, r.lamp);
+                     r.width, r.height, r.before, *r.medium ? "volpath" : "directlighting", r.medium, r.bulbs,
+                     bulbs, r.lamp);
 }
 
 /* A floor seen from straight above, one unit of whose lamp's light is about 1 of irradiance, and what else is
@@ -335,8 +335,8 @@ TEST(channels_do_not_change_the_picture)
 
 TEST(planes_that_do_not_depend_on_light_are_those_of_every_pixel)
 {
-    static const char *const names[] = { "N.X", "N.Y", "N.Z", "P.X", "P.Y", "P.Z", "Z", "Albedo.R",
-                                         "Albedo.G", "Albedo.B" };
+    static const char *const names[] = { "N.X", "N.Y", "N.Z",      "P.X",      "P.Y",
+                                         "P.Z", "Z",   "Albedo.R", "Albedo.G", "Albedo.B" };
     CHECKF(load_room(plain) == LC_OK, "%s", last_error);
     lc_render_desc d = desc_of(across, 1);
     d.calibration = &found[0];
@@ -346,7 +346,8 @@ TEST(planes_that_do_not_depend_on_light_are_those_of_every_pixel)
     picture every = render(&d);
     for (size_t c = 0; c < sizeof names / sizeof *names; c++)
         CHECKF(!memcmp(lc_image_channel(p.image, names[c]), lc_image_channel(every.image, names[c]),
-                       pixels_of(&p) * sizeof(float)), "%s", names[c]);
+                       pixels_of(&p) * sizeof(float)),
+               "%s", names[c]);
     lc_image_destroy(p.image);
     lc_image_destroy(every.image);
 }
@@ -401,9 +402,8 @@ TEST(no_spots_are_lost)
     size_t at = 0;
     for (int i = 0; i < N_SPOTS; i++) {
         const double height = PIXEL * (0.5 + 1.5 * (i % 4) / 3), power = 0.8 * height * height;
-        at += (size_t)snprintf(spots + at, sizeof spots - at, BULB,
-                               (i % 7 - 3) * 0.12 + 0.0137 * (i % 5), (i / 7 - 2.5) * 0.13 + 0.0091 * (i % 4),
-                               height, power, power, power);
+        at += (size_t)snprintf(spots + at, sizeof spots - at, BULB, (i % 7 - 3) * 0.12 + 0.0137 * (i % 5),
+                               (i / 7 - 2.5) * 0.13 + 0.0091 * (i % 4), height, power, power, power);
     }
     CHECKF(load_floor(LAMP_ABOVE, spots) == LC_OK, "%s", last_error);
     lc_render_desc d = desc_of(part, 1);
@@ -452,20 +452,24 @@ TEST(textures_stay)
     lc_image_destroy(truth.image);
 }
 
-/* Walls of 0.8 pixels on the floor, seen edge on, whose shadows fill most of every second pixel. All knots are
- * between them: they agree, and only the pilots tell that those between are not like them. */
+/* Walls of 0.8 pixels on the floor, seen edge on, whose shadows fill most of every second pixel. All knots
+ * are between them: they agree, and only the pilots tell that those between are not like them. */
 TEST(not_where_pilots_miss)
 {
     static char text[1 << 16];
     size_t at = 0;
     for (int i = 0; i < SIDE / 2; i++) {
         const double x = PIXEL * (2 * i + 1 - SIDE / 2);
-        at += (size_t)snprintf(text + at, sizeof text - at, QUAD "\"point3 P\" [%.4f -2 0 %.4f 2 0 %.4f 2 .008 "
-                               "%.4f -2 .008]\n", x, x, x, x);
+        at += (size_t)snprintf(text + at, sizeof text - at,
+                               QUAD "\"point3 P\" [%.4f -2 0 %.4f 2 0 %.4f 2 .008 "
+                                    "%.4f -2 .008]\n",
+                               x, x, x, x);
     }
-    CHECKF(load_floor("AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [90 90 90] \"bool twosided\" true\n"
-                      QUAD "\"point3 P\" [-8 -1 8 -8 1 8 -7.5 1 8.5 -7.5 -1 8.5] AttributeEnd\n", text) ==
-           LC_OK, "%s", last_error);
+    CHECKF(load_floor(
+               "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [90 90 90] \"bool twosided\" true\n" QUAD
+               "\"point3 P\" [-8 -1 8 -8 1 8 -7.5 1 8.5 -7.5 -1 8.5] AttributeEnd\n",
+               text) == LC_OK,
+           "%s", last_error);
     static const int32_t part[4] = { 96, 128, 96, 128 };
     lc_render_desc d = desc_of(part, 1);
     picture p = render(&d), truth = render_exact(part, 1);
