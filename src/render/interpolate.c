@@ -21,8 +21,9 @@
 #define LEAST_ROUGHNESS 0.1f /* of lobes; the highlights of others may be between knots */
 #define MOST_EXPONENT 200.f
 #define OF_MIDDLE 0.5f
+#define OTHER_SLOT 9         /* samples: the middle has other representatives than the knot of its block */
 #define NOT_CLEAR 3.0      /* times what is allowed: up to here chance may have put the middle off */
-#define NEAR 0.5f           /* of a block's longest side: so near are lights that may show spots in it */
+#define NEAR 0.75f          /* of a block's longest side: so near are lights that may show spots in it */
 #define FINER 1.3f          /* z of the knots over that of other pixels, as each is seen in many; */
 #define FINER_BY_EVIDENCE 1.8f /* where those have evidence, which knots have not */
 
@@ -60,7 +61,7 @@ bool lc_may_interpolate(const lc_render_job *j)
 {
     const lc_scene *s = j->scene;
     return !j->desc->every_pixel && j->error > 0 && !(j->desc->seconds > 0) && !j->share &&
-           !s->media.present && !s->sensors &&
+           !s->sensors &&
            (uint64_t)s->film.width * s->film.height >= LC_INTERPOLATE_FROM;
 }
 
@@ -170,10 +171,11 @@ static bool shade_knot(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32
     const bool alone = w->alone;
     const float z = w->cut.desc.z, per_sample = 1 / (float)(j->end - j->first);
     *px = (lc_pixel){ .weight = (float)(j->end - j->first), .of_group = lc_groups_begin_pixel(w->groups) };
-    w->alone = true;
+    w->alone = w->of_knots = true;
     if (k->even) w->cut.desc.z = z * (j->evidence ? FINER_BY_EVIDENCE : FINER);
     const bool done = lc_add_samples(j, w, x, y, px);
     w->alone = alone;
+    w->of_knots = false;
     w->cut.desc.z = z;
     k->radiance = lc_f3_scale(px->rgb, per_sample);
     k->even &= lc_f3_finite(k->radiance);
@@ -319,15 +321,18 @@ static bool find_middle(lc_render_job *j, lc_render_worker *w)
     knot *k = &b->own[4];
     b->knot[4] = k;
     k->of_group = n_groups ? b->of_group : NULL;
-    if (!make_knot(j, w, x, y, &b->middle, k)) return false;
+    const uint32_t shift = w->slot_shift;
+    w->slot_shift = shift + OTHER_SLOT;
+    bool done = make_knot(j, w, x, y, &b->middle, k);
+    w->slot_shift = shift;
+    if (!done) return false;
     double off = disagreement(j, b, 5);
     if (n_groups) memcpy(b->of_group + n_groups, b->middle.of_group, n_groups * sizeof *b->of_group);
     if (off > 1 && off <= NOT_CLEAR) {
         const knot first = *k;
         lc_pixel again;
-        const uint32_t shift = w->slot_shift;
-        w->slot_shift = shift + j->end;
-        const bool done = shade_knot(j, w, x, y, &again, k);
+        w->slot_shift = shift + OTHER_SLOT + (j->spp < 16 ? j->spp : 1);
+        done = shade_knot(j, w, x, y, &again, k);
         w->slot_shift = shift;
         if (!done) return false;
         k->radiance = lc_f3_scale(lc_f3_add(k->radiance, first.radiance), 0.5f);

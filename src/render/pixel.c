@@ -33,6 +33,12 @@ uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i
            ((lc_permute16(y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK, h) + 5 * i) & 15);
 }
 
+uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i)
+{
+    const uint32_t side = w->of_knots ? LC_PIXEL_BLOCK : 1;
+    return lc_slot_hash(j, x / side, y / side, i + w->slot_shift);
+}
+
 /* Radiance of one lit surface, as it leaves it. of_point: the same as hash, but that it is the sample's own
  * where the slot is another's: what is seen of round lights is the same by every slot. */
 void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, lc_guide *g, uint64_t hash,
@@ -166,7 +172,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     w->stats.camera_rays += s.n_rays;
     lc_guide *g = j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i, lc_guide_work(w));
     w->cut.row = i + w->slot_shift ? LC_NONE : lc_guide_row(g, x, y);
-    lc_shade_sight(j, w, &s, g, lc_slot_hash(j, x, y, i + w->slot_shift), lc_slot_hash(j, x, y, i), &r);
+    lc_shade_sight(j, w, &s, g, lc_worker_slot(j, w, x, y, i), lc_slot_hash(j, x, y, i), &r);
     *rgb = lc_f3_add(r.radiance, s.emission);
     lc_add_to_planes(j, px, &s, dir);
     px->cut += (float)r.size;

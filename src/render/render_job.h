@@ -53,6 +53,7 @@ typedef struct lc_render_worker {
     bool alone, pilot;  /* cuts begin with the roots; guides are made for single pixels */
     lc_stats apart;     /* work of the guides of pilots */
     uint32_t slot_shift; /* sample i of a pixel has the slot of sample i + slot_shift */
+    bool of_knots; /* slots are dealt out to the first pixels of blocks, as else to pixels */
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
     lc_shared_pixel *shared; /* of a group of tiles; NULL: no samples are shared */
@@ -163,6 +164,7 @@ lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 
 /* Chooses a sample's slot of representatives. */
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
+uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i);
 /* What sample i of a pixel shows, if any; beyond the film coordinates are modulo 2^32. *dir: the ray's. */
 bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s);
 /* Radiance of one lit surface, as it leaves it. */

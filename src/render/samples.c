@@ -234,7 +234,7 @@ static bool add_camera_ray(pixel_sum *s, uint32_t x, uint32_t y, uint32_t i, lc_
     w->stats.camera_rays += sight.n_rays;
     lc_add_to_planes(j, px, &sight, dir);
     for (uint32_t k = 0; k < sight.n_lit; k++)
-        add_point(s, &sight.lit[k], lc_slot_hash(j, x, y, i + w->slot_shift) + k,
+        add_point(s, &sight.lit[k], lc_worker_slot(j, w, x, y, i) + k,
                   lc_slot_hash(j, x, y, i) + k, j->max_points);
     lc_phase_end(&w->stats, LC_PHASE_OTHER);
     return true;
