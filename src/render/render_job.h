@@ -10,9 +10,8 @@
  *     render_stats.c   counts of all threads; attributes; probe.c: a sample on its own, its cut kept
  *     group_sums.c   what each group of lights contributes
  *
- * Every pixel depends on scene, descriptor and its own coordinates only. Sample positions and representative
- * slots come from (seed, pixel, sample, dimension); the pre-pass looks at a fixed grid over the whole film
- * whatever the crop.
+ * Every pixel depends on scene, descriptor and its coordinates only: positions of samples and slots come from
+ * (seed, pixel, sample, dimension), and the pre-pass looks at a grid over the whole film.
  */
 #ifndef LC_RENDER_JOB_H
 #define LC_RENDER_JOB_H
@@ -53,7 +52,7 @@ typedef struct lc_render_worker {
     bool alone, pilot;  /* cuts begin with the roots; guides are made for single pixels */
     lc_stats apart;     /* work of the guides of pilots */
     uint32_t slot_shift; /* sample i of a pixel has the slot of sample i + slot_shift */
-    bool of_knots; /* slots are dealt out to the first pixels of blocks, as else to pixels */
+    bool of_knots;       /* slots are dealt out to first pixels of blocks */
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
     lc_shared_pixel *shared; /* of a group of tiles; NULL: no samples are shared */
@@ -127,7 +126,7 @@ static inline uint64_t lc_job_key(const lc_render_job *j, uint64_t pixel, uint64
 
 /* Fails with LC_ERR_MEMORY, and LC_ERR_ARG for passes that a filter does not have; free it also then. */
 lc_status lc_job_init(lc_render_job *j, lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc);
-/* Scratch for as many threads as the context has; free it also after a failure. */
+/* Scratch of all threads; free it also after a failure. */
 lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc);
 void lc_job_free_workers(lc_render_job *j);
 void lc_job_free(lc_render_job *j); /* with its workers */
@@ -146,8 +145,7 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
 
 /* ---- method.c ---- */
 
-/* Sets j->exact: whether every light is evaluated at every point; and the mean luminance of the dark floor.
- */
+/* Sets j->exact, whether every light is evaluated at every point, and the dark floor. */
 lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats);
 lc_cut_desc lc_job_cut_desc(const lc_render_job *j);
 /* What the cuts of all workers have cost so far, in estimates of one light; of the guides of pilots a pixel's
@@ -161,10 +159,10 @@ double lc_job_work(const lc_render_job *j);
 lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 
 /* ---- pixel.c ---- */
-
-/* Chooses a sample's slot of representatives. */
+/* Chooses a sample's slot of representatives; lc_worker_slot: shifted as the worker says. */
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
-uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i);
+uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint32_t x, uint32_t y,
+                        uint32_t i);
 /* What sample i of a pixel shows, if any; beyond the film coordinates are modulo 2^32. *dir: the ray's. */
 bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s);
 /* Radiance of one lit surface, as it leaves it. */
@@ -177,7 +175,7 @@ void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight 
 /* Radiance of sample i of a pixel; px: all but rgb is added to. False: cancelled, or stopped halfway. */
 bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_pixel *px,
                       lc_f3 *rgb);
-/* Adds all samples of a pixel; false: cancelled. lc_add_to_planes: what does not depend on cuts. */
+/* Adds all samples; false: cancelled. lc_add_to_planes: what does not depend on cuts. */
 bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px);
 void lc_add_to_planes(const lc_render_job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir);
 bool lc_time_to_ask(lc_render_worker *w);
