@@ -39,6 +39,7 @@ static lc_status load_room(room r)
     char bulbs[N_BULBS * 128];
     size_t at = 0;
     load.area_lights = N_LAMP;
+    load.indirect_lights = LC_NO_LIGHTS; /* of volpath */
     for (int i = 0; i < N_BULBS; i++)
         at += (size_t)snprintf(bulbs + at, sizeof bulbs - at, BULB, -0.9 + 0.45 * (i % 5), 1.7,
                                -0.9 + 0.5 * (i / 5), 0.01, 0.008 + 0.002 * (i % 3), 0.01);
