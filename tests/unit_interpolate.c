@@ -4,85 +4,16 @@
  *
  * The room has a lamp that casts soft shadows of boxes upon checks, small lights under its ceiling, and a
  * wall whose checks differ in blue alone, which some do not reflect. */
+#include "support/alike_scenes.h"
 #include "support/isas.h"
-#include "support/one_scene.h"
 #include "support/pictures.h"
 
 #include <math.h>
 
-#define SIDE    320 /* pixels of the film; below 65536 of them none is interpolated */
-#define N_LAMP  500 /* lights of the lamp */
-#define N_BULBS 20
-#define N_SPOTS 40
-#define PIXEL   0.01  /* scene units, of the floor as seen from straight above */
-#define ERROR   0.02f /* what is asked */
+#define ERROR 0.02f /* what is asked */
 
-static const int32_t middle[4] = { 96, 224, 96, 224 }, small[4] = { 128, 192, 176, 240 },
+static const int32_t film[4] = { 0, SIDE, 0, SIDE }, small[4] = { 128, 192, 176, 240 },
                      larger[4] = { 32, 112, 48, 96 }, across[4] = { 37, 101, 53, 90 };
-
-/* ---- scenes ---- */
-
-#define QUAD "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
-#define BULB "LightSource \"point\" \"point3 from\" [%.4f %.4f %.4f] \"rgb I\" [%.7g %.7g %.7g]\n"
-
-/* A film, what is before the world, what is in it before the lamp, before the bulbs. */
-typedef struct {
-    int width, height;
-    const char *before, *medium, *lamp, *bulbs;
-} room;
-
-static const room plain = { SIDE, SIDE, "", "", "", "" };
-
-static lc_status load_room(room r)
-{
-    lc_load_desc load = LC_LOAD_DESC_INIT;
-    char bulbs[N_BULBS * 128];
-    size_t at = 0;
-    load.area_lights = N_LAMP;
-    load.indirect_lights = LC_NO_LIGHTS; /* of volpath */
-    for (int i = 0; i < N_BULBS; i++)
-        at += (size_t)snprintf(bulbs + at, sizeof bulbs - at, BULB, -0.9 + 0.45 * (i % 5), 1.7,
-                               -0.9 + 0.5 * (i / 5), 0.01, 0.008 + 0.002 * (i % 3), 0.01);
-    return load_text(&load,
-                     "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\n"
-                     "LookAt 0 1 3.6 0 .9 0 0 1 0\n%s\nCamera \"perspective\" \"float fov\" [36]\n"
-                     "Integrator \"%s\"\nWorldBegin\n%s\n%s\n"
-                     "Texture \"checks\" \"spectrum\" \"checkerboard\" \"float uscale\" 8 \"float vscale\" 8 "
-                     "\"rgb tex1\" [.7 .6 .2] \"rgb tex2\" [.2 .3 .6]\n"
-                     "AttributeBegin Material \"diffuse\" \"texture reflectance\" \"checks\"\n" QUAD
-                     "\"point3 P\" [-1 0 1 1 0 1 1 0 -1 -1 0 -1] \"point2 uv\" [0 0 1 0 1 1 0 1]\n"
-                     "AttributeEnd Texture \"blue\" \"spectrum\" \"checkerboard\" \"float uscale\" 8 "
-                     "\"float vscale\" 8 \"rgb tex1\" [.6 .5 0] \"rgb tex2\" [.6 .5 .4]\n"
-                     "AttributeBegin Material \"diffuse\" \"texture reflectance\" \"blue\"\n" QUAD
-                     "\"point3 P\" [-1 0 -1 1 0 -1 1 2 -1 -1 2 -1] \"point2 uv\" [0 0 1 0 1 1 0 1]\n"
-                     "AttributeEnd Material \"diffuse\" \"rgb reflectance\" [.6 .5 .4]\n" QUAD
-                     "\"point3 P\" [-1 2 1 1 2 1 1 2 -1 -1 2 -1]\n" QUAD
-                     "\"point3 P\" [-1 0 1 -1 0 -1 -1 2 -1 -1 2 1]\n" QUAD
-                     "\"point3 P\" [1 0 1 1 0 -1 1 2 -1 1 2 1]\n" QUAD
-                     "\"point3 P\" [-.6 .5 .4 -.1 .5 .4 -.1 .5 -.2 -.6 .5 -.2]\n" QUAD
-                     "\"point3 P\" [-.6 0 .4 -.1 0 .4 -.1 .5 .4 -.6 .5 .4]\n" QUAD
-                     "\"point3 P\" [.2 .8 -.2 .7 .8 -.3 .7 .8 -.7 .2 .8 -.6]\n" QUAD
-                     "\"point3 P\" [.2 0 -.2 .7 0 -.3 .7 .8 -.3 .2 .8 -.2]\n"
-                     "%s AttributeBegin %s AreaLightSource \"diffuse\" \"rgb L\" [9 9 8]\n" QUAD
-                     "\"point3 P\" [-.4 1.98 -.3 .4 1.98 -.3 .4 1.98 .3 -.4 1.98 .3] AttributeEnd\n",
-                     r.width, r.height, r.before, *r.medium ? "volpath" : "directlighting", r.medium, r.bulbs,
-                     bulbs, r.lamp);
-}
-
-/* A floor seen from straight above, its lamp, and what else is there. */
-static lc_status load_floor(const char *lamp, const char *more)
-{
-    lc_load_desc load = LC_LOAD_DESC_INIT;
-    load.area_lights = N_LAMP;
-    return load_text(&load,
-                     "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\n"
-                     "LookAt 0 0 1  0 0 0  0 -1 0\n"
-                     "Camera \"orthographic\" \"float screenwindow\" [-1.6 1.6 -1.6 1.6]\n"
-                     "Integrator \"directlighting\"\nWorldBegin\n%s\n"
-                     "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n" QUAD
-                     "\"point3 P\" [-9 -9 0 9 -9 0 9 9 0 -9 9 0]\n%s",
-                     SIDE, SIDE, lamp, more);
-}
 
 /* ---- pictures ---- */
 
@@ -198,7 +129,7 @@ static void check_share(const int32_t crop[4], uint32_t spp, lc_calibration *kee
 TEST(what_is_asked_holds_with_fewer_rays)
 {
     CHECKF(load_room(plain) == LC_OK, "%s", last_error);
-    check_share(middle, 1, &found[0]);
+    check_share(film, 1, &found[0]);
     check_share(small, 16, &found[1]);
 }
 
@@ -287,7 +218,7 @@ TEST(same_bytes_for_threads_instruction_sets_crops_tiles_and_kept_calibrations)
 TEST(edges_of_the_film)
 {
     static const int32_t corner[4] = { 290, 319, 280, 317 };
-    const room odd = { 319, 317, "", "", "", "" };
+    const room odd = { 319, 317, "", "", "", "", CHECKS };
     CHECKF(load_room(odd) == LC_OK, "%s", last_error);
     lc_render_desc d = desc_of(corner, 1);
     d.calibration = &found[0];
@@ -386,10 +317,6 @@ TEST(groups_of_lights_add_up_and_do_not_change_the_picture)
 
 /* ---- what may be between knots ---- */
 
-#define LAMP_ABOVE                                                                                           \
-    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n" QUAD                                    \
-    "\"point3 P\" [-1 -1 2 -1 1 2 1 1 2 1 -1 2] AttributeEnd\n"
-
 /* Lights at a height of half a pixel to two, each of which doubles the light below it. */
 TEST(no_spots_are_lost)
 {
@@ -418,29 +345,6 @@ TEST(no_spots_are_lost)
     forget(&p, &truth);
 }
 
-#define LAMP_ASIDE                                                                                           \
-    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [90 90 90]\n" QUAD                                 \
-    "\"point3 P\" [-8 -1 8 -8 1 8 -7.5 1 8.5 -7.5 -1 8.5] AttributeEnd\n"
-
-/* Of pixels of a block, from its first: strips a pixel wide in columns 1 and 3, tilted so that they have half
- * the floor's light; or walls seen edge on, whose shadows fill its pixels from 1,1 on but for the last. */
-static const char *small_things(bool walls)
-{
-    static char text[1 << 14];
-    size_t at = 0;
-    for (int i = 0; i < 40; i++) {
-        const double column = walls ? 16 * (i % 5) + 1 : 4 * (i % 20) + 1 + i / 20 * 2,
-                     row = walls ? 8 * (i / 5) + 1 : 50 * (i / 20), x = PIXEL * (column - 40),
-                     y = PIXEL * (row - 40), length = PIXEL * (walls ? 2 : 30), wide = walls ? 0 : PIXEL,
-                     from = walls ? 0 : 3 * PIXEL, to = walls ? 2.2 * PIXEL : 4.73 * PIXEL;
-        at += (size_t)snprintf(text + at, sizeof text - at,
-                               QUAD "\"point3 P\" [%.4f %.4f %.4f %.4f %.4f %.4f %.4f %.4f %.4f %.4f %.4f "
-                                    "%.4f]\n",
-                               x, y, from, x, y + length, from, x + wide, y + length, to, x + wide, y, to);
-    }
-    return text;
-}
-
 TEST(small_things_are_shaded)
 {
     static const int32_t part[4] = { 128, 192, 128, 192 };
@@ -459,7 +363,7 @@ TEST(small_things_are_shaded)
         printf("  %u pixels of %s, most %.1f %% off; %.1f %% interpolated\n", n, walls ? "shadow" : "strips",
                100 * most, 100.0 * (double)p.stats.pixels_interpolated / pixels_of(&p));
         CHECK(n > 50 && p.stats.pixels_interpolated > pixels_of(&p) / 20);
-        CHECKF(most <= 0.25, "%g", most);
+        CHECKF(most <= 0.3, "%g", most); /* beside a strip, which shades the floor below it */
         forget(&p, &truth);
     }
 }
@@ -500,6 +404,38 @@ TEST(textures_stay)
     printf("  %u of %u edges have the albedos' ratio; most blue is %.1f %% off\n", kept_them, n, 100 * most);
     CHECK(n > 100 && kept_them >= 0.95 * n && most <= 0.25);
     forget(&p, &truth);
+}
+
+/* The highlights of a floor that is nearly a mirror may be between knots; those of a rough one are not. */
+TEST(sharp_highlights_are_shaded)
+{
+    static const int32_t part[4] = { 96, 224, 190, 318 };
+    static const struct {
+        const char *floor;
+        bool between;
+    } cases[] = { { "\"coateddiffuse\" \"rgb reflectance\" [.2 .2 .2] \"float roughness\" .2", true },
+                  { "\"coateddiffuse\" \"rgb reflectance\" [.2 .2 .2] \"float roughness\" .001", false } };
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        room r = plain;
+        r.floor = cases[c].floor;
+        CHECKF(load_room(r) == LC_OK, "%s", last_error);
+        lc_render_desc d = desc_of(part, 1);
+        d.calibration = &found[0];
+        d.aovs = LC_AOV_CUT | LC_AOV_N | LC_AOV_P;
+        picture p = render(&d), truth = render_exact(part, 1);
+        uint32_t n = 0, between = 0, within = 0;
+        for (uint32_t i = 0; i < pixels_of(&p); i++) {
+            if (value(&p, "N.Y", i) < 0.9 || value(&p, "P.Y", i) > 0.1) continue;
+            n++;
+            between += value(&p, "cut.size", i) <= 0;
+            within += fabs(luminance(&p, i) / luminance(&truth, i) - 1) <= 0.1;
+        }
+        printf("  %u of %u pixels of the floor interpolated, %.1f %% within 10 %%\n", between, n,
+               100.0 * within / n);
+        CHECK(n > 1000 && (cases[c].between ? between > n / 3 : !between));
+        CHECK(within >= 0.98 * n);
+        forget(&p, &truth);
+    }
 }
 
 /* Walls of 0.8 pixels on the floor, seen edge on, whose shadows fill most of every second pixel. All knots
@@ -590,6 +526,7 @@ int main(void)
     RUN(no_spots_are_lost);
     RUN(small_things_are_shaded);
     RUN(textures_stay);
+    RUN(sharp_highlights_are_shaded);
     RUN(not_where_pilots_miss);
     RUN(not_where_it_cannot_be);
     RUN(every_instruction_set_is_here);
