@@ -67,15 +67,16 @@ static bool is_near(const lc_light_rec *l, lc_light_kind kind, const lc_near_poi
     for (int k = 0; k < 3; k++) {
         double lo = INFINITY, hi = -INFINITY;
         for (uint32_t i = 0; i < n; i++) {
-            lo = fmin(lo, (double)(&p[i].pos.x)[k]);
-            hi = fmax(hi, (double)(&p[i].pos.x)[k]);
+            const double at = (double)(&p[i].pos.x)[k];
+            if (at < lo) lo = at;
+            if (at > hi) hi = at;
         }
         if ((double)l->pos[k] < lo - reach + room || (double)l->pos[k] > hi + reach - room) return false;
     }
     for (uint32_t i = 0; i < n; i++) {
         double to[3];
         for (int k = 0; k < 3; k++) to[k] = (double)l->pos[k] - (double)(&p[i].pos.x)[k];
-        *height = fmax(*height, dot(to, p[i].n));
+        if (dot(to, p[i].n) > *height) *height = dot(to, p[i].n);
         if (-dot(to, dir) > LOW * reach + room) shines = true;
     }
     return shines && *height > LOW * reach + room;
