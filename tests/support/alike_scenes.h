@@ -75,9 +75,10 @@ static inline lc_status load_floor(const char *lamp, const char *more)
                      SIDE, SIDE, lamp, more);
 }
 
-#define LAMP_ABOVE                                                                                           \
-    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n" QUAD                                    \
+#define LAMP_ABOVE_OF(power)                                                                                 \
+    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [" power "]\n" QUAD                                \
     "\"point3 P\" [-1 -1 2 -1 1 2 1 1 2 1 -1 2] AttributeEnd\n"
+#define LAMP_ABOVE LAMP_ABOVE_OF("1 1 1")
 
 #define LAMP_ASIDE                                                                                           \
     "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [90 90 90]\n" QUAD                                 \
