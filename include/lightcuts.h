@@ -1126,7 +1126,7 @@ typedef struct lc_render_desc {
     int every_pixel;     /* nonzero: every pixel is shaded. 0: where `error` is asked, pixels between others
                           * of one surface whose light agrees may be interpolated, if the pilots find them as
                           * near to their true value as is asked; their channels of cuts are 0. Not of films
-                          * below 65536 pixels, with `seconds`, media, sensors, filters wider than pixels */
+                          * below 65536 pixels, with `seconds`, sensors, and filters that share samples */
 } lc_render_desc;
 #define LC_DARK_FLOOR 0.2f
 #define LC_ASKED_DARK_FLOOR 0.02f /* advised where `error` is asked: contact shadows are not left out */
@@ -1314,8 +1314,8 @@ typedef struct lc_explanation {
     double half_width;       /* 95 % and more it is off by no more than this */
 } lc_explanation;
 
-/* Makes the cut that lc_render makes for one sample, counted from 0, of a pixel of the film, and evaluates
- * every light for comparison. The explanation is freed by lc_explanation_destroy. Fails with LC_ERR_ARG if
+/* Makes the cut that lc_render makes for one sample, counted from 0, of a pixel of the film, or would make of
+ * one that it interpolates or interpolates others by, and evaluates every light for comparison. The explanation is freed by lc_explanation_destroy. Fails with LC_ERR_ARG if
  * there is no such pixel or sample, LC_ERR_MEMORY. */
 LC_API lc_status lc_explain(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x,
                             uint32_t y, uint32_t sample, lc_explanation **out);
