@@ -13,7 +13,8 @@
 #define ERROR 0.02f /* what is asked */
 
 static const int32_t film[4] = { 0, SIDE, 0, SIDE }, small[4] = { 128, 192, 176, 240 },
-                     larger[4] = { 32, 112, 48, 96 }, across[4] = { 37, 101, 53, 90 };
+                     tiny[4] = { 128, 144, 208, 224 }, larger[4] = { 32, 112, 48, 96 },
+                     across[4] = { 37, 101, 53, 90 };
 
 /* ---- pictures ---- */
 
@@ -129,8 +130,8 @@ static void check_share(const int32_t crop[4], uint32_t spp, lc_calibration *kee
 TEST(what_is_asked_holds_with_fewer_rays)
 {
     CHECKF(load_room(plain) == LC_OK, "%s", last_error);
-    check_share(film, 1, &found[0]);
-    check_share(small, 16, &found[1]);
+    check_share(UNDER_TSAN ? small : film, 1, &found[0]);
+    check_share(UNDER_TSAN ? tiny : small, 16, &found[1]);
 }
 
 /* ---- the same bytes ---- */
