@@ -216,6 +216,40 @@ TEST(same_bytes_for_threads_instruction_sets_crops_tiles_and_kept_calibrations)
 }
 
 /* The last block's knots lie beyond the film, whose side is no multiple of a block's. */
+static int stop_after_a_part(void *user, uint64_t done, uint64_t total)
+{
+    (void)user;
+    return done > total / 8 && done < total;
+}
+
+/* Of a picture that is ended early tiles are finished or black: no neighbours' knots are left there. */
+TEST(unfinished_tiles_are_black)
+{
+    lc_render_desc d = desc_of(NULL, 1);
+    d.calibration = &found[0];
+    picture whole = render(&d), part = { .crop = { 0, SIDE, 0, SIDE } };
+    d.partial = 1;
+    d.progress = stop_after_a_part;
+    CHECK(lc_render(ctx, scene, &d, &part.image, NULL) == LC_ERR_CANCELLED && part.image);
+    uint32_t finished = 0, black = 0;
+    for (uint32_t t = 0; t < SIDE / LC_TILE * (SIDE / LC_TILE) && part.image; t++) {
+        bool same = true, nothing = true;
+        for (uint32_t i = 0; i < LC_TILE * LC_TILE; i++) {
+            const uint32_t x = t % (SIDE / LC_TILE) * LC_TILE + i % LC_TILE,
+                           y = t / (SIDE / LC_TILE) * LC_TILE + i / LC_TILE, at = y * SIDE + x;
+            same &= luminance(&part, at) <= luminance(&whole, at) &&
+                    luminance(&part, at) >= luminance(&whole, at);
+            nothing &= luminance(&part, at) <= 0;
+        }
+        finished += same;
+        black += nothing && !same;
+    }
+    const uint32_t partly = SIDE / LC_TILE * (SIDE / LC_TILE) - finished - black;
+    printf("  %u tiles finished, %u black, %u partly\n", finished, black, partly);
+    CHECK(finished > 10 && black > 10 && partly <= 2); /* those at which two threads were */
+    forget(&whole, &part);
+}
+
 TEST(edges_of_the_film)
 {
     static const int32_t corner[4] = { 290, 319, 280, 317 };
@@ -528,6 +562,7 @@ int main(void)
     temp_begin();
     RUN(what_is_asked_holds_with_fewer_rays);
     RUN(same_bytes_for_threads_instruction_sets_crops_tiles_and_kept_calibrations);
+    RUN(unfinished_tiles_are_black);
     RUN(edges_of_the_film);
     RUN(channels_do_not_change_the_picture);
     RUN(planes_that_do_not_depend_on_light_are_those_of_every_pixel);

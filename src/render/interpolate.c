@@ -41,7 +41,8 @@ struct lc_knots {
     uint32_t first[2], n[2]; /* blocks */
     knot *knot;
     atomic_uchar *state;
-    lc_pixel *pixel; /* for tiles to store, where some of them may be loaded; else NULL: the film has them */
+    lc_pixel *pixel; /* to be stored with their tiles, where not all of these may be rendered; NULL: the film
+                        has them */
     lc_f3 *of_group;
 };
 
@@ -61,8 +62,7 @@ bool lc_may_interpolate(const lc_render_job *j)
 {
     const lc_scene *s = j->scene;
     return !j->desc->every_pixel && j->error > 0 && !(j->desc->seconds > 0) && !j->share &&
-           !s->sensors &&
-           (uint64_t)s->film.width * s->film.height >= LC_INTERPOLATE_FROM;
+           !s->sensors && (uint64_t)s->film.width * s->film.height >= LC_INTERPOLATE_FROM;
 }
 
 static size_t n_knots(const struct lc_knots *k) { return (size_t)k->n[0] * k->n[1]; }
@@ -79,8 +79,8 @@ lc_status lc_knots_init(lc_render_job *j, const uint32_t crop[4])
     k->knot = lc_alloc_raw(j->ctx, n_knots(k), sizeof *k->knot);
     k->state = lc_alloc(j->ctx, n_knots(k), sizeof *k->state);
     if (!k->knot || !k->state) return LC_ERR_MEMORY;
-    if (j->desc->tile_load && !(k->pixel = lc_alloc_raw(j->ctx, n_knots(k), sizeof *k->pixel)))
-        return LC_ERR_MEMORY;
+    const bool by_tiles = j->desc->tile_load || j->desc->partial;
+    if (by_tiles && !(k->pixel = lc_alloc_raw(j->ctx, n_knots(k), sizeof *k->pixel))) return LC_ERR_MEMORY;
     if (n_groups && !(k->of_group = lc_alloc_raw(j->ctx, n_knots(k) * n_groups, sizeof *k->of_group)))
         return LC_ERR_MEMORY;
     return LC_OK;
