@@ -1316,8 +1316,7 @@ typedef struct lc_explanation {
 
 /* Makes the cut that lc_render makes for one sample, counted from 0, of a pixel of the film, or would make of
  * one that it interpolates or interpolates others by, and evaluates every light for comparison. Freed by
- * lc_explanation_destroy. Fails with LC_ERR_ARG if there is no such pixel or sample, LC_ERR_MEMORY.
- */
+ * lc_explanation_destroy. Fails with LC_ERR_ARG if there is no such pixel or sample, LC_ERR_MEMORY. */
 LC_API lc_status lc_explain(lc_context *ctx, const lc_scene *scene, const lc_render_desc *desc, uint32_t x,
                             uint32_t y, uint32_t sample, lc_explanation **out);
 LC_API void lc_explanation_destroy(lc_explanation *explanation);

@@ -31,8 +31,8 @@ static bool parse(FILE *f, content *x)
                          &x->c.median, &end);
     const bool in_range = x->c.shared <= 1 && x->c.evidence <= 1 && x->c.interpolated <= 1 && x->c.z > 0 &&
                           x->c.error > 0 && x->c.within > 0 && x->c.within < 100 && x->c.n_pilots &&
-                          x->c.achieved >= 0 && x->c.achieved <= 100 &&
-                          x->c.margin >= 0 && x->c.margin <= 100 && x->c.median >= 0;
+                          x->c.achieved >= 0 && x->c.achieved <= 100 && x->c.margin >= 0 &&
+                          x->c.margin <= 100 && x->c.median >= 0;
     return n == 12 && in_range && isfinite(x->c.z) && isfinite(x->c.error) && isfinite(x->c.median);
 }
 

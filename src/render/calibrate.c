@@ -23,8 +23,8 @@
 #include <stdlib.h>
 
 #define N_PILOTS LC_SIZE(512, 64)
-#define N_SLOTS 4         /* values of a pilot, once z is known roughly; */
-#define N_BETWEEN 2       /* with the knots that interpolated ones need */
+#define N_SLOTS 4         /* values of a pilot, once z is known roughly */
+#define N_BETWEEN 2       /* the same where pixels are interpolated, whose pilots need knots */
 #define ROUGH_STEPS 2     /* by one value of each pilot */
 #define MOST_STEPS 6
 #define AIM 0.98          /* of the error: where the quantile is to be, and the least that is good enough */
@@ -43,10 +43,11 @@
 #define SHARED_COSTS 1.25
 #define EVIDENCE_COSTS 1.22
 #define SHARED_EVIDENCE_COSTS 1.19
-#define MOST_SAVED 0.8    /* of the work of interpolated pixels: the rest is that of knots */
-#define BETWEEN_STEPS 4   /* of a search with them; */
-#define KNOTS_COST 5      /* times the work of pilots without */
-#define MOST_MISSED 1.5   /* times the share that may miss the error: of interpolated ones, as z is a guess */
+/* Interpolated pixels; measured: tests/results/interpolation.md. */
+#define MOST_SAVED 0.8    /* of the work of those pixels: the rest is that of knots */
+#define BETWEEN_STEPS 4   /* in place of MOST_STEPS */
+#define KNOTS_COST 5      /* work of a step with knots, in steps without */
+#define MOST_MISSED 1.5   /* times the share that may miss the error: so many of them, at a guessed z */
 #define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
 #define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
 #define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
@@ -66,9 +67,9 @@ typedef struct {
     bool guided;    /* cuts begin as those of a picture, though they take no evidence */
     bool by_itself; /* no guides: the truth */
     uint32_t most_slots;
-    bool *between;  /* the pilot is looked at as one that may be interpolated */
-    bool looks;     /* for the first time */
-    bool only_these;
+    bool *between;  /* of each pilot: it may be interpolated */
+    bool looks;     /* that is found out: all of them may */
+    bool only_these; /* no others are shaded */
 } pilots;
 
 static void place_pilots(pilots *p)
