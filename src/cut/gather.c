@@ -156,7 +156,11 @@ void lc_gather_make(lc_gather *g, lc_gather_point *point, uint32_t n)
     if (!g->lobed) set_reflectances(g);
     g->all[1] = g->all[0];
     g->all[1].soft = NULL;
-    if (g->all[0].soft) g->all[0].soft = &g->all[1];
+    if (g->all[0].soft) {
+        g->all[0].soft = &g->all[1];
+        g->all[1].near_d2 = INFINITY;
+        for (uint32_t i = 0; i < n; i++) g->all[1].near_d2 = less(g->all[1].near_d2, point[i].p[1].near_d2);
+    }
     const float *half = g->all[0].half;
     order(point, g->at, n, NORMAL_SPREAD * 2 * fmaxf(half[0], fmaxf(half[1], half[2])));
 }

@@ -8,6 +8,7 @@
 #include "prepare/lamp_find.h"
 #include "prepare/lamp_lights.h"
 #include "prepare/vpl.h"
+#include "scene/near_bounce.h"
 #include "scene/view.h"
 #include "tree/light_tree.h"
 
@@ -38,6 +39,9 @@ void lc_lighting_exchange(lc_scene *s, lc_lighting *l)
     SWAP(lc_lamp_error, lamp_error);
     SWAP(lc_lamps, lamps);
     SWAP(lc_light_places, virtuals);
+    struct lc_near_bounce *near_bounce = s->near_bounce;
+    s->near_bounce = l->near_bounce;
+    l->near_bounce = near_bounce;
     SWAP(double, diag2);
     SWAP(float, min_d2);
 }
@@ -46,6 +50,7 @@ void lc_lighting_free(const lc_context *ctx, lc_lighting *l)
 {
     lc_light_tree_destroy(l->tree);
     lc_light_places_free(&l->virtuals, ctx);
+    lc_near_bounce_free(ctx, l->near_bounce);
     lc_free(ctx, l->lights, l->cap_lights, sizeof *l->lights);
     *l = (lc_lighting){ .lights = NULL };
 }

@@ -19,6 +19,7 @@ typedef struct lc_lighting {
     lc_lamp_error lamp_error;
     lc_lamps lamps;
     lc_light_places virtuals;
+    struct lc_near_bounce *near_bounce;
     lc_light_tree *tree;
     double diag2;
     float min_d2;

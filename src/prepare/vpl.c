@@ -30,6 +30,7 @@
 #include "prepare/vpl_deviation.h"
 #include "prepare/vpl_radius.h"
 #include "scene/media.h"
+#include "scene/near_bounce.h"
 #include "scene/sight.h"
 #include "shade/fresnel.h"
 #include "shade/light_kind.h"
@@ -360,7 +361,7 @@ static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
     scene->virtuals.lights = scene->lights + before;
     scene->indirect.n_lights = scene->n_lights - before;
     scene->indirect.n_paths = m->n_paths;
-    return st;
+    return st ? st : lc_near_bounce_make(scene, m->path);
 }
 
 lc_status lc_vpl_make(lc_scene *scene, const lc_vpl_desc *desc)

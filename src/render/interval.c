@@ -9,6 +9,7 @@
 
 #include "cut/exact.h"
 #include "scene/lit_point.h"
+#include "scene/near_bounce.h"
 #include "scene/sun.h"
 #include "trace/bvh.h"
 
@@ -55,6 +56,10 @@ static void add_lit(const lc_render_job *j, struct lc_interval_room *room, const
     lc_lit_point(j->scene, lit, hash, point);
     lc_cut_shade(&room->cut, point, lit->surface.ray_org, hash, &room->stats, &r);
     lc_cut_interval(&room->cut, point, lit->surface.ray_org, weight, key, &room->stats, &part);
+    lc_interval_add(sum, &part, 1);
+    part = lc_interval_of(
+        lc_near_bounce_light(lc_moments_scene(&j->moments, j->scene, lit->surface.moment), lit, point, j->spp,
+                             lit->weight, NULL), weight);
     lc_interval_add(sum, &part, 1);
 }
 

@@ -9,6 +9,7 @@
 #include "render/reconstruct.h"
 #include "render/samples.h"
 #include "scene/lit_point.h"
+#include "scene/near_bounce.h"
 #include "scene/sun.h"
 
 #include <math.h>
@@ -39,6 +40,17 @@ uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint3
     return lc_slot_hash(j, x / side, y / side, i + w->slot_shift);
 }
 
+/* Adds the light of surfaces nearby. */
+static void add_near(lc_render_worker *w, lc_f3 near_light, const lc_f3 *of_group, lc_cut_result *out)
+{
+    out->radiance = lc_f3_add(out->radiance, near_light);
+    for (uint32_t k = 0; w->groups && k < w->groups->n; k++) {
+        w->groups->cut[k][0] += (double)of_group[k].x;
+        w->groups->cut[k][1] += (double)of_group[k].y;
+        w->groups->cut[k][2] += (double)of_group[k].z;
+    }
+}
+
 /* Radiance of one lit surface, as it leaves it. of_point: the same as hash, but that it is the sample's own
  * where the slot is another's: what is seen of round lights is the same by every slot. */
 void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, lc_guide *g, uint64_t hash,
@@ -46,7 +58,13 @@ void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit
 {
     const lc_surface *s = &lit->surface;
     lc_point point[2], *p = point;
+    lc_f3 of_group[LC_MAX_GROUPS];
     lc_lit_point(j->scene, lit, of_point, point);
+    for (uint32_t k = 0; w->groups && k < w->groups->n; k++) of_group[k] = lc_f3_make(0, 0, 0);
+    const lc_f3 near_light =
+        lc_near_bounce_light(lc_moments_scene(&j->moments, j->scene, s->moment), lit, p, j->spp,
+                             lc_f3_make(1, 1, 1), w->groups ? of_group : NULL);
+    w->cut.part.rest = (double)lc_luminance(near_light);
     w->stats.glossy += p->lobe != LC_LOBE_NONE;
     if (j->exact) {
         lc_exact_shade_groups(j->scene->tree, &j->visibility, p, s->ray_org,
@@ -56,6 +74,8 @@ void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit
         w->cut_hist[out->size]++;
     }
     if (out->size > w->cut_max) w->cut_max = out->size;
+    w->cut.part.rest = 0;
+    add_near(w, near_light, of_group, out);
 }
 
 /* Radiance of all that is seen, as it reaches the camera; fills what the statistics and planes want. The

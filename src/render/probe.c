@@ -5,6 +5,7 @@
 #include "render/guide.h"
 #include "render/render_job.h"
 #include "scene/lit_point.h"
+#include "scene/near_bounce.h"
 #include "scene/surface.h"
 
 /* What cuts of the picture are made by; where it makes none, by those of LC_METHOD_CUTS. */
@@ -38,7 +39,8 @@ static void shade_others(const lc_render_job *j, lc_probe *p, lc_guide *g, uint6
         if (p->all_lights)
             lc_exact_shade(j->scene->tree, &j->visibility, point, lit->surface.ray_org, &stats, &r);
         else lc_guided_cut(&p->cut, g, point, &lit->surface, hash + i, &stats, &r);
-        p->others = lc_f3_add(p->others, lc_f3_mul(r.radiance, lit->weight));
+        const lc_f3 light = lc_near_bounce_light(j->scene, lit, point, j->spp, lit->weight, NULL);
+        p->others = lc_f3_add(p->others, lc_f3_mul(lc_f3_add(r.radiance, light), lit->weight));
     }
 }
 
@@ -62,6 +64,8 @@ static lc_status probe_lit(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sa
     /* again: its splits are kept for the cut that begins with it. */
     if (!is_guide) lc_guide_make(j, &p->cut, g, NULL);
     lc_lit_point(j->scene, lit, hash, p->point);
+    const lc_f3 light = lc_near_bounce_light(j->scene, lit, p->point, j->spp, lit->weight, NULL);
+    p->others = lc_f3_add(p->others, lc_f3_mul(light, lit->weight));
     p->cut.row = sample ? LC_NONE : lc_guide_row(g, x, y);
     lc_guided_cut(&p->cut, g, p->point, &lit->surface, hash, &stats, &p->by_cut);
     lc_free(j->ctx, g->evidence, 1, sizeof *g->evidence);

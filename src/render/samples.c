@@ -10,6 +10,7 @@
 #include "render/group_sums.h"
 #include "render/guide.h"
 #include "scene/lit_point.h"
+#include "scene/near_bounce.h"
 #include "scene/sun.h"
 
 #include <math.h>
@@ -102,6 +103,18 @@ static bool are_alike(const lc_gather_point *a, const lit_sample *la, const lc_g
            lc_f3_dot(way, way) <= la->reach2 && lc_f3_dot(la->n, lb->n) > least_cos;
 }
 
+/* Adds the light of surfaces nearby. */
+static void add_near(pixel_sum *s, const lc_lit *lit, const lc_point *p)
+{
+    const lc_scene *scene = lc_moments_scene(&s->j->moments, s->j->scene, lit->surface.moment);
+    lc_f3 *of_group = lc_groups_begin_sample(s->w->groups);
+    const lc_f3 light = lc_f3_mul(
+        lc_near_bounce_light(scene, lit, p, s->j->spp, lit->weight, of_group), lit->weight);
+    lc_groups_end_sample(s->w->groups);
+    s->sum = lc_f3_add(s->sum, light);
+    s->luminance += (double)lc_luminance(light);
+}
+
 /* Adds a lit point to the group whose first point it is like, or makes one. hash, of_point: as of
  * lc_shade_sight. */
 static void add_point(pixel_sum *s, const lc_lit *lit, uint64_t hash, uint64_t of_point, uint32_t most)
@@ -110,6 +123,7 @@ static void add_point(pixel_sum *s, const lc_lit *lit, uint64_t hash, uint64_t o
     lc_gather_point *a = &p->point[p->n];
     lit_sample *l = &p->lit[p->n];
     lc_lit_point(s->j->scene, lit, of_point, a->p);
+    add_near(s, lit, a->p);
     for (int k = 0; k < 3; k++) a->org[k] = lit->surface.ray_org[k];
     *l = (lit_sample){ .weight = lit->weight, .place = lit->surface.pos, .n = lit->surface.n, .hash = hash,
                        .material = lit->surface.material_id, .mass = 1 };

@@ -48,6 +48,7 @@ void lc_light_places_free(lc_light_places *places, const lc_context *ctx);
 
 typedef struct lc_nearest_lights {
     lc_f3 pos, n;      /* n: unit */
+    bool any_way;      /* lights on all surfaces count */
     uint32_t self;     /* a light that does not count, or LC_NONE */
     uint32_t n_wanted; /* 1..LC_MAX_NEAREST */
     const uint32_t *path; /* of each light: of each path the nearest counts, and none of that of `self` */
@@ -59,5 +60,15 @@ typedef struct lc_nearest_lights {
 
 /* Returns the number of lights found. */
 uint32_t lc_light_places_find(const lc_light_places *places, lc_nearest_lights *query);
+
+/* Calls meet for each light within a squared distance of pos, on surfaces that face the way of n; the order
+ * depends on the places alone. */
+typedef struct lc_lights_within {
+    lc_f3 pos, n; /* n: unit */
+    float d2;
+    void (*meet)(void *user, const lc_light *light, float d2);
+    void *user;
+} lc_lights_within;
+void lc_light_places_within(const lc_light_places *places, const lc_lights_within *query);
 
 #endif

@@ -1,6 +1,7 @@
 /* lit_point.c - see lit_point.h. */
 #include "scene/lit_point.h"
 
+#include "scene/near_bounce.h"
 #include "scene/sun.h"
 #include "shade/lobe.h"
 #include "shade/point_init.h"
@@ -84,6 +85,7 @@ static void soften(const lc_scene *scene, const lc_lit *lit, lc_point p[2])
     const bool sky = lit->followed && (scene->n_envs || scene->suns);
     if (!scene->indirect.n_lights && !sky) return;
     lc_lit_point_of_virtual(scene, lit, &p[1]);
+    lc_near_bounce_reach(scene, &lit->surface, &p[1]);
     p->soft = &p[1];
     p->soft_kinds = 1u << LC_LIGHT_VIRTUAL | (sky ? 1u << LC_LIGHT_DIRECTIONAL : 0);
 }

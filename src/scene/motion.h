@@ -46,6 +46,11 @@ typedef struct lc_moments {
 lc_status lc_moments_make(lc_moments *m, const lc_scene *scene, uint32_t spp);
 void lc_moments_free(lc_moments *m);
 const lc_scene *lc_moments_at(const lc_moments *m, uint32_t i);
+/* The scene as it is at the moment of a point. */
+static inline const lc_scene *lc_moments_scene(const lc_moments *m, const lc_scene *scene, uint32_t moment)
+{
+    return m->n ? lc_moments_at(m, moment) : scene;
+}
 /* The visibility of cuts over points of all moments. */
 lc_visibility lc_moments_visibility(const lc_moments *m, const lc_scene *scene);
 

@@ -1,5 +1,6 @@
 /* scene_destroy.c - frees a scene and everything it owns. */
 #include "scene/motion.h"
+#include "scene/near_bounce.h"
 #include "scene/scene.h"
 
 #include "scene/instance.h"
@@ -14,6 +15,7 @@ void lc_scene_destroy(lc_scene *s)
     if (!s) return;
     lc_context *ctx = s->ctx;
     lc_light_places_free(&s->virtuals, s->ctx);
+    lc_near_bounce_free(s->ctx, s->near_bounce);
     lc_bvh_destroy(s->bvh);
     lc_occluders_destroy(s->occluders);
     lc_instances_free(s);

@@ -37,6 +37,7 @@ LC_INLINE vf bound(cluster_lanes *l, lc_light_kind kind, lc_lobe lobe, const lc_
     const bool wide = lobe == LC_LOBE_NONE;    /* it may be a box of points */
     const bool volume = lobe == LC_LOBE_PHASE; /* which has no horizon */
     rel_box box = rel_box_make(l, far ? origin : p->pos, wide && !far ? p->half : NULL);
+    if (kind == LC_LIGHT_VIRTUAL) box.d2 = vf_max(box.d2, vf_set(p->near_d2)); /* nearer ones shed nothing */
     range n = range_make(&box, set3(p->n), false);
     if (wide && p->cone[1] > 0) n = range_of_cone(&n, &box, p->cone);
     if (!volume && !vf_any_gt(n.z1, zero)) return zero; /* behind the horizon */

@@ -67,6 +67,13 @@ LC_INLINE void add_lobe(const lc_point *p, lc_lobe lobe, const vf d[3], vf cos_r
     }
 }
 
+/* The part of a virtual light that a point gets from it. */
+LC_INLINE vf faded_in(const lc_point *p, vf d2)
+{
+    vf part = (d2 - vf_set(p->near_d2)) * vf_set(p->near_scale);
+    return vf_min(vf_max(part, vf_set(0)), vf_set(1));
+}
+
 /* light: VF_LANES records. kind, lobe: constants. */
 LC_INLINE void shade(const lc_tree_data *t, const float *const *light, lc_light_kind kind, lc_lobe lobe,
                      const lc_point *p, float *const out[6], uint32_t at)
@@ -97,6 +104,7 @@ LC_INLINE void shade(const lc_tree_data *t, const float *const *light, lc_light_
             lit = vf_sel_gt(g, min_cos, lit, zero);
         }
         g = attenuated(t, light, kind, p, d2, g);
+        if (kind == LC_LIGHT_VIRTUAL && p->near_scale > 0) g = g * faded_in(p, d2);
     }
     vf cos_g = g, f[3];
     if (!volume) cos_g = cos_r * g;

@@ -34,6 +34,7 @@
 
 static const float LESS = 1 - 0x1p-17f;
 static const float LEAST_SUM = 1e-30f; /* luminance; less counts as 0 */
+static const float ALL_LIT = 1 + 0x1p-20f; /* of faded_in, with the rounding of its product */
 
 /* Greatest squared distance of the boxes from an axis. */
 LC_INLINE vf greatest_r2(const rel_box *b, v3 axis)
@@ -131,6 +132,8 @@ LC_INLINE vf lower_bound(cluster_lanes *l, lc_light_kind kind, const lc_point *p
              0.0722f * least_channel(p->diffuse[2], g, intensity.z);
     sum = vf_min(vf_max(sum, zero), vf_set(FLT_MAX)); /* also NaN: infinite times 0 */
     sum = vf_sel_gt(sum, vf_set(LEAST_SUM), sum, zero);
+    if (kind == LC_LIGHT_VIRTUAL && p->near_scale > 0) /* some may be near, and shed less */
+        sum = vf_sel_gt((box.d2 - p->near_d2) * p->near_scale, vf_set(ALL_LIT), sum, zero);
     return vf_sel_gt(lit, min_cos, sum, zero);
 }
 

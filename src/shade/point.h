@@ -35,6 +35,9 @@ typedef struct lc_point {
     float specular[3];
     float exponent;
     float min_d2;      /* distance floor, scene units^2 */
+    /* Virtual lights within a squared distance of near_d2 shed nothing, those beyond the part (d^2 - near_d2)
+     * near_scale of their light, at most all: scene/near_bounce.h. 0, 0: all of them all of it. */
+    float near_d2, near_scale;
     uint32_t turn;     /* which points of lights with LC_LIGHT_SIZED shadow rays go to; lc_point_init: 0 */
     lc_lobe lobe;      /* LC_LOBE_NONE where specular is 0, except with a coat */
     /* Ward, GGX: X and Y of slope_tmpl.c are the products of h with these. */
