@@ -14,7 +14,8 @@
 
 /* Of surfaces' shares over pi: a disc of that squared radius holds as many lights on the average. */
 #define LIGHTS_IN_REACH 24.0f
-#define LIGHTS_IN_MEAN 16.0f
+#define LIGHTS_IN_MEAN 24.0f
+#define OWN_PART 0.5f      /* of the light at a mean's place: 0 if lights were at random, 1 if on a grid */
 #define LIGHTS_IN_HIT 4.0f /* a place without any is dark: among lights evenly spread one in 50 */
 #define BEGINS 0.5f        /* of the squared reach */
 #define AREA_POINTS 64     /* of the disc around a light */
@@ -80,7 +81,8 @@ static bool meets(const lc_scene *s, lc_f3 org, lc_f3 dir, float length, lc_hit 
 /* The mean of lights around a place. */
 typedef struct {
     const lc_scene *scene;
-    uint32_t path; /* whose lights do not count: those of others around them are as many as anywhere */
+    const lc_light *own; /* the light at the place */
+    uint32_t path; /* its path, whose others do not count: lights of other paths are as many as anywhere */
     lc_f3 pos, n, org; /* the place, and above it */
     float r2, lift, deep;
     uint32_t stride;
@@ -101,14 +103,15 @@ static void add_light(void *user, const lc_light *l, float d2)
 {
     mean *m = user;
     (void)d2;
-    if (m->scene->near_bounce->path[l - m->scene->virtuals.lights] == m->path) return;
+    if (l != m->own && m->scene->near_bounce->path[l - m->scene->virtuals.lights] == m->path) return;
     const lc_f3 way = lc_f3_sub(l->pos, m->pos);
     const float height = lc_f3_dot(way, m->n);
     const lc_f3 across = lc_f3_sub(way, lc_f3_scale(m->n, height));
     const float distance = sqrtf(lc_f3_dot(across, across));
     if (!(height < m->lift && height > -m->deep)) return;
     if (distance > 0 && !goes_on(m, lc_f3_scale(across, 1 / distance), distance)) return;
-    const lc_f3 part = lc_f3_scale(l->intensity, fmaxf(1 - distance * distance / m->r2, 0));
+    const float weight = l == m->own ? OWN_PART : fmaxf(1 - distance * distance / m->r2, 0);
+    const lc_f3 part = lc_f3_scale(l->intensity, weight);
     m->sum[0] = lc_f3_add(m->sum[0], part);
     if (m->stride > 1) m->sum[1 + l->group] = lc_f3_add(m->sum[1 + l->group], part);
 }
@@ -133,6 +136,7 @@ static void find_radiance(const lc_scene *s, uint32_t light, mean *m)
 {
     const lc_light *l = &s->virtuals.lights[light];
     m->scene = s;
+    m->own = l;
     m->path = s->near_bounce->path[light];
     m->stride = s->near_bounce->stride;
     m->r2 = LIGHTS_IN_MEAN * share_of(s, light);
@@ -170,7 +174,8 @@ static const lc_f3 *radiance_of(const lc_scene *s, uint32_t light, mean *m)
 void lc_near_bounce_reach(const lc_scene *s, const lc_surface *at, lc_point *soft)
 {
     lc_nearest_lights q = { .pos = at->pos, .any_way = true, .self = LC_NONE, .n_wanted = LC_MAX_NEAREST };
-    if (!s->near_bounce || soft->lobe == LC_LOBE_PHASE) return;
+    /* where light counts without a cosine, rays by the cosine would be too few near the horizon */
+    if (!s->near_bounce || soft->lobe == LC_LOBE_PHASE || soft->lobe == LC_LOBE_ROUND) return;
     const uint32_t n = lc_light_places_find(&s->virtuals, &q);
     float sum = 0;
     for (uint32_t i = LC_MAX_NEAREST - n; i < LC_MAX_NEAREST; i++) sum += share_of(s, q.light[i]);

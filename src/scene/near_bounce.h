@@ -12,7 +12,8 @@
  *     sum I_k w(d_k) / integral over the surface of w(d)    w(d) = 1 - d^2 / R^2
  *
  * over the lights k within R that are seen along the surface; the integral leaves out what is not, so that L
- * is no less beside a wall, nor has any of the next room's light. A ray ends where the nearest light's L is
+ * is no less beside a wall, nor has any of the next room's light. Of the light's own path it alone counts, by
+ * half, as lights are neither quite at random nor on a grid. A ray ends where the nearest light's L is
  * taken. Each is found when it is asked for first.
  */
 #ifndef LC_NEAR_BOUNCE_H
@@ -23,17 +24,17 @@
 
 typedef struct lc_near_bounce lc_near_bounce;
 
-/* For the scene's virtual lights, which are made; scene->near_bounce stays NULL where there are none. path: of
- * each light. LC_ERR_MEMORY. */
+/* For the scene's virtual lights, which are made; scene->near_bounce stays NULL where there are none. path:
+ * of each light. LC_ERR_MEMORY. */
 lc_status lc_near_bounce_make(lc_scene *scene, const uint32_t *path);
 void lc_near_bounce_free(const lc_context *ctx, lc_near_bounce *n);
 
 /* Sets near_d2 and near_scale of what virtual lights meet at a surface. */
 void lc_near_bounce_reach(const lc_scene *scene, const lc_surface *at, lc_point *soft);
 
-/* Radiance that leaves a lit point of what surfaces within its reach reflect, one of so many samples of a
- * pixel. It depends on the point alone. p: of lc_lit_point. of_group: NULL, or where each group's part is
- * added, times weight. */
+/* Radiance that leaves a lit point of what surfaces within its reach reflect; the point is one of n_samples
+ * of a pixel. It depends on the point alone. p: of lc_lit_point. of_group: NULL, or where each group's part
+ * is added, times weight. */
 lc_f3 lc_near_bounce_light(const lc_scene *scene, const lc_lit *lit, const lc_point *p, uint32_t n_samples,
                            lc_f3 weight, lc_f3 *of_group);
 

@@ -1,0 +1,207 @@
+/* unit_near_bounce.c - light from surfaces near a point (scene/near_bounce.h): bounds of virtual lights that
+ * fade in are above and below their sums, for points alone and in boxes; illuminance close to a lit wall
+ * against the closed form, where single virtual lights would be dots. */
+#include "cut/gather.h"
+#include "shade/dir_pack.h"
+#include "shade/point_init.h"
+#include "support/isas.h"
+#include "support/near.h"
+#include "support/one_scene.h"
+#include "tree/light_tree.h"
+
+#define RND_KEY 515
+#include "support/rnd.h"
+
+#include <float.h>
+
+#define N_LIGHTS 200
+#define N_POINTS 300
+
+/* ---- bounds ---- */
+
+static lc_light_tree *build(void)
+{
+    lc_light light[N_LIGHTS];
+    lc_light_tree *t;
+    for (int i = 0; i < N_LIGHTS; i++)
+        light[i] = (lc_light){ .kind = LC_LIGHT_VIRTUAL, .pos = rnd_in_box(1), .dir = rnd_unit(),
+                               .intensity = { (float)rnd_in(0.1, 1), (float)rnd(), (float)rnd() },
+                               .atten = { (float)rnd_in(0, 0.01), 0, 1 } };
+    const lc_light_tree_desc d = { .lights = light, .n_lights = N_LIGHTS, .diag2 = 12, .seed = 3, .n_reps = 1,
+                                   .builder = LC_BUILDER_AUTO };
+    if (lc_light_tree_build(ctx, &d, &t)) abort();
+    return t;
+}
+
+static void make_point(lc_point *p, lc_f3 pos, lc_f3 n)
+{
+    const lc_material m = { .kd = { 0.7f, 0.6f, 0.5f } };
+    lc_point_init(p, pos, n, n, &m, 1e-10f);
+    const double reach2 = pow(10, rnd_in(-2, 0.5));
+    p->near_d2 = (float)(0.5 * reach2);
+    p->near_scale = (float)(2 / reach2);
+}
+
+/* In double precision, by the definition. */
+static double one(const lc_light_tree *t, uint32_t light, const lc_point *p)
+{
+    const lc_light_rec *l = &t->data.lights[light];
+    const float *a = t->data.light_atten[light];
+    const lc_f3 dir = lc_dir_unpack((const uint32_t[2]){ l->dir_a, l->dir_b });
+    const double way[3] = { (double)l->pos[0] - (double)p->pos[0], (double)l->pos[1] - (double)p->pos[1],
+                            (double)l->pos[2] - (double)p->pos[2] };
+    const double d2 = way[0] * way[0] + way[1] * way[1] + way[2] * way[2], d = sqrt(d2);
+    const double cos_r = (way[0] * (double)p->n[0] + way[1] * (double)p->n[1] + way[2] * (double)p->n[2]) / d,
+                 cos_e = -(way[0] * (double)dir.x + way[1] * (double)dir.y + way[2] * (double)dir.z) / d;
+    const double part = fmin(fmax((d2 - (double)p->near_d2) * (double)p->near_scale, 0), 1);
+    double sum = 0;
+    for (int k = 0; k < 3; k++)
+        sum += (k == 0 ? 0.2126 : k == 1 ? 0.7152 : 0.0722) * (double)(p->diffuse[k] * l->intensity[k]);
+    return fmax(cos_r, 0) * fmax(cos_e, 0) * part / ((double)a[0] + d2) * sum;
+}
+
+static double sum_of(const lc_light_tree *t, uint32_t link, const lc_point *p)
+{
+    if (link & LC_LEAF) return one(t, link & ~LC_LEAF, p);
+    return sum_of(t, t->data.nodes[link].left, p) + sum_of(t, t->data.nodes[link].right, p);
+}
+
+TEST(bounds_hold)
+{
+    lc_light_tree *t = build();
+    uint32_t n = 0, index[N_LIGHTS], faded = 0;
+    for (uint32_t i = 0; i < t->n_nodes; i++) index[n++] = i;
+    for (int i = 0; i < N_POINTS; i++) {
+        lc_point p;
+        make_point(&p, rnd_in_box(1.2), rnd_unit());
+        EACH_ISA(isa)
+        {
+            float ub[N_LIGHTS], lb[N_LIGHTS], f[6][N_LIGHTS + 16];
+            float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
+            const lc_shade_kernels *k = &lc_isa_kernels(isa)->shade;
+            k->bounds(&t->data, index, n, LC_LIGHT_VIRTUAL, &p, ub);
+            k->lower_bounds(&t->data, index, n, LC_LIGHT_VIRTUAL, &p, lb);
+            k->estimate(&t->data, 0, NULL, t->n_lights, LC_LIGHT_VIRTUAL, &p, out);
+            for (uint32_t l = 0; l < t->n_lights; l++) {
+                const double want = one(t, l, &p);
+                double got = 0;
+                for (int c = 0; c < 3; c++)
+                    got += (c == 0 ? 0.2126 : c == 1 ? 0.7152 : 0.0722) *
+                           (double)(f[c][l] * t->data.lights[l].intensity[c]);
+                CHECKF(fabs(got - want) <= 1e-4 * want + 1e-7, "light %u: %g of %g", l, got, want);
+            }
+            for (uint32_t c = 0; c < n; c++) {
+                const double sum = sum_of(t, index[c], &p);
+                CHECKF((double)ub[c] >= sum * (1 - 1e-6), "upper %g of %g", (double)ub[c], sum);
+                CHECKF((double)lb[c] <= sum * (1 + 1e-6), "lower %g of %g", (double)lb[c], sum);
+                faded += lb[c] > 0;
+            }
+        }
+    }
+    CHECK(faded > 0);
+    lc_light_tree_destroy(t);
+}
+
+/* The bound for a box of points is above the sums at each of them. */
+TEST(bounds_of_boxes_hold)
+{
+    static lc_gather g;
+    static lc_gather_point point[8];
+    lc_light_tree *t = build();
+    for (int i = 0; i < N_POINTS; i++) {
+        const lc_f3 pos = rnd_in_box(1.2), dir = rnd_unit();
+        for (int k = 0; k < 8; k++) {
+            make_point(&point[k].p[1], lc_f3_add(pos, rnd_in_box(0.05)), dir);
+            point[k].p[0] = point[k].p[1];
+            point[k].p[0].near_d2 = point[k].p[0].near_scale = 0;
+            point[k].p[0].soft = &point[k].p[1];
+            point[k].p[0].soft_kinds = 1u << LC_LIGHT_VIRTUAL;
+            lc_f3_store(point[k].org, lc_f3_load(point[k].p[0].pos));
+        }
+        lc_gather_make(&g, point, 8);
+        for (uint32_t c = 0; c < t->n_nodes; c++) {
+            float ub[16];
+            lc_kernels_scalar.shade.bounds(&t->data, &c, 1, LC_LIGHT_VIRTUAL, &g.all[0], ub);
+            for (int k = 0; k < 8; k++) {
+                const double sum = sum_of(t, c, &point[k].p[1]);
+                CHECKF((double)ub[0] >= sum * (1 - 1e-6), "%g of %g", (double)ub[0], sum);
+            }
+        }
+    }
+    lc_light_tree_destroy(t);
+}
+
+/* ---- near a wall ---- */
+
+#define N_SENSORS 64
+#define WALL_AND_SUN                                                                                         \
+    "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 0 4] \"point3 to\" [0 0 0] \"rgb L\" [1 1 1]\n"  \
+    "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"                                                  \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 0 0 1 0 0 1 1 0 -1 1 0] \"integer indices\" [0 1 2 0 2 3]\n"
+
+/* Illuminances at points at a distance from the wall, at its foot's height, looking up. Returns the mean;
+ * *most: the greatest. */
+static double light_near(double distance, uint32_t n_lights, double *most)
+{
+    static lc_sensor sensor[N_SENSORS];
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    lc_sensors_desc d = LC_SENSORS_DESC_INIT;
+    lc_render_desc r = LC_RENDER_DESC_INIT;
+    lc_scene *s = NULL;
+    lc_image *image = NULL;
+    double sum = 0;
+    for (int i = 0; i < N_SENSORS; i++)
+        sensor[i] = (lc_sensor){ .position = { (float)(i - N_SENSORS / 2) / N_SENSORS, 0, (float)distance },
+                                 .normal = { 0, 1, 0 } };
+    d.width = N_SENSORS;
+    d.height = 1;
+    d.sensors = sensor;
+    load.sensors = &d;
+    load.indirect_lights = n_lights;
+    load.max_depth = 2;
+    r.method = LC_METHOD_EXACT;
+    lc_status st = lc_scene_load(ctx, scene_path(), &load, &s);
+    if (!st) st = lc_render(ctx, s, &r, &image, NULL);
+    CHECK(!st);
+    *most = 0;
+    for (int i = 0; !st && i < N_SENSORS; i++) {
+        const double x = (double)lc_image_channel(image, "G")[i];
+        sum += x / N_SENSORS;
+        *most = fmax(*most, x);
+    }
+    lc_image_destroy(image);
+    lc_scene_destroy(s);
+    return sum;
+}
+
+/* A wall of 2 x 1 that reflects 1/2 of an irradiance of 1, seen from its foot's plane ([Howell82] C-11). */
+static double closed_form(double c)
+{
+    const double a = 1, b = 1, q = sqrt(a * a + c * c);
+    return 0.5 / LC_PI * (atan(b / c) - c / q * atan(b / q));
+}
+
+TEST(no_dots_near_a_wall)
+{
+    double most;
+    scene_write("%s", WALL_AND_SUN);
+    for (double c = 0.003; c < 0.5; c *= 2.5) {
+        const double got = light_near(c, 3000, &most), want = closed_form(c);
+        printf("    distance %.3f: %.4f of %.4f, at most %.4f\n", c, got, want, most);
+        CHECKF(near_rel(got, want, 0.06), "distance %g: %g of %g", c, got, want);
+        CHECKF(most < 1.5 * want, "distance %g: %g of %g", c, most, want);
+    }
+}
+
+int main(void)
+{
+    ctx = quiet_context(2);
+    temp_begin();
+    RUN(every_instruction_set_is_here);
+    RUN(bounds_hold);
+    RUN(bounds_of_boxes_hold);
+    RUN(no_dots_near_a_wall);
+    one_scene_end();
+    temp_end();
+    return test_done();
+}
