@@ -167,7 +167,7 @@ static double light_near(double distance, uint32_t n_lights, double *most)
     for (int i = 0; !st && i < N_SENSORS; i++) {
         const double x = (double)lc_image_channel(image, "G")[i];
         sum += x / N_SENSORS;
-        *most = fmax(*most, x);
+        if (x > *most) *most = x;
     }
     lc_image_destroy(image);
     lc_scene_destroy(s);
