@@ -23,10 +23,13 @@ void lc_lighting_exchange(lc_scene *s, lc_lighting *l)
 {
     lc_light *lights = s->lights;
     lc_light_tree *tree = s->tree;
+    lc_near_bounce *near_bounce = s->near_bounce;
     s->lights = l->lights;
     s->tree = l->tree;
+    s->near_bounce = l->near_bounce;
     l->lights = lights;
     l->tree = tree;
+    l->near_bounce = near_bounce;
     SWAP(size_t, n_lights);
     SWAP(size_t, cap_lights);
     SWAP(size_t, n_given);
@@ -39,9 +42,6 @@ void lc_lighting_exchange(lc_scene *s, lc_lighting *l)
     SWAP(lc_lamp_error, lamp_error);
     SWAP(lc_lamps, lamps);
     SWAP(lc_light_places, virtuals);
-    struct lc_near_bounce *near_bounce = s->near_bounce;
-    s->near_bounce = l->near_bounce;
-    l->near_bounce = near_bounce;
     SWAP(double, diag2);
     SWAP(float, min_d2);
 }

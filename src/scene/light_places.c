@@ -137,7 +137,7 @@ static void meet_within(const lc_light_places *all, const lc_lights_within *q, c
     const lc_light *light = &all->lights[p->light];
     const lc_f3 way = lc_f3_sub(lc_f3_load(p->pos), q->pos);
     const float d2 = lc_f3_dot(way, way);
-    if (d2 < q->d2 && lc_f3_dot(light->dir, q->n) > LC_SAME_WAY) q->meet(q->user, light, d2);
+    if (d2 < q->d2 && lc_f3_dot(light->dir, q->n) > LC_SAME_WAY) q->meet(q->user, light);
 }
 
 static void search_within(const lc_light_places *all, const lc_lights_within *q, const place *p, size_t n)

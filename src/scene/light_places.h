@@ -66,7 +66,7 @@ uint32_t lc_light_places_find(const lc_light_places *places, lc_nearest_lights *
 typedef struct lc_lights_within {
     lc_f3 pos, n; /* n: unit */
     float d2;
-    void (*meet)(void *user, const lc_light *light, float d2);
+    void (*meet)(void *user, const lc_light *light);
     void *user;
 } lc_lights_within;
 void lc_light_places_within(const lc_light_places *places, const lc_lights_within *query);

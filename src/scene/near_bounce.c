@@ -30,6 +30,7 @@
 enum { EMPTY, BUSY, DONE };
 
 struct lc_near_bounce {
+    const lc_scene *scene; /* not that of a moment, which threads ask in any order */
     size_t n;
     uint32_t stride;      /* 1 + number of groups */
     uint32_t *path;       /* of each light */
@@ -44,6 +45,7 @@ lc_status lc_near_bounce_make(lc_scene *s, const uint32_t *path)
     lc_near_bounce *b = lc_alloc(s->ctx, 1, sizeof *b);
     if (!b) return LC_ERR_MEMORY;
     s->near_bounce = b;
+    b->scene = s;
     b->n = n;
     b->stride = 1 + s->groups.n;
     b->radiance = lc_alloc_raw(s->ctx, n * b->stride, sizeof *b->radiance);
@@ -99,10 +101,9 @@ static bool goes_on(const mean *m, lc_f3 along, float distance)
                  m->lift + m->deep, &hit);
 }
 
-static void add_light(void *user, const lc_light *l, float d2)
+static void add_light(void *user, const lc_light *l)
 {
     mean *m = user;
-    (void)d2;
     if (l != m->own && m->scene->near_bounce->path[l - m->scene->virtuals.lights] == m->path) return;
     const lc_f3 way = lc_f3_sub(l->pos, m->pos);
     const float height = lc_f3_dot(way, m->n);
@@ -160,7 +161,7 @@ static const lc_f3 *radiance_of(const lc_scene *s, uint32_t light, mean *m)
     lc_f3 *kept = b->radiance + (size_t)light * b->stride;
     uint8_t is = atomic_load_explicit(&b->state[light], memory_order_acquire);
     if (is == DONE) return kept;
-    find_radiance(s, light, m);
+    find_radiance(b->scene, light, m);
     is = EMPTY;
     if (atomic_compare_exchange_strong(&b->state[light], &is, BUSY)) {
         memcpy(kept, m->sum, b->stride * sizeof *kept);
@@ -189,9 +190,8 @@ void lc_near_bounce_reach(const lc_scene *s, const lc_surface *at, lc_point *sof
 typedef struct {
     uint32_t n;
     lc_light_rec rec[BATCH];  /* from where: as lights at infinity */
-    lc_f3 radiance[BATCH];    /* times 1 - part, over their density */
-    uint32_t light[BATCH];    /* whose radiance it is */
-    float factor[BATCH];
+    uint32_t light[BATCH];    /* where they end: whose L they have */
+    float factor[BATCH];      /* 1 - part, over their density */
 } gathered;
 
 static void gather_ray(const lc_scene *s, const lc_lit *lit, const lc_point *soft, const double u[2],
@@ -249,7 +249,7 @@ lc_f3 lc_near_bounce_light(const lc_scene *s, const lc_lit *lit, const lc_point 
 {
     lc_f3 sum = { 0, 0, 0 };
     const lc_point *soft = lc_point_for(p, LC_LIGHT_VIRTUAL);
-    const uint32_t n = n_samples * LEAST_RAYS < RAYS ? RAYS / n_samples : LEAST_RAYS;
+    const uint32_t n = n_samples < RAYS / LEAST_RAYS ? RAYS / n_samples : LEAST_RAYS;
     uint32_t pos[3];
     gathered g;
     g.n = 0;

@@ -13,8 +13,8 @@
  *
  * over the lights k within R that are seen along the surface; the integral leaves out what is not, so that L
  * is no less beside a wall, nor has any of the next room's light. Of the light's own path it alone counts, by
- * half, as lights are neither quite at random nor on a grid. A ray ends where the nearest light's L is
- * taken. Each is found when it is asked for first.
+ * half, as lights are neither quite at random nor on a grid. Where a ray ends, L is that of the nearest
+ * light. L of a light is found when it is first asked for.
  */
 #ifndef LC_NEAR_BOUNCE_H
 #define LC_NEAR_BOUNCE_H
