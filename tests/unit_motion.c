@@ -369,13 +369,37 @@ TEST(cuts_keep_the_error_that_is_asked)
     }
 }
 
-TEST(threads_and_crops_give_the_same_bytes)
+/* A slab that turns in a corner, lit by what floor and wall reflect, too. */
+static lc_scene *bounced(void)
+{
+    lc_load_desc d = LC_LOAD_DESC_INIT;
+    d.spp = 9;
+    d.indirect_lights = 1500;
+    return scene_from_text(
+        ctx, &d,
+        "LookAt 0 5 -9 0 0 0 0 1 0\nCamera \"perspective\" \"float fov\" 50\n"
+        "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\n"
+        "Integrator \"path\" \"integer maxdepth\" 3\nWorldBegin\n"
+        "LightSource \"point\" \"point3 from\" [3 6 -2] \"rgb I\" [40 30 20]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-9 -1 -9 9 -1 -9 9 -1 3 -9 -1 3] "
+        "\"integer indices\" [0 2 1 0 3 2]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-9 -1 3 9 -1 3 9 9 3 -9 9 3] "
+        "\"integer indices\" [0 2 1 0 3 2]\n"
+        "ActiveTransform EndTime\nRotate 60 0 1 0\nActiveTransform All\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-2 -2 -1 2 -2 -1 2 1 1 -2 1 1] "
+        "\"integer indices\" [0 2 1 0 3 2]\n",
+        SIDE, SIDE);
+}
+
+static lc_scene *many_lights(void) { return under_lights(300, 9); }
+
+static void expect_same_bytes(lc_scene *(*make)(void))
 {
     lc_context *one = quiet_context(1), *three = quiet_context(3), *was = ctx;
     lc_image *image[3] = { NULL, NULL, NULL };
     for (int i = 0; i < 3; i++) {
         ctx = i ? three : one;
-        lc_scene *s = under_lights(300, 9);
+        lc_scene *s = make();
         lc_render_desc d = LC_RENDER_DESC_INIT;
         d.method = LC_METHOD_CUTS;
         d.aovs = LC_AOV_CUT;
@@ -393,6 +417,9 @@ TEST(threads_and_crops_give_the_same_bytes)
     lc_context_destroy(one);
     lc_context_destroy(three);
 }
+
+TEST(threads_and_crops_give_the_same_bytes) { expect_same_bytes(many_lights); }
+TEST(bounced_light_has_the_same_bytes) { expect_same_bytes(bounced); }
 
 TEST(haze_and_glass_move_along)
 {
@@ -529,6 +556,7 @@ int main(void)
     RUN(motion_is_the_mean_of_what_stands_still);
     RUN(cuts_keep_the_error_that_is_asked);
     RUN(threads_and_crops_give_the_same_bytes);
+    RUN(bounced_light_has_the_same_bytes);
     RUN(haze_and_glass_move_along);
     RUN(a_light_that_moves_is_spread_along_its_way);
     RUN(what_stands_still_is_said);
