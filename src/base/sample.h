@@ -6,25 +6,23 @@
 
 #include "base/rng.h"
 
-/* Point i of the sequence with this key, 0 <= u < 1. */
-static inline void lc_sample_pair(uint64_t key, uint32_t i, double u[2])
-{
-    uint32_t x = (uint32_t)key, y = (uint32_t)(key >> 32);
-    for (uint32_t bit = 1u << 31, column = 1u << 31; i; i >>= 1, bit >>= 1, column ^= column >> 1)
-        if (i & 1) {
-            x ^= bit;
-            y ^= column;
-        }
-    u[0] = x * 0x1p-32;
-    u[1] = y * 0x1p-32;
-}
-
 static inline uint32_t lc_reverse_bits(uint32_t x)
 {
     static const uint32_t mask[4] = { 0x00ff00ffu, 0x0f0f0f0fu, 0x33333333u, 0x55555555u };
     x = x >> 16 | x << 16;
     for (int i = 0, by = 8; i < 4; i++, by /= 2) x = (x & mask[i]) << by | (x >> by & mask[i]);
     return x;
+}
+
+/* Point i of the sequence with this key, 0 <= u < 1. In reversed order the second coordinate's digits are the
+ * product of Pascal's triangle modulo 2 and i's, a Kronecker power of {1 1; 0 1}: one factor a step. */
+static inline void lc_sample_pair(uint64_t key, uint32_t i, double u[2])
+{
+    static const uint32_t upper[5] = { 0xffff0000u, 0xff00ff00u, 0xf0f0f0f0u, 0xccccccccu, 0xaaaaaaaau };
+    uint32_t y = i;
+    for (int k = 0, by = 16; k < 5; k++, by /= 2) y ^= (y & upper[k]) >> by;
+    u[0] = ((uint32_t)key ^ lc_reverse_bits(i)) * 0x1p-32;
+    u[1] = ((uint32_t)(key >> 32) ^ lc_reverse_bits(y)) * 0x1p-32;
 }
 
 /* A permutation of all 32-bit numbers for each key that keeps each 2^k successive ones that start at a

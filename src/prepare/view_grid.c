@@ -15,7 +15,9 @@ static void add_view(lc_view_grid *view, const lc_camera *camera, uint32_t side,
 {
     const lc_scene *scene = view->scene;
     const double lens[2] = { 0.5, 0.5 };
-    const lc_sight_desc how = { camera->pixel, max_depth, 1, 0.5, NULL };
+    const lc_sight_desc how = {
+        .pixel = camera->pixel, .max_depth = max_depth, .n_points = 1, .offset = 0.5
+    };
     const double width = scene->film.width, height = scene->film.height;
     for (uint32_t i = 0; i < side * side; i++) {
         lc_f3 dir;

@@ -61,7 +61,9 @@ static void find_point(finder *f, uint32_t thread, size_t i)
     lc_cut_result r;
     const uint32_t block = (uint32_t)(i / LC_BLOCK_POINTS);
     const lc_camera *camera = lc_view_camera(s, block / a_view);
-    const lc_sight_desc how = { camera->pixel, f->max_depth, 1, 0.5, NULL };
+    const lc_sight_desc how = {
+        .pixel = camera->pixel, .max_depth = f->max_depth, .n_points = 1, .offset = 0.5
+    };
     place_of(d, side, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
     d->weight[i] = 0;
     if (!lc_view_sight_by(s, camera, at[0], at[1], lens, &how, &dir, &sight) || !sight.n_lit) return;

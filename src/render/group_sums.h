@@ -22,10 +22,6 @@ typedef struct lc_group_sums {
 lc_status lc_groups_make_rooms(lc_render_job *j, size_t n_shared);
 void lc_groups_free_room(const lc_context *ctx, lc_render_worker *w);
 
-/* lc_sample_sight, with of_group: as of lc_sight_desc. */
-bool lc_sample_sight_groups(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *of_group,
-                            lc_f3 *dir, lc_sight *s);
-
 /* The calls below take a worker's sums, and do nothing where these are NULL. */
 
 /* Where the sight of a sample, which begins, adds what is emitted; NULL without groups. */

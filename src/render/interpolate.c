@@ -5,6 +5,7 @@
 #include "render/group_sums.h"
 #include "render/interval.h"
 #include "render/likeness.h"
+#include "render/pixel_sights.h"
 #include "tree/near_lights.h"
 
 #include <math.h>
@@ -138,24 +139,33 @@ static bool is_smooth(const lc_lit *lit)
 static bool look(const lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px,
                  lc_face *f)
 {
-    lc_f3 albedo = { 0, 0, 0 };
-    bool even = true;
+    lc_f3 albedo = { 0, 0, 0 }, own_albedo = { 0, 0, 0 };
+    lc_pixel_sights all;
+    const lc_sight *s = &all.sight;
+    bool even = true, all_flat = true; /* on one flat surface, so far */
+    lc_pixel_sights_begin(&all, j, x, y, j->first);
     lc_phase_start(&w->stats);
     for (uint32_t i = j->first; i < j->end && even; i++) {
-        lc_f3 dir;
-        lc_sight s;
-        lc_face own;
         w->stats.camera_rays++;
-        even = lc_sample_sight(j, x, y, i, &dir, &s);
+        even = lc_pixel_sights_next(&all, NULL);
         if (!even) break;
-        w->stats.camera_rays += s.n_rays;
-        even = s.n_lit == 1 && !(lc_f3_max_abs(s.emission) > 0) && is_smooth(&s.lit[0]);
-        if (!even) break;
-        lc_face_set(&own, &s.lit[0]);
-        if (i == j->first) *f = own;
-        else even = lc_likeness(f, &own) >= LEAST_ALIKE;
-        albedo = lc_f3_add(albedo, lc_f3_mul(own.albedo, s.lit[0].weight));
-        lc_add_to_planes(j, px, &s, dir);
+        w->stats.camera_rays += s->n_rays;
+        if (i == j->first || !s->is_same) {
+            lc_face own;
+            even = s->n_lit == 1 && !(lc_f3_max_abs(s->emission) > 0) && is_smooth(&s->lit[0]);
+            if (!even) break;
+            lc_face_set(&own, &s->lit[0]);
+            if (i == j->first) *f = own;
+            else even = lc_likeness(f, &own) >= LEAST_ALIKE;
+            all_flat &= i == j->first;
+            own_albedo = lc_f3_mul(own.albedo, s->lit[0].weight);
+        } else if (!all_flat) {
+            lc_face own;
+            lc_face_set(&own, &s->lit[0]);
+            even = lc_likeness(f, &own) >= LEAST_ALIKE;
+        }
+        albedo = lc_f3_add(albedo, own_albedo);
+        lc_add_to_planes(j, px, s, all.dir);
     }
     f->albedo = lc_f3_scale(albedo, 1 / (float)(j->end - j->first));
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);

@@ -8,6 +8,7 @@
 #include "render/interval.h"
 
 #include "cut/exact.h"
+#include "render/pixel_sights.h"
 #include "scene/lit_point.h"
 #include "scene/near_bounce.h"
 #include "scene/sun.h"
@@ -73,7 +74,7 @@ bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
     lc_film_weights(&j->scene->film, lc_f3_make(1, 1, 1), weight);
     if (j->exact) {
         *out = lc_interval_of(rgb, weight);
-    } else if (!lc_sample_sight(j, x, y, i, &dir, &s)) {
+    } else if (!lc_sample_sight(j, x, y, i, NULL, &dir, &s)) {
         *out = lc_interval_of(lc_background(j->scene, dir), weight);
     } else {
         if (!lc_job_go_on(j)) return false;

@@ -6,6 +6,7 @@
 #include "render/guide.h"
 #include "render/interpolate.h"
 #include "render/interval.h"
+#include "render/pixel_sights.h"
 #include "render/reconstruct.h"
 #include "render/samples.h"
 #include "scene/lit_point.h"
@@ -17,11 +18,6 @@
 
 #define ASK_STEP 1000 /* rays and lights between looks at the clock: 10 us and more */
 
-static uint64_t pixel_of(const lc_render_job *j, uint32_t x, uint32_t y)
-{
-    return (uint64_t)y * j->scene->film.width + x;
-}
-
 /* Picks a pixel's slot of representatives. The pixels of a block have 16 numbers in an order of its own, so
  * with at most as many slots all are in it equally often, and the block's mean is better than that of any 16
  * choices; samples of a pixel go on from its number, which is in the lowest four bits. Measured:
@@ -29,7 +25,8 @@ static uint64_t pixel_of(const lc_render_job *j, uint32_t x, uint32_t y)
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i)
 {
     if (j->scene->tree->n_reps == 1) return 0;
-    uint64_t h = lc_job_key(j, pixel_of(j, x - x % LC_PIXEL_BLOCK, y - y % LC_PIXEL_BLOCK), 0, LC_DIM_SLOT);
+    const uint64_t block = lc_pixel_number(j, x - x % LC_PIXEL_BLOCK, y - y % LC_PIXEL_BLOCK),
+                   h = lc_job_key(j, block, 0, LC_DIM_SLOT);
     return h >> 32 << 4 |
            ((lc_permute16(y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK, h) + 5 * i) & 15);
 }
@@ -111,57 +108,6 @@ void lc_add_to_planes(const lc_render_job *j, lc_pixel *px, const lc_sight *sigh
     px->cover += 1;
 }
 
-/* Where the points of media are in their parts of a ray: the 16 pixels of a block differ by a sixteenth each,
- * the samples of a pixel by the golden ratio. */
-static double medium_offset(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i)
-{
-    const uint64_t block = pixel_of(j, x - x % LC_PIXEL_BLOCK, y - y % LC_PIXEL_BLOCK),
-                   h = lc_job_key(j, block, 0, LC_DIM_MEDIUM);
-    const uint32_t of_block = lc_permute16(y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK, h);
-    const double u = (of_block + lc_unit(lc_job_key(j, pixel_of(j, x, y), 0, LC_DIM_MEDIUM))) / 16 +
-                     i * 0.6180339887498949;
-    return u - floor(u);
-}
-
-/* The scene at the moment of a sample of a pixel: as many as a pixel has, one of each part of the time, in an
- * order of their own. */
-static const lc_scene *scene_at(const lc_render_job *j, uint64_t pixel, uint32_t i)
-{
-    double u[2];
-    if (!j->moments.n) return j->scene;
-    const uint64_t key = lc_job_key(j, pixel, 0, LC_DIM_TIME);
-    lc_sample_pair(key, lc_shuffle(i, lc_mix(key)), u);
-    return lc_moments_at(&j->moments, (uint32_t)(u[0] * j->moments.n));
-}
-
-/* What sample i of a pixel shows. One sample is of the pixel's centre and the lens's. Pixels left of the film
- * and above it, whose samples pixels of the film may share, have coordinates modulo 2^32. */
-bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s)
-{
-    return lc_sample_sight_groups(j, x, y, i, NULL, dir, s);
-}
-
-bool lc_sample_sight_groups(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *of_group,
-                            lc_f3 *dir, lc_sight *s)
-{
-    uint64_t pixel = pixel_of(j, x, y);
-    double u[2], offset[2] = { 0, 0 }, lens[2] = { 0.5, 0.5 };
-    lc_sight_desc how = j->how;
-    how.of_group = of_group;
-    if (j->share) lc_filter_share_offset(j->share, i, offset);
-    if (j->spp > 1) {
-        if (!j->share) {
-            lc_sample_pair(lc_job_key(j, pixel, 0, LC_DIM_FILM), i, u);
-            lc_pixel_filter_sample(&j->scene->filter, u, offset);
-        }
-        uint64_t h = lc_job_key(j, pixel, 0, LC_DIM_LENS);
-        lc_sample_pair(h, i ^ (uint32_t)(lc_mix(h) & j->lens_order), lens);
-    }
-    if (j->scene->media.present) how.offset = medium_offset(j, x, y, i);
-    return lc_view_sight(scene_at(j, pixel, i), (int32_t)x + 0.5 + offset[0], (int32_t)y + 0.5 + offset[1],
-                         lens, &how, dir, s);
-}
-
 /* Reading the clock for every sample would cost some percent where a pixel takes half a microsecond. */
 bool lc_time_to_ask(lc_render_worker *w)
 {
@@ -181,7 +127,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     lc_phase_start(&w->stats);
     w->stats.camera_rays++;
     lc_f3 *of_group = lc_groups_begin_sample(w->groups);
-    bool hit = lc_sample_sight_groups(j, x, y, i, of_group, &dir, &s);
+    bool hit = lc_sample_sight(j, x, y, i, of_group, &dir, &s);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     if (!hit) {
         *rgb = lc_background(j->scene, dir);

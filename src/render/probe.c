@@ -3,6 +3,7 @@
 
 #include "cut/exact.h"
 #include "render/guide.h"
+#include "render/pixel_sights.h"
 #include "render/render_job.h"
 #include "scene/lit_point.h"
 #include "scene/near_bounce.h"
@@ -86,7 +87,7 @@ static lc_status probe_sample(lc_render_job *j, uint32_t x, uint32_t y, uint32_t
     lc_status st = probe_desc(j, p, &cut);
     if (!st) st = lc_cut_init(&p->cut, j->ctx, scene->tree, &scene->visibility, &cut, true);
     if (st) return st;
-    p->hit = lc_sample_sight(j, x, y, sample, &dir, &p->sight);
+    p->hit = lc_sample_sight(j, x, y, sample, NULL, &dir, &p->sight);
     if (p->hit && p->sight.n_lit) return probe_lit(j, x, y, sample, p);
     p->hit &= p->sight.is_hit;
     if (!p->hit) return LC_OK;

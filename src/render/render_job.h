@@ -163,8 +163,6 @@ lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
 uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint32_t x, uint32_t y,
                         uint32_t i);
-/* What sample i of a pixel shows, if any; beyond the film coordinates are modulo 2^32. *dir: the ray's. */
-bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *dir, lc_sight *s);
 /* Radiance of one lit surface, as it leaves it. */
 void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, lc_guide *g, uint64_t hash,
                   uint64_t of_point, lc_cut_result *out);

@@ -9,6 +9,7 @@
 
 #include "render/group_sums.h"
 #include "render/guide.h"
+#include "render/pixel_sights.h"
 #include "scene/lit_point.h"
 #include "scene/near_bounce.h"
 #include "scene/sun.h"
@@ -226,29 +227,29 @@ static void shade_groups(pixel_sum *s)
     p->n = p->n_groups = 0;
 }
 
-/* Traces the camera ray of a sample. False: cancelled. */
-static bool add_camera_ray(pixel_sum *s, uint32_t x, uint32_t y, uint32_t i, lc_pixel *px)
+/* Traces the camera ray of the next sample. False: cancelled. */
+static bool add_camera_ray(pixel_sum *s, lc_pixel_sights *all, lc_pixel *px)
 {
     lc_render_job *j = s->j;
     lc_render_worker *w = s->w;
-    lc_f3 dir;
-    lc_sight sight;
+    const lc_sight *sight = &all->sight;
+    const uint32_t x = all->x, y = all->y, i = all->next;
     if (lc_time_to_ask(w) && !lc_job_go_on(j)) return false;
     w->stats.camera_rays++;
     lc_f3 *of_group = lc_groups_begin_sample(w->groups);
-    const bool hit = lc_sample_sight_groups(j, x, y, i, of_group, &dir, &sight);
+    const bool hit = lc_pixel_sights_next(all, of_group);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
-    const lc_f3 emitted = hit ? sight.emission : lc_background(j->scene, dir);
-    if (!hit && of_group) lc_background_of_groups(j->scene, dir, lc_f3_make(1, 1, 1), of_group);
+    const lc_f3 emitted = hit ? sight->emission : lc_background(j->scene, all->dir);
+    if (!hit && of_group) lc_background_of_groups(j->scene, all->dir, lc_f3_make(1, 1, 1), of_group);
     lc_groups_end_sample(w->groups);
     s->sum = lc_f3_add(s->sum, emitted);
     s->luminance += (double)lc_luminance(emitted);
     s->samples_left--;
     if (!hit) return true;
-    w->stats.camera_rays += sight.n_rays;
-    lc_add_to_planes(j, px, &sight, dir);
-    for (uint32_t k = 0; k < sight.n_lit; k++)
-        add_point(s, &sight.lit[k], lc_worker_slot(j, w, x, y, i) + k,
+    w->stats.camera_rays += sight->n_rays;
+    lc_add_to_planes(j, px, sight, all->dir);
+    for (uint32_t k = 0; k < sight->n_lit; k++)
+        add_point(s, &sight->lit[k], lc_worker_slot(j, w, x, y, i) + k,
                   lc_slot_hash(j, x, y, i) + k, j->max_points);
     lc_phase_end(&w->stats, LC_PHASE_OTHER);
     return true;
@@ -257,9 +258,11 @@ static bool add_camera_ray(pixel_sum *s, uint32_t x, uint32_t y, uint32_t i, lc_
 bool lc_add_shared_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
 {
     pixel_sum s = { .j = j, .w = w, .samples_left = j->spp };
+    lc_pixel_sights all;
+    lc_pixel_sights_begin(&all, j, x, y, 0);
     lc_phase_start(&w->stats);
     for (uint32_t i = 0; i < j->spp; i++) {
-        if (!add_camera_ray(&s, x, y, i, px)) return false;
+        if (!add_camera_ray(&s, &all, px)) return false;
         if (w->points->n + LC_MAX_LIT <= w->points->capacity && i + 1 < j->spp) continue;
         if (!w->points->n) continue;
         if (!s.guide && !w->alone)

@@ -82,6 +82,10 @@ static bool init_axis(lc_pixel_filter *f, const lc_pixel_filter_desc *d, int axi
     if (!(sum > 0 && sum < MAX_SUM)) return false;
     for (int i = 0; i < LC_PIXEL_FILTER_CELLS; i++) a->cdf[i] /= sum;
     a->cdf[LC_PIXEL_FILTER_CELLS] = 1;
+    for (int i = 0, cell = 0; i < LC_PIXEL_FILTER_STARTS; i++) {
+        while (a->cdf[cell + 1] * LC_PIXEL_FILTER_STARTS <= i) cell++;
+        a->start[i] = (uint8_t)cell;
+    }
     f->shared |= x2 > sum * MAX_OWN_DEVIATION * MAX_OWN_DEVIATION;
     double cell = 2 * radius / LC_PIXEL_FILTER_CELLS;
     return lc_pixel_filter_integral(d, axis, -radius, radius) > MIN_INTEGRAL * sum * cell;
@@ -101,14 +105,10 @@ bool lc_pixel_filter_init(lc_pixel_filter *f, const lc_pixel_filter_desc *d)
 
 static double sample_axis(const lc_pixel_filter_axis *a, double u)
 {
-    int lo = 0, hi = LC_PIXEL_FILTER_CELLS; /* cdf[lo] <= u < cdf[hi] */
-    while (hi - lo > 1) {
-        int mid = (lo + hi) / 2;
-        if (a->cdf[mid] <= u) lo = mid;
-        else hi = mid;
-    }
-    double within = (u - a->cdf[lo]) / (a->cdf[hi] - a->cdf[lo]);
-    return ((lo + within) * 2 / LC_PIXEL_FILTER_CELLS - 1) * a->radius;
+    int cell = a->start[(int)(u * LC_PIXEL_FILTER_STARTS)];
+    while (a->cdf[cell + 1] <= u) cell++;
+    double within = (u - a->cdf[cell]) / (a->cdf[cell + 1] - a->cdf[cell]);
+    return ((cell + within) * 2 / LC_PIXEL_FILTER_CELLS - 1) * a->radius;
 }
 
 void lc_pixel_filter_sample(const lc_pixel_filter *f, const double u[2], double offset[2])

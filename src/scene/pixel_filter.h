@@ -28,10 +28,12 @@ typedef struct lc_pixel_filter_desc {
 #define LC_MIN_RADIUS 1e-3        /* pixels */
 #define LC_MAX_RADIUS 64          /* pixels */
 #define LC_PIXEL_FILTER_CELLS 128 /* of the table along an axis; f is taken as constant within a cell */
+#define LC_PIXEL_FILTER_STARTS 256 /* equal parts of 0 <= u < 1, of which the first cells are known */
 
 typedef struct lc_pixel_filter_axis {
     double radius;                         /* pixels */
     double cdf[LC_PIXEL_FILTER_CELLS + 1]; /* of |f|, from 0 to 1 over -radius .. radius */
+    uint8_t start[LC_PIXEL_FILTER_STARTS]; /* the cell of the least u of each part: cdf[cell] <= u */
 } lc_pixel_filter_axis;
 
 typedef struct lc_pixel_filter {

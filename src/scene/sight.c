@@ -187,18 +187,49 @@ static void follow(trace *t, ray *r, const lc_surface *s)
     for (uint32_t i = 0; i < n; i++) light_medium(t, &before, &points[i]);
 }
 
+/* The triangle if the ray meets nothing else, and another place of it would look the same. */
+static uint32_t find_flat(const trace *t, const lc_hit *hit)
+{
+    const lc_sight *s = t->out;
+    if (!s->is_hit || t->scene->media.present || s->n_rays || s->n_lit != 1 || s->lit[0].followed ||
+        s->first.material.smooth || lc_f3_max_abs(s->emission) > 0)
+        return LC_NONE;
+    return lc_is_flat(t->scene, hit) ? hit->tri : LC_NONE;
+}
+
+/* Whether the sight of the last ray is that of this one, too; if so, moves it. */
+static bool is_same(const lc_scene *scene, const lc_hit *hit, lc_f3 dir, lc_sight *s)
+{
+    if (hit->tri == LC_NONE || s->flat_tri != hit->tri || s->scene != scene || hit->instance != LC_NONE ||
+        !(lc_f3_dot(s->first.ng, dir) < 0))
+        return false;
+    lc_surface_move(scene, hit, &s->first);
+    s->lit[0].surface.pos = s->first.pos;
+    for (int k = 0; k < 3; k++) s->lit[0].surface.ray_org[k] = s->first.ray_org[k];
+    s->lit[0].surface.t = s->first.t;
+    s->lit[0].view = lc_f3_neg(dir);
+    return true;
+}
+
 bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, const lc_sight_desc *how, lc_sight *out)
 {
     trace t;
     ray r = { org, dir, lc_f3_make(1, 1, 1), 0, 0, false };
+    lc_hit hit;
+    lc_closest_hit(scene, org, dir, &hit);
+    out->is_same = how->again && is_same(scene, &hit, dir, out);
+    if (out->is_same) return true;
     t.scene = scene;
     t.out = out;
     t.how = how;
     t.max_depth = how->max_depth;
     t.n_splits = t.n_rough = t.n_rays = t.n_in_media = 0;
     out->n_rays = out->n_lit = 0;
+    out->flat_tri = LC_NONE;
+    out->scene = scene;
     out->emission = lc_f3_make(0, 0, 0);
-    out->is_hit = lc_surface_hit(scene, org, dir, how->pixel, &out->first);
+    out->is_hit = hit.tri != LC_NONE;
+    if (out->is_hit) lc_surface_of(scene, &hit, dir, how->pixel, &out->first);
     if (!out->is_hit && !scene->media.present) return false;
     follow(&t, &r, out->is_hit ? &out->first : NULL);
     while (t.n_rays && t.n_rough < LC_MAX_ROUGH) {
@@ -207,5 +238,6 @@ bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, const lc_sight_
         out->n_rays++;
         follow(&t, &r, lc_surface_hit_after(scene, r.org, r.dir, r.length, how->pixel, &s) ? &s : NULL);
     }
+    out->flat_tri = find_flat(&t, &hit);
     return true;
 }

@@ -43,6 +43,9 @@ typedef struct lc_sight {
     lc_surface first;       /* that surface, specular or not */
     lc_f3 emission;         /* radiance emitted by all surfaces met and by the background, weighted */
     uint32_t n_rays;        /* rays traced, the camera ray not counted */
+    bool is_same;           /* all but first and lit[0]'s place is as it was: lc_sight_desc.again */
+    uint32_t flat_tri;      /* all that is seen is a place on this flat triangle of one colour; LC_NONE */
+    const lc_scene *scene;  /* to which that belongs */
     uint32_t n_lit;
     lc_lit lit[LC_MAX_LIT]; /* by falling weight */
 } lc_sight;
@@ -53,6 +56,7 @@ typedef struct lc_sight_desc {
     uint32_t max_depth; /* 1..LC_MAX_DEPTH */
     uint32_t n_points;  /* of media, 1..LC_MEDIUM_POINTS; a quarter of them behind mirrors and glass */
     double offset;      /* 0..1: as for lc_media_draw */
+    bool again;         /* *out has the last ray's sight, which is kept where this one's is the same */
     lc_f3 *of_group;    /* NULL, or where what is emitted is added to the sums of the groups of lights */
 } lc_sight_desc;
 

@@ -103,41 +103,74 @@ bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, l
     return lc_surface_hit_after(scene, org, dir, 0, pixel, out);
 }
 
+void lc_closest_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, lc_hit *hit)
+{
+    const float o[3] = { org.x, org.y, org.z }, d[3] = { dir.x, dir.y, dir.z };
+    scene->bvh->kernels->closest(&scene->bvh->data, o, d, FLT_MAX, hit);
+}
+
 bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float length, double pixel,
                           lc_surface *out)
 {
-    const float o[3] = { org.x, org.y, org.z }, d[3] = { dir.x, dir.y, dir.z };
-    lc_corners c;
-    lc_f3 ng, ns;
     lc_hit hit;
-    scene->bvh->kernels->closest(&scene->bvh->data, o, d, FLT_MAX, &hit);
+    lc_closest_hit(scene, org, dir, &hit);
     if (hit.tri == LC_NONE) return false;
     hit.t += length;
-    const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[hit.tri]];
-    lc_hit_corners(scene, mesh, &hit, &c);
+    lc_surface_of(scene, &hit, dir, pixel, out);
+    return true;
+}
+
+static float largest_coordinate(const float *const v[3])
+{
+    float size = 0;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) size = fabsf(v[i][k]) > size ? fabsf(v[i][k]) : size;
+    return size;
+}
+
+bool lc_is_flat(const lc_scene *scene, const lc_hit *hit)
+{
+    const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[hit->tri]];
+    return hit->instance == LC_NONE && !mesh->has_normals && !mesh->textured && !mesh->brushed &&
+           !mesh->emission_map;
+}
+
+void lc_surface_move(const lc_scene *scene, const lc_hit *hit, lc_surface *s)
+{
+    const float *v[3];
+    for (size_t k = 0; k < 3; k++) v[k] = lc_tri_vertex(scene->pos, scene->index, hit->tri, k);
+    s->pos = mix(v, hit->u, hit->v);
+    s->t = hit->t;
+    set_ray_origin(s, s->ng, largest_coordinate(v));
+}
+
+void lc_surface_of(const lc_scene *scene, const lc_hit *hit, lc_f3 dir, double pixel, lc_surface *out)
+{
+    lc_corners c;
+    lc_f3 ng, ns;
+    const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[hit->tri]];
+    lc_hit_corners(scene, mesh, hit, &c);
     const float *const *v = c.p;
-    bool back = mesh->flip != (hit.instance != LC_NONE && scene->instances[hit.instance].mirrored);
-    out->pos = mix(v, hit.u, hit.v);
-    if (lc_hit_normals(mesh, &hit, &c, &ng, &ns)) back = lc_f3_dot(ng, ns) < 0;
-    float size = fmaxf(lc_f3_max_abs(lc_f3_load(v[0])),
-                       fmaxf(lc_f3_max_abs(lc_f3_load(v[1])), lc_f3_max_abs(lc_f3_load(v[2]))));
-    if (hit.instance != LC_NONE) size += object_size(scene, &hit, ng);
+    bool back = mesh->flip != (hit->instance != LC_NONE && scene->instances[hit->instance].mirrored);
+    out->pos = mix(v, hit->u, hit->v);
+    if (lc_hit_normals(mesh, hit, &c, &ng, &ns)) back = lc_f3_dot(ng, ns) < 0;
+    float size = largest_coordinate(v);
+    if (hit->instance != LC_NONE) size += object_size(scene, hit, ng);
     out->material_id = mesh->material_id;
     out->moment = scene->moment;
     out->group = mesh->group;
     out->material = scene->materials[mesh->material_id];
-    if (mesh->textured) ns = textured_normal(scene, mesh, v, &hit, dir, pixel, ns, ng, &out->material);
+    if (mesh->textured) ns = textured_normal(scene, mesh, v, hit, dir, pixel, ns, ng, &out->material);
     bool away = lc_f3_dot(ng, dir) > 0; /* the normal by winding order points away from the viewer */
     if (away) ng = lc_f3_neg(ng);
     if (lc_f3_dot(ns, ng) < 0) ns = lc_f3_neg(ns);
     out->n = ns;
     out->ng = ng;
-    out->t = hit.t;
+    out->t = hit->t;
     out->front = back == away;
     out->emission = out->front || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
     if (mesh->emission_map && lc_f3_max(out->emission) > 0)
-        out->emission = lc_f3_mul(out->emission, lc_textured_emission(scene, mesh, v, &hit, dir, pixel));
-    if (mesh->brushed) out->material.tangent = lc_textured_tangent(scene, mesh, v, &hit);
+        out->emission = lc_f3_mul(out->emission, lc_textured_emission(scene, mesh, v, hit, dir, pixel));
+    if (mesh->brushed) out->material.tangent = lc_textured_tangent(scene, mesh, v, hit);
     set_ray_origin(out, ng, size);
-    return true;
 }

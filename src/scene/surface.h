@@ -30,6 +30,15 @@ bool lc_surface_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, double pixel, l
 bool lc_surface_hit_after(const lc_scene *scene, lc_f3 org, lc_f3 dir, float length, double pixel,
                           lc_surface *out);
 
+/* Their two parts: what a ray meets, tri: LC_NONE without a hit; the surface there. */
+void lc_closest_hit(const lc_scene *scene, lc_f3 org, lc_f3 dir, lc_hit *hit);
+void lc_surface_of(const lc_scene *scene, const lc_hit *hit, lc_f3 dir, double pixel, lc_surface *out);
+
+/* Whether other places of a hit's triangle, from the same side, differ in nothing but place and distance. */
+bool lc_is_flat(const lc_scene *scene, const lc_hit *hit);
+/* Moves the surface to another hit of such a triangle, to the same bits as lc_surface_of. */
+void lc_surface_move(const lc_scene *scene, const lc_hit *hit, lc_surface *s);
+
 /* The world-space geometry of a hit's triangle. */
 typedef struct lc_corners {
     const float *p[3], *n[3];             /* positions; normals, set if the mesh has them */

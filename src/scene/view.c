@@ -179,6 +179,8 @@ static void see_sensor(const lc_sensor *at, lc_quantity quantity, uint32_t momen
     }
     out->first = out->lit[0].surface;
     out->is_hit = true;
+    out->is_same = false;
+    out->flat_tri = LC_NONE;
     out->emission = lc_f3_make(0, 0, 0);
     out->n_rays = 0;
 }
