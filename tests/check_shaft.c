@@ -84,7 +84,7 @@ static bool take_block(checker *c)
         lc_f3 o, d;
         lc_sight sight;
         lc_camera_ray(&s->camera, x + i % 4 + 0.5, y + i / 4 + 0.5, lens, &o, &d);
-        const lc_sight_desc how = { 1e-3, 5, 1, 0.5, NULL };
+        const lc_sight_desc how = { .pixel = 1e-3, .max_depth = 5, .n_points = 1, .offset = 0.5 };
         if (!lc_sight_trace(s, o, d, &how, &sight) || !sight.n_lit) continue;
         const lc_surface *at = &sight.lit[0].surface;
         if (c->n && !same_surface(&c->lit[0].surface, at)) continue;

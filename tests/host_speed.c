@@ -98,7 +98,9 @@ static void frame(host *h, float (*rgb)[3])
                 if (x >= f->width || y >= f->height) continue;
                 float(*at)[3] = &rgb[(size_t)y * f->width + x];
                 lc_camera_ray(&h->scene->camera, x + 0.5, y + 0.5, lens, &org, &dir);
-                const lc_sight_desc how = { pixel, 5, 1, 0.5, NULL };
+                const lc_sight_desc how = {
+                    .pixel = pixel, .max_depth = 5, .n_points = 1, .offset = 0.5
+                };
                 if (!lc_sight_trace(h->scene, org, dir, &how, &s)) continue;
                 lc_f3_store(*at, s.emission);
                 for (uint32_t l = 0; l < s.n_lit; l++) add_point(h, &s.lit[l], at);

@@ -109,7 +109,9 @@ static lc_f3 sample_light(const lc_lit *lit, double u)
 static lc_f3 pixel(uint32_t x, uint32_t y, uint32_t spp, uint64_t seed)
 {
     const double lens[2] = { 0.5, 0.5 };
-    const lc_sight_desc how = { scene->camera.pixel, 1, 1, 0.5, NULL };
+    const lc_sight_desc how = {
+        .pixel = scene->camera.pixel, .max_depth = 1, .n_points = 1, .offset = 0.5
+    };
     uint64_t film = lc_hash4(seed, x, y, 0), lights = lc_hash4(seed, x, y, 1);
     lc_f3 sum = { 0, 0, 0 };
     for (uint32_t i = 0; i < spp; i++) {

@@ -113,7 +113,7 @@ TEST(refraction_and_total_reflection)
         "Material \"dielectric\" \"float eta\" 1.5\n" WALL("90", "2") "ReverseOrientation\n" WALL("90", "3");
     lc_scene *scene = floor_below(slab);
     static lc_sight s;
-    const lc_sight_desc how = { 0, 9, 1, 0.5, NULL };
+    const lc_sight_desc how = { .max_depth = 9, .n_points = 1, .offset = 0.5 };
     lc_f3 dir = lc_f3_normalize_d(1, 0, 1);
     if (scene) {
         /* The path advances by `shift` along x in the slab of thickness 1, and by 1 for each unit of z
@@ -140,7 +140,7 @@ TEST(many_sheets)
 {
     char more[4096] = "Material \"thindielectric\" \"float eta\" 1.8\n";
     static lc_sight s;
-    const lc_sight_desc how = { 0, LC_MAX_DEPTH, 1, 0.5, NULL };
+    const lc_sight_desc how = { .max_depth = LC_MAX_DEPTH, .n_points = 1, .offset = 0.5 };
     for (int i = 0; i < 20; i++) {
         size_t len = strlen(more);
         snprintf(more + len, sizeof more - len, "Translate 0 0 .1 " WALL("9", "1"));

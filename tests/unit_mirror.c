@@ -227,7 +227,7 @@ TEST(never_below_the_surface)
                  lean, lean, lean, lean);
         for (int x = -3; x <= 3 && scene; x++) {
             lc_sight s;
-            const lc_sight_desc how = { 0, 5, 1, 0.5, NULL };
+            const lc_sight_desc how = { .max_depth = 5, .n_points = 1, .offset = 0.5 };
             lc_f3 dir = lc_f3_normalize_d(0.4 * x, 0.1, 1);
             CHECK(lc_sight_trace(scene, lc_f3_make(0, 0, 0), dir, &how, &s) && s.first.material.mirror &&
                   s.n_lit);
