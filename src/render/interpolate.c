@@ -142,27 +142,25 @@ static bool look(const lc_render_job *j, lc_render_worker *w, uint32_t x, uint32
     lc_f3 albedo = { 0, 0, 0 }, own_albedo = { 0, 0, 0 };
     lc_pixel_sights all;
     const lc_sight *s = &all.sight;
-    bool even = true, all_flat = true; /* on one flat surface, so far */
+    bool even = true, all_same = true;
     lc_pixel_sights_begin(&all, j, x, y, j->first);
     lc_phase_start(&w->stats);
-    for (uint32_t i = j->first; i < j->end && even; i++) {
+    for (uint32_t i = j->first; i < j->end; i++) {
+        const bool is_first = i == j->first;
         w->stats.camera_rays++;
         even = lc_pixel_sights_next(&all, NULL);
         if (!even) break;
         w->stats.camera_rays += s->n_rays;
-        if (i == j->first || !s->is_same) {
+        all_same &= is_first || s->is_same;
+        if (is_first || !all_same) {
             lc_face own;
             even = s->n_lit == 1 && !(lc_f3_max_abs(s->emission) > 0) && is_smooth(&s->lit[0]);
             if (!even) break;
             lc_face_set(&own, &s->lit[0]);
-            if (i == j->first) *f = own;
-            else even = lc_likeness(f, &own) >= LEAST_ALIKE;
-            all_flat &= i == j->first;
+            if (is_first) *f = own;
+            even = is_first || lc_likeness(f, &own) >= LEAST_ALIKE;
+            if (!even) break;
             own_albedo = lc_f3_mul(own.albedo, s->lit[0].weight);
-        } else if (!all_flat) {
-            lc_face own;
-            lc_face_set(&own, &s->lit[0]);
-            even = lc_likeness(f, &own) >= LEAST_ALIKE;
         }
         albedo = lc_f3_add(albedo, own_albedo);
         lc_add_to_planes(j, px, s, all.dir);
