@@ -304,7 +304,7 @@ TEST(stated_deviation)
 {
     enum { SEEDS = 8 };
     static double block[SEEDS][64], off[SEEDS * 64];
-    double median = 0, high = 0, least_loss = 1, most_loss = 0;
+    double median = 0, high = 0;
     write_room("");
     for (uint64_t seed = 0; seed < SEEDS; seed++) {
         lc_scene *s = load_seed(600, seed + 1, 0);
@@ -312,8 +312,6 @@ TEST(stated_deviation)
         if (!s) return;
         median += s->indirect.median / SEEDS;
         high += s->indirect.high / SEEDS;
-        least_loss = fmin(least_loss, s->indirect.loss);
-        most_loss = fmax(most_loss, s->indirect.loss);
         lc_scene_destroy(s);
     }
     for (int i = 0; i < 64; i++) {
@@ -326,8 +324,27 @@ TEST(stated_deviation)
     const double is_median = off[SEEDS * 32], is_high = off[SEEDS * 64 * 95 / 100];
     CHECKF(median > 0.9 * is_median && median < 2 * is_median, "median: stated %g, is %g", median, is_median);
     CHECKF(high > 0.9 * is_high && high < 2 * is_high, "high: stated %g, is %g", high, is_high);
-    /* So few points are near others that their places alone, which go by the seed, make it 2.5 times. */
-    CHECKF(most_loss < 3 * least_loss, "clamping loses %g to %g", least_loss, most_loss);
+}
+
+/* What is near is gathered by rays, so that clamping takes little, and as much for any seed. */
+TEST(steady_loss)
+{
+    double least = 1, most = 0;
+    scene_write("Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n"
+                "Camera \"perspective\" \"float fov\" 70\nWorldBegin\n"
+                "LightSource \"point\" \"point3 from\" [.3 .6 2] \"rgb I\" [1 1 1]\n" GREY(".7")
+                "Shape \"trianglemesh\" \"point3 P\" [-1 -1 -1 1 -1 -1 1 1 -1 -1 1 -1 "
+                "-1 -1 3 1 -1 3 1 1 3 -1 1 3]\n\"integer indices\" [0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 "
+                "4 3 4 7 4 5 6 4 6 7 0 2 1 0 3 2]\n");
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        lc_scene *s = load_seed(4000, seed, 0);
+        if (!s) return;
+        least = fmin(least, s->indirect.loss);
+        most = fmax(most, s->indirect.loss);
+        lc_scene_destroy(s);
+    }
+    printf("    %.5f to %.5f\n", least, most);
+    CHECKF(least > 0 && most < 1.5 * least && most < 0.01, "clamping loses %g to %g", least, most);
 }
 
 /* There are as many lights as the asked error takes, unless a number is given. */
@@ -436,6 +453,7 @@ int main(void)
     RUN(radii);
     RUN(defaults);
     RUN(stated_deviation);
+    RUN(steady_loss);
     RUN(asked_error);
     RUN(same_for_all_cameras);
     RUN(no_dots_in_glossy_floors);

@@ -2,6 +2,9 @@
  * fade in are above and below their sums, for points alone and in boxes; illuminance close to a lit wall
  * against the closed form, where single virtual lights would be dots. */
 #include "cut/gather.h"
+#include "scene/lit_point.h"
+#include "scene/near_bounce.h"
+#include "scene/scene.h"
 #include "shade/dir_pack.h"
 #include "shade/point_init.h"
 #include "support/isas.h"
@@ -193,6 +196,53 @@ TEST(no_dots_near_a_wall)
     }
 }
 
+static void add_part(void *user, uint32_t light, lc_f3 to)
+{
+    float *of_light = user;
+    of_light[light] += to.x;
+}
+
+/* What a point before the wall has of single lights adds up to what rays gather, and is spread over lights
+ * in reach: a picture's statement of its bounced light goes by these. Lights at the wall's foot take the
+ * surface beyond it as theirs. */
+TEST(parts_of_single_lights_add_up)
+{
+    enum { LIGHTS = 3000, RAYS = 256 };
+    static uint32_t path[LIGHTS + 64];
+    static float of_light[LIGHTS + 64];
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    scene_write("%s", WALL_AND_SUN);
+    load.indirect_lights = LIGHTS;
+    load.max_depth = 2; /* one light a path */
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    for (uint32_t i = 0; i < LIGHTS + 64; i++) path[i] = i;
+    for (int i = 0; s && i < 16; i++) {
+        const bool foot = i % 2;
+        double sum = 0, most = 0, gathered = 0;
+        lc_point p[2];
+        lc_lit lit = { .view = { 0, 1, 0 } };
+        lit.surface.pos = lc_f3_make(-0.7f + 0.1f * (float)i, foot ? 0 : 0.5f, 0.01f);
+        lit.surface.n = lit.surface.ng = foot ? lc_f3_make(0, 1, 0) : lc_f3_make(0, 0, -1);
+        lit.surface.material.kd = lc_f3_make(1, 1, 1);
+        lc_f3_store(lit.surface.ray_org, lit.surface.pos);
+        lc_lit_point(s, &lit, 0, p);
+        gathered = (double)lc_near_bounce_light(s, &lit, p, 1, lc_f3_make(1, 1, 1), NULL).x;
+        memset(of_light, 0, sizeof of_light);
+        const lc_near_parts parts = { .scene = s, .path = path, .add = add_part, .user = of_light };
+        lc_near_bounce_parts(&parts, &lit, &p[1], RAYS);
+        for (uint32_t l = 0; l < s->virtuals.n; l++) {
+            const double part = (double)(of_light[l] * s->virtuals.lights[l].intensity.x);
+            sum += part;
+            if (part > most) most = part;
+        }
+        CHECKF(gathered > 0 && near_rel(sum, gathered, foot ? 0.35 : 0.15),
+               "place %d: %g of %g", i, sum, gathered);
+        CHECKF(most > 0 && most < 0.2 * sum, "place %d: a single light has %g of %g", i, most, sum);
+    }
+    CHECK(s);
+    lc_scene_destroy(s);
+}
+
 int main(void)
 {
     ctx = quiet_context(2);
@@ -201,6 +251,7 @@ int main(void)
     RUN(bounds_hold);
     RUN(bounds_of_boxes_hold);
     RUN(no_dots_near_a_wall);
+    RUN(parts_of_single_lights_add_up);
     one_scene_end();
     temp_end();
     return test_done();

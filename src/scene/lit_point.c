@@ -76,6 +76,7 @@ void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point 
         widen_lobe(&m, fminf(fmaxf(virtual_roughness(scene, lit), LC_VIRTUAL_ROUGHNESS), LC_MAX_ROUGHNESS));
     if (lit->followed) m.ks = lc_f3_make(0, 0, 0);
     init_point(scene, lit, &m, p);
+    lc_near_bounce_reach(scene, &lit->surface, p);
 }
 
 /* A point of its own is met by virtual lights, and with a followed lobe by the lights made from environments:
@@ -85,7 +86,6 @@ static void soften(const lc_scene *scene, const lc_lit *lit, lc_point p[2])
     const bool sky = lit->followed && (scene->n_envs || scene->suns);
     if (!scene->indirect.n_lights && !sky) return;
     lc_lit_point_of_virtual(scene, lit, &p[1]);
-    lc_near_bounce_reach(scene, &lit->surface, &p[1]);
     p->soft = &p[1];
     p->soft_kinds = 1u << LC_LIGHT_VIRTUAL | (sky ? 1u << LC_LIGHT_DIRECTIONAL : 0);
 }

@@ -176,7 +176,7 @@ void lc_near_bounce_reach(const lc_scene *s, const lc_surface *at, lc_point *sof
 {
     lc_nearest_lights q = { .pos = at->pos, .any_way = true, .self = LC_NONE, .n_wanted = LC_MAX_NEAREST };
     /* where light counts without a cosine, rays by the cosine would be too few near the horizon */
-    if (!s->near_bounce || soft->lobe == LC_LOBE_PHASE || soft->lobe == LC_LOBE_ROUND) return;
+    if (!s->virtuals.n || soft->lobe == LC_LOBE_PHASE || soft->lobe == LC_LOBE_ROUND) return;
     const uint32_t n = lc_light_places_find(&s->virtuals, &q);
     float sum = 0;
     for (uint32_t i = LC_MAX_NEAREST - n; i < LC_MAX_NEAREST; i++) sum += share_of(s, q.light[i]);
@@ -225,42 +225,120 @@ static void gather_ray(const lc_scene *s, const lc_lit *lit, const lc_point *sof
     g->light[g->n++] = q.light[0];
 }
 
-static void add_gathered(const lc_scene *s, const lc_point *soft, gathered *g, float each, lc_f3 weight,
-                         lc_f3 *sum, lc_f3 *of_group)
+/* Sets what leaves the point of a radiance of 1 at each ray's end. each: of a ray. */
+static void find_leaving(const lc_scene *s, const lc_point *soft, const gathered *g, float each,
+                         lc_f3 to[BATCH])
 {
     _Alignas(64) float f[6][BATCH];
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
-    const lc_tree_data all = { .lights = g->rec };
-    mean scratch;
-    if (!g->n) return;
+    const lc_tree_data all = { .lights = (lc_light_rec *)g->rec };
     s->ctx->shade_kernels->estimate(&all, 0, NULL, g->n, LC_LIGHT_DIRECTIONAL, soft, out);
-    for (uint32_t i = 0; i < g->n; i++) {
-        const lc_f3 *radiance = radiance_of(s, g->light[i], &scratch),
-                    to = lc_f3_scale(lc_f3_make(f[0][i], f[1][i], f[2][i]), g->factor[i] * each);
-        *sum = lc_f3_add(*sum, lc_f3_mul(to, radiance[0]));
-        for (uint32_t k = 0; of_group && k + 1 < s->near_bounce->stride; k++)
-            of_group[k] = lc_f3_add(of_group[k], lc_f3_mul(weight, lc_f3_mul(to, radiance[1 + k])));
-    }
-    g->n = 0;
+    for (uint32_t i = 0; i < g->n; i++)
+        to[i] = lc_f3_scale(lc_f3_make(f[0][i], f[1][i], f[2][i]), g->factor[i] * each);
 }
 
-lc_f3 lc_near_bounce_light(const lc_scene *s, const lc_lit *lit, const lc_point *p, uint32_t n_samples,
-                           lc_f3 weight, lc_f3 *of_group)
+/* What the rays of a point are gathered for: to has what leaves it of a radiance of 1 at each of their ends. */
+typedef void gathered_fn(void *user, const gathered *g, const lc_f3 to[BATCH]);
+
+static void gather(const lc_scene *s, const lc_lit *lit, const lc_point *soft, uint32_t n, gathered_fn *use,
+                   void *user)
 {
-    lc_f3 sum = { 0, 0, 0 };
-    const lc_point *soft = lc_point_for(p, LC_LIGHT_VIRTUAL);
-    const uint32_t n = n_samples < RAYS / LEAST_RAYS ? RAYS / n_samples : LEAST_RAYS;
     uint32_t pos[3];
+    lc_f3 to[BATCH];
     gathered g;
     g.n = 0;
-    if (!(soft->near_scale > 0)) return sum;
-    memcpy(pos, p->pos, sizeof pos);
+    if (!(soft->near_scale > 0)) return;
+    memcpy(pos, soft->pos, sizeof pos);
     const uint64_t key = lc_hash4(pos[0], pos[1], pos[2], s->load.seed);
     for (uint32_t i = 0; i < n; i++) {
         double u[2];
         lc_sample_pair(key, i, u);
         gather_ray(s, lit, soft, u, &g);
-        if (g.n == BATCH || i + 1 == n) add_gathered(s, soft, &g, 1 / (float)n, weight, &sum, of_group);
+        if (!g.n || (g.n < BATCH && i + 1 < n)) continue;
+        find_leaving(s, soft, &g, 1 / (float)n, to);
+        use(user, &g, to);
+        g.n = 0;
     }
-    return sum;
+}
+
+typedef struct {
+    const lc_scene *scene;
+    lc_f3 weight, sum, *of_group;
+} light_sum;
+
+static void add_gathered(void *user, const gathered *g, const lc_f3 to[BATCH])
+{
+    light_sum *l = user;
+    mean scratch;
+    for (uint32_t i = 0; i < g->n; i++) {
+        const lc_f3 *radiance = radiance_of(l->scene, g->light[i], &scratch);
+        l->sum = lc_f3_add(l->sum, lc_f3_mul(to[i], radiance[0]));
+        for (uint32_t k = 0; l->of_group && k + 1 < l->scene->near_bounce->stride; k++)
+            l->of_group[k] = lc_f3_add(l->of_group[k],
+                                       lc_f3_mul(l->weight, lc_f3_mul(to[i], radiance[1 + k])));
+    }
+}
+
+lc_f3 lc_near_bounce_light(const lc_scene *s, const lc_lit *lit, const lc_point *p, uint32_t n_samples,
+                           lc_f3 weight, lc_f3 *of_group)
+{
+    light_sum l = { .scene = s, .weight = weight, .of_group = of_group };
+    const uint32_t n = n_samples < RAYS / LEAST_RAYS ? RAYS / n_samples : LEAST_RAYS;
+    gather(s, lit, lc_point_for(p, LC_LIGHT_VIRTUAL), n, add_gathered, &l);
+    return l.sum;
+}
+
+/* ---- of single lights ---- */
+
+/* The lights of a mean, whose area is taken to be that of their shares. */
+typedef struct {
+    const lc_near_parts *parts;
+    const lc_light_places *places;
+    uint32_t own;
+    float r2, area;
+    lc_f3 to;
+} parts_of_mean;
+
+static float weight_in_mean(const parts_of_mean *m, const lc_light *l)
+{
+    const lc_light *own = &m->places->lights[m->own];
+    const lc_f3 way = lc_f3_sub(l->pos, own->pos);
+    if (l == own) return OWN_PART;
+    if (m->parts->path[l - m->places->lights] == m->parts->path[m->own]) return 0;
+    return fmaxf(1 - lc_f3_dot(way, way) / m->r2, 0);
+}
+
+static void add_area(void *user, const lc_light *l)
+{
+    parts_of_mean *m = user;
+    m->area += weight_in_mean(m, l) * (float)LC_PI * lc_virtual_share(m->places, l->atten[0]);
+}
+
+static void add_part(void *user, const lc_light *l)
+{
+    const parts_of_mean *m = user;
+    const float weight = weight_in_mean(m, l) / m->area;
+    if (weight > 0)
+        m->parts->add(m->parts->user, (uint32_t)(l - m->places->lights), lc_f3_scale(m->to, weight));
+}
+
+static void add_parts(void *user, const gathered *g, const lc_f3 to[BATCH])
+{
+    const lc_near_parts *parts = user;
+    const lc_light_places *places = &parts->scene->virtuals;
+    for (uint32_t i = 0; i < g->n; i++) {
+        const lc_light *own = &places->lights[g->light[i]];
+        parts_of_mean m = { .parts = parts, .places = places, .own = g->light[i], .to = to[i] };
+        m.r2 = LIGHTS_IN_MEAN * lc_virtual_share(places, own->atten[0]);
+        if (!(m.r2 > 0)) continue;
+        lc_lights_within q = { own->pos, own->dir, m.r2, add_area, &m };
+        lc_light_places_within(places, &q);
+        q.meet = add_part;
+        lc_light_places_within(places, &q);
+    }
+}
+
+void lc_near_bounce_parts(const lc_near_parts *parts, const lc_lit *lit, const lc_point *soft, uint32_t n)
+{
+    gather(parts->scene, lit, soft, n, add_parts, (void *)parts);
 }
