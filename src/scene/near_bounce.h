@@ -38,10 +38,10 @@ void lc_near_bounce_reach(const lc_scene *scene, const lc_surface *at, lc_point 
 lc_f3 lc_near_bounce_light(const lc_scene *scene, const lc_lit *lit, const lc_point *p, uint32_t n_samples,
                            lc_f3 weight, lc_f3 *of_group);
 
-/* The parts of single virtual lights in that, for scene->virtuals that are still being made: how far they are
- * from endlessly many is seen from these. soft: as they see the point; near_bounce need not be made. add: what
- * leaves the point of a light's intensity of 1, called several times for a light. What is seen along
- * surfaces is not looked at; the area that a mean is over is taken to be that of its lights' shares. */
+/* The parts of single virtual lights in that, for scene->virtuals that are still being made: how far they
+ * are from endlessly many is seen from these. soft: as they see the point; near_bounce need not be made.
+ * add: what leaves the point of a light's intensity of 1, called several times for a light. What is seen
+ * along surfaces is not looked at; the area that a mean is over is taken to be that of its lights' shares. */
 typedef struct lc_near_parts {
     const lc_scene *scene;
     const uint32_t *path; /* of each light */
