@@ -819,6 +819,12 @@ LC_API lc_status lc_build_instance(lc_scene *scene, uint32_t object, const doubl
  * that is set or moved afterwards stands still. LC_ERR_ARG also where there is no way between the two. */
 LC_API lc_status lc_build_moving_instance(lc_scene *scene, uint32_t object, const double from[16],
                                           const double to[16]);
+/* A mesh that emits and moves in that way, in a space of its own. It is seen where it is at each moment; its
+ * light is that of the mesh at 8 to 64 places evenly along its way, so many that these have no more than
+ * 131,072 triangles, and no shadow ray is stopped by it. Comes after the world's meshes, and is not known by
+ * a number. LC_ERR_ARG also where it does not emit or has no triangles. */
+LC_API lc_status lc_build_moving_lamp(lc_scene *scene, const lc_build_mesh_desc *desc, const double from[16],
+                                      const double to[16]);
 /* 1 if lc_build_instance takes this matrix, else 0: the meshes themselves must then be transformed. */
 LC_API int lc_build_instance_fits(const double to_world[16]);
 /* *id: the texture's number for materials and meshes. */

@@ -478,11 +478,141 @@ TEST(a_light_that_moves_is_spread_along_its_way)
                 1);
 }
 
+/* ---- lamps ---- */
+
+#define BLACK "Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
+
+/* It is seen where it is at each moment. */
+TEST(a_lamp_that_moves_is_a_ramp)
+{
+    lc_scene *s = scene_of(EYE ORTHO, MOVES("4") BLACK "AreaLightSource \"diffuse\" \"rgb L\" "
+                                                       "[.3183099 .3183099 .3183099] \"bool twosided\" true\n"
+                                          CARD);
+    check_ramp("a lamp", s, 0, 4);
+    CHECK(info_of(s).n_triangles == 2 && info_of(s).n_moving == 1);
+    lc_scene_destroy(s);
+}
+
+/* What a small square that shines down gives to a plane: the integral of height^2 / d^4, over its way. */
+static double lit_by_square(double x, double y, double height, double a, double b)
+{
+    const double c2 = y * y + height * height, c = sqrt(c2), from = a - x, to = b - x;
+    return height * height / (b - a) *
+           (to / (2 * c2 * (c2 + to * to)) + atan(to / c) / (2 * c * c2) -
+            from / (2 * c2 * (c2 + from * from)) - atan(from / c) / (2 * c * c2));
+}
+
+TEST(light_of_a_lamp_that_moves_is_spread_along_its_way)
+{
+    const double height = 1.5, side = 0.02, radiance = 7500;
+    lc_load_desc d = LC_LOAD_DESC_INIT;
+    d.spp = SPP;
+    lc_scene *s = scene_from_text(
+        ctx, &d, EYE ORTHO FILM "WorldBegin\n" WHITE
+        "Shape \"trianglemesh\" \"point3 P\" [-90 -90 0 90 -90 0 90 90 0 -90 90 0] \"integer indices\" "
+        "[0 1 2 0 2 3]\nTranslate -3 0 -1.5\n" MOVES("5")
+        "AreaLightSource \"diffuse\" \"rgb L\" [%g %g %g]\nShape \"trianglemesh\" "
+        "\"point3 P\" [-.01 -.01 0 .01 -.01 0 .01 .01 0 -.01 .01 0] \"integer indices\" [0 1 2 0 2 3]\n",
+        radiance, radiance, radiance);
+    lc_image *image = exactly(s);
+    for (uint32_t x = 0; x < WIDTH; x++) {
+        const double at = -8 + (x + 0.5) / 4,
+                     want = radiance * side * side * lit_by_square(at, 0.125, height, -3, 2),
+                     got = pixel_at(image, "G", x, 1) * acos(-1);
+        CHECKF(fabs(got - want) < 0.01 * want, "pixel %u: %g, not %g", x, got, want);
+    }
+    lc_image_destroy(image);
+    lc_scene_destroy(s);
+}
+
+/* The mean of a corner of floor and wall, on which a ball shines that moves by `way`; group: of that light. */
+static double corner_by_ball(double way, uint32_t depth, double *of_group)
+{
+    static const char *const patterns[] = { "lamp=area" };
+    lc_load_desc d = LC_LOAD_DESC_INIT;
+    lc_render_desc r = LC_RENDER_DESC_INIT;
+    lc_image *image = NULL;
+    double sum = 0;
+    d.spp = 16;
+    d.max_depth = depth;
+    d.indirect_lights = depth > 1 ? 4000 : LC_NO_LIGHTS;
+    d.groups = patterns;
+    d.n_groups = 1;
+    lc_scene *s = scene_from_text(
+        ctx, &d,
+        "LookAt 0 5 -9 0 0 0 0 1 0\nCamera \"perspective\" \"float fov\" 50\n"
+        "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\n"
+        "Integrator \"path\"\nWorldBegin\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-9 -1 -9 9 -1 -9 9 -1 3 -9 -1 3] "
+        "\"integer indices\" [0 2 1 0 3 2]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-9 -1 3 9 -1 3 9 9 3 -9 9 3] "
+        "\"integer indices\" [0 2 1 0 3 2]\n"
+        "Translate %g 9 1\nActiveTransform EndTime\nTranslate %g 0 0\nActiveTransform All\n" BLACK
+        "AreaLightSource \"diffuse\" \"rgb L\" [9 9 9]\nShape \"sphere\"\n",
+        SIDE, SIDE, -way / 2, way);
+    r.method = LC_METHOD_EXACT;
+    CHECKF(s && !lc_render(ctx, s, &r, &image, NULL), "%s", last_error);
+    *of_group = 0;
+    for (uint32_t y = 0; image && y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) {
+            sum += pixel_at(image, "G", x, y);
+            *of_group += pixel_at(image, "lamp.G", x, y);
+        }
+    lc_image_destroy(image);
+    lc_scene_destroy(s);
+    return sum;
+}
+
+/* A ball that hardly moves gives what one gives that stands still: it does not stand in the light of where it
+ * was and will be. */
+TEST(a_lamp_does_not_stand_in_its_own_light)
+{
+    double still_group, group;
+    for (uint32_t depth = 1; depth <= 3; depth += 2) {
+        const double still = corner_by_ball(0, depth, &still_group), got = corner_by_ball(0.1, depth, &group);
+        CHECKF(still > 0 && fabs(got / still - 1) < 0.01, "depth %u: %g, not %g", depth, got, still);
+        CHECKF(fabs(group / got - 1) < 1e-5 && fabs(still_group / still - 1) < 1e-5,
+               "depth %u: %g of %g are of the lamp's group", depth, group, got);
+    }
+}
+
+TEST(calls_make_lamps_that_move)
+{
+    static const float corners[] = { -6, -9, 0, -2, -9, 0, -2, 9, 0, -6, 9, 0 };
+    static const uint32_t indices[] = { 0, 1, 2, 0, 2, 3 };
+    const lc_xform a = lc_xform_identity(), b = lc_xform_translate((const double[3]){ 4, 0, 0 }),
+                   flat = lc_xform_scale((const double[3]){ 1, 0, 1 });
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_mesh_desc q = LC_BUILD_MESH_DESC_INIT;
+    lc_scene *s;
+    CHECK(lc_build_moving_lamp(NULL, &q, a.m, b.m) == LC_ERR_ARG);
+    CHECK(!lc_build_begin(ctx, &s) && !lc_build_usual_camera(s) && !lc_build_material(s, &m, &q.material));
+    q.positions = corners;
+    q.indices = indices;
+    q.n_vertices = 4;
+    q.n_triangles = 2;
+    CHECK(lc_build_moving_lamp(s, NULL, a.m, b.m) == LC_ERR_ARG);
+    CHECK(lc_build_moving_lamp(s, &q, a.m, b.m) == LC_ERR_ARG && strstr(last_error, "emission must be above 0"));
+    q.emission[1] = 1;
+    CHECK(lc_build_moving_lamp(s, &q, NULL, b.m) == LC_ERR_ARG);
+    CHECK(lc_build_moving_lamp(s, &q, a.m, NULL) == LC_ERR_ARG);
+    CHECK(lc_build_moving_lamp(s, &q, a.m, flat.m) == LC_ERR_ARG);
+    q.n_triangles = 0;
+    CHECK(lc_build_moving_lamp(s, &q, a.m, b.m) == LC_ERR_ARG && strstr(last_error, "no triangles"));
+    q.n_triangles = 2;
+    CHECKF(!lc_build_moving_lamp(s, &q, a.m, b.m), "%s", last_error);
+    q.emission[1] = 0;
+    CHECK(lc_build_mesh(s, &q) == LC_ERR_ARG && strstr(last_error, "before its instances"));
+    CHECKF(!lc_build_commit(s, NULL), "%s", last_error);
+    CHECK(info_of(s).n_moving == 1 && info_of(s).n_triangles == 2 && info_of(s).n_lights >= 128);
+    lc_scene_destroy(s);
+}
+
 /* ---- what stands still ---- */
 
 TEST(what_stands_still_is_said)
 {
-    lc_scene *s = scene_of(EYE ORTHO, MOVES("4") "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n" CARD);
+    lc_scene *s = scene_of(EYE ORTHO, MOVES("4") "LightSource \"infinite\" \"rgb L\" [1 1 1]\n" CARD);
     lc_note note = LC_NOTE_INIT;
     bool said = false;
     for (uint32_t i = 0; s && !lc_scene_get_note(s, i, &note); i++)
@@ -538,7 +668,7 @@ static lc_status render_in(lc_context *c)
 TEST(memory_may_end_anywhere)
 {
     lc_scene *s = scene_of(MOVES("1") EYE ORTHO "Sampler \"independent\" \"integer pixelsamples\" 2\n",
-                           MOVES("4") CARD);
+                           MOVES("4") CARD "AreaLightSource \"diffuse\"\n" CARD);
     lc_scene_destroy(s);
     starve(render_in, 300);
 }
@@ -558,6 +688,10 @@ int main(void)
     RUN(threads_and_crops_give_the_same_bytes);
     RUN(bounced_light_has_the_same_bytes);
     RUN(haze_and_glass_move_along);
+    RUN(a_lamp_that_moves_is_a_ramp);
+    RUN(light_of_a_lamp_that_moves_is_spread_along_its_way);
+    RUN(a_lamp_does_not_stand_in_its_own_light);
+    RUN(calls_make_lamps_that_move);
     RUN(a_light_that_moves_is_spread_along_its_way);
     RUN(what_stands_still_is_said);
     RUN(hostile_motion_is_refused);

@@ -5,6 +5,8 @@
 #include "build/build.h"
 
 #include "base/desc.h"
+#include "base/memory.h"
+#include "base/motion.h"
 #include "base/text.h"
 #include "build/reader.h"
 #include "scene/instance.h"
@@ -147,7 +149,7 @@ lc_status lc_build_paths(lc_scene *s, int traced, uint32_t max_depth)
 
 /* ---- meshes ---- */
 
-static lc_status check_mesh(const lc_scene *s, const lc_build_mesh_desc *d)
+static lc_status check_mesh(const lc_scene *s, const char *call, const lc_build_mesh_desc *d)
 {
     const char *wrong = NULL;
     if (d->n_vertices && !d->positions) wrong = "positions are NULL";
@@ -164,11 +166,17 @@ static lc_status check_mesh(const lc_scene *s, const lc_build_mesh_desc *d)
     if (!(d->shadow_alpha >= 0 && d->shadow_alpha <= 1)) wrong = "shadow_alpha must be 0 to 1";
     if (d->emission_picture != LC_NO_PICTURE && d->emission_picture >= s->given.n_pictures)
         wrong = "emission_picture is not one of the scene's";
-    if (s->given.placed) wrong = "the meshes of an object come before its instances";
+    return wrong ? lc_build_wrong(s, call, wrong) : LC_OK;
+}
+
+static lc_status check_object(const lc_scene *s, const lc_build_mesh_desc *d)
+{
+    static const char call[] = "lc_build_mesh";
+    if (s->given.placed) return lc_build_wrong(s, call, "the meshes of an object come before its instances");
     for (int k = 0; k < 3; k++)
         if (s->n_objects && (d->emission[k] < 0 || d->emission[k] > 0))
-            wrong = "emission: a mesh of an object must not emit";
-    return wrong ? lc_build_wrong(s, "lc_build_mesh", wrong) : LC_OK;
+            return lc_build_wrong(s, call, "emission: a mesh of an object must not emit");
+    return LC_OK;
 }
 
 /* Of a scene by calls: the numbers by which a host knows the mesh, and what it is known by. */
@@ -205,32 +213,42 @@ static void digest_mesh(lc_scene *s, const lc_build_mesh_desc *d)
     lc_build_mark_group(s);
 }
 
+/* The mesh as the scene takes it, *hole for its alpha. */
+static lc_status describe_mesh(lc_scene *s, const lc_build_mesh_desc *d, lc_mesh_alpha *hole, lc_mesh_desc *m)
+{
+    const bool holes = d->alpha_texture != LC_NO_TEXTURE || d->alpha < 1 ||
+                       d->shadow_texture != LC_NO_TEXTURE || d->shadow_alpha < 1;
+    const double alpha = (double)d->alpha, shadow = (double)d->shadow_alpha;
+    *hole = (lc_mesh_alpha){ { d->alpha_texture, { alpha, alpha, alpha } },
+                             { d->shadow_texture, { shadow, shadow, shadow } } };
+    *m = (lc_mesh_desc){ .n_verts = d->n_vertices,
+                         .n_tris = d->n_triangles,
+                         .pos = d->positions,
+                         .normal = d->normals,
+                         .uv = d->uv,
+                         .alpha = holes ? hole : NULL,
+                         .index = d->indices,
+                         .material_id = d->material,
+                         .flip = d->flip,
+                         .emission = lc_f3_load(d->emission),
+                         .two_sided = d->two_sided };
+    if (d->emission_picture != LC_NO_PICTURE)
+        return lc_picture_as_emission(s, d->emission_picture, &m->emission_map);
+    if (d->emission_texture != LC_NO_TEXTURE)
+        return lc_build_emission_map(s, d->emission_texture, &m->emission_map);
+    return LC_OK;
+}
+
 lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
 {
     lc_build_mesh_desc d = LC_BUILD_MESH_DESC_INIT;
+    lc_mesh_alpha hole;
+    lc_mesh_desc m;
     lc_status st = lc_build_take(s, "lc_build_mesh_desc", &d, sizeof d, desc);
-    if (!st) st = check_mesh(s, &d);
+    if (!st) st = check_mesh(s, "lc_build_mesh", &d);
+    if (!st) st = check_object(s, &d);
+    if (!st) st = describe_mesh(s, &d, &hole, &m);
     if (st) return st;
-    const bool holes = d.alpha_texture != LC_NO_TEXTURE || d.alpha < 1 || d.shadow_texture != LC_NO_TEXTURE ||
-                       d.shadow_alpha < 1;
-    const double alpha = (double)d.alpha, shadow = (double)d.shadow_alpha;
-    const lc_mesh_alpha hole = { { d.alpha_texture, { alpha, alpha, alpha } },
-                                 { d.shadow_texture, { shadow, shadow, shadow } } };
-    lc_mesh_desc m = { .n_verts = d.n_vertices,
-                       .n_tris = d.n_triangles,
-                       .pos = d.positions,
-                       .normal = d.normals,
-                       .uv = d.uv,
-                       .alpha = holes ? &hole : NULL,
-                       .index = d.indices,
-                       .material_id = d.material,
-                       .flip = d.flip,
-                       .emission = lc_f3_load(d.emission),
-                       .two_sided = d.two_sided };
-    if (d.emission_picture != LC_NO_PICTURE)
-        st = lc_picture_as_emission(s, d.emission_picture, &m.emission_map);
-    else if (d.emission_texture != LC_NO_TEXTURE)
-        st = lc_build_emission_map(s, d.emission_texture, &m.emission_map);
     const uint32_t had = s->groups.n;
     if (!st) st = lc_build_begin_group(s, "lc_build_mesh", d.group);
     if (!st) st = lc_names_begin(s, LC_NAMED_MESH, s->by_calls ? s->given.n_meshes : s->n_meshes);
@@ -286,6 +304,102 @@ lc_status lc_build_moving_instance(lc_scene *s, uint32_t object, const double fr
 {
     if (s && !to) return lc_fail(s->ctx, LC_ERR_ARG, "lc_build_moving_instance: to is NULL");
     return place(s, "lc_build_moving_instance", object, from, to);
+}
+
+/* ---- lamps that move ---- */
+
+/* Of one lamp, the lights' meshes have that many triangles at most, and it has that many places at least. */
+#define MOST_PLACES   64u
+#define LEAST_PLACES  8u
+#define MOST_LAMP_TRIS (1u << 17)
+
+static uint32_t places_of(const lc_mesh_desc *m, const lc_xform *from, const lc_xform *to)
+{
+    const uint32_t n = MOST_LAMP_TRIS / (m->n_tris ? m->n_tris : 1);
+    if (!memcmp(from, to, sizeof *from)) return 1;
+    return n < LEAST_PLACES ? LEAST_PLACES : n > MOST_PLACES ? MOST_PLACES : n;
+}
+
+static void move_mesh(const lc_mesh_desc *m, const lc_xform *x, float *pos, float *normal)
+{
+    double rows[9];
+    lc_xform_normal_rows(x, rows);
+    for (size_t i = 0; i < (size_t)m->n_verts * 3; i += 3) {
+        const double v[3] = { (double)m->pos[i], (double)m->pos[i + 1], (double)m->pos[i + 2] };
+        lc_xform_point(x, v, pos + i);
+        if (m->normal) lc_xform_normal(rows, m->normal + i, normal + i);
+    }
+}
+
+/* Adds an object of what gives the lamp's light: the mesh at places evenly along its way, each with its share
+ * of the emission. */
+static lc_status add_places(lc_scene *s, const lc_mesh_desc *mesh, const lc_xform *from, const lc_xform *to)
+{
+    const size_t n_floats = (size_t)mesh->n_verts * 3;
+    const uint32_t n = places_of(mesh, from, to);
+    lc_xform x = *from;
+    lc_status st = lc_scene_begin_object(s);
+    if (st) return st;
+    s->objects[s->n_objects - 1].unseen = true;
+    float *room = lc_alloc_raw(s->ctx, 2 * n_floats, sizeof *room);
+    if (!room) return LC_ERR_MEMORY;
+    lc_mesh_desc m = *mesh;
+    m.emission = lc_f3_scale(m.emission, 1 / (float)n);
+    m.pos = room;
+    if (m.normal) m.normal = room + n_floats;
+    for (uint32_t i = 0; i < n && !st; i++) {
+        if (n > 1 && !lc_xform_between(from, to, (i + 0.5) / n, &x)) st = LC_ERR_ARG;
+        if (st) break;
+        move_mesh(mesh, &x, room, room + n_floats);
+        m.flip = mesh->flip != (lc_xform_det3(&x) < 0);
+        st = lc_scene_add_mesh(s, s->at, &m);
+    }
+    lc_free(s->ctx, room, 2 * n_floats, sizeof *room);
+    return st;
+}
+
+/* Adds an object of the mesh as it is seen, through which shadow rays pass, and its instance. */
+static lc_status add_seen(lc_scene *s, const lc_mesh_desc *mesh, const lc_xform *from, const lc_xform *to)
+{
+    lc_mesh_desc m = *mesh;
+    lc_mesh_alpha hole = { { LC_NO_TEXTURE, { 1, 1, 1 } }, { LC_NO_TEXTURE, { 0, 0, 0 } } };
+    if (m.alpha) hole.alpha = m.alpha->alpha;
+    m.alpha = &hole;
+    m.only_seen = true;
+    lc_status st = lc_scene_begin_object(s);
+    if (!st) st = lc_scene_add_mesh(s, s->at, &m);
+    if (!st) st = lc_scene_add_instance(s, s->at, (uint32_t)s->n_objects - 1, from);
+    return st ? st : lc_scene_add_motion(s, s->at, from, to);
+}
+
+lc_status lc_build_moving_lamp(lc_scene *s, const lc_build_mesh_desc *desc, const double from[16],
+                               const double to[16])
+{
+    static const char call[] = "lc_build_moving_lamp";
+    lc_build_mesh_desc d = LC_BUILD_MESH_DESC_INIT;
+    lc_mesh_alpha hole;
+    lc_mesh_desc m;
+    lc_xform x, end;
+    lc_status st = lc_build_take(s, "lc_build_mesh_desc", &d, sizeof d, desc);
+    if (!st) st = check_mesh(s, call, &d);
+    if (!st && !(lc_f3_max(lc_f3_load(d.emission)) > 0))
+        st = lc_build_wrong(s, call, "emission must be above 0");
+    if (!st && !d.n_triangles) st = lc_build_wrong(s, call, "there are no triangles");
+    if (!st) st = lc_arg_to_world(s, call, from, &x);
+    if (!st) st = lc_arg_to_world(s, call, to, &end);
+    if (!st) st = describe_mesh(s, &d, &hole, &m);
+    if (st) return st;
+    const uint32_t had = s->groups.n;
+    st = lc_build_begin_group(s, call, d.group);
+    if (!st) st = lc_build_status(s, add_seen(s, &m, &x, &end));
+    if (!st) st = lc_build_status(s, add_places(s, &m, &x, &end));
+    s->given.placed = true; /* no further meshes belong to these objects */
+    if (!st) digest_mesh(s, &d);
+    if (!st && lc_build_mark(s, LC_CALL_MOVING_LAMP)) {
+        lc_digest_add(&s->inputs.digest, x.m, sizeof x.m);
+        lc_digest_add(&s->inputs.digest, end.m, sizeof end.m);
+    }
+    return lc_build_end_group(s, had, st);
 }
 
 int lc_build_instance_fits(const double to_world[16])

@@ -46,7 +46,8 @@ enum {
     LC_CALL_GONIOMETRIC,
     LC_CALL_PATHS,
     LC_CALL_GROUP,
-    LC_CALL_SEQUENCE
+    LC_CALL_SEQUENCE,
+    LC_CALL_MOVING_LAMP
 };
 
 /* Takes a descriptor of a scene that can still be added to; to: NULL, no descriptor. */

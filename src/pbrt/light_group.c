@@ -41,10 +41,20 @@ lc_status lc_pbrt_group_light(lc_pbrt *p, const char *kind)
     return st ? st : choose(p, own, (const char *const[3]){ kind, env ? "env" : NULL, NULL });
 }
 
-lc_status lc_pbrt_group_shape(lc_pbrt *p, const char *kind)
+lc_pbrt_lamp_names lc_pbrt_names_of_lamp(const lc_pbrt *p, const char *kind)
 {
     const char *own = p->attrs.area_group ? p->attrs.area_group : p->attrs.group;
-    if (lc_f3_max(p->attrs.emission) > 0)
-        return choose(p, own, (const char *const[3]){ "area", kind, p->attrs.material_name });
+    return (lc_pbrt_lamp_names){ own, kind, p->attrs.material_name };
+}
+
+lc_status lc_pbrt_group_lamp(lc_pbrt *p, const lc_pbrt_lamp_names *names)
+{
+    return choose(p, names->own, (const char *const[3]){ "area", names->kind, names->material });
+}
+
+lc_status lc_pbrt_group_shape(lc_pbrt *p, const char *kind)
+{
+    const lc_pbrt_lamp_names names = lc_pbrt_names_of_lamp(p, kind);
+    if (lc_f3_max(p->attrs.emission) > 0) return lc_pbrt_group_lamp(p, &names);
     return lc_build_group(p->scene, p->attrs.group, NULL, 0);
 }

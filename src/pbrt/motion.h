@@ -26,10 +26,13 @@ lc_status lc_pbrt_name_coords(struct lc_pbrt *p, const char *name, const lc_pbrt
 bool lc_pbrt_shutter(const lc_pbrt_options *o, const lc_pbrt_ctm *motion, lc_pbrt_ctm *shutter);
 /* The same of the current matrix; noted where it cannot change as it should. */
 lc_status lc_pbrt_motion(struct lc_pbrt *p, lc_pos where, lc_pbrt_ctm *shutter, bool *moves);
+/* Whether a shape here would emit and move, which is for places along its way. */
+bool lc_pbrt_is_moving_lamp(const struct lc_pbrt *p);
 /* Notes once that something of a kind does not move, if it were to. */
 lc_status lc_pbrt_stands_still(struct lc_pbrt *p, lc_pos where, const char *what);
-/* Passes on a finished mesh in object space that moves; to_world: when the shutter opens and closes. */
+/* Passes on a finished mesh in object space that moves; to_world: when the shutter opens and closes. kind: the
+ * shape's name, which lives on. */
 lc_status lc_pbrt_emit_moving(struct lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh,
-                              const lc_pbrt_ctm *to_world);
+                              const lc_pbrt_ctm *to_world, const char *kind);
 
 #endif

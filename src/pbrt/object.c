@@ -8,6 +8,7 @@
  * too; all others share the object's triangles, as do those that are to be movable. A shape that moves is the
  * only shape of an object with one instance.
  */
+#include "pbrt/light_group.h"
 #include "pbrt/shape_handler.h"
 
 #include "base/motion.h"
@@ -105,10 +106,11 @@ static lc_status keep_mesh(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh)
     lc_status st = lc_grow(p->ctx, &meshes, &p->cap_object_meshes, p->n_object_meshes + 1,
                            sizeof *p->object_meshes);
     p->object_meshes = meshes;
-    if (!st && lc_f3_max(m.emission) > 0)
+    if (!st && p->in_object && lc_f3_max(m.emission) > 0) {
         st = lc_pbrt_note(p, where, "area light in object", "a shape of an object does not emit");
+        m.emission = lc_f3_make(0, 0, 0);
+    }
     if (st) return st;
-    m.emission = lc_f3_make(0, 0, 0);
     p->object_meshes[p->n_object_meshes++] = m;
     p->objects[p->n_objects - 1].n++;
     p->objects[p->n_objects - 1].n_tris += m.n_tris;
@@ -185,11 +187,15 @@ lc_status lc_pbrt_object_instance(lc_pbrt *p, const lc_pbrt_stmt *s)
     return add_place(p, s->pos, id, moves, &to_world);
 }
 
-lc_status lc_pbrt_emit_moving(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh, const lc_pbrt_ctm *to_world)
+lc_status lc_pbrt_emit_moving(lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh, const lc_pbrt_ctm *to_world,
+                              const char *kind)
 {
     lc_status st = next_object(p, NULL);
     if (!st) st = keep_mesh(p, where, mesh);
-    return st ? st : add_place(p, where, (uint32_t)p->n_objects - 1, true, to_world);
+    if (!st) st = add_place(p, where, (uint32_t)p->n_objects - 1, true, to_world);
+    if (st || !(lc_f3_max(mesh->emission) > 0)) return st;
+    p->places[p->n_places - 1].lamp = lc_pbrt_names_of_lamp(p, kind);
+    return LC_OK;
 }
 
 static bool is_shared(const lc_pbrt *p, const lc_pbrt_place *place)
@@ -225,18 +231,32 @@ static lc_status add_object(lc_pbrt *p, lc_pos where, lc_pbrt_object *o)
     return st;
 }
 
+static lc_status add_lamp(lc_pbrt *p, const lc_pbrt_place *place)
+{
+    const lc_build_mesh_desc d = lc_pbrt_mesh_desc(&p->object_meshes[p->objects[place->object].first]);
+    lc_status st = lc_pbrt_at(p, place->pos);
+    if (!st) st = lc_pbrt_group_lamp(p, &place->lamp);
+    return st ? st : lc_build_moving_lamp(p->scene, &d, place->to_world.start.m, place->to_world.end.m);
+}
+
 /* Makes copies first, as the world's meshes must precede those of objects. */
 lc_status lc_pbrt_place_objects(lc_pbrt *p)
 {
     lc_status st = LC_OK;
     for (size_t i = 0; i < p->n_places && !st; i++) {
         p->places[i].shared = is_shared(p, &p->places[i]);
-        if (!p->places[i].shared) st = copy_place(p, &p->places[i]);
+        if (p->places[i].shared) continue;
+        if (p->places[i].lamp.kind) st = lc_pbrt_group_lamp(p, &p->places[i].lamp);
+        if (!st) st = copy_place(p, &p->places[i]);
     }
     for (size_t i = 0; i < p->n_places && !st; i++) {
         const lc_pbrt_place *place = &p->places[i];
         lc_pbrt_object *o = &p->objects[place->object];
         if (!place->shared) continue;
+        if (place->lamp.kind) {
+            if ((st = add_lamp(p, place))) return st;
+            continue;
+        }
         if (o->id == LC_NONE) st = add_object(p, place->pos, o);
         if (!st) st = lc_pbrt_at(p, place->pos);
         if (!st && o->name) st = lc_build_names(p->scene, &o->name, 1);

@@ -27,7 +27,8 @@ uint32_t lc_pbrt_segments(const lc_pbrt *p)
 {
     size_t i = 0;
     while (p->n_round_tris >= levels[i].up_to) i++;
-    return levels[i].segments;
+    const uint32_t n = levels[i].segments;
+    return n > LC_PBRT_MOVING_SEGMENTS && lc_pbrt_is_moving_lamp(p) ? LC_PBRT_MOVING_SEGMENTS : n;
 }
 
 lc_status lc_pbrt_get_sweep(lc_pbrt *p, uint32_t segments, lc_pbrt_sweep *out)

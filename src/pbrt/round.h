@@ -11,6 +11,7 @@ typedef struct lc_pbrt_sweep {
 } lc_pbrt_sweep;
 
 #define LC_PBRT_ROUND_SEGMENTS 128 /* around the first shapes of a file; see round.c */
+#define LC_PBRT_MOVING_SEGMENTS 48 /* at most, around lamps that move, which have lights at many places */
 /* The number of segments around the next round shape for a full turn; it decreases with the triangles made so
  * far. */
 uint32_t lc_pbrt_segments(const lc_pbrt *p);

@@ -272,12 +272,12 @@ static lc_status note_round(lc_pbrt *p, const lc_pbrt_stmt *s, uint32_t segments
     char text[64];
     snprintf(text, sizeof text, "made of triangles, %u around", segments);
     lc_status st = lc_pbrt_note_name(p, s->pos, "shape", s->text[0], text);
-    if (st || segments >= LC_PBRT_ROUND_SEGMENTS) return st;
+    if (st || segments >= LC_PBRT_ROUND_SEGMENTS || lc_pbrt_is_moving_lamp(p)) return st;
     return lc_pbrt_note(p, s->pos, "coarse round shapes",
                         "from here on round shapes have fewer triangles, as they are many");
 }
 
-/* Whether a shape moves; lamps, boundaries of media and shapes of objects do not, which is noted. */
+/* Whether a shape moves; boundaries of media and shapes of objects do not, which is noted. */
 static lc_status does_move(lc_pbrt *p, lc_pos where, bool emits, bool bounds, lc_pbrt_ctm *shutter,
                            bool *moves)
 {
@@ -288,10 +288,12 @@ static lc_status does_move(lc_pbrt *p, lc_pos where, bool emits, bool bounds, lc
         st = lc_pbrt_current_material(p, &material);
         bounds = !st && lc_build_traits(p->scene, material) & LC_TRAIT_CLEAR;
     }
-    *moves = !emits && !bounds && !p->in_object;
+    *moves = !bounds && !p->in_object;
+    if (!st && *moves && emits)
+        st = lc_pbrt_note_name(p, where, "motion of", "an area light",
+                               "its light is that of places along its way, and it casts no shadow");
     if (st || *moves) return st;
-    return lc_pbrt_stands_still(p, where,
-                                emits ? "an area light" : bounds ? "a medium" : "a shape of an object");
+    return lc_pbrt_stands_still(p, where, bounds ? "a medium" : "a shape of an object");
 }
 
 lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
@@ -343,5 +345,6 @@ lc_status lc_pbrt_shape(lc_pbrt *p, const lc_pbrt_stmt *s)
     if (emits && (st = note_dark(p, s->pos, &mesh))) return st;
     for (size_t k = 0; mesh.uv && k < (size_t)mesh.n_verts * 2; k++)
         if (!isfinite(p->uv[k])) p->uv[k] = 0;
-    return moves ? lc_pbrt_emit_moving(p, s->pos, &mesh, &shutter) : lc_pbrt_emit_mesh(p, s->pos, &mesh);
+    return moves ? lc_pbrt_emit_moving(p, s->pos, &mesh, &shutter, shapes[i].name)
+                 : lc_pbrt_emit_mesh(p, s->pos, &mesh);
 }

@@ -56,9 +56,16 @@ typedef struct lc_pbrt_object {
     uint32_t id; /* the scene's object; LC_NONE: not added yet */
 } lc_pbrt_object;
 
-/* An ObjectInstance that is handled at the end of the file. */
+/* The names by which the group of an emissive shape is chosen: the file's group, the shape's kind and the
+ * material, or NULL. */
+typedef struct lc_pbrt_lamp_names {
+    const char *own, *kind, *material;
+} lc_pbrt_lamp_names;
+
+/* An ObjectInstance, or a shape that moves, that is handled at the end of the file. */
 typedef struct lc_pbrt_place {
     uint32_t object;
+    lc_pbrt_lamp_names lamp; /* kind: NULL, it does not emit */
     bool shared, moves; /* an instance, not copied triangles; it must be one, though it is alone or small */
     lc_pos pos;
     lc_pbrt_ctm to_world;

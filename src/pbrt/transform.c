@@ -187,6 +187,13 @@ lc_status lc_pbrt_motion(lc_pbrt *p, lc_pos where, lc_pbrt_ctm *shutter, bool *m
     return lc_pbrt_note(p, where, "motion", "there is no way from one transform to the other; nothing moves");
 }
 
+bool lc_pbrt_is_moving_lamp(const lc_pbrt *p)
+{
+    const lc_pbrt_ctm now = { p->ctm, p->ctm_end };
+    lc_pbrt_ctm shutter;
+    return lc_f3_max(p->attrs.emission) > 0 && lc_pbrt_shutter(&p->opt, &now, &shutter);
+}
+
 lc_status lc_pbrt_stands_still(lc_pbrt *p, lc_pos where, const char *what)
 {
     const lc_pbrt_ctm now = { p->ctm, p->ctm_end };

@@ -35,7 +35,7 @@ lc_emitter lc_emitter_of(const lc_scene *s, size_t tri)
     const lc_mesh *mesh = &s->meshes[s->tri_mesh[tri]];
     lc_emitter e = { .n_sides = mesh->two_sided ? 2 : 1 };
     double rgb[3] = { 1, 1, 1 };
-    if (!(lc_f3_max(mesh->emission) > 0)) return e;
+    if (!lc_mesh_is_lamp(mesh)) return e;
     e.twice = cross_of(s, tri, e.cross);
     e.side = side_of(s, mesh, tri, e.cross);
     if (mesh->emission_map) lc_area_map_mean(s, tri, rgb);

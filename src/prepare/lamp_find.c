@@ -50,7 +50,7 @@ void lc_lamps_find(lc_scene *s, size_t first, size_t end)
     s->lamps.n = 0;
     for (size_t i = 0; i < s->n_meshes && first < end; i++) {
         double size;
-        if (!(lc_f3_max(s->meshes[i].emission) > 0)) continue;
+        if (!lc_mesh_is_lamp(&s->meshes[i])) continue;
         lc_box b = measure(s, &s->meshes[i], &size);
         lc_f3 half = lc_f3_scale(lc_f3_sub(b.hi, b.lo), 0.5f);
         float radius = sqrtf(lc_f3_dot(half, half));

@@ -108,7 +108,7 @@ static lc_status find_patches(lc_patches *m)
     for (size_t i = 0; i < s->n_meshes && !st; i++) {
         const lc_mesh *mesh = &s->meshes[i];
         lc_lamp_source ball = { .tri = mesh->first_tri, .is_ball = true };
-        if (!(lc_f3_max(mesh->emission) > 0)) continue;
+        if (!lc_mesh_is_lamp(mesh)) continue;
         if (lc_ball_find(s, (uint32_t)i, &ball.ball)) {
             st = add_source(m, &ball, 1);
             if (!st) m->patches[m->n++] = (lc_patch){ .source = (uint32_t)m->n_sources - 1 };

@@ -60,7 +60,7 @@ static uint32_t depth_of(const lc_scene *s) { return s->load.max_depth ? s->load
 static bool has_lamps(const lc_scene *s)
 {
     for (size_t i = 0; i < s->n_meshes; i++)
-        if (lc_f3_max(s->meshes[i].emission) > 0) return true;
+        if (lc_mesh_is_lamp(&s->meshes[i])) return true;
     return false;
 }
 

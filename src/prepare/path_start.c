@@ -45,7 +45,7 @@ static lc_status add_mesh(lc_path_starts *p, size_t i)
     const lc_mesh *mesh = &s->meshes[i];
     lc_light ball;
     lc_status st = LC_OK;
-    if (!(lc_f3_max(mesh->emission) > 0)) return LC_OK;
+    if (!lc_mesh_is_lamp(mesh)) return LC_OK;
     if (lc_ball_find(s, (uint32_t)i, &ball)) {
         st = lc_grow(s->ctx, (void **)&p->balls, &p->cap_balls, p->n_balls + 1, sizeof *p->balls);
         if (st) return st;

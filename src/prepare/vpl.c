@@ -214,6 +214,18 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
     return lc_f3_max(p->flux) > 0;
 }
 
+/* The next surface; light passes what is only seen. */
+static bool meet(path *p, lc_surface *s)
+{
+    float org[3];
+    for (uint32_t i = 0; i < PATH_SURFACES && lc_surface_hit(p->m->scene, p->org, p->dir, 0, s); i++) {
+        if (!s->only_seen) return true;
+        lc_surface_behind(s, org);
+        p->org = lc_f3_load(org);
+    }
+    return false;
+}
+
 static void trace(path *p)
 {
     lc_light from;
@@ -222,7 +234,7 @@ static void trace(path *p)
     p->group = from.group;
     if (!(lc_f3_max(p->flux) > 0)) return;
     for (uint32_t depth = 1; depth < p->m->max_depth && depth <= PATH_SURFACES; depth++) {
-        if (!lc_surface_hit(p->m->scene, p->org, p->dir, 0, &s)) return;
+        if (!meet(p, &s)) return;
         if (p->m->scene->media.present)
             p->flux = lc_f3_mul(p->flux, lc_media_through(p->m->scene, p->org, p->dir, (double)s.t));
         if (!(lc_f3_max(p->flux) > 0)) return;

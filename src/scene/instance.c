@@ -177,7 +177,8 @@ lc_status lc_instances_build(lc_scene *s)
     lc_status st = level->bvhs && level->objects ? LC_OK : LC_ERR_MEMORY;
     for (size_t i = 0; i < level->n_objects && !st; i++) {
         const lc_object *o = &s->objects[i];
-        st = lc_bvh_build(s->ctx, s->pos, s->index + 3 * (size_t)o->first_tri, o->n_tris, &level->bvhs[i]);
+        const size_t n_tris = o->unseen ? 0 : o->n_tris;
+        st = lc_bvh_build(s->ctx, s->pos, s->index + 3 * (size_t)o->first_tri, n_tris, &level->bvhs[i]);
         if (st) return st;
         s->built.bvhs++;
         level->objects[i] = level->bvhs[i]->data;

@@ -1,4 +1,5 @@
-/* motion.h - what moves while the shutter is open: instances and the camera. Lights stand still.
+/* motion.h - what moves while the shutter is open: instances and the camera. Lights stand still: those that
+ * would move are lights along their way (build/build.c, pbrt/light_source.c).
  *
  * The scene itself is as in the middle of that time. A picture is made of the scene at some hundred moments,
  * evenly over it: copies of lc_scene which share all but the camera, the instances and the BVH over these.

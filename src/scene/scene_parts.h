@@ -22,16 +22,21 @@ typedef struct lc_mesh {
     bool brushed; /* the material's roughness is anisotropic, so hits need a tangent */
     bool clear;   /* the material is or mixes glass, which shadow rays pass */
     bool flip, two_sided;
+    bool only_seen; /* the emission shows, but its light is that of other meshes */
     lc_f3 emission, own_emission; /* own: before it is dimmed */
     uint32_t alpha;               /* index into lc_scene.alphas; LC_NONE: opaque */
     uint32_t emission_map;        /* 1 + index into lc_scene.emission_maps; 0: none */
     uint32_t group;               /* of its emission */
 } lc_mesh;
 
+/* Whether lights are made of the mesh. */
+static inline bool lc_mesh_is_lamp(const lc_mesh *m) { return lc_f3_max(m->emission) > 0 && !m->only_seen; }
+
 /* An object for instancing: consecutive triangles in a space of their own. */
 typedef struct lc_object {
     uint32_t first_tri, n_tris;
-    lc_box box; /* object space */
+    lc_box box;   /* object space */
+    bool unseen;  /* meshes of the world that are there for their light alone: never placed */
 } lc_object;
 
 typedef struct lc_scene_note {
