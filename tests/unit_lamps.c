@@ -5,7 +5,13 @@
 #include "prepare/emitter.h"
 #include "prepare/lamp_lights.h"
 #include "support/one_scene.h"
+#include "shade/light_kind.h"
+#include "shade/light_target.h"
+#include "shade/point_init.h"
 #include "support/pictures.h"
+
+#define RND_KEY 727
+#include "support/rnd.h"
 
 static lc_load_desc direct = LC_LOAD_DESC_INIT;
 
@@ -350,6 +356,66 @@ TEST(balls_are_exact_and_soft)
 }
 
 /* No area, no radiance: no light, and nothing else goes wrong. */
+/* Shadow rays go to points that are seen, however near, evenly over the disc that the ball is seen as. */
+TEST(points_of_balls_are_seen)
+{
+    for (int i = 0; i < 2000; i++) {
+        const double far = pow(10, rnd_in(0.004, 3));
+        const lc_f3 centre = rnd_in_box(5), way = rnd_unit();
+        const float radius = (float)rnd_in(0.01, 2);
+        double sum[3] = { 0, 0, 0 }, square = 0;
+        lc_light light = { .kind = LC_LIGHT_BALL, .pos = centre, .intensity = { 1, 1, 1 }, .radius = radius };
+        lc_light_rec rec;
+        lc_point p = { .pos = { 0, 0, 0 } };
+        lc_light_rec_init(&rec, &light);
+        lc_f3_store(p.pos, lc_f3_add(centre, lc_f3_scale(way, (float)(far * (double)radius))));
+        for (p.turn = 0; p.turn < LC_BALL_POINTS; p.turn++) {
+            float to[3];
+            double out = 0, across = 0, n[3];
+            lc_ball_target(&rec, &p, to);
+            const float c[3] = { centre.x, centre.y, centre.z }, w[3] = { way.x, way.y, way.z };
+            for (int k = 0; k < 3; k++) n[k] = ((double)to[k] - (double)c[k]) / (double)radius;
+            for (int k = 0; k < 3; k++) out += n[k] * (double)w[k];
+            CHECKF(out > 1 / far - 1e-3 / far, "at %g radii: cosine %g", far, out);
+            for (int k = 0; k < 3; k++) {
+                const double s = n[k] - out * (double)w[k];
+                sum[k] += s / LC_BALL_POINTS;
+                across += s * s;
+            }
+            square += across / LC_BALL_POINTS;
+        }
+        const double cap2 = 1 - 1 / (far * far);
+        CHECKF(fabs(square - cap2 / 2) < 0.05 * cap2 + 1e-3, "at %g radii: %g, not %g", far, square, cap2 / 2);
+        for (int k = 0; k < 3; k++) CHECKF(fabs(sum[k]) < 0.1, "at %g radii: to one side, %g", far, sum[k]);
+    }
+}
+
+/* A ball near a floor of its own does not hide itself: no pixel of the floor is darker than the closed form. */
+TEST(balls_do_not_hide_themselves)
+{
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_load_desc l = direct;
+    lc_image *image = NULL;
+    l.spp = 1;
+    CHECK(load_text(&l, "Film \"rgb\" \"integer xresolution\" 120 \"integer yresolution\" 120 "
+                        "LookAt 0 8 0  0 0 0  0 0 1 Camera \"orthographic\" \"float screenwindow\" [-4 4 -4 4] "
+                        "PixelFilter \"box\" WorldBegin Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5] "
+                        "Shape \"trianglemesh\" \"point3 P\" [-9 0 -9 9 0 -9 9 0 9 -9 0 9] "
+                        "\"integer indices\" [0 2 1 0 3 2] AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] "
+                        "Translate 0 1.5 0 Shape \"sphere\" \"float radius\" .4") == LC_OK);
+    d.method = LC_METHOD_EXACT;
+    CHECK(n_balls() == 1 && !lc_render(ctx, scene, &d, &image, NULL));
+    for (uint32_t y = 0; image && y < 120; y++)
+        for (uint32_t x = 0; x < 120; x++) {
+            const double u = -4 + (x + 0.5) / 15, v = -4 + (y + 0.5) / 15, d2 = u * u + v * v + 1.5 * 1.5,
+                         want = 0.5 * 0.4 * 0.4 * 1.5 / (d2 * sqrt(d2)),
+                         got = (double)lc_image_channel(image, "G")[y * 120 + x];
+            if (u * u + v * v < 0.3) continue; /* the ball itself is seen there */
+            CHECKF(fabs(got - want) < 0.02 * want, "%g, %g: %g, not %g", u, v, got, want);
+        }
+    lc_image_destroy(image);
+}
+
 TEST(nothing_emits)
 {
     CHECK(load_text(&direct,
@@ -375,6 +441,8 @@ int main(void)
     RUN(spheres_are_balls);
     RUN(balls_are_seen);
     RUN(balls_are_exact_and_soft);
+    RUN(points_of_balls_are_seen);
+    RUN(balls_do_not_hide_themselves);
     RUN(nothing_emits);
     one_scene_end();
     return test_done();

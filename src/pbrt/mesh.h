@@ -25,6 +25,12 @@ typedef struct lc_pbrt_mesh {
     uint32_t emission_map;      /* as in lc_pbrt_attrs */
 } lc_pbrt_mesh;
 
+/* The names by which the group of an emissive shape is chosen: the file's group, the shape's kind and the
+ * material, or NULL. */
+typedef struct lc_pbrt_lamp_names {
+    const char *own, *kind, *material;
+} lc_pbrt_lamp_names;
+
 /* A mesh as the scene's calls take it. */
 lc_build_mesh_desc lc_pbrt_mesh_desc(const lc_pbrt_mesh *mesh);
 #endif

@@ -30,8 +30,8 @@ lc_status lc_pbrt_motion(struct lc_pbrt *p, lc_pos where, lc_pbrt_ctm *shutter, 
 bool lc_pbrt_is_moving_lamp(const struct lc_pbrt *p);
 /* Notes once that something of a kind does not move, if it were to. */
 lc_status lc_pbrt_stands_still(struct lc_pbrt *p, lc_pos where, const char *what);
-/* Passes on a finished mesh in object space that moves; to_world: when the shutter opens and closes. kind: the
- * shape's name, which lives on. */
+/* Passes on a finished mesh in object space that moves; to_world: when the shutter opens and closes. kind:
+ * the shape's name, which lives on. */
 lc_status lc_pbrt_emit_moving(struct lc_pbrt *p, lc_pos where, const lc_pbrt_mesh *mesh,
                               const lc_pbrt_ctm *to_world, const char *kind);
 

@@ -56,12 +56,6 @@ typedef struct lc_pbrt_object {
     uint32_t id; /* the scene's object; LC_NONE: not added yet */
 } lc_pbrt_object;
 
-/* The names by which the group of an emissive shape is chosen: the file's group, the shape's kind and the
- * material, or NULL. */
-typedef struct lc_pbrt_lamp_names {
-    const char *own, *kind, *material;
-} lc_pbrt_lamp_names;
-
 /* An ObjectInstance, or a shape that moves, that is handled at the end of the file. */
 typedef struct lc_pbrt_place {
     uint32_t object;

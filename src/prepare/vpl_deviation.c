@@ -258,7 +258,8 @@ static double sum_with_shadows(const job *j, uint64_t block, const float *values
         uint32_t times = 0;
         before += weight;
         for (; k < DRAWN && (k + jitter) / DRAWN * sum < before; k++) times++;
-        if (times && weight > 0) left += times * power(with_shadows(j, block, i, (double)gathered[i]), exponent) / weight;
+        if (times && weight > 0)
+            left += times * power(with_shadows(j, block, i, (double)gathered[i]), exponent) / weight;
     }
     return sum * left / DRAWN;
 }

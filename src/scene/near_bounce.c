@@ -237,7 +237,7 @@ static void find_leaving(const lc_scene *s, const lc_point *soft, const gathered
         to[i] = lc_f3_scale(lc_f3_make(f[0][i], f[1][i], f[2][i]), g->factor[i] * each);
 }
 
-/* What the rays of a point are gathered for: to has what leaves it of a radiance of 1 at each of their ends. */
+/* What a point's rays are gathered for: to has what leaves the point of a radiance of 1 at each's end. */
 typedef void gathered_fn(void *user, const gathered *g, const lc_f3 to[BATCH]);
 
 static void gather(const lc_scene *s, const lc_lit *lit, const lc_point *soft, uint32_t n, gathered_fn *use,

@@ -16,7 +16,7 @@ typedef struct lc_surface {
     float t;              /* length of the path from the camera, mirrors included */
     bool front;           /* the viewer is on the outer side, as set by normals or by ReverseOrientation */
     lc_f3 emission;       /* radiance towards the viewer, W/(m^2 sr) */
-    bool only_seen;       /* the light of the emission is that of other meshes, which this one does not stop */
+    bool only_seen;       /* the emission's light is that of other meshes, which this one does not stop */
     uint32_t group;       /* of lights, that of the emission */
     uint32_t material_id; /* of the scene */
     uint32_t moment;      /* of that scene */

@@ -1,6 +1,10 @@
-/* light_target.h - where shadow rays go to lights that have a surface: to a point of the half that faces
- * the shading point, chosen by the cosine, which is uniform over the disc that is seen; another for each
- * light and each lc_point.turn.
+/* light_target.h - where shadow rays go to lights that have a surface: to a point of the cap that is seen from
+ * the shading point, evenly over the disc that this cap is seen as; another for each light and each
+ * lc_point.turn.
+ *
+ * The half of the two unit vectors w, towards the point, and u, which is even over the sphere, is distributed
+ * over the half that faces the point by the cosine, so its part s across w is even over a disc. Of the ball,
+ * of radius r and at distance d, the cap with w.n >= r / d is seen: s is scaled by sqrt(1 - (r / d)^2).
  */
 #ifndef LC_LIGHT_TARGET_H
 #define LC_LIGHT_TARGET_H
@@ -8,6 +12,7 @@
 #include "shade/tree_data.h"
 
 #define LC_BALL_POINTS 32
+#define LC_BALL_INSIDE 0.9998f /* of s^2: rounding must not lead behind the edge of the cap */
 
 /* Unit vectors, evenly over the sphere. */
 static const float lc_ball_point[LC_BALL_POINTS][3] = {
@@ -36,7 +41,13 @@ static inline void lc_ball_target(const lc_light_rec *light, const lc_point *p, 
     const lc_f3 centre = lc_f3_load(light->pos), d = lc_f3_sub(centre, lc_f3_load(p->pos));
     float radius;
     memcpy(&radius, &light->dir_a, sizeof radius);
-    lc_f3 n = lc_f3_normalize(lc_f3_sub(lc_f3_load(u), lc_f3_normalize(d)));
+    const float d2 = lc_f3_dot(d, d), least2 = radius * radius;
+    const float cap2 = d2 > least2 ? (1 - least2 / d2) * LC_BALL_INSIDE : 0; /* greatest s^2 */
+    const lc_f3 w = lc_f3_neg(lc_f3_normalize(d)), half = lc_f3_normalize(lc_f3_add(lc_f3_load(u), w));
+    const float cosine = lc_f3_dot(half, w);
+    const lc_f3 s = lc_f3_scale(lc_f3_sub(half, lc_f3_scale(w, cosine)), sqrtf(cap2));
+    const float along2 = 1 - lc_f3_dot(s, s);
+    const lc_f3 n = lc_f3_add(s, lc_f3_scale(w, along2 > 0 ? sqrtf(along2) : 0));
     lc_f3_store(target, lc_f3_add(centre, lc_f3_scale(n, radius)));
 }
 
