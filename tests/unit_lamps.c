@@ -385,12 +385,13 @@ TEST(points_of_balls_are_seen)
             square += across / LC_BALL_POINTS;
         }
         const double cap2 = 1 - 1 / (far * far);
-        CHECKF(fabs(square - cap2 / 2) < 0.05 * cap2 + 1e-3, "at %g radii: %g, not %g", far, square, cap2 / 2);
+        CHECKF(fabs(square - cap2 / 2) < 0.05 * cap2 + 1e-3, "at %g radii: %g, not %g", far, square,
+               cap2 / 2);
         for (int k = 0; k < 3; k++) CHECKF(fabs(sum[k]) < 0.1, "at %g radii: to one side, %g", far, sum[k]);
     }
 }
 
-/* A ball near a floor of its own does not hide itself: no pixel of the floor is darker than the closed form. */
+/* A ball near a floor does not hide itself: no pixel of the floor is darker than the closed form. */
 TEST(balls_do_not_hide_themselves)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
@@ -398,8 +399,10 @@ TEST(balls_do_not_hide_themselves)
     lc_image *image = NULL;
     l.spp = 1;
     CHECK(load_text(&l, "Film \"rgb\" \"integer xresolution\" 120 \"integer yresolution\" 120 "
-                        "LookAt 0 8 0  0 0 0  0 0 1 Camera \"orthographic\" \"float screenwindow\" [-4 4 -4 4] "
-                        "PixelFilter \"box\" WorldBegin Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5] "
+                        "LookAt 0 8 0  0 0 0  0 0 1 "
+                        "Camera \"orthographic\" \"float screenwindow\" [-4 4 -4 4] "
+                        "PixelFilter \"box\" WorldBegin "
+                        "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5] "
                         "Shape \"trianglemesh\" \"point3 P\" [-9 0 -9 9 0 -9 9 0 9 -9 0 9] "
                         "\"integer indices\" [0 2 1 0 3 2] AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] "
                         "Translate 0 1.5 0 Shape \"sphere\" \"float radius\" .4") == LC_OK);

@@ -525,7 +525,7 @@ TEST(light_of_a_lamp_that_moves_is_spread_along_its_way)
     lc_scene_destroy(s);
 }
 
-/* The mean of a corner of floor and wall, on which a ball shines that moves by `way`; group: of that light. */
+/* The mean of a corner of floor and wall under a ball that moves by `way`; group: of that light. */
 static double corner_by_ball(double way, uint32_t depth, double *of_group)
 {
     static const char *const patterns[] = { "lamp=area" };
@@ -592,7 +592,7 @@ TEST(calls_make_lamps_that_move)
     q.n_vertices = 4;
     q.n_triangles = 2;
     CHECK(lc_build_moving_lamp(s, NULL, a.m, b.m) == LC_ERR_ARG);
-    CHECK(lc_build_moving_lamp(s, &q, a.m, b.m) == LC_ERR_ARG && strstr(last_error, "emission must be above 0"));
+    CHECK(lc_build_moving_lamp(s, &q, a.m, b.m) == LC_ERR_ARG && strstr(last_error, "must be above 0"));
     q.emission[1] = 1;
     CHECK(lc_build_moving_lamp(s, &q, NULL, b.m) == LC_ERR_ARG);
     CHECK(lc_build_moving_lamp(s, &q, a.m, NULL) == LC_ERR_ARG);

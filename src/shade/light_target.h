@@ -1,5 +1,5 @@
-/* light_target.h - where shadow rays go to lights that have a surface: to a point of the cap that is seen from
- * the shading point, evenly over the disc that this cap is seen as; another for each light and each
+/* light_target.h - where shadow rays go to lights that have a surface: to a point of the cap that is seen
+ * from the shading point, evenly over the disc that this cap is seen as; another for each light and each
  * lc_point.turn.
  *
  * The half of the two unit vectors w, towards the point, and u, which is even over the sphere, is distributed
