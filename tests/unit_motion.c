@@ -608,6 +608,32 @@ TEST(calls_make_lamps_that_move)
     lc_scene_destroy(s);
 }
 
+/* Large ones have fewer places, and many have few: 8, 8, 4, 4, 4, 4, 1, 1. */
+TEST(many_lamps_that_move_have_few_places)
+{
+    enum { TRIANGLES = 120000 };
+    static uint32_t indices[3 * TRIANGLES];
+    static const float corners[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
+    const lc_xform a = lc_xform_identity(), b = lc_xform_translate((const double[3]){ 4, 0, 0 });
+    lc_build_material_desc m = LC_BUILD_MATERIAL_DESC_INIT;
+    lc_build_mesh_desc q = LC_BUILD_MESH_DESC_INIT;
+    lc_load_desc d = LC_LOAD_DESC_INIT;
+    lc_scene *s;
+    d.area_lights = 16;
+    for (uint32_t i = 0; i < 3 * TRIANGLES; i++) indices[i] = i % 3;
+    CHECK(!lc_build_begin(ctx, &s) && !lc_build_usual_camera(s) && !lc_build_material(s, &m, &q.material));
+    q.positions = corners;
+    q.indices = indices;
+    q.n_vertices = 3;
+    q.n_triangles = TRIANGLES;
+    q.emission[0] = 1;
+    for (int i = 0; i < 8; i++) CHECKF(!lc_build_moving_lamp(s, &q, a.m, b.m), "%s", last_error);
+    CHECKF(!lc_build_commit(s, &d), "%s", last_error);
+    CHECKF(info_of(s).n_meshes == 8 + 34, "%llu", (unsigned long long)info_of(s).n_meshes);
+    CHECK(info_of(s).n_triangles == 8 * TRIANGLES);
+    lc_scene_destroy(s);
+}
+
 /* ---- what stands still ---- */
 
 TEST(what_stands_still_is_said)
@@ -692,6 +718,7 @@ int main(void)
     RUN(light_of_a_lamp_that_moves_is_spread_along_its_way);
     RUN(a_lamp_does_not_stand_in_its_own_light);
     RUN(calls_make_lamps_that_move);
+    RUN(many_lamps_that_move_have_few_places);
     RUN(a_light_that_moves_is_spread_along_its_way);
     RUN(what_stands_still_is_said);
     RUN(hostile_motion_is_refused);

@@ -308,16 +308,24 @@ lc_status lc_build_moving_instance(lc_scene *s, uint32_t object, const double fr
 
 /* ---- lamps that move ---- */
 
-/* Of one lamp, the lights' meshes have that many triangles at most, and it has that many places at least. */
-#define MOST_PLACES   64u
-#define LEAST_PLACES  8u
-#define MOST_LAMP_TRIS (1u << 17)
+/* A lamp has so many places that these have no more than LAMP_TRIS triangles, but LEAST_PLACES; fewer as all
+ * lamps' places have more triangles. */
+#define LAMP_TRIS    (1u << 17)
+#define LEAST_PLACES 8u
 
-static uint32_t places_of(const lc_mesh_desc *m, const lc_xform *from, const lc_xform *to)
+static uint32_t places_of(const lc_scene *s, const lc_mesh_desc *m, const lc_xform *from, const lc_xform *to)
 {
-    const uint32_t n = MOST_LAMP_TRIS / (m->n_tris ? m->n_tris : 1);
+    static const struct {
+        size_t up_to; /* triangles of all places, this lamp's included */
+        uint32_t most;
+    } levels[] = { { (size_t)1 << 20, 64 }, { (size_t)1 << 21, 16 }, { (size_t)1 << 22, 4 } };
+    const uint32_t fit = LAMP_TRIS / m->n_tris, wanted = fit < LEAST_PLACES ? LEAST_PLACES : fit;
     if (!memcmp(from, to, sizeof *from)) return 1;
-    return n < LEAST_PLACES ? LEAST_PLACES : n > MOST_PLACES ? MOST_PLACES : n;
+    for (size_t i = 0; i < sizeof levels / sizeof *levels; i++) {
+        const uint32_t n = wanted < levels[i].most ? wanted : levels[i].most;
+        if (s->n_unseen_tris + (size_t)n * m->n_tris <= levels[i].up_to) return n;
+    }
+    return 1;
 }
 
 static void move_mesh(const lc_mesh_desc *m, const lc_xform *x, float *pos, float *normal)
@@ -336,8 +344,8 @@ static void move_mesh(const lc_mesh_desc *m, const lc_xform *x, float *pos, floa
 static lc_status add_places(lc_scene *s, const lc_mesh_desc *mesh, const lc_xform *from, const lc_xform *to)
 {
     const size_t n_floats = (size_t)mesh->n_verts * 3;
-    const uint32_t n = places_of(mesh, from, to);
-    lc_xform x = *from;
+    const uint32_t n = places_of(s, mesh, from, to);
+    lc_xform x;
     lc_status st = lc_scene_begin_object(s);
     if (st) return st;
     s->objects[s->n_objects - 1].unseen = true;
@@ -348,7 +356,7 @@ static lc_status add_places(lc_scene *s, const lc_mesh_desc *mesh, const lc_xfor
     m.pos = room;
     if (m.normal) m.normal = room + n_floats;
     for (uint32_t i = 0; i < n && !st; i++) {
-        if (n > 1 && !lc_xform_between(from, to, (i + 0.5) / n, &x)) st = LC_ERR_ARG;
+        if (!lc_xform_between(from, to, (i + 0.5) / n, &x)) st = LC_ERR_ARG;
         if (st) break;
         move_mesh(mesh, &x, room, room + n_floats);
         m.flip = mesh->flip != (lc_xform_det3(&x) < 0);

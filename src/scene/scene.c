@@ -151,7 +151,10 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
     LC_ASSERT(!object || object->unseen || m->only_seen || !(lc_f3_max(m->emission) > 0));
     for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
         lc_box_add(object ? &object->box : &s->bounds, lc_f3_load(m->pos + 3 * (size_t)m->index[i]));
-    if (object && object->unseen) lc_box_join(&s->bounds, &object->box);
+    if (object && object->unseen) {
+        lc_box_join(&s->bounds, &object->box);
+        s->n_unseen_tris += m->n_tris;
+    }
     if (object) object->n_tris += m->n_tris;
     s->meshes[s->n_meshes++] = (lc_mesh){
         .first_tri = (uint32_t)s->n_tris,

@@ -55,7 +55,7 @@ struct lc_scene {
     /* The world's triangles come first, then those of the objects, which instances place in the world. */
     lc_object *objects;
     lc_instance *instances;
-    size_t n_objects, cap_objects, n_instances, cap_instances;
+    size_t n_objects, cap_objects, n_instances, cap_instances, n_unseen_tris; /* of lc_object.unseen */
     struct lc_moving *moving; /* motion.h */
     size_t n_moving, cap_moving;
     lc_xform view_ends[2]; /* where camera_desc.moves: camera to world when the shutter opens and closes */

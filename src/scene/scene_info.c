@@ -26,14 +26,6 @@ static void count(const lc_scene *s, lc_scene_info *info)
         info->n_mirrors += s->materials[i].mirror || s->materials[i].glass;
 }
 
-static size_t n_seen_tris(const lc_scene *s)
-{
-    size_t n = s->n_tris;
-    for (size_t i = 0; i < s->n_objects; i++)
-        if (s->objects[i].unseen) n -= s->objects[i].n_tris;
-    return n;
-}
-
 lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
 {
     static const lc_light_tree none;
@@ -41,7 +33,7 @@ lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
     const lc_light_tree *t = s->tree ? s->tree : &none; /* no tree while only parsed */
     lc_scene_info full = {
         .size = sizeof full,
-        .n_triangles = n_seen_tris(s),
+        .n_triangles = s->n_tris - s->n_unseen_tris,
         .n_vertices = s->n_verts,
         .n_meshes = s->n_meshes,
         .n_materials = s->n_materials,
