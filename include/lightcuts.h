@@ -822,8 +822,8 @@ LC_API lc_status lc_build_moving_instance(lc_scene *scene, uint32_t object, cons
 /* A mesh that emits and moves in that way, in a space of its own. It is seen where it is at each moment; its
  * light is that of the mesh at 64 places evenly along its way, and no shadow ray is stopped by it. There are
  * fewer places of a mesh of more than 2,048 triangles, down to 8, and where such lamps have more than
- * 1,048,576 triangles at all their places, down to one in the middle. Comes after the world's meshes, and is
- * not known by a number. LC_ERR_ARG also where it does not emit or has no triangles. */
+ * 1,048,576 triangles at all their places, down to one in the middle. Comes after the world's meshes; its
+ * number is the next of a mesh. LC_ERR_ARG also where it does not emit or has no triangles. */
 LC_API lc_status lc_build_moving_lamp(lc_scene *scene, const lc_build_mesh_desc *desc, const double from[16],
                                       const double to[16]);
 /* 1 if lc_build_instance takes this matrix, else 0: the meshes themselves must then be transformed. */

@@ -608,6 +608,39 @@ TEST(calls_make_lamps_that_move)
     lc_scene_destroy(s);
 }
 
+static double total(const lc_scene *s)
+{
+    lc_image *image = exactly(s);
+    double sum = 0;
+    for (uint32_t x = 0; x < WIDTH; x++)
+        for (uint32_t y = 0; y < HEIGHT; y++) sum += pixel_at(image, "G", x, y);
+    lc_image_destroy(image);
+    return sum;
+}
+
+/* What is seen of it and what it gives follow its emission. */
+TEST(a_lamp_that_moves_is_dimmed)
+{
+    static const float twice[3] = { 2, 2, 2 }, none[3] = { 0, 0, 0 };
+    lc_load_desc d = LC_LOAD_DESC_INIT;
+    uint32_t at = 0;
+    d.spp = SPP;
+    lc_scene *s = scene_from_text(
+        ctx, &d, EYE ORTHO FILM "WorldBegin\n" WHITE
+        "Shape \"trianglemesh\" \"point3 P\" [-90 -90 0 90 -90 0 90 90 0 -90 90 0] \"integer indices\" "
+        "[0 1 2 0 2 3]\nTranslate -3 0 -1.5\n" MOVES("5")
+        "AreaLightSource \"diffuse\" \"rgb L\" [3 3 3] \"bool twosided\" true\nShape \"trianglemesh\" "
+        "\"point3 P\" [-.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0] \"integer indices\" [0 1 2 0 2 3]\n");
+    const double before = total(s);
+    CHECK(!lc_scene_find(s, LC_NAMED_MESH, "area", &at) && at != LC_NO_THING);
+    CHECKF(!lc_scene_dim_emission(s, at, twice) && !lc_scene_update(s, NULL), "%s", last_error);
+    CHECKF(fabs(total(s) / before - 2) < 1e-3, "%g, before %g", total(s), before);
+    CHECKF(!lc_scene_set_emission(s, at, none) && !lc_scene_update(s, NULL), "%s", last_error);
+    CHECKF(!(total(s) > 0), "%g", total(s));
+    CHECK(lc_scene_set_emission(s, at + 1, twice) == LC_ERR_ARG);
+    lc_scene_destroy(s);
+}
+
 /* Large ones have fewer places, and many have few: 8, 8, 4, 4, 4, 4, 1, 1. */
 TEST(many_lamps_that_move_have_few_places)
 {
@@ -718,6 +751,7 @@ int main(void)
     RUN(light_of_a_lamp_that_moves_is_spread_along_its_way);
     RUN(a_lamp_does_not_stand_in_its_own_light);
     RUN(calls_make_lamps_that_move);
+    RUN(a_lamp_that_moves_is_dimmed);
     RUN(many_lamps_that_move_have_few_places);
     RUN(a_light_that_moves_is_spread_along_its_way);
     RUN(what_stands_still_is_said);

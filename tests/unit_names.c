@@ -95,6 +95,22 @@ TEST(names_of_a_pbrt_scene)
     lc_scene_destroy(s);
 }
 
+/* A shape that moves is an instance without a name, whatever statement comes after it. */
+TEST(what_moves_has_no_name_of_others)
+{
+    lc_load_desc d = usual();
+    lc_scene *s = scene_from_text(ctx, &d,
+                                  CAMERA FLOOR "AttributeBegin ActiveTransform EndTime Translate 1 0 0 "
+                                               "ActiveTransform All\n" FLOOR LAMP
+                                               "AttributeEnd\n" POINT("0 3 0", "8 8 8"));
+    CHECKF(s, "%s", last_error);
+    FINDS(LC_NAMED_INSTANCE, "*", "");
+    FINDS(LC_NAMED_MESH, "area", "2"); /* the lamp, without what gives its light */
+    FINDS(LC_NAMED_MESH, "*", "2");
+    FINDS(LC_NAMED_LIGHT, "*", "0");
+    lc_scene_destroy(s);
+}
+
 TEST(what_is_moved_is_the_scene_written_so)
 {
     const lc_load_desc d = usual();
@@ -275,6 +291,7 @@ int main(void)
     temp_begin();
     ctx = quiet_context_of(2, LC_ISA_BEST);
     RUN(names_of_a_pbrt_scene);
+    RUN(what_moves_has_no_name_of_others);
     RUN(what_is_moved_is_the_scene_written_so);
     RUN(names_of_a_gltf_scene);
     RUN(names_of_calls);

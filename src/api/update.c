@@ -251,7 +251,9 @@ static lc_status find_mesh(const lc_scene *s, const char *call, uint32_t *at)
 /* Exchanges the emission of mesh c->at, once it is the scene's number. */
 static lc_status change_emission(lc_scene *s, const char *call, const lc_change *c)
 {
-    if (s->n_objects && s->meshes[c->at].first_tri >= s->objects[0].first_tri && lc_f3_max(c->emission) > 0)
+    const lc_mesh *m = &s->meshes[c->at];
+    const bool of_object = s->n_objects && m->first_tri >= s->objects[0].first_tri && !m->n_places;
+    if (of_object && lc_f3_max(c->emission) > 0)
         return lc_fail(s->ctx, LC_ERR_ARG, "%s: emission: a mesh of an object must not emit", call);
     return lc_scene_change(s, c);
 }

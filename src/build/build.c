@@ -194,6 +194,15 @@ static lc_status number_mesh(lc_scene *s, const lc_mesh_desc *m)
     return LC_OK;
 }
 
+/* Adds a mesh with the names that were chosen. */
+static lc_status add_numbered(lc_scene *s, const lc_mesh_desc *m)
+{
+    const size_t at = s->by_calls ? s->given.n_meshes : s->n_meshes;
+    const lc_status st = lc_names_begin(s, LC_NAMED_MESH, at);
+    if (st) return st;
+    return s->by_calls ? number_mesh(s, m) : lc_scene_add_mesh(s, s->at, m);
+}
+
 static void digest_mesh(lc_scene *s, const lc_build_mesh_desc *d)
 {
     if (!lc_build_mark(s, LC_CALL_MESH)) return;
@@ -251,8 +260,7 @@ lc_status lc_build_mesh(lc_scene *s, const lc_build_mesh_desc *desc)
     if (st) return st;
     const uint32_t had = s->groups.n;
     if (!st) st = lc_build_begin_group(s, "lc_build_mesh", d.group);
-    if (!st) st = lc_names_begin(s, LC_NAMED_MESH, s->by_calls ? s->given.n_meshes : s->n_meshes);
-    if (!st) st = s->by_calls ? number_mesh(s, &m) : lc_scene_add_mesh(s, s->at, &m);
+    if (!st) st = add_numbered(s, &m);
     if (!st) digest_mesh(s, &d);
     return lc_build_end_group(s, had, st);
 }
@@ -339,12 +347,12 @@ static void move_mesh(const lc_mesh_desc *m, const lc_xform *x, float *pos, floa
     }
 }
 
-/* Adds an object of what gives the lamp's light: the mesh at places evenly along its way, each with its share
- * of the emission. */
-static lc_status add_places(lc_scene *s, const lc_mesh_desc *mesh, const lc_xform *from, const lc_xform *to)
+/* Adds an object of what gives the lamp's light: the mesh at n places evenly along its way, each with its
+ * share of the emission. */
+static lc_status add_places(lc_scene *s, const lc_mesh_desc *mesh, uint32_t n, const lc_xform *from,
+                            const lc_xform *to)
 {
     const size_t n_floats = (size_t)mesh->n_verts * 3;
-    const uint32_t n = places_of(s, mesh, from, to);
     lc_xform x;
     lc_status st = lc_scene_begin_object(s);
     if (st) return st;
@@ -353,6 +361,7 @@ static lc_status add_places(lc_scene *s, const lc_mesh_desc *mesh, const lc_xfor
     if (!room) return LC_ERR_MEMORY;
     lc_mesh_desc m = *mesh;
     m.emission = lc_f3_scale(m.emission, 1 / (float)n);
+    m.is_place = true;
     m.pos = room;
     if (m.normal) m.normal = room + n_floats;
     for (uint32_t i = 0; i < n && !st; i++) {
@@ -367,15 +376,16 @@ static lc_status add_places(lc_scene *s, const lc_mesh_desc *mesh, const lc_xfor
 }
 
 /* Adds an object of the mesh as it is seen, through which shadow rays pass, and its instance. */
-static lc_status add_seen(lc_scene *s, const lc_mesh_desc *mesh, const lc_xform *from, const lc_xform *to)
+static lc_status add_seen(lc_scene *s, const lc_mesh_desc *mesh, uint32_t n_places, const lc_xform *from,
+                          const lc_xform *to)
 {
     lc_mesh_desc m = *mesh;
     lc_mesh_alpha hole = { { LC_NO_TEXTURE, { 1, 1, 1 } }, { LC_NO_TEXTURE, { 0, 0, 0 } } };
     if (m.alpha) hole.alpha = m.alpha->alpha;
     m.alpha = &hole;
-    m.only_seen = true;
+    m.n_places = n_places;
     lc_status st = lc_scene_begin_object(s);
-    if (!st) st = lc_scene_add_mesh(s, s->at, &m);
+    if (!st) st = add_numbered(s, &m);
     if (!st) st = lc_scene_add_instance(s, s->at, (uint32_t)s->n_objects - 1, from);
     return st ? st : lc_scene_add_motion(s, s->at, from, to);
 }
@@ -399,8 +409,9 @@ lc_status lc_build_moving_lamp(lc_scene *s, const lc_build_mesh_desc *desc, cons
     if (st) return st;
     const uint32_t had = s->groups.n;
     st = lc_build_begin_group(s, call, d.group);
-    if (!st) st = lc_build_status(s, add_seen(s, &m, &x, &end));
-    if (!st) st = lc_build_status(s, add_places(s, &m, &x, &end));
+    const uint32_t n = places_of(s, &m, &x, &end);
+    if (!st) st = lc_build_status(s, add_seen(s, &m, n, &x, &end));
+    if (!st) st = lc_build_status(s, add_places(s, &m, n, &x, &end));
     s->given.placed = true; /* no further meshes belong to these objects */
     if (!st) digest_mesh(s, &d);
     if (!st && lc_build_mark(s, LC_CALL_MOVING_LAMP)) {

@@ -259,7 +259,7 @@ lc_status lc_pbrt_place_objects(lc_pbrt *p)
         }
         if (o->id == LC_NONE) st = add_object(p, place->pos, o);
         if (!st) st = lc_pbrt_at(p, place->pos);
-        if (!st && o->name) st = lc_build_names(p->scene, &o->name, 1);
+        if (!st) st = lc_build_names(p->scene, &o->name, 1);
         if (st) return st;
         const lc_pbrt_ctm *to = &place->to_world;
         st = is_moving(place) ? lc_build_moving_instance(p->scene, o->id, to->start.m, to->end.m)

@@ -16,6 +16,12 @@ lc_status lc_scene_change(lc_scene *s, const lc_change *change)
     return st;
 }
 
+static void emit(lc_mesh *m, lc_f3 emission)
+{
+    m->emission = emission;
+    for (uint32_t i = 1; i <= m->n_places; i++) m[i].emission = lc_f3_scale(emission, 1 / (float)m->n_places);
+}
+
 /* Exchanges the value of a change with the scene's, so that a second time undoes the first. */
 static void exchange(lc_scene *s, lc_change *c)
 {
@@ -31,7 +37,7 @@ static void exchange(lc_scene *s, lc_change *c)
         break;
     case LC_CHANGE_EMISSION:
         had.emission = s->meshes[c->at].emission;
-        s->meshes[c->at].emission = c->emission;
+        emit(&s->meshes[c->at], c->emission);
         break;
     case LC_CHANGE_ENVIRONMENT:
         had.scale = s->envs[c->at].scale;

@@ -101,7 +101,7 @@ static uint32_t group_of(const lc_scene *s, lc_named what, size_t at, bool *dark
     if (what == LC_NAMED_ENVIRONMENT) return s->envs[at].group;
     if (what == LC_NAMED_LIGHT) return s->given.n_lights ? s->given.lights[at].group : s->lights[at].group;
     if (s->by_calls) at = s->given.meshes[at];
-    *dark = at == LC_NONE || !(lc_f3_max(s->meshes[at].own_emission) > 0);
+    *dark = at == LC_NONE || !(lc_f3_max(s->meshes[at].own_emission) > 0) || s->meshes[at].is_place;
     return *dark ? LC_NONE : s->meshes[at].group;
 }
 

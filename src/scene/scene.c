@@ -148,7 +148,7 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
         s->index[s->n_tris * 3 + i] = (uint32_t)s->n_verts + m->index[i];
     for (size_t i = 0; i < m->n_tris; i++) s->tri_mesh[s->n_tris + i] = (uint32_t)s->n_meshes;
     lc_object *object = s->n_objects ? &s->objects[s->n_objects - 1] : NULL;
-    LC_ASSERT(!object || object->unseen || m->only_seen || !(lc_f3_max(m->emission) > 0));
+    LC_ASSERT(!object || object->unseen || m->n_places || !(lc_f3_max(m->emission) > 0));
     for (size_t i = 0; i < (size_t)m->n_tris * 3; i++)
         lc_box_add(object ? &object->box : &s->bounds, lc_f3_load(m->pos + 3 * (size_t)m->index[i]));
     if (object && object->unseen) {
@@ -168,7 +168,8 @@ lc_status lc_scene_add_mesh(lc_scene *s, lc_pos where, const lc_mesh_desc *desc)
         .clear = s->maps[m->material_id].clear,
         .flip = m->flip,
         .two_sided = m->two_sided,
-        .only_seen = m->only_seen,
+        .is_place = m->is_place,
+        .n_places = m->n_places,
         .emission = m->emission,
         .own_emission = m->emission,
         .emission_map = m->emission_map,

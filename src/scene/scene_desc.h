@@ -25,7 +25,9 @@ typedef struct lc_mesh_desc {
     bool two_sided;             /* emits on both sides, not on the outer side only */
     const lc_mesh_alpha *alpha; /* NULL: opaque */
     uint32_t emission_map;      /* from lc_scene_add_emission_map, an image over uv, v upwards; 0: none */
-    bool only_seen;             /* the light of its emission is that of other meshes */
+    uint32_t n_places;          /* of a lamp that moves: as many meshes that are added next, of an object that
+                                 * is not seen, give its light; else 0 */
+    bool is_place;              /* it is one of those */
 } lc_mesh_desc;
 
 typedef struct lc_film_desc {

@@ -22,7 +22,8 @@ typedef struct lc_mesh {
     bool brushed; /* the material's roughness is anisotropic, so hits need a tangent */
     bool clear;   /* the material is or mixes glass, which shadow rays pass */
     bool flip, two_sided;
-    bool only_seen; /* the emission shows, but its light is that of other meshes */
+    bool is_place;     /* it gives a part of the light of a lamp that moves ... */
+    uint32_t n_places; /* ... which has as many after it, and is seen alone; else 0 */
     lc_f3 emission, own_emission; /* own: before it is dimmed */
     uint32_t alpha;               /* index into lc_scene.alphas; LC_NONE: opaque */
     uint32_t emission_map;        /* 1 + index into lc_scene.emission_maps; 0: none */
@@ -30,7 +31,7 @@ typedef struct lc_mesh {
 } lc_mesh;
 
 /* Whether lights are made of the mesh. */
-static inline bool lc_mesh_is_lamp(const lc_mesh *m) { return lc_f3_max(m->emission) > 0 && !m->only_seen; }
+static inline bool lc_mesh_is_lamp(const lc_mesh *m) { return lc_f3_max(m->emission) > 0 && !m->n_places; }
 
 /* An object for instancing: consecutive triangles in a space of their own. */
 typedef struct lc_object {

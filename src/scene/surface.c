@@ -168,7 +168,7 @@ void lc_surface_of(const lc_scene *scene, const lc_hit *hit, lc_f3 dir, double p
     out->ng = ng;
     out->t = hit->t;
     out->front = back == away;
-    out->only_seen = mesh->only_seen;
+    out->only_seen = mesh->n_places > 0;
     out->emission = out->front || mesh->two_sided ? mesh->emission : lc_f3_make(0, 0, 0);
     if (mesh->emission_map && lc_f3_max(out->emission) > 0)
         out->emission = lc_f3_mul(out->emission, lc_textured_emission(scene, mesh, v, hit, dir, pixel));
