@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-#define WARN_LOSS 0.1 /* share of the indirect light; interiors lose 0.01 to 0.03 */
+#define WARN_LOSS 0.02 /* share of the indirect light; interiors lose 0.0002 to 0.004 */
 #define WARN_OFF  2   /* times the error of indirect light that was asked for */
 
 void cli_warn_of_scene(const lc_load_desc *load, const lc_scene_info *info)
