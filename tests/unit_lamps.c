@@ -4,10 +4,9 @@
 #include "base/rng.h"
 #include "prepare/emitter.h"
 #include "prepare/lamp_lights.h"
-#include "support/one_scene.h"
-#include "shade/light_kind.h"
 #include "shade/light_target.h"
 #include "shade/point_init.h"
+#include "support/one_scene.h"
 #include "support/pictures.h"
 
 #define RND_KEY 727
@@ -355,7 +354,6 @@ TEST(balls_are_exact_and_soft)
     }
 }
 
-/* No area, no radiance: no light, and nothing else goes wrong. */
 /* Shadow rays go to points that are seen, however near, evenly over the disc that the ball is seen as. */
 TEST(points_of_balls_are_seen)
 {
@@ -419,6 +417,7 @@ TEST(balls_do_not_hide_themselves)
     lc_image_destroy(image);
 }
 
+/* No area, no radiance: no light, and nothing else goes wrong. */
 TEST(nothing_emits)
 {
     CHECK(load_text(&direct,

@@ -441,6 +441,11 @@ TEST(haze_and_glass_move_along)
 
 /* ---- lights ---- */
 
+/* A wide plane, and before it a way of 5 along x. */
+#define PLANE_AND_WAY                                                                                        \
+    "Shape \"trianglemesh\" \"point3 P\" [-90 -90 0 90 -90 0 90 90 0 -90 90 0] \"integer indices\" "         \
+    "[0 1 2 0 2 3]\nTranslate -3 0 -1.5\n" MOVES("5")
+
 /* What a light that goes from x = a to b, `height` above a plane, gives to the plane at x, y from its way,
  * averaged over its time: the integral of height / d^3. */
 static double lit_along(double x, double y, double height, double a, double b)
@@ -457,8 +462,7 @@ static void check_light(const char *light, double scale)
     d.spp = SPP;
     lc_scene *s = scene_from_text(
         ctx, &d, EYE ORTHO FILM "WorldBegin\n" WHITE
-        "Shape \"trianglemesh\" \"point3 P\" [-90 -90 0 90 -90 0 90 90 0 -90 90 0] \"integer indices\" "
-        "[0 1 2 0 2 3]\nTranslate -3 0 -1.5\n" MOVES("5") "%s\n", light);
+        PLANE_AND_WAY "%s\n", light);
     CHECK(info_of(s).n_lights == 64);
     lc_image *image = exactly(s);
     for (uint32_t x = 0; x < WIDTH; x++) {
@@ -509,8 +513,7 @@ TEST(light_of_a_lamp_that_moves_is_spread_along_its_way)
     d.spp = SPP;
     lc_scene *s = scene_from_text(
         ctx, &d, EYE ORTHO FILM "WorldBegin\n" WHITE
-        "Shape \"trianglemesh\" \"point3 P\" [-90 -90 0 90 -90 0 90 90 0 -90 90 0] \"integer indices\" "
-        "[0 1 2 0 2 3]\nTranslate -3 0 -1.5\n" MOVES("5")
+        PLANE_AND_WAY
         "AreaLightSource \"diffuse\" \"rgb L\" [%g %g %g]\nShape \"trianglemesh\" "
         "\"point3 P\" [-.01 -.01 0 .01 -.01 0 .01 .01 0 -.01 .01 0] \"integer indices\" [0 1 2 0 2 3]\n",
         radiance, radiance, radiance);
@@ -627,8 +630,7 @@ TEST(a_lamp_that_moves_is_dimmed)
     d.spp = SPP;
     lc_scene *s = scene_from_text(
         ctx, &d, EYE ORTHO FILM "WorldBegin\n" WHITE
-        "Shape \"trianglemesh\" \"point3 P\" [-90 -90 0 90 -90 0 90 90 0 -90 90 0] \"integer indices\" "
-        "[0 1 2 0 2 3]\nTranslate -3 0 -1.5\n" MOVES("5")
+        PLANE_AND_WAY
         "AreaLightSource \"diffuse\" \"rgb L\" [3 3 3] \"bool twosided\" true\nShape \"trianglemesh\" "
         "\"point3 P\" [-.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0] \"integer indices\" [0 1 2 0 2 3]\n");
     const double before = total(s);
