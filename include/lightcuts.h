@@ -186,7 +186,7 @@ typedef struct lc_load_desc {
     lc_builder builder;
     uint64_t max_pixels;  /* larger films are reduced to about so many pixels with the same view; 0: no
                            * limit */
-    uint32_t env_lights;  /* directional lights made from all environment maps together; 0: 5000 */
+    uint32_t env_lights;  /* lights of the sky made from all environment maps together; 0: 5000 */
     uint32_t indirect_lights; /* virtual lights, for indirect illumination; 0: as many as indirect_error
                                * takes, at most 1048576, if the integrator of a scene's file traces paths, as
                                * pbrt's does where the file names none, else none; LC_NO_LIGHTS: none */
@@ -276,7 +276,7 @@ typedef struct lc_feature {
 #define LC_FEATURE_INIT { sizeof(lc_feature), 0, 0, 0, 0, LC_SUPPORT_YES }
 
 /* The kinds of light that a scene is made into: "point", "oriented", "directional", "spot",
- * "virtual", "ball", "luminaire". */
+ * "virtual", "ball", "sky", "luminaire". */
 #define LC_MAX_LIGHT_KINDS 16
 LC_API uint32_t lc_light_kind_count(void);
 LC_API const char *lc_light_kind_name(uint32_t kind); /* "unknown" from the count on */
@@ -304,8 +304,8 @@ typedef struct lc_scene_info {
      * get from lamps if these were divided endlessly; -1: not known, as where a number of lights was asked
      * for, or with textured emission. */
     double lamps_median, lamps_high;
-    uint64_t n_env_maps, n_env_lights; /* infinite lights, and the directional lights made from them */
-    uint64_t n_env_tried; /* candidate directional lights whose importance for the picture was measured */
+    uint64_t n_env_maps, n_env_lights; /* infinite lights, and the lights of the sky made from them */
+    uint64_t n_env_tried; /* candidates whose importance for the picture was measured */
     uint64_t n_textures;
     uint64_t n_images, image_bytes;   /* images of textures, with their mipmaps */
     float bounds_lo[3], bounds_hi[3]; /* world space, of the triangles; lo > hi when there are none */
@@ -629,7 +629,7 @@ typedef struct lc_build_light_desc {
             { 0 }, 0                                                                                         \
     }
 
-/* A disc in the sky, which camera rays show, and the directional lights that shine for it. */
+/* A disc in the sky, which camera rays show, and the lights that shine for it, discs of the sky themselves. */
 typedef struct lc_build_sun_desc {
     size_t size;
     double direction[3];  /* towards the disc's centre, any length */
@@ -1356,18 +1356,21 @@ enum {
     LC_TREE_SPOT = 3,        /* G = t^2 (3 - 2 t) / d^2, t = (cos phi - cos_total) / (cos_start - cos_total),
                               * clamped to 0..1 */
     LC_TREE_VIRTUAL = 4,     /* as LC_TREE_ORIENTED */
-    LC_TREE_BALL = 5         /* G = 1 / d^2 from the centre; shadow rays go to points of the surface */
+    LC_TREE_BALL = 5,        /* G = 1 / d^2 from the centre; shadow rays go to points of the surface */
+    LC_TREE_SKY = 6          /* G = 1; a disc of the sky: points are lit from, and shadow rays go to, directions
+                              * of it, others at each point */
 };
 
 typedef struct lc_tree_light {
     uint32_t kind;              /* LC_TREE_... */
-    float position[3];          /* world space; not used by directional lights */
+    float position[3];          /* world space; not used by lights that are directional or of the sky */
     float direction[3];         /* unit, in which light travels; not used by point lights and balls */
-    float intensity[3];         /* R G B, W/sr; directional: irradiance, W/m^2; >= 0. A light without any is
+    float intensity[3];         /* R G B, W/sr; directional, sky: irradiance, W/m^2; >= 0. A light without any is
                                  * left out */
     float attenuation[3];       /* A, B, C of point, oriented, virtual lights, >= 0; all 0: 1/d^2 */
     float cos_total, cos_start; /* spots: -2..1, cos_total <= cos_start */
-    float radius;               /* balls: scene units, > 0 */
+    float radius;               /* balls: scene units, > 0; sky: tangent of half the angle of the disc, > 0,
+                                 * at most 1 */
 } lc_tree_light;
 
 typedef struct lc_tree_desc {

@@ -174,8 +174,9 @@ static bool estimate_right(const job *j, uint32_t at, float out[6][ROOM + GUARD]
               : j->kind == LC_LIGHT_LUMINAIRE
                   ? one_luminaire_transfer(&j->point, &j->rec[at], &j->light_luminaire[at], gen_profiles())
                   : one_transfer(&j->point, j->kind, &j->rec[at], lc_light_atten(&j->tree, at));
-    lc_f3 to = j->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
-    const float want[6] = { f.x, f.y, f.z, to.x, to.y, to.z };
+    float want[6] = { f.x, f.y, f.z };
+    if (j->kind == LC_LIGHT_SKY) lc_sky_target(&j->rec[at], &j->point, want + 3);
+    else lc_f3_store(want + 3, lc_is_far(j->kind) ? lc_f3_neg(l->dir) : l->pos);
     double lo[3], hi[3];
     bool ok = true;
     ref_transfer_range(&j->point, l, lo, hi);

@@ -6,7 +6,7 @@
  * But for the choice of the light this is the library's exact method, so that the difference of its pictures
  * is noise alone: no reference of SPP samples can show less. The light is chosen as by pbrt-v4's light BVH,
  * on a walk down the light tree: the probability of a child is proportional to its power times the greatest
- * cosine over the squared distance (Conty and Kulla 2018; emission cones are left out), and for directional
+ * cosine over the squared distance (Conty and Kulla 2018; emission cones are left out), and for far
  * lights to its power. Random numbers for positions and lights are stratified like Sobol's. Area lights are
  * jittered oriented lights, where a path tracer samples points.
  */
@@ -36,7 +36,7 @@ static double importance(uint32_t link, lc_light_kind kind, const lc_surface *s)
     bool leaf = link & LC_LEAF;
     const float *center = leaf ? light->pos : node->center, *rgb = leaf ? light->intensity : node->intensity;
     double power = (double)lc_luminance(lc_f3_load(rgb)), diagonal2 = 0;
-    if (kind == LC_LIGHT_DIRECTIONAL) return power;
+    if (lc_is_far(kind)) return power;
     for (int k = 0; k < 3 && !leaf; k++) diagonal2 += 4 * (double)node->half[k] * (double)node->half[k];
     lc_f3 way = lc_f3_sub(lc_f3_load(center), s->pos);
     double d2 = (double)lc_f3_dot(way, way), radius2 = diagonal2 / 4;
@@ -59,14 +59,14 @@ static bool first_of_two(double a, double b, double *u, double *p)
 }
 
 /* Chooses the kind of the light: by importance among the kinds at a finite distance, against which
- * directional lights have probability 1/2. */
+ * far lights have probability 1/2. */
 static lc_light_kind choose_kind(const lc_surface *s, double *u, double *p)
 {
     const lc_light_tree *t = scene->tree;
     lc_light_kind kind = LC_LIGHT_KINDS;
     for (int k = 0; k < LC_LIGHT_KINDS; k++) {
         if (!t->n_of_kind[k]) continue;
-        bool far = k == LC_LIGHT_DIRECTIONAL || kind == LC_LIGHT_DIRECTIONAL;
+        bool far = lc_is_far((lc_light_kind)k) || lc_is_far(kind);
         double old = far ? 1 : kind < LC_LIGHT_KINDS ? importance(t->root[kind], kind, s) : 0;
         double new = far ? 1 : importance(t->root[k], (lc_light_kind)k, s);
         if (kind == LC_LIGHT_KINDS || !first_of_two(old, new, u, p)) kind = (lc_light_kind)k;
@@ -98,7 +98,7 @@ static lc_f3 sample_light(const lc_lit *lit, double u)
     scene->ctx->shade_kernels->estimate(&t->data, 0, &link, 1, kind, &point, out);
     float v[3], *const through[3] = { v, v + 1, v + 2 };
     bool dims = lc_cut_hidden(&scene->visibility, &point, s->ray_org, 1, target,
-                              kind == LC_LIGHT_DIRECTIONAL, hidden, NULL, through);
+                              lc_is_far(kind), hidden, NULL, through);
     if (hidden[0]) return lc_f3_make(0, 0, 0);
     for (int k = 0; k < 3 && dims; k++) f[k][0] *= v[k];
     return lc_f3_scale(lc_f3_mul(lc_f3_make(f[0][0], f[1][0], f[2][0]),

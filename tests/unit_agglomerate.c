@@ -111,12 +111,12 @@ static lc_light one_light(style st, lc_light_kind kind, uint32_t i, uint32_t n)
     }
     case ONE_PLACE_GRID: l = directed(l, column / side - 0.5, -1, row / side - 0.5), l.pos = place; break;
     case LINE:
-        l = directed(l, kind == LC_LIGHT_DIRECTIONAL ? i * 0.001 : 0, -1, 0),
+        l = directed(l, lc_is_far(kind) ? i * 0.001 : 0, -1, 0),
         l.pos.x = l.pos.y = l.pos.z = (float)i;
         break;
     case GRID:
         l.pos = lc_f3_make((float)column, 0, (float)row);
-        l = kind == LC_LIGHT_DIRECTIONAL ? directed(l, column / 64, -1, row / 64) : directed(l, 0, -1, 0);
+        l = lc_is_far(kind) ? directed(l, column / 64, -1, row / 64) : directed(l, 0, -1, 0);
         break;
     case DECADES: l.intensity = lc_f3_scale(l.intensity, powf(10, (float)rnd_in(-15, 15))); break;
     case BLACK: l.intensity = lc_f3_make(0, 0, 0); break;
@@ -169,7 +169,7 @@ typedef struct {
 static cluster of_light(const lc_light *l)
 {
     cluster c = { .cos_cone = 1 };
-    lc_f3 p = l->kind == LC_LIGHT_DIRECTIONAL ? lc_f3_neg(l->dir) : l->pos;
+    lc_f3 p = lc_is_far(l->kind) ? lc_f3_neg(l->dir) : l->pos;
     lc_f3_store(c.lo, p);
     lc_f3_store(c.hi, p);
     lc_f3_store(c.dlo, l->dir);
@@ -352,7 +352,7 @@ TEST(equals_naive_agglomeration)
                 style st = without_ties[s];
                 bool tie = !lc_is_aimed((lc_light_kind)kind) &&
                            (st == ONE_PLACE_ANY_DIRECTION || st == ONE_PLACE_NARROW || st == WALLS);
-                if (tie || (st == OUTLIERS && kind == LC_LIGHT_DIRECTIONAL)) continue;
+                if (tie || (st == OUTLIERS && lc_is_far((lc_light_kind)kind))) continue;
                 lc_light *l = make_set(st, (lc_light_kind)kind, n);
                 lc_build_pair *pairs = agglomerate(l, n);
                 naive_pairs(l, n, weight(l, n), naive);

@@ -367,7 +367,7 @@ TEST(points_of_balls_are_seen)
         lc_point p = { .pos = { 0, 0, 0 } };
         lc_light_rec_init(&rec, &light);
         lc_f3_store(p.pos, lc_f3_add(centre, lc_f3_scale(way, (float)(far * (double)radius))));
-        for (p.turn = 0; p.turn < LC_BALL_POINTS; p.turn++) {
+        for (p.turn = 0; p.turn < LC_TARGET_POINTS; p.turn++) {
             float to[3];
             double out = 0, across = 0, n[3];
             lc_ball_target(&rec, &p, to);
@@ -377,10 +377,10 @@ TEST(points_of_balls_are_seen)
             CHECKF(out > 1 / far - 1e-3 / far, "at %g radii: cosine %g", far, out);
             for (int k = 0; k < 3; k++) {
                 const double s = n[k] - out * (double)w[k];
-                sum[k] += s / LC_BALL_POINTS;
+                sum[k] += s / LC_TARGET_POINTS;
                 across += s * s;
             }
-            square += across / LC_BALL_POINTS;
+            square += across / LC_TARGET_POINTS;
         }
         const double cap2 = 1 - 1 / (far * far);
         CHECKF(fabs(square - cap2 / 2) < 0.05 * cap2 + 1e-3, "at %g radii: %g, not %g", far, square,

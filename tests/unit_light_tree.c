@@ -22,6 +22,7 @@ static lc_light rnd_light(lc_light_kind kind)
     l.intensity = lc_f3_make((float)rnd_in(0.1, 1), (float)rnd_in(0, 2), (float)rnd_in(0, 1));
     if (kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ (float)rnd_in(-0.5, 0.5), (float)rnd_in(0.5, 1), 0 };
     else if (kind == LC_LIGHT_LUMINAIRE) be_luminaire(&l, rnd_n(2 * N_PROFILES), rnd_in(-4, 4));
+    else if (lc_is_sized(kind)) l.radius = (float)rnd_in(0.001, 0.1);
     else if (rnd() < 0.3)
         for (int k = 0; k < 3; k++) l.atten[k] = (float)rnd_in(0.1, 3);
     return l;
@@ -275,7 +276,8 @@ TEST(grid_of_equal_lights)
             l[i].dir = lc_f3_make(0, -1, 0);
             if (kind == LC_LIGHT_SPOT) l[i].spot = (lc_spot){ 0.5f, 0.75f, 0 };
             if (kind == LC_LIGHT_LUMINAIRE) be_luminaire(&l[i], 0, 0);
-            if (kind == LC_LIGHT_DIRECTIONAL)
+            if (lc_is_sized((lc_light_kind)kind)) l[i].radius = 0.01f;
+            if (lc_is_far((lc_light_kind)kind))
                 l[i].dir = lc_f3_normalize(lc_f3_make((float)(i % 100) / 64, -1, (float)(i / 100) / 64));
         }
         expect_valid(l, 10000, 1, false, "grid");
@@ -573,7 +575,7 @@ TEST(damaged_numbers_are_found)
                 HURT(b->half[i] = NAN);
                 HURT(b->center[i] = b->center[i] + b->half[i] * 0.5f + 0.001f);
                 HURT(b->center[i] = NAN);
-                if (kind == LC_LIGHT_DIRECTIONAL) continue;
+                if (lc_is_far(kind)) continue;
                 HURT(t->data.node_atten[id][i] = nextafterf(t->data.node_atten[id][i], 100));
                 HURT(t->data.node_atten[id][i] = nextafterf(t->data.node_atten[id][i], -100));
             }
@@ -598,7 +600,7 @@ TEST(damaged_numbers_are_found)
             HURT(l->intensity[1] *= 1.001f);
             HURT(l->intensity[1] += 0.1f);
             HURT(l->pos[2] += 10);
-            if (kind != LC_LIGHT_DIRECTIONAL) HURT(t->data.light_atten[id][2] = 0.01f);
+            if (!lc_is_far(kind)) HURT(t->data.light_atten[id][2] = 0.01f);
         }
         end_damage(kinds);
     }

@@ -21,7 +21,7 @@ static lc_light light_of(lc_light_kind kind, lc_f3 pos)
     const float power = (float)pow(10, rnd_in(-3, 1));
     l.intensity = lc_f3_scale(lc_f3_make((float)rnd_in(0.1, 1), (float)rnd(), (float)rnd()), power);
     if (kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ (float)rnd_in(-0.5, 0.5), (float)rnd_in(0.5, 1), 0 };
-    else if (kind == LC_LIGHT_BALL) l.radius = (float)rnd_in(0.001, 0.1);
+    else if (lc_is_sized(kind)) l.radius = (float)rnd_in(0.001, 0.1);
     else if (kind == LC_LIGHT_LUMINAIRE) be_luminaire(&l, rnd_n(2 * N_PROFILES), rnd_in(-4, 4));
     return l;
 }

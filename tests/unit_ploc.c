@@ -121,7 +121,7 @@ TEST(trees_of_all_lights)
     static const uint32_t sizes[] = { 2, 3, 4, 7, 8, 9, 63, 300, 5000, 30000 };
     for (int style = 0; style < STYLES; style++)
         for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
-            for (size_t i = 0; i < (kind == LC_LIGHT_DIRECTIONAL ? 9 : 10); i++)
+            for (size_t i = 0; i < (lc_is_far((lc_light_kind)kind) ? 9 : 10); i++)
                 check_set(style, sizes[i], (lc_light_kind)kind);
 }
 

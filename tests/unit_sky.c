@@ -17,7 +17,7 @@ TEST(sun_fills_its_disc)
     for (size_t i = 0; i < scene->n_lights; i++) {
         const lc_light *l = &scene->lights[i];
         double angle = acos(fmin(-(double)lc_f3_dot(l->dir, sun), 1));
-        CHECK(l->kind == LC_LIGHT_DIRECTIONAL);
+        CHECK(l->kind == LC_LIGHT_SKY);
         widest = fmax(widest, angle);
         second += angle * angle / 500;
         sum += (double)l->intensity.y;

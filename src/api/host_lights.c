@@ -10,7 +10,8 @@
 
 _Static_assert(LC_TREE_POINT == (int)LC_LIGHT_POINT && LC_TREE_ORIENTED == (int)LC_LIGHT_ORIENTED &&
                    LC_TREE_DIRECTIONAL == (int)LC_LIGHT_DIRECTIONAL && LC_TREE_SPOT == (int)LC_LIGHT_SPOT &&
-                   LC_TREE_VIRTUAL == (int)LC_LIGHT_VIRTUAL && LC_TREE_BALL == (int)LC_LIGHT_BALL,
+                   LC_TREE_VIRTUAL == (int)LC_LIGHT_VIRTUAL && LC_TREE_BALL == (int)LC_LIGHT_BALL &&
+                   LC_TREE_SKY == (int)LC_LIGHT_SKY,
                "numbers of lightcuts.h");
 
 #define MAX_DIAGONAL 1e13 /* scene units */

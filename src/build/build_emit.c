@@ -226,7 +226,8 @@ static void frame_of(lc_f3 n, lc_f3 *x, lc_f3 *y)
     *y = lc_f3_cross(n, *x);
 }
 
-/* Lights on a spiral over the disc, each for the same area of it. */
+/* Lights on a spiral over the disc, each a disc for the same area of it; their places are drawn in so that all
+ * of them have the disc's variance. */
 static lc_status add_sun_lights(lc_scene *s, lc_f3 to_sun, lc_f3 e, double angle, uint32_t n)
 {
     lc_light light = { .kind = LC_LIGHT_DIRECTIONAL,
@@ -237,6 +238,11 @@ static lc_status add_sun_lights(lc_scene *s, lc_f3 to_sun, lc_f3 e, double angle
     frame_of(to_sun, &x, &y);
     lc_sincos_deg(angle / 2, &sine, &cosine);
     radius = sine / cosine;
+    if (radius > 0) {
+        light.kind = LC_LIGHT_SKY;
+        light.radius = (float)(radius / sqrt(n));
+        radius *= sqrt(1 - 1.0 / n);
+    }
     for (uint32_t i = 0; i < n; i++) {
         double r = radius * sqrt((i + lc_unit(lc_hash2(i, n))) / n);
         lc_sincos_deg(GOLDEN_ANGLE * i, &sine, &cosine);

@@ -50,7 +50,7 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
                100 * i->lamps_median, 100 * i->lamps_high);
     printf("\n");
     if (i->n_env_maps)
-        printf("infinite lights      %llu, made into %llu directional, where %llu that were tried matter\n",
+        printf("infinite lights      %llu, made into %llu of the sky, where %llu that were tried matter\n",
                (ull)i->n_env_maps, (ull)i->n_env_lights, (ull)i->n_env_tried);
     if (i->n_textures) {
         printf("textures             %llu: ", (ull)i->n_textures);

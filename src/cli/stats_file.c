@@ -74,7 +74,7 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
                 (ull)i->n_indirect_lights, (ull)i->n_light_paths, 100 * i->indirect_median,
                 100 * i->indirect_high, i->indirect_loss);
     if (i->n_env_maps)
-        fprintf(f, "environment      %llu directional lights, where %llu that were tried matter\n",
+        fprintf(f, "environment      %llu lights of the sky, where %llu that were tried matter\n",
                 (ull)i->n_env_lights, (ull)i->n_env_tried);
     fprintf(f,
             "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total "

@@ -82,8 +82,8 @@ static void add_ray(const lc_cut *c, const lc_cut_step *s, lc_cut_list *list, ui
 {
     const uint32_t rep = list->rep[i] & c->light_mask;
     const lc_light_rec *light = &c->tree->data.lights[rep];
-    float to[3] = { light->pos[0], light->pos[1], light->pos[2] };
-    if (lc_is_sized(lc_kind_of_light(c->tree, rep))) lc_ball_target(light, s->point, to);
+    float to[3];
+    lc_light_target(lc_kind_of_light(c->tree, rep), light, s->point, to);
     for (int k = 0; k < 3; k++) g->target[k][g->n] = to[k];
     g->list[g->n] = list;
     g->at[g->n++] = i;
@@ -245,8 +245,8 @@ uint32_t lc_cut_take_rays(lc_cut *c, const lc_point *p, lc_cut_cursor *next, uin
             const uint32_t rep = list->rep[i] &= ~LC_PENDING;
             const lc_light_kind kind = lc_kind_of_light(c->tree, rep);
             const lc_light_rec *light = &c->tree->data.lights[rep];
-            float to[3] = { light->pos[0], light->pos[1], light->pos[2] };
-            if (lc_is_sized(kind)) lc_ball_target(light, p, to);
+            float to[3];
+            lc_light_target(kind, light, p, to);
             if (has_ng && is_behind(p, to, lc_is_far(kind))) {
                 settle(c, list, i, true, NULL, LC_NONE, change);
                 continue;

@@ -226,7 +226,7 @@ static void add_cluster(work *w, uint32_t i)
         return;
     }
     const lc_light_kind kind = lc_kind_of_node(c->tree, link);
-    const bool far = lc_is_far(kind), placed = !lc_is_sized(kind), seen = e[0] + e[1] + e[2] > 0;
+    const bool far = lc_is_far(kind), placed = far || !lc_is_sized(kind), seen = e[0] + e[1] + e[2] > 0;
     double low = 0;
     if (placed && !seen && is_hidden(w, link, rep, far)) return;
     if (placed && seen && is_visible(w, link, far)) low = least_of(w, link, kind);

@@ -7,7 +7,7 @@
  *     triangles, instances -> BVH, occluders
  *     emissive triangles   -> oriented lights     (lamp_lights.h, area_light.h, area_map.h)
  *     emissive spheres     -> balls               (ball_find.h)
- *     environment maps     -> directional lights  (env_light.h, scored by env_importance.h)
+ *     environment maps     -> lights of the sky   (env_light.h, scored by env_importance.h)
  *     light paths          -> virtual lights      (vpl.h, scored by view_grid.h, clamped by vpl_radius.h)
  *     all lights           -> light tree
  *

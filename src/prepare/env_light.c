@@ -18,6 +18,8 @@
 
 #define CANDIDATES LC_SIZE(4096, 96) /* lights whose importance is measured */
 #define VIEW_SIDE LC_SIZE(64, 6)     /* side of the view grid at whose points it is measured */
+#define LEAST_RADIUS 1e-6            /* of a piece of sky, radians */
+#define MOST_RADIUS 0.5
 #define MIN_SIDE LC_SIZE(64, 8)      /* texels; the map is subdivided to at least this if it is weighted */
 
 typedef struct rect {
@@ -95,42 +97,76 @@ static double find_cut(const table *t, const double *sums, const rect *r, int ax
 /* The length of the intersection of [lo, hi] and [i, i + 1]. */
 static double overlap(double lo, double hi, uint32_t i) { return fmax(fmin(hi, i + 1.0) - fmax(lo, i), 0); }
 
-/* The irradiance R, G, B of a rectangle on a surface across the light. */
-static void irradiance(const table *t, const rect *r, double sum[3])
+/* What a rectangle sheds: its irradiance R, G, B on a surface across the light; by power, its middle and the
+ * variance each way, texels. */
+typedef struct {
+    double rgb[3], middle[2], variance[2];
+} shed;
+
+/* First and second moments of an interval's overlap with [i, i + 1]. */
+static void moments_of(double lo, double hi, uint32_t i, double m[2])
 {
-    double rgb[3];
-    sum[0] = sum[1] = sum[2] = 0;
-    for (uint32_t y = (uint32_t)r->lo[1]; y < t->h && y < r->hi[1]; y++) {
-        double row[3] = { 0, 0, 0 }, share = overlap(r->lo[1], r->hi[1], y) * t->solid[y];
-        for (uint32_t x = (uint32_t)r->lo[0]; x < t->w && x < r->hi[0]; x++) {
-            double part = overlap(r->lo[0], r->hi[0], x);
-            lc_env_texel(t->env, x / t->fine, y / t->fine, rgb);
-            for (int c = 0; c < 3; c++) row[c] += part * rgb[c];
-        }
-        for (int c = 0; c < 3; c++) sum[c] += share * row[c];
-    }
+    const double a = fmax(lo, i), b = fmin(hi, i + 1.0);
+    m[0] = (a + b) / 2;
+    m[1] = (a * a + a * b + b * b) / 3;
 }
 
-/* Chooses a point of the rectangle with a density proportional to power: first y, then x in that row. */
-static void pick(const table *t, const rect *r, double p[2])
+static shed sum_up_rect(const table *t, const rect *r)
 {
-    rect row = *r;
-    p[1] = find_cut(t, t->power, r, 1, lc_unit(lc_hash4(t->seed, t->n_made, 0, 0)));
-    double line = fmin(floor(p[1]), t->h - 1.0);
-    row.lo[1] = fmax(r->lo[1], line);
-    row.hi[1] = fmin(r->hi[1], line + 1);
-    p[0] = find_cut(t, t->power, &row, 0, lc_unit(lc_hash4(t->seed, t->n_made, 0, 1)));
+    shed s = { .rgb = { 0, 0, 0 } };
+    double rgb[3], power = 0, first[2] = { 0, 0 }, second[2] = { 0, 0 };
+    for (uint32_t y = (uint32_t)r->lo[1]; y < t->h && y < r->hi[1]; y++) {
+        double row[3] = { 0, 0, 0 }, at[2], sums[3] = { 0, 0, 0 };
+        const double share = overlap(r->lo[1], r->hi[1], y) * t->solid[y];
+        for (uint32_t x = (uint32_t)r->lo[0]; x < t->w && x < r->hi[0]; x++) {
+            const double part = overlap(r->lo[0], r->hi[0], x);
+            lc_env_texel(t->env, x / t->fine, y / t->fine, rgb);
+            moments_of(r->lo[0], r->hi[0], x, at);
+            for (int c = 0; c < 3; c++) row[c] += part * rgb[c];
+            const double p = part * power_of(rgb);
+            sums[0] += p;
+            sums[1] += p * at[0];
+            sums[2] += p * at[1];
+        }
+        moments_of(r->lo[1], r->hi[1], y, at);
+        for (int c = 0; c < 3; c++) s.rgb[c] += share * row[c];
+        power += share * sums[0];
+        first[0] += share * sums[1];
+        second[0] += share * sums[2];
+        first[1] += share * sums[0] * at[0];
+        second[1] += share * sums[0] * at[1];
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        s.middle[axis] = power > 0 ? first[axis] / power : (r->lo[axis] + r->hi[axis]) / 2;
+        s.middle[axis] = fmin(fmax(s.middle[axis], r->lo[axis]), r->hi[axis]);
+        s.variance[axis] = power > 0 ? fmax(second[axis] / power - s.middle[axis] * s.middle[axis], 0) : 0;
+    }
+    return s;
+}
+
+/* The radius of an even disc of the same variance, a quarter of the radius squared each way. */
+static float radius_of(const table *t, const shed *s)
+{
+    double across = 1, down = 1; /* angle of a texel, both times the root of its solid angle */
+    const double solid = t->solid[(uint32_t)fmin(s->middle[1], t->h - 1.0)];
+    if (t->env->mapping == LC_ENV_LATLONG) {
+        down = LC_PI / t->h;
+        across = down > 0 ? solid / down : 0;
+    } else {
+        across = down = sqrt(solid);
+    }
+    const double variance = (s->variance[0] * across * across + s->variance[1] * down * down) / 2;
+    return (float)fmin(fmax(2 * sqrt(variance), LEAST_RADIUS), MOST_RADIUS);
 }
 
 static lc_status add_light(table *t, const rect *r)
 {
-    lc_light light = { .kind = LC_LIGHT_DIRECTIONAL, .atten = { 1, 0, 0 }, .group = t->env->group };
-    double rgb[3], p[2], w[3], v[3];
-    irradiance(t, r, rgb);
-    pick(t, r, p);
-    lc_env_direction(t->env, p[0] / t->fine, p[1] / t->fine, w);
+    const shed s = sum_up_rect(t, r);
+    lc_light light = { .kind = LC_LIGHT_SKY, .radius = radius_of(t, &s), .group = t->env->group };
+    double w[3], v[3];
+    lc_env_direction(t->env, s.middle[0] / t->fine, s.middle[1] / t->fine, w);
     lc_xform_vector(&t->env->to_world, w, v);
-    light.intensity = lc_f3_make((float)rgb[0], (float)rgb[1], (float)rgb[2]);
+    light.intensity = lc_f3_make((float)s.rgb[0], (float)s.rgb[1], (float)s.rgb[2]);
     light.dir = lc_f3_normalize_d(-v[0], -v[1], -v[2]);
     uint64_t i = t->n_made++;
     if (!t->candidates) return lc_scene_add_light(t->scene, (lc_pos){ 0, 0, 0 }, &light);

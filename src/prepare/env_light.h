@@ -1,4 +1,4 @@
-/* env_light.h - turns environment maps into directional lights. */
+/* env_light.h - turns environment maps into lights of the sky. */
 #ifndef LC_ENV_LIGHT_H
 #define LC_ENV_LIGHT_H
 
@@ -12,7 +12,7 @@
  * scene->n_env_tried. LC_ERR_MEMORY. */
 lc_status lc_env_lights_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed);
 
-/* n directional lights of equal power for one environment map, whatever the camera sees; n_made: n, or 0 if
+/* n lights of the sky of equal power for one environment map, whatever the camera sees; n_made: n, or 0 if
  * it is black. LC_ERR_MEMORY. */
 lc_status lc_env_lights_by_power(const lc_scene *scene, size_t env, uint32_t n, uint64_t seed,
                                  lc_light *lights, uint32_t *n_made);

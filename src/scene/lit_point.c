@@ -86,8 +86,9 @@ static void soften(const lc_scene *scene, const lc_lit *lit, lc_point p[2])
     const bool sky = lit->followed && (scene->n_envs || scene->suns);
     if (!scene->indirect.n_lights && !sky) return;
     lc_lit_point_of_virtual(scene, lit, &p[1]);
+    p[1].turn = p->turn;
     p->soft = &p[1];
-    p->soft_kinds = 1u << LC_LIGHT_VIRTUAL | (sky ? 1u << LC_LIGHT_DIRECTIONAL : 0);
+    p->soft_kinds = 1u << LC_LIGHT_VIRTUAL | (sky ? 1u << LC_LIGHT_DIRECTIONAL | 1u << LC_LIGHT_SKY : 0);
 }
 
 void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_point p[2])

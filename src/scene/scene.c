@@ -305,6 +305,7 @@ lc_status lc_scene_check_light(const lc_scene *s, lc_pos where, const lc_light *
         return lc_fail_at(s->ctx, LC_ERR_PARSE, where, "attenuation coefficients are all 0");
     const lc_f3 i = light->intensity;
     *out = *light;
+    if (lc_is_far(light->kind) && lc_is_sized(light->kind)) out->dir = lc_f3_normalize(light->dir);
     out->intensity = lc_f3_make(i.x < LC_MIN_INTENSITY ? 0 : i.x, i.y < LC_MIN_INTENSITY ? 0 : i.y,
                                 i.z < LC_MIN_INTENSITY ? 0 : i.z);
     return LC_OK;

@@ -1,6 +1,9 @@
 /* cluster.c - joining and storing of clusters. */
 #include "shade/cluster.h"
 
+/* What rounding may move a unit vector by that is made from others: 16 roundings of numbers up to 1. */
+#define OF_UNIT 0x1p-20f
+
 static float min_f(float a, float b) { return b < a ? b : a; }
 static float max_f(float a, float b) { return b > a ? b : a; }
 
@@ -10,9 +13,10 @@ void lc_cluster_from_light(lc_cluster *c, const lc_light *light)
     *c = (lc_cluster){ .kind = light->kind };
     lc_f3_store(c->lo, p);
     lc_f3_store(c->hi, p);
-    for (int k = 0; k < 3 && lc_is_sized(light->kind); k++) { /* shadow rays end on its surface */
-        c->lo[k] -= light->radius;
-        c->hi[k] += light->radius;
+    const float more = lc_is_far(light->kind) ? OF_UNIT : 0;
+    for (int k = 0; k < 3 && lc_is_sized(light->kind); k++) { /* shadow rays go to points of it */
+        c->lo[k] -= light->radius + more;
+        c->hi[k] += light->radius + more;
     }
     if (lc_is_aimed(light->kind)) {
         lc_f3_store(c->dlo, light->dir);

@@ -12,7 +12,7 @@
 #include "shade/tree_data.h"
 
 typedef struct lc_cluster {
-    float lo[3], hi[3];   /* positions; directional: unit directions towards the light */
+    float lo[3], hi[3];   /* positions; directional, sky: unit directions towards the light */
     float dlo[3], dhi[3]; /* oriented, spot: emission directions */
     double intensity[3];  /* sum over the lights, R G B */
     float atten[3], atten_most[3]; /* least and greatest A, B, C of f(d) */

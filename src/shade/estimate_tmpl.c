@@ -3,7 +3,7 @@
  * Lanes whose light contributes nothing are computed all the same, and set to 0. The square root that B d
  * needs is skipped where B is 0 in every lane.
  */
-#include "shade/tree_data.h"
+#include "shade/light_target.h"
 
 /* g / f(d); d2: squared distances. */
 LC_INLINE vf attenuated(const lc_tree_data *t, const float *const *light, lc_light_kind kind,
@@ -74,6 +74,25 @@ LC_INLINE vf faded_in(const lc_point *p, vf d2)
     return vf_min(vf_max(part, vf_set(0)), vf_set(1));
 }
 
+/* In place of the middles y of discs of the sky, and their radii, the directions from which p is lit: as
+ * lc_sky_target. */
+LC_INLINE void turn_in_sky(const float *const *light, const lc_point *p, vf y[4])
+{
+    const vf tiny = vf_set(LC_TINY_D2), one = vf_set(1);
+    const float *row[VF_LANES];
+    vf u[4], s[3];
+    for (uint32_t i = 0; i < VF_LANES; i++)
+        row[i] = lc_target_row((const lc_light_rec *)(const void *)light[i], p);
+    vf_rows(row, 0, u);
+    for (int k = 0; k < 3; k++) u[k] = u[k] + y[k];
+    const vf len2 = dot_rows(u, u), inv = one / vf_sqrt(vf_sel_gt(len2, tiny, len2, tiny));
+    for (int k = 0; k < 3; k++) u[k] = u[k] * inv;
+    const vf cosine = dot_rows(u, y);
+    for (int k = 0; k < 3; k++) s[k] = y[k] + (u[k] - y[k] * cosine) * y[3];
+    const vf scale = one / vf_sqrt(dot_rows(s, s));
+    for (int k = 0; k < 3; k++) y[k] = s[k] * scale;
+}
+
 /* light: VF_LANES records. kind, lobe: constants. */
 LC_INLINE void shade(const lc_tree_data *t, const float *const *light, lc_light_kind kind, lc_lobe lobe,
                      const lc_point *p, float *const out[6], uint32_t at)
@@ -84,6 +103,7 @@ LC_INLINE void shade(const lc_tree_data *t, const float *const *light, lc_light_
     set_row(n, p->n);
     vf_rows(light, 0, y);
     if (lc_is_far(kind)) {
+        if (lc_is_sized(kind)) turn_in_sky(light, p, y);
         for (int k = 0; k < 3; k++) d[k] = y[k];
         cos_r = dot_rows(n, d);
         lit = vf_sel_gt(cos_r, min_cos, one, zero);

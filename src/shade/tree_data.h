@@ -15,7 +15,7 @@
 #include "shade/light_spot.h"
 #include "shade/point.h"
 
-/* A cluster of at least two lights. Its box holds the lights' positions (directional lights: the unit
+/* A cluster of at least two lights. Its box holds the lights' positions (directional lights, sky: the unit
  * directions towards them), as centre and half extent: every member p has |p_k - center_k| <= half_k in exact
  * arithmetic. */
 typedef struct lc_node {
@@ -34,8 +34,8 @@ _Static_assert(sizeof(lc_node) == 64, "a cache line");
 
 /* One light as the estimate reads it. */
 typedef struct lc_light_rec {
-    float pos[3];       /* directional: unit direction towards the light */
-    uint32_t dir_a;     /* oriented, spot: the way light travels, see dir_pack.h; ball: radius, a float,
+    float pos[3];       /* directional, sky: unit direction towards the light */
+    uint32_t dir_a;     /* oriented, spot: the way light travels, see dir_pack.h; ball, sky: radius, a float,
                            and a random word in dir_b */
     float intensity[3];
     uint32_t dir_b;

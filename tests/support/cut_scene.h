@@ -53,6 +53,7 @@ static inline void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, b
                             : lc_f3_make((float)rnd(), (float)rnd(), (float)rnd());
         if (kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ (float)rnd_in(-0.5, 0.5), (float)rnd_in(0.5, 1), 0 };
         else if (kind == LC_LIGHT_LUMINAIRE) be_luminaire(&l, rnd_n(2 * N_PROFILES), rnd_in(-4, 4));
+        else if (lc_is_sized(l.kind)) l.radius = (float)rnd_in(0.001, 0.1);
         else if (rnd() < 0.3)
             for (int k = 0; k < 3; k++) l.atten[k] = (float)rnd_in(0.1, 1);
         s->lights[i] = l;
@@ -148,10 +149,12 @@ static inline uint32_t n_left(const lc_cut *c) { return c->kept.n; }
 
 static inline bool is_hidden(const setup *s, const point *q, uint32_t light)
 {
-    const float *pos = s->tree->data.lights[light].pos, *const target[3] = { pos, pos + 1, pos + 2 };
+    const lc_light_kind kind = lc_kind_of_light(s->tree, light);
+    float to[3];
+    const float *const target[3] = { to, to + 1, to + 2 };
     uint8_t hidden[LC_LANES];
-    s->bvh->kernels->hidden(&s->bvh->data, q->org, 1, target,
-                            lc_kind_of_light(s->tree, light) == LC_LIGHT_DIRECTIONAL, hidden, NULL);
+    lc_light_target(kind, &s->tree->data.lights[light], &q->p, to);
+    s->bvh->kernels->hidden(&s->bvh->data, q->org, 1, target, lc_is_far(kind), hidden, NULL);
     return hidden[0];
 }
 

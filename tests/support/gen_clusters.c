@@ -340,7 +340,7 @@ static d3 target(gen_src *s, const gen_case *c, uint32_t which)
         v[a] = 0;
         for (uint32_t i = 0; i < c->n; i++) {
             const lc_light *l = &c->lights[i];
-            double t = l->kind == LC_LIGHT_DIRECTIONAL ? -(double)(&l->dir.x)[a]
+            double t = lc_is_far(l->kind) ? -(double)(&l->dir.x)[a]
                                                        : (double)(&l->pos.x)[a] - (double)(&c->pos.x)[a];
             lo[a] = fmin(lo[a], t);
             hi[a] = fmax(hi[a], t);
@@ -633,7 +633,9 @@ void gen_case_make(gen_case *c, gen_src *s, lc_light_kind kind, gen_brdf brdf, g
     if (kind == LC_LIGHT_SPOT) make_spots(s, c, style);
     if (kind == LC_LIGHT_LUMINAIRE) make_luminaires(s, c);
     for (uint32_t i = 0; i < c->n && lc_is_sized(kind); i++)
-        c->lights[i].radius = (float)(b.scale * decade(s, -9, style == GEN_ORDINARY ? -6 : 1));
+        c->lights[i].radius = lc_is_far(kind)
+                                  ? (float)decade(s, -9, style == GEN_ORDINARY ? -3 : 0)
+                                  : (float)(b.scale * decade(s, -9, style == GEN_ORDINARY ? -6 : 1));
     double diag = b.scale * decade(s, 0, 2), to_0 = (double)lc_f3_len(lc_f3_sub(c->lights[0].pos, c->pos));
     uint32_t floor_kind = style == GEN_ORDINARY ? 1 : gen_pick(s, 8);
     double min_d2 = floor_kind == 0 ? 1e-2 * b.scale * b.scale : 1e-10 * diag * diag;

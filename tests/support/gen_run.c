@@ -5,6 +5,7 @@
 #include "support/gen_clusters.h"
 #include "support/one_bound.h"
 #include "support/ref_bounds.h"
+#include "support/ref_receivers.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -184,13 +185,13 @@ static value light_value(const lc_point *p, const lc_light *l, const float least
         ref[k] *= in;
         lo[k] *= in;
     }
-    const float *y = &l->pos.x, *dir = &l->dir.x;
-    double len = 0, cos_r = 0, cos_e = 0;
+    const float *dir = &l->dir.x;
+    double len = 0, cos_r = 0, cos_e = 0, to[3];
+    ref_towards(p, l, to);
     for (int k = 0; k < 3; k++) {
-        double to = l->kind == LC_LIGHT_DIRECTIONAL ? -(double)dir[k] : (double)y[k] - (double)p->pos[k];
-        len += to * to;
-        cos_r += to * (double)p->n[k];
-        cos_e -= to * (double)dir[k];
+        len += to[k] * to[k];
+        cos_r += to[k] * (double)p->n[k];
+        cos_e -= to[k] * (double)dir[k];
     }
     len = sqrt(len);
     if (len > 0 && len < GEN_TINY_LEN) v.tiny = true;
@@ -254,7 +255,7 @@ static uint32_t check_stored(const gen_case *c, const lc_node *b, const lc_atten
         const float *y = &l->pos.x, *e = &l->dir.x;
         double dot = 0, e2 = 0;
         for (int k = 0; k < 3; k++) {
-            double p = l->kind == LC_LIGHT_DIRECTIONAL ? -(double)e[k] : (double)y[k];
+            double p = lc_is_far(l->kind) ? -(double)e[k] : (double)y[k];
             double r = lc_is_sized(l->kind) ? (double)l->radius : 0, c_k = (double)b->center[k];
             if (!inside(p, c_k, (double)b->half[k])) bad |= GEN_BAD_BOX;
             /* lo and hi are rounded to float */
@@ -403,7 +404,7 @@ static void print3(const char *name, lc_f3 a)
 void gen_case_print(const gen_case *c)
 {
     static const char *const kinds[] = { "point", "oriented", "directional", "spot", "virtual", "ball",
-                                         "luminaire" };
+                                         "sky", "luminaire" };
     gen_result r;
     gen_case_run(c, &r);
     printf("  case: %s, %u lights: %s (bits %u), members %x, bound %.9g by %s, value %.9g\n",

@@ -232,15 +232,13 @@ static void load_atten(double a[3], const lc_light *l)
 
 static terms light_terms(const lc_point *p, const lc_light *l)
 {
-    double x[3], y[3], dir[3], n[3], m[3], atten[3], v[3], w[3];
-    load(x, p->pos);
-    load_f3(y, l->pos);
+    double dir[3], n[3], m[3], atten[3], v[3], w[3];
     load_f3(dir, l->dir);
     load(n, p->n);
     load(m, p->mirror);
     load_atten(atten, l);
-    bool far = l->kind == LC_LIGHT_DIRECTIONAL;
-    for (int k = 0; k < 3; k++) v[k] = far ? -dir[k] : y[k] - x[k];
+    bool far = lc_is_far(l->kind);
+    ref_towards(p, l, v);
     double d2 = dot3(v, v), d = sqrt(fmax(d2, (double)LC_TINY_D2)); /* no shorter: point.h */
     for (int k = 0; k < 3; k++) w[k] = v[k] / d;
     terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 }, { 0 }, { 0 }, 0 };
@@ -615,9 +613,10 @@ static void gather(ref_cluster *c, const lc_point *p, const lc_light *lights, ui
         }
         if (l->kind == LC_LIGHT_LUMINAIRE) c->profiles |= 1u << (l->luminaire.profile & 31);
         for (int k = 0; k < 3; k++) {
-            double v = l->kind == LC_LIGHT_DIRECTIONAL ? -dir[k] : y[k] - x[k];
-            c->vlo[k] = fmin(c->vlo[k], v);
-            c->vhi[k] = fmax(c->vhi[k], v);
+            double v = lc_is_far(l->kind) ? -dir[k] : y[k] - x[k];
+            double r = ref_sky_half(l);
+            c->vlo[k] = fmin(c->vlo[k], v - r);
+            c->vhi[k] = fmax(c->vhi[k], v + r);
             c->elo[k] = fmin(c->elo[k], dir[k]);
             c->ehi[k] = fmax(c->ehi[k], dir[k]);
             c->atten[k] = fmin(c->atten[k], atten[k]);
@@ -784,7 +783,7 @@ double ref_cluster_bound(const lc_point *p, const lc_light *lights, uint32_t mem
     }
     double material = ref_luminance(rho), lobe = ref_luminance(gloss);
     if (material + lobe <= 0 || cos_r <= 0) return 0;
-    if (c.kind == LC_LIGHT_DIRECTIONAL) return material * cos_r + lobe;
+    if (lc_is_far(c.kind)) return material * cos_r + lobe;
     for (int k = 0; k < 3; k++) d2 += min_square(c.vlo[k], c.vhi[k]);
     double inv_f = 1 / falloff(c.atten, fmax(d2, (double)p->min_d2)), separate = cos_r * inv_f,
            geometry = separate;

@@ -1,5 +1,6 @@
 /* ref_lower.c - the lower bound of a cluster in double precision, by the corners of its boxes. */
 #include "support/ref_bounds.h"
+#include "support/ref_receivers.h"
 
 #include <math.h>
 
@@ -20,6 +21,7 @@ static common common_of(const lc_point *p, const lc_light *lights, uint32_t memb
         if (!(members >> i & 1)) continue;
         for (int k = 0; k < 3; k++) {
             double d = (double)(&l->dir.x)[k], r = lc_is_sized(l->kind) ? (double)l->radius : 0;
+            if (lc_is_far(l->kind)) r = ref_sky_half(l);
             double v = lc_is_far(l->kind) ? -d : (double)(&l->pos.x)[k] - (double)p->pos[k];
             c.lo[k] = fmin(c.lo[k], v - r);
             c.hi[k] = fmax(c.hi[k], v + r);

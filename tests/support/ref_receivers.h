@@ -4,7 +4,8 @@
 #define REF_RECEIVERS_H
 
 #include "shade/light.h"
-#include "shade/point.h"
+#include "shade/light_target.h"
+#include "shade/point_init.h"
 
 #include <math.h>
 
@@ -41,12 +42,31 @@ static inline double phase(const lc_point *p, double c)
     return pow((double)p->view[0] + (double)p->view[1] * fmax(x, 0), -1.5);
 }
 
+/* From the point to a light; far: the direction from which it is lit. */
+static inline void ref_towards(const lc_point *p, const lc_light *l, double v[3])
+{
+    const float *dir = &l->dir.x, *pos = &l->pos.x;
+    float to[3] = { -dir[0], -dir[1], -dir[2] };
+    if (lc_is_far(l->kind) && lc_is_sized(l->kind)) {
+        lc_light_rec rec;
+        lc_light_rec_init(&rec, l);
+        lc_sky_target(&rec, p, to);
+    }
+    for (int k = 0; k < 3; k++) v[k] = lc_is_far(l->kind) ? (double)to[k] : (double)pos[k] - (double)p->pos[k];
+}
+
+/* How far from the middle of a light of the sky its directions may be, rounding included. */
+static inline double ref_sky_half(const lc_light *l)
+{
+    return lc_is_far(l->kind) && lc_is_sized(l->kind) ? (double)l->radius + 0x1p-20 : 0;
+}
+
 /* Whether a light is not at the point, where it has no direction and the estimate is 0. */
 static inline bool ref_apart(const lc_point *p, const lc_light *l)
 {
     const double x = (double)l->pos.x - (double)p->pos[0], y = (double)l->pos.y - (double)p->pos[1],
                  z = (double)l->pos.z - (double)p->pos[2];
-    return l->kind == LC_LIGHT_DIRECTIONAL || x * x + y * y + z * z > 1.001 * (double)LC_TINY_D2;
+    return lc_is_far(l->kind) || x * x + y * y + z * z > 1.001 * (double)LC_TINY_D2;
 }
 
 /* rest: emission over the squared distance. */

@@ -43,10 +43,11 @@ static inline void be_luminaire(lc_light *l, uint32_t which, double turn)
                                      which / N_PROFILES % 2);
 }
 
-/* Sets of kinds, a bit each: all of the first three, luminaires, and these beside them. */
-#define LIGHT_SETS 9u
+/* Sets of kinds, a bit each: all of the first three, luminaires, these beside them, the sky. */
+#define LIGHT_SETS 10u
 static inline uint32_t light_set(uint32_t i)
 {
+    if (i == 9) return 1u << LC_LIGHT_SKY;
     return i < 7 ? i + 1 : 1u << LC_LIGHT_LUMINAIRE | (i == 8 ? 7u : 0);
 }
 /* From how many kinds to draw one of a set. */
