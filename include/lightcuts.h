@@ -629,7 +629,7 @@ typedef struct lc_build_light_desc {
             { 0 }, 0                                                                                         \
     }
 
-/* A disc in the sky, which camera rays show, and the lights that shine for it, discs of the sky themselves. */
+/* A disc in the sky, which camera rays show, and the lights that shine for it, smaller discs of the sky. */
 typedef struct lc_build_sun_desc {
     size_t size;
     double direction[3];  /* towards the disc's centre, any length */
@@ -1357,16 +1357,16 @@ enum {
                               * clamped to 0..1 */
     LC_TREE_VIRTUAL = 4,     /* as LC_TREE_ORIENTED */
     LC_TREE_BALL = 5,        /* G = 1 / d^2 from the centre; shadow rays go to points of the surface */
-    LC_TREE_SKY = 6          /* G = 1; a disc of the sky: points are lit from, and shadow rays go to, directions
-                              * of it, others at each point */
+    LC_TREE_SKY = 6          /* G = 1; a disc of the sky: points are lit from, and shadow rays go to,
+                              * directions of it, others at each point */
 };
 
 typedef struct lc_tree_light {
     uint32_t kind;              /* LC_TREE_... */
     float position[3];          /* world space; not used by lights that are directional or of the sky */
     float direction[3];         /* unit, in which light travels; not used by point lights and balls */
-    float intensity[3];         /* R G B, W/sr; directional, sky: irradiance, W/m^2; >= 0. A light without any is
-                                 * left out */
+    float intensity[3];         /* R G B, W/sr; directional, sky: irradiance, W/m^2; >= 0. A light without any
+                                 * is left out */
     float attenuation[3];       /* A, B, C of point, oriented, virtual lights, >= 0; all 0: 1/d^2 */
     float cos_total, cos_start; /* spots: -2..1, cos_total <= cos_start */
     float radius;               /* balls: scene units, > 0; sky: tangent of half the angle of the disc, > 0,

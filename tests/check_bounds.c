@@ -318,7 +318,7 @@ TEST(zero_extent_is_tight)
             lc_point_init(&p, c.pos, c.normal, c.view, &c.mat, c.min_d2);
             const lc_light *l = &c.lights[0];
             lc_f3 v =
-                lc_is_far((lc_light_kind)kind) ? lc_f3_neg(l->dir) : lc_f3_normalize(lc_f3_sub(l->pos, c.pos));
+                lc_is_far(l->kind) ? lc_f3_neg(l->dir) : lc_f3_normalize(lc_f3_sub(l->pos, c.pos));
             double cos_r = (double)lc_f3_dot(v, c.normal), cos_e = -(double)lc_f3_dot(v, l->dir);
             if (cos_r < 0.05 || (is_oriented(kind) && cos_e < 0.05)) continue;
             double exact = ref_cluster_sum(&p, &c.lights[0], 1), rel = (double)bound_of(&c, &p) / exact - 1,

@@ -105,7 +105,7 @@ own_header_first()
 }
 template_includes() # what an instruction set's flags must not compile: code outside of the kernels
 {
-    data='"(base/(base|vec|fmath)|shade/(point|tree_data|light|lobes|light_kinds|dir_pack)'
+    data='"(base/(base|vec|fmath)|shade/(point|tree_data|light|lobes|light_kinds|light_target|dir_pack)'
     data="$data"'|cut/cut_list|trace/bvh_data|tree/ploc_list)\.h"|<string\.h>'
     grep -HnE "$include_of" src/*/*_tmpl.c | grep -v '^src/isa/isa_tmpl.c:' | grep -vE "$data"
 }

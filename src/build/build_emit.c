@@ -226,8 +226,8 @@ static void frame_of(lc_f3 n, lc_f3 *x, lc_f3 *y)
     *y = lc_f3_cross(n, *x);
 }
 
-/* Lights on a spiral over the disc, each a disc for the same area of it; their places are drawn in so that all
- * of them have the disc's variance. */
+/* Lights on a spiral over the disc, each a disc for the same area of it; their places are drawn in so that
+ * all of them have the disc's variance. */
 static lc_status add_sun_lights(lc_scene *s, lc_f3 to_sun, lc_f3 e, double angle, uint32_t n)
 {
     lc_light light = { .kind = LC_LIGHT_DIRECTIONAL,

@@ -3,7 +3,7 @@
  *     "sun"   vector3 direction   towards the sun, default 0 0 1
  *             rgb E               irradiance on a surface across the direction, W/m^2, default 1
  *             float angle         diameter in degrees, default 0.53
- *             integer lights      directional lights that represent it, default 64
+ *             integer lights      lights of the sky that represent it, default 64
  *     "sky"   vector3 sun         towards the sun
  *             rgb L               radiance at the zenith, W/(m^2 sr), default 1
  *

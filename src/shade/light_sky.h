@@ -1,6 +1,6 @@
-/* light_sky.h - discs of the sky: light from all directions that are within a radius of one. G = 1, intensity is
- * the irradiance across the direction, W/m^2, as of directional lights. A point is lit from one direction of
- * the disc, another for each light and each lc_point.turn (light_target.h): so a piece of the sky is seen
+/* light_sky.h - discs of the sky: light from all directions that are within a radius of one. G = 1, intensity
+ * is the irradiance across the direction, W/m^2, as of directional lights. A point is lit from one direction
+ * of the disc, another for each light and each lc_point.turn (light_target.h): so a piece of the sky is seen
  * whole by the pixels of a block together, where a single direction would be seen or not by all of them.
  */
 #ifndef LC_LIGHT_SKY_H
@@ -17,8 +17,8 @@
 static const char *sky_check(const lc_light *light, size_t n_maps)
 {
     (void)n_maps;
-    return light->radius > 0 && light->radius <= LC_MAX_SKY_RADIUS ? NULL
-                                                                    : "the radius of the piece of sky is out of range";
+    const bool right = light->radius > 0 && light->radius <= LC_MAX_SKY_RADIUS;
+    return right ? NULL : "the radius of the disc of the sky is out of range";
 }
 
 #define LC_LIGHT_INFO_sky \

@@ -52,7 +52,8 @@ static inline void ref_towards(const lc_point *p, const lc_light *l, double v[3]
         lc_light_rec_init(&rec, l);
         lc_sky_target(&rec, p, to);
     }
-    for (int k = 0; k < 3; k++) v[k] = lc_is_far(l->kind) ? (double)to[k] : (double)pos[k] - (double)p->pos[k];
+    for (int k = 0; k < 3; k++)
+        v[k] = lc_is_far(l->kind) ? (double)to[k] : (double)pos[k] - (double)p->pos[k];
 }
 
 /* How far from the middle of a light of the sky its directions may be, rounding included. */
