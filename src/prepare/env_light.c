@@ -170,7 +170,10 @@ static lc_status add_light(table *t, const rect *r)
     light.dir = lc_f3_normalize_d(-v[0], -v[1], -v[2]);
     uint64_t i = t->n_made++;
     if (!t->candidates) return lc_scene_add_light(t->scene, (lc_pos){ 0, 0, 0 }, &light);
-    if (t->tried) t->tried[i] = *r;
+    if (t->tried) { /* by their middles */
+        t->tried[i] = *r;
+        light.kind = LC_LIGHT_DIRECTIONAL;
+    }
     t->candidates[i] = light;
     return LC_OK;
 }
