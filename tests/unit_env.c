@@ -140,7 +140,7 @@ TEST(directions_of_lights)
                    i, s * 64, t * 64);
         }
     }
-    CHECK(!memcmp(ways[0], ways[1], n * sizeof **ways) && memcmp(ways[0], ways[2], n * sizeof **ways));
+    CHECK(!memcmp(ways[0], ways[1], n * sizeof **ways) && !memcmp(ways[0], ways[2], n * sizeof **ways));
     qsort(ways[0], n, sizeof **ways, by_bytes);
     for (uint32_t i = 1; i < n; i++) CHECK(memcmp(&ways[0][i - 1], &ways[0][i], sizeof **ways));
     for (int k = 0; k < 3; k++) free(ways[k]);

@@ -55,7 +55,8 @@ static int visible(void *user, const lc_shadow_rays *r)
         }
         r->hidden[i] = blocked(o, d, r->far[i]);
         CHECK(r->point[i] < N_POINTS && r->light[i] < N_LIGHTS && !r->blocker);
-        CHECK(r->far[i] == (lights[r->light[i]].kind == LC_TREE_DIRECTIONAL));
+        const uint32_t kind = lights[r->light[i]].kind;
+        CHECK(r->far[i] == (kind == LC_TREE_DIRECTIONAL || kind == LC_TREE_SKY));
         for (int k = 0; k < 3 && h->glass; k++) r->through[k][i] = 0.5f + 0.25f * (float)(k - 1);
     }
     return ++h->calls == h->cancel_at;
@@ -95,7 +96,7 @@ static void make(bool balls_too)
     memset(materials, 0, sizeof materials);
     for (uint32_t i = 0; i < N_LIGHTS; i++) {
         lc_tree_light *l = &lights[i];
-        l->kind = i % (balls_too ? 6 : 5);
+        l->kind = i % (balls_too ? 7 : 5);
         lc_f3_store(l->position, rnd_in_box(1));
         lc_f3_store(l->direction, rnd_unit());
         for (int k = 0; k < 3; k++) l->intensity[k] = i % 7 == 3 ? 0 : (float)rnd();
@@ -440,7 +441,7 @@ TEST(a_loaded_scene_answers_rays_and_its_proofs_save_some)
 TEST(wrong_lights_are_named)
 {
     make(true);
-    BAD_LIGHT(kind = 6, "error: lights[1].kind is 6: there are 6 kinds");
+    BAD_LIGHT(kind = 7, "error: lights[1].kind is 7: there are 7 kinds");
     BAD_LIGHT(position[1] = NAN, "lights[1]: error: light position is not finite or beyond 1e+12 units");
     BAD_LIGHT(intensity[0] = -1, "lights[1]: error: light intensity is negative, not finite or above 1e+15");
     BAD_LIGHT(direction[2] = 3, "lights[1]: error: light direction is zero or not finite");

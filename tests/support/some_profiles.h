@@ -53,7 +53,7 @@ static inline uint32_t light_set(uint32_t i)
 /* From how many kinds to draw one of a set. */
 static inline uint32_t kinds_in(uint32_t set)
 {
-    return set >> LC_LIGHT_LUMINAIRE ? LC_LIGHT_KINDS : LC_LIGHT_LUMINAIRE;
+    return set >> LC_LIGHT_SKY ? LC_LIGHT_KINDS : LC_LIGHT_SKY;
 }
 
 #endif
