@@ -149,7 +149,7 @@ TEST(directions_fill_discs)
 
 /* A floor beside a long wall, x = 0 to y = 4, that hides angles up to a from an even sky of radiance 1: the
  * floor gets pi (1 + cos a) / 2. Every light has an edge of its shadow there; by lights of one direction
- * each, blocks of pixels are off by up to 1.1 %, 0.6 % rms. */
+ * each, blocks of pixels are off by up to 0.63 %, 0.24 % rms. */
 TEST(shadows_of_the_sky_have_no_bands)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
@@ -157,7 +157,7 @@ TEST(shadows_of_the_sky_have_no_bands)
     lc_image *image = NULL;
     double worst = 0, sum2 = 0;
     l.indirect_lights = LC_NO_LIGHTS;
-    l.env_lights = 400;
+    l.env_lights = 1500;
     l.spp = 1;
     CHECK(load_text(&l, "%s", FLOOR_BY_A_WALL) == LC_OK);
     d.method = LC_METHOD_EXACT;
@@ -175,7 +175,7 @@ TEST(shadows_of_the_sky_have_no_bands)
             sum2 += (got / want - 1) * (got / want - 1) / 144;
         }
     printf("  blocks off by %.2g at most, %.2g rms\n", worst, sqrt(sum2));
-    CHECKF(worst < 0.006 && sqrt(sum2) < 0.0025, "blocks off by %g, %g rms", worst, sqrt(sum2));
+    CHECKF(worst < 0.0045 && sqrt(sum2) < 0.0018, "blocks off by %g, %g rms", worst, sqrt(sum2));
     lc_image_destroy(image);
 }
 

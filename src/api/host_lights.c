@@ -42,7 +42,8 @@ static lc_status add_lights(lc_scene *s, const lc_tree_light *lights, size_t n, 
         if (lights[i].kind >= HOST_KINDS)
             return lc_fail(s->ctx, LC_ERR_ARG, "lights[%zu].kind is %u: there are %d kinds", i,
                            lights[i].kind, (int)HOST_KINDS);
-        const lc_light l = light_of(&lights[i]);
+        lc_light l = light_of(&lights[i]);
+        if (l.kind == LC_LIGHT_SKY) l.turn = (uint32_t)i;
         const size_t before = s->n_lights;
         snprintf(name, sizeof name, "lights[%zu]", i);
         lc_status st = lc_scene_add_light(s, (lc_pos){ name, 0, 0 }, &l);

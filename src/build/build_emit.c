@@ -250,6 +250,7 @@ static lc_status add_sun_lights(lc_scene *s, lc_f3 to_sun, lc_f3 e, double angle
         light.dir = lc_f3_normalize_d(-((double)to_sun.x + a * (double)x.x + b * (double)y.x),
                                       -((double)to_sun.y + a * (double)x.y + b * (double)y.y),
                                       -((double)to_sun.z + a * (double)x.z + b * (double)y.z));
+        if (light.kind == LC_LIGHT_SKY) light.turn = i;
         lc_light kept;
         lc_status st = lc_build_status(s, lc_scene_check_light(s, s->at, &light, &kept));
         kept.group = s->groups.now;

@@ -144,30 +144,31 @@ static shed sum_up_rect(const table *t, const rect *r)
     return s;
 }
 
-/* The radius of an even disc of the same variance, a quarter of the radius squared each way. */
-static float radius_of(const table *t, const shed *s)
+/* Sets the light's direction and radius to those of an even disc whose mean direction is the rectangle's, of
+ * length 1 - radius^2 / 4. Where that is, four points say to the second order: a standard deviation to either
+ * side of the middle, each way. */
+static void set_disc(const table *t, const shed *s, lc_light *light)
 {
-    double across = 1, down = 1; /* angle of a texel, both times the root of its solid angle */
-    const double solid = t->solid[(uint32_t)fmin(s->middle[1], t->h - 1.0)];
-    if (t->env->mapping == LC_ENV_LATLONG) {
-        down = LC_PI / t->h;
-        across = down > 0 ? solid / down : 0;
-    } else {
-        across = down = sqrt(solid);
+    double mean[3] = { 0, 0, 0 }, w[3], v[3], len2 = 0;
+    for (int i = 0; i < 4; i++) {
+        const double x = s->middle[0] + (i & 1 ? 1 : -1) * sqrt(s->variance[0]),
+                     y = s->middle[1] + (i & 2 ? 1 : -1) * sqrt(s->variance[1]);
+        lc_env_direction(t->env, x / t->fine, y / t->fine, w);
+        for (int k = 0; k < 3; k++) mean[k] += w[k] / 4;
     }
-    const double variance = (s->variance[0] * across * across + s->variance[1] * down * down) / 2;
-    return (float)fmin(fmax(2 * sqrt(variance), LEAST_RADIUS), MOST_RADIUS);
+    for (int k = 0; k < 3; k++) len2 += mean[k] * mean[k];
+    lc_xform_vector(&t->env->to_world, mean, v);
+    light->dir = lc_f3_normalize_d(-v[0], -v[1], -v[2]);
+    light->radius = (float)fmin(fmax(2 * sqrt(fmax(1 - sqrt(len2), 0)), LEAST_RADIUS), MOST_RADIUS);
 }
 
 static lc_status add_light(table *t, const rect *r)
 {
     const shed s = sum_up_rect(t, r);
-    lc_light light = { .kind = LC_LIGHT_SKY, .radius = radius_of(t, &s), .group = t->env->group };
-    double w[3], v[3];
-    lc_env_direction(t->env, s.middle[0] / t->fine, s.middle[1] / t->fine, w);
-    lc_xform_vector(&t->env->to_world, w, v);
+    lc_light light = { .kind = LC_LIGHT_SKY, .group = t->env->group };
+    set_disc(t, &s, &light);
+    light.turn = (uint32_t)t->n_made;
     light.intensity = lc_f3_make((float)s.rgb[0], (float)s.rgb[1], (float)s.rgb[2]);
-    light.dir = lc_f3_normalize_d(-v[0], -v[1], -v[2]);
     uint64_t i = t->n_made++;
     if (!t->candidates) return lc_scene_add_light(t->scene, (lc_pos){ 0, 0, 0 }, &light);
     if (t->tried) { /* by their middles */

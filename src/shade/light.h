@@ -81,6 +81,8 @@ typedef struct lc_luminaire {
     uint32_t profile; /* index, and LC_PROFILE_MIRRORED */
 } lc_luminaire;
 
+#define LC_NEXT_TURN 13u /* points of light_target.h from one lc_light.turn to the next */
+
 typedef struct lc_light {
     lc_f3 pos;       /* world space; unused where the kind is far */
     lc_f3 dir;       /* unit, the direction in which light travels; unused by point lights */
@@ -89,7 +91,10 @@ typedef struct lc_light {
         float atten[3]; /* kinds with LC_LIGHT_ATTENUATED: A, B, C, all >= 0, one > 0; 0, 0, 1 is 1/d^2 */
         lc_spot spot;   /* spots */
         lc_luminaire luminaire;
-        float radius;   /* kinds with LC_LIGHT_SIZED, scene units, > 0 */
+        struct {
+            float radius;   /* kinds with LC_LIGHT_SIZED, scene units, > 0 */
+            uint32_t turn;  /* of the sky: light_sky.h */
+        };
     };
     lc_light_kind kind;
     uint32_t group; /* below LC_MAX_GROUPS; 0: of none */

@@ -2,6 +2,9 @@
  * is the irradiance across the direction, W/m^2, as of directional lights. A point is lit from one direction
  * of the disc, another for each light and each lc_point.turn (light_target.h): so a piece of the sky is seen
  * whole by the pixels of a block together, where a single direction would be seen or not by all of them.
+ *
+ * Neighbours have turns in a row: 32 of them use each point of the disc once, so that together they shed on
+ * an open surface what they would from their middles, almost without grain.
  */
 #ifndef LC_LIGHT_SKY_H
 #define LC_LIGHT_SKY_H

@@ -34,9 +34,10 @@ void lc_light_rec_init(lc_light_rec *rec, const lc_light *light)
     if (lc_is_aimed(light->kind)) lc_dir_pack(light->dir, dir);
     if (lc_is_sized(light->kind)) {
         uint32_t pos[3];
-        memcpy(pos, lc_is_far(light->kind) ? &light->dir : &light->pos, sizeof pos);
+        memcpy(pos, &light->pos, sizeof pos);
         memcpy(&dir[0], &light->radius, sizeof dir[0]);
-        dir[1] = (uint32_t)lc_hash4(pos[0], pos[1], pos[2], 0);
+        dir[1] = lc_is_far(light->kind) ? light->turn * LC_NEXT_TURN
+                                        : (uint32_t)lc_hash4(pos[0], pos[1], pos[2], 0);
     }
     lc_f3_store(rec->pos, lc_is_far(light->kind) ? lc_f3_neg(light->dir) : light->pos);
     lc_f3_store(rec->intensity, light->intensity);

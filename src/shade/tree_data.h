@@ -36,7 +36,7 @@ _Static_assert(sizeof(lc_node) == 64, "a cache line");
 typedef struct lc_light_rec {
     float pos[3];       /* directional, sky: unit direction towards the light */
     uint32_t dir_a;     /* oriented, spot: the way light travels, see dir_pack.h; ball, sky: radius, a float,
-                           and a random word in dir_b */
+                           and in dir_b a random word, of the sky its turn */
     float intensity[3];
     uint32_t dir_b;
 } lc_light_rec;
