@@ -103,8 +103,6 @@ TEST(irradiance_is_kept)
 
 static int by_bytes(const void *a, const void *b) { return memcmp(a, b, sizeof(lc_f3)); }
 
-/* No two lights have the same direction, and none comes from where the map is black. The same seed gives the
- * same lights, another seed others. */
 /* Distance of a unit direction from that of the nearest texel that is not black. */
 static double nearest_lit(const lc_env *e, const double w[3])
 {
@@ -118,6 +116,8 @@ static double nearest_lit(const lc_env *e, const double w[3])
     return least;
 }
 
+/* No two lights have the same direction, and none is far from what of the map is not black. Without a view to
+ * weigh them by, no seed changes them. */
 TEST(directions_of_lights)
 {
     lc_f3 *ways[3];
@@ -135,7 +135,7 @@ TEST(directions_of_lights)
             w[2] = -(double)d.z;
             lc_env_place(e, w, &s, &t);
             lc_env_texel(e, (uint32_t)fmin(s * 64, 63), (uint32_t)fmin(t * 64, 63), rgb);
-            /* The middle of what two texels shed may lie between them. */
+            /* The middle of what texels shed may lie between them, which are 0.055 wide, 0.08 across. */
             CHECKF(rgb[0] > 0 || nearest_lit(e, w) < 2 * (double)scene->lights[i].radius + 0.07, "%u: %g %g",
                    i, s * 64, t * 64);
         }

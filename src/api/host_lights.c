@@ -16,7 +16,7 @@ _Static_assert(LC_TREE_POINT == (int)LC_LIGHT_POINT && LC_TREE_ORIENTED == (int)
 
 #define MAX_DIAGONAL 1e13 /* scene units */
 
-static lc_light light_of(const lc_tree_light *in)
+static lc_light light_of(const lc_tree_light *in, uint32_t i)
 {
     lc_light l = { .kind = (lc_light_kind)in->kind,
                    .pos = lc_f3_load(in->position),
@@ -28,7 +28,10 @@ static lc_light light_of(const lc_tree_light *in)
         memcpy(l.atten, none ? (const float[3]){ 0, 0, 1 } : a, sizeof l.atten);
     }
     if (l.kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ in->cos_total, in->cos_start, 0 };
-    if (lc_is_sized(l.kind)) l.radius = in->radius;
+    if (lc_is_sized(l.kind)) {
+        l.radius = in->radius;
+        l.turn = i;
+    }
     return l;
 }
 
@@ -42,8 +45,7 @@ static lc_status add_lights(lc_scene *s, const lc_tree_light *lights, size_t n, 
         if (lights[i].kind >= HOST_KINDS)
             return lc_fail(s->ctx, LC_ERR_ARG, "lights[%zu].kind is %u: there are %d kinds", i,
                            lights[i].kind, (int)HOST_KINDS);
-        lc_light l = light_of(&lights[i]);
-        if (l.kind == LC_LIGHT_SKY) l.turn = (uint32_t)i;
+        const lc_light l = light_of(&lights[i], (uint32_t)i);
         const size_t before = s->n_lights;
         snprintf(name, sizeof name, "lights[%zu]", i);
         lc_status st = lc_scene_add_light(s, (lc_pos){ name, 0, 0 }, &l);

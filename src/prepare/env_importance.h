@@ -4,7 +4,7 @@
 
 #include "prepare/view_grid.h"
 
-/* Sets weights[i], LC_MIN_ENV_WEIGHT..1, for each of n lights of the sky: proportional to the mean luminance
+/* Sets weights[i], LC_MIN_ENV_WEIGHT..1, for each of n directional lights: proportional to the mean luminance
  * that the light would contribute to the points of the view, shadows included, if all lights had the same
  * irradiance. Directions of successive lights should be close to each other. All weights are 1 if nothing is
  * illuminated. LC_ERR_MEMORY. */

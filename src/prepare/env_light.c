@@ -18,7 +18,7 @@
 
 #define CANDIDATES LC_SIZE(4096, 96) /* lights whose importance is measured */
 #define VIEW_SIDE LC_SIZE(64, 6)     /* side of the view grid at whose points it is measured */
-#define LEAST_RADIUS 1e-6            /* of a piece of sky, radians */
+#define LEAST_RADIUS 1e-6            /* of a light's disc */
 #define MOST_RADIUS 0.5
 #define MIN_SIDE LC_SIZE(64, 8)      /* texels; the map is subdivided to at least this if it is weighted */
 

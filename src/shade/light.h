@@ -92,7 +92,7 @@ typedef struct lc_light {
         lc_spot spot;   /* spots */
         lc_luminaire luminaire;
         struct {
-            float radius;   /* kinds with LC_LIGHT_SIZED, scene units, > 0 */
+            float radius;   /* kinds with LC_LIGHT_SIZED, > 0: scene units; sky: a tangent */
             uint32_t turn;  /* of the sky: light_sky.h */
         };
     };

@@ -132,13 +132,13 @@ static inline void *lc_node_own(const lc_tree_data *t, lc_light_kind kind, uint3
 const char *lc_light_tree_validate(const lc_light_tree *tree);
 
 /* Where shadow rays from p go, in place of the targets x, y, z that the estimate kernel gave for n lights of
- * one kind: light[0 .. n), or first .. first + n - 1 where that is NULL. It gives those of far lights. */
+ * one kind: light[0 .. n), or first .. first + n - 1 where that is NULL. Those of far lights stay. */
 static inline void lc_shadow_targets(const lc_light_tree *t, lc_light_kind kind, const lc_point *p,
                                      const uint32_t *light, uint32_t first, uint32_t n, float *const to[3])
 {
     for (uint32_t i = 0; i < n && lc_is_sized(kind) && !lc_is_far(kind); i++) {
         float target[3];
-        lc_light_target(kind, &t->data.lights[light ? light[i] : first + i], p, target);
+        lc_ball_target(&t->data.lights[light ? light[i] : first + i], p, target);
         for (int k = 0; k < 3; k++) to[k][i] = target[k];
     }
 }
