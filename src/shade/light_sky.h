@@ -4,7 +4,7 @@
  * whole by the pixels of a block together, where a single direction would be seen or not by all of them.
  *
  * Neighbours have turns in a row: 32 of them use each point of the disc once, so that together they shed on
- * an open surface what they would from their middles, almost without grain. Light paths leave them along their
+ * an open surface what they would from their middles, almost without grain. Light paths start from the
  * middles.
  */
 #ifndef LC_LIGHT_SKY_H
