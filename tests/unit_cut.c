@@ -173,7 +173,7 @@ TEST(equal_lights_are_one)
         build_tree(&s, 7, 4);
         bool one = !lc_is_sized((lc_light_kind)kind);
         CHECK(!s.tree->alike == !one);
-        open_cut(&c, &s, 1e-3f, 0, 0);
+        open_cut(&c, &s, 1e-6f, 0, 0);
         for (int i = 0; i < 200; i++) {
             point q = rnd_point();
             lc_cut_result r = shade(&c, &q, (uint64_t)i), e = exact(&s, &q);
