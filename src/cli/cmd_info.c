@@ -52,6 +52,9 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
     if (i->n_env_maps)
         printf("infinite lights      %llu, made into %llu of the sky, where %llu that were tried matter\n",
                (ull)i->n_env_maps, (ull)i->n_env_lights, (ull)i->n_env_tried);
+    if (i->sky_high >= 0)
+        printf("                     +-%.2g %% a block, 95 %% of the blocks within %.2g %%\n",
+               100 * i->sky_median, 100 * i->sky_high);
     if (i->n_textures) {
         printf("textures             %llu: ", (ull)i->n_textures);
         texture_classes(scene, false);

@@ -76,6 +76,9 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     if (i->n_env_maps)
         fprintf(f, "environment      %llu lights of the sky, where %llu that were tried matter\n",
                 (ull)i->n_env_lights, (ull)i->n_env_tried);
+    if (i->sky_high >= 0)
+        fprintf(f, "                 +-%.2g %% a block, 95 %% of the blocks within %.2g %%\n",
+                100 * i->sky_median, 100 * i->sky_high);
     fprintf(f,
             "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total "
             "%.3f\n",

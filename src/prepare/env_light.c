@@ -13,6 +13,7 @@
 
 #include "base/rng.h"
 #include "prepare/env_importance.h"
+#include "prepare/sky_deviation.h"
 
 #include <string.h>
 
@@ -40,6 +41,8 @@ typedef struct table {
     lc_light *candidates; /* instead of lights of the scene; NULL: none are being made */
     rect *tried;          /* rectangles of the candidates, or NULL */
     double *weights;      /* CANDIDATES */
+    rect *parts;          /* of the lights that the scene was given, or NULL */
+    size_t first;         /* of these */
 } table;
 
 /* ---- power of rectangles ---- */
@@ -170,7 +173,10 @@ static lc_status add_light(table *t, const rect *r)
     light.turn = (uint32_t)t->n_made;
     light.intensity = lc_f3_make((float)s.rgb[0], (float)s.rgb[1], (float)s.rgb[2]);
     uint64_t i = t->n_made++;
-    if (!t->candidates) return lc_scene_add_light(t->scene, (lc_pos){ 0, 0, 0 }, &light);
+    if (!t->candidates) {
+        if (t->parts) t->parts[t->scene->n_lights - t->first] = *r; /* the next one's if this is dark */
+        return lc_scene_add_light(t->scene, (lc_pos){ 0, 0, 0 }, &light);
+    }
     if (t->tried) { /* by their middles */
         t->tried[i] = *r;
         light.kind = LC_LIGHT_DIRECTIONAL;
@@ -279,8 +285,39 @@ static lc_status try_candidates(table *t, const rect *all, const lc_view_grid *v
     return st;
 }
 
+/* A direction of a light's part; see lc_sky_parts. */
+static void direction_in_part(const void *map, uint32_t i, const double u[2], float to[3])
+{
+    const table *t = map;
+    rect column = t->parts[i];
+    double w[3], v[3];
+    const double x = find_cut(t, t->power, &column, 0, u[0]);
+    column.lo[0] = fmax(column.lo[0], floor(x)); /* within a column of texels power does not depend on x */
+    column.hi[0] = fmin(column.hi[0], floor(x) + 1);
+    lc_env_direction(t->env, x / t->fine, find_cut(t, t->power, &column, 1, u[1]) / t->fine, w);
+    lc_xform_vector(&t->env->to_world, w, v);
+    lc_f3_store(to, lc_f3_normalize_d(v[0], v[1], v[2]));
+}
+
+/* Makes k lights, and sees how far the picture is off with them. */
+static lc_status make_lights(table *t, const rect *all, uint32_t k, lc_sky_deviation *deviation)
+{
+    t->first = t->scene ? t->scene->n_lights : 0;
+    if (deviation && !(t->parts = lc_alloc_raw(t->ctx, k, sizeof *t->parts))) return LC_ERR_MEMORY;
+    lc_status st = cut(t, all, k);
+    if (!st && deviation && t->scene->n_lights > t->first) {
+        const lc_sky_parts parts = { .lights = t->scene->lights + t->first,
+                                     .n = (uint32_t)(t->scene->n_lights - t->first),
+                                     .direction = direction_in_part,
+                                     .map = t };
+        st = lc_sky_deviation_add(deviation, &parts);
+    }
+    lc_free(t->ctx, t->parts, k, sizeof *t->parts);
+    return st;
+}
+
 /* Makes k lights for one map. view: NULL, not weighted. */
-static lc_status make(table *t, uint32_t k, const lc_view_grid *view)
+static lc_status make(table *t, uint32_t k, const lc_view_grid *view, lc_sky_deviation *deviation)
 {
     rect all = { { 0, 0 }, { t->w, t->h } };
     const lc_context *ctx = t->ctx;
@@ -290,7 +327,7 @@ static lc_status make(table *t, uint32_t k, const lc_view_grid *view)
     if (!st && fill(t) > 0) {
         t->cut_by = t->power;
         if (view && view->n && k > 1) st = try_candidates(t, &all, view);
-        if (!st) st = cut(t, &all, k);
+        if (!st) st = make_lights(t, &all, k, deviation);
     }
     lc_free(ctx, t->power, n_sums(t), sizeof *t->power);
     lc_free(ctx, t->weighted, n_sums(t), sizeof *t->weighted);
@@ -322,7 +359,8 @@ static double env_power(const lc_env *env)
     return sum;
 }
 
-static lc_status make_all(lc_scene *scene, uint32_t n_lights, uint64_t seed, const lc_view_grid *view)
+static lc_status make_all(lc_scene *scene, uint32_t n_lights, uint64_t seed, const lc_view_grid *view,
+                          lc_sky_deviation *deviation)
 {
     double total = 0, before = 0;
     for (size_t i = 0; i < scene->n_envs; i++) total += env_power(&scene->envs[i]);
@@ -335,7 +373,7 @@ static lc_status make_all(lc_scene *scene, uint32_t n_lights, uint64_t seed, con
         before += power;
         uint32_t k = (uint32_t)(floor(before / total * n_lights + 0.5) - first);
         if (!(power > 0)) continue;
-        lc_status st = make(&t, k ? k : 1, view);
+        lc_status st = make(&t, k ? k : 1, view, deviation);
         if (st) return st;
     }
     return LC_OK;
@@ -344,9 +382,13 @@ static lc_status make_all(lc_scene *scene, uint32_t n_lights, uint64_t seed, con
 lc_status lc_env_lights_make(lc_scene *scene, uint32_t n_lights, uint32_t max_depth, uint64_t seed)
 {
     lc_view_grid view = { 0 };
-    bool scored = scene->n_envs && scene->bvh;
-    lc_status st = scored ? lc_view_grid_init(&view, scene, VIEW_SIDE, max_depth) : LC_OK;
-    if (!st) st = make_all(scene, n_lights, seed, &view);
+    lc_sky_deviation deviation = { .light = NULL };
+    const bool sees = scene->n_envs && scene->bvh;
+    lc_status st = sees ? lc_view_grid_init(&view, scene, VIEW_SIDE, max_depth) : LC_OK;
+    if (!st && sees) st = lc_sky_deviation_init(&deviation, scene, max_depth, seed);
+    if (!st) st = make_all(scene, n_lights, seed, &view, sees ? &deviation : NULL);
+    if (!st && sees) lc_sky_deviation_find(&deviation, &scene->sky_error);
+    lc_sky_deviation_free(&deviation);
     lc_view_grid_free(&view);
     return st;
 }
@@ -357,7 +399,7 @@ lc_status lc_env_lights_by_power(const lc_scene *scene, size_t env, uint32_t n, 
     table t;
     init_table(&t, scene, env, true, seed);
     t.candidates = lights;
-    lc_status st = make(&t, n, NULL);
+    lc_status st = make(&t, n, NULL, NULL);
     *n_made = (uint32_t)t.n_made;
     return st;
 }

@@ -40,6 +40,7 @@ void lc_lighting_exchange(lc_scene *s, lc_lighting *l)
     SWAP(bool, follows_smooth);
     SWAP(lc_indirect, indirect);
     SWAP(lc_lamp_error, lamp_error);
+    SWAP(lc_sky_error, sky_error);
     SWAP(lc_lamps, lamps);
     SWAP(lc_light_places, virtuals);
     SWAP(double, diag2);
@@ -120,6 +121,7 @@ static lc_status keep_made(lc_scene *s, const lc_lighting *kept)
     s->n_env_tried = kept->n_env_tried;
     s->n_emissive_tris = kept->n_emissive_tris;
     s->lamp_error = kept->lamp_error;
+    s->sky_error = kept->sky_error;
     s->lamps = kept->lamps;
     return st ? st : lc_scene_join_lights(s);
 }

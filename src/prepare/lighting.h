@@ -17,6 +17,7 @@ typedef struct lc_lighting {
     bool follows_smooth;
     lc_indirect indirect;
     lc_lamp_error lamp_error;
+    lc_sky_error sky_error;
     lc_lamps lamps;
     lc_light_places virtuals;
     struct lc_near_bounce *near_bounce;

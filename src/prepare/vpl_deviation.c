@@ -2,20 +2,16 @@
 #include "prepare/vpl_deviation.h"
 
 #include "base/arena.h"
-#include "base/fmath.h"
 #include "base/pool.h"
 #include "base/rng.h"
 #include "cut/cut.h"
 #include "scene/lit_point.h"
 #include "scene/near_bounce.h"
-#include "scene/view.h"
 #include "shade/point_init.h"
 #include "tree/light_tree.h"
 
 #include <string.h>
 
-#define SIDE LC_SIZE(16, 4)           /* blocks a side of the picture; see lc_view_side */
-#define BLOCK 8                       /* pixels a side of a block */
 #define MOST_USED LC_SIZE(32768, 64) /* virtual lights looked at */
 #define BATCH 64                      /* lights at a time */
 #define DRAWN LC_SIZE(64, 4)          /* paths drawn for shadow rays, for each of the three sums */
@@ -27,65 +23,31 @@
 
 /* ---- points ---- */
 
-/* Place k of LC_BLOCK_POINTS of a block of a picture of side * side of them: anywhere in one of its quarters,
- * since at the middle of all of them a row of blocks along an edge would miss it, or meet it all. index: of
- * the block among those of all pictures. */
-static void place_of(const lc_vpl_deviation *d, uint32_t side, uint32_t index, uint32_t k, double at[2])
-{
-    const lc_film_desc *film = &d->scene->film;
-    const double size[2] = { film->width, film->height };
-    const uint32_t block = index % (side * side), cell[2] = { block % side, block / side };
-    const uint32_t part[2] = { k % 2, k / 2 };
-    for (uint32_t c = 0; c < 2; c++) {
-        const double in_quarter = lc_unit(lc_hash4(d->seed, index, k, 8 + c)) - 0.5;
-        double middle = (cell[c] + 0.5) / side * size[c] + (part[c] - 0.5 + in_quarter) * (BLOCK / 2);
-        at[c] = fmin(fmax(middle, 0.5), size[c] - 0.5);
-    }
-}
-
 typedef struct finder {
     lc_vpl_deviation *d;
-    uint32_t max_depth;
     lc_cut *cuts; /* of threads */
     lc_stats *stats;
 } finder;
 
-static void find_point(finder *f, uint32_t thread, size_t i)
+static void find_direct(void *user, uint32_t thread, uint64_t item)
 {
+    finder *f = user;
     lc_vpl_deviation *d = f->d;
-    const lc_scene *s = d->scene;
-    const double lens[2] = { 0.5, 0.5 };
-    const uint32_t side = lc_view_side(s, SIDE), a_view = side * side;
-    double at[2];
-    lc_f3 dir;
-    lc_sight sight;
-    lc_point p[2];
-    lc_cut_result r;
-    const uint32_t block = (uint32_t)(i / LC_BLOCK_POINTS);
-    const lc_camera *camera = lc_view_camera(s, block / a_view);
-    const lc_sight_desc how = {
-        .pixel = camera->pixel, .max_depth = f->max_depth, .n_points = 1, .offset = 0.5
-    };
-    place_of(d, side, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
-    d->weight[i] = 0;
-    if (!lc_view_sight_by(s, camera, at[0], at[1], lens, &how, &dir, &sight) || !sight.n_lit) return;
-    const lc_lit *lit = &sight.lit[0];
-    lc_lit_point(s, lit, lc_hash2(d->seed, i), p);
-    lc_cut_shade(&f->cuts[thread], p, lit->surface.ray_org, lc_hash2(d->seed, i), &f->stats[thread], &r);
-    d->lit[i] = *lit;
-    d->weight[i] = lc_luminance(lit->weight) / LC_BLOCK_POINTS;
-    d->direct[block] += (double)(d->weight[i] * lc_luminance(r.radiance));
+    for (size_t i = item * LC_BLOCK_POINTS; i < (item + 1) * LC_BLOCK_POINTS; i++) {
+        lc_point p[2];
+        lc_cut_result r;
+        if (!(d->blocks.weight[i] > 0)) continue;
+        const lc_lit *lit = &d->blocks.lit[i];
+        const uint64_t hash = lc_hash2(d->blocks.seed, i);
+        lc_lit_point(d->blocks.scene, lit, hash, p);
+        lc_cut_shade(&f->cuts[thread], p, lit->surface.ray_org, hash, &f->stats[thread], &r);
+        d->direct[item] += (double)(d->blocks.weight[i] * lc_luminance(r.radiance));
+    }
 }
 
-static void find_block(void *user, uint32_t thread, uint64_t item)
-{
-    for (size_t k = 0; k < LC_BLOCK_POINTS; k++) find_point(user, thread, item * LC_BLOCK_POINTS + k);
-}
-
-/* Cuts for each thread, then the points. */
 static lc_status find_by_tree(finder *f, const lc_light_tree *tree)
 {
-    const lc_scene *s = f->d->scene;
+    const lc_scene *s = f->d->blocks.scene;
     const uint32_t n_threads = s->ctx->n_threads;
     const lc_cut_desc desc = { .error_ratio = DIRECT_ERROR, .max_cut = DIRECT_CUT };
     lc_status st = LC_OK;
@@ -94,7 +56,7 @@ static lc_status find_by_tree(finder *f, const lc_light_tree *tree)
     if (!f->cuts || !f->stats) st = LC_ERR_MEMORY;
     for (uint32_t t = 0; t < n_threads && !st; t++)
         st = lc_cut_init(&f->cuts[t], s->ctx, tree, &s->visibility, &desc, false);
-    if (!st) lc_parallel(s->ctx, f->d->n_blocks, find_block, f);
+    if (!st) lc_parallel(s->ctx, f->d->blocks.n, find_direct, f);
     for (uint32_t t = 0; t < n_threads && f->cuts; t++) lc_cut_free(&f->cuts[t]);
     lc_free(s->ctx, f->cuts, n_threads, sizeof *f->cuts);
     lc_free(s->ctx, f->stats, n_threads, sizeof *f->stats);
@@ -105,16 +67,14 @@ lc_status lc_vpl_deviation_init(lc_vpl_deviation *d, const lc_scene *scene, uint
                                 uint64_t seed)
 {
     const lc_context *ctx = scene->ctx;
-    const uint32_t side = lc_view_side(scene, SIDE), n_blocks = side * side * lc_view_count(scene);
-    const size_t n = (size_t)n_blocks * LC_BLOCK_POINTS;
-    finder f = { .d = d, .max_depth = max_depth };
+    finder f = { .d = d };
     lc_light_tree *tree = NULL;
-    *d = (lc_vpl_deviation){ .scene = scene, .seed = seed, .n_blocks = n_blocks };
-    d->points = lc_alloc_raw(ctx, n, sizeof *d->points);
-    d->lit = lc_alloc_raw(ctx, n, sizeof *d->lit);
-    d->weight = lc_alloc(ctx, n, sizeof *d->weight);
-    d->direct = lc_alloc(ctx, d->n_blocks, sizeof *d->direct);
-    if (!d->points || !d->lit || !d->weight || !d->direct) return LC_ERR_MEMORY;
+    *d = (lc_vpl_deviation){ .points = NULL };
+    lc_status st = lc_view_blocks_init(&d->blocks, scene, max_depth, seed);
+    if (st) return st;
+    d->points = lc_alloc_raw(ctx, (size_t)d->blocks.n * LC_BLOCK_POINTS, sizeof *d->points);
+    d->direct = lc_alloc(ctx, d->blocks.n, sizeof *d->direct);
+    if (!d->points || !d->direct) return LC_ERR_MEMORY;
     const lc_light_tree_desc desc = { .lights = scene->lights,
                                       .n_lights = scene->n_lights,
                                       .spot_maps = scene->spot_maps,
@@ -123,7 +83,7 @@ lc_status lc_vpl_deviation_init(lc_vpl_deviation *d, const lc_scene *scene, uint
                                       .seed = seed,
                                       .n_reps = 1,
                                       .builder = LC_BUILDER_PLOC };
-    lc_status st = lc_light_tree_build(ctx, &desc, &tree);
+    st = lc_light_tree_build(ctx, &desc, &tree);
     if (!st) st = find_by_tree(&f, tree);
     lc_light_tree_destroy(tree);
     return st;
@@ -131,12 +91,10 @@ lc_status lc_vpl_deviation_init(lc_vpl_deviation *d, const lc_scene *scene, uint
 
 void lc_vpl_deviation_free(lc_vpl_deviation *d)
 {
-    const lc_context *ctx = d->scene->ctx;
-    const size_t n = (size_t)d->n_blocks * LC_BLOCK_POINTS;
-    lc_free(ctx, d->points, n, sizeof *d->points);
-    lc_free(ctx, d->lit, n, sizeof *d->lit);
-    lc_free(ctx, d->weight, n, sizeof *d->weight);
-    lc_free(ctx, d->direct, d->n_blocks, sizeof *d->direct);
+    const lc_context *ctx = d->blocks.scene->ctx;
+    lc_free(ctx, d->points, (size_t)d->blocks.n * LC_BLOCK_POINTS, sizeof *d->points);
+    lc_free(ctx, d->direct, d->blocks.n, sizeof *d->direct);
+    lc_view_blocks_free(&d->blocks);
 }
 
 /* ---- contributions ---- */
@@ -176,8 +134,8 @@ static void at_point(const job *j, size_t point, uint32_t first, uint32_t n, flo
     float *const out[6] = { f[0], f[1], f[2], to[0], to[1], to[2] };
     const lc_point *p = &j->d->points[point];
     const float *r = j->in[0] + first, *g = j->in[1] + first, *b = j->in[2] + first;
-    const float weight = j->d->weight[point];
-    j->d->scene->ctx->shade_kernels->estimate(&j->data, first, NULL, n, LC_LIGHT_VIRTUAL, p, out);
+    const float weight = j->d->blocks.weight[point];
+    j->d->blocks.scene->ctx->shade_kernels->estimate(&j->data, first, NULL, n, LC_LIGHT_VIRTUAL, p, out);
     for (uint32_t i = 0; i < n; i++)
         f[0][i] = weight * lc_luminance(lc_f3_make(f[0][i] * r[i], f[1][i] * g[i], f[2][i] * b[i]));
     memcpy(value, f[0], n * sizeof *value);
@@ -187,7 +145,7 @@ static void at_point(const job *j, size_t point, uint32_t first, uint32_t n, flo
 static void add_point(const job *j, size_t point, float *sums)
 {
     float value[BATCH], to[3][BATCH];
-    if (!(j->d->weight[point] > 0)) return;
+    if (!(j->d->blocks.weight[point] > 0)) return;
     for (uint32_t first = 0, n; first < j->n_lights; first += n) {
         n = (uint32_t)(j->n_lights - first < BATCH ? j->n_lights - first : BATCH);
         at_point(j, point, first, n, value, to);
@@ -212,10 +170,10 @@ static void add_near_part(void *user, uint32_t light, lc_f3 to)
 /* What rays gather of the lights within the reach of a point: shadows are in it. */
 static void add_near(const job *j, size_t point, float *sums)
 {
-    near_sums n = { .j = j, .weight = j->d->weight[point], .sums = sums };
-    const lc_near_parts parts = { .scene = j->d->scene, .path = j->path_of_all, .add = add_near_part,
+    near_sums n = { .j = j, .weight = j->d->blocks.weight[point], .sums = sums };
+    const lc_near_parts parts = { .scene = j->d->blocks.scene, .path = j->path_of_all, .add = add_near_part,
                                   .user = &n };
-    if (n.weight > 0) lc_near_bounce_parts(&parts, &j->d->lit[point], &j->d->points[point], NEAR_RAYS);
+    if (n.weight > 0) lc_near_bounce_parts(&parts, &j->d->blocks.lit[point], &j->d->points[point], NEAR_RAYS);
 }
 
 /* What a path contributes to a block, shadows included. gathered: of that, what rays gather. */
@@ -228,10 +186,10 @@ static double with_shadows(const job *j, uint64_t block, uint32_t path, double g
     const uint32_t first = j->first[path], n = j->first[path + 1] - first;
     double sum = gathered;
     for (size_t p = block * LC_BLOCK_POINTS; p < (block + 1) * LC_BLOCK_POINTS; p++) {
-        if (!(j->d->weight[p] > 0)) continue;
+        if (!(j->d->blocks.weight[p] > 0)) continue;
         at_point(j, p, first, n, value, to);
-        const bool dims = lc_cut_hidden(&j->d->scene->visibility, &j->d->points[p],
-                                        j->d->lit[p].surface.ray_org, n, target, false, hidden, NULL,
+        const bool dims = lc_cut_hidden(&j->d->blocks.scene->visibility, &j->d->points[p],
+                                        j->d->blocks.lit[p].surface.ray_org, n, target, false, hidden, NULL,
                                         through);
         for (uint32_t i = 0; i < n; i++) {
             if (hidden[i]) continue;
@@ -252,7 +210,7 @@ static double sum_with_shadows(const job *j, uint64_t block, const float *values
     double sum = 0, before = 0, left = 0;
     for (uint32_t i = 0; i < j->n_paths; i++) sum += power((double)values[i], exponent);
     if (!(sum > 0)) return 0;
-    const double jitter = lc_unit(lc_hash4(j->d->seed, block, (uint64_t)exponent, 6 + j->unclamped));
+    const double jitter = lc_unit(lc_hash4(j->d->blocks.seed, block, (uint64_t)exponent, 6 + j->unclamped));
     for (uint32_t i = 0, k = 0; i < j->n_paths && k < DRAWN; i++) {
         const double weight = power((double)values[i], exponent);
         uint32_t times = 0;
@@ -283,34 +241,9 @@ static void find_sums(void *user, uint32_t thread, uint64_t item)
 
 /* ---- percentiles ---- */
 
-/* P(|x| < t) for a normal x of deviation 1; error below 3e-7 ([Abramowitz64] 7.1.26). */
-static double within(double t)
-{
-    static const double a[5] = { 0.254829592, -0.284496736, 1.421413741, -1.453152027, 1.061405429 };
-    const double x = t * sqrt(0.5), k = 1 / (1 + 0.3275911 * x);
-    double sum = 0;
-    for (int i = 4; i >= 0; i--) sum = (sum + a[i]) * k;
-    return 1 - sum * lc_exp_neg(-x * x);
-}
-
-/* The value below which this share of |x_i| lies, for normal x_i of the given deviations. */
-static double percentile(const double *deviation, uint32_t n, double share)
-{
-    double lo = 0, hi = 0;
-    for (uint32_t i = 0; i < n; i++) hi = fmax(hi, 8 * deviation[i]);
-    for (int step = 0; step < 60; step++) {
-        const double middle = lo + (hi - lo) / 2;
-        double sum = 0;
-        for (uint32_t i = 0; i < n; i++) sum += deviation[i] > 0 ? within(middle / deviation[i]) : 1;
-        if (sum < share * n) lo = middle;
-        else hi = middle;
-    }
-    return hi;
-}
-
 static void find_percentiles(job *j, double used, double n_paths, lc_indirect *out)
 {
-    const uint32_t n = j->d->n_blocks;
+    const uint32_t n = j->d->blocks.n;
     double *off = j->square, total = 0;
     uint32_t n_seen = 0;
     for (uint32_t i = 0; i < n; i++) total += j->mean[i] + j->d->direct[i];
@@ -320,16 +253,16 @@ static void find_percentiles(job *j, double used, double n_paths, lc_indirect *o
         if (!(j->mean[i] + j->d->direct[i] > 0)) continue;
         off[n_seen++] = sqrt(variance) / light;
     }
-    out->median = n_seen ? percentile(off, n_seen, 0.5) : 0;
-    out->high = n_seen ? percentile(off, n_seen, 0.95) : 0;
+    out->median = n_seen ? lc_normal_percentile(off, n_seen, 0.5) : 0;
+    out->high = n_seen ? lc_normal_percentile(off, n_seen, 0.95) : 0;
 }
 
 static void find_loss(job *j, lc_indirect *out)
 {
     double mean = 0, lost = 0;
     j->unclamped = true;
-    lc_parallel(j->d->scene->ctx, j->d->n_blocks, find_sums, j);
-    for (uint32_t i = 0; i < j->d->n_blocks; i++) {
+    lc_parallel(j->d->blocks.scene->ctx, j->d->blocks.n, find_sums, j);
+    for (uint32_t i = 0; i < j->d->blocks.n; i++) {
         mean += j->mean[i];
         lost += j->lost[i];
     }
@@ -342,8 +275,9 @@ static void find_loss(job *j, lc_indirect *out)
 static void see_virtuals(void *user, uint32_t thread, uint64_t item)
 {
     lc_vpl_deviation *d = user;
+    const lc_view_blocks *b = &d->blocks;
     (void)thread;
-    if (d->weight[item] > 0) lc_lit_point_of_virtual(d->scene, &d->lit[item], &d->points[item]);
+    if (b->weight[item] > 0) lc_lit_point_of_virtual(b->scene, &b->lit[item], &d->points[item]);
 }
 
 /* The lights as kernels read them, and where paths begin. */
@@ -364,7 +298,7 @@ static void load(job *j, const lc_light *lights, const uint32_t *path, double ea
 
 static lc_status make_scratch(job *j)
 {
-    const lc_context *ctx = j->d->scene->ctx;
+    const lc_context *ctx = j->d->blocks.scene->ctx;
     j->scratch = lc_alloc(ctx, ctx->n_threads, sizeof *j->scratch);
     for (uint32_t t = 0; t < ctx->n_threads && j->scratch; t++)
         if (!(j->scratch[t] = lc_alloc_raw(ctx, 2 * j->n_paths, sizeof **j->scratch))) return LC_ERR_MEMORY;
@@ -373,7 +307,7 @@ static lc_status make_scratch(job *j)
 
 static void free_job(job *j, size_t n)
 {
-    const lc_context *ctx = j->d->scene->ctx;
+    const lc_context *ctx = j->d->blocks.scene->ctx;
     for (uint32_t t = 0; t < ctx->n_threads && j->scratch; t++)
         lc_free(ctx, j->scratch[t], 2 * j->n_paths, sizeof **j->scratch);
     lc_free(ctx, j->scratch, ctx->n_threads, sizeof *j->scratch);
@@ -382,13 +316,13 @@ static void free_job(job *j, size_t n)
     lc_free(ctx, j->in[0], 4 * n, sizeof *j->in[0]);
     lc_free(ctx, j->path, n, sizeof *j->path);
     lc_free(ctx, j->first, n + 1, sizeof *j->first);
-    lc_free(ctx, j->mean, 3 * (size_t)j->d->n_blocks, sizeof *j->mean);
+    lc_free(ctx, j->mean, 3 * (size_t)j->d->blocks.n, sizeof *j->mean);
 }
 
 lc_status lc_vpl_deviation_find(lc_vpl_deviation *d, const lc_light *lights, const uint32_t *path,
                                 size_t n, uint64_t n_paths, double enough, lc_indirect *out)
 {
-    const lc_context *ctx = d->scene->ctx;
+    const lc_context *ctx = d->blocks.scene->ctx;
     job j = { .d = d, .n_lights = n, .path_of_all = path };
     double used = (double)n_paths;
     if (!n) return LC_OK;
@@ -402,21 +336,21 @@ lc_status lc_vpl_deviation_find(lc_vpl_deviation *d, const lc_light *lights, con
     j.in[0] = lc_alloc_raw(ctx, 4 * n_used, sizeof *j.in[0]);
     j.path = lc_alloc_raw(ctx, n_used, sizeof *j.path);
     j.first = lc_alloc_raw(ctx, n_used + 1, sizeof *j.first);
-    j.mean = lc_alloc(ctx, 3 * (size_t)d->n_blocks, sizeof *j.mean);
+    j.mean = lc_alloc(ctx, 3 * (size_t)d->blocks.n, sizeof *j.mean);
     const bool made = j.data.lights && j.data.light_atten && j.in[0] && j.path && j.first && j.mean;
     lc_status st = made ? LC_OK : LC_ERR_MEMORY;
     if (made) {
         j.in[1] = j.in[0] + n_used;
         j.in[2] = j.in[1] + n_used;
         j.radius2 = j.in[2] + n_used;
-        j.square = j.mean + d->n_blocks;
-        j.lost = j.square + d->n_blocks;
+        j.square = j.mean + d->blocks.n;
+        j.lost = j.square + d->blocks.n;
         load(&j, lights, path, 1 / used);
         st = make_scratch(&j);
     }
     if (!st) {
-        lc_parallel(ctx, (uint64_t)d->n_blocks * LC_BLOCK_POINTS, see_virtuals, d);
-        lc_parallel(ctx, d->n_blocks, find_sums, &j);
+        lc_parallel(ctx, (uint64_t)d->blocks.n * LC_BLOCK_POINTS, see_virtuals, d);
+        lc_parallel(ctx, d->blocks.n, find_sums, &j);
         find_percentiles(&j, used, (double)n_paths, out);
         if (lc_indirect_deviation(out) <= enough) find_loss(&j, out);
     }

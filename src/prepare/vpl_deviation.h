@@ -2,23 +2,16 @@
 #ifndef LC_VPL_DEVIATION_H
 #define LC_VPL_DEVIATION_H
 
-#include "scene/sight.h"
+#include "prepare/view_blocks.h"
 #include "shade/tree_data.h"
 
-#define LC_BLOCK_POINTS 4 /* pixels of a block that are looked at */
-
 typedef struct lc_vpl_deviation {
-    const lc_scene *scene;
-    uint64_t seed;
-    uint32_t n_blocks;
-    lc_lit *lit;      /* n_blocks * LC_BLOCK_POINTS */
+    lc_view_blocks blocks;
     lc_point *points; /* of these, as the latest virtual lights see them */
-    float *weight;    /* luminance of the picture for theirs, over LC_BLOCK_POINTS; 0: nothing to light */
-    double *direct;   /* n_blocks: luminance by the lights that the scene has already */
+    double *direct;   /* of blocks: luminance by the lights that the scene has already */
 } lc_vpl_deviation;
 
-/* Finds points in blocks of 8x8 pixels that are spread over the whole film, and their light by all lights of
- * the scene. LC_ERR_MEMORY, after which it must be freed, too. */
+/* Finds the points of blocks, and their light by all lights of the scene. LC_ERR_MEMORY, after which it must be freed, too. */
 lc_status lc_vpl_deviation_init(lc_vpl_deviation *d, const lc_scene *scene, uint32_t max_depth,
                                 uint64_t seed);
 void lc_vpl_deviation_free(lc_vpl_deviation *d);

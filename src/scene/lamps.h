@@ -37,4 +37,11 @@ typedef struct lc_lamp_error {
     double median, high; /* half, and 95 %, of the points are off by less */
 } lc_lamp_error;
 
+/* The same of blocks of 8x8 pixels, relative to the light that they get from environment maps, because discs
+ * stand for parts of these. */
+typedef struct lc_sky_error {
+    uint32_t n_blocks;   /* 0: nothing is known */
+    double median, high;
+} lc_sky_error;
+
 #endif

@@ -123,6 +123,7 @@ struct lc_scene {
     bool follows_smooth; /* lobes narrower than LC_SMOOTH_ROUGHNESS are followed as mirrors */
     lc_indirect indirect;
     lc_lamp_error lamp_error;
+    lc_sky_error sky_error;
     lc_lamps lamps;
     lc_light_places virtuals; /* of the virtual lights */
     struct lc_near_bounce *near_bounce; /* what they stand for near a point; NULL: there are none */
