@@ -501,6 +501,11 @@ void cli_deviations_json(FILE *f, const lc_scene_info *i)
             i->indirect_median, i->indirect_high);
     if (i->lamps_high >= 0)
         fprintf(f, "  \"lamps\": {\"median\": %.6g, \"high\": %.6g},\n", i->lamps_median, i->lamps_high);
+    if (i->sky_high >= 0)
+        fprintf(f,
+                "  \"sky\": {\"median\": %.6g, \"high\": %.6g, \"grain_median\": %.6g, "
+                "\"grain_high\": %.6g},\n",
+                i->sky_median, i->sky_high, i->sky_grain_median, i->sky_grain_high);
 }
 
 void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json)

@@ -53,8 +53,9 @@ static void scene_text(const lc_scene *scene, const lc_scene_info *i)
         printf("infinite lights      %llu, made into %llu of the sky, where %llu that were tried matter\n",
                (ull)i->n_env_maps, (ull)i->n_env_lights, (ull)i->n_env_tried);
     if (i->sky_high >= 0)
-        printf("                     +-%.2g %% a block, 95 %% of the blocks within %.2g %%\n",
-               100 * i->sky_median, 100 * i->sky_high);
+        printf("                     +-%.2g %% a block, 95 %% of the blocks within %.2g %%; a pixel of one\n"
+               "                     sample +-%.2g %% beside that, 95 %% of them within %.2g %%\n",
+               100 * i->sky_median, 100 * i->sky_high, 100 * i->sky_grain_median, 100 * i->sky_grain_high);
     if (i->n_textures) {
         printf("textures             %llu: ", (ull)i->n_textures);
         texture_classes(scene, false);
@@ -162,8 +163,8 @@ static range range_of(const float *plane, size_t n)
 }
 
 /* What a picture says of its own error, in one sentence; nothing where no error of pixels was asked. Virtual
- * lights are a sample of the bounced light, and lights a sample of the lamps, so what 95 % of the blocks, and
- * of the points, are off by on that account is added. */
+ * lights are a sample of the bounced light, and lights a sample of the lamps and of the sky, so what 95 % of
+ * the blocks, points and pixels are off by on that account is added. */
 static void print_statement(const lc_image *image)
 {
     const double error = lc_image_get_number(image, "lightcuts/error", 0),
@@ -171,7 +172,9 @@ static void print_statement(const lc_image *image)
                  share = lc_image_get_number(image, "lightcuts/achieved", 0),
                  margin = lc_image_get_number(image, "lightcuts/achievedMargin", 0),
                  indirect = lc_image_get_number(image, "lightcuts/indirectHigh", 0),
-                 lamps = lc_image_get_number(image, "lightcuts/lampsHigh", -1);
+                 lamps = lc_image_get_number(image, "lightcuts/lampsHigh", -1),
+                 sky = lc_image_get_number(image, "lightcuts/skyHigh", 0),
+                 grain = lc_image_get_number(image, "lightcuts/skyGrain", 0);
     const bool all = lc_image_get_number(image, "lightcuts/everyLight", 0) > 0;
     if (!(error > 0)) return;
     if (!all && !(lc_image_get_number(image, "lightcuts/pilots", 0) > 0)) {
@@ -182,8 +185,9 @@ static void print_statement(const lc_image *image)
     else
         printf("error                %.1f %% +- %.1f %% of the pixels are within %.3g %% of the "
                "converged picture (cuts %.3g %%",
-               share, margin, 100 * (error + fmax(lamps, 0) + indirect), 100 * error);
+               share, margin, 100 * (error + fmax(lamps, 0) + sky + grain + indirect), 100 * error);
     if (lamps >= 0) printf(", lamps %.2g %%", 100 * lamps);
+    if (sky > 0 || grain > 0) printf(", sky %.2g %% and %.2g %% of grain", 100 * sky, 100 * grain);
     if (indirect > 0) printf(", indirect light %.2g %%", 100 * indirect);
     if (lamps < 0 && lc_image_get_number(image, "lightcuts/areaLights", 0) > 0)
         printf(", lamps: 'lightcuts converge' measures them");

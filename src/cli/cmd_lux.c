@@ -404,6 +404,8 @@ static void print_summary(const result *r)
                 (double)c->achieved, (double)c->margin, 100 * (double)c->error, c->n_pilots);
     if (r->info->lamps_median >= 0)
         fprintf(stderr, "; lamps as points: %.2g %% in half of them", 100 * r->info->lamps_median);
+    if (r->info->sky_median >= 0)
+        fprintf(stderr, "; sky as discs: %.2g %%", 100 * r->info->sky_median);
     if (r->info->n_indirect_lights)
         fprintf(stderr, "; indirect light: %.2g %%", 100 * r->info->indirect_median);
     fprintf(stderr, "\n");

@@ -43,6 +43,9 @@ static void calibration_json(FILE *f, const lc_calibration *c, const lc_scene_in
             fmin(share + margin, 1), c->n_pilots, (double)c->z, (double)c->median);
     if (i->lamps_median >= 0) fprintf(f, "%.6g", i->lamps_median);
     else fprintf(f, "null");
+    fprintf(f, ", \"sky\": ");
+    if (i->sky_median >= 0) fprintf(f, "%.6g", i->sky_median);
+    else fprintf(f, "null");
     fprintf(f, ", \"indirect\": %.6g},\n", i->indirect_median);
     fprintf(f,
             "  \"asked\": {\"error\": %.6g, \"within\": %.6g, \"z\": %.9g, \"pilots\": %u, "
@@ -77,8 +80,10 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
         fprintf(f, "environment      %llu lights of the sky, where %llu that were tried matter\n",
                 (ull)i->n_env_lights, (ull)i->n_env_tried);
     if (i->sky_high >= 0)
-        fprintf(f, "                 +-%.2g %% a block, 95 %% of the blocks within %.2g %%\n",
-                100 * i->sky_median, 100 * i->sky_high);
+        fprintf(f,
+                "                 +-%.2g %% a block, 95 %% of the blocks within %.2g %%; a pixel of one\n"
+                "                 sample +-%.2g %% beside that, 95 %% of them within %.2g %%\n",
+                100 * i->sky_median, 100 * i->sky_high, 100 * i->sky_grain_median, 100 * i->sky_grain_high);
     fprintf(f,
             "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total "
             "%.3f\n",

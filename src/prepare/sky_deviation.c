@@ -2,9 +2,13 @@
  *
  * Of a block, disc i is off by d_i: the mean over the block's points and the disc's directions of what arrives,
  * less the same over directions of its part of the map. Edges of what hides the sky cross few of the parts, each
- * in its own way, so the d_i are taken as independent, and the block is off by the root of sum d_i^2. Of the
- * discs some are drawn by what they shed without shadows, and a few rays tell which are hidden in part; of the
- * others d_i is taken as 0. What the directions that are tried of a part are off by counts, too: a tenth.
+ * in its own way, so the d_i are independent, and the block is off by the root of sum d_i^2. In the same way the
+ * grain of a pixel follows from the variance of each disc over its directions; measured with all discs at once:
+ * tests/results/virtual-lights.md.
+ *
+ * Of the discs some are drawn by what they shed without shadows. A ray from each point tells which are hidden in
+ * part; these are compared, and stand for those that looked whole though they are not: a disc of which a share v
+ * is seen looks so with v^4 + (1 - v)^4. What the directions that are tried of a part are off by counts, too.
  */
 #include "prepare/sky_deviation.h"
 
@@ -19,8 +23,9 @@
 #include <math.h>
 #include <string.h>
 
-#define DRAWN  LC_SIZE(128, 4) /* discs of a block */
-#define FEW    4   /* of a disc's directions, at a point, that tell whether it is hidden in part */
+#define SIDE   LC_SIZE(8, 4)  /* blocks a side of the picture */
+#define DRAWN  LC_SIZE(1024, 16) /* discs of a block */
+#define LEAST_FOUND 0.1  /* chance of a disc to look hidden in part */
 #define MOST   (2 * LC_TARGET_POINTS) /* rays of a point together */
 #define BATCH  64             /* lights at a time */
 #define STEP   11             /* between turns: one that goes round the disc */
@@ -29,11 +34,12 @@
 lc_status lc_sky_deviation_init(lc_sky_deviation *d, const lc_scene *scene, uint32_t max_depth, uint64_t seed)
 {
     *d = (lc_sky_deviation){ .light = NULL };
-    const lc_status st = lc_view_blocks_init(&d->blocks, scene, max_depth, seed);
+    const lc_status st = lc_view_blocks_init(&d->blocks, scene, SIDE, max_depth, seed);
     if (st) return st;
     d->light = lc_alloc(scene->ctx, d->blocks.n, sizeof *d->light);
     d->variance = lc_alloc(scene->ctx, d->blocks.n, sizeof *d->variance);
-    return d->light && d->variance ? LC_OK : LC_ERR_MEMORY;
+    d->grain = lc_alloc(scene->ctx, d->blocks.n, sizeof *d->grain);
+    return d->light && d->variance && d->grain ? LC_OK : LC_ERR_MEMORY;
 }
 
 void lc_sky_deviation_free(lc_sky_deviation *d)
@@ -41,6 +47,7 @@ void lc_sky_deviation_free(lc_sky_deviation *d)
     if (!d->blocks.scene) return;
     lc_free(d->blocks.scene->ctx, d->light, d->blocks.n, sizeof *d->light);
     lc_free(d->blocks.scene->ctx, d->variance, d->blocks.n, sizeof *d->variance);
+    lc_free(d->blocks.scene->ctx, d->grain, d->blocks.n, sizeof *d->grain);
     lc_view_blocks_free(&d->blocks);
 }
 
@@ -48,7 +55,7 @@ typedef struct job {
     lc_sky_deviation *d;
     const lc_sky_parts *parts;
     lc_tree_data data; /* the lights alone, as if of one tree */
-    float **shed;      /* of threads: of each light, luminance at a block without shadows */
+    float **shed; /* of threads: of each disc, luminance at a block without shadows */
 } job;
 
 /* ---- rays ---- */
@@ -60,6 +67,7 @@ typedef struct {
     uint32_t turn;
 } beam;
 
+/* i: 0 .. LC_TARGET_POINTS - 1, each of another direction. */
 static beam beam_of_disc(const job *j, uint64_t block, uint32_t light, uint32_t i)
 {
     const uint32_t turn = (uint32_t)(lc_hash4(j->d->blocks.seed, block, light, 9) >> 59);
@@ -117,35 +125,35 @@ static uint32_t trace(const job *j, uint64_t block, uint32_t light, uint32_t k, 
     return n_hidden;
 }
 
-/* Of a disc at a block: its luminance, and d_i^2. */
+/* Of a disc at a block: its luminance, d_i^2, and the variance of a pixel's luminance by its directions. */
 typedef struct {
-    double light, square;
+    double light, square, grain;
 } effect;
 
-/* By few rays; true: it is hidden in part. */
-static bool is_in_part(const job *j, uint64_t block, uint32_t light, lc_point p[][2], effect *out)
+/* Sets its light by a ray from each point. True: it looks hidden in part. */
+static bool looks_partial(const job *j, uint64_t block, uint32_t light, lc_point p[][2], effect *out)
 {
     uint32_t n_hidden = 0, n = 0;
-    beam b[FEW];
-    double arrives[FEW];
-    *out = (effect){ 0, 0 };
+    double arrives;
+    *out = (effect){ .light = 0 };
     for (uint32_t k = 0; k < LC_BLOCK_POINTS; k++) {
         if (!(j->d->blocks.weight[block * LC_BLOCK_POINTS + k] > 0)) continue;
-        for (uint32_t i = 0; i < FEW; i++) b[i] = beam_of_disc(j, block, light, k * FEW + i);
-        n_hidden += trace(j, block, light, k, p[k], b, FEW, arrives);
-        n += FEW;
-        for (uint32_t i = 0; i < FEW; i++) out->light += arrives[i] / FEW;
+        const beam b = beam_of_disc(j, block, light, k);
+        n_hidden += trace(j, block, light, k, p[k], &b, 1, &arrives);
+        n++;
+        out->light += arrives;
     }
     return n_hidden && n_hidden < n;
 }
 
-/* By all directions of the disc at each point, and as many of its part. */
-static effect compare(const job *j, uint64_t block, uint32_t light, lc_point p[][2])
+/* Sets the rest by all directions of the disc at each point, and as many of its part. */
+static void compare(const job *j, uint64_t block, uint32_t light, lc_point p[][2], effect *out)
 {
     const uint32_t n = LC_TARGET_POINTS;
     beam b[MOST];
-    double arrives[MOST], disc = 0, part = 0;
+    double arrives[MOST], off = 0, n_points = 0, seen = 0;
     for (uint32_t k = 0; k < LC_BLOCK_POINTS; k++) {
+        double mean = 0, squares = 0;
         if (!(j->d->blocks.weight[block * LC_BLOCK_POINTS + k] > 0)) continue;
         for (uint32_t i = 0; i < n; i++) {
             b[i] = beam_of_disc(j, block, light, i);
@@ -153,11 +161,19 @@ static effect compare(const job *j, uint64_t block, uint32_t light, lc_point p[]
         }
         trace(j, block, light, k, p[k], b, 2 * n, arrives);
         for (uint32_t i = 0; i < n; i++) {
-            disc += arrives[i] / n;
-            part += arrives[n + i] / n;
+            mean += arrives[i] / n;
+            squares += arrives[i] * arrives[i] / n;
+            off -= arrives[n + i] / n;
+            seen += arrives[i] > 0 ? 1.0 / n : 0;
         }
+        n_points++;
+        off += mean;
+        out->grain += (squares - mean * mean) * LC_BLOCK_POINTS; /* a point is so much of a block's light */
     }
-    return (effect){ part, (part - disc) * (part - disc) };
+    const double v = seen / n_points,
+                 found = fmax(1 - pow(v, n_points) - pow(1 - v, n_points), LEAST_FOUND);
+    out->square = off * off / found;
+    out->grain /= found;
 }
 
 /* ---- blocks ---- */
@@ -186,7 +202,7 @@ static void add_block(void *user, uint32_t thread, uint64_t item)
     const size_t first = item * LC_BLOCK_POINTS;
     lc_point p[LC_BLOCK_POINTS][2];
     float *shed = j->shed[thread];
-    double all = 0, before = 0, light = 0, variance = 0;
+    double all = 0, before = 0, light = 0, variance = 0, grain = 0;
     memset(shed, 0, j->parts->n * sizeof *shed);
     for (size_t k = 0; k < LC_BLOCK_POINTS; k++) {
         if (!(blocks->weight[first + k] > 0)) continue;
@@ -197,17 +213,19 @@ static void add_block(void *user, uint32_t thread, uint64_t item)
     if (!(all > 0)) return;
     const double jitter = lc_unit(lc_hash4(blocks->seed, item, j->parts->n, 12));
     for (uint32_t i = 0, drawn = 0; i < j->parts->n && drawn < DRAWN; i++) {
+        effect e;
         uint32_t times = 0;
         before += (double)shed[i];
         for (; drawn < DRAWN && (drawn + jitter) / DRAWN * all < before; drawn++) times++;
         if (!times) continue;
-        effect of_disc;
-        if (is_in_part(j, item, i, p, &of_disc)) of_disc = compare(j, item, i, p);
-        light += times * of_disc.light / (double)shed[i];
-        variance += times * of_disc.square / (double)shed[i];
+        if (looks_partial(j, item, i, p, &e)) compare(j, item, i, p, &e);
+        light += times * e.light / (double)shed[i];
+        variance += times * e.square / (double)shed[i];
+        grain += times * e.grain / (double)shed[i];
     }
     j->d->light[item] += all * light / DRAWN;
     j->d->variance[item] += all * variance / DRAWN;
+    j->d->grain[item] += all * grain / DRAWN;
 }
 
 lc_status lc_sky_deviation_add(lc_sky_deviation *d, const lc_sky_parts *parts)
@@ -229,16 +247,23 @@ lc_status lc_sky_deviation_add(lc_sky_deviation *d, const lc_sky_parts *parts)
     return st;
 }
 
-void lc_sky_deviation_find(lc_sky_deviation *d, lc_sky_error *out)
+/* Sets a median and 95th percentile of deviations relative to the light of blocks, by their variances. */
+static void find_percentiles(const lc_sky_deviation *d, double *variance, double *median, double *high)
 {
-    double total = 0, *off = d->variance;
+    double total = 0;
     uint32_t n = 0;
     for (uint32_t i = 0; i < d->blocks.n; i++) total += d->light[i];
     for (uint32_t i = 0; i < d->blocks.n; i++)
         if (d->light[i] > 0)
-            off[n++] = sqrt(fmax(d->variance[i], 0)) / fmax(d->light[i], DARK * total / d->blocks.n);
-    *out = (lc_sky_error){ .n_blocks = n };
-    if (!n) return;
-    out->median = lc_normal_percentile(off, n, 0.5);
-    out->high = lc_normal_percentile(off, n, 0.95);
+            variance[n++] = sqrt(fmax(variance[i], 0)) / fmax(d->light[i], DARK * total / d->blocks.n);
+    *median = n ? lc_normal_percentile(variance, n, 0.5) : 0;
+    *high = n ? lc_normal_percentile(variance, n, 0.95) : 0;
+}
+
+void lc_sky_deviation_find(lc_sky_deviation *d, lc_sky_error *out)
+{
+    *out = (lc_sky_error){ .n_blocks = 0 };
+    for (uint32_t i = 0; i < d->blocks.n; i++) out->n_blocks += d->light[i] > 0;
+    find_percentiles(d, d->variance, &out->median, &out->high);
+    find_percentiles(d, d->grain, &out->grain_median, &out->grain_high);
 }

@@ -8,7 +8,9 @@
 
 typedef struct lc_sky_deviation {
     lc_view_blocks blocks;
-    double *light, *variance; /* of blocks, by the maps so far: luminance, and the variance of its error */
+    /* Of blocks, by the maps so far: luminance, the variance of its error, and that of a pixel of one sample by
+     * the choice of directions. */
+    double *light, *variance, *grain;
 } lc_sky_deviation;
 
 /* A map's lights, and the directions of the parts of the map that they stand for. */
@@ -26,7 +28,7 @@ lc_status lc_sky_deviation_init(lc_sky_deviation *d, const lc_scene *scene, uint
 void lc_sky_deviation_free(lc_sky_deviation *d);
 /* Adds a map. LC_ERR_MEMORY. */
 lc_status lc_sky_deviation_add(lc_sky_deviation *d, const lc_sky_parts *parts);
-/* Sets the figures, of the blocks that get light. */
+/* Sets the figures, of the blocks that get light; variances are no more after it. */
 void lc_sky_deviation_find(lc_sky_deviation *d, lc_sky_error *out);
 
 #endif

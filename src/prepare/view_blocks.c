@@ -9,17 +9,16 @@
 
 #include <math.h>
 
-#define SIDE LC_SIZE(16, 4) /* blocks a side of the picture; see lc_view_side */
-#define BLOCK 8             /* pixels a side of a block */
+#define BLOCK 8 /* pixels a side of a block */
 
-/* Place k of LC_BLOCK_POINTS of a block of a picture of side * side of them: anywhere in one of its quarters,
+/* Place k of LC_BLOCK_POINTS of a block: anywhere in one of its quarters,
  * since at the middle of all of them a row of blocks along an edge would miss it, or meet it all. index: of
  * the block among those of all pictures. */
-static void place_of(const lc_view_blocks *b, uint32_t side, uint32_t index, uint32_t k, double at[2])
+static void place_of(const lc_view_blocks *b, uint32_t index, uint32_t k, double at[2])
 {
     const lc_film_desc *film = &b->scene->film;
     const double size[2] = { film->width, film->height };
-    const uint32_t block = index % (side * side), cell[2] = { block % side, block / side };
+    const uint32_t side = b->side, block = index % (side * side), cell[2] = { block % side, block / side };
     const uint32_t part[2] = { k % 2, k / 2 };
     for (uint32_t c = 0; c < 2; c++) {
         const double in_quarter = lc_unit(lc_hash4(b->seed, index, k, 8 + c)) - 0.5;
@@ -32,15 +31,15 @@ static void find_point(lc_view_blocks *b, size_t i)
 {
     const lc_scene *s = b->scene;
     const double lens[2] = { 0.5, 0.5 };
-    const uint32_t side = lc_view_side(s, SIDE), block = (uint32_t)(i / LC_BLOCK_POINTS);
-    const lc_camera *camera = lc_view_camera(s, block / (side * side));
+    const uint32_t block = (uint32_t)(i / LC_BLOCK_POINTS);
+    const lc_camera *camera = lc_view_camera(s, block / (b->side * b->side));
     const lc_sight_desc how = {
         .pixel = camera->pixel, .max_depth = b->max_depth, .n_points = 1, .offset = 0.5
     };
     double at[2];
     lc_f3 dir;
     lc_sight sight;
-    place_of(b, side, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
+    place_of(b, block, (uint32_t)(i % LC_BLOCK_POINTS), at);
     b->weight[i] = 0;
     if (!lc_view_sight_by(s, camera, at[0], at[1], lens, &how, &dir, &sight) || !sight.n_lit) return;
     b->lit[i] = sight.lit[0];
@@ -53,11 +52,12 @@ static void find_block(void *user, uint32_t thread, uint64_t item)
     for (size_t k = 0; k < LC_BLOCK_POINTS; k++) find_point(user, item * LC_BLOCK_POINTS + k);
 }
 
-lc_status lc_view_blocks_init(lc_view_blocks *b, const lc_scene *scene, uint32_t max_depth, uint64_t seed)
+lc_status lc_view_blocks_init(lc_view_blocks *b, const lc_scene *scene, uint32_t side, uint32_t max_depth,
+                              uint64_t seed)
 {
-    const uint32_t side = lc_view_side(scene, SIDE);
-    *b = (lc_view_blocks){ .scene = scene, .seed = seed, .max_depth = max_depth,
-                           .n = side * side * lc_view_count(scene) };
+    *b = (lc_view_blocks){ .scene = scene, .seed = seed, .max_depth = max_depth };
+    b->side = lc_view_side(scene, side);
+    b->n = b->side * b->side * lc_view_count(scene);
     b->lit = lc_alloc_raw(scene->ctx, (size_t)b->n * LC_BLOCK_POINTS, sizeof *b->lit);
     b->weight = lc_alloc(scene->ctx, (size_t)b->n * LC_BLOCK_POINTS, sizeof *b->weight);
     if (!b->lit || !b->weight) return LC_ERR_MEMORY;

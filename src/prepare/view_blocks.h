@@ -11,13 +11,14 @@
 typedef struct lc_view_blocks {
     const lc_scene *scene;
     uint64_t seed;
-    uint32_t n, max_depth;
+    uint32_t side, n, max_depth; /* side: blocks of a row or column of a view */
     lc_lit *lit;   /* n * LC_BLOCK_POINTS: what is seen first that is lit */
     float *weight; /* luminance of the picture for theirs, over LC_BLOCK_POINTS; 0: nothing to light */
 } lc_view_blocks;
 
-/* Finds the points. max_depth: of camera rays. LC_ERR_MEMORY, after which it must be freed, too. */
-lc_status lc_view_blocks_init(lc_view_blocks *b, const lc_scene *scene, uint32_t max_depth, uint64_t seed);
+/* Finds the points of side * side blocks, or of lc_view_side(side)^2 for each of several views. max_depth: of camera rays. LC_ERR_MEMORY, after which it must be freed, too. */
+lc_status lc_view_blocks_init(lc_view_blocks *b, const lc_scene *scene, uint32_t side, uint32_t max_depth,
+                              uint64_t seed);
 void lc_view_blocks_free(lc_view_blocks *b);
 
 /* The value below which this share of |x_i| lies, for normal x_i of the given deviations, i < n. */

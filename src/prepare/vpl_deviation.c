@@ -12,6 +12,7 @@
 
 #include <string.h>
 
+#define SIDE LC_SIZE(16, 4)           /* blocks a side of the picture; see lc_view_side */
 #define MOST_USED LC_SIZE(32768, 64) /* virtual lights looked at */
 #define BATCH 64                      /* lights at a time */
 #define DRAWN LC_SIZE(64, 4)          /* paths drawn for shadow rays, for each of the three sums */
@@ -70,7 +71,7 @@ lc_status lc_vpl_deviation_init(lc_vpl_deviation *d, const lc_scene *scene, uint
     finder f = { .d = d };
     lc_light_tree *tree = NULL;
     *d = (lc_vpl_deviation){ .points = NULL };
-    lc_status st = lc_view_blocks_init(&d->blocks, scene, max_depth, seed);
+    lc_status st = lc_view_blocks_init(&d->blocks, scene, SIDE, max_depth, seed);
     if (st) return st;
     d->points = lc_alloc_raw(ctx, (size_t)d->blocks.n * LC_BLOCK_POINTS, sizeof *d->points);
     d->direct = lc_alloc(ctx, d->blocks.n, sizeof *d->direct);

@@ -72,7 +72,7 @@ void lc_job_join_stats(const lc_render_job *j, lc_render_stats *out)
 
 /* What the lights and their tree were made with: numbers that were asked for, or what was taken
  * in their place. */
-static lc_status set_load_attributes(lc_image *im, const lc_scene *scene)
+static lc_status set_load_attributes(lc_image *im, const lc_scene *scene, uint32_t spp)
 {
     static const char *const builder[] = { "auto", "exact", "ploc" };
     const lc_load_desc *l = &scene->load;
@@ -89,6 +89,10 @@ static lc_status set_load_attributes(lc_image *im, const lc_scene *scene)
     const lc_lamp_error *lamps = &scene->lamp_error;
     if (!st && lamps->n_points) st = lc_image_set_number(im, "lightcuts/lampsMedian", lamps->median);
     if (!st && lamps->n_points) st = lc_image_set_number(im, "lightcuts/lampsHigh", lamps->high);
+    const lc_sky_error *sky = &scene->sky_error;
+    if (!st && sky->n_blocks) st = lc_image_set_number(im, "lightcuts/skyMedian", sky->median);
+    if (!st && sky->n_blocks) st = lc_image_set_number(im, "lightcuts/skyHigh", sky->high);
+    if (!st && sky->n_blocks) st = lc_image_set_number(im, "lightcuts/skyGrain", sky->grain_high / sqrt(spp));
     return st;
 }
 
@@ -134,7 +138,7 @@ lc_status lc_job_set_attributes(const lc_render_job *j, const lc_render_stats *s
     if (!st) st = lc_image_set_text(im, "lightcuts/method", method[d->method]);
     if (!st) st = lc_image_set_text(im, "lightcuts/seed", seed);
     if (!st) st = lc_image_set_number(im, "lightcuts/maxDepth", j->how.max_depth);
-    if (!st) st = set_load_attributes(im, j->scene);
+    if (!st) st = set_load_attributes(im, j->scene, j->spp);
     if (!st) st = set_groups(im, &j->scene->groups);
     if (st || d->method == LC_METHOD_EXACT) return st;
     st = d->error > 0 ? set_error_attributes(im, d, stats)

@@ -42,6 +42,7 @@ typedef struct lc_lamp_error {
 typedef struct lc_sky_error {
     uint32_t n_blocks;   /* 0: nothing is known */
     double median, high;
+    double grain_median, grain_high; /* of pixels of one sample, as each disc is met in one direction */
 } lc_sky_error;
 
 #endif

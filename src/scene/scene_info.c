@@ -48,6 +48,8 @@ lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
         .lamps_high = s->lamp_error.n_points ? s->lamp_error.high : -1,
         .sky_median = s->sky_error.n_blocks ? s->sky_error.median : -1,
         .sky_high = s->sky_error.n_blocks ? s->sky_error.high : -1,
+        .sky_grain_median = s->sky_error.grain_median,
+        .sky_grain_high = s->sky_error.grain_high,
         .indirect_off = s->indirect.n_lights ? lc_indirect_deviation(&s->indirect) / s->load.indirect_error
                                              : 0,
         .n_instances = s->n_instances,
