@@ -2,9 +2,10 @@
  *
  * Of a block, disc i is off by d_i: the mean over the block's points and the disc's directions of what arrives,
  * less the same over directions of its part of the map. Edges of what hides the sky cross few of the parts, each
- * in its own way, so the d_i are independent, and the block is off by the root of sum d_i^2. In the same way the
- * grain of a pixel follows from the variance of each disc over its directions; measured with all discs at once:
- * tests/results/virtual-lights.md.
+ * in its own way, so the block is off by the root of f sum d_i^2, where f is 1 if the d_i are independent, and
+ * more along an edge of the world that is one of the map: 1 + sum d_i d_j / sum d_i^2, i != j, by all blocks
+ * together. In the same way the grain of a pixel follows from the variance of each disc over its directions.
+ * Measured with all discs at once: tests/results/virtual-lights.md.
  *
  * Of the discs some are drawn by what they shed without shadows. A ray from each point tells which are hidden in
  * part; these are compared, and stand for those that looked whole though they are not: a disc of which a share v
@@ -39,7 +40,8 @@ lc_status lc_sky_deviation_init(lc_sky_deviation *d, const lc_scene *scene, uint
     d->light = lc_alloc(scene->ctx, d->blocks.n, sizeof *d->light);
     d->variance = lc_alloc(scene->ctx, d->blocks.n, sizeof *d->variance);
     d->grain = lc_alloc(scene->ctx, d->blocks.n, sizeof *d->grain);
-    return d->light && d->variance && d->grain ? LC_OK : LC_ERR_MEMORY;
+    d->cross = lc_alloc(scene->ctx, d->blocks.n, sizeof *d->cross);
+    return d->light && d->variance && d->grain && d->cross ? LC_OK : LC_ERR_MEMORY;
 }
 
 void lc_sky_deviation_free(lc_sky_deviation *d)
@@ -48,6 +50,7 @@ void lc_sky_deviation_free(lc_sky_deviation *d)
     lc_free(d->blocks.scene->ctx, d->light, d->blocks.n, sizeof *d->light);
     lc_free(d->blocks.scene->ctx, d->variance, d->blocks.n, sizeof *d->variance);
     lc_free(d->blocks.scene->ctx, d->grain, d->blocks.n, sizeof *d->grain);
+    lc_free(d->blocks.scene->ctx, d->cross, d->blocks.n, sizeof *d->cross);
     lc_view_blocks_free(&d->blocks);
 }
 
@@ -125,9 +128,10 @@ static uint32_t trace(const job *j, uint64_t block, uint32_t light, uint32_t k, 
     return n_hidden;
 }
 
-/* Of a disc at a block: its luminance, d_i^2, and the variance of a pixel's luminance by its directions. */
+/* Of a disc at a block: its luminance, d_i, and the variance of a pixel's luminance by its directions; the
+ * chance that these are found. */
 typedef struct {
-    double light, square, grain;
+    double light, off, grain, found;
 } effect;
 
 /* Sets its light by a ray from each point. True: it looks hidden in part. */
@@ -135,7 +139,7 @@ static bool looks_partial(const job *j, uint64_t block, uint32_t light, lc_point
 {
     uint32_t n_hidden = 0, n = 0;
     double arrives;
-    *out = (effect){ .light = 0 };
+    *out = (effect){ .found = 1 };
     for (uint32_t k = 0; k < LC_BLOCK_POINTS; k++) {
         if (!(j->d->blocks.weight[block * LC_BLOCK_POINTS + k] > 0)) continue;
         const beam b = beam_of_disc(j, block, light, k);
@@ -151,7 +155,7 @@ static void compare(const job *j, uint64_t block, uint32_t light, lc_point p[][2
 {
     const uint32_t n = LC_TARGET_POINTS;
     beam b[MOST];
-    double arrives[MOST], off = 0, n_points = 0, seen = 0;
+    double arrives[MOST], n_points = 0, seen = 0;
     for (uint32_t k = 0; k < LC_BLOCK_POINTS; k++) {
         double mean = 0, squares = 0;
         if (!(j->d->blocks.weight[block * LC_BLOCK_POINTS + k] > 0)) continue;
@@ -163,30 +167,29 @@ static void compare(const job *j, uint64_t block, uint32_t light, lc_point p[][2
         for (uint32_t i = 0; i < n; i++) {
             mean += arrives[i] / n;
             squares += arrives[i] * arrives[i] / n;
-            off -= arrives[n + i] / n;
+            out->off -= arrives[n + i] / n;
             seen += arrives[i] > 0 ? 1.0 / n : 0;
         }
         n_points++;
-        off += mean;
+        out->off += mean;
         out->grain += (squares - mean * mean) * LC_BLOCK_POINTS; /* a point is so much of a block's light */
     }
-    const double v = seen / n_points,
-                 found = fmax(1 - pow(v, n_points) - pow(1 - v, n_points), LEAST_FOUND);
-    out->square = off * off / found;
-    out->grain /= found;
+    const double v = seen / n_points;
+    out->found = fmax(1 - pow(v, n_points) - pow(1 - v, n_points), LEAST_FOUND);
 }
 
 /* ---- blocks ---- */
 
-/* What all lights shed on a point without shadows. */
-static void add_shed(const job *j, const lc_point *p, float weight, float *shed)
+/* What all lights shed on a point without shadows, from one direction each. */
+static void add_shed(const job *j, const lc_point *p, uint32_t turn, float weight, float *shed)
 {
-    const lc_point *q = lc_point_for(p, LC_LIGHT_SKY);
+    lc_point q = *lc_point_for(p, LC_LIGHT_SKY);
     _Alignas(64) float f[6][BATCH];
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
+    q.turn = turn;
     for (uint32_t first = 0, n; first < j->parts->n; first += n) {
         n = j->parts->n - first < BATCH ? j->parts->n - first : BATCH;
-        j->d->blocks.scene->ctx->shade_kernels->estimate(&j->data, first, NULL, n, LC_LIGHT_SKY, q, out);
+        j->d->blocks.scene->ctx->shade_kernels->estimate(&j->data, first, NULL, n, LC_LIGHT_SKY, &q, out);
         for (uint32_t i = 0; i < n; i++) {
             const lc_f3 to = lc_f3_mul(lc_f3_make(f[0][i], f[1][i], f[2][i]),
                                        j->parts->lights[first + i].intensity);
@@ -202,12 +205,12 @@ static void add_block(void *user, uint32_t thread, uint64_t item)
     const size_t first = item * LC_BLOCK_POINTS;
     lc_point p[LC_BLOCK_POINTS][2];
     float *shed = j->shed[thread];
-    double all = 0, before = 0, light = 0, variance = 0, grain = 0;
+    double all = 0, before = 0, sum = 0;
     memset(shed, 0, j->parts->n * sizeof *shed);
     for (size_t k = 0; k < LC_BLOCK_POINTS; k++) {
         if (!(blocks->weight[first + k] > 0)) continue;
         lc_lit_point(blocks->scene, &blocks->lit[first + k], 0, p[k]);
-        add_shed(j, p[k], blocks->weight[first + k], shed);
+        add_shed(j, p[k], (uint32_t)k * STEP, blocks->weight[first + k], shed);
     }
     for (uint32_t i = 0; i < j->parts->n; i++) all += (double)shed[i];
     if (!(all > 0)) return;
@@ -219,13 +222,14 @@ static void add_block(void *user, uint32_t thread, uint64_t item)
         for (; drawn < DRAWN && (drawn + jitter) / DRAWN * all < before; drawn++) times++;
         if (!times) continue;
         if (looks_partial(j, item, i, p, &e)) compare(j, item, i, p, &e);
-        light += times * e.light / (double)shed[i];
-        variance += times * e.square / (double)shed[i];
-        grain += times * e.grain / (double)shed[i];
+        const double stands_for = times * all / ((double)shed[i] * DRAWN), of_off = stands_for / e.found;
+        j->d->light[item] += stands_for * e.light;
+        j->d->variance[item] += of_off * e.off * e.off;
+        j->d->grain[item] += of_off * e.grain;
+        j->d->cross[item] -= of_off * e.off * of_off * e.off;
+        sum += of_off * e.off;
     }
-    j->d->light[item] += all * light / DRAWN;
-    j->d->variance[item] += all * variance / DRAWN;
-    j->d->grain[item] += all * grain / DRAWN;
+    j->d->cross[item] += sum * sum;
 }
 
 lc_status lc_sky_deviation_add(lc_sky_deviation *d, const lc_sky_parts *parts)
@@ -260,10 +264,26 @@ static void find_percentiles(const lc_sky_deviation *d, double *variance, double
     *high = n ? lc_normal_percentile(variance, n, 0.95) : 0;
 }
 
+/* The f of the head. */
+static double factor(const lc_sky_deviation *d)
+{
+    double sum = 0;
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < d->blocks.n; i++) {
+        if (!(d->variance[i] > 0)) continue;
+        sum += d->cross[i] / d->variance[i];
+        n++;
+    }
+    return n ? fmax(1 + sum / n, 1) : 1;
+}
+
 void lc_sky_deviation_find(lc_sky_deviation *d, lc_sky_error *out)
 {
+    const double off = sqrt(factor(d));
     *out = (lc_sky_error){ .n_blocks = 0 };
     for (uint32_t i = 0; i < d->blocks.n; i++) out->n_blocks += d->light[i] > 0;
     find_percentiles(d, d->variance, &out->median, &out->high);
     find_percentiles(d, d->grain, &out->grain_median, &out->grain_high);
+    out->median *= off;
+    out->high *= off;
 }

@@ -8,9 +8,9 @@
 
 typedef struct lc_sky_deviation {
     lc_view_blocks blocks;
-    /* Of blocks, by the maps so far: luminance, the variance of its error, and that of a pixel of one sample by
-     * the choice of directions. */
-    double *light, *variance, *grain;
+    /* Of blocks, by the maps so far: luminance, the variance of its error if discs' errors are independent, and
+     * what their products add; the variance of a pixel of one sample by the choice of directions. */
+    double *light, *variance, *cross, *grain;
 } lc_sky_deviation;
 
 /* A map's lights, and the directions of the parts of the map that they stand for. */
