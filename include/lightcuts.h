@@ -329,10 +329,10 @@ typedef struct lc_scene_info {
     uint32_t n_sequences;    /* of those, pictures that are sequences, by the number of a frame */
     uint32_t n_moving;       /* instances that move while the shutter is open */
     int camera_moves;        /* nonzero: so does the camera */
-    /* Half, and 95 %, of the picture's blocks of 8x8 pixels are within this share of the light that they would
-     * get from environment maps if discs of the sky were made without end; -1: not known. Beside that, pixels
-     * of one sample, which meets each disc in one direction, are off by the other two: grain, which falls
-     * with the root of the number of samples. */
+    /* Half, and 95 %, of the picture's blocks of 8x8 pixels are within this share of the light that they
+     * would get from environment maps if discs of the sky were made without end; -1: not known. Beside that,
+     * pixels of one sample, which meets each disc in one direction, are off by the other two: grain, which
+     * falls with the root of the number of samples. */
     double sky_median, sky_high, sky_grain_median, sky_grain_high;
 } lc_scene_info;
 #define LC_SCENE_INFO_INIT                                                                                   \

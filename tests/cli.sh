@@ -121,6 +121,17 @@ good 'info of round shapes' info round.pbrt
 prints 'approximated or ignored: 1 kind$'
 prints "^ *2  shape sphere .*shape 'sphere': made of triangles, 128 around"
 { film 8 8 ''; world | grep -v Shape; echo 'LightSource "infinite"'; } >sky.pbrt
+{
+    film 64 64 ''
+    world
+    echo 'LightSource "infinite" Translate 0 0 5 Shape "disk" "float radius" 50 Translate 0 0 -2 Shape "sphere" "float radius" 1'
+} >undersky.pbrt
+good 'a sky of few lights' undersky.pbrt -o a.exr --env-lights 2 --spp 1
+says 'warning: light of the sky is off by [0-9.]* % in half of the blocks'
+check 'its deviation is in the picture' grep -aq lightcuts/skyHigh a.exr
+good 'a sky of 5,000 lights' undersky.pbrt -o a.exr --spp 1 --stats
+says '[+]-[0-9.e-]* % a block, 95 % of the blocks within [0-9.e-]* %; a pixel of one'
+check 'no warning of it' test -z "$(grep 'light of the sky is off' err)"
 name='only a sky' && run sky.pbrt -o a.exr
 says 'will show its infinite light only'
 
@@ -614,7 +625,7 @@ asked() # name args...: 95 of 100 pixels within 2 %, as is said
 }
 asked --error 0.02
 check 'the error in the statistics' grep -Eq '"error": \{"asked": 0.02, "within": 0.95, "achieved": [01][0-9.]*, ' asked.json
-check 'and that of its parts' grep -Eq ', "cuts": [0-9.e-]*, "lamps": null, "indirect": 0\}' asked.json
+check 'and that of its parts' grep -Eq ', "cuts": [0-9.e-]*, "lamps": null, "indirect": 0, "sky": null\}' asked.json
 cp asked.exr first.exr
 asked --calibration asked.cal
 check 'what is asked by default' cmp asked.exr first.exr
@@ -647,7 +658,7 @@ check 'explain: a sentence first' test -n "$(sed -n '1{/groups stand for [0-9]* 
     '[-1 -1 -2 1 -1 -2 0 1 -2] "integer indices" [0 1 2] AttributeEnd'; } >panel.pbrt
 good 'a lamp' -q panel.pbrt -o panel.exr --method cuts --stats-file panel.json
 check 'how far its lights are off' grep -Eq '"lamps": \{"median": [0-9.e-]*, "high": [0-9.e-]*\},' panel.json
-check 'and beside the cuts' grep -Eq '"cuts": [0-9.e-]*, "lamps": [0-9.e-]*, "indirect": 0\}' panel.json
+check 'and beside the cuts' grep -Eq '"cuts": [0-9.e-]*, "lamps": [0-9.e-]*, "indirect": 0, "sky": null\}' panel.json
 run info panel.exr
 check 'and in the picture' grep -Eq '^error .*\(cuts 2 %, lamps [0-9.e-]* %\)$' out
 good 'so many lights for it' -q panel.pbrt -o panel.exr --method cuts --area-lights 30

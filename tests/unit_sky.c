@@ -147,13 +147,10 @@ TEST(directions_fill_discs)
     "\"integer indices\" [0 2 1 0 3 2] Shape \"trianglemesh\" \"point3 P\" "                               \
     "[0 -1 -9999 0 4 -9999 0 4 9999 0 -1 9999] \"integer indices\" [0 2 1 0 3 2]"
 
-/* A floor beside a long wall, x = 0 to y = 4, that hides angles up to a from an even sky of radiance 1: the
- * floor gets pi (1 + cos a) / 2. Every light has an edge of its shadow there; by lights of one direction
- * each, blocks of pixels are off by up to 0.63 %, 0.24 % rms. */
+/* It hides angles up to a from an even sky of radiance 1: the floor gets pi (1 + cos a) / 2. */
 #define FILM 96
 
-/* What a pixel of FLOOR_BY_A_WALL is off by, relative to what the sky sheds there: irradiance (1 + sin) / 2 of
- * the open one, of the angle at which the wall's top is seen. */
+/* The radiance of a pixel of FLOOR_BY_A_WALL: half of what is seen of the sky, (1 + cos a) / 2. */
 static double want_of(uint32_t px)
 {
     const double x = 0.5 + (px + 0.5) / 12;
@@ -170,7 +167,8 @@ static void wall_errors(const lc_load_desc *l, double pixels[FILM * FILM], doubl
     for (uint32_t b = 0; image && b < FILM * FILM / 64; b++) {
         double got = 0, want = 0;
         for (uint32_t i = 0; i < 64; i++) {
-            const uint32_t px = 8 * (b % (FILM / 8)) + i % 8, at = (8 * (b / (FILM / 8)) + i / 8) * FILM + px;
+            const uint32_t px = 8 * (b % (FILM / 8)) + i % 8,
+                       at = (8 * (b / (FILM / 8)) + i / 8) * FILM + px;
             const double y = (double)lc_image_channel(image, "G")[at];
             pixels[at] = fabs(y / want_of(px) - 1);
             want += want_of(px);
@@ -181,6 +179,8 @@ static void wall_errors(const lc_load_desc *l, double pixels[FILM * FILM], doubl
     lc_image_destroy(image);
 }
 
+/* Every light has an edge of its shadow there; by lights of one direction each, blocks of pixels are off by up
+ * to 0.63 %, 0.24 % rms. */
 TEST(shadows_of_the_sky_have_no_bands)
 {
     static double pixels[FILM * FILM], blocks[FILM * FILM / 64];

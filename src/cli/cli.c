@@ -492,22 +492,6 @@ int cli_write_file(const char *path, void (*fn)(FILE *f, void *user), void *user
     return st ? CLI_FAILED : 0;
 }
 
-void cli_deviations_json(FILE *f, const lc_scene_info *i)
-{
-    fprintf(f,
-            "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g, \"median\": %.6g, "
-            "\"high\": %.6g},\n",
-            (unsigned long long)i->n_indirect_lights, (unsigned long long)i->n_light_paths, i->indirect_loss,
-            i->indirect_median, i->indirect_high);
-    if (i->lamps_high >= 0)
-        fprintf(f, "  \"lamps\": {\"median\": %.6g, \"high\": %.6g},\n", i->lamps_median, i->lamps_high);
-    if (i->sky_high >= 0)
-        fprintf(f,
-                "  \"sky\": {\"median\": %.6g, \"high\": %.6g, \"grain_median\": %.6g, "
-                "\"grain_high\": %.6g},\n",
-                i->sky_median, i->sky_high, i->sky_grain_median, i->sky_grain_high);
-}
-
 void cli_light_kinds(FILE *f, const lc_scene_info *info, bool json)
 {
     for (uint32_t k = 0; k < lc_light_kind_count(); k++) {

@@ -32,6 +32,22 @@ static void print_calibration(FILE *f, const lc_calibration *c)
             (double)c->z, (ull)c->rays);
 }
 
+void cli_deviations_json(FILE *f, const lc_scene_info *i)
+{
+    fprintf(f,
+            "  \"indirect\": {\"lights\": %llu, \"paths\": %llu, \"clamp_loss\": %.6g, \"median\": %.6g, "
+            "\"high\": %.6g},\n",
+            (unsigned long long)i->n_indirect_lights, (unsigned long long)i->n_light_paths, i->indirect_loss,
+            i->indirect_median, i->indirect_high);
+    if (i->lamps_high >= 0)
+        fprintf(f, "  \"lamps\": {\"median\": %.6g, \"high\": %.6g},\n", i->lamps_median, i->lamps_high);
+    if (i->sky_high >= 0)
+        fprintf(f,
+                "  \"sky\": {\"median\": %.6g, \"high\": %.6g, \"grain_median\": %.6g, "
+                "\"grain_high\": %.6g},\n",
+                i->sky_median, i->sky_high, i->sky_grain_median, i->sky_grain_high);
+}
+
 /* "error": the parts' own estimates of what half of the pixels, blocks or points are off by. */
 static void calibration_json(FILE *f, const lc_calibration *c, const lc_scene_info *i)
 {
@@ -43,15 +59,32 @@ static void calibration_json(FILE *f, const lc_calibration *c, const lc_scene_in
             fmin(share + margin, 1), c->n_pilots, (double)c->z, (double)c->median);
     if (i->lamps_median >= 0) fprintf(f, "%.6g", i->lamps_median);
     else fprintf(f, "null");
-    fprintf(f, ", \"sky\": ");
-    if (i->sky_median >= 0) fprintf(f, "%.6g", i->sky_median);
-    else fprintf(f, "null");
-    fprintf(f, ", \"indirect\": %.6g},\n", i->indirect_median);
+    fprintf(f, ", \"indirect\": %.6g, \"sky\": ", i->indirect_median);
+    if (i->sky_median >= 0) fprintf(f, "%.6g},\n", i->sky_median);
+    else fprintf(f, "null},\n");
     fprintf(f,
             "  \"asked\": {\"error\": %.6g, \"within\": %.6g, \"z\": %.9g, \"pilots\": %u, "
             "\"achieved\": %.6g, \"margin\": %.6g, \"rays\": %llu},\n",
             (double)c->error, (double)c->within, (double)c->z, c->n_pilots,
             c->n_pilots ? (double)c->achieved : 100, (double)c->margin, (ull)c->rays);
+}
+
+static void print_deviations(FILE *f, const lc_scene_info *i)
+{
+    if (i->n_light_paths)
+        fprintf(f,
+                "indirect light   %llu virtual lights along %llu paths, +-%.2g %% a block, 95 %% of the\n"
+                "                 blocks within %.2g %%; %.2g of it lost to clamping\n",
+                (ull)i->n_indirect_lights, (ull)i->n_light_paths, 100 * i->indirect_median,
+                100 * i->indirect_high, i->indirect_loss);
+    if (i->n_env_maps)
+        fprintf(f, "environment      %llu lights of the sky, where %llu that were tried matter\n",
+                (ull)i->n_env_lights, (ull)i->n_env_tried);
+    if (i->sky_high >= 0)
+        fprintf(f,
+                "                 +-%.2g %% a block, 95 %% of the blocks within %.2g %%; a pixel of one\n"
+                "                 sample +-%.2g %% beside that, 95 %% of them within %.2g %%\n",
+                100 * i->sky_median, 100 * i->sky_high, 100 * i->sky_grain_median, 100 * i->sky_grain_high);
 }
 
 void cli_print_stats(FILE *f, const cli_render_report *r)
@@ -70,20 +103,7 @@ void cli_print_stats(FILE *f, const cli_render_report *r)
     cli_light_kinds(f, i, false);
     fprintf(f, "\n");
     cli_print_groups(f, r->loaded, "light group      ");
-    if (i->n_light_paths)
-        fprintf(f,
-                "indirect light   %llu virtual lights along %llu paths, +-%.2g %% a block, 95 %% of the\n"
-                "                 blocks within %.2g %%; %.2g of it lost to clamping\n",
-                (ull)i->n_indirect_lights, (ull)i->n_light_paths, 100 * i->indirect_median,
-                100 * i->indirect_high, i->indirect_loss);
-    if (i->n_env_maps)
-        fprintf(f, "environment      %llu lights of the sky, where %llu that were tried matter\n",
-                (ull)i->n_env_lights, (ull)i->n_env_tried);
-    if (i->sky_high >= 0)
-        fprintf(f,
-                "                 +-%.2g %% a block, 95 %% of the blocks within %.2g %%; a pixel of one\n"
-                "                 sample +-%.2g %% beside that, 95 %% of them within %.2g %%\n",
-                100 * i->sky_median, 100 * i->sky_high, 100 * i->sky_grain_median, 100 * i->sky_grain_high);
+    print_deviations(f, i);
     fprintf(f,
             "seconds          parse %.3f, bvh %.3f, lights %.3f, tree %.3f, render %.3f, write %.3f, total "
             "%.3f\n",

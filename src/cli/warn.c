@@ -5,6 +5,7 @@
 
 #define WARN_LOSS 0.02 /* share of the indirect light; interiors lose 0.0002 to 0.004 */
 #define WARN_OFF  2   /* times the error of indirect light that was asked for */
+#define WARN_SKY  0.1 /* what 5 % of the blocks are off by; rooms lit through windows are by 0.04 */
 
 void cli_warn_of_scene(const lc_load_desc *load, const lc_scene_info *info)
 {
@@ -19,6 +20,11 @@ void cli_warn_of_scene(const lc_load_desc *load, const lc_scene_info *info)
                 "lightcuts: warning: clamping takes %.0f %% of the indirect light, with more "
                 "--indirect-lights less\n",
                 100 * info->indirect_loss);
+    if (info->sky_high > WARN_SKY)
+        fprintf(stderr,
+                "lightcuts: warning: light of the sky is off by %.2g %% in half of the blocks, by %.2g %% and "
+                "more in 5 %% of them: more --env-lights help\n",
+                100 * info->sky_median, 100 * info->sky_high);
     if (!info->n_lights)
         fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
     if (!info->n_triangles)

@@ -1,15 +1,16 @@
 /* sky_deviation.c - see sky_deviation.h.
  *
- * Of a block, disc i is off by d_i: the mean over the block's points and the disc's directions of what arrives,
- * less the same over directions of its part of the map. Edges of what hides the sky cross few of the parts, each
- * in its own way, so the block is off by the root of f sum d_i^2, where f is 1 if the d_i are independent, and
- * more along an edge of the world that is one of the map: 1 + sum d_i d_j / sum d_i^2, i != j, by all blocks
- * together. In the same way the grain of a pixel follows from the variance of each disc over its directions.
- * Measured with all discs at once: tests/results/virtual-lights.md.
+ * Of a block, disc i is off by d_i: the mean over the block's points and the disc's directions of what
+ * arrives, less the same over directions of its part of the map. Edges of what hides the sky cross few of the
+ * parts, each in its own way, so the block is off by the root of f sum d_i^2, where f is 1 if the d_i are
+ * independent, and more along an edge of the world that is one of the map: 1 + sum d_i d_j / sum d_i^2,
+ * i != j, by all blocks together. In the same way the grain of a pixel follows from the variance of each disc
+ * over its directions. Measured with all discs at once: tests/results/virtual-lights.md.
  *
- * Of the discs some are drawn by what they shed without shadows. A ray from each point tells which are hidden in
- * part; these are compared, and stand for those that looked whole though they are not: a disc of which a share v
- * is seen looks so with v^4 + (1 - v)^4. What the directions that are tried of a part are off by counts, too.
+ * Of the discs some are drawn by what they shed without shadows. A ray from each point tells which are hidden
+ * in part; these are compared, and stand for those that looked whole though they are not: a disc of which a
+ * share v is seen looks so with v^4 + (1 - v)^4. What the directions that are tried of a part are off by
+ * counts, too.
  */
 #include "prepare/sky_deviation.h"
 

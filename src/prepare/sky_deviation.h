@@ -1,5 +1,5 @@
-/* sky_deviation.h - how far blocks of the picture are off because a disc stands for each part of an environment
- * map, relative to the light that they get from all maps.
+/* sky_deviation.h - how far blocks of the picture are off because a disc stands for each part of an
+ * environment map, relative to the light that they get from all maps.
  */
 #ifndef LC_SKY_DEVIATION_H
 #define LC_SKY_DEVIATION_H
@@ -8,8 +8,8 @@
 
 typedef struct lc_sky_deviation {
     lc_view_blocks blocks;
-    /* Of blocks, by the maps so far: luminance, the variance of its error if discs' errors are independent, and
-     * what their products add; the variance of a pixel of one sample by the choice of directions. */
+    /* Of blocks, by the maps so far: luminance, the variance of its error if discs' errors are independent,
+     * and what their products add; the variance of a pixel of one sample by the choice of directions. */
     double *light, *variance, *cross, *grain;
 } lc_sky_deviation;
 
@@ -24,7 +24,8 @@ typedef struct lc_sky_parts {
 } lc_sky_parts;
 
 /* Finds points of the picture; LC_ERR_MEMORY, after which it must be freed, too. */
-lc_status lc_sky_deviation_init(lc_sky_deviation *d, const lc_scene *scene, uint32_t max_depth, uint64_t seed);
+lc_status lc_sky_deviation_init(lc_sky_deviation *d, const lc_scene *scene, uint32_t max_depth,
+                                uint64_t seed);
 void lc_sky_deviation_free(lc_sky_deviation *d);
 /* Adds a map. LC_ERR_MEMORY. */
 lc_status lc_sky_deviation_add(lc_sky_deviation *d, const lc_sky_parts *parts);

@@ -16,7 +16,8 @@ typedef struct lc_view_blocks {
     float *weight; /* luminance of the picture for theirs, over LC_BLOCK_POINTS; 0: nothing to light */
 } lc_view_blocks;
 
-/* Finds the points of side * side blocks, or of lc_view_side(side)^2 for each of several views. max_depth: of camera rays. LC_ERR_MEMORY, after which it must be freed, too. */
+/* Finds the points of side * side blocks, or of lc_view_side(side)^2 for each of several views. max_depth: of
+ * camera rays. LC_ERR_MEMORY, after which it must be freed, too. */
 lc_status lc_view_blocks_init(lc_view_blocks *b, const lc_scene *scene, uint32_t side, uint32_t max_depth,
                               uint64_t seed);
 void lc_view_blocks_free(lc_view_blocks *b);

@@ -11,7 +11,8 @@ typedef struct lc_vpl_deviation {
     double *direct;   /* of blocks: luminance by the lights that the scene has already */
 } lc_vpl_deviation;
 
-/* Finds the points of blocks, and their light by all lights of the scene. LC_ERR_MEMORY, after which it must be freed, too. */
+/* Finds the points of blocks, and their light by all lights of the scene. LC_ERR_MEMORY, after which it must
+ * be freed, too. */
 lc_status lc_vpl_deviation_init(lc_vpl_deviation *d, const lc_scene *scene, uint32_t max_depth,
                                 uint64_t seed);
 void lc_vpl_deviation_free(lc_vpl_deviation *d);

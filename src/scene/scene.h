@@ -1,8 +1,7 @@
 /* scene.h - the scene builder that build/ calls, and the committed scene that rendering reads.
  *
  * The room scene/ holds what a scene is made of and what a ray meets in it: in go meshes, materials,
- * textures, lights, environment maps, a camera and a film; out come surface points with evaluated materials
- * (surface.h, sight.h) and camera rays (camera.h).
+ * textures, lights, maps, a camera and a film; out come camera rays and surface points (surface.h, sight.h).
  *
  *     lc_scene_create -> add_material, add_mesh, add_light, add_camera ... -> prepare/commit.h -> rendering
  *

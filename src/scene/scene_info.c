@@ -26,6 +26,18 @@ static void count(const lc_scene *s, lc_scene_info *info)
         info->n_mirrors += s->materials[i].mirror || s->materials[i].glass;
 }
 
+static void set_environment(const lc_scene *s, lc_scene_info *info)
+{
+    const lc_sky_error *e = &s->sky_error;
+    info->n_env_maps = s->n_envs;
+    info->n_env_lights = s->n_env_lights;
+    info->n_env_tried = s->n_env_tried;
+    info->sky_median = e->n_blocks ? e->median : -1;
+    info->sky_high = e->n_blocks ? e->high : -1;
+    info->sky_grain_median = e->grain_median;
+    info->sky_grain_high = e->grain_high;
+}
+
 lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
 {
     static const lc_light_tree none;
@@ -46,18 +58,11 @@ lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
         .indirect_high = s->indirect.high,
         .lamps_median = s->lamp_error.n_points ? s->lamp_error.median : -1,
         .lamps_high = s->lamp_error.n_points ? s->lamp_error.high : -1,
-        .sky_median = s->sky_error.n_blocks ? s->sky_error.median : -1,
-        .sky_high = s->sky_error.n_blocks ? s->sky_error.high : -1,
-        .sky_grain_median = s->sky_error.grain_median,
-        .sky_grain_high = s->sky_error.grain_high,
         .indirect_off = s->indirect.n_lights ? lc_indirect_deviation(&s->indirect) / s->load.indirect_error
                                              : 0,
         .n_instances = s->n_instances,
         .n_instanced_triangles = lc_instanced_tris(s),
         .n_alpha_meshes = s->n_alphas,
-        .n_env_maps = s->n_envs,
-        .n_env_lights = s->n_env_lights,
-        .n_env_tried = s->n_env_tried,
         .max_depth = s->max_depth,
         .n_textures = s->textures.n,
         .n_images = s->textures.n_images,
@@ -86,6 +91,7 @@ lc_status lc_scene_get_info(const lc_scene *s, lc_scene_info *out)
         .camera_moves = s->camera_desc.moves,
     }, *info = &full;
     count(s, info);
+    set_environment(s, info);
     for (int k = 0; k < LC_LIGHT_KINDS; k++) info->n_of_kind[k] = t->n_of_kind[k];
     lc_f3_store(info->bounds_lo, s->bounds.lo);
     lc_f3_store(info->bounds_hi, s->bounds.hi);
