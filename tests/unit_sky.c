@@ -179,8 +179,8 @@ static void wall_errors(const lc_load_desc *l, double pixels[FILM * FILM], doubl
     lc_image_destroy(image);
 }
 
-/* Every light has an edge of its shadow there; by lights of one direction each, blocks of pixels are off by up
- * to 0.63 %, 0.24 % rms. */
+/* Every light has an edge of its shadow there; by lights of one direction each, blocks of pixels are off by
+ * up to 0.63 %, 0.24 % rms. */
 TEST(shadows_of_the_sky_have_no_bands)
 {
     static double pixels[FILM * FILM], blocks[FILM * FILM / 64];

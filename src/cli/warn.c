@@ -22,8 +22,8 @@ void cli_warn_of_scene(const lc_load_desc *load, const lc_scene_info *info)
                 100 * info->indirect_loss);
     if (info->sky_high > WARN_SKY)
         fprintf(stderr,
-                "lightcuts: warning: light of the sky is off by %.2g %% in half of the blocks, by %.2g %% and "
-                "more in 5 %% of them: more --env-lights help\n",
+                "lightcuts: warning: light of the sky is off by %.2g %% in half of the blocks, by %.2g %% "
+                "and more in 5 %% of them: more --env-lights help\n",
                 100 * info->sky_median, 100 * info->sky_high);
     if (!info->n_lights)
         fprintf(stderr, "lightcuts: warning: the scene has no lights, the picture will be black\n");
