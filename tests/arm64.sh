@@ -21,7 +21,7 @@ left_out='unit_faults unit_kill unit_farm'
 slow='unit_light_tree unit_env unit_indirect unit_explain unit_occlusion unit_ploc unit_mirror unit_watertight unit_radiometry check_bounds'
 slow="$slow unit_shaft check_shaft check_gather unit_update unit_filter unit_glass_shadow unit_lamps unit_narrow"
 slow="$slow unit_asked unit_worst_first unit_evidence unit_frames unit_groups unit_interval unit_interpolate"
-slow="$slow unit_agglomerate unit_environment"
+slow="$slow unit_agglomerate unit_environment unit_motion"
 [ -z "${LC_TEST_ALL:-}" ] || slow=
 list=
 for program in "$bin"/tests/unit_golden "$bin"/tests/unit_* "$bin"/tests/check_*; do
