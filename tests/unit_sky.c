@@ -139,6 +139,8 @@ TEST(directions_fill_discs)
     }
 }
 
+/* A floor beside a long wall, x = 0 to y = 4, that hides angles up to a from an even sky of radiance 1: the
+ * floor gets pi (1 + cos a) / 2. */
 #define FLOOR_BY_A_WALL                                                                                      \
     "Film \"rgb\" \"integer xresolution\" 96 \"integer yresolution\" 96 LookAt 4.5 20 0  4.5 0 0  0 0 1 "    \
     "Camera \"orthographic\" \"float screenwindow\" [-4 4 -4 4] PixelFilter \"box\" "                        \
@@ -147,7 +149,6 @@ TEST(directions_fill_discs)
     "\"integer indices\" [0 2 1 0 3 2] Shape \"trianglemesh\" \"point3 P\" "                               \
     "[0 -1 -9999 0 4 -9999 0 4 9999 0 -1 9999] \"integer indices\" [0 2 1 0 3 2]"
 
-/* It hides angles up to a from an even sky of radiance 1: the floor gets pi (1 + cos a) / 2. */
 #define FILM 96
 
 /* The radiance of a pixel of FLOOR_BY_A_WALL: half of what is seen of the sky, (1 + cos a) / 2. */

@@ -25,13 +25,13 @@
 #include <math.h>
 #include <string.h>
 
-#define SIDE   LC_SIZE(8, 4)  /* blocks a side of the picture */
-#define DRAWN  LC_SIZE(1024, 16) /* discs of a block */
-#define LEAST_FOUND 0.1  /* chance of a disc to look hidden in part */
-#define MOST   (2 * LC_TARGET_POINTS) /* rays of a point together */
-#define BATCH  64             /* lights at a time */
-#define STEP   11             /* between turns: one that goes round the disc */
-#define DARK   0.02           /* of the mean: the least luminance that a deviation is taken of */
+#define SIDE        LC_SIZE(8, 4)          /* blocks a side of the picture */
+#define DRAWN       LC_SIZE(1024, 16)      /* discs of a block */
+#define LEAST_FOUND 0.1                    /* chance of a disc to look hidden in part; chosen */
+#define MOST        (2 * LC_TARGET_POINTS) /* rays of a point together */
+#define BATCH       64                     /* lights at a time */
+#define STEP        11                     /* between turns: one that goes round the disc */
+#define DARK        0.02 /* of the mean: the least luminance that a deviation is taken of */
 
 lc_status lc_sky_deviation_init(lc_sky_deviation *d, const lc_scene *scene, uint32_t max_depth, uint64_t seed)
 {
