@@ -26,7 +26,6 @@
 #define MAX_POINTS 256.0
 #define PARTS      4    /* of a patch; points of a sphere */
 #define FLOOR      0.02 /* of the mean: what errors are relative to at least */
-#define BALL_STEP  11   /* between turns: one that goes round the disc, which 8, say, does not */
 #define BATCH      64   /* rays */
 #define MOST_ALL   LC_SIZE(1 << 18, 1 << 8) /* patches of which all are looked at; beyond them, about a ... */
 #define FEWER      4                        /* ... of as many, to have set up a million in seconds */
@@ -107,7 +106,7 @@ static void add_ball(rays *r, const lc_light *ball, uint32_t turn)
     for (uint32_t i = 0; i < PARTS; i++) {
         lc_point p = *r->p;
         float to[3];
-        p.turn = turn + i * BALL_STEP;
+        p.turn = turn + i * LC_TARGET_STEP;
         lc_ball_target(&rec, &p, to);
         add(r, lc_f3_load(to), i ? 0 : f, f / PARTS);
     }

@@ -30,7 +30,6 @@
 #define LEAST_FOUND 0.1                    /* chance of a disc to look hidden in part; chosen */
 #define MOST        (2 * LC_TARGET_POINTS) /* rays of a point together */
 #define BATCH       64                     /* lights at a time */
-#define STEP        11                     /* between turns: one that goes round the disc */
 #define DARK        0.02 /* of the mean: the least luminance that a deviation is taken of */
 
 lc_status lc_sky_deviation_init(lc_sky_deviation *d, const lc_scene *scene, uint32_t max_depth, uint64_t seed)
@@ -75,7 +74,7 @@ typedef struct {
 static beam beam_of_disc(const job *j, uint64_t block, uint32_t light, uint32_t i)
 {
     const uint32_t turn = (uint32_t)(lc_hash4(j->d->blocks.seed, block, light, 9) >> 59);
-    return (beam){ .kind = LC_LIGHT_SKY, .rec = j->data.lights[light], .turn = turn + i * STEP };
+    return (beam){ .kind = LC_LIGHT_SKY, .rec = j->data.lights[light], .turn = turn + i * LC_TARGET_STEP };
 }
 
 static double frac(double x) { return x - floor(x); }
@@ -211,7 +210,7 @@ static void add_block(void *user, uint32_t thread, uint64_t item)
     for (size_t k = 0; k < LC_BLOCK_POINTS; k++) {
         if (!(blocks->weight[first + k] > 0)) continue;
         lc_lit_point(blocks->scene, &blocks->lit[first + k], 0, p[k]);
-        add_shed(j, p[k], (uint32_t)k * STEP, blocks->weight[first + k], shed);
+        add_shed(j, p[k], (uint32_t)k * LC_TARGET_STEP, blocks->weight[first + k], shed);
     }
     for (uint32_t i = 0; i < j->parts->n; i++) all += (double)shed[i];
     if (!(all > 0)) return;

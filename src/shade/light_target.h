@@ -12,6 +12,7 @@
 #include "shade/tree_data.h"
 
 #define LC_TARGET_POINTS 32
+#define LC_TARGET_STEP   11 /* between few turns that are to go round the disc, as those 8 apart do not */
 #define LC_BALL_INSIDE 0.9998f /* of s^2: rounding must not lead behind the edge of the cap */
 
 /* Unit vectors, evenly over the sphere, in rows for vf_rows. */
