@@ -23,13 +23,13 @@ void lc_lighting_exchange(lc_scene *s, lc_lighting *l)
 {
     lc_light *lights = s->lights;
     lc_light_tree *tree = s->tree;
-    lc_near_bounce *near_bounce = s->near_bounce;
+    lc_near_places *near_places = s->near_places;
     s->lights = l->lights;
     s->tree = l->tree;
-    s->near_bounce = l->near_bounce;
+    s->near_places = l->near_places;
     l->lights = lights;
     l->tree = tree;
-    l->near_bounce = near_bounce;
+    l->near_places = near_places;
     SWAP(size_t, n_lights);
     SWAP(size_t, cap_lights);
     SWAP(size_t, n_given);
@@ -51,7 +51,7 @@ void lc_lighting_free(const lc_context *ctx, lc_lighting *l)
 {
     lc_light_tree_destroy(l->tree);
     lc_light_places_free(&l->virtuals, ctx);
-    lc_near_bounce_free(ctx, l->near_bounce);
+    lc_near_places_free(ctx, l->near_places);
     lc_free(ctx, l->lights, l->cap_lights, sizeof *l->lights);
     *l = (lc_lighting){ .lights = NULL };
 }

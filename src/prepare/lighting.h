@@ -20,7 +20,7 @@ typedef struct lc_lighting {
     lc_sky_error sky_error;
     lc_lamps lamps;
     lc_light_places virtuals;
-    struct lc_near_bounce *near_bounce;
+    struct lc_near_places *near_places;
     lc_light_tree *tree;
     double diag2;
     float min_d2;

@@ -6,7 +6,6 @@
 #include "base/rng.h"
 #include "cut/cut.h"
 #include "scene/lit_point.h"
-#include "scene/near_bounce.h"
 #include "shade/point_init.h"
 #include "tree/light_tree.h"
 
@@ -16,7 +15,6 @@
 #define MOST_USED LC_SIZE(32768, 64) /* virtual lights looked at */
 #define BATCH 64                      /* lights at a time */
 #define DRAWN LC_SIZE(64, 4)          /* paths drawn for shadow rays, for each of the three sums */
-#define NEAR_RAYS 8                  /* of a point, to surfaces in reach */
 #define MIN_HARD 0.0625f              /* an unclamped light's d^2 is at least r^2 / 16, so d >= r / 4 */
 #define DARK 0.02                     /* of the mean: the least luminance that a deviation is taken of */
 #define DIRECT_ERROR 0.05f            /* of clusters */
@@ -108,9 +106,7 @@ typedef struct job {
     uint32_t *path;           /* n_lights: which of these */
     uint32_t *first;          /* n_paths + 1: their lights */
     bool unclamped;           /* what clamping removes, in place of what it leaves */
-    const uint32_t *path_of_all; /* of all lights that were made */
-    float **scratch; /* of threads, twice n_paths: contributions to a block, shadows ignored; what of them
-                      * rays gather */
+    float **scratch; /* of threads, n_paths: contributions to a block, shadows ignored */
     double *mean, *square, *lost; /* n_blocks: sum X, sum X^2, and what clamping removes; with shadows */
 } job;
 
@@ -154,38 +150,15 @@ static void add_point(const job *j, size_t point, float *sums)
     }
 }
 
-typedef struct {
-    const job *j;
-    float weight, *sums;
-} near_sums;
-
-static void add_near_part(void *user, uint32_t light, lc_f3 to)
-{
-    const near_sums *n = user;
-    const job *j = n->j;
-    if (light >= j->n_lights) return;
-    const lc_f3 in = lc_f3_make(j->in[0][light], j->in[1][light], j->in[2][light]);
-    n->sums[j->path[light]] += n->weight * lc_luminance(lc_f3_mul(in, to));
-}
-
-/* What rays gather of the lights within the reach of a point: shadows are in it. */
-static void add_near(const job *j, size_t point, float *sums)
-{
-    near_sums n = { .j = j, .weight = j->d->blocks.weight[point], .sums = sums };
-    const lc_near_parts parts = { .scene = j->d->blocks.scene, .path = j->path_of_all, .add = add_near_part,
-                                  .user = &n };
-    if (n.weight > 0) lc_near_bounce_parts(&parts, &j->d->blocks.lit[point], &j->d->points[point], NEAR_RAYS);
-}
-
-/* What a path contributes to a block, shadows included. gathered: of that, what rays gather. */
-static double with_shadows(const job *j, uint64_t block, uint32_t path, double gathered)
+/* What a path contributes to a block, shadows included. */
+static double with_shadows(const job *j, uint64_t block, uint32_t path)
 {
     float value[BATCH], to[3][BATCH], thr[3][BATCH];
     float *const through[3] = { thr[0], thr[1], thr[2] };
     const float *const target[3] = { to[0], to[1], to[2] };
     uint8_t hidden[BATCH];
     const uint32_t first = j->first[path], n = j->first[path + 1] - first;
-    double sum = gathered;
+    double sum = 0;
     for (size_t p = block * LC_BLOCK_POINTS; p < (block + 1) * LC_BLOCK_POINTS; p++) {
         if (!(j->d->blocks.weight[p] > 0)) continue;
         at_point(j, p, first, n, value, to);
@@ -205,8 +178,7 @@ static double power(double x, int exponent) { return exponent == 2 ? x * x : x; 
 
 /* The sum over all paths of their contributions or the squares of these, with shadows: the sum without, times
  * the mean share that is left of DRAWN paths drawn by what they add to it. */
-static double sum_with_shadows(const job *j, uint64_t block, const float *values, const float *gathered,
-                               int exponent)
+static double sum_with_shadows(const job *j, uint64_t block, const float *values, int exponent)
 {
     double sum = 0, before = 0, left = 0;
     for (uint32_t i = 0; i < j->n_paths; i++) sum += power((double)values[i], exponent);
@@ -218,7 +190,7 @@ static double sum_with_shadows(const job *j, uint64_t block, const float *values
         before += weight;
         for (; k < DRAWN && (k + jitter) / DRAWN * sum < before; k++) times++;
         if (times && weight > 0)
-            left += times * power(with_shadows(j, block, i, (double)gathered[i]), exponent) / weight;
+            left += times * power(with_shadows(j, block, i), exponent) / weight;
     }
     return sum * left / DRAWN;
 }
@@ -226,18 +198,16 @@ static double sum_with_shadows(const job *j, uint64_t block, const float *values
 static void find_sums(void *user, uint32_t thread, uint64_t item)
 {
     job *j = user;
-    float *values = j->scratch[thread], *gathered = values + j->n_paths;
+    float *values = j->scratch[thread];
     const size_t first = item * LC_BLOCK_POINTS;
-    memset(values, 0, 2 * j->n_paths * sizeof *values);
-    for (size_t p = first; p < first + LC_BLOCK_POINTS && !j->unclamped; p++) add_near(j, p, gathered);
-    memcpy(values, gathered, j->n_paths * sizeof *values);
+    memset(values, 0, j->n_paths * sizeof *values);
     for (size_t p = first; p < first + LC_BLOCK_POINTS; p++) add_point(j, p, values);
     if (j->unclamped) {
-        j->lost[item] = sum_with_shadows(j, item, values, gathered, 1);
+        j->lost[item] = sum_with_shadows(j, item, values, 1);
         return;
     }
-    j->mean[item] = sum_with_shadows(j, item, values, gathered, 1);
-    j->square[item] = sum_with_shadows(j, item, values, gathered, 2);
+    j->mean[item] = sum_with_shadows(j, item, values, 1);
+    j->square[item] = sum_with_shadows(j, item, values, 2);
 }
 
 /* ---- percentiles ---- */
@@ -302,7 +272,7 @@ static lc_status make_scratch(job *j)
     const lc_context *ctx = j->d->blocks.scene->ctx;
     j->scratch = lc_alloc(ctx, ctx->n_threads, sizeof *j->scratch);
     for (uint32_t t = 0; t < ctx->n_threads && j->scratch; t++)
-        if (!(j->scratch[t] = lc_alloc_raw(ctx, 2 * j->n_paths, sizeof **j->scratch))) return LC_ERR_MEMORY;
+        if (!(j->scratch[t] = lc_alloc_raw(ctx, j->n_paths, sizeof **j->scratch))) return LC_ERR_MEMORY;
     return j->scratch ? LC_OK : LC_ERR_MEMORY;
 }
 
@@ -310,7 +280,7 @@ static void free_job(job *j, size_t n)
 {
     const lc_context *ctx = j->d->blocks.scene->ctx;
     for (uint32_t t = 0; t < ctx->n_threads && j->scratch; t++)
-        lc_free(ctx, j->scratch[t], 2 * j->n_paths, sizeof **j->scratch);
+        lc_free(ctx, j->scratch[t], j->n_paths, sizeof **j->scratch);
     lc_free(ctx, j->scratch, ctx->n_threads, sizeof *j->scratch);
     lc_free(ctx, j->data.lights, n, sizeof *j->data.lights);
     lc_free(ctx, j->data.light_atten, n, sizeof *j->data.light_atten);
@@ -324,7 +294,7 @@ lc_status lc_vpl_deviation_find(lc_vpl_deviation *d, const lc_light *lights, con
                                 size_t n, uint64_t n_paths, double enough, lc_indirect *out)
 {
     const lc_context *ctx = d->blocks.scene->ctx;
-    job j = { .d = d, .n_lights = n, .path_of_all = path };
+    job j = { .d = d, .n_lights = n };
     double used = (double)n_paths;
     if (!n) return LC_OK;
     if (n > MOST_USED) { /* whole paths; no path has as many lights as that */

@@ -22,8 +22,10 @@ void lc_vpl_deviation_free(lc_vpl_deviation *d);
  * rising. Intensities are not divided by the number of paths.
  *
  * Path i contributes X_i to a block, so the variance of their sum is sum X_i^2 - (sum X_i)^2 / n_paths.
- * Shadow rays are traced to paths drawn by X_i and by X_i^2 without shadows. What a block is off by is taken
- * as normally distributed, and the percentiles are those of all blocks' together. LC_ERR_MEMORY. */
+ * What rays gather within the reach of a point, which hardly depends on the lights, does not count, neither
+ * in what a block is off by nor in its light. Shadow rays are traced to paths drawn by X_i and by X_i^2
+ * without shadows. What a block is off by is taken as normally distributed, and the percentiles are those of
+ * all blocks' together. LC_ERR_MEMORY. */
 lc_status lc_vpl_deviation_find(lc_vpl_deviation *d, const lc_light *lights, const uint32_t *path,
                                 size_t n, uint64_t n_paths, double enough, lc_indirect *out);
 

@@ -3,10 +3,7 @@
 
 #include "base/pool.h"
 
-#include <stdlib.h>
-
-#define ITEM 256            /* lights that a thread takes at a time */
-#define MOST_LOOKED_AT 4096 /* lights whose median stands for that of all; chosen: its rank is within 1 % */
+#define ITEM 256 /* lights that a thread takes at a time */
 
 typedef struct job {
     const lc_light_places *places;
@@ -14,8 +11,7 @@ typedef struct job {
     const uint32_t *path;
 } job;
 
-/* Sets A to a light's share of the surface over pi. */
-static void share_item(void *user, uint32_t thread, uint64_t item)
+static void disc_item(void *user, uint32_t thread, uint64_t item)
 {
     const job *j = user;
     (void)thread;
@@ -27,33 +23,9 @@ static void share_item(void *user, uint32_t thread, uint64_t item)
             .pos = l->pos, .n = l->dir, .self = self, .n_wanted = LC_VPL_NEIGHBOURS, .path = j->path
         };
         const uint32_t n = lc_light_places_find(j->places, &q);
-        l->atten[0] = n ? q.d2[LC_VPL_NEIGHBOURS - n] / (float)n : 0; /* alone: not clamped */
-    }
-}
-
-static int rising(const void *a, const void *b)
-{
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
-static float median_share(const lc_light *lights, size_t n)
-{
-    float share[MOST_LOOKED_AT];
-    const size_t m = n < MOST_LOOKED_AT ? n : MOST_LOOKED_AT;
-    for (size_t i = 0; i < m; i++) share[i] = lights[i * n / m].atten[0];
-    qsort(share, m, sizeof *share, rising);
-    return share[m / 2];
-}
-
-static void disc_item(void *user, uint32_t thread, uint64_t item)
-{
-    const job *j = user;
-    (void)thread;
-    for (size_t i = item * ITEM; i < (item + 1) * ITEM && i < j->places->n; i++) {
-        float *a = j->lights[i].atten;
-        const float r2 = *a * lc_virtual_disc(j->places, *a);
-        *a = r2 < LC_MIN_D2 ? 0 : r2 < LC_MAX_SOFTENING ? r2 : LC_MAX_SOFTENING;
+        const float share = n ? q.d2[LC_VPL_NEIGHBOURS - n] / (float)n : 0; /* over pi; alone: not clamped */
+        const float r2 = share * LC_VPL_DISC;
+        l->atten[0] = r2 < LC_MIN_D2 ? 0 : r2 < LC_MAX_SOFTENING ? r2 : LC_MAX_SOFTENING;
     }
 }
 
@@ -63,8 +35,6 @@ lc_status lc_vpl_radii(const lc_context *ctx, lc_light *lights, const uint32_t *
     job j = { .places = places, .lights = lights, .path = path };
     lc_status st = lc_light_places_init(places, ctx, lights, n);
     if (st || !n) return st;
-    lc_parallel(ctx, (n + ITEM - 1) / ITEM, share_item, &j);
-    places->sparse = LC_VPL_SPARSE * median_share(lights, n);
     lc_parallel(ctx, (n + ITEM - 1) / ITEM, disc_item, &j);
     return LC_OK;
 }

@@ -10,16 +10,13 @@
  * LC_VPL_NEIGHBOURS other paths, of radius d, cuts an area of pi d^2 from the surface, so that is pi d^2 /
  * LC_VPL_NEIGHBOURS. One path leaves several lights in a narrow gap, which say nothing about each other.
  *
- * The disc has LC_VPL_DISC of the share: with all of it corners would be darker, with less there would be
- * dots in them. Where lights are sparse, little light arrives, and a single one near a surface would be seen
- * as a spark: from LC_VPL_SPARSE times the median share on the part grows with the share, up to
- * LC_VPL_MOST_DISC. Measured: tests/results/virtual-lights.md.
+ * The disc has LC_VPL_DISC of the share: lights within a reach shed nothing (scene/near_bounce.h), so none is
+ * seen as a dot, and larger discs would make corners darker. Measured: tests/results/virtual-lights.md.
  *
  * Lights that face another way are on other surfaces and do not count. Where there are fewer others, all of
  * them count; without any A is 0. path: of each light, in rising order. places: what finds the lights, to be
  * freed. LC_ERR_MEMORY. */
 #define LC_VPL_NEIGHBOURS LC_MAX_NEAREST
-#define LC_VPL_SPARSE 4.0f
 lc_status lc_vpl_radii(const lc_context *ctx, lc_light *lights, const uint32_t *path, size_t n,
                        lc_light_places *places);
 

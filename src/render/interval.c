@@ -46,8 +46,8 @@ void lc_interval_free_room(const lc_context *ctx, lc_render_worker *w)
 }
 
 /* Adds what a surface shows. */
-static void add_lit(const lc_render_job *j, struct lc_interval_room *room, const lc_lit *lit, uint64_t hash,
-                    uint64_t key, lc_interval *sum)
+static void add_lit(const lc_render_job *j, struct lc_interval_room *room, lc_near_cuts *near,
+                    const lc_lit *lit, uint64_t hash, uint64_t key, lc_interval *sum)
 {
     lc_point point[2];
     lc_cut_result r;
@@ -58,9 +58,8 @@ static void add_lit(const lc_render_job *j, struct lc_interval_room *room, const
     lc_cut_shade(&room->cut, point, lit->surface.ray_org, hash, &room->stats, &r);
     lc_cut_interval(&room->cut, point, lit->surface.ray_org, weight, key, &room->stats, &part);
     lc_interval_add(sum, &part, 1);
-    part = lc_interval_of(
-        lc_near_bounce_light(lc_moments_scene(&j->moments, j->scene, lit->surface.moment), lit, point, j->spp,
-                             lit->weight, NULL), weight);
+    const lc_scene *scene = lc_moments_scene(&j->moments, j->scene, lit->surface.moment);
+    part = lc_interval_of(lc_near_bounce_light(scene, near, lit, point, j->spp, lit->weight, NULL), weight);
     lc_interval_add(sum, &part, 1);
 }
 
@@ -80,7 +79,8 @@ bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
         if (!lc_job_go_on(j)) return false;
         *out = lc_interval_of(s.emission, weight);
         for (uint32_t k = 0; k < s.n_lit; k++)
-            add_lit(j, w->interval, &s.lit[k], hash + k, lc_job_key(j, pixel, i, LC_DIM_INTERVAL + k), out);
+            add_lit(j, w->interval, w->near, &s.lit[k], hash + k,
+                    lc_job_key(j, pixel, i, LC_DIM_INTERVAL + k), out);
     }
     lc_interval_round(out, j->spp);
     return true;

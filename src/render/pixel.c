@@ -59,7 +59,7 @@ void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit
     lc_lit_point(j->scene, lit, of_point, point);
     for (uint32_t k = 0; w->groups && k < w->groups->n; k++) of_group[k] = lc_f3_make(0, 0, 0);
     const lc_f3 near_light =
-        lc_near_bounce_light(lc_moments_scene(&j->moments, j->scene, s->moment), lit, p, j->spp,
+        lc_near_bounce_light(lc_moments_scene(&j->moments, j->scene, s->moment), w->near, lit, p, j->spp,
                              lc_f3_make(1, 1, 1), w->groups ? of_group : NULL);
     w->cut.part.rest = (double)lc_luminance(near_light);
     w->stats.glossy += p->lobe != LC_LOBE_NONE;

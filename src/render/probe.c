@@ -40,7 +40,7 @@ static void shade_others(const lc_render_job *j, lc_probe *p, lc_guide *g, uint6
         if (p->all_lights)
             lc_exact_shade(j->scene->tree, &j->visibility, point, lit->surface.ray_org, &stats, &r);
         else lc_guided_cut(&p->cut, g, point, &lit->surface, hash + i, &stats, &r);
-        const lc_f3 light = lc_near_bounce_light(j->scene, lit, point, j->spp, lit->weight, NULL);
+        const lc_f3 light = lc_near_bounce_light(j->scene, p->near, lit, point, j->spp, lit->weight, NULL);
         p->others = lc_f3_add(p->others, lc_f3_mul(lc_f3_add(r.radiance, light), lit->weight));
     }
 }
@@ -65,7 +65,7 @@ static lc_status probe_lit(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sa
     /* again: its splits are kept for the cut that begins with it. */
     if (!is_guide) lc_guide_make(j, &p->cut, g, NULL);
     lc_lit_point(j->scene, lit, hash, p->point);
-    const lc_f3 light = lc_near_bounce_light(j->scene, lit, p->point, j->spp, lit->weight, NULL);
+    const lc_f3 light = lc_near_bounce_light(j->scene, p->near, lit, p->point, j->spp, lit->weight, NULL);
     p->others = lc_f3_add(p->others, lc_f3_mul(light, lit->weight));
     p->cut.row = sample ? LC_NONE : lc_guide_row(g, x, y);
     lc_guided_cut(&p->cut, g, p->point, &lit->surface, hash, &stats, &p->by_cut);
@@ -86,6 +86,7 @@ static lc_status probe_sample(lc_render_job *j, uint32_t x, uint32_t y, uint32_t
         return lc_fail(j->ctx, LC_ERR_ARG, "sample %u: a pixel has %u, counted from 0", sample, j->spp);
     lc_status st = probe_desc(j, p, &cut);
     if (!st) st = lc_cut_init(&p->cut, j->ctx, scene->tree, &scene->visibility, &cut, true);
+    if (!st) st = lc_near_cuts_create(scene, &p->near);
     if (st) return st;
     p->hit = lc_sample_sight(j, x, y, sample, NULL, &dir, &p->sight);
     if (p->hit && p->sight.n_lit) return probe_lit(j, x, y, sample, p);
@@ -109,6 +110,8 @@ lc_status lc_render_probe(lc_context *ctx, const lc_scene *scene, const lc_rende
     if (st) return st;
     st = lc_job_init(&j, ctx, scene, &d);
     if (!st) st = probe_sample(&j, x, y, sample, p);
+    lc_near_cuts_free(ctx, p->near);
+    p->near = NULL;
     lc_job_free(&j);
     return st;
 }

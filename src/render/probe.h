@@ -12,6 +12,7 @@ typedef struct lc_probe {
     lc_sight sight;        /* the first of what is to be lit is explained; where nothing is, nothing is cut */
     lc_point point[2];     /* of lc_lit_point */
     lc_cut cut;            /* records its splits */
+    struct lc_near_cuts *near; /* for what is near; while it is made */
     lc_cut_result by_cut;
     lc_f3 others;          /* what else is lit gives the camera, by the picture's method */
     double mean_luminance; /* of the pre-pass, W/(m^2 sr) */

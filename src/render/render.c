@@ -15,6 +15,7 @@
 #include "render/render_tile.h"
 #include "render/samples.h"
 #include "render/share.h"
+#include "scene/near_bounce.h"
 #include "tree/light_tree.h"
 
 /* Nanoseconds between calls of progress: what a user sees, and how soon a signal is heard. */
@@ -147,6 +148,7 @@ void lc_job_free_workers(lc_render_job *j)
         lc_groups_free_room(j->ctx, &j->workers[i]);
         lc_block_light_free(j, &j->workers[i]);
         lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.max_size + 2, sizeof(uint64_t));
+        lc_near_cuts_free(j->ctx, j->workers[i].near);
         lc_cut_free(&j->workers[i].cut);
     }
     lc_free(j->ctx, j->workers, j->ctx->n_threads, sizeof *j->workers);
@@ -173,6 +175,7 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
         lc_render_worker *w = &j->workers[i];
         lc_status st = lc_cut_init(&w->cut, j->ctx, j->scene->tree, &j->visibility, desc, false);
         if (st) return st;
+        if ((st = lc_near_cuts_create(j->scene, &w->near))) return st;
         w->cut_hist = lc_alloc(j->ctx, (size_t)w->cut.max_size + 2, sizeof *w->cut_hist);
         if (!w->cut_hist) return LC_ERR_MEMORY;
         const uint32_t in_media = j->scene->media.present ? j->spp * j->how.n_points : 0,

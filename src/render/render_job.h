@@ -57,6 +57,7 @@ typedef struct lc_render_worker {
     float *tile; /* its pixels for tile_load and tile_done, plane by plane; NULL: nobody asks for them */
     lc_shared_pixel *shared; /* of a group of tiles; NULL: no samples are shared */
     struct lc_group_sums *groups; /* NULL: nobody asks for groups of lights */
+    struct lc_near_cuts *near;
     struct lc_block_light *block; /* that it looks at; NULL: no pixels are interpolated */
 } lc_render_worker;
 

@@ -110,7 +110,7 @@ static void add_near(pixel_sum *s, const lc_lit *lit, const lc_point *p)
     const lc_scene *scene = lc_moments_scene(&s->j->moments, s->j->scene, lit->surface.moment);
     lc_f3 *of_group = lc_groups_begin_sample(s->w->groups);
     const lc_f3 light = lc_f3_mul(
-        lc_near_bounce_light(scene, lit, p, s->j->spp, lit->weight, of_group), lit->weight);
+        lc_near_bounce_light(scene, s->w->near, lit, p, s->j->spp, lit->weight, of_group), lit->weight);
     lc_groups_end_sample(s->w->groups);
     s->sum = lc_f3_add(s->sum, light);
     s->luminance += (double)lc_luminance(light);

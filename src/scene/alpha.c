@@ -42,9 +42,9 @@ bool lc_alpha_opaque(const void *user, uint32_t tri, float u, float v)
     return is_opaque(s, &s->meshes[s->tri_mesh[tri]], tri, u, v, false);
 }
 
-/* The fraction of light that passes the glass at a hit along dir. */
-static lc_f3 transmittance(const lc_scene *s, const lc_mesh *mesh, const lc_hit *hit, const float dir[3])
+lc_f3 lc_alpha_through(const lc_scene *s, const lc_hit *hit, const float dir[3])
 {
+    const lc_mesh *mesh = &s->meshes[s->tri_mesh[hit->tri]];
     lc_corners c;
     lc_f3 ng, n;
     lc_hit_corners(s, mesh, hit, &c);
@@ -72,7 +72,7 @@ bool lc_alpha_stops(const void *user, const lc_hit *hit, const float dir[3], uin
     loss[0] = loss[1] = loss[2] = 0;
     if (!is_opaque(s, mesh, hit->tri, hit->u, hit->v, true)) return false;
     if (!mesh->clear) return true;
-    const lc_f3 t = transmittance(s, mesh, hit, dir);
+    const lc_f3 t = lc_alpha_through(s, hit, dir);
     loss[0] = loss_of(t.x);
     loss[1] = loss_of(t.y);
     loss[2] = loss_of(t.z);

@@ -22,4 +22,7 @@ lc_status lc_alpha_init(lc_scene *scene);
 bool lc_alpha_opaque(const void *user, uint32_t tri, float u, float v);
 bool lc_alpha_stops(const void *user, const lc_hit *hit, const float dir[3], uint64_t loss[3]);
 
+/* The share of light that passes the glass at a hit straight on. */
+lc_f3 lc_alpha_through(const lc_scene *scene, const lc_hit *hit, const float dir[3]);
+
 #endif

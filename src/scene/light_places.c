@@ -131,35 +131,3 @@ uint32_t lc_light_places_find(const lc_light_places *places, lc_nearest_lights *
     for (uint32_t k = 0; k < q->n_wanted; k++) n += q->d2[k] < INFINITY;
     return n;
 }
-
-static void meet_within(const lc_light_places *all, const lc_lights_within *q, const place *p)
-{
-    const lc_light *light = &all->lights[p->light];
-    const lc_f3 way = lc_f3_sub(lc_f3_load(p->pos), q->pos);
-    const float d2 = lc_f3_dot(way, way);
-    if (d2 < q->d2 && lc_f3_dot(light->dir, q->n) > LC_SAME_WAY) q->meet(q->user, light);
-}
-
-static void search_within(const lc_light_places *all, const lc_lights_within *q, const place *p, size_t n)
-{
-    while (n > MAX_LEAF) {
-        const size_t middle = n / 2, n_above = n - middle - 1;
-        const float away = (&q->pos.x)[p[middle].axis] - p[middle].pos[p[middle].axis];
-        const place *above = p + middle + 1;
-        if (away * away < q->d2) {
-            search_within(all, q, p, middle);
-            meet_within(all, q, &p[middle]);
-        } else if (away < 0) {
-            n = middle;
-            continue;
-        }
-        p = above;
-        n = n_above;
-    }
-    for (size_t i = 0; i < n; i++) meet_within(all, q, &p[i]);
-}
-
-void lc_light_places_within(const lc_light_places *places, const lc_lights_within *q)
-{
-    search_within(places, q, places->places, places->n);
-}

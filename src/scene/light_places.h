@@ -19,27 +19,11 @@ typedef struct lc_light_places {
     const lc_light *lights;
     lc_light_place *places; /* n */
     size_t n;
-    float sparse; /* share over pi, above which virtual lights are sparse */
 } lc_light_places;
 
-/* A virtual light shines as a disc, whose area is a part of its share, the surface that it stands for
- * (prepare/vpl_radius.h): usually LC_VPL_DISC of it; of sparse lights more, up to LC_VPL_MOST_DISC. */
-#define LC_VPL_DISC 0.25f
-#define LC_VPL_MOST_DISC 4.0f
-/* That part, of a share over pi. */
-static inline float lc_virtual_disc(const lc_light_places *places, float share)
-{
-    const float more = share > places->sparse ? share / places->sparse : 1;
-    return more < LC_VPL_MOST_DISC / LC_VPL_DISC ? LC_VPL_DISC * more : LC_VPL_MOST_DISC;
-}
-
-/* The inverse: the share of a disc, both over pi. */
-static inline float lc_virtual_share(const lc_light_places *places, float disc)
-{
-    if (!(disc > LC_VPL_DISC * places->sparse)) return disc / LC_VPL_DISC;
-    const float grown = sqrtf(disc * (places->sparse / LC_VPL_DISC)), most = disc / LC_VPL_MOST_DISC;
-    return grown > most ? grown : most;
-}
+/* A virtual light shines as a disc, whose area is this part of its share, the surface that it stands for
+ * (prepare/vpl_radius.h). */
+#define LC_VPL_DISC 0.04f
 
 /* The lights must outlive the places; at most 2^30. LC_ERR_MEMORY. */
 lc_status lc_light_places_init(lc_light_places *places, const lc_context *ctx, const lc_light *lights,
@@ -60,15 +44,5 @@ typedef struct lc_nearest_lights {
 
 /* Returns the number of lights found. */
 uint32_t lc_light_places_find(const lc_light_places *places, lc_nearest_lights *query);
-
-/* Calls meet for each light within a squared distance of pos, on surfaces that face the way of n; the order
- * depends on the places alone. */
-typedef struct lc_lights_within {
-    lc_f3 pos, n; /* n: unit */
-    float d2;
-    void (*meet)(void *user, const lc_light *light);
-    void *user;
-} lc_lights_within;
-void lc_light_places_within(const lc_light_places *places, const lc_lights_within *query);
 
 #endif

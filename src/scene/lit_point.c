@@ -1,14 +1,16 @@
 /* lit_point.c - see lit_point.h. */
 #include "scene/lit_point.h"
 
-#include "scene/near_bounce.h"
+#include "scene/light_places.h"
 #include "scene/sun.h"
 #include "shade/lobe.h"
 #include "shade/point_init.h"
 
 #include <string.h>
 
-#define LIGHTS_APART 8.0f /* roughness over the angle of a light's radius: some 60 lights are in the lobe */
+#define LIGHTS_APART 4.0f /* roughness over the angle of lights' spacing: some 60 lights are in the lobe */
+#define LIGHTS_IN_REACH 24.0f /* of their shares over pi: a disc of that squared radius holds as many */
+#define BEGINS 0.5f       /* of the squared reach */
 #define TINY 1e-30f
 
 static void widen_lobe(lc_material *m, float roughness)
@@ -45,14 +47,12 @@ static void merge_lamps(const lc_scene *scene, const lc_lit *lit, lc_material *m
     for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], least);
 }
 
-/* How far apart the virtual lights around a point are: the radius of the usual part of their shares; 0
- * without any. */
-static float radius_at(const lc_scene *scene, const lc_surface *at)
+/* How far apart the virtual lights around a point are: the root of a share over pi; 0 without any. */
+static float spacing_at(const lc_scene *scene, const lc_surface *at)
 {
     lc_nearest_lights q = { .pos = at->pos, .n = at->n, .self = LC_NONE, .n_wanted = 1 };
     if (!lc_light_places_find(&scene->virtuals, &q)) return 0;
-    const float disc = scene->virtuals.lights[q.light[0]].atten[0];
-    return sqrtf(lc_virtual_share(&scene->virtuals, disc) * LC_VPL_DISC);
+    return sqrtf(scene->virtuals.lights[q.light[0]].atten[0] / LC_VPL_DISC);
 }
 
 /* Least roughness of a lobe about the mirror direction in which there are enough virtual lights that single
@@ -66,7 +66,31 @@ static float virtual_roughness(const lc_scene *scene, const lc_lit *lit)
     if (!scene->virtuals.n || !(lc_f3_dot(mirror, s->ng) > 0)) return 0;
     if (!lc_surface_hit(scene, lc_f3_load(s->ray_org), mirror, 0, &seen)) return 0;
     if (seen.material.mirror || seen.material.glass) return 0;
-    return LIGHTS_APART * radius_at(scene, &seen) / fmaxf(seen.t, TINY);
+    return LIGHTS_APART * spacing_at(scene, &seen) / fmaxf(seen.t, TINY);
+}
+
+/* Within what distance virtual lights shed nothing or less: scene/near_bounce.h. */
+static void find_reach(const lc_scene *s, const lc_surface *at, lc_point *soft)
+{
+    lc_nearest_lights q = { .pos = at->pos, .any_way = true, .self = LC_NONE, .n_wanted = LC_MAX_NEAREST };
+    /* where light counts without a cosine, rays by the cosine would be too few near the horizon */
+    if (!s->virtuals.n || soft->lobe == LC_LOBE_PHASE || soft->lobe == LC_LOBE_ROUND) return;
+    const uint32_t n = lc_light_places_find(&s->virtuals, &q);
+    float sum = 0;
+    for (uint32_t i = LC_MAX_NEAREST - n; i < LC_MAX_NEAREST; i++)
+        sum += s->virtuals.lights[q.light[i]].atten[0] / LC_VPL_DISC;
+    const float d2 = LIGHTS_IN_REACH * sum / (float)n;
+    if (!(d2 > soft->min_d2)) return;
+    soft->near_d2 = BEGINS * d2;
+    soft->near_scale = 1 / (d2 - soft->near_d2);
+}
+
+void lc_lit_point_of_near(const lc_scene *scene, const lc_lit *lit, lc_point *p)
+{
+    lc_material m = lit->surface.material;
+    if (m.lobe != LC_LOBE_PHASE) widen_lobe(&m, LC_VIRTUAL_ROUGHNESS);
+    if (lit->followed) m.ks = lc_f3_make(0, 0, 0);
+    init_point(scene, lit, &m, p);
 }
 
 void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point *p)
@@ -76,7 +100,7 @@ void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point 
         widen_lobe(&m, fminf(fmaxf(virtual_roughness(scene, lit), LC_VIRTUAL_ROUGHNESS), LC_MAX_ROUGHNESS));
     if (lit->followed) m.ks = lc_f3_make(0, 0, 0);
     init_point(scene, lit, &m, p);
-    lc_near_bounce_reach(scene, &lit->surface, p);
+    find_reach(scene, &lit->surface, p);
 }
 
 /* A point of its own is met by virtual lights, and with a followed lobe by the lights made from environments:

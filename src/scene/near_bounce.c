@@ -3,342 +3,324 @@
 
 #include "base/memory.h"
 #include "base/rng.h"
-#include "base/sample.h"
-#include "base/sample_dir.h"
-#include "scene/light_places.h"
+#include "cut/cut.h"
+#include "scene/lit_point.h"
+#include "scene/near_gather.h"
 #include "scene/surface.h"
-#include "shade/point_init.h"
+#include "shade/lobe.h"
 
 #include <stdatomic.h>
 #include <string.h>
 
-/* Of surfaces' shares over pi: a disc of that squared radius holds as many lights on the average. */
-#define LIGHTS_IN_REACH 24.0f
-#define LIGHTS_IN_MEAN 24.0f
-#define OWN_PART 0.5f      /* of the light at a mean's place: 0 if lights were at random, 1 if on a grid */
-#define LIGHTS_IN_HIT 4.0f /* a place without any is dark: among lights evenly spread one in 50 */
-#define BEGINS 0.5f        /* of the squared reach */
-#define AREA_POINTS 64     /* of the disc around a light */
-#define LEAST_AREA 0.01f   /* of the squared radius */
-#define LIFT 0.05f         /* of the disc's radius: how far above it is looked along the surface */
-#define DEEP 0.2f          /* of the same: as near below there is surface */
 #define RAYS 256           /* of a pixel, and of a sample no fewer than */
 #define LEAST_RAYS 16
-#define BATCH 32           /* rays */
-#define GOLDEN_TURN 137.50776405003785
+#define PLACE 0.5f         /* size of the surface that shares a place, of the reach */
+#define LEVELS 2           /* of places: what the last ones' surroundings reflect is virtual lights alone */
+#define PLACE_ERROR 0.1f   /* error ratio of a place's cut */
+#define PLACE_RAYS 8       /* by which a place sees what is near */
+#define FOOTPRINT 0.1f     /* side of what textures are filtered over, a ray's length being 1 */
+#define FINER 2            /* times that cells are made smaller */
+#define FINER_PART 0.25f
+#define LIFT 0.1f          /* how far above a surface it is looked along it, of a cell's size */
+#define MOST_CELLS 32768.0f /* along an edge */
+#define MOST_IN_ROW 256    /* triangles that share a place */
+#define SAME_WAY 0.7f      /* cosine between their normals */
+#define PLACES_A_LIGHT 16
+#define LEAST_PLACES ((size_t)1 << 12)
+#define MOST_PLACES ((size_t)1 << 21)
+#define MOST_BYTES ((size_t)1 << 28) /* of their light */
+#define PROBES 16          /* of the table; what has no room is found again */
 
-enum { EMPTY, BUSY, DONE };
+static const uint32_t most_clusters[LEVELS] = { 128, 32 };
 
-struct lc_near_bounce {
+struct lc_near_places {
     const lc_scene *scene; /* not that of a moment, which threads ask in any order */
-    size_t n;
-    uint32_t stride;      /* 1 + number of groups */
-    uint32_t *path;       /* of each light */
-    lc_f3 *radiance;      /* stride of each light: all of it, then of each group */
-    _Atomic uint8_t *state;
+    lc_f3 again;
+    size_t n;               /* a power of 2 */
+    uint32_t stride;        /* 1 + number of groups */
+    _Atomic uint64_t *key;  /* n: of the place that is here; 0: none */
+    _Atomic uint8_t *found; /* n: whether its light is */
+    lc_f3 *light;           /* n stride: irradiance over pi, all of it, then of each group */
 };
 
-lc_status lc_near_bounce_make(lc_scene *s, const uint32_t *path)
+struct lc_near_cuts {
+    lc_cut cut[LEVELS];
+    uint32_t level; /* of the places that are asked for */
+    lc_stats stats; /* not the picture's, whose counts must not depend on which thread came first */
+    double of_group[LC_MAX_GROUPS][3];
+};
+
+/* ---- memory ---- */
+
+lc_status lc_near_places_make(lc_scene *s, lc_f3 again)
 {
-    const size_t n = s->virtuals.n;
-    if (!n) return LC_OK;
-    lc_near_bounce *b = lc_alloc(s->ctx, 1, sizeof *b);
+    if (!s->virtuals.n) return LC_OK;
+    lc_near_places *b = lc_alloc(s->ctx, 1, sizeof *b);
     if (!b) return LC_ERR_MEMORY;
-    s->near_bounce = b;
+    s->near_places = b;
     b->scene = s;
-    b->n = n;
+    b->again = again;
     b->stride = 1 + s->groups.n;
-    b->radiance = lc_alloc_raw(s->ctx, n * b->stride, sizeof *b->radiance);
-    b->state = lc_alloc(s->ctx, n, sizeof *b->state);
-    b->path = lc_alloc_raw(s->ctx, n, sizeof *b->path);
-    if (!b->radiance || !b->state || !b->path) return LC_ERR_MEMORY;
-    memcpy(b->path, path, n * sizeof *path);
-    return LC_OK;
+    b->n = LEAST_PLACES;
+    while (b->n < PLACES_A_LIGHT * s->virtuals.n && b->n < MOST_PLACES &&
+           2 * b->n * b->stride * sizeof *b->light <= MOST_BYTES)
+        b->n *= 2;
+    b->key = lc_alloc(s->ctx, b->n, sizeof *b->key);
+    b->found = lc_alloc(s->ctx, b->n, sizeof *b->found);
+    b->light = lc_alloc_raw(s->ctx, b->n * b->stride, sizeof *b->light);
+    return b->key && b->found && b->light ? LC_OK : LC_ERR_MEMORY;
 }
 
-void lc_near_bounce_free(const lc_context *ctx, lc_near_bounce *b)
+void lc_near_places_free(const lc_context *ctx, lc_near_places *b)
 {
     if (!b) return;
-    lc_free(ctx, b->radiance, b->n * b->stride, sizeof *b->radiance);
-    lc_free(ctx, b->state, b->n, sizeof *b->state);
-    lc_free(ctx, b->path, b->n, sizeof *b->path);
+    lc_free(ctx, b->key, b->n, sizeof *b->key);
+    lc_free(ctx, b->found, b->n, sizeof *b->found);
+    lc_free(ctx, b->light, b->n * b->stride, sizeof *b->light);
     lc_free(ctx, b, 1, sizeof *b);
 }
 
-/* The share of a light, over pi. */
-static float share_of(const lc_scene *s, uint32_t light)
+lc_status lc_near_cuts_create(const lc_scene *s, lc_near_cuts **out)
 {
-    return lc_virtual_share(&s->virtuals, s->virtuals.lights[light].atten[0]);
+    *out = NULL;
+    if (!s->near_places) return LC_OK;
+    lc_near_cuts *c = lc_alloc(s->ctx, 1, sizeof *c);
+    if (!c) return LC_ERR_MEMORY;
+    *out = c;
+    for (uint32_t i = 0; i < LEVELS; i++) {
+        const lc_cut_desc desc = { .error_ratio = PLACE_ERROR, .max_cut = most_clusters[i] };
+        const lc_status st = lc_cut_init(&c->cut[i], s->ctx, s->tree, &s->visibility, &desc, false);
+        if (st) {
+            c->cut[i].ctx = NULL;
+            return st;
+        }
+        if (s->groups.n) c->cut[i].of_group = c->of_group;
+    }
+    return LC_OK;
 }
 
-/* ---- what surfaces reflect ---- */
-
-static bool meets(const lc_scene *s, lc_f3 org, lc_f3 dir, float length, lc_hit *hit)
+void lc_near_cuts_free(const lc_context *ctx, lc_near_cuts *c)
 {
-    const float o[3] = { org.x, org.y, org.z }, d[3] = { dir.x, dir.y, dir.z };
-    s->bvh->kernels->closest(&s->bvh->data, o, d, length, hit);
-    return hit->tri != LC_NONE;
+    if (!c) return;
+    for (uint32_t i = 0; i < LEVELS; i++)
+        if (c->cut[i].ctx) lc_cut_free(&c->cut[i]);
+    lc_free(ctx, c, 1, sizeof *c);
 }
 
-/* The mean of lights around a place. */
+/* ---- where ---- */
+
+/* A hit's triangle. n: normal by winding order, as long as twice the area. */
 typedef struct {
-    const lc_scene *scene;
-    const lc_light *own; /* the light at the place */
-    uint32_t path; /* its path, whose others do not count: lights of other paths are as many as anywhere */
-    lc_f3 pos, n, org; /* the place, and above it */
-    float r2, lift, deep;
-    uint32_t stride;
-    lc_f3 sum[1 + LC_MAX_GROUPS];
-} mean;
+    lc_f3 p, e1, e2, n;
+} triangle;
 
-/* Whether there is surface at a distance along the plane of a place, seen from above it: not behind a wall,
- * nor beyond an edge. */
-static bool goes_on(const mean *m, lc_f3 along, float distance)
+static void find_triangle(const lc_scene *s, const lc_hit *hit, triangle *t)
 {
-    lc_hit hit;
-    if (meets(m->scene, m->org, along, distance, &hit)) return false;
-    return meets(m->scene, lc_f3_add(m->org, lc_f3_scale(along, distance)), lc_f3_neg(m->n),
-                 m->lift + m->deep, &hit);
+    lc_corners c;
+    lc_hit_corners(s, &s->meshes[s->tri_mesh[hit->tri]], hit, &c);
+    t->p = lc_f3_load(c.p[0]);
+    t->e1 = lc_f3_sub(lc_f3_load(c.p[1]), t->p);
+    t->e2 = lc_f3_sub(lc_f3_load(c.p[2]), t->p);
+    t->n = lc_f3_cross(t->e1, t->e2);
 }
 
-static void add_light(void *user, const lc_light *l)
+static float length(lc_f3 a) { return sqrtf(lc_f3_dot(a, a)); }
+
+static lc_f3 point_of(const triangle *t, float u, float v)
 {
-    mean *m = user;
-    if (l != m->own && m->scene->near_bounce->path[l - m->scene->virtuals.lights] == m->path) return;
-    const lc_f3 way = lc_f3_sub(l->pos, m->pos);
-    const float height = lc_f3_dot(way, m->n);
-    const lc_f3 across = lc_f3_sub(way, lc_f3_scale(m->n, height));
-    const float distance = sqrtf(lc_f3_dot(across, across));
-    if (!(height < m->lift && height > -m->deep)) return;
-    if (distance > 0 && !goes_on(m, lc_f3_scale(across, 1 / distance), distance)) return;
-    const float weight = l == m->own ? OWN_PART : fmaxf(1 - distance * distance / m->r2, 0);
-    const lc_f3 part = lc_f3_scale(l->intensity, weight);
-    m->sum[0] = lc_f3_add(m->sum[0], part);
-    if (m->stride > 1) m->sum[1 + l->group] = lc_f3_add(m->sum[1 + l->group], part);
+    return lc_f3_add(t->p, lc_f3_add(lc_f3_scale(t->e1, u), lc_f3_scale(t->e2, v)));
 }
 
-/* The integral of w over the surface around a light. */
-static float weighted_area(const mean *m, const lc_light *l, uint64_t hash)
+/* The number of cells along an edge: a power of 2. */
+static float n_cells(float edge, float size)
 {
-    const double turn = 360 * lc_unit(hash);
-    const float ring = 2 * (float)LC_PI * m->r2 / AREA_POINTS;
-    float sum = 0;
-    for (int i = 0; i < AREA_POINTS; i++) {
-        const float r = ((float)i + 0.5f) / AREA_POINTS; /* the denser, the nearer: it may be a strip */
-        double sine, cosine;
-        lc_sincos_deg(turn + GOLDEN_TURN * i, &sine, &cosine);
-        const lc_f3 along = lc_sample_frame(l->dir, cosine, sine, 0);
-        if (goes_on(m, along, r * sqrtf(m->r2))) sum += (1 - r * r) * r * ring;
+    float n = 1;
+    while (n * size < edge && n < MOST_CELLS) n *= 2;
+    return n;
+}
+
+/* The first of the small triangles that share the place of one. */
+static uint32_t first_of_row(const lc_scene *s, const lc_hit *hit, const triangle *t, float size)
+{
+    const float twice_area = length(t->n), third = 1 / 3.0f;
+    uint32_t n = 1;
+    while (n < MOST_IN_ROW && (float)(2 * n) * twice_area < size * size) n *= 2;
+    lc_hit first = *hit;
+    triangle its;
+    first.tri &= ~(n - 1);
+    if (s->tri_mesh[first.tri] != s->tri_mesh[hit->tri]) return hit->tri;
+    find_triangle(s, &first, &its);
+    const lc_f3 way = lc_f3_sub(point_of(&its, third, third), point_of(t, third, third));
+    if (!(lc_f3_dot(way, way) < size * size)) return hit->tri;
+    return lc_f3_dot(t->n, its.n) > SAME_WAY * twice_area * length(its.n) ? first.tri : hit->tri;
+}
+
+/* The place of a hit. */
+static lc_hit place_of(const lc_scene *s, const lc_hit *hit, const triangle *t, float size)
+{
+    const float n1 = n_cells(length(t->e1), size), n2 = n_cells(length(t->e2), size);
+    lc_hit place = *hit;
+    if (n1 * n2 > 1) {
+        const float u = (floorf(fminf(hit->u * n1, n1 - 1)) + 0.5f) / n1,
+                    v = (floorf(fminf(hit->v * n2, n2 - 1)) + 0.5f) / n2,
+                    inside = u + v > 1 ? 0.999f / (u + v) : 1;
+        place.u = u * inside;
+        place.v = v * inside;
+        return place;
     }
-    return fmaxf(sum, LEAST_AREA * m->r2);
+    place.tri = first_of_row(s, hit, t, size);
+    place.u = place.v = 1 / 3.0f;
+    return place;
 }
 
-static void find_radiance(const lc_scene *s, uint32_t light, mean *m)
+/* A point above a triangle, on the side that dir comes from. */
+static lc_f3 above(const triangle *t, float u, float v, lc_f3 dir, float lift)
 {
-    const lc_light *l = &s->virtuals.lights[light];
-    m->scene = s;
-    m->own = l;
-    m->path = s->near_bounce->path[light];
-    m->stride = s->near_bounce->stride;
-    m->r2 = LIGHTS_IN_MEAN * share_of(s, light);
-    m->lift = LIFT * sqrtf(m->r2);
-    m->deep = DEEP * sqrtf(m->r2);
-    m->pos = l->pos;
-    m->n = l->dir;
-    m->org = lc_f3_add(l->pos, lc_f3_scale(l->dir, m->lift));
-    memset(m->sum, 0, m->stride * sizeof *m->sum);
-    if (!(m->r2 > 0)) return;
-    const lc_lights_within q = { l->pos, l->dir, m->r2, add_light, m };
-    lc_light_places_within(&s->virtuals, &q);
-    const float each = 1 / weighted_area(m, l, lc_hash2(light, 0x6e656172));
-    for (uint32_t g = 0; g < m->stride; g++) m->sum[g] = lc_f3_scale(m->sum[g], each);
+    const lc_f3 n = lc_f3_scale(lc_f3_normalize(t->n), lc_f3_dot(t->n, dir) > 0 ? -lift : lift);
+    return lc_f3_add(point_of(t, u, v), n);
 }
 
-/* What the surface at a light's place reflects, of all groups and of each. */
-static const lc_f3 *radiance_of(const lc_scene *s, uint32_t light, mean *m)
+/* Whether nothing stands between a hit and its place. */
+static bool sees(const lc_scene *s, const lc_hit *hit, const triangle *t, const lc_hit *place,
+                 const triangle *of_place, lc_f3 dir, float size)
 {
-    lc_near_bounce *b = s->near_bounce;
-    lc_f3 *kept = b->radiance + (size_t)light * b->stride;
-    uint8_t is = atomic_load_explicit(&b->state[light], memory_order_acquire);
-    if (is == DONE) return kept;
-    find_radiance(b->scene, light, m);
-    is = EMPTY;
-    if (atomic_compare_exchange_strong(&b->state[light], &is, BUSY)) {
-        memcpy(kept, m->sum, b->stride * sizeof *kept);
-        atomic_store_explicit(&b->state[light], DONE, memory_order_release);
+    const lc_f3 from = above(t, hit->u, hit->v, dir, LIFT * size),
+                way = lc_f3_sub(above(of_place, place->u, place->v, dir, LIFT * size), from);
+    const float distance = length(way), org[3] = { from.x, from.y, from.z },
+                d[3] = { way.x / distance, way.y / distance, way.z / distance };
+    lc_hit between;
+    if (!(distance > 0)) return true;
+    s->bvh->kernels->closest(&s->bvh->data, org, d, distance, &between);
+    return between.tri == LC_NONE;
+}
+
+/* ---- its light ---- */
+
+static lc_f3 light_by(const lc_scene *scene, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
+                      uint32_t n, lc_f3 weight, lc_f3 *of_group);
+
+static void find_light(const lc_near_places *b, lc_near_cuts *c, const lc_hit *place, lc_f3 dir, uint64_t key,
+                       lc_f3 *out)
+{
+    lc_lit lit = { .view = lc_f3_neg(dir), .weight = { 1, 1, 1 } };
+    lc_point p[2];
+    lc_cut_result r;
+    lc_surface_of(b->scene, place, dir, 0, &lit.surface);
+    lit.surface.material = (lc_material){ .kd = { 1, 1, 1 }, .lobe = LC_LOBE_PHONG, .exponent = 1 };
+    lc_lit_point(b->scene, &lit, key, p);
+    lc_f3_store(p[1].diffuse, lc_f3_mul(lc_f3_load(p[1].diffuse), b->again));
+    if (c->level + 1 == LEVELS) p[1].near_d2 = p[1].near_scale = 0;
+    lc_cut_shade(&c->cut[c->level], p, lit.surface.ray_org, key, &c->stats, &r);
+    out[0] = r.radiance;
+    for (uint32_t k = 0; k + 1 < b->stride; k++)
+        out[1 + k] = lc_f3_make((float)c->of_group[k][0], (float)c->of_group[k][1], (float)c->of_group[k][2]);
+    c->level++;
+    const lc_f3 near_light = light_by(b->scene, c, &lit, p, PLACE_RAYS, b->again, out + 1);
+    out[0] = lc_f3_add(out[0], lc_f3_mul(near_light, b->again));
+    c->level--;
+}
+
+/* The place in the table that a key has or gets; b->n: there is no room. *mine: it is new, and the caller
+ * finds its light. */
+static size_t slot_of(lc_near_places *b, uint64_t key, bool *mine)
+{
+    *mine = false;
+    for (uint64_t i = 0; i < PROBES; i++) {
+        const size_t slot = (size_t)(((key >> 1) + i) & (b->n - 1));
+        uint64_t there = atomic_load_explicit(&b->key[slot], memory_order_acquire);
+        if (!there) *mine = atomic_compare_exchange_strong(&b->key[slot], &there, key);
+        if (*mine || there == key) return slot;
     }
-    return m->sum;
+    return b->n;
+}
+
+/* Irradiance over pi at a hit's place, on the side that dir comes from. */
+static void light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
+                     lc_f3 *out)
+{
+    const lc_scene *s = b->scene;
+    triangle t, of_place;
+    lc_hit place;
+    bool mine;
+    find_triangle(s, hit, &t);
+    for (int i = 0;; i++, size *= FINER_PART) {
+        place = place_of(s, hit, &t, size);
+        find_triangle(s, &place, &of_place);
+        if (i == FINER || sees(s, hit, &t, &place, &of_place, dir, size)) break;
+    }
+    uint32_t at[2];
+    memcpy(&at[0], &place.u, sizeof at[0]);
+    memcpy(&at[1], &place.v, sizeof at[1]);
+    const bool away = lc_f3_dot(of_place.n, dir) > 0;
+    const uint64_t number = (uint64_t)place.instance << 32 | place.tri,
+                   side = 2 * c->level + away,
+                   key = lc_hash4(number, (uint64_t)at[0] << 32 | at[1], side, 0x706c) | 1;
+    const size_t slot = slot_of(b, key, &mine);
+    if (slot < b->n && !mine && atomic_load_explicit(&b->found[slot], memory_order_acquire)) {
+        memcpy(out, b->light + slot * b->stride, b->stride * sizeof *out);
+        return;
+    }
+    const lc_f3 onto = lc_f3_normalize(of_place.n);
+    find_light(b, c, &place, away ? onto : lc_f3_neg(onto), key, out);
+    if (!mine) return;
+    memcpy(b->light + slot * b->stride, out, b->stride * sizeof *out);
+    atomic_store_explicit(&b->found[slot], 1, memory_order_release);
+}
+
+static lc_f3 at_most_1(lc_f3 a) { return lc_f3_make(fminf(a.x, 1), fminf(a.y, 1), fminf(a.z, 1)); }
+
+/* Radiance against dir from where a ray ends: all of it, then of each group. size: of the surface that shares
+ * a place. */
+static void find_radiance(const lc_scene *s, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
+                          lc_f3 *out)
+{
+    lc_near_places *b = s->near_places;
+    lc_surface at;
+    lc_f3 behind[1 + LC_MAX_GROUPS];
+    lc_surface_of(s, hit, dir, FOOTPRINT, &at);
+    const lc_f3 back = at_most_1(lc_lobes[at.material.lobe].albedo(&at.material, -lc_f3_dot(dir, at.n))),
+                on = at.material.kt;
+    light_at(b, c, hit, dir, size, out);
+    for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_mul(out[k], back);
+    if (!(lc_f3_max(on) > 0)) return;
+    light_at(b, c, hit, lc_f3_neg(dir), size, behind);
+    for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_add(out[k], lc_f3_mul(behind[k], on));
 }
 
 /* ---- a point ---- */
 
-void lc_near_bounce_reach(const lc_scene *s, const lc_surface *at, lc_point *soft)
-{
-    lc_nearest_lights q = { .pos = at->pos, .any_way = true, .self = LC_NONE, .n_wanted = LC_MAX_NEAREST };
-    /* where light counts without a cosine, rays by the cosine would be too few near the horizon */
-    if (!s->virtuals.n || soft->lobe == LC_LOBE_PHASE || soft->lobe == LC_LOBE_ROUND) return;
-    const uint32_t n = lc_light_places_find(&s->virtuals, &q);
-    float sum = 0;
-    for (uint32_t i = LC_MAX_NEAREST - n; i < LC_MAX_NEAREST; i++) sum += share_of(s, q.light[i]);
-    const float d2 = LIGHTS_IN_REACH * sum / (float)n;
-    if (!(d2 > soft->min_d2)) return;
-    soft->near_d2 = BEGINS * d2;
-    soft->near_scale = 1 / (d2 - soft->near_d2);
-}
-
-/* Rays that meet lit surfaces in reach. */
-typedef struct {
-    uint32_t n;
-    lc_light_rec rec[BATCH];  /* from where: as lights at infinity */
-    uint32_t light[BATCH];    /* where they end: whose L they have */
-    float factor[BATCH];      /* 1 - part, over their density */
-} gathered;
-
-static void gather_ray(const lc_scene *s, const lc_lit *lit, const lc_point *soft, const double u[2],
-                       gathered *g)
-{
-    double x, y;
-    lc_hit hit;
-    lc_corners c;
-    lc_f3 ng, ns;
-    lc_sample_disc(u, &x, &y);
-    const float cosine = (float)sqrt(1 - u[0]), reach2 = soft->near_d2 + 1 / soft->near_scale;
-    const lc_f3 dir = lc_sample_frame(lc_f3_load(soft->n), x, y, (double)cosine),
-                org = lc_f3_load(lit->surface.ray_org);
-    if (!(cosine > 0) || !(lc_f3_dot(dir, lit->surface.ng) > 0)) return;
-    if (!meets(s, org, dir, sqrtf(reach2), &hit)) return;
-    const lc_mesh *mesh = &s->meshes[s->tri_mesh[hit.tri]];
-    if (lc_is_specular(&s->materials[mesh->material_id])) return;
-    lc_hit_corners(s, mesh, &hit, &c);
-    lc_hit_normals(mesh, &hit, &c, &ng, &ns);
-    if (lc_f3_dot(ng, dir) > 0) ng = lc_f3_neg(ng);
-    if (lc_f3_dot(ns, ng) < 0) ns = lc_f3_neg(ns);
-    lc_nearest_lights q = { .pos = lc_f3_add(org, lc_f3_scale(dir, hit.t)), .n = ns, .self = LC_NONE,
-                            .n_wanted = 1 };
-    if (!lc_light_places_find(&s->virtuals, &q)) return;
-    if (!(q.d2[0] < LIGHTS_IN_HIT * share_of(s, q.light[0]))) return;
-    const lc_f3 way = lc_f3_sub(q.pos, lc_f3_load(soft->pos));
-    const float part = (lc_f3_dot(way, way) - soft->near_d2) * soft->near_scale;
-    if (!(part < 1)) return;
-    g->rec[g->n] = (lc_light_rec){ .pos = { dir.x, dir.y, dir.z } };
-    g->factor[g->n] = (1 - fmaxf(part, 0)) * (float)LC_PI / cosine;
-    g->light[g->n++] = q.light[0];
-}
-
-/* Sets what leaves the point of a radiance of 1 at each ray's end. each: of a ray. */
-static void find_leaving(const lc_scene *s, const lc_point *soft, const gathered *g, float each,
-                         lc_f3 to[BATCH])
-{
-    _Alignas(64) float f[6][BATCH];
-    float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
-    const lc_tree_data all = { .lights = (lc_light_rec *)g->rec };
-    s->ctx->shade_kernels->estimate(&all, 0, NULL, g->n, LC_LIGHT_DIRECTIONAL, soft, out);
-    for (uint32_t i = 0; i < g->n; i++)
-        to[i] = lc_f3_scale(lc_f3_make(f[0][i], f[1][i], f[2][i]), g->factor[i] * each);
-}
-
-/* What a point's rays are gathered for: to has what leaves the point of a radiance of 1 at each's end. */
-typedef void gathered_fn(void *user, const gathered *g, const lc_f3 to[BATCH]);
-
-static void gather(const lc_scene *s, const lc_lit *lit, const lc_point *soft, uint32_t n, gathered_fn *use,
-                   void *user)
-{
-    uint32_t pos[3];
-    lc_f3 to[BATCH];
-    gathered g;
-    g.n = 0;
-    if (!(soft->near_scale > 0)) return;
-    memcpy(pos, soft->pos, sizeof pos);
-    const uint64_t key = lc_hash4(pos[0], pos[1], pos[2], s->load.seed);
-    for (uint32_t i = 0; i < n; i++) {
-        double u[2];
-        lc_sample_pair(key, i, u);
-        gather_ray(s, lit, soft, u, &g);
-        if (!g.n || (g.n < BATCH && i + 1 < n)) continue;
-        find_leaving(s, soft, &g, 1 / (float)n, to);
-        use(user, &g, to);
-        g.n = 0;
-    }
-}
-
 typedef struct {
     const lc_scene *scene;
+    lc_near_cuts *cuts;
+    float size;
     lc_f3 weight, sum, *of_group;
 } light_sum;
 
-static void add_gathered(void *user, const gathered *g, const lc_f3 to[BATCH])
+static void add_end(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to)
 {
     light_sum *l = user;
-    mean scratch;
-    for (uint32_t i = 0; i < g->n; i++) {
-        const lc_f3 *radiance = radiance_of(l->scene, g->light[i], &scratch);
-        l->sum = lc_f3_add(l->sum, lc_f3_mul(to[i], radiance[0]));
-        for (uint32_t k = 0; l->of_group && k + 1 < l->scene->near_bounce->stride; k++)
-            l->of_group[k] = lc_f3_add(l->of_group[k],
-                                       lc_f3_mul(l->weight, lc_f3_mul(to[i], radiance[1 + k])));
-    }
+    lc_f3 radiance[1 + LC_MAX_GROUPS];
+    find_radiance(l->scene, l->cuts, hit, dir, l->size, radiance);
+    l->sum = lc_f3_add(l->sum, lc_f3_mul(to, radiance[0]));
+    for (uint32_t k = 0; l->of_group && k < l->scene->groups.n; k++)
+        l->of_group[k] = lc_f3_add(l->of_group[k], lc_f3_mul(l->weight, lc_f3_mul(to, radiance[1 + k])));
 }
 
-lc_f3 lc_near_bounce_light(const lc_scene *s, const lc_lit *lit, const lc_point *p, uint32_t n_samples,
-                           lc_f3 weight, lc_f3 *of_group)
+static lc_f3 light_by(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p, uint32_t n,
+                      lc_f3 weight, lc_f3 *of_group)
 {
-    light_sum l = { .scene = s, .weight = weight, .of_group = of_group };
-    const uint32_t n = n_samples < RAYS / LEAST_RAYS ? RAYS / n_samples : LEAST_RAYS;
-    gather(s, lit, lc_point_for(p, LC_LIGHT_VIRTUAL), n, add_gathered, &l);
+    const lc_point *soft = lc_point_for(p, LC_LIGHT_VIRTUAL);
+    light_sum l = { .scene = s, .cuts = cuts, .weight = weight, .of_group = of_group };
+    const lc_near_ends ends = { s, add_end, &l };
+    if (!(soft->near_scale > 0)) return l.sum;
+    l.size = PLACE * sqrtf(soft->near_d2 + 1 / soft->near_scale);
+    lc_near_gather(&ends, lit, soft, n);
     return l.sum;
 }
 
-/* ---- of single lights ---- */
-
-/* The lights of a mean, whose area is taken to be that of their shares. */
-typedef struct {
-    const lc_near_parts *parts;
-    const lc_light_places *places;
-    uint32_t own;
-    float r2, area;
-    lc_f3 to;
-} parts_of_mean;
-
-static float weight_in_mean(const parts_of_mean *m, const lc_light *l)
+lc_f3 lc_near_bounce_light(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
+                           uint32_t n_samples, lc_f3 weight, lc_f3 *of_group)
 {
-    const lc_light *own = &m->places->lights[m->own];
-    const lc_f3 way = lc_f3_sub(l->pos, own->pos);
-    if (l == own) return OWN_PART;
-    if (m->parts->path[l - m->places->lights] == m->parts->path[m->own]) return 0;
-    return fmaxf(1 - lc_f3_dot(way, way) / m->r2, 0);
-}
-
-static void add_area(void *user, const lc_light *l)
-{
-    parts_of_mean *m = user;
-    m->area += weight_in_mean(m, l) * (float)LC_PI * lc_virtual_share(m->places, l->atten[0]);
-}
-
-static void add_part(void *user, const lc_light *l)
-{
-    const parts_of_mean *m = user;
-    const float weight = weight_in_mean(m, l) / m->area;
-    if (weight > 0)
-        m->parts->add(m->parts->user, (uint32_t)(l - m->places->lights), lc_f3_scale(m->to, weight));
-}
-
-static void add_parts(void *user, const gathered *g, const lc_f3 to[BATCH])
-{
-    const lc_near_parts *parts = user;
-    const lc_light_places *places = &parts->scene->virtuals;
-    for (uint32_t i = 0; i < g->n; i++) {
-        const lc_light *own = &places->lights[g->light[i]];
-        parts_of_mean m = { .parts = parts, .places = places, .own = g->light[i], .to = to[i] };
-        m.r2 = LIGHTS_IN_MEAN * lc_virtual_share(places, own->atten[0]);
-        if (!(m.r2 > 0)) continue;
-        lc_lights_within q = { own->pos, own->dir, m.r2, add_area, &m };
-        lc_light_places_within(places, &q);
-        q.meet = add_part;
-        lc_light_places_within(places, &q);
-    }
-}
-
-void lc_near_bounce_parts(const lc_near_parts *parts, const lc_lit *lit, const lc_point *soft, uint32_t n)
-{
-    gather(parts->scene, lit, soft, n, add_parts, (void *)parts);
+    const uint32_t n = n_samples < RAYS / LEAST_RAYS ? RAYS / n_samples : LEAST_RAYS;
+    return light_by(s, cuts, lit, p, n, weight, of_group);
 }

@@ -1,20 +1,22 @@
 /* near_bounce.h - what surfaces near a point reflect onto it. Virtual lights are a sample of what surfaces
  * reflect, and the few that are near would be seen as dots. So within a reach of the point, which goes by how
  * far virtual lights are apart there, they are left out, and rays gather what the surfaces that they meet
- * reflect on the average ([Kollig06] splits the sum in the same way; [Christensen99] keeps what surfaces
- * reflect at the places of the lights):
+ * reflect ([Kollig06] splits the sum in the same way):
  *
  *     sum of far lights:   part(d^2) times each                        lc_point.near_d2, near_scale
- *   + mean over rays:      (1 - part(d^2)) L(where the ray ends)        lc_near_bounce_light
+ *   + mean over rays:      (1 - part(d^2)) L(where the ray ends)       lc_near_bounce_light
  *
- * part rises from 0 at half the squared reach to 1 at all of it. L of a virtual light's place is
+ * part rises from 0 at half the squared reach to 1 at all of it. L is found at places that all rays which
+ * end nearby share:
  *
- *     sum I_k w(d_k) / integral over the surface of w(d)    w(d) = 1 - d^2 / R^2
+ *     a ray's end -> place: on a large triangle the middle of a cell of its grid; of small triangles the
+ *                           middle of the first of a row of them
+ *                 -> irradiance there: a cut of all lights, and what surfaces near the place reflect
+ *                 -> radiance: what the material at the ray's end reflects and transmits of it, as a diffuse
+ *                    surface does
  *
- * over the lights k within R that are seen along the surface; the integral leaves out what is not, so that L
- * is no less beside a wall, nor has any of the next room's light. Of the light's own path it alone counts, by
- * half, as lights are neither quite at random nor on a grid. Where a ray ends, L is that of the nearest
- * light. L of a light is found when it is first asked for.
+ * Where something stands between the ray's end and its place, the cells are made smaller. A place's light is
+ * found when it is first asked for and depends on the place alone, so pictures do not depend on the order.
  */
 #ifndef LC_NEAR_BOUNCE_H
 #define LC_NEAR_BOUNCE_H
@@ -22,33 +24,22 @@
 #include "scene/sight.h"
 #include "shade/point.h"
 
-typedef struct lc_near_bounce lc_near_bounce;
+typedef struct lc_near_places lc_near_places; /* of a scene, shared by threads */
+typedef struct lc_near_cuts lc_near_cuts;     /* scratch of a thread */
 
-/* For the scene's virtual lights, which are made; scene->near_bounce stays NULL where there are none. path:
- * of each light. LC_ERR_MEMORY. */
-lc_status lc_near_bounce_make(lc_scene *scene, const uint32_t *path);
-void lc_near_bounce_free(const lc_context *ctx, lc_near_bounce *n);
+/* For the scene's virtual lights, which are made; scene->near_places stays NULL where there are none. again:
+ * the share of their light that is reflected once more, R G B. LC_ERR_MEMORY. */
+lc_status lc_near_places_make(lc_scene *scene, lc_f3 again);
+void lc_near_places_free(const lc_context *ctx, lc_near_places *places);
 
-/* Sets near_d2 and near_scale of what virtual lights meet at a surface. */
-void lc_near_bounce_reach(const lc_scene *scene, const lc_surface *at, lc_point *soft);
+/* *out: NULL where there are none. Free it also after LC_ERR_MEMORY. */
+lc_status lc_near_cuts_create(const lc_scene *scene, lc_near_cuts **out);
+void lc_near_cuts_free(const lc_context *ctx, lc_near_cuts *cuts);
 
-/* Radiance that leaves a lit point of what surfaces within its reach reflect; the point is one of n_samples
- * of a pixel. It depends on the point alone. p: of lc_lit_point. of_group: NULL, or where each group's part
- * is added, times weight. */
-lc_f3 lc_near_bounce_light(const lc_scene *scene, const lc_lit *lit, const lc_point *p, uint32_t n_samples,
-                           lc_f3 weight, lc_f3 *of_group);
-
-/* The parts of single virtual lights in that, for scene->virtuals that are still being made: how far they
- * are from endlessly many is seen from these. soft: as they see the point; near_bounce need not be made.
- * add: what leaves the point of a light's intensity of 1, called several times for a light. What is seen
- * along surfaces is not looked at; the area that a mean is over is taken to be that of its lights' shares. */
-typedef struct lc_near_parts {
-    const lc_scene *scene;
-    const uint32_t *path; /* of each light */
-    void (*add)(void *user, uint32_t light, lc_f3 to);
-    void *user;
-} lc_near_parts;
-void lc_near_bounce_parts(const lc_near_parts *parts, const lc_lit *lit, const lc_point *soft,
-                          uint32_t n_rays);
+/* Radiance that leaves a lit point of what surfaces within its reach reflect, W/(m^2 sr); the point is one of
+ * n_samples of a pixel. It depends on the point alone. p: of lc_lit_point. of_group: NULL, or where each
+ * group's part is added, times weight. */
+lc_f3 lc_near_bounce_light(const lc_scene *scene, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
+                           uint32_t n_samples, lc_f3 weight, lc_f3 *of_group);
 
 #endif

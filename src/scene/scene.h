@@ -125,7 +125,7 @@ struct lc_scene {
     lc_sky_error sky_error;
     lc_lamps lamps;
     lc_light_places virtuals; /* of the virtual lights */
-    struct lc_near_bounce *near_bounce; /* what they stand for near a point; NULL: there are none */
+    struct lc_near_places *near_places; /* what they stand for near a point; NULL: there are none */
     lc_bvh *bvh;
     lc_occluders *occluders;
     lc_media media;

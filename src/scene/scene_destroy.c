@@ -15,7 +15,7 @@ void lc_scene_destroy(lc_scene *s)
     if (!s) return;
     lc_context *ctx = s->ctx;
     lc_light_places_free(&s->virtuals, s->ctx);
-    lc_near_bounce_free(s->ctx, s->near_bounce);
+    lc_near_places_free(s->ctx, s->near_places);
     lc_bvh_destroy(s->bvh);
     lc_occluders_destroy(s->occluders);
     lc_instances_free(s);

@@ -1,0 +1,96 @@
+/* near_gather.c - see near_gather.h. */
+#include "scene/near_gather.h"
+
+#include "base/rng.h"
+#include "base/sample.h"
+#include "base/sample_dir.h"
+#include "scene/alpha.h"
+#include "scene/lit_point.h"
+#include "scene/surface.h"
+#include "shade/point_init.h"
+
+#include <string.h>
+
+#define BATCH 32              /* rays */
+#define MOST_GLASS 8          /* surfaces of glass, and others that stop no light, that a ray passes */
+
+/* Rays that meet surfaces in reach. */
+typedef struct {
+    uint32_t n;
+    lc_light_rec rec[BATCH]; /* from where: as lights at infinity */
+    lc_f3 factor[BATCH];     /* (1 - part) times what glass lets through, over their density */
+    lc_hit hit[BATCH];
+} gathered;
+
+/* The surface that a ray meets within the reach, beyond glass. *through: what that lets through. */
+static bool meet(const lc_scene *s, lc_f3 org, lc_f3 dir, float length, lc_hit *hit, lc_f3 *through)
+{
+    const float d[3] = { dir.x, dir.y, dir.z };
+    float from[3] = { org.x, org.y, org.z }, gone = 0;
+    *through = lc_f3_make(1, 1, 1);
+    for (int i = 0; i < MOST_GLASS && gone < length; i++) {
+        lc_surface glass;
+        s->bvh->kernels->closest(&s->bvh->data, from, d, length - gone, hit);
+        if (hit->tri == LC_NONE) return false;
+        const lc_mesh *mesh = &s->meshes[s->tri_mesh[hit->tri]];
+        hit->t += gone;
+        if (!mesh->n_places && !lc_is_specular(&s->materials[mesh->material_id])) return true;
+        if (!mesh->n_places && !mesh->clear) return false;
+        if (!mesh->n_places) *through = lc_f3_mul(*through, lc_alpha_through(s, hit, d));
+        lc_surface_of(s, hit, dir, 0, &glass);
+        lc_surface_behind(&glass, from);
+        gone = hit->t;
+    }
+    return false;
+}
+
+static void gather_ray(const lc_scene *s, const lc_lit *lit, const lc_point *soft, const double u[2],
+                       gathered *g)
+{
+    double x, y;
+    lc_f3 through;
+    lc_hit *hit = &g->hit[g->n];
+    lc_sample_disc(u, &x, &y);
+    const float cosine = (float)sqrt(1 - u[0]), reach2 = soft->near_d2 + 1 / soft->near_scale;
+    const lc_f3 dir = lc_sample_frame(lc_f3_load(soft->n), x, y, (double)cosine),
+                org = lc_f3_load(lit->surface.ray_org);
+    if (!(cosine > 0) || !(lc_f3_dot(dir, lit->surface.ng) > 0)) return;
+    if (!meet(s, org, dir, sqrtf(reach2), hit, &through)) return;
+    const lc_f3 way = lc_f3_sub(lc_f3_add(org, lc_f3_scale(dir, hit->t)), lc_f3_load(soft->pos));
+    const float part = (lc_f3_dot(way, way) - soft->near_d2) * soft->near_scale;
+    if (!(part < 1)) return;
+    g->rec[g->n] = (lc_light_rec){ .pos = { dir.x, dir.y, dir.z } };
+    g->factor[g->n++] = lc_f3_scale(through, (1 - fmaxf(part, 0)) * (float)LC_PI / cosine);
+}
+
+/* each: of a ray. */
+static void give(const lc_near_ends *ends, const lc_point *p, const gathered *g, float each)
+{
+    _Alignas(64) float f[6][BATCH];
+    float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
+    const lc_tree_data all = { .lights = (lc_light_rec *)g->rec };
+    ends->scene->ctx->shade_kernels->estimate(&all, 0, NULL, g->n, LC_LIGHT_DIRECTIONAL, p, out);
+    for (uint32_t i = 0; i < g->n; i++)
+        ends->end(ends->user, &g->hit[i], lc_f3_load(g->rec[i].pos),
+                  lc_f3_scale(lc_f3_mul(lc_f3_make(f[0][i], f[1][i], f[2][i]), g->factor[i]), each));
+}
+
+void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, uint32_t n)
+{
+    const lc_scene *s = ends->scene;
+    uint32_t pos[3];
+    lc_point own;
+    gathered g;
+    g.n = 0;
+    lc_lit_point_of_near(s, lit, &own);
+    memcpy(pos, soft->pos, sizeof pos);
+    const uint64_t key = lc_hash4(pos[0], pos[1], pos[2], s->load.seed);
+    for (uint32_t i = 0; i < n; i++) {
+        double u[2];
+        lc_sample_pair(key, i, u);
+        gather_ray(s, lit, soft, u, &g);
+        if (!g.n || (g.n < BATCH && i + 1 < n)) continue;
+        give(ends, &own, &g, 1 / (float)n);
+        g.n = 0;
+    }
+}

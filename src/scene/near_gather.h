@@ -1,0 +1,22 @@
+/* near_gather.h - rays to the surfaces within the reach of a point. */
+#ifndef LC_NEAR_GATHER_H
+#define LC_NEAR_GATHER_H
+
+#include "scene/sight.h"
+#include "shade/point.h"
+#include "trace/bvh.h"
+
+typedef struct lc_near_ends {
+    const lc_scene *scene;
+    /* A ray along unit dir ends at a hit. to: what leaves the point of a radiance of 1 from there, R G B, by
+     * this one of the rays: (1 - part) over the rays' density and number, times what glass on the way lets
+     * through. */
+    void (*end)(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to);
+    void *user;
+} lc_near_ends;
+
+/* n rays by the cosine about the point's normal; they depend on the point alone. soft: what virtual lights
+ * meet there, with a reach. Rays go straight through glass; those that meet mirrors end nowhere. */
+void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, uint32_t n);
+
+#endif
