@@ -146,6 +146,8 @@ TEST(bounds_of_boxes_hold)
     "Material \"thindielectric\"\n"                                                                         \
     "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .01 1 -1 .01 1 1 .01 -1 1 .01]"                                 \
     " \"integer indices\" [0 1 2 0 2 3]\n"
+#define SCREEN                                                                                               \
+    "Shape \"trianglemesh\" \"point3 P\" [-2 -2 3 0 -2 3 0 2 3 -2 2 3] \"integer indices\" [0 1 2 0 2 3]\n"
 /* Two blocks, 0.04 apart; the sun lights their tops and a little of one side. */
 #define GAP                                                                                                  \
     "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 .04 .1] \"point3 to\" [0 0 0]"                   \
@@ -199,13 +201,13 @@ static double light_near(double distance, uint32_t n_lights, double *most)
 
 /* At points in the middle of the gap below where the sun shines, looking at the side that it does not
  * reach: the deeper, the larger i. */
-static void gap_light(uint32_t n_lights, double *of)
+static void gap_light(uint32_t n_lights, uint32_t depth, double *of)
 {
     static lc_sensor sensor[N_SENSORS];
     for (int i = 0; i < N_SENSORS; i++)
         sensor[i] = (lc_sensor){ .position = { 0.3f * (float)(i % 8) - 1, 0.02f, -0.14f - 0.003f * (float)i },
                                  .normal = { 0, 1, 0 } };
-    light_of(sensor, n_lights, 6, of);
+    light_of(sensor, n_lights, depth, of);
 }
 
 /* A wall of 2 x 1 that reflects 1/2 of an irradiance of 1, seen from its foot's plane ([Howell82] C-11). */
@@ -240,20 +242,52 @@ TEST(glass_lets_near_light_pass)
     CHECKF(near_rel(few, many, 0.04), "%g, %g", few, many);
 }
 
-/* Light in a gap that is narrower than few virtual lights are apart is that of many. */
+/* Light in a gap that is narrower than few virtual lights are apart is that of many, with as many bounces. */
 TEST(few_lights_do_not_fill_a_gap)
 {
-    double of[2][N_SENSORS], mean[2] = { 0, 0 };
-    const uint32_t n_lights[2] = { 400, 100000 };
+    static const uint32_t n_lights[2] = { 400, 100000 }, depths[2] = { 3, 6 };
     scene_write("%s", GAP);
-    for (int k = 0; k < 2; k++) {
-        gap_light(n_lights[k], of[k]);
-        for (int i = 0; i < N_SENSORS; i++) mean[k] += of[k][i] / N_SENSORS;
+    for (int d = 0; d < 2; d++) {
+        double of[2][N_SENSORS], mean[2] = { 0, 0 };
+        for (int k = 0; k < 2; k++) {
+            gap_light(n_lights[k], depths[d], of[k]);
+            for (int i = 0; i < N_SENSORS; i++) mean[k] += of[k][i] / N_SENSORS;
+        }
+        printf("    depth %u, mean in the gap: %.5f of %.5f\n", depths[d], mean[0], mean[1]);
+        CHECKF(near_rel(mean[0], mean[1], 0.2), "%g of %g", mean[0], mean[1]);
+        for (int i = 0; i < N_SENSORS; i += 9)
+            CHECKF(of[0][i] < 1.6 * of[1][i] + 0.02 * mean[1], "place %d: %g of %g", i, of[0][i], of[1][i]);
     }
-    printf("    mean in the gap: %.5f of %.5f\n", mean[0], mean[1]);
-    CHECKF(near_rel(mean[0], mean[1], 0.2), "%g of %g", mean[0], mean[1]);
-    for (int i = 0; i < N_SENSORS; i += 9)
-        CHECKF(of[0][i] < 1.6 * of[1][i] + 0.02 * mean[1], "depth %d: %g of %g", i, of[0][i], of[1][i]);
+}
+
+/* The dark side of a lit sheet is dark. */
+TEST(sides_of_a_sheet_differ)
+{
+    static lc_sensor sensor[N_SENSORS];
+    double of[N_SENSORS];
+    scene_write("%s", WALL_AND_SUN);
+    for (int i = 0; i < N_SENSORS; i++)
+        sensor[i] = (lc_sensor){ .position = { 0.01f * (float)(i / 2), 0.2f, i % 2 ? -0.02f : 0.02f },
+                                 .normal = { 0, 1, 0 } };
+    light_of(sensor, 3000, 4, of);
+    for (int i = 0; i < N_SENSORS; i++)
+        CHECKF(i % 2 ? !(of[i] > 1e-6) : of[i] > 0.2, "sensor %d: %g", i, of[i]);
+}
+
+/* A wall of two triangles that is in the shade where x < 0. */
+TEST(places_are_smaller_than_walls)
+{
+    static lc_sensor sensor[N_SENSORS];
+    double of[N_SENSORS];
+    scene_write("%s" SCREEN, WALL_AND_SUN);
+    for (int i = 0; i < N_SENSORS; i++)
+        sensor[i] = (lc_sensor){ .position = { (float)(i - N_SENSORS / 2) / N_SENSORS, 0, 0.02f },
+                                 .normal = { 0, 1, 0 } };
+    light_of(sensor, 3000, 2, of);
+    for (int i = 0; i < N_SENSORS; i++) {
+        if (i < N_SENSORS / 2 - 8) CHECKF(of[i] < 0.03, "in the shade, %d: %g", i, of[i]);
+        if (i > N_SENSORS / 2 + 8) CHECKF(of[i] > 0.2, "in the sun, %d: %g", i, of[i]);
+    }
 }
 
 int main(void)
@@ -266,6 +300,8 @@ int main(void)
     RUN(no_dots_near_a_wall);
     RUN(glass_lets_near_light_pass);
     RUN(few_lights_do_not_fill_a_gap);
+    RUN(sides_of_a_sheet_differ);
+    RUN(places_are_smaller_than_walls);
     one_scene_end();
     temp_end();
     return test_done();
