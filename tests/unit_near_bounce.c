@@ -260,6 +260,15 @@ TEST(few_lights_do_not_fill_a_gap)
     }
 }
 
+/* By one bounce no light comes from the side of the gap that the sun does not reach. */
+TEST(the_last_bounce_is_not_reflected)
+{
+    double of[N_SENSORS];
+    scene_write("%s", GAP);
+    gap_light(400, 2, of);
+    for (int i = 0; i < N_SENSORS; i++) CHECKF(!(of[i] > 1e-7), "place %d: %g", i, of[i]);
+}
+
 /* The dark side of a lit sheet is dark. */
 TEST(sides_of_a_sheet_differ)
 {
@@ -300,6 +309,7 @@ int main(void)
     RUN(no_dots_near_a_wall);
     RUN(glass_lets_near_light_pass);
     RUN(few_lights_do_not_fill_a_gap);
+    RUN(the_last_bounce_is_not_reflected);
     RUN(sides_of_a_sheet_differ);
     RUN(places_are_smaller_than_walls);
     one_scene_end();
