@@ -68,7 +68,7 @@ typedef struct maker {
     uint32_t *path; /* of each light */
     size_t n_made, cap_made, cap_path;
     uint64_t n_paths;
-    double all[3], last[3]; /* sums of intensities: of all lights, and of those that nothing reflects again */
+    lc_f3 of_bounce[LC_MAX_DEPTH]; /* of the lights of each, the first at 0: the sum of their intensities */
 } maker;
 
 typedef struct path {
@@ -77,7 +77,7 @@ typedef struct path {
     double numbers[2 * PAIRS]; /* of sequences */
     uint32_t n_drawn, n_rough;
     uint32_t group; /* of the light that it starts from */
-    bool last; /* what it meets next reflects its light for the last time */
+    uint32_t depth; /* of what it meets next, from 1 on; in atten[1] of the lights while they are slots */
     lc_f3 org, dir, flux; /* W, of all paths */
     lc_light *lights;
     uint8_t *n_lights;
@@ -165,7 +165,7 @@ static void store(path *p, const lc_surface *s, float side, lc_f3 albedo_of_side
                                               .pos = s->pos,
                                               .dir = lc_f3_scale(s->n, side),
                                               .intensity = intensity,
-                                              .atten = { 0, p->last, 1 },
+                                              .atten = { 0, (float)p->depth, 1 },
                                               .group = p->group };
 }
 
@@ -240,7 +240,7 @@ static void trace(path *p)
         if (p->m->scene->media.present)
             p->flux = lc_f3_mul(p->flux, lc_media_through(p->m->scene, p->org, p->dir, (double)s.t));
         if (!(lc_f3_max(p->flux) > 0)) return;
-        p->last = depth + 1 == p->m->max_depth;
+        p->depth = depth;
         if (depth == 1) p->flux = lc_f3_scale(p->flux, unlike_square(&from, &s));
         if (!(lc_is_specular(&s.material) ? scatter_specular(p, &s, depth) : scatter(p, &s, depth))) return;
     }
@@ -290,11 +290,8 @@ static void keep(maker *m, size_t i, size_t k)
                         ? fmin(fmax(m->importance[i * PATH_LIGHTS + k] / m->enough, MIN_CHANCE), 1)
                         : 1;
     if (!(lc_unit(lc_hash4(m->seed, m->first_path + i, k, 5)) < chance)) return;
-    const float in[3] = { light->intensity.x, light->intensity.y, light->intensity.z };
-    for (int c = 0; c < 3; c++) {
-        m->all[c] += (double)in[c] / chance;
-        if (light->atten[1] > 0) m->last[c] += (double)in[c] / chance;
-    }
+    lc_f3 *sum = &m->of_bounce[(int)light->atten[1] - 1];
+    *sum = lc_f3_add(*sum, lc_f3_scale(light->intensity, (float)(1 / chance)));
     m->path[m->n_made] = (uint32_t)(m->first_path + i);
     m->made[m->n_made] = *light;
     m->made[m->n_made].atten[1] = 0;
@@ -362,15 +359,6 @@ static lc_status add_all(lc_scene *scene, const maker *m)
     return st ? st : lc_scene_join_lights(scene);
 }
 
-/* The share of the lights' light that is still reflected once more. */
-static lc_f3 again(const maker *m)
-{
-    const double all[3] = { m->all[0], m->all[1], m->all[2] };
-    return lc_f3_make(all[0] > 0 ? (float)(1 - m->last[0] / all[0]) : 0,
-                      all[1] > 0 ? (float)(1 - m->last[1] / all[1]) : 0,
-                      all[2] > 0 ? (float)(1 - m->last[2] / all[2]) : 0);
-}
-
 static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
 {
     const lc_context *ctx = scene->ctx;
@@ -391,7 +379,7 @@ static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
     scene->virtuals.lights = scene->lights + before;
     scene->indirect.n_lights = scene->n_lights - before;
     scene->indirect.n_paths = m->n_paths;
-    return st ? st : lc_near_places_make(scene, again(m));
+    return st ? st : lc_near_places_make(scene, m->max_depth - 1, m->of_bounce);
 }
 
 lc_status lc_vpl_make(lc_scene *scene, const lc_vpl_desc *desc)

@@ -15,7 +15,7 @@
 #define RAYS 256           /* of a pixel, and of a sample no fewer than */
 #define LEAST_RAYS 16
 #define PLACE 0.5f         /* size of the surface that shares a place, of the reach */
-#define LEVELS 2           /* of places: what the last ones' surroundings reflect is virtual lights alone */
+#define LEVELS 3           /* of places: what the last ones' surroundings reflect is virtual lights alone */
 #define PLACE_ERROR 0.1f   /* error ratio of a place's cut */
 #define PLACE_RAYS 8       /* by which a place sees what is near */
 #define FOOTPRINT 0.1f     /* side of what textures are filtered over, a ray's length being 1 */
@@ -31,11 +31,12 @@
 #define MOST_BYTES ((size_t)1 << 28) /* of their light */
 #define PROBES 16          /* of the table; what has no room is found again */
 
-static const uint32_t most_clusters[LEVELS] = { 128, 32 };
+static const uint32_t most_clusters[LEVELS] = { 128, 32, 32 };
 
 struct lc_near_places {
     const lc_scene *scene; /* not that of a moment, which threads ask in any order */
-    lc_f3 again;
+    uint32_t n_levels;   /* of bounces */
+    lc_f3 again[LEVELS]; /* of virtual lights' light what a level's places may still reflect */
     size_t n;               /* a power of 2 */
     uint32_t stride;        /* 1 + number of groups */
     _Atomic uint64_t *key;  /* n: of the place that is here; 0: none */
@@ -52,14 +53,28 @@ struct lc_near_cuts {
 
 /* ---- memory ---- */
 
-lc_status lc_near_places_make(lc_scene *s, lc_f3 again)
+/* Light of a virtual light that has bounced j times, from a place of level k, has bounced j + k + 1 times. */
+static void set_levels(lc_near_places *b, uint32_t max_bounces, const lc_f3 *of_bounce)
+{
+    lc_f3 all = { 0, 0, 0 };
+    for (uint32_t j = 0; j < max_bounces; j++) all = lc_f3_add(all, of_bounce[j]);
+    b->n_levels = max_bounces < LEVELS ? max_bounces : LEVELS;
+    for (uint32_t k = 0; k < b->n_levels; k++) {
+        lc_f3 sum = { 0, 0, 0 };
+        for (uint32_t j = 1; j + k + 1 <= max_bounces; j++) sum = lc_f3_add(sum, of_bounce[j - 1]);
+        b->again[k] = lc_f3_make(all.x > 0 ? sum.x / all.x : 0, all.y > 0 ? sum.y / all.y : 0,
+                                 all.z > 0 ? sum.z / all.z : 0);
+    }
+}
+
+lc_status lc_near_places_make(lc_scene *s, uint32_t max_bounces, const lc_f3 *of_bounce)
 {
     if (!s->virtuals.n) return LC_OK;
     lc_near_places *b = lc_alloc(s->ctx, 1, sizeof *b);
     if (!b) return LC_ERR_MEMORY;
     s->near_places = b;
     b->scene = s;
-    b->again = again;
+    set_levels(b, max_bounces, of_bounce);
     b->stride = 1 + s->groups.n;
     b->n = LEAST_PLACES;
     while (b->n < PLACES_A_LIGHT * s->virtuals.n && b->n < MOST_PLACES &&
@@ -208,15 +223,14 @@ static void find_light(const lc_near_places *b, lc_near_cuts *c, const lc_hit *p
     lc_surface_of(b->scene, place, dir, 0, &lit.surface);
     lit.surface.material = (lc_material){ .kd = { 1, 1, 1 }, .lobe = LC_LOBE_PHONG, .exponent = 1 };
     lc_lit_point(b->scene, &lit, key, p);
-    lc_f3_store(p[1].diffuse, lc_f3_mul(lc_f3_load(p[1].diffuse), b->again));
-    if (c->level + 1 == LEVELS) p[1].near_d2 = p[1].near_scale = 0;
+    lc_f3_store(p[1].diffuse, lc_f3_mul(lc_f3_load(p[1].diffuse), b->again[c->level]));
+    if (c->level + 1 == b->n_levels) p[1].near_d2 = p[1].near_scale = 0;
     lc_cut_shade(&c->cut[c->level], p, lit.surface.ray_org, key, &c->stats, &r);
     out[0] = r.radiance;
     for (uint32_t k = 0; k + 1 < b->stride; k++)
         out[1 + k] = lc_f3_make((float)c->of_group[k][0], (float)c->of_group[k][1], (float)c->of_group[k][2]);
     c->level++;
-    const lc_f3 near_light = light_by(b->scene, c, &lit, p, PLACE_RAYS, b->again, out + 1);
-    out[0] = lc_f3_add(out[0], lc_f3_mul(near_light, b->again));
+    out[0] = lc_f3_add(out[0], light_by(b->scene, c, &lit, p, PLACE_RAYS, lc_f3_make(1, 1, 1), out + 1));
     c->level--;
 }
 
