@@ -148,6 +148,13 @@ TEST(bounds_of_boxes_hold)
     " \"integer indices\" [0 1 2 0 2 3]\n"
 #define SCREEN                                                                                               \
     "Shape \"trianglemesh\" \"point3 P\" [-2 -2 3 0 -2 3 0 2 3 -2 2 3] \"integer indices\" [0 1 2 0 2 3]\n"
+/* All of the light comes by a mirror above that is turned to the wall; the sun itself meets a screen. */
+#define MIRROR                                                                                               \
+    "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 0 -4] \"point3 to\" [0 0 0] \"rgb L\" [1 1 1]\n" \
+    "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"                                                 \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 0 0 1 0 0 1 1 0 -1 1 0] \"integer indices\" [0 1 2 0 2 3]\n"  \
+    "Material \"conductor\" \"float roughness\" [0] \"rgb reflectance\" [1 1 1]\n"                         \
+    "Shape \"trianglemesh\" \"point3 P\" [-9 -9 9 9 -9 9 9 9 9 -9 9 9] \"integer indices\" [0 1 2 0 2 3]\n"
 /* Two blocks, 0.04 apart; the sun lights their tops and a little of one side. */
 #define GAP                                                                                                  \
     "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 .04 .1] \"point3 to\" [0 0 0]"                   \
@@ -242,6 +249,19 @@ TEST(glass_lets_near_light_pass)
     CHECKF(near_rel(few, many, 0.04), "%g, %g", few, many);
 }
 
+/* Light that a mirror sheds on the wall is reflected from places near a point, too. The mirror shows the sun:
+ * behind the wall, so that only what passes it comes back. */
+TEST(mirrors_light_what_is_near)
+{
+    double most;
+    scene_write("%s", MIRROR);
+    for (double c = 0.02; c < 0.2; c *= 3) {
+        const double few = light_near(c, 4000, &most), many = light_near(c, 300000, &most);
+        printf("    distance %.2f, by a mirror: %.4f of %.4f\n", c, few, many);
+        CHECKF(few > 0.01 && near_rel(few, many, 0.25), "distance %g: %g of %g", c, few, many);
+    }
+}
+
 /* Light in a gap that is narrower than few virtual lights are apart is no more than that of many; of what is
  * reflected there again and again some is lost. */
 TEST(few_lights_do_not_fill_a_gap)
@@ -308,6 +328,7 @@ int main(void)
     RUN(bounds_of_boxes_hold);
     RUN(no_dots_near_a_wall);
     RUN(glass_lets_near_light_pass);
+    RUN(mirrors_light_what_is_near);
     RUN(few_lights_do_not_fill_a_gap);
     RUN(the_last_bounce_is_not_reflected);
     RUN(sides_of_a_sheet_differ);

@@ -37,6 +37,7 @@
 #include "shade/lobe.h"
 #include "shade/point_init.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #define BATCH LC_SIZE(4096, 128)     /* paths traced at a time, after which lights are kept or dropped */
@@ -65,8 +66,9 @@ typedef struct maker {
     lc_light *slots; /* PATH_LIGHTS a path of the batch */
     uint8_t n_stored[BATCH];
     lc_light *made; /* of all paths so far, not divided by their number */
-    uint32_t *path; /* of each light */
-    size_t n_made, cap_made, cap_path;
+    uint32_t *path;    /* of each light */
+    uint8_t *mirrored; /* of each light, whether a mirror sheds its light on it */
+    size_t n_made, cap_made, cap_path, cap_mirrored;
     uint64_t n_paths;
     lc_f3 of_bounce[LC_MAX_DEPTH]; /* of the lights of each, the first at 0: the sum of their intensities */
 } maker;
@@ -77,7 +79,8 @@ typedef struct path {
     double numbers[2 * PAIRS]; /* of sequences */
     uint32_t n_drawn, n_rough;
     uint32_t group; /* of the light that it starts from */
-    uint32_t depth; /* of what it meets next, from 1 on; in atten[1] of the lights while they are slots */
+    bool mirrored;  /* since it last left a light or a rough surface */
+    int depth;      /* of what it meets next, from 1 on; in atten[1] of slots, negative by way of a mirror */
     lc_f3 org, dir, flux; /* W, of all paths */
     lc_light *lights;
     uint8_t *n_lights;
@@ -165,7 +168,7 @@ static void store(path *p, const lc_surface *s, float side, lc_f3 albedo_of_side
                                               .pos = s->pos,
                                               .dir = lc_f3_scale(s->n, side),
                                               .intensity = intensity,
-                                              .atten = { 0, (float)p->depth, 1 },
+                                              .atten = { 0, (float)(p->mirrored ? -p->depth : p->depth), 1 },
                                               .group = p->group };
 }
 
@@ -185,6 +188,7 @@ static bool scatter(path *p, const lc_surface *s, uint32_t depth)
         flux = lc_f3_scale(flux, 1 / stay);
     }
     p->flux = flux;
+    p->mirrored = false;
     lc_f3_store(org, lc_f3_load(s->ray_org));
     if (through) lc_surface_behind(s, org);
     p->org = lc_f3_load(org);
@@ -200,6 +204,7 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
         p->flux = lc_f3_mul(p->flux, lc_reflectance(&s->material, cos_i, !s->front));
         p->org = lc_f3_load(s->ray_org);
         p->dir = lc_mirror_leave(s, p->dir);
+        p->mirrored = true;
         return lc_f3_max(p->flux) > 0;
     }
     lc_split split;
@@ -210,6 +215,7 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
     bool through = toss(p, depth) >= (double)share;
     p->flux = lc_f3_mul(p->flux, lc_f3_scale(through ? split.through : split.reflected,
                                              1 / (through ? 1 - share : share)));
+    p->mirrored |= !through;
     lc_surface_behind(s, org);
     p->org = through ? lc_f3_load(org) : lc_f3_load(s->ray_org);
     p->dir = through ? split.out : lc_mirror_leave(s, p->dir);
@@ -240,7 +246,7 @@ static void trace(path *p)
         if (p->m->scene->media.present)
             p->flux = lc_f3_mul(p->flux, lc_media_through(p->m->scene, p->org, p->dir, (double)s.t));
         if (!(lc_f3_max(p->flux) > 0)) return;
-        p->depth = depth;
+        p->depth = (int)depth;
         if (depth == 1) p->flux = lc_f3_scale(p->flux, unlike_square(&from, &s));
         if (!(lc_is_specular(&s.material) ? scatter_specular(p, &s, depth) : scatter(p, &s, depth))) return;
     }
@@ -290,8 +296,9 @@ static void keep(maker *m, size_t i, size_t k)
                         ? fmin(fmax(m->importance[i * PATH_LIGHTS + k] / m->enough, MIN_CHANCE), 1)
                         : 1;
     if (!(lc_unit(lc_hash4(m->seed, m->first_path + i, k, 5)) < chance)) return;
-    lc_f3 *sum = &m->of_bounce[(int)light->atten[1] - 1];
+    lc_f3 *sum = &m->of_bounce[(int)fabsf(light->atten[1]) - 1];
     *sum = lc_f3_add(*sum, lc_f3_scale(light->intensity, (float)(1 / chance)));
+    m->mirrored[m->n_made] = light->atten[1] < 0;
     m->path[m->n_made] = (uint32_t)(m->first_path + i);
     m->made[m->n_made] = *light;
     m->made[m->n_made].atten[1] = 0;
@@ -307,6 +314,7 @@ static lc_status trace_until(maker *m, size_t n)
     const size_t room = n + PATH_LIGHTS;
     lc_status st = lc_grow(ctx, (void **)&m->made, &m->cap_made, room, sizeof *m->made);
     if (!st) st = lc_grow(ctx, (void **)&m->path, &m->cap_path, room, sizeof *m->path);
+    if (!st) st = lc_grow(ctx, (void **)&m->mirrored, &m->cap_mirrored, room, sizeof *m->mirrored);
     while (!st && m->n_made < n && m->n_paths < (uint64_t)PATHS_A_LIGHT * n) {
         if (!m->n_made && m->n_paths >= PATHS_FOR_NONE) break;
         m->first_path = m->n_paths;
@@ -379,7 +387,7 @@ static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
     scene->virtuals.lights = scene->lights + before;
     scene->indirect.n_lights = scene->n_lights - before;
     scene->indirect.n_paths = m->n_paths;
-    return st ? st : lc_near_places_make(scene, m->max_depth - 1, m->of_bounce);
+    return st ? st : lc_near_places_make(scene, m->max_depth - 1, m->of_bounce, m->mirrored);
 }
 
 lc_status lc_vpl_make(lc_scene *scene, const lc_vpl_desc *desc)
@@ -399,5 +407,6 @@ lc_status lc_vpl_make(lc_scene *scene, const lc_vpl_desc *desc)
     if (m.sorted) lc_free(ctx, m.sorted, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
     lc_free(ctx, m.made, m.cap_made, sizeof *m.made);
     lc_free(ctx, m.path, m.cap_path, sizeof *m.path);
+    lc_free(ctx, m.mirrored, m.cap_mirrored, sizeof *m.mirrored);
     return st;
 }

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/rng.h"
 #include "cut/cut.h"
+#include "scene/light_places.h"
 #include "scene/lit_point.h"
 #include "scene/near_gather.h"
 #include "scene/surface.h"
@@ -18,6 +19,7 @@
 #define LEVELS 3           /* of places: what the last ones' surroundings reflect is virtual lights alone */
 #define PLACE_ERROR 0.1f   /* error ratio of a place's cut */
 #define PLACE_RAYS 8       /* by which a place sees what is near */
+#define SPREAD 6.0f        /* shares over pi: what the light of one that a mirror lights is spread over */
 #define FOOTPRINT 0.1f     /* side of what textures are filtered over, a ray's length being 1 */
 #define FINER 2            /* times that cells are made smaller */
 #define FINER_PART 0.25f
@@ -41,6 +43,9 @@ struct lc_near_places {
     uint32_t stride;        /* 1 + number of groups */
     _Atomic uint64_t *key;  /* n: of the place that is here; 0: none */
     _Atomic uint8_t *found; /* n: whether its light is */
+    lc_light *mirrored;     /* the virtual lights that mirrors light */
+    size_t n_mirrored;
+    lc_light_places of_mirrored;
     lc_f3 *light;           /* n stride: irradiance over pi, all of it, then of each group */
 };
 
@@ -67,7 +72,22 @@ static void set_levels(lc_near_places *b, uint32_t max_bounces, const lc_f3 *of_
     }
 }
 
-lc_status lc_near_places_make(lc_scene *s, uint32_t max_bounces, const lc_f3 *of_bounce)
+/* Cuts do not know what mirrors reflect. */
+static lc_status keep_mirrored(lc_near_places *b, const uint8_t *mirrored)
+{
+    const lc_scene *s = b->scene;
+    size_t n = 0;
+    for (size_t i = 0; i < s->virtuals.n; i++) b->n_mirrored += mirrored[i];
+    if (!b->n_mirrored) return LC_OK;
+    b->mirrored = lc_alloc_raw(s->ctx, b->n_mirrored, sizeof *b->mirrored);
+    if (!b->mirrored) return LC_ERR_MEMORY;
+    for (size_t i = 0; i < s->virtuals.n; i++)
+        if (mirrored[i]) b->mirrored[n++] = s->virtuals.lights[i];
+    return lc_light_places_init(&b->of_mirrored, s->ctx, b->mirrored, n);
+}
+
+lc_status lc_near_places_make(lc_scene *s, uint32_t max_bounces, const lc_f3 *of_bounce,
+                              const uint8_t *mirrored)
 {
     if (!s->virtuals.n) return LC_OK;
     lc_near_places *b = lc_alloc(s->ctx, 1, sizeof *b);
@@ -83,7 +103,7 @@ lc_status lc_near_places_make(lc_scene *s, uint32_t max_bounces, const lc_f3 *of
     b->key = lc_alloc(s->ctx, b->n, sizeof *b->key);
     b->found = lc_alloc(s->ctx, b->n, sizeof *b->found);
     b->light = lc_alloc_raw(s->ctx, b->n * b->stride, sizeof *b->light);
-    return b->key && b->found && b->light ? LC_OK : LC_ERR_MEMORY;
+    return b->key && b->found && b->light ? keep_mirrored(b, mirrored) : LC_ERR_MEMORY;
 }
 
 void lc_near_places_free(const lc_context *ctx, lc_near_places *b)
@@ -92,6 +112,8 @@ void lc_near_places_free(const lc_context *ctx, lc_near_places *b)
     lc_free(ctx, b->key, b->n, sizeof *b->key);
     lc_free(ctx, b->found, b->n, sizeof *b->found);
     lc_free(ctx, b->light, b->n * b->stride, sizeof *b->light);
+    lc_light_places_free(&b->of_mirrored, ctx);
+    lc_free(ctx, b->mirrored, b->n_mirrored, sizeof *b->mirrored);
     lc_free(ctx, b, 1, sizeof *b);
 }
 
@@ -283,6 +305,23 @@ static void light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f
 
 static lc_f3 at_most_1(lc_f3 a) { return lc_f3_make(fminf(a.x, 1), fminf(a.y, 1), fminf(a.z, 1)); }
 
+/* Adds what a surface reflects of the light that mirrors shed on it: each virtual light's, spread over a few
+ * shares. */
+static void add_mirrored(const lc_near_places *b, const lc_near_cuts *c, const lc_surface *at, lc_f3 *out)
+{
+    lc_nearest_lights q = { .pos = at->pos, .n = at->n, .self = LC_NONE, .n_wanted = LC_MAX_NEAREST };
+    const uint32_t n = lc_light_places_find(&b->of_mirrored, &q);
+    for (uint32_t i = LC_MAX_NEAREST - n; i < LC_MAX_NEAREST; i++) {
+        const lc_light *l = &b->mirrored[q.light[i]];
+        const float r2 = SPREAD * l->atten[0] / LC_VPL_DISC;
+        if (!(q.d2[i] < r2)) continue;
+        lc_f3 part = lc_f3_scale(l->intensity, (1 - q.d2[i] / r2) * 2 / ((float)LC_PI * r2));
+        if (c->level) part = lc_f3_mul(part, b->again[c->level - 1]);
+        out[0] = lc_f3_add(out[0], part);
+        if (b->stride > 1) out[1 + l->group] = lc_f3_add(out[1 + l->group], part);
+    }
+}
+
 /* Radiance against dir from where a ray ends: all of it, then of each group. size: of the surface that shares
  * a place. */
 static void find_radiance(const lc_scene *s, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
@@ -296,6 +335,7 @@ static void find_radiance(const lc_scene *s, lc_near_cuts *c, const lc_hit *hit,
                 on = at.material.kt;
     light_at(b, c, hit, dir, size, out);
     for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_mul(out[k], back);
+    if (b->n_mirrored) add_mirrored(b, c, &at, out);
     if (!(lc_f3_max(on) > 0)) return;
     light_at(b, c, hit, lc_f3_neg(dir), size, behind);
     for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_add(out[k], lc_f3_mul(behind[k], on));

@@ -15,6 +15,7 @@
  *                 -> radiance: what the material at the ray's end reflects and transmits of it, as a diffuse
  *                    surface does
  *
+ * What mirrors shed on surfaces, which cuts do not know of, is that of the virtual lights there, spread out.
  * Where something stands between the ray's end and its place, the cells are made smaller. A place's light is
  * found when it is first asked for and depends on the place alone, so pictures do not depend on the order.
  */
@@ -29,8 +30,10 @@ typedef struct lc_near_cuts lc_near_cuts;     /* scratch of a thread */
 
 /* For the scene's virtual lights, which are made; scene->near_places stays NULL where there are none. Light
  * may bounce max_bounces times before the surface that the camera sees; of_bounce: of each of these the sum
- * of the intensities of its virtual lights. LC_ERR_MEMORY. */
-lc_status lc_near_places_make(lc_scene *scene, uint32_t max_bounces, const lc_f3 *of_bounce);
+ * of the intensities of its virtual lights; mirrored: of each virtual light, whether it is lit by way of a
+ * mirror, which cuts know nothing of. LC_ERR_MEMORY. */
+lc_status lc_near_places_make(lc_scene *scene, uint32_t max_bounces, const lc_f3 *of_bounce,
+                              const uint8_t *mirrored);
 void lc_near_places_free(const lc_context *ctx, lc_near_places *places);
 
 /* *out: NULL where there are none. Free it also after LC_ERR_MEMORY. */
