@@ -11,6 +11,7 @@
 #define LIGHTS_APART 4.0f /* roughness over the angle of lights' spacing: some 60 lights are in the lobe */
 #define LIGHTS_IN_REACH 24.0f /* of their shares over pi: a disc of that squared radius holds as many */
 #define BEGINS 0.5f       /* of the squared reach */
+#define NEAR_ROUGHNESS 0.15f /* least of a lobe in which rays gather */
 #define TINY 1e-30f
 
 static void widen_lobe(lc_material *m, float roughness)
@@ -85,12 +86,16 @@ static void find_reach(const lc_scene *s, const lc_surface *at, lc_point *soft)
     soft->near_scale = 1 / (d2 - soft->near_d2);
 }
 
-void lc_lit_point_of_near(const lc_scene *scene, const lc_lit *lit, lc_point *p)
+float lc_lit_point_of_near(const lc_scene *scene, const lc_lit *lit, lc_point *p)
 {
     lc_material m = lit->surface.material;
-    if (m.lobe != LC_LOBE_PHASE) widen_lobe(&m, LC_VIRTUAL_ROUGHNESS);
+    if (m.lobe != LC_LOBE_PHASE) widen_lobe(&m, NEAR_ROUGHNESS);
     if (lit->followed) m.ks = lc_f3_make(0, 0, 0);
     init_point(scene, lit, &m, p);
+    if (!lc_lobe_is_narrow(m.lobe) || p->lobe == LC_LOBE_NONE) return 0;
+    if (m.lobe == LC_LOBE_PHONG) return m.exponent;
+    const float rough = fmaxf(m.roughness[0], m.roughness[1]);
+    return fmaxf(0.5f / (rough * rough), 1); /* of half vectors, which turn half as far as directions do */
 }
 
 void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point *p)

@@ -1,6 +1,7 @@
 /* near_gather.c - see near_gather.h. */
 #include "scene/near_gather.h"
 
+#include "base/fmath.h"
 #include "base/rng.h"
 #include "base/sample.h"
 #include "base/sample_dir.h"
@@ -11,6 +12,8 @@
 
 #include <string.h>
 
+#define LOBE_RAYS 4           /* one of so many is drawn by a narrow lobe */
+#define TINY 1e-6             /* cosine */
 #define BATCH 32              /* rays */
 #define MOST_GLASS 8          /* surfaces of glass, and others that stop no light, that a ray passes */
 
@@ -44,23 +47,51 @@ static bool meet(const lc_scene *s, lc_f3 org, lc_f3 dir, float length, lc_hit *
     return false;
 }
 
-static void gather_ray(const lc_scene *s, const lc_lit *lit, const lc_point *soft, const double u[2],
+/* How rays are drawn: by the cosine to the normal, or a share of them by a power of that to the mirror
+ * direction; each counts by the density of both together ([Veach95] balance heuristic). */
+typedef struct {
+    lc_f3 n, mirror;
+    double exponent, of_lobe; /* of_lobe: share, 0 without a narrow lobe */
+    uint64_t key;
+} density;
+
+static lc_f3 draw(const density *d, uint32_t i)
+{
+    double u[2], x, y;
+    if (d->of_lobe > 0 && i % LOBE_RAYS == LOBE_RAYS - 1) {
+        lc_sample_pair(lc_hash2(d->key, 1), i / LOBE_RAYS, u);
+        const double z = lc_exp_neg(lc_ln(1 - u[0]) / (d->exponent + 1)), r = sqrt(fmax(1 - z * z, 0));
+        lc_sincos_deg(360 * u[1], &y, &x);
+        return lc_sample_frame(d->mirror, r * x, r * y, z);
+    }
+    lc_sample_pair(d->key, d->of_lobe > 0 ? i - i / LOBE_RAYS : i, u);
+    lc_sample_disc(u, &x, &y);
+    return lc_sample_frame(d->n, x, y, sqrt(1 - u[0]));
+}
+
+/* The density of a direction whose cosine to the normal is above 0. */
+static double density_of(const density *d, lc_f3 dir, double cosine)
+{
+    const double along = (double)lc_f3_dot(dir, d->mirror), all = (1 - d->of_lobe) * cosine / LC_PI;
+    if (!(d->of_lobe > 0) || !(along > TINY)) return all;
+    return all + d->of_lobe * (d->exponent + 1) / (2 * LC_PI) * lc_exp_neg(d->exponent * lc_ln(fmin(along, 1)));
+}
+
+static void gather_ray(const lc_scene *s, const lc_lit *lit, const lc_point *soft, const density *d, uint32_t i,
                        gathered *g)
 {
-    double x, y;
     lc_f3 through;
     lc_hit *hit = &g->hit[g->n];
-    lc_sample_disc(u, &x, &y);
-    const float cosine = (float)sqrt(1 - u[0]), reach2 = soft->near_d2 + 1 / soft->near_scale;
-    const lc_f3 dir = lc_sample_frame(lc_f3_load(soft->n), x, y, (double)cosine),
-                org = lc_f3_load(lit->surface.ray_org);
-    if (!(cosine > 0) || !(lc_f3_dot(dir, lit->surface.ng) > 0)) return;
+    const float reach2 = soft->near_d2 + 1 / soft->near_scale;
+    const lc_f3 dir = draw(d, i), org = lc_f3_load(lit->surface.ray_org);
+    const double cosine = (double)lc_f3_dot(dir, d->n);
+    if (!(cosine > TINY) || !(lc_f3_dot(dir, lit->surface.ng) > 0)) return;
     if (!meet(s, org, dir, sqrtf(reach2), hit, &through)) return;
     const lc_f3 way = lc_f3_sub(lc_f3_add(org, lc_f3_scale(dir, hit->t)), lc_f3_load(soft->pos));
     const float part = (lc_f3_dot(way, way) - soft->near_d2) * soft->near_scale;
     if (!(part < 1)) return;
     g->rec[g->n] = (lc_light_rec){ .pos = { dir.x, dir.y, dir.z } };
-    g->factor[g->n++] = lc_f3_scale(through, (1 - fmaxf(part, 0)) * (float)LC_PI / cosine);
+    g->factor[g->n++] = lc_f3_scale(through, (1 - fmaxf(part, 0)) * (float)(1 / density_of(d, dir, cosine)));
 }
 
 /* each: of a ray. */
@@ -82,13 +113,15 @@ void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point 
     lc_point own;
     gathered g;
     g.n = 0;
-    lc_lit_point_of_near(s, lit, &own);
+    const float exponent = lc_lit_point_of_near(s, lit, &own);
     memcpy(pos, soft->pos, sizeof pos);
-    const uint64_t key = lc_hash4(pos[0], pos[1], pos[2], s->load.seed);
+    const density d = { .n = lc_f3_load(soft->n),
+                        .mirror = lc_f3_load(soft->mirror),
+                        .exponent = (double)exponent,
+                        .of_lobe = exponent > 0 ? 1.0 / LOBE_RAYS : 0,
+                        .key = lc_hash4(pos[0], pos[1], pos[2], s->load.seed) };
     for (uint32_t i = 0; i < n; i++) {
-        double u[2];
-        lc_sample_pair(key, i, u);
-        gather_ray(s, lit, soft, u, &g);
+        gather_ray(s, lit, soft, &d, i, &g);
         if (!g.n || (g.n < BATCH && i + 1 < n)) continue;
         give(ends, &own, &g, 1 / (float)n);
         g.n = 0;

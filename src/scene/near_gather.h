@@ -15,7 +15,8 @@ typedef struct lc_near_ends {
     void *user;
 } lc_near_ends;
 
-/* n rays by the cosine about the point's normal; they depend on the point alone. soft: what virtual lights
+/* n rays by the cosine about the point's normal, where it has a narrow lobe a quarter of them by that; they
+ * depend on the point alone; n is a multiple of 4. soft: what virtual lights
  * meet there, with a reach. Rays go straight through glass; those that meet mirrors end nowhere. */
 void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, uint32_t n);
 
