@@ -4,6 +4,7 @@
 #include "cut/gather.h"
 #include "scene/lit_point.h"
 #include "scene/near_bounce.h"
+#include "scene/near_gather.h"
 #include "scene/scene.h"
 #include "shade/dir_pack.h"
 #include "shade/point_init.h"
@@ -137,6 +138,7 @@ TEST(bounds_of_boxes_hold)
 /* ---- near a wall ---- */
 
 #define N_SENSORS 64
+#define V4 "Film \"rgb\"\n" /* without it materials would be those of v3 */
 #define WALL_AND_SUN                                                                                         \
     "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 0 4] \"point3 to\" [0 0 0] \"rgb L\" [1 1 1]\n"  \
     "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"                                                  \
@@ -144,17 +146,21 @@ TEST(bounds_of_boxes_hold)
 
 #define PANE                                                                                                 \
     "Material \"thindielectric\"\n"                                                                         \
-    "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .01 1 -1 .01 1 1 .01 -1 1 .01]"                                 \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .01 1 -1 .01 1 1 .01 -1 1 .01]"                               \
     " \"integer indices\" [0 1 2 0 2 3]\n"
 #define SCREEN                                                                                               \
     "Shape \"trianglemesh\" \"point3 P\" [-2 -2 3 0 -2 3 0 2 3 -2 2 3] \"integer indices\" [0 1 2 0 2 3]\n"
-/* All of the light comes by a mirror above that is turned to the wall; the sun itself meets a screen. */
+/* The sun shines on the wall from behind, and from a mirror before it. */
 #define MIRROR                                                                                               \
-    "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 0 -4] \"point3 to\" [0 0 0] \"rgb L\" [1 1 1]\n" \
+    "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 -2 -4] \"point3 to\" [0 0 0]"                  \
+    " \"rgb L\" [1 1 1]\n"                                                                                  \
     "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"                                                 \
     "Shape \"trianglemesh\" \"point3 P\" [-1 0 0 1 0 0 1 1 0 -1 1 0] \"integer indices\" [0 1 2 0 2 3]\n"  \
     "Material \"conductor\" \"float roughness\" [0] \"rgb reflectance\" [1 1 1]\n"                         \
     "Shape \"trianglemesh\" \"point3 P\" [-9 -9 9 9 -9 9 9 9 9 -9 9 9] \"integer indices\" [0 1 2 0 2 3]\n"
+#define ROOM                                                                                                 \
+    "WorldBegin\nLightSource \"point\" \"rgb I\" [1 1 1]\nMaterial \"diffuse\"\n"                           \
+    "Shape \"sphere\" \"float radius\" [3]\n"
 /* Two blocks, 0.04 apart; the sun lights their tops and a little of one side. */
 #define GAP                                                                                                  \
     "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 .04 .1] \"point3 to\" [0 0 0]"                   \
@@ -212,7 +218,8 @@ static void gap_light(uint32_t n_lights, uint32_t depth, double *of)
 {
     static lc_sensor sensor[N_SENSORS];
     for (int i = 0; i < N_SENSORS; i++)
-        sensor[i] = (lc_sensor){ .position = { 0.2f * (float)(i % 8) - 0.7f, 0.02f, -0.14f - 0.003f * (float)i },
+        sensor[i] = (lc_sensor){ .position = { 0.2f * (float)(i % 8) - 0.7f, 0.02f,
+                                               -0.14f - 0.003f * (float)i },
                                  .normal = { 0, 1, 0 } };
     light_of(sensor, n_lights, depth, of);
 }
@@ -249,12 +256,11 @@ TEST(glass_lets_near_light_pass)
     CHECKF(near_rel(few, many, 0.04), "%g, %g", few, many);
 }
 
-/* Light that a mirror sheds on the wall is reflected from places near a point, too. The mirror shows the sun:
- * behind the wall, so that only what passes it comes back. */
+/* What a mirror sheds on the wall is reflected from places near a point, too. */
 TEST(mirrors_light_what_is_near)
 {
     double most;
-    scene_write("%s", MIRROR);
+    scene_write(V4 "%s", MIRROR);
     for (double c = 0.02; c < 0.2; c *= 3) {
         const double few = light_near(c, 4000, &most), many = light_near(c, 300000, &most);
         printf("    distance %.2f, by a mirror: %.4f of %.4f\n", c, few, many);
@@ -262,12 +268,74 @@ TEST(mirrors_light_what_is_near)
     }
 }
 
+static void add_to(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to)
+{
+    double *sum = user;
+    (void)hit;
+    (void)dir;
+    *sum += (double)to.y;
+}
+
+/* What leaves a point of a radiance of 1 from all around, by even steps of the direction. */
+static double all_around(const lc_scene *s, const lc_point *p)
+{
+    enum { RINGS = 400, SPOKES = 800 };
+    double sum = 0;
+    for (int i = 0; i < RINGS; i++)
+        for (int k = 0; k < SPOKES; k += 16) {
+            _Alignas(64) float f[6][16];
+            float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
+            lc_light_rec rec[16] = { { .pos = { 0 } } };
+            const double z = (i + 0.5) / RINGS, r = sqrt(1 - z * z);
+            for (int l = 0; l < 16; l++) {
+                const double turn = 2 * LC_PI * (k + l + 0.5) / SPOKES;
+                rec[l].pos[0] = (float)(r * cos(turn));
+                rec[l].pos[1] = (float)(r * sin(turn));
+                rec[l].pos[2] = (float)z;
+            }
+            const lc_tree_data all = { .lights = rec };
+            s->ctx->shade_kernels->estimate(&all, 0, NULL, 16, LC_LIGHT_DIRECTIONAL, p, out);
+            for (int l = 0; l < 16; l++) sum += (double)f[1][l] * 2 * LC_PI / (RINGS * SPOKES);
+        }
+    return sum;
+}
+
+/* Rays drawn by normal and lobe together have the same mean as all directions alike. */
+TEST(rays_by_a_lobe_have_no_bias)
+{
+    static const float rough[] = { 0.15f, 0.2f, 0.4f, 1 };
+    scene_write(V4 "%s", ROOM);
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    CHECK(s);
+    for (int i = 0; s && i < 12; i++) {
+        double sum = 0;
+        lc_point own, soft;
+        const float a = 0.4f * (float)(i / 4 + 1);
+        lc_lit lit = { .view = { sinf(a), 0, cosf(a) }, .weight = { 1, 1, 1 } };
+        const lc_material m = { .kd = { 0.2f, 0.2f, 0.2f }, .ks = { 0.5f, 0.5f, 0.5f }, .lobe = LC_LOBE_GGX,
+                                .roughness = { rough[i % 4], rough[i % 4] } };
+        lit.surface.n = lit.surface.ng = lc_f3_make(0, 0, 1);
+        lit.surface.material = m;
+        const float exponent = lc_lit_point_of_near(s, &lit, &own);
+        soft = own;
+        soft.near_d2 = 100; /* the room is within reach */
+        soft.near_scale = 0.01f;
+        const lc_near_ends ends = { s, add_to, &sum };
+        lc_near_gather(&ends, &lit, &soft, 1 << 14);
+        const double want = all_around(s, &own);
+        CHECKF(exponent >= 0.5f && near_rel(sum, want, 0.02), "roughness %g, angle %g: %g of %g",
+               (double)rough[i % 4], (double)a, sum, want);
+    }
+    lc_scene_destroy(s);
+}
+
 /* Light in a gap that is narrower than few virtual lights are apart is no more than that of many; of what is
  * reflected there again and again some is lost. */
 TEST(few_lights_do_not_fill_a_gap)
 {
     double few[N_SENSORS], many[N_SENSORS], sum_few = 0, sum_many = 0;
-    scene_write("%s", GAP);
+    scene_write(V4 "%s", GAP);
     gap_light(400, 6, few);
     gap_light(100000, 6, many);
     for (int i = 0; i < N_SENSORS; i++) {
@@ -284,7 +352,7 @@ TEST(few_lights_do_not_fill_a_gap)
 TEST(the_last_bounce_is_not_reflected)
 {
     double of[N_SENSORS];
-    scene_write("%s", GAP);
+    scene_write(V4 "%s", GAP);
     gap_light(400, 2, of);
     for (int i = 0; i < N_SENSORS; i++) CHECKF(!(of[i] > 1e-7), "place %d: %g", i, of[i]);
 }
@@ -329,6 +397,7 @@ int main(void)
     RUN(no_dots_near_a_wall);
     RUN(glass_lets_near_light_pass);
     RUN(mirrors_light_what_is_near);
+    RUN(rays_by_a_lobe_have_no_bias);
     RUN(few_lights_do_not_fill_a_gap);
     RUN(the_last_bounce_is_not_reflected);
     RUN(sides_of_a_sheet_differ);
