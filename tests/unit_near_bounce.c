@@ -146,7 +146,7 @@ TEST(bounds_of_boxes_hold)
 
 #define PANE                                                                                                 \
     "Material \"thindielectric\"\n"                                                                         \
-    "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .01 1 -1 .01 1 1 .01 -1 1 .01]"                               \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .01 1 -1 .01 1 1 .01 -1 1 .01]"                              \
     " \"integer indices\" [0 1 2 0 2 3]\n"
 #define SCREEN                                                                                               \
     "Shape \"trianglemesh\" \"point3 P\" [-2 -2 3 0 -2 3 0 2 3 -2 2 3] \"integer indices\" [0 1 2 0 2 3]\n"
