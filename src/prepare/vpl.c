@@ -70,7 +70,7 @@ typedef struct maker {
     uint8_t *mirrored; /* of each light, whether a mirror sheds its light on it */
     size_t n_made, cap_made, cap_path, cap_mirrored;
     uint64_t n_paths;
-    lc_f3 of_bounce[LC_MAX_DEPTH]; /* of the lights of each, the first at 0: the sum of their intensities */
+    lc_f3 of_bounce[PATH_SURFACES]; /* of the lights of each, the first at 0: the sum of their intensities */
 } maker;
 
 typedef struct path {
@@ -387,7 +387,8 @@ static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
     scene->virtuals.lights = scene->lights + before;
     scene->indirect.n_lights = scene->n_lights - before;
     scene->indirect.n_paths = m->n_paths;
-    return st ? st : lc_near_places_make(scene, m->max_depth - 1, m->of_bounce, m->mirrored);
+    const uint32_t most = m->max_depth - 1 < PATH_SURFACES ? m->max_depth - 1 : PATH_SURFACES;
+    return st ? st : lc_near_places_make(scene, most, m->of_bounce, m->mirrored);
 }
 
 lc_status lc_vpl_make(lc_scene *scene, const lc_vpl_desc *desc)

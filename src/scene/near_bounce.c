@@ -2,6 +2,7 @@
 #include "scene/near_bounce.h"
 
 #include "base/memory.h"
+#include "base/morton.h"
 #include "base/rng.h"
 #include "cut/cut.h"
 #include "scene/light_places.h"
@@ -18,14 +19,15 @@
 #define PLACE 0.5f         /* size of the surface that shares a place, of the reach */
 #define LEVELS 3           /* of places: what the last ones' surroundings reflect is virtual lights alone */
 #define PLACE_ERROR 0.1f   /* error ratio of a place's cut */
-#define PLACE_RAYS 8       /* by which a place sees what is near */
 #define SPREAD 6.0f        /* shares over pi: what the light of one that a mirror lights is spread over */
 #define FOOTPRINT 0.1f     /* side of what textures are filtered over, a ray's length being 1 */
 #define FINER 2            /* times that cells are made smaller */
 #define FINER_PART 0.25f
 #define LIFT 0.1f          /* how far above a surface it is looked along it, of a cell's size */
-#define MOST_CELLS 32768.0f /* along an edge */
-#define MOST_IN_ROW 256    /* triangles that share a place */
+#define MOST_CELLS 32768   /* along an edge */
+#define MOST_IN_ROW 65536    /* triangles that share a place */
+#define LIGHT_NEAR 4.0f    /* shares over pi: among lights evenly spread one in 50 places has none */
+#define LIGHT_LIFT 0x1p-20f /* of its largest coordinate: where shadow rays start */
 #define SAME_WAY 0.7f      /* cosine between their normals */
 #define PLACES_A_LIGHT 16
 #define LEAST_PLACES ((size_t)1 << 12)
@@ -33,12 +35,17 @@
 #define MOST_BYTES ((size_t)1 << 28) /* of their light */
 #define PROBES 16          /* of the table; what has no room is found again */
 
-static const uint32_t most_clusters[LEVELS] = { 128, 32, 32 };
+static const uint32_t most_clusters[LEVELS] = { 128, 32, 32 },
+                      n_place_rays[LEVELS] = { 8, 4, 0 }; /* by which a place sees what is near */
 
 struct lc_near_places {
+    uint32_t *rank;    /* of each triangle among those of its object, or of the world, along a curve */
+    uint32_t *at_rank; /* the inverse, for each object from its first triangle on */
+    uint32_t *base;    /* of each triangle: the first of its object */
+    uint32_t n_tris;
     const lc_scene *scene; /* not that of a moment, which threads ask in any order */
-    uint32_t n_levels;   /* of bounces */
-    lc_f3 again[LEVELS]; /* of virtual lights' light what a level's places may still reflect */
+    uint32_t n_levels;      /* no more than bounces */
+    lc_f3 again[LEVELS];    /* of virtual lights' light what a level's places may still reflect */
     size_t n;               /* a power of 2 */
     uint32_t stride;        /* 1 + number of groups */
     _Atomic uint64_t *key;  /* n: of the place that is here; 0: none */
@@ -72,6 +79,58 @@ static void set_levels(lc_near_places *b, uint32_t max_bounces, const lc_f3 *of_
     }
 }
 
+typedef struct {
+    const lc_scene *scene;
+    uint32_t first;
+    float apart; /* of triangles that face other ways */
+} range;
+
+/* The middle of a triangle, set apart by the axis that it faces. */
+static lc_f3 place_on_curve(const void *user, uint32_t i)
+{
+    const range *r = user;
+    const lc_scene *s = r->scene;
+    lc_f3 p[3];
+    for (size_t k = 0; k < 3; k++) p[k] = lc_f3_load(lc_tri_vertex(s->pos, s->index, r->first + i, k));
+    const lc_f3 n = lc_f3_cross(lc_f3_sub(p[1], p[0]), lc_f3_sub(p[2], p[0]));
+    const float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z),
+                way = x >= y && x >= z ? (n.x < 0 ? 0.f : 1.f)
+                      : y >= z         ? (n.y < 0 ? 2.f : 3.f)
+                                       : (n.z < 0 ? 4.f : 5.f);
+    lc_f3 middle = lc_f3_scale(lc_f3_add(p[0], lc_f3_add(p[1], p[2])), 1 / 3.0f);
+    middle.x += way * r->apart;
+    return middle;
+}
+
+static lc_status order_range(lc_near_places *b, uint32_t first, uint32_t end, const lc_box *box)
+{
+    const range r = { b->scene, first, 2 * lc_f3_max(lc_f3_sub(box->hi, box->lo)) };
+    const lc_status st = lc_morton_order(b->scene->ctx, end - first, place_on_curve, &r, b->at_rank + first);
+    for (uint32_t i = first; i < end && !st; i++) {
+        b->at_rank[i] += first;
+        b->rank[b->at_rank[i]] = i - first;
+        b->base[i] = first;
+    }
+    return st;
+}
+
+static lc_status order_triangles(lc_near_places *b)
+{
+    const lc_scene *s = b->scene;
+    const uint32_t n = (uint32_t)s->n_tris, n_world = s->n_objects ? s->objects[0].first_tri : n;
+    b->n_tris = n;
+    b->rank = lc_alloc(s->ctx, n, sizeof *b->rank);
+    b->at_rank = lc_alloc(s->ctx, n, sizeof *b->at_rank);
+    b->base = lc_alloc(s->ctx, n, sizeof *b->base);
+    if (!b->rank || !b->at_rank || !b->base) return LC_ERR_MEMORY;
+    lc_status st = order_range(b, 0, n_world, &s->bounds);
+    for (size_t i = 0; i < s->n_objects && !st; i++) {
+        const lc_object *o = &s->objects[i];
+        st = order_range(b, o->first_tri, o->first_tri + o->n_tris, &o->box);
+    }
+    return st;
+}
+
 /* Cuts do not know what mirrors reflect. */
 static lc_status keep_mirrored(lc_near_places *b, const uint8_t *mirrored)
 {
@@ -103,7 +162,9 @@ lc_status lc_near_places_make(lc_scene *s, uint32_t max_bounces, const lc_f3 *of
     b->key = lc_alloc(s->ctx, b->n, sizeof *b->key);
     b->found = lc_alloc(s->ctx, b->n, sizeof *b->found);
     b->light = lc_alloc_raw(s->ctx, b->n * b->stride, sizeof *b->light);
-    return b->key && b->found && b->light ? keep_mirrored(b, mirrored) : LC_ERR_MEMORY;
+    if (!b->key || !b->found || !b->light) return LC_ERR_MEMORY;
+    const lc_status st = order_triangles(b);
+    return st ? st : keep_mirrored(b, mirrored);
 }
 
 void lc_near_places_free(const lc_context *ctx, lc_near_places *b)
@@ -112,6 +173,9 @@ void lc_near_places_free(const lc_context *ctx, lc_near_places *b)
     lc_free(ctx, b->key, b->n, sizeof *b->key);
     lc_free(ctx, b->found, b->n, sizeof *b->found);
     lc_free(ctx, b->light, b->n * b->stride, sizeof *b->light);
+    lc_free(ctx, b->rank, b->n_tris, sizeof *b->rank);
+    lc_free(ctx, b->at_rank, b->n_tris, sizeof *b->at_rank);
+    lc_free(ctx, b->base, b->n_tris, sizeof *b->base);
     lc_light_places_free(&b->of_mirrored, ctx);
     lc_free(ctx, b->mirrored, b->n_mirrored, sizeof *b->mirrored);
     lc_free(ctx, b, 1, sizeof *b);
@@ -176,24 +240,28 @@ static float n_cells(float edge, float size)
     return n;
 }
 
-/* The first of the small triangles that share the place of one. */
-static uint32_t first_of_row(const lc_scene *s, const lc_hit *hit, const triangle *t, float size)
+/* The first of the small triangles that share the place of one: of a row in the order of the curve. */
+static uint32_t first_of_row(const lc_near_places *b, const lc_hit *hit, const triangle *t, float size)
 {
     const float twice_area = length(t->n), third = 1 / 3.0f;
     uint32_t n = 1;
     while (n < MOST_IN_ROW && (float)(2 * n) * twice_area < size * size) n *= 2;
-    lc_hit first = *hit;
-    triangle its;
-    first.tri &= ~(n - 1);
-    if (s->tri_mesh[first.tri] != s->tri_mesh[hit->tri]) return hit->tri;
-    find_triangle(s, &first, &its);
-    const lc_f3 way = lc_f3_sub(point_of(&its, third, third), point_of(t, third, third));
-    if (!(lc_f3_dot(way, way) < size * size)) return hit->tri;
-    return lc_f3_dot(t->n, its.n) > SAME_WAY * twice_area * length(its.n) ? first.tri : hit->tri;
+    for (; n > 1; n = n < 4 ? 1 : n / 4) {
+        lc_hit first = *hit;
+        triangle its;
+        const uint32_t base = b->base[hit->tri];
+        first.tri = b->at_rank[base + (b->rank[hit->tri] & ~(n - 1))];
+        find_triangle(b->scene, &first, &its);
+        const lc_f3 way = lc_f3_sub(point_of(&its, third, third), point_of(t, third, third));
+        if (lc_f3_dot(way, way) < size * size &&
+            lc_f3_dot(t->n, its.n) > SAME_WAY * twice_area * length(its.n))
+            return first.tri;
+    }
+    return hit->tri;
 }
 
 /* The place of a hit. */
-static lc_hit place_of(const lc_scene *s, const lc_hit *hit, const triangle *t, float size)
+static lc_hit place_of(const lc_near_places *b, const lc_hit *hit, const triangle *t, float size)
 {
     const float n1 = n_cells(length(t->e1), size), n2 = n_cells(length(t->e2), size);
     lc_hit place = *hit;
@@ -205,7 +273,7 @@ static lc_hit place_of(const lc_scene *s, const lc_hit *hit, const triangle *t, 
         place.v = v * inside;
         return place;
     }
-    place.tri = first_of_row(s, hit, t, size);
+    place.tri = first_of_row(b, hit, t, size);
     place.u = place.v = 1 / 3.0f;
     return place;
 }
@@ -236,13 +304,12 @@ static bool sees(const lc_scene *s, const lc_hit *hit, const triangle *t, const 
 static lc_f3 light_by(const lc_scene *scene, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
                       uint32_t n, lc_f3 weight, lc_f3 *of_group);
 
-static void find_light(const lc_near_places *b, lc_near_cuts *c, const lc_hit *place, lc_f3 dir, uint64_t key,
+static void find_light(const lc_near_places *b, lc_near_cuts *c, const lc_surface *at, uint64_t key,
                        lc_f3 *out)
 {
-    lc_lit lit = { .view = lc_f3_neg(dir), .weight = { 1, 1, 1 } };
+    lc_lit lit = { .surface = *at, .view = at->n, .weight = { 1, 1, 1 } };
     lc_point p[2];
     lc_cut_result r;
-    lc_surface_of(b->scene, place, dir, 0, &lit.surface);
     lit.surface.material = (lc_material){ .kd = { 1, 1, 1 }, .lobe = LC_LOBE_PHONG, .exponent = 1 };
     lc_lit_point(b->scene, &lit, key, p);
     lc_f3_store(p[1].diffuse, lc_f3_mul(lc_f3_load(p[1].diffuse), b->again[c->level]));
@@ -251,8 +318,8 @@ static void find_light(const lc_near_places *b, lc_near_cuts *c, const lc_hit *p
     out[0] = r.radiance;
     for (uint32_t k = 0; k + 1 < b->stride; k++)
         out[1 + k] = lc_f3_make((float)c->of_group[k][0], (float)c->of_group[k][1], (float)c->of_group[k][2]);
-    c->level++;
-    out[0] = lc_f3_add(out[0], light_by(b->scene, c, &lit, p, PLACE_RAYS, lc_f3_make(1, 1, 1), out + 1));
+    const uint32_t n_rays = n_place_rays[c->level++];
+    out[0] = lc_f3_add(out[0], light_by(b->scene, c, &lit, p, n_rays, lc_f3_make(1, 1, 1), out + 1));
     c->level--;
 }
 
@@ -270,34 +337,73 @@ static size_t slot_of(lc_near_places *b, uint64_t key, bool *mine)
     return b->n;
 }
 
-/* Irradiance over pi at a hit's place, on the side that dir comes from. */
+/* Whether a hit is of an instance that is no larger than a place: such are without number. */
+static bool is_small_instance(const lc_scene *s, const lc_hit *hit, const triangle *t, float size)
+{
+    if (hit->instance == LC_NONE) return false;
+    return (float)s->objects[s->instances[hit->instance].object].n_tris * length(t->n) < 2 * size * size;
+}
+
+/* The place of the nearest virtual light. False: none is near. */
+static bool place_of_light(const lc_near_places *b, const lc_hit *hit, const triangle *t, lc_f3 dir,
+                           lc_surface *at, uint64_t *key)
+{
+    const lc_f3 n = lc_f3_normalize(t->n);
+    lc_nearest_lights q = { .pos = point_of(t, hit->u, hit->v), .n = lc_f3_dot(n, dir) > 0 ? lc_f3_neg(n) : n,
+                            .self = LC_NONE, .n_wanted = 1 };
+    if (!lc_light_places_find(&b->scene->virtuals, &q)) return false;
+    const lc_light *l = &b->scene->virtuals.lights[q.light[0]];
+    if (!(q.d2[0] < LIGHT_NEAR * l->atten[0] / LC_VPL_DISC)) return false;
+    *at = (lc_surface){ .pos = l->pos, .n = l->dir, .ng = l->dir };
+    lc_f3_store(at->ray_org, lc_f3_add(l->pos, lc_f3_scale(l->dir, LIGHT_LIFT * lc_f3_max_abs(l->pos))));
+    *key = q.light[0];
+    return true;
+}
+
+static void place_of_triangle(const lc_near_places *b, const lc_hit *hit, const triangle *t, lc_f3 dir,
+                              float size, lc_surface *at, uint64_t *key)
+{
+    lc_hit place;
+    triangle of_place;
+    for (int i = 0;; i++, size *= FINER_PART) {
+        place = place_of(b, hit, t, size);
+        find_triangle(b->scene, &place, &of_place);
+        if (i == FINER || sees(b->scene, hit, t, &place, &of_place, dir, size)) break;
+    }
+    uint32_t uv[2];
+    memcpy(&uv[0], &place.u, sizeof uv[0]);
+    memcpy(&uv[1], &place.v, sizeof uv[1]);
+    const bool away = lc_f3_dot(of_place.n, dir) > 0;
+    const lc_f3 onto = lc_f3_normalize(of_place.n);
+    lc_surface_of(b->scene, &place, away ? onto : lc_f3_neg(onto), 0, at);
+    *key = lc_hash4((uint64_t)place.instance << 32 | place.tri, (uint64_t)uv[0] << 32 | uv[1], away, 0x706c);
+}
+
+/* Irradiance over pi at a hit's place, on the side that dir comes from; a rough one at small instances that no
+ * virtual light is near. */
 static void light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
                      lc_f3 *out)
 {
-    const lc_scene *s = b->scene;
-    triangle t, of_place;
-    lc_hit place;
+    triangle t;
+    lc_surface at;
+    uint64_t key;
     bool mine;
-    find_triangle(s, hit, &t);
-    for (int i = 0;; i++, size *= FINER_PART) {
-        place = place_of(s, hit, &t, size);
-        find_triangle(s, &place, &of_place);
-        if (i == FINER || sees(s, hit, &t, &place, &of_place, dir, size)) break;
+    const uint32_t level = c->level;
+    find_triangle(b->scene, hit, &t);
+    const bool small = is_small_instance(b->scene, hit, &t, size);
+    if (!small || !place_of_light(b, hit, &t, dir, &at, &key)) {
+        place_of_triangle(b, hit, &t, dir, size, &at, &key);
+        if (small) c->level = b->n_levels - 1;
     }
-    uint32_t at[2];
-    memcpy(&at[0], &place.u, sizeof at[0]);
-    memcpy(&at[1], &place.v, sizeof at[1]);
-    const bool away = lc_f3_dot(of_place.n, dir) > 0;
-    const uint64_t number = (uint64_t)place.instance << 32 | place.tri,
-                   side = 2 * c->level + away,
-                   key = lc_hash4(number, (uint64_t)at[0] << 32 | at[1], side, 0x706c) | 1;
+    key = lc_hash2(key, c->level) | 1;
     const size_t slot = slot_of(b, key, &mine);
     if (slot < b->n && !mine && atomic_load_explicit(&b->found[slot], memory_order_acquire)) {
         memcpy(out, b->light + slot * b->stride, b->stride * sizeof *out);
+        c->level = level;
         return;
     }
-    const lc_f3 onto = lc_f3_normalize(of_place.n);
-    find_light(b, c, &place, away ? onto : lc_f3_neg(onto), key, out);
+    find_light(b, c, &at, key, out);
+    c->level = level;
     if (!mine) return;
     memcpy(b->light + slot * b->stride, out, b->stride * sizeof *out);
     atomic_store_explicit(&b->found[slot], 1, memory_order_release);

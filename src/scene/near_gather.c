@@ -74,11 +74,12 @@ static double density_of(const density *d, lc_f3 dir, double cosine)
 {
     const double along = (double)lc_f3_dot(dir, d->mirror), all = (1 - d->of_lobe) * cosine / LC_PI;
     if (!(d->of_lobe > 0) || !(along > TINY)) return all;
-    return all + d->of_lobe * (d->exponent + 1) / (2 * LC_PI) * lc_exp_neg(d->exponent * lc_ln(fmin(along, 1)));
+    const double power = lc_exp_neg(d->exponent * lc_ln(fmin(along, 1)));
+    return all + d->of_lobe * (d->exponent + 1) / (2 * LC_PI) * power;
 }
 
-static void gather_ray(const lc_scene *s, const lc_lit *lit, const lc_point *soft, const density *d, uint32_t i,
-                       gathered *g)
+static void gather_ray(const lc_scene *s, const lc_lit *lit, const lc_point *soft, const density *d,
+                       uint32_t i, gathered *g)
 {
     lc_f3 through;
     lc_hit *hit = &g->hit[g->n];
