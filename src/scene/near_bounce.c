@@ -379,8 +379,8 @@ static void place_of_triangle(const lc_near_places *b, const lc_hit *hit, const 
     *key = lc_hash4((uint64_t)place.instance << 32 | place.tri, (uint64_t)uv[0] << 32 | uv[1], away, 0x706c);
 }
 
-/* Irradiance over pi at a hit's place, on the side that dir comes from; a rough one at small instances that no
- * virtual light is near. */
+/* Irradiance over pi at a hit's place, on the side that dir comes from; a rough one at small instances far from
+ * virtual lights. */
 static void light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
                      lc_f3 *out)
 {
