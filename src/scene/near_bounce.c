@@ -14,8 +14,8 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define RAYS 256           /* of a pixel, and of a sample no fewer than */
-#define LEAST_RAYS 16
+#define RAYS LC_SIZE(256, 4) /* of a pixel, and of a sample no fewer than */
+#define LEAST_RAYS LC_SIZE(16, 4)
 #define PLACE 0.5f         /* size of the surface that shares a place, of the reach */
 #define LEVELS 3           /* of places: what the last ones' surroundings reflect is virtual lights alone */
 #define PLACE_ERROR 0.1f   /* error ratio of a place's cut */
@@ -30,13 +30,13 @@
 #define LIGHT_LIFT 0x1p-20f /* of its largest coordinate: where shadow rays start */
 #define SAME_WAY 0.7f      /* cosine between their normals */
 #define PLACES_A_LIGHT 16
-#define LEAST_PLACES ((size_t)1 << 12)
+#define LEAST_PLACES ((size_t)LC_SIZE(4096, 64))
 #define MOST_PLACES ((size_t)1 << 21)
 #define MOST_BYTES ((size_t)1 << 28) /* of their light */
 #define PROBES 16          /* of the table; what has no room is found again */
 
-static const uint32_t most_clusters[LEVELS] = { 128, 32, 32 },
-                      n_place_rays[LEVELS] = { 8, 4, 0 }; /* by which a place sees what is near */
+static const uint32_t most_clusters[LEVELS] = { LC_SIZE(128, 8), LC_SIZE(32, 8), LC_SIZE(32, 8) },
+                      n_place_rays[LEVELS] = { LC_SIZE(8, 1), LC_SIZE(4, 1), 0 }; /* to what is near */
 
 struct lc_near_places {
     uint32_t *rank;    /* of each triangle among those of its object, or of the world, along a curve */
@@ -379,8 +379,8 @@ static void place_of_triangle(const lc_near_places *b, const lc_hit *hit, const 
     *key = lc_hash4((uint64_t)place.instance << 32 | place.tri, (uint64_t)uv[0] << 32 | uv[1], away, 0x706c);
 }
 
-/* Irradiance over pi at a hit's place, on the side that dir comes from; a rough one at small instances far from
- * virtual lights. */
+/* Irradiance over pi at a hit's place, on the side that dir comes from. At small instances that no virtual
+ * light is near it is a rough one. */
 static void light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
                      lc_f3 *out)
 {
