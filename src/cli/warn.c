@@ -3,7 +3,6 @@
 
 #include <stdio.h>
 
-#define WARN_LOSS 0.02 /* share of the indirect light; interiors lose 0.0002 to 0.004 */
 #define WARN_OFF  2   /* times the error of indirect light that was asked for */
 #define WARN_SKY  0.1 /* what 5 % of the blocks are off by; rooms lit through windows are by 0.04 */
 
@@ -15,11 +14,6 @@ void cli_warn_of_scene(const lc_load_desc *load, const lc_scene_info *info)
                 "more in 5 %% of them, %.2g times what was asked: more --indirect-lights help%s\n",
                 100 * info->indirect_median, 100 * info->indirect_high, info->indirect_off,
                 load->indirect_from == LC_INDIRECT_FROM_VIEW ? "" : ", or --indirect-from view");
-    if (info->indirect_loss > WARN_LOSS)
-        fprintf(stderr,
-                "lightcuts: warning: clamping takes %.0f %% of the indirect light, with more "
-                "--indirect-lights less\n",
-                100 * info->indirect_loss);
     if (info->sky_high > WARN_SKY)
         fprintf(stderr,
                 "lightcuts: warning: light of the sky is off by %.2g %% in half of the blocks, by %.2g %% "
