@@ -30,7 +30,7 @@
 #define LIGHT_LIFT 0x1p-20f /* of its largest coordinate: where shadow rays start */
 #define SAME_WAY 0.7f      /* cosine between their normals */
 #define PLACES_A_LIGHT 16
-#define LEAST_PLACES ((size_t)LC_SIZE(4096, 64))
+#define LEAST_PLACES ((size_t)LC_SIZE(1 << 18, 64))
 #define MOST_PLACES ((size_t)1 << 21)
 #define MOST_BYTES ((size_t)1 << 28) /* of their light */
 #define PROBES 16          /* of the table; what has no room is found again */
@@ -155,9 +155,10 @@ lc_status lc_near_places_make(lc_scene *s, uint32_t max_bounces, const lc_f3 *of
     b->scene = s;
     set_levels(b, max_bounces, of_bounce);
     b->stride = 1 + s->groups.n;
-    b->n = LEAST_PLACES;
-    while (b->n < PLACES_A_LIGHT * s->virtuals.n && b->n < MOST_PLACES &&
-           2 * b->n * b->stride * sizeof *b->light <= MOST_BYTES)
+    size_t wanted = PLACES_A_LIGHT * s->virtuals.n;
+    if (wanted < LEAST_PLACES) wanted = LEAST_PLACES;
+    b->n = 1;
+    while (b->n < wanted && b->n < MOST_PLACES && 2 * b->n * b->stride * sizeof *b->light <= MOST_BYTES)
         b->n *= 2;
     b->key = lc_alloc(s->ctx, b->n, sizeof *b->key);
     b->found = lc_alloc(s->ctx, b->n, sizeof *b->found);
