@@ -300,6 +300,28 @@ static double all_around(const lc_scene *s, const lc_point *p)
     return sum;
 }
 
+/* A point above a room's floor that has all of the room within reach. */
+static lc_lit glossy_point(const lc_scene *s, float roughness, float angle, lc_point *soft)
+{
+    lc_lit lit = { .view = { sinf(angle), 0, cosf(angle) }, .weight = { 1, 1, 1 } };
+    lit.surface.n = lit.surface.ng = lc_f3_make(0, 0, 1);
+    lit.surface.material =
+        (lc_material){ .kd = { 0.2f, 0.2f, 0.2f }, .ks = { 0.5f, 0.5f, 0.5f }, .lobe = LC_LOBE_GGX,
+                       .roughness = { roughness, roughness } };
+    CHECK(lc_lit_point_of_near(s, &lit, soft) >= 0.5f);
+    soft->near_d2 = 100;
+    soft->near_scale = 0.01f;
+    return lit;
+}
+
+static double gather(const lc_scene *s, const lc_lit *lit, const lc_point *soft, lc_near_rays rays)
+{
+    double sum = 0;
+    const lc_near_ends ends = { s, add_to, &sum };
+    lc_near_gather(&ends, lit, soft, rays);
+    return sum;
+}
+
 /* Rays drawn by normal and lobe together have the same mean as all directions alike. */
 TEST(rays_by_a_lobe_have_no_bias)
 {
@@ -309,24 +331,41 @@ TEST(rays_by_a_lobe_have_no_bias)
     lc_scene *s = scene_from_file(ctx, &load, scene_path());
     CHECK(s);
     for (int i = 0; s && i < 12; i++) {
-        double sum = 0;
-        lc_point own, soft;
-        const float a = 0.4f * (float)(i / 4 + 1);
-        lc_lit lit = { .view = { sinf(a), 0, cosf(a) }, .weight = { 1, 1, 1 } };
-        const lc_material m = { .kd = { 0.2f, 0.2f, 0.2f }, .ks = { 0.5f, 0.5f, 0.5f }, .lobe = LC_LOBE_GGX,
-                                .roughness = { rough[i % 4], rough[i % 4] } };
-        lit.surface.n = lit.surface.ng = lc_f3_make(0, 0, 1);
-        lit.surface.material = m;
-        const float exponent = lc_lit_point_of_near(s, &lit, &own);
-        soft = own;
-        soft.near_d2 = 100; /* the room is within reach */
-        soft.near_scale = 0.01f;
-        const lc_near_ends ends = { s, add_to, &sum };
-        lc_near_gather(&ends, &lit, &soft, 1 << 14);
-        const double want = all_around(s, &own);
-        CHECKF(exponent >= 0.5f && near_rel(sum, want, 0.02), "roughness %g, angle %g: %g of %g",
-               (double)rough[i % 4], (double)a, sum, want);
+        lc_point soft;
+        const float angle = 0.4f * (float)(i / 4 + 1);
+        const lc_lit lit = glossy_point(s, rough[i % 4], angle, &soft);
+        const double sum = gather(s, &lit, &soft, (lc_near_rays){ .key = (uint64_t)i, .n = 1 << 14 }),
+                     want = all_around(s, &soft);
+        CHECKF(near_rel(sum, want, 0.02), "roughness %g, angle %g: %g of %g", (double)rough[i % 4],
+               (double)angle, sum, want);
     }
+    lc_scene_destroy(s);
+}
+
+/* The 16 rays of each of a pixel's 16 samples are one even set, not 16 that know nothing of each other. */
+TEST(rays_of_a_pixel_are_even)
+{
+    double together2 = 0, apart2 = 0;
+    lc_point soft;
+    scene_write(V4 "%s", ROOM);
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    CHECK(s);
+    if (!s) return;
+    const lc_lit lit = glossy_point(s, 0.4f, 0.4f, &soft);
+    const double want = all_around(s, &soft);
+    for (uint64_t pixel = 0; pixel < 64; pixel++) {
+        double together = 0, apart = 0;
+        for (uint32_t i = 0; i < 16; i++) {
+            together += gather(s, &lit, &soft, (lc_near_rays){ lc_hash2(pixel, 0), 16 * i, 16 }) / 16;
+            apart += gather(s, &lit, &soft, (lc_near_rays){ lc_hash2(pixel, i), 0, 16 }) / 16;
+        }
+        together2 += (together - want) * (together - want) / 64;
+        apart2 += (apart - want) * (apart - want) / 64;
+    }
+    printf("    off by %.2f %% together, %.2f %% apart\n", 100 * sqrt(together2) / want,
+           100 * sqrt(apart2) / want);
+    CHECKF(2 * together2 < apart2, "mean squares %g, %g", together2, apart2);
     lc_scene_destroy(s);
 }
 
@@ -398,6 +437,7 @@ int main(void)
     RUN(glass_lets_near_light_pass);
     RUN(mirrors_light_what_is_near);
     RUN(rays_by_a_lobe_have_no_bias);
+    RUN(rays_of_a_pixel_are_even);
     RUN(few_lights_do_not_fill_a_gap);
     RUN(the_last_bounce_is_not_reflected);
     RUN(sides_of_a_sheet_differ);

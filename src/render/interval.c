@@ -47,26 +47,28 @@ void lc_interval_free_room(const lc_context *ctx, lc_render_worker *w)
 
 /* Adds what a surface shows. */
 static void add_lit(const lc_render_job *j, struct lc_interval_room *room, lc_near_cuts *near,
-                    const lc_lit *lit, uint64_t hash, uint64_t key, lc_interval *sum)
+                    const lc_lit *lit, uint32_t k, const lc_sample_keys *keys, uint64_t key, lc_interval *sum)
 {
     lc_point point[2];
     lc_cut_result r;
     lc_interval part;
     double weight[3];
+    const uint64_t hash = keys->slot + k;
     lc_film_weights(&j->scene->film, lit->weight, weight);
     lc_lit_point(j->scene, lit, hash, point);
     lc_cut_shade(&room->cut, point, lit->surface.ray_org, hash, &room->stats, &r);
     lc_cut_interval(&room->cut, point, lit->surface.ray_org, weight, key, &room->stats, &part);
     lc_interval_add(sum, &part, 1);
     const lc_scene *scene = lc_moments_scene(&j->moments, j->scene, lit->surface.moment);
-    part = lc_interval_of(lc_near_bounce_light(scene, near, lit, point, j->spp, lit->weight, NULL), weight);
+    part = lc_interval_of(lc_near_bounce_light(scene, near, lit, point, lc_near_sample_of(j, keys, k),
+                                               lit->weight, NULL), weight);
     lc_interval_add(sum, &part, 1);
 }
 
 bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_f3 rgb,
                         lc_interval *out)
 {
-    const uint64_t pixel = (uint64_t)y * j->scene->film.width + x, hash = lc_slot_hash(j, x, y, i);
+    const lc_sample_keys keys = lc_sample_keys_of(j, x, y, i);
     double weight[3];
     lc_f3 dir;
     lc_sight s;
@@ -79,8 +81,8 @@ bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
         if (!lc_job_go_on(j)) return false;
         *out = lc_interval_of(s.emission, weight);
         for (uint32_t k = 0; k < s.n_lit; k++)
-            add_lit(j, w->interval, w->near, &s.lit[k], hash + k,
-                    lc_job_key(j, pixel, i, LC_DIM_INTERVAL + k), out);
+            add_lit(j, w->interval, w->near, &s.lit[k], k, &keys,
+                    lc_job_key(j, lc_pixel_number(j, x, y), i, LC_DIM_INTERVAL + k), out);
     }
     lc_interval_round(out, j->spp);
     return true;

@@ -43,7 +43,8 @@ static bool shade_cell(lc_render_job *j, uint32_t thread, uint64_t item, uint32_
         !s.n_lit)
         return false;
     const uint64_t hash = lc_job_key(j, item, 0, LC_DIM_SLOT);
-    lc_shade_sight(j, &j->workers[thread], &s, NULL, hash, hash, r);
+    const lc_sample_keys keys = { hash, hash, hash, 0 };
+    lc_shade_sight(j, &j->workers[thread], &s, NULL, &keys, r);
     return true;
 }
 

@@ -37,6 +37,12 @@ uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint3
     return lc_slot_hash(j, x / side, y / side, i + w->slot_shift);
 }
 
+lc_sample_keys lc_sample_keys_of(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i)
+{
+    const uint64_t slot = lc_slot_hash(j, x, y, i);
+    return (lc_sample_keys){ slot, slot, lc_job_key(j, lc_pixel_number(j, x, y), 0, LC_DIM_NEAR), i };
+}
+
 /* Adds the light of surfaces nearby. */
 static void add_near(lc_render_worker *w, lc_f3 near_light, const lc_f3 *of_group, lc_cut_result *out)
 {
@@ -48,26 +54,24 @@ static void add_near(lc_render_worker *w, lc_f3 near_light, const lc_f3 *of_grou
     }
 }
 
-/* Radiance of one lit surface, as it leaves it. of_point: the same as hash, but that it is the sample's own
- * where the slot is another's: what is seen of round lights is the same by every slot. */
-void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, lc_guide *g, uint64_t hash,
-                  uint64_t of_point, lc_cut_result *out)
+void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, uint32_t k, lc_guide *g,
+                  const lc_sample_keys *keys, lc_cut_result *out)
 {
     const lc_surface *s = &lit->surface;
     lc_point point[2], *p = point;
     lc_f3 of_group[LC_MAX_GROUPS];
-    lc_lit_point(j->scene, lit, of_point, point);
-    for (uint32_t k = 0; w->groups && k < w->groups->n; k++) of_group[k] = lc_f3_make(0, 0, 0);
+    lc_lit_point(j->scene, lit, keys->point + k, point);
+    for (uint32_t m = 0; w->groups && m < w->groups->n; m++) of_group[m] = lc_f3_make(0, 0, 0);
     const lc_f3 near_light =
-        lc_near_bounce_light(lc_moments_scene(&j->moments, j->scene, s->moment), w->near, lit, p, j->spp,
-                             lc_f3_make(1, 1, 1), w->groups ? of_group : NULL);
+        lc_near_bounce_light(lc_moments_scene(&j->moments, j->scene, s->moment), w->near, lit, p,
+                             lc_near_sample_of(j, keys, k), lc_f3_make(1, 1, 1), w->groups ? of_group : NULL);
     w->cut.part.rest = (double)lc_luminance(near_light);
     w->stats.glossy += p->lobe != LC_LOBE_NONE;
     if (j->exact) {
         lc_exact_shade_groups(j->scene->tree, &j->visibility, p, s->ray_org,
                               w->groups ? w->groups->cut : NULL, &w->stats, out);
     } else {
-        lc_guided_cut(&w->cut, g, p, s, hash, &w->stats, out);
+        lc_guided_cut(&w->cut, g, p, s, keys->slot + k, &w->stats, out);
         w->cut_hist[out->size]++;
     }
     if (out->size > w->cut_max) w->cut_max = out->size;
@@ -75,15 +79,14 @@ void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit
     add_near(w, near_light, of_group, out);
 }
 
-/* Radiance of all that is seen, as it reaches the camera; fills what the statistics and planes want. The
- * first surface makes the guide where that is not made yet. */
+/* Fills what the statistics and planes want. */
 void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight *sight, lc_guide *g,
-                    uint64_t hash, uint64_t of_point, lc_cut_result *sum)
+                    const lc_sample_keys *keys, lc_cut_result *sum)
 {
     *sum = (lc_cut_result){ .size = 0 };
     for (uint32_t i = 0; i < sight->n_lit; i++) {
         lc_cut_result r;
-        lc_shade_lit(j, w, &sight->lit[i], g, hash + i, of_point + i, &r);
+        lc_shade_lit(j, w, &sight->lit[i], i, g, keys, &r);
         w->cut.row = LC_NONE;
         if (g) g->made = true;
         sum->radiance = lc_f3_add(sum->radiance, lc_f3_mul(r.radiance, sight->lit[i].weight));
@@ -138,7 +141,9 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     w->stats.camera_rays += s.n_rays;
     lc_guide *g = j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i, lc_guide_work(w));
     w->cut.row = i + w->slot_shift ? LC_NONE : lc_guide_row(g, x, y);
-    lc_shade_sight(j, w, &s, g, lc_worker_slot(j, w, x, y, i), lc_slot_hash(j, x, y, i), &r);
+    lc_sample_keys keys = lc_sample_keys_of(j, x, y, i);
+    keys.slot = lc_worker_slot(j, w, x, y, i);
+    lc_shade_sight(j, w, &s, g, &keys, &r);
     *rgb = lc_f3_add(r.radiance, s.emission);
     lc_add_to_planes(j, px, &s, dir);
     px->cut += (float)r.size;

@@ -29,8 +29,9 @@ static lc_status probe_desc(lc_render_job *j, lc_probe *p, lc_cut_desc *cut)
 }
 
 /* All that is lit but the first; the cut is scratch. */
-static void shade_others(const lc_render_job *j, lc_probe *p, lc_guide *g, uint64_t hash)
+static void shade_others(const lc_render_job *j, lc_probe *p, lc_guide *g, const lc_sample_keys *keys)
 {
+    const uint64_t hash = keys->slot;
     lc_stats stats = { 0 };
     for (uint32_t i = 1; i < p->sight.n_lit; i++) {
         const lc_lit *lit = &p->sight.lit[i];
@@ -40,7 +41,8 @@ static void shade_others(const lc_render_job *j, lc_probe *p, lc_guide *g, uint6
         if (p->all_lights)
             lc_exact_shade(j->scene->tree, &j->visibility, point, lit->surface.ray_org, &stats, &r);
         else lc_guided_cut(&p->cut, g, point, &lit->surface, hash + i, &stats, &r);
-        const lc_f3 light = lc_near_bounce_light(j->scene, p->near, lit, point, j->spp, lit->weight, NULL);
+        const lc_f3 light = lc_near_bounce_light(j->scene, p->near, lit, point, lc_near_sample_of(j, keys, i),
+                                                 lit->weight, NULL);
         p->others = lc_f3_add(p->others, lc_f3_mul(lc_f3_add(r.radiance, light), lit->weight));
     }
 }
@@ -56,19 +58,20 @@ static lc_status probe_lit(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sa
         lc_free(j->ctx, g, 1, sizeof *g);
         return LC_ERR_MEMORY;
     }
-    uint64_t hash = lc_slot_hash(j, x, y, sample);
+    const lc_sample_keys keys = lc_sample_keys_of(j, x, y, sample);
     lc_guide_of(j, &p->cut, g, x, y, sample, NULL);
     bool is_guide = !g->made;
     if (is_guide) lc_guide_make(j, &p->cut, g, NULL);
-    shade_others(j, p, g, hash);
+    shade_others(j, p, g, &keys);
     g->made = false;
     /* again: its splits are kept for the cut that begins with it. */
     if (!is_guide) lc_guide_make(j, &p->cut, g, NULL);
-    lc_lit_point(j->scene, lit, hash, p->point);
-    const lc_f3 light = lc_near_bounce_light(j->scene, p->near, lit, p->point, j->spp, lit->weight, NULL);
+    lc_lit_point(j->scene, lit, keys.slot, p->point);
+    const lc_f3 light = lc_near_bounce_light(j->scene, p->near, lit, p->point, lc_near_sample_of(j, &keys, 0),
+                                             lit->weight, NULL);
     p->others = lc_f3_add(p->others, lc_f3_mul(light, lit->weight));
     p->cut.row = sample ? LC_NONE : lc_guide_row(g, x, y);
-    lc_guided_cut(&p->cut, g, p->point, &lit->surface, hash, &stats, &p->by_cut);
+    lc_guided_cut(&p->cut, g, p->point, &lit->surface, keys.slot, &stats, &p->by_cut);
     lc_free(j->ctx, g->evidence, 1, sizeof *g->evidence);
     lc_free(j->ctx, g, 1, sizeof *g);
     return LC_OK;

@@ -122,10 +122,11 @@ static void shade_point(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
         w->stats.camera_rays += s.n_rays;
         to->n = find_keys(&s, which);
         lc_guide *g = s.n_lit ? guide_of(j, w, x, y) : NULL;
-        const uint64_t hash = lc_slot_hash(j, x / j->coarse->size, y / j->coarse->size, j->first);
+        lc_sample_keys keys = lc_sample_keys_of(j, x, y, j->first);
+        keys.slot = keys.point = lc_slot_hash(j, x / j->coarse->size, y / j->coarse->size, j->first);
         for (uint32_t i = 0; i < s.n_lit; i++) {
             lc_cut_result r;
-            lc_shade_lit(j, w, &s.lit[i], g, hash + i, hash + i, &r);
+            lc_shade_lit(j, w, &s.lit[i], i, g, &keys, &r);
             if (g) g->made = true;
             if (!lc_f3_finite(r.radiance)) r.radiance = lc_f3_make(0, 0, 0);
             if (k < to->n && which[k] == i) {
@@ -322,8 +323,8 @@ bool lc_coarse_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t
         lc_add_to_planes(j, &px, &s, dir);
         if (s.n_lit && !interpolate(j, x, y, &s, &rgb)) {
             lc_cut_result r;
-            const uint64_t hash = lc_slot_hash(j, x, y, j->first);
-            lc_shade_sight(j, w, &s, NULL, hash, hash, &r);
+            const lc_sample_keys keys = lc_sample_keys_of(j, x, y, j->first);
+            lc_shade_sight(j, w, &s, NULL, &keys, &r);
             rgb = r.radiance;
             px.cut = (float)r.size;
             px.rays = (float)r.rays;

@@ -21,13 +21,16 @@
 #include "render/film.h"
 #include "scene/filter_share.h"
 #include "scene/motion.h"
+#include "scene/near_bounce.h"
 #include "scene/view.h"
 #include <stdatomic.h>
 
 #define LC_PIXEL_BLOCK 4 /* pixels a side that share a guide and deal out the slots of representatives */
 
 /* INTERVAL: + the lit point */
-enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL, LC_DIM_TIME = 1000 };
+enum {
+    LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL, LC_DIM_TIME = 1000, LC_DIM_NEAR
+};
 
 /* The guide of a block of pixels; see guide.c. */
 typedef struct lc_guide {
@@ -164,13 +167,29 @@ lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
 uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint32_t x, uint32_t y,
                         uint32_t i);
-/* Radiance of one lit surface, as it leaves it. */
-void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, lc_guide *g, uint64_t hash,
-                  uint64_t of_point, lc_cut_result *out);
+/* What the random choices of a sample go by. Lit point k of it: slot and point + k. */
+typedef struct lc_sample_keys {
+    uint64_t slot;  /* of representatives */
+    uint64_t point; /* the same, but by the sample's own slot where that one is another's: where round lights
+                     * have points, and so what is seen of them, is the same by every slot */
+    uint64_t near;  /* of the pixel: rays to what is near */
+    uint32_t index; /* of the sample in its pixel */
+} lc_sample_keys;
+
+/* By their own slot. */
+lc_sample_keys lc_sample_keys_of(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i);
+/* Of lit point k. */
+static inline lc_near_sample lc_near_sample_of(const lc_render_job *j, const lc_sample_keys *keys, uint32_t k)
+{
+    return (lc_near_sample){ lc_hash2(keys->near, k), keys->index, j->spp };
+}
+/* Radiance of lit surface k of a sample, as it leaves it. */
+void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, uint32_t k, lc_guide *g,
+                  const lc_sample_keys *keys, lc_cut_result *out);
 /* Radiance of all that is seen, as it reaches the camera. The first surface makes the guide where that is not
- * made yet. hash: of the slot; of_point: of the sample, by which round lights have points. */
+ * made yet. */
 void lc_shade_sight(const lc_render_job *j, lc_render_worker *w, const lc_sight *sight, lc_guide *g,
-                    uint64_t hash, uint64_t of_point, lc_cut_result *sum);
+                    const lc_sample_keys *keys, lc_cut_result *sum);
 /* Radiance of sample i of a pixel; px: all but rgb is added to. False: cancelled, or stopped halfway. */
 bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_pixel *px,
                       lc_f3 *rgb);

@@ -105,29 +105,28 @@ static bool are_alike(const lc_gather_point *a, const lit_sample *la, const lc_g
 }
 
 /* Adds the light of surfaces nearby. */
-static void add_near(pixel_sum *s, const lc_lit *lit, const lc_point *p)
+static void add_near(pixel_sum *s, const lc_lit *lit, const lc_point *p, lc_near_sample sample)
 {
     const lc_scene *scene = lc_moments_scene(&s->j->moments, s->j->scene, lit->surface.moment);
     lc_f3 *of_group = lc_groups_begin_sample(s->w->groups);
     const lc_f3 light = lc_f3_mul(
-        lc_near_bounce_light(scene, s->w->near, lit, p, s->j->spp, lit->weight, of_group), lit->weight);
+        lc_near_bounce_light(scene, s->w->near, lit, p, sample, lit->weight, of_group), lit->weight);
     lc_groups_end_sample(s->w->groups);
     s->sum = lc_f3_add(s->sum, light);
     s->luminance += (double)lc_luminance(light);
 }
 
-/* Adds a lit point to the group whose first point it is like, or makes one. hash, of_point: as of
- * lc_shade_sight. */
-static void add_point(pixel_sum *s, const lc_lit *lit, uint64_t hash, uint64_t of_point, uint32_t most)
+/* Adds lit point k of a sample to the group whose first point it is like, or makes one. */
+static void add_point(pixel_sum *s, const lc_lit *lit, uint32_t k, const lc_sample_keys *keys, uint32_t most)
 {
     lc_pixel_points *p = s->w->points;
     lc_gather_point *a = &p->point[p->n];
     lit_sample *l = &p->lit[p->n];
-    lc_lit_point(s->j->scene, lit, of_point, a->p);
-    add_near(s, lit, a->p);
-    for (int k = 0; k < 3; k++) a->org[k] = lit->surface.ray_org[k];
-    *l = (lit_sample){ .weight = lit->weight, .place = lit->surface.pos, .n = lit->surface.n, .hash = hash,
-                       .material = lit->surface.material_id, .mass = 1 };
+    lc_lit_point(s->j->scene, lit, keys->point + k, a->p);
+    add_near(s, lit, a->p, lc_near_sample_of(s->j, keys, k));
+    for (int c = 0; c < 3; c++) a->org[c] = lit->surface.ray_org[c];
+    *l = (lit_sample){ .weight = lit->weight, .place = lit->surface.pos, .n = lit->surface.n,
+                       .hash = keys->slot + k, .material = lit->surface.material_id, .mass = 1 };
     if (s->j->scene->media.present) l->mass = fmaxf(lc_luminance(lit->weight), LEAST_MASS);
     l->reach2 = REACH * REACH * lit->surface.t * lit->surface.t;
     if (!lc_has_lobe(&a->p[0])) {
@@ -248,9 +247,9 @@ static bool add_camera_ray(pixel_sum *s, lc_pixel_sights *all, lc_pixel *px)
     if (!hit) return true;
     w->stats.camera_rays += sight->n_rays;
     lc_add_to_planes(j, px, sight, all->dir);
-    for (uint32_t k = 0; k < sight->n_lit; k++)
-        add_point(s, &sight->lit[k], lc_worker_slot(j, w, x, y, i) + k,
-                  lc_slot_hash(j, x, y, i) + k, j->max_points);
+    lc_sample_keys keys = lc_sample_keys_of(j, x, y, i);
+    keys.slot = lc_worker_slot(j, w, x, y, i);
+    for (uint32_t k = 0; k < sight->n_lit; k++) add_point(s, &sight->lit[k], k, &keys, j->max_points);
     lc_phase_end(&w->stats, LC_PHASE_OTHER);
     return true;
 }

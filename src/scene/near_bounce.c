@@ -304,7 +304,7 @@ static bool sees(const lc_scene *s, const lc_hit *hit, const triangle *t, const 
 /* ---- its light ---- */
 
 static lc_f3 light_by(const lc_scene *scene, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
-                      uint32_t n, lc_f3 weight, lc_f3 *of_group);
+                      lc_near_rays rays, lc_f3 weight, lc_f3 *of_group);
 
 static void find_light(const lc_near_places *b, lc_near_cuts *c, const lc_surface *at, uint64_t key,
                        lc_f3 *out)
@@ -320,8 +320,8 @@ static void find_light(const lc_near_places *b, lc_near_cuts *c, const lc_surfac
     out[0] = r.radiance;
     for (uint32_t k = 0; k + 1 < b->stride; k++)
         out[1 + k] = lc_f3_make((float)c->of_group[k][0], (float)c->of_group[k][1], (float)c->of_group[k][2]);
-    const uint32_t n_rays = n_place_rays[c->level++];
-    out[0] = lc_f3_add(out[0], light_by(b->scene, c, &lit, p, n_rays, lc_f3_make(1, 1, 1), out + 1));
+    const lc_near_rays rays = { .key = lc_hash2(key, b->scene->load.seed), .n = n_place_rays[c->level++] };
+    out[0] = lc_f3_add(out[0], light_by(b->scene, c, &lit, p, rays, lc_f3_make(1, 1, 1), out + 1));
     c->level--;
 }
 
@@ -468,22 +468,22 @@ static void add_end(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to)
         l->of_group[k] = lc_f3_add(l->of_group[k], lc_f3_mul(l->weight, lc_f3_mul(to, radiance[1 + k])));
 }
 
-static lc_f3 light_by(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p, uint32_t n,
-                      lc_f3 weight, lc_f3 *of_group)
+static lc_f3 light_by(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
+                      lc_near_rays rays, lc_f3 weight, lc_f3 *of_group)
 {
     const lc_point *soft = lc_point_for(p, LC_LIGHT_VIRTUAL);
     light_sum l = { .scene = s, .cuts = cuts, .weight = weight, .of_group = of_group };
     const lc_near_ends ends = { s, add_end, &l };
     if (!(soft->near_scale > 0)) return l.sum;
     l.size = PLACE * sqrtf(soft->near_d2 + 1 / soft->near_scale);
-    lc_near_gather(&ends, lit, soft, n);
+    lc_near_gather(&ends, lit, soft, rays);
     return l.sum;
 }
 
 lc_f3 lc_near_bounce_light(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
-                           uint32_t n_samples, lc_f3 weight, lc_f3 *of_group)
+                           lc_near_sample sample, lc_f3 weight, lc_f3 *of_group)
 {
-    /* a multiple of 4, as a narrow lobe draws a quarter of them */
-    const uint32_t n = n_samples < RAYS / LEAST_RAYS ? RAYS / n_samples & ~3u : LEAST_RAYS;
-    return light_by(s, cuts, lit, p, n, weight, of_group);
+    const uint32_t n = sample.n < RAYS / LEAST_RAYS ? RAYS / sample.n & ~3u : LEAST_RAYS;
+    const lc_near_rays rays = { sample.key, sample.index * n, n };
+    return light_by(s, cuts, lit, p, rays, weight, of_group);
 }

@@ -40,10 +40,16 @@ void lc_near_places_free(const lc_context *ctx, lc_near_places *places);
 lc_status lc_near_cuts_create(const lc_scene *scene, lc_near_cuts **out);
 void lc_near_cuts_free(const lc_context *ctx, lc_near_cuts *cuts);
 
-/* Radiance that leaves a lit point of what surfaces within its reach reflect, W/(m^2 sr); the point is one of
- * n_samples of a pixel. It depends on the point alone. p: of lc_lit_point. of_group: NULL, or where each
- * group's part is added, times weight. */
+/* What a point is of a pixel: sample `index` of n. key: of the pixel and of the number of the point in its
+ * sample; the rays of points with one key are spread evenly together. */
+typedef struct lc_near_sample {
+    uint64_t key;
+    uint32_t index, n;
+} lc_near_sample;
+
+/* Radiance that leaves a lit point of what surfaces within its reach reflect, W/(m^2 sr). p: of lc_lit_point.
+ * of_group: NULL, or where each group's part is added, times weight. */
 lc_f3 lc_near_bounce_light(const lc_scene *scene, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
-                           uint32_t n_samples, lc_f3 weight, lc_f3 *of_group);
+                           lc_near_sample sample, lc_f3 weight, lc_f3 *of_group);
 
 #endif

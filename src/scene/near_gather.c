@@ -10,8 +10,6 @@
 #include "scene/surface.h"
 #include "shade/point_init.h"
 
-#include <string.h>
-
 #define LOBE_RAYS 4           /* one of so many is drawn by a narrow lobe */
 #define TINY 1e-6             /* cosine */
 #define BATCH 32              /* rays */
@@ -107,24 +105,22 @@ static void give(const lc_near_ends *ends, const lc_point *p, const gathered *g,
                   lc_f3_scale(lc_f3_mul(lc_f3_make(f[0][i], f[1][i], f[2][i]), g->factor[i]), each));
 }
 
-void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, uint32_t n)
+void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, lc_near_rays rays)
 {
     const lc_scene *s = ends->scene;
-    uint32_t pos[3];
     lc_point own;
     gathered g;
     g.n = 0;
     const float exponent = lc_lit_point_of_near(s, lit, &own);
-    memcpy(pos, soft->pos, sizeof pos);
     const density d = { .n = lc_f3_load(soft->n),
                         .mirror = lc_f3_load(soft->mirror),
                         .exponent = (double)exponent,
                         .of_lobe = exponent > 0 ? 1.0 / LOBE_RAYS : 0,
-                        .key = lc_hash4(pos[0], pos[1], pos[2], s->load.seed) };
-    for (uint32_t i = 0; i < n; i++) {
-        gather_ray(s, lit, soft, &d, i, &g);
-        if (!g.n || (g.n < BATCH && i + 1 < n)) continue;
-        give(ends, &own, &g, 1 / (float)n);
+                        .key = rays.key };
+    for (uint32_t i = 0; i < rays.n; i++) {
+        gather_ray(s, lit, soft, &d, rays.first + i, &g);
+        if (!g.n || (g.n < BATCH && i + 1 < rays.n)) continue;
+        give(ends, &own, &g, 1 / (float)rays.n);
         g.n = 0;
     }
 }

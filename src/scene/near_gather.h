@@ -15,9 +15,16 @@ typedef struct lc_near_ends {
     void *user;
 } lc_near_ends;
 
-/* n rays by the cosine about the point's normal, where it has a narrow lobe a quarter of them by that; they
- * depend on the point alone; n is a multiple of 4. soft: what virtual lights
- * meet there, with a reach. Rays go straight through glass; those that meet mirrors end nowhere. */
-void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, uint32_t n);
+/* Rays first .. first + n - 1 of the sequence of a key (base/sample.h): points whose rays follow each other
+ * share what is even about them. Both are multiples of 4. */
+typedef struct lc_near_rays {
+    uint64_t key;
+    uint32_t first, n;
+} lc_near_rays;
+
+/* Rays by the cosine about the point's normal; where it has a narrow lobe a quarter of them by that. soft:
+ * what virtual lights meet there, with a reach. Rays go straight through glass; those that meet mirrors end
+ * nowhere. */
+void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, lc_near_rays rays);
 
 #endif
