@@ -2,6 +2,7 @@
 #include "render/guide.h"
 
 #include "render/pixel_sights.h"
+#include "render/sample_keys.h"
 #include "scene/lit_point.h"
 #include "scene/surface.h"
 

@@ -9,8 +9,8 @@
 
 #include "cut/exact.h"
 #include "render/pixel_sights.h"
+#include "render/sample_keys.h"
 #include "scene/lit_point.h"
-#include "scene/near_bounce.h"
 #include "scene/sun.h"
 #include "trace/bvh.h"
 
@@ -68,7 +68,7 @@ static void add_lit(const lc_render_job *j, struct lc_interval_room *room, lc_ne
 bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i, lc_f3 rgb,
                         lc_interval *out)
 {
-    const lc_sample_keys keys = lc_sample_keys_of(j, x, y, i);
+    const lc_sample_keys keys = lc_sample_keys_of(j, NULL, x, y, i);
     double weight[3];
     lc_f3 dir;
     lc_sight s;

@@ -3,6 +3,7 @@
 
 #include "base/desc.h"
 #include "base/pool.h"
+#include "render/sample_keys.h"
 #include "scene/instance.h"
 
 #include <math.h>

@@ -8,40 +8,15 @@
 #include "render/interval.h"
 #include "render/pixel_sights.h"
 #include "render/reconstruct.h"
+#include "render/sample_keys.h"
 #include "render/samples.h"
 #include "scene/lit_point.h"
-#include "scene/near_bounce.h"
 #include "scene/sun.h"
 
 #include <math.h>
 #include <string.h>
 
 #define ASK_STEP 1000 /* rays and lights between looks at the clock: 10 us and more */
-
-/* Picks a pixel's slot of representatives. The pixels of a block have 16 numbers in an order of its own, so
- * with at most as many slots all are in it equally often, and the block's mean is better than that of any 16
- * choices; samples of a pixel go on from its number, which is in the lowest four bits. Measured:
- * tests/results/representatives.md. */
-uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i)
-{
-    if (j->scene->tree->n_reps == 1) return 0;
-    const uint64_t block = lc_pixel_number(j, x - x % LC_PIXEL_BLOCK, y - y % LC_PIXEL_BLOCK),
-                   h = lc_job_key(j, block, 0, LC_DIM_SLOT);
-    return h >> 32 << 4 |
-           ((lc_permute16(y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK, h) + 5 * i) & 15);
-}
-
-uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint32_t x, uint32_t y, uint32_t i)
-{
-    const uint32_t side = w->of_knots ? LC_PIXEL_BLOCK : 1;
-    return lc_slot_hash(j, x / side, y / side, i + w->slot_shift);
-}
-
-lc_sample_keys lc_sample_keys_of(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i)
-{
-    const uint64_t slot = lc_slot_hash(j, x, y, i);
-    return (lc_sample_keys){ slot, slot, lc_job_key(j, lc_pixel_number(j, x, y), 0, LC_DIM_NEAR), i };
-}
 
 /* Adds the light of surfaces nearby. */
 static void add_near(lc_render_worker *w, lc_f3 near_light, const lc_f3 *of_group, lc_cut_result *out)
@@ -141,8 +116,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     w->stats.camera_rays += s.n_rays;
     lc_guide *g = j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i, lc_guide_work(w));
     w->cut.row = i + w->slot_shift ? LC_NONE : lc_guide_row(g, x, y);
-    lc_sample_keys keys = lc_sample_keys_of(j, x, y, i);
-    keys.slot = lc_worker_slot(j, w, x, y, i);
+    const lc_sample_keys keys = lc_sample_keys_of(j, w, x, y, i);
     lc_shade_sight(j, w, &s, g, &keys, &r);
     *rgb = lc_f3_add(r.radiance, s.emission);
     lc_add_to_planes(j, px, &s, dir);

@@ -4,9 +4,8 @@
 #include "cut/exact.h"
 #include "render/guide.h"
 #include "render/pixel_sights.h"
-#include "render/render_job.h"
+#include "render/sample_keys.h"
 #include "scene/lit_point.h"
-#include "scene/near_bounce.h"
 #include "scene/surface.h"
 
 /* What cuts of the picture are made by; where it makes none, by those of LC_METHOD_CUTS. */
@@ -58,7 +57,7 @@ static lc_status probe_lit(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sa
         lc_free(j->ctx, g, 1, sizeof *g);
         return LC_ERR_MEMORY;
     }
-    const lc_sample_keys keys = lc_sample_keys_of(j, x, y, sample);
+    const lc_sample_keys keys = lc_sample_keys_of(j, NULL, x, y, sample);
     lc_guide_of(j, &p->cut, g, x, y, sample, NULL);
     bool is_guide = !g->made;
     if (is_guide) lc_guide_make(j, &p->cut, g, NULL);

@@ -4,6 +4,7 @@
 #include "render/guide.h"
 #include "render/likeness.h"
 #include "render/pixel_sights.h"
+#include "render/sample_keys.h"
 #include "scene/sun.h"
 
 #include <math.h>
@@ -122,7 +123,7 @@ static void shade_point(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
         w->stats.camera_rays += s.n_rays;
         to->n = find_keys(&s, which);
         lc_guide *g = s.n_lit ? guide_of(j, w, x, y) : NULL;
-        lc_sample_keys keys = lc_sample_keys_of(j, x, y, j->first);
+        lc_sample_keys keys = lc_sample_keys_of(j, NULL, x, y, j->first);
         keys.slot = keys.point = lc_slot_hash(j, x / j->coarse->size, y / j->coarse->size, j->first);
         for (uint32_t i = 0; i < s.n_lit; i++) {
             lc_cut_result r;
@@ -323,7 +324,7 @@ bool lc_coarse_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t
         lc_add_to_planes(j, &px, &s, dir);
         if (s.n_lit && !interpolate(j, x, y, &s, &rgb)) {
             lc_cut_result r;
-            const lc_sample_keys keys = lc_sample_keys_of(j, x, y, j->first);
+            const lc_sample_keys keys = lc_sample_keys_of(j, NULL, x, y, j->first);
             lc_shade_sight(j, w, &s, NULL, &keys, &r);
             rgb = r.radiance;
             px.cut = (float)r.size;

@@ -21,7 +21,6 @@
 #include "render/film.h"
 #include "scene/filter_share.h"
 #include "scene/motion.h"
-#include "scene/near_bounce.h"
 #include "scene/view.h"
 #include <stdatomic.h>
 
@@ -163,26 +162,8 @@ double lc_job_work(const lc_render_job *j);
 lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
 
 /* ---- pixel.c ---- */
-/* Chooses a sample's slot of representatives; lc_worker_slot: shifted as the worker says. */
-uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample);
-uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint32_t x, uint32_t y,
-                        uint32_t i);
-/* What the random choices of a sample go by. Lit point k of it: slot and point + k. */
-typedef struct lc_sample_keys {
-    uint64_t slot;  /* of representatives */
-    uint64_t point; /* the same, but by the sample's own slot where that one is another's: where round lights
-                     * have points, and so what is seen of them, is the same by every slot */
-    uint64_t near;  /* of the pixel: rays to what is near */
-    uint32_t index; /* of the sample in its pixel */
-} lc_sample_keys;
 
-/* By their own slot. */
-lc_sample_keys lc_sample_keys_of(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i);
-/* Of lit point k. */
-static inline lc_near_sample lc_near_sample_of(const lc_render_job *j, const lc_sample_keys *keys, uint32_t k)
-{
-    return (lc_near_sample){ lc_hash2(keys->near, k), keys->index, j->spp };
-}
+typedef struct lc_sample_keys lc_sample_keys; /* render/sample_keys.h */
 /* Radiance of lit surface k of a sample, as it leaves it. */
 void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit, uint32_t k, lc_guide *g,
                   const lc_sample_keys *keys, lc_cut_result *out);

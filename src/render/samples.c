@@ -10,8 +10,8 @@
 #include "render/group_sums.h"
 #include "render/guide.h"
 #include "render/pixel_sights.h"
+#include "render/sample_keys.h"
 #include "scene/lit_point.h"
-#include "scene/near_bounce.h"
 #include "scene/sun.h"
 
 #include <math.h>
@@ -247,8 +247,7 @@ static bool add_camera_ray(pixel_sum *s, lc_pixel_sights *all, lc_pixel *px)
     if (!hit) return true;
     w->stats.camera_rays += sight->n_rays;
     lc_add_to_planes(j, px, sight, all->dir);
-    lc_sample_keys keys = lc_sample_keys_of(j, x, y, i);
-    keys.slot = lc_worker_slot(j, w, x, y, i);
+    const lc_sample_keys keys = lc_sample_keys_of(j, w, x, y, i);
     for (uint32_t k = 0; k < sight->n_lit; k++) add_point(s, &sight->lit[k], k, &keys, j->max_points);
     lc_phase_end(&w->stats, LC_PHASE_OTHER);
     return true;
