@@ -1,6 +1,6 @@
 /* unit_gather.c - cuts of gather clusters: without an error they are the mean of the points' exact values,
  * whatever they begin with; roots are on average; and there may be little room. */
-#include "cut/cut_parts.h"
+#include "cut/cut_gather.h"
 #include "support/cut_scene.h"
 
 #define MOST 256
@@ -200,6 +200,48 @@ TEST(bounds_with_lobes)
     lobe = LC_LOBE_NONE;
 }
 
+/* A bound of points with lobes that is far below what stands for its pair counts as that; others stay. */
+TEST(a_missed_lobe_raises_the_bound)
+{
+    static const struct {
+        uint32_t link;
+        float bound, want;
+    } child[] = { { LC_PAIR | 1, 0.001f, 1 }, { LC_PAIR | 1, 0.002f, 2 }, /* the parent's, a new one */
+                  { 1, 0.05f, 1 },            { 1, 0.2f, 0.2f },
+                  { 1, 0, 0 },                { LC_LEAF | 1, 0.001f, 0.001f } };
+    static const float one[3] = { 1, 1, 1 };
+    static cluster x;
+    static lc_cut c;
+    static lc_cut_step step;
+    float transfer[3] = { 1, 1, 1 };
+    lobe = LC_LOBE_GGX;
+    make_cluster(&x, 20, 0.3, false);
+    c.gather = &x.gather;
+    CHECK(x.gather.lobed);
+    for (int lobed = 1; lobed >= 0; lobed--) {
+        x.gather.lobed = lobed;
+        for (uint32_t i = 0; i < 6; i += 2) {
+            for (uint32_t k = 0; k < 2; k++) {
+                step.link[k] = child[i + k].link;
+                step.bound[k] = child[i + k].bound;
+                step.intensity[k] = one;
+                step.fresh[k] = (float)k;
+            }
+            for (int k = 0; k < 3; k++) {
+                c.split.transfer[k] = &transfer[k];
+                step.f[k][0] = 2;
+            }
+            lc_cut_gather_raise(&c, &step, 0, 1);
+            for (uint32_t k = 0; k < 2; k++) {
+                const float want = lobed ? child[i + k].want : child[i + k].bound;
+                CHECKF(fabsf(step.bound[k] - want) <= 1e-5f, "child %u: %g of %g", i + k,
+                       (double)step.bound[k], (double)want);
+            }
+        }
+    }
+    lobe = LC_LOBE_NONE;
+}
+
 /* One directional light beside point lights: it has no parent in the tree. */
 TEST(a_light_that_is_a_root)
 {
@@ -315,6 +357,7 @@ int main(void)
     RUN(no_error_is_the_mean_of_exact_values);
     RUN(no_error_with_lobes);
     RUN(bounds_with_lobes);
+    RUN(a_missed_lobe_raises_the_bound);
     RUN(a_light_that_is_a_root);
     RUN(little_room);
     RUN(roots_are_exact_on_average);

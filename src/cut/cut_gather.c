@@ -6,7 +6,7 @@
  *
  *     representative   LC_PENDING | point << light_bits | light
  *     bound            of a cluster: by the kernel for the box of all points; of points with a lobe, the mean
- *                      of some points' bounds
+ *                      of some points' bounds, unless what stands for it is far above
  *                      of a child that is a light: the parent's times the share of the intensity, times
  *                      OF_PAIR, as points this near mostly see a light, or none does; no bound, but z is
  *                      found with it
@@ -25,6 +25,7 @@
 #define OF_PAIR 0.2f     /* chosen; see above */
 #define PER_POINT 8      /* new representatives of a batch for each of its points */
 #define BOUND_POINTS 4   /* of a gather cluster with lobes, spread over the order of its points */
+#define MISSED 16.0f     /* times its bound: then what stands for a child counts as its bound */
 #define GOLDEN 0x9e3779b9u
 #define END_OF_CHAIN 255 /* no place in a batch */
 
@@ -201,6 +202,22 @@ void lc_cut_gather_estimates(const lc_cut *c, lc_cut_step *s, uint32_t first, ui
             for (int k = 0; k < 3; k++) s->f[k][from[j]] = f[k][j];
     }
     for (uint32_t i = first; i < first + n; i++) s->rep[i] |= s->at[i] << c->light_bits;
+}
+
+void lc_cut_gather_raise(const lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n)
+{
+    const uint32_t at = s->pairs.first;
+    for (uint32_t i = first; i < first + n && c->gather->lobed; i++)
+        for (uint32_t child = 2 * i; child < 2 * i + 2; child++) {
+            float e[3];
+            for (int k = 0; k < 3; k++) {
+                const float transfer = s->fresh[child] > 0 ? s->f[k][i] : c->split.transfer[k][at + i];
+                e[k] = s->intensity[child][k] * transfer;
+            }
+            const float luminance = lc_luminance(lc_f3_make(e[0], e[1], e[2]));
+            if (s->bound[child] > 0 && !(s->link[child] & LC_LEAF) && MISSED * s->bound[child] < luminance)
+                s->bound[child] = luminance;
+        }
 }
 
 double lc_cut_gather_own(const lc_cut *c, uint32_t first)

@@ -19,6 +19,9 @@ void lc_cut_gather_bounds(const lc_cut *cut, lc_cut_step *step, uint32_t first, 
                           lc_light_kind kind);
 void lc_cut_gather_estimates(const lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n,
                              lc_light_kind kind);
+/* Raises bounds of children to the luminance of what stands for them where it is far above: where points have
+ * lobes, bounds are of some points only, and a narrow lobe of another may be missed. */
+void lc_cut_gather_raise(const lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n);
 double lc_cut_gather_trace(lc_cut *cut, lc_cut_step *step);
 /* Gives the leaves from `first` on, which are exact, their points' own reflectances. Returns the change of
  * the total's luminance. */
