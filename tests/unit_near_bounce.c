@@ -243,6 +243,30 @@ TEST(no_dots_near_a_wall)
     }
 }
 
+/* The same wall of tiles, each an instance that is smaller than what shares a place. */
+TEST(small_instances_reflect_as_a_wall)
+{
+    enum { TILES = 32 };
+    static char text[TILES * TILES * 2 * 100];
+    char *at = text;
+    double most;
+    at += sprintf(at, "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 0 4] \"point3 to\" [0 0 0] "
+                      "\"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+                      "ObjectBegin \"tile\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
+                      "\"point3 P\" [0 0 0 %g 0 0 %g %g 0 0 %g 0]\nObjectEnd\n",
+                  1.0 / TILES, 1.0 / TILES, 1.0 / TILES, 1.0 / TILES);
+    for (int i = 0; i < 2 * TILES * TILES; i++)
+        at += sprintf(at, "AttributeBegin Translate %g %g 0 ObjectInstance \"tile\" AttributeEnd\n",
+                      (i % (2 * TILES)) / (double)TILES - 1, i / (2 * TILES) / (double)TILES);
+    scene_write("%s", text);
+    for (double c = 0.02; c < 0.5; c *= 4) {
+        const double got = light_near(c, 3000, &most), want = closed_form(c);
+        printf("    distance %.3f: %.4f of %.4f, at most %.4f\n", c, got, want, most);
+        CHECKF(near_rel(got, want, 0.05), "distance %g: %g of %g", c, got, want);
+        CHECKF(most < 1.25 * want, "distance %g: %g of %g", c, most, want);
+    }
+}
+
 /* Behind glass, too: with few lights rays gather nearly all, with many shadow rays bring more of it. */
 TEST(glass_lets_near_light_pass)
 {
@@ -434,6 +458,7 @@ int main(void)
     RUN(bounds_hold);
     RUN(bounds_of_boxes_hold);
     RUN(no_dots_near_a_wall);
+    RUN(small_instances_reflect_as_a_wall);
     RUN(glass_lets_near_light_pass);
     RUN(mirrors_light_what_is_near);
     RUN(rays_by_a_lobe_have_no_bias);
