@@ -726,6 +726,25 @@ END
 good 'a number of virtual lights, from the view' walls.pbrt -o a.exr --indirect-lights 9 --indirect-from view
 says 'warning: indirect light is off by [0-9.]* % in half of the blocks'
 check 'its deviation is in the picture' grep -aq lightcuts/indirectHigh a.exr
+{ # a wall lit in one place, and the floor below it
+    film 16 16 ''
+    echo 'Integrator "path"'
+    cat <<'END'
+LookAt 0 4 4  0 .3 0  0 1 0
+Camera "perspective" "float fov" 25
+Sampler "independent" "integer pixelsamples" 1
+WorldBegin
+LightSource "spot" "point3 from" [.2 .6 1] "point3 to" [0 .3 0] "rgb I" [9 9 9] "float coneangle" 9
+Material "diffuse" "rgb reflectance" [.8 .8 .8]
+Shape "trianglemesh" "point3 P" [-1 0 0 1 0 0 1 1 0 -1 1 0] "integer indices" [0 1 2 0 2 3]
+Shape "trianglemesh" "point3 P" [-1 0 0 1 0 0 1 0 2 -1 0 2] "integer indices" [0 2 1 0 3 2]
+END
+} >corner.pbrt
+good 'grain of near light' corner.pbrt -o a.exr --indirect-lights 500 --method cuts --stats
+prints '^near surfaces    grain of the rays to them [+]-[0-9.e-]* % a pixel, 95 % within [0-9.e-]* %$'
+check 'it is in the picture' grep -aq lightcuts/nearGrain a.exr
+good 'info of its grain' info a.exr
+prints 'indirect light [0-9.e-]* % and [0-9.e-]* % of grain)'
 for error in 0 2 nan x; do bad "--indirect-error $error" 2 'indirect-error' mirror.pbrt -o o/q.exr --indirect-error $error; done
 bad '--indirect-from banana' 2 'indirect-from' mirror.pbrt -o o/q.exr --indirect-from banana
 good '--maxdepth 1' -q mirror.pbrt -o a.exr --maxdepth 1 --stats-file st.json

@@ -231,16 +231,21 @@ static double closed_form(double c)
     return 0.5 / LC_PI * (atan(b / c) - c / q * atan(b / q));
 }
 
-TEST(no_dots_near_a_wall)
+static void expect_light_of_a_wall(double nearest, double step)
 {
     double most;
-    scene_write("%s", WALL_AND_SUN);
-    for (double c = 0.003; c < 0.5; c *= 2.5) {
+    for (double c = nearest; c < 0.5; c *= step) {
         const double got = light_near(c, 3000, &most), want = closed_form(c);
         printf("    distance %.3f: %.4f of %.4f, at most %.4f\n", c, got, want, most);
         CHECKF(near_rel(got, want, 0.025), "distance %g: %g of %g", c, got, want);
         CHECKF(most < 1.1 * want, "distance %g: %g of %g", c, most, want);
     }
+}
+
+TEST(no_dots_near_a_wall)
+{
+    scene_write("%s", WALL_AND_SUN);
+    expect_light_of_a_wall(0.003, 2.5);
 }
 
 /* The same wall of tiles, each an instance that is smaller than what shares a place. */
@@ -249,7 +254,6 @@ TEST(small_instances_reflect_as_a_wall)
     enum { TILES = 32 };
     static char text[TILES * TILES * 2 * 100];
     char *at = text;
-    double most;
     at += sprintf(at, "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 0 4] \"point3 to\" [0 0 0] "
                       "\"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
                       "ObjectBegin \"tile\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
@@ -259,12 +263,7 @@ TEST(small_instances_reflect_as_a_wall)
         at += sprintf(at, "AttributeBegin Translate %g %g 0 ObjectInstance \"tile\" AttributeEnd\n",
                       (i % (2 * TILES)) / (double)TILES - 1, i / (2 * TILES) / (double)TILES);
     scene_write("%s", text);
-    for (double c = 0.02; c < 0.5; c *= 4) {
-        const double got = light_near(c, 3000, &most), want = closed_form(c);
-        printf("    distance %.3f: %.4f of %.4f, at most %.4f\n", c, got, want, most);
-        CHECKF(near_rel(got, want, 0.05), "distance %g: %g of %g", c, got, want);
-        CHECKF(most < 1.25 * want, "distance %g: %g of %g", c, most, want);
-    }
+    expect_light_of_a_wall(0.02, 4);
 }
 
 /* Behind glass, too: with few lights rays gather nearly all, with many shadow rays bring more of it. */
@@ -393,6 +392,68 @@ TEST(rays_of_a_pixel_are_even)
     lc_scene_destroy(s);
 }
 
+/* ---- grain ---- */
+
+#define SIDE 32
+#define CORNER                                                                                               \
+    "LookAt 0 4 4 0 .3 0 0 1 0\nCamera \"perspective\" \"float fov\" 25\nIntegrator \"path\"\n"              \
+    "Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 32\nWorldBegin\n"                     \
+    "LightSource \"spot\" \"point3 from\" [.2 .6 1] \"point3 to\" [0 .3 0] \"rgb I\" [9 9 9]"                \
+    " \"float coneangle\" 9\n"                                                                             \
+    "Material \"diffuse\" \"rgb reflectance\" [.8 .8 .8]\n"                                               \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 0 0 1 0 0 1 1 0 -1 1 0] \"integer indices\" [0 1 2 0 2 3]\n"  \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 0 0 1 0 0 1 0 2 -1 0 2] \"integer indices\" [0 2 1 0 3 2]\n"
+
+static lc_image *corner(const lc_scene *s, uint64_t seed, bool exact, lc_render_stats *stats)
+{
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_image *image = NULL;
+    d.method = exact ? LC_METHOD_EXACT : LC_METHOD_CUTS;
+    d.error = exact ? 0 : 0.05f;
+    d.spp = 1;
+    d.seed = seed;
+    CHECK(!lc_render(ctx, s, &d, &image, stats));
+    return image;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* What pilots say of the grain is what two pictures by every light differ by that differ in their rays. */
+TEST(grain_is_stated)
+{
+    static double off[SIDE * SIDE];
+    scene_write("%s", CORNER);
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    lc_render_stats stats = LC_RENDER_STATS_INIT;
+    load.indirect_lights = 500;
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    CHECK(s);
+    if (!s) return;
+    lc_image *a = corner(s, 0, true, NULL), *b = corner(s, 1, true, NULL), *c = corner(s, 0, false, &stats);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double x = (double)lc_image_channel(a, "G")[i], y = (double)lc_image_channel(b, "G")[i];
+        off[i] = x + y > 0 ? fabs(x - y) * sqrt(2) / (x + y) : 0;
+    }
+    qsort(off, SIDE * SIDE, sizeof *off, by_size);
+    const double median = off[SIDE * SIDE / 2], high = off[SIDE * SIDE * 19 / 20];
+    printf("    grain: stated %.2f, %.2f %%, measured %.2f, %.2f %%\n",
+           100 * (double)stats.calibration.near_median, 100 * (double)stats.calibration.near_high,
+           100 * median, 100 * high);
+    CHECK(high > 0.001);
+    CHECKF(near_rel((double)stats.calibration.near_high, high, 0.3), "stated %g, measured %g",
+           (double)stats.calibration.near_high, high);
+    CHECKF(near_rel((double)stats.calibration.near_median, median, 0.3), "stated %g, measured %g",
+           (double)stats.calibration.near_median, median);
+    lc_image_destroy(a);
+    lc_image_destroy(b);
+    lc_image_destroy(c);
+    lc_scene_destroy(s);
+}
+
 /* Light in a gap that is narrower than few virtual lights are apart is no more than that of many; of what is
  * reflected there again and again some is lost. */
 TEST(few_lights_do_not_fill_a_gap)
@@ -463,6 +524,7 @@ int main(void)
     RUN(mirrors_light_what_is_near);
     RUN(rays_by_a_lobe_have_no_bias);
     RUN(rays_of_a_pixel_are_even);
+    RUN(grain_is_stated);
     RUN(few_lights_do_not_fill_a_gap);
     RUN(the_last_bounce_is_not_reflected);
     RUN(sides_of_a_sheet_differ);

@@ -30,6 +30,9 @@ static void print_calibration(FILE *f, const lc_calibration *c)
             "rays to find it\n",
             (double)c->error, (double)c->within, (double)c->achieved, (double)c->margin, c->n_pilots,
             (double)c->z, (ull)c->rays);
+    if (c->near_high > 0)
+        fprintf(f, "near surfaces    grain of the rays to them +-%.2g %% a pixel, 95 %% within %.2g %%\n",
+                100 * (double)c->near_median, 100 * (double)c->near_high);
 }
 
 void cli_deviations_json(FILE *f, const lc_scene_info *i)
@@ -64,9 +67,11 @@ static void calibration_json(FILE *f, const lc_calibration *c, const lc_scene_in
     else fprintf(f, "null},\n");
     fprintf(f,
             "  \"asked\": {\"error\": %.6g, \"within\": %.6g, \"z\": %.9g, \"pilots\": %u, "
-            "\"achieved\": %.6g, \"margin\": %.6g, \"rays\": %llu},\n",
+            "\"achieved\": %.6g, \"margin\": %.6g, \"rays\": %llu, \"near_median\": %.6g, "
+            "\"near_high\": %.6g},\n",
             (double)c->error, (double)c->within, (double)c->z, c->n_pilots,
-            c->n_pilots ? (double)c->achieved : 100, (double)c->margin, (ull)c->rays);
+            c->n_pilots ? (double)c->achieved : 100, (double)c->margin, (ull)c->rays, (double)c->near_median,
+            (double)c->near_high);
 }
 
 static void print_deviations(FILE *f, const lc_scene_info *i)

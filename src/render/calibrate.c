@@ -17,6 +17,7 @@
 #include "render/interpolate.h"
 
 #include "base/pool.h"
+#include "render/near_grain.h"
 #include "tree/light_tree.h"
 
 #include <math.h>
@@ -24,6 +25,7 @@
 
 #define N_PILOTS LC_SIZE(512, 64)
 #define N_SLOTS 4         /* values of a pilot, once z is known roughly */
+#define N_GRAIN LC_SIZE(256, 16) /* whose grain is looked at */
 #define N_BETWEEN 2       /* the same where pixels are interpolated, whose pilots need knots */
 #define ROUGH_STEPS 2     /* by one value of each pilot */
 #define MOST_STEPS 6
@@ -339,6 +341,33 @@ static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
     return st;
 }
 
+/* ---- grain of near light ---- */
+
+static void find_grain(void *user, uint32_t thread, uint64_t item)
+{
+    const pilots *p = user;
+    const uint32_t width = p->j->scene->film.width, at = p->pixel[item];
+    if (!lc_job_go_on(p->j)) return;
+    p->value[item] = lc_near_grain(p->j, &p->j->workers[thread], at % width, at / width);
+}
+
+/* Of some of the pilots, relative to their truth. */
+static void state_grain(const pilots *p, double floor_lum, double *sorted, lc_calibration *c)
+{
+    uint32_t n = 0;
+    const uint32_t n_all = p->n < N_GRAIN ? p->n : N_GRAIN;
+    if (!p->j->scene->near_places) return;
+    lc_parallel(p->j->ctx, n_all, find_grain, (void *)p);
+    for (uint32_t i = 0; i < n_all; i++) {
+        const double of = fmax(p->truth[i], floor_lum);
+        if (isfinite(p->truth[i]) && isfinite(p->value[i]) && of > 0) sorted[n++] = p->value[i] / of;
+    }
+    if (!n) return;
+    qsort(sorted, n, sizeof *sorted, by_size);
+    c->near_median = (float)sorted[n / 2];
+    c->near_high = (float)sorted[n * 19 / 20];
+}
+
 static uint64_t count_rays(const lc_render_job *j)
 {
     uint64_t n = 0;
@@ -440,6 +469,7 @@ static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
     if (!p->pixel || !p->truth || !p->value || !p->between || !sorted) return LC_ERR_MEMORY;
     place_pilots(p);
     lc_status st = shade_truth(p, &cut);
+    if (!st) state_grain(p, (double)cut.floor, sorted, c);
     cut.max_points = j->max_points;
     p->tried = j->evidence || j->max_points;
     if (!st && p->n_finite) st = p->tried ? choose_way(p, &cut, sorted, &s) : make_workers(p, &cut);

@@ -111,6 +111,7 @@ static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, con
     if (!st) st = lc_image_set_number(im, "lightcuts/sharedCuts", c->shared);
     if (!st) st = lc_image_set_number(im, "lightcuts/evidence", c->evidence);
     if (!st) st = lc_image_set_number(im, "lightcuts/interpolated", c->interpolated);
+    if (!st && c->near_high > 0) st = lc_image_set_number(im, "lightcuts/nearGrain", (double)c->near_high);
     return st;
 }
 
