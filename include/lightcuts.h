@@ -1079,9 +1079,9 @@ typedef struct lc_calibration {
     uint64_t rays;        /* shadow rays to find z */
     uint32_t evidence;    /* 1: bounds are weighted by what the pixels of a block find; 0: they are not */
     uint32_t interpolated; /* 1: pixels between others that are lit alike are interpolated; 0: none is */
-    float near_median;    /* grain that rays to surfaces nearby leave in pixels, as a fraction of them: half of */
-    float near_high;      /* them are off by less, 95 % by less than near_high; 0 without virtual lights. Pilots
-                           * have it like all pixels, so that it is in no other of these figures */
+    float near_median;    /* grain that rays to surfaces nearby leave in pixels, a fraction of them: half */
+    float near_high;      /* are off by less than the one, 95 % by less than the other; 0 without virtual
+                           * lights. Pilots have it like all pixels: it is in no other of these figures */
 } lc_calibration;
 #define LC_CALIBRATION_INIT { sizeof(lc_calibration), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
