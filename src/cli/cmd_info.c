@@ -189,7 +189,7 @@ static void print_statement(const lc_image *image)
                share, margin, 100 * (error + fmax(lamps, 0) + sky + grain + indirect + near), 100 * error);
     if (lamps >= 0) printf(", lamps %.2g %%", 100 * lamps);
     if (sky > 0 || grain > 0) printf(", sky %.2g %% and %.2g %% of grain", 100 * sky, 100 * grain);
-    if (indirect > 0) printf(", indirect light %.2g %%", 100 * indirect);
+    if (indirect > 0 || near > 0) printf(", indirect light %.2g %%", 100 * indirect);
     if (near > 0) printf(" and %.2g %% of grain", 100 * near);
     if (lamps < 0 && lc_image_get_number(image, "lightcuts/areaLights", 0) > 0)
         printf(", lamps: 'lightcuts converge' measures them");

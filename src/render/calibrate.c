@@ -341,8 +341,6 @@ static lc_status shade_truth(pilots *p, const lc_cut_desc *cut)
     return st;
 }
 
-/* ---- grain of near light ---- */
-
 static void find_grain(void *user, uint32_t thread, uint64_t item)
 {
     const pilots *p = user;
@@ -351,13 +349,14 @@ static void find_grain(void *user, uint32_t thread, uint64_t item)
     p->value[item] = lc_near_grain(p->j, &p->j->workers[thread], at % width, at / width);
 }
 
-/* Of some of the pilots, relative to their truth. */
-static void state_grain(const pilots *p, double floor_lum, double *sorted, lc_calibration *c)
+/* The grain that rays to near surfaces leave, which truth and values have alike: of some of the pilots,
+ * relative to their truth. */
+static void state_grain(pilots *p, double floor_lum, double *sorted, lc_calibration *c)
 {
     uint32_t n = 0;
     const uint32_t n_all = p->n < N_GRAIN ? p->n : N_GRAIN;
     if (!p->j->scene->near_places) return;
-    lc_parallel(p->j->ctx, n_all, find_grain, (void *)p);
+    lc_parallel(p->j->ctx, n_all, find_grain, p);
     for (uint32_t i = 0; i < n_all; i++) {
         const double of = fmax(p->truth[i], floor_lum);
         if (isfinite(p->truth[i]) && isfinite(p->value[i]) && of > 0) sorted[n++] = p->value[i] / of;
