@@ -1,11 +1,12 @@
-/* check_gather.c - the bound of a gather cluster paired with a cluster of lights is no less than what the
- * lights give any of its points, for every kind of light.
+/* check_gather.c - the bound of a gather cluster paired with a cluster of lights is no less than what stands
+ * for the pair by any of its points, nor than what the lights give the points on average, for every kind of
+ * light.
  *
  *     check_gather [--seed S] [--count N]
  *
  * Lights are those of gen_clusters.c. Points lie in a box about the case's own, from a point to as large as
  * the lights' distance, with normals in a cone about the case's, and diffuse reflectances of their own. The
- * sums are of the kernels' estimates and of the double-precision reference's.
+ * sums are of the kernels' estimates.
  */
 #include "base/rng.h"
 #include "cut/gather.h"
@@ -97,13 +98,13 @@ static double bound_of(const pair *x)
     return (double)gen_bound(&all, &node, &atten, x->gather.all);
 }
 
-/* What all lights give a point: the kernels' estimates, summed in double. */
-static double estimate_of(const gen_case *c, const lc_point *p)
+/* What all lights give a point: the kernels' estimates times a scale, summed in double. */
+static double estimate_of(const gen_case *c, const lc_point *p, lc_f3 scale)
 {
     double sum = 0;
     for (uint32_t i = 0; i < c->n; i++) {
         const lc_f3 mg = gen_shade(p, &c->lights[i]), l = lc_f3_mul(mg, c->lights[i].intensity);
-        sum += (double)lc_luminance(l);
+        sum += (double)lc_luminance(lc_f3_mul(l, scale));
     }
     return sum;
 }
@@ -119,11 +120,13 @@ static void run(uint32_t kind, gen_style style, tally *t)
         pair x;
         make(&x, i, kind, style);
         const double bound = bound_of(&x);
-        double most = 0;
+        double most = 0, mean = 0;
         for (uint32_t k = 0; k < x.gather.n; k++) {
-            const double sum = estimate_of(&x.lights, &x.own[k]), mean = estimate_of(&x.lights, x.point[k].p);
-            most = fmax(most, fmax(sum, mean));
+            const lc_gather_point *p = &x.point[k];
+            most = fmax(most, estimate_of(&x.lights, p->p, lc_f3_load(p->scale)));
+            mean += estimate_of(&x.lights, &x.own[k], lc_f3_make(1, 1, 1)) / x.gather.n;
         }
+        most = fmax(most, mean);
         if (!(bound >= most)) {
             if (!t->bad++)
                 printf("  %s case %llu: bound %.9g, a point gets %.9g, %u points, half %g %g %g, cone %g\n",

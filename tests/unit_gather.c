@@ -306,7 +306,7 @@ TEST(roots_are_exact_on_average)
         double sum = 0, sum2 = 0, want = 0;
         const int n_trees = 1000, n_each = 16;
         make(&s, 60, kinds, 12, true);
-        make_cluster(&x, 16, 0.1, false);
+        make_cluster(&x, 16, 0.1, kinds & 1);
         for (int t = 0; t < n_trees; t++) {
             lc_cut c;
             double mean = 0;

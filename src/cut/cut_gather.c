@@ -10,7 +10,7 @@
  *                      of a child that is a light: the parent's times the share of the intensity, times
  *                      OF_PAIR, as points this near mostly see a light, or none does; no bound, but z is
  *                      found with it
- *                      of a range: the whole range's times the share of the points
+ *                      of a range: the whole range's times the share of the points' weight
  *
  * New representatives are dealt out to points, PER_POINT to each, neighbours to different ones, since what is
  * near in the tree is hidden from a point together. So rays and estimates still come in groups of one origin.
@@ -40,7 +40,7 @@ void lc_cut_use_point(const lc_cut *c, lc_cut_step *s, uint32_t at)
 static uint32_t next_point(lc_cut *c)
 {
     const uint32_t u = (uint32_t)(c->hash >> 32) + GOLDEN * c->turn++;
-    return (uint32_t)((uint64_t)u * c->gather->n >> 32);
+    return lc_gather_draw(c->gather, 0, c->gather->n, u);
 }
 
 void lc_cut_deal(lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n)
@@ -50,11 +50,12 @@ void lc_cut_deal(lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n)
         s->at[i] = i < first + n_points ? next_point(c) : s->at[i - n_points];
 }
 
-/* A light's intensity times a share of the points. */
-static const float *part_of(lc_cut_step *s, uint32_t child, const float *intensity, uint32_t points,
-                            uint32_t all)
+/* A light's intensity times a range's share of the points' weight. */
+static const float *part_of(const lc_cut *c, lc_cut_step *s, uint32_t child, const float *intensity,
+                            uint32_t lo, uint32_t hi)
 {
-    const float share = (float)points / (float)all;
+    const lc_gather *g = c->gather;
+    const float share = (float)(g->below[hi] - g->below[lo]) / (float)g->below[g->n];
     for (int k = 0; k < 3; k++) s->part[child][k] = intensity[k] * share;
     return s->part[child];
 }
@@ -74,16 +75,16 @@ static void halve(const lc_cut *c, lc_cut_step *s, uint32_t i, uint32_t link, ui
     lc_gather_range(n, level - 1, point, &lo, &hi);
     lc_gather_range(n, level, point, &half_lo, &half_hi);
     const uint32_t points = half_hi - half_lo, rest = hi - lo - points,
-                   from = half_lo == lo ? half_hi : lo;
+                   from = half_lo == lo ? half_hi : lo, to = from + rest;
     const float *intensity = lc_cut_intensity_of(&c->tree->data, LC_LEAF | light);
     s->link[2 * i] = pair_link(c, light, level, points);
     s->link[2 * i + 1] = pair_link(c, light, level, rest);
-    s->intensity[2 * i] = part_of(s, 2 * i, intensity, points, n);
-    s->intensity[2 * i + 1] = part_of(s, 2 * i + 1, intensity, rest, n);
+    s->intensity[2 * i] = part_of(c, s, 2 * i, intensity, half_lo, half_hi);
+    s->intensity[2 * i + 1] = part_of(c, s, 2 * i + 1, intensity, from, to);
     s->fresh[2 * i] = 0;
     s->fresh[2 * i + 1] = 1;
     s->rep[i] = light;
-    s->at[i] = from + (uint32_t)((lc_hash4(c->hash, light, level, point) >> 32) * rest >> 32);
+    s->at[i] = lc_gather_draw(c->gather, from, to, (uint32_t)(lc_hash4(c->hash, light, level, point) >> 32));
 }
 
 void lc_cut_gather_children(lc_cut *c, lc_cut_step *s)
@@ -199,8 +200,9 @@ void lc_cut_gather_estimates(const lc_cut *c, lc_cut_step *s, uint32_t first, ui
         }
         lc_cut_use_point(c, s, at);
         c->ctx->shade_kernels->estimate(&c->tree->data, 0, rep, m, kind, s->point, out);
+        const float *scale = lc_gather_at(c->gather, at)->scale;
         for (uint32_t j = 0; j < m; j++)
-            for (int k = 0; k < 3; k++) s->f[k][from[j]] = f[k][j];
+            for (int k = 0; k < 3; k++) s->f[k][from[j]] = c->gather->uneven ? f[k][j] * scale[k] : f[k][j];
     }
     for (uint32_t i = first; i < first + n; i++) s->rep[i] |= s->at[i] << c->light_bits;
 }
@@ -221,22 +223,6 @@ void lc_cut_gather_raise(const lc_cut *c, lc_cut_step *s, uint32_t first, uint32
         }
 }
 
-double lc_cut_gather_own(const lc_cut *c, uint32_t first)
-{
-    const lc_cut_list *leaf = &c->leaf;
-    double change = 0;
-    for (uint32_t i = first; i < leaf->n && c->gather->uneven; i++) {
-        const float *scale = lc_gather_at(c->gather, lc_cut_point_of(c, leaf->rep[i]))->scale;
-        change -= (double)lc_luminance(lc_f3_make(leaf->e[0][i], leaf->e[1][i], leaf->e[2][i]));
-        for (int k = 0; k < 3; k++) {
-            leaf->transfer[k][i] *= scale[k];
-            leaf->e[k][i] *= scale[k];
-        }
-        change += (double)lc_luminance(lc_f3_make(leaf->e[0][i], leaf->e[1][i], leaf->e[2][i]));
-    }
-    return change;
-}
-
 /* Appends one light, all points of whose range are represented by one. */
 static double add_light(lc_cut_list *list, float bound, uint32_t link, uint32_t rep,
                         const float transfer[3], const float *intensity)
@@ -247,18 +233,18 @@ static double add_light(lc_cut_list *list, float bound, uint32_t link, uint32_t 
 
 double lc_cut_gather_root(lc_cut *c, lc_cut_step *s, uint32_t link, lc_light_kind kind)
 {
-    const uint32_t n = c->gather->n, light = link & ~LC_LEAF, before = c->leaf.n;
+    const uint32_t n = c->gather->n, light = link & ~LC_LEAF;
     double total = 0;
     c->done[c->n_done++] = link;
     for (uint32_t at = 0; at < n; at++) {
-        lc_cut_use_point(c, s, at);
         s->rep[0] = light;
-        lc_cut_estimate(c, s, 0, 1, kind);
-        total += add_light(&c->leaf, 1, link, at << c->light_bits | light,
+        s->at[0] = at;
+        lc_cut_gather_estimates(c, s, 0, 1, kind);
+        total += add_light(&c->leaf, 1, link, s->rep[0],
                            (const float[3]){ s->f[0][0], s->f[1][0], s->f[2][0] },
-                           part_of(s, 0, lc_cut_intensity_of(&c->tree->data, link), 1, n));
+                           part_of(c, s, 0, lc_cut_intensity_of(&c->tree->data, link), at, at + 1));
     }
-    return total + lc_cut_gather_own(c, before);
+    return total;
 }
 
 double lc_cut_gather_lights(lc_cut *c, lc_cut_step *s, const uint32_t *link, uint32_t n, lc_light_kind kind)

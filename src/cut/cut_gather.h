@@ -23,9 +23,6 @@ void lc_cut_gather_estimates(const lc_cut *cut, lc_cut_step *step, uint32_t firs
  * lobes, bounds are of some points only, and a narrow lobe of another may be missed. */
 void lc_cut_gather_raise(const lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n);
 double lc_cut_gather_trace(lc_cut *cut, lc_cut_step *step);
-/* Gives the leaves from `first` on, which are exact, their points' own reflectances. Returns the change of
- * the total's luminance. */
-double lc_cut_gather_own(const lc_cut *cut, uint32_t first);
 /* Whether the light of a pair is occluded from all points by the occluder of a ray from one of them. */
 bool lc_cut_gather_proves(const lc_cut *cut, uint32_t link, uint32_t occluder, lc_stats *stats);
 /* Places lights of a start, all of one kind, or a root that is one. Return their luminance. */

@@ -77,7 +77,7 @@ double lc_cut_split(lc_cut *c, lc_cut_step *s, float limit)
     c->split.n = 0;
     s->pairs.limit = limit;
     for (uint32_t at = 0; at < n; at += s->pairs.n) {
-        uint32_t run, n_before = c->open.n + c->kept.n, n_leaves = c->leaf.n;
+        uint32_t run, n_before = c->open.n + c->kept.n;
         s->pairs.first = at;
         s->pairs.n = n - at < LC_CUT_BATCH ? n - at : LC_CUT_BATCH;
         s->n_bounded = 0;
@@ -96,7 +96,6 @@ double lc_cut_split(lc_cut *c, lc_cut_step *s, float limit)
             lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
         }
         change += c->ctx->cut_kernels->place(&s->pairs, &c->open, &c->kept, &c->leaf);
-        if (c->gather) change += lc_cut_gather_own(c, n_leaves);
         count_done(c, s, c->open.n + c->kept.n - n_before);
         lc_phase_end(s->stats, LC_PHASE_REFINE);
     }

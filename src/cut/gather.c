@@ -7,6 +7,7 @@
 
 #define LEVEL_BITS 4 /* of a name: halvings of at most LC_GATHER_MOST points */
 #define NORMAL_SPREAD 0.5f /* of the box's diagonal: how far apart opposite normals count as */
+#define MOST_WEIGHT 0xffff /* of a point */
 #define CONE_SLACK 0x1p-20f /* of a cosine of two unit vectors, each off by some 2u */
 
 uint32_t lc_gather_capacity(uint32_t n_lights)
@@ -122,20 +123,33 @@ static void set_cone(lc_gather *g)
     g->all[0].cone[1] = nextafterf((float)sqrt(1 - cosine * cosine), INFINITY);
 }
 
-/* The largest reflectances are for bounds, the mean ones for estimates. */
+static void set_weights(lc_gather *g)
+{
+    float most = 0;
+    for (uint32_t i = 0; i < g->n && !g->lobed; i++)
+        most = more(most, lc_luminance(lc_f3_load(g->point[i].p[0].diffuse)));
+    g->below[0] = 0;
+    for (uint32_t i = 0; i < g->n; i++) {
+        const float own = lc_luminance(lc_f3_load(g->point[g->at[i]].p[0].diffuse));
+        const uint32_t weight = most > 0 ? (uint32_t)ceilf(own / most * MOST_WEIGHT) : 1;
+        g->below[i + 1] = g->below[i] + (weight ? weight : 1);
+    }
+}
+
+/* The mean ones are for estimates, which are scaled; bounds are for the largest of what that makes. */
 static void set_reflectances(lc_gather *g)
 {
+    const double all = (double)g->below[g->n] / g->n;
     for (int k = 0; k < 3; k++) {
         float most = 0;
         double sum = 0;
-        for (uint32_t i = 0; i < g->n; i++) {
-            most = more(most, g->point[i].p[0].diffuse[k]);
-            sum += (double)g->point[i].p[0].diffuse[k];
-        }
+        for (uint32_t i = 0; i < g->n; i++) sum += (double)g->point[i].p[0].diffuse[k];
         const float mean = (float)(sum / g->n);
         for (uint32_t i = 0; i < g->n; i++) {
-            lc_gather_point *a = &g->point[i];
-            a->scale[k] = mean > 0 ? a->p[0].diffuse[k] / mean : 1;
+            lc_gather_point *a = &g->point[g->at[i]];
+            const float even = (float)((double)a->p[0].diffuse[k] * (all / (g->below[i + 1] - g->below[i])));
+            most = more(most, even);
+            a->scale[k] = mean > 0 ? even / mean : 1;
             g->uneven |= a->scale[k] < 1 || a->scale[k] > 1;
             a->p[0].diffuse[k] = a->p[1].diffuse[k] = mean < LC_MIN_REFLECTANCE ? 0 : mean;
         }
@@ -153,6 +167,9 @@ void lc_gather_make(lc_gather *g, lc_gather_point *point, uint32_t n)
     g->uneven = false;
     set_boxes(g);
     set_cone(g);
+    const float *half = g->all[0].half;
+    order(point, g->at, n, NORMAL_SPREAD * 2 * fmaxf(half[0], fmaxf(half[1], half[2])));
+    set_weights(g);
     if (!g->lobed) set_reflectances(g);
     g->all[1] = g->all[0];
     g->all[1].soft = NULL;
@@ -161,6 +178,4 @@ void lc_gather_make(lc_gather *g, lc_gather_point *point, uint32_t n)
         g->all[1].near_d2 = INFINITY;
         for (uint32_t i = 0; i < n; i++) g->all[1].near_d2 = less(g->all[1].near_d2, point[i].p[1].near_d2);
     }
-    const float *half = g->all[0].half;
-    order(point, g->at, n, NORMAL_SPREAD * 2 * fmaxf(half[0], fmaxf(half[1], half[2])));
 }
