@@ -271,6 +271,91 @@ TEST(a_light_that_is_a_root)
         }
 }
 
+/* A wall across x = 0 up to `top`, of two triangles, that points below look over at lights behind it. */
+static void make_wall(setup *s, uint32_t kind, float top)
+{
+    static const float corner[4][2] = { { -5, -5 }, { 5, -5 }, { 5, 1 }, { -5, 1 } };
+    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+    make(s, 40, 1u << kind, 0, true);
+    for (int i = 0; i < 4; i++)
+        lc_f3_store(s->pos + 3 * i, lc_f3_make(0, corner[i][0], i < 2 ? corner[i][1] : top));
+    memcpy(s->index, index, sizeof index);
+    s->n_tris = 2;
+    lc_bvh_destroy(s->bvh);
+    lc_occluders_destroy(s->occluders);
+    if (lc_bvh_build(ctx, s->pos, s->index, 2, &s->bvh)) abort();
+    const lc_occluders_desc occluders = { s->pos, s->index, 2, NULL };
+    if (lc_occluders_build(ctx, &occluders, &s->occluders)) abort();
+    s->bvh->occluders = s->occluders;
+    s->visibility = lc_bvh_visibility(s->bvh);
+    for (uint32_t i = 0; i < s->n; i++) {
+        lc_light *l = &s->lights[i];
+        const lc_f3 at = lc_f3_add(lc_f3_make(1, 0, 0), rnd_in_box(0.1));
+        if (lc_is_far(l->kind)) l->dir = lc_f3_neg(lc_f3_normalize(at));
+        else l->pos = at;
+        l->radius = lc_is_far(l->kind) ? 0.2f : 0.3f;
+    }
+}
+
+/* Whether the ray from a point of a cluster to its part of a light is stopped; by which occluder. */
+static bool is_stopped(const setup *s, lc_cut *c, const lc_gather_point *q, uint32_t light, uint32_t *by)
+{
+    const lc_light_kind kind = lc_kind_of_light(s->tree, light);
+    float to[3];
+    const float *const target[3] = { to, to + 1, to + 2 };
+    uint8_t hidden[LC_LANES];
+    uint32_t blocker[LC_LANES];
+    lc_light_target(kind, &s->tree->data.lights[light], q->p, to);
+    s->bvh->kernels->hidden(&s->bvh->data, q->org, 1, target, lc_is_far(kind), hidden, blocker);
+    if (!hidden[0]) return false;
+    lc_occlusion_start(c->occlusion, q->org);
+    lc_occlusion_note(c->occlusion, light, blocker[0]);
+    *by = lc_occlusion_by(c->occlusion, light, lc_is_far(kind));
+    return true;
+}
+
+/* A wall that covers the middle of round lights and some of their rims: what is proved to be hidden from all
+ * points is, from each of them in each turn. */
+TEST(round_lights_behind_an_edge)
+{
+    static const lc_light_kind round[] = { LC_LIGHT_BALL, LC_LIGHT_SKY };
+    static cluster x;
+    uint32_t n_proved = 0, n_not = 0;
+    for (int i = 0; i < 32; i++) {
+        setup s;
+        lc_cut c;
+        lc_stats stats = { 0 };
+        uint32_t by = LC_NONE, not_by;
+        make_wall(&s, round[i & 1], 0.015f * (float)i);
+        build_tree(&s, 5, 4);
+        open_gather(&c, &s, 0.02f, 0, 0);
+        make_cluster(&x, 32, 0.02, false);
+        for (uint32_t k = 0; k < x.n; k++) {
+            const lc_f3 at = lc_f3_add(lc_f3_make(-1, 0, 0), rnd_in_box(0.02)), toward = { 1, 0, 0 };
+            const lc_material m = { .kd = { 0.6f, 0.5f, 0.4f } };
+            lc_point_init(x.point[k].p, at, toward, toward, &m, (float)(1e-10 * DIAG2));
+            x.point[k].p[0].turn = k;
+            lc_f3_store(x.point[k].org, at);
+        }
+        lc_gather_make(&x.gather, x.point, x.n);
+        c.gather = &x.gather;
+        c.light_mask = LC_PAIR - 1;
+        for (uint32_t light = 0; light < s.n; light++) {
+            bool all = true;
+            if (!is_stopped(&s, &c, &x.point[rnd_n(x.n)], light, &by) || by == LC_NONE) continue;
+            const bool proved = lc_cut_gather_proves(&c, LC_PAIR | light, by, &stats);
+            for (uint32_t k = 0; k < x.n; k++) all &= is_stopped(&s, &c, &x.point[k], light, &not_by);
+            CHECKF(!proved || all, "%s, edge %d", lc_light_kinds[round[i & 1]].name, i);
+            n_proved += proved;
+            n_not += !all;
+        }
+        c.gather = NULL;
+        lc_cut_free(&c);
+        unmake(&s);
+    }
+    CHECKF(n_proved > 100 && n_not > 100, "%u proved, %u seen", n_proved, n_not);
+}
+
 /* As many points as there may be, and room for hardly a cut: nothing is written where there is no room, which
  * a sanitizer sees, and the size stays within it. */
 TEST(little_room)
@@ -359,6 +444,7 @@ int main(void)
     RUN(bounds_with_lobes);
     RUN(a_missed_lobe_raises_the_bound);
     RUN(a_light_that_is_a_root);
+    RUN(round_lights_behind_an_edge);
     RUN(little_room);
     RUN(roots_are_exact_on_average);
     lc_context_destroy(ctx);

@@ -18,6 +18,7 @@
 #include "cut/cut_gather.h"
 
 #include "base/rng.h"
+#include "shade/light_target.h"
 
 #include <string.h>
 
@@ -27,6 +28,7 @@
 #define BOUND_POINTS 4   /* of a gather cluster with lobes, spread over the order of its points */
 #define MISSED 16.0f     /* times its bound: then what stands for a child counts as its bound. Measured:
                           * tests/results/virtual-lights.md */
+#define OF_TARGET 0x1p-20f /* of a light's coordinates: what rounding may move its targets by */
 #define GOLDEN 0x9e3779b9u
 #define END_OF_CHAIN 255 /* no place in a batch */
 
@@ -271,12 +273,21 @@ double lc_cut_gather_lights(lc_cut *c, lc_cut_step *s, const uint32_t *link, uin
     return total;
 }
 
+/* The box that all shadow rays to a light go into. */
+static lc_node target_box(const lc_light_rec *light, lc_light_kind kind)
+{
+    const float *pos = light->pos, radius = lc_is_sized(kind) ? lc_target_radius(light) : 0;
+    lc_node box = { .center = { pos[0], pos[1], pos[2] } };
+    const float most = fmaxf(radius, fmaxf(fabsf(pos[0]), fmaxf(fabsf(pos[1]), fabsf(pos[2]))));
+    for (int k = 0; k < 3 && lc_is_sized(kind); k++) box.half[k] = radius + OF_TARGET * most;
+    return box;
+}
+
 bool lc_cut_gather_proves(const lc_cut *c, uint32_t link, uint32_t occluder, lc_stats *stats)
 {
     const uint32_t light = link & c->light_mask;
-    const float *pos = c->tree->data.lights[light].pos;
-    const lc_node at = { .center = { pos[0], pos[1], pos[2] } };
-    return lc_occlusion_proves_from(c->occlusion, &c->gather->orgs, &at, occluder, true,
-                                    lc_is_far(lc_kind_of_light(c->tree, light)), LC_MAX_PATCH,
-                                    &stats->proof_tests);
+    const lc_light_kind kind = lc_kind_of_light(c->tree, light);
+    const lc_node box = target_box(&c->tree->data.lights[light], kind);
+    return lc_occlusion_proves_from(c->occlusion, &c->gather->orgs, &box, occluder, true, lc_is_far(kind),
+                                    LC_MAX_PATCH, &stats->proof_tests);
 }
