@@ -6,10 +6,10 @@
  *
  *     representative   LC_PENDING | point << light_bits | light
  *     bound            of a cluster: by the kernel for the box of all points; of points with a lobe, the mean
- *                      of some points' bounds, unless what stands for it is far above
- *                      of a child that is a light: the parent's times the share of the intensity, times
- *                      OF_PAIR, as points this near mostly see a light, or none does; no bound, but z is
- *                      found with it
+ *                      of the points' own bounds, of some where there are many
+ *                      of a child that is a light: the parent's times the share of the intensity; without
+ *                      lobes times OF_PAIR, as points this near mostly see a light, or none does; no bound,
+ *                      but z is found with it
  *                      of a range: the whole range's times the share of the points' weight
  *
  * New representatives are dealt out to points, PER_POINT to each, neighbours to different ones, since what is
@@ -25,9 +25,7 @@
 #define UP (1 + 0x1p-20f) /* above the rounding of a few products */
 #define OF_PAIR 0.2f     /* chosen; see above */
 #define PER_POINT 8      /* new representatives of a batch for each of its points */
-#define BOUND_POINTS 4   /* of a gather cluster with lobes, spread over the order of its points */
-#define MISSED 16.0f     /* times its bound: then what stands for a child counts as its bound. Measured:
-                          * tests/results/virtual-lights.md */
+#define BOUND_POINTS 16  /* of a gather cluster with lobes, spread over the order of its points */
 #define OF_TARGET 0x1p-20f /* of a light's coordinates: what rounding may move its targets by */
 #define GOLDEN 0x9e3779b9u
 #define END_OF_CHAIN 255 /* no place in a batch */
@@ -114,6 +112,9 @@ void lc_cut_gather_children(lc_cut *c, lc_cut_step *s)
     }
 }
 
+/* What the bound of a child that is a light is multiplied by: a lobe may be met by few of the points. */
+static float of_pair(const lc_cut *c) { return c->gather->lobed ? 1 : OF_PAIR; }
+
 /* The greatest share of a channel that a light has in its cluster. */
 static float share_of(const float *light, const float *cluster)
 {
@@ -142,7 +143,7 @@ void lc_cut_gather_bounds(const lc_cut *c, lc_cut_step *s, uint32_t first, uint3
         } else if (!(own & LC_PAIR)) {
             s->bound[i] = s->node_bound[k++];
         } else if (lc_cut_is_node(parent)) {
-            s->bound[i] = above * OF_PAIR *
+            s->bound[i] = above * of_pair(c) *
                           share_of(s->intensity[i], c->tree->data.nodes[parent].intensity) * UP;
         } else {
             const float *other = s->intensity[i ^ 1];
@@ -161,8 +162,7 @@ static void add_bounds(const lc_cut *c, uint32_t at, const uint32_t *node, uint3
     for (uint32_t i = 0; i < n; i++) sum[i] += bound[i] * factor;
 }
 
-/* The mean over some of the points, or over all where these have 0. No bound of each pair, but z is found
- * with it. */
+/* The mean over the points; of more than BOUND_POINTS, over some, or over all where these have 0. */
 void lc_cut_lobed_bounds(const lc_cut *c, const uint32_t *node, uint32_t n, lc_light_kind kind, float *bound)
 {
     const uint32_t all = c->gather->n, some = all < BOUND_POINTS ? all : BOUND_POINTS;
@@ -209,22 +209,6 @@ void lc_cut_gather_estimates(const lc_cut *c, lc_cut_step *s, uint32_t first, ui
     for (uint32_t i = first; i < first + n; i++) s->rep[i] |= s->at[i] << c->light_bits;
 }
 
-void lc_cut_gather_raise(const lc_cut *c, lc_cut_step *s, uint32_t first, uint32_t n)
-{
-    const uint32_t at = s->pairs.first;
-    for (uint32_t i = first; i < first + n && c->gather->lobed; i++)
-        for (uint32_t child = 2 * i; child < 2 * i + 2; child++) {
-            float e[3];
-            for (int k = 0; k < 3; k++) {
-                const float transfer = s->fresh[child] > 0 ? s->f[k][i] : c->split.transfer[k][at + i];
-                e[k] = s->intensity[child][k] * transfer;
-            }
-            const float luminance = lc_luminance(lc_f3_make(e[0], e[1], e[2]));
-            if (s->bound[child] > 0 && !(s->link[child] & LC_LEAF) && MISSED * s->bound[child] < luminance)
-                s->bound[child] = luminance;
-        }
-}
-
 /* Appends one light, all points of whose range are represented by one. */
 static double add_light(lc_cut_list *list, float bound, uint32_t link, uint32_t rep,
                         const float transfer[3], const float *intensity)
@@ -263,7 +247,7 @@ double lc_cut_gather_lights(lc_cut *c, lc_cut_step *s, const uint32_t *link, uin
         const uint32_t light = link[i] & ~LC_LEAF;
         const float *intensity = lc_cut_intensity_of(&c->tree->data, LC_LEAF | light),
                     share = share_of(intensity, c->tree->data.nodes[s->node[i]].intensity),
-                    bound = s->node_bound[i] * share * UP * OF_PAIR;
+                    bound = s->node_bound[i] * share * UP * of_pair(c);
         if (bound > 0)
             total += add_light(&c->kept, bound, pair_link(c, light, 0, c->gather->n), s->rep[i],
                                (const float[3]){ s->f[0][i], s->f[1][i], s->f[2][i] }, intensity);

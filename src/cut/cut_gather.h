@@ -19,9 +19,6 @@ void lc_cut_gather_bounds(const lc_cut *cut, lc_cut_step *step, uint32_t first, 
                           lc_light_kind kind);
 void lc_cut_gather_estimates(const lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n,
                              lc_light_kind kind);
-/* Raises bounds of children to the luminance of what stands for them where it is far above: where points have
- * lobes, bounds are of some points only, and a narrow lobe of another may be missed. */
-void lc_cut_gather_raise(const lc_cut *cut, lc_cut_step *step, uint32_t first, uint32_t n);
 double lc_cut_gather_trace(lc_cut *cut, lc_cut_step *step);
 /* Whether the light of a pair is occluded from all points by the occluder of a ray from one of them. */
 bool lc_cut_gather_proves(const lc_cut *cut, uint32_t link, uint32_t occluder, lc_stats *stats);

@@ -91,7 +91,6 @@ double lc_cut_split(lc_cut *c, lc_cut_step *s, float limit)
             else bound_children(c, s, i, run, kind);
             lc_phase_end(s->stats, LC_PHASE_BOUNDS);
             if (c->gather) lc_cut_gather_estimates(c, s, i, run, kind);
-            if (c->gather) lc_cut_gather_raise(c, s, i, run);
             else lc_cut_estimate(c, s, i, run, kind);
             lc_phase_end(s->stats, LC_PHASE_ESTIMATES);
         }

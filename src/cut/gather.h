@@ -17,8 +17,7 @@
  * material only are joined, since what is of another material is often in another light, too.
  *
  * Points with a lobe, each with its own view and mirror direction, keep their own reflectances and have equal
- * weights, and what stands for the box's bound is the mean of the bounds of a few of its points
- * (lc_cut_lobed_bounds).
+ * weights, and in place of the box's bound is the mean of the points' own (lc_cut_lobed_bounds).
  */
 #ifndef LC_GATHER_H
 #define LC_GATHER_H
