@@ -77,7 +77,7 @@ static double share_within(const picture *p, const picture *truth, double error)
     return 100 * n / (SIDE * SIDE);
 }
 
-/* Most of the 4096 pixels are no pilots. The windows are those of the demand, for 512 pilots. */
+/* Most of the 4096 pixels are no pilots. The windows are those of the demand. */
 TEST(what_is_asked_holds)
 {
     static const struct {

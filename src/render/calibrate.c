@@ -24,6 +24,8 @@
 #include <stdlib.h>
 
 #define N_PILOTS LC_SIZE(512, 64)
+#define LEAST_PILOTS LC_SIZE(256, 64)
+#define PIXELS_OF_PILOT 36 /* at least, of small films, whose pilots are fewer, but for LEAST_PILOTS */
 #define N_SLOTS 4         /* values of a pilot, once z is known roughly */
 #define N_GRAIN LC_SIZE(256, 16) /* whose grain is looked at */
 #define N_BETWEEN 2       /* the same where pixels are interpolated, whose pilots need knots */
@@ -486,10 +488,18 @@ static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
     return !st && atomic_load(&j->cancelled) ? LC_ERR_CANCELLED : st;
 }
 
+/* What pilots take is to be no more than what they save. */
+static uint32_t n_pilots(uint64_t pixels)
+{
+    const uint64_t most = pixels < N_PILOTS * PIXELS_OF_PILOT ? pixels / PIXELS_OF_PILOT : N_PILOTS,
+                   n = most > LEAST_PILOTS ? most : LEAST_PILOTS;
+    return (uint32_t)(n < pixels ? n : pixels);
+}
+
 lc_status lc_calibrate(lc_render_job *j, lc_calibration *out)
 {
     const uint64_t pixels = (uint64_t)j->scene->film.width * j->scene->film.height;
-    pilots p = { .j = j, .n = pixels < N_PILOTS ? (uint32_t)pixels : N_PILOTS, .most_slots = N_SLOTS };
+    pilots p = { .j = j, .n = n_pilots(pixels), .most_slots = N_SLOTS };
     p.pixel = lc_alloc(j->ctx, p.n, sizeof *p.pixel);
     p.truth = lc_alloc(j->ctx, p.n, sizeof *p.truth);
     p.value = lc_alloc(j->ctx, p.n, N_SLOTS * sizeof *p.value);
