@@ -23,7 +23,7 @@
 #include <string.h>
 
 #define UP (1 + 0x1p-20f) /* above the rounding of a few products */
-#define OF_PAIR 0.2f     /* chosen; see above */
+#define OF_PAIR 0.35f     /* chosen; see above */
 #define PER_POINT 8      /* new representatives of a batch for each of its points */
 #define BOUND_POINTS 16  /* of a gather cluster with lobes, spread over the order of its points */
 #define OF_TARGET 0x1p-20f /* of a light's coordinates: what rounding may move its targets by */
