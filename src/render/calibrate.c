@@ -24,8 +24,8 @@
 #include <stdlib.h>
 
 #define N_PILOTS LC_SIZE(512, 64)
-#define LEAST_PILOTS LC_SIZE(256, 64)
-#define PIXELS_OF_PILOT 36 /* at least, of small films, whose pilots are fewer, but for LEAST_PILOTS */
+#define LEAST_PILOTS LC_SIZE(256, 64) /* if there are as many pixels */
+#define PIXELS_OF_PILOT 36 /* of a film that has fewer than N_PILOTS, but no fewer than LEAST_PILOTS */
 #define N_SLOTS 4         /* values of a pilot, once z is known roughly */
 #define N_GRAIN LC_SIZE(256, 16) /* whose grain is looked at */
 #define N_BETWEEN 2       /* the same where pixels are interpolated, whose pilots need knots */
