@@ -143,7 +143,7 @@ static void write_under_sky(const char *path)
     fclose(f);
 }
 
-/* Errors of pixels are as often too bright as too dark: their mean is a twentieth of what they are off by. */
+/* Errors of pixels are as often too bright as too dark: their mean is at most a twentieth of their rms. */
 TEST(shared_cuts_lose_nothing)
 {
     static picture truth, p;

@@ -239,13 +239,7 @@ static void make_wall(setup *s, uint32_t kind, float top)
         lc_f3_store(s->pos + 3 * i, lc_f3_make(0, corner[i][0], i < 2 ? corner[i][1] : top));
     memcpy(s->index, index, sizeof index);
     s->n_tris = 2;
-    lc_bvh_destroy(s->bvh);
-    lc_occluders_destroy(s->occluders);
-    if (lc_bvh_build(ctx, s->pos, s->index, 2, &s->bvh)) abort();
-    const lc_occluders_desc occluders = { s->pos, s->index, 2, NULL };
-    if (lc_occluders_build(ctx, &occluders, &s->occluders)) abort();
-    s->bvh->occluders = s->occluders;
-    s->visibility = lc_bvh_visibility(s->bvh);
+    build_triangles(s);
     for (uint32_t i = 0; i < s->n; i++) {
         lc_light *l = &s->lights[i];
         const lc_f3 at = lc_f3_add(lc_f3_make(1, 0, 0), rnd_in_box(0.1));

@@ -488,7 +488,7 @@ static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
     return !st && atomic_load(&j->cancelled) ? LC_ERR_CANCELLED : st;
 }
 
-/* What pilots take is to be no more than what they save. */
+/* Fewer for a small film, where pilots would be a large part of the work. */
 static uint32_t n_pilots(uint64_t pixels)
 {
     const uint64_t most = pixels < N_PILOTS * PIXELS_OF_PILOT ? pixels / PIXELS_OF_PILOT : N_PILOTS,

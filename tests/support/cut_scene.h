@@ -35,6 +35,18 @@ typedef struct {
 
 #define DIAG2 12.0
 
+/* Builds what is traced of the setup's triangles, in place of what there is. */
+static inline void build_triangles(setup *s)
+{
+    const lc_occluders_desc occluders = { s->pos, s->index, s->n_tris, NULL };
+    lc_bvh_destroy(s->bvh);
+    lc_occluders_destroy(s->occluders);
+    if (lc_bvh_build(ctx, s->pos, s->index, s->n_tris, &s->bvh)) abort();
+    if (lc_occluders_build(ctx, &occluders, &s->occluders)) abort();
+    s->bvh->occluders = s->occluders;
+    s->visibility = lc_bvh_visibility(s->bvh);
+}
+
 /* n lights of the kinds whose bits are set in `kinds`, and n_tris triangles, in the box -1..1. white: grey
  * intensities, for which estimates by representatives are unbiased in every channel. */
 static inline void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, bool white)
@@ -70,11 +82,7 @@ static inline void make(setup *s, uint32_t n, uint32_t kinds, uint32_t n_tris, b
             index[1] = index[-2];
         }
     }
-    if (lc_bvh_build(ctx, s->pos, s->index, n_tris, &s->bvh)) abort();
-    const lc_occluders_desc occluders = { s->pos, s->index, n_tris, NULL };
-    if (lc_occluders_build(ctx, &occluders, &s->occluders)) abort();
-    s->bvh->occluders = s->occluders;
-    s->visibility = lc_bvh_visibility(s->bvh);
+    build_triangles(s);
 }
 
 static inline void build_tree(setup *s, uint64_t seed, uint32_t n_reps)
