@@ -71,7 +71,8 @@ _lightcuts()
         bench:--runs | bench:--lights | bench:--error-ratio | bench:--max-cut | bench:--dark-floor | \
         explain:--pixel | explain:--sample | explain:--top | \
         explain:--error | explain:--within | explain:--error-ratio | explain:--max-cut | explain:--dark-floor | \
-        explain:--representatives | explain:--area-lights | explain:--indirect-lights | explain:--indirect-error | \
+        explain:--representatives | explain:--area-lights | explain:--env-lights | explain:--indirect-lights | \
+        explain:--indirect-error | \
         explain:--maxdepth | explain:--seed | explain:--spp | \
         bench:--representatives | bench:--pixelbounds | \
         report:--error-ratios | report:--representatives | report:--max-cut) return ;;
@@ -117,7 +118,7 @@ _lightcuts()
         relight) options='--outfile --exposure --tone --help' ;;
         explain) options='--pixel --sample --top --all --json --group --method --error --within
             --error-ratio --max-cut --dark-floor --representatives --builder --area-lights
-            --indirect-lights --indirect-error --indirect-from --maxdepth --seed
+            --env-lights --indirect-lights --indirect-error --indirect-from --maxdepth --seed
             --spp --nthreads --bvh --isa --help' ;;
         merge) options='--outfile --help' ;;
         bench) options='--mesh --rays --lights --quality --scaling --outfile --method --error-ratio

@@ -29,6 +29,7 @@ enum {
     OPT_REPS,
     OPT_BUILDER,
     OPT_AREA,
+    OPT_ENV,
     OPT_INDIRECT,
     OPT_INDIRECT_ERROR,
     OPT_INDIRECT_FROM,
@@ -52,6 +53,7 @@ static const struct option long_options[] = {
     { "representatives", 1, 0, OPT_REPS },
     { "builder", 1, 0, OPT_BUILDER },
     { "area-lights", 1, 0, OPT_AREA },
+    { "env-lights", 1, 0, OPT_ENV },
     { "indirect-lights", 1, 0, OPT_INDIRECT },
     { "indirect-error", 1, 0, OPT_INDIRECT_ERROR },
     { "indirect-from", 1, 0, OPT_INDIRECT_FROM },
@@ -83,8 +85,8 @@ static void print_help(void)
         "\n"
         "These give the cut of the picture that was rendered with the same (see lightcuts render --help):\n"
         "      --method M, --error E, --within P, --error-ratio E, --max-cut N, --dark-floor F,\n"
-        "      --representatives N, --builder B, --area-lights N, --indirect-lights N, --indirect-error E,\n"
-        "      --indirect-from F, --maxdepth N, --seed N, --spp N, --bvh B, --isa I, -t, --nthreads N,\n"
+        "      --representatives N, --builder B, --area-lights N, --env-lights N, --indirect-lights N,\n"
+        "      --indirect-error E, --indirect-from F, --maxdepth N, --seed N, --spp N, --bvh B, --isa I, -t, --nthreads N,\n"
         "      --resolution WxH, --group NAME=PATTERN\n"
         "\n"
         "  -h, --help               this text\n"
@@ -123,6 +125,7 @@ static int set_option(void *user, int c)
     case OPT_REPS: return cli_parse_u32(optarg, 1, CLI_MAX_REPS, &o->load.n_reps);
     case OPT_BUILDER: return cli_parse_builder(optarg, &o->load.builder);
     case OPT_AREA: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.area_lights);
+    case OPT_ENV: return cli_parse_u32(optarg, 1, CLI_MAX_LIGHTS, &o->load.env_lights);
     case OPT_INDIRECT: return cli_parse_indirect(optarg, &o->load.indirect_lights);
     case OPT_INDIRECT_ERROR: return cli_parse_float(optarg, CLI_MIN_INDIRECT, 1, &o->load.indirect_error);
     case OPT_INDIRECT_FROM: return cli_parse_indirect_from(optarg, &o->load.indirect_from);

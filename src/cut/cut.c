@@ -15,6 +15,10 @@
  * tests/results/asked-error.md. */
 #define START_COARSER 1.4
 
+/* With z: how far the luminance that limits go by is from the cut's own at most. Measured:
+ * tests/results/asked-error.md. */
+#define MOST_UNLIKE 4.0
+
 #define MAX_GATHER_SIZE 65536 /* pairs of a gather cluster's cut, of fewer lights than that */
 
 /* ---- memory ---- */
@@ -141,12 +145,21 @@ static float worst_of(const lc_cut_list *list)
     return fmaxf(fmaxf(worst[0], worst[1]), fmaxf(worst[2], worst[3]));
 }
 
+/* The luminance that the error of a cut is relative to. Where that is its own, a cut that is too bright by
+ * its representatives ends early and stays so, and one that is too dark is refined: together they are too
+ * bright. The cut of a point alike, by other representatives, has errors of its own. */
+static double of_alike(const lc_cut *c, double total)
+{
+    if (!(c->alike > 0)) return total;
+    return fmin(fmax(c->alike, total / MOST_UNLIKE), total * MOST_UNLIKE);
+}
+
 static void set_max_error(const lc_cut *c, lc_cut_result *out)
 {
     float lum = lc_luminance(out->radiance), worst = worst_of(&c->kept);
     if (c->desc.z > 0) {
         worst = (float)((double)c->desc.z * sqrt(lc_cut_sum2(c)));
-        lum = fmaxf(lum, c->desc.floor);
+        lum = fmaxf((float)of_alike(c, (double)lum), c->desc.floor);
     }
     if (worst > 0) out->max_error = lum > 0 ? worst / lum : INFINITY;
 }
@@ -239,7 +252,7 @@ static bool split_round(lc_cut *c, lc_cut_step *s, float limit, uint64_t rays_be
  * is the sum over its cuts, each times its share squared; each may add as much as its share. */
 static double of_pixel(const lc_cut *c, double total)
 {
-    const double pixel = (double)c->part.own * total + c->part.rest;
+    const double pixel = (double)c->part.own * of_alike(c, total) + c->part.rest;
     return fmax(pixel, (double)c->desc.floor) / sqrt((double)c->part.share);
 }
 

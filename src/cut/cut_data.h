@@ -77,6 +77,7 @@ typedef struct lc_cut {
     bool start_only;           /* the cut ends where it is saved */
     uint32_t row;              /* of the start's evidence: this point's; LC_NONE: none */
     lc_cut_part part;          /* with desc.z; 1, 1, 0: all of the pixel */
+    double alike;              /* with desc.z: luminance by the cut of a point alike; 0: not known */
     bool in_block;             /* the point is in the start's box of points */
     uint32_t n_start_history, n_start_rounds; /* with record: what led to the start that was saved last */
 

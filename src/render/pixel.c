@@ -46,7 +46,10 @@ void lc_shade_lit(const lc_render_job *j, lc_render_worker *w, const lc_lit *lit
         lc_exact_shade_groups(j->scene->tree, &j->visibility, p, s->ray_org,
                               w->groups ? w->groups->cut : NULL, &w->stats, out);
     } else {
+        w->cut.alike = w->is_first ? 0 : lc_first_alike(&w->first, s, k);
         lc_guided_cut(&w->cut, g, p, s, keys->slot + k, &w->stats, out);
+        w->cut.alike = 0;
+        if (w->is_first) lc_first_add(&w->first, s, out->radiance);
         w->cut_hist[out->size]++;
     }
     if (out->size > w->cut_max) w->cut_max = out->size;
@@ -103,6 +106,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     lc_cut_result r;
     if (lc_time_to_ask(w) && !lc_job_go_on(j)) return false;
     lc_phase_start(&w->stats);
+    if (i == j->first) w->first.n = 0;
     w->stats.camera_rays++;
     lc_f3 *of_group = lc_groups_begin_sample(w->groups);
     bool hit = lc_sample_sight(j, x, y, i, of_group, &dir, &s);
@@ -117,7 +121,9 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     lc_guide *g = j->exact || w->alone ? NULL : lc_guide_of(j, &w->cut, &w->guide, x, y, i, lc_guide_work(w));
     w->cut.row = i + w->slot_shift ? LC_NONE : lc_guide_row(g, x, y);
     const lc_sample_keys keys = lc_sample_keys_of(j, w, x, y, i);
+    w->is_first = !w->first.n;
     lc_shade_sight(j, w, &s, g, &keys, &r);
+    w->is_first = false;
     *rgb = lc_f3_add(r.radiance, s.emission);
     lc_add_to_planes(j, px, &s, dir);
     px->cut += (float)r.size;

@@ -27,52 +27,111 @@ static lc_status probe_desc(lc_render_job *j, lc_probe *p, lc_cut_desc *cut)
     return st;
 }
 
-/* All that is lit but the first; the cut is scratch. */
-static void shade_others(const lc_render_job *j, lc_probe *p, lc_guide *g, const lc_sample_keys *keys)
+/* A pixel whose sample is explained, and what its cuts begin with and go by. */
+typedef struct {
+    const lc_render_job *j;
+    lc_probe *p;
+    lc_guide *guide;
+    lc_first_cuts first; /* of a sample before */
+    uint32_t x, y;
+} probed_pixel;
+
+/* Radiance of what is near a lit point, which counts for the limit of its cut. */
+static lc_f3 near_light(const probed_pixel *px, const lc_lit *lit, uint32_t k, const lc_point *point,
+                        const lc_sample_keys *keys)
 {
-    const uint64_t hash = keys->slot;
+    const lc_f3 light = lc_near_bounce_light(px->j->scene, px->p->near, lit, point,
+                                             lc_near_sample_of(px->j, keys, k), lc_f3_make(1, 1, 1), NULL);
+    px->p->cut.part.rest = (double)lc_luminance(light);
+    return light;
+}
+
+/* The cuts of one sample, which make the guide if nobody has. False: it has none. */
+static bool add_first(probed_pixel *px, uint32_t sample)
+{
+    const lc_render_job *j = px->j;
+    const lc_sample_keys keys = lc_sample_keys_of(j, NULL, px->x, px->y, sample);
+    lc_cut *cut = &px->p->cut;
+    lc_stats stats = { 0 };
+    lc_f3 dir;
+    lc_sight sight;
+    if (!lc_sample_sight(j, px->x, px->y, sample, NULL, &dir, &sight)) return false;
+    lc_guide_of(j, cut, px->guide, px->x, px->y, sample, NULL);
+    cut->row = sample ? LC_NONE : lc_guide_row(px->guide, px->x, px->y);
+    for (uint32_t k = 0; k < sight.n_lit; k++) {
+        const lc_lit *lit = &sight.lit[k];
+        lc_point point[2];
+        lc_cut_result r;
+        lc_lit_point(j->scene, lit, keys.point + k, point);
+        near_light(px, lit, k, point, &keys);
+        lc_guided_cut(cut, px->guide, point, &lit->surface, keys.slot + k, &stats, &r);
+        cut->row = LC_NONE;
+        px->guide->made = true;
+        lc_first_add(&px->first, &lit->surface, r.radiance);
+    }
+    return sight.n_lit > 0;
+}
+
+/* All that is lit but the first; the cut is scratch. */
+static void shade_others(probed_pixel *px, const lc_sample_keys *keys)
+{
+    const lc_render_job *j = px->j;
+    lc_probe *p = px->p;
     lc_stats stats = { 0 };
     for (uint32_t i = 1; i < p->sight.n_lit; i++) {
         const lc_lit *lit = &p->sight.lit[i];
         lc_point point[2];
         lc_cut_result r;
-        lc_lit_point(j->scene, lit, hash + i, point);
+        lc_lit_point(j->scene, lit, keys->point + i, point);
+        const lc_f3 light = near_light(px, lit, i, point, keys);
+        p->cut.alike = lc_first_alike(&px->first, &lit->surface, i);
         if (p->all_lights)
             lc_exact_shade(j->scene->tree, &j->visibility, point, lit->surface.ray_org, &stats, &r);
-        else lc_guided_cut(&p->cut, g, point, &lit->surface, hash + i, &stats, &r);
-        const lc_f3 light = lc_near_bounce_light(j->scene, p->near, lit, point, lc_near_sample_of(j, keys, i),
-                                                 lit->weight, NULL);
+        else
+            lc_guided_cut(&p->cut, px->guide, point, &lit->surface, keys->slot + i, &stats, &r);
         p->others = lc_f3_add(p->others, lc_f3_mul(lc_f3_add(r.radiance, light), lit->weight));
     }
 }
 
 /* Makes the cut again, with all before it that it begins with. */
-static lc_status probe_lit(lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample, lc_probe *p)
+static void probe_cut(probed_pixel *px, uint32_t sample)
 {
+    const lc_render_job *j = px->j;
+    lc_probe *p = px->p;
+    lc_guide *g = px->guide;
     const lc_lit *lit = &p->sight.lit[0];
+    const lc_sample_keys keys = lc_sample_keys_of(j, NULL, px->x, px->y, sample);
     lc_stats stats = { 0 };
-    lc_guide *g = lc_alloc(j->ctx, 1, sizeof *g);
-    if (!g) return LC_ERR_MEMORY;
-    if (j->evidence && !(g->evidence = lc_alloc_raw(j->ctx, 1, sizeof *g->evidence))) {
-        lc_free(j->ctx, g, 1, sizeof *g);
-        return LC_ERR_MEMORY;
-    }
-    const lc_sample_keys keys = lc_sample_keys_of(j, NULL, x, y, sample);
-    lc_guide_of(j, &p->cut, g, x, y, sample, NULL);
+    for (uint32_t i = 0; i < sample && !j->shared; i++)
+        if (add_first(px, i)) break;
+    lc_guide_of(j, &p->cut, g, px->x, px->y, sample, NULL);
     bool is_guide = !g->made;
     if (is_guide) lc_guide_make(j, &p->cut, g, NULL);
-    shade_others(j, p, g, &keys);
+    shade_others(px, &keys);
+    p->cut.alike = p->cut.part.rest = 0;
     g->made = false;
     /* again: its splits are kept for the cut that begins with it. */
     if (!is_guide) lc_guide_make(j, &p->cut, g, NULL);
-    lc_lit_point(j->scene, lit, keys.slot, p->point);
-    const lc_f3 light = lc_near_bounce_light(j->scene, p->near, lit, p->point, lc_near_sample_of(j, &keys, 0),
-                                             lit->weight, NULL);
+    lc_lit_point(j->scene, lit, keys.point, p->point);
+    const lc_f3 light = near_light(px, lit, 0, p->point, &keys);
     p->others = lc_f3_add(p->others, lc_f3_mul(light, lit->weight));
-    p->cut.row = sample ? LC_NONE : lc_guide_row(g, x, y);
+    p->cut.alike = lc_first_alike(&px->first, &lit->surface, 0);
+    p->cut.row = sample ? LC_NONE : lc_guide_row(g, px->x, px->y);
     lc_guided_cut(&p->cut, g, p->point, &lit->surface, keys.slot, &stats, &p->by_cut);
-    lc_free(j->ctx, g->evidence, 1, sizeof *g->evidence);
-    lc_free(j->ctx, g, 1, sizeof *g);
+}
+
+static lc_status probe_lit(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t sample, lc_probe *p)
+{
+    probed_pixel px = { .j = j, .p = p, .x = x, .y = y };
+    px.guide = lc_alloc(j->ctx, 1, sizeof *px.guide);
+    if (!px.guide) return LC_ERR_MEMORY;
+    if (j->evidence && !(px.guide->evidence = lc_alloc_raw(j->ctx, 1, sizeof *px.guide->evidence))) {
+        lc_free(j->ctx, px.guide, 1, sizeof *px.guide);
+        return LC_ERR_MEMORY;
+    }
+    probe_cut(&px, sample);
+    lc_free(j->ctx, px.guide->evidence, 1, sizeof *px.guide->evidence);
+    lc_free(j->ctx, px.guide, 1, sizeof *px.guide);
     return LC_OK;
 }
 

@@ -59,6 +59,12 @@ static bool in_reach(const lc_share_axis *a, uint32_t strip, int64_t at, int64_t
     return to[0] < to[1];
 }
 
+/* Whether a sample that adds nothing is rendered all the same, as others of its pixel go by its cuts. */
+static bool wants_first(const lc_render_job *j, const lc_render_worker *w, uint32_t i)
+{
+    return !j->exact && w->cut.desc.z > 0 && (i == j->first || !w->first.n);
+}
+
 /* Renders and adds a sample; false: cancelled. */
 static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, int64_t x, int64_t y,
                        uint32_t i)
@@ -76,7 +82,7 @@ static bool add_sample(lc_render_job *j, lc_render_worker *w, const target *t, i
     const uint32_t hits = planes->hits;
     const bool reaches = in_reach(ax, strip[0], x, t->x0, t->x1, to_x) &&
                          in_reach(ay, strip[1], y, t->y0, t->y1, to_y);
-    if (!own && !reaches) return true;
+    if (!own && !reaches && !wants_first(j, w, i)) return true;
     if (!lc_render_sample(j, w, (uint32_t)x, (uint32_t)y, i, planes, &rgb)) return false;
     if (!reaches) return true;
     if (!lc_f3_finite(rgb)) { /* left out: it would be in all pixels around */
