@@ -1115,7 +1115,8 @@ typedef struct lc_render_desc {
     float error;         /* asked of finished pixels: relative to the pixel's luminance with every light, or
                           * to the dark floor where that is larger; >= 0 and finite. INIT sets 0: error_ratio
                           * limits each cluster instead */
-    float within;        /* per cent of all pixels for which that is asked, above 0, below 100; INIT: 95 */
+    float within;        /* per cent of the film's pixels that show a lit surface for which that is asked,
+                          * above 0, below 100; INIT: 95 */
     const lc_calibration *calibration; /* that of an earlier render of the same scene, film and options, of
                           * any crop; NULL: found by this one */
     double seconds;      /* 0: none. Else the least error is asked with which lc_render, from its call, takes

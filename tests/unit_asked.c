@@ -177,21 +177,21 @@ TEST(shared_cuts_lose_nothing)
     CHECKF(share_within(&p, &truth, 0.02) >= 93, "%g %%", share_within(&p, &truth, 0.02));
 }
 
-/* A floor in the half shadow of slats, under a lamp. */
-static void write_half_shadow(const char *path)
+/* A floor in the half shadow of slats, under a lamp; half: of its side. */
+static void write_half_shadow(const char *path, double half, double fov, const char *filter)
 {
     FILE *f = fopen(path, "w");
     if (!f) abort();
     fprintf(f,
-            "LookAt 0 2 -4  0 0.6 0  0 1 0\nCamera \"perspective\" \"float fov\" [50]\n"
-            "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\nPixelFilter \"triangle\"\n"
+            "LookAt 0 2 -4  0 0.6 0  0 1 0\nCamera \"perspective\" \"float fov\" [%g]\n"
+            "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\nPixelFilter \"%s\"\n"
             "Integrator \"path\" \"integer maxdepth\" [1]\nWorldBegin\n"
             "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [4 4 4]\n"
             "Shape \"trianglemesh\" \"point3 P\" [-.5 3 -.5  .5 3 -.5  .5 3 .5  -.5 3 .5]\n"
             "  \"integer indices\" [0 1 2 0 2 3] AttributeEnd\nMaterial \"diffuse\"\n"
-            "Shape \"trianglemesh\" \"point3 P\" [-6 0 -6  6 0 -6  6 0 6  -6 0 6]\n"
+            "Shape \"trianglemesh\" \"point3 P\" [%g 0 %g  %g 0 %g  %g 0 %g  %g 0 %g]\n"
             "  \"integer indices\" [0 1 2 0 2 3]\n",
-            SIDE, SIDE);
+            fov, SIDE, SIDE, filter, -half, -half, half, -half, half, half, -half, half);
     for (int i = 0; i < 12; i++) {
         const double x = 0.5 * i - 3;
         fprintf(f,
@@ -224,7 +224,7 @@ TEST(half_shadows_are_not_too_bright)
 {
     static picture truth, p;
     double mean = 0, rms;
-    write_half_shadow(PATH);
+    write_half_shadow(PATH, 6, 50, "triangle");
     for (uint32_t seed = 1; seed <= 3; seed++) {
         way w = { .method = LC_METHOD_EXACT, .spp = 16, .seed = seed };
         render(w, &truth);
@@ -236,6 +236,25 @@ TEST(half_shadows_are_not_too_bright)
         if (seed == 1) check_crop(&p, w);
     }
     CHECKF(fabs(mean) <= 0.02 / 16, "%g %%", 100 * mean);
+}
+
+/* The share that is asked is of the pixels that show something lit, here a tenth of them. */
+TEST(background_counts_for_nothing)
+{
+    static picture truth, p;
+    const way w = { .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .spp = 1 };
+    int n = 0, n_within = 0;
+    write_half_shadow(PATH, 3, 140, "box");
+    render((way){ .method = LC_METHOD_EXACT }, &truth);
+    render(w, &p);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double y = luminance(&truth, i);
+        n += y > 0;
+        n_within += y > 0 && fabs(luminance(&p, i) - y) <= 0.02 * y;
+    }
+    printf("  %d of %d lit pixels within; %u pilots\n", n_within, n, p.stats.calibration.n_pilots);
+    CHECK(n > 100 && n < SIDE * SIDE / 5);
+    CHECKF(n_within >= 0.93 * n, "%d of %d", n_within, n);
 }
 
 static void check_same_bytes(uint32_t spp, bool shared)
@@ -357,6 +376,7 @@ int main(void)
     RUN(what_is_asked_holds);
     RUN(shared_cuts_lose_nothing);
     RUN(half_shadows_are_not_too_bright);
+    RUN(background_counts_for_nothing);
     RUN(same_bytes_for_crops_threads_and_kept_calibrations);
     RUN(hardly_anything);
     RUN(no_room_is_said);

@@ -14,7 +14,7 @@ static void print_picture_options(void)
         "      --method M           lightcuts (default), exact: every light at every point, or cuts: cuts\n"
         "                           even of few lights\n"
         "      --error E            relative error of finished pixels that is accepted, default %g\n"
-        "      --within P           per cent of the pixels to be within it, 1 to 99.9, default 95\n"
+        "      --within P           per cent of the lit pixels to be within it, 1 to 99.9, default 95\n"
         "      --calibration FILE   take from FILE what keeps that error; where there is none, write it\n"
         "      --time T             the least error with which the picture is done in T (90s, 5m, 1h)\n"
         "      --every-pixel        shade every pixel; else, in films of 65536 pixels and more, those\n"

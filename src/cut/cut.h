@@ -23,8 +23,8 @@
  *
  * The guarantee: every cluster of the result has a bound of at most the limit, or is proved to be occluded,
  * unless at_limit is set. It holds per cluster, not for their sum. With desc.z, z times the root of the sum
- * of all squared bounds is at most the error ratio times max(total, floor): the limit of each round is what
- * that leaves to the largest bound.
+ * of all squared bounds is at most the error ratio times max(total, floor), where the total may be that of a
+ * point alike (lc_cut.alike): the limit of each round is what that leaves to the largest bound.
  *
  * floor, the dark floor, is the luminance below which a relative error cannot be seen: a fraction of the
  * picture's mean. Measured: tests/results/refinement.md.

@@ -2,7 +2,8 @@
  *
  * A cut stops when z times the root of the sum of its squared bounds is within the asked error (cut.h). How
  * much of that root is real error differs from scene to scene, so z is found on pilots: some pixels of the
- * whole film, spread evenly, with all their samples.
+ * whole film, spread evenly, with all their samples. They are of those that show a lit surface, of which the
+ * share is asked.
  *
  *     truth    every light at every point; of many lights, or samples, a much finer cut
  *     values   the pixel by cuts of a z, which begin with the roots, by several slots of representatives
@@ -18,6 +19,7 @@
 
 #include "base/pool.h"
 #include "render/near_grain.h"
+#include "render/pixel_sights.h"
 #include "tree/light_tree.h"
 
 #include <math.h>
@@ -26,6 +28,8 @@
 #define N_PILOTS LC_SIZE(512, 64)
 #define LEAST_PILOTS LC_SIZE(256, 64) /* if there are as many pixels */
 #define PIXELS_OF_PILOT 36 /* of a film that has fewer than N_PILOTS, but no fewer than LEAST_PILOTS */
+#define LOOKS 4           /* samples of a pixel that may be a pilot */
+#define MOST_TRIED 16     /* pixels for each pilot */
 #define N_SLOTS 4         /* values of a pilot, once z is known roughly */
 #define N_GRAIN LC_SIZE(256, 16) /* whose grain is looked at */
 #define N_BETWEEN 2       /* the same where pixels are interpolated, whose pilots need knots */
@@ -55,7 +59,7 @@
 #define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
 #define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
 #define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
-#define TIMED_BLOCKS 96   /* blocks of pixels around pilots, whose time is taken */
+#define TIMED_BLOCKS 96   /* blocks of pixels all over the film, whose time is taken */
 #define LEAST_ERROR 1e-4
 #define MOST_ERROR 1.0
 
@@ -66,6 +70,7 @@ typedef struct {
     double *value;   /* the same by cuts, n_slots of each pilot; then its misses */
     double *to;      /* one of these */
     uint32_t n, n_slots, n_finite;
+    double lit;     /* share of the film's pixels that could be pilots */
     uint64_t rays;  /* of workers that are no more */
     bool tried;     /* the ways: z is known roughly */
     bool guided;    /* cuts begin as those of a picture, though they take no evidence */
@@ -76,16 +81,49 @@ typedef struct {
     bool only_these; /* no others are shaded */
 } pilots;
 
-static void place_pilots(pilots *p)
+/* The i-th place of a sequence that is spread evenly over the film: the R2 sequence, or all pixels. */
+static uint32_t place_of_pilot(const pilots *p, uint32_t i)
 {
     const uint64_t width = p->j->scene->film.width, height = p->j->scene->film.height;
-    const double step_x = 0.7548776662466927, step_y = 0.5698402909980532; /* the R2 sequence */
-    for (uint32_t i = 0; i < p->n; i++) {
-        const double u = 0.5 + i * step_x, v = 0.5 + i * step_y;
-        const uint64_t x = (uint64_t)((u - floor(u)) * (double)width),
-                       y = (uint64_t)((v - floor(v)) * (double)height);
-        p->pixel[i] = (uint32_t)(p->n < width * height ? y * width + x : i);
+    const double u = 0.5 + i * 0.7548776662466927, v = 0.5 + i * 0.5698402909980532;
+    const uint64_t x = (uint64_t)((u - floor(u)) * (double)width),
+                   y = (uint64_t)((v - floor(v)) * (double)height);
+    return (uint32_t)(p->n < width * height ? y * width + x : i);
+}
+
+/* Whether one of a few samples of a pixel shows a lit point. */
+static bool shows_lit(const lc_render_job *j, uint32_t pixel)
+{
+    const uint32_t width = j->scene->film.width, n = j->spp < LOOKS ? j->spp : LOOKS;
+    lc_sight sight;
+    lc_f3 dir;
+    for (uint32_t k = 0; k < n; k++)
+        if (lc_sample_sight(j, pixel % width, pixel / width, k * j->spp / n, NULL, &dir, &sight) &&
+            sight.n_lit)
+            return true;
+    return false;
+}
+
+static bool is_pilot(const pilots *p, uint32_t n, uint32_t pixel)
+{
+    for (uint32_t i = 0; i < n; i++)
+        if (p->pixel[i] == pixel) return true;
+    return false;
+}
+
+/* Pixels of the background are right whatever cuts do: they are no pilots, unless nothing else is there. */
+static void place_pilots(pilots *p)
+{
+    const uint64_t pixels = (uint64_t)p->j->scene->film.width * p->j->scene->film.height;
+    const uint32_t most = p->n < pixels ? MOST_TRIED * p->n : p->n;
+    uint32_t n = 0, tried = 0;
+    for (; tried < most && n < p->n && lc_job_go_on(p->j); tried++) {
+        const uint32_t at = place_of_pilot(p, tried);
+        if (shows_lit(p->j, at) && !is_pilot(p, n, at)) p->pixel[n++] = at;
     }
+    for (uint32_t i = 0; i < p->n && !n; i++) p->pixel[i] = place_of_pilot(p, i);
+    p->lit = n ? (double)n / tried : 1;
+    if (n) p->n = n;
 }
 
 /* A pilot's slots one after the other, as they have one guide. */
@@ -217,7 +255,7 @@ static search search_from(double z) { return (search){ .z = z, .last_z = z, .lea
 static bool is_near(const pilots *p, double miss)
 {
     const lc_film_desc *film = &p->j->scene->film;
-    const double pixels = (double)film->width * film->height;
+    const double pixels = p->lit * film->width * film->height;
     const double step = (double)p->n * p->most_slots * (p->j->interpolated ? KNOTS_COST : 1);
     return miss >= GOOD_ENOUGH || (AIM - miss) * pixels < step;
 }
@@ -280,7 +318,8 @@ static void shade_block(void *user, uint32_t thread, uint64_t item)
 {
     const pilots *p = user;
     lc_render_job *j = p->j;
-    const uint32_t width = j->scene->film.width, height = j->scene->film.height, at = p->pixel[item],
+    const uint32_t width = j->scene->film.width, height = j->scene->film.height,
+                   at = place_of_pilot(p, (uint32_t)item),
                    x0 = at % width - at % width % LC_PIXEL_BLOCK,
                    y0 = at / width - at / width % LC_PIXEL_BLOCK;
     lc_pixel px = { .hits = 0 };
@@ -401,7 +440,7 @@ static lc_status keep_better(pilots *p, const lc_cut_desc *cut, double z, bool s
     if (!fine) p->n = n < ROUGH_PILOTS ? n : ROUGH_PILOTS;
     way_cost c = try_way(p, cut, z, n_steps, fine, sorted);
     p->n = n;
-    if (shared && !evidence) j->pixel_work = c.work;
+    if (shared && !evidence) j->pixel_work = c.work * p->lit;
     c.work *= costs[shared][evidence];
     c.shared = shared;
     c.evidence = evidence;
@@ -435,7 +474,7 @@ static lc_status choose_way(pilots *p, lc_cut_desc *cut, double *sorted, search 
 static void try_interpolation(pilots *p, const lc_cut_desc *cut, double *sorted, search *s)
 {
     lc_render_job *j = p->j;
-    const double pixels = (double)j->scene->film.width * j->scene->film.height;
+    const double pixels = p->lit * j->scene->film.width * j->scene->film.height;
     search with = search_from(s->z);
     uint32_t n = 0, within = 0;
     const double before = lc_job_work(j);
