@@ -430,6 +430,39 @@ TEST(slots_share_out_the_children)
     }
 }
 
+/* Adds how far the number of a node's slots that come to a cluster below is from its share. */
+static void add_below(const lc_light_tree *t, uint32_t id, uint32_t below, uint32_t depth,
+                      double *worst, double sum[2])
+{
+    const double share = t->n_reps * power_below(t, below) / power_below(t, id);
+    uint32_t n = 0;
+    if (below & LC_LEAF) return;
+    for (uint32_t s = 0; s < t->n_reps; s++) n += lc_rep_of(t, id, s) == lc_rep_of(t, below, s);
+    if (depth) {
+        *worst = fmax(*worst, fabs(n - share));
+        sum[0] += (n - share) * (n - share);
+        sum[1] += share * (1 - share / t->n_reps);
+    }
+    if (depth == 3) return;
+    add_below(t, id, t->data.nodes[below].left, depth + 1, worst, sum);
+    add_below(t, id, t->data.nodes[below].right, depth + 1, worst, sum);
+}
+
+/* And of those that choose a child as many choose each of its children, and of these, as their shares say: the
+ * variance is a fifth of that of slots by chance. */
+TEST(slots_share_out_what_is_below)
+{
+    double worst = 0, sum[2] = { 0, 0 };
+    lc_light *l = rnd_lights(2000, 7);
+    lc_light_tree *t = build(l, 2000, 16, 16);
+    for (uint32_t id = 0; id < t->n_nodes; id++) add_below(t, id, id, 0, &worst, sum);
+    printf("  worst %.2f slots, variance %.3f of that by chance\n", worst, sum[0] / sum[1]);
+    CHECKF(worst < 3, "%g slots", worst);
+    CHECKF(sum[0] < 0.2 * sum[1], "%g of the variance", sum[0] / sum[1]);
+    lc_light_tree_destroy(t);
+    free(l);
+}
+
 TEST(same_input_same_tree)
 {
     lc_light *l = rnd_lights(3000, 7);
@@ -634,6 +667,7 @@ int main(void)
     RUN(boxes_are_exact);
     RUN(representatives_are_as_frequent_as_bright);
     RUN(slots_share_out_the_children);
+    RUN(slots_share_out_what_is_below);
     RUN(same_input_same_tree);
     RUN(same_tree_for_threads_and_instruction_sets);
     RUN(damaged_links_are_found);

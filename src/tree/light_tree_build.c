@@ -2,6 +2,7 @@
 #include "tree/light_tree.h"
 
 #include "shade/point_init.h"
+#include "tree/slots.h"
 #include "tree/tree_build.h"
 #include "tree/tree_fill.h"
 
@@ -36,7 +37,7 @@ static lc_status build_kind(lc_light_tree *t, const lc_light_tree_desc *desc, lc
     lc_build_pair *pairs = lc_alloc_raw(t->ctx, n, sizeof *pairs);
     st = pairs ? LC_OK : LC_ERR_MEMORY;
     if (!st && n > 1) st = (exact ? lc_agglomerate : lc_ploc)(t->ctx, &in, pairs);
-    if (!st) st = lc_tree_fill(t, &in, pairs, desc->seed);
+    if (!st) st = lc_tree_fill(t, &in, pairs);
     if (!st) t->roots[t->n_roots++] = t->root[kind];
     lc_free(t->ctx, pairs, n, sizeof *pairs);
     if (index) lc_free(t->ctx, index, n, sizeof *index);
@@ -145,6 +146,8 @@ lc_status lc_light_tree_build(const lc_context *ctx, const lc_light_tree_desc *d
     lc_status st = alloc_tree(t, desc);
     for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++)
         if (t->n_of_kind[kind]) st = build_kind(t, desc, (lc_light_kind)kind);
+    for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++)
+        st = lc_tree_choose_reps(t, (lc_light_kind)kind, desc->seed);
     for (int kind = 0; kind < LC_LIGHT_KINDS && !st; kind++) st = mark_alike(t, (lc_light_kind)kind);
     if (!st) st = lc_tree_share_groups(t);
     if (st) {

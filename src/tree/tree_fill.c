@@ -36,14 +36,12 @@ typedef struct {
 
 typedef struct {
     lc_cluster c;
-    uint64_t hash; /* of the set of lights and how it was joined */
 } sums;
 
 typedef struct {
     entry *entries;
     sums *sums;
-    uint32_t *rep; /* n_reps an entry */
-    size_t n, cap_entries, cap_sums, cap_rep;
+    size_t n, cap_entries, cap_sums;
     lc_status status;
 } batch;
 
@@ -51,7 +49,6 @@ typedef struct {
     lc_light_tree *t;
     const lc_build_input *in;
     const lc_build_pair *pairs;
-    uint64_t seed;
     uint32_t *n_below; /* lights below each joined cluster */
     uint32_t limit;
     batch top, *work;  /* work: one a thread */
@@ -73,7 +70,6 @@ static lc_status grow(const filler *f, batch *b)
     const lc_context *ctx = f->t->ctx;
     lc_status st = lc_grow(ctx, (void **)&b->entries, &b->cap_entries, b->n + 1, sizeof *b->entries);
     if (!st) st = lc_grow(ctx, (void **)&b->sums, &b->cap_sums, b->cap_entries, sizeof *b->sums);
-    if (!st) st = lc_grow(ctx, (void **)&b->rep, &b->cap_rep, b->cap_entries * f->t->n_reps, sizeof *b->rep);
     return st;
 }
 
@@ -90,7 +86,6 @@ static void free_batch(const filler *f, batch *b)
 {
     lc_free(f->t->ctx, b->entries, b->cap_entries, sizeof *b->entries);
     lc_free(f->t->ctx, b->sums, b->cap_sums, sizeof *b->sums);
-    lc_free(f->t->ctx, b->rep, b->cap_rep, sizeof *b->rep);
 }
 
 /* ---- down ---- */
@@ -170,43 +165,6 @@ static void fill_light(const filler *f, uint32_t build, uint32_t light, sums *s)
     if (kind->own_size) kind->light_own(lc_light_own(d, l.kind, light), &l);
     if (d->light_atten && lc_is_attenuated(l.kind)) memcpy(d->light_atten[light], l.atten, sizeof l.atten);
     lc_cluster_from_light(&s->c, &l);
-    s->hash = lc_mix(scene);
-}
-
-/* A number 0 <= u <= 1 for each slot, stratified: each is uniform, and of the n_reps equal parts of 0..1 each
- * holds one, in an order of the cluster's own. So the slots of a cluster choose each child nearly as often as
- * expected. */
-static void draw(const filler *f, uint64_t cluster, double u[LC_MAX_REPS])
-{
-    uint32_t n = f->t->n_reps, order[LC_MAX_REPS];
-    uint64_t h = lc_hash4(f->seed, cluster, 0, 1);
-    for (uint32_t s = 0; s < n; s++) order[s] = s;
-    for (uint32_t s = n; s-- > 1;) {
-        h = lc_mix(h);
-        uint32_t other = (uint32_t)(h % (s + 1)), was = order[s];
-        order[s] = order[other];
-        order[other] = was;
-    }
-    for (uint32_t s = 0; s < n; s++) u[s] = (order[s] + lc_unit(lc_hash4(f->seed, cluster, s, 0))) / n;
-}
-
-/* Chooses the representatives of an entry among its children's. */
-static void choose_reps(const filler *f, batch *b, uint32_t at, const sums child[2], const uint32_t link[2])
-{
-    lc_light_tree *t = f->t;
-    const entry *e = &b->entries[at];
-    double left = lc_cluster_scalar(&child[0].c), right = lc_cluster_scalar(&child[1].c), u[LC_MAX_REPS];
-    draw(f, b->sums[at].hash, u);
-    for (uint32_t s = 0; s < t->n_reps; s++) {
-        uint32_t rep[2];
-        for (int i = 0; i < 2; i++)
-            rep[i] = e->slot[i] == LC_NONE ? link[i] & ~LC_LEAF : b->rep[(size_t)e->slot[i] * t->n_reps + s];
-        bool is_left = u[s] * (left + right) < left;
-        uint32_t own = is_left ? rep[0] : rep[1];
-        b->rep[(size_t)at * t->n_reps + s] = own;
-        if (t->reps) t->reps[(size_t)e->id * t->n_reps + s] = own;
-        if (!s) t->data.nodes[e->id].rep = own;
-    }
 }
 
 static void fill_node(const filler *f, batch *b, uint32_t at)
@@ -220,13 +178,10 @@ static void fill_node(const filler *f, batch *b, uint32_t at)
         else fill_light(f, f->pairs[e->build - f->in->n].child[i], link[i] & ~LC_LEAF, &child[i]);
     }
     lc_cluster_join(&s->c, &child[0].c, &child[1].c);
-    uint64_t x = child[0].hash, y = child[1].hash;
-    s->hash = x < y ? lc_hash2(x, y) : lc_hash2(y, x);
     lc_cluster_store(&s->c, node, f->t->data.node_atten ? &f->t->data.node_atten[e->id] : NULL);
     lc_tree_data *d = &f->t->data;
     const lc_light_kind_info *kind = &lc_light_kinds[s->c.kind];
     if (kind->own_size) kind->node_own(lc_node_own(d, s->c.kind, e->id), s->c.least);
-    choose_reps(f, b, at, child, link);
 }
 
 /* Prefetches the lights of an entry, which may be anywhere in the scene's list. */
@@ -253,7 +208,7 @@ static void run_job(void *user, uint32_t thread, uint64_t item)
 {
     filler *f = user;
     batch *b = &f->work[thread], *top = &f->top;
-    uint32_t at = f->jobs[item], slot, n_reps = f->t->n_reps;
+    uint32_t at = f->jobs[item], slot;
     const entry *e = &top->entries[at];
     if (b->status) return;
     b->n = 0;
@@ -265,7 +220,6 @@ static void run_job(void *user, uint32_t thread, uint64_t item)
     if (b->status) return;
     fill_all(f, b);
     top->sums[at] = b->sums[0];
-    memcpy(top->rep + (size_t)at * n_reps, b->rep, n_reps * sizeof *b->rep);
 }
 
 /* ---- both ---- */
@@ -314,10 +268,10 @@ static void count_lights(filler *f)
         f->n_below[i] = lights_below(f, f->pairs[i].child[0]) + lights_below(f, f->pairs[i].child[1]);
 }
 
-lc_status lc_tree_fill(lc_light_tree *t, const lc_build_input *in, const lc_build_pair *pairs, uint64_t seed)
+lc_status lc_tree_fill(lc_light_tree *t, const lc_build_input *in, const lc_build_pair *pairs)
 {
     uint32_t limit = in->n / JOBS < MIN_JOB ? MIN_JOB : in->n / JOBS > MAX_JOB ? MAX_JOB : in->n / JOBS;
-    filler f = { .t = t, .in = in, .pairs = pairs, .seed = seed, .limit = limit };
+    filler f = { .t = t, .in = in, .pairs = pairs, .limit = limit };
     if (in->n == 1) { /* the light is the tree */
         uint32_t light = t->first_light[in->kind];
         sums unused;
