@@ -1,10 +1,10 @@
 /* slots.c - see slots.h. Lights of a node in the order of its leaves, by intensity, are n_reps equal parts,
  * and each slot has one of them: its representative is there.
  *
- *     node    0   1   2   3   4   5   6   7     parts
- *             c   f   a   h   d   g   b   e     slots
- *             |-- left child --|
- *     left    c   .   f   .   a   .   h   d     slots that chose it, evenly, in their order; others between
+ *     parts           0   1   2   3   4   5   6   7
+ *     node            c   f   a   h   d   g   b   e     the slots that have them
+ *                     |-- left -|------ right ------|   whose each is
+ *     left child      c   h   f   d   g   a   b   e     c f a, which chose it, evenly; the others between
  *
  * So of any cluster below, the slots that come to it from above are spread evenly over its lights, and with
  * all slots, as a pixel's samples have them, the errors of a cut's clusters make up for each other.

@@ -13,7 +13,6 @@
 #include "tree/tree_fill.h"
 
 #include "base/pool.h"
-#include "base/rng.h"
 #include "shade/cluster.h"
 #include "shade/dir_pack.h"
 #include "shade/point_init.h"
