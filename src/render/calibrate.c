@@ -538,17 +538,18 @@ static uint32_t n_pilots(uint64_t pixels)
 lc_status lc_calibrate(lc_render_job *j, lc_calibration *out)
 {
     const uint64_t pixels = (uint64_t)j->scene->film.width * j->scene->film.height;
-    pilots p = { .j = j, .n = n_pilots(pixels), .most_slots = N_SLOTS };
-    p.pixel = lc_alloc(j->ctx, p.n, sizeof *p.pixel);
-    p.truth = lc_alloc(j->ctx, p.n, sizeof *p.truth);
-    p.value = lc_alloc(j->ctx, p.n, N_SLOTS * sizeof *p.value);
-    p.between = lc_alloc(j->ctx, p.n, sizeof *p.between);
-    double *sorted = lc_alloc(j->ctx, p.n, N_SLOTS * sizeof *sorted);
+    const uint32_t n = n_pilots(pixels); /* what there is room for */
+    pilots p = { .j = j, .n = n, .most_slots = N_SLOTS };
+    p.pixel = lc_alloc(j->ctx, n, sizeof *p.pixel);
+    p.truth = lc_alloc(j->ctx, n, sizeof *p.truth);
+    p.value = lc_alloc(j->ctx, n, N_SLOTS * sizeof *p.value);
+    p.between = lc_alloc(j->ctx, n, sizeof *p.between);
+    double *sorted = lc_alloc(j->ctx, n, N_SLOTS * sizeof *sorted);
     lc_status st = calibrate(&p, sorted, out);
-    lc_free(j->ctx, p.pixel, p.n, sizeof *p.pixel);
-    lc_free(j->ctx, p.truth, p.n, sizeof *p.truth);
-    lc_free(j->ctx, p.value, p.n, N_SLOTS * sizeof *p.value);
-    lc_free(j->ctx, p.between, p.n, sizeof *p.between);
-    lc_free(j->ctx, sorted, p.n, N_SLOTS * sizeof *sorted);
+    lc_free(j->ctx, p.pixel, n, sizeof *p.pixel);
+    lc_free(j->ctx, p.truth, n, sizeof *p.truth);
+    lc_free(j->ctx, p.value, n, N_SLOTS * sizeof *p.value);
+    lc_free(j->ctx, p.between, n, sizeof *p.between);
+    lc_free(j->ctx, sorted, n, N_SLOTS * sizeof *sorted);
     return st;
 }
