@@ -215,7 +215,8 @@ static void check_crop(const picture *whole, way w)
     render(w, &part);
     for (int k = 0; k < 3; k++)
         for (int y = 0; y < 12; y++)
-            off += memcmp(&part.rgb[k][y * 20], &whole->rgb[k][(y + 36) * SIDE + 20], 20 * sizeof(float)) != 0;
+            off += memcmp(&part.rgb[k][y * 20], &whole->rgb[k][(y + 36) * SIDE + 20],
+                          20 * sizeof(float)) != 0;
     CHECKF(!off, "%d rows of 36 differ in a crop", off);
 }
 

@@ -448,8 +448,8 @@ static void add_below(const lc_light_tree *t, uint32_t id, uint32_t below, uint3
     add_below(t, id, t->data.nodes[below].right, depth + 1, worst, sum);
 }
 
-/* And of those that choose a child as many choose each of its children, and of these, as their shares say: the
- * variance is a fifth of that of slots by chance. */
+/* And of those that choose a child as many choose each of its children, and of these, as their shares say:
+ * the variance is at most a fifth of that of slots by chance. */
 TEST(slots_share_out_what_is_below)
 {
     double worst = 0, sum[2] = { 0, 0 };

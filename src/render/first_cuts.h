@@ -1,7 +1,7 @@
 /* first_cuts.h - the cuts of the first of a pixel's samples that has any, by whose luminance those of the
  * others are limited (lc_cut.alike). A pixel's samples have slots that together are spread evenly; by one
- * limit they end at nearly the same clusters, so that their errors make up for each other. The first sample is
- * one that every part of a picture renders.
+ * limit they end at nearly the same clusters, so that their errors make up for each other. The first sample
+ * is one that every part of a picture renders.
  */
 #ifndef LC_FIRST_CUTS_H
 #define LC_FIRST_CUTS_H

@@ -52,10 +52,9 @@ typedef struct lc_render_worker {
     lc_stats stats;
     lc_guide guide;
     uint64_t *cut_hist, cut_max; /* points by cut size, 0 .. cut.max_size; of the tile */
-    bool alone, pilot;  /* cuts begin with the roots; guides are made for single pixels */
+    bool alone, pilot, is_first; /* cuts begin with the roots; guides are made for single pixels */
     lc_stats apart;     /* work of the guides of pilots */
-    lc_first_cuts first; /* of the pixel at hand */
-    bool is_first;       /* they are being made */
+    lc_first_cuts first; /* of the pixel at hand; is_first: they are being made */
     uint32_t slot_shift; /* sample i of a pixel has the slot of sample i + slot_shift */
     bool of_knots;       /* slots are dealt out to first pixels of blocks */
     uint64_t asked;     /* work that was done when lc_job_go_on was last called */

@@ -30,7 +30,8 @@ typedef struct {
 
 static double intensity_of(const lc_light_tree *t, uint32_t link)
 {
-    const float *i = link & LC_LEAF ? t->data.lights[link & ~LC_LEAF].intensity : t->data.nodes[link].intensity;
+    const float *i =
+        link & LC_LEAF ? t->data.lights[link & ~LC_LEAF].intensity : t->data.nodes[link].intensity;
     return (double)i[0] + (double)i[1] + (double)i[2];
 }
 
