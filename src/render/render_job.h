@@ -7,8 +7,8 @@
  *     share.c    pixels whose samples neighbours share
  *     interpolate.c  pixels between others that are lit alike; reconstruct.c: coarse pictures
  *     render.c   tiles over threads, the film; interval.c: the AOV
- *     render_stats.c   counts of all threads; attributes; probe.c: a sample on its own, its cut kept
- *     group_sums.c   what each group of lights contributes
+ *     render_stats.c   counts of all threads; attributes; group_sums.c: what each group of lights contributes
+ *     probe.c    a sample on its own, its cut kept; first_cuts.h: what limits of a pixel's cuts go by
  *
  * Every pixel depends on scene, descriptor and its coordinates only: positions of samples and slots come from
  * (seed, pixel, sample, dimension), and the pre-pass looks at a grid over the whole film.
@@ -180,8 +180,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
 bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px);
 void lc_add_to_planes(const lc_render_job *j, lc_pixel *px, const lc_sight *sight, lc_f3 dir);
 bool lc_time_to_ask(lc_render_worker *w);
-/* False: cancelled, nothing stored. */
-bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y);
+bool lc_render_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y); /* false: cancelled */
 
 /* ---- render.c ---- */
 
