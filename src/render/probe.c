@@ -33,6 +33,7 @@ typedef struct {
     lc_probe *p;
     lc_guide *guide;
     lc_first_cuts first; /* of a sample before */
+    double guide_rest;   /* the part's rest of the cut that made the guide */
     uint32_t x, y;
 } probed_pixel;
 
@@ -64,6 +65,7 @@ static bool add_first(probed_pixel *px, uint32_t sample)
         lc_cut_result r;
         lc_lit_point(j->scene, lit, keys.point + k, point);
         near_light(px, lit, k, point, &keys);
+        if (!px->guide->made) px->guide_rest = cut->part.rest;
         lc_guided_cut(cut, px->guide, point, &lit->surface, keys.slot + k, &stats, &r);
         cut->row = LC_NONE;
         px->guide->made = true;
@@ -108,7 +110,8 @@ static void probe_cut(probed_pixel *px, uint32_t sample)
     bool is_guide = !g->made;
     if (is_guide) lc_guide_make(j, &p->cut, g, NULL);
     shade_others(px, &keys);
-    p->cut.alike = p->cut.part.rest = 0;
+    p->cut.alike = 0;
+    p->cut.part.rest = px->guide_rest;
     g->made = false;
     /* again: its splits are kept for the cut that begins with it. */
     if (!is_guide) lc_guide_make(j, &p->cut, g, NULL);
