@@ -136,7 +136,7 @@ typedef struct lc_cut_result {
     uint32_t size;   /* clusters and lights as max_cut counts them */
     uint32_t rays;   /* shadow rays */
     float max_error; /* largest bound of `kept` over the luminance of the estimate, 0 where `kept` is empty;
-                        with desc.z the half-width: what error_ratio limits, of the larger of the two */
+                        with desc.z the half-width: what error_ratio limits, of the luminance it goes by */
     bool at_limit;   /* max_cut was met: some bound may be above the limit */
     bool dark;       /* only the dark floor keeps every bound within the limit */
 } lc_cut_result;

@@ -28,11 +28,6 @@ void lc_cluster_join(lc_cluster *out, const lc_cluster *a, const lc_cluster *b);
 double lc_cluster_cone(const lc_cluster *c, double axis[3]);
 /* Squared diagonal of the box. */
 double lc_cluster_diag2(const lc_cluster *c);
-/* The scalar intensity of the metric and of the choice of representatives: (R + G + B) / 3. */
-static inline double lc_cluster_scalar(const lc_cluster *c)
-{
-    return (c->intensity[0] + c->intensity[1] + c->intensity[2]) / 3;
-}
 /* Writes what the kernels read of the node except children and representative, rounding outwards. atten may
  * be NULL. */
 void lc_cluster_store(const lc_cluster *c, lc_node *node, lc_atten *atten);
