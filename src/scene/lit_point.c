@@ -12,6 +12,7 @@
 #define LIGHTS_IN_REACH 24.0f /* of their shares over pi: a disc of that squared radius holds as many */
 #define BEGINS 0.5f       /* of the squared reach */
 #define NEAR_ROUGHNESS 0.15f /* least of a lobe in which rays gather */
+#define MOST_BY_RAYS 0.5f   /* roughness */
 #define TINY 1e-30f
 
 static void widen_lobe(lc_material *m, float roughness)
@@ -86,26 +87,44 @@ static void find_reach(const lc_scene *s, const lc_surface *at, lc_point *soft)
     soft->near_scale = 1 / (d2 - soft->near_d2);
 }
 
-float lc_lit_point_of_near(const lc_scene *scene, const lc_lit *lit, lc_point *p)
+bool lc_lit_point_of_near(const lc_scene *scene, const lc_lit *lit, bool lobe, lc_point *p)
 {
     lc_material m = lit->surface.material;
-    if (m.lobe != LC_LOBE_PHASE) widen_lobe(&m, NEAR_ROUGHNESS);
+    if (m.lobe != LC_LOBE_PHASE && !lobe) widen_lobe(&m, NEAR_ROUGHNESS);
     if (lit->followed) m.ks = lc_f3_make(0, 0, 0);
     init_point(scene, lit, &m, p);
-    if (!lc_lobe_is_narrow(m.lobe) || p->lobe == LC_LOBE_NONE) return 0;
-    if (m.lobe == LC_LOBE_PHONG) return m.exponent;
-    const float rough = fmaxf(m.roughness[0], m.roughness[1]);
-    return fmaxf(0.5f / (rough * rough), 1); /* of half vectors, which turn half as far as directions do */
+    if (lobe) memset(p->diffuse, 0, sizeof p->diffuse);
+    return lc_lobe_is_narrow(m.lobe) && lc_f3_max(lc_f3_load(p->specular)) > 0;
+}
+
+/* Whether a lobe is so narrow that rays find what surfaces reflect into it better than virtual lights do. */
+static bool is_for_rays(const lc_material *m)
+{
+    lc_material rough = *m;
+    widen_lobe(&rough, MOST_BY_RAYS);
+    if (!(lc_f3_max(m->ks) > 0)) return false;
+    return m->lobe == LC_LOBE_PHONG ? rough.exponent < m->exponent
+                                    : m->lobe == LC_LOBE_GGX && fmaxf(m->roughness[0], m->roughness[1]) < MOST_BY_RAYS;
+}
+
+static void leave_out_lobe(lc_point *p)
+{
+    memset(p->specular, 0, sizeof p->specular);
+    if (p->fresnel == LC_FRESNEL_SCHLICK) memset(p->schlick_delta, 0, sizeof p->schlick_delta);
+    if (!p->coat) p->lobe = LC_LOBE_NONE;
+    p->lobe_by_rays = true;
 }
 
 void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point *p)
 {
     lc_material m = lit->surface.material;
-    if (m.lobe != LC_LOBE_PHASE)
-        widen_lobe(&m, fminf(fmaxf(virtual_roughness(scene, lit), LC_VIRTUAL_ROUGHNESS), LC_MAX_ROUGHNESS));
+    const bool by_rays = !lit->followed && !lit->no_rays && is_for_rays(&m);
     if (lit->followed) m.ks = lc_f3_make(0, 0, 0);
+    else if (!by_rays && m.lobe != LC_LOBE_PHASE)
+        widen_lobe(&m, fminf(fmaxf(virtual_roughness(scene, lit), LC_VIRTUAL_ROUGHNESS), LC_MAX_ROUGHNESS));
     init_point(scene, lit, &m, p);
     find_reach(scene, &lit->surface, p);
+    if (by_rays && p->near_scale > 0) leave_out_lobe(p);
 }
 
 /* A point of its own is met by virtual lights, and with a followed lobe by the lights made from environments:

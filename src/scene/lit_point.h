@@ -9,9 +9,9 @@
  * that a narrow lobe would show as dots. hash: that of the sample's slot, plus the surface's number. */
 void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_point p[2]);
 
-/* What light that rays gather nearby meets: no lobe is widened to what virtual lights resolve. Returns the
- * exponent of a cosine to the mirror direction that is about as wide as its lobe; 0: it has no narrow one. */
-float lc_lit_point_of_near(const lc_scene *scene, const lc_lit *lit, lc_point *p);
+/* What light that rays gather meets: no lobe is widened to what virtual lights resolve. lobe: its lobe alone,
+ * as it is. Returns whether it has a narrow one. */
+bool lc_lit_point_of_near(const lc_scene *scene, const lc_lit *lit, bool lobe, lc_point *p);
 
 /* What virtual lights meet. */
 void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point *p);

@@ -9,6 +9,7 @@
 #include "scene/lit_point.h"
 #include "scene/near_gather.h"
 #include "scene/surface.h"
+#include "shade/fresnel.h"
 #include "shade/lobe.h"
 
 #include <stdatomic.h>
@@ -17,6 +18,7 @@
 #define RAYS LC_SIZE(256, 4) /* of a pixel, and of a sample no fewer than */
 #define LEAST_RAYS LC_SIZE(16, 4)
 #define PLACE 0.5f         /* size of the surface that shares a place, of the reach */
+#define LEAST_PLACE 0.125f /* of that, where what a ray stands for is narrow */
 #define LEVELS 3           /* of places: what the last ones' surroundings reflect is virtual lights alone */
 #define PLACE_ERROR 0.1f   /* error ratio of a place's cut */
 #define SPREAD 6.0f        /* shares over pi: what the light of one that a mirror lights is spread over */
@@ -29,6 +31,10 @@
 #define LIGHT_NEAR 4.0f    /* shares over pi: among lights evenly spread one in 50 places has none */
 #define LIGHT_LIFT 0x1p-20f /* of its largest coordinate: where shadow rays start */
 #define SAME_WAY 0.7f      /* cosine between their normals */
+#define OF_METAL 4.0f      /* size of places of metals that are seen in lobes, of others' */
+#define END_ROUGHNESS 0.2f /* least of metals that are seen in lobes */
+#define VIEWS 8                      /* steps of each coordinate from 0 to 1 of the directions that rays share */
+#define LEAST_COS 0.02f
 #define PLACES_A_LIGHT 16
 #define LEAST_PLACES ((size_t)LC_SIZE(1 << 18, 64))
 #define MOST_PLACES ((size_t)1 << 21)
@@ -306,22 +312,23 @@ static bool sees(const lc_scene *s, const lc_hit *hit, const triangle *t, const 
 static lc_f3 light_by(const lc_scene *scene, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
                       lc_near_rays rays, lc_f3 weight, lc_f3 *of_group);
 
-static void find_light(const lc_near_places *b, lc_near_cuts *c, const lc_surface *at, uint64_t key,
-                       lc_f3 *out)
+static void scale(float rgb[3], lc_f3 by) { lc_f3_store(rgb, lc_f3_mul(lc_f3_load(rgb), by)); }
+
+static void find_light(const lc_near_places *b, lc_near_cuts *c, const lc_lit *lit, uint64_t key, lc_f3 *out)
 {
-    lc_lit lit = { .surface = *at, .view = at->n, .weight = { 1, 1, 1 } };
     lc_point p[2];
     lc_cut_result r;
-    lit.surface.material = (lc_material){ .kd = { 1, 1, 1 }, .lobe = LC_LOBE_PHONG, .exponent = 1 };
-    lc_lit_point(b->scene, &lit, key, p);
-    lc_f3_store(p[1].diffuse, lc_f3_mul(lc_f3_load(p[1].diffuse), b->again[c->level]));
+    lc_lit_point(b->scene, lit, key, p);
+    scale(p[1].diffuse, b->again[c->level]);
+    scale(p[1].specular, b->again[c->level]);
+    if (p[1].fresnel == LC_FRESNEL_SCHLICK) scale(p[1].schlick_delta, b->again[c->level]);
     if (c->level + 1 == b->n_levels) p[1].near_d2 = p[1].near_scale = 0;
-    lc_cut_shade(&c->cut[c->level], p, lit.surface.ray_org, key, &c->stats, &r);
+    lc_cut_shade(&c->cut[c->level], p, lit->surface.ray_org, key, &c->stats, &r);
     out[0] = r.radiance;
     for (uint32_t k = 0; k + 1 < b->stride; k++)
         out[1 + k] = lc_f3_make((float)c->of_group[k][0], (float)c->of_group[k][1], (float)c->of_group[k][2]);
     const lc_near_rays rays = { .key = lc_hash2(key, b->scene->load.seed), .n = n_place_rays[c->level++] };
-    out[0] = lc_f3_add(out[0], light_by(b->scene, c, &lit, p, rays, lc_f3_make(1, 1, 1), out + 1));
+    out[0] = lc_f3_add(out[0], light_by(b->scene, c, lit, p, rays, lc_f3_make(1, 1, 1), out + 1));
     c->level--;
 }
 
@@ -381,34 +388,74 @@ static void place_of_triangle(const lc_near_places *b, const lc_hit *hit, const 
     *key = lc_hash4((uint64_t)place.instance << 32 | place.tri, (uint64_t)uv[0] << 32 | uv[1], away, 0x706c);
 }
 
+/* A direction near dir, one of a few that rays share: each coordinate is one of the two next to its own, by
+ * chance so that the mean is dir's. False: it is below the surface. */
+static bool shared_view(lc_f3 dir, const lc_surface *at, lc_f3 *view)
+{
+    uint32_t bits[3];
+    double u[3];
+    memcpy(bits, &dir, sizeof bits);
+    for (uint64_t k = 0; k < 3; k++)
+        u[k] = floor((double)(&dir.x)[k] * VIEWS + lc_unit(lc_hash4(bits[0], bits[1], bits[2], k)));
+    *view = lc_f3_normalize_d(-u[0], -u[1], -u[2]);
+    return lc_f3_dot(*view, at->n) > LEAST_COS;
+}
+
+static bool is_metal(const lc_material *m)
+{
+    if (m->lobe != LC_LOBE_GGX || m->coat || lc_is_specular(m)) return false;
+    return lc_luminance(lc_reflectance(m, 1, false)) > lc_luminance(m->kd);
+}
+
+/* Makes the lit point of a place white, or, of metal seen along dir, as it is. Returns whether it is that. */
+static bool make_lit(const lc_surface *at, bool metal, lc_f3 dir, lc_lit *lit, uint64_t *key)
+{
+    uint32_t bits[3];
+    *lit = (lc_lit){ .surface = *at, .view = at->n, .weight = { 1, 1, 1 }, .no_rays = true };
+    lc_material *m = &lit->surface.material;
+    if (!metal || !is_metal(m) || !shared_view(dir, at, &lit->view)) {
+        lit->view = at->n;
+        *m = (lc_material){ .kd = { 1, 1, 1 }, .lobe = LC_LOBE_PHONG, .exponent = 1 };
+        return false;
+    }
+    for (int k = 0; k < 2; k++) m->roughness[k] = fmaxf(m->roughness[k], END_ROUGHNESS);
+    memcpy(bits, &lit->view, sizeof bits);
+    *key = lc_hash4(*key, bits[0], bits[1], bits[2]);
+    return true;
+}
+
 /* Irradiance over pi at a hit's place, on the side that dir comes from. At small instances that no virtual
- * light is near it is a rough one. */
-static void light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
-                     lc_f3 *out)
+ * light is near it is a rough one. Returns true where it is radiance against dir: of metals. */
+static bool light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
+                     bool metal, lc_f3 *out)
 {
     triangle t;
     lc_surface at;
+    lc_lit lit;
     uint64_t key;
     bool mine;
     const uint32_t level = c->level;
     find_triangle(b->scene, hit, &t);
     const bool small = is_small_instance(b->scene, hit, &t, size);
+    if (metal) size *= OF_METAL;
     if (!small || !place_of_light(b, hit, &t, dir, &at, &key)) {
         place_of_triangle(b, hit, &t, dir, size, &at, &key);
         if (small) c->level = b->n_levels - 1;
     }
+    metal = make_lit(&at, metal && !small, dir, &lit, &key);
     key = lc_hash2(key, c->level) | 1;
     const size_t slot = slot_of(b, key, &mine);
     if (slot < b->n && !mine && atomic_load_explicit(&b->found[slot], memory_order_acquire)) {
         memcpy(out, b->light + slot * b->stride, b->stride * sizeof *out);
         c->level = level;
-        return;
+        return metal;
     }
-    find_light(b, c, &at, key, out);
+    find_light(b, c, &lit, key, out);
     c->level = level;
-    if (!mine) return;
+    if (!mine) return metal;
     memcpy(b->light + slot * b->stride, out, b->stride * sizeof *out);
     atomic_store_explicit(&b->found[slot], 1, memory_order_release);
+    return metal;
 }
 
 static lc_f3 at_most_1(lc_f3 a) { return lc_f3_make(fminf(a.x, 1), fminf(a.y, 1), fminf(a.z, 1)); }
@@ -433,7 +480,7 @@ static void add_mirrored(const lc_near_places *b, const lc_near_cuts *c, const l
 /* Radiance against dir from where a ray ends: all of it, then of each group. size: of the surface that shares
  * a place. */
 static void find_radiance(const lc_scene *s, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
-                          lc_f3 *out)
+                          bool by_lobe, lc_f3 *out)
 {
     lc_near_places *b = s->near_places;
     lc_surface at;
@@ -441,11 +488,11 @@ static void find_radiance(const lc_scene *s, lc_near_cuts *c, const lc_hit *hit,
     lc_surface_of(s, hit, dir, FOOTPRINT, &at);
     const lc_f3 back = at_most_1(lc_lobes[at.material.lobe].albedo(&at.material, -lc_f3_dot(dir, at.n))),
                 on = at.material.kt;
-    light_at(b, c, hit, dir, size, out);
-    for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_mul(out[k], back);
+    if (!light_at(b, c, hit, dir, size, by_lobe && is_metal(&at.material), out))
+        for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_mul(out[k], back);
     if (b->n_mirrored) add_mirrored(b, c, &at, out);
     if (!(lc_f3_max(on) > 0)) return;
-    light_at(b, c, hit, lc_f3_neg(dir), size, behind);
+    light_at(b, c, hit, lc_f3_neg(dir), size, false, behind);
     for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_add(out[k], lc_f3_mul(behind[k], on));
 }
 
@@ -458,11 +505,11 @@ typedef struct {
     lc_f3 weight, sum, *of_group;
 } light_sum;
 
-static void add_end(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to)
+static void add_end(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float width)
 {
     light_sum *l = user;
     lc_f3 radiance[1 + LC_MAX_GROUPS];
-    find_radiance(l->scene, l->cuts, hit, dir, l->size, radiance);
+    find_radiance(l->scene, l->cuts, hit, dir, fminf(fmaxf(width, l->size * LEAST_PLACE), l->size), width < INFINITY, radiance);
     l->sum = lc_f3_add(l->sum, lc_f3_mul(to, radiance[0]));
     for (uint32_t k = 0; l->of_group && k < l->scene->groups.n; k++)
         l->of_group[k] = lc_f3_add(l->of_group[k], lc_f3_mul(l->weight, lc_f3_mul(to, radiance[1 + k])));

@@ -1,16 +1,20 @@
 /* near_gather.c - see near_gather.h. */
 #include "scene/near_gather.h"
 
-#include "base/fmath.h"
 #include "base/rng.h"
 #include "base/sample.h"
 #include "base/sample_dir.h"
 #include "scene/alpha.h"
 #include "scene/lit_point.h"
+#include "scene/media.h"
 #include "scene/surface.h"
+#include "shade/fresnel.h"
+#include "shade/lobe_draw.h"
 #include "shade/point_init.h"
 
-#define LOBE_RAYS 4           /* one of so many is drawn by a narrow lobe */
+#include <float.h>
+
+#define OF_RAYS 4             /* some of so many in a row are drawn by a narrow lobe */
 #define TINY 1e-6             /* cosine */
 #define BATCH 32              /* rays */
 #define MOST_GLASS 8          /* surfaces of glass, and others that stop no light, that a ray passes */
@@ -19,7 +23,7 @@
 typedef struct {
     uint32_t n;
     lc_light_rec rec[BATCH]; /* from where: as lights at infinity */
-    lc_f3 factor[BATCH];     /* (1 - part) times what glass lets through, over their density */
+    lc_f3 factor[BATCH];     /* (1 - part) times what glass lets through, over their density and number */
     lc_hit hit[BATCH];
 } gathered;
 
@@ -45,82 +49,105 @@ static bool meet(const lc_scene *s, lc_f3 org, lc_f3 dir, float length, lc_hit *
     return false;
 }
 
-/* How rays are drawn: by the cosine to the normal, or a share of them by a power of that to the mirror
- * direction; each counts by the density of both together ([Veach95] balance heuristic). */
+/* How rays are drawn, and what they are for: all that the point reflects within reach, by the cosine to the
+ * normal, with some by the lobe, each of which counts by the density of both together ([Veach95] balance
+ * heuristic); or its diffuse part by the cosine and its lobe by the lobe, at any distance. */
 typedef struct {
-    lc_f3 n, mirror;
-    double exponent, of_lobe; /* of_lobe: share, 0 without a narrow lobe */
-    uint64_t key;
-} density;
+    const lc_scene *scene;
+    const lc_lit *lit;
+    const lc_point *soft, *own; /* own: with the lobe, alone where it is for rays by it */
+    lc_near_rays rays;
+    uint32_t by_lobe; /* of 4 rays in a row, the last ones */
+    bool apart;
+} gatherer;
 
-static lc_f3 draw(const density *d, uint32_t i)
+static bool is_by_lobe(const gatherer *g, uint32_t i) { return i % OF_RAYS >= OF_RAYS - g->by_lobe; }
+
+static lc_f3 draw(const gatherer *g, uint32_t i)
 {
     double u[2], x, y;
-    if (d->of_lobe > 0 && i % LOBE_RAYS == LOBE_RAYS - 1) {
-        lc_sample_pair(lc_hash2(d->key, 1), i / LOBE_RAYS, u);
-        const double z = lc_exp_neg(lc_ln(1 - u[0]) / (d->exponent + 1)), r = sqrt(fmax(1 - z * z, 0));
-        lc_sincos_deg(360 * u[1], &y, &x);
-        return lc_sample_frame(d->mirror, r * x, r * y, z);
+    const uint32_t rest = OF_RAYS - g->by_lobe;
+    if (is_by_lobe(g, i)) {
+        lc_sample_pair(lc_hash2(g->rays.key, 1), i / OF_RAYS * g->by_lobe + i % OF_RAYS - rest, u);
+        return lc_lobe_draw(g->own, u);
     }
-    lc_sample_pair(d->key, d->of_lobe > 0 ? i - i / LOBE_RAYS : i, u);
+    lc_sample_pair(g->rays.key, i / OF_RAYS * rest + i % OF_RAYS, u);
     lc_sample_disc(u, &x, &y);
-    return lc_sample_frame(d->n, x, y, sqrt(1 - u[0]));
+    return lc_sample_frame(lc_f3_load(g->soft->n), x, y, sqrt(1 - u[0]));
 }
 
-/* The density of a direction whose cosine to the normal is above 0. */
-static double density_of(const density *d, lc_f3 dir, double cosine)
+/* Rays a steradian about a direction whose cosine to the normal is above 0, of one ray. */
+static double density_of(const gatherer *g, lc_f3 dir, double cosine, bool by_lobe)
 {
-    const double along = (double)lc_f3_dot(dir, d->mirror), all = (1 - d->of_lobe) * cosine / LC_PI;
-    if (!(d->of_lobe > 0) || !(along > TINY)) return all;
-    const double power = lc_exp_neg(d->exponent * lc_ln(fmin(along, 1)));
-    return all + d->of_lobe * (d->exponent + 1) / (2 * LC_PI) * power;
+    const double of_lobe = (double)g->by_lobe / OF_RAYS, even = (1 - of_lobe) * cosine / LC_PI;
+    if (g->apart) return by_lobe ? of_lobe * lc_lobe_density(g->own, dir) : even;
+    return g->by_lobe ? even + of_lobe * lc_lobe_density(g->own, dir) : even;
 }
 
-static void gather_ray(const lc_scene *s, const lc_lit *lit, const lc_point *soft, const density *d,
-                       uint32_t i, gathered *g)
+static void gather_ray(const gatherer *g, uint32_t i, bool by_lobe, gathered *to)
 {
+    const lc_point *soft = g->soft;
+    const lc_surface *at = &g->lit->surface;
+    const bool far = g->apart && by_lobe;
     lc_f3 through;
-    lc_hit *hit = &g->hit[g->n];
-    const float reach2 = soft->near_d2 + 1 / soft->near_scale;
-    const lc_f3 dir = draw(d, i), org = lc_f3_load(lit->surface.ray_org);
-    const double cosine = (double)lc_f3_dot(dir, d->n);
-    if (!(cosine > TINY) || !(lc_f3_dot(dir, lit->surface.ng) > 0)) return;
-    if (!meet(s, org, dir, sqrtf(reach2), hit, &through)) return;
+    lc_hit *hit = &to->hit[to->n];
+    const lc_f3 dir = draw(g, i), org = lc_f3_load(at->ray_org);
+    const double cosine = (double)lc_f3_dot(dir, lc_f3_load(soft->n));
+    if (!(cosine > TINY) || !(lc_f3_dot(dir, at->ng) > 0)) return;
+    const float length = far ? FLT_MAX : sqrtf(soft->near_d2 + 1 / soft->near_scale);
+    if (!meet(g->scene, org, dir, length, hit, &through)) return;
     const lc_f3 way = lc_f3_sub(lc_f3_add(org, lc_f3_scale(dir, hit->t)), lc_f3_load(soft->pos));
-    const float part = (lc_f3_dot(way, way) - soft->near_d2) * soft->near_scale;
+    const float part = far ? 0 : (lc_f3_dot(way, way) - soft->near_d2) * soft->near_scale;
     if (!(part < 1)) return;
-    g->rec[g->n] = (lc_light_rec){ .pos = { dir.x, dir.y, dir.z } };
-    g->factor[g->n++] = lc_f3_scale(through, (1 - fmaxf(part, 0)) * (float)(1 / density_of(d, dir, cosine)));
+    if (far && g->scene->media.present)
+        through = lc_f3_mul(through, lc_media_through(g->scene, org, dir, (double)hit->t));
+    const double density = density_of(g, dir, cosine, by_lobe);
+    if (!(density > 0)) return;
+    to->rec[to->n] = (lc_light_rec){ .pos = { dir.x, dir.y, dir.z } };
+    to->factor[to->n++] = lc_f3_scale(through, (1 - fmaxf(part, 0)) / (float)(density * g->rays.n));
 }
 
-/* each: of a ray. */
-static void give(const lc_near_ends *ends, const lc_point *p, const gathered *g, float each)
+static void give(const lc_near_ends *ends, const gatherer *g, bool by_lobe, const gathered *from)
 {
     _Alignas(64) float f[6][BATCH];
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
-    const lc_tree_data all = { .lights = (lc_light_rec *)g->rec };
-    ends->scene->ctx->shade_kernels->estimate(&all, 0, NULL, g->n, LC_LIGHT_DIRECTIONAL, p, out);
-    for (uint32_t i = 0; i < g->n; i++)
-        ends->end(ends->user, &g->hit[i], lc_f3_load(g->rec[i].pos),
-                  lc_f3_scale(lc_f3_mul(lc_f3_make(f[0][i], f[1][i], f[2][i]), g->factor[i]), each));
+    const lc_point *p = g->apart && !by_lobe ? g->soft : g->own;
+    const float rough = fmaxf(g->lit->surface.material.roughness[0], g->lit->surface.material.roughness[1]);
+    const lc_tree_data all = { .lights = (lc_light_rec *)from->rec };
+    ends->scene->ctx->shade_kernels->estimate(&all, 0, NULL, from->n, LC_LIGHT_DIRECTIONAL, p, out);
+    for (uint32_t i = 0; i < from->n; i++)
+        ends->end(ends->user, &from->hit[i], lc_f3_load(from->rec[i].pos),
+                  lc_f3_mul(lc_f3_make(f[0][i], f[1][i], f[2][i]), from->factor[i]),
+                  g->apart && by_lobe ? rough * from->hit[i].t : INFINITY);
+}
+
+static void gather(const lc_near_ends *ends, const gatherer *g, bool by_lobe)
+{
+    gathered to;
+    to.n = 0;
+    for (uint32_t i = 0; i < g->rays.n; i++) {
+        if (is_by_lobe(g, g->rays.first + i) == by_lobe) gather_ray(g, g->rays.first + i, by_lobe, &to);
+        if (!to.n || (to.n < BATCH && i + 1 < g->rays.n)) continue;
+        give(ends, g, by_lobe, &to);
+        to.n = 0;
+    }
+}
+
+/* How many of 4 rays are for a lobe that has rays of its own. */
+static uint32_t rays_of_lobe(const lc_lit *lit, const lc_point *soft)
+{
+    const lc_material *m = &lit->surface.material;
+    const float lobe = lc_f3_max(lc_reflectance(m, lc_f3_dot(lit->view, lit->surface.n), false)), rest = lc_f3_max(lc_f3_load(soft->diffuse));
+    if (!(rest > 0)) return OF_RAYS;
+    return lobe > (float)LC_PI * rest ? 2 : 1;
 }
 
 void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, lc_near_rays rays)
 {
-    const lc_scene *s = ends->scene;
     lc_point own;
-    gathered g;
-    g.n = 0;
-    const float exponent = lc_lit_point_of_near(s, lit, &own);
-    const density d = { .n = lc_f3_load(soft->n),
-                        .mirror = lc_f3_load(soft->mirror),
-                        .exponent = (double)exponent,
-                        .of_lobe = exponent > 0 ? 1.0 / LOBE_RAYS : 0,
-                        .key = rays.key };
-    for (uint32_t i = 0; i < rays.n; i++) {
-        gather_ray(s, lit, soft, &d, rays.first + i, &g);
-        if (!g.n || (g.n < BATCH && i + 1 < rays.n)) continue;
-        give(ends, &own, &g, 1 / (float)rays.n);
-        g.n = 0;
-    }
+    gatherer g = { ends->scene, lit, soft, &own, rays, 0, soft->lobe_by_rays };
+    const bool narrow = lc_lit_point_of_near(ends->scene, lit, soft->lobe_by_rays, &own);
+    if (narrow) g.by_lobe = g.apart ? rays_of_lobe(lit, soft) : 1;
+    gather(ends, &g, false);
+    if (g.by_lobe) gather(ends, &g, true);
 }

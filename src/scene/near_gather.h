@@ -10,8 +10,8 @@ typedef struct lc_near_ends {
     const lc_scene *scene;
     /* A ray along unit dir ends at a hit. to: what leaves the point of a radiance of 1 from there, R G B, by
      * this one of the rays: (1 - part) over the rays' density and number, times what glass on the way lets
-     * through. */
-    void (*end)(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to);
+     * through. width: of what the ray stands for there; INFINITY where it is within reach. */
+    void (*end)(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float width);
     void *user;
 } lc_near_ends;
 
@@ -22,9 +22,10 @@ typedef struct lc_near_rays {
     uint32_t first, n;
 } lc_near_rays;
 
-/* Rays by the cosine about the point's normal; where it has a narrow lobe a quarter of them by that. soft:
- * what virtual lights meet there, with a reach. Rays go straight through glass; those that meet mirrors end
- * nowhere. */
+/* Rays by the cosine about the point's normal; where it has a narrow lobe a quarter of them by that, or more
+ * where virtual lights do not meet the lobe at all (lc_point.lobe_by_rays): these go any distance, for the
+ * lobe alone. soft: what virtual lights meet there, with a reach. Rays go straight through glass; those that
+ * meet mirrors end nowhere. */
 void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, lc_near_rays rays);
 
 #endif

@@ -116,7 +116,7 @@ static void meet_rough(trace *t, const ray *r, const lc_surface *s)
     if (t->n_rays > n_before) t->rays[n_before].narrow = narrow;
     if (smooth && !(lc_f3_max(m->kd) > 0)) return;
     t->n_rough++;
-    out->lit[out->n_lit++] = (lc_lit){ *s, lc_f3_neg(r->dir), r->weight, r->depth, narrow };
+    out->lit[out->n_lit++] = (lc_lit){ *s, lc_f3_neg(r->dir), r->weight, r->depth, narrow, false };
     if (smooth) out->lit[out->n_lit - 1].surface.material.ks = lc_f3_make(0, 0, 0);
     if (!(lc_f3_max(m->kt) > 0)) return;
     out->lit[out->n_lit] = out->lit[out->n_lit - 1];

@@ -36,6 +36,7 @@ typedef struct lc_lit {
     lc_f3 weight;       /* fraction of its radiance that reaches the camera; 1 without mirrors or glass */
     uint32_t n_mirrors; /* mirrors and glass surfaces on the path */
     bool followed;      /* the lobe is narrow and followed as a mirror, which shows all but lamps */
+    bool no_rays;       /* its lobe is met by virtual lights, however narrow it is: scene/near_bounce.h */
 } lc_lit;
 
 typedef struct lc_sight {

@@ -38,6 +38,7 @@ typedef struct lc_point {
     /* Virtual lights within a squared distance of near_d2 shed nothing, those beyond the part (d^2 - near_d2)
      * near_scale of their light, at most all: scene/near_bounce.h. 0, 0: all of them all of it. */
     float near_d2, near_scale;
+    bool lobe_by_rays; /* what surfaces reflect into the lobe, however far they are, rays gather: the same */
     uint32_t turn;     /* which points of lights with LC_LIGHT_SIZED shadow rays go to; lc_point_init: 0 */
     lc_lobe lobe;      /* LC_LOBE_NONE where specular is 0, except with a coat */
     /* Ward, GGX: X and Y of slope_tmpl.c are the products of h with these. */

@@ -1,0 +1,15 @@
+/* lobe_draw.h - directions drawn by a point's narrow lobe. */
+#ifndef LC_LOBE_DRAW_H
+#define LC_LOBE_DRAW_H
+
+#include "shade/point.h"
+
+/* A unit direction, which may be below the horizon, from numbers of the unit square. GGX: by the normals of
+ * the facets that the viewer sees ([Heitz18]). Phong: by the lobe. Ward: by a power of the cosine to the
+ * mirror direction that is about as wide. The point has one of these. */
+lc_f3 lc_lobe_draw(const lc_point *p, const double u[2]);
+
+/* The density of a unit direction, 1/sr. */
+double lc_lobe_density(const lc_point *p, lc_f3 dir);
+
+#endif
