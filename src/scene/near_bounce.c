@@ -18,7 +18,7 @@
 #define RAYS LC_SIZE(256, 4) /* of a pixel, and of a sample no fewer than */
 #define LEAST_RAYS LC_SIZE(16, 4)
 #define PLACE 0.5f         /* size of the surface that shares a place, of the reach */
-#define LEAST_PLACE 0.125f /* of that, where what a ray stands for is narrow */
+#define LEAST_PLACE 0.125f /* of that, where what a lobe's ray stands for is narrow */
 #define LEVELS 3           /* of places: what the last ones' surroundings reflect is virtual lights alone */
 #define PLACE_ERROR 0.1f   /* error ratio of a place's cut */
 #define SPREAD 6.0f        /* shares over pi: what the light of one that a mirror lights is spread over */
@@ -31,7 +31,7 @@
 #define LIGHT_NEAR 4.0f    /* shares over pi: among lights evenly spread one in 50 places has none */
 #define LIGHT_LIFT 0x1p-20f /* of its largest coordinate: where shadow rays start */
 #define SAME_WAY 0.7f      /* cosine between their normals */
-#define OF_METAL 4.0f      /* size of places of metals that are seen in lobes, of others' */
+#define OF_METAL 4.0f      /* size of places of metals that are seen in lobes, of that of others within reach */
 #define END_ROUGHNESS 0.2f /* least of metals that are seen in lobes */
 #define VIEWS 8                      /* steps of each coordinate from 0 to 1 of the directions that rays share */
 #define LEAST_COS 0.02f
@@ -425,9 +425,10 @@ static bool make_lit(const lc_surface *at, bool metal, lc_f3 dir, lc_lit *lit, u
 }
 
 /* Irradiance over pi at a hit's place, on the side that dir comes from. At small instances that no virtual
- * light is near it is a rough one. Returns true where it is radiance against dir: of metals. */
+ * light is near it is a rough one. of_metal: size of the places of metals, 0 where these are white, too;
+ * returns true where it is radiance against dir, of metal. */
 static bool light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
-                     bool metal, lc_f3 *out)
+                     float of_metal, lc_f3 *out)
 {
     triangle t;
     lc_surface at;
@@ -437,12 +438,11 @@ static bool light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f
     const uint32_t level = c->level;
     find_triangle(b->scene, hit, &t);
     const bool small = is_small_instance(b->scene, hit, &t, size);
-    if (metal) size *= OF_METAL;
     if (!small || !place_of_light(b, hit, &t, dir, &at, &key)) {
-        place_of_triangle(b, hit, &t, dir, size, &at, &key);
+        place_of_triangle(b, hit, &t, dir, of_metal > 0 ? of_metal : size, &at, &key);
         if (small) c->level = b->n_levels - 1;
     }
-    metal = make_lit(&at, metal && !small, dir, &lit, &key);
+    const bool metal = make_lit(&at, of_metal > 0 && !small, dir, &lit, &key);
     key = lc_hash2(key, c->level) | 1;
     const size_t slot = slot_of(b, key, &mine);
     if (slot < b->n && !mine && atomic_load_explicit(&b->found[slot], memory_order_acquire)) {
@@ -478,9 +478,9 @@ static void add_mirrored(const lc_near_places *b, const lc_near_cuts *c, const l
 }
 
 /* Radiance against dir from where a ray ends: all of it, then of each group. size: of the surface that shares
- * a place. */
+ * a place; of_metal: the same of metal seen in a lobe, or 0. */
 static void find_radiance(const lc_scene *s, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
-                          bool by_lobe, lc_f3 *out)
+                          float of_metal, lc_f3 *out)
 {
     lc_near_places *b = s->near_places;
     lc_surface at;
@@ -488,11 +488,11 @@ static void find_radiance(const lc_scene *s, lc_near_cuts *c, const lc_hit *hit,
     lc_surface_of(s, hit, dir, FOOTPRINT, &at);
     const lc_f3 back = at_most_1(lc_lobes[at.material.lobe].albedo(&at.material, -lc_f3_dot(dir, at.n))),
                 on = at.material.kt;
-    if (!light_at(b, c, hit, dir, size, by_lobe && is_metal(&at.material), out))
+    if (!light_at(b, c, hit, dir, size, is_metal(&at.material) ? of_metal : 0, out))
         for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_mul(out[k], back);
     if (b->n_mirrored) add_mirrored(b, c, &at, out);
     if (!(lc_f3_max(on) > 0)) return;
-    light_at(b, c, hit, lc_f3_neg(dir), size, false, behind);
+    light_at(b, c, hit, lc_f3_neg(dir), size, 0, behind);
     for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_add(out[k], lc_f3_mul(behind[k], on));
 }
 
@@ -509,7 +509,10 @@ static void add_end(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float wi
 {
     light_sum *l = user;
     lc_f3 radiance[1 + LC_MAX_GROUPS];
-    find_radiance(l->scene, l->cuts, hit, dir, fminf(fmaxf(width, l->size * LEAST_PLACE), l->size), width < INFINITY, radiance);
+    const float within = fminf(fmaxf(LEAST_PLACE * l->size, width), l->size);
+    const bool by_lobe = width < INFINITY;
+    find_radiance(l->scene, l->cuts, hit, dir, by_lobe ? fmaxf(within, width) : within,
+                  by_lobe ? OF_METAL * within : 0, radiance);
     l->sum = lc_f3_add(l->sum, lc_f3_mul(to, radiance[0]));
     for (uint32_t k = 0; l->of_group && k < l->scene->groups.n; k++)
         l->of_group[k] = lc_f3_add(l->of_group[k], lc_f3_mul(l->weight, lc_f3_mul(to, radiance[1 + k])));

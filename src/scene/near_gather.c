@@ -15,6 +15,7 @@
 #include <float.h>
 
 #define OF_RAYS 4             /* some of so many in a row are drawn by a narrow lobe */
+#define WEAK 0.25f            /* a lobe's part of what is reflected by the rest */
 #define TINY 1e-6             /* cosine */
 #define BATCH 32              /* rays */
 #define MOST_GLASS 8          /* surfaces of glass, and others that stop no light, that a ray passes */
@@ -58,17 +59,29 @@ typedef struct {
     const lc_point *soft, *own; /* own: with the lobe, alone where it is for rays by it */
     lc_near_rays rays;
     uint32_t by_lobe; /* of 4 rays in a row, the last ones */
+    uint32_t every;   /* one of so many of these is traced */
     bool apart;
 } gatherer;
 
 static bool is_by_lobe(const gatherer *g, uint32_t i) { return i % OF_RAYS >= OF_RAYS - g->by_lobe; }
+
+/* Of a ray by the lobe among all of these. */
+static uint32_t number_of(const gatherer *g, uint32_t i)
+{
+    return i / OF_RAYS * g->by_lobe + i % OF_RAYS + g->by_lobe - OF_RAYS;
+}
+
+static bool is_traced(const gatherer *g, uint32_t i, bool by_lobe)
+{
+    return is_by_lobe(g, i) == by_lobe && (!by_lobe || number_of(g, i) % g->every == 0);
+}
 
 static lc_f3 draw(const gatherer *g, uint32_t i)
 {
     double u[2], x, y;
     const uint32_t rest = OF_RAYS - g->by_lobe;
     if (is_by_lobe(g, i)) {
-        lc_sample_pair(lc_hash2(g->rays.key, 1), i / OF_RAYS * g->by_lobe + i % OF_RAYS - rest, u);
+        lc_sample_pair(lc_hash2(g->rays.key, 1), number_of(g, i) / g->every, u);
         return lc_lobe_draw(g->own, u);
     }
     lc_sample_pair(g->rays.key, i / OF_RAYS * rest + i % OF_RAYS, u);
@@ -80,7 +93,7 @@ static lc_f3 draw(const gatherer *g, uint32_t i)
 static double density_of(const gatherer *g, lc_f3 dir, double cosine, bool by_lobe)
 {
     const double of_lobe = (double)g->by_lobe / OF_RAYS, even = (1 - of_lobe) * cosine / LC_PI;
-    if (g->apart) return by_lobe ? of_lobe * lc_lobe_density(g->own, dir) : even;
+    if (g->apart) return by_lobe ? of_lobe / g->every * lc_lobe_density(g->own, dir) : even;
     return g->by_lobe ? even + of_lobe * lc_lobe_density(g->own, dir) : even;
 }
 
@@ -126,28 +139,30 @@ static void gather(const lc_near_ends *ends, const gatherer *g, bool by_lobe)
     gathered to;
     to.n = 0;
     for (uint32_t i = 0; i < g->rays.n; i++) {
-        if (is_by_lobe(g, g->rays.first + i) == by_lobe) gather_ray(g, g->rays.first + i, by_lobe, &to);
+        if (is_traced(g, g->rays.first + i, by_lobe)) gather_ray(g, g->rays.first + i, by_lobe, &to);
         if (!to.n || (to.n < BATCH && i + 1 < g->rays.n)) continue;
         give(ends, g, by_lobe, &to);
         to.n = 0;
     }
 }
 
-/* How many of 4 rays are for a lobe that has rays of its own. */
-static uint32_t rays_of_lobe(const lc_lit *lit, const lc_point *soft)
+/* How many rays are for a lobe that has rays of its own: the less it reflects, the fewer. */
+static void share_rays(gatherer *g)
 {
-    const lc_material *m = &lit->surface.material;
-    const float lobe = lc_f3_max(lc_reflectance(m, lc_f3_dot(lit->view, lit->surface.n), false)), rest = lc_f3_max(lc_f3_load(soft->diffuse));
-    if (!(rest > 0)) return OF_RAYS;
-    return lobe > (float)LC_PI * rest ? 2 : 1;
+    const lc_surface *at = &g->lit->surface;
+    const float lobe = lc_f3_max(lc_reflectance(&at->material, lc_f3_dot(g->lit->view, at->n), false)),
+                rest = (float)LC_PI * lc_f3_max(lc_f3_load(g->soft->diffuse));
+    g->by_lobe = !(rest > 0) ? OF_RAYS : lobe > rest ? 2 : 1;
+    if (lobe < WEAK * rest) g->every = lobe < WEAK / 2 * rest ? 4 : 2;
 }
 
 void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, lc_near_rays rays)
 {
     lc_point own;
-    gatherer g = { ends->scene, lit, soft, &own, rays, 0, soft->lobe_by_rays };
+    gatherer g = { ends->scene, lit, soft, &own, rays, 0, 1, soft->lobe_by_rays };
     const bool narrow = lc_lit_point_of_near(ends->scene, lit, soft->lobe_by_rays, &own);
-    if (narrow) g.by_lobe = g.apart ? rays_of_lobe(lit, soft) : 1;
+    if (narrow && g.apart) share_rays(&g);
+    else if (narrow) g.by_lobe = 1;
     gather(ends, &g, false);
     if (g.by_lobe) gather(ends, &g, true);
 }
