@@ -101,10 +101,10 @@ bool lc_lit_point_of_near(const lc_scene *scene, const lc_lit *lit, bool lobe, l
 static bool is_for_rays(const lc_material *m)
 {
     lc_material rough = *m;
-    widen_lobe(&rough, MOST_BY_RAYS);
     if (!(lc_f3_max(m->ks) > 0)) return false;
-    return m->lobe == LC_LOBE_PHONG ? rough.exponent < m->exponent
-                                    : m->lobe == LC_LOBE_GGX && fmaxf(m->roughness[0], m->roughness[1]) < MOST_BY_RAYS;
+    if (m->lobe == LC_LOBE_GGX) return fmaxf(m->roughness[0], m->roughness[1]) < MOST_BY_RAYS;
+    widen_lobe(&rough, MOST_BY_RAYS);
+    return m->lobe == LC_LOBE_PHONG && rough.exponent < m->exponent;
 }
 
 static void leave_out_lobe(lc_point *p)

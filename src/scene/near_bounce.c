@@ -31,9 +31,9 @@
 #define LIGHT_NEAR 4.0f    /* shares over pi: among lights evenly spread one in 50 places has none */
 #define LIGHT_LIFT 0x1p-20f /* of its largest coordinate: where shadow rays start */
 #define SAME_WAY 0.7f      /* cosine between their normals */
-#define OF_METAL 4.0f      /* size of places of metals that are seen in lobes, of that of others within reach */
+#define OF_METAL 4.0f      /* size of places of metals that are seen in lobes, of others within reach */
 #define END_ROUGHNESS 0.2f /* least of metals that are seen in lobes */
-#define VIEWS 8                      /* steps of each coordinate from 0 to 1 of the directions that rays share */
+#define VIEWS 8            /* steps of each coordinate from 0 to 1 of the directions that rays share */
 #define LEAST_COS 0.02f
 #define PLACES_A_LIGHT 16
 #define LEAST_PLACES ((size_t)LC_SIZE(1 << 18, 64))

@@ -15,6 +15,10 @@
  *                 -> radiance: what the material at the ray's end reflects and transmits of it, as a diffuse
  *                    surface does
  *
+ * Lobes narrower than a roughness of a half are for rays alone, however far these go: virtual lights are too
+ * far apart for them (scene/lit_point.h). What such rays meet has places as large as what a ray stands for;
+ * metal among it is lit as seen along one of a few directions that rays share, by lobes at least 0.2 rough.
+ *
  * What mirrors shed on surfaces, which cuts do not know of, is that of the virtual lights there, spread out.
  * Where something stands between the ray's end and its place, the cells are made smaller. A place's light is
  * found when it is first asked for and depends on the place alone, so pictures do not depend on the order.

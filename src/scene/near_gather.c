@@ -9,7 +9,7 @@
 #include "scene/media.h"
 #include "scene/surface.h"
 #include "shade/fresnel.h"
-#include "shade/lobe_draw.h"
+#include "shade/draw_lobe.h"
 #include "shade/point_init.h"
 
 #include <float.h>

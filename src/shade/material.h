@@ -111,10 +111,10 @@ typedef struct lc_material_maps {
 /* A highlight of roughness a is 2 a rad wide to 1 / e. Below this alpha pbrt has a mirror. */
 #define LC_MIN_ROUGHNESS 0.001f
 #define LC_MAX_ROUGHNESS 1.0f
-/* Virtual lights, each of which a narrow lobe would show as a dot, meet lobes of at least
- * LC_VIRTUAL_ROUGHNESS (Phong: the exponent that is as narrow). In scenes that have them, and where all light
- * comes from surfaces and environments, GGX below LC_SMOOTH_ROUGHNESS is a mirror instead, which the camera
- * ray follows, to all but lamps: those it shows by their lights. */
+/* Virtual lights, each of which a narrow lobe would show as a dot, meet no lobes but wide ones and Ward's,
+ * and these at least LC_VIRTUAL_ROUGHNESS wide (Phong: the exponent that is as narrow). In scenes that have
+ * them, and where all light comes from surfaces and environments, GGX below LC_SMOOTH_ROUGHNESS is a mirror
+ * instead, which the camera ray follows, to all but lamps: those it shows by their lights. */
 #define LC_VIRTUAL_ROUGHNESS 0.1f
 #define LC_VIRTUAL_EXPONENT 50.0f
 #define LC_SMOOTH_ROUGHNESS 0.05f

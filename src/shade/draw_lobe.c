@@ -1,5 +1,5 @@
-/* lobe_draw.c - see lobe_draw.h. */
-#include "shade/lobe_draw.h"
+/* draw_lobe.c - see draw_lobe.h. */
+#include "shade/draw_lobe.h"
 
 #include "base/fmath.h"
 #include "base/sample_dir.h"

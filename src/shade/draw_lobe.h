@@ -1,6 +1,6 @@
-/* lobe_draw.h - directions drawn by a point's narrow lobe. */
-#ifndef LC_LOBE_DRAW_H
-#define LC_LOBE_DRAW_H
+/* draw_lobe.h - directions drawn by a point's narrow lobe. */
+#ifndef LC_DRAW_LOBE_H
+#define LC_DRAW_LOBE_H
 
 #include "shade/point.h"
 
