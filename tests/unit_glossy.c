@@ -85,8 +85,9 @@ TEST(no_direction_counts_for_more_than_all)
 static void add_to(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float width)
 {
     double *sum = user;
+    (void)hit;
     (void)dir;
-    CHECK(width > 0 && (hit->t > 0 || width < 1));
+    CHECK(width > 0);
     *sum += (double)to.y;
 }
 

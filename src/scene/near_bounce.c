@@ -414,7 +414,7 @@ static bool make_lit(const lc_surface *at, bool metal, lc_f3 dir, lc_lit *lit, u
     *lit = (lc_lit){ .surface = *at, .view = at->n, .weight = { 1, 1, 1 }, .no_rays = true };
     lc_material *m = &lit->surface.material;
     if (!metal || !is_metal(m) || !shared_view(dir, at, &lit->view)) {
-        lit->view = at->n;
+        lit->view = at->n; /* not the shared one */
         *m = (lc_material){ .kd = { 1, 1, 1 }, .lobe = LC_LOBE_PHONG, .exponent = 1 };
         return false;
     }

@@ -8,8 +8,8 @@
 #include "scene/lit_point.h"
 #include "scene/media.h"
 #include "scene/surface.h"
-#include "shade/fresnel.h"
 #include "shade/draw_lobe.h"
+#include "shade/fresnel.h"
 #include "shade/point_init.h"
 
 #include <float.h>
@@ -120,8 +120,8 @@ static void gather_ray(const gatherer *g, uint32_t i, bool by_lobe, gathered *to
     to->factor[to->n++] = lc_f3_scale(through, (1 - fmaxf(part, 0)) / (float)(density * g->rays.n));
 }
 
-/* Phong's: of GGX that is about as narrow. */
-static float roughness_of(const lc_material *m)
+/* Width of a lobe, rad: of GGX its roughness, of Phong's about two of these. */
+static float width_of(const lc_material *m)
 {
     if (m->lobe == LC_LOBE_PHONG) return sqrtf(2 / (m->exponent + 2));
     return fmaxf(m->roughness[0], m->roughness[1]);
@@ -132,13 +132,13 @@ static void give(const lc_near_ends *ends, const gatherer *g, bool by_lobe, cons
     _Alignas(64) float f[6][BATCH];
     float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
     const lc_point *p = g->apart && !by_lobe ? g->soft : g->own;
-    const float rough = roughness_of(&g->lit->surface.material);
+    const float wide = width_of(&g->lit->surface.material);
     const lc_tree_data all = { .lights = (lc_light_rec *)from->rec };
     ends->scene->ctx->shade_kernels->estimate(&all, 0, NULL, from->n, LC_LIGHT_DIRECTIONAL, p, out);
     for (uint32_t i = 0; i < from->n; i++)
         ends->end(ends->user, &from->hit[i], lc_f3_load(from->rec[i].pos),
                   lc_f3_mul(lc_f3_make(f[0][i], f[1][i], f[2][i]), from->factor[i]),
-                  g->apart && by_lobe ? rough * from->hit[i].t : INFINITY);
+                  g->apart && by_lobe ? wide * from->hit[i].t : INFINITY);
 }
 
 static void gather(const lc_near_ends *ends, const gatherer *g, bool by_lobe)

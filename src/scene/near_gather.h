@@ -1,4 +1,4 @@
-/* near_gather.h - rays to the surfaces within the reach of a point. */
+/* near_gather.h - rays to the surfaces within the reach of a point, and by a narrow lobe to any. */
 #ifndef LC_NEAR_GATHER_H
 #define LC_NEAR_GATHER_H
 
@@ -22,10 +22,10 @@ typedef struct lc_near_rays {
     uint32_t first, n;
 } lc_near_rays;
 
-/* Rays by the cosine about the point's normal; where it has a narrow lobe a quarter of them by that, or more
- * where virtual lights do not meet the lobe at all (lc_point.lobe_by_rays): these go any distance, for the
- * lobe alone. soft: what virtual lights meet there, with a reach. Rays go straight through glass; those that
- * meet mirrors end nowhere. */
+/* Rays by the cosine about the point's normal; where it has a narrow lobe a quarter of them by that. Where
+ * virtual lights do not meet the lobe at all (lc_point.lobe_by_rays) a share of the rays that goes by what
+ * the lobe reflects is for it alone, at any distance. soft: what virtual lights meet there, with a reach.
+ * Rays go straight through glass; those that meet mirrors end nowhere. */
 void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, lc_near_rays rays);
 
 #endif
