@@ -27,8 +27,10 @@ absent() # name
     failed=$((failed + 1))
 }
 
-# Programs that stop, time or starve others have the machine to themselves, and so have scripts.
-alone=" unit_faults unit_kill unit_farm unit_power unit_asked unit_display unit_sync "
+# Programs that stop, time or starve others have the machine to themselves, and so have scripts that do.
+alone=" unit_kill unit_farm unit_power unit_asked unit_display unit_sync deps cli watch preview files hostile page farm load slurm "
+# Those that take longest begin first.
+long="unit_faults unit_golden replay_fuzz_scene replay_fuzz_build check_bounds unit_light_tree interval frames unit_motion"
 jobs=${LC_TEST_JOBS:-$(nproc 2>/dev/null || echo 1)}
 logs=$(mktemp -d) || exit 2
 trap 'rm -rf "$logs"' EXIT
@@ -38,7 +40,7 @@ export bin limit logs
 one='name=$1
     case $name in
     replay_fuzz_render) set -- "$bin/tests/$name" --damage=0 "fuzz/corpus/render" ;; # there each copy is rendered
-    replay_fuzz_scene | replay_fuzz_build) set -- "$bin/tests/$name" --damage=600 "fuzz/corpus/${name#replay_fuzz_}" ;; # pictures, too
+    replay_fuzz_scene | replay_fuzz_build) set -- "$bin/tests/$name" --damage=250 "fuzz/corpus/${name#replay_fuzz_}" ;; # pictures, too
     replay_*) set -- "$bin/tests/$name" --damage=2000 "fuzz/corpus/${name#replay_fuzz_}" ;;
     *.sh) set -- sh "tests/$name" "$bin/lightcuts" ;;
     *) set -- "$bin/tests/$name" ;;
@@ -89,9 +91,22 @@ for source in tests/unit_*.c tests/check_*.c fuzz/fuzz_*.c; do
     fi
 done
 for script in deps cli frames lux tone watch preview groups interval files hostile scenes golden examples library page farm load slurm; do
-    if [ -f "tests/$script.sh" ]; then after="$after $script.sh"; else absent "$script.sh"; fi
+    if [ ! -f "tests/$script.sh" ]; then absent "$script.sh"
+    elif [ "${alone#* "$script" }" != "$alone" ]; then after="$after $script.sh"
+    else together="$together $script.sh"
+    fi
 done
-printf '%s\n' $together | xargs -n 1 -P "$jobs" sh -c "$one" sh
+begin=
+for name in $long; do
+    case "$together " in
+    *" $name "*) begin="$begin $name" ;;
+    *" $name.sh "*) begin="$begin $name.sh" ;;
+    esac
+done
+for name in $together; do
+    case "$begin " in *" $name "*) ;; *) begin="$begin $name" ;; esac
+done
+printf '%s\n' $begin | xargs -n 1 -P "$jobs" sh -c "$one" sh
 for name in $together; do report "$name"; done
 for name in $after; do
     sh -c "$one" sh "$name"

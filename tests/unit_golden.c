@@ -16,7 +16,7 @@
 #include <stdbool.h>
 
 #define FOLDER "tests/golden"
-/* Under an emulator the exact method takes many minutes, and has few kernels. */
+/* Under an emulator each picture takes many seconds: one of each kind, by its best kernels. */
 #ifdef TEST_SLOWLY
 #define SLOW_MACHINE 1
 #else
@@ -119,13 +119,13 @@ static void same_hash_everywhere(const char *method_name, lc_method method)
 {
     static const uint32_t threads[] = { 1, 2, 7 };
     const lc_isa best = lc_isa_pick(LC_ISA_BEST);
-    uint64_t first = hash_of(1, LC_ISA_SCALAR, method), want = 0;
+    const uint64_t first = SLOW_MACHINE ? hash_of(2, best, method) : hash_of(1, LC_ISA_SCALAR, method);
+    uint64_t want = 0;
     EACH_ISA(isa)
         for (int t = 0; t < 3; t++) {
-            /* The exact method is slow and uses few kernels: two of its combinations are enough. */
-            if (method == LC_METHOD_EXACT && !(isa == LC_ISA_SCALAR + 1 && t == 1) &&
-                !(isa == best && t == 2))
-                continue;
+            /* Each set by one number of threads, the best one by all; the exact method by two. */
+            if (SLOW_MACHINE || (isa != best && t != isa % 3)) continue;
+            if (method == LC_METHOD_EXACT && isa != LC_ISA_SCALAR + 1 && !(isa == best && t == 2)) continue;
             if (UNDER_TSAN && (isa != best || t != 1)) continue;
             uint64_t h = hash_of(threads[t], isa, method);
             CHECKF(h == first, "%s with %u threads: %016llx, %s with 1: %016llx", lc_isa_name(isa),
@@ -275,7 +275,7 @@ int main(int argc, char **argv)
         RUN(asked);
         RUN(default_method);
         if (!SLOW_MACHINE) RUN(exact);
-        RUN(crop);
+        if (!SLOW_MACHINE) RUN(crop);
         if (!SLOW_MACHINE) RUN(error_against_exact);
     }
     return test_done();

@@ -72,6 +72,14 @@ static lc_f3 place3(const lc_node *n, int style)
 /* The nearest coordinate that a scene may contain. */
 static float accepted(float x) { return fmaxf(-LC_MAX_COORD, fminf(x, LC_MAX_COORD)); }
 
+/* Half a side of a box, at least as long as it takes to hold p. */
+static float half_up_to(float half, float center, float p)
+{
+    half = fmaxf(half, fabsf(p - center));
+    while (!in_box(p, center, half)) half = nextafterf(half, INFINITY);
+    return half;
+}
+
 /* A box with the light in it, at a random place. */
 static lc_node box_about(lc_f3 light, double size)
 {
@@ -80,8 +88,7 @@ static lc_node box_about(lc_f3 light, double size)
     for (int k = 0; k < 3; k++) {
         n.half[k] = (float)(size * (rnd() < 0.2 ? 0 : rnd()));
         n.center[k] = accepted((float)((double)p[k] + rnd_in(-1, 1) * (double)n.half[k]));
-        while (!in_box(p[k], n.center[k], n.half[k]))
-            n.half[k] = nextafterf(n.half[k] * (1 + 1e-6f), INFINITY);
+        n.half[k] = half_up_to(n.half[k], n.center[k], p[k]);
     }
     return n;
 }
@@ -295,8 +302,7 @@ static lc_point_box points_about(lc_f3 org, double size)
         b.half[k] = (float)(size * (rnd() < 0.2 ? 0 : rnd()));
         b.center[k] = accepted((float)((double)p[k] + rnd_in(-1, 1) * (double)b.half[k]));
     }
-    while (!lc_point_box_holds(&b, p))
-        for (int k = 0; k < 3; k++) b.half[k] = nextafterf(b.half[k] * (1 + 1e-6f), INFINITY);
+    for (int k = 0; k < 3; k++) b.half[k] = half_up_to(b.half[k], b.center[k], p[k]);
     return b;
 }
 
