@@ -150,14 +150,6 @@ TEST(bounds_of_boxes_hold)
     " \"integer indices\" [0 1 2 0 2 3]\n"
 #define SCREEN                                                                                               \
     "Shape \"trianglemesh\" \"point3 P\" [-2 -2 3 0 -2 3 0 2 3 -2 2 3] \"integer indices\" [0 1 2 0 2 3]\n"
-/* The sun shines on the wall from behind, and from a mirror before it. */
-#define MIRROR                                                                                               \
-    "WorldBegin\nLightSource \"distant\" \"point3 from\" [0 -2 -4] \"point3 to\" [0 0 0]"                  \
-    " \"rgb L\" [1 1 1]\n"                                                                                  \
-    "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"                                                 \
-    "Shape \"trianglemesh\" \"point3 P\" [-1 0 0 1 0 0 1 1 0 -1 1 0] \"integer indices\" [0 1 2 0 2 3]\n"  \
-    "Material \"conductor\" \"float roughness\" [0] \"rgb reflectance\" [1 1 1]\n"                         \
-    "Shape \"trianglemesh\" \"point3 P\" [-9 -9 9 9 -9 9 9 9 9 -9 9 9] \"integer indices\" [0 1 2 0 2 3]\n"
 #define ROOM                                                                                                 \
     "WorldBegin\nLightSource \"point\" \"rgb I\" [1 1 1]\nMaterial \"diffuse\"\n"                           \
     "Shape \"sphere\" \"float radius\" [3]\n"
@@ -277,18 +269,6 @@ TEST(glass_lets_near_light_pass)
     printf("    through a pane %.4f of %.4f; with many lights %.4f\n", few, clear, many);
     CHECKF(few < 0.93 * clear, "%g of %g", few, clear);
     CHECKF(near_rel(few, many, 0.04), "%g, %g", few, many);
-}
-
-/* What a mirror sheds on the wall is reflected from places near a point, too. */
-TEST(mirrors_light_what_is_near)
-{
-    double most;
-    scene_write(V4 "%s", MIRROR);
-    for (double c = 0.02; c < 0.2; c *= 3) {
-        const double few = light_near(c, 4000, &most), many = light_near(c, 60000, &most);
-        printf("    distance %.2f, by a mirror: %.4f of %.4f\n", c, few, many);
-        CHECKF(few > 0.01 && near_rel(few, many, 0.25), "distance %g: %g of %g", c, few, many);
-    }
 }
 
 static void add_to(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float width)
@@ -525,7 +505,6 @@ int main(void)
     RUN(no_dots_near_a_wall);
     RUN(small_instances_reflect_as_a_wall);
     RUN(glass_lets_near_light_pass);
-    RUN(mirrors_light_what_is_near);
     RUN(rays_by_a_lobe_have_no_bias);
     RUN(rays_of_a_pixel_are_even);
     RUN(grain_is_stated);

@@ -6,8 +6,11 @@
  * bounce, from (0,2)-sequences, each in an order of its own, so that none makes a pattern with another
  * ([Kollig02]), and all other numbers from its own hash. Each virtual light emits as a diffuse surface does:
  * flux * albedo / pi along the shading normal.
- * Lobes count as diffuse with all that they reflect; a surface with diffuse transmission has a light on its
- * other side, too. At mirrors and glass a path goes on, by chance where they both reflect and transmit. From
+ * What a metal's lobe reflects goes on in a direction drawn by it; its light shines evenly about the mirror
+ * direction, where the lobe lies, which is wider than most lobes, but not the other way; so does a mirror's.
+ * Of a surface with a lobe and a lesser diffuse part a light stands for one of these, by chance; a lesser lobe
+ * counts as diffuse. A surface with diffuse transmission has a light on its other side, too. At mirrors and
+ * glass a path goes on, by chance where they both reflect and transmit. From
  * the second rough surface on a path ends with probability 1 - albedo. Intensities are divided by the number
  * of paths.
  *
@@ -32,13 +35,16 @@
 #include "scene/media.h"
 #include "scene/near_bounce.h"
 #include "scene/sight.h"
+#include "shade/draw_lobe.h"
 #include "shade/fresnel.h"
 #include "shade/light_kind.h"
 #include "shade/lobe.h"
 #include "shade/point_init.h"
+#include "trace/bvh_data.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define BATCH LC_SIZE(4096, 128)     /* paths traced at a time, after which lights are kept or dropped */
 #define ITEM 64                      /* paths that a thread traces at a time */
@@ -54,6 +60,9 @@
 #define MOST_GROWTH 8.0              /* of the number of lights, after which deviations are looked at again */
 #define SURE_IMPORTANCE 0.5          /* of the median: importance from which a light is kept for certain */
 #define MIN_CHANCE 0.0625            /* least probability of keeping a light */
+#define LEAST_SHARE 0.5f             /* of a lobe in what a surface reflects of light along its normal */
+#define LIFT 1.25f                   /* of lobes' lights, in what shadow rays leave out before a light */
+#define MOST_LIFT 0.05f              /* of the distance between lights */
 
 typedef struct maker {
     lc_scene *scene;
@@ -64,11 +73,12 @@ typedef struct maker {
     double enough; /* importance from which a light is kept for certain; 0: not known yet, or all have none */
     double *importance, *sorted; /* of slots; scratch */
     lc_light *slots; /* PATH_LIGHTS a path of the batch */
+    lc_f3 *facing;   /* of these: the normals of their surfaces */
     uint8_t n_stored[BATCH];
     lc_light *made; /* of all paths so far, not divided by their number */
+    lc_f3 *normals;    /* of each light's surface */
     uint32_t *path;    /* of each light */
-    uint8_t *mirrored; /* of each light, whether a mirror sheds its light on it */
-    size_t n_made, cap_made, cap_path, cap_mirrored;
+    size_t n_made, cap_made, cap_normals, cap_path;
     uint64_t n_paths;
     lc_f3 of_bounce[PATH_SURFACES]; /* of the lights of each, the first at 0: the sum of their intensities */
 } maker;
@@ -79,10 +89,10 @@ typedef struct path {
     double numbers[2 * PAIRS]; /* of sequences */
     uint32_t n_drawn, n_rough;
     uint32_t group; /* of the light that it starts from */
-    bool mirrored;  /* since it last left a light or a rough surface */
-    int depth;      /* of what it meets next, from 1 on; in atten[1] of slots, negative by way of a mirror */
+    int depth;      /* of what it meets next, from 1 on; in atten[1] of slots */
     lc_f3 org, dir, flux; /* W, of all paths */
     lc_light *lights;
+    lc_f3 *facing;
     uint8_t *n_lights;
 } path;
 
@@ -154,45 +164,109 @@ static float unlike_square(const lc_light *light, const lc_surface *s)
 
 static lc_f3 at_most_1(lc_f3 a) { return lc_f3_make(fminf(a.x, 1), fminf(a.y, 1), fminf(a.z, 1)); }
 
-/* The fraction of light that a rough surface reflects. */
+/* The fraction of light that a rough surface reflects, and that its lobe does. */
 static lc_f3 albedo(const lc_material *m, float cos_i)
 {
     return at_most_1(lc_lobes[m->lobe].albedo(m, cos_i));
 }
 
-static void store(path *p, const lc_surface *s, float side, lc_f3 albedo_of_side)
+static lc_f3 lobe_albedo(const lc_material *m, float cos_i)
 {
-    lc_f3 intensity = lc_f3_scale(lc_f3_mul(p->flux, albedo_of_side), (float)(1 / LC_PI));
+    if (!lc_lobe_is_narrow(m->lobe) || !(lc_f3_max(m->ks) > 0)) return lc_f3_make(0, 0, 0);
+    return at_most_1(lc_reflectance(m, cos_i, false));
+}
+
+/* Otherwise the lobe counts as diffuse. */
+static bool is_mostly_lobe(const lc_material *m)
+{
+    return lc_luminance(lobe_albedo(m, 1)) > LEAST_SHARE * lc_luminance(albedo(m, 1));
+}
+
+/* What leaves a surface, of a flux of 1. */
+typedef struct leaving {
+    lc_f3 flux, normal;
+    lc_f3 dir;  /* its light shines about that, */
+    lc_f3 next; /* where it goes on by the lobe */
+    bool by_lobe;
+} leaving;
+
+static void store(path *p, const lc_surface *s, const leaving *l)
+{
+    lc_f3 intensity = lc_f3_scale(lc_f3_mul(p->flux, l->flux), (float)(1 / LC_PI));
     if (!(lc_f3_max(intensity) > 0) || *p->n_lights == PATH_LIGHTS) return;
+    /* of what shines about dir that much is above the surface */
+    if (l->by_lobe) intensity = lc_f3_scale(intensity, 2 / (1 + lc_f3_dot(l->dir, l->normal)));
+    p->facing[*p->n_lights] = l->normal;
     p->lights[(*p->n_lights)++] = (lc_light){ .kind = LC_LIGHT_VIRTUAL,
                                               .pos = s->pos,
-                                              .dir = lc_f3_scale(s->n, side),
+                                              .dir = l->dir,
                                               .intensity = intensity,
-                                              .atten = { 0, (float)(p->mirrored ? -p->depth : p->depth), 1 },
+                                              .atten = { 0, (float)p->depth, 1 },
                                               .group = p->group };
+}
+
+/* A direction by the lobe. flux: what leaves by it; 0: it is below the surface. */
+static void draw_by_lobe(path *p, const lc_surface *s, leaving *out)
+{
+    lc_point at;
+    double u[2];
+    for (int k = 0; k < 2; k++) u[k] = draw(p);
+    lc_point_init(&at, s->pos, s->n, lc_f3_neg(p->dir), &s->material, 0);
+    memset(at.diffuse, 0, sizeof at.diffuse);
+    out->next = lc_lobe_draw(&at, u);
+    const double density = lc_lobe_density(&at, out->next);
+    out->flux = lc_f3_make(0, 0, 0);
+    if (!(lc_f3_dot(out->next, s->n) > 0) || !(lc_f3_dot(out->next, s->ng) > 0) || !(density > 0)) return;
+    const lc_light_rec far = { .pos = { out->next.x, out->next.y, out->next.z } };
+    const lc_f3 transfer =
+        lc_estimate_one(p->m->scene->ctx->shade_kernels, &at, LC_LIGHT_DIRECTIONAL, &far, NULL);
+    out->flux = lc_f3_scale(transfer, (float)(1 / density));
+}
+
+/* What a surface reflects: all: by its lobe and otherwise. */
+static void reflect(path *p, const lc_surface *s, uint32_t depth, lc_f3 all, leaving *out)
+{
+    const float cos_i = -lc_f3_dot(p->dir, s->n);
+    const lc_f3 lobe = lobe_albedo(&s->material, cos_i);
+    const float share = lc_f3_max(lobe) > 0 ? fminf(lc_luminance(lobe) / lc_luminance(all), 1) : 0;
+    *out = (leaving){ .flux = all, .normal = s->n, .dir = s->n };
+    if (!(share > 0) || !is_mostly_lobe(&s->material)) return;
+    out->by_lobe = lc_unit(lc_hash4(p->m->seed, p->index, depth, 3)) < (double)share;
+    if (!out->by_lobe) {
+        const lc_f3 rest = lc_f3_sub(all, lobe);
+        out->flux = lc_f3_make(fmaxf(rest.x, 0), fmaxf(rest.y, 0), fmaxf(rest.z, 0));
+        out->flux = lc_f3_scale(out->flux, 1 / (1 - share));
+        return;
+    }
+    draw_by_lobe(p, s, out);
+    out->flux = lc_f3_scale(out->flux, 1 / share);
+    out->dir = lc_f3_normalize(lc_f3_add(p->dir, lc_f3_scale(s->n, 2 * cos_i)));
 }
 
 /* Stores virtual lights at a rough surface and continues the path; false: it ends. */
 static bool scatter(path *p, const lc_surface *s, uint32_t depth)
 {
-    lc_f3 back = albedo(&s->material, -lc_f3_dot(p->dir, s->n)), on = s->material.kt;
-    float org[3], sum = lc_luminance(back) + lc_luminance(on), share = sum > 0 ? lc_luminance(back) / sum : 1;
-    store(p, s, 1, back);
-    store(p, s, -1, on);
+    const lc_f3 all = albedo(&s->material, -lc_f3_dot(p->dir, s->n));
+    leaving back, on = { .flux = s->material.kt, .normal = lc_f3_neg(s->n), .dir = lc_f3_neg(s->n) };
+    float org[3], sum = lc_luminance(all) + lc_luminance(on.flux), share = sum > 0 ? lc_luminance(all) / sum : 1;
+    reflect(p, s, depth, all, &back);
+    store(p, s, &back);
+    store(p, s, &on);
     if (!(sum > 0) || *p->n_lights == PATH_LIGHTS) return false;
     bool through = toss(p, depth) >= (double)share;
-    lc_f3 flux = lc_f3_mul(p->flux, lc_f3_scale(through ? on : back, 1 / (through ? 1 - share : share)));
+    const leaving *l = through ? &on : &back;
+    lc_f3 flux = lc_f3_mul(p->flux, lc_f3_scale(l->flux, 1 / (through ? 1 - share : share)));
+    if (!(lc_f3_max(flux) > 0)) return false;
     if (p->n_rough++) {
         float stay = fminf(lc_f3_max(flux) / lc_f3_max(p->flux), 1);
         if (!(draw(p) < (double)stay)) return false;
         flux = lc_f3_scale(flux, 1 / stay);
     }
     p->flux = flux;
-    p->mirrored = false;
     lc_f3_store(org, lc_f3_load(s->ray_org));
     if (through) lc_surface_behind(s, org);
     p->org = lc_f3_load(org);
-    p->dir = draw_cosine(p, through ? lc_f3_neg(s->n) : s->n);
+    p->dir = l->by_lobe ? l->next : draw_cosine(p, l->normal);
     return true;
 }
 
@@ -201,10 +275,11 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
 {
     float org[3], cos_i = -lc_f3_dot(p->dir, s->n);
     if (!s->material.glass) {
-        p->flux = lc_f3_mul(p->flux, lc_reflectance(&s->material, cos_i, !s->front));
+        const lc_f3 part = lc_reflectance(&s->material, cos_i, !s->front), dir = lc_mirror_leave(s, p->dir);
+        store(p, s, &(leaving){ .flux = part, .normal = s->n, .dir = dir, .by_lobe = true });
+        p->flux = lc_f3_mul(p->flux, part);
         p->org = lc_f3_load(s->ray_org);
-        p->dir = lc_mirror_leave(s, p->dir);
-        p->mirrored = true;
+        p->dir = dir;
         return lc_f3_max(p->flux) > 0;
     }
     lc_split split;
@@ -215,7 +290,6 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
     bool through = toss(p, depth) >= (double)share;
     p->flux = lc_f3_mul(p->flux, lc_f3_scale(through ? split.through : split.reflected,
                                              1 / (through ? 1 - share : share)));
-    p->mirrored |= !through;
     lc_surface_behind(s, org);
     p->org = through ? lc_f3_load(org) : lc_f3_load(s->ray_org);
     p->dir = through ? split.out : lc_mirror_leave(s, p->dir);
@@ -260,6 +334,7 @@ static void trace_item(void *user, uint32_t thread, uint64_t item)
         path p = { .m = m,
                    .index = m->first_path + i,
                    .lights = m->slots + i * PATH_LIGHTS,
+                   .facing = m->facing + i * PATH_LIGHTS,
                    .n_lights = &m->n_stored[i] };
         m->n_stored[i] = 0;
         start_numbers(&p);
@@ -296,10 +371,10 @@ static void keep(maker *m, size_t i, size_t k)
                         ? fmin(fmax(m->importance[i * PATH_LIGHTS + k] / m->enough, MIN_CHANCE), 1)
                         : 1;
     if (!(lc_unit(lc_hash4(m->seed, m->first_path + i, k, 5)) < chance)) return;
-    lc_f3 *sum = &m->of_bounce[(int)fabsf(light->atten[1]) - 1];
+    lc_f3 *sum = &m->of_bounce[(int)light->atten[1] - 1];
     *sum = lc_f3_add(*sum, lc_f3_scale(light->intensity, (float)(1 / chance)));
-    m->mirrored[m->n_made] = light->atten[1] < 0;
     m->path[m->n_made] = (uint32_t)(m->first_path + i);
+    m->normals[m->n_made] = m->facing[i * PATH_LIGHTS + k];
     m->made[m->n_made] = *light;
     m->made[m->n_made].atten[1] = 0;
     m->made[m->n_made++].intensity = lc_f3_scale(light->intensity, (float)(1 / chance));
@@ -313,8 +388,8 @@ static lc_status trace_until(maker *m, size_t n)
     const lc_context *ctx = m->scene->ctx;
     const size_t room = n + PATH_LIGHTS;
     lc_status st = lc_grow(ctx, (void **)&m->made, &m->cap_made, room, sizeof *m->made);
+    if (!st) st = lc_grow(ctx, (void **)&m->normals, &m->cap_normals, room, sizeof *m->normals);
     if (!st) st = lc_grow(ctx, (void **)&m->path, &m->cap_path, room, sizeof *m->path);
-    if (!st) st = lc_grow(ctx, (void **)&m->mirrored, &m->cap_mirrored, room, sizeof *m->mirrored);
     while (!st && m->n_made < n && m->n_paths < (uint64_t)PATHS_A_LIGHT * n) {
         if (!m->n_made && m->n_paths >= PATHS_FOR_NONE) break;
         m->first_path = m->n_paths;
@@ -345,7 +420,7 @@ static lc_status make_enough(maker *m, lc_vpl_deviation *deviation, const lc_vpl
         lc_status st = trace_until(m, n);
         const bool last = desc->n_lights || n >= MOST_LIGHTS || m->n_made < n;
         lc_light_places_free(&m->scene->virtuals, m->scene->ctx);
-        if (!st) st = lc_vpl_radii(m->scene->ctx, m->made, m->path, m->n_made, &m->scene->virtuals);
+        if (!st) st = lc_vpl_radii(m->scene->ctx, m->made, m->normals, m->path, m->n_made, &m->scene->virtuals);
         if (!st)
             st = lc_vpl_deviation_find(deviation, m->made, m->path, m->n_made, m->n_paths,
                                        last ? INFINITY : desc->deviation, out);
@@ -354,12 +429,24 @@ static lc_status make_enough(maker *m, lc_vpl_deviation *deviation, const lc_vpl
     }
 }
 
+/* Lobes' lights shine to the back of their surface, too: they stand above it, so that shadow rays from there
+ * meet it, which leave out the last LC_SHADOW_EPS of their way. */
+static lc_f3 place_above(const lc_light *l, lc_f3 normal, float size)
+{
+    if (l->dir.x == normal.x && l->dir.y == normal.y && l->dir.z == normal.z) return l->pos;
+    const float apart = sqrtf(l->atten[0] / LC_VPL_DISC), high = LIFT * LC_SHADOW_EPS * size;
+    return lc_f3_add(l->pos, lc_f3_scale(normal, apart > 0 ? fminf(high, MOST_LIFT * apart) : high));
+}
+
 static lc_status add_all(lc_scene *scene, const maker *m)
 {
+    const lc_f3 box = lc_f3_sub(scene->bounds.hi, scene->bounds.lo);
+    const float size = sqrtf(lc_f3_dot(box, box));
     double each = 1 / (double)m->n_paths;
     lc_status st = LC_OK;
     for (size_t i = 0; i < m->n_made && !st; i++) {
         lc_light l = m->made[i];
+        l.pos = place_above(&l, m->normals[i], size);
         l.intensity = lc_f3_make((float)((double)l.intensity.x * each), (float)((double)l.intensity.y * each),
                                  (float)((double)l.intensity.z * each));
         st = lc_scene_add_light(scene, (lc_pos){ 0, 0, 0 }, &l);
@@ -373,9 +460,10 @@ static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
     lc_vpl_deviation deviation;
     lc_status st = LC_OK;
     m->slots = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->slots);
+    m->facing = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->facing);
     m->importance = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->importance);
     m->sorted = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->sorted);
-    if (!m->slots || !m->importance || !m->sorted) return LC_ERR_MEMORY;
+    if (!m->slots || !m->facing || !m->importance || !m->sorted) return LC_ERR_MEMORY;
     if (desc->from_view) st = lc_view_grid_init(&m->view, scene, LC_VIEW_GRID_SIDE, desc->max_depth);
     if (st) return st;
     st = lc_vpl_deviation_init(&deviation, scene, desc->max_depth, m->seed);
@@ -388,7 +476,7 @@ static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
     scene->indirect.n_lights = scene->n_lights - before;
     scene->indirect.n_paths = m->n_paths;
     const uint32_t most = m->max_depth - 1 < PATH_SURFACES ? m->max_depth - 1 : PATH_SURFACES;
-    return st ? st : lc_near_places_make(scene, most, m->of_bounce, m->mirrored);
+    return st ? st : lc_near_places_make(scene, most, m->of_bounce);
 }
 
 lc_status lc_vpl_make(lc_scene *scene, const lc_vpl_desc *desc)
@@ -404,10 +492,11 @@ lc_status lc_vpl_make(lc_scene *scene, const lc_vpl_desc *desc)
     lc_path_starts_free(&m.starts);
     lc_view_grid_free(&m.view);
     if (m.slots) lc_free(ctx, m.slots, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
+    if (m.facing) lc_free(ctx, m.facing, (size_t)BATCH * PATH_LIGHTS, sizeof *m.facing);
     if (m.importance) lc_free(ctx, m.importance, (size_t)BATCH * PATH_LIGHTS, sizeof *m.importance);
     if (m.sorted) lc_free(ctx, m.sorted, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
     lc_free(ctx, m.made, m.cap_made, sizeof *m.made);
+    lc_free(ctx, m.normals, m.cap_normals, sizeof *m.normals);
     lc_free(ctx, m.path, m.cap_path, sizeof *m.path);
-    lc_free(ctx, m.mirrored, m.cap_mirrored, sizeof *m.mirrored);
     return st;
 }

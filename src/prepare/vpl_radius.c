@@ -17,10 +17,11 @@ static void disc_item(void *user, uint32_t thread, uint64_t item)
     (void)thread;
     /* In the order of the tree, so that one query finds in the cache what the last one read. */
     for (size_t i = item * ITEM; i < (item + 1) * ITEM && i < j->places->n; i++) {
-        const uint32_t self = j->places->places[i].light;
+        const lc_light_place *place = &j->places->places[i];
+        const uint32_t self = place->light;
         lc_light *l = &j->lights[self];
         lc_nearest_lights q = {
-            .pos = l->pos, .n = l->dir, .self = self, .n_wanted = LC_VPL_NEIGHBOURS, .path = j->path
+            .pos = l->pos, .n = lc_f3_load(place->n), .self = self, .n_wanted = LC_VPL_NEIGHBOURS, .path = j->path
         };
         const uint32_t n = lc_light_places_find(j->places, &q);
         const float share = n ? q.d2[LC_VPL_NEIGHBOURS - n] / (float)n : 0; /* over pi; alone: not clamped */
@@ -29,11 +30,11 @@ static void disc_item(void *user, uint32_t thread, uint64_t item)
     }
 }
 
-lc_status lc_vpl_radii(const lc_context *ctx, lc_light *lights, const uint32_t *path, size_t n,
-                       lc_light_places *places)
+lc_status lc_vpl_radii(const lc_context *ctx, lc_light *lights, const lc_f3 *normals, const uint32_t *path,
+                       size_t n, lc_light_places *places)
 {
     job j = { .places = places, .lights = lights, .path = path };
-    lc_status st = lc_light_places_init(places, ctx, lights, n);
+    lc_status st = lc_light_places_init(places, ctx, lights, normals, n);
     if (st || !n) return st;
     lc_parallel(ctx, (n + ITEM - 1) / ITEM, disc_item, &j);
     return LC_OK;

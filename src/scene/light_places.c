@@ -64,22 +64,22 @@ static void meet(lc_nearest_lights *q, const place *p)
           d2 = x * x + y * y + z * z;
     uint32_t k = 0;
     if (p->light == q->self || !(d2 < q->d2[0])) return;
-    if (!q->any_way && !(lc_f3_dot(q->lights[p->light].dir, q->n) > LC_SAME_WAY)) return;
+    if (!q->any_way && !(lc_f3_dot(lc_f3_load(p->n), q->n) > LC_SAME_WAY)) return;
     if (q->path) {
         const uint32_t path = q->path[p->light];
         if (path == q->path[q->self]) return;
         for (uint32_t i = 0; i < q->n_wanted; i++) {
-            if (!(q->d2[i] < INFINITY) || q->path[q->light[i]] != path) continue;
+            if (!(q->d2[i] < INFINITY) || q->path[q->place[i]->light] != path) continue;
             if (q->d2[i] <= d2) return;
             k = i; /* whose place is free then */
         }
     }
     for (; k + 1 < q->n_wanted && q->d2[k + 1] > d2; k++) {
         q->d2[k] = q->d2[k + 1];
-        q->light[k] = q->light[k + 1];
+        q->place[k] = q->place[k + 1];
     }
     q->d2[k] = d2;
-    q->light[k] = p->light;
+    q->place[k] = p;
 }
 
 static void search(lc_nearest_lights *q, const place *p, size_t n)
@@ -102,7 +102,7 @@ static void search(lc_nearest_lights *q, const place *p, size_t n)
 }
 
 lc_status lc_light_places_init(lc_light_places *places, const lc_context *ctx, const lc_light *lights,
-                               size_t n)
+                               const lc_f3 *normals, size_t n)
 {
     *places = (lc_light_places){ .lights = lights, .n = n };
     if (!n) return LC_OK;
@@ -110,6 +110,7 @@ lc_status lc_light_places_init(lc_light_places *places, const lc_context *ctx, c
     if (!places->places) return LC_ERR_MEMORY;
     for (size_t i = 0; i < n; i++) {
         lc_f3_store(places->places[i].pos, lights[i].pos);
+        lc_f3_store(places->places[i].n, normals ? normals[i] : lights[i].dir);
         places->places[i].light = (uint32_t)i & 0x3fffffff;
     }
     build(places->places, n);
@@ -125,7 +126,6 @@ void lc_light_places_free(lc_light_places *places, const lc_context *ctx)
 uint32_t lc_light_places_find(const lc_light_places *places, lc_nearest_lights *q)
 {
     uint32_t n = 0;
-    q->lights = places->lights;
     for (uint32_t k = 0; k < q->n_wanted; k++) q->d2[k] = INFINITY;
     search(q, places->places, places->n);
     for (uint32_t k = 0; k < q->n_wanted; k++) n += q->d2[k] < INFINITY;

@@ -11,7 +11,7 @@
 #define LC_MAX_NEAREST 8
 
 typedef struct lc_light_place {
-    float pos[3];
+    float pos[3], n[3];            /* n: the normal of its surface, where it may shine another way */
     uint32_t light : 30, axis : 2; /* axis: on which the range is divided here */
 } lc_light_place;
 
@@ -25,9 +25,10 @@ typedef struct lc_light_places {
  * (prepare/vpl_radius.h). */
 #define LC_VPL_DISC 0.04f
 
-/* The lights must outlive the places; at most 2^30. LC_ERR_MEMORY. */
+/* The lights must outlive the places; at most 2^30. normals: of their surfaces; NULL: they shine along these.
+ * LC_ERR_MEMORY. */
 lc_status lc_light_places_init(lc_light_places *places, const lc_context *ctx, const lc_light *lights,
-                               size_t n);
+                               const lc_f3 *normals, size_t n);
 void lc_light_places_free(lc_light_places *places, const lc_context *ctx);
 
 typedef struct lc_nearest_lights {
@@ -36,10 +37,9 @@ typedef struct lc_nearest_lights {
     uint32_t self;     /* a light that does not count, or LC_NONE */
     uint32_t n_wanted; /* 1..LC_MAX_NEAREST */
     const uint32_t *path; /* of each light: of each path the nearest counts, and none of that of `self` */
-    /* Found: squared distances and numbers, the farthest first; from n_wanted - n on where there are n. */
+    /* Found: squared distances and places, the farthest first; from n_wanted - n on where there are n. */
     float d2[LC_MAX_NEAREST];
-    uint32_t light[LC_MAX_NEAREST];
-    const lc_light *lights;
+    const lc_light_place *place[LC_MAX_NEAREST];
 } lc_nearest_lights;
 
 /* Returns the number of lights found. */

@@ -54,7 +54,7 @@ static float spacing_at(const lc_scene *scene, const lc_surface *at)
 {
     lc_nearest_lights q = { .pos = at->pos, .n = at->n, .self = LC_NONE, .n_wanted = 1 };
     if (!lc_light_places_find(&scene->virtuals, &q)) return 0;
-    return sqrtf(scene->virtuals.lights[q.light[0]].atten[0] / LC_VPL_DISC);
+    return sqrtf(scene->virtuals.lights[q.place[0]->light].atten[0] / LC_VPL_DISC);
 }
 
 /* Least roughness of a lobe about the mirror direction in which there are enough virtual lights that single
@@ -80,7 +80,7 @@ static void find_reach(const lc_scene *s, const lc_surface *at, lc_point *soft)
     const uint32_t n = lc_light_places_find(&s->virtuals, &q);
     float sum = 0;
     for (uint32_t i = LC_MAX_NEAREST - n; i < LC_MAX_NEAREST; i++)
-        sum += s->virtuals.lights[q.light[i]].atten[0] / LC_VPL_DISC;
+        sum += s->virtuals.lights[q.place[i]->light].atten[0] / LC_VPL_DISC;
     const float d2 = LIGHTS_IN_REACH * sum / (float)n;
     if (!(d2 > soft->min_d2)) return;
     soft->near_d2 = BEGINS * d2;

@@ -21,7 +21,6 @@
 #define LEAST_PLACE 0.125f /* of that, where what a lobe's ray stands for is narrow */
 #define LEVELS 3           /* of places: what the last ones' surroundings reflect is virtual lights alone */
 #define PLACE_ERROR 0.1f   /* error ratio of a place's cut */
-#define SPREAD 6.0f        /* shares over pi: what the light of one that a mirror lights is spread over */
 #define FOOTPRINT 0.1f     /* side of what textures are filtered over, a ray's length being 1 */
 #define FINER 2            /* times that cells are made smaller */
 #define FINER_PART 0.25f
@@ -56,9 +55,6 @@ struct lc_near_places {
     uint32_t stride;        /* 1 + number of groups */
     _Atomic uint64_t *key;  /* n: of the place that is here; 0: none */
     _Atomic uint8_t *found; /* n: whether its light is */
-    lc_light *mirrored;     /* the virtual lights that mirrors light */
-    size_t n_mirrored;
-    lc_light_places of_mirrored;
     lc_f3 *light;           /* n stride: irradiance over pi, all of it, then of each group */
 };
 
@@ -137,22 +133,7 @@ static lc_status order_triangles(lc_near_places *b)
     return st;
 }
 
-/* Cuts do not know what mirrors reflect. */
-static lc_status keep_mirrored(lc_near_places *b, const uint8_t *mirrored)
-{
-    const lc_scene *s = b->scene;
-    size_t n = 0;
-    for (size_t i = 0; i < s->virtuals.n; i++) b->n_mirrored += mirrored[i];
-    if (!b->n_mirrored) return LC_OK;
-    b->mirrored = lc_alloc_raw(s->ctx, b->n_mirrored, sizeof *b->mirrored);
-    if (!b->mirrored) return LC_ERR_MEMORY;
-    for (size_t i = 0; i < s->virtuals.n; i++)
-        if (mirrored[i]) b->mirrored[n++] = s->virtuals.lights[i];
-    return lc_light_places_init(&b->of_mirrored, s->ctx, b->mirrored, n);
-}
-
-lc_status lc_near_places_make(lc_scene *s, uint32_t max_bounces, const lc_f3 *of_bounce,
-                              const uint8_t *mirrored)
+lc_status lc_near_places_make(lc_scene *s, uint32_t max_bounces, const lc_f3 *of_bounce)
 {
     if (!s->virtuals.n) return LC_OK;
     lc_near_places *b = lc_alloc(s->ctx, 1, sizeof *b);
@@ -170,8 +151,7 @@ lc_status lc_near_places_make(lc_scene *s, uint32_t max_bounces, const lc_f3 *of
     b->found = lc_alloc(s->ctx, b->n, sizeof *b->found);
     b->light = lc_alloc_raw(s->ctx, b->n * b->stride, sizeof *b->light);
     if (!b->key || !b->found || !b->light) return LC_ERR_MEMORY;
-    const lc_status st = order_triangles(b);
-    return st ? st : keep_mirrored(b, mirrored);
+    return order_triangles(b);
 }
 
 void lc_near_places_free(const lc_context *ctx, lc_near_places *b)
@@ -183,8 +163,6 @@ void lc_near_places_free(const lc_context *ctx, lc_near_places *b)
     lc_free(ctx, b->rank, b->n_tris, sizeof *b->rank);
     lc_free(ctx, b->at_rank, b->n_tris, sizeof *b->at_rank);
     lc_free(ctx, b->base, b->n_tris, sizeof *b->base);
-    lc_light_places_free(&b->of_mirrored, ctx);
-    lc_free(ctx, b->mirrored, b->n_mirrored, sizeof *b->mirrored);
     lc_free(ctx, b, 1, sizeof *b);
 }
 
@@ -361,11 +339,12 @@ static bool place_of_light(const lc_near_places *b, const lc_hit *hit, const tri
     lc_nearest_lights q = { .pos = point_of(t, hit->u, hit->v), .n = lc_f3_dot(n, dir) > 0 ? lc_f3_neg(n) : n,
                             .self = LC_NONE, .n_wanted = 1 };
     if (!lc_light_places_find(&b->scene->virtuals, &q)) return false;
-    const lc_light *l = &b->scene->virtuals.lights[q.light[0]];
+    const lc_light *l = &b->scene->virtuals.lights[q.place[0]->light];
+    const lc_f3 facing = lc_f3_load(q.place[0]->n);
     if (!(q.d2[0] < LIGHT_NEAR * l->atten[0] / LC_VPL_DISC)) return false;
-    *at = (lc_surface){ .pos = l->pos, .n = l->dir, .ng = l->dir };
-    lc_f3_store(at->ray_org, lc_f3_add(l->pos, lc_f3_scale(l->dir, LIGHT_LIFT * lc_f3_max_abs(l->pos))));
-    *key = q.light[0];
+    *at = (lc_surface){ .pos = l->pos, .n = facing, .ng = facing };
+    lc_f3_store(at->ray_org, lc_f3_add(l->pos, lc_f3_scale(facing, LIGHT_LIFT * lc_f3_max_abs(l->pos))));
+    *key = q.place[0]->light;
     return true;
 }
 
@@ -460,23 +439,6 @@ static bool light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f
 
 static lc_f3 at_most_1(lc_f3 a) { return lc_f3_make(fminf(a.x, 1), fminf(a.y, 1), fminf(a.z, 1)); }
 
-/* Adds what a surface reflects of the light that mirrors shed on it: each virtual light's, spread over a few
- * shares. */
-static void add_mirrored(const lc_near_places *b, const lc_near_cuts *c, const lc_surface *at, lc_f3 *out)
-{
-    lc_nearest_lights q = { .pos = at->pos, .n = at->n, .self = LC_NONE, .n_wanted = LC_MAX_NEAREST };
-    const uint32_t n = lc_light_places_find(&b->of_mirrored, &q);
-    for (uint32_t i = LC_MAX_NEAREST - n; i < LC_MAX_NEAREST; i++) {
-        const lc_light *l = &b->mirrored[q.light[i]];
-        const float r2 = SPREAD * l->atten[0] / LC_VPL_DISC;
-        if (!(q.d2[i] < r2)) continue;
-        lc_f3 part = lc_f3_scale(l->intensity, (1 - q.d2[i] / r2) * 2 / ((float)LC_PI * r2));
-        if (c->level) part = lc_f3_mul(part, b->again[c->level - 1]);
-        out[0] = lc_f3_add(out[0], part);
-        if (b->stride > 1) out[1 + l->group] = lc_f3_add(out[1 + l->group], part);
-    }
-}
-
 /* Radiance against dir from where a ray ends: all of it, then of each group. size: of the surface that shares
  * a place; of_metal: the same of metal seen in a lobe, or 0. */
 static void find_radiance(const lc_scene *s, lc_near_cuts *c, const lc_hit *hit, lc_f3 dir, float size,
@@ -490,7 +452,6 @@ static void find_radiance(const lc_scene *s, lc_near_cuts *c, const lc_hit *hit,
                 on = at.material.kt;
     if (!light_at(b, c, hit, dir, size, is_metal(&at.material) ? of_metal : 0, out))
         for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_mul(out[k], back);
-    if (b->n_mirrored) add_mirrored(b, c, &at, out);
     if (!(lc_f3_max(on) > 0)) return;
     light_at(b, c, hit, lc_f3_neg(dir), size, 0, behind);
     for (uint32_t k = 0; k < b->stride; k++) out[k] = lc_f3_add(out[k], lc_f3_mul(behind[k], on));

@@ -19,7 +19,6 @@
  * far apart for them (scene/lit_point.h). What such rays meet has places as large as what a ray stands for;
  * metal among it is lit as seen along one of a few directions that rays share, by lobes at least 0.2 rough.
  *
- * What mirrors shed on surfaces, which cuts do not know of, is that of the virtual lights there, spread out.
  * Where something stands between the ray's end and its place, the cells are made smaller. A place's light is
  * found when it is first asked for and depends on the place alone, so pictures do not depend on the order.
  */
@@ -34,10 +33,8 @@ typedef struct lc_near_cuts lc_near_cuts;     /* scratch of a thread */
 
 /* For the scene's virtual lights, which are made; scene->near_places stays NULL where there are none. Light
  * may bounce max_bounces times before the surface that the camera sees; of_bounce: of each of these the sum
- * of the intensities of its virtual lights; mirrored: of each virtual light, whether it is lit by way of a
- * mirror, which cuts know nothing of. LC_ERR_MEMORY. */
-lc_status lc_near_places_make(lc_scene *scene, uint32_t max_bounces, const lc_f3 *of_bounce,
-                              const uint8_t *mirrored);
+ * of the intensities of its virtual lights. LC_ERR_MEMORY. */
+lc_status lc_near_places_make(lc_scene *scene, uint32_t max_bounces, const lc_f3 *of_bounce);
 void lc_near_places_free(const lc_context *ctx, lc_near_places *places);
 
 /* *out: NULL where there are none. Free it also after LC_ERR_MEMORY. */

@@ -13,39 +13,60 @@
 #include "shade/point_init.h"
 
 #include <float.h>
+#include <string.h>
 
 #define OF_RAYS 4             /* some of so many in a row are drawn by a narrow lobe */
 #define WEAK 0.25f            /* a lobe's part of what is reflected by the rest */
 #define TINY 1e-6             /* cosine */
 #define BATCH 32              /* rays */
-#define MOST_GLASS 8          /* surfaces of glass, and others that stop no light, that a ray passes */
+#define MOST_ON_WAY 8         /* surfaces of glass, others that stop no light, and mirrors on a ray's way */
 
 /* Rays that meet surfaces in reach. */
 typedef struct {
     uint32_t n;
     lc_light_rec rec[BATCH]; /* from where: as lights at infinity */
     lc_f3 factor[BATCH];     /* (1 - part) times what glass lets through, over their density and number */
+    lc_f3 dir[BATCH];        /* at their ends */
     lc_hit hit[BATCH];
 } gathered;
 
-/* The surface that a ray meets within the reach, beyond glass. *through: what that lets through. */
-static bool meet(const lc_scene *s, lc_f3 org, lc_f3 dir, float length, lc_hit *hit, lc_f3 *through)
+/* A ray on its way: where it starts, what is left of a radiance, the length so far. */
+typedef struct {
+    float org[3], gone;
+    lc_f3 dir, through;
+} way;
+
+/* Goes on at a hit of a surface without light of its own: straight through, or as a mirror reflects. */
+static void go_on(const lc_scene *s, const lc_hit *hit, way *w)
 {
-    const float d[3] = { dir.x, dir.y, dir.z };
-    float from[3] = { org.x, org.y, org.z }, gone = 0;
-    *through = lc_f3_make(1, 1, 1);
-    for (int i = 0; i < MOST_GLASS && gone < length; i++) {
-        lc_surface glass;
-        s->bvh->kernels->closest(&s->bvh->data, from, d, length - gone, hit);
+    const lc_mesh *mesh = &s->meshes[s->tri_mesh[hit->tri]];
+    const float d[3] = { w->dir.x, w->dir.y, w->dir.z };
+    lc_surface at;
+    lc_surface_of(s, hit, w->dir, 0, &at);
+    w->gone = hit->t;
+    if (mesh->n_places || mesh->clear) {
+        if (!mesh->n_places) w->through = lc_f3_mul(w->through, lc_alpha_through(s, hit, d));
+        lc_surface_behind(&at, w->org);
+        return;
+    }
+    w->through = lc_f3_mul(w->through, lc_reflectance(&at.material, -lc_f3_dot(w->dir, at.n), !at.front));
+    memcpy(w->org, at.ray_org, sizeof w->org);
+    w->dir = lc_mirror_leave(&at, w->dir);
+}
+
+/* The surface that a ray meets within a length, beyond glass and, if these are followed, mirrors. */
+static bool meet(const lc_scene *s, way *w, float length, bool follow, lc_hit *hit)
+{
+    for (int i = 0; i < MOST_ON_WAY && w->gone < length; i++) {
+        const float d[3] = { w->dir.x, w->dir.y, w->dir.z };
+        s->bvh->kernels->closest(&s->bvh->data, w->org, d, length - w->gone, hit);
         if (hit->tri == LC_NONE) return false;
         const lc_mesh *mesh = &s->meshes[s->tri_mesh[hit->tri]];
-        hit->t += gone;
-        if (!mesh->n_places && !lc_is_specular(&s->materials[mesh->material_id])) return true;
-        if (!mesh->n_places && !mesh->clear) return false;
-        if (!mesh->n_places) *through = lc_f3_mul(*through, lc_alpha_through(s, hit, d));
-        lc_surface_of(s, hit, dir, 0, &glass);
-        lc_surface_behind(&glass, from);
-        gone = hit->t;
+        const lc_material *m = &s->materials[mesh->material_id];
+        hit->t += w->gone;
+        if (!mesh->n_places && (!lc_is_specular(m) || (!m->glass && !follow))) return true;
+        if (!mesh->n_places && !mesh->clear && m->glass) return false;
+        go_on(s, hit, w);
     }
     return false;
 }
@@ -102,22 +123,23 @@ static void gather_ray(const gatherer *g, uint32_t i, bool by_lobe, gathered *to
     const lc_point *soft = g->soft;
     const lc_surface *at = &g->lit->surface;
     const bool far = g->apart && by_lobe;
-    lc_f3 through;
     lc_hit *hit = &to->hit[to->n];
     const lc_f3 dir = draw(g, i), org = lc_f3_load(at->ray_org);
     const double cosine = (double)lc_f3_dot(dir, lc_f3_load(soft->n));
     if (!(cosine > TINY) || !(lc_f3_dot(dir, at->ng) > 0)) return;
     const float length = far ? FLT_MAX : sqrtf(soft->near_d2 + 1 / soft->near_scale);
-    if (!meet(g->scene, org, dir, length, hit, &through)) return;
-    const lc_f3 way = lc_f3_sub(lc_f3_add(org, lc_f3_scale(dir, hit->t)), lc_f3_load(soft->pos));
-    const float part = far ? 0 : (lc_f3_dot(way, way) - soft->near_d2) * soft->near_scale;
+    way w = { .org = { org.x, org.y, org.z }, .dir = dir, .through = { 1, 1, 1 } };
+    if (!meet(g->scene, &w, length, far, hit)) return;
+    const lc_f3 apart = lc_f3_sub(lc_f3_add(org, lc_f3_scale(dir, hit->t)), lc_f3_load(soft->pos));
+    const float part = far ? 0 : (lc_f3_dot(apart, apart) - soft->near_d2) * soft->near_scale;
     if (!(part < 1)) return;
     if (far && g->scene->media.present)
-        through = lc_f3_mul(through, lc_media_through(g->scene, org, dir, (double)hit->t));
+        w.through = lc_f3_mul(w.through, lc_media_through(g->scene, org, dir, (double)hit->t));
     const double density = density_of(g, dir, cosine, by_lobe);
     if (!(density > 0)) return;
     to->rec[to->n] = (lc_light_rec){ .pos = { dir.x, dir.y, dir.z } };
-    to->factor[to->n++] = lc_f3_scale(through, (1 - fmaxf(part, 0)) / (float)(density * g->rays.n));
+    to->dir[to->n] = w.dir;
+    to->factor[to->n++] = lc_f3_scale(w.through, (1 - fmaxf(part, 0)) / (float)(density * g->rays.n));
 }
 
 /* Width of a lobe, rad: of GGX its roughness, of Phong's about two of these. */
@@ -136,7 +158,7 @@ static void give(const lc_near_ends *ends, const gatherer *g, bool by_lobe, cons
     const lc_tree_data all = { .lights = (lc_light_rec *)from->rec };
     ends->scene->ctx->shade_kernels->estimate(&all, 0, NULL, from->n, LC_LIGHT_DIRECTIONAL, p, out);
     for (uint32_t i = 0; i < from->n; i++)
-        ends->end(ends->user, &from->hit[i], lc_f3_load(from->rec[i].pos),
+        ends->end(ends->user, &from->hit[i], from->dir[i],
                   lc_f3_mul(lc_f3_make(f[0][i], f[1][i], f[2][i]), from->factor[i]),
                   g->apart && by_lobe ? wide * from->hit[i].t : INFINITY);
 }

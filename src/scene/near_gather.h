@@ -8,7 +8,7 @@
 
 typedef struct lc_near_ends {
     const lc_scene *scene;
-    /* A ray along unit dir ends at a hit. to: what leaves the point of a radiance of 1 from there, R G B, by
+    /* A ray along unit dir, at its end, meets a hit. to: what leaves the point of a radiance of 1 from there, R G B, by
      * this one of the rays: (1 - part) over the rays' density and number, times what glass on the way lets
      * through. width: of what the ray stands for there; INFINITY where it is within reach. */
     void (*end)(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float width);
@@ -25,7 +25,7 @@ typedef struct lc_near_rays {
 /* Rays by the cosine about the point's normal; where it has a narrow lobe a quarter of them by that. Where
  * virtual lights do not meet the lobe at all (lc_point.lobe_by_rays) a share of the rays that goes by what
  * the lobe reflects is for it alone, at any distance. soft: what virtual lights meet there, with a reach.
- * Rays go straight through glass; those that meet mirrors end nowhere. */
+ * Rays go straight through glass; those by such a lobe go on at mirrors. */
 void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, lc_near_rays rays);
 
 #endif

@@ -1,0 +1,231 @@
+/* unit_reflected_light.c - what lobes and mirrors shed on other surfaces: the flux of their virtual lights
+ * against an integral, and the way they shine; rooms with a mirror for a wall against rooms twice as large,
+ * which have all twice; sheets of metal, behind which there is no light. */
+#include "scene/scene.h"
+#include "shade/lobe.h"
+#include "shade/point_init.h"
+#include "support/near.h"
+#include "support/one_scene.h"
+
+#define RND_KEY 4711
+#include "support/rnd.h"
+
+/* ---- flux ---- */
+
+#define PLANE                                                                                     \
+    "Film \"rgb\"\nWorldBegin\nLightSource \"point\" \"rgb I\" [1 1 1]\n%s\n"                     \
+    "Shape \"trianglemesh\" \"point3 P\" [-9e3 -9e3 -1 9e3 -9e3 -1 9e3 9e3 -1 -9e3 9e3 -1]"       \
+    " \"integer indices\" [0 1 2 0 2 3]\n"
+
+/* The part of light that a surface reflects by its lobe, for light at a cosine of c, from one side. */
+static double lobe_part(const lc_material *m, double c, double side)
+{
+    enum { MANY = 40000 };
+    lc_point p;
+    double sum = 0;
+    const double across = sqrt(1 - c * c);
+    const lc_f3 from = { (float)(across * cos(side)), (float)(across * sin(side)), (float)c };
+    lc_point_init(&p, lc_f3_make(0, 0, 0), lc_f3_make(0, 0, 1), from, m, 1e-10f);
+    memset(p.diffuse, 0, sizeof p.diffuse);
+    for (int i = 0; i < MANY; i++) { /* evenly over the half sphere */
+        const double z = rnd(), r = sqrt(1 - z * z), turn = 2 * LC_PI * rnd();
+        const lc_light_rec far = { .pos = { (float)(r * cos(turn)), (float)(r * sin(turn)), (float)z } };
+        sum += (double)lc_estimate_one(ctx->shade_kernels, &p, LC_LIGHT_DIRECTIONAL, &far, NULL).y;
+    }
+    return sum * 2 * LC_PI / MANY;
+}
+
+/* Half of a lamp's light falls on a plane, evenly spread over the cosine there. */
+static void check_plane(const char *material)
+{
+    enum { STEPS = 100 };
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    double lobe = 0, rest = 0, want_lobe = 0, want_rest = 0;
+    load.indirect_lights = 30000;
+    load.max_depth = 2;
+    scene_write(PLANE, material);
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    CHECK(s);
+    if (!s) return;
+    for (size_t i = s->n_lights - s->indirect.n_lights; i < s->n_lights; i++) {
+        const lc_light *l = &s->lights[i];
+        const lc_f3 in = lc_f3_normalize(lc_f3_make(l->pos.x, l->pos.y, -1)),
+                    mirror = lc_f3_make(in.x, in.y, -in.z);
+        if (l->pos.z > -1 + 1e-5f) { /* above the plane: of the lobe */
+            lobe += LC_PI * (double)l->intensity.y * (1 + (double)l->dir.z) / 2;
+            CHECKF(lc_f3_dot(l->dir, mirror) > 0.9999f, "light %zu: another way", i);
+        } else {
+            rest += LC_PI * (double)l->intensity.y;
+            CHECKF(l->dir.z > 0.9999f, "light %zu: another way", i);
+        }
+    }
+    const lc_material *m = &s->materials[s->meshes[0].material_id];
+    const bool metal = !(lc_f3_max(m->kd) > 0);
+    for (int k = 0; k < STEPS; k++) {
+        const double c = (k + 0.5) / STEPS, part = lobe_part(m, c, 2.4 * k); /* a golden angle */
+        want_lobe += 2 * LC_PI * part / STEPS;
+        want_rest += 2 * LC_PI * (double)lc_lobes[m->lobe].albedo(m, (float)c).y / STEPS;
+    }
+    printf("    %.40s: by the lobe %.4f of %.4f, otherwise %.4f of %.4f\n", material + 10, lobe, want_lobe, rest,
+           want_rest);
+    CHECKF(near_rel(lobe, metal ? want_lobe : 0, 0.02), "%g of %g", lobe, want_lobe);
+    CHECKF(near_rel(rest, metal ? 0 : want_rest, 0.02), "%g of %g", rest, want_rest);
+    lc_scene_destroy(s);
+}
+
+TEST(flux_is_what_the_lobe_reflects)
+{
+    check_plane("Material \"conductor\" \"rgb reflectance\" [.8 .8 .8] \"float roughness\" [.1]");
+    check_plane("Material \"conductor\" \"rgb reflectance\" [.8 .8 .8] \"float roughness\" [.5]");
+    check_plane("Material \"conductor\" \"float uroughness\" [.2] \"float vroughness\" [.6]");
+    check_plane("Material \"coateddiffuse\" \"rgb reflectance\" [.6 .6 .6] \"float roughness\" [.2]");
+}
+
+/* ---- pictures ---- */
+
+#define SIDE 32
+
+/* Radiance of the pixels, the mean of two seeds; false after a failure, which is counted. */
+static bool picture(double *of)
+{
+    for (int i = 0; i < SIDE * SIDE; i++) of[i] = 0;
+    for (uint64_t seed = 1; seed <= 2; seed++) {
+        lc_load_desc load = LC_LOAD_DESC_INIT;
+        lc_render_desc d = LC_RENDER_DESC_INIT;
+        lc_image *image = NULL;
+        load.indirect_lights = 12000;
+        load.seed = seed;
+        d.spp = 4;
+        d.seed = seed;
+        lc_scene *s = scene_from_file(ctx, &load, scene_path());
+        const bool done = s && !lc_render(ctx, s, &d, &image, NULL);
+        CHECK(done);
+        for (int i = 0; done && i < SIDE * SIDE; i++) of[i] += (double)lc_image_channel(image, "G")[i] / 2;
+        lc_image_destroy(image);
+        lc_scene_destroy(s);
+        if (!done) return false;
+    }
+    return true;
+}
+
+#define ROOM_HEAD                                                                                  \
+    "Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 32\nPixelFilter \"box\"\n"    \
+    "Integrator \"path\" \"integer maxdepth\" 14\nLookAt .3 1.5 2 2 %g 2 0 1 0\n"                  \
+    "Camera \"perspective\" \"float fov\" 90\nWorldBegin\n"
+#define LAMP "LightSource \"point\" \"rgb I\" [5 5 5] \"point3 from\" [%g 2.5 2.5]\n"
+#define FLOOR "Shape \"trianglemesh\" \"point3 P\" [%g 0 0 4 0 0 4 0 4 %g 0 4] \"integer indices\" [0 1 2 0 2 3]\n"
+#define CEILING \
+    "Shape \"trianglemesh\" \"point3 P\" [%g 3 0 4 3 0 4 3 4 %g 3 4] \"integer indices\" [0 1 2 0 2 3]\n"
+#define SIDES                                                                                                \
+    "Shape \"trianglemesh\" \"point3 P\" [%g 0 0 4 0 0 4 3 0 %g 3 0 %g 0 4 4 0 4 4 3 4 %g 3 4]"              \
+    " \"integer indices\" [0 1 2 0 2 3 4 5 6 4 6 7]\n"
+#define END "Shape \"trianglemesh\" \"point3 P\" [%g 0 0 %g 0 4 %g 3 4 %g 3 0] \"integer indices\" [0 1 2 0 2 3]\n"
+#define BLOCK                                                                                            \
+    "Shape \"trianglemesh\" \"point3 P\" [%g 0 1 %g 0 1 %g 1.2 1 %g 1.2 1 %g 0 1.8 %g 0 1.8 %g 1.2 1.8"  \
+    " %g 1.2 1.8] \"integer indices\" [0 1 2 0 2 3 4 5 6 4 6 7 0 3 7 0 7 4 1 2 6 1 6 5 3 2 6 3 6 7]\n"
+
+#define SCREEN \
+    "Shape \"trianglemesh\" \"point3 P\" [%g 2 2 %g 2 3 %g 3 3 %g 3 2] \"integer indices\" [0 1 2 0 2 3]\n"
+
+static void block(char *at, double x0, double x1) { sprintf(at, BLOCK, x0, x1, x1, x0, x0, x1, x1, x0); }
+
+/* The room from x = 0 to 4, at 0 a mirror; or twice as large, without it. With a screen between the lamp and
+ * the mirror. */
+static void write_room(bool twice, const char *floor, double look_at, bool screen)
+{
+    const double x = twice ? -4 : 0;
+    char lamps[300], screens[500], blocks[2][500] = { "", "" };
+    int n = sprintf(lamps, LAMP, 1.0), of_screens = sprintf(screens, SCREEN, 0.6, 0.6, 0.6, 0.6);
+    if (twice) sprintf(lamps + n, LAMP, -1.0);
+    if (twice) sprintf(screens + of_screens, SCREEN, -0.6, -0.6, -0.6, -0.6);
+    block(blocks[0], 1.8, 2.6);
+    if (twice) block(blocks[1], -2.6, -1.8);
+    scene_write(ROOM_HEAD "%s%s\n" FLOOR "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n%s%s%s" CEILING
+                          "Material \"diffuse\" \"rgb reflectance\" [.3 .3 .3]\n" SIDES END "%s\n" END,
+                look_at, lamps, floor, x, x, screen ? screens : "", blocks[0], blocks[1], x, x, x, x, x, x, 4.0, 4.0, 4.0, 4.0,
+                twice ? "" : "Material \"conductor\" \"rgb reflectance\" [1 1 1] \"float roughness\" 0", x, x, x,
+                x);
+}
+
+/* How far the room with the mirror is from the one twice as large. */
+static void check_room(const char *floor, double look_at, bool screen, double together, double apart)
+{
+    enum { OF = 8, BLOCKS = SIDE / OF };
+    static double mirrored[SIDE * SIDE], twice[SIDE * SIDE];
+    double a[BLOCKS * BLOCKS] = { 0 }, b[BLOCKS * BLOCKS] = { 0 }, sum_a = 0, sum_b = 0, worst = 0;
+    write_room(false, floor, look_at, screen);
+    if (!picture(mirrored)) return;
+    write_room(true, floor, look_at, screen);
+    if (!picture(twice)) return;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const int at = i / SIDE / OF * BLOCKS + i % SIDE / OF;
+        sum_a += mirrored[i];
+        sum_b += twice[i];
+        a[at] += mirrored[i];
+        b[at] += twice[i];
+    }
+    for (int k = 0; k < BLOCKS * BLOCKS; k++)
+        if (fabs(a[k] / b[k] - 1) > fabs(worst)) worst = a[k] / b[k] - 1;
+    printf("    a mirror in place of half a room: %+.2f %%, of blocks at most %+.2f %%\n",
+           100 * (sum_a / sum_b - 1), 100 * worst);
+    CHECKF(near_rel(sum_a, sum_b, together), "%g of %g", sum_a, sum_b);
+    CHECKF(fabs(worst) < apart, "a block is off by %g", worst);
+}
+
+TEST(a_mirror_shows_the_room_once_more)
+{
+    check_room("Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]", 1.3, false, 0.05, 0.1);
+}
+
+/* Its floor reflects what the mirror shows; a lamp there it would not. */
+TEST(metal_before_a_mirror)
+{
+    check_room("Material \"conductor\" \"rgb reflectance\" [.8 .8 .8] \"float roughness\" [.2]", .9, true, 0.05, 0.12);
+}
+
+/* ---- behind ---- */
+
+/* A lamp shines along a sheet of metal; sensors look at its back. */
+TEST(nothing_shines_through_a_sheet)
+{
+    enum { N = 16 };
+    static lc_sensor sensor[N];
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    lc_sensors_desc d = LC_SENSORS_DESC_INIT;
+    lc_render_desc r = LC_RENDER_DESC_INIT;
+    lc_image *image = NULL;
+    scene_write("WorldBegin\nLightSource \"point\" \"point3 from\" [-4 0 .8] \"rgb I\" [9 9 9]\n"
+                "Material \"conductor\" \"rgb reflectance\" [.9 .9 .9] \"float roughness\" [.3]\n"
+                "Shape \"trianglemesh\" \"point3 P\" [-5 -5 0 5 -5 0 5 5 0 -5 5 0] \"integer indices\" [0 1 2 0 2 3]\n");
+    for (int i = 0; i < N; i++) /* below and, the last one, above */
+        sensor[i] = (lc_sensor){ .position = { 4, 0, i + 1 < N ? -0.03f * (float)(1 + i * i) : 1 },
+                                 .normal = { -1, 0, 0 } };
+    d.width = N;
+    d.height = 1;
+    d.sensors = sensor;
+    load.sensors = &d;
+    load.indirect_lights = 5000;
+    r.method = LC_METHOD_EXACT;
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    CHECK(s && !lc_render(ctx, s, &r, &image, NULL));
+    const float *g = image ? lc_image_channel(image, "G") : NULL;
+    for (int i = 0; g && i + 1 < N; i++)
+        CHECKF(g[i] < 1e-4f * g[N - 1], "%g below the sheet: %g, above %g", (double)sensor[i].position[2],
+               (double)g[i], (double)g[N - 1]);
+    CHECK(g && g[N - 1] > 0);
+    lc_image_destroy(image);
+    lc_scene_destroy(s);
+}
+
+int main(void)
+{
+    ctx = quiet_context(2);
+    temp_begin();
+    RUN(flux_is_what_the_lobe_reflects);
+    RUN(a_mirror_shows_the_room_once_more);
+    RUN(metal_before_a_mirror);
+    RUN(nothing_shines_through_a_sheet);
+    one_scene_end();
+    temp_end();
+    return test_done();
+}
