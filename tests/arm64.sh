@@ -17,6 +17,7 @@ slow='unit_light_tree unit_env unit_indirect unit_explain unit_occlusion unit_pl
 slow="$slow unit_shaft check_shaft check_gather unit_update unit_filter unit_glass_shadow unit_lamps unit_narrow"
 slow="$slow unit_asked unit_worst_first unit_evidence unit_frames unit_groups unit_interval unit_interpolate"
 slow="$slow unit_agglomerate unit_environment unit_motion unit_cut unit_bvh unit_glossy"
+slow="$slow unit_reflected_light unit_desc unit_lux unit_media unit_method unit_near_bounce"
 [ -z "${LC_TEST_ALL:-}" ] || slow=
 list=
 for source in tests/unit_golden.c tests/unit_*.c tests/check_*.c; do

@@ -88,12 +88,14 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
     j->tree.own[LC_LIGHT_LUMINAIRE].node = j->node_luminaire;
     j->tree.own[LC_LIGHT_LUMINAIRE].light = j->light_luminaire;
     j->tree.profiles = gen_profiles();
+    j->tree.narrow = kind == LC_LIGHT_VIRTUAL && i % 2;
     j->tree.spot_maps = j->maps;
     if (i / MOST % 2) { /* inverse square */
         j->tree.node_atten = j->tree.light_atten = NULL;
         for (uint32_t k = 0; k < j->c.n && lc_is_attenuated(kind); k++) {
             j->c.lights[k].atten[0] = j->c.lights[k].atten[1] = 0;
             j->c.lights[k].atten[2] = 1;
+            j->c.lights[k].atten[3] = 0;
         }
     }
 }

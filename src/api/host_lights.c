@@ -25,7 +25,7 @@ static lc_light light_of(const lc_tree_light *in, uint32_t i)
     const float *a = in->attenuation;
     if (lc_is_attenuated(l.kind)) {
         const bool none = !(fabsf(a[0]) + fabsf(a[1]) + fabsf(a[2]) > 0) && !isnan(a[0] + a[1] + a[2]);
-        memcpy(l.atten, none ? (const float[3]){ 0, 0, 1 } : a, sizeof l.atten);
+        memcpy(l.atten, none ? (const float[3]){ 0, 0, 1 } : a, 3 * sizeof *l.atten);
     }
     if (l.kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ in->cos_total, in->cos_start, 0 };
     if (lc_is_sized(l.kind)) {

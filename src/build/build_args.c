@@ -188,7 +188,7 @@ lc_status lc_arg_light_of(const lc_scene *s, const char *call, const lc_build_li
     else if (d->kind == LC_BUILD_LUMINAIRE) wrong = set_fixture(s, d, &light);
     else if (d->kind >= LC_BUILD_PROJECTOR) wrong = check_projector(s, d, &light);
     else if (d->kind == LC_BUILD_DIRECTIONAL) light.atten[0] = 1;
-    else memcpy(light.atten, d->attenuation, sizeof light.atten);
+    else memcpy(light.atten, d->attenuation, 3 * sizeof *light.atten);
     if (wrong) return lc_build_wrong(s, call, wrong);
     return lc_build_status(s, lc_scene_check_light(s, s->at, &light, out));
 }

@@ -6,13 +6,13 @@
  * bounce, from (0,2)-sequences, each in an order of its own, so that none makes a pattern with another
  * ([Kollig02]), and all other numbers from its own hash. Each virtual light emits as a diffuse surface does:
  * flux * albedo / pi along the shading normal.
- * What a metal's lobe reflects goes on in a direction drawn by it; its light shines evenly about the mirror
- * direction, where the lobe lies, which is wider than most lobes, but not the other way; so does a mirror's.
- * Of a surface with a lobe and a lesser diffuse part a light stands for one of these, by chance; a lesser lobe
- * counts as diffuse. A surface with diffuse transmission has a light on its other side, too. At mirrors and
- * glass a path goes on, by chance where they both reflect and transmit. From
- * the second rough surface on a path ends with probability 1 - albedo. Intensities are divided by the number
- * of paths.
+ * What a metal's lobe reflects goes on in a direction drawn by it; its light shines about the mirror
+ * direction, where the lobe lies, by a power of the cosine that is about as wide, at most 15, so that single
+ * lights do not show (shade/light_virtual.h); so does a mirror's. Of a surface with a lobe and a lesser
+ * diffuse part a light stands for one of these, by chance; a lesser lobe counts as diffuse. A surface with
+ * diffuse transmission has a light on its other side, too. At mirrors and glass a path goes on, by chance
+ * where they both reflect and transmit. From the second rough surface on a path ends with probability 1 -
+ * albedo. Intensities are divided by the number of paths.
  *
  * The first FIRST_LIGHTS show how far the picture's blocks are from the converged one (vpl_deviation.h); as
  * deviations fall with the root of the number of lights, they tell how many are needed. The next lot shows
@@ -61,6 +61,7 @@
 #define SURE_IMPORTANCE 0.5          /* of the median: importance from which a light is kept for certain */
 #define MIN_CHANCE 0.0625            /* least probability of keeping a light */
 #define LEAST_SHARE 0.5f             /* of a lobe in what a surface reflects of light along its normal */
+#define OF_ROUGHNESS 0.82f           /* of a power of the cosine that falls to a half where GGX's facets do */
 #define LIFT 1.25f                   /* of lobes' lights, in what shadow rays leave out before a light */
 #define MOST_LIFT 0.05f              /* of the distance between lights */
 
@@ -188,20 +189,48 @@ typedef struct leaving {
     lc_f3 dir;  /* its light shines about that, */
     lc_f3 next; /* where it goes on by the lobe */
     bool by_lobe;
+    int narrow; /* as in lc_light.atten */
 } leaving;
+
+/* How narrowly a lobe shines: a roughness of a leaves about cos^n(angle to the mirror direction), n = 0.82 /
+ * a^2, as facets turn light away by twice their angle. Powers are parted in the middle of their logs. */
+static int narrowness(const lc_material *m)
+{
+    static const float parted[] = { 1.73f, 4.58f, 10.2f };
+    const float a2 = m->roughness[0] * m->roughness[1],
+                n = m->lobe == LC_LOBE_PHONG ? m->exponent : OF_ROUGHNESS / a2;
+    int how = 0;
+    while (how < 3 && !(n < parted[how])) how++;
+    return how;
+}
+
+/* The part of the n-th power of the cosine to a direction, n odd, that is above a plane; c: cosine of that
+ * direction to its normal. As the integral of cos^n from -90 degrees to 90 less the angle between them. */
+static double part_above(int n, double c)
+{
+    double sum = 0, all = 0, term = 1;
+    for (int k = 0, most = n / 2; k <= most; term *= -(double)(most - k) / (k + 1), k++) {
+        double power = c;
+        for (int i = 0; i < k; i++) power *= c * c;
+        sum += term * power / (2 * k + 1);
+        all += term / (2 * k + 1);
+    }
+    return (1 + sum / all) / 2;
+}
 
 static void store(path *p, const lc_surface *s, const leaving *l)
 {
-    lc_f3 intensity = lc_f3_scale(lc_f3_mul(p->flux, l->flux), (float)(1 / LC_PI));
+    const int power = (2 << l->narrow) - 1;
+    double factor = (power + 1) / (2 * LC_PI);
+    if (l->by_lobe) factor /= part_above(power, (double)lc_f3_dot(l->dir, l->normal));
+    const lc_f3 intensity = lc_f3_scale(lc_f3_mul(p->flux, l->flux), (float)factor);
     if (!(lc_f3_max(intensity) > 0) || *p->n_lights == PATH_LIGHTS) return;
-    /* of what shines about dir that much is above the surface */
-    if (l->by_lobe) intensity = lc_f3_scale(intensity, 2 / (1 + lc_f3_dot(l->dir, l->normal)));
     p->facing[*p->n_lights] = l->normal;
     p->lights[(*p->n_lights)++] = (lc_light){ .kind = LC_LIGHT_VIRTUAL,
                                               .pos = s->pos,
                                               .dir = l->dir,
                                               .intensity = intensity,
-                                              .atten = { 0, (float)p->depth, 1 },
+                                              .atten = { 0, (float)p->depth, 1, (float)l->narrow },
                                               .group = p->group };
 }
 
@@ -238,6 +267,7 @@ static void reflect(path *p, const lc_surface *s, uint32_t depth, lc_f3 all, lea
         out->flux = lc_f3_scale(out->flux, 1 / (1 - share));
         return;
     }
+    out->narrow = narrowness(&s->material);
     draw_by_lobe(p, s, out);
     out->flux = lc_f3_scale(out->flux, 1 / share);
     out->dir = lc_f3_normalize(lc_f3_add(p->dir, lc_f3_scale(s->n, 2 * cos_i)));
@@ -248,7 +278,8 @@ static bool scatter(path *p, const lc_surface *s, uint32_t depth)
 {
     const lc_f3 all = albedo(&s->material, -lc_f3_dot(p->dir, s->n));
     leaving back, on = { .flux = s->material.kt, .normal = lc_f3_neg(s->n), .dir = lc_f3_neg(s->n) };
-    float org[3], sum = lc_luminance(all) + lc_luminance(on.flux), share = sum > 0 ? lc_luminance(all) / sum : 1;
+    float org[3], sum = lc_luminance(all) + lc_luminance(on.flux),
+                  share = sum > 0 ? lc_luminance(all) / sum : 1;
     reflect(p, s, depth, all, &back);
     store(p, s, &back);
     store(p, s, &on);
@@ -276,7 +307,7 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
     float org[3], cos_i = -lc_f3_dot(p->dir, s->n);
     if (!s->material.glass) {
         const lc_f3 part = lc_reflectance(&s->material, cos_i, !s->front), dir = lc_mirror_leave(s, p->dir);
-        store(p, s, &(leaving){ .flux = part, .normal = s->n, .dir = dir, .by_lobe = true });
+        store(p, s, &(leaving){ .flux = part, .normal = s->n, .dir = dir, .by_lobe = true, .narrow = 3 });
         p->flux = lc_f3_mul(p->flux, part);
         p->org = lc_f3_load(s->ray_org);
         p->dir = dir;
@@ -420,7 +451,8 @@ static lc_status make_enough(maker *m, lc_vpl_deviation *deviation, const lc_vpl
         lc_status st = trace_until(m, n);
         const bool last = desc->n_lights || n >= MOST_LIGHTS || m->n_made < n;
         lc_light_places_free(&m->scene->virtuals, m->scene->ctx);
-        if (!st) st = lc_vpl_radii(m->scene->ctx, m->made, m->normals, m->path, m->n_made, &m->scene->virtuals);
+        if (!st)
+            st = lc_vpl_radii(m->scene->ctx, m->made, m->normals, m->path, m->n_made, &m->scene->virtuals);
         if (!st)
             st = lc_vpl_deviation_find(deviation, m->made, m->path, m->n_made, m->n_paths,
                                        last ? INFINITY : desc->deviation, out);
@@ -433,7 +465,9 @@ static lc_status make_enough(maker *m, lc_vpl_deviation *deviation, const lc_vpl
  * meet it, which leave out the last LC_SHADOW_EPS of their way. */
 static lc_f3 place_above(const lc_light *l, lc_f3 normal, float size)
 {
-    if (l->dir.x == normal.x && l->dir.y == normal.y && l->dir.z == normal.z) return l->pos;
+    const lc_f3 off = lc_f3_sub(l->dir, normal);
+    const bool by_lobe = l->atten[3] > 0 || lc_f3_max_abs(off) > 0;
+    if (!by_lobe) return l->pos;
     const float apart = sqrtf(l->atten[0] / LC_VPL_DISC), high = LIFT * LC_SHADOW_EPS * size;
     return lc_f3_add(l->pos, lc_f3_scale(normal, apart > 0 ? fminf(high, MOST_LIFT * apart) : high));
 }

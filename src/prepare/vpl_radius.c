@@ -21,7 +21,8 @@ static void disc_item(void *user, uint32_t thread, uint64_t item)
         const uint32_t self = place->light;
         lc_light *l = &j->lights[self];
         lc_nearest_lights q = {
-            .pos = l->pos, .n = lc_f3_load(place->n), .self = self, .n_wanted = LC_VPL_NEIGHBOURS, .path = j->path
+            .pos = l->pos, .n = lc_f3_load(place->n), .self = self, .n_wanted = LC_VPL_NEIGHBOURS,
+            .path = j->path
         };
         const uint32_t n = lc_light_places_find(j->places, &q);
         const float share = n ? q.d2[LC_VPL_NEIGHBOURS - n] / (float)n : 0; /* over pi; alone: not clamped */

@@ -8,9 +8,10 @@
 
 typedef struct lc_near_ends {
     const lc_scene *scene;
-    /* A ray along unit dir, at its end, meets a hit. to: what leaves the point of a radiance of 1 from there, R G B, by
-     * this one of the rays: (1 - part) over the rays' density and number, times what glass on the way lets
-     * through. width: of what the ray stands for there; INFINITY where it is within reach. */
+    /* A ray along unit dir, at its end, meets a hit. to: what leaves the point of a radiance of 1 from there,
+     * R G B, by this one of the rays: (1 - part) over the rays' density and number, times what glass on the
+     * way lets through and mirrors reflect. width: of what the ray stands for there; INFINITY where it is
+     * within reach. */
     void (*end)(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float width);
     void *user;
 } lc_near_ends;

@@ -14,6 +14,7 @@ LC_INLINE vf attenuated(const lc_tree_data *t, const float *const *light, lc_lig
     if (!t->light_atten || !lc_is_attenuated(kind)) return g / d2c;
     for (uint32_t i = 0; i < VF_LANES; i++) atten[i] = t->light_atten[light_index(t, light[i])];
     vf_rows(atten, 0, k);
+    if (kind == LC_LIGHT_VIRTUAL) g = virtual_narrowed(g, k[3]);
     f = k[0];
     if (vf_any_gt(k[1], vf_set(0))) f = f + k[1] * vf_sqrt(d2c);
     return g / (f + k[2] * d2c);

@@ -88,7 +88,8 @@ typedef struct lc_light {
     lc_f3 dir;       /* unit, the direction in which light travels; unused by point lights */
     lc_f3 intensity; /* >= 0 */
     union {
-        float atten[3]; /* kinds with LC_LIGHT_ATTENUATED: A, B, C, all >= 0, one > 0; 0, 0, 1 is 1/d^2 */
+        float atten[4]; /* kinds with LC_LIGHT_ATTENUATED: A, B, C, all >= 0, one > 0; 0, 0, 1 is 1/d^2.
+                           Then, of virtual lights, how narrowly they shine: light_virtual.h */
         lc_spot spot;   /* spots */
         lc_luminaire luminaire;
         struct {

@@ -229,8 +229,9 @@ LC_INLINE vf luminaire_emission_bound(const lc_tree_data *t, const uint32_t *nod
 }
 
 /* A node keeps the greatest values of its lights' tables, not the least. */
-LC_INLINE vf luminaire_emission_least(vf e)
+LC_INLINE vf luminaire_emission_least(const lc_tree_data *t, vf e)
 {
+    (void)t;
     (void)e;
     return vf_set(0);
 }

@@ -52,6 +52,10 @@ LC_INLINE vf oriented_emission_bound(const lc_tree_data *t, const uint32_t *node
     return e;
 }
 
-LC_INLINE vf oriented_emission_least(vf e) { return e; }
+LC_INLINE vf oriented_emission_least(const lc_tree_data *t, vf e)
+{
+    (void)t;
+    return e;
+}
 
 #endif

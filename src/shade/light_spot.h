@@ -254,6 +254,6 @@ LC_INLINE vf spot_emission_bound(const lc_tree_data *t, const uint32_t *node, co
     return x * x * (3 - (x + x));
 }
 
-LC_INLINE vf spot_emission_least(vf e) { return (void)e, vf_set(0); } /* nodes keep the widest profile */
+LC_INLINE vf spot_emission_least(const lc_tree_data *t, vf e) { return (void)t, (void)e, vf_set(0); }
 
 #endif

@@ -87,14 +87,13 @@ LC_INLINE vf least_cos_phi(cluster_lanes *l, const rel_box *box, vf p2)
     return vf_sel_gt(ct, zero, vf_sel_gt(cc, zero, e, zero), zero);
 }
 
-/* kind: a constant. */
-LC_INLINE vf least_emission(cluster_lanes *l, lc_light_kind kind, const rel_box *box, vf p2)
+/* e: least cosine; kind: a constant. */
+LC_INLINE vf least_emission(cluster_lanes *l, lc_light_kind kind, vf e)
 {
-    vf e = least_cos_phi(l, box, p2);
     switch (kind) {
 #define KIND(ID, name, traits)
 #define AIMED_KIND(ID, name, traits) \
-    case LC_LIGHT_##ID: return name##_emission_least(e);
+    case LC_LIGHT_##ID: return name##_emission_least(l->tree, e);
 #include "shade/light_kinds.h"
 #undef KIND
     default: return e;
@@ -122,9 +121,9 @@ LC_INLINE vf lower_bound(cluster_lanes *l, lc_light_kind kind, const lc_point *p
     if (!far) g = least_geometry(l, p, &n, r2, p2, cos_r);
     vf lit = vf_sel_gt(n.z0, vf_set(NEAR), cos_r, zero);
     if (lc_is_aimed(kind)) {
-        vf e = least_emission(l, kind, &box, p2);
+        vf e = least_cos_phi(l, &box, p2);
         lit = vf_min(lit, e);
-        g = g * e;
+        g = g * least_emission(l, kind, e);
     }
     if (p->coat) g = g * transmitted(p, vf_max(cos_r * LESS, min_cos)) * LESS;
     vf sum = 0.2126f * least_channel(p->diffuse[0], g, intensity.x) +

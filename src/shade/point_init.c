@@ -52,7 +52,7 @@ lc_f3 lc_estimate_one(const lc_shade_kernels *kernels, const lc_point *p, lc_lig
     float *const out[6] = { to[0], to[1], to[2], to[3], to[4], to[5] };
     lc_light_rec rec = *light;
     lc_atten a = { 0, 0, 1, 0 };
-    if (atten) memcpy(a, atten, 3 * sizeof *atten);
+    if (atten) memcpy(a, atten, sizeof a);
     const lc_tree_data one = { .lights = &rec, .light_atten = atten ? &a : NULL };
     kernels->estimate(&one, 0, NULL, 1, kind, p, out);
     return lc_f3_make(to[0][0], to[1][0], to[2][0]);

@@ -77,7 +77,9 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     for (size_t i = 0; i < desc->n_lights; i++) {
         const lc_light *l = &desc->lights[i];
         t->n_of_kind[l->kind]++;
-        other |= lc_is_attenuated(l->kind) && !lc_inverse_square(l->atten);
+        const bool narrow = l->kind == LC_LIGHT_VIRTUAL && l->atten[3] > 0;
+        other |= narrow || (lc_is_attenuated(l->kind) && !lc_inverse_square(l->atten));
+        t->data.narrow |= narrow;
     }
     for (int k = 0; k < LC_LIGHT_KINDS; k++) {
         uint32_t n = t->n_of_kind[k];

@@ -488,12 +488,14 @@ static void make_light_values(gen_src *s, gen_case *c, const space *b, gen_style
                                                              : decade(s, -15, style == GEN_EXTREME ? 24 : 15);
     bool coloured = gen_pick(s, 2), own = style != GEN_ORDINARY && !gen_pick(s, 4), vary = gen_pick(s, 2);
     bool dark = style != GEN_ORDINARY && !gen_pick(s, 32);
+    const bool narrow = c->lights[0].kind == LC_LIGHT_VIRTUAL && !gen_pick(s, 2);
     float atten[3];
     make_attenuation(s, atten, b, style);
     for (uint32_t i = 0; i < c->n; i++) {
         lc_light *l = &c->lights[i];
         if (own) make_attenuation(s, atten, b, style);
         memcpy(l->atten, atten, sizeof atten);
+        if (narrow) l->atten[3] = (float)gen_pick(s, 4);
         double power = common * (!vary ? 1 : style == GEN_ORDINARY ? gen_real(s, 0.1, 1) : decade(s, -6, 6));
         lc_f3 tint = coloured ? colour(s, style) : lc_f3_make(1, 1, 1);
         if (dark) {

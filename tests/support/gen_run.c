@@ -107,9 +107,11 @@ static void make_records(records *r, const gen_case *c, const tree *t)
     for (uint32_t i = 0; i < c->n; i++) {
         const lc_light *l = &c->lights[i];
         lc_light_rec_init(&r->light[i], l);
-        r->light_atten[i][3] = 0;
+        const bool narrow = l->kind == LC_LIGHT_VIRTUAL && l->atten[3] > 0;
+        r->light_atten[i][3] = narrow ? l->atten[3] : 0;
+        r->data.narrow |= narrow;
         for (int a = 0; a < 3; a++) r->light_atten[i][a] = lc_is_attenuated(l->kind) ? l->atten[a] : a == 2;
-        plain = plain && lc_inverse_square(r->light_atten[i]);
+        plain = plain && !narrow && lc_inverse_square(r->light_atten[i]);
         if (l->kind == LC_LIGHT_LUMINAIRE) lc_luminaire_rec_init(&r->light_luminaire[i], l);
         if (l->kind == LC_LIGHT_SPOT)
             lc_spot_rec_init(&r->light_spot[i], l->spot.cos_total, l->spot.cos_start, 0);

@@ -133,6 +133,8 @@ static double profile(double cos_total, double cos_start, double cos_phi)
 
 static double emission(const lc_light *l, double cos_phi)
 {
+    if (l->kind == LC_LIGHT_VIRTUAL && l->atten[3] > 0)
+        return cos_phi > 0 ? pow(fmin(cos_phi, 1), exp2((double)l->atten[3] + 1) - 1) : 0;
     if (l->kind != LC_LIGHT_SPOT) return lc_is_aimed(l->kind) ? cos_phi : 1;
     return profile((double)l->spot.cos_total, (double)l->spot.cos_start, cos_phi);
 }
