@@ -85,7 +85,7 @@ help:
 	@echo "make load       200 renders at once at the edges of threads, descriptors, memory and disk, clocks that jump, stops; 10 minutes"
 	@echo "make fuzz       build the fuzzers, replay their corpora; make fuzz-run SECONDS=n runs each for n seconds"
 	@echo "make fault      every allocation, file operation and thread start fails in turn (make test: some of them)"
-	@echo "make test-arm64 the tests on an emulated 64-bit ARM with NEON, and the golden hashes of x86"
+	@echo "make test-arm64 what is of the processor on an emulated 64-bit ARM with NEON, with golden hashes of x86"
 	@echo "make mutate     breaks one line at a time on purpose; each must be noticed by a test (some 20 minutes of two processors)"
 	@echo "make coverage   the tests, and the share of the lines of src/ that they run"
 	@echo "make san tsan msan  the tests under ASan and UBSan, under TSan, under MSan; OpenEXR, for MSan zlib too, is built so"

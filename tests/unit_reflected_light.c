@@ -100,6 +100,36 @@ TEST(flux_is_what_the_lobe_reflects)
     check_plane("Material \"coateddiffuse\" " GIVEN " \"float roughness\" [.2]", 1);
 }
 
+/* A spot shines on metal from one side: on the ceiling its light is about the mirror direction. */
+TEST(paths_go_on_by_the_lobe)
+{
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    double sum = 0, at = 0, off = 0;
+    load.indirect_lights = 4000;
+    load.max_depth = 3;
+    scene_write("Film \"rgb\"\nWorldBegin\nLightSource \"spot\" \"rgb I\" [1 1 1]"
+                " \"point3 from\" [-2 0 1] \"point3 to\" [0 0 -1] \"float coneangle\" 4"
+                " \"float conedeltaangle\" 1\n"
+                "Material \"conductor\" \"rgb reflectance\" [.9 .9 .9] \"float roughness\" [.1]"
+                " \"bool remaproughness\" false\n"
+                "Shape \"trianglemesh\" \"point3 P\" [-9 -9 -1 9 -9 -1 9 9 -1 -9 9 -1]"
+                " \"integer indices\" [0 1 2 0 2 3]\nMaterial \"diffuse\"\n"
+                "Shape \"trianglemesh\" \"point3 P\" [-9 -9 1.1 9 -9 1.1 9 9 1.1 -9 9 1.1]"
+                " \"integer indices\" [0 1 2 0 2 3]\n");
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    CHECK(s);
+    for (size_t i = s ? s->n_lights - s->indirect.n_lights : 0; s && i < s->n_lights; i++) {
+        const lc_light *l = &s->lights[i];
+        if (l->pos.z < 0) continue;
+        sum += (double)l->intensity.y;
+        at += (double)l->intensity.y * (double)l->pos.x;
+        off += (double)l->intensity.y * fabs((double)l->pos.y);
+    }
+    printf("    on the ceiling at %.2f, %.2f to the sides\n", at / sum, off / sum);
+    CHECKF(near_abs(at / sum, 2.1, 0.25) && off / sum < 0.5, "at %g, %g to the sides", at / sum, off / sum);
+    lc_scene_destroy(s);
+}
+
 /* ---- pictures ---- */
 
 #define SIDE 32
@@ -206,6 +236,50 @@ TEST(metal_before_a_mirror)
                0.02, 0.05);
 }
 
+/* ---- by way of a mirror ---- */
+
+/* A plate, lit by a dark wall that a lamp below lights; the wall and the lamp are mirrored, or beside it
+ * there is a mirror of 0.6 that shows them. */
+#define BY_A_MIRROR \
+    "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 4\nLookAt -2 1.2 0 0 0 0 0 1 0\n" \
+    "Camera \"perspective\" \"float fov\" 2\nIntegrator \"path\" \"integer maxdepth\" 3\nWorldBegin\n" \
+    "LightSource \"point\" \"rgb I\" [%g %g %g] \"point3 from\" [%g -1 0]\n" \
+    "Material \"diffuse\" \"rgb reflectance\" [.1 .1 .1]\n" \
+    "Shape \"trianglemesh\" \"point3 P\" [%g 0 -2 %g 0 2 %g 3 2 %g 3 -2]" \
+    " \"integer indices\" [0 1 2 0 2 3]\n" \
+    "Material \"conductor\" \"rgb reflectance\" [.8 .8 .8] \"float roughness\" [.06]" \
+    " \"bool remaproughness\" false\n" \
+    "Shape \"trianglemesh\" \"point3 P\" [-.9 0 -9 1.49 0 -9 1.49 0 9 -.9 0 9]" \
+    " \"integer indices\" [0 2 1 0 3 2]\n%s"
+#define SIDE_MIRROR                                                                         \
+    "Material \"conductor\" \"rgb reflectance\" [.6 .6 .6] \"float roughness\" 0\n"       \
+    "Shape \"trianglemesh\" \"point3 P\" [1.5 0 -9 1.5 0 9 1.5 9 9 1.5 9 -9]"            \
+    " \"integer indices\" [0 1 2 0 2 3]\n"
+
+static double plate(double strength, double lamp_x, double wall_x, const char *mirror)
+{
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_image *image = NULL;
+    double sum = 0;
+    load.indirect_lights = 4000;
+    d.spp = 16;
+    scene_write(BY_A_MIRROR, strength, strength, strength, lamp_x, wall_x, wall_x, wall_x, wall_x, mirror);
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    CHECK(s && !lc_render(ctx, s, &d, &image, NULL));
+    for (int i = 0; image && i < 16; i++) sum += (double)lc_image_channel(image, "G")[i] / 16;
+    lc_image_destroy(image);
+    lc_scene_destroy(s);
+    return sum;
+}
+
+TEST(metal_shows_what_a_mirror_shows)
+{
+    const double by_mirror = plate(8, -1.5, -3, SIDE_MIRROR), without = plate(0.6 * 8, 4.5, 6, "");
+    printf("    %.5f of %.5f\n", by_mirror, without);
+    CHECKF(near_rel(by_mirror, without, 0.05), "%g of %g", by_mirror, without);
+}
+
 /* ---- behind ---- */
 
 /* A lamp shines along a sheet of metal; sensors look at its back. */
@@ -246,8 +320,10 @@ int main(void)
     ctx = quiet_context(2);
     temp_begin();
     RUN(flux_is_what_the_lobe_reflects);
+    RUN(paths_go_on_by_the_lobe);
     RUN(a_mirror_shows_the_room_once_more);
     RUN(metal_before_a_mirror);
+    RUN(metal_shows_what_a_mirror_shows);
     RUN(nothing_shines_through_a_sheet);
     one_scene_end();
     temp_end();
