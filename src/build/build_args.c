@@ -282,7 +282,7 @@ static void add_light(lc_digest *d, const lc_light *light)
     lc_digest_add(d, &light->pos, sizeof light->pos);
     lc_digest_add(d, &light->dir, sizeof light->dir);
     lc_digest_add(d, &light->intensity, sizeof light->intensity);
-    lc_digest_add(d, light->atten, sizeof light->atten);
+    lc_digest_add(d, light->atten, 3 * sizeof *light->atten); /* or as much of a profile */
     if (light->group) lc_digest_u64(d, light->group);
 }
 
