@@ -519,13 +519,16 @@ typedef struct lc_build_material_desc {
                               * along the normal; the lobe's factor is `glossy` alone */
     int smooth;              /* GGX: the surface is smooth; where all light comes from surfaces and
                               * environments the lobe is followed as a mirror, else it has `roughness` */
+    float coat_thickness;    /* a coat's optical depth along the normal: light that crosses it at a cosine of c
+                              * keeps e^(-thickness / c); 0..1000, 0: clear */
+    uint32_t coat_terms;     /* light is reflected so often below the coat; 0: without limit */
 } lc_build_material_desc;
 #define LC_BUILD_MATERIAL_DESC_INIT                                                                          \
     {                                                                                                        \
         sizeof(lc_build_material_desc), { 0.5f, 0.5f, 0.5f }, { 0, 0, 0 }, 0, LC_BUILD_ROUGH, 1,             \
             { 0.1f, 0.1f }, 0, { 1.5f, 1.5f, 1.5f }, { 0, 0, 0 }, 0, { 0, 0, 0 }, LC_NO_TEXTURE,             \
             LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE, LC_NO_TEXTURE,        \
-            LC_SAME_TEXTURE, LC_REMAP_AS_IS, 0, 0                                                            \
+            LC_SAME_TEXTURE, LC_REMAP_AS_IS, 0, 0, 0, 0                                                      \
     }
 
 /* What light meets is one of two materials, by chance; mixes may be mixed, 16 deep. */

@@ -99,6 +99,8 @@ static lc_status coated(lc_scene *s, lc_build_material_desc *m, lc_build_mesh_de
     m->coat = 1;
     set3(m->glossy, 1, 1, 1);
     m->roughness[0] = m->roughness[1] = .3f;
+    m->coat_thickness = .01f;
+    m->coat_terms = 5;
     return LC_OK;
 }
 

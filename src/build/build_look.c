@@ -3,12 +3,14 @@
 #include "build/build.h"
 #include "image/mipmap.h"
 #include "scene/noise.h"
+#include "shade/coat.h"
 #include "shade/lobe.h"
 
 #include <stddef.h>
 
 #define MAX_MIRROR_ETA 1000.0f /* of mirrors and glass, whose directions need no bounds */
 #define MIN_MIRROR_ETA 0.01f
+#define MAX_COAT 1000.0f /* optical depth */
 #define UNIT_TOLERANCE 1e-3f /* of the length of a unit vector: that of a host's own rounding */
 
 static lc_status bad(const lc_scene *s, const char *call, const char *what)
@@ -214,8 +216,8 @@ lc_status lc_build_texture_value(const lc_scene *s, uint32_t texture, lc_build_v
 _Static_assert(LC_NO_TEXTURE == LC_NONE && LC_GLOSS_PHONG == 1, "numbers of lightcuts.h");
 
 /* Its bytes are hashed up to the end of the last field. */
-#define MATERIAL_BYTES (offsetof(lc_build_material_desc, smooth) + sizeof(int))
-_Static_assert(sizeof(void *) != 8 || MATERIAL_BYTES == 140, "no bytes between fields");
+#define MATERIAL_BYTES (offsetof(lc_build_material_desc, coat_terms) + sizeof(uint32_t))
+_Static_assert(sizeof(void *) != 8 || MATERIAL_BYTES == 148, "no bytes between fields");
 
 _Static_assert((int)LC_REMAP_AS_IS == (int)LC_REMAP_NONE && (int)LC_REMAP_ROOT == (int)LC_REMAP_SQRT &&
                    (int)LC_REMAP_LOG == (int)LC_REMAP_POLYNOMIAL,
@@ -315,6 +317,7 @@ static const char *number_fault(const lc_build_material_desc *d)
     for (int i = 0; i < 2 && d->specular == LC_BUILD_ROUGH && d->gloss > LC_GLOSS_PHONG; i++)
         if (!(d->roughness[i] >= LC_MIN_ROUGHNESS && d->roughness[i] <= LC_MAX_ROUGHNESS))
             return "roughness must be 0.001 to 1";
+    if (!(d->coat_thickness >= 0 && d->coat_thickness <= MAX_COAT)) return "coat_thickness must be 0 to 1000";
     if ((unsigned)d->remap > LC_REMAP_LOG) return "remap is none of lc_build_remap";
     return optics_fault(d);
 }
@@ -394,6 +397,8 @@ static lc_material material_of(const lc_build_material_desc *d)
         lc_material m = lc_arg_material_of(&shade);
         m.kt = lc_f3_load(d->transmitted);
         m.smooth = d->smooth && m.lobe == LC_LOBE_GGX;
+        m.coat_terms = d->coat_terms;
+        if (m.coat && d->coat_thickness > 0) lc_coat_absorb(&m, (double)d->coat_thickness);
         return m;
     }
     const bool glass = d->specular != LC_BUILD_MIRROR;

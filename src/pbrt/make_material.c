@@ -121,6 +121,8 @@ static lc_build_material_desc desc_of(const lc_pbrt_look *look)
     lc_f3_store(d.eta, metal ? m->eta : lc_f3_make(m->eta.x, m->eta.x, m->eta.x));
     lc_f3_store(d.k, m->k);
     d.coat = m->coat;
+    d.coat_thickness = look->coat_thickness;
+    d.coat_terms = m->coat_terms;
     d.smooth = m->smooth;
     d.metal = maps->metal;
     d.remap = (lc_build_remap)maps->remap;

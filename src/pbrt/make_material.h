@@ -19,6 +19,7 @@ typedef struct lc_pbrt_look {
     uint32_t depth;         /* of mixes within it */
     uint32_t same;          /* the look is this material of the scene; LC_NONE: one of its own */
     bool invisible;
+    float coat_thickness;   /* as of lc_build_material_desc */
 } lc_pbrt_look;
 
 typedef lc_status lc_pbrt_reader(lc_pbrt *p, lc_pos where, lc_pbrt_look *look);

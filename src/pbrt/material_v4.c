@@ -1,7 +1,7 @@
 /* material_v4.c - the materials of pbrt v4, with its defaults.
  *
  *     diffuse              Lambert
- *     coateddiffuse        Lambert below a dielectric whose surface is a GGX lobe
+ *     coateddiffuse        Lambert below a dielectric whose surface is a GGX lobe; what lies between absorbs
  *     conductor            GGX; a mirror if smooth
  *     coatedconductor      one conductor that reflects at normal incidence what both layers do together
  *     dielectric           glass, smooth whatever its roughness
@@ -10,6 +10,9 @@
  */
 #include "pbrt/make_material.h"
 
+#include "base/fmath.h"
+
+#include <math.h>
 #include <string.h>
 
 static const lc_f3 ONE = { 1, 1, 1 }, NONE = { 0, 0, 0 };
@@ -20,23 +23,37 @@ lc_status lc_pbrt_diffuse(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     return lc_pbrt_get_albedo(p, "reflectance", &look->m.kd, &look->maps.kd);
 }
 
-static lc_status layers(lc_pbrt *p, lc_pos where)
+/* What lies between two layers: it absorbs, 1 a unit of its thickness, whether or not it scatters; and how
+ * often light is reflected by the lower one, of "maxdepth" events, of which every other one is at the coat. */
+static lc_status layers(lc_pbrt *p, lc_pos where, const char *thickness, double *depth, uint32_t *times)
 {
-    static const char *const silent[] = { "g", "maxdepth", "nsamples", "thickness", "interface.thickness" };
+    static const char *const silent[] = { "g", "nsamples" };
     lc_build_value albedo = LC_PBRT_VALUE(0);
+    int64_t events = 10;
+    *depth = 0.01;
     for (size_t i = 0; i < sizeof silent / sizeof *silent; i++) lc_pbrt_mark(&p->params, silent[i]);
-    lc_status st = lc_pbrt_get_tint(p, "albedo", &albedo);
+    lc_status st = lc_pbrt_get_mean(p, thickness, depth);
+    if (!st) st = lc_pbrt_get_int(&p->params, "maxdepth", &events, NULL);
+    if (!st) st = lc_pbrt_get_tint(p, "albedo", &albedo);
+    *depth = fmin(fmax(*depth, 0), 1000);
+    events = events < 0 ? 0 : events > 1000 ? 1000 : events;
+    *times = (uint32_t)((events + 1) / 2);
     if (st || lc_pbrt_is_black(&albedo)) return st;
     return lc_pbrt_note(p, where, "coat albedo", "what scatters inside a coat is ignored");
 }
 
 lc_status lc_pbrt_coated_diffuse(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    double index = 1.5;
+    double index = 1.5, depth = 0;
     bool smooth = false;
     lc_status st = lc_pbrt_get_albedo(p, "reflectance", &look->m.kd, &look->maps.kd);
     if (!st) st = lc_pbrt_get_index(p, "eta", &index);
-    if (!st) st = layers(p, where);
+    if (!st) st = layers(p, where, "thickness", &depth, &look->m.coat_terms);
+    if (!look->m.coat_terms) { /* 0 would mean without limit */
+        look->m.kd = NONE;
+        look->maps.kd = LC_NONE;
+    }
+    look->coat_thickness = (float)depth;
     if (!st) st = lc_pbrt_get_alpha(p, "", 0, look, &smooth);
     lc_pbrt_be_glossy(&look->m, ONE);
     lc_pbrt_set_index(&look->m, index);
@@ -74,17 +91,20 @@ lc_status lc_pbrt_conductor(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
     return st;
 }
 
-/* Changes a conductor so that it reflects at normal incidence what it does below a coat of this index, all
- * interreflections between the two included. */
-static void add_coat(double index, lc_material *m)
+/* Changes a conductor so that it reflects at normal incidence what it does below a coat of this index and
+ * optical depth, of which light meets the conductor so many times at most. */
+static void add_coat(double index, double depth, uint32_t times, lc_material *m)
 {
-    double f = (index - 1) / (index + 1) * ((index - 1) / (index + 1)), eta[3], k[3];
+    const double f = (index - 1) / (index + 1) * ((index - 1) / (index + 1)), left = lc_exp_neg(-2 * depth);
+    double eta[3], k[3];
     const double e[3] = { (double)m->eta.x, (double)m->eta.y, (double)m->eta.z },
                  a[3] = { (double)m->k.x, (double)m->k.y, (double)m->k.z };
     for (int c = 0; c < 3; c++) {
-        double r = lc_metal_share(e[c], a[c]);
+        const double below = lc_metal_share(e[c], a[c]) * left;
+        double sum = 0;
+        for (uint32_t i = 0; i < times; i++) sum = sum * f * below + below;
         eta[c] = e[c];
-        lc_metal_of_share(f + (1 - f) * (1 - f) * r / (1 - f * r), &eta[c], &k[c]);
+        lc_metal_of_share(f + (1 - f) * (1 - f) * sum, &eta[c], &k[c]);
     }
     m->eta = lc_f3_make((float)eta[0], (float)eta[1], (float)eta[2]);
     m->k = lc_f3_make((float)k[0], (float)k[1], (float)k[2]);
@@ -92,20 +112,21 @@ static void add_coat(double index, lc_material *m)
 
 lc_status lc_pbrt_coated_conductor(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 {
-    double index = 1.5;
+    double index = 1.5, depth = 0;
+    uint32_t times = 0;
     bool smooth = false, smooth_coat = false;
     lc_build_value share = LC_PBRT_VALUE(1);
     lc_pbrt_look coat = *look;
     lc_pbrt_be_glossy(&look->m, ONE);
     look->m.kd = NONE;
     lc_status st = lc_pbrt_get_index(p, "interface.eta", &index);
-    if (!st) st = layers(p, where);
+    if (!st) st = layers(p, where, "interface.thickness", &depth, &times);
     if (!st) st = lc_pbrt_get_tint(p, "reflectance", &share);
     if (!st && lc_pbrt_find(&p->params, "reflectance", LC_PBRT_ANY)) st = reflectance_metal(p, look, &share);
     else if (!st) st = lc_pbrt_get_metal(p, "conductor.eta", "conductor.k", index, &look->m);
     if (!st) st = lc_pbrt_get_alpha(p, "interface.", 0, &coat, &smooth_coat);
     if (!st) st = lc_pbrt_get_alpha(p, "conductor.", 0, look, &smooth);
-    if (!st && !look->maps.metal) add_coat(index, &look->m);
+    if (!st && !look->maps.metal) add_coat(index, depth, times, &look->m);
     /* A smooth conductor below a rough coat takes the coat's roughness. */
     if (smooth && smooth_coat) lc_pbrt_be_mirror(&look->m);
     for (int axis = 0; axis < 2 && smooth && !smooth_coat; axis++) {

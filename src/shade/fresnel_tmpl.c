@@ -11,6 +11,12 @@ LC_INLINE vf transmitted(const lc_point *p, vf c)
     return half + half;
 }
 
+/* Fraction that a coat lets in: T(c') of material.h. */
+LC_INLINE vf let_in(const lc_point *p, vf c)
+{
+    return transmitted(p, vf_sqrt(p->coat_lean + p->coat_upright * (c * c)));
+}
+
 /* Reflectance of a conductor for light polarised across the plane of incidence; t2, w: for `conductor`. */
 LC_INLINE vf conductor_across(float n2_real_minus_1, float n2_imag, vf c, vf *t2, vf *w)
 {

@@ -31,6 +31,7 @@
  *   10u: 40u of |h|^2 and 70u; i.o as for COS_SLACK: 64u. We take 256u of both. s(i): same frame, 40u; 256u.
  * - w.p: u and w within 8u, three dot products 9u each, the widening 4u, all times |S| <= 1: 64uM.
  * - T: g 2.5u, squares of sums 9u, the rest: below 20u of T <= 1 in estimate and bound: F is raised by 64u.
+ *   A coat's cosine c' has 3u more, and T / c' falls with it.
  * - Conductors: x + p is off by 2u x where it cancels, N by the root of that at most, 3.5e-4 c; the quotient
  *   of amplitudes by 2 c / |c + N|^2 times that, its square by twice as much: 1.4e-3, here and in the
  *   estimate. CONDUCTOR_SLACK is 3.9e-3.
@@ -59,7 +60,8 @@ static float let_through(const lc_point *p, float c)
 /* The diffuse part below the coat as seen from outside, without the transmittance on the way in. */
 static lc_f3 below_coat(const lc_point *p, const lc_material *m)
 {
-    return lc_f3_scale(lc_coat_below(m), p->view[2] > LC_MIN_COS ? let_through(p, p->view[2]) : 0);
+    const float c = p->view[2], leant = sqrtf(p->coat_lean + p->coat_upright * (c * c));
+    return lc_f3_scale(lc_coat_below(m), c > LC_MIN_COS ? let_through(p, leant) : 0);
 }
 
 /* Returns the factor of ks. With a coat the diffuse part below it is written to *kd. */
@@ -76,6 +78,8 @@ static float ggx_init(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, lc
     p->masking = stretched_length(p, p->view[0], p->view[1], p->view[2]);
     p->fresnel = m->fresnel == LC_FRESNEL_NONE ? LC_FRESNEL_SCHLICK : m->fresnel;
     p->coat = m->coat;
+    p->coat_lean = m->coat ? lc_coat_lean(m) : 0;
+    p->coat_upright = 1 - p->coat_lean;
     p->eta2 = (float)(eta[0] * eta[0]);
     p->eta2_minus_1 = (float)(eta[0] * eta[0] - 1);
     lc_f3 delta = lc_f3_scale(lc_f3_make(no_less(1 - m->ks.x, 0), no_less(1 - m->ks.y, 0),
@@ -163,7 +167,7 @@ LC_INLINE void ggx_lobe(const lc_point *p, const vf d[3], vf cos_r, vf inv_len, 
 
 LC_INLINE void ggx_value(const lc_point *p, const vf d[3], vf cos_r, vf inv_len, vf lit, vf f[3])
 {
-    vf lobe[3], coat = p->coat ? transmitted(p, cos_r) : vf_set(1);
+    vf lobe[3], coat = p->coat ? let_in(p, cos_r) : vf_set(1);
     (void)lit;
     ggx_lobe(p, d, cos_r, inv_len, lobe);
     for (int k = 0; k < 3; k++) f[k] = f[k] * coat + lobe[k];
@@ -248,7 +252,7 @@ LC_INLINE vf ggx_bound(cluster_lanes *l, const lc_point *p, const rel_box *box, 
     float square = p->square[0] > p->square[1] ? p->square[0] : p->square[1];
     vf z = o_n + near, r = vf_min(one + square * t2, h_most / (z * z)) / (one + t2);
     vf lobe = r * r * SLACK * ggx_geometry(l, p, box, far, g, cos_r, near, n->z1, vf_sqrt(far2));
-    if (p->coat) diffuse = diffuse * (transmitted(p, cos_r) * SLACK);
+    if (p->coat) diffuse = diffuse * (let_in(p, cos_r) * SLACK);
     return diffuse * g + max_fresnel(p, 0.5f * vf_sqrt(h_least), intensity) * lobe;
 }
 

@@ -23,8 +23,8 @@
  *   four times (72u M^2).
  * - max |p|^2: the widening and the sum m_k are 6u of m_k, the dot product 3u: 15u, for which 32u are added.
  * - The rest is relative, as for upper bounds: at most 64u there; the intensity, which is rounded up, 2u, the
- *   attenuation's ratio and root 6u, what a coat lets in 20u in estimate and bound, and 10u for its cosine:
- *   T / c falls with the cosine c. LESS takes 128u off, from the greatest
+ *   attenuation's ratio and root 6u, what a coat lets in 24u in estimate and bound, and 10u for its cosine:
+ *   T / c falls with the cosine c, and c' of a coat grows no faster. LESS takes 128u off, from the greatest
  *   transfer, too.
  * - Estimates are 0 below LC_MIN_COS and LC_MIN_TRANSFER, and at most LC_MAX_TRANSFER; so are the bounds, at
  *   twice the former. Points within NEAR of a light's plane have a bound of 0, and so have sums near
@@ -125,7 +125,7 @@ LC_INLINE vf lower_bound(cluster_lanes *l, lc_light_kind kind, const lc_point *p
         lit = vf_min(lit, e);
         g = g * least_emission(l, kind, e);
     }
-    if (p->coat) g = g * transmitted(p, vf_max(cos_r * LESS, min_cos)) * LESS;
+    if (p->coat) g = g * let_in(p, vf_max(cos_r * LESS, min_cos)) * LESS;
     vf sum = 0.2126f * least_channel(p->diffuse[0], g, intensity.x) +
              0.7152f * least_channel(p->diffuse[1], g, intensity.y) +
              0.0722f * least_channel(p->diffuse[2], g, intensity.z);

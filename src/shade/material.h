@@ -25,12 +25,18 @@
  * where r is 1 over the bracket of D, s(w) the length of (ax wx, ay wy, wz), G = 1 / (1 + L(i) + L(o)) and
  * 1 + 2 L(w) = s(w) / wz. With a coat the diffuse part is
  *
- *     kd / pi T(ci) T(co) A / (eta^2 (1 - kd Fi))
+ *     kd / pi T(ci) T(co) A B^2 / eta^2 (1 + x + x^2 + ...),   x = kd Fi C
  *
  * with T = 1 - F of a smooth surface of index eta, and Fi the fraction of diffuse light that it reflects
- * inwards. For a smooth coat Fi is exact and A = 1. A rough one, a^2 = ax ay, loses light between its facets
- * in this model, and each reflection below it loses more. This is fitted: Fi is 1 / (1 + (1.1 + 1.125 / (eta
- * - 1)) a^1.75) times as large, and A = 1 - 0.42 a^3 / (a + 0.5). Measured: tests/results/virtual-lights.md.
+ * inwards. The coat may absorb: B is what is left of diffuse light that has passed it once, C of what has gone
+ * up and down below it; both are means (lc_coat_absorb). The series has as many terms as light is reflected
+ * by the base, as pbrt-v4 counts them, or ends nowhere. For a smooth coat Fi is exact and A = 1.
+ *
+ * The facets of a rough one, a^2 = ax ay, lean: at grazing directions more light enters than by T. It loses
+ * light between its facets in this model, and each reflection below it loses more. This is fitted. T is taken
+ * at the cosine c' with c'^2 = c^2 + (1 - c^2) b^2, b = a / (0.48 + 1.95 a + (0.5 + 0.72 / (eta - 1)) a^2);
+ * Fi is 1 / (1 + (1.1 + 1.125 / (eta - 1)) a^1.75) times as large, and A = 1 - 0.1 a - 0.2 a^2; B and C are
+ * those of a depth 1 + 0.7 a times as large. Measured: tests/results/virtual-lights.md.
  */
 #ifndef LC_MATERIAL_H
 #define LC_MATERIAL_H
@@ -66,6 +72,8 @@ typedef struct lc_material {
     lc_fresnel fresnel; /* GGX, mirrors, glass */
     lc_f3 eta, k;       /* index relative to outside; absorption */
     bool coat;          /* GGX: kd lies below a dielectric of eta.x, whose surface is the lobe */
+    float coat_depth[2]; /* >= 0: -ln B, -ln C of a smooth coat */
+    uint32_t coat_terms; /* of the series above; 0: all */
     bool smooth;        /* GGX: so is the surface; the lobe is a mirror, followed from the camera */
     bool mirror;        /* perfect: kd, exponent and roughness are 0 and unused */
     bool glass;         /* a mirror that transmits what it does not reflect */

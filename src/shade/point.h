@@ -48,6 +48,7 @@ typedef struct lc_point {
     /* GGX */
     lc_fresnel fresnel;
     bool coat;           /* the diffuse part lies below it, and includes its transmittance to the viewer */
+    float coat_lean, coat_upright; /* b^2 of material.h, 1 - b^2 */
     float to_view[3];    /* unit, world space, not below the horizon */
     float square[2];     /* ax^2, ay^2 */
     float masking;       /* length of (ax o.x, ay o.y, o.z) */

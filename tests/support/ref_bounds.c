@@ -62,6 +62,11 @@ double ref_mean_dielectric(double eta)
     return sum / n;
 }
 
+double ref_lean(double eta, double a)
+{
+    return a / (0.48 + 1.95 * a + (0.5 + 0.72 / fmax(eta - 1, 0.001)) * a * a);
+}
+
 /* A frame whose x is along the material's tangent where that points along the surface; what stands before the
  * exponential of [Walter05b] but 1 / sqrt(cos_i); before r^2 of GGX. */
 static void make_rough(ref_point *r, const double n[3], const double o[3], const lc_material *m)
@@ -84,9 +89,10 @@ static void make_rough(ref_point *r, const double n[3], const double o[3], const
         r->specular[k] = ks / (4 * LC_PI * a[0] * a[1] * sqrt(fmax(dot3(n, o), (double)LC_WARD_MIN_COS)));
         if (m->lobe == LC_LOBE_GGX) r->specular[k] = ks / (2 * LC_PI * a[0] * a[1]);
         if (!m->coat) continue;
-        double kd = r->diffuse[k] * LC_PI;
-        r->diffuse[k] *= (1 - ref_dielectric(eta, dot3(n, o))) / (eta * eta * (1 - kd * fi)) *
-                         (1 - 0.42 * pow(mean, 3) / (mean + 0.5));
+        double kd = r->diffuse[k] * LC_PI, c = dot3(n, o), lean = ref_lean(eta, mean);
+        c = sqrt(c * c + (1 - c * c) * lean * lean);
+        r->diffuse[k] *= (1 - ref_dielectric(eta, c)) / (eta * eta * (1 - kd * fi)) *
+                         (1 - 0.1 * mean - 0.2 * mean * mean);
     }
     r->view[0] = dot3(r->tangent[0], o);
     r->view[1] = dot3(r->tangent[1], o);
@@ -298,7 +304,8 @@ static double fresnel(const lc_point *p, int channel, double c)
 
 static double coat_in(const lc_point *p, double cos_r)
 {
-    return p->coat ? 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1), fmin(cos_r, 1)) : 1;
+    const double c = fmin(cos_r, 1), lean = (double)p->coat_lean;
+    return p->coat ? 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1), sqrt(c * c + (1 - c * c) * lean)) : 1;
 }
 
 /* |h| / 2, the cosine between h and either direction. */

@@ -24,6 +24,8 @@ void ref_point_make(ref_point *r, lc_f3 n, lc_f3 view, const lc_material *m);
 double ref_dielectric(double eta, double c);
 double ref_conductor(double eta, double k, double c);
 double ref_mean_dielectric(double eta);
+/* b of material.h: how far the facets of a coat lean. */
+double ref_lean(double eta, double a);
 
 /* M_i G_i per channel. */
 void ref_transfer(const lc_point *p, const lc_light *l, double mg[3]);

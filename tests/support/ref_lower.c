@@ -107,7 +107,10 @@ double ref_cluster_lower(const lc_point *p, const lc_light *lights, uint32_t mem
     double cos_r = lc_is_far(kind) ? s.z0 : least_cosine(&s);
     double g = lc_is_far(kind) ? s.z0 : geometry(p, &c, &s);
     if (lc_is_aimed(kind)) g *= pow(emitted(&c), c.narrow ? 15 : 1);
-    if (p->coat) coat = 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1), fmin(cos_r, 1));
+    const double c1 = fmin(cos_r, 1);
+    if (p->coat)
+        coat = 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1),
+                                  sqrt(c1 * c1 + (1 - c1 * c1) * (double)p->coat_lean));
     for (int k = 0; k < 3; k++) rgb[k] = (double)p->diffuse[k] * coat * g * c.intensity[k];
     return ref_luminance(rgb);
 }
