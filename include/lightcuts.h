@@ -519,7 +519,7 @@ typedef struct lc_build_material_desc {
                               * along the normal; the lobe's factor is `glossy` alone */
     int smooth;              /* GGX: the surface is smooth; where all light comes from surfaces and
                               * environments the lobe is followed as a mirror, else it has `roughness` */
-    float coat_thickness;    /* a coat's optical depth along the normal: light that crosses it at a cosine of c
+    float coat_thickness;    /* a coat's optical depth along the normal: light that crosses it at a cosine c
                               * keeps e^(-thickness / c); 0..1000, 0: clear */
     uint32_t coat_terms;     /* light is reflected so often below the coat; 0: without limit */
 } lc_build_material_desc;

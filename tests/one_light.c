@@ -109,9 +109,7 @@ static lc_f3 sample_light(const lc_lit *lit, double u)
 static lc_f3 pixel(uint32_t x, uint32_t y, uint32_t spp, uint64_t seed)
 {
     const double lens[2] = { 0.5, 0.5 };
-    const lc_sight_desc how = {
-        .pixel = scene->camera.pixel, .max_depth = 1, .n_points = 1, .offset = 0.5
-    };
+    lc_sight_desc how = { .pixel = scene->camera.pixel, .max_depth = 1, .n_points = 1, .offset = 0.5 };
     uint64_t film = lc_hash4(seed, x, y, 0), lights = lc_hash4(seed, x, y, 1);
     lc_f3 sum = { 0, 0, 0 };
     for (uint32_t i = 0; i < spp; i++) {
@@ -119,9 +117,12 @@ static lc_f3 pixel(uint32_t x, uint32_t y, uint32_t spp, uint64_t seed)
         lc_f3 org, dir;
         lc_sight sight;
         lc_sample_pair(film, i, at);
+        how.lobe_step = 1u << 16;
+        how.lobe_key = lc_hash2(film, 1);
+        how.lobe_index = i ^ (uint32_t)(film >> 20) % spp;
         lc_camera_ray(&scene->camera, x + at[0], y + at[1], lens, &org, &dir);
         if (!lc_sight_trace(scene, org, dir, &how, &sight)) {
-            sum = lc_f3_add(sum, lc_background(scene, dir));
+            sum = lc_f3_add(sum, lc_background(scene, LC_SKY_ALL, dir));
             continue;
         }
         sum = lc_f3_add(sum, sight.emission);

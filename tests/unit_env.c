@@ -3,9 +3,13 @@
  * directions that pbrt-v3 and pbrt-v4 give to a map's texels. */
 #include "base/rng.h"
 #include "prepare/env_light.h"
+#include "scene/sun.h"
 #include "support/near.h"
 #include "support/one_scene.h"
 #include "support/watched_memory.h"
+
+#define RND_KEY 31
+#include "support/rnd.h"
 
 /* A map of w x h random texels, a few of them as bright as suns, added to a new scene. */
 static lc_env *random_map(uint32_t w, uint32_t h, lc_env_mapping mapping)
@@ -200,6 +204,34 @@ TEST(conventions)
     CHECK(load("WorldBegin Scale 0 1 1 LightSource \"infinite\"") == LC_ERR_PARSE);
 }
 
+TEST(even_part_and_peaks_add_up)
+{
+    float map[8 * 8 * 3];
+    for (int i = 0; i < 8 * 8 * 3; i++) map[i] = (float)rnd_in(0, 1);
+    for (int k = 0; k < 3; k++) map[3 * 19 + k] = 40;
+    pfm_write(temp_path("peak.pfm"), 8, 8, map);
+    CHECK(load("WorldBegin LightSource \"infinite\" \"string filename\" \"peak.pfm\" \"float scale\" 3\n"
+               "LightSource \"sun\" \"vector3 direction\" [0 3 4] \"rgb E\" [10 20 5]") == LC_OK);
+    uint32_t n_peaks = 0;
+    CHECK(!scene->n_notes);
+    for (int i = 0; i < 20000; i++) {
+        const lc_f3 dir = i ? rnd_unit() : lc_f3_make(0, 0.6f, 0.8f),
+                    all = lc_background(scene, LC_SKY_ALL, dir),
+                    even = lc_background(scene, LC_SKY_EVEN, dir),
+                    peaks = lc_background(scene, LC_SKY_PEAKS, dir);
+        const double sum = (double)even.y + (double)peaks.y;
+        CHECKF(near_rel(sum, (double)all.y, 1e-5) && even.y >= 0 && peaks.y >= 0, "%g of %g", sum,
+               (double)all.y);
+        CHECKF(lc_luminance(even) < 4.001f * 3 * (0.5f + 40.f / 64), "%g", (double)even.y);
+        if (i) n_peaks += peaks.y > 0;
+        else CHECKF((double)peaks.y > 1e4, "a sun of %g", (double)peaks.y);
+        lc_f3 of_group = lc_f3_make(0, 0, 0);
+        lc_background_of_groups(scene, LC_SKY_PEAKS, dir, lc_f3_make(1, 2, 3), &of_group);
+        CHECK(near_rel((double)of_group.y, 2 * (double)peaks.y, 1e-5));
+    }
+    CHECKF(n_peaks > 50 && n_peaks < 2000, "%u", n_peaks); /* about the one texel in 64 */
+}
+
 TEST(background)
 {
     CHECK(load("WorldBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string mapname\" \"side.pfm\" \"float "
@@ -315,6 +347,7 @@ int main(void)
     RUN(irradiance_is_kept);
     RUN(directions_of_lights);
     RUN(conventions);
+    RUN(even_part_and_peaks_add_up);
     RUN(background);
     RUN(parameters);
     RUN(lights_where_they_matter);

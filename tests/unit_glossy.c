@@ -5,6 +5,7 @@
 #include "scene/near_gather.h"
 #include "scene/scene.h"
 #include "shade/draw_lobe.h"
+#include "shade/fresnel.h"
 #include "shade/point_init.h"
 #include "support/near.h"
 #include "support/one_scene.h"
@@ -77,6 +78,10 @@ TEST(no_direction_counts_for_more_than_all)
         if (!(lc_f3_dot(d, n) > 0.001f)) continue;
         const double weight = (double)reflected(&p, d).z / lc_lobe_density(&p, d);
         CHECKF(weight <= 1.01, "case %d: %g", i, weight);
+        const float c = lc_f3_dot(lc_f3_normalize(lc_f3_add(view, d)), view);
+        const lc_f3 facets = lc_reflectance(&m, c, false);
+        const double left = (double)(facets.z * lc_lobe_unmasked(&p, d));
+        CHECKF(near_rel(weight, left, 0.02), "case %d: %g of %g", i, weight, left);
     }
 }
 

@@ -1,5 +1,6 @@
 /* unit_narrow.c - narrow lobes under lamps: pixels of a GGX plate in and beside the highlight of a spherical
- * lamp against an integral over the lamp in double precision, with and without bounced light. */
+ * lamp against an integral over the lamp in double precision, with and without bounced light; the sky over a
+ * wall. */
 #include "scene/scene.h"
 #include "support/near.h"
 #include "support/pictures.h"
@@ -96,6 +97,71 @@ TEST(plate_under_a_ball)
     }
 }
 
+/* ---- the sky ---- */
+
+#define WALL_Z 4.0
+#define WALL_Y 2.0
+
+/* What the plate's point at x shows the eye of a sky of radiance 1 above and before a black wall: the
+ * integral in rings about the mirror direction, closer together towards it. */
+static double of_sky(v3 x, double alpha)
+{
+    enum { RINGS = 800, AROUND = 240 };
+    const v3 o = unit(add(eye, -1, x)), m = { -o.x, o.y, -o.z }, u = unit((v3){ m.y, -m.x, 0 });
+    const v3 v = { m.y * u.z - m.z * u.y, m.z * u.x - m.x * u.z, m.x * u.y - m.y * u.x };
+    double sum = 0;
+    for (int a = 0; a < RINGS; a++)
+        for (int b = 0; b < AROUND; b++) {
+            const double t = (a + 0.5) / RINGS, angle = LC_PI / 2 * t * t, s = sin(angle),
+                         phi = 2 * LC_PI * (b + 0.5) / AROUND;
+            const v3 i = add(add(add((v3){ 0, 0, 0 }, cos(angle), m), s * cos(phi), u), s * sin(phi), v);
+            if (i.z > 0 && x.y + i.y / i.z * (WALL_Z - x.z) < WALL_Y) continue;
+            sum += brdf_cos(i, o, alpha) * s * (LC_PI * t / RINGS) * (2 * LC_PI / AROUND);
+        }
+    return sum;
+}
+
+/* Across the edge of the wall: by 64 samples, rows in the mean of some columns. */
+TEST(sky_over_a_wall)
+{
+    static const double alphas[] = { 0.01, 0.02, 0.045 };
+    const v3 forward = unit(add((v3){ 0, 0, 0 }, -1, eye)), up = { 0, -forward.z * -1, -forward.y };
+    for (size_t k = 0; k < sizeof alphas / sizeof *alphas; k++) {
+        lc_load_desc load = LC_LOAD_DESC_INIT;
+        lc_render_desc desc = LC_RENDER_DESC_INIT;
+        lc_image *image = NULL;
+        double worst = 0, least = 1;
+        load.indirect_lights = LC_NO_LIGHTS;
+        desc.spp = 64;
+        lc_scene *scene = scene_from_text(
+            ctx, &load,
+            "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nPixelFilter \"box\"\n"
+            "LookAt 0 2 -4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\nWorldBegin\n"
+            "LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+            "Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
+            "Shape \"trianglemesh\" \"point3 P\" [-90 -9 %g  90 -9 %g  90 %g %g  -90 %g %g] "
+            "\"integer indices\" [0 1 2 0 2 3]\n"
+            "Material \"ggx\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [%g %g %g] \"float roughness\" %g\n"
+            "Shape \"trianglemesh\" \"point3 P\" [-3 0 -3  3 0 -3  3 0 3  -3 0 3] "
+            "\"integer indices\" [0 1 2 0 2 3]",
+            SIDE, SIDE, WALL_Z, WALL_Z, WALL_Y, WALL_Z, WALL_Y, WALL_Z, KS, KS, KS, alphas[k]);
+        CHECK(scene && lc_render(ctx, scene, &desc, &image, NULL) == LC_OK);
+        for (int y = 0; y < SIDE && image; y++) {
+            const v3 d = add(forward, (1 - 2 * (y + 0.5) / SIDE) * tan(LC_PI / 18), unit(up));
+            const double want = of_sky(add(eye, -eye.y / d.y, d), alphas[k]);
+            double got = 0;
+            for (int x = -4; x <= 4; x++)
+                got += pixel_at(image, "G", (uint32_t)(SIDE / 2 + x), (uint32_t)y) / 9;
+            worst = fmax(worst, fabs(got - want));
+            least = fmin(least, want);
+        }
+        printf("    roughness %g: off by %.4f at most; %.4f where the wall is\n", alphas[k], worst, least);
+        CHECKF(worst < 0.02, "roughness %g: off by %g", alphas[k], worst);
+        lc_image_destroy(image);
+        lc_scene_destroy(scene);
+    }
+}
+
 /* With so few lights each would be a dot in this lobe, many times as bright as the lamp. */
 TEST(few_lights_are_no_dots)
 {
@@ -113,6 +179,7 @@ int main(void)
     temp_begin();
     RUN(plate_under_a_ball);
     RUN(few_lights_are_no_dots);
+    RUN(sky_over_a_wall);
     lc_context_destroy(ctx);
     temp_end();
     return test_done();

@@ -55,16 +55,17 @@ TEST(sun_is_seen)
           scene->n_lights == 64);
     CHECK(lc_f3_max(lc_scene_background(scene, beside(0, 0))) <= 0);
     for (int i = 0; i < 360; i++) {
-        lc_f3 in = lc_background(scene, beside(r * 0.9999, i)),
-              out = lc_background(scene, beside(r * 1.0001, i));
+        lc_f3 in = lc_background(scene, LC_SKY_ALL, beside(r * 0.9999, i)),
+              out = lc_background(scene, LC_SKY_ALL, beside(r * 1.0001, i));
         CHECK(lc_f3_max(out) <= 0);
         CHECKF(fabs((double)in.x / radiance - 1) < 1e-5, "%g, not %g", (double)in.x, radiance);
     }
-    lc_f3 centre = lc_background(scene, beside(0, 0));
+    lc_f3 centre = lc_background(scene, LC_SKY_ALL, beside(0, 0));
     CHECK(fabs((double)centre.y / (2 * radiance) - 1) < 1e-5 &&
           fabs((double)centre.z / (0.5 * radiance) - 1) < 1e-5);
     CHECK(load("LightSource \"sun\" LightSource \"sun\"") == LC_OK); /* both are visible */
-    CHECK(fabs((double)lc_background(scene, lc_f3_make(0, 0, 1)).x / (0.2 * radiance) - 1) < 1e-5);
+    const double both = (double)lc_background(scene, LC_SKY_ALL, lc_f3_make(0, 0, 1)).x;
+    CHECK(fabs(both / (0.2 * radiance) - 1) < 1e-5);
     CHECK(load("LightSource \"sun\" \"float angle\" 0 LightSource \"sun\" \"float angle\" 1e-30") == LC_OK &&
           !scene->suns);
 }

@@ -24,7 +24,7 @@ lc_status lc_pbrt_diffuse(lc_pbrt *p, lc_pos where, lc_pbrt_look *look)
 }
 
 /* What lies between two layers: it absorbs, 1 a unit of its thickness, whether or not it scatters; and how
- * often light is reflected by the lower one, of "maxdepth" events, of which every other one is at the coat. */
+ * often light is reflected by the lower one, in every other one of "maxdepth" events. */
 static lc_status layers(lc_pbrt *p, lc_pos where, const char *thickness, double *depth, uint32_t *times)
 {
     static const char *const silent[] = { "g", "nsamples" };

@@ -76,7 +76,7 @@ bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
     if (j->exact) {
         *out = lc_interval_of(rgb, weight);
     } else if (!lc_sample_sight(j, x, y, i, NULL, &dir, &s)) {
-        *out = lc_interval_of(lc_background(j->scene, dir), weight);
+        *out = lc_interval_of(lc_background(j->scene, LC_SKY_ALL, dir), weight);
     } else {
         if (!lc_job_go_on(j)) return false;
         *out = lc_interval_of(s.emission, weight);

@@ -112,8 +112,8 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     bool hit = lc_sample_sight(j, x, y, i, of_group, &dir, &s);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     if (!hit) {
-        *rgb = lc_background(j->scene, dir);
-        if (of_group) lc_background_of_groups(j->scene, dir, lc_f3_make(1, 1, 1), of_group);
+        *rgb = lc_background(j->scene, LC_SKY_ALL, dir);
+        if (of_group) lc_background_of_groups(j->scene, LC_SKY_ALL, dir, lc_f3_make(1, 1, 1), of_group);
         lc_phase_stop(&w->stats);
         return true;
     }

@@ -38,6 +38,7 @@ void lc_pixel_sights_begin(lc_pixel_sights *s, const lc_render_job *j, uint32_t 
     s->next = first;
     s->begun = false;
     s->film = j->spp > 1 && !j->share ? lc_job_key(j, pixel, 0, LC_DIM_FILM) : 0;
+    s->lobe = j->spp > 1 && j->scene->follows_smooth ? lc_job_key(j, pixel, 0, LC_DIM_LOBE) : 0;
     s->lens = j->spp > 1 && j->scene->camera.focal > 0 ? lc_job_key(j, pixel, 0, LC_DIM_LENS) : 0;
 }
 
@@ -57,6 +58,10 @@ static bool trace_sample(const lc_pixel_sights *p, bool again, lc_f3 *of_group, 
     }
     if (j->spp > 1 && j->scene->camera.focal > 0)
         lc_sample_pair(p->lens, i ^ (uint32_t)(lc_mix(p->lens) & j->lens_order), lens);
+    /* in an order of its own, or directions and places of the film would go together */
+    how.lobe_key = p->lobe;
+    how.lobe_step = j->lens_order + 1;
+    how.lobe_index = i ^ (uint32_t)(lc_mix(p->lobe) & j->lens_order);
     if (j->scene->media.present) how.offset = medium_offset(j, p->x, p->y, i);
     return lc_view_sight(scene_at(j, lc_pixel_number(j, p->x, p->y), i), (int32_t)p->x + 0.5 + offset[0],
                          (int32_t)p->y + 0.5 + offset[1], lens, &how, dir, out);

@@ -1,7 +1,8 @@
 /* pixel_sights.h - what the samples of a pixel show: their places on the film and the lens, in time and in
  * media, and their camera rays.
  *
- * Samples of a pixel are a (0,2)-sequence on the film, and another on the lens, in an order of its own. Those
+ * Samples of a pixel are a (0,2)-sequence on the film, and others on the lens and in narrow lobes, in orders
+ * of their own. Those
  * that meet the same flat surface as the one before have most of that one's sight.
  */
 #ifndef LC_PIXEL_SIGHTS_H
@@ -15,7 +16,7 @@ typedef struct lc_pixel_sights {
     const lc_render_job *job;
     uint32_t x, y, next; /* the sample */
     bool begun;
-    uint64_t film, lens; /* keys of their numbers */
+    uint64_t film, lens, lobe; /* keys of their numbers; 0: the middle */
     lc_f3 dir;           /* of the last sample's ray, */
     lc_sight sight;      /* and what it shows; set by the first */
 } lc_pixel_sights;

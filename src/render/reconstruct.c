@@ -318,7 +318,7 @@ bool lc_coarse_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t
     const bool hit = lc_sample_sight(j, x, y, j->first, NULL, &dir, &s);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     if (!hit) {
-        px.rgb = lc_background(j->scene, dir);
+        px.rgb = lc_background(j->scene, LC_SKY_ALL, dir);
     } else {
         w->stats.camera_rays += s.n_rays;
         lc_add_to_planes(j, &px, &s, dir);

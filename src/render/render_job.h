@@ -29,8 +29,8 @@
 
 /* INTERVAL: + the lit point */
 enum {
-    LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL, LC_DIM_TIME = 1000, LC_DIM_NEAR
-};
+    LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL, LC_DIM_TIME = 1000, LC_DIM_NEAR,
+    LC_DIM_LOBE };
 
 /* The guide of a block of pixels; see guide.c. */
 typedef struct lc_guide {
@@ -98,7 +98,7 @@ typedef struct lc_render_job {
     lc_sight_desc how; /* camera rays are followed; offset: of the pixel's centre */
     lc_moments moments; /* of what moves; none for explain, which shows the middle of the time */
     lc_visibility visibility; /* the scene's, of these */
-    uint32_t lens_order; /* 2^k - 1 below spp: the lens's points have another order than the film's */
+    uint32_t lens_order; /* 2^k - 1 below spp: lens and lobes have another order than the film */
 } lc_render_job;
 
 /* False once the render is cancelled. Calls progress when it is time and no other thread does. user: job */

@@ -238,8 +238,9 @@ static bool add_camera_ray(pixel_sum *s, lc_pixel_sights *all, lc_pixel *px)
     lc_f3 *of_group = lc_groups_begin_sample(w->groups);
     const bool hit = lc_pixel_sights_next(all, of_group);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
-    const lc_f3 emitted = hit ? sight->emission : lc_background(j->scene, all->dir);
-    if (!hit && of_group) lc_background_of_groups(j->scene, all->dir, lc_f3_make(1, 1, 1), of_group);
+    const lc_f3 emitted = hit ? sight->emission : lc_background(j->scene, LC_SKY_ALL, all->dir);
+    if (!hit && of_group)
+        lc_background_of_groups(j->scene, LC_SKY_ALL, all->dir, lc_f3_make(1, 1, 1), of_group);
     lc_groups_end_sample(w->groups);
     s->sum = lc_f3_add(s->sum, emitted);
     s->luminance += (double)lc_luminance(emitted);

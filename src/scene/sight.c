@@ -1,9 +1,12 @@
 /* sight.c - follows a camera ray through mirrors and glass, the ray of largest weight first. */
 #include "scene/sight.h"
 
+#include "base/sample.h"
 #include "scene/media.h"
 #include "scene/sun.h"
+#include "shade/draw_lobe.h"
 #include "shade/fresnel.h"
+#include "shade/point_init.h"
 
 #define MIN_WEIGHT 1e-12f /* a chain of mirrors ends when no channel's weight exceeds this */
 
@@ -13,6 +16,9 @@ typedef struct ray {
     float length;   /* of the path from the camera to org */
     uint32_t depth; /* mirrors and glass surfaces on that path */
     bool narrow;    /* it leaves a narrow lobe, in which lights stand for the lamp that it may meet */
+    lc_sky_part sky;
+    float of_sky;   /* the sky counts so much */
+    bool only_sky;
 } ray;
 
 typedef struct trace {
@@ -20,7 +26,7 @@ typedef struct trace {
     lc_sight *out;
     const lc_sight_desc *how;
     uint32_t max_depth, n_splits, n_rough, n_rays, n_in_media;
-    ray rays[LC_MAX_SPLITS + LC_MAX_ROUGH + 1];
+    ray rays[LC_MAX_SPLITS + (LC_SKY_RAYS + 1) * LC_MAX_ROUGH + 1];
 } trace;
 
 static lc_f3 reflect(lc_f3 dir, lc_f3 n) { return lc_f3_sub(dir, lc_f3_scale(n, 2 * lc_f3_dot(n, dir))); }
@@ -54,7 +60,14 @@ void lc_glass_split(const lc_surface *s, lc_f3 dir, lc_split *split)
 
 static void send(trace *t, const ray *from, lc_f3 org, lc_f3 dir, lc_f3 weight, float length)
 {
-    t->rays[t->n_rays++] = (ray){ org, dir, weight, length, from->depth + 1, false };
+    t->rays[t->n_rays] = *from;
+    ray *r = &t->rays[t->n_rays++];
+    r->org = org;
+    r->dir = dir;
+    r->weight = weight;
+    r->length = length;
+    r->depth++;
+    r->narrow = false;
 }
 
 static void meet_mirror(trace *t, const ray *r, const lc_surface *s, float min_weight)
@@ -82,7 +95,9 @@ static void meet_glass(trace *t, const ray *r, const lc_surface *s)
     t->n_splits += is_back && is_on;
     if (is_back) send(t, r, lc_f3_load(s->ray_org), lc_mirror_leave(s, r->dir), back, s->t);
     lc_surface_behind(s, behind);
-    if (is_on) send(t, r, lc_f3_load(behind), split.out, on, s->t);
+    if (!is_on) return;
+    send(t, r, lc_f3_load(behind), split.out, on, s->t);
+    t->rays[t->n_rays - 1].narrow = r->narrow; /* lamps shine through glass */
 }
 
 /* Turns an entry into the one for the other side of a surface with diffuse transmission. */
@@ -97,24 +112,79 @@ static void turn_over(lc_lit *lit)
     lit->followed = false;
 }
 
-/* True if the lobe is so narrow that it is followed as a mirror. */
+/* True if the lobe is so narrow that it is followed by a ray. */
 static bool is_narrow(const lc_scene *scene, const lc_material *m)
 {
     return scene->follows_smooth && fmaxf(m->roughness[0], m->roughness[1]) < LC_SMOOTH_ROUGHNESS;
 }
 
+/* A direction in which a narrow lobe is followed, the i-th, and what that leaves of the radiance. Below the
+ * surface, which a bent normal may lead to, it is the mirror's. Lobes behind others have another place in the
+ * same even pattern. */
+static lc_f3 draw(const trace *t, const ray *r, const lc_surface *s, const lc_point *p, uint32_t i,
+                  lc_f3 *left)
+{
+    const lc_f3 view = lc_f3_neg(r->dir);
+    double u[2];
+    float unmasked = 1;
+    lc_sample_pair(t->how->lobe_key, t->how->lobe_index + i * t->how->lobe_step, u);
+    for (int k = 0; k < 2; k++) u[k] += r->depth * (k ? 0.5698402909980532 : 0.7548776662466927);
+    for (int k = 0; k < 2; k++) u[k] -= floor(u[k]);
+    lc_f3 dir = lc_lobe_draw(p, u);
+    if (!(lc_f3_dot(dir, s->ng) > 0 && lc_f3_dot(dir, s->n) > 0)) dir = lc_mirror_leave(s, r->dir);
+    else unmasked = lc_lobe_unmasked(p, dir);
+    const float cosine = lc_f3_dot(lc_f3_normalize(lc_f3_add(view, dir)), view);
+    *left = lc_f3_scale(lc_reflectance(&s->material, cosine, false), unmasked);
+    return dir;
+}
+
+static void send_narrow(trace *t, const ray *from, const lc_surface *s, lc_f3 dir, lc_f3 left)
+{
+    const lc_f3 weight = lc_f3_mul(from->weight, left);
+    if (!(lc_f3_max(weight) > LC_MIN_PATH_WEIGHT)) return;
+    send(t, from, lc_f3_load(s->ray_org), dir, weight, s->t);
+    t->rays[t->n_rays - 1].narrow = true;
+}
+
+static void meet_narrow(trace *t, const ray *r, const lc_surface *s)
+{
+    const lc_f3 mirror = lc_mirror_leave(s, r->dir),
+                by_mirror = lc_reflectance(&s->material, -lc_f3_dot(r->dir, s->n), false);
+    const uint32_t n = t->scene->n_envs && !r->only_sky ? LC_SKY_RAYS : 1;
+    ray from = *r;
+    lc_point p;
+    lc_f3 left;
+    if (r->depth >= t->max_depth) return;
+    if (!t->how->lobe_key) {
+        send_narrow(t, r, s, mirror, by_mirror);
+        return;
+    }
+    lc_point_init(&p, s->pos, s->n, lc_f3_neg(r->dir), &s->material, LC_MIN_D2);
+    from.sky = LC_SKY_EVEN;
+    from.of_sky = r->of_sky / (float)n;
+    for (uint32_t i = 0; i < n && r->sky != LC_SKY_PEAKS; i++) {
+        const lc_f3 dir = draw(t, r, s, &p, i, &left);
+        from.only_sky = r->only_sky || i > 0;
+        send_narrow(t, &from, s, dir, left);
+    }
+    if (r->sky == LC_SKY_EVEN || !(lc_f3_max(lc_background(t->scene, LC_SKY_PEAKS, mirror)) > 0)) return;
+    from = *r;
+    from.sky = LC_SKY_PEAKS;
+    from.only_sky = true;
+    send_narrow(t, &from, s, mirror, by_mirror);
+}
+
 /* A surface with a diffuse part or a lobe. A smooth coat is a mirror; a narrow lobe is illuminated by lights,
- * and a mirror to whatever else there is. */
+ * and followed to whatever else there is. */
 static void meet_rough(trace *t, const ray *r, const lc_surface *s)
 {
     lc_sight *out = t->out;
     const lc_material *m = &s->material;
     bool gloss = m->lobe == LC_LOBE_GGX && lc_f3_max(m->ks) > 0, smooth = gloss && m->smooth;
     bool narrow = gloss && !smooth && is_narrow(t->scene, m);
-    uint32_t n_before = t->n_rays;
-    if (smooth || narrow) meet_mirror(t, r, s, LC_MIN_PATH_WEIGHT);
-    if (t->n_rays > n_before) t->rays[n_before].narrow = narrow;
-    if (smooth && !(lc_f3_max(m->kd) > 0)) return;
+    if (smooth) meet_mirror(t, r, s, LC_MIN_PATH_WEIGHT);
+    if (narrow) meet_narrow(t, r, s);
+    if (r->only_sky || (smooth && !(lc_f3_max(m->kd) > 0))) return;
     t->n_rough++;
     out->lit[out->n_lit++] = (lc_lit){ *s, lc_f3_neg(r->dir), r->weight, r->depth, narrow, false };
     if (smooth) out->lit[out->n_lit - 1].surface.material.ks = lc_f3_make(0, 0, 0);
@@ -126,8 +196,9 @@ static void meet_rough(trace *t, const ray *r, const lc_surface *s)
 static void meet(trace *t, const ray *r, const lc_surface *s)
 {
     lc_sight *out = t->out;
-    if (!r->narrow) out->emission = lc_f3_add(out->emission, lc_f3_mul(r->weight, s->emission));
-    if (!r->narrow && t->how->of_group) {
+    const bool shines = !r->narrow && !r->only_sky;
+    if (shines) out->emission = lc_f3_add(out->emission, lc_f3_mul(r->weight, s->emission));
+    if (shines && t->how->of_group) {
         lc_f3 *sum = &t->how->of_group[s->group];
         *sum = lc_f3_add(*sum, lc_f3_mul(r->weight, s->emission));
     }
@@ -166,6 +237,13 @@ static void light_medium(trace *t, const ray *r, const lc_medium_point *p)
     t->n_in_media++;
 }
 
+static void show_sky(trace *t, const ray *r)
+{
+    const lc_f3 weight = lc_f3_scale(r->weight, r->of_sky), sky = lc_background(t->scene, r->sky, r->dir);
+    t->out->emission = lc_f3_add(t->out->emission, lc_f3_mul(weight, sky));
+    if (t->how->of_group) lc_background_of_groups(t->scene, r->sky, r->dir, weight, t->how->of_group);
+}
+
 /* Follows a ray to its end: a surface, NULL if it leaves the scene. */
 static void follow(trace *t, ray *r, const lc_surface *s)
 {
@@ -176,14 +254,13 @@ static void follow(trace *t, ray *r, const lc_surface *s)
     if (scene->media.present) {
         const uint32_t want = r->depth ? (t->how->n_points + 3) / 4 : t->how->n_points;
         const double length = s ? (double)(s->t - r->length) : LC_BEYOND;
-        const bool lit = r->depth < t->max_depth && t->n_in_media + want <= LC_MAX_IN_MEDIA;
+        const bool lit = !r->only_sky && r->depth < t->max_depth && t->n_in_media + want <= LC_MAX_IN_MEDIA;
         lc_f3 through;
         n = lc_media_draw(scene, r->org, r->dir, length, t->how->offset, lit ? want : 0, points, &through);
         r->weight = lc_f3_mul(r->weight, through);
     }
     if (s) meet(t, r, s);
-    else t->out->emission = lc_f3_add(t->out->emission, lc_f3_mul(r->weight, lc_background(scene, r->dir)));
-    if (!s && t->how->of_group) lc_background_of_groups(scene, r->dir, r->weight, t->how->of_group);
+    else show_sky(t, r);
     for (uint32_t i = 0; i < n; i++) light_medium(t, &before, &points[i]);
 }
 
@@ -214,7 +291,7 @@ static bool is_same(const lc_scene *scene, const lc_hit *hit, lc_f3 dir, lc_sigh
 bool lc_sight_trace(const lc_scene *scene, lc_f3 org, lc_f3 dir, const lc_sight_desc *how, lc_sight *out)
 {
     trace t;
-    ray r = { org, dir, lc_f3_make(1, 1, 1), 0, 0, false };
+    ray r = { org, dir, lc_f3_make(1, 1, 1), 0, 0, false, LC_SKY_ALL, 1, false };
     lc_hit hit;
     lc_closest_hit(scene, org, dir, &hit);
     out->is_same = how->again && is_same(scene, &hit, dir, out);

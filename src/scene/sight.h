@@ -11,8 +11,11 @@
  *
  * A ray is reflected about the shading normal. If that leads below the surface, it is reflected once more
  * about the geometric normal, so that the reflected image has no discontinuity there; refracted rays
- * likewise. Depth counts as in pbrt: the surface after k mirrors or glass surfaces is illuminated if k <
- * max_depth, and shows its own emission if k <= max_depth. A ray that leaves the scene shows the background.
+ * likewise. A narrow lobe is followed in directions drawn by it: LC_SKY_RAYS of them show the even part of
+ * the sky, the first one surfaces, too. The sky's peaks (sun.h), of which drawn directions would make dots,
+ * are shown as by a mirror. Depth counts as in pbrt: the surface after k mirrors or glass surfaces is
+ * illuminated if k < max_depth, and shows its own emission if k <= max_depth. A ray that leaves the scene
+ * shows the background.
  * A surface with diffuse transmission is illuminated on both sides and so appears twice in the list.
  *
  * In media (scene/media.h) a ray's weight falls with what it crosses, and points on it are entries, too,
@@ -27,6 +30,7 @@
 #define LC_MAX_IN_MEDIA 32            /* points of media */
 #define LC_MAX_LIT (2 * LC_MAX_ROUGH + LC_MAX_IN_MEDIA) /* entries of the list: both sides of surfaces */
 #define LC_MAX_SPLITS 31              /* bounds the stack of rays that are still to be traced */
+#define LC_SKY_RAYS 4                 /* from a narrow lobe */
 #define LC_MIN_PATH_WEIGHT 1e-3f      /* a contribution below this is dropped beyond glass and narrow lobes */
 
 /* A surface point to be illuminated. */
@@ -35,7 +39,7 @@ typedef struct lc_lit {
     lc_f3 view;         /* unit, from the point towards the viewer or the last mirror, world space */
     lc_f3 weight;       /* fraction of its radiance that reaches the camera; 1 without mirrors or glass */
     uint32_t n_mirrors; /* mirrors and glass surfaces on the path */
-    bool followed;      /* the lobe is narrow and followed as a mirror, which shows all but lamps */
+    bool followed;      /* the lobe is narrow and followed by a ray, which shows all but lamps */
     bool no_rays;       /* its lobe is met by virtual lights, however narrow it is: scene/near_bounce.h */
 } lc_lit;
 
@@ -57,6 +61,10 @@ typedef struct lc_sight_desc {
     uint32_t max_depth; /* 1..LC_MAX_DEPTH */
     uint32_t n_points;  /* of media, 1..LC_MEDIUM_POINTS; a quarter of them behind mirrors and glass */
     double offset;      /* 0..1: as for lc_media_draw */
+    /* Narrow lobes' directions are drawn by the pairs (sample.h) of this key at lobe_index, and for more rays
+     * each lobe_step further on, a power of 2 and above all indices. Key 0: all by the mirror's. */
+    uint64_t lobe_key;
+    uint32_t lobe_index, lobe_step;
     bool again;         /* *out has the last ray's sight, which is kept where this one's is the same */
     lc_f3 *of_group;    /* NULL, or where what is emitted is added to the sums of the groups of lights */
 } lc_sight_desc;

@@ -97,7 +97,7 @@ lc_f3 lc_coat_albedo(const lc_material *m, float cos_i)
     return lc_f3_scale(lc_coat_below(m), in * (float)mean_transmitted(m, b2));
 }
 
-/* Means over diffuse light, by the midpoint rule over its cosine. Light that has come in at a cosine of c goes
+/* Means over diffuse light, by the midpoint rule over its cosine. Light that has come in at a cosine c goes
  * on at one of sqrt(1 - (1 - c^2) / eta^2); from below none leaves where that would be less than 0. */
 void lc_coat_absorb(lc_material *m, double depth)
 {
@@ -108,7 +108,8 @@ void lc_coat_absorb(lc_material *m, double depth)
         const double c = (i + 0.5) / STEPS, below = sqrt(1 - (1 - c * c) / (eta * eta)),
                      out2 = 1 - (1 - c * c) * (eta * eta);
         const double let_in = c * (double)(1 - lc_fresnel_dielectric((float)c, m->eta.x));
-        const double kept = out2 > 0 ? (double)lc_fresnel_dielectric((float)sqrt(out2), m->eta.x) : 1;
+        const double cos_out = sqrt(fmax(out2, 0)),
+                     kept = out2 > 0 ? (double)lc_fresnel_dielectric((float)cos_out, m->eta.x) : 1;
         in += let_in;
         in_left += let_in * lc_exp_neg(-depth / below);
         inside += c * kept;

@@ -64,3 +64,14 @@ double lc_lobe_density(const lc_point *p, lc_f3 dir)
     if (!(along > TINY)) return 0;
     return (n + 1) / (2 * LC_PI) * lc_exp_neg(n * lc_ln(fmin(along, 1)));
 }
+
+/* With 1 + 2 Lambda(w) = s(w) / wz: (1 + Lambda(o)) / (1 + Lambda(i) + Lambda(o)). */
+float lc_lobe_unmasked(const lc_point *p, lc_f3 dir)
+{
+    const float x = lc_f3_dot(dir, lc_f3_load(p->tangent[0])) * p->square[0],
+                y = lc_f3_dot(dir, lc_f3_load(p->tangent[1])) * p->square[1],
+                z = lc_f3_dot(dir, lc_f3_load(p->n));
+    const float in = sqrtf(x * x + y * y + z * z) / fmaxf(z, LC_MIN_COS),
+                out = p->masking / fmaxf(p->view[2], LC_MIN_COS);
+    return (1 + out) / (in + out);
+}

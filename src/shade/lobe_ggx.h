@@ -48,20 +48,14 @@ static float stretched_length(const lc_point *p, float x, float y, float z)
     return sqrtf(x * x + y * y + z * z);
 }
 
-/* The fraction of light that a smooth dielectric transmits, at a cosine c > 0, with g = eta times the cosine
- * inside: half of 4 c g / (c + g)^2 + 4 eta^2 c g / (eta^2 c + g)^2. */
-static float let_through(const lc_point *p, float c)
-{
-    float g = sqrtf(p->eta2_minus_1 + c * c), s = c + g, t = p->eta2 * c + g;
-    float half = (1 / (s * s) + p->eta2 / (t * t)) * (c * g);
-    return half + half;
-}
-
-/* The diffuse part below the coat as seen from outside, without the transmittance on the way in. */
+/* The diffuse part below the coat as seen from outside, without the transmittance on the way in; T(c') of the
+ * view is half of 4 c g / (c + g)^2 + 4 eta^2 c g / (eta^2 c + g)^2, g = eta times the cosine inside. */
 static lc_f3 below_coat(const lc_point *p, const lc_material *m)
 {
-    const float c = p->view[2], leant = sqrtf(p->coat_lean + p->coat_upright * (c * c));
-    return lc_f3_scale(lc_coat_below(m), c > LC_MIN_COS ? let_through(p, leant) : 0);
+    const float c = sqrtf(p->coat_lean + p->coat_upright * (p->view[2] * p->view[2]));
+    const float g = sqrtf(p->eta2_minus_1 + c * c), s = c + g, t = p->eta2 * c + g;
+    const float half = (1 / (s * s) + p->eta2 / (t * t)) * (c * g);
+    return lc_f3_scale(lc_coat_below(m), p->view[2] > LC_MIN_COS ? half + half : 0);
 }
 
 /* Returns the factor of ks. With a coat the diffuse part below it is written to *kd. */

@@ -28,9 +28,9 @@
  *     kd / pi T(ci) T(co) A B^2 / eta^2 (1 + x + x^2 + ...),   x = kd Fi C
  *
  * with T = 1 - F of a smooth surface of index eta, and Fi the fraction of diffuse light that it reflects
- * inwards. The coat may absorb: B is what is left of diffuse light that has passed it once, C of what has gone
- * up and down below it; both are means (lc_coat_absorb). The series has as many terms as light is reflected
- * by the base, as pbrt-v4 counts them, or ends nowhere. For a smooth coat Fi is exact and A = 1.
+ * inwards. The coat may absorb: B is what is left of diffuse light that has passed it once, C of what has
+ * gone up and down below it; both are means (lc_coat_absorb). The series has as many terms as light is
+ * reflected by the base, as pbrt-v4 counts them, or all. For a smooth coat Fi is exact and A = 1.
  *
  * The facets of a rough one, a^2 = ax ay, lean: at grazing directions more light enters than by T. It loses
  * light between its facets in this model, and each reflection below it loses more. This is fitted. T is taken

@@ -62,11 +62,6 @@ double ref_mean_dielectric(double eta)
     return sum / n;
 }
 
-double ref_lean(double eta, double a)
-{
-    return a / (0.48 + 1.95 * a + (0.5 + 0.72 / fmax(eta - 1, 0.001)) * a * a);
-}
-
 /* A frame whose x is along the material's tangent where that points along the surface; what stands before the
  * exponential of [Walter05b] but 1 / sqrt(cos_i); before r^2 of GGX. */
 static void make_rough(ref_point *r, const double n[3], const double o[3], const lc_material *m)
@@ -304,8 +299,8 @@ static double fresnel(const lc_point *p, int channel, double c)
 
 static double coat_in(const lc_point *p, double cos_r)
 {
-    const double c = fmin(cos_r, 1), lean = (double)p->coat_lean;
-    return p->coat ? 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1), sqrt(c * c + (1 - c * c) * lean)) : 1;
+    const double c = fmin(cos_r, 1), leant = sqrt(c * c + (1 - c * c) * (double)p->coat_lean);
+    return p->coat ? 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1), leant) : 1;
 }
 
 /* |h| / 2, the cosine between h and either direction. */

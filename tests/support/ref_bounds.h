@@ -25,7 +25,10 @@ double ref_dielectric(double eta, double c);
 double ref_conductor(double eta, double k, double c);
 double ref_mean_dielectric(double eta);
 /* b of material.h: how far the facets of a coat lean. */
-double ref_lean(double eta, double a);
+static inline double ref_lean(double eta, double a)
+{
+    return a / (0.48 + 1.95 * a + (0.5 + 0.72 / fmax(eta - 1, 0.001)) * a * a);
+}
 
 /* M_i G_i per channel. */
 void ref_transfer(const lc_point *p, const lc_light *l, double mg[3]);
