@@ -107,6 +107,13 @@ TEST(coats)
           near3_abs(m->ks, 1, 1, 1, 0));
     CHECK(!m->smooth && rough(m, .3, .3) && near3_abs(m->kd, .1, .2, .3, 1e-7) &&
           note("material coateddiffuse") && scene->n_notes == 1);
+    /* light from all sides crosses it at 1 to 1.28 times its thickness */
+    CHECKF(m->coat_depth[0] > 1 && m->coat_depth[0] < 1.28f && m->coat_depth[1] > 2 && m->coat_terms == 5,
+           "%g %g %u", (double)m->coat_depth[0], (double)m->coat_depth[1], m->coat_terms);
+    m = ONE4("\"coateddiffuse\" \"integer maxdepth\" 3");
+    CHECK(m->coat_terms == 2 && m->coat_depth[0] > 0.01f && m->coat_depth[0] < 0.0128f);
+    m = ONE4("\"coateddiffuse\" \"integer maxdepth\" 0 \"float thickness\" -1");
+    CHECK(!(lc_f3_max(m->kd) > 0) && !(m->coat_depth[0] > 0));
     m = ONE4(
         "\"coateddiffuse\" \"float uroughness\" .09 \"float vroughness\" .36 \"bool remaproughness\" false");
     CHECK(rough(m, .09, .36) && scene->meshes[0].brushed && near3_abs(m->eta, 1.5, 1.5, 1.5, 0));
@@ -117,6 +124,11 @@ TEST(coats)
              "conductor.roughness\" .25");
     CHECK(!m->coat && m->fresnel == LC_FRESNEL_CONDUCTOR && rough(m, .5, .5) &&
           near3_abs(metal(m), .04, .04, .04, 1e-6));
+    m = ONE4("\"coatedconductor\" \"rgb reflectance\" [.5 .5 .5] \"float interface.thickness\" .5");
+    const double below = .5 * exp(-1), sum = .04 + .96 * .96 * below / (1 - .04 * below);
+    CHECKF(near3_abs(metal(m), sum, sum, sum, 1e-3), "%g, not %g", (double)metal(m).x, sum);
+    m = ONE4("\"coatedconductor\" \"rgb conductor.eta\" [1.5 1.5 1.5] \"rgb conductor.k\" [0 0 0] \"float "
+             "conductor.roughness\" .25");
     CHECK(note("material coatedconductor"));
     m = ONE4("\"coatedconductor\"");
     lc_f3 coated = metal(m);
