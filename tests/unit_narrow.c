@@ -130,7 +130,7 @@ TEST(sky_over_a_wall)
         lc_load_desc load = LC_LOAD_DESC_INIT;
         lc_render_desc desc = LC_RENDER_DESC_INIT;
         lc_image *image = NULL;
-        double worst = 0, least = 1;
+        double worst = 0, least = 1, grain = 0;
         load.indirect_lights = LC_NO_LIGHTS;
         desc.spp = 64;
         lc_scene *scene = scene_from_text(
@@ -152,11 +152,17 @@ TEST(sky_over_a_wall)
             double got = 0;
             for (int x = -4; x <= 4; x++)
                 got += pixel_at(image, "G", (uint32_t)(SIDE / 2 + x), (uint32_t)y) / 9;
+            for (int x = -4; x <= 4; x++) {
+                const double v = pixel_at(image, "G", (uint32_t)(SIDE / 2 + x), (uint32_t)y);
+                grain += (v - got) * (v - got) / (9 * SIDE);
+            }
             worst = fmax(worst, fabs(got - want));
             least = fmin(least, want);
         }
-        printf("    roughness %g: off by %.4f at most; %.4f where the wall is\n", alphas[k], worst, least);
-        CHECKF(worst < 0.02, "roughness %g: off by %g", alphas[k], worst);
+        printf("    roughness %g: off by %.4f at most; %.4f where the wall is; grain %.4f\n", alphas[k], worst,
+               least, sqrt(grain));
+        CHECKF(worst < 0.02 && sqrt(grain) < 0.005, "roughness %g: off by %g, grain %g", alphas[k], worst,
+               sqrt(grain));
         lc_image_destroy(image);
         lc_scene_destroy(scene);
     }
