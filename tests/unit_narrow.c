@@ -159,8 +159,8 @@ TEST(sky_over_a_wall)
             worst = fmax(worst, fabs(got - want));
             least = fmin(least, want);
         }
-        printf("    roughness %g: off by %.4f at most; %.4f where the wall is; grain %.4f\n", alphas[k], worst,
-               least, sqrt(grain));
+        printf("    roughness %g: off by %.4f at most; %.4f where the wall is; grain %.4f\n", alphas[k],
+               worst, least, sqrt(grain));
         CHECKF(worst < 0.02 && sqrt(grain) < 0.005, "roughness %g: off by %g, grain %g", alphas[k], worst,
                sqrt(grain));
         lc_image_destroy(image);
