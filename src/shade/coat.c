@@ -115,6 +115,6 @@ void lc_coat_absorb(lc_material *m, double depth)
         inside += c * kept;
         inside_left += c * kept * lc_exp_neg(-2 * depth / c);
     }
-    m->coat_depth[0] = (float)-lc_ln(in_left / in + TINY);
-    m->coat_depth[1] = inside > 0 ? (float)-lc_ln(inside_left / inside + TINY) : 0;
+    m->coat_depth[0] = (float)fmax(-lc_ln(in_left / in + TINY), 0);
+    m->coat_depth[1] = inside > 0 ? (float)fmax(-lc_ln(inside_left / inside + TINY), 0) : 0;
 }
