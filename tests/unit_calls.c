@@ -148,6 +148,8 @@ static lc_status brushed(lc_scene *s, made *x)
     x->m.gloss = LC_GLOSS_GGX;
     x->m.fresnel = LC_REFLECT_DIELECTRIC;
     x->m.coat = 1;
+    x->m.coat_thickness = .01f;
+    x->m.coat_terms = 5;
     set3(x->m.glossy, 1, 1, 1);
     x->m.roughness[1] = sqrtf(.25f);
     x->m.roughness_texture_v = LC_NO_TEXTURE;
