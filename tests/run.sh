@@ -40,7 +40,7 @@ export bin limit logs
 one='name=$1
     case $name in
     replay_fuzz_render) set -- "$bin/tests/$name" --damage=0 "fuzz/corpus/render" ;; # there each copy is rendered
-    replay_fuzz_scene | replay_fuzz_build) set -- "$bin/tests/$name" --damage=250 "fuzz/corpus/${name#replay_fuzz_}" ;; # pictures, too
+    replay_fuzz_scene | replay_fuzz_build) set -- "$bin/tests/$name" --damage=150 "fuzz/corpus/${name#replay_fuzz_}" ;; # pictures, too
     replay_*) set -- "$bin/tests/$name" --damage=2000 "fuzz/corpus/${name#replay_fuzz_}" ;;
     *.sh) set -- sh "tests/$name" "$bin/lightcuts" ;;
     *) set -- "$bin/tests/$name" ;;

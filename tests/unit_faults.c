@@ -33,7 +33,7 @@
 #define MAX_ARGS 24
 #define SECONDS_PER_RUN 60
 
-#define MOST (UNDER_TSAN ? 4 : 10) /* faults of each class besides those at first calls */
+#define MOST (UNDER_TSAN ? 4 : 6) /* faults of each class besides those at first calls */
 
 int __real_main(int argc, char **argv);
 int __wrap_main(int argc, char **argv);

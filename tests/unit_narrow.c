@@ -49,7 +49,7 @@ static double integral(v3 x, double radius, double alpha)
     return RADIANCE * sum * 2 * LC_PI * (1 - least) / (STEPS * STEPS);
 }
 
-static lc_image *render(double radius, double alpha, uint32_t n_lights, uint32_t n_indirect)
+static lc_image *render(double radius, double alpha, uint32_t n_lights, uint32_t n_indirect, const char *more)
 {
     lc_load_desc load = LC_LOAD_DESC_INIT;
     lc_render_desc desc = LC_RENDER_DESC_INIT;
@@ -65,8 +65,8 @@ static lc_image *render(double radius, double alpha, uint32_t n_lights, uint32_t
         "Material \"diffuse\" \"rgb reflectance\" [0 0 0] Shape \"sphere\" \"float radius\" %g AttributeEnd\n"
         "Material \"ggx\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [%g %g %g] \"float roughness\" %g\n"
         "Shape \"trianglemesh\" \"point3 P\" [-3 0 -3  3 0 -3  3 0 3  -3 0 3] "
-        "\"integer indices\" [0 1 2 0 2 3]",
-        SIDE, SIDE, RADIANCE, RADIANCE, RADIANCE, radius, KS, KS, KS, alpha);
+        "\"integer indices\" [0 1 2 0 2 3]\n%s",
+        SIDE, SIDE, RADIANCE, RADIANCE, RADIANCE, radius, KS, KS, KS, alpha, more);
     CHECK(scene && !scene->indirect.n_lights == (n_indirect == LC_NO_LIGHTS));
     CHECK(scene && lc_render(ctx, scene, &desc, &image, NULL) == LC_OK);
     lc_scene_destroy(scene);
@@ -81,7 +81,7 @@ TEST(plate_under_a_ball)
     const v3 forward = unit(add((v3){ 0, 0, 0 }, -1, eye)), up = { 0, -forward.z * -1, -forward.y };
     for (size_t i = 0; i < 2 * (sizeof cases / sizeof *cases); i++) {
         double radius = cases[i / 2].radius, alpha = cases[i / 2].alpha, want[SIDE], most = 0, worst = 0;
-        lc_image *image = render(radius, alpha, 20000, i & 1 ? 1000 : LC_NO_LIGHTS);
+        lc_image *image = render(radius, alpha, 20000, i & 1 ? 1000 : LC_NO_LIGHTS, "");
         for (int y = 0; y < SIDE; y++) {
             v3 d = add(forward, (1 - 2 * (y + 0.5) / SIDE) * tan(LC_PI / 18), unit(up));
             want[y] = integral(add(eye, -eye.y / d.y, d), radius, alpha);
@@ -95,6 +95,24 @@ TEST(plate_under_a_ball)
                i & 1 ? "with" : "without", worst);
         lc_image_destroy(image);
     }
+}
+
+/* A lamp behind a sheet of glass is shown once, dimmed: by its lights, whose shadow rays pass it. */
+TEST(lamp_behind_glass)
+{
+    lc_image *open = render(0.3, 0.02, 20000, 1000, ""),
+             *behind = render(0.3, 0.02, 20000, 1000,
+                              "Material \"thindielectric\" Shape \"trianglemesh\" "
+                              "\"point3 P\" [-9 -9 2  9 -9 2  9 9 2  -9 9 2] \"integer indices\" [0 1 2 0 2 3]");
+    double sum[2] = { 0, 0 };
+    for (uint32_t i = 0; i < SIDE * SIDE && open && behind; i++) {
+        sum[0] += pixel_at(open, "G", i % SIDE, i / SIDE);
+        sum[1] += pixel_at(behind, "G", i % SIDE, i / SIDE);
+    }
+    printf("    behind glass %.4f of the light\n", sum[1] / sum[0]);
+    CHECKF(near_abs(sum[1] / sum[0], 0.92, 0.01), "%g", sum[1] / sum[0]);
+    lc_image_destroy(open);
+    lc_image_destroy(behind);
 }
 
 /* ---- the sky ---- */
@@ -171,7 +189,7 @@ TEST(sky_over_a_wall)
 /* With so few lights each would be a dot in this lobe, many times as bright as the lamp. */
 TEST(few_lights_are_no_dots)
 {
-    lc_image *image = render(0.3, 0.005, 60, LC_NO_LIGHTS);
+    lc_image *image = render(0.3, 0.005, 60, LC_NO_LIGHTS, "");
     double most = 0, want = integral((v3){ 0, 0, 0 }, 0.3, 0.005);
     for (uint32_t i = 0; i < SIDE * SIDE && image; i++)
         most = fmax(most, pixel_at(image, "G", i % SIDE, i / SIDE));
@@ -185,6 +203,7 @@ int main(void)
     temp_begin();
     RUN(plate_under_a_ball);
     RUN(few_lights_are_no_dots);
+    RUN(lamp_behind_glass);
     RUN(sky_over_a_wall);
     lc_context_destroy(ctx);
     temp_end();
