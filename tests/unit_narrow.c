@@ -103,7 +103,8 @@ TEST(lamp_behind_glass)
     lc_image *open = render(0.3, 0.02, 20000, 1000, ""),
              *behind = render(0.3, 0.02, 20000, 1000,
                               "Material \"thindielectric\" Shape \"trianglemesh\" "
-                              "\"point3 P\" [-9 -9 2  9 -9 2  9 9 2  -9 9 2] \"integer indices\" [0 1 2 0 2 3]");
+                              "\"point3 P\" [-9 -9 2  9 -9 2  9 9 2  -9 9 2] "
+                              "\"integer indices\" [0 1 2 0 2 3]");
     double sum[2] = { 0, 0 };
     for (uint32_t i = 0; i < SIDE * SIDE && open && behind; i++) {
         sum[0] += pixel_at(open, "G", i % SIDE, i / SIDE);
