@@ -10,14 +10,14 @@ set -u
 [ $# -eq 1 ] || { echo "usage: sh tests/arm64.sh BIN_DIR | --list" >&2; exit 2; }
 cd "$(dirname "$0")/.." || exit 2
 
-# Programs that start and kill others are of the machine, not of the processor. Those of `slow` take minutes under an emulator, and what
+# Programs that start and kill others or talk to a viewer are of the machine, not of the processor. Those of `slow` take minutes under an emulator, and what
 # they ask of floating point the golden pictures ask, too: LC_TEST_ALL=1 runs them all the same.
-left_out='unit_faults unit_kill unit_farm'
+left_out='unit_faults unit_kill unit_farm unit_display'
 slow='unit_light_tree unit_env unit_indirect unit_explain unit_occlusion unit_ploc unit_mirror unit_watertight unit_radiometry check_bounds'
 slow="$slow unit_shaft check_shaft check_gather unit_update unit_filter unit_glass_shadow unit_lamps unit_narrow"
 slow="$slow unit_asked unit_worst_first unit_evidence unit_frames unit_groups unit_interval unit_interpolate"
 slow="$slow unit_agglomerate unit_environment unit_motion unit_cut unit_bvh unit_glossy"
-slow="$slow unit_reflected_light unit_desc unit_lux unit_media unit_method unit_near_bounce"
+slow="$slow unit_ggx unit_gather unit_near_lights unit_reflected_light unit_desc unit_lux unit_media unit_method unit_near_bounce"
 [ -z "${LC_TEST_ALL:-}" ] || slow=
 list=
 for source in tests/unit_golden.c tests/unit_*.c tests/check_*.c; do
