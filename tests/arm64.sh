@@ -10,8 +10,8 @@ set -u
 [ $# -eq 1 ] || { echo "usage: sh tests/arm64.sh BIN_DIR | --list" >&2; exit 2; }
 cd "$(dirname "$0")/.." || exit 2
 
-# Programs that start and kill others or talk to a viewer are of the machine, not of the processor. Those of `slow` take minutes under an emulator, and what
-# they ask of floating point the golden pictures ask, too: LC_TEST_ALL=1 runs them all the same.
+# Programs that start and kill others or talk to a viewer are of the machine, not of the processor. Those of `slow` take minutes under an
+# emulator, and what they ask of floating point the golden pictures ask, too: LC_TEST_ALL=1 runs them all the same.
 left_out='unit_faults unit_kill unit_farm unit_display'
 slow='unit_light_tree unit_env unit_indirect unit_explain unit_occlusion unit_ploc unit_mirror unit_watertight unit_radiometry check_bounds'
 slow="$slow unit_shaft check_shaft check_gather unit_update unit_filter unit_glass_shadow unit_lamps unit_narrow"
