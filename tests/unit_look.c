@@ -563,6 +563,8 @@ TEST(wrong_textures_and_materials_are_named)
     WRONG(lc_build_material(s, &m_used, &id), m, gloss = 9, "gloss");
     WRONG(lc_build_material(s, &m_used, &id), m, fresnel = 9, "fresnel");
     WRONG(lc_build_material(s, &m_used, &id), m, specular = (lc_build_specular)4, "specular");
+    WRONG(lc_build_material(s, &m_used, &id), m, coat_thickness = NAN, "coat_thickness");
+    WRONG(lc_build_material(s, &m_used, &id), m, coat_thickness = -1, "coat_thickness");
     WRONG(lc_build_material(s, &m_used, &id), m, diffuse_texture = 2, "diffuse_texture");
     WRONG(lc_build_material(s, &m_used, &id), m, bump_texture = three, "bump_texture");
     WRONG(lc_build_material(s, &m_used, &id), m, roughness_texture = three, "roughness_texture");
