@@ -90,7 +90,10 @@ static lc_status material(input *in, lc_scene *s)
     d.specular = (lc_build_specular)(byte(in) % 5);
     d.gloss = byte(in) % 6;
     d.fresnel = byte(in) % 5;
-    d.coat = byte(in) % 2;
+    const uint8_t coat = byte(in);
+    d.coat = coat % 2;
+    d.coat_terms = coat / 64;
+    if (coat & 2) d.coat_thickness = coat & 4 ? 1e3f * (float)(coat / 8) : 0.02f * (float)(coat / 8) - 0.02f;
     numbers(in, d.roughness, 2);
     numbers(in, d.eta, 3);
     numbers(in, d.k, 3);
