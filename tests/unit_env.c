@@ -239,11 +239,11 @@ TEST(background)
                "LightSource \"infinite\" \"rgb L\" [1 2 3]") == LC_OK);
     double w[3];
     lc_env_direction(&scene->envs[0], 32.5, 32.5, w); /* the middle of the texel; y goes to -z */
-    lc_f3 at = lc_scene_background(scene, lc_f3_normalize_d(w[0], w[2], -w[1]));
+    lc_f3 at = lc_background(scene, LC_SKY_ALL, lc_f3_normalize_d(w[0], w[2], -w[1]));
     CHECKF(near_abs((double)at.x, 5, 0.01) && near_abs((double)at.y, 4, 0.01) &&
                near_abs((double)at.z, 4, 0.01),
            "%g", (double)at.x);
-    at = lc_scene_background(scene, lc_f3_make(0, 0, 1));
+    at = lc_background(scene, LC_SKY_ALL, lc_f3_make(0, 0, 1));
     CHECK(near_abs((double)at.x, 1, 1e-6) && near_abs((double)at.z, 3, 1e-6));
 }
 

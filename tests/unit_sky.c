@@ -53,7 +53,7 @@ TEST(sun_is_seen)
     const double r = 0.265 * LC_PI / 180, radiance = 10 / (LC_PI * sin(r) * sin(r));
     CHECK(load("LightSource \"sun\" \"vector3 direction\" [0 3 4] \"rgb E\" [10 20 5]") == LC_OK &&
           scene->n_lights == 64);
-    CHECK(lc_f3_max(lc_scene_background(scene, beside(0, 0))) <= 0);
+    CHECK(lc_f3_max(lc_background(scene, LC_SKY_EVEN, beside(0, 0))) <= 0);
     for (int i = 0; i < 360; i++) {
         lc_f3 in = lc_background(scene, LC_SKY_ALL, beside(r * 0.9999, i)),
               out = lc_background(scene, LC_SKY_ALL, beside(r * 1.0001, i));
@@ -85,15 +85,15 @@ TEST(sky_is_the_clear_one)
                "scale\" 2") == LC_OK);
     CHECK(scene->n_envs == 1);
     const lc_f3 sun = lc_f3_make(0.6f, 0.8f, 0);
-    lc_f3 v = lc_scene_background(scene, lc_f3_make(0, 1, 0));
+    lc_f3 v = lc_background(scene, LC_SKY_ALL, lc_f3_make(0, 1, 0));
     /* At the pole the map shows the nearest texel, 0.35 degrees away. */
     CHECKF(fabs((double)v.x - 2) < 0.04 && fabs((double)v.z - 6) < 0.12, "%g %g", (double)v.x, (double)v.z);
-    CHECK(!(lc_f3_max(lc_scene_background(scene, lc_f3_normalize(lc_f3_make(0.3f, -0.1f, 0.2f)))) > 0));
+    CHECK(!(lc_f3_max(lc_background(scene, LC_SKY_ALL, lc_f3_normalize(lc_f3_make(0.3f, -0.1f, 0.2f)))) > 0));
     for (int i = 0; i < 1000; i++) {
         double z = 0.03 + 0.96 * (i + 0.5) / 1000, phi = i * 2.4;
         lc_f3 w = lc_f3_normalize_d(sqrt(1 - z * z) * cos(phi), z, sqrt(1 - z * z) * sin(phi));
         double between = (double)lc_f3_dot(w, sun), want = 2 * clear_sky(z, 0.8, between),
-               got = (double)lc_scene_background(scene, w).x;
+               got = (double)lc_background(scene, LC_SKY_ALL, w).x;
         if (between < 0.9995) CHECKF(fabs(got / want - 1) < 0.02, "%d: %g, not %g", i, got, want);
     }
     CHECK(!lc_env_lights_make(scene, 1000, 5, 1) && scene->n_lights == 1000);

@@ -10,7 +10,6 @@
 
 #define MAX_MIRROR_ETA 1000.0f /* of mirrors and glass, whose directions need no bounds */
 #define MIN_MIRROR_ETA 0.01f
-#define MAX_COAT 1000.0f /* optical depth */
 #define UNIT_TOLERANCE 1e-3f /* of the length of a unit vector: that of a host's own rounding */
 
 static lc_status bad(const lc_scene *s, const char *call, const char *what)
@@ -317,7 +316,8 @@ static const char *number_fault(const lc_build_material_desc *d)
     for (int i = 0; i < 2 && d->specular == LC_BUILD_ROUGH && d->gloss > LC_GLOSS_PHONG; i++)
         if (!(d->roughness[i] >= LC_MIN_ROUGHNESS && d->roughness[i] <= LC_MAX_ROUGHNESS))
             return "roughness must be 0.001 to 1";
-    if (!(d->coat_thickness >= 0 && d->coat_thickness <= MAX_COAT)) return "coat_thickness must be 0 to 1000";
+    if (!(d->coat_thickness >= 0 && d->coat_thickness <= LC_MAX_COAT_DEPTH))
+        return "coat_thickness must be 0 to 1000";
     if ((unsigned)d->remap > LC_REMAP_LOG) return "remap is none of lc_build_remap";
     return optics_fault(d);
 }

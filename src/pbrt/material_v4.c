@@ -35,7 +35,7 @@ static lc_status layers(lc_pbrt *p, lc_pos where, const char *thickness, double 
     lc_status st = lc_pbrt_get_mean(p, thickness, depth);
     if (!st) st = lc_pbrt_get_int(&p->params, "maxdepth", &events, NULL);
     if (!st) st = lc_pbrt_get_tint(p, "albedo", &albedo);
-    *depth = fmin(fmax(*depth, 0), 1000);
+    *depth = fmin(fmax(*depth, 0), (double)LC_MAX_COAT_DEPTH);
     events = events < 0 ? 0 : events > 1000 ? 1000 : events;
     *times = (uint32_t)((events + 1) / 2);
     if (st || lc_pbrt_is_black(&albedo)) return st;

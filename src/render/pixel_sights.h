@@ -2,8 +2,7 @@
  * media, and their camera rays.
  *
  * Samples of a pixel are a (0,2)-sequence on the film, and others on the lens and in narrow lobes, in orders
- * of their own. Those
- * that meet the same flat surface as the one before have most of that one's sight.
+ * of their own. Those that meet the same flat surface as the one before have most of that one's sight.
  */
 #ifndef LC_PIXEL_SIGHTS_H
 #define LC_PIXEL_SIGHTS_H

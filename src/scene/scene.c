@@ -377,13 +377,6 @@ lc_status lc_scene_add_spot_map(lc_scene *s, const lc_spot_map *map, uint32_t *i
     return LC_OK;
 }
 
-lc_f3 lc_scene_background(const lc_scene *s, lc_f3 dir)
-{
-    lc_f3 sum = lc_f3_make(0, 0, 0);
-    for (size_t i = 0; i < s->n_envs; i++) sum = lc_f3_add(sum, lc_env_radiance(&s->envs[i], dir));
-    return sum;
-}
-
 lc_status lc_scene_add_camera(lc_scene *s, lc_pos where, const lc_camera_desc *camera)
 {
     lc_camera test;

@@ -119,7 +119,7 @@ struct lc_scene {
     double diag2;        /* squared diagonal of the box around triangles and lights */
     float min_d2;        /* distance floor: 1/d^2 is evaluated with d^2 >= min_d2, see shade/point.h */
     uint64_t n_emissive_tris, n_area_lights, n_env_lights, n_env_tried;
-    bool follows_smooth; /* lobes narrower than LC_SMOOTH_ROUGHNESS are followed as mirrors */
+    bool follows_smooth; /* lobes narrower than LC_SMOOTH_ROUGHNESS are followed by rays */
     lc_indirect indirect;
     lc_lamp_error lamp_error;
     lc_sky_error sky_error;
@@ -178,8 +178,6 @@ lc_status lc_scene_add_emission_map(lc_scene *scene, const lc_mipmap *map, uint3
 /* The scene takes ownership of the texels, on success only. *id is for lc_spot.map. */
 lc_status lc_scene_add_spot_map(lc_scene *scene, const lc_spot_map *map, uint32_t *id);
 void lc_spot_map_free(const lc_context *ctx, lc_spot_map *map);
-/* Radiance of the environment maps from world direction dir; lc_background in sun.h adds the suns. */
-lc_f3 lc_scene_background(const lc_scene *scene, lc_f3 dir);
 lc_status lc_scene_add_camera(lc_scene *scene, lc_pos where, const lc_camera_desc *camera);
 lc_status lc_scene_set_film(lc_scene *scene, lc_pos where, const lc_film_desc *film);
 /* Records that something was approximated or skipped. The first of each kind is logged as a warning, all are

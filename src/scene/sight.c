@@ -16,9 +16,9 @@ typedef struct ray {
     float length;   /* of the path from the camera to org */
     uint32_t depth; /* mirrors and glass surfaces on that path */
     bool narrow;    /* it leaves a narrow lobe, in which lights stand for the lamp that it may meet */
-    lc_sky_part sky;
-    float of_sky;   /* the sky counts so much */
-    bool only_sky;
+    lc_sky_part sky; /* what it shows of the sky, */
+    float of_sky;    /* times this, */
+    bool only_sky;   /* and nothing else */
 } ray;
 
 typedef struct trace {

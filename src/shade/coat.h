@@ -6,7 +6,8 @@
 
 /* b^2 of the coat: how far its facets lean. 0..0.1. */
 float lc_coat_lean(const lc_material *m);
-/* kd A B^2 / eta^2 (1 + x + x^2 + ...): times T of both directions over pi it is the coat's diffuse part. */
+/* kd A B^2 / eta^2 (1 + x + x^2 + ...): times T(c') of both directions over pi it is the coat's diffuse
+ * part. */
 lc_f3 lc_coat_below(const lc_material *m);
 /* Fraction of light from a direction of cosine cos_i that leaves again after scattering below the coat. */
 lc_f3 lc_coat_albedo(const lc_material *m, float cos_i);

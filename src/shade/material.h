@@ -121,11 +121,12 @@ typedef struct lc_material_maps {
 #define LC_MAX_ROUGHNESS 1.0f
 /* Virtual lights, each of which a narrow lobe would show as a dot, meet no lobes but wide ones and Ward's,
  * and these at least LC_VIRTUAL_ROUGHNESS wide (Phong: the exponent that is as narrow). In scenes that have
- * them, and where all light comes from surfaces and environments, GGX below LC_SMOOTH_ROUGHNESS is a mirror
- * instead, which the camera ray follows, to all but lamps: those it shows by their lights. */
+ * them, and where all light comes from surfaces and environments, GGX below LC_SMOOTH_ROUGHNESS is followed
+ * from the camera instead (scene/sight.h), to all but lamps: those it shows by their lights. */
 #define LC_VIRTUAL_ROUGHNESS 0.1f
 #define LC_VIRTUAL_EXPONENT 50.0f
 #define LC_SMOOTH_ROUGHNESS 0.05f
+#define LC_MAX_COAT_DEPTH 1000.0f /* of lc_coat_absorb */
 /* eta.x of a dielectric or a coat. From 2 + sqrt 3 on reflectance no longer decreases all the way to normal
  * incidence, which the bounds rely on. */
 #define LC_MIN_ETA 1.0f
