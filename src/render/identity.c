@@ -1,5 +1,6 @@
 /* identity.c - what a picture depends on, as two numbers. */
 #include "base/digest.h"
+#include "render/edges.h"
 #include "render/render_job.h"
 
 #include <string.h>
@@ -55,6 +56,7 @@ static void add_render(lc_digest *d, const lc_render_desc *r, const lc_scene *sc
     lc_digest_u64(d, r->max_cut);
     lc_digest_number(d, (double)r->dark_floor);
     lc_digest_u64(d, lc_render_spp(scene, r));
+    if (lc_render_has_edges(scene, r)) lc_digest_mark(d);
     lc_digest_u64(d, lc_render_seed(scene, r));
     lc_digest_u64(d, r->aovs);
     lc_digest_u64(d, lc_render_depth(scene, r));

@@ -2,6 +2,7 @@
 #include "render/render_job.h"
 
 #include "cut/exact.h"
+#include "render/edges.h"
 #include "render/group_sums.h"
 #include "render/guide.h"
 #include "render/interpolate.h"
@@ -113,6 +114,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     if (!hit) {
         *rgb = lc_background(j->scene, LC_SKY_ALL, dir);
+        lc_edges_note(px, *rgb);
         if (of_group) lc_background_of_groups(j->scene, LC_SKY_ALL, dir, lc_f3_make(1, 1, 1), of_group);
         lc_phase_stop(&w->stats);
         return true;
@@ -125,6 +127,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     lc_shade_sight(j, w, &s, g, &keys, &r);
     w->is_first = false;
     *rgb = lc_f3_add(r.radiance, s.emission);
+    lc_edges_note(px, s.emission);
     lc_add_to_planes(j, px, &s, dir);
     px->cut += (float)r.size;
     px->rays += (float)r.rays;
@@ -135,7 +138,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     return !atomic_load_explicit(&j->cancelled, memory_order_relaxed);
 }
 
-bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
+static bool add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
 {
     if (j->shared && !j->exact) {
         for (uint32_t i = j->first; i < j->end; i++)
@@ -149,6 +152,13 @@ bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t 
         lc_groups_end_sample(w->groups);
         if (!lc_add_interval(j, w, x, y, i, rgb, px)) return false;
     }
+    return true;
+}
+
+bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
+{
+    if (!add_samples(j, w, x, y, px)) return false;
+    lc_edges_smooth(j, w, x, y, px);
     return true;
 }
 

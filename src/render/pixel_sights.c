@@ -60,7 +60,7 @@ static bool trace_sample(const lc_pixel_sights *p, bool again, lc_f3 *of_group, 
         lc_sample_pair(p->lens, i ^ (uint32_t)(lc_mix(p->lens) & j->lens_order), lens);
     /* in an order of its own, or directions and places of the film would go together */
     how.lobe_key = p->lobe;
-    how.lobe_step = j->lens_order + 1;
+    how.lobe_step = (j->lens_order + 1) * LC_EDGE_RAYS;
     how.lobe_index = i ^ (uint32_t)(lc_mix(p->lobe) & j->lens_order);
     if (j->scene->media.present) how.offset = medium_offset(j, p->x, p->y, i);
     return lc_view_sight(scene_at(j, lc_pixel_number(j, p->x, p->y), i), (int32_t)p->x + 0.5 + offset[0],

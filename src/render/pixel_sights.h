@@ -10,6 +10,8 @@
 #include "render/render_job.h"
 #include "scene/sight.h"
 
+#define LC_EDGE_RAYS 4 /* for each sample at edges of what emits, see render/edges.h; a power of 2 */
+
 /* A pixel's samples in turn. */
 typedef struct lc_pixel_sights {
     const lc_render_job *job;

@@ -4,7 +4,7 @@
  *     calibrate.c   the factor z that keeps the error asked of pixels
  *     guide.c    the cut that a block's cuts begin with
  *     pixel.c    camera rays, shading points, their cuts, the pixel
- *     share.c    pixels whose samples neighbours share
+ *     edges.c    pixels with more camera rays; share.c: whose samples neighbours share
  *     interpolate.c  pixels between others that are lit alike; reconstruct.c: coarse pictures
  *     render.c   tiles over threads, the film; interval.c: the AOV
  *     render_stats.c   counts of all threads; attributes; group_sums.c: what each group of lights contributes

@@ -7,6 +7,7 @@
  */
 #include "render/samples.h"
 
+#include "render/edges.h"
 #include "render/group_sums.h"
 #include "render/guide.h"
 #include "render/pixel_sights.h"
@@ -242,6 +243,7 @@ static bool add_camera_ray(pixel_sum *s, lc_pixel_sights *all, lc_pixel *px)
     if (!hit && of_group)
         lc_background_of_groups(j->scene, LC_SKY_ALL, all->dir, lc_f3_make(1, 1, 1), of_group);
     lc_groups_end_sample(w->groups);
+    lc_edges_note(px, emitted);
     s->sum = lc_f3_add(s->sum, emitted);
     s->luminance += (double)lc_luminance(emitted);
     s->samples_left--;
