@@ -1098,7 +1098,7 @@ typedef struct lc_render_desc {
                           * by it when the error is limited, see cut/cut.h; 0: no floor. INIT sets
                           * LC_DARK_FLOOR */
     uint32_t spp;        /* samples per pixel; 0: the scene's, and of 4 and more, where load did not ask for
-                          * them, four times as many camera rays where what they show emitted differs */
+                          * them, four times as many camera rays where what they show differs; at most 64 */
     uint64_t seed;       /* added to the scene's, for pixel samples and the choice among a cluster's
                           * representatives: other pictures of the same lights */
     uint32_t aovs;       /* LC_AOV_... */

@@ -1,5 +1,6 @@
-/* unit_edges.c - lamps' edges before a dark wall by the default samples, against the areas of pixels that
- * lamps cover; what a pixel's groups of lights and interval say there; where there are no more rays. */
+/* unit_edges.c - edges of a lamp, and of a board as bright as the light on it, before a wall by the default
+ * samples, against the areas of pixels that these cover; what a pixel's groups of lights and interval say
+ * there; where there are no more rays. */
 #include "support/one_scene.h"
 #include "support/pictures.h"
 
@@ -9,28 +10,33 @@
 #define LAMP 10.0 /* radiance */
 #define FINE 64   /* points of a pixel, a side, by which its covered part is counted */
 
-/* A lamp seen from its front, turned by 20 degrees, before a wall that a lamp of another group lights. The
- * film is two units wide and its right is at x < 0. Filter and sampler, maxdepth, what is before all. */
+/* A lamp or board seen from its front, turned by 20 degrees, before a wall that is green in the light of
+ * another group. The film is two units wide and its right is at x < 0. %s: filter and sampler, what is before
+ * all, what the lamp is of; %d: maxdepth. */
 static const char lamp[] =
     "Film \"rgb\" \"integer xresolution\" 48 \"integer yresolution\" 48\n%s\n"
     "Integrator \"path\" \"integer maxdepth\" %d\n"
     "LookAt 0 0 3  0 0 0  0 1 0  Camera \"orthographic\"\nWorldBegin\n"
-    "LightSource \"distant\" \"point3 from\" [0 0 1] \"point3 to\" [0 0 0] \"rgb L\" [0 .9 0] "
+    "LightSource \"distant\" \"point3 from\" [0 0 1] \"point3 to\" [0 0 0] \"rgb L\" [.9 .9 .9] "
     "\"string lightgroup\" \"key\"\n"
-    "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+    "Material \"diffuse\" \"rgb reflectance\" [0 .5 0]\n"
     "Shape \"trianglemesh\" \"point3 P\" [-9 -9 0 9 -9 0 9 9 0 -9 9 0] "
     "\"integer indices\" [0 1 2 0 2 3]\n%s\n"
-    "AttributeBegin Material \"diffuse\" \"rgb reflectance\" [0 0 0] Rotate 20 0 0 1\n"
-    "AreaLightSource \"diffuse\" \"rgb L\" [10 10 10] \"string lightgroup\" \"lamp\"\n"
+    "AttributeBegin Rotate 20 0 0 1 %s\n"
     "Shape \"trianglemesh\" \"point3 P\" [-.6 -.3 1 .6 -.3 1 .6 .3 1 -.6 .3 1] "
     "\"integer indices\" [0 1 2 0 2 3]\n"
     "AttributeEnd\n";
 
-static lc_status load_lamp(uint32_t spp, const char *options, const char *before)
+#define EMITS                                                                                                \
+    "Material \"diffuse\" \"rgb reflectance\" [0 0 0] AreaLightSource \"diffuse\" \"rgb L\" [10 10 10] "     \
+    "\"string lightgroup\" \"lamp\""
+#define IS_LIT "Material \"diffuse\" \"rgb reflectance\" [.9 .9 .9]"
+
+static lc_status load_lamp(uint32_t spp, const char *options, const char *before, const char *of)
 {
     lc_load_desc desc = LC_LOAD_DESC_INIT;
     desc.spp = spp;
-    return load_text(&desc, lamp, options, *before ? 2 : 1, before);
+    return load_text(&desc, lamp, options, *before ? 2 : 1, before, of);
 }
 
 static lc_image *render(lc_method method, uint32_t spp, float error, uint32_t aovs)
@@ -60,13 +66,14 @@ static double covered(uint32_t x, uint32_t y)
 
 /* Rms, over the pixels that the lamp covers in part, of what red, which is the lamp's alone, is off by; of
  * the lamp. */
-static double off_at_edges(const lc_image *p, double seen)
+static double off_at_edges(const lc_image *p)
 {
+    const double full = pixel_at(p, "R", SIDE / 2, SIDE / 2);
     double sum = 0;
     int n = 0;
     for (uint32_t y = 0; y < SIDE && p; y++)
         for (uint32_t x = 0; x < SIDE; x++) {
-            const double part = covered(x, y), off = pixel_at(p, "R", x, y) / (LAMP * seen) - part;
+            const double part = covered(x, y), off = pixel_at(p, "R", x, y) / full - part;
             if (!(part > 0 && part < 1)) {
                 CHECKF(fabs(off) < 2e-6, "%u,%u: %g", x, y, off);
                 continue;
@@ -84,11 +91,13 @@ static double off_at_edges(const lc_image *p, double seen)
 
 /* 64 samples of the sequence are some 0.018 off, 16 of it 0.05. The wall's light, green, has the rest of the
  * pixel, off by no more. */
-static void check_edges(lc_method method, float error, const char *before, double seen)
+static void check_edges(lc_method method, float error, const char *before, const char *of, double seen)
 {
-    CHECK(load_lamp(0, BOX, before) == LC_OK);
+    CHECK(load_lamp(0, BOX, before, of) == LC_OK);
     lc_image *more = render(method, 0, error, 0), *few = render(method, 16, error, 0);
-    const double off = off_at_edges(more, seen), off_few = off_at_edges(few, seen);
+    const double off = off_at_edges(more), off_few = off_at_edges(few),
+                 full = pixel_at(more, "R", SIDE / 2, SIDE / 2);
+    CHECKF(fabs(full - seen) < 1e-4 * seen, "%g", full);
     printf("  off by %.4f, by samples alone %.4f\n", off, off_few);
     CHECKF(off < 0.025, "%g", off);
     CHECKF(off_few > 2 * off, "%g", off_few);
@@ -97,23 +106,30 @@ static void check_edges(lc_method method, float error, const char *before, doubl
     for (uint32_t y = 0; y < SIDE; y++)
         for (uint32_t x = 0; x < SIDE; x++) {
             const double lit = pixel_at(more, "G", x, y) - pixel_at(more, "R", x, y),
-                         part = covered(x, y) < 1 ? 1 - pixel_at(more, "R", x, y) / (LAMP * seen) : 0;
+                         part = covered(x, y) < 1 ? 1 - pixel_at(more, "R", x, y) / full : 0;
             CHECKF(fabs(lit / wall - part) < 1e-3, "%u,%u: %g, not %g", x, y, lit / wall, part);
         }
     lc_image_destroy(more);
     lc_image_destroy(few);
 }
 
-TEST(lamps_have_their_part_of_pixels) { check_edges(LC_METHOD_EXACT, 0, "", 1); }
-TEST(by_cuts_as_well) { check_edges(LC_METHOD_CUTS, 0, "", 1); }
-TEST(where_samples_share_cuts) { check_edges(LC_METHOD_CUTS, 0.02f, "", 1); }
+TEST(lamps_have_their_part_of_pixels) { check_edges(LC_METHOD_EXACT, 0, "", EMITS, LAMP); }
+TEST(by_cuts_as_well) { check_edges(LC_METHOD_CUTS, 0, "", EMITS, LAMP); }
+TEST(where_samples_share_cuts) { check_edges(LC_METHOD_CUTS, 0.02f, "", EMITS, LAMP); }
+
+TEST(and_so_have_lit_surfaces)
+{
+    check_edges(LC_METHOD_EXACT, 0, "", IS_LIT, 0.81 / LC_PI);
+    check_edges(LC_METHOD_CUTS, 0, "", IS_LIT, 0.81 / LC_PI);
+    check_edges(LC_METHOD_CUTS, 0.02f, "", IS_LIT, 0.81 / LC_PI);
+}
 
 /* Light goes through the sheet at a right angle: (1 - R) / (1 + R), R = 0.04 by an index of 1.5. */
-TEST(seen_through_glass) { check_edges(LC_METHOD_CUTS, 0.02f, NEAR_GLASS, 0.96 / 1.04); }
+TEST(seen_through_glass) { check_edges(LC_METHOD_CUTS, 0.02f, NEAR_GLASS, EMITS, LAMP * 0.96 / 1.04); }
 
 TEST(groups_add_up_and_intervals_hold)
 {
-    CHECK(load_lamp(0, BOX, "") == LC_OK);
+    CHECK(load_lamp(0, BOX, "", EMITS) == LC_OK);
     for (int shared = 0; shared < 2; shared++) {
         lc_image *p = render(LC_METHOD_CUTS, 0, shared ? 0.02f : 0, LC_AOV_INTERVAL),
                  *exact = render(LC_METHOD_EXACT, 0, shared ? 0.02f : 0, 0);
@@ -142,7 +158,7 @@ TEST(groups_add_up_and_intervals_hold)
 /* Whether a picture is the one by 16 samples that were asked for. */
 static bool is_by_samples(const char *options)
 {
-    CHECK(load_lamp(0, options, "") == LC_OK);
+    CHECK(load_lamp(0, options, "", EMITS) == LC_OK);
     lc_image *p = render(LC_METHOD_EXACT, 0, 0, 0), *q = render(LC_METHOD_EXACT, 16, 0, 0);
     const bool same = same_planes(p, q);
     lc_image_destroy(p);
@@ -154,14 +170,14 @@ TEST(who_asks_for_samples_gets_these)
 {
     CHECK(!is_by_samples(BOX) && !is_by_samples("PixelFilter \"gaussian\""));
     CHECK(is_by_samples("PixelFilter \"mitchell\" Sampler \"zsobol\" \"integer pixelsamples\" 16"));
-    CHECK(load_lamp(0, BOX, "") == LC_OK);
+    CHECK(load_lamp(0, BOX, "", EMITS) == LC_OK);
     lc_image *asked = render(LC_METHOD_EXACT, 16, 0, 0);
     lc_render_desc by_file = LC_RENDER_DESC_INIT, by_call = by_file;
     lc_identity a, b;
     by_call.spp = 16;
     CHECK(!lc_render_identity(ctx, scene, &by_file, &a) && !lc_render_identity(ctx, scene, &by_call, &b));
     CHECK(a.options != b.options);
-    CHECK(load_lamp(16, BOX, "") == LC_OK);
+    CHECK(load_lamp(16, BOX, "", EMITS) == LC_OK);
     lc_image *by_load = render(LC_METHOD_EXACT, 0, 0, 0);
     CHECK(same_planes(asked, by_load));
     lc_image_destroy(asked);
@@ -175,6 +191,7 @@ int main(void)
     RUN(lamps_have_their_part_of_pixels);
     RUN(by_cuts_as_well);
     RUN(where_samples_share_cuts);
+    RUN(and_so_have_lit_surfaces);
     RUN(seen_through_glass);
     RUN(groups_add_up_and_intervals_hold);
     RUN(who_asks_for_samples_gets_these);

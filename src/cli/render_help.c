@@ -40,7 +40,7 @@ static void print_picture_options(void)
         "      --seed N             of sampling, of area and environment lights and of the tree's\n"
         "                           representatives, default 0\n"
         "      --spp N              samples per pixel, default the scene's, which counts up to 16, and\n"
-        "                           four times as many camera rays at the edges of lamps and skies\n"
+        "                           four times as many camera rays at edges\n"
         "      --group NAME=PATTERN planes NAME.R, .G, .B of the EXR for lights of which a name matches:\n"
         "                           of light, node, material, kind, area, env; * and ?; may be repeated;\n"
         "                           the others are in the group other; see 'lightcuts relight'\n"

@@ -13,8 +13,6 @@ typedef struct lc_pixel {
     float weight;            /* of all samples */
     uint32_t hits;
     float cover;             /* samples that hit something, each times its weight */
-    uint32_t n_emitted;      /* samples of which the next two are noted */
-    float emitted_least, emitted_most; /* luminance */
     lc_interval interval;    /* all samples, each times its weight; luminance of the picture */
     lc_f3 *of_group;         /* rgb of each group of lights; NULL where the film has none */
 } lc_pixel;

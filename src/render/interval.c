@@ -8,6 +8,7 @@
 #include "render/interval.h"
 
 #include "cut/exact.h"
+#include "render/edges.h"
 #include "render/pixel_sights.h"
 #include "render/sample_keys.h"
 #include "scene/lit_point.h"
@@ -76,13 +77,16 @@ bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
     if (j->exact) {
         *out = lc_interval_of(rgb, weight);
     } else if (!lc_sample_sight(j, x, y, i, NULL, &dir, &s)) {
-        *out = lc_interval_of(lc_background(j->scene, LC_SKY_ALL, dir), weight);
+        const lc_f3 emitted = lc_background(j->scene, LC_SKY_ALL, dir);
+        *out = lc_interval_of(lc_edges_emitted(w, emitted), weight);
     } else {
         if (!lc_job_go_on(j)) return false;
-        *out = lc_interval_of(s.emission, weight);
-        for (uint32_t k = 0; k < s.n_lit; k++)
+        *out = lc_interval_of(lc_edges_emitted(w, s.emission), weight);
+        for (uint32_t k = 0; k < s.n_lit; k++) {
+            s.lit[k].weight = lc_f3_scale(s.lit[k].weight, lc_edges_weight(w, i, k));
             add_lit(j, w->interval, w->near, &s.lit[k], k, &keys,
                     lc_job_key(j, lc_pixel_number(j, x, y), i, LC_DIM_INTERVAL + k), out);
+        }
     }
     lc_interval_round(out, j->spp);
     return true;

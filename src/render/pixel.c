@@ -110,12 +110,14 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     if (i == j->first) w->first.n = 0;
     w->stats.camera_rays++;
     lc_f3 *of_group = lc_groups_begin_sample(w->groups);
-    bool hit = lc_sample_sight(j, x, y, i, of_group, &dir, &s);
+    bool hit;
+    const bool kept = lc_edges_sight(w, i, &hit, &dir, &s);
+    if (!kept) hit = lc_sample_sight(j, x, y, i, of_group, &dir, &s);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     if (!hit) {
-        *rgb = lc_background(j->scene, LC_SKY_ALL, dir);
-        lc_edges_note(px, *rgb);
-        if (of_group) lc_background_of_groups(j->scene, LC_SKY_ALL, dir, lc_f3_make(1, 1, 1), of_group);
+        *rgb = kept ? s.emission : lc_background(j->scene, LC_SKY_ALL, dir);
+        if (of_group && !kept)
+            lc_background_of_groups(j->scene, LC_SKY_ALL, dir, lc_f3_make(1, 1, 1), of_group);
         lc_phase_stop(&w->stats);
         return true;
     }
@@ -127,7 +129,6 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     lc_shade_sight(j, w, &s, g, &keys, &r);
     w->is_first = false;
     *rgb = lc_f3_add(r.radiance, s.emission);
-    lc_edges_note(px, s.emission);
     lc_add_to_planes(j, px, &s, dir);
     px->cut += (float)r.size;
     px->rays += (float)r.rays;
@@ -157,9 +158,10 @@ static bool add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
 
 bool lc_add_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t y, lc_pixel *px)
 {
-    if (!add_samples(j, w, x, y, px)) return false;
-    lc_edges_smooth(j, w, x, y, px);
-    return true;
+    lc_edges_find(j, w, x, y);
+    const bool done = add_samples(j, w, x, y, px);
+    lc_edges_end(w);
+    return done;
 }
 
 /* False: cancelled, nothing stored. */

@@ -10,7 +10,7 @@
 #include "render/render_job.h"
 #include "scene/sight.h"
 
-#define LC_EDGE_RAYS 4 /* for each sample at edges of what emits, see render/edges.h; a power of 2 */
+#define LC_EDGE_RAYS 4 /* for each sample at edges, see render/edges.h; a power of 2 */
 
 /* A pixel's samples in turn. */
 typedef struct lc_pixel_sights {

@@ -7,6 +7,7 @@
 #include "base/sample.h"
 #include "image/image.h"
 #include "render/checkpoint.h"
+#include "render/edges.h"
 #include "render/group_sums.h"
 #include "render/guide.h"
 #include "render/interpolate.h"
@@ -147,6 +148,7 @@ void lc_job_free_workers(lc_render_job *j)
         lc_interval_free_room(j->ctx, &j->workers[i]);
         lc_groups_free_room(j->ctx, &j->workers[i]);
         lc_block_light_free(j, &j->workers[i]);
+        lc_free(j->ctx, j->workers[i].edges, 1, sizeof *j->workers[i].edges);
         lc_free(j->ctx, j->workers[i].cut_hist, (size_t)j->workers[i].cut.max_size + 2, sizeof(uint64_t));
         lc_near_cuts_free(j->ctx, j->workers[i].near);
         lc_cut_free(&j->workers[i].cut);
@@ -182,6 +184,8 @@ lc_status lc_job_make_workers(lc_render_job *j, const lc_cut_desc *desc)
                        most = 2 * desc->max_points + in_media;
         if (desc->max_points && !(w->points = lc_pixel_points_create(j->ctx, most))) return LC_ERR_MEMORY;
         if (j->evidence && !(w->guide.evidence = lc_alloc_raw(j->ctx, 1, sizeof *w->guide.evidence)))
+            return LC_ERR_MEMORY;
+        if (lc_render_has_edges(j->scene, j->desc) && !(w->edges = lc_alloc(j->ctx, 1, sizeof *w->edges)))
             return LC_ERR_MEMORY;
         if (lc_may_interpolate(j) && (st = lc_block_light_init(j, w))) return st;
         w->stats.go_on = lc_job_go_on;

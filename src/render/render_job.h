@@ -4,7 +4,7 @@
  *     calibrate.c   the factor z that keeps the error asked of pixels
  *     guide.c    the cut that a block's cuts begin with
  *     pixel.c    camera rays, shading points, their cuts, the pixel
- *     edges.c    pixels with more camera rays; share.c: whose samples neighbours share
+ *     edges.c    pixels with more camera rays; share.c: samples that neighbours share
  *     interpolate.c  pixels between others that are lit alike; reconstruct.c: coarse pictures
  *     render.c   tiles over threads, the film; interval.c: the AOV
  *     render_stats.c   counts of all threads; attributes; group_sums.c: what each group of lights contributes
@@ -28,9 +28,8 @@
 #define LC_PIXEL_BLOCK 4 /* pixels a side that share a guide and deal out the slots of representatives */
 
 /* INTERVAL: + the lit point */
-enum {
-    LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL, LC_DIM_TIME = 1000, LC_DIM_NEAR,
-    LC_DIM_LOBE };
+enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL, LC_DIM_TIME = 1000,
+       LC_DIM_NEAR, LC_DIM_LOBE };
 
 /* The guide of a block of pixels; see guide.c. */
 typedef struct lc_guide {
@@ -62,6 +61,7 @@ typedef struct lc_render_worker {
     lc_shared_pixel *shared; /* of a group of tiles; NULL: no samples are shared */
     struct lc_group_sums *groups; /* NULL: nobody asks for groups of lights */
     struct lc_near_cuts *near;
+    struct lc_edges *edges; /* of the pixel at hand; NULL: none have */
     struct lc_block_light *block; /* that it looks at; NULL: no pixels are interpolated */
 } lc_render_worker;
 

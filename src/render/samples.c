@@ -237,13 +237,16 @@ static bool add_camera_ray(pixel_sum *s, lc_pixel_sights *all, lc_pixel *px)
     if (lc_time_to_ask(w) && !lc_job_go_on(j)) return false;
     w->stats.camera_rays++;
     lc_f3 *of_group = lc_groups_begin_sample(w->groups);
-    const bool hit = lc_pixel_sights_next(all, of_group);
+    bool hit;
+    const bool kept = lc_edges_sight(w, i, &hit, &all->dir, &all->sight);
+    if (kept) all->next++;
+    else hit = lc_pixel_sights_next(all, of_group);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
-    const lc_f3 emitted = hit ? sight->emission : lc_background(j->scene, LC_SKY_ALL, all->dir);
-    if (!hit && of_group)
+    const lc_f3 emitted =
+        hit || kept ? sight->emission : lc_background(j->scene, LC_SKY_ALL, all->dir);
+    if (!hit && of_group && !kept)
         lc_background_of_groups(j->scene, LC_SKY_ALL, all->dir, lc_f3_make(1, 1, 1), of_group);
     lc_groups_end_sample(w->groups);
-    lc_edges_note(px, emitted);
     s->sum = lc_f3_add(s->sum, emitted);
     s->luminance += (double)lc_luminance(emitted);
     s->samples_left--;
