@@ -86,7 +86,7 @@ static uint64_t surfaces_of(const lc_sight *s, const uint8_t *part, uint32_t n)
     return all;
 }
 
-/* Takes the next n rays. False: these are more than there is room for. */
+/* Takes the next n rays. False: what samples show is more than there is room for. */
 static bool look(view *v, lc_pixel_sights *all, lc_render_worker *w, uint32_t n)
 {
     const lc_scene *scene = all->job->scene;
@@ -125,6 +125,7 @@ static bool look(view *v, lc_pixel_sights *all, lc_render_worker *w, uint32_t n)
     return true;
 }
 
+/* What no sample shows is shared out among what they do. */
 static void find_weights(lc_edges *e, double unknown)
 {
     double known = 0;

@@ -26,8 +26,8 @@ typedef struct lc_edge_part {
     lc_f3 pos, n;
     float reach2; /* squared distance up to which others are alike */
     uint32_t material;
-    double of_samples, of_all; /* what of an even light reaches the camera */
-    float weight;
+    double of_samples, of_all; /* what of an even light reaches the camera, by samples and by all rays */
+    float weight;              /* of its lit points */
 } lc_edge_part;
 
 /* What a sample shows. */
@@ -40,7 +40,7 @@ typedef struct lc_edge_sample {
 
 /* Of the pixel at hand. */
 typedef struct lc_edges {
-    bool on, kept;   /* the weights are set; the samples are */
+    bool on, kept;   /* weights and `emitted` are set; what samples show is */
     uint32_t n_parts;
     lc_edge_part parts[LC_EDGE_PARTS];
     lc_f3 emitted, of_group[LC_MAX_GROUPS]; /* a sample's, where there are more rays */
@@ -59,7 +59,7 @@ void lc_edges_end(lc_render_worker *w);
 /* What a sample of the pixel shows, weighted, once more. False: nothing is kept of it. *seen: as
  * lc_sight_trace says. */
 bool lc_edges_sight(const lc_render_worker *w, uint32_t i, bool *seen, lc_f3 *dir, lc_sight *s);
-/* The weight of lit point k of sample i; what is emitted, of groups as well. */
+/* The weight of lit point k of sample i; what a sample shows emitted, which was `emitted` by its own ray. */
 float lc_edges_weight(const lc_render_worker *w, uint32_t i, uint32_t k);
 lc_f3 lc_edges_emitted(const lc_render_worker *w, lc_f3 emitted);
 

@@ -242,8 +242,7 @@ static bool add_camera_ray(pixel_sum *s, lc_pixel_sights *all, lc_pixel *px)
     if (kept) all->next++;
     else hit = lc_pixel_sights_next(all, of_group);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
-    const lc_f3 emitted =
-        hit || kept ? sight->emission : lc_background(j->scene, LC_SKY_ALL, all->dir);
+    const lc_f3 emitted = hit || kept ? sight->emission : lc_background(j->scene, LC_SKY_ALL, all->dir);
     if (!hit && of_group && !kept)
         lc_background_of_groups(j->scene, LC_SKY_ALL, all->dir, lc_f3_make(1, 1, 1), of_group);
     lc_groups_end_sample(w->groups);
