@@ -69,7 +69,7 @@ static const command commands[] = {
     { .name = "render by PLOC",
       .args = { "../in/tiny.pbrt", "-o", "a.png", "-t", "2", "--builder", "ploc" },
       .outputs = { "a.png" } },
-    { .name = "info of a scene", .args = { "info", "../in/all.pbrt" } },
+    { .name = "info of a scene", .args = { "info", "../in/all.pbrt" }, .bounded = 6 },
     { .name = "info of a scene, JSON", .args = { "info", "--json", "../in/tiny.pbrt" } },
     { .name = "info of a picture", .args = { "info", "../in/map.exr" } },
     { .name = "compare",
@@ -427,6 +427,7 @@ static int call_library(void)
     desc.log = count_errors;
     desc.n_threads = 2;
     load.env_lights = 12;
+    load.area_lights = 4;
     lc_status made = lc_context_create(&desc, &ctx);
     if (made)
         return made == LC_ERR_MEMORY && !ctx && fprintf(stderr, "error: %s\n", lc_status_name(made)) ? 1 : 99;
