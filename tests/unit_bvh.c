@@ -5,6 +5,7 @@
 #include "support/isas.h"
 #include "support/logged.h"
 #include "support/vec_d.h"
+#include "trace/bvh_build.h"
 
 #define RND_KEY 77001
 #include "support/meshes.h"
@@ -650,6 +651,37 @@ TEST(boxes_lose_no_hit)
     }
 }
 
+/* By all ways to share n children out. */
+static float least_opened(const lc_bvh_costs *l, const lc_bvh_costs *r, uint32_t n)
+{
+    float least = FLT_MAX;
+    for (uint32_t k = 1; k < n; k++) least = fminf(least, l->at_most[k - 1] + r->at_most[n - k - 1]);
+    return least;
+}
+
+TEST(plans_cost_the_least)
+{
+    enum { N = 64 };
+    lc_bvh_costs made[N];
+    for (int run = 0; run < 300; run++)
+        for (uint32_t i = 0; i < N; i++) {
+            const lc_bvh_costs *l = &made[rnd_n(i)], *r = &made[rnd_n(i)], *c = &made[i];
+            const bool leaf = i < 8 || rnd() < 0.3;
+            const float x = (float)rnd_in(1, leaf ? 4 : 6), y = (float)rnd_in(0, 2), area = x * y + y + x;
+            lc_bin_node node = { .hi = { x, y, 1 }, .info = leaf ? LC_BIN_LEAF : 0 };
+            made[i] = leaf ? lc_bvh_plan(&node, NULL, NULL) : lc_bvh_plan(&node, l, r);
+            CHECK(c->at_most[0] == (leaf ? area : area + least_opened(l, r, 8)));
+            for (uint32_t n = 2; n <= 7; n++) {
+                const float opened = leaf ? FLT_MAX : least_opened(l, r, n),
+                            want = fminf(c->at_most[n - 2], opened);
+                CHECKF(c->at_most[n - 1] == want, "%u: %g, %g", n, (double)c->at_most[n - 1], (double)want);
+                const uint32_t k = node.info >> 3 * (n - 2) & 7;
+                if (!leaf && k) CHECK(k < n && l->at_most[k - 1] + r->at_most[n - k - 1] == want);
+                else CHECK(leaf || want == c->at_most[n - 2]);
+            }
+        }
+}
+
 /* However the hierarchy was built, rays hit the same triangles at the same distances, and the same segments
  * are occluded. */
 TEST(both_builds_give_the_same_answers)
@@ -713,6 +745,7 @@ int main(void)
     RUN(watertight_from_afar);
     RUN(closed_meshes_are_watertight);
     RUN(both_builds_give_the_same_answers);
+    RUN(plans_cost_the_least);
     ctx->bvh = LC_BVH_FAST;
     run_built();
     lc_context_destroy(ctx);

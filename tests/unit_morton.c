@@ -113,24 +113,32 @@ TEST(coincident_points_by_index)
     for (uint32_t i = 0; i < MOST; i++) CHECK(order[i] == (i == MOST - 1 ? 5 : i < 5 ? i : i + 1));
 }
 
-TEST(coarse_order_is_by_upper_bits)
+/* The key's upper half is the cell's code without its lowest bit. */
+TEST(keys_are_sorted_by_their_upper_halves)
 {
-    static uint32_t order[MOST];
-    static uint64_t code[MOST];
-    const lc_box box = { { 0, 0, 0 }, { 1, 1, 1 } };
-    fill(MOST, 0);
-    for (uint32_t i = 0; i < MOST / 2; i++)
-        points[i] = lc_f3_make(points[i].x * 1e-3f, 0.25f, (float)rnd_n(2));
-    for (uint32_t t = 1; t < 9; t += 7) {
-        lc_context ctx = { .allocator = lc_allocator_libc(), .n_threads = t };
-        CHECK(lc_morton_coarse(&ctx, MOST, &box, place, points, order, code) == LC_OK);
-        for (uint32_t i = 0; i < MOST; i++) {
-            const lc_f3 p = points[order[i]];
-            CHECK(code[i] == code_of((const double[3]){ (double)p.x, (double)p.y, (double)p.z }));
-            uint64_t before = i ? code[i - 1] >> LC_MORTON_FINE : 0, now = code[i] >> LC_MORTON_FINE;
-            CHECK(i == 0 || now > before || (now == before && order[i] > order[i - 1]));
+    static uint64_t key[MOST], spare[MOST];
+    uint32_t cell[3];
+    for (uint32_t i = 0; i < MOST; i++) {
+        uint64_t code = 0;
+        for (int k = 0; k < 3; k++) {
+            cell[k] = rnd_n(LC_MORTON_CELLS);
+            for (int bit = 0; bit < 11; bit++) code |= (uint64_t)(cell[k] >> bit & 1) << (3 * bit + 2 - k);
         }
+        CHECK(lc_morton_key(cell, i) == (code >> 1 << 32 | i));
     }
+    for (uint32_t style = 0; style < 3; style++)
+        for (uint32_t t = 1; t < 9; t += 7) {
+            lc_context ctx = { .allocator = lc_allocator_libc(), .n_threads = t };
+            const uint32_t n = style ? MOST : 5;
+            for (uint32_t i = 0; i < n; i++)
+                key[i] = style == 2 ? (uint64_t)rnd_n(3) << 60 | i
+                                    : lc_hash2(rng_key, rng_ctr++) >> 32 << 32 | i;
+            const uint64_t *sorted = lc_morton_sort_keys(&ctx, n, key, spare);
+            CHECK(sorted == key || sorted == spare);
+            uint32_t bad = 0; /* indices were rising, so stable is sorted by all of the key */
+            for (uint32_t i = 1; i < n && sorted; i++) bad += sorted[i] <= sorted[i - 1];
+            CHECKF(bad == 0, "style %u, %u threads: %u", style, t, bad);
+        }
 }
 
 int main(void)
@@ -140,6 +148,6 @@ int main(void)
     RUN(far_points_change_nothing);
     RUN(many_scales);
     RUN(coincident_points_by_index);
-    RUN(coarse_order_is_by_upper_bits);
+    RUN(keys_are_sorted_by_their_upper_halves);
     return test_done();
 }

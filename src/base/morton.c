@@ -28,7 +28,7 @@ typedef struct {
     lc_f3 (*place)(const void *user, uint32_t i);
     const void *user;
     uint64_t *code[2];
-    uint32_t *index[2];
+    uint32_t *index[2]; /* NULL: codes alone are sorted */
     run *runs, *next;          /* of this level, of the next level */
     size_t n_runs, n_next, cap_runs, cap_next;
     /* For the long run that is being sorted: */
@@ -166,7 +166,7 @@ static void move_chunk(void *user, uint32_t thread, uint64_t chunk)
     for (uint32_t i = r.first; i < r.first + r.n; i++) {
         uint32_t at = to[s->code[from][i] >> s->shift & (DIGITS - 1)]++;
         s->code[!from][at] = s->code[from][i];
-        s->index[!from][at] = s->index[from][i];
+        if (s->index[0]) s->index[!from][at] = s->index[from][i];
     }
 }
 
@@ -186,16 +186,15 @@ static bool place_digits(const sorter *s, uint32_t n_chunks)
     return true;
 }
 
-/* Sorts the points of part by all digits of their codes from bit `shift` on. */
+/* Sorts the points of part by all digits of their codes from bit `shift` on, into the arrays `from`. */
 static void sort_digits(sorter *s, uint32_t n_chunks, uint32_t shift)
 {
-    for (s->from = 0, s->shift = shift; s->shift < 63; s->shift += DIGIT_BITS) {
+    for (s->from = 0, s->shift = shift; s->shift < 64; s->shift += DIGIT_BITS) {
         lc_parallel(s->ctx, n_chunks, count_digits, s);
         if (!place_digits(s, n_chunks)) continue;
         lc_parallel(s->ctx, n_chunks, move_chunk, s);
         s->from = !s->from;
     }
-    if (s->from) copy_back(s, s->part);
 }
 
 static void sort_long_run(sorter *s, run *r)
@@ -211,6 +210,7 @@ static void sort_long_run(sorter *s, run *r)
     }
     lc_parallel(s->ctx, n_chunks, code_chunk, s);
     sort_digits(s, n_chunks, 0);
+    if (s->from) copy_back(s, s->part);
 }
 
 /* ---- levels ---- */
@@ -273,30 +273,13 @@ lc_status lc_morton_order(const lc_context *ctx, uint32_t n, lc_f3 (*place)(cons
     return st;
 }
 
-lc_status lc_morton_coarse(const lc_context *ctx, uint32_t n, const lc_box *box,
-                           lc_f3 (*place)(const void *user, uint32_t i), const void *user, uint32_t *order,
-                           uint64_t *code)
+uint64_t *lc_morton_sort_keys(const lc_context *ctx, uint32_t n, uint64_t *key, uint64_t *spare)
 {
     const uint32_t n_chunks = (n + CHUNK - 1) / CHUNK;
-    sorter s = { .ctx = ctx, .place = place, .user = user, .box = *box };
-    s.part = (run){ 0, n };
-    s.index[0] = order;
-    s.code[0] = code;
-    for (uint32_t i = 0; i < n; i++) {
-        order[i] = i;
-        code[i] = 0;
-    }
-    if (!(side_of(box) > 0)) return LC_OK;
-    s.code[1] = lc_alloc_raw(ctx, n, sizeof *code);
-    s.index[1] = lc_alloc_raw(ctx, n, sizeof *order);
+    sorter s = { .ctx = ctx, .code = { key, spare }, .part = { 0, n } };
     s.count = lc_alloc_raw(ctx, n_chunks, sizeof *s.count);
-    lc_status st = s.code[1] && s.index[1] && s.count ? LC_OK : LC_ERR_MEMORY;
-    if (!st) {
-        lc_parallel(ctx, n_chunks, code_chunk, &s);
-        sort_digits(&s, n_chunks, LC_MORTON_FINE);
-    }
-    lc_free(ctx, s.code[1], n, sizeof *code);
-    lc_free(ctx, s.index[1], n, sizeof *order);
+    if (!s.count) return NULL;
+    sort_digits(&s, n_chunks, 32);
     lc_free(ctx, s.count, n_chunks, sizeof *s.count);
-    return st;
+    return s.code[s.from];
 }

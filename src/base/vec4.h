@@ -16,6 +16,11 @@ typedef __m128i i4;
 
 static inline f4 f4_load(const void *p) { return _mm_load_ps((const float *)p); } /* 16-byte aligned */
 static inline void f4_store(void *p, f4 a) { _mm_store_ps((float *)p, a); }
+/* Lanes 0 to 2 from three floats, aligned as floats are; lane 3 is 0. */
+static inline f4 f4_load3(const float *p)
+{
+    return _mm_movelh_ps(_mm_castsi128_ps(_mm_loadl_epi64((const i4 *)(const void *)p)), _mm_load_ss(p + 2));
+}
 static inline f4 f4_set(float a) { return _mm_set1_ps(a); }
 static inline f4 f4_add(f4 a, f4 b) { return _mm_add_ps(a, b); }
 static inline f4 f4_sub(f4 a, f4 b) { return _mm_sub_ps(a, b); }
@@ -64,6 +69,14 @@ static inline void f4_transpose3(f4 a, f4 b, f4 c, f4 out[3])
     out[1] = _mm_shuffle_ps(ab_lo, c, _MM_SHUFFLE(3, 1, 3, 2));
     out[2] = _mm_shuffle_ps(ab_hi, c, _MM_SHUFFLE(3, 2, 1, 0));
 }
+/* Sets out[k] to lane k of a, b, c, d. */
+static inline void f4_transpose4(f4 a, f4 b, f4 c, f4 d, f4 out[3])
+{
+    f4 ab_lo = _mm_unpacklo_ps(a, b), cd_lo = _mm_unpacklo_ps(c, d);
+    out[0] = _mm_movelh_ps(ab_lo, cd_lo);
+    out[1] = _mm_movehl_ps(cd_lo, ab_lo);
+    out[2] = _mm_movelh_ps(_mm_unpackhi_ps(a, b), _mm_unpackhi_ps(c, d));
+}
 
 #else
 
@@ -81,6 +94,7 @@ static inline f4 f4_load(const void *p)
     return a;
 }
 static inline void f4_store(void *p, f4 a) { memcpy(p, &a, sizeof a); }
+static inline f4 f4_load3(const float *p) { return (f4){ { p[0], p[1], p[2], 0 } }; }
 static inline f4 f4_set(float a) { return (f4){ { a, a, a, a } }; }
 #define F4_EACH(expr) \
     f4 r; \
@@ -135,6 +149,10 @@ static inline f4 f4_from_i4(i4 a) { F4_EACH((float)a.v[k]); }
 static inline void f4_transpose3(f4 a, f4 b, f4 c, f4 out[3])
 {
     for (int k = 0; k < 3; k++) out[k] = (f4){ { a.v[k], b.v[k], c.v[k], 0 } };
+}
+static inline void f4_transpose4(f4 a, f4 b, f4 c, f4 d, f4 out[3])
+{
+    for (int k = 0; k < 3; k++) out[k] = (f4){ { a.v[k], b.v[k], c.v[k], d.v[k] } };
 }
 #undef F4_EACH
 

@@ -91,8 +91,7 @@ static lc_bvh_costs make_subtree(const lc_bvh_builder *b, const lc_bvh_range *ro
     lc_bvh_range stack[LC_BVH_MAX_DEPTH + 1], half[2];
     const uint32_t first = 2 * root->first + 2;
     uint32_t n_stack = 0, next = first;
-    if (b->codes) next = lc_bvh_fast_subtree(b, root);
-    else stack[n_stack++] = *root;
+    stack[n_stack++] = *root;
     while (n_stack) {
         lc_bvh_range r = stack[--n_stack];
         if (split_range(b, &r, next, half)) {
@@ -136,7 +135,6 @@ static lc_status make_subtrees(lc_bvh_builder *b)
         lc_bvh_head *head = &b->heads[h];
         lc_bin_node *node = &b->nodes[head->range.node];
         if (head->left) {
-            if (b->codes) lc_bvh_join_children(b, node);
             head->costs = plan_node(b, node);
             node->info |= LC_BIN_TOP;
         }
@@ -325,29 +323,21 @@ static lc_status make_root(lc_bvh_builder *b)
     return LC_OK;
 }
 
-static lc_status make_binary(lc_bvh_builder *b)
+static lc_status make_tree(lc_bvh_builder *b)
 {
     const size_t n = b->n_tris;
-    const bool fast = b->ctx->bvh == LC_BVH_FAST;
     b->refs[0] = lc_alloc_raw(b->ctx, n, sizeof **b->refs);
     b->refs[1] = lc_alloc_raw(b->ctx, n, sizeof **b->refs);
     b->order = lc_alloc_raw(b->ctx, n, sizeof *b->order);
-    b->nodes = lc_alloc_raw(b->ctx, 2 * n, sizeof *b->nodes);
     b->parents = lc_alloc_raw(b->ctx, n, sizeof *b->parents);
-    if (fast) b->codes = lc_alloc_raw(b->ctx, n, sizeof *b->codes);
-    lc_status st = b->refs[0] && b->refs[1] && b->order && b->nodes && b->parents && (!fast || b->codes)
-                       ? LC_OK
-                       : LC_ERR_MEMORY;
-    if (!st) st = lc_grow(b->ctx, (void **)&b->heads, &b->cap_heads, 1, sizeof *b->heads);
-    if (!st) st = make_root(b);
-    if (!st) st = b->codes ? lc_bvh_fast_top(b) : split_top(b);
+    lc_status st = b->refs[0] && b->refs[1] && b->order && b->parents ? make_root(b) : LC_ERR_MEMORY;
+    if (!st) st = split_top(b);
     if (!st) st = make_subtrees(b);
-    if (!st && !b->codes) st = lc_bvh_reinsert(b);
+    if (!st) st = lc_bvh_reinsert(b);
     /* Freed before the wide nodes and blocks are allocated, which keeps the peak of memory low. */
     lc_free(b->ctx, b->refs[0], n, sizeof **b->refs);
     lc_free(b->ctx, b->refs[1], n, sizeof **b->refs);
     lc_free(b->ctx, b->parents, n, sizeof *b->parents);
-    lc_free(b->ctx, b->codes, n, sizeof *b->codes);
     return st;
 }
 
@@ -362,11 +352,14 @@ lc_status lc_bvh_build(const lc_context *ctx, const float *pos, const uint32_t *
     size_t task_max = n_tris / TASKS;
     task_max = task_max < TASK_MIN ? TASK_MIN : task_max > TASK_MAX ? TASK_MAX : task_max;
     lc_bvh_builder b = {
-        .ctx = ctx, .pos = pos, .index = index, .n_tris = n_tris, .task_max = (uint32_t)task_max
+        .ctx = ctx, .pos = pos, .index = index, .n_tris = n_tris, .task_max = (uint32_t)task_max,
+        .fast = ctx->bvh == LC_BVH_FAST
     };
     lc_status st = LC_OK;
     if (n_tris) {
-        st = make_binary(&b);
+        b.nodes = lc_alloc_raw(ctx, 2 * n_tris, sizeof *b.nodes);
+        st = b.nodes ? lc_grow(ctx, (void **)&b.heads, &b.cap_heads, 1, sizeof *b.heads) : LC_ERR_MEMORY;
+        if (!st) st = b.fast ? lc_bvh_fast_tree(&b, bvh) : make_tree(&b);
         if (!st) st = lc_bvh_collapse(&b, bvh);
     }
     lc_free(ctx, b.order, n_tris, sizeof *b.order);

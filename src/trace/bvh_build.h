@@ -2,7 +2,9 @@
  *
  *     triangles -> refs -> binary tree -> better tree -> plan -> eight-wide nodes and blocks of triangles
  *          bvh_split.c   bvh_build.c   bvh_reinsert.c  bvh_collapse.c
- *                        or bvh_fast.c, which is not made better
+ *
+ *     triangles -> keys -> binary tree, blocks of triangles -> plan -> eight-wide nodes
+ *          bvh_fast.c                                          bvh_collapse.c
  *
  * Every parallel step is divided by the number of triangles, never by the number of threads, and every piece
  * writes to its own part of the arrays, so the result is the same bytes for any number of threads.
@@ -26,7 +28,7 @@ _Static_assert(sizeof(lc_bvh_ref) == 32, "two f4");
  * `mid` can be stored at 2 mid, as no two splits have the same mid. */
 typedef struct lc_bin_node {
     float lo[3];
-    uint32_t left; /* in a leaf: the first of its triangles in builder.order */
+    uint32_t left; /* in a leaf: the first of its triangles in builder.order; fast: its block */
     float hi[3];
     uint32_t info; /* flags, the number of triangles if at most eight, and the plan of bvh_collapse.c */
 } lc_bin_node;
@@ -55,7 +57,8 @@ _Static_assert(sizeof(lc_bvh_costs) == sizeof(lc_bvh_ref), "stored in place of a
 typedef struct lc_bvh_head {
     lc_bvh_range range;
     lc_bvh_costs costs;
-    uint32_t left; /* split into heads left and left + 1; 0: a subtree */
+    uint32_t left;  /* split into heads left and left + 1; 0: a subtree */
+    uint32_t block; /* fast: first the number of its leaves, then the block of the first one */
 } lc_bvh_head;
 
 typedef struct lc_bvh_builder {
@@ -64,8 +67,8 @@ typedef struct lc_bvh_builder {
     const uint32_t *index;
     size_t n_tris;
     uint32_t task_max;   /* limits the refs of a subtree that one thread builds */
+    bool fast;           /* made by bvh_fast.c: no refs, order, parents */
     lc_bvh_ref *refs[2]; /* n_tris each; a split moves a range from one array to the other */
-    uint64_t *codes;     /* n_tris, of the refs in order: the tree is built by bvh_fast.c; else NULL */
     uint32_t *order;     /* n_tris: triangle ids in the order of the leaves */
     lc_bin_node *nodes;  /* 2 n_tris, of which few are used */
     uint32_t *parents;   /* n_tris: the parent of nodes 2 i and 2 i + 1 */
@@ -119,13 +122,8 @@ f4_box lc_bvh_centroids_of(const lc_bvh_ref *refs, uint32_t count);
 
 /* ---- bvh_fast.c ---- */
 
-/* Sorts the refs by their codes, to the second array, and splits ranges down to task_max refs; the boxes of
- * the upper nodes are left to lc_bvh_join_children. LC_ERR_MEMORY. */
-lc_status lc_bvh_fast_top(lc_bvh_builder *b);
-/* Makes the nodes of a range, stored from 2 first + 2 on; returns the end of them. */
-uint32_t lc_bvh_fast_subtree(const lc_bvh_builder *b, const lc_bvh_range *root);
-/* Sets the box of a node to that around its children. */
-void lc_bvh_join_children(const lc_bvh_builder *b, lc_bin_node *node);
+/* Makes and plans the binary tree, and bvh's blocks, which its leaves are. LC_ERR_MEMORY. */
+lc_status lc_bvh_fast_tree(lc_bvh_builder *b, lc_bvh *bvh);
 
 /* ---- bvh_reinsert.c ---- */
 
@@ -136,7 +134,10 @@ lc_status lc_bvh_reinsert(lc_bvh_builder *b);
 
 /* Plans a node from the costs of its children, NULL for a leaf; returns its costs. */
 lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_bvh_costs *right);
-/* Makes the wide nodes and blocks of bvh from the planned binary nodes. LC_ERR_MEMORY. */
+/* Fills a block of n triangles, whose ids it holds; returns the box around them. */
+f4_box lc_bvh_fill_block(const lc_bvh_builder *b, uint32_t n, lc_tri_block *block);
+/* Makes the wide nodes of bvh from the planned binary nodes, and unless it was a fast build its blocks.
+ * LC_ERR_MEMORY. */
 lc_status lc_bvh_collapse(lc_bvh_builder *b, lc_bvh *bvh);
 
 #endif

@@ -45,13 +45,22 @@ lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_b
     float opened[9];
     uint32_t plan[9];
     for (uint32_t i = 2; i <= 8; i++) {
-        opened[i] = l[1] + r[i - 1];
-        plan[i] = 1;
-        for (uint32_t k = 2; k < i; k++)
-            if (l[k] + r[i - k] < opened[i]) {
-                opened[i] = l[k] + r[i - k];
-                plan[i] = k;
-            }
+        /* A leaf costs the same as any number of children, so the other child gets all that are left. */
+        if (left->height && right->height) {
+            opened[i] = l[1] + r[i - 1];
+            plan[i] = 1;
+            for (uint32_t k = 2; k < i; k++)
+                if (l[k] + r[i - k] < opened[i]) {
+                    opened[i] = l[k] + r[i - k];
+                    plan[i] = k;
+                }
+        } else if (left->height && i > 2 && !(l[i - 1] + r[1] < opened[i - 1])) {
+            opened[i] = opened[i - 1];
+            plan[i] = plan[i - 1];
+        } else {
+            opened[i] = left->height ? l[i - 1] + r[1] : l[1] + r[i - 1];
+            plan[i] = left->height ? i - 1 : 1;
+        }
     }
     float best = area * NODE_COST + opened[8];
     uint32_t info = node->info | plan[8] << 18;
@@ -74,20 +83,30 @@ lc_bvh_costs lc_bvh_plan(lc_bin_node *node, const lc_bvh_costs *left, const lc_b
 
 static bool is_block(const lc_bin_node *n) { return n->info & (LC_BIN_LEAF | LC_BIN_BLOCK); }
 
-static bool goes_before(const lc_bin_node *a, const lc_bin_node *b)
+/* What children are sorted by. The bits of floats that are not negative rise with them. */
+static uint32_t rank_of(const lc_bin_node *n)
 {
-    if (is_block(a) != is_block(b)) return is_block(a);
-    return is_block(a) ? area_of(a) < area_of(b) : area_of(a) > area_of(b);
+    const float area = area_of(n);
+    uint32_t bits;
+    memcpy(&bits, &area, sizeof bits);
+    bits &= 0x7fffffff; /* NaN, of boxes too large, has either sign */
+    return is_block(n) ? bits : UINT32_MAX - bits;
 }
 
 /* Sorts children for shadow rays: blocks first, by rising area, then nodes by falling area. The kernels test
  * blocks in order and visit the last node first. Measured: tests/results/bvh-build.md. */
 static void sort_children(const lc_bin_node *nodes, uint32_t *child, uint32_t n)
 {
-    for (uint32_t i = 1; i < n; i++) {
-        uint32_t x = child[i], k = i;
-        for (; k > 0 && goes_before(&nodes[x], &nodes[child[k - 1]]); k--) child[k] = child[k - 1];
+    uint32_t rank[8];
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t x = child[i], by = rank_of(&nodes[x]);
+        uint32_t k = i;
+        for (; k > 0 && by < rank[k - 1]; k--) {
+            child[k] = child[k - 1];
+            rank[k] = rank[k - 1];
+        }
         child[k] = x;
+        rank[k] = by;
     }
 }
 
@@ -115,8 +134,14 @@ static uint32_t children_of(const lc_bin_node *nodes, uint32_t root, uint32_t ou
         stack[n_stack].node = nodes[node].left;
         stack[n_stack++].n = k;
     }
-    sort_children(nodes, out, n_out);
     return n_out;
+}
+
+static uint32_t sorted_children_of(const lc_bin_node *nodes, uint32_t root, uint32_t out[8])
+{
+    const uint32_t n = children_of(nodes, root, out);
+    sort_children(nodes, out, n);
+    return n;
 }
 
 /* ---- nodes and blocks ---- */
@@ -136,24 +161,37 @@ typedef struct {
     size_t n_top, n_jobs, n_top_blocks, cap_top, cap_jobs;
 } collapse;
 
-static void fill_block(const lc_bvh_builder *b, const lc_bin_node *leaf, lc_tri_block *blk)
+f4_box lc_bvh_fill_block(const lc_bvh_builder *b, uint32_t n, lc_tri_block *block)
 {
+    f4_box box = f4_box_empty();
+    for (uint32_t i = n; i < 8; i++) block->tri[i] = LC_NONE;
+    for (size_t v = 0; v < 3; v++)
+        for (uint32_t i = 0; i < 8; i += 4) {
+            f4 at[4], axis[3];
+            for (uint32_t k = 0; k < 4; k++) {
+                at[k] = f4_set(NAN); /* fails every comparison, so empty lanes are never hit */
+                if (i + k >= n) continue;
+                at[k] = f4_load3(lc_tri_vertex(b->pos, b->index, block->tri[i + k], v));
+                box = f4_box_join(box, (f4_box){ at[k], at[k] });
+            }
+            f4_transpose4(at[0], at[1], at[2], at[3], axis);
+            for (int k = 0; k < 3; k++) f4_store(&block->v[v][k][i], axis[k]);
+        }
+    return box;
+}
+
+/* Numbers the block of a leaf, or of a node that is as cheap as one, and fills it if need be. */
+static uint32_t block_of(const collapse *c, const lc_bin_node *leaf, uint32_t *next)
+{
+    const lc_bvh_builder *b = c->b;
     const lc_bin_node *first = leaf;
     const uint32_t n = leaf->info >> LC_BIN_COUNT_SHIFT & 15;
+    if (b->fast) return leaf->left;
     while (!(first->info & LC_BIN_LEAF)) first = &b->nodes[first->left];
-    for (uint32_t i = 0; i < n; i++) {
-        uint32_t tri = b->order[first->left + i];
-        blk->tri[i] = tri;
-        for (size_t v = 0; v < 3; v++) {
-            const float *p = lc_tri_vertex(b->pos, b->index, tri, v);
-            for (size_t k = 0; k < 3; k++) blk->v[v][k][i] = p[k];
-        }
-    }
-    for (uint32_t i = n; i < 8; i++) { /* NaN fails every comparison, so empty lanes are never hit */
-        blk->tri[i] = LC_NONE;
-        for (size_t v = 0; v < 3; v++)
-            for (size_t k = 0; k < 3; k++) blk->v[v][k][i] = NAN;
-    }
+    lc_tri_block *block = &c->bvh->blocks[*next];
+    memcpy(block->tri, b->order + first->left, n * sizeof *block->tri);
+    lc_bvh_fill_block(b, n, block);
+    return (*next)++;
 }
 
 /* Fills a wide node's boxes and those of its children that are blocks, numbered from *block on. Returns the
@@ -161,7 +199,7 @@ static void fill_block(const lc_bvh_builder *b, const lc_bin_node *leaf, lc_tri_
 static uint32_t fill_node(const collapse *c, lc_bvh_node *node, uint32_t root, uint32_t *block,
                           uint32_t inner[8], uint32_t lane[8])
 {
-    uint32_t child[8], n = children_of(c->b->nodes, root, child), n_inner = 0;
+    uint32_t child[8], n = sorted_children_of(c->b->nodes, root, child), n_inner = 0;
     memset(node->pad, 0, sizeof node->pad);
     for (uint32_t i = 0; i < 8; i++) {
         const lc_bin_node *from = i < n ? &c->b->nodes[child[i]] : NULL;
@@ -171,8 +209,7 @@ static uint32_t fill_node(const collapse *c, lc_bvh_node *node, uint32_t root, u
         }
         node->child[i] = LC_NONE;
         if (from && is_block(from)) {
-            fill_block(c->b, from, &c->bvh->blocks[*block]);
-            node->child[i] = LC_BVH_LEAF | (*block)++;
+            node->child[i] = LC_BVH_LEAF | block_of(c, from, block);
         } else if (from) {
             inner[n_inner] = child[i];
             lane[n_inner++] = i;
@@ -240,7 +277,7 @@ static lc_status list_jobs(collapse *c)
             else c->jobs[c->n_jobs++].root = child[i];
         }
         if (t == c->n_top) return LC_OK;
-        n = children_of(nodes, c->top[t], child);
+        n = sorted_children_of(nodes, c->top[t], child);
     }
 }
 
@@ -274,9 +311,11 @@ static lc_status fill(collapse *c)
         n_blocks += blocks;
     }
     bvh->data.n_nodes = (uint32_t)n_nodes;
-    bvh->data.n_blocks = (uint32_t)n_blocks;
     bvh->data.nodes = bvh->nodes = lc_alloc_raw(ctx, n_nodes, sizeof *bvh->nodes);
-    bvh->data.blocks = bvh->blocks = lc_alloc_raw(ctx, n_blocks, sizeof *bvh->blocks);
+    if (!c->b->fast) {
+        bvh->data.n_blocks = (uint32_t)n_blocks;
+        bvh->data.blocks = bvh->blocks = lc_alloc_raw(ctx, n_blocks, sizeof *bvh->blocks);
+    }
     if (!bvh->nodes || !bvh->blocks) return LC_ERR_MEMORY;
     fill_top(c);
     lc_parallel(ctx, c->n_jobs, fill_job, c);

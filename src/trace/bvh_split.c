@@ -13,17 +13,16 @@ void lc_bvh_make_refs(const lc_bvh_builder *b, uint32_t first, uint32_t count, f
 {
     *box = *centroids = f4_box_empty();
     for (uint32_t t = first; t < first + count; t++) {
-        const float *p = lc_tri_vertex(b->pos, b->index, t, 0), *q = lc_tri_vertex(b->pos, b->index, t, 1);
-        const float *r = lc_tri_vertex(b->pos, b->index, t, 2);
+        const f4 p = f4_load3(lc_tri_vertex(b->pos, b->index, t, 0)),
+                 q = f4_load3(lc_tri_vertex(b->pos, b->index, t, 1)),
+                 r = f4_load3(lc_tri_vertex(b->pos, b->index, t, 2)), zero = f4_set(0);
+        const f4 lo = f4_add(f4_min(f4_min(p, q), r), zero), hi = f4_add(f4_max(f4_max(p, q), r), zero),
+                 c = f4_add(lo, hi); /* -0 becomes 0 */
         lc_bvh_ref *ref = &b->refs[0][t];
-        for (int k = 0; k < 3; k++) {
-            float lo = p[k] < q[k] ? p[k] : q[k], hi = p[k] > q[k] ? p[k] : q[k];
-            ref->lo[k] = (lo < r[k] ? lo : r[k]) + 0.0f; /* -0 becomes 0 */
-            ref->hi[k] = (hi > r[k] ? hi : r[k]) + 0.0f;
-        }
+        f4_store(ref->lo, lo);
+        f4_store(ref->hi, hi);
         ref->tri = t;
         ref->one = 1;
-        f4 lo = f4_load(ref->lo), hi = f4_load(ref->hi), c = f4_add(lo, hi);
         *box = f4_box_join(*box, (f4_box){ lo, hi });
         *centroids = f4_box_join(*centroids, (f4_box){ c, c });
     }
