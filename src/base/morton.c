@@ -190,9 +190,9 @@ static bool place_digits(const sorter *s, uint32_t n_chunks)
 static void sort_digits(sorter *s, uint32_t n_chunks, uint32_t shift)
 {
     for (s->from = 0, s->shift = shift; s->shift < 64; s->shift += DIGIT_BITS) {
-        lc_parallel(s->ctx, n_chunks, count_digits, s);
+        lc_parallel_if(n_chunks > 3, s->ctx, n_chunks, count_digits, s);
         if (!place_digits(s, n_chunks)) continue;
-        lc_parallel(s->ctx, n_chunks, move_chunk, s);
+        lc_parallel_if(n_chunks > 3, s->ctx, n_chunks, move_chunk, s);
         s->from = !s->from;
     }
 }

@@ -34,13 +34,14 @@ static void *work(void *arg)
     }
 }
 
-void lc_parallel(const lc_context *ctx, uint64_t n_items, void (*fn)(void *, uint32_t, uint64_t), void *user)
+void lc_parallel_if(bool worth, const lc_context *ctx, uint64_t n_items,
+                    void (*fn)(void *, uint32_t, uint64_t), void *user)
 {
     pthread_t thread[LC_MAX_THREADS];
     worker workers[LC_MAX_THREADS];
     loop l = { .fn = fn, .user = user, .n_items = n_items };
     atomic_init(&l.next, 0);
-    uint32_t n = 1, want = ctx->n_threads < n_items ? ctx->n_threads : (uint32_t)n_items;
+    uint32_t n = 1, want = !worth ? 1 : ctx->n_threads < n_items ? ctx->n_threads : (uint32_t)n_items;
     for (; n < want; n++) {
         workers[n] = (worker){ &l, n };
         if (pthread_create(&thread[n], NULL, work, &workers[n])) {
@@ -52,6 +53,11 @@ void lc_parallel(const lc_context *ctx, uint64_t n_items, void (*fn)(void *, uin
     workers[0] = (worker){ &l, 0 };
     work(&workers[0]);
     for (uint32_t i = 1; i < n; i++) pthread_join(thread[i], NULL);
+}
+
+void lc_parallel(const lc_context *ctx, uint64_t n_items, void (*fn)(void *, uint32_t, uint64_t), void *user)
+{
+    lc_parallel_if(true, ctx, n_items, fn, user);
 }
 
 struct lc_mutex {

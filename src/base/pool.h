@@ -9,6 +9,9 @@
  * ctx->n_threads. */
 void lc_parallel(const lc_context *ctx, uint64_t n_items,
                  void (*fn)(void *user, uint32_t thread, uint64_t item), void *user);
+/* In the calling thread alone unless it is worth more: to start a thread takes some 0.1 ms. */
+void lc_parallel_if(bool worth, const lc_context *ctx, uint64_t n_items,
+                    void (*fn)(void *user, uint32_t thread, uint64_t item), void *user);
 
 void lc_pool_yield(void); /* lets another thread run */
 

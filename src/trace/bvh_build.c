@@ -13,6 +13,7 @@
 #define TASKS 64      /* subtrees: one has at most n_tris / TASKS refs, kept within the next two */
 #define TASK_MIN 4096
 #define TASK_MAX 65536
+#define MANY 131072   /* of 2 threads: measured on 16,000 to 1,000,000 triangles */
 #define MAX_SAH_DEPTH 60 /* from there on ranges are halved: 30 more levels hold 2^30 triangles */
 #define SPLIT_COST 0.25f /* fraction of the area that splitting eight or fewer triangles must save; chosen */
 _Static_assert(MAX_SAH_DEPTH + 31 < LC_BVH_MAX_DEPTH, "traversal stack");
@@ -269,9 +270,9 @@ static lc_status split_levels(level *l)
     for (size_t first = 0, end; (end = b->n_heads) > first; first = end) {
         list_chunks(l, first, end);
         if (!l->n_works) continue;
-        lc_parallel(b->ctx, l->n_chunks, bin_chunk, l);
+        lc_parallel_if(b->many, b->ctx, l->n_chunks, bin_chunk, l);
         for (size_t i = 0; i < l->n_works; i++) choose_split(l, 0, i);
-        lc_parallel(b->ctx, l->n_chunks, move_chunk, l);
+        lc_parallel_if(b->many, b->ctx, l->n_chunks, move_chunk, l);
         lc_status st = lc_grow(b->ctx, (void **)&b->heads, &b->cap_heads, b->n_heads + 2 * l->n_works,
                                sizeof *b->heads);
         if (st) return st;
@@ -296,6 +297,21 @@ static lc_status split_top(lc_bvh_builder *b)
 
 /* ---- the whole build ---- */
 
+#define BYTES_A_TRI (2 * sizeof(lc_bin_node) + 2 * sizeof(lc_bvh_ref) + 2 * sizeof(uint32_t))
+
+void *lc_bvh_take(lc_bvh_builder *b, size_t n, size_t size)
+{
+    if (b->many) return lc_alloc_raw(b->ctx, n, size);
+    void *ptr = b->memory + b->taken;
+    b->taken += (n * size + 63) / 64 * 64;
+    return ptr;
+}
+
+void lc_bvh_give(const lc_bvh_builder *b, void *ptr, size_t n, size_t size)
+{
+    if (b->many) lc_free(b->ctx, ptr, n, size);
+}
+
 static void refs_item(void *user, uint32_t thread, uint64_t item)
 {
     struct { lc_bvh_builder *b; f4_box *boxes; } *l = user;
@@ -310,7 +326,7 @@ static lc_status make_root(lc_bvh_builder *b)
     const size_t n = (b->n_tris + CHUNK - 1) / CHUNK;
     struct { lc_bvh_builder *b; f4_box *boxes; } l = { b, lc_alloc(b->ctx, 2 * n, sizeof *l.boxes) };
     if (!l.boxes) return LC_ERR_MEMORY;
-    lc_parallel(b->ctx, n, refs_item, &l);
+    lc_parallel_if(b->many, b->ctx, n, refs_item, &l);
     f4_box box = f4_box_empty(), centroids = box;
     for (size_t i = 0; i < n; i++) {
         box = f4_box_join(box, l.boxes[2 * i]);
@@ -326,18 +342,35 @@ static lc_status make_root(lc_bvh_builder *b)
 static lc_status make_tree(lc_bvh_builder *b)
 {
     const size_t n = b->n_tris;
-    b->refs[0] = lc_alloc_raw(b->ctx, n, sizeof **b->refs);
-    b->refs[1] = lc_alloc_raw(b->ctx, n, sizeof **b->refs);
-    b->order = lc_alloc_raw(b->ctx, n, sizeof *b->order);
-    b->parents = lc_alloc_raw(b->ctx, n, sizeof *b->parents);
+    b->refs[0] = lc_bvh_take(b, n, sizeof **b->refs);
+    b->refs[1] = lc_bvh_take(b, n, sizeof **b->refs);
+    b->order = lc_bvh_take(b, n, sizeof *b->order);
+    b->parents = lc_bvh_take(b, n, sizeof *b->parents);
     lc_status st = b->refs[0] && b->refs[1] && b->order && b->parents ? make_root(b) : LC_ERR_MEMORY;
     if (!st) st = split_top(b);
     if (!st) st = make_subtrees(b);
     if (!st) st = lc_bvh_reinsert(b);
     /* Freed before the wide nodes and blocks are allocated, which keeps the peak of memory low. */
-    lc_free(b->ctx, b->refs[0], n, sizeof **b->refs);
-    lc_free(b->ctx, b->refs[1], n, sizeof **b->refs);
-    lc_free(b->ctx, b->parents, n, sizeof *b->parents);
+    lc_bvh_give(b, b->refs[0], n, sizeof **b->refs);
+    lc_bvh_give(b, b->refs[1], n, sizeof **b->refs);
+    lc_bvh_give(b, b->parents, n, sizeof *b->parents);
+    return st;
+}
+
+static lc_status make_bvh(lc_bvh_builder *b, lc_bvh *bvh)
+{
+    const size_t n = b->n_tris, bytes = b->many ? 0 : n * BYTES_A_TRI + 8 * 64;
+    if (bytes) b->memory = lc_alloc_raw(b->ctx, bytes, 1);
+    if (bytes && !b->memory) return LC_ERR_MEMORY;
+    b->nodes = lc_bvh_take(b, 2 * n, sizeof *b->nodes);
+    lc_status st = b->nodes ? LC_OK : LC_ERR_MEMORY;
+    if (!st) st = lc_grow(b->ctx, (void **)&b->heads, &b->cap_heads, 1, sizeof *b->heads);
+    if (!st) st = b->fast ? lc_bvh_fast_tree(b, bvh) : make_tree(b);
+    if (!st) st = lc_bvh_collapse(b, bvh);
+    lc_bvh_give(b, b->order, n, sizeof *b->order);
+    lc_bvh_give(b, b->nodes, 2 * n, sizeof *b->nodes);
+    lc_free(b->ctx, b->memory, bytes, 1);
+    lc_free(b->ctx, b->heads, b->cap_heads, sizeof *b->heads);
     return st;
 }
 
@@ -353,18 +386,9 @@ lc_status lc_bvh_build(const lc_context *ctx, const float *pos, const uint32_t *
     task_max = task_max < TASK_MIN ? TASK_MIN : task_max > TASK_MAX ? TASK_MAX : task_max;
     lc_bvh_builder b = {
         .ctx = ctx, .pos = pos, .index = index, .n_tris = n_tris, .task_max = (uint32_t)task_max,
-        .fast = ctx->bvh == LC_BVH_FAST
+        .many = n_tris >= MANY, .fast = ctx->bvh == LC_BVH_FAST
     };
-    lc_status st = LC_OK;
-    if (n_tris) {
-        b.nodes = lc_alloc_raw(ctx, 2 * n_tris, sizeof *b.nodes);
-        st = b.nodes ? lc_grow(ctx, (void **)&b.heads, &b.cap_heads, 1, sizeof *b.heads) : LC_ERR_MEMORY;
-        if (!st) st = b.fast ? lc_bvh_fast_tree(&b, bvh) : make_tree(&b);
-        if (!st) st = lc_bvh_collapse(&b, bvh);
-    }
-    lc_free(ctx, b.order, n_tris, sizeof *b.order);
-    lc_free(ctx, b.nodes, 2 * n_tris, sizeof *b.nodes);
-    lc_free(ctx, b.heads, b.cap_heads, sizeof *b.heads);
+    lc_status st = n_tris ? make_bvh(&b, bvh) : LC_OK;
     if (st) {
         lc_bvh_destroy(bvh);
         return st;

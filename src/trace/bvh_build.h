@@ -67,6 +67,9 @@ typedef struct lc_bvh_builder {
     const uint32_t *index;
     size_t n_tris;
     uint32_t task_max;   /* limits the refs of a subtree that one thread builds */
+    bool many;           /* so many triangles that every loop over them is worth threads */
+    char *memory;        /* of few triangles, all arrays below but heads: one block has few pages to clear */
+    size_t taken;        /* bytes of it */
     bool fast;           /* made by bvh_fast.c: no refs, order, parents */
     lc_bvh_ref *refs[2]; /* n_tris each; a split moves a range from one array to the other */
     uint32_t *order;     /* n_tris: triangle ids in the order of the leaves */
@@ -82,6 +85,11 @@ static inline lc_bvh_costs *lc_bvh_costs_of(const lc_bvh_builder *b, uint32_t no
 {
     return (lc_bvh_costs *)(void *)&b->refs[node % 2][node / 2 - 1];
 }
+
+/* Memory for n elements until the end of the build, or of many triangles until it is given back; NULL on
+ * failure. */
+void *lc_bvh_take(lc_bvh_builder *b, size_t n, size_t size);
+void lc_bvh_give(const lc_bvh_builder *b, void *ptr, size_t n, size_t size);
 
 /* ---- bvh_split.c ---- */
 

@@ -299,7 +299,7 @@ static lc_status fill(collapse *c)
     size_t n_nodes, n_blocks;
     lc_status st = list_jobs(c);
     if (st) return st;
-    lc_parallel(ctx, c->n_jobs, count_job, c);
+    lc_parallel_if(c->b->many, ctx, c->n_jobs, count_job, c);
     n_nodes = c->n_top;
     n_blocks = c->n_top_blocks;
     for (size_t i = 0; i < c->n_jobs; i++) {
@@ -318,7 +318,7 @@ static lc_status fill(collapse *c)
     }
     if (!bvh->nodes || !bvh->blocks) return LC_ERR_MEMORY;
     fill_top(c);
-    lc_parallel(ctx, c->n_jobs, fill_job, c);
+    lc_parallel_if(c->b->many || !c->b->fast, ctx, c->n_jobs, fill_job, c);
     return LC_OK;
 }
 

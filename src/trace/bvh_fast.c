@@ -69,7 +69,7 @@ static lc_status make_keys(fast *f, uint64_t *keys, uint64_t *spare)
     f4_box box = f4_box_empty();
     f->boxes = lc_alloc_raw(b->ctx, n, sizeof *f->boxes);
     if (!f->boxes) return LC_ERR_MEMORY;
-    lc_parallel(b->ctx, n, measure_chunk, f);
+    lc_parallel_if(b->many, b->ctx, n, measure_chunk, f);
     for (size_t i = 0; i < n; i++) box = f4_box_join(box, f->boxes[i]);
     lc_free(b->ctx, f->boxes, n, sizeof *f->boxes);
     f4_store(size, f4_sub(box.hi, box.lo));
@@ -77,7 +77,7 @@ static lc_status make_keys(fast *f, uint64_t *keys, uint64_t *spare)
     f->lo = box.lo;
     f->scale = f4_set(scale > 0 && scale <= FLT_MAX ? scale : 0);
     f->keys = keys;
-    lc_parallel(b->ctx, n, key_chunk, f);
+    lc_parallel_if(b->many, b->ctx, n, key_chunk, f);
     f->keys = lc_morton_sort_keys(b->ctx, (uint32_t)b->n_tris, keys, spare);
     return f->keys ? LC_OK : LC_ERR_MEMORY;
 }
@@ -244,12 +244,12 @@ lc_status lc_bvh_fast_tree(lc_bvh_builder *b, lc_bvh *bvh)
 {
     const size_t n = b->n_tris;
     fast f = { .b = b, .bvh = bvh };
-    uint64_t *keys = lc_alloc_raw(b->ctx, n, sizeof *keys), *spare = lc_alloc_raw(b->ctx, n, sizeof *spare);
+    uint64_t *keys = lc_bvh_take(b, n, sizeof *keys), *spare = lc_bvh_take(b, n, sizeof *spare);
     lc_status st = keys && spare ? make_keys(&f, keys, spare) : LC_ERR_MEMORY;
     if (!st) st = split_top(&f);
-    if (!st) lc_parallel(b->ctx, b->n_heads, split_item, &f);
+    if (!st) lc_parallel_if(b->many, b->ctx, b->n_heads, split_item, &f);
     if (!st) st = make_blocks(&f);
-    lc_free(b->ctx, keys, n, sizeof *keys);
-    lc_free(b->ctx, spare, n, sizeof *spare);
+    lc_bvh_give(b, keys, n, sizeof *keys);
+    lc_bvh_give(b, spare, n, sizeof *spare);
     return st;
 }

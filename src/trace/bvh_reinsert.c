@@ -10,16 +10,17 @@
 #include "trace/bvh_build.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Limits on the time spent; chosen. */
 #define PASSES 2
 #define TRIS_A_MOVE 28 /* triangles for each node that a pass moves */
 #define MAX_MOVES 8192 /* nodes that a pass moves */
-#define MAX_VISITS 256 /* nodes that the search for one place visits */
+#define MAX_VISITS 128 /* nodes whose children the search for one place visits */
 #define MAX_DEPTH (LC_BVH_MAX_DEPTH - 2)
 
 typedef struct {
-    float cost;
+    float cost; /* what inserting below the node adds to it and all above it */
     uint32_t node, depth;
 } entry;
 
@@ -79,22 +80,29 @@ static void put(const lc_bvh_builder *b, uint32_t place, const lc_bin_node *node
     if (!(node->info & LC_BIN_LEAF)) b->parents[node->left / 2] = place;
 }
 
-/* Updates boxes, heights and flags from a node whose children changed up to the root. */
+/* Updates boxes, heights and flags from a node whose children changed up to where nothing does. */
 static void update_above(const lc_bvh_builder *b, uint32_t place)
 {
     for (;; place = b->parents[place / 2]) {
-        lc_bin_node *n = &b->nodes[place], *child = &b->nodes[n->left];
+        lc_bin_node *n = &b->nodes[place], *child = &b->nodes[n->left], was = *n;
         f4_box box = f4_box_join(box_of(&child[0]), box_of(&child[1]));
-        uint32_t left = n->left,
-                 info = n->info | LC_BIN_DIRTY | ((child[0].info | child[1].info) & LC_BIN_TOP);
-        uint32_t h0 = lc_bvh_costs_of(b, left)->height, h1 = lc_bvh_costs_of(b, left + 1)->height;
+        uint32_t h0 = lc_bvh_costs_of(b, n->left)->height, h1 = lc_bvh_costs_of(b, n->left + 1)->height;
         f4_store(n->lo, box.lo);
         f4_store(n->hi, box.hi);
-        n->left = left;
-        n->info = info;
+        n->left = was.left;
+        n->info = was.info | LC_BIN_DIRTY | ((child[0].info | child[1].info) & LC_BIN_TOP);
         if (!place) return;
-        lc_bvh_costs_of(b, place)->height = 1 + (h0 > h1 ? h0 : h1);
+        uint32_t *height = &lc_bvh_costs_of(b, place)->height, h = 1 + (h0 > h1 ? h0 : h1);
+        if (!memcmp(n, &was, sizeof was) && *height == h) return; /* what is dirty has dirty nodes above */
+        *height = h;
     }
+}
+
+/* Whether the tree keeps its depth if a node of some height is put beside that at a place. */
+static bool fits(const lc_bvh_builder *b, uint32_t place, uint32_t depth, uint32_t height)
+{
+    const uint32_t other = lc_bvh_costs_of(b, place)->height;
+    return depth + 1 + (height > other ? height : other) < MAX_DEPTH;
 }
 
 /* The place where inserting the node adds the least area, to all nodes above and by the new parent; 0 if
@@ -107,21 +115,23 @@ static uint32_t find_place(mover *m, const lc_bin_node *node, uint32_t height)
     float least = INFINITY;
     uint32_t place = 0;
     m->queue.n = 0;
-    push(&m->queue, (entry){ 0, 0, 0 });
+    const f4_box all = box_of(&b->nodes[0]);
+    push(&m->queue, (entry){ area_of(f4_box_join(box, all)) - area_of(all), 0, 0 });
     for (int visits = 0; m->queue.n && visits < MAX_VISITS; visits++) {
-        entry e = pop(&m->queue);
+        const entry e = pop(&m->queue);
         if (e.cost + own >= least) break;
-        const lc_bin_node *x = &b->nodes[e.node];
-        float joined = area_of(f4_box_join(box, box_of(x))), above = e.cost + joined - area_of(box_of(x));
-        uint32_t x_height = e.node ? lc_bvh_costs_of(b, e.node)->height : 0;
-        if (e.node && e.cost + joined < least &&
-            e.depth + 1 + (height > x_height ? height : x_height) < MAX_DEPTH) {
-            least = e.cost + joined;
-            place = e.node;
+        for (uint32_t k = b->nodes[e.node].left, end = k + 2; k < end; k++) {
+            const lc_bin_node *x = &b->nodes[k];
+            const float joined = area_of(f4_box_join(box, box_of(x))),
+                        above = e.cost + joined - area_of(box_of(x));
+            if (e.cost + joined < least && fits(b, k, e.depth + 1, height)) {
+                least = e.cost + joined;
+                place = k;
+            }
+            if (!is_open(x) || !(above + own < least)) continue;
+            __builtin_prefetch(&b->nodes[x->left]);
+            push(&m->queue, (entry){ above, k, e.depth + 1 });
         }
-        if (!is_open(x) || !(above + own < least)) continue;
-        push(&m->queue, (entry){ above, x->left, e.depth + 1 });
-        push(&m->queue, (entry){ above, x->left + 1, e.depth + 1 });
     }
     return place;
 }
