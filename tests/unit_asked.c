@@ -258,6 +258,60 @@ TEST(background_counts_for_nothing)
     CHECKF(n_within >= 0.93 * n, "%d of %d", n_within, n);
 }
 
+/* A floor, lamps above it, and above these so many hoods that the ceiling has light of a faint lamp alone. */
+static void write_hoods(const char *path)
+{
+    FILE *f = fopen(path, "w");
+    if (!f) abort();
+    fprintf(f,
+            "Film \"rgb\" \"integer xresolution\" [%d] \"integer yresolution\" [%d]\nPixelFilter \"box\"\n"
+            "LookAt 0 2 -7 0 2 0 0 1 0\nCamera \"perspective\" \"float fov\" [60]\n"
+            "Integrator \"directlighting\"\nWorldBegin\nMaterial \"diffuse\"\n"
+            "LightSource \"point\" \"rgb I\" [.003 .003 .003] \"point3 from\" [0 3.5 0]\n",
+            SIDE, SIDE);
+    for (int y = 0; y <= 4; y += 4)
+        fprintf(f,
+                "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
+                "\"point3 P\" [-9 %d 9 9 %d 9 9 %d -9 -9 %d -9]\n",
+                y, y, y, y);
+    for (int i = 0; i < 2500; i++) {
+        const double x = i % 50 * 0.2 - 5, z = i / 50 * 0.2 - 5, h = 2 + i % 7 * 0.02;
+        fprintf(f, "LightSource \"point\" \"rgb I\" [.1 .1 .1] \"point3 from\" [%g %g %g]\n", x, h - 0.2, z);
+        fprintf(f,
+                "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
+                "\"point3 P\" [%g %g %g %g %g %g %g %g %g %g %g %g]\n",
+                x - 0.2, h, z - 0.2, x + 0.2, h, z - 0.2, x + 0.2, h, z + 0.2, x - 0.2, h, z + 0.2);
+    }
+    fclose(f);
+}
+
+TEST(pixels_nearly_dark_have_wider_limits)
+{
+    static picture truth, wide, narrow;
+    write_hoods(PATH);
+    render((way){ .method = LC_METHOD_EXACT }, &truth);
+    render((way){ .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95 }, &wide);
+    lc_calibration c = wide.stats.calibration;
+    CHECKF(c.dark > 1, "%g", (double)c.dark);
+    c.dark = 1;
+    render((way){ .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .calibration = &c }, &narrow);
+    const double rays = (double)wide.stats.shadow_rays, more = (double)narrow.stats.shadow_rays;
+    CHECKF(more > 1.01 * rays, "%g, %g", more, rays);
+    const double share = share_within(&wide, &truth, 0.02);
+    CHECKF(share >= 94, "%g", share);
+    double mean = 0, floor_lum, n = 0, within = 0; /* of the dark half */
+    for (int i = 0; i < SIDE * SIDE; i++) mean += luminance(&truth, i) / (SIDE * SIDE);
+    floor_lum = (double)LC_ASKED_DARK_FLOOR * mean;
+    for (int i = 0; i < SIDE * SIDE; i++)
+        if (luminance(&truth, i) < 0.25 * floor_lum) {
+            n++;
+            within += fabs(luminance(&wide, i) - luminance(&truth, i)) <= 0.02 * floor_lum;
+        }
+    printf("  %g times wider: %.2f of the rays, %.1f %% within, of the dark %.1f %%\n",
+           (double)wide.stats.calibration.dark, rays / more, share, 100 * within / n);
+    CHECK(n > SIDE * SIDE / 3 && within >= 0.85 * n);
+}
+
 static void check_same_bytes(uint32_t spp, bool shared)
 {
     static picture whole, other;
@@ -378,6 +432,7 @@ int main(void)
     RUN(shared_cuts_lose_nothing);
     RUN(half_shadows_are_not_too_bright);
     RUN(background_counts_for_nothing);
+    RUN(pixels_nearly_dark_have_wider_limits);
     RUN(same_bytes_for_crops_threads_and_kept_calibrations);
     RUN(hardly_anything);
     RUN(no_room_is_said);

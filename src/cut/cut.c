@@ -8,7 +8,8 @@
 #include <string.h>
 
 /* Below this fraction of the dark floor a point is nearly dark: its errors cannot be seen, so cuts with many
- * occluded representatives keep the error ratio. Measured: tests/results/refinement.md. */
+ * occluded representatives keep the error ratio, and with z the pilots say how much wider limits may be.
+ * Measured: tests/results/refinement.md, asked-error.md. */
 #define NEARLY_DARK 0.25
 /* With z a start is saved while the root of the sum of its squared bounds is still this multiple of its own
  * point's limit, so that cuts that begin with it are not finer than their own points need. Measured:
@@ -154,11 +155,23 @@ static double of_alike(const lc_cut *c, double total)
     return fmin(fmax(c->alike, total / MOST_UNLIKE), total * MOST_UNLIKE);
 }
 
+/* The luminance of the pixel, as far as it is known. */
+static double pixel_of(const lc_cut *c, double total)
+{
+    return (double)c->part.own * of_alike(c, total) + c->part.rest;
+}
+
+static double z_of(const lc_cut *c, double total)
+{
+    const bool dark = c->desc.dark > 1 && pixel_of(c, total) < NEARLY_DARK * (double)c->desc.floor;
+    return (double)c->desc.z / (dark ? (double)c->desc.dark : 1);
+}
+
 static void set_max_error(const lc_cut *c, lc_cut_result *out)
 {
     float lum = lc_luminance(out->radiance), worst = worst_of(&c->kept);
     if (c->desc.z > 0) {
-        worst = (float)((double)c->desc.z * sqrt(lc_cut_sum2(c)));
+        worst = (float)(z_of(c, (double)lum) * sqrt(lc_cut_sum2(c)));
         lum = fmaxf((float)of_alike(c, (double)lum), c->desc.floor);
     }
     if (worst > 0) out->max_error = lum > 0 ? worst / lum : INFINITY;
@@ -252,8 +265,7 @@ static bool split_round(lc_cut *c, lc_cut_step *s, float limit, uint64_t rays_be
  * is the sum over its cuts, each times its share squared; each may add as much as its share. */
 static double of_pixel(const lc_cut *c, double total)
 {
-    const double pixel = (double)c->part.own * of_alike(c, total) + c->part.rest;
-    return fmax(pixel, (double)c->desc.floor) / sqrt((double)c->part.share);
+    return fmax(pixel_of(c, total), (double)c->desc.floor) / sqrt((double)c->part.share);
 }
 
 /* The limit on the bounds of clusters: that of each of them, or that of a round, with which clusters are
@@ -263,7 +275,7 @@ static float limit_of(lc_cut *c, const lc_cut_step *s, bool traced, double total
     const double floor_lum = (double)c->desc.floor, of = total > floor_lum ? total : floor_lum;
     *ratio = (double)c->desc.error_ratio;
     if (c->desc.z > 0) {
-        const double rss = *ratio * of_pixel(c, total) / (double)c->desc.z;
+        const double rss = *ratio * of_pixel(c, total) / z_of(c, total);
         const double coarser = c->start_only ? 1 : START_COARSER;
         if (!c->start_saved && isinf(lc_cut_rss_limit(c, coarser * rss)))
             lc_cut_save_start(c, s->stats);
@@ -325,7 +337,7 @@ static bool refine_within_room(lc_cut *c, lc_cut_step *s)
 /* Whether the error left is above this. */
 static bool error_above(const lc_cut *c, double most)
 {
-    if (c->desc.z > 0) return (double)c->desc.z * sqrt(lc_cut_sum2(c)) > most;
+    if (c->desc.z > 0) return z_of(c, c->total) * sqrt(lc_cut_sum2(c)) > most;
     return (double)worst_of(&c->kept) > most;
 }
 

@@ -56,6 +56,9 @@
 #define BETWEEN_STEPS 4   /* in place of MOST_STEPS */
 #define KNOTS_COST 5      /* work of a step with knots, in steps without */
 #define MOST_MISSED 1.5   /* times the share that may miss the error: so many of them, at a guessed z */
+/* Pixels nearly dark; measured: tests/results/asked-error.md. */
+#define WIDER 4           /* times their limit */
+#define LEAST_DARK 16     /* one in so many of the pilots is worth a try */
 #define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
 #define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
 #define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
@@ -153,6 +156,7 @@ static void set_workers(const lc_render_job *j, double error, double z, bool alo
         lc_render_worker *w = &j->workers[i];
         w->cut.desc.error_ratio = (float)error;
         w->cut.desc.z = (float)z;
+        w->cut.desc.dark = j->dark;
         w->alone = alone;
         w->pilot = pilot;
         w->guide.made = false;
@@ -293,6 +297,7 @@ typedef struct {
     search s;
     double work;
     bool shared, evidence;
+    float dark;
 } way_cost;
 
 /* Cuts with evidence or without, for each sample or shared: steps by one value of each pilot, and a last one
@@ -426,45 +431,59 @@ static lc_status make_workers(pilots *p, const lc_cut_desc *cut)
 
 /* Tries a way and keeps it where it takes less time than the best so far, by its work. */
 static lc_status keep_better(pilots *p, const lc_cut_desc *cut, double z, bool shared, bool evidence,
-                             double *sorted, way_cost *best)
+                             float dark, double *sorted, way_cost *best)
 {
     static const double costs[2][2] = { { 1, EVIDENCE_COSTS }, { SHARED_COSTS, SHARED_EVIDENCE_COSTS } };
     lc_render_job *j = p->j;
     const bool fine = shared || !j->max_points; /* else it is seldom the best, and dear: by few pilots */
-    const int n_steps = evidence ? 1 : fine ? ROUGH_STEPS : TRIED_STEPS;
+    const int n_steps = evidence || dark > 1 ? 1 : fine ? ROUGH_STEPS : TRIED_STEPS;
     j->shared = shared;
     j->evidence = evidence;
+    j->dark = dark;
     lc_status st = make_workers(p, cut);
     if (st) return st;
     const uint32_t n = p->n;
     if (!fine) p->n = n < ROUGH_PILOTS ? n : ROUGH_PILOTS;
     way_cost c = try_way(p, cut, z, n_steps, fine, sorted);
     p->n = n;
-    if (shared && !evidence) j->pixel_work = c.work * p->lit;
+    if (shared && !evidence && !(dark > 1)) j->pixel_work = c.work * p->lit;
     c.work *= costs[shared][evidence];
     c.shared = shared;
     c.evidence = evidence;
+    c.dark = dark;
     if (!(best->s.z > 0) || c.work < best->work) *best = c;
     return st;
 }
 
-/* Whether the samples of a pixel share cuts, and whether blocks take evidence; *s: the search so far. */
+/* Most of what pixels nearly dark could be lit by is hidden: they keep the error by far. */
+static bool many_are_dark(const pilots *p, double floor_lum)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < p->n; i++) n += p->truth[i] < floor_lum;
+    return n * LEAST_DARK > p->n;
+}
+
+/* Whether the samples of a pixel share cuts, whether blocks take evidence, and whether pixels nearly dark
+ * have wider limits; *s: the search so far. */
 static lc_status choose_way(pilots *p, lc_cut_desc *cut, double *sorted, search *s)
 {
     lc_render_job *j = p->j;
     const bool evidence = j->evidence, may_share = j->max_points;
     way_cost best = { .work = 0 };
     p->guided = evidence;
-    lc_status st = keep_better(p, cut, (double)cut->z, false, false, sorted, &best);
+    lc_status st = keep_better(p, cut, (double)cut->z, false, false, 1, sorted, &best);
     if (!st && may_share)
-        st = keep_better(p, cut, best.s.z * sqrt((double)j->spp), true, false, sorted, &best);
+        st = keep_better(p, cut, best.s.z * sqrt((double)j->spp), true, false, 1, sorted, &best);
     if (!st && evidence) {
         const double from = may_share && !best.shared ? sqrt((double)j->spp) : 1;
-        st = keep_better(p, cut, from * Z_OF_EVIDENCE * best.s.z, may_share, true, sorted, &best);
+        st = keep_better(p, cut, from * Z_OF_EVIDENCE * best.s.z, may_share, true, 1, sorted, &best);
     }
+    if (!st && many_are_dark(p, (double)cut->floor))
+        st = keep_better(p, cut, best.s.z, best.shared, best.evidence, WIDER, sorted, &best);
     p->guided = false;
     j->shared = best.shared;
     j->evidence = best.evidence;
+    j->dark = best.dark;
     *s = best.s;
     return st ? st : make_workers(p, cut);
 }
@@ -511,7 +530,7 @@ static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
     lc_status st = shade_truth(p, &cut);
     if (!st) state_grain(p, (double)cut.floor, sorted, c);
     cut.max_points = j->max_points;
-    p->tried = j->evidence || j->max_points;
+    p->tried = j->evidence || j->max_points || many_are_dark(p, (double)cut.floor);
     if (!st && p->n_finite) st = p->tried ? choose_way(p, &cut, sorted, &s) : make_workers(p, &cut);
     if (!st && p->n_finite) {
         if (lc_may_interpolate(j)) try_interpolation(p, &cut, sorted, &s);
@@ -520,6 +539,7 @@ static lc_status calibrate(pilots *p, double *sorted, lc_calibration *c)
     }
     c->shared = j->shared;
     c->evidence = j->evidence;
+    c->dark = j->dark;
     c->interpolated = j->interpolated;
     c->rays = p->rays + count_rays(j);
     c->n_pilots = p->n_finite;

@@ -139,7 +139,7 @@ lc_cut_desc lc_job_cut_desc(const lc_render_job *j)
 {
     const lc_render_desc *d = j->desc;
     return (lc_cut_desc){ j->error > 0 ? j->error : d->error_ratio, d->max_cut, j->floor, j->z,
-                          j->shared ? j->max_points : 0, j->parent };
+                          j->shared ? j->max_points : 0, j->parent, j->dark };
 }
 
 /* Finds z, or takes it from who has it, unless every light turns out to be evaluated. */
@@ -151,6 +151,7 @@ static lc_status choose_z(lc_render_job *j, lc_calibration *c)
         st = lc_desc_take(j->ctx, "lc_calibration", c, sizeof *c, j->desc->calibration);
     else st = lc_calibrate(j, c);
     j->z = c->z;
+    j->dark = c->dark;
     j->error = c->error;
     j->shared = c->shared && j->max_points;
     j->evidence = c->evidence;

@@ -226,6 +226,8 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
         return lc_fail(ctx, LC_ERR_ARG, "a calibration must say whether it was found with evidence");
     if (d->calibration && !(c.z > 0 && isfinite(c.z)))
         return lc_fail(ctx, LC_ERR_ARG, "a calibration's z must be finite and above 0");
+    if (d->calibration && !(c.dark >= 0 && c.dark <= 64))
+        return lc_fail(ctx, LC_ERR_ARG, "a calibration's dark must be at most 64");
     if (!(d->seconds >= 0) || !isfinite(d->seconds))
         return lc_fail(ctx, LC_ERR_ARG, "seconds must be finite and at least 0");
     if (d->seconds > 0 && (!(d->error > 0) || d->calibration))

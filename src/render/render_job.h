@@ -83,7 +83,7 @@ typedef struct lc_render_job {
     atomic_bool cancelled;
     double *prepass; /* luminance by grid cell */
     bool exact;      /* every light at every point */
-    float floor;     /* luminance: the dark floor */
+    float floor, dark; /* luminance: the dark floor; as of lc_calibration */
     float z;         /* of cuts where the error of pixels is asked, else 0 */
     float error;     /* asked of pixels, 0: none */
     bool evidence, shared; /* blocks take evidence, see cut/evidence.h; samples of a pixel share cuts */

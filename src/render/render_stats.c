@@ -108,6 +108,7 @@ static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, con
     st = lc_image_set_number(im, "lightcuts/achieved", (double)c->achieved);
     if (!st) st = lc_image_set_number(im, "lightcuts/achievedMargin", (double)c->margin);
     if (!st) st = lc_image_set_number(im, "lightcuts/z", (double)c->z);
+    if (!st && c->dark > 1) st = lc_image_set_number(im, "lightcuts/darkWider", (double)c->dark);
     if (!st) st = lc_image_set_number(im, "lightcuts/sharedCuts", c->shared);
     if (!st) st = lc_image_set_number(im, "lightcuts/evidence", c->evidence);
     if (!st) st = lc_image_set_number(im, "lightcuts/interpolated", c->interpolated);
