@@ -13,7 +13,9 @@
 #define TASKS 64      /* subtrees: one has at most n_tris / TASKS refs, kept within the next two */
 #define TASK_MIN 4096
 #define TASK_MAX 65536
-#define MANY 131072   /* of 2 threads: measured on 16,000 to 1,000,000 triangles */
+/* From so many triangles on every loop is worth threads, and every array a block of its own; for fuzzers
+ * always, so that what goes beyond one is found. Measured with two threads on 16,000 to 1,000,000. */
+#define MANY LC_SIZE(131072, 1)
 #define MAX_SAH_DEPTH 60 /* from there on ranges are halved: 30 more levels hold 2^30 triangles */
 #define SPLIT_COST 0.25f /* fraction of the area that splitting eight or fewer triangles must save; chosen */
 _Static_assert(MAX_SAH_DEPTH + 31 < LC_BVH_MAX_DEPTH, "traversal stack");
