@@ -140,14 +140,14 @@ static double left_of(double root, double total) { return total > 0 ? root / tot
 TEST(hardly_larger_than_by_a_strict_heap)
 {
     static const lc_cut_desc descs[] = {
-        { 0.05f, 0, 1e-3f, 0, 0, NULL },
-        { 0.02f, 0, 1e-3f, 0, 0, NULL },
-        { 0.02f, 0, 1e-3f, 0.1f, 0, NULL },
-        { 0.02f, 0, 1e-3f, 0.3f, 0, NULL },
-        { 0.05f, 0, 1e-3f, 0.3f, 0, NULL },
-        { 0.001f, 100, 1e-3f, 0, 0, NULL },
-        { 0.001f, 400, 1e-3f, 0, 0, NULL },
-        { 0.001f, 400, 1e-3f, 0.3f, 0, NULL },
+        { 0.05f, 0, 1e-3f, 0, 0, NULL, 0 },
+        { 0.02f, 0, 1e-3f, 0, 0, NULL, 0 },
+        { 0.02f, 0, 1e-3f, 0.1f, 0, NULL, 0 },
+        { 0.02f, 0, 1e-3f, 0.3f, 0, NULL, 0 },
+        { 0.05f, 0, 1e-3f, 0.3f, 0, NULL, 0 },
+        { 0.001f, 100, 1e-3f, 0, 0, NULL, 0 },
+        { 0.001f, 400, 1e-3f, 0, 0, NULL, 0 },
+        { 0.001f, 400, 1e-3f, 0.3f, 0, NULL, 0 },
     };
     static strict_cut h;
     static lc_cut_start start;
