@@ -15,7 +15,8 @@ lc_status lc_morton_order(const lc_context *ctx, uint32_t n, lc_f3 (*place)(cons
                           const void *user, uint32_t *order);
 
 /* The same in a fraction of the time, by fewer cells: a point's key has its place along the curve in the
- * upper half, its index in the lower. cell: below LC_MORTON_CELLS; those along z count by two. */
+ * upper half, its index in the lower. cell: below LC_MORTON_CELLS; the lowest bit of the one along z does
+ * not count. */
 #define LC_MORTON_CELLS 2048
 static inline uint64_t lc_morton_key(const uint32_t cell[3], uint32_t index)
 {

@@ -9,7 +9,7 @@
  * ctx->n_threads. */
 void lc_parallel(const lc_context *ctx, uint64_t n_items,
                  void (*fn)(void *user, uint32_t thread, uint64_t item), void *user);
-/* In the calling thread alone unless it is worth more: to start a thread takes some 0.1 ms. */
+/* The same, but in the calling thread alone if others are not worth their start, some 0.1 ms each. */
 void lc_parallel_if(bool worth, const lc_context *ctx, uint64_t n_items,
                     void (*fn)(void *user, uint32_t thread, uint64_t item), void *user);
 

@@ -8,7 +8,8 @@
  *     truth    every light at every point; of many lights, or samples, a much finer cut
  *     values   the pixel by cuts of a z, which begin with the roots, by several slots of representatives
  *     z        where the asked share of the values, and a margin, is within the error
- *     way      a cut for each sample, or shared by a pixel's; with evidence of the block, or without
+ *     way      a cut for each sample, or shared by a pixel's; with evidence of the block, or without; with
+ *              wider limits for pixels nearly dark, or the same
  *     between  whether pixels are interpolated: how many can be, and how near they are
  *
  * A value's miss is its error over what is asked. The misses' quantile of that share falls with z about as

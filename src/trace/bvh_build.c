@@ -361,6 +361,7 @@ static lc_status make_tree(lc_bvh_builder *b)
 
 static lc_status make_bvh(lc_bvh_builder *b, lc_bvh *bvh)
 {
+    /* Each of up to eight arrays begins at a multiple of 64 bytes. */
     const size_t n = b->n_tris, bytes = b->many ? 0 : n * BYTES_A_TRI + 8 * 64;
     if (bytes) b->memory = lc_alloc_raw(b->ctx, bytes, 1);
     if (bytes && !b->memory) return LC_ERR_MEMORY;

@@ -12,6 +12,7 @@
 #ifndef LC_BVH_BUILD_H
 #define LC_BVH_BUILD_H
 
+#include "base/vec.h"
 #include "base/vec4.h"
 #include "trace/bvh.h"
 
@@ -90,6 +91,14 @@ static inline lc_bvh_costs *lc_bvh_costs_of(const lc_bvh_builder *b, uint32_t no
  * failure. */
 void *lc_bvh_take(lc_bvh_builder *b, size_t n, size_t size);
 void lc_bvh_give(const lc_bvh_builder *b, void *ptr, size_t n, size_t size);
+
+static inline f4_box lc_bvh_tri_box(const lc_bvh_builder *b, size_t tri)
+{
+    const f4 p = f4_load3(lc_tri_vertex(b->pos, b->index, tri, 0)),
+             q = f4_load3(lc_tri_vertex(b->pos, b->index, tri, 1)),
+             r = f4_load3(lc_tri_vertex(b->pos, b->index, tri, 2));
+    return (f4_box){ f4_min(f4_min(p, q), r), f4_max(f4_max(p, q), r) };
+}
 
 /* ---- bvh_split.c ---- */
 

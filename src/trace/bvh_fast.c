@@ -25,10 +25,8 @@ typedef struct {
 
 static f4 twice_centroid(const lc_bvh_builder *b, size_t tri)
 {
-    const f4 p = f4_load3(lc_tri_vertex(b->pos, b->index, tri, 0)),
-             q = f4_load3(lc_tri_vertex(b->pos, b->index, tri, 1)),
-             r = f4_load3(lc_tri_vertex(b->pos, b->index, tri, 2));
-    return f4_add(f4_min(f4_min(p, q), r), f4_max(f4_max(p, q), r));
+    const f4_box box = lc_bvh_tri_box(b, tri);
+    return f4_add(box.lo, box.hi);
 }
 
 static uint32_t end_of_chunk(const lc_bvh_builder *b, uint64_t item)

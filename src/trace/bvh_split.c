@@ -13,11 +13,9 @@ void lc_bvh_make_refs(const lc_bvh_builder *b, uint32_t first, uint32_t count, f
 {
     *box = *centroids = f4_box_empty();
     for (uint32_t t = first; t < first + count; t++) {
-        const f4 p = f4_load3(lc_tri_vertex(b->pos, b->index, t, 0)),
-                 q = f4_load3(lc_tri_vertex(b->pos, b->index, t, 1)),
-                 r = f4_load3(lc_tri_vertex(b->pos, b->index, t, 2)), zero = f4_set(0);
-        const f4 lo = f4_add(f4_min(f4_min(p, q), r), zero), hi = f4_add(f4_max(f4_max(p, q), r), zero),
-                 c = f4_add(lo, hi); /* -0 becomes 0 */
+        const f4_box of = lc_bvh_tri_box(b, t);
+        const f4 lo = f4_add(of.lo, f4_set(0)), hi = f4_add(of.hi, f4_set(0)); /* -0 becomes 0 */
+        const f4 c = f4_add(lo, hi);
         lc_bvh_ref *ref = &b->refs[0][t];
         f4_store(ref->lo, lo);
         f4_store(ref->hi, hi);
