@@ -274,9 +274,10 @@ static void write_hoods(const char *path)
                 "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
                 "\"point3 P\" [-9 %d 9 9 %d 9 9 %d -9 -9 %d -9]\n",
                 y, y, y, y);
-    for (int i = 0; i < 2500; i++) {
-        const double x = i % 50 * 0.2 - 5, z = i / 50 * 0.2 - 5, h = 2 + i % 7 * 0.02;
-        fprintf(f, "LightSource \"point\" \"rgb I\" [.1 .1 .1] \"point3 from\" [%g %g %g]\n", x, h - 0.2, z);
+    for (int i = 0; i < 70 * 70; i++) {
+        const double step = 1 / 7.0, x = i % 70 * step - 5, z = i / 70 * step - 5, h = 2 + i % 7 * 0.02;
+        fprintf(f, "LightSource \"point\" \"rgb I\" [.05 .05 .05] \"point3 from\" [%g %g %g]\n", x, h - 0.2,
+                z);
         fprintf(f,
                 "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
                 "\"point3 P\" [%g %g %g %g %g %g %g %g %g %g %g %g]\n",
@@ -289,12 +290,13 @@ TEST(pixels_nearly_dark_have_wider_limits)
 {
     static picture truth, wide, narrow;
     write_hoods(PATH);
-    render((way){ .method = LC_METHOD_EXACT }, &truth);
-    render((way){ .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95 }, &wide);
+    render((way){ .method = LC_METHOD_EXACT, .spp = 4 }, &truth);
+    render((way){ .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .spp = 4 }, &wide);
     lc_calibration c = wide.stats.calibration;
     CHECKF(c.dark > 1, "%g", (double)c.dark);
     c.dark = 1;
-    render((way){ .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .calibration = &c }, &narrow);
+    render((way){ .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .spp = 4, .calibration = &c },
+           &narrow);
     const double rays = (double)wide.stats.shadow_rays, more = (double)narrow.stats.shadow_rays;
     CHECKF(more > 1.01 * rays, "%g, %g", more, rays);
     const double share = share_within(&wide, &truth, 0.02);
