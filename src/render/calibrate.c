@@ -31,6 +31,7 @@
 #define MOST_STEPS 6
 #define AIM 0.98          /* of the error: where the quantile is to be */
 #define CLOSE 1.1         /* from there: how many times off needs no other look */
+#define FLATTEST -0.75    /* slope of misses: of few values it may seem flatter */
 #define LEAST_Z (1 / 256.0)
 #define MOST_Z 8.0
 #define MAX_EXACT 40000.0 /* lights times samples of a pilot, all of which are evaluated */
@@ -49,6 +50,7 @@
 /* Interpolated pixels; measured: tests/results/interpolation.md. */
 #define KNOTS_OF_PIXEL (1 / 32.0) /* of a pilot's: 16 pixels need one and a middle */
 #define BETWEEN_STEPS 4   /* in place of MOST_STEPS */
+#define MEAN_STEPS 2      /* of these, as a rule */
 #define KNOTS_COST 5      /* work of a step with knots, in steps without */
 #define MOST_MISSED 1.5   /* times the share that may miss the error: so many of them, at a guessed z */
 /* Pixels nearly dark; measured: tests/results/asked-error.md. */
@@ -168,7 +170,7 @@ static void take_step(lc_pilots *p, const lc_cut_desc *cut, uint32_t n_slots, se
         found_z(p, cut, z, 1, s);
         s->done = miss <= 1 ? is_near(p, miss) || z <= LEAST_Z : z >= MOST_Z;
     }
-    s->z = next_z(z, miss, s->last_z, s->last_miss, p->j->interpolated ? -1 : -0.5);
+    s->z = next_z(z, miss, s->last_z, s->last_miss, p->j->interpolated ? -1 : FLATTEST);
     s->last_z = z;
     s->last_miss = miss;
 }
@@ -410,7 +412,7 @@ static void try_interpolation(lc_pilots *p, const lc_cut_desc *cut, search *s)
     p->only_these = false;
     const double shaded = lc_job_work(j) - before - looked;
     const double saved = (shaded - KNOTS_OF_PIXEL * looked) / p->n * pixels;
-    j->interpolated = saved > BETWEEN_STEPS * N_BETWEEN * looked;
+    j->interpolated = saved > MEAN_STEPS * N_BETWEEN * looked;
     if (!j->interpolated) return;
     p->most_slots = N_BETWEEN;
     *s = with;

@@ -10,6 +10,8 @@
 #define N_PILOTS LC_SIZE(512, 64)
 #define LEAST_PILOTS LC_SIZE(256, 64) /* if there are as many pixels */
 #define PIXELS_OF_PILOT 36 /* of a film that has fewer than N_PILOTS, but no fewer than LEAST_PILOTS */
+#define FEW_SLOTS 2        /* in place of LC_PILOT_SLOTS, on films with fewer pixels than: */
+#define ALL_SLOTS_FROM 65536
 #define LOOKS 4           /* samples of a pixel that may be a pilot */
 #define MOST_TRIED 16     /* pixels for each pilot */
 #define TIMED_BLOCKS 96   /* blocks of pixels all over the film, whose time is taken */
@@ -143,8 +145,10 @@ static uint32_t n_pilots(uint64_t pixels)
 
 lc_status lc_pilots_init(lc_pilots *p, lc_render_job *j)
 {
-    const uint32_t n = n_pilots((uint64_t)j->scene->film.width * j->scene->film.height);
-    *p = (lc_pilots){ .j = j, .n = n, .n_room = n, .most_slots = LC_PILOT_SLOTS };
+    const uint64_t pixels = (uint64_t)j->scene->film.width * j->scene->film.height;
+    const uint32_t n = n_pilots(pixels);
+    *p = (lc_pilots){ .j = j, .n = n, .n_room = n };
+    p->most_slots = pixels < ALL_SLOTS_FROM ? FEW_SLOTS : LC_PILOT_SLOTS;
     p->pixel = lc_alloc(j->ctx, n, sizeof *p->pixel);
     p->truth = lc_alloc(j->ctx, n, sizeof *p->truth);
     p->value = lc_alloc(j->ctx, n, LC_PILOT_SLOTS * sizeof *p->value);
