@@ -115,6 +115,28 @@ TEST(what_is_asked_holds)
            (unsigned long long)rays[0]);
 }
 
+/* z and rays of the pilots, by every light as truth and by finer cuts, which many samples need. */
+TEST(truth_by_cuts_is_fine_enough)
+{
+    static const uint32_t spp[] = { 13, 14, 64, 14 }; /* times the lights: 39,000; 42,000; 192,000 */
+    static const float within[] = { 95, 95, 95, 99.9f };
+    static picture p;
+    lc_calibration c[4];
+    write_fence(PATH, SIDE, 3000, 0.01);
+    for (int k = 0; k < 4; k++) {
+        way w = { .method = LC_METHOD_CUTS, .error = 0.02f, .within = within[k], .spp = spp[k],
+                  .crop = { 0, 8, 0, 8 } };
+        render(w, &p);
+        c[k] = p.stats.calibration;
+        printf("  %u samples: z %g, %.1f %% within, %.2f million rays%s\n", spp[k], (double)c[k].z,
+               (double)c[k].achieved, 1e-6 * (double)c[k].rays, c[k].shared ? ", one cut" : "");
+    }
+    CHECK(c[0].shared == c[1].shared && fabs((double)c[1].z / (double)c[0].z - 1) < 0.15);
+    CHECKF(c[1].rays < c[0].rays / 2, "%g of them", (double)c[1].rays / (double)c[0].rays);
+    CHECKF(c[2].rays < 6 * c[1].rays, "%g times", (double)c[2].rays / (double)c[1].rays);
+    CHECKF(c[3].z < 4 * c[1].z, "%g times", (double)c[3].z / (double)c[1].z);
+}
+
 /* A floor of small checks under a slab, before a fence, under an even sky: discs that edges cut in two. */
 static void write_under_sky(const char *path)
 {
@@ -431,6 +453,7 @@ TEST(bad_values_are_refused)
 int main(void)
 {
     RUN(what_is_asked_holds);
+    RUN(truth_by_cuts_is_fine_enough);
     RUN(shared_cuts_lose_nothing);
     RUN(half_shadows_are_not_too_bright);
     RUN(background_counts_for_nothing);

@@ -36,7 +36,8 @@
 #define MOST_Z 8.0
 #define MAX_EXACT 40000.0 /* lights times samples of a pilot, all of which are evaluated */
 #define FIRST_TRUE_Z 0.5  /* of the finer cuts of some pilots, for one sample */
-#define NEARER 4.0        /* z of all pilots' finer cuts over the z of those that keep the error */
+#define COARSEST 1.5      /* least z of these over the z that they find for cuts that keep the error; */
+#define NEARER 4.0        /* of all pilots' finer cuts */
 #define ERRORS_TIMED 6    /* where there is a time to keep: for a z */
 #define Z_FOR_TIME 3      /* z that are found then */
 #define ROUGH_PILOTS 128  /* that try cuts for each sample first */
@@ -337,20 +338,25 @@ static lc_status keep_better(lc_pilots *p, const lc_cut_desc *cut, double z, boo
 static lc_status find_truth(lc_pilots *p, const lc_cut_desc *cut, way_cost *rough)
 {
     lc_render_job *j = p->j;
-    const uint32_t n = p->n;
+    const uint32_t n = p->n, n_rough = n < ROUGH_PILOTS ? n : ROUGH_PILOTS;
     const bool all = (double)j->scene->tree->n_lights * j->spp <= MAX_EXACT;
-    const double first = all ? 0 : FIRST_TRUE_Z / sqrt((double)j->spp);
-    *rough = (way_cost){ .s = search_from((double)cut->z), .dark = 1 };
-    if (!all) p->n = n < ROUGH_PILOTS ? n : ROUGH_PILOTS;
-    lc_status st = shade_truth(p, cut, first, 1);
-    p->n = n < ROUGH_PILOTS ? n : ROUGH_PILOTS;
-    const float dark = many_are_dark(p, (double)cut->floor) ? WIDER : 1;
-    j->dark = 1;
-    if (!st) st = make_workers(p, cut);
-    if (!st && p->n_finite) *rough = try_way(p, cut, (double)cut->z, TRIED_STEPS, false);
-    rough->dark = 1;
+    double z = all ? 0 : FIRST_TRUE_Z / lc_job_root_slots(j);
+    float dark = 1;
+    lc_status st;
+    for (;; z *= 2) {
+        *rough = (way_cost){ .s = search_from((double)cut->z), .dark = 1 };
+        p->n = all ? n : n_rough;
+        st = shade_truth(p, cut, z, 1);
+        p->n = n_rough;
+        if (st || !p->n_finite || atomic_load(&j->cancelled)) break;
+        if (many_are_dark(p, (double)cut->floor)) dark = WIDER;
+        if ((st = make_workers(p, cut))) break;
+        *rough = try_way(p, cut, (double)cut->z, TRIED_STEPS, false);
+        rough->dark = 1;
+        if (all || z > COARSEST * rough->s.z || z >= MOST_Z) break;
+    }
     p->n = n;
-    return st || all ? st : shade_truth(p, cut, fmax(NEARER * rough->s.z, first), dark);
+    return st || all ? st : shade_truth(p, cut, NEARER * rough->s.z, dark);
 }
 
 /* Whether the samples of a pixel share cuts, whether blocks take evidence, and whether pixels nearly dark
@@ -360,7 +366,7 @@ static lc_status choose_way(lc_pilots *p, lc_cut_desc *cut, search *s, lc_calibr
 {
     lc_render_job *j = p->j;
     const bool evidence = j->evidence, may_share = j->max_points;
-    const double of_shared = sqrt((double)j->spp); /* its z over that of a cut for each sample, as a guess */
+    const double of_shared = lc_job_root_slots(j); /* its z over that of a cut for each sample, as a guess */
     way_cost rough, best = { .work = INFINITY };
     p->guided = evidence;
     lc_status st = find_truth(p, cut, &rough);

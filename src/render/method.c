@@ -135,6 +135,8 @@ static lc_status exact_pays(lc_render_job *j, const lc_cut_desc *cut, bool *pays
     return LC_OK;
 }
 
+double lc_job_root_slots(const lc_render_job *j) { return sqrt(fmin(j->spp, j->scene->tree->n_reps)); }
+
 lc_cut_desc lc_job_cut_desc(const lc_render_job *j)
 {
     const lc_render_desc *d = j->desc;
@@ -176,7 +178,7 @@ lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
     const lc_film_desc *film = &j->scene->film;
     j->evidence = d->error > 0 && j->scene->tree->n_reps > 1 &&
                   (uint64_t)film->width * film->height >= EVIDENCE_FROM;
-    j->z = d->error > 0 ? (float)(USUAL_Z / sqrt((double)j->spp)) : 0;
+    j->z = d->error > 0 ? (float)(USUAL_Z / lc_job_root_slots(j)) : 0;
     bool few = d->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(d->max_cut && d->max_cut < n);
     if (!few && d->dark_floor > 0 && (d->error > 0 || d->error_ratio > 0))
         st = prepass(j, &stats->mean_luminance);
