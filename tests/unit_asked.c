@@ -417,6 +417,14 @@ TEST(time_chooses_the_error)
         CHECKF(!p.status && share >= 93, "%g s: %g %%", seconds[k], share);
     }
     CHECKF(error[1] < 0.1 * error[0], "%g, %g", error[0], error[1]);
+    /* With more lights truth is finer cuts: by that of another error z is sought in vain. */
+    write_fence(PATH, SIDE, 3000, 0.01);
+    way w = { .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .seconds = 1e3, .spp = 16,
+              .crop = { 0, 8, 0, 8 } };
+    render(w, &p);
+    const lc_calibration *c = &p.stats.calibration;
+    printf("  error %g, z %g, %.2f million rays\n", (double)c->error, (double)c->z, 1e-6 * (double)c->rays);
+    CHECK(c->error < 0.001f && c->z > 0 && c->z < 1 && c->rays < 110000000);
 }
 
 TEST(bad_values_are_refused)

@@ -58,6 +58,7 @@
 #define WIDER 4           /* times their limit */
 #define LEAST_DARK 16     /* one in so many of the pilots is worth a try */
 #define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
+#define SAME_TRUTH 0.7    /* of the error of a truth, for which it still is fine enough */
 #define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
 #define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
 #define LEAST_ERROR 1e-4
@@ -100,14 +101,15 @@ static int by_size(const void *a, const void *b)
 }
 
 /* The miss that the asked share of the values does not exceed. The margin is one standard error of as many
- * independent values. */
+ * independent pilots, as the values of one have much in common. */
 static double quantile(const lc_pilots *p, double within)
 {
     uint32_t n = 0;
     for (uint32_t i = 0; i < p->n * p->n_slots; i++)
         if (isfinite(p->truth[i / p->n_slots])) p->sorted[n++] = p->value[i];
     qsort(p->sorted, n, sizeof *p->sorted, by_size);
-    const double off = 1 - within / 100, aim = 1 - fmax(off - sqrt(off * (1 - off) / n), off / 8);
+    const double off = 1 - within / 100, margin = sqrt(off * (1 - off) * p->n_slots / n),
+                 aim = 1 - fmax(off - margin, off / 8);
     const double at = ceil(aim * n) - 1;
     return p->sorted[at < n - 1 ? (uint32_t)fmax(at, 0) : n - 1];
 }
@@ -163,8 +165,10 @@ static void found_z(lc_pilots *p, const lc_cut_desc *cut, double z, double facto
 static void take_step(lc_pilots *p, const lc_cut_desc *cut, uint32_t n_slots, search *s)
 {
     const double z = s->z, miss = try_z(p, cut, z, n_slots);
-    if (n_slots == p->most_slots && miss > AIM / CLOSE && miss < AIM * CLOSE) {
-        found_z(p, cut, z * miss / AIM, AIM / miss, s); /* misses are about as 1/z */
+    const double by_miss = z * miss / AIM; /* misses are about as 1/z */
+    const bool is_close = miss > AIM / CLOSE && miss < AIM * CLOSE && by_miss <= MOST_Z;
+    if (n_slots == p->most_slots && is_close && (miss > 1 || !is_near(p, miss))) {
+        found_z(p, cut, by_miss, AIM / miss, s);
         s->done = true;
     } else if (n_slots == p->most_slots && (miss <= 1 || miss < s->least || !(s->found.z > 0))) {
         s->least = miss;
@@ -229,20 +233,6 @@ static double error_for_time(lc_pilots *p, double error, double z)
     return error;
 }
 
-/* Finds z for the asked error, or for the one that uses the time. */
-static void find_error(lc_pilots *p, lc_cut_desc cut, search *s, lc_calibration *c)
-{
-    for (int i = 0; i < Z_FOR_TIME && p->j->desc->seconds > 0; i++) {
-        const double error = error_for_time(p, (double)c->error, (double)cut.z);
-        if (i && fabs(log(error / (double)c->error)) < NEAR_TIME) return;
-        c->error = cut.error_ratio = (float)error;
-        *s = search_from((double)cut.z);
-        find_z(p, &cut, s, c);
-        cut.z = c->z;
-    }
-    if (!(p->j->desc->seconds > 0)) find_z(p, &cut, s, c);
-}
-
 static uint64_t count_rays(const lc_render_job *j)
 {
     uint64_t n = 0;
@@ -280,6 +270,8 @@ static lc_status shade_truth(lc_pilots *p, const lc_cut_desc *cut, double z, flo
     p->by_itself = true;
     if (!st) lc_pilots_shade(p, (double)cut->error_ratio, z, 1, p->truth);
     p->by_itself = false;
+    p->true_z = z;
+    p->true_error = (double)cut->error_ratio;
     p->n_finite = 0;
     for (uint32_t i = 0; i < p->n; i++) p->n_finite += isfinite(p->truth[i]) ? 1 : 0;
     return st;
@@ -424,6 +416,37 @@ static void try_interpolation(lc_pilots *p, const lc_cut_desc *cut, search *s)
     *s = with;
 }
 
+/* Truth that is fine enough for an error, where that of a larger one is at hand. */
+static lc_status sharpen_truth(lc_pilots *p, const lc_cut_desc *cut)
+{
+    lc_render_job *j = p->j;
+    const bool shared = j->shared, evidence = j->evidence;
+    const float dark = j->dark;
+    if (!(p->true_z > 0) || (double)cut->error_ratio > SAME_TRUTH * p->true_error) return LC_OK;
+    lc_status st = shade_truth(p, cut, p->true_z, dark);
+    j->shared = shared;
+    j->evidence = evidence;
+    j->dark = dark;
+    return st ? st : make_workers(p, cut);
+}
+
+/* Finds z for the asked error, or for the one that uses the time. */
+static lc_status find_error(lc_pilots *p, lc_cut_desc cut, search *s, lc_calibration *c)
+{
+    lc_status st = LC_OK;
+    for (int i = 0; i < Z_FOR_TIME && p->j->desc->seconds > 0 && !st; i++) {
+        const double error = error_for_time(p, (double)c->error, (double)cut.z);
+        if (i && fabs(log(error / (double)c->error)) < NEAR_TIME) return st;
+        c->error = cut.error_ratio = (float)error;
+        if ((st = sharpen_truth(p, &cut))) break;
+        *s = search_from((double)cut.z);
+        find_z(p, &cut, s, c);
+        cut.z = c->z;
+    }
+    if (!(p->j->desc->seconds > 0)) find_z(p, &cut, s, c);
+    return st;
+}
+
 static lc_status calibrate(lc_pilots *p, lc_calibration *c)
 {
     lc_render_job *j = p->j;
@@ -434,7 +457,7 @@ static lc_status calibrate(lc_pilots *p, lc_calibration *c)
     if (!st && p->n_finite) {
         if (lc_may_interpolate(j)) try_interpolation(p, &cut, &s);
         cut.z = (float)s.z;
-        find_error(p, cut, &s, c);
+        st = find_error(p, cut, &s, c);
     }
     c->shared = j->shared;
     c->evidence = j->evidence;

@@ -11,10 +11,12 @@
 #define LEAST_PILOTS LC_SIZE(256, 64) /* if there are as many pixels */
 #define PIXELS_OF_PILOT 36 /* of a film that has fewer than N_PILOTS, but no fewer than LEAST_PILOTS */
 #define FEW_SLOTS 2        /* in place of LC_PILOT_SLOTS, on films with fewer pixels than: */
-#define ALL_SLOTS_FROM 65536
+#define ALL_SLOTS_FROM 49152
 #define LOOKS 4           /* samples of a pixel that may be a pilot */
 #define MOST_TRIED 16     /* pixels for each pilot */
-#define TIMED_BLOCKS 96   /* blocks of pixels all over the film, whose time is taken */
+#define TIMED_BLOCKS 96   /* blocks of pixels all over the film, whose time is taken, at most, */
+#define LEAST_TIMED 16    /* and at least; */
+#define PART_TIMED 64     /* else one in so many */
 
 /* The i-th place of a sequence that is spread evenly over the film: the R2 sequence, or all pixels. */
 static uint32_t place_of_pilot(const lc_pilots *p, uint32_t i)
@@ -128,7 +130,11 @@ static void shade_block(void *user, uint32_t thread, uint64_t item)
 double lc_pilots_time(lc_pilots *p, double error, double z)
 {
     lc_render_job *j = p->j;
-    const uint32_t n = p->n < TIMED_BLOCKS ? p->n : TIMED_BLOCKS;
+    const lc_film_desc *film = &j->scene->film;
+    const uint64_t pixels = (uint64_t)film->width * film->height,
+                   part = pixels / (LC_PIXEL_BLOCK * LC_PIXEL_BLOCK * PART_TIMED);
+    uint32_t n = part < LEAST_TIMED ? LEAST_TIMED : part < TIMED_BLOCKS ? (uint32_t)part : TIMED_BLOCKS;
+    if (n > p->n) n = p->n;
     set_workers(j, error, z, false, false);
     const double began = lc_now();
     lc_parallel(j->ctx, n, shade_block, p);

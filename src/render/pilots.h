@@ -13,6 +13,7 @@ typedef struct lc_pilots {
     uint32_t n_slots, most_slots, n_finite;
     uint32_t *pixel;     /* x + y * width */
     double *truth;       /* luminance; a pilot whose truth is not finite counts for nothing */
+    double true_error, true_z; /* of its cuts; z 0: every light */
     double *value;       /* the same by cuts, n_slots of each pilot; then its misses */
     double *to;          /* one of these */
     double *sorted;      /* room for as many as there are values */
