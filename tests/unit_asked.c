@@ -417,7 +417,7 @@ TEST(time_chooses_the_error)
         CHECKF(!p.status && share >= 93, "%g s: %g %%", seconds[k], share);
     }
     CHECKF(error[1] < 0.1 * error[0], "%g, %g", error[0], error[1]);
-    /* With more lights truth is finer cuts: by that of another error z is sought in vain. */
+    /* With more lights truth is finer cuts. By those for 2 % the search takes 155 million rays, not 76. */
     write_fence(PATH, SIDE, 3000, 0.01);
     way w = { .method = LC_METHOD_CUTS, .error = 0.02f, .within = 95, .seconds = 1e3, .spp = 16,
               .crop = { 0, 8, 0, 8 } };

@@ -26,22 +26,24 @@
 #include <stdlib.h>
 
 #define N_GRAIN LC_SIZE(256, 16) /* whose grain is looked at */
-#define N_BETWEEN 2       /* the same where pixels are interpolated, whose pilots need knots */
+#define N_BETWEEN 2       /* values of a pilot where pixels are interpolated, as each needs knots */
 #define ROUGH_STEPS 2     /* by one value of each pilot */
 #define MOST_STEPS 6
 #define AIM 0.98          /* of the error: where the quantile is to be */
 #define CLOSE 1.1         /* from there: how many times off needs no other look */
-#define FLATTEST -0.75    /* slope of misses: of few values it may seem flatter */
+#define FLATTEST (-0.75)   /* slope of misses: of few values it may seem flatter */
 #define LEAST_Z (1 / 256.0)
 #define MOST_Z 8.0
 #define MAX_EXACT 40000.0 /* lights times samples of a pilot, all of which are evaluated */
-#define FIRST_TRUE_Z 0.5  /* of the finer cuts of some pilots, for one sample */
-#define COARSEST 1.5      /* least z of these over the z that they find for cuts that keep the error; */
-#define NEARER 4.0        /* of all pilots' finer cuts */
+/* Truth by finer cuts: ROUGH_PILOTS find the z of cuts that keep the error, then all pilots have NEARER
+ * times that. Measured: tests/results/asked-error.md. */
+#define FIRST_TRUE_Z 0.5  /* of the rough pilots' truth, for one sample; twice that and so on, until it is */
+#define COARSEST 1.5      /* times the z that they find by it */
+#define NEARER 4.0
 #define ERRORS_TIMED 6    /* where there is a time to keep: for a z */
 #define Z_FOR_TIME 3      /* z that are found then */
-#define ROUGH_PILOTS 128  /* that try cuts for each sample first */
-#define TRIED_STEPS 3     /* by one value of each of these */
+#define ROUGH_PILOTS 128
+#define TRIED_STEPS 3     /* of their search, by one value of each */
 #define Z_OF_EVIDENCE 0.7 /* of the z without, as a guess */
 /* What work takes more time than with cuts of samples' own, without evidence: rays of shared cuts have many
  * origins, and rows of evidence are read again and again. Measured: tests/results/pixels.md. */
@@ -49,7 +51,7 @@
 #define EVIDENCE_COSTS 1.22
 #define SHARED_EVIDENCE_COSTS 1.19
 /* Interpolated pixels; measured: tests/results/interpolation.md. */
-#define KNOTS_OF_PIXEL (1 / 32.0) /* of a pilot's: 16 pixels need one and a middle */
+#define KNOTS_OF_PIXEL (1 / 32.0) /* of a pilot's work: it shades some 5 knots, 16 pixels of a film 2.5 */
 #define BETWEEN_STEPS 4   /* in place of MOST_STEPS */
 #define MEAN_STEPS 2      /* of these, as a rule */
 #define KNOTS_COST 5      /* work of a step with knots, in steps without */
@@ -58,7 +60,7 @@
 #define WIDER 4           /* times their limit */
 #define LEAST_DARK 16     /* one in so many of the pilots is worth a try */
 #define USED 0.92         /* of the time that is left; its estimate is off by some per cent */
-#define SAME_TRUTH 0.7    /* of the error of a truth, for which it still is fine enough */
+#define SAME_TRUTH 0.7    /* times the error that a truth was made for: so small an error it serves, too */
 #define NEAR_TIME 0.05    /* of the logarithm of the error: no further error is tried */
 #define MOST_CHANGE 16.0  /* of the error, from one that is timed to the next */
 #define LEAST_ERROR 1e-4
@@ -151,7 +153,7 @@ static bool is_near(const lc_pilots *p, double miss)
     return (AIM - miss) * pixels < step;
 }
 
-/* Takes a z whose misses, times a factor, are those at hand. */
+/* Takes a z at which the misses are those at hand times a factor. */
 static void found_z(lc_pilots *p, const lc_cut_desc *cut, double z, double factor, search *s)
 {
     const uint32_t n = p->n * p->n_slots;
@@ -161,7 +163,8 @@ static void found_z(lc_pilots *p, const lc_cut_desc *cut, double z, double facto
     s->found.median = (float)((double)cut->error_ratio * factor * p->sorted[p->n_finite * p->n_slots / 2]);
 }
 
-/* By one value of each pilot, or by all slots. */
+/* By one value of each pilot, or by all slots. Of a small film any z that keeps the error is taken as it is:
+ * a search costs more than it saves, and what is left over makes up for pilots being few. */
 static void take_step(lc_pilots *p, const lc_cut_desc *cut, uint32_t n_slots, search *s)
 {
     const double z = s->z, miss = try_z(p, cut, z, n_slots);
@@ -336,7 +339,7 @@ static lc_status find_truth(lc_pilots *p, const lc_cut_desc *cut, way_cost *roug
     float dark = 1;
     lc_status st;
     for (;; z *= 2) {
-        *rough = (way_cost){ .s = search_from((double)cut->z), .dark = 1 };
+        *rough = (way_cost){ .s = search_from((double)cut->z) };
         p->n = all ? n : n_rough;
         st = shade_truth(p, cut, z, 1);
         p->n = n_rough;
@@ -344,7 +347,6 @@ static lc_status find_truth(lc_pilots *p, const lc_cut_desc *cut, way_cost *roug
         if (many_are_dark(p, (double)cut->floor)) dark = WIDER;
         if ((st = make_workers(p, cut))) break;
         *rough = try_way(p, cut, (double)cut->z, TRIED_STEPS, false);
-        rough->dark = 1;
         if (all || z > COARSEST * rough->s.z || z >= MOST_Z) break;
     }
     p->n = n;
@@ -416,7 +418,7 @@ static void try_interpolation(lc_pilots *p, const lc_cut_desc *cut, search *s)
     *s = with;
 }
 
-/* Truth that is fine enough for an error, where that of a larger one is at hand. */
+/* Makes the pilots' truth again where it was made for a larger error than that of the cut. */
 static lc_status sharpen_truth(lc_pilots *p, const lc_cut_desc *cut)
 {
     lc_render_job *j = p->j;

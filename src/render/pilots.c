@@ -10,13 +10,13 @@
 #define N_PILOTS LC_SIZE(512, 64)
 #define LEAST_PILOTS LC_SIZE(256, 64) /* if there are as many pixels */
 #define PIXELS_OF_PILOT 36 /* of a film that has fewer than N_PILOTS, but no fewer than LEAST_PILOTS */
-#define FEW_SLOTS 2        /* in place of LC_PILOT_SLOTS, on films with fewer pixels than: */
-#define ALL_SLOTS_FROM 49152
+#define ALL_SLOTS_FROM 49152 /* pixels of a film: with fewer, the values of a pilot are */
+#define FEW_SLOTS 2
 #define LOOKS 4           /* samples of a pixel that may be a pilot */
 #define MOST_TRIED 16     /* pixels for each pilot */
-#define TIMED_BLOCKS 96   /* blocks of pixels all over the film, whose time is taken, at most, */
-#define LEAST_TIMED 16    /* and at least; */
-#define PART_TIMED 64     /* else one in so many */
+#define PART_TIMED 64     /* one in so many blocks of pixels, all over the film, has its time taken, but */
+#define LEAST_TIMED 16
+#define MOST_TIMED 96
 
 /* The i-th place of a sequence that is spread evenly over the film: the R2 sequence, or all pixels. */
 static uint32_t place_of_pilot(const lc_pilots *p, uint32_t i)
@@ -98,8 +98,6 @@ static void set_workers(const lc_render_job *j, double error, double z, bool alo
     }
 }
 
-/* Shades all pilots by cuts of an error and a z, or, where that is 0, by every light; by n_slots slots of
- * representatives. */
 void lc_pilots_shade(lc_pilots *p, double error, double z, uint32_t n_slots, double *to)
 {
     lc_render_job *j = p->j;
@@ -126,14 +124,13 @@ static void shade_block(void *user, uint32_t thread, uint64_t item)
             if (!lc_add_samples(j, &j->workers[thread], x, y, &px)) return;
 }
 
-/* Seconds that a pixel takes by cuts of an error and a z, when all threads render. */
 double lc_pilots_time(lc_pilots *p, double error, double z)
 {
     lc_render_job *j = p->j;
     const lc_film_desc *film = &j->scene->film;
     const uint64_t pixels = (uint64_t)film->width * film->height,
                    part = pixels / (LC_PIXEL_BLOCK * LC_PIXEL_BLOCK * PART_TIMED);
-    uint32_t n = part < LEAST_TIMED ? LEAST_TIMED : part < TIMED_BLOCKS ? (uint32_t)part : TIMED_BLOCKS;
+    uint32_t n = part < LEAST_TIMED ? LEAST_TIMED : part < MOST_TIMED ? (uint32_t)part : MOST_TIMED;
     if (n > p->n) n = p->n;
     set_workers(j, error, z, false, false);
     const double began = lc_now();

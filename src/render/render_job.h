@@ -153,7 +153,7 @@ lc_status lc_render_check(const lc_context *ctx, const lc_scene *scene, const lc
 /* Sets j->exact, whether every light is evaluated at every point, and the dark floor. */
 lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats);
 lc_cut_desc lc_job_cut_desc(const lc_render_job *j);
-double lc_job_root_slots(const lc_render_job *j); /* of the slots that a pixel's samples have */
+double lc_job_root_slots(const lc_render_job *j); /* of the number of slots of a pixel's samples */
 /* What all cuts have cost, in estimates of one light; with evidence, of pilots' guides a pixel's share. */
 double lc_job_work(const lc_render_job *j);
 
