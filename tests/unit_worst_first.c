@@ -140,14 +140,14 @@ static double left_of(double root, double total) { return total > 0 ? root / tot
 TEST(hardly_larger_than_by_a_strict_heap)
 {
     static const lc_cut_desc descs[] = {
-        { 0.05f, 0, 1e-3f, 0, 0, NULL, 0 },
-        { 0.02f, 0, 1e-3f, 0, 0, NULL, 0 },
-        { 0.02f, 0, 1e-3f, 0.1f, 0, NULL, 0 },
-        { 0.02f, 0, 1e-3f, 0.3f, 0, NULL, 0 },
-        { 0.05f, 0, 1e-3f, 0.3f, 0, NULL, 0 },
-        { 0.001f, 100, 1e-3f, 0, 0, NULL, 0 },
-        { 0.001f, 400, 1e-3f, 0, 0, NULL, 0 },
-        { 0.001f, 400, 1e-3f, 0.3f, 0, NULL, 0 },
+        { 0.05f, 0, 1e-3f, 0, 0, NULL, 0, false },
+        { 0.02f, 0, 1e-3f, 0, 0, NULL, 0, false },
+        { 0.02f, 0, 1e-3f, 0.1f, 0, NULL, 0, false },
+        { 0.02f, 0, 1e-3f, 0.3f, 0, NULL, 0, false },
+        { 0.05f, 0, 1e-3f, 0.3f, 0, NULL, 0, false },
+        { 0.001f, 100, 1e-3f, 0, 0, NULL, 0, false },
+        { 0.001f, 400, 1e-3f, 0, 0, NULL, 0, false },
+        { 0.001f, 400, 1e-3f, 0.3f, 0, NULL, 0, false },
     };
     static strict_cut h;
     static lc_cut_start start;
@@ -242,6 +242,49 @@ TEST(more_work_is_never_worse)
     }
 }
 
+/* Where the room is known to be short, worst first from the roots on: the same cuts without those that are
+ * given up for them, so with fewer bounds; where there was room after all, the limit is kept as well. */
+TEST(worst_first_from_the_roots_on)
+{
+    uint32_t n_short = 0, n_roomy = 0;
+    uint64_t n_bounds[2] = { 0 };
+    setup s;
+    make(&s, 4000, 1, 20, false);
+    build_tree(&s, 1, 4);
+    for (uint32_t room = 60; room <= 960; room *= 4) {
+        lc_cut c[2];
+        for (int k = 0; k < 2; k++) {
+            const lc_cut_desc d = { .error_ratio = 0.1f, .max_cut = room, .worst_first = k > 0 };
+            if (lc_cut_init(&c[k], ctx, s.tree, &s.visibility, &d, true)) abort();
+        }
+        rng_ctr = 1u << 24;
+        for (int i = 0; i < 200; i++) {
+            const point q = rnd_point();
+            lc_cut_result r[2];
+            for (int k = 0; k < 2; k++) {
+                lc_stats stats = { 0 };
+                lc_cut_shade(&c[k], &q.p, q.org, (uint64_t)i, &stats, &r[k]);
+                n_bounds[k] += c[0].worst_first ? stats.bounds : 0;
+                CHECK(!lc_cut_validate(&c[k]));
+            }
+            n_short += c[0].worst_first;
+            n_roomy += !c[0].worst_first && r[1].size > 1;
+            if (c[0].worst_first) {
+                CHECK(!memcmp(&r[0].radiance, &r[1].radiance, sizeof r[0].radiance));
+                CHECK(r[0].size == r[1].size && r[0].at_limit == r[1].at_limit);
+            } else {
+                CHECK(!r[1].at_limit && r[1].max_error <= 0.1f * (1 + 1e-5f));
+            }
+        }
+        for (int k = 0; k < 2; k++) lc_cut_free(&c[k]);
+    }
+    printf("  %u short of room, %u not; bounds of the first %llu, %llu from the roots on\n", n_short, n_roomy,
+           (unsigned long long)n_bounds[0], (unsigned long long)n_bounds[1]);
+    CHECK(n_short > 100 && n_roomy > 50);
+    CHECK(n_bounds[1] < n_bounds[0]);
+    unmake(&s);
+}
+
 int main(void)
 {
     ctx = watched_context(0);
@@ -249,5 +292,6 @@ int main(void)
     RUN(whole_cut_keeps_its_limit);
     RUN(hardly_larger_than_by_a_strict_heap);
     RUN(more_work_is_never_worse);
+    RUN(worst_first_from_the_roots_on);
     return test_done();
 }

@@ -36,7 +36,7 @@ static lc_status check(const lc_tree *t, const lc_shader_desc *d)
 static lc_status init_lane(lc_shader *sh, lc_host_lane *lane)
 {
     const lc_shader_desc *d = &sh->desc;
-    const lc_cut_desc cut = { d->error_ratio, d->max_cut, d->floor, d->z, 0, NULL, 1 };
+    const lc_cut_desc cut = { d->error_ratio, d->max_cut, d->floor, d->z, 0, NULL, 1, false };
     const lc_visibility none = { 0 };
     lc_status st = lc_cut_init(&lane->cut, sh->tree->ctx, sh->tree->tree,
                                d->occluders ? &d->occluders->visibility : &none, &cut, false);

@@ -358,6 +358,7 @@ void lc_cut_set_step(lc_cut_step *s, const lc_cut *c, const lc_point *p, const f
 bool lc_cut_begin(lc_cut *c, lc_cut_step *s, uint64_t hash)
 {
     reset(c);
+    c->worst_first = c->desc.worst_first;
     c->first_ray = s->stats->shadow_rays;
     s->stats->points++;
     c->total = c->ratio = 0;

@@ -141,7 +141,7 @@ lc_cut_desc lc_job_cut_desc(const lc_render_job *j)
 {
     const lc_render_desc *d = j->desc;
     return (lc_cut_desc){ j->error > 0 ? j->error : d->error_ratio, d->max_cut, j->floor, j->z,
-                          j->shared ? j->max_points : 0, j->parent, j->dark };
+                          j->shared ? j->max_points : 0, j->parent, j->dark, false };
 }
 
 /* Finds z, or takes it from who has it, unless every light turns out to be evaluated. */

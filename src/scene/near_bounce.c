@@ -21,6 +21,7 @@
 #define LEAST_PLACE 0.125f /* of that, where what a lobe's ray stands for is narrow */
 #define LEVELS 3           /* of places: what the last ones' surroundings reflect is virtual lights alone */
 #define PLACE_ERROR 0.1f   /* error ratio of a place's cut */
+#define MANY_LIGHTS 1024     /* for each cluster that a place may have: these do not keep PLACE_ERROR */
 #define FOOTPRINT 0.1f     /* side of what textures are filtered over, a ray's length being 1 */
 #define FINER 2            /* times that cells are made smaller */
 #define FINER_PART 0.25f
@@ -174,7 +175,9 @@ lc_status lc_near_cuts_create(const lc_scene *s, lc_near_cuts **out)
     if (!c) return LC_ERR_MEMORY;
     *out = c;
     for (uint32_t i = 0; i < LEVELS; i++) {
-        const lc_cut_desc desc = { .error_ratio = PLACE_ERROR, .max_cut = most_clusters[i] };
+        const lc_cut_desc desc = { .error_ratio = PLACE_ERROR,
+                                   .max_cut = most_clusters[i],
+                                   .worst_first = s->tree->n_lights / MANY_LIGHTS > most_clusters[i] };
         const lc_status st = lc_cut_init(&c->cut[i], s->ctx, s->tree, &s->visibility, &desc, false);
         if (st) {
             c->cut[i].ctx = NULL;
