@@ -43,7 +43,7 @@ typedef struct lc_cut_desc {
     uint32_t max_points; /* of a gather cluster; 0: there are none */
     const uint32_t *parent; /* of each light, its node; for gather clusters alone */
     float dark;             /* above 1, of pixels nearly dark: z is divided by it */
-    bool worst_first;    /* from the roots on, as max_cut is known to leave no room for all */
+    bool worst_first;       /* from the roots on, as max_cut is known to leave no room for all */
 } lc_cut_desc;
 
 /* What a cut is of the pixel whose error is asked for, where other points have other cuts. The pixel's

@@ -21,7 +21,7 @@
 #define LEAST_PLACE 0.125f /* of that, where what a lobe's ray stands for is narrow */
 #define LEVELS 3           /* of places: what the last ones' surroundings reflect is virtual lights alone */
 #define PLACE_ERROR 0.1f   /* error ratio of a place's cut */
-#define MANY_LIGHTS 1024     /* for each cluster that a place may have: these do not keep PLACE_ERROR */
+#define MANY_LIGHTS 1024   /* per cluster of a place's cut; beyond, it is known to miss PLACE_ERROR */
 #define FOOTPRINT 0.1f     /* side of what textures are filtered over, a ray's length being 1 */
 #define FINER 2            /* times that cells are made smaller */
 #define FINER_PART 0.25f
