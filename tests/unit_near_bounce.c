@@ -385,6 +385,71 @@ TEST(rays_of_a_pixel_are_even)
     "Shape \"trianglemesh\" \"point3 P\" [-1 0 0 1 0 0 1 1 0 -1 1 0] \"integer indices\" [0 1 2 0 2 3]\n"  \
     "Shape \"trianglemesh\" \"point3 P\" [-1 0 0 1 0 0 1 0 2 -1 0 2] \"integer indices\" [0 2 1 0 3 2]\n"
 
+/* Near light of a point of the corner's floor, by all n samples of a pixel: its mean over pixels, and their
+ * deviation. */
+static double near_light(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, uint32_t n,
+                         double *deviation)
+{
+    enum { PIXELS = 200 };
+    lc_point p[2];
+    double sum = 0, sum2 = 0;
+    lc_lit_point(s, lit, 0, p);
+    CHECK(p[1].near_scale > 0);
+    for (uint64_t pixel = 0; pixel < PIXELS; pixel++) {
+        double all = 0;
+        for (uint32_t i = 0; i < n; i++) {
+            const lc_near_sample sample = { lc_mix(pixel + 1), i, n };
+            const lc_f3 one = lc_f3_make(1, 1, 1);
+            all += (double)lc_near_bounce_light(s, cuts, lit, p, sample, one, NULL).y / n;
+        }
+        sum += all;
+        sum2 += all * all;
+    }
+    const double mean = sum / PIXELS;
+    *deviation = sqrt(fmax(sum2 / PIXELS - mean * mean, 0)) / mean;
+    return mean;
+}
+
+/* However many samples a pixel has, its rays have the same mean; of many samples each has few rays or none,
+ * and all together are no worse than those of 16, of a lobe's better. */
+TEST(rays_of_many_samples)
+{
+    static const uint32_t n[] = { 16, 1, 6, 40, 64, 256, 1000 };
+    scene_write("%s", CORNER);
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    load.indirect_lights = 500;
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    lc_near_cuts *cuts = NULL;
+    CHECK(s && !lc_near_cuts_create(s, &cuts));
+    for (int glossy = 0; cuts && glossy < 2; glossy++) {
+        lc_lit lit = { .view = { 0, 0.6f, 0.8f }, .weight = { 1, 1, 1 } };
+        const lc_f3 up = { 0, 1, 0 };
+        lit.surface.pos = glossy ? lc_f3_make(0.1f, 0, 0.15f) : lc_f3_make(0.6f, 0, 0.3f);
+        lit.surface.n = lit.surface.ng = up;
+        lc_f3_store(lit.surface.ray_org, lc_f3_add(lit.surface.pos, lc_f3_scale(up, 1e-5f)));
+        lit.surface.material = (lc_material){ .kd = { 0.8f, 0.8f, 0.8f } };
+        if (glossy) {
+            lit.surface.material.ks = lc_f3_make(0.4f, 0.4f, 0.4f);
+            lit.surface.material.lobe = LC_LOBE_GGX;
+            lit.surface.material.roughness[0] = lit.surface.material.roughness[1] = 0.2f;
+        }
+        double of_16 = 0, deviation_of_16 = 0;
+        for (size_t i = 0; i < sizeof n / sizeof *n; i++) {
+            double deviation;
+            const double mean = near_light(s, cuts, &lit, n[i], &deviation);
+            printf("    %s, %u samples: %.5f, pixels +-%.2f %%\n", glossy ? "lobe" : "matte", n[i], mean,
+                   100 * deviation);
+            if (!i) of_16 = mean, deviation_of_16 = deviation;
+            CHECKF(near_rel(mean, of_16, glossy ? 0.03 : 0.01), "%u samples: %g, 16: %g", n[i], mean, of_16);
+            const double most = n[i] < 16 ? 2 : n[i] < 256 || !glossy ? 1.4 : 0.9;
+            CHECKF(deviation < most * deviation_of_16, "%u samples: %g, 16: %g", n[i], deviation,
+                   deviation_of_16);
+        }
+    }
+    lc_near_cuts_free(ctx, cuts);
+    lc_scene_destroy(s);
+}
+
 static lc_image *corner(const lc_scene *s, uint64_t seed, bool exact, lc_render_stats *stats)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
@@ -507,6 +572,7 @@ int main(void)
     RUN(glass_lets_near_light_pass);
     RUN(rays_by_a_lobe_have_no_bias);
     RUN(rays_of_a_pixel_are_even);
+    RUN(rays_of_many_samples);
     RUN(grain_is_stated);
     RUN(few_lights_do_not_fill_a_gap);
     RUN(the_last_bounce_is_not_reflected);

@@ -15,8 +15,9 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define RAYS LC_SIZE(256, 4) /* of a pixel, and of a sample no fewer than */
-#define LEAST_RAYS LC_SIZE(16, 4)
+#define RAYS LC_SIZE(256, 16) /* of a pixel */
+#define LOBE_SAMPLES 16    /* from so many on a lobe's pixel has more: as the root of their number */
+#define LEAST_RAYS 4       /* of a sample that has any */
 #define PLACE 0.5f         /* size of the surface that shares a place, of the reach */
 #define LEAST_PLACE 0.125f /* of that, where what a lobe's ray stands for is narrow */
 #define LEVELS 3           /* of places: what the last ones' surroundings reflect is virtual lights alone */
@@ -497,7 +498,13 @@ static lc_f3 light_by(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, 
 lc_f3 lc_near_bounce_light(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
                            lc_near_sample sample, lc_f3 weight, lc_f3 *of_group)
 {
-    const uint32_t n = sample.n < RAYS / LEAST_RAYS ? RAYS / sample.n & ~3u : LEAST_RAYS;
-    const lc_near_rays rays = { sample.key, sample.index * n, n };
-    return light_by(s, cuts, lit, p, rays, weight, of_group);
+    const bool far = lc_point_for(p, LC_LIGHT_VIRTUAL)->lobe_by_rays;
+    const float root = far && sample.n > LOBE_SAMPLES ? sqrtf((float)sample.n / LOBE_SAMPLES) : 1;
+    const uint32_t all = (uint32_t)(RAYS * root), even = (all / sample.n + 3) & ~3u,
+                   n = even > LEAST_RAYS ? even : LEAST_RAYS,
+                   every = n * sample.n < 2 * all ? 1 : n * sample.n / all; /* of so many, one has rays */
+    if (sample.index % every != (sample.key >> 32) % every) return lc_f3_make(0, 0, 0);
+    const lc_near_rays rays = { sample.key, sample.index / every * n, n };
+    const float of = (float)every;
+    return lc_f3_scale(light_by(s, cuts, lit, p, rays, lc_f3_scale(weight, of), of_group), of);
 }
