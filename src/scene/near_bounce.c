@@ -42,7 +42,7 @@
 #define MOST_BYTES ((size_t)1 << 28) /* of their light */
 #define PROBES 16          /* of the table; what has no room is found again */
 
-static const uint32_t most_clusters[LEVELS] = { LC_SIZE(128, 8), LC_SIZE(32, 8), LC_SIZE(32, 8) },
+static const uint32_t most_clusters[LEVELS] = { LC_SIZE(256, 8), LC_SIZE(32, 8), LC_SIZE(32, 8) },
                       n_place_rays[LEVELS] = { LC_SIZE(8, 1), LC_SIZE(4, 1), 0 }; /* to what is near */
 
 struct lc_near_places {
