@@ -160,6 +160,8 @@ $(BIN)tests/%: $(OUT)/tests/%.o $(HELP_OBJ) $(BIN)liblightcuts.a
 	$(call say,LD $@)
 	$(Q)$(CC) $(FLAGS) $(if $(CROSS),-static) $(filter %.o,$^) $(BIN)liblightcuts.a $(LIBS) -o $@
 
+$(BIN)tests/unit_rooms: $(patsubst %,$(OUT)/tests/support/%.o,path_tracer path_tracer_read)
+
 # Without the program's main().
 $(BIN)tests/replay_fuzz_options $(BIN)tests/replay_fuzz_csv: $(filter-out %/main.o,$(CLI_OBJ))
 $(BIN)tests/replay_%: $(OUT)/fuzz/%.o $(OUT)/fuzz/driver.o $(HELP_OBJ) $(BIN)liblightcuts.a

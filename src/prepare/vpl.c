@@ -39,6 +39,7 @@
 #include "shade/fresnel.h"
 #include "shade/light_kind.h"
 #include "shade/lobe.h"
+#include "shade/reflected.h"
 #include "shade/point_init.h"
 #include "trace/bvh_data.h"
 
@@ -174,7 +175,7 @@ static lc_f3 albedo(const lc_material *m, float cos_i)
 static lc_f3 lobe_albedo(const lc_material *m, float cos_i)
 {
     if (!lc_lobe_is_narrow(m->lobe) || !(lc_f3_max(m->ks) > 0)) return lc_f3_make(0, 0, 0);
-    return at_most_1(lc_reflectance(m, cos_i, false));
+    return at_most_1(lc_lobe_reflected(m, cos_i));
 }
 
 /* Otherwise the lobe counts as diffuse. */

@@ -3,6 +3,7 @@
 
 #include "shade/coat.h"
 #include "shade/fresnel.h"
+#include "shade/reflected.h"
 
 static float no_less(float a, float least) { return a > least ? a : least; }
 

@@ -91,7 +91,7 @@ static float ggx_init(lc_point *p, lc_f3 n, lc_f3 view, const lc_material *m, lc
 /* The lobe and the diffuse part below it. */
 static lc_f3 ggx_albedo(const lc_material *m, float cos_i)
 {
-    return lc_f3_add(m->coat ? lc_coat_albedo(m, cos_i) : m->kd, lc_reflectance(m, cos_i, false));
+    return lc_f3_add(m->coat ? lc_coat_albedo(m, cos_i) : m->kd, lc_lobe_reflected(m, cos_i));
 }
 
 /* Whether the indices of refraction are in the range that reflectances and bounds allow. */
