@@ -39,8 +39,8 @@
 #include "shade/fresnel.h"
 #include "shade/light_kind.h"
 #include "shade/lobe.h"
-#include "shade/reflected.h"
 #include "shade/point_init.h"
+#include "shade/reflected.h"
 #include "trace/bvh_data.h"
 
 #include <math.h>
