@@ -80,7 +80,7 @@ TEST(bounds_hold)
         make_point(&p, rnd_in_box(1.2), rnd_unit());
         EACH_ISA(isa)
         {
-            float ub[N_LIGHTS], lb[N_LIGHTS], f[6][N_LIGHTS + 16];
+            float ub[N_LIGHTS + LC_LANES], lb[N_LIGHTS + LC_LANES], f[6][N_LIGHTS + LC_LANES];
             float *const out[6] = { f[0], f[1], f[2], f[3], f[4], f[5] };
             const lc_shade_kernels *k = &lc_isa_kernels(isa)->shade;
             k->bounds(&t->data, index, n, LC_LIGHT_VIRTUAL, &p, ub);
