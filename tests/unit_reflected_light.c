@@ -3,8 +3,8 @@
  * which have all twice; sheets of metal, behind which there is no light. */
 #include "scene/scene.h"
 #include "shade/lobe.h"
-#include "shade/reflected.h"
 #include "shade/point_init.h"
+#include "shade/reflected.h"
 #include "support/near.h"
 #include "support/one_scene.h"
 #include "tree/light_tree.h"

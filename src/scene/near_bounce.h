@@ -42,7 +42,8 @@ lc_status lc_near_cuts_create(const lc_scene *scene, lc_near_cuts **out);
 void lc_near_cuts_free(const lc_context *ctx, lc_near_cuts *cuts);
 
 /* What a point is of a pixel: sample `index` of n. key: of the pixel and of the number of the point in its
- * sample; the rays of points with one key are spread evenly together. */
+ * sample; the rays of points with one key are spread evenly together. Of very many samples one in so many,
+ * the first of these by chance, has rays, which count so many times. */
 typedef struct lc_near_sample {
     uint64_t key;
     uint32_t index, n;
