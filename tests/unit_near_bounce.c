@@ -163,6 +163,14 @@ TEST(bounds_of_boxes_hold)
     "Shape \"trianglemesh\" \"point3 P\" [-1 .04 0 1 .04 0 1 1 0 -1 1 0 -1 .04 -1 1 .04 -1]"                 \
     " \"integer indices\" [0 1 2 0 2 3 0 4 1 1 4 5]\n"
 
+/* Six walls that meet along the edges of their triangles; the sun shines on them from outside. */
+#define CLOSED_ROOM                                                                                          \
+    "WorldBegin\nLightSource \"distant\" \"point3 from\" [-2.28 2.46 .47] \"point3 to\" [0 0 0]\n"           \
+    "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"                                                 \
+    "Shape \"trianglemesh\" \"point3 P\" [-2.3 0 -2.4 2.3 0 -2.4 2.3 0 2.4 -2.3 0 2.4"                     \
+    " -2.3 3.1 -2.4 2.3 3.1 -2.4 2.3 3.1 2.4 -2.3 3.1 2.4] \"integer indices\""                             \
+    " [0 1 2 0 2 3 4 7 6 4 6 5 3 2 6 3 6 7 0 4 5 0 5 1 1 5 6 1 6 2 0 3 7 0 7 4]\n"
+
 /* Illuminances at sensors by bounced light alone: the sun does not reach them. */
 static void light_of(const lc_sensor *sensor, uint32_t n_lights, uint32_t depth, double *of)
 {
@@ -544,6 +552,21 @@ TEST(sides_of_a_sheet_differ)
         CHECKF(i % 2 ? !(of[i] > 1e-6) : of[i] > 0.2, "sensor %d: %g", i, of[i]);
 }
 
+/* Places at the edges of walls are inside, where it is dark. Sensors: near two edges and in a corner. */
+TEST(places_lie_within_walls)
+{
+    static lc_sensor sensor[N_SENSORS];
+    double of[N_SENSORS];
+    scene_write(V4 "%s", CLOSED_ROOM);
+    for (int i = 0; i < N_SENSORS; i++) {
+        const float along = 3 * (float)(i / 2) / N_SENSORS;
+        sensor[i] = i % 2 ? (lc_sensor){ .position = { 2.28f, 3 - along, 2.36f }, .normal = { 0, 0, 1 } }
+                          : (lc_sensor){ .position = { along, 0.01f, 2.38f }, .normal = { 0, -1, 0 } };
+    }
+    light_of(sensor, 3000, 3, of);
+    for (int i = 0; i < N_SENSORS; i++) CHECKF(of[i] < 1e-9, "sensor %d: %g", i, of[i]);
+}
+
 /* A wall of two triangles that is in the shade where x < 0. */
 TEST(places_are_smaller_than_walls)
 {
@@ -577,6 +600,7 @@ int main(void)
     RUN(few_lights_do_not_fill_a_gap);
     RUN(the_last_bounce_is_not_reflected);
     RUN(sides_of_a_sheet_differ);
+    RUN(places_lie_within_walls);
     RUN(places_are_smaller_than_walls);
     one_scene_end();
     temp_end();

@@ -26,6 +26,7 @@
 #define FOOTPRINT 0.1f     /* side of what textures are filtered over, a ray's length being 1 */
 #define FINER 2            /* times that cells are made smaller */
 #define FINER_PART 0.25f
+#define OF_PART (2 / 3.0f) /* of the way through a cell that the triangle's third edge cuts: never on it */
 #define LIFT 0.1f          /* how far above a surface it is looked along it, of a cell's size */
 #define MOST_CELLS 32768   /* along an edge */
 #define MOST_IN_ROW 65536    /* triangles that share a place */
@@ -255,11 +256,12 @@ static lc_hit place_of(const lc_near_places *b, const lc_hit *hit, const triangl
     const float n1 = n_cells(length(t->e1), size), n2 = n_cells(length(t->e2), size);
     lc_hit place = *hit;
     if (n1 * n2 > 1) {
-        const float u = (floorf(fminf(hit->u * n1, n1 - 1)) + 0.5f) / n1,
-                    v = (floorf(fminf(hit->v * n2, n2 - 1)) + 0.5f) / n2,
-                    inside = u + v > 1 ? 0.999f / (u + v) : 1;
-        place.u = u * inside;
-        place.v = v * inside;
+        float u = floorf(fminf(hit->u * n1, n1 - 1)) / n1;
+        const float v = floorf(fminf(hit->v * n2, n2 - 1)) / n2;
+        if (u + v >= 1) u -= 1 / n1; /* the hit is on the third edge */
+        const float within = fminf(0.5f, OF_PART * (1 - u - v) / (1 / n1 + 1 / n2));
+        place.u = u + within / n1;
+        place.v = v + within / n2;
         return place;
     }
     place.tri = first_of_row(b, hit, t, size);
