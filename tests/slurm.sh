@@ -99,13 +99,13 @@ cat >tile.sbatch <<END
 #SBATCH --array=1-4 --requeue --cpus-per-task=1 --open-mode=append --output=%a.log
 limit=1h
 [ "\$SLURM_ARRAY_TASK_ID\${SLURM_RESTART_COUNT:-0}" != 20 ] || limit=0.01
-if [ "\$SLURM_ARRAY_TASK_ID\${SLURM_RESTART_COUNT:-0}" = 30 ]; then
+if [ "\$SLURM_ARRAY_TASK_ID" = 3 ] && mkdir was-killed 2>/dev/null; then
     { while [ ! -s tile-3.ckpt ]; do sleep 0.02; done; sleep 0.1; kill -9 "\$(cat pid)"; } &
     '$L' -q -t 1 --spp 4 --chunk slurm --checkpoint tile-3.ckpt --resume -o tile-3.exr scene.pbrt &
     echo \$! >pid
     wait \$!
 else
-    '$L' -q -t "\$SLURM_CPUS_PER_TASK" --spp 4 --chunk slurm --resume --time-limit \$limit \\
+    '$L' -q -t "\$SLURM_CPUS_PER_TASK" --spp 4 --chunk "\${CHUNK:-slurm}" --resume --time-limit \$limit \\
         --checkpoint "tile-\$SLURM_ARRAY_TASK_ID.ckpt" -o "tile-\$SLURM_ARRAY_TASK_ID.exr" scene.pbrt
 fi
 status=\$?
@@ -117,9 +117,12 @@ cat >merge.sbatch <<END
 #SBATCH --output=merge.log
 '$L' merge -o full.exr tile-*.exr
 END
-job=$(sbatch --parsable tile.sbatch)
 # With afterok Slurm would drop the merge as soon as a task ends with 75, although the task is put back.
-merge=$(sbatch --parsable --dependency=afterany:"$job" merge.sbatch)
+submit() # options
+{
+    job=$(sbatch --parsable "$@" tile.sbatch)
+    merge=$(sbatch --parsable --dependency=afterany:"$job" merge.sbatch)
+}
 finished()
 {
     # A task that was put back would wait for two minutes.
@@ -127,7 +130,15 @@ finished()
         while read -r task; do scontrol update jobid="$task" StartTime=now; done
     [ -z "$(squeue -h -j "$job,$merge" -o %i)" ]
 }
+submit
 until_true 1500 finished || cat ../slurmctld.log
+# Slurm has been seen to drop a task whose program was killed, one time in a hundred: what the merge missed is
+# rendered as README says.
+if [ ! -s tile-3.exr ]; then
+    grep 'missing chunk: 3' merge.log
+    submit --array=3 --export=ALL,CHUNK=3/4
+    until_true 1500 finished || cat ../slurmctld.log
+fi
 
 check "$stopped" test "$(sed -n 's/^status //p' 2.log | tr '\n' ' ')" = '75 0 '
 check "$killed" test "$(sed -n 's/^status //p' 3.log | tr '\n' ' ')" = '137 0 '

@@ -24,8 +24,9 @@ typedef struct {
     size_t n;
     double half[3]; /* x 0 z: the room is about 0 */
     double height;
-    char kinds[6]; /* of its surfaces, one of four drawn for each: d diffuse, c coated, m metal; then s: the
-                    * sun shines in by a window and is all its light but for the sky */
+    char kinds[6]; /* of its surfaces, one of four drawn for each: d diffuse, c coated, m metal, n metal of a
+                    * narrow lobe, x mirrors; then s: the sun shines in by a window and is all its light but
+                    * for the sky, or a: none but lamps with an area, which alone a path finds in a mirror */
 } room;
 
 LC_PRINTF(2, 3)
@@ -49,12 +50,14 @@ static void add_colour(room *r, const char *name, double lo, double hi)
 static void add_material(room *r)
 {
     const char kind = r->kinds[rnd_n(4)];
-    add(r, "Material \"%s\"", kind == 'm' ? "conductor" : kind == 'c' ? "coateddiffuse" : "diffuse");
-    add_colour(r, "reflectance", kind == 'm' ? 0.4 : 0.2, kind == 'm' ? 0.9 : 0.8);
+    const bool metal = strchr("mnx", kind) != NULL;
+    const double least = kind == 'x' ? 0 : kind == 'n' ? 0.03 : kind == 'm' ? 0.15 : 0.05,
+                 most = kind == 'x' ? 0 : kind == 'n' ? 0.12 : 0.4;
+    add(r, "Material \"%s\"", metal ? "conductor" : kind == 'c' ? "coateddiffuse" : "diffuse");
+    add_colour(r, "reflectance", metal ? 0.4 : 0.2, metal ? 0.9 : 0.8);
     if (kind == 'c') add(r, " \"float thickness\" 0.01");
     if (kind != 'd')
-        add(r, " \"float roughness\" %.3f \"bool remaproughness\" false",
-            rnd_in(kind == 'm' ? 0.15 : 0.05, 0.4));
+        add(r, " \"float roughness\" %.3f \"bool remaproughness\" false", rnd_in(least, most));
     add(r, "\n");
 }
 
@@ -158,8 +161,9 @@ static void add_sun(room *r)
 static void add_lamps(room *r)
 {
     const double side = rnd_in(0.2, 1.4), top = r->height - 0.02;
-    const uint32_t lamp = rnd() < 0.7, balls = rnd_n(3), points = rnd_n(3),
-                   spots = rnd_n(2) + !(lamp || balls || points);
+    const bool sized = strchr(r->kinds, 'a') != NULL;
+    const uint32_t lamp = rnd() < 0.7 || sized, balls = rnd_n(3), points = sized ? 0 : rnd_n(3),
+                   spots = sized ? 0 : rnd_n(2) + !(lamp || balls || points);
     if (lamp) {
         add(r, "AttributeBegin\nMaterial \"diffuse\"\nAreaLightSource \"diffuse\"");
         add_colour(r, "L", 3, 12);
@@ -227,13 +231,14 @@ typedef struct {
 
 static double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
-static void render_blocks(double block[BLOCKS])
+/* More samples where lamps are seen in mirrors, small as they are. */
+static void render_blocks(const char *kinds, double block[BLOCKS])
 {
     static const char *const channels[3] = { "R", "G", "B" };
     lc_render_desc d = LC_RENDER_DESC_INIT;
     lc_image *image = NULL;
     lc_scene *s = scene_from_file(ctx, NULL, scene_path());
-    d.spp = 16;
+    d.spp = strpbrk(kinds, "nx") ? 64 : 16;
     if (s) CHECK(!lc_render(ctx, s, &d, &image, NULL));
     for (uint32_t i = 0; i < BLOCKS; i++) block[i] = 0;
     for (uint32_t i = 0; i < SIDE * SIDE; i++) {
@@ -275,7 +280,7 @@ static deviation compare(const char *kinds, uint64_t seed, uint32_t depth)
     if (!pt) return d;
     pt_render_blocks(pt, BLOCK, PATHS, seed, THREADS, mean, error);
     pt_free(pt);
-    render_blocks(ours);
+    render_blocks(kinds, ours);
     for (int i = 0; i < BLOCKS; i++) sum += luminance(mean[i]);
     for (int i = 0; i < BLOCKS; i++) {
         const double of = fmax(luminance(mean[i]), 0.02 * sum / BLOCKS),
@@ -317,6 +322,8 @@ TEST(matte_rooms) { expect("dddd", 1, 4, 8, 0.01, 0.025, 0.04); }
 TEST(sunny_rooms) { expect("dddds", 31, 4, 8, 0.015, 0.035, 0.05); }
 TEST(coated_rooms) { expect("dddc", 11, 3, 8, 0.01, 0.03, 0.05); }
 TEST(rooms_with_metal) { expect("dddm", 21, 3, 8, 0.015, 0.04, 0.08); }
+TEST(narrow_metal) { expect("dddna", 42, 1, 2, 0.02, 0.06, 0.08); }
+TEST(mirrors) { expect("dddxa", 51, 2, 3, 0.02, 0.06, 0.08); }
 
 int main(void)
 {
@@ -328,6 +335,8 @@ int main(void)
     RUN(sunny_rooms);
     RUN(coated_rooms);
     RUN(rooms_with_metal);
+    RUN(narrow_metal);
+    RUN(mirrors);
     lc_context_destroy(ctx);
     temp_end();
     return test_done();

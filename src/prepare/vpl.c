@@ -52,7 +52,6 @@
 #define PATH_LIGHTS 32               /* greatest number of lights of a path */
 #define PATHS_A_LIGHT LC_SIZE(64, 8) /* greatest number of paths for each light requested */
 #define PATHS_FOR_NONE (16 * BATCH)  /* paths without any light after which none is expected */
-#define PATH_SURFACES 64             /* greatest number of surfaces of a path, for those among mirrors */
 #define PAIRS 4                      /* of numbers from sequences: one is left out, then follow */
 #define DRAWN 5                      /* the source, the direction and the first bounce, drawn in turn, and */
 #define PLACE 6                      /* the place on the source */
@@ -82,7 +81,7 @@ typedef struct maker {
     uint32_t *path;    /* of each light */
     size_t n_made, cap_made, cap_normals, cap_path;
     uint64_t n_paths;
-    lc_f3 of_bounce[PATH_SURFACES]; /* of the lights of each, the first at 0: the sum of their intensities */
+    lc_f3 of_bounce[LC_MAX_BOUNCES]; /* of the lights of each, the first at 0: the sum of their intensities */
 } maker;
 
 typedef struct path {
@@ -332,7 +331,7 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
 static bool meet(path *p, lc_surface *s)
 {
     float org[3];
-    for (uint32_t i = 0; i < PATH_SURFACES && lc_surface_hit(p->m->scene, p->org, p->dir, 0, s); i++) {
+    for (uint32_t i = 0; i < LC_MAX_BOUNCES && lc_surface_hit(p->m->scene, p->org, p->dir, 0, s); i++) {
         if (!s->only_seen) return true;
         lc_surface_behind(s, org);
         p->org = lc_f3_load(org);
@@ -347,7 +346,7 @@ static void trace(path *p)
     emit(p, &from);
     p->group = from.group;
     if (!(lc_f3_max(p->flux) > 0)) return;
-    for (uint32_t depth = 1; depth < p->m->max_depth && depth <= PATH_SURFACES; depth++) {
+    for (uint32_t depth = 1; depth < p->m->max_depth && depth <= LC_MAX_BOUNCES; depth++) {
         if (!meet(p, &s)) return;
         if (p->m->scene->media.present)
             p->flux = lc_f3_mul(p->flux, lc_media_through(p->m->scene, p->org, p->dir, (double)s.t));
@@ -489,6 +488,21 @@ static lc_status add_all(lc_scene *scene, const maker *m)
     return st ? st : lc_scene_join_lights(scene);
 }
 
+static float part_of(float sum, float all) { return all > 0 ? sum / all : 0; }
+
+static void set_bounces(const maker *m, lc_indirect *in)
+{
+    lc_f3 all = { 0, 0, 0 }, sum = all;
+    in->n_bounces = m->max_depth - 1 < LC_MAX_BOUNCES ? m->max_depth - 1 : LC_MAX_BOUNCES;
+    for (uint32_t j = 0; j < in->n_bounces; j++) all = lc_f3_add(all, m->of_bounce[j]);
+    for (uint32_t j = 0; j < LC_MAX_BOUNCES; j++) in->again[j] = lc_f3_make(0, 0, 0);
+    for (uint32_t j = 0; j < in->n_bounces; j++) {
+        sum = lc_f3_add(sum, m->of_bounce[j]);
+        in->again[in->n_bounces - 1 - j] =
+            lc_f3_make(part_of(sum.x, all.x), part_of(sum.y, all.y), part_of(sum.z, all.z));
+    }
+}
+
 static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
 {
     const lc_context *ctx = scene->ctx;
@@ -510,8 +524,8 @@ static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
     scene->virtuals.lights = scene->lights + before;
     scene->indirect.n_lights = scene->n_lights - before;
     scene->indirect.n_paths = m->n_paths;
-    const uint32_t most = m->max_depth - 1 < PATH_SURFACES ? m->max_depth - 1 : PATH_SURFACES;
-    return st ? st : lc_near_places_make(scene, most, m->of_bounce);
+    set_bounces(m, &scene->indirect);
+    return st ? st : lc_near_places_make(scene);
 }
 
 lc_status lc_vpl_make(lc_scene *scene, const lc_vpl_desc *desc)

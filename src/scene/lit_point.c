@@ -127,13 +127,25 @@ void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point 
     if (by_rays && p->near_scale > 0) leave_out_lobe(p);
 }
 
+static bool is_met_by_sky(const lc_scene *scene, const lc_lit *lit)
+{
+    return lit->followed && (scene->n_envs || scene->suns);
+}
+
+lc_f3 lc_lit_share(const lc_scene *scene, const lc_lit *lit)
+{
+    if (!lit->n_mirrors || is_met_by_sky(scene, lit)) return lc_f3_make(1, 1, 1);
+    return lit->n_mirrors < LC_MAX_BOUNCES ? scene->indirect.again[lit->n_mirrors] : lc_f3_make(0, 0, 0);
+}
+
 /* A point of its own is met by virtual lights, and with a followed lobe by the lights made from environments:
  * those are seen in it as in a mirror. */
 static void soften(const lc_scene *scene, const lc_lit *lit, lc_point p[2])
 {
-    const bool sky = lit->followed && (scene->n_envs || scene->suns);
+    const bool sky = is_met_by_sky(scene, lit);
     if (!scene->indirect.n_lights && !sky) return;
     lc_lit_point_of_virtual(scene, lit, &p[1]);
+    if (lit->n_mirrors && !sky) lc_point_scale(&p[1], lc_lit_share(scene, lit));
     p[1].turn = p->turn;
     p->soft = &p[1];
     p->soft_kinds = 1u << LC_LIGHT_VIRTUAL | (sky ? 1u << LC_LIGHT_DIRECTIONAL | 1u << LC_LIGHT_SKY : 0);

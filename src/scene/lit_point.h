@@ -13,6 +13,10 @@ void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_po
  * as it is. Returns whether it has a narrow one. */
 bool lc_lit_point_of_near(const lc_scene *scene, const lc_lit *lit, bool lobe, lc_point *p);
 
+/* Of what all virtual lights shed the share that p[1] of lc_lit_point is made to reflect: of light that comes
+ * by n_mirrors mirrors the one that may still bounce so often. 1 where the same point is met by the sky. */
+lc_f3 lc_lit_share(const lc_scene *scene, const lc_lit *lit);
+
 /* What virtual lights meet. */
 void lc_lit_point_of_virtual(const lc_scene *scene, const lc_lit *lit, lc_point *p);
 

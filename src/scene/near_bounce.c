@@ -11,6 +11,7 @@
 #include "scene/surface.h"
 #include "shade/fresnel.h"
 #include "shade/lobe.h"
+#include "shade/point_init.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -52,8 +53,6 @@ struct lc_near_places {
     uint32_t *base;    /* of each triangle: the first of its object */
     uint32_t n_tris;
     const lc_scene *scene; /* not that of a moment, which threads ask in any order */
-    uint32_t n_levels;      /* no more than bounces */
-    lc_f3 again[LEVELS];    /* of virtual lights' light what a level's places may still reflect */
     size_t n;               /* a power of 2 */
     uint32_t stride;        /* 1 + number of groups */
     _Atomic uint64_t *key;  /* n: of the place that is here; 0: none */
@@ -64,25 +63,12 @@ struct lc_near_places {
 struct lc_near_cuts {
     lc_cut cut[LEVELS];
     uint32_t level; /* of the places that are asked for */
+    uint32_t n_mirrors; /* by which their light comes to the camera; fewer than bounces */
     lc_stats stats; /* not the picture's, whose counts must not depend on which thread came first */
     double of_group[LC_MAX_GROUPS][3];
 };
 
 /* ---- memory ---- */
-
-/* Light of a virtual light that has bounced j times, from a place of level k, has bounced j + k + 1 times. */
-static void set_levels(lc_near_places *b, uint32_t max_bounces, const lc_f3 *of_bounce)
-{
-    lc_f3 all = { 0, 0, 0 };
-    for (uint32_t j = 0; j < max_bounces; j++) all = lc_f3_add(all, of_bounce[j]);
-    b->n_levels = max_bounces < LEVELS ? max_bounces : LEVELS;
-    for (uint32_t k = 0; k < b->n_levels; k++) {
-        lc_f3 sum = { 0, 0, 0 };
-        for (uint32_t j = 1; j + k + 1 <= max_bounces; j++) sum = lc_f3_add(sum, of_bounce[j - 1]);
-        b->again[k] = lc_f3_make(all.x > 0 ? sum.x / all.x : 0, all.y > 0 ? sum.y / all.y : 0,
-                                 all.z > 0 ? sum.z / all.z : 0);
-    }
-}
 
 typedef struct {
     const lc_scene *scene;
@@ -136,14 +122,13 @@ static lc_status order_triangles(lc_near_places *b)
     return st;
 }
 
-lc_status lc_near_places_make(lc_scene *s, uint32_t max_bounces, const lc_f3 *of_bounce)
+lc_status lc_near_places_make(lc_scene *s)
 {
     if (!s->virtuals.n) return LC_OK;
     lc_near_places *b = lc_alloc(s->ctx, 1, sizeof *b);
     if (!b) return LC_ERR_MEMORY;
     s->near_places = b;
     b->scene = s;
-    set_levels(b, max_bounces, of_bounce);
     b->stride = 1 + s->groups.n;
     size_t wanted = PLACES_A_LIGHT * s->virtuals.n;
     if (wanted < LEAST_PLACES) wanted = LEAST_PLACES;
@@ -293,26 +278,38 @@ static bool sees(const lc_scene *s, const lc_hit *hit, const triangle *t, const 
 
 /* ---- its light ---- */
 
-static lc_f3 light_by(const lc_scene *scene, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
+static lc_f3 light_by(const lc_scene *scene, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *soft,
                       lc_near_rays rays, lc_f3 weight, lc_f3 *of_group);
 
-static void scale(float rgb[3], lc_f3 by) { lc_f3_store(rgb, lc_f3_mul(lc_f3_load(rgb), by)); }
+/* Of virtual lights' light what may still bounce i times. */
+static lc_f3 again(const lc_near_places *b, uint32_t i)
+{
+    return i < LC_MAX_BOUNCES ? b->scene->indirect.again[i] : lc_f3_make(0, 0, 0);
+}
+
+/* No more levels than bounces. */
+static uint32_t n_levels(const lc_near_places *b, const lc_near_cuts *c)
+{
+    const uint32_t left = b->scene->indirect.n_bounces - c->n_mirrors;
+    return left < LEVELS ? left : LEVELS;
+}
+
+static bool is_last(const lc_near_places *b, const lc_near_cuts *c) { return c->level + 1 == n_levels(b, c); }
 
 static void find_light(const lc_near_places *b, lc_near_cuts *c, const lc_lit *lit, uint64_t key, lc_f3 *out)
 {
     lc_point p[2];
     lc_cut_result r;
     lc_lit_point(b->scene, lit, key, p);
-    scale(p[1].diffuse, b->again[c->level]);
-    scale(p[1].specular, b->again[c->level]);
-    if (p[1].fresnel == LC_FRESNEL_SCHLICK) scale(p[1].schlick_delta, b->again[c->level]);
-    if (c->level + 1 == b->n_levels) p[1].near_d2 = p[1].near_scale = 0;
+    lc_point_scale(&p[1], again(b, c->n_mirrors + c->level + 1));
+    if (is_last(b, c)) p[1].near_d2 = p[1].near_scale = 0;
     lc_cut_shade(&c->cut[c->level], p, lit->surface.ray_org, key, &c->stats, &r);
     out[0] = r.radiance;
     for (uint32_t k = 0; k + 1 < b->stride; k++)
         out[1 + k] = lc_f3_make((float)c->of_group[k][0], (float)c->of_group[k][1], (float)c->of_group[k][2]);
     const lc_near_rays rays = { .key = lc_hash2(key, b->scene->load.seed), .n = n_place_rays[c->level++] };
-    out[0] = lc_f3_add(out[0], light_by(b->scene, c, lit, p, rays, lc_f3_make(1, 1, 1), out + 1));
+    const lc_point *soft = lc_point_for(p, LC_LIGHT_VIRTUAL);
+    out[0] = lc_f3_add(out[0], light_by(b->scene, c, lit, soft, rays, lc_f3_make(1, 1, 1), out + 1));
     c->level--;
 }
 
@@ -425,10 +422,10 @@ static bool light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f
     const bool small = is_small_instance(b->scene, hit, &t, size);
     if (!small || !place_of_light(b, hit, &t, dir, &at, &key)) {
         place_of_triangle(b, hit, &t, dir, of_metal > 0 ? of_metal : size, &at, &key);
-        if (small) c->level = b->n_levels - 1;
+        if (small) c->level = n_levels(b, c) - 1;
     }
     const bool metal = make_lit(&at, of_metal > 0 && !small, dir, &lit, &key);
-    key = lc_hash2(key, c->level) | 1;
+    key = lc_hash2(key, c->n_mirrors * LEVELS + c->level) | 1;
     const size_t slot = slot_of(b, key, &mine);
     if (slot < b->n && !mine && atomic_load_explicit(&b->found[slot], memory_order_acquire)) {
         memcpy(out, b->light + slot * b->stride, b->stride * sizeof *out);
@@ -443,6 +440,24 @@ static bool light_at(lc_near_places *b, lc_near_cuts *c, const lc_hit *hit, lc_f
     return metal;
 }
 
+/* Metal whose lobe is too narrow for what directions that rays share resolve. */
+static bool is_narrow_metal(const lc_material *m)
+{
+    return is_metal(m) && fmaxf(m->roughness[0], m->roughness[1]) < END_ROUGHNESS;
+}
+
+/* Radiance against dir of a surface, where it is: shared with no other ray. */
+static void find_own_light(const lc_near_places *b, lc_near_cuts *c, const lc_surface *at, lc_f3 dir,
+                           lc_f3 *out)
+{
+    const lc_lit lit = { .surface = *at, .view = lc_f3_neg(dir), .weight = { 1, 1, 1 }, .no_rays = true };
+    uint32_t bits[2][3];
+    memcpy(bits[0], &at->pos, sizeof bits[0]);
+    memcpy(bits[1], &dir, sizeof bits[1]);
+    const uint64_t key = lc_hash4(bits[0][0], bits[0][1], bits[0][2], bits[1][0]);
+    find_light(b, c, &lit, lc_hash4(key, bits[1][1], bits[1][2], 0x6f776e), out);
+}
+
 static lc_f3 at_most_1(lc_f3 a) { return lc_f3_make(fminf(a.x, 1), fminf(a.y, 1), fminf(a.z, 1)); }
 
 /* Radiance against dir from where a ray ends: all of it, then of each group. size: of the surface that shares
@@ -454,6 +469,10 @@ static void find_radiance(const lc_scene *s, lc_near_cuts *c, const lc_hit *hit,
     lc_surface at;
     lc_f3 behind[1 + LC_MAX_GROUPS];
     lc_surface_of(s, hit, dir, FOOTPRINT, &at);
+    if (of_metal > 0 && is_narrow_metal(&at.material)) {
+        find_own_light(b, c, &at, dir, out);
+        return;
+    }
     const lc_f3 back = at_most_1(lc_lobes[at.material.lobe].albedo(&at.material, -lc_f3_dot(dir, at.n))),
                 on = at.material.kt;
     if (!light_at(b, c, hit, dir, size, is_metal(&at.material) ? of_metal : 0, out))
@@ -485,10 +504,9 @@ static void add_end(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float wi
         l->of_group[k] = lc_f3_add(l->of_group[k], lc_f3_mul(l->weight, lc_f3_mul(to, radiance[1 + k])));
 }
 
-static lc_f3 light_by(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
+static lc_f3 light_by(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *soft,
                       lc_near_rays rays, lc_f3 weight, lc_f3 *of_group)
 {
-    const lc_point *soft = lc_point_for(p, LC_LIGHT_VIRTUAL);
     light_sum l = { .scene = s, .cuts = cuts, .weight = weight, .of_group = of_group };
     const lc_near_ends ends = { s, add_end, &l };
     if (!(soft->near_scale > 0)) return l.sum;
@@ -497,10 +515,17 @@ static lc_f3 light_by(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, 
     return l.sum;
 }
 
+static float inverse_of(float a) { return a > 0 ? 1 / a : 0; }
+
+static lc_f3 inverse(lc_f3 a) { return lc_f3_make(inverse_of(a.x), inverse_of(a.y), inverse_of(a.z)); }
+
 lc_f3 lc_near_bounce_light(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *p,
                            lc_near_sample sample, lc_f3 weight, lc_f3 *of_group)
 {
-    const bool far = lc_point_for(p, LC_LIGHT_VIRTUAL)->lobe_by_rays;
+    const lc_f3 share = lc_lit_share(s, lit);
+    if (lit->n_mirrors >= s->indirect.n_bounces || !(lc_f3_max(share) > 0)) return lc_f3_make(0, 0, 0);
+    lc_point soft = *lc_point_for(p, LC_LIGHT_VIRTUAL);
+    const bool far = soft.lobe_by_rays;
     const float root = far && sample.n > LOBE_SAMPLES ? sqrtf((float)sample.n / LOBE_SAMPLES) : 1;
     const uint32_t all = (uint32_t)(RAYS * root), even = (all / sample.n + 3) & ~3u,
                    n = even > LEAST_RAYS ? even : LEAST_RAYS,
@@ -508,5 +533,7 @@ lc_f3 lc_near_bounce_light(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *
     if (sample.index % every != (sample.key >> 32) % every) return lc_f3_make(0, 0, 0);
     const lc_near_rays rays = { sample.key, sample.index / every * n, n };
     const float of = (float)every;
-    return lc_f3_scale(light_by(s, cuts, lit, p, rays, lc_f3_scale(weight, of), of_group), of);
+    if (lit->n_mirrors) lc_point_scale(&soft, inverse(share));
+    cuts->n_mirrors = lit->n_mirrors;
+    return lc_f3_scale(light_by(s, cuts, lit, &soft, rays, lc_f3_scale(weight, of), of_group), of);
 }

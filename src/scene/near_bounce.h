@@ -31,10 +31,9 @@
 typedef struct lc_near_places lc_near_places; /* of a scene, shared by threads */
 typedef struct lc_near_cuts lc_near_cuts;     /* scratch of a thread */
 
-/* For the scene's virtual lights, which are made; scene->near_places stays NULL where there are none. Light
- * may bounce max_bounces times before the surface that the camera sees; of_bounce: of each of these the sum
- * of the intensities of its virtual lights. LC_ERR_MEMORY. */
-lc_status lc_near_places_make(lc_scene *scene, uint32_t max_bounces, const lc_f3 *of_bounce);
+/* For the scene's virtual lights, which are made; scene->near_places stays NULL where there are none.
+ * LC_ERR_MEMORY. */
+lc_status lc_near_places_make(lc_scene *scene);
 void lc_near_places_free(const lc_context *ctx, lc_near_places *places);
 
 /* *out: NULL where there are none. Free it also after LC_ERR_MEMORY. */

@@ -45,6 +45,8 @@ typedef struct lc_scene_note {
     uint64_t count;
 } lc_scene_note;
 
+#define LC_MAX_BOUNCES 64 /* of virtual lights' paths, mirrors among them */
+
 /* Virtual lights: how many were made, along how many paths; how far blocks of 8x8 pixels are from the
  * picture with endlessly many, relative to all of their light. */
 typedef struct lc_indirect {
@@ -53,6 +55,8 @@ typedef struct lc_indirect {
                             place of d^2; distances below r / 4 count as r / 4, as a few points next to a
                             light would otherwise outweigh all others */
     double median, high; /* half, and 95 %, of the blocks are nearer than this */
+    uint32_t n_bounces;  /* of light at most, before the surface that the camera sees; LC_MAX_BOUNCES */
+    lc_f3 again[LC_MAX_BOUNCES]; /* of all their light what may still bounce i times: 1 for 0 */
 } lc_indirect;
 #define LC_INDIRECT_HIGH                                                                                     \
     5.0 /* `high` may be as many times the asked deviation, which is that of `median`                        \

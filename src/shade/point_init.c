@@ -28,6 +28,15 @@ void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_materia
     p->lobe = lc_f3_max(specular) > 0 || p->coat ? m->lobe : LC_LOBE_NONE;
 }
 
+static void scale(float rgb[3], lc_f3 by) { lc_f3_store(rgb, lc_f3_mul(lc_f3_load(rgb), by)); }
+
+void lc_point_scale(lc_point *p, lc_f3 by)
+{
+    scale(p->diffuse, by);
+    scale(p->specular, by);
+    if (p->fresnel == LC_FRESNEL_SCHLICK) scale(p->schlick_delta, by);
+}
+
 void lc_light_rec_init(lc_light_rec *rec, const lc_light *light)
 {
     uint32_t dir[2] = { 0, 0 };

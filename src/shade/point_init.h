@@ -13,6 +13,9 @@
 /* n and view: unit; n is flipped to the viewer's side by the caller. */
 void lc_point_init(lc_point *p, lc_f3 pos, lc_f3 n, lc_f3 view, const lc_material *m, float min_d2);
 
+/* Makes the surface reflect so much of what it does. */
+void lc_point_scale(lc_point *p, lc_f3 by);
+
 /* Transfer M G of one light by the kernels, R G B, >= 0 and finite; 0 where light or receiver face away. Only
  * for kinds without records of their own. atten: lc_light.atten, all four, or NULL for 0, 0, 1, 0. */
 lc_f3 lc_estimate_one(const lc_shade_kernels *kernels, const lc_point *p, lc_light_kind kind,
