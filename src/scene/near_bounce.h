@@ -17,7 +17,11 @@
  *
  * Lobes narrower than a roughness of a half are for rays alone, however far these go: virtual lights are too
  * far apart for them (scene/lit_point.h). What such rays meet has places as large as what a ray stands for;
- * metal among it is lit as seen along one of a few directions that rays share, by lobes at least 0.2 rough.
+ * metal among it is lit as seen along one of a few directions that rays share, or, if it is less than 0.2
+ * rough, where the ray meets it, for that ray alone.
+ *
+ * Light that comes to the camera by mirrors has bounced as many times fewer: the places that it comes from
+ * are others.
  *
  * Where something stands between the ray's end and its place, the cells are made smaller. A place's light is
  * found when it is first asked for and depends on the place alone, so pictures do not depend on the order.
