@@ -523,7 +523,8 @@ lc_f3 lc_near_bounce_light(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *
                            lc_near_sample sample, lc_f3 weight, lc_f3 *of_group)
 {
     const lc_f3 share = lc_lit_share(s, lit);
-    if (lit->n_mirrors >= s->indirect.n_bounces || !(lc_f3_max(share) > 0)) return lc_f3_make(0, 0, 0);
+    if (!cuts || lit->n_mirrors >= s->indirect.n_bounces || !(lc_f3_max(share) > 0))
+        return lc_f3_make(0, 0, 0);
     lc_point soft = *lc_point_for(p, LC_LIGHT_VIRTUAL);
     const bool far = soft.lobe_by_rays;
     const float root = far && sample.n > LOBE_SAMPLES ? sqrtf((float)sample.n / LOBE_SAMPLES) : 1;

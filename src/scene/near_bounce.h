@@ -40,7 +40,7 @@ typedef struct lc_near_cuts lc_near_cuts;     /* scratch of a thread */
 lc_status lc_near_places_make(lc_scene *scene);
 void lc_near_places_free(const lc_context *ctx, lc_near_places *places);
 
-/* *out: NULL where there are none. Free it also after LC_ERR_MEMORY. */
+/* *out: NULL where there are none, as lc_near_bounce_light may be given. Free it also after LC_ERR_MEMORY. */
 lc_status lc_near_cuts_create(const lc_scene *scene, lc_near_cuts **out);
 void lc_near_cuts_free(const lc_context *ctx, lc_near_cuts *cuts);
 
