@@ -458,6 +458,46 @@ TEST(rays_of_many_samples)
     lc_scene_destroy(s);
 }
 
+/* Near light of a point of the corner's floor that is seen by so many mirrors. */
+static double mirrored_light(uint32_t max_depth, uint32_t n_mirrors)
+{
+    scene_write("%s", CORNER);
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    load.indirect_lights = 2000;
+    load.max_depth = max_depth;
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    lc_near_cuts *cuts = NULL;
+    lc_lit lit = { .view = { 0, 0.6f, 0.8f }, .weight = { 1, 1, 1 }, .n_mirrors = n_mirrors };
+    lc_point p[2];
+    double sum = 0;
+    CHECK(s && !lc_near_cuts_create(s, &cuts));
+    lit.surface.pos = lc_f3_make(0.1f, 0, 0.15f);
+    lit.surface.n = lit.surface.ng = lc_f3_make(0, 1, 0);
+    lc_f3_store(lit.surface.ray_org, lc_f3_make(0.1f, 1e-5f, 0.15f));
+    lit.surface.material = (lc_material){ .kd = { 0.8f, 0.8f, 0.8f } };
+    lc_lit_point(s, &lit, 0, p);
+    p[1].near_d2 = 0.2f; /* however far apart the scene's virtual lights are */
+    p[1].near_scale = 5;
+    for (uint64_t pixel = 0; cuts && pixel < 100; pixel++) {
+        const lc_near_sample sample = { lc_mix(pixel + 1), 0, 1 };
+        sum += (double)lc_near_bounce_light(s, cuts, &lit, p, sample, lc_f3_make(1, 1, 1), NULL).y / 100;
+    }
+    lc_near_cuts_free(ctx, cuts);
+    lc_scene_destroy(s);
+    return sum;
+}
+
+/* A mirror on the way is a bounce: what is seen by it is what a picture of one bounce fewer shows. */
+TEST(mirrors_are_bounces)
+{
+    const double one = mirrored_light(2, 0), two = mirrored_light(3, 0), by_one = mirrored_light(3, 1),
+                 by_two = mirrored_light(3, 2);
+    printf("    depth 2: %.5f, 3: %.5f, by a mirror %.5f, by two %.5f\n", one, two, by_one, by_two);
+    CHECKF(two > 1.02 * one, "%g and %g", two, one);
+    CHECKF(near_rel(by_one, one, 0.005), "%g for %g", by_one, one);
+    CHECKF(!(by_two > 0), "%g", by_two);
+}
+
 static lc_image *corner(const lc_scene *s, uint64_t seed, bool exact, lc_render_stats *stats)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
@@ -596,6 +636,7 @@ int main(void)
     RUN(rays_by_a_lobe_have_no_bias);
     RUN(rays_of_a_pixel_are_even);
     RUN(rays_of_many_samples);
+    RUN(mirrors_are_bounces);
     RUN(grain_is_stated);
     RUN(few_lights_do_not_fill_a_gap);
     RUN(the_last_bounce_is_not_reflected);

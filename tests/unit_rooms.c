@@ -322,7 +322,7 @@ TEST(matte_rooms) { expect("dddd", 1, 4, 8, 0.01, 0.025, 0.04); }
 TEST(sunny_rooms) { expect("dddds", 31, 4, 8, 0.015, 0.035, 0.05); }
 TEST(coated_rooms) { expect("dddc", 11, 3, 8, 0.01, 0.03, 0.05); }
 TEST(rooms_with_metal) { expect("dddm", 21, 3, 8, 0.015, 0.04, 0.08); }
-TEST(narrow_metal) { expect("dddna", 42, 1, 2, 0.02, 0.06, 0.08); }
+TEST(narrow_metal) { expect("dnnna", 43, 2, 2, 0.02, 0.06, 0.08); }
 TEST(mirrors) { expect("dddxa", 51, 2, 3, 0.02, 0.06, 0.08); }
 
 int main(void)

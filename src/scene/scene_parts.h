@@ -55,7 +55,7 @@ typedef struct lc_indirect {
                             place of d^2; distances below r / 4 count as r / 4, as a few points next to a
                             light would otherwise outweigh all others */
     double median, high; /* half, and 95 %, of the blocks are nearer than this */
-    uint32_t n_bounces;  /* of light at most, before the surface that the camera sees; LC_MAX_BOUNCES */
+    uint32_t n_bounces;  /* of light at most, before the surface that the camera sees; <= LC_MAX_BOUNCES */
     lc_f3 again[LC_MAX_BOUNCES]; /* of all their light what may still bounce i times: 1 for 0 */
 } lc_indirect;
 #define LC_INDIRECT_HIGH                                                                                     \
